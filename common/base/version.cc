@@ -1,0 +1,7 @@
+#include "common/base/version.h"
+
+namespace treeline {
+
+const char* Version() { return TREELINE_VERSION; }
+
+}  // namespace treeline

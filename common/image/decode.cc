@@ -1,0 +1,340 @@
+#include "common/image/decode.h"
+
+#include <spng.h>
+#include <turbojpeg.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+#include "common/image/depth_png.h"
+
+namespace treeline {
+namespace {
+
+constexpr absl::string_view kPngSignature("\x89PNG\r\n\x1a\n", 8);
+constexpr absl::string_view kJpegSignature("\xff\xd8\xff", 3);
+// What text and colour profiles in a small PNG may unpack to.
+constexpr size_t kMinPngChunkLimit = 16u << 20;
+// Deflate never packs more tightly than this: a larger picture is cut off, and
+// found out before memory is asked for.
+constexpr uint64_t kMaxPngExpansion = 1032;
+
+struct SpngDeleter {
+  void operator()(spng_ctx* context) const { spng_ctx_free(context); }
+};
+using SpngContext = std::unique_ptr<spng_ctx, SpngDeleter>;
+
+struct TurboJpegDeleter {
+  void operator()(void* handle) const { tjDestroy(handle); }
+};
+using TurboJpegHandle =
+    std::unique_ptr<std::remove_pointer_t<tjhandle>, TurboJpegDeleter>;
+
+const unsigned char* UnsignedBytes(absl::string_view bytes) {
+  return reinterpret_cast<const unsigned char*>(bytes.data());
+}
+
+absl::Status CheckSize(absl::string_view what, int64_t width, int64_t height,
+                       const DecodeLimits& limits) {
+  if (width < 1 || height < 1) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(what, " has no pixels: ", width, " x ", height));
+  }
+  if (width > limits.max_width || height > limits.max_height ||
+      width > limits.max_pixels / height) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(what, " of ", width, " x ", height,
+                     " pixels is over the limit of ", limits.max_width, " x ",
+                     limits.max_height, " and ", limits.max_pixels, " pixels"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status NotAnImage(absl::string_view what, absl::string_view bytes) {
+  if (bytes.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(what, " is empty"));
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat(what, " is neither JPEG nor PNG (", bytes.size(),
+                   " bytes without the signature of either)"));
+}
+
+absl::Status JpegError(absl::string_view bytes, tjhandle handle) {
+  return absl::InvalidArgumentError(absl::StrCat(
+      "JPEG image of ", bytes.size(), " bytes: ", tjGetErrorStr2(handle)));
+}
+
+struct OpenedJpeg {
+  TurboJpegHandle handle;
+  ImageSize size;
+};
+
+// Reads the header only.
+absl::StatusOr<OpenedJpeg> OpenJpeg(absl::string_view bytes,
+                                    const DecodeLimits& limits) {
+  OpenedJpeg jpeg{.handle = TurboJpegHandle(tjInitDecompress()), .size = {}};
+  if (jpeg.handle == nullptr) {
+    return absl::ResourceExhaustedError("cannot start the JPEG decoder");
+  }
+  int subsampling = 0;
+  int color_space = 0;
+  if (tjDecompressHeader3(jpeg.handle.get(), UnsignedBytes(bytes), bytes.size(),
+                          &jpeg.size.width, &jpeg.size.height, &subsampling,
+                          &color_space) != 0) {
+    return JpegError(bytes, jpeg.handle.get());
+  }
+  TL_RETURN_IF_ERROR(
+      CheckSize("JPEG image", jpeg.size.width, jpeg.size.height, limits));
+  if (color_space == TJCS_CMYK || color_space == TJCS_YCCK) {
+    return absl::InvalidArgumentError(
+        "JPEG image is CMYK; send grey, YCbCr or RGB");
+  }
+  return jpeg;
+}
+
+absl::StatusOr<ColorImage> DecodeJpeg(absl::string_view bytes,
+                                      const DecodeLimits& limits) {
+  TL_ASSIGN_OR_RETURN(const OpenedJpeg jpeg, OpenJpeg(bytes, limits));
+  const auto [width, height] = jpeg.size;
+  ColorImage image{.width = width, .height = height, .rgb = {}};
+  image.rgb.resize(static_cast<size_t>(width) * static_cast<size_t>(height) *
+                   3);
+  // The decoder paints what is missing in grey and calls it a warning: to us
+  // a warning is an error. The scan limit stops progressive bombs.
+  const int flags =
+      TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
+  if (tjDecompress2(jpeg.handle.get(), UnsignedBytes(bytes), bytes.size(),
+                    image.rgb.data(), width, 0, height, TJPF_RGB, flags) != 0) {
+    return JpegError(bytes, jpeg.handle.get());
+  }
+  return image;
+}
+
+absl::Status PngError(absl::string_view bytes, int code) {
+  if (code == SPNG_EMEM) {
+    return absl::ResourceExhaustedError("no memory to decode a PNG image");
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "PNG image of ", bytes.size(),
+      " bytes: ", code == SPNG_IO_EOF ? "truncated" : spng_strerror(code)));
+}
+
+// Opens `bytes` and reads the header only.
+absl::StatusOr<SpngContext> OpenPng(absl::string_view bytes,
+                                    const DecodeLimits& limits,
+                                    spng_ihdr& header) {
+  // Chunks carry a CRC; the Adler sum inside would check the same twice.
+  SpngContext context(spng_ctx_new(SPNG_CTX_IGNORE_ADLER32));
+  if (context == nullptr) return PngError(bytes, SPNG_EMEM);
+  const size_t chunk_limit = std::max(kMinPngChunkLimit, bytes.size());
+  int code = spng_set_chunk_limits(context.get(), chunk_limit, chunk_limit);
+  if (code == 0) {
+    code = spng_set_png_buffer(context.get(), bytes.data(), bytes.size());
+  }
+  if (code == 0) code = spng_get_ihdr(context.get(), &header);
+  if (code != 0) return PngError(bytes, code);
+  TL_RETURN_IF_ERROR(
+      CheckSize("PNG image", header.width, header.height, limits));
+  if (uint64_t{header.width} * header.height * header.bit_depth / 8 >
+      kMaxPngExpansion * bytes.size()) {
+    return PngError(bytes, SPNG_IO_EOF);
+  }
+  return context;
+}
+
+// Decodes into `out`, and reads on to the end of the file.
+absl::Status DecodePng(absl::string_view bytes, spng_ctx* context,
+                       spng_format format, void* out, size_t out_bytes) {
+  size_t needed = 0;
+  int code = spng_decoded_image_size(context, format, &needed);
+  if (code == 0 && needed != out_bytes) {
+    return absl::InternalError("PNG decoder disagrees about the image size");
+  }
+  if (code == 0) code = spng_decode_image(context, out, out_bytes, format, 0);
+  if (code == 0) code = spng_decode_chunks(context);
+  return code == 0 ? absl::OkStatus() : PngError(bytes, code);
+}
+
+absl::StatusOr<ColorImage> DecodeColorPng(absl::string_view bytes,
+                                          const DecodeLimits& limits) {
+  spng_ihdr header = {};
+  TL_ASSIGN_OR_RETURN(const SpngContext context,
+                      OpenPng(bytes, limits, header));
+  ColorImage image{.width = static_cast<int>(header.width),
+                   .height = static_cast<int>(header.height),
+                   .rgb = {}};
+  image.rgb.resize(size_t{header.width} * header.height * 3);
+  TL_RETURN_IF_ERROR(DecodePng(bytes, context.get(), SPNG_FMT_RGB8,
+                               image.rgb.data(), image.rgb.size()));
+  return image;
+}
+
+absl::Status CheckBuffer(int width, int height, size_t count, size_t channels) {
+  if (width < 1 || height < 1 ||
+      count !=
+          static_cast<size_t>(width) * static_cast<size_t>(height) * channels) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("cannot encode an image of ", width, " x ", height,
+                     " pixels with ", count, " values"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+ImageFormat SniffFormat(absl::string_view bytes) {
+  if (absl::StartsWith(bytes, kJpegSignature)) return ImageFormat::kJpeg;
+  if (absl::StartsWith(bytes, kPngSignature)) return ImageFormat::kPng;
+  return ImageFormat::kUnknown;
+}
+
+absl::StatusOr<ImageSize> ReadImageSize(absl::string_view bytes,
+                                        const DecodeLimits& limits) {
+  switch (SniffFormat(bytes)) {
+    case ImageFormat::kJpeg: {
+      TL_ASSIGN_OR_RETURN(const OpenedJpeg jpeg, OpenJpeg(bytes, limits));
+      return jpeg.size;
+    }
+    case ImageFormat::kPng: {
+      spng_ihdr header = {};
+      TL_ASSIGN_OR_RETURN(const SpngContext context,
+                          OpenPng(bytes, limits, header));
+      return ImageSize{static_cast<int>(header.width),
+                       static_cast<int>(header.height)};
+    }
+    case ImageFormat::kUnknown:
+      break;
+  }
+  return NotAnImage("image", bytes);
+}
+
+absl::StatusOr<ColorImage> DecodeColor(absl::string_view bytes,
+                                       const DecodeLimits& limits) {
+  switch (SniffFormat(bytes)) {
+    case ImageFormat::kJpeg:
+      return DecodeJpeg(bytes, limits);
+    case ImageFormat::kPng:
+      return DecodeColorPng(bytes, limits);
+    case ImageFormat::kUnknown:
+      break;
+  }
+  return NotAnImage("colour image", bytes);
+}
+
+absl::StatusOr<DepthImage> DecodeDepthPng(absl::string_view bytes,
+                                          double unit_m,
+                                          const DecodeLimits& limits) {
+  if (!std::isfinite(unit_m) || !(unit_m > 0)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("depth unit of ", unit_m, " m is not positive"));
+  }
+  switch (SniffFormat(bytes)) {
+    case ImageFormat::kPng:
+      break;
+    case ImageFormat::kJpeg:
+      return absl::InvalidArgumentError(
+          "depth image is a JPEG; depth must be a 16-bit grey PNG");
+    case ImageFormat::kUnknown:
+      return NotAnImage("depth image", bytes);
+  }
+  spng_ihdr header = {};
+  TL_ASSIGN_OR_RETURN(const SpngContext context,
+                      OpenPng(bytes, limits, header));
+  // The header is read, and its size within the limits: now the fast way.
+  if (std::optional<PlainDepthPng> plain =
+          DecodePlainDepthPng(bytes, limits.max_pixels)) {
+    return DepthImage{.width = plain->width,
+                      .height = plain->height,
+                      .values = std::move(plain->values),
+                      .unit_m = unit_m};
+  }
+  if (header.bit_depth != 16 ||
+      header.color_type != SPNG_COLOR_TYPE_GRAYSCALE) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("depth image has ", header.bit_depth,
+                     " bits a channel and PNG colour "
+                     "type ",
+                     header.color_type, "; depth must be a 16-bit grey PNG"));
+  }
+  DepthImage image{.width = static_cast<int>(header.width),
+                   .height = static_cast<int>(header.height),
+                   .values = {},
+                   .unit_m = unit_m};
+  image.values.resize(size_t{header.width} * header.height);
+  TL_RETURN_IF_ERROR(DecodePng(bytes, context.get(), SPNG_FMT_PNG,
+                               image.values.data(),
+                               image.values.size() * sizeof(uint16_t)));
+  return image;
+}
+
+absl::StatusOr<std::string> EncodeJpeg(const ColorImage& image, int quality) {
+  TL_RETURN_IF_ERROR(
+      CheckBuffer(image.width, image.height, image.rgb.size(), 3));
+  if (quality < 1 || quality > 100) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("JPEG quality ", quality, " is outside 1..100"));
+  }
+  const TurboJpegHandle handle(tjInitCompress());
+  if (handle == nullptr) {
+    return absl::ResourceExhaustedError("cannot start the JPEG encoder");
+  }
+  unsigned char* data = nullptr;
+  unsigned long size = 0;  // NOLINT(google-runtime-int): TurboJPEG's type.
+  const int code = tjCompress2(handle.get(), image.rgb.data(), image.width, 0,
+                               image.height, TJPF_RGB, &data, &size,
+                               quality >= 95 ? TJSAMP_444 : TJSAMP_420, quality,
+                               TJFLAG_ACCURATEDCT);
+  const std::unique_ptr<unsigned char, decltype(&tjFree)> buffer(data, &tjFree);
+  if (code != 0) {
+    return absl::InternalError(
+        absl::StrCat("JPEG encoder: ", tjGetErrorStr2(handle.get())));
+  }
+  return std::string(reinterpret_cast<const char*>(data), size);
+}
+
+absl::StatusOr<std::string> EncodePng(const ColorImage& image) {
+  TL_RETURN_IF_ERROR(
+      CheckBuffer(image.width, image.height, image.rgb.size(), 3));
+  const SpngContext context(spng_ctx_new(SPNG_CTX_ENCODER));
+  if (context == nullptr) {
+    return absl::ResourceExhaustedError("no memory to encode a PNG image");
+  }
+  spng_ihdr header = {};
+  header.width = static_cast<uint32_t>(image.width);
+  header.height = static_cast<uint32_t>(image.height);
+  header.bit_depth = 8;
+  header.color_type = SPNG_COLOR_TYPE_TRUECOLOR;
+  int code = spng_set_ihdr(context.get(), &header);
+  if (code == 0) {
+    code = spng_set_option(context.get(), SPNG_ENCODE_TO_BUFFER, 1);
+  }
+  if (code == 0) {
+    code = spng_encode_image(context.get(), image.rgb.data(), image.rgb.size(),
+                             SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE);
+  }
+  size_t size = 0;
+  const std::unique_ptr<void, decltype(&std::free)> buffer(
+      code == 0 ? spng_get_png_buffer(context.get(), &size, &code) : nullptr,
+      &std::free);
+  if (code != 0 || buffer == nullptr) {
+    return absl::InternalError(
+        absl::StrCat("PNG encoder: ", spng_strerror(code)));
+  }
+  return std::string(static_cast<const char*>(buffer.get()), size);
+}
+
+absl::StatusOr<std::string> EncodeDepthPng(const DepthImage& image) {
+  TL_RETURN_IF_ERROR(
+      CheckBuffer(image.width, image.height, image.values.size(), 1));
+  return EncodePlainDepthPng(image.width, image.height, image.values);
+}
+
+}  // namespace treeline

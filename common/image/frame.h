@@ -1,0 +1,24 @@
+// What a camera saw at one moment, with how it was seen.
+#ifndef COMMON_IMAGE_FRAME_H_
+#define COMMON_IMAGE_FRAME_H_
+
+#include <optional>
+
+#include "common/camera/rgbd_calibration.h"
+#include "common/image/image.h"
+
+namespace treeline {
+
+// A query or a training frame.
+struct Frame {
+  // The calibration this frame was taken with. Where depth is absent, only
+  // calibration.color and calibration.pose_sensor mean anything. nullopt: use
+  // the one that is stored with the scene.
+  std::optional<RgbdCalibration> calibration;
+  ColorImage color;
+  std::optional<DepthImage> depth;
+};
+
+}  // namespace treeline
+
+#endif  // COMMON_IMAGE_FRAME_H_

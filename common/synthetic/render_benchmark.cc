@@ -1,0 +1,71 @@
+// RGB-D frames of the room, from pose to encoded files.
+#include "benchmark/benchmark.h"
+#include "common/base/parallel_for.h"
+#include "common/image/decode.h"
+#include "common/synthetic/synthetic_camera.h"
+#include "common/synthetic/walk.h"
+
+namespace treeline {
+namespace {
+
+const Renderer& RoomRenderer() {
+  static const Renderer& renderer =
+      *Renderer::Create(*MakeWorld("room", 0), 0)->release();
+  return renderer;
+}
+
+SyntheticCamera RoomCamera() {
+  const std::shared_ptr<const Renderer> renderer(&RoomRenderer(),
+                                                 [](const Renderer*) {});
+  return *SyntheticCamera::Create(renderer, {});
+}
+
+// Frames a second of a live camera: one at a time, on all threads.
+void BM_Capture(benchmark::State& state) {
+  const SyntheticCamera camera = RoomCamera();
+  const Walk walk(RoomRenderer().world().walk_area, 0);
+  uint64_t frame = 0;
+  for (auto _ : state) {
+    const Frame captured =
+        camera.Capture(walk.WorldFromCameraAt(static_cast<double>(frame)),
+                       frame, static_cast<int>(state.range(0)));
+    benchmark::DoNotOptimize(captured.color.rgb.data());
+    ++frame;
+  }
+  state.counters["frames/s"] = benchmark::Counter(static_cast<double>(frame),
+                                                  benchmark::Counter::kIsRate);
+}
+BENCHMARK(BM_Capture)
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+// Frames a second of a recording: each thread has its own frame, encoded too.
+void BM_CaptureAndEncode(benchmark::State& state) {
+  constexpr int64_t kFrames = 16;
+  const SyntheticCamera camera = RoomCamera();
+  const Walk walk(RoomRenderer().world().walk_area, 0);
+  for (auto _ : state) {
+    ParallelFor(kFrames, static_cast<int>(state.range(0)), [&](int64_t i) {
+      const Frame captured =
+          camera.Capture(walk.WorldFromCameraAt(2.0 * static_cast<double>(i)),
+                         static_cast<uint64_t>(i), 1);
+      benchmark::DoNotOptimize(EncodeJpeg(captured.color, 92)->size());
+      benchmark::DoNotOptimize(EncodeDepthPng(*captured.depth)->size());
+    });
+  }
+  state.counters["frames/s"] =
+      benchmark::Counter(static_cast<double>(kFrames),
+                         benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(BM_CaptureAndEncode)
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+}  // namespace
+}  // namespace treeline
+
+BENCHMARK_MAIN();

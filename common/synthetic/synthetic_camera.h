@@ -1,0 +1,104 @@
+// An RGB-D camera of the first Kinect's kind: what its two cameras measure of
+// an ideal picture.
+#ifndef COMMON_SYNTHETIC_SYNTHETIC_CAMERA_H_
+#define COMMON_SYNTHETIC_SYNTHETIC_CAMERA_H_
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "common/camera/rgbd_calibration.h"
+#include "common/image/frame.h"
+#include "common/synthetic/renderer.h"
+
+namespace treeline {
+
+// The colour camera's noise and exposure.
+struct ColorSensorOptions {
+  // Radiance 1 times this is 1 before the tone curve. In (0, 100].
+  double exposure = 3.4;
+  // Standard deviation of a channel, in the 8-bit picture's levels. [0, 50].
+  double noise_levels = 1.6;
+
+  absl::Status Validate() const;
+};
+
+// The depth camera's noise. Defaults: Nguyen, Izadi, Lovell 2012 (axial noise)
+// and Khoshelham, Elberink 2012 (quantisation of the disparity).
+struct DepthSensorOptions {
+  double min_range_m = 0.4;
+  double max_range_m = 4.5;
+  // Standard deviation along the axis: base + square (z - 0.4 m)^2.
+  double axial_base_m = 0.0012;
+  double axial_square_per_m = 0.0019;
+  // Disparity is measured in eighths of a pixel between the depth camera and
+  // a projector this far to its right; depth steps by z^2 / (8 f baseline).
+  double projector_baseline_m = 0.075;
+  double disparity_steps_per_px = 8;
+  // Surfaces seen at a smaller angle than the first (between ray and surface)
+  // are lost, at a larger one than the second never; in between by chance.
+  double lost_below_angle_deg = 10;
+  double safe_above_angle_deg = 20;
+  // Neighbours that differ by base + slope z make an edge; its pixels are lost
+  // with this probability.
+  double edge_base_m = 0.02;
+  double edge_slope = 0.02;
+  double edge_loss = 0.6;
+  // Pixels lost anywhere.
+  double random_loss = 0.003;
+
+  absl::Status Validate() const;
+};
+
+// Noise-free radiance as an 8-bit picture with sensor noise. `frame` numbers
+// the exposures: (seed, frame) determine the noise.
+ColorImage ExposeColor(const PixelRays& rays,
+                       const std::vector<Float3>& radiance,
+                       const ColorSensorOptions& options, uint64_t seed,
+                       uint64_t frame, int threads);
+
+// Ideal depth as measured, in millimetres along the optical axis. Lost: out of
+// range, not lit by the projector, at edges, at grazing angles, by chance.
+DepthImage MeasureDepth(const PixelRays& rays,
+                        const std::vector<DepthSample>& samples,
+                        const DepthSensorOptions& options, uint64_t seed,
+                        uint64_t frame, int threads);
+
+// The pair, rigidly mounted. Immutable and thread-safe.
+class SyntheticCamera {
+ public:
+  struct Options {
+    // The colour camera is 2.5 cm to the right of the depth camera, so that
+    // depth is not registered; poses are the depth camera's, as in 7-Scenes.
+    RgbdCalibration calibration = DefaultCalibration();
+    ColorSensorOptions color;
+    DepthSensorOptions depth;
+    uint64_t seed = 0;
+  };
+  static RgbdCalibration DefaultCalibration();
+
+  // INVALID_ARGUMENT for options out of range, or a depth scale other than 1.
+  static absl::StatusOr<SyntheticCamera> Create(
+      std::shared_ptr<const Renderer> renderer, const Options& options);
+
+  const RgbdCalibration& calibration() const { return options_.calibration; }
+
+  // What the pair sees with its pose sensor at world_from_camera. The frame's
+  // calibration is left empty.
+  Frame Capture(const Rigid3& world_from_camera, uint64_t frame,
+                int threads) const;
+
+ private:
+  SyntheticCamera(std::shared_ptr<const Renderer> renderer,
+                  const Options& options);
+
+  std::shared_ptr<const Renderer> renderer_;
+  Options options_;
+  PixelRays color_rays_;
+  PixelRays depth_rays_;
+};
+
+}  // namespace treeline
+
+#endif  // COMMON_SYNTHETIC_SYNTHETIC_CAMERA_H_

@@ -1,0 +1,228 @@
+#include "common/synthetic/synthetic_camera.h"
+
+#include <cmath>
+
+#include "common/synthetic/testing_world.h"
+#include "gtest/gtest.h"
+
+namespace treeline {
+namespace {
+
+constexpr int kWidth = 640;
+constexpr int kHeight = 480;
+constexpr size_t kPixels = size_t{kWidth} * kHeight;
+
+PixelRays DepthRays() {
+  return PixelRays(SyntheticCamera::DefaultCalibration().depth);
+}
+
+// A wall that faces the camera.
+std::vector<DepthSample> Wall(float depth_m, float incidence = 1) {
+  return std::vector<DepthSample>(kPixels, {depth_m, incidence});
+}
+
+double LostShare(const DepthImage& image) {
+  return static_cast<double>(
+             std::count(image.values.begin(), image.values.end(), 0)) /
+         static_cast<double>(image.values.size());
+}
+
+TEST(DepthSensorTest, NoiseGrowsAsTheModelSays) {
+  for (const double z_m : {0.8, 1.5, 2.5, 4.0}) {
+    const double sigma_m = 0.0012 + 0.0019 * (z_m - 0.4) * (z_m - 0.4);
+    const double step_m = z_m * z_m / (585 * 0.075 * 8);
+    // A wall that recedes by five steps of disparity from left to right, so
+    // that rounding errs evenly.
+    std::vector<DepthSample> samples = Wall(0);
+    for (size_t i = 0; i < kPixels; ++i) {
+      samples[i].depth_m = static_cast<float>(
+          z_m + step_m * 5 * (static_cast<double>(i % kWidth) / kWidth - 0.5));
+    }
+    const DepthImage image = MeasureDepth(DepthRays(), samples, {}, 1, 0, 1);
+    double sum = 0;
+    double squares = 0;
+    double count = 0;
+    for (size_t i = 0; i < kPixels; ++i) {
+      if (image.values[i] == 0) continue;
+      const double error_m =
+          0.001 * image.values[i] - static_cast<double>(samples[i].depth_m);
+      sum += error_m;
+      squares += error_m * error_m;
+      ++count;
+    }
+    // Rounding to steps and to millimetres adds the variance of even errors.
+    // 300,000 samples give the deviation to 0.2 %; sigma and step themselves
+    // vary by 3 % over the wall.
+    const double expected_m =
+        std::sqrt(sigma_m * sigma_m + (step_m * step_m + 1e-6) / 12);
+    EXPECT_NEAR(std::sqrt(squares / count), expected_m, 0.03 * expected_m)
+        << z_m;
+    // No bias to speak of, though five depths do not round evenly to mm.
+    EXPECT_NEAR(sum / count, 0, 0.05 * expected_m) << z_m;
+  }
+}
+
+TEST(DepthSensorTest, DepthComesInStepsOfDisparity) {
+  const DepthImage image = MeasureDepth(DepthRays(), Wall(3), {}, 1, 0, 1);
+  for (const uint16_t value : image.values) {
+    if (value == 0) continue;
+    const double steps = 585 * 0.075 * 8 / (0.001 * value);
+    // Half a millimetre of rounding is 0.02 steps at 3 m.
+    ASSERT_NEAR(steps, std::round(steps), 0.03);
+  }
+}
+
+TEST(DepthSensorTest, NothingIsMeasuredOutOfRange) {
+  EXPECT_EQ(LostShare(MeasureDepth(DepthRays(), Wall(0.39f), {}, 1, 0, 1)), 1);
+  EXPECT_EQ(LostShare(MeasureDepth(DepthRays(), Wall(4.51f), {}, 1, 0, 1)), 1);
+  EXPECT_EQ(LostShare(MeasureDepth(DepthRays(), Wall(0), {}, 1, 0, 1)), 1);
+}
+
+TEST(DepthSensorTest, PixelsAreLostByChanceAndAtGrazingAngles) {
+  const auto lost_at_angle_deg = [](double angle_deg) {
+    const float incidence =
+        static_cast<float>(std::sin(angle_deg * 3.14159265 / 180));
+    return LostShare(
+        MeasureDepth(DepthRays(), Wall(2, incidence), {}, 1, 0, 1));
+  };
+  // The share of 300,000 has a sigma of 0.0001 at 0.003.
+  EXPECT_NEAR(lost_at_angle_deg(90), 0.003, 0.0005);
+  EXPECT_NEAR(lost_at_angle_deg(21), 0.003, 0.0005);
+  EXPECT_NEAR(lost_at_angle_deg(15), 0.494, 0.01);  // half way, in the sine
+  EXPECT_EQ(lost_at_angle_deg(9), 1);
+}
+
+TEST(DepthSensorTest, NearThingsThrowAShadowToTheirLeft) {
+  // A board at 1 m over columns 300 to 399, a wall at 2 m behind it.
+  std::vector<DepthSample> samples = Wall(2);
+  for (size_t y = 0; y < kHeight; ++y) {
+    for (size_t x = 300; x < 400; ++x) samples[y * kWidth + x].depth_m = 1;
+  }
+  DepthSensorOptions options;
+  options.edge_loss = 0;
+  options.random_loss = 0;
+  const DepthImage image = MeasureDepth(DepthRays(), samples, options, 1, 0, 1);
+  // Disparities are 43.9 and 21.9 px: the shadow is 22 columns wide.
+  for (size_t y = 0; y < kHeight; y += 37) {
+    int lost = 0;
+    for (size_t x = 0; x < kWidth; ++x) {
+      if (image.values[y * kWidth + x] != 0) continue;
+      ++lost;
+      EXPECT_GE(x, 278u);
+      EXPECT_LT(x, 300u);
+    }
+    EXPECT_NEAR(lost, 22, 1);
+  }
+}
+
+TEST(DepthSensorTest, EdgesLosePixelsOnBothSides) {
+  std::vector<DepthSample> samples = Wall(2);
+  for (size_t y = 0; y < kHeight; ++y) {
+    // To the right and farther away: in nobody's shadow.
+    for (size_t x = 400; x < kWidth; ++x) samples[y * kWidth + x].depth_m = 3;
+  }
+  const DepthImage image = MeasureDepth(DepthRays(), samples, {}, 1, 0, 1);
+  const auto lost_in_column = [&](size_t x) {
+    int lost = 0;
+    for (size_t y = 0; y < kHeight; ++y) {
+      lost += image.values[y * kWidth + x] == 0 ? 1 : 0;
+    }
+    return lost / static_cast<double>(kHeight);
+  };
+  // 480 draws at 0.6: sigma 0.022.
+  EXPECT_NEAR(lost_in_column(399), 0.6, 0.1);
+  EXPECT_NEAR(lost_in_column(400), 0.6, 0.1);
+  EXPECT_LT(lost_in_column(398), 0.02);
+  EXPECT_LT(lost_in_column(401), 0.02);
+}
+
+TEST(DepthSensorTest, NoiseIsNewInEveryFrameAndTheSameForASeed) {
+  const auto measure = [](uint64_t seed, uint64_t frame, int threads) {
+    return MeasureDepth(DepthRays(), Wall(2), {}, seed, frame, threads).values;
+  };
+  EXPECT_EQ(measure(1, 0, 1), measure(1, 0, 2));
+  EXPECT_NE(measure(1, 0, 1), measure(1, 1, 1));
+  EXPECT_NE(measure(1, 0, 1), measure(2, 0, 1));
+}
+
+TEST(ColorSensorTest, NoiseHasItsDeviationAndNoBias) {
+  const PixelRays rays(SyntheticCamera::DefaultCalibration().color);
+  const std::vector<Float3> radiance(kPixels, {0.1f, 0.2f, 0.3f});
+  const ColorSensorOptions quiet = {.exposure = 2, .noise_levels = 0};
+  const ColorSensorOptions noisy = {.exposure = 2, .noise_levels = 3};
+  const ColorImage clean = ExposeColor(rays, radiance, quiet, 1, 0, 1);
+  const ColorImage image = ExposeColor(rays, radiance, noisy, 1, 0, 1);
+  EXPECT_LT(clean.rgb[0], clean.rgb[1]);
+  EXPECT_LT(clean.rgb[1], clean.rgb[2]);
+  double sum = 0;
+  double squares = 0;
+  for (size_t i = 0; i < image.rgb.size(); ++i) {
+    const double difference = image.rgb[i] - clean.rgb[i];
+    sum += difference;
+    squares += difference * difference;
+  }
+  const double count = static_cast<double>(image.rgb.size());
+  // Rounding adds 1/12 twice; the clean picture's rounding is a bias of up to
+  // half a level.
+  EXPECT_NEAR(sum / count, 0, 0.5);
+  EXPECT_NEAR(squares / count, 9 + 1.0 / 6, 0.6);
+}
+
+TEST(SyntheticCameraTest, OptionsAreChecked) {
+  EXPECT_FALSE((ColorSensorOptions{.exposure = 0}).Validate().ok());
+  EXPECT_FALSE((ColorSensorOptions{.noise_levels = -1}).Validate().ok());
+  EXPECT_FALSE((DepthSensorOptions{.max_range_m = 0.1}).Validate().ok());
+  EXPECT_FALSE((DepthSensorOptions{.edge_loss = 1.5}).Validate().ok());
+  EXPECT_FALSE(
+      (DepthSensorOptions{.axial_base_m = std::nan("")}).Validate().ok());
+  EXPECT_TRUE(DepthSensorOptions{}.Validate().ok());
+}
+
+TEST(SyntheticCameraTest, TheColourCameraIsBesideTheDepthCamera) {
+  const std::shared_ptr<const Renderer> renderer =
+      *Renderer::Create(TestingWorld(), 1);
+  SyntheticCamera::Options options;
+  options.color.noise_levels = 0;
+  options.depth = {.axial_base_m = 0,
+                   .axial_square_per_m = 0,
+                   .edge_loss = 0,
+                   .random_loss = 0};
+  const auto camera = SyntheticCamera::Create(renderer, options);
+  ASSERT_TRUE(camera.ok()) << camera.status();
+  // Looking along -x at the box's face, with its edge at y = 1 in sight: the
+  // camera's x axis is the world's y axis.
+  const Rigid3 world_from_depth = {
+      Rotation3::FromMatrix(Mat3{{0, 0, -1, 1, 0, 0, 0, -1, 0}}),
+      {3, 0.8, 0.5}};
+  const Frame frame = camera->Capture(world_from_depth, 0, 1);
+  const size_t middle = size_t{240} * kWidth;
+  // The edge is 2 m away and 0.2 m to the right of the depth camera, and
+  // 0.175 m to the right of the colour camera.
+  size_t depth_edge = 0;
+  size_t color_edge = 0;
+  for (size_t x = 1; x < kWidth; ++x) {
+    const uint16_t left = frame.depth->values[middle + x - 1];
+    const uint16_t right = frame.depth->values[middle + x];
+    if (left != 0 && left < 2100 && right > 2900) depth_edge = x;
+    if (frame.color.rgb[3 * (middle + x - 1)] >
+        frame.color.rgb[3 * (middle + x)] + 20) {
+      color_edge = x;
+    }
+  }
+  EXPECT_NEAR(static_cast<double>(depth_edge), 320 + 585 * 0.1, 1.5);
+  EXPECT_NEAR(static_cast<double>(color_edge), 320 + 525 * 0.0875, 2);
+
+  // The same place told as the colour camera's pose.
+  options.calibration.pose_sensor = RgbdSensor::kColor;
+  const auto by_color = SyntheticCamera::Create(renderer, options);
+  const Frame same = by_color->Capture(
+      world_from_depth * options.calibration.color_from_depth.Inverse(), 0, 2);
+  size_t different = 0;
+  for (size_t i = 0; i < kPixels; ++i) {
+    different += frame.depth->values[i] != same.depth->values[i] ? 1 : 0;
+  }
+  EXPECT_LT(different, kPixels / 1000);  // rounding of the pose
+}
+
+}  // namespace
+}  // namespace treeline

@@ -1,0 +1,43 @@
+// Frames, proto <-> C++. This is where images from outside are decoded.
+#ifndef COMMON_WIRE_FRAME_H_
+#define COMMON_WIRE_FRAME_H_
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "common/camera/rgbd_calibration.h"
+#include "common/image/decode.h"
+#include "common/image/frame.h"
+#include "common/wire/query_frame.h"
+#include "treeline/v1/frame.pb.h"
+
+namespace treeline {
+
+// What a client sends.
+v1::Frame ToProto(const QueryFrame& frame);
+
+// What a server makes of it: decoded images, and the calibration that the
+// request and the scene give together:
+//
+//   request                     calibration of the result
+//   no camera, no depth         nullopt: the scene's
+//   no camera, SCENE_CALIBR.    nullopt: the scene's
+//   camera, (SCENE_CALIBR.)     the scene's, with `camera` as its colour camera
+//   REGISTERED_TO_COLOR         colour camera for both, identity between them
+//   EXPLICIT                    colour camera and the one described
+//
+// where "colour camera" is the request's or else the scene's. The pose sensor
+// is always the scene's.
+//
+// INVALID_ARGUMENT, naming the field: images that are missing, truncated,
+// corrupt, over `limits` or of another size than their camera; cameras and
+// poses that are not valid; a unit or registration that is missing or absurd.
+// Cheap checks come before decoding, and nothing is allocated for an image
+// before its size was checked.
+absl::StatusOr<Frame> FromProto(const v1::Frame& proto,
+                                const RgbdCalibration& scene_calibration,
+                                const DecodeLimits& limits,
+                                absl::string_view field);
+
+}  // namespace treeline
+
+#endif  // COMMON_WIRE_FRAME_H_

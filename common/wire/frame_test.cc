@@ -1,0 +1,182 @@
+// Frames that are good: what the server sees of what the client had.
+#include "common/wire/frame.h"
+
+#include <string>
+#include <utility>
+
+#include "common/base/random.h"
+#include "common/wire/camera.h"
+#include "gtest/gtest.h"
+
+namespace treeline {
+namespace {
+
+constexpr int kWidth = 40;
+constexpr int kHeight = 30;
+
+// Smooth, so that JPEG keeps it.
+ColorImage SomeColor(int width = kWidth, int height = kHeight) {
+  ColorImage image{.width = width, .height = height, .rgb = {}};
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      image.rgb.push_back(static_cast<uint8_t>(5 * x));
+      image.rgb.push_back(static_cast<uint8_t>(6 * y));
+      image.rgb.push_back(static_cast<uint8_t>(100 + x - y));
+    }
+  }
+  return image;
+}
+
+DepthImage SomeDepth(int width = kWidth, int height = kHeight) {
+  Random random(/*seed=*/3, /*stream=*/0);
+  DepthImage image{
+      .width = width, .height = height, .values = {}, .unit_m = 0.0002};
+  for (int i = 0; i < width * height; ++i) {
+    image.values.push_back(static_cast<uint16_t>(random.NextBelow(65536)));
+  }
+  return image;
+}
+
+Camera CameraOf(int width, int height, double focal_length_px) {
+  const double parameters[] = {focal_length_px, width / 2.0, height / 2.0};
+  return Camera::Create(CameraModel::kSimplePinhole, width, height, parameters,
+                        3)
+      .value();
+}
+
+// A scene whose depth camera is smaller than its colour camera.
+RgbdCalibration SceneCalibration() {
+  RgbdCalibration scene;
+  scene.color = CameraOf(kWidth, kHeight, 35);
+  scene.depth = CameraOf(kWidth / 2, kHeight / 2, 18);
+  scene.color_from_depth = {Rotation3::FromAxisAngle({0, 0.01, 0}),
+                            {0.025, 0, 0}};
+  scene.depth_scale = 1.01;
+  scene.pose_sensor = RgbdSensor::kDepth;
+  return scene;
+}
+
+QueryFrame Query(QueryDepth depth) {
+  return {
+      .color = SomeColor(), .camera = std::nullopt, .depth = std::move(depth)};
+}
+
+absl::StatusOr<Frame> Decode(const QueryFrame& query) {
+  return FromProto(ToProto(query), SceneCalibration(), DecodeLimits{}, "frame");
+}
+
+TEST(WireFrame, RawColorArrivesBitForBit) {
+  const auto frame = Decode({.color = SomeColor()});
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  EXPECT_EQ(frame->color.width, kWidth);
+  EXPECT_EQ(frame->color.height, kHeight);
+  EXPECT_EQ(frame->color.rgb, SomeColor().rgb);
+  EXPECT_FALSE(frame->depth.has_value());
+  EXPECT_FALSE(frame->calibration.has_value());
+}
+
+TEST(WireFrame, PngColorArrivesBitForBit) {
+  const auto frame =
+      Decode({.color = EncodedImage{EncodePng(SomeColor()).value()}});
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  EXPECT_EQ(frame->color.rgb, SomeColor().rgb);
+}
+
+TEST(WireFrame, JpegColorArrivesAsItsDecoderGivesIt) {
+  const std::string jpeg = EncodeJpeg(SomeColor(), 95).value();
+  const auto frame = Decode({.color = EncodedImage{jpeg}});
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  EXPECT_EQ(frame->color.rgb, DecodeColor(jpeg)->rgb);
+}
+
+TEST(WireFrame, RawAndPngDepthArriveBitForBit) {
+  const DepthImage depth = SomeDepth(kWidth / 2, kHeight / 2);
+  for (const bool encoded : {false, true}) {
+    QueryDepth query{.image = depth, .unit_m = 0.0002};
+    if (encoded) query.image = EncodedImage{EncodeDepthPng(depth).value()};
+    const auto frame = Decode(Query(query));
+    ASSERT_TRUE(frame.ok()) << frame.status();
+    ASSERT_TRUE(frame->depth.has_value());
+    EXPECT_EQ(frame->depth->width, kWidth / 2);
+    EXPECT_EQ(frame->depth->height, kHeight / 2);
+    EXPECT_EQ(frame->depth->values, depth.values);
+    EXPECT_EQ(frame->depth->unit_m, 0.0002);
+  }
+}
+
+TEST(WireFrame, RawDepthIsLittleEndianOnTheWire) {
+  QueryDepth depth{.image =
+                       DepthImage{.width = 1, .height = 1, .values = {0x1234}}};
+  EXPECT_EQ(ToProto(Query(depth)).depth().raw().data(), "\x34\x12");
+}
+
+TEST(WireFrame, SceneCalibrationAloneIsLeftToTheScene) {
+  const auto frame =
+      Decode(Query({.image = SomeDepth(kWidth / 2, kHeight / 2)}));
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  EXPECT_FALSE(frame->calibration.has_value());
+}
+
+TEST(WireFrame, OwnColorCameraReplacesOnlyTheScenesColorCamera) {
+  for (const bool with_depth : {false, true}) {
+    QueryFrame query{.color = SomeColor(60, 50),
+                     .camera = CameraOf(60, 50, 77)};
+    if (with_depth) {
+      query.depth = QueryDepth{.image = SomeDepth(kWidth / 2, kHeight / 2)};
+    }
+    const auto frame = Decode(query);
+    ASSERT_TRUE(frame.ok()) << frame.status();
+    RgbdCalibration expected = SceneCalibration();
+    expected.color = CameraOf(60, 50, 77);
+    EXPECT_EQ(frame->calibration, expected);
+  }
+}
+
+TEST(WireFrame, RegisteredDepthSharesTheScenesColorCamera) {
+  const auto frame =
+      Decode(Query({.image = SomeDepth(),
+                    .registration = DepthRegistration::kRegisteredToColor}));
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  const RgbdCalibration expected{.color = SceneCalibration().color,
+                                 .depth = SceneCalibration().color,
+                                 .color_from_depth = Rigid3{},
+                                 .depth_scale = 1,
+                                 .pose_sensor = RgbdSensor::kDepth};
+  EXPECT_EQ(frame->calibration, expected);
+}
+
+TEST(WireFrame, RegisteredDepthSharesTheRequestsColorCamera) {
+  QueryFrame query{.color = SomeColor(60, 50), .camera = CameraOf(60, 50, 77)};
+  query.depth =
+      QueryDepth{.image = SomeDepth(60, 50),
+                 .registration = DepthRegistration::kRegisteredToColor,
+                 .depth_scale = 1.02};
+  const auto frame = Decode(query);
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  const RgbdCalibration expected{.color = CameraOf(60, 50, 77),
+                                 .depth = CameraOf(60, 50, 77),
+                                 .color_from_depth = Rigid3{},
+                                 .depth_scale = 1.02,
+                                 .pose_sensor = RgbdSensor::kDepth};
+  EXPECT_EQ(frame->calibration, expected);
+}
+
+TEST(WireFrame, ExplicitDepthCameraIsUsedAsSent) {
+  const Rigid3 color_from_depth{Rotation3::FromAxisAngle({0.1, 0.2, 0.3}),
+                                {0.05, -0.01, 0.02}};
+  const auto frame = Decode(Query(
+      {.image = SomeDepth(16, 12),
+       .registration = DepthRegistration::kExplicit,
+       .geometry = QueryDepth::Geometry{CameraOf(16, 12, 14), color_from_depth},
+       .depth_scale = 0.97}));
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  const RgbdCalibration expected{.color = SceneCalibration().color,
+                                 .depth = CameraOf(16, 12, 14),
+                                 .color_from_depth = color_from_depth,
+                                 .depth_scale = 0.97,
+                                 .pose_sensor = RgbdSensor::kDepth};
+  EXPECT_EQ(frame->calibration, expected);
+}
+
+}  // namespace
+}  // namespace treeline
