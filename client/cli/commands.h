@@ -1,0 +1,35 @@
+// The subcommands of `treeline-client`, one per file.
+#ifndef CLIENT_CLI_COMMANDS_H_
+#define CLIENT_CLI_COMMANDS_H_
+
+#include <functional>
+#include <stop_token>
+
+namespace CLI {
+class App;
+}
+
+namespace treeline {
+
+// Exit codes, as docs/service.md states them.
+enum ExitCode {
+  kExitLocalized = 0,
+  kExitFailed = 1,
+  kExitUsage = 2,
+  kExitNotLocalized = 3,
+  kExitInterrupted = 130
+};
+
+// A subcommand adds its options to a CLI11 subcommand of `app` and returns
+// what to run if the user chose it, which returns the exit code.
+struct ClientCommand {
+  CLI::App* app = nullptr;
+  std::function<int(std::stop_token stop)> run;
+};
+
+ClientCommand AddLocalizeCommand(CLI::App& app);
+ClientCommand AddScenesCommand(CLI::App& app);
+
+}  // namespace treeline
+
+#endif  // CLIENT_CLI_COMMANDS_H_

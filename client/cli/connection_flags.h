@@ -1,0 +1,41 @@
+// What every subcommand needs to reach a server.
+#ifndef CLIENT_CLI_CONNECTION_FLAGS_H_
+#define CLIENT_CLI_CONNECTION_FLAGS_H_
+
+#include <stop_token>
+#include <string>
+
+#include "absl/status/status.h"
+#include "client/relocalizer/relocalizer.h"
+
+namespace CLI {
+class App;
+}
+
+namespace treeline {
+
+struct ConnectionFlags {
+  std::string server;
+  double timeout_s = 10;
+};
+
+// --server and --timeout-s.
+void AddConnectionFlags(CLI::App& app, ConnectionFlags& flags);
+
+CallOptions CallOptionsOf(const ConnectionFlags& flags, std::stop_token stop);
+
+// Says on standard error what went wrong and, where it helps, what to do.
+// Returns the exit code for it.
+int ReportFailure(const absl::Status& status, const ConnectionFlags& flags,
+                  const std::stop_token& stop);
+
+// The same for what failed before a server was asked.
+int ReportLocalFailure(const absl::Status& status);
+
+// Whether everything written to standard output got there (a full disk, a
+// closed pipe); says so if not.
+bool FlushOutput();
+
+}  // namespace treeline
+
+#endif  // CLIENT_CLI_CONNECTION_FLAGS_H_

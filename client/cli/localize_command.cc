@@ -1,0 +1,201 @@
+// treeline-client localize: where was this taken?
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "CLI/CLI.hpp"
+#include "client/cli/answer_text.h"
+#include "client/cli/commands.h"
+#include "client/cli/connection_flags.h"
+#include "client/cli/frame_files.h"
+#include "client/relocalizer/relocalizer.h"
+#include "common/base/progress.h"
+#include "common/base/status_macros.h"
+
+namespace treeline {
+namespace {
+
+constexpr const char* kFooter = R"(
+One frame is given by --color and --depth. Many are given by --list, a file with
+one stem a line, and --root: the images of stem S are ROOT/S.color.jpg or
+ROOT/S.color.png and, if it is there, ROOT/S.depth.png. They are asked for one
+after the other over one connection.
+
+Depth is taken to be the raw image of the depth camera that the scene was
+recorded with, in millimetres; --registered and --depth-unit state otherwise.
+The camera is taken to be the scene's; --camera states another one, with pixel
+centres at integer coordinates.
+
+Examples:
+  treeline-client localize --server 127.0.0.1:50051 --scene office \
+      --color query.jpg --depth query.png
+  treeline-client localize --server 127.0.0.1:50051 --scene desk \
+      --color rgb.png --depth depth.png --registered --depth-unit 0.0002 \
+      --camera PINHOLE,517.3,516.5,318.6,255.3
+  treeline-client localize --server 127.0.0.1:50051 --scene office \
+      --list office/test.txt --root office --json > answers.jsonl
+
+Exit codes: 0 localized, 1 failed, 2 wrong usage, 3 not localized, 130
+interrupted. For a list: 0 if at least one frame was localized and none failed,
+3 if none was localized, 1 if any failed.)";
+
+struct LocalizeFlags {
+  ConnectionFlags connection;
+  LocalizeQuery query;  // but for its frame
+  FrameFiles files;
+  FrameFileOptions frames;
+  std::string list;
+  std::string root;
+  bool json = false;
+};
+
+// A failure after which the other frames of a list would fail too, and slowly.
+bool EndsTheList(const absl::Status& status) {
+  return !absl::IsInvalidArgument(status) && !absl::IsInternal(status) &&
+         !absl::IsDeadlineExceeded(status);
+}
+
+// Reads the files of one frame and asks about it. `asked`: whether it came as
+// far as asking.
+absl::StatusOr<LocalizeAnswer> ReadAndAsk(Relocalizer& client,
+                                          const LocalizeFlags& flags,
+                                          const FrameFiles& files,
+                                          const std::stop_token& stop,
+                                          bool& asked) {
+  asked = false;
+  LocalizeQuery query = flags.query;
+  TL_ASSIGN_OR_RETURN(query.frame, ReadFrame(files, flags.frames));
+  asked = true;
+  return client.Localize(query, CallOptionsOf(flags.connection, stop));
+}
+
+int LocalizeOne(Relocalizer& client, const LocalizeFlags& flags,
+                const std::stop_token& stop) {
+  bool asked = false;
+  const absl::StatusOr<LocalizeAnswer> answer =
+      ReadAndAsk(client, flags, flags.files, stop, asked);
+  if (flags.json) {
+    std::printf("%s\n", AnswerJson(flags.files, answer).c_str());
+  } else if (answer.ok()) {
+    std::fputs(AnswerText(*answer).c_str(), stdout);
+  }
+  const bool written = FlushOutput();
+  if (!answer.ok()) {
+    return asked ? ReportFailure(answer.status(), flags.connection, stop)
+                 : ReportLocalFailure(answer.status());
+  }
+  if (!written) return kExitFailed;
+  return answer->localized ? kExitLocalized : kExitNotLocalized;
+}
+
+// Asks about every frame, but for the rest of them if one fails in a way that
+// the rest would too; then that failure is returned.
+absl::Status AskForAll(Relocalizer& client, const LocalizeFlags& flags,
+                       const std::vector<FrameFiles>& list,
+                       const std::stop_token& stop, AnswerSummary& summary) {
+  // On a terminal the answers themselves show how far it is.
+  Progress progress("localizing", static_cast<int64_t>(list.size()),
+                    /*quiet=*/isatty(STDOUT_FILENO) == 1);
+  for (const FrameFiles& files : list) {
+    bool asked = false;
+    const absl::StatusOr<LocalizeAnswer> answer =
+        ReadAndAsk(client, flags, files, stop, asked);
+    summary.Add(answer);
+    std::printf("%s\n", flags.json ? AnswerJson(files, answer).c_str()
+                                   : AnswerLine(files, answer).c_str());
+    progress.Add(1);
+    if (asked && !answer.ok() && EndsTheList(answer.status())) {
+      return answer.status();
+    }
+  }
+  return absl::OkStatus();
+}
+
+int LocalizeList(Relocalizer& client, const LocalizeFlags& flags,
+                 const std::stop_token& stop) {
+  const absl::StatusOr<std::vector<FrameFiles>> list =
+      ReadFrameList(flags.list, flags.root);
+  if (!list.ok()) return ReportLocalFailure(list.status());
+  AnswerSummary summary;
+  const absl::Status ended = AskForAll(client, flags, *list, stop, summary);
+  const bool written = FlushOutput();
+  std::fprintf(stderr, "%s\n", summary.Text().c_str());
+  if (!ended.ok()) return ReportFailure(ended, flags.connection, stop);
+  if (!written || summary.failed() > 0) return kExitFailed;
+  return summary.localized() > 0 ? kExitLocalized : kExitNotLocalized;
+}
+
+int RunLocalize(const LocalizeFlags& flags, const std::stop_token& stop) {
+  if (flags.files.color.empty() == flags.list.empty()) {
+    std::fprintf(stderr,
+                 "treeline-client localize: give either --color or --list; "
+                 "--help explains\n");
+    return kExitUsage;
+  }
+  const auto client = ConnectRelocalizer({.server = flags.connection.server});
+  if (!client.ok()) {
+    return ReportFailure(client.status(), flags.connection, stop);
+  }
+  return flags.list.empty() ? LocalizeOne(**client, flags, stop)
+                            : LocalizeList(**client, flags, stop);
+}
+
+void AddFlags(CLI::App& app, LocalizeFlags& flags) {
+  AddConnectionFlags(app, flags.connection);
+  app.add_option("--scene", flags.query.scene, "The scene to look in")
+      ->required()
+      ->type_name("NAME");
+  app.add_option("--model-version", flags.query.model_version,
+                 "Version of its model; without: the newest")
+      ->type_name("VERSION");
+  CLI::Option* color =
+      app.add_option("--color", flags.files.color, "Colour image, JPEG or PNG")
+          ->type_name("FILE");
+  CLI::Option* depth =
+      app.add_option("--depth", flags.files.depth, "Depth image, 16-bit PNG")
+          ->type_name("FILE")
+          ->needs(color);
+  CLI::Option* root =
+      app.add_option("--root", flags.root, "Folder of the stems in --list")
+          ->type_name("DIR");
+  CLI::Option* list =
+      app.add_option("--list", flags.list, "File with one stem a line")
+          ->type_name("FILE")
+          ->needs(root)
+          ->excludes(color)
+          ->excludes(depth);
+  root->needs(list);
+  app.add_option("--depth-unit", flags.frames.depth_unit_m,
+                 "Metres per unit of depth")
+      ->capture_default_str()
+      ->type_name("M");
+  app.add_flag("--registered", flags.frames.depth_is_registered,
+               "Depth pixel (x, y) sees what colour pixel (x, y) sees");
+  app.add_option("--camera", flags.frames.camera,
+                 "Intrinsics of the colour image: COLMAP's model name and "
+                 "parameters")
+      ->type_name("MODEL,PARAMS");
+  app.add_option("--seed", flags.query.seed,
+                 "The same seed gives the same answer, bit for bit")
+      ->capture_default_str();
+  app.add_flag("--json", flags.json, "One JSON object a line for each frame");
+}
+
+}  // namespace
+
+ClientCommand AddLocalizeCommand(CLI::App& app) {
+  auto flags = std::make_shared<LocalizeFlags>();
+  CLI::App* command = app.add_subcommand(
+      "localize", "Ask where a frame, or a list of frames, was taken");
+  command->footer(kFooter);
+  AddFlags(*command, *flags);
+  return {command, [flags](const std::stop_token& stop) {
+            return RunLocalize(*flags, stop);
+          }};
+}
+
+}  // namespace treeline

@@ -1,0 +1,42 @@
+// treeline-client: asks a Treeline server, from a shell.
+#include <string>
+#include <vector>
+
+#include "CLI/CLI.hpp"
+#include "client/cli/commands.h"
+#include "common/base/interrupt.h"
+#include "common/base/version.h"
+
+namespace treeline {
+namespace {
+
+constexpr const char* kFooter = R"(
+treeline-client COMMAND --help explains a command and gives examples.
+
+Exit codes: 0 done, 1 failed, 2 wrong usage, 3 not localized, 130 interrupted.)";
+
+int Run(int argc, char** argv) {
+  const std::stop_token stop = StopOnInterrupt();
+  CLI::App app("Asks a Treeline server where a camera is.", "treeline-client");
+  app.footer(kFooter);
+  app.set_version_flag("--version",
+                       std::string("treeline-client ") + Version());
+  app.require_subcommand(1);
+  const std::vector<ClientCommand> commands = {AddLocalizeCommand(app),
+                                               AddScenesCommand(app)};
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // 0 for --help and --version.
+    return app.exit(error) == 0 ? 0 : kExitUsage;
+  }
+  for (const ClientCommand& command : commands) {
+    if (command.app->parsed()) return command.run(stop);
+  }
+  return kExitUsage;
+}
+
+}  // namespace
+}  // namespace treeline
+
+int main(int argc, char** argv) { return treeline::Run(argc, argv); }

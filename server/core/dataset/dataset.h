@@ -1,0 +1,93 @@
+// Recorded sequences with poses, behind one streaming interface.
+#ifndef SERVER_CORE_DATASET_DATASET_H_
+#define SERVER_CORE_DATASET_DATASET_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/camera/rgbd_calibration.h"
+#include "common/image/frame.h"
+
+namespace treeline {
+
+// What to read, from the command line. Empty strings: the format's default.
+// (The braces let designated initialisers leave members out without a warning.)
+struct DatasetOptions {
+  // "7scenes:DIR" or "tum:DIR".
+  std::string uri{};
+  // File with one frame stem a line ('#' starts a comment). Empty: all frames.
+  std::string frame_list{};
+  // Replaces the sequence's own poses: lines "stem qw qx qy qz tx ty tz [f]",
+  // camera_from_world of the colour camera (the pseudo ground truth format of
+  // Brachmann et al. 2021). f, where given, is the colour focal length (px).
+  std::string pose_file{};
+  // "MODEL,p1,p2,..." (COLMAP names). color_camera wins over the pose file's
+  // focal length. TUM has no depth camera of its own: depth is registered.
+  std::string color_camera{};
+  std::string depth_camera{};
+  // Metres per depth unit; 0: 0.001 for 7-Scenes, 1/5000 for TUM.
+  double depth_unit_m = 0;
+  // TUM: two entries less than this apart belong together (s), in (0, 1].
+  double max_time_difference_s = 0.02;
+};
+
+// One frame's entry in the index: small, so that a sequence of any length
+// costs memory only for its names and poses.
+struct DatasetFrame {
+  std::string stem;  // "seq-01/frame-000123", or TUM's colour time stamp
+  std::string color_path;
+  std::string depth_path;  // empty: the frame has no depth
+  // Pose of calibration().pose_sensor; nullopt: not known at this moment.
+  std::optional<Rigid3> world_from_camera;
+};
+
+// An opened sequence. Immutable and thread-safe after Open.
+class Dataset {
+ public:
+  // Reads the index, and of the first images the size. Errors name the file,
+  // and the line where there is one: NOT_FOUND for missing files or stems,
+  // INVALID_ARGUMENT for malformed ones, an empty frame list, poses that are
+  // not rigid or have NaN.
+  static absl::StatusOr<Dataset> Open(const DatasetOptions& options);
+
+  int size() const { return static_cast<int>(frames_.size()); }
+  const DatasetFrame& frame(int i) const {
+    return frames_[static_cast<size_t>(i)];
+  }
+  const std::string& uri() const { return uri_; }
+  // As given by the options or the format's default; color_from_depth is the
+  // identity where the format leaves it unknown (7-Scenes).
+  const RgbdCalibration& calibration() const { return calibration_; }
+  // Whether depth pixel (x, y) already sees what colour pixel (x, y) sees
+  // (TUM); false for 7-Scenes.
+  bool depth_is_registered() const { return depth_is_registered_; }
+  // Metres per unit of the depth files.
+  double depth_unit_m() const { return depth_unit_m_; }
+
+  // The encoded files of frame i: what a client would send.
+  struct Encoded {
+    std::string color;
+    std::string depth;  // empty: none
+  };
+  absl::StatusOr<Encoded> ReadEncoded(int i) const;
+
+  // Reads and decodes frame i. Its Frame::calibration is left empty.
+  // INVALID_ARGUMENT, with the file, for images that do not decode or whose
+  // size is not that of the calibration.
+  absl::StatusOr<Frame> Load(int i) const;
+  absl::StatusOr<Frame> Decode(const Encoded& encoded) const;
+
+ private:
+  std::string uri_;
+  std::vector<DatasetFrame> frames_;
+  RgbdCalibration calibration_;
+  bool depth_is_registered_ = false;
+  double depth_unit_m_ = 0.001;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_DATASET_DATASET_H_

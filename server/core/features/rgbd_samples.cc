@@ -1,0 +1,87 @@
+#include "server/core/features/rgbd_samples.h"
+
+#include <cmath>
+#include <optional>
+
+#include "server/core/features/pixel_difference.h"
+#include "server/core/features/walsh_hadamard.h"
+
+namespace treeline {
+namespace {
+
+constexpr double kMinDepth_m = 0.2;
+constexpr double kMaxDepth_m = 10;
+constexpr int kDrawsPerSample = 8;
+
+}  // namespace
+
+void RgbdSamples::clear() {
+  x.clear();
+  y.clear();
+  inverse_depth_q12.clear();
+  point.clear();
+  depth_sigma_m.clear();
+}
+
+DepthGeometry::DepthGeometry(const RgbdCalibration& calibration)
+    : calibration_(calibration),
+      color_from_depth_rotation_(
+          calibration.color_from_depth.rotation.Matrix()) {}
+
+bool DepthGeometry::Lift(int u, int v, double depth_m, Lifted& out) const {
+  const std::optional<Pixel> ray = calibration_.depth.Unproject(
+      {static_cast<double>(u), static_cast<double>(v)});
+  if (!ray) return false;
+  const double z = calibration_.depth_scale * depth_m;
+  const Vec3 point_in_depth{ray->x * z, ray->y * z, z};
+  out.point_in_color = color_from_depth_rotation_ * point_in_depth +
+                       calibration_.color_from_depth.translation;
+  if (!(out.point_in_color.z > 0)) return false;
+  out.point_in_pose_sensor = calibration_.pose_sensor == RgbdSensor::kColor
+                                 ? out.point_in_color
+                                 : point_in_depth;
+  out.color_pixel = calibration_.color.Project(out.point_in_color);
+  return true;
+}
+
+double DepthSigma_m(double z_m) {
+  return 0.0012 + 0.0019 * (z_m - 0.4) * (z_m - 0.4);
+}
+
+void DrawSamples(const DepthGeometry& geometry, const DepthImage& depth,
+                 int count, Random random, RgbdSamples& samples) {
+  samples.clear();
+  const Camera& color = geometry.calibration().color;
+  const uint32_t pixels = static_cast<uint32_t>(depth.values.size());
+  const double focal_px = 0.5 * (color.fx() + color.fy());
+  for (int draw = 0; draw < count * kDrawsPerSample &&
+                     samples.size() < static_cast<size_t>(count);
+       ++draw) {
+    const uint32_t i = random.NextBelow(pixels);
+    if (!IsMeasured(depth.values[i])) continue;
+    const double depth_m = depth.values[i] * depth.unit_m;
+    if (depth_m < kMinDepth_m || depth_m > kMaxDepth_m) continue;
+    DepthGeometry::Lifted lifted;
+    if (!geometry.Lift(static_cast<int>(i) % depth.width,
+                       static_cast<int>(i) / depth.width, depth_m, lifted)) {
+      continue;
+    }
+    // Written so that NaN fails, and before any conversion to int.
+    const Pixel p = lifted.color_pixel;
+    if (!(p.x > -0.5 && p.y > -0.5 && p.x < color.width() &&
+          p.y < color.height())) {
+      continue;
+    }
+    const int x = static_cast<int>(std::lround(p.x));
+    const int y = static_cast<int>(std::lround(p.y));
+    if (!PatchInside(x, y, color.width(), color.height())) continue;
+    samples.x.push_back(x);
+    samples.y.push_back(y);
+    samples.inverse_depth_q12.push_back(
+        InverseDepthQ12(focal_px, lifted.point_in_color.z));
+    samples.point.push_back(lifted.point_in_pose_sensor);
+    samples.depth_sigma_m.push_back(static_cast<float>(DepthSigma_m(depth_m)));
+  }
+}
+
+}  // namespace treeline

@@ -1,0 +1,58 @@
+// Backtracking prediction (thesis 4.2.4, Algorithm 3), many samples at once.
+#ifndef SERVER_CORE_FOREST_BACKTRACKING_H_
+#define SERVER_CORE_FOREST_BACKTRACKING_H_
+
+#include <cstdint>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "server/core/features/planar_image.h"
+#include "server/core/features/walsh_hadamard.h"
+#include "server/core/forest/forest.h"
+
+namespace treeline {
+
+// N_max of Algorithm 3 is at most this.
+inline constexpr int kMaxBacktrackingLeaves = 32;
+inline constexpr uint32_t kNoLeaf = 0xffffffffu;
+
+// The pixels to predict for: slot i of each array belongs to sample i.
+struct SampleView {
+  std::span<const int32_t> x;  // inside the image
+  std::span<const int32_t> y;
+  std::span<const int32_t> inverse_depth_q12;
+
+  size_t size() const { return x.size(); }
+};
+
+// Walks every sample down one tree to `leaves_per_sample` (1 to 32) leaves: the
+// first by the split tests, then again and again from the unvisited sibling
+// whose split the sample passed most narrowly (|feature - threshold|; ties go
+// to the node nearest the root's left edge). out[i * leaves_per_sample + k] is
+// the k-th leaf of sample i, or kNoLeaf where the tree has fewer.
+void VisitLeaves(std::span<const Node> tree, const PlanarImage& image,
+                 const SampleView& samples, int leaves_per_sample,
+                 std::span<uint32_t> out);
+
+// One prediction: the visited leaf of a tree whose mean descriptor is nearest.
+struct LeafMatch {
+  uint32_t leaf = kNoLeaf;
+  // Squared descriptor distance.
+  int32_t distance = 0;
+};
+
+// For each sample i, the best match of each tree in matches[i * trees + t],
+// sorted by distance within a sample (ties by tree): matches[i * trees] is
+// Algorithm 3's answer over the whole forest. Returns early, with the rest of
+// `matches` unset, once `stop` is requested. scratch is reused between calls.
+void PredictLeaves(const ForestView& forest, const PlanarImage& image,
+                   const SampleView& samples,
+                   std::span<const WhtDescriptor> descriptors,
+                   int leaves_per_sample, const std::stop_token& stop,
+                   std::vector<uint32_t>& scratch,
+                   std::span<LeafMatch> matches);
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_FOREST_BACKTRACKING_H_

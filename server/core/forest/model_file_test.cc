@@ -1,0 +1,187 @@
+#include "server/core/forest/model_file.h"
+
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "common/base/random.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "server/core/forest/model_info_json.h"
+
+namespace treeline {
+namespace {
+
+using testing::HasSubstr;
+
+class ModelFileTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        testing::TempDir() + "/model_file_test_" + std::to_string(getpid());
+    std::filesystem::create_directories(folder_);
+    path_ = folder_ + "/model.treeline";
+    forest_.nodes = {Node::Split({-511, 3, 2, 1}, -7, 2), Node::Leaf(0),
+                     Node::Leaf(1), Node::Leaf(2)};
+    forest_.tree_offsets = {0, 3, 4};
+    forest_.descriptors.resize(3);
+    forest_.descriptors[1].values[59] = -127;
+    forest_.payloads.resize(3);
+    forest_.payloads[2] = {{1, 2, 3}, {4, 5, 6, 7, 8, 9}, 10};
+    forest_.bounds_min_in_world = {-1.25, 0.1, 1. / 3};
+    forest_.bounds_max_in_world = {2, 3, 4};
+    info_.method = "rgbd";
+    info_.software_version = "1.2.3";
+    info_.created_utc = "2026-11-21T09:30:00Z";
+    info_.dataset = "7scenes:\"odd\" name \xff";
+    info_.seed = 0xffffffffffffffffu;
+    info_.options = {{"trees", "2"}, {"a", "b"}};
+    info_.calibration.color = *Camera::Parse(
+        "OPENCV,526.5,525,319.1,236.2,0.1,-0.2,0.01,0.02", 640, 480);
+    info_.calibration.color_from_depth = {
+        Rotation3::FromAxisAngle({0.01, -0.02, 0.03}), {-0.025, 1. / 3, 0}};
+    info_.calibration.depth_scale = 0.99612345678901234;
+    info_.calibration.pose_sensor = RgbdSensor::kDepth;
+    info_.training_frames = 3;
+    info_.training_samples = 12345678901;
+    info_.training_s = 12.5;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string Written() {
+    EXPECT_TRUE(WriteModel(path_, info_, forest_.View()).ok());
+    return *ReadFile(path_);
+  }
+  absl::Status OpenBytes(const std::string& bytes) {
+    std::ofstream(path_, std::ios::binary) << bytes;
+    return ModelFile::Open(path_).status();
+  }
+
+  std::string folder_;
+  std::string path_;
+  Forest forest_;
+  ModelInfo info_;
+};
+
+TEST_F(ModelFileTest, ReadsBackWhatWasWritten) {
+  Written();
+  const auto model = ModelFile::Open(path_);
+  ASSERT_TRUE(model.ok()) << model.status();
+  const ForestView& forest = (*model)->forest();
+  ASSERT_EQ(forest.nodes.size(), 4u);
+  EXPECT_EQ(std::memcmp(forest.nodes.data(), forest_.nodes.data(), 32), 0);
+  EXPECT_EQ(forest.trees(), 2);
+  EXPECT_EQ(forest.descriptors[1].values[59], -127);
+  EXPECT_EQ(forest.payloads[2].covariance[5], 9);
+  EXPECT_EQ(forest.bounds_min_in_world, forest_.bounds_min_in_world);
+  const ModelInfo& info = (*model)->info();
+  EXPECT_EQ(info.method, "rgbd");
+  EXPECT_EQ(info.seed, info_.seed);
+  EXPECT_EQ(info.options, info_.options);
+  EXPECT_EQ(info.calibration.color, info_.calibration.color);
+  EXPECT_EQ(info.calibration.depth_scale, info_.calibration.depth_scale);
+  EXPECT_EQ(info.calibration.pose_sensor, RgbdSensor::kDepth);
+  EXPECT_EQ(info.calibration.color_from_depth.translation,
+            info_.calibration.color_from_depth.translation);
+  EXPECT_EQ(info.training_samples, 12345678901);
+  EXPECT_EQ(info.nodes, 4);
+  EXPECT_EQ(info.leaves, 3);
+  EXPECT_EQ(info.file_bytes, std::filesystem::file_size(path_));
+  EXPECT_EQ(info.checksum.size(), 16u);
+}
+
+TEST_F(ModelFileTest, FlippedBitsAreDataLoss) {
+  const std::string good = Written();
+  for (size_t i = 0; i < good.size(); i += i < 256 ? 1 : 13) {
+    std::string bad = good;
+    bad[i] = static_cast<char>(bad[i] ^ (1 << (i % 8)));
+    const absl::Status status = OpenBytes(bad);
+    EXPECT_TRUE(
+        status.code() == absl::StatusCode::kDataLoss ||
+        // A larger version number is a newer file's.
+        (i >= 8 && i < 12 && status.code() == absl::StatusCode::kUnimplemented))
+        << "byte " << i << ": " << status;
+  }
+}
+
+TEST_F(ModelFileTest, EveryTruncationIsDataLoss) {
+  const std::string good = Written();
+  for (size_t length = 0; length < good.size(); length += 7) {
+    EXPECT_EQ(OpenBytes(good.substr(0, length)).code(),
+              absl::StatusCode::kDataLoss)
+        << length;
+  }
+  EXPECT_EQ(OpenBytes(good + "x").code(), absl::StatusCode::kDataLoss);
+}
+
+TEST_F(ModelFileTest, NamesTheFileAndTheReason) {
+  EXPECT_THAT(
+      OpenBytes(std::string(1000, 'a')).ToString(),
+      testing::AllOf(HasSubstr(path_), HasSubstr("not a Treeline model file")));
+  std::string newer = Written();
+  newer[8] = 2;
+  const absl::Status status = OpenBytes(newer);
+  EXPECT_EQ(status.code(), absl::StatusCode::kUnimplemented);
+  EXPECT_THAT(status.ToString(), HasSubstr("newer than this software"));
+}
+
+TEST_F(ModelFileTest, AMissingFileIsNotFound) {
+  EXPECT_EQ(ModelFile::Open(folder_ + "/none").status().code(),
+            absl::StatusCode::kNotFound);
+  EXPECT_EQ(ModelFile::Open(folder_).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
+TEST_F(ModelFileTest, AFailedWriteLeavesTheOldFileAndNothingElse) {
+  const std::string good = Written();
+  Forest broken = forest_;
+  broken.nodes[1] = Node::Leaf(99);
+  EXPECT_FALSE(WriteModel(path_, info_, broken.View()).ok());
+  EXPECT_EQ(*ReadFile(path_), good);
+  EXPECT_FALSE(
+      WriteModel(folder_ + "/no/folder/m", info_, forest_.View()).ok());
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_),
+                          std::filesystem::directory_iterator()),
+            1);
+}
+
+TEST(CalibrationJsonTest, RoundTrips) {
+  RgbdCalibration calibration;
+  calibration.depth =
+      *Camera::Parse("OPENCV,586,586,300,220,-0.05,0,0,0", 640, 480);
+  calibration.color_from_depth = {Rotation3::FromAxisAngle({0.1, 0.2, -0.3}),
+                                  {0.1, -0.2, 0.3}};
+  calibration.depth_scale = 1.0123;
+  const auto read = CalibrationFromJson(CalibrationToJson(calibration));
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->depth, calibration.depth);
+  EXPECT_EQ(read->depth_scale, calibration.depth_scale);
+  EXPECT_LT(AngleBetween_rad(read->color_from_depth.rotation,
+                             calibration.color_from_depth.rotation),
+            1e-15);
+}
+
+TEST(CalibrationJsonTest, RefusesNonsense) {
+  const std::string good = CalibrationToJson(RgbdCalibration{});
+  const auto with = [&](absl::string_view from, absl::string_view to) {
+    std::string text = good;
+    const size_t at = text.find(std::string(from));
+    EXPECT_NE(at, std::string::npos) << from;
+    return CalibrationFromJson(text.replace(at, from.size(), std::string(to)))
+        .status()
+        .code();
+  };
+  constexpr auto kInvalid = absl::StatusCode::kInvalidArgument;
+  EXPECT_EQ(with("\"depth_scale\": 1.0", "\"depth_scale\": 3"), kInvalid);
+  EXPECT_EQ(with("\"depth_scale\": 1.0", "\"depth_scale\": \"1\""), kInvalid);
+  EXPECT_EQ(with("\"qw\": 1.0", "\"qw\": 0.5"), kInvalid);
+  EXPECT_EQ(with("PINHOLE", "PINHOLES"), kInvalid);
+  EXPECT_EQ(with("\"pose_sensor\": \"color\"", "\"pose_sensor\": \"nose\""),
+            kInvalid);
+  EXPECT_EQ(CalibrationFromJson("").status().code(), kInvalid);
+}
+
+}  // namespace
+}  // namespace treeline

@@ -1,0 +1,42 @@
+// What a model file says about itself.
+#ifndef SERVER_CORE_FOREST_MODEL_INFO_H_
+#define SERVER_CORE_FOREST_MODEL_INFO_H_
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/camera/rgbd_calibration.h"
+#include "common/geometry/vector3.h"
+
+namespace treeline {
+
+// Provenance, calibration and summary of a trained scene.
+struct ModelInfo {
+  uint32_t format_version = 0;
+  std::string method;            // "rgbd"
+  std::string software_version;  // of the trainer
+  std::string created_utc;       // "2026-11-21T09:30:00Z"
+  std::string dataset;           // as given to the trainer
+  uint64_t seed = 0;
+  // Options of the trainer, name and value, in the order of its help.
+  std::vector<std::pair<std::string, std::string>> options;
+  RgbdCalibration calibration;
+  // Axis-aligned box of the training points, world frame (m).
+  Vec3 bounds_min_in_world;
+  Vec3 bounds_max_in_world;
+  int training_frames = 0;
+  int64_t training_samples = 0;
+  double training_s = 0;
+  int trees = 0;
+  int64_t nodes = 0;
+  int64_t leaves = 0;
+  uint64_t file_bytes = 0;
+  // Checksum of the whole file, 16 hexadecimal digits: the model's identity.
+  std::string checksum;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_FOREST_MODEL_INFO_H_

@@ -1,0 +1,27 @@
+// ModelInfo <-> the JSON that a model file carries.
+#ifndef SERVER_CORE_FOREST_MODEL_INFO_JSON_H_
+#define SERVER_CORE_FOREST_MODEL_INFO_JSON_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "common/camera/rgbd_calibration.h"
+#include "server/core/forest/model_info.h"
+
+namespace treeline {
+
+// What the trainer states: method, provenance, options, calibration, training
+// summary. Sizes and bounds come from the forest itself.
+std::string ModelInfoToJson(const ModelInfo& info);
+// DATA_LOSS for anything malformed.
+absl::StatusOr<ModelInfo> ModelInfoFromJson(absl::string_view json);
+
+// A calibration alone: the file that `treeline calibrate` writes.
+std::string CalibrationToJson(const RgbdCalibration& calibration);
+// INVALID_ARGUMENT, naming the field, for anything malformed.
+absl::StatusOr<RgbdCalibration> CalibrationFromJson(absl::string_view json);
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_FOREST_MODEL_INFO_JSON_H_

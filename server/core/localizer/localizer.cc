@@ -1,0 +1,55 @@
+#include "server/core/localizer/localizer.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+#include "server/core/forest/backtracking.h"
+#include "server/core/localizer/rgbd_localizer.h"
+
+namespace treeline {
+
+absl::Status QueryOptions::Validate() const {
+  const auto check = [](absl::string_view name, int value, int low, int high) {
+    if (value >= low && value <= high) return absl::OkStatus();
+    return absl::InvalidArgumentError(absl::StrCat(
+        name, " is ", value, "; it must be between ", low, " and ", high));
+  };
+  TL_RETURN_IF_ERROR(check("samples", samples, 30, 20000));
+  TL_RETURN_IF_ERROR(check("backtracking leaves", backtracking_leaves, 1,
+                           kMaxBacktrackingLeaves));
+  return check("hypotheses", hypotheses, 1, 10000);
+}
+
+absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
+    const std::string& model_path, const QueryOptions& options) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  TL_ASSIGN_OR_RETURN(std::unique_ptr<const ModelFile> model,
+                      ModelFile::Open(model_path));
+  if (model->info().method != "rgbd") {
+    return absl::UnimplementedError(
+        absl::StrCat(model_path, ": method \"", model->info().method,
+                     "\" is not known to this version"));
+  }
+  return std::make_unique<RgbdLocalizer>(std::move(model), options);
+}
+
+absl::string_view OutcomeName(Outcome outcome) {
+  return outcome == Outcome::kLocalized ? "LOCALIZED" : "NOT_LOCALIZED";
+}
+
+absl::string_view ReasonName(NotLocalizedReason reason) {
+  switch (reason) {
+    case NotLocalizedReason::kNone:
+      return "NONE";
+    case NotLocalizedReason::kTooFewSamples:
+      return "TOO_FEW_SAMPLES";
+    case NotLocalizedReason::kTooFewInliers:
+      return "TOO_FEW_INLIERS";
+    case NotLocalizedReason::kPoorlyConstrained:
+      return "POORLY_CONSTRAINED";
+  }
+  return "UNKNOWN";
+}
+
+}  // namespace treeline

@@ -1,0 +1,96 @@
+// Where is this camera? The interface every method stands behind.
+#ifndef SERVER_CORE_LOCALIZER_LOCALIZER_H_
+#define SERVER_CORE_LOCALIZER_LOCALIZER_H_
+
+#include <cstdint>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "common/geometry/rigid3.h"
+#include "common/image/frame.h"
+#include "server/core/forest/model_info.h"
+#include "server/core/localizer/query_options.h"
+
+namespace treeline {
+
+enum class Outcome { kLocalized, kNotLocalized };
+
+// Why a frame was not localized. Stable: they appear in the wire contract.
+enum class NotLocalizedReason {
+  kNone,              // it was localized
+  kTooFewSamples,     // hardly a pixel had depth and lay inside the image
+  kTooFewInliers,     // no pose explained enough of the predictions
+  kPoorlyConstrained  // the inliers leave the pose uncertain
+};
+
+// Milliseconds spent per stage, in order of the pipeline.
+struct LocalizeTimings {
+  double sample_ms = 0;  // choosing pixels, back-projecting, descriptors
+  double forest_ms = 0;  // scene coordinates from the forest
+  double pose_ms = 0;    // hypotheses, pruning, refinement
+  double total_ms = 0;
+};
+
+// One sample that supported or contradicted the answer: for pictures.
+struct Correspondence {
+  Pixel color_pixel;
+  Vec3 point_in_camera;
+  Vec3 point_in_world;  // as the forest predicted it
+  bool inlier = false;
+};
+
+struct PoseEstimate {
+  Outcome outcome = Outcome::kNotLocalized;
+  NotLocalizedReason reason = NotLocalizedReason::kTooFewSamples;
+  // Meaningful when localized. The pose of the scene's pose sensor.
+  Rigid3 world_from_camera;
+  PoseCovariance covariance{};
+  int inliers = 0;
+  int samples = 0;
+  // inliers / samples, in [0, 1].
+  double inlier_ratio = 0;
+  LocalizeTimings timings;
+  // Filled if the query asked for it.
+  std::vector<Correspondence> correspondences;
+};
+
+struct LocalizeOptions {
+  // The same seed, frame and model give the same pose, bit for bit, whatever
+  // else the process does.
+  uint64_t seed = 0;
+  bool keep_correspondences = false;
+  // Polled in sampling, backtracking and RANSAC: CANCELLED soon after.
+  std::stop_token stop;
+};
+
+// A loaded scene's way of answering. Immutable; Localize may be called from
+// many threads at once, and runs on the calling one alone.
+class Localizer {
+ public:
+  virtual ~Localizer() = default;
+
+  // "Not localized" is an OK result. Errors: INVALID_ARGUMENT for a frame that
+  // this method cannot use (no depth where depth is needed, image and camera
+  // of different sizes); CANCELLED.
+  virtual absl::StatusOr<PoseEstimate> Localize(
+      const Frame& frame, const LocalizeOptions& options) const = 0;
+
+  virtual const ModelInfo& info() const = 0;
+};
+
+// Maps, verifies and opens a model file. NOT_FOUND: no such file. DATA_LOSS:
+// truncated, corrupt, or not a Treeline model. UNIMPLEMENTED: written by a
+// newer version. Safe on hostile files.
+absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
+    const std::string& model_path, const QueryOptions& options = {});
+
+absl::string_view OutcomeName(Outcome outcome);
+absl::string_view ReasonName(NotLocalizedReason reason);
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_LOCALIZER_LOCALIZER_H_

@@ -1,0 +1,24 @@
+// How hard a query tries: accuracy against time.
+#ifndef SERVER_CORE_LOCALIZER_QUERY_OPTIONS_H_
+#define SERVER_CORE_LOCALIZER_QUERY_OPTIONS_H_
+
+#include "absl/status/status.h"
+
+namespace treeline {
+
+// Defaults are what served best on held-out blocks of training frames of
+// 7-Scenes red kitchen; see docs/benchmarks.md.
+struct QueryOptions {
+  // Pixels sampled from a frame, in [30, 20000].
+  int samples = 500;
+  // N_max of thesis Algorithm 3: leaves visited in each tree, in [1, 32].
+  int backtracking_leaves = 6;
+  // Hypotheses of preemptive RANSAC, in [1, 10000].
+  int hypotheses = 128;
+
+  absl::Status Validate() const;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_LOCALIZER_QUERY_OPTIONS_H_

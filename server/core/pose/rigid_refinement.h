@@ -1,0 +1,47 @@
+// The last word on a pose: robust, weighted, with a covariance.
+#ifndef SERVER_CORE_POSE_RIGID_REFINEMENT_H_
+#define SERVER_CORE_POSE_RIGID_REFINEMENT_H_
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/geometry/rigid3.h"
+#include "server/core/pose/scene_predictions.h"
+
+namespace treeline {
+
+struct RefinementOptions {
+  int iterations = 8;
+  // Scale of the robust loss at the last iteration (m): a residual of this
+  // size has a quarter of the weight of none (Geman-McClure). It starts three
+  // times as large and shrinks.
+  double robust_scale_m = 0.04;
+  // Floor of a prediction's standard deviation (m), for what the leaf's own
+  // covariance cannot know: calibration, motion blur, few samples.
+  double model_sigma_m = 0.01;
+  // Points with a prediction within this distance are inliers (m).
+  double inlier_distance_m = 0.05;
+};
+
+struct RefinedPose {
+  Rigid3 world_from_camera;
+  PoseCovariance covariance{};
+  int inliers = 0;
+  // Which prediction each point supports; -1: none (an outlier).
+  std::vector<int8_t> supported;
+};
+
+// Gauss-Newton on
+//   sum_i min over k of rho( r^T (S_ik + s_i^2 R v v^T R^T + s^2 I)^-1 r ),
+//   r = world_from_camera * x_i - m_ik,
+// where S_ik is the covariance of prediction k of point i, s_i the depth noise
+// along the viewing ray v. Each point picks its nearest prediction anew in
+// every iteration. nullopt: the inliers do not determine a pose.
+std::optional<RefinedPose> RefineRigid(const ScenePredictions& scene,
+                                       const Rigid3& world_from_camera,
+                                       const RefinementOptions& options);
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_POSE_RIGID_REFINEMENT_H_

@@ -1,0 +1,37 @@
+// What the forest says, as the pose solvers read it.
+#ifndef SERVER_CORE_POSE_SCENE_PREDICTIONS_H_
+#define SERVER_CORE_POSE_SCENE_PREDICTIONS_H_
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/geometry/vector3.h"
+
+namespace treeline {
+
+// A predicted scene coordinate with its uncertainty.
+struct ScenePrediction {
+  Vec3 mean_in_world;
+  // m^2: xx xy xz yy yz zz.
+  std::array<double, 6> covariance{};
+};
+
+// Measured points and, for each, the same number of predictions, best first.
+struct ScenePredictions {
+  int per_point = 1;
+  std::vector<Vec3> point_in_camera;
+  std::vector<double> depth_sigma_m;
+  // Prediction k of point i is predictions[i * per_point + k].
+  std::vector<ScenePrediction> predictions;
+
+  size_t size() const { return point_in_camera.size(); }
+  const ScenePrediction& at(size_t i, int k) const {
+    return predictions[i * static_cast<size_t>(per_point) +
+                       static_cast<size_t>(k)];
+  }
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_POSE_SCENE_PREDICTIONS_H_

@@ -1,0 +1,34 @@
+// For tests: a recording of the inside of a patterned box, by arithmetic.
+#ifndef SERVER_CORE_TRAINING_BOX_ROOM_RECORDING_H_
+#define SERVER_CORE_TRAINING_BOX_ROOM_RECORDING_H_
+
+#include <string>
+#include <vector>
+
+#include "common/camera/rgbd_calibration.h"
+#include "common/image/frame.h"
+
+namespace treeline {
+
+// Small pinhole cameras: 200 x 150 pixels, 145 px focal length.
+RgbdCalibration BoxRoomCalibration();
+
+// What an RGB-D pair with `calibration` sees at a pose of its pose sensor in a
+// 4 x 3 x 2.5 m room whose middle is the world's origin. Walls carry a smooth
+// random pattern. Depth is in millimetres, exact but for rounding.
+Frame RenderBoxRoom(const RgbdCalibration& calibration,
+                    const Rigid3& world_from_sensor);
+
+// `count` poses along a loop that looks at all walls.
+std::vector<Rigid3> BoxRoomPoses(int count);
+
+// Writes DIR/seq-01/frame-000000.* and so on in 7-Scenes layout. Poses are of
+// calibration.pose_sensor: in .pose.txt files for the depth camera, in
+// DIR/poses.txt (camera from world) for the colour camera.
+void WriteBoxRoomRecording(const std::string& folder,
+                           const RgbdCalibration& calibration,
+                           const std::vector<Rigid3>& world_from_sensor);
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_TRAINING_BOX_ROOM_RECORDING_H_

@@ -1,0 +1,335 @@
+#include "server/core/training/forest_trainer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/parallel_for.h"
+#include "common/base/progress.h"
+#include "common/base/random.h"
+#include "common/base/status_macros.h"
+#include "server/core/features/rgbd_samples.h"
+#include "server/core/training/tree_grower.h"
+
+namespace treeline {
+namespace {
+
+// Random streams of training, apart from those of the nodes.
+constexpr uint64_t kFrameStream = 0x66726d0000000000;
+constexpr uint64_t kSampleStream = 0x736d700000000000;
+
+std::vector<int> UsableFrames(const Dataset& dataset) {
+  std::vector<int> usable;
+  for (int i = 0; i < dataset.size(); ++i) {
+    const DatasetFrame& frame = dataset.frame(i);
+    if (frame.world_from_camera && !frame.depth_path.empty()) {
+      usable.push_back(i);
+    }
+  }
+  return usable;
+}
+
+// `count` of `frames` at random, in ascending order (a partial shuffle).
+std::vector<int> DrawFrames(std::vector<int> frames, int count, Random random) {
+  const size_t wanted = std::min(frames.size(), static_cast<size_t>(count));
+  for (size_t i = 0; i < wanted; ++i) {
+    const size_t j =
+        i + random.NextBelow(static_cast<uint32_t>(frames.size() - i));
+    std::swap(frames[i], frames[j]);
+  }
+  frames.resize(wanted);
+  std::sort(frames.begin(), frames.end());
+  return frames;
+}
+
+// A frame in memory, and its samples for each tree that drew it.
+struct LoadedFrame {
+  absl::Status status;
+  PlanarImage image;
+  std::map<int, TreeSamples> samples;  // by tree
+};
+
+class Trainer {
+ public:
+  Trainer(const Dataset& dataset, const RgbdCalibration& calibration,
+          const TrainingOptions& options, bool quiet, std::stop_token stop)
+      : dataset_(dataset),
+        geometry_(calibration),
+        options_(options),
+        quiet_(quiet),
+        stop_(std::move(stop)) {}
+
+  absl::StatusOr<TrainedForest> Train();
+
+ private:
+  // Trees [first, last) are grown together.
+  absl::Status TrainGroup(int first, int last);
+  int GroupEnd(int first) const;
+  std::vector<int> FramesOfGroup(int first, int last) const;
+  absl::Status LoadFrame(int frame, int first_tree, int last_tree,
+                         LoadedFrame& loaded) const;
+  absl::Status GrowGroup(int first, int last, const std::vector<int>& frames,
+                         std::vector<LoadedFrame>& loaded);
+  absl::Status CheckStop() const {
+    return stop_.stop_requested()
+               ? absl::CancelledError("training was interrupted")
+               : absl::OkStatus();
+  }
+  void Quantize();
+
+  const Dataset& dataset_;
+  const DepthGeometry geometry_;
+  const TrainingOptions& options_;
+  const bool quiet_;
+  const std::stop_token stop_;
+  std::vector<std::vector<int>> frames_of_tree_;
+  std::vector<GrownTree> grown_;
+  TrainedForest result_;
+};
+
+absl::StatusOr<TrainedForest> Trainer::Train() {
+  const std::vector<int> usable = UsableFrames(dataset_);
+  if (usable.empty()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(dataset_.uri(),
+                     ": no frame has both a pose and depth, so there is "
+                     "nothing to learn from"));
+  }
+  std::vector<int> used;
+  for (int t = 0; t < options_.trees; ++t) {
+    frames_of_tree_.push_back(DrawFrames(
+        usable, options_.frames_per_tree,
+        Random(options_.seed, kFrameStream + static_cast<uint64_t>(t))));
+    used.insert(used.end(), frames_of_tree_.back().begin(),
+                frames_of_tree_.back().end());
+  }
+  std::sort(used.begin(), used.end());
+  result_.frames =
+      static_cast<int>(std::unique(used.begin(), used.end()) - used.begin());
+  grown_.resize(static_cast<size_t>(options_.trees));
+  for (int first = 0; first < options_.trees;) {
+    const int last = GroupEnd(first);
+    TL_RETURN_IF_ERROR(TrainGroup(first, last));
+    first = last;
+  }
+  Quantize();
+  return std::move(result_);
+}
+
+std::vector<int> Trainer::FramesOfGroup(int first, int last) const {
+  std::vector<int> frames;
+  for (int t = first; t < last; ++t) {
+    const std::vector<int>& of_tree = frames_of_tree_[static_cast<size_t>(t)];
+    frames.insert(frames.end(), of_tree.begin(), of_tree.end());
+  }
+  std::sort(frames.begin(), frames.end());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  return frames;
+}
+
+int Trainer::GroupEnd(int first) const {
+  const Camera& camera = geometry_.calibration().color;
+  const int64_t image_bytes = int64_t{3} * camera.width() * camera.height();
+  int last = first + 1;
+  while (last < options_.trees &&
+         image_bytes *
+                 static_cast<int64_t>(FramesOfGroup(first, last + 1).size()) <=
+             options_.image_memory_bytes) {
+    ++last;
+  }
+  return last;
+}
+
+absl::Status Trainer::LoadFrame(int frame_index, int first_tree, int last_tree,
+                                LoadedFrame& loaded) const {
+  const DatasetFrame& entry = dataset_.frame(frame_index);
+  TL_ASSIGN_OR_RETURN(const Frame frame, dataset_.Load(frame_index));
+  const RgbdCalibration& calibration = geometry_.calibration();
+  if (frame.color.width != calibration.color.width() ||
+      frame.color.height != calibration.color.height() ||
+      frame.depth->width != calibration.depth.width() ||
+      frame.depth->height != calibration.depth.height()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        entry.color_path, ": colour ", frame.color.width, " x ",
+        frame.color.height, " and depth ", frame.depth->width, " x ",
+        frame.depth->height, ", but the calibration is for ",
+        calibration.color.width(), " x ", calibration.color.height(), " and ",
+        calibration.depth.width(), " x ", calibration.depth.height()));
+  }
+  loaded.image.Assign(frame.color);
+  RgbdSamples drawn;
+  for (int t = first_tree; t < last_tree; ++t) {
+    const std::vector<int>& of_tree = frames_of_tree_[static_cast<size_t>(t)];
+    const auto place =
+        std::lower_bound(of_tree.begin(), of_tree.end(), frame_index);
+    if (place == of_tree.end() || *place != frame_index) continue;
+    DrawSamples(
+        geometry_, *frame.depth, options_.samples_per_frame,
+        Random(options_.seed, kSampleStream + (static_cast<uint64_t>(t) << 32) +
+                                  static_cast<uint64_t>(frame_index)),
+        drawn);
+    TreeSamples& samples = loaded.samples[t];
+    samples.frame.assign(drawn.size(),
+                         static_cast<uint16_t>(place - of_tree.begin()));
+    samples.x.assign(drawn.x.begin(), drawn.x.end());
+    samples.y.assign(drawn.y.begin(), drawn.y.end());
+    samples.inverse_depth_q12 = drawn.inverse_depth_q12;
+    for (const Vec3& point : drawn.point) {
+      const Vec3 in_world = *entry.world_from_camera * point;
+      samples.point_in_world.push_back({static_cast<float>(in_world.x),
+                                        static_cast<float>(in_world.y),
+                                        static_cast<float>(in_world.z)});
+    }
+    samples.descriptor.resize(drawn.size());
+    ComputeWht(loaded.image, drawn.x, drawn.y, samples.descriptor);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Trainer::TrainGroup(int first, int last) {
+  const std::vector<int> frames = FramesOfGroup(first, last);
+  std::vector<LoadedFrame> loaded(frames.size());
+  {
+    Progress progress("reading frames", static_cast<int64_t>(frames.size()),
+                      quiet_);
+    ParallelFor(
+        static_cast<int64_t>(frames.size()), options_.threads, [&](int64_t i) {
+          LoadedFrame& slot = loaded[static_cast<size_t>(i)];
+          slot.status = CheckStop();
+          if (!slot.status.ok()) return;
+          slot.status =
+              LoadFrame(frames[static_cast<size_t>(i)], first, last, slot);
+          progress.Add(1);
+        });
+  }
+  for (const LoadedFrame& frame : loaded) TL_RETURN_IF_ERROR(frame.status);
+  return GrowGroup(first, last, frames, loaded);
+}
+
+absl::Status Trainer::GrowGroup(int first, int last,
+                                const std::vector<int>& frames,
+                                std::vector<LoadedFrame>& loaded) {
+  const size_t trees = static_cast<size_t>(last - first);
+  std::vector<TreeSamples> samples(trees);
+  std::vector<std::unique_ptr<TreeGrower>> growers(trees);
+  ParallelFor(static_cast<int64_t>(trees), options_.threads, [&](int64_t i) {
+    const size_t g = static_cast<size_t>(i);
+    const int tree = first + static_cast<int>(i);
+    std::vector<const PlanarImage*> images;
+    for (int frame : frames_of_tree_[static_cast<size_t>(tree)]) {
+      LoadedFrame& slot = loaded[static_cast<size_t>(
+          std::lower_bound(frames.begin(), frames.end(), frame) -
+          frames.begin())];
+      images.push_back(&slot.image);
+      TreeSamples& of_frame = slot.samples[tree];
+      samples[g].Append(of_frame);
+      of_frame = TreeSamples{};
+    }
+    growers[g] = std::make_unique<TreeGrower>(options_, tree, std::move(images),
+                                              samples[g]);
+    growers[g]->GrowTop();
+  });
+  struct Task {
+    size_t grower;
+    size_t node;
+    size_t samples;
+  };
+  std::vector<Task> tasks;
+  int64_t total = 0;
+  for (size_t g = 0; g < trees; ++g) {
+    total += static_cast<int64_t>(samples[g].size());
+    for (size_t n = 0; n < growers[g]->open_nodes(); ++n) {
+      tasks.push_back({g, n, growers[g]->open_node_samples(n)});
+    }
+  }
+  if (total == 0) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(dataset_.uri(),
+                     ": no pixel of the frames has usable depth; check the "
+                     "depth unit and the depth camera"));
+  }
+  // Largest first, so that no long task is left to the end.
+  std::stable_sort(
+      tasks.begin(), tasks.end(),
+      [](const Task& a, const Task& b) { return a.samples > b.samples; });
+  Progress progress("growing trees", total, quiet_);
+  ParallelFor(static_cast<int64_t>(tasks.size()), options_.threads,
+              [&](int64_t i) {
+                const Task& task = tasks[static_cast<size_t>(i)];
+                growers[task.grower]->GrowOpenNode(task.node, stop_);
+                progress.Add(static_cast<int64_t>(task.samples));
+              });
+  TL_RETURN_IF_ERROR(CheckStop());
+  for (size_t g = 0; g < trees; ++g) {
+    grown_[static_cast<size_t>(first) + g] = growers[g]->Assemble();
+    result_.samples += static_cast<int64_t>(samples[g].size());
+  }
+  return absl::OkStatus();
+}
+
+// Appends all grown trees to one forest, positions relative to their bounds.
+void Trainer::Quantize() {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vec3 low{kInfinity, kInfinity, kInfinity};
+  Vec3 high = -low;
+  for (const GrownTree& tree : grown_) {
+    for (const GrownLeaf& leaf : tree.leaves) {
+      const Vec3& m = leaf.mean_in_world;
+      low = {std::min(low.x, m.x), std::min(low.y, m.y), std::min(low.z, m.z)};
+      high = {std::max(high.x, m.x), std::max(high.y, m.y),
+              std::max(high.z, m.z)};
+    }
+  }
+  Forest& forest = result_.forest;
+  forest.bounds_min_in_world = low;
+  forest.bounds_max_in_world = high;
+  const auto quantize = [](double value, double from, double to) {
+    return to > from ? static_cast<uint16_t>(
+                           std::lround(65535 * (value - from) / (to - from)))
+                     : uint16_t{0};
+  };
+  for (GrownTree& tree : grown_) {
+    const uint32_t leaf_base = static_cast<uint32_t>(forest.payloads.size());
+    for (Node node : tree.nodes) {
+      if (node.is_leaf()) node = Node::Leaf(node.leaf() + leaf_base);
+      forest.nodes.push_back(node);
+    }
+    forest.tree_offsets.push_back(static_cast<uint32_t>(forest.nodes.size()));
+    for (const GrownLeaf& leaf : tree.leaves) {
+      LeafPayload payload;
+      payload.mean = {quantize(leaf.mean_in_world.x, low.x, high.x),
+                      quantize(leaf.mean_in_world.y, low.y, high.y),
+                      quantize(leaf.mean_in_world.z, low.z, high.z)};
+      for (size_t k = 0; k < 6; ++k) {
+        payload.covariance[k] = ToBfloat16(leaf.covariance[k]);
+      }
+      payload.count =
+          static_cast<uint16_t>(std::min<uint32_t>(leaf.count, 65535));
+      forest.payloads.push_back(payload);
+      forest.descriptors.push_back(leaf.descriptor);
+    }
+    tree = GrownTree{};
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<TrainedForest> TrainForest(const Dataset& dataset,
+                                          const RgbdCalibration& calibration,
+                                          const TrainingOptions& options,
+                                          bool quiet, std::stop_token stop) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  if (calibration.pose_sensor != dataset.calibration().pose_sensor) {
+    return absl::InvalidArgumentError(
+        "the calibration's poses are of another sensor than the dataset's");
+  }
+  return Trainer(dataset, calibration, options, quiet, std::move(stop)).Train();
+}
+
+}  // namespace treeline

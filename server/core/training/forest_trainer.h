@@ -1,0 +1,37 @@
+// From recorded RGB-D frames with poses to a forest.
+#ifndef SERVER_CORE_TRAINING_FOREST_TRAINER_H_
+#define SERVER_CORE_TRAINING_FOREST_TRAINER_H_
+
+#include <cstdint>
+#include <stop_token>
+
+#include "absl/status/statusor.h"
+#include "common/camera/rgbd_calibration.h"
+#include "server/core/dataset/dataset.h"
+#include "server/core/forest/forest.h"
+#include "server/core/training/training_options.h"
+
+namespace treeline {
+
+struct TrainedForest {
+  Forest forest;
+  int frames = 0;       // distinct frames that were used
+  int64_t samples = 0;  // over all trees
+};
+
+// Grows a forest (thesis 4.2.3) on the frames of `dataset` that have a pose
+// and depth. `calibration` holds for every frame; its pose_sensor must be the
+// dataset's. The result depends on the data, the calibration and the options
+// (but for threads), and on nothing else. Shows progress on standard error
+// unless quiet.
+//
+// Errors: INVALID_ARGUMENT for bad options, FAILED_PRECONDITION if no frame is
+// usable, CANCELLED after `stop`, and whatever reading a frame gives.
+absl::StatusOr<TrainedForest> TrainForest(const Dataset& dataset,
+                                          const RgbdCalibration& calibration,
+                                          const TrainingOptions& options,
+                                          bool quiet, std::stop_token stop);
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_TRAINING_FOREST_TRAINER_H_

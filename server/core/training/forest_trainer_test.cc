@@ -1,0 +1,178 @@
+#include "server/core/training/forest_trainer.h"
+
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "server/core/training/box_room_recording.h"
+
+namespace treeline {
+namespace {
+
+class ForestTrainerTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new std::string(testing::TempDir() + "/forest_trainer_test_" +
+                              std::to_string(getpid()));
+    RgbdCalibration calibration = BoxRoomCalibration();
+    calibration.pose_sensor = RgbdSensor::kDepth;
+    WriteBoxRoomRecording(*folder_, calibration, BoxRoomPoses(12));
+  }
+  static void TearDownTestSuite() {
+    std::filesystem::remove_all(*folder_);
+    delete folder_;
+  }
+
+  static DatasetOptions Recording() {
+    DatasetOptions options;
+    options.uri = "7scenes:" + *folder_;
+    options.color_camera = "PINHOLE,145,145,100,75";
+    options.depth_camera = options.color_camera;
+    return options;
+  }
+  static TrainingOptions Small() {
+    TrainingOptions options;
+    options.trees = 3;
+    options.samples_per_frame = 200;
+    options.threads = 2;
+    return options;
+  }
+  static absl::StatusOr<TrainedForest> Train(const TrainingOptions& options) {
+    const auto dataset = Dataset::Open(Recording());
+    if (!dataset.ok()) return dataset.status();
+    return TrainForest(*dataset, dataset->calibration(), options, true, {});
+  }
+
+  static std::string* folder_;
+};
+std::string* ForestTrainerTest::folder_ = nullptr;
+
+bool SameBytes(const Forest& a, const Forest& b) {
+  const auto same = [](const auto& x, const auto& y) {
+    return x.size() == y.size() &&
+           std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
+  };
+  return same(a.nodes, b.nodes) && same(a.tree_offsets, b.tree_offsets) &&
+         same(a.descriptors, b.descriptors) && same(a.payloads, b.payloads) &&
+         a.bounds_min_in_world == b.bounds_min_in_world &&
+         a.bounds_max_in_world == b.bounds_max_in_world;
+}
+
+TEST_F(ForestTrainerTest, GrowsASoundForestWithinTheRoom) {
+  const auto trained = Train(Small());
+  ASSERT_TRUE(trained.ok()) << trained.status();
+  EXPECT_EQ(trained->frames, 12);
+  EXPECT_EQ(trained->samples, 3 * 12 * 200);
+  const ForestView forest = trained->forest.View();
+  EXPECT_TRUE(forest.Validate().ok()) << forest.Validate();
+  EXPECT_EQ(forest.trees(), 3);
+  // All samples lie on walls of the 4 x 2.5 x 3 m room, and so within a
+  // millimetre (of depth) of its bounds.
+  EXPECT_GE(forest.bounds_min_in_world.x, -2.002);
+  EXPECT_LE(forest.bounds_max_in_world.x, 2.002);
+  EXPECT_GE(forest.bounds_min_in_world.z, -1.502);
+  EXPECT_LE(forest.bounds_max_in_world.z, 1.502);
+  int64_t counted = 0;
+  for (const LeafPayload& leaf : forest.payloads) {
+    EXPECT_GE(leaf.count, 1);
+    counted += leaf.count;
+  }
+  EXPECT_EQ(counted, trained->samples) << "every sample is in one leaf a tree";
+}
+
+TEST_F(ForestTrainerTest, DoesNotDependOnTheNumberOfThreads) {
+  TrainingOptions options = Small();
+  options.threads = 1;
+  const auto one = Train(options);
+  ASSERT_TRUE(one.ok()) << one.status();
+  for (int threads : {2, 8}) {
+    options.threads = threads;
+    const auto many = Train(options);
+    ASSERT_TRUE(many.ok());
+    EXPECT_TRUE(SameBytes(one->forest, many->forest)) << threads;
+  }
+}
+
+TEST_F(ForestTrainerTest, DoesNotDependOnHowManyTreesFitIntoMemory) {
+  TrainingOptions options = Small();
+  const auto together = Train(options);
+  options.image_memory_bytes = 1;  // one tree at a time
+  const auto apart = Train(options);
+  ASSERT_TRUE(together.ok() && apart.ok());
+  EXPECT_TRUE(SameBytes(together->forest, apart->forest));
+}
+
+TEST_F(ForestTrainerTest, TheSeedDecides) {
+  TrainingOptions options = Small();
+  const auto a = Train(options);
+  options.seed = 1;
+  const auto b = Train(options);
+  ASSERT_TRUE(a.ok() && b.ok());
+  EXPECT_FALSE(SameBytes(a->forest, b->forest));
+}
+
+TEST_F(ForestTrainerTest, DrawsASubsetOfFramesForEachTree) {
+  TrainingOptions options = Small();
+  options.frames_per_tree = 2;
+  const auto trained = Train(options);
+  ASSERT_TRUE(trained.ok());
+  EXPECT_EQ(trained->samples, 3 * 2 * 200);
+  EXPECT_GT(trained->frames, 2) << "all trees drew the same frames";
+  EXPECT_LE(trained->frames, 6);
+}
+
+TEST_F(ForestTrainerTest, BalancedLevelsSplitEvenly) {
+  TrainingOptions options = Small();
+  options.trees = 1;
+  options.balanced_levels = 3;
+  options.max_depth = 3;
+  options.split_candidates = 200;
+  const auto trained = Train(options);
+  ASSERT_TRUE(trained.ok());
+  // 2400 samples over 8 leaves: with 200 candidates a node each split is
+  // within a few per cent of even.
+  ASSERT_EQ(trained->forest.payloads.size(), 8u);
+  for (const LeafPayload& leaf : trained->forest.payloads) {
+    EXPECT_NEAR(leaf.count, 300, 60);
+  }
+}
+
+TEST_F(ForestTrainerTest, StopsWhenAsked) {
+  const auto dataset = Dataset::Open(Recording());
+  ASSERT_TRUE(dataset.ok());
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(TrainForest(*dataset, dataset->calibration(), Small(), true,
+                        stop.get_token())
+                .status()
+                .code(),
+            absl::StatusCode::kCancelled);
+}
+
+TEST_F(ForestTrainerTest, SaysWhatIsWrong) {
+  TrainingOptions options = Small();
+  options.trees = 0;
+  EXPECT_THAT(Train(options).status().ToString(),
+              testing::HasSubstr("trees is 0"));
+  // A frame that vanishes after the index was read.
+  const auto dataset = Dataset::Open(Recording());
+  ASSERT_TRUE(dataset.ok());
+  const std::string path = dataset->frame(5).color_path;
+  std::filesystem::rename(path, path + ".away");
+  const absl::Status status =
+      TrainForest(*dataset, dataset->calibration(), Small(), true, {}).status();
+  std::filesystem::rename(path + ".away", path);
+  EXPECT_EQ(status.code(), absl::StatusCode::kNotFound);
+  EXPECT_THAT(status.ToString(), testing::HasSubstr(path));
+  // A calibration for images of another size.
+  RgbdCalibration other = dataset->calibration();
+  other.color = *Camera::Parse("PINHOLE,525,525,320,240", 640, 480);
+  EXPECT_EQ(TrainForest(*dataset, other, Small(), true, {}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace treeline

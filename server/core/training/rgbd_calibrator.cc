@@ -1,0 +1,368 @@
+#include "server/core/training/rgbd_calibrator.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "Eigen/Cholesky"
+#include "Eigen/Core"
+#include "absl/strings/str_cat.h"
+#include "common/base/parallel_for.h"
+#include "common/base/progress.h"
+#include "common/base/status_macros.h"
+#include "server/core/training/edge_alignment.h"
+#include "server/core/training/surface_consistency.h"
+
+namespace treeline {
+namespace {
+
+// The unknowns, as changes of the nominal calibration. Focal lengths and the
+// scale are logarithms of factors; rotation and translation are those of
+// color_from_depth.
+enum Unknown : size_t {
+  kRotationX,
+  kRotationY,
+  kRotationZ,
+  kTranslationX,
+  kTranslationY,
+  kTranslationZ,
+  kScale,
+  kDepthFocal,
+  kDepthCx,
+  kDepthCy,
+  kDepthRadial,
+  kColorFocal,
+  kColorCx,
+  kColorCy,
+  kUnknowns
+};
+using Values = std::array<double, kUnknowns>;
+using Choice = std::array<bool, kUnknowns>;
+
+// Standard deviations of what is believed beforehand about consumer RGB-D
+// cameras, in rad, m, 1, 1, px, 1, 1, px.
+constexpr Values kPriorSigma = {0.03, 0.03, 0.03, 0.05, 0.05, 0.05, 0.03,
+                                0.01, 5,    5,    0.1,  0.01, 5,    5};
+// Steps of numerical differentiation.
+constexpr Values kStep = {1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4,
+                          1e-4, 0.05, 0.05, 1e-4, 1e-4, 0.05, 0.05};
+// First steps of the edge search.
+constexpr Values kSearchStep = {0.004, 0.004, 0.004, 0.004, 0.004, 0.004, 0.004,
+                                0.004, 2,     2,     0.01,  0.004, 2,     2};
+
+// So many compared points count as one: neighbours share their errors.
+constexpr double kPointsPerObservation = 20;
+constexpr int kIterations = 12;
+// Residuals above this many standard deviations are no match; wider at first.
+constexpr double kCutoff = 4;
+constexpr double kFirstCutoff = 10;
+constexpr double kReportCutoff_m = 0.1;
+// The surface fit is kept if it lowers their distance by this share.
+constexpr double kMinImprovement = 0.03;
+constexpr std::array<double, 2> kSmoothing_px = {3.0, 1.5};
+
+// `camera` with focal lengths scaled and principal point moved. radial != 0
+// makes it an OPENCV camera; otherwise the model is kept.
+Camera Adjusted(const Camera& camera, double focal_factor, double dx_px,
+                double dy_px, double radial) {
+  absl::StatusOr<Camera> adjusted = camera;
+  if (radial != 0) {
+    const double p[8] = {camera.fx() * focal_factor,
+                         camera.fy() * focal_factor,
+                         camera.cx() + dx_px,
+                         camera.cy() + dy_px,
+                         radial,
+                         0,
+                         0,
+                         0};
+    adjusted = Camera::Create(CameraModel::kOpenCv, camera.width(),
+                              camera.height(), p, 8);
+  } else {
+    std::array<double, Camera::kMaxParameters> p = camera.parameters();
+    const bool one_focal = camera.model() == CameraModel::kSimplePinhole ||
+                           camera.model() == CameraModel::kSimpleRadial ||
+                           camera.model() == CameraModel::kRadial;
+    const size_t focals = one_focal ? 1 : 2;
+    for (size_t i = 0; i < focals; ++i) p[i] *= focal_factor;
+    p[focals] += dx_px;
+    p[focals + 1] += dy_px;
+    adjusted = Camera::Create(camera.model(), camera.width(), camera.height(),
+                              p.data(), CameraParameterCount(camera.model()));
+  }
+  return adjusted.value_or(camera);
+}
+
+RgbdCalibration Apply(const RgbdCalibration& nominal, const Values& x) {
+  RgbdCalibration calibration = nominal;
+  calibration.color_from_depth =
+      Rigid3{Rotation3::FromAxisAngle(
+                 {x[kRotationX], x[kRotationY], x[kRotationZ]}),
+             {x[kTranslationX], x[kTranslationY], x[kTranslationZ]}} *
+      nominal.color_from_depth;
+  calibration.depth_scale = nominal.depth_scale * std::exp(x[kScale]);
+  calibration.depth = Adjusted(nominal.depth, std::exp(x[kDepthFocal]),
+                               x[kDepthCx], x[kDepthCy], x[kDepthRadial]);
+  calibration.color = Adjusted(nominal.color, std::exp(x[kColorFocal]),
+                               x[kColorCx], x[kColorCy], 0);
+  return calibration;
+}
+
+// Gauss-Newton with Tukey's loss on the surface residuals and the priors.
+class SurfaceFit {
+ public:
+  SurfaceFit(SurfaceConsistency& surfaces, const RgbdCalibration& nominal,
+             const Choice& unknowns, int threads)
+      : surfaces_(surfaces), nominal_(nominal), threads_(threads) {
+    for (size_t u = 0; u < kUnknowns; ++u) {
+      if (unknowns[u]) unknowns_.push_back(u);
+    }
+  }
+
+  absl::Status Run(Values& x, Progress& progress, const std::stop_token& stop) {
+    for (int i = 0; i < kIterations; ++i) {
+      if (stop.stop_requested()) {
+        return absl::CancelledError("calibration was interrupted");
+      }
+      Step(x, i < kIterations / 3 ? kFirstCutoff : kCutoff);
+      progress.Add(1);
+    }
+    return absl::OkStatus();
+  }
+
+ private:
+  void Step(Values& x, double cutoff) {
+    const size_t n = unknowns_.size();
+    surfaces_.Associate(Apply(nominal_, x));
+    std::vector<double> residuals;
+    surfaces_.Residuals(Apply(nominal_, x), residuals);
+    // Columns of the Jacobian by central differences, two evaluations each.
+    std::vector<std::vector<double>> shifted(2 * n);
+    ParallelFor(static_cast<int64_t>(2 * n), threads_, [&](int64_t i) {
+      const size_t u = unknowns_[static_cast<size_t>(i) / 2];
+      Values y = x;
+      y[u] += (i % 2 == 0 ? 1 : -1) * kStep[u];
+      surfaces_.Residuals(Apply(nominal_, y), shifted[static_cast<size_t>(i)]);
+    });
+    Eigen::MatrixXd h = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n),
+                                              static_cast<Eigen::Index>(n));
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(n));
+    Eigen::VectorXd row(static_cast<Eigen::Index>(n));
+    for (size_t r = 0; r < residuals.size(); ++r) {
+      if (residuals[r] == 0 || std::abs(residuals[r]) > cutoff) continue;
+      bool complete = true;
+      for (size_t c = 0; c < n; ++c) {
+        const double plus = shifted[2 * c][r];
+        const double minus = shifted[2 * c + 1][r];
+        complete = complete && plus != 0 && minus != 0;
+        row[static_cast<Eigen::Index>(c)] =
+            (plus - minus) / (2 * kStep[unknowns_[c]]);
+      }
+      if (!complete) continue;
+      const double t = residuals[r] / cutoff;
+      const double weight = (1 - t * t) * (1 - t * t) / kPointsPerObservation;
+      h.noalias() += weight * row * row.transpose();
+      g.noalias() += weight * residuals[r] * row;
+    }
+    for (size_t c = 0; c < n; ++c) {
+      const Eigen::Index i = static_cast<Eigen::Index>(c);
+      const double prior =
+          1 / (kPriorSigma[unknowns_[c]] * kPriorSigma[unknowns_[c]]);
+      h(i, i) += prior;
+      g[i] += prior * x[unknowns_[c]];
+    }
+    const Eigen::VectorXd step = h.ldlt().solve(-g);
+    for (size_t c = 0; c < n; ++c) {
+      x[unknowns_[c]] += step[static_cast<Eigen::Index>(c)];
+    }
+  }
+
+  SurfaceConsistency& surfaces_;
+  const RgbdCalibration& nominal_;
+  const int threads_;
+  std::vector<size_t> unknowns_;
+};
+
+// Climbs the edge strength along one unknown after the other, halving the
+// steps when none helps.
+void ClimbEdges(const EdgeAlignment& edges, const RgbdCalibration& nominal,
+                const Choice& unknowns, double step_scale, Values& x,
+                Progress& progress, const std::stop_token& stop) {
+  constexpr int kSweeps = 12;
+  double best = edges.Strength(Apply(nominal, x));
+  double scale = step_scale;
+  for (int sweep = 0; sweep < kSweeps && !stop.stop_requested(); ++sweep) {
+    bool improved = false;
+    for (size_t u = 0; u < kUnknowns; ++u) {
+      if (!unknowns[u]) continue;
+      for (double direction : {-1.0, 1.0}) {
+        while (true) {
+          Values y = x;
+          y[u] += direction * scale * kSearchStep[u];
+          // Stay where consumer cameras are.
+          if (std::abs(y[u]) > 4 * kPriorSigma[u]) break;
+          const double strength = edges.Strength(Apply(nominal, y));
+          if (strength <= best) break;
+          best = strength;
+          x = y;
+          improved = true;
+        }
+      }
+    }
+    if (!improved) scale /= 2;
+    progress.Add(1);
+  }
+}
+
+Choice Choose(std::initializer_list<Unknown> unknowns) {
+  Choice choice{};
+  for (Unknown u : unknowns) choice[u] = true;
+  return choice;
+}
+
+struct LoadedFrames {
+  std::vector<Frame> frames;
+  std::vector<PosedDepth> depths;
+};
+
+absl::StatusOr<LoadedFrames> LoadFrames(const Dataset& dataset,
+                                        const CalibratorOptions& options,
+                                        bool quiet,
+                                        const std::stop_token& stop) {
+  std::vector<int> usable;
+  for (int i = 0; i < dataset.size(); ++i) {
+    if (dataset.frame(i).world_from_camera &&
+        !dataset.frame(i).depth_path.empty()) {
+      usable.push_back(i);
+    }
+  }
+  if (usable.size() < 2) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(dataset.uri(),
+                     ": calibration needs at least two frames with depth "
+                     "and pose, and there are ",
+                     usable.size()));
+  }
+  const size_t count =
+      std::min(usable.size(), static_cast<size_t>(options.frames));
+  std::vector<absl::StatusOr<Frame>> loaded(count,
+                                            absl::UnknownError("not read"));
+  const auto index = [&](size_t i) {
+    return usable[i * usable.size() / count];
+  };
+  Progress progress("reading frames", static_cast<int64_t>(count), quiet);
+  ParallelFor(static_cast<int64_t>(count), options.threads, [&](int64_t i) {
+    if (!stop.stop_requested()) {
+      loaded[static_cast<size_t>(i)] =
+          dataset.Load(index(static_cast<size_t>(i)));
+    }
+    progress.Add(1);
+  });
+  if (stop.stop_requested()) {
+    return absl::CancelledError("calibration was interrupted");
+  }
+  LoadedFrames result;
+  for (size_t i = 0; i < count; ++i) {
+    TL_RETURN_IF_ERROR(loaded[i].status());
+    result.depths.push_back(
+        {*loaded[i]->depth, *dataset.frame(index(i)).world_from_camera});
+    result.frames.push_back(*std::move(loaded[i]));
+  }
+  return result;
+}
+
+absl::Status CheckSizes(const LoadedFrames& loaded,
+                        const RgbdCalibration& nominal) {
+  for (const Frame& frame : loaded.frames) {
+    if (frame.color.width != nominal.color.width() ||
+        frame.color.height != nominal.color.height() ||
+        frame.depth->width != nominal.depth.width() ||
+        frame.depth->height != nominal.depth.height()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "a frame has colour ", frame.color.width, " x ", frame.color.height,
+          " and depth ", frame.depth->width, " x ", frame.depth->height,
+          ", but the cameras are for ", nominal.color.width(), " x ",
+          nominal.color.height(), " and ", nominal.depth.width(), " x ",
+          nominal.depth.height()));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<CalibrationReport> CalibrateRgbd(
+    const Dataset& dataset, const CalibratorOptions& options, bool quiet,
+    std::stop_token stop) {
+  if (options.frames < 2 || options.frames > 1000) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "calibration frames is ", options.frames, "; it must be 2 to 1000"));
+  }
+  const RgbdCalibration nominal = dataset.calibration();
+  TL_ASSIGN_OR_RETURN(const LoadedFrames loaded,
+                      LoadFrames(dataset, options, quiet, stop));
+  TL_RETURN_IF_ERROR(CheckSizes(loaded, nominal));
+  CalibrationReport report;
+  report.frames = static_cast<int>(loaded.frames.size());
+
+  Choice by_surfaces = Choose({kScale});
+  Choice by_edges{};
+  if (!dataset.depth_is_registered()) {
+    if (nominal.pose_sensor == RgbdSensor::kColor) {
+      by_surfaces = Choose({kRotationX, kRotationY, kRotationZ, kTranslationX,
+                            kTranslationY, kTranslationZ, kScale, kDepthFocal,
+                            kDepthCx, kDepthCy, kDepthRadial});
+      by_edges = Choose({kColorFocal, kColorCx, kColorCy});
+    } else {
+      // Surfaces say nothing about the colour camera here.
+      by_edges = Choose(
+          {kTranslationX, kTranslationY, kColorFocal, kColorCx, kColorCy});
+    }
+    if (nominal.depth.has_distortion()) by_surfaces[kDepthRadial] = false;
+  }
+
+  Progress progress("calibrating",
+                    kIterations + (dataset.depth_is_registered() ? 0 : 24),
+                    quiet);
+  Values x{};
+  SurfaceConsistency surfaces(loaded.depths, nominal);
+  report.pairs = surfaces.pairs();
+  if (report.pairs == 0) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        dataset.uri(), ": no two of the ", report.frames,
+        " frames see the same surfaces from different directions; give more "
+        "frames, or a calibration"));
+  }
+  surfaces.Associate(nominal);
+  report.surface_rms_before_m = surfaces.Rms_m(nominal, kReportCutoff_m);
+  TL_RETURN_IF_ERROR(SurfaceFit(surfaces, nominal, by_surfaces, options.threads)
+                         .Run(x, progress, stop));
+  surfaces.Associate(Apply(nominal, x));
+  report.surface_rms_after_m =
+      surfaces.Rms_m(Apply(nominal, x), kReportCutoff_m);
+  if (report.surface_rms_after_m >
+      (1 - kMinImprovement) * report.surface_rms_before_m) {
+    // Where the surfaces do not ask for a change, noise decides it.
+    x = Values{};
+    report.surface_rms_after_m = report.surface_rms_before_m;
+  }
+
+  if (!dataset.depth_is_registered()) {
+    double step_scale = 1;
+    for (double smoothing_px : kSmoothing_px) {
+      const EdgeAlignment edges(loaded.frames, smoothing_px);
+      report.edge_strength_before = edges.Strength(nominal);
+      ClimbEdges(edges, nominal, by_edges, step_scale, x, progress, stop);
+      report.edge_strength_after = edges.Strength(Apply(nominal, x));
+      step_scale /= 4;
+    }
+  }
+  if (stop.stop_requested()) {
+    return absl::CancelledError("calibration was interrupted");
+  }
+  report.calibration = Apply(nominal, x);
+  return report;
+}
+
+}  // namespace treeline

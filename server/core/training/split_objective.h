@@ -1,0 +1,54 @@
+// The two training objectives, on feature values and labels alone.
+#ifndef SERVER_CORE_TRAINING_SPLIT_OBJECTIVE_H_
+#define SERVER_CORE_TRAINING_SPLIT_OBJECTIVE_H_
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace treeline {
+
+// A label: scene coordinates relative to anything near (m).
+struct Label {
+  float x = 0;
+  float y = 0;
+  float z = 0;
+};
+
+// Q_b of thesis Eq. 4.4: | |left| - |right| | / (|left| + |right|), in [0, 1],
+// where left are the values <= threshold. 1 if a side is empty.
+double BalanceObjective(std::span<const int16_t> values, int threshold);
+
+// A threshold and what it achieves.
+struct ThresholdChoice {
+  int threshold = 0;
+  // Eq. 3.8's information gain times the number of samples: the reduction of
+  // the sum of squared distances (m^2) to the means. Negative: no threshold
+  // leaves min_side samples on both sides.
+  double gain = -1;
+};
+
+// Finds the threshold on one feature that reduces spatial variance most (Eq.
+// 3.8), over all thresholds that leave at least min_side samples on both
+// sides. Values lie in [-255, 255]; labels[i] belongs to values[i]. Keeps its
+// working memory between calls: one object a thread.
+class VarianceSplitter {
+ public:
+  VarianceSplitter();
+  ThresholdChoice Best(std::span<const int16_t> values,
+                       std::span<const Label> labels, int min_side);
+
+ private:
+  static constexpr int kBins = 511;
+  struct Sum {
+    float x = 0;
+    float y = 0;
+    float z = 0;
+    int32_t count = 0;
+  };
+  std::vector<Sum> bins_;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_TRAINING_SPLIT_OBJECTIVE_H_

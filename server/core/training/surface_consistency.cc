@@ -1,0 +1,211 @@
+#include "server/core/training/surface_consistency.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "common/base/random.h"
+#include "server/core/features/rgbd_samples.h"
+
+namespace treeline {
+namespace {
+
+// Pairs are compared whose viewing directions differ by this much (rad): less
+// says nothing about the calibration, more sees little in common.
+constexpr double kMinAngle_rad = 8 * std::numbers::pi / 180;
+constexpr double kMaxAngle_rad = 60 * std::numbers::pi / 180;
+constexpr int kPairsPerFrame = 5;
+constexpr int kPointsPerPair = 400;
+// At least this share of the points of a pair must fall on a surface within
+// kOverlapDistance_m of them.
+constexpr double kMinOverlap = 0.3;
+constexpr double kOverlapDistance_m = 0.15;
+
+// A surface's neighbourhood for its normal (px), and how much depth may jump
+// across it (share of the depth).
+constexpr int kNormalStep_px = 4;
+constexpr double kMaxJump = 0.03;
+
+Rigid3 WorldFromDepth(const PosedDepth& frame,
+                      const RgbdCalibration& calibration) {
+  return calibration.pose_sensor == RgbdSensor::kColor
+             ? frame.world_from_sensor * calibration.color_from_depth
+             : frame.world_from_sensor;
+}
+
+std::optional<Vec3> DepthPoint(const PosedDepth& frame,
+                               const RgbdCalibration& calibration, int u,
+                               int v) {
+  const DepthImage& depth = frame.depth;
+  if (u < 0 || v < 0 || u >= depth.width || v >= depth.height) {
+    return std::nullopt;
+  }
+  const uint16_t value =
+      depth.values[static_cast<size_t>(v) * static_cast<size_t>(depth.width) +
+                   static_cast<size_t>(u)];
+  if (!IsMeasured(value)) return std::nullopt;
+  const double z = value * depth.unit_m * calibration.depth_scale;
+  const auto ray = calibration.depth.Unproject(
+      {static_cast<double>(u), static_cast<double>(v)});
+  if (!ray) return std::nullopt;
+  return Vec3{ray->x * z, ray->y * z, z};
+}
+
+struct SurfacePoint {
+  Vec3 point;
+  Vec3 normal;
+};
+
+// The surface at a depth pixel, from its neighbours right, left, below, above.
+std::optional<SurfacePoint> SurfaceAt(const PosedDepth& frame,
+                                      const RgbdCalibration& calibration, int u,
+                                      int v) {
+  const auto at = [&](int du, int dv) {
+    return DepthPoint(frame, calibration, u + du, v + dv);
+  };
+  const auto center = at(0, 0);
+  const auto right = at(kNormalStep_px, 0);
+  const auto left = at(-kNormalStep_px, 0);
+  const auto below = at(0, kNormalStep_px);
+  const auto above = at(0, -kNormalStep_px);
+  if (!center || !right || !left || !below || !above) return std::nullopt;
+  for (const auto& neighbour : {right, left, below, above}) {
+    if (std::abs(neighbour->z - center->z) > kMaxJump * center->z) {
+      return std::nullopt;
+    }
+  }
+  const Vec3 normal = Cross(*right - *left, *below - *above);
+  const double norm = Norm(normal);
+  if (!(norm > 0)) return std::nullopt;
+  return SurfacePoint{*center, normal / norm};
+}
+
+}  // namespace
+
+SurfaceConsistency::SurfaceConsistency(const std::vector<PosedDepth>& frames,
+                                       const RgbdCalibration& nominal)
+    : frames_(frames) {
+  std::vector<Rigid3> world_from_depth;
+  for (const PosedDepth& frame : frames) {
+    world_from_depth.push_back(WorldFromDepth(frame, nominal));
+  }
+  for (size_t i = 0; i < frames.size(); ++i) {
+    Random random(0, i);
+    int found = 0;
+    const uint32_t n = static_cast<uint32_t>(frames.size());
+    for (int attempt = 0; attempt < 60 && found < kPairsPerFrame; ++attempt) {
+      const size_t j = random.NextBelow(n);
+      const double angle = AngleBetween_rad(world_from_depth[i].rotation,
+                                            world_from_depth[j].rotation);
+      if (i == j || angle < kMinAngle_rad || angle > kMaxAngle_rad) continue;
+      const Rigid3 to_from =
+          world_from_depth[j].Inverse() * world_from_depth[i];
+      Pair pair{i, j, {}, {}};
+      int overlap = 0;
+      for (int k = 0;
+           k < 4 * kPointsPerPair && pair.pixels.size() < kPointsPerPair; ++k) {
+        const uint32_t pixel = random.NextBelow(
+            static_cast<uint32_t>(frames[i].depth.values.size()));
+        const int width = frames[i].depth.width;
+        const auto from =
+            SurfaceAt(frames[i], nominal, static_cast<int>(pixel) % width,
+                      static_cast<int>(pixel) / width);
+        if (!from) continue;
+        pair.pixels.push_back(pixel);
+        const Vec3 moved = to_from * from->point;
+        if (moved.z <= 0.1) continue;
+        const Pixel p = nominal.depth.Project(moved);
+        if (!(std::abs(p.x) < 1e5 && std::abs(p.y) < 1e5)) continue;
+        const auto to =
+            DepthPoint(frames[j], nominal, static_cast<int>(std::lround(p.x)),
+                       static_cast<int>(std::lround(p.y)));
+        overlap += to && std::abs(to->z - moved.z) < kOverlapDistance_m;
+      }
+      if (overlap < kMinOverlap * kPointsPerPair) continue;
+      pairs_.push_back(std::move(pair));
+      ++found;
+    }
+  }
+}
+
+void SurfaceConsistency::Associate(const RgbdCalibration& calibration) {
+  for (Pair& pair : pairs_) {
+    const PosedDepth& from = frames_[pair.from];
+    const PosedDepth& to = frames_[pair.to];
+    const Rigid3 to_from = WorldFromDepth(to, calibration).Inverse() *
+                           WorldFromDepth(from, calibration);
+    pair.partners.assign(pair.pixels.size(), Partner{});
+    for (size_t i = 0; i < pair.pixels.size(); ++i) {
+      const int pixel = static_cast<int>(pair.pixels[i]);
+      const auto point = DepthPoint(from, calibration, pixel % from.depth.width,
+                                    pixel / from.depth.width);
+      if (!point) continue;
+      const Vec3 moved = to_from * *point;
+      if (moved.z <= 0.1) continue;
+      const Pixel p = calibration.depth.Project(moved);
+      if (!(std::abs(p.x) < 1e5 && std::abs(p.y) < 1e5)) continue;
+      const int u = static_cast<int>(std::lround(p.x));
+      const int v = static_cast<int>(std::lround(p.y));
+      const auto surface = SurfaceAt(to, calibration, u, v);
+      if (!surface) continue;
+      pair.partners[i] = {v * to.depth.width + u, surface->normal};
+    }
+  }
+}
+
+template <typename Visit>
+void SurfaceConsistency::VisitPoints(const RgbdCalibration& calibration,
+                                     const Visit& visit) const {
+  size_t slot = 0;
+  for (const Pair& pair : pairs_) {
+    const PosedDepth& from = frames_[pair.from];
+    const PosedDepth& to = frames_[pair.to];
+    const Rigid3 to_from = WorldFromDepth(to, calibration).Inverse() *
+                           WorldFromDepth(from, calibration);
+    for (size_t i = 0; i < pair.pixels.size(); ++i) {
+      const size_t this_slot = slot++;
+      const Partner& partner = pair.partners[i];
+      if (partner.pixel < 0) continue;
+      const int pixel = static_cast<int>(pair.pixels[i]);
+      const auto point = DepthPoint(from, calibration, pixel % from.depth.width,
+                                    pixel / from.depth.width);
+      const auto surface =
+          DepthPoint(to, calibration, partner.pixel % to.depth.width,
+                     partner.pixel / to.depth.width);
+      if (!point || !surface) continue;
+      // In measured units: a larger scale must not look better (or worse) for
+      // its own sake, as it would where the camera only turns.
+      const double distance = Dot(partner.normal, to_from * *point - *surface) /
+                              calibration.depth_scale;
+      const double sigma =
+          std::hypot(DepthSigma_m(point->z / calibration.depth_scale),
+                     DepthSigma_m(surface->z / calibration.depth_scale));
+      visit(this_slot, distance, sigma);
+    }
+  }
+}
+
+void SurfaceConsistency::Residuals(const RgbdCalibration& calibration,
+                                   std::vector<double>& residuals) const {
+  size_t slots = 0;
+  for (const Pair& pair : pairs_) slots += pair.pixels.size();
+  residuals.assign(slots, 0);
+  VisitPoints(calibration, [&](size_t slot, double distance, double sigma) {
+    residuals[slot] = distance / sigma;
+  });
+}
+
+double SurfaceConsistency::Rms_m(const RgbdCalibration& calibration,
+                                 double cutoff_m) const {
+  double squares = 0;
+  int64_t count = 0;
+  VisitPoints(calibration, [&](size_t, double distance, double) {
+    if (std::abs(distance) > cutoff_m) return;
+    squares += distance * distance;
+    ++count;
+  });
+  return count == 0 ? 0 : std::sqrt(squares / static_cast<double>(count));
+}
+
+}  // namespace treeline

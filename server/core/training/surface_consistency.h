@@ -1,0 +1,66 @@
+// Do the surfaces of different frames coincide? The geometric half of
+// calibration.
+#ifndef SERVER_CORE_TRAINING_SURFACE_CONSISTENCY_H_
+#define SERVER_CORE_TRAINING_SURFACE_CONSISTENCY_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "common/camera/rgbd_calibration.h"
+#include "common/image/image.h"
+
+namespace treeline {
+
+// A depth frame with the pose of the calibration's pose sensor.
+struct PosedDepth {
+  DepthImage depth;
+  Rigid3 world_from_sensor;
+};
+
+// Pairs of frames that see the same surfaces, and points to compare.
+class SurfaceConsistency {
+ public:
+  // `nominal` decides which frames overlap; frames must outlive this object.
+  SurfaceConsistency(const std::vector<PosedDepth>& frames,
+                     const RgbdCalibration& nominal);
+
+  int pairs() const { return static_cast<int>(pairs_.size()); }
+
+  // Finds, for each point to compare, the depth pixel of the other frame that
+  // it falls on. Kept until the next call.
+  void Associate(const RgbdCalibration& calibration);
+
+  // Distances along the surface normal between each point and the surface at
+  // its associated pixel (m), in units of the depth noise expected there; a
+  // smooth function of the calibration. Slot i always belongs to the same
+  // point; 0 where it falls on no surface.
+  void Residuals(const RgbdCalibration& calibration,
+                 std::vector<double>& residuals) const;
+  // Root mean square of the distances (m) that are below cutoff_m.
+  double Rms_m(const RgbdCalibration& calibration, double cutoff_m) const;
+
+ private:
+  // A depth pixel of the other frame, and its surface's normal in the depth
+  // camera's frame, as the calibration had it when they were associated.
+  struct Partner {
+    int32_t pixel = -1;  // -1: none
+    Vec3 normal;
+  };
+  struct Pair {
+    size_t from = 0;
+    size_t to = 0;
+    std::vector<uint32_t> pixels;   // compared depth pixels of `from`
+    std::vector<Partner> partners;  // what they fall on, slot by slot
+  };
+
+  template <typename Visit>
+  void VisitPoints(const RgbdCalibration& calibration,
+                   const Visit& visit) const;
+
+  const std::vector<PosedDepth>& frames_;
+  std::vector<Pair> pairs_;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_TRAINING_SURFACE_CONSISTENCY_H_

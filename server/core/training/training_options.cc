@@ -1,0 +1,39 @@
+#include "server/core/training/training_options.h"
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+#include "common/base/status_macros.h"
+
+namespace treeline {
+namespace {
+
+// Written so that NaN fails.
+absl::Status CheckRange(absl::string_view name, double value, double low,
+                        double high) {
+  if (value >= low && value <= high) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      name, " is ", value, "; it must be between ", low, " and ", high));
+}
+
+}  // namespace
+
+absl::Status TrainingOptions::Validate() const {
+  TL_RETURN_IF_ERROR(CheckRange("threads", threads, 0, 1024));
+  TL_RETURN_IF_ERROR(CheckRange("trees", trees, 1, 64));
+  TL_RETURN_IF_ERROR(CheckRange("frames per tree", frames_per_tree, 1, 65535));
+  TL_RETURN_IF_ERROR(
+      CheckRange("samples per frame", samples_per_frame, 1, 20000));
+  TL_RETURN_IF_ERROR(CheckRange("balanced levels", balanced_levels, 0, 40));
+  TL_RETURN_IF_ERROR(CheckRange("maximum depth", max_depth, 1, 40));
+  TL_RETURN_IF_ERROR(
+      CheckRange("minimum leaf samples", min_leaf_samples, 1, 1000));
+  TL_RETURN_IF_ERROR(CheckRange("minimum spread", min_spread_m, 0, 10));
+  TL_RETURN_IF_ERROR(CheckRange("split candidates", split_candidates, 1, 1000));
+  TL_RETURN_IF_ERROR(CheckRange("maximum offset", max_offset_px_m, 1, 127));
+  TL_RETURN_IF_ERROR(
+      CheckRange("maximum split samples", max_split_samples, 10, 60000));
+  return CheckRange("image memory", static_cast<double>(image_memory_bytes), 1,
+                    1e15);
+}
+
+}  // namespace treeline

@@ -1,0 +1,148 @@
+#include "server/service/convert.h"
+
+#include <string>
+
+#include "common/wire/camera.h"
+#include "common/wire/geometry.h"
+
+namespace treeline {
+namespace {
+
+v1::LoadFailure FailureToProto(const absl::Status& failure) {
+  v1::LoadFailure proto;
+  proto.set_code(absl::StatusCodeToString(failure.code()));
+  proto.set_message(std::string(failure.message()));
+  return proto;
+}
+
+v1::Correspondence CorrespondenceToProto(const Correspondence& sample) {
+  v1::Correspondence proto;
+  *proto.mutable_color_pixel() = ToProto(sample.color_pixel);
+  *proto.mutable_point_in_camera_m() = ToProto(sample.point_in_camera);
+  *proto.mutable_point_in_world_m() = ToProto(sample.point_in_world);
+  proto.set_inlier(sample.inlier);
+  return proto;
+}
+
+}  // namespace
+
+v1::Outcome ToProto(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kLocalized:
+      return v1::OUTCOME_LOCALIZED;
+    case Outcome::kNotLocalized:
+      return v1::OUTCOME_NOT_LOCALIZED;
+  }
+  return v1::OUTCOME_UNSPECIFIED;
+}
+
+v1::NotLocalizedReason ToProto(NotLocalizedReason reason) {
+  switch (reason) {
+    case NotLocalizedReason::kNone:
+      return v1::NOT_LOCALIZED_REASON_NONE;
+    case NotLocalizedReason::kTooFewSamples:
+      return v1::NOT_LOCALIZED_REASON_TOO_FEW_SAMPLES;
+    case NotLocalizedReason::kTooFewInliers:
+      return v1::NOT_LOCALIZED_REASON_TOO_FEW_INLIERS;
+    case NotLocalizedReason::kPoorlyConstrained:
+      return v1::NOT_LOCALIZED_REASON_POORLY_CONSTRAINED;
+  }
+  return v1::NOT_LOCALIZED_REASON_NONE;
+}
+
+v1::Timings ToProto(const CallTimings& timings) {
+  v1::Timings proto;
+  proto.set_queue_ms(timings.queue_ms);
+  proto.set_decode_ms(timings.decode_ms);
+  proto.set_sample_ms(timings.localize.sample_ms);
+  proto.set_forest_ms(timings.localize.forest_ms);
+  proto.set_pose_ms(timings.localize.pose_ms);
+  proto.set_localize_ms(timings.localize.total_ms);
+  proto.set_total_ms(timings.total_ms);
+  return proto;
+}
+
+v1::LocalizeResponse ToProto(const PoseEstimate& estimate,
+                             RgbdSensor pose_sensor) {
+  v1::LocalizeResponse proto;
+  proto.set_outcome(ToProto(estimate.outcome));
+  proto.set_reason(ToProto(estimate.reason));
+  if (estimate.outcome == Outcome::kLocalized) {
+    *proto.mutable_world_from_camera() = ToProto(estimate.world_from_camera);
+    proto.mutable_covariance()->Add(estimate.covariance.begin(),
+                                    estimate.covariance.end());
+  }
+  proto.set_pose_sensor(ToProto(pose_sensor));
+  proto.set_inliers(estimate.inliers);
+  proto.set_samples(estimate.samples);
+  proto.set_inlier_ratio(estimate.inlier_ratio);
+  for (const Correspondence& sample : estimate.correspondences) {
+    *proto.add_correspondences() = CorrespondenceToProto(sample);
+  }
+  return proto;
+}
+
+v1::SceneState ToProto(SceneState state) {
+  switch (state) {
+    case SceneState::kUnloaded:
+      return v1::SCENE_STATE_UNLOADED;
+    case SceneState::kLoading:
+      return v1::SCENE_STATE_LOADING;
+    case SceneState::kReady:
+      return v1::SCENE_STATE_READY;
+    case SceneState::kFailed:
+      return v1::SCENE_STATE_FAILED;
+  }
+  return v1::SCENE_STATE_UNSPECIFIED;
+}
+
+v1::ModelInfo ToProto(const ModelInfo& info) {
+  v1::ModelInfo proto;
+  proto.set_format_version(info.format_version);
+  proto.set_method(info.method);
+  proto.set_software_version(info.software_version);
+  proto.set_created_utc(info.created_utc);
+  proto.set_dataset(info.dataset);
+  proto.set_seed(info.seed);
+  for (const auto& [name, value] : info.options) {
+    v1::TrainingOption& option = *proto.add_options();
+    option.set_name(name);
+    option.set_value(value);
+  }
+  *proto.mutable_calibration() = ToProto(info.calibration);
+  *proto.mutable_bounds_min_in_world_m() = ToProto(info.bounds_min_in_world);
+  *proto.mutable_bounds_max_in_world_m() = ToProto(info.bounds_max_in_world);
+  proto.set_training_frames(info.training_frames);
+  proto.set_training_samples(info.training_samples);
+  proto.set_training_s(info.training_s);
+  proto.set_trees(info.trees);
+  proto.set_nodes(info.nodes);
+  proto.set_leaves(info.leaves);
+  proto.set_file_bytes(info.file_bytes);
+  proto.set_checksum(info.checksum);
+  return proto;
+}
+
+v1::SceneInfo ToProto(const SceneStatus& status) {
+  v1::SceneInfo proto;
+  proto.set_scene(status.name);
+  proto.set_state(ToProto(status.state));
+  if (!status.failure.ok()) {
+    *proto.mutable_failure() = FailureToProto(status.failure);
+  }
+  if (status.serving != nullptr) {
+    proto.set_model_version(status.serving->version);
+    *proto.mutable_model() = ToProto(status.serving->localizer->info());
+  }
+  for (const VersionStatus& version : status.versions) {
+    v1::ModelVersion& entry = *proto.add_versions();
+    entry.set_version(version.version);
+    entry.set_state(ToProto(version.state));
+    if (!version.failure.ok()) {
+      *entry.mutable_failure() = FailureToProto(version.failure);
+    }
+  }
+  return proto;
+}
+
+}  // namespace treeline

@@ -1,0 +1,150 @@
+#include "server/service/convert.h"
+
+#include <string>
+
+#include "common/wire/camera.h"
+#include "common/wire/geometry.h"
+#include "gtest/gtest.h"
+#include "server/service/service_test_util.h"
+
+namespace treeline {
+namespace {
+
+TEST(Convert, ALocalizedEstimateArrivesBitForBit) {
+  const PoseEstimate estimate = LocalizedEstimate();
+  const v1::LocalizeResponse proto = ToProto(estimate, RgbdSensor::kDepth);
+  EXPECT_EQ(proto.outcome(), v1::OUTCOME_LOCALIZED);
+  EXPECT_EQ(proto.reason(), v1::NOT_LOCALIZED_REASON_NONE);
+  const auto pose = FromProto(proto.world_from_camera(), "pose");
+  ASSERT_TRUE(pose.ok()) << pose.status();
+  EXPECT_EQ(*pose, estimate.world_from_camera);
+  ASSERT_EQ(proto.covariance_size(), 36);
+  for (int i = 0; i < 36; ++i) {
+    EXPECT_EQ(proto.covariance(i), estimate.covariance[static_cast<size_t>(i)]);
+  }
+  EXPECT_EQ(proto.pose_sensor(), v1::RGBD_SENSOR_DEPTH);
+  EXPECT_EQ(proto.inliers(), 432);
+  EXPECT_EQ(proto.samples(), 500);
+  EXPECT_EQ(proto.inlier_ratio(), 432.0 / 500);
+}
+
+TEST(Convert, WhatIsNotLocalizedHasNoPose) {
+  PoseEstimate estimate = LocalizedEstimate();
+  estimate.outcome = Outcome::kNotLocalized;
+  estimate.reason = NotLocalizedReason::kPoorlyConstrained;
+  const v1::LocalizeResponse proto = ToProto(estimate, RgbdSensor::kColor);
+  EXPECT_EQ(proto.outcome(), v1::OUTCOME_NOT_LOCALIZED);
+  EXPECT_EQ(proto.reason(), v1::NOT_LOCALIZED_REASON_POORLY_CONSTRAINED);
+  EXPECT_FALSE(proto.has_world_from_camera());
+  EXPECT_EQ(proto.covariance_size(), 0);
+  // The evidence stays.
+  EXPECT_EQ(proto.inliers(), 432);
+  EXPECT_EQ(proto.pose_sensor(), v1::RGBD_SENSOR_COLOR);
+}
+
+TEST(Convert, EachReasonHasItsOwnNumber) {
+  EXPECT_EQ(ToProto(NotLocalizedReason::kNone), 0);
+  EXPECT_EQ(ToProto(NotLocalizedReason::kTooFewSamples), 1);
+  EXPECT_EQ(ToProto(NotLocalizedReason::kTooFewInliers), 2);
+  EXPECT_EQ(ToProto(NotLocalizedReason::kPoorlyConstrained), 3);
+}
+
+TEST(Convert, CorrespondencesKeepTheirPlaces) {
+  PoseEstimate estimate = LocalizedEstimate();
+  estimate.correspondences = {
+      {.color_pixel = {1, 2},
+       .point_in_camera = {0.1, 0.2, 0.3},
+       .point_in_world = {4, 5, 6},
+       .inlier = true},
+      {.color_pixel = {3, 4}, .point_in_camera = {}, .point_in_world = {}}};
+  const v1::LocalizeResponse proto = ToProto(estimate, RgbdSensor::kColor);
+  ASSERT_EQ(proto.correspondences_size(), 2);
+  const v1::Correspondence& first = proto.correspondences(0);
+  EXPECT_EQ(first.color_pixel().x_px(), 1);
+  EXPECT_EQ(first.color_pixel().y_px(), 2);
+  EXPECT_EQ(*FromProto(first.point_in_camera_m(), ""), (Vec3{0.1, 0.2, 0.3}));
+  EXPECT_EQ(*FromProto(first.point_in_world_m(), ""), (Vec3{4, 5, 6}));
+  EXPECT_TRUE(first.inlier());
+  EXPECT_FALSE(proto.correspondences(1).inlier());
+}
+
+ModelInfo SomeInfo() {
+  ModelInfo info;
+  info.format_version = 3;
+  info.method = "rgbd";
+  info.software_version = "0.1.0";
+  info.created_utc = "2026-11-21T09:30:00Z";
+  info.dataset = "7scenes:/data/redkitchen";
+  info.seed = 18446744073709551615u;
+  info.options = {{"trees", "5"}, {"seed", "1"}};
+  info.calibration = TestCalibration();
+  info.bounds_min_in_world = {-1, -2, -3};
+  info.bounds_max_in_world = {1, 2, 3.5};
+  info.training_frames = 500;
+  info.training_samples = 2'500'000'000;
+  info.training_s = 41.5;
+  info.trees = 5;
+  info.nodes = 1'000'001;
+  info.leaves = 500'001;
+  info.file_bytes = 5'000'000'000;
+  info.checksum = "0123456789abcdef";
+  return info;
+}
+
+TEST(Convert, ModelInfoKeepsEveryField) {
+  const v1::ModelInfo proto = ToProto(SomeInfo());
+  EXPECT_EQ(proto.format_version(), 3u);
+  EXPECT_EQ(proto.method(), "rgbd");
+  EXPECT_EQ(proto.software_version(), "0.1.0");
+  EXPECT_EQ(proto.created_utc(), "2026-11-21T09:30:00Z");
+  EXPECT_EQ(proto.dataset(), "7scenes:/data/redkitchen");
+  EXPECT_EQ(proto.seed(), 18446744073709551615u);
+  ASSERT_EQ(proto.options_size(), 2);
+  EXPECT_EQ(proto.options(0).name(), "trees");
+  EXPECT_EQ(proto.options(0).value(), "5");
+  EXPECT_EQ(*FromProto(proto.calibration(), ""), TestCalibration());
+  EXPECT_EQ(*FromProto(proto.bounds_min_in_world_m(), ""), (Vec3{-1, -2, -3}));
+  EXPECT_EQ(*FromProto(proto.bounds_max_in_world_m(), ""), (Vec3{1, 2, 3.5}));
+  EXPECT_EQ(proto.training_frames(), 500);
+  EXPECT_EQ(proto.training_samples(), 2'500'000'000);
+  EXPECT_EQ(proto.training_s(), 41.5);
+  EXPECT_EQ(proto.trees(), 5);
+  EXPECT_EQ(proto.nodes(), 1'000'001);
+  EXPECT_EQ(proto.leaves(), 500'001);
+  EXPECT_EQ(proto.file_bytes(), 5'000'000'000u);
+  EXPECT_EQ(proto.checksum(), "0123456789abcdef");
+}
+
+TEST(Convert, ASceneThatFailedSaysWhy) {
+  SceneStatus status;
+  status.name = "office";
+  status.state = SceneState::kFailed;
+  status.failure = absl::DataLossError("checksum differs");
+  status.versions = {{"2", SceneState::kFailed, status.failure},
+                     {"1", SceneState::kUnloaded, absl::OkStatus()}};
+  const v1::SceneInfo proto = ToProto(status);
+  EXPECT_EQ(proto.scene(), "office");
+  EXPECT_EQ(proto.state(), v1::SCENE_STATE_FAILED);
+  EXPECT_EQ(proto.failure().code(), "DATA_LOSS");
+  EXPECT_EQ(proto.failure().message(), "checksum differs");
+  EXPECT_EQ(proto.model_version(), "");
+  EXPECT_FALSE(proto.has_model());
+  ASSERT_EQ(proto.versions_size(), 2);
+  EXPECT_EQ(proto.versions(0).version(), "2");
+  EXPECT_EQ(proto.versions(0).failure().code(), "DATA_LOSS");
+  EXPECT_EQ(proto.versions(1).state(), v1::SCENE_STATE_UNLOADED);
+  EXPECT_FALSE(proto.versions(1).has_failure());
+}
+
+TEST(Convert, ASceneThatServesDescribesItsModel) {
+  const FakeScenes scenes(
+      {{"kitchen", [](auto&, auto&) { return LocalizedEstimate(); }}});
+  const v1::SceneInfo proto = ToProto(*scenes.repository().Get("kitchen"));
+  EXPECT_EQ(proto.state(), v1::SCENE_STATE_READY);
+  EXPECT_FALSE(proto.has_failure());
+  EXPECT_EQ(proto.model_version(), "1");
+  EXPECT_EQ(proto.model().method(), "kitchen");
+}
+
+}  // namespace
+}  // namespace treeline

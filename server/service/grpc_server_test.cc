@@ -1,0 +1,396 @@
+// The service over a real loopback connection.
+#include "server/service/grpc_server.h"
+
+#include <grpcpp/create_channel.h>
+#include <grpcpp/generic/generic_stub.h>
+
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/numbers.h"
+#include "absl/synchronization/blocking_counter.h"
+#include "absl/synchronization/notification.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "server/service/listen_address.h"
+#include "server/service/service_test_util.h"
+#include "treeline/v1/relocalization.grpc.pb.h"
+#include "treeline/v1/scenes.grpc.pb.h"
+
+namespace treeline {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+
+std::string StringOf(const grpc::ByteBuffer& buffer) {
+  std::vector<grpc::Slice> slices;
+  if (!buffer.Dump(&slices).ok()) return "";
+  std::string text;
+  for (const grpc::Slice& slice : slices) {
+    text.append(reinterpret_cast<const char*>(slice.begin()), slice.size());
+  }
+  return text;
+}
+
+class GrpcServerTest : public testing::Test {
+ protected:
+  GrpcServerTest()
+      : scenes_({{"kitchen", [](auto&, auto&) { return LocalizedEstimate(); }},
+                 {"gate", [this](auto&, auto&) { return PassGate(); }},
+                 {"patient", [this](auto&, auto& o) { return WaitForStop(o); }},
+                 {"throws", [](auto&, auto&) -> absl::StatusOr<PoseEstimate> {
+                    throw std::runtime_error("secret of the house");
+                  }}}) {}
+
+  void StartServer(GrpcServerOptions options = {.workers = 1, .queue = 1}) {
+    options.listen = "127.0.0.1:0";
+    auto server =
+        GrpcServer::Start(scenes_.repository(), options, observer_, clock_);
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    channel_ = grpc::CreateChannel(server_->address(),
+                                   grpc::InsecureChannelCredentials());
+    stub_ = v1::RelocalizationService::NewStub(channel_);
+  }
+
+  // Returns when the test opens the gate; says when it got there.
+  PoseEstimate PassGate() {
+    at_gate_.Notify();
+    gate_.WaitForNotification();
+    return LocalizedEstimate();
+  }
+
+  // Returns when the call is stopped, as a real localizer does.
+  absl::StatusOr<PoseEstimate> WaitForStop(const LocalizeOptions& options) {
+    at_gate_.Notify();
+    absl::Notification stopped;
+    const std::stop_callback on_stop(options.stop, [&] { stopped.Notify(); });
+    stopped.WaitForNotification();
+    return absl::CancelledError("stopped");
+  }
+
+  grpc::Status Localize(const std::string& scene,
+                        v1::LocalizeResponse* response = nullptr) {
+    grpc::ClientContext context;
+    v1::LocalizeResponse ignored;
+    return stub_->Localize(&context, TestRequest(scene),
+                           response != nullptr ? response : &ignored);
+  }
+
+  // Method of a service for which Debian ships no stubs, on raw bytes.
+  grpc::Status CallRaw(const std::string& method, const std::string& request,
+                       std::string* response) {
+    grpc::GenericStub stub(channel_);
+    grpc::ClientContext context;
+    const grpc::Slice slice(request);
+    const grpc::ByteBuffer in(&slice, 1);
+    grpc::ByteBuffer out;
+    grpc::Status result;
+    absl::Notification done;
+    stub.UnaryCall(&context, method, grpc::StubOptions(), &in, &out,
+                   [&](grpc::Status status) {
+                     result = std::move(status);
+                     done.Notify();
+                   });
+    done.WaitForNotification();
+    *response = StringOf(out);
+    return result;
+  }
+
+  absl::Notification at_gate_;
+  absl::Notification gate_;
+  FakeScenes scenes_;
+  RecordingObserver observer_;
+  SteadyClock clock_;
+  std::unique_ptr<GrpcServer> server_;
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<v1::RelocalizationService::Stub> stub_;
+};
+
+TEST_F(GrpcServerTest, Localizes) {
+  StartServer();
+  v1::LocalizeResponse response;
+  const grpc::Status status = Localize("kitchen", &response);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(response.outcome(), v1::OUTCOME_LOCALIZED);
+  EXPECT_EQ(response.world_from_camera().translation_m().x(), 1.5);
+}
+
+TEST_F(GrpcServerTest, ErrorsKeepCodeAndMessage) {
+  StartServer();
+  const grpc::Status status = Localize("attic");
+  EXPECT_EQ(status.error_code(), grpc::NOT_FOUND);
+  EXPECT_THAT(status.error_message(), HasSubstr("attic"));
+}
+
+TEST_F(GrpcServerTest, ListsScenesWithTheirState) {
+  StartServer();
+  const auto stub = v1::SceneService::NewStub(channel_);
+  grpc::ClientContext context;
+  v1::ListScenesResponse list;
+  ASSERT_TRUE(stub->ListScenes(&context, {}, &list).ok());
+  ASSERT_EQ(list.scenes_size(), 5);
+  EXPECT_EQ(list.scenes(0).scene(), "broken");
+  EXPECT_EQ(list.scenes(0).state(), v1::SCENE_STATE_FAILED);
+  EXPECT_EQ(list.scenes(0).failure().code(), "DATA_LOSS");
+  EXPECT_EQ(list.scenes(2).scene(), "kitchen");
+  EXPECT_EQ(list.scenes(2).state(), v1::SCENE_STATE_READY);
+}
+
+TEST_F(GrpcServerTest, GetsOneScene) {
+  StartServer();
+  const auto stub = v1::SceneService::NewStub(channel_);
+  const auto get = [&](const std::string& name, v1::GetSceneResponse& out) {
+    grpc::ClientContext context;
+    v1::GetSceneRequest request;
+    request.set_scene(name);
+    return stub->GetScene(&context, request, &out).error_code();
+  };
+  v1::GetSceneResponse response;
+  EXPECT_EQ(get("kitchen", response), grpc::OK);
+  EXPECT_EQ(response.scene().model().method(), "kitchen");
+  EXPECT_EQ(get("attic", response), grpc::NOT_FOUND);
+  EXPECT_EQ(get("../kitchen", response), grpc::INVALID_ARGUMENT);
+}
+
+TEST_F(GrpcServerTest, ExceptionsBecomeInternalErrorsWithoutDetails) {
+  StartServer();
+  const grpc::Status status = Localize("throws");
+  EXPECT_EQ(status.error_code(), grpc::INTERNAL);
+  EXPECT_EQ(status.error_message().find("secret"), std::string::npos);
+  ASSERT_EQ(observer_.records().size(), 1u);
+  EXPECT_EQ(observer_.records()[0].internal_error, "secret of the house");
+  EXPECT_TRUE(Localize("kitchen").ok());
+}
+
+// A call that does not block the test.
+struct PendingCall {
+  grpc::ClientContext context;
+  v1::LocalizeRequest request;
+  v1::LocalizeResponse response;
+  grpc::Status status;
+  absl::Notification done;
+};
+
+std::unique_ptr<PendingCall> Begin(
+    v1::RelocalizationService::Stub& stub, const std::string& scene,
+    std::function<void()> on_done = [] {}) {
+  auto call = std::make_unique<PendingCall>();
+  call->request = TestRequest(scene);
+  stub.async()->Localize(&call->context, &call->request, &call->response,
+                         [&call = *call, on_done](grpc::Status status) {
+                           call.status = std::move(status);
+                           on_done();
+                           call.done.Notify();
+                         });
+  return call;
+}
+
+TEST_F(GrpcServerTest, AFullQueueTurnsCallsAwayWithAPushback) {
+  StartServer({.workers = 1, .queue = 1});
+  const auto working = Begin(*stub_, "gate");
+  at_gate_.WaitForNotification();
+  // The worker is busy: of three more calls one can wait.
+  absl::BlockingCounter turned_away(2);
+  std::vector<std::unique_ptr<PendingCall>> calls;
+  for (int i = 0; i < 3; ++i) {
+    calls.push_back(Begin(*stub_, "kitchen", [&] {
+      if (!gate_.HasBeenNotified()) turned_away.DecrementCount();
+    }));
+  }
+  turned_away.Wait();
+  gate_.Notify();
+  working->done.WaitForNotification();
+  EXPECT_TRUE(working->status.ok());
+  int answered = 0;
+  for (const auto& call : calls) {
+    call->done.WaitForNotification();
+    if (call->status.ok()) {
+      ++answered;
+      continue;
+    }
+    EXPECT_EQ(call->status.error_code(), grpc::UNAVAILABLE);
+    EXPECT_THAT(call->status.error_message(), HasSubstr("queue is full"));
+    const auto& trailers = call->context.GetServerTrailingMetadata();
+    const auto pushback = trailers.find("grpc-retry-pushback-ms");
+    ASSERT_NE(pushback, trailers.end());
+    int pushback_ms = 0;
+    ASSERT_TRUE(absl::SimpleAtoi(
+        std::string(pushback->second.data(), pushback->second.size()),
+        &pushback_ms));
+    EXPECT_GE(pushback_ms, 10);
+    EXPECT_LE(pushback_ms, 2000);
+  }
+  EXPECT_EQ(answered, 1);
+}
+
+TEST_F(GrpcServerTest, ScenesAreListedWhileTheQueueIsFull) {
+  StartServer({.workers = 1, .queue = 1});
+  const auto working = Begin(*stub_, "gate");
+  at_gate_.WaitForNotification();
+  const auto waiting = Begin(*stub_, "kitchen");
+  const auto stub = v1::SceneService::NewStub(channel_);
+  grpc::ClientContext context;
+  v1::ListScenesResponse list;
+  EXPECT_TRUE(stub->ListScenes(&context, {}, &list).ok());
+  gate_.Notify();
+  working->done.WaitForNotification();
+  waiting->done.WaitForNotification();
+}
+
+TEST_F(GrpcServerTest, CancellingFreesTheWorker) {
+  StartServer();
+  const auto call = Begin(*stub_, "patient");
+  at_gate_.WaitForNotification();
+  call->context.TryCancel();
+  call->done.WaitForNotification();
+  EXPECT_EQ(call->status.error_code(), grpc::CANCELLED);
+  // The only worker is free again.
+  EXPECT_TRUE(Localize("kitchen").ok());
+  EXPECT_EQ(observer_.records()[0].status.code(), absl::StatusCode::kCancelled);
+}
+
+TEST_F(GrpcServerTest, TheDeadlineFreesTheWorker) {
+  StartServer();
+  ASSERT_TRUE(Localize("kitchen").ok());  // connects
+  PendingCall call;
+  call.context.set_deadline(std::chrono::system_clock::now() +
+                            std::chrono::milliseconds(200));
+  const grpc::Status status =
+      stub_->Localize(&call.context, TestRequest("patient"), &call.response);
+  EXPECT_EQ(status.error_code(), grpc::DEADLINE_EXCEEDED);
+  EXPECT_TRUE(Localize("kitchen").ok());
+  ASSERT_EQ(observer_.records().size(), 3u);
+  // The client's clock may be the first to give up, and then it cancels.
+  EXPECT_THAT(
+      observer_.records()[1].status.code(),
+      AnyOf(absl::StatusCode::kDeadlineExceeded, absl::StatusCode::kCancelled));
+}
+
+TEST_F(GrpcServerTest, OversizeRequestsAreRefusedAndTheServerLives) {
+  StartServer({.workers = 1, .queue = 1, .max_message_mib = 1});
+  v1::LocalizeRequest request = TestRequest("kitchen");
+  request.mutable_frame()->mutable_color()->set_encoded(
+      std::string(2 << 20, 'x'));
+  grpc::ClientContext context;
+  v1::LocalizeResponse response;
+  EXPECT_EQ(stub_->Localize(&context, request, &response).error_code(),
+            grpc::RESOURCE_EXHAUSTED);
+  EXPECT_TRUE(Localize("kitchen").ok());
+}
+
+TEST_F(GrpcServerTest, EveryCallIsObservedOnce) {
+  StartServer({.workers = 2, .queue = 100});
+  std::vector<std::unique_ptr<PendingCall>> calls;
+  for (int i = 0; i < 10; ++i) {
+    calls.push_back(Begin(*stub_, "kitchen"));
+    calls.push_back(Begin(*stub_, "attic"));
+    calls.push_back(Begin(*stub_, "throws"));
+  }
+  for (const auto& call : calls) call->done.WaitForNotification();
+  std::map<absl::StatusCode, int> count;
+  for (const CallRecord& record : observer_.records()) {
+    EXPECT_STREQ(record.rpc, "Localize");
+    EXPECT_THAT(record.peer, HasSubstr("127.0.0.1"));
+    ++count[record.status.code()];
+  }
+  EXPECT_EQ(count[absl::StatusCode::kOk], 10);
+  EXPECT_EQ(count[absl::StatusCode::kNotFound], 10);
+  EXPECT_EQ(count[absl::StatusCode::kInternal], 10);
+  EXPECT_EQ(observer_.records().size(), 30u);
+}
+
+// grpc.health.v1: an empty request asks for the whole server; the answer is
+// field 1, 1 for SERVING and 2 for NOT_SERVING.
+TEST_F(GrpcServerTest, HealthTurnsWhenAStopIsAnnouncedAndCallsGoOn) {
+  StartServer();
+  const std::string check = "/grpc.health.v1.Health/Check";
+  std::string answer;
+  ASSERT_TRUE(CallRaw(check, "", &answer).ok());
+  EXPECT_EQ(answer, "\x08\x01");
+  server_->AnnounceStop();
+  ASSERT_TRUE(CallRaw(check, "", &answer).ok());
+  EXPECT_EQ(answer, "\x08\x02");
+  EXPECT_TRUE(Localize("kitchen").ok());
+}
+
+// grpc.reflection.v1alpha: field 7 asks for the names of the services.
+TEST_F(GrpcServerTest, ReflectionNamesTheServices) {
+  StartServer();
+  grpc::GenericStub stub(channel_);
+  grpc::ClientContext context;
+  grpc::CompletionQueue queue;
+  const auto call = stub.PrepareCall(
+      &context,
+      "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", &queue);
+  const auto wait = [&queue] {
+    void* tag = nullptr;
+    bool ok = false;
+    return queue.Next(&tag, &ok) && ok;
+  };
+  call->StartCall(nullptr);
+  ASSERT_TRUE(wait());
+  const grpc::Slice list_services(std::string("\x3a\x01*"));
+  call->WriteLast(grpc::ByteBuffer(&list_services, 1), {}, nullptr);
+  ASSERT_TRUE(wait());
+  grpc::ByteBuffer answer;
+  call->Read(&answer, nullptr);
+  ASSERT_TRUE(wait());
+  EXPECT_THAT(StringOf(answer), HasSubstr("treeline.v1.RelocalizationService"));
+  EXPECT_THAT(StringOf(answer), HasSubstr("treeline.v1.SceneService"));
+  EXPECT_THAT(StringOf(answer), HasSubstr("grpc.health.v1.Health"));
+  grpc::Status status;
+  call->Finish(&status, nullptr);
+  EXPECT_TRUE(wait());
+  EXPECT_TRUE(status.ok()) << status.error_message();
+}
+
+TEST_F(GrpcServerTest, StopLetsCallsInFlightFinish) {
+  StartServer();
+  const auto call = Begin(*stub_, "gate");
+  at_gate_.WaitForNotification();
+  const ListenAddress address = *ParseListenAddress(server_->address());
+  std::thread stopping([&] { server_->Stop(std::chrono::seconds(60)); });
+  // The port is free as soon as the server has begun to stop.
+  while (!TryBind(address).ok()) std::this_thread::yield();
+  gate_.Notify();
+  call->done.WaitForNotification();
+  stopping.join();
+  EXPECT_TRUE(call->status.ok()) << call->status.error_message();
+}
+
+TEST_F(GrpcServerTest, StopCancelsWhatOutlastsItsGrace) {
+  StartServer();
+  const auto call = Begin(*stub_, "patient");
+  at_gate_.WaitForNotification();
+  server_->Stop(std::chrono::milliseconds(50));
+  call->done.WaitForNotification();
+  EXPECT_FALSE(call->status.ok());
+  EXPECT_EQ(observer_.records()[0].status.code(), absl::StatusCode::kCancelled);
+}
+
+TEST_F(GrpcServerTest, APortInUseIsAnErrorThatNamesIt) {
+  StartServer();
+  const auto second = GrpcServer::Start(
+      scenes_.repository(), {.listen = server_->address()}, observer_, clock_);
+  EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_THAT(std::string(second.status().message()),
+              HasSubstr(server_->address()));
+  EXPECT_THAT(std::string(second.status().message()), HasSubstr("in use"));
+  EXPECT_TRUE(Localize("kitchen").ok());
+}
+
+TEST_F(GrpcServerTest, ReportsThePortThatItWasGiven) {
+  StartServer();
+  EXPECT_THAT(server_->address(),
+              ::testing::MatchesRegex("127\\.0\\.0\\.1:[1-9][0-9]*"));
+}
+
+}  // namespace
+}  // namespace treeline

@@ -1,0 +1,16 @@
+// A calibration as a person reads it.
+#ifndef SERVER_TOOLS_CALIBRATION_TEXT_H_
+#define SERVER_TOOLS_CALIBRATION_TEXT_H_
+
+#include <string>
+
+#include "server/core/training/rgbd_calibrator.h"
+
+namespace treeline {
+
+// A few lines: the cameras, the offset, and what the fit improved.
+std::string CalibrationText(const CalibrationReport& report);
+
+}  // namespace treeline
+
+#endif  // SERVER_TOOLS_CALIBRATION_TEXT_H_

@@ -1,0 +1,20 @@
+// The options that name a recording, the same in every subcommand.
+#ifndef SERVER_TOOLS_DATASET_FLAGS_H_
+#define SERVER_TOOLS_DATASET_FLAGS_H_
+
+#include "server/core/dataset/dataset.h"
+
+namespace CLI {
+class App;
+}
+
+namespace treeline {
+
+// Adds --dataset (required), --frames, --poses, --color-camera,
+// --depth-camera, --depth-unit and --max-time-difference to `app`. `options`
+// must live as long as `app`.
+void AddDatasetFlags(CLI::App& app, DatasetOptions& options);
+
+}  // namespace treeline
+
+#endif  // SERVER_TOOLS_DATASET_FLAGS_H_

@@ -1,0 +1,156 @@
+#include "server/tools/model_description.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+
+namespace treeline {
+namespace {
+
+constexpr double kDegreesPerRadian = 57.29577951308232;
+
+std::string OrUnknown(const std::string& text) {
+  return text.empty() ? "unknown" : text;
+}
+
+std::string FormatVector(Vec3 v, const char* unit) {
+  return absl::StrFormat("%.3f  %.3f  %.3f %s", v.x, v.y, v.z, unit);
+}
+
+// Six digits say all that a calibration knows.
+std::string FormatCamera(const Camera& camera) {
+  std::string text(CameraModelName(camera.model()));
+  for (int i = 0; i < CameraParameterCount(camera.model()); ++i) {
+    absl::StrAppendFormat(&text, " %.6g",
+                          camera.parameters()[static_cast<size_t>(i)]);
+  }
+  return absl::StrCat(text, ", ", camera.width(), " x ", camera.height());
+}
+
+DescriptionSection Origin(const ModelInfo& model) {
+  DescriptionSection section{"Origin", {}};
+  section.rows = {
+      {"method", OrUnknown(model.method)},
+      {"dataset", OrUnknown(model.dataset)},
+      {"created", OrUnknown(model.created_utc)},
+      {"by", absl::StrCat("treeline ", OrUnknown(model.software_version))},
+      {"seed", absl::StrCat(model.seed)},
+  };
+  // A baseline is no file.
+  if (model.format_version > 0) {
+    section.rows.push_back({"checksum", OrUnknown(model.checksum)});
+    section.rows.push_back(
+        {"format version", absl::StrCat(model.format_version)});
+  }
+  return section;
+}
+
+DescriptionSection Size(const ModelInfo& model) {
+  DescriptionSection section{"Size", {}};
+  const char* place = model.format_version > 0 ? "file" : "memory";
+  section.rows.push_back({place, FormatBytes(model.file_bytes)});
+  if (model.trees > 0) {
+    section.rows.push_back({"trees", FormatCount(model.trees)});
+    section.rows.push_back({"nodes", FormatCount(model.nodes)});
+    section.rows.push_back({"leaves", FormatCount(model.leaves)});
+  }
+  const Vec3& low = model.bounds_min_in_world;
+  const Vec3& high = model.bounds_max_in_world;
+  section.rows.insert(
+      section.rows.end(),
+      {{"training frames", FormatCount(model.training_frames)},
+       {"training samples", FormatCount(model.training_samples)},
+       {"training time", FormatNumber("%.1f s", model.training_s)},
+       {"bounds, lowest", FormatVector(low, "m")},
+       {"bounds, highest", FormatVector(high, "m")},
+       {"extent", FormatVector(high - low, "m")}});
+  return section;
+}
+
+DescriptionSection Calibration(const RgbdCalibration& calibration) {
+  DescriptionSection section{"Calibration", {}};
+  const Rigid3& color_from_depth = calibration.color_from_depth;
+  const double angle_deg =
+      Norm(ToAxisAngle(color_from_depth.rotation)) * kDegreesPerRadian;
+  section.rows = {
+      {"colour camera", FormatCamera(calibration.color)},
+      {"depth camera", FormatCamera(calibration.depth)},
+      {"depth camera in colour camera",
+       FormatVector(100 * color_from_depth.translation, "cm")},
+      {"rotation between them", FormatNumber("%.3f deg", angle_deg)},
+      {"depth scale",
+       FormatNumber("%.5f world units a metre", calibration.depth_scale)},
+      {"poses are of the", calibration.pose_sensor == RgbdSensor::kColor
+                               ? "colour camera"
+                               : "depth camera"},
+  };
+  return section;
+}
+
+}  // namespace
+
+std::vector<DescriptionSection> DescribeModel(const ModelInfo& model) {
+  std::vector<DescriptionSection> sections{Origin(model), Size(model),
+                                           Calibration(model.calibration)};
+  if (!model.options.empty()) {
+    sections.push_back({"Options", {}});
+    for (const auto& [name, value] : model.options) {
+      sections.back().rows.emplace_back(name, value.empty() ? "-" : value);
+    }
+  }
+  return sections;
+}
+
+std::string DescriptionText(const std::vector<DescriptionSection>& sections) {
+  size_t width = 0;
+  for (const DescriptionSection& section : sections) {
+    for (const DescriptionRow& row : section.rows) {
+      width = std::max(width, row.first.size());
+    }
+  }
+  std::string text;
+  for (const DescriptionSection& section : sections) {
+    absl::StrAppend(&text, text.empty() ? "" : "\n", section.title, "\n");
+    for (const auto& [name, value] : section.rows) {
+      absl::StrAppend(&text, "  ", name,
+                      std::string(width - name.size() + 2, ' '), value, "\n");
+    }
+  }
+  return text;
+}
+
+std::string FormatBytes(uint64_t bytes) {
+  constexpr std::array<const char*, 4> kUnits{"B", "kB", "MB", "GB"};
+  auto value = static_cast<double>(bytes);
+  size_t unit = 0;
+  while (value >= 999.5 && unit + 1 < kUnits.size()) {
+    value /= 1000;
+    ++unit;
+  }
+  return unit == 0 ? absl::StrCat(bytes, " B")
+                   : absl::StrFormat("%.1f %s", value, kUnits[unit]);
+}
+
+std::string FormatCount(int64_t count) {
+  std::string digits = absl::StrCat(count);
+  const size_t first = count < 0 ? 1 : 0;
+  for (size_t i = digits.size(); i > first + 3;) {
+    i -= 3;
+    digits.insert(i, ",");
+  }
+  return digits;
+}
+
+std::string FormatNumber(const char* format, double value) {
+  if (!std::isfinite(value)) return "-";
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, value);
+  return text.data();
+}
+
+}  // namespace treeline

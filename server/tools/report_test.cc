@@ -1,0 +1,364 @@
+#include "server/tools/report.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "absl/strings/ascii.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "server/tools/model_description.h"
+#include "server/tools/report_charts.h"
+#include "server/tools/report_trajectory.h"
+#include "server/tools/run_info.h"
+#include "server/tools/testing_fixtures.h"
+
+namespace treeline {
+namespace {
+
+using ::testing::DoubleEq;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+// A page is too long to be printed where it lacks something.
+bool Has(const std::string& html, const std::string& text) {
+  return html.find(text) != std::string::npos;
+}
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+FrameResult Localized(const std::string& stem, double translation_m) {
+  FrameResult result;
+  result.stem = stem;
+  result.estimate = LocalizedAt({{}, {translation_m, 0, 0}});
+  result.true_world_from_camera = Rigid3{};
+  result.error = PoseError{translation_m, 0.5 * kDegree};
+  result.latency_ms = 3;
+  result.decode_ms = 4;
+  return result;
+}
+
+FrameResult Lost(const std::string& stem) {
+  FrameResult result;
+  result.stem = stem;
+  result.estimate.reason = NotLocalizedReason::kTooFewInliers;
+  result.true_world_from_camera = Rigid3{};
+  result.latency_ms = 3;
+  return result;
+}
+
+FrameResult Failed(const std::string& stem) {
+  FrameResult result;
+  result.stem = stem;
+  result.status = absl::NotFoundError("no such file");
+  return result;
+}
+
+ReportContents SomeContents() {
+  ReportContents contents;
+  contents.run.dataset_uri = "7scenes:/data/kitchen";
+  contents.run.command = "treeline evaluate --model 'a b'";
+  contents.run.cpu = "a processor";
+  contents.model.method = "rgbd";
+  contents.model.file_bytes = 2000000;
+  contents.results = {Localized("f0", 0.01), Localized("f1", 0.03),
+                      Localized("f2", 0.30), Lost("f3"), Failed("f4")};
+  contents.training_poses = {Rigid3{{}, {0.2, 0, 0}}};
+  contents.pictures = {{{2, PictureKind::kWorst},
+                        "\xff\xd8jpeg",
+                        640,
+                        480,
+                        {{{10, 20}, {}, {}, true}, {{30, 40}, {}, {}, false}}}};
+  return contents;
+}
+
+// A page must not say "nan" or "inf" where a number belongs.
+void ExpectNoBadNumbers(const std::string& html) {
+  const std::string lower = absl::AsciiStrToLower(html);
+  for (const char* bad : {">nan", ">-nan", ">inf", "\"nan", "\"inf", " nan",
+                          " inf ", "mnan", "-nan"}) {
+    EXPECT_FALSE(Has(lower, bad)) << bad;
+  }
+}
+
+TEST(ReportHtml, NeedsNothingFromElsewhere) {
+  const std::string html = ReportHtml(SomeContents());
+  EXPECT_FALSE(Has(html, "http:"));
+  EXPECT_FALSE(Has(html, "https:"));
+  EXPECT_FALSE(Has(html, "<script"));
+  EXPECT_FALSE(Has(html, "<link"));
+  EXPECT_FALSE(Has(html, "@import"));
+  EXPECT_TRUE(Has(html, "data:image/jpeg;base64,/9hqcGVn"));
+}
+
+TEST(ReportHtml, LeadsWithTheFigures) {
+  const std::string html = ReportHtml(SomeContents());
+  EXPECT_TRUE(Has(html, "<h1>kitchen</h1>"));
+  EXPECT_TRUE(Has(html, "2 of 4 frames were placed within 5 cm"));
+  EXPECT_TRUE(Has(html, "One was given up as not localized."));
+  EXPECT_TRUE(Has(html, "1 could not be read or used."));
+  EXPECT_TRUE(Has(html, "<b>50.0 %</b><span>within 5 cm and 5°"));
+  EXPECT_TRUE(Has(html, "<b>25.0 %</b><span>within 2 cm and 2°"));
+  EXPECT_TRUE(Has(html, "<b>3.00 <small>cm</small></b>"));
+}
+
+TEST(ReportHtml, NeverRoundsALostFrameAway) {
+  ReportContents contents = SomeContents();
+  contents.results.assign(4000, Localized("f", 0.01));
+  contents.results.push_back(Lost("lost"));
+  const std::string html = ReportHtml(contents);
+  EXPECT_TRUE(Has(html, "<b>99.9 %</b><span>within 5 cm and 5°"));
+}
+
+TEST(ReportHtml, DrawsInliersAndOutliersWhereTheyWere) {
+  const std::string html = ReportHtml(SomeContents());
+  EXPECT_TRUE(Has(html, "<path d=\"M10 20h0\" class=\"inlier\"/>"));
+  EXPECT_TRUE(Has(html, "<path d=\"M30 40h0\" class=\"outlier\"/>"));
+  EXPECT_TRUE(Has(html, "Off by 30.0 cm and 0.50°"));
+  EXPECT_TRUE(Has(html, "The nearest training camera is 20 cm and 0° away."));
+}
+
+TEST(ReportHtml, SaysInWordsWhyAFrameWasNotLocalized) {
+  ReportContents contents = SomeContents();
+  contents.pictures[0].choice.frame = 3;
+  const std::string html = ReportHtml(contents);
+  EXPECT_TRUE(Has(html, "Not localized: too few inliers."));
+  EXPECT_FALSE(Has(html, "TOO_FEW_INLIERS"));
+}
+
+TEST(ReportHtml, EscapesNamesAndCommands) {
+  ReportContents contents = SomeContents();
+  contents.results[3].stem = "<b>&\"'";
+  contents.run.command = "treeline <evil>";
+  const std::string html = ReportHtml(contents);
+  EXPECT_FALSE(Has(html, "<evil>"));
+  EXPECT_TRUE(Has(html, "treeline &lt;evil&gt;"));
+  EXPECT_TRUE(Has(html, "&lt;b&gt;&amp;&quot;&#39;"));
+}
+
+TEST(ReportHtml, ListsErrorsAndLostFramesBeforeLargeErrors) {
+  const std::string html = ReportHtml(SomeContents());
+  const size_t table = html.find("The hardest frames");
+  ASSERT_NE(table, std::string::npos);
+  const size_t failed = html.find("<td>f4</td>", table);
+  const size_t lost = html.find("<td>f3</td>", table);
+  const size_t far = html.find("<td>f2</td>", table);
+  ASSERT_NE(far, std::string::npos);
+  EXPECT_LT(failed, lost);
+  EXPECT_LT(lost, far);
+}
+
+TEST(ReportHtml, IsWholeForEveryKindOfRun) {
+  FrameResult unknown = Localized("u", 0.01);
+  unknown.true_world_from_camera.reset();
+  unknown.error.reset();
+  const std::vector<std::vector<FrameResult>> runs = {
+      {},
+      {Localized("one", 0)},
+      {Lost("lost")},
+      {Failed("failed")},
+      {unknown, unknown},
+      {Localized("wild", 1e6), Localized("fine", 0.01)},
+  };
+  for (const std::vector<FrameResult>& results : runs) {
+    ReportContents contents;
+    contents.results = results;
+    const std::string html = ReportHtml(contents);
+    EXPECT_TRUE(Has(html, "</html>"));
+    ExpectNoBadNumbers(html);
+  }
+}
+
+TEST(ReportHtml, SaysSoWhereThereIsNoGroundTruth) {
+  ReportContents contents = SomeContents();
+  for (FrameResult& result : contents.results) {
+    result.true_world_from_camera.reset();
+    result.error.reset();
+  }
+  EXPECT_TRUE(Has(ReportHtml(contents), "no ground truth to score"));
+}
+
+TEST(ChoosePictures, TakesWorstMedianAndBestOfFramesThatCanBeShown) {
+  // Errors grow with the index; neighbours look alike and are not taken
+  // together while others remain.
+  std::vector<FrameResult> results;
+  for (int i = 0; i < 40; ++i) {
+    results.push_back(Localized("f", 0.001 * (i + 1)));
+  }
+  results.push_back(Failed("failed"));
+  const std::vector<PictureChoice> choices = ChoosePictures(results, 2, 1, 1);
+  std::vector<int> frames;
+  for (const PictureChoice& choice : choices) frames.push_back(choice.frame);
+  EXPECT_THAT(frames, ElementsAre(39, 35, 19, 0));
+}
+
+TEST(ChoosePictures, PutsLostFramesFirst) {
+  const std::vector<PictureChoice> choices =
+      ChoosePictures({Localized("far", 9), Lost("lost")}, 1, 0, 0);
+  EXPECT_THAT(choices, ElementsAre(Field(&PictureChoice::frame, 1)));
+}
+
+TEST(ChoosePictures, NeverShowsAFrameTwice) {
+  EXPECT_THAT(ChoosePictures({Localized("only", 0.01)}, 3, 3, 3),
+              ElementsAre(Field(&PictureChoice::kind, PictureKind::kWorst)));
+  EXPECT_THAT(ChoosePictures({}, 3, 3, 3), IsEmpty());
+}
+
+TEST(TakePictures, AsksForCorrespondencesWithTheSeedOfTheEvaluation) {
+  const SmallRecording recording(2, {});
+  EvaluationOptions options;
+  options.seed = 5;
+  const FunctionLocalizer localizer(
+      {}, [](const Frame& frame, const LocalizeOptions& query) {
+        PoseEstimate estimate = LocalizedAt({});
+        if (query.keep_correspondences) {
+          estimate.correspondences.push_back(
+              {{static_cast<double>(FrameNumber(frame)),
+                static_cast<double>(query.seed)},
+               {},
+               {},
+               true});
+        }
+        return estimate;
+      });
+  const std::vector<ReportPicture> pictures = TakePictures(
+      localizer, recording.Open(), {{1, PictureKind::kBest}}, options);
+  ASSERT_EQ(pictures.size(), 1u);
+  EXPECT_EQ(pictures[0].width, 8);
+  EXPECT_EQ(pictures[0].height, 6);
+  ASSERT_EQ(pictures[0].correspondences.size(), 1u);
+  EXPECT_EQ(pictures[0].correspondences[0].color_pixel.x, 1);
+  EXPECT_EQ(pictures[0].correspondences[0].color_pixel.y, 5);
+  EXPECT_EQ(pictures[0].jpeg.substr(0, 2), "\xff\xd8");
+}
+
+TEST(DistanceToTraining, WeighsATurnLikeTheMoveOfWhatIsSeen) {
+  // 10 cm away, or turned by 4 degrees: 1.5 m * 0.0698 rad = 10.5 cm.
+  const Rigid3 moved{{}, {0.1, 0, 0}};
+  const Rigid3 turned{Rotation3::FromAxisAngle({0, 4 * kDegree, 0}), {}};
+  const auto nearest = DistanceToTraining({}, {turned, moved});
+  ASSERT_TRUE(nearest.has_value());
+  EXPECT_NEAR(nearest->translation_m, 0.1, 1e-12);
+  EXPECT_NEAR(nearest->rotation_deg, 0, 1e-12);
+  EXPECT_NEAR(nearest->combined_m, 0.1, 1e-12);
+  EXPECT_NEAR(DistanceToTraining({}, {turned})->combined_m, 0.10472, 1e-5);
+  EXPECT_FALSE(DistanceToTraining({}, {}).has_value());
+}
+
+TEST(AxesOfCameras, FindsUpAndForwardOfACameraInAZUpWorld) {
+  // Camera looking along world y, its y axis down along -z.
+  Mat3 rotation;
+  rotation(0, 0) = 1;   // camera x -> world x
+  rotation(2, 1) = -1;  // camera y -> world -z
+  rotation(1, 2) = 1;   // camera z -> world y
+  const ViewAxes axes =
+      AxesOfCameras({Rigid3{Rotation3::FromMatrix(rotation), {5, 6, 7}}});
+  EXPECT_NEAR(axes.up_in_world.z, 1, 1e-12);
+  EXPECT_NEAR(axes.forward_in_world.y, 1, 1e-12);
+  EXPECT_NEAR(axes.right_in_world.x, 1, 1e-12);
+}
+
+TEST(AxesOfCameras, StaysOrthonormalWhereDirectionsVanish) {
+  // Looking straight down and, in the second pair, in opposite directions.
+  const Rotation3 down = Rotation3::FromAxisAngle({90 * kDegree, 0, 0});
+  const Rotation3 flipped = Rotation3::FromAxisAngle({180 * kDegree, 0, 0});
+  for (const std::vector<Rigid3>& cameras :
+       {std::vector<Rigid3>{{down, {}}},
+        std::vector<Rigid3>{{{}, {}}, {flipped, {}}}, std::vector<Rigid3>{}}) {
+    const ViewAxes axes = AxesOfCameras(cameras);
+    EXPECT_NEAR(Norm(axes.up_in_world), 1, 1e-12);
+    EXPECT_NEAR(Norm(axes.forward_in_world), 1, 1e-12);
+    EXPECT_NEAR(Dot(axes.up_in_world, axes.forward_in_world), 0, 1e-12);
+    EXPECT_NEAR(Norm(Cross(axes.right_in_world, axes.forward_in_world) -
+                     axes.up_in_world),
+                0, 1e-12);
+  }
+}
+
+TEST(TrajectoryChart, CountsEstimatesThatLieOutside) {
+  std::vector<FrameResult> results;
+  for (int i = 0; i < 5; ++i) {
+    FrameResult result = Localized("f", 0);
+    result.true_world_from_camera->translation = {0.1 * i, 0, 0};
+    result.estimate.world_from_camera = *result.true_world_from_camera;
+    results.push_back(result);
+  }
+  EXPECT_THAT(TrajectoryChart(results, {}), Not(HasSubstr("outside")));
+  results[2].estimate.world_from_camera.translation.y = 50;
+  results[2].error->translation_m = 50;
+  EXPECT_THAT(TrajectoryChart(results, {}),
+              HasSubstr("1 estimate lies outside"));
+}
+
+TEST(CumulativeChart, CountsFramesWithoutAValueInTheTotal) {
+  // Two of four frames have errors below 2 cm.
+  const std::string svg =
+      CumulativeChart({1.0, 1.5, 7.0}, 4, 10, "cm", {{2, "2 cm"}});
+  EXPECT_THAT(svg, HasSubstr(">50.0 %</text>"));
+}
+
+TEST(HistogramChart, CountsWhatLiesBeyondItsLastBin) {
+  std::vector<double> values(1000, 1.0);
+  values.push_back(500);
+  const std::string svg = HistogramChart(values, "ms", {});
+  EXPECT_THAT(svg, HasSubstr(">1 beyond</text>"));
+  EXPECT_THAT(svg, HasSubstr("1000 frames"));
+  EXPECT_EQ(HistogramChart({}, "ms", {}), "");
+}
+
+TEST(RoundTicks, StepsByOneTwoOrFive) {
+  EXPECT_THAT(RoundTicks(10, 5), ElementsAre(0, 2, 4, 6, 8, 10));
+  EXPECT_THAT(RoundTicks(0.3, 3), ElementsAre(DoubleEq(0), DoubleEq(0.1),
+                                              DoubleEq(0.2), DoubleEq(0.3)));
+  EXPECT_THAT(RoundTicks(180, 6), ElementsAre(0, 50, 100, 150));
+}
+
+TEST(DescribeModel, ShowsWhatAPersonAsksFor) {
+  ModelInfo model;
+  model.method = "rgbd";
+  model.format_version = 1;
+  model.trees = 5;
+  model.leaves = 482025;
+  model.file_bytes = 48200000;
+  model.options = {{"trees", "5"}, {"poses", ""}};
+  model.calibration.color_from_depth.translation = {-0.0235, 0.005, 0};
+  const std::string text = DescriptionText(DescribeModel(model));
+  EXPECT_THAT(text, HasSubstr("482,025"));
+  EXPECT_THAT(text, HasSubstr("48.2 MB"));
+  EXPECT_THAT(text, HasSubstr("-2.350  0.500  0.000 cm"));
+  EXPECT_THAT(text, HasSubstr("PINHOLE 585 585 320 240, 640 x 480"));
+}
+
+TEST(Format, WritesCountsBytesAndOddNumbers) {
+  EXPECT_EQ(FormatCount(0), "0");
+  EXPECT_EQ(FormatCount(999), "999");
+  EXPECT_EQ(FormatCount(1000), "1,000");
+  EXPECT_EQ(FormatCount(-1234567), "-1,234,567");
+  EXPECT_EQ(FormatBytes(999), "999 B");
+  EXPECT_EQ(FormatBytes(1000), "1.0 kB");
+  EXPECT_EQ(FormatBytes(34200000), "34.2 MB");
+  EXPECT_EQ(FormatNumber("%.1f", std::nan("")), "-");
+}
+
+TEST(ShellQuoted, QuotesOnlyWhatAShellWouldChange) {
+  EXPECT_EQ(ShellQuoted("--model=a/b_c-1.treeline"),
+            "--model=a/b_c-1.treeline");
+  EXPECT_EQ(ShellQuoted("7scenes:dir"), "7scenes:dir");
+  EXPECT_EQ(ShellQuoted("a b"), "'a b'");
+  EXPECT_EQ(ShellQuoted("it's"), "'it'\\''s'");
+  EXPECT_EQ(ShellQuoted("$HOME"), "'$HOME'");
+  EXPECT_EQ(ShellQuoted(""), "''");
+}
+
+TEST(RunInfo, TellsAboutThisProcess) {
+  EXPECT_THAT(CommandLine(), HasSubstr("report_test"));
+  EXPECT_GT(PeakMemoryBytes(), 1u << 20);
+  EXPECT_THAT(CpuDescription(), HasSubstr("processor"));
+  EXPECT_EQ(UtcNow().size(), std::string("2026-11-21T09:30:00Z").size());
+}
+
+}  // namespace
+}  // namespace treeline

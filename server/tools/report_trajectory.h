@@ -1,0 +1,35 @@
+// Where the cameras were: ground truth against estimates, from above and from
+// the side, as SVG text for the evaluation's page.
+#ifndef SERVER_TOOLS_REPORT_TRAJECTORY_H_
+#define SERVER_TOOLS_REPORT_TRAJECTORY_H_
+
+#include <string>
+#include <vector>
+
+#include "common/geometry/rigid3.h"
+#include "server/tools/evaluation.h"
+
+namespace treeline {
+
+// Unit vectors of a picture plane's axes, expressed in the world frame.
+struct ViewAxes {
+  Vec3 right_in_world;
+  Vec3 forward_in_world;  // horizontal, where the cameras look on average
+  Vec3 up_in_world;
+};
+
+// Axes for cameras held upright on average: up is against the mean of their
+// y axes, forward the horizontal part of their mean z axis. Falls back on
+// other directions where those vanish. The axes are orthonormal and
+// right x forward = up.
+ViewAxes AxesOfCameras(const std::vector<Rigid3>& world_from_camera);
+
+// The drawing; empty if no frame has ground truth. training_poses
+// (world_from_camera) are drawn faintly and may be empty. Estimates that lie
+// far outside are left out and counted in a note.
+std::string TrajectoryChart(const std::vector<FrameResult>& results,
+                            const std::vector<Rigid3>& training_poses);
+
+}  // namespace treeline
+
+#endif  // SERVER_TOOLS_REPORT_TRAJECTORY_H_

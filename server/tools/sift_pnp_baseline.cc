@@ -1,0 +1,472 @@
+#include "server/tools/sift_pnp_baseline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/clock.h"
+#include "common/base/progress.h"
+#include "common/base/status_macros.h"
+#include "common/base/version.h"
+#include "opencv2/calib3d.hpp"
+#include "opencv2/core.hpp"
+#include "opencv2/features2d.hpp"
+#include "opencv2/flann.hpp"
+#include "opencv2/imgproc.hpp"
+#include "server/tools/evaluation.h"
+#include "server/tools/run_info.h"
+
+namespace treeline {
+namespace {
+
+// Descriptors within this many nearest ones may stand for other places.
+constexpr int kNeighbours = 16;
+constexpr int kDescriptorSize = 128;
+constexpr int kMinMatches = 6;
+constexpr double kMaxDepthJump = 0.05;
+constexpr int kDepthRadius_px = 2;
+
+struct Features {
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;  // one row of 128 floats a keypoint
+};
+
+Features Extract(const ColorImage& image, int count) {
+  // OpenCV reads the pixels only.
+  const cv::Mat color(image.height, image.width, CV_8UC3,
+                      const_cast<uint8_t*>(image.rgb.data()));
+  cv::Mat gray;
+  cv::cvtColor(color, gray, cv::COLOR_RGB2GRAY);
+  Features features;
+  cv::SIFT::create(count)->detectAndCompute(
+      gray, cv::noArray(), features.keypoints, features.descriptors);
+  return features;
+}
+
+// A query's feature and the place in the scene that it may show.
+struct Match {
+  Pixel pixel;
+  Vec3 point_in_world;
+};
+
+struct PnpResult {
+  Rigid3 color_from_world;
+  std::vector<bool> inlier;  // one a match
+  int inliers = 0;
+};
+
+Rigid3 ToRigid(const cv::Mat& rotation, const cv::Mat& translation) {
+  return {
+      Rotation3::FromAxisAngle({rotation.at<double>(0), rotation.at<double>(1),
+                                rotation.at<double>(2)}),
+      {translation.at<double>(0), translation.at<double>(1),
+       translation.at<double>(2)}};
+}
+
+// Marks the matches that `color_from_world` reprojects within `inlier_px`.
+PnpResult CountInliers(const Camera& camera, const std::vector<Match>& matches,
+                       const Rigid3& color_from_world, double inlier_px) {
+  PnpResult result{color_from_world, std::vector<bool>(matches.size()), 0};
+  for (size_t i = 0; i < matches.size(); ++i) {
+    const Vec3 point = color_from_world * matches[i].point_in_world;
+    if (point.z <= 0) continue;
+    const Pixel pixel = camera.Project(point);
+    result.inlier[i] = std::hypot(pixel.x - matches[i].pixel.x,
+                                  pixel.y - matches[i].pixel.y) < inlier_px;
+    result.inliers += result.inlier[i];
+  }
+  return result;
+}
+
+// Matches as OpenCV takes them: pixels as an ideal pinhole of the camera's
+// focal length would see them, so that any camera model will do.
+struct PnpProblem {
+  std::vector<cv::Point3d> points;
+  std::vector<cv::Point2d> pixels;
+  cv::Matx33d intrinsics;
+};
+
+PnpProblem MakeProblem(const Camera& camera, const std::vector<Match>& matches,
+                       const std::vector<bool>& use) {
+  PnpProblem problem;
+  problem.intrinsics = {camera.fx(), 0, camera.cx(), 0, camera.fy(),
+                        camera.cy(), 0, 0,           1};
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (!use[i]) continue;
+    const std::optional<Pixel> ray = camera.Unproject(matches[i].pixel);
+    if (!ray) continue;
+    const Vec3& point = matches[i].point_in_world;
+    problem.points.emplace_back(point.x, point.y, point.z);
+    problem.pixels.emplace_back(camera.fx() * ray->x + camera.cx(),
+                                camera.fy() * ray->y + camera.cy());
+  }
+  return problem;
+}
+
+// The pose that most matches agree with, refined on all of these.
+std::optional<PnpResult> SolvePose(const Camera& camera,
+                                   const std::vector<Match>& matches,
+                                   const SiftPnpOptions& options) {
+  const PnpProblem problem =
+      MakeProblem(camera, matches, std::vector<bool>(matches.size(), true));
+  if (problem.points.size() < kMinMatches) return std::nullopt;
+  cv::Mat rotation;
+  cv::Mat translation;
+  // Its random numbers start from a fixed seed in every call.
+  if (!cv::solvePnPRansac(problem.points, problem.pixels, problem.intrinsics,
+                          cv::noArray(), rotation, translation, false,
+                          options.ransac_iterations,
+                          static_cast<float>(options.inlier_px), 0.9999,
+                          cv::noArray(), cv::SOLVEPNP_AP3P)) {
+    return std::nullopt;
+  }
+  PnpResult result = CountInliers(
+      camera, matches, ToRigid(rotation, translation), options.inlier_px);
+  for (int round = 0; round < 3 && result.inliers >= kMinMatches; ++round) {
+    const PnpProblem inliers = MakeProblem(camera, matches, result.inlier);
+    cv::solvePnPRefineLM(inliers.points, inliers.pixels, inliers.intrinsics,
+                         cv::noArray(), rotation, translation);
+    PnpResult refined = CountInliers(
+        camera, matches, ToRigid(rotation, translation), options.inlier_px);
+    if (refined.inliers < result.inliers) break;
+    result = std::move(refined);
+  }
+  return result;
+}
+
+class SiftPnpBaseline final : public Localizer {
+ public:
+  SiftPnpBaseline(ModelInfo info, SiftPnpOptions options, cv::Mat descriptors,
+                  std::vector<Vec3> points_in_world)
+      : info_(std::move(info)),
+        options_(std::move(options)),
+        descriptors_(std::move(descriptors)),
+        points_in_world_(std::move(points_in_world)) {
+    cv::setRNGSeed(static_cast<int>(options_.seed & 0x7fffffff));
+    index_ = std::make_unique<cv::flann::Index>(
+        descriptors_, cv::flann::KDTreeIndexParams(4));
+  }
+
+  absl::StatusOr<PoseEstimate> Localize(
+      const Frame& frame, const LocalizeOptions& options) const override {
+    try {
+      return LocalizeOrThrow(frame, options);
+    } catch (const cv::Exception& error) {
+      return absl::InternalError(absl::StrCat("OpenCV: ", error.what()));
+    }
+  }
+
+  const ModelInfo& info() const override { return info_; }
+
+ private:
+  absl::StatusOr<PoseEstimate> LocalizeOrThrow(
+      const Frame& frame, const LocalizeOptions& options) const;
+  std::vector<Match> FindMatches(const Features& features) const;
+
+  const ModelInfo info_;
+  const SiftPnpOptions options_;
+  const cv::Mat descriptors_;  // one row a point; the index refers to them
+  const std::vector<Vec3> points_in_world_;
+  // Searching does not change it, though OpenCV does not say so.
+  std::unique_ptr<cv::flann::Index> index_;
+};
+
+std::vector<Match> SiftPnpBaseline::FindMatches(
+    const Features& features) const {
+  cv::Mat neighbours;
+  cv::Mat squared_distances;
+  const int count = std::min(kNeighbours, descriptors_.rows);
+  index_->knnSearch(features.descriptors, neighbours, squared_distances, count,
+                    cv::flann::SearchParams(options_.flann_checks));
+  std::vector<Match> matches;
+  for (int i = 0; i < neighbours.rows; ++i) {
+    const int* nearest = neighbours.ptr<int>(i);
+    const float* distance = squared_distances.ptr<float>(i);
+    if (nearest[0] < 0) continue;
+    const Vec3 best = points_in_world_[static_cast<size_t>(nearest[0])];
+    bool distinct = true;
+    for (int k = 1; k < count && nearest[k] >= 0; ++k) {
+      const Vec3 other = points_in_world_[static_cast<size_t>(nearest[k])];
+      if (Norm(other - best) < options_.same_place_m) continue;
+      const double ratio = std::sqrt(static_cast<double>(distance[0]) /
+                                     static_cast<double>(distance[k]));
+      distinct = ratio < options_.match_ratio;
+      break;
+    }
+    const cv::Point2f& at = features.keypoints[static_cast<size_t>(i)].pt;
+    if (distinct) matches.push_back({{at.x, at.y}, best});
+  }
+  return matches;
+}
+
+absl::StatusOr<PoseEstimate> SiftPnpBaseline::LocalizeOrThrow(
+    const Frame& frame, const LocalizeOptions& options) const {
+  const SteadyClock clock;
+  const MonotonicTime start = clock.Now();
+  const Camera camera = frame.calibration.value_or(info_.calibration).color;
+  const Features features = Extract(frame.color, options_.features);
+  PoseEstimate estimate;
+  const MonotonicTime extracted = clock.Now();
+  estimate.timings.sample_ms = MillisecondsBetween(start, extracted);
+  if (options.stop.stop_requested()) {
+    return absl::CancelledError("the query was cancelled");
+  }
+  std::vector<Match> matches;
+  if (!features.keypoints.empty()) matches = FindMatches(features);
+  const MonotonicTime matched = clock.Now();
+  estimate.timings.forest_ms = MillisecondsBetween(extracted, matched);
+  estimate.samples = static_cast<int>(matches.size());
+  std::optional<PnpResult> pose;
+  if (estimate.samples >= kMinMatches) {
+    pose = SolvePose(camera, matches, options_);
+    estimate.reason = NotLocalizedReason::kTooFewInliers;
+  }
+  if (pose) {
+    estimate.world_from_camera = pose->color_from_world.Inverse();
+    estimate.inliers = pose->inliers;
+    estimate.inlier_ratio =
+        static_cast<double>(pose->inliers) / estimate.samples;
+    if (estimate.inliers >= options_.min_inliers) {
+      estimate.outcome = Outcome::kLocalized;
+      estimate.reason = NotLocalizedReason::kNone;
+    }
+  }
+  for (size_t i = 0; options.keep_correspondences && i < matches.size(); ++i) {
+    const Vec3 in_world = matches[i].point_in_world;
+    estimate.correspondences.push_back(
+        {matches[i].pixel, pose ? pose->color_from_world * in_world : Vec3{},
+         in_world, pose && pose->inlier[i]});
+  }
+  const MonotonicTime end = clock.Now();
+  estimate.timings.pose_ms = MillisecondsBetween(matched, end);
+  estimate.timings.total_ms = MillisecondsBetween(start, end);
+  return estimate;
+}
+
+// Collects the features of keyframes that have depth.
+class KeyframeCollector {
+ public:
+  KeyframeCollector(const Dataset& training, const RgbdCalibration& calibration,
+                    const SiftPnpOptions& options)
+      : training_(training),
+        calibration_(calibration),
+        options_(options),
+        registration_(calibration) {}
+
+  // A frame without pose or depth adds nothing.
+  absl::Status Add(int i) {
+    const DatasetFrame& entry = training_.frame(i);
+    if (!entry.world_from_camera || entry.depth_path.empty()) {
+      return absl::OkStatus();
+    }
+    TL_ASSIGN_OR_RETURN(const Frame frame, training_.Load(i));
+    const Rigid3 world_from_color = PoseOfSensor(
+        *entry.world_from_camera, training_.calibration().pose_sensor,
+        RgbdSensor::kColor, calibration_);
+    const Features features = Extract(frame.color, options_.features);
+    const std::vector<Vec3> points = registration_.PointsInColor(*frame.depth);
+    ++frames_;
+    for (size_t k = 0; k < features.keypoints.size(); ++k) {
+      const cv::Point2f& at = features.keypoints[k].pt;
+      const auto point = registration_.PointAt(points, {at.x, at.y});
+      if (!point) continue;
+      descriptors_.push_back(features.descriptors.row(static_cast<int>(k)));
+      points_in_world_.push_back(world_from_color * *point);
+    }
+    return absl::OkStatus();
+  }
+
+  int frames() const { return frames_; }
+  cv::Mat& descriptors() { return descriptors_; }
+  std::vector<Vec3>& points_in_world() { return points_in_world_; }
+
+ private:
+  const Dataset& training_;
+  const RgbdCalibration calibration_;
+  const SiftPnpOptions& options_;
+  const DepthRegistration registration_;
+  int frames_ = 0;
+  cv::Mat descriptors_;
+  std::vector<Vec3> points_in_world_;
+};
+
+ModelInfo DescribeBaseline(const Dataset& training,
+                           const RgbdCalibration& calibration,
+                           const SiftPnpOptions& options) {
+  ModelInfo info;
+  info.method = "sift-pnp";
+  info.software_version = Version();
+  info.created_utc = UtcNow();
+  info.dataset = training.uri();
+  info.seed = options.seed;
+  info.options = {
+      {"keyframes", absl::StrCat(options.keyframes)},
+      {"features", absl::StrCat(options.features)},
+      {"match-ratio", absl::StrCat(options.match_ratio)},
+      {"same-place-m", absl::StrCat(options.same_place_m)},
+      {"flann-checks", absl::StrCat(options.flann_checks)},
+      {"inlier-px", absl::StrCat(options.inlier_px)},
+      {"ransac-iterations", absl::StrCat(options.ransac_iterations)},
+      {"min-inliers", absl::StrCat(options.min_inliers)},
+      {"opencv", CV_VERSION}};
+  info.calibration = calibration;
+  info.calibration.pose_sensor = RgbdSensor::kColor;
+  return info;
+}
+
+void AddBounds(const std::vector<Vec3>& points, ModelInfo& info) {
+  info.bounds_min_in_world = info.bounds_max_in_world = points.front();
+  for (const Vec3& p : points) {
+    Vec3& low = info.bounds_min_in_world;
+    Vec3& high = info.bounds_max_in_world;
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y),
+            std::max(high.z, p.z)};
+  }
+}
+
+absl::StatusOr<std::unique_ptr<Localizer>> BuildOrThrow(
+    const Dataset& training, const RgbdCalibration& calibration,
+    const SiftPnpOptions& options) {
+  const SteadyClock clock;
+  const MonotonicTime start = clock.Now();
+  cv::setNumThreads(1);
+  const int count = options.keyframes == 0
+                        ? training.size()
+                        : std::min(options.keyframes, training.size());
+  KeyframeCollector collector(training, calibration, options);
+  {
+    Progress progress("keyframes", count, options.quiet);
+    for (int k = 0; k < count; ++k) {
+      if (options.stop.stop_requested()) {
+        return absl::CancelledError("building the baseline was interrupted");
+      }
+      const int64_t i = int64_t{k} * training.size() / count;
+      TL_RETURN_IF_ERROR(collector.Add(static_cast<int>(i)));
+      progress.Add(1);
+    }
+  }
+  std::vector<Vec3>& points = collector.points_in_world();
+  if (points.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        training.uri(), ": none of ", count,
+        " keyframes has a pose, depth and a feature on measured depth"));
+  }
+  ModelInfo info = DescribeBaseline(training, calibration, options);
+  info.training_frames = collector.frames();
+  info.training_samples = static_cast<int64_t>(points.size());
+  info.file_bytes =
+      points.size() * (kDescriptorSize * sizeof(float) + sizeof(Vec3));
+  AddBounds(points, info);
+  info.training_s = MillisecondsBetween(start, clock.Now()) / 1e3;
+  return std::make_unique<SiftPnpBaseline>(
+      std::move(info), options, collector.descriptors(), std::move(points));
+}
+
+}  // namespace
+
+absl::Status SiftPnpOptions::Validate() const {
+  if (keyframes < 0 || features < 0 || flann_checks < 1 ||
+      flann_checks > 100000 || ransac_iterations < 1 || min_inliers < 4) {
+    return absl::InvalidArgumentError(
+        "sift-pnp: keyframes and features must be at least 0, FLANN checks in "
+        "[1, 100000], RANSAC iterations at least 1, inliers at least 4");
+  }
+  if (!(match_ratio > 0 && match_ratio <= 1) || !(inlier_px > 0) ||
+      !(same_place_m >= 0)) {
+    return absl::InvalidArgumentError(
+        "sift-pnp: the match ratio must be in (0, 1], distances positive");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::unique_ptr<Localizer>> BuildSiftPnpBaseline(
+    const Dataset& training, const RgbdCalibration& calibration,
+    const SiftPnpOptions& options) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  try {
+    return BuildOrThrow(training, calibration, options);
+  } catch (const cv::Exception& error) {
+    return absl::InternalError(absl::StrCat("OpenCV: ", error.what()));
+  }
+}
+
+DepthRegistration::DepthRegistration(const RgbdCalibration& calibration)
+    : calibration_(calibration) {
+  const Camera& depth = calibration.depth;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (int y = 0; y < depth.height(); ++y) {
+    for (int x = 0; x < depth.width(); ++x) {
+      const Pixel pixel{static_cast<double>(x), static_cast<double>(y)};
+      rays_.push_back(depth.Unproject(pixel).value_or(Pixel{kNan, kNan}));
+    }
+  }
+}
+
+std::vector<Vec3> DepthRegistration::PointsInColor(
+    const DepthImage& depth) const {
+  const Camera& color = calibration_.color;
+  std::vector<Vec3> points(static_cast<size_t>(color.width()) *
+                           static_cast<size_t>(color.height()));
+  const size_t count = std::min(rays_.size(), depth.values.size());
+  for (size_t i = 0; i < count; ++i) {
+    if (!IsMeasured(depth.values[i]) || std::isnan(rays_[i].x)) continue;
+    const double z = calibration_.depth_scale * depth.unit_m * depth.values[i];
+    const Vec3 point =
+        calibration_.color_from_depth * Vec3{z * rays_[i].x, z * rays_[i].y, z};
+    if (point.z <= 0) continue;
+    const Pixel pixel = color.Project(point);
+    const double x = std::round(pixel.x);
+    const double y = std::round(pixel.y);
+    if (!(x >= 0 && x < color.width() && y >= 0 && y < color.height())) {
+      continue;
+    }
+    Vec3& held =
+        points[static_cast<size_t>(y) * static_cast<size_t>(color.width()) +
+               static_cast<size_t>(x)];
+    if (held.z == 0 || point.z < held.z) held = point;
+  }
+  return points;
+}
+
+std::optional<Vec3> DepthRegistration::PointAt(
+    const std::vector<Vec3>& points_in_color, Pixel pixel) const {
+  const Camera& color = calibration_.color;
+  const int x0 = static_cast<int>(std::lround(pixel.x));
+  const int y0 = static_cast<int>(std::lround(pixel.y));
+  double depth_m = 0;
+  double best_distance_px = std::numeric_limits<double>::infinity();
+  double nearest_m = std::numeric_limits<double>::infinity();
+  double furthest_m = 0;
+  for (int y = std::max(0, y0 - kDepthRadius_px);
+       y <= std::min(color.height() - 1, y0 + kDepthRadius_px); ++y) {
+    for (int x = std::max(0, x0 - kDepthRadius_px);
+         x <= std::min(color.width() - 1, x0 + kDepthRadius_px); ++x) {
+      const Vec3& point =
+          points_in_color[static_cast<size_t>(y) *
+                              static_cast<size_t>(color.width()) +
+                          static_cast<size_t>(x)];
+      if (point.z == 0) continue;
+      nearest_m = std::min(nearest_m, point.z);
+      furthest_m = std::max(furthest_m, point.z);
+      const double distance_px = std::hypot(x - pixel.x, y - pixel.y);
+      if (distance_px < best_distance_px) {
+        best_distance_px = distance_px;
+        depth_m = point.z;
+      }
+    }
+  }
+  if (furthest_m == 0 || furthest_m > (1 + kMaxDepthJump) * nearest_m) {
+    return std::nullopt;
+  }
+  const std::optional<Pixel> ray = color.Unproject(pixel);
+  if (!ray) return std::nullopt;
+  return Vec3{depth_m * ray->x, depth_m * ray->y, depth_m};
+}
+
+}  // namespace treeline

@@ -1,0 +1,77 @@
+// A yardstick: SIFT features of training keyframes with depth, matched against
+// a query's, and a pose from 3D-2D matches (OpenCV throughout).
+#ifndef SERVER_TOOLS_SIFT_PNP_BASELINE_H_
+#define SERVER_TOOLS_SIFT_PNP_BASELINE_H_
+
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/camera/rgbd_calibration.h"
+#include "common/image/frame.h"
+#include "server/core/dataset/dataset.h"
+#include "server/core/localizer/localizer.h"
+
+namespace treeline {
+
+struct SiftPnpOptions {
+  // Training frames to use, evenly spread over the list; 0: all of them.
+  int keyframes = 140;
+  // Features kept per image, strongest first; 0: all that OpenCV finds.
+  int features = 0;
+  // A match is kept if its descriptor distance is below this times that of the
+  // nearest feature elsewhere in the scene (Lowe's ratio test), in (0, 1].
+  double match_ratio = 0.8;
+  // Features nearer than this (m) to the best match's place are the same
+  // place seen from other keyframes, and no competition in the ratio test.
+  double same_place_m = 0.1;
+  // Leaves that FLANN's kd-trees look at per feature, in [1, 100000].
+  int flann_checks = 128;
+  // Reprojection error of an inlier (px).
+  double inlier_px = 4;
+  int ransac_iterations = 2000;
+  // Fewer inliers are no answer.
+  int min_inliers = 12;
+  uint64_t seed = 0;
+  bool quiet = false;  // no progress bar
+  std::stop_token stop;
+
+  absl::Status Validate() const;
+};
+
+// Learns the keyframes of `training`. `calibration` says how its depth camera
+// sits beside its colour camera (its pose_sensor is ignored: the dataset's
+// own holds). The result's poses are of the colour camera whatever those of
+// the training frames are; its info().file_bytes is the memory of descriptors
+// and points. OpenCV runs on one thread from here on. INVALID_ARGUMENT: bad
+// options, or no keyframe gave a feature with depth and pose; CANCELLED.
+absl::StatusOr<std::unique_ptr<Localizer>> BuildSiftPnpBaseline(
+    const Dataset& training, const RgbdCalibration& calibration,
+    const SiftPnpOptions& options);
+
+// Depth seen from the colour camera: for each colour pixel, row by row, the
+// nearest measured point that falls on it, in the colour camera's frame (world
+// units); z is 0 where there is none.
+class DepthRegistration {
+ public:
+  explicit DepthRegistration(const RgbdCalibration& calibration);
+
+  std::vector<Vec3> PointsInColor(const DepthImage& depth) const;
+
+  // The point seen at `pixel`: on its ray, as far along the optical axis as
+  // the nearest measured pixel within 2 px. nullopt: none, or depth jumps
+  // there by more than 5 %.
+  std::optional<Vec3> PointAt(const std::vector<Vec3>& points_in_color,
+                              Pixel pixel) const;
+
+ private:
+  const RgbdCalibration calibration_;
+  // Rays of the depth camera's pixels, (x/z, y/z); NaN where there is none.
+  std::vector<Pixel> rays_;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_TOOLS_SIFT_PNP_BASELINE_H_

@@ -1,0 +1,63 @@
+// A small recording on disk and a localizer made of a function, for tests.
+#ifndef SERVER_TOOLS_TESTING_FIXTURES_H_
+#define SERVER_TOOLS_TESTING_FIXTURES_H_
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/core/dataset/dataset.h"
+#include "server/core/localizer/localizer.h"
+
+namespace treeline {
+
+// A 7-Scenes folder of 8 x 6 images under the test's temporary folder. The
+// first red value of frame i is i. Removed when destroyed.
+class SmallRecording {
+ public:
+  // poses[i] (world_from_depth) is frame i's; frames beyond have none.
+  SmallRecording(int frames, const std::vector<Rigid3>& poses);
+  ~SmallRecording();
+  SmallRecording(const SmallRecording&) = delete;
+  SmallRecording& operator=(const SmallRecording&) = delete;
+
+  DatasetOptions options() const;
+  Dataset Open() const;
+  const std::string& folder() const { return folder_; }
+  std::string ColorPath(int i) const;
+
+ private:
+  std::string folder_;
+};
+
+// The number that SmallRecording put into a frame.
+inline int FrameNumber(const Frame& frame) { return frame.color.rgb[0]; }
+
+// Answers with what a function says.
+class FunctionLocalizer final : public Localizer {
+ public:
+  using Function = std::function<absl::StatusOr<PoseEstimate>(
+      const Frame&, const LocalizeOptions&)>;
+
+  FunctionLocalizer(ModelInfo info, Function function)
+      : info_(std::move(info)), function_(std::move(function)) {}
+
+  absl::StatusOr<PoseEstimate> Localize(
+      const Frame& frame, const LocalizeOptions& options) const override {
+    return function_(frame, options);
+  }
+  const ModelInfo& info() const override { return info_; }
+
+ private:
+  const ModelInfo info_;
+  const Function function_;
+};
+
+// A localized estimate at this pose, 40 of 50 samples inliers.
+PoseEstimate LocalizedAt(const Rigid3& world_from_camera);
+
+}  // namespace treeline
+
+#endif  // SERVER_TOOLS_TESTING_FIXTURES_H_
