@@ -1,0 +1,48 @@
+// The text files of recordings, as arbitrary bytes: no crash, and no pose that
+// is not rigid.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+#include "absl/strings/string_view.h"
+#include "common/geometry/rigid3.h"
+#include "server/core/dataset/text_formats.h"
+
+namespace treeline {
+namespace {
+
+void CheckRigid(const Rigid3& pose) {
+  const Rotation3& q = pose.rotation;
+  const double norm = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+  if (!IsFinite(pose) || std::abs(norm - 1) > 1e-9) std::abort();
+}
+
+void ParseEveryWay(absl::string_view text) {
+  if (const auto pose = ParsePoseMatrix(text, "fuzz"); pose.ok()) {
+    CheckRigid(*pose);
+  }
+  if (const auto poses = ParseStemPoses(text, "fuzz"); poses.ok()) {
+    for (const StemPose& pose : *poses) CheckRigid(pose.world_from_camera);
+  }
+  if (const auto poses = ParseTimedPoses(text, "fuzz"); poses.ok()) {
+    for (const TimedPose& pose : *poses) CheckRigid(pose.world_from_camera);
+  }
+  if (const auto files = ParseTimedFiles(text, "fuzz"); files.ok()) {
+    for (size_t i = 1; i < files->size(); ++i) {
+      if ((*files)[i].time <= (*files)[i - 1].time) std::abort();
+    }
+  }
+  if (const auto stems = ParseFrameList(text, "fuzz"); stems.ok()) {
+    if (stems->empty()) std::abort();
+  }
+}
+
+}  // namespace
+}  // namespace treeline
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  treeline::ParseEveryWay(
+      absl::string_view(reinterpret_cast<const char*>(data), size));
+  return 0;
+}

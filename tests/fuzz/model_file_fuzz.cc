@@ -1,0 +1,71 @@
+// Model files as arbitrary bytes: refused, or safe to predict with. The header
+// is completed first (magic, version, length, checksum), so that mutations
+// reach what lies behind it.
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "common/base/file.h"
+#include "server/core/forest/backtracking.h"
+#include "server/core/forest/model_file.h"
+
+namespace treeline {
+namespace {
+
+constexpr size_t kHeader_bytes = 64;
+
+void CompleteHeader(std::string& file) {
+  if (file.size() < kHeader_bytes) return;
+  const uint32_t version = kModelFormatVersion;
+  const uint64_t size = file.size();
+  uint64_t checksum = 0;
+  std::memcpy(file.data(), "TREELINE", 8);
+  std::memcpy(file.data() + 8, &version, 4);
+  std::memcpy(file.data() + 16, &size, 8);
+  std::memcpy(file.data() + 24, &checksum, 8);
+  checksum = XXH3_64bits_withSeed(file.data() + kHeader_bytes,
+                                  file.size() - kHeader_bytes,
+                                  XXH3_64bits(file.data(), kHeader_bytes));
+  std::memcpy(file.data() + 24, &checksum, 8);
+}
+
+void PredictWith(const ForestView& forest) {
+  const PlanarImage image(ColorImage{16, 8, std::vector<uint8_t>(3 * 16 * 8)});
+  const std::vector<int32_t> x = {0, 15, 7};
+  const std::vector<int32_t> y = {0, 7, 3};
+  const std::vector<int32_t> inverse_depth = {1, 4096, 65535};
+  const std::vector<WhtDescriptor> descriptors(x.size());
+  std::vector<LeafMatch> matches(x.size() *
+                                 static_cast<size_t>(forest.trees()));
+  std::vector<uint32_t> scratch;
+  PredictLeaves(forest, image, {x, y, inverse_depth}, descriptors, 5, {},
+                scratch, matches);
+  for (const LeafMatch& match : matches) {
+    if (match.leaf >= forest.payloads.size()) std::abort();
+    if (!IsFinite(forest.LeafMean(match.leaf))) std::abort();
+  }
+}
+
+}  // namespace
+}  // namespace treeline
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  static const std::string path =
+      "/dev/shm/model_file_fuzz." + std::to_string(getpid());
+  std::string file(reinterpret_cast<const char*>(data), size);
+  treeline::CompleteHeader(file);
+  if (!treeline::WriteFileAtomically(path, file).ok()) std::abort();
+  const auto model = treeline::ModelFile::Open(path);
+  unlink(path.c_str());
+  if (model.ok() && (*model)->forest().trees() <= 64) {
+    treeline::PredictWith((*model)->forest());
+  }
+  return 0;
+}

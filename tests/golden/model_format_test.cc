@@ -1,0 +1,98 @@
+// A model file of each format version that was ever released is still read,
+// and the current version is still written, byte for byte.
+//
+// If a change of the format is intended, raise kModelFormatVersion, add the
+// next golden file, and keep the old ones readable.
+#include <unistd.h>
+
+#include <string>
+
+#include "common/base/file.h"
+#include "gtest/gtest.h"
+#include "server/core/forest/model_file.h"
+
+namespace treeline {
+namespace {
+
+std::string GoldenPath(int version) {
+  return std::string(TREELINE_GOLDEN_FOLDER) + "/model-v" +
+         std::to_string(version) + ".bin";
+}
+
+// What the golden files hold: two trees, one with a split and one without.
+Forest GoldenForest() {
+  Forest forest;
+  forest.nodes = {Node::Split({-511, 3, 2, 1}, -7, 2), Node::Leaf(0),
+                  Node::Leaf(1), Node::Leaf(2)};
+  forest.tree_offsets = {0, 3, 4};
+  forest.descriptors.resize(3);
+  forest.descriptors[0].values[0] = 127;
+  forest.descriptors[1].values[59] = -127;
+  forest.payloads = {{{0, 32768, 65535}, {1, 2, 3, 4, 5, 6}, 7},
+                     {{8, 9, 10}, {11, 12, 13, 14, 15, 16}, 17},
+                     {{18, 19, 20}, {21, 22, 23, 24, 25, 26}, 65535}};
+  forest.bounds_min_in_world = {-1.25, 0.5, 0};
+  forest.bounds_max_in_world = {2, 3, 4};
+  return forest;
+}
+
+ModelInfo GoldenInfo() {
+  ModelInfo info;
+  info.method = "rgbd";
+  info.software_version = "0.1.0";
+  info.created_utc = "2026-11-21T09:30:00Z";
+  info.dataset = "7scenes:kitchen";
+  info.seed = 18446744073709551615u;
+  info.options = {{"trees", "2"}, {"max-depth", "25"}};
+  info.calibration.color_from_depth = {Rotation3{}, {-0.025, 0, 0.0078125}};
+  info.calibration.depth_scale = 0.9921875;
+  info.calibration.pose_sensor = RgbdSensor::kDepth;
+  info.training_frames = 500;
+  info.training_samples = 2500000;
+  info.training_s = 12.5;
+  return info;
+}
+
+TEST(ModelFormatTest, Version1IsRead) {
+  const auto model = ModelFile::Open(GoldenPath(1));
+  ASSERT_TRUE(model.ok()) << model.status();
+  const ModelInfo& info = (*model)->info();
+  EXPECT_EQ(info.format_version, 1u);
+  EXPECT_EQ(info.trees, 2);
+  EXPECT_EQ(info.leaves, 3);
+  EXPECT_EQ(info.seed, GoldenInfo().seed);
+  EXPECT_EQ(info.options, GoldenInfo().options);
+  EXPECT_EQ(info.calibration, GoldenInfo().calibration);
+  EXPECT_EQ(info.training_samples, 2500000);
+
+  const ForestView& forest = (*model)->forest();
+  const PixelDifference feature = forest.tree(0)[0].feature();
+  EXPECT_EQ(feature.dx, -511);
+  EXPECT_EQ(feature.dy, 3);
+  EXPECT_EQ(feature.c1, 2);
+  EXPECT_EQ(feature.c2, 1);
+  EXPECT_EQ(forest.tree(0)[0].threshold(), -7);
+  EXPECT_EQ(forest.tree(0)[0].right_offset(), 2u);
+  EXPECT_TRUE(forest.tree(1)[0].is_leaf());
+  EXPECT_EQ(forest.tree(1)[0].leaf(), 2u);
+  EXPECT_EQ(forest.descriptors[1].values[59], -127);
+  EXPECT_EQ(forest.payloads[2].count, 65535);
+  EXPECT_EQ(forest.payloads[1].covariance[5], 16);
+  EXPECT_EQ(forest.LeafMean(0).x, -1.25);
+  EXPECT_EQ(forest.LeafMean(0).z, 4);
+}
+
+TEST(ModelFormatTest, TheCurrentVersionIsWrittenByteForByte) {
+  const std::string path =
+      testing::TempDir() + "/model_format_" + std::to_string(getpid());
+  ASSERT_TRUE(WriteModel(path, GoldenInfo(), GoldenForest().View()).ok());
+  const auto written = ReadFile(path);
+  unlink(path.c_str());
+  ASSERT_TRUE(written.ok());
+  const auto golden = ReadFile(GoldenPath(kModelFormatVersion));
+  ASSERT_TRUE(golden.ok()) << golden.status();
+  EXPECT_EQ(*written, *golden);
+}
+
+}  // namespace
+}  // namespace treeline
