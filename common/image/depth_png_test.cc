@@ -158,7 +158,8 @@ TEST(DepthPngTest, RefusesEveryTruncationAndEveryFlippedBit) {
 }
 
 TEST(DepthPngTest, RefusesPixelsThatDoNotFitTheHeader) {
-  const auto png = [](uint32_t width, uint32_t height, std::string rows) {
+  const auto png = [](uint32_t width, uint32_t height,
+                      const std::string& rows) {
     return kSignature + Header(width, height) + Chunk("IDAT", Deflated(rows)) +
            Chunk("IEND", "");
   };

@@ -9,8 +9,6 @@ namespace {
 
 using ProfilePoint = WorldBuilder::ProfilePoint;
 
-constexpr float kPi = 3.14159265f;
-
 }  // namespace
 
 FurnitureMaker::FurnitureMaker(WorldBuilder& builder, uint64_t seed)

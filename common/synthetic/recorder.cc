@@ -206,18 +206,18 @@ absl::Status RecordOptions::Validate() const {
 
 absl::Status RecordSevenScenes(const RecordOptions& options,
                                const std::function<void()>& done,
-                               std::stop_token stop) {
+                               const std::stop_token& stop) {
   // What would be found out later, found out before seconds of painting.
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(CheckNoRecording(options));
   if (stop.stop_requested()) return absl::CancelledError("recording stopped");
   TL_ASSIGN_OR_RETURN(World world, MakeWorld(options.world, options.threads));
-  return RecordSevenScenesIn(std::move(world), options, done, std::move(stop));
+  return RecordSevenScenesIn(std::move(world), options, done, stop);
 }
 
 absl::Status RecordSevenScenesIn(World world, const RecordOptions& options,
                                  const std::function<void()>& done,
-                                 std::stop_token stop) {
+                                 const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(CheckNoRecording(options));
   const std::string sequence = SequencePath(options);

@@ -47,13 +47,13 @@ struct RecordOptions {
 // is removed. ALREADY_EXISTS if FOLDER/seq-01 is there.
 absl::Status RecordSevenScenes(const RecordOptions& options,
                                const std::function<void()>& done,
-                               std::stop_token stop);
+                               const std::stop_token& stop);
 
 // The same in a world that is there already; options.world is only what
 // recording.txt calls it.
 absl::Status RecordSevenScenesIn(World world, const RecordOptions& options,
                                  const std::function<void()>& done,
-                                 std::stop_token stop);
+                                 const std::stop_token& stop);
 
 }  // namespace treeline
 

@@ -180,7 +180,7 @@ struct PendingCall {
 
 std::unique_ptr<PendingCall> Begin(
     v1::RelocalizationService::Stub& stub, const std::string& scene,
-    std::function<void()> on_done = [] {}) {
+    const std::function<void()>& on_done = [] {}) {
   auto call = std::make_unique<PendingCall>();
   call->request = TestRequest(scene);
   stub.async()->Localize(&call->context, &call->request, &call->response,

@@ -83,7 +83,7 @@ class RelocalizationGrpcService::Call final : public grpc::ServerUnaryReactor {
     } catch (...) {
       record_.internal_error = "an exception of unknown type";
     }
-    if (response.ok()) response_ = *std::move(response);
+    if (response.ok()) response_ = std::move(*response);
     End(response.status());
   }
 
@@ -140,7 +140,7 @@ grpc::ServerUnaryReactor* SceneGrpcService::GetScene(
   const MonotonicTime start = clock_.Now();
   absl::StatusOr<v1::GetSceneResponse> answer =
       treeline::GetScene(repository_, *request);
-  if (answer.ok()) *response = *std::move(answer);
+  if (answer.ok()) *response = std::move(*answer);
   record.status = answer.status();
   record.timings.total_ms = MillisecondsBetween(start, clock_.Now());
   observer_.OnCall(record);

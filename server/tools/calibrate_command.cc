@@ -35,7 +35,8 @@ struct CalibrateFlags {
   bool quiet = false;
 };
 
-absl::Status Calibrate(const CalibrateFlags& flags, std::stop_token stop) {
+absl::Status Calibrate(const CalibrateFlags& flags,
+                       const std::stop_token& stop) {
   if (!flags.output_path.empty()) {
     TL_RETURN_IF_ERROR(CheckWritable(flags.output_path));
   }
@@ -72,7 +73,7 @@ Command AddCalibrateCommand(CLI::App& app) {
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--quiet", flags->quiet, "Show no progress");
-  return {command, [flags](std::stop_token stop) {
+  return {command, [flags](const std::stop_token& stop) {
             return Calibrate(*flags, std::move(stop));
           }};
 }

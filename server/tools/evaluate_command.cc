@@ -316,7 +316,7 @@ Command AddEvaluateCommand(CLI::App& app) {
   AddTrainingFlags(*command, *flags);
   AddOutputFlags(*command, *flags);
   command->parse_complete_callback([flags] { CheckUsage(*flags); });
-  return {command, [flags](std::stop_token stop) {
+  return {command, [flags](const std::stop_token& stop) {
             return EvaluateCommand(*flags, std::move(stop)).Run();
           }};
 }

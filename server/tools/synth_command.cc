@@ -90,8 +90,9 @@ Command AddRecord(CLI::App& synth) {
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--quiet", flags->quiet, "Show no progress");
-  return {command,
-          [flags](std::stop_token stop) { return Record(*flags, stop); }};
+  return {command, [flags](const std::stop_token& stop) {
+            return Record(*flags, stop);
+          }};
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ absl::Status Train(const TrainFlags& flags, const std::stop_token& stop) {
   info.training_samples = trained.samples;
   info.training_s = MillisecondsBetween(start, clock.Now()) / 1e3;
   const ForestView forest = trained.forest.View();
-  TL_RETURN_IF_ERROR(WriteModel(flags.output_path, info, forest));
+  TL_RETURN_IF_ERROR(WriteModel(flags.output_path, info, {forest}));
   // Read back what was written, as a server will.
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<const ModelFile> model,
                       ModelFile::Open(flags.output_path));
@@ -191,7 +191,7 @@ Command AddTrainCommand(CLI::App& app) {
   command->add_flag("--quiet", flags->quiet, "Show no progress");
   AddForestFlags(*command, flags->training);
   return {command,
-          [flags](std::stop_token stop) { return Train(*flags, stop); }};
+          [flags](const std::stop_token& stop) { return Train(*flags, stop); }};
 }
 
 }  // namespace treeline

@@ -64,8 +64,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (!treeline::WriteFileAtomically(path, file).ok()) std::abort();
   const auto model = treeline::ModelFile::Open(path);
   unlink(path.c_str());
-  if (model.ok() && (*model)->forest().trees() <= 64) {
-    treeline::PredictWith((*model)->forest());
+  for (size_t f = 0; model.ok() && f < (*model)->forests(); ++f) {
+    const treeline::ForestView& forest = (*model)->forest(f);
+    if (forest.trees() <= 64 && forest.sift_descriptors.empty()) {
+      treeline::PredictWith(forest);
+    }
   }
   return 0;
 }

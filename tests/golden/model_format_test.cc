@@ -85,7 +85,7 @@ TEST(ModelFormatTest, Version1IsRead) {
 TEST(ModelFormatTest, TheCurrentVersionIsWrittenByteForByte) {
   const std::string path =
       testing::TempDir() + "/model_format_" + std::to_string(getpid());
-  ASSERT_TRUE(WriteModel(path, GoldenInfo(), GoldenForest().View()).ok());
+  ASSERT_TRUE(WriteModel(path, GoldenInfo(), {GoldenForest().View()}).ok());
   const auto written = ReadFile(path);
   unlink(path.c_str());
   ASSERT_TRUE(written.ok());

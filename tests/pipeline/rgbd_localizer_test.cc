@@ -36,7 +36,7 @@ class RgbdLocalizerTest : public testing::Test {
     info.method = "rgbd";
     info.calibration = Calibration();
     const absl::Status written =
-        WriteModel(ModelPath(), info, trained->forest.View());
+        WriteModel(ModelPath(), info, {trained->forest.View()});
     ASSERT_TRUE(written.ok()) << written;
     localizer_ = OpenLocalizer(ModelPath())->release();
   }

@@ -236,10 +236,18 @@ void NearestOfRuns(const int8_t* descriptor, const int8_t* leaf_descriptors,
     const uint32_t* candidates = leaves + r * run_stride;
     LeafMatch best;
     best.distance = 0x7fffffff;
-    for (size_t k = 0; k < run; ++k) {
-      if (candidates[k] == kNoLeaf) break;
-      const int8_t* leaf =
-          leaf_descriptors + static_cast<size_t>(candidates[k]) * 64;
+    size_t k = 0;
+    uint32_t next_mode = 0;
+    uint32_t last_mode = 0;
+    for (;;) {
+      if (next_mode == last_mode) {
+        if (k == run || candidates[k] == kNoLeaf) break;
+        next_mode = Node::FirstMode(candidates[k]);
+        last_mode = next_mode + Node::Modes(candidates[k]);
+        ++k;
+      }
+      const uint32_t mode = next_mode++;
+      const int8_t* leaf = leaf_descriptors + static_cast<size_t>(mode) * 64;
       auto even = hn::Zero(d32);
       auto odd = hn::Zero(d32);
       for (size_t i = 0; i < 64; i += hn::Lanes(d16)) {
@@ -252,8 +260,8 @@ void NearestOfRuns(const int8_t* descriptor, const int8_t* leaf_descriptors,
       const int32_t distance =
           hn::GetLane(hn::SumOfLanes(d32, hn::Add(even, odd)));
       if (distance < best.distance ||
-          (distance == best.distance && candidates[k] < best.leaf)) {
-        best = {candidates[k], distance};
+          (distance == best.distance && mode < best.leaf)) {
+        best = {mode, distance};
       }
     }
     matches[r] = best;
@@ -318,7 +326,8 @@ void PredictLeaves(const ForestView& forest, const PlanarImage& image,
         const uint32_t* leaves = scratch.data() + (t * kChunk + i) * run;
         for (size_t k = 0; k < run && leaves[k] != kNoLeaf; ++k) {
           __builtin_prefetch(leaf_descriptors +
-                             static_cast<size_t>(leaves[k]) * 64);
+                             static_cast<size_t>(Node::FirstMode(leaves[k])) *
+                                 64);
         }
       }
     };

@@ -30,14 +30,16 @@ struct SampleView {
 // first by the split tests, then again and again from the unvisited sibling
 // whose split the sample passed most narrowly (|feature - threshold|; ties go
 // to the node nearest the root's left edge). out[i * leaves_per_sample + k] is
-// the k-th leaf of sample i, or kNoLeaf where the tree has fewer.
+// the lo of the k-th leaf of sample i (see Node::FirstMode and Node::Modes), or
+// kNoLeaf where the tree has fewer.
 void VisitLeaves(std::span<const Node> tree, const PlanarImage& image,
                  const SampleView& samples, int leaves_per_sample,
                  std::span<uint32_t> out);
 
-// One prediction: the visited leaf of a tree whose mean descriptor is nearest.
+// One prediction: of the leaves visited in a tree, the mode whose mean
+// descriptor is nearest.
 struct LeafMatch {
-  uint32_t leaf = kNoLeaf;
+  uint32_t leaf = kNoLeaf;  // the mode's index: payloads[leaf]
   // Squared descriptor distance.
   int32_t distance = 0;
 };

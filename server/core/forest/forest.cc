@@ -6,7 +6,8 @@
 namespace treeline {
 namespace {
 
-absl::Status ValidateTree(std::span<const Node> tree, int t, size_t leaves) {
+absl::Status ValidateTree(std::span<const Node> tree, int t, size_t modes,
+                          bool sift) {
   const auto corrupt = [&](size_t node, absl::string_view what) {
     return absl::DataLossError(
         absl::StrCat("forest: tree ", t, ", node ", node, ": ", what));
@@ -17,13 +18,21 @@ absl::Status ValidateTree(std::span<const Node> tree, int t, size_t leaves) {
   for (size_t i = 0; i < tree.size(); ++i) {
     const Node& node = tree[i];
     if (node.is_leaf()) {
-      if (node.leaf() >= leaves) return corrupt(i, "no such leaf");
+      if (node.leaf() + node.modes() > modes) {
+        return corrupt(i, "no such leaf");
+      }
       continue;
     }
     if (node.right_offset() < 2 || i + node.right_offset() >= tree.size()) {
       return corrupt(i, "a child lies outside the tree");
     }
     const PixelDifference feature = node.feature();
+    if (sift) {
+      if (feature.dx < 0 || feature.dx >= SiftDescriptor::kDimensions) {
+        return corrupt(i, "no such descriptor dimension");
+      }
+      continue;
+    }
     if (feature.c1 > 2 || feature.c2 > 2) {
       return corrupt(i, "no such colour channel");
     }
@@ -46,8 +55,10 @@ absl::Status ForestView::Validate() const {
       tree_offsets.back() != nodes.size()) {
     return absl::DataLossError("forest: bad tree offsets");
   }
-  if (descriptors.size() != payloads.size()) {
-    return absl::DataLossError(absl::StrCat("forest: ", descriptors.size(),
+  const size_t described = descriptors.size() + sift_descriptors.size();
+  if (described != payloads.size() ||
+      (!descriptors.empty() && !sift_descriptors.empty())) {
+    return absl::DataLossError(absl::StrCat("forest: ", described,
                                             " leaf descriptors but ",
                                             payloads.size(), " leaf payloads"));
   }
@@ -61,7 +72,8 @@ absl::Status ForestView::Validate() const {
     }
   }
   for (int t = 0; t < trees(); ++t) {
-    TL_RETURN_IF_ERROR(ValidateTree(tree(t), t, payloads.size()));
+    TL_RETURN_IF_ERROR(ValidateTree(tree(t), t, payloads.size(),
+                                    !sift_descriptors.empty()));
   }
   return absl::OkStatus();
 }

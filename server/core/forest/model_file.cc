@@ -2,6 +2,7 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <limits>
@@ -31,6 +32,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 64);
 
+// 8 to 11 are of ModelExtra.
 enum SectionKind : uint32_t {
   kInfo = 1,
   kBounds = 2,
@@ -38,12 +40,14 @@ enum SectionKind : uint32_t {
   kNodes = 4,
   kDescriptors = 5,
   kPayloads = 6,
+  kSiftDescriptors = 7,
 };
-constexpr uint32_t kSections = 6;
+constexpr uint32_t kFirstExtra = 8;
+constexpr uint32_t kMaxForests = 8;
 
 struct Section {
   uint32_t kind;
-  uint32_t reserved;
+  uint32_t forest;  // which one it is of; 0 if of none
   uint64_t offset;
   uint64_t bytes;
 };
@@ -75,59 +79,125 @@ absl::Status Corrupt(absl::string_view what) {
   return absl::DataLossError(absl::StrCat("corrupt model: ", what));
 }
 
-// The section's bytes as values of type T. Offsets are aligned to 64 bytes and
-// the mapping to a page, so the values are aligned too.
-template <typename T>
-absl::Status ReadSection(const MappedFile& file,
-                         std::span<const Section> sections, SectionKind kind,
-                         std::span<const T>& out) {
-  for (const Section& section : sections) {
-    if (section.kind != kind) continue;
-    if (section.offset % kAlignment != 0 || section.offset > file.size() ||
-        section.bytes > file.size() - section.offset ||
-        section.bytes % sizeof(T) != 0) {
+// The sections of a mapped file.
+class SectionReader {
+ public:
+  SectionReader(const MappedFile& file, std::span<const Section> sections)
+      : file_(file), sections_(sections) {}
+
+  bool Has(uint32_t kind, uint32_t forest) const {
+    return Find(kind, forest) != nullptr;
+  }
+
+  // The section's bytes as values of type T. Offsets are aligned to 64 bytes
+  // and the mapping to a page, so the values are aligned too.
+  template <typename T>
+  absl::Status Read(uint32_t kind, uint32_t forest,
+                    std::span<const T>& out) const {
+    const Section* section = Find(kind, forest);
+    if (section == nullptr) {
+      return Corrupt(absl::StrCat("section ", kind, " is missing"));
+    }
+    if (section->offset % kAlignment != 0 || section->offset > file_.size() ||
+        section->bytes > file_.size() - section->offset ||
+        section->bytes % sizeof(T) != 0) {
       return Corrupt(absl::StrCat("section ", kind, " lies outside the file"));
     }
-    out = {reinterpret_cast<const T*>(file.data() + section.offset),
-           section.bytes / sizeof(T)};
+    out = {reinterpret_cast<const T*>(file_.data() + section->offset),
+           section->bytes / sizeof(T)};
     return absl::OkStatus();
   }
-  return Corrupt(absl::StrCat("section ", kind, " is missing"));
+
+ private:
+  const Section* Find(uint32_t kind, uint32_t forest) const {
+    for (const Section& section : sections_) {
+      if (section.kind == kind && section.forest == forest) return &section;
+    }
+    return nullptr;
+  }
+
+  const MappedFile& file_;
+  const std::span<const Section> sections_;
+};
+
+absl::Status ReadForest(const SectionReader& reader, uint32_t f,
+                        ForestView& forest) {
+  std::span<const Bounds> bounds;
+  TL_RETURN_IF_ERROR(reader.Read(kBounds, f, bounds));
+  if (bounds.size() != 1) return Corrupt("bad bounds");
+  const Bounds& b = bounds[0];
+  forest.bounds_min_in_world = {b.min[0], b.min[1], b.min[2]};
+  forest.bounds_max_in_world = {b.max[0], b.max[1], b.max[2]};
+  TL_RETURN_IF_ERROR(reader.Read(kTreeOffsets, f, forest.tree_offsets));
+  TL_RETURN_IF_ERROR(reader.Read(kNodes, f, forest.nodes));
+  if (reader.Has(kSiftDescriptors, f)) {
+    TL_RETURN_IF_ERROR(
+        reader.Read(kSiftDescriptors, f, forest.sift_descriptors));
+  } else {
+    TL_RETURN_IF_ERROR(reader.Read(kDescriptors, f, forest.descriptors));
+  }
+  TL_RETURN_IF_ERROR(reader.Read(kPayloads, f, forest.payloads));
+  return forest.Validate();
+}
+
+Vec3 Least(Vec3 a, Vec3 b) {
+  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
 }
 
 }  // namespace
 
 absl::Status WriteModel(const std::string& path, const ModelInfo& info,
-                        const ForestView& forest) {
-  TL_RETURN_IF_ERROR(forest.Validate());
+                        const std::vector<ForestView>& forests,
+                        std::span<const ModelExtraBytes> extras) {
+  if (forests.empty() || forests.size() > kMaxForests) {
+    return absl::InvalidArgumentError("a model has 1 to 8 forests");
+  }
   TL_RETURN_IF_ERROR(CheckWritable(path));
   const std::string info_json = ModelInfoToJson(info);
-  const Vec3& low = forest.bounds_min_in_world;
-  const Vec3& high = forest.bounds_max_in_world;
-  const Bounds bounds = {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
-  const absl::string_view contents[kSections] = {
-      info_json,
-      Bytes(std::span<const Bounds>(&bounds, 1)),
-      Bytes(forest.tree_offsets),
-      Bytes(forest.nodes),
-      Bytes(forest.descriptors),
-      Bytes(forest.payloads)};
-  Section table[kSections];
-  uint64_t end = sizeof(Header) + sizeof(table);
-  for (uint32_t i = 0; i < kSections; ++i) {
-    table[i] = {kInfo + i, 0, Align(end), contents[i].size()};
+  std::vector<Bounds> bounds;
+  std::vector<Section> table{{kInfo, 0, 0, 0}};
+  std::vector<absl::string_view> contents{info_json};
+  const auto add = [&](uint32_t kind, size_t forest, absl::string_view bytes) {
+    table.push_back({kind, static_cast<uint32_t>(forest), 0, 0});
+    contents.push_back(bytes);
+  };
+  bounds.reserve(forests.size());  // their addresses are kept
+  for (size_t f = 0; f < forests.size(); ++f) {
+    const ForestView& forest = forests[f];
+    TL_RETURN_IF_ERROR(forest.Validate());
+    const Vec3& low = forest.bounds_min_in_world;
+    const Vec3& high = forest.bounds_max_in_world;
+    bounds.push_back({{low.x, low.y, low.z}, {high.x, high.y, high.z}});
+    add(kBounds, f, Bytes(std::span<const Bounds>(&bounds.back(), 1)));
+    add(kTreeOffsets, f, Bytes(forest.tree_offsets));
+    add(kNodes, f, Bytes(forest.nodes));
+    if (forest.sift_descriptors.empty()) {
+      add(kDescriptors, f, Bytes(forest.descriptors));
+    } else {
+      add(kSiftDescriptors, f, Bytes(forest.sift_descriptors));
+    }
+    add(kPayloads, f, Bytes(forest.payloads));
+  }
+  for (const ModelExtraBytes& extra : extras) {
+    add(static_cast<uint32_t>(extra.kind), 0, extra.bytes);
+  }
+  uint64_t end = sizeof(Header) + table.size() * sizeof(Section);
+  for (size_t i = 0; i < table.size(); ++i) {
+    table[i].offset = Align(end);
+    table[i].bytes = contents[i].size();
     end = table[i].offset + table[i].bytes;
   }
   std::string file(end, '\0');
-  std::memcpy(file.data() + sizeof(Header), table, sizeof(table));
-  for (uint32_t i = 0; i < kSections; ++i) {
+  std::memcpy(file.data() + sizeof(Header), table.data(),
+              table.size() * sizeof(Section));
+  for (size_t i = 0; i < table.size(); ++i) {
     std::memcpy(file.data() + table[i].offset, contents[i].data(),
                 contents[i].size());
   }
   Header header{};
   std::memcpy(header.magic, kMagic, sizeof(kMagic));
   header.version = kModelFormatVersion;
-  header.sections = kSections;
+  header.sections = static_cast<uint32_t>(table.size());
   header.file_bytes = end;
   header.checksum =
       Checksum(header, absl::string_view(file).substr(sizeof(Header)));
@@ -177,33 +247,40 @@ absl::Status ModelFile::Parse() {
       reinterpret_cast<const Section*>(file_.data() + sizeof(header)),
       header.sections);
 
+  const SectionReader reader(file_, sections);
   std::span<const char> info_json;
-  TL_RETURN_IF_ERROR(ReadSection(file_, sections, kInfo, info_json));
+  TL_RETURN_IF_ERROR(reader.Read(kInfo, 0, info_json));
   TL_ASSIGN_OR_RETURN(info_,
                       ModelInfoFromJson({info_json.data(), info_json.size()}));
-  std::span<const Bounds> bounds;
-  TL_RETURN_IF_ERROR(ReadSection(file_, sections, kBounds, bounds));
-  if (bounds.size() != 1) return Corrupt("bad bounds");
-  const Bounds& b = bounds[0];
-  forest_.bounds_min_in_world = {b.min[0], b.min[1], b.min[2]};
-  forest_.bounds_max_in_world = {b.max[0], b.max[1], b.max[2]};
-  TL_RETURN_IF_ERROR(
-      ReadSection(file_, sections, kTreeOffsets, forest_.tree_offsets));
-  TL_RETURN_IF_ERROR(ReadSection(file_, sections, kNodes, forest_.nodes));
-  TL_RETURN_IF_ERROR(
-      ReadSection(file_, sections, kDescriptors, forest_.descriptors));
-  TL_RETURN_IF_ERROR(ReadSection(file_, sections, kPayloads, forest_.payloads));
-  TL_RETURN_IF_ERROR(forest_.Validate());
+  for (uint32_t f = 0; f == 0 || reader.Has(kTreeOffsets, f); ++f) {
+    if (f == kMaxForests) return Corrupt("too many forests");
+    TL_RETURN_IF_ERROR(ReadForest(reader, f, forests_.emplace_back()));
+  }
+  for (const Section& section : sections) {
+    if (section.kind < kFirstExtra) continue;
+    TL_RETURN_IF_ERROR(reader.Read(section.kind, 0, extras_[section.kind]));
+  }
 
   info_.format_version = header.version;
-  info_.bounds_min_in_world = forest_.bounds_min_in_world;
-  info_.bounds_max_in_world = forest_.bounds_max_in_world;
-  info_.trees = forest_.trees();
-  info_.nodes = static_cast<int64_t>(forest_.nodes.size());
-  info_.leaves = static_cast<int64_t>(forest_.payloads.size());
+  info_.bounds_min_in_world = forests_[0].bounds_min_in_world;
+  info_.bounds_max_in_world = forests_[0].bounds_max_in_world;
+  for (const ForestView& forest : forests_) {
+    info_.bounds_min_in_world =
+        Least(info_.bounds_min_in_world, forest.bounds_min_in_world);
+    info_.bounds_max_in_world =
+        -Least(-info_.bounds_max_in_world, -forest.bounds_max_in_world);
+    info_.trees += forest.trees();
+    info_.nodes += static_cast<int64_t>(forest.nodes.size());
+    info_.leaves += static_cast<int64_t>(forest.payloads.size());
+  }
   info_.file_bytes = file_.size();
   info_.checksum = absl::StrFormat("%016x", checksum);
   return absl::OkStatus();
+}
+
+std::span<const char> ModelFile::ExtraBytes(ModelExtra kind) const {
+  const auto found = extras_.find(static_cast<uint32_t>(kind));
+  return found == extras_.end() ? std::span<const char>() : found->second;
 }
 
 }  // namespace treeline

@@ -2,11 +2,15 @@
 #ifndef SERVER_CORE_FOREST_MODEL_FILE_H_
 #define SERVER_CORE_FOREST_MODEL_FILE_H_
 
+#include <map>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "common/base/file.h"
 #include "server/core/forest/forest.h"
 #include "server/core/forest/model_info.h"
@@ -15,11 +19,26 @@ namespace treeline {
 
 inline constexpr uint32_t kModelFormatVersion = 1;
 
+// What a file may hold beside its forests. The numbers are the file's.
+enum class ModelExtra : uint32_t {
+  kKeyframes = 8,
+  kKeyframePatches = 9,
+  kKeyframeFeatures = 10,
+  kKeyframeDepths = 11,
+};
+
+// The bytes of one of them; they belong to somebody else.
+struct ModelExtraBytes {
+  ModelExtra kind;
+  absl::string_view bytes;
+};
+
 // Writes the file atomically: on failure whatever was at `path` stays.
 // info.format_version, trees, nodes, leaves, file_bytes and checksum are taken
-// from the forest and the file, not from `info`.
+// from the forests and the file, not from `info`. At least one forest.
 absl::Status WriteModel(const std::string& path, const ModelInfo& info,
-                        const ForestView& forest);
+                        const std::vector<ForestView>& forests,
+                        std::span<const ModelExtraBytes> extras = {});
 
 // A model file mapped into memory, verified: magic, version, lengths, checksum
 // over all bytes, and ForestView::Validate. Immutable and thread-safe.
@@ -32,16 +51,33 @@ class ModelFile {
       const std::string& path);
 
   const ModelInfo& info() const { return info_; }
-  // Points into the mapping: valid while this object lives.
-  const ForestView& forest() const { return forest_; }
+  // Points into the mapping: valid while this object lives. All methods have
+  // forest 0; points-lines has its line points in forest 1.
+  const ForestView& forest(size_t i = 0) const { return forests_[i]; }
+  size_t forests() const { return forests_.size(); }
+
+  // An extra section as values of type T, aligned to 64 bytes; empty if the
+  // file has none. DATA_LOSS if its size is no multiple of T's. What is in it
+  // must still be checked.
+  template <typename T>
+  absl::StatusOr<std::span<const T>> Extra(ModelExtra kind) const {
+    std::span<const char> bytes = ExtraBytes(kind);
+    if (bytes.size() % sizeof(T) != 0) {
+      return absl::DataLossError("corrupt model: a section of odd length");
+    }
+    return std::span<const T>(reinterpret_cast<const T*>(bytes.data()),
+                              bytes.size() / sizeof(T));
+  }
 
  private:
   ModelFile() = default;
   absl::Status Parse();
+  std::span<const char> ExtraBytes(ModelExtra kind) const;
 
   MappedFile file_;
   ModelInfo info_;
-  ForestView forest_;
+  std::vector<ForestView> forests_;
+  std::map<uint32_t, std::span<const char>> extras_;
 };
 
 }  // namespace treeline

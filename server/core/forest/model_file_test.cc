@@ -51,7 +51,7 @@ class ModelFileTest : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   std::string Written() {
-    EXPECT_TRUE(WriteModel(path_, info_, forest_.View()).ok());
+    EXPECT_TRUE(WriteModel(path_, info_, {forest_.View()}).ok());
     return *ReadFile(path_);
   }
   absl::Status OpenBytes(const std::string& bytes) {
@@ -138,10 +138,10 @@ TEST_F(ModelFileTest, AFailedWriteLeavesTheOldFileAndNothingElse) {
   const std::string good = Written();
   Forest broken = forest_;
   broken.nodes[1] = Node::Leaf(99);
-  EXPECT_FALSE(WriteModel(path_, info_, broken.View()).ok());
+  EXPECT_FALSE(WriteModel(path_, info_, {broken.View()}).ok());
   EXPECT_EQ(*ReadFile(path_), good);
   EXPECT_FALSE(
-      WriteModel(folder_ + "/no/folder/m", info_, forest_.View()).ok());
+      WriteModel(folder_ + "/no/folder/m", info_, {forest_.View()}).ok());
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_),
                           std::filesystem::directory_iterator()),
             1);

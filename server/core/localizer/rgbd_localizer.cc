@@ -122,7 +122,7 @@ void RgbdLocalizer::Predict(const Scratch& scratch,
           static_cast<double>(FromBfloat16(leaf.covariance[k]));
     }
     const double prior = kPriorSamples / total * kPriorSigma_m * kPriorSigma_m;
-    for (size_t k : {0, 3, 5}) prediction.covariance[k] += prior;
+    for (const size_t k : {0u, 3u, 5u}) prediction.covariance[k] += prior;
   }
 }
 

@@ -105,7 +105,8 @@ ScenePredictions Scene(const Rigid3& world_from_camera, int points,
         random.NextUnit() < outliers
             ? RandomVector(random, 3)
             : world_from_camera * point + Noise(random, sigma_m);
-    for (size_t k : {0, 3, 5}) prediction.covariance[k] = sigma_m * sigma_m;
+    for (const size_t k : {0u, 3u, 5u})
+      prediction.covariance[k] = sigma_m * sigma_m;
     scene.point_in_camera.push_back(point);
     scene.depth_sigma_m.push_back(0);
     scene.predictions.push_back(prediction);

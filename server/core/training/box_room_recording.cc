@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/file.h"
 #include "common/base/random.h"
@@ -138,7 +139,7 @@ void WriteBoxRoomRecording(const std::string& folder,
     const Rigid3& pose = world_from_sensor[i];
     const Frame frame = RenderBoxRoom(calibration, pose);
     const std::string stem = absl::StrFormat("seq-01/frame-%06d", i);
-    const std::string path = folder + "/" + stem;
+    const std::string path = absl::StrCat(folder, "/", stem);
     Check(WriteFileAtomically(path + ".color.png", *EncodePng(frame.color)));
     Check(WriteFileAtomically(path + ".depth.png",
                               *EncodeDepthPng(*frame.depth)));

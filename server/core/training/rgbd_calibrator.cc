@@ -294,7 +294,7 @@ absl::Status CheckSizes(const LoadedFrames& loaded,
 
 absl::StatusOr<CalibrationReport> CalibrateRgbd(
     const Dataset& dataset, const CalibratorOptions& options, bool quiet,
-    std::stop_token stop) {
+    const std::stop_token& stop) {
   if (options.frames < 2 || options.frames > 1000) {
     return absl::InvalidArgumentError(absl::StrCat(
         "calibration frames is ", options.frames, "; it must be 2 to 1000"));

@@ -46,7 +46,7 @@ struct CalibrationReport {
 // that see the same surfaces. CANCELLED after `stop`.
 absl::StatusOr<CalibrationReport> CalibrateRgbd(
     const Dataset& dataset, const CalibratorOptions& options, bool quiet,
-    std::stop_token stop);
+    const std::stop_token& stop);
 
 }  // namespace treeline
 

@@ -1,0 +1,18 @@
+// SIFT descriptors in a byte a dimension.
+#ifndef SERVER_CORE_FEATURES_SIFT_DESCRIPTOR_H_
+#define SERVER_CORE_FEATURES_SIFT_DESCRIPTOR_H_
+
+#include <array>
+#include <cstdint>
+
+namespace treeline {
+
+// Two cache lines.
+struct alignas(64) SiftDescriptor {
+  static constexpr int kDimensions = 128;
+  std::array<uint8_t, kDimensions> values{};
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_FEATURES_SIFT_DESCRIPTOR_H_
