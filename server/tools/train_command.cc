@@ -1,20 +1,18 @@
 // treeline train: recorded frames in, one model file out.
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "common/base/clock.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
-#include "server/core/forest/model_file.h"
 #include "server/core/forest/model_info_json.h"
-#include "server/core/training/forest_trainer.h"
-#include "server/core/training/rgbd_calibrator.h"
+#include "server/core/training/scene_trainer.h"
 #include "server/tools/calibration_text.h"
 #include "server/tools/commands.h"
 #include "server/tools/dataset_flags.h"
@@ -24,10 +22,6 @@ namespace treeline {
 namespace {
 
 constexpr const char* kFooter = R"(
-Methods:
-  rgbd  colour and depth, in training and in queries: a backtracking regression
-        forest on depth-adaptive colour differences
-
 A server loads DIR/<scene>/<version>/model.treeline, so give such a name to
 --output. The file appears when it is complete, or not at all.
 
@@ -65,19 +59,11 @@ std::vector<std::pair<std::string, std::string>> RecordedOptions(
           {"split-samples", absl::StrCat(t.max_split_samples)}};
 }
 
-absl::StatusOr<RgbdCalibration> ChooseCalibration(const TrainFlags& flags,
-                                                  const Dataset& dataset,
-                                                  const std::stop_token& stop) {
+// nullopt: to be estimated.
+absl::StatusOr<std::optional<RgbdCalibration>> GivenCalibration(
+    const TrainFlags& flags, const Dataset& dataset) {
+  if (flags.calibration == "auto") return std::nullopt;
   if (flags.calibration == "nominal") return dataset.calibration();
-  if (flags.calibration == "auto") {
-    CalibratorOptions options;
-    options.threads = flags.training.threads;
-    TL_ASSIGN_OR_RETURN(const CalibrationReport report,
-                        CalibrateRgbd(dataset, options, flags.quiet, stop));
-    std::fputs(CalibrationText(report).c_str(), stdout);
-    std::fflush(stdout);  // growing the forest takes a while
-    return report.calibration;
-  }
   TL_ASSIGN_OR_RETURN(const std::string json, ReadFile(flags.calibration));
   absl::StatusOr<RgbdCalibration> calibration = CalibrationFromJson(json);
   if (!calibration.ok()) {
@@ -85,48 +71,40 @@ absl::StatusOr<RgbdCalibration> ChooseCalibration(const TrainFlags& flags,
   }
   // The cameras are the file's; whose poses these are, the recording knows.
   calibration->pose_sensor = dataset.calibration().pose_sensor;
-  return calibration;
+  return *calibration;
 }
 
 absl::Status Train(const TrainFlags& flags, const std::stop_token& stop) {
-  if (flags.method != "rgbd") {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--method ", flags.method, " is not known; this version has rgbd"));
-  }
-  TL_RETURN_IF_ERROR(flags.training.Validate());
-  TL_RETURN_IF_ERROR(MakeParentFolder(flags.output_path));
-  TL_RETURN_IF_ERROR(CheckWritable(flags.output_path));
-  const SteadyClock clock;
-  const MonotonicTime start = clock.Now();
   TL_ASSIGN_OR_RETURN(const Dataset dataset, Dataset::Open(flags.dataset));
-  ModelInfo info;
-  TL_ASSIGN_OR_RETURN(info.calibration,
-                      ChooseCalibration(flags, dataset, stop));
-  TL_ASSIGN_OR_RETURN(const TrainedForest trained,
-                      TrainForest(dataset, info.calibration, flags.training,
-                                  flags.quiet, stop));
-  info.method = flags.method;
-  info.software_version = Version();
-  info.created_utc = UtcNow();
-  info.dataset = flags.dataset.uri;
-  info.seed = flags.training.seed;
-  info.options = RecordedOptions(flags);
-  info.training_frames = trained.frames;
-  info.training_samples = trained.samples;
-  info.training_s = MillisecondsBetween(start, clock.Now()) / 1e3;
-  const ForestView forest = trained.forest.View();
-  TL_RETURN_IF_ERROR(WriteModel(flags.output_path, info, {forest}));
-  // Read back what was written, as a server will.
-  TL_ASSIGN_OR_RETURN(const std::unique_ptr<const ModelFile> model,
-                      ModelFile::Open(flags.output_path));
+  SceneTrainingOptions options;
+  options.method = flags.method;
+  TL_ASSIGN_OR_RETURN(options.calibration, GivenCalibration(flags, dataset));
+  options.forest = flags.training;
+  options.software_version = Version();
+  options.created_utc = UtcNow();
+  options.recorded_options = RecordedOptions(flags);
+  TL_ASSIGN_OR_RETURN(
+      const TrainedScene scene,
+      TrainScene(dataset, options, flags.output_path, flags.quiet, stop));
+  if (scene.calibration) {
+    std::fputs(CalibrationText(*scene.calibration).c_str(), stdout);
+  }
+  const ModelInfo& info = scene.info;
   std::printf(
       "%s: %d trees, %d leaves, %.1f MB, from %d frames in %.1f s (peak "
       "memory %.0f MiB)\n",
-      flags.output_path.c_str(), model->info().trees,
-      static_cast<int>(model->info().leaves),
-      static_cast<double>(model->info().file_bytes) / 1e6, trained.frames,
+      flags.output_path.c_str(), info.trees, static_cast<int>(info.leaves),
+      static_cast<double>(info.file_bytes) / 1e6, info.training_frames,
       info.training_s, static_cast<double>(PeakMemoryBytes()) / (1 << 20));
   return absl::OkStatus();
+}
+
+std::string MethodsHelp() {
+  std::string help = "\nMethods:\n";
+  for (const MethodDescription& method : TrainableMethods()) {
+    absl::StrAppendFormat(&help, "  %-13s%s\n", method.name, method.summary);
+  }
+  return help;
 }
 
 void AddForestFlags(CLI::App& command, TrainingOptions& options) {
@@ -167,7 +145,7 @@ void AddForestFlags(CLI::App& command, TrainingOptions& options) {
 Command AddTrainCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("train", "Learn a scene from recorded frames");
-  command->footer(kFooter);
+  command->footer(absl::StrCat(MethodsHelp(), kFooter));
   auto flags = std::make_shared<TrainFlags>();
   AddDatasetFlags(*command, flags->dataset);
   command->add_option("--method", flags->method, "Method, see below")

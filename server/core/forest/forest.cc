@@ -72,8 +72,8 @@ absl::Status ForestView::Validate() const {
     }
   }
   for (int t = 0; t < trees(); ++t) {
-    TL_RETURN_IF_ERROR(ValidateTree(tree(t), t, payloads.size(),
-                                    !sift_descriptors.empty()));
+    TL_RETURN_IF_ERROR(
+        ValidateTree(tree(t), t, payloads.size(), !sift_descriptors.empty()));
   }
   return absl::OkStatus();
 }

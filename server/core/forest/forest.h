@@ -131,13 +131,8 @@ struct Forest {
   Vec3 bounds_max_in_world;
 
   ForestView View() const {
-    return {nodes,
-            tree_offsets,
-            descriptors,
-            sift_descriptors,
-            payloads,
-            bounds_min_in_world,
-            bounds_max_in_world};
+    return {nodes,    tree_offsets,        descriptors,        sift_descriptors,
+            payloads, bounds_min_in_world, bounds_max_in_world};
   }
 };
 

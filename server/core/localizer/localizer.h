@@ -53,6 +53,10 @@ struct PoseEstimate {
   int samples = 0;
   // inliers / samples, in [0, 1].
   double inlier_ratio = 0;
+  // Probability that the pose is right: that its error is below 5 cm and 5
+  // degrees (outdoors: the model's own bounds, see ModelInfo). In [0, 1]; 0 if
+  // there is no pose.
+  double confidence = 0;
   LocalizeTimings timings;
   // Filled if the query asked for it.
   std::vector<Correspondence> correspondences;

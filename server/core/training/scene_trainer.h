@@ -1,0 +1,57 @@
+// From a recording to a model file, for every method.
+#ifndef SERVER_CORE_TRAINING_SCENE_TRAINER_H_
+#define SERVER_CORE_TRAINING_SCENE_TRAINER_H_
+
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "server/core/dataset/dataset.h"
+#include "server/core/forest/model_info.h"
+#include "server/core/training/rgbd_calibrator.h"
+#include "server/core/training/training_options.h"
+
+namespace treeline {
+
+// The methods that can be trained, in the order of the documentation.
+struct MethodDescription {
+  const char* name;     // of --method, and of ModelInfo::method
+  const char* summary;  // a line for --help
+};
+std::span<const MethodDescription> TrainableMethods();
+
+struct SceneTrainingOptions {
+  std::string method = "rgbd";
+  // How depth and colour fit together: nullopt estimates it from the frames.
+  std::optional<RgbdCalibration> calibration;
+  TrainingOptions forest;
+  // What the model records about where it came from; see ModelInfo.
+  std::string software_version;
+  std::string created_utc;
+  std::vector<std::pair<std::string, std::string>> recorded_options;
+};
+
+struct TrainedScene {
+  ModelInfo info;  // as read back from the file
+  // Present if the calibration was estimated.
+  std::optional<CalibrationReport> calibration;
+};
+
+// Trains `dataset` with a method and writes the model to output_path,
+// atomically; the file is read back as a server will. INVALID_ARGUMENT: an
+// unknown method or bad options; FAILED_PRECONDITION: the dataset lacks what
+// the method needs; CANCELLED after `stop`; and whatever reading a frame gives.
+absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
+                                        const SceneTrainingOptions& options,
+                                        const std::string& output_path,
+                                        bool quiet,
+                                        const std::stop_token& stop);
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_TRAINING_SCENE_TRAINER_H_
