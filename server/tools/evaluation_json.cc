@@ -50,7 +50,8 @@ void AddEstimate(const FrameResult& result, Json& json) {
   if (!answered) {
     json["outcome"] = "ERROR";
     json["reason"] = Text(result.status.message());
-    for (const char* key : {"inliers", "samples", "inlier_ratio"}) {
+    for (const char* key :
+         {"inliers", "samples", "inlier_ratio", "confidence"}) {
       json[key] = nullptr;
     }
   } else {
@@ -60,6 +61,7 @@ void AddEstimate(const FrameResult& result, Json& json) {
     json["inliers"] = estimate.inliers;
     json["samples"] = estimate.samples;
     json["inlier_ratio"] = Number(estimate.inlier_ratio);
+    json["confidence"] = Number(estimate.confidence);
   }
   json["world_from_camera"] =
       result.localized() ? Pose(estimate.world_from_camera) : Json(nullptr);

@@ -79,8 +79,4 @@ ScenePrediction PredictionOf(const ForestView& forest, uint32_t mode) {
   return prediction;
 }
 
-double PositionSigma_m(const PoseCovariance& covariance) {
-  return std::sqrt(std::max({covariance[0], covariance[7], covariance[14]}));
-}
-
 }  // namespace treeline

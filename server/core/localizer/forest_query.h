@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "common/image/frame.h"
+#include "server/core/features/gray_pyramid.h"
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/forest/backtracking.h"
 #include "server/core/pose/scene_predictions.h"
@@ -57,6 +58,7 @@ class Pool {
 // Working memory of one query.
 struct ForestScratch {
   PlanarImage image;
+  GrayPyramid pyramid;
   RgbdSamples samples;
   std::vector<WhtDescriptor> descriptors;
   std::vector<uint32_t> leaves;
@@ -79,9 +81,6 @@ absl::Status PredictScene(const ForestView& forest, int backtracking_leaves,
 
 // A leaf's mode as a prediction.
 ScenePrediction PredictionOf(const ForestView& forest, uint32_t mode);
-
-// The largest standard deviation of the position's axes (m).
-double PositionSigma_m(const PoseCovariance& covariance);
 
 }  // namespace treeline
 

@@ -28,11 +28,14 @@ absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
   TL_ASSIGN_OR_RETURN(std::unique_ptr<const ModelFile> model,
                       ModelFile::Open(model_path));
   const std::string& method = model->info().method;
+  TL_ASSIGN_OR_RETURN(PoseVerifier verifier, PoseVerifier::Create(*model));
   if (method == "rgbd") {
-    return std::make_unique<RgbdLocalizer>(std::move(model), options);
+    return std::make_unique<RgbdLocalizer>(std::move(model),
+                                           std::move(verifier), options);
   }
   if (method == "rgb") {
-    return std::make_unique<RgbLocalizer>(std::move(model), options);
+    return std::make_unique<RgbLocalizer>(std::move(model), std::move(verifier),
+                                          options);
   }
   return absl::UnimplementedError(absl::StrCat(
       model_path, ": method \"", method, "\" is not known to this version"));
@@ -52,6 +55,8 @@ absl::string_view ReasonName(NotLocalizedReason reason) {
       return "TOO_FEW_INLIERS";
     case NotLocalizedReason::kPoorlyConstrained:
       return "POORLY_CONSTRAINED";
+    case NotLocalizedReason::kLowConfidence:
+      return "LOW_CONFIDENCE";
   }
   return "UNKNOWN";
 }

@@ -16,14 +16,14 @@ constexpr uint64_t kSampleStream = 1;
 constexpr uint64_t kRansacStream = 2;
 
 constexpr int kMinSamples = 30;
-constexpr int kMinInliers = 25;
-constexpr double kMinInlierRatio = 0.05;
 
 }  // namespace
 
 RgbLocalizer::RgbLocalizer(std::unique_ptr<const ModelFile> model,
-                           const QueryOptions& options)
-    : model_(std::move(model)), options_(options) {}
+                           PoseVerifier verifier, const QueryOptions& options)
+    : model_(std::move(model)),
+      verifier_(std::move(verifier)),
+      options_(options) {}
 
 absl::StatusOr<PoseEstimate> RgbLocalizer::Localize(
     const Frame& frame, const LocalizeOptions& options) const {
@@ -77,10 +77,20 @@ absl::StatusOr<PoseEstimate> RgbLocalizer::Localize(
         static_cast<double>(refined->inliers) / estimate.samples;
     estimate.world_from_camera = refined->world_from_camera;
     estimate.covariance = refined->covariance;
-    if (estimate.inliers >= kMinInliers &&
-        estimate.inlier_ratio >= kMinInlierRatio) {
-      estimate.reason = NotLocalizedReason::kNone;
-      estimate.outcome = Outcome::kLocalized;
+    RgbdCalibration calibration = info().calibration;
+    calibration.color = camera;
+    scratch.pyramid.Assign(scratch.image);
+    verifier_.Judge(scratch.pyramid, nullptr, calibration, estimate);
+  }
+  if (options.keep_correspondences) {
+    for (size_t i = 0; i < scene.size(); ++i) {
+      const int8_t k = refined ? refined->supported[i] : int8_t{-1};
+      estimate.correspondences.push_back(
+          {{static_cast<double>(scratch.samples.x[i]),
+            static_cast<double>(scratch.samples.y[i])},
+           {},
+           scene.at(i, std::max<int>(k, 0)).mean_in_world,
+           k >= 0});
     }
   }
   const MonotonicTime end = clock.Now();

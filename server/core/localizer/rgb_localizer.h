@@ -9,6 +9,7 @@
 #include "server/core/forest/model_file.h"
 #include "server/core/localizer/forest_query.h"
 #include "server/core/localizer/localizer.h"
+#include "server/core/localizer/pose_verifier.h"
 #include "server/core/localizer/query_options.h"
 
 namespace treeline {
@@ -16,7 +17,7 @@ namespace treeline {
 // Answers with the colour camera's pose. Depth in a frame is ignored.
 class RgbLocalizer final : public Localizer {
  public:
-  RgbLocalizer(std::unique_ptr<const ModelFile> model,
+  RgbLocalizer(std::unique_ptr<const ModelFile> model, PoseVerifier verifier,
                const QueryOptions& options);
 
   absl::StatusOr<PoseEstimate> Localize(
@@ -25,6 +26,7 @@ class RgbLocalizer final : public Localizer {
 
  private:
   const std::unique_ptr<const ModelFile> model_;
+  const PoseVerifier verifier_;
   const QueryOptions options_;
   mutable Pool<ForestScratch> scratch_;
 };

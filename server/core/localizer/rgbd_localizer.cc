@@ -17,17 +17,13 @@ constexpr uint64_t kRansacStream = 2;
 
 // Below this many samples nothing can be said.
 constexpr int kMinSamples = 30;
-// An answer needs this many inliers, and this share of the samples.
-constexpr int kMinInliers = 25;
-constexpr double kMinInlierRatio = 0.10;
-// ... and a position that its inliers determine this well (m).
-constexpr double kMaxPositionSigma_m = 0.05;
-
 }  // namespace
 
 RgbdLocalizer::RgbdLocalizer(std::unique_ptr<const ModelFile> model,
-                             const QueryOptions& options)
-    : model_(std::move(model)), options_(options) {}
+                             PoseVerifier verifier, const QueryOptions& options)
+    : model_(std::move(model)),
+      verifier_(std::move(verifier)),
+      options_(options) {}
 
 absl::StatusOr<PoseEstimate> RgbdLocalizer::Localize(
     const Frame& frame, const LocalizeOptions& options) const {
@@ -80,15 +76,8 @@ absl::StatusOr<PoseEstimate> RgbdLocalizer::Localize(
         static_cast<double>(refined->inliers) / estimate.samples;
     estimate.world_from_camera = refined->world_from_camera;
     estimate.covariance = refined->covariance;
-    if (estimate.inliers >= kMinInliers &&
-        estimate.inlier_ratio >= kMinInlierRatio) {
-      const bool determined =
-          PositionSigma_m(refined->covariance) <= kMaxPositionSigma_m;
-      estimate.reason = determined ? NotLocalizedReason::kNone
-                                   : NotLocalizedReason::kPoorlyConstrained;
-      estimate.outcome =
-          determined ? Outcome::kLocalized : Outcome::kNotLocalized;
-    }
+    scratch.pyramid.Assign(scratch.image);
+    verifier_.Judge(scratch.pyramid, &*frame.depth, calibration, estimate);
   }
   if (options.keep_correspondences) {
     for (size_t i = 0; i < scene.size(); ++i) {

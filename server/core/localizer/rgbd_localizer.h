@@ -8,13 +8,14 @@
 #include "server/core/forest/model_file.h"
 #include "server/core/localizer/forest_query.h"
 #include "server/core/localizer/localizer.h"
+#include "server/core/localizer/pose_verifier.h"
 #include "server/core/localizer/query_options.h"
 
 namespace treeline {
 
 class RgbdLocalizer final : public Localizer {
  public:
-  RgbdLocalizer(std::unique_ptr<const ModelFile> model,
+  RgbdLocalizer(std::unique_ptr<const ModelFile> model, PoseVerifier verifier,
                 const QueryOptions& options);
 
   absl::StatusOr<PoseEstimate> Localize(
@@ -23,6 +24,7 @@ class RgbdLocalizer final : public Localizer {
 
  private:
   const std::unique_ptr<const ModelFile> model_;
+  const PoseVerifier verifier_;
   const QueryOptions options_;
   mutable Pool<ForestScratch> scratch_;
 };

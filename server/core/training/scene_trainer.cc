@@ -9,6 +9,7 @@
 #include "common/base/status_macros.h"
 #include "server/core/forest/model_file.h"
 #include "server/core/training/forest_trainer.h"
+#include "server/core/training/keyframe_builder.h"
 
 namespace treeline {
 namespace {
@@ -25,6 +26,12 @@ constexpr MethodDescription kMethods[] = {
 bool IsKnown(absl::string_view method) {
   return std::ranges::any_of(
       kMethods, [&](const MethodDescription& m) { return m.name == method; });
+}
+
+template <typename T>
+absl::string_view BytesOf(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()),
+          values.size() * sizeof(T)};
 }
 
 }  // namespace
@@ -61,6 +68,11 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
   TL_ASSIGN_OR_RETURN(
       const TrainedForest trained,
       TrainForest(dataset, info.calibration, forest, quiet, stop));
+  KeyframeOptions keyframe_options;
+  keyframe_options.threads = forest.threads;
+  TL_ASSIGN_OR_RETURN(
+      const Keyframes keyframes,
+      BuildKeyframes(dataset, info.calibration, keyframe_options, quiet, stop));
   info.method = options.method;
   // What sees colour alone answers with the colour camera's pose.
   if (info.method == "rgb") info.calibration.pose_sensor = RgbdSensor::kColor;
@@ -72,7 +84,11 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
   info.training_frames = trained.frames;
   info.training_samples = trained.samples;
   info.training_s = MillisecondsBetween(start, clock.Now()) / 1e3;
-  TL_RETURN_IF_ERROR(WriteModel(output_path, info, {trained.forest.View()}));
+  const std::vector<ModelExtraBytes> extras = {
+      {ModelExtra::kKeyframes, BytesOf(keyframes.records)},
+      {ModelExtra::kKeyframePoints, BytesOf(keyframes.points)}};
+  TL_RETURN_IF_ERROR(
+      WriteModel(output_path, info, {trained.forest.View()}, extras));
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<const ModelFile> model,
                       ModelFile::Open(output_path));
   info = model->info();
