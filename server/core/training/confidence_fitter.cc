@@ -20,16 +20,19 @@ using Matrix = Eigen::Matrix<double, kFeatures, kFeatures>;
 
 constexpr uint64_t kTrialStream = 0x636f6e6600000000;
 // The prior's weights count as if known with this standard deviation.
-constexpr double kPriorSigma = 4;
+constexpr double kPriorSigma = 3;
 constexpr double kWantedPrecision = 0.99;
 
-// Blocks held out, and the frames of one period of the split.
-constexpr size_t kBlock = 12;
-constexpr size_t kPeriod = 96;
+// One period of the split: frames to learn from, a gap, frames held out, and a
+// gap again.
+constexpr size_t kLearnt = 40;
+constexpr size_t kGap = 8;
+constexpr size_t kHeldOut = 20;
+constexpr size_t kPeriod = kLearnt + 2 * kGap + kHeldOut;
 constexpr size_t kLeastFrames = 60;
 
 // Windows that are left of a frame, as shares of its width and height.
-constexpr double kWindows[] = {0.8, 0.6, 0.45, 0.35, 0.25};
+constexpr double kWindows[] = {0.85, 0.7, 0.55, 0.4};
 constexpr int kBlurRadius_px = 12;
 
 double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
@@ -182,10 +185,11 @@ HeldOutSplit SplitForConfidence(std::span<const int> frames) {
   HeldOutSplit split;
   for (size_t i = 0; i < frames.size(); ++i) {
     const size_t phase = i % kPeriod;
-    const bool held = frames.size() >= kLeastFrames &&
-                      phase >= kPeriod / 2 - kBlock / 2 &&
-                      phase < kPeriod / 2 + kBlock / 2;
-    (held ? split.held_out : split.train).push_back(frames[i]);
+    if (frames.size() < kLeastFrames || phase < kLearnt) {
+      split.train.push_back(frames[i]);
+    } else if (phase >= kLearnt + kGap && phase < kPeriod - kGap) {
+      split.held_out.push_back(frames[i]);
+    }
   }
   return split;
 }
@@ -257,17 +261,16 @@ ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
     answers.emplace_back(model.Probability(trial.evidence), trial.is_right);
   }
   std::ranges::sort(answers, std::greater<>());
-  // Wrong answers above the threshold, from the top down.
-  model.threshold = 0.5;
+  // The longest run of the surest answers that is precise enough.
   double wrong = 0;
-  for (size_t i = 0; i < answers.size() && answers[i].first >= 0.5; ++i) {
+  double surest_left = answers.empty() ? 0 : answers.front().first;
+  for (size_t i = 0; i < answers.size(); ++i) {
     wrong += !answers[i].second;
-    if (wrong > (1 - kWantedPrecision) * static_cast<double>(i + 1) &&
-        !answers[i].second) {
-      model.threshold = std::min(0.99, answers[i].first + 1e-6);
-      break;
+    if (wrong <= (1 - kWantedPrecision) * static_cast<double>(i + 1)) {
+      surest_left = i + 1 < answers.size() ? answers[i + 1].first : 0;
     }
   }
+  model.threshold = std::clamp(surest_left + 1e-6, 0.5, 0.99);
   return model;
 }
 

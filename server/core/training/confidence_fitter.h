@@ -46,10 +46,9 @@ absl::StatusOr<std::vector<ConfidenceTrial>> RunConfidenceTrials(
     const Localizer& localizer, const Dataset& held_out,
     const ConfidenceOptions& options, bool quiet, const std::stop_token& stop);
 
-// Parts a recording in frames to learn from and frames to test the result on:
-// blocks of frames that follow each other, so that those tested have no twin
-// among those learnt. About one frame in eight is held out; of short
-// recordings none.
+// Parts a recording in blocks to learn from and blocks to test the result on,
+// with gaps between them, so that those tested have no twin among those learnt
+// and some look where training did not. Of short recordings none is held out.
 struct HeldOutSplit {
   std::vector<int> train;
   std::vector<int> held_out;

@@ -76,29 +76,26 @@ class SceneTrainer {
   }
 
   absl::StatusOr<TrainedScene> Train() {
+    TL_RETURN_IF_ERROR(OpenBase());
     TL_RETURN_IF_ERROR(Calibrate());
-    TL_RETURN_IF_ERROR(Prepare());
+    Describe();
     const HeldOutSplit split = SplitForConfidence(UsableFrames(dataset_));
     const bool is_extending =
         !options_.base_model.empty() && options_.refill == Refill::kExtend;
     if (split.held_out.empty() || is_extending) {
-      TL_ASSIGN_OR_RETURN(Learned learned, Learn(dataset_));
-      if (is_extending) info_.confidence = base_->info().confidence;
+      TL_ASSIGN_OR_RETURN(const Learned learned, Learn(dataset_));
+      if (is_extending()) info_.confidence = base_->info().confidence;
       return Finish(learned);
     }
-    // Learn from a part, see how the rest is answered, learn the rest too.
-    TL_ASSIGN_OR_RETURN(Learned learned, Learn(dataset_.Subset(split.train)));
-    const Dataset held_out = dataset_.Subset(split.held_out);
-    TL_RETURN_IF_ERROR(FitConfidenceOn(learned, held_out));
-    TL_ASSIGN_OR_RETURN(
-        TrainedForest whole,
-        RefillForest(learned.forest.forest.View(), held_out, calibration_,
-                     forest_options_, Refill::kExtend, quiet_, stop_));
-    whole.frames += learned.forest.frames;
-    whole.samples += learned.forest.samples;
-    learned.forest = std::move(whole);
-    TL_ASSIGN_OR_RETURN(learned.keyframes, MakeKeyframes(dataset_));
-    return Finish(learned);
+    // Learn from a part and see how the rest is answered; then learn it all.
+    {
+      TL_ASSIGN_OR_RETURN(const Learned part,
+                          Learn(dataset_.Subset(split.train)));
+      TL_RETURN_IF_ERROR(
+          FitConfidenceOn(part, dataset_.Subset(split.held_out)));
+    }
+    TL_ASSIGN_OR_RETURN(const Learned whole, Learn(dataset_));
+    return Finish(whole);
   }
 
  private:
@@ -108,6 +105,11 @@ class SceneTrainer {
   };
 
   absl::Status Calibrate() {
+    if (is_extending()) {  // the scene's cameras are known already
+      calibration_ = base_->info().calibration;
+      calibration_.pose_sensor = dataset_.calibration().pose_sensor;
+      return absl::OkStatus();
+    }
     if (options_.calibration) {
       calibration_ = *options_.calibration;
       return absl::OkStatus();
@@ -120,8 +122,23 @@ class SceneTrainer {
     return absl::OkStatus();
   }
 
-  // Opens the base model, and describes the one to come.
-  absl::Status Prepare() {
+  bool is_extending() const {
+    return base_ != nullptr && options_.refill == Refill::kExtend;
+  }
+
+  absl::Status OpenBase() {
+    if (options_.base_model.empty()) return absl::OkStatus();
+    TL_ASSIGN_OR_RETURN(base_, ModelFile::Open(options_.base_model));
+    if (base_->info().method != options_.method || base_->forests() != 1 ||
+        base_->forest().descriptors.empty()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          options_.base_model, ": a model of method ", base_->info().method,
+          " is no base for method ", options_.method));
+    }
+    return absl::OkStatus();
+  }
+
+  void Describe() {
     info_.method = options_.method;
     info_.software_version = options_.software_version;
     info_.created_utc = options_.created_utc;
@@ -132,12 +149,6 @@ class SceneTrainer {
     if (SeesColorAlone(options_.method)) {
       info_.calibration.pose_sensor = RgbdSensor::kColor;
     }
-    if (options_.base_model.empty()) return absl::OkStatus();
-    TL_ASSIGN_OR_RETURN(base_, ModelFile::Open(options_.base_model));
-    if (base_->info().method == options_.method) return absl::OkStatus();
-    return absl::InvalidArgumentError(
-        absl::StrCat(options_.base_model, ": its method is ",
-                     base_->info().method, ", not ", options_.method));
   }
 
   absl::StatusOr<Keyframes> MakeKeyframes(const Dataset& dataset) const {
@@ -159,7 +170,25 @@ class SceneTrainer {
                        options_.refill, quiet_, stop_));
     }
     TL_ASSIGN_OR_RETURN(learned.keyframes, MakeKeyframes(dataset));
+    if (is_extending()) TL_RETURN_IF_ERROR(KeepKeyframes(learned.keyframes));
     return learned;
+  }
+
+  // Puts those of the base before the new ones.
+  absl::Status KeepKeyframes(Keyframes& keyframes) const {
+    TL_ASSIGN_OR_RETURN(const std::span<const KeyframeRecord> records,
+                        base_->Extra<KeyframeRecord>(ModelExtra::kKeyframes));
+    TL_ASSIGN_OR_RETURN(
+        const std::span<const KeyframePoint> points,
+        base_->Extra<KeyframePoint>(ModelExtra::kKeyframePoints));
+    for (KeyframeRecord& record : keyframes.records) {
+      record.first_point += static_cast<uint32_t>(points.size());
+    }
+    keyframes.records.insert(keyframes.records.begin(), records.begin(),
+                             records.end());
+    keyframes.points.insert(keyframes.points.begin(), points.begin(),
+                            points.end());
+    return absl::OkStatus();
   }
 
   absl::Status Write(const Learned& learned, const std::string& path) const {
