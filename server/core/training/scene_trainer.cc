@@ -80,9 +80,7 @@ class SceneTrainer {
     TL_RETURN_IF_ERROR(Calibrate());
     Describe();
     const HeldOutSplit split = SplitForConfidence(UsableFrames(dataset_));
-    const bool is_extending =
-        !options_.base_model.empty() && options_.refill == Refill::kExtend;
-    if (split.held_out.empty() || is_extending) {
+    if (split.held_out.empty() || is_extending()) {
       TL_ASSIGN_OR_RETURN(const Learned learned, Learn(dataset_));
       if (is_extending()) info_.confidence = base_->info().confidence;
       return Finish(learned);
