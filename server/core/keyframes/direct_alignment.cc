@@ -19,6 +19,9 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr int kMinVisible = 60;
 // Keyframes are chosen by every so manieth of their points.
 constexpr size_t kGlance = 16;
+// From this far away (as KeyframeMap::Nearest has it, m) a keyframe counts
+// half.
+constexpr double kSameView_m = 0.25;
 constexpr double kNearest_m = 0.05;
 // Surfaces seen at a grazing angle hide what lies behind: cosine.
 constexpr double kMinFacing = 0.15;
@@ -99,11 +102,13 @@ class Aligner {
   }
 
  private:
-  // Those most of whose points should be seen.
+  // Those of which much should be seen, from about the same place.
   void ChooseKeyframes() {
+    const Rigid3 world_from_camera = camera_from_world_.Inverse();
+    const Vec3 axis = world_from_camera.rotation * Vec3{0, 0, 1};
     const Camera& camera = calibration_.color;
     const Mat3 r = camera_from_world_.rotation.Matrix();
-    std::vector<std::pair<int, size_t>> seen;  // minus the points seen
+    std::vector<std::pair<double, size_t>> seen;  // the best score is least
     for (size_t k = 0; k < map_.size(); ++k) {
       const std::span<const KeyframePoint> points = map_.points(k);
       int count = 0;
@@ -116,7 +121,15 @@ class Aligner {
         count += pixel.x > 0 && pixel.y > 0 && pixel.x < camera.width() &&
                  pixel.y < camera.height();
       }
-      if (count > 0) seen.emplace_back(-count, k);
+      if (count == 0) continue;
+      const Rigid3& keyframe = map_.world_from_camera(k);
+      const double turn =
+          kViewDistance_m * Norm(keyframe.rotation * Vec3{0, 0, 1} - axis);
+      const double distance2 =
+          SquaredNorm(keyframe.translation - world_from_camera.translation) +
+          turn * turn;
+      seen.emplace_back(-count / (1 + distance2 / (kSameView_m * kSameView_m)),
+                        k);
     }
     const size_t kept =
         std::min(seen.size(), static_cast<size_t>(options_.keyframes));

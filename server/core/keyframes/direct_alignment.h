@@ -19,7 +19,7 @@ struct AlignmentOptions {
   int last_level = 0;
   // Gauss-Newton steps at each.
   int iterations = 5;
-  // Keyframes aligned with: those most of whose points should be seen.
+  // Keyframes aligned with: those of which much should be seen from near by.
   int keyframes = 3;
 };
 

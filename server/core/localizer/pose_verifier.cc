@@ -69,7 +69,7 @@ void PoseVerifier::Judge(const GrayPyramid& image, const DepthImage* depth,
     estimate.reason = NotLocalizedReason::kTooFewInliers;
   } else if (!is_determined) {
     estimate.reason = NotLocalizedReason::kPoorlyConstrained;
-  } else if (estimate.confidence < confidence_.threshold && !getenv("ALL")) {
+  } else if (estimate.confidence < confidence_.threshold) {
     estimate.reason = NotLocalizedReason::kLowConfidence;
   } else {
     estimate.reason = NotLocalizedReason::kNone;
