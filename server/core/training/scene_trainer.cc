@@ -18,6 +18,7 @@
 #include "server/core/training/forest_trainer.h"
 #include "server/core/training/frame_samples.h"
 #include "server/core/training/keyframe_builder.h"
+#include "server/core/training/quantize_forest.h"
 
 namespace treeline {
 namespace {
@@ -79,6 +80,14 @@ class SceneTrainer {
     TL_RETURN_IF_ERROR(OpenBase());
     TL_RETURN_IF_ERROR(Calibrate());
     Describe();
+    if (options_.splits_only) {
+      Learned learned;
+      TL_ASSIGN_OR_RETURN(
+          learned.forest,
+          TrainForest(dataset_, calibration_, forest_options_, quiet_, stop_));
+      learned.forest.forest = SplitsOf(learned.forest.forest.View());
+      return Finish(learned);
+    }
     const HeldOutSplit split = SplitForConfidence(UsableFrames(dataset_));
     if (split.held_out.empty() || is_extending()) {
       TL_ASSIGN_OR_RETURN(const Learned learned, Learn(dataset_));
