@@ -29,8 +29,8 @@ enum class NotLocalizedReason {
 
 // Milliseconds spent per stage, in order of the pipeline.
 struct LocalizeTimings {
-  double sample_ms = 0;  // choosing pixels, back-projecting, descriptors
-  double forest_ms = 0;  // scene coordinates from the forest
+  double sample_ms = 0;  // choosing pixels, back-projecting
+  double forest_ms = 0;  // descriptors and scene coordinates
   double pose_ms = 0;    // hypotheses, pruning, refinement
   double total_ms = 0;
 };

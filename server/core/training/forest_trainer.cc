@@ -180,6 +180,10 @@ absl::Status Trainer::LoadFrame(int frame_index, int first_tree, int last_tree,
     samples.x.assign(drawn.x.begin(), drawn.x.end());
     samples.y.assign(drawn.y.begin(), drawn.y.end());
     samples.inverse_depth_q12 = drawn.inverse_depth_q12;
+    if (!options_.depth_adaptive) {
+      std::ranges::fill(samples.inverse_depth_q12,
+                        NoDepthQ12(MeanFocal_px(calibration.color)));
+    }
     for (const Vec3& point : drawn.point) {
       const Vec3 in_world = *entry.world_from_camera * point;
       samples.point_in_world.push_back({static_cast<float>(in_world.x),

@@ -1,5 +1,6 @@
 #include "server/core/training/scene_trainer.h"
 
+#include <algorithm>
 #include <memory>
 
 #include "absl/strings/str_cat.h"
@@ -16,7 +17,15 @@ constexpr MethodDescription kMethods[] = {
     {"rgbd",
      "colour and depth, in training and in queries: a backtracking regression "
      "forest on depth-adaptive colour differences"},
+    {"rgb",
+     "colour and depth in training, colour alone in queries: a backtracking "
+     "regression forest on colour differences, and PnP"},
 };
+
+bool IsKnown(absl::string_view method) {
+  return std::ranges::any_of(
+      kMethods, [&](const MethodDescription& m) { return m.name == method; });
+}
 
 }  // namespace
 
@@ -27,9 +36,9 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
                                         const std::string& output_path,
                                         bool quiet,
                                         const std::stop_token& stop) {
-  if (options.method != "rgbd") {
-    return absl::InvalidArgumentError(
-        absl::StrCat("method \"", options.method, "\" is not known"));
+  if (!IsKnown(options.method)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "method \"", options.method, "\" is not known; see --help"));
   }
   TL_RETURN_IF_ERROR(options.forest.Validate());
   TL_RETURN_IF_ERROR(MakeParentFolder(output_path));
@@ -47,10 +56,14 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
                         CalibrateRgbd(dataset, calibrator, quiet, stop));
     info.calibration = scene.calibration->calibration;
   }
+  TrainingOptions forest = options.forest;
+  forest.depth_adaptive = options.method != "rgb";
   TL_ASSIGN_OR_RETURN(
       const TrainedForest trained,
-      TrainForest(dataset, info.calibration, options.forest, quiet, stop));
+      TrainForest(dataset, info.calibration, forest, quiet, stop));
   info.method = options.method;
+  // What sees colour alone answers with the colour camera's pose.
+  if (info.method == "rgb") info.calibration.pose_sensor = RgbdSensor::kColor;
   info.software_version = options.software_version;
   info.created_utc = options.created_utc;
   info.dataset = dataset.uri();
