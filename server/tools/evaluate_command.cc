@@ -78,6 +78,11 @@ void AddModelFlags(CLI::App& app, EvaluateFlags& flags) {
       ->type_name("N")
       ->capture_default_str()
       ->group(kGroup);
+  app.add_option("--features", flags.query.features,
+                 "SIFT features taken from a query (method sift)")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(kGroup);
   app.add_option("--leaves", flags.query.backtracking_leaves,
                  "Leaves that backtracking visits in each tree")
       ->type_name("N")

@@ -92,6 +92,9 @@ std::string ModelInfoToJson(const ModelInfo& info) {
                      {"seed", info.seed},
                      {"options", options},
                      {"calibration", CalibrationToJsonValue(info.calibration)},
+                     {"world",
+                      {{"units_are_metres", info.units_are_metres},
+                       {"viewing_distance", info.viewing_distance}}},
                      {"training",
                       {{"frames", info.training_frames},
                        {"samples", info.training_samples},
@@ -115,6 +118,15 @@ absl::StatusOr<ModelInfo> ModelInfoFromJson(absl::string_view json) {
         }
         TL_ASSIGN_OR_RETURN(info.calibration,
                             CalibrationFromJsonValue(root.at("calibration")));
+        // Absent in files of earlier versions.
+        if (root.contains("world")) {
+          const Json& world = root.at("world");
+          info.units_are_metres = world.at("units_are_metres").get<bool>();
+          info.viewing_distance = world.at("viewing_distance").get<double>();
+          if (!(info.viewing_distance >= 0 && info.viewing_distance < 1e9)) {
+            return absl::DataLossError("viewing_distance is no distance");
+          }
+        }
         const Json& training = root.at("training");
         info.training_frames = training.at("frames").get<int>();
         info.training_samples = training.at("samples").get<int64_t>();

@@ -14,6 +14,7 @@
 #include "server/core/dataset/dataset.h"
 #include "server/core/forest/model_info.h"
 #include "server/core/training/rgbd_calibrator.h"
+#include "server/core/training/sift_trainer.h"
 #include "server/core/training/training_options.h"
 
 namespace treeline {
@@ -30,6 +31,8 @@ struct SceneTrainingOptions {
   // How depth and colour fit together: nullopt estimates it from the frames.
   std::optional<RgbdCalibration> calibration;
   TrainingOptions forest;
+  // Of method sift; seed, threads and trees are those of `forest`.
+  SiftTrainingOptions sift;
   // What the model records about where it came from; see ModelInfo.
   std::string software_version;
   std::string created_utc;
