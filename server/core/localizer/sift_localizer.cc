@@ -35,7 +35,7 @@ constexpr double kMaxPositionSigma = 0.05;
 
 constexpr double kKeypointSigma_px = 1;
 constexpr double kRansacInlier_px = 6;
-constexpr double kRobustScale_px = 2;
+constexpr double kRobustScale_px = 4;
 constexpr double kInlier_px = 4;
 
 }  // namespace
@@ -93,14 +93,11 @@ absl::StatusOr<SiftLocalizer::Matches> SiftLocalizer::Match(
   for (const size_t i : kept) {
     matches.pixel.push_back(features.keypoints[i].pixel);
     matches.scene.ray.push_back(rays[i]);
-    const LeafPayload& leaf = forest.payloads[found[i].mode];
-    ScenePrediction prediction;
-    prediction.mean_in_world = forest.LeafMean(found[i].mode);
-    for (size_t k = 0; k < 6; ++k) {
-      prediction.covariance[k] =
-          static_cast<double>(FromBfloat16(leaf.covariance[k]));
-    }
-    matches.scene.predictions.push_back(prediction);
+    // The points' uncertainties are left out: points and poses were fitted to
+    // each other by plain reprojection errors, and answers that weigh them
+    // otherwise agree less with it (docs/structure-from-motion.md).
+    matches.scene.predictions.push_back(
+        {.mean_in_world = forest.LeafMean(found[i].mode), .covariance = {}});
   }
   matches.scene.ray_sigma.assign(kept.size(),
                                  kKeypointSigma_px / MeanFocal_px(camera));
