@@ -9,6 +9,7 @@
 #include "common/base/status_macros.h"
 #include "server/core/forest/model_file.h"
 #include "server/core/training/forest_trainer.h"
+#include "server/core/training/sift_scene_trainer.h"
 
 namespace treeline {
 namespace {
@@ -30,54 +31,6 @@ bool IsKnown(absl::string_view method) {
       kMethods, [&](const MethodDescription& m) { return m.name == method; });
 }
 
-// What the methods learn apart from each other.
-absl::StatusOr<Forest> LearnSift(const Dataset& dataset,
-                                 const SceneTrainingOptions& options,
-                                 bool quiet, const std::stop_token& stop,
-                                 TrainedScene& scene) {
-  SiftTrainingOptions sift = options.sift;
-  sift.seed = options.forest.seed;
-  sift.threads = options.forest.threads;
-  sift.trees = options.forest.trees;
-  TL_ASSIGN_OR_RETURN(TrainedSiftForest trained,
-                      TrainSiftForest(dataset, sift, quiet, stop));
-  ModelInfo& info = scene.info;
-  info.calibration = dataset.calibration();
-  info.units_are_metres = dataset.units_are_metres();
-  info.viewing_distance = trained.viewing_distance;
-  info.training_frames = trained.images;
-  info.training_samples = trained.samples;
-  return std::move(trained.forest);
-}
-
-absl::StatusOr<Forest> LearnPixelForest(const Dataset& dataset,
-                                        const SceneTrainingOptions& options,
-                                        bool quiet, const std::stop_token& stop,
-                                        TrainedScene& scene) {
-  ModelInfo& info = scene.info;
-  if (options.calibration) {
-    info.calibration = *options.calibration;
-  } else {
-    CalibratorOptions calibrator;
-    calibrator.threads = options.forest.threads;
-    TL_ASSIGN_OR_RETURN(scene.calibration,
-                        CalibrateRgbd(dataset, calibrator, quiet, stop));
-    info.calibration = scene.calibration->calibration;
-  }
-  TrainingOptions forest = options.forest;
-  forest.depth_adaptive = options.method != "rgb";
-  TL_ASSIGN_OR_RETURN(
-      TrainedForest trained,
-      TrainForest(dataset, info.calibration, forest, quiet, stop));
-  // What sees colour alone answers with the colour camera's pose.
-  if (options.method == "rgb") {
-    info.calibration.pose_sensor = RgbdSensor::kColor;
-  }
-  info.training_frames = trained.frames;
-  info.training_samples = trained.samples;
-  return std::move(trained.forest);
-}
-
 }  // namespace
 
 std::span<const MethodDescription> TrainableMethods() { return kMethods; }
@@ -91,6 +44,9 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
     return absl::InvalidArgumentError(absl::StrCat(
         "method \"", options.method, "\" is not known; see --help"));
   }
+  if (options.method == "sift") {
+    return TrainSiftScene(dataset, options, output_path, quiet, stop);
+  }
   TL_RETURN_IF_ERROR(options.forest.Validate());
   TL_RETURN_IF_ERROR(MakeParentFolder(output_path));
   TL_RETURN_IF_ERROR(CheckWritable(output_path));
@@ -98,19 +54,32 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
   const MonotonicTime start = clock.Now();
   TrainedScene scene;
   ModelInfo& info = scene.info;
+  if (options.calibration) {
+    info.calibration = *options.calibration;
+  } else {
+    CalibratorOptions calibrator;
+    calibrator.threads = options.forest.threads;
+    TL_ASSIGN_OR_RETURN(scene.calibration,
+                        CalibrateRgbd(dataset, calibrator, quiet, stop));
+    info.calibration = scene.calibration->calibration;
+  }
+  TrainingOptions forest = options.forest;
+  forest.depth_adaptive = options.method != "rgb";
   TL_ASSIGN_OR_RETURN(
-      const Forest forest,
-      options.method == "sift"
-          ? LearnSift(dataset, options, quiet, stop, scene)
-          : LearnPixelForest(dataset, options, quiet, stop, scene));
+      const TrainedForest trained,
+      TrainForest(dataset, info.calibration, forest, quiet, stop));
   info.method = options.method;
+  // What sees colour alone answers with the colour camera's pose.
+  if (info.method == "rgb") info.calibration.pose_sensor = RgbdSensor::kColor;
   info.software_version = options.software_version;
   info.created_utc = options.created_utc;
   info.dataset = dataset.uri();
   info.seed = options.forest.seed;
   info.options = options.recorded_options;
+  info.training_frames = trained.frames;
+  info.training_samples = trained.samples;
   info.training_s = MillisecondsBetween(start, clock.Now()) / 1e3;
-  TL_RETURN_IF_ERROR(WriteModel(output_path, info, {forest.View()}));
+  TL_RETURN_IF_ERROR(WriteModel(output_path, info, {trained.forest.View()}));
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<const ModelFile> model,
                       ModelFile::Open(output_path));
   info = model->info();
