@@ -11,12 +11,16 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/clock.h"
 #include "common/base/random.h"
 #include "common/image/decode.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/training/scene_trainer.h"
 #include "server/core/training/sift_trainer.h"
+#include "server/tools/evaluation.h"
+#include "server/tools/evaluation_table.h"
+#include "server/tools/sift_pnp_baseline.h"
 
 namespace treeline {
 namespace {
@@ -185,6 +189,7 @@ class SiftLocalizerTest : public ::testing::Test {
   static Corner* corner_;
   static Dataset* dataset_;
   static Localizer* localizer_;
+  const SteadyClock clock_;
 };
 
 std::string* SiftLocalizerTest::folder_ = nullptr;
@@ -224,6 +229,39 @@ TEST_F(SiftLocalizerTest, FindsAnotherCameraOfAnotherSizeAndModel) {
   EXPECT_EQ(inliers, estimate->inliers);
   const auto again = localizer_->Localize(frame, {});
   EXPECT_EQ(again->world_from_camera, estimate->world_from_camera);
+}
+
+TEST_F(SiftLocalizerTest, EvaluationTakesEachFramesCameraAndSceneUnits) {
+  EXPECT_FALSE(QueryCalibration(*dataset_, {.uri = Uri()}, {}).has_value());
+  EvaluationOptions options;
+  options.quiet = true;
+  const auto results = Evaluate(*localizer_, *dataset_, options, clock_);
+  ASSERT_TRUE(results.ok()) << results.status();
+  for (const FrameResult& result : *results) {
+    ASSERT_TRUE(result.localized()) << result.stem;
+    EXPECT_LT(result.error->translation_m, kTranslationBound) << result.stem;
+  }
+  EXPECT_THAT(EvaluationTable(*results, localizer_->info()),
+              AllOf(HasSubstr("% of the viewing distance"),
+                    testing::Not(HasSubstr("cm"))));
+}
+
+TEST_F(SiftLocalizerTest, TheBaselineKnowsTheSamePoints) {
+  SiftPnpOptions options;
+  options.quiet = true;
+  const auto baseline =
+      BuildSiftPnpBaseline(*dataset_, dataset_->calibration(), options);
+  ASSERT_TRUE(baseline.ok()) << baseline.status();
+  EXPECT_EQ((*baseline)->info().training_frames, 6);
+  const auto frame = dataset_->Load(3);
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  const auto estimate = (*baseline)->Localize(*frame, {});
+  ASSERT_TRUE(estimate.ok()) << estimate.status();
+  ASSERT_EQ(estimate->outcome, Outcome::kLocalized);
+  EXPECT_LT(ErrorBetween(estimate->world_from_camera,
+                         *dataset_->frame(3).world_from_camera)
+                .translation_m,
+            kTranslationBound);
 }
 
 TEST_F(SiftLocalizerTest, NoiseABlankWallAndAnotherSceneAreNotLocalized) {
