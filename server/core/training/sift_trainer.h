@@ -37,7 +37,7 @@ struct SiftTrainingOptions {
   // Depth of the deepest leaf, in [1, 40].
   int max_depth = 25;
   // A node with so many samples or fewer is a leaf, in [1, 32].
-  int leaf_samples = 16;
+  int leaf_samples = 32;
   // Random dimensions tried at each node, in [1, 1000].
   int split_candidates = 16;
 
