@@ -19,6 +19,7 @@
 #include "server/core/training/frame_samples.h"
 #include "server/core/training/keyframe_builder.h"
 #include "server/core/training/quantize_forest.h"
+#include "server/core/training/sift_scene_trainer.h"
 
 namespace treeline {
 namespace {
@@ -30,6 +31,9 @@ constexpr MethodDescription kMethods[] = {
     {"rgb",
      "colour and depth in training, colour alone in queries: a backtracking "
      "regression forest on colour differences, and PnP"},
+    {"sift",
+     "colour alone, with a structure from motion (colmap:, nvm:): a "
+     "backtracking regression forest on SIFT features, and PnP"},
 };
 
 bool IsKnown(absl::string_view method) {
@@ -258,6 +262,9 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
   if (!IsKnown(options.method)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "method \"", options.method, "\" is not known; see --help"));
+  }
+  if (options.method == "sift") {
+    return TrainSiftScene(dataset, options, output_path, quiet, stop);
   }
   TL_RETURN_IF_ERROR(options.forest.Validate());
   TL_RETURN_IF_ERROR(MakeParentFolder(output_path));
