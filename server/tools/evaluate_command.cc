@@ -20,9 +20,9 @@
 #include "server/tools/evaluation.h"
 #include "server/tools/evaluation_json.h"
 #include "server/tools/evaluation_table.h"
+#include "server/tools/feature_pnp_baseline.h"
 #include "server/tools/report.h"
 #include "server/tools/run_info.h"
-#include "server/tools/sift_pnp_baseline.h"
 
 namespace treeline {
 namespace {
@@ -54,7 +54,7 @@ struct EvaluateFlags {
   int threads = 1;
   bool quiet = false;
   QueryOptions query;
-  SiftPnpOptions sift;
+  FeaturePnpOptions features;
 };
 
 void AddModelFlags(CLI::App& app, EvaluateFlags& flags) {
@@ -63,11 +63,11 @@ void AddModelFlags(CLI::App& app, EvaluateFlags& flags) {
       ->type_name("FILE")
       ->group(kGroup);
   app.add_option("--baseline", flags.baseline,
-                 "A yardstick instead of a model: sift-pnp (SIFT features of "
-                 "training keyframes with depth, and PnP; needs "
+                 "A yardstick instead of a model: sift-pnp or orb-pnp "
+                 "(features of training keyframes with depth, and PnP; needs "
                  "--training-dataset)")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"sift-pnp"}))
+      ->check(CLI::IsMember({"sift-pnp", "orb-pnp"}))
       ->group(kGroup);
   app.add_option("--calibration", flags.calibration_path,
                  "Calibration of `treeline calibrate`: of the queries, in "
@@ -106,7 +106,7 @@ void AddTrainingFlags(CLI::App& app, EvaluateFlags& flags) {
                  "Its poses, in place of its own")
       ->type_name("FILE")
       ->group(kGroup);
-  app.add_option("--keyframes", flags.sift.keyframes,
+  app.add_option("--keyframes", flags.features.keyframes,
                  "Training frames that a baseline keeps, evenly spread; 0: all")
       ->type_name("N")
       ->capture_default_str()
@@ -213,12 +213,13 @@ class EvaluateCommand {
     RgbdCalibration calibration = training_->calibration();
     if (model != nullptr) calibration = model->info().calibration;
     if (calibration_) calibration = *calibration_;
-    SiftPnpOptions options = flags_.sift;
+    FeaturePnpOptions options = flags_.features;
+    options.kind = *BaselineOfName(flags_.baseline);
     options.seed = flags_.seed;
     options.quiet = flags_.quiet;
     options.stop = stop_;
-    TL_ASSIGN_OR_RETURN(localizer_,
-                        BuildSiftPnpBaseline(*training_, calibration, options));
+    TL_ASSIGN_OR_RETURN(
+        localizer_, BuildFeaturePnpBaseline(*training_, calibration, options));
     return absl::OkStatus();
   }
 

@@ -1,8 +1,7 @@
-#include "server/tools/sift_pnp_baseline.h"
+#include "server/tools/feature_pnp_baseline.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,6 +17,7 @@
 #include "opencv2/features2d.hpp"
 #include "opencv2/flann.hpp"
 #include "opencv2/imgproc.hpp"
+#include "server/tools/depth_registration.h"
 #include "server/tools/evaluation.h"
 #include "server/tools/run_info.h"
 
@@ -26,25 +26,29 @@ namespace {
 
 // Descriptors within this many nearest ones may stand for other places.
 constexpr int kNeighbours = 16;
-constexpr int kDescriptorSize = 128;
+constexpr int kOrbFeatures = 1000;
 constexpr int kMinMatches = 6;
-constexpr double kMaxDepthJump = 0.05;
-constexpr int kDepthRadius_px = 2;
 
 struct Features {
   std::vector<cv::KeyPoint> keypoints;
-  cv::Mat descriptors;  // one row of 128 floats a keypoint
+  cv::Mat descriptors;  // one row a keypoint: 128 floats, or 32 bytes
 };
 
-Features Extract(const ColorImage& image, int count) {
+cv::Ptr<cv::Feature2D> MakeExtractor(FeatureKind kind, int count) {
+  if (kind == FeatureKind::kSift) return cv::SIFT::create(count);
+  return cv::ORB::create(count == 0 ? kOrbFeatures : count);
+}
+
+Features Extract(const ColorImage& image, const FeaturePnpOptions& options) {
   // OpenCV reads the pixels only.
   const cv::Mat color(image.height, image.width, CV_8UC3,
                       const_cast<uint8_t*>(image.rgb.data()));
   cv::Mat gray;
   cv::cvtColor(color, gray, cv::COLOR_RGB2GRAY);
   Features features;
-  cv::SIFT::create(count)->detectAndCompute(
-      gray, cv::noArray(), features.keypoints, features.descriptors);
+  MakeExtractor(options.kind, options.features)
+      ->detectAndCompute(gray, cv::noArray(), features.keypoints,
+                         features.descriptors);
   return features;
 }
 
@@ -111,7 +115,7 @@ PnpProblem MakeProblem(const Camera& camera, const std::vector<Match>& matches,
 // The pose that most matches agree with, refined on all of these.
 std::optional<PnpResult> SolvePose(const Camera& camera,
                                    const std::vector<Match>& matches,
-                                   const SiftPnpOptions& options) {
+                                   const FeaturePnpOptions& options) {
   const PnpProblem problem =
       MakeProblem(camera, matches, std::vector<bool>(matches.size(), true));
   if (problem.points.size() < kMinMatches) return std::nullopt;
@@ -139,17 +143,25 @@ std::optional<PnpResult> SolvePose(const Camera& camera,
   return result;
 }
 
-class SiftPnpBaseline final : public Localizer {
+class FeaturePnpBaseline final : public Localizer {
  public:
-  SiftPnpBaseline(ModelInfo info, SiftPnpOptions options, cv::Mat descriptors,
-                  std::vector<Vec3> points_in_world)
+  FeaturePnpBaseline(ModelInfo info, FeaturePnpOptions options,
+                     cv::Mat descriptors, std::vector<Vec3> points_in_world)
       : info_(std::move(info)),
         options_(std::move(options)),
         descriptors_(std::move(descriptors)),
         points_in_world_(std::move(points_in_world)) {
     cv::setRNGSeed(static_cast<int>(options_.seed & 0x7fffffff));
-    index_ = std::make_unique<cv::flann::Index>(
-        descriptors_, cv::flann::KDTreeIndexParams(4));
+    if (options_.kind == FeatureKind::kSift) {
+      index_ = std::make_unique<cv::flann::Index>(
+          descriptors_, cv::flann::KDTreeIndexParams(4));
+    } else {
+      // 12 tables of 20-bit keys, looked at with all neighbours of one bit:
+      // what OpenCV's tutorial on ORB takes.
+      index_ = std::make_unique<cv::flann::Index>(
+          descriptors_, cv::flann::LshIndexParams(12, 20, 1),
+          cvflann::FLANN_DIST_HAMMING);
+    }
   }
 
   absl::StatusOr<PoseEstimate> Localize(
@@ -169,33 +181,39 @@ class SiftPnpBaseline final : public Localizer {
   std::vector<Match> FindMatches(const Features& features) const;
 
   const ModelInfo info_;
-  const SiftPnpOptions options_;
+  const FeaturePnpOptions options_;
   const cv::Mat descriptors_;  // one row a point; the index refers to them
   const std::vector<Vec3> points_in_world_;
   // Searching does not change it, though OpenCV does not say so.
   std::unique_ptr<cv::flann::Index> index_;
 };
 
-std::vector<Match> SiftPnpBaseline::FindMatches(
+std::vector<Match> FeaturePnpBaseline::FindMatches(
     const Features& features) const {
-  cv::Mat neighbours;
-  cv::Mat squared_distances;
   const int count = std::min(kNeighbours, descriptors_.rows);
-  index_->knnSearch(features.descriptors, neighbours, squared_distances, count,
+  const auto rows = static_cast<int>(features.keypoints.size());
+  const bool sift = options_.kind == FeatureKind::kSift;
+  // Hashing may find fewer than `count`, and leaves the rest as it was. Squared
+  // distances for SIFT, counted bits for ORB.
+  cv::Mat neighbours(rows, count, CV_32S, cv::Scalar(-1));
+  cv::Mat found_distances(rows, count, sift ? CV_32F : CV_32S, cv::Scalar(0));
+  index_->knnSearch(features.descriptors, neighbours, found_distances, count,
                     cv::flann::SearchParams(options_.flann_checks));
+  cv::Mat distances;
+  found_distances.convertTo(distances, CV_32F);
   std::vector<Match> matches;
   for (int i = 0; i < neighbours.rows; ++i) {
     const int* nearest = neighbours.ptr<int>(i);
-    const float* distance = squared_distances.ptr<float>(i);
+    const float* distance = distances.ptr<float>(i);
     if (nearest[0] < 0) continue;
     const Vec3 best = points_in_world_[static_cast<size_t>(nearest[0])];
     bool distinct = true;
     for (int k = 1; k < count && nearest[k] >= 0; ++k) {
       const Vec3 other = points_in_world_[static_cast<size_t>(nearest[k])];
       if (Norm(other - best) < options_.same_place_m) continue;
-      const double ratio = std::sqrt(static_cast<double>(distance[0]) /
-                                     static_cast<double>(distance[k]));
-      distinct = ratio < options_.match_ratio;
+      const double ratio = static_cast<double>(distance[0]) /
+                           static_cast<double>(std::max(distance[k], 1e-9F));
+      distinct = (sift ? std::sqrt(ratio) : ratio) < options_.match_ratio;
       break;
     }
     const cv::Point2f& at = features.keypoints[static_cast<size_t>(i)].pt;
@@ -204,12 +222,12 @@ std::vector<Match> SiftPnpBaseline::FindMatches(
   return matches;
 }
 
-absl::StatusOr<PoseEstimate> SiftPnpBaseline::LocalizeOrThrow(
+absl::StatusOr<PoseEstimate> FeaturePnpBaseline::LocalizeOrThrow(
     const Frame& frame, const LocalizeOptions& options) const {
   const SteadyClock clock;
   const MonotonicTime start = clock.Now();
   const Camera camera = frame.calibration.value_or(info_.calibration).color;
-  const Features features = Extract(frame.color, options_.features);
+  const Features features = Extract(frame.color, options_);
   PoseEstimate estimate;
   const MonotonicTime extracted = clock.Now();
   estimate.timings.sample_ms = MillisecondsBetween(start, extracted);
@@ -252,7 +270,7 @@ absl::StatusOr<PoseEstimate> SiftPnpBaseline::LocalizeOrThrow(
 class KeyframeCollector {
  public:
   KeyframeCollector(const Dataset& training, const RgbdCalibration& calibration,
-                    const SiftPnpOptions& options)
+                    const FeaturePnpOptions& options)
       : training_(training),
         calibration_(calibration),
         options_(options),
@@ -268,7 +286,7 @@ class KeyframeCollector {
     const Rigid3 world_from_color = PoseOfSensor(
         *entry.world_from_camera, training_.calibration().pose_sensor,
         RgbdSensor::kColor, calibration_);
-    const Features features = Extract(frame.color, options_.features);
+    const Features features = Extract(frame.color, options_);
     const std::vector<Vec3> points = registration_.PointsInColor(*frame.depth);
     ++frames_;
     for (size_t k = 0; k < features.keypoints.size(); ++k) {
@@ -288,7 +306,7 @@ class KeyframeCollector {
  private:
   const Dataset& training_;
   const RgbdCalibration calibration_;
-  const SiftPnpOptions& options_;
+  const FeaturePnpOptions& options_;
   const DepthRegistration registration_;
   int frames_ = 0;
   cv::Mat descriptors_;
@@ -297,9 +315,9 @@ class KeyframeCollector {
 
 ModelInfo DescribeBaseline(const Dataset& training,
                            const RgbdCalibration& calibration,
-                           const SiftPnpOptions& options) {
+                           const FeaturePnpOptions& options) {
   ModelInfo info;
-  info.method = "sift-pnp";
+  info.method = BaselineName(options.kind);
   info.software_version = Version();
   info.created_utc = UtcNow();
   info.dataset = training.uri();
@@ -332,7 +350,7 @@ void AddBounds(const std::vector<Vec3>& points, ModelInfo& info) {
 
 absl::StatusOr<std::unique_ptr<Localizer>> BuildOrThrow(
     const Dataset& training, const RgbdCalibration& calibration,
-    const SiftPnpOptions& options) {
+    const FeaturePnpOptions& options) {
   const SteadyClock clock;
   const MonotonicTime start = clock.Now();
   cv::setNumThreads(1);
@@ -361,112 +379,50 @@ absl::StatusOr<std::unique_ptr<Localizer>> BuildOrThrow(
   info.training_frames = collector.frames();
   info.training_samples = static_cast<int64_t>(points.size());
   info.file_bytes =
-      points.size() * (kDescriptorSize * sizeof(float) + sizeof(Vec3));
+      points.size() * (collector.descriptors().step[0] + sizeof(Vec3));
   AddBounds(points, info);
   info.training_s = MillisecondsBetween(start, clock.Now()) / 1e3;
-  return std::make_unique<SiftPnpBaseline>(
+  return std::make_unique<FeaturePnpBaseline>(
       std::move(info), options, collector.descriptors(), std::move(points));
 }
 
 }  // namespace
 
-absl::Status SiftPnpOptions::Validate() const {
+const char* BaselineName(FeatureKind kind) {
+  return kind == FeatureKind::kSift ? "sift-pnp" : "orb-pnp";
+}
+
+std::optional<FeatureKind> BaselineOfName(absl::string_view name) {
+  for (FeatureKind kind : {FeatureKind::kSift, FeatureKind::kOrb}) {
+    if (name == BaselineName(kind)) return kind;
+  }
+  return std::nullopt;
+}
+
+absl::Status FeaturePnpOptions::Validate() const {
   if (keyframes < 0 || features < 0 || flann_checks < 1 ||
       flann_checks > 100000 || ransac_iterations < 1 || min_inliers < 4) {
     return absl::InvalidArgumentError(
-        "sift-pnp: keyframes and features must be at least 0, FLANN checks in "
+        "baseline: keyframes and features must be at least 0, FLANN checks in "
         "[1, 100000], RANSAC iterations at least 1, inliers at least 4");
   }
   if (!(match_ratio > 0 && match_ratio <= 1) || !(inlier_px > 0) ||
       !(same_place_m >= 0)) {
     return absl::InvalidArgumentError(
-        "sift-pnp: the match ratio must be in (0, 1], distances positive");
+        "baseline: the match ratio must be in (0, 1], distances positive");
   }
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::unique_ptr<Localizer>> BuildSiftPnpBaseline(
+absl::StatusOr<std::unique_ptr<Localizer>> BuildFeaturePnpBaseline(
     const Dataset& training, const RgbdCalibration& calibration,
-    const SiftPnpOptions& options) {
+    const FeaturePnpOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   try {
     return BuildOrThrow(training, calibration, options);
   } catch (const cv::Exception& error) {
     return absl::InternalError(absl::StrCat("OpenCV: ", error.what()));
   }
-}
-
-DepthRegistration::DepthRegistration(const RgbdCalibration& calibration)
-    : calibration_(calibration) {
-  const Camera& depth = calibration.depth;
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  for (int y = 0; y < depth.height(); ++y) {
-    for (int x = 0; x < depth.width(); ++x) {
-      const Pixel pixel{static_cast<double>(x), static_cast<double>(y)};
-      rays_.push_back(depth.Unproject(pixel).value_or(Pixel{kNan, kNan}));
-    }
-  }
-}
-
-std::vector<Vec3> DepthRegistration::PointsInColor(
-    const DepthImage& depth) const {
-  const Camera& color = calibration_.color;
-  std::vector<Vec3> points(static_cast<size_t>(color.width()) *
-                           static_cast<size_t>(color.height()));
-  const size_t count = std::min(rays_.size(), depth.values.size());
-  for (size_t i = 0; i < count; ++i) {
-    if (!IsMeasured(depth.values[i]) || std::isnan(rays_[i].x)) continue;
-    const double z = calibration_.depth_scale * depth.unit_m * depth.values[i];
-    const Vec3 point =
-        calibration_.color_from_depth * Vec3{z * rays_[i].x, z * rays_[i].y, z};
-    if (point.z <= 0) continue;
-    const Pixel pixel = color.Project(point);
-    const double x = std::round(pixel.x);
-    const double y = std::round(pixel.y);
-    if (!(x >= 0 && x < color.width() && y >= 0 && y < color.height())) {
-      continue;
-    }
-    Vec3& held =
-        points[static_cast<size_t>(y) * static_cast<size_t>(color.width()) +
-               static_cast<size_t>(x)];
-    if (held.z == 0 || point.z < held.z) held = point;
-  }
-  return points;
-}
-
-std::optional<Vec3> DepthRegistration::PointAt(
-    const std::vector<Vec3>& points_in_color, Pixel pixel) const {
-  const Camera& color = calibration_.color;
-  const int x0 = static_cast<int>(std::lround(pixel.x));
-  const int y0 = static_cast<int>(std::lround(pixel.y));
-  double depth_m = 0;
-  double best_distance_px = std::numeric_limits<double>::infinity();
-  double nearest_m = std::numeric_limits<double>::infinity();
-  double furthest_m = 0;
-  for (int y = std::max(0, y0 - kDepthRadius_px);
-       y <= std::min(color.height() - 1, y0 + kDepthRadius_px); ++y) {
-    for (int x = std::max(0, x0 - kDepthRadius_px);
-         x <= std::min(color.width() - 1, x0 + kDepthRadius_px); ++x) {
-      const Vec3& point =
-          points_in_color[static_cast<size_t>(y) *
-                              static_cast<size_t>(color.width()) +
-                          static_cast<size_t>(x)];
-      if (point.z == 0) continue;
-      nearest_m = std::min(nearest_m, point.z);
-      furthest_m = std::max(furthest_m, point.z);
-      const double distance_px = std::hypot(x - pixel.x, y - pixel.y);
-      if (distance_px < best_distance_px) {
-        best_distance_px = distance_px;
-        depth_m = point.z;
-      }
-    }
-  }
-  if (furthest_m == 0 || furthest_m > (1 + kMaxDepthJump) * nearest_m) {
-    return std::nullopt;
-  }
-  const std::optional<Pixel> ray = color.Unproject(pixel);
-  if (!ray) return std::nullopt;
-  return Vec3{depth_m * ray->x, depth_m * ray->y, depth_m};
 }
 
 }  // namespace treeline

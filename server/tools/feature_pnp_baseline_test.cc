@@ -1,4 +1,4 @@
-#include "server/tools/sift_pnp_baseline.h"
+#include "server/tools/feature_pnp_baseline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,100 +19,6 @@ namespace {
 
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
-
-RgbdCalibration Pair(const char* color, const char* depth, Vec3 offset_m) {
-  RgbdCalibration calibration;
-  calibration.color = Camera::Parse(color, kWidth, kHeight).value();
-  calibration.depth = Camera::Parse(depth, kWidth, kHeight).value();
-  calibration.color_from_depth.translation = offset_m;
-  return calibration;
-}
-
-DepthImage NoDepth() {
-  DepthImage depth{kWidth, kHeight, {}, 0.001};
-  depth.values.assign(kWidth * kHeight, 0);
-  return depth;
-}
-
-void SetDepth(DepthImage& depth, int x, int y, uint16_t value) {
-  depth.values[static_cast<size_t>(y * depth.width + x)] = value;
-}
-
-TEST(DepthRegistration, PutsAPointWhereTheColourCameraSeesIt) {
-  // Depth pixel (180, 120), 20 px right of the centre at f 200, 2 m away: the
-  // point (0.2, 0, 2). The colour camera sits 0.1 m to the right of it, so
-  // that the point is (0.1, 0, 2) there, at 160 + 300 * 0.05 = 175.
-  const RgbdCalibration calibration =
-      Pair("PINHOLE,300,300,160,120", "PINHOLE,200,200,160,120", {-0.1, 0, 0});
-  const DepthRegistration registration(calibration);
-  DepthImage depth = NoDepth();
-  SetDepth(depth, 180, 120, 2000);
-  const std::vector<Vec3> points = registration.PointsInColor(depth);
-  // A little beside it, the ray is that of the pixel asked for.
-  const std::optional<Vec3> point = registration.PointAt(points, {175.3, 120});
-  ASSERT_TRUE(point.has_value());
-  EXPECT_NEAR(point->x, 2 * 15.3 / 300, 1e-12);
-  EXPECT_NEAR(point->y, 0, 1e-12);
-  EXPECT_NEAR(point->z, 2, 1e-12);
-  EXPECT_FALSE(registration.PointAt(points, {180, 120}).has_value());
-}
-
-TEST(DepthRegistration, AppliesTheDepthScale) {
-  RgbdCalibration calibration =
-      Pair("PINHOLE,300,300,160,120", "PINHOLE,300,300,160,120", {});
-  calibration.depth_scale = 0.99;
-  const DepthRegistration registration(calibration);
-  DepthImage depth = NoDepth();
-  SetDepth(depth, 160, 120, 2000);
-  const auto point =
-      registration.PointAt(registration.PointsInColor(depth), {160, 120});
-  ASSERT_TRUE(point.has_value());
-  EXPECT_NEAR(point->z, 1.98, 1e-12);
-}
-
-TEST(DepthRegistration, KeepsTheNearerOfTwoPointsOnOnePixel) {
-  // Half the focal length in colour: depth pixels 160 and 161 share a pixel.
-  const RgbdCalibration calibration =
-      Pair("PINHOLE,100,100,160,120", "PINHOLE,400,400,160,120", {});
-  const DepthRegistration registration(calibration);
-  DepthImage depth = NoDepth();
-  SetDepth(depth, 160, 120, 2040);
-  SetDepth(depth, 161, 120, 2000);
-  const auto point =
-      registration.PointAt(registration.PointsInColor(depth), {160, 120});
-  ASSERT_TRUE(point.has_value());
-  EXPECT_NEAR(point->z, 2, 1e-12);
-}
-
-TEST(DepthRegistration, RefusesPointsAtDepthEdges) {
-  const RgbdCalibration calibration =
-      Pair("PINHOLE,300,300,160,120", "PINHOLE,300,300,160,120", {});
-  const DepthRegistration registration(calibration);
-  DepthImage depth = NoDepth();
-  SetDepth(depth, 160, 120, 2000);
-  SetDepth(depth, 161, 120, 2080);
-  EXPECT_TRUE(
-      registration.PointAt(registration.PointsInColor(depth), {160, 120})
-          .has_value());
-  SetDepth(depth, 161, 120, 2120);
-  EXPECT_FALSE(
-      registration.PointAt(registration.PointsInColor(depth), {160, 120})
-          .has_value());
-}
-
-TEST(DepthRegistration, IgnoresWhatWasNotMeasured) {
-  const RgbdCalibration calibration =
-      Pair("PINHOLE,300,300,160,120", "PINHOLE,300,300,160,120", {});
-  const DepthRegistration registration(calibration);
-  DepthImage depth = NoDepth();
-  SetDepth(depth, 160, 120, 65535);
-  EXPECT_FALSE(
-      registration.PointAt(registration.PointsInColor(depth), {160, 120})
-          .has_value());
-  EXPECT_FALSE(
-      registration.PointAt(registration.PointsInColor(depth), {-50, 400})
-          .has_value());
-}
 
 // Recordings of a wall z = 2 m covered with random blots, exact but for the
 // rounding of pixels and depths.
@@ -198,22 +104,22 @@ class WallRecording {
   std::vector<Blot> blots_;
 };
 
-SiftPnpOptions Quiet() {
-  SiftPnpOptions options;
+FeaturePnpOptions Quiet() {
+  FeaturePnpOptions options;
   options.quiet = true;
   return options;
 }
 
-TEST(SiftPnpBaseline, FindsACameraBetweenItsKeyframes) {
+TEST(FeaturePnpBaseline, FindsACameraBetweenItsKeyframes) {
   const Rigid3 query{Rotation3::FromAxisAngle({0.02, 0.05, 0.08}),
                      {0.12, 0.05, 0.06}};
   const WallRecording recording(
       {Rigid3{}, Rigid3{{}, {0.3, 0, 0}}, Rigid3{{}, {0, 0.2, 0.1}}, query});
   const Dataset dataset = recording.Open();
-  SiftPnpOptions options = Quiet();
+  FeaturePnpOptions options = Quiet();
   options.keyframes = 0;
   const auto baseline =
-      BuildSiftPnpBaseline(dataset, dataset.calibration(), options);
+      BuildFeaturePnpBaseline(dataset, dataset.calibration(), options);
   ASSERT_TRUE(baseline.ok()) << baseline.status();
   EXPECT_EQ((*baseline)->info().training_frames, 4);
   LocalizeOptions ask;
@@ -230,7 +136,7 @@ TEST(SiftPnpBaseline, FindsACameraBetweenItsKeyframes) {
             estimate->samples);
 }
 
-TEST(SiftPnpBaseline, LocalizesAViewItHasNotSeen) {
+TEST(FeaturePnpBaseline, LocalizesAViewItHasNotSeen) {
   const Rigid3 query{Rotation3::FromAxisAngle({0.02, 0.05, 0.08}),
                      {0.12, 0.05, 0.06}};
   const WallRecording training(
@@ -238,7 +144,7 @@ TEST(SiftPnpBaseline, LocalizesAViewItHasNotSeen) {
   const WallRecording test({query});
   const Dataset dataset = training.Open();
   const auto baseline =
-      BuildSiftPnpBaseline(dataset, dataset.calibration(), Quiet());
+      BuildFeaturePnpBaseline(dataset, dataset.calibration(), Quiet());
   ASSERT_TRUE(baseline.ok()) << baseline.status();
   const auto first = (*baseline)->Localize(*test.Open().Load(0), {});
   ASSERT_TRUE(first.ok()) << first.status();
@@ -253,11 +159,11 @@ TEST(SiftPnpBaseline, LocalizesAViewItHasNotSeen) {
   EXPECT_EQ(again->world_from_camera, first->world_from_camera);
 }
 
-TEST(SiftPnpBaseline, DoesNotLocalizeABlankImage) {
+TEST(FeaturePnpBaseline, DoesNotLocalizeABlankImage) {
   const WallRecording recording({Rigid3{}});
   const Dataset dataset = recording.Open();
   const auto baseline =
-      BuildSiftPnpBaseline(dataset, dataset.calibration(), Quiet());
+      BuildFeaturePnpBaseline(dataset, dataset.calibration(), Quiet());
   ASSERT_TRUE(baseline.ok()) << baseline.status();
   Frame blank;
   blank.color = {kWidth, kHeight,
@@ -268,35 +174,71 @@ TEST(SiftPnpBaseline, DoesNotLocalizeABlankImage) {
   EXPECT_EQ(estimate->reason, NotLocalizedReason::kTooFewSamples);
 }
 
-TEST(SiftPnpBaseline, SpreadsItsKeyframesOverTheRecording) {
+TEST(FeaturePnpBaseline, SpreadsItsKeyframesOverTheRecording) {
   const WallRecording recording(std::vector<Rigid3>(6));
   const Dataset dataset = recording.Open();
-  SiftPnpOptions options = Quiet();
+  FeaturePnpOptions options = Quiet();
   options.keyframes = 3;
   const auto baseline =
-      BuildSiftPnpBaseline(dataset, dataset.calibration(), options);
+      BuildFeaturePnpBaseline(dataset, dataset.calibration(), options);
   ASSERT_TRUE(baseline.ok()) << baseline.status();
   EXPECT_EQ((*baseline)->info().training_frames, 3);
   EXPECT_EQ((*baseline)->info().method, "sift-pnp");
   EXPECT_GT((*baseline)->info().file_bytes, 0u);
 }
 
-TEST(SiftPnpBaseline, StopsWhenInterrupted) {
+TEST(FeaturePnpBaseline, StopsWhenInterrupted) {
   const WallRecording recording({Rigid3{}});
   std::stop_source source;
   source.request_stop();
-  SiftPnpOptions options = Quiet();
+  FeaturePnpOptions options = Quiet();
   options.stop = source.get_token();
   const Dataset dataset = recording.Open();
-  EXPECT_EQ(BuildSiftPnpBaseline(dataset, dataset.calibration(), options)
+  EXPECT_EQ(BuildFeaturePnpBaseline(dataset, dataset.calibration(), options)
                 .status()
                 .code(),
             absl::StatusCode::kCancelled);
 }
 
-TEST(SiftPnpOptions, RefusesWhatMakesNoSense) {
-  EXPECT_TRUE(SiftPnpOptions().Validate().ok());
-  SiftPnpOptions options;
+TEST(FeaturePnpBaseline, LocalizesAViewWithOrbToo) {
+  const Rigid3 query{Rotation3::FromAxisAngle({0.02, 0.05, 0.08}),
+                     {0.12, 0.05, 0.06}};
+  const WallRecording training(
+      {Rigid3{}, Rigid3{{}, {0.3, 0, 0}}, Rigid3{{}, {0, 0.2, 0.1}}});
+  const WallRecording test({query});
+  const Dataset dataset = training.Open();
+  FeaturePnpOptions options = Quiet();
+  options.kind = FeatureKind::kOrb;
+  const auto build = [&] {
+    return BuildFeaturePnpBaseline(dataset, dataset.calibration(), options)
+        .value();
+  };
+  const std::unique_ptr<Localizer> baseline = build();
+  EXPECT_EQ(baseline->info().method, "orb-pnp");
+  const Frame frame = *test.Open().Load(0);
+  const auto first = baseline->Localize(frame, {});
+  ASSERT_TRUE(first.ok()) << first.status();
+  ASSERT_EQ(first->outcome, Outcome::kLocalized);
+  // ORB's corners are placed to a pixel or two at the coarser levels of its
+  // pyramid: at f 280 and 2 m, 1 px is 7 mm.
+  const PoseError error = ErrorBetween(first->world_from_camera, query);
+  EXPECT_LT(error.translation_m, 0.03);
+  EXPECT_LT(error.rotation_rad, 0.015);
+  // Hashing draws its keys from the seed alone.
+  const auto again = build()->Localize(frame, {});
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->world_from_camera, first->world_from_camera);
+}
+
+TEST(FeaturePnpBaseline, HasNamesForItsKinds) {
+  EXPECT_EQ(BaselineOfName("sift-pnp"), FeatureKind::kSift);
+  EXPECT_EQ(BaselineOfName("orb-pnp"), FeatureKind::kOrb);
+  EXPECT_EQ(BaselineOfName("surf-pnp"), std::nullopt);
+}
+
+TEST(FeaturePnpOptions, RefusesWhatMakesNoSense) {
+  EXPECT_TRUE(FeaturePnpOptions().Validate().ok());
+  FeaturePnpOptions options;
   options.keyframes = -1;
   EXPECT_FALSE(options.Validate().ok());
   options = {};
