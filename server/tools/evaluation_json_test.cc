@@ -51,7 +51,6 @@ FrameResult FailedFrame() {
 
 EvaluationRun SomeRun() {
   EvaluationRun run;
-  run.model_path = "kitchen.treeline";
   run.dataset_uri = "7scenes:kitchen";
   run.frame_list = "test.txt";
   run.seed = 18446744073709551615u;
@@ -65,10 +64,12 @@ EvaluationRun SomeRun() {
 }
 
 Json Parsed(const std::vector<FrameResult>& results) {
-  ModelInfo model;
-  model.method = "rgbd";
-  model.file_bytes = 777;
-  return Json::parse(EvaluationJson(results, SomeRun(), model));
+  EvaluatedMethod method;
+  method.model_path = "kitchen.treeline";
+  method.model.method = "rgbd";
+  method.model.file_bytes = 777;
+  method.results = results;
+  return Json::parse(EvaluationJson(method, {}, SomeRun()));
 }
 
 TEST(EvaluationJson, HasTheHeadlineKeys) {

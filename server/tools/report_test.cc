@@ -9,6 +9,7 @@
 #include "gtest/gtest.h"
 #include "server/tools/model_description.h"
 #include "server/tools/report_charts.h"
+#include "server/tools/report_svg.h"
 #include "server/tools/report_trajectory.h"
 #include "server/tools/run_info.h"
 #include "server/tools/testing_fixtures.h"
@@ -62,16 +63,18 @@ ReportContents SomeContents() {
   contents.run.dataset_uri = "7scenes:/data/kitchen";
   contents.run.command = "treeline evaluate --model 'a b'";
   contents.run.cpu = "a processor";
-  contents.model.method = "rgbd";
-  contents.model.file_bytes = 2000000;
-  contents.results = {Localized("f0", 0.01), Localized("f1", 0.03),
-                      Localized("f2", 0.30), Lost("f3"), Failed("f4")};
-  contents.training_poses = {Rigid3{{}, {0.2, 0, 0}}};
-  contents.pictures = {{{2, PictureKind::kWorst},
-                        "\xff\xd8jpeg",
-                        640,
-                        480,
-                        {{{10, 20}, {}, {}, true}, {{30, 40}, {}, {}, false}}}};
+  EvaluatedMethod& method = contents.methods.emplace_back();
+  method.name = "rgbd";
+  method.model.method = "rgbd";
+  method.model.file_bytes = 2000000;
+  method.results = {Localized("f0", 0.01), Localized("f1", 0.03),
+                    Localized("f2", 0.30), Lost("f3"), Failed("f4")};
+  method.training_poses = {Rigid3{{}, {0.2, 0, 0}}};
+  method.pictures = {{{2, PictureKind::kWorst},
+                      "\xff\xd8jpeg",
+                      640,
+                      480,
+                      {{{10, 20}, {}, {}, true}, {{30, 40}, {}, {}, false}}}};
   return contents;
 }
 
@@ -107,8 +110,8 @@ TEST(ReportHtml, LeadsWithTheFigures) {
 
 TEST(ReportHtml, NeverRoundsALostFrameAway) {
   ReportContents contents = SomeContents();
-  contents.results.assign(4000, Localized("f", 0.01));
-  contents.results.push_back(Lost("lost"));
+  contents.methods[0].results.assign(4000, Localized("f", 0.01));
+  contents.methods[0].results.push_back(Lost("lost"));
   const std::string html = ReportHtml(contents);
   EXPECT_TRUE(Has(html, "<b>99.9 %</b><span>within 5 cm and 5°"));
 }
@@ -123,7 +126,7 @@ TEST(ReportHtml, DrawsInliersAndOutliersWhereTheyWere) {
 
 TEST(ReportHtml, SaysInWordsWhyAFrameWasNotLocalized) {
   ReportContents contents = SomeContents();
-  contents.pictures[0].choice.frame = 3;
+  contents.methods[0].pictures[0].choice.frame = 3;
   const std::string html = ReportHtml(contents);
   EXPECT_TRUE(Has(html, "Not localized: too few inliers."));
   EXPECT_FALSE(Has(html, "TOO_FEW_INLIERS"));
@@ -131,7 +134,7 @@ TEST(ReportHtml, SaysInWordsWhyAFrameWasNotLocalized) {
 
 TEST(ReportHtml, EscapesNamesAndCommands) {
   ReportContents contents = SomeContents();
-  contents.results[3].stem = "<b>&\"'";
+  contents.methods[0].results[3].stem = "<b>&\"'";
   contents.run.command = "treeline <evil>";
   const std::string html = ReportHtml(contents);
   EXPECT_FALSE(Has(html, "<evil>"));
@@ -165,7 +168,7 @@ TEST(ReportHtml, IsWholeForEveryKindOfRun) {
   };
   for (const std::vector<FrameResult>& results : runs) {
     ReportContents contents;
-    contents.results = results;
+    contents.methods.emplace_back().results = results;
     const std::string html = ReportHtml(contents);
     EXPECT_TRUE(Has(html, "</html>"));
     ExpectNoBadNumbers(html);
@@ -174,7 +177,7 @@ TEST(ReportHtml, IsWholeForEveryKindOfRun) {
 
 TEST(ReportHtml, SaysSoWhereThereIsNoGroundTruth) {
   ReportContents contents = SomeContents();
-  for (FrameResult& result : contents.results) {
+  for (FrameResult& result : contents.methods[0].results) {
     result.true_world_from_camera.reset();
     result.error.reset();
   }

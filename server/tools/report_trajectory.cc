@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "server/tools/report_charts.h"
+#include "server/tools/report_svg.h"
 
 namespace treeline {
 namespace {

@@ -1,0 +1,22 @@
+// What a model says about how it was trained.
+#ifndef SERVER_TOOLS_TRAINING_RECORD_H_
+#define SERVER_TOOLS_TRAINING_RECORD_H_
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/core/dataset/dataset.h"
+#include "server/core/training/training_options.h"
+
+namespace treeline {
+
+// Each flag of `treeline train` that shapes a model, without its dashes, and
+// its value: ModelInfo::options. calibration: as --calibration has it.
+std::vector<std::pair<std::string, std::string>> RecordedOptions(
+    const DatasetOptions& dataset, const std::string& calibration,
+    const TrainingOptions& training);
+
+}  // namespace treeline
+
+#endif  // SERVER_TOOLS_TRAINING_RECORD_H_
