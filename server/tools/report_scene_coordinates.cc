@@ -124,12 +124,15 @@ std::string SceneCoordinatesSection(
   const std::string splits = Splits(methods);
   if (curves.empty() && splits.empty() && maps.empty()) return "";
   return absl::StrCat(
-      Heading("Before the pose",
-              "Scene coordinates as they were predicted, against recorded "
-              "depth and true poses; and how evenly the splits of the forest "
-              "divide what they were trained on: levels under the balanced "
-              "objective keep near one half. (Deep down, where two samples "
-              "can only be halved, one half stands out again.)"),
+      Heading(
+          "Before the pose",
+          "Scene coordinates as they were predicted, against recorded "
+          "depth and true poses (baselines predict only where a feature was "
+          "matched, forests wherever there is a sample); and how evenly the "
+          "splits of the forest "
+          "divide what they were trained on: levels under the balanced "
+          "objective keep near one half. (Deep down, where two samples "
+          "can only be halved, one half stands out again.)"),
       "<div class=\"pair\">", curves, splits, "</div>\n", maps);
 }
 

@@ -9,7 +9,7 @@ const char* ReportStyle() {
   --paper: #fbfaf6; --card: #ffffff; --ink: #1b211f; --soft: #5d6763;
   --faint: #97a09c; --rule: #e3e2db; --accent: #1f6f50; --wash: #1f6f501f;
   --truth: #2b3a55; --bad: #c4432b; --warm: #b7791f; --shadow: #1b211f0f;
-  --s0: #1f6f50; --s1: #2f6fc4; --s2: #d08214; --s3: #a33a8c; --s4: #c4432b;
+  --s0: #1f6f50; --s1: #2f6fc4; --s2: #d08214; --s3: #7d4bb8; --s4: #c4432b;
   --s5: #16949c; --s6: #7a5a2f; --s7: #7d8390;
 }
 @media (prefers-color-scheme: dark) {
@@ -17,7 +17,7 @@ const char* ReportStyle() {
     --paper: #12161a; --card: #191f24; --ink: #e8e6df; --soft: #a3aca8;
     --faint: #6d7773; --rule: #2b3339; --accent: #5cc296; --wash: #5cc29626;
     --truth: #9db4e0; --bad: #ff8163; --warm: #e2b25a; --shadow: #00000040;
-    --s0: #5cc296; --s1: #79aef5; --s2: #f0b04e; --s3: #e08acb; --s4: #ff8163;
+    --s0: #5cc296; --s1: #79aef5; --s2: #f0b04e; --s3: #b9a2ff; --s4: #ff8163;
     --s5: #56cbd2; --s6: #c9a36b; --s7: #a3a9b5;
   }
 }
@@ -116,12 +116,13 @@ h3.sub { margin: 26px 0 8px; color: var(--ink); font-size: 16px; }
 .ramp { font-size: 14px; color: var(--soft); margin: 0 0 12px; }
 .ramp i { display: inline-block; width: 20px; height: 11px;
   vertical-align: middle; }
-.maps { margin-bottom: 22px;
+.photos.maps { margin-bottom: 22px;
   grid-template-columns: repeat(auto-fill, minmax(min(240px, 100%), 1fr)); }
 img.photo { height: auto; }
 .turntable svg { display: none; }
 .turntable input { accent-color: var(--accent); margin: 0 4px;
   cursor: ew-resize; }
+.disc { fill: var(--wash); stroke: var(--rule); stroke-width: 1; }
 .turnlabel { font-size: 14px; color: var(--soft); margin-right: 8px; }
 .turntable input:nth-of-type(1):checked ~ svg:nth-of-type(1),
 .turntable input:nth-of-type(2):checked ~ svg:nth-of-type(2),

@@ -20,6 +20,7 @@ constexpr double kHeight = 460;
 constexpr double kMargin = 24;
 constexpr size_t kFrusta = 24;
 constexpr size_t kTrainingDots = 300;
+constexpr int kDiscSteps = 72;
 
 // Parallel projection of the scene, turned about the vertical by an angle.
 class Projection {
@@ -73,14 +74,16 @@ std::string Frustum(const Projection& projection,
 struct Scene {
   std::vector<const FrameResult*> truths;
   const std::vector<Rigid3>& training;
-  ViewAxes axes;
-  Vec3 middle_in_world;
-  double radius_m = 0.1;
+  ViewAxes axes{};
+  Vec3 middle_in_world{};
+  // Of a cylinder about the vertical through the middle that holds all cameras.
+  double radius_m = 0.05;
+  double half_height_m = 0.02;
 };
 
 Scene MakeScene(const std::vector<FrameResult>& results,
                 const std::vector<Rigid3>& training) {
-  Scene scene{{}, training, {}, {}, 0.1};
+  Scene scene{.truths = {}, .training = training};
   std::vector<Rigid3> poses;
   for (const FrameResult& result : results) {
     if (!result.true_world_from_camera) continue;
@@ -95,16 +98,88 @@ Scene MakeScene(const std::vector<FrameResult>& results,
         pose.translation / static_cast<double>(poses.size());
   }
   for (const Rigid3& pose : poses) {
+    const Vec3 from_middle = pose.translation - scene.middle_in_world;
+    const double up = Dot(from_middle, scene.axes.up_in_world);
+    scene.half_height_m = std::max(scene.half_height_m, std::abs(up));
     scene.radius_m = std::max(scene.radius_m,
-                              Norm(pose.translation - scene.middle_in_world));
+                              Norm(from_middle - up * scene.axes.up_in_world));
   }
   return scene;
 }
 
+// The turntable itself, below the cameras: a disc with four spokes, of which
+// one points where the cameras look on average.
+std::string Disc(const Scene& scene, const Projection& projection) {
+  const Vec3 centre = scene.middle_in_world -
+                      1.1 * scene.half_height_m * scene.axes.up_in_world;
+  const auto rim = [&](double angle_rad) {
+    return projection.At(
+        centre +
+        scene.radius_m * (std::cos(angle_rad) * scene.axes.forward_in_world +
+                          std::sin(angle_rad) * scene.axes.right_in_world));
+  };
+  std::string path;
+  for (int k = 0; k <= kDiscSteps; ++k) {
+    absl::StrAppend(&path, k == 0 ? "M" : "L", rim(kTurn * k / kDiscSteps));
+  }
+  for (int k = 0; k < 2; ++k) {
+    absl::StrAppend(&path, "M", rim(kTurn * k / 4), "L",
+                    rim(kTurn * k / 4 + kTurn / 2));
+  }
+  const std::string tip = rim(0);
+  const size_t space = tip.find(' ');
+  return absl::StrCat("<path d=\"", path, "\" class=\"disc\"/><text x=\"",
+                      tip.substr(0, space), "\" y=\"", tip.substr(space + 1),
+                      "\" dy=\"-4\" text-anchor=\"middle\" "
+                      "class=\"tick\">forward</text>");
+}
+
+std::string TruePath(const Scene& scene, const Projection& projection) {
+  const double long_step_m = LongStep_m(scene.truths);
+  std::string path;
+  Vec3 previous;
+  for (const FrameResult* result : scene.truths) {
+    const Vec3 at = result->true_world_from_camera->translation;
+    const bool move = path.empty() || Norm(at - previous) > long_step_m;
+    absl::StrAppend(&path, move ? "M" : "L", projection.At(at));
+    previous = at;
+  }
+  return path;
+}
+
+// Where every camera was estimated to be, and where those that were not
+// localized were.
+std::string Places(const Scene& scene, const Projection& projection) {
+  std::string places;
+  std::string far_places;
+  std::string lost;
+  for (const FrameResult* result : scene.truths) {
+    if (!result->error) {
+      absl::StrAppend(
+          &lost, "M",
+          projection.At(result->true_world_from_camera->translation),
+          "m-3 -3l6 6m0 -6l-6 6");
+    } else if (result->error->translation_m <= scene.radius_m) {
+      absl::StrAppend(
+          IsWithin(*result, 0.05, 5) ? &places : &far_places, "M",
+          projection.At(result->estimate.world_from_camera.translation), "h0");
+    }
+  }
+  return absl::StrFormat(
+      "<path d=\"%s\" class=\"place\"/><path d=\"%s\" class=\"place far\"/>"
+      "<path d=\"%s\" class=\"lost\"/>",
+      places, far_places, lost);
+}
+
 std::string View(const Scene& scene, double angle_rad) {
   const double frustum_m = 0.14 * scene.radius_m;
+  // The disc's ellipse and the cameras above it fit in.
+  const double half_tall_m =
+      std::sin(kElevation_rad) * scene.radius_m +
+      1.1 * std::cos(kElevation_rad) * scene.half_height_m + 0.5 * frustum_m;
   const double scale =
-      (kHeight / 2 - kMargin) / (scene.radius_m + 0.7 * frustum_m);
+      std::min((kHeight / 2 - kMargin) / half_tall_m,
+               (kWidth / 2 - kMargin) / (scene.radius_m + frustum_m));
   const Projection projection(scene.axes, scene.middle_in_world, scale,
                               angle_rad);
   std::string training;
@@ -129,27 +204,13 @@ std::string View(const Scene& scene, double angle_rad) {
         &estimated,
         Frustum(projection, result.estimate.world_from_camera, frustum_m));
   }
-  std::string places;
-  std::string far_places;
-  std::string lost;
-  for (const FrameResult* result : scene.truths) {
-    if (!result->error) {
-      absl::StrAppend(
-          &lost, "M",
-          projection.At(result->true_world_from_camera->translation),
-          "m-3 -3l6 6m0 -6l-6 6");
-    } else if (result->error->translation_m <= scene.radius_m) {
-      absl::StrAppend(
-          IsWithin(*result, 0.05, 5) ? &places : &far_places, "M",
-          projection.At(result->estimate.world_from_camera.translation), "h0");
-    }
-  }
   return absl::StrFormat(
-      "<path d=\"%s\" class=\"training\"/><path d=\"%s\" "
+      "%s<path d=\"%s\" class=\"training\"/><path d=\"%s\" "
       "class=\"truefrustum\"/><path d=\"%s\" class=\"frustum\"/>"
-      "<path d=\"%s\" class=\"frustum far\"/><path d=\"%s\" class=\"place\"/>"
-      "<path d=\"%s\" class=\"place far\"/><path d=\"%s\" class=\"lost\"/>",
-      training, truth, near, far, places, far_places, lost);
+      "<path d=\"%s\" class=\"frustum far\"/><path d=\"%s\" "
+      "class=\"truth\"/>%s",
+      Disc(scene, projection), training, truth, near, far,
+      TruePath(scene, projection), Places(scene, projection));
 }
 
 }  // namespace
