@@ -152,8 +152,10 @@ std::string ComparisonTable(const std::vector<EvaluatedMethod>& methods,
                       ErrorLines(method, s.errors));
     }
   }
-  const EvaluationSummary first =
-      methods.empty() ? EvaluationSummary{} : Summarize(methods[0].results);
+  EvaluationSummary first;
+  for (const EvaluatedMethod& method : methods) {
+    if (first.frames == 0) first = Summarize(method.results);
+  }
   return absl::StrCat(run.dataset_uri, ", ", first.frames, " frames, ",
                       first.scored, " with ground truth\n", table, errors);
 }

@@ -52,8 +52,8 @@ struct ForeignTally {
   int unreadable = 0;  // files that could not be read
   // Names of the first few that were accepted, and messages of the first few
   // that could not be read.
-  std::vector<std::string> accepted_names;
-  std::vector<std::string> problems;
+  std::vector<std::string> accepted_names{};
+  std::vector<std::string> problems{};
 };
 
 // Asks about every picture of every source, with depth where it has some and

@@ -61,6 +61,11 @@ absl::StatusOr<MethodRunner> MethodRunner::Open(const EvaluateFlags& flags,
   if (!flags.training.uri.empty()) {
     TL_ASSIGN_OR_RETURN(training, Dataset::Open(training_options));
   }
+  // Better now than when the work is done.
+  for (const ForeignSource& source : flags.foreign) {
+    if (source.builtin) continue;
+    TL_RETURN_IF_ERROR(Dataset::Open(source.dataset).status());
+  }
   ModelStoreOptions store_options{
       .dataset = training_options,
       .calibration_name =
@@ -241,26 +246,27 @@ absl::StatusOr<std::vector<Sweep>> MethodRunner::RunSweeps(
       const auto index = static_cast<size_t>(
           std::ranges::find(flags_.methods, spec.name, &MethodSpec::name) -
           flags_.methods.begin());
-      absl::StatusOr<SweepLine> line = RunLine(spec, request, evaluated[index]);
-      if (IsInterrupted(line.status())) return line.status();
-      if (line.ok()) {
-        sweep.lines.push_back(*std::move(line));
-      } else {
+      SweepLine line{.method = evaluated[index].name, .points = {}};
+      const absl::Status status =
+          RunLine(spec, request, evaluated[index], line);
+      if (IsInterrupted(status)) return status;
+      if (!status.ok()) {
         problems.push_back(absl::StrCat("sweep of ", SweepName(sweep.variable),
-                                        ", ", evaluated[index].name, ": ",
-                                        line.status().message()));
+                                        ", ", line.method, ": ",
+                                        std::string(status.message())));
       }
+      if (!line.points.empty()) sweep.lines.push_back(std::move(line));
     }
     if (!sweep.lines.empty()) sweeps.push_back(std::move(sweep));
   }
   return sweeps;
 }
 
-absl::StatusOr<SweepLine> MethodRunner::RunLine(
-    const MethodSpec& spec, const SweepRequest& request,
-    const EvaluatedMethod& evaluated) const {
+absl::Status MethodRunner::RunLine(const MethodSpec& spec,
+                                   const SweepRequest& request,
+                                   const EvaluatedMethod& evaluated,
+                                   SweepLine& line) const {
   TL_RETURN_IF_ERROR(evaluated.status);
-  SweepLine line{.method = evaluated.name, .points = {}};
   std::string base_model = evaluated.model_path;
   if (request.variable == SweepVariable::kTrees && spec.NeedsTraining()) {
     // One forest of the most trees, which is then cut.
@@ -278,7 +284,7 @@ absl::StatusOr<SweepLine> MethodRunner::RunLine(
                         RunPoint(spec, request, value, base_model));
     line.points.push_back(std::move(point));
   }
-  return line;
+  return absl::OkStatus();
 }
 
 absl::StatusOr<SweepPoint> MethodRunner::RunPoint(

@@ -31,8 +31,8 @@ class MethodRunner {
   absl::StatusOr<std::vector<EvaluatedMethod>> EvaluateMethods();
 
   // Every sweep over every method of flags.sweep_methods; `evaluated` is what
-  // EvaluateMethods gave. A line that fails is left out, with a message in
-  // `problems`, and the rest goes on. CANCELLED.
+  // EvaluateMethods gave. A line ends at the first point that fails, with a
+  // message in `problems`, and the rest goes on. CANCELLED.
   absl::StatusOr<std::vector<Sweep>> RunSweeps(
       const std::vector<EvaluatedMethod>& evaluated,
       std::vector<std::string>& problems);
@@ -52,9 +52,9 @@ class MethodRunner {
                           const EvaluationOptions& options,
                           EvaluatedMethod& method) const;
   std::vector<Rigid3> TrainingPoses(const ModelInfo& info) const;
-  absl::StatusOr<SweepLine> RunLine(const MethodSpec& spec,
-                                    const SweepRequest& request,
-                                    const EvaluatedMethod& evaluated) const;
+  // Adds to `line` a point a value, until one fails.
+  absl::Status RunLine(const MethodSpec& spec, const SweepRequest& request,
+                       const EvaluatedMethod& evaluated, SweepLine& line) const;
   absl::StatusOr<SweepPoint> RunPoint(const MethodSpec& spec,
                                       const SweepRequest& request, int value,
                                       const std::string& base_model) const;

@@ -126,6 +126,13 @@ TEST_F(MethodRunnerTest, SaysWhichLineOfASweepFailed) {
   EXPECT_THAT(problems[0], HasSubstr("sweep of backtracking, none"));
 }
 
+TEST_F(MethodRunnerTest, RefusesForeignRecordingsThatAreNotThereAtOnce) {
+  Compare("orb-pnp");
+  flags_.foreign = {*ParseForeignSource("tum:/no/such/folder")};
+  EXPECT_EQ(MethodRunner::Open(flags_, {}).status().code(),
+            absl::StatusCode::kNotFound);
+}
+
 TEST_F(MethodRunnerTest, StopsWhenInterruptedAndLeavesNoModel) {
   Compare("rgbd");
   std::stop_source source;
