@@ -3,6 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/tools/model_description.h"
 #include "server/tools/report_comparison.h"
+#include "server/tools/report_distance.h"
 #include "server/tools/report_method.h"
 #include "server/tools/report_parts.h"
 #include "server/tools/report_scene_coordinates.h"
@@ -75,6 +76,7 @@ std::string ManyMethods(const ReportContents& contents) {
   std::string html = absl::StrCat(
       Title(contents), ComparisonVerdict(contents.methods), "</p>\n",
       ComparisonSection(contents.methods, contents.run),
+      DistanceSection(contents.methods),
       SceneCoordinatesSection(contents.methods), SweepSection(contents.sweeps),
       TrustSection(contents.methods, contents.run),
       PublishedSection(contents.methods, contents.run),

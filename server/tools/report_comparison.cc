@@ -259,6 +259,7 @@ LineSeries SeriesOf(
 std::string SweepCards(const Sweep& sweep) {
   std::vector<LineSeries> correct;
   std::vector<LineSeries> precise;
+  std::vector<LineSeries> medians;
   std::vector<LineSeries> times;
   std::vector<std::string> names;
   for (const SweepLine& line : sweep.lines) {
@@ -277,6 +278,13 @@ std::string SweepCards(const Sweep& sweep) {
           return percent(p.summary.correct_2cm_2deg);
         },
         "%.1f %%"));
+    medians.push_back(SeriesOf(
+        line,
+        [](const SweepPoint& p) -> std::optional<double> {
+          if (!p.summary.median_translation_m) return std::nullopt;
+          return 100 * *p.summary.median_translation_m;
+        },
+        "%.2f cm"));
     times.push_back(SeriesOf(
         line,
         [](const SweepPoint& p) -> std::optional<double> {
@@ -288,9 +296,10 @@ std::string SweepCards(const Sweep& sweep) {
   }
   const char* axis = SweepAxis(sweep.variable);
   return absl::StrCat(
-      "<div class=\"triple\">",
+      "<div class=\"pair\">",
       Card("", LineChart(correct, axis, "% within 5 cm / 5°", 100)),
       Card("", LineChart(precise, axis, "% within 2 cm / 2°", 100)),
+      Card("", LineChart(medians, axis, "median position error, cm")),
       Card("", LineChart(times, axis, "processor time, median ms")), "</div>\n",
       names.size() > 1 ? SeriesLegend(names) : "");
 }

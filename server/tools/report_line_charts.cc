@@ -18,7 +18,7 @@ constexpr size_t kCurveSteps = 200;
 std::string ValueGrid(const Plot& plot, double low, double high,
                       absl::string_view label) {
   std::string svg;
-  const std::vector<double> ticks = RoundTicks(high - low, 4);
+  const std::vector<double> ticks = RoundTicks(high - low, 5);
   const double step = ticks.size() > 1 ? ticks[1] : high - low;
   for (double tick = std::ceil(low / step - 1e-9) * step;
        tick <= high + 1e-9 * step; tick += step) {
@@ -122,7 +122,7 @@ std::string LineChart(const std::vector<LineSeries>& series,
       x_max = std::max(x_max, point.x);
     }
   }
-  const Plot plot{.width = 380, .top = 40, .x_max = x_max * 1.02};
+  const Plot plot{.top = 40, .x_max = x_max * 1.02};
   const Range range = RangeOf(series, y_limit);
   const auto y_of = [&](double y) {
     return plot.Y((y - range.low) / (range.high - range.low));

@@ -110,8 +110,6 @@ h3 { font-size: 14px; margin: 0 0 8px; color: var(--soft); font-weight: 600; }
 .swatch { display: inline-block; width: 11px; height: 11px; border-radius: 3px;
   margin-right: 8px; background: var(--series); }
 .after { margin-top: 14px; }
-.triple { display: grid; gap: 14px;
-  grid-template-columns: repeat(auto-fit, minmax(min(300px, 100%), 1fr)); }
 h3.sub { margin: 26px 0 8px; color: var(--ink); font-size: 16px; }
 .ramp { font-size: 14px; color: var(--soft); margin: 0 0 12px; }
 .ramp i { display: inline-block; width: 20px; height: 11px;

@@ -9,6 +9,7 @@
 #include "gtest/gtest.h"
 #include "server/tools/model_description.h"
 #include "server/tools/report_charts.h"
+#include "server/tools/report_distance.h"
 #include "server/tools/report_line_charts.h"
 #include "server/tools/report_svg.h"
 #include "server/tools/report_trajectory.h"
@@ -245,7 +246,7 @@ TEST(ReportHtml, ShowsConfidenceWhereItIsStated) {
   contents.methods[0].results[2].estimate.confidence = 0.15;
   const std::string html = ReportHtml(contents);
   EXPECT_TRUE(Has(html, "Can it be believed"));
-  EXPECT_TRUE(Has(html, "At 0.90 and above: 1 answers, 100 % of them correct"));
+  EXPECT_TRUE(Has(html, "At 0.90 and above: 1 answer, 100 % of them correct"));
   EXPECT_TRUE(Has(html, "stated 95 %, correct 100 % of 1 frames"));
 }
 
@@ -280,6 +281,25 @@ TEST(ReportHtml, ShowsSceneCoordinateErrorsAndHeatMaps) {
   EXPECT_TRUE(Has(html, "Predictions within a distance of the truth"));
   EXPECT_TRUE(Has(html, "median 2.0 cm of 3 predictions"));
   EXPECT_TRUE(Has(html, "f&lt;2"));
+}
+
+TEST(DistanceSection, GroupsFramesByTheirDistanceFromTraining) {
+  EvaluatedMethod method;
+  method.name = "rgbd";
+  method.training_poses = {Rigid3{}};
+  for (int i = 0; i < 10; ++i) {
+    // The nearer half is right.
+    FrameResult result = Localized("f", i < 5 ? 0.01 : 0.2);
+    result.true_world_from_camera->translation = {0.1 * i, 0, 0};
+    method.results.push_back(result);
+  }
+  const std::string html = DistanceSection({method});
+  EXPECT_TRUE(Has(html, "rgbd: 100.0 % of 2 frames about 5 cm away"));
+  EXPECT_TRUE(Has(html, "rgbd: 50.0 % of 2 frames about 45 cm away"));
+  EXPECT_TRUE(Has(html, "rgbd: 0.0 % of 2 frames about 85 cm away"));
+  EXPECT_TRUE(Has(html, "rgbd: median 1.00 cm about 25 cm away"));
+  method.training_poses.clear();
+  EXPECT_EQ(DistanceSection({method}), "");
 }
 
 TEST(TurntableChart, HasAButtonForEveryView) {

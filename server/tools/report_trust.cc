@@ -14,10 +14,11 @@ namespace {
 std::string ConfidenceCard(const EvaluatedMethod& method,
                            const ConfidenceReport& report) {
   const std::string figures = absl::StrFormat(
-      "<p class=\"note\">At %.2f and above: %d answers, %s of them correct, "
+      "<p class=\"note\">At %.2f and above: %d answer%s, %s of them correct, "
       "which are %s of all correct ones. Expected calibration error %.3f.</p>",
-      report.threshold, report.confident, PercentText(report.Precision()),
-      PercentText(report.Recall()), *report.expected_calibration_error);
+      report.threshold, report.confident, report.confident == 1 ? "" : "s",
+      PercentText(report.Precision()), PercentText(report.Recall()),
+      *report.expected_calibration_error);
   return Card(EscapeHtml(method.name), ReliabilityChart(report) + figures);
 }
 
