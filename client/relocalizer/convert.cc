@@ -112,6 +112,7 @@ absl::StatusOr<LocalizeAnswer> FromProto(const v1::LocalizeResponse& response) {
   answer.inliers = response.inliers();
   answer.samples = response.samples();
   answer.inlier_ratio = response.inlier_ratio();
+  answer.confidence = response.confidence();
   answer.scene = response.scene();
   answer.model_version = response.model_version();
   answer.server = TimingsFromProto(response.timings());

@@ -42,7 +42,8 @@ struct ServerTimings {
 // "Not localized" is an answer like any other.
 struct LocalizeAnswer {
   bool localized = false;
-  // Why not: "TOO_FEW_SAMPLES", "TOO_FEW_INLIERS" or "POORLY_CONSTRAINED", as
+  // Why not: "TOO_FEW_SAMPLES", "TOO_FEW_INLIERS",
+  // "POORLY_CONSTRAINED" or "LOW_CONFIDENCE", as
   // in relocalization.proto without their prefix. "NONE" if localized.
   std::string reason;
   // Meaningful if localized: the pose of pose_sensor's camera, bit for bit as
@@ -53,6 +54,8 @@ struct LocalizeAnswer {
   int inliers = 0;
   int samples = 0;
   double inlier_ratio = 0;  // in [0, 1]
+  // Probability that the pose is right, in [0, 1]: see docs/service.md.
+  double confidence = 0;
   // Who answered.
   std::string scene;
   std::string model_version;

@@ -93,6 +93,10 @@ class Camera {
   bool has_distortion_ = false;
 };
 
+inline double MeanFocal_px(const Camera& camera) {
+  return 0.5 * (camera.fx() + camera.fy());
+}
+
 }  // namespace treeline
 
 #endif  // COMMON_CAMERA_CAMERA_H_

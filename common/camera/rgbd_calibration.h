@@ -28,6 +28,17 @@ struct RgbdCalibration {
   bool operator==(const RgbdCalibration&) const = default;
 };
 
+// The pose of `wanted` given the pose of `given` at the same moment; both are
+// sensors of `calibration`.
+inline Rigid3 PoseOfSensor(const Rigid3& world_from_given, RgbdSensor given,
+                           RgbdSensor wanted,
+                           const RgbdCalibration& calibration) {
+  if (given == wanted) return world_from_given;
+  return wanted == RgbdSensor::kDepth
+             ? world_from_given * calibration.color_from_depth
+             : world_from_given * calibration.color_from_depth.Inverse();
+}
+
 }  // namespace treeline
 
 #endif  // COMMON_CAMERA_RGBD_CALIBRATION_H_

@@ -46,6 +46,8 @@ v1::NotLocalizedReason ToProto(NotLocalizedReason reason) {
       return v1::NOT_LOCALIZED_REASON_TOO_FEW_INLIERS;
     case NotLocalizedReason::kPoorlyConstrained:
       return v1::NOT_LOCALIZED_REASON_POORLY_CONSTRAINED;
+    case NotLocalizedReason::kLowConfidence:
+      return v1::NOT_LOCALIZED_REASON_LOW_CONFIDENCE;
   }
   return v1::NOT_LOCALIZED_REASON_NONE;
 }
@@ -76,6 +78,7 @@ v1::LocalizeResponse ToProto(const PoseEstimate& estimate,
   proto.set_inliers(estimate.inliers);
   proto.set_samples(estimate.samples);
   proto.set_inlier_ratio(estimate.inlier_ratio);
+  proto.set_confidence(estimate.confidence);
   for (const Correspondence& sample : estimate.correspondences) {
     *proto.add_correspondences() = CorrespondenceToProto(sample);
   }

@@ -9,8 +9,9 @@
 
 namespace treeline {
 
-// What users are told to ask for: at or above it an answer may be relied on.
-inline constexpr double kPublishedConfidence = 0.9;
+// At or above it an answer may be relied on: below it, models do not give one
+// as localized unless they were fitted otherwise. See ConfidenceModel.
+inline constexpr double kPublishedConfidence = 0.5;
 
 // Answers whose confidence lies in [low, high); the last bin has its end too.
 struct ReliabilityBin {

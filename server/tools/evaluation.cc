@@ -213,14 +213,6 @@ std::optional<double> Percentile(std::vector<double> values, double p) {
   return values[below] + fraction * (values[above] - values[below]);
 }
 
-Rigid3 PoseOfSensor(const Rigid3& world_from_given, RgbdSensor given,
-                    RgbdSensor wanted, const RgbdCalibration& calibration) {
-  if (given == wanted) return world_from_given;
-  return wanted == RgbdSensor::kDepth
-             ? world_from_given * calibration.color_from_depth
-             : world_from_given * calibration.color_from_depth.Inverse();
-}
-
 std::optional<RgbdCalibration> QueryCalibration(
     const Dataset& dataset, const DatasetOptions& options,
     const RgbdCalibration& scene_calibration) {

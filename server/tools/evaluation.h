@@ -122,11 +122,6 @@ std::optional<double> CorrectShare(const std::vector<FrameResult>& results,
 // nearest ranks (NumPy's default). nullopt if `values` is empty.
 std::optional<double> Percentile(std::vector<double> values, double p);
 
-// The pose of `wanted` given the pose of `given` at the same moment; both are
-// sensors of `calibration`.
-Rigid3 PoseOfSensor(const Rigid3& world_from_given, RgbdSensor given,
-                    RgbdSensor wanted, const RgbdCalibration& calibration);
-
 // What to tell the localizer about the camera of `dataset`.
 //
 // A scene's stored calibration may have been estimated from its training

@@ -17,7 +17,7 @@
 #include "opencv2/features2d.hpp"
 #include "opencv2/flann.hpp"
 #include "opencv2/imgproc.hpp"
-#include "server/tools/depth_registration.h"
+#include "server/core/features/depth_registration.h"
 #include "server/tools/evaluation.h"
 #include "server/tools/run_info.h"
 

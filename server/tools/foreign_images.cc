@@ -208,7 +208,8 @@ class ForeignAsker {
         absl::StatusOr<Frame> frame =
             dataset ? dataset->Load(index)
                     : BuiltinForeignFrame(localizer_.info().calibration, index);
-        if (frame.ok()) frame->calibration = calibration;
+        if (frame.ok())
+          if (calibration) frame->calibration = calibration;
         answers[static_cast<size_t>(i)] = AskTwice(std::move(frame));
         progress.Add(1);
       });

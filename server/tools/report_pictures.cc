@@ -157,6 +157,8 @@ const char* ReasonText(NotLocalizedReason reason) {
       return "too few inliers";
     case NotLocalizedReason::kPoorlyConstrained:
       return "poorly constrained";
+    case NotLocalizedReason::kLowConfidence:
+      return "low confidence";
   }
   return "unknown";
 }

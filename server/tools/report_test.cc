@@ -246,7 +246,7 @@ TEST(ReportHtml, ShowsConfidenceWhereItIsStated) {
   contents.methods[0].results[2].estimate.confidence = 0.15;
   const std::string html = ReportHtml(contents);
   EXPECT_TRUE(Has(html, "Can it be believed"));
-  EXPECT_TRUE(Has(html, "At 0.90 and above: 1 answer, 100 % of them correct"));
+  EXPECT_TRUE(Has(html, "At 0.50 and above: 1 answer, 100 % of them correct"));
   EXPECT_TRUE(Has(html, "stated 95 %, correct 100 % of 1 frames"));
 }
 

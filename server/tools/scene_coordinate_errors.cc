@@ -10,7 +10,7 @@
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
-#include "server/tools/depth_registration.h"
+#include "server/core/features/depth_registration.h"
 
 namespace treeline {
 namespace {
@@ -47,7 +47,7 @@ class TruthChecker {
         *dataset_.frame(i).world_from_camera,
         dataset_.calibration().pose_sensor, RgbdSensor::kColor, calibration_);
     Frame query = frame;
-    query.calibration = options_.calibration;
+    if (options_.calibration) query.calibration = options_.calibration;
     TL_ASSIGN_OR_RETURN(
         const PoseEstimate estimate,
         localizer_.Localize(query, {.seed = options_.seed,

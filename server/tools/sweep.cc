@@ -172,9 +172,8 @@ absl::Status WriteFirstTrees(const std::string& model_path, int trees,
     forests.push_back(forest);
   }
   std::vector<ModelExtraBytes> extras;
-  for (ModelExtra kind :
-       {ModelExtra::kKeyframes, ModelExtra::kKeyframePatches,
-        ModelExtra::kKeyframeFeatures, ModelExtra::kKeyframeDepths}) {
+  for (ModelExtra kind : {ModelExtra::kKeyframes, ModelExtra::kKeyframePoints,
+                          ModelExtra::kKeyframeFeatures}) {
     TL_ASSIGN_OR_RETURN(const std::span<const char> bytes,
                         model->Extra<char>(kind));
     if (!bytes.empty()) {

@@ -36,6 +36,8 @@ struct TrainFlags {
   std::string method = "rgbd";
   std::string output_path;
   std::string calibration = "auto";
+  std::string adapt_path;
+  std::string extend_path;
   TrainingOptions training;
   bool quiet = false;
 };
@@ -61,10 +63,14 @@ absl::Status Train(const TrainFlags& flags, const std::stop_token& stop) {
   options.method = flags.method;
   TL_ASSIGN_OR_RETURN(options.calibration, GivenCalibration(flags, dataset));
   options.forest = flags.training;
+  options.base_model =
+      flags.adapt_path.empty() ? flags.extend_path : flags.adapt_path;
+  options.refill = flags.adapt_path.empty() ? Refill::kExtend : Refill::kAdapt;
   options.software_version = Version();
   options.created_utc = UtcNow();
   options.recorded_options =
-      RecordedOptions(flags.dataset, flags.calibration, flags.training);
+      RecordedOptions(flags.dataset, flags.calibration, flags.training,
+                      flags.adapt_path, flags.extend_path);
   TL_ASSIGN_OR_RETURN(
       const TrainedScene scene,
       TrainScene(dataset, options, flags.output_path, flags.quiet, stop));
@@ -143,6 +149,18 @@ Command AddTrainCommand(CLI::App& app) {
                    "are, FILE is from `treeline calibrate`")
       ->type_name("auto|nominal|FILE")
       ->capture_default_str();
+  CLI::Option* adapt =
+      command
+          ->add_option("--adapt", flags->adapt_path,
+                       "Keep the trees of this model, of any scene, and refill "
+                       "their leaves: seconds instead of minutes")
+          ->type_name("MODEL");
+  command
+      ->add_option("--extend", flags->extend_path,
+                   "Add the frames to this model of the same scene, in the "
+                   "same world frame, without growing it anew")
+      ->type_name("MODEL")
+      ->excludes(adapt);
   command
       ->add_option("--threads", flags->training.threads,
                    "Threads; 0: one a processor")

@@ -6,11 +6,14 @@ namespace treeline {
 
 std::vector<std::pair<std::string, std::string>> RecordedOptions(
     const DatasetOptions& dataset, const std::string& calibration,
-    const TrainingOptions& training) {
+    const TrainingOptions& training, const std::string& adapt,
+    const std::string& extend) {
   const TrainingOptions& t = training;
   return {{"frames", dataset.frame_list},
           {"poses", dataset.pose_file},
           {"calibration", calibration},
+          {"adapt", adapt},
+          {"extend", extend},
           {"trees", absl::StrCat(t.trees)},
           {"frames-per-tree", absl::StrCat(t.frames_per_tree)},
           {"samples-per-frame", absl::StrCat(t.samples_per_frame)},

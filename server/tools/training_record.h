@@ -12,10 +12,12 @@
 namespace treeline {
 
 // Each flag of `treeline train` that shapes a model, without its dashes, and
-// its value: ModelInfo::options. calibration: as --calibration has it.
+// its value: ModelInfo::options. calibration: as --calibration has it;
+// adapt, extend: as these flags have them.
 std::vector<std::pair<std::string, std::string>> RecordedOptions(
     const DatasetOptions& dataset, const std::string& calibration,
-    const TrainingOptions& training);
+    const TrainingOptions& training, const std::string& adapt = "",
+    const std::string& extend = "");
 
 }  // namespace treeline
 

@@ -33,6 +33,12 @@ inline int32_t InverseDepthQ12(double focal_px, double z_m) {
   return static_cast<int32_t>(std::clamp(q + 0.5, 1.0, 65535.0));
 }
 
+// What takes its place in features that know no depth (thesis Eq. 3.2): the
+// depth is taken to be 1 m, so that delta / 4 is in pixels.
+inline int32_t NoDepthQ12(double focal_px) {
+  return InverseDepthQ12(focal_px, 1);
+}
+
 inline constexpr int kOffsetShift = 14;  // 12 for Q12, 2 for quarters
 
 inline int32_t OffsetPixels(int32_t delta, int32_t inverse_depth_q12) {

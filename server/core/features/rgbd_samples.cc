@@ -53,7 +53,7 @@ void DrawSamples(const DepthGeometry& geometry, const DepthImage& depth,
   samples.clear();
   const Camera& color = geometry.calibration().color;
   const uint32_t pixels = static_cast<uint32_t>(depth.values.size());
-  const double focal_px = 0.5 * (color.fx() + color.fy());
+  const double focal_px = MeanFocal_px(color);
   for (int draw = 0; draw < count * kDrawsPerSample &&
                      samples.size() < static_cast<size_t>(count);
        ++draw) {
@@ -81,6 +81,30 @@ void DrawSamples(const DepthGeometry& geometry, const DepthImage& depth,
         InverseDepthQ12(focal_px, lifted.point_in_color.z));
     samples.point.push_back(lifted.point_in_pose_sensor);
     samples.depth_sigma_m.push_back(static_cast<float>(DepthSigma_m(depth_m)));
+  }
+}
+
+void DrawPixels(const Camera& color, int count, Random random,
+                RgbdSamples& samples) {
+  samples.clear();
+  const int width = color.width() - 2 * kPatchRadius_px + 1;
+  const int height = color.height() - 2 * kPatchRadius_px + 1;
+  if (width < 1 || height < 1) return;
+  for (int i = 0; i < count; ++i) {
+    const int x =
+        kPatchRadius_px +
+        static_cast<int>(random.NextBelow(static_cast<uint32_t>(width)));
+    const int y =
+        kPatchRadius_px +
+        static_cast<int>(random.NextBelow(static_cast<uint32_t>(height)));
+    const std::optional<Pixel> ray =
+        color.Unproject({static_cast<double>(x), static_cast<double>(y)});
+    if (!ray) continue;
+    samples.x.push_back(x);
+    samples.y.push_back(y);
+    samples.inverse_depth_q12.push_back(NoDepthQ12(MeanFocal_px(color)));
+    samples.point.push_back({ray->x, ray->y, 1});
+    samples.depth_sigma_m.push_back(0);
   }
 }
 

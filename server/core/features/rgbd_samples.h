@@ -50,6 +50,12 @@ class DepthGeometry {
 void DrawSamples(const DepthGeometry& geometry, const DepthImage& depth,
                  int count, Random random, RgbdSamples& samples);
 
+// `count` pixels whose patch lies inside an image of the camera's size, for
+// queries without depth: inverse_depth_q12 is NoDepthQ12, and point is
+// (x/z, y/z, 1) of the pixel's ray. Fewer where rays do not exist.
+void DrawPixels(const Camera& color, int count, Random random,
+                RgbdSamples& samples);
+
 // Standard deviation of a Kinect's depth at z metres (Nguyen, Izadi, Lovell
 // 2012, axial): 0.0012 + 0.0019 (z - 0.4)^2.
 double DepthSigma_m(double z_m);

@@ -32,7 +32,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 64);
 
-// 8 to 11 are of ModelExtra.
+// 8 and more are of ModelExtra.
 enum SectionKind : uint32_t {
   kInfo = 1,
   kBounds = 2,

@@ -22,9 +22,8 @@ inline constexpr uint32_t kModelFormatVersion = 1;
 // What a file may hold beside its forests. The numbers are the file's.
 enum class ModelExtra : uint32_t {
   kKeyframes = 8,
-  kKeyframePatches = 9,
+  kKeyframePoints = 9,
   kKeyframeFeatures = 10,
-  kKeyframeDepths = 11,
 };
 
 // The bytes of one of them; they belong to somebody else.

@@ -3,12 +3,14 @@
 #define SERVER_CORE_FOREST_MODEL_INFO_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/camera/rgbd_calibration.h"
 #include "common/geometry/vector3.h"
+#include "server/core/forest/confidence_model.h"
 
 namespace treeline {
 
@@ -26,6 +28,8 @@ struct ModelInfo {
   // Axis-aligned box of the training points, world frame (m).
   Vec3 bounds_min_in_world;
   Vec3 bounds_max_in_world;
+  // Absent in models of older versions.
+  std::optional<ConfidenceModel> confidence;
   int training_frames = 0;
   int64_t training_samples = 0;
   double training_s = 0;

@@ -1,6 +1,7 @@
 #include "server/core/forest/model_info_json.h"
 
 #include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -69,6 +70,27 @@ absl::StatusOr<RgbdCalibration> CalibrationFromJsonValue(const Json& json) {
   return calibration;
 }
 
+Json ConfidenceToJson(const ConfidenceModel& confidence) {
+  Json json = {{"threshold", confidence.threshold}};
+  for (size_t i = 0; i < ConfidenceModel::kFeatures; ++i) {
+    json["weights"][std::string(ConfidenceModel::FeatureNames()[i])] =
+        confidence.weights[i];
+  }
+  return json;
+}
+
+ConfidenceModel ConfidenceFromJson(const Json& json) {
+  ConfidenceModel confidence;
+  confidence.threshold = json.at("threshold").get<double>();
+  for (size_t i = 0; i < ConfidenceModel::kFeatures; ++i) {
+    confidence.weights[i] =
+        json.at("weights")
+            .at(std::string(ConfidenceModel::FeatureNames()[i]))
+            .get<double>();
+  }
+  return confidence;
+}
+
 // Runs `parse` on the parsed text; nlohmann's exceptions become `code`.
 template <typename T, typename Parse>
 absl::StatusOr<T> ParseJson(absl::string_view text, absl::StatusCode code,
@@ -85,17 +107,18 @@ absl::StatusOr<T> ParseJson(absl::string_view text, absl::StatusCode code,
 std::string ModelInfoToJson(const ModelInfo& info) {
   Json options = Json::object();
   for (const auto& [name, value] : info.options) options[name] = value;
-  const Json json = {{"method", info.method},
-                     {"software_version", info.software_version},
-                     {"created_utc", info.created_utc},
-                     {"dataset", info.dataset},
-                     {"seed", info.seed},
-                     {"options", options},
-                     {"calibration", CalibrationToJsonValue(info.calibration)},
-                     {"training",
-                      {{"frames", info.training_frames},
-                       {"samples", info.training_samples},
-                       {"seconds", info.training_s}}}};
+  Json json = {{"method", info.method},
+               {"software_version", info.software_version},
+               {"created_utc", info.created_utc},
+               {"dataset", info.dataset},
+               {"seed", info.seed},
+               {"options", options},
+               {"calibration", CalibrationToJsonValue(info.calibration)},
+               {"training",
+                {{"frames", info.training_frames},
+                 {"samples", info.training_samples},
+                 {"seconds", info.training_s}}}};
+  if (info.confidence) json["confidence"] = ConfidenceToJson(*info.confidence);
   // Names from the command line may hold anything: never throw over them.
   return json.dump(2, ' ', false, Json::error_handler_t::replace);
 }
@@ -115,6 +138,9 @@ absl::StatusOr<ModelInfo> ModelInfoFromJson(absl::string_view json) {
         }
         TL_ASSIGN_OR_RETURN(info.calibration,
                             CalibrationFromJsonValue(root.at("calibration")));
+        if (root.contains("confidence")) {
+          info.confidence = ConfidenceFromJson(root.at("confidence"));
+        }
         const Json& training = root.at("training");
         info.training_frames = training.at("frames").get<int>();
         info.training_samples = training.at("samples").get<int64_t>();

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/backtracking.h"
+#include "server/core/localizer/rgb_localizer.h"
 #include "server/core/localizer/rgbd_localizer.h"
 
 namespace treeline {
@@ -26,12 +27,18 @@ absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
   TL_RETURN_IF_ERROR(options.Validate());
   TL_ASSIGN_OR_RETURN(std::unique_ptr<const ModelFile> model,
                       ModelFile::Open(model_path));
-  if (model->info().method != "rgbd") {
-    return absl::UnimplementedError(
-        absl::StrCat(model_path, ": method \"", model->info().method,
-                     "\" is not known to this version"));
+  const std::string& method = model->info().method;
+  TL_ASSIGN_OR_RETURN(PoseVerifier verifier, PoseVerifier::Create(*model));
+  if (method == "rgbd") {
+    return std::make_unique<RgbdLocalizer>(std::move(model),
+                                           std::move(verifier), options);
   }
-  return std::make_unique<RgbdLocalizer>(std::move(model), options);
+  if (method == "rgb") {
+    return std::make_unique<RgbLocalizer>(std::move(model), std::move(verifier),
+                                          options);
+  }
+  return absl::UnimplementedError(absl::StrCat(
+      model_path, ": method \"", method, "\" is not known to this version"));
 }
 
 absl::string_view OutcomeName(Outcome outcome) {
@@ -48,6 +55,8 @@ absl::string_view ReasonName(NotLocalizedReason reason) {
       return "TOO_FEW_INLIERS";
     case NotLocalizedReason::kPoorlyConstrained:
       return "POORLY_CONSTRAINED";
+    case NotLocalizedReason::kLowConfidence:
+      return "LOW_CONFIDENCE";
   }
   return "UNKNOWN";
 }

@@ -21,17 +21,18 @@ enum class Outcome { kLocalized, kNotLocalized };
 
 // Why a frame was not localized. Stable: they appear in the wire contract.
 enum class NotLocalizedReason {
-  kNone,              // it was localized
-  kTooFewSamples,     // hardly a pixel had depth and lay inside the image
-  kTooFewInliers,     // no pose explained enough of the predictions
-  kPoorlyConstrained  // the inliers leave the pose uncertain
+  kNone,               // it was localized
+  kTooFewSamples,      // hardly a pixel had depth and lay inside the image
+  kTooFewInliers,      // no pose explained enough of the predictions
+  kPoorlyConstrained,  // the inliers leave the pose uncertain
+  kLowConfidence       // what else is known speaks against the pose
 };
 
 // Milliseconds spent per stage, in order of the pipeline.
 struct LocalizeTimings {
-  double sample_ms = 0;  // choosing pixels, back-projecting, descriptors
-  double forest_ms = 0;  // scene coordinates from the forest
-  double pose_ms = 0;    // hypotheses, pruning, refinement
+  double sample_ms = 0;  // choosing pixels, back-projecting
+  double forest_ms = 0;  // descriptors and scene coordinates
+  double pose_ms = 0;    // hypotheses to verification
   double total_ms = 0;
 };
 
@@ -57,6 +58,8 @@ struct PoseEstimate {
   // degrees (outdoors: the model's own bounds, see ModelInfo). In [0, 1]; 0 if
   // there is no pose.
   double confidence = 0;
+  // What it was computed from.
+  PoseEvidence evidence;
   LocalizeTimings timings;
   // Filled if the query asked for it.
   std::vector<Correspondence> correspondences;

@@ -34,8 +34,11 @@ struct TrainingOptions {
   // Random features tried at each node, in [1, 1000].
   int split_candidates = 32;
   // Features look up to this far in x and y (px m, at 525 px focal length;
-  // see PixelDifference), in [1, 127].
+  // see PixelDifference), in [1, 127]; px if not depth-adaptive.
   double max_offset_px_m = 90;
+  // Offsets shrink with depth (thesis Eq. 4.2); else they are the same at any
+  // depth (Eq. 3.2), and queries need none.
+  bool depth_adaptive = true;
   // Objectives are computed on at most so many samples of a node, in
   // [10, 60000].
   int max_split_samples = 2000;

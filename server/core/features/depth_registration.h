@@ -1,6 +1,6 @@
-// Depth images as the colour camera beside them sees them.
-#ifndef SERVER_TOOLS_DEPTH_REGISTRATION_H_
-#define SERVER_TOOLS_DEPTH_REGISTRATION_H_
+// Depth as the colour camera sees it.
+#ifndef SERVER_CORE_FEATURES_DEPTH_REGISTRATION_H_
+#define SERVER_CORE_FEATURES_DEPTH_REGISTRATION_H_
 
 #include <optional>
 #include <vector>
@@ -33,4 +33,4 @@ class DepthRegistration {
 
 }  // namespace treeline
 
-#endif  // SERVER_TOOLS_DEPTH_REGISTRATION_H_
+#endif  // SERVER_CORE_FEATURES_DEPTH_REGISTRATION_H_

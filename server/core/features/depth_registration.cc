@@ -1,4 +1,4 @@
-#include "server/tools/depth_registration.h"
+#include "server/core/features/depth_registration.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,58 @@
+#include "server/core/forest/confidence_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treeline {
+namespace {
+
+// What stands for evidence that there is none of: between that of right poses
+// and that of wrong ones.
+constexpr double kUnknownCorrelation = 0.6;
+constexpr double kUnknownAgreement = 0.4;
+constexpr double kUnknownDepthAgreement = 0.6;
+constexpr double kUnknownSteadiness = 0.6;
+
+}  // namespace
+
+const std::array<absl::string_view, ConfidenceModel::kFeatures>&
+ConfidenceModel::FeatureNames() {
+  static constexpr std::array<absl::string_view, kFeatures> kNames = {
+      "constant",        "inlier_ratio", "correlation", "agreement",
+      "depth_agreement", "steady",       "overlap"};
+  return kNames;
+}
+
+ConfidenceModel::Features ConfidenceModel::FeaturesOf(
+    const PoseEvidence& evidence) {
+  const bool is_aligned = evidence.visible > 0;
+  return {
+      1,
+      // The first few per cent decide.
+      std::sqrt(std::max(0.0, evidence.inlier_ratio)),
+      is_aligned ? evidence.correlation : kUnknownCorrelation,
+      is_aligned ? evidence.agreement : kUnknownAgreement,
+      evidence.measured > 0 ? evidence.depth_agreement : kUnknownDepthAgreement,
+      // 1: alignment left the pose where it was.
+      is_aligned ? 1 - std::min(1.0, evidence.moved_m / 0.1)
+                 : kUnknownSteadiness,
+      evidence.overlap};
+}
+
+double ConfidenceModel::Probability(const PoseEvidence& evidence) const {
+  const Features features = FeaturesOf(evidence);
+  double logit = 0;
+  for (size_t i = 0; i < kFeatures; ++i) logit += weights[i] * features[i];
+  return 1 / (1 + std::exp(-logit));
+}
+
+ConfidenceModel ConfidenceModel::Typical() {
+  return {{-16, 18, 5, 3, 3, 1, 3}, 0.5};
+}
+
+ConfidenceModel ConfidenceModel::WithoutKeyframes() {
+  // A share of 10 % is even odds.
+  return {{-9.5, 30, 0, 0, 0, 0, 0}, 0.5};
+}
+
+}  // namespace treeline

@@ -1,0 +1,54 @@
+// How sure an answer is: evidence in, probability out.
+#ifndef SERVER_CORE_FOREST_CONFIDENCE_MODEL_H_
+#define SERVER_CORE_FOREST_CONFIDENCE_MODEL_H_
+
+#include <array>
+#include <cstddef>
+
+#include "absl/strings/string_view.h"
+
+namespace treeline {
+
+// What speaks for a pose.
+struct PoseEvidence {
+  // Share of the samples whose scene coordinates agree, in [0, 1].
+  double inlier_ratio = 0;
+  // What the keyframes around say; all zero if there are none. See Alignment.
+  double correlation = 0;  // in [0, 1]
+  double agreement = 0;    // in [0, 1]
+  int visible = 0;
+  double overlap = 0;          // in [0, 1]
+  int measured = 0;            // 0: without depth
+  double depth_agreement = 0;  // in [0, 1]
+  // How far alignment moved the pose (m).
+  double moved_m = 0;
+};
+
+// Logistic regression on features of the evidence. Fitted by the trainer on
+// frames that the model had not seen; see training/confidence_fitter.h.
+struct ConfidenceModel {
+  static constexpr size_t kFeatures = 7;
+  using Features = std::array<double, kFeatures>;
+
+  // Of feature i; the first is the constant's.
+  Features weights{};
+  // Answers of at least this probability are given as localized.
+  double threshold = 0.5;
+
+  // "constant", "inlier_ratio" and so on, as the model file names them.
+  static const std::array<absl::string_view, kFeatures>& FeatureNames();
+  static Features FeaturesOf(const PoseEvidence& evidence);
+
+  // In [0, 1].
+  double Probability(const PoseEvidence& evidence) const;
+
+  // For models that were stored without one.
+  static ConfidenceModel Typical();
+  static ConfidenceModel WithoutKeyframes();
+
+  bool operator==(const ConfidenceModel&) const = default;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_FOREST_CONFIDENCE_MODEL_H_

@@ -1,0 +1,62 @@
+#include "server/core/keyframes/keyframe_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+
+namespace treeline {
+
+absl::StatusOr<KeyframeMap> KeyframeMap::Read(const ModelFile& model) {
+  KeyframeMap map;
+  TL_ASSIGN_OR_RETURN(map.records_,
+                      model.Extra<KeyframeRecord>(ModelExtra::kKeyframes));
+  TL_ASSIGN_OR_RETURN(map.points_,
+                      model.Extra<KeyframePoint>(ModelExtra::kKeyframePoints));
+  for (const KeyframeRecord& record : map.records_) {
+    const auto& [w, x, y, z] = record.rotation;
+    const auto& [tx, ty, tz] = record.position_in_world;
+    absl::StatusOr<Rigid3> pose = RigidFromQuaternion(w, x, y, z, {tx, ty, tz});
+    if (!pose.ok() || record.first_point > map.points_.size() ||
+        record.points > map.points_.size() - record.first_point) {
+      return absl::DataLossError(
+          absl::StrCat("corrupt model: keyframe ", map.poses_.size()));
+    }
+    map.poses_.push_back(*pose);
+  }
+  for (const KeyframePoint& point : map.points_) {
+    for (const float c : point.position_in_world) {
+      if (!std::isfinite(c)) {
+        return absl::DataLossError("corrupt model: a keyframe point");
+      }
+    }
+  }
+  return map;
+}
+
+std::vector<size_t> KeyframeMap::Nearest(const Rigid3& world_from_camera,
+                                         double max_angle_rad,
+                                         size_t count) const {
+  std::vector<std::pair<double, size_t>> near;
+  for (size_t i = 0; i < poses_.size(); ++i) {
+    const double angle =
+        AngleBetween_rad(poses_[i].rotation, world_from_camera.rotation);
+    if (angle > max_angle_rad) continue;
+    const double turn = kViewDistance_m * angle;
+    near.emplace_back(
+        SquaredNorm(poses_[i].translation - world_from_camera.translation) +
+            turn * turn,
+        i);
+  }
+  const size_t kept = std::min(count, near.size());
+  std::partial_sort(near.begin(),
+                    near.begin() + static_cast<std::ptrdiff_t>(kept),
+                    near.end());
+  std::vector<size_t> result;
+  for (size_t k = 0; k < kept; ++k) result.push_back(near[k].second);
+  return result;
+}
+
+}  // namespace treeline

@@ -1,0 +1,79 @@
+// Some training frames, kept in the model: where they were taken, and the
+// points that they saw. What poses are verified with and refined against.
+#ifndef SERVER_CORE_KEYFRAMES_KEYFRAME_MAP_H_
+#define SERVER_CORE_KEYFRAMES_KEYFRAME_MAP_H_
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/geometry/rigid3.h"
+#include "server/core/forest/model_file.h"
+
+namespace treeline {
+
+// As the file has it.
+struct KeyframeRecord {
+  std::array<double, 4> rotation{1, 0, 0, 0};  // world from camera: w, x, y, z
+  std::array<double, 3> position_in_world{};
+  uint32_t first_point = 0;
+  uint32_t points = 0;
+};
+static_assert(sizeof(KeyframeRecord) == 64);
+
+// A point on a strong edge of a keyframe, as the file has it.
+struct KeyframePoint {
+  std::array<float, 3> position_in_world{};
+  // Of the surface, towards the camera, times 127; all zero: not known.
+  std::array<int8_t, 3> normal_in_world{};
+  // Brightness at the levels of GrayPyramid.
+  std::array<uint8_t, 4> gray{};
+  uint8_t reserved = 0;
+};
+static_assert(sizeof(KeyframePoint) == 20);
+
+// The keyframes of a model. Points into its mapping.
+class KeyframeMap {
+ public:
+  KeyframeMap() = default;
+
+  // Empty if the model has none. DATA_LOSS for poses that are not rigid, or
+  // points that are not there or not finite.
+  static absl::StatusOr<KeyframeMap> Read(const ModelFile& model);
+
+  size_t size() const { return poses_.size(); }
+  bool empty() const { return poses_.empty(); }
+  // Of the colour camera.
+  const Rigid3& world_from_camera(size_t i) const { return poses_[i]; }
+  std::span<const KeyframePoint> points(size_t i) const {
+    return points_.subspan(records_[i].first_point, records_[i].points);
+  }
+
+  // Up to `count` keyframes near a pose, nearest first: by
+  // |position|^2 + (kViewDistance_m * angle)^2, none turned further than
+  // max_angle_rad (thesis 3.2.3: a quarter of the field of view).
+  std::vector<size_t> Nearest(const Rigid3& world_from_camera,
+                              double max_angle_rad, size_t count) const;
+
+ private:
+  std::span<const KeyframeRecord> records_;
+  std::span<const KeyframePoint> points_;
+  std::vector<Rigid3> poses_;
+};
+
+// Roughly how far away what a camera sees is (m): a turn by one radian moves it
+// as much as a step of this length.
+inline constexpr double kViewDistance_m = 1.5;
+
+// What training gathers.
+struct Keyframes {
+  std::vector<KeyframeRecord> records;
+  std::vector<KeyframePoint> points;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_KEYFRAMES_KEYFRAME_MAP_H_

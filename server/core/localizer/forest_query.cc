@@ -1,0 +1,82 @@
+#include "server/core/localizer/forest_query.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+
+namespace treeline {
+namespace {
+
+// Leaves of few samples say little about their own spread: their covariance is
+// averaged with this standard deviation (m) as if it came from this many
+// samples.
+constexpr double kPriorSigma_m = 0.02;
+constexpr double kPriorSamples = 4;
+
+absl::Status CheckSize(absl::string_view what, int width, int height,
+                       const Camera& camera) {
+  if (width == camera.width() && height == camera.height()) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("the ", what, " image has ", width, " x ", height,
+                   " pixels, but its camera is calibrated for ", camera.width(),
+                   " x ", camera.height()));
+}
+
+}  // namespace
+
+absl::Status CheckColor(const Frame& frame, const Camera& camera) {
+  return CheckSize("colour", frame.color.width, frame.color.height, camera);
+}
+
+absl::Status CheckDepth(const Frame& frame, const Camera& camera,
+                        absl::string_view method) {
+  if (!frame.depth) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("this scene's method (", method,
+                     ") needs a depth image, and the frame has none"));
+  }
+  return CheckSize("depth", frame.depth->width, frame.depth->height, camera);
+}
+
+absl::Status PredictScene(const ForestView& forest, int backtracking_leaves,
+                          const std::stop_token& stop, ForestScratch& scratch,
+                          std::vector<ScenePrediction>& predictions) {
+  const RgbdSamples& samples = scratch.samples;
+  scratch.descriptors.resize(samples.size());
+  ComputeWht(scratch.image, samples.x, samples.y, scratch.descriptors);
+  scratch.matches.resize(samples.size() * static_cast<size_t>(forest.trees()));
+  PredictLeaves(forest, scratch.image,
+                {samples.x, samples.y, samples.inverse_depth_q12},
+                scratch.descriptors, backtracking_leaves, stop, scratch.leaves,
+                scratch.matches);
+  if (stop.stop_requested()) {
+    return absl::CancelledError("the query was cancelled");
+  }
+  predictions.clear();
+  predictions.reserve(scratch.matches.size());
+  for (const LeafMatch& match : scratch.matches) {
+    predictions.push_back(PredictionOf(forest, match.leaf));
+  }
+  return absl::OkStatus();
+}
+
+ScenePrediction PredictionOf(const ForestView& forest, uint32_t mode) {
+  const LeafPayload& leaf = forest.payloads[mode];
+  ScenePrediction prediction;
+  prediction.mean_in_world = forest.LeafMean(mode);
+  const double total = leaf.count + kPriorSamples;
+  for (size_t k = 0; k < 6; ++k) {
+    prediction.covariance[k] =
+        leaf.count / total *
+        static_cast<double>(FromBfloat16(leaf.covariance[k]));
+  }
+  const double prior = kPriorSamples / total * kPriorSigma_m * kPriorSigma_m;
+  for (const size_t k : {0u, 3u, 5u}) prediction.covariance[k] += prior;
+  return prediction;
+}
+
+}  // namespace treeline

@@ -1,0 +1,87 @@
+// What the localizers on pixel-difference forests share: working memory of a
+// query, and scene coordinates from the forest.
+#ifndef SERVER_CORE_LOCALIZER_FOREST_QUERY_H_
+#define SERVER_CORE_LOCALIZER_FOREST_QUERY_H_
+
+#include <memory>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "common/image/frame.h"
+#include "server/core/features/gray_pyramid.h"
+#include "server/core/features/rgbd_samples.h"
+#include "server/core/forest/backtracking.h"
+#include "server/core/pose/scene_predictions.h"
+
+namespace treeline {
+
+// Objects that one query uses and the next one uses again.
+template <typename T>
+class Pool {
+ public:
+  // Borrows one for as long as it lives.
+  class Lease {
+   public:
+    explicit Lease(Pool& pool) : pool_(pool) {
+      {
+        absl::MutexLock lock(&pool_.mutex_);
+        if (!pool_.idle_.empty()) {
+          object_ = std::move(pool_.idle_.back());
+          pool_.idle_.pop_back();
+        }
+      }
+      if (object_ == nullptr) object_ = std::make_unique<T>();
+    }
+    ~Lease() {
+      absl::MutexLock lock(&pool_.mutex_);
+      pool_.idle_.push_back(std::move(object_));
+    }
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    T& operator*() { return *object_; }
+    T* operator->() { return object_.get(); }
+
+   private:
+    Pool& pool_;
+    std::unique_ptr<T> object_;
+  };
+
+ private:
+  absl::Mutex mutex_;
+  std::vector<std::unique_ptr<T>> idle_ ABSL_GUARDED_BY(mutex_);
+};
+
+// Working memory of one query.
+struct ForestScratch {
+  PlanarImage image;
+  GrayPyramid pyramid;
+  RgbdSamples samples;
+  std::vector<WhtDescriptor> descriptors;
+  std::vector<uint32_t> leaves;
+  std::vector<LeafMatch> matches;
+};
+
+// INVALID_ARGUMENT unless the colour image has the size of its camera.
+absl::Status CheckColor(const Frame& frame, const Camera& camera);
+// INVALID_ARGUMENT unless the frame has depth, of the size of its camera.
+absl::Status CheckDepth(const Frame& frame, const Camera& camera,
+                        absl::string_view method);
+
+// The scene coordinates that `forest` predicts at scratch.samples in
+// scratch.image, for each sample the best match of every tree, nearest
+// descriptor first; leaf covariances are widened for leaves of few samples.
+// CANCELLED after `stop`.
+absl::Status PredictScene(const ForestView& forest, int backtracking_leaves,
+                          const std::stop_token& stop, ForestScratch& scratch,
+                          std::vector<ScenePrediction>& predictions);
+
+// A leaf's mode as a prediction.
+ScenePrediction PredictionOf(const ForestView& forest, uint32_t mode);
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_LOCALIZER_FOREST_QUERY_H_

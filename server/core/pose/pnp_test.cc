@@ -1,0 +1,146 @@
+#include "server/core/pose/pnp.h"
+
+#include <cmath>
+
+#include "common/base/random.h"
+#include "gtest/gtest.h"
+
+namespace treeline {
+namespace {
+
+Vec3 RandomVector(Random& random, double size) {
+  return {random.NextUniform(-size, size), random.NextUniform(-size, size),
+          random.NextUniform(-size, size)};
+}
+
+Rigid3 RandomPose(Random& random) {
+  return {Rotation3::FromAxisAngle(RandomVector(random, 2)),
+          RandomVector(random, 3)};
+}
+
+Vec3 PointInView(Random& random) {
+  const double z = random.NextUniform(1, 4);
+  return {z * random.NextUniform(-0.6, 0.6),
+          z * random.NextUniform(-0.45, 0.45), z};
+}
+
+TEST(P3pTest, FindsThePoseOfExactPoints) {
+  Random random(1, 2);
+  int found = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Rigid3 world_from_camera = RandomPose(random);
+    std::array<Pixel, 3> rays;
+    std::array<Vec3, 3> points;
+    for (size_t k = 0; k < 3; ++k) {
+      const Vec3 p = PointInView(random);
+      rays[k] = {p.x / p.z, p.y / p.z};
+      points[k] = world_from_camera * p;
+    }
+    const P3pSolutions solutions = SolveP3p(rays, points);
+    ASSERT_LE(solutions.count, 4);
+    double best = 1e9;
+    for (int s = 0; s < solutions.count; ++s) {
+      const Rigid3& pose = solutions.camera_from_world[static_cast<size_t>(s)];
+      // Each is a solution, if not the one that was meant.
+      for (size_t k = 0; k < 3; ++k) {
+        const Vec3 p = pose * points[k];
+        EXPECT_NEAR(p.x / p.z, rays[k].x, 1e-3);
+        EXPECT_NEAR(p.y / p.z, rays[k].y, 1e-3);
+      }
+      const PoseError error = ErrorBetween(pose.Inverse(), world_from_camera);
+      best = std::min(best, error.translation_m + error.rotation_rad);
+    }
+    found += best < 1e-4;
+  }
+  // Nearly degenerate triangles are lost to rounding.
+  EXPECT_GT(found, 1980);
+}
+
+TEST(P3pTest, GivesNothingForPointsOnALine) {
+  EXPECT_EQ(SolveP3p({{{0, 0}, {0.1, 0}, {0.2, 0}}},
+                     {{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}}})
+                .count,
+            0);
+}
+
+// Pixels of a random pose, some of whose predictions are wrong.
+struct Problem {
+  Rigid3 world_from_camera;
+  PixelPredictions scene;
+};
+Problem MakeProblem(uint64_t seed, int count, double outliers, double sigma_m) {
+  Random random(seed, 3);
+  Problem problem;
+  problem.world_from_camera = RandomPose(random);
+  problem.scene.per_pixel = 2;
+  for (int i = 0; i < count; ++i) {
+    const Vec3 p = PointInView(random);
+    problem.scene.ray.push_back({p.x / p.z, p.y / p.z});
+    problem.scene.ray_sigma.push_back(0.5 / 525);
+    for (int k = 0; k < 2; ++k) {
+      ScenePrediction prediction;
+      prediction.mean_in_world =
+          k == 1 || random.NextUnit() < outliers
+              ? RandomVector(random, 4)
+              : problem.world_from_camera * p + RandomVector(random, sigma_m);
+      for (const size_t c : {0u, 3u, 5u}) {
+        prediction.covariance[c] = sigma_m * sigma_m / 3;
+      }
+      problem.scene.predictions.push_back(prediction);
+    }
+  }
+  return problem;
+}
+
+TEST(PnpTest, FindsThePoseAmongOutliers) {
+  for (uint64_t seed = 0; seed < 10; ++seed) {
+    const Problem problem = MakeProblem(seed, 400, 0.6, 0.02);
+    PnpOptions options;
+    options.seed = seed;
+    const auto pose = PreemptivePnp(problem.scene, options, {});
+    ASSERT_TRUE(pose) << seed;
+    const auto refined = RefinePnp(problem.scene, *pose, {});
+    ASSERT_TRUE(refined) << seed;
+    const PoseError error =
+        ErrorBetween(refined->world_from_camera, problem.world_from_camera);
+    EXPECT_LT(error.translation_m, 0.015) << seed;
+    EXPECT_LT(error.rotation_rad, 0.01) << seed;
+    EXPECT_GT(refined->inliers, 100) << seed;
+    EXPECT_EQ(*PreemptivePnp(problem.scene, options, {}), *pose);
+  }
+}
+
+TEST(PnpTest, CovarianceIsOfTheSizeOfTheError) {
+  double normalised = 0;
+  constexpr int kTrials = 40;
+  for (uint64_t seed = 0; seed < kTrials; ++seed) {
+    const Problem problem = MakeProblem(100 + seed, 300, 0.2, 0.02);
+    const auto refined =
+        RefinePnp(problem.scene, problem.world_from_camera, {});
+    ASSERT_TRUE(refined);
+    const Vec3 t = refined->world_from_camera.translation -
+                   problem.world_from_camera.translation;
+    const double variance = refined->covariance[0] + refined->covariance[7] +
+                            refined->covariance[14];
+    normalised += SquaredNorm(t) / variance / kTrials;
+  }
+  EXPECT_GT(normalised, 0.3);
+  EXPECT_LT(normalised, 3);
+}
+
+TEST(PnpTest, HasNoAnswerWithoutSupport) {
+  const Problem noise = MakeProblem(7, 3, 0, 0.01);
+  EXPECT_FALSE(PreemptivePnp(noise.scene, {}, {}));
+  // Behind the camera.
+  const Problem problem = MakeProblem(8, 100, 0, 0.01);
+  Rigid3 turned = problem.world_from_camera;
+  turned.rotation =
+      turned.rotation * Rotation3::FromAxisAngle({0, 3.14159265, 0});
+  EXPECT_FALSE(RefinePnp(problem.scene, turned, {}));
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_FALSE(PreemptivePnp(problem.scene, {}, stop.get_token()));
+}
+
+}  // namespace
+}  // namespace treeline

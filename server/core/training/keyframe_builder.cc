@@ -1,0 +1,203 @@
+#include "server/core/training/keyframe_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "common/base/parallel_for.h"
+#include "common/base/progress.h"
+#include "common/base/status_macros.h"
+#include "server/core/features/depth_registration.h"
+#include "server/core/features/gray_pyramid.h"
+#include "server/core/features/planar_image.h"
+
+namespace treeline {
+namespace {
+
+// Points keep this far from the border (px).
+constexpr int kBorder_px = 8;
+// Edges weaker than this (grey levels a pixel) say nothing.
+constexpr int kMinGradient = 6;
+// Normals come from points this far apart (px).
+constexpr int kNormalRadius_px = 5;
+constexpr double kMaxJump = 0.03;
+
+struct SelectedFrame {
+  int frame = 0;
+  Rigid3 world_from_color;
+};
+
+std::vector<SelectedFrame> SelectFrames(const Dataset& dataset,
+                                        const RgbdCalibration& calibration,
+                                        const KeyframeOptions& options) {
+  std::vector<SelectedFrame> selected;
+  for (int i = 0; i < dataset.size(); ++i) {
+    const DatasetFrame& frame = dataset.frame(i);
+    if (!frame.world_from_camera || frame.depth_path.empty()) continue;
+    const Rigid3 pose = PoseOfSensor(*frame.world_from_camera,
+                                     dataset.calibration().pose_sensor,
+                                     RgbdSensor::kColor, calibration);
+    const bool is_far =
+        std::ranges::all_of(selected, [&](const SelectedFrame& other) {
+          const double turn =
+              kViewDistance_m *
+              AngleBetween_rad(other.world_from_color.rotation, pose.rotation);
+          return SquaredNorm(other.world_from_color.translation -
+                             pose.translation) +
+                     turn * turn >
+                 options.spacing_m * options.spacing_m;
+        });
+    if (is_far) selected.push_back({i, pose});
+  }
+  const size_t most = static_cast<size_t>(options.max_keyframes);
+  if (selected.size() <= most) return selected;
+  std::vector<SelectedFrame> thinned;
+  for (size_t k = 0; k < most; ++k) {
+    thinned.push_back(selected[k * selected.size() / most]);
+  }
+  return thinned;
+}
+
+// The normal of the surface at (x, y), towards the camera; nullopt where depth
+// is missing or jumps.
+std::optional<Vec3> NormalAt(const DepthRegistration& registration,
+                             const std::vector<Vec3>& points, int x, int y) {
+  const auto at = [&](int dx, int dy) {
+    return registration.PointAt(
+        points, {static_cast<double>(x + dx), static_cast<double>(y + dy)});
+  };
+  const auto left = at(-kNormalRadius_px, 0);
+  const auto right = at(kNormalRadius_px, 0);
+  const auto up = at(0, -kNormalRadius_px);
+  const auto down = at(0, kNormalRadius_px);
+  if (!left || !right || !up || !down) return std::nullopt;
+  const double depth = left->z;
+  for (const auto& p : {right, up, down}) {
+    if (std::abs(p->z - depth) > kMaxJump * depth) return std::nullopt;
+  }
+  const Vec3 normal = Cross(*down - *up, *right - *left);
+  const double norm = Norm(normal);
+  if (!(norm > 0)) return std::nullopt;
+  const Vec3 unit = normal / norm;
+  return Dot(unit, *left) < 0 ? unit : -unit;
+}
+
+std::vector<KeyframePoint> SelectPoints(const Frame& frame,
+                                        const Rigid3& world_from_color,
+                                        const DepthRegistration& registration,
+                                        int count) {
+  GrayPyramid pyramid;
+  pyramid.Assign(PlanarImage(frame.color));
+  const GrayPyramid::Level& gray = pyramid.level(1);
+  const std::vector<Vec3> in_color = registration.PointsInColor(*frame.depth);
+  const int cell = std::max(
+      2, static_cast<int>(std::sqrt(1.0 * gray.width * gray.height / count)));
+  std::vector<KeyframePoint> points;
+  for (int top = kBorder_px / 2; top + cell <= gray.height - kBorder_px / 2;
+       top += cell) {
+    for (int left = kBorder_px / 2; left + cell <= gray.width - kBorder_px / 2;
+         left += cell) {
+      int best = kMinGradient;
+      int best_x = -1;
+      int best_y = -1;
+      for (int y = top; y < top + cell; ++y) {
+        for (int x = left; x < left + cell; ++x) {
+          const uint8_t* p = gray.gray.data() + y * gray.width + x;
+          const int strength =
+              std::abs(p[1] - p[-1]) + std::abs(p[gray.width] - p[-gray.width]);
+          if (strength <= best) continue;
+          best = strength;
+          best_x = x;
+          best_y = y;
+        }
+      }
+      if (best_x < 0) continue;
+      const double x = 2 * best_x + 0.5;
+      const double y = 2 * best_y + 0.5;
+      const std::optional<Vec3> point = registration.PointAt(in_color, {x, y});
+      if (!point) continue;
+      KeyframePoint kept;
+      const Vec3 world = world_from_color * *point;
+      kept.position_in_world = {static_cast<float>(world.x),
+                                static_cast<float>(world.y),
+                                static_cast<float>(world.z)};
+      if (const auto normal =
+              NormalAt(registration, in_color, 2 * best_x, 2 * best_y)) {
+        const Vec3 n = 127 * (world_from_color.rotation * *normal);
+        kept.normal_in_world = {static_cast<int8_t>(std::lround(n.x)),
+                                static_cast<int8_t>(std::lround(n.y)),
+                                static_cast<int8_t>(std::lround(n.z))};
+      }
+      bool inside = true;
+      for (int l = 0; l < GrayPyramid::kLevels; ++l) {
+        const GrayPyramid::Level& level = pyramid.level(l);
+        const float u = AtLevel(static_cast<float>(x), l);
+        const float v = AtLevel(static_cast<float>(y), l);
+        inside = inside && u >= 0 && v >= 0 &&
+                 u < static_cast<float>(level.width - 1) &&
+                 v < static_cast<float>(level.height - 1);
+        if (inside) {
+          kept.gray[static_cast<size_t>(l)] =
+              static_cast<uint8_t>(std::lround(level.At(u, v)));
+        }
+      }
+      if (inside) points.push_back(kept);
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+absl::StatusOr<Keyframes> BuildKeyframes(const Dataset& dataset,
+                                         const RgbdCalibration& calibration,
+                                         const KeyframeOptions& options,
+                                         bool quiet,
+                                         const std::stop_token& stop) {
+  const std::vector<SelectedFrame> selected =
+      SelectFrames(dataset, calibration, options);
+  const DepthRegistration registration(calibration);
+  std::vector<absl::StatusOr<std::vector<KeyframePoint>>> points(
+      selected.size(), std::vector<KeyframePoint>());
+  {
+    Progress progress("keyframes", static_cast<int64_t>(selected.size()),
+                      quiet);
+    ParallelFor(static_cast<int64_t>(selected.size()), options.threads,
+                [&](int64_t i) {
+                  if (stop.stop_requested()) return;
+                  const SelectedFrame& s = selected[static_cast<size_t>(i)];
+                  const absl::StatusOr<Frame> frame = dataset.Load(s.frame);
+                  auto& out = points[static_cast<size_t>(i)];
+                  if (frame.ok()) {
+                    out = SelectPoints(*frame, s.world_from_color, registration,
+                                       options.points);
+                  } else {
+                    out = frame.status();
+                  }
+                  progress.Add(1);
+                });
+  }
+  if (stop.stop_requested()) {
+    return absl::CancelledError("training was interrupted");
+  }
+  Keyframes keyframes;
+  for (size_t i = 0; i < selected.size(); ++i) {
+    TL_RETURN_IF_ERROR(points[i].status());
+    KeyframeRecord record;
+    const Rigid3& pose = selected[i].world_from_color;
+    record.rotation = {pose.rotation.w, pose.rotation.x, pose.rotation.y,
+                       pose.rotation.z};
+    record.position_in_world = {pose.translation.x, pose.translation.y,
+                                pose.translation.z};
+    record.first_point = static_cast<uint32_t>(keyframes.points.size());
+    record.points = static_cast<uint32_t>(points[i]->size());
+    keyframes.records.push_back(record);
+    keyframes.points.insert(keyframes.points.end(), points[i]->begin(),
+                            points[i]->end());
+  }
+  return keyframes;
+}
+
+}  // namespace treeline
