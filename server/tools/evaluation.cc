@@ -145,6 +145,22 @@ bool IsWithin(const FrameResult& result, double translation_m,
          result.error->rotation_rad * kDegreesPerRadian < rotation_deg;
 }
 
+bool IsWithin(const FrameResult& result, const PoseThreshold& threshold) {
+  return IsWithin(result, threshold.translation_m, threshold.rotation_deg);
+}
+
+std::optional<double> CorrectShare(const std::vector<FrameResult>& results,
+                                   const PoseThreshold& threshold) {
+  int scored = 0;
+  int correct = 0;
+  for (const FrameResult& result : results) {
+    scored += result.true_world_from_camera.has_value();
+    correct += IsWithin(result, threshold);
+  }
+  if (scored == 0) return std::nullopt;
+  return static_cast<double>(correct) / scored;
+}
+
 EvaluationSummary Summarize(const std::vector<FrameResult>& results) {
   EvaluationSummary summary;
   std::vector<double> translations_m;
@@ -152,32 +168,38 @@ EvaluationSummary Summarize(const std::vector<FrameResult>& results) {
   std::vector<double> latencies_ms;
   std::vector<double> cpus_ms;
   std::vector<double> decodes_ms;
-  int within_5 = 0;
-  int within_2 = 0;
+  std::vector<double> samples_ms;
+  std::vector<double> forests_ms;
+  std::vector<double> poses_ms;
   for (const FrameResult& result : results) {
     ++summary.frames;
     summary.scored += result.true_world_from_camera.has_value();
     summary.localized += result.localized();
     summary.errors += !result.status.ok();
-    within_5 += IsWithin(result, 0.05, 5);
-    within_2 += IsWithin(result, 0.02, 2);
     if (result.decode_ms) decodes_ms.push_back(*result.decode_ms);
     if (result.cpu_ms) cpus_ms.push_back(*result.cpu_ms);
     if (result.latency_ms) latencies_ms.push_back(*result.latency_ms);
+    if (result.status.ok()) {
+      const LocalizeTimings& timings = result.estimate.timings;
+      samples_ms.push_back(timings.sample_ms);
+      forests_ms.push_back(timings.forest_ms);
+      poses_ms.push_back(timings.pose_ms);
+    }
     if (result.error.has_value()) {
       translations_m.push_back(result.error->translation_m);
       rotations_deg.push_back(result.error->rotation_rad * kDegreesPerRadian);
     }
   }
-  if (summary.scored > 0) {
-    summary.correct_5cm_5deg = static_cast<double>(within_5) / summary.scored;
-    summary.correct_2cm_2deg = static_cast<double>(within_2) / summary.scored;
-  }
+  summary.correct_5cm_5deg = CorrectShare(results, {0.05, 5});
+  summary.correct_2cm_2deg = CorrectShare(results, {0.02, 2});
   summary.median_translation_m = Percentile(std::move(translations_m), 50);
   summary.median_rotation_deg = Percentile(std::move(rotations_deg), 50);
   summary.latency_ms = PercentilesOf(latencies_ms);
   summary.cpu_ms = PercentilesOf(cpus_ms);
   summary.decode_ms = PercentilesOf(decodes_ms);
+  summary.sample_ms = PercentilesOf(samples_ms);
+  summary.forest_ms = PercentilesOf(forests_ms);
+  summary.pose_ms = PercentilesOf(poses_ms);
   return summary;
 }
 

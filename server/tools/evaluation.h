@@ -57,6 +57,16 @@ struct FrameResult {
   }
 };
 
+// Bounds on both errors of a pose: a frame is correct if it is below both.
+struct PoseThreshold {
+  // In units of the world: metres indoors, arbitrary for a scene whose labels
+  // come from structure from motion.
+  double translation_m = 0.05;
+  double rotation_deg = 5;
+
+  bool operator==(const PoseThreshold&) const = default;
+};
+
 struct Percentiles {
   double p50 = 0;
   double p95 = 0;
@@ -80,6 +90,10 @@ struct EvaluationSummary {
   std::optional<Percentiles> latency_ms;
   std::optional<Percentiles> cpu_ms;
   std::optional<Percentiles> decode_ms;
+  // By stage, as the localizer states them.
+  std::optional<Percentiles> sample_ms;
+  std::optional<Percentiles> forest_ms;
+  std::optional<Percentiles> pose_ms;
 };
 
 // Localizes every frame of `dataset`, in any order, on options.threads
@@ -96,6 +110,13 @@ EvaluationSummary Summarize(const std::vector<FrameResult>& results);
 // Whether a frame was localized within both bounds.
 bool IsWithin(const FrameResult& result, double translation_m,
               double rotation_deg);
+
+bool IsWithin(const FrameResult& result, const PoseThreshold& threshold);
+
+// The fraction of the scored frames that are within the threshold. nullopt: no
+// frame is scored.
+std::optional<double> CorrectShare(const std::vector<FrameResult>& results,
+                                   const PoseThreshold& threshold);
 
 // The p-th percentile, p in [0, 100], interpolated linearly between the two
 // nearest ranks (NumPy's default). nullopt if `values` is empty.

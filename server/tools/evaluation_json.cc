@@ -1,5 +1,6 @@
 #include "server/tools/evaluation_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -8,6 +9,8 @@
 #include "absl/strings/string_view.h"
 #include "nlohmann/json.hpp"
 #include "server/core/forest/model_info_json.h"
+#include "server/tools/confidence_report.h"
+#include "server/tools/trajectory_error.h"
 
 namespace treeline {
 namespace {
@@ -125,41 +128,202 @@ Json OrNull(const std::string& text) {
   return text.empty() ? Json(nullptr) : Text(text);
 }
 
-}  // namespace
+// Accuracy and counts: what stands first.
+void AddHeadline(const EvaluationSummary& summary, Json& json) {
+  json["frames"] = summary.frames;
+  json["scored"] = summary.scored;
+  json["localized"] = summary.localized;
+  json["errors"] = summary.errors;
+  json["correct_5cm_5deg"] = Number(summary.correct_5cm_5deg);
+  json["correct_2cm_2deg"] = Number(summary.correct_2cm_2deg);
+  json["median_translation_m"] = Number(summary.median_translation_m);
+  json["median_rotation_deg"] = Number(summary.median_rotation_deg);
+  json["latency_ms"] = PercentilesJson(summary.latency_ms);
+  json["cpu_ms"] = PercentilesJson(summary.cpu_ms);
+  json["decode_ms"] = PercentilesJson(summary.decode_ms);
+  json["stages_ms"] = {{"sample_ms", PercentilesJson(summary.sample_ms)},
+                       {"forest_ms", PercentilesJson(summary.forest_ms)},
+                       {"pose_ms", PercentilesJson(summary.pose_ms)}};
+}
 
-std::string EvaluationJson(const std::vector<FrameResult>& results,
-                           const EvaluationRun& run, const ModelInfo& model) {
-  const EvaluationSummary summary = Summarize(results);
-  Json json{
-      {"frames", summary.frames},
-      {"scored", summary.scored},
-      {"localized", summary.localized},
-      {"errors", summary.errors},
-      {"correct_5cm_5deg", Number(summary.correct_5cm_5deg)},
-      {"correct_2cm_2deg", Number(summary.correct_2cm_2deg)},
-      {"median_translation_m", Number(summary.median_translation_m)},
-      {"median_rotation_deg", Number(summary.median_rotation_deg)},
-      {"latency_ms", PercentilesJson(summary.latency_ms)},
-      {"cpu_ms", PercentilesJson(summary.cpu_ms)},
-      {"decode_ms", PercentilesJson(summary.decode_ms)},
-      {"model_bytes", model.file_bytes},
-      {"method", Text(model.method)},
-      {"seed", run.seed},
-      {"threads", run.threads},
-      {"cpu", Text(run.cpu)},
-      {"software_version", Text(run.software_version)},
-      {"peak_memory_bytes", run.peak_memory_bytes},
-      {"started_utc", Text(run.started_utc)},
-      {"command", Text(run.command)},
-      {"dataset", Text(run.dataset_uri)},
-      {"frame_list", OrNull(run.frame_list)},
-      {"pose_file", OrNull(run.pose_file)},
-      {"model_path", OrNull(run.model_path)},
-      {"model", ModelJson(model)},
+Json ThresholdsJson(const std::vector<FrameResult>& results,
+                    const std::vector<ThresholdRequest>& requests) {
+  const std::optional<double> size_m = SceneSize_m(results);
+  Json json = Json::array();
+  for (const ThresholdRequest& request : requests) {
+    const std::optional<PoseThreshold> threshold = Resolve(request, size_m);
+    json.push_back(
+        {{"name", ThresholdText(request)},
+         {"translation_m",
+          threshold ? Number(threshold->translation_m) : Json(nullptr)},
+         {"rotation_deg", request.rotation_deg},
+         {"correct", threshold ? Number(CorrectShare(results, *threshold))
+                               : Json(nullptr)}});
+  }
+  return json;
+}
+
+Json TrajectoryJson(const std::vector<FrameResult>& results) {
+  const auto rmse = [&](TrajectoryAlignment alignment) {
+    const auto error = AbsoluteTrajectoryError(results, alignment);
+    return error ? Number(error->rmse_m) : Json(nullptr);
   };
+  const auto similar =
+      AbsoluteTrajectoryError(results, TrajectoryAlignment::kSimilarity);
+  return {{"rmse_m", rmse(TrajectoryAlignment::kNone)},
+          {"aligned_rmse_m", rmse(TrajectoryAlignment::kRigid)},
+          {"aligned_with_scale_rmse_m", rmse(TrajectoryAlignment::kSimilarity)},
+          {"scale", similar ? Number(similar->scale) : Json(nullptr)}};
+}
+
+Json ConfidenceJson(const std::vector<FrameResult>& results, double threshold) {
+  const ConfidenceReport report = AssessConfidence(results, {}, threshold);
+  Json bins = Json::array();
+  for (const ReliabilityBin& bin : report.bins) {
+    const bool any = report.stated && bin.frames > 0;
+    bins.push_back({{"low", bin.low},
+                    {"high", bin.high},
+                    {"frames", bin.frames},
+                    {"confidence", any ? Json(bin.confidence) : Json(nullptr)},
+                    {"correct", any ? Json(bin.correct) : Json(nullptr)}});
+  }
+  return {
+      {"stated", report.stated},
+      {"threshold", report.threshold},
+      {"precision", Number(report.Precision())},
+      {"recall", Number(report.Recall())},
+      {"expected_calibration_error", Number(report.expected_calibration_error)},
+      {"bins", std::move(bins)}};
+}
+
+Json ForeignJson(const std::vector<ForeignTally>& tallies) {
+  Json json = Json::array();
+  for (const ForeignTally& tally : tallies) {
+    Json names = Json::array();
+    for (const std::string& name : tally.accepted_names) {
+      names.push_back(Text(name));
+    }
+    Json problems = Json::array();
+    for (const std::string& problem : tally.problems) {
+      problems.push_back(Text(problem));
+    }
+    json.push_back({{"source", Text(tally.source)},
+                    {"with_depth", tally.with_depth},
+                    {"images", tally.images},
+                    {"accepted", tally.accepted},
+                    {"confident", tally.confident},
+                    {"not_localized", tally.not_localized},
+                    {"refused", tally.refused},
+                    {"unreadable", tally.unreadable},
+                    {"accepted_names", std::move(names)},
+                    {"problems", std::move(problems)}});
+  }
+  return json;
+}
+
+// Of ascending values.
+Json SceneErrorsJson(const std::vector<double>& errors_m) {
+  Json json{{"predictions", errors_m.size()},
+            {"median_m", Number(Percentile(errors_m, 50))}};
+  Json curve = Json::array();
+  for (int step = 1; step <= 20 && !errors_m.empty(); ++step) {
+    const double within_m = 0.02 * step;
+    const auto end = std::ranges::upper_bound(errors_m, within_m);
+    curve.push_back({{"within_m", within_m},
+                     {"share", static_cast<double>(end - errors_m.begin()) /
+                                   static_cast<double>(errors_m.size())}});
+  }
+  json["cumulative"] = std::move(curve);
+  return json;
+}
+
+// All of a method but its name.
+void AddMethod(const EvaluatedMethod& method, const EvaluationRun& run,
+               Json& json) {
+  const std::vector<FrameResult>& results = method.results;
+  AddHeadline(Summarize(results), json);
+  json["thresholds"] = ThresholdsJson(results, run.thresholds);
+  json["trajectory"] = TrajectoryJson(results);
+  json["confidence"] = ConfidenceJson(results, run.confidence_threshold);
+  json["foreign"] = ForeignJson(method.foreign);
+  json["scene_coordinate_errors"] = SceneErrorsJson(method.scene_errors_m);
+  json["model_bytes"] = method.model.file_bytes;
+  json["training_s"] = Number(method.model.training_s);
+  json["evaluation_peak_memory_bytes"] = method.peak_memory_bytes;
+  json["method"] = Text(method.model.method);
+  json["model_path"] = OrNull(method.model_path);
+  json["model"] = ModelJson(method.model);
+}
+
+void AddRun(const EvaluationRun& run, Json& json) {
+  json["seed"] = run.seed;
+  json["threads"] = run.threads;
+  json["cpu"] = Text(run.cpu);
+  json["software_version"] = Text(run.software_version);
+  json["peak_memory_bytes"] = run.peak_memory_bytes;
+  json["started_utc"] = Text(run.started_utc);
+  json["command"] = Text(run.command);
+  json["dataset"] = Text(run.dataset_uri);
+  json["frame_list"] = OrNull(run.frame_list);
+  json["pose_file"] = OrNull(run.pose_file);
+}
+
+Json FramesJson(const std::vector<FrameResult>& results) {
   Json frames = Json::array();
   for (const FrameResult& result : results) frames.push_back(PerFrame(result));
-  json["per_frame"] = std::move(frames);
+  return frames;
+}
+
+Json SweepsJson(const std::vector<Sweep>& sweeps) {
+  Json json = Json::array();
+  for (const Sweep& sweep : sweeps) {
+    for (const SweepLine& line : sweep.lines) {
+      Json points = Json::array();
+      for (const SweepPoint& point : line.points) {
+        Json entry{{"value", point.value}};
+        AddHeadline(point.summary, entry);
+        entry["training_s"] = Number(point.training_s);
+        entry["model_bytes"] = point.model_bytes;
+        points.push_back(std::move(entry));
+      }
+      json.push_back({{"option", SweepName(sweep.variable)},
+                      {"name", Text(line.method)},
+                      {"points", std::move(points)}});
+    }
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string EvaluationJson(const EvaluatedMethod& method,
+                           const std::vector<Sweep>& sweeps,
+                           const EvaluationRun& run) {
+  Json json = Json::object();
+  AddMethod(method, run, json);
+  AddRun(run, json);
+  json["sweeps"] = SweepsJson(sweeps);
+  json["per_frame"] = FramesJson(method.results);
+  return Serialized(json);
+}
+
+std::string ComparisonJson(const std::vector<EvaluatedMethod>& methods,
+                           const std::vector<Sweep>& sweeps,
+                           const EvaluationRun& run) {
+  Json json = Json::object();
+  AddRun(run, json);
+  json["methods"] = Json::array();
+  for (const EvaluatedMethod& method : methods) {
+    Json entry{{"name", Text(method.name)}};
+    if (method.status.ok()) {
+      AddMethod(method, run, entry);
+      entry["per_frame"] = FramesJson(method.results);
+    } else {
+      entry["error"] = Text(method.status.message());
+    }
+    json["methods"].push_back(std::move(entry));
+  }
+  json["sweeps"] = SweepsJson(sweeps);
   return Serialized(json);
 }
 

@@ -51,7 +51,6 @@ FrameResult FailedFrame() {
 
 EvaluationRun SomeRun() {
   EvaluationRun run;
-  run.model_path = "kitchen.treeline";
   run.dataset_uri = "7scenes:kitchen";
   run.frame_list = "test.txt";
   run.seed = 18446744073709551615u;
@@ -65,10 +64,12 @@ EvaluationRun SomeRun() {
 }
 
 Json Parsed(const std::vector<FrameResult>& results) {
-  ModelInfo model;
-  model.method = "rgbd";
-  model.file_bytes = 777;
-  return Json::parse(EvaluationJson(results, SomeRun(), model));
+  EvaluatedMethod method;
+  method.model_path = "kitchen.treeline";
+  method.model.method = "rgbd";
+  method.model.file_bytes = 777;
+  method.results = results;
+  return Json::parse(EvaluationJson(method, {}, SomeRun()));
 }
 
 TEST(EvaluationJson, HasTheHeadlineKeys) {
@@ -101,6 +102,51 @@ TEST(EvaluationJson, SaysHowTheNumbersCameAbout) {
   EXPECT_TRUE(json["pose_file"].is_null());
   EXPECT_EQ(json["method"], "rgbd");
   EXPECT_EQ(json["model"]["method"], "rgbd");
+}
+
+TEST(EvaluationJson, HasEveryThresholdAndTheTrajectoryError) {
+  const Json json = Parsed({LocalizedFrame(), LostFrame()});
+  ASSERT_EQ(json["thresholds"].size(), 3u);
+  EXPECT_EQ(json["thresholds"][0]["name"], "5 cm / 5°");
+  EXPECT_EQ(json["thresholds"][0]["translation_m"], 0.05);
+  EXPECT_EQ(json["thresholds"][0]["correct"], 0.5);
+  // The frame's pose is at (1, 2, 3), and its truth at the origin.
+  EXPECT_NEAR(json["trajectory"]["rmse_m"].get<double>(), 3.741657, 1e-6);
+  EXPECT_TRUE(json["trajectory"]["aligned_rmse_m"].is_null());
+  EXPECT_EQ(json["stages_ms"]["forest_ms"]["p50"], 0.75);
+  EXPECT_FALSE(json["confidence"]["stated"].get<bool>());
+  EXPECT_TRUE(json["confidence"]["precision"].is_null());
+}
+
+TEST(ComparisonJson, HasAnEntryAMethodAndWhyOneFailed) {
+  EvaluatedMethod good;
+  good.name = "brf";
+  good.model.method = "rgbd";
+  good.results = {LocalizedFrame()};
+  good.foreign = {{.source = "builtin", .images = 5, .accepted = 1}};
+  good.scene_errors_m = {0.01, 0.03};
+  EvaluatedMethod failed;
+  failed.name = "rgb";
+  failed.status = absl::NotFoundError("no such file");
+  SweepPoint point{.value = 4, .summary = {}};
+  point.summary.correct_5cm_5deg = 0.75;
+  const Json json = Json::parse(ComparisonJson(
+      {good, failed},
+      {{SweepVariable::kTrees, {{.method = "rgbd", .points = {point}}}}},
+      SomeRun()));
+  EXPECT_EQ(json["dataset"], "7scenes:kitchen");
+  ASSERT_EQ(json["methods"].size(), 2u);
+  EXPECT_EQ(json["methods"][0]["name"], "brf");
+  EXPECT_EQ(json["methods"][0]["per_frame"].size(), 1u);
+  EXPECT_EQ(json["methods"][0]["foreign"][0]["accepted"], 1);
+  EXPECT_EQ(
+      json["methods"][0]["scene_coordinate_errors"]["cumulative"][0]["share"],
+      0.5);
+  EXPECT_EQ(json["methods"][1]["error"], "no such file");
+  EXPECT_FALSE(json["methods"][1].contains("per_frame"));
+  EXPECT_EQ(json["sweeps"][0]["option"], "trees");
+  EXPECT_EQ(json["sweeps"][0]["points"][0]["value"], 4);
+  EXPECT_EQ(json["sweeps"][0]["points"][0]["correct_5cm_5deg"], 0.75);
 }
 
 TEST(EvaluationJson, DescribesALocalizedFrame) {

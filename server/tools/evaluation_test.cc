@@ -111,6 +111,15 @@ TEST(Summarize, WantsBothPositionAndOrientationWithin) {
   EXPECT_THAT(summary.correct_2cm_2deg, Optional(DoubleEq(0)));
 }
 
+TEST(CorrectShare, CountsErrorsAndLostFramesAsWrong) {
+  const std::vector<FrameResult> results{Localized(0.08, 1), Localized(0.2, 1),
+                                         Lost(), Failed()};
+  EXPECT_THAT(CorrectShare(results, {0.1, 10}), Optional(DoubleEq(0.25)));
+  EXPECT_THAT(CorrectShare(results, {0.3, 10}), Optional(DoubleEq(0.5)));
+  EXPECT_THAT(CorrectShare(results, {0.3, 0.5}), Optional(DoubleEq(0)));
+  EXPECT_FALSE(CorrectShare({}, {0.1, 10}).has_value());
+}
+
 TEST(Summarize, TakesMediansOverLocalizedFramesAlone) {
   const EvaluationSummary summary =
       Summarize({Localized(0.01, 1), Lost(), Localized(0.03, 2),

@@ -1,446 +1,113 @@
 #include "server/tools/report.h"
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "server/tools/model_description.h"
-#include "server/tools/report_charts.h"
+#include "server/tools/report_comparison.h"
+#include "server/tools/report_distance.h"
+#include "server/tools/report_method.h"
+#include "server/tools/report_parts.h"
+#include "server/tools/report_scene_coordinates.h"
 #include "server/tools/report_style.h"
-#include "server/tools/report_trajectory.h"
+#include "server/tools/report_svg.h"
+#include "server/tools/report_trust.h"
 
 namespace treeline {
 namespace {
 
-constexpr double kDegreesPerRadian = 57.29577951308232;
-constexpr int kWorstRows = 10;
-
-std::string Format(const char* format, const std::optional<double>& value) {
-  return value ? FormatNumber(format, *value) : "–";
+std::string Title(const ReportContents& contents) {
+  return absl::StrCat("<p class=\"eyebrow\">Treeline evaluation</p>\n<h1>",
+                      EscapeHtml(DatasetName(contents.run.dataset_uri)),
+                      "</h1>\n<p class=\"lede\">");
 }
 
-std::string Percent(const std::optional<double>& fraction) {
-  if (!fraction) return "–";
-  if (*fraction == 0 || *fraction == 1) {
-    return absl::StrFormat("%.0f %%", 100 * *fraction);
-  }
-  // One lost frame in a thousand is not none.
-  return absl::StrFormat("%.1f %%", std::clamp(100 * *fraction, 0.1, 99.9));
-}
-
-std::string Tile(absl::string_view value, absl::string_view caption) {
-  return absl::StrCat("<div class=\"tile\"><b>", value, "</b><span>", caption,
-                      "</span></div>\n");
-}
-
-std::string Heading(absl::string_view title, absl::string_view about) {
-  return absl::StrCat("<h2>", title, "</h2>\n<p class=\"about\">", about,
-                      "</p>\n");
-}
-
-std::string Card(absl::string_view title, absl::string_view content) {
-  return absl::StrCat("<div class=\"card\">",
-                      title.empty() ? "" : absl::StrCat("<h3>", title, "</h3>"),
-                      content, "</div>\n");
-}
-
-// The dataset's last path component: "7scenes-redkitchen".
-std::string DatasetName(const std::string& uri) {
-  std::string name = uri;
-  while (!name.empty() && name.back() == '/') name.pop_back();
-  const size_t cut = name.find_last_of("/:");
-  std::string last = cut == std::string::npos ? name : name.substr(cut + 1);
-  // "tum-fr1-rpy/test" says more than "test".
-  if (cut != std::string::npos && name[cut] == '/' && last.size() < 6) {
-    const size_t before = name.find_last_of("/:", cut - 1);
-    if (before != std::string::npos) last = name.substr(before + 1);
-  }
-  return last;
-}
-
-std::vector<double> Values(const std::vector<FrameResult>& results,
-                           double (*value)(const PoseError&)) {
-  std::vector<double> values;
-  for (const FrameResult& result : results) {
-    if (result.error) values.push_back(value(*result.error));
-  }
-  return values;
-}
-
-std::string Verdict(const ReportContents& contents,
-                    const EvaluationSummary& summary) {
-  int within = 0;
-  for (const FrameResult& result : contents.results) {
-    within += IsWithin(result, 0.05, 5);
-  }
-  std::string text;
-  if (summary.scored == 0) {
-    text = absl::StrFormat(
-        "%d of %d frames were localized; the recording has "
-        "no ground truth to score them by.",
-        summary.localized, summary.frames);
-  } else {
-    text = absl::StrFormat("%d of %d frames were placed within 5 cm and 5°.",
-                           within, summary.scored);
-  }
-  if (summary.frames > summary.scored && summary.scored > 0) {
-    const int unknown = summary.frames - summary.scored;
-    absl::StrAppendFormat(&text, " %d more %s no ground truth.", unknown,
-                          unknown == 1 ? "has" : "have");
-  }
-  const int lost = summary.frames - summary.localized - summary.errors;
-  absl::StrAppendFormat(
-      &text, " %s",
-      lost == 0 ? "None was given up as not localized."
-      : lost == 1
-          ? "One was given up as not localized."
-          : absl::StrFormat("%d were given up as not localized.", lost));
-  if (summary.errors > 0) {
-    absl::StrAppendFormat(&text, " %d could not be read or used.",
-                          summary.errors);
-  }
-  return text;
-}
-
-std::string Header(const ReportContents& contents,
-                   const EvaluationSummary& summary) {
-  const EvaluationRun& run = contents.run;
-  std::string html = absl::StrCat(
-      "<p class=\"eyebrow\">Treeline evaluation</p>\n<h1>",
-      EscapeHtml(DatasetName(run.dataset_uri)), "</h1>\n<p class=\"lede\">",
-      Verdict(contents, summary), "</p>\n<div class=\"tiles\">\n");
-  const std::optional<double> median_cm =
-      summary.median_translation_m
-          ? std::optional<double>(100 * *summary.median_translation_m)
-          : std::nullopt;
-  absl::StrAppend(
-      &html, Tile(Percent(summary.correct_5cm_5deg), "within 5 cm and 5°"),
-      Tile(Percent(summary.correct_2cm_2deg), "within 2 cm and 2°"),
-      Tile(absl::StrCat(Format("%.2f", median_cm), " <small>cm</small>"),
-           absl::StrCat("median error, and ",
-                        Format("%.2f", summary.median_rotation_deg), "°")));
-  if (summary.latency_ms) {
-    absl::StrAppend(
-        &html,
-        Tile(absl::StrFormat("%.1f <small>ms</small>", summary.latency_ms->p50),
-             absl::StrFormat("median, p99 %.1f ms", summary.latency_ms->p99)));
-  }
-  if (contents.model.file_bytes > 0) {
-    const std::string size = FormatBytes(contents.model.file_bytes);
-    const size_t space = size.find(' ');
-    absl::StrAppend(&html,
-                    Tile(absl::StrCat(size.substr(0, space), " <small>",
-                                      size.substr(space + 1), "</small>"),
-                         absl::StrFormat("model, %.0f s to train",
-                                         contents.model.training_s)));
-  }
-  return html + "</div>\n";
-}
-
-std::string AccuracySection(const ReportContents& contents,
-                            const EvaluationSummary& summary) {
-  if (summary.scored == 0) return "";
-  const std::string translation = CumulativeChart(
-      Values(contents.results,
-             [](const PoseError& e) { return 100 * e.translation_m; }),
-      summary.scored, 10, "cm", {{2, "2 cm"}, {5, "5 cm"}});
-  const std::string rotation =
-      CumulativeChart(Values(contents.results,
-                             [](const PoseError& e) {
-                               return kDegreesPerRadian * e.rotation_rad;
-                             }),
-                      summary.scored, 6, "degrees", {{2, "2°"}, {5, "5°"}});
-  return absl::StrCat(
-      Heading("How far off",
-              "The share of all frames with ground truth whose error is at "
-              "most so large. Frames that were not localized never count as "
-              "reached."),
-      "<div class=\"pair\">", Card("Position", translation),
-      Card("Orientation", rotation), "</div>\n");
-}
-
-std::string Tooltip(const FrameResult& result) {
-  if (!result.status.ok()) return absl::StrCat(result.stem, ": error");
-  if (!result.error) return absl::StrCat(result.stem, ": not localized");
-  return absl::StrFormat("%s: %.1f cm, %.2f°, %d of %d inliers", result.stem,
-                         100 * result.error->translation_m,
-                         result.error->rotation_rad * kDegreesPerRadian,
-                         result.estimate.inliers, result.estimate.samples);
-}
-
-std::vector<ErrorPoint> ErrorPoints(const ReportContents& contents,
-                                    bool by_distance) {
-  std::vector<ErrorPoint> points;
-  for (size_t i = 0; i < contents.results.size(); ++i) {
-    const FrameResult& result = contents.results[i];
-    if (!result.true_world_from_camera) continue;
-    ErrorPoint point;
-    point.x = static_cast<double>(i);
-    point.tooltip = Tooltip(result);
-    if (by_distance) {
-      const auto nearest = DistanceToTraining(*result.true_world_from_camera,
-                                              contents.training_poses);
-      point.x = 100 * nearest->combined_m;
-    }
-    if (result.error) point.error = 100 * result.error->translation_m;
-    point.good = IsWithin(result, 0.05, 5);
-    points.push_back(std::move(point));
-  }
-  return points;
-}
-
-constexpr const char* kDotLegend =
-    "<ul class=\"legend\"><li><i></i>within 5 cm and 5°</li>"
-    "<li><i class=\"bad\"></i>further off</li>"
-    "<li><i class=\"cross\">×</i>not localized</li></ul>";
-
-std::string FramesSection(const ReportContents& contents,
-                          const EvaluationSummary& summary) {
-  if (summary.scored == 0) return "";
-  const std::vector<ChartMark> marks{{2, "2 cm"}, {5, "5 cm"}};
-  std::string html = absl::StrCat(
-      Heading("Frame by frame",
-              "The position error of every frame, in the order of the list, on "
-              "a logarithmic scale. Point at a dot to see which frame it is."),
-      Card("", absl::StrCat(ErrorChart(ErrorPoints(contents, false),
-                                       "frame in the list", "cm", true, marks),
-                            kDotLegend)));
-  if (contents.training_poses.empty()) return html;
-  absl::StrAppend(
-      &html,
-      Heading("Away from the training frames",
-              "The same errors against the distance to the nearest training "
-              "camera. A turn by one radian counts as 1.5 m: so far does what "
-              "it sees move."),
-      Card("", absl::StrCat(ErrorChart(ErrorPoints(contents, true),
-                                       "cm to the nearest training camera",
-                                       "cm", false, marks),
-                            kDotLegend)));
-  return html;
-}
-
-std::string TrajectorySection(const ReportContents& contents) {
-  const std::string chart =
-      TrajectoryChart(contents.results, contents.training_poses);
-  if (chart.empty()) return "";
-  const std::string legend = absl::StrCat(
-      "<ul class=\"legend\"><li><i class=\"line\"></i>ground truth</li>"
-      "<li><i></i>estimate</li>"
-      "<li><i class=\"bad\"></i>estimate beyond 5 cm or 5°</li>",
-      contents.training_poses.empty()
-          ? ""
-          : "<li><i class=\"gray\"></i>training cameras</li>",
-      "</ul>");
-  return absl::StrCat(
-      Heading("Where the camera was",
-              "Ground truth and estimates at one scale, seen from above, with "
-              "the average viewing direction upwards, and from the side. A "
-              "short line joins an estimate with its truth; pyramids show "
-              "every few frames where the camera looked."),
-      Card("", chart + legend));
-}
-
-std::string PercentileRow(absl::string_view name,
-                          const std::vector<double>& values) {
-  if (values.empty()) return "";
-  std::string row = absl::StrCat("<tr><th>", name, "</th>");
-  for (double p : {50.0, 95.0, 99.0, 100.0}) {
-    absl::StrAppendFormat(&row, "<td class=\"n\">%.2f</td>",
-                          *Percentile(values, p));
-  }
-  return row + "</tr>\n";
-}
-
-std::vector<double> Stage(const std::vector<FrameResult>& results,
-                          double LocalizeTimings::*stage) {
-  std::vector<double> values;
-  for (const FrameResult& result : results) {
-    if (result.status.ok()) values.push_back(result.estimate.timings.*stage);
-  }
-  return values;
-}
-
-std::string LatencySection(const ReportContents& contents,
-                           const EvaluationSummary& summary) {
-  if (!summary.latency_ms) return "";
-  std::vector<double> latencies;
-  std::vector<double> cpus;
-  std::vector<double> decodes;
-  for (const FrameResult& result : contents.results) {
-    if (result.latency_ms) latencies.push_back(*result.latency_ms);
-    if (result.cpu_ms) cpus.push_back(*result.cpu_ms);
-    if (result.decode_ms) decodes.push_back(*result.decode_ms);
-  }
-  const Percentiles& p = *summary.latency_ms;
-  const std::string histogram =
-      HistogramChart(latencies, "ms a query",
-                     {{p.p50, absl::StrFormat("p50 %.1f", p.p50)},
-                      {p.p95, absl::StrFormat("p95 %.1f", p.p95)},
-                      {p.p99, absl::StrFormat("p99 %.1f", p.p99)}});
-  const std::string table = absl::StrCat(
-      "<div class=\"scroll\"><table><thead><tr><th>ms</th>"
-      "<th class=\"n\">p50</th><th class=\"n\">p95</th><th class=\"n\">p99</th>"
-      "<th class=\"n\">most</th></tr></thead><tbody>",
-      PercentileRow("samples and descriptors",
-                    Stage(contents.results, &LocalizeTimings::sample_ms)),
-      PercentileRow("scene coordinates",
-                    Stage(contents.results, &LocalizeTimings::forest_ms)),
-      PercentileRow("pose", Stage(contents.results, &LocalizeTimings::pose_ms)),
-      PercentileRow("whole query", latencies),
-      PercentileRow("whole query, processor time", cpus),
-      PercentileRow("decoding the images", decodes), "</tbody></table></div>");
-  return absl::StrCat(
-      Heading(
-          "How fast",
-          absl::StrCat("The localizer alone; decoding comes on top. ",
-                       contents.run.threads, " frame",
-                       contents.run.threads == 1 ? "" : "s", " at a time on ",
-                       EscapeHtml(contents.run.cpu), ".")),
-      "<div class=\"pair\">", Card("Queries by latency", histogram),
-      Card("Stages", table), "</div>\n");
-}
-
-std::string PicturesSection(const ReportContents& contents) {
-  if (contents.pictures.empty()) return "";
-  std::string html = absl::StrCat(
-      Heading("Pictures",
-              "Each dot is a pixel whose place in the scene was predicted: "
-              "green where the prediction agrees with the pose, red where it "
-              "does not."),
-      "<div class=\"photos\">\n");
-  for (const ReportPicture& picture : contents.pictures) {
-    absl::StrAppend(
-        &html, PictureHtml(picture, contents.results, contents.training_poses));
-  }
-  return html + "</div>\n";
-}
-
-std::string WorstRow(const FrameResult& result,
-                     const std::vector<Rigid3>& training_poses) {
-  std::string row = absl::StrCat("<tr><td>", EscapeHtml(result.stem), "</td>");
-  if (!result.status.ok()) {
-    return absl::StrCat(row, "<td class=\"bad\" colspan=\"5\">",
-                        EscapeHtml(std::string(result.status.message())),
-                        "</td></tr>\n");
-  }
-  if (result.error) {
-    absl::StrAppendFormat(
-        &row, "<td class=\"n%s\">%.1f cm</td><td class=\"n\">%.2f°</td>",
-        IsWithin(result, 0.05, 5) ? "" : " bad",
-        100 * result.error->translation_m,
-        kDegreesPerRadian * result.error->rotation_rad);
-  } else {
-    absl::StrAppend(&row, "<td class=\"n bad\" colspan=\"2\">",
-                    ReasonText(result.estimate.reason), "</td>");
-  }
-  absl::StrAppendFormat(
-      &row, "<td class=\"n\">%d of %d</td><td class=\"n\">%.0f %%</td>",
-      result.estimate.inliers, result.estimate.samples,
-      100 * result.estimate.inlier_ratio);
-  std::optional<TrainingDistance> nearest;
-  if (result.true_world_from_camera) {
-    nearest =
-        DistanceToTraining(*result.true_world_from_camera, training_poses);
-  }
-  if (nearest) {
-    absl::StrAppendFormat(&row, "<td class=\"n\">%.0f cm, %.0f°</td>",
-                          100 * nearest->translation_m, nearest->rotation_deg);
-  } else {
-    absl::StrAppend(&row, "<td class=\"n\">–</td>");
-  }
-  return row + "</tr>\n";
-}
-
-std::string WorstSection(const ReportContents& contents) {
-  std::vector<const FrameResult*> worst;
-  for (const FrameResult& result : contents.results) {
-    if (result.status.ok() && result.localized() && !result.error) continue;
-    worst.push_back(&result);
-  }
-  const auto badness = [](const FrameResult* result) {
-    if (!result->status.ok()) return 2e9;
-    return result->error ? result->error->translation_m : 1e9;
-  };
-  std::ranges::stable_sort(worst, [&](const auto* a, const auto* b) {
-    return badness(a) > badness(b);
-  });
-  if (worst.size() > kWorstRows) worst.resize(kWorstRows);
-  if (worst.empty()) return "";
-  std::string rows;
-  for (const FrameResult* result : worst) {
-    absl::StrAppend(&rows, WorstRow(*result, contents.training_poses));
-  }
-  return absl::StrCat(
-      Heading("The hardest frames",
-              "Errors and frames that were not localized first, then by "
-              "position error."),
-      "<div class=\"card scroll\"><table><thead><tr><th>frame</th>"
-      "<th class=\"n\">position</th><th class=\"n\">orientation</th>"
-      "<th class=\"n\">inliers</th><th class=\"n\">ratio</th>"
-      "<th class=\"n\">nearest training camera</th></tr></thead><tbody>",
-      rows, "</tbody></table></div>\n");
-}
-
-std::string RowsTable(const std::vector<DescriptionRow>& rows) {
-  std::string html = "<div class=\"scroll\"><table><tbody>";
-  for (const auto& [name, value] : rows) {
-    absl::StrAppend(&html, "<tr><th>", EscapeHtml(name), "</th><td>",
-                    EscapeHtml(value), "</td></tr>\n");
-  }
-  return html + "</tbody></table></div>";
-}
-
-std::string ProvenanceSection(const ReportContents& contents) {
-  const EvaluationRun& run = contents.run;
-  std::string html =
-      Heading("Where this comes from",
-              "What was measured, with what, and how the model came about.");
-  absl::StrAppend(&html, "<div class=\"cards\">");
-  absl::StrAppend(
-      &html,
-      Card("Evaluation",
-           RowsTable(
-               {{"dataset", run.dataset_uri},
-                {"frames", run.frame_list.empty() ? "all" : run.frame_list},
-                {"ground truth",
-                 run.pose_file.empty() ? "the recording's own" : run.pose_file},
-                {"model",
-                 run.model_path.empty() ? "none: a baseline" : run.model_path},
-                {"seed", absl::StrCat(run.seed)},
-                {"threads", absl::StrCat(run.threads)},
-                {"machine", run.cpu},
-                {"peak memory", FormatBytes(run.peak_memory_bytes)},
-                {"software", absl::StrCat("treeline ", run.software_version)},
-                {"started", run.started_utc}})));
-  for (const DescriptionSection& section : DescribeModel(contents.model)) {
+std::string ModelCards(const EvaluatedMethod& method) {
+  std::string html;
+  for (const DescriptionSection& section : DescribeModel(method.model)) {
     absl::StrAppend(&html, Card(absl::StrCat("Model: ", section.title),
                                 RowsTable(section.rows)));
   }
-  return absl::StrCat(html,
-                      "</div>\n<h3 style=\"margin-top:26px\">Command"
-                      "</h3><pre>",
-                      EscapeHtml(run.command), "</pre>\n");
+  return html;
+}
+
+std::string RunCard(const EvaluationRun& run,
+                    const std::vector<EvaluatedMethod>& methods) {
+  std::vector<DescriptionRow> rows{
+      {"dataset", run.dataset_uri},
+      {"frames", run.frame_list.empty() ? "all" : run.frame_list},
+      {"ground truth",
+       run.pose_file.empty() ? "the recording's own" : run.pose_file}};
+  for (const EvaluatedMethod& method : methods) {
+    rows.emplace_back(
+        methods.size() == 1 ? "model" : absl::StrCat("model of ", method.name),
+        method.model_path.empty() ? "none: a baseline" : method.model_path);
+  }
+  rows.insert(rows.end(),
+              {{"seed", absl::StrCat(run.seed)},
+               {"threads", absl::StrCat(run.threads)},
+               {"machine", run.cpu},
+               {"peak memory", FormatBytes(run.peak_memory_bytes)},
+               {"software", absl::StrCat("treeline ", run.software_version)},
+               {"started", run.started_utc}});
+  return Card("Evaluation", RowsTable(rows));
+}
+
+std::string ProvenanceSection(const ReportContents& contents) {
+  const bool single = contents.methods.size() == 1;
+  return absl::StrCat(
+      Heading("Where this comes from",
+              "What was measured, with what, and how the model came about."),
+      "<div class=\"cards\">", RunCard(contents.run, contents.methods),
+      single ? ModelCards(contents.methods.front()) : "",
+      "</div>\n<h3 style=\"margin-top:26px\">Command</h3><pre>",
+      EscapeHtml(contents.run.command), "</pre>\n");
+}
+
+std::string OneMethod(const ReportContents& contents) {
+  const EvaluatedMethod& method = contents.methods.front();
+  return absl::StrCat(
+      Title(contents), MethodVerdict(method), "</p>\n", MethodTiles(method),
+      MethodSections(method, contents.run, "m0"),
+      SceneCoordinatesSection(contents.methods), SweepSection(contents.sweeps),
+      TrustSection(contents.methods, contents.run),
+      PublishedSection(contents.methods, contents.run));
+}
+
+std::string ManyMethods(const ReportContents& contents) {
+  std::string html = absl::StrCat(
+      Title(contents), ComparisonVerdict(contents.methods), "</p>\n",
+      ComparisonSection(contents.methods, contents.run),
+      DistanceSection(contents.methods),
+      SceneCoordinatesSection(contents.methods), SweepSection(contents.sweeps),
+      TrustSection(contents.methods, contents.run),
+      PublishedSection(contents.methods, contents.run),
+      Heading("Method by method",
+              "Unfold a method to see its frames, pictures and trajectory."));
+  for (size_t i = 0; i < contents.methods.size(); ++i) {
+    const EvaluatedMethod& method = contents.methods[i];
+    if (!method.status.ok()) continue;
+    absl::StrAppend(
+        &html, "<details class=\"method\"><summary><b>",
+        EscapeHtml(method.name), "</b> <span>", MethodVerdict(method),
+        "</span></summary>\n", MethodTiles(method),
+        MethodSections(method, contents.run, absl::StrCat("m", i)),
+        Heading("The model", "What its file says about itself."),
+        "<div class=\"cards\">", ModelCards(method), "</div></details>\n");
+  }
+  return html;
 }
 
 }  // namespace
 
 std::string ReportHtml(const ReportContents& contents) {
-  const EvaluationSummary summary = Summarize(contents.results);
   return absl::StrCat(
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, "
       "initial-scale=1\">\n<title>",
       EscapeHtml(DatasetName(contents.run.dataset_uri)),
       " – Treeline evaluation</title>\n<style>", ReportStyle(),
-      "</style>\n</head>\n<body>\n<main>\n", Header(contents, summary),
-      AccuracySection(contents, summary), FramesSection(contents, summary),
-      PicturesSection(contents), TrajectorySection(contents),
-      LatencySection(contents, summary), WorstSection(contents),
+      "</style>\n</head>\n<body>\n<main>\n",
+      contents.methods.size() == 1 ? OneMethod(contents)
+                                   : ManyMethods(contents),
       ProvenanceSection(contents), "<footer>treeline ",
       EscapeHtml(contents.run.software_version), ", ",
       EscapeHtml(contents.run.started_utc),

@@ -6,26 +6,24 @@
 #include <string>
 #include <vector>
 
-#include "common/geometry/rigid3.h"
-#include "server/core/forest/model_info.h"
-#include "server/tools/evaluation.h"
-#include "server/tools/evaluation_json.h"
-#include "server/tools/report_pictures.h"
+#include "server/tools/evaluated_method.h"
+#include "server/tools/evaluation_run.h"
+#include "server/tools/sweep.h"
 
 namespace treeline {
 
 struct ReportContents {
   EvaluationRun run;
-  ModelInfo model;
-  std::vector<FrameResult> results;
-  std::vector<ReportPicture> pictures;
-  // world_from_camera of the model's pose sensor; empty: not known.
-  std::vector<Rigid3> training_poses;
+  std::vector<EvaluatedMethod> methods;
+  std::vector<Sweep> sweeps;
 };
 
-// The page: headline figures, cumulative errors, errors frame by frame and
-// against the distance from training, trajectory, latency, pictures with
-// inliers and outliers, the worst frames, provenance, command line.
+// The page. Of one method: headline figures, cumulative errors, errors frame by
+// frame and against the distance from training, trajectory, latency, pictures
+// with inliers and outliers, the worst frames. Of several: them side by side,
+// and the same of each in a part that unfolds. Of both: scene-coordinate
+// errors, sweeps, confidence and foreign pictures, published figures,
+// provenance, command line.
 std::string ReportHtml(const ReportContents& contents);
 
 }  // namespace treeline

@@ -7,68 +7,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_replace.h"
 #include "server/tools/evaluation.h"
+#include "server/tools/report_svg.h"
 
 namespace treeline {
 namespace {
-
-// A drawing area with its margins, and the mapping into it (px).
-struct Plot {
-  double width = 540;
-  double height = 270;
-  double left = 46;
-  double right = 14;
-  double top = 16;
-  double bottom = 40;
-  double x_max = 1;
-
-  double inner_width() const { return width - left - right; }
-  double inner_height() const { return height - top - bottom; }
-  double base() const { return height - bottom; }
-  double X(double x) const { return left + inner_width() * x / x_max; }
-  // fraction in [0, 1] of the height, from below.
-  double Y(double fraction) const { return base() - inner_height() * fraction; }
-};
-
-std::string Open(const Plot& plot, absl::string_view title) {
-  return absl::StrFormat(
-      "<svg class=\"chart%s\" viewBox=\"0 0 %g %g\" role=\"img\" "
-      "aria-label=\"%s\">\n",
-      plot.width > 600 ? " wide" : "", plot.width, plot.height,
-      EscapeHtml(title));
-}
-
-std::string Line(double x1, double y1, double x2, double y2,
-                 absl::string_view css) {
-  return absl::StrFormat(
-      "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" "
-      "class=\"%s\"/>\n",
-      x1, y1, x2, y2, css);
-}
-
-// anchor: start, middle or end.
-std::string Text(double x, double y, absl::string_view anchor,
-                 absl::string_view css, absl::string_view text) {
-  return absl::StrFormat(
-      "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" class=\"%s\">%s</text>\n",
-      x, y, anchor, css, EscapeHtml(text));
-}
-
-std::string XAxis(const Plot& plot, absl::string_view label) {
-  std::string svg = Line(plot.left, plot.base(), plot.width - plot.right,
-                         plot.base(), "axis");
-  for (double tick : RoundTicks(plot.x_max, 6)) {
-    absl::StrAppend(
-        &svg,
-        Line(plot.X(tick), plot.base(), plot.X(tick), plot.base() + 4, "axis"),
-        Text(plot.X(tick), plot.base() + 17, "middle", "tick",
-             absl::StrFormat("%g", tick)));
-  }
-  absl::StrAppend(&svg, Text(plot.width - plot.right, plot.base() + 34, "end",
-                             "label", label));
-  return svg;
-}
 
 // Vertical marks with their words at the top, to the right of the line, one
 // below the other: they may stand close.
@@ -80,28 +23,13 @@ std::string VerticalMarks(const Plot& plot,
   for (const ChartMark& mark : marks) {
     const double x = plot.X(mark.value);
     const bool flip = x > plot.width - 90;
-    absl::StrAppend(&lines, Line(x, plot.top, x, plot.base(), "mark"));
+    absl::StrAppend(&lines, SvgLine(x, plot.top, x, plot.base(), "mark"));
     absl::StrAppend(&words,
-                    Text(flip ? x - 5 : x + 5, y, flip ? "end" : "start",
-                         "marklabel", mark.label));
+                    SvgText(flip ? x - 5 : x + 5, y, flip ? "end" : "start",
+                            "marklabel", mark.label));
     y += 15;
   }
   return lines + words;
-}
-
-std::string PercentGrid(const Plot& plot) {
-  std::string svg;
-  for (int percent : {0, 25, 50, 75, 100}) {
-    const double y = plot.Y(percent / 100.0);
-    if (percent > 0) {
-      absl::StrAppend(&svg,
-                      Line(plot.left, y, plot.width - plot.right, y, "grid"));
-    }
-    absl::StrAppend(&svg,
-                    Text(plot.left - 8, y + 4, "end", "tick",
-                         absl::StrCat(percent, percent == 100 ? " %" : "")));
-  }
-  return svg;
 }
 
 // The logarithmic vertical axis of an error chart. Its ends are 1, 2 or 5 times
@@ -155,14 +83,14 @@ std::string LogGrid(const Plot& plot, const LogAxis& axis,
     if (powers_only && std::abs(power - std::round(power)) > 1e-9) continue;
     const double y = plot.Y(axis.Fraction(tick));
     if (tick > axis.low) {
-      absl::StrAppend(&svg,
-                      Line(plot.left, y, plot.width - plot.right, y, "grid"));
+      absl::StrAppend(
+          &svg, SvgLine(plot.left, y, plot.width - plot.right, y, "grid"));
     }
-    absl::StrAppend(
-        &svg, Text(plot.left - 8, y + 4, "end", "tick",
-                   absl::StrFormat(
-                       "%g%s", tick,
-                       tick == ticks.back() ? absl::StrCat(" ", unit) : "")));
+    absl::StrAppend(&svg, SvgText(plot.left - 8, y + 4, "end", "tick",
+                                  absl::StrFormat("%g%s", tick,
+                                                  tick == ticks.back()
+                                                      ? absl::StrCat(" ", unit)
+                                                      : "")));
   }
   return svg;
 }
@@ -185,36 +113,13 @@ std::string ErrorDot(const Plot& plot, const LogAxis& axis,
 
 }  // namespace
 
-std::string EscapeHtml(absl::string_view text) {
-  return absl::StrReplaceAll(text, {{"&", "&amp;"},
-                                    {"<", "&lt;"},
-                                    {">", "&gt;"},
-                                    {"\"", "&quot;"},
-                                    {"'", "&#39;"}});
-}
-
-std::vector<double> RoundTicks(double max, int count) {
-  const double rough = max / count;
-  const double power = std::pow(10, std::floor(std::log10(rough)));
-  double step = 10 * power;
-  for (double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= rough * 0.999) {
-      step = factor * power;
-      break;
-    }
-  }
-  std::vector<double> ticks;
-  for (int i = 0; i * step <= max * 1.0001; ++i) ticks.push_back(i * step);
-  return ticks;
-}
-
 std::string CumulativeChart(std::vector<double> values, int total, double x_max,
                             absl::string_view unit,
                             const std::vector<ChartMark>& marks) {
   const Plot plot{.x_max = x_max};
   std::ranges::sort(values);
   std::string svg =
-      absl::StrCat(Open(plot, absl::StrCat("Cumulative error in ", unit)),
+      absl::StrCat(OpenSvg(plot, absl::StrCat("Cumulative error in ", unit)),
                    PercentGrid(plot), XAxis(plot, unit));
   std::string path = absl::StrFormat("M%.1f %.1f", plot.X(0), plot.Y(0));
   double share = 0;
@@ -235,13 +140,13 @@ std::string CumulativeChart(std::vector<double> values, int total, double x_max,
     // The words stand under the curve where there is room, else at the top.
     const double label_y = at > 0.3 ? plot.base() - 24 : plot.top + 10;
     absl::StrAppend(
-        &svg, Line(x, plot.top, x, plot.base(), "mark"),
+        &svg, SvgLine(x, plot.top, x, plot.base(), "mark"),
         absl::StrFormat("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" "
                         "class=\"knot\"/>\n",
                         x, plot.Y(at)),
-        Text(x + 7, label_y, "start", "value",
-             absl::StrFormat("%.1f %%", 100 * at)),
-        Text(x + 7, label_y + 14, "start", "marklabel", mark.label));
+        SvgText(x + 7, label_y, "start", "value",
+                absl::StrFormat("%.1f %%", 100 * at)),
+        SvgText(x + 7, label_y + 14, "start", "marklabel", mark.label));
   }
   return svg + "</svg>\n";
 }
@@ -265,7 +170,7 @@ std::string HistogramChart(const std::vector<double>& values,
   }
   const int tallest = *std::ranges::max_element(counts);
   std::string svg = absl::StrCat(
-      Open(plot, absl::StrCat("Histogram in ", unit)), XAxis(plot, unit));
+      OpenSvg(plot, absl::StrCat("Histogram in ", unit)), XAxis(plot, unit));
   const double bin_width = plot.inner_width() / kBins;
   for (int bin = 0; bin < kBins; ++bin) {
     const int count = counts[static_cast<size_t>(bin)];
@@ -282,8 +187,9 @@ std::string HistogramChart(const std::vector<double>& values,
   }
   absl::StrAppend(&svg, VerticalMarks(plot, marks));
   if (beyond > 0) {
-    absl::StrAppend(&svg, Text(plot.width - plot.right, plot.base() - 26, "end",
-                               "marklabel", absl::StrCat(beyond, " beyond")));
+    absl::StrAppend(&svg,
+                    SvgText(plot.width - plot.right, plot.base() - 26, "end",
+                            "marklabel", absl::StrCat(beyond, " beyond")));
   }
   return svg + "</svg>\n";
 }
@@ -296,13 +202,14 @@ std::string ErrorChart(const std::vector<ErrorPoint>& points,
   const Plot plot{.width = 1100, .left = 62, .x_max = x_max * 1.01};
   const LogAxis axis = LogAxisFor(points, marks);
   std::string svg =
-      absl::StrCat(Open(plot, absl::StrCat("Error by ", x_label)),
+      absl::StrCat(OpenSvg(plot, absl::StrCat("Error by ", x_label)),
                    LogGrid(plot, axis, y_unit), XAxis(plot, x_label));
   for (const ChartMark& mark : marks) {
     const double y = plot.Y(axis.Fraction(mark.value));
-    absl::StrAppend(
-        &svg, Line(plot.left, y, plot.width - plot.right, y, "mark"),
-        Text(plot.width - plot.right, y - 5, "end", "marklabel", mark.label));
+    absl::StrAppend(&svg,
+                    SvgLine(plot.left, y, plot.width - plot.right, y, "mark"),
+                    SvgText(plot.width - plot.right, y - 5, "end", "marklabel",
+                            mark.label));
   }
   for (const ErrorPoint& point : points) {
     absl::StrAppend(&svg, ErrorDot(plot, axis, point));

@@ -44,13 +44,6 @@ std::string ErrorChart(const std::vector<ErrorPoint>& points,
                        absl::string_view x_label, absl::string_view y_unit,
                        bool x_is_integer, const std::vector<ChartMark>& marks);
 
-// Text as HTML and SVG take it.
-std::string EscapeHtml(absl::string_view text);
-
-// Round steps (1, 2 or 5 times a power of ten) from 0 to at most `max`, about
-// `count` of them. max > 0.
-std::vector<double> RoundTicks(double max, int count);
-
 }  // namespace treeline
 
 #endif  // SERVER_TOOLS_REPORT_CHARTS_H_

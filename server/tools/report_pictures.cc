@@ -12,7 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/image/decode.h"
-#include "server/tools/report_charts.h"
+#include "server/tools/report_svg.h"
 
 namespace treeline {
 namespace {

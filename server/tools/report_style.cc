@@ -9,12 +9,16 @@ const char* ReportStyle() {
   --paper: #fbfaf6; --card: #ffffff; --ink: #1b211f; --soft: #5d6763;
   --faint: #97a09c; --rule: #e3e2db; --accent: #1f6f50; --wash: #1f6f501f;
   --truth: #2b3a55; --bad: #c4432b; --warm: #b7791f; --shadow: #1b211f0f;
+  --s0: #1f6f50; --s1: #2f6fc4; --s2: #d08214; --s3: #7d4bb8; --s4: #c4432b;
+  --s5: #16949c; --s6: #7a5a2f; --s7: #7d8390;
 }
 @media (prefers-color-scheme: dark) {
   :root {
     --paper: #12161a; --card: #191f24; --ink: #e8e6df; --soft: #a3aca8;
     --faint: #6d7773; --rule: #2b3339; --accent: #5cc296; --wash: #5cc29626;
     --truth: #9db4e0; --bad: #ff8163; --warm: #e2b25a; --shadow: #00000040;
+    --s0: #5cc296; --s1: #79aef5; --s2: #f0b04e; --s3: #b9a2ff; --s4: #ff8163;
+    --s5: #56cbd2; --s6: #c9a36b; --s7: #a3a9b5;
   }
 }
 * { box-sizing: border-box; }
@@ -88,6 +92,56 @@ h3 { font-size: 14px; margin: 0 0 8px; color: var(--soft); font-weight: 600; }
 .legend i.gray { background: var(--faint); }
 .legend i.cross { background: none; color: var(--bad); font-style: normal;
   font-weight: 700; line-height: 11px; }
+.s0 { --series: var(--s0); }
+.s1 { --series: var(--s1); }
+.s2 { --series: var(--s2); }
+.s3 { --series: var(--s3); }
+.s4 { --series: var(--s4); }
+.s5 { --series: var(--s5); }
+.s6 { --series: var(--s6); }
+.s7 { --series: var(--s7); }
+.series { fill: none; stroke: var(--series); stroke-width: 2.2;
+  stroke-linejoin: round; }
+.series.dashed { stroke-dasharray: 6 4; }
+.seriesknot { fill: var(--card); stroke: var(--series); stroke-width: 2; }
+.legend i.line.s0, .legend i.line.s1, .legend i.line.s2, .legend i.line.s3,
+.legend i.line.s4, .legend i.line.s5, .legend i.line.s6, .legend i.line.s7 {
+  background: var(--series); }
+.swatch { display: inline-block; width: 11px; height: 11px; border-radius: 3px;
+  margin-right: 8px; background: var(--series); }
+.after { margin-top: 14px; }
+h3.sub { margin: 26px 0 8px; color: var(--ink); font-size: 16px; }
+.ramp { font-size: 14px; color: var(--soft); margin: 0 0 12px; }
+.ramp i { display: inline-block; width: 20px; height: 11px;
+  vertical-align: middle; }
+.photos.maps { margin-bottom: 22px;
+  grid-template-columns: repeat(auto-fill, minmax(min(240px, 100%), 1fr)); }
+img.photo { height: auto; }
+.turntable svg { display: none; }
+.turntable input { accent-color: var(--accent); margin: 0 4px;
+  cursor: ew-resize; }
+.disc { fill: var(--wash); stroke: var(--rule); stroke-width: 1; }
+.turnlabel { font-size: 14px; color: var(--soft); margin-right: 8px; }
+.turntable input:nth-of-type(1):checked ~ svg:nth-of-type(1),
+.turntable input:nth-of-type(2):checked ~ svg:nth-of-type(2),
+.turntable input:nth-of-type(3):checked ~ svg:nth-of-type(3),
+.turntable input:nth-of-type(4):checked ~ svg:nth-of-type(4),
+.turntable input:nth-of-type(5):checked ~ svg:nth-of-type(5),
+.turntable input:nth-of-type(6):checked ~ svg:nth-of-type(6),
+.turntable input:nth-of-type(7):checked ~ svg:nth-of-type(7),
+.turntable input:nth-of-type(8):checked ~ svg:nth-of-type(8),
+.turntable input:nth-of-type(9):checked ~ svg:nth-of-type(9),
+.turntable input:nth-of-type(10):checked ~ svg:nth-of-type(10),
+.turntable input:nth-of-type(11):checked ~ svg:nth-of-type(11),
+.turntable input:nth-of-type(12):checked ~ svg:nth-of-type(12) { display: block; }
+.frustum.far { stroke: var(--bad); }
+details.method { border-top: 1px solid var(--rule); padding: 14px 0; }
+details.method > summary { cursor: pointer; font-size: 17px; }
+details.method > summary span { color: var(--soft); font-size: 15px; }
+td.best { font-weight: 680; }
+tr.group th { color: var(--soft); font-weight: 600; padding-top: 18px; }
+tr.published th, tr.published td { color: var(--soft); }
+tr.own th, tr.own td { color: var(--ink); }
 .cards { columns: 2 420px; column-gap: 14px; }
 .cards .card { break-inside: avoid; margin-bottom: 14px; }
 .photos { display: grid; gap: 22px 18px;

@@ -9,7 +9,11 @@
 #include "gtest/gtest.h"
 #include "server/tools/model_description.h"
 #include "server/tools/report_charts.h"
+#include "server/tools/report_distance.h"
+#include "server/tools/report_line_charts.h"
+#include "server/tools/report_svg.h"
 #include "server/tools/report_trajectory.h"
+#include "server/tools/report_turntable.h"
 #include "server/tools/run_info.h"
 #include "server/tools/testing_fixtures.h"
 
@@ -62,16 +66,18 @@ ReportContents SomeContents() {
   contents.run.dataset_uri = "7scenes:/data/kitchen";
   contents.run.command = "treeline evaluate --model 'a b'";
   contents.run.cpu = "a processor";
-  contents.model.method = "rgbd";
-  contents.model.file_bytes = 2000000;
-  contents.results = {Localized("f0", 0.01), Localized("f1", 0.03),
-                      Localized("f2", 0.30), Lost("f3"), Failed("f4")};
-  contents.training_poses = {Rigid3{{}, {0.2, 0, 0}}};
-  contents.pictures = {{{2, PictureKind::kWorst},
-                        "\xff\xd8jpeg",
-                        640,
-                        480,
-                        {{{10, 20}, {}, {}, true}, {{30, 40}, {}, {}, false}}}};
+  EvaluatedMethod& method = contents.methods.emplace_back();
+  method.name = "rgbd";
+  method.model.method = "rgbd";
+  method.model.file_bytes = 2000000;
+  method.results = {Localized("f0", 0.01), Localized("f1", 0.03),
+                    Localized("f2", 0.30), Lost("f3"), Failed("f4")};
+  method.training_poses = {Rigid3{{}, {0.2, 0, 0}}};
+  method.pictures = {{{2, PictureKind::kWorst},
+                      "\xff\xd8jpeg",
+                      640,
+                      480,
+                      {{{10, 20}, {}, {}, true}, {{30, 40}, {}, {}, false}}}};
   return contents;
 }
 
@@ -107,8 +113,8 @@ TEST(ReportHtml, LeadsWithTheFigures) {
 
 TEST(ReportHtml, NeverRoundsALostFrameAway) {
   ReportContents contents = SomeContents();
-  contents.results.assign(4000, Localized("f", 0.01));
-  contents.results.push_back(Lost("lost"));
+  contents.methods[0].results.assign(4000, Localized("f", 0.01));
+  contents.methods[0].results.push_back(Lost("lost"));
   const std::string html = ReportHtml(contents);
   EXPECT_TRUE(Has(html, "<b>99.9 %</b><span>within 5 cm and 5°"));
 }
@@ -123,7 +129,7 @@ TEST(ReportHtml, DrawsInliersAndOutliersWhereTheyWere) {
 
 TEST(ReportHtml, SaysInWordsWhyAFrameWasNotLocalized) {
   ReportContents contents = SomeContents();
-  contents.pictures[0].choice.frame = 3;
+  contents.methods[0].pictures[0].choice.frame = 3;
   const std::string html = ReportHtml(contents);
   EXPECT_TRUE(Has(html, "Not localized: too few inliers."));
   EXPECT_FALSE(Has(html, "TOO_FEW_INLIERS"));
@@ -131,7 +137,7 @@ TEST(ReportHtml, SaysInWordsWhyAFrameWasNotLocalized) {
 
 TEST(ReportHtml, EscapesNamesAndCommands) {
   ReportContents contents = SomeContents();
-  contents.results[3].stem = "<b>&\"'";
+  contents.methods[0].results[3].stem = "<b>&\"'";
   contents.run.command = "treeline <evil>";
   const std::string html = ReportHtml(contents);
   EXPECT_FALSE(Has(html, "<evil>"));
@@ -165,7 +171,7 @@ TEST(ReportHtml, IsWholeForEveryKindOfRun) {
   };
   for (const std::vector<FrameResult>& results : runs) {
     ReportContents contents;
-    contents.results = results;
+    contents.methods.emplace_back().results = results;
     const std::string html = ReportHtml(contents);
     EXPECT_TRUE(Has(html, "</html>"));
     ExpectNoBadNumbers(html);
@@ -174,11 +180,174 @@ TEST(ReportHtml, IsWholeForEveryKindOfRun) {
 
 TEST(ReportHtml, SaysSoWhereThereIsNoGroundTruth) {
   ReportContents contents = SomeContents();
-  for (FrameResult& result : contents.results) {
+  for (FrameResult& result : contents.methods[0].results) {
     result.true_world_from_camera.reset();
     result.error.reset();
   }
   EXPECT_TRUE(Has(ReportHtml(contents), "no ground truth to score"));
+}
+
+ReportContents ThreeMethods() {
+  ReportContents contents = SomeContents();
+  EvaluatedMethod other = contents.methods[0];
+  other.name = "<other>";
+  other.results = {Localized("f0", 0.01), Localized("f1", 0.01),
+                   Localized("f2", 0.01), Localized("f3", 0.01),
+                   Localized("f4", 0.01)};
+  contents.methods.push_back(other);
+  EvaluatedMethod& failed = contents.methods.emplace_back();
+  failed.name = "failed";
+  failed.status = absl::NotFoundError("no <model>");
+  return contents;
+}
+
+TEST(ReportHtml, PutsSeveralMethodsSideBySide) {
+  const std::string html = ReportHtml(ThreeMethods());
+  EXPECT_TRUE(Has(html,
+                  "3 methods side by side. Most accurate: "
+                  "&lt;other&gt;, with 100 % of 5 frames"));
+  EXPECT_TRUE(Has(html, "1 could not be evaluated."));
+  EXPECT_TRUE(Has(html, "no &lt;model&gt;</td>"));
+  EXPECT_TRUE(Has(html, "<td class=\"n best\">100 %</td>"));
+  EXPECT_TRUE(Has(html, "<td class=\"n\">50.0 %</td>"));
+  EXPECT_TRUE(Has(html, "<summary><b>rgbd</b>"));
+  EXPECT_FALSE(Has(html, "<summary><b>failed</b>"));
+  EXPECT_FALSE(Has(html, "<script"));
+  ExpectNoBadNumbers(html);
+}
+
+TEST(ReportHtml, IsWholeWhereEveryMethodFailed) {
+  ReportContents contents;
+  contents.methods.resize(2);
+  for (EvaluatedMethod& method : contents.methods) {
+    method.status = absl::NotFoundError("gone");
+  }
+  const std::string html = ReportHtml(contents);
+  EXPECT_TRUE(Has(html, "</html>"));
+  ExpectNoBadNumbers(html);
+}
+
+TEST(ReportHtml, SetsPublishedFiguresApart) {
+  ReportContents contents = SomeContents();
+  contents.run.dataset_uri = "7scenes:/data/redkitchen";
+  const std::string html = ReportHtml(contents);
+  EXPECT_TRUE(Has(html, "published: thesis, Table 5.2"));
+  EXPECT_TRUE(Has(html, "published, Red Kitchen"));
+  EXPECT_TRUE(Has(html, "measured here"));
+  EXPECT_TRUE(Has(html, "cannot be ranked against the others"));
+  contents.run.dataset_uri = "elsewhere:/data";
+  EXPECT_FALSE(Has(ReportHtml(contents), "What others published"));
+}
+
+TEST(ReportHtml, ShowsConfidenceWhereItIsStated) {
+  ReportContents contents = SomeContents();
+  EXPECT_FALSE(Has(ReportHtml(contents), "Can it be believed"));
+  contents.methods[0].results[0].estimate.confidence = 0.95;
+  contents.methods[0].results[2].estimate.confidence = 0.15;
+  const std::string html = ReportHtml(contents);
+  EXPECT_TRUE(Has(html, "Can it be believed"));
+  EXPECT_TRUE(Has(html, "At 0.50 and above: 1 answer, 100 % of them correct"));
+  EXPECT_TRUE(Has(html, "stated 95 %, correct 100 % of 1 frames"));
+}
+
+TEST(ReportHtml, CountsFalseAccepts) {
+  ReportContents contents = SomeContents();
+  ForeignTally with{.source = "tum:/data/desk",
+                    .with_depth = true,
+                    .images = 9,
+                    .accepted = 2,
+                    .not_localized = 7,
+                    .accepted_names = {"a<b"}};
+  ForeignTally without{.source = "tum:/data/desk", .images = 9, .refused = 9};
+  contents.methods[0].foreign = {with, without};
+  const std::string html = ReportHtml(contents);
+  EXPECT_TRUE(Has(html, "<td class=\"n bad\">2 of 9</td>"));
+  EXPECT_TRUE(Has(html, "0 of 9 (9 refused)"));
+  EXPECT_TRUE(Has(html, "a&lt;b"));
+}
+
+TEST(ReportHtml, ShowsSceneCoordinateErrorsAndHeatMaps) {
+  ReportContents contents = SomeContents();
+  EXPECT_FALSE(Has(ReportHtml(contents), "Before the pose"));
+  contents.methods[0].scene_errors_m = {0.01, 0.02, 0.5};
+  contents.methods[0].heat_maps = {{.stem = "f<2",
+                                    .width = 8,
+                                    .height = 6,
+                                    .photo_jpeg = "photo",
+                                    .map_jpeg = "map",
+                                    .predictions = 3,
+                                    .median_error_m = 0.02}};
+  const std::string html = ReportHtml(contents);
+  EXPECT_TRUE(Has(html, "Predictions within a distance of the truth"));
+  EXPECT_TRUE(Has(html, "median 2.0 cm of 3 predictions"));
+  EXPECT_TRUE(Has(html, "f&lt;2"));
+}
+
+TEST(DistanceSection, GroupsFramesByTheirDistanceFromTraining) {
+  EvaluatedMethod method;
+  method.name = "rgbd";
+  method.training_poses = {Rigid3{}};
+  for (int i = 0; i < 10; ++i) {
+    // The nearer half is right.
+    FrameResult result = Localized("f", i < 5 ? 0.01 : 0.2);
+    result.true_world_from_camera->translation = {0.1 * i, 0, 0};
+    method.results.push_back(result);
+  }
+  const std::string html = DistanceSection({method});
+  EXPECT_TRUE(Has(html, "rgbd: 100.0 % of 2 frames about 5 cm away"));
+  EXPECT_TRUE(Has(html, "rgbd: 50.0 % of 2 frames about 45 cm away"));
+  EXPECT_TRUE(Has(html, "rgbd: 0.0 % of 2 frames about 85 cm away"));
+  EXPECT_TRUE(Has(html, "rgbd: median 1.00 cm about 25 cm away"));
+  method.training_poses.clear();
+  EXPECT_EQ(DistanceSection({method}), "");
+}
+
+TEST(TurntableChart, HasAButtonForEveryView) {
+  const std::string html =
+      TurntableChart({Localized("f", 0.01)}, {Rigid3{}}, "m7");
+  const auto count = [&](const std::string& text) {
+    int found = 0;
+    for (size_t at = html.find(text); at != std::string::npos;
+         at = html.find(text, at + 1)) {
+      ++found;
+    }
+    return found;
+  };
+  EXPECT_EQ(count("<input type=\"radio\" name=\"turn-m7\""), 12);
+  EXPECT_EQ(count("<svg"), 12);
+  EXPECT_EQ(count(" checked"), 1);
+  EXPECT_EQ(TurntableChart({Failed("f")}, {}, "m"), "");
+}
+
+TEST(CumulativeCurves, CountWhatHasNoValueInTheTotal) {
+  const std::string svg = CumulativeCurves({{"a", {1.0, 2.0}, 4}, {"b", {}, 0}},
+                                           10, "cm", {{5, "5 cm"}});
+  // Half of the height of 214 px above the base at 230.
+  EXPECT_THAT(svg, HasSubstr("V123.0"));
+  EXPECT_THAT(svg, HasSubstr("class=\"series s1\""));
+  ExpectNoBadNumbers(svg);
+}
+
+TEST(LineChart, KeepsItsLimitAndSurvivesASinglePoint) {
+  const std::string svg =
+      LineChart({{"a", {{1, 100, "at one"}}}}, "x", "%", 100);
+  EXPECT_THAT(svg, HasSubstr("at one"));
+  EXPECT_THAT(svg, HasSubstr(">100</text>"));
+  EXPECT_THAT(svg, Not(HasSubstr(">102</text>")));
+  ExpectNoBadNumbers(svg);
+  ExpectNoBadNumbers(LineChart({}, "x", "y"));
+  ExpectNoBadNumbers(LineChart({{"a", {{0, 0, ""}}}}, "x", "y"));
+}
+
+TEST(SplitRatioMap, SaysHowManySplitsHaveWhichShare) {
+  LevelSplits level;
+  level.splits = 4;
+  level.by_left_share[10] = 3;
+  level.by_left_share[19] = 1;
+  EXPECT_THAT(SplitRatioMap({level}),
+              HasSubstr("level 0: 75.0 % of 4 splits send 50 to 55 % to the "
+                        "left"));
+  EXPECT_EQ(SplitRatioMap({}), "");
 }
 
 TEST(ChoosePictures, TakesWorstMedianAndBestOfFramesThatCanBeShown) {

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "server/tools/report_charts.h"
+#include "server/tools/report_svg.h"
 
 namespace treeline {
 namespace {
@@ -117,21 +117,10 @@ std::string FrustumPath(const Drawing& drawing, const Rigid3& world_from_camera,
   return absl::StrCat(path, rim, "Z");
 }
 
-// Steps longer than this (m) start a new line: the recording was elsewhere in
-// between.
-double LongStep(const std::vector<const FrameResult*>& truths) {
-  std::vector<double> steps;
-  for (size_t i = 1; i < truths.size(); ++i) {
-    steps.push_back(Norm(truths[i]->true_world_from_camera->translation -
-                         truths[i - 1]->true_world_from_camera->translation));
-  }
-  return 8 * Percentile(steps, 75).value_or(0) + 0.02;
-}
-
 std::string TruePath(const Drawing& drawing,
                      const std::vector<const FrameResult*>& truths,
                      bool from_above) {
-  const double long_step = LongStep(truths);
+  const double long_step = LongStep_m(truths);
   std::string path;
   Vec3 previous;
   for (const FrameResult* result : truths) {
@@ -231,6 +220,15 @@ std::string ScaleBar(const Drawing& drawing) {
 }
 
 }  // namespace
+
+double LongStep_m(const std::vector<const FrameResult*>& truths) {
+  std::vector<double> steps;
+  for (size_t i = 1; i < truths.size(); ++i) {
+    steps.push_back(Norm(truths[i]->true_world_from_camera->translation -
+                         truths[i - 1]->true_world_from_camera->translation));
+  }
+  return 8 * Percentile(steps, 75).value_or(0) + 0.02;
+}
 
 ViewAxes AxesOfCameras(const std::vector<Rigid3>& world_from_camera) {
   Vec3 up;

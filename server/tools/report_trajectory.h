@@ -24,6 +24,10 @@ struct ViewAxes {
 // right x forward = up.
 ViewAxes AxesOfCameras(const std::vector<Rigid3>& world_from_camera);
 
+// Steps longer than this start a new line: the recording was elsewhere in
+// between. `truths` have ground truth.
+double LongStep_m(const std::vector<const FrameResult*>& truths);
+
 // The drawing; empty if no frame has ground truth. training_poses
 // (world_from_camera) are drawn faintly and may be empty. Estimates that lie
 // far outside are left out and counted in a note.

@@ -24,6 +24,10 @@ std::string CpuDescription();
 // mapped files included.
 uint64_t PeakMemoryBytes();
 
+// Makes PeakMemoryBytes start again from what is resident now, where the system
+// allows it (Linux).
+void ResetPeakMemory();
+
 // The time now, "2026-11-21T09:30:00Z".
 std::string UtcNow();
 

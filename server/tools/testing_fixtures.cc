@@ -73,6 +73,26 @@ std::string SmallRecording::ColorPath(int i) const {
   return folder_ + "/" + Stem(i) + ".color.png";
 }
 
+TestFolder::TestFolder() {
+  std::string name =
+      (std::filesystem::temp_directory_path() / "treeline_XXXXXX").string();
+  path_ = mkdtemp(name.data());
+}
+
+TestFolder::~TestFolder() { std::filesystem::remove_all(path_); }
+
+std::string TestFolder::operator/(const std::string& name) const {
+  return path_ + "/" + name;
+}
+
+DatasetOptions BoxRoomOptions(const std::string& folder) {
+  DatasetOptions options;
+  options.uri = "7scenes:" + folder;
+  options.color_camera = options.depth_camera = "PINHOLE,145,145,100,75";
+  options.pose_file = folder + "/poses.txt";
+  return options;
+}
+
 PoseEstimate LocalizedAt(const Rigid3& world_from_camera) {
   PoseEstimate estimate;
   estimate.outcome = Outcome::kLocalized;

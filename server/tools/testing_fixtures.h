@@ -35,6 +35,25 @@ class SmallRecording {
 // The number that SmallRecording put into a frame.
 inline int FrameNumber(const Frame& frame) { return frame.color.rgb[0]; }
 
+// A folder of its own for a test, removed when destroyed.
+class TestFolder {
+ public:
+  TestFolder();
+  ~TestFolder();
+  TestFolder(const TestFolder&) = delete;
+  TestFolder& operator=(const TestFolder&) = delete;
+
+  // The path of something in it.
+  std::string operator/(const std::string& name) const;
+
+ private:
+  std::string path_;
+};
+
+// How to open what WriteBoxRoomRecording wrote to `folder` with
+// BoxRoomCalibration(). Poses are of that calibration's pose sensor.
+DatasetOptions BoxRoomOptions(const std::string& folder);
+
 // Answers with what a function says.
 class FunctionLocalizer final : public Localizer {
  public:

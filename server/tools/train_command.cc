@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
@@ -17,6 +16,7 @@
 #include "server/tools/commands.h"
 #include "server/tools/dataset_flags.h"
 #include "server/tools/run_info.h"
+#include "server/tools/training_record.h"
 
 namespace treeline {
 namespace {
@@ -43,37 +43,6 @@ struct TrainFlags {
   SiftTrainingOptions sift;
   bool quiet = false;
 };
-
-// A flag's name, and its value in the text that the model records.
-std::vector<std::pair<std::string, std::string>> RecordedOptions(
-    const TrainFlags& flags) {
-  const TrainingOptions& t = flags.training;
-  if (flags.method == "sift") {
-    const SiftTrainingOptions& s = flags.sift;
-    return {{"frames", flags.dataset.frame_list},
-            {"trees", absl::StrCat(t.trees)},
-            {"sift-features", absl::StrCat(s.features.max_features)},
-            {"sift-label-radius", absl::StrCat(s.label_radius_px)},
-            {"sift-balanced-levels", absl::StrCat(s.balanced_levels)},
-            {"sift-leaf-samples", absl::StrCat(s.leaf_samples)},
-            {"sift-candidates", absl::StrCat(s.split_candidates)}};
-  }
-  return {{"frames", flags.dataset.frame_list},
-          {"poses", flags.dataset.pose_file},
-          {"calibration", flags.calibration},
-          {"adapt", flags.adapt_path},
-          {"extend", flags.extend_path},
-          {"trees", absl::StrCat(t.trees)},
-          {"frames-per-tree", absl::StrCat(t.frames_per_tree)},
-          {"samples-per-frame", absl::StrCat(t.samples_per_frame)},
-          {"balanced-levels", absl::StrCat(t.balanced_levels)},
-          {"max-depth", absl::StrCat(t.max_depth)},
-          {"min-leaf-samples", absl::StrCat(t.min_leaf_samples)},
-          {"min-spread", absl::StrCat(t.min_spread_m)},
-          {"split-candidates", absl::StrCat(t.split_candidates)},
-          {"max-offset", absl::StrCat(t.max_offset_px_m)},
-          {"split-samples", absl::StrCat(t.max_split_samples)}};
-}
 
 // nullopt: to be estimated.
 absl::StatusOr<std::optional<RgbdCalibration>> GivenCalibration(
@@ -103,7 +72,11 @@ absl::Status Train(const TrainFlags& flags, const std::stop_token& stop) {
   options.sift = flags.sift;
   options.software_version = Version();
   options.created_utc = UtcNow();
-  options.recorded_options = RecordedOptions(flags);
+  options.recorded_options =
+      flags.method == "sift"
+          ? RecordedSiftOptions(flags.dataset, flags.training, flags.sift)
+          : RecordedOptions(flags.dataset, flags.calibration, flags.training,
+                            flags.adapt_path, flags.extend_path);
   TL_ASSIGN_OR_RETURN(
       const TrainedScene scene,
       TrainScene(dataset, options, flags.output_path, flags.quiet, stop));

@@ -1,25 +1,37 @@
-// A yardstick: SIFT features of training keyframes with depth, matched against
-// a query's, and a pose from 3D-2D matches (OpenCV throughout).
-#ifndef SERVER_TOOLS_SIFT_PNP_BASELINE_H_
-#define SERVER_TOOLS_SIFT_PNP_BASELINE_H_
+// Yardsticks: SIFT or ORB features of training keyframes with depth, matched
+// against a query's, and a pose from 3D-2D matches (OpenCV throughout).
+#ifndef SERVER_TOOLS_FEATURE_PNP_BASELINE_H_
+#define SERVER_TOOLS_FEATURE_PNP_BASELINE_H_
 
 #include <memory>
+#include <optional>
 #include <stop_token>
-#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "common/camera/rgbd_calibration.h"
-#include "common/image/frame.h"
 #include "server/core/dataset/dataset.h"
 #include "server/core/localizer/localizer.h"
 
 namespace treeline {
 
-struct SiftPnpOptions {
+enum class FeatureKind {
+  kSift,  // 128 floats, compared by Euclidean distance
+  kOrb,   // 256 bits, compared by Hamming distance
+};
+
+// "sift-pnp" or "orb-pnp": what --baseline and ModelInfo::method call it.
+const char* BaselineName(FeatureKind kind);
+// nullopt: no such baseline.
+std::optional<FeatureKind> BaselineOfName(absl::string_view name);
+
+struct FeaturePnpOptions {
+  FeatureKind kind = FeatureKind::kSift;
   // Training frames to use, evenly spread over the list; 0: all of them.
   int keyframes = 140;
-  // Features kept per image, strongest first; 0: all that OpenCV finds.
+  // Features kept per image, strongest first; 0: all of SIFT's, and 1000 of
+  // ORB's, which has no end of its own.
   int features = 0;
   // Where the training frames have a structure from motion: features kept of a
   // query, those of the largest regions, as method sift takes them; 0: as
@@ -31,7 +43,8 @@ struct SiftPnpOptions {
   // Features nearer than this (m) to the best match's place are the same
   // place seen from other keyframes, and no competition in the ratio test.
   double same_place_m = 0.1;
-  // Leaves that FLANN's kd-trees look at per feature, in [1, 100000].
+  // SIFT: leaves that FLANN's kd-trees look at per feature, in [1, 100000].
+  // ORB is looked up by locality-sensitive hashing, which has none.
   int flann_checks = 128;
   // Reprojection error of an inlier (px).
   double inlier_px = 4;
@@ -53,10 +66,10 @@ struct SiftPnpOptions {
 // the training frames are; its info().file_bytes is the memory of descriptors
 // and points. OpenCV runs on one thread from here on. INVALID_ARGUMENT: bad
 // options, or no keyframe gave a feature with depth and pose; CANCELLED.
-absl::StatusOr<std::unique_ptr<Localizer>> BuildSiftPnpBaseline(
+absl::StatusOr<std::unique_ptr<Localizer>> BuildFeaturePnpBaseline(
     const Dataset& training, const RgbdCalibration& calibration,
-    const SiftPnpOptions& options);
+    const FeaturePnpOptions& options);
 
 }  // namespace treeline
 
-#endif  // SERVER_TOOLS_SIFT_PNP_BASELINE_H_
+#endif  // SERVER_TOOLS_FEATURE_PNP_BASELINE_H_

@@ -1,8 +1,7 @@
-#include "server/tools/sift_pnp_baseline.h"
+#include "server/tools/feature_pnp_baseline.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,23 +28,29 @@ namespace {
 
 // Descriptors within this many nearest ones may stand for other places.
 constexpr int kNeighbours = 16;
-constexpr int kDescriptorSize = 128;
+constexpr int kOrbFeatures = 1000;
 constexpr int kMinMatches = 6;
 
 struct Features {
   std::vector<cv::KeyPoint> keypoints;
-  cv::Mat descriptors;  // one row of 128 floats a keypoint
+  cv::Mat descriptors;  // one row a keypoint: 128 floats, or 32 bytes
 };
 
-Features Extract(const ColorImage& image, int count) {
+cv::Ptr<cv::Feature2D> MakeExtractor(FeatureKind kind, int count) {
+  if (kind == FeatureKind::kSift) return cv::SIFT::create(count);
+  return cv::ORB::create(count == 0 ? kOrbFeatures : count);
+}
+
+Features Extract(const ColorImage& image, const FeaturePnpOptions& options) {
   // OpenCV reads the pixels only.
   const cv::Mat color(image.height, image.width, CV_8UC3,
                       const_cast<uint8_t*>(image.rgb.data()));
   cv::Mat gray;
   cv::cvtColor(color, gray, cv::COLOR_RGB2GRAY);
   Features features;
-  cv::SIFT::create(count)->detectAndCompute(
-      gray, cv::noArray(), features.keypoints, features.descriptors);
+  MakeExtractor(options.kind, options.features)
+      ->detectAndCompute(gray, cv::noArray(), features.keypoints,
+                         features.descriptors);
   return features;
 }
 
@@ -54,8 +59,8 @@ absl::StatusOr<Features> ExtractLargest(const ColorImage& image, int count) {
   TL_ASSIGN_OR_RETURN(const SiftFeatures sift,
                       ExtractSift(image, {.max_features = count}));
   Features features;
-  features.descriptors.create(static_cast<int>(sift.size()), kDescriptorSize,
-                              CV_32F);
+  features.descriptors.create(static_cast<int>(sift.size()),
+                              SiftDescriptor::kDimensions, CV_32F);
   for (size_t i = 0; i < sift.size(); ++i) {
     const SiftKeypoint& k = sift.keypoints[i];
     features.keypoints.emplace_back(static_cast<float>(k.pixel.x),
@@ -130,7 +135,7 @@ PnpProblem MakeProblem(const Camera& camera, const std::vector<Match>& matches,
 // The pose that most matches agree with, refined on all of these.
 std::optional<PnpResult> SolvePose(const Camera& camera,
                                    const std::vector<Match>& matches,
-                                   const SiftPnpOptions& options) {
+                                   const FeaturePnpOptions& options) {
   const PnpProblem problem =
       MakeProblem(camera, matches, std::vector<bool>(matches.size(), true));
   if (problem.points.size() < kMinMatches) return std::nullopt;
@@ -158,17 +163,25 @@ std::optional<PnpResult> SolvePose(const Camera& camera,
   return result;
 }
 
-class SiftPnpBaseline final : public Localizer {
+class FeaturePnpBaseline final : public Localizer {
  public:
-  SiftPnpBaseline(ModelInfo info, SiftPnpOptions options, cv::Mat descriptors,
-                  std::vector<Vec3> points_in_world)
+  FeaturePnpBaseline(ModelInfo info, FeaturePnpOptions options,
+                     cv::Mat descriptors, std::vector<Vec3> points_in_world)
       : info_(std::move(info)),
         options_(std::move(options)),
         descriptors_(std::move(descriptors)),
         points_in_world_(std::move(points_in_world)) {
     cv::setRNGSeed(static_cast<int>(options_.seed & 0x7fffffff));
-    index_ = std::make_unique<cv::flann::Index>(
-        descriptors_, cv::flann::KDTreeIndexParams(4));
+    if (options_.kind == FeatureKind::kSift) {
+      index_ = std::make_unique<cv::flann::Index>(
+          descriptors_, cv::flann::KDTreeIndexParams(4));
+    } else {
+      // 12 tables of 20-bit keys, looked at with all neighbours of one bit:
+      // what OpenCV's tutorial on ORB takes.
+      index_ = std::make_unique<cv::flann::Index>(
+          descriptors_, cv::flann::LshIndexParams(12, 20, 1),
+          cvflann::FLANN_DIST_HAMMING);
+    }
   }
 
   absl::StatusOr<PoseEstimate> Localize(
@@ -188,33 +201,39 @@ class SiftPnpBaseline final : public Localizer {
   std::vector<Match> FindMatches(const Features& features) const;
 
   const ModelInfo info_;
-  const SiftPnpOptions options_;
+  const FeaturePnpOptions options_;
   const cv::Mat descriptors_;  // one row a point; the index refers to them
   const std::vector<Vec3> points_in_world_;
   // Searching does not change it, though OpenCV does not say so.
   std::unique_ptr<cv::flann::Index> index_;
 };
 
-std::vector<Match> SiftPnpBaseline::FindMatches(
+std::vector<Match> FeaturePnpBaseline::FindMatches(
     const Features& features) const {
-  cv::Mat neighbours;
-  cv::Mat squared_distances;
   const int count = std::min(kNeighbours, descriptors_.rows);
-  index_->knnSearch(features.descriptors, neighbours, squared_distances, count,
+  const auto rows = static_cast<int>(features.keypoints.size());
+  const bool sift = options_.kind == FeatureKind::kSift;
+  // Hashing may find fewer than `count`, and leaves the rest as it was. Squared
+  // distances for SIFT, counted bits for ORB.
+  cv::Mat neighbours(rows, count, CV_32S, cv::Scalar(-1));
+  cv::Mat found_distances(rows, count, sift ? CV_32F : CV_32S, cv::Scalar(0));
+  index_->knnSearch(features.descriptors, neighbours, found_distances, count,
                     cv::flann::SearchParams(options_.flann_checks));
+  cv::Mat distances;
+  found_distances.convertTo(distances, CV_32F);
   std::vector<Match> matches;
   for (int i = 0; i < neighbours.rows; ++i) {
     const int* nearest = neighbours.ptr<int>(i);
-    const float* distance = squared_distances.ptr<float>(i);
+    const float* distance = distances.ptr<float>(i);
     if (nearest[0] < 0) continue;
     const Vec3 best = points_in_world_[static_cast<size_t>(nearest[0])];
     bool distinct = true;
     for (int k = 1; k < count && nearest[k] >= 0; ++k) {
       const Vec3 other = points_in_world_[static_cast<size_t>(nearest[k])];
       if (Norm(other - best) < options_.same_place_m) continue;
-      const double ratio = std::sqrt(static_cast<double>(distance[0]) /
-                                     static_cast<double>(distance[k]));
-      distinct = ratio < options_.match_ratio;
+      const double ratio = static_cast<double>(distance[0]) /
+                           static_cast<double>(std::max(distance[k], 1e-9F));
+      distinct = (sift ? std::sqrt(ratio) : ratio) < options_.match_ratio;
       break;
     }
     const cv::Point2f& at = features.keypoints[static_cast<size_t>(i)].pt;
@@ -223,7 +242,7 @@ std::vector<Match> SiftPnpBaseline::FindMatches(
   return matches;
 }
 
-absl::StatusOr<PoseEstimate> SiftPnpBaseline::LocalizeOrThrow(
+absl::StatusOr<PoseEstimate> FeaturePnpBaseline::LocalizeOrThrow(
     const Frame& frame, const LocalizeOptions& options) const {
   const SteadyClock clock;
   const MonotonicTime start = clock.Now();
@@ -233,7 +252,7 @@ absl::StatusOr<PoseEstimate> SiftPnpBaseline::LocalizeOrThrow(
     TL_ASSIGN_OR_RETURN(
         features, ExtractLargest(frame.color, options_.structure_features));
   } else {
-    features = Extract(frame.color, options_.features);
+    features = Extract(frame.color, options_);
   }
   PoseEstimate estimate;
   const MonotonicTime extracted = clock.Now();
@@ -277,7 +296,7 @@ absl::StatusOr<PoseEstimate> SiftPnpBaseline::LocalizeOrThrow(
 class KeyframeCollector {
  public:
   KeyframeCollector(const Dataset& training, const RgbdCalibration& calibration,
-                    const SiftPnpOptions& options)
+                    const FeaturePnpOptions& options)
       : training_(training),
         calibration_(calibration),
         options_(options),
@@ -294,7 +313,7 @@ class KeyframeCollector {
     const Rigid3 world_from_color = PoseOfSensor(
         *entry.world_from_camera, training_.calibration().pose_sensor,
         RgbdSensor::kColor, calibration_);
-    const Features features = Extract(frame.color, options_.features);
+    const Features features = Extract(frame.color, options_);
     const std::vector<Vec3> points = registration_.PointsInColor(*frame.depth);
     ++frames_;
     for (size_t k = 0; k < features.keypoints.size(); ++k) {
@@ -340,7 +359,7 @@ class KeyframeCollector {
  private:
   const Dataset& training_;
   const RgbdCalibration calibration_;
-  const SiftPnpOptions& options_;
+  const FeaturePnpOptions& options_;
   const DepthRegistration registration_;
   int frames_ = 0;
   cv::Mat descriptors_;
@@ -349,9 +368,9 @@ class KeyframeCollector {
 
 ModelInfo DescribeBaseline(const Dataset& training,
                            const RgbdCalibration& calibration,
-                           const SiftPnpOptions& options) {
+                           const FeaturePnpOptions& options) {
   ModelInfo info;
-  info.method = "sift-pnp";
+  info.method = BaselineName(options.kind);
   info.software_version = Version();
   info.created_utc = UtcNow();
   info.dataset = training.uri();
@@ -385,7 +404,7 @@ void AddBounds(const std::vector<Vec3>& points, ModelInfo& info) {
 
 absl::StatusOr<std::unique_ptr<Localizer>> BuildOrThrow(
     const Dataset& training, const RgbdCalibration& calibration,
-    const SiftPnpOptions& options) {
+    const FeaturePnpOptions& options) {
   const SteadyClock clock;
   const MonotonicTime start = clock.Now();
   cv::setNumThreads(1);
@@ -414,33 +433,44 @@ absl::StatusOr<std::unique_ptr<Localizer>> BuildOrThrow(
   info.training_frames = collector.frames();
   info.training_samples = static_cast<int64_t>(points.size());
   info.file_bytes =
-      points.size() * (kDescriptorSize * sizeof(float) + sizeof(Vec3));
+      points.size() * (collector.descriptors().step[0] + sizeof(Vec3));
   AddBounds(points, info);
   info.training_s = MillisecondsBetween(start, clock.Now()) / 1e3;
-  return std::make_unique<SiftPnpBaseline>(
+  return std::make_unique<FeaturePnpBaseline>(
       std::move(info), options, collector.descriptors(), std::move(points));
 }
 
 }  // namespace
 
-absl::Status SiftPnpOptions::Validate() const {
+const char* BaselineName(FeatureKind kind) {
+  return kind == FeatureKind::kSift ? "sift-pnp" : "orb-pnp";
+}
+
+std::optional<FeatureKind> BaselineOfName(absl::string_view name) {
+  for (FeatureKind kind : {FeatureKind::kSift, FeatureKind::kOrb}) {
+    if (name == BaselineName(kind)) return kind;
+  }
+  return std::nullopt;
+}
+
+absl::Status FeaturePnpOptions::Validate() const {
   if (keyframes < 0 || features < 0 || flann_checks < 1 ||
       flann_checks > 100000 || ransac_iterations < 1 || min_inliers < 4) {
     return absl::InvalidArgumentError(
-        "sift-pnp: keyframes and features must be at least 0, FLANN checks in "
+        "baseline: keyframes and features must be at least 0, FLANN checks in "
         "[1, 100000], RANSAC iterations at least 1, inliers at least 4");
   }
   if (!(match_ratio > 0 && match_ratio <= 1) || !(inlier_px > 0) ||
       !(same_place_m >= 0)) {
     return absl::InvalidArgumentError(
-        "sift-pnp: the match ratio must be in (0, 1], distances positive");
+        "baseline: the match ratio must be in (0, 1], distances positive");
   }
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::unique_ptr<Localizer>> BuildSiftPnpBaseline(
+absl::StatusOr<std::unique_ptr<Localizer>> BuildFeaturePnpBaseline(
     const Dataset& training, const RgbdCalibration& calibration,
-    const SiftPnpOptions& options) {
+    const FeaturePnpOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   try {
     return BuildOrThrow(training, calibration, options);

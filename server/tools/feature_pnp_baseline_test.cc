@@ -1,4 +1,4 @@
-#include "server/tools/sift_pnp_baseline.h"
+#include "server/tools/feature_pnp_baseline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -104,22 +104,22 @@ class WallRecording {
   std::vector<Blot> blots_;
 };
 
-SiftPnpOptions Quiet() {
-  SiftPnpOptions options;
+FeaturePnpOptions Quiet() {
+  FeaturePnpOptions options;
   options.quiet = true;
   return options;
 }
 
-TEST(SiftPnpBaseline, FindsACameraBetweenItsKeyframes) {
+TEST(FeaturePnpBaseline, FindsACameraBetweenItsKeyframes) {
   const Rigid3 query{Rotation3::FromAxisAngle({0.02, 0.05, 0.08}),
                      {0.12, 0.05, 0.06}};
   const WallRecording recording(
       {Rigid3{}, Rigid3{{}, {0.3, 0, 0}}, Rigid3{{}, {0, 0.2, 0.1}}, query});
   const Dataset dataset = recording.Open();
-  SiftPnpOptions options = Quiet();
+  FeaturePnpOptions options = Quiet();
   options.keyframes = 0;
   const auto baseline =
-      BuildSiftPnpBaseline(dataset, dataset.calibration(), options);
+      BuildFeaturePnpBaseline(dataset, dataset.calibration(), options);
   ASSERT_TRUE(baseline.ok()) << baseline.status();
   EXPECT_EQ((*baseline)->info().training_frames, 4);
   LocalizeOptions ask;
@@ -136,7 +136,7 @@ TEST(SiftPnpBaseline, FindsACameraBetweenItsKeyframes) {
             estimate->samples);
 }
 
-TEST(SiftPnpBaseline, LocalizesAViewItHasNotSeen) {
+TEST(FeaturePnpBaseline, LocalizesAViewItHasNotSeen) {
   const Rigid3 query{Rotation3::FromAxisAngle({0.02, 0.05, 0.08}),
                      {0.12, 0.05, 0.06}};
   const WallRecording training(
@@ -144,7 +144,7 @@ TEST(SiftPnpBaseline, LocalizesAViewItHasNotSeen) {
   const WallRecording test({query});
   const Dataset dataset = training.Open();
   const auto baseline =
-      BuildSiftPnpBaseline(dataset, dataset.calibration(), Quiet());
+      BuildFeaturePnpBaseline(dataset, dataset.calibration(), Quiet());
   ASSERT_TRUE(baseline.ok()) << baseline.status();
   const auto first = (*baseline)->Localize(*test.Open().Load(0), {});
   ASSERT_TRUE(first.ok()) << first.status();
@@ -159,11 +159,11 @@ TEST(SiftPnpBaseline, LocalizesAViewItHasNotSeen) {
   EXPECT_EQ(again->world_from_camera, first->world_from_camera);
 }
 
-TEST(SiftPnpBaseline, DoesNotLocalizeABlankImage) {
+TEST(FeaturePnpBaseline, DoesNotLocalizeABlankImage) {
   const WallRecording recording({Rigid3{}});
   const Dataset dataset = recording.Open();
   const auto baseline =
-      BuildSiftPnpBaseline(dataset, dataset.calibration(), Quiet());
+      BuildFeaturePnpBaseline(dataset, dataset.calibration(), Quiet());
   ASSERT_TRUE(baseline.ok()) << baseline.status();
   Frame blank;
   blank.color = {kWidth, kHeight,
@@ -174,35 +174,71 @@ TEST(SiftPnpBaseline, DoesNotLocalizeABlankImage) {
   EXPECT_EQ(estimate->reason, NotLocalizedReason::kTooFewSamples);
 }
 
-TEST(SiftPnpBaseline, SpreadsItsKeyframesOverTheRecording) {
+TEST(FeaturePnpBaseline, SpreadsItsKeyframesOverTheRecording) {
   const WallRecording recording(std::vector<Rigid3>(6));
   const Dataset dataset = recording.Open();
-  SiftPnpOptions options = Quiet();
+  FeaturePnpOptions options = Quiet();
   options.keyframes = 3;
   const auto baseline =
-      BuildSiftPnpBaseline(dataset, dataset.calibration(), options);
+      BuildFeaturePnpBaseline(dataset, dataset.calibration(), options);
   ASSERT_TRUE(baseline.ok()) << baseline.status();
   EXPECT_EQ((*baseline)->info().training_frames, 3);
   EXPECT_EQ((*baseline)->info().method, "sift-pnp");
   EXPECT_GT((*baseline)->info().file_bytes, 0u);
 }
 
-TEST(SiftPnpBaseline, StopsWhenInterrupted) {
+TEST(FeaturePnpBaseline, StopsWhenInterrupted) {
   const WallRecording recording({Rigid3{}});
   std::stop_source source;
   source.request_stop();
-  SiftPnpOptions options = Quiet();
+  FeaturePnpOptions options = Quiet();
   options.stop = source.get_token();
   const Dataset dataset = recording.Open();
-  EXPECT_EQ(BuildSiftPnpBaseline(dataset, dataset.calibration(), options)
+  EXPECT_EQ(BuildFeaturePnpBaseline(dataset, dataset.calibration(), options)
                 .status()
                 .code(),
             absl::StatusCode::kCancelled);
 }
 
-TEST(SiftPnpOptions, RefusesWhatMakesNoSense) {
-  EXPECT_TRUE(SiftPnpOptions().Validate().ok());
-  SiftPnpOptions options;
+TEST(FeaturePnpBaseline, LocalizesAViewWithOrbToo) {
+  const Rigid3 query{Rotation3::FromAxisAngle({0.02, 0.05, 0.08}),
+                     {0.12, 0.05, 0.06}};
+  const WallRecording training(
+      {Rigid3{}, Rigid3{{}, {0.3, 0, 0}}, Rigid3{{}, {0, 0.2, 0.1}}});
+  const WallRecording test({query});
+  const Dataset dataset = training.Open();
+  FeaturePnpOptions options = Quiet();
+  options.kind = FeatureKind::kOrb;
+  const auto build = [&] {
+    return BuildFeaturePnpBaseline(dataset, dataset.calibration(), options)
+        .value();
+  };
+  const std::unique_ptr<Localizer> baseline = build();
+  EXPECT_EQ(baseline->info().method, "orb-pnp");
+  const Frame frame = *test.Open().Load(0);
+  const auto first = baseline->Localize(frame, {});
+  ASSERT_TRUE(first.ok()) << first.status();
+  ASSERT_EQ(first->outcome, Outcome::kLocalized);
+  // ORB's corners are placed to a pixel or two at the coarser levels of its
+  // pyramid: at f 280 and 2 m, 1 px is 7 mm.
+  const PoseError error = ErrorBetween(first->world_from_camera, query);
+  EXPECT_LT(error.translation_m, 0.03);
+  EXPECT_LT(error.rotation_rad, 0.015);
+  // Hashing draws its keys from the seed alone.
+  const auto again = build()->Localize(frame, {});
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->world_from_camera, first->world_from_camera);
+}
+
+TEST(FeaturePnpBaseline, HasNamesForItsKinds) {
+  EXPECT_EQ(BaselineOfName("sift-pnp"), FeatureKind::kSift);
+  EXPECT_EQ(BaselineOfName("orb-pnp"), FeatureKind::kOrb);
+  EXPECT_EQ(BaselineOfName("surf-pnp"), std::nullopt);
+}
+
+TEST(FeaturePnpOptions, RefusesWhatMakesNoSense) {
+  EXPECT_TRUE(FeaturePnpOptions().Validate().ok());
+  FeaturePnpOptions options;
   options.keyframes = -1;
   EXPECT_FALSE(options.Validate().ok());
   options = {};

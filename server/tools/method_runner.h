@@ -1,0 +1,74 @@
+// Builds one method after the other, and learns about each all that was asked.
+#ifndef SERVER_TOOLS_METHOD_RUNNER_H_
+#define SERVER_TOOLS_METHOD_RUNNER_H_
+
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/camera/rgbd_calibration.h"
+#include "server/core/dataset/dataset.h"
+#include "server/core/localizer/localizer.h"
+#include "server/tools/evaluate_flags.h"
+#include "server/tools/evaluated_method.h"
+#include "server/tools/method_spec.h"
+#include "server/tools/model_store.h"
+#include "server/tools/sweep.h"
+
+namespace treeline {
+
+class MethodRunner {
+ public:
+  // Opens the recordings. `flags` must outlive the runner.
+  static absl::StatusOr<MethodRunner> Open(const EvaluateFlags& flags,
+                                           const std::stop_token& stop);
+
+  // Every method of flags.methods, in their order. One that cannot be trained,
+  // opened or asked says so in its status, and the rest goes on. CANCELLED.
+  absl::StatusOr<std::vector<EvaluatedMethod>> EvaluateMethods();
+
+  // Every sweep over every method of flags.sweep_methods; `evaluated` is what
+  // EvaluateMethods gave. A line ends at the first point that fails, with a
+  // message in `problems`, and the rest goes on. CANCELLED.
+  absl::StatusOr<std::vector<Sweep>> RunSweeps(
+      const std::vector<EvaluatedMethod>& evaluated,
+      std::vector<std::string>& problems);
+
+ private:
+  MethodRunner(const EvaluateFlags& flags, std::stop_token stop,
+               Dataset dataset, std::optional<Dataset> training,
+               std::optional<RgbdCalibration> calibration, ModelStore store);
+
+  absl::Status Evaluate(const MethodSpec& spec, EvaluatedMethod& method);
+  absl::StatusOr<std::string> ModelPath(const MethodSpec& spec) const;
+  absl::StatusOr<std::unique_ptr<Localizer>> Build(const MethodSpec& spec,
+                                                   EvaluatedMethod& method);
+  absl::StatusOr<EvaluationOptions> Options(const MethodSpec& spec,
+                                            const ModelInfo& info) const;
+  absl::Status AddDetails(const Localizer& localizer, const MethodSpec& spec,
+                          const EvaluationOptions& options,
+                          EvaluatedMethod& method) const;
+  std::vector<Rigid3> TrainingPoses(const ModelInfo& info) const;
+  // Adds to `line` a point a value, until one fails.
+  absl::Status RunLine(const MethodSpec& spec, const SweepRequest& request,
+                       const EvaluatedMethod& evaluated, SweepLine& line) const;
+  absl::StatusOr<SweepPoint> RunPoint(const MethodSpec& spec,
+                                      const SweepRequest& request, int value,
+                                      const std::string& base_model) const;
+
+  const EvaluateFlags& flags_;
+  const std::stop_token stop_;
+  const Dataset dataset_;
+  const std::optional<Dataset> training_;
+  const std::optional<RgbdCalibration> calibration_;  // of --calibration
+  ModelStore store_;
+  // Of the first model that was opened: what baselines register depth with.
+  std::optional<RgbdCalibration> estimated_calibration_;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_TOOLS_METHOD_RUNNER_H_

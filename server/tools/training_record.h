@@ -1,0 +1,30 @@
+// What a model says about how it was trained.
+#ifndef SERVER_TOOLS_TRAINING_RECORD_H_
+#define SERVER_TOOLS_TRAINING_RECORD_H_
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/core/dataset/dataset.h"
+#include "server/core/training/sift_trainer.h"
+#include "server/core/training/training_options.h"
+
+namespace treeline {
+
+// Each flag of `treeline train` that shapes a model, without its dashes, and
+// its value: ModelInfo::options. calibration: as --calibration has it;
+// adapt, extend: as these flags have them.
+std::vector<std::pair<std::string, std::string>> RecordedOptions(
+    const DatasetOptions& dataset, const std::string& calibration,
+    const TrainingOptions& training, const std::string& adapt = "",
+    const std::string& extend = "");
+
+// The same for method sift.
+std::vector<std::pair<std::string, std::string>> RecordedSiftOptions(
+    const DatasetOptions& dataset, const TrainingOptions& training,
+    const SiftTrainingOptions& sift);
+
+}  // namespace treeline
+
+#endif  // SERVER_TOOLS_TRAINING_RECORD_H_
