@@ -36,6 +36,10 @@ absl::StatusOr<KeyframeMap> KeyframeMap::Read(const ModelFile& model) {
   return map;
 }
 
+double MaxKeyframeAngle_rad(const Camera& camera) {
+  return std::max(0.35, 0.5 * std::atan(0.5 * camera.width() / camera.fx()));
+}
+
 std::vector<size_t> KeyframeMap::Nearest(const Rigid3& world_from_camera,
                                          double max_angle_rad,
                                          size_t count) const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/camera/camera.h"
 #include "common/geometry/rigid3.h"
 #include "server/core/forest/model_file.h"
 
@@ -67,6 +68,9 @@ class KeyframeMap {
 // Roughly how far away what a camera sees is (m): a turn by one radian moves it
 // as much as a step of this length.
 inline constexpr double kViewDistance_m = 1.5;
+
+// A quarter of the field of view (thesis 3.2.3), and no less than 20 degrees.
+double MaxKeyframeAngle_rad(const Camera& camera);
 
 // What training gathers.
 struct Keyframes {
