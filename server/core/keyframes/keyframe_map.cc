@@ -8,6 +8,14 @@
 #include "common/base/status_macros.h"
 
 namespace treeline {
+namespace {
+
+bool IsFinite(const std::array<float, 3>& position) {
+  return std::ranges::all_of(position,
+                             [](float c) { return std::isfinite(c); });
+}
+
+}  // namespace
 
 absl::StatusOr<KeyframeMap> KeyframeMap::Read(const ModelFile& model) {
   KeyframeMap map;
@@ -27,12 +35,23 @@ absl::StatusOr<KeyframeMap> KeyframeMap::Read(const ModelFile& model) {
     map.poses_.push_back(*pose);
   }
   for (const KeyframePoint& point : map.points_) {
-    for (const float c : point.position_in_world) {
-      if (!std::isfinite(c)) {
-        return absl::DataLossError("corrupt model: a keyframe point");
-      }
+    if (!IsFinite(point.position_in_world)) {
+      return absl::DataLossError("corrupt model: a keyframe point");
     }
   }
+  TL_ASSIGN_OR_RETURN(map.features_, model.Extra<KeyframeFeature>(
+                                         ModelExtra::kKeyframeFeatures));
+  uint32_t last = 0;
+  for (size_t i = 0; i < map.features_.size(); ++i) {
+    const KeyframeFeature& feature = map.features_[i];
+    if (!IsFinite(feature.position_in_world) || feature.keyframe < last ||
+        feature.keyframe >= map.poses_.size()) {
+      return absl::DataLossError("corrupt model: a keyframe feature");
+    }
+    last = feature.keyframe;
+    map.first_feature_.resize(last + size_t{1}, i);
+  }
+  map.first_feature_.resize(map.poses_.size() + 1, map.features_.size());
   return map;
 }
 

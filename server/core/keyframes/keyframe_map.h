@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "common/camera/camera.h"
 #include "common/geometry/rigid3.h"
+#include "server/core/features/sift_descriptor.h"
 #include "server/core/forest/model_file.h"
 
 namespace treeline {
@@ -36,13 +37,24 @@ struct KeyframePoint {
 };
 static_assert(sizeof(KeyframePoint) == 20);
 
+// A SIFT feature of a keyframe where depth was measured, as the file has it:
+// those of a keyframe stand together, keyframes in their order.
+struct KeyframeFeature {
+  std::array<float, 3> position_in_world{};
+  uint32_t keyframe = 0;
+  // See SiftDescriptor.
+  std::array<uint8_t, SiftDescriptor::kDimensions> descriptor{};
+};
+static_assert(sizeof(KeyframeFeature) == 144);
+
 // The keyframes of a model. Points into its mapping.
 class KeyframeMap {
  public:
   KeyframeMap() = default;
 
-  // Empty if the model has none. DATA_LOSS for poses that are not rigid, or
-  // points that are not there or not finite.
+  // Empty if the model has none. DATA_LOSS for poses that are not rigid, points
+  // that are not there, points and features that are not finite, and features
+  // that are out of order or of no keyframe.
   static absl::StatusOr<KeyframeMap> Read(const ModelFile& model);
 
   size_t size() const { return poses_.size(); }
@@ -51,6 +63,12 @@ class KeyframeMap {
   const Rigid3& world_from_camera(size_t i) const { return poses_[i]; }
   std::span<const KeyframePoint> points(size_t i) const {
     return points_.subspan(records_[i].first_point, records_[i].points);
+  }
+
+  // Empty but for method hybrid.
+  std::span<const KeyframeFeature> features(size_t i) const {
+    return features_.subspan(first_feature_[i],
+                             first_feature_[i + 1] - first_feature_[i]);
   }
 
   // Up to `count` keyframes near a pose, nearest first: by
@@ -62,6 +80,8 @@ class KeyframeMap {
  private:
   std::span<const KeyframeRecord> records_;
   std::span<const KeyframePoint> points_;
+  std::span<const KeyframeFeature> features_;
+  std::vector<size_t> first_feature_{0};  // of each keyframe, and the end
   std::vector<Rigid3> poses_;
 };
 
@@ -76,6 +96,7 @@ double MaxKeyframeAngle_rad(const Camera& camera);
 struct Keyframes {
   std::vector<KeyframeRecord> records;
   std::vector<KeyframePoint> points;
+  std::vector<KeyframeFeature> features;
 };
 
 }  // namespace treeline
