@@ -56,6 +56,18 @@ HWY_INLINE V GemanMcClure(V squared, V scale2) {
   return hn::Mul(root, root);
 }
 
+// In front of the camera and not seen at a grazing angle: q is p before its
+// rotation, n the normal.
+HWY_INLINE hn::Mask<D> Faces(const V3& q, const V3& p, const V3& n) {
+  const D d;
+  const V facing = hn::Neg(Dot3(n, q));
+  const V limit =
+      hn::Mul(hn::Set(d, kMinFacing2), hn::Mul(Dot3(q, q), Dot3(n, n)));
+  return hn::And(hn::Gt(p.z, hn::Set(d, kNearest_m)),
+                 hn::And(hn::Ge(facing, hn::Zero(d)),
+                         hn::Ge(hn::Mul(facing, facing), limit)));
+}
+
 void See(const AlignmentPoints& points, size_t begin, size_t end,
          const PinholeView& view, SeenPoints& seen) {
   const D d;
@@ -64,13 +76,7 @@ void See(const AlignmentPoints& points, size_t begin, size_t end,
     const V3 q = FromCamera(Load3(points.x, points.y, points.z, i), view);
     const V3 n = Load3(points.nx, points.ny, points.nz, i);
     const V3 p = Rotate(view, q);
-    const V facing = hn::Neg(Dot3(n, q));
-    const V limit =
-        hn::Mul(hn::Set(d, kMinFacing2), hn::Mul(Dot3(q, q), Dot3(n, n)));
-    const auto visible =
-        hn::And(hn::Gt(p.z, hn::Set(d, kNearest_m)),
-                hn::And(hn::Ge(facing, hn::Zero(d)),
-                        hn::Ge(hn::Mul(facing, facing), limit)));
+    const auto visible = Faces(q, p, n);
     const V x = hn::IfThenElseZero(visible, p.x);
     const V y = hn::IfThenElseZero(visible, p.y);
     const V z = hn::IfThenElse(visible, p.z, one);
@@ -85,6 +91,35 @@ void See(const AlignmentPoints& points, size_t begin, size_t end,
         hn::MulAdd(hn::Set(d, view.fy), hn::Mul(y, iz), hn::Set(d, view.cy)), d,
         seen.v.data() + i);
     hn::StoreU(hn::IfThenElseZero(visible, one), d, seen.seen.data() + i);
+  }
+}
+
+void Count(const AlignmentPoints& points, size_t group, const PinholeView& view,
+           int width, int height, float* counts) {
+  const D d;
+  const V one = hn::Set(d, 1);
+  const V fx = hn::Set(d, view.fx);
+  const V fy = hn::Set(d, view.fy);
+  const V cx = hn::Set(d, view.cx);
+  const V cy = hn::Set(d, view.cy);
+  const V right = hn::Set(d, static_cast<float>(width));
+  const V bottom = hn::Set(d, static_cast<float>(height));
+  for (size_t begin = 0; begin < points.size(); begin += group) {
+    V count = hn::Zero(d);
+    for (size_t i = begin; i < begin + group; i += hn::Lanes(d)) {
+      const V3 q = FromCamera(Load3(points.x, points.y, points.z, i), view);
+      const V3 p = Rotate(view, q);
+      // Pixels times depth, so that nothing is divided.
+      const V u = hn::MulAdd(fx, p.x, hn::Mul(cx, p.z));
+      const V v = hn::MulAdd(fy, p.y, hn::Mul(cy, p.z));
+      const auto inside =
+          hn::And(hn::And(hn::Gt(u, hn::Zero(d)), hn::Gt(v, hn::Zero(d))),
+                  hn::And(hn::Lt(u, hn::Mul(right, p.z)),
+                          hn::Lt(v, hn::Mul(bottom, p.z))));
+      const auto faces = Faces(q, p, Load3(points.nx, points.ny, points.nz, i));
+      count = hn::Add(count, hn::IfThenElseZero(hn::And(inside, faces), one));
+    }
+    *counts++ = hn::GetLane(hn::SumOfLanes(d, count));
   }
 }
 
@@ -296,6 +331,7 @@ HWY_EXPORT(LookUp);
 HWY_EXPORT(Exposure);
 HWY_EXPORT(Brightness);
 HWY_EXPORT(Surfaces);
+HWY_EXPORT(Count);
 
 size_t Padded(size_t size) {
   return (size + kAlignmentBlock - 1) / kAlignmentBlock * kAlignmentBlock;
@@ -303,13 +339,27 @@ size_t Padded(size_t size) {
 
 }  // namespace
 
-void AlignmentPoints::Pad() {
-  const size_t padded = Padded(size());
+void AlignmentPoints::Append(const std::array<float, 3>& position_in_world,
+                             const std::array<int8_t, 3>& normal_in_world,
+                             Vec3 origin) {
+  x.push_back(position_in_world[0] - static_cast<float>(origin.x));
+  y.push_back(position_in_world[1] - static_cast<float>(origin.y));
+  z.push_back(position_in_world[2] - static_cast<float>(origin.z));
+  nx.push_back(static_cast<float>(normal_in_world[0]) / 127);
+  ny.push_back(static_cast<float>(normal_in_world[1]) / 127);
+  nz.push_back(static_cast<float>(normal_in_world[2]) / 127);
+}
+
+void AlignmentPoints::AppendNothing() {
   for (std::vector<float>* array : {&x, &y, &z}) {
-    array->resize(padded, std::numeric_limits<float>::quiet_NaN());
+    array->push_back(std::numeric_limits<float>::quiet_NaN());
   }
-  for (std::vector<float>* array : {&nx, &ny, &nz}) array->resize(padded, 0);
-  for (std::vector<float>& level : gray) level.resize(padded, 0);
+  for (std::vector<float>* array : {&nx, &ny, &nz}) array->push_back(0);
+}
+
+void AlignmentPoints::Pad() {
+  while (size() % kAlignmentBlock != 0) AppendNothing();
+  for (std::vector<float>& level : gray) level.resize(size(), 0);
 }
 
 void SeenPoints::resize(size_t points) {
@@ -348,6 +398,31 @@ void SurfacePoints::Pad() {
     array->resize(padded, 0);
   }
   variance.resize(padded, 1);
+}
+
+PinholeView ViewOf(const Rigid3& camera_from_world, const Camera& camera,
+                   Vec3 origin) {
+  PinholeView view;
+  const Mat3 r = camera_from_world.rotation.Matrix();
+  for (size_t i = 0; i < 9; ++i) {
+    view.camera_from_world_rotation[i] = static_cast<float>(r.m[i]);
+  }
+  const Vec3 position = camera_from_world.Inverse().translation - origin;
+  view.position = {static_cast<float>(position.x),
+                   static_cast<float>(position.y),
+                   static_cast<float>(position.z)};
+  view.fx = static_cast<float>(camera.fx());
+  view.fy = static_cast<float>(camera.fy());
+  view.cx = static_cast<float>(camera.cx());
+  view.cy = static_cast<float>(camera.cy());
+  return view;
+}
+
+void CountSeen(const AlignmentPoints& points, size_t group,
+               const PinholeView& view, int width, int height,
+               std::span<float> counts) {
+  HWY_DYNAMIC_DISPATCH(Count)
+  (points, group, view, width, height, counts.data());
 }
 
 void SeePoints(const AlignmentPoints& points, size_t begin, size_t end,

@@ -5,9 +5,12 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
-#include "common/geometry/vector3.h"
+#include "common/camera/camera.h"
+#include "common/geometry/rigid3.h"
 #include "server/core/features/gray_pyramid.h"
 
 namespace treeline {
@@ -22,10 +25,15 @@ struct AlignmentPoints {
   std::vector<float> x, y, z;
   // Unit normals in the world; zero where they are not known.
   std::vector<float> nx, ny, nz;
-  // Brightness at each level of GrayPyramid.
+  // Brightness at each level of GrayPyramid; not needed by CountSeen.
   std::array<std::vector<float>, GrayPyramid::kLevels> gray;
 
   size_t size() const { return x.size(); }
+  // `origin` is that of the arrays, in the world.
+  void Append(const std::array<float, 3>& position_in_world,
+              const std::array<int8_t, 3>& normal_in_world, Vec3 origin);
+  // A point that is never seen.
+  void AppendNothing();
   // Up to a multiple of kAlignmentBlock.
   void Pad();
 };
@@ -68,6 +76,9 @@ struct PinholeView {
   float fx, fy, cx, cy;           // px
 };
 
+PinholeView ViewOf(const Rigid3& camera_from_world, const Camera& camera,
+                   Vec3 origin);
+
 // Sums of Gauss-Newton's normal equations: the upper triangle of H row by row,
 // and the gradient. Parameters are a step (v, w) of the camera's frame: a
 // point moves by v + w x p.
@@ -80,6 +91,12 @@ struct NormalSums {
 struct ExposureSums {
   float w = 0, x = 0, y = 0, xx = 0, xy = 0;
 };
+
+// Of the points of each group of `group` (a multiple of kAlignmentBlock), one
+// after the other, how many are seen inside an image of this size.
+void CountSeen(const AlignmentPoints& points, size_t group,
+               const PinholeView& view, int width, int height,
+               std::span<float> counts);
 
 // All below work on points [begin, end).
 

@@ -62,11 +62,11 @@ class Aligner {
         options_(options) {}
 
   std::optional<Alignment> Run(const Rigid3& world_from_color) {
-    const std::vector<size_t> keyframes =
-        map_.Nearest(world_from_color, MaxKeyframeAngle_rad(calibration_.color),
-                     static_cast<size_t>(options_.keyframes));
-    if (keyframes.empty()) return std::nullopt;
     camera_from_world_ = world_from_color.Inverse();
+    const std::vector<size_t> keyframes =
+        map_.BestSeen(world_from_color, calibration_.color,
+                      static_cast<size_t>(options_.keyframes));
+    if (keyframes.empty()) return std::nullopt;
     Gather(keyframes, world_from_color.translation);
     for (int level = options_.first_level; level >= options_.last_level;
          --level) {
@@ -115,37 +115,20 @@ class Aligner {
       }
     }
     seen_.resize(points_.size());
+    for (const size_t keyframe : keyframes) {
+      total_points_ += static_cast<int>(map_.points(keyframe).size());
+    }
   }
 
   void Append(const KeyframePoint& point) {
-    const auto& [x, y, z] = point.position_in_world;
-    points_.x.push_back(x - static_cast<float>(origin_.x));
-    points_.y.push_back(y - static_cast<float>(origin_.y));
-    points_.z.push_back(z - static_cast<float>(origin_.z));
-    const auto& [nx, ny, nz] = point.normal_in_world;
-    points_.nx.push_back(nx / 127.0F);
-    points_.ny.push_back(ny / 127.0F);
-    points_.nz.push_back(nz / 127.0F);
+    points_.Append(point.position_in_world, point.normal_in_world, origin_);
     for (size_t l = 0; l < points_.gray.size(); ++l) {
       points_.gray[l].push_back(point.gray[l]);
     }
   }
 
   PinholeView View() const {
-    PinholeView view;
-    const Mat3 r = camera_from_world_.rotation.Matrix();
-    std::ranges::transform(r.m, view.camera_from_world_rotation.begin(),
-                           [](double v) { return static_cast<float>(v); });
-    const Vec3 position = camera_from_world_.Inverse().translation - origin_;
-    view.position = {static_cast<float>(position.x),
-                     static_cast<float>(position.y),
-                     static_cast<float>(position.z)};
-    const Camera& camera = calibration_.color;
-    view.fx = static_cast<float>(camera.fx());
-    view.fy = static_cast<float>(camera.fy());
-    view.cx = static_cast<float>(camera.cx());
-    view.cy = static_cast<float>(camera.cy());
-    return view;
+    return ViewOf(camera_from_world_, calibration_.color, origin_);
   }
 
   // Fills seen_, exposures_ and visible_ from the pose; noise_ too if
@@ -211,12 +194,11 @@ class Aligner {
   void MeasureNoise(int level) {
     sizes_.clear();
     const std::span<const PointRun> runs = ActiveRuns(level);
-    for (size_t r = 0; r < runs.size(); ++r) {
-      // One run of a keyframe says enough.
-      if (r >= exposures_.size()) break;
+    // One run of a keyframe says enough.
+    for (size_t r = 0; r < exposures_.size(); ++r) {
       for (size_t i = runs[r].begin; i < runs[r].end; ++i) {
-        if (seen_.seen[i] != 0)
-          sizes_.push_back(std::abs(Residual(level, r, i)));
+        if (seen_.seen[i] == 0) continue;
+        sizes_.push_back(std::abs(Residual(level, r, i)));
       }
     }
     if (sizes_.empty()) return;
@@ -338,6 +320,7 @@ class Aligner {
     Alignment alignment;
     alignment.world_from_camera = camera_from_world_.Inverse();
     alignment.visible = visible_;
+    alignment.overlap = static_cast<double>(visible_) / total_points_;
     double sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
     int agreeing = 0;
     const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
@@ -400,6 +383,7 @@ class Aligner {
   std::vector<Exposure> exposures_;  // one a keyframe
   bool is_exposed_ = false;          // they have been fitted
   std::vector<float> sizes_;
+  int total_points_ = 0;
   int visible_ = 0;
   Matrix6 information_ = Matrix6::Zero();
   double noise_ = kMaxNoise;

@@ -14,6 +14,7 @@
 #include "common/geometry/rigid3.h"
 #include "server/core/features/sift_descriptor.h"
 #include "server/core/forest/model_file.h"
+#include "server/core/keyframes/alignment_kernels.h"
 
 namespace treeline {
 
@@ -77,12 +78,20 @@ class KeyframeMap {
   std::vector<size_t> Nearest(const Rigid3& world_from_camera,
                               double max_angle_rad, size_t count) const;
 
+  // Up to `count` keyframes of which much should be seen from about the same
+  // place, best first. A few points of each are looked at, as if by a lens
+  // without distortion.
+  std::vector<size_t> BestSeen(const Rigid3& world_from_camera,
+                               const Camera& camera, size_t count) const;
+
  private:
   std::span<const KeyframeRecord> records_;
   std::span<const KeyframePoint> points_;
   std::span<const KeyframeFeature> features_;
   std::vector<size_t> first_feature_{0};  // of each keyframe, and the end
   std::vector<Rigid3> poses_;
+  // Some points of each keyframe, as many of each.
+  AlignmentPoints glance_;
 };
 
 // Roughly how far away what a camera sees is (m): a turn by one radian moves it
