@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
 
 #include "common/base/status_macros.h"
 #include "server/core/features/sift_matching.h"
@@ -12,6 +14,10 @@ namespace {
 
 // Sides at which images are halved (px).
 constexpr int kHalvedSide_px = 512;
+// Features that keyframes are compared by.
+constexpr size_t kCompared = 300;
+// Keyframes are alike from so many matches on.
+constexpr size_t kMinAlike = 6;
 // OpenCV's contrast threshold.
 constexpr double kContrast = 0.02;
 
@@ -91,6 +97,32 @@ std::vector<KeyframeMatch> MatchKeyframes(const SiftFeatures& features,
   }
   std::ranges::stable_sort(matches, {}, &KeyframeMatch::ratio);
   return matches;
+}
+
+std::vector<size_t> MostAlike(const SiftFeatures& features,
+                              const KeyframeMap& map, size_t count,
+                              double max_ratio) {
+  SiftFeatures compared;
+  const size_t kept = std::min(kCompared, features.size());
+  compared.keypoints.assign(
+      features.keypoints.begin(),
+      features.keypoints.begin() + static_cast<std::ptrdiff_t>(kept));
+  compared.descriptors.assign(
+      features.descriptors.begin(),
+      features.descriptors.begin() + static_cast<std::ptrdiff_t>(kept));
+  std::vector<std::pair<size_t, size_t>> alike;  // matches, keyframe
+  for (size_t k = 0; k < map.size(); ++k) {
+    const size_t matches =
+        MatchKeyframes(compared, map, std::span(&k, 1), max_ratio).size();
+    if (matches >= kMinAlike) alike.emplace_back(matches, k);
+  }
+  std::ranges::stable_sort(alike, std::ranges::greater(),
+                           [](const auto& a) { return a.first; });
+  std::vector<size_t> result;
+  for (size_t i = 0; i < std::min(count, alike.size()); ++i) {
+    result.push_back(alike[i].second);
+  }
+  return result;
 }
 
 }  // namespace treeline

@@ -39,6 +39,13 @@ std::vector<KeyframeMatch> MatchKeyframes(const SiftFeatures& features,
                                           std::span<const size_t> keyframes,
                                           double max_ratio);
 
+// Up to `count` keyframes that share most features with a frame, most first,
+// whatever its pose: the largest of its features are matched with all
+// keyframes.
+std::vector<size_t> MostAlike(const SiftFeatures& features,
+                              const KeyframeMap& map, size_t count,
+                              double max_ratio);
+
 }  // namespace treeline
 
 #endif  // SERVER_CORE_KEYFRAMES_KEYFRAME_FEATURES_H_

@@ -1,18 +1,26 @@
 #include "server/core/localizer/hybrid_localizer.h"
 
-#include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "common/base/clock.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
-#include "server/core/keyframes/keyframe_features.h"
 #include "server/core/localizer/forest_pnp.h"
 #include "server/core/pose/pnp.h"
 
 namespace treeline {
+
+// Matches as Perspective-n-Point reads them, where they are, and the pose that
+// they support (thesis Eq. 3.12), if enough of them do.
+struct HybridLocalizer::MatchedPose {
+  std::vector<Pixel> pixel;
+  PixelPredictions scene;
+  std::optional<PnpResult> pose;
+};
+
 namespace {
 
 // The random stream of a query; SolveForestPnp has 1 and 2.
@@ -35,58 +43,13 @@ constexpr double kRansacInlier_px = 8;
 constexpr double kRobustScale_px = 3;
 constexpr double kInlier_px = 6;
 
-// Matches as Perspective-n-Point reads them, and where they are.
-struct Matches {
-  std::vector<Pixel> pixel;
-  PixelPredictions scene;
-};
-
-Matches AsPredictions(const std::vector<KeyframeMatch>& matches,
-                      const Camera& camera) {
-  Matches result;
-  constexpr double kVariance = kPointSigma_m * kPointSigma_m;
-  for (const KeyframeMatch& match : matches) {
-    const std::optional<Pixel> ray = camera.Unproject(match.pixel);
-    if (!ray) continue;
-    result.pixel.push_back(match.pixel);
-    result.scene.ray.push_back(*ray);
-    result.scene.predictions.push_back(
-        {match.point_in_world, {kVariance, 0, 0, kVariance, 0, kVariance}});
-  }
-  result.scene.ray_sigma.assign(result.scene.size(),
-                                kKeypointSigma_px / MeanFocal_px(camera));
-  return result;
-}
-
-// The pose that the matches support (thesis Eq. 3.12), if enough of them do.
-std::optional<PnpResult> SolveMatches(const Matches& matches,
-                                      const Camera& camera, int hypotheses,
-                                      const LocalizeOptions& options) {
-  if (matches.scene.size() < kMinMatches) return std::nullopt;
-  const double pixel = 1 / MeanFocal_px(camera);
-  PnpOptions ransac;
-  ransac.seed = MixBits(options.seed + kRansacStream);
-  ransac.hypotheses = hypotheses;
-  ransac.inlier_distance = kRansacInlier_px * pixel;
-  const std::optional<Rigid3> pose =
-      PreemptivePnp(matches.scene, ransac, options.stop);
-  if (!pose) return std::nullopt;
-  std::optional<PnpResult> refined =
-      RefinePnp(matches.scene, *pose,
-                {.robust_scale = kRobustScale_px * pixel,
-                 .inlier_distance = kInlier_px * pixel});
-  if (!refined || refined->inliers < kMinInliers) return std::nullopt;
-  return refined;
-}
-
-std::vector<Correspondence> CorrespondencesOf(const Matches& matches,
-                                              const PnpResult& pose) {
+std::vector<Correspondence> CorrespondencesOf(const auto& matched) {
   std::vector<Correspondence> correspondences;
-  const Rigid3 camera_from_world = pose.world_from_camera.Inverse();
-  for (size_t i = 0; i < matches.pixel.size(); ++i) {
-    const Vec3 in_world = matches.scene.at(i, 0).mean_in_world;
-    correspondences.push_back({matches.pixel[i], camera_from_world * in_world,
-                               in_world, pose.supported[i] >= 0});
+  const Rigid3 camera_from_world = matched.pose->world_from_camera.Inverse();
+  for (size_t i = 0; i < matched.pixel.size(); ++i) {
+    const Vec3 in_world = matched.scene.at(i, 0).mean_in_world;
+    correspondences.push_back({matched.pixel[i], camera_from_world * in_world,
+                               in_world, matched.pose->supported[i] >= 0});
   }
   return correspondences;
 }
@@ -99,6 +62,37 @@ HybridLocalizer::HybridLocalizer(std::unique_ptr<const ModelFile> model,
     : model_(std::move(model)),
       verifier_(std::move(verifier)),
       options_(options) {}
+
+HybridLocalizer::MatchedPose HybridLocalizer::SolveKeyframes(
+    const SiftFeatures& features, std::span<const size_t> keyframes,
+    const Camera& camera, const LocalizeOptions& options) const {
+  constexpr double kVariance = kPointSigma_m * kPointSigma_m;
+  MatchedPose result;
+  PixelPredictions& scene = result.scene;
+  for (const KeyframeMatch& match :
+       MatchKeyframes(features, verifier_.keyframes(), keyframes, kMaxRatio)) {
+    const std::optional<Pixel> ray = camera.Unproject(match.pixel);
+    if (!ray) continue;
+    result.pixel.push_back(match.pixel);
+    scene.ray.push_back(*ray);
+    scene.predictions.push_back(
+        {match.point_in_world, {kVariance, 0, 0, kVariance, 0, kVariance}});
+  }
+  if (scene.size() < kMinMatches) return result;
+  const double pixel = 1 / MeanFocal_px(camera);
+  scene.ray_sigma.assign(scene.size(), kKeypointSigma_px * pixel);
+  PnpOptions ransac;
+  ransac.seed = MixBits(options.seed + kRansacStream);
+  ransac.hypotheses = options_.hypotheses;
+  ransac.inlier_distance = kRansacInlier_px * pixel;
+  const std::optional<Rigid3> pose = PreemptivePnp(scene, ransac, options.stop);
+  if (!pose) return result;
+  result.pose = RefinePnp(scene, *pose,
+                          {.robust_scale = kRobustScale_px * pixel,
+                           .inlier_distance = kInlier_px * pixel});
+  if (result.pose && result.pose->inliers < kMinInliers) result.pose.reset();
+  return result;
+}
 
 absl::StatusOr<PoseEstimate> HybridLocalizer::Localize(
     const Frame& frame, const LocalizeOptions& options) const {
@@ -117,34 +111,34 @@ absl::StatusOr<PoseEstimate> HybridLocalizer::Localize(
   if (found.scene.size() > 0) {
     estimate.reason = NotLocalizedReason::kTooFewInliers;
   }
+  const KeyframeMap& map = verifier_.keyframes();
+  TL_ASSIGN_OR_RETURN(const SiftFeatures features,
+                      ExtractKeyframeSift(frame.color, kFeatures));
+  std::vector<size_t> keyframes;
   if (found.pose) {
-    const KeyframeMap& map = verifier_.keyframes();
-    const std::vector<size_t> keyframes =
-        map.Nearest(found.pose->world_from_camera, MaxKeyframeAngle_rad(camera),
-                    kKeyframes);
-    Matches matches;
-    if (!keyframes.empty()) {
-      TL_ASSIGN_OR_RETURN(const SiftFeatures features,
-                          ExtractKeyframeSift(frame.color, kFeatures));
-      matches = AsPredictions(
-          MatchKeyframes(features, map, keyframes, kMaxRatio), camera);
-    }
-    const std::optional<PnpResult> exact =
-        SolveMatches(matches, camera, options_.hypotheses, options);
-    if (options.stop.stop_requested()) {
-      return absl::CancelledError("the query was cancelled");
-    }
-    if (exact) estimate.samples = static_cast<int>(matches.scene.size());
-    TakePose(exact ? *exact : *found.pose, estimate);
+    keyframes = map.Nearest(found.pose->world_from_camera,
+                            MaxKeyframeAngle_rad(camera), kKeyframes);
+  }
+  MatchedPose matched = SolveKeyframes(features, keyframes, camera, options);
+  if (!matched.pose) {
+    // The forest was wrong, or saw nothing.
+    keyframes = MostAlike(features, map, kKeyframes, kMaxRatio);
+    matched = SolveKeyframes(features, keyframes, camera, options);
+  }
+  if (options.stop.stop_requested()) {
+    return absl::CancelledError("the query was cancelled");
+  }
+  if (matched.pose || found.pose) {
+    if (matched.pose) estimate.samples = static_cast<int>(matched.pixel.size());
+    TakePose(matched.pose ? *matched.pose : *found.pose, estimate);
     RgbdCalibration calibration = info().calibration;
     calibration.color = camera;
     scratch.pyramid.Assign(scratch.image);
     verifier_.Judge(scratch.pyramid, nullptr, calibration, estimate);
-    if (options.keep_correspondences) {
-      estimate.correspondences =
-          exact ? CorrespondencesOf(matches, *exact)
-                : treeline::CorrespondencesOf(found, scratch);
-    }
+  }
+  if (options.keep_correspondences) {
+    estimate.correspondences = matched.pose ? CorrespondencesOf(matched)
+                                            : CorrespondencesOf(found, scratch);
   }
   SetTotal(MillisecondsBetween(start, clock.Now()), estimate.timings);
   return estimate;
