@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <tuple>
 
 #include "absl/strings/str_cat.h"
@@ -13,6 +14,7 @@ namespace treeline {
 namespace {
 
 constexpr float kScale = 512;
+constexpr int kMinSize_px = 8;
 // What OpenCV adds to both coordinates.
 constexpr float kOpenCvShift_px = 0.25F;
 
@@ -29,8 +31,27 @@ SiftDescriptor DescriptorOf(const cv::Mat& rows, int row) {
   return RootSift(std::span(rows.ptr<float>(row), SiftDescriptor::kDimensions));
 }
 
+// One row a keypoint, in their order. OpenCV doubles the image only if some
+// keypoint is of the lowest octave, and descriptors differ a little by that:
+// one such keypoint is always there, so that they do not depend on the others.
+void ComputeRows(cv::SIFT& sift, const cv::Mat& gray,
+                 std::vector<cv::KeyPoint>& keypoints, cv::Mat& rows) {
+  constexpr int kLowestOctave = 255 | 1 << 8;
+  keypoints.emplace_back(0.5F * static_cast<float>(gray.cols),
+                         0.5F * static_cast<float>(gray.rows), 2.0F, 0.0F, 0.0F,
+                         kLowestOctave);
+  sift.compute(gray, keypoints, rows);
+  keypoints.pop_back();
+}
+
+// OpenCV fails on images too small for an octave.
+bool IsTooSmall(const ColorImage& image) {
+  return std::min(image.width, image.height) < kMinSize_px;
+}
+
 SiftFeatures ExtractOrThrow(const ColorImage& image,
                             const SiftOptions& options) {
+  if (IsTooSmall(image)) return {};
   cv::setNumThreads(1);
   std::vector<cv::KeyPoint> found;
   cv::Mat rows;
@@ -45,7 +66,7 @@ SiftFeatures ExtractOrThrow(const ColorImage& image,
   });
   const size_t kept = static_cast<size_t>(options.max_features);
   if (kept > 0 && found.size() > kept) found.resize(kept);
-  sift->compute(gray, found, rows);
+  ComputeRows(*sift, gray, found, rows);
   SiftFeatures features;
   features.keypoints.reserve(found.size());
   features.descriptors.reserve(found.size());
@@ -86,9 +107,9 @@ std::vector<SiftDescriptor> DescribeOrThrow(
                         PackedOctave(k.diameter_px), static_cast<int>(i));
   }
   std::vector<SiftDescriptor> descriptors(keypoints.size());
-  if (keypoints.empty()) return descriptors;
+  if (keypoints.empty() || IsTooSmall(image)) return descriptors;
   cv::Mat rows;
-  cv::SIFT::create()->compute(GrayOf(image), wanted, rows);
+  ComputeRows(*cv::SIFT::create(), GrayOf(image), wanted, rows);
   for (size_t row = 0; row < wanted.size(); ++row) {
     descriptors[static_cast<size_t>(wanted[row].class_id)] =
         DescriptorOf(rows, static_cast<int>(row));
@@ -102,7 +123,7 @@ absl::StatusOr<SiftFeatures> ExtractSift(const ColorImage& image,
                                          const SiftOptions& options) {
   try {
     return ExtractOrThrow(image, options);
-  } catch (const cv::Exception& error) {
+  } catch (const std::exception& error) {
     return absl::InternalError(absl::StrCat("OpenCV: ", error.what()));
   }
 }
@@ -111,7 +132,7 @@ absl::StatusOr<std::vector<SiftDescriptor>> DescribeSift(
     const ColorImage& image, std::span<const SiftKeypoint> keypoints) {
   try {
     return DescribeOrThrow(image, keypoints);
-  } catch (const cv::Exception& error) {
+  } catch (const std::exception& error) {
     return absl::InternalError(absl::StrCat("OpenCV: ", error.what()));
   }
 }

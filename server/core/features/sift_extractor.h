@@ -51,7 +51,8 @@ absl::StatusOr<SiftFeatures> ExtractSift(const ColorImage& image,
                                          const SiftOptions& options);
 
 // The descriptors at given keypoints, in their order; responses mean nothing.
-// A keypoint whose region leaves the image is described by what is inside.
+// A keypoint whose region leaves the image is described by what is inside. All
+// zero for images of less than 8 pixels a side, which have no features either.
 // INTERNAL if OpenCV fails.
 absl::StatusOr<std::vector<SiftDescriptor>> DescribeSift(
     const ColorImage& image, std::span<const SiftKeypoint> keypoints);

@@ -18,6 +18,8 @@
 #include "server/core/training/forest_trainer.h"
 #include "server/core/training/frame_samples.h"
 #include "server/core/training/keyframe_builder.h"
+#include "server/core/training/quantize_forest.h"
+#include "server/core/training/sift_scene_trainer.h"
 
 namespace treeline {
 namespace {
@@ -32,6 +34,9 @@ constexpr MethodDescription kMethods[] = {
     {"hybrid",
      "the same forest, then SIFT features of the keyframes near its pose, and "
      "PnP"},
+    {"sift",
+     "colour alone, with a structure from motion (colmap:, nvm:): a "
+     "backtracking regression forest on SIFT features, and PnP"},
 };
 
 // SIFT features of a keyframe, where the method has any.
@@ -87,6 +92,14 @@ class SceneTrainer {
     TL_RETURN_IF_ERROR(OpenBase());
     TL_RETURN_IF_ERROR(Calibrate());
     Describe();
+    if (options_.splits_only) {
+      Learned learned;
+      TL_ASSIGN_OR_RETURN(
+          learned.forest,
+          TrainForest(dataset_, calibration_, forest_options_, quiet_, stop_));
+      learned.forest.forest = SplitsOf(learned.forest.forest.View());
+      return Finish(learned);
+    }
     const HeldOutSplit split = SplitForConfidence(UsableFrames(dataset_));
     if (split.held_out.empty() || is_extending()) {
       TL_ASSIGN_OR_RETURN(const Learned learned, Learn(dataset_));
@@ -270,6 +283,9 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
   if (!IsKnown(options.method)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "method \"", options.method, "\" is not known; see --help"));
+  }
+  if (options.method == "sift") {
+    return TrainSiftScene(dataset, options, output_path, quiet, stop);
   }
   TL_RETURN_IF_ERROR(options.forest.Validate());
   TL_RETURN_IF_ERROR(MakeParentFolder(output_path));
