@@ -21,7 +21,8 @@ struct QueryOptions {
   int settled_inliers = 100;
   // A sample visits so many leaves in each tree at first, in [1, 32]; only if
   // the best descriptor is further than good_distance (in [0, 2000]) from its
-  // own, backtracking_leaves of them (thesis 7.2.1).
+  // own, backtracking_leaves of them (thesis 7.2.1). No less than those: all
+  // samples visit as many.
   int first_leaves = 32;
   int good_distance = 0;
   // Hypotheses of preemptive RANSAC, in [1, 10000].
