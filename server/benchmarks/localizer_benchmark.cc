@@ -225,7 +225,7 @@ void BM_PredictLeaves(benchmark::State& state) {
   const ForestView& forest = (*model)->forest();
   const std::vector<Sampled> sampled =
       SampleFrames(recording, static_cast<int>(state.range(0)));
-  std::vector<uint32_t> scratch;
+  BacktrackingScratch scratch;
   std::vector<LeafMatch> matches;
   size_t k = 0;
   for (auto _ : state) {
@@ -233,8 +233,8 @@ void BM_PredictLeaves(benchmark::State& state) {
     matches.resize(s.samples.size() * static_cast<size_t>(forest.trees()));
     PredictLeaves(forest, s.image,
                   {s.samples.x, s.samples.y, s.samples.inverse_depth_q12},
-                  s.descriptors, static_cast<int>(state.range(1)), {}, scratch,
-                  matches);
+                  s.descriptors, {.leaves = static_cast<int>(state.range(1))},
+                  {}, scratch, matches);
     benchmark::DoNotOptimize(matches.data());
   }
 }

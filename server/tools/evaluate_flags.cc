@@ -52,6 +52,27 @@ void AddModelFlags(CLI::App& app, EvaluateFlags& flags) {
       ->type_name("N")
       ->capture_default_str()
       ->group(kGroup);
+  app.add_option("--first-samples", flags.query.first_samples,
+                 "Of those, how many a pose is first sought with")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--settled-inliers", flags.query.settled_inliers,
+                 "They are enough if so many support it")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--first-leaves", flags.query.first_leaves,
+                 "Leaves visited first; --leaves of them where no descriptor "
+                 "is within --good-distance")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--good-distance", flags.query.good_distance,
+                 "Descriptors this close are good enough")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(kGroup);
   app.add_option("--features", flags.query.features,
                  "SIFT features taken from a query (method sift, and sift-pnp "
                  "on a structure from motion)")

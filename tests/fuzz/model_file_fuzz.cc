@@ -44,9 +44,9 @@ void PredictWith(const ForestView& forest) {
   const std::vector<WhtDescriptor> descriptors(x.size());
   std::vector<LeafMatch> matches(x.size() *
                                  static_cast<size_t>(forest.trees()));
-  std::vector<uint32_t> scratch;
-  PredictLeaves(forest, image, {x, y, inverse_depth}, descriptors, 5, {},
-                scratch, matches);
+  BacktrackingScratch scratch;
+  PredictLeaves(forest, image, {x, y, inverse_depth}, descriptors,
+                {.leaves = 5}, {}, scratch, matches);
   for (const LeafMatch& match : matches) {
     if (match.leaf >= forest.payloads.size()) std::abort();
     if (!IsFinite(forest.LeafMean(match.leaf))) std::abort();

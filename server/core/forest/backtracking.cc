@@ -298,12 +298,15 @@ void VisitLeaves(std::span<const Node> tree, const PlanarImage& image,
    leaves_per_sample, out.data());
 }
 
-void PredictLeaves(const ForestView& forest, const PlanarImage& image,
-                   const SampleView& samples,
-                   std::span<const WhtDescriptor> descriptors,
-                   int leaves_per_sample, const std::stop_token& stop,
-                   std::vector<uint32_t>& scratch,
-                   std::span<LeafMatch> matches) {
+namespace {
+
+// The same number of leaves for every sample.
+void PredictAlike(const ForestView& forest, const PlanarImage& image,
+                  const SampleView& samples,
+                  std::span<const WhtDescriptor> descriptors,
+                  int leaves_per_sample, const std::stop_token& stop,
+                  std::vector<uint32_t>& scratch,
+                  std::span<LeafMatch> matches) {
   const size_t trees = static_cast<size_t>(forest.trees());
   const size_t run = static_cast<size_t>(leaves_per_sample);
   const auto nearest_of_runs = HWY_DYNAMIC_DISPATCH(NearestOfRuns);
@@ -342,6 +345,44 @@ void PredictLeaves(const ForestView& forest, const PlanarImage& image,
                                         : a.leaf < b.leaf;
       });
     }
+  }
+}
+
+}  // namespace
+
+void PredictLeaves(const ForestView& forest, const PlanarImage& image,
+                   const SampleView& samples,
+                   std::span<const WhtDescriptor> descriptors,
+                   const BacktrackingOptions& options,
+                   const std::stop_token& stop, BacktrackingScratch& scratch,
+                   std::span<LeafMatch> matches) {
+  const int first_leaves = std::min(options.first_leaves, options.leaves);
+  PredictAlike(forest, image, samples, descriptors, first_leaves, stop,
+               scratch.leaves, matches);
+  if (first_leaves == options.leaves || stop.stop_requested()) return;
+  const size_t trees = static_cast<size_t>(forest.trees());
+  BacktrackingScratch& s = scratch;
+  s.index.clear();
+  s.x.clear();
+  s.y.clear();
+  s.inverse_depth_q12.clear();
+  s.descriptors.clear();
+  for (size_t i = 0; i < samples.size(); ++i) {
+    if (matches[i * trees].distance <= options.good_squared_distance) continue;
+    s.index.push_back(static_cast<uint32_t>(i));
+    s.x.push_back(samples.x[i]);
+    s.y.push_back(samples.y[i]);
+    s.inverse_depth_q12.push_back(samples.inverse_depth_q12[i]);
+    s.descriptors.push_back(descriptors[i]);
+  }
+  s.matches.resize(s.index.size() * trees);
+  PredictAlike(forest, image, {s.x, s.y, s.inverse_depth_q12}, s.descriptors,
+               options.leaves, stop, s.leaves, s.matches);
+  if (stop.stop_requested()) return;
+  for (size_t i = 0; i < s.index.size(); ++i) {
+    std::copy_n(
+        s.matches.begin() + static_cast<std::ptrdiff_t>(i * trees), trees,
+        matches.begin() + static_cast<std::ptrdiff_t>(s.index[i] * trees));
   }
 }
 

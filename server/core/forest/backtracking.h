@@ -44,15 +44,38 @@ struct LeafMatch {
   int32_t distance = 0;
 };
 
+// How many leaves a sample visits in each tree.
+struct BacktrackingOptions {
+  // N_max of Algorithm 3, in [1, 32].
+  int leaves = 6;
+  // Fewer than that: a sample visits so many first, and `leaves` only if the
+  // best match of all trees is further than this from its descriptor. Thesis
+  // 7.2.1 proposes to choose N_max by need.
+  int first_leaves = kMaxBacktrackingLeaves;
+  int32_t good_squared_distance = 0;
+};
+
+// Working memory, kept between calls.
+struct BacktrackingScratch {
+  std::vector<uint32_t> leaves;
+  // The samples that look further, and what is found for them.
+  std::vector<uint32_t> index;
+  std::vector<int32_t> x;
+  std::vector<int32_t> y;
+  std::vector<int32_t> inverse_depth_q12;
+  std::vector<WhtDescriptor> descriptors;
+  std::vector<LeafMatch> matches;
+};
+
 // For each sample i, the best match of each tree in matches[i * trees + t],
 // sorted by distance within a sample (ties by tree): matches[i * trees] is
 // Algorithm 3's answer over the whole forest. Returns early, with the rest of
-// `matches` unset, once `stop` is requested. scratch is reused between calls.
+// `matches` unset, once `stop` is requested.
 void PredictLeaves(const ForestView& forest, const PlanarImage& image,
                    const SampleView& samples,
                    std::span<const WhtDescriptor> descriptors,
-                   int leaves_per_sample, const std::stop_token& stop,
-                   std::vector<uint32_t>& scratch,
+                   const BacktrackingOptions& options,
+                   const std::stop_token& stop, BacktrackingScratch& scratch,
                    std::span<LeafMatch> matches);
 
 }  // namespace treeline

@@ -175,9 +175,9 @@ TEST(PredictLeavesTest, WithAllLeavesVisitedFindsTheNearestOfAll) {
     }
   }
   std::vector<LeafMatch> matches(40 * 3);
-  std::vector<uint32_t> scratch;
-  PredictLeaves(forest.View(), image, samples.View(), descriptors, 32, {},
-                scratch, matches);
+  BacktrackingScratch scratch;
+  PredictLeaves(forest.View(), image, samples.View(), descriptors,
+                {.leaves = 32}, {}, scratch, matches);
   for (size_t i = 0; i < 40; ++i) {
     // Exhaustive search.
     uint32_t best = 0;
@@ -203,6 +203,48 @@ TEST(PredictLeavesTest, WithAllLeavesVisitedFindsTheNearestOfAll) {
   }
 }
 
+TEST(PredictLeavesTest, LooksFurtherOnlyWhereTheFirstMatchIsPoor) {
+  Random random(13, 0);
+  const PlanarImage image(RandomImage(200, 150, 14));
+  const Forest forest = RandomForest(2, 32, random);
+  const Samples samples = RandomSamples(40, 200, 150, random);
+  std::vector<WhtDescriptor> descriptors(40);
+  for (WhtDescriptor& d : descriptors) {
+    for (size_t k = 0; k < 60; ++k) {
+      d.values[k] =
+          static_cast<int8_t>(static_cast<int>(random.NextBelow(255)) - 127);
+    }
+  }
+  BacktrackingScratch scratch;
+  const auto predict = [&](const BacktrackingOptions& options) {
+    std::vector<LeafMatch> matches(40 * 2);
+    PredictLeaves(forest.View(), image, samples.View(), descriptors, options,
+                  {}, scratch, matches);
+    return matches;
+  };
+  const std::vector<LeafMatch> few = predict({.leaves = 2});
+  const std::vector<LeafMatch> many = predict({.leaves = 16});
+  // Half of the samples are content with two leaves.
+  std::vector<int32_t> distances;
+  for (size_t i = 0; i < 40; ++i) distances.push_back(few[2 * i].distance);
+  std::ranges::sort(distances);
+  const int32_t good = distances[20];
+  const std::vector<LeafMatch> by_need =
+      predict({.leaves = 16, .first_leaves = 2, .good_squared_distance = good});
+  int content = 0;
+  for (size_t i = 0; i < 40; ++i) {
+    const bool is_good = few[2 * i].distance <= good;
+    content += is_good;
+    const std::vector<LeafMatch>& expected = is_good ? few : many;
+    for (size_t t = 0; t < 2; ++t) {
+      EXPECT_EQ(by_need[2 * i + t].leaf, expected[2 * i + t].leaf);
+      EXPECT_EQ(by_need[2 * i + t].distance, expected[2 * i + t].distance);
+    }
+  }
+  EXPECT_GE(content, 20);
+  EXPECT_LT(content, 40);
+}
+
 TEST(PredictLeavesTest, ReturnsAtOnceWhenStopped) {
   Random random(11, 0);
   const PlanarImage image(RandomImage(80, 60, 12));
@@ -210,11 +252,11 @@ TEST(PredictLeavesTest, ReturnsAtOnceWhenStopped) {
   const Samples samples = RandomSamples(10, 80, 60, random);
   const std::vector<WhtDescriptor> descriptors(10);
   std::vector<LeafMatch> matches(10);
-  std::vector<uint32_t> scratch;
+  BacktrackingScratch scratch;
   std::stop_source stop;
   stop.request_stop();
-  PredictLeaves(forest.View(), image, samples.View(), descriptors, 4,
-                stop.get_token(), scratch, matches);
+  PredictLeaves(forest.View(), image, samples.View(), descriptors,
+                {.leaves = 4}, stop.get_token(), scratch, matches);
   for (const LeafMatch& match : matches) EXPECT_EQ(match.leaf, kNoLeaf);
 }
 

@@ -1,14 +1,15 @@
 #include "server/core/keyframes/direct_alignment.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
 #include "server/core/features/rgbd_samples.h"
+#include "server/core/keyframes/alignment_kernels.h"
 
 namespace treeline {
 namespace {
@@ -17,58 +18,36 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kMinVisible = 60;
-// Keyframes are chosen by every so manieth of their points.
-constexpr size_t kGlance = 16;
-// From this far away (as KeyframeMap::Nearest has it, m) a keyframe counts
-// half.
-constexpr double kSameView_m = 0.25;
 constexpr double kNearest_m = 0.05;
-// Surfaces seen at a grazing angle hide what lies behind: cosine.
-constexpr double kMinFacing = 0.15;
 // Brightness (grey levels): least noise, and what agrees at the end.
 constexpr double kMinNoise = 3;
 constexpr double kMaxNoise = 25;
-constexpr double kAgreeing = 15;
+constexpr float kAgreeing = 15;
 // Neighbouring points err alike: the covariance is widened by this.
 constexpr double kCorrelatedPoints = 4;
 // Distances to measured surfaces (m): noise beside the sensor's own, and what
 // is no longer the same surface.
 constexpr double kSurfaceNoise_m = 0.01;
-constexpr double kMaxSurfaceDistance_m = 0.15;
+constexpr float kMaxSurfaceDistance_m = 0.15F;
+// Levels from this one down use measured surfaces, at a quarter of the points.
+constexpr int kSurfaceLevel = 1;
+// Scales of the robust fit of exposure (grey levels), one after the other;
+// where an earlier fit is at hand, only the last.
+constexpr std::array<float, 3> kExposureScales = {1e9F, 30, 15};
 
-// A keyframe point as the image sees it.
-struct Seen {
-  Vec3 point_in_camera;
-  // d(pixel at level 0) / d(point in camera).
-  double du_dx, du_dz, dv_dy, dv_dz;
-  double reference;  // brightness in the keyframe
-  double brightness;
-  double gradient_x;  // per pixel of level 0
-  double gradient_y;
-  double residual;
+// The points of each keyframe make four runs, each evenly spread over the
+// keyframe: those at every first, third, second and last place of four. The
+// first runs of all keyframes stand first, and coarse levels use no more.
+constexpr std::array<size_t, 4> kPlaces = {0, 2, 1, 3};
+struct PointRun {
+  size_t begin = 0;
+  size_t end = 0;
 };
 
-struct NormalEquations {
-  Matrix6 h = Matrix6::Zero();
-  Vector6 g = Vector6::Zero();
-
-  // A residual r with derivative j with respect to the point in the camera;
-  // the point moves by v + w x p for a step (v, w) in the camera's frame.
-  void Add(Vec3 p, Vec3 j, double r, double weight) {
-    const Vec3 turn = Cross(p, j);
-    const double row[6] = {j.x, j.y, j.z, turn.x, turn.y, turn.z};
-    for (int a = 0; a < 6; ++a) {
-      const double wa = weight * row[a];
-      for (int b = a; b < 6; ++b) h(a, b) += wa * row[b];
-      g(a) += wa * r;
-    }
-  }
+struct Exposure {
+  float gain = 1;
+  float offset = 0;
 };
-
-double GemanMcClure(double squared, double scale) {
-  const double root = scale * scale / (scale * scale + squared);
-  return root * root;
-}
 
 class Aligner {
  public:
@@ -84,169 +63,181 @@ class Aligner {
 
   std::optional<Alignment> Run(const Rigid3& world_from_color) {
     camera_from_world_ = world_from_color.Inverse();
-    ChooseKeyframes();
-    if (keyframes_.empty()) return std::nullopt;
+    const std::vector<size_t> keyframes =
+        map_.BestSeen(world_from_color, calibration_.color,
+                      static_cast<size_t>(options_.keyframes));
+    if (keyframes.empty()) return std::nullopt;
+    Gather(keyframes, world_from_color.translation);
     for (int level = options_.first_level; level >= options_.last_level;
          --level) {
+      const bool surfaces = depth_ != nullptr && level <= kSurfaceLevel;
       for (int i = 0; i < options_.iterations; ++i) {
-        See(level);
-        if (static_cast<int>(seen_.size()) < kMinVisible) return std::nullopt;
-        const bool surfaces = depth_ != nullptr && level <= 1;
-        if (!Step(surfaces)) return std::nullopt;
+        See(level, i == 0);
+        if (visible_ < MinVisible(level)) return std::nullopt;
+        if (surfaces && i == 0) MeasureSurfaces();
+        if (!Step(level, surfaces)) return std::nullopt;
         if (step_norm_ < 2e-5 * (1 << level)) break;
       }
     }
-    See(options_.last_level);
-    if (static_cast<int>(seen_.size()) < kMinVisible) return std::nullopt;
+    See(options_.last_level, false);
+    if (visible_ < MinVisible(options_.last_level)) return std::nullopt;
     return Judge();
   }
 
  private:
-  // Those of which much should be seen, from about the same place.
-  void ChooseKeyframes() {
-    const Rigid3 world_from_camera = camera_from_world_.Inverse();
-    const Vec3 axis = world_from_camera.rotation * Vec3{0, 0, 1};
-    const Camera& camera = calibration_.color;
-    const Mat3 r = camera_from_world_.rotation.Matrix();
-    std::vector<std::pair<double, size_t>> seen;  // the best score is least
-    for (size_t k = 0; k < map_.size(); ++k) {
-      const std::span<const KeyframePoint> points = map_.points(k);
-      int count = 0;
-      for (size_t i = 0; i < points.size(); i += kGlance) {
-        const auto& world = points[i].position_in_world;
-        const Vec3 p = r * Vec3{world[0], world[1], world[2]} +
-                       camera_from_world_.translation;
-        if (!(p.z > kNearest_m) || !Faces(r, points[i], p)) continue;
-        const Pixel pixel = camera.Project(p);
-        count += pixel.x > 0 && pixel.y > 0 && pixel.x < camera.width() &&
-                 pixel.y < camera.height();
-      }
-      if (count == 0) continue;
-      const Rigid3& keyframe = map_.world_from_camera(k);
-      const double turn =
-          kViewDistance_m * Norm(keyframe.rotation * Vec3{0, 0, 1} - axis);
-      const double distance2 =
-          SquaredNorm(keyframe.translation - world_from_camera.translation) +
-          turn * turn;
-      seen.emplace_back(-count / (1 + distance2 / (kSameView_m * kSameView_m)),
-                        k);
-    }
-    const size_t kept =
-        std::min(seen.size(), static_cast<size_t>(options_.keyframes));
-    std::partial_sort(seen.begin(),
-                      seen.begin() + static_cast<std::ptrdiff_t>(kept),
-                      seen.end());
-    keyframes_.clear();
-    for (size_t i = 0; i < kept; ++i) keyframes_.push_back(seen[i].second);
+  // Of the four runs of each keyframe.
+  static size_t RunsAt(int level) {
+    return level == 0 ? 4 : level == 1 ? 2 : 1;
+  }
+  static int MinVisible(int level) {
+    return kMinVisible * static_cast<int>(RunsAt(level)) / 4;
+  }
+  std::span<const PointRun> ActiveRuns(int level) const {
+    return std::span(runs_).first(RunsAt(level) * exposures_.size());
+  }
+  Exposure& ExposureOf(size_t run) {
+    return exposures_[run % exposures_.size()];
   }
 
-  // Fills seen_ with the points of keyframes_ that lie in the image, each with
-  // its brightness residual.
-  void See(int level) {
-    seen_.clear();
-    const GrayPyramid::Level& image = image_.level(level);
-    const Camera& camera = calibration_.color;
-    const Mat3 r = camera_from_world_.rotation.Matrix();
-    const Vec3 t = camera_from_world_.translation;
-    const double shrink = 1.0 / (1 << level);
-    const float right = static_cast<float>(image.width) - 2.5f;
-    const float bottom = static_cast<float>(image.height) - 2.5f;
-    for (const size_t k : keyframes_) {
-      const size_t first = seen_.size();
-      for (const KeyframePoint& point : map_.points(k)) {
-        const Vec3 world{point.position_in_world[0], point.position_in_world[1],
-                         point.position_in_world[2]};
-        const Vec3 p = r * world + t;
-        if (!(p.z > kNearest_m)) continue;
-        const Pixel pixel = camera.Project(p);
-        const float x = AtLevel(static_cast<float>(pixel.x), level);
-        const float y = AtLevel(static_cast<float>(pixel.y), level);
-        if (!(x > 1.5f && y > 1.5f && x < right && y < bottom)) continue;
-        if (!Faces(r, point, p)) continue;
-        Seen seen;
-        seen.point_in_camera = p;
-        const double iz = 1 / p.z;
-        seen.du_dx = camera.fx() * iz;
-        seen.du_dz = -camera.fx() * p.x * iz * iz;
-        seen.dv_dy = camera.fy() * iz;
-        seen.dv_dz = -camera.fy() * p.y * iz * iz;
-        seen.reference = point.gray[static_cast<size_t>(level)];
-        seen.brightness = static_cast<double>(image.At(x, y));
-        seen.gradient_x = shrink * static_cast<double>(image.At(x + 0.5f, y) -
-                                                       image.At(x - 0.5f, y));
-        seen.gradient_y = shrink * static_cast<double>(image.At(x, y + 0.5f) -
-                                                       image.At(x, y - 0.5f));
-        seen.residual = 0;
-        seen_.push_back(seen);
+  // The keyframes' points, as the inner loops read them.
+  void Gather(const std::vector<size_t>& keyframes, Vec3 origin) {
+    origin_ = origin;
+    exposures_.resize(keyframes.size());
+    for (const size_t place : kPlaces) {
+      for (const size_t keyframe : keyframes) {
+        const std::span<const KeyframePoint> points = map_.points(keyframe);
+        const size_t begin = points_.size();
+        for (size_t i = place; i < points.size(); i += kPlaces.size()) {
+          Append(points[i]);
+        }
+        points_.Pad();
+        runs_.push_back({begin, points_.size()});
       }
-      TakeOutExposure(first);
     }
-    std::vector<double>& sizes = scratch_;
-    sizes.clear();
-    for (const Seen& s : seen_) sizes.push_back(std::abs(s.residual));
-    if (sizes.empty()) return;
+    seen_.resize(points_.size());
+    for (const size_t keyframe : keyframes) {
+      total_points_ += static_cast<int>(map_.points(keyframe).size());
+    }
+  }
+
+  void Append(const KeyframePoint& point) {
+    points_.Append(point.position_in_world, point.normal_in_world, origin_);
+    for (size_t l = 0; l < points_.gray.size(); ++l) {
+      points_.gray[l].push_back(point.gray[l]);
+    }
+  }
+
+  PinholeView View() const {
+    return ViewOf(camera_from_world_, calibration_.color, origin_);
+  }
+
+  // Fills seen_, exposures_ and visible_ from the pose; noise_ too if
+  // `is_first` of a level.
+  void See(int level, bool is_first) {
+    const std::span<const PointRun> runs = ActiveRuns(level);
+    const size_t end = runs.back().end;
+    SeePoints(points_, 0, end, View(), seen_);
+    if (calibration_.color.has_distortion()) {
+      for (size_t i = 0; i < end; ++i) {
+        if (seen_.seen[i] == 0) continue;
+        const Pixel pixel =
+            calibration_.color.Project({seen_.x[i], seen_.y[i], seen_.z[i]});
+        seen_.u[i] = static_cast<float>(pixel.x);
+        seen_.v[i] = static_cast<float>(pixel.y);
+      }
+    }
+    LookUpPoints(image_, level, 0, end, seen_);
+    float visible = 0;
+    for (size_t i = 0; i < end; ++i) visible += seen_.seen[i];
+    visible_ = static_cast<int>(visible);
+    for (size_t k = 0; k < exposures_.size(); ++k) FitExposure(level, k);
+    if (is_first) MeasureNoise(level);
+  }
+
+  // What of keyframe k's brightness gain and offset explain.
+  void FitExposure(int level, size_t k) {
+    const std::span<const PointRun> runs = ActiveRuns(level);
+    const auto& reference = points_.gray[static_cast<size_t>(level)];
+    Exposure& exposure = exposures_[k];
+    for (const float scale : kExposureScales) {
+      if (is_exposed_ && scale != kExposureScales.back()) continue;
+      ExposureSums s;
+      for (size_t r = k; r < runs.size(); r += exposures_.size()) {
+        const ExposureSums part =
+            SumExposure(reference, seen_, runs[r].begin, runs[r].end,
+                        exposure.gain, exposure.offset, scale);
+        s.w += part.w;
+        s.x += part.x;
+        s.y += part.y;
+        s.xx += part.xx;
+        s.xy += part.xy;
+      }
+      if (!(s.w > 0)) return;
+      const float variance = s.xx - s.x * s.x / s.w;
+      exposure.gain = std::clamp(
+          variance > s.w ? (s.xy - s.x * s.y / s.w) / variance : 1.0F, 0.5F,
+          2.0F);
+      // From values less 128 to values.
+      exposure.offset =
+          (s.y - exposure.gain * s.x) / s.w + 128 * (1 - exposure.gain);
+    }
+    is_exposed_ = is_exposed_ || k + 1 == exposures_.size();
+  }
+
+  float Residual(int level, size_t run, size_t i) {
+    const Exposure& exposure = ExposureOf(run);
+    return seen_.brightness[i] -
+           exposure.gain * points_.gray[static_cast<size_t>(level)][i] -
+           exposure.offset;
+  }
+
+  void MeasureNoise(int level) {
+    sizes_.clear();
+    const std::span<const PointRun> runs = ActiveRuns(level);
+    // One run of a keyframe says enough.
+    for (size_t r = 0; r < exposures_.size(); ++r) {
+      for (size_t i = runs[r].begin; i < runs[r].end; ++i) {
+        if (seen_.seen[i] == 0) continue;
+        sizes_.push_back(std::abs(Residual(level, r, i)));
+      }
+    }
+    if (sizes_.empty()) return;
     const auto middle =
-        sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    noise_ = std::clamp(1.5 * *middle, kMinNoise, kMaxNoise);
-  }
-
-  static bool Faces(const Mat3& r, const KeyframePoint& point, Vec3 p) {
-    const auto& n = point.normal_in_world;
-    if (n[0] == 0 && n[1] == 0 && n[2] == 0) return true;
-    const Vec3 normal = r * Vec3{n[0] / 127.0, n[1] / 127.0, n[2] / 127.0};
-    return -Dot(normal, p) > kMinFacing * Norm(p);
-  }
-
-  // Residuals of seen_[first, end): what gain and offset do not explain.
-  void TakeOutExposure(size_t first) {
-    double gain = 1;
-    double offset = 0;
-    double scale = 1e9;
-    for (int round = 0; round < 3; ++round) {
-      double sw = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
-      for (size_t i = first; i < seen_.size(); ++i) {
-        const Seen& s = seen_[i];
-        const double r = s.brightness - gain * s.reference - offset;
-        const double w = GemanMcClure(r * r, scale);
-        sw += w;
-        sx += w * s.reference;
-        sy += w * s.brightness;
-        sxx += w * s.reference * s.reference;
-        sxy += w * s.reference * s.brightness;
-      }
-      if (!(sw > 0)) return;
-      const double variance = sxx - sx * sx / sw;
-      gain = variance > sw ? (sxy - sx * sy / sw) / variance : 1;
-      gain = std::clamp(gain, 0.5, 2.0);
-      offset = (sy - gain * sx) / sw;
-      scale = round == 0 ? 30 : 15;
-    }
-    for (size_t i = first; i < seen_.size(); ++i) {
-      Seen& s = seen_[i];
-      s.residual = s.brightness - gain * s.reference - offset;
-    }
+        sizes_.begin() + static_cast<std::ptrdiff_t>(sizes_.size() / 2);
+    std::nth_element(sizes_.begin(), middle, sizes_.end());
+    noise_ =
+        std::clamp(1.5 * static_cast<double>(*middle), kMinNoise, kMaxNoise);
   }
 
   // One Gauss-Newton step. False: the pose is not determined.
-  bool Step(bool surfaces) {
-    equations_ = NormalEquations{};
-    const double weight = 1 / (noise_ * noise_);
-    for (const Seen& s : seen_) {
-      const Vec3 j{s.gradient_x * s.du_dx, s.gradient_y * s.dv_dy,
-                   s.gradient_x * s.du_dz + s.gradient_y * s.dv_dz};
-      equations_.Add(
-          s.point_in_camera, j, s.residual,
-          weight * GemanMcClure(s.residual * s.residual, 2 * noise_));
+  bool Step(int level, bool surfaces) {
+    NormalSums sums;
+    const PinholeView view = View();
+    const std::span<const PointRun> runs = ActiveRuns(level);
+    const double share = 4.0 / static_cast<double>(RunsAt(level));
+    for (size_t r = 0; r < runs.size(); ++r) {
+      const Exposure& exposure = ExposureOf(r);
+      AddBrightness(points_.gray[static_cast<size_t>(level)], seen_,
+                    runs[r].begin, runs[r].end, view, exposure.gain,
+                    exposure.offset, static_cast<float>(2 * noise_),
+                    static_cast<float>(share / (noise_ * noise_)), sums);
     }
-    if (surfaces) AddSurfaces();
-    Matrix6& h = equations_.h;
-    h.triangularView<Eigen::StrictlyLower>() = h.transpose();
-    const Eigen::LDLT<Matrix6> factors(h);
+    if (surfaces) {
+      AddSurfaces(surfaces_, view, kMaxSurfaceDistance_m, sums);
+    }
+    Vector6 g;
+    size_t next = 0;
+    for (int a = 0; a < 6; ++a) {
+      for (int b = a; b < 6; ++b) {
+        information_(a, b) = information_(b, a) = sums.h[next++];
+      }
+      g(a) = sums.g[static_cast<size_t>(a)];
+    }
+    const Eigen::LDLT<Matrix6> factors(information_);
     if (factors.info() != Eigen::Success || !(factors.rcond() > 1e-12)) {
       return false;
     }
-    const Vector6 step = -factors.solve(equations_.g);
+    const Vector6 step = -factors.solve(g);
     const Rotation3 turn =
         Rotation3::FromAxisAngle({step[3], step[4], step[5]});
     camera_from_world_ = {Normalized(turn * camera_from_world_.rotation),
@@ -267,8 +258,8 @@ class Aligner {
           pixel.y < camera.height() - 1)) {
       return false;
     }
-    const int x = static_cast<int>(std::lround(pixel.x));
-    const int y = static_cast<int>(std::lround(pixel.y));
+    const int x = static_cast<int>(pixel.x + 0.5);
+    const int y = static_cast<int>(pixel.y + 0.5);
     const uint16_t value =
         depth_->values[static_cast<size_t>(y) *
                            static_cast<size_t>(depth_->width) +
@@ -283,58 +274,70 @@ class Aligner {
     return true;
   }
 
-  template <typename Visit>
-  void VisitSurfaces(const Visit& visit) const {
+  // Finds the measured points that the keyframes' first runs project to; they
+  // are held on to while a level is aligned, since a step moves a point along
+  // its surface by less than the surface bends.
+  void MeasureSurfaces() {
+    surfaces_.clear();
     const Mat3 r = camera_from_world_.rotation.Matrix();
-    for (const size_t k : keyframes_) {
-      for (const KeyframePoint& point : map_.points(k)) {
-        const auto& n = point.normal_in_world;
-        if (n[0] == 0 && n[1] == 0 && n[2] == 0) continue;
-        const Vec3 world{point.position_in_world[0], point.position_in_world[1],
-                         point.position_in_world[2]};
-        const Vec3 p = r * world + camera_from_world_.translation;
-        if (!Faces(r, point, p)) continue;
-        Vec3 measured;
-        double sigma_m = 0;
-        if (!Measured(p, measured, sigma_m)) continue;
-        const Vec3 normal = r * Vec3{n[0] / 127.0, n[1] / 127.0, n[2] / 127.0};
-        visit(p, normal, Dot(normal, p - measured), sigma_m);
-      }
+    const Vec3 t = camera_from_world_.translation + r * origin_;
+    for (size_t i = 0; i < runs_[exposures_.size() - 1].end; ++i) {
+      const Vec3 normal{points_.nx[i], points_.ny[i], points_.nz[i]};
+      const Vec3 point{points_.x[i], points_.y[i], points_.z[i]};
+      if (normal == Vec3{} || !(seen_.seen[i] > 0)) continue;
+      Vec3 measured;
+      double sigma_m = 0;
+      if (!Measured(r * point + t, measured, sigma_m)) continue;
+      surfaces_.Append(point, normal, measured,
+                       (sigma_m * sigma_m + kSurfaceNoise_m * kSurfaceNoise_m));
     }
+    surfaces_.Pad();
   }
 
-  void AddSurfaces() {
-    VisitSurfaces([&](Vec3 p, Vec3 normal, double distance_m, double sigma_m) {
-      if (std::abs(distance_m) > kMaxSurfaceDistance_m) return;
-      const double variance =
-          sigma_m * sigma_m + kSurfaceNoise_m * kSurfaceNoise_m;
-      equations_.Add(
-          p, normal, distance_m,
-          GemanMcClure(distance_m * distance_m, 2 * std::sqrt(variance)) /
-              variance);
-    });
+  void JudgeSurfaces(Alignment& alignment) {
+    MeasureSurfaces();
+    const Mat3 r = camera_from_world_.rotation.Matrix();
+    const Vec3 t = camera_from_world_.translation + r * origin_;
+    int lying = 0;
+    for (size_t i = 0; i < surfaces_.size(); ++i) {
+      const Vec3 normal{surfaces_.nx[i], surfaces_.ny[i], surfaces_.nz[i]};
+      if (normal == Vec3{}) continue;  // fills up a block
+      const Vec3 p =
+          r * Vec3{surfaces_.x[i], surfaces_.y[i], surfaces_.z[i]} + t;
+      const Vec3 measured{surfaces_.measured_x[i], surfaces_.measured_y[i],
+                          surfaces_.measured_z[i]};
+      ++alignment.measured;
+      lying += std::abs(Dot(r * normal, p - measured)) <=
+               0.02 + 3 * DepthSigma_m(measured.z);
+    }
+    if (alignment.measured > 0) {
+      alignment.depth_agreement =
+          static_cast<double>(lying) / alignment.measured;
+    }
   }
 
   Alignment Judge() {
     Alignment alignment;
     alignment.world_from_camera = camera_from_world_.Inverse();
-    alignment.visible = static_cast<int>(seen_.size());
-    size_t points = 0;
-    for (const size_t k : keyframes_) points += map_.points(k).size();
-    alignment.overlap =
-        static_cast<double>(seen_.size()) / static_cast<double>(points);
+    alignment.visible = visible_;
+    alignment.overlap = static_cast<double>(visible_) / total_points_;
     double sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
     int agreeing = 0;
-    for (const Seen& s : seen_) {
-      agreeing += std::abs(s.residual) <= kAgreeing;
-      // Against what the keyframe, exposed alike, would have shown.
-      const double a = s.brightness - s.residual;
-      const double b = s.brightness;
-      sa += a;
-      sb += b;
-      saa += a * a;
-      sbb += b * b;
-      sab += a * b;
+    const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
+    for (size_t run = 0; run < runs.size(); ++run) {
+      for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
+        if (seen_.seen[i] == 0) continue;
+        const float residual = Residual(options_.last_level, run, i);
+        agreeing += std::abs(residual) <= kAgreeing;
+        // Against what the keyframe, exposed alike, would have shown.
+        const double b = seen_.brightness[i];
+        const double a = b - residual;
+        sa += a;
+        sb += b;
+        saa += a * a;
+        sbb += b * b;
+        sab += a * b;
+      }
     }
     const double n = alignment.visible;
     alignment.agreement = agreeing / n;
@@ -343,20 +346,10 @@ class Aligner {
     if (va > n && vb > n) {
       alignment.correlation = (sab - sa * sb / n) / std::sqrt(va * vb);
     }
-    if (depth_ != nullptr) {
-      int lying = 0;
-      VisitSurfaces([&](Vec3, Vec3, double distance_m, double sigma_m) {
-        ++alignment.measured;
-        lying += std::abs(distance_m) <= 0.02 + 3 * sigma_m;
-      });
-      if (alignment.measured > 0) {
-        alignment.depth_agreement =
-            static_cast<double>(lying) / alignment.measured;
-      }
-    }
+    if (depth_ != nullptr) JudgeSurfaces(alignment);
     // From a step in the camera's frame to one in the world's.
     const Matrix6 in_camera =
-        kCorrelatedPoints * equations_.h.ldlt().solve(Matrix6::Identity());
+        kCorrelatedPoints * information_.ldlt().solve(Matrix6::Identity());
     const Mat3 r = alignment.world_from_camera.rotation.Matrix();
     Eigen::Matrix3d rotation;
     for (int i = 0; i < 3; ++i) {
@@ -381,11 +374,18 @@ class Aligner {
   const RgbdCalibration& calibration_;
   const Rigid3 depth_from_color_;
   const AlignmentOptions& options_;
-  std::vector<size_t> keyframes_;
+  AlignmentPoints points_;
+  SeenPoints seen_;
+  SurfacePoints surfaces_;
+  std::vector<PointRun> runs_;
+  Vec3 origin_;
   Rigid3 camera_from_world_;
-  std::vector<Seen> seen_;
-  std::vector<double> scratch_;
-  NormalEquations equations_;
+  std::vector<Exposure> exposures_;  // one a keyframe
+  bool is_exposed_ = false;          // they have been fitted
+  std::vector<float> sizes_;
+  int total_points_ = 0;
+  int visible_ = 0;
+  Matrix6 information_ = Matrix6::Zero();
   double noise_ = kMaxNoise;
   double step_norm_ = 0;
 };

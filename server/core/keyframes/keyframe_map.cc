@@ -8,6 +8,20 @@
 #include "common/base/status_macros.h"
 
 namespace treeline {
+namespace {
+
+// Points of a keyframe that decide whether it is chosen.
+constexpr size_t kGlance = 64;
+// From this far away (as Nearest has it, m) a keyframe counts half.
+constexpr double kSameView_m = 0.25;
+static_assert(kGlance % kAlignmentBlock == 0);
+
+bool IsFinite(const std::array<float, 3>& position) {
+  return std::ranges::all_of(position,
+                             [](float c) { return std::isfinite(c); });
+}
+
+}  // namespace
 
 absl::StatusOr<KeyframeMap> KeyframeMap::Read(const ModelFile& model) {
   KeyframeMap map;
@@ -27,13 +41,67 @@ absl::StatusOr<KeyframeMap> KeyframeMap::Read(const ModelFile& model) {
     map.poses_.push_back(*pose);
   }
   for (const KeyframePoint& point : map.points_) {
-    for (const float c : point.position_in_world) {
-      if (!std::isfinite(c)) {
-        return absl::DataLossError("corrupt model: a keyframe point");
-      }
+    if (!IsFinite(point.position_in_world)) {
+      return absl::DataLossError("corrupt model: a keyframe point");
     }
   }
+  for (size_t k = 0; k < map.size(); ++k) {
+    const std::span<const KeyframePoint> points = map.points(k);
+    for (size_t i = 0; i < kGlance; ++i) {
+      if (points.empty()) {
+        map.glance_.AppendNothing();
+        continue;
+      }
+      const KeyframePoint& point = points[i * points.size() / kGlance];
+      map.glance_.Append(point.position_in_world, point.normal_in_world, {});
+    }
+  }
+  TL_ASSIGN_OR_RETURN(map.features_, model.Extra<KeyframeFeature>(
+                                         ModelExtra::kKeyframeFeatures));
+  uint32_t last = 0;
+  for (size_t i = 0; i < map.features_.size(); ++i) {
+    const KeyframeFeature& feature = map.features_[i];
+    if (!IsFinite(feature.position_in_world) || feature.keyframe < last ||
+        feature.keyframe >= map.poses_.size()) {
+      return absl::DataLossError("corrupt model: a keyframe feature");
+    }
+    last = feature.keyframe;
+    map.first_feature_.resize(last + size_t{1}, i);
+  }
+  map.first_feature_.resize(map.poses_.size() + 1, map.features_.size());
   return map;
+}
+
+std::vector<size_t> KeyframeMap::BestSeen(const Rigid3& world_from_camera,
+                                          const Camera& camera,
+                                          size_t count) const {
+  std::vector<float> seen(size());
+  CountSeen(glance_, kGlance, ViewOf(world_from_camera.Inverse(), camera, {}),
+            camera.width(), camera.height(), seen);
+  const Vec3 axis = world_from_camera.rotation * Vec3{0, 0, 1};
+  std::vector<std::pair<double, size_t>> order;  // the best score is least
+  for (size_t k = 0; k < seen.size(); ++k) {
+    if (!(seen[k] > 0)) continue;
+    const double turn =
+        kViewDistance_m * Norm(poses_[k].rotation * Vec3{0, 0, 1} - axis);
+    const double distance2 =
+        SquaredNorm(poses_[k].translation - world_from_camera.translation) +
+        turn * turn;
+    order.emplace_back(-static_cast<double>(seen[k]) /
+                           (1 + distance2 / (kSameView_m * kSameView_m)),
+                       k);
+  }
+  const size_t kept = std::min(count, order.size());
+  std::partial_sort(order.begin(),
+                    order.begin() + static_cast<std::ptrdiff_t>(kept),
+                    order.end());
+  std::vector<size_t> result;
+  for (size_t i = 0; i < kept; ++i) result.push_back(order[i].second);
+  return result;
+}
+
+double MaxKeyframeAngle_rad(const Camera& camera) {
+  return std::max(0.35, 0.5 * std::atan(0.5 * camera.width() / camera.fx()));
 }
 
 std::vector<size_t> KeyframeMap::Nearest(const Rigid3& world_from_camera,

@@ -10,8 +10,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/camera/camera.h"
 #include "common/geometry/rigid3.h"
+#include "server/core/features/sift_descriptor.h"
 #include "server/core/forest/model_file.h"
+#include "server/core/keyframes/alignment_kernels.h"
 
 namespace treeline {
 
@@ -35,13 +38,24 @@ struct KeyframePoint {
 };
 static_assert(sizeof(KeyframePoint) == 20);
 
+// A SIFT feature of a keyframe where depth was measured, as the file has it:
+// those of a keyframe stand together, keyframes in their order.
+struct KeyframeFeature {
+  std::array<float, 3> position_in_world{};
+  uint32_t keyframe = 0;
+  // See SiftDescriptor.
+  std::array<uint8_t, SiftDescriptor::kDimensions> descriptor{};
+};
+static_assert(sizeof(KeyframeFeature) == 144);
+
 // The keyframes of a model. Points into its mapping.
 class KeyframeMap {
  public:
   KeyframeMap() = default;
 
-  // Empty if the model has none. DATA_LOSS for poses that are not rigid, or
-  // points that are not there or not finite.
+  // Empty if the model has none. DATA_LOSS for poses that are not rigid, points
+  // that are not there, points and features that are not finite, and features
+  // that are out of order or of no keyframe.
   static absl::StatusOr<KeyframeMap> Read(const ModelFile& model);
 
   size_t size() const { return poses_.size(); }
@@ -52,26 +66,46 @@ class KeyframeMap {
     return points_.subspan(records_[i].first_point, records_[i].points);
   }
 
+  // Empty but for method hybrid.
+  std::span<const KeyframeFeature> features(size_t i) const {
+    return features_.subspan(first_feature_[i],
+                             first_feature_[i + 1] - first_feature_[i]);
+  }
+
   // Up to `count` keyframes near a pose, nearest first: by
   // |position|^2 + (kViewDistance_m * angle)^2, none turned further than
   // max_angle_rad (thesis 3.2.3: a quarter of the field of view).
   std::vector<size_t> Nearest(const Rigid3& world_from_camera,
                               double max_angle_rad, size_t count) const;
 
+  // Up to `count` keyframes of which much should be seen from about the same
+  // place, best first. A few points of each are looked at, as if by a lens
+  // without distortion.
+  std::vector<size_t> BestSeen(const Rigid3& world_from_camera,
+                               const Camera& camera, size_t count) const;
+
  private:
   std::span<const KeyframeRecord> records_;
   std::span<const KeyframePoint> points_;
+  std::span<const KeyframeFeature> features_;
+  std::vector<size_t> first_feature_{0};  // of each keyframe, and the end
   std::vector<Rigid3> poses_;
+  // Some points of each keyframe, as many of each.
+  AlignmentPoints glance_;
 };
 
 // Roughly how far away what a camera sees is (m): a turn by one radian moves it
 // as much as a step of this length.
 inline constexpr double kViewDistance_m = 1.5;
 
+// A quarter of the field of view (thesis 3.2.3), and no less than 20 degrees.
+double MaxKeyframeAngle_rad(const Camera& camera);
+
 // What training gathers.
 struct Keyframes {
   std::vector<KeyframeRecord> records;
   std::vector<KeyframePoint> points;
+  std::vector<KeyframeFeature> features;
 };
 
 }  // namespace treeline

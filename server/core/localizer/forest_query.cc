@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
@@ -42,22 +43,39 @@ absl::Status CheckDepth(const Frame& frame, const Camera& camera,
   return CheckSize("depth", frame.depth->width, frame.depth->height, camera);
 }
 
-absl::Status PredictScene(const ForestView& forest, int backtracking_leaves,
-                          const std::stop_token& stop, ForestScratch& scratch,
+SampleBatch NextBatch(const QueryOptions& options, size_t begin,
+                      size_t samples) {
+  const size_t first = static_cast<size_t>(options.first_samples);
+  return {begin, begin == 0 ? std::min(first, samples) : samples};
+}
+
+bool IsSettled(const QueryOptions& options, int inliers) {
+  return inliers >= options.settled_inliers;
+}
+
+absl::Status PredictScene(const ForestView& forest, const QueryOptions& options,
+                          const SampleBatch& batch, const std::stop_token& stop,
+                          ForestScratch& scratch,
                           std::vector<ScenePrediction>& predictions) {
-  const RgbdSamples& samples = scratch.samples;
-  scratch.descriptors.resize(samples.size());
+  const RgbdSamples& all = scratch.samples;
+  const size_t count = batch.end - batch.begin;
+  const SampleView samples{
+      std::span(all.x).subspan(batch.begin, count),
+      std::span(all.y).subspan(batch.begin, count),
+      std::span(all.inverse_depth_q12).subspan(batch.begin, count)};
+  scratch.descriptors.resize(count);
   ComputeWht(scratch.image, samples.x, samples.y, scratch.descriptors);
-  scratch.matches.resize(samples.size() * static_cast<size_t>(forest.trees()));
-  PredictLeaves(forest, scratch.image,
-                {samples.x, samples.y, samples.inverse_depth_q12},
-                scratch.descriptors, backtracking_leaves, stop, scratch.leaves,
-                scratch.matches);
+  scratch.matches.resize(count * static_cast<size_t>(forest.trees()));
+  const BacktrackingOptions backtracking{
+      .leaves = options.backtracking_leaves,
+      .first_leaves = options.first_leaves,
+      .good_squared_distance = options.good_distance * options.good_distance};
+  PredictLeaves(forest, scratch.image, samples, scratch.descriptors,
+                backtracking, stop, scratch.backtracking, scratch.matches);
   if (stop.stop_requested()) {
     return absl::CancelledError("the query was cancelled");
   }
-  predictions.clear();
-  predictions.reserve(scratch.matches.size());
+  predictions.reserve(predictions.size() + scratch.matches.size());
   for (const LeafMatch& match : scratch.matches) {
     predictions.push_back(PredictionOf(forest, match.leaf));
   }

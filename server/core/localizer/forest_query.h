@@ -15,6 +15,7 @@
 #include "server/core/features/gray_pyramid.h"
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/forest/backtracking.h"
+#include "server/core/localizer/query_options.h"
 #include "server/core/pose/scene_predictions.h"
 
 namespace treeline {
@@ -61,7 +62,7 @@ struct ForestScratch {
   GrayPyramid pyramid;
   RgbdSamples samples;
   std::vector<WhtDescriptor> descriptors;
-  std::vector<uint32_t> leaves;
+  BacktrackingScratch backtracking;
   std::vector<LeafMatch> matches;
 };
 
@@ -71,12 +72,25 @@ absl::Status CheckColor(const Frame& frame, const Camera& camera);
 absl::Status CheckDepth(const Frame& frame, const Camera& camera,
                         absl::string_view method);
 
-// The scene coordinates that `forest` predicts at scratch.samples in
-// scratch.image, for each sample the best match of every tree, nearest
-// descriptor first; leaf covariances are widened for leaves of few samples.
-// CANCELLED after `stop`.
-absl::Status PredictScene(const ForestView& forest, int backtracking_leaves,
-                          const std::stop_token& stop, ForestScratch& scratch,
+// The next samples to predict for: those after the first `begin`, up to
+// options.first_samples of them at first, and all that are left then.
+struct SampleBatch {
+  size_t begin = 0;
+  size_t end = 0;
+};
+SampleBatch NextBatch(const QueryOptions& options, size_t begin,
+                      size_t samples);
+
+// Whether so many inliers settle a pose, so that no more samples are needed.
+bool IsSettled(const QueryOptions& options, int inliers);
+
+// Appends the scene coordinates that `forest` predicts at samples [begin, end)
+// of scratch.samples in scratch.image, for each sample the best match of every
+// tree, nearest descriptor first; leaf covariances are widened for leaves of
+// few samples. CANCELLED after `stop`.
+absl::Status PredictScene(const ForestView& forest, const QueryOptions& options,
+                          const SampleBatch& batch, const std::stop_token& stop,
+                          ForestScratch& scratch,
                           std::vector<ScenePrediction>& predictions);
 
 // A leaf's mode as a prediction.

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/backtracking.h"
+#include "server/core/localizer/hybrid_localizer.h"
 #include "server/core/localizer/rgb_localizer.h"
 #include "server/core/localizer/rgbd_localizer.h"
 #include "server/core/localizer/sift_localizer.h"
@@ -20,8 +21,18 @@ absl::Status QueryOptions::Validate() const {
   TL_RETURN_IF_ERROR(check("samples", samples, 30, 20000));
   TL_RETURN_IF_ERROR(check("backtracking leaves", backtracking_leaves, 1,
                            kMaxBacktrackingLeaves));
+  TL_RETURN_IF_ERROR(check("first samples", first_samples, 30, 20000));
+  TL_RETURN_IF_ERROR(check("settled inliers", settled_inliers, 1, 20000));
+  TL_RETURN_IF_ERROR(
+      check("first leaves", first_leaves, 1, kMaxBacktrackingLeaves));
+  TL_RETURN_IF_ERROR(check("good distance", good_distance, 0, 2000));
   TL_RETURN_IF_ERROR(check("features", features, 100, 100000));
   return check("hypotheses", hypotheses, 1, 10000);
+}
+
+void SetTotal(double total_ms, LocalizeTimings& timings) {
+  timings.total_ms = total_ms;
+  timings.pose_ms = total_ms - timings.sample_ms - timings.forest_ms;
 }
 
 absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
@@ -38,6 +49,10 @@ absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
   if (method == "rgb") {
     return std::make_unique<RgbLocalizer>(std::move(model), std::move(verifier),
                                           options);
+  }
+  if (method == "hybrid") {
+    return std::make_unique<HybridLocalizer>(std::move(model),
+                                             std::move(verifier), options);
   }
   if (method == "sift") {
     absl::StatusOr<std::unique_ptr<SiftLocalizer>> localizer =

@@ -36,6 +36,9 @@ struct LocalizeTimings {
   double total_ms = 0;
 };
 
+// Sets total_ms, and pose_ms to what the other stages leave of it.
+void SetTotal(double total_ms, LocalizeTimings& timings);
+
 // One sample that supported or contradicted the answer: for pictures.
 struct Correspondence {
   Pixel color_pixel;

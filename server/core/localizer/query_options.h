@@ -15,6 +15,16 @@ struct QueryOptions {
   int features = 3000;
   // N_max of thesis Algorithm 3: leaves visited in each tree, in [1, 32].
   int backtracking_leaves = 6;
+  // A pose is first sought with so many of the samples, in [30, 20000], ...
+  int first_samples = 200;
+  // ... and they are enough if so many support it.
+  int settled_inliers = 100;
+  // A sample visits so many leaves in each tree at first, in [1, 32]; only if
+  // the best descriptor is further than good_distance (in [0, 2000]) from its
+  // own, backtracking_leaves of them (thesis 7.2.1). No less than those: all
+  // samples visit as many.
+  int first_leaves = 32;
+  int good_distance = 0;
   // Hypotheses of preemptive RANSAC, in [1, 10000].
   int hypotheses = 128;
 

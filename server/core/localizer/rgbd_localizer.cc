@@ -1,6 +1,7 @@
 #include "server/core/localizer/rgbd_localizer.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "common/base/clock.h"
@@ -17,6 +18,7 @@ constexpr uint64_t kRansacStream = 2;
 
 // Below this many samples nothing can be said.
 constexpr int kMinSamples = 30;
+
 }  // namespace
 
 RgbdLocalizer::RgbdLocalizer(std::unique_ptr<const ModelFile> model,
@@ -47,28 +49,34 @@ absl::StatusOr<PoseEstimate> RgbdLocalizer::Localize(
   if (estimate.samples < kMinSamples) return estimate;
 
   const ForestView& forest = model_->forest();
-  ScenePredictions scene;
-  TL_RETURN_IF_ERROR(PredictScene(forest, options_.backtracking_leaves,
-                                  options.stop, scratch, scene.predictions));
-  scene.per_point = forest.trees();
-  scene.point_in_camera = scratch.samples.point;
-  scene.depth_sigma_m.assign(scratch.samples.depth_sigma_m.begin(),
-                             scratch.samples.depth_sigma_m.end());
-  const MonotonicTime predicted = clock.Now();
-  estimate.timings.forest_ms = MillisecondsBetween(sampled, predicted);
-
   RansacOptions ransac_options;
   ransac_options.seed = MixBits(options.seed + kRansacStream);
   ransac_options.hypotheses = options_.hypotheses;
-  const std::optional<RansacResult> ransac =
-      PreemptiveRansac(scene, ransac_options, options.stop);
-  if (options.stop.stop_requested()) {
-    return absl::CancelledError("the query was cancelled");
-  }
+  ScenePredictions scene;
+  scene.per_point = forest.trees();
   std::optional<RefinedPose> refined;
-  if (ransac) {
-    refined = RefineRigid(scene, ransac->world_from_camera, {});
-  }
+  do {
+    const MonotonicTime begin = clock.Now();
+    const SampleBatch batch =
+        NextBatch(options_, scene.size(), scratch.samples.size());
+    TL_RETURN_IF_ERROR(PredictScene(forest, options_, batch, options.stop,
+                                    scratch, scene.predictions));
+    for (size_t i = batch.begin; i < batch.end; ++i) {
+      scene.point_in_camera.push_back(scratch.samples.point[i]);
+      scene.depth_sigma_m.push_back(
+          static_cast<double>(scratch.samples.depth_sigma_m[i]));
+    }
+    estimate.timings.forest_ms += MillisecondsBetween(begin, clock.Now());
+    const std::optional<RansacResult> ransac =
+        PreemptiveRansac(scene, ransac_options, options.stop);
+    if (options.stop.stop_requested()) {
+      return absl::CancelledError("the query was cancelled");
+    }
+    refined.reset();
+    if (ransac) refined = RefineRigid(scene, ransac->world_from_camera, {});
+  } while (scene.size() < scratch.samples.size() &&
+           !(refined && IsSettled(options_, refined->inliers)));
+  estimate.samples = static_cast<int>(scene.size());
   estimate.reason = NotLocalizedReason::kTooFewInliers;
   if (refined) {
     estimate.inliers = refined->inliers;
@@ -90,9 +98,7 @@ absl::StatusOr<PoseEstimate> RgbdLocalizer::Localize(
            k >= 0});
     }
   }
-  const MonotonicTime end = clock.Now();
-  estimate.timings.pose_ms = MillisecondsBetween(predicted, end);
-  estimate.timings.total_ms = MillisecondsBetween(start, end);
+  SetTotal(MillisecondsBetween(start, clock.Now()), estimate.timings);
   return estimate;
 }
 

@@ -6,7 +6,6 @@
 
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
-#include "Eigen/LU"
 #include "common/base/random.h"
 
 namespace treeline {
@@ -77,7 +76,18 @@ double TruncatedEnergy(const PackedPixels& p, const Rigid3& camera_from_world,
   return energy;
 }
 
-double SquaredError(const Rigid3& camera_from_world, Vec3 point, Pixel ray) {
+// A rigid transform as its matrix: faster than quaternions for many points.
+struct CameraFromWorld {
+  explicit CameraFromWorld(const Rigid3& pose)
+      : r(pose.rotation.Matrix()), t(pose.translation) {}
+  Vec3 operator*(Vec3 point) const { return r * point + t; }
+
+  Mat3 r;
+  Vec3 t;
+};
+
+double SquaredError(const CameraFromWorld& camera_from_world, Vec3 point,
+                    Pixel ray) {
   const Vec3 p = camera_from_world * point;
   if (p.z < kMinDepth) return std::numeric_limits<double>::infinity();
   const double du = p.x / p.z - ray.x;
@@ -114,7 +124,8 @@ std::optional<Rigid3> DrawHypothesis(const PixelPredictions& scene,
     for (int s = 0; s < solutions.count; ++s) {
       const Rigid3& candidate =
           solutions.camera_from_world[static_cast<size_t>(s)];
-      const double error = SquaredError(candidate, point[3], ray[3]);
+      const double error =
+          SquaredError(CameraFromWorld(candidate), point[3], ray[3]);
       if (error < best) {
         best = error;
         pose = candidate;
@@ -131,7 +142,7 @@ struct Nearest {
   double squared_distance = std::numeric_limits<double>::infinity();
 };
 Nearest NearestPrediction(const PixelPredictions& scene,
-                          const Rigid3& camera_from_world, size_t i,
+                          const CameraFromWorld& camera_from_world, size_t i,
                           int per_pixel) {
   Nearest nearest;
   for (int k = 0; k < per_pixel; ++k) {
@@ -149,40 +160,61 @@ struct NormalEquations {
   double weights = 0;
 };
 
-// Adds pixel i with prediction k: the residual's derivative is that of
+// Adds pixel i with prediction k to the upper triangle: the residual's
+// derivative is that of
 //   camera_from_world * X = R^T (X - t),  R' = Exp(w) R,  t' = t + d
 // with respect to (d, w), both in the world frame.
 void Accumulate(const PixelPredictions& scene, size_t i, int k,
-                const Rigid3& camera_from_world, const Mat3& r, double robust,
-                NormalEquations& n) {
+                const CameraFromWorld& camera_from_world, Vec3 position,
+                double robust, NormalEquations& n) {
   const ScenePrediction& prediction = scene.at(i, k);
   const Vec3 p = camera_from_world * prediction.mean_in_world;
   const double iz = 1 / p.z;
-  const Eigen::Vector2d residual(p.x * iz - scene.ray[i].x,
-                                 p.y * iz - scene.ray[i].y);
-  Eigen::Matrix<double, 2, 3> projection;
-  projection << iz, 0, -p.x * iz * iz, 0, iz, -p.y * iz * iz;
-  Eigen::Matrix3d rotation;
-  rotation << r.m[0], r.m[1], r.m[2], r.m[3], r.m[4], r.m[5], r.m[6], r.m[7],
-      r.m[8];
-  const Eigen::Matrix<double, 2, 3> from_world = projection * rotation;
+  const double x = p.x * iz;
+  const double y = p.y * iz;
+  const double residual[2] = {x - scene.ray[i].x, y - scene.ray[i].y};
+  // Derivatives of the projection with respect to the point in the world.
+  const Mat3& r = camera_from_world.r;
+  const Vec3 a[2] = {{iz * (r.m[0] - x * r.m[6]), iz * (r.m[1] - x * r.m[7]),
+                      iz * (r.m[2] - x * r.m[8])},
+                     {iz * (r.m[3] - y * r.m[6]), iz * (r.m[4] - y * r.m[7]),
+                      iz * (r.m[5] - y * r.m[8])}};
   const auto& c = prediction.covariance;
-  Eigen::Matrix3d covariance;
-  covariance << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-  Eigen::Matrix2d noise = from_world * covariance * from_world.transpose();
-  noise.diagonal().array() += scene.ray_sigma[i] * scene.ray_sigma[i];
-  const Eigen::Matrix2d weight = robust * noise.inverse();
-  // q = X - t, expressed in the world.
-  const Vec3 q = camera_from_world.rotation.Inverse() * p;
-  Eigen::Matrix3d cross;
-  cross << 0, -q.z, q.y, q.z, 0, -q.x, -q.y, q.x, 0;
-  Eigen::Matrix<double, 2, 6> jacobian;
-  jacobian.leftCols<3>() = -from_world;
-  jacobian.rightCols<3>() = from_world * cross;
-  const Eigen::Matrix<double, 6, 2> weighted = jacobian.transpose() * weight;
-  n.h += weighted * jacobian;
-  n.g += weighted * residual;
-  n.weighted_squares += residual.dot(weight * residual);
+  const auto spread = [&](Vec3 v) {
+    return Vec3{c[0] * v.x + c[1] * v.y + c[2] * v.z,
+                c[1] * v.x + c[3] * v.y + c[4] * v.z,
+                c[2] * v.x + c[4] * v.y + c[5] * v.z};
+  };
+  const Vec3 spread_x = spread(a[0]);
+  const double noise = scene.ray_sigma[i] * scene.ray_sigma[i];
+  const double xx = Dot(a[0], spread_x) + noise;
+  const double xy = Dot(a[1], spread_x);
+  const double yy = Dot(a[1], spread(a[1])) + noise;
+  const double scale = robust / (xx * yy - xy * xy);
+  const double weight[2][2] = {{scale * yy, -scale * xy},
+                               {-scale * xy, scale * xx}};
+  // X - t.
+  const Vec3 q = prediction.mean_in_world - position;
+  double jacobian[2][6];
+  for (size_t row = 0; row < 2; ++row) {
+    const Vec3 turn = Cross(a[row], q);
+    const double values[6] = {-a[row].x, -a[row].y, -a[row].z,
+                              turn.x,    turn.y,    turn.z};
+    std::copy(values, values + 6, jacobian[row]);
+  }
+  for (int u = 0; u < 6; ++u) {
+    const double w0 =
+        weight[0][0] * jacobian[0][u] + weight[1][0] * jacobian[1][u];
+    const double w1 =
+        weight[0][1] * jacobian[0][u] + weight[1][1] * jacobian[1][u];
+    for (int v = u; v < 6; ++v) {
+      n.h(u, v) += w0 * jacobian[0][v] + w1 * jacobian[1][v];
+    }
+    n.g(u) += w0 * residual[0] + w1 * residual[1];
+  }
+  n.weighted_squares += residual[0] * (weight[0][0] * residual[0] +
+                                       2 * weight[0][1] * residual[1]) +
+                        residual[1] * weight[1][1] * residual[1];
   n.weights += robust;
 }
 
@@ -191,17 +223,17 @@ void Accumulate(const PixelPredictions& scene, size_t i, int k,
 bool Step(const PixelPredictions& scene, double scale, int per_pixel,
           Rigid3& world_from_camera, NormalEquations& n) {
   n = NormalEquations{};
-  const Rigid3 camera_from_world = world_from_camera.Inverse();
-  const Mat3 rotation = camera_from_world.rotation.Matrix();
+  const CameraFromWorld camera_from_world(world_from_camera.Inverse());
   const double scale2 = scale * scale;
   for (size_t i = 0; i < scene.size(); ++i) {
     const Nearest nearest =
         NearestPrediction(scene, camera_from_world, i, per_pixel);
     if (!(nearest.squared_distance <= 9 * scale2)) continue;
     const double root = scale2 / (scale2 + nearest.squared_distance);
-    Accumulate(scene, i, nearest.k, camera_from_world, rotation, root * root,
-               n);
+    Accumulate(scene, i, nearest.k, camera_from_world,
+               world_from_camera.translation, root * root, n);
   }
+  n.h.triangularView<Eigen::StrictlyLower>() = n.h.transpose();
   const Eigen::LDLT<Matrix6> factors(n.h);
   if (n.weights < 3 || factors.info() != Eigen::Success ||
       !(factors.rcond() > 1e-14)) {
@@ -292,7 +324,7 @@ std::optional<PnpResult> RefinePnp(const PixelPredictions& scene,
           0.5 * (covariance(r, c) + covariance(c, r));
     }
   }
-  const Rigid3 camera_from_world = pose.Inverse();
+  const CameraFromWorld camera_from_world(pose.Inverse());
   const double limit = options.inlier_distance * options.inlier_distance;
   result.supported.assign(scene.size(), -1);
   for (size_t i = 0; i < scene.size(); ++i) {

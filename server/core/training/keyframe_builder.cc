@@ -12,6 +12,7 @@
 #include "server/core/features/depth_registration.h"
 #include "server/core/features/gray_pyramid.h"
 #include "server/core/features/planar_image.h"
+#include "server/core/keyframes/keyframe_features.h"
 
 namespace treeline {
 namespace {
@@ -149,6 +150,51 @@ std::vector<KeyframePoint> SelectPoints(const Frame& frame,
   return points;
 }
 
+// The SIFT features that stand where depth was measured.
+absl::StatusOr<std::vector<KeyframeFeature>> SelectFeatures(
+    const Frame& frame, const Rigid3& world_from_color,
+    const DepthRegistration& registration, int count) {
+  std::vector<KeyframeFeature> features;
+  if (count == 0) return features;
+  // Some stand where no depth is.
+  TL_ASSIGN_OR_RETURN(const SiftFeatures found,
+                      ExtractKeyframeSift(frame.color, 2 * count));
+  const std::vector<Vec3> in_color = registration.PointsInColor(*frame.depth);
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (features.size() == static_cast<size_t>(count)) break;
+    const std::optional<Vec3> point =
+        registration.PointAt(in_color, found.keypoints[i].pixel);
+    if (!point) continue;
+    const Vec3 world = world_from_color * *point;
+    KeyframeFeature feature;
+    feature.position_in_world = {static_cast<float>(world.x),
+                                 static_cast<float>(world.y),
+                                 static_cast<float>(world.z)};
+    feature.descriptor = found.descriptors[i].values;
+    features.push_back(feature);
+  }
+  return features;
+}
+
+// What is kept of one frame.
+struct SelectedParts {
+  absl::Status status;
+  std::vector<KeyframePoint> points;
+  std::vector<KeyframeFeature> features;
+};
+
+absl::Status Select(const Dataset& dataset, const SelectedFrame& selected,
+                    const DepthRegistration& registration,
+                    const KeyframeOptions& options, SelectedParts& parts) {
+  TL_ASSIGN_OR_RETURN(const Frame frame, dataset.Load(selected.frame));
+  parts.points = SelectPoints(frame, selected.world_from_color, registration,
+                              options.points);
+  TL_ASSIGN_OR_RETURN(parts.features,
+                      SelectFeatures(frame, selected.world_from_color,
+                                     registration, options.features));
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<Keyframes> BuildKeyframes(const Dataset& dataset,
@@ -159,23 +205,16 @@ absl::StatusOr<Keyframes> BuildKeyframes(const Dataset& dataset,
   const std::vector<SelectedFrame> selected =
       SelectFrames(dataset, calibration, options);
   const DepthRegistration registration(calibration);
-  std::vector<absl::StatusOr<std::vector<KeyframePoint>>> points(
-      selected.size(), std::vector<KeyframePoint>());
+  std::vector<SelectedParts> parts(selected.size());
   {
     Progress progress("keyframes", static_cast<int64_t>(selected.size()),
                       quiet);
     ParallelFor(static_cast<int64_t>(selected.size()), options.threads,
                 [&](int64_t i) {
                   if (stop.stop_requested()) return;
-                  const SelectedFrame& s = selected[static_cast<size_t>(i)];
-                  const absl::StatusOr<Frame> frame = dataset.Load(s.frame);
-                  auto& out = points[static_cast<size_t>(i)];
-                  if (frame.ok()) {
-                    out = SelectPoints(*frame, s.world_from_color, registration,
-                                       options.points);
-                  } else {
-                    out = frame.status();
-                  }
+                  SelectedParts& out = parts[static_cast<size_t>(i)];
+                  out.status = Select(dataset, selected[static_cast<size_t>(i)],
+                                      registration, options, out);
                   progress.Add(1);
                 });
   }
@@ -184,7 +223,8 @@ absl::StatusOr<Keyframes> BuildKeyframes(const Dataset& dataset,
   }
   Keyframes keyframes;
   for (size_t i = 0; i < selected.size(); ++i) {
-    TL_RETURN_IF_ERROR(points[i].status());
+    TL_RETURN_IF_ERROR(parts[i].status);
+    const std::vector<KeyframePoint>& points = parts[i].points;
     KeyframeRecord record;
     const Rigid3& pose = selected[i].world_from_color;
     record.rotation = {pose.rotation.w, pose.rotation.x, pose.rotation.y,
@@ -192,10 +232,14 @@ absl::StatusOr<Keyframes> BuildKeyframes(const Dataset& dataset,
     record.position_in_world = {pose.translation.x, pose.translation.y,
                                 pose.translation.z};
     record.first_point = static_cast<uint32_t>(keyframes.points.size());
-    record.points = static_cast<uint32_t>(points[i]->size());
+    record.points = static_cast<uint32_t>(points.size());
+    for (KeyframeFeature& feature : parts[i].features) {
+      feature.keyframe = static_cast<uint32_t>(keyframes.records.size());
+      keyframes.features.push_back(feature);
+    }
     keyframes.records.push_back(record);
-    keyframes.points.insert(keyframes.points.end(), points[i]->begin(),
-                            points[i]->end());
+    keyframes.points.insert(keyframes.points.end(), points.begin(),
+                            points.end());
   }
   return keyframes;
 }

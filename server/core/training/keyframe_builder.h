@@ -19,6 +19,9 @@ struct KeyframeOptions {
   int max_keyframes = 400;
   // At most so many points of each.
   int points = 1200;
+  // At most so many SIFT features of each, where depth is measured; 0: none,
+  // and none are looked for.
+  int features = 0;
   // 0: one a processor.
   int threads = 0;
 };

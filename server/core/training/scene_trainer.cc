@@ -31,10 +31,16 @@ constexpr MethodDescription kMethods[] = {
     {"rgb",
      "colour and depth in training, colour alone in queries: a backtracking "
      "regression forest on colour differences, and PnP"},
+    {"hybrid",
+     "the same forest, then SIFT features of the keyframes near its pose, and "
+     "PnP"},
     {"sift",
      "colour alone, with a structure from motion (colmap:, nvm:): a "
      "backtracking regression forest on SIFT features, and PnP"},
 };
+
+// SIFT features of a keyframe, where the method has any.
+constexpr int kKeyframeFeatures = 500;
 
 bool IsKnown(absl::string_view method) {
   return std::ranges::any_of(
@@ -42,7 +48,9 @@ bool IsKnown(absl::string_view method) {
 }
 
 // Methods whose queries have no depth answer with the colour camera's pose.
-bool SeesColorAlone(absl::string_view method) { return method == "rgb"; }
+bool SeesColorAlone(absl::string_view method) {
+  return method == "rgb" || method == "hybrid";
+}
 
 template <typename T>
 absl::string_view BytesOf(const std::vector<T>& values) {
@@ -165,6 +173,7 @@ class SceneTrainer {
   absl::StatusOr<Keyframes> MakeKeyframes(const Dataset& dataset) const {
     KeyframeOptions keyframes;
     keyframes.threads = forest_options_.threads;
+    if (options_.method == "hybrid") keyframes.features = kKeyframeFeatures;
     return BuildKeyframes(dataset, calibration_, keyframes, quiet_, stop_);
   }
 
@@ -192,6 +201,14 @@ class SceneTrainer {
     TL_ASSIGN_OR_RETURN(
         const std::span<const KeyframePoint> points,
         base_->Extra<KeyframePoint>(ModelExtra::kKeyframePoints));
+    TL_ASSIGN_OR_RETURN(
+        const std::span<const KeyframeFeature> features,
+        base_->Extra<KeyframeFeature>(ModelExtra::kKeyframeFeatures));
+    for (KeyframeFeature& feature : keyframes.features) {
+      feature.keyframe += static_cast<uint32_t>(records.size());
+    }
+    keyframes.features.insert(keyframes.features.begin(), features.begin(),
+                              features.end());
     for (KeyframeRecord& record : keyframes.records) {
       record.first_point += static_cast<uint32_t>(points.size());
     }
@@ -206,6 +223,10 @@ class SceneTrainer {
     std::vector<ModelExtraBytes> extras = {
         {ModelExtra::kKeyframes, BytesOf(learned.keyframes.records)},
         {ModelExtra::kKeyframePoints, BytesOf(learned.keyframes.points)}};
+    if (!learned.keyframes.features.empty()) {
+      extras.push_back(
+          {ModelExtra::kKeyframeFeatures, BytesOf(learned.keyframes.features)});
+    }
     return WriteModel(path, info_, {learned.forest.forest.View()}, extras);
   }
 

@@ -1,0 +1,71 @@
+#include "server/core/features/sift_matching.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "common/base/random.h"
+#include "gtest/gtest.h"
+
+namespace treeline {
+namespace {
+
+std::vector<SiftDescriptor> RandomDescriptors(size_t count, Random& random) {
+  std::vector<SiftDescriptor> descriptors(count);
+  for (SiftDescriptor& d : descriptors) {
+    for (uint8_t& v : d.values) v = static_cast<uint8_t>(random.NextBelow(256));
+  }
+  return descriptors;
+}
+
+int32_t SquaredDistance(const SiftDescriptor& a, const SiftDescriptor& b) {
+  int32_t sum = 0;
+  for (size_t i = 0; i < a.values.size(); ++i) {
+    const int32_t difference = a.values[i] - b.values[i];
+    sum += difference * difference;
+  }
+  return sum;
+}
+
+SiftDescriptorView ViewOf(const std::vector<SiftDescriptor>& descriptors) {
+  return {.data = descriptors[0].values.data(), .size = descriptors.size()};
+}
+
+TEST(FindNearestSiftTest, FindsTheNearestAndTheSecondDistance) {
+  Random random(1, 0);
+  const std::vector<SiftDescriptor> queries = RandomDescriptors(23, random);
+  const std::vector<SiftDescriptor> known = RandomDescriptors(57, random);
+  std::vector<NearestSift> nearest(queries.size());
+  FindNearestSift(queries, ViewOf(known), nearest);
+  for (size_t q = 0; q < queries.size(); ++q) {
+    std::vector<int32_t> distances;
+    for (const SiftDescriptor& d : known) {
+      distances.push_back(SquaredDistance(queries[q], d));
+    }
+    EXPECT_EQ(distances[nearest[q].index], nearest[q].squared_distance);
+    std::ranges::sort(distances);
+    EXPECT_EQ(nearest[q].squared_distance, distances[0]);
+    EXPECT_EQ(nearest[q].second_squared_distance, distances[1]);
+  }
+}
+
+TEST(FindNearestSiftTest, DistancesDoNotOverflow) {
+  std::vector<SiftDescriptor> query(1);
+  std::vector<SiftDescriptor> known(1);
+  known[0].values.fill(255);
+  std::vector<NearestSift> nearest(1);
+  FindNearestSift(query, ViewOf(known), nearest);
+  EXPECT_EQ(nearest[0].squared_distance, 128 * 255 * 255);
+  EXPECT_EQ(nearest[0].second_squared_distance, INT32_MAX);
+}
+
+TEST(FindNearestSiftTest, TiesGoToTheFirst) {
+  std::vector<SiftDescriptor> query(1);
+  const std::vector<SiftDescriptor> known(3);
+  std::vector<NearestSift> nearest(1);
+  FindNearestSift(query, ViewOf(known), nearest);
+  EXPECT_EQ(nearest[0].index, 0u);
+  EXPECT_EQ(nearest[0].second_squared_distance, 0);
+}
+
+}  // namespace
+}  // namespace treeline

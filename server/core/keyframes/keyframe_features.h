@@ -1,0 +1,51 @@
+// Sparse features of keyframes, and of frames to be matched with them
+// (thesis 3.2.3).
+#ifndef SERVER_CORE_KEYFRAMES_KEYFRAME_FEATURES_H_
+#define SERVER_CORE_KEYFRAMES_KEYFRAME_FEATURES_H_
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/geometry/vector3.h"
+#include "common/image/image.h"
+#include "server/core/features/sift_extractor.h"
+#include "server/core/keyframes/keyframe_map.h"
+
+namespace treeline {
+
+// Up to max_features SIFT features of an image, largest regions first, at
+// pixels of the image. Images of 512 pixels and more a side are looked at in
+// half their size: that is four times as fast, and the small features that it
+// misses are the least stable ones. INTERNAL if OpenCV fails.
+absl::StatusOr<SiftFeatures> ExtractKeyframeSift(const ColorImage& image,
+                                                 int max_features);
+
+// A pixel of a frame, and the point that a keyframe's feature like it stands
+// on.
+struct KeyframeMatch {
+  Pixel pixel;
+  Vec3 point_in_world;
+  // Of the distances to the nearest and the second nearest feature, in [0, 1]:
+  // small is sure.
+  double ratio = 1;
+};
+
+// Matches of a frame's features with each of the keyframes, surest first: pairs
+// that are each other's nearest, with a ratio of at most max_ratio (Lowe 2004).
+std::vector<KeyframeMatch> MatchKeyframes(const SiftFeatures& features,
+                                          const KeyframeMap& map,
+                                          std::span<const size_t> keyframes,
+                                          double max_ratio);
+
+// Up to `count` keyframes that share most features with a frame, most first,
+// whatever its pose: the largest of its features are matched with all
+// keyframes.
+std::vector<size_t> MostAlike(const SiftFeatures& features,
+                              const KeyframeMap& map, size_t count,
+                              double max_ratio);
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_KEYFRAMES_KEYFRAME_FEATURES_H_
