@@ -14,6 +14,8 @@
 #include "common/base/progress.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
+#include "server/core/features/gray_pyramid.h"
+#include "server/core/features/line_segments.h"
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/training/tree_grower.h"
 
@@ -47,6 +49,37 @@ std::vector<int> DrawFrames(std::vector<int> frames, int count, Random random) {
   std::sort(frames.begin(), frames.end());
   return frames;
 }
+
+// Draws a frame's samples: of all its pixels, or of its line segments.
+class FrameSampler {
+ public:
+  FrameSampler(const DepthGeometry& geometry, const Frame& frame,
+               const PlanarImage& image, const TrainingOptions& options)
+      : geometry_(geometry), depth_(*frame.depth), options_(options) {
+    if (!options.line_points) return;
+    GrayPyramid pyramid;
+    pyramid.Assign(image);
+    LiftSegments(geometry, depth_, DetectLineSegments(pyramid, {}), {}, lines_);
+  }
+
+  RgbdSamples Draw(Random random) const {
+    const int count = options_.samples_per_frame;
+    if (options_.line_points) {
+      LinePoints drawn;
+      DrawLinePoints(lines_, count, random, drawn);
+      return std::move(drawn.samples);
+    }
+    RgbdSamples drawn;
+    DrawSamples(geometry_, depth_, count, random, drawn);
+    return drawn;
+  }
+
+ private:
+  const DepthGeometry& geometry_;
+  const DepthImage& depth_;
+  const TrainingOptions& options_;
+  LinePoints lines_;
+};
 
 // A frame in memory, and its samples for each tree that drew it.
 struct LoadedFrame {
@@ -163,17 +196,15 @@ absl::Status Trainer::LoadFrame(int frame_index, int first_tree, int last_tree,
         calibration.depth.width(), " x ", calibration.depth.height()));
   }
   loaded.image.Assign(frame.color);
-  RgbdSamples drawn;
+  const FrameSampler sampler(geometry_, frame, loaded.image, options_);
   for (int t = first_tree; t < last_tree; ++t) {
     const std::vector<int>& of_tree = frames_of_tree_[static_cast<size_t>(t)];
     const auto place =
         std::lower_bound(of_tree.begin(), of_tree.end(), frame_index);
     if (place == of_tree.end() || *place != frame_index) continue;
-    DrawSamples(
-        geometry_, *frame.depth, options_.samples_per_frame,
+    const RgbdSamples drawn = sampler.Draw(
         Random(options_.seed, kSampleStream + (static_cast<uint64_t>(t) << 32) +
-                                  static_cast<uint64_t>(frame_index)),
-        drawn);
+                                  static_cast<uint64_t>(frame_index)));
     TreeSamples& samples = loaded.samples[t];
     samples.frame.assign(drawn.size(),
                          static_cast<uint16_t>(place - of_tree.begin()));
@@ -253,10 +284,12 @@ absl::Status Trainer::GrowGroup(int first, int last,
     }
   }
   if (total == 0) {
-    return absl::FailedPreconditionError(
-        absl::StrCat(dataset_.uri(),
-                     ": no pixel of the frames has usable depth; check the "
-                     "depth unit and the depth camera"));
+    return absl::FailedPreconditionError(absl::StrCat(
+        dataset_.uri(), options_.line_points
+                            ? ": no line segment of the frames has usable "
+                              "depth; a method without lines may do"
+                            : ": no pixel of the frames has usable depth; "
+                              "check the depth unit and the depth camera"));
   }
   // Largest first, so that no long task is left to the end.
   std::stable_sort(
@@ -283,8 +316,8 @@ void Trainer::Quantize() {
   Vec3 low{kInfinity, kInfinity, kInfinity};
   Vec3 high = -low;
   for (const GrownTree& tree : grown_) {
-    for (const GrownLeaf& leaf : tree.leaves) {
-      const Vec3& m = leaf.mean_in_world;
+    for (const GrownMode& mode : tree.modes) {
+      const Vec3& m = mode.mean_in_world;
       low = {std::min(low.x, m.x), std::min(low.y, m.y), std::min(low.z, m.z)};
       high = {std::max(high.x, m.x), std::max(high.y, m.y),
               std::max(high.z, m.z)};
@@ -299,24 +332,21 @@ void Trainer::Quantize() {
                      : uint16_t{0};
   };
   for (GrownTree& tree : grown_) {
-    const uint32_t leaf_base = static_cast<uint32_t>(forest.payloads.size());
-    for (Node node : tree.nodes) {
-      if (node.is_leaf()) node = Node::Leaf(node.leaf() + leaf_base);
-      forest.nodes.push_back(node);
-    }
+    AppendNodes(tree.nodes, static_cast<uint32_t>(forest.payloads.size()),
+                forest.nodes);
     forest.tree_offsets.push_back(static_cast<uint32_t>(forest.nodes.size()));
-    for (const GrownLeaf& leaf : tree.leaves) {
+    for (const GrownMode& mode : tree.modes) {
       LeafPayload payload;
-      payload.mean = {quantize(leaf.mean_in_world.x, low.x, high.x),
-                      quantize(leaf.mean_in_world.y, low.y, high.y),
-                      quantize(leaf.mean_in_world.z, low.z, high.z)};
+      payload.mean = {quantize(mode.mean_in_world.x, low.x, high.x),
+                      quantize(mode.mean_in_world.y, low.y, high.y),
+                      quantize(mode.mean_in_world.z, low.z, high.z)};
       for (size_t k = 0; k < 6; ++k) {
-        payload.covariance[k] = ToBfloat16(leaf.covariance[k]);
+        payload.covariance[k] = ToBfloat16(mode.covariance[k]);
       }
       payload.count =
-          static_cast<uint16_t>(std::min<uint32_t>(leaf.count, 65535));
+          static_cast<uint16_t>(std::min<uint32_t>(mode.count, 65535));
       forest.payloads.push_back(payload);
-      forest.descriptors.push_back(leaf.descriptor);
+      forest.descriptors.push_back(mode.descriptor);
     }
     tree = GrownTree{};
   }
