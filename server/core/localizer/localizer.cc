@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/backtracking.h"
+#include "server/core/localizer/points_lines_localizer.h"
 #include "server/core/localizer/rgb_localizer.h"
 #include "server/core/localizer/rgbd_localizer.h"
 
@@ -36,6 +37,10 @@ absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
   if (method == "rgb") {
     return std::make_unique<RgbLocalizer>(std::move(model), std::move(verifier),
                                           options);
+  }
+  if (method == "points-lines") {
+    return PointsLinesLocalizer::Create(std::move(model), std::move(verifier),
+                                        options);
   }
   return absl::UnimplementedError(absl::StrCat(
       model_path, ": method \"", method, "\" is not known to this version"));

@@ -21,11 +21,43 @@ constexpr MethodDescription kMethods[] = {
     {"rgb",
      "colour and depth in training, colour alone in queries: a backtracking "
      "regression forest on colour differences, and PnP"},
+    {"points-lines",
+     "like rgbd, with a second forest for points on line segments, which hold "
+     "the pose across their lines"},
 };
 
 bool IsKnown(absl::string_view method) {
   return std::ranges::any_of(
       kMethods, [&](const MethodDescription& m) { return m.name == method; });
+}
+
+// points-lines: leaves have modes with this bandwidth (m).
+constexpr double kModeBandwidth_m = 0.05;
+
+// Forest 0 on all pixels and, for points-lines, forest 1 on those of line
+// segments (thesis 5.4). Sets what `info` says of the training data.
+absl::StatusOr<std::vector<Forest>> LearnPixelForests(
+    const Dataset& dataset, const SceneTrainingOptions& options, bool quiet,
+    const std::stop_token& stop, ModelInfo& info) {
+  TrainingOptions forest = options.forest;
+  forest.depth_adaptive = options.method != "rgb";
+  const bool lines = options.method == "points-lines";
+  if (lines) {
+    forest.objective = SplitObjective::kEntropy;
+    forest.mode_bandwidth_m = kModeBandwidth_m;
+  }
+  std::vector<Forest> forests;
+  for (const bool line_points : {false, true}) {
+    if (line_points && !lines) break;
+    forest.line_points = line_points;
+    TL_ASSIGN_OR_RETURN(
+        TrainedForest trained,
+        TrainForest(dataset, info.calibration, forest, quiet, stop));
+    info.training_frames = trained.frames;
+    info.training_samples += trained.samples;
+    forests.push_back(std::move(trained.forest));
+  }
+  return forests;
 }
 
 template <typename T>
@@ -63,13 +95,10 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
                         CalibrateRgbd(dataset, calibrator, quiet, stop));
     info.calibration = scene.calibration->calibration;
   }
-  TrainingOptions forest = options.forest;
-  forest.depth_adaptive = options.method != "rgb";
-  TL_ASSIGN_OR_RETURN(
-      const TrainedForest trained,
-      TrainForest(dataset, info.calibration, forest, quiet, stop));
+  TL_ASSIGN_OR_RETURN(const std::vector<Forest> forests,
+                      LearnPixelForests(dataset, options, quiet, stop, info));
   KeyframeOptions keyframe_options;
-  keyframe_options.threads = forest.threads;
+  keyframe_options.threads = options.forest.threads;
   TL_ASSIGN_OR_RETURN(
       const Keyframes keyframes,
       BuildKeyframes(dataset, info.calibration, keyframe_options, quiet, stop));
@@ -81,14 +110,13 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
   info.dataset = dataset.uri();
   info.seed = options.forest.seed;
   info.options = options.recorded_options;
-  info.training_frames = trained.frames;
-  info.training_samples = trained.samples;
   info.training_s = MillisecondsBetween(start, clock.Now()) / 1e3;
   const std::vector<ModelExtraBytes> extras = {
       {ModelExtra::kKeyframes, BytesOf(keyframes.records)},
       {ModelExtra::kKeyframePoints, BytesOf(keyframes.points)}};
-  TL_RETURN_IF_ERROR(
-      WriteModel(output_path, info, {trained.forest.View()}, extras));
+  std::vector<ForestView> views;
+  for (const Forest& forest : forests) views.push_back(forest.View());
+  TL_RETURN_IF_ERROR(WriteModel(output_path, info, views, extras));
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<const ModelFile> model,
                       ModelFile::Open(output_path));
   info = model->info();
