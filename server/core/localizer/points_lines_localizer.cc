@@ -80,12 +80,13 @@ void PointsLinesLocalizer::Sample(const Frame& frame,
                                   uint64_t seed, Scratch& scratch) const {
   const DepthGeometry geometry(calibration);
   const DepthImage& depth = *frame.depth;
-  DrawSamples(geometry, depth, options_.samples, Random(seed, kSampleStream),
-              scratch.forest.samples);
   LiftSegments(geometry, depth, DetectLineSegments(scratch.forest.pyramid, {}),
                {}, scratch.segments);
-  DrawLinePoints(scratch.segments, options_.samples, Random(seed, kLineStream),
-                 scratch.lines);
+  DrawLinePoints(scratch.segments, options_.samples / 2,
+                 Random(seed, kLineStream), scratch.lines);
+  DrawSamples(geometry, depth,
+              options_.samples - static_cast<int>(scratch.lines.size()),
+              Random(seed, kSampleStream), scratch.forest.samples);
 }
 
 absl::StatusOr<ScenePredictions> PointsLinesLocalizer::Predict(

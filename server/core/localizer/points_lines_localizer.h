@@ -39,7 +39,8 @@ class PointsLinesLocalizer final : public Localizer {
   PointsLinesLocalizer(std::unique_ptr<const ModelFile> model,
                        PoseVerifier verifier, const QueryOptions& options);
 
-  // Samples both kinds of points, in forest.samples and `lines`.
+  // Samples points on lines, at most half of all, in `lines`, and general ones
+  // in forest.samples.
   void Sample(const Frame& frame, const RgbdCalibration& calibration,
               uint64_t seed, Scratch& scratch) const;
   // Predictions for both, shuffled together; forest.samples becomes theirs.
