@@ -30,7 +30,7 @@ struct RansacOptions {
   // more than `refined` are left, and by Kabsch before; else always by Kabsch,
   // to points alone.
   std::optional<RefinementOptions> refinement;
-  int refined = 8;
+  int refined = 4;
 };
 
 struct RansacResult {
