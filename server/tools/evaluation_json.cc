@@ -51,7 +51,7 @@ void AddEstimate(const FrameResult& result, Json& json) {
     json["outcome"] = "ERROR";
     json["reason"] = Text(result.status.message());
     for (const char* key :
-         {"inliers", "samples", "inlier_ratio", "confidence"}) {
+         {"inliers", "samples", "inlier_ratio", "confidence", "evidence"}) {
       json[key] = nullptr;
     }
   } else {
@@ -62,6 +62,14 @@ void AddEstimate(const FrameResult& result, Json& json) {
     json["samples"] = estimate.samples;
     json["inlier_ratio"] = Number(estimate.inlier_ratio);
     json["confidence"] = Number(estimate.confidence);
+    const PoseEvidence& evidence = estimate.evidence;
+    json["evidence"] = {{"inlier_ratio", Number(evidence.inlier_ratio)},
+                        {"correlation", Number(evidence.correlation)},
+                        {"agreement", Number(evidence.agreement)},
+                        {"visible", evidence.visible},
+                        {"overlap", Number(evidence.overlap)},
+                        {"depth_agreement", Number(evidence.depth_agreement)},
+                        {"moved_m", Number(evidence.moved_m)}};
   }
   json["world_from_camera"] =
       result.localized() ? Pose(estimate.world_from_camera) : Json(nullptr);

@@ -36,6 +36,8 @@ struct TrainFlags {
   std::string method = "rgbd";
   std::string output_path;
   std::string calibration = "auto";
+  std::string adapt_path;
+  std::string extend_path;
   TrainingOptions training;
   bool quiet = false;
 };
@@ -47,6 +49,8 @@ std::vector<std::pair<std::string, std::string>> RecordedOptions(
   return {{"frames", flags.dataset.frame_list},
           {"poses", flags.dataset.pose_file},
           {"calibration", flags.calibration},
+          {"adapt", flags.adapt_path},
+          {"extend", flags.extend_path},
           {"trees", absl::StrCat(t.trees)},
           {"frames-per-tree", absl::StrCat(t.frames_per_tree)},
           {"samples-per-frame", absl::StrCat(t.samples_per_frame)},
@@ -80,6 +84,9 @@ absl::Status Train(const TrainFlags& flags, const std::stop_token& stop) {
   options.method = flags.method;
   TL_ASSIGN_OR_RETURN(options.calibration, GivenCalibration(flags, dataset));
   options.forest = flags.training;
+  options.base_model =
+      flags.adapt_path.empty() ? flags.extend_path : flags.adapt_path;
+  options.refill = flags.adapt_path.empty() ? Refill::kExtend : Refill::kAdapt;
   options.software_version = Version();
   options.created_utc = UtcNow();
   options.recorded_options = RecordedOptions(flags);
@@ -161,6 +168,18 @@ Command AddTrainCommand(CLI::App& app) {
                    "are, FILE is from `treeline calibrate`")
       ->type_name("auto|nominal|FILE")
       ->capture_default_str();
+  CLI::Option* adapt =
+      command
+          ->add_option("--adapt", flags->adapt_path,
+                       "Keep the trees of this model, of any scene, and refill "
+                       "their leaves: seconds instead of minutes")
+          ->type_name("MODEL");
+  command
+      ->add_option("--extend", flags->extend_path,
+                   "Add the frames to this model of the same scene, in the "
+                   "same world frame, without growing it anew")
+      ->type_name("MODEL")
+      ->excludes(adapt);
   command
       ->add_option("--threads", flags->training.threads,
                    "Threads; 0: one a processor")

@@ -244,6 +244,13 @@ absl::StatusOr<Dataset> Dataset::Open(const DatasetOptions& options) {
   return dataset;
 }
 
+Dataset Dataset::Subset(std::span<const int> frames) const {
+  Dataset subset = *this;
+  subset.frames_.clear();
+  for (const int i : frames) subset.frames_.push_back(frame(i));
+  return subset;
+}
+
 absl::StatusOr<Dataset::Encoded> Dataset::ReadEncoded(int i) const {
   Encoded encoded;
   TL_ASSIGN_OR_RETURN(encoded.color,

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,8 @@ class Dataset {
   const DatasetFrame& frame(int i) const {
     return frames_[static_cast<size_t>(i)];
   }
+  // The same recording with these of its frames alone.
+  Dataset Subset(std::span<const int> frames) const;
   const std::string& uri() const { return uri_; }
   // As given by the options or the format's default; color_from_depth is the
   // identity where the format leaves it unknown (7-Scenes).

@@ -4,24 +4,39 @@
 #include <cmath>
 
 namespace treeline {
+namespace {
+
+// What stands for evidence that there is none of: between that of right poses
+// and that of wrong ones.
+constexpr double kUnknownCorrelation = 0.6;
+constexpr double kUnknownAgreement = 0.4;
+constexpr double kUnknownDepthAgreement = 0.6;
+constexpr double kUnknownSteadiness = 0.6;
+
+}  // namespace
 
 const std::array<absl::string_view, ConfidenceModel::kFeatures>&
 ConfidenceModel::FeatureNames() {
   static constexpr std::array<absl::string_view, kFeatures> kNames = {
-      "constant", "inlier_ratio",    "correlation", "agreement",
-      "visible",  "depth_agreement", "steady"};
+      "constant",        "inlier_ratio", "correlation", "agreement",
+      "depth_agreement", "steady",       "overlap"};
   return kNames;
 }
 
 ConfidenceModel::Features ConfidenceModel::FeaturesOf(
     const PoseEvidence& evidence) {
-  return {1,
-          // The first few per cent decide.
-          std::sqrt(std::max(0.0, evidence.inlier_ratio)), evidence.correlation,
-          evidence.agreement, std::min(1.0, evidence.visible / 1000.0),
-          evidence.depth_agreement,
-          // 1: alignment left the pose where it was.
-          1 - std::min(1.0, evidence.moved_m / 0.1)};
+  const bool is_aligned = evidence.visible > 0;
+  return {
+      1,
+      // The first few per cent decide.
+      std::sqrt(std::max(0.0, evidence.inlier_ratio)),
+      is_aligned ? evidence.correlation : kUnknownCorrelation,
+      is_aligned ? evidence.agreement : kUnknownAgreement,
+      evidence.measured > 0 ? evidence.depth_agreement : kUnknownDepthAgreement,
+      // 1: alignment left the pose where it was.
+      is_aligned ? 1 - std::min(1.0, evidence.moved_m / 0.1)
+                 : kUnknownSteadiness,
+      evidence.overlap};
 }
 
 double ConfidenceModel::Probability(const PoseEvidence& evidence) const {
@@ -32,7 +47,7 @@ double ConfidenceModel::Probability(const PoseEvidence& evidence) const {
 }
 
 ConfidenceModel ConfidenceModel::Typical() {
-  return {{-12, 5, 10, 3, 1, 2, 1}, 0.5};
+  return {{-16, 18, 5, 3, 3, 1, 3}, 0.5};
 }
 
 ConfidenceModel ConfidenceModel::WithoutKeyframes() {

@@ -17,7 +17,9 @@ struct PoseEvidence {
   double correlation = 0;  // in [0, 1]
   double agreement = 0;    // in [0, 1]
   int visible = 0;
-  double depth_agreement = 0;  // in [0, 1]; 0 without depth
+  double overlap = 0;          // in [0, 1]
+  int measured = 0;            // 0: without depth
+  double depth_agreement = 0;  // in [0, 1]
   // How far alignment moved the pose (m).
   double moved_m = 0;
 };

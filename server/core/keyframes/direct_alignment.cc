@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "Eigen/Cholesky"
@@ -15,6 +17,11 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kMinVisible = 60;
+// Keyframes are chosen by every so manieth of their points.
+constexpr size_t kGlance = 16;
+// From this far away (as KeyframeMap::Nearest has it, m) a keyframe counts
+// half.
+constexpr double kSameView_m = 0.25;
 constexpr double kNearest_m = 0.05;
 // Surfaces seen at a grazing angle hide what lies behind: cosine.
 constexpr double kMinFacing = 0.15;
@@ -76,14 +83,9 @@ class Aligner {
         options_(options) {}
 
   std::optional<Alignment> Run(const Rigid3& world_from_color) {
-    // A quarter of the field of view (thesis 3.2.3).
-    const Camera& camera = calibration_.color;
-    const double max_angle_rad =
-        std::max(0.35, 0.5 * std::atan(0.5 * camera.width() / camera.fx()));
-    keyframes_ = map_.Nearest(world_from_color, max_angle_rad,
-                              static_cast<size_t>(options_.keyframes));
-    if (keyframes_.empty()) return std::nullopt;
     camera_from_world_ = world_from_color.Inverse();
+    ChooseKeyframes();
+    if (keyframes_.empty()) return std::nullopt;
     for (int level = options_.first_level; level >= options_.last_level;
          --level) {
       for (int i = 0; i < options_.iterations; ++i) {
@@ -100,6 +102,44 @@ class Aligner {
   }
 
  private:
+  // Those of which much should be seen, from about the same place.
+  void ChooseKeyframes() {
+    const Rigid3 world_from_camera = camera_from_world_.Inverse();
+    const Vec3 axis = world_from_camera.rotation * Vec3{0, 0, 1};
+    const Camera& camera = calibration_.color;
+    const Mat3 r = camera_from_world_.rotation.Matrix();
+    std::vector<std::pair<double, size_t>> seen;  // the best score is least
+    for (size_t k = 0; k < map_.size(); ++k) {
+      const std::span<const KeyframePoint> points = map_.points(k);
+      int count = 0;
+      for (size_t i = 0; i < points.size(); i += kGlance) {
+        const auto& world = points[i].position_in_world;
+        const Vec3 p = r * Vec3{world[0], world[1], world[2]} +
+                       camera_from_world_.translation;
+        if (!(p.z > kNearest_m) || !Faces(r, points[i], p)) continue;
+        const Pixel pixel = camera.Project(p);
+        count += pixel.x > 0 && pixel.y > 0 && pixel.x < camera.width() &&
+                 pixel.y < camera.height();
+      }
+      if (count == 0) continue;
+      const Rigid3& keyframe = map_.world_from_camera(k);
+      const double turn =
+          kViewDistance_m * Norm(keyframe.rotation * Vec3{0, 0, 1} - axis);
+      const double distance2 =
+          SquaredNorm(keyframe.translation - world_from_camera.translation) +
+          turn * turn;
+      seen.emplace_back(-count / (1 + distance2 / (kSameView_m * kSameView_m)),
+                        k);
+    }
+    const size_t kept =
+        std::min(seen.size(), static_cast<size_t>(options_.keyframes));
+    std::partial_sort(seen.begin(),
+                      seen.begin() + static_cast<std::ptrdiff_t>(kept),
+                      seen.end());
+    keyframes_.clear();
+    for (size_t i = 0; i < kept; ++i) keyframes_.push_back(seen[i].second);
+  }
+
   // Fills seen_ with the points of keyframes_ that lie in the image, each with
   // its brightness residual.
   void See(int level) {
@@ -279,6 +319,10 @@ class Aligner {
     Alignment alignment;
     alignment.world_from_camera = camera_from_world_.Inverse();
     alignment.visible = static_cast<int>(seen_.size());
+    size_t points = 0;
+    for (const size_t k : keyframes_) points += map_.points(k).size();
+    alignment.overlap =
+        static_cast<double>(seen_.size()) / static_cast<double>(points);
     double sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
     int agreeing = 0;
     for (const Seen& s : seen_) {

@@ -19,7 +19,7 @@ struct AlignmentOptions {
   int last_level = 0;
   // Gauss-Newton steps at each.
   int iterations = 5;
-  // Keyframes aligned with, the nearest ones.
+  // Keyframes aligned with: those of which much should be seen from near by.
   int keyframes = 3;
 };
 
@@ -31,6 +31,8 @@ struct Alignment {
   // brightness agrees with the image.
   int visible = 0;
   double agreement = 0;
+  // The share of the keyframes' points that should be seen, in [0, 1].
+  double overlap = 0;
   // Correlation of their brightness with the image's, in [-1, 1], each
   // keyframe's gain and offset taken out.
   double correlation = 0;
@@ -44,7 +46,7 @@ struct Alignment {
 // from coarse to fine (direct alignment, as in Engel et al., DSO, 2016), and
 // if there is depth also of the projective point-to-plane distances
 //   (n . (measured point at project(X) - X))^2 / depth noise^2.
-// nullopt: no keyframe looks the same way, or hardly a point is visible. Poses
+// nullopt: hardly a keyframe point should be visible. Poses
 // further off than about 3 % of the image are not drawn in.
 std::optional<Alignment> AlignToKeyframes(const KeyframeMap& map,
                                           const GrayPyramid& image,

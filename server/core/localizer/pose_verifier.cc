@@ -13,6 +13,8 @@ namespace {
 
 // Fewer inliers are no answer, whatever else speaks for it.
 constexpr int kMinInliers = 15;
+// With less overlap with keyframes the forest knows the pose better.
+constexpr double kMinOverlap = 0.1;
 // The inliers must determine the position this well (m).
 constexpr double kMaxPositionSigma_m = 0.05;
 
@@ -47,13 +49,17 @@ void PoseVerifier::Judge(const GrayPyramid& image, const DepthImage* depth,
     evidence.correlation = std::max(0.0, aligned->correlation);
     evidence.agreement = aligned->agreement;
     evidence.visible = aligned->visible;
+    evidence.overlap = aligned->overlap;
+    evidence.measured = aligned->measured;
     evidence.depth_agreement = aligned->depth_agreement;
     evidence.moved_m = Norm(aligned->world_from_camera.translation -
                             world_from_color.translation);
-    estimate.world_from_camera =
-        PoseOfSensor(aligned->world_from_camera, RgbdSensor::kColor,
-                     calibration.pose_sensor, calibration);
-    estimate.covariance = aligned->covariance;
+    if (aligned->overlap >= kMinOverlap) {
+      estimate.world_from_camera =
+          PoseOfSensor(aligned->world_from_camera, RgbdSensor::kColor,
+                       calibration.pose_sensor, calibration);
+      estimate.covariance = aligned->covariance;
+    }
   }
   estimate.confidence = confidence_.Probability(evidence);
   const bool is_determined =

@@ -1,8 +1,6 @@
 #include "server/core/training/forest_trainer.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -14,9 +12,8 @@
 #include "common/base/progress.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
-#include "server/core/features/gray_pyramid.h"
-#include "server/core/features/line_segments.h"
-#include "server/core/features/rgbd_samples.h"
+#include "server/core/training/frame_samples.h"
+#include "server/core/training/quantize_forest.h"
 #include "server/core/training/tree_grower.h"
 
 namespace treeline {
@@ -24,18 +21,6 @@ namespace {
 
 // Random streams of training, apart from those of the nodes.
 constexpr uint64_t kFrameStream = 0x66726d0000000000;
-constexpr uint64_t kSampleStream = 0x736d700000000000;
-
-std::vector<int> UsableFrames(const Dataset& dataset) {
-  std::vector<int> usable;
-  for (int i = 0; i < dataset.size(); ++i) {
-    const DatasetFrame& frame = dataset.frame(i);
-    if (frame.world_from_camera && !frame.depth_path.empty()) {
-      usable.push_back(i);
-    }
-  }
-  return usable;
-}
 
 // `count` of `frames` at random, in ascending order (a partial shuffle).
 std::vector<int> DrawFrames(std::vector<int> frames, int count, Random random) {
@@ -49,37 +34,6 @@ std::vector<int> DrawFrames(std::vector<int> frames, int count, Random random) {
   std::sort(frames.begin(), frames.end());
   return frames;
 }
-
-// Draws a frame's samples: of all its pixels, or of its line segments.
-class FrameSampler {
- public:
-  FrameSampler(const DepthGeometry& geometry, const Frame& frame,
-               const PlanarImage& image, const TrainingOptions& options)
-      : geometry_(geometry), depth_(*frame.depth), options_(options) {
-    if (!options.line_points) return;
-    GrayPyramid pyramid;
-    pyramid.Assign(image);
-    LiftSegments(geometry, depth_, DetectLineSegments(pyramid, {}), {}, lines_);
-  }
-
-  RgbdSamples Draw(Random random) const {
-    const int count = options_.samples_per_frame;
-    if (options_.line_points) {
-      LinePoints drawn;
-      DrawLinePoints(lines_, count, random, drawn);
-      return std::move(drawn.samples);
-    }
-    RgbdSamples drawn;
-    DrawSamples(geometry_, depth_, count, random, drawn);
-    return drawn;
-  }
-
- private:
-  const DepthGeometry& geometry_;
-  const DepthImage& depth_;
-  const TrainingOptions& options_;
-  LinePoints lines_;
-};
 
 // A frame in memory, and its samples for each tree that drew it.
 struct LoadedFrame {
@@ -114,7 +68,6 @@ class Trainer {
                ? absl::CancelledError("training was interrupted")
                : absl::OkStatus();
   }
-  void Quantize();
 
   const Dataset& dataset_;
   const DepthGeometry geometry_;
@@ -151,7 +104,7 @@ absl::StatusOr<TrainedForest> Trainer::Train() {
     TL_RETURN_IF_ERROR(TrainGroup(first, last));
     first = last;
   }
-  Quantize();
+  result_.forest = QuantizeForest(std::move(grown_));
   return std::move(result_);
 }
 
@@ -183,46 +136,19 @@ absl::Status Trainer::LoadFrame(int frame_index, int first_tree, int last_tree,
                                 LoadedFrame& loaded) const {
   const DatasetFrame& entry = dataset_.frame(frame_index);
   TL_ASSIGN_OR_RETURN(const Frame frame, dataset_.Load(frame_index));
-  const RgbdCalibration& calibration = geometry_.calibration();
-  if (frame.color.width != calibration.color.width() ||
-      frame.color.height != calibration.color.height() ||
-      frame.depth->width != calibration.depth.width() ||
-      frame.depth->height != calibration.depth.height()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        entry.color_path, ": colour ", frame.color.width, " x ",
-        frame.color.height, " and depth ", frame.depth->width, " x ",
-        frame.depth->height, ", but the calibration is for ",
-        calibration.color.width(), " x ", calibration.color.height(), " and ",
-        calibration.depth.width(), " x ", calibration.depth.height()));
-  }
+  TL_RETURN_IF_ERROR(CheckSizes(entry, frame, geometry_.calibration()));
   loaded.image.Assign(frame.color);
-  const FrameSampler sampler(geometry_, frame, loaded.image, options_);
+  const FrameSampler sampler(geometry_, frame, loaded.image,
+                             *entry.world_from_camera, options_, frame_index);
   for (int t = first_tree; t < last_tree; ++t) {
     const std::vector<int>& of_tree = frames_of_tree_[static_cast<size_t>(t)];
     const auto place =
         std::lower_bound(of_tree.begin(), of_tree.end(), frame_index);
     if (place == of_tree.end() || *place != frame_index) continue;
-    const RgbdSamples drawn = sampler.Draw(
-        Random(options_.seed, kSampleStream + (static_cast<uint64_t>(t) << 32) +
-                                  static_cast<uint64_t>(frame_index)));
     TreeSamples& samples = loaded.samples[t];
-    samples.frame.assign(drawn.size(),
+    samples = sampler.Draw(t);
+    samples.frame.assign(samples.x.size(),
                          static_cast<uint16_t>(place - of_tree.begin()));
-    samples.x.assign(drawn.x.begin(), drawn.x.end());
-    samples.y.assign(drawn.y.begin(), drawn.y.end());
-    samples.inverse_depth_q12 = drawn.inverse_depth_q12;
-    if (!options_.depth_adaptive) {
-      std::ranges::fill(samples.inverse_depth_q12,
-                        NoDepthQ12(MeanFocal_px(calibration.color)));
-    }
-    for (const Vec3& point : drawn.point) {
-      const Vec3 in_world = *entry.world_from_camera * point;
-      samples.point_in_world.push_back({static_cast<float>(in_world.x),
-                                        static_cast<float>(in_world.y),
-                                        static_cast<float>(in_world.z)});
-    }
-    samples.descriptor.resize(drawn.size());
-    ComputeWht(loaded.image, drawn.x, drawn.y, samples.descriptor);
   }
   return absl::OkStatus();
 }
@@ -308,48 +234,6 @@ absl::Status Trainer::GrowGroup(int first, int last,
     result_.samples += static_cast<int64_t>(samples[g].size());
   }
   return absl::OkStatus();
-}
-
-// Appends all grown trees to one forest, positions relative to their bounds.
-void Trainer::Quantize() {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Vec3 low{kInfinity, kInfinity, kInfinity};
-  Vec3 high = -low;
-  for (const GrownTree& tree : grown_) {
-    for (const GrownMode& mode : tree.modes) {
-      const Vec3& m = mode.mean_in_world;
-      low = {std::min(low.x, m.x), std::min(low.y, m.y), std::min(low.z, m.z)};
-      high = {std::max(high.x, m.x), std::max(high.y, m.y),
-              std::max(high.z, m.z)};
-    }
-  }
-  Forest& forest = result_.forest;
-  forest.bounds_min_in_world = low;
-  forest.bounds_max_in_world = high;
-  const auto quantize = [](double value, double from, double to) {
-    return to > from ? static_cast<uint16_t>(
-                           std::lround(65535 * (value - from) / (to - from)))
-                     : uint16_t{0};
-  };
-  for (GrownTree& tree : grown_) {
-    AppendNodes(tree.nodes, static_cast<uint32_t>(forest.payloads.size()),
-                forest.nodes);
-    forest.tree_offsets.push_back(static_cast<uint32_t>(forest.nodes.size()));
-    for (const GrownMode& mode : tree.modes) {
-      LeafPayload payload;
-      payload.mean = {quantize(mode.mean_in_world.x, low.x, high.x),
-                      quantize(mode.mean_in_world.y, low.y, high.y),
-                      quantize(mode.mean_in_world.z, low.z, high.z)};
-      for (size_t k = 0; k < 6; ++k) {
-        payload.covariance[k] = ToBfloat16(mode.covariance[k]);
-      }
-      payload.count =
-          static_cast<uint16_t>(std::min<uint32_t>(mode.count, 65535));
-      forest.payloads.push_back(payload);
-      forest.descriptors.push_back(mode.descriptor);
-    }
-    tree = GrownTree{};
-  }
 }
 
 }  // namespace

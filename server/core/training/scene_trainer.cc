@@ -1,14 +1,22 @@
 #include "server/core/training/scene_trainer.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/clock.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/model_file.h"
+#include "server/core/localizer/localizer.h"
+#include "server/core/training/confidence_fitter.h"
+#include "server/core/training/forest_refiller.h"
 #include "server/core/training/forest_trainer.h"
+#include "server/core/training/frame_samples.h"
 #include "server/core/training/keyframe_builder.h"
 
 namespace treeline {
@@ -31,33 +39,23 @@ bool IsKnown(absl::string_view method) {
       kMethods, [&](const MethodDescription& m) { return m.name == method; });
 }
 
+// Methods whose queries have no depth answer with the colour camera's pose.
+bool SeesColorAlone(absl::string_view method) { return method == "rgb"; }
+
 // points-lines: leaves have modes with this bandwidth (m).
 constexpr double kModeBandwidth_m = 0.05;
 
-// Forest 0 on all pixels and, for points-lines, forest 1 on those of line
-// segments (thesis 5.4). Sets what `info` says of the training data.
-absl::StatusOr<std::vector<Forest>> LearnPixelForests(
-    const Dataset& dataset, const SceneTrainingOptions& options, bool quiet,
-    const std::stop_token& stop, ModelInfo& info) {
-  TrainingOptions forest = options.forest;
-  forest.depth_adaptive = options.method != "rgb";
-  const bool lines = options.method == "points-lines";
-  if (lines) {
-    forest.objective = SplitObjective::kEntropy;
-    forest.mode_bandwidth_m = kModeBandwidth_m;
-  }
-  std::vector<Forest> forests;
-  for (const bool line_points : {false, true}) {
-    if (line_points && !lines) break;
-    forest.line_points = line_points;
-    TL_ASSIGN_OR_RETURN(
-        TrainedForest trained,
-        TrainForest(dataset, info.calibration, forest, quiet, stop));
-    info.training_frames = trained.frames;
-    info.training_samples += trained.samples;
-    forests.push_back(std::move(trained.forest));
-  }
-  return forests;
+// Options of each forest of a method (ModelFile::forest): one or, for
+// points-lines, that of general points and that of points on lines.
+std::vector<TrainingOptions> ForestsOf(absl::string_view method,
+                                       TrainingOptions options) {
+  options.depth_adaptive = !SeesColorAlone(method);
+  if (method != "points-lines") return {options};
+  options.objective = SplitObjective::kEntropy;
+  options.mode_bandwidth_m = kModeBandwidth_m;
+  TrainingOptions lines = options;
+  lines.line_points = true;
+  return {options, lines};
 }
 
 template <typename T>
@@ -65,6 +63,202 @@ absl::string_view BytesOf(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()),
           values.size() * sizeof(T)};
 }
+
+// Removes a file when it goes out of scope.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(std::string path) : path_(std::move(path)) {}
+  ~TemporaryFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  const std::string path_;
+};
+
+class SceneTrainer {
+ public:
+  SceneTrainer(const Dataset& dataset, const SceneTrainingOptions& options,
+               const std::string& output_path, bool quiet,
+               const std::stop_token& stop)
+      : dataset_(dataset),
+        options_(options),
+        output_path_(output_path),
+        quiet_(quiet),
+        stop_(stop),
+        forests_(ForestsOf(options.method, options.forest)) {}
+
+  absl::StatusOr<TrainedScene> Train() {
+    TL_RETURN_IF_ERROR(OpenBase());
+    TL_RETURN_IF_ERROR(Calibrate());
+    Describe();
+    const HeldOutSplit split = SplitForConfidence(UsableFrames(dataset_));
+    if (split.held_out.empty() || is_extending()) {
+      TL_ASSIGN_OR_RETURN(const Learned learned, Learn(dataset_));
+      if (is_extending()) info_.confidence = base_->info().confidence;
+      return Finish(learned);
+    }
+    // Learn from a part and see how the rest is answered; then learn it all.
+    {
+      TL_ASSIGN_OR_RETURN(const Learned part,
+                          Learn(dataset_.Subset(split.train)));
+      TL_RETURN_IF_ERROR(
+          FitConfidenceOn(part, dataset_.Subset(split.held_out)));
+    }
+    TL_ASSIGN_OR_RETURN(const Learned whole, Learn(dataset_));
+    return Finish(whole);
+  }
+
+ private:
+  struct Learned {
+    std::vector<TrainedForest> forests;
+    Keyframes keyframes;
+  };
+
+  absl::Status Calibrate() {
+    if (is_extending()) {  // the scene's cameras are known already
+      calibration_ = base_->info().calibration;
+      calibration_.pose_sensor = dataset_.calibration().pose_sensor;
+      return absl::OkStatus();
+    }
+    if (options_.calibration) {
+      calibration_ = *options_.calibration;
+      return absl::OkStatus();
+    }
+    CalibratorOptions calibrator;
+    calibrator.threads = options_.forest.threads;
+    TL_ASSIGN_OR_RETURN(scene_.calibration,
+                        CalibrateRgbd(dataset_, calibrator, quiet_, stop_));
+    calibration_ = scene_.calibration->calibration;
+    return absl::OkStatus();
+  }
+
+  bool is_extending() const {
+    return base_ != nullptr && options_.refill == Refill::kExtend;
+  }
+
+  absl::Status OpenBase() {
+    if (options_.base_model.empty()) return absl::OkStatus();
+    TL_ASSIGN_OR_RETURN(base_, ModelFile::Open(options_.base_model));
+    if (base_->info().method != options_.method ||
+        base_->forests() != forests_.size() ||
+        base_->forest().descriptors.empty()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          options_.base_model, ": a model of method ", base_->info().method,
+          " is no base for method ", options_.method));
+    }
+    return absl::OkStatus();
+  }
+
+  void Describe() {
+    info_.method = options_.method;
+    info_.software_version = options_.software_version;
+    info_.created_utc = options_.created_utc;
+    info_.dataset = dataset_.uri();
+    info_.seed = options_.forest.seed;
+    info_.options = options_.recorded_options;
+    info_.calibration = calibration_;
+    if (SeesColorAlone(options_.method)) {
+      info_.calibration.pose_sensor = RgbdSensor::kColor;
+    }
+  }
+
+  absl::StatusOr<Keyframes> MakeKeyframes(const Dataset& dataset) const {
+    KeyframeOptions keyframes;
+    keyframes.threads = options_.forest.threads;
+    return BuildKeyframes(dataset, calibration_, keyframes, quiet_, stop_);
+  }
+
+  absl::StatusOr<Learned> Learn(const Dataset& dataset) const {
+    Learned learned;
+    for (size_t f = 0; f < forests_.size(); ++f) {
+      TL_ASSIGN_OR_RETURN(
+          TrainedForest forest,
+          base_ == nullptr
+              ? TrainForest(dataset, calibration_, forests_[f], quiet_, stop_)
+              : RefillForest(base_->forest(f), dataset, calibration_,
+                             forests_[f], options_.refill, quiet_, stop_));
+      learned.forests.push_back(std::move(forest));
+    }
+    TL_ASSIGN_OR_RETURN(learned.keyframes, MakeKeyframes(dataset));
+    if (is_extending()) TL_RETURN_IF_ERROR(KeepKeyframes(learned.keyframes));
+    return learned;
+  }
+
+  // Puts those of the base before the new ones.
+  absl::Status KeepKeyframes(Keyframes& keyframes) const {
+    TL_ASSIGN_OR_RETURN(const std::span<const KeyframeRecord> records,
+                        base_->Extra<KeyframeRecord>(ModelExtra::kKeyframes));
+    TL_ASSIGN_OR_RETURN(
+        const std::span<const KeyframePoint> points,
+        base_->Extra<KeyframePoint>(ModelExtra::kKeyframePoints));
+    for (KeyframeRecord& record : keyframes.records) {
+      record.first_point += static_cast<uint32_t>(points.size());
+    }
+    keyframes.records.insert(keyframes.records.begin(), records.begin(),
+                             records.end());
+    keyframes.points.insert(keyframes.points.begin(), points.begin(),
+                            points.end());
+    return absl::OkStatus();
+  }
+
+  absl::Status Write(const Learned& learned, const std::string& path) const {
+    std::vector<ModelExtraBytes> extras = {
+        {ModelExtra::kKeyframes, BytesOf(learned.keyframes.records)},
+        {ModelExtra::kKeyframePoints, BytesOf(learned.keyframes.points)}};
+    std::vector<ForestView> forests;
+    for (const TrainedForest& f : learned.forests) {
+      forests.push_back(f.forest.View());
+    }
+    return WriteModel(path, info_, forests, extras);
+  }
+
+  absl::Status FitConfidenceOn(const Learned& learned,
+                               const Dataset& held_out) {
+    const TemporaryFile file(absl::StrCat(output_path_, ".trial-", getpid()));
+    TL_RETURN_IF_ERROR(Write(learned, file.path()));
+    TL_ASSIGN_OR_RETURN(const std::unique_ptr<Localizer> localizer,
+                        OpenLocalizer(file.path()));
+    ConfidenceOptions confidence;
+    confidence.seed = options_.forest.seed;
+    confidence.threads = options_.forest.threads;
+    TL_ASSIGN_OR_RETURN(
+        const std::vector<ConfidenceTrial> trials,
+        RunConfidenceTrials(*localizer, held_out, confidence, quiet_, stop_));
+    info_.confidence = FitConfidence(trials, ConfidenceModel::Typical());
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<TrainedScene> Finish(const Learned& learned) {
+    for (const TrainedForest& f : learned.forests) {
+      info_.training_frames = std::max(info_.training_frames, f.frames);
+      info_.training_samples += f.samples;
+    }
+    info_.training_s = MillisecondsBetween(start_, clock_.Now()) / 1e3;
+    TL_RETURN_IF_ERROR(Write(learned, output_path_));
+    TL_ASSIGN_OR_RETURN(const std::unique_ptr<const ModelFile> model,
+                        ModelFile::Open(output_path_));
+    scene_.info = model->info();
+    return std::move(scene_);
+  }
+
+  const Dataset& dataset_;
+  const SceneTrainingOptions& options_;
+  const std::string& output_path_;
+  const bool quiet_;
+  const std::stop_token& stop_;
+  const SteadyClock clock_;
+  const MonotonicTime start_ = clock_.Now();
+  const std::vector<TrainingOptions> forests_;
+  RgbdCalibration calibration_;
+  std::unique_ptr<const ModelFile> base_;
+  ModelInfo info_;
+  TrainedScene scene_;
+};
 
 }  // namespace
 
@@ -82,45 +276,7 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
   TL_RETURN_IF_ERROR(options.forest.Validate());
   TL_RETURN_IF_ERROR(MakeParentFolder(output_path));
   TL_RETURN_IF_ERROR(CheckWritable(output_path));
-  const SteadyClock clock;
-  const MonotonicTime start = clock.Now();
-  TrainedScene scene;
-  ModelInfo& info = scene.info;
-  if (options.calibration) {
-    info.calibration = *options.calibration;
-  } else {
-    CalibratorOptions calibrator;
-    calibrator.threads = options.forest.threads;
-    TL_ASSIGN_OR_RETURN(scene.calibration,
-                        CalibrateRgbd(dataset, calibrator, quiet, stop));
-    info.calibration = scene.calibration->calibration;
-  }
-  TL_ASSIGN_OR_RETURN(const std::vector<Forest> forests,
-                      LearnPixelForests(dataset, options, quiet, stop, info));
-  KeyframeOptions keyframe_options;
-  keyframe_options.threads = options.forest.threads;
-  TL_ASSIGN_OR_RETURN(
-      const Keyframes keyframes,
-      BuildKeyframes(dataset, info.calibration, keyframe_options, quiet, stop));
-  info.method = options.method;
-  // What sees colour alone answers with the colour camera's pose.
-  if (info.method == "rgb") info.calibration.pose_sensor = RgbdSensor::kColor;
-  info.software_version = options.software_version;
-  info.created_utc = options.created_utc;
-  info.dataset = dataset.uri();
-  info.seed = options.forest.seed;
-  info.options = options.recorded_options;
-  info.training_s = MillisecondsBetween(start, clock.Now()) / 1e3;
-  const std::vector<ModelExtraBytes> extras = {
-      {ModelExtra::kKeyframes, BytesOf(keyframes.records)},
-      {ModelExtra::kKeyframePoints, BytesOf(keyframes.points)}};
-  std::vector<ForestView> views;
-  for (const Forest& forest : forests) views.push_back(forest.View());
-  TL_RETURN_IF_ERROR(WriteModel(output_path, info, views, extras));
-  TL_ASSIGN_OR_RETURN(const std::unique_ptr<const ModelFile> model,
-                      ModelFile::Open(output_path));
-  info = model->info();
-  return scene;
+  return SceneTrainer(dataset, options, output_path, quiet, stop).Train();
 }
 
 }  // namespace treeline

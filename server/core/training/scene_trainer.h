@@ -13,6 +13,7 @@
 #include "absl/strings/string_view.h"
 #include "server/core/dataset/dataset.h"
 #include "server/core/forest/model_info.h"
+#include "server/core/training/forest_refiller.h"
 #include "server/core/training/rgbd_calibrator.h"
 #include "server/core/training/training_options.h"
 
@@ -30,6 +31,11 @@ struct SceneTrainingOptions {
   // How depth and colour fit together: nullopt estimates it from the frames.
   std::optional<RgbdCalibration> calibration;
   TrainingOptions forest;
+  // A model of the same method whose trees are kept and whose leaves are
+  // refilled; empty: trees are grown. kAdapt: the model is of another scene;
+  // kExtend: `dataset` adds frames to its scene, in the same world frame.
+  std::string base_model;
+  Refill refill = Refill::kAdapt;
   // What the model records about where it came from; see ModelInfo.
   std::string software_version;
   std::string created_utc;

@@ -245,7 +245,7 @@ size_t TreeGrower::Partition(const OpenNode& node, const Split& split,
 void TreeGrower::MakeLeaf(const OpenNode& node, GrownTree& grown) const {
   const std::span<const uint32_t> samples(order_.data() + node.begin,
                                           node.end - node.begin);
-  const uint32_t first = static_cast<uint32_t>(grown.modes.size());
+  const uint32_t first = static_cast<uint32_t>(grown.leaves.size());
   if (options_.mode_bandwidth_m > 0 && !samples.empty()) {
     std::vector<Label> points;
     for (uint32_t s : samples) points.push_back(samples_.point_in_world[s]);
@@ -253,17 +253,17 @@ void TreeGrower::MakeLeaf(const OpenNode& node, GrownTree& grown) const {
          MeanShiftModes(points, options_.mode_bandwidth_m, Node::kMaxModes)) {
       std::vector<uint32_t> of_mode;
       for (size_t i : mode) of_mode.push_back(samples[i]);
-      grown.modes.push_back(MakeMode(of_mode));
+      grown.leaves.push_back(MakeMode(of_mode));
     }
   } else {
-    grown.modes.push_back(MakeMode(samples));
+    grown.leaves.push_back(MakeMode(samples));
   }
   grown.nodes.push_back(
-      Node::Leaf(first, static_cast<uint32_t>(grown.modes.size()) - first));
+      Node::Leaf(first, static_cast<uint32_t>(grown.leaves.size()) - first));
 }
 
-GrownMode TreeGrower::MakeMode(std::span<const uint32_t> samples) const {
-  GrownMode mode;
+GrownLeaf TreeGrower::MakeMode(std::span<const uint32_t> samples) const {
+  GrownLeaf mode;
   mode.count = static_cast<uint32_t>(samples.size());
   const double n = mode.count;
   std::array<int64_t, 64> descriptor{};
@@ -303,9 +303,9 @@ void TreeGrower::Emit(size_t top_index, GrownTree& tree) {
   const TopNode top = top_[top_index];
   if (!top.is_split) {
     GrownTree& grown = open_[top.open].grown;
-    AppendNodes(grown.nodes, static_cast<uint32_t>(tree.modes.size()),
+    AppendNodes(grown.nodes, static_cast<uint32_t>(tree.leaves.size()),
                 tree.nodes);
-    AppendTo(tree.modes, grown.modes);
+    AppendTo(tree.leaves, grown.leaves);
     grown = GrownTree{};
     return;
   }

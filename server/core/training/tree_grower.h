@@ -29,17 +29,18 @@ struct TreeSamples {
 };
 
 // A mode of a leaf before quantisation.
-struct GrownMode {
+struct GrownLeaf {
   Vec3 mean_in_world;
   std::array<float, 6> covariance{};  // xx xy xz yy yz zz, m^2
   uint32_t count = 0;
   WhtDescriptor descriptor;
 };
 
-// A subtree in depth-first order; modes count from 0 within it.
+// A subtree in depth-first order. Modes (`leaves`, since most leaves have one)
+// count from 0 within it.
 struct GrownTree {
   std::vector<Node> nodes;
-  std::vector<GrownMode> modes;
+  std::vector<GrownLeaf> leaves;
 };
 
 // Appends the nodes of a subtree whose modes will stand behind mode_base
@@ -101,7 +102,7 @@ class TreeGrower {
             GrownTree& grown);
   // Appends a leaf with its modes.
   void MakeLeaf(const OpenNode& node, GrownTree& grown) const;
-  GrownMode MakeMode(std::span<const uint32_t> samples) const;
+  GrownLeaf MakeMode(std::span<const uint32_t> samples) const;
   void Emit(size_t top_index, GrownTree& tree);
 
   const TrainingOptions& options_;

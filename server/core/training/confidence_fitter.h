@@ -1,0 +1,60 @@
+// Teaches a model how sure it may be of its answers.
+#ifndef SERVER_CORE_TRAINING_CONFIDENCE_FITTER_H_
+#define SERVER_CORE_TRAINING_CONFIDENCE_FITTER_H_
+
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/core/dataset/dataset.h"
+#include "server/core/forest/confidence_model.h"
+#include "server/core/localizer/localizer.h"
+
+namespace treeline {
+
+// What spoke for one pose, and whether it was right.
+struct ConfidenceTrial {
+  PoseEvidence evidence;
+  bool is_right = false;
+};
+
+// Logistic regression on the trials, drawn towards `prior` as if by a few
+// trials of its own; weights of evidence are not negative, so that more of it
+// never counts against a pose. The threshold is the least one, from 0.5 up, at
+// which all but one in a hundred of the trials' answers are right.
+ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
+                              const ConfidenceModel& prior);
+
+struct ConfidenceOptions {
+  uint64_t seed = 0;
+  // Frames used, evenly spread.
+  int frames = 60;
+  // 0: one a processor.
+  int threads = 0;
+  // A pose is right within these bounds (m, rad).
+  double translation_m = 0.05;
+  double rotation_rad = 5 * 0.017453292519943295;
+};
+
+// Lets `localizer` answer frames that it was not trained on, whole and spoilt:
+// covered but for a window with what another frame shows in a mirror, blurred,
+// or mirrored as a whole, which no camera in the scene can see. Frames without
+// a pose are left out. The result does not depend on threads. CANCELLED after
+// `stop`, and whatever reading a frame gives.
+absl::StatusOr<std::vector<ConfidenceTrial>> RunConfidenceTrials(
+    const Localizer& localizer, const Dataset& held_out,
+    const ConfidenceOptions& options, bool quiet, const std::stop_token& stop);
+
+// Parts a recording in blocks to learn from and blocks to test the result on,
+// with gaps between them, so that those tested have no twin among those learnt
+// and some look where training did not. Of short recordings none is held out.
+struct HeldOutSplit {
+  std::vector<int> train;
+  std::vector<int> held_out;
+};
+HeldOutSplit SplitForConfidence(std::span<const int> frames);
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_TRAINING_CONFIDENCE_FITTER_H_

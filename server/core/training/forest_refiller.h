@@ -1,0 +1,39 @@
+// New frames for an old forest: its splits stay, its leaves learn (thesis
+// 7.2.2; Cavallari et al., "On-the-fly adaptation of regression forests",
+// 2017).
+#ifndef SERVER_CORE_TRAINING_FOREST_REFILLER_H_
+#define SERVER_CORE_TRAINING_FOREST_REFILLER_H_
+
+#include <stop_token>
+
+#include "absl/status/statusor.h"
+#include "server/core/dataset/dataset.h"
+#include "server/core/forest/forest.h"
+#include "server/core/training/forest_trainer.h"
+#include "server/core/training/training_options.h"
+
+namespace treeline {
+
+enum class Refill {
+  kExtend,  // leaves keep what they know: more frames of the same scene
+  kAdapt    // leaves forget: another scene
+};
+
+// Sends the samples of every frame of `dataset` that has a pose and depth down
+// the trees of `base`, and gathers them in modes: samples of a leaf that lie
+// near each other, each with its mean, covariance and mean descriptor. Leaves
+// that nothing reaches, and the splits above them, are left out.
+//
+// Of `options`, seed, threads, samples_per_frame and depth_adaptive count. The
+// result does not depend on threads. FAILED_PRECONDITION if no frame is
+// usable, CANCELLED after `stop`, and whatever reading a frame gives.
+absl::StatusOr<TrainedForest> RefillForest(const ForestView& base,
+                                           const Dataset& dataset,
+                                           const RgbdCalibration& calibration,
+                                           const TrainingOptions& options,
+                                           Refill refill, bool quiet,
+                                           const std::stop_token& stop);
+
+}  // namespace treeline
+
+#endif  // SERVER_CORE_TRAINING_FOREST_REFILLER_H_

@@ -1,0 +1,94 @@
+#include "server/core/training/frame_samples.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/random.h"
+#include "server/core/features/gray_pyramid.h"
+
+namespace treeline {
+namespace {
+
+// Apart from the random streams of frames and nodes.
+constexpr uint64_t kSampleStream = 0x736d700000000000;
+
+}  // namespace
+
+std::vector<int> UsableFrames(const Dataset& dataset) {
+  std::vector<int> usable;
+  for (int i = 0; i < dataset.size(); ++i) {
+    const DatasetFrame& frame = dataset.frame(i);
+    if (frame.world_from_camera && !frame.depth_path.empty()) {
+      usable.push_back(i);
+    }
+  }
+  return usable;
+}
+
+absl::Status CheckSizes(const DatasetFrame& entry, const Frame& frame,
+                        const RgbdCalibration& calibration) {
+  if (frame.color.width == calibration.color.width() &&
+      frame.color.height == calibration.color.height() &&
+      frame.depth->width == calibration.depth.width() &&
+      frame.depth->height == calibration.depth.height()) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      entry.color_path, ": colour ", frame.color.width, " x ",
+      frame.color.height, " and depth ", frame.depth->width, " x ",
+      frame.depth->height, ", but the calibration is for ",
+      calibration.color.width(), " x ", calibration.color.height(), " and ",
+      calibration.depth.width(), " x ", calibration.depth.height()));
+}
+
+FrameSampler::FrameSampler(const DepthGeometry& geometry, const Frame& frame,
+                           const PlanarImage& image,
+                           const Rigid3& world_from_camera,
+                           const TrainingOptions& options, int frame_index)
+    : geometry_(geometry),
+      frame_(frame),
+      image_(image),
+      world_from_camera_(world_from_camera),
+      options_(options),
+      frame_index_(frame_index) {
+  if (!options.line_points) return;
+  GrayPyramid pyramid;
+  pyramid.Assign(image);
+  LiftSegments(geometry, *frame.depth, DetectLineSegments(pyramid, {}), {},
+               lines_);
+}
+
+TreeSamples FrameSampler::Draw(int tree) const {
+  const Random random(options_.seed, kSampleStream +
+                                         (static_cast<uint64_t>(tree) << 32) +
+                                         static_cast<uint64_t>(frame_index_));
+  RgbdSamples drawn;
+  if (options_.line_points) {
+    LinePoints on_lines;
+    DrawLinePoints(lines_, options_.samples_per_frame, random, on_lines);
+    drawn = std::move(on_lines.samples);
+  } else {
+    DrawSamples(geometry_, *frame_.depth, options_.samples_per_frame, random,
+                drawn);
+  }
+  TreeSamples samples;
+  samples.x.assign(drawn.x.begin(), drawn.x.end());
+  samples.y.assign(drawn.y.begin(), drawn.y.end());
+  samples.inverse_depth_q12 = drawn.inverse_depth_q12;
+  if (!options_.depth_adaptive) {
+    std::ranges::fill(samples.inverse_depth_q12,
+                      NoDepthQ12(MeanFocal_px(geometry_.calibration().color)));
+  }
+  for (const Vec3& point : drawn.point) {
+    const Vec3 in_world = world_from_camera_ * point;
+    samples.point_in_world.push_back({static_cast<float>(in_world.x),
+                                      static_cast<float>(in_world.y),
+                                      static_cast<float>(in_world.z)});
+  }
+  samples.descriptor.resize(drawn.size());
+  ComputeWht(image_, drawn.x, drawn.y, samples.descriptor);
+  return samples;
+}
+
+}  // namespace treeline

@@ -1,0 +1,79 @@
+#include "server/core/training/quantize_forest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace treeline {
+namespace {
+
+uint16_t Quantized(double value, double low, double high) {
+  return high > low ? static_cast<uint16_t>(
+                          std::lround(65535 * (value - low) / (high - low)))
+                    : uint16_t{0};
+}
+
+}  // namespace
+
+Forest QuantizeForest(std::vector<GrownTree> trees) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vec3 low{kInfinity, kInfinity, kInfinity};
+  Vec3 high = -low;
+  for (const GrownTree& tree : trees) {
+    for (const GrownLeaf& leaf : tree.leaves) {
+      const Vec3& m = leaf.mean_in_world;
+      low = {std::min(low.x, m.x), std::min(low.y, m.y), std::min(low.z, m.z)};
+      high = {std::max(high.x, m.x), std::max(high.y, m.y),
+              std::max(high.z, m.z)};
+    }
+  }
+  Forest forest;
+  forest.bounds_min_in_world = low;
+  forest.bounds_max_in_world = high;
+  for (GrownTree& tree : trees) {
+    AppendNodes(tree.nodes, static_cast<uint32_t>(forest.payloads.size()),
+                forest.nodes);
+    forest.tree_offsets.push_back(static_cast<uint32_t>(forest.nodes.size()));
+    for (const GrownLeaf& leaf : tree.leaves) {
+      LeafPayload payload;
+      payload.mean = {Quantized(leaf.mean_in_world.x, low.x, high.x),
+                      Quantized(leaf.mean_in_world.y, low.y, high.y),
+                      Quantized(leaf.mean_in_world.z, low.z, high.z)};
+      for (size_t k = 0; k < 6; ++k) {
+        payload.covariance[k] = ToBfloat16(leaf.covariance[k]);
+      }
+      payload.count =
+          static_cast<uint16_t>(std::min<uint32_t>(leaf.count, 65535));
+      forest.payloads.push_back(payload);
+      forest.descriptors.push_back(leaf.descriptor);
+    }
+    tree = GrownTree{};
+  }
+  return forest;
+}
+
+GrownTree GrownTreeOf(const ForestView& forest, int t) {
+  GrownTree tree;
+  for (Node node : forest.tree(t)) {
+    if (node.is_leaf()) {
+      const uint32_t first = static_cast<uint32_t>(tree.leaves.size());
+      for (uint32_t k = 0; k < node.modes(); ++k) {
+        const uint32_t mode = node.leaf() + k;
+        const LeafPayload& payload = forest.payloads[mode];
+        GrownLeaf leaf;
+        leaf.mean_in_world = forest.LeafMean(mode);
+        for (size_t c = 0; c < 6; ++c) {
+          leaf.covariance[c] = FromBfloat16(payload.covariance[c]);
+        }
+        leaf.count = payload.count;
+        leaf.descriptor = forest.descriptors[mode];
+        tree.leaves.push_back(leaf);
+      }
+      node = Node::Leaf(first, node.modes());
+    }
+    tree.nodes.push_back(node);
+  }
+  return tree;
+}
+
+}  // namespace treeline
