@@ -38,6 +38,7 @@ struct TrainFlags {
   std::string calibration = "auto";
   std::string adapt_path;
   std::string extend_path;
+  bool splits_only = false;
   TrainingOptions training;
   bool quiet = false;
 };
@@ -87,6 +88,7 @@ absl::Status Train(const TrainFlags& flags, const std::stop_token& stop) {
   options.base_model =
       flags.adapt_path.empty() ? flags.extend_path : flags.adapt_path;
   options.refill = flags.adapt_path.empty() ? Refill::kExtend : Refill::kAdapt;
+  options.splits_only = flags.splits_only;
   options.software_version = Version();
   options.created_utc = UtcNow();
   options.recorded_options = RecordedOptions(flags);
@@ -180,6 +182,9 @@ Command AddTrainCommand(CLI::App& app) {
                    "same world frame, without growing it anew")
       ->type_name("MODEL")
       ->excludes(adapt);
+  command->add_flag("--splits-only", flags->splits_only,
+                    "Write a base for --adapt: the trees' splits, without what "
+                    "their leaves learnt");
   command
       ->add_option("--threads", flags->training.threads,
                    "Threads; 0: one a processor")

@@ -76,4 +76,19 @@ GrownTree GrownTreeOf(const ForestView& forest, int t) {
   return tree;
 }
 
+Forest SplitsOf(const ForestView& forest) {
+  Forest splits;
+  splits.nodes.assign(forest.nodes.begin(), forest.nodes.end());
+  for (Node& node : splits.nodes) {
+    if (node.is_leaf()) node = Node::Leaf(0);
+  }
+  splits.tree_offsets.assign(forest.tree_offsets.begin(),
+                             forest.tree_offsets.end());
+  splits.payloads.emplace_back();
+  splits.descriptors.emplace_back();
+  splits.bounds_min_in_world = forest.bounds_min_in_world;
+  splits.bounds_max_in_world = forest.bounds_max_in_world;
+  return splits;
+}
+
 }  // namespace treeline

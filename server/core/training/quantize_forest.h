@@ -16,6 +16,10 @@ Forest QuantizeForest(std::vector<GrownTree> trees);
 // GrownLeaf.
 GrownTree GrownTreeOf(const ForestView& forest, int t);
 
+// The splits of a forest alone, all leaves one and the same: what a base for
+// Refill::kAdapt needs, in a fraction of the bytes.
+Forest SplitsOf(const ForestView& forest);
+
 }  // namespace treeline
 
 #endif  // SERVER_CORE_TRAINING_QUANTIZE_FOREST_H_

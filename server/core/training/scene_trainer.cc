@@ -18,6 +18,7 @@
 #include "server/core/training/forest_trainer.h"
 #include "server/core/training/frame_samples.h"
 #include "server/core/training/keyframe_builder.h"
+#include "server/core/training/quantize_forest.h"
 
 namespace treeline {
 namespace {
@@ -96,6 +97,14 @@ class SceneTrainer {
     TL_RETURN_IF_ERROR(OpenBase());
     TL_RETURN_IF_ERROR(Calibrate());
     Describe();
+    if (options_.splits_only) {
+      Learned learned;
+      TL_ASSIGN_OR_RETURN(learned.forests, LearnForests(dataset_));
+      for (TrainedForest& f : learned.forests) {
+        f.forest = SplitsOf(f.forest.View());
+      }
+      return Finish(learned);
+    }
     const HeldOutSplit split = SplitForConfidence(UsableFrames(dataset_));
     if (split.held_out.empty() || is_extending()) {
       TL_ASSIGN_OR_RETURN(const Learned learned, Learn(dataset_));
@@ -173,8 +182,9 @@ class SceneTrainer {
     return BuildKeyframes(dataset, calibration_, keyframes, quiet_, stop_);
   }
 
-  absl::StatusOr<Learned> Learn(const Dataset& dataset) const {
-    Learned learned;
+  absl::StatusOr<std::vector<TrainedForest>> LearnForests(
+      const Dataset& dataset) const {
+    std::vector<TrainedForest> learned;
     for (size_t f = 0; f < forests_.size(); ++f) {
       TL_ASSIGN_OR_RETURN(
           TrainedForest forest,
@@ -182,8 +192,14 @@ class SceneTrainer {
               ? TrainForest(dataset, calibration_, forests_[f], quiet_, stop_)
               : RefillForest(base_->forest(f), dataset, calibration_,
                              forests_[f], options_.refill, quiet_, stop_));
-      learned.forests.push_back(std::move(forest));
+      learned.push_back(std::move(forest));
     }
+    return learned;
+  }
+
+  absl::StatusOr<Learned> Learn(const Dataset& dataset) const {
+    Learned learned;
+    TL_ASSIGN_OR_RETURN(learned.forests, LearnForests(dataset));
     TL_ASSIGN_OR_RETURN(learned.keyframes, MakeKeyframes(dataset));
     if (is_extending()) TL_RETURN_IF_ERROR(KeepKeyframes(learned.keyframes));
     return learned;

@@ -36,6 +36,8 @@ struct SceneTrainingOptions {
   // kExtend: `dataset` adds frames to its scene, in the same world frame.
   std::string base_model;
   Refill refill = Refill::kAdapt;
+  // Writes a base for kAdapt: splits without what the leaves learnt.
+  bool splits_only = false;
   // What the model records about where it came from; see ModelInfo.
   std::string software_version;
   std::string created_utc;

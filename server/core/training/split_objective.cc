@@ -121,15 +121,13 @@ struct EntropySplitter::Sum {
 
 EntropySplitter::EntropySplitter() : bins_(kBins) {}
 
-ThresholdChoice EntropySplitter::Best(std::span<const int16_t> values,
-                                      std::span<const Label> labels,
-                                      int min_side) {
-  int low = kBins;
-  int high = -1;
+EntropySplitter::Range EntropySplitter::Fill(std::span<const int16_t> values,
+                                             std::span<const Label> labels) {
+  Range range{kBins, -1};
   for (size_t i = 0; i < values.size(); ++i) {
     const int bin = values[i] + 255;
-    low = std::min(low, bin);
-    high = std::max(high, bin);
+    range.low = std::min(range.low, bin);
+    range.high = std::max(range.high, bin);
     Moments& m = bins_[static_cast<size_t>(bin)];
     const auto [x, y, z] = labels[i];
     m.x += x;
@@ -143,6 +141,13 @@ ThresholdChoice EntropySplitter::Best(std::span<const int16_t> values,
     m.zz += z * z;
     ++m.count;
   }
+  return range;
+}
+
+ThresholdChoice EntropySplitter::Best(std::span<const int16_t> values,
+                                      std::span<const Label> labels,
+                                      int min_side) {
+  const auto [low, high] = Fill(values, labels);
   Sum total;
   int32_t occupied = 0;
   for (int bin = low; bin <= high; ++bin) {
@@ -152,16 +157,9 @@ ThresholdChoice EntropySplitter::Best(std::span<const int16_t> values,
     total.Add(m);
   }
   ThresholdChoice best;
-  if (occupied < 2) {
-    for (int bin = low; bin <= high; ++bin) {
-      bins_[static_cast<size_t>(bin)] = Moments{};
-    }
-    return best;
-  }
   // With more, a threshold is tried each time that many samples have passed.
   const int32_t stride =
       occupied - 1 <= kMaxThresholds ? 1 : total.count / (kMaxThresholds + 1);
-  const double before = total.Entropy();
   double least = std::numeric_limits<double>::infinity();
   int32_t next = 0;
   Sum left;
@@ -182,7 +180,9 @@ ThresholdChoice EntropySplitter::Best(std::span<const int16_t> values,
       best.threshold = bin - 255;
     }
   }
-  if (std::isfinite(least)) best.gain = std::max(0.0, 0.5 * (before - least));
+  if (std::isfinite(least)) {
+    best.gain = std::max(0.0, 0.5 * (total.Entropy() - least));
+  }
   return best;
 }
 

@@ -76,6 +76,14 @@ class EntropySplitter {
     int32_t count = 0;
   };
   struct Sum;
+  struct Range {
+    int low = 0;
+    int high = 0;
+  };
+
+  // Adds the samples to bins_; returns the first and last bin in use.
+  Range Fill(std::span<const int16_t> values, std::span<const Label> labels);
+
   std::vector<Moments> bins_;
 };
 

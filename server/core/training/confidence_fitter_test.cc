@@ -1,0 +1,103 @@
+#include "server/core/training/confidence_fitter.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "common/base/random.h"
+#include "gtest/gtest.h"
+
+namespace treeline {
+namespace {
+
+// Poses whose chance of being right grows with their share of inliers.
+std::vector<ConfidenceTrial> MakeTrials(uint64_t seed, int count) {
+  Random random(seed, 1);
+  std::vector<ConfidenceTrial> trials;
+  for (int i = 0; i < count; ++i) {
+    ConfidenceTrial trial;
+    trial.evidence.inlier_ratio = random.NextUniform(0, 0.5);
+    trial.evidence.visible = 500;
+    trial.evidence.correlation = random.NextUniform(0.5, 0.9);
+    const double logit = -8 + 20 * std::sqrt(trial.evidence.inlier_ratio);
+    trial.is_right = random.NextUnit() < 1 / (1 + std::exp(-logit));
+    trials.push_back(trial);
+  }
+  return trials;
+}
+
+TEST(ConfidenceFitterTest, ProbabilitiesMeanWhatTheySay) {
+  const ConfidenceModel model =
+      FitConfidence(MakeTrials(1, 2000), ConfidenceModel::Typical());
+  // On other trials: of those that get about p, a share of p is right.
+  constexpr int kBins = 5;
+  double said[kBins] = {};
+  double right[kBins] = {};
+  int count[kBins] = {};
+  for (const ConfidenceTrial& trial : MakeTrials(2, 4000)) {
+    const double p = model.Probability(trial.evidence);
+    ASSERT_GE(p, 0);
+    ASSERT_LE(p, 1);
+    const int bin = std::min(kBins - 1, static_cast<int>(kBins * p));
+    said[bin] += p;
+    right[bin] += trial.is_right;
+    ++count[bin];
+  }
+  for (int b = 0; b < kBins; ++b) {
+    if (count[b] < 100) continue;
+    EXPECT_NEAR(said[b] / count[b], right[b] / count[b], 0.08) << b;
+  }
+}
+
+TEST(ConfidenceFitterTest, MoreEvidenceNeverCountsAgainstAPose) {
+  // Trials in which correlation misleads.
+  std::vector<ConfidenceTrial> trials = MakeTrials(3, 500);
+  for (ConfidenceTrial& trial : trials) {
+    trial.evidence.correlation = trial.is_right ? 0.2 : 0.9;
+  }
+  const ConfidenceModel model =
+      FitConfidence(trials, ConfidenceModel::Typical());
+  for (size_t i = 1; i < ConfidenceModel::kFeatures; ++i) {
+    EXPECT_GE(model.weights[i], 0) << ConfidenceModel::FeatureNames()[i];
+  }
+}
+
+TEST(ConfidenceFitterTest, TheThresholdKeepsAnswersPrecise) {
+  const std::vector<ConfidenceTrial> trials = MakeTrials(4, 3000);
+  const ConfidenceModel model =
+      FitConfidence(trials, ConfidenceModel::Typical());
+  int given = 0;
+  int wrong = 0;
+  for (const ConfidenceTrial& trial : trials) {
+    if (model.Probability(trial.evidence) < model.threshold) continue;
+    ++given;
+    wrong += !trial.is_right;
+  }
+  EXPECT_GT(given, 500);
+  EXPECT_LE(wrong, 0.011 * given);
+  EXPECT_GE(model.threshold, 0.5);
+}
+
+TEST(ConfidenceFitterTest, WithoutTrialsThePriorHolds) {
+  const ConfidenceModel prior = ConfidenceModel::Typical();
+  EXPECT_EQ(FitConfidence({}, prior).weights, prior.weights);
+}
+
+TEST(ConfidenceFitterTest, BlocksHeldOutHaveNoNeighboursAmongThoseLearnt) {
+  std::vector<int> frames(500);
+  std::iota(frames.begin(), frames.end(), 100);
+  const HeldOutSplit split = SplitForConfidence(frames);
+  EXPECT_GT(split.held_out.size(), 80u);
+  EXPECT_GT(split.train.size(), 200u);
+  for (const int held : split.held_out) {
+    for (const int train : split.train) {
+      ASSERT_GE(std::abs(held - train), 8);
+    }
+  }
+  const HeldOutSplit small =
+      SplitForConfidence(std::span(frames).subspan(0, 20));
+  EXPECT_EQ(small.train.size(), 20u);
+  EXPECT_TRUE(small.held_out.empty());
+}
+
+}  // namespace
+}  // namespace treeline

@@ -1,0 +1,215 @@
+// Scenes trained by every way there is, and what their localizers answer.
+#include "server/core/training/scene_trainer.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "common/base/random.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "server/core/keyframes/direct_alignment.h"
+#include "server/core/localizer/localizer.h"
+#include "server/core/training/box_room_recording.h"
+
+namespace treeline {
+namespace {
+
+using testing::HasSubstr;
+
+class SceneTrainerTest : public testing::Test {
+ protected:
+  static constexpr int kFrames = 80;
+
+  static void SetUpTestSuite() {
+    folder_ = new std::string(testing::TempDir() + "/scene_trainer_test_" +
+                              std::to_string(getpid()));
+    WriteBoxRoomRecording(*folder_, Calibration(), BoxRoomPoses(kFrames));
+    DatasetOptions recording;
+    recording.uri = "7scenes:" + *folder_;
+    recording.color_camera = "PINHOLE,145,145,100,75";
+    recording.depth_camera = recording.color_camera;
+    dataset_ = new Dataset(*Dataset::Open(recording));
+  }
+  static void TearDownTestSuite() {
+    delete dataset_;
+    std::filesystem::remove_all(*folder_);
+    delete folder_;
+  }
+
+  static RgbdCalibration Calibration() {
+    RgbdCalibration calibration = BoxRoomCalibration();
+    calibration.pose_sensor = RgbdSensor::kDepth;
+    return calibration;
+  }
+  static SceneTrainingOptions Options(const std::string& method) {
+    SceneTrainingOptions options;
+    options.method = method;
+    options.calibration = Calibration();
+    options.forest.samples_per_frame = 300;
+    options.forest.trees = 3;
+    return options;
+  }
+  static std::string Path(const std::string& name) {
+    return *folder_ + "/" + name + ".treeline";
+  }
+  static absl::StatusOr<TrainedScene> Train(const Dataset& dataset,
+                                            const SceneTrainingOptions& options,
+                                            const std::string& name) {
+    return TrainScene(dataset, options, Path(name), true, {});
+  }
+  // A pose between those of training.
+  static Rigid3 HeldOutPose(int i) {
+    return BoxRoomPoses(2 * kFrames)[static_cast<size_t>(2 * i + 1)];
+  }
+  // Of 16 views spread over the room, those placed within 5 cm and 5 degrees.
+  static int CountRight(const Localizer& localizer, bool with_depth) {
+    int right = 0;
+    for (int i = 0; i < 16; ++i) {
+      const Rigid3 truth = HeldOutPose(5 * i);
+      Frame frame = RenderBoxRoom(Calibration(), truth);
+      if (!with_depth) frame.depth.reset();
+      const auto estimate = localizer.Localize(frame, {});
+      EXPECT_TRUE(estimate.ok()) << estimate.status();
+      if (estimate->outcome != Outcome::kLocalized) continue;
+      EXPECT_GE(estimate->confidence, 0.5);
+      const PoseError error = ErrorBetween(estimate->world_from_camera, truth);
+      right += error.translation_m < 0.05 && error.rotation_rad < 0.087;
+    }
+    return right;
+  }
+
+  static std::string* folder_;
+  static Dataset* dataset_;
+};
+std::string* SceneTrainerTest::folder_ = nullptr;
+Dataset* SceneTrainerTest::dataset_ = nullptr;
+
+TEST_F(SceneTrainerTest, RgbNeedsNoDepthInQueries) {
+  const auto scene = Train(*dataset_, Options("rgb"), "rgb");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(scene->info.method, "rgb");
+  EXPECT_EQ(scene->info.calibration.pose_sensor, RgbdSensor::kColor);
+  EXPECT_TRUE(scene->info.confidence.has_value());
+  const auto localizer = OpenLocalizer(Path("rgb"));
+  ASSERT_TRUE(localizer.ok()) << localizer.status();
+  EXPECT_GE(CountRight(**localizer, false), 13);
+}
+
+TEST_F(SceneTrainerTest, AnswersNothingThatItHasNotSeen) {
+  for (const std::string method : {"rgb", "rgbd"}) {
+    ASSERT_TRUE(Train(*dataset_, Options(method), method).ok());
+    const auto localizer = OpenLocalizer(Path(method));
+    ASSERT_TRUE(localizer.ok());
+    Frame frame = RenderBoxRoom(Calibration(), HeldOutPose(3));
+    std::ranges::fill(frame.color.rgb, uint8_t{90});
+    EXPECT_EQ((*localizer)->Localize(frame, {})->outcome,
+              Outcome::kNotLocalized);
+    Random random(1, 2);
+    for (uint8_t& value : frame.color.rgb) {
+      value = static_cast<uint8_t>(random.NextBelow(256));
+    }
+    EXPECT_EQ((*localizer)->Localize(frame, {})->outcome,
+              Outcome::kNotLocalized);
+  }
+}
+
+TEST_F(SceneTrainerTest, AForestOfOneSceneServesAnother) {
+  // The base knows another room: this one's frames with channels exchanged
+  // would do, but any trees will; these were grown on a few frames.
+  const std::vector<int> few = {0, 5, 10, 15, 20};
+  SceneTrainingOptions base = Options("rgbd");
+  base.splits_only = true;
+  base.forest.max_depth = 10;
+  const auto splits = Train(dataset_->Subset(few), base, "base");
+  ASSERT_TRUE(splits.ok()) << splits.status();
+  EXPECT_EQ(splits->info.leaves, 1);
+
+  SceneTrainingOptions adapt = Options("rgbd");
+  adapt.base_model = Path("base");
+  adapt.refill = Refill::kAdapt;
+  const auto adapted = Train(*dataset_, adapt, "adapted");
+  ASSERT_TRUE(adapted.ok()) << adapted.status();
+  const auto localizer = OpenLocalizer(Path("adapted"));
+  ASSERT_TRUE(localizer.ok());
+  EXPECT_GE(CountRight(**localizer, true), 13);
+
+  adapt.method = "rgb";
+  EXPECT_THAT(Train(*dataset_, adapt, "x").status().message(),
+              HasSubstr("no base for method rgb"));
+}
+
+TEST_F(SceneTrainerTest, AModelIsExtendedByMoreFrames) {
+  std::vector<int> first;
+  std::vector<int> rest;
+  for (int i = 0; i < kFrames; ++i) {
+    (i < kFrames / 2 ? first : rest).push_back(i);
+  }
+  ASSERT_TRUE(Train(dataset_->Subset(first), Options("rgbd"), "half").ok());
+  SceneTrainingOptions extend = Options("rgbd");
+  extend.base_model = Path("half");
+  extend.refill = Refill::kExtend;
+  ASSERT_TRUE(Train(dataset_->Subset(rest), extend, "whole").ok());
+  const auto half = OpenLocalizer(Path("half"));
+  const auto whole = OpenLocalizer(Path("whole"));
+  ASSERT_TRUE(half.ok() && whole.ok());
+  EXPECT_EQ((*half)->info().confidence, (*whole)->info().confidence);
+  const int right_before = CountRight(**half, true);
+  const int right_after = CountRight(**whole, true);
+  EXPECT_LE(right_before, 10);
+  EXPECT_GE(right_after, 13);
+}
+
+TEST_F(SceneTrainerTest, AlignmentPullsAPoseIn) {
+  ASSERT_TRUE(Train(*dataset_, Options("rgbd"), "align").ok());
+  const auto model = ModelFile::Open(Path("align"));
+  ASSERT_TRUE(model.ok());
+  const auto map = KeyframeMap::Read(**model);
+  ASSERT_TRUE(map.ok());
+  ASSERT_GT(map->size(), 3u);
+  int pulled_in = 0;
+  for (int i = 0; i < 8; ++i) {
+    const Rigid3 truth = HeldOutPose(10 * i);
+    const Frame frame = RenderBoxRoom(Calibration(), truth);
+    GrayPyramid pyramid;
+    pyramid.Assign(PlanarImage(frame.color));
+    const Rigid3 guess{
+        truth.rotation * Rotation3::FromAxisAngle({0.01, -0.01, 0.01}),
+        truth.translation + Vec3{0.02, -0.015, 0.01}};
+    for (const bool with_depth : {false, true}) {
+      const auto aligned =
+          AlignToKeyframes(*map, pyramid, with_depth ? &*frame.depth : nullptr,
+                           Calibration(), guess, {});
+      ASSERT_TRUE(aligned);
+      EXPECT_EQ(aligned->measured > 0, with_depth);
+      const PoseError before = ErrorBetween(guess, truth);
+      const PoseError after = ErrorBetween(aligned->world_from_camera, truth);
+      pulled_in += after.translation_m < 0.5 * before.translation_m &&
+                   aligned->correlation > 0.8;
+    }
+  }
+  EXPECT_GE(pulled_in, 13);
+}
+
+TEST_F(SceneTrainerTest, ExplainsBadRequests) {
+  EXPECT_EQ(Train(*dataset_, Options("magic"), "x").status().code(),
+            absl::StatusCode::kInvalidArgument);
+  SceneTrainingOptions options = Options("rgbd");
+  options.base_model = Path("nowhere");
+  EXPECT_EQ(Train(*dataset_, options, "x").status().code(),
+            absl::StatusCode::kNotFound);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(
+      TrainScene(*dataset_, Options("rgbd"), Path("x"), true, stop.get_token())
+          .status()
+          .code(),
+      absl::StatusCode::kCancelled);
+  EXPECT_FALSE(std::filesystem::exists(Path("x")));
+}
+
+}  // namespace
+}  // namespace treeline
