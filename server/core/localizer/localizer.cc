@@ -6,6 +6,7 @@
 #include "common/base/status_macros.h"
 #include "server/core/forest/backtracking.h"
 #include "server/core/localizer/hybrid_localizer.h"
+#include "server/core/localizer/points_lines_localizer.h"
 #include "server/core/localizer/rgb_localizer.h"
 #include "server/core/localizer/rgbd_localizer.h"
 #include "server/core/localizer/sift_localizer.h"
@@ -53,6 +54,10 @@ absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
   if (method == "hybrid") {
     return std::make_unique<HybridLocalizer>(std::move(model),
                                              std::move(verifier), options);
+  }
+  if (method == "points-lines") {
+    return PointsLinesLocalizer::Create(std::move(model), std::move(verifier),
+                                        options);
   }
   if (method == "sift") {
     absl::StatusOr<std::unique_ptr<SiftLocalizer>> localizer =

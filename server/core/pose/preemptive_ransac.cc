@@ -13,6 +13,9 @@ namespace {
 // Refits to all points' inliers once one hypothesis is left.
 constexpr int kFinalRefits = 3;
 
+// A prediction along a line is free up to this distance (20 cm), squared.
+constexpr float kMaxSlide2_m2 = 0.04f;
+
 // Points and best predictions as separate float arrays: scoring a hypothesis
 // is then a loop that compilers vectorise.
 struct PackedPoints {
@@ -29,8 +32,18 @@ struct PackedPoints {
       wy[i] = static_cast<float>(w.y);
       wz[i] = static_cast<float>(w.z);
     }
+    if (!scene.has_lines()) return;
+    for (std::vector<float>* v : {&dx, &dy, &dz}) v->resize(n);
+    for (size_t i = 0; i < n; ++i) {
+      const Vec3& d = scene.line_direction_in_camera[i];
+      dx[i] = static_cast<float>(d.x);
+      dy[i] = static_cast<float>(d.y);
+      dz[i] = static_cast<float>(d.z);
+    }
   }
   std::vector<float> cx, cy, cz, wx, wy, wz;
+  // Directions of the points' lines, zero for points on none; empty if all are.
+  std::vector<float> dx, dy, dz;
 };
 
 struct Hypothesis {
@@ -38,9 +51,11 @@ struct Hypothesis {
   double energy = 0;
 };
 
-// Sum over points [begin, end) of min(1, |residual|^2 / inlier_distance^2).
-double TruncatedEnergy(const PackedPoints& p, const Rigid3& pose,
-                       double inlier_distance_m, size_t begin, size_t end) {
+// Sum over points [begin, end) of min(1, |residual|^2 / inlier_distance^2),
+// where of points on lines the residual across the line counts.
+template <bool kLines>
+double TruncatedSum(const PackedPoints& p, const Rigid3& pose,
+                    double inlier_distance_m, size_t begin, size_t end) {
   const Mat3 r = pose.rotation.Matrix();
   float m[9];
   for (size_t i = 0; i < 9; ++i) m[i] = static_cast<float>(r.m[i]);
@@ -62,12 +77,30 @@ double TruncatedEnergy(const PackedPoints& p, const Rigid3& pose,
           m[3] * p.cx[i] + m[4] * p.cy[i] + m[5] * p.cz[i] + ty - p.wy[i];
       const float dz =
           m[6] * p.cx[i] + m[7] * p.cy[i] + m[8] * p.cz[i] + tz - p.wz[i];
-      sums[lane] += std::min(1.0f, (dx * dx + dy * dy + dz * dz) * scale);
+      float squared = dx * dx + dy * dy + dz * dz;
+      if constexpr (kLines) {
+        const float lx = p.dx[i];
+        const float ly = p.dy[i];
+        const float lz = p.dz[i];
+        const float along = dx * (m[0] * lx + m[1] * ly + m[2] * lz) +
+                            dy * (m[3] * lx + m[4] * ly + m[5] * lz) +
+                            dz * (m[6] * lx + m[7] * ly + m[8] * lz);
+        squared =
+            std::max(0.0f, squared - std::min(along * along, kMaxSlide2_m2));
+      }
+      sums[lane] += std::min(1.0f, squared * scale);
     }
   }
   double energy = 0;
   for (float sum : sums) energy += static_cast<double>(sum);
   return energy;
+}
+
+double TruncatedEnergy(const PackedPoints& points, const Rigid3& pose,
+                       double inlier_distance_m, size_t begin, size_t end) {
+  return points.dx.empty()
+             ? TruncatedSum<false>(points, pose, inlier_distance_m, begin, end)
+             : TruncatedSum<true>(points, pose, inlier_distance_m, begin, end);
 }
 
 std::optional<Rigid3> DrawHypothesis(const ScenePredictions& scene,
@@ -120,6 +153,19 @@ RansacResult Refit(const ScenePredictions& scene, const Rigid3& pose,
   return {kabsch.Solve().value_or(pose), inliers};
 }
 
+// A survivor of a pruning, fitted to points [0, end).
+Rigid3 Refitted(const ScenePredictions& scene, const Rigid3& pose,
+                const RansacOptions& options, size_t end, size_t alive) {
+  if (options.refinement && alive <= static_cast<size_t>(options.refined)) {
+    RefinementOptions refinement = *options.refinement;
+    refinement.max_points = end;
+    const std::optional<RefinedPose> refined =
+        RefineRigid(scene, pose, refinement);
+    if (refined) return refined->world_from_camera;
+  }
+  return Refit(scene, pose, options.inlier_distance_m, end).world_from_camera;
+}
+
 // Scores block after block and keeps the better half each time, until one
 // hypothesis is left or all points are seen.
 void Prune(const ScenePredictions& scene, const PackedPoints& points,
@@ -141,8 +187,7 @@ void Prune(const ScenePredictions& scene, const PackedPoints& points,
     alive.resize((alive.size() + 1) / 2);
     for (Hypothesis& h : alive) {
       h.world_from_camera =
-          Refit(scene, h.world_from_camera, options.inlier_distance_m, seen)
-              .world_from_camera;
+          Refitted(scene, h.world_from_camera, options, seen, alive.size());
       h.energy = TruncatedEnergy(points, h.world_from_camera,
                                  options.inlier_distance_m, 0, seen);
     }
@@ -167,6 +212,12 @@ std::optional<RansacResult> PreemptiveRansac(const ScenePredictions& scene,
   Prune(scene, PackedPoints(scene), options, stop, alive);
   if (stop.stop_requested()) return std::nullopt;
   RansacResult result{alive.front().world_from_camera, 0};
+  if (options.refinement) {
+    result.inliers = Refit(scene, result.world_from_camera,
+                           options.inlier_distance_m, scene.size())
+                         .inliers;
+    return result;
+  }
   for (int i = 0; i < kFinalRefits; ++i) {
     result = Refit(scene, result.world_from_camera, options.inlier_distance_m,
                    scene.size());

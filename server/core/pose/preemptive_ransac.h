@@ -7,6 +7,7 @@
 #include <stop_token>
 
 #include "common/geometry/rigid3.h"
+#include "server/core/pose/rigid_refinement.h"
 #include "server/core/pose/scene_predictions.h"
 
 namespace treeline {
@@ -25,6 +26,11 @@ struct RansacOptions {
   double side_tolerance_m = 0.06;
   // Triples drawn for a hypothesis before it is given up.
   int draws = 100;
+  // With these, hypotheses are refitted by RefineRigid (thesis 5.5) once no
+  // more than `refined` are left, and by Kabsch before; else always by Kabsch,
+  // to points alone.
+  std::optional<RefinementOptions> refinement;
+  int refined = 4;
 };
 
 struct RansacResult {
@@ -35,9 +41,10 @@ struct RansacResult {
 
 // Preemptive RANSAC (Nister 2003; thesis 4.2.5): all hypotheses are scored on
 // a block of points by the truncated squared distance to the points' best
-// predictions; the better half is refitted to its inliers so far (Kabsch) and
-// goes on to the next block. Points must be in random order. nullopt: no
-// triple was consistent. The same input gives the same result.
+// predictions (of points on lines: from the line); the better half is refitted
+// to its inliers so far (Kabsch) and goes on to the next block. Points must be
+// in random order. nullopt: no triple was consistent. The same input gives the
+// same result.
 std::optional<RansacResult> PreemptiveRansac(const ScenePredictions& scene,
                                              const RansacOptions& options,
                                              const std::stop_token& stop);

@@ -1,12 +1,12 @@
 #include "server/core/pose/rigid_refinement.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
+#include "server/core/pose/rigid_terms.h"
 
 namespace treeline {
 namespace {
@@ -16,10 +16,13 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kInitialScale = 3;
 
+constexpr double kLeastDamping = 1e-4;
+constexpr double kDampingFactor = 10;
+constexpr int kDampedTries = 5;
+
 struct NearestPrediction {
   int k = 0;
   double squared_distance = 0;
-  Vec3 residual;
 };
 
 NearestPrediction Nearest(const ScenePredictions& scene, size_t i,
@@ -27,64 +30,17 @@ NearestPrediction Nearest(const ScenePredictions& scene, size_t i,
   NearestPrediction nearest;
   nearest.squared_distance = std::numeric_limits<double>::infinity();
   for (int k = 0; k < scene.per_point; ++k) {
-    const Vec3 residual = point_in_world - scene.at(i, k).mean_in_world;
-    const double distance = SquaredNorm(residual);
-    if (distance < nearest.squared_distance) {
-      nearest = {k, distance, residual};
-    }
+    const double distance =
+        SquaredNorm(point_in_world - scene.at(i, k).mean_in_world);
+    if (distance < nearest.squared_distance) nearest = {k, distance};
   }
   return nearest;
 }
 
-// The inverse of a symmetric 3x3 given as xx xy xz yy yz zz.
-std::array<double, 6> InvertSymmetric(const std::array<double, 6>& a) {
-  const double xx = a[3] * a[5] - a[4] * a[4];
-  const double xy = a[2] * a[4] - a[1] * a[5];
-  const double xz = a[1] * a[4] - a[2] * a[3];
-  const double d = 1 / (a[0] * xx + a[1] * xy + a[2] * xz);
-  return {d * xx,
-          d * xy,
-          d * xz,
-          d * (a[0] * a[5] - a[2] * a[2]),
-          d * (a[1] * a[2] - a[0] * a[4]),
-          d * (a[0] * a[3] - a[1] * a[1])};
-}
-
-// Accumulates J^T W J and J^T W r for r with derivative [I, -[q]x] with
-// respect to (translation, rotation), q = R x. w: xx xy xz yy yz zz.
-void Accumulate(const std::array<double, 6>& w, Vec3 q, Vec3 r, Matrix6& h,
-                Vector6& g) {
-  const double wm[3][3] = {
-      {w[0], w[1], w[2]}, {w[1], w[3], w[4]}, {w[2], w[4], w[5]}};
-  // B = [q]x^T ... derivative of Exp(a) q is -[q]x a.
-  const double b[3][3] = {{0, q.z, -q.y}, {-q.z, 0, q.x}, {q.y, -q.x, 0}};
-  double wb[3][3];
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      wb[i][j] = wm[i][0] * b[0][j] + wm[i][1] * b[1][j] + wm[i][2] * b[2][j];
-    }
-  }
-  const double rr[3] = {r.x, r.y, r.z};
-  double wr[3];
-  for (int i = 0; i < 3; ++i) {
-    wr[i] = wm[i][0] * rr[0] + wm[i][1] * rr[1] + wm[i][2] * rr[2];
-  }
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      h(i, j) += wm[i][j];
-      h(i, 3 + j) += wb[i][j];
-      h(3 + i, 3 + j) +=
-          b[0][i] * wb[0][j] + b[1][i] * wb[1][j] + b[2][i] * wb[2][j];
-    }
-    g(i) += wr[i];
-    g(3 + i) += b[0][i] * wr[0] + b[1][i] * wr[1] + b[2][i] * wr[2];
-  }
-}
-
-// (S + s^2 v v^T + model^2 I)^-1 with v a unit vector in the world.
-std::array<double, 6> Information(const ScenePrediction& prediction, Vec3 ray,
-                                  double depth_sigma_m, double model_sigma_m) {
-  std::array<double, 6> c = prediction.covariance;
+// S + s^2 v v^T + model^2 I with v a unit vector in the world.
+Symmetric3 Covariance(const ScenePrediction& prediction, Vec3 ray,
+                      double depth_sigma_m, double model_sigma_m) {
+  Symmetric3 c = prediction.covariance;
   const double s = depth_sigma_m * depth_sigma_m;
   const double m = model_sigma_m * model_sigma_m;
   c[0] += s * ray.x * ray.x + m;
@@ -93,7 +49,176 @@ std::array<double, 6> Information(const ScenePrediction& prediction, Vec3 ray,
   c[3] += s * ray.y * ray.y + m;
   c[4] += s * ray.y * ray.z;
   c[5] += s * ray.z * ray.z + m;
-  return InvertSymmetric(c);
+  return c;
+}
+
+// What one point adds to the sum, at the pose where its prediction, and the
+// weight of it, were chosen.
+struct Term {
+  size_t point = 0;
+  Vec3 mean_in_world;
+  Symmetric3 information{};  // weighted
+};
+
+// The sum and its normal equations.
+struct WeightedSum {
+  NormalEquations equations;
+  double value = 0;
+  double weights = 0;
+  double line_weights = 0;  // the part of points on lines
+  std::vector<Term> terms;
+};
+
+// Adds terms up at one pose and one scale of the robust loss.
+class SumAt {
+ public:
+  SumAt(const ScenePredictions& scene, const RefinementOptions& options,
+        const Rigid3& pose, double scale2)
+      : scene_(scene), options_(options), pose_(pose), scale2_(scale2) {}
+
+  WeightedSum Compute() const {
+    WeightedSum sum;
+    const size_t end = std::min(scene_.size(), options_.max_points);
+    for (size_t i = 0; i < end; ++i) AddPoint(i, sum);
+    return sum;
+  }
+
+ private:
+  struct Match {
+    int k = -1;  // none
+    double squared_distance = std::numeric_limits<double>::infinity();
+    double score = std::numeric_limits<double>::infinity();
+    Symmetric3 information{};
+  };
+
+  double SquaredDistance(Vec3 residual, Vec3 direction) const {
+    const double squared = SquaredNorm(residual);
+    if (direction == Vec3{}) return squared;
+    const double slide = Dot(residual, direction);
+    return std::abs(slide) <= options_.max_slide_m
+               ? squared - slide * slide
+               : std::numeric_limits<double>::infinity();
+  }
+
+  Symmetric3 InformationOf(size_t i, int k, Vec3 rotated) const {
+    return Inverse(Covariance(scene_.at(i, k), Normalized(rotated),
+                              scene_.depth_sigma_m[i], options_.model_sigma_m));
+  }
+
+  // direction is zero, or that of the point's line in the world.
+  Match MatchOf(size_t i, Vec3 rotated, Vec3 direction) const {
+    Match best;
+    for (int k = 0; k < scene_.per_point; ++k) {
+      const Vec3 residual =
+          rotated + pose_.translation - scene_.at(i, k).mean_in_world;
+      Match match{k, SquaredDistance(residual, direction), 0, {}};
+      if (match.squared_distance > 9 * scale2_) continue;
+      match.score = match.squared_distance;
+      if (options_.likeliest_prediction) {
+        match.information = InformationOf(i, k, rotated);
+        const Symmetric3 known = direction == Vec3{}
+                                     ? match.information
+                                     : AcrossLine(match.information, direction);
+        match.score = QuadraticForm(known, residual) -
+                      std::log(Determinant(match.information));
+      }
+      if (match.score < best.score) best = match;
+    }
+    if (best.k >= 0 && !options_.likeliest_prediction) {
+      best.information = InformationOf(i, best.k, rotated);
+    }
+    return best;
+  }
+
+  void AddPoint(size_t i, WeightedSum& sum) const {
+    const Vec3 rotated = pose_.rotation * scene_.point_in_camera[i];
+    const bool on_line = scene_.is_on_line(i);
+    const Vec3 direction =
+        on_line ? pose_.rotation * scene_.line_direction_in_camera[i] : Vec3{};
+    const Match match = MatchOf(i, rotated, direction);
+    if (match.k < 0) return;
+    const double robust = scale2_ * scale2_ /
+                          ((scale2_ + match.squared_distance) *
+                           (scale2_ + match.squared_distance));
+    Symmetric3 w = match.information;
+    for (double& entry : w) entry *= robust;
+    const Vec3 mean = scene_.at(i, match.k).mean_in_world;
+    Vec3 x = rotated;
+    Vec3 residual = rotated + pose_.translation - mean;
+    if (options_.levenberg_marquardt) sum.terms.push_back({i, mean, w});
+    if (on_line) {
+      const Vec3 along = ClosestOnLine(w, residual, direction) * direction;
+      x = x + along;
+      residual = residual + along;
+      w = AcrossLine(w, direction);
+      sum.line_weights += robust;
+    }
+    sum.equations.Add(w, x, residual);
+    sum.value += QuadraticForm(w, residual);
+    sum.weights += robust;
+  }
+
+  const ScenePredictions& scene_;
+  const RefinementOptions& options_;
+  const Rigid3& pose_;
+  const double scale2_;
+};
+
+// The sum of terms as they are, at another pose.
+double ValueAt(const ScenePredictions& scene, const std::vector<Term>& terms,
+               const Rigid3& pose) {
+  double value = 0;
+  for (const Term& term : terms) {
+    const Vec3 residual =
+        pose * scene.point_in_camera[term.point] - term.mean_in_world;
+    value += QuadraticForm(
+        scene.is_on_line(term.point)
+            ? AcrossLine(
+                  term.information,
+                  pose.rotation * scene.line_direction_in_camera[term.point])
+            : term.information,
+        residual);
+  }
+  return value;
+}
+
+Rigid3 Moved(const Rigid3& pose, const Vector6& step) {
+  return {Normalized(Rotation3::FromAxisAngle({step[3], step[4], step[5]}) *
+                     pose.rotation),
+          pose.translation + Vec3{step[0], step[1], step[2]}};
+}
+
+Matrix6 Hessian(const NormalEquations& equations) {
+  Matrix6 h = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(
+      equations.hessian.data());
+  h.triangularView<Eigen::StrictlyLower>() = h.transpose();
+  return h;
+}
+
+// One step from `pose`; damping carries over to the next one. nullopt: the
+// equations are singular.
+std::optional<Rigid3> Step(const ScenePredictions& scene,
+                           const WeightedSum& sum, const Matrix6& h,
+                           bool levenberg_marquardt, const Rigid3& pose,
+                           double& damping) {
+  const Eigen::Map<const Vector6> g(sum.equations.gradient.data());
+  if (sum.weights < 3) return std::nullopt;
+  for (int attempt = 0; attempt < kDampedTries; ++attempt) {
+    Matrix6 damped = h;
+    if (levenberg_marquardt) damped.diagonal() *= 1 + damping;
+    const Eigen::LDLT<Matrix6> factors(damped);
+    if (factors.info() != Eigen::Success || !(factors.rcond() > 1e-12)) {
+      return std::nullopt;
+    }
+    const Rigid3 moved = Moved(pose, -factors.solve(g));
+    if (!levenberg_marquardt) return moved;
+    if (ValueAt(scene, sum.terms, moved) <= sum.value) {
+      damping = std::max(kLeastDamping, damping / kDampingFactor);
+      return moved;
+    }
+    damping *= kDampingFactor;
+  }
+  return pose;
 }
 
 }  // namespace
@@ -104,52 +229,26 @@ std::optional<RefinedPose> RefineRigid(const ScenePredictions& scene,
   RefinedPose refined;
   Rigid3 pose = world_from_camera;
   Matrix6 h;
-  double weighted_squares = 0;
-  double weights = 0;
+  WeightedSum sum;
+  double damping = kLeastDamping;
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     const double progress = std::min(
         1.0, static_cast<double>(iteration) / (0.5 * options.iterations));
     const double scale =
         options.robust_scale_m * std::pow(kInitialScale, 1 - progress);
-    const double scale2 = scale * scale;
-    h.setZero();
-    Vector6 g = Vector6::Zero();
-    weighted_squares = 0;
-    weights = 0;
-    for (size_t i = 0; i < scene.size(); ++i) {
-      const Vec3 q = pose.rotation * scene.point_in_camera[i];
-      const NearestPrediction nearest = Nearest(scene, i, q + pose.translation);
-      if (nearest.squared_distance > 9 * scale2) continue;
-      const double robust = scale2 * scale2 /
-                            ((scale2 + nearest.squared_distance) *
-                             (scale2 + nearest.squared_distance));
-      std::array<double, 6> w =
-          Information(scene.at(i, nearest.k), Normalized(q),
-                      scene.depth_sigma_m[i], options.model_sigma_m);
-      for (double& entry : w) entry *= robust;
-      Accumulate(w, q, nearest.residual, h, g);
-      const Vec3 r = nearest.residual;
-      weighted_squares +=
-          w[0] * r.x * r.x + w[3] * r.y * r.y + w[5] * r.z * r.z +
-          2 * (w[1] * r.x * r.y + w[2] * r.x * r.z + w[4] * r.y * r.z);
-      weights += robust;
-    }
-    h.triangularView<Eigen::StrictlyLower>() = h.transpose();
-    const Eigen::LDLT<Matrix6> factors(h);
-    if (weights < 3 || factors.info() != Eigen::Success ||
-        !(factors.rcond() > 1e-12)) {
-      return std::nullopt;
-    }
-    const Vector6 step = -factors.solve(g);
-    pose.translation = pose.translation + Vec3{step[0], step[1], step[2]};
-    pose.rotation = Normalized(
-        Rotation3::FromAxisAngle({step[3], step[4], step[5]}) * pose.rotation);
+    sum = SumAt(scene, options, pose, scale * scale).Compute();
+    h = Hessian(sum.equations);
+    const std::optional<Rigid3> next =
+        Step(scene, sum, h, options.levenberg_marquardt, pose, damping);
+    if (!next) return std::nullopt;
+    pose = *next;
   }
   refined.world_from_camera = pose;
   // The noise model may be off by a factor: scale by the residuals' own size.
-  const double degrees = std::max(1.0, 3 * weights - 6);
-  const Matrix6 covariance = h.ldlt().solve(Matrix6::Identity()) *
-                             std::max(1.0, weighted_squares / degrees);
+  // A point on a line has two of them.
+  const double degrees = std::max(1.0, 3 * sum.weights - sum.line_weights - 6);
+  const Matrix6 covariance =
+      h.ldlt().solve(Matrix6::Identity()) * std::max(1.0, sum.value / degrees);
   for (int r = 0; r < 6; ++r) {
     for (int c = 0; c < 6; ++c) {
       refined.covariance[static_cast<size_t>(6 * r + c)] =
@@ -157,7 +256,8 @@ std::optional<RefinedPose> RefineRigid(const ScenePredictions& scene,
     }
   }
   refined.supported.assign(scene.size(), -1);
-  for (size_t i = 0; i < scene.size(); ++i) {
+  const size_t end = std::min(scene.size(), options.max_points);
+  for (size_t i = 0; i < end; ++i) {
     const NearestPrediction nearest =
         Nearest(scene, i, pose * scene.point_in_camera[i]);
     if (nearest.squared_distance <=

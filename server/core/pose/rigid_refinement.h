@@ -2,7 +2,9 @@
 #ifndef SERVER_CORE_POSE_RIGID_REFINEMENT_H_
 #define SERVER_CORE_POSE_RIGID_REFINEMENT_H_
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -22,6 +24,16 @@ struct RefinementOptions {
   double model_sigma_m = 0.01;
   // Points with a prediction within this distance are inliers (m).
   double inlier_distance_m = 0.05;
+  // Of a point's predictions take the likeliest (thesis Eq. 5.6), not the
+  // nearest.
+  bool likeliest_prediction = false;
+  // Levenberg-Marquardt: a step that raises the sum is damped and tried again.
+  bool levenberg_marquardt = false;
+  // A point on a line and its prediction are this far apart along it at most
+  // (m).
+  double max_slide_m = 0.2;
+  // Looks at the first so many points.
+  size_t max_points = std::numeric_limits<size_t>::max();
 };
 
 struct RefinedPose {
@@ -36,7 +48,9 @@ struct RefinedPose {
 //   sum_i min over k of rho( r^T (S_ik + s_i^2 R v v^T R^T + s^2 I)^-1 r ),
 //   r = world_from_camera * x_i - m_ik,
 // where S_ik is the covariance of prediction k of point i, s_i the depth noise
-// along the viewing ray v. Each point picks its nearest prediction anew in
+// along the viewing ray v. For a point on a line, x_i is the line's point next
+// to m_ik (thesis Eq. 5.8), and the distance from which rho weighs is that to
+// the line. Each point picks its prediction, and each line its point, anew in
 // every iteration. nullopt: the inliers do not determine a pose.
 std::optional<RefinedPose> RefineRigid(const ScenePredictions& scene,
                                        const Rigid3& world_from_camera,

@@ -52,6 +52,19 @@ uint8_t Pattern(Vec3 point, int channel) {
   return static_cast<uint8_t>(std::clamp(510 * value - 127, 0., 255.));
 }
 
+// What the tile at a point of a wall adds to the brightness. Cells are in
+// space; no wall lies on a border between two.
+int Tile(Vec3 point) {
+  constexpr double kSide_m = 0.6;
+  constexpr double kOffset_m = 0.13;
+  uint64_t bits = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double cell = std::floor((point[axis] + kOffset_m) / kSide_m);
+    bits = MixBits(bits + static_cast<uint64_t>(static_cast<int64_t>(cell)));
+  }
+  return static_cast<int>(bits % 121) - 60;
+}
+
 // Where a ray from inside the room leaves it: the factor of `direction`.
 double DistanceToWall(Vec3 origin, Vec3 direction) {
   double nearest = 1e9;
@@ -92,7 +105,7 @@ RgbdCalibration BoxRoomCalibration() {
 }
 
 Frame RenderBoxRoom(const RgbdCalibration& calibration,
-                    const Rigid3& world_from_sensor) {
+                    const Rigid3& world_from_sensor, BoxRoomWalls walls) {
   const bool of_color = calibration.pose_sensor == RgbdSensor::kColor;
   const Rigid3 world_from_color =
       of_color ? world_from_sensor
@@ -103,7 +116,11 @@ Frame RenderBoxRoom(const RgbdCalibration& calibration,
   Frame frame;
   frame.color = {calibration.color.width(), calibration.color.height(), {}};
   VisitPixels(calibration.color, world_from_color, [&](double, Vec3 point) {
-    for (int c = 0; c < 3; ++c) frame.color.rgb.push_back(Pattern(point, c));
+    const int tile = walls == BoxRoomWalls::kTiled ? Tile(point) : 0;
+    for (int c = 0; c < 3; ++c) {
+      frame.color.rgb.push_back(
+          static_cast<uint8_t>(std::clamp(Pattern(point, c) + tile, 0, 255)));
+    }
   });
   frame.depth = DepthImage{
       calibration.depth.width(), calibration.depth.height(), {}, 0.001};
@@ -132,12 +149,13 @@ std::vector<Rigid3> BoxRoomPoses(int count) {
 
 void WriteBoxRoomRecording(const std::string& folder,
                            const RgbdCalibration& calibration,
-                           const std::vector<Rigid3>& world_from_sensor) {
+                           const std::vector<Rigid3>& world_from_sensor,
+                           BoxRoomWalls walls) {
   std::filesystem::create_directories(folder + "/seq-01");
   std::string color_poses;
   for (size_t i = 0; i < world_from_sensor.size(); ++i) {
     const Rigid3& pose = world_from_sensor[i];
-    const Frame frame = RenderBoxRoom(calibration, pose);
+    const Frame frame = RenderBoxRoom(calibration, pose, walls);
     const std::string stem = absl::StrFormat("seq-01/frame-%06d", i);
     const std::string path = absl::StrCat(folder, "/", stem);
     Check(WriteFileAtomically(path + ".color.png", *EncodePng(frame.color)));

@@ -13,11 +13,16 @@ namespace treeline {
 // Small pinhole cameras: 200 x 150 pixels, 145 px focal length.
 RgbdCalibration BoxRoomCalibration();
 
+// What is painted on the walls: a smooth random pattern, or tiles of 60 cm,
+// each lighter or darker than the pattern.
+enum class BoxRoomWalls { kSmooth, kTiled };
+
 // What an RGB-D pair with `calibration` sees at a pose of its pose sensor in a
-// 4 x 3 x 2.5 m room whose middle is the world's origin. Walls carry a smooth
-// random pattern. Depth is in millimetres, exact but for rounding.
+// 4 x 3 x 2.5 m room whose middle is the world's origin. Depth is in
+// millimetres, exact but for rounding.
 Frame RenderBoxRoom(const RgbdCalibration& calibration,
-                    const Rigid3& world_from_sensor);
+                    const Rigid3& world_from_sensor,
+                    BoxRoomWalls walls = BoxRoomWalls::kSmooth);
 
 // `count` poses along a loop that looks at all walls.
 std::vector<Rigid3> BoxRoomPoses(int count);
@@ -27,7 +32,8 @@ std::vector<Rigid3> BoxRoomPoses(int count);
 // DIR/poses.txt (camera from world) for the colour camera.
 void WriteBoxRoomRecording(const std::string& folder,
                            const RgbdCalibration& calibration,
-                           const std::vector<Rigid3>& world_from_sensor);
+                           const std::vector<Rigid3>& world_from_sensor,
+                           BoxRoomWalls walls = BoxRoomWalls::kSmooth);
 
 }  // namespace treeline
 

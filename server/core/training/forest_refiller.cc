@@ -210,10 +210,10 @@ absl::StatusOr<TrainedForest> RefillForest(const ForestView& base,
     TL_ASSIGN_OR_RETURN(const Frame frame, dataset.Load(frame_index));
     TL_RETURN_IF_ERROR(CheckSizes(entry, frame, calibration));
     const PlanarImage image(frame.color);
+    const FrameSampler sampler(geometry, frame, image, *entry.world_from_camera,
+                               options, frame_index);
     for (size_t t = 0; t < trees; ++t) {
-      TreeSamples samples =
-          DrawTreeSamples(geometry, frame, image, *entry.world_from_camera,
-                          options, static_cast<int>(t), frame_index);
+      TreeSamples samples = sampler.Draw(static_cast<int>(t));
       RoutedSamples& out = routed[i].emplace_back();
       const std::vector<int32_t> x(samples.x.begin(), samples.x.end());
       const std::vector<int32_t> y(samples.y.begin(), samples.y.end());

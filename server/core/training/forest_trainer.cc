@@ -138,15 +138,15 @@ absl::Status Trainer::LoadFrame(int frame_index, int first_tree, int last_tree,
   TL_ASSIGN_OR_RETURN(const Frame frame, dataset_.Load(frame_index));
   TL_RETURN_IF_ERROR(CheckSizes(entry, frame, geometry_.calibration()));
   loaded.image.Assign(frame.color);
+  const FrameSampler sampler(geometry_, frame, loaded.image,
+                             *entry.world_from_camera, options_, frame_index);
   for (int t = first_tree; t < last_tree; ++t) {
     const std::vector<int>& of_tree = frames_of_tree_[static_cast<size_t>(t)];
     const auto place =
         std::lower_bound(of_tree.begin(), of_tree.end(), frame_index);
     if (place == of_tree.end() || *place != frame_index) continue;
     TreeSamples& samples = loaded.samples[t];
-    samples =
-        DrawTreeSamples(geometry_, frame, loaded.image,
-                        *entry.world_from_camera, options_, t, frame_index);
+    samples = sampler.Draw(t);
     samples.frame.assign(samples.x.size(),
                          static_cast<uint16_t>(place - of_tree.begin()));
   }
@@ -210,10 +210,12 @@ absl::Status Trainer::GrowGroup(int first, int last,
     }
   }
   if (total == 0) {
-    return absl::FailedPreconditionError(
-        absl::StrCat(dataset_.uri(),
-                     ": no pixel of the frames has usable depth; check the "
-                     "depth unit and the depth camera"));
+    return absl::FailedPreconditionError(absl::StrCat(
+        dataset_.uri(), options_.line_points
+                            ? ": no line segment of the frames has usable "
+                              "depth; a method without lines may do"
+                            : ": no pixel of the frames has usable depth; "
+                              "check the depth unit and the depth camera"));
   }
   // Largest first, so that no long task is left to the end.
   std::stable_sort(

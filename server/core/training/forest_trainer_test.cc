@@ -140,6 +140,40 @@ TEST_F(ForestTrainerTest, BalancedLevelsSplitEvenly) {
   }
 }
 
+TEST_F(ForestTrainerTest, LeavesHaveModesOfSamplesThatLieTogether) {
+  TrainingOptions options = Small();
+  options.objective = SplitObjective::kEntropy;
+  options.mode_bandwidth_m = 0.1;
+  options.min_leaf_samples = 10;
+  options.max_depth = 6;
+  options.threads = 1;
+  const auto trained = Train(options);
+  ASSERT_TRUE(trained.ok()) << trained.status();
+  const ForestView forest = trained->forest.View();
+  EXPECT_TRUE(forest.Validate().ok()) << forest.Validate();
+  uint32_t most = 0;
+  size_t modes = 0;
+  for (const Node& node : forest.nodes) {
+    if (!node.is_leaf()) continue;
+    EXPECT_EQ(node.leaf(), modes) << "modes stand in the order of the leaves";
+    modes += node.modes();
+    most = std::max(most, node.modes());
+  }
+  EXPECT_EQ(modes, forest.payloads.size());
+  EXPECT_GT(most, 3u);
+  for (const LeafPayload& mode : forest.payloads) {
+    // Samples of a mode lie within about the bandwidth of its mean.
+    EXPECT_LT(FromBfloat16(mode.covariance[0]) +
+                  FromBfloat16(mode.covariance[3]) +
+                  FromBfloat16(mode.covariance[5]),
+              0.2f * 0.2f);
+  }
+  options.threads = 8;
+  const auto again = Train(options);
+  ASSERT_TRUE(again.ok());
+  EXPECT_TRUE(SameBytes(trained->forest, again->forest));
+}
+
 TEST_F(ForestTrainerTest, StopsWhenAsked) {
   const auto dataset = Dataset::Open(Recording());
   ASSERT_TRUE(dataset.ok());

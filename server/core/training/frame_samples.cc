@@ -1,9 +1,11 @@
 #include "server/core/training/frame_samples.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/random.h"
+#include "server/core/features/gray_pyramid.h"
 
 namespace treeline {
 namespace {
@@ -40,33 +42,52 @@ absl::Status CheckSizes(const DatasetFrame& entry, const Frame& frame,
       calibration.depth.width(), " x ", calibration.depth.height()));
 }
 
-TreeSamples DrawTreeSamples(const DepthGeometry& geometry, const Frame& frame,
-                            const PlanarImage& image,
-                            const Rigid3& world_from_camera,
-                            const TrainingOptions& options, int tree,
-                            int frame_index) {
+FrameSampler::FrameSampler(const DepthGeometry& geometry, const Frame& frame,
+                           const PlanarImage& image,
+                           const Rigid3& world_from_camera,
+                           const TrainingOptions& options, int frame_index)
+    : geometry_(geometry),
+      frame_(frame),
+      image_(image),
+      world_from_camera_(world_from_camera),
+      options_(options),
+      frame_index_(frame_index) {
+  if (!options.line_points) return;
+  GrayPyramid pyramid;
+  pyramid.Assign(image);
+  LiftSegments(geometry, *frame.depth, DetectLineSegments(pyramid, {}), {},
+               lines_);
+}
+
+TreeSamples FrameSampler::Draw(int tree) const {
+  const Random random(options_.seed, kSampleStream +
+                                         (static_cast<uint64_t>(tree) << 32) +
+                                         static_cast<uint64_t>(frame_index_));
   RgbdSamples drawn;
-  DrawSamples(
-      geometry, *frame.depth, options.samples_per_frame,
-      Random(options.seed, kSampleStream + (static_cast<uint64_t>(tree) << 32) +
-                               static_cast<uint64_t>(frame_index)),
-      drawn);
+  if (options_.line_points) {
+    LinePoints on_lines;
+    DrawLinePoints(lines_, options_.samples_per_frame, random, on_lines);
+    drawn = std::move(on_lines.samples);
+  } else {
+    DrawSamples(geometry_, *frame_.depth, options_.samples_per_frame, random,
+                drawn);
+  }
   TreeSamples samples;
   samples.x.assign(drawn.x.begin(), drawn.x.end());
   samples.y.assign(drawn.y.begin(), drawn.y.end());
   samples.inverse_depth_q12 = drawn.inverse_depth_q12;
-  if (!options.depth_adaptive) {
+  if (!options_.depth_adaptive) {
     std::ranges::fill(samples.inverse_depth_q12,
-                      NoDepthQ12(MeanFocal_px(geometry.calibration().color)));
+                      NoDepthQ12(MeanFocal_px(geometry_.calibration().color)));
   }
   for (const Vec3& point : drawn.point) {
-    const Vec3 in_world = world_from_camera * point;
+    const Vec3 in_world = world_from_camera_ * point;
     samples.point_in_world.push_back({static_cast<float>(in_world.x),
                                       static_cast<float>(in_world.y),
                                       static_cast<float>(in_world.z)});
   }
   samples.descriptor.resize(drawn.size());
-  ComputeWht(image, drawn.x, drawn.y, samples.descriptor);
+  ComputeWht(image_, drawn.x, drawn.y, samples.descriptor);
   return samples;
 }
 

@@ -7,6 +7,7 @@
 #include "absl/status/status.h"
 #include "common/geometry/rigid3.h"
 #include "server/core/dataset/dataset.h"
+#include "server/core/features/line_segments.h"
 #include "server/core/features/planar_image.h"
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/training/training_options.h"
@@ -22,14 +23,28 @@ std::vector<int> UsableFrames(const Dataset& dataset);
 absl::Status CheckSizes(const DatasetFrame& entry, const Frame& frame,
                         const RgbdCalibration& calibration);
 
-// The samples that `tree` draws from frame number `frame_index`, of which
-// `image` is the colour; TreeSamples::frame is left empty. Depends on
-// options.seed, the tree and the frame's number alone.
-TreeSamples DrawTreeSamples(const DepthGeometry& geometry, const Frame& frame,
-                            const PlanarImage& image,
-                            const Rigid3& world_from_camera,
-                            const TrainingOptions& options, int tree,
-                            int frame_index);
+// Draws samples of frame number `frame_index`, of which `image` is the colour:
+// from all of it, or with options.line_points from its line segments, which are
+// looked for once. All arguments must outlive it.
+class FrameSampler {
+ public:
+  FrameSampler(const DepthGeometry& geometry, const Frame& frame,
+               const PlanarImage& image, const Rigid3& world_from_camera,
+               const TrainingOptions& options, int frame_index);
+
+  // The samples that `tree` draws; TreeSamples::frame is left empty. Depends on
+  // options.seed, the tree and the frame's number alone.
+  TreeSamples Draw(int tree) const;
+
+ private:
+  const DepthGeometry& geometry_;
+  const Frame& frame_;
+  const PlanarImage& image_;
+  const Rigid3& world_from_camera_;
+  const TrainingOptions& options_;
+  const int frame_index_;
+  LinePoints lines_;
+};
 
 }  // namespace treeline
 

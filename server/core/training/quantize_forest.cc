@@ -31,13 +31,8 @@ Forest QuantizeForest(std::vector<GrownTree> trees) {
   forest.bounds_min_in_world = low;
   forest.bounds_max_in_world = high;
   for (GrownTree& tree : trees) {
-    const uint32_t leaf_base = static_cast<uint32_t>(forest.payloads.size());
-    for (Node node : tree.nodes) {
-      if (node.is_leaf()) {
-        node = Node::Leaf(node.leaf() + leaf_base, node.modes());
-      }
-      forest.nodes.push_back(node);
-    }
+    AppendNodes(tree.nodes, static_cast<uint32_t>(forest.payloads.size()),
+                forest.nodes);
     forest.tree_offsets.push_back(static_cast<uint32_t>(forest.nodes.size()));
     for (const GrownLeaf& leaf : tree.leaves) {
       LeafPayload payload;

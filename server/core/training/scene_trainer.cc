@@ -37,6 +37,9 @@ constexpr MethodDescription kMethods[] = {
     {"sift",
      "colour alone, with a structure from motion (colmap:, nvm:): a "
      "backtracking regression forest on SIFT features, and PnP"},
+    {"points-lines",
+     "like rgbd, with a second forest for points on line segments, which hold "
+     "the pose across their lines"},
 };
 
 // SIFT features of a keyframe, where the method has any.
@@ -50,6 +53,22 @@ bool IsKnown(absl::string_view method) {
 // Methods whose queries have no depth answer with the colour camera's pose.
 bool SeesColorAlone(absl::string_view method) {
   return method == "rgb" || method == "hybrid";
+}
+
+// points-lines: leaves have modes with this bandwidth (m).
+constexpr double kModeBandwidth_m = 0.05;
+
+// Options of each forest of a method (ModelFile::forest): one or, for
+// points-lines, that of general points and that of points on lines.
+std::vector<TrainingOptions> ForestsOf(absl::string_view method,
+                                       TrainingOptions options) {
+  options.depth_adaptive = !SeesColorAlone(method);
+  if (method != "points-lines") return {options};
+  options.objective = SplitObjective::kEntropy;
+  options.mode_bandwidth_m = kModeBandwidth_m;
+  TrainingOptions lines = options;
+  lines.line_points = true;
+  return {options, lines};
 }
 
 template <typename T>
@@ -83,10 +102,8 @@ class SceneTrainer {
         options_(options),
         output_path_(output_path),
         quiet_(quiet),
-        stop_(stop) {
-    forest_options_ = options.forest;
-    forest_options_.depth_adaptive = !SeesColorAlone(options.method);
-  }
+        stop_(stop),
+        forests_(ForestsOf(options.method, options.forest)) {}
 
   absl::StatusOr<TrainedScene> Train() {
     TL_RETURN_IF_ERROR(OpenBase());
@@ -94,10 +111,10 @@ class SceneTrainer {
     Describe();
     if (options_.splits_only) {
       Learned learned;
-      TL_ASSIGN_OR_RETURN(
-          learned.forest,
-          TrainForest(dataset_, calibration_, forest_options_, quiet_, stop_));
-      learned.forest.forest = SplitsOf(learned.forest.forest.View());
+      TL_ASSIGN_OR_RETURN(learned.forests, LearnForests(dataset_));
+      for (TrainedForest& f : learned.forests) {
+        f.forest = SplitsOf(f.forest.View());
+      }
       return Finish(learned);
     }
     const HeldOutSplit split = SplitForConfidence(UsableFrames(dataset_));
@@ -119,7 +136,7 @@ class SceneTrainer {
 
  private:
   struct Learned {
-    TrainedForest forest;
+    std::vector<TrainedForest> forests;
     Keyframes keyframes;
   };
 
@@ -134,7 +151,7 @@ class SceneTrainer {
       return absl::OkStatus();
     }
     CalibratorOptions calibrator;
-    calibrator.threads = forest_options_.threads;
+    calibrator.threads = options_.forest.threads;
     TL_ASSIGN_OR_RETURN(scene_.calibration,
                         CalibrateRgbd(dataset_, calibrator, quiet_, stop_));
     calibration_ = scene_.calibration->calibration;
@@ -148,7 +165,8 @@ class SceneTrainer {
   absl::Status OpenBase() {
     if (options_.base_model.empty()) return absl::OkStatus();
     TL_ASSIGN_OR_RETURN(base_, ModelFile::Open(options_.base_model));
-    if (base_->info().method != options_.method || base_->forests() != 1 ||
+    if (base_->info().method != options_.method ||
+        base_->forests() != forests_.size() ||
         base_->forest().descriptors.empty()) {
       return absl::InvalidArgumentError(absl::StrCat(
           options_.base_model, ": a model of method ", base_->info().method,
@@ -162,7 +180,7 @@ class SceneTrainer {
     info_.software_version = options_.software_version;
     info_.created_utc = options_.created_utc;
     info_.dataset = dataset_.uri();
-    info_.seed = forest_options_.seed;
+    info_.seed = options_.forest.seed;
     info_.options = options_.recorded_options;
     info_.calibration = calibration_;
     if (SeesColorAlone(options_.method)) {
@@ -172,23 +190,29 @@ class SceneTrainer {
 
   absl::StatusOr<Keyframes> MakeKeyframes(const Dataset& dataset) const {
     KeyframeOptions keyframes;
-    keyframes.threads = forest_options_.threads;
+    keyframes.threads = options_.forest.threads;
     if (options_.method == "hybrid") keyframes.features = kKeyframeFeatures;
     return BuildKeyframes(dataset, calibration_, keyframes, quiet_, stop_);
   }
 
+  absl::StatusOr<std::vector<TrainedForest>> LearnForests(
+      const Dataset& dataset) const {
+    std::vector<TrainedForest> learned;
+    for (size_t f = 0; f < forests_.size(); ++f) {
+      TL_ASSIGN_OR_RETURN(
+          TrainedForest forest,
+          base_ == nullptr
+              ? TrainForest(dataset, calibration_, forests_[f], quiet_, stop_)
+              : RefillForest(base_->forest(f), dataset, calibration_,
+                             forests_[f], options_.refill, quiet_, stop_));
+      learned.push_back(std::move(forest));
+    }
+    return learned;
+  }
+
   absl::StatusOr<Learned> Learn(const Dataset& dataset) const {
     Learned learned;
-    if (base_ == nullptr) {
-      TL_ASSIGN_OR_RETURN(
-          learned.forest,
-          TrainForest(dataset, calibration_, forest_options_, quiet_, stop_));
-    } else {
-      TL_ASSIGN_OR_RETURN(
-          learned.forest,
-          RefillForest(base_->forest(), dataset, calibration_, forest_options_,
-                       options_.refill, quiet_, stop_));
-    }
+    TL_ASSIGN_OR_RETURN(learned.forests, LearnForests(dataset));
     TL_ASSIGN_OR_RETURN(learned.keyframes, MakeKeyframes(dataset));
     if (is_extending()) TL_RETURN_IF_ERROR(KeepKeyframes(learned.keyframes));
     return learned;
@@ -227,7 +251,11 @@ class SceneTrainer {
       extras.push_back(
           {ModelExtra::kKeyframeFeatures, BytesOf(learned.keyframes.features)});
     }
-    return WriteModel(path, info_, {learned.forest.forest.View()}, extras);
+    std::vector<ForestView> forests;
+    for (const TrainedForest& f : learned.forests) {
+      forests.push_back(f.forest.View());
+    }
+    return WriteModel(path, info_, forests, extras);
   }
 
   absl::Status FitConfidenceOn(const Learned& learned,
@@ -237,8 +265,8 @@ class SceneTrainer {
     TL_ASSIGN_OR_RETURN(const std::unique_ptr<Localizer> localizer,
                         OpenLocalizer(file.path()));
     ConfidenceOptions confidence;
-    confidence.seed = forest_options_.seed;
-    confidence.threads = forest_options_.threads;
+    confidence.seed = options_.forest.seed;
+    confidence.threads = options_.forest.threads;
     TL_ASSIGN_OR_RETURN(
         const std::vector<ConfidenceTrial> trials,
         RunConfidenceTrials(*localizer, held_out, confidence, quiet_, stop_));
@@ -247,8 +275,10 @@ class SceneTrainer {
   }
 
   absl::StatusOr<TrainedScene> Finish(const Learned& learned) {
-    info_.training_frames = learned.forest.frames;
-    info_.training_samples = learned.forest.samples;
+    for (const TrainedForest& f : learned.forests) {
+      info_.training_frames = std::max(info_.training_frames, f.frames);
+      info_.training_samples += f.samples;
+    }
     info_.training_s = MillisecondsBetween(start_, clock_.Now()) / 1e3;
     TL_RETURN_IF_ERROR(Write(learned, output_path_));
     TL_ASSIGN_OR_RETURN(const std::unique_ptr<const ModelFile> model,
@@ -264,7 +294,7 @@ class SceneTrainer {
   const std::stop_token& stop_;
   const SteadyClock clock_;
   const MonotonicTime start_ = clock_.Now();
-  TrainingOptions forest_options_;
+  const std::vector<TrainingOptions> forests_;
   RgbdCalibration calibration_;
   std::unique_ptr<const ModelFile> base_;
   ModelInfo info_;

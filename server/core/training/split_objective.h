@@ -1,4 +1,4 @@
-// The two training objectives, on feature values and labels alone.
+// The training objectives, on feature values and labels alone.
 #ifndef SERVER_CORE_TRAINING_SPLIT_OBJECTIVE_H_
 #define SERVER_CORE_TRAINING_SPLIT_OBJECTIVE_H_
 
@@ -25,6 +25,7 @@ struct ThresholdChoice {
   // Eq. 3.8's information gain times the number of samples: the reduction of
   // the sum of squared distances (m^2) to the means. Negative: no threshold
   // leaves min_side samples on both sides.
+  // For EntropySplitter: Eq. 5.4's gain times the number of samples (nats).
   double gain = -1;
 };
 
@@ -47,6 +48,43 @@ class VarianceSplitter {
     int32_t count = 0;
   };
   std::vector<Sum> bins_;
+};
+
+// Finds a threshold on one feature that reduces the entropy of a Gaussian with
+// full covariance most (thesis Eq. 5.3 - 5.5):
+//   n E(S) - sum over sides of n_j E(S_j),
+//   E(S) = log((2 pi e)^3 |covariance(S) + kLabelSigma_m^2 I|) / 2.
+// The label noise keeps |.| above zero for few samples, or samples on a plane
+// or line, and says how small a spread is still worth splitting. Tries all
+// thresholds up to kMaxThresholds of them, else as many quantiles; otherwise
+// like VarianceSplitter.
+class EntropySplitter {
+ public:
+  static constexpr double kLabelSigma_m = 0.02;
+  static constexpr int kMaxThresholds = 24;
+
+  EntropySplitter();
+  ThresholdChoice Best(std::span<const int16_t> values,
+                       std::span<const Label> labels, int min_side);
+
+ private:
+  static constexpr int kBins = 511;
+  // Of some samples: count, sum of labels, sum of their products.
+  struct Moments {
+    float x = 0, y = 0, z = 0;
+    float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+    int32_t count = 0;
+  };
+  struct Sum;
+  struct Range {
+    int low = 0;
+    int high = 0;
+  };
+
+  // Adds the samples to bins_; returns the first and last bin in use.
+  Range Fill(std::span<const int16_t> values, std::span<const Label> labels);
+
+  std::vector<Moments> bins_;
 };
 
 }  // namespace treeline

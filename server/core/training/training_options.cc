@@ -30,6 +30,7 @@ absl::Status TrainingOptions::Validate() const {
   TL_RETURN_IF_ERROR(CheckRange("minimum spread", min_spread_m, 0, 10));
   TL_RETURN_IF_ERROR(CheckRange("split candidates", split_candidates, 1, 1000));
   TL_RETURN_IF_ERROR(CheckRange("maximum offset", max_offset_px_m, 1, 127));
+  TL_RETURN_IF_ERROR(CheckRange("mode bandwidth", mode_bandwidth_m, 0, 10));
   TL_RETURN_IF_ERROR(
       CheckRange("maximum split samples", max_split_samples, 10, 60000));
   return CheckRange("image memory", static_cast<double>(image_memory_bytes), 1,

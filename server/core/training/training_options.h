@@ -8,6 +8,12 @@
 
 namespace treeline {
 
+// What splits below the balanced levels are chosen by.
+enum class SplitObjective {
+  kVariance,  // spatial variance (thesis Eq. 3.8)
+  kEntropy    // entropy of a Gaussian with full covariance (Eq. 5.5)
+};
+
 // Defaults are what served best on held-out blocks of training frames of
 // 7-Scenes red kitchen; see docs/benchmarks.md.
 struct TrainingOptions {
@@ -39,6 +45,12 @@ struct TrainingOptions {
   // Offsets shrink with depth (thesis Eq. 4.2); else they are the same at any
   // depth (Eq. 3.2), and queries need none.
   bool depth_adaptive = true;
+  // Samples are points on line segments (thesis 5.4.1), not of all the image.
+  bool line_points = false;
+  SplitObjective objective = SplitObjective::kVariance;
+  // Leaves have the modes that mean shift finds with this bandwidth (m, thesis
+  // 5.4.4), in [0, 10]; 0: one mode, the mean.
+  double mode_bandwidth_m = 0;
   // Objectives are computed on at most so many samples of a node, in
   // [10, 60000].
   int max_split_samples = 2000;

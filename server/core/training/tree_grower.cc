@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/random.h"
+#include "server/core/training/mean_shift.h"
 
 namespace treeline {
 namespace {
@@ -33,8 +34,19 @@ void TreeSamples::Append(const TreeSamples& other) {
   AppendTo(descriptor, other.descriptor);
 }
 
+void AppendNodes(const std::vector<Node>& subtree, uint32_t mode_base,
+                 std::vector<Node>& nodes) {
+  for (Node node : subtree) {
+    if (node.is_leaf()) {
+      node = Node::Leaf(node.leaf() + mode_base, node.modes());
+    }
+    nodes.push_back(node);
+  }
+}
+
 struct TreeGrower::Workspace {
-  VarianceSplitter splitter;
+  VarianceSplitter variance;
+  EntropySplitter entropy;
   std::vector<uint32_t> subset;
   std::vector<Label> labels;
   std::vector<int16_t> values;
@@ -88,9 +100,7 @@ void TreeGrower::Grow(const OpenNode& node, Workspace& work,
                       const std::stop_token& stop, GrownTree& grown) {
   Split split;
   if (stop.stop_requested() || IsLeaf(node) || !FindSplit(node, work, split)) {
-    grown.nodes.push_back(
-        Node::Leaf(static_cast<uint32_t>(grown.leaves.size())));
-    grown.leaves.push_back(MakeLeaf(node));
+    MakeLeaf(node, grown);
     return;
   }
   const size_t middle = Partition(node, split, work);
@@ -165,8 +175,11 @@ bool TreeGrower::FindSplit(const OpenNode& node, Workspace& work,
     if (balanced) {
       score = 1 - BalanceObjective(work.values, threshold);
     } else {
-      const ThresholdChoice choice = work.splitter.Best(
-          work.values, work.labels, options_.min_leaf_samples);
+      const int min_side = options_.min_leaf_samples;
+      const ThresholdChoice choice =
+          options_.objective == SplitObjective::kVariance
+              ? work.variance.Best(work.values, work.labels, min_side)
+              : work.entropy.Best(work.values, work.labels, min_side);
       threshold = choice.threshold;
       score = choice.gain;
     }
@@ -229,35 +242,55 @@ size_t TreeGrower::Partition(const OpenNode& node, const Split& split,
   return node.begin + left;
 }
 
-GrownLeaf TreeGrower::MakeLeaf(const OpenNode& node) const {
-  GrownLeaf leaf;
-  leaf.count = static_cast<uint32_t>(node.end - node.begin);
-  const double n = leaf.count;
+void TreeGrower::MakeLeaf(const OpenNode& node, GrownTree& grown) const {
+  const std::span<const uint32_t> samples(order_.data() + node.begin,
+                                          node.end - node.begin);
+  const uint32_t first = static_cast<uint32_t>(grown.leaves.size());
+  if (options_.mode_bandwidth_m > 0 && !samples.empty()) {
+    std::vector<Label> points;
+    for (uint32_t s : samples) points.push_back(samples_.point_in_world[s]);
+    for (const std::vector<size_t>& mode :
+         MeanShiftModes(points, options_.mode_bandwidth_m, Node::kMaxModes)) {
+      std::vector<uint32_t> of_mode;
+      for (size_t i : mode) of_mode.push_back(samples[i]);
+      grown.leaves.push_back(MakeMode(of_mode));
+    }
+  } else {
+    grown.leaves.push_back(MakeMode(samples));
+  }
+  grown.nodes.push_back(
+      Node::Leaf(first, static_cast<uint32_t>(grown.leaves.size()) - first));
+}
+
+GrownLeaf TreeGrower::MakeMode(std::span<const uint32_t> samples) const {
+  GrownLeaf mode;
+  mode.count = static_cast<uint32_t>(samples.size());
+  const double n = mode.count;
   std::array<int64_t, 64> descriptor{};
-  for (size_t i = node.begin; i < node.end; ++i) {
-    const Label& p = samples_.point_in_world[order_[i]];
-    leaf.mean_in_world = leaf.mean_in_world + Vec3{p.x, p.y, p.z};
-    const WhtDescriptor& d = samples_.descriptor[order_[i]];
+  for (uint32_t s : samples) {
+    const Label& p = samples_.point_in_world[s];
+    mode.mean_in_world = mode.mean_in_world + Vec3{p.x, p.y, p.z};
+    const WhtDescriptor& d = samples_.descriptor[s];
     for (size_t k = 0; k < d.values.size(); ++k) descriptor[k] += d.values[k];
   }
-  if (leaf.count == 0) return leaf;
-  leaf.mean_in_world = leaf.mean_in_world / n;
+  if (mode.count == 0) return mode;
+  mode.mean_in_world = mode.mean_in_world / n;
   std::array<double, 6> covariance{};
-  for (size_t i = node.begin; i < node.end; ++i) {
-    const Label& p = samples_.point_in_world[order_[i]];
-    const Vec3 v = Vec3{p.x, p.y, p.z} - leaf.mean_in_world;
+  for (uint32_t s : samples) {
+    const Label& p = samples_.point_in_world[s];
+    const Vec3 v = Vec3{p.x, p.y, p.z} - mode.mean_in_world;
     const std::array<double, 6> products = {v.x * v.x, v.x * v.y, v.x * v.z,
                                             v.y * v.y, v.y * v.z, v.z * v.z};
     for (size_t k = 0; k < 6; ++k) covariance[k] += products[k];
   }
   for (size_t k = 0; k < 6; ++k) {
-    leaf.covariance[k] = static_cast<float>(covariance[k] / n);
+    mode.covariance[k] = static_cast<float>(covariance[k] / n);
   }
   for (size_t k = 0; k < descriptor.size(); ++k) {
-    leaf.descriptor.values[k] = static_cast<int8_t>(
+    mode.descriptor.values[k] = static_cast<int8_t>(
         std::lround(static_cast<double>(descriptor[k]) / n));
   }
-  return leaf;
+  return mode;
 }
 
 GrownTree TreeGrower::Assemble() {
@@ -270,13 +303,9 @@ void TreeGrower::Emit(size_t top_index, GrownTree& tree) {
   const TopNode top = top_[top_index];
   if (!top.is_split) {
     GrownTree& grown = open_[top.open].grown;
-    const uint32_t leaf_base = static_cast<uint32_t>(tree.leaves.size());
-    for (Node node : grown.nodes) {
-      if (node.is_leaf()) node = Node::Leaf(node.leaf() + leaf_base);
-      tree.nodes.push_back(node);
-    }
-    tree.leaves.insert(tree.leaves.end(), grown.leaves.begin(),
-                       grown.leaves.end());
+    AppendNodes(grown.nodes, static_cast<uint32_t>(tree.leaves.size()),
+                tree.nodes);
+    AppendTo(tree.leaves, grown.leaves);
     grown = GrownTree{};
     return;
   }

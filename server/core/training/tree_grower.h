@@ -28,7 +28,7 @@ struct TreeSamples {
   void Append(const TreeSamples& other);
 };
 
-// A leaf before quantisation.
+// A mode of a leaf before quantisation.
 struct GrownLeaf {
   Vec3 mean_in_world;
   std::array<float, 6> covariance{};  // xx xy xz yy yz zz, m^2
@@ -36,11 +36,17 @@ struct GrownLeaf {
   WhtDescriptor descriptor;
 };
 
-// A subtree in depth-first order; leaf numbers count from 0 within it.
+// A subtree in depth-first order. Modes (`leaves`, since most leaves have one)
+// count from 0 within it.
 struct GrownTree {
   std::vector<Node> nodes;
   std::vector<GrownLeaf> leaves;
 };
+
+// Appends the nodes of a subtree whose modes will stand behind mode_base
+// others.
+void AppendNodes(const std::vector<Node>& subtree, uint32_t mode_base,
+                 std::vector<Node>& nodes);
 
 // Grows one tree in two steps, so that many trees share the processors evenly:
 // GrowTop splits the largest nodes one after the other, then each open node
@@ -94,7 +100,9 @@ class TreeGrower {
   size_t Partition(const OpenNode& node, const Split& split, Workspace& work);
   void Grow(const OpenNode& node, Workspace& work, const std::stop_token& stop,
             GrownTree& grown);
-  GrownLeaf MakeLeaf(const OpenNode& node) const;
+  // Appends a leaf with its modes.
+  void MakeLeaf(const OpenNode& node, GrownTree& grown) const;
+  GrownLeaf MakeMode(std::span<const uint32_t> samples) const;
   void Emit(size_t top_index, GrownTree& tree);
 
   const TrainingOptions& options_;
