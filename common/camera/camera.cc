@@ -20,6 +20,8 @@ constexpr int kMaxIterations = 50;
 // Newton stops when the distorted ray is this close to the one that is sought,
 // in units of x/z: 1e-8 of a pixel and less for any focal length here.
 constexpr double kConverged = 1e-12;
+// Of the FOV model (rad).
+constexpr double kMaxOmega = std::numbers::pi;
 
 struct ModelEntry {
   CameraModel model;
@@ -39,6 +41,12 @@ constexpr ModelEntry kModels[] = {
      "fx,fy,cx,cy,k1,k2,p1,p2,k3,k4,k5,k6", 12, 2},
     {CameraModel::kOpenCvFisheye, "OPENCV_FISHEYE", "fx,fy,cx,cy,k1,k2,k3,k4",
      8, 2},
+    {CameraModel::kFov, "FOV", "fx,fy,cx,cy,omega", 5, 2},
+    {CameraModel::kSimpleRadialFisheye, "SIMPLE_RADIAL_FISHEYE", "f,cx,cy,k", 4,
+     1},
+    {CameraModel::kRadialFisheye, "RADIAL_FISHEYE", "f,cx,cy,k1,k2", 5, 1},
+    {CameraModel::kThinPrismFisheye, "THIN_PRISM_FISHEYE",
+     "fx,fy,cx,cy,k1,k2,p1,p2,k3,k4,sx1,sy1", 12, 2},
 };
 
 const ModelEntry& EntryOf(CameraModel model) {
@@ -46,6 +54,50 @@ const ModelEntry& EntryOf(CameraModel model) {
     if (entry.model == model) return entry;
   }
   return kModels[0];
+}
+
+// d(imaged)/d(ray) of a distortion.
+struct Jacobian2 {
+  double xx = 0, xy = 0, yx = 0, yy = 0;
+};
+
+// Newton from the distorted ray. The Jacobian's determinant and trace have to
+// stay positive: where they do not, the image is folded and the ray means
+// nothing.
+template <typename Distortion>
+std::optional<Pixel> InvertByNewton(const Distortion& distortion,
+                                    Pixel distorted) {
+  Pixel ray = distorted;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    const Pixel now = distortion.Distort(ray);
+    const double ex = distorted.x - now.x;
+    const double ey = distorted.y - now.y;
+    const auto [xx, xy, yx, yy] = distortion.Jacobian(ray);
+    const double determinant = xx * yy - xy * yx;
+    if (!(determinant > 1e-9) || !(xx + yy > 0)) return std::nullopt;
+    if (std::abs(ex) < kConverged && std::abs(ey) < kConverged) return ray;
+    ray.x += (yy * ex - xy * ey) / determinant;
+    ray.y += (xx * ey - yx * ex) / determinant;
+  }
+  return std::nullopt;
+}
+
+// The ray at angle |equidistant| from the optical axis, in its direction.
+// Rays across or behind the camera have no (x/z, y/z).
+std::optional<Pixel> RayOfEquidistant(Pixel equidistant) {
+  const double theta = std::hypot(equidistant.x, equidistant.y);
+  if (theta < 1e-12) return equidistant;
+  if (!(theta < std::numbers::pi / 2)) return std::nullopt;
+  const double scale = std::tan(theta) / theta;
+  return Pixel{scale * equidistant.x, scale * equidistant.y};
+}
+
+// The inverse: where an ideal fisheye of focal length 1 images a ray.
+Pixel EquidistantOfRay(Pixel ray) {
+  const double r = std::hypot(ray.x, ray.y);
+  if (r < 1e-12) return ray;
+  const double scale = std::atan(r) / r;
+  return {scale * ray.x, scale * ray.y};
 }
 
 // OpenCV's rational model with tangential distortion. With r2 = x^2 + y^2 and
@@ -83,8 +135,7 @@ struct RationalDistortion {
             g * y + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
   }
 
-  // The Jacobian of Distort: symmetric, {xx, xy, yy}.
-  std::array<double, 3> Jacobian(Pixel ray) const {
+  Jacobian2 Jacobian(Pixel ray) const {
     const double x = ray.x;
     const double y = ray.y;
     const double r2 = x * x + y * y;
@@ -95,34 +146,29 @@ struct RationalDistortion {
     const double g = numerator / denominator;
     const double slope =
         (numerator_slope - g * denominator_slope) / denominator;
-    return {g + 2 * x * x * slope + 2 * p1 * y + 6 * p2 * x,
-            2 * x * y * slope + 2 * p1 * x + 2 * p2 * y,
+    const double xy = 2 * x * y * slope + 2 * p1 * x + 2 * p2 * y;
+    return {g + 2 * x * x * slope + 2 * p1 * y + 6 * p2 * x, xy, xy,
             g + 2 * y * y * slope + 6 * p1 * y + 2 * p2 * x};
-  }
-
-  // Newton from the distorted ray. The Jacobian has to stay positive definite:
-  // where it does not, the image is folded and the ray means nothing.
-  std::optional<Pixel> Undistort(Pixel distorted) const {
-    Pixel ray = distorted;
-    for (int i = 0; i < kMaxIterations; ++i) {
-      const Pixel now = Distort(ray);
-      const double ex = distorted.x - now.x;
-      const double ey = distorted.y - now.y;
-      const auto [xx, xy, yy] = Jacobian(ray);
-      const double determinant = xx * yy - xy * xy;
-      if (!(determinant > 1e-9) || !(xx + yy > 0)) return std::nullopt;
-      if (std::abs(ex) < kConverged && std::abs(ey) < kConverged) return ray;
-      ray.x += (yy * ex - xy * ey) / determinant;
-      ray.y += (xx * ey - xy * ex) / determinant;
-    }
-    return std::nullopt;
   }
 };
 
 // OpenCV's fisheye model: a ray at angle theta from the optical axis is imaged
 // at radius theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8).
+// COLMAP's radial fisheyes are special cases of it.
 struct FisheyeDistortion {
-  const double* k;
+  std::array<double, 4> k{};
+
+  static FisheyeDistortion Of(CameraModel model, const double* parameters) {
+    const double* p = parameters;
+    switch (model) {
+      case CameraModel::kSimpleRadialFisheye:
+        return {{p[3]}};
+      case CameraModel::kRadialFisheye:
+        return {{p[3], p[4]}};
+      default:
+        return {{p[4], p[5], p[6], p[7]}};
+    }
+  }
 
   double Radius(double theta) const {
     const double t2 = theta * theta;
@@ -162,6 +208,66 @@ struct FisheyeDistortion {
   }
 };
 
+// COLMAP's thin prism fisheye: the rational model's kind of polynomial on the
+// equidistant image (u, v) of the ray. With r2 = u^2 + v^2 and
+//   g = 1 + k1 r2 + k2 r2^2 + k3 r2^3 + k4 r2^4
+// it is imaged at
+//   u' = g u + 2 p1 u v + p2 (r2 + 2 u^2) + sx1 r2
+//   v' = g v + p1 (r2 + 2 v^2) + 2 p2 u v + sy1 r2.
+struct ThinPrismDistortion {
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0, k4 = 0, sx1 = 0, sy1 = 0;
+
+  static ThinPrismDistortion Of(const double* p) {
+    return {p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11]};
+  }
+
+  Pixel Distort(Pixel equidistant) const {
+    const double u = equidistant.x;
+    const double v = equidistant.y;
+    const double r2 = u * u + v * v;
+    const double g = 1 + r2 * (k1 + r2 * (k2 + r2 * (k3 + r2 * k4)));
+    return {g * u + 2 * p1 * u * v + p2 * (r2 + 2 * u * u) + sx1 * r2,
+            g * v + p1 * (r2 + 2 * v * v) + 2 * p2 * u * v + sy1 * r2};
+  }
+
+  Jacobian2 Jacobian(Pixel equidistant) const {
+    const double u = equidistant.x;
+    const double v = equidistant.y;
+    const double r2 = u * u + v * v;
+    const double g = 1 + r2 * (k1 + r2 * (k2 + r2 * (k3 + r2 * k4)));
+    const double slope = 2 * (k1 + r2 * (2 * k2 + r2 * (3 * k3 + r2 * 4 * k4)));
+    const double cross = u * v * slope + 2 * p1 * u + 2 * p2 * v;
+    return {g + u * u * slope + 2 * p1 * v + 6 * p2 * u + 2 * sx1 * u,
+            cross + 2 * sx1 * v, cross + 2 * sy1 * u,
+            g + v * v * slope + 6 * p1 * v + 2 * p2 * u + 2 * sy1 * v};
+  }
+};
+
+// Devernay and Faugeras' model of a lens of field of view omega: radius r is
+// imaged at atan(2 r tan(omega / 2)) / omega.
+struct FovDistortion {
+  double omega = 0;
+
+  // Below this the lens is a pinhole to all digits.
+  bool is_none() const { return std::abs(omega) < 1e-8; }
+
+  Pixel Distort(Pixel ray) const {
+    const double r = std::hypot(ray.x, ray.y);
+    if (is_none() || r < 1e-12) return ray;
+    const double scale = std::atan(2 * r * std::tan(omega / 2)) / (omega * r);
+    return {scale * ray.x, scale * ray.y};
+  }
+
+  std::optional<Pixel> Undistort(Pixel distorted) const {
+    const double radius = std::hypot(distorted.x, distorted.y);
+    if (is_none() || radius < 1e-12) return distorted;
+    if (!(std::abs(radius * omega) < std::numbers::pi / 2)) return std::nullopt;
+    const double scale =
+        std::tan(radius * omega) / (2 * radius * std::tan(omega / 2));
+    return Pixel{scale * distorted.x, scale * distorted.y};
+  }
+};
+
 std::string ShortestText(double value) {
   char buffer[32];
   const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value).ptr;
@@ -187,6 +293,10 @@ absl::StatusOr<CameraModel> ParseCameraModel(absl::string_view name) {
 
 int CameraParameterCount(CameraModel model) {
   return EntryOf(model).parameter_count;
+}
+
+int CameraPrincipalPointIndex(CameraModel model) {
+  return EntryOf(model).focal_length_count;
 }
 
 absl::StatusOr<Camera> Camera::Create(CameraModel model, int width, int height,
@@ -231,8 +341,15 @@ absl::StatusOr<Camera> Camera::Create(CameraModel model, int width, int height,
   camera.fy_ = parameters[focal_count - 1];
   camera.cx_ = parameters[focal_count];
   camera.cy_ = parameters[focal_count + 1];
+  if (model == CameraModel::kFov && !(std::abs(parameters[4]) < kMaxOmega)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "camera omega ", parameters[4], " rad is outside (-pi, pi)"));
+  }
   // A fisheye bends even with all coefficients 0.
-  camera.has_distortion_ = model == CameraModel::kOpenCvFisheye;
+  camera.has_distortion_ = model == CameraModel::kOpenCvFisheye ||
+                           model == CameraModel::kSimpleRadialFisheye ||
+                           model == CameraModel::kRadialFisheye ||
+                           model == CameraModel::kThinPrismFisheye;
   for (int i = focal_count + 2; i < parameter_count; ++i) {
     if (parameters[i] != 0) camera.has_distortion_ = true;
   }
@@ -275,24 +392,50 @@ std::string Camera::ToString() const {
 }
 
 Pixel Camera::Project(Vec3 point_in_camera) const {
-  Pixel ray = {point_in_camera.x / point_in_camera.z,
-               point_in_camera.y / point_in_camera.z};
-  if (has_distortion_) {
-    ray = model_ == CameraModel::kOpenCvFisheye
-              ? FisheyeDistortion{parameters_.data() + 4}.Distort(ray)
-              : RationalDistortion::Of(model_, parameters_.data()).Distort(ray);
-  }
-  return {fx_ * ray.x + cx_, fy_ * ray.y + cy_};
+  const Pixel ray = {point_in_camera.x / point_in_camera.z,
+                     point_in_camera.y / point_in_camera.z};
+  const Pixel distorted = has_distortion_ ? Distort(ray) : ray;
+  return {fx_ * distorted.x + cx_, fy_ * distorted.y + cy_};
 }
 
 std::optional<Pixel> Camera::Unproject(Pixel pixel) const {
   const Pixel distorted = {(pixel.x - cx_) / fx_, (pixel.y - cy_) / fy_};
-  if (!has_distortion_) return distorted;
-  if (model_ == CameraModel::kOpenCvFisheye) {
-    return FisheyeDistortion{parameters_.data() + 4}.Undistort(distorted);
+  return has_distortion_ ? Undistort(distorted) : distorted;
+}
+
+Pixel Camera::Distort(Pixel ray) const {
+  const double* p = parameters_.data();
+  switch (model_) {
+    case CameraModel::kOpenCvFisheye:
+    case CameraModel::kSimpleRadialFisheye:
+    case CameraModel::kRadialFisheye:
+      return FisheyeDistortion::Of(model_, p).Distort(ray);
+    case CameraModel::kThinPrismFisheye:
+      return ThinPrismDistortion::Of(p).Distort(EquidistantOfRay(ray));
+    case CameraModel::kFov:
+      return FovDistortion{p[4]}.Distort(ray);
+    default:
+      return RationalDistortion::Of(model_, p).Distort(ray);
   }
-  return RationalDistortion::Of(model_, parameters_.data())
-      .Undistort(distorted);
+}
+
+std::optional<Pixel> Camera::Undistort(Pixel distorted) const {
+  const double* p = parameters_.data();
+  switch (model_) {
+    case CameraModel::kOpenCvFisheye:
+    case CameraModel::kSimpleRadialFisheye:
+    case CameraModel::kRadialFisheye:
+      return FisheyeDistortion::Of(model_, p).Undistort(distorted);
+    case CameraModel::kThinPrismFisheye: {
+      const std::optional<Pixel> equidistant =
+          InvertByNewton(ThinPrismDistortion::Of(p), distorted);
+      return equidistant ? RayOfEquidistant(*equidistant) : std::nullopt;
+    }
+    case CameraModel::kFov:
+      return FovDistortion{p[4]}.Undistort(distorted);
+    default:
+      return InvertByNewton(RationalDistortion::Of(model_, p), distorted);
+  }
 }
 
 }  // namespace treeline

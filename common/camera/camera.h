@@ -23,19 +23,26 @@ struct Pixel {
 
 // Parameters in COLMAP's order:
 enum class CameraModel {
-  kSimplePinhole,  // f, cx, cy
-  kPinhole,        // fx, fy, cx, cy
-  kSimpleRadial,   // f, cx, cy, k
-  kRadial,         // f, cx, cy, k1, k2
-  kOpenCv,         // fx, fy, cx, cy, k1, k2, p1, p2
-  kFullOpenCv,     // fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6
-  kOpenCvFisheye,  // fx, fy, cx, cy, k1, k2, k3, k4
+  kSimplePinhole,        // f, cx, cy
+  kPinhole,              // fx, fy, cx, cy
+  kSimpleRadial,         // f, cx, cy, k
+  kRadial,               // f, cx, cy, k1, k2
+  kOpenCv,               // fx, fy, cx, cy, k1, k2, p1, p2
+  kFullOpenCv,           // fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6
+  kOpenCvFisheye,        // fx, fy, cx, cy, k1, k2, k3, k4
+  kFov,                  // fx, fy, cx, cy, omega
+  kSimpleRadialFisheye,  // f, cx, cy, k
+  kRadialFisheye,        // f, cx, cy, k1, k2
+  // fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, sx1, sy1
+  kThinPrismFisheye,
 };
 
 // "PINHOLE" and so on, as COLMAP writes them.
 absl::string_view CameraModelName(CameraModel model);
 absl::StatusOr<CameraModel> ParseCameraModel(absl::string_view name);
 int CameraParameterCount(CameraModel model);
+// Where cx stands among the parameters; cy follows it.
+int CameraPrincipalPointIndex(CameraModel model);
 
 // Calibrated intrinsics of one camera. A plain immutable value. The camera
 // frame has x right, y down, z forward.
@@ -47,7 +54,7 @@ class Camera {
   Camera() = default;
 
   // INVALID_ARGUMENT: wrong number of parameters, NaN, a focal length that is
-  // not positive, or a size outside 1..16384.
+  // not positive, FOV's omega outside (-pi, pi), or a size outside 1..16384.
   static absl::StatusOr<Camera> Create(CameraModel model, int width, int height,
                                        const double* parameters,
                                        int parameter_count);
@@ -81,6 +88,10 @@ class Camera {
   bool operator==(const Camera&) const = default;
 
  private:
+  // Between ideal and imaged rays, focal length and principal point apart.
+  Pixel Distort(Pixel ray) const;
+  std::optional<Pixel> Undistort(Pixel distorted) const;
+
   CameraModel model_ = CameraModel::kPinhole;
   int width_ = 640;
   int height_ = 480;

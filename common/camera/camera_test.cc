@@ -91,6 +91,48 @@ TEST(CameraTest, FisheyePolynomialProjectsByHand) {
   EXPECT_NEAR(camera.Project({0, 3, 3}).y, 100 * radius, 1e-10);
 }
 
+// A ray at 45 degrees along y: theta is pi/4.
+TEST(CameraTest, RadialFisheyesProjectByHand) {
+  const double t = std::atan(1.0);
+  EXPECT_NEAR(
+      ParseOrDie("SIMPLE_RADIAL_FISHEYE,100,5,7,0.1").Project({0, 3, 3}).y,
+      100 * t * (1 + 0.1 * t * t) + 7, 1e-10);
+  EXPECT_NEAR(
+      ParseOrDie("RADIAL_FISHEYE,100,5,7,0.1,-0.02").Project({0, 3, 3}).y,
+      100 * t * (1 + 0.1 * t * t - 0.02 * t * t * t * t) + 7, 1e-10);
+}
+
+TEST(CameraTest, FovProjectsByHand) {
+  const Camera camera = ParseOrDie("FOV,100,200,10,20,0.8");
+  const Pixel pixel = camera.Project({1, 1, 2});
+  const double r = std::hypot(0.5, 0.5);
+  const double scale = std::atan(2 * r * std::tan(0.4)) / 0.8 / r;
+  EXPECT_NEAR(pixel.x, 100 * 0.5 * scale + 10, 1e-10);
+  EXPECT_NEAR(pixel.y, 200 * 0.5 * scale + 20, 1e-10);
+}
+
+TEST(CameraTest, FovWithoutAFieldOfViewIsAPinhole) {
+  for (const char* text : {"FOV,100,200,10,20,0", "FOV,100,200,10,20,1e-300"}) {
+    const Pixel pixel = ParseOrDie(text).Project({1, 1, 2});
+    EXPECT_DOUBLE_EQ(pixel.x, 60) << text;
+    EXPECT_DOUBLE_EQ(pixel.y, 120) << text;
+  }
+}
+
+// The ray (1, 0) has theta = pi/4 along x: u = pi/4, v = 0, r2 = u^2.
+TEST(CameraTest, ThinPrismFisheyeProjectsByHand) {
+  const Pixel pixel = ParseOrDie(
+                          "THIN_PRISM_FISHEYE,100,200,0,0,0.1,0.02,0.03,0.04,"
+                          "0.005,0.006,0.07,0.08")
+                          .Project({2, 0, 2});
+  const double u = std::atan(1.0);
+  const double r2 = u * u;
+  const double g = 1 + 0.1 * r2 + 0.02 * r2 * r2 + 0.005 * r2 * r2 * r2 +
+                   0.006 * r2 * r2 * r2 * r2;
+  EXPECT_NEAR(pixel.x, 100 * (g * u + 0.04 * 3 * r2 + 0.07 * r2), 1e-10);
+  EXPECT_NEAR(pixel.y, 200 * (0.03 * r2 + 0.08 * r2), 1e-10);
+}
+
 class CameraRoundTripTest : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(CameraRoundTripTest, EveryPixelUnprojectsToTheRayThatProjectsToIt) {
@@ -133,7 +175,12 @@ INSTANTIATE_TEST_SUITE_P(
         "FULL_OPENCV,517.3,516.5,318.6,255.3,0.2624,-0.9531,-0.0054,0.0026,"
         "1.1633,0,0,0",
         "FULL_OPENCV,520,520,320,240,0.5,-0.1,0.001,0.002,0.02,0.7,0.05,0.01",
-        "OPENCV_FISHEYE,300,301,320,240,-0.02,0.01,-0.004,0.001"));
+        "OPENCV_FISHEYE,300,301,320,240,-0.02,0.01,-0.004,0.001",
+        "FOV,400,410,320,240,0.9", "FOV,400,410,320,240,-0.9",
+        "SIMPLE_RADIAL_FISHEYE,320,320,240,-0.03",
+        "RADIAL_FISHEYE,320,320,240,-0.03,0.01",
+        "THIN_PRISM_FISHEYE,330,331,320,240,-0.02,0.01,0.001,-0.002,-0.004,"
+        "0.001,0.003,-0.001"));
 
 TEST(CameraTest, UnprojectGivesUpBeyondTheFoldOfABarrelDistortion) {
   // r (1 - 0.5 r^2) never exceeds 0.544: pixels farther out see nothing.
@@ -146,13 +193,24 @@ TEST(CameraTest, UnprojectGivesUpOnFisheyeRaysAcrossTheCamera) {
   const Camera camera = ParseOrDie("OPENCV_FISHEYE,100,100,320,240,0,0,0,0");
   EXPECT_TRUE(camera.Unproject({320 + 156, 240}).has_value());
   EXPECT_FALSE(camera.Unproject({320 + 158, 240}).has_value());
+  const Camera prism =
+      ParseOrDie("THIN_PRISM_FISHEYE,100,100,320,240,0,0,0,0,0,0,0,0");
+  EXPECT_TRUE(prism.Unproject({320 + 156, 240}).has_value());
+  EXPECT_FALSE(prism.Unproject({320 + 158, 240}).has_value());
+  // tan(radius * omega) has its pole at radius pi/2 focal lengths.
+  const Camera fov = ParseOrDie("FOV,100,100,320,240,1");
+  EXPECT_TRUE(fov.Unproject({320 + 156, 240}).has_value());
+  EXPECT_FALSE(fov.Unproject({320 + 158, 240}).has_value());
 }
 
 TEST(CameraTest, UnprojectOfNanIsNothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(ParseOrDie("SIMPLE_RADIAL,300,320,240,-0.1")
-                   .Unproject({nan, 0})
-                   .has_value());
+  for (const char* text :
+       {"SIMPLE_RADIAL,300,320,240,-0.1", "FOV,300,300,320,240,0.5",
+        "SIMPLE_RADIAL_FISHEYE,300,320,240,-0.1",
+        "THIN_PRISM_FISHEYE,300,300,320,240,0,0,0,0,0,0,0,0"}) {
+    EXPECT_FALSE(ParseOrDie(text).Unproject({nan, 0}).has_value()) << text;
+  }
 }
 
 TEST(CameraTest, RejectsBadParametersWithTheReason) {
@@ -170,6 +228,7 @@ TEST(CameraTest, RejectsBadParametersWithTheReason) {
   EXPECT_THAT(error("PINHOLE,585,inf,320,240"), HasSubstr("not a finite"));
   EXPECT_THAT(error("PINHOLE,0,585,320,240"), HasSubstr("not positive"));
   EXPECT_THAT(error("PINHOLE,585,-1,320,240"), HasSubstr("not positive"));
+  EXPECT_THAT(error("FOV,585,585,320,240,3.2"), HasSubstr("omega 3.2"));
   EXPECT_THAT(error("WIDE,585,585,320,240"), HasSubstr("unknown camera model"));
   EXPECT_THAT(error(""), HasSubstr("unknown camera model"));
   EXPECT_THAT(error("PINHOLE,585,585,320,240", 0, 480), HasSubstr("0 x 480"));
@@ -191,7 +250,9 @@ TEST(CameraTest, ModelNamesRoundTrip) {
   for (const CameraModel model :
        {CameraModel::kSimplePinhole, CameraModel::kPinhole,
         CameraModel::kSimpleRadial, CameraModel::kRadial, CameraModel::kOpenCv,
-        CameraModel::kFullOpenCv, CameraModel::kOpenCvFisheye}) {
+        CameraModel::kFullOpenCv, CameraModel::kOpenCvFisheye,
+        CameraModel::kFov, CameraModel::kSimpleRadialFisheye,
+        CameraModel::kRadialFisheye, CameraModel::kThinPrismFisheye}) {
     EXPECT_EQ(*ParseCameraModel(CameraModelName(model)), model);
   }
 }

@@ -44,7 +44,11 @@ INSTANTIATE_TEST_SUITE_P(
         "RADIAL,525,319.5,239.5,-0.1,0.01",
         "OPENCV,517.3,516.5,318.6,255.3,0.2624,-0.9531,-0.0054,0.0026",
         "FULL_OPENCV,517,516,318,255,0.26,-0.95,-0.005,0.002,1.1,0.1,0.2,0.3",
-        "OPENCV_FISHEYE,380,380,320,240,-0.01,0.02,-0.003,0.0004"));
+        "OPENCV_FISHEYE,380,380,320,240,-0.01,0.02,-0.003,0.0004",
+        "FOV,380,380,320,240,0.9", "SIMPLE_RADIAL_FISHEYE,380,320,240,-0.01",
+        "RADIAL_FISHEYE,380,320,240,-0.01,0.02",
+        "THIN_PRISM_FISHEYE,380,380,320,240,-0.01,0.02,0.001,0.002,-0.003,"
+        "0.0004,0.005,0.006"));
 
 void ExpectRefused(const v1::Camera& bad, const char* why) {
   const auto result = FromProto(bad, "frame.camera");

@@ -7,8 +7,9 @@ namespace treeline {
 void AddDatasetFlags(CLI::App& app, DatasetOptions& options) {
   constexpr const char* kGroup = "Recording";
   app.add_option("--dataset", options.uri,
-                 "7scenes:DIR (DIR holds seq-01, ...) or tum:DIR (DIR holds "
-                 "rgb.txt and depth.txt)")
+                 "7scenes:DIR (DIR holds seq-01, ...), 12scenes:DIR (info.txt "
+                 "and data), tum:DIR (rgb.txt and depth.txt), "
+                 "colmap:MODEL_DIR,IMAGES_DIR or nvm:FILE")
       ->type_name("URI")
       ->required()
       ->group(kGroup);

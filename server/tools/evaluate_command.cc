@@ -64,7 +64,7 @@ void AddModelFlags(CLI::App& app, EvaluateFlags& flags) {
       ->group(kGroup);
   app.add_option("--baseline", flags.baseline,
                  "A yardstick instead of a model: sift-pnp (SIFT features of "
-                 "training keyframes with depth, and PnP; needs "
+                 "training keyframes with depth or a structure, and PnP; needs "
                  "--training-dataset)")
       ->type_name("NAME")
       ->check(CLI::IsMember({"sift-pnp"}))
@@ -75,6 +75,12 @@ void AddModelFlags(CLI::App& app, EvaluateFlags& flags) {
       ->type_name("FILE")
       ->group(kGroup);
   app.add_option("--samples", flags.query.samples, "Pixels sampled a query")
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--features", flags.query.features,
+                 "SIFT features taken from a query (method sift, and sift-pnp "
+                 "on a structure from motion)")
       ->type_name("N")
       ->capture_default_str()
       ->group(kGroup);
@@ -214,6 +220,7 @@ class EvaluateCommand {
     if (model != nullptr) calibration = model->info().calibration;
     if (calibration_) calibration = *calibration_;
     SiftPnpOptions options = flags_.sift;
+    options.structure_features = flags_.query.features;
     options.seed = flags_.seed;
     options.quiet = flags_.quiet;
     options.stop = stop_;

@@ -71,7 +71,7 @@ class FrameEvaluator {
     const MonotonicTime decoded = clock_.Now();
     if (!frame.ok()) return AnnotateWithFiles(frame.status(), i);
     result.decode_ms = MillisecondsBetween(start, decoded);
-    frame->calibration = options_.calibration;
+    if (options_.calibration) frame->calibration = options_.calibration;
     const LocalizeOptions query{.seed = options_.seed, .stop = options_.stop};
     const double cpu_before_ms = ThreadCpu_ms();
     const MonotonicTime asked = clock_.Now();
@@ -194,6 +194,8 @@ std::optional<double> Percentile(std::vector<double> values, double p) {
 std::optional<RgbdCalibration> QueryCalibration(
     const Dataset& dataset, const DatasetOptions& options,
     const RgbdCalibration& scene_calibration) {
+  // Its frames say themselves what they were taken with.
+  if (dataset.structure() != nullptr) return std::nullopt;
   const RgbdCalibration& recorded = dataset.calibration();
   RgbdCalibration query = scene_calibration;
   if (dataset.depth_is_registered()) {

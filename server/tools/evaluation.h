@@ -25,7 +25,7 @@ struct EvaluationOptions {
   // query only with 1.
   int threads = 1;
   // What every query is said to be taken with; see QueryCalibration. nullopt:
-  // the calibration stored with the scene.
+  // what its frame says, or else the calibration stored with the scene.
   std::optional<RgbdCalibration> calibration;
   bool quiet = false;  // no progress bar
   std::stop_token stop;
@@ -109,7 +109,8 @@ std::optional<double> Percentile(std::vector<double> values, double p);
 // named them (`options`), or because depth is registered to a colour camera
 // that is not the scene's. Then those cameras replace the stored ones; the
 // depth scale, a property of the scene's unit of length, stays the scene's,
-// and so does the offset between cameras that are not registered.
+// and so does the offset between cameras that are not registered. The frames of
+// a structure from motion come with their own cameras (nullopt).
 std::optional<RgbdCalibration> QueryCalibration(
     const Dataset& dataset, const DatasetOptions& options,
     const RgbdCalibration& scene_calibration);

@@ -26,6 +26,23 @@ std::string Range(const std::optional<Percentiles>& ms) {
                          ms->p99);
 }
 
+// Where the world's unit is arbitrary, it and the scale of the scene.
+std::string MediansText(const EvaluationSummary& s, const ModelInfo& model) {
+  if (!s.median_translation_m) return "-";
+  if (model.units_are_metres) {
+    return absl::StrFormat("%.2f cm  %.2f deg", 100 * *s.median_translation_m,
+                           *s.median_rotation_deg);
+  }
+  std::string share;
+  if (model.viewing_distance > 0) {
+    share =
+        absl::StrFormat(" (%.3f %% of the viewing distance)",
+                        100 * *s.median_translation_m / model.viewing_distance);
+  }
+  return absl::StrFormat("%.5f units%s  %.4f deg", *s.median_translation_m,
+                         share, *s.median_rotation_deg);
+}
+
 }  // namespace
 
 std::string EvaluationTable(const std::vector<FrameResult>& results,
@@ -36,18 +53,16 @@ std::string EvaluationTable(const std::vector<FrameResult>& results,
     absl::StrAppend(&frames, ", ", s.frames - s.scored,
                     " without ground truth (not scored)");
   }
-  std::string medians = "-";
-  if (s.median_translation_m) {
-    medians =
-        absl::StrFormat("%.2f cm  %.2f deg", 100 * *s.median_translation_m,
-                        *s.median_rotation_deg);
-  }
   std::string table = absl::StrCat(
       Row("method", model.method), Row("frames", frames),
       Row("localized", absl::StrCat(s.localized)),
-      Row("within 5 cm / 5 deg", Percent(s.correct_5cm_5deg)),
-      Row("within 2 cm / 2 deg", Percent(s.correct_2cm_2deg)),
-      Row("median error", medians), Row("latency", Range(s.latency_ms)),
+      model.units_are_metres
+          ? absl::StrCat(
+                Row("within 5 cm / 5 deg", Percent(s.correct_5cm_5deg)),
+                Row("within 2 cm / 2 deg", Percent(s.correct_2cm_2deg)))
+          : "",
+      Row("median error", MediansText(s, model)),
+      Row("latency", Range(s.latency_ms)),
       Row("processor time", Range(s.cpu_ms)),
       Row("decoding", Range(s.decode_ms)),
       Row("model", FormatBytes(model.file_bytes)),

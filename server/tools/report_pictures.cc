@@ -204,7 +204,7 @@ std::vector<ReportPicture> TakePictures(
   for (const PictureChoice& choice : choices) {
     absl::StatusOr<Frame> frame = dataset.Load(choice.frame);
     if (!frame.ok()) continue;
-    frame->calibration = options.calibration;
+    if (options.calibration) frame->calibration = options.calibration;
     const LocalizeOptions query{.seed = options.seed,
                                 .keep_correspondences = true,
                                 .stop = options.stop};

@@ -19,6 +19,8 @@
 #include "opencv2/flann.hpp"
 #include "opencv2/imgproc.hpp"
 #include "server/core/features/depth_registration.h"
+#include "server/core/features/sift_extractor.h"
+#include "server/core/training/sift_trainer.h"
 #include "server/tools/evaluation.h"
 #include "server/tools/run_info.h"
 
@@ -44,6 +46,24 @@ Features Extract(const ColorImage& image, int count) {
   Features features;
   cv::SIFT::create(count)->detectAndCompute(
       gray, cv::noArray(), features.keypoints, features.descriptors);
+  return features;
+}
+
+// The features that method sift works with, as OpenCV holds them.
+absl::StatusOr<Features> ExtractLargest(const ColorImage& image, int count) {
+  TL_ASSIGN_OR_RETURN(const SiftFeatures sift,
+                      ExtractSift(image, {.max_features = count}));
+  Features features;
+  features.descriptors.create(static_cast<int>(sift.size()), kDescriptorSize,
+                              CV_32F);
+  for (size_t i = 0; i < sift.size(); ++i) {
+    const SiftKeypoint& k = sift.keypoints[i];
+    features.keypoints.emplace_back(static_cast<float>(k.pixel.x),
+                                    static_cast<float>(k.pixel.y),
+                                    k.diameter_px);
+    std::ranges::copy(sift.descriptors[i].values,
+                      features.descriptors.ptr<float>(static_cast<int>(i)));
+  }
   return features;
 }
 
@@ -208,7 +228,13 @@ absl::StatusOr<PoseEstimate> SiftPnpBaseline::LocalizeOrThrow(
   const SteadyClock clock;
   const MonotonicTime start = clock.Now();
   const Camera camera = frame.calibration.value_or(info_.calibration).color;
-  const Features features = Extract(frame.color, options_.features);
+  Features features;
+  if (options_.structure_features > 0 && !info_.units_are_metres) {
+    TL_ASSIGN_OR_RETURN(
+        features, ExtractLargest(frame.color, options_.structure_features));
+  } else {
+    features = Extract(frame.color, options_.features);
+  }
   PoseEstimate estimate;
   const MonotonicTime extracted = clock.Now();
   estimate.timings.sample_ms = MillisecondsBetween(start, extracted);
@@ -260,6 +286,7 @@ class KeyframeCollector {
   // A frame without pose or depth adds nothing.
   absl::Status Add(int i) {
     const DatasetFrame& entry = training_.frame(i);
+    if (training_.structure() != nullptr) return AddFromStructure(i);
     if (!entry.world_from_camera || entry.depth_path.empty()) {
       return absl::OkStatus();
     }
@@ -276,6 +303,32 @@ class KeyframeCollector {
       if (!point) continue;
       descriptors_.push_back(features.descriptors.row(static_cast<int>(k)));
       points_in_world_.push_back(world_from_color * *point);
+    }
+    return absl::OkStatus();
+  }
+
+  // The features that show a point of the structure; see TrainSiftForest.
+  absl::Status AddFromStructure(int i) {
+    const SfmModel& model = *training_.structure();
+    const SfmModel::Image& image =
+        model.images[static_cast<size_t>(training_.frame(i).structure_image)];
+    const SiftTrainingOptions defaults;
+    TL_ASSIGN_OR_RETURN(const Frame frame, training_.Load(i));
+    TL_ASSIGN_OR_RETURN(
+        const Features features,
+        ExtractLargest(frame.color, defaults.features.max_features));
+    std::vector<SiftKeypoint> keypoints;
+    for (const cv::KeyPoint& k : features.keypoints) {
+      keypoints.push_back({.pixel = {k.pt.x, k.pt.y}});
+    }
+    const std::vector<int32_t> points =
+        LabelFeatures(keypoints, image.keypoints, defaults.label_radius_px);
+    ++frames_;
+    for (size_t k = 0; k < points.size(); ++k) {
+      if (points[k] < 0) continue;
+      descriptors_.push_back(features.descriptors.row(static_cast<int>(k)));
+      points_in_world_.push_back(
+          model.points[static_cast<size_t>(points[k])].position_in_world);
     }
     return absl::OkStatus();
   }
@@ -315,6 +368,7 @@ ModelInfo DescribeBaseline(const Dataset& training,
       {"opencv", CV_VERSION}};
   info.calibration = calibration;
   info.calibration.pose_sensor = RgbdSensor::kColor;
+  info.units_are_metres = training.units_are_metres();
   return info;
 }
 

@@ -21,6 +21,10 @@ struct SiftPnpOptions {
   int keyframes = 140;
   // Features kept per image, strongest first; 0: all that OpenCV finds.
   int features = 0;
+  // Where the training frames have a structure from motion: features kept of a
+  // query, those of the largest regions, as method sift takes them; 0: as
+  // above.
+  int structure_features = 3000;
   // A match is kept if its descriptor distance is below this times that of the
   // nearest feature elsewhere in the scene (Lowe's ratio test), in (0, 1].
   double match_ratio = 0.8;
@@ -41,7 +45,9 @@ struct SiftPnpOptions {
   absl::Status Validate() const;
 };
 
-// Learns the keyframes of `training`. `calibration` says how its depth camera
+// Learns the keyframes of `training`: features with depth, or those on points
+// of its structure from motion, whose features and labels are those that
+// method sift is trained on. `calibration` says how its depth camera
 // sits beside its colour camera (its pose_sensor is ignored: the dataset's
 // own holds). The result's poses are of the colour camera whatever those of
 // the training frames are; its info().file_bytes is the memory of descriptors

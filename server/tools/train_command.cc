@@ -40,6 +40,7 @@ struct TrainFlags {
   std::string extend_path;
   bool splits_only = false;
   TrainingOptions training;
+  SiftTrainingOptions sift;
   bool quiet = false;
 };
 
@@ -47,6 +48,16 @@ struct TrainFlags {
 std::vector<std::pair<std::string, std::string>> RecordedOptions(
     const TrainFlags& flags) {
   const TrainingOptions& t = flags.training;
+  if (flags.method == "sift") {
+    const SiftTrainingOptions& s = flags.sift;
+    return {{"frames", flags.dataset.frame_list},
+            {"trees", absl::StrCat(t.trees)},
+            {"sift-features", absl::StrCat(s.features.max_features)},
+            {"sift-label-radius", absl::StrCat(s.label_radius_px)},
+            {"sift-balanced-levels", absl::StrCat(s.balanced_levels)},
+            {"sift-leaf-samples", absl::StrCat(s.leaf_samples)},
+            {"sift-candidates", absl::StrCat(s.split_candidates)}};
+  }
   return {{"frames", flags.dataset.frame_list},
           {"poses", flags.dataset.pose_file},
           {"calibration", flags.calibration},
@@ -89,6 +100,7 @@ absl::Status Train(const TrainFlags& flags, const std::stop_token& stop) {
       flags.adapt_path.empty() ? flags.extend_path : flags.adapt_path;
   options.refill = flags.adapt_path.empty() ? Refill::kExtend : Refill::kAdapt;
   options.splits_only = flags.splits_only;
+  options.sift = flags.sift;
   options.software_version = Version();
   options.created_utc = UtcNow();
   options.recorded_options = RecordedOptions(flags);
@@ -149,6 +161,27 @@ void AddForestFlags(CLI::App& command, TrainingOptions& options) {
       "Samples of a node that objectives are computed on, at most", "N");
 }
 
+void AddSiftFlags(CLI::App& command, SiftTrainingOptions& options) {
+  constexpr const char* kGroup = "Method sift";
+  const auto add = [&](const char* name, auto& value, const char* help,
+                       const char* type) {
+    command.add_option(name, value, help)
+        ->type_name(type)
+        ->capture_default_str()
+        ->group(kGroup);
+  };
+  add("--sift-features", options.features.max_features,
+      "Features taken from an image, the largest ones", "N");
+  add("--sift-label-radius", options.label_radius_px,
+      "A feature this near to a keypoint of the model shows its point", "PX");
+  add("--sift-balanced-levels", options.balanced_levels,
+      "Levels split by the sample-balanced objective", "N");
+  add("--sift-leaf-samples", options.leaf_samples, "Samples a leaf has at most",
+      "N");
+  add("--sift-candidates", options.split_candidates,
+      "Random dimensions tried at a node", "N");
+}
+
 }  // namespace
 
 Command AddTrainCommand(CLI::App& app) {
@@ -192,6 +225,7 @@ Command AddTrainCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--quiet", flags->quiet, "Show no progress");
   AddForestFlags(*command, flags->training);
+  AddSiftFlags(*command, flags->sift);
   return {command,
           [flags](const std::stop_token& stop) { return Train(*flags, stop); }};
 }

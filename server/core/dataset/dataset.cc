@@ -8,6 +8,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/strip.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
@@ -22,29 +23,67 @@ constexpr uint64_t kMaxImageBytes = 128u << 20;
 // Focal lengths of one camera vary by less from frame to frame.
 constexpr double kMaxFocalSpread = 0.01;
 
-enum class Format { kSevenScenes, kTum };
+// A format's name in URIs, and its reader.
+struct Format {
+  const char* prefix;
+  const char* arguments;
+  absl::StatusOr<DatasetIndex> (*index)(const IndexRequest& request);
+};
 
-// "7scenes:DIR" -> the format, and DIR in `folder`.
-absl::StatusOr<Format> ParseUri(const std::string& uri, std::string& folder) {
-  absl::string_view rest = uri;
-  Format format = Format::kSevenScenes;
-  if (absl::ConsumePrefix(&rest, "tum:")) {
-    format = Format::kTum;
-  } else if (!absl::ConsumePrefix(&rest, "7scenes:")) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "data set '", uri, "' is neither 7scenes:DIR nor tum:DIR"));
-  }
-  while (rest.size() > 1 && absl::EndsWith(rest, "/")) rest.remove_suffix(1);
-  if (rest.empty()) {
+constexpr Format kFormats[] = {
+    {"7scenes:", "DIR", IndexSevenScenes},
+    {"12scenes:", "DIR", IndexTwelveScenes},
+    {"tum:", "DIR", IndexTum},
+    {"colmap:", "MODEL_DIR,IMAGES_DIR", IndexColmap},
+    {"nvm:", "FILE", IndexNvm},
+};
+
+absl::StatusOr<std::string> ExistingFolder(const std::string& uri,
+                                           absl::string_view name) {
+  while (name.size() > 1 && absl::EndsWith(name, "/")) name.remove_suffix(1);
+  if (name.empty()) {
     return absl::InvalidArgumentError(
         absl::StrCat("data set '", uri, "' names no folder"));
   }
-  folder = std::string(rest);
+  std::string folder(name);
   std::error_code error;
   if (!std::filesystem::is_directory(folder, error)) {
     return absl::NotFoundError(
         absl::StrCat("data set '", uri, "': there is no folder ", folder));
   }
+  return folder;
+}
+
+// "7scenes:DIR" -> the format, and DIR in `request`.
+absl::StatusOr<const Format*> ParseUri(const std::string& uri,
+                                       IndexRequest& request) {
+  absl::string_view rest = uri;
+  const auto* format = std::ranges::find_if(kFormats, [&](const Format& f) {
+    return absl::ConsumePrefix(&rest, f.prefix);
+  });
+  if (format == std::end(kFormats)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "data set '", uri, "' is none of ",
+        absl::StrJoin(kFormats, ", ", [](std::string* out, const Format& f) {
+          absl::StrAppend(out, f.prefix, f.arguments);
+        })));
+  }
+  if (format->index == IndexNvm) {
+    request.folder = std::string(rest);
+    return format;
+  }
+  if (format->index == IndexColmap) {
+    const size_t comma = rest.rfind(',');
+    if (comma == absl::string_view::npos) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("data set '", uri, "' is not of the form ",
+                       format->prefix, format->arguments));
+    }
+    TL_ASSIGN_OR_RETURN(request.images,
+                        ExistingFolder(uri, rest.substr(comma + 1)));
+    rest = rest.substr(0, comma);
+  }
+  TL_ASSIGN_OR_RETURN(request.folder, ExistingFolder(uri, rest));
   return format;
 }
 
@@ -135,9 +174,28 @@ absl::StatusOr<Camera> WithFocalLength(const Camera& camera, double focal_px) {
                         CameraParameterCount(camera.model()));
 }
 
+// That of a format which knows its cameras, with what the options replace.
+absl::StatusOr<RgbdCalibration> GivenCalibration(const DatasetOptions& options,
+                                                 const DatasetIndex& index) {
+  RgbdCalibration calibration = *index.calibration;
+  if (index.structure != nullptr) return calibration;
+  if (!options.pose_file.empty()) {
+    calibration.pose_sensor = RgbdSensor::kColor;
+  }
+  for (auto [option, camera] :
+       {std::pair(&options.color_camera, &calibration.color),
+        std::pair(&options.depth_camera, &calibration.depth)}) {
+    if (option->empty()) continue;
+    TL_ASSIGN_OR_RETURN(
+        *camera, Camera::Parse(*option, camera->width(), camera->height()));
+  }
+  return calibration;
+}
+
 absl::StatusOr<RgbdCalibration> ChooseCalibration(
     const DatasetOptions& options, const DatasetIndex& index,
     std::optional<double> focal_length_px) {
+  if (index.calibration) return GivenCalibration(options, index);
   RgbdCalibration calibration;
   TL_ASSIGN_OR_RETURN(const ImageSize color_size,
                       ReadSizeOf(index.frames[0].color_path));
@@ -214,8 +272,8 @@ absl::Status StemNotFound(const IndexRequest& request, const ListedStem& stem,
 absl::StatusOr<Dataset> Dataset::Open(const DatasetOptions& options) {
   TL_RETURN_IF_ERROR(CheckNumbers(options));
   IndexRequest request;
-  TL_ASSIGN_OR_RETURN(const Format format,
-                      ParseUri(options.uri, request.folder));
+  TL_ASSIGN_OR_RETURN(const Format* format, ParseUri(options.uri, request));
+  request.color_camera = options.color_camera;
   request.read_poses = options.pose_file.empty();
   request.max_time_difference_s = options.max_time_difference_s;
   if (!options.frame_list.empty()) {
@@ -225,9 +283,14 @@ absl::StatusOr<Dataset> Dataset::Open(const DatasetOptions& options) {
     TL_ASSIGN_OR_RETURN(request.stems,
                         ParseFrameList(text, options.frame_list));
   }
-  TL_ASSIGN_OR_RETURN(DatasetIndex index, format == Format::kSevenScenes
-                                              ? IndexSevenScenes(request)
-                                              : IndexTum(request));
+  TL_ASSIGN_OR_RETURN(DatasetIndex index, format->index(request));
+  if (index.structure != nullptr &&
+      !(options.pose_file.empty() && options.depth_camera.empty())) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        options.uri,
+        ": structure from motion has its own poses and no depth; a pose file "
+        "or a depth camera cannot be given"));
+  }
   std::optional<double> focal_length_px;
   if (!options.pose_file.empty()) {
     TL_ASSIGN_OR_RETURN(focal_length_px,
@@ -238,7 +301,10 @@ absl::StatusOr<Dataset> Dataset::Open(const DatasetOptions& options) {
                       ChooseCalibration(options, index, focal_length_px));
   dataset.uri_ = options.uri;
   dataset.frames_ = std::move(index.frames);
-  dataset.depth_is_registered_ = index.depth_camera.empty();
+  dataset.depth_is_registered_ =
+      !index.calibration && index.depth_camera.empty();
+  dataset.units_are_metres_ = index.units_are_metres;
+  dataset.structure_ = std::move(index.structure);
   dataset.depth_unit_m_ =
       options.depth_unit_m > 0 ? options.depth_unit_m : index.depth_unit_m;
   return dataset;
@@ -253,6 +319,7 @@ Dataset Dataset::Subset(std::span<const int> frames) const {
 
 absl::StatusOr<Dataset::Encoded> Dataset::ReadEncoded(int i) const {
   Encoded encoded;
+  encoded.color_camera = frame(i).color_camera;
   TL_ASSIGN_OR_RETURN(encoded.color,
                       ReadFile(frame(i).color_path, kMaxImageBytes));
   if (!frame(i).depth_path.empty()) {
@@ -262,12 +329,21 @@ absl::StatusOr<Dataset::Encoded> Dataset::ReadEncoded(int i) const {
   return encoded;
 }
 
+std::optional<RgbdCalibration> Dataset::CalibrationOf(
+    const Encoded& encoded) const {
+  if (!encoded.color_camera) return std::nullopt;
+  RgbdCalibration calibration = calibration_;
+  calibration.color = calibration.depth = *encoded.color_camera;
+  return calibration;
+}
+
 absl::StatusOr<Frame> Dataset::Load(int i) const {
   TL_ASSIGN_OR_RETURN(const Encoded encoded, ReadEncoded(i));
-  absl::StatusOr<ColorImage> color =
-      DecodeColorOf(calibration_.color, encoded.color);
+  absl::StatusOr<ColorImage> color = DecodeColorOf(
+      encoded.color_camera.value_or(calibration_.color), encoded.color);
   if (!color.ok()) return Annotate(color.status(), frame(i).color_path);
   Frame result;
+  result.calibration = CalibrationOf(encoded);
   result.color = *std::move(color);
   if (!frame(i).depth_path.empty()) {
     absl::StatusOr<DepthImage> depth =
@@ -280,8 +356,11 @@ absl::StatusOr<Frame> Dataset::Load(int i) const {
 
 absl::StatusOr<Frame> Dataset::Decode(const Encoded& encoded) const {
   Frame result;
-  TL_ASSIGN_OR_RETURN(result.color,
-                      DecodeColorOf(calibration_.color, encoded.color));
+  result.calibration = CalibrationOf(encoded);
+  TL_ASSIGN_OR_RETURN(
+      result.color,
+      DecodeColorOf(encoded.color_camera.value_or(calibration_.color),
+                    encoded.color));
   if (!encoded.depth.empty()) {
     TL_ASSIGN_OR_RETURN(
         result.depth,

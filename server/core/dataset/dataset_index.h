@@ -2,6 +2,8 @@
 #ifndef SERVER_CORE_DATASET_DATASET_INDEX_H_
 #define SERVER_CORE_DATASET_DATASET_INDEX_H_
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,11 +22,19 @@ struct DatasetIndex {
   int default_height = 480;
   double depth_unit_m = 0.001;
   RgbdSensor pose_sensor = RgbdSensor::kColor;
+  // Where the format knows its cameras itself: in place of all of the above
+  // but the depth unit.
+  std::optional<RgbdCalibration> calibration;
+  bool units_are_metres = true;
+  std::shared_ptr<const SfmModel> structure;
 };
 
 // Which part of a sequence to index.
 struct IndexRequest {
+  // What the URI names: a folder, of VisualSFM the file.
   std::string folder;
+  // The second folder of colmap:.
+  std::string images;
   // Empty: all frames.
   std::vector<ListedStem> stems;
   // The list's file name, for errors.
@@ -33,6 +43,8 @@ struct IndexRequest {
   // the format's own poses.
   bool read_poses = true;
   double max_time_difference_s = 0.02;
+  // Of structure from motion: in place of the model's cameras, unless empty.
+  std::string color_camera;
 };
 
 // 7-Scenes: DIR/seq-XX/frame-NNNNNN.{color.png|color.jpg,depth.png,pose.txt}.
@@ -42,6 +54,17 @@ absl::StatusOr<DatasetIndex> IndexSevenScenes(const IndexRequest& request);
 // TUM RGB-D: DIR/{rgb,depth,groundtruth}.txt. Colour images without a depth
 // image in time have no depth; without ground truth in time, no pose.
 absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request);
+
+// Stanford 4-Scenes: DIR/info.txt and
+// DIR/data/frame-NNNNNN.{color.jpg|color.png,depth.png,pose.txt}. Poses with
+// infinite entries are none.
+absl::StatusOr<DatasetIndex> IndexTwelveScenes(const IndexRequest& request);
+
+// A COLMAP model in `folder` with its pictures in `images`; see ReadColmap.
+absl::StatusOr<DatasetIndex> IndexColmap(const IndexRequest& request);
+
+// VisualSFM's file `folder`, pictures relative to the folder it is in.
+absl::StatusOr<DatasetIndex> IndexNvm(const IndexRequest& request);
 
 // "FILE:LINE: no frame 'STEM' in ..." for a stem of the list.
 absl::Status StemNotFound(const IndexRequest& request, const ListedStem& stem,

@@ -1,4 +1,5 @@
 // The readers on real recordings (TREELINE_DATA).
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -88,6 +89,59 @@ TEST_F(RecordingsTest, TumFr1IsAssociatedAndRegistered) {
   const auto frame = dataset->Load(0);
   ASSERT_TRUE(frame.ok()) << frame.status();
   EXPECT_EQ(frame->depth->unit_m, 1.0 / 5000);
+}
+
+// The keypoints of a model that was read with the right conventions lie where
+// its cameras see its points: to a fraction of a pixel, and without bias.
+TEST_F(RecordingsTest, SouthBuildingReprojects) {
+  const std::string folder = Folder("south-building");
+  if (folder.empty()) GTEST_SKIP() << "no south-building in TREELINE_DATA";
+  const auto dataset = Dataset::Open(
+      {.uri = "colmap:" + folder + "/sparse," + folder + "/images"});
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  ASSERT_EQ(dataset->size(), 96);
+  EXPECT_FALSE(dataset->units_are_metres());
+  const SfmModel& model = *dataset->structure();
+  EXPECT_EQ(model.points.size(), 24312u);
+  double sum_x = 0;
+  double sum_y = 0;
+  int seen = 0;
+  int near = 0;
+  for (const SfmModel::Image& image : model.images) {
+    const Camera& camera = model.cameras[static_cast<size_t>(image.camera)];
+    for (const SfmModel::Keypoint& keypoint : image.keypoints) {
+      const Vec3 point =
+          image.camera_from_world *
+          model.points[static_cast<size_t>(keypoint.point)].position_in_world;
+      const Pixel pixel = camera.Project(point);
+      const double dx = pixel.x - keypoint.pixel.x;
+      const double dy = pixel.y - keypoint.pixel.y;
+      ++seen;
+      near += std::hypot(dx, dy) < 1.5;
+      sum_x += dx;
+      sum_y += dy;
+    }
+  }
+  EXPECT_EQ(seen, 115685);
+  EXPECT_GT(near, 0.9 * seen);
+  EXPECT_NEAR(sum_x / seen, 0, 0.02);
+  EXPECT_NEAR(sum_y / seen, 0, 0.02);
+  const auto frame = dataset->Load(0);
+  ASSERT_TRUE(frame.ok()) << frame.status();
+  EXPECT_EQ(frame->color.width, 1280);
+}
+
+TEST_F(RecordingsTest, SouthBuildingsTestPosesFindTheirCameraBeside) {
+  const std::string folder = Folder("south-building");
+  if (folder.empty()) GTEST_SKIP() << "no south-building in TREELINE_DATA";
+  const auto dataset = Dataset::Open(
+      {.uri = "colmap:" + folder + "/test," + folder + "/images"});
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  ASSERT_EQ(dataset->size(), 16);
+  EXPECT_EQ(dataset->frame(0).stem, "P1180148.jpg");
+  EXPECT_EQ(dataset->frame(0).color_camera->model(),
+            CameraModel::kSimpleRadial);
+  EXPECT_EQ(dataset->frame(0).color_camera->cx(), 639.5);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
+#include "server/core/dataset/text_lines.h"
 
 namespace treeline {
 namespace {
@@ -37,34 +38,6 @@ std::vector<Line> SplitLines(absl::string_view text) {
     if (!words.empty()) lines.push_back({std::move(words), number});
   }
   return lines;
-}
-
-absl::Status LineError(const std::string& file, int line,
-                       absl::string_view what) {
-  return absl::InvalidArgumentError(absl::StrCat(file, ":", line, ": ", what));
-}
-
-// Numbers from words; finite ones only.
-absl::Status ParseNumbers(std::span<const absl::string_view> words,
-                          const std::string& file, int line,
-                          std::span<double> numbers) {
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    if (!absl::SimpleAtod(words[i], &numbers[i]) ||
-        !std::isfinite(numbers[i])) {
-      return LineError(file, line,
-                       absl::StrCat("'", absl::CHexEscape(words[i]),
-                                    "' is not a finite number"));
-    }
-  }
-  return absl::OkStatus();
-}
-
-bool LeadsOutside(absl::string_view path) {
-  if (absl::StartsWith(path, "/")) return true;
-  for (absl::string_view part : absl::StrSplit(path, '/')) {
-    if (part == "..") return true;
-  }
-  return false;
 }
 
 // Reports a name that was there before.

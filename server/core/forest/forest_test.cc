@@ -24,8 +24,12 @@ TEST(NodeTest, KeepsItsFieldsAtTheirLimits) {
       }
     }
   }
-  EXPECT_TRUE(Node::Leaf(0xfffffffe).is_leaf());
-  EXPECT_EQ(Node::Leaf(0xfffffffe).leaf(), 0xfffffffe);
+  constexpr uint32_t kLastMode = (1u << 27) - 1;
+  for (const uint32_t modes : {1u, 2u, Node::kMaxModes}) {
+    EXPECT_TRUE(Node::Leaf(kLastMode, modes).is_leaf());
+    EXPECT_EQ(Node::Leaf(kLastMode, modes).leaf(), kLastMode);
+    EXPECT_EQ(Node::Leaf(kLastMode, modes).modes(), modes);
+  }
 }
 
 TEST(Bfloat16Test, KeepsThreeDigits) {

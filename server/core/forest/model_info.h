@@ -30,6 +30,12 @@ struct ModelInfo {
   Vec3 bounds_max_in_world;
   // Absent in models of older versions.
   std::optional<ConfidenceModel> confidence;
+  // Whether the world's unit of length is the metre. Where it is not (structure
+  // from motion), all lengths above and in poses are in the scene's own unit.
+  bool units_are_metres = true;
+  // Median distance from a training camera to a point it observed (world
+  // units): the scale of errors where units are arbitrary. 0: not known.
+  double viewing_distance = 0;
   int training_frames = 0;
   int64_t training_samples = 0;
   double training_s = 0;

@@ -114,6 +114,9 @@ std::string ModelInfoToJson(const ModelInfo& info) {
                {"seed", info.seed},
                {"options", options},
                {"calibration", CalibrationToJsonValue(info.calibration)},
+               {"world",
+                {{"units_are_metres", info.units_are_metres},
+                 {"viewing_distance", info.viewing_distance}}},
                {"training",
                 {{"frames", info.training_frames},
                  {"samples", info.training_samples},
@@ -140,6 +143,15 @@ absl::StatusOr<ModelInfo> ModelInfoFromJson(absl::string_view json) {
                             CalibrationFromJsonValue(root.at("calibration")));
         if (root.contains("confidence")) {
           info.confidence = ConfidenceFromJson(root.at("confidence"));
+        }
+        // Absent in files of earlier versions.
+        if (root.contains("world")) {
+          const Json& world = root.at("world");
+          info.units_are_metres = world.at("units_are_metres").get<bool>();
+          info.viewing_distance = world.at("viewing_distance").get<double>();
+          if (!(info.viewing_distance >= 0 && info.viewing_distance < 1e9)) {
+            return absl::DataLossError("viewing_distance is no distance");
+          }
         }
         const Json& training = root.at("training");
         info.training_frames = training.at("frames").get<int>();

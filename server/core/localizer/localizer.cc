@@ -8,6 +8,7 @@
 #include "server/core/localizer/points_lines_localizer.h"
 #include "server/core/localizer/rgb_localizer.h"
 #include "server/core/localizer/rgbd_localizer.h"
+#include "server/core/localizer/sift_localizer.h"
 
 namespace treeline {
 
@@ -20,6 +21,7 @@ absl::Status QueryOptions::Validate() const {
   TL_RETURN_IF_ERROR(check("samples", samples, 30, 20000));
   TL_RETURN_IF_ERROR(check("backtracking leaves", backtracking_leaves, 1,
                            kMaxBacktrackingLeaves));
+  TL_RETURN_IF_ERROR(check("features", features, 100, 100000));
   return check("hypotheses", hypotheses, 1, 10000);
 }
 
@@ -41,6 +43,12 @@ absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
   if (method == "points-lines") {
     return PointsLinesLocalizer::Create(std::move(model), std::move(verifier),
                                         options);
+  }
+  if (method == "sift") {
+    absl::StatusOr<std::unique_ptr<SiftLocalizer>> localizer =
+        SiftLocalizer::Create(std::move(model), options);
+    if (!localizer.ok()) return Annotate(localizer.status(), model_path);
+    return *std::move(localizer);
   }
   return absl::UnimplementedError(absl::StrCat(
       model_path, ": method \"", method, "\" is not known to this version"));

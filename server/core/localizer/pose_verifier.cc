@@ -9,6 +9,11 @@
 #include "server/core/keyframes/direct_alignment.h"
 
 namespace treeline {
+
+double PositionSigma_m(const PoseCovariance& covariance) {
+  return std::sqrt(std::max({covariance[0], covariance[7], covariance[14]}));
+}
+
 namespace {
 
 // Fewer inliers are no answer, whatever else speaks for it.
@@ -17,11 +22,6 @@ constexpr int kMinInliers = 15;
 constexpr double kMinOverlap = 0.1;
 // The inliers must determine the position this well (m).
 constexpr double kMaxPositionSigma_m = 0.05;
-
-// The largest standard deviation of the position's axes (m).
-double PositionSigma_m(const PoseCovariance& covariance) {
-  return std::sqrt(std::max({covariance[0], covariance[7], covariance[14]}));
-}
 
 }  // namespace
 

@@ -13,6 +13,9 @@
 
 namespace treeline {
 
+// The largest standard deviation of the position's axes (m).
+double PositionSigma_m(const PoseCovariance& covariance);
+
 // Immutable and thread-safe. The model must outlive it.
 class PoseVerifier {
  public:

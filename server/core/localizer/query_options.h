@@ -11,6 +11,8 @@ namespace treeline {
 struct QueryOptions {
   // Pixels sampled from a frame, in [30, 20000].
   int samples = 500;
+  // SIFT features taken from a frame by method sift, in [100, 100000].
+  int features = 3000;
   // N_max of thesis Algorithm 3: leaves visited in each tree, in [1, 32].
   int backtracking_leaves = 6;
   // Hypotheses of preemptive RANSAC, in [1, 10000].

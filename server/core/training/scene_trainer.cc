@@ -19,6 +19,7 @@
 #include "server/core/training/frame_samples.h"
 #include "server/core/training/keyframe_builder.h"
 #include "server/core/training/quantize_forest.h"
+#include "server/core/training/sift_scene_trainer.h"
 
 namespace treeline {
 namespace {
@@ -33,6 +34,9 @@ constexpr MethodDescription kMethods[] = {
     {"points-lines",
      "like rgbd, with a second forest for points on line segments, which hold "
      "the pose across their lines"},
+    {"sift",
+     "colour alone, with a structure from motion (colmap:, nvm:): a "
+     "backtracking regression forest on SIFT features, and PnP"},
 };
 
 bool IsKnown(absl::string_view method) {
@@ -288,6 +292,9 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
   if (!IsKnown(options.method)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "method \"", options.method, "\" is not known; see --help"));
+  }
+  if (options.method == "sift") {
+    return TrainSiftScene(dataset, options, output_path, quiet, stop);
   }
   TL_RETURN_IF_ERROR(options.forest.Validate());
   TL_RETURN_IF_ERROR(MakeParentFolder(output_path));

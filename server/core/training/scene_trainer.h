@@ -15,6 +15,7 @@
 #include "server/core/forest/model_info.h"
 #include "server/core/training/forest_refiller.h"
 #include "server/core/training/rgbd_calibrator.h"
+#include "server/core/training/sift_trainer.h"
 #include "server/core/training/training_options.h"
 
 namespace treeline {
@@ -38,6 +39,8 @@ struct SceneTrainingOptions {
   Refill refill = Refill::kAdapt;
   // Writes a base for kAdapt: splits without what the leaves learnt.
   bool splits_only = false;
+  // Of method sift; seed, threads and trees are those of `forest`.
+  SiftTrainingOptions sift;
   // What the model records about where it came from; see ModelInfo.
   std::string software_version;
   std::string created_utc;

@@ -1,0 +1,50 @@
+#include "server/core/training/sift_scene_trainer.h"
+
+#include <memory>
+
+#include "common/base/clock.h"
+#include "common/base/file.h"
+#include "common/base/status_macros.h"
+#include "server/core/forest/model_file.h"
+#include "server/core/training/sift_trainer.h"
+
+namespace treeline {
+
+absl::StatusOr<TrainedScene> TrainSiftScene(const Dataset& dataset,
+                                            const SceneTrainingOptions& options,
+                                            const std::string& output_path,
+                                            bool quiet,
+                                            const std::stop_token& stop) {
+  SiftTrainingOptions sift = options.sift;
+  sift.seed = options.forest.seed;
+  sift.threads = options.forest.threads;
+  sift.trees = options.forest.trees;
+  TL_RETURN_IF_ERROR(sift.Validate());
+  TL_RETURN_IF_ERROR(MakeParentFolder(output_path));
+  TL_RETURN_IF_ERROR(CheckWritable(output_path));
+  const SteadyClock clock;
+  const MonotonicTime start = clock.Now();
+  TL_ASSIGN_OR_RETURN(const TrainedSiftForest trained,
+                      TrainSiftForest(dataset, sift, quiet, stop));
+  TrainedScene scene;
+  ModelInfo& info = scene.info;
+  info.method = options.method;
+  info.software_version = options.software_version;
+  info.created_utc = options.created_utc;
+  info.dataset = dataset.uri();
+  info.seed = sift.seed;
+  info.options = options.recorded_options;
+  info.calibration = dataset.calibration();
+  info.units_are_metres = dataset.units_are_metres();
+  info.viewing_distance = trained.viewing_distance;
+  info.training_frames = trained.images;
+  info.training_samples = trained.samples;
+  info.training_s = MillisecondsBetween(start, clock.Now()) / 1e3;
+  TL_RETURN_IF_ERROR(WriteModel(output_path, info, {trained.forest.View()}));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<const ModelFile> model,
+                      ModelFile::Open(output_path));
+  info = model->info();
+  return scene;
+}
+
+}  // namespace treeline
