@@ -29,8 +29,12 @@ std::string Range(const std::optional<Percentiles>& ms) {
                          ms->p99);
 }
 
-std::string Centimetres(const std::optional<TrajectoryError>& error) {
-  return error ? absl::StrFormat("%.2f cm", 100 * error->rmse_m) : "-";
+std::string LengthText(const std::optional<TrajectoryError>& error,
+                       const ModelInfo& model) {
+  if (!error) return "-";
+  return model.units_are_metres
+             ? absl::StrFormat("%.2f cm", 100 * error->rmse_m)
+             : absl::StrFormat("%.5f units", error->rmse_m);
 }
 
 // Where the world's unit is arbitrary, it and the scale of the scene.
@@ -100,6 +104,8 @@ std::string EvaluationTable(const EvaluatedMethod& method,
                    Row("localized", absl::StrCat(s.localized)));
   const std::optional<double> size_m = SceneSize_m(results);
   for (const ThresholdRequest& request : run.thresholds) {
+    // Centimetres mean nothing where the unit is not known.
+    if (!request.relative && !method.model.units_are_metres) continue;
     const std::optional<PoseThreshold> threshold = Resolve(request, size_m);
     const std::string unit = request.relative ? "%" : "cm";
     absl::StrAppend(
@@ -109,7 +115,8 @@ std::string EvaluationTable(const EvaluatedMethod& method,
             threshold ? Percent(CorrectShare(results, *threshold)) : "-"));
   }
   const auto trajectory = [&](TrajectoryAlignment alignment) {
-    return Centimetres(AbsoluteTrajectoryError(results, alignment));
+    return LengthText(AbsoluteTrajectoryError(results, alignment),
+                      method.model);
   };
   absl::StrAppend(
       &table, Row("median error", MediansText(s, method.model)),

@@ -20,7 +20,7 @@
 #include "server/core/training/sift_trainer.h"
 #include "server/tools/evaluation.h"
 #include "server/tools/evaluation_table.h"
-#include "server/tools/sift_pnp_baseline.h"
+#include "server/tools/feature_pnp_baseline.h"
 
 namespace treeline {
 namespace {
@@ -241,16 +241,19 @@ TEST_F(SiftLocalizerTest, EvaluationTakesEachFramesCameraAndSceneUnits) {
     ASSERT_TRUE(result.localized()) << result.stem;
     EXPECT_LT(result.error->translation_m, kTranslationBound) << result.stem;
   }
-  EXPECT_THAT(EvaluationTable(*results, localizer_->info()),
+  EvaluatedMethod method;
+  method.model = localizer_->info();
+  method.results = *results;
+  EXPECT_THAT(EvaluationTable(method, {}),
               AllOf(HasSubstr("% of the viewing distance"),
                     testing::Not(HasSubstr("cm"))));
 }
 
 TEST_F(SiftLocalizerTest, TheBaselineKnowsTheSamePoints) {
-  SiftPnpOptions options;
+  FeaturePnpOptions options;
   options.quiet = true;
   const auto baseline =
-      BuildSiftPnpBaseline(*dataset_, dataset_->calibration(), options);
+      BuildFeaturePnpBaseline(*dataset_, dataset_->calibration(), options);
   ASSERT_TRUE(baseline.ok()) << baseline.status();
   EXPECT_EQ((*baseline)->info().training_frames, 6);
   const auto frame = dataset_->Load(3);

@@ -23,8 +23,10 @@ constexpr double kNearest_m = 0.05;
 constexpr double kMinNoise = 3;
 constexpr double kMaxNoise = 25;
 constexpr float kAgreeing = 15;
-// Neighbouring points err alike: the covariance is widened by this.
-constexpr double kCorrelatedPoints = 4;
+// Neighbouring points err alike, and depth and calibration err for all of them
+// together: the covariance is widened by this, so that it is of the size of
+// errors on frames held out of training.
+constexpr double kCorrelatedPoints = 64;
 // Distances to measured surfaces (m): noise beside the sensor's own, and what
 // is no longer the same surface.
 constexpr double kSurfaceNoise_m = 0.01;
