@@ -64,6 +64,10 @@ absl::Status Train(const TrainFlags& flags, const std::stop_token& stop) {
   SceneTrainingOptions options;
   options.method = flags.method;
   TL_ASSIGN_OR_RETURN(options.calibration, GivenCalibration(flags, dataset));
+  options.on_calibrated = [](const CalibrationReport& report) {
+    std::fputs(CalibrationText(report).c_str(), stdout);
+    std::fflush(stdout);  // growing the forest takes a while
+  };
   options.forest = flags.training;
   options.base_model =
       flags.adapt_path.empty() ? flags.extend_path : flags.adapt_path;
@@ -80,9 +84,6 @@ absl::Status Train(const TrainFlags& flags, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(
       const TrainedScene scene,
       TrainScene(dataset, options, flags.output_path, flags.quiet, stop));
-  if (scene.calibration) {
-    std::fputs(CalibrationText(*scene.calibration).c_str(), stdout);
-  }
   const ModelInfo& info = scene.info;
   std::printf(
       "%s: %d trees, %d leaves, %.1f MB, from %d frames in %.1f s (peak "

@@ -152,9 +152,10 @@ class SceneTrainer {
     }
     CalibratorOptions calibrator;
     calibrator.threads = options_.forest.threads;
-    TL_ASSIGN_OR_RETURN(scene_.calibration,
+    TL_ASSIGN_OR_RETURN(const CalibrationReport report,
                         CalibrateRgbd(dataset_, calibrator, quiet_, stop_));
-    calibration_ = scene_.calibration->calibration;
+    if (options_.on_calibrated) options_.on_calibrated(report);
+    calibration_ = report.calibration;
     return absl::OkStatus();
   }
 

@@ -2,6 +2,7 @@
 #ifndef SERVER_CORE_TRAINING_SCENE_TRAINER_H_
 #define SERVER_CORE_TRAINING_SCENE_TRAINER_H_
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -31,6 +32,8 @@ struct SceneTrainingOptions {
   std::string method = "rgbd";
   // How depth and colour fit together: nullopt estimates it from the frames.
   std::optional<RgbdCalibration> calibration;
+  // Called with the estimate before learning begins; may be empty.
+  std::function<void(const CalibrationReport&)> on_calibrated;
   TrainingOptions forest;
   // A model of the same method whose trees are kept and whose leaves are
   // refilled; empty: trees are grown. kAdapt: the model is of another scene;
@@ -49,8 +52,6 @@ struct SceneTrainingOptions {
 
 struct TrainedScene {
   ModelInfo info;  // as read back from the file
-  // Present if the calibration was estimated.
-  std::optional<CalibrationReport> calibration;
 };
 
 // Trains `dataset` with a method and writes the model to output_path,
