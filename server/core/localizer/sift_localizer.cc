@@ -28,9 +28,9 @@ constexpr double kMatchRatio = 0.85;
 constexpr double kSamePlace = 0.02;
 // With fewer matches there is nothing to say.
 constexpr int kMinMatches = 8;
-// An answer needs this many inliers, and this share of the matches.
+// An answer needs this many inliers.
 constexpr int kMinInliers = 12;
-constexpr double kMinInlierRatio = 0.1;
+constexpr int kFewMatches = 30;
 // ... and a position that they determine this well, in viewing distances.
 constexpr double kMaxPositionSigma = 0.05;
 
@@ -131,14 +131,23 @@ absl::Status SiftLocalizer::Solve(const Matches& matches, const Camera& camera,
         static_cast<double>(refined->inliers) / estimate.samples;
     estimate.world_from_camera = refined->world_from_camera;
     estimate.covariance = refined->covariance;
-    if (estimate.inliers >= kMinInliers &&
-        estimate.inlier_ratio >= kMinInlierRatio) {
-      const bool determined = PositionSigma_m(refined->covariance) <=
-                              kMaxPositionSigma * info().viewing_distance;
-      estimate.reason = determined ? NotLocalizedReason::kNone
-                                   : NotLocalizedReason::kPoorlyConstrained;
-      estimate.outcome =
-          determined ? Outcome::kLocalized : Outcome::kNotLocalized;
+    // A share of few matches means little.
+    estimate.evidence.inlier_ratio = static_cast<double>(refined->inliers) /
+                                     (estimate.samples + kFewMatches);
+    const ConfidenceModel confidence =
+        info().confidence.value_or(ConfidenceModel::WithoutKeyframes());
+    estimate.confidence = confidence.Probability(estimate.evidence);
+    if (estimate.inliers >= kMinInliers) {
+      const bool is_determined = PositionSigma_m(refined->covariance) <=
+                                 kMaxPositionSigma * info().viewing_distance;
+      if (!is_determined) {
+        estimate.reason = NotLocalizedReason::kPoorlyConstrained;
+      } else if (estimate.confidence < confidence.threshold) {
+        estimate.reason = NotLocalizedReason::kLowConfidence;
+      } else {
+        estimate.reason = NotLocalizedReason::kNone;
+        estimate.outcome = Outcome::kLocalized;
+      }
     }
   }
   if (!options.keep_correspondences) return absl::OkStatus();

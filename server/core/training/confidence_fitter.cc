@@ -1,11 +1,16 @@
 #include "server/core/training/confidence_fitter.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <memory>
 #include <utility>
 
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
+#include "absl/strings/str_cat.h"
 #include "common/base/parallel_for.h"
 #include "common/base/progress.h"
 #include "common/base/random.h"
@@ -131,6 +136,29 @@ Frame Blurred(const Frame& frame) {
   return out;
 }
 
+// Removes a file when it goes out of scope.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(std::string path) : path_(std::move(path)) {}
+  ~TemporaryFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  const std::string path_;
+};
+
+bool HaveSameSizes(const Frame& a, const Frame& b) {
+  return a.color.width == b.color.width && a.color.height == b.color.height &&
+         a.depth.has_value() == b.depth.has_value() &&
+         (!a.depth || (a.depth->width == b.depth->width &&
+                       a.depth->height == b.depth->height));
+}
+
 // The trials of one frame; `other` covers it.
 class FrameTrials {
  public:
@@ -142,7 +170,8 @@ class FrameTrials {
         random_(options.seed, kTrialStream + seed) {}
 
   absl::Status Run(const Frame& frame, const Frame& other) {
-    const Frame cover = Mirrored(other);
+    // Pictures of other sizes do not fit over it.
+    const Frame cover = Mirrored(HaveSameSizes(frame, other) ? other : frame);
     TL_RETURN_IF_ERROR(Try(frame, true));
     for (const double size : kWindows) {
       const double left = random_.NextUniform(0, 1 - size);
@@ -323,6 +352,20 @@ absl::StatusOr<std::vector<ConfidenceTrial>> RunConfidenceTrials(
     trials.insert(trials.end(), result->begin(), result->end());
   }
   return trials;
+}
+
+absl::StatusOr<ConfidenceModel> LearnConfidence(
+    const std::function<absl::Status(const std::string&)>& write_model,
+    const std::string& path, const Dataset& held_out,
+    const ConfidenceOptions& options, bool quiet, const std::stop_token& stop) {
+  const TemporaryFile file(absl::StrCat(path, ".trial-", getpid()));
+  TL_RETURN_IF_ERROR(write_model(file.path()));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<Localizer> localizer,
+                      OpenLocalizer(file.path()));
+  TL_ASSIGN_OR_RETURN(
+      const std::vector<ConfidenceTrial> trials,
+      RunConfidenceTrials(*localizer, held_out, options, quiet, stop));
+  return FitConfidence(trials, ConfidenceModel::Typical());
 }
 
 }  // namespace treeline

@@ -2,8 +2,10 @@
 #ifndef SERVER_CORE_TRAINING_CONFIDENCE_FITTER_H_
 #define SERVER_CORE_TRAINING_CONFIDENCE_FITTER_H_
 
+#include <functional>
 #include <span>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -44,6 +46,14 @@ struct ConfidenceOptions {
 // `stop`, and whatever reading a frame gives.
 absl::StatusOr<std::vector<ConfidenceTrial>> RunConfidenceTrials(
     const Localizer& localizer, const Dataset& held_out,
+    const ConfidenceOptions& options, bool quiet, const std::stop_token& stop);
+
+// Writes a model beside `path`, runs the trials on it, removes it again, and
+// fits a confidence to their outcomes. Errors of write_model and
+// RunConfidenceTrials.
+absl::StatusOr<ConfidenceModel> LearnConfidence(
+    const std::function<absl::Status(const std::string&)>& write_model,
+    const std::string& path, const Dataset& held_out,
     const ConfidenceOptions& options, bool quiet, const std::stop_token& stop);
 
 // Parts a recording in blocks to learn from and blocks to test the result on,

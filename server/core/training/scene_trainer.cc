@@ -1,9 +1,6 @@
 #include "server/core/training/scene_trainer.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -12,7 +9,6 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/model_file.h"
-#include "server/core/localizer/localizer.h"
 #include "server/core/training/confidence_fitter.h"
 #include "server/core/training/forest_refiller.h"
 #include "server/core/training/forest_trainer.h"
@@ -76,22 +72,6 @@ absl::string_view BytesOf(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()),
           values.size() * sizeof(T)};
 }
-
-// Removes a file when it goes out of scope.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(std::string path) : path_(std::move(path)) {}
-  ~TemporaryFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  const std::string path_;
-};
 
 class SceneTrainer {
  public:
@@ -261,17 +241,14 @@ class SceneTrainer {
 
   absl::Status FitConfidenceOn(const Learned& learned,
                                const Dataset& held_out) {
-    const TemporaryFile file(absl::StrCat(output_path_, ".trial-", getpid()));
-    TL_RETURN_IF_ERROR(Write(learned, file.path()));
-    TL_ASSIGN_OR_RETURN(const std::unique_ptr<Localizer> localizer,
-                        OpenLocalizer(file.path()));
     ConfidenceOptions confidence;
     confidence.seed = options_.forest.seed;
     confidence.threads = options_.forest.threads;
     TL_ASSIGN_OR_RETURN(
-        const std::vector<ConfidenceTrial> trials,
-        RunConfidenceTrials(*localizer, held_out, confidence, quiet_, stop_));
-    info_.confidence = FitConfidence(trials, ConfidenceModel::Typical());
+        info_.confidence,
+        LearnConfidence(
+            [&](const std::string& path) { return Write(learned, path); },
+            output_path_, held_out, confidence, quiet_, stop_));
     return absl::OkStatus();
   }
 

@@ -1,14 +1,33 @@
 #include "server/core/training/sift_scene_trainer.h"
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "common/base/clock.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/model_file.h"
+#include "server/core/training/confidence_fitter.h"
 #include "server/core/training/sift_trainer.h"
 
 namespace treeline {
+namespace {
+
+// What confidence is the probability of: an error below this share of the
+// viewing distance, and this angle.
+constexpr double kRightPosition = 0.01;
+constexpr double kRightRotation_rad = 0.017453292519943295;
+
+std::vector<int> FramesWithPoses(const Dataset& dataset) {
+  std::vector<int> frames;
+  for (int i = 0; i < dataset.size(); ++i) {
+    if (dataset.frame(i).world_from_camera) frames.push_back(i);
+  }
+  return frames;
+}
+
+}  // namespace
 
 absl::StatusOr<TrainedScene> TrainSiftScene(const Dataset& dataset,
                                             const SceneTrainingOptions& options,
@@ -24,8 +43,6 @@ absl::StatusOr<TrainedScene> TrainSiftScene(const Dataset& dataset,
   TL_RETURN_IF_ERROR(CheckWritable(output_path));
   const SteadyClock clock;
   const MonotonicTime start = clock.Now();
-  TL_ASSIGN_OR_RETURN(const TrainedSiftForest trained,
-                      TrainSiftForest(dataset, sift, quiet, stop));
   TrainedScene scene;
   ModelInfo& info = scene.info;
   info.method = options.method;
@@ -36,6 +53,29 @@ absl::StatusOr<TrainedScene> TrainSiftScene(const Dataset& dataset,
   info.options = options.recorded_options;
   info.calibration = dataset.calibration();
   info.units_are_metres = dataset.units_are_metres();
+  const HeldOutSplit split = SplitForConfidence(FramesWithPoses(dataset));
+  if (!split.held_out.empty()) {
+    // Learn from a part and see how the rest is answered; then learn it all.
+    TL_ASSIGN_OR_RETURN(
+        const TrainedSiftForest part,
+        TrainSiftForest(dataset.Subset(split.train), sift, quiet, stop));
+    info.viewing_distance = part.viewing_distance;
+    ConfidenceOptions confidence;
+    confidence.seed = sift.seed;
+    confidence.threads = sift.threads;
+    confidence.translation_m = kRightPosition * part.viewing_distance;
+    confidence.rotation_rad = kRightRotation_rad;
+    TL_ASSIGN_OR_RETURN(
+        info.confidence,
+        LearnConfidence(
+            [&](const std::string& path) {
+              return WriteModel(path, info, {part.forest.View()});
+            },
+            output_path, dataset.Subset(split.held_out), confidence, quiet,
+            stop));
+  }
+  TL_ASSIGN_OR_RETURN(const TrainedSiftForest trained,
+                      TrainSiftForest(dataset, sift, quiet, stop));
   info.viewing_distance = trained.viewing_distance;
   info.training_frames = trained.images;
   info.training_samples = trained.samples;
