@@ -74,7 +74,7 @@ Command AddCalibrateCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--quiet", flags->quiet, "Show no progress");
   return {command, [flags](const std::stop_token& stop) {
-            return Calibrate(*flags, std::move(stop));
+            return Calibrate(*flags, stop);
           }};
 }
 
