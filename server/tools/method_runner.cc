@@ -200,6 +200,7 @@ absl::Status MethodRunner::AddDetails(const Localizer& localizer,
     method.splits = SplitRatios(model->forest());
     QueryOptions dense = QueriesFor(spec, flags_.query);
     dense.samples = kHeatMapSamples;
+    dense.first_samples = kHeatMapSamples;
     TL_ASSIGN_OR_RETURN(const std::unique_ptr<Localizer> dense_localizer,
                         OpenLocalizer(method.model_path, dense));
     method.heat_maps = TakeHeatMaps(*dense_localizer, dataset_,
