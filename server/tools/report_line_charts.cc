@@ -64,9 +64,13 @@ std::string ValuesPath(const Plot& plot, const CurveValues& curve) {
   const size_t stride = std::max<size_t>(1, count / kCurveSteps);
   for (size_t i = stride - 1; i < count; i += stride) {
     // Few values make steps, many a line.
-    absl::StrAppendFormat(&path, stride == 1 ? "H%.1fV%.1f" : "L%.1f %.1f",
-                          plot.X(curve.values[i]),
-                          plot.Y(static_cast<double>(i + 1) / total));
+    const double x = plot.X(curve.values[i]);
+    const double y = plot.Y(static_cast<double>(i + 1) / total);
+    if (stride == 1) {
+      absl::StrAppendFormat(&path, "H%.1fV%.1f", x, y);
+    } else {
+      absl::StrAppendFormat(&path, "L%.1f %.1f", x, y);
+    }
   }
   absl::StrAppendFormat(&path, "L%.1f %.1f", plot.X(plot.x_max),
                         plot.Y(static_cast<double>(count) / total));

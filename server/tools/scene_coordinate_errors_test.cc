@@ -10,7 +10,6 @@
 namespace treeline {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 EvaluationOptions Quiet() {

@@ -80,7 +80,7 @@ absl::StatusOr<std::vector<int>> ParseValues(absl::string_view text) {
     }
   }
   std::ranges::sort(values);
-  values.erase(std::ranges::unique(values).begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
   return values;
 }
 
