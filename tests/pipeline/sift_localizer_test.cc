@@ -189,7 +189,7 @@ class SiftLocalizerTest : public ::testing::Test {
   static Corner* corner_;
   static Dataset* dataset_;
   static Localizer* localizer_;
-  const SteadyClock clock_;
+  const SteadyClock clock_{};
 };
 
 std::string* SiftLocalizerTest::folder_ = nullptr;
