@@ -191,6 +191,7 @@ absl::Status WriteModel(const std::string& path, const ModelInfo& info,
   std::memcpy(file.data() + sizeof(Header), table.data(),
               table.size() * sizeof(Section));
   for (size_t i = 0; i < table.size(); ++i) {
+    if (contents[i].empty()) continue;  // of which there may be no address
     std::memcpy(file.data() + table[i].offset, contents[i].data(),
                 contents[i].size());
   }
