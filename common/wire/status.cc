@@ -1,6 +1,13 @@
 #include "common/wire/status.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <iterator>
 #include <string>
+#include <utility>
+
+#include "common/base/error_info.h"
 
 namespace treeline {
 namespace {
@@ -34,26 +41,97 @@ constexpr CodePair kCodes[] = {
     {absl::StatusCode::kUnauthenticated, grpc::StatusCode::UNAUTHENTICATED},
 };
 
+constexpr char kDomain[] = "treeline";
+
+grpc::StatusCode GrpcCode(absl::StatusCode code) {
+  const auto* pair = std::find_if(
+      std::begin(kCodes), std::end(kCodes),
+      [&](const CodePair& candidate) { return candidate.absl_code == code; });
+  return pair == std::end(kCodes) ? grpc::StatusCode::UNKNOWN : pair->grpc_code;
+}
+
+absl::StatusCode AbslCode(grpc::StatusCode code) {
+  const auto* pair = std::find_if(
+      std::begin(kCodes), std::end(kCodes),
+      [&](const CodePair& candidate) { return candidate.grpc_code == code; });
+  return pair == std::end(kCodes) ? absl::StatusCode::kUnknown
+                                  : pair->absl_code;
+}
+
+void AddDetails(const absl::Status& status, google::rpc::Status& proto) {
+  const ErrorInfo info = ErrorInfoOf(status);
+  if (!info.reason.empty()) {
+    google::rpc::ErrorInfo detail;
+    detail.set_reason(info.reason);
+    detail.set_domain(kDomain);
+    detail.mutable_metadata()->insert(info.metadata.begin(),
+                                      info.metadata.end());
+    proto.add_details()->PackFrom(detail);
+  }
+  if (const auto retry_after = RetryAfterOf(status)) {
+    google::rpc::RetryInfo detail;
+    const int64_t milliseconds = retry_after->count();
+    detail.mutable_retry_delay()->set_seconds(milliseconds / 1000);
+    detail.mutable_retry_delay()->set_nanos(
+        static_cast<int32_t>(milliseconds % 1000) * 1'000'000);
+    proto.add_details()->PackFrom(detail);
+  }
+}
+
+absl::Status WithDetails(absl::Status status, const google::rpc::Status& proto) {
+  for (const google::protobuf::Any& any : proto.details()) {
+    google::rpc::ErrorInfo info;
+    google::rpc::RetryInfo retry;
+    if (any.UnpackTo(&info) && info.domain() == kDomain) {
+      status = WithReason(std::move(status), info.reason(),
+                          {info.metadata().begin(), info.metadata().end()});
+    } else if (any.UnpackTo(&retry)) {
+      status = WithRetryAfter(
+          std::move(status),
+          std::chrono::milliseconds(retry.retry_delay().seconds() * 1000 +
+                                    retry.retry_delay().nanos() / 1'000'000));
+    }
+  }
+  return status;
+}
+
 }  // namespace
+
+google::rpc::Status ToProto(const absl::Status& status) {
+  google::rpc::Status proto;
+  if (status.ok()) return proto;
+  const absl::string_view message =
+      status.message().substr(0, kMaxStatusMessageBytes);
+  proto.set_code(GrpcCode(status.code()));
+  proto.set_message(message.data(), message.size());
+  AddDetails(status, proto);
+  return proto;
+}
 
 grpc::Status ToGrpc(const absl::Status& status) {
   if (status.ok()) return grpc::Status::OK;
-  grpc::StatusCode code = grpc::StatusCode::UNKNOWN;
-  for (const CodePair& pair : kCodes) {
-    if (pair.absl_code == status.code()) code = pair.grpc_code;
-  }
-  const absl::string_view message =
-      status.message().substr(0, kMaxStatusMessageBytes);
-  return grpc::Status(code, std::string(message.data(), message.size()));
+  const google::rpc::Status proto = ToProto(status);
+  return grpc::Status(
+      GrpcCode(status.code()), proto.message(),
+      proto.details().empty() ? "" : proto.SerializeAsString());
+}
+
+absl::Status FromProto(const google::rpc::Status& status) {
+  if (status.code() == 0) return absl::OkStatus();
+  return WithDetails(
+      absl::Status(AbslCode(static_cast<grpc::StatusCode>(status.code())),
+                   status.message()),
+      status);
 }
 
 absl::Status FromGrpc(const grpc::Status& status) {
   if (status.ok()) return absl::OkStatus();
-  absl::StatusCode code = absl::StatusCode::kUnknown;
-  for (const CodePair& pair : kCodes) {
-    if (pair.grpc_code == status.error_code()) code = pair.absl_code;
-  }
-  return absl::Status(code, status.error_message());
+  google::rpc::Status details;
+  // Of a foreign peer they may be anything.
+  if (!details.ParseFromString(status.error_details())) details.Clear();
+  return WithDetails(
+      absl::Status(AbslCode(status.error_code()), status.error_message()),
+      details);
 }
 
 }  // namespace treeline

@@ -1,7 +1,9 @@
 #include "common/wire/status.h"
 
+#include <chrono>
 #include <string>
 
+#include "common/base/error_info.h"
 #include "gtest/gtest.h"
 
 namespace treeline {
@@ -63,6 +65,27 @@ TEST(Status, LongMessagesAreCutToWhatTrailersCarry) {
   EXPECT_EQ(
       ToGrpc(absl::InvalidArgumentError(long_message)).error_message().size(),
       kMaxStatusMessageBytes);
+}
+
+TEST(Status, ReasonAndRetryTimeTravelAsDetails) {
+  const absl::Status status = WithRetryAfter(
+      WithReason(absl::UnavailableError("the queue is full"), "QUEUE_FULL",
+                 {{"queue", "64"}}),
+      std::chrono::milliseconds(1250));
+  for (const absl::Status& back :
+       {FromGrpc(ToGrpc(status)), FromProto(ToProto(status))}) {
+    EXPECT_EQ(back.code(), absl::StatusCode::kUnavailable);
+    EXPECT_EQ(back.message(), "the queue is full");
+    EXPECT_EQ(ErrorInfoOf(back).reason, "QUEUE_FULL");
+    EXPECT_EQ(ErrorInfoOf(back).metadata.at("queue"), "64");
+    EXPECT_EQ(RetryAfterOf(back), std::chrono::milliseconds(1250));
+  }
+}
+
+TEST(Status, ForeignDetailsArePassedOver) {
+  const grpc::Status status(grpc::UNAVAILABLE, "x", "not a message");
+  EXPECT_EQ(FromGrpc(status).code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(ErrorInfoOf(FromGrpc(status)).reason, "");
 }
 
 }  // namespace

@@ -1,0 +1,49 @@
+// Where models come from: a folder, or a web server.
+#ifndef SERVER_REPOSITORY_MODEL_SOURCE_H_
+#define SERVER_REPOSITORY_MODEL_SOURCE_H_
+
+#include <cstdint>
+#include <map>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace treeline {
+
+// One version of one scene's model, not read yet.
+struct ModelRef {
+  std::string scene;
+  std::string version;
+  uint64_t bytes = 0;
+  // Another one means another file under the same name: the time of its last
+  // change and its size, or its digest.
+  std::string fingerprint;
+};
+
+// What a source has at one moment.
+struct SourceListing {
+  std::vector<ModelRef> models;
+  // Of the scenes that have one: the text of their scene.json.
+  std::map<std::string, std::string> scene_json;
+};
+
+// Thread-safe.
+class ModelSource {
+ public:
+  virtual ~ModelSource() = default;
+
+  // Every valid name (see names.h) that holds a model now. NOT_FOUND,
+  // PERMISSION_DENIED, UNAVAILABLE name the source and the reason.
+  virtual absl::StatusOr<SourceListing> List() = 0;
+
+  // The path of the model's file on this machine; gets it first if it must.
+  // Blocks. DATA_LOSS: what came is not what was promised. CANCELLED.
+  virtual absl::StatusOr<std::string> Fetch(const ModelRef& model,
+                                            const std::stop_token& stop) = 0;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_REPOSITORY_MODEL_SOURCE_H_

@@ -1,0 +1,47 @@
+// Who may call what, and how often.
+#ifndef SERVER_SERVICE_ACCESS_POLICY_H_
+#define SERVER_SERVICE_ACCESS_POLICY_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "server/service/call.h"
+
+namespace treeline {
+
+// What a call needs to be allowed to do.
+enum class Scope { kLocalize, kAdmin };
+
+// Who calls.
+struct Client {
+  // Stable for one client: the subject of its token, the name in its
+  // certificate, or the address of an anonymous one without its port. The queue
+  // is shared fairly between these.
+  std::string id;
+};
+
+class AccessPolicy {
+ public:
+  virtual ~AccessPolicy() = default;
+
+  // Asked once for each call, before anything is decoded; counts it against the
+  // client's rate. Thread-safe; quick.
+  //   UNAUTHENTICATED     TOKEN_MISSING, TOKEN_INVALID, TOKEN_EXPIRED
+  //   PERMISSION_DENIED   SCOPE_MISSING, ADMIN_LISTENER_ONLY
+  //   RESOURCE_EXHAUSTED  RATE_LIMITED, with the time to try again
+  virtual absl::StatusOr<Client> Admit(const CallInfo& call, Scope scope) = 0;
+};
+
+// Without tokens: everyone may localize, and administer through the admin
+// listener.
+class OpenAccess final : public AccessPolicy {
+ public:
+  absl::StatusOr<Client> Admit(const CallInfo& call, Scope scope) override;
+};
+
+// "ipv4:10.0.0.7:41234" -> "ipv4:10.0.0.7".
+std::string PeerWithoutPort(const std::string& peer);
+
+}  // namespace treeline
+
+#endif  // SERVER_SERVICE_ACCESS_POLICY_H_
