@@ -136,7 +136,7 @@ int RunLocalize(const LocalizeFlags& flags, const std::stop_token& stop) {
                  "--help explains\n");
     return kExitUsage;
   }
-  const auto client = ConnectRelocalizer({.server = flags.connection.server});
+  const auto client = ConnectRelocalizer(ConnectOptionsOf(flags.connection));
   if (!client.ok()) {
     return ReportFailure(client.status(), flags.connection, stop);
   }

@@ -36,7 +36,7 @@ absl::StatusOr<std::vector<SceneDescription>> Ask(Relocalizer& client,
 }
 
 int RunScenes(const ScenesFlags& flags, const std::stop_token& stop) {
-  const auto client = ConnectRelocalizer({.server = flags.connection.server});
+  const auto client = ConnectRelocalizer(ConnectOptionsOf(flags.connection));
   if (!client.ok()) {
     return ReportFailure(client.status(), flags.connection, stop);
   }
