@@ -51,7 +51,7 @@ absl::Status GrpcServerOptions::Validate() const {
 
 // Destroyed from the last to the first: the server before what it calls.
 struct GrpcServer::Parts {
-  Parts(const SceneRepository& repository, const GrpcServerOptions& options,
+  Parts(SceneRepository& repository, const GrpcServerOptions& options,
         CallObserver& observer, const Clock& clock)
       : localize(repository, options.decode_limits, clock),
         workers(options.workers > 0 ? options.workers : HardwareThreads(),
@@ -73,7 +73,7 @@ GrpcServer::GrpcServer(std::unique_ptr<Parts> parts)
 GrpcServer::~GrpcServer() { Stop(std::chrono::milliseconds(0)); }
 
 absl::StatusOr<std::unique_ptr<GrpcServer>> GrpcServer::Start(
-    const SceneRepository& repository, const GrpcServerOptions& options,
+    SceneRepository& repository, const GrpcServerOptions& options,
     CallObserver& observer, const Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_ASSIGN_OR_RETURN(ListenAddress address,

@@ -40,7 +40,7 @@ class GrpcServer {
   // INVALID_ARGUMENT: options. UNAVAILABLE: the address cannot be bound, with
   // the system's reason. All references must outlive the server.
   static absl::StatusOr<std::unique_ptr<GrpcServer>> Start(
-      const SceneRepository& repository, const GrpcServerOptions& options,
+      SceneRepository& repository, const GrpcServerOptions& options,
       CallObserver& observer, const Clock& clock);
   // Stops without waiting for calls in flight: they are cancelled.
   ~GrpcServer();

@@ -25,7 +25,7 @@ struct CallContext {
 
 class LocalizeRpc {
  public:
-  LocalizeRpc(const SceneRepository& repository, const DecodeLimits& limits,
+  LocalizeRpc(SceneRepository& repository, const DecodeLimits& limits,
               const Clock& clock)
       : repository_(repository), limits_(limits), clock_(clock) {}
 
@@ -38,7 +38,7 @@ class LocalizeRpc {
       CallRecord& record) const;
 
  private:
-  const SceneRepository& repository_;
+  SceneRepository& repository_;
   const DecodeLimits limits_;
   const Clock& clock_;
 };
