@@ -18,6 +18,7 @@
 #include "common/base/version.h"
 #include "server/app/call_log.h"
 #include "server/core/localizer/localizer.h"
+#include "server/repository/folder_source.h"
 #include "server/repository/scene_repository.h"
 #include "server/service/access_policy.h"
 #include "server/service/grpc_server.h"
@@ -138,7 +139,7 @@ void LogScenes(const SceneRepository& repository, const std::string& models) {
       if (version.state == SceneState::kReady) {
         spdlog::info("scene={} version={} state=READY", scene.name,
                      version.version);
-      } else {
+      } else if (version.state == SceneState::kFailed) {
         spdlog::warn("scene={} version={} state=FAILED reason=\"{}\"",
                      scene.name, version.version, version.failure.ToString());
       }
@@ -169,13 +170,15 @@ int Serve(const Flags& flags, const std::stop_token& stop) {
     if (!valid.ok()) return Fail(valid);
   }
   const auto repository = SceneRepository::Open(
-      flags.models,
-      [](const std::string& path) { return OpenLocalizer(path); });
+      std::make_unique<FolderSource>(flags.models),
+      [](const std::string& path) { return OpenLocalizer(path); },
+      {.load_all_at_start = true}, clock);
   if (!repository.ok()) {
     std::fprintf(stderr, "treeline-server: --models: %s\n",
                  std::string(repository.status().message()).c_str());
     return kFailed;
   }
+  if (!(*repository)->WaitForLoads(stop).ok()) return kOk;
   LogScenes(**repository, flags.models);
   CallLog call_log(spdlog::default_logger(), clock);
   OpenAccess access;

@@ -69,9 +69,13 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Handle(
 
   TL_ASSIGN_OR_RETURN(const std::optional<PosePrior> prior,
                       PriorFrom(request.options()));
-  const RgbdCalibration& calibration = scene.localizer->info().calibration;
-  TL_ASSIGN_OR_RETURN(const Frame frame, FromProto(request.frame(), calibration,
-                                                   limits_, "frame"));
+  const RgbdCalibration calibration = QueryCalibration(scene);
+  TL_ASSIGN_OR_RETURN(
+      Frame frame, FromProto(request.frame(), calibration, limits_, "frame"));
+  // The localizer itself only knows the model's.
+  if (!frame.calibration && HasOwnCamera(scene)) {
+    frame.calibration = calibration;
+  }
   const MonotonicTime decoded = clock_.Now();
   record.timings.decode_ms = MillisecondsBetween(start, decoded);
   TL_RETURN_IF_ERROR(CheckWanted(call, decoded, "while decoding"));

@@ -389,14 +389,48 @@ void ServiceDispatcher::GetScene(CallInfo call,
       });
 }
 
-void ServiceDispatcher::LoadScene(CallInfo, const v1::LoadSceneRequest&,
+void ServiceDispatcher::LoadScene(CallInfo call,
+                                  const v1::LoadSceneRequest& request,
                                   Done<v1::LoadSceneResponse> done) {
-  done(absl::UnimplementedError("TEMPORARY"));
+  CallRecord record;
+  record.scene = request.scene().substr(0, kLongestName);
+  const absl::StatusOr<Client> client = access_.Admit(call, Scope::kAdmin);
+  if (!client.ok()) {
+    done(Report(call, client.status(), record));
+    return;
+  }
+  record.client = client->id;
+  // Nobody can take the load back; who cancels only does not learn of its end.
+  CallBegins();
+  repository_.Load(
+      request.scene(), request.model_version(),
+      [this, call = std::move(call), record = std::move(record),
+       done = std::move(done)](absl::StatusOr<SceneStatus> scene) mutable {
+        const absl::Status status = Report(call, scene.status(), record);
+        if (status.ok()) {
+          v1::LoadSceneResponse response;
+          *response.mutable_scene() = ToProto(*scene);
+          done(std::move(response));
+        } else {
+          done(status);
+        }
+        CallEnds();
+      });
 }
 
-void ServiceDispatcher::UnloadScene(CallInfo, const v1::UnloadSceneRequest&,
+void ServiceDispatcher::UnloadScene(CallInfo call,
+                                    const v1::UnloadSceneRequest& request,
                                     Done<v1::UnloadSceneResponse> done) {
-  done(absl::UnimplementedError("TEMPORARY"));
+  AnswerNow<v1::UnloadSceneResponse>(
+      call, request.scene(), Scope::kAdmin, done,
+      [&]() -> absl::StatusOr<v1::UnloadSceneResponse> {
+        TL_ASSIGN_OR_RETURN(
+            const SceneStatus status,
+            repository_.Unload(request.scene(), request.model_version()));
+        v1::UnloadSceneResponse response;
+        *response.mutable_scene() = ToProto(status);
+        return response;
+      });
 }
 
 Load ServiceDispatcher::load() const {
