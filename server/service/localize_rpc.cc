@@ -65,7 +65,10 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Handle(
   const MonotonicTime start = clock_.Now();
   record.timings.queue_ms = MillisecondsBetween(call.arrival, start);
   record.model_version = scene.version;
-  TL_RETURN_IF_ERROR(CheckWanted(call, start, "in the queue"));
+  record.method = scene.localizer->info().method;
+  const absl::Status wanted = CheckWanted(call, start, "in the queue");
+  record.shed = absl::IsDeadlineExceeded(wanted);
+  TL_RETURN_IF_ERROR(wanted);
 
   TL_ASSIGN_OR_RETURN(const std::optional<PosePrior> prior,
                       PriorFrom(request.options()));
@@ -99,6 +102,7 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Handle(
   record.reason = estimate->reason;
   record.inliers = estimate->inliers;
   record.samples = estimate->samples;
+  record.confidence = estimate->confidence;
   record.timings.localize = estimate->timings;
 
   v1::LocalizeResponse response = ToProto(*estimate, calibration.pose_sensor);

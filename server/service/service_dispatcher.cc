@@ -15,6 +15,7 @@
 #include "common/base/status_macros.h"
 #include "server/repository/names.h"
 #include "server/service/convert.h"
+#include "server/service/trace_context.h"
 
 namespace treeline {
 namespace {
@@ -48,6 +49,13 @@ std::map<std::string, std::string> FieldOf(const absl::Status& status) {
     return {};
   }
   return {{"field", std::string(message.substr(0, end))}};
+}
+
+// Whether a call that no worker had begun was ended by too much work.
+bool IsShed(const absl::Status& status) {
+  const std::string reason = ErrorInfoOf(status).reason;
+  return reason == "QUEUE_FULL" || reason == "DEADLINE_UNREACHABLE" ||
+         absl::IsDeadlineExceeded(status);
 }
 
 // What ended a call before it could be answered.
@@ -87,6 +95,7 @@ class ServiceDispatcher::LocalizeCall final
     service_.CallBegins();
     client_stop_ = std::exchange(call_.stop, stop_.get_token());
     record_.scene = request.scene().substr(0, kLongestName);
+    record_.request_bytes = request.ByteSizeLong();
   }
   ~LocalizeCall() { service_.CallEnds(); }
 
@@ -262,6 +271,7 @@ void ServiceDispatcher::LocalizeCall::EndIfWaiting(const absl::Status& status) {
   if (counted_as_waiting_.exchange(false)) {
     service_.waiting_for_scene_.fetch_sub(1);
   }
+  record_.shed = IsShed(status);
   record_.timings.queue_ms =
       MillisecondsBetween(call_.arrival, service_.clock_.Now());
   End(status);
@@ -327,7 +337,7 @@ absl::Status ServiceDispatcher::Report(const CallInfo& call,
   record.rpc = call.rpc;
   record.transport = call.transport;
   record.peer = call.peer;
-  record.traceparent = call.traceparent;
+  record.trace = ParseTraceparent(call.traceparent);
   record.status =
       WithReason(status, ReasonOfCode(status.code()), FieldOf(status));
   record.timings.total_ms = MillisecondsBetween(call.arrival, clock_.Now());
@@ -340,6 +350,7 @@ void ServiceDispatcher::Reject(const CallInfo& call,
                                const absl::Status& status) {
   CallRecord record;
   record.scene = request.scene().substr(0, kLongestName);
+  record.shed = true;
   Report(call, status, record).IgnoreError();
 }
 
