@@ -23,8 +23,9 @@ struct ErrorInfo {
 
 // `status` with a reason; one that it had already stays, so the innermost one,
 // which knows most, wins. OK stays as it is.
-absl::Status WithReason(absl::Status status, absl::string_view reason,
-                        const std::map<std::string, std::string>& metadata = {});
+absl::Status WithReason(
+    absl::Status status, absl::string_view reason,
+    const std::map<std::string, std::string>& metadata = {});
 
 // `status` with the time after which trying again may help.
 absl::Status WithRetryAfter(absl::Status status,

@@ -78,7 +78,8 @@ void AddDetails(const absl::Status& status, google::rpc::Status& proto) {
   }
 }
 
-absl::Status WithDetails(absl::Status status, const google::rpc::Status& proto) {
+absl::Status WithDetails(absl::Status status,
+                         const google::rpc::Status& proto) {
   for (const google::protobuf::Any& any : proto.details()) {
     google::rpc::ErrorInfo info;
     google::rpc::RetryInfo retry;
@@ -111,9 +112,8 @@ google::rpc::Status ToProto(const absl::Status& status) {
 grpc::Status ToGrpc(const absl::Status& status) {
   if (status.ok()) return grpc::Status::OK;
   const google::rpc::Status proto = ToProto(status);
-  return grpc::Status(
-      GrpcCode(status.code()), proto.message(),
-      proto.details().empty() ? "" : proto.SerializeAsString());
+  return grpc::Status(GrpcCode(status.code()), proto.message(),
+                      proto.details().empty() ? "" : proto.SerializeAsString());
 }
 
 absl::Status FromProto(const google::rpc::Status& status) {

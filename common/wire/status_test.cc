@@ -68,10 +68,10 @@ TEST(Status, LongMessagesAreCutToWhatTrailersCarry) {
 }
 
 TEST(Status, ReasonAndRetryTimeTravelAsDetails) {
-  const absl::Status status = WithRetryAfter(
-      WithReason(absl::UnavailableError("the queue is full"), "QUEUE_FULL",
-                 {{"queue", "64"}}),
-      std::chrono::milliseconds(1250));
+  const absl::Status status =
+      WithRetryAfter(WithReason(absl::UnavailableError("the queue is full"),
+                                "QUEUE_FULL", {{"queue", "64"}}),
+                     std::chrono::milliseconds(1250));
   for (const absl::Status& back :
        {FromGrpc(ToGrpc(status)), FromProto(ToProto(status))}) {
     EXPECT_EQ(back.code(), absl::StatusCode::kUnavailable);

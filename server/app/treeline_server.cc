@@ -19,7 +19,9 @@
 #include "server/app/call_log.h"
 #include "server/core/localizer/localizer.h"
 #include "server/repository/scene_repository.h"
+#include "server/service/access_policy.h"
 #include "server/service/grpc_server.h"
+#include "server/service/service_dispatcher.h"
 
 namespace treeline {
 namespace {
@@ -59,6 +61,7 @@ Exit codes: 0 stopped as asked, 1 failed, 2 wrong usage.)";
 struct Flags {
   std::string models;
   GrpcServerOptions server;
+  DispatcherOptions dispatcher;
   double drain_s = 1;
   double grace_s = 10;
   std::string log_level = "info";
@@ -76,10 +79,10 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_flag("--insecure-any-address", server.insecure_any_address,
                "Allow addresses that other machines reach, although nothing "
                "is encrypted and nobody authenticated");
-  app.add_option("--workers", server.workers,
+  app.add_option("--workers", flags.dispatcher.workers,
                  "Queries computed at a time; 0: one per processor")
       ->capture_default_str();
-  app.add_option("--queue", server.queue,
+  app.add_option("--queue", flags.dispatcher.queue,
                  "Queries that may wait; more are turned away with UNAVAILABLE "
                  "and a time to retry")
       ->capture_default_str();
@@ -161,8 +164,9 @@ int Serve(const Flags& flags, const std::stop_token& stop) {
   StartLog(flags.log_level);
   const SteadyClock clock;
   // Before the models are read: they may take a while.
-  if (const absl::Status valid = flags.server.Validate(); !valid.ok()) {
-    return Fail(valid);
+  for (const absl::Status& valid :
+       {flags.server.Validate(), flags.dispatcher.Validate()}) {
+    if (!valid.ok()) return Fail(valid);
   }
   const auto repository = SceneRepository::Open(
       flags.models,
@@ -174,8 +178,11 @@ int Serve(const Flags& flags, const std::stop_token& stop) {
   }
   LogScenes(**repository, flags.models);
   CallLog call_log(spdlog::default_logger(), clock);
+  OpenAccess access;
+  ServiceDispatcher dispatcher(**repository, access, call_log, clock,
+                               flags.dispatcher);
   const auto server =
-      GrpcServer::Start(**repository, flags.server, call_log, clock);
+      GrpcServer::Start(dispatcher, **repository, flags.server, clock);
   if (!server.ok()) return Fail(server.status());
   std::printf("listening on %s\n", (*server)->address().c_str());
   std::fflush(stdout);

@@ -69,6 +69,12 @@ class SceneRepository {
   absl::StatusOr<std::shared_ptr<const Scene>> Acquire(
       const std::string& name, const std::string& version) const;
 
+  // TEMPORARY
+  void AcquireAsync(
+      const std::string& name, const std::string& version,
+      std::function<void(absl::StatusOr<std::shared_ptr<const Scene>>)> done) {
+    done(Acquire(name, version));
+  }
   // All scenes by name.
   std::vector<SceneStatus> List() const;
   // INVALID_ARGUMENT: not a name. NOT_FOUND: no such scene.

@@ -21,6 +21,12 @@ struct CallTimings {
 // One finished call. Holds nothing of the images.
 struct CallRecord {
   const char* rpc = "";
+  // "grpc" or "http".
+  const char* transport = "";
+  // Who called, by token, certificate or address; empty: not admitted.
+  std::string client;
+  // As the client sent it, not checked.
+  std::string traceparent;
   // "ipv4:127.0.0.1:41234", as gRPC names it.
   std::string peer;
   // As the client sent it, not checked: escape it before it is written
@@ -32,6 +38,8 @@ struct CallRecord {
   // What went wrong inside where `status` does not tell the client.
   std::string internal_error;
   // With an OK status of Localize.
+  double confidence = 0;
+  double inlier_ratio = 0;
   std::optional<Outcome> outcome;
   NotLocalizedReason reason = NotLocalizedReason::kNone;
   int inliers = 0;

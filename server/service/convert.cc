@@ -48,6 +48,8 @@ v1::NotLocalizedReason ToProto(NotLocalizedReason reason) {
       return v1::NOT_LOCALIZED_REASON_POORLY_CONSTRAINED;
     case NotLocalizedReason::kLowConfidence:
       return v1::NOT_LOCALIZED_REASON_LOW_CONFIDENCE;
+    case NotLocalizedReason::kContradictsPrior:
+      return v1::NOT_LOCALIZED_REASON_CONTRADICTS_PRIOR;
   }
   return v1::NOT_LOCALIZED_REASON_NONE;
 }

@@ -92,7 +92,7 @@ class FakeScenes {
     fs::remove_all(root);
   }
 
-  const SceneRepository& repository() const { return *repository_; }
+  SceneRepository& repository() const { return *repository_; }
 
  private:
   std::unique_ptr<SceneRepository> repository_;
