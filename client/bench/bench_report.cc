@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Measured to a microsecond; further digits are noise.
-double Rounded(double value) { return std::round(value * 1e3) * 1e-3; }
+double Rounded(double value) { return std::round(value * 1e3) / 1e3; }
 
 Json HistogramJson(const LatencyHistogram& histogram) {
   if (histogram.count() == 0) return nullptr;
@@ -73,12 +73,12 @@ Json CountsJson(const int64_t (&counts)[kCallKinds]) {
   return json;
 }
 
-Json IntervalsJson(const TallyState& tally) {
+Json IntervalsJson(const TallyState& tally, double interval_s) {
   Json intervals = Json::array();
-  for (size_t second = 0; second < tally.intervals.size(); ++second) {
-    const Interval& interval = tally.intervals[second];
+  for (size_t i = 0; i < tally.intervals.size(); ++i) {
+    const Interval& interval = tally.intervals[i];
     Json json = CountsJson(interval.counts);
-    json["at_s"] = second;
+    json["at_s"] = static_cast<double>(i) * interval_s;
     json["p50_ms"] = Rounded(interval.ok.Percentile_ms(50));
     json["p99_ms"] = Rounded(interval.ok.Percentile_ms(99));
     json["max_ms"] = Rounded(interval.ok.max_ms());
@@ -129,7 +129,7 @@ Json RunJson(const LoadRun& run) {
         {"not_sent", run.not_sent},
         {"send_lag_ms", HistogramJson(run.send_lag)},
         {"cpus", Rounded(run.generator_cpus)}}},
-      {"intervals", IntervalsJson(tally)}};
+      {"intervals", IntervalsJson(tally, options.interval_s)}};
   return json;
 }
 

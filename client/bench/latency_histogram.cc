@@ -62,7 +62,7 @@ double LatencyHistogram::mean_ms() const {
 double LatencyHistogram::Percentile_ms(double percent) const {
   if (count_ == 0) return 0;
   const double rank =
-      std::max(1.0, std::ceil(percent / 100 * static_cast<double>(count_)));
+      std::max(1.0, std::ceil(percent * static_cast<double>(count_) / 100));
   int64_t below = 0;
   for (size_t i = 0; i < buckets_.size(); ++i) {
     below += buckets_[i];

@@ -70,6 +70,7 @@ absl::Status LoadOptions::Validate() const {
   if (!(duration_s > 0)) return refuse("the duration must be positive");
   if (!(warm_up_s >= 0)) return refuse("the warm-up must not be negative");
   if (!(deadline_ms > 0)) return refuse("the deadline must be positive");
+  if (!(interval_s >= 0.01)) return refuse("intervals are too short");
   if (!(cancel_share >= 0 && cancel_share <= 1)) {
     return refuse("the share to cancel must be in [0, 1]");
   }
@@ -322,7 +323,7 @@ LoadRun LoadGenerator::Impl::Run(const LoadOptions& options,
   LoadRun run;
   run.options = options;
   options_ = options;
-  tally_.Reset();
+  tally_.Reset(options.interval_s);
   const double cpu_s = ProcessorSeconds();
   const MonotonicTime start = Now();
   measured_from_ = start + Seconds(options.warm_up_s);

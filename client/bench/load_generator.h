@@ -36,6 +36,8 @@ struct LoadOptions {
   double cancel_after_ms = 50;
   // Of arrivals and cancellations.
   uint64_t seed = 0;
+  // Length of the parts that the result is told in, too; at least 0.01.
+  double interval_s = 1;
   // Calls at a time in an open loop; more are not sent, and counted.
   int max_outstanding = 5000;
 

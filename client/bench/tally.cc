@@ -103,12 +103,13 @@ void Tally::Add(const CallResult& result) {
     state_.messages.try_emplace(key, result.status.message().data(),
                                 result.status.message().size());
   }
-  const size_t second = std::min(static_cast<size_t>(result.scheduled_s),
-                                 kMostIntervals - 1);
-  if (second >= state_.intervals.size()) state_.intervals.resize(second + 1);
-  ++state_.intervals[second].counts[kind];
+  const size_t at =
+      std::min(static_cast<size_t>(result.scheduled_s / interval_s_),
+               kMostIntervals - 1);
+  if (at >= state_.intervals.size()) state_.intervals.resize(at + 1);
+  ++state_.intervals[at].counts[kind];
   if (result.status.ok()) {
-    state_.intervals[second].ok.Add(result.latency_ms);
+    state_.intervals[at].ok.Add(result.latency_ms);
     AddAnswer(result);
   }
 }
@@ -136,9 +137,10 @@ Glance Tally::Look() const {
   return glance;
 }
 
-void Tally::Reset() {
+void Tally::Reset(double interval_s) {
   absl::MutexLock lock(&mutex_);
   state_ = {};
+  interval_s_ = interval_s;
 }
 
 std::map<OutcomeKey, int64_t> Tally::AllCalls() const {

@@ -69,7 +69,7 @@ struct Checks {
   int64_t wrong_poses = 0;
 };
 
-// One second of a run.
+// A part of a run.
 struct Interval {
   int64_t counts[kCallKinds] = {};
   LatencyHistogram ok;
@@ -107,11 +107,13 @@ class Tally {
   // Results of the warm-up count among all calls alone.
   void Add(const CallResult& result);
 
+  // Forgets what was measured. Intervals are this long from now on.
+  void Reset(double interval_s = 1);
+
   // Of what is measured, since the last Reset.
   TallyState State() const;
   // The same in short, and fast.
   Glance Look() const;
-  void Reset();
 
   // Every call there was, warm-up included, since the beginning.
   std::map<OutcomeKey, int64_t> AllCalls() const;
@@ -122,6 +124,7 @@ class Tally {
 
   mutable absl::Mutex mutex_;
   TallyState state_ ABSL_GUARDED_BY(mutex_);
+  double interval_s_ ABSL_GUARDED_BY(mutex_) = 1;
   std::map<OutcomeKey, int64_t> all_calls_ ABSL_GUARDED_BY(mutex_);
 };
 

@@ -71,6 +71,16 @@ TEST(Tally, SecondsAreThoseOfTheSchedule) {
   EXPECT_EQ(state.intervals[2].ok.max_ms(), 4000);
 }
 
+TEST(Tally, IntervalsMayBeLonger) {
+  Tally tally;
+  tally.Reset(5);
+  tally.Add({.scheduled_s = 4.9});
+  tally.Add({.scheduled_s = 5.1});
+  const TallyState state = tally.State();
+  ASSERT_EQ(state.intervals.size(), 2u);
+  EXPECT_EQ(state.intervals[1].counts[0], 1);
+}
+
 TEST(Tally, AnswersAreSplitAndChecked) {
   v1::LocalizeResponse response;
   response.set_outcome(v1::OUTCOME_LOCALIZED);

@@ -295,6 +295,9 @@ void AddLoadFlags(CLI::App& app, BenchFlags& flags) {
   app.add_option("--cancel-after-ms", load.cancel_after_ms,
                  "They are cancelled after 0 to this time")
       ->capture_default_str();
+  app.add_option("--interval-s", load.interval_s,
+                 "Length of the intervals in the JSON")
+      ->capture_default_str();
   app.add_flag("--no-reference", flags.no_reference,
                "Do not ask for every answer before the load");
   app.add_flag("--json", flags.json, "One JSON object");

@@ -59,6 +59,10 @@ void AddServerFlags(CLI::App& app, ConnectionFlags& flags) {
                  "File with a bearer token, read again when it changes; "
                  "without: the environment variable TREELINE_TOKEN")
       ->type_name("FILE");
+  app.add_option("--max-message-mib", flags.max_message_mib,
+                 "Largest request and answer, MiB")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
 }
 
 void AddConnectionFlags(CLI::App& app, ConnectionFlags& flags) {
@@ -73,6 +77,7 @@ ConnectOptions ConnectOptionsOf(const ConnectionFlags& flags) {
   const bool variable =
       flags.token_file.empty() && std::getenv(kTokenVariable) != nullptr;
   return {.server = flags.server,
+          .max_message_mib = flags.max_message_mib,
           .tls = flags.tls,
           .token_file = flags.token_file,
           .token_variable = variable ? kTokenVariable : ""};

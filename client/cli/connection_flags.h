@@ -18,10 +18,11 @@ struct ConnectionFlags {
   std::string server;
   TlsOptions tls;
   std::string token_file;
+  int max_message_mib = 32;
   double timeout_s = 10;
 };
 
-// --server, --tls-... and --token-file.
+// --server, --tls-..., --token-file and --max-message-mib.
 void AddServerFlags(CLI::App& app, ConnectionFlags& flags);
 // These, and --timeout-s.
 void AddConnectionFlags(CLI::App& app, ConnectionFlags& flags);
