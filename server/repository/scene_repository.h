@@ -100,9 +100,12 @@ class SceneRepository {
   // Returns when no load is queued or at work. CANCELLED: `stop` was requested.
   absl::Status WaitForLoads(const std::stop_token& stop = {});
 
-      const std::string& name, const std::string& version,
-      std::function<void(absl::StatusOr<std::shared_ptr<const Scene>>)> done) {
-    done(Acquire(name, version));
+  // Of each scene that the source has: the version that answers queries which
+  // name none, or would once it is loaded.
+  std::vector<ModelRef> Models() const;
+  // Where the source has a model on this machine: ModelSource::LocalPath.
+  absl::StatusOr<std::string> LocalPath(const ModelRef& model) const {
+    return source_->LocalPath(model);
   }
   // All scenes by name.
   std::vector<SceneStatus> List() const;
