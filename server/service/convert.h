@@ -5,6 +5,7 @@
 
 #include "server/core/forest/model_info.h"
 #include "server/core/localizer/localizer.h"
+#include "server/core/recognition/localize_among.h"
 #include "server/repository/scene.h"
 #include "server/service/call_observer.h"
 #include "treeline/v1/relocalization.pb.h"

@@ -62,10 +62,18 @@ bool IsShed(const absl::Status& status) {
 
 // Whether it says in one way which scene it may be.
 absl::Status CheckSceneChoice(const v1::LocalizeRequest& request) {
-  if (request.candidate_scenes().empty()) return absl::OkStatus();
-  if (!request.scene().empty() || !request.model_version().empty()) {
+  if (request.scene().empty() && request.options().has_prior()) {
     return absl::InvalidArgumentError(
-        "candidate_scenes: go with neither scene nor model_version");
+        "options.prior: is a pose in a scene, and no scene is named");
+  }
+  if (request.scene().empty() && !request.model_version().empty()) {
+    return absl::InvalidArgumentError(
+        "model_version: is of a scene, and no scene is named");
+  }
+  if (request.candidate_scenes().empty()) return absl::OkStatus();
+  if (!request.scene().empty()) {
+    return absl::InvalidArgumentError(
+        "candidate_scenes: are for requests that name no scene");
   }
   if (request.candidate_scenes_size() > kMostCandidateScenes) {
     return absl::InvalidArgumentError(
@@ -185,8 +193,7 @@ void ServiceDispatcher::LocalizeCall::Start() {
     return;
   }
   counted_as_waiting_ = true;
-  if (request_.scene().empty() &&
-      (request_.candidate_scenes_size() > 0 || request_.has_frame())) {
+  if (request_.scene().empty()) {
     // Which it is, is found out on a worker.
     UseScene(std::shared_ptr<const Scene>());
     return;

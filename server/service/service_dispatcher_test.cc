@@ -125,6 +125,45 @@ TEST_F(ServiceDispatcherTest, AbsurdOptionsAreRefusedBeforeTheyWait) {
   EXPECT_EQ(Ask(request).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
+TEST_F(ServiceDispatcherTest, ScenesAreTriedIfNoneIsNamed) {
+  v1::LocalizeRequest request = TestRequest("");
+  EXPECT_EQ(Ask(request).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(ErrorInfoOf(observer_.records()[0].status).reason,
+            "NO_SCENE_TO_RECOGNIZE");
+  // These have no descriptors, but are named.
+  request.add_candidate_scenes("broken");
+  request.add_candidate_scenes("kitchen");
+  const auto response = Ask(request);
+  ASSERT_TRUE(response.ok()) << response.status();
+  EXPECT_EQ(response->scene(), "kitchen");
+  EXPECT_EQ(response->outcome(), v1::OUTCOME_LOCALIZED);
+  ASSERT_EQ(response->candidates_size(), 2);
+  EXPECT_FALSE(response->candidates(0).tried());
+  EXPECT_TRUE(response->candidates(1).tried());
+  EXPECT_EQ(response->candidates(1).inliers(), 432);
+  EXPECT_EQ(observer_.records()[1].scene, "kitchen");
+  EXPECT_EQ(observer_.records()[1].model_version, "1");
+}
+
+TEST_F(ServiceDispatcherTest, CandidatesThatAllFailSayWhy) {
+  v1::LocalizeRequest request = TestRequest("");
+  request.add_candidate_scenes("attic");
+  EXPECT_EQ(Ask(request).status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(ServiceDispatcherTest, ContradictoryChoicesOfAScene) {
+  v1::LocalizeRequest request = TestRequest("kitchen");
+  request.add_candidate_scenes("kitchen");
+  EXPECT_EQ(Ask(request).status().code(), absl::StatusCode::kInvalidArgument);
+  request = TestRequest("");
+  request.add_candidate_scenes("../kitchen");
+  EXPECT_EQ(Ask(request).status().code(), absl::StatusCode::kInvalidArgument);
+  request = TestRequest("");
+  request.set_model_version("1");
+  EXPECT_EQ(Ask(request).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
 TEST_F(ServiceDispatcherTest, AFullQueueSaysWhenToTryAgain) {
   const auto working = Begin("gate");
   at_gate_.WaitForNotification();
