@@ -17,8 +17,12 @@ grpc_ssl_certificate_config_reload_status FetchCertificate(
   if (next == nullptr) return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_UNCHANGED;
   const grpc_ssl_pem_key_cert_pair pair = {next->key.c_str(),
                                            next->certificate.c_str()};
-  *config = grpc_ssl_server_certificate_config_create(
-      next->client_ca.empty() ? nullptr : next->client_ca.c_str(), &pair, 1);
+  // gRPC wants authorities even where no client is asked, and so they vouch for
+  // nobody: it aborts without (GPR_DEBUG_ASSERT, which Debian's build keeps).
+  const std::string& authorities =
+      next->client_ca.empty() ? next->certificate : next->client_ca;
+  *config = grpc_ssl_server_certificate_config_create(authorities.c_str(),
+                                                      &pair, 1);
   return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
 }
 
