@@ -21,8 +21,8 @@ grpc_ssl_certificate_config_reload_status FetchCertificate(
   // nobody: it aborts without (GPR_DEBUG_ASSERT, which Debian's build keeps).
   const std::string& authorities =
       next->client_ca.empty() ? next->certificate : next->client_ca;
-  *config = grpc_ssl_server_certificate_config_create(authorities.c_str(),
-                                                      &pair, 1);
+  *config =
+      grpc_ssl_server_certificate_config_create(authorities.c_str(), &pair, 1);
   return GRPC_SSL_CERTIFICATE_CONFIG_RELOAD_NEW;
 }
 

@@ -44,8 +44,8 @@ absl::StatusOr<TlsMaterial> ReadMaterial(const TlsOptions& options) {
   }
   if (X509_check_private_key(chain.front().get(), key.get()) != 1) {
     TakeOpenSslError();
-    return Bad(options.key_file, absl::StrCat("not the key of ",
-                                              options.certificate_file));
+    return Bad(options.key_file,
+               absl::StrCat("not the key of ", options.certificate_file));
   }
   material.expires_unix_s =
       ToUnixSeconds(X509_get0_notAfter(chain.front().get()));
@@ -102,8 +102,7 @@ absl::StatusOr<std::unique_ptr<CertificateFiles>> CertificateFiles::Open(
   WarnIfOthersMayRead(options.key_file, files->log_);
   {
     const absl::MutexLock lock(&files->mutex_);
-    files->material_ =
-        std::make_shared<const TlsMaterial>(std::move(material));
+    files->material_ = std::make_shared<const TlsMaterial>(std::move(material));
   }
   files->WarnOfExpiry();
   return files;
@@ -118,8 +117,7 @@ std::shared_ptr<const TlsMaterial> CertificateFiles::Current() {
   return material_;
 }
 
-absl::Status CertificateFiles::CheckReplacement(
-    const TlsMaterial& next) const {
+absl::Status CertificateFiles::CheckReplacement(const TlsMaterial& next) const {
   const int64_t now = wall_.UnixSeconds();
   const absl::MutexLock lock(&mutex_);
   if (next.expires_unix_s <= now && material_->expires_unix_s > now) {
@@ -172,10 +170,9 @@ void CertificateFiles::WarnOfExpiry() {
     if (days < warned_days_) {
       warned_days_ = days;
       Log(TrustSeverity::kWarning,
-          left_s <= 0
-              ? absl::StrCat(options_.certificate_file, " has expired")
-              : absl::StrCat(options_.certificate_file, " expires in ",
-                             left_s / kSecondsPerDay, " days"));
+          left_s <= 0 ? absl::StrCat(options_.certificate_file, " has expired")
+                      : absl::StrCat(options_.certificate_file, " expires in ",
+                                     left_s / kSecondsPerDay, " days"));
     }
     return;
   }

@@ -10,8 +10,8 @@
 #include "common/base/file.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "server/access/testing/certificate_maker.h"
-#include "server/access/testing/fake_clocks.h"
+#include "server/access/certificate_maker.h"
+#include "server/access/fake_clocks.h"
 
 namespace treeline {
 namespace {
@@ -131,8 +131,7 @@ TEST_F(CertificateFilesTest, SayInTimeThatACertificateEnds) {
     NextPoll();
     (*files)->Current();
   }
-  EXPECT_THAT(log_, ElementsAre(HasSubstr("in 13 days"),
-                                HasSubstr("in 6 days"),
+  EXPECT_THAT(log_, ElementsAre(HasSubstr("in 13 days"), HasSubstr("in 6 days"),
                                 HasSubstr("has expired")));
 }
 

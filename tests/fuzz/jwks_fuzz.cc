@@ -1,5 +1,5 @@
 // Files of keys as arbitrary bytes: no crash, and no key that is weaker than we
-// promise.
+// promise. What starts with a hyphen is taken for PEM.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -24,13 +24,15 @@ void CheckKey(const JwtKey& key) {
 }
 
 void Parse(absl::string_view text) {
-  const auto keys =
-      ParseJwks(text, {JwtAlgorithm::kRs256, JwtAlgorithm::kEs256,
-                       JwtAlgorithm::kHs256});
-  if (keys.ok()) {
-    for (const JwtKey& key : keys->keys()) CheckKey(key);
+  if (!text.empty() && text.front() == '-') {
+    const auto key = ParsePemJwtKey("k", text);
+    if (key.ok()) CheckKey(*key);
+    return;
   }
-  if (const auto key = ParsePemJwtKey("k", text); key.ok()) CheckKey(*key);
+  const auto keys = ParseJwks(text, {JwtAlgorithm::kRs256, JwtAlgorithm::kEs256,
+                                     JwtAlgorithm::kHs256});
+  if (!keys.ok()) return;
+  for (const JwtKey& key : keys->keys()) CheckKey(key);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 // gRPC over TLS on real sockets: certificates that rotate, expire, or are not
 // what the other side trusts.
+#include "server/access/grpc_tls.h"
+
 #include <grpcpp/grpcpp.h>
 #include <openssl/ssl.h>
 
@@ -12,7 +14,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "gtest/gtest.h"
-#include "server/access/grpc_tls.h"
 #include "tests/integration/tls_fixture.h"
 #include "treeline/v1/scenes.grpc.pb.h"
 

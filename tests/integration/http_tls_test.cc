@@ -124,8 +124,7 @@ TEST_F(HttpTlsTest, TurnsAwayClientsWithoutTheCertificateThatItRequires) {
   PutFile("clients.crt", stranger_.certificate);
   NextPoll();
   EXPECT_EQ(AskAs(MakeCertificate(stranger_, {.common_name = "x"})), "x");
-  EXPECT_EQ(AskAs(MakeCertificate(authority_, {.common_name = "x"})),
-            "FAILED");
+  EXPECT_EQ(AskAs(MakeCertificate(authority_, {.common_name = "x"})), "FAILED");
 }
 
 TEST_F(HttpTlsTest, CanLeaveTheCertificateToTheClient) {

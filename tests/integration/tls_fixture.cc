@@ -27,9 +27,9 @@ void TlsTest::TearDown() { std::filesystem::remove_all(folder_); }
 
 MadeCertificate TlsTest::ServerCertificate(const MadeCertificate& authority,
                                            int64_t ends_s) {
-  return MakeCertificate(authority,
-                         {.alternative_names = "DNS:localhost,IP:127.0.0.1",
-                          .ends_s = ends_s});
+  return MakeCertificate(
+      authority,
+      {.alternative_names = "DNS:localhost,IP:127.0.0.1", .ends_s = ends_s});
 }
 
 std::string TlsTest::PutFile(const std::string& name,
@@ -63,9 +63,9 @@ bool SpeaksTls(int port, int version) {
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  EXPECT_EQ(connect(fd, reinterpret_cast<const sockaddr*>(&address),
-                    sizeof(address)),
-            0);
+  EXPECT_EQ(
+      connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)),
+      0);
   SSL_CTX* context = SSL_CTX_new(TLS_client_method());
   // Debian's defaults would keep this side from speaking the old versions.
   SSL_CTX_set_cipher_list(context, "ALL:@SECLEVEL=0");

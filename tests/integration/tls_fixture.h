@@ -6,8 +6,8 @@
 #include <string>
 
 #include "gtest/gtest.h"
-#include "server/access/testing/certificate_maker.h"
-#include "server/access/testing/fake_clocks.h"
+#include "server/access/certificate_maker.h"
+#include "server/access/fake_clocks.h"
 #include "server/access/tls.h"
 
 namespace treeline {

@@ -1,4 +1,4 @@
-#include "server/access/testing/certificate_maker.h"
+#include "server/access/certificate_maker.h"
 
 #include <openssl/ec.h>
 #include <openssl/pem.h>
@@ -80,8 +80,8 @@ MadeCertificate MakeCertificate(const MadeCertificate& authority,
   X509_set_issuer_name(certificate.get(),
                        X509_get_subject_name(issuer.front().get()));
   if (!spec.alternative_names.empty()) {
-    AddExtension(certificate.get(), issuer.front().get(),
-                 NID_subject_alt_name, spec.alternative_names);
+    AddExtension(certificate.get(), issuer.front().get(), NID_subject_alt_name,
+                 spec.alternative_names);
   }
   Require(X509_sign(certificate.get(), issuer_key.get(), EVP_sha256()) > 0);
   return ToPem(certificate.get(), key.get());

@@ -1,6 +1,6 @@
 // Certificates, as an authority would make them. For tests.
-#ifndef SERVER_ACCESS_TESTING_CERTIFICATE_MAKER_H_
-#define SERVER_ACCESS_TESTING_CERTIFICATE_MAKER_H_
+#ifndef SERVER_ACCESS_CERTIFICATE_MAKER_H_
+#define SERVER_ACCESS_CERTIFICATE_MAKER_H_
 
 #include <cstdint>
 #include <string>
@@ -32,4 +32,4 @@ MadeCertificate MakeCertificate(const MadeCertificate& authority,
 
 }  // namespace treeline
 
-#endif  // SERVER_ACCESS_TESTING_CERTIFICATE_MAKER_H_
+#endif  // SERVER_ACCESS_CERTIFICATE_MAKER_H_
