@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "gtest/gtest.h"
 #include "server/access/base64url.h"
-#include "server/access/testing/token_maker.h"
+#include "server/access/token_maker.h"
 
 namespace treeline {
 namespace {

@@ -8,7 +8,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/access/base64url.h"
-#include "server/access/testing/token_maker.h"
+#include "server/access/token_maker.h"
 
 namespace treeline {
 namespace {

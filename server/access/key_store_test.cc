@@ -10,8 +10,8 @@
 #include "common/base/file.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "server/access/testing/fake_clocks.h"
-#include "server/access/testing/token_maker.h"
+#include "server/access/fake_clocks.h"
+#include "server/access/token_maker.h"
 
 namespace treeline {
 namespace {

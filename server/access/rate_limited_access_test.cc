@@ -5,7 +5,7 @@
 
 #include "common/base/error_info.h"
 #include "gtest/gtest.h"
-#include "server/access/testing/fake_clocks.h"
+#include "server/access/fake_clocks.h"
 
 namespace treeline {
 namespace {

@@ -8,8 +8,8 @@
 #include "common/base/error_info.h"
 #include "common/base/file.h"
 #include "gtest/gtest.h"
-#include "server/access/testing/fake_clocks.h"
-#include "server/access/testing/token_maker.h"
+#include "server/access/fake_clocks.h"
+#include "server/access/token_maker.h"
 
 namespace treeline {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/access/testing/token_maker.h"
+#include "server/access/token_maker.h"
 
 #include <jwt.h>
 #include <openssl/core_names.h>

@@ -1,6 +1,6 @@
 // Keys and tokens, as an issuer would make them. For tests.
-#ifndef SERVER_ACCESS_TESTING_TOKEN_MAKER_H_
-#define SERVER_ACCESS_TESTING_TOKEN_MAKER_H_
+#ifndef SERVER_ACCESS_TOKEN_MAKER_H_
+#define SERVER_ACCESS_TOKEN_MAKER_H_
 
 #include <string>
 #include <vector>
@@ -38,4 +38,4 @@ std::string MakeHmacToken(absl::string_view header, absl::string_view claims,
 
 }  // namespace treeline
 
-#endif  // SERVER_ACCESS_TESTING_TOKEN_MAKER_H_
+#endif  // SERVER_ACCESS_TOKEN_MAKER_H_

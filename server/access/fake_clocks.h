@@ -1,6 +1,6 @@
 // Clocks that stand until a test moves them. Thread-safe.
-#ifndef SERVER_ACCESS_TESTING_FAKE_CLOCKS_H_
-#define SERVER_ACCESS_TESTING_FAKE_CLOCKS_H_
+#ifndef SERVER_ACCESS_FAKE_CLOCKS_H_
+#define SERVER_ACCESS_FAKE_CLOCKS_H_
 
 #include <atomic>
 #include <chrono>
@@ -34,4 +34,4 @@ class FakeWallClock final : public WallClock {
 
 }  // namespace treeline
 
-#endif  // SERVER_ACCESS_TESTING_FAKE_CLOCKS_H_
+#endif  // SERVER_ACCESS_FAKE_CLOCKS_H_

@@ -1,0 +1,44 @@
+// scripts/make-dev-token, as docs/security.md shows it.
+#include <ctime>
+#include <filesystem>
+#include <string>
+
+#include "common/base/file.h"
+#include "gtest/gtest.h"
+#include "server/access/fake_clocks.h"
+#include "server/access/token_maker.h"
+#include "server/access/token_verifier.h"
+#include "tests/integration/process.h"
+
+namespace treeline {
+namespace {
+
+TEST(MakeDevToken, MakesATokenThatTheServerTakes) {
+  const std::string folder = testing::TempDir() + "/dev-token";
+  std::filesystem::create_directories(folder + "/keys");
+  const std::string key = MakeRsaPrivateKey();
+  ASSERT_TRUE(WriteFileAtomically(folder + "/mine.key", key).ok());
+  ASSERT_TRUE(
+      WriteFileAtomically(folder + "/keys/2026-11.pem", PublicKeyOf(key)).ok());
+  const ProgramResult made =
+      RunProgram({TREELINE_MAKE_DEV_TOKEN, folder + "/mine.key", "2026-11",
+                  "robot-7", "localize admin", "600"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+
+  const FakeClock clock;
+  const FakeWallClock wall(std::time(nullptr));
+  const auto keys = KeyStore::Open({.path = folder + "/keys"}, clock, nullptr);
+  ASSERT_TRUE(keys.ok()) << keys.status();
+  TokenVerifier verifier({}, **keys, wall);
+  const auto claims = verifier.Verify(made.out.substr(0, made.out.find('\n')));
+  ASSERT_TRUE(claims.ok()) << claims.status();
+  EXPECT_EQ(claims->subject, "robot-7");
+  EXPECT_TRUE(claims->may_localize);
+  EXPECT_TRUE(claims->may_administer);
+  EXPECT_NEAR(static_cast<double>(claims->expires_unix_s - wall.UnixSeconds()),
+              600, 60);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace treeline
