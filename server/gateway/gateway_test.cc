@@ -52,6 +52,7 @@ class GatewayTest : public ::testing::Test {
     client_ =
         std::make_unique<httplib::Client>("http://" + gateway_->address());
     client_->set_keep_alive(true);
+    client_->set_tcp_nodelay(true);
   }
 
   httplib::Result PostJson(const std::string& path, const std::string& body,

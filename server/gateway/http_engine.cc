@@ -11,7 +11,7 @@
 namespace treeline {
 namespace {
 
-constexpr std::chrono::milliseconds kLinger{2000};
+constexpr std::chrono::milliseconds kLinger{1000};
 // What httplib tells clients; the server closes idle connections by its own
 // limits.
 constexpr time_t kKeepAliveSeconds = 60;

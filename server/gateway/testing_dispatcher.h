@@ -24,9 +24,10 @@ class TestingDispatcher final : public Dispatcher {
       const v1::LocalizeRequest&)>
       on_localize =
           [](const v1::LocalizeRequest&) { return v1::LocalizeResponse(); };
-  // With it, Localize answers CANCELLED once it is asked to stop, and never
-  // before.
+  // With the first, or for the scene of the second, Localize answers CANCELLED
+  // once it is asked to stop, and never before.
   bool waits_for_stop = false;
+  std::string scene_that_waits = {};
 
   void Localize(CallInfo call, const v1::LocalizeRequest& request,
                 Done<v1::LocalizeResponse> done) override {
@@ -35,7 +36,9 @@ class TestingDispatcher final : public Dispatcher {
       const absl::MutexLock lock(&mutex_);
       requests_.push_back(request);
     }
-    if (!waits_for_stop) {
+    const bool waits = waits_for_stop || (!scene_that_waits.empty() &&
+                                          request.scene() == scene_that_waits);
+    if (!waits) {
       done(on_localize(request));
       return;
     }

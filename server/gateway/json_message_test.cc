@@ -1,0 +1,61 @@
+#include "server/gateway/json_message.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "treeline/v1/relocalization.pb.h"
+
+namespace treeline {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(CheckJsonShape, BoundsDepthAndValues) {
+  const JsonLimits limits{.max_depth = 3, .max_values = 5};
+  EXPECT_TRUE(CheckJsonShape("[[[]]]", limits).ok());
+  EXPECT_FALSE(CheckJsonShape("[[[[]]]]", limits).ok());
+  EXPECT_TRUE(CheckJsonShape("[1,2,3]", limits).ok());
+  EXPECT_FALSE(CheckJsonShape("[1,2,3,4,5,6]", limits).ok());
+}
+
+TEST(CheckJsonShape, LooksNotIntoStrings) {
+  const JsonLimits limits{.max_depth = 1, .max_values = 3};
+  EXPECT_TRUE(CheckJsonShape(R"(["[[[[,,,,,"])", limits).ok());
+  EXPECT_TRUE(CheckJsonShape(R"(["\"[[[[\\"])", limits).ok());
+  EXPECT_FALSE(CheckJsonShape(R"(["\\",[[]]])", limits).ok());
+  EXPECT_TRUE(CheckJsonShape(R"("\)", limits).ok());
+  EXPECT_TRUE(CheckJsonShape(R"(")", limits).ok());
+}
+
+TEST(JsonMessage, ReadsWhatItWrites) {
+  v1::LocalizeRequest request;
+  request.set_scene("kitchen");
+  request.mutable_frame()->mutable_color()->set_encoded("\xff\xd8\x00\x01", 4);
+  request.mutable_options()->set_seed(18446744073709551615u);
+  const auto json = JsonFromMessage(request);
+  ASSERT_TRUE(json.ok());
+  EXPECT_THAT(*json, HasSubstr("\"18446744073709551615\""));
+  v1::LocalizeRequest back;
+  ASSERT_TRUE(MessageFromJson(*json, back).ok());
+  EXPECT_EQ(back.SerializeAsString(), request.SerializeAsString());
+}
+
+TEST(JsonMessage, NamesTheFieldThatIsWrong) {
+  v1::LocalizeRequest request;
+  const auto complaint = [&](const char* json) {
+    const absl::Status status = MessageFromJson(json, request);
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    return std::string(status.message());
+  };
+  EXPECT_THAT(complaint(R"({"frame": {"colour": {}}})"), HasSubstr("colour"));
+  EXPECT_THAT(complaint(R"({"options": {"seed": "x"}})"), HasSubstr("seed"));
+  EXPECT_THAT(complaint(R"({"frame": 3})"), HasSubstr("frame"));
+  EXPECT_LT(
+      complaint(("{\"" + std::string(100000, 'x') + "\":1}").c_str()).size(),
+      2000u);
+}
+
+}  // namespace
+}  // namespace treeline

@@ -1,0 +1,44 @@
+// Bodies of Connect calls, JSON and binary, as arbitrary bytes: no crash, what
+// is refused is an error of the client's, and what is accepted survives being
+// written and read again.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "common/base/clock.h"
+#include "server/gateway/connect_routes.h"
+#include "server/gateway/http_message.h"
+#include "server/gateway/json_message.h"
+#include "server/gateway/testing_dispatcher.h"
+#include "treeline/v1/relocalization.pb.h"
+
+namespace {
+
+void Check(const treeline::HttpResponse& response) {
+  if (response.status != 200 && response.status != 400) std::abort();
+  if (response.content_type.empty()) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  const treeline::SteadyClock clock;
+  treeline::TestingDispatcher dispatcher;
+  const treeline::ConnectRoutes routes(dispatcher, false, clock);
+  treeline::HttpRequest request;
+  request.method = "POST";
+  request.path = "/treeline.v1.RelocalizationService/Localize";
+  request.body.assign(reinterpret_cast<const char*>(data), size);
+  for (const char* type : {"application/json", "application/proto"}) {
+    request.headers["content-type"] = type;
+    Check(routes.Handle(request));
+  }
+  treeline::v1::LocalizeRequest message;
+  if (!treeline::MessageFromJson(request.body, message).ok()) return 0;
+  const auto json = treeline::JsonFromMessage(message);
+  if (!json.ok()) return 0;
+  treeline::v1::LocalizeRequest again;
+  if (!treeline::MessageFromJson(*json, again).ok()) std::abort();
+  return 0;
+}
