@@ -10,6 +10,7 @@ find_package(Protobuf REQUIRED)
 find_package(gRPC CONFIG REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(spdlog REQUIRED)
+find_package(yaml-cpp REQUIRED)
 find_package(OpenCV REQUIRED
   COMPONENTS core imgproc features2d calib3d flann)
 find_package(PkgConfig REQUIRED)

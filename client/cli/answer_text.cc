@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/error_info.h"
 #include "nlohmann/json.hpp"
 
 namespace treeline {
@@ -29,6 +30,22 @@ Json TimingsJson(const ServerTimings& t) {
           {"sample_ms", t.sample_ms}, {"forest_ms", t.forest_ms},
           {"pose_ms", t.pose_ms},     {"localize_ms", t.localize_ms},
           {"total_ms", t.total_ms}};
+}
+
+Json CandidatesJson(const std::vector<SceneCandidate>& candidates) {
+  Json list = Json::array();
+  for (const SceneCandidate& candidate : candidates) {
+    Json json = {{"scene", candidate.scene},
+                 {"similarity", candidate.similarity},
+                 {"tried", candidate.tried}};
+    if (candidate.tried) {
+      json["outcome"] = candidate.localized ? "LOCALIZED" : "NOT_LOCALIZED";
+      json["confidence"] = candidate.confidence;
+      json["inliers"] = candidate.inliers;
+    }
+    list.push_back(std::move(json));
+  }
+  return list;
 }
 
 const char* SensorName(RgbdSensor sensor) {
@@ -87,6 +104,11 @@ std::string AnswerJson(const FrameFiles& files,
     json["outcome"] = "ERROR";
     json["code"] = absl::StatusCodeToString(answer.status().code());
     json["reason"] = std::string(answer.status().message());
+    if (const ErrorInfo info = ErrorInfoOf(answer.status());
+        !info.reason.empty()) {
+      json["error_reason"] = info.reason;
+      json["error_metadata"] = info.metadata;
+    }
     return Serialized(json);
   }
   json["outcome"] = answer->localized ? "LOCALIZED" : "NOT_LOCALIZED";
@@ -107,6 +129,9 @@ std::string AnswerJson(const FrameFiles& files,
   json["server"] = TimingsJson(answer->server);
   json["scene"] = answer->scene;
   json["version"] = answer->model_version;
+  if (!answer->candidates.empty()) {
+    json["candidates"] = CandidatesJson(answer->candidates);
+  }
   return Serialized(json);
 }
 
@@ -136,6 +161,16 @@ std::string AnswerText(const LocalizeAnswer& answer) {
       "localize %.1f\n",
       answer.inliers, answer.samples, 100 * answer.inlier_ratio,
       answer.round_trip_ms, s.total_ms, s.queue_ms, s.decode_ms, s.localize_ms);
+  for (const SceneCandidate& candidate : answer.candidates) {
+    absl::StrAppendFormat(&text, "  candidate        %s: similarity %.3f",
+                          candidate.scene, candidate.similarity);
+    if (candidate.tried) {
+      absl::StrAppendFormat(&text, ", %s, %d inliers, confidence %.2f",
+                            candidate.localized ? "localized" : "not localized",
+                            candidate.inliers, candidate.confidence);
+    }
+    text.push_back('\n');
+  }
   return text;
 }
 
@@ -194,6 +229,8 @@ std::string ScenesJson(const std::vector<SceneDescription>& scenes) {
          {"version", scene.model_version.empty() ? Json(nullptr)
                                                  : Json(scene.model_version)},
          {"versions", scene.versions},
+         {"display_name", scene.display_name},
+         {"resident_bytes", scene.resident_bytes},
          {"model", scene.model ? ModelJson(*scene.model) : Json(nullptr)}});
   }
   return Serialized({{"scenes", list}});

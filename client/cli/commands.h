@@ -27,6 +27,7 @@ struct ClientCommand {
   std::function<int(std::stop_token stop)> run;
 };
 
+ClientCommand AddBenchCommand(CLI::App& app);
 ClientCommand AddLocalizeCommand(CLI::App& app);
 ClientCommand AddScenesCommand(CLI::App& app);
 

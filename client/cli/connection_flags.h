@@ -16,11 +16,20 @@ namespace treeline {
 
 struct ConnectionFlags {
   std::string server;
+  TlsOptions tls;
+  std::string token_file;
+  int max_message_mib = 32;
   double timeout_s = 10;
 };
 
-// --server and --timeout-s.
+// --server, --tls-..., --token-file and --max-message-mib.
+void AddServerFlags(CLI::App& app, ConnectionFlags& flags);
+// These, and --timeout-s.
 void AddConnectionFlags(CLI::App& app, ConnectionFlags& flags);
+
+// Without a file, the token is what the environment variable TREELINE_TOKEN
+// holds, if there is one.
+ConnectOptions ConnectOptionsOf(const ConnectionFlags& flags);
 
 CallOptions CallOptionsOf(const ConnectionFlags& flags, std::stop_token stop);
 

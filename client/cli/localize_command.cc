@@ -3,7 +3,9 @@
 
 #include <cstdio>
 #include <memory>
+#include <numbers>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -38,6 +40,8 @@ Examples:
       --camera PINHOLE,517.3,516.5,318.6,255.3
   treeline-client localize --server 127.0.0.1:50051 --scene office \
       --list office/test.txt --root office --json > answers.jsonl
+  treeline-client localize --server 127.0.0.1:50051 --candidate-scene office \
+      --candidate-scene lab --color query.jpg --depth query.png
 
 Exit codes: 0 localized, 1 failed, 2 wrong usage, 3 not localized, 130
 interrupted. For a list: 0 if at least one frame was localized and none failed,
@@ -50,8 +54,28 @@ struct LocalizeFlags {
   FrameFileOptions frames;
   std::string list;
   std::string root;
+  std::vector<double> prior;  // empty: none
+  double prior_radius_m = 4;
+  double prior_radius_deg = 25;
+  bool stream = false;
+  StreamOptions stream_options;
   bool json = false;
 };
+
+// The prior of the flags, checked.
+absl::Status SetPrior(LocalizeFlags& flags) {
+  if (flags.prior.empty()) return absl::OkStatus();
+  const std::vector<double>& p = flags.prior;
+  const absl::StatusOr<Rigid3> pose =
+      RigidFromQuaternion(p[0], p[1], p[2], p[3], {p[4], p[5], p[6]});
+  if (!pose.ok()) return Annotate(pose.status(), "--prior");
+  flags.query.prior =
+      PosePrior{.world_from_camera = *pose,
+                .position_radius_m = flags.prior_radius_m,
+                .rotation_radius_rad =
+                    flags.prior_radius_deg * std::numbers::pi / 180};
+  return absl::OkStatus();
+}
 
 // A failure after which the other frames of a list would fail too, and slowly.
 bool EndsTheList(const absl::Status& status) {
@@ -115,13 +139,52 @@ absl::Status AskForAll(Relocalizer& client, const LocalizeFlags& flags,
   return absl::OkStatus();
 }
 
+// Sends every frame as soon as the server has room for it, and prints the
+// answers as they come.
+absl::Status StreamAll(Relocalizer& client, const LocalizeFlags& flags,
+                       const std::vector<FrameFiles>& list,
+                       const std::stop_token& stop, AnswerSummary& summary) {
+  StreamOptions options = flags.stream_options;
+  options.stop = stop;
+  const std::unique_ptr<LocalizeStream> stream = client.OpenStream(options);
+  absl::Status unreadable;
+  std::jthread sender([&] {
+    LocalizeQuery query = flags.query;
+    for (size_t i = 0; i < list.size(); ++i) {
+      absl::StatusOr<QueryFrame> frame = ReadFrame(list[i], flags.frames);
+      if (!frame.ok()) {
+        unreadable = frame.status();
+        break;
+      }
+      query.frame = *std::move(frame);
+      if (!stream->Send(i, query)) break;
+    }
+    stream->FinishSending();
+  });
+  Progress progress("localizing", static_cast<int64_t>(list.size()),
+                    /*quiet=*/isatty(STDOUT_FILENO) == 1);
+  while (const std::optional<StreamAnswer> next = stream->Receive()) {
+    summary.Add(next->answer);
+    if (next->id >= list.size()) continue;  // a server's fault, and counted
+    const FrameFiles& files = list[next->id];
+    std::printf("%s\n", flags.json ? AnswerJson(files, next->answer).c_str()
+                                   : AnswerLine(files, next->answer).c_str());
+    progress.Add(1);
+  }
+  sender.join();
+  TL_RETURN_IF_ERROR(stream->Finish());
+  return unreadable;
+}
+
 int LocalizeList(Relocalizer& client, const LocalizeFlags& flags,
                  const std::stop_token& stop) {
   const absl::StatusOr<std::vector<FrameFiles>> list =
       ReadFrameList(flags.list, flags.root);
   if (!list.ok()) return ReportLocalFailure(list.status());
   AnswerSummary summary;
-  const absl::Status ended = AskForAll(client, flags, *list, stop, summary);
+  const absl::Status ended =
+      flags.stream ? StreamAll(client, flags, *list, stop, summary)
+                   : AskForAll(client, flags, *list, stop, summary);
   const bool written = FlushOutput();
   std::fprintf(stderr, "%s\n", summary.Text().c_str());
   if (!ended.ok()) return ReportFailure(ended, flags.connection, stop);
@@ -129,14 +192,18 @@ int LocalizeList(Relocalizer& client, const LocalizeFlags& flags,
   return summary.localized() > 0 ? kExitLocalized : kExitNotLocalized;
 }
 
-int RunLocalize(const LocalizeFlags& flags, const std::stop_token& stop) {
+int RunLocalize(LocalizeFlags flags, const std::stop_token& stop) {
+  if (const absl::Status prior = SetPrior(flags); !prior.ok()) {
+    ReportLocalFailure(prior);
+    return kExitUsage;
+  }
   if (flags.files.color.empty() == flags.list.empty()) {
     std::fprintf(stderr,
                  "treeline-client localize: give either --color or --list; "
                  "--help explains\n");
     return kExitUsage;
   }
-  const auto client = ConnectRelocalizer({.server = flags.connection.server});
+  const auto client = ConnectRelocalizer(ConnectOptionsOf(flags.connection));
   if (!client.ok()) {
     return ReportFailure(client.status(), flags.connection, stop);
   }
@@ -146,9 +213,29 @@ int RunLocalize(const LocalizeFlags& flags, const std::stop_token& stop) {
 
 void AddFlags(CLI::App& app, LocalizeFlags& flags) {
   AddConnectionFlags(app, flags.connection);
-  app.add_option("--scene", flags.query.scene, "The scene to look in")
-      ->required()
-      ->type_name("NAME");
+  CLI::Option* scene =
+      app.add_option("--scene", flags.query.scene, "The scene to look in")
+          ->type_name("NAME");
+  app.add_option("--candidate-scene", flags.query.candidate_scenes,
+                 "A scene that it may be; may be repeated. Without this and "
+                 "--scene: any scene of the server")
+      ->type_name("NAME")
+      ->excludes(scene);
+  app.add_option("--time-budget-ms", flags.query.time_budget_ms,
+                 "Most that the server may take")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--prior", flags.prior,
+                 "Pose that an answer must be near: qw,qx,qy,qz,tx,ty,tz of "
+                 "world_from_camera (m)")
+      ->type_name("POSE")
+      ->delimiter(',')
+      ->expected(7);
+  app.add_option("--prior-radius-m", flags.prior_radius_m,
+                 "How far from it the position may be")
+      ->capture_default_str();
+  app.add_option("--prior-radius-deg", flags.prior_radius_deg,
+                 "How far from it the rotation may be")
+      ->capture_default_str();
   app.add_option("--model-version", flags.query.model_version,
                  "Version of its model; without: the newest")
       ->type_name("VERSION");
@@ -169,6 +256,18 @@ void AddFlags(CLI::App& app, LocalizeFlags& flags) {
           ->excludes(color)
           ->excludes(depth);
   root->needs(list);
+  CLI::Option* stream =
+      app.add_flag("--stream", flags.stream,
+                   "Send the list as one stream, computed side by side")
+          ->needs(list);
+  app.add_flag("--drop-oldest", flags.stream_options.drop_oldest,
+               "Of a stream that waits, drop the oldest frame rather than "
+               "send more slowly")
+      ->needs(stream);
+  app.add_option("--max-pending", flags.stream_options.max_pending,
+                 "Frames of a stream that may wait; 0: as the server likes")
+      ->check(CLI::Range(0, 64))
+      ->needs(stream);
   app.add_option("--depth-unit", flags.frames.depth_unit_m,
                  "Metres per unit of depth")
       ->capture_default_str()

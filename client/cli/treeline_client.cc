@@ -22,8 +22,8 @@ int Run(int argc, char** argv) {
   app.set_version_flag("--version",
                        std::string("treeline-client ") + Version());
   app.require_subcommand(1);
-  const std::vector<ClientCommand> commands = {AddLocalizeCommand(app),
-                                               AddScenesCommand(app)};
+  const std::vector<ClientCommand> commands = {
+      AddLocalizeCommand(app), AddScenesCommand(app), AddBenchCommand(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -88,8 +88,20 @@ v1::LocalizeRequest ToProto(const LocalizeQuery& query) {
   v1::LocalizeRequest request;
   request.set_scene(query.scene);
   request.set_model_version(query.model_version);
+  for (const std::string& scene : query.candidate_scenes) {
+    request.add_candidate_scenes(scene);
+  }
   *request.mutable_frame() = ToProto(query.frame);
-  request.mutable_options()->set_seed(query.seed);
+  v1::LocalizeOptions& options = *request.mutable_options();
+  options.set_seed(query.seed);
+  if (query.time_budget_ms) options.set_time_budget_ms(*query.time_budget_ms);
+  if (query.prior) {
+    v1::PosePrior& prior = *options.mutable_prior();
+    *prior.mutable_world_from_camera() =
+        ToProto(query.prior->world_from_camera);
+    prior.set_position_radius_m(query.prior->position_radius_m);
+    prior.set_rotation_radius_rad(query.prior->rotation_radius_rad);
+  }
   return request;
 }
 
@@ -115,6 +127,15 @@ absl::StatusOr<LocalizeAnswer> FromProto(const v1::LocalizeResponse& response) {
   answer.confidence = response.confidence();
   answer.scene = response.scene();
   answer.model_version = response.model_version();
+  for (const v1::SceneCandidate& candidate : response.candidates()) {
+    answer.candidates.push_back(
+        {.scene = candidate.scene(),
+         .similarity = candidate.similarity(),
+         .tried = candidate.tried(),
+         .localized = candidate.outcome() == v1::OUTCOME_LOCALIZED,
+         .confidence = candidate.confidence(),
+         .inliers = candidate.inliers()});
+  }
   answer.server = TimingsFromProto(response.timings());
   return answer;
 }
@@ -132,6 +153,8 @@ absl::StatusOr<SceneDescription> FromProto(const v1::SceneInfo& info) {
   for (const v1::ModelVersion& version : info.versions()) {
     scene.versions.push_back(version.version());
   }
+  scene.display_name = info.display_name();
+  scene.resident_bytes = info.resident_bytes();
   if (info.has_model()) {
     absl::StatusOr<ModelDescription> model = ModelFromProto(info.model());
     if (!model.ok()) return BrokenContract(model.status());

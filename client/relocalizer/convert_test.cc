@@ -37,6 +37,14 @@ v1::LocalizeResponse Localized() {
   response.mutable_timings()->set_pose_ms(5);
   response.mutable_timings()->set_localize_ms(6);
   response.mutable_timings()->set_total_ms(7);
+  v1::SceneCandidate& candidate = *response.add_candidates();
+  candidate.set_scene("kitchen");
+  candidate.set_similarity(0.75);
+  candidate.set_tried(true);
+  candidate.set_outcome(v1::OUTCOME_LOCALIZED);
+  candidate.set_confidence(0.5);
+  candidate.set_inliers(321);
+  response.add_candidates()->set_scene("office");
   return response;
 }
 
@@ -62,6 +70,15 @@ TEST(ClientConvert, AnswersKeepEveryFieldBitForBit) {
   EXPECT_EQ(answer->server.pose_ms, 5);
   EXPECT_EQ(answer->server.localize_ms, 6);
   EXPECT_EQ(answer->server.total_ms, 7);
+  ASSERT_EQ(answer->candidates.size(), 2u);
+  EXPECT_EQ(answer->candidates[0].scene, "kitchen");
+  EXPECT_EQ(answer->candidates[0].similarity, 0.75);
+  EXPECT_TRUE(answer->candidates[0].tried);
+  EXPECT_TRUE(answer->candidates[0].localized);
+  EXPECT_EQ(answer->candidates[0].confidence, 0.5);
+  EXPECT_EQ(answer->candidates[0].inliers, 321);
+  EXPECT_EQ(answer->candidates[1].scene, "office");
+  EXPECT_FALSE(answer->candidates[1].tried);
 }
 
 TEST(ClientConvert, NotLocalizedNeedsNoPose) {
@@ -112,7 +129,12 @@ TEST(ClientConvert, QueriesKeepEveryField) {
   LocalizeQuery query;
   query.scene = "kitchen";
   query.model_version = "7";
+  query.candidate_scenes = {"kitchen", "office"};
   query.seed = 18446744073709551615u;
+  query.time_budget_ms = 250;
+  query.prior = PosePrior{.world_from_camera = SomePose(),
+                          .position_radius_m = 4,
+                          .rotation_radius_rad = 0.5};
   query.frame.color = EncodedImage{"jpeg"};
   query.frame.camera = Camera();
   query.frame.depth =
@@ -121,12 +143,21 @@ TEST(ClientConvert, QueriesKeepEveryField) {
   EXPECT_EQ(request.scene(), "kitchen");
   EXPECT_EQ(request.model_version(), "7");
   EXPECT_EQ(request.options().seed(), 18446744073709551615u);
+  EXPECT_THAT(request.candidate_scenes(), ElementsAre("kitchen", "office"));
+  EXPECT_EQ(request.options().time_budget_ms(), 250);
+  EXPECT_EQ(*FromProto(request.options().prior().world_from_camera(), ""),
+            SomePose());
+  EXPECT_EQ(request.options().prior().position_radius_m(), 4);
+  EXPECT_EQ(request.options().prior().rotation_radius_rad(), 0.5);
   EXPECT_EQ(request.frame().color().encoded(), "jpeg");
   EXPECT_EQ(*FromProto(request.frame().camera(), ""), Camera());
   EXPECT_EQ(request.frame().depth().png(), "png");
   EXPECT_EQ(request.frame().depth().unit_m(), 0.0002);
   EXPECT_EQ(request.frame().depth().registration(),
             v1::DEPTH_REGISTRATION_SCENE_CALIBRATION);
+  const v1::LocalizeRequest plain = ToProto(LocalizeQuery{});
+  EXPECT_FALSE(plain.options().has_time_budget_ms());
+  EXPECT_FALSE(plain.options().has_prior());
 }
 
 v1::SceneInfo SomeScene() {
@@ -137,6 +168,8 @@ v1::SceneInfo SomeScene() {
   info.add_versions()->set_version("2");
   info.add_versions()->set_version("1");
   v1::ModelInfo& model = *info.mutable_model();
+  info.set_display_name("The kitchen");
+  info.set_resident_bytes(6'000'000'000);
   model.set_method("rgbd");
   model.set_dataset("7scenes:kitchen");
   model.set_created_utc("2026-11-21T09:30:00Z");
@@ -161,6 +194,8 @@ TEST(ClientConvert, ScenesKeepEveryField) {
   EXPECT_EQ(scene->failure, "");
   EXPECT_EQ(scene->model_version, "2");
   EXPECT_THAT(scene->versions, ElementsAre("2", "1"));
+  EXPECT_EQ(scene->display_name, "The kitchen");
+  EXPECT_EQ(scene->resident_bytes, 6'000'000'000u);
   ASSERT_TRUE(scene->model.has_value());
   EXPECT_EQ(scene->model->method, "rgbd");
   EXPECT_EQ(scene->model->dataset, "7scenes:kitchen");

@@ -1,15 +1,13 @@
 // Relocalizer over gRPC.
-#include <grpcpp/channel.h>
 #include <grpcpp/client_context.h>
-#include <grpcpp/create_channel.h>
 
 #include <memory>
 #include <string>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
+#include "client/relocalizer/channel.h"
 #include "client/relocalizer/convert.h"
+#include "client/relocalizer/grpc_localize_stream.h"
 #include "client/relocalizer/relocalizer.h"
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
@@ -20,30 +18,12 @@
 namespace treeline {
 namespace {
 
-// A request larger than this buffer is sent once and never retried; gRPC's
-// default of 256 KiB is less than an ordinary frame with depth.
-constexpr int kRetryBufferBytes = 16 << 20;
-
-// gRPC's service configuration: calls go to every address in turn, and are
-// tried again while the answer is UNAVAILABLE.
-std::string ServiceConfig(int max_attempts) {
-  constexpr char kRetryPolicy[] =
-      R"(, "retryPolicy": {"maxAttempts": %d, "initialBackoff": "0.05s",)"
-      R"( "maxBackoff": "1s", "backoffMultiplier": 3,)"
-      R"( "retryableStatusCodes": ["UNAVAILABLE"]})";
-  const std::string retry_policy =
-      max_attempts > 1 ? absl::StrFormat(kRetryPolicy, max_attempts) : "";
-  return absl::StrCat(
-      R"({"loadBalancingConfig": [{"round_robin": {}}], "methodConfig": [)",
-      R"({"name": [{"service": "treeline.v1.RelocalizationService"},)",
-      R"( {"service": "treeline.v1.SceneService"}])", retry_policy, "}]}");
-}
-
 // A call's context: its deadline, and its cancellation while it lasts.
 class Context {
  public:
-  explicit Context(const CallOptions& options)
+  Context(const Connection& connection, const CallOptions& options)
       : on_stop_(options.stop, [this] { context_.TryCancel(); }) {
+    connection.Prepare(context_);
     context_.set_deadline(std::chrono::system_clock::now() + options.timeout);
   }
   grpc::ClientContext* get() { return &context_; }
@@ -55,15 +35,17 @@ class Context {
 
 class GrpcRelocalizer final : public Relocalizer {
  public:
-  explicit GrpcRelocalizer(const std::shared_ptr<grpc::Channel>& channel)
-      : relocalization_(v1::RelocalizationService::NewStub(channel)),
-        scenes_(v1::SceneService::NewStub(channel)) {}
+  explicit GrpcRelocalizer(Connection connection)
+      : connection_(std::move(connection)),
+        relocalization_(
+            v1::RelocalizationService::NewStub(connection_.channel())),
+        scenes_(v1::SceneService::NewStub(connection_.channel())) {}
 
   absl::StatusOr<LocalizeAnswer> Localize(const LocalizeQuery& query,
                                           const CallOptions& options) override {
     const SteadyClock clock;
     const MonotonicTime start = clock.Now();
-    Context context(options);
+    Context context(connection_, options);
     v1::LocalizeResponse response;
     TL_RETURN_IF_ERROR(FromGrpc(
         relocalization_->Localize(context.get(), ToProto(query), &response)));
@@ -74,7 +56,7 @@ class GrpcRelocalizer final : public Relocalizer {
 
   absl::StatusOr<std::vector<SceneDescription>> ListScenes(
       const CallOptions& options) override {
-    Context context(options);
+    Context context(connection_, options);
     v1::ListScenesResponse response;
     TL_RETURN_IF_ERROR(
         FromGrpc(scenes_->ListScenes(context.get(), {}, &response)));
@@ -88,7 +70,7 @@ class GrpcRelocalizer final : public Relocalizer {
 
   absl::StatusOr<SceneDescription> GetScene(
       const std::string& scene, const CallOptions& options) override {
-    Context context(options);
+    Context context(connection_, options);
     v1::GetSceneRequest request;
     request.set_scene(scene);
     v1::GetSceneResponse response;
@@ -97,40 +79,49 @@ class GrpcRelocalizer final : public Relocalizer {
     return FromProto(response.scene());
   }
 
+  absl::StatusOr<SceneDescription> LoadScene(
+      const std::string& scene, const std::string& model_version,
+      const CallOptions& options) override {
+    Context context(connection_, options);
+    v1::LoadSceneRequest request;
+    request.set_scene(scene);
+    request.set_model_version(model_version);
+    v1::LoadSceneResponse response;
+    TL_RETURN_IF_ERROR(
+        FromGrpc(scenes_->LoadScene(context.get(), request, &response)));
+    return FromProto(response.scene());
+  }
+
+  absl::StatusOr<SceneDescription> UnloadScene(
+      const std::string& scene, const std::string& model_version,
+      const CallOptions& options) override {
+    Context context(connection_, options);
+    v1::UnloadSceneRequest request;
+    request.set_scene(scene);
+    request.set_model_version(model_version);
+    v1::UnloadSceneResponse response;
+    TL_RETURN_IF_ERROR(
+        FromGrpc(scenes_->UnloadScene(context.get(), request, &response)));
+    return FromProto(response.scene());
+  }
+
+  std::unique_ptr<LocalizeStream> OpenStream(
+      const StreamOptions& options) override {
+    return OpenGrpcStream(connection_, *relocalization_, options);
+  }
+
  private:
+  const Connection connection_;
   const std::unique_ptr<v1::RelocalizationService::Stub> relocalization_;
   const std::unique_ptr<v1::SceneService::Stub> scenes_;
 };
 
 }  // namespace
 
-absl::Status ConnectOptions::Validate() const {
-  if (server.empty()) {
-    return absl::InvalidArgumentError(
-        "no server given; for instance "
-        "127.0.0.1:50051");
-  }
-  if (max_attempts < 1 || max_attempts > 5) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("max_attempts is ", max_attempts, "; it must be 1..5"));
-  }
-  if (max_message_mib < 1 || max_message_mib > 1024) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "max_message_mib is ", max_message_mib, "; it must be 1..1024"));
-  }
-  return absl::OkStatus();
-}
-
 absl::StatusOr<std::unique_ptr<Relocalizer>> ConnectRelocalizer(
     const ConnectOptions& options) {
-  TL_RETURN_IF_ERROR(options.Validate());
-  grpc::ChannelArguments arguments;
-  arguments.SetServiceConfigJSON(ServiceConfig(options.max_attempts));
-  arguments.SetInt(GRPC_ARG_PER_RPC_RETRY_BUFFER_SIZE, kRetryBufferBytes);
-  arguments.SetMaxReceiveMessageSize(options.max_message_mib << 20);
-  arguments.SetMaxSendMessageSize(options.max_message_mib << 20);
-  return std::make_unique<GrpcRelocalizer>(grpc::CreateCustomChannel(
-      options.server, grpc::InsecureChannelCredentials(), arguments));
+  TL_ASSIGN_OR_RETURN(Connection connection, Connection::Open(options));
+  return std::make_unique<GrpcRelocalizer>(std::move(connection));
 }
 
 }  // namespace treeline

@@ -11,19 +11,36 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/relocalizer/connect_options.h"
 #include "common/camera/rgbd_calibration.h"
 #include "common/geometry/rigid3.h"
 #include "common/wire/query_frame.h"
 
 namespace treeline {
 
+// A pose that the client believes in, and how far the truth may be from it.
+struct PosePrior {
+  // Of the scene's pose sensor.
+  Rigid3 world_from_camera;
+  double position_radius_m = 0;    // positive
+  double rotation_radius_rad = 0;  // in (0, pi]
+};
+
 struct LocalizeQuery {
+  // Empty: the server finds out which scene it is.
   std::string scene = {};
+  // With an empty scene: where the frame may have been taken; none: anywhere.
+  std::vector<std::string> candidate_scenes = {};
   // Empty: the newest version that is ready.
   std::string model_version = {};
   QueryFrame frame = {};
   // The same seed, frame and model version give the same answer, bit for bit.
   uint64_t seed = 0;
+  // Most that the server may take from the arrival of the request (ms),
+  // positive, beside the call's own timeout.
+  std::optional<double> time_budget_ms = std::nullopt;
+  // Decides whether an answer is believed, not what is found.
+  std::optional<PosePrior> prior = std::nullopt;
 };
 
 // Where the server's time went, in the order of its stages (ms).
@@ -39,12 +56,23 @@ struct ServerTimings {
   double total_ms = 0;
 };
 
+// A scene that the server considered, if it was to choose one.
+struct SceneCandidate {
+  std::string scene;
+  double similarity = 0;  // in [0, 1], comparable within one answer
+  // Whether a pose in it was looked for; the rest is of that.
+  bool tried = false;
+  bool localized = false;
+  double confidence = 0;
+  int inliers = 0;
+};
+
 // "Not localized" is an answer like any other.
 struct LocalizeAnswer {
   bool localized = false;
-  // Why not: "TOO_FEW_SAMPLES", "TOO_FEW_INLIERS",
-  // "POORLY_CONSTRAINED" or "LOW_CONFIDENCE", as
-  // in relocalization.proto without their prefix. "NONE" if localized.
+  // Why not: "TOO_FEW_SAMPLES", "TOO_FEW_INLIERS", "POORLY_CONSTRAINED",
+  // "LOW_CONFIDENCE" or "CONTRADICTS_PRIOR", as in relocalization.proto
+  // without their prefix. "NONE" if localized.
   std::string reason;
   // Meaningful if localized: the pose of pose_sensor's camera, bit for bit as
   // the server computed it, and its covariance.
@@ -59,6 +87,8 @@ struct LocalizeAnswer {
   // Who answered.
   std::string scene;
   std::string model_version;
+  // If the server chose the scene: the best first.
+  std::vector<SceneCandidate> candidates;
   ServerTimings server;
   // From the call to the answer in hand, retries included (ms).
   double round_trip_ms = 0;
@@ -93,6 +123,10 @@ struct SceneDescription {
   std::string model_version;
   // All versions on the server's disk, the newest first.
   std::vector<std::string> versions;
+  // From the scene's scene.json; empty: none.
+  std::string display_name;
+  // Memory that its loaded versions take (bytes).
+  uint64_t resident_bytes = 0;
   // Of the version that answers.
   std::optional<ModelDescription> model;
 };
@@ -102,6 +136,40 @@ struct CallOptions {
   std::chrono::milliseconds timeout = std::chrono::seconds(10);
   // Cancels the call, here and on the server.
   std::stop_token stop = {};
+};
+
+// How a stream treats its frames.
+struct StreamOptions {
+  // If more than max_pending frames wait on the server, the oldest of them is
+  // dropped: ABORTED, reason FRAME_DROPPED.
+  bool drop_oldest = false;
+  int max_pending = 0;  // 1..64; 0: the server's default
+  // Cancels the stream, here and on the server.
+  std::stop_token stop = {};
+};
+
+struct StreamAnswer {
+  uint64_t id = 0;
+  absl::StatusOr<LocalizeAnswer> answer;
+};
+
+// A sequence of frames, answered in their order while further ones are sent.
+// One thread may send while another receives. Destroying it cancels what is
+// left.
+class LocalizeStream {
+ public:
+  virtual ~LocalizeStream() = default;
+
+  // Blocks while the server has no room. False: the stream has ended, and
+  // Finish tells why.
+  virtual bool Send(uint64_t id, const LocalizeQuery& query) = 0;
+  // No further frame will come.
+  virtual void FinishSending() = 0;
+  // The answer to the next frame, round_trip_ms without the time that the frame
+  // waited for room. nullopt: the stream has ended.
+  virtual std::optional<StreamAnswer> Receive() = 0;
+  // After Receive has returned nullopt: how the stream ended.
+  virtual absl::Status Finish() = 0;
 };
 
 // Answers queries; implemented by the connection below and by fakes in tests.
@@ -120,24 +188,22 @@ class Relocalizer {
       const CallOptions& options) = 0;
   virtual absl::StatusOr<SceneDescription> GetScene(
       const std::string& scene, const CallOptions& options) = 0;
-};
-
-struct ConnectOptions {
-  // "HOST:PORT", or any target that gRPC resolves ("dns:///...", in which case
-  // calls go round-robin over all its addresses).
-  std::string server;
-  // How often a call is tried while the server answers UNAVAILABLE: 1..5. The
-  // waits between tries grow from 50 ms to 1 s, or are what the server asks
-  // for, and end with the call's timeout.
-  int max_attempts = 4;
-  // Largest request and answer (MiB), 1..1024.
-  int max_message_mib = 32;
-
-  absl::Status Validate() const;
+  // An empty version: the newest to load, all to unload. Both are for the
+  // administrators of a server.
+  virtual absl::StatusOr<SceneDescription> LoadScene(
+      const std::string& scene, const std::string& model_version,
+      const CallOptions& options) = 0;
+  virtual absl::StatusOr<SceneDescription> UnloadScene(
+      const std::string& scene, const std::string& model_version,
+      const CallOptions& options) = 0;
+  // Does not wait for the server.
+  virtual std::unique_ptr<LocalizeStream> OpenStream(
+      const StreamOptions& options) = 0;
 };
 
 // A connection, made when it is first needed and again whenever it breaks; so
-// that the server is not there yet is no error here. INVALID_ARGUMENT: options.
+// that the server is not there yet is no error here. INVALID_ARGUMENT: options;
+// otherwise what is wrong with a file of a certificate or a token.
 absl::StatusOr<std::unique_ptr<Relocalizer>> ConnectRelocalizer(
     const ConnectOptions& options);
 

@@ -6,10 +6,15 @@
 //                             frames; without it, what needs one is skipped
 //
 //   localizer_benchmark --benchmark_min_time=2
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -115,6 +120,57 @@ void BM_OpenCvSiftExtraction(benchmark::State& state) {
       benchmark::Counter(keypoints_found, benchmark::Counter::kAvgIterations);
 }
 BENCHMARK(BM_OpenCvSiftExtraction)->Unit(benchmark::kMillisecond);
+
+// From a stop request, at a moment anywhere in the query, to the return of
+// Localize: how long a cancelled call holds its worker.
+void BM_TimeToStop(benchmark::State& state) {
+  const Recording& recording = TestFrames();
+  if (recording.frames.empty()) return state.SkipWithError(kNoData);
+  const auto localizer = OpenLocalizer(ModelPath());
+  if (!localizer.ok()) {
+    return state.SkipWithError(NoModel(localizer.status()).c_str());
+  }
+  using Time = std::chrono::steady_clock;
+  // Longer than an ordinary query, so that the last stages are met too.
+  const auto whole = [&] {
+    const Time::time_point start = Time::now();
+    for (const Frame& frame : recording.frames) {
+      benchmark::DoNotOptimize((*localizer)->Localize(frame, {}).ok());
+    }
+    return (Time::now() - start) / static_cast<int>(recording.frames.size());
+  }();
+  std::vector<double> stopped_ms;
+  uint64_t k = 0;
+  for (auto _ : state) {
+    const double part = Random(1, k).NextUnit();
+    std::stop_source stop;
+    Time::time_point asked;
+    std::jthread asker([&] {
+      std::this_thread::sleep_for(whole * part);
+      asked = Time::now();
+      stop.request_stop();
+    });
+    const Frame& frame = recording.frames[k++ % recording.frames.size()];
+    const auto estimate =
+        (*localizer)->Localize(frame, {.stop = stop.get_token()});
+    const Time::time_point returned = Time::now();
+    asker.join();
+    const double ms = std::max(
+        0.0, std::chrono::duration<double, std::milli>(returned - asked)
+                 .count());
+    if (!estimate.ok()) stopped_ms.push_back(ms);
+    state.SetIterationTime(ms / 1e3);
+  }
+  if (stopped_ms.empty()) return;
+  std::sort(stopped_ms.begin(), stopped_ms.end());
+  state.counters["p99_ms"] = stopped_ms[stopped_ms.size() * 99 / 100];
+  state.counters["max_ms"] = stopped_ms.back();
+  state.counters["stopped"] = static_cast<double>(stopped_ms.size());
+}
+BENCHMARK(BM_TimeToStop)
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime()
+    ->Iterations(400);
 
 // Arguments: samples, leaves visited in each tree.
 void BM_Localize(benchmark::State& state) {

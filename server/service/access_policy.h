@@ -17,7 +17,10 @@ struct Client {
   // Stable for one client: the subject of its token, the name in its
   // certificate, or the address of an anonymous one without its port. The queue
   // is shared fairly between these.
-  std::string id;
+  std::string id = {};
+  // Requests a second that its token promises it, which may be less than what
+  // the server allows everyone; 0: nothing said.
+  double max_rate_per_s = 0;
 };
 
 class AccessPolicy {
@@ -39,7 +42,8 @@ class OpenAccess final : public AccessPolicy {
   absl::StatusOr<Client> Admit(const CallInfo& call, Scope scope) override;
 };
 
-// "ipv4:10.0.0.7:41234" -> "ipv4:10.0.0.7".
+// "ipv4:10.0.0.7:41234" -> "ipv4:10.0.0.7", "ipv6:%5B::1%5D:1234" ->
+// "ipv6:%5B::1%5D". What has no port stays as it is: "unix:/run/treeline.sock".
 std::string PeerWithoutPort(const std::string& peer);
 
 }  // namespace treeline

@@ -5,7 +5,7 @@
 
 #include "server/core/forest/model_info.h"
 #include "server/core/localizer/localizer.h"
-#include "server/repository/scene_repository.h"
+#include "server/repository/scene.h"
 #include "server/service/call_observer.h"
 #include "treeline/v1/relocalization.pb.h"
 #include "treeline/v1/scenes.pb.h"
@@ -23,6 +23,7 @@ v1::LocalizeResponse ToProto(const PoseEstimate& estimate,
 
 v1::SceneState ToProto(SceneState state);
 v1::ModelInfo ToProto(const ModelInfo& info);
+v1::GeoAnchor ToProto(const GeoAnchor& anchor);
 v1::SceneInfo ToProto(const SceneStatus& status);
 
 }  // namespace treeline

@@ -14,6 +14,7 @@ namespace treeline {
 // Calls in the service now.
 struct Load {
   int queued = 0;
+  int waiting_for_scene = 0;
   int running = 0;
   int workers = 0;
   int queue_capacity = 0;
@@ -41,6 +42,10 @@ class Dispatcher {
                          Done<v1::LoadSceneResponse> done) = 0;
   virtual void UnloadScene(CallInfo call, const v1::UnloadSceneRequest& request,
                            Done<v1::UnloadSceneResponse> done) = 0;
+
+  // Reports a query that a transport turned away itself: there were too many.
+  virtual void Reject(const CallInfo& call, const v1::LocalizeRequest& request,
+                      const absl::Status& status) = 0;
 
   virtual Load load() const = 0;
 };

@@ -2,6 +2,8 @@
 #ifndef SERVER_SERVICE_GRPC_SERVER_H_
 #define SERVER_SERVICE_GRPC_SERVER_H_
 
+#include <grpcpp/security/server_credentials.h>
+
 #include <chrono>
 #include <memory>
 #include <string>
@@ -9,47 +11,64 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
-#include "common/image/decode.h"
 #include "server/repository/scene_repository.h"
-#include "server/service/call_observer.h"
+#include "server/service/dispatcher.h"
 
 namespace treeline {
 
+// Which of the services a listener has.
+enum class ListenerKind {
+  // RelocalizationService, SceneService.
+  kPublic,
+  // SceneService with what only operators may do, and channelz.
+  kAdmin
+};
+
 struct GrpcServerOptions {
+  ListenerKind kind = ListenerKind::kPublic;
   // "HOST:PORT" with an IPv4 address, a bracketed IPv6 address or a name; port
   // 0 takes any that is free.
   std::string listen = "127.0.0.1:50051";
   // Whether `listen` may be reached from other machines although nothing is
   // encrypted and nobody is authenticated.
   bool insecure_any_address = false;
-  // Queries computed at a time, 1..1024; 0: one per processor.
-  int workers = 0;
-  // Queries that may wait for a worker, 1..100000.
-  int queue = 64;
+  // Null: plain text.
+  std::shared_ptr<grpc::ServerCredentials> credentials = nullptr;
   // Largest request, 1..1024.
   int max_message_mib = 32;
-  DecodeLimits decode_limits = {};
+  // What requests may hold together while they arrive, 1..1048576; 0: 64 of
+  // the largest.
+  int max_buffered_mib = 0;
+  // After this a connection is asked to close, so that a balancer and new
+  // replicas get their share; seconds, 1..1e6; 0: never. Calls on it finish;
+  // streams have `connection_grace_s`.
+  int max_connection_age_s = 600;
+  int connection_grace_s = 60;
 
   absl::Status Validate() const;
 };
 
-// Serves RelocalizationService, SceneService, grpc.health.v1 and reflection
-// from construction to Stop().
+// Serves from construction to Stop(), with grpc.health.v1 and reflection.
+//
+// Health knows "", the whole server, and "treeline.scene.<name>" for each
+// scene: SERVING if the scene answers or would be loaded by its first query,
+// NOT_SERVING if it failed.
 class GrpcServer {
  public:
   // INVALID_ARGUMENT: options. UNAVAILABLE: the address cannot be bound, with
   // the system's reason. All references must outlive the server.
   static absl::StatusOr<std::unique_ptr<GrpcServer>> Start(
-      const SceneRepository& repository, const GrpcServerOptions& options,
-      CallObserver& observer, const Clock& clock);
+      Dispatcher& dispatcher, const SceneRepository& repository,
+      const GrpcServerOptions& options, const Clock& clock);
   // Stops without waiting for calls in flight: they are cancelled.
   ~GrpcServer();
 
   // HOST:PORT with the port that was bound.
   const std::string& address() const;
 
-  // Health answers NOT_SERVING from now on, so that balancers look elsewhere;
-  // calls are still answered.
+  // Health answers NOT_SERVING from now on, so that balancers look elsewhere,
+  // and streams end when they have answered what they have read; calls are
+  // still answered.
   void AnnounceStop();
 
   // Closes the listener, waits up to `grace` for the calls in flight, cancels

@@ -6,6 +6,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -15,9 +16,13 @@
 #include "absl/strings/numbers.h"
 #include "absl/synchronization/blocking_counter.h"
 #include "absl/synchronization/notification.h"
+#include "common/base/error_info.h"
+#include "common/wire/status.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "server/service/access_policy.h"
 #include "server/service/listen_address.h"
+#include "server/service/service_dispatcher.h"
 #include "server/service/service_test_util.h"
 #include "treeline/v1/relocalization.grpc.pb.h"
 #include "treeline/v1/scenes.grpc.pb.h"
@@ -48,10 +53,14 @@ class GrpcServerTest : public testing::Test {
                     throw std::runtime_error("secret of the house");
                   }}}) {}
 
-  void StartServer(GrpcServerOptions options = {.workers = 1, .queue = 1}) {
+  void StartServer(const DispatcherOptions& dispatcher = {.workers = 1,
+                                                          .queue = 1},
+                   GrpcServerOptions options = {}) {
+    dispatcher_.emplace(scenes_.repository(), access_, observer_, clock_,
+                        dispatcher);
     options.listen = "127.0.0.1:0";
     auto server =
-        GrpcServer::Start(scenes_.repository(), options, observer_, clock_);
+        GrpcServer::Start(*dispatcher_, scenes_.repository(), options, clock_);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
     channel_ = grpc::CreateChannel(server_->address(),
@@ -107,7 +116,9 @@ class GrpcServerTest : public testing::Test {
   absl::Notification gate_;
   FakeScenes scenes_;
   RecordingObserver observer_;
+  OpenAccess access_;
   SteadyClock clock_;
+  std::optional<ServiceDispatcher> dispatcher_;
   std::unique_ptr<GrpcServer> server_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::RelocalizationService::Stub> stub_;
@@ -274,7 +285,7 @@ TEST_F(GrpcServerTest, TheDeadlineFreesTheWorker) {
 }
 
 TEST_F(GrpcServerTest, OversizeRequestsAreRefusedAndTheServerLives) {
-  StartServer({.workers = 1, .queue = 1, .max_message_mib = 1});
+  StartServer({.workers = 1, .queue = 1}, {.max_message_mib = 1});
   v1::LocalizeRequest request = TestRequest("kitchen");
   request.mutable_frame()->mutable_color()->set_encoded(
       std::string(2 << 20, 'x'));
@@ -318,6 +329,60 @@ TEST_F(GrpcServerTest, HealthTurnsWhenAStopIsAnnouncedAndCallsGoOn) {
   ASSERT_TRUE(CallRaw(check, "", &answer).ok());
   EXPECT_EQ(answer, "\x08\x02");
   EXPECT_TRUE(Localize("kitchen").ok());
+}
+
+TEST_F(GrpcServerTest, HealthKnowsTheScenes) {
+  StartServer();
+  const std::string check = "/grpc.health.v1.Health/Check";
+  const auto ask = [&](const std::string& service) {
+    return "\x0a" + std::string(1, static_cast<char>(service.size())) + service;
+  };
+  std::string answer;
+  ASSERT_TRUE(CallRaw(check, ask("treeline.scene.kitchen"), &answer).ok());
+  EXPECT_EQ(answer, "\x08\x01");
+  ASSERT_TRUE(CallRaw(check, ask("treeline.scene.broken"), &answer).ok());
+  EXPECT_EQ(answer, "\x08\x02");
+  EXPECT_EQ(CallRaw(check, ask("treeline.scene.attic"), &answer).error_code(),
+            grpc::NOT_FOUND);
+}
+
+TEST_F(GrpcServerTest, ErrorsCarryAReasonForPrograms) {
+  StartServer();
+  grpc::ClientContext context;
+  v1::LocalizeResponse response;
+  v1::LocalizeRequest request = TestRequest("kitchen");
+  request.mutable_frame()->mutable_depth()->set_unit_m(0);
+  const absl::Status status =
+      FromGrpc(stub_->Localize(&context, request, &response));
+  EXPECT_EQ(ErrorInfoOf(status).reason, "INVALID_REQUEST");
+  EXPECT_EQ(ErrorInfoOf(status).metadata.at("field"), "frame.depth.unit_m");
+}
+
+TEST_F(GrpcServerTest, OnlyTheAdminListenerAdministers) {
+  StartServer();
+  const auto admin = GrpcServer::Start(
+      *dispatcher_, scenes_.repository(),
+      {.kind = ListenerKind::kAdmin, .listen = "127.0.0.1:0"}, clock_);
+  ASSERT_TRUE(admin.ok()) << admin.status();
+  const auto load = [](const std::shared_ptr<grpc::Channel>& channel) {
+    grpc::ClientContext context;
+    v1::LoadSceneRequest request;
+    request.set_scene("kitchen");
+    v1::LoadSceneResponse response;
+    return v1::SceneService::NewStub(channel)->LoadScene(&context, request,
+                                                         &response);
+  };
+  EXPECT_EQ(load(channel_).error_code(), grpc::PERMISSION_DENIED);
+  const auto channel = grpc::CreateChannel((*admin)->address(),
+                                           grpc::InsecureChannelCredentials());
+  EXPECT_TRUE(load(channel).ok());
+  // And it does not localize.
+  grpc::ClientContext context;
+  v1::LocalizeResponse response;
+  EXPECT_EQ(v1::RelocalizationService::NewStub(channel)
+                ->Localize(&context, TestRequest("kitchen"), &response)
+                .error_code(),
+            grpc::UNIMPLEMENTED);
 }
 
 // grpc.reflection.v1alpha: field 7 asks for the names of the services.
@@ -377,8 +442,8 @@ TEST_F(GrpcServerTest, StopCancelsWhatOutlastsItsGrace) {
 
 TEST_F(GrpcServerTest, APortInUseIsAnErrorThatNamesIt) {
   StartServer();
-  const auto second = GrpcServer::Start(
-      scenes_.repository(), {.listen = server_->address()}, observer_, clock_);
+  const auto second = GrpcServer::Start(*dispatcher_, scenes_.repository(),
+                                        {.listen = server_->address()}, clock_);
   EXPECT_EQ(second.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(second.status().message()),
               HasSubstr(server_->address()));

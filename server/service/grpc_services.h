@@ -1,46 +1,46 @@
-// The RPCs behind gRPC's callback API: admission, deadlines, cancellation.
+// The RPCs behind gRPC's callback API: each hands its call to the dispatcher.
 #ifndef SERVER_SERVICE_GRPC_SERVICES_H_
 #define SERVER_SERVICE_GRPC_SERVICES_H_
 
-#include "server/repository/scene_repository.h"
-#include "server/service/call_observer.h"
-#include "server/service/localize_rpc.h"
-#include "server/service/worker_pool.h"
+#include "common/base/clock.h"
+#include "server/service/dispatcher.h"
+#include "server/service/localize_stream.h"
 #include "treeline/v1/relocalization.grpc.pb.h"
 #include "treeline/v1/scenes.grpc.pb.h"
 
 namespace treeline {
 
-// Hands each call to a worker, or turns it away with UNAVAILABLE and, in the
-// trailing metadata, grpc-retry-pushback-ms: when to try again.
 class RelocalizationGrpcService final
     : public v1::RelocalizationService::CallbackService {
  public:
   // All must outlive the server that the service is registered with.
-  RelocalizationGrpcService(const LocalizeRpc& rpc, WorkerPool& workers,
-                            CallObserver& observer, const Clock& clock)
-      : rpc_(rpc), workers_(workers), observer_(observer), clock_(clock) {}
+  RelocalizationGrpcService(Dispatcher& dispatcher, const Clock& clock)
+      : dispatcher_(dispatcher), clock_(clock) {}
 
   grpc::ServerUnaryReactor* Localize(grpc::CallbackServerContext* context,
                                      const v1::LocalizeRequest* request,
                                      v1::LocalizeResponse* response) override;
+  grpc::ServerBidiReactor<v1::LocalizeStreamRequest,
+                          v1::LocalizeStreamResponse>*
+  LocalizeStream(grpc::CallbackServerContext* context) override;
+
+  // Ends the streams once they have answered what they read.
+  void DrainStreams() { streams_.Drain(); }
 
  private:
-  class Call;
-
-  const LocalizeRpc& rpc_;
-  WorkerPool& workers_;
-  CallObserver& observer_;
+  Dispatcher& dispatcher_;
   const Clock& clock_;
+  LocalizeStreams streams_;
 };
 
-// Answers at once, on gRPC's thread: there is nothing to compute, and an
-// operator wants an answer from a server that is overloaded too.
 class SceneGrpcService final : public v1::SceneService::CallbackService {
  public:
-  SceneGrpcService(const SceneRepository& repository, CallObserver& observer,
-                   const Clock& clock)
-      : repository_(repository), observer_(observer), clock_(clock) {}
+  // admin_listener: whether it stands where only operators come in.
+  SceneGrpcService(Dispatcher& dispatcher, const Clock& clock,
+                   bool admin_listener)
+      : dispatcher_(dispatcher),
+        clock_(clock),
+        admin_listener_(admin_listener) {}
 
   grpc::ServerUnaryReactor* ListScenes(
       grpc::CallbackServerContext* context,
@@ -49,11 +49,18 @@ class SceneGrpcService final : public v1::SceneService::CallbackService {
   grpc::ServerUnaryReactor* GetScene(grpc::CallbackServerContext* context,
                                      const v1::GetSceneRequest* request,
                                      v1::GetSceneResponse* response) override;
+  grpc::ServerUnaryReactor* LoadScene(grpc::CallbackServerContext* context,
+                                      const v1::LoadSceneRequest* request,
+                                      v1::LoadSceneResponse* response) override;
+  grpc::ServerUnaryReactor* UnloadScene(
+      grpc::CallbackServerContext* context,
+      const v1::UnloadSceneRequest* request,
+      v1::UnloadSceneResponse* response) override;
 
  private:
-  const SceneRepository& repository_;
-  CallObserver& observer_;
+  Dispatcher& dispatcher_;
   const Clock& clock_;
+  const bool admin_listener_;
 };
 
 }  // namespace treeline

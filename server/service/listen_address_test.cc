@@ -61,11 +61,12 @@ TEST(ListenAddress, OtherMachinesOnlyIfAskedFor) {
 
 TEST(ListenAddress, OptionsOutOfRangeAreRefused) {
   for (const GrpcServerOptions& bad :
-       {GrpcServerOptions{.listen = "x"}, GrpcServerOptions{.workers = -1},
-        GrpcServerOptions{.workers = 1025}, GrpcServerOptions{.queue = 0},
-        GrpcServerOptions{.queue = 100001},
+       {GrpcServerOptions{.listen = "x"},
         GrpcServerOptions{.max_message_mib = 0},
-        GrpcServerOptions{.max_message_mib = 1025}}) {
+        GrpcServerOptions{.max_message_mib = 1025},
+        GrpcServerOptions{.max_buffered_mib = -1},
+        GrpcServerOptions{.max_connection_age_s = -1},
+        GrpcServerOptions{.connection_grace_s = 0}}) {
     EXPECT_EQ(bad.Validate().code(), absl::StatusCode::kInvalidArgument);
   }
   EXPECT_TRUE(GrpcServerOptions{}.Validate().ok());

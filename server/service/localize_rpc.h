@@ -1,44 +1,36 @@
-// RelocalizationService.Localize, without gRPC around it.
+// RelocalizationService.Localize on a worker: from the request to the answer.
 #ifndef SERVER_SERVICE_LOCALIZE_RPC_H_
 #define SERVER_SERVICE_LOCALIZE_RPC_H_
 
-#include <stop_token>
-
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
 #include "common/image/decode.h"
 #include "server/repository/scene_repository.h"
+#include "server/service/call.h"
 #include "server/service/call_observer.h"
 #include "treeline/v1/relocalization.pb.h"
 
 namespace treeline {
 
-// What surrounds one call.
-struct CallContext {
-  // When the whole request had arrived.
-  MonotonicTime arrival;
-  // MonotonicTime::max(): none.
-  MonotonicTime deadline = MonotonicTime::max();
-  // Requested when the client cancels, disconnects, or its deadline passes.
-  std::stop_token stop;
-};
+// What can be said about options before a query waits: INVALID_ARGUMENT, naming
+// the field.
+absl::Status CheckOptions(const v1::LocalizeOptions& options);
 
 class LocalizeRpc {
  public:
-  LocalizeRpc(const SceneRepository& repository, const DecodeLimits& limits,
-              const Clock& clock)
-      : repository_(repository), limits_(limits), clock_(clock) {}
+  LocalizeRpc(const DecodeLimits& limits, const Clock& clock)
+      : limits_(limits), clock_(clock) {}
 
   // Answers a request that has just left the queue, on the calling thread.
   // A call whose deadline has passed or that was cancelled costs nothing: it
-  // is turned away before anything is decoded. Fills `record` but for rpc,
-  // peer and status. Errors as in relocalization.proto.
+  // is turned away before anything is decoded. Fills what `record` says of
+  // version, outcome and stages. Errors as in relocalization.proto.
   absl::StatusOr<v1::LocalizeResponse> Handle(
-      const v1::LocalizeRequest& request, const CallContext& context,
-      CallRecord& record) const;
+      const v1::LocalizeRequest& request, const Scene& scene,
+      const CallInfo& call, CallRecord& record) const;
 
  private:
-  const SceneRepository& repository_;
   const DecodeLimits limits_;
   const Clock& clock_;
 };

@@ -24,14 +24,16 @@ class LocalizeRpcTest : public testing::Test {
                     return answer_;
                   }}}),
         clock_(std::chrono::milliseconds(10)),
-        rpc_(scenes_.repository(), DecodeLimits{}, clock_) {
-    context_.arrival = clock_.Now();
-    context_.stop = stop_.get_token();
+        rpc_(DecodeLimits{}, clock_) {
+    call_.arrival = clock_.Now();
+    call_.stop = stop_.get_token();
   }
 
   absl::StatusOr<v1::LocalizeResponse> Handle(
       const v1::LocalizeRequest& request) {
-    return rpc_.Handle(request, context_, record_);
+    const auto scene = scenes_.repository().Acquire("kitchen", "");
+    if (!scene.ok()) return scene.status();
+    return rpc_.Handle(request, **scene, call_, record_);
   }
 
   // What the fake localizer was given, and what it answers.
@@ -44,7 +46,7 @@ class LocalizeRpcTest : public testing::Test {
   SteppingClock clock_;
   std::stop_source stop_;
   LocalizeRpc rpc_;
-  CallContext context_;
+  CallInfo call_;
   CallRecord record_;
 };
 
@@ -112,7 +114,6 @@ TEST_F(LocalizeRpcTest, SaysWhereTheTimeWent) {
 
 TEST_F(LocalizeRpcTest, RecordsTheCallForTheLog) {
   ASSERT_TRUE(Handle(TestRequest("kitchen")).ok());
-  EXPECT_EQ(record_.scene, "kitchen");
   EXPECT_EQ(record_.model_version, "1");
   EXPECT_EQ(record_.outcome, Outcome::kLocalized);
   EXPECT_EQ(record_.inliers, 432);
@@ -130,7 +131,7 @@ v1::LocalizeRequest Undecodable() {
 TEST_F(LocalizeRpcTest, ExpiredCallsAreTurnedAwayBeforeDecoding) {
   EXPECT_EQ(Handle(Undecodable()).status().code(),
             absl::StatusCode::kInvalidArgument);
-  context_.deadline = context_.arrival + std::chrono::milliseconds(5);
+  call_.deadline = call_.arrival + std::chrono::milliseconds(5);
   EXPECT_EQ(Handle(Undecodable()).status().code(),
             absl::StatusCode::kDeadlineExceeded);
   EXPECT_FALSE(frame_.has_value());
@@ -145,7 +146,7 @@ TEST_F(LocalizeRpcTest, CancelledCallsAreTurnedAwayBeforeDecoding) {
 
 TEST_F(LocalizeRpcTest, CallsThatExpireWhileDecodingAreNotLocalized) {
   // Leaves the queue at 10 ms, is decoded at 20 ms.
-  context_.deadline = context_.arrival + std::chrono::milliseconds(15);
+  call_.deadline = call_.arrival + std::chrono::milliseconds(15);
   EXPECT_EQ(Handle(TestRequest("kitchen")).status().code(),
             absl::StatusCode::kDeadlineExceeded);
   EXPECT_FALSE(frame_.has_value());
@@ -164,36 +165,51 @@ TEST_F(LocalizeRpcTest, TheLocalizerSeesTheCallsStopToken) {
 
 TEST_F(LocalizeRpcTest, WorkStoppedByTheDeadlineSaysSo) {
   // Decoded at 20 ms, stopped at 30 ms.
-  context_.deadline = context_.arrival + std::chrono::milliseconds(25);
+  call_.deadline = call_.arrival + std::chrono::milliseconds(25);
   answer_ = absl::CancelledError("stopped");
   EXPECT_EQ(Handle(TestRequest("kitchen")).status().code(),
             absl::StatusCode::kDeadlineExceeded);
 }
 
-TEST_F(LocalizeRpcTest, UnknownScenesAreNotFound) {
-  const auto response = Handle(TestRequest("attic"));
-  EXPECT_EQ(response.status().code(), absl::StatusCode::kNotFound);
-  EXPECT_THAT(std::string(response.status().message()), HasSubstr("attic"));
-  EXPECT_EQ(record_.scene, "attic");
-  EXPECT_EQ(record_.model_version, "");
-}
-
-TEST_F(LocalizeRpcTest, UnknownVersionsAreNotFound) {
+// The fake pose stands at (1.5, -0.25, 3) m.
+v1::LocalizeRequest WithPrior(double x, double radius_m, double radius_rad) {
   v1::LocalizeRequest request = TestRequest("kitchen");
-  request.set_model_version("7");
-  EXPECT_EQ(Handle(request).status().code(), absl::StatusCode::kNotFound);
+  v1::PosePrior& prior = *request.mutable_options()->mutable_prior();
+  Rigid3 pose = LocalizedEstimate().world_from_camera;
+  pose.translation.x = x;
+  *prior.mutable_world_from_camera() = ToProto(pose);
+  prior.set_position_radius_m(radius_m);
+  prior.set_rotation_radius_rad(radius_rad);
+  return request;
 }
 
-TEST_F(LocalizeRpcTest, CorruptScenesAreDataLoss) {
-  const auto response = Handle(TestRequest("broken"));
-  EXPECT_EQ(response.status().code(), absl::StatusCode::kDataLoss);
-  EXPECT_THAT(std::string(response.status().message()),
-              HasSubstr("checksum differs"));
+TEST_F(LocalizeRpcTest, APosePastThePriorIsWithdrawn) {
+  const auto near = Handle(WithPrior(1.6, 0.2, 0.1));
+  ASSERT_TRUE(near.ok()) << near.status();
+  EXPECT_EQ(near->outcome(), v1::OUTCOME_LOCALIZED);
+  const auto far = Handle(WithPrior(2.5, 0.2, 0.1));
+  ASSERT_TRUE(far.ok()) << far.status();
+  EXPECT_EQ(far->outcome(), v1::OUTCOME_NOT_LOCALIZED);
+  EXPECT_EQ(far->reason(), v1::NOT_LOCALIZED_REASON_CONTRADICTS_PRIOR);
+  EXPECT_FALSE(far->has_world_from_camera());
+  EXPECT_EQ(far->inliers(), 432);
 }
 
-TEST_F(LocalizeRpcTest, RequestsWithoutASceneAreInvalid) {
-  EXPECT_EQ(Handle(v1::LocalizeRequest()).status().code(),
-            absl::StatusCode::kInvalidArgument);
+TEST_F(LocalizeRpcTest, AbsurdOptionsNameTheirField) {
+  const auto message = [](const v1::LocalizeRequest& request) {
+    return std::string(CheckOptions(request.options()).message());
+  };
+  EXPECT_TRUE(CheckOptions(WithPrior(1, 0.2, 3).options()).ok());
+  EXPECT_THAT(message(WithPrior(1, -1, 0.1)),
+              HasSubstr("options.prior.position_radius_m"));
+  EXPECT_THAT(message(WithPrior(1, 1, 4)),
+              HasSubstr("options.prior.rotation_radius_rad"));
+  v1::LocalizeRequest request = WithPrior(1, 1, 1);
+  request.mutable_options()->mutable_prior()->clear_world_from_camera();
+  EXPECT_THAT(message(request), HasSubstr("options.prior.world_from_camera"));
+  request = TestRequest("kitchen");
+  request.mutable_options()->set_time_budget_ms(0);
+  EXPECT_THAT(message(request), HasSubstr("options.time_budget_ms"));
 }
 
 TEST_F(LocalizeRpcTest, BadFramesNameTheirField) {
@@ -210,11 +226,6 @@ TEST_F(LocalizeRpcTest, WhatTheLocalizerRefusesIsPassedOn) {
   const auto response = Handle(TestRequest("kitchen"));
   EXPECT_EQ(response.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(response.status().message(), "this scene needs depth");
-}
-
-TEST_F(LocalizeRpcTest, OverlongSceneNamesAreNotRecordedWhole) {
-  Handle(TestRequest(std::string(1 << 20, 'x'))).IgnoreError();
-  EXPECT_EQ(record_.scene.size(), kLongestName);
 }
 
 }  // namespace

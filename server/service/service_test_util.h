@@ -15,6 +15,7 @@
 #include "common/base/clock.h"
 #include "common/wire/frame.h"
 #include "gtest/gtest.h"
+#include "server/repository/folder_source.h"
 #include "server/repository/scene_repository.h"
 #include "server/service/call_observer.h"
 #include "treeline/v1/relocalization.pb.h"
@@ -77,8 +78,8 @@ class FakeScenes {
     for (const auto& [name, localize] : scenes) put(name);
     repository_ =
         SceneRepository::Open(
-            root.string(),
-            [&](const std::string& path)
+            std::make_unique<FolderSource>(root.string()),
+            [scenes](const std::string& path)
                 -> absl::StatusOr<std::unique_ptr<Localizer>> {
               const std::string name =
                   fs::path(path).parent_path().parent_path().filename();
@@ -87,14 +88,17 @@ class FakeScenes {
                 return absl::DataLossError("checksum differs");
               }
               return std::make_unique<FakeLocalizer>(name, scene->second);
-            })
+            },
+            {.load_all_at_start = true}, clock_)
             .value();
+    EXPECT_TRUE(repository_->WaitForLoads().ok());
     fs::remove_all(root);
   }
 
-  const SceneRepository& repository() const { return *repository_; }
+  SceneRepository& repository() const { return *repository_; }
 
  private:
+  SteadyClock clock_;
   std::unique_ptr<SceneRepository> repository_;
 };
 

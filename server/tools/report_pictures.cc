@@ -159,6 +159,8 @@ const char* ReasonText(NotLocalizedReason reason) {
       return "poorly constrained";
     case NotLocalizedReason::kLowConfidence:
       return "low confidence";
+    case NotLocalizedReason::kContradictsPrior:
+      return "contradicts the prior";
   }
   return "unknown";
 }

@@ -140,6 +140,40 @@ absl::Status ReadForest(const SectionReader& reader, uint32_t f,
   return forest.Validate();
 }
 
+// Magic, version, length, and that the section table lies inside the file.
+absl::StatusOr<Header> ReadHeader(const MappedFile& file) {
+  Header header;
+  if (file.size() < sizeof(header)) {
+    return Corrupt("shorter than a header; was it copied whole?");
+  }
+  std::memcpy(&header, file.data(), sizeof(header));
+  if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) {
+    return absl::DataLossError("not a Treeline model file");
+  }
+  if (header.version > kModelFormatVersion) {
+    return absl::UnimplementedError(absl::StrCat(
+        "model format ", header.version, " is newer than this software, which ",
+        "reads up to ", kModelFormatVersion, "; update it"));
+  }
+  if (header.version == 0) return Corrupt("format version 0");
+  if (header.file_bytes != file.size()) {
+    return Corrupt(absl::StrCat("it should have ", header.file_bytes,
+                                " bytes and has ", file.size(),
+                                "; was it copied whole?"));
+  }
+  if (header.sections > 64 ||
+      sizeof(header) + header.sections * sizeof(Section) > file.size()) {
+    return Corrupt("bad section table");
+  }
+  return header;
+}
+
+std::span<const Section> SectionTable(const MappedFile& file,
+                                      const Header& header) {
+  return {reinterpret_cast<const Section*>(file.data() + sizeof(header)),
+          header.sections};
+}
+
 Vec3 Least(Vec3 a, Vec3 b) {
   return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
 }
@@ -217,37 +251,12 @@ absl::StatusOr<std::unique_ptr<const ModelFile>> ModelFile::Open(
 }
 
 absl::Status ModelFile::Parse() {
-  Header header;
-  if (file_.size() < sizeof(header)) {
-    return Corrupt("shorter than a header; was it copied whole?");
-  }
-  std::memcpy(&header, file_.data(), sizeof(header));
-  if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) {
-    return absl::DataLossError("not a Treeline model file");
-  }
-  if (header.version > kModelFormatVersion) {
-    return absl::UnimplementedError(absl::StrCat(
-        "model format ", header.version, " is newer than this software, which ",
-        "reads up to ", kModelFormatVersion, "; update it"));
-  }
-  if (header.version == 0) return Corrupt("format version 0");
-  if (header.file_bytes != file_.size()) {
-    return Corrupt(absl::StrCat("it should have ", header.file_bytes,
-                                " bytes and has ", file_.size(),
-                                "; was it copied whole?"));
-  }
+  TL_ASSIGN_OR_RETURN(const Header header, ReadHeader(file_));
   const uint64_t checksum = Checksum(
       header, {reinterpret_cast<const char*>(file_.data()) + sizeof(header),
                file_.size() - sizeof(header)});
   if (checksum != header.checksum) return Corrupt("checksum mismatch");
-  if (header.sections > 64 ||
-      sizeof(header) + header.sections * sizeof(Section) > file_.size()) {
-    return Corrupt("bad section table");
-  }
-  const std::span<const Section> sections(
-      reinterpret_cast<const Section*>(file_.data() + sizeof(header)),
-      header.sections);
-
+  const std::span<const Section> sections = SectionTable(file_, header);
   const SectionReader reader(file_, sections);
   std::span<const char> info_json;
   TL_RETURN_IF_ERROR(reader.Read(kInfo, 0, info_json));
@@ -282,6 +291,27 @@ absl::Status ModelFile::Parse() {
 std::span<const char> ModelFile::ExtraBytes(ModelExtra kind) const {
   const auto found = extras_.find(static_cast<uint32_t>(kind));
   return found == extras_.end() ? std::span<const char>() : found->second;
+}
+
+absl::StatusOr<std::string> ReadModelExtra(const std::string& path,
+                                           ModelExtra kind,
+                                           uint64_t max_bytes) {
+  TL_ASSIGN_OR_RETURN(const MappedFile file, MappedFile::Open(path));
+  const auto read = [&]() -> absl::StatusOr<std::string> {
+    TL_ASSIGN_OR_RETURN(const Header header, ReadHeader(file));
+    const SectionReader reader(file, SectionTable(file, header));
+    if (!reader.Has(static_cast<uint32_t>(kind), 0)) {
+      return absl::NotFoundError(absl::StrCat(
+          "the model has no section ", static_cast<uint32_t>(kind)));
+    }
+    std::span<const char> bytes;
+    TL_RETURN_IF_ERROR(reader.Read(static_cast<uint32_t>(kind), 0, bytes));
+    if (bytes.size() > max_bytes) return Corrupt("a section is too long");
+    return std::string(bytes.data(), bytes.size());
+  };
+  absl::StatusOr<std::string> bytes = read();
+  if (!bytes.ok()) return Annotate(bytes.status(), path);
+  return bytes;
 }
 
 }  // namespace treeline

@@ -24,6 +24,7 @@ enum class ModelExtra : uint32_t {
   kKeyframes = 8,
   kKeyframePoints = 9,
   kKeyframeFeatures = 10,
+  kSceneDescriptor = 11,
 };
 
 // The bytes of one of them; they belong to somebody else.
@@ -78,6 +79,15 @@ class ModelFile {
   std::vector<ForestView> forests_;
   std::map<uint32_t, std::span<const char>> extras_;
 };
+
+// One extra section of a file, without reading what else is in it: the header,
+// the section table and the section's own bounds are checked, the file's
+// checksum is not. NOT_FOUND: no such file, or it has no such section.
+// DATA_LOSS: it is longer than max_bytes, too. Other errors as those of
+// ModelFile::Open. Safe on hostile files.
+absl::StatusOr<std::string> ReadModelExtra(const std::string& path,
+                                           ModelExtra kind,
+                                           uint64_t max_bytes);
 
 }  // namespace treeline
 

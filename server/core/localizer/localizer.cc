@@ -85,6 +85,8 @@ absl::string_view ReasonName(NotLocalizedReason reason) {
       return "POORLY_CONSTRAINED";
     case NotLocalizedReason::kLowConfidence:
       return "LOW_CONFIDENCE";
+    case NotLocalizedReason::kContradictsPrior:
+      return "CONTRADICTS_PRIOR";
   }
   return "UNKNOWN";
 }

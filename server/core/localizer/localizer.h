@@ -25,7 +25,8 @@ enum class NotLocalizedReason {
   kTooFewSamples,      // hardly a pixel had depth and lay inside the image
   kTooFewInliers,      // no pose explained enough of the predictions
   kPoorlyConstrained,  // the inliers leave the pose uncertain
-  kLowConfidence       // what else is known speaks against the pose
+  kLowConfidence,      // what else is known speaks against the pose
+  kContradictsPrior    // it is farther from the prior than that allows
 };
 
 // Milliseconds spent per stage, in order of the pipeline.

@@ -9,6 +9,8 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/model_file.h"
+#include "server/core/recognition/scene_descriptor.h"
+#include "server/core/training/appearance_builder.h"
 #include "server/core/training/confidence_fitter.h"
 #include "server/core/training/forest_refiller.h"
 #include "server/core/training/forest_trainer.h"
@@ -232,6 +234,9 @@ class SceneTrainer {
       extras.push_back(
           {ModelExtra::kKeyframeFeatures, BytesOf(learned.keyframes.features)});
     }
+    if (!descriptor_.empty()) {
+      extras.push_back({ModelExtra::kSceneDescriptor, descriptor_});
+    }
     std::vector<ForestView> forests;
     for (const TrainedForest& f : learned.forests) {
       forests.push_back(f.forest.View());
@@ -252,7 +257,27 @@ class SceneTrainer {
     return absl::OkStatus();
   }
 
+  // Of all frames; those of an extended model stay in it.
+  absl::Status DescribeScene() {
+    AppearanceOptions appearance;
+    appearance.threads = options_.forest.threads;
+    TL_ASSIGN_OR_RETURN(
+        SceneDescriptor descriptor,
+        BuildSceneDescriptor(dataset_, appearance, quiet_, stop_));
+    if (is_extending()) {
+      TL_ASSIGN_OR_RETURN(const std::span<const char> bytes,
+                          base_->Extra<char>(ModelExtra::kSceneDescriptor));
+      // Models of other versions have none, or one of other words.
+      const absl::StatusOr<SceneDescriptor> old =
+          SceneDescriptor::Parse({bytes.data(), bytes.size()});
+      if (old.ok()) descriptor.Merge(*old);
+    }
+    descriptor_ = descriptor.Serialize();
+    return absl::OkStatus();
+  }
+
   absl::StatusOr<TrainedScene> Finish(const Learned& learned) {
+    if (!options_.splits_only) TL_RETURN_IF_ERROR(DescribeScene());
     for (const TrainedForest& f : learned.forests) {
       info_.training_frames = std::max(info_.training_frames, f.frames);
       info_.training_samples += f.samples;
@@ -276,6 +301,7 @@ class SceneTrainer {
   RgbdCalibration calibration_;
   std::unique_ptr<const ModelFile> base_;
   ModelInfo info_;
+  std::string descriptor_;  // as the file has it; empty: none
   TrainedScene scene_;
 };
 

@@ -1,6 +1,7 @@
 #include "server/core/training/sift_scene_trainer.h"
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/model_file.h"
+#include "server/core/training/appearance_builder.h"
 #include "server/core/training/confidence_fitter.h"
 #include "server/core/training/sift_trainer.h"
 
@@ -80,7 +82,14 @@ absl::StatusOr<TrainedScene> TrainSiftScene(const Dataset& dataset,
   info.training_frames = trained.images;
   info.training_samples = trained.samples;
   info.training_s = MillisecondsBetween(start, clock.Now()) / 1e3;
-  TL_RETURN_IF_ERROR(WriteModel(output_path, info, {trained.forest.View()}));
+  AppearanceOptions appearance;
+  appearance.threads = sift.threads;
+  TL_ASSIGN_OR_RETURN(const SceneDescriptor descriptor,
+                      BuildSceneDescriptor(dataset, appearance, quiet, stop));
+  const std::string bytes = descriptor.Serialize();
+  const ModelExtraBytes extra{ModelExtra::kSceneDescriptor, bytes};
+  TL_RETURN_IF_ERROR(WriteModel(output_path, info, {trained.forest.View()},
+                                std::span(&extra, 1)));
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<const ModelFile> model,
                       ModelFile::Open(output_path));
   info = model->info();

@@ -1,0 +1,91 @@
+#include "client/bench/bench_report.h"
+
+#include "common/base/error_info.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "nlohmann/json.hpp"
+
+namespace treeline {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Json = nlohmann::json;
+
+BenchReport SomeReport() {
+  Tally tally;
+  v1::LocalizeResponse response;
+  response.set_outcome(v1::OUTCOME_LOCALIZED);
+  for (int i = 1; i <= 100; ++i) {
+    response.mutable_timings()->set_forest_ms(2);
+    tally.Add({.latency_ms = i * 1.0,
+               .from_send_ms = i * 1.0,
+               .response = &response,
+               .verdict = {.bits = i == 100
+                                       ? AnswerChecker::Bits::kDifferent
+                                       : AnswerChecker::Bits::kAsBeforeLoad}});
+  }
+  tally.Add({.status = WithRetryAfter(
+                 WithReason(absl::UnavailableError("full"), "QUEUE_FULL"),
+                 std::chrono::milliseconds(50)),
+             .from_send_ms = 3});
+  LoadRun run;
+  run.options.rate_per_s = 60;
+  run.measured_s = 2;
+  run.tally = tally.State();
+  BenchReport report;
+  report.server = "127.0.0.1:1";
+  report.machine.cpu_model = "a processor";
+  report.reference_answers = 4;
+  report.runs.push_back(run);
+  report.all_calls = tally.AllCalls();
+  return report;
+}
+
+TEST(BenchReport, ProgramsFindTheFigures) {
+  const Json json = Json::parse(BenchJson(SomeReport()));
+  EXPECT_EQ(json["machine"]["cpu"], "a processor");
+  EXPECT_EQ(json["reference_answers"], 4);
+  EXPECT_EQ(json["capacity_per_s"], nullptr);
+  const Json& run = json["runs"][0];
+  EXPECT_EQ(run["loop"], "open");
+  EXPECT_EQ(run["rate_per_s"], 60);
+  EXPECT_EQ(run["counts"]["ok"], 100);
+  EXPECT_EQ(run["counts"]["shed"], 1);
+  EXPECT_EQ(run["answers_per_s"], 50);
+  // One of the 100 answers was wrong.
+  EXPECT_EQ(run["goodput_per_s"], 49.5);
+  EXPECT_NEAR(run["latency_ms"]["p50"], 50, 1);
+  EXPECT_EQ(run["shed_from_send_ms"]["max"], 3);
+  EXPECT_EQ(run["server"]["forest_ms"]["p50"], 2);
+  EXPECT_EQ(run["checks"]["different"], 1);
+  EXPECT_EQ(run["outcomes"][1]["code"], "UNAVAILABLE");
+  EXPECT_EQ(run["outcomes"][1]["reason"], "QUEUE_FULL");
+  EXPECT_EQ(json["all_calls"][0]["count"], 100);
+}
+
+TEST(BenchReport, PeopleFindThemToo) {
+  const std::string text = BenchText(SomeReport());
+  EXPECT_THAT(text, AllOf(HasSubstr("goodput 49.5/s"), HasSubstr("QUEUE_FULL"),
+                          HasSubstr("1 different"), Not(HasSubstr("SATUR"))));
+}
+
+TEST(BenchReport, AGeneratorThatIsTheBottleneckSaysSo) {
+  BenchReport report = SomeReport();
+  report.runs[0].send_lag.Add(kSaturatedLag_ms + 1);
+  EXPECT_THAT(BenchText(report), HasSubstr("SATURATED"));
+  EXPECT_EQ(
+      Json::parse(BenchJson(report))["runs"][0]["generator"]["saturated"],
+      true);
+}
+
+TEST(BenchReport, TheLiveLineTellsTheWarmUpApart) {
+  EXPECT_THAT(LiveLine({}, -0.5), HasSubstr("warming up"));
+  Glance glance;
+  glance.counts[0] = 30;
+  EXPECT_THAT(LiveLine(glance, 2), HasSubstr("15.0/s"));
+}
+
+}  // namespace
+}  // namespace treeline

@@ -1,0 +1,385 @@
+#include "client/bench/load_generator.h"
+
+#include <grpcpp/generic/generic_stub.h>
+#include <grpcpp/impl/codegen/proto_utils.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <unordered_set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "client/bench/arrivals.h"
+#include "client/bench/timer.h"
+#include "common/base/clock.h"
+#include "common/base/random.h"
+#include "common/wire/status.h"
+
+namespace treeline {
+namespace {
+
+constexpr char kMethod[] = "/treeline.v1.RelocalizationService/Localize";
+constexpr char kPushback[] = "grpc-retry-pushback-ms";
+constexpr uint64_t kCancelStream = 3;
+constexpr std::chrono::milliseconds kPauseAfterFailure(10);
+constexpr std::chrono::milliseconds kWatchEvery(500);
+// After which an interruption is looked for.
+constexpr std::chrono::milliseconds kLongestSleep(200);
+
+MonotonicTime Now() { return SteadyClock().Now(); }
+
+MonotonicTime::duration Seconds(double seconds) {
+  return std::chrono::duration_cast<MonotonicTime::duration>(
+      std::chrono::duration<double>(seconds));
+}
+
+double SecondsBetween(MonotonicTime start, MonotonicTime end) {
+  return 1e-3 * MillisecondsBetween(start, end);
+}
+
+double ProcessorSeconds() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) +
+           1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+// A call that is out. gRPC's callback and whoever cancels share it.
+struct Call {
+  size_t item = 0;
+  MonotonicTime scheduled = {};
+  MonotonicTime sent = {};
+  grpc::ClientContext context;
+  grpc::ByteBuffer response;
+};
+
+}  // namespace
+
+absl::Status LoadOptions::Validate() const {
+  const auto refuse = [](absl::string_view what) {
+    return absl::InvalidArgumentError(what);
+  };
+  if (concurrency < 1) return refuse("concurrency must be positive");
+  if (!(rate_per_s >= 0)) return refuse("the rate must not be negative");
+  if (!(duration_s > 0)) return refuse("the duration must be positive");
+  if (!(warm_up_s >= 0)) return refuse("the warm-up must not be negative");
+  if (!(deadline_ms > 0)) return refuse("the deadline must be positive");
+  if (!(interval_s >= 0.01)) return refuse("intervals are too short");
+  if (!(cancel_share >= 0 && cancel_share <= 1)) {
+    return refuse("the share to cancel must be in [0, 1]");
+  }
+  return absl::OkStatus();
+}
+
+bool LoadRun::saturated() const {
+  return not_sent > 0 || send_lag.Percentile_ms(99) > kSaturatedLag_ms;
+}
+
+class LoadGenerator::Impl {
+ public:
+  Impl(std::vector<Connection> connections, const std::vector<WorkItem>& items,
+       AnswerChecker& checker)
+      : connections_(std::move(connections)), items_(items), checker_(checker) {
+    for (const Connection& connection : connections_) {
+      stubs_.push_back(
+          std::make_unique<grpc::GenericStub>(connection.channel()));
+    }
+  }
+
+  ~Impl() { WaitForAll(); }
+
+  absl::Status AskOnce(int concurrency, double deadline_ms,
+                       const std::stop_token& stop);
+  LoadRun Run(const LoadOptions& options, const std::stop_token& stop,
+              const Watch& watch);
+  std::map<OutcomeKey, int64_t> AllCalls() const { return tally_.AllCalls(); }
+
+ private:
+  void RunClosedLoop(const std::stop_token& stop);
+  void RunOpenLoop(const std::stop_token& stop, LoadRun& run);
+  bool SleepUntil(MonotonicTime due, const std::stop_token& stop);
+
+  // Sends the next query. on_done: with the result, on a thread of gRPC.
+  void Send(MonotonicTime scheduled,
+            std::function<void(const absl::Status&)> on_done);
+  void Finish(const std::shared_ptr<Call>& call, const grpc::Status& status,
+              const std::function<void(const absl::Status&)>& on_done);
+  void SendAgain(MonotonicTime when);
+  void CancelSome(const std::shared_ptr<Call>& call);
+  void Abandon();
+  void WaitForAll();
+
+  const std::vector<Connection> connections_;
+  const std::vector<WorkItem>& items_;
+  AnswerChecker& checker_;
+  std::vector<std::unique_ptr<grpc::GenericStub>> stubs_;
+  Tally tally_;
+
+  // Set while no call is out.
+  LoadOptions options_;
+  MonotonicTime measured_from_ = {};
+  MonotonicTime end_ = {};
+
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  // By mutex_.
+  size_t next_ = 0;
+  int64_t outstanding_ = 0;
+  bool abandoned_ = false;
+  int64_t abandoned_calls_ = 0;
+  std::unordered_set<std::shared_ptr<Call>> calls_;
+
+  Timer timer_;  // the first to go: its actions use the others
+};
+
+void LoadGenerator::Impl::Send(
+    MonotonicTime scheduled,
+    std::function<void(const absl::Status&)> on_done) {
+  auto call = std::make_shared<Call>();
+  size_t number = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    number = next_++;
+    ++outstanding_;
+    calls_.insert(call);
+  }
+  const size_t connection = number % connections_.size();
+  call->item = number % items_.size();
+  call->scheduled = scheduled;
+  call->sent = Now();
+  connections_[connection].Prepare(call->context);
+  call->context.set_deadline(
+      std::chrono::system_clock::now() +
+      (scheduled + Seconds(1e-3 * options_.deadline_ms) - call->sent));
+  stubs_[connection]->UnaryCall(
+      &call->context, kMethod, {}, &items_[call->item].request, &call->response,
+      [this, call, on_done = std::move(on_done)](const grpc::Status& status) {
+        Finish(call, status, on_done);
+      });
+  Random random(options_.seed + number, kCancelStream);
+  if (random.NextUnit() < options_.cancel_share) {
+    timer_.At(call->sent +
+                  Seconds(1e-3 * options_.cancel_after_ms * random.NextUnit()),
+              [weak = std::weak_ptr<Call>(call)] {
+                if (const auto still = weak.lock()) still->context.TryCancel();
+              });
+  }
+}
+
+void LoadGenerator::Impl::Finish(
+    const std::shared_ptr<Call>& call, const grpc::Status& status,
+    const std::function<void(const absl::Status&)>& on_done) {
+  const MonotonicTime now = Now();
+  v1::LocalizeResponse response;
+  CallResult result{
+      .status = FromGrpc(status),
+      .pushback = call->context.GetServerTrailingMetadata().count(kPushback) > 0,
+      .latency_ms = MillisecondsBetween(call->scheduled, now),
+      .from_send_ms = MillisecondsBetween(call->sent, now),
+      .scheduled_s = SecondsBetween(measured_from_, call->scheduled)};
+  if (status.ok()) {
+    result.status = FromGrpc(
+        grpc::SerializationTraits<v1::LocalizeResponse>::Deserialize(
+            &call->response, &response));
+    if (result.status.ok()) {
+      result.response = &response;
+      result.verdict = checker_.Check(call->item, response);
+    }
+  }
+  bool counts = true;
+  {
+    const std::lock_guard lock(mutex_);
+    calls_.erase(call);
+    counts = !abandoned_;
+    abandoned_calls_ += abandoned_;
+  }
+  if (counts) tally_.Add(result);
+  if (on_done) on_done(result.status);
+  // The last: whoever waits for it may destroy all this.
+  const std::lock_guard lock(mutex_);
+  --outstanding_;
+  changed_.notify_all();
+}
+
+// One client of a closed loop.
+void LoadGenerator::Impl::SendAgain(MonotonicTime when) {
+  if (when >= end_) return;
+  {
+    const std::lock_guard lock(mutex_);
+    if (abandoned_) return;
+  }
+  Send(when, [this](const absl::Status& status) {
+    const MonotonicTime now = Now();
+    if (status.ok()) {
+      SendAgain(now);
+      return;
+    }
+    // A server that is gone would be asked a million times.
+    {
+      const std::lock_guard lock(mutex_);
+      ++outstanding_;  // the pause
+    }
+    timer_.At(now + kPauseAfterFailure, [this] {
+      SendAgain(Now());
+      const std::lock_guard lock(mutex_);
+      --outstanding_;
+      changed_.notify_all();
+    });
+  });
+}
+
+bool LoadGenerator::Impl::SleepUntil(MonotonicTime due,
+                                     const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_until(lock, stop, due, [due] { return Now() >= due; });
+  return !stop.stop_requested();
+}
+
+void LoadGenerator::Impl::RunClosedLoop(const std::stop_token& stop) {
+  for (int i = 0; i < options_.concurrency; ++i) SendAgain(Now());
+  SleepUntil(end_, stop);
+}
+
+void LoadGenerator::Impl::RunOpenLoop(const std::stop_token& stop,
+                                      LoadRun& run) {
+  PoissonArrivals arrivals(options_.seed, options_.rate_per_s);
+  const MonotonicTime start =
+      measured_from_ - Seconds(options_.warm_up_s);
+  while (true) {
+    const MonotonicTime due = start + Seconds(arrivals.Next_s());
+    if (due >= end_) break;
+    // Not on the condition variable: every answer would wake this thread.
+    while (Now() < due && !stop.stop_requested()) {
+      std::this_thread::sleep_until(std::min(due, Now() + kLongestSleep));
+    }
+    if (stop.stop_requested()) return;
+    bool room = false;
+    {
+      const std::lock_guard lock(mutex_);
+      room = outstanding_ < options_.max_outstanding;
+    }
+    const bool measured = due >= measured_from_;
+    if (measured) run.send_lag.Add(MillisecondsBetween(due, Now()));
+    if (room) {
+      Send(due, nullptr);
+    } else {
+      run.not_sent += measured;
+    }
+  }
+  SleepUntil(end_, stop);
+}
+
+void LoadGenerator::Impl::Abandon() {
+  std::unordered_set<std::shared_ptr<Call>> calls;
+  {
+    const std::lock_guard lock(mutex_);
+    abandoned_ = true;
+    calls = calls_;
+  }
+  for (const auto& call : calls) call->context.TryCancel();
+}
+
+void LoadGenerator::Impl::WaitForAll() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return outstanding_ == 0; });
+}
+
+absl::Status LoadGenerator::Impl::AskOnce(int concurrency, double deadline_ms,
+                                          const std::stop_token& stop) {
+  options_ = {.deadline_ms = deadline_ms};
+  // Nothing of it is measured.
+  measured_from_ = MonotonicTime::max();
+  absl::Status first_error;
+  next_ = 0;
+  for (size_t i = 0; i < items_.size() && !stop.stop_requested(); ++i) {
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return outstanding_ < concurrency; });
+      if (!first_error.ok()) break;
+    }
+    Send(Now(), [this, i, &first_error](const absl::Status& status) {
+      const std::lock_guard lock(mutex_);
+      if (!status.ok() && first_error.ok()) {
+        first_error = absl::Status(
+            status.code(), absl::StrCat(items_[i].scene, ", ", items_[i].stem,
+                                        ": ", status.message()));
+      }
+    });
+  }
+  WaitForAll();
+  if (stop.stop_requested()) return absl::CancelledError("interrupted");
+  return first_error;
+}
+
+LoadRun LoadGenerator::Impl::Run(const LoadOptions& options,
+                                 const std::stop_token& stop,
+                                 const Watch& watch) {
+  LoadRun run;
+  run.options = options;
+  options_ = options;
+  tally_.Reset(options.interval_s);
+  const double cpu_s = ProcessorSeconds();
+  const MonotonicTime start = Now();
+  measured_from_ = start + Seconds(options.warm_up_s);
+  end_ = measured_from_ + Seconds(options.duration_s);
+  run.measured_from = std::chrono::system_clock::now() +
+                      std::chrono::duration_cast<std::chrono::microseconds>(
+                          measured_from_ - start);
+  {
+    const std::jthread watcher([&](const std::stop_token& over) {
+      std::mutex mutex;
+      std::condition_variable_any never;
+      std::unique_lock lock(mutex);
+      while (!never.wait_for(lock, over, kWatchEvery,
+                             [&] { return over.stop_requested(); })) {
+        watch(tally_.Look(), SecondsBetween(measured_from_, Now()));
+      }
+    });
+    if (options.rate_per_s > 0) {
+      RunOpenLoop(stop, run);
+    } else {
+      RunClosedLoop(stop);
+    }
+    run.measured_s = std::max(
+        0.0, SecondsBetween(measured_from_, std::min(Now(), end_)));
+    run.interrupted = stop.stop_requested();
+    if (run.interrupted) Abandon();
+    WaitForAll();
+  }
+  run.wall_s = SecondsBetween(start, Now());
+  run.generator_cpus = (ProcessorSeconds() - cpu_s) / run.wall_s;
+  run.tally = tally_.State();
+  const std::lock_guard lock(mutex_);
+  run.abandoned = std::exchange(abandoned_calls_, 0);
+  abandoned_ = false;
+  return run;
+}
+
+LoadGenerator::LoadGenerator(std::vector<Connection> connections,
+                             const std::vector<WorkItem>& items,
+                             AnswerChecker& checker)
+    : impl_(std::make_unique<Impl>(std::move(connections), items, checker)) {}
+
+LoadGenerator::~LoadGenerator() = default;
+
+absl::Status LoadGenerator::AskOnce(int concurrency, double deadline_ms,
+                                    const std::stop_token& stop) {
+  return impl_->AskOnce(concurrency, deadline_ms, stop);
+}
+
+LoadRun LoadGenerator::Run(const LoadOptions& options,
+                           const std::stop_token& stop, const Watch& watch) {
+  return impl_->Run(options, stop, watch);
+}
+
+std::map<OutcomeKey, int64_t> LoadGenerator::AllCalls() const {
+  return impl_->AllCalls();
+}
+
+}  // namespace treeline

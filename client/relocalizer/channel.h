@@ -1,0 +1,38 @@
+// A gRPC channel with the retries, credentials and checks of a Treeline client.
+#ifndef CLIENT_RELOCALIZER_CHANNEL_H_
+#define CLIENT_RELOCALIZER_CHANNEL_H_
+
+#include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+
+#include <memory>
+
+#include "absl/status/statusor.h"
+#include "client/relocalizer/connect_options.h"
+#include "client/relocalizer/token_source.h"
+
+namespace treeline {
+
+// Thread-safe.
+class Connection {
+ public:
+  // Connects when it is first needed. INVALID_ARGUMENT: options; otherwise
+  // what is wrong with a file of a certificate or a token.
+  static absl::StatusOr<Connection> Open(const ConnectOptions& options);
+
+  const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
+
+  // Puts into a call's context what every call carries.
+  void Prepare(grpc::ClientContext& context) const;
+
+ private:
+  Connection(std::shared_ptr<grpc::Channel> channel,
+             std::shared_ptr<TokenSource> token);
+
+  std::shared_ptr<grpc::Channel> channel_;
+  std::shared_ptr<TokenSource> token_;  // null: none
+};
+
+}  // namespace treeline
+
+#endif  // CLIENT_RELOCALIZER_CHANNEL_H_

@@ -1,0 +1,89 @@
+#include "client/relocalizer/connect_options.h"
+
+#include "client/relocalizer/relocalizer.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace treeline {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string Refusal(const ConnectOptions& options) {
+  const absl::Status status = options.Validate();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  return std::string(status.message());
+}
+
+TEST(ConnectOptions, OutOfRangeIsRefused) {
+  EXPECT_THAT(Refusal({}), HasSubstr("no server"));
+  EXPECT_THAT(Refusal({.server = "x:1", .max_attempts = 0}),
+              HasSubstr("max_attempts"));
+  EXPECT_THAT(Refusal({.server = "x:1", .max_attempts = 6}),
+              HasSubstr("max_attempts"));
+  EXPECT_THAT(Refusal({.server = "x:1", .max_message_mib = 0}),
+              HasSubstr("max_message_mib"));
+  EXPECT_EQ(ConnectRelocalizer({}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
+TEST(ConnectOptions, ListsBecomeTargetsOfTheirFamily) {
+  EXPECT_EQ(GrpcTarget("robot:1").value(), "robot:1");
+  EXPECT_EQ(GrpcTarget("dns:///robot:1").value(), "dns:///robot:1");
+  EXPECT_EQ(GrpcTarget("127.0.0.1:1,10.0.0.2:2").value(),
+            "ipv4:127.0.0.1:1,10.0.0.2:2");
+  EXPECT_EQ(GrpcTarget("[::1]:1,[::2]:2").value(), "ipv6:[::1]:1,[::2]:2");
+}
+
+TEST(ConnectOptions, ListsOfWhatAreNoAddressesAreRefused) {
+  EXPECT_THAT(Refusal({.server = "a:1,b:2"}), HasSubstr("dns:///"));
+  EXPECT_THAT(Refusal({.server = "127.0.0.1:1,[::1]:2"}), HasSubstr("[::1]:2"));
+  EXPECT_THAT(Refusal({.server = "127.0.0.1:1,127.0.0.1"}),
+              HasSubstr("no port"));
+  EXPECT_THAT(Refusal({.server = "127.0.0.1:1,127.0.0.1:0"}),
+              HasSubstr("no port"));
+  EXPECT_THAT(Refusal({.server = "127.0.0.1:1,"}), HasSubstr("no port"));
+}
+
+TEST(ConnectOptions, KnowsThisMachine) {
+  for (const char* server :
+       {"127.0.0.1:1", "127.9.9.9:1,127.0.0.1:2", "localhost:1", "[::1]:1",
+        "unix:/run/x", "dns:///localhost:1", "ipv4:127.0.0.1:1"}) {
+    EXPECT_TRUE(IsOnThisMachine(server)) << server;
+  }
+  for (const char* server : {"10.0.0.1:1", "127.0.0.1:1,10.0.0.1:2", "robot:1",
+                             "127.evil.org:1", "[::2]:1", "localhost.org:1"}) {
+    EXPECT_FALSE(IsOnThisMachine(server)) << server;
+  }
+}
+
+TEST(ConnectOptions, TokensDoNotLeaveTheMachineInTheClear) {
+  EXPECT_THAT(Refusal({.server = "robot:1", .token_file = "t"}),
+              HasSubstr("in the clear"));
+  EXPECT_THAT(Refusal({.server = "robot:1", .token_variable = "T"}),
+              HasSubstr("in the clear"));
+  EXPECT_TRUE(ConnectOptions({.server = "127.0.0.1:1", .token_file = "t"})
+                  .Validate()
+                  .ok());
+  EXPECT_TRUE(ConnectOptions({.server = "robot:1",
+                              .tls = {.ca_file = "ca.pem"},
+                              .token_file = "t"})
+                  .Validate()
+                  .ok());
+}
+
+TEST(ConnectOptions, HalfACredentialIsRefused) {
+  EXPECT_THAT(
+      Refusal({.server = "x:1",
+               .tls = {.ca_file = "ca.pem", .certificate_file = "c.pem"}}),
+      HasSubstr("go together"));
+  EXPECT_THAT(Refusal({.server = "x:1", .tls = {.server_name = "treeline"}}),
+              HasSubstr("trusted"));
+  EXPECT_THAT(Refusal({.server = "127.0.0.1:1",
+                       .token_file = "t",
+                       .token_variable = "T"}),
+              HasSubstr("two tokens"));
+}
+
+}  // namespace
+}  // namespace treeline

@@ -1,0 +1,68 @@
+// A token bucket for each of many callers, of which it remembers a bounded
+// number.
+#ifndef SERVER_ACCESS_RATE_LIMITER_H_
+#define SERVER_ACCESS_RATE_LIMITER_H_
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <optional>
+#include <string>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/container/flat_hash_map.h"
+#include "absl/synchronization/mutex.h"
+#include "common/base/clock.h"
+
+namespace treeline {
+
+// The bucket of one caller, as one point in time (the "generic cell rate
+// algorithm"): when it would be full. In any window of length t, at most
+// burst + t / period requests are let in; whole nanoseconds, so that this holds
+// exactly. Not thread-safe.
+class RateBucket {
+ public:
+  // Takes one request, of which one comes back every `period`, and the bucket
+  // holds `burst` (1 or more). nullopt: taken. Else it is not, and would be
+  // after what is returned.
+  std::optional<std::chrono::nanoseconds> Take(MonotonicTime now,
+                                               std::chrono::nanoseconds period,
+                                               int64_t burst);
+
+ private:
+  MonotonicTime full_ = MonotonicTime::min();
+};
+
+// Thread-safe.
+class RateLimiter {
+ public:
+  // Remembers the `capacity` (1 or more) callers that asked last. One that is
+  // forgotten starts with a full bucket.
+  explicit RateLimiter(size_t capacity);
+
+  // See RateBucket. `rate_per_s` is 1e-6 to 1e9.
+  std::optional<std::chrono::nanoseconds> Take(const std::string& caller,
+                                               MonotonicTime now,
+                                               double rate_per_s,
+                                               int64_t burst);
+
+  size_t size() const;
+
+ private:
+  struct Entry {
+    std::string caller;
+    RateBucket bucket;
+  };
+
+  const size_t capacity_ = 1;
+  mutable absl::Mutex mutex_;
+  // The one that asked last comes first.
+  std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);
+  absl::flat_hash_map<std::string, std::list<Entry>::iterator> by_caller_
+      ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_ACCESS_RATE_LIMITER_H_

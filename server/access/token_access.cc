@@ -1,0 +1,89 @@
+#include "server/access/token_access.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/error_info.h"
+#include "common/base/status_macros.h"
+
+namespace treeline {
+namespace {
+
+const char* NameOf(Scope scope) {
+  return scope == Scope::kAdmin ? "admin" : "localize";
+}
+
+absl::Status ScopeMissing(Scope scope) {
+  return WithReason(absl::PermissionDeniedError(absl::StrCat(
+                        "this needs the scope '", NameOf(scope), "'")),
+                    "SCOPE_MISSING", {{"scope", NameOf(scope)}});
+}
+
+bool Holds(const std::vector<Scope>& scopes, Scope scope) {
+  return std::find(scopes.begin(), scopes.end(), scope) != scopes.end();
+}
+
+}  // namespace
+
+TokenAccess::TokenAccess(const TokenAccessOptions& options,
+                         TokenVerifier* verifier)
+    : options_(options), verifier_(verifier) {}
+
+absl::StatusOr<Client> TokenAccess::Admit(const CallInfo& call, Scope scope) {
+  if (scope == Scope::kAdmin) {
+    if (!call.admin_listener && !options_.admin_on_public_listener) {
+      return WithReason(
+          absl::PermissionDeniedError("operators call the admin listener"),
+          "ADMIN_LISTENER_ONLY");
+    }
+    if (call.admin_listener && options_.open_admin_listener) {
+      return Client{.id = PeerWithoutPort(call.peer)};
+    }
+  }
+  if (!call.credentials.bearer_token.empty()) {
+    return ByToken(call.credentials.bearer_token, scope);
+  }
+  return ByCertificate(call, scope);
+}
+
+absl::StatusOr<Client> TokenAccess::ByToken(const std::string& token,
+                                            Scope scope) const {
+  if (verifier_ == nullptr) {
+    return WithReason(absl::UnauthenticatedError("this server takes no tokens"),
+                      "TOKEN_INVALID");
+  }
+  TL_ASSIGN_OR_RETURN(TokenClaims claims, verifier_->Verify(token));
+  const bool allowed =
+      scope == Scope::kAdmin ? claims.may_administer : claims.may_localize;
+  if (!allowed) return ScopeMissing(scope);
+  return Client{.id = std::move(claims.subject),
+                .max_rate_per_s = claims.rate_per_s};
+}
+
+absl::StatusOr<Client> TokenAccess::ByCertificate(const CallInfo& call,
+                                                  Scope scope) const {
+  const std::vector<std::string>& names = call.credentials.certificate_names;
+  const auto end = options_.certificate_scopes.end();
+  bool known = false;
+  for (const std::string& name : names) {
+    const auto entry = options_.certificate_scopes.find(name);
+    if (entry == end) continue;
+    known = true;
+    if (Holds(entry->second, scope)) return Client{.id = name};
+  }
+  const auto any = options_.certificate_scopes.find("*");
+  if (!known && any != end && !names.empty()) {
+    known = true;
+    if (Holds(any->second, scope)) return Client{.id = names.front()};
+  }
+  if (known) return ScopeMissing(scope);
+  return WithReason(
+      absl::UnauthenticatedError(
+          names.empty() ? "this needs a token ('authorization: Bearer ...')"
+                        : "nothing is known about the client's certificate, "
+                          "and there is no token"),
+      "TOKEN_MISSING");
+}
+
+}  // namespace treeline

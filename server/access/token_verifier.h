@@ -1,0 +1,67 @@
+// Tokens to claims, remembered for as long as they hold.
+#ifndef SERVER_ACCESS_TOKEN_VERIFIER_H_
+#define SERVER_ACCESS_TOKEN_VERIFIER_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <string>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/container/flat_hash_map.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "absl/synchronization/mutex.h"
+#include "server/access/key_store.h"
+#include "server/access/token_claims.h"
+#include "server/access/wall_clock.h"
+
+namespace treeline {
+
+struct TokenVerifierOptions {
+  ClaimRules rules = {};
+  // Valid tokens that are remembered, 0..1000000, about 400 bytes each. Tokens
+  // that were refused are not.
+  size_t cache_size = 10000;
+
+  absl::Status Validate() const;
+};
+
+// Thread-safe.
+class TokenVerifier {
+ public:
+  // `options` are valid. The references must outlive the verifier.
+  TokenVerifier(const TokenVerifierOptions& options, KeyStore& keys,
+                const WallClock& clock);
+
+  // UNAUTHENTICATED with TOKEN_INVALID or TOKEN_EXPIRED. What was verified with
+  // keys that have since been replaced is verified again.
+  absl::StatusOr<TokenClaims> Verify(absl::string_view token);
+
+  // Signatures that were checked, since construction; the rest was remembered.
+  int64_t signatures_checked() const;
+
+ private:
+  struct Entry {
+    std::string digest;
+    TokenClaims claims;
+  };
+
+  const TokenVerifierOptions options_;
+  KeyStore& keys_;
+  const WallClock& clock_;
+
+  mutable absl::Mutex mutex_;
+  // The one used last comes first.
+  std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);
+  // By the SHA-256 of the token; tokens themselves are not kept.
+  absl::flat_hash_map<std::string, std::list<Entry>::iterator> by_digest_
+      ABSL_GUARDED_BY(mutex_);
+  // The keys that all entries were verified with.
+  uint64_t generation_ ABSL_GUARDED_BY(mutex_) = 0;
+  int64_t signatures_checked_ ABSL_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_ACCESS_TOKEN_VERIFIER_H_

@@ -1,0 +1,67 @@
+#include "server/service/grpc_call.h"
+
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/error_info.h"
+#include "common/wire/status.h"
+
+namespace treeline {
+namespace {
+
+constexpr absl::string_view kBearer = "bearer ";
+
+// gRPC gives deadlines on the system clock; everything here is on the
+// monotonic one.
+MonotonicTime MonotonicDeadline(const grpc::CallbackServerContext& context,
+                                MonotonicTime now) {
+  const auto deadline = context.deadline();
+  if (deadline == std::chrono::system_clock::time_point::max()) {
+    return MonotonicTime::max();
+  }
+  const auto left = deadline - std::chrono::system_clock::now();
+  // Far deadlines must not overflow the sum.
+  if (left > std::chrono::hours(24 * 365)) return MonotonicTime::max();
+  return now + std::chrono::duration_cast<MonotonicTime::duration>(left);
+}
+
+std::string MetadataOf(const grpc::CallbackServerContext& context,
+                       const char* key) {
+  const auto entry = context.client_metadata().find(key);
+  if (entry == context.client_metadata().end()) return "";
+  return std::string(entry->second.data(), entry->second.size());
+}
+
+}  // namespace
+
+CallInfo CallInfoFrom(const grpc::CallbackServerContext& context,
+                      const char* rpc, bool admin_listener, const Clock& clock,
+                      std::stop_token stop) {
+  CallInfo call;
+  call.rpc = rpc;
+  call.peer = context.peer();
+  const std::string authorization = MetadataOf(context, "authorization");
+  if (absl::StartsWithIgnoreCase(authorization, kBearer)) {
+    call.credentials.bearer_token = authorization.substr(kBearer.size());
+  }
+  call.traceparent = MetadataOf(context, "traceparent");
+  call.admin_listener = admin_listener;
+  call.arrival = clock.Now();
+  call.deadline = MonotonicDeadline(context, call.arrival);
+  call.stop = std::move(stop);
+  return call;
+}
+
+grpc::Status FinishStatus(const absl::Status& status,
+                          grpc::CallbackServerContext& context) {
+  if (const auto retry_after = RetryAfterOf(status)) {
+    context.AddTrailingMetadata("grpc-retry-pushback-ms",
+                                absl::StrCat(retry_after->count()));
+  }
+  return ToGrpc(status);
+}
+
+}  // namespace treeline

@@ -1,0 +1,27 @@
+// What gRPC knows about a call, as the service wants it.
+#ifndef SERVER_SERVICE_GRPC_CALL_H_
+#define SERVER_SERVICE_GRPC_CALL_H_
+
+#include <grpcpp/server_context.h>
+
+#include <stop_token>
+
+#include "absl/status/status.h"
+#include "common/base/clock.h"
+#include "server/service/call.h"
+
+namespace treeline {
+
+// Of a call that has just arrived whole. rpc: a literal.
+CallInfo CallInfoFrom(const grpc::CallbackServerContext& context,
+                      const char* rpc, bool admin_listener, const Clock& clock,
+                      std::stop_token stop);
+
+// The status for the wire; adds the trailer grpc-retry-pushback-ms, which gRPC
+// clients obey, if the status says when to try again.
+grpc::Status FinishStatus(const absl::Status& status,
+                          grpc::CallbackServerContext& context);
+
+}  // namespace treeline
+
+#endif  // SERVER_SERVICE_GRPC_CALL_H_

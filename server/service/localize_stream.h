@@ -1,0 +1,122 @@
+// RelocalizationService.LocalizeStream: a sequence of frames on one call.
+#ifndef SERVER_SERVICE_LOCALIZE_STREAM_H_
+#define SERVER_SERVICE_LOCALIZE_STREAM_H_
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <unordered_map>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "common/base/clock.h"
+#include "server/service/dispatcher.h"
+#include "treeline/v1/relocalization.pb.h"
+
+namespace treeline {
+
+class LocalizeStreamCall;
+
+// The streams that are open now, so that a server that stops can end them.
+// Thread-safe.
+class LocalizeStreams {
+ public:
+  // Begins a stream; gRPC owns it. A stream that is drained answers what it
+  // has read, and ends with UNAVAILABLE, reason DRAINING.
+  grpc::ServerBidiReactor<v1::LocalizeStreamRequest,
+                          v1::LocalizeStreamResponse>*
+  Begin(grpc::CallbackServerContext& context, Dispatcher& dispatcher,
+        const Clock& clock);
+
+  // Drains those that are open and those that will begin.
+  void Drain();
+
+ private:
+  friend class LocalizeStreamCall;
+  void Remove(LocalizeStreamCall* stream);
+
+  absl::Mutex mutex_;
+  bool draining_ ABSL_GUARDED_BY(mutex_) = false;
+  std::unordered_map<LocalizeStreamCall*, std::weak_ptr<LocalizeStreamCall>>
+      open_ ABSL_GUARDED_BY(mutex_);
+};
+
+// One stream. Frames are held in the order of their arrival until they are
+// answered; each goes to the dispatcher like a call of its own.
+class LocalizeStreamCall final
+    : public grpc::ServerBidiReactor<v1::LocalizeStreamRequest,
+                                     v1::LocalizeStreamResponse>,
+      public std::enable_shared_from_this<LocalizeStreamCall> {
+ public:
+  LocalizeStreamCall(grpc::CallbackServerContext& context,
+                     Dispatcher& dispatcher, const Clock& clock,
+                     LocalizeStreams& streams)
+      : context_(context),
+        dispatcher_(dispatcher),
+        clock_(clock),
+        streams_(streams) {}
+
+  // To be called once, on one that a shared_ptr owns.
+  void Start();
+  void Drain();
+
+ private:
+  enum class Stage { kHeld, kWithDispatcher, kDropped, kAnswered };
+  struct Item {
+    Stage stage = Stage::kHeld;
+    CallInfo call;
+    v1::LocalizeStreamRequest request;
+    v1::LocalizeStreamResponse answer;
+  };
+  // What to do next; chosen under the lock, done without it.
+  enum class Step { kNothing, kDispatch, kWrite, kRead, kFinish };
+
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnCancel() override;
+  void OnDone() override;
+
+  // Does all that can be done now.
+  void Proceed();
+  Step NextStep(std::shared_ptr<Item>& item)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool MayRead() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Accept() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Drops the oldest frame that is held; null if there is no need.
+  std::shared_ptr<Item> DropOldest() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Dispatch(const std::shared_ptr<Item>& item);
+  void Answer(Item& item, absl::StatusOr<v1::LocalizeResponse> response);
+
+  grpc::CallbackServerContext& context_;
+  Dispatcher& dispatcher_;
+  const Clock& clock_;
+  LocalizeStreams& streams_;
+  // Until gRPC is done with it. Answers that come later find it still there.
+  std::shared_ptr<LocalizeStreamCall> self_;
+  std::stop_source stop_;
+  // Owned by the read and the write that are under way.
+  v1::LocalizeStreamRequest incoming_;
+  std::shared_ptr<Item> outgoing_;
+
+  absl::Mutex mutex_;
+  v1::StreamSettings settings_ ABSL_GUARDED_BY(mutex_);
+  bool first_ ABSL_GUARDED_BY(mutex_) = true;
+  // In the order of their arrival, the oldest in front.
+  std::deque<std::shared_ptr<Item>> items_ ABSL_GUARDED_BY(mutex_);
+  int with_dispatcher_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool reading_ ABSL_GUARDED_BY(mutex_) = false;
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  // No more frames will be accepted; the stream ends with final_.
+  bool closed_ ABSL_GUARDED_BY(mutex_) = false;
+  absl::Status final_ ABSL_GUARDED_BY(mutex_);
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_SERVICE_LOCALIZE_STREAM_H_

@@ -1,0 +1,37 @@
+// grpc.health.v1 of the scenes.
+#ifndef SERVER_SERVICE_SCENE_HEALTH_H_
+#define SERVER_SERVICE_SCENE_HEALTH_H_
+
+#include <grpcpp/health_check_service_interface.h>
+
+#include <map>
+#include <string>
+#include <thread>
+
+#include "server/repository/scene_repository.h"
+
+namespace treeline {
+
+// Tells gRPC's health service about every scene, twice a second, from
+// construction to destruction. Scenes that are gone become NOT_SERVING.
+class SceneHealth {
+ public:
+  SceneHealth(const SceneRepository& repository,
+              grpc::HealthCheckServiceInterface& health);
+
+ private:
+  void Update();
+
+  const SceneRepository& repository_;
+  grpc::HealthCheckServiceInterface& health_;
+  // What was told; of the thread.
+  std::map<std::string, bool> told_;
+  std::jthread thread_;
+};
+
+// "treeline.scene.kitchen".
+std::string HealthServiceOf(const std::string& scene);
+
+}  // namespace treeline
+
+#endif  // SERVER_SERVICE_SCENE_HEALTH_H_
