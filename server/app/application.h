@@ -14,12 +14,6 @@
 
 namespace treeline {
 
-// What /healthz and /readyz say: 200 if ok, else 503, and a line of text.
-struct ProbeAnswer {
-  bool ok = false;
-  std::string text;
-};
-
 // In order: Start, any number of ApplyLive, Drain, Stop. Thread-safe but for
 // that order.
 class Application {
@@ -44,16 +38,11 @@ class Application {
   // rest.
   void Stop(std::chrono::milliseconds grace);
 
-  // Whether the process is there at all: always.
-  ProbeAnswer Liveness() const;
-  // Whether queries should be sent here: not while it drains.
-  ProbeAnswer Readiness() const;
   // For /metrics: text format 0.0.4.
   std::string MetricsText() const;
 
  private:
   struct Parts;
-  static void AddMetrics(Parts& parts);
   explicit Application(std::unique_ptr<Parts> parts);
 
   std::unique_ptr<Parts> parts_;

@@ -16,7 +16,6 @@ absl::StatusOr<EffectiveConfig> ResolveAll(const ConfigSources& sources) {
   TL_ASSIGN_OR_RETURN(EffectiveConfig config,
                       ResolveConfig(table.settings(), sources));
   TL_RETURN_IF_ERROR(table.Make(config).Validate());
-  TL_RETURN_IF_ERROR(CheckSupported(config));
   return config;
 }
 

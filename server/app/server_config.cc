@@ -4,6 +4,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
 #include "server/service/listen_address.h"
 
 namespace treeline {
@@ -46,6 +47,17 @@ void AddScenes(Table& table) {
             {.name = "cache",
              .value_name = "DIR",
              .help = "Where models from a web address are kept"});
+  table.Add(&ServerConfig::cache_mib,
+            {.name = "cache_mib",
+             .help = "Most that they may take, MiB; the longest unused are "
+                     "deleted; 0: no bound",
+             .min = 0,
+             .max = 1 << 24});
+  table.Add(&ServerConfig::models_ca,
+            {.name = "models_ca",
+             .value_name = "FILE",
+             .help = "Authorities to trust for models from an https address, "
+                     "PEM, instead of the system's"});
   table.Add(&ServerConfig::memory_budget_mib,
             {.name = "memory_budget_mib",
              .help = "Memory for loaded scenes, MiB; the longest unused make "
@@ -57,8 +69,7 @@ void AddScenes(Table& table) {
              .value_name = "SECONDS",
              .help = "How often to look for new scenes and versions; 0: never",
              .min = 0,
-             .max = 86400,
-             .live = true});
+             .max = 86400});
   table.Add(&ServerConfig::load_all,
             {.name = "load_all",
              .help = "Load all scenes at the start, rather than with the first "
@@ -93,8 +104,7 @@ void AddListening(Table& table) {
              .value_name = "ORIGIN,...",
              .help = "Web pages that may ask over HTTP: https://HOST, or * for "
                      "all",
-             .check = CheckOrigins,
-             .live = true});
+             .check = CheckOrigins});
   table.Add(&ServerConfig::max_connection_age_s,
             {.name = "max_connection_age_s",
              .value_name = "SECONDS",
@@ -159,13 +169,6 @@ void AddCapacity(Table& table) {
                      "UNAVAILABLE and a time to retry",
              .min = 1,
              .max = 100000});
-  table.Add(&ServerConfig::client_share,
-            {.name = "client_share",
-             .value_name = "PART",
-             .help = "Part of the queue that one client may fill while others "
-                     "ask too",
-             .min = 0.001,
-             .max = 1});
   table.Add(&ServerConfig::max_message_mib, {.name = "max_message_mib",
                                              .help = "Largest request, MiB",
                                              .min = 1,
@@ -237,6 +240,7 @@ absl::Status ServerConfig::Validate() const {
   if (absl::StrContains(models, "://") && cache.empty()) {
     return Needs("--models with a web address", "--cache");
   }
+  TL_RETURN_IF_ERROR(DispatcherOptionsOf(*this).Validate());
   return GrpcOptionsOf(*this).Validate();
 }
 
@@ -258,36 +262,18 @@ GrpcServerOptions GrpcOptionsOf(const ServerConfig& config) {
   GrpcServerOptions options;
   options.listen = config.listen;
   options.insecure_any_address = config.insecure_any_address;
-  options.workers = config.workers;
-  options.queue = config.queue;
   options.max_message_mib = config.max_message_mib;
-  options.decode_limits.max_pixels =
-      static_cast<int64_t>(config.max_megapixels * 1e6);
+  options.max_connection_age_s = static_cast<int>(config.max_connection_age_s);
   return options;
 }
 
-absl::Status CheckSupported(const EffectiveConfig& config) {
-  // To be shortened with each part that is plugged in.
-  static constexpr const char* kNotYet[] = {
-      "cache",       "memory_budget_mib",    "poll_s",
-      "load_all",    "admin_listen",         "http_listen",
-      "cors_origin", "max_connection_age_s", "tls_cert",
-      "tls_key",     "tls_client_ca",        "tls_require_client_cert",
-      "auth_keys",   "auth_issuer",          "auth_audience",
-      "rate_limit",  "rate_burst",           "client_share"};
-  const auto& settings = ServerConfigTable().settings();
-  for (const char* name : kNotYet) {
-    const Setting* setting = FindSetting(settings, name);
-    const EffectiveValue& effective = config.at(name);
-    // "" for a listener says that there shall be none, and there is none.
-    if (effective.value == setting->default_value ||
-        effective.value == ConfigValue(std::string())) {
-      continue;
-    }
-    return absl::UnimplementedError(absl::StrCat(
-        effective.origin, ": ", name, " is not served by this build yet"));
-  }
-  return absl::OkStatus();
+DispatcherOptions DispatcherOptionsOf(const ServerConfig& config) {
+  DispatcherOptions options;
+  options.workers = config.workers;
+  options.queue = config.queue;
+  options.decode_limits.max_pixels =
+      static_cast<int64_t>(config.max_megapixels * 1e6);
+  return options;
 }
 
 }  // namespace treeline

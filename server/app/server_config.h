@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "common/config/config_table.h"
 #include "server/service/grpc_server.h"
+#include "server/service/service_dispatcher.h"
 
 namespace treeline {
 
@@ -19,6 +20,8 @@ struct ServerConfig {
   // Scenes.
   std::string models;
   std::string cache;
+  int cache_mib = 0;
+  std::string models_ca;
   int memory_budget_mib = 0;
   double poll_s = 0;
   bool load_all = false;
@@ -29,7 +32,7 @@ struct ServerConfig {
   std::string http_listen = "127.0.0.1:8080";
   bool insecure_any_address = false;
   std::vector<std::string> cors_origin;
-  double max_connection_age_s = 0;
+  double max_connection_age_s = 600;
 
   // Trust.
   std::string tls_cert;
@@ -45,7 +48,6 @@ struct ServerConfig {
   // Capacity.
   int workers = 0;
   int queue = 64;
-  double client_share = 0.5;
   int max_message_mib = 32;
   double max_megapixels = 32;
 
@@ -68,12 +70,9 @@ struct ServerConfig {
 // and --print-config.
 const ConfigTable<ServerConfig>& ServerConfigTable();
 
+// Of the public listener.
 GrpcServerOptions GrpcOptionsOf(const ServerConfig& config);
-
-// Settings that this build knows but cannot do yet, where `config` differs from
-// the default: UNIMPLEMENTED. Better no server than one that is not encrypted
-// although it was told to be.
-absl::Status CheckSupported(const EffectiveConfig& config);
+DispatcherOptions DispatcherOptionsOf(const ServerConfig& config);
 
 }  // namespace treeline
 

@@ -93,19 +93,6 @@ TEST(ServerConfig, ReachesGrpc) {
   EXPECT_EQ(options.decode_limits.max_pixels, 500000);
 }
 
-// A server that was told to encrypt and does not is worse than none.
-TEST(ServerConfig, WhatIsNotServedYetIsRefused) {
-  const auto& settings = ServerConfigTable().settings();
-  const auto with = [&](const std::string& name, const std::string& value) {
-    return CheckSupported(
-        ResolveConfig(settings, {.flags = {{"models", "m"}, {name, value}}})
-            .value());
-  };
-  EXPECT_TRUE(with("admin_listen", "").ok());
-  EXPECT_TRUE(with("queue", "7").ok());
-  EXPECT_TRUE(with("log_format", "json").ok());
-}
-
 // The page and the table must not drift apart.
 TEST(ServerConfig, TheDocumentNamesEverySetting) {
   const auto page = ReadFile(TREELINE_OPERATIONS_PAGE);

@@ -116,10 +116,6 @@ int Run(int argc, char** argv) {
                stdout);
     return std::fflush(stdout) == 0 ? kExitOk : kExitFailed;
   }
-  if (const absl::Status supported = CheckSupported(*effective);
-      !supported.ok()) {
-    return Fail(supported, true);
-  }
   return Serve(line.sources, *effective, StopOnInterrupt());
 }
 

@@ -101,6 +101,10 @@ absl::StatusOr<SourceListing> FolderSource::List() {
 
 absl::StatusOr<std::string> FolderSource::Fetch(const ModelRef& model,
                                                 const std::stop_token&) {
+  return LocalPath(model);
+}
+
+absl::StatusOr<std::string> FolderSource::LocalPath(const ModelRef& model) {
   std::string path =
       (fs::path(root_) / model.scene / model.version / kModelFileName).string();
   if (!LookAtFile(path)) {

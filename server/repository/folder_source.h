@@ -21,7 +21,8 @@ class FolderSource final : public ModelSource {
 
   // NOT_FOUND, PERMISSION_DENIED and so on if the root cannot be read.
   absl::StatusOr<SourceListing> List() override;
-  // The file where it lies. NOT_FOUND if it has gone.
+  // The file where it lies, for both. NOT_FOUND if it has gone.
+  absl::StatusOr<std::string> LocalPath(const ModelRef& model) override;
   absl::StatusOr<std::string> Fetch(const ModelRef& model,
                                     const std::stop_token& stop) override;
 

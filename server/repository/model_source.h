@@ -45,6 +45,10 @@ class ModelSource {
   // PERMISSION_DENIED, UNAVAILABLE name the source and the reason.
   virtual absl::StatusOr<SourceListing> List() = 0;
 
+  // The path of the model's file if it is on this machine now; NOT_FOUND if it
+  // is not. Does not wait for a network.
+  virtual absl::StatusOr<std::string> LocalPath(const ModelRef& model) = 0;
+
   // The path of the model's file on this machine; gets it first if it must.
   // Blocks. DATA_LOSS: what came is not what was promised. CANCELLED.
   virtual absl::StatusOr<std::string> Fetch(const ModelRef& model,

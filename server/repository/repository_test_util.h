@@ -77,6 +77,9 @@ class FakeSource final : public ModelSource {
   }
   absl::StatusOr<std::string> Fetch(const ModelRef& ref,
                                     const std::stop_token&) override {
+    return LocalPath(ref);
+  }
+  absl::StatusOr<std::string> LocalPath(const ModelRef& ref) override {
     absl::MutexLock lock(&mutex_);
     const auto found = models_.find({ref.scene, ref.version});
     if (found == models_.end()) return absl::NotFoundError("gone");

@@ -331,6 +331,11 @@ absl::Status SceneRepository::WaitForLoads(const std::stop_token& stop) {
                              : absl::CancelledError("while models were loaded");
 }
 
+std::vector<ModelRef> SceneRepository::Models() const {
+  absl::MutexLock lock(&shared_->mutex);
+  return table_.Models();
+}
+
 std::vector<SceneStatus> SceneRepository::List() const {
   absl::MutexLock lock(&shared_->mutex);
   return table_.List();

@@ -100,67 +100,69 @@ class SceneRepository {
   // Returns when no load is queued or at work. CANCELLED: `stop` was requested.
   absl::Status WaitForLoads(const std::stop_token& stop = {});
 
-      const std::string& name, const std::string& version,
-      std::function<void(absl::StatusOr<std::shared_ptr<const Scene>>)> done) {
-        done(Acquire(name, version));
-      }
-      // All scenes by name.
-      std::vector<SceneStatus> List() const;
-      // INVALID_ARGUMENT, NOT_FOUND.
-      absl::StatusOr<SceneStatus> Get(const std::string& name) const;
-      RepositoryStats Stats() const;
+  // Of each scene that the source has: the version that answers queries which
+  // name none, or would once it is loaded.
+  std::vector<ModelRef> Models() const;
+  // Where the source has a model on this machine: ModelSource::LocalPath.
+  absl::StatusOr<std::string> LocalPath(const ModelRef& model) const {
+    return source_->LocalPath(model);
+  }
+  // All scenes by name.
+  std::vector<SceneStatus> List() const;
+  // INVALID_ARGUMENT, NOT_FOUND.
+  absl::StatusOr<SceneStatus> Get(const std::string& name) const;
+  RepositoryStats Stats() const;
 
-      // Answers all who wait with UNAVAILABLE, waits for loads at work, and for
-      // callbacks to return; none is called from another thread after that. Not
-      // from a callback.
-      void Stop();
+  // Answers all who wait with UNAVAILABLE, waits for loads at work, and for
+  // callbacks to return; none is called from another thread after that. Not
+  // from a callback.
+  void Stop();
 
-     private:
-      // Shared with every model handed out, which may outlive the repository.
-      struct Shared {
-        absl::Mutex mutex;
-        absl::CondVar changed;
-        // Of all models not destroyed yet.
-        uint64_t resident_bytes ABSL_GUARDED_BY(mutex) = 0;
-      };
+ private:
+  // Shared with every model handed out, which may outlive the repository.
+  struct Shared {
+    absl::Mutex mutex;
+    absl::CondVar changed;
+    // Of all models not destroyed yet.
+    uint64_t resident_bytes ABSL_GUARDED_BY(mutex) = 0;
+  };
 
-      SceneRepository(std::unique_ptr<ModelSource> source,
-                      LocalizerOpener opener, const RepositoryOptions& options,
-                      const Clock& clock);
-      void StartThreads();
+  SceneRepository(std::unique_ptr<ModelSource> source, LocalizerOpener opener,
+                  const RepositoryOptions& options, const Clock& clock);
+  void StartThreads();
 
-      // What a loader does: tasks first, then loads.
-      void RunLoader(const std::stop_token& stop);
-      void RunJob(const SceneTable::Job& job, const std::stop_token& stop);
-      absl::StatusOr<std::unique_ptr<Localizer>> OpenModel(
-          const ModelRef& model, const std::stop_token& stop);
-      void RunPoll(const std::stop_token& stop);
-      void LoadNow(const std::string& name, const std::string& version,
-                   StatusDone done);
-      bool IsStopping() const;
-      // Wakes who waits for changes.
-      void Wake() ABSL_EXCLUSIVE_LOCKS_REQUIRED(shared_->mutex) {
-        shared_->changed.SignalAll();
-      }
+  // What a loader does: tasks first, then loads.
+  void RunLoader(const std::stop_token& stop);
+  void RunJob(const SceneTable::Job& job, const std::stop_token& stop);
+  absl::StatusOr<std::unique_ptr<Localizer>> OpenModel(
+      const ModelRef& model, const std::stop_token& stop);
+  void RunPoll(const std::stop_token& stop);
+  void LoadNow(const std::string& name, const std::string& version,
+               StatusDone done);
+  bool IsStopping() const;
+  // Wakes who waits for changes.
+  void Wake() ABSL_EXCLUSIVE_LOCKS_REQUIRED(shared_->mutex) {
+    shared_->changed.SignalAll();
+  }
 
-      const std::unique_ptr<ModelSource> source_;
-      const LocalizerOpener opener_;
-      const RepositoryOptions options_;
-      const Clock& clock_;
-      const std::shared_ptr<Shared> shared_;
+  const std::unique_ptr<ModelSource> source_;
+  const LocalizerOpener opener_;
+  const RepositoryOptions options_;
+  const Clock& clock_;
+  const std::shared_ptr<Shared> shared_;
 
-      SceneTable table_ ABSL_GUARDED_BY(shared_->mutex);
-      std::deque<std::function<void()>> tasks_ ABSL_GUARDED_BY(shared_->mutex);
-      bool stopping_ ABSL_GUARDED_BY(shared_->mutex) = false;
-      // Listings are numbered as they begin; one that began before the last
-      // that was applied is out of date.
-      uint64_t listings_ ABSL_GUARDED_BY(shared_->mutex) = 0;
-      uint64_t applied_listing_ ABSL_GUARDED_BY(shared_->mutex) = 0;
-      uint64_t rescans_ ABSL_GUARDED_BY(shared_->mutex) = 0;
-      uint64_t rescan_failures_ ABSL_GUARDED_BY(shared_->mutex) = 0;
+  SceneTable table_ ABSL_GUARDED_BY(shared_->mutex);
+  std::deque<std::function<void()>> tasks_ ABSL_GUARDED_BY(shared_->mutex);
+  bool stopping_ ABSL_GUARDED_BY(shared_->mutex) = false;
+  // Listings are numbered as they begin; one that began before the last that
+  // was applied is out of date.
+  uint64_t listings_ ABSL_GUARDED_BY(shared_->mutex) = 0;
+  uint64_t applied_listing_ ABSL_GUARDED_BY(shared_->mutex) = 0;
+  uint64_t rescans_ ABSL_GUARDED_BY(shared_->mutex) = 0;
+  uint64_t rescan_failures_ ABSL_GUARDED_BY(shared_->mutex) = 0;
 
-      // Last, so that they end first.
-      std::vector<std::jthread> threads_;
+  // Last, so that they end first.
+  std::vector<std::jthread> threads_;
 };
 
 }  // namespace treeline

@@ -310,6 +310,22 @@ SceneStatus SceneTable::StatusOf(const Entry& entry) {
   return status;
 }
 
+std::vector<ModelRef> SceneTable::Models() const {
+  std::vector<ModelRef> models;
+  for (const auto& [name, entry] : scenes_) {
+    if (const Version* serving = Serving(entry)) {
+      models.push_back(serving->loaded);
+      continue;
+    }
+    for (const auto& [version_name, version] : entry.versions) {
+      if (!version.listed || !version.failure.ok()) continue;
+      models.push_back(version.model);
+      break;
+    }
+  }
+  return models;
+}
+
 std::vector<SceneStatus> SceneTable::List() const {
   std::vector<SceneStatus> list;
   list.reserve(scenes_.size());

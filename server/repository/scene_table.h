@@ -78,6 +78,7 @@ class SceneTable {
   // Answers all who wait that the repository stops.
   void TurnAwayAll(Effects& effects);
 
+  std::vector<ModelRef> Models() const;
   std::vector<SceneStatus> List() const;
   absl::StatusOr<SceneStatus> Get(const std::string& name) const;
   // All but rescans and resident_bytes.

@@ -87,6 +87,18 @@ v1::LocalizeResponse ToProto(const PoseEstimate& estimate,
   return proto;
 }
 
+v1::SceneCandidate ToProto(const ConsideredScene& scene) {
+  v1::SceneCandidate proto;
+  proto.set_scene(scene.scene);
+  proto.set_similarity(scene.similarity);
+  proto.set_tried(scene.tried);
+  if (!scene.tried) return proto;
+  proto.set_outcome(ToProto(scene.outcome));
+  proto.set_confidence(scene.confidence);
+  proto.set_inliers(scene.inliers);
+  return proto;
+}
+
 v1::SceneState ToProto(SceneState state) {
   switch (state) {
     case SceneState::kUnloaded:

@@ -21,6 +21,7 @@ v1::Timings ToProto(const CallTimings& timings);
 v1::LocalizeResponse ToProto(const PoseEstimate& estimate,
                              RgbdSensor pose_sensor);
 
+v1::SceneCandidate ToProto(const ConsideredScene& scene);
 v1::SceneState ToProto(SceneState state);
 v1::ModelInfo ToProto(const ModelInfo& info);
 v1::GeoAnchor ToProto(const GeoAnchor& anchor);

@@ -20,6 +20,8 @@
 namespace treeline {
 namespace {
 
+constexpr int kMostCandidateScenes = 1000;
+
 constexpr char kInternalFault[] =
     "a fault of the server; its log has the details";
 
@@ -56,6 +58,27 @@ bool IsShed(const absl::Status& status) {
   const std::string reason = ErrorInfoOf(status).reason;
   return reason == "QUEUE_FULL" || reason == "DEADLINE_UNREACHABLE" ||
          absl::IsDeadlineExceeded(status);
+}
+
+// Whether it says in one way which scene it may be.
+absl::Status CheckSceneChoice(const v1::LocalizeRequest& request) {
+  if (request.candidate_scenes().empty()) return absl::OkStatus();
+  if (!request.scene().empty() || !request.model_version().empty()) {
+    return absl::InvalidArgumentError(
+        "candidate_scenes: go with neither scene nor model_version");
+  }
+  if (request.candidate_scenes_size() > kMostCandidateScenes) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("candidate_scenes: ", request.candidate_scenes_size(),
+                     " of them; at most ", kMostCandidateScenes));
+  }
+  for (const std::string& candidate : request.candidate_scenes()) {
+    if (const absl::Status valid = CheckName("candidate_scenes", candidate);
+        !valid.ok()) {
+      return valid;
+    }
+  }
+  return absl::OkStatus();
 }
 
 // What ended a call before it could be answered.
@@ -162,6 +185,12 @@ void ServiceDispatcher::LocalizeCall::Start() {
     return;
   }
   counted_as_waiting_ = true;
+  if (request_.scene().empty() &&
+      (request_.candidate_scenes_size() > 0 || request_.has_frame())) {
+    // Which it is, is found out on a worker.
+    UseScene(std::shared_ptr<const Scene>());
+    return;
+  }
   service_.repository_.AcquireAsync(
       request_.scene(), request_.model_version(),
       [self = shared_from_this()](
@@ -176,6 +205,7 @@ absl::Status ServiceDispatcher::LocalizeCall::Admit() {
   client_ = client.id;
   record_.client = client.id;
   TL_RETURN_IF_ERROR(CheckOptions(request_.options()));
+  TL_RETURN_IF_ERROR(CheckSceneChoice(request_));
   if (request_.options().has_time_budget_ms()) {
     call_.deadline = std::min(
         call_.deadline,
@@ -204,7 +234,7 @@ absl::Status ServiceDispatcher::LocalizeCall::Enqueue() {
   const auto self = shared_from_this();
   WorkerPool::Task task;
   task.client = client_;
-  task.kind = scene_->name;
+  if (scene_ != nullptr) task.kind = scene_->name;
   task.deadline = call_.deadline;
   task.run = [self] { self->Work(); };
   const auto full = [](std::chrono::milliseconds retry_after) {
@@ -245,7 +275,16 @@ void ServiceDispatcher::LocalizeCall::Work() {
   absl::StatusOr<v1::LocalizeResponse> response =
       absl::InternalError(kInternalFault);
   try {
-    response = service_.localize_.Handle(request_, *scene_, call_, record_);
+    if (scene_ != nullptr) {
+      response = service_.localize_.Handle(request_, *scene_, call_, record_);
+    } else {
+      response = service_.localize_.HandleAmong(
+          request_, service_.recognizer_,
+          [this](const std::string& name) {
+            return service_.AcquireOnWorker(name, call_.stop);
+          },
+          call_, record_);
+    }
   } catch (const std::exception& error) {
     record_.internal_error = error.what();
   } catch (...) {
@@ -304,6 +343,7 @@ ServiceDispatcher::ServiceDispatcher(SceneRepository& repository,
       observer_(observer),
       clock_(clock),
       localize_(options.decode_limits, clock),
+      recognizer_(repository),
       workers_(options.workers > 0 ? options.workers : HardwareThreads(),
                options.queue, clock) {}
 
@@ -311,6 +351,25 @@ ServiceDispatcher::~ServiceDispatcher() {
   absl::MutexLock lock(&mutex_);
   mutex_.Await(absl::Condition(
       +[](int* calls) { return *calls == 0; }, &calls_));
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> ServiceDispatcher::AcquireOnWorker(
+    const std::string& name, const std::stop_token& stop) {
+  TL_ASSIGN_OR_RETURN(const SceneStatus status, repository_.Get(name));
+  if (status.serving != nullptr) return repository_.Acquire(name, "", stop);
+  const int most = std::max(1, workers_.workers() / 2);
+  if (waiting_workers_.fetch_add(1) >= most) {
+    waiting_workers_.fetch_sub(1);
+    // For the next query.
+    repository_.AcquireAsync(name, "", [](const auto&) {});
+    return WithReason(
+        absl::UnavailableError(
+            absl::StrCat("scene '", name, "' is being loaded")),
+        "SCENE_NOT_LOADED");
+  }
+  auto scene = repository_.Acquire(name, "", stop);
+  waiting_workers_.fetch_sub(1);
+  return scene;
 }
 
 void ServiceDispatcher::CallBegins() {

@@ -64,7 +64,9 @@ class FakeLocalizer final : public Localizer {
 // one corrupt scene, "broken".
 class FakeScenes {
  public:
-  explicit FakeScenes(const std::map<std::string, LocalizeFunction>& scenes) {
+  // keep_files: until this is destroyed, rather than until all is loaded.
+  explicit FakeScenes(const std::map<std::string, LocalizeFunction>& scenes,
+                      bool keep_files = false) {
     namespace fs = std::filesystem;
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
     const fs::path root = fs::path(testing::TempDir()) /
@@ -92,13 +94,16 @@ class FakeScenes {
             {.load_all_at_start = true}, clock_)
             .value();
     EXPECT_TRUE(repository_->WaitForLoads().ok());
-    fs::remove_all(root);
+    root_ = root.string();
+    if (!keep_files) fs::remove_all(root);
   }
+  ~FakeScenes() { std::filesystem::remove_all(root_); }
 
   SceneRepository& repository() const { return *repository_; }
 
  private:
   SteadyClock clock_;
+  std::string root_;
   std::unique_ptr<SceneRepository> repository_;
 };
 
