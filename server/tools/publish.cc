@@ -1,0 +1,58 @@
+#include "server/tools/publish.h"
+
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/progress.h"
+#include "common/base/status_macros.h"
+#include "server/repository/scene_metadata.h"
+#include "server/repository/sha256.h"
+#include "server/repository/web_url.h"
+
+namespace treeline {
+
+absl::Status PublishOptions::Validate() const {
+  if (base_url.empty()) return absl::OkStatus();
+  if (!absl::EndsWith(base_url, "/")) {
+    return absl::InvalidArgumentError("--base-url must end with /");
+  }
+  return Annotate(ResolveUrl("", base_url).status(), "--base-url");
+}
+
+absl::StatusOr<ModelIndex> IndexModels(ModelSource& source,
+                                       const PublishOptions& options,
+                                       const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  TL_ASSIGN_OR_RETURN(const SourceListing listing, source.List());
+  if (listing.models.empty()) {
+    return absl::NotFoundError(
+        "no models: nothing is called <scene>/<version>/model.treeline");
+  }
+  ModelIndex index;
+  for (const auto& [scene, text] : listing.scene_json) {
+    TL_RETURN_IF_ERROR(Annotate(ParseSceneMetadata(text).status(),
+                                absl::StrCat(scene, "/scene.json")));
+    index.scene_json[scene] = text;
+  }
+  uint64_t total = 0;
+  for (const ModelRef& model : listing.models) total += model.bytes;
+  Progress progress("hashing", static_cast<int64_t>(total), options.quiet);
+  for (const ModelRef& model : listing.models) {
+    TL_ASSIGN_OR_RETURN(const std::string path, source.Fetch(model, stop));
+    TL_ASSIGN_OR_RETURN(FileDigest digest,
+                        DigestOfFile(path, stop, [&](uint64_t bytes) {
+                          progress.Add(static_cast<int64_t>(bytes));
+                        }));
+    index.models.push_back(
+        {.scene = model.scene,
+         .version = model.version,
+         .bytes = digest.bytes,
+         .sha256 = std::move(digest.sha256),
+         .url = absl::StrCat(options.base_url, model.scene, "/", model.version,
+                             "/model.treeline")});
+  }
+  return index;
+}
+
+}  // namespace treeline
