@@ -26,6 +26,7 @@ Command AddCalibrateCommand(CLI::App& app);
 Command AddTrainCommand(CLI::App& app);
 Command AddEvaluateCommand(CLI::App& app);
 Command AddInspectCommand(CLI::App& app);
+Command AddRecognizeCommand(CLI::App& app);
 Command AddSynthCommand(CLI::App& app);
 
 }  // namespace treeline
