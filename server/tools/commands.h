@@ -27,6 +27,7 @@ Command AddTrainCommand(CLI::App& app);
 Command AddEvaluateCommand(CLI::App& app);
 Command AddInspectCommand(CLI::App& app);
 Command AddPublishCommand(CLI::App& app);
+Command AddRecognizeCommand(CLI::App& app);
 Command AddSynthCommand(CLI::App& app);
 
 }  // namespace treeline

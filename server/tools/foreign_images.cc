@@ -160,27 +160,6 @@ DepthImage ForeignDepth(int width, int height, int kind, Random& random) {
   return depth;
 }
 
-// Cameras of a foreign recording: the scene's where the recording does not say
-// otherwise and its pictures have the same size.
-std::optional<RgbdCalibration> ForeignCalibration(
-    const Dataset& dataset, const DatasetOptions& options,
-    const RgbdCalibration& scene) {
-  std::optional<RgbdCalibration> query =
-      QueryCalibration(dataset, options, scene);
-  RgbdCalibration calibration = query.value_or(scene);
-  const auto differs = [](const Camera& a, const Camera& b) {
-    return a.width() != b.width() || a.height() != b.height();
-  };
-  const RgbdCalibration& own = dataset.calibration();
-  if (!differs(calibration.color, own.color) &&
-      !differs(calibration.depth, own.depth)) {
-    return query;
-  }
-  calibration.color = own.color;
-  calibration.depth = own.depth;
-  return calibration;
-}
-
 // Asks about one source.
 class ForeignAsker {
  public:
@@ -317,6 +296,25 @@ absl::StatusOr<ForeignSource> ParseForeignSource(absl::string_view text) {
       absl::StrCat("\"", text,
                    "\" names no foreign images: it must be builtin, builtin,N, "
                    "URI or URI,FRAMES"));
+}
+
+std::optional<RgbdCalibration> ForeignCalibration(
+    const Dataset& dataset, const DatasetOptions& options,
+    const RgbdCalibration& scene) {
+  std::optional<RgbdCalibration> query =
+      QueryCalibration(dataset, options, scene);
+  RgbdCalibration calibration = query.value_or(scene);
+  const auto differs = [](const Camera& a, const Camera& b) {
+    return a.width() != b.width() || a.height() != b.height();
+  };
+  const RgbdCalibration& own = dataset.calibration();
+  if (!differs(calibration.color, own.color) &&
+      !differs(calibration.depth, own.depth)) {
+    return query;
+  }
+  calibration.color = own.color;
+  calibration.depth = own.depth;
+  return calibration;
 }
 
 Frame BuiltinForeignFrame(const RgbdCalibration& calibration, int index) {

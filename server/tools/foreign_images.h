@@ -40,6 +40,13 @@ absl::StatusOr<ForeignSource> ParseForeignSource(absl::string_view text);
 // missing. A function of its arguments alone.
 Frame BuiltinForeignFrame(const RgbdCalibration& calibration, int index);
 
+// What to tell a localizer about the cameras of a recording that need not be of
+// its scene: as QueryCalibration, but where the recording's cameras have
+// another size than the scene's, the recording's replace them.
+std::optional<RgbdCalibration> ForeignCalibration(const Dataset& dataset,
+                                                  const DatasetOptions& options,
+                                                  const RgbdCalibration& scene);
+
 // What became of a source's pictures.
 struct ForeignTally {
   std::string source;

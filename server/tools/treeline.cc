@@ -97,8 +97,10 @@ int Run(int argc, char** argv) {
   app.set_version_flag("--version", std::string("treeline ") + Version());
   app.require_subcommand(1);
   const std::vector<Command> commands = {
-      AddCalibrateCommand(app), AddTrainCommand(app),   AddEvaluateCommand(app),
-      AddInspectCommand(app),   AddPublishCommand(app), AddSynthCommand(app),
+      AddCalibrateCommand(app), AddTrainCommand(app),
+      AddEvaluateCommand(app),  AddInspectCommand(app),
+      AddPublishCommand(app),   AddRecognizeCommand(app),
+      AddSynthCommand(app),
   };
   try {
     app.parse(argc, argv);

@@ -301,8 +301,8 @@ absl::StatusOr<std::string> ReadModelExtra(const std::string& path,
     TL_ASSIGN_OR_RETURN(const Header header, ReadHeader(file));
     const SectionReader reader(file, SectionTable(file, header));
     if (!reader.Has(static_cast<uint32_t>(kind), 0)) {
-      return absl::NotFoundError(absl::StrCat(
-          "the model has no section ", static_cast<uint32_t>(kind)));
+      return absl::NotFoundError(absl::StrCat("the model has no section ",
+                                              static_cast<uint32_t>(kind)));
     }
     std::span<const char> bytes;
     TL_RETURN_IF_ERROR(reader.Read(static_cast<uint32_t>(kind), 0, bytes));

@@ -86,8 +86,7 @@ class ModelFile {
 // DATA_LOSS: it is longer than max_bytes, too. Other errors as those of
 // ModelFile::Open. Safe on hostile files.
 absl::StatusOr<std::string> ReadModelExtra(const std::string& path,
-                                           ModelExtra kind,
-                                           uint64_t max_bytes);
+                                           ModelExtra kind, uint64_t max_bytes);
 
 }  // namespace treeline
 

@@ -31,13 +31,12 @@ AppearanceWords::AppearanceWords() {
     test.dx2 = offset();
     test.dy2 = offset();
     test.channel2 = channel();
-    test.threshold =
-        static_cast<int>(random.NextBelow(2 * kMaxThreshold + 1)) -
-        kMaxThreshold;
+    test.threshold = static_cast<int>(random.NextBelow(2 * kMaxThreshold + 1)) -
+                     kMaxThreshold;
   }
   for (size_t i = 0; i < logarithm_.size(); ++i) {
-    const double value = std::log((static_cast<double>(i) + 8) / 8) /
-                         std::log((255.0 + 8) / 8);
+    const double value =
+        std::log((static_cast<double>(i) + 8) / 8) / std::log((255.0 + 8) / 8);
     logarithm_[i] = static_cast<uint8_t>(std::lround(255 * value));
   }
 }
@@ -86,8 +85,8 @@ void AppearanceWords::Shrink(const ColorImage& image) {
         const uint32_t* sum = column_sums_.data() + 3 * u;
         for (int c = 0; c < 3; ++c) sums[c] += sum[c];
       }
-      const auto covered = static_cast<uint32_t>((right - left) *
-                                                 (bottom - top));
+      const auto covered =
+          static_cast<uint32_t>((right - left) * (bottom - top));
       for (int c = 0; c < 3; ++c) {
         level.planes[static_cast<size_t>(c * pixels + y * level.width + x)] =
             logarithm_[sums[c] / covered];
@@ -188,10 +187,9 @@ void AppearanceWords::AddWords(const Level& level) {
   std::array<std::array<int, 3>, size_t{kFerns} * kFernTests> offsets;
   for (size_t t = 0; t < tests_.size(); ++t) {
     const Test& test = tests_[t];
-    offsets[t] = {
-        test.channel1 * pixels + test.dy1 * level.width + test.dx1,
-        test.channel2 * pixels + test.dy2 * level.width + test.dx2,
-        test.threshold};
+    offsets[t] = {test.channel1 * pixels + test.dy1 * level.width + test.dx1,
+                  test.channel2 * pixels + test.dy2 * level.width + test.dx2,
+                  test.threshold};
   }
   for (const Corner& corner : corners_) {
     const uint8_t* at = level.planes.data() + corner.index;

@@ -15,9 +15,9 @@ absl::Status Validate(const AmongOptions& options) {
   }
   // Written so that NaN fails.
   if (!(options.sure_confidence >= 0 && options.sure_confidence <= 1)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("sure_confidence is ", options.sure_confidence,
-                     "; it must lie in [0, 1]"));
+    return absl::InvalidArgumentError(absl::StrCat("sure_confidence is ",
+                                                   options.sure_confidence,
+                                                   "; it must lie in [0, 1]"));
   }
   return absl::OkStatus();
 }

@@ -33,7 +33,10 @@ void BM_AppearanceWords(benchmark::State& state) {
   for (auto _ : state) count = words.Extract(image).size();
   state.counters["words"] = static_cast<double>(count);
 }
-BENCHMARK(BM_AppearanceWords)->Arg(640)->Arg(1280)->Arg(1920)
+BENCHMARK(BM_AppearanceWords)
+    ->Arg(640)
+    ->Arg(1280)
+    ->Arg(1920)
     ->Unit(benchmark::kMicrosecond);
 
 // Scenes with a seventh of all words each, as rooms of 270 frames have.
@@ -56,8 +59,8 @@ void BM_Rank(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(index.RankWords(words));
   state.counters["words"] = static_cast<double>(words.size());
 }
-BENCHMARK(BM_Rank)->Arg(16)->Arg(64)->Arg(256)->Arg(512)
-    ->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_Rank)->Arg(16)->Arg(64)->Arg(256)->Arg(512)->Unit(
+    benchmark::kMicrosecond);
 
 void BM_SetScene(benchmark::State& state) {
   SceneIndex index;

@@ -133,8 +133,8 @@ TEST_F(ReadSceneDescriptorTest, TruncatedFilesAreDataLoss) {
   const ModelExtraBytes extra{ModelExtra::kSceneDescriptor, bytes};
   Write({&extra, 1});
   const std::string good = *ReadFile(path_);
-  for (const size_t length : {size_t{0}, size_t{63}, size_t{100},
-                              good.size() / 2, good.size() - 1}) {
+  for (const size_t length :
+       {size_t{0}, size_t{63}, size_t{100}, good.size() / 2, good.size() - 1}) {
     ASSERT_TRUE(WriteFileAtomically(path_, good.substr(0, length)).ok());
     EXPECT_EQ(ReadSceneDescriptor(path_).status().code(),
               absl::StatusCode::kDataLoss)

@@ -41,9 +41,8 @@ SceneIndex::Block::Block() : scenes_of_word(kWords, 0) {}
 
 void SceneIndex::Set(const std::string& scene,
                      const SceneDescriptor& descriptor) {
-  const double chance =
-      std::pow(kLeastFill / std::max(kLeastFill, descriptor.Fill()),
-               kFillPower);
+  const double chance = std::pow(
+      kLeastFill / std::max(kLeastFill, descriptor.Fill()), kFillPower);
   absl::MutexLock lock(&mutex_);
   const auto [found, is_new] = slots_.try_emplace(scene);
   Slot& slot = found->second;
@@ -122,8 +121,8 @@ std::vector<SceneScore> SceneIndex::RankWords(
   for (size_t i = 0; i < words.size(); ++i) {
     size_t count = 0;
     for (const auto& block : blocks_) {
-      count += static_cast<size_t>(
-          std::popcount(block->scenes_of_word[words[i]]));
+      count +=
+          static_cast<size_t>(std::popcount(block->scenes_of_word[words[i]]));
     }
     votes[i] = vote_of_count[count];
     all += votes[i];
@@ -133,12 +132,12 @@ std::vector<SceneScore> SceneIndex::RankWords(
     CountVotes(blocks_[b]->scenes_of_word, words, votes, sums[b]);
   }
   const auto add = [&](const std::string& scene, const Slot& slot) {
-    const uint32_t sum = sums[slot.number / kBlockScenes]
-                             [slot.number % kBlockScenes];
-    ranking.push_back(
-        {scene, all == 0 ? 0
-                         : slot.chance * static_cast<double>(sum) /
-                               static_cast<double>(all)});
+    const uint32_t sum =
+        sums[slot.number / kBlockScenes][slot.number % kBlockScenes];
+    ranking.push_back({scene, all == 0
+                                  ? 0
+                                  : slot.chance * static_cast<double>(sum) /
+                                        static_cast<double>(all)});
   };
   if (!candidates) {
     for (const auto& [scene, slot] : slots_) add(scene, slot);

@@ -54,15 +54,13 @@ class SceneIndex {
   //
   // candidates: those to rank; names that are not in the index are left out.
   // nullopt: all. Of the frame, the colour alone is looked at.
-  std::vector<SceneScore> Rank(
-      const Frame& frame,
-      std::optional<std::span<const std::string>> candidates =
-          std::nullopt) const;
+  std::vector<SceneScore> Rank(const Frame& frame,
+                               std::optional<std::span<const std::string>>
+                                   candidates = std::nullopt) const;
   // The same for the words of a frame: see AppearanceWords.
-  std::vector<SceneScore> RankWords(
-      std::span<const uint32_t> words,
-      std::optional<std::span<const std::string>> candidates =
-          std::nullopt) const;
+  std::vector<SceneScore> RankWords(std::span<const uint32_t> words,
+                                    std::optional<std::span<const std::string>>
+                                        candidates = std::nullopt) const;
 
  private:
   static constexpr size_t kBlockScenes = 64;
