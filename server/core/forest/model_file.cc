@@ -236,6 +236,7 @@ absl::Status ModelFile::Parse() {
                                 " bytes and has ", file_.size(),
                                 "; was it copied whole?"));
   }
+  file_.Prefetch();  // while the checksum goes through it
   const uint64_t checksum = Checksum(
       header, {reinterpret_cast<const char*>(file_.data()) + sizeof(header),
                file_.size() - sizeof(header)});
