@@ -39,6 +39,9 @@ class MappedFile {
   MappedFile& operator=(MappedFile&& other) noexcept;
   ~MappedFile();
 
+  // Has the system begin to read all of it, and does not wait for that.
+  void Prefetch() const;
+
   const uint8_t* data() const { return data_; }
   uint64_t size() const { return size_; }
 

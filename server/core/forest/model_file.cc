@@ -252,6 +252,7 @@ absl::StatusOr<std::unique_ptr<const ModelFile>> ModelFile::Open(
 
 absl::Status ModelFile::Parse() {
   TL_ASSIGN_OR_RETURN(const Header header, ReadHeader(file_));
+  file_.Prefetch();  // while the checksum goes through it
   const uint64_t checksum = Checksum(
       header, {reinterpret_cast<const char*>(file_.data()) + sizeof(header),
                file_.size() - sizeof(header)});
