@@ -102,6 +102,7 @@ Json RunJson(const LoadRun& run) {
       {"loop", open ? "open" : "closed"},
       {"rate_per_s", open ? Json(options.rate_per_s) : Json(nullptr)},
       {"concurrency", open ? Json(nullptr) : Json(options.concurrency)},
+      {"stream_window", options.stream_window},
       {"deadline_ms", options.deadline_ms},
       {"warm_up_s", options.warm_up_s},
       {"measured_from_unix_s", UnixSeconds(run.measured_from)},
@@ -199,6 +200,10 @@ std::string RunText(const LoadRun& run) {
           ? absl::StrFormat("open loop, %.1f/s", run.options.rate_per_s)
           : absl::StrFormat("closed loop, %d at a time",
                             run.options.concurrency);
+  if (run.options.stream_window > 0) {
+    absl::StrAppendFormat(&text, " with streams of %d frames",
+                          run.options.stream_window);
+  }
   absl::StrAppendFormat(
       &text,
       ", %.1f s%s\n  goodput %.1f/s: %d answered, %d shed, %d past the "

@@ -22,6 +22,9 @@ struct LoadOptions {
   // Closed loop: so many clients, each of which asks again as soon as it has
   // its answer, or 10 ms after it had none.
   int concurrency = 1;
+  // If it is positive, each of them asks with one stream, and keeps so many
+  // frames of it in flight.
+  int stream_window = 0;
   // Open loop instead, if it is positive: clients that know nothing of one
   // another ask so often in all, answered or not.
   double rate_per_s = 0;

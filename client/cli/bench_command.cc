@@ -269,6 +269,11 @@ void AddLoadFlags(CLI::App& app, BenchFlags& flags) {
   app.add_option("--concurrency", load.concurrency, "Clients of a closed loop")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
+  app.add_option("--stream", load.stream_window,
+                 "Each of them asks with one stream, this many frames in "
+                 "flight")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("FRAMES");
   app.add_option("--rate", load.rate_per_s, "Open loop: calls per second")
       ->check(CLI::PositiveNumber);
   app.add_flag("--sweep", flags.sweep,

@@ -50,10 +50,12 @@ def overload(setup, row):
 
 
 def server_counts(metrics):
-    """{(status, reason): calls} of Localize."""
-    return {key[1:]: int(value) for key, value in metrics.by(
-        "treeline_requests_total", "rpc", "status", "reason").items()
-            if key[0] == "Localize"}
+    """{(status, reason): calls} of Localize; the reason "none" is no reason,
+    as with the client."""
+    return {(status, "" if reason == "none" else reason): int(value)
+            for (rpc, status, reason), value in metrics.by(
+                "treeline_requests_total", "rpc", "status", "reason").items()
+            if rpc == "Localize"}
 
 
 def total(counts, *codes):
