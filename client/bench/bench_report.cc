@@ -52,7 +52,8 @@ Json ServerJson(const ServerSplit& server) {
           {"pose_ms", HistogramJson(server.pose)},
           {"localize_ms", HistogramJson(server.localize)},
           {"total_ms", HistogramJson(server.total)},
-          {"outside_ms", HistogramJson(server.outside)}};
+          {"outside_ms", HistogramJson(server.outside)},
+          {"overhead_ms", HistogramJson(server.overhead)}};
 }
 
 Json ChecksJson(const Checks& checks) {

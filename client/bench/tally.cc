@@ -22,6 +22,8 @@ void AddSplit(const CallResult& result, ServerSplit& server) {
   server.localize.Add(timings.localize_ms());
   server.total.Add(timings.total_ms());
   server.outside.Add(result.from_send_ms - timings.total_ms());
+  server.overhead.Add(result.from_send_ms - timings.decode_ms() -
+                      timings.localize_ms());
 }
 
 void AddVerdict(const AnswerChecker::Verdict& verdict, Checks& checks) {

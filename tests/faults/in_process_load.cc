@@ -4,6 +4,8 @@
 //
 // Decodes and localizes the first FRAMES frames of the list over and over, from
 // the bytes that a client would send, and prints one JSON object.
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -42,6 +44,14 @@ std::vector<v1::Frame> ReadFrames(const Dataset& dataset, int count) {
   return frames;
 }
 
+double ProcessorSeconds() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec +
+                                    usage.ru_stime.tv_usec);
+}
+
 Worker Work(const Localizer& localizer, const std::vector<v1::Frame>& frames,
             MonotonicTime end) {
   const SteadyClock clock;
@@ -74,6 +84,7 @@ int Run(char** argv) {
   const size_t threads = static_cast<size_t>(std::max(1, std::atoi(argv[5])));
   const double seconds = std::atof(argv[6]);
   std::vector<Worker> workers(threads);
+  const double cpu_s = ProcessorSeconds();
   const MonotonicTime end =
       SteadyClock().Now() + std::chrono::milliseconds(
                                 static_cast<int64_t>(seconds * 1e3));
@@ -93,9 +104,10 @@ int Run(char** argv) {
   }
   std::sort(all_ms.begin(), all_ms.end());
   std::printf("{\"queries\": %zu, \"failed\": %d, \"per_s\": %.2f, "
-              "\"p50_ms\": %.3f, \"p99_ms\": %.3f}\n",
+              "\"cpus\": %.3f, \"p50_ms\": %.3f, \"p99_ms\": %.3f}\n",
               all_ms.size(), failed,
               static_cast<double>(all_ms.size()) / seconds,
+              (ProcessorSeconds() - cpu_s) / seconds,
               all_ms[all_ms.size() / 2], all_ms[all_ms.size() * 99 / 100]);
   return failed > 0 ? 1 : 0;
 }
