@@ -22,7 +22,7 @@ std::string Help(const Setting& setting) {
   const auto* list =
       std::get_if<std::vector<std::string>>(&setting.default_value);
   const bool is_flag = std::holds_alternative<bool>(setting.default_value);
-  if (setting.required) {
+  if (setting.required && text != nullptr && text->empty()) {
     notes.push_back("required");
   } else if (text != nullptr) {
     if (!text->empty()) notes.push_back(absl::StrCat("default ", *text));

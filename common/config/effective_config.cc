@@ -67,7 +67,7 @@ absl::StatusOr<EffectiveConfig> ResolveConfig(
       if (!value.ok()) return Annotate(value.status(), origin);
       effective = {*std::move(value), origin};
     }
-    if (setting.required && effective.origin == "default") {
+    if (setting.required && effective.value == ConfigValue(std::string())) {
       return absl::InvalidArgumentError(absl::StrCat(
           setting.name,
           " must be given: ", HowToGive(setting, sources.environment_prefix)));

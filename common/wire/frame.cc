@@ -265,6 +265,41 @@ v1::Frame ToProto(const QueryFrame& frame) {
   return proto;
 }
 
+absl::StatusOr<Frame> DecodePixels(const v1::Frame& proto,
+                                   const DecodeLimits& limits,
+                                   absl::string_view field) {
+  if (proto.has_depth()) {
+    TL_RETURN_IF_ERROR(
+        CheckDepthStatement(proto.depth(), absl::StrCat(field, ".depth")));
+  }
+  Frame frame;
+  TL_ASSIGN_OR_RETURN(
+      frame.color,
+      DecodeColorField(proto.color(), limits, absl::StrCat(field, ".color")));
+  if (proto.has_depth()) {
+    TL_ASSIGN_OR_RETURN(
+        frame.depth,
+        DecodeDepthField(proto.depth(), limits, absl::StrCat(field, ".depth")));
+  }
+  return frame;
+}
+
+absl::StatusOr<std::optional<RgbdCalibration>> CalibrationIn(
+    const v1::Frame& proto, const Frame& pixels,
+    const RgbdCalibration& scene_calibration, absl::string_view field) {
+  TL_ASSIGN_OR_RETURN(std::optional<RgbdCalibration> resolved,
+                      ResolveCalibration(proto, scene_calibration, field));
+  const RgbdCalibration& calibration =
+      resolved ? *resolved : scene_calibration;
+  TL_RETURN_IF_ERROR(CheckColorSize(pixels.color, calibration.color,
+                                    proto.has_camera(), field));
+  if (pixels.depth) {
+    TL_RETURN_IF_ERROR(
+        CheckDepthSize(*pixels.depth, calibration.depth, field));
+  }
+  return resolved;
+}
+
 absl::StatusOr<Frame> FromProto(const v1::Frame& proto,
                                 const RgbdCalibration& scene_calibration,
                                 const DecodeLimits& limits,
@@ -273,22 +308,12 @@ absl::StatusOr<Frame> FromProto(const v1::Frame& proto,
     TL_RETURN_IF_ERROR(
         CheckDepthStatement(proto.depth(), absl::StrCat(field, ".depth")));
   }
-  Frame frame;
+  // Before anything is decoded.
+  TL_RETURN_IF_ERROR(
+      ResolveCalibration(proto, scene_calibration, field).status());
+  TL_ASSIGN_OR_RETURN(Frame frame, DecodePixels(proto, limits, field));
   TL_ASSIGN_OR_RETURN(frame.calibration,
-                      ResolveCalibration(proto, scene_calibration, field));
-  const RgbdCalibration& calibration =
-      frame.calibration ? *frame.calibration : scene_calibration;
-  TL_ASSIGN_OR_RETURN(
-      frame.color,
-      DecodeColorField(proto.color(), limits, absl::StrCat(field, ".color")));
-  TL_RETURN_IF_ERROR(CheckColorSize(frame.color, calibration.color,
-                                    proto.has_camera(), field));
-  if (proto.has_depth()) {
-    TL_ASSIGN_OR_RETURN(
-        frame.depth,
-        DecodeDepthField(proto.depth(), limits, absl::StrCat(field, ".depth")));
-    TL_RETURN_IF_ERROR(CheckDepthSize(*frame.depth, calibration.depth, field));
-  }
+                      CalibrationIn(proto, frame, scene_calibration, field));
   return frame;
 }
 

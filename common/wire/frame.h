@@ -2,6 +2,8 @@
 #ifndef COMMON_WIRE_FRAME_H_
 #define COMMON_WIRE_FRAME_H_
 
+#include <optional>
+
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "common/camera/rgbd_calibration.h"
@@ -37,6 +39,17 @@ absl::StatusOr<Frame> FromProto(const v1::Frame& proto,
                                 const RgbdCalibration& scene_calibration,
                                 const DecodeLimits& limits,
                                 absl::string_view field);
+
+// The same in two steps, for a frame that is tried in several scenes: its
+// pixels, without a calibration ...
+absl::StatusOr<Frame> DecodePixels(const v1::Frame& proto,
+                                   const DecodeLimits& limits,
+                                   absl::string_view field);
+// ... and the calibration of the result in one scene; INVALID_ARGUMENT if they
+// do not go together.
+absl::StatusOr<std::optional<RgbdCalibration>> CalibrationIn(
+    const v1::Frame& proto, const Frame& pixels,
+    const RgbdCalibration& scene_calibration, absl::string_view field);
 
 }  // namespace treeline
 

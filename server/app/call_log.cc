@@ -1,78 +1,86 @@
 #include "server/app/call_log.h"
 
-#include <spdlog/logger.h>
-
 #include <utility>
 
-#include "absl/strings/escaping.h"
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
-#include "absl/strings/str_replace.h"
+#include "common/base/error_info.h"
 
 namespace treeline {
 namespace {
 
 constexpr auto kWindow = std::chrono::seconds(1);
 
-// A value that a client chose, in quotation marks, on one line.
-std::string Quoted(absl::string_view value) {
-  // Apostrophes do no harm there.
-  return absl::StrCat(
-      "\"", absl::StrReplaceAll(absl::CHexEscape(value), {{"\\'", "'"}}), "\"");
+// Who called for what.
+void AddCaller(const CallRecord& record, LogEvent& event) {
+  event.Text("peer", record.peer);
+  if (!record.client.empty()) event.Text("client", record.client);
+  if (record.trace) {
+    event.Word("trace_id", record.trace->trace_id);
+    event.Word("span_id", record.trace->span_id);
+  }
+  if (record.request_bytes > 0) {
+    event.Integer("bytes", static_cast<int64_t>(record.request_bytes));
+  }
+  if (!record.scene.empty()) event.Text("scene", record.scene);
+  if (!record.model_version.empty()) {
+    event.Text("version", record.model_version);
+  }
+}
+
+void AddOutcome(const CallRecord& record, LogEvent& event) {
+  if (!record.outcome) return;
+  const CallTimings& t = record.timings;
+  event.Word("outcome", OutcomeName(*record.outcome))
+      .Word("reason", ReasonName(record.reason))
+      .Integer("inliers", record.inliers)
+      .Integer("samples", record.samples)
+      .Number("decode_ms", t.decode_ms)
+      .Number("sample_ms", t.localize.sample_ms)
+      .Number("forest_ms", t.localize.forest_ms)
+      .Number("pose_ms", t.localize.pose_ms);
 }
 
 }  // namespace
 
-std::string FormatCall(const CallRecord& record) {
-  std::string line =
-      absl::StrCat("rpc=", record.rpc,
-                   " status=", absl::StatusCodeToString(record.status.code()),
-                   " peer=", Quoted(record.peer));
-  if (!record.scene.empty()) {
-    absl::StrAppend(&line, " scene=", Quoted(record.scene));
+LogEvent EventOf(const CallRecord& record, LogFormat format) {
+  LogEvent event(format);
+  event.Word("rpc", record.rpc)
+      .Word("status", absl::StatusCodeToString(record.status.code()));
+  // Calls by gRPC are the rule.
+  if (absl::string_view(record.transport) != "grpc") {
+    event.Word("transport", record.transport);
   }
-  if (!record.model_version.empty()) {
-    absl::StrAppend(&line, " version=", Quoted(record.model_version));
-  }
-  if (record.outcome) {
-    const CallTimings& t = record.timings;
-    absl::StrAppend(&line, " outcome=", OutcomeName(*record.outcome),
-                    " reason=", ReasonName(record.reason),
-                    " inliers=", record.inliers, " samples=", record.samples);
-    absl::StrAppendFormat(&line,
-                          " decode_ms=%.2f sample_ms=%.2f forest_ms=%.2f "
-                          "pose_ms=%.2f",
-                          t.decode_ms, t.localize.sample_ms,
-                          t.localize.forest_ms, t.localize.pose_ms);
-  }
-  absl::StrAppendFormat(&line, " queue_ms=%.2f total_ms=%.2f",
-                        record.timings.queue_ms, record.timings.total_ms);
+  AddCaller(record, event);
+  AddOutcome(record, event);
+  event.Number("queue_ms", record.timings.queue_ms)
+      .Number("total_ms", record.timings.total_ms);
   if (!record.status.ok()) {
-    absl::StrAppend(&line, " message=", Quoted(record.status.message()));
+    const std::string reason = ErrorInfoOf(record.status).reason;
+    if (!reason.empty()) event.Text("error_reason", reason);
+    event.Text("message", record.status.message());
   }
   if (!record.internal_error.empty()) {
-    absl::StrAppend(&line, " fault=", Quoted(record.internal_error));
+    event.Text("fault", record.internal_error);
   }
-  return line;
+  return event;
 }
 
-CallLog::CallLog(std::shared_ptr<spdlog::logger> logger, const Clock& clock)
-    : logger_(std::move(logger)), clock_(clock), window_start_(clock.Now()) {}
+CallLog::CallLog(ServerLog& log, const Clock& clock)
+    : log_(log), clock_(clock), window_start_(clock.Now()) {}
 
 void CallLog::OnCall(const CallRecord& record) {
   if (record.status.ok()) {
-    if (logger_->should_log(spdlog::level::debug)) {
-      logger_->debug(FormatCall(record));
+    if (log_.Writes(LogLevel::kDebug)) {
+      log_.Write(LogLevel::kDebug, EventOf(record, log_.format()));
     }
     return;
   }
-  const auto level = absl::IsInternal(record.status) ? spdlog::level::err
-                                                     : spdlog::level::info;
+  const LogLevel level =
+      absl::IsInternal(record.status) ? LogLevel::kError : LogLevel::kInfo;
   int64_t suppressed = 0;
-  if (!logger_->should_log(level) || !Admit(suppressed)) return;
-  std::string line = FormatCall(record);
-  if (suppressed > 0) absl::StrAppend(&line, " lines_left_out=", suppressed);
-  logger_->log(level, line);
+  if (!log_.Writes(level) || !Admit(suppressed)) return;
+  LogEvent event = EventOf(record, log_.format());
+  if (suppressed > 0) event.Integer("lines_left_out", suppressed);
+  log_.Write(level, event);
 }
 
 bool CallLog::Admit(int64_t& suppressed) {

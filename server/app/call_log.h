@@ -2,24 +2,21 @@
 #ifndef SERVER_APP_CALL_LOG_H_
 #define SERVER_APP_CALL_LOG_H_
 
-#include <memory>
-#include <string>
+#include <cstdint>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
+#include "server/app/log_event.h"
+#include "server/app/server_log.h"
 #include "server/service/call_observer.h"
-
-namespace spdlog {
-class logger;
-}
 
 namespace treeline {
 
 // "rpc=Localize status=OK peer=... scene=... version=... outcome=LOCALIZED
 // inliers=432 samples=500 queue_ms=0.0 decode_ms=2.9 ... total_ms=7.1" in one
-// line. What a client chose is escaped: it can start no line of its own.
-std::string FormatCall(const CallRecord& record);
+// line, or the same as JSON. What a client chose is escaped.
+LogEvent EventOf(const CallRecord& record, LogFormat format);
 
 // Answered calls are logged at debug, calls that failed at info, and the
 // server's own faults at error. Of failed calls at most kMaxLines a second are
@@ -28,14 +25,15 @@ class CallLog final : public CallObserver {
  public:
   static constexpr int kMaxLines = 20;
 
-  CallLog(std::shared_ptr<spdlog::logger> logger, const Clock& clock);
+  // Both must outlive this.
+  CallLog(ServerLog& log, const Clock& clock);
   void OnCall(const CallRecord& record) override;
 
  private:
   // Whether a failed call may be written now; if so, how many were not since.
   bool Admit(int64_t& suppressed);
 
-  const std::shared_ptr<spdlog::logger> logger_;
+  ServerLog& log_;
   const Clock& clock_;
   absl::Mutex mutex_;
   MonotonicTime window_start_ ABSL_GUARDED_BY(mutex_);

@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 #include <string>
 
+#include "common/base/error_info.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -28,8 +31,9 @@ class CallLogTest : public testing::Test {
   CallLogTest() {
     const auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(out_);
     logger_ = std::make_shared<spdlog::logger>("test", sink);
+    server_log_ = std::make_unique<ServerLog>(logger_, LogFormat::kText);
     logger_->set_pattern("%l %v");
-    log_ = std::make_unique<CallLog>(logger_, clock_);
+    log_ = std::make_unique<CallLog>(*server_log_, clock_);
   }
   int Lines() const {
     const std::string text = out_.str();
@@ -38,6 +42,7 @@ class CallLogTest : public testing::Test {
 
   std::ostringstream out_;
   std::shared_ptr<spdlog::logger> logger_;
+  std::unique_ptr<ServerLog> server_log_;
   ManualClock clock_;
   std::unique_ptr<CallLog> log_;
 };
@@ -108,6 +113,69 @@ TEST_F(CallLogTest, AFloodOfFailuresIsCountedNotWritten) {
   log_->OnCall(Failed());
   EXPECT_EQ(Lines(), CallLog::kMaxLines + 1);
   EXPECT_THAT(out_.str(), HasSubstr("lines_left_out=981"));
+}
+
+CallRecord Traced() {
+  CallRecord record = Failed();
+  record.transport = "http";
+  record.client = "robot-7";
+  record.request_bytes = 300000;
+  record.status =
+      WithReason(absl::UnavailableError("overloaded"), "QUEUE_FULL");
+  record.trace = ParseTraceparent(
+      "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01");
+  return record;
+}
+
+TEST_F(CallLogTest, NamesTheClientTheTraceAndTheReason) {
+  log_->OnCall(Traced());
+  EXPECT_THAT(out_.str(),
+              HasSubstr("rpc=Localize status=UNAVAILABLE transport=http "
+                        "peer=\"\" client=\"robot-7\" "
+                        "trace_id=0af7651916cd43dd8448eb211c80319c "
+                        "span_id=b7ad6b7169203331 bytes=300000 "));
+  EXPECT_THAT(out_.str(), HasSubstr("error_reason=\"QUEUE_FULL\""));
+}
+
+TEST_F(CallLogTest, JsonIsOneObjectALineWithTheSameFields) {
+  ServerLog json_log(logger_, LogFormat::kJson);
+  CallLog log(json_log, clock_);
+  CallRecord record = Traced();
+  record.scene = "x\",\"status\":\"OK\n\xff\xe2\x80\xa8\x1b[31m";
+  log.OnCall(record);
+  EXPECT_EQ(Lines(), 1);
+  const auto line = nlohmann::json::parse(out_.str());
+  EXPECT_EQ(line["level"], "info");
+  EXPECT_EQ(line["rpc"], "Localize");
+  EXPECT_EQ(line["status"], "UNAVAILABLE");
+  EXPECT_EQ(line["transport"], "http");
+  EXPECT_EQ(line["client"], "robot-7");
+  EXPECT_EQ(line["trace_id"], "0af7651916cd43dd8448eb211c80319c");
+  EXPECT_EQ(line["span_id"], "b7ad6b7169203331");
+  EXPECT_EQ(line["bytes"], 300000);
+  EXPECT_EQ(line["error_reason"], "QUEUE_FULL");
+  EXPECT_EQ(line["scene"], "x\",\"status\":\"OK\n\ufffd\u2028\x1b[31m");
+  EXPECT_EQ(line["total_ms"], 0.0);
+  EXPECT_TRUE(std::regex_match(
+      line["ts"].get<std::string>(),
+      std::regex("\\d{4}-\\d\\d-\\d\\dT\\d\\d:\\d\\d:\\d\\d\\.\\d{3}Z")));
+}
+
+TEST_F(CallLogTest, JsonTellsOfAnAnswerAllThatTextDoes) {
+  logger_->set_level(spdlog::level::debug);
+  ServerLog json_log(logger_, LogFormat::kJson);
+  CallLog log(json_log, clock_);
+  CallRecord record;
+  record.rpc = "Localize";
+  record.outcome = Outcome::kLocalized;
+  record.inliers = 237;
+  record.samples = 500;
+  record.timings.decode_ms = 7.554;
+  log.OnCall(record);
+  const auto line = nlohmann::json::parse(out_.str());
+  EXPECT_EQ(line["outcome"], "LOCALIZED");
+  EXPECT_EQ(line["inliers"], 237);
+  EXPECT_EQ(line["decode_ms"], 7.55);
 }
 
 }  // namespace

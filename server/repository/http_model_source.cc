@@ -211,6 +211,13 @@ absl::StatusOr<SourceListing> HttpModelSource::List() {
   return listing;
 }
 
+absl::StatusOr<std::string> HttpModelSource::LocalPath(const ModelRef& model) {
+  if (!IsSha256(model.fingerprint)) {
+    return absl::InvalidArgumentError("fingerprint: not a SHA-256");
+  }
+  return cache_->Find(model.fingerprint, model.bytes, options_.stop);
+}
+
 absl::StatusOr<std::string> HttpModelSource::Fetch(
     const ModelRef& model, const std::stop_token& stop) {
   if (!IsSha256(model.fingerprint)) {

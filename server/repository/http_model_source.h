@@ -61,6 +61,7 @@ class HttpModelSource final : public ModelSource {
       Sleeper sleep = &SleepUnlessStopped);
 
   absl::StatusOr<SourceListing> List() override;
+  absl::StatusOr<std::string> LocalPath(const ModelRef& model) override;
   absl::StatusOr<std::string> Fetch(const ModelRef& model,
                                     const std::stop_token& stop) override;
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
 namespace treeline {
@@ -20,6 +21,10 @@ struct ModelRef {
   // Another one means another file under the same name: the time of its last
   // change and its size, or its digest.
   std::string fingerprint;
+  // Empty where the source cannot say. Otherwise: another fingerprint with the
+  // same id means that the very file that may be mapped into memory was written
+  // over, so that what was read of it is no longer what was verified.
+  std::string file_id = {};
 };
 
 // What a source has at one moment.
@@ -27,6 +32,8 @@ struct SourceListing {
   std::vector<ModelRef> models;
   // Of the scenes that have one: the text of their scene.json.
   std::map<std::string, std::string> scene_json;
+  // Of the scenes that have one which could not be read: why.
+  std::map<std::string, absl::Status> scene_json_errors = {};
 };
 
 // Thread-safe.
@@ -37,6 +44,10 @@ class ModelSource {
   // Every valid name (see names.h) that holds a model now. NOT_FOUND,
   // PERMISSION_DENIED, UNAVAILABLE name the source and the reason.
   virtual absl::StatusOr<SourceListing> List() = 0;
+
+  // The path of the model's file if it is on this machine now; NOT_FOUND if it
+  // is not. Does not wait for a network.
+  virtual absl::StatusOr<std::string> LocalPath(const ModelRef& model) = 0;
 
   // The path of the model's file on this machine; gets it first if it must.
   // Blocks. DATA_LOSS: what came is not what was promised. CANCELLED.

@@ -1,180 +1,360 @@
 #include "server/repository/scene_repository.h"
 
-#include <filesystem>
-#include <system_error>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
-#include "common/base/parallel_for.h"
+#include "common/base/error_info.h"
 #include "common/base/status_macros.h"
+#include "server/repository/load_failure.h"
 
 namespace treeline {
 namespace {
 
-namespace fs = std::filesystem;
+constexpr int kMaxLoaderThreads = 64;
 
-constexpr char kModelFileName[] = "model.treeline";
-
-// The valid names of the folders in `folder`.
-absl::StatusOr<std::vector<std::string>> FoldersIn(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  fs::directory_iterator entries(folder, error);
-  for (; !error && entries != fs::directory_iterator();
-       entries.increment(error)) {
-    std::error_code unreadable;
-    const std::string name = entries->path().filename().string();
-    if (IsValidName(name) && entries->is_directory(unreadable)) {
-      names.push_back(name);
-    }
-  }
-  if (error) {
-    return absl::ErrnoToStatus(
-        error.value(), absl::StrCat("reading folder ", folder.string()));
-  }
-  return names;
+// To be called without a lock.
+void Carry(SceneTable::Effects& effects) {
+  effects.released.clear();
+  for (const std::function<void()>& answer : effects.answers) answer();
+  effects.answers.clear();
 }
 
 // Clients see why a model failed, but not where the server keeps it.
 absl::Status WithoutPath(const absl::Status& status, const std::string& path) {
-  const absl::string_view message =
-      absl::StripPrefix(status.message(), absl::StrCat(path, ": "));
-  return absl::Status(status.code(), message);
-}
-
-// Why a version does not answer, as the one who asked should see it.
-absl::Status Unusable(const std::string& name, const std::string& version,
-                      SceneState state, const absl::Status& failure) {
-  const std::string what =
-      absl::StrCat("scene '", name, "' version '", version, "'");
-  if (state != SceneState::kFailed) {
-    return absl::FailedPreconditionError(absl::StrCat(what, " is not loaded"));
-  }
-  const absl::StatusCode code = failure.code() == absl::StatusCode::kDataLoss
-                                    ? absl::StatusCode::kDataLoss
-                                    : absl::StatusCode::kFailedPrecondition;
-  return absl::Status(
-      code, absl::StrCat(what, " could not be loaded: ", failure.message()));
+  absl::Status stripped(
+      status.code(),
+      absl::StripPrefix(status.message(), absl::StrCat(path, ": ")));
+  status.ForEachPayload([&](absl::string_view key, const absl::Cord& value) {
+    stripped.SetPayload(key, value);
+  });
+  return stripped;
 }
 
 }  // namespace
 
+absl::Status RepositoryOptions::Validate() const {
+  if (loader_threads < 1 || loader_threads > kMaxLoaderThreads) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("loader threads is ", loader_threads,
+                     "; it must be between 1 and ", kMaxLoaderThreads));
+  }
+  if (poll_interval.count() < 0) {
+    return absl::InvalidArgumentError("the poll interval is negative");
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::unique_ptr<SceneRepository>> SceneRepository::Open(
-    const std::string& root, LocalizerOpener opener) {
-  std::unique_ptr<SceneRepository> repository(
-      new SceneRepository(std::move(opener)));
-  TL_ASSIGN_OR_RETURN(const std::vector<VersionKey> found,
-                      repository->Scan(root));
-  ParallelFor(
-      static_cast<int64_t>(found.size()), HardwareThreads(),
-      [&](int64_t i) { repository->Load(found[static_cast<size_t>(i)]); });
+    std::unique_ptr<ModelSource> source, LocalizerOpener opener,
+    const RepositoryOptions& options, const Clock& clock) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  std::unique_ptr<SceneRepository> repository(new SceneRepository(
+      std::move(source), std::move(opener), options, clock));
+  TL_RETURN_IF_ERROR(repository->Rescan());
+  repository->StartThreads();
   return repository;
 }
 
-absl::StatusOr<std::vector<SceneRepository::VersionKey>> SceneRepository::Scan(
-    const std::string& root) {
-  std::vector<VersionKey> added;
-  TL_ASSIGN_OR_RETURN(const std::vector<std::string> scenes, FoldersIn(root));
-  for (const std::string& scene : scenes) {
-    const fs::path folder = fs::path(root) / scene;
-    // A scene's folder that cannot be read does not stop the others.
-    const auto versions = FoldersIn(folder);
-    if (!versions.ok()) continue;
-    for (const std::string& version : *versions) {
-      const fs::path file = folder / version / kModelFileName;
-      std::error_code unreadable;
-      if (!fs::is_regular_file(file, unreadable)) continue;
-      absl::MutexLock lock(&mutex_);
-      scenes_[scene][version].model_path = file.string();
-      added.push_back({scene, version});
-    }
+SceneRepository::SceneRepository(std::unique_ptr<ModelSource> source,
+                                 LocalizerOpener opener,
+                                 const RepositoryOptions& options,
+                                 const Clock& clock)
+    : source_(std::move(source)),
+      opener_(std::move(opener)),
+      options_(options),
+      clock_(clock),
+      shared_(std::make_shared<Shared>()),
+      table_(options.memory_budget_bytes) {}
+
+SceneRepository::~SceneRepository() { Stop(); }
+
+void SceneRepository::StartThreads() {
+  if (options_.load_all_at_start) {
+    absl::MutexLock lock(&shared_->mutex);
+    table_.LoadWhatFits(clock_.Now());
   }
-  return added;
+  for (int i = 0; i < options_.loader_threads; ++i) {
+    threads_.emplace_back(
+        [this](const std::stop_token& stop) { RunLoader(stop); });
+  }
+  if (options_.poll_interval.count() > 0) {
+    threads_.emplace_back(
+        [this](const std::stop_token& stop) { RunPoll(stop); });
+  }
 }
 
-void SceneRepository::Load(const VersionKey& key) {
-  std::string path;
+void SceneRepository::Stop() {
+  SceneTable::Effects effects;
   {
-    absl::MutexLock lock(&mutex_);
-    Version& version = scenes_[key.scene][key.version];
-    version.state = SceneState::kLoading;
-    path = version.model_path;
+    absl::MutexLock lock(&shared_->mutex);
+    stopping_ = true;
+    table_.TurnAwayAll(effects);
+    Wake();
   }
+  for (std::jthread& thread : threads_) thread.request_stop();
+  Carry(effects);
+  std::deque<std::function<void()>> tasks;
+  threads_.clear();
+  {
+    absl::MutexLock lock(&shared_->mutex);
+    tasks = std::move(tasks_);
+    tasks_.clear();
+  }
+  // They see that it stops, and answer so.
+  for (const std::function<void()>& task : tasks) task();
+}
+
+void SceneRepository::RunLoader(const std::stop_token& stop) {
+  while (true) {
+    SceneTable::Effects effects;
+    std::optional<SceneTable::Job> job;
+    std::function<void()> task;
+    {
+      absl::MutexLock lock(&shared_->mutex);
+      while (!stopping_) {
+        if (!tasks_.empty()) {
+          task = std::move(tasks_.front());
+          tasks_.pop_front();
+          break;
+        }
+        job = table_.NextJob(shared_->resident_bytes, clock_.Now(), effects);
+        if (job || !effects.empty()) break;
+        // A load may have been dropped.
+        if (table_.is_settled()) Wake();
+        shared_->changed.Wait(&shared_->mutex);
+      }
+      if (stopping_ && !task && !job && effects.empty()) return;
+    }
+    Carry(effects);
+    if (task) task();
+    if (job) RunJob(*job, stop);
+  }
+}
+
+absl::StatusOr<std::unique_ptr<Localizer>> SceneRepository::OpenModel(
+    const ModelRef& model, const std::stop_token& stop) {
+  TL_ASSIGN_OR_RETURN(const std::string path, source_->Fetch(model, stop));
   absl::StatusOr<std::unique_ptr<Localizer>> localizer = opener_(path);
-  absl::MutexLock lock(&mutex_);
-  Version& version = scenes_[key.scene][key.version];
-  if (!localizer.ok()) {
-    version.state = SceneState::kFailed;
-    version.failure = WithoutPath(localizer.status(), path);
+  if (!localizer.ok()) return WithoutPath(localizer.status(), path);
+  return localizer;
+}
+
+void SceneRepository::RunJob(const SceneTable::Job& job,
+                             const std::stop_token& stop) {
+  const MonotonicTime start = clock_.Now();
+  absl::StatusOr<std::unique_ptr<Localizer>> opened =
+      OpenModel(job.model, stop);
+  const MonotonicTime end = clock_.Now();
+  absl::StatusOr<std::shared_ptr<const Localizer>> localizer;
+  if (!opened.ok()) {
+    localizer = opened.status();
+  } else {
+    localizer = std::shared_ptr<const Localizer>(
+        opened->release(),
+        [shared = shared_, bytes = job.model.bytes](const Localizer* gone) {
+          delete gone;
+          absl::MutexLock lock(&shared->mutex);
+          shared->resident_bytes -= bytes;
+          shared->changed.SignalAll();
+        });
+  }
+  SceneTable::Effects effects;
+  {
+    absl::MutexLock lock(&shared_->mutex);
+    if (localizer.ok()) shared_->resident_bytes += job.model.bytes;
+    table_.Finish(job, std::move(localizer),
+                  std::chrono::duration<double>(end - start).count(), end,
+                  effects);
+    Wake();
+  }
+  Carry(effects);
+}
+
+void SceneRepository::RunPoll(const std::stop_token& stop) {
+  std::mutex mutex;
+  std::condition_variable_any never;
+  std::unique_lock lock(mutex);
+  while (!never.wait_for(lock, stop, options_.poll_interval,
+                         [&] { return stop.stop_requested(); })) {
+    // What failed is counted; all stays as it was.
+    (void)Rescan();
+  }
+}
+
+void SceneRepository::AcquireAsync(const std::string& name,
+                                   const std::string& version,
+                                   AcquireDone done) {
+  if (const absl::Status valid = CheckSceneAndVersion(name, version);
+      !valid.ok()) {
+    done(valid);
     return;
   }
-  version.state = SceneState::kReady;
-  version.scene = std::make_shared<const Scene>(
-      Scene{key.scene, key.version, *std::move(localizer)});
+  SceneTable::Effects effects;
+  {
+    absl::MutexLock lock(&shared_->mutex);
+    table_.Acquire(name, version, std::move(done), clock_.Now(), effects);
+    if (stopping_) table_.TurnAwayAll(effects);
+    if (!table_.is_settled()) Wake();
+  }
+  Carry(effects);
 }
 
 absl::StatusOr<std::shared_ptr<const Scene>> SceneRepository::Acquire(
-    const std::string& name, const std::string& version) const {
-  TL_RETURN_IF_ERROR(CheckName("scene", name));
-  if (!version.empty()) TL_RETURN_IF_ERROR(CheckName("model_version", version));
-  absl::MutexLock lock(&mutex_);
-  const auto scene = scenes_.find(name);
-  if (scene == scenes_.end()) {
-    return absl::NotFoundError(absl::StrCat("no scene '", name, "'"));
+    const std::string& name, const std::string& version,
+    const std::stop_token& stop) {
+  // It may be called after this has been cancelled.
+  struct Waiting {
+    std::mutex mutex;
+    std::condition_variable_any answered;
+    std::optional<absl::StatusOr<std::shared_ptr<const Scene>>> answer;
+  };
+  const auto waiting = std::make_shared<Waiting>();
+  AcquireAsync(name, version,
+               [waiting](absl::StatusOr<std::shared_ptr<const Scene>> scene) {
+                 const std::lock_guard lock(waiting->mutex);
+                 waiting->answer = std::move(scene);
+                 waiting->answered.notify_all();
+               });
+  std::unique_lock lock(waiting->mutex);
+  if (!waiting->answered.wait(lock, stop,
+                              [&] { return waiting->answer.has_value(); })) {
+    return absl::CancelledError(
+        absl::StrCat("while scene '", name, "' was loaded"));
   }
-  if (version.empty()) {
-    SceneStatus status = StatusOf(name, scene->second);
-    if (status.serving != nullptr) return std::move(status.serving);
-    return Unusable(name, status.versions.front().version, status.state,
-                    status.failure);
+  return *std::move(waiting->answer);
+}
+
+bool SceneRepository::IsStopping() const {
+  absl::MutexLock lock(&shared_->mutex);
+  return stopping_;
+}
+
+void SceneRepository::Load(const std::string& name, const std::string& version,
+                           StatusDone done) {
+  {
+    absl::MutexLock lock(&shared_->mutex);
+    if (!stopping_) {
+      tasks_.push_back([this, name, version, done = std::move(done)] {
+        LoadNow(name, version, done);
+      });
+      Wake();
+      return;
+    }
   }
-  const auto wanted = scene->second.find(version);
-  if (wanted == scene->second.end()) {
-    return absl::NotFoundError(
-        absl::StrCat("scene '", name, "' has no version '", version, "'"));
+  done(Stopping(name));
+}
+
+void SceneRepository::LoadNow(const std::string& name,
+                              const std::string& version, StatusDone done) {
+  absl::Status valid = CheckSceneAndVersion(name, version);
+  if (valid.ok() && IsStopping()) valid = Stopping(name);
+  if (valid.ok()) valid = Rescan();
+  if (!valid.ok()) {
+    done(valid);
+    return;
   }
-  if (wanted->second.scene != nullptr) return wanted->second.scene;
-  return Unusable(name, version, wanted->second.state, wanted->second.failure);
+  SceneTable::Effects effects;
+  {
+    absl::MutexLock lock(&shared_->mutex);
+    table_.Load(
+        name, version,
+        [this, name, done = std::move(done)](
+            const absl::StatusOr<std::shared_ptr<const Scene>>& scene) {
+          if (scene.ok()) {
+            done(Get(name));
+          } else {
+            done(scene.status());
+          }
+        },
+        clock_.Now(), effects);
+    if (stopping_) table_.TurnAwayAll(effects);
+    Wake();
+  }
+  Carry(effects);
+}
+
+absl::StatusOr<SceneStatus> SceneRepository::Unload(
+    const std::string& name, const std::string& version) {
+  TL_RETURN_IF_ERROR(CheckSceneAndVersion(name, version));
+  SceneTable::Effects effects;
+  absl::StatusOr<SceneStatus> status;
+  {
+    absl::MutexLock lock(&shared_->mutex);
+    TL_RETURN_IF_ERROR(table_.Unload(name, version, effects));
+    status = table_.Get(name);
+    // It was in memory only.
+    if (!status.ok()) status = SceneStatus{.name = name};
+  }
+  Carry(effects);
+  return status;
+}
+
+absl::Status SceneRepository::Rescan() {
+  uint64_t number = 0;
+  {
+    absl::MutexLock lock(&shared_->mutex);
+    number = ++listings_;
+  }
+  const absl::StatusOr<SourceListing> listing = source_->List();
+  SceneTable::Effects effects;
+  {
+    absl::MutexLock lock(&shared_->mutex);
+    if (!listing.ok()) {
+      ++rescan_failures_;
+      return listing.status();
+    }
+    ++rescans_;
+    // One that began later has been applied.
+    if (number < applied_listing_) return absl::OkStatus();
+    applied_listing_ = number;
+    table_.Apply(*listing, clock_.Now(), effects);
+    Wake();
+  }
+  Carry(effects);
+  return absl::OkStatus();
+}
+
+absl::Status SceneRepository::WaitForLoads(const std::stop_token& stop) {
+  const std::stop_callback wake(stop, [this] {
+    absl::MutexLock lock(&shared_->mutex);
+    Wake();
+  });
+  absl::MutexLock lock(&shared_->mutex);
+  while (!table_.is_settled() && !stopping_ && !stop.stop_requested()) {
+    shared_->changed.Wait(&shared_->mutex);
+  }
+  return table_.is_settled() ? absl::OkStatus()
+                             : absl::CancelledError("while models were loaded");
+}
+
+std::vector<ModelRef> SceneRepository::Models() const {
+  absl::MutexLock lock(&shared_->mutex);
+  return table_.Models();
 }
 
 std::vector<SceneStatus> SceneRepository::List() const {
-  absl::MutexLock lock(&mutex_);
-  std::vector<SceneStatus> list;
-  list.reserve(scenes_.size());
-  for (const auto& [name, versions] : scenes_) {
-    list.push_back(StatusOf(name, versions));
-  }
-  return list;
+  absl::MutexLock lock(&shared_->mutex);
+  return table_.List();
 }
 
 absl::StatusOr<SceneStatus> SceneRepository::Get(
     const std::string& name) const {
-  TL_RETURN_IF_ERROR(CheckName("scene", name));
-  absl::MutexLock lock(&mutex_);
-  const auto scene = scenes_.find(name);
-  if (scene == scenes_.end()) {
-    return absl::NotFoundError(absl::StrCat("no scene '", name, "'"));
-  }
-  return StatusOf(name, scene->second);
+  TL_RETURN_IF_ERROR(CheckSceneAndVersion(name, ""));
+  absl::MutexLock lock(&shared_->mutex);
+  return table_.Get(name);
 }
 
-SceneStatus SceneRepository::StatusOf(const std::string& name,
-                                      const Versions& versions) {
-  SceneStatus status;
-  status.name = name;
-  for (const auto& [version, entry] : versions) {
-    status.versions.push_back({version, entry.state, entry.failure});
-    if (status.serving == nullptr) status.serving = entry.scene;
-  }
-  // Scan() makes no scene without a version.
-  status.state = status.versions.front().state;
-  status.failure = status.versions.front().failure;
-  if (status.serving != nullptr) {
-    status.state = SceneState::kReady;
-    status.failure = absl::OkStatus();
-  }
-  return status;
+RepositoryStats SceneRepository::Stats() const {
+  absl::MutexLock lock(&shared_->mutex);
+  RepositoryStats stats = table_.Stats();
+  stats.rescans = rescans_;
+  stats.rescan_failures = rescan_failures_;
+  stats.resident_bytes = shared_->resident_bytes;
+  return stats;
 }
 
 }  // namespace treeline

@@ -36,8 +36,7 @@ TEST(OpenAccess, LetsEveryoneLocalizeAndSharesByAddress) {
 
 TEST(OpenAccess, LetsOperatorsInOnlyThroughTheirListener) {
   OpenAccess access;
-  const auto refused =
-      access.Admit({.peer = "ipv4:10.0.0.7:1"}, Scope::kAdmin);
+  const auto refused = access.Admit({.peer = "ipv4:10.0.0.7:1"}, Scope::kAdmin);
   EXPECT_EQ(refused.status().code(), absl::StatusCode::kPermissionDenied);
   EXPECT_EQ(ErrorInfoOf(refused.status()).reason, "ADMIN_LISTENER_ONLY");
   EXPECT_TRUE(access

@@ -87,6 +87,18 @@ v1::LocalizeResponse ToProto(const PoseEstimate& estimate,
   return proto;
 }
 
+v1::SceneCandidate ToProto(const ConsideredScene& scene) {
+  v1::SceneCandidate proto;
+  proto.set_scene(scene.scene);
+  proto.set_similarity(scene.similarity);
+  proto.set_tried(scene.tried);
+  if (!scene.tried) return proto;
+  proto.set_outcome(ToProto(scene.outcome));
+  proto.set_confidence(scene.confidence);
+  proto.set_inliers(scene.inliers);
+  return proto;
+}
+
 v1::SceneState ToProto(SceneState state) {
   switch (state) {
     case SceneState::kUnloaded:
@@ -128,6 +140,20 @@ v1::ModelInfo ToProto(const ModelInfo& info) {
   return proto;
 }
 
+v1::GeoAnchor ToProto(const GeoAnchor& anchor) {
+  v1::GeoAnchor proto;
+  proto.set_latitude_deg(anchor.latitude_deg);
+  proto.set_longitude_deg(anchor.longitude_deg);
+  proto.set_height_m(anchor.height_m);
+  const Rotation3& rotation = anchor.enu_from_world;
+  v1::Quaternion& quaternion = *proto.mutable_enu_from_world();
+  quaternion.set_w(rotation.w);
+  quaternion.set_x(rotation.x);
+  quaternion.set_y(rotation.y);
+  quaternion.set_z(rotation.z);
+  return proto;
+}
+
 v1::SceneInfo ToProto(const SceneStatus& status) {
   v1::SceneInfo proto;
   proto.set_scene(status.name);
@@ -138,6 +164,16 @@ v1::SceneInfo ToProto(const SceneStatus& status) {
   if (status.serving != nullptr) {
     proto.set_model_version(status.serving->version);
     *proto.mutable_model() = ToProto(status.serving->localizer->info());
+  }
+  proto.set_resident_bytes(status.resident_bytes);
+  if (status.metadata != nullptr) {
+    proto.set_display_name(status.metadata->display_name);
+    if (status.metadata->geo_anchor) {
+      *proto.mutable_geo_anchor() = ToProto(*status.metadata->geo_anchor);
+    }
+    if (status.metadata->camera) {
+      *proto.mutable_default_camera() = ToProto(*status.metadata->camera);
+    }
   }
   for (const VersionStatus& version : status.versions) {
     v1::ModelVersion& entry = *proto.add_versions();

@@ -5,7 +5,7 @@
 
 #include "server/core/forest/model_info.h"
 #include "server/core/localizer/localizer.h"
-#include "server/repository/scene_repository.h"
+#include "server/repository/scene.h"
 #include "server/service/call_observer.h"
 #include "treeline/v1/relocalization.pb.h"
 #include "treeline/v1/scenes.pb.h"
@@ -21,8 +21,10 @@ v1::Timings ToProto(const CallTimings& timings);
 v1::LocalizeResponse ToProto(const PoseEstimate& estimate,
                              RgbdSensor pose_sensor);
 
+v1::SceneCandidate ToProto(const ConsideredScene& scene);
 v1::SceneState ToProto(SceneState state);
 v1::ModelInfo ToProto(const ModelInfo& info);
+v1::GeoAnchor ToProto(const GeoAnchor& anchor);
 v1::SceneInfo ToProto(const SceneStatus& status);
 
 }  // namespace treeline

@@ -136,6 +136,38 @@ TEST(Convert, ASceneThatFailedSaysWhy) {
   EXPECT_FALSE(proto.versions(1).has_failure());
 }
 
+TEST(Convert, WhatSceneJsonSaysIsPassedOn) {
+  SceneStatus status;
+  status.name = "kitchen";
+  status.resident_bytes = 5'000'000'000;
+  status.versions = {{"1", SceneState::kUnloaded, absl::OkStatus()}};
+  const v1::SceneInfo without = ToProto(status);
+  EXPECT_EQ(without.display_name(), "");
+  EXPECT_FALSE(without.has_geo_anchor());
+  EXPECT_FALSE(without.has_default_camera());
+  EXPECT_EQ(without.resident_bytes(), 5'000'000'000u);
+
+  SceneMetadata metadata;
+  metadata.display_name = "Küche";
+  metadata.geo_anchor = GeoAnchor{.latitude_deg = 49.5,
+                                  .longitude_deg = -8.25,
+                                  .height_m = 191,
+                                  .enu_from_world = EnuFromWorldOfHeading(90)};
+  metadata.camera = TestCalibration().color;
+  status.metadata = std::make_shared<const SceneMetadata>(metadata);
+  const v1::SceneInfo proto = ToProto(status);
+  EXPECT_EQ(proto.display_name(), "Küche");
+  EXPECT_EQ(proto.geo_anchor().latitude_deg(), 49.5);
+  EXPECT_EQ(proto.geo_anchor().longitude_deg(), -8.25);
+  EXPECT_EQ(proto.geo_anchor().height_m(), 191);
+  const Rotation3 rotation = EnuFromWorldOfHeading(90);
+  EXPECT_EQ(proto.geo_anchor().enu_from_world().w(), rotation.w);
+  EXPECT_EQ(proto.geo_anchor().enu_from_world().x(), rotation.x);
+  EXPECT_EQ(proto.geo_anchor().enu_from_world().y(), rotation.y);
+  EXPECT_EQ(proto.geo_anchor().enu_from_world().z(), rotation.z);
+  EXPECT_EQ(*FromProto(proto.default_camera(), ""), *metadata.camera);
+}
+
 TEST(Convert, ASceneThatServesDescribesItsModel) {
   const FakeScenes scenes(
       {{"kitchen", [](auto&, auto&) { return LocalizedEstimate(); }}});

@@ -43,7 +43,7 @@ class Dispatcher {
   virtual void UnloadScene(CallInfo call, const v1::UnloadSceneRequest& request,
                            Done<v1::UnloadSceneResponse> done) = 0;
 
-  // Reports a query that a transport turned away itself.
+  // Reports a query that a transport turned away itself: there were too many.
   virtual void Reject(const CallInfo& call, const v1::LocalizeRequest& request,
                       const absl::Status& status) = 0;
 

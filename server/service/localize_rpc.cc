@@ -1,20 +1,23 @@
 #include "server/service/localize_rpc.h"
 
-#include <cmath>
-#include <optional>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
 #include "common/wire/frame.h"
 #include "common/wire/geometry.h"
-#include "server/core/localizer/pose_prior.h"
+#include "server/core/recognition/localize_among.h"
 #include "server/service/convert.h"
 
 namespace treeline {
 namespace {
 
 constexpr double kLongestBudget_ms = 24 * 3600 * 1000.0;
+// Of a ranking of hundreds, as many are told.
+constexpr int kMostCandidates = 16;
 
 // Whether a call is still worth an answer at `now`.
 absl::Status CheckWanted(const CallInfo& call, MonotonicTime now,
@@ -27,6 +30,23 @@ absl::Status CheckWanted(const CallInfo& call, MonotonicTime now,
     return absl::CancelledError(absl::StrCat("the call was cancelled ", where));
   }
   return absl::OkStatus();
+}
+
+// The same for one that leaves the queue.
+absl::Status CheckWantedInQueue(const CallInfo& call, MonotonicTime now,
+                                CallRecord& record) {
+  absl::Status wanted = CheckWanted(call, now, "in the queue");
+  record.shed = absl::IsDeadlineExceeded(wanted);
+  return wanted;
+}
+
+LocalizeOptions OptionsOf(const v1::LocalizeRequest& request,
+                          const CallInfo& call) {
+  LocalizeOptions options;
+  options.seed = request.options().seed();
+  options.keep_correspondences = request.options().include_correspondences();
+  options.stop = call.stop;
+  return options;
 }
 
 absl::StatusOr<std::optional<PosePrior>> PriorFrom(
@@ -65,23 +85,90 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Handle(
   const MonotonicTime start = clock_.Now();
   record.timings.queue_ms = MillisecondsBetween(call.arrival, start);
   record.model_version = scene.version;
-  TL_RETURN_IF_ERROR(CheckWanted(call, start, "in the queue"));
+  record.method = scene.localizer->info().method;
+  TL_RETURN_IF_ERROR(CheckWantedInQueue(call, start, record));
 
   TL_ASSIGN_OR_RETURN(const std::optional<PosePrior> prior,
                       PriorFrom(request.options()));
-  const RgbdCalibration& calibration = scene.localizer->info().calibration;
-  TL_ASSIGN_OR_RETURN(const Frame frame, FromProto(request.frame(), calibration,
-                                                   limits_, "frame"));
+  const RgbdCalibration calibration = QueryCalibration(scene);
+  TL_ASSIGN_OR_RETURN(
+      Frame frame, FromProto(request.frame(), calibration, limits_, "frame"));
+  // The localizer itself only knows the model's.
+  if (!frame.calibration && HasOwnCamera(scene)) {
+    frame.calibration = calibration;
+  }
   const MonotonicTime decoded = clock_.Now();
   record.timings.decode_ms = MillisecondsBetween(start, decoded);
   TL_RETURN_IF_ERROR(CheckWanted(call, decoded, "while decoding"));
 
-  LocalizeOptions options;
-  options.seed = request.options().seed();
-  options.keep_correspondences = request.options().include_correspondences();
-  options.stop = call.stop;
-  absl::StatusOr<PoseEstimate> estimate =
-      scene.localizer->Localize(frame, options);
+  return Answer(scene.localizer->Localize(frame, OptionsOf(request, call)),
+                prior, scene, call, record);
+}
+
+absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
+    const v1::LocalizeRequest& request, const SceneRecognizer& recognizer,
+    const AcquireByName& acquire, const CallInfo& call,
+    CallRecord& record) const {
+  const MonotonicTime start = clock_.Now();
+  record.timings.queue_ms = MillisecondsBetween(call.arrival, start);
+  TL_RETURN_IF_ERROR(CheckWantedInQueue(call, start, record));
+  TL_ASSIGN_OR_RETURN(const std::optional<PosePrior> prior,
+                      PriorFrom(request.options()));
+  TL_ASSIGN_OR_RETURN(Frame frame,
+                      DecodePixels(request.frame(), limits_, "frame"));
+  const std::vector<std::string> candidates(request.candidate_scenes().begin(),
+                                            request.candidate_scenes().end());
+  const std::vector<SceneScore> ranking = recognizer.Rank(frame, candidates);
+  const MonotonicTime decoded = clock_.Now();
+  record.timings.decode_ms = MillisecondsBetween(start, decoded);
+  TL_RETURN_IF_ERROR(CheckWanted(call, decoded, "while decoding"));
+  if (ranking.empty()) {
+    return WithReason(
+        absl::FailedPreconditionError(
+            "no scene can be recognized: their models hold no descriptors, or "
+            "are not here yet; name the scene"),
+        "NO_SCENE_TO_RECOGNIZE");
+  }
+
+  std::map<std::string, std::shared_ptr<const Scene>> used;
+  const auto try_scene =
+      [&](const std::string& name) -> absl::StatusOr<SceneToTry> {
+    TL_ASSIGN_OR_RETURN(std::shared_ptr<const Scene> scene, acquire(name));
+    const RgbdCalibration calibration = QueryCalibration(*scene);
+    SceneToTry to_try;
+    to_try.localizer = scene->localizer;
+    TL_ASSIGN_OR_RETURN(
+        to_try.calibration,
+        CalibrationIn(request.frame(), frame, calibration, "frame"));
+    if (!to_try.calibration && HasOwnCamera(*scene)) {
+      to_try.calibration = calibration;
+    }
+    used[name] = std::move(scene);
+    return to_try;
+  };
+  absl::StatusOr<AmongResult> result =
+      LocalizeAmong(frame, ranking, try_scene, OptionsOf(request, call));
+  if (!result.ok()) {
+    return Answer(result.status(), prior, Scene{}, call, record);
+  }
+  const Scene& scene = *used.at(result->scene);
+  record.scene = scene.name;
+  record.model_version = scene.version;
+  record.method = scene.localizer->info().method;
+  TL_ASSIGN_OR_RETURN(v1::LocalizeResponse response,
+                      Answer(std::move(result->estimate), prior, scene, call,
+                             record));
+  for (const ConsideredScene& considered : result->considered) {
+    *response.add_candidates() = ToProto(considered);
+    if (response.candidates_size() == kMostCandidates) break;
+  }
+  return response;
+}
+
+absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Answer(
+    absl::StatusOr<PoseEstimate> estimate,
+    const std::optional<PosePrior>& prior, const Scene& scene,
+    const CallInfo& call, CallRecord& record) const {
   const MonotonicTime end = clock_.Now();
   if (!estimate.ok()) {
     // The deadline stops the work in the same way as the client does.
@@ -95,9 +182,11 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Handle(
   record.reason = estimate->reason;
   record.inliers = estimate->inliers;
   record.samples = estimate->samples;
+  record.confidence = estimate->confidence;
   record.timings.localize = estimate->timings;
 
-  v1::LocalizeResponse response = ToProto(*estimate, calibration.pose_sensor);
+  v1::LocalizeResponse response =
+      ToProto(*estimate, scene.localizer->info().calibration.pose_sensor);
   response.set_scene(scene.name);
   response.set_model_version(scene.version);
   record.timings.total_ms = MillisecondsBetween(call.arrival, clock_.Now());

@@ -15,9 +15,12 @@
 #include "common/base/status_macros.h"
 #include "server/repository/names.h"
 #include "server/service/convert.h"
+#include "server/service/trace_context.h"
 
 namespace treeline {
 namespace {
+
+constexpr int kMostCandidateScenes = 1000;
 
 constexpr char kInternalFault[] =
     "a fault of the server; its log has the details";
@@ -48,6 +51,34 @@ std::map<std::string, std::string> FieldOf(const absl::Status& status) {
     return {};
   }
   return {{"field", std::string(message.substr(0, end))}};
+}
+
+// Whether a call that no worker had begun was ended by too much work.
+bool IsShed(const absl::Status& status) {
+  const std::string reason = ErrorInfoOf(status).reason;
+  return reason == "QUEUE_FULL" || reason == "DEADLINE_UNREACHABLE" ||
+         absl::IsDeadlineExceeded(status);
+}
+
+// Whether it says in one way which scene it may be.
+absl::Status CheckSceneChoice(const v1::LocalizeRequest& request) {
+  if (request.candidate_scenes().empty()) return absl::OkStatus();
+  if (!request.scene().empty() || !request.model_version().empty()) {
+    return absl::InvalidArgumentError(
+        "candidate_scenes: go with neither scene nor model_version");
+  }
+  if (request.candidate_scenes_size() > kMostCandidateScenes) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("candidate_scenes: ", request.candidate_scenes_size(),
+                     " of them; at most ", kMostCandidateScenes));
+  }
+  for (const std::string& candidate : request.candidate_scenes()) {
+    if (const absl::Status valid = CheckName("candidate_scenes", candidate);
+        !valid.ok()) {
+      return valid;
+    }
+  }
+  return absl::OkStatus();
 }
 
 // What ended a call before it could be answered.
@@ -87,6 +118,7 @@ class ServiceDispatcher::LocalizeCall final
     service_.CallBegins();
     client_stop_ = std::exchange(call_.stop, stop_.get_token());
     record_.scene = request.scene().substr(0, kLongestName);
+    record_.request_bytes = request.ByteSizeLong();
   }
   ~LocalizeCall() { service_.CallEnds(); }
 
@@ -153,6 +185,12 @@ void ServiceDispatcher::LocalizeCall::Start() {
     return;
   }
   counted_as_waiting_ = true;
+  if (request_.scene().empty() &&
+      (request_.candidate_scenes_size() > 0 || request_.has_frame())) {
+    // Which it is, is found out on a worker.
+    UseScene(std::shared_ptr<const Scene>());
+    return;
+  }
   service_.repository_.AcquireAsync(
       request_.scene(), request_.model_version(),
       [self = shared_from_this()](
@@ -167,6 +205,7 @@ absl::Status ServiceDispatcher::LocalizeCall::Admit() {
   client_ = client.id;
   record_.client = client.id;
   TL_RETURN_IF_ERROR(CheckOptions(request_.options()));
+  TL_RETURN_IF_ERROR(CheckSceneChoice(request_));
   if (request_.options().has_time_budget_ms()) {
     call_.deadline = std::min(
         call_.deadline,
@@ -195,7 +234,7 @@ absl::Status ServiceDispatcher::LocalizeCall::Enqueue() {
   const auto self = shared_from_this();
   WorkerPool::Task task;
   task.client = client_;
-  task.kind = scene_->name;
+  if (scene_ != nullptr) task.kind = scene_->name;
   task.deadline = call_.deadline;
   task.run = [self] { self->Work(); };
   const auto full = [](std::chrono::milliseconds retry_after) {
@@ -236,7 +275,16 @@ void ServiceDispatcher::LocalizeCall::Work() {
   absl::StatusOr<v1::LocalizeResponse> response =
       absl::InternalError(kInternalFault);
   try {
-    response = service_.localize_.Handle(request_, *scene_, call_, record_);
+    if (scene_ != nullptr) {
+      response = service_.localize_.Handle(request_, *scene_, call_, record_);
+    } else {
+      response = service_.localize_.HandleAmong(
+          request_, service_.recognizer_,
+          [this](const std::string& name) {
+            return service_.AcquireOnWorker(name, call_.stop);
+          },
+          call_, record_);
+    }
   } catch (const std::exception& error) {
     record_.internal_error = error.what();
   } catch (...) {
@@ -262,6 +310,7 @@ void ServiceDispatcher::LocalizeCall::EndIfWaiting(const absl::Status& status) {
   if (counted_as_waiting_.exchange(false)) {
     service_.waiting_for_scene_.fetch_sub(1);
   }
+  record_.shed = IsShed(status);
   record_.timings.queue_ms =
       MillisecondsBetween(call_.arrival, service_.clock_.Now());
   End(status);
@@ -294,6 +343,7 @@ ServiceDispatcher::ServiceDispatcher(SceneRepository& repository,
       observer_(observer),
       clock_(clock),
       localize_(options.decode_limits, clock),
+      recognizer_(repository),
       workers_(options.workers > 0 ? options.workers : HardwareThreads(),
                options.queue, clock) {}
 
@@ -301,6 +351,25 @@ ServiceDispatcher::~ServiceDispatcher() {
   absl::MutexLock lock(&mutex_);
   mutex_.Await(absl::Condition(
       +[](int* calls) { return *calls == 0; }, &calls_));
+}
+
+absl::StatusOr<std::shared_ptr<const Scene>> ServiceDispatcher::AcquireOnWorker(
+    const std::string& name, const std::stop_token& stop) {
+  TL_ASSIGN_OR_RETURN(const SceneStatus status, repository_.Get(name));
+  if (status.serving != nullptr) return repository_.Acquire(name, "", stop);
+  const int most = std::max(1, workers_.workers() / 2);
+  if (waiting_workers_.fetch_add(1) >= most) {
+    waiting_workers_.fetch_sub(1);
+    // For the next query.
+    repository_.AcquireAsync(name, "", [](const auto&) {});
+    return WithReason(
+        absl::UnavailableError(
+            absl::StrCat("scene '", name, "' is being loaded")),
+        "SCENE_NOT_LOADED");
+  }
+  auto scene = repository_.Acquire(name, "", stop);
+  waiting_workers_.fetch_sub(1);
+  return scene;
 }
 
 void ServiceDispatcher::CallBegins() {
@@ -327,7 +396,7 @@ absl::Status ServiceDispatcher::Report(const CallInfo& call,
   record.rpc = call.rpc;
   record.transport = call.transport;
   record.peer = call.peer;
-  record.traceparent = call.traceparent;
+  record.trace = ParseTraceparent(call.traceparent);
   record.status =
       WithReason(status, ReasonOfCode(status.code()), FieldOf(status));
   record.timings.total_ms = MillisecondsBetween(call.arrival, clock_.Now());
@@ -340,6 +409,7 @@ void ServiceDispatcher::Reject(const CallInfo& call,
                                const absl::Status& status) {
   CallRecord record;
   record.scene = request.scene().substr(0, kLongestName);
+  record.shed = true;
   Report(call, status, record).IgnoreError();
 }
 
@@ -389,14 +459,48 @@ void ServiceDispatcher::GetScene(CallInfo call,
       });
 }
 
-void ServiceDispatcher::LoadScene(CallInfo, const v1::LoadSceneRequest&,
+void ServiceDispatcher::LoadScene(CallInfo call,
+                                  const v1::LoadSceneRequest& request,
                                   Done<v1::LoadSceneResponse> done) {
-  done(absl::UnimplementedError("TEMPORARY"));
+  CallRecord record;
+  record.scene = request.scene().substr(0, kLongestName);
+  const absl::StatusOr<Client> client = access_.Admit(call, Scope::kAdmin);
+  if (!client.ok()) {
+    done(Report(call, client.status(), record));
+    return;
+  }
+  record.client = client->id;
+  // Nobody can take the load back; who cancels only does not learn of its end.
+  CallBegins();
+  repository_.Load(
+      request.scene(), request.model_version(),
+      [this, call = std::move(call), record = std::move(record),
+       done = std::move(done)](absl::StatusOr<SceneStatus> scene) mutable {
+        const absl::Status status = Report(call, scene.status(), record);
+        if (status.ok()) {
+          v1::LoadSceneResponse response;
+          *response.mutable_scene() = ToProto(*scene);
+          done(std::move(response));
+        } else {
+          done(status);
+        }
+        CallEnds();
+      });
 }
 
-void ServiceDispatcher::UnloadScene(CallInfo, const v1::UnloadSceneRequest&,
+void ServiceDispatcher::UnloadScene(CallInfo call,
+                                    const v1::UnloadSceneRequest& request,
                                     Done<v1::UnloadSceneResponse> done) {
-  done(absl::UnimplementedError("TEMPORARY"));
+  AnswerNow<v1::UnloadSceneResponse>(
+      call, request.scene(), Scope::kAdmin, done,
+      [&]() -> absl::StatusOr<v1::UnloadSceneResponse> {
+        TL_ASSIGN_OR_RETURN(
+            const SceneStatus status,
+            repository_.Unload(request.scene(), request.model_version()));
+        v1::UnloadSceneResponse response;
+        *response.mutable_scene() = ToProto(status);
+        return response;
+      });
 }
 
 Load ServiceDispatcher::load() const {

@@ -15,6 +15,7 @@
 #include "server/service/deadline_timer.h"
 #include "server/service/dispatcher.h"
 #include "server/service/localize_rpc.h"
+#include "server/service/scene_recognizer.h"
 #include "server/service/worker_pool.h"
 
 namespace treeline {
@@ -58,6 +59,11 @@ class ServiceDispatcher final : public Dispatcher {
  private:
   class LocalizeCall;
 
+  // A scene for a query on a worker that names none. Waits for it to be loaded
+  // as long as other workers do not wait too; then, it is tried without.
+  absl::StatusOr<std::shared_ptr<const Scene>> AcquireOnWorker(
+      const std::string& name, const std::stop_token& stop);
+
   // Ends a call: gives its record what all records have, and reports it.
   absl::Status Report(const CallInfo& call, const absl::Status& status,
                       CallRecord& record);
@@ -74,6 +80,9 @@ class ServiceDispatcher final : public Dispatcher {
   CallObserver& observer_;
   const Clock& clock_;
   const LocalizeRpc localize_;
+  const SceneRecognizer recognizer_;
+  // Workers that wait for a scene.
+  std::atomic<int> waiting_workers_{0};
   // Calls whose scene is being loaded.
   std::atomic<int> waiting_for_scene_{0};
   absl::Mutex mutex_;

@@ -15,6 +15,7 @@
 #include "common/base/clock.h"
 #include "common/wire/frame.h"
 #include "gtest/gtest.h"
+#include "server/repository/folder_source.h"
 #include "server/repository/scene_repository.h"
 #include "server/service/call_observer.h"
 #include "treeline/v1/relocalization.pb.h"
@@ -63,7 +64,9 @@ class FakeLocalizer final : public Localizer {
 // one corrupt scene, "broken".
 class FakeScenes {
  public:
-  explicit FakeScenes(const std::map<std::string, LocalizeFunction>& scenes) {
+  // keep_files: until this is destroyed, rather than until all is loaded.
+  explicit FakeScenes(const std::map<std::string, LocalizeFunction>& scenes,
+                      bool keep_files = false) {
     namespace fs = std::filesystem;
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
     const fs::path root = fs::path(testing::TempDir()) /
@@ -77,8 +80,8 @@ class FakeScenes {
     for (const auto& [name, localize] : scenes) put(name);
     repository_ =
         SceneRepository::Open(
-            root.string(),
-            [&](const std::string& path)
+            std::make_unique<FolderSource>(root.string()),
+            [scenes](const std::string& path)
                 -> absl::StatusOr<std::unique_ptr<Localizer>> {
               const std::string name =
                   fs::path(path).parent_path().parent_path().filename();
@@ -87,14 +90,20 @@ class FakeScenes {
                 return absl::DataLossError("checksum differs");
               }
               return std::make_unique<FakeLocalizer>(name, scene->second);
-            })
+            },
+            {.load_all_at_start = true}, clock_)
             .value();
-    fs::remove_all(root);
+    EXPECT_TRUE(repository_->WaitForLoads().ok());
+    root_ = root.string();
+    if (!keep_files) fs::remove_all(root);
   }
+  ~FakeScenes() { std::filesystem::remove_all(root_); }
 
   SceneRepository& repository() const { return *repository_; }
 
  private:
+  SteadyClock clock_;
+  std::string root_;
   std::unique_ptr<SceneRepository> repository_;
 };
 

@@ -1,0 +1,102 @@
+# Images of Treeline. The last stage, `server`, is what is built without
+# --target; docker-compose.yml uses the others too (docs/deployment.md).
+#
+#   docker build -t treeline-server .
+#   docker build -t treeline-tools --target tools .
+#
+# Nothing is pulled but Debian. What the programs link decides which packages
+# their images hold.
+ARG DEBIAN=docker.io/library/debian:bookworm-slim
+
+# -----------------------------------------------------------------------------
+FROM ${DEBIAN} AS build
+WORKDIR /src
+# First what changes seldom, so that its layer is kept.
+COPY scripts/packages.txt scripts/install-deps scripts/
+COPY scripts/lib/common.sh scripts/lib/
+RUN scripts/install-deps && rm -rf /var/lib/apt/lists/*
+COPY . .
+RUN scripts/build release treeline treeline-server treeline-client && \
+    deploy/collect-programs build/release/bin /out
+
+# -----------------------------------------------------------------------------
+# A user without rights, the same number in all images, so that they can share
+# volumes; and what runs as it.
+FROM ${DEBIAN} AS base
+COPY deploy/http-ok /usr/local/bin/
+RUN groupadd --system --gid 10001 treeline && \
+    useradd --system --uid 10001 --gid treeline --home-dir /nonexistent \
+            --no-create-home --shell /usr/sbin/nologin treeline && \
+    install -d -o treeline -g treeline /models /cache /demo
+STOPSIGNAL SIGTERM
+LABEL org.opencontainers.image.title="Treeline" \
+      org.opencontainers.image.description="Tells a camera where it is" \
+      org.opencontainers.image.vendor="The Treeline authors" \
+      org.opencontainers.image.base.name="docker.io/library/debian:bookworm-slim"
+
+# -----------------------------------------------------------------------------
+# Learns scenes and measures: not on a server.
+FROM base AS tools
+COPY --from=build /out/packages-tools.txt /usr/share/treeline/
+RUN apt-get update -q && \
+    xargs -a /usr/share/treeline/packages-tools.txt \
+      env DEBIAN_FRONTEND=noninteractive \
+      apt-get install -q -y --no-install-recommends && \
+    rm -rf /var/lib/apt/lists/*
+COPY --from=build /src/server/models /usr/share/treeline/models
+COPY --from=build /out/treeline /out/treeline-client /usr/local/bin/
+COPY deploy/make-demo deploy/ask-demo /usr/local/bin/
+USER 10001:10001
+ENTRYPOINT ["treeline"]
+CMD ["--help"]
+
+# -----------------------------------------------------------------------------
+# Spreads HTTP/2 over servers.
+FROM base AS balancer
+RUN apt-get update -q && \
+    DEBIAN_FRONTEND=noninteractive \
+      apt-get install -q -y --no-install-recommends haproxy && \
+    rm -rf /var/lib/apt/lists/*
+COPY deploy/haproxy.cfg /etc/haproxy/haproxy.cfg
+USER 10001:10001
+# haproxy's word for "finish what runs": SIGTERM would end it at once.
+STOPSIGNAL SIGUSR1
+EXPOSE 50050 8404
+HEALTHCHECK --interval=5s --timeout=3s --start-period=10s \
+  CMD ["http-ok", "127.0.0.1", "8404", "/healthz"]
+ENTRYPOINT ["haproxy", "-db", "-f", "/etc/haproxy/haproxy.cfg"]
+
+# -----------------------------------------------------------------------------
+FROM base AS prometheus
+RUN apt-get update -q && \
+    DEBIAN_FRONTEND=noninteractive \
+      apt-get install -q -y --no-install-recommends prometheus && \
+    rm -rf /var/lib/apt/lists/* && \
+    install -d -o treeline -g treeline /prometheus
+COPY deploy/prometheus.yml /etc/prometheus/prometheus.yml
+USER 10001:10001
+EXPOSE 9090
+HEALTHCHECK --interval=5s --timeout=3s --start-period=10s \
+  CMD ["http-ok", "127.0.0.1", "9090", "/-/ready"]
+ENTRYPOINT ["prometheus"]
+CMD ["--config.file=/etc/prometheus/prometheus.yml", \
+     "--storage.tsdb.path=/prometheus", "--storage.tsdb.retention.size=512MB", \
+     "--web.listen-address=0.0.0.0:9090"]
+
+# -----------------------------------------------------------------------------
+# What serves. Without arguments it listens on loopback, inside the container:
+# give it certificates and an address, or say that it may be insecure.
+FROM base AS server
+COPY --from=build /out/packages-server.txt /usr/share/treeline/
+RUN apt-get update -q && \
+    xargs -a /usr/share/treeline/packages-server.txt \
+      env DEBIAN_FRONTEND=noninteractive \
+      apt-get install -q -y --no-install-recommends ca-certificates && \
+    rm -rf /var/lib/apt/lists/*
+COPY --from=build /out/treeline-server /out/treeline-client /usr/local/bin/
+USER 10001:10001
+EXPOSE 50051 50052 8080
+HEALTHCHECK --interval=10s --timeout=6s --start-period=60s \
+  CMD ["treeline-server", "healthcheck", "--server", "127.0.0.1:50051"]
+ENTRYPOINT ["treeline-server"]
+CMD ["--models", "/models"]

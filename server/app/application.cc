@@ -1,0 +1,275 @@
+#include "server/app/application.h"
+
+#include <atomic>
+#include <optional>
+#include <stop_token>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
+#include "common/base/status_macros.h"
+#include "common/base/version.h"
+#include "server/access/key_store.h"
+#include "server/access/rate_limited_access.h"
+#include "server/access/token_access.h"
+#include "server/access/token_verifier.h"
+#include "server/access/wall_clock.h"
+#include "server/app/call_log.h"
+#include "server/app/failed_query_recorder.h"
+#include "server/app/model_supply.h"
+#include "server/app/process_metrics.h"
+#include "server/app/recording_dispatcher.h"
+#include "server/app/service_metrics.h"
+#include "server/gateway/gateway.h"
+#include "server/metrics/registry.h"
+#include "server/repository/scene_repository.h"
+#include "server/service/convert.h"
+#include "server/service/grpc_server.h"
+#include "server/service/service_dispatcher.h"
+
+namespace treeline {
+namespace {
+
+// Another policy can take over while calls come in.
+class LiveAccess final : public AccessPolicy {
+ public:
+  void Set(std::shared_ptr<AccessPolicy> policy) {
+    absl::MutexLock lock(&mutex_);
+    policy_ = std::move(policy);
+  }
+  absl::StatusOr<Client> Admit(const CallInfo& call, Scope scope) override {
+    std::shared_ptr<AccessPolicy> policy;
+    {
+      absl::MutexLock lock(&mutex_);
+      policy = policy_;
+    }
+    return policy->Admit(call, scope);
+  }
+
+ private:
+  absl::Mutex mutex_;
+  std::shared_ptr<AccessPolicy> policy_ ABSL_GUARDED_BY(mutex_);
+};
+
+RateLimitOptions RateLimitOf(const ServerConfig& config) {
+  return {.rate_per_s = config.rate_limit,
+          .burst = static_cast<int>(config.rate_burst)};
+}
+
+RepositoryFigures FiguresOf(const SceneRepository& repository) {
+  const RepositoryStats stats = repository.Stats();
+  RepositoryFigures figures;
+  for (const SceneStats& scene : stats.scenes) {
+    figures.scenes.push_back({.scene = scene.name,
+                              .state = scene.state,
+                              .resident_bytes = scene.resident_bytes,
+                              .loads = scene.counts.loads,
+                              .load_failures = scene.counts.load_failures,
+                              .evictions = scene.counts.evictions});
+  }
+  HistogramCounts times;
+  times.upper_bounds.assign(LoadTimes::kUpperBounds_s.begin(),
+                            LoadTimes::kUpperBounds_s.end());
+  times.counts.assign(stats.load_times.counts.begin(),
+                      stats.load_times.counts.end());
+  times.sum = stats.load_times.sum_s;
+  figures.load_seconds = std::move(times);
+  return figures;
+}
+
+}  // namespace
+
+// Destroyed from the last to the first: what calls before what it calls.
+struct Application::Parts {
+  Parts(ServerLog& log, const Clock& clock)
+      : log(log), clock(clock), metrics(registry), call_log(log, clock) {}
+  // Downloads must not outlast the rest.
+  ~Parts() { stop_downloads.request_stop(); }
+
+  absl::Status OpenAccessPolicy(const ServerConfig& config);
+  absl::Status StartRecorder(const ServerConfig& config);
+  absl::Status StartListeners(const ServerConfig& config);
+  absl::Status StartGateway(const ServerConfig& config);
+  void AddMetrics();
+  void SetRateLimit(const ServerConfig& config);
+
+  ServerLog& log;
+  const Clock& clock;
+  const SystemWallClock wall_clock;
+  Registry registry;
+  ServiceMetrics metrics;
+  CallLog call_log;
+  CallObservers observers{{&metrics, &call_log}};
+  std::stop_source stop_downloads;
+  std::unique_ptr<SceneRepository> repository;
+  std::unique_ptr<KeyStore> keys;
+  std::unique_ptr<TokenVerifier> tokens;
+  std::unique_ptr<AccessPolicy> identity;
+  LiveAccess access;
+  std::unique_ptr<FailedQueryRecorder> recorder;
+  std::unique_ptr<ServiceDispatcher> service;
+  std::unique_ptr<RecordingDispatcher> recording;
+  // The one of the two that the listeners call.
+  Dispatcher* dispatcher = nullptr;
+  std::unique_ptr<GrpcServer> grpc;
+  std::unique_ptr<GrpcServer> admin;
+  std::unique_ptr<Gateway> gateway;
+  std::vector<std::string> announcements;
+  std::atomic<bool> draining = false;
+};
+
+absl::Status Application::Parts::OpenAccessPolicy(const ServerConfig& config) {
+  const TrustLog trust_log = [this](TrustSeverity severity,
+                                    const std::string& message) {
+    log.Say(severity == TrustSeverity::kWarning ? LogLevel::kWarn
+                                                : LogLevel::kInfo,
+            message);
+  };
+  if (config.auth_keys.empty()) {
+    identity = std::make_unique<OpenAccess>();
+  } else {
+    TL_ASSIGN_OR_RETURN(
+        keys, KeyStore::Open({.path = config.auth_keys}, clock, trust_log));
+    TokenVerifierOptions options;
+    options.rules.issuer = config.auth_issuer;
+    if (!config.auth_audience.empty()) {
+      options.rules.audience = config.auth_audience;
+    }
+    TL_RETURN_IF_ERROR(options.Validate());
+    tokens = std::make_unique<TokenVerifier>(options, *keys, wall_clock);
+    identity = std::make_unique<TokenAccess>(
+        TokenAccessOptions{.admin_on_public_listener =
+                               config.admin_listen.empty()},
+        tokens.get());
+  }
+  TL_RETURN_IF_ERROR(RateLimitOf(config).Validate());
+  SetRateLimit(config);
+  return absl::OkStatus();
+}
+
+void Application::Parts::SetRateLimit(const ServerConfig& config) {
+  access.Set(std::make_shared<RateLimitedAccess>(*identity,
+                                                 RateLimitOf(config), clock));
+}
+
+absl::Status Application::Parts::StartRecorder(const ServerConfig& config) {
+  dispatcher = service.get();
+  if (config.record.empty()) return absl::OkStatus();
+  RecorderOptions options;
+  options.folder = config.record;
+  options.max_bytes = static_cast<uint64_t>(config.record_mib) << 20;
+  TL_ASSIGN_OR_RETURN(
+      recorder,
+      FailedQueryRecorder::Start(
+          std::move(options), [] { return std::chrono::system_clock::now(); },
+          [this](const absl::Status& health) {
+            log.Say(health.ok() ? LogLevel::kInfo : LogLevel::kWarn,
+                    health.ok() ? "failed queries are kept again"
+                                : absl::StrCat("failed queries are not kept: ",
+                                               health.ToString()));
+          }));
+  recording = std::make_unique<RecordingDispatcher>(*service, *recorder);
+  dispatcher = recording.get();
+  return absl::OkStatus();
+}
+
+absl::Status Application::Parts::StartListeners(const ServerConfig& config) {
+  GrpcServerOptions options = GrpcOptionsOf(config);
+  TL_ASSIGN_OR_RETURN(
+      grpc, GrpcServer::Start(*dispatcher, *repository, options, clock));
+  announcements.push_back(absl::StrCat("listening on ", grpc->address()));
+  if (config.admin_listen.empty()) return absl::OkStatus();
+  options.kind = ListenerKind::kAdmin;
+  options.listen = config.admin_listen;
+  TL_ASSIGN_OR_RETURN(
+      admin, GrpcServer::Start(*dispatcher, *repository, options, clock));
+  announcements.push_back(absl::StrCat("admin on ", admin->address()));
+  return absl::OkStatus();
+}
+
+absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
+  if (config.http_listen.empty()) return absl::OkStatus();
+  GatewayOptions options;
+  options.http.listen = config.http_listen;
+  options.http.insecure_any_address = config.insecure_any_address;
+  options.http.max_body_mib = config.max_message_mib;
+  options.allowed_origins = config.cors_origin;
+  GatewayHooks hooks;
+  hooks.metrics = [this] { return registry.Expose(); };
+  hooks.ready = [this] { return !draining; };
+  hooks.scenes = [this] {
+    std::vector<v1::SceneInfo> scenes;
+    for (const SceneStatus& status : repository->List()) {
+      scenes.push_back(ToProto(status));
+    }
+    return scenes;
+  };
+  TL_ASSIGN_OR_RETURN(
+      gateway, Gateway::Start(options, *dispatcher, std::move(hooks), clock));
+  announcements.push_back(absl::StrCat("http on ", gateway->address()));
+  return absl::OkStatus();
+}
+
+void Application::Parts::AddMetrics() {
+  AddBuildInfo(registry, Version());
+  AddProcessMetrics(registry);
+  AddLoadMetrics(registry, [this] { return dispatcher->load(); });
+  AddSceneMetrics(registry, [this] { return FiguresOf(*repository); });
+  if (recorder != nullptr) AddRecorderMetrics(registry, *recorder);
+}
+
+Application::Application(std::unique_ptr<Parts> parts)
+    : parts_(std::move(parts)) {}
+
+Application::~Application() { Stop(std::chrono::milliseconds(0)); }
+
+absl::StatusOr<std::unique_ptr<Application>> Application::Start(
+    const ServerConfig& config, ServerLog& log, const Clock& clock) {
+  // Before the models are read: they may take a while.
+  TL_RETURN_IF_ERROR(config.Validate());
+  auto parts = std::make_unique<Parts>(log, clock);
+  TL_RETURN_IF_ERROR(parts->OpenAccessPolicy(config));
+  TL_ASSIGN_OR_RETURN(
+      parts->repository,
+      OpenRepository(config, parts->stop_downloads.get_token(), log, clock));
+  parts->service = std::make_unique<ServiceDispatcher>(
+      *parts->repository, parts->access, parts->observers, clock,
+      DispatcherOptionsOf(config));
+  TL_RETURN_IF_ERROR(parts->StartRecorder(config));
+  parts->AddMetrics();
+  TL_RETURN_IF_ERROR(parts->StartListeners(config));
+  TL_RETURN_IF_ERROR(parts->StartGateway(config));
+  return std::unique_ptr<Application>(new Application(std::move(parts)));
+}
+
+const std::vector<std::string>& Application::announcements() const {
+  return parts_->announcements;
+}
+
+void Application::ApplyLive(const ServerConfig& config) {
+  parts_->SetRateLimit(config);
+}
+
+void Application::Drain() {
+  parts_->draining = true;
+  parts_->grpc->AnnounceStop();
+}
+
+void Application::Stop(std::chrono::milliseconds grace) {
+  parts_->draining = true;
+  const MonotonicTime end = parts_->clock.Now() + grace;
+  const auto left = [&] {
+    return std::max(std::chrono::milliseconds(0),
+                    std::chrono::duration_cast<std::chrono::milliseconds>(
+                        end - parts_->clock.Now()));
+  };
+  if (parts_->grpc != nullptr) parts_->grpc->Stop(grace);
+  if (parts_->gateway != nullptr) parts_->gateway->Stop(left());
+  if (parts_->admin != nullptr) parts_->admin->Stop(left());
+}
+
+std::string Application::MetricsText() const {
+  return parts_->registry.Expose();
+}
+
+}  // namespace treeline

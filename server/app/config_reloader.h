@@ -1,0 +1,44 @@
+// The configuration in force while the server runs.
+#ifndef SERVER_APP_CONFIG_RELOADER_H_
+#define SERVER_APP_CONFIG_RELOADER_H_
+
+#include <functional>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "common/config/effective_config.h"
+#include "server/app/server_config.h"
+#include "server/app/server_log.h"
+
+namespace treeline {
+
+// Reads the sources again when asked to. Thread-safe; Reload() is not meant to
+// be called from within `apply`.
+class ConfigReloader {
+ public:
+  // `initial` is what `sources` gave at the start. `apply` gets the
+  // configuration in force after each Reload() that succeeded, without a lock
+  // held, whether or not anything changed.
+  ConfigReloader(ConfigSources sources, EffectiveConfig initial, ServerLog& log,
+                 std::function<void(const ServerConfig&)> apply);
+
+  // What can be changed live comes into force; what cannot keeps its value, and
+  // the log says that it needs a restart. If anything is wrong, everything
+  // stays as it was, and the log says why.
+  void Reload();
+
+  ServerConfig config() const;
+
+ private:
+  const ConfigSources sources_;
+  ServerLog& log_;
+  const std::function<void(const ServerConfig&)> apply_;
+  // One reload after the other.
+  absl::Mutex reloading_;
+  mutable absl::Mutex mutex_;
+  EffectiveConfig in_force_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_APP_CONFIG_RELOADER_H_

@@ -1,0 +1,90 @@
+#include "server/app/model_supply.h"
+
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+#include "server/core/localizer/localizer.h"
+#include "server/repository/folder_source.h"
+#include "server/repository/http_model_source.h"
+
+namespace treeline {
+namespace {
+
+absl::StatusOr<std::unique_ptr<ModelSource>> OpenSource(
+    const ServerConfig& config, const std::stop_token& stop, ServerLog& log,
+    const Clock& clock) {
+  if (!IsModelUrl(config.models)) {
+    return std::make_unique<FolderSource>(config.models);
+  }
+  HttpModelSourceOptions options;
+  options.url = config.models;
+  options.cache.folder = config.cache;
+  options.cache.limit_bytes = static_cast<uint64_t>(config.cache_mib) << 20;
+  options.http.ca_file = config.models_ca;
+  options.http.allow_plain_http = config.insecure_any_address;
+  options.stop = stop;
+  options.warn = [&log](absl::string_view message) {
+    log.Say(LogLevel::kWarn, message);
+  };
+  return HttpModelSource::Open(std::move(options), clock);
+}
+
+void LogScenes(const SceneRepository& repository, const std::string& models,
+               ServerLog& log) {
+  const std::vector<SceneStatus> scenes = repository.List();
+  for (const SceneStatus& scene : scenes) {
+    for (const VersionStatus& version : scene.versions) {
+      LogEvent event = log.Event();
+      event.Word("scene", scene.name).Word("version", version.version);
+      if (version.state == SceneState::kFailed) {
+        log.Write(LogLevel::kWarn,
+                  event.Word("state", "FAILED")
+                      .Text("reason", version.failure.ToString()));
+        continue;
+      }
+      const bool ready = version.state == SceneState::kReady;
+      log.Write(LogLevel::kInfo,
+                event.Word("state", ready ? "READY" : "UNLOADED"));
+    }
+    if (!scene.metadata_problem.ok()) {
+      log.Write(LogLevel::kWarn,
+                log.Event()
+                    .Word("scene", scene.name)
+                    .Text("scene_json", scene.metadata_problem.ToString()));
+    }
+  }
+  if (scenes.empty()) {
+    log.Say(LogLevel::kWarn,
+            absl::StrCat("no scenes: nothing matches ", RedactAddress(models),
+                         "/<scene>/<version>/model.treeline"));
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<SceneRepository>> OpenRepository(
+    const ServerConfig& config, const std::stop_token& stop, ServerLog& log,
+    const Clock& clock) {
+  auto source = OpenSource(config, stop, log, clock);
+  if (!source.ok()) return Annotate(source.status(), "--models");
+  RepositoryOptions options;
+  options.memory_budget_bytes = static_cast<uint64_t>(config.memory_budget_mib)
+                                << 20;
+  options.poll_interval = std::chrono::milliseconds(
+      static_cast<int64_t>(config.poll_s * 1e3));
+  options.load_all_at_start = config.load_all;
+  auto repository = SceneRepository::Open(
+      *std::move(source),
+      [](const std::string& path) { return OpenLocalizer(path); }, options,
+      clock);
+  if (!repository.ok()) return Annotate(repository.status(), "--models");
+  if (config.load_all) {
+    TL_RETURN_IF_ERROR((*repository)->WaitForLoads(stop));
+  }
+  LogScenes(**repository, config.models, log);
+  return repository;
+}
+
+}  // namespace treeline

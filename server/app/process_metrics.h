@@ -1,0 +1,28 @@
+// The process as metrics, under the names that Prometheus' own clients use.
+#ifndef SERVER_APP_PROCESS_METRICS_H_
+#define SERVER_APP_PROCESS_METRICS_H_
+
+#include "absl/strings/string_view.h"
+#include "server/metrics/registry.h"
+
+namespace treeline {
+
+// What /proc/self/stat says.
+struct ProcessStat {
+  double cpu_s = 0;
+  double start_after_boot_s = 0;
+  int threads = 0;
+  double virtual_bytes = 0;
+  double resident_bytes = 0;
+};
+
+// False if `text` is no such line. The program's name in it may be anything.
+bool ParseProcessStat(absl::string_view text, ProcessStat& stat);
+
+// CPU time, memory, threads, file descriptors, start. What /proc does not tell
+// is left out.
+void AddProcessMetrics(Registry& registry);
+
+}  // namespace treeline
+
+#endif  // SERVER_APP_PROCESS_METRICS_H_

@@ -1,0 +1,110 @@
+#include "server/app/recording_dispatcher.h"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "absl/strings/string_view.h"
+#include "absl/strings/strip.h"
+#include "common/base/error_info.h"
+#include "server/service/trace_context.h"
+
+namespace treeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string Text(absl::string_view text) { return std::string(text); }
+
+std::string JsonOf(const std::string& reason,
+                   const absl::StatusOr<v1::LocalizeResponse>& answer,
+                   const std::string& traceparent) {
+  Json json;
+  json["reason"] = reason;
+  json["status"] = Text(absl::StatusCodeToString(answer.status().code()));
+  if (!answer.ok()) json["message"] = Text(answer.status().message());
+  if (const auto trace = ParseTraceparent(traceparent)) {
+    json["trace_id"] = trace->trace_id;
+    json["span_id"] = trace->span_id;
+  }
+  if (answer.ok()) {
+    std::string response;
+    google::protobuf::util::JsonPrintOptions options;
+    options.preserve_proto_field_names = true;
+    if (google::protobuf::util::MessageToJsonString(*answer, &response, options)
+            .ok()) {
+      json["response"] = Json::parse(response, nullptr, false);
+    }
+  }
+  return json.dump(2, ' ', true, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+std::string ReasonToRecord(const absl::StatusOr<v1::LocalizeResponse>& answer) {
+  if (!answer.ok()) {
+    if (!absl::IsInvalidArgument(answer.status()) &&
+        !absl::IsInternal(answer.status())) {
+      return "";
+    }
+    const std::string reason = ErrorInfoOf(answer.status()).reason;
+    return reason.empty()
+               ? Text(absl::StatusCodeToString(answer.status().code()))
+               : reason;
+  }
+  if (answer->outcome() == v1::OUTCOME_LOCALIZED) return "";
+  const std::string name = v1::NotLocalizedReason_Name(answer->reason());
+  return Text(absl::StripPrefix(name, "NOT_LOCALIZED_REASON_"));
+}
+
+void RecordingDispatcher::Record(
+    const v1::LocalizeRequest& request,
+    const absl::StatusOr<v1::LocalizeResponse>& answer,
+    const std::string& traceparent) {
+  std::string reason = ReasonToRecord(answer);
+  if (reason.empty() || !recorder_.HasRoomFor(request.ByteSizeLong())) return;
+  std::string json = JsonOf(reason, answer, traceparent);
+  recorder_.Offer({.reason = std::move(reason),
+                   .request = request.SerializeAsString(),
+                   .json = std::move(json)});
+}
+
+void RecordingDispatcher::Localize(CallInfo call,
+                                   const v1::LocalizeRequest& request,
+                                   Done<v1::LocalizeResponse> done) {
+  std::string traceparent = call.traceparent;
+  inner_.Localize(
+      std::move(call), request,
+      [this, &request, traceparent = std::move(traceparent),
+       done = std::move(done)](absl::StatusOr<v1::LocalizeResponse> answer) {
+        Record(request, answer, traceparent);
+        done(std::move(answer));
+      });
+}
+
+void RecordingDispatcher::ListScenes(CallInfo call,
+                                     const v1::ListScenesRequest& request,
+                                     Done<v1::ListScenesResponse> done) {
+  inner_.ListScenes(std::move(call), request, std::move(done));
+}
+
+void RecordingDispatcher::GetScene(CallInfo call,
+                                   const v1::GetSceneRequest& request,
+                                   Done<v1::GetSceneResponse> done) {
+  inner_.GetScene(std::move(call), request, std::move(done));
+}
+
+void RecordingDispatcher::LoadScene(CallInfo call,
+                                    const v1::LoadSceneRequest& request,
+                                    Done<v1::LoadSceneResponse> done) {
+  inner_.LoadScene(std::move(call), request, std::move(done));
+}
+
+void RecordingDispatcher::UnloadScene(CallInfo call,
+                                      const v1::UnloadSceneRequest& request,
+                                      Done<v1::UnloadSceneResponse> done) {
+  inner_.UnloadScene(std::move(call), request, std::move(done));
+}
+
+}  // namespace treeline

@@ -1,0 +1,279 @@
+#include "server/app/server_config.h"
+
+#include <cstdint>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+#include "server/service/listen_address.h"
+
+namespace treeline {
+namespace {
+
+using Table = ConfigTable<ServerConfig>;
+
+absl::Status CheckAddress(const ConfigValue& value) {
+  const std::string& text = std::get<std::string>(value);
+  if (text.empty()) return absl::OkStatus();
+  return ParseListenAddress(text).status();
+}
+
+absl::Status CheckOrigins(const ConfigValue& value) {
+  for (const std::string& origin : std::get<std::vector<std::string>>(value)) {
+    if (origin == "*") continue;
+    const bool has_scheme = absl::StartsWith(origin, "https://") ||
+                            absl::StartsWith(origin, "http://");
+    const size_t host = origin.find("://") + 3;
+    if (!has_scheme || host >= origin.size() ||
+        origin.find_first_of("/?#@ *", host) != std::string::npos) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("'", origin,
+                       "' is not an origin: https://HOST, with :PORT where it "
+                       "is not the usual one and no path, or * for all"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+void AddScenes(Table& table) {
+  table.Add(
+      &ServerConfig::models,
+      {.name = "models",
+       .value_name = "DIR|URL",
+       .help = "Folder with the scenes, or the web address of their index",
+       .required = true,
+       .secrecy = Secrecy::kAddress});
+  table.Add(&ServerConfig::cache,
+            {.name = "cache",
+             .value_name = "DIR",
+             .help = "Where models from a web address are kept"});
+  table.Add(&ServerConfig::cache_mib,
+            {.name = "cache_mib",
+             .help = "Most that they may take, MiB; the longest unused are "
+                     "deleted; 0: no bound",
+             .min = 0,
+             .max = 1 << 24});
+  table.Add(&ServerConfig::models_ca,
+            {.name = "models_ca",
+             .value_name = "FILE",
+             .help = "Authorities to trust for models from an https address, "
+                     "PEM, instead of the system's"});
+  table.Add(&ServerConfig::memory_budget_mib,
+            {.name = "memory_budget_mib",
+             .help = "Memory for loaded scenes, MiB; the longest unused make "
+                     "room; 0: no bound",
+             .min = 0,
+             .max = 1 << 24});
+  table.Add(&ServerConfig::poll_s,
+            {.name = "poll_s",
+             .value_name = "SECONDS",
+             .help = "How often to look for new scenes and versions; 0: never",
+             .min = 0,
+             .max = 86400});
+  table.Add(&ServerConfig::load_all,
+            {.name = "load_all",
+             .help = "Load all scenes at the start, rather than with the first "
+                     "query"});
+}
+
+void AddListening(Table& table) {
+  table.Add(&ServerConfig::listen,
+            {.name = "listen",
+             .value_name = "HOST:PORT",
+             .help = "Where gRPC is served; port 0 takes a free one",
+             .check = CheckAddress,
+             .required = true});
+  table.Add(&ServerConfig::admin_listen,
+            {.name = "admin_listen",
+             .value_name = "HOST:PORT",
+             .help = "Where LoadScene and UnloadScene need no token; '': "
+                     "nowhere",
+             .check = CheckAddress});
+  table.Add(&ServerConfig::http_listen,
+            {.name = "http_listen",
+             .value_name = "HOST:PORT",
+             .help = "Where HTTP, /metrics, /healthz and /readyz are served; "
+                     "'': nowhere",
+             .check = CheckAddress});
+  table.Add(&ServerConfig::insecure_any_address,
+            {.name = "insecure_any_address",
+             .help = "Allow addresses that other machines reach, although "
+                     "nothing is encrypted"});
+  table.Add(&ServerConfig::cors_origin,
+            {.name = "cors_origin",
+             .value_name = "ORIGIN,...",
+             .help = "Web pages that may ask over HTTP: https://HOST, or * for "
+                     "all",
+             .check = CheckOrigins});
+  table.Add(&ServerConfig::max_connection_age_s,
+            {.name = "max_connection_age_s",
+             .value_name = "SECONDS",
+             .help = "Clients are asked to connect anew after this, so that "
+                     "balancers can balance; 0: never",
+             .min = 0,
+             .max = 86400});
+}
+
+void AddTrust(Table& table) {
+  table.Add(&ServerConfig::tls_cert,
+            {.name = "tls_cert",
+             .value_name = "FILE",
+             .help = "Certificate chain, PEM; the file is read again when it "
+                     "changes"});
+  table.Add(&ServerConfig::tls_key, {.name = "tls_key",
+                                     .value_name = "FILE",
+                                     .help = "Its private key, PEM"});
+  table.Add(&ServerConfig::tls_client_ca,
+            {.name = "tls_client_ca",
+             .value_name = "FILE",
+             .help = "Authorities whose client certificates are believed, "
+                     "PEM"});
+  table.Add(&ServerConfig::tls_require_client_cert,
+            {.name = "tls_require_client_cert",
+             .help = "Turn away clients without a certificate"});
+  table.Add(&ServerConfig::auth_keys,
+            {.name = "auth_keys",
+             .value_name = "FILE",
+             .help = "Keys that bearer tokens are verified with; with it, "
+                     "tokens are required"});
+  table.Add(&ServerConfig::auth_issuer,
+            {.name = "auth_issuer", .help = "Who must have issued tokens"});
+  table.Add(
+      &ServerConfig::auth_audience,
+      {.name = "auth_audience", .help = "Whom tokens must be made out to"});
+  table.Add(&ServerConfig::rate_limit,
+            {.name = "rate_limit",
+             .value_name = "PER_SECOND",
+             .help = "Calls a second that one client may make; 0: no bound",
+             .min = 0,
+             .max = 1e6,
+             .live = true});
+  table.Add(&ServerConfig::rate_burst,
+            {.name = "rate_burst",
+             .value_name = "CALLS",
+             .help = "Calls that a client that was quiet may make at once",
+             .min = 1,
+             .max = 1e6,
+             .live = true});
+}
+
+void AddCapacity(Table& table) {
+  table.Add(&ServerConfig::workers,
+            {.name = "workers",
+             .help = "Queries computed at a time; 0: one per processor",
+             .min = 0,
+             .max = 1024});
+  table.Add(&ServerConfig::queue,
+            {.name = "queue",
+             .help = "Queries that may wait; more are turned away with "
+                     "UNAVAILABLE and a time to retry",
+             .min = 1,
+             .max = 100000});
+  table.Add(&ServerConfig::max_message_mib, {.name = "max_message_mib",
+                                             .help = "Largest request, MiB",
+                                             .min = 1,
+                                             .max = 1024});
+  table.Add(&ServerConfig::max_megapixels,
+            {.name = "max_megapixels",
+             .help = "Largest image, millions of pixels",
+             .min = 0.01,
+             .max = 1000});
+}
+
+void AddLife(Table& table) {
+  table.Add(&ServerConfig::drain_s,
+            {.name = "drain_s",
+             .value_name = "SECONDS",
+             .help = "How long to go on answering after a stop was asked for, "
+                     "so that balancers notice",
+             .min = 0,
+             .max = 3600,
+             .live = true});
+  table.Add(&ServerConfig::grace_s,
+            {.name = "grace_s",
+             .value_name = "SECONDS",
+             .help = "How long calls in flight get after that",
+             .min = 0,
+             .max = 3600,
+             .live = true});
+  table.Add(&ServerConfig::record,
+            {.name = "record",
+             .value_name = "DIR",
+             .help = "Keep queries that failed, images included, for "
+                     "debugging; '': keep nothing"});
+  table.Add(&ServerConfig::record_mib,
+            {.name = "record_mib",
+             .help = "Most that they may take, MiB; the oldest are deleted",
+             .min = 1,
+             .max = 1 << 24});
+  table.Add(&ServerConfig::log_level,
+            {.name = "log_level",
+             .help = "debug logs every call, info those that failed",
+             .choices = {"debug", "info", "warn", "error", "off"},
+             .live = true});
+  table.Add(&ServerConfig::log_format,
+            {.name = "log_format",
+             .help = "Lines of key=value, or one JSON object a line",
+             .choices = {"text", "json"}});
+}
+
+absl::Status Needs(absl::string_view flag, absl::string_view other) {
+  return absl::InvalidArgumentError(absl::StrCat(flag, " needs ", other));
+}
+
+}  // namespace
+
+absl::Status ServerConfig::Validate() const {
+  if (tls_cert.empty() != tls_key.empty()) {
+    return tls_cert.empty() ? Needs("--tls-key", "--tls-cert")
+                            : Needs("--tls-cert", "--tls-key");
+  }
+  if (!tls_client_ca.empty() && tls_cert.empty()) {
+    return Needs("--tls-client-ca", "--tls-cert and --tls-key");
+  }
+  if (tls_require_client_cert && tls_client_ca.empty()) {
+    return Needs("--tls-require-client-cert", "--tls-client-ca");
+  }
+  if (auth_keys.empty() && !(auth_issuer.empty() && auth_audience.empty())) {
+    return Needs("--auth-issuer and --auth-audience", "--auth-keys");
+  }
+  if (absl::StrContains(models, "://") && cache.empty()) {
+    return Needs("--models with a web address", "--cache");
+  }
+  TL_RETURN_IF_ERROR(DispatcherOptionsOf(*this).Validate());
+  return GrpcOptionsOf(*this).Validate();
+}
+
+const ConfigTable<ServerConfig>& ServerConfigTable() {
+  // Immutable; made by the first who asks.
+  static const auto* const table = [] {
+    auto* made = new Table;
+    AddScenes(*made);
+    AddListening(*made);
+    AddTrust(*made);
+    AddCapacity(*made);
+    AddLife(*made);
+    return made;
+  }();
+  return *table;
+}
+
+GrpcServerOptions GrpcOptionsOf(const ServerConfig& config) {
+  GrpcServerOptions options;
+  options.listen = config.listen;
+  options.insecure_any_address = config.insecure_any_address;
+  options.max_message_mib = config.max_message_mib;
+  options.max_connection_age_s = static_cast<int>(config.max_connection_age_s);
+  return options;
+}
+
+DispatcherOptions DispatcherOptionsOf(const ServerConfig& config) {
+  DispatcherOptions options;
+  options.workers = config.workers;
+  options.queue = config.queue;
+  options.decode_limits.max_pixels =
+      static_cast<int64_t>(config.max_megapixels * 1e6);
+  return options;
+}
+
+}  // namespace treeline

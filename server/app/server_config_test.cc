@@ -1,0 +1,106 @@
+#include "server/app/server_config.h"
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "common/base/file.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace treeline {
+namespace {
+
+using ::testing::HasSubstr;
+
+absl::StatusOr<ServerConfig> Made(std::map<std::string, std::string> flags) {
+  flags.insert({"models", "m"});
+  const auto config =
+      ResolveConfig(ServerConfigTable().settings(), {.flags = flags});
+  if (!config.ok()) return config.status();
+  ServerConfig made = ServerConfigTable().Make(*config);
+  const absl::Status valid = made.Validate();
+  if (!valid.ok()) return valid;
+  return made;
+}
+
+std::string ErrorOf(const std::map<std::string, std::string>& flags) {
+  const auto config = Made(flags);
+  EXPECT_TRUE(absl::IsInvalidArgument(config.status())) << config.status();
+  return std::string(config.status().message());
+}
+
+TEST(ServerConfig, DefaultsAreValid) {
+  const auto config = Made({});
+  ASSERT_TRUE(config.ok()) << config.status();
+  EXPECT_EQ(config->listen, "127.0.0.1:50051");
+  EXPECT_EQ(config->admin_listen, "127.0.0.1:50052");
+  EXPECT_EQ(config->http_listen, "127.0.0.1:8080");
+}
+
+TEST(ServerConfig, EverySettingHasOneNameAndHelp) {
+  std::set<std::string> names;
+  for (const Setting& setting : ServerConfigTable().settings()) {
+    EXPECT_TRUE(names.insert(setting.name).second) << setting.name;
+    EXPECT_FALSE(setting.help.empty()) << setting.name;
+    EXPECT_NE(setting.help.back(), '.') << setting.name;
+    if (!setting.required) {
+      EXPECT_TRUE(CheckValue(setting, setting.default_value).ok())
+          << setting.name;
+    }
+  }
+}
+
+TEST(ServerConfig, WhatBelongsTogetherIsGivenTogether) {
+  EXPECT_THAT(ErrorOf({{"tls_cert", "c"}}), HasSubstr("--tls-key"));
+  EXPECT_THAT(ErrorOf({{"tls_key", "k"}}), HasSubstr("--tls-cert"));
+  EXPECT_THAT(ErrorOf({{"tls_client_ca", "c"}}), HasSubstr("--tls-cert"));
+  EXPECT_THAT(ErrorOf({{"tls_cert", "c"},
+                       {"tls_key", "k"},
+                       {"tls_require_client_cert", "true"}}),
+              HasSubstr("--tls-client-ca"));
+  EXPECT_THAT(ErrorOf({{"auth_audience", "a"}}), HasSubstr("--auth-keys"));
+  EXPECT_THAT(ErrorOf({{"models", "https://h/m"}}), HasSubstr("--cache"));
+  EXPECT_TRUE(Made({{"models", "https://h/m"}, {"cache", "c"}}).ok());
+}
+
+TEST(ServerConfig, AddressesAreChecked) {
+  EXPECT_THAT(ErrorOf({{"listen", "x"}}), HasSubstr("listen: "));
+  EXPECT_THAT(ErrorOf({{"http_listen", "127.0.0.1:99999"}}),
+              HasSubstr("http_listen: "));
+  EXPECT_THAT(ErrorOf({{"listen", ""}}), HasSubstr("must be given"));
+  EXPECT_TRUE(Made({{"http_listen", ""}, {"admin_listen", ""}}).ok());
+  EXPECT_THAT(ErrorOf({{"listen", "0.0.0.0:0"}}),
+              HasSubstr("--insecure-any-address"));
+}
+
+TEST(ServerConfig, OriginsHaveNoPath) {
+  EXPECT_TRUE(Made({{"cors_origin", "https://a,http://b:8080,*"}}).ok());
+  for (const char* origin : {"a", "https://", "https://a/", "ftp://a",
+                             "https://a b", "https://*.a", "https://u@a"}) {
+    EXPECT_THAT(ErrorOf({{"cors_origin", origin}}), HasSubstr("an origin"))
+        << origin;
+  }
+}
+
+TEST(ServerConfig, ReachesGrpc) {
+  const auto config = Made({{"queue", "3"}, {"max_megapixels", "0.5"}});
+  ASSERT_TRUE(config.ok()) << config.status();
+  const GrpcServerOptions options = GrpcOptionsOf(*config);
+  EXPECT_EQ(options.queue, 3);
+  EXPECT_EQ(options.decode_limits.max_pixels, 500000);
+}
+
+// The page and the table must not drift apart.
+TEST(ServerConfig, TheDocumentNamesEverySetting) {
+  const auto page = ReadFile(TREELINE_OPERATIONS_PAGE);
+  ASSERT_TRUE(page.ok()) << page.status();
+  for (const Setting& setting : ServerConfigTable().settings()) {
+    EXPECT_THAT(*page, HasSubstr(absl::StrCat("| `", setting.name, "` |")));
+  }
+}
+
+}  // namespace
+}  // namespace treeline

@@ -1,0 +1,198 @@
+#include "server/app/service_metrics.h"
+
+#include <map>
+#include <utility>
+
+#include "common/base/error_info.h"
+
+namespace treeline {
+namespace {
+
+constexpr double kSecondsPerMillisecond = 1e-3;
+
+// A label may not be left out: this is what stands for "there is none".
+constexpr char kNone[] = "none";
+
+std::string OrNone(const std::string& text) {
+  return text.empty() ? std::string(kNone) : text;
+}
+
+std::string ToText(absl::string_view text) { return std::string(text); }
+
+const char* StateName(SceneState state) {
+  switch (state) {
+    case SceneState::kUnloaded:
+      return "UNLOADED";
+    case SceneState::kLoading:
+      return "LOADING";
+    case SceneState::kReady:
+      return "READY";
+    case SceneState::kFailed:
+      break;
+  }
+  return "FAILED";
+}
+
+constexpr SceneState kAllStates[] = {SceneState::kUnloaded,
+                                     SceneState::kLoading, SceneState::kReady,
+                                     SceneState::kFailed};
+
+void WriteScenes(const std::vector<SceneFigures>& scenes, Exposition& out) {
+  out.Family("treeline_scene_loads_total",
+             "Loads of models by scene and result: ok, failed.",
+             MetricType::kCounter);
+  for (const SceneFigures& scene : scenes) {
+    out.Sample({{"scene", scene.scene}, {"result", "ok"}},
+               static_cast<double>(scene.loads));
+    out.Sample({{"scene", scene.scene}, {"result", "failed"}},
+               static_cast<double>(scene.load_failures));
+  }
+  out.Family("treeline_scene_evictions_total",
+             "Times a scene left memory to make room.", MetricType::kCounter);
+  for (const SceneFigures& scene : scenes) {
+    out.Sample({{"scene", scene.scene}}, static_cast<double>(scene.evictions));
+  }
+  out.Family("treeline_scene_resident_bytes",
+             "Memory that a scene's loaded versions take.", MetricType::kGauge);
+  for (const SceneFigures& scene : scenes) {
+    out.Sample({{"scene", scene.scene}},
+               static_cast<double>(scene.resident_bytes));
+  }
+  std::map<SceneState, int> by_state;
+  for (const SceneFigures& scene : scenes) ++by_state[scene.state];
+  out.Family("treeline_scenes", "Scenes by state.", MetricType::kGauge);
+  for (const SceneState state : kAllStates) {
+    out.Sample({{"state", StateName(state)}}, by_state[state]);
+  }
+}
+
+}  // namespace
+
+ServiceMetrics::ServiceMetrics(Registry& registry)
+    : requests_(registry.AddCounter(
+          "treeline_requests_total",
+          "Finished calls, each once, by RPC, transport, status code and the "
+          "error's reason.",
+          {"rpc", "transport", "status", "reason"})),
+      request_seconds_(registry.AddHistogram(
+          "treeline_request_seconds",
+          "From the arrival of the whole request to its answer.", {"rpc"},
+          LatencyBuckets())),
+      stage_seconds_(registry.AddHistogram(
+          "treeline_stage_seconds",
+          "Time of calls in each stage that they reached: queue, decode, "
+          "sample, forest, pose.",
+          {"stage", "method", "status"}, LatencyBuckets())),
+      outcomes_(registry.AddCounter(
+          "treeline_outcomes_total",
+          "Answered queries by scene, outcome, and why they were not "
+          "localized.",
+          {"scene", "outcome", "reason"})),
+      inlier_ratio_(registry.AddHistogram(
+          "treeline_inlier_ratio",
+          "Part of the samples that an answer's pose explains.", {"scene"},
+          ShareBuckets())),
+      confidence_(registry.AddHistogram(
+          "treeline_confidence",
+          "Probability that an answer's pose is right, as the model sees it.",
+          {"scene"}, ShareBuckets())),
+      shed_(registry.AddCounter(
+          "treeline_shed_total",
+          "Calls turned away for too much load before any work, by reason; "
+          "they are in treeline_requests_total too.",
+          {"reason"})),
+      cancelled_(registry
+                     .AddCounter("treeline_cancelled_total",
+                                 "Calls that ended because the client "
+                                 "cancelled or went away; they are in "
+                                 "treeline_requests_total too.",
+                                 {})
+                     .With({})),
+      request_bytes_(registry
+                         .AddCounter("treeline_request_bytes_total",
+                                     "Bytes of all requests.", {})
+                         .With({})) {}
+
+void ServiceMetrics::OnCall(const CallRecord& record) {
+  const std::string reason = ErrorInfoOf(record.status).reason;
+  requests_
+      .With({record.rpc, record.transport,
+             ToText(absl::StatusCodeToString(record.status.code())),
+             OrNone(reason)})
+      .Add();
+  request_seconds_.With({record.rpc})
+      .Observe(record.timings.total_ms * kSecondsPerMillisecond);
+  request_bytes_.Add(record.request_bytes);
+  if (record.shed) shed_.With({OrNone(reason)}).Add();
+  if (absl::IsCancelled(record.status)) cancelled_.Add();
+  CountStages(record);
+  // The scene is one of ours: a version of it has answered.
+  if (!record.outcome || record.model_version.empty()) return;
+  outcomes_
+      .With({record.scene, ToText(OutcomeName(*record.outcome)),
+             ToText(ReasonName(record.reason))})
+      .Add();
+  if (record.samples > 0) {
+    inlier_ratio_.With({record.scene})
+        .Observe(static_cast<double>(record.inliers) / record.samples);
+  }
+  confidence_.With({record.scene}).Observe(record.confidence);
+}
+
+void ServiceMetrics::CountStages(const CallRecord& record) {
+  const CallTimings& t = record.timings;
+  const std::string method = OrNone(record.method);
+  const std::string status =
+      ToText(absl::StatusCodeToString(record.status.code()));
+  const auto count = [&](const char* stage, double ms) {
+    stage_seconds_.With({stage, method, status})
+        .Observe(ms * kSecondsPerMillisecond);
+  };
+  // Calls that only list scenes have no stages.
+  if (t.queue_ms > 0) count("queue", t.queue_ms);
+  if (t.decode_ms > 0) count("decode", t.decode_ms);
+  if (!record.outcome) return;
+  count("sample", t.localize.sample_ms);
+  count("forest", t.localize.forest_ms);
+  count("pose", t.localize.pose_ms);
+}
+
+void AddLoadMetrics(Registry& registry, std::function<Load()> load) {
+  registry.AddSource([load = std::move(load)](Exposition& out) {
+    const Load now = load();
+    const auto gauge = [&](const char* name, const char* help, int value) {
+      out.Family(name, help, MetricType::kGauge);
+      out.Sample({}, value);
+    };
+    gauge("treeline_queue_depth", "Queries that wait for a worker.",
+          now.queued);
+    gauge("treeline_queue_capacity", "Queries that may wait.",
+          now.queue_capacity);
+    gauge("treeline_in_flight", "Queries that are computed now.", now.running);
+    gauge("treeline_workers", "Queries that can be computed at a time.",
+          now.workers);
+  });
+}
+
+void AddSceneMetrics(Registry& registry,
+                     std::function<RepositoryFigures()> figures) {
+  registry.AddSource([figures = std::move(figures)](Exposition& out) {
+    const RepositoryFigures now = figures();
+    WriteScenes(now.scenes, out);
+    if (!now.load_seconds) return;
+    out.Family("treeline_scene_load_seconds",
+               "How long loads of models took, failed ones included.",
+               MetricType::kHistogram);
+    out.Histogram({}, *now.load_seconds);
+  });
+}
+
+void AddBuildInfo(Registry& registry, const std::string& version) {
+  registry
+      .AddGauge("treeline_build_info", "Always 1; the version is its label.",
+                {"version"})
+      .With({version})
+      .Set(1);
+}
+
+}  // namespace treeline

@@ -1,0 +1,63 @@
+#include "server/gateway/call_headers.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/strip.h"
+#include "common/base/error_info.h"
+
+namespace treeline {
+namespace {
+
+// The Connect protocol allows this many.
+constexpr size_t kMostTimeoutDigits = 10;
+
+std::string BearerToken(absl::string_view authorization) {
+  constexpr absl::string_view kScheme = "bearer ";
+  if (!absl::StartsWithIgnoreCase(authorization, kScheme)) return "";
+  return std::string(
+      absl::StripAsciiWhitespace(authorization.substr(kScheme.size())));
+}
+
+}  // namespace
+
+std::string MediaType(absl::string_view content_type) {
+  return absl::AsciiStrToLower(absl::StripAsciiWhitespace(
+      content_type.substr(0, content_type.find(';'))));
+}
+
+absl::Status InvalidRequest(absl::string_view message) {
+  return WithReason(absl::InvalidArgumentError(message), "INVALID_REQUEST");
+}
+
+absl::StatusOr<CallInfo> CallInfoOf(const HttpRequest& request, const char* rpc,
+                                    bool admin_listener) {
+  CallInfo call{.rpc = rpc,
+                .transport = "http",
+                .peer = request.peer,
+                .credentials = {.bearer_token = BearerToken(
+                                    request.Header("authorization")),
+                                .certificate_names = request.certificate_names},
+                .traceparent = std::string(request.Header("traceparent")),
+                .admin_listener = admin_listener,
+                .arrival = request.arrival};
+  const absl::string_view timeout = request.Header("connect-timeout-ms");
+  if (!timeout.empty()) {
+    int64_t milliseconds = 0;
+    if (timeout.size() > kMostTimeoutDigits ||
+        !std::all_of(timeout.begin(), timeout.end(), absl::ascii_isdigit) ||
+        !absl::SimpleAtoi(timeout, &milliseconds)) {
+      return InvalidRequest(
+          "connect-timeout-ms: not a number of milliseconds of up to 10 "
+          "digits");
+    }
+    call.deadline = request.arrival + std::chrono::milliseconds(milliseconds);
+  }
+  return call;
+}
+
+}  // namespace treeline

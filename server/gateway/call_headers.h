@@ -1,0 +1,29 @@
+// What the headers of a request say about a call.
+#ifndef SERVER_GATEWAY_CALL_HEADERS_H_
+#define SERVER_GATEWAY_CALL_HEADERS_H_
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "server/gateway/http_message.h"
+#include "server/service/call.h"
+
+namespace treeline {
+
+// "application/json" of "Application/JSON; charset=utf-8".
+std::string MediaType(absl::string_view content_type);
+
+// INVALID_ARGUMENT with reason INVALID_REQUEST.
+absl::Status InvalidRequest(absl::string_view message);
+
+// Peer, credentials (a "Bearer" token of Authorization, names of the client's
+// certificate), traceparent, arrival, and the deadline of Connect-Timeout-Ms.
+// `rpc` is a literal. INVALID_ARGUMENT: a time-out that is not 1 to 10 digits.
+absl::StatusOr<CallInfo> CallInfoOf(const HttpRequest& request, const char* rpc,
+                                    bool admin_listener);
+
+}  // namespace treeline
+
+#endif  // SERVER_GATEWAY_CALL_HEADERS_H_

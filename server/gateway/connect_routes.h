@@ -1,0 +1,40 @@
+// The Connect protocol, unary: POST /treeline.v1.SERVICE/METHOD with JSON or a
+// binary message. https://connectrpc.com/docs/protocol
+#ifndef SERVER_GATEWAY_CONNECT_ROUTES_H_
+#define SERVER_GATEWAY_CONNECT_ROUTES_H_
+
+#include <optional>
+
+#include "absl/strings/string_view.h"
+#include "common/base/clock.h"
+#include "server/gateway/http_message.h"
+#include "server/service/dispatcher.h"
+
+namespace treeline {
+
+// Every unary RPC of both services. Thread-safe.
+class ConnectRoutes {
+ public:
+  // `admin_listener`: see CallInfo. Keeps references.
+  ConnectRoutes(Dispatcher& dispatcher, bool admin_listener,
+                const Clock& clock);
+
+  // Whether `path` lies in a package of ours.
+  static bool Owns(absl::string_view path);
+
+  // Answers unknown methods (404), streaming ones (501), what is not POST (405)
+  // and unknown types (415).
+  std::optional<HttpResponse> CheckHead(const HttpRequest& request) const;
+
+  // For requests that CheckHead lets through.
+  HttpResponse Handle(const HttpRequest& request) const;
+
+ private:
+  Dispatcher& dispatcher_;
+  const bool admin_listener_;
+  const Clock& clock_;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_GATEWAY_CONNECT_ROUTES_H_

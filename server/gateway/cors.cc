@@ -1,0 +1,87 @@
+#include "server/gateway/cors.h"
+
+#include <algorithm>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "common/base/error_info.h"
+#include "server/gateway/http_errors.h"
+
+namespace treeline {
+namespace {
+
+// What a browser sends: lower case, no path, no more than host and port.
+bool IsOrigin(absl::string_view text) {
+  if (!absl::ConsumePrefix(&text, "https://") &&
+      !absl::ConsumePrefix(&text, "http://")) {
+    return false;
+  }
+  return !text.empty() &&
+         std::all_of(text.begin(), text.end(), [](unsigned char c) {
+           return absl::ascii_islower(c) || absl::ascii_isdigit(c) ||
+                  absl::StrContains("-._:[]", static_cast<char>(c));
+         });
+}
+
+}  // namespace
+
+absl::Status CorsPolicy::Validate(const std::vector<std::string>& origins) {
+  for (const std::string& origin : origins) {
+    if (!IsOrigin(origin)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("'", origin,
+                       "' is not an origin; give http(s)://HOST[:PORT] in "
+                       "lower case, for instance https://example.com"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+CorsPolicy::CorsPolicy(std::vector<std::string> origins)
+    : origins_(std::move(origins)) {}
+
+std::optional<HttpResponse> CorsPolicy::Check(
+    const HttpRequest& request) const {
+  if (request.Header("origin").empty()) return std::nullopt;
+  if (!IsAllowed(request)) {
+    if (request.method == "GET" || request.method == "HEAD") {
+      return std::nullopt;
+    }
+    return ErrorResponse(
+        WithReason(absl::PermissionDeniedError(
+                       "the server does not serve pages of this origin"),
+                   "ORIGIN_REFUSED"));
+  }
+  if (request.method != "OPTIONS" ||
+      request.Header("access-control-request-method").empty()) {
+    return std::nullopt;
+  }
+  return HttpResponse{
+      .status = 204,
+      .headers = {{"Access-Control-Allow-Methods", "GET, POST"},
+                  {"Access-Control-Allow-Headers",
+                   "Accept, Authorization, Connect-Protocol-Version, "
+                   "Connect-Timeout-Ms, Content-Type, Traceparent, Tracestate"},
+                  {"Access-Control-Max-Age", "7200"}}};
+}
+
+std::vector<std::pair<std::string, std::string>> CorsPolicy::Headers(
+    const HttpRequest& request) const {
+  if (origins_.empty()) return {};
+  std::vector<std::pair<std::string, std::string>> headers{{"Vary", "Origin"}};
+  if (IsAllowed(request)) {
+    headers.emplace_back("Access-Control-Allow-Origin",
+                         std::string(request.Header("origin")));
+    headers.emplace_back("Access-Control-Expose-Headers", "Retry-After");
+  }
+  return headers;
+}
+
+bool CorsPolicy::IsAllowed(const HttpRequest& request) const {
+  return std::find(origins_.begin(), origins_.end(),
+                   request.Header("origin")) != origins_.end();
+}
+
+}  // namespace treeline

@@ -1,0 +1,43 @@
+// Which web pages may use the service: cross-origin resource sharing.
+#ifndef SERVER_GATEWAY_CORS_H_
+#define SERVER_GATEWAY_CORS_H_
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "server/gateway/http_message.h"
+
+namespace treeline {
+
+// Origins that are allowed, each exactly as browsers send it: "https://HOST" or
+// "https://HOST:PORT". No patterns, and no "*": pages hold the tokens of their
+// users. Immutable.
+class CorsPolicy {
+ public:
+  // INVALID_ARGUMENT: an origin that no browser would send.
+  static absl::Status Validate(const std::vector<std::string>& origins);
+
+  explicit CorsPolicy(std::vector<std::string> origins);
+
+  // 204 for a preflight from an allowed origin; 403 for everything else that
+  // comes from an origin that is not allowed, but for GET and HEAD, whose
+  // answers its browser hides; nullopt: go on. Requests without an origin do
+  // not come from other pages.
+  std::optional<HttpResponse> Check(const HttpRequest& request) const;
+
+  // Of every response: for allowed origins who may read it.
+  std::vector<std::pair<std::string, std::string>> Headers(
+      const HttpRequest& request) const;
+
+ private:
+  bool IsAllowed(const HttpRequest& request) const;
+
+  std::vector<std::string> origins_;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_GATEWAY_CORS_H_

@@ -1,0 +1,77 @@
+// The service over HTTP: the Connect protocol, GeoPose Protocol, health and
+// metrics. docs/http.md describes it to clients.
+#ifndef SERVER_GATEWAY_GATEWAY_H_
+#define SERVER_GATEWAY_GATEWAY_H_
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/base/clock.h"
+#include "server/gateway/http_server.h"
+#include "server/service/dispatcher.h"
+#include "treeline/v1/scenes.pb.h"
+
+namespace treeline {
+
+struct GatewayOptions {
+  HttpServerOptions http = {};
+  // Origins whose pages may call; see CorsPolicy.
+  std::vector<std::string> allowed_origins = {};
+  // What is served; /healthz and /readyz always are. A server may have one
+  // gateway for clients and a second one for operators.
+  // All RPCs, and /geopose.
+  bool serve_rpc = true;
+  // Calls that come in here are an operator's: CallInfo::admin_listener.
+  bool serve_admin = false;
+  // /metrics.
+  bool serve_metrics = true;
+
+  absl::Status Validate() const;
+};
+
+// What the gateway asks of the rest of the server. All may be called from many
+// threads at a time; none may block for long.
+struct GatewayHooks {
+  // Prometheus text; empty function: there is no /metrics.
+  std::function<std::string()> metrics = {};
+  // Whether queries are answered; empty function: always.
+  std::function<bool()> ready = {};
+  // All scenes, for the geo-anchors of /geopose; empty function: there is no
+  // /geopose.
+  std::function<std::vector<v1::SceneInfo>()> scenes = {};
+};
+
+// Serves from construction to Stop().
+class Gateway {
+ public:
+  // INVALID_ARGUMENT: options. UNAVAILABLE: the address cannot be bound, with
+  // the system's reason. `dispatcher` and `clock` must outlive the gateway.
+  static absl::StatusOr<std::unique_ptr<Gateway>> Start(
+      const GatewayOptions& options, Dispatcher& dispatcher, GatewayHooks hooks,
+      const Clock& clock);
+  // Stops without waiting for calls in flight: they are cancelled.
+  ~Gateway();
+
+  // HOST:PORT with the port that was bound.
+  const std::string& address() const;
+
+  // Closes the listener, waits up to `grace` for the calls in flight, asks the
+  // rest to stop, and returns when the last has ended. /readyz is the app's to
+  // turn before.
+  void Stop(std::chrono::milliseconds grace);
+
+ private:
+  struct Parts;
+  explicit Gateway(std::unique_ptr<Parts> parts);
+
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_GATEWAY_GATEWAY_H_

@@ -1,0 +1,343 @@
+#include "server/gateway/gateway.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <httplib.h>
+
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <tuple>
+
+#include "absl/strings/escaping.h"
+#include "common/base/error_info.h"
+#include "google/rpc/status.pb.h"
+#include "server/gateway/testing_dispatcher.h"
+
+namespace treeline {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+constexpr char kLocalize[] = "/treeline.v1.RelocalizationService/Localize";
+constexpr char kPage[] = "https://app.example.com";
+
+class GatewayTest : public ::testing::Test {
+ protected:
+  void SetUp() override { Start(DefaultOptions()); }
+
+  static GatewayOptions DefaultOptions() {
+    GatewayOptions options;
+    options.http.listen = "127.0.0.1:0";
+    options.http.max_body_mib = 1;
+    options.allowed_origins = {kPage};
+    return options;
+  }
+
+  void Start(const GatewayOptions& options) {
+    client_.reset();
+    gateway_.reset();
+    auto gateway = Gateway::Start(
+        options, dispatcher_,
+        {.metrics = [] { return std::string("treeline_up 1\n"); },
+         .ready = [this] { return ready_; }},
+        clock_);
+    ASSERT_TRUE(gateway.ok()) << gateway.status();
+    gateway_ = *std::move(gateway);
+    client_ =
+        std::make_unique<httplib::Client>("http://" + gateway_->address());
+    client_->set_keep_alive(true);
+  }
+
+  httplib::Result PostJson(const std::string& path, const std::string& body,
+                           const httplib::Headers& headers = {}) {
+    return client_->Post(path, headers, body, "application/json");
+  }
+
+  // "not_found" and so on; the body must be an error.
+  static std::string CodeOf(const httplib::Result& result) {
+    return nlohmann::json::parse(result->body)["code"];
+  }
+  static std::string MessageOf(const httplib::Result& result) {
+    return nlohmann::json::parse(result->body)["message"];
+  }
+
+  const SteadyClock clock_;
+  TestingDispatcher dispatcher_;
+  bool ready_ = true;
+  std::unique_ptr<Gateway> gateway_;
+  std::unique_ptr<httplib::Client> client_;
+};
+
+TEST_F(GatewayTest, AnswersConnectJson) {
+  dispatcher_.on_localize = [](const v1::LocalizeRequest& request) {
+    v1::LocalizeResponse response;
+    response.set_outcome(v1::OUTCOME_LOCALIZED);
+    response.set_scene(request.scene());
+    response.set_inliers(77);
+    return response;
+  };
+  const auto result = PostJson(kLocalize, R"({"scene":"kitchen"})",
+                               {{"Connect-Protocol-Version", "1"}});
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 200);
+  EXPECT_EQ(result->get_header_value("Content-Type"), "application/json");
+  const auto body = nlohmann::json::parse(result->body);
+  EXPECT_EQ(body["scene"], "kitchen");
+  EXPECT_EQ(body["outcome"], "OUTCOME_LOCALIZED");
+  EXPECT_EQ(body["inliers"], 77);
+}
+
+TEST_F(GatewayTest, AnswersConnectBinary) {
+  v1::GetSceneRequest request;
+  request.set_scene("kitchen");
+  const auto result =
+      client_->Post("/treeline.v1.SceneService/GetScene", httplib::Headers{},
+                    request.SerializeAsString(), "application/proto");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 200);
+  EXPECT_EQ(result->get_header_value("Content-Type"), "application/proto");
+  v1::GetSceneResponse response;
+  ASSERT_TRUE(response.ParseFromString(result->body));
+  EXPECT_EQ(response.scene().scene(), "kitchen");
+}
+
+TEST_F(GatewayTest, ServesEveryUnaryMethod) {
+  for (const char* method :
+       {"ListScenes", "GetScene", "LoadScene", "UnloadScene"}) {
+    const auto result =
+        PostJson(std::string("/treeline.v1.SceneService/") + method, "{}");
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->status, 200) << method;
+    EXPECT_STREQ(dispatcher_.calls().back().rpc, method);
+  }
+}
+
+TEST_F(GatewayTest, TellsTheDispatcherWhatTheHeadersSay) {
+  const auto result = PostJson(kLocalize, "{}",
+                               {{"Authorization", "bearer  abc.def"},
+                                {"traceparent", "00-aa-bb-01"},
+                                {"Connect-Timeout-Ms", "2000"}});
+  ASSERT_TRUE(result);
+  ASSERT_THAT(dispatcher_.calls(), SizeIs(1));
+  const CallInfo call = dispatcher_.calls()[0];
+  EXPECT_STREQ(call.rpc, "Localize");
+  EXPECT_STREQ(call.transport, "http");
+  EXPECT_EQ(call.credentials.bearer_token, "abc.def");
+  EXPECT_EQ(call.traceparent, "00-aa-bb-01");
+  EXPECT_EQ(call.deadline - call.arrival, std::chrono::seconds(2));
+  EXPECT_THAT(call.peer, StartsWith("ipv4:127.0.0.1:"));
+  EXPECT_FALSE(call.admin_listener);
+}
+
+TEST_F(GatewayTest, HasNoDeadlineAndNoTokenWithoutHeaders) {
+  ASSERT_TRUE(PostJson(kLocalize, "{}", {{"Authorization", "Basic abc"}}));
+  EXPECT_EQ(dispatcher_.calls()[0].deadline, MonotonicTime::max());
+  EXPECT_THAT(dispatcher_.calls()[0].credentials.bearer_token, IsEmpty());
+}
+
+TEST_F(GatewayTest, RefusesTimeoutsThatAreNone) {
+  for (const char* timeout : {"-1", "1.5", "abc", "12345678901", " "}) {
+    const auto result =
+        PostJson(kLocalize, "{}", {{"Connect-Timeout-Ms", timeout}});
+    ASSERT_TRUE(result);
+    if (std::string(timeout) == " ") continue;  // Stripped: no header.
+    EXPECT_EQ(result->status, 400) << timeout;
+  }
+}
+
+TEST_F(GatewayTest, NamesUnknownFields) {
+  const auto result =
+      PostJson(kLocalize, R"({"frame":{"camera":{"modell":"PINHOLE"}}})");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 400);
+  EXPECT_EQ(CodeOf(result), "invalid_argument");
+  EXPECT_THAT(MessageOf(result), HasSubstr("modell"));
+  EXPECT_THAT(dispatcher_.calls(), IsEmpty());
+}
+
+TEST_F(GatewayTest, RefusesBodiesThatAreNoMessages) {
+  for (const char* body : {"", "{", "[]", "{\"scene\": 3", "nonsense"}) {
+    const auto result = PostJson(kLocalize, body);
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->status, 400) << body;
+  }
+  const auto deep = PostJson(kLocalize, std::string(100000, '['));
+  EXPECT_EQ(deep->status, 400);
+  EXPECT_THAT(MessageOf(deep), HasSubstr("deep"));
+  const auto binary = client_->Post(kLocalize, httplib::Headers{},
+                                    "\xff\xff\xff", "application/proto");
+  EXPECT_EQ(binary->status, 400);
+}
+
+TEST_F(GatewayTest, SendsErrorsAsConnectDoes) {
+  dispatcher_.on_localize = [](const v1::LocalizeRequest&) {
+    return WithRetryAfter(
+        WithReason(absl::UnavailableError("the queue is full"), "QUEUE_FULL"),
+        std::chrono::milliseconds(1200));
+  };
+  const auto result = PostJson(kLocalize, "{}");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 503);
+  EXPECT_EQ(result->get_header_value("Retry-After"), "2");
+  const auto body = nlohmann::json::parse(result->body);
+  EXPECT_EQ(body["code"], "unavailable");
+  EXPECT_EQ(body["message"], "the queue is full");
+  ASSERT_THAT(body["details"], SizeIs(2));
+  EXPECT_EQ(body["details"][0]["type"], "google.rpc.ErrorInfo");
+  EXPECT_EQ(body["details"][0]["debug"]["reason"], "QUEUE_FULL");
+  std::string value;
+  ASSERT_TRUE(absl::Base64Unescape(
+      body["details"][0]["value"].get<std::string>(), &value));
+  google::rpc::ErrorInfo info;
+  ASSERT_TRUE(info.ParseFromString(value));
+  EXPECT_EQ(info.reason(), "QUEUE_FULL");
+}
+
+TEST_F(GatewayTest, SaysWhatItDoesNotServe) {
+  EXPECT_EQ(PostJson("/treeline.v1.SceneService/Nothing", "{}")->status, 404);
+  EXPECT_EQ(PostJson("/nothing", "{}")->status, 404);
+  EXPECT_EQ(client_->Get("/nothing")->status, 404);
+  const auto get = client_->Get(kLocalize);
+  EXPECT_EQ(get->status, 405);
+  EXPECT_EQ(get->get_header_value("Allow"), "POST");
+  const auto stream =
+      PostJson("/treeline.v1.RelocalizationService/LocalizeStream", "{}");
+  EXPECT_EQ(stream->status, 501);
+  EXPECT_THAT(MessageOf(stream), HasSubstr("gRPC"));
+  const auto form = client_->Post(kLocalize, httplib::Headers{}, "a=b",
+                                  "application/x-www-form-urlencoded");
+  EXPECT_EQ(form->status, 415);
+  EXPECT_EQ(
+      PostJson(kLocalize, "{}", {{"Connect-Protocol-Version", "2"}})->status,
+      400);
+}
+
+TEST_F(GatewayTest, TellsHealthReadinessAndMetrics) {
+  EXPECT_EQ(client_->Get("/healthz")->status, 200);
+  EXPECT_EQ(client_->Get("/readyz")->status, 200);
+  ready_ = false;
+  EXPECT_EQ(client_->Get("/readyz")->status, 503);
+  EXPECT_EQ(client_->Get("/healthz")->status, 200);
+  const auto metrics = client_->Get("/metrics");
+  EXPECT_EQ(metrics->status, 200);
+  EXPECT_EQ(metrics->body, "treeline_up 1\n");
+  EXPECT_THAT(metrics->get_header_value("Content-Type"),
+              StartsWith("text/plain; version=0.0.4"));
+  EXPECT_EQ(client_->Post("/metrics")->status, 405);
+  // Nobody asked for a part of it.
+  EXPECT_EQ(client_->Get("/metrics", {{"Range", "bytes=0-3"}})->body,
+            "treeline_up 1\n");
+}
+
+TEST_F(GatewayTest, AnOperatorsListenerSaysSoAndAClientsHasNoMetrics) {
+  GatewayOptions options = DefaultOptions();
+  options.serve_admin = true;
+  Start(options);
+  ASSERT_TRUE(PostJson("/treeline.v1.SceneService/LoadScene", "{}"));
+  EXPECT_TRUE(dispatcher_.calls().back().admin_listener);
+  options.serve_rpc = false;
+  options.serve_metrics = false;
+  Start(options);
+  EXPECT_EQ(PostJson(kLocalize, "{}")->status, 404);
+  EXPECT_EQ(client_->Get("/metrics")->status, 404);
+  EXPECT_EQ(client_->Get("/geopose")->status, 404);
+  EXPECT_EQ(client_->Get("/healthz")->status, 200);
+}
+
+TEST_F(GatewayTest, LetsAllowedPagesIn) {
+  const auto preflight = client_->Options(
+      kLocalize, {{"Origin", kPage},
+                  {"Access-Control-Request-Method", "POST"},
+                  {"Access-Control-Request-Headers", "content-type"}});
+  ASSERT_TRUE(preflight);
+  EXPECT_EQ(preflight->status, 204);
+  EXPECT_EQ(preflight->get_header_value("Access-Control-Allow-Origin"), kPage);
+  EXPECT_THAT(preflight->get_header_value("Access-Control-Allow-Headers"),
+              HasSubstr("Connect-Protocol-Version"));
+  const auto call = PostJson(kLocalize, "{}", {{"Origin", kPage}});
+  EXPECT_EQ(call->status, 200);
+  EXPECT_EQ(call->get_header_value("Access-Control-Allow-Origin"), kPage);
+  EXPECT_EQ(call->get_header_value("Vary"), "Origin");
+  // Errors too, or the page could not read them.
+  const auto error = PostJson(kLocalize, "{", {{"Origin", kPage}});
+  EXPECT_EQ(error->get_header_value("Access-Control-Allow-Origin"), kPage);
+}
+
+TEST_F(GatewayTest, LetsOtherPagesNotIn) {
+  for (const char* origin :
+       {"https://evil.example.com", "http://app.example.com", "null",
+        "https://app.example.com.evil.org", "https://app.example.com:444"}) {
+    const auto preflight = client_->Options(
+        kLocalize,
+        {{"Origin", origin}, {"Access-Control-Request-Method", "POST"}});
+    EXPECT_EQ(preflight->status, 403) << origin;
+    EXPECT_FALSE(preflight->has_header("Access-Control-Allow-Origin"));
+    EXPECT_FALSE(preflight->has_header("Access-Control-Allow-Methods"));
+    const auto call = PostJson(kLocalize, "{}", {{"Origin", origin}});
+    EXPECT_EQ(call->status, 403) << origin;
+    EXPECT_FALSE(call->has_header("Access-Control-Allow-Origin"));
+    const auto get = client_->Get("/healthz", {{"Origin", origin}});
+    EXPECT_FALSE(get->has_header("Access-Control-Allow-Origin"));
+  }
+  EXPECT_THAT(dispatcher_.calls(), IsEmpty());
+}
+
+TEST_F(GatewayTest, StopsACallWhoseDeadlineHasPassed) {
+  dispatcher_.waits_for_stop = true;
+  const auto result = PostJson(kLocalize, "{}", {{"Connect-Timeout-Ms", "20"}});
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 504);
+  EXPECT_EQ(CodeOf(result), "deadline_exceeded");
+}
+
+TEST_F(GatewayTest, StopsACallWhoseClientHasGone) {
+  dispatcher_.waits_for_stop = true;
+  std::thread caller([this] {
+    const auto result = PostJson(kLocalize, "{}");
+    EXPECT_FALSE(result);
+  });
+  dispatcher_.AwaitCalls(1);
+  client_->stop();
+  caller.join();
+  // Would wait for ever for a call that had not been stopped.
+  gateway_->Stop(std::chrono::hours(1));
+}
+
+TEST_F(GatewayTest, StopGivesCallsInFlightTheirGraceAndThenStopsThem) {
+  dispatcher_.waits_for_stop = true;
+  std::thread caller([this] { std::ignore = PostJson(kLocalize, "{}"); });
+  dispatcher_.AwaitCalls(1);
+  gateway_->Stop(std::chrono::milliseconds(50));
+  EXPECT_TRUE(dispatcher_.calls()[0].stop.stop_requested());
+  caller.join();
+}
+
+TEST_F(GatewayTest, RefusesOptionsThatMakeNoSense) {
+  const auto refuses = [&](const GatewayOptions& options) {
+    return Gateway::Start(options, dispatcher_, {}, clock_).status().code() ==
+           absl::StatusCode::kInvalidArgument;
+  };
+  GatewayOptions options = DefaultOptions();
+  options.allowed_origins = {"*"};
+  EXPECT_TRUE(refuses(options));
+  options.allowed_origins = {"https://app.example.com/path"};
+  EXPECT_TRUE(refuses(options));
+  options = DefaultOptions();
+  options.http.listen = "0.0.0.0:0";
+  EXPECT_TRUE(refuses(options));
+  options = DefaultOptions();
+  options.http.max_body_mib = 0;
+  EXPECT_TRUE(refuses(options));
+  options = DefaultOptions();
+  options.http.max_connections = 0;
+  EXPECT_TRUE(refuses(options));
+}
+
+}  // namespace
+}  // namespace treeline

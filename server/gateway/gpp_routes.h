@@ -1,0 +1,62 @@
+// GeoPose Protocol over HTTP: POST /geopose asks, GET /geopose says whether the
+// service runs.
+#ifndef SERVER_GATEWAY_GPP_ROUTES_H_
+#define SERVER_GATEWAY_GPP_ROUTES_H_
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "common/base/clock.h"
+#include "server/gateway/gpp_message.h"
+#include "server/gateway/http_message.h"
+#include "server/service/dispatcher.h"
+#include "treeline/v1/scenes.pb.h"
+
+namespace treeline {
+
+// Names of the scenes that have an anchor and lie where one of `hints` may be;
+// all that have one if there are no hints. The extent of a scene is its
+// model's, or 500 m while that is not known.
+std::vector<std::string> ScenesNear(const std::vector<v1::SceneInfo>& scenes,
+                                    const std::vector<GppHint>& hints);
+
+// world_from_camera of the camera that took the picture: an answer may be the
+// pose of the depth camera. INVALID_ARGUMENT, INTERNAL: an answer that makes no
+// sense.
+absl::StatusOr<Rigid3> WorldFromPicture(const v1::LocalizeResponse& response,
+                                        const v1::SceneInfo& scene,
+                                        const v1::Frame& frame);
+
+// Thread-safe.
+class GppRoutes {
+ public:
+  // `scenes`: all of the server; `admin_listener`: see CallInfo. Keeps
+  // references.
+  GppRoutes(Dispatcher& dispatcher,
+            std::function<std::vector<v1::SceneInfo>()> scenes,
+            bool admin_listener, const Clock& clock);
+
+  static bool Owns(absl::string_view path) { return path == "/geopose"; }
+
+  std::optional<HttpResponse> CheckHead(const HttpRequest& request) const;
+  HttpResponse Handle(const HttpRequest& request) const;
+
+ private:
+  absl::StatusOr<HttpResponse> Localize(const HttpRequest& http) const;
+  absl::StatusOr<HttpResponse> Answer(const GppRequest& request,
+                                      const v1::LocalizeResponse& response,
+                                      const v1::Frame& frame) const;
+
+  Dispatcher& dispatcher_;
+  const std::function<std::vector<v1::SceneInfo>()> scenes_;
+  const bool admin_listener_;
+  const Clock& clock_;
+};
+
+}  // namespace treeline
+
+#endif  // SERVER_GATEWAY_GPP_ROUTES_H_

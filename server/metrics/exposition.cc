@@ -1,0 +1,140 @@
+#include "server/metrics/exposition.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+
+namespace treeline {
+namespace {
+
+const char* NameOf(MetricType type) {
+  switch (type) {
+    case MetricType::kCounter:
+      return "counter";
+    case MetricType::kGauge:
+      return "gauge";
+    case MetricType::kHistogram:
+      break;
+  }
+  return "histogram";
+}
+
+// How many bytes at the front are one well-formed UTF-8 sequence; 0: none.
+size_t Utf8Length(absl::string_view text) {
+  const auto byte = [&](size_t i) {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
+  };
+  const auto continues = [&](size_t i) { return (byte(i) & 0xc0) == 0x80; };
+  const unsigned first = byte(0);
+  if (first < 0x80) return 1;
+  if (first >= 0xc2 && first <= 0xdf) return continues(1) ? 2 : 0;
+  if ((first & 0xf0) == 0xe0) {
+    // Neither longer than needed nor half of a surrogate pair.
+    if (first == 0xe0 && byte(1) < 0xa0) return 0;
+    if (first == 0xed && byte(1) > 0x9f) return 0;
+    return continues(1) && continues(2) ? 3 : 0;
+  }
+  if (first >= 0xf0 && first <= 0xf4) {
+    if (first == 0xf0 && byte(1) < 0x90) return 0;
+    if (first == 0xf4 && byte(1) > 0x8f) return 0;
+    return continues(1) && continues(2) && continues(3) ? 4 : 0;
+  }
+  return 0;
+}
+
+std::string WellFormed(absl::string_view text) {
+  std::string result;
+  while (!text.empty()) {
+    const size_t length = Utf8Length(text);
+    if (length == 0) {
+      result += "\xef\xbf\xbd";
+      text.remove_prefix(1);
+    } else {
+      absl::StrAppend(&result, text.substr(0, length));
+      text.remove_prefix(length);
+    }
+  }
+  return result;
+}
+
+void AppendLabel(absl::string_view name, absl::string_view value,
+                 std::string& text) {
+  absl::StrAppend(
+      &text, text.empty() ? "{" : ",", name, "=\"",
+      absl::StrReplaceAll(WellFormed(value),
+                          {{"\\", "\\\\"}, {"\n", "\\n"}, {"\"", "\\\""}}),
+      "\"");
+}
+
+}  // namespace
+
+std::string NumberText(double value) {
+  if (std::isnan(value)) return "NaN";
+  if (std::isinf(value)) return value > 0 ? "+Inf" : "-Inf";
+  char buffer[32];
+  return std::string(buffer,
+                     std::to_chars(buffer, buffer + sizeof(buffer), value).ptr);
+}
+
+bool IsMetricName(absl::string_view name) {
+  return !name.empty() && !absl::ascii_isdigit(name[0]) &&
+         std::all_of(name.begin(), name.end(), [](char c) {
+           return absl::ascii_isalnum(c) || c == '_' || c == ':';
+         });
+}
+
+bool IsLabelName(absl::string_view name) {
+  return IsMetricName(name) && !absl::StrContains(name, ":") &&
+         !absl::StartsWith(name, "__");
+}
+
+void Exposition::Family(absl::string_view name, absl::string_view help,
+                        MetricType type) {
+  // Names are ours: another one is a mistake in the program.
+  if (!IsMetricName(name)) std::abort();
+  name_ = std::string(name);
+  absl::StrAppend(
+      &text_, "# HELP ", name, " ",
+      absl::StrReplaceAll(WellFormed(help), {{"\\", "\\\\"}, {"\n", "\\n"}}),
+      "\n# TYPE ", name, " ", NameOf(type), "\n");
+}
+
+void Exposition::Line(absl::string_view suffix, const Labels& labels,
+                      const std::pair<absl::string_view, std::string>* more,
+                      double value) {
+  std::string braces;
+  for (const auto& [name, label] : labels) {
+    if (!IsLabelName(name)) std::abort();
+    AppendLabel(name, label, braces);
+  }
+  if (more != nullptr) AppendLabel(more->first, more->second, braces);
+  if (!braces.empty()) braces += "}";
+  absl::StrAppend(&text_, name_, suffix, braces, " ", NumberText(value), "\n");
+}
+
+void Exposition::Sample(const Labels& labels, double value) {
+  Line("", labels, nullptr, value);
+}
+
+void Exposition::Histogram(const Labels& labels,
+                           const HistogramCounts& histogram) {
+  uint64_t total = 0;
+  for (size_t i = 0; i < histogram.counts.size(); ++i) {
+    total += histogram.counts[i];
+    const std::pair<absl::string_view, std::string> bound = {
+        "le", i < histogram.upper_bounds.size()
+                  ? NumberText(histogram.upper_bounds[i])
+                  : "+Inf"};
+    Line("_bucket", labels, &bound, static_cast<double>(total));
+  }
+  Line("_sum", labels, nullptr, histogram.sum);
+  Line("_count", labels, nullptr, static_cast<double>(total));
+}
+
+}  // namespace treeline

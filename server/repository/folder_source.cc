@@ -1,0 +1,116 @@
+#include "server/repository/folder_source.h"
+
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/file.h"
+#include "common/base/status_macros.h"
+#include "server/repository/names.h"
+#include "server/repository/scene_metadata.h"
+
+namespace treeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kModelFileName[] = "model.treeline";
+constexpr char kMetadataFileName[] = "scene.json";
+
+// The valid names of the folders in `folder`.
+absl::StatusOr<std::vector<std::string>> FoldersIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  fs::directory_iterator entries(folder, error);
+  for (; !error && entries != fs::directory_iterator();
+       entries.increment(error)) {
+    std::error_code unreadable;
+    const std::string name = entries->path().filename().string();
+    if (IsValidName(name) && entries->is_directory(unreadable)) {
+      names.push_back(name);
+    }
+  }
+  if (error) {
+    return absl::ErrnoToStatus(
+        error.value(), absl::StrCat("reading folder ", folder.string()));
+  }
+  return names;
+}
+
+// Nothing unless a file lies at `path`.
+std::optional<struct stat> LookAtFile(const std::string& path) {
+  struct stat info {};
+  if (stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) {
+    return std::nullopt;
+  }
+  return info;
+}
+
+ModelRef RefOf(const std::string& scene, const std::string& version,
+               const struct stat& info) {
+  ModelRef ref;
+  ref.scene = scene;
+  ref.version = version;
+  ref.bytes = static_cast<uint64_t>(info.st_size);
+  ref.file_id = absl::StrCat(info.st_dev, ":", info.st_ino);
+  ref.fingerprint = absl::StrCat(ref.file_id, ":", info.st_mtim.tv_sec, ".",
+                                 info.st_mtim.tv_nsec, ":", info.st_size);
+  return ref;
+}
+
+void AddMetadata(const fs::path& folder, const std::string& scene,
+                 SourceListing& listing) {
+  const std::string path = (folder / kMetadataFileName).string();
+  absl::StatusOr<std::string> text = ReadFile(path, kMaxSceneJsonBytes);
+  if (text.ok()) {
+    listing.scene_json[scene] = *std::move(text);
+  } else if (!absl::IsNotFound(text.status())) {
+    listing.scene_json_errors[scene] = text.status();
+  }
+}
+
+}  // namespace
+
+FolderSource::FolderSource(std::string root) : root_(std::move(root)) {}
+
+absl::StatusOr<SourceListing> FolderSource::List() {
+  SourceListing listing;
+  TL_ASSIGN_OR_RETURN(const std::vector<std::string> scenes, FoldersIn(root_));
+  for (const std::string& scene : scenes) {
+    const fs::path folder = fs::path(root_) / scene;
+    // A scene's folder that cannot be read does not stop the others.
+    const auto versions = FoldersIn(folder);
+    if (!versions.ok()) continue;
+    bool has_model = false;
+    for (const std::string& version : *versions) {
+      const auto file =
+          LookAtFile((folder / version / kModelFileName).string());
+      if (!file) continue;
+      listing.models.push_back(RefOf(scene, version, *file));
+      has_model = true;
+    }
+    if (has_model) AddMetadata(folder, scene, listing);
+  }
+  return listing;
+}
+
+absl::StatusOr<std::string> FolderSource::Fetch(const ModelRef& model,
+                                                const std::stop_token&) {
+  return LocalPath(model);
+}
+
+absl::StatusOr<std::string> FolderSource::LocalPath(const ModelRef& model) {
+  std::string path =
+      (fs::path(root_) / model.scene / model.version / kModelFileName).string();
+  if (!LookAtFile(path)) {
+    return absl::NotFoundError("the model file has gone");
+  }
+  return path;
+}
+
+}  // namespace treeline

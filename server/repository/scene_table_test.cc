@@ -1,0 +1,698 @@
+#include "server/repository/scene_table.h"
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/error_info.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "server/repository/load_failure.h"
+#include "server/repository/repository_test_util.h"
+
+namespace treeline {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using std::chrono_literals::operator""s;
+using std::chrono_literals::operator""ms;
+
+using ScenePtr = std::shared_ptr<const Scene>;
+
+// A table with the source, the loader and the memory that it needs, all on one
+// thread: every test says when what happens.
+class SceneTableTest : public testing::Test {
+ protected:
+  SceneTableTest() : SceneTableTest(0) {}
+  explicit SceneTableTest(uint64_t budget) : table_(budget) {}
+
+  void Rescan() {
+    SceneTable::Effects effects;
+    table_.Apply(*source_.List(), clock_.Now(), effects);
+    Carry(effects);
+  }
+  // Runs the queued loads, or only the first `count` of them; returns what was
+  // loaded, as "scene/version".
+  std::vector<std::string> RunLoads(int count = 1000) {
+    std::vector<std::string> loaded;
+    for (; count > 0; --count) {
+      const auto job = Next();
+      if (!job) break;
+      loaded.push_back(job->model.scene + "/" + job->model.version);
+      Finish(*job);
+    }
+    return loaded;
+  }
+  std::optional<SceneTable::Job> Next() {
+    while (true) {
+      SceneTable::Effects effects;
+      auto job = table_.NextJob(resident_, clock_.Now(), effects);
+      if (job || effects.empty()) return job;
+      Carry(effects);
+    }
+  }
+  void Finish(const SceneTable::Job& job) {
+    absl::StatusOr<std::shared_ptr<const Localizer>> localizer;
+    const auto content = source_.Fetch(job.model, {});
+    auto opened = content.ok() ? OpenContent(*content) : content.status();
+    if (!opened.ok()) {
+      localizer = opened.status();
+    } else {
+      resident_ += job.model.bytes;
+      localizer = std::shared_ptr<const Localizer>(
+          opened->release(),
+          [this, bytes = job.model.bytes](const Localizer* gone) {
+            delete gone;
+            resident_ -= bytes;
+          });
+    }
+    SceneTable::Effects effects;
+    table_.Finish(job, std::move(localizer), 0.25, clock_.Now(), effects);
+    Carry(effects);
+  }
+  // What came of an Acquire or a Load.
+  struct Asked {
+    bool answered = false;
+    absl::StatusOr<ScenePtr> scene = absl::UnknownError("no answer");
+  };
+  std::shared_ptr<Asked> Ask(const std::string& scene,
+                             const std::string& version = "") {
+    auto asked = std::make_shared<Asked>();
+    SceneTable::Effects effects;
+    table_.Acquire(scene, version, Into(asked), clock_.Now(), effects);
+    Carry(effects);
+    return asked;
+  }
+  std::shared_ptr<Asked> Load(const std::string& scene,
+                              const std::string& version = "") {
+    auto asked = std::make_shared<Asked>();
+    SceneTable::Effects effects;
+    table_.Load(scene, version, Into(asked), clock_.Now(), effects);
+    Carry(effects);
+    return asked;
+  }
+  static AcquireDone Into(const std::shared_ptr<Asked>& asked) {
+    return [asked](absl::StatusOr<ScenePtr> scene) {
+      EXPECT_FALSE(asked->answered);
+      *asked = {true, std::move(scene)};
+    };
+  }
+  // Asks, loads what that needs, and returns the version, or the error.
+  std::string Answer(const std::string& scene,
+                     const std::string& version = "") {
+    const auto asked = Ask(scene, version);
+    RunLoads();
+    EXPECT_TRUE(asked->answered);
+    return asked->scene.ok() ? (*asked->scene)->version
+                             : asked->scene.status().ToString();
+  }
+  void Unload(const std::string& scene, const std::string& version = "") {
+    SceneTable::Effects effects;
+    EXPECT_TRUE(table_.Unload(scene, version, effects).ok());
+    Carry(effects);
+  }
+  SceneState StateOf(const std::string& scene, size_t version) {
+    return table_.Get(scene)->versions.at(version).state;
+  }
+  static void Carry(SceneTable::Effects& effects) {
+    effects.released.clear();
+    for (const auto& answer : effects.answers) answer();
+    effects.answers.clear();
+  }
+
+  ManualClock clock_;
+  FakeSource source_;
+  uint64_t resident_ = 0;
+  SceneTable table_;
+};
+
+TEST_F(SceneTableTest, AVersionIsLoadedWhenItIsFirstAskedFor) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  EXPECT_EQ(StateOf("kitchen", 0), SceneState::kUnloaded);
+  EXPECT_THAT(RunLoads(), ElementsAre());
+  const auto asked = Ask("kitchen");
+  EXPECT_FALSE(asked->answered);
+  EXPECT_EQ(StateOf("kitchen", 0), SceneState::kLoading);
+  EXPECT_THAT(RunLoads(), ElementsAre("kitchen/1"));
+  ASSERT_TRUE(asked->answered);
+  EXPECT_EQ((*asked->scene)->localizer->info().dataset, "good");
+  EXPECT_EQ(StateOf("kitchen", 0), SceneState::kReady);
+  EXPECT_TRUE(Ask("kitchen")->answered);
+}
+
+TEST_F(SceneTableTest, AllWhoWaitShareOneLoad) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  const auto a = Ask("kitchen");
+  const auto b = Ask("kitchen", "1");
+  const auto c = Load("kitchen");
+  EXPECT_THAT(RunLoads(), ElementsAre("kitchen/1"));
+  EXPECT_EQ(a->scene.value(), b->scene.value());
+  EXPECT_EQ(a->scene.value(), c->scene.value());
+}
+
+TEST_F(SceneTableTest, TheNewestAnswersUnlessOneIsNamed) {
+  for (const char* version : {"9", "10", "1"}) {
+    source_.Put("kitchen", version, "good");
+  }
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "10");
+  EXPECT_EQ(Answer("kitchen", "9"), "9");
+  EXPECT_EQ(Answer("kitchen"), "10");
+}
+
+TEST_F(SceneTableTest, AnOldVersionAskedForByNameDoesNotServeTheOthers) {
+  source_.Put("kitchen", "1", "good");
+  source_.Put("kitchen", "2", "good");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen", "1"), "1");
+  EXPECT_EQ(Answer("kitchen"), "2");
+}
+
+TEST_F(SceneTableTest, ACorruptNewestLeavesTheServingToTheNextOne) {
+  source_.Put("kitchen", "1", "good");
+  source_.Put("kitchen", "2", "half copied");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "1");
+  EXPECT_EQ(StateOf("kitchen", 0), SceneState::kFailed);
+  const auto status = Ask("kitchen", "2")->scene.status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
+  EXPECT_EQ(ErrorInfoOf(status).reason, kModelCorrupt);
+  EXPECT_EQ(ErrorInfoOf(status).metadata.at("version"), "2");
+  EXPECT_THAT(std::string(status.message()), HasSubstr("not a Treeline model"));
+  const auto scene = table_.Get("kitchen");
+  EXPECT_EQ(scene->state, SceneState::kReady);
+  EXPECT_TRUE(scene->failure.ok());
+}
+
+TEST_F(SceneTableTest, FailuresHaveTheirCodesAndReasons) {
+  const struct {
+    const char* content;
+    absl::StatusCode code;
+    const char* reason;
+    bool retry;
+  } cases[] = {
+      {"bad", absl::StatusCode::kDataLoss, kModelCorrupt, false},
+      {"newer", absl::StatusCode::kFailedPrecondition, kModelTooNew, false},
+      {"odd", absl::StatusCode::kFailedPrecondition, kSceneLoadFailed, false},
+      {"away", absl::StatusCode::kUnavailable, kSceneLoadFailed, true},
+  };
+  for (const auto& c : cases) {
+    source_.Put(c.content, "1", c.content);
+    Rescan();
+    const auto asked = Ask(c.content);
+    RunLoads();
+    ASSERT_TRUE(asked->answered);
+    EXPECT_EQ(asked->scene.status().code(), c.code) << c.content;
+    EXPECT_EQ(ErrorInfoOf(asked->scene.status()).reason, c.reason);
+    EXPECT_EQ(RetryAfterOf(asked->scene.status()).has_value(), c.retry);
+    EXPECT_EQ(table_.Get(c.content)->state, SceneState::kFailed);
+  }
+}
+
+TEST_F(SceneTableTest, WhatIsNotThereIsNotFound) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  const auto scene = Ask("attic")->scene.status();
+  EXPECT_EQ(scene.code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(ErrorInfoOf(scene).reason, kSceneNotFound);
+  const auto version = Ask("kitchen", "2")->scene.status();
+  EXPECT_EQ(version.code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(ErrorInfoOf(version).reason, kVersionNotFound);
+  EXPECT_EQ(Load("attic")->scene.status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(table_.Get("attic").status().code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(SceneTableTest, WhatFailsForNowIsTriedAgainLaterAndLater) {
+  source_.Put("kitchen", "1", "away");
+  Rescan();
+  for (const auto wait : {1s, 2s, 4s, 8s, 16s, 32s, 64s, 64s}) {
+    const auto asked = Ask("kitchen");
+    EXPECT_EQ(RunLoads().size(), 1u);
+    EXPECT_EQ(RetryAfterOf(asked->scene.status()), 1000ms * wait.count());
+    clock_.Advance(wait - 1ms);
+    EXPECT_EQ(RetryAfterOf(Ask("kitchen")->scene.status()), 1ms);
+    EXPECT_THAT(RunLoads(), ElementsAre());
+    clock_.Advance(1ms);
+  }
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "1");
+}
+
+TEST_F(SceneTableTest, WhatIsCorruptIsTriedAgainWhenItsFileChanges) {
+  source_.Put("kitchen", "1", "half");
+  Rescan();
+  EXPECT_THAT(Answer("kitchen"), HasSubstr("DATA_LOSS"));
+  clock_.Advance(3600s);
+  Rescan();
+  EXPECT_TRUE(Ask("kitchen")->answered);
+  source_.Overwrite("kitchen", "1", "good now");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "1");
+}
+
+TEST_F(SceneTableTest, LoadTriesAgainWhatFailed) {
+  source_.Put("kitchen", "1", "bad");
+  Rescan();
+  EXPECT_THAT(Answer("kitchen"), HasSubstr("DATA_LOSS"));
+  const auto asked = Load("kitchen");
+  EXPECT_FALSE(asked->answered);
+  EXPECT_EQ(RunLoads().size(), 1u);
+  EXPECT_EQ(asked->scene.status().code(), absl::StatusCode::kDataLoss);
+}
+
+TEST_F(SceneTableTest, LoadOfACorruptNewestSaysSoAlthoughTheOldOneServes) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "1");
+  source_.Put("kitchen", "2", "bad");
+  Rescan();
+  const auto asked = Load("kitchen");
+  RunLoads();
+  EXPECT_EQ(asked->scene.status().code(), absl::StatusCode::kDataLoss);
+  EXPECT_EQ(Answer("kitchen"), "1");
+}
+
+TEST_F(SceneTableTest, ANewVersionTakesOverWhenItIsReady) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  const auto old = Ask("kitchen");
+  RunLoads();
+  source_.Put("kitchen", "2", "good", 5);
+  Rescan();
+  // Until it is loaded, and while it is, the old one answers.
+  EXPECT_EQ((*Ask("kitchen")->scene)->version, "1");
+  const auto job = Next();
+  ASSERT_TRUE(job);
+  EXPECT_EQ((*Ask("kitchen")->scene)->version, "1");
+  Finish(*job);
+  EXPECT_EQ((*Ask("kitchen")->scene)->version, "2");
+  EXPECT_EQ(table_.Stats().swaps, 1u);
+  // The old one stays for whoever has it, and then goes.
+  EXPECT_EQ(StateOf("kitchen", 1), SceneState::kUnloaded);
+  EXPECT_EQ(resident_, 6u);
+  EXPECT_EQ((*old->scene)->localizer->info().dataset, "good");
+  old->scene = absl::UnknownError("let go");
+  EXPECT_EQ(resident_, 5u);
+}
+
+TEST_F(SceneTableTest, ANewVersionOfWhatIsNotInMemoryIsNotLoaded) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  source_.Put("kitchen", "2", "good");
+  Rescan();
+  EXPECT_THAT(RunLoads(), ElementsAre());
+}
+
+TEST_F(SceneTableTest, ACorruptNewVersionIsRefusedAndTriedAgainWhenItChanges) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "1");
+  source_.Put("kitchen", "2", "half");
+  Rescan();
+  EXPECT_THAT(RunLoads(), ElementsAre("kitchen/2"));
+  EXPECT_EQ(Answer("kitchen"), "1");
+  EXPECT_EQ(StateOf("kitchen", 0), SceneState::kFailed);
+  Rescan();
+  EXPECT_THAT(RunLoads(), ElementsAre());
+  source_.Overwrite("kitchen", "2", "good");
+  Rescan();
+  EXPECT_THAT(RunLoads(), ElementsAre("kitchen/2"));
+  EXPECT_EQ(Answer("kitchen"), "2");
+}
+
+TEST_F(SceneTableTest, AVersionThatIsNamedStaysWhenAnotherTakesOver) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen", "1"), "1");
+  source_.Put("kitchen", "2", "good");
+  Rescan();
+  RunLoads();
+  EXPECT_EQ(Answer("kitchen"), "2");
+  EXPECT_TRUE(Ask("kitchen", "1")->answered);
+  EXPECT_THAT(RunLoads(), ElementsAre());
+}
+
+TEST_F(SceneTableTest, WhatVanishesServesFromMemoryUntilItIsUnloaded) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "1");
+  source_.Remove("kitchen", "1");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "1");
+  EXPECT_EQ(Answer("kitchen", "1"), "1");
+  EXPECT_FALSE(table_.Get("kitchen")->versions.at(0).listed);
+  Unload("kitchen");
+  EXPECT_FALSE(table_.Get("kitchen").ok());
+  EXPECT_THAT(Answer("kitchen"), HasSubstr("NOT_FOUND"));
+}
+
+TEST_F(SceneTableTest, WhenTheNewestIsTakenAwayTheOneBeforeTakesOver) {
+  source_.Put("kitchen", "1", "good");
+  source_.Put("kitchen", "2", "good");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "2");
+  source_.Remove("kitchen", "2");
+  Rescan();
+  EXPECT_EQ((*Ask("kitchen")->scene)->version, "2");
+  EXPECT_THAT(RunLoads(), ElementsAre("kitchen/1"));
+  EXPECT_EQ((*Ask("kitchen")->scene)->version, "1");
+}
+
+TEST_F(SceneTableTest, WhatWasNeverLoadedAndVanishesIsForgotten) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  source_.Remove("kitchen", "1");
+  Rescan();
+  EXPECT_TRUE(table_.List().empty());
+}
+
+TEST_F(SceneTableTest, WhatVanishesBeforeItIsLoadedAnswersThoseWhoWait) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  const auto newest = Ask("kitchen");
+  const auto named = Ask("kitchen", "1");
+  source_.Remove("kitchen", "1");
+  Rescan();
+  RunLoads();
+  EXPECT_EQ(newest->scene.status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(named->scene.status().code(), absl::StatusCode::kNotFound);
+  EXPECT_TRUE(table_.List().empty());
+}
+
+TEST_F(SceneTableTest, AFileRenamedIntoPlaceTakesOverWhenItIsReady) {
+  source_.Put("kitchen", "1", "good old");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "1");
+  source_.Put("kitchen", "1", "good new");
+  Rescan();
+  EXPECT_EQ((*Ask("kitchen")->scene)->localizer->info().dataset, "good old");
+  RunLoads();
+  EXPECT_EQ((*Ask("kitchen")->scene)->localizer->info().dataset, "good new");
+}
+
+TEST_F(SceneTableTest, ACorruptFileRenamedIntoPlaceIsRefusedAndReported) {
+  source_.Put("kitchen", "1", "good old");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "1");
+  source_.Put("kitchen", "1", "bad");
+  Rescan();
+  RunLoads();
+  EXPECT_EQ((*Ask("kitchen")->scene)->localizer->info().dataset, "good old");
+  const auto version = table_.Get("kitchen")->versions.at(0);
+  EXPECT_EQ(version.state, SceneState::kReady);
+  EXPECT_EQ(version.failure.code(), absl::StatusCode::kDataLoss);
+  EXPECT_THAT(RunLoads(), ElementsAre());
+}
+
+// What is mapped has changed under the server: it must not answer any more.
+TEST_F(SceneTableTest, AFileWrittenOverIsTakenOutOfServiceAtOnce) {
+  source_.Put("kitchen", "1", "good old");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "1");
+  source_.Overwrite("kitchen", "1", "half");
+  Rescan();
+  EXPECT_EQ(StateOf("kitchen", 0), SceneState::kLoading);
+  EXPECT_EQ(resident_, 0u);
+  const auto asked = Ask("kitchen");
+  EXPECT_FALSE(asked->answered);
+  RunLoads();
+  EXPECT_EQ(asked->scene.status().code(), absl::StatusCode::kDataLoss);
+}
+
+TEST_F(SceneTableTest, AFileWrittenOverWhileItIsReadIsReadAgain) {
+  source_.Put("kitchen", "1", "good old");
+  Rescan();
+  const auto asked = Ask("kitchen");
+  const auto job = Next();
+  source_.Overwrite("kitchen", "1", "good new");
+  Rescan();
+  Finish(*job);
+  EXPECT_FALSE(asked->answered);
+  RunLoads();
+  EXPECT_EQ((*asked->scene)->localizer->info().dataset, "good new");
+}
+
+TEST_F(SceneTableTest, AnUnloadedSceneIsLoadedByTheNextQuery) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "1");
+  Unload("kitchen", "1");
+  EXPECT_EQ(StateOf("kitchen", 0), SceneState::kUnloaded);
+  EXPECT_EQ(resident_, 0u);
+  Rescan();
+  EXPECT_THAT(RunLoads(), ElementsAre());
+  EXPECT_EQ(Answer("kitchen"), "1");
+  SceneTable::Effects effects;
+  EXPECT_EQ(ErrorInfoOf(table_.Unload("attic", "", effects)).reason,
+            kSceneNotFound);
+  EXPECT_EQ(ErrorInfoOf(table_.Unload("kitchen", "7", effects)).reason,
+            kVersionNotFound);
+}
+
+TEST_F(SceneTableTest, MetadataReachesWhatIsInMemoryAndWhatIsLoadedLater) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  const auto before = Ask("kitchen");
+  RunLoads();
+  EXPECT_EQ((*before->scene)->metadata, nullptr);
+  source_.SetJson("kitchen", R"({"display_name": "Kitchen"})");
+  Rescan();
+  EXPECT_THAT(RunLoads(), ElementsAre());
+  const auto after = Ask("kitchen");
+  EXPECT_EQ((*after->scene)->metadata->display_name, "Kitchen");
+  EXPECT_EQ((*after->scene)->localizer, (*before->scene)->localizer);
+  EXPECT_EQ(table_.Get("kitchen")->metadata->display_name, "Kitchen");
+}
+
+TEST_F(SceneTableTest, ABadSceneJsonIsAWarningAndTheLastGoodOneStays) {
+  source_.Put("kitchen", "1", "good");
+  source_.SetJson("kitchen", R"({"display_name": "Kitchen"})");
+  Rescan();
+  source_.SetJson("kitchen", R"({"display_nam": "Kitchen"})");
+  Rescan();
+  const auto status = table_.Get("kitchen");
+  EXPECT_EQ(status->metadata->display_name, "Kitchen");
+  EXPECT_THAT(std::string(status->metadata_problem.message()),
+              HasSubstr("display_nam"));
+  EXPECT_EQ(Answer("kitchen"), "1");
+  source_.SetJson("kitchen", "{}");
+  Rescan();
+  EXPECT_TRUE(table_.Get("kitchen")->metadata_problem.ok());
+  EXPECT_EQ(table_.Get("kitchen")->metadata->display_name, "");
+}
+
+TEST_F(SceneTableTest, CountsWhatHappens) {
+  source_.Put("kitchen", "1", "good", 7);
+  source_.Put("office", "1", "bad", 9);
+  Rescan();
+  Answer("kitchen");
+  Answer("office");
+  const RepositoryStats stats = table_.Stats();
+  EXPECT_EQ(stats.counts.loads, 1u);
+  EXPECT_EQ(stats.counts.load_failures, 1u);
+  EXPECT_EQ(stats.load_times.count, 2u);
+  EXPECT_EQ(stats.load_times.sum_s, 0.5);
+  EXPECT_EQ(stats.load_times.last_s, 0.25);
+  EXPECT_EQ(stats.load_times.counts[5], 2u);  // at most 0.25 s
+  EXPECT_THAT(stats.scenes_by_state, ElementsAre(0, 0, 1, 1));
+  ASSERT_EQ(stats.scenes.size(), 2u);
+  EXPECT_EQ(stats.scenes[0].name, "kitchen");
+  EXPECT_EQ(stats.scenes[0].resident_bytes, 7u);
+  EXPECT_EQ(stats.scenes[1].counts.load_failures, 1u);
+}
+
+TEST_F(SceneTableTest, ThoseWhoWaitAreTurnedAwayWhenItStops) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  const auto asked = Ask("kitchen");
+  SceneTable::Effects effects;
+  table_.TurnAwayAll(effects);
+  Carry(effects);
+  EXPECT_EQ(asked->scene.status().code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(ErrorInfoOf(asked->scene.status()).reason, kSceneNotLoaded);
+}
+
+// Room for ten bytes.
+class BudgetTest : public SceneTableTest {
+ protected:
+  BudgetTest() : SceneTableTest(10) {}
+
+  std::vector<std::string> InMemory() {
+    std::vector<std::string> names;
+    for (const SceneStatus& scene : table_.List()) {
+      if (scene.resident_bytes > 0) names.push_back(scene.name);
+    }
+    return names;
+  }
+};
+
+TEST_F(BudgetTest, TheLongestUnusedGoesFirst) {
+  for (const char* scene : {"a", "b", "c"}) source_.Put(scene, "1", "good", 4);
+  Rescan();
+  Answer("a");
+  Answer("b");
+  Answer("a");
+  Answer("c");
+  EXPECT_THAT(InMemory(), ElementsAre("a", "c"));
+  EXPECT_EQ(table_.Stats().counts.evictions, 1u);
+  EXPECT_EQ(resident_, 8u);
+}
+
+TEST_F(BudgetTest, WhatFitsIsLoadedOnce) {
+  for (const char* scene : {"a", "b", "c"}) source_.Put(scene, "1", "good", 3);
+  Rescan();
+  for (int round = 0; round < 10; ++round) {
+    for (const char* scene : {"a", "b", "c"}) EXPECT_EQ(Answer(scene), "1");
+  }
+  EXPECT_EQ(table_.Stats().counts.loads, 3u);
+  EXPECT_EQ(table_.Stats().counts.evictions, 0u);
+}
+
+TEST_F(BudgetTest, OnlyAsMuchGoesAsIsNeeded) {
+  for (const char* scene : {"a", "b", "c", "d"}) {
+    source_.Put(scene, "1", "good", 2);
+  }
+  source_.Put("e", "1", "good", 5);
+  Rescan();
+  for (const char* scene : {"a", "b", "c", "d", "e"}) Answer(scene);
+  EXPECT_THAT(InMemory(), ElementsAre("c", "d", "e"));
+}
+
+TEST_F(BudgetTest, AModelThatIsLargerThanTheBudgetIsRefusedAndNothingGoes) {
+  source_.Put("a", "1", "good", 10);
+  source_.Put("b", "1", "good", 11);
+  source_.Put("c", "1", "good", ~uint64_t{0});
+  Rescan();
+  Answer("a");
+  for (const char* scene : {"b", "c"}) {
+    const auto asked = Ask(scene);
+    EXPECT_THAT(RunLoads(), ElementsAre());
+    EXPECT_EQ(asked->scene.status().code(),
+              absl::StatusCode::kResourceExhausted);
+    EXPECT_EQ(ErrorInfoOf(asked->scene.status()).reason, kMemoryBudget);
+    EXPECT_FALSE(RetryAfterOf(asked->scene.status()));
+  }
+  EXPECT_THAT(InMemory(), ElementsAre("a"));
+}
+
+TEST_F(BudgetTest, WhatAQueryUsesCountsUntilTheQueryEnds) {
+  source_.Put("a", "1", "good", 8);
+  source_.Put("b", "1", "good", 8);
+  Rescan();
+  auto query = Ask("a");
+  RunLoads();
+  const auto waiting = Ask("b");
+  EXPECT_THAT(RunLoads(), ElementsAre());
+  EXPECT_FALSE(waiting->answered);
+  EXPECT_EQ(resident_, 8u);
+  EXPECT_TRUE((*query->scene)->localizer != nullptr);
+  query.reset();
+  EXPECT_EQ(resident_, 0u);
+  EXPECT_THAT(RunLoads(), ElementsAre("b/1"));
+  EXPECT_TRUE(waiting->answered);
+}
+
+TEST_F(BudgetTest, TheIdleGoBeforeThoseInUse) {
+  for (const char* scene : {"a", "b", "c"}) source_.Put(scene, "1", "good", 4);
+  Rescan();
+  const auto query = Ask("a");
+  RunLoads();
+  Answer("b");
+  Answer("c");
+  EXPECT_THAT(InMemory(), ElementsAre("a", "c"));
+}
+
+TEST_F(BudgetTest, ALargeModelThatWaitsIsNotOvertakenForever) {
+  for (const char* scene : {"a", "b"}) source_.Put(scene, "1", "good", 5);
+  source_.Put("large", "1", "good", 10);
+  source_.Put("small", "1", "good", 5);
+  Rescan();
+  auto query_a = Ask("a");
+  auto query_b = Ask("b");
+  RunLoads();
+  const auto large = Ask("large");
+  const auto small = Ask("small");
+  EXPECT_THAT(RunLoads(), ElementsAre());
+  query_a.reset();
+  EXPECT_THAT(RunLoads(), ElementsAre());
+  query_b.reset();
+  EXPECT_THAT(RunLoads(1), ElementsAre("large/1"));
+  EXPECT_TRUE(large->answered);
+  EXPECT_FALSE(small->answered);
+}
+
+TEST_F(BudgetTest, ASmallModelNeedNotWaitForALargeOneIfBothFit) {
+  source_.Put("a", "1", "good", 6);
+  source_.Put("b", "1", "good", 5);
+  source_.Put("c", "1", "good", 4);
+  Rescan();
+  auto query = Ask("a");
+  RunLoads();
+  const auto b = Ask("b");
+  const auto c = Ask("c");
+  EXPECT_FALSE(b->answered);
+  EXPECT_THAT(RunLoads(), ElementsAre());  // 6 + 5 + 4 > 10
+  query.reset();
+  EXPECT_THAT(RunLoads(), ElementsAre("b/1", "c/1"));
+}
+
+TEST_F(BudgetTest, ForANewVersionOthersGoRatherThanTheOldOne) {
+  source_.Put("a", "1", "good", 5);
+  source_.Put("b", "1", "good", 5);
+  Rescan();
+  Answer("a");
+  Answer("b");  // used after a
+  source_.Put("a", "2", "good", 5);
+  Rescan();
+  const auto job = Next();
+  ASSERT_TRUE(job);
+  EXPECT_EQ((*Ask("a")->scene)->version, "1");
+  Finish(*job);
+  EXPECT_EQ((*Ask("a")->scene)->version, "2");
+  EXPECT_THAT(InMemory(), ElementsAre("a"));
+}
+
+TEST_F(BudgetTest, WhereBothVersionsDoNotFitTheOldOneGoesFirst) {
+  source_.Put("a", "1", "good", 6);
+  Rescan();
+  Answer("a");
+  source_.Put("a", "2", "good", 6);
+  Rescan();
+  const auto job = Next();
+  ASSERT_TRUE(job);
+  EXPECT_EQ(resident_, 0u);
+  const auto asked = Ask("a");
+  EXPECT_FALSE(asked->answered);
+  Finish(*job);
+  EXPECT_EQ((*asked->scene)->version, "2");
+}
+
+TEST_F(BudgetTest, AtTheStartNothingGoesForAnother) {
+  for (const char* scene : {"a", "b", "c"}) source_.Put(scene, "1", "good", 4);
+  source_.Put("b", "2", "bad", 4);
+  Rescan();
+  table_.LoadWhatFits(clock_.Now());
+  RunLoads();
+  EXPECT_EQ(table_.Stats().counts.evictions, 0u);
+  EXPECT_EQ(table_.Stats().counts.loads, 2u);
+  EXPECT_TRUE(table_.is_settled());
+  EXPECT_EQ(resident_, 8u);
+}
+
+TEST_F(SceneTableTest, AtTheStartWhatIsCorruptLeavesItToTheVersionBefore) {
+  source_.Put("a", "1", "good");
+  source_.Put("a", "2", "bad");
+  Rescan();
+  table_.LoadWhatFits(clock_.Now());
+  EXPECT_THAT(RunLoads(), ElementsAre("a/2", "a/1"));
+  EXPECT_EQ(table_.Get("a")->serving->version, "1");
+}
+
+}  // namespace
+}  // namespace treeline
