@@ -213,9 +213,9 @@ std::string RunText(const LoadRun& run) {
       Goodput_per_s(run), count(CallKind::kOk), count(CallKind::kShed),
       count(CallKind::kDeadline), count(CallKind::kCancelled),
       count(CallKind::kFailed));
-  AppendHistogram(text, "latency",
-                  tally.latencies[static_cast<size_t>(CallKind::kOk)]
-                      .from_schedule);
+  AppendHistogram(
+      text, "latency",
+      tally.latencies[static_cast<size_t>(CallKind::kOk)].from_schedule);
   AppendHistogram(text, "server: queue", tally.server.queue);
   AppendHistogram(text, "decode", tally.server.decode);
   AppendHistogram(text, "sample", tally.server.sample);
@@ -263,9 +263,8 @@ std::vector<WorkloadSummary> Summarize(const std::vector<WorkItem>& items) {
 
 double Goodput_per_s(const LoadRun& run) {
   if (run.measured_s <= 0) return 0;
-  const int64_t right =
-      run.tally.counts[static_cast<size_t>(CallKind::kOk)] -
-      run.tally.checks.different;
+  const int64_t right = run.tally.counts[static_cast<size_t>(CallKind::kOk)] -
+                        run.tally.checks.different;
   return static_cast<double>(right) / run.measured_s;
 }
 
@@ -324,8 +323,7 @@ std::string LiveLine(const Glance& glance, double at_s) {
   if (at_s < 0) return absl::StrFormat("warming up, %.1f s left", -at_s);
   return absl::StrFormat(
       "%.1f s  %.1f/s  p50 %.1f ms  p99 %.1f ms  %d shed, %d late, %d failed",
-      at_s,
-      static_cast<double>(count(CallKind::kOk)) / std::max(at_s, 0.001),
+      at_s, static_cast<double>(count(CallKind::kOk)) / std::max(at_s, 0.001),
       glance.p50_ms, glance.p99_ms, count(CallKind::kShed),
       count(CallKind::kDeadline), count(CallKind::kFailed));
 }

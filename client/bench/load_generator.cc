@@ -70,7 +70,8 @@ absl::Status LoadOptions::Validate() const {
   if (concurrency < 1) return refuse("concurrency must be positive");
   if (stream_window < 0) return refuse("the window must not be negative");
   if (stream_window > 0 && (rate_per_s > 0 || cancel_share > 0)) {
-    return refuse("streams are a closed loop, and nothing of them is cancelled");
+    return refuse(
+        "streams are a closed loop, and nothing of them is cancelled");
   }
   if (!(rate_per_s >= 0)) return refuse("the rate must not be negative");
   if (!(duration_s > 0)) return refuse("the duration must be positive");
@@ -154,8 +155,7 @@ class LoadGenerator::Impl {
 };
 
 void LoadGenerator::Impl::Send(
-    MonotonicTime scheduled,
-    std::function<void(const absl::Status&)> on_done) {
+    MonotonicTime scheduled, std::function<void(const absl::Status&)> on_done) {
   auto call = std::make_shared<Call>();
   size_t number = 0;
   {
@@ -194,13 +194,14 @@ void LoadGenerator::Impl::Finish(
   v1::LocalizeResponse response;
   CallResult result{
       .status = FromGrpc(status),
-      .pushback = call->context.GetServerTrailingMetadata().count(kPushback) > 0,
+      .pushback =
+          call->context.GetServerTrailingMetadata().count(kPushback) > 0,
       .latency_ms = MillisecondsBetween(call->scheduled, now),
       .from_send_ms = MillisecondsBetween(call->sent, now),
       .scheduled_s = SecondsBetween(measured_from_, call->scheduled)};
   if (status.ok()) {
-    result.status = FromGrpc(
-        grpc::SerializationTraits<v1::LocalizeResponse>::Deserialize(
+    result.status =
+        FromGrpc(grpc::SerializationTraits<v1::LocalizeResponse>::Deserialize(
             &call->response, &response));
     if (result.status.ok()) {
       result.response = &response;
@@ -338,8 +339,7 @@ void LoadGenerator::Impl::RunClosedLoop(const std::stop_token& stop) {
 void LoadGenerator::Impl::RunOpenLoop(const std::stop_token& stop,
                                       LoadRun& run) {
   PoissonArrivals arrivals(options_.seed, options_.rate_per_s);
-  const MonotonicTime start =
-      measured_from_ - Seconds(options_.warm_up_s);
+  const MonotonicTime start = measured_from_ - Seconds(options_.warm_up_s);
   while (true) {
     const MonotonicTime due = start + Seconds(arrivals.Next_s());
     if (due >= end_) break;
@@ -438,8 +438,8 @@ LoadRun LoadGenerator::Impl::Run(const LoadOptions& options,
     } else {
       RunClosedLoop(stop);
     }
-    run.measured_s = std::max(
-        0.0, SecondsBetween(measured_from_, std::min(Now(), end_)));
+    run.measured_s =
+        std::max(0.0, SecondsBetween(measured_from_, std::min(Now(), end_)));
     run.interrupted = stop.stop_requested();
     if (run.interrupted) Abandon();
     WaitForAll();

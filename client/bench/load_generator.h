@@ -85,7 +85,8 @@ class LoadGenerator {
                        const std::stop_token& stop);
 
   // Blocks until every call has ended. `watch` is called twice a second, on
-  // another thread, with the seconds since the measurement began. Not to be called twice at a time.
+  // another thread, with the seconds since the measurement began. Not to be
+  // called twice at a time.
   using Watch = std::function<void(const Glance& glance, double at_s)>;
   LoadRun Run(const LoadOptions& options, const std::stop_token& stop,
               const Watch& watch);

@@ -10,8 +10,7 @@
 namespace treeline {
 namespace {
 
-constexpr char kMethod[] =
-    "/treeline.v1.RelocalizationService/LocalizeStream";
+constexpr char kMethod[] = "/treeline.v1.RelocalizationService/LocalizeStream";
 
 // Tags of LocalizeStreamRequest: field << 3 | wire type.
 constexpr char kIdTag = 1 << 3 | 0;
@@ -119,9 +118,9 @@ void StreamClient::Deliver(const v1::LocalizeStreamResponse& response) {
     host_.answer(*frame, absl::OkStatus(), &response.response());
   } else {
     const absl::Status error = FromProto(response.error());
-    host_.answer(*frame,
-                 error.ok() ? absl::InternalError("an error that is OK") : error,
-                 nullptr);
+    host_.answer(
+        *frame, error.ok() ? absl::InternalError("an error that is OK") : error,
+        nullptr);
   }
 }
 
@@ -133,10 +132,10 @@ void StreamClient::OnDone(const grpc::Status& status) {
     unanswered.swap(in_flight_);
   }
   for (const Frame& frame : unanswered) {
-    host_.answer(frame,
-                 ended.ok() ? absl::InternalError("the stream ended without it")
-                            : ended,
-                 nullptr);
+    host_.answer(
+        frame,
+        ended.ok() ? absl::InternalError("the stream ended without it") : ended,
+        nullptr);
   }
   host_.end(this, ended);
   delete this;

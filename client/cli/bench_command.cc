@@ -114,8 +114,7 @@ class Bench {
 
   absl::Status Run(const std::stop_token& stop) {
     if (!flags_.no_reference) {
-      TL_RETURN_IF_ERROR(
-          generator_.AskOnce(1, flags_.load.deadline_ms, stop));
+      TL_RETURN_IF_ERROR(generator_.AskOnce(1, flags_.load.deadline_ms, stop));
       report_.reference_answers = static_cast<int>(items_.size());
     }
     checker_.LoadBegins();
@@ -133,11 +132,10 @@ class Bench {
 
   // Whether there were answers, and none of them was another than before.
   bool Passed() const {
-    return std::all_of(report_.runs.begin(), report_.runs.end(),
-                       [](const LoadRun& run) {
-                         return run.tally.counts[0] > 0 &&
-                                run.tally.checks.different == 0;
-                       });
+    return std::all_of(
+        report_.runs.begin(), report_.runs.end(), [](const LoadRun& run) {
+          return run.tally.counts[0] > 0 && run.tally.checks.different == 0;
+        });
   }
 
  private:
@@ -153,8 +151,8 @@ class Bench {
 
   void RunOnce(const LoadOptions& options, const std::stop_token& stop) {
     LiveDisplay display;
-    report_.runs.push_back(generator_.Run(
-        options, stop, [&](const Glance& glance, double at_s) {
+    report_.runs.push_back(
+        generator_.Run(options, stop, [&](const Glance& glance, double at_s) {
           display.Show(LiveLine(glance, at_s));
         }));
   }

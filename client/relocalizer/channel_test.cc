@@ -37,9 +37,8 @@ class SeeingService final : public v1::SceneService::Service {
                          : std::string(at->second.data(), at->second.size());
     const auto names =
         context->auth_context()->FindPropertyValues("x509_common_name");
-    client_name_ = names.empty()
-                       ? ""
-                       : std::string(names[0].data(), names[0].size());
+    client_name_ =
+        names.empty() ? "" : std::string(names[0].data(), names[0].size());
     return grpc::Status::OK;
   }
   std::string authorization() {
@@ -156,8 +155,7 @@ TEST_F(ChannelTest, EveryCallCarriesTheTokenAsItIsNow) {
 
 TEST_F(ChannelTest, TokensWithoutTlsStayOnThisMachine) {
   const std::string server = Start(grpc::InsecureServerCredentials());
-  EXPECT_TRUE(
-      Ask({.server = server, .token_file = Put("token", "abc")}).ok());
+  EXPECT_TRUE(Ask({.server = server, .token_file = Put("token", "abc")}).ok());
   EXPECT_EQ(service_.authorization(), "Bearer abc");
 }
 

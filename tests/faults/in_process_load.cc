@@ -58,9 +58,8 @@ Worker Work(const Localizer& localizer, const std::vector<v1::Frame>& frames,
   Worker worker;
   MonotonicTime start = clock.Now();
   for (size_t i = 0; start < end; ++i) {
-    const absl::StatusOr<Frame> frame =
-        FromProto(frames[i % frames.size()], localizer.info().calibration, {},
-                  "frame");
+    const absl::StatusOr<Frame> frame = FromProto(
+        frames[i % frames.size()], localizer.info().calibration, {}, "frame");
     const bool good = frame.ok() && localizer.Localize(*frame, {}).ok();
     const MonotonicTime now = clock.Now();
     worker.latencies_ms.push_back(MillisecondsBetween(start, now));
@@ -86,13 +85,12 @@ int Run(char** argv) {
   std::vector<Worker> workers(threads);
   const double cpu_s = ProcessorSeconds();
   const MonotonicTime end =
-      SteadyClock().Now() + std::chrono::milliseconds(
-                                static_cast<int64_t>(seconds * 1e3));
+      SteadyClock().Now() +
+      std::chrono::milliseconds(static_cast<int64_t>(seconds * 1e3));
   {
     std::vector<std::jthread> running;
     for (Worker& worker : workers) {
-      running.emplace_back(
-          [&] { worker = Work(**localizer, frames, end); });
+      running.emplace_back([&] { worker = Work(**localizer, frames, end); });
     }
   }
   std::vector<double> all_ms;
@@ -103,12 +101,12 @@ int Run(char** argv) {
     failed += worker.failed;
   }
   std::sort(all_ms.begin(), all_ms.end());
-  std::printf("{\"queries\": %zu, \"failed\": %d, \"per_s\": %.2f, "
-              "\"cpus\": %.3f, \"p50_ms\": %.3f, \"p99_ms\": %.3f}\n",
-              all_ms.size(), failed,
-              static_cast<double>(all_ms.size()) / seconds,
-              (ProcessorSeconds() - cpu_s) / seconds,
-              all_ms[all_ms.size() / 2], all_ms[all_ms.size() * 99 / 100]);
+  std::printf(
+      "{\"queries\": %zu, \"failed\": %d, \"per_s\": %.2f, "
+      "\"cpus\": %.3f, \"p50_ms\": %.3f, \"p99_ms\": %.3f}\n",
+      all_ms.size(), failed, static_cast<double>(all_ms.size()) / seconds,
+      (ProcessorSeconds() - cpu_s) / seconds, all_ms[all_ms.size() / 2],
+      all_ms[all_ms.size() * 99 / 100]);
   return failed > 0 ? 1 : 0;
 }
 
@@ -117,7 +115,8 @@ int Run(char** argv) {
 
 int main(int argc, char** argv) {
   if (argc != 7) {
-    std::fprintf(stderr, "usage: %s MODEL DATASET LIST FRAMES THREADS SECONDS\n",
+    std::fprintf(stderr,
+                 "usage: %s MODEL DATASET LIST FRAMES THREADS SECONDS\n",
                  argv[0]);
     return 2;
   }
