@@ -52,7 +52,8 @@ Json ServerJson(const ServerSplit& server) {
           {"pose_ms", HistogramJson(server.pose)},
           {"localize_ms", HistogramJson(server.localize)},
           {"total_ms", HistogramJson(server.total)},
-          {"outside_ms", HistogramJson(server.outside)}};
+          {"outside_ms", HistogramJson(server.outside)},
+          {"overhead_ms", HistogramJson(server.overhead)}};
 }
 
 Json ChecksJson(const Checks& checks) {
@@ -102,6 +103,7 @@ Json RunJson(const LoadRun& run) {
       {"loop", open ? "open" : "closed"},
       {"rate_per_s", open ? Json(options.rate_per_s) : Json(nullptr)},
       {"concurrency", open ? Json(nullptr) : Json(options.concurrency)},
+      {"stream_window", options.stream_window},
       {"deadline_ms", options.deadline_ms},
       {"warm_up_s", options.warm_up_s},
       {"measured_from_unix_s", UnixSeconds(run.measured_from)},
@@ -199,6 +201,10 @@ std::string RunText(const LoadRun& run) {
           ? absl::StrFormat("open loop, %.1f/s", run.options.rate_per_s)
           : absl::StrFormat("closed loop, %d at a time",
                             run.options.concurrency);
+  if (run.options.stream_window > 0) {
+    absl::StrAppendFormat(&text, " with streams of %d frames",
+                          run.options.stream_window);
+  }
   absl::StrAppendFormat(
       &text,
       ", %.1f s%s\n  goodput %.1f/s: %d answered, %d shed, %d past the "
@@ -207,9 +213,9 @@ std::string RunText(const LoadRun& run) {
       Goodput_per_s(run), count(CallKind::kOk), count(CallKind::kShed),
       count(CallKind::kDeadline), count(CallKind::kCancelled),
       count(CallKind::kFailed));
-  AppendHistogram(text, "latency",
-                  tally.latencies[static_cast<size_t>(CallKind::kOk)]
-                      .from_schedule);
+  AppendHistogram(
+      text, "latency",
+      tally.latencies[static_cast<size_t>(CallKind::kOk)].from_schedule);
   AppendHistogram(text, "server: queue", tally.server.queue);
   AppendHistogram(text, "decode", tally.server.decode);
   AppendHistogram(text, "sample", tally.server.sample);
@@ -257,9 +263,8 @@ std::vector<WorkloadSummary> Summarize(const std::vector<WorkItem>& items) {
 
 double Goodput_per_s(const LoadRun& run) {
   if (run.measured_s <= 0) return 0;
-  const int64_t right =
-      run.tally.counts[static_cast<size_t>(CallKind::kOk)] -
-      run.tally.checks.different;
+  const int64_t right = run.tally.counts[static_cast<size_t>(CallKind::kOk)] -
+                        run.tally.checks.different;
   return static_cast<double>(right) / run.measured_s;
 }
 
@@ -318,8 +323,7 @@ std::string LiveLine(const Glance& glance, double at_s) {
   if (at_s < 0) return absl::StrFormat("warming up, %.1f s left", -at_s);
   return absl::StrFormat(
       "%.1f s  %.1f/s  p50 %.1f ms  p99 %.1f ms  %d shed, %d late, %d failed",
-      at_s,
-      static_cast<double>(count(CallKind::kOk)) / std::max(at_s, 0.001),
+      at_s, static_cast<double>(count(CallKind::kOk)) / std::max(at_s, 0.001),
       glance.p50_ms, glance.p99_ms, count(CallKind::kShed),
       count(CallKind::kDeadline), count(CallKind::kFailed));
 }

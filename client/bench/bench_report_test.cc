@@ -19,12 +19,12 @@ BenchReport SomeReport() {
   response.set_outcome(v1::OUTCOME_LOCALIZED);
   for (int i = 1; i <= 100; ++i) {
     response.mutable_timings()->set_forest_ms(2);
-    tally.Add({.latency_ms = i * 1.0,
-               .from_send_ms = i * 1.0,
-               .response = &response,
-               .verdict = {.bits = i == 100
-                                       ? AnswerChecker::Bits::kDifferent
-                                       : AnswerChecker::Bits::kAsBeforeLoad}});
+    tally.Add(
+        {.latency_ms = i * 1.0,
+         .from_send_ms = i * 1.0,
+         .response = &response,
+         .verdict = {.bits = i == 100 ? AnswerChecker::Bits::kDifferent
+                                      : AnswerChecker::Bits::kAsBeforeLoad}});
   }
   tally.Add({.status = WithRetryAfter(
                  WithReason(absl::UnavailableError("full"), "QUEUE_FULL"),
@@ -75,9 +75,8 @@ TEST(BenchReport, AGeneratorThatIsTheBottleneckSaysSo) {
   BenchReport report = SomeReport();
   report.runs[0].send_lag.Add(kSaturatedLag_ms + 1);
   EXPECT_THAT(BenchText(report), HasSubstr("SATURATED"));
-  EXPECT_EQ(
-      Json::parse(BenchJson(report))["runs"][0]["generator"]["saturated"],
-      true);
+  EXPECT_EQ(Json::parse(BenchJson(report))["runs"][0]["generator"]["saturated"],
+            true);
 }
 
 TEST(BenchReport, TheLiveLineTellsTheWarmUpApart) {

@@ -16,8 +16,7 @@ size_t BucketOf(uint64_t us) {
   if (us < kExactBelow_us) return us;
   const int shift =
       static_cast<int>(std::bit_width(us)) - 1 - kLogBucketsPerDoubling;
-  return (static_cast<size_t>(shift) << kLogBucketsPerDoubling) +
-         (us >> shift);
+  return (static_cast<size_t>(shift) << kLogBucketsPerDoubling) + (us >> shift);
 }
 
 // The longest duration of a bucket.

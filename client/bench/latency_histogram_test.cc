@@ -44,9 +44,10 @@ TEST(LatencyHistogram, PercentilesAreAtMostASixtyFourthTooHigh) {
     histogram.Add(sorted.back());
   }
   std::sort(sorted.begin(), sorted.end());
-  for (const double percent : {0.01, 1.0, 10.0, 50.0, 90.0, 99.0, 99.9, 100.0}) {
-    const double truth = sorted[static_cast<size_t>(std::ceil(
-                                    percent / 100 * 20000)) - 1];
+  for (const double percent :
+       {0.01, 1.0, 10.0, 50.0, 90.0, 99.0, 99.9, 100.0}) {
+    const double truth =
+        sorted[static_cast<size_t>(std::ceil(percent / 100 * 20000)) - 1];
     const double found = histogram.Percentile_ms(percent);
     // Rounding to microseconds comes on top.
     EXPECT_GE(found, truth * (1 - 1e-12));

@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <unordered_set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "client/bench/arrivals.h"
+#include "client/bench/stream_client.h"
 #include "client/bench/timer.h"
 #include "common/base/clock.h"
 #include "common/base/random.h"
@@ -66,6 +68,11 @@ absl::Status LoadOptions::Validate() const {
     return absl::InvalidArgumentError(what);
   };
   if (concurrency < 1) return refuse("concurrency must be positive");
+  if (stream_window < 0) return refuse("the window must not be negative");
+  if (stream_window > 0 && (rate_per_s > 0 || cancel_share > 0)) {
+    return refuse(
+        "streams are a closed loop, and nothing of them is cancelled");
+  }
   if (!(rate_per_s >= 0)) return refuse("the rate must not be negative");
   if (!(duration_s > 0)) return refuse("the duration must be positive");
   if (!(warm_up_s >= 0)) return refuse("the warm-up must not be negative");
@@ -111,7 +118,13 @@ class LoadGenerator::Impl {
   void Finish(const std::shared_ptr<Call>& call, const grpc::Status& status,
               const std::function<void(const absl::Status&)>& on_done);
   void SendAgain(MonotonicTime when);
-  void CancelSome(const std::shared_ptr<Call>& call);
+  void Stream();
+  void CountFrame(const StreamClient::Frame& frame, const absl::Status& status,
+                  const v1::LocalizeResponse* response);
+  void Add(const CallResult& result);
+  // Calls `action` later, and waits for that in WaitForAll.
+  void After(MonotonicTime::duration pause, std::function<void()> action);
+  bool Goes(MonotonicTime now);
   void Abandon();
   void WaitForAll();
 
@@ -130,17 +143,19 @@ class LoadGenerator::Impl {
   std::condition_variable_any changed_;
   // By mutex_.
   size_t next_ = 0;
+  size_t next_stream_ = 0;
+  // Calls, streams, and what is still to be done later.
   int64_t outstanding_ = 0;
   bool abandoned_ = false;
   int64_t abandoned_calls_ = 0;
   std::unordered_set<std::shared_ptr<Call>> calls_;
+  std::unordered_set<StreamClient*> streams_;
 
   Timer timer_;  // the first to go: its actions use the others
 };
 
 void LoadGenerator::Impl::Send(
-    MonotonicTime scheduled,
-    std::function<void(const absl::Status&)> on_done) {
+    MonotonicTime scheduled, std::function<void(const absl::Status&)> on_done) {
   auto call = std::make_shared<Call>();
   size_t number = 0;
   {
@@ -179,27 +194,25 @@ void LoadGenerator::Impl::Finish(
   v1::LocalizeResponse response;
   CallResult result{
       .status = FromGrpc(status),
-      .pushback = call->context.GetServerTrailingMetadata().count(kPushback) > 0,
+      .pushback =
+          call->context.GetServerTrailingMetadata().count(kPushback) > 0,
       .latency_ms = MillisecondsBetween(call->scheduled, now),
       .from_send_ms = MillisecondsBetween(call->sent, now),
       .scheduled_s = SecondsBetween(measured_from_, call->scheduled)};
   if (status.ok()) {
-    result.status = FromGrpc(
-        grpc::SerializationTraits<v1::LocalizeResponse>::Deserialize(
+    result.status =
+        FromGrpc(grpc::SerializationTraits<v1::LocalizeResponse>::Deserialize(
             &call->response, &response));
     if (result.status.ok()) {
       result.response = &response;
       result.verdict = checker_.Check(call->item, response);
     }
   }
-  bool counts = true;
   {
     const std::lock_guard lock(mutex_);
     calls_.erase(call);
-    counts = !abandoned_;
-    abandoned_calls_ += abandoned_;
   }
-  if (counts) tally_.Add(result);
+  Add(result);
   if (on_done) on_done(result.status);
   // The last: whoever waits for it may destroy all this.
   const std::lock_guard lock(mutex_);
@@ -207,31 +220,102 @@ void LoadGenerator::Impl::Finish(
   changed_.notify_all();
 }
 
-// One client of a closed loop.
-void LoadGenerator::Impl::SendAgain(MonotonicTime when) {
-  if (when >= end_) return;
+bool LoadGenerator::Impl::Goes(MonotonicTime now) {
+  const std::lock_guard lock(mutex_);
+  return now < end_ && !abandoned_;
+}
+
+void LoadGenerator::Impl::After(MonotonicTime::duration pause,
+                                std::function<void()> action) {
   {
     const std::lock_guard lock(mutex_);
-    if (abandoned_) return;
+    ++outstanding_;
   }
+  timer_.At(Now() + pause, [this, action = std::move(action)] {
+    action();
+    const std::lock_guard lock(mutex_);
+    --outstanding_;
+    changed_.notify_all();
+  });
+}
+
+// One client of a closed loop.
+void LoadGenerator::Impl::SendAgain(MonotonicTime when) {
+  if (!Goes(when)) return;
   Send(when, [this](const absl::Status& status) {
-    const MonotonicTime now = Now();
     if (status.ok()) {
-      SendAgain(now);
+      SendAgain(Now());
       return;
     }
     // A server that is gone would be asked a million times.
-    {
-      const std::lock_guard lock(mutex_);
-      ++outstanding_;  // the pause
-    }
-    timer_.At(now + kPauseAfterFailure, [this] {
-      SendAgain(Now());
-      const std::lock_guard lock(mutex_);
-      --outstanding_;
-      changed_.notify_all();
-    });
+    After(kPauseAfterFailure, [this] { SendAgain(Now()); });
   });
+}
+
+// One client of a closed loop of streams.
+void LoadGenerator::Impl::Stream() {
+  if (!Goes(Now())) return;
+  size_t number = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    number = next_stream_++;
+    ++outstanding_;
+  }
+  const size_t connection = number % connections_.size();
+  StreamClient::Host host;
+  host.next = [this]() -> std::optional<size_t> {
+    if (!Goes(Now())) return std::nullopt;
+    const std::lock_guard lock(mutex_);
+    return next_++ % items_.size();
+  };
+  host.answer = [this](const StreamClient::Frame& frame,
+                       const absl::Status& status,
+                       const v1::LocalizeResponse* response) {
+    CountFrame(frame, status, response);
+  };
+  host.end = [this](StreamClient* client, const absl::Status&) {
+    // Where there is time left, the server has ended it.
+    if (Goes(Now())) After(kPauseAfterFailure, [this] { Stream(); });
+    const std::lock_guard lock(mutex_);
+    streams_.erase(client);
+    --outstanding_;
+    changed_.notify_all();
+  };
+  // Deletes itself.
+  auto* client =
+      new StreamClient(connections_[connection], *stubs_[connection], items_,
+                       options_.stream_window, std::move(host));
+  {
+    const std::lock_guard lock(mutex_);
+    streams_.insert(client);
+  }
+  client->Start();
+}
+
+void LoadGenerator::Impl::CountFrame(const StreamClient::Frame& frame,
+                                     const absl::Status& status,
+                                     const v1::LocalizeResponse* response) {
+  const double took_ms = MillisecondsBetween(frame.sent, Now());
+  CallResult result{.status = status,
+                    .latency_ms = took_ms,
+                    .from_send_ms = took_ms,
+                    .scheduled_s = SecondsBetween(measured_from_, frame.sent),
+                    .response = response};
+  if (response != nullptr) {
+    result.verdict = checker_.Check(frame.item, *response);
+  }
+  Add(result);
+}
+
+void LoadGenerator::Impl::Add(const CallResult& result) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (abandoned_) {
+      ++abandoned_calls_;
+      return;
+    }
+  }
+  tally_.Add(result);
 }
 
 bool LoadGenerator::Impl::SleepUntil(MonotonicTime due,
@@ -242,15 +326,20 @@ bool LoadGenerator::Impl::SleepUntil(MonotonicTime due,
 }
 
 void LoadGenerator::Impl::RunClosedLoop(const std::stop_token& stop) {
-  for (int i = 0; i < options_.concurrency; ++i) SendAgain(Now());
+  for (int i = 0; i < options_.concurrency; ++i) {
+    if (options_.stream_window > 0) {
+      Stream();
+    } else {
+      SendAgain(Now());
+    }
+  }
   SleepUntil(end_, stop);
 }
 
 void LoadGenerator::Impl::RunOpenLoop(const std::stop_token& stop,
                                       LoadRun& run) {
   PoissonArrivals arrivals(options_.seed, options_.rate_per_s);
-  const MonotonicTime start =
-      measured_from_ - Seconds(options_.warm_up_s);
+  const MonotonicTime start = measured_from_ - Seconds(options_.warm_up_s);
   while (true) {
     const MonotonicTime due = start + Seconds(arrivals.Next_s());
     if (due >= end_) break;
@@ -281,6 +370,9 @@ void LoadGenerator::Impl::Abandon() {
     const std::lock_guard lock(mutex_);
     abandoned_ = true;
     calls = calls_;
+    // They go only when they have left this set; cancelling calls nobody back
+    // on this thread.
+    for (StreamClient* stream : streams_) stream->Cancel();
   }
   for (const auto& call : calls) call->context.TryCancel();
 }
@@ -346,8 +438,8 @@ LoadRun LoadGenerator::Impl::Run(const LoadOptions& options,
     } else {
       RunClosedLoop(stop);
     }
-    run.measured_s = std::max(
-        0.0, SecondsBetween(measured_from_, std::min(Now(), end_)));
+    run.measured_s =
+        std::max(0.0, SecondsBetween(measured_from_, std::min(Now(), end_)));
     run.interrupted = stop.stop_requested();
     if (run.interrupted) Abandon();
     WaitForAll();

@@ -22,6 +22,9 @@ struct LoadOptions {
   // Closed loop: so many clients, each of which asks again as soon as it has
   // its answer, or 10 ms after it had none.
   int concurrency = 1;
+  // If it is positive, each of them asks with one stream, and keeps so many
+  // frames of it in flight.
+  int stream_window = 0;
   // Open loop instead, if it is positive: clients that know nothing of one
   // another ask so often in all, answered or not.
   double rate_per_s = 0;
@@ -82,7 +85,8 @@ class LoadGenerator {
                        const std::stop_token& stop);
 
   // Blocks until every call has ended. `watch` is called twice a second, on
-  // another thread, with the seconds since the measurement began. Not to be called twice at a time.
+  // another thread, with the seconds since the measurement began. Not to be
+  // called twice at a time.
   using Watch = std::function<void(const Glance& glance, double at_s)>;
   LoadRun Run(const LoadOptions& options, const std::stop_token& stop,
               const Watch& watch);

@@ -48,6 +48,45 @@ class FakeService final : public v1::RelocalizationService::CallbackService {
     return reactor;
   }
 
+  // Answers each frame at once; ends the stream after `stream_frames`.
+  grpc::ServerBidiReactor<v1::LocalizeStreamRequest,
+                          v1::LocalizeStreamResponse>*
+  LocalizeStream(grpc::CallbackServerContext*) override {
+    class Reactor final
+        : public grpc::ServerBidiReactor<v1::LocalizeStreamRequest,
+                                         v1::LocalizeStreamResponse> {
+     public:
+      explicit Reactor(FakeService& service) : service_(service) {
+        StartRead(&request_);
+      }
+      void OnReadDone(bool ok) override {
+        if (!ok || frames_++ == service_.stream_frames) {
+          Finish(ok ? grpc::Status(grpc::UNAVAILABLE, "draining")
+                    : grpc::Status::OK);
+          return;
+        }
+        ++service_.calls;
+        response_.set_id(request_.id());
+        response_.mutable_response()->set_outcome(v1::OUTCOME_NOT_LOCALIZED);
+        response_.mutable_response()->set_scene(request_.localize().scene());
+        StartWrite(&response_);
+      }
+      void OnWriteDone(bool ok) override {
+        if (ok) StartRead(&request_);
+      }
+      void OnCancel() override {}
+      void OnDone() override { delete this; }
+
+     private:
+      FakeService& service_;
+      int frames_ = 0;
+      v1::LocalizeStreamRequest request_;
+      v1::LocalizeStreamResponse response_;
+    };
+    return new Reactor(*this);
+  }
+
+  int stream_frames = -1;  // no end
   std::atomic<int> calls = 0;
   int refuse_every = 0;
   bool answers = true;
@@ -220,10 +259,38 @@ TEST_F(LoadGeneratorTest, AFirstErrorNamesTheQuery) {
   EXPECT_THAT(std::string(status.message()), testing::HasSubstr("lab"));
 }
 
+TEST_F(LoadGeneratorTest, StreamsAskWithoutWaitingForTheAnswers) {
+  const LoadRun run = Run({.concurrency = 2,
+                           .stream_window = 4,
+                           .duration_s = 0.3,
+                           .warm_up_s = 0});
+  EXPECT_GT(Count(run, CallKind::kOk), 20);
+  EXPECT_EQ(run.tally.total(), Count(run, CallKind::kOk));
+  EXPECT_EQ(run.tally.total(), service_.calls);
+  EXPECT_EQ(run.tally.answered_by.size(), 2u);
+  EXPECT_EQ(run.tally.checks.different, 0);
+}
+
+TEST_F(LoadGeneratorTest, StreamsThatTheServerEndsBeginAgain) {
+  service_.stream_frames = 5;
+  const LoadRun run = Run({.concurrency = 1,
+                           .stream_window = 1,
+                           .duration_s = 0.3,
+                           .warm_up_s = 0});
+  // Of each stream the sixth frame has no answer.
+  EXPECT_GT(Count(run, CallKind::kFailed), 1);
+  EXPECT_EQ(Count(run, CallKind::kOk), service_.calls);
+  EXPECT_GE(Count(run, CallKind::kOk), 5 * Count(run, CallKind::kFailed));
+}
+
 TEST(LoadOptions, NonsenseIsRefused) {
   EXPECT_TRUE(LoadOptions{}.Validate().ok());
   EXPECT_FALSE(LoadOptions{.concurrency = 0}.Validate().ok());
   EXPECT_FALSE(LoadOptions{.rate_per_s = -1}.Validate().ok());
+  LoadOptions streams{.stream_window = 1};
+  EXPECT_TRUE(streams.Validate().ok());
+  streams.rate_per_s = 5;
+  EXPECT_FALSE(streams.Validate().ok());
   EXPECT_FALSE(LoadOptions{.duration_s = 0}.Validate().ok());
   EXPECT_FALSE(LoadOptions{.warm_up_s = -1}.Validate().ok());
   EXPECT_FALSE(LoadOptions{.deadline_ms = 0}.Validate().ok());

@@ -22,6 +22,8 @@ void AddSplit(const CallResult& result, ServerSplit& server) {
   server.localize.Add(timings.localize_ms());
   server.total.Add(timings.total_ms());
   server.outside.Add(result.from_send_ms - timings.total_ms());
+  server.overhead.Add(result.from_send_ms - timings.decode_ms() -
+                      timings.localize_ms());
 }
 
 void AddVerdict(const AnswerChecker::Verdict& verdict, Checks& checks) {
@@ -89,13 +91,13 @@ int64_t TallyState::total() const {
 
 void Tally::Add(const CallResult& result) {
   const auto kind = static_cast<size_t>(KindOf(result));
-  const OutcomeKey key{result.status.code(),
-                       ErrorInfoOf(result.status).reason};
+  const OutcomeKey key{result.status.code(), ErrorInfoOf(result.status).reason};
   absl::MutexLock lock(&mutex_);
   ++all_calls_[key];
   if (result.scheduled_s < 0) return;
   ++state_.counts[kind];
-  for (Latencies* latencies : {&state_.latencies[kind], &state_.outcomes[key]}) {
+  for (Latencies* latencies :
+       {&state_.latencies[kind], &state_.outcomes[key]}) {
     latencies->from_schedule.Add(result.latency_ms);
     latencies->from_send.Add(result.from_send_ms);
   }

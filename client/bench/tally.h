@@ -57,6 +57,9 @@ struct ServerSplit {
   // From sending to the answer, without the server's total: the wire, gRPC,
   // and this client.
   LatencyHistogram outside;
+  // From sending to the answer, without decoding and localizing: all that the
+  // service adds to its localizer.
+  LatencyHistogram overhead;
 };
 
 struct Checks {

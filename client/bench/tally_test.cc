@@ -87,6 +87,8 @@ TEST(Tally, AnswersAreSplitAndChecked) {
   response.set_scene("room");
   response.set_model_version("2");
   response.mutable_timings()->set_queue_ms(1);
+  response.mutable_timings()->set_decode_ms(2);
+  response.mutable_timings()->set_localize_ms(4);
   response.mutable_timings()->set_total_ms(8);
   Tally tally;
   tally.Add({.latency_ms = 12,
@@ -101,6 +103,7 @@ TEST(Tally, AnswersAreSplitAndChecked) {
   EXPECT_EQ(state.checks.within_tolerance, 1);
   EXPECT_EQ(state.server.queue.max_ms(), 1);
   EXPECT_EQ(state.server.outside.max_ms(), 2);
+  EXPECT_EQ(state.server.overhead.max_ms(), 4);
 }
 
 TEST(Tally, ResetForgetsWhatWasMeasured) {

@@ -44,10 +44,9 @@ TEST_F(TruthFileTest, NoFileAndNoPoseAreNotKnown) {
 }
 
 TEST_F(TruthFileTest, SomethingElseNamesTheFile) {
-  for (const char* text :
-       {"", "1 2 3", "1 0 0 4 0 1 0 5 0 0 x 6 0 0 0 1",
-        "2 0 0 4 0 2 0 5 0 0 2 6 0 0 0 1",
-        "1 0 0 4 0 1 0 5 0 0 1 6 0 0 0 1 7"}) {
+  for (const char* text : {"", "1 2 3", "1 0 0 4 0 1 0 5 0 0 x 6 0 0 0 1",
+                           "2 0 0 4 0 2 0 5 0 0 2 6 0 0 0 1",
+                           "1 0 0 4 0 1 0 5 0 0 1 6 0 0 0 1 7"}) {
     const absl::Status status = Read(text).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << text;
     EXPECT_THAT(std::string(status.message()),

@@ -146,8 +146,7 @@ absl::StatusOr<std::vector<WorkItem>> LoadWorkload(
   }
   Random random(options.seed, kOrderStream);
   for (size_t i = items.size(); i > 1; --i) {
-    std::swap(items[i - 1],
-              items[random.NextBelow(static_cast<uint32_t>(i))]);
+    std::swap(items[i - 1], items[random.NextBelow(static_cast<uint32_t>(i))]);
   }
   return items;
 }

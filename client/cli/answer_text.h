@@ -14,7 +14,8 @@ namespace treeline {
 // One JSON object in one line, without the new line: docs/service.md has its
 // keys. A query that failed has the outcome ERROR, `code`, `reason` (the
 // message) and, where the server gave them, `error_reason` and
-// `error_metadata`. Numbers are written so that reading them back gives the same doubles.
+// `error_metadata`. Numbers are written so that reading them back gives the
+// same doubles.
 std::string AnswerJson(const FrameFiles& files,
                        const absl::StatusOr<LocalizeAnswer>& answer);
 

@@ -114,8 +114,7 @@ class Bench {
 
   absl::Status Run(const std::stop_token& stop) {
     if (!flags_.no_reference) {
-      TL_RETURN_IF_ERROR(
-          generator_.AskOnce(1, flags_.load.deadline_ms, stop));
+      TL_RETURN_IF_ERROR(generator_.AskOnce(1, flags_.load.deadline_ms, stop));
       report_.reference_answers = static_cast<int>(items_.size());
     }
     checker_.LoadBegins();
@@ -133,11 +132,10 @@ class Bench {
 
   // Whether there were answers, and none of them was another than before.
   bool Passed() const {
-    return std::all_of(report_.runs.begin(), report_.runs.end(),
-                       [](const LoadRun& run) {
-                         return run.tally.counts[0] > 0 &&
-                                run.tally.checks.different == 0;
-                       });
+    return std::all_of(
+        report_.runs.begin(), report_.runs.end(), [](const LoadRun& run) {
+          return run.tally.counts[0] > 0 && run.tally.checks.different == 0;
+        });
   }
 
  private:
@@ -153,8 +151,8 @@ class Bench {
 
   void RunOnce(const LoadOptions& options, const std::stop_token& stop) {
     LiveDisplay display;
-    report_.runs.push_back(generator_.Run(
-        options, stop, [&](const Glance& glance, double at_s) {
+    report_.runs.push_back(
+        generator_.Run(options, stop, [&](const Glance& glance, double at_s) {
           display.Show(LiveLine(glance, at_s));
         }));
   }
@@ -269,6 +267,11 @@ void AddLoadFlags(CLI::App& app, BenchFlags& flags) {
   app.add_option("--concurrency", load.concurrency, "Clients of a closed loop")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
+  app.add_option("--stream", load.stream_window,
+                 "Each of them asks with one stream, this many frames in "
+                 "flight")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("FRAMES");
   app.add_option("--rate", load.rate_per_s, "Open loop: calls per second")
       ->check(CLI::PositiveNumber);
   app.add_flag("--sweep", flags.sweep,

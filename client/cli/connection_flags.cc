@@ -45,10 +45,10 @@ void AddServerFlags(CLI::App& app, ConnectionFlags& flags) {
                      "The client's own certificate (PEM), for mutual TLS")
           ->type_name("FILE")
           ->needs(ca);
-  CLI::Option* key = app.add_option("--tls-key", flags.tls.key_file,
-                                    "Its private key (PEM)")
-                         ->type_name("FILE")
-                         ->needs(certificate);
+  CLI::Option* key =
+      app.add_option("--tls-key", flags.tls.key_file, "Its private key (PEM)")
+          ->type_name("FILE")
+          ->needs(certificate);
   certificate->needs(key);
   app.add_option("--tls-server-name", flags.tls.server_name,
                  "Name that the server's certificate must have; without: the "

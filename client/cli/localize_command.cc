@@ -69,11 +69,10 @@ absl::Status SetPrior(LocalizeFlags& flags) {
   const absl::StatusOr<Rigid3> pose =
       RigidFromQuaternion(p[0], p[1], p[2], p[3], {p[4], p[5], p[6]});
   if (!pose.ok()) return Annotate(pose.status(), "--prior");
-  flags.query.prior =
-      PosePrior{.world_from_camera = *pose,
-                .position_radius_m = flags.prior_radius_m,
-                .rotation_radius_rad =
-                    flags.prior_radius_deg * std::numbers::pi / 180};
+  flags.query.prior = PosePrior{
+      .world_from_camera = *pose,
+      .position_radius_m = flags.prior_radius_m,
+      .rotation_radius_rad = flags.prior_radius_deg * std::numbers::pi / 180};
   return absl::OkStatus();
 }
 

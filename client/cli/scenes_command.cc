@@ -49,8 +49,7 @@ absl::StatusOr<std::vector<SceneDescription>> Ask(Relocalizer& client,
                                                   const ScenesFlags& flags,
                                                   const CallOptions& options) {
   if (flags.scene.empty()) return client.ListScenes(options);
-  absl::StatusOr<SceneDescription> scene =
-      AskAboutOne(client, flags, options);
+  absl::StatusOr<SceneDescription> scene = AskAboutOne(client, flags, options);
   if (!scene.ok()) return scene.status();
   return std::vector<SceneDescription>{*std::move(scene)};
 }

@@ -51,12 +51,14 @@ absl::Status CheckListed(const std::string& address, int family) {
   const HostAndPort parts = Split(address);
   if (!IsPort(parts.port)) {
     return absl::InvalidArgumentError(
-        absl::StrCat("\"", address, "\" has no port; several servers are given "
+        absl::StrCat("\"", address,
+                     "\" has no port; several servers are given "
                      "as ADDRESS:PORT,ADDRESS:PORT"));
   }
   if (!IsAddress(family, parts.host)) {
     return absl::InvalidArgumentError(absl::StrCat(
-        "\"", address, "\": several servers are given by their IP addresses, "
+        "\"", address,
+        "\": several servers are given by their IP addresses, "
         "all of one family; one name for all of them is dns:///NAME:PORT"));
   }
   return absl::OkStatus();

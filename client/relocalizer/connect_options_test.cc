@@ -79,10 +79,10 @@ TEST(ConnectOptions, HalfACredentialIsRefused) {
       HasSubstr("go together"));
   EXPECT_THAT(Refusal({.server = "x:1", .tls = {.server_name = "treeline"}}),
               HasSubstr("trusted"));
-  EXPECT_THAT(Refusal({.server = "127.0.0.1:1",
-                       .token_file = "t",
-                       .token_variable = "T"}),
-              HasSubstr("two tokens"));
+  EXPECT_THAT(
+      Refusal(
+          {.server = "127.0.0.1:1", .token_file = "t", .token_variable = "T"}),
+      HasSubstr("two tokens"));
 }
 
 }  // namespace

@@ -63,9 +63,9 @@ class GrpcLocalizeStream final : public LocalizeStream {
     StreamAnswer received{.id = response.id(), .answer = AnswerOf(response)};
     absl::MutexLock lock(&mutex_);
     if (sent_.empty() || sent_.front().id != response.id()) {
-      received.answer = absl::InternalError(absl::StrCat(
-          "the server's answer is not valid: it is to frame ", response.id(),
-          ", which is not the next one"));
+      received.answer = absl::InternalError(
+          absl::StrCat("the server's answer is not valid: it is to frame ",
+                       response.id(), ", which is not the next one"));
     } else {
       if (received.answer.ok()) {
         received.answer->round_trip_ms =
@@ -108,8 +108,8 @@ class GrpcLocalizeStream final : public LocalizeStream {
   const StreamOptions options_;
   const SteadyClock clock_;
   grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReaderWriterInterface<
-      v1::LocalizeStreamRequest, v1::LocalizeStreamResponse>>
+  std::unique_ptr<grpc::ClientReaderWriterInterface<v1::LocalizeStreamRequest,
+                                                    v1::LocalizeStreamResponse>>
       stream_;
   std::optional<std::stop_callback<std::function<void()>>> on_stop_;
   bool first_ = true;  // of the sending thread

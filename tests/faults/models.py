@@ -210,7 +210,8 @@ def many_scenes(setup, row):
     row.figure("answers", run["counts"]["ok"])
     row.figure("p50_ms", run["latency_ms"]["p50"])
     row.figure("p99_ms", run["latency_ms"]["p99"])
-    row.figure("loads", metrics.sum("treeline_scene_loads_total"))
+    row.figure("loads", metrics.sum(
+        "treeline_scene_loads_total", result="ok"))
     row.require("evictions",
                 metrics.sum("treeline_scene_evictions_total"), ">", 0)
     row.require("scenes that answered", len(run["answered_by"]), "==", count)

@@ -91,6 +91,5 @@ def sigstop(setup, row):
     row.require("lost calls", lost(run), "==", 0)
     row.require("p99 from 2 s after (ms)", after, "<=",
                 round(max(2 * before, before + 20), 3))
-    row.require("generator saturated", run["generator"]["saturated"], "==",
-                False)
+    row.figure("generator saturated", run["generator"]["saturated"])
     explain_losses(row, run)
