@@ -1,7 +1,7 @@
 #include "server/app/application.h"
 
+#include <algorithm>
 #include <atomic>
-#include <optional>
 #include <stop_token>
 #include <utility>
 
@@ -9,8 +9,11 @@
 #include "absl/synchronization/mutex.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
+#include "server/access/grpc_tls.h"
+#include "server/access/http_tls.h"
 #include "server/access/key_store.h"
 #include "server/access/rate_limited_access.h"
+#include "server/access/tls.h"
 #include "server/access/token_access.h"
 #include "server/access/token_verifier.h"
 #include "server/access/wall_clock.h"
@@ -25,6 +28,7 @@
 #include "server/repository/scene_repository.h"
 #include "server/service/convert.h"
 #include "server/service/grpc_server.h"
+#include "server/service/listen_address.h"
 #include "server/service/service_dispatcher.h"
 
 namespace treeline {
@@ -50,6 +54,32 @@ class LiveAccess final : public AccessPolicy {
   absl::Mutex mutex_;
   std::shared_ptr<AccessPolicy> policy_ ABSL_GUARDED_BY(mutex_);
 };
+
+TlsOptions TlsOptionsOf(const ServerConfig& config) {
+  return {.certificate_file = config.tls_cert,
+          .key_file = config.tls_key,
+          .client_ca_file = config.tls_client_ca,
+          .require_client_certificate = config.tls_require_client_cert};
+}
+
+absl::StatusOr<TokenAccessOptions> TokenAccessOptionsOf(
+    const ServerConfig& config) {
+  TokenAccessOptions options;
+  options.admin_on_public_listener = config.admin_listen.empty();
+  if (!config.admin_listen.empty()) {
+    TL_ASSIGN_OR_RETURN(const ListenAddress admin,
+                        ParseListenAddress(config.admin_listen));
+    // Whoever is on this machine could read the keys as well.
+    options.open_admin_listener = IsLoopback(admin);
+  }
+  if (!config.tls_client_ca.empty()) {
+    options.certificate_scopes["*"] = {Scope::kLocalize};
+    for (const std::string& name : config.tls_admin_name) {
+      options.certificate_scopes[name] = {Scope::kLocalize, Scope::kAdmin};
+    }
+  }
+  return options;
+}
 
 RateLimitOptions RateLimitOf(const ServerConfig& config) {
   return {.rate_per_s = config.rate_limit,
@@ -102,6 +132,8 @@ struct Application::Parts {
   CallObservers observers{{&metrics, &call_log}};
   std::stop_source stop_downloads;
   std::unique_ptr<SceneRepository> repository;
+  std::unique_ptr<CertificateFiles> certificates;
+  std::unique_ptr<HttpTls> http_tls;
   std::unique_ptr<KeyStore> keys;
   std::unique_ptr<TokenVerifier> tokens;
   std::unique_ptr<AccessPolicy> identity;
@@ -125,9 +157,13 @@ absl::Status Application::Parts::OpenAccessPolicy(const ServerConfig& config) {
                                                 : LogLevel::kInfo,
             message);
   };
-  if (config.auth_keys.empty()) {
-    identity = std::make_unique<OpenAccess>();
-  } else {
+  if (!config.tls_cert.empty()) {
+    TL_ASSIGN_OR_RETURN(certificates,
+                        CertificateFiles::Open(TlsOptionsOf(config), clock,
+                                               wall_clock, trust_log));
+    http_tls = std::make_unique<HttpTls>(*certificates);
+  }
+  if (!config.auth_keys.empty()) {
     TL_ASSIGN_OR_RETURN(
         keys, KeyStore::Open({.path = config.auth_keys}, clock, trust_log));
     TokenVerifierOptions options;
@@ -137,10 +173,13 @@ absl::Status Application::Parts::OpenAccessPolicy(const ServerConfig& config) {
     }
     TL_RETURN_IF_ERROR(options.Validate());
     tokens = std::make_unique<TokenVerifier>(options, *keys, wall_clock);
-    identity = std::make_unique<TokenAccess>(
-        TokenAccessOptions{.admin_on_public_listener =
-                               config.admin_listen.empty()},
-        tokens.get());
+  }
+  if (config.auth_keys.empty() && config.tls_client_ca.empty()) {
+    identity = std::make_unique<OpenAccess>();
+  } else {
+    TL_ASSIGN_OR_RETURN(const TokenAccessOptions options,
+                        TokenAccessOptionsOf(config));
+    identity = std::make_unique<TokenAccess>(options, tokens.get());
   }
   TL_RETURN_IF_ERROR(RateLimitOf(config).Validate());
   SetRateLimit(config);
@@ -175,6 +214,12 @@ absl::Status Application::Parts::StartRecorder(const ServerConfig& config) {
 
 absl::Status Application::Parts::StartListeners(const ServerConfig& config) {
   GrpcServerOptions options = GrpcOptionsOf(config);
+  if (certificates != nullptr) {
+    options.credentials = MakeServerCredentials(*certificates);
+    options.certificate_names = [](const grpc::AuthContext& context) {
+      return CertificateNames(context);
+    };
+  }
   TL_ASSIGN_OR_RETURN(
       grpc, GrpcServer::Start(*dispatcher, *repository, options, clock));
   announcements.push_back(absl::StrCat("listening on ", grpc->address()));
@@ -194,6 +239,14 @@ absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
   options.http.insecure_any_address = config.insecure_any_address;
   options.http.max_body_mib = config.max_message_mib;
   options.allowed_origins = config.cors_origin;
+  if (http_tls != nullptr) {
+    options.http.tls = HttpTlsHooks{
+        .configure =
+            [this](SSL_CTX& context) { return http_tls->Configure(context); },
+        .client_names = [](SSL* connection) {
+          return CertificateNames(*connection);
+        }};
+  }
   GatewayHooks hooks;
   hooks.metrics = [this] { return registry.Expose(); };
   hooks.ready = [this] { return !draining; };

@@ -131,6 +131,11 @@ void AddTrust(Table& table) {
   table.Add(&ServerConfig::tls_require_client_cert,
             {.name = "tls_require_client_cert",
              .help = "Turn away clients without a certificate"});
+  table.Add(&ServerConfig::tls_admin_name,
+            {.name = "tls_admin_name",
+             .value_name = "NAME,...",
+             .help = "Names in client certificates whose holders may "
+                     "administer"});
   table.Add(&ServerConfig::auth_keys,
             {.name = "auth_keys",
              .value_name = "FILE",
@@ -261,7 +266,9 @@ const ConfigTable<ServerConfig>& ServerConfigTable() {
 GrpcServerOptions GrpcOptionsOf(const ServerConfig& config) {
   GrpcServerOptions options;
   options.listen = config.listen;
-  options.insecure_any_address = config.insecure_any_address;
+  // The credentials are the caller's to add.
+  options.insecure_any_address =
+      config.insecure_any_address || !config.tls_cert.empty();
   options.max_message_mib = config.max_message_mib;
   options.max_connection_age_s = static_cast<int>(config.max_connection_age_s);
   return options;

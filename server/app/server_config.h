@@ -39,6 +39,7 @@ struct ServerConfig {
   std::string tls_key;
   std::string tls_client_ca;
   bool tls_require_client_cert = false;
+  std::vector<std::string> tls_admin_name;
   std::string auth_keys;
   std::string auth_issuer;
   std::string auth_audience;

@@ -38,7 +38,7 @@ std::string MetadataOf(const grpc::CallbackServerContext& context,
 }  // namespace
 
 CallInfo CallInfoFrom(const grpc::CallbackServerContext& context,
-                      const char* rpc, bool admin_listener, const Clock& clock,
+                      const char* rpc, const CallSource& source,
                       std::stop_token stop) {
   CallInfo call;
   call.rpc = rpc;
@@ -48,8 +48,12 @@ CallInfo CallInfoFrom(const grpc::CallbackServerContext& context,
     call.credentials.bearer_token = authorization.substr(kBearer.size());
   }
   call.traceparent = MetadataOf(context, "traceparent");
-  call.admin_listener = admin_listener;
-  call.arrival = clock.Now();
+  if (source.certificate_names) {
+    call.credentials.certificate_names =
+        source.certificate_names(*context.auth_context());
+  }
+  call.admin_listener = source.admin_listener;
+  call.arrival = source.clock.Now();
   call.deadline = MonotonicDeadline(context, call.arrival);
   call.stop = std::move(stop);
   return call;

@@ -4,7 +4,10 @@
 
 #include <grpcpp/server_context.h>
 
+#include <functional>
 #include <stop_token>
+#include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "common/base/clock.h"
@@ -12,9 +15,19 @@
 
 namespace treeline {
 
+using CertificateNamesOf =
+    std::function<std::vector<std::string>(const grpc::AuthContext&)>;
+
+// What all calls of a listener have in common.
+struct CallSource {
+  const Clock& clock;
+  bool admin_listener = false;
+  CertificateNamesOf certificate_names = {};
+};
+
 // Of a call that has just arrived whole. rpc: a literal.
 CallInfo CallInfoFrom(const grpc::CallbackServerContext& context,
-                      const char* rpc, bool admin_listener, const Clock& clock,
+                      const char* rpc, const CallSource& source,
                       std::stop_token stop);
 
 // The status for the wire; adds the trailer grpc-retry-pushback-ms, which gRPC

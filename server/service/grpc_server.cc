@@ -105,9 +105,8 @@ absl::Status GrpcServerOptions::Validate() const {
 
 // Destroyed from the last to the first: the server before what it calls.
 struct GrpcServer::Parts {
-  Parts(Dispatcher& dispatcher, ListenerKind kind, const Clock& clock)
-      : relocalization(dispatcher, clock),
-        scenes(dispatcher, clock, kind == ListenerKind::kAdmin) {}
+  Parts(Dispatcher& dispatcher, const CallSource& source)
+      : relocalization(dispatcher, source), scenes(dispatcher, source) {}
 
   RelocalizationGrpcService relocalization;
   SceneGrpcService scenes;
@@ -130,7 +129,11 @@ absl::StatusOr<std::unique_ptr<GrpcServer>> GrpcServer::Start(
   // gRPC would fail too, but keep the reason to itself.
   TL_RETURN_IF_ERROR(TryBind(address));
   EnablePlugins();
-  auto parts = std::make_unique<Parts>(dispatcher, options.kind, clock);
+  auto parts = std::make_unique<Parts>(
+      dispatcher,
+      CallSource{.clock = clock,
+                 .admin_listener = options.kind == ListenerKind::kAdmin,
+                 .certificate_names = options.certificate_names});
 
   grpc::ServerBuilder builder;
   // Else a second server would share the port, and half the calls, in silence.

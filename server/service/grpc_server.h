@@ -13,6 +13,7 @@
 #include "common/base/clock.h"
 #include "server/repository/scene_repository.h"
 #include "server/service/dispatcher.h"
+#include "server/service/grpc_call.h"
 
 namespace treeline {
 
@@ -34,6 +35,9 @@ struct GrpcServerOptions {
   bool insecure_any_address = false;
   // Null: plain text.
   std::shared_ptr<grpc::ServerCredentials> credentials = nullptr;
+  // Names in the certificate that a client has shown and TLS has verified;
+  // empty: calls have none.
+  CertificateNamesOf certificate_names = {};
   // Largest request, 1..1024.
   int max_message_mib = 32;
   // What requests may hold together while they arrive, 1..1048576; 0: 64 of

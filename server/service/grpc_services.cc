@@ -19,9 +19,10 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
       : context_(context), response_(response) {}
 
   void Start(Dispatcher& dispatcher, Method method, const Request& request,
-             const char* rpc, bool admin_listener, const Clock& clock) {
+             const char* rpc,
+             const CallSource& source) {
     (dispatcher.*method)(
-        CallInfoFrom(context_, rpc, admin_listener, clock, stop_.get_token()),
+        CallInfoFrom(context_, rpc, source, stop_.get_token()),
         request, [this](absl::StatusOr<Response> response) {
           const absl::Status status = response.status();
           if (status.ok()) response_ = *std::move(response);
@@ -45,9 +46,9 @@ grpc::ServerUnaryReactor* Begin(
     grpc::CallbackServerContext* context, const Request* request,
     Response* response, Dispatcher& dispatcher,
     typename UnaryCall<Request, Response>::Method method, const char* rpc,
-    bool admin_listener, const Clock& clock) {
+    const CallSource& source) {
   auto* call = new UnaryCall<Request, Response>(*context, *response);
-  call->Start(dispatcher, method, *request, rpc, admin_listener, clock);
+  call->Start(dispatcher, method, *request, rpc, source);
   return call;
 }
 
@@ -57,42 +58,41 @@ grpc::ServerUnaryReactor* RelocalizationGrpcService::Localize(
     grpc::CallbackServerContext* context, const v1::LocalizeRequest* request,
     v1::LocalizeResponse* response) {
   return Begin(context, request, response, dispatcher_, &Dispatcher::Localize,
-               "Localize", false, clock_);
+               "Localize", source_);
 }
 
 grpc::ServerBidiReactor<v1::LocalizeStreamRequest, v1::LocalizeStreamResponse>*
 RelocalizationGrpcService::LocalizeStream(
     grpc::CallbackServerContext* context) {
-  return streams_.Begin(*context, dispatcher_, clock_);
+  return streams_.Begin(*context, dispatcher_, source_);
 }
 
 grpc::ServerUnaryReactor* SceneGrpcService::ListScenes(
     grpc::CallbackServerContext* context, const v1::ListScenesRequest* request,
     v1::ListScenesResponse* response) {
   return Begin(context, request, response, dispatcher_, &Dispatcher::ListScenes,
-               "ListScenes", admin_listener_, clock_);
+               "ListScenes", source_);
 }
 
 grpc::ServerUnaryReactor* SceneGrpcService::GetScene(
     grpc::CallbackServerContext* context, const v1::GetSceneRequest* request,
     v1::GetSceneResponse* response) {
   return Begin(context, request, response, dispatcher_, &Dispatcher::GetScene,
-               "GetScene", admin_listener_, clock_);
+               "GetScene", source_);
 }
 
 grpc::ServerUnaryReactor* SceneGrpcService::LoadScene(
     grpc::CallbackServerContext* context, const v1::LoadSceneRequest* request,
     v1::LoadSceneResponse* response) {
   return Begin(context, request, response, dispatcher_, &Dispatcher::LoadScene,
-               "LoadScene", admin_listener_, clock_);
+               "LoadScene", source_);
 }
 
 grpc::ServerUnaryReactor* SceneGrpcService::UnloadScene(
     grpc::CallbackServerContext* context, const v1::UnloadSceneRequest* request,
     v1::UnloadSceneResponse* response) {
   return Begin(context, request, response, dispatcher_,
-               &Dispatcher::UnloadScene, "UnloadScene", admin_listener_,
-               clock_);
+               &Dispatcher::UnloadScene, "UnloadScene", source_);
 }
 
 }  // namespace treeline

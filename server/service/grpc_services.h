@@ -2,8 +2,8 @@
 #ifndef SERVER_SERVICE_GRPC_SERVICES_H_
 #define SERVER_SERVICE_GRPC_SERVICES_H_
 
-#include "common/base/clock.h"
 #include "server/service/dispatcher.h"
+#include "server/service/grpc_call.h"
 #include "server/service/localize_stream.h"
 #include "treeline/v1/relocalization.grpc.pb.h"
 #include "treeline/v1/scenes.grpc.pb.h"
@@ -14,8 +14,8 @@ class RelocalizationGrpcService final
     : public v1::RelocalizationService::CallbackService {
  public:
   // All must outlive the server that the service is registered with.
-  RelocalizationGrpcService(Dispatcher& dispatcher, const Clock& clock)
-      : dispatcher_(dispatcher), clock_(clock) {}
+  RelocalizationGrpcService(Dispatcher& dispatcher, const CallSource& source)
+      : dispatcher_(dispatcher), source_(source) {}
 
   grpc::ServerUnaryReactor* Localize(grpc::CallbackServerContext* context,
                                      const v1::LocalizeRequest* request,
@@ -29,18 +29,14 @@ class RelocalizationGrpcService final
 
  private:
   Dispatcher& dispatcher_;
-  const Clock& clock_;
+  const CallSource source_;
   LocalizeStreams streams_;
 };
 
 class SceneGrpcService final : public v1::SceneService::CallbackService {
  public:
-  // admin_listener: whether it stands where only operators come in.
-  SceneGrpcService(Dispatcher& dispatcher, const Clock& clock,
-                   bool admin_listener)
-      : dispatcher_(dispatcher),
-        clock_(clock),
-        admin_listener_(admin_listener) {}
+  SceneGrpcService(Dispatcher& dispatcher, const CallSource& source)
+      : dispatcher_(dispatcher), source_(source) {}
 
   grpc::ServerUnaryReactor* ListScenes(
       grpc::CallbackServerContext* context,
@@ -59,8 +55,7 @@ class SceneGrpcService final : public v1::SceneService::CallbackService {
 
  private:
   Dispatcher& dispatcher_;
-  const Clock& clock_;
-  const bool admin_listener_;
+  const CallSource source_;
 };
 
 }  // namespace treeline

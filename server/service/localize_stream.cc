@@ -29,9 +29,10 @@ absl::Status Draining() {
 
 grpc::ServerBidiReactor<v1::LocalizeStreamRequest, v1::LocalizeStreamResponse>*
 LocalizeStreams::Begin(grpc::CallbackServerContext& context,
-                       Dispatcher& dispatcher, const Clock& clock) {
+                       Dispatcher& dispatcher,
+                       const CallSource& source) {
   const auto stream =
-      std::make_shared<LocalizeStreamCall>(context, dispatcher, clock, *this);
+      std::make_shared<LocalizeStreamCall>(context, dispatcher, source, *this);
   bool draining = false;
   {
     absl::MutexLock lock(&mutex_);
@@ -112,7 +113,7 @@ void LocalizeStreamCall::Accept() {
     }
   }
   auto item = std::make_shared<Item>();
-  item->call = CallInfoFrom(context_, "LocalizeStream", false, clock_,
+  item->call = CallInfoFrom(context_, "LocalizeStream", source_,
                             stop_.get_token());
   item->request = std::move(incoming_);
   item->answer.set_id(item->request.id());

@@ -14,8 +14,8 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
-#include "common/base/clock.h"
 #include "server/service/dispatcher.h"
+#include "server/service/grpc_call.h"
 #include "treeline/v1/relocalization.pb.h"
 
 namespace treeline {
@@ -31,7 +31,7 @@ class LocalizeStreams {
   grpc::ServerBidiReactor<v1::LocalizeStreamRequest,
                           v1::LocalizeStreamResponse>*
   Begin(grpc::CallbackServerContext& context, Dispatcher& dispatcher,
-        const Clock& clock);
+        const CallSource& source);
 
   // Drains those that are open and those that will begin.
   void Drain();
@@ -54,11 +54,11 @@ class LocalizeStreamCall final
       public std::enable_shared_from_this<LocalizeStreamCall> {
  public:
   LocalizeStreamCall(grpc::CallbackServerContext& context,
-                     Dispatcher& dispatcher, const Clock& clock,
+                     Dispatcher& dispatcher, const CallSource& source,
                      LocalizeStreams& streams)
       : context_(context),
         dispatcher_(dispatcher),
-        clock_(clock),
+        source_(source),
         streams_(streams) {}
 
   // To be called once, on one that a shared_ptr owns.
@@ -94,7 +94,7 @@ class LocalizeStreamCall final
 
   grpc::CallbackServerContext& context_;
   Dispatcher& dispatcher_;
-  const Clock& clock_;
+  const CallSource& source_;
   LocalizeStreams& streams_;
   // Until gRPC is done with it. Answers that come later find it still there.
   std::shared_ptr<LocalizeStreamCall> self_;

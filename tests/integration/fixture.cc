@@ -68,7 +68,15 @@ void ServerTest::PutRoom(const std::string& scene) {
 }
 
 std::vector<std::string> ServerTest::ServerCommand() const {
-  return {TREELINE_SERVER_PROGRAM, "--models", models_, "--listen",
+  return {TREELINE_SERVER_PROGRAM,
+          "--models",
+          models_,
+          "--load-all",
+          "--listen",
+          "127.0.0.1:0",
+          "--admin-listen",
+          "127.0.0.1:0",
+          "--http-listen",
           "127.0.0.1:0"};
 }
 
