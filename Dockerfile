@@ -27,7 +27,7 @@ COPY deploy/http-ok /usr/local/bin/
 RUN groupadd --system --gid 10001 treeline && \
     useradd --system --uid 10001 --gid treeline --home-dir /nonexistent \
             --no-create-home --shell /usr/sbin/nologin treeline && \
-    install -d -o treeline -g treeline /models /cache /demo
+    install -d -o treeline -g treeline /models /cache /demo /demo/models
 STOPSIGNAL SIGTERM
 LABEL org.opencontainers.image.title="Treeline" \
       org.opencontainers.image.description="Tells a camera where it is" \
