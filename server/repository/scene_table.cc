@@ -7,6 +7,19 @@
 #include "server/repository/load_failure.h"
 
 namespace treeline {
+namespace {
+
+// The answer is moved on, so that nobody but the one who asked holds the scene.
+void PushAnswer(AcquireDone done,
+                absl::StatusOr<std::shared_ptr<const Scene>> answer,
+                SceneTable::Effects& effects) {
+  effects.answers.push_back(
+      [done = std::move(done), answer = std::move(answer)]() mutable {
+        done(std::move(answer));
+      });
+}
+
+}  // namespace
 
 void SceneTable::Apply(const SourceListing& listing, MonotonicTime now,
                        Effects& effects) {
@@ -206,10 +219,7 @@ void SceneTable::AnswerWaiters(Entry& entry, MonotonicTime now,
       still_waiting.push_back(std::move(waiter));
       continue;
     }
-    effects.answers.push_back(
-        [done = std::move(waiter.done), answer = *std::move(answer)] {
-          done(answer);
-        });
+    PushAnswer(std::move(waiter.done), *std::move(answer), effects);
   }
   entry.waiters = std::move(still_waiting);
 }
@@ -221,10 +231,7 @@ void SceneTable::Add(Entry& entry, Waiter waiter, MonotonicTime now,
     entry.waiters.push_back(std::move(waiter));
     return;
   }
-  effects.answers.push_back(
-      [done = std::move(waiter.done), answer = *std::move(answer)] {
-        done(answer);
-      });
+  PushAnswer(std::move(waiter.done), *std::move(answer), effects);
 }
 
 SceneTable::Answer SceneTable::Resolve(Entry& entry, const Waiter& waiter,
@@ -238,8 +245,7 @@ void SceneTable::Acquire(const std::string& name, const std::string& version,
                          Effects& effects) {
   const auto found = scenes_.find(name);
   if (found == scenes_.end()) {
-    effects.answers.push_back(
-        [done = std::move(done), error = NoScene(name)] { done(error); });
+    PushAnswer(std::move(done), NoScene(name), effects);
     return;
   }
   Entry& entry = found->second;
@@ -252,8 +258,7 @@ void SceneTable::Load(const std::string& name, const std::string& version,
                       AcquireDone done, MonotonicTime now, Effects& effects) {
   const auto found = scenes_.find(name);
   if (found == scenes_.end()) {
-    effects.answers.push_back(
-        [done = std::move(done), error = NoScene(name)] { done(error); });
+    PushAnswer(std::move(done), NoScene(name), effects);
     return;
   }
   Entry& entry = found->second;
@@ -299,8 +304,7 @@ absl::Status SceneTable::Unload(const std::string& name,
 void SceneTable::TurnAwayAll(Effects& effects) {
   for (auto& [name, entry] : scenes_) {
     for (Waiter& waiter : entry.waiters) {
-      effects.answers.push_back([done = std::move(waiter.done),
-                                 error = Stopping(name)] { done(error); });
+      PushAnswer(std::move(waiter.done), Stopping(name), effects);
     }
     entry.waiters.clear();
   }
