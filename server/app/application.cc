@@ -243,7 +243,7 @@ absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
   options.http.max_body_mib = config.max_message_mib;
   options.allowed_origins = config.cors_origin;
   if (http_tls != nullptr) {
-    options.http.tls = HttpTlsHooks{
+    options.http.tls = ServerTls{
         .configure =
             [this](SSL_CTX& context) { return http_tls->Configure(context); },
         .client_names = [](SSL* connection) {
