@@ -279,8 +279,8 @@ TEST_F(SceneRepositoryTest, ThoseWhoWaitAreAnsweredWhenItStops) {
 // As an operator does it, with files.
 TEST_F(SceneRepositoryTest, ServesAFolderAndFollowsIt) {
   namespace fs = std::filesystem;
-  const fs::path root = fs::path(testing::TempDir()) /
-                        ("repository-" + std::to_string(getpid()));
+  const fs::path root =
+      fs::path(testing::TempDir()) / ("repository-" + std::to_string(getpid()));
   const auto put = [&](const std::string& version, const std::string& content) {
     fs::create_directories(root / "kitchen" / version);
     const fs::path file = root / "kitchen" / version / "model.treeline";
@@ -340,10 +340,9 @@ TEST_F(SceneRepositoryTest, StandsEverythingAtOnce) {
         .poll_interval = std::chrono::milliseconds(1),
         .loader_threads = 3,
         .load_all_at_start = true,
-        .on_event =
-            [&](const RepositoryEvent& event) {
-              if (event.kind == RepositoryEvent::Kind::kLoaded) ++loaded;
-            }});
+        .on_event = [&](const RepositoryEvent& event) {
+          if (event.kind == RepositoryEvent::Kind::kLoaded) ++loaded;
+        }});
   std::atomic<int> asked{0};
   std::atomic<int> answered{0};
   std::atomic<int> wrong{0};

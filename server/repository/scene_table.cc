@@ -58,8 +58,8 @@ void SceneTable::ApplyModel(const ModelRef& model, Effects& effects) {
   // What is mapped is no longer what was verified: nobody else may get it.
   if (!model.file_id.empty() && model.file_id == version.loaded.file_id) {
     Release(version, effects);
-    effects.events.push_back({RepositoryEvent::Kind::kOverwritten, model.scene,
-                              model.version});
+    effects.events.push_back(
+        {RepositoryEvent::Kind::kOverwritten, model.scene, model.version});
   }
   StartLoad(version);
 }

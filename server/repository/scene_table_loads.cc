@@ -62,8 +62,7 @@ std::optional<SceneTable::Job> SceneTable::NextJob(uint64_t resident_bytes,
       version.if_fits = false;
       if (is_too_large) {
         NoteFailure(entry, version,
-                    LargerThanBudget(model.bytes, budget_bytes_), now,
-                    effects);
+                    LargerThanBudget(model.bytes, budget_bytes_), now, effects);
         Settle(entry, now, effects);
       }
       continue;

@@ -25,9 +25,11 @@ void Check(absl::string_view text) {
   if (metadata->geo_anchor) {
     const GeoAnchor& anchor = *metadata->geo_anchor;
     const Rotation3& q = anchor.enu_from_world;
-    const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    const double norm =
+        std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
     // Written so that NaN aborts.
-    if (!(std::abs(norm - 1) < 1e-9) || !(std::abs(anchor.latitude_deg) <= 90) ||
+    if (!(std::abs(norm - 1) < 1e-9) ||
+        !(std::abs(anchor.latitude_deg) <= 90) ||
         !(std::abs(anchor.longitude_deg) <= 180) ||
         !std::isfinite(anchor.height_m)) {
       std::abort();
