@@ -111,8 +111,11 @@ RepositoryFigures FiguresOf(const SceneRepository& repository) {
 
 // Destroyed from the last to the first: what calls before what it calls.
 struct Application::Parts {
-  Parts(ServerLog& log, const Clock& clock)
-      : log(log), clock(clock), metrics(registry), call_log(log, clock) {}
+  Parts(ServerLog& server_log, const Clock& used_clock)
+      : log(server_log),
+        clock(used_clock),
+        metrics(registry),
+        call_log(server_log, used_clock) {}
   // Downloads must not outlast the rest.
   ~Parts() { stop_downloads.request_stop(); }
 

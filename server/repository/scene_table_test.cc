@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -117,12 +118,18 @@ class SceneTableTest : public testing::Test {
   SceneState StateOf(const std::string& scene, size_t version) {
     return table_.Get(scene)->versions.at(version).state;
   }
-  static void Carry(SceneTable::Effects& effects) {
+  void Carry(SceneTable::Effects& effects) {
     effects.released.clear();
+    for (const RepositoryEvent& event : effects.events) {
+      events_.push_back(absl::StrCat(EventName(event.kind), " ", event.scene,
+                                     "/", event.version));
+    }
+    effects.events.clear();
     for (const auto& answer : effects.answers) answer();
     effects.answers.clear();
   }
 
+  std::vector<std::string> events_;
   ManualClock clock_;
   FakeSource source_;
   uint64_t resident_ = 0;
@@ -507,6 +514,44 @@ TEST_F(SceneTableTest, CountsWhatHappens) {
   EXPECT_EQ(stats.scenes[1].counts.load_failures, 1u);
 }
 
+TEST_F(SceneTableTest, TellsWhatHappens) {
+  source_.Put("kitchen", "1", "good");
+  source_.SetJson("kitchen", "[]");
+  Rescan();
+  Answer("kitchen");
+  source_.Put("kitchen", "2", "bad");
+  Rescan();
+  RunLoads();
+  source_.Overwrite("kitchen", "1", "good");
+  Rescan();
+  Answer("kitchen");
+  Unload("kitchen");
+  EXPECT_THAT(events_,
+              ElementsAre("BAD_METADATA kitchen/", "LOADED kitchen/1",
+                          "TOOK_OVER kitchen/1", "LOAD_FAILED kitchen/2",
+                          "OVERWRITTEN kitchen/1", "LOADED kitchen/1",
+                          "UNLOADED kitchen/1"));
+}
+
+TEST_F(SceneTableTest, ACameraOfSceneJsonReplacesTheModels) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  const auto without = Ask("kitchen");
+  RunLoads();
+  const RgbdCalibration& model =
+      (*without->scene)->localizer->info().calibration;
+  EXPECT_FALSE(HasOwnCamera(**without->scene));
+  EXPECT_EQ(QueryCalibration(**without->scene), model);
+  source_.SetJson("kitchen", R"({"camera": {"model": "SIMPLE_PINHOLE",
+      "width_px": 40, "height_px": 30, "parameters": [35, 20, 15]}})");
+  Rescan();
+  const auto with = Ask("kitchen");
+  ASSERT_TRUE(HasOwnCamera(**with->scene));
+  const RgbdCalibration calibration = QueryCalibration(**with->scene);
+  EXPECT_EQ(calibration.color, *(*with->scene)->metadata->camera);
+  EXPECT_EQ(calibration.depth, model.depth);
+}
+
 TEST_F(SceneTableTest, ThoseWhoWaitAreTurnedAwayWhenItStops) {
   source_.Put("kitchen", "1", "good");
   Rescan();
@@ -541,6 +586,7 @@ TEST_F(BudgetTest, TheLongestUnusedGoesFirst) {
   Answer("c");
   EXPECT_THAT(InMemory(), ElementsAre("a", "c"));
   EXPECT_EQ(table_.Stats().counts.evictions, 1u);
+  EXPECT_THAT(events_, ::testing::Contains("EVICTED b/1"));
   EXPECT_EQ(resident_, 8u);
 }
 

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/recognition/appearance_words.h"
