@@ -38,6 +38,17 @@ absl::StatusOr<Frame> FromProto(const v1::Frame& proto,
                                 const DecodeLimits& limits,
                                 absl::string_view field);
 
+// The two halves of it, for a frame that is tried in several scenes: what does
+// not depend on the scene, to be decoded once, without a calibration;
+absl::StatusOr<Frame> PixelsFromProto(const v1::Frame& proto,
+                                      const DecodeLimits& limits,
+                                      absl::string_view field);
+// and what becomes Frame::calibration in one scene. `pixels` are of the first;
+// INVALID_ARGUMENT if their sizes are not those of the cameras.
+absl::StatusOr<std::optional<RgbdCalibration>> CalibrationFromProto(
+    const v1::Frame& proto, const Frame& pixels,
+    const RgbdCalibration& scene_calibration, absl::string_view field);
+
 }  // namespace treeline
 
 #endif  // COMMON_WIRE_FRAME_H_
