@@ -48,7 +48,7 @@ class SceneIndex {
   // scene s to a frame of words W is
   //   sum of idf(w) over w in W that occur in s
   //   / sum of idf(w) over w in W * (kLeastFill / fill(s)) ^ kFillPower
-  // with idf(w) = log((N + 2) / (n(w) + 1)), n(w) of the N scenes having w, and
+  // with idf(w) = log((N + 1) / (n(w) + 1/2)), n(w) of the N scenes having w, and
   // fill(s), at least kLeastFill, the share of all words that s has: a scene of
   // many words has some of any frame's by chance.
   //
