@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "server/repository/names.h"
+#include "server/repository/scene_metadata.h"
 #include "server/repository/sha256.h"
 
 namespace treeline {
@@ -19,7 +20,6 @@ using Json = nlohmann::ordered_json;
 // An index needs 4; scene.json may need a few more.
 constexpr int kMaxDepth = 16;
 constexpr size_t kMaxUrlBytes = 4096;
-constexpr size_t kMaxSceneJsonBytes = 64u << 10;
 
 absl::Status Invalid(absl::string_view where, absl::string_view problem) {
   return absl::InvalidArgumentError(absl::StrCat(where, ": ", problem));

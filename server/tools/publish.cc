@@ -1,16 +1,26 @@
 #include "server/tools/publish.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
+#include "server/repository/names.h"
 #include "server/repository/scene_metadata.h"
 #include "server/repository/sha256.h"
 #include "server/repository/web_url.h"
 
 namespace treeline {
+namespace {
+
+bool ComesFirst(const ModelRef& a, const ModelRef& b) {
+  if (a.scene != b.scene) return a.scene < b.scene;
+  return VersionIsOlder(a.version, b.version);
+}
+
+}  // namespace
 
 absl::Status PublishOptions::Validate() const {
   if (base_url.empty()) return absl::OkStatus();
@@ -24,10 +34,16 @@ absl::StatusOr<ModelIndex> IndexModels(ModelSource& source,
                                        const PublishOptions& options,
                                        const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(options.Validate());
-  TL_ASSIGN_OR_RETURN(const SourceListing listing, source.List());
+  TL_ASSIGN_OR_RETURN(SourceListing listing, source.List());
   if (listing.models.empty()) {
     return absl::NotFoundError(
         "no models: nothing is called <scene>/<version>/model.treeline");
+  }
+  // A folder lists its entries in any order.
+  std::sort(listing.models.begin(), listing.models.end(), ComesFirst);
+  if (!listing.scene_json_errors.empty()) {
+    const auto& [scene, error] = *listing.scene_json_errors.begin();
+    return Annotate(error, absl::StrCat(scene, "/scene.json"));
   }
   ModelIndex index;
   for (const auto& [scene, text] : listing.scene_json) {

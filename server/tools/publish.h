@@ -22,8 +22,9 @@ struct PublishOptions {
   absl::Status Validate() const;
 };
 
-// Hashes every model of `source`, in its order. NOT_FOUND: it has none.
-// INVALID_ARGUMENT: a scene.json that is none. CANCELLED.
+// Hashes every model of `source`; sorts them by scene, older versions first.
+// NOT_FOUND: it has none. INVALID_ARGUMENT: a scene.json that is none.
+// CANCELLED.
 absl::StatusOr<ModelIndex> IndexModels(ModelSource& source,
                                        const PublishOptions& options,
                                        const std::stop_token& stop);
