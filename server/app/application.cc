@@ -156,9 +156,9 @@ struct Application::Parts {
 absl::Status Application::Parts::OpenAccessPolicy(const ServerConfig& config) {
   const TrustLog trust_log = [this](TrustSeverity severity,
                                     const std::string& message) {
-    log.Say(severity == TrustSeverity::kWarning ? LogLevel::kWarn
-                                                : LogLevel::kInfo,
-            message);
+    log.Say(
+        severity == TrustSeverity::kWarning ? LogLevel::kWarn : LogLevel::kInfo,
+        message);
   };
   if (!config.tls_cert.empty()) {
     TL_ASSIGN_OR_RETURN(certificates,
@@ -190,8 +190,8 @@ absl::Status Application::Parts::OpenAccessPolicy(const ServerConfig& config) {
 }
 
 void Application::Parts::SetRateLimit(const ServerConfig& config) {
-  access.Set(std::make_shared<RateLimitedAccess>(*identity,
-                                                 RateLimitOf(config), clock));
+  access.Set(std::make_shared<RateLimitedAccess>(*identity, RateLimitOf(config),
+                                                 clock));
 }
 
 absl::Status Application::Parts::StartRecorder(const ServerConfig& config) {
@@ -246,9 +246,8 @@ absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
     options.http.tls = ServerTls{
         .configure =
             [this](SSL_CTX& context) { return http_tls->Configure(context); },
-        .client_names = [](SSL* connection) {
-          return CertificateNames(*connection);
-        }};
+        .client_names =
+            [](SSL* connection) { return CertificateNames(*connection); }};
   }
   GatewayHooks hooks;
   hooks.metrics = [this] { return registry.Expose(); };

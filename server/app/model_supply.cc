@@ -83,8 +83,8 @@ absl::StatusOr<std::unique_ptr<SceneRepository>> OpenRepository(
   RepositoryOptions options;
   options.memory_budget_bytes = static_cast<uint64_t>(config.memory_budget_mib)
                                 << 20;
-  options.poll_interval = std::chrono::milliseconds(
-      static_cast<int64_t>(config.poll_s * 1e3));
+  options.poll_interval =
+      std::chrono::milliseconds(static_cast<int64_t>(config.poll_s * 1e3));
   options.load_all_at_start = config.load_all;
   options.on_event = [&log](const RepositoryEvent& event) {
     LogEventOf(event, log);

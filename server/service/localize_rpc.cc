@@ -155,9 +155,9 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
   record.scene = scene.name;
   record.model_version = scene.version;
   record.method = scene.localizer->info().method;
-  TL_ASSIGN_OR_RETURN(v1::LocalizeResponse response,
-                      Answer(std::move(result->estimate), prior, scene, call,
-                             record));
+  TL_ASSIGN_OR_RETURN(
+      v1::LocalizeResponse response,
+      Answer(std::move(result->estimate), prior, scene, call, record));
   for (const ConsideredScene& considered : result->considered) {
     *response.add_candidates() = ToProto(considered);
     if (response.candidates_size() == kMostCandidates) break;

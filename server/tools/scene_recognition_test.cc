@@ -30,21 +30,45 @@ TEST(ParseRecognitionQuery, TakesASceneAndARecording) {
 // Of a scene "a": found, found without a pose, another's, and unreadable.
 std::vector<RecognitionTally> SomeTallies() {
   RecognitionTally tally{"a", "7scenes:a", {}};
-  tally.frames = {
-      {.stem = "0", .status = {}, .rank = 1, .first = "a", .answer = "a",
-       .localized = true, .tried = 1},
-      {.stem = "1", .status = {}, .rank = 2, .first = "b", .answer = "a",
-       .localized = false, .tried = 3},
-      {.stem = "2", .status = {}, .rank = 4, .first = "b", .answer = "b",
-       .localized = true, .tried = 3},
-      {.stem = "3", .status = absl::DataLossError("<bad>"), .rank = 0,
-       .first = "", .answer = ""}};
+  tally.frames = {{.stem = "0",
+                   .status = {},
+                   .rank = 1,
+                   .first = "a",
+                   .answer = "a",
+                   .localized = true,
+                   .tried = 1},
+                  {.stem = "1",
+                   .status = {},
+                   .rank = 2,
+                   .first = "b",
+                   .answer = "a",
+                   .localized = false,
+                   .tried = 3},
+                  {.stem = "2",
+                   .status = {},
+                   .rank = 4,
+                   .first = "b",
+                   .answer = "b",
+                   .localized = true,
+                   .tried = 3},
+                  {.stem = "3",
+                   .status = absl::DataLossError("<bad>"),
+                   .rank = 0,
+                   .first = "",
+                   .answer = ""}};
   RecognitionTally foreign{"", "builtin", {}};
-  foreign.frames = {
-      {.stem = "0", .status = {}, .first = "b", .answer = "b",
-       .localized = true, .tried = 1},
-      {.stem = "1", .status = {}, .first = "b", .answer = "b",
-       .localized = false, .tried = 1}};
+  foreign.frames = {{.stem = "0",
+                     .status = {},
+                     .first = "b",
+                     .answer = "b",
+                     .localized = true,
+                     .tried = 1},
+                    {.stem = "1",
+                     .status = {},
+                     .first = "b",
+                     .answer = "b",
+                     .localized = false,
+                     .tried = 1}};
   return {tally, foreign};
 }
 
@@ -161,10 +185,9 @@ TEST(Recognize, AsksAboutEveryFrameOfEveryQuery) {
   EXPECT_EQ((*tallies)[0].frames[0].tried, 2);
   EXPECT_EQ((*tallies)[0].right_localized(), 0);
   queries[0].scene = "c";
-  EXPECT_EQ(Recognize(**models, queries, options, SteadyClock())
-                .status()
-                .code(),
-            absl::StatusCode::kNotFound);
+  EXPECT_EQ(
+      Recognize(**models, queries, options, SteadyClock()).status().code(),
+      absl::StatusCode::kNotFound);
 }
 
 }  // namespace
