@@ -255,6 +255,29 @@ absl::Status CheckDepthSize(const DepthImage& image, const Camera& camera,
                    SizeText(camera.width(), camera.height())));
 }
 
+// All that can be checked before decoding and without a scene.
+absl::Status CheckStatements(const v1::Frame& proto, absl::string_view field) {
+  if (!proto.has_depth()) return absl::OkStatus();
+  return CheckDepthStatement(proto.depth(), absl::StrCat(field, ".depth"));
+}
+
+absl::Status DecodeColorOf(const v1::Frame& proto, const DecodeLimits& limits,
+                           absl::string_view field, Frame& frame) {
+  TL_ASSIGN_OR_RETURN(
+      frame.color,
+      DecodeColorField(proto.color(), limits, absl::StrCat(field, ".color")));
+  return absl::OkStatus();
+}
+
+absl::Status DecodeDepthOf(const v1::Frame& proto, const DecodeLimits& limits,
+                           absl::string_view field, Frame& frame) {
+  if (!proto.has_depth()) return absl::OkStatus();
+  TL_ASSIGN_OR_RETURN(
+      frame.depth,
+      DecodeDepthField(proto.depth(), limits, absl::StrCat(field, ".depth")));
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 v1::Frame ToProto(const QueryFrame& frame) {
@@ -265,56 +288,51 @@ v1::Frame ToProto(const QueryFrame& frame) {
   return proto;
 }
 
-absl::StatusOr<Frame> DecodePixels(const v1::Frame& proto,
-                                   const DecodeLimits& limits,
-                                   absl::string_view field) {
-  if (proto.has_depth()) {
-    TL_RETURN_IF_ERROR(
-        CheckDepthStatement(proto.depth(), absl::StrCat(field, ".depth")));
-  }
-  Frame frame;
-  TL_ASSIGN_OR_RETURN(
-      frame.color,
-      DecodeColorField(proto.color(), limits, absl::StrCat(field, ".color")));
-  if (proto.has_depth()) {
-    TL_ASSIGN_OR_RETURN(
-        frame.depth,
-        DecodeDepthField(proto.depth(), limits, absl::StrCat(field, ".depth")));
-  }
-  return frame;
-}
-
-absl::StatusOr<std::optional<RgbdCalibration>> CalibrationIn(
-    const v1::Frame& proto, const Frame& pixels,
-    const RgbdCalibration& scene_calibration, absl::string_view field) {
-  TL_ASSIGN_OR_RETURN(std::optional<RgbdCalibration> resolved,
-                      ResolveCalibration(proto, scene_calibration, field));
-  const RgbdCalibration& calibration =
-      resolved ? *resolved : scene_calibration;
-  TL_RETURN_IF_ERROR(CheckColorSize(pixels.color, calibration.color,
-                                    proto.has_camera(), field));
-  if (pixels.depth) {
-    TL_RETURN_IF_ERROR(
-        CheckDepthSize(*pixels.depth, calibration.depth, field));
-  }
-  return resolved;
-}
-
 absl::StatusOr<Frame> FromProto(const v1::Frame& proto,
                                 const RgbdCalibration& scene_calibration,
                                 const DecodeLimits& limits,
                                 absl::string_view field) {
-  if (proto.has_depth()) {
-    TL_RETURN_IF_ERROR(
-        CheckDepthStatement(proto.depth(), absl::StrCat(field, ".depth")));
-  }
-  // Before anything is decoded.
+  TL_RETURN_IF_ERROR(CheckStatements(proto, field));
+  TL_ASSIGN_OR_RETURN(std::optional<RgbdCalibration> calibration,
+                      ResolveCalibration(proto, scene_calibration, field));
+  const RgbdCalibration& cameras =
+      calibration ? *calibration : scene_calibration;
+  Frame frame;
+  TL_RETURN_IF_ERROR(DecodeColorOf(proto, limits, field, frame));
   TL_RETURN_IF_ERROR(
-      ResolveCalibration(proto, scene_calibration, field).status());
-  TL_ASSIGN_OR_RETURN(Frame frame, DecodePixels(proto, limits, field));
-  TL_ASSIGN_OR_RETURN(frame.calibration,
-                      CalibrationIn(proto, frame, scene_calibration, field));
+      CheckColorSize(frame.color, cameras.color, proto.has_camera(), field));
+  TL_RETURN_IF_ERROR(DecodeDepthOf(proto, limits, field, frame));
+  if (frame.depth) {
+    TL_RETURN_IF_ERROR(CheckDepthSize(*frame.depth, cameras.depth, field));
+  }
+  frame.calibration = std::move(calibration);
   return frame;
+}
+
+absl::StatusOr<Frame> PixelsFromProto(const v1::Frame& proto,
+                                      const DecodeLimits& limits,
+                                      absl::string_view field) {
+  TL_RETURN_IF_ERROR(CheckStatements(proto, field));
+  Frame frame;
+  TL_RETURN_IF_ERROR(DecodeColorOf(proto, limits, field, frame));
+  TL_RETURN_IF_ERROR(DecodeDepthOf(proto, limits, field, frame));
+  return frame;
+}
+
+absl::StatusOr<std::optional<RgbdCalibration>> CalibrationFromProto(
+    const v1::Frame& proto, const Frame& pixels,
+    const RgbdCalibration& scene_calibration, absl::string_view field) {
+  TL_RETURN_IF_ERROR(CheckStatements(proto, field));
+  TL_ASSIGN_OR_RETURN(std::optional<RgbdCalibration> calibration,
+                      ResolveCalibration(proto, scene_calibration, field));
+  const RgbdCalibration& cameras =
+      calibration ? *calibration : scene_calibration;
+  TL_RETURN_IF_ERROR(
+      CheckColorSize(pixels.color, cameras.color, proto.has_camera(), field));
+  if (pixels.depth) {
+    TL_RETURN_IF_ERROR(CheckDepthSize(*pixels.depth, cameras.depth, field));
+  }
+  return calibration;
 }
 
 }  // namespace treeline

@@ -2,8 +2,6 @@
 #ifndef COMMON_WIRE_FRAME_H_
 #define COMMON_WIRE_FRAME_H_
 
-#include <optional>
-
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "common/camera/rgbd_calibration.h"
@@ -40,14 +38,14 @@ absl::StatusOr<Frame> FromProto(const v1::Frame& proto,
                                 const DecodeLimits& limits,
                                 absl::string_view field);
 
-// The same in two steps, for a frame that is tried in several scenes: its
-// pixels, without a calibration ...
-absl::StatusOr<Frame> DecodePixels(const v1::Frame& proto,
-                                   const DecodeLimits& limits,
-                                   absl::string_view field);
-// ... and the calibration of the result in one scene; INVALID_ARGUMENT if they
-// do not go together.
-absl::StatusOr<std::optional<RgbdCalibration>> CalibrationIn(
+// The two halves of it, for a frame that is tried in several scenes: what does
+// not depend on the scene, to be decoded once, without a calibration;
+absl::StatusOr<Frame> PixelsFromProto(const v1::Frame& proto,
+                                      const DecodeLimits& limits,
+                                      absl::string_view field);
+// and what becomes Frame::calibration in one scene. `pixels` are of the first;
+// INVALID_ARGUMENT if their sizes are not those of the cameras.
+absl::StatusOr<std::optional<RgbdCalibration>> CalibrationFromProto(
     const v1::Frame& proto, const Frame& pixels,
     const RgbdCalibration& scene_calibration, absl::string_view field);
 

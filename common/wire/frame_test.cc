@@ -178,5 +178,43 @@ TEST(WireFrame, ExplicitDepthCameraIsUsedAsSent) {
   EXPECT_EQ(frame->calibration, expected);
 }
 
+// One decoding serves scenes with different calibrations.
+TEST(WireFrame, PixelsAndCalibrationAreTheTwoHalvesOfAFrame) {
+  QueryDepth depth;
+  depth.image = SomeDepth(kWidth / 2, kHeight / 2);
+  depth.unit_m = 0.0002;
+  QueryFrame query = Query(depth);
+  query.camera = CameraOf(kWidth, kHeight, 50);
+  const v1::Frame proto = ToProto(query);
+  RgbdCalibration other = SceneCalibration();
+  other.depth_scale = 0.98;
+  const auto pixels = PixelsFromProto(proto, DecodeLimits{}, "frame");
+  ASSERT_TRUE(pixels.ok()) << pixels.status();
+  EXPECT_EQ(pixels->calibration, std::nullopt);
+  for (const RgbdCalibration& scene : {SceneCalibration(), other}) {
+    const auto whole = FromProto(proto, scene, DecodeLimits{}, "frame");
+    ASSERT_TRUE(whole.ok()) << whole.status();
+    EXPECT_EQ(pixels->color.rgb, whole->color.rgb);
+    EXPECT_EQ(pixels->depth->values, whole->depth->values);
+    const auto calibration =
+        CalibrationFromProto(proto, *pixels, scene, "frame");
+    ASSERT_TRUE(calibration.ok()) << calibration.status();
+    EXPECT_EQ(*calibration, whole->calibration);
+  }
+}
+
+TEST(WireFrame, PixelsMustFitTheCamerasOfTheScene) {
+  const v1::Frame proto = ToProto(
+      {.color = SomeColor(), .camera = std::nullopt, .depth = std::nullopt});
+  const auto pixels = PixelsFromProto(proto, DecodeLimits{}, "frame");
+  ASSERT_TRUE(pixels.ok());
+  RgbdCalibration scene = SceneCalibration();
+  EXPECT_TRUE(CalibrationFromProto(proto, *pixels, scene, "frame").ok());
+  scene.color = CameraOf(kWidth + 2, kHeight, 35);
+  EXPECT_EQ(CalibrationFromProto(proto, *pixels, scene, "frame").status(),
+            FromProto(proto, scene, DecodeLimits{}, "frame").status());
+  EXPECT_FALSE(CalibrationFromProto(proto, *pixels, scene, "frame").ok());
+}
+
 }  // namespace
 }  // namespace treeline

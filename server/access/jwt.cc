@@ -100,7 +100,7 @@ absl::StatusOr<std::string> VerifyJwtSignature(absl::string_view token,
   }
   const std::unique_ptr<char, FreeText> claims(
       jwt_get_grants_json(jwt.get(), nullptr));
-  if (claims == nullptr || *claims.get() != '{') {
+  if (claims == nullptr || *claims != '{') {
     return Invalid("it holds no claims");
   }
   return std::string(claims.get());

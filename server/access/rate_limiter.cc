@@ -13,7 +13,7 @@ std::optional<std::chrono::nanoseconds> RateBucket::Take(
   return std::nullopt;
 }
 
-RateLimiter::RateLimiter(size_t capacity) : capacity_(capacity) {}
+RateLimiter::RateLimiter(size_t capacity) : buckets_(capacity) {}
 
 std::optional<std::chrono::nanoseconds> RateLimiter::Take(
     const std::string& caller, MonotonicTime now, double rate_per_s,
@@ -25,24 +25,18 @@ std::optional<std::chrono::nanoseconds> RateLimiter::Take(
       1, std::chrono::nanoseconds(std::chrono::hours(2400)) / period);
 
   const absl::MutexLock lock(&mutex_);
-  const auto found = by_caller_.find(caller);
-  if (found != by_caller_.end()) {
-    entries_.splice(entries_.begin(), entries_, found->second);
-  } else {
-    entries_.push_front({caller, {}});
-    by_caller_[caller] = entries_.begin();
-    if (entries_.size() > capacity_) {
-      by_caller_.erase(entries_.back().caller);
-      entries_.pop_back();
-    }
+  if (RateBucket* const bucket = buckets_.Find(caller); bucket != nullptr) {
+    return bucket->Take(now, period, std::clamp<int64_t>(burst, 1, longest));
   }
-  return entries_.front().bucket.Take(now, period,
-                                      std::clamp<int64_t>(burst, 1, longest));
+  RateBucket bucket;
+  bucket.Take(now, period, 1);
+  buckets_.Insert(caller, bucket);
+  return std::nullopt;
 }
 
 size_t RateLimiter::size() const {
   const absl::MutexLock lock(&mutex_);
-  return entries_.size();
+  return buckets_.size();
 }
 
 }  // namespace treeline

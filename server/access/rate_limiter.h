@@ -6,14 +6,13 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <list>
 #include <optional>
 #include <string>
 
 #include "absl/base/thread_annotations.h"
-#include "absl/container/flat_hash_map.h"
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
+#include "server/access/lru_map.h"
 
 namespace treeline {
 
@@ -50,17 +49,8 @@ class RateLimiter {
   size_t size() const;
 
  private:
-  struct Entry {
-    std::string caller;
-    RateBucket bucket;
-  };
-
-  const size_t capacity_ = 1;
   mutable absl::Mutex mutex_;
-  // The one that asked last comes first.
-  std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);
-  absl::flat_hash_map<std::string, std::list<Entry>::iterator> by_caller_
-      ABSL_GUARDED_BY(mutex_);
+  LruMap<RateBucket> buckets_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace treeline

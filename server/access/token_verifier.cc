@@ -31,7 +31,33 @@ absl::Status TokenVerifierOptions::Validate() const {
 
 TokenVerifier::TokenVerifier(const TokenVerifierOptions& options,
                              KeyStore& keys, const WallClock& clock)
-    : options_(options), keys_(keys), clock_(clock) {}
+    : options_(options),
+      keys_(keys),
+      clock_(clock),
+      accepted_(options.cache_size),
+      refused_(options.cache_size / 10) {}
+
+std::optional<absl::StatusOr<TokenClaims>> TokenVerifier::Remembered(
+    const std::string& digest, uint64_t generation, int64_t now) {
+  const absl::MutexLock lock(&mutex_);
+  // A thread that comes late with older keys must not bring them back.
+  if (generation > generation_) {
+    accepted_.Clear();
+    refused_.Clear();
+    generation_ = generation;
+  }
+  if (const TokenClaims* claims = accepted_.Find(digest); claims != nullptr) {
+    const absl::Status expiry =
+        CheckExpiry(claims->expires_unix_s, options_.rules, now);
+    if (!expiry.ok()) return expiry;
+    return *claims;
+  }
+  if (const absl::Status* why = refused_.Find(digest); why != nullptr) {
+    return *why;
+  }
+  ++signatures_checked_;
+  return std::nullopt;
+}
 
 absl::StatusOr<TokenClaims> TokenVerifier::Verify(absl::string_view token) {
   if (token.size() > kLongestToken) {
@@ -42,39 +68,21 @@ absl::StatusOr<TokenClaims> TokenVerifier::Verify(absl::string_view token) {
   }
   const KeyStore::Snapshot keys = keys_.Current();
   const int64_t now = clock_.UnixSeconds();
-  std::string digest = DigestOf(token);
-  {
+  const std::string digest = DigestOf(token);
+  if (auto known = Remembered(digest, keys.generation, now)) {
+    return *std::move(known);
+  }
+  const absl::StatusOr<std::string> json =
+      VerifyJwtSignature(token, *keys.keys);
+  if (!json.ok()) {
     const absl::MutexLock lock(&mutex_);
-    // A thread that comes late with older keys must not bring them back.
-    if (keys.generation > generation_) {
-      entries_.clear();
-      by_digest_.clear();
-      generation_ = keys.generation;
-    }
-    const auto found = by_digest_.find(digest);
-    if (found != by_digest_.end()) {
-      TL_RETURN_IF_ERROR(CheckExpiry(found->second->claims.expires_unix_s,
-                                     options_.rules, now));
-      entries_.splice(entries_.begin(), entries_, found->second);
-      return entries_.front().claims;
-    }
-    ++signatures_checked_;
+    if (keys.generation == generation_) refused_.Insert(digest, json.status());
+    return json.status();
   }
-  TL_ASSIGN_OR_RETURN(const std::string json,
-                      VerifyJwtSignature(token, *keys.keys));
   TL_ASSIGN_OR_RETURN(TokenClaims claims,
-                      ParseTokenClaims(json, options_.rules, now));
-
+                      ParseTokenClaims(*json, options_.rules, now));
   const absl::MutexLock lock(&mutex_);
-  if (keys.generation == generation_ && options_.cache_size > 0 &&
-      !by_digest_.contains(digest)) {
-    entries_.push_front({digest, claims});
-    by_digest_[std::move(digest)] = entries_.begin();
-    if (entries_.size() > options_.cache_size) {
-      by_digest_.erase(entries_.back().digest);
-      entries_.pop_back();
-    }
-  }
+  if (keys.generation == generation_) accepted_.Insert(digest, claims);
   return claims;
 }
 

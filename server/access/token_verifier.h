@@ -4,15 +4,16 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <list>
+#include <optional>
 #include <string>
 
 #include "absl/base/thread_annotations.h"
-#include "absl/container/flat_hash_map.h"
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "absl/synchronization/mutex.h"
 #include "server/access/key_store.h"
+#include "server/access/lru_map.h"
 #include "server/access/token_claims.h"
 #include "server/access/wall_clock.h"
 
@@ -20,8 +21,8 @@ namespace treeline {
 
 struct TokenVerifierOptions {
   ClaimRules rules = {};
-  // Valid tokens that are remembered, 0..1000000, about 400 bytes each. Tokens
-  // that were refused are not.
+  // Valid tokens that are remembered, 0..1000000, about 400 bytes each. Of
+  // those that no key of ours has signed, a tenth as many are.
   size_t cache_size = 10000;
 
   absl::Status Validate() const;
@@ -42,21 +43,20 @@ class TokenVerifier {
   int64_t signatures_checked() const;
 
  private:
-  struct Entry {
-    std::string digest;
-    TokenClaims claims;
-  };
+  // What is known about a token; nullopt: nothing.
+  std::optional<absl::StatusOr<TokenClaims>> Remembered(
+      const std::string& digest, uint64_t generation, int64_t now);
 
   const TokenVerifierOptions options_;
   KeyStore& keys_;
   const WallClock& clock_;
 
   mutable absl::Mutex mutex_;
-  // The one used last comes first.
-  std::list<Entry> entries_ ABSL_GUARDED_BY(mutex_);
   // By the SHA-256 of the token; tokens themselves are not kept.
-  absl::flat_hash_map<std::string, std::list<Entry>::iterator> by_digest_
-      ABSL_GUARDED_BY(mutex_);
+  LruMap<TokenClaims> accepted_ ABSL_GUARDED_BY(mutex_);
+  // Signatures that did not fit, apart from the others, so that forged tokens
+  // push out no good ones.
+  LruMap<absl::Status> refused_ ABSL_GUARDED_BY(mutex_);
   // The keys that all entries were verified with.
   uint64_t generation_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t signatures_checked_ ABSL_GUARDED_BY(mutex_) = 0;

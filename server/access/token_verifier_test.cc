@@ -104,7 +104,28 @@ TEST_F(TokenVerifierTest, RemembersABoundedNumberAndForgetsTheOldest) {
   EXPECT_EQ(verifier.signatures_checked(), 4);
 }
 
-TEST_F(TokenVerifierTest, DoesNotRememberWhatItRefused) {
+TEST_F(TokenVerifierTest, RemembersABoundedNumberOfForgedTokensApart) {
+  TokenVerifier verifier({.cache_size = 20}, *keys_, wall_);
+  const std::string good = Token("robot-7");
+  EXPECT_EQ(ReasonOf(verifier.Verify(good)), "OK");
+  const std::string stem = good.substr(0, good.rfind('.') + 1);
+  const std::string forged = stem + std::string(86, 'A');
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(ReasonOf(verifier.Verify(forged)), "TOKEN_INVALID");
+  }
+  EXPECT_EQ(verifier.signatures_checked(), 2);
+  for (const char c : {'B', 'C', 'D'}) {
+    EXPECT_EQ(ReasonOf(verifier.Verify(stem + c + std::string(85, 'A'))),
+              "TOKEN_INVALID");
+  }
+  EXPECT_EQ(verifier.signatures_checked(), 5);
+  EXPECT_EQ(ReasonOf(verifier.Verify(forged)), "TOKEN_INVALID");  // forgotten
+  EXPECT_EQ(verifier.signatures_checked(), 6);
+  EXPECT_EQ(ReasonOf(verifier.Verify(good)), "OK");  // not pushed out
+  EXPECT_EQ(verifier.signatures_checked(), 6);
+}
+
+TEST_F(TokenVerifierTest, DoesNotHoldATokensEarlinessAgainstIt) {
   TokenVerifier verifier({}, *keys_, wall_);
   const std::string early =
       MakeToken(JwtAlgorithm::kEs256, ec_, "e",

@@ -111,8 +111,11 @@ RepositoryFigures FiguresOf(const SceneRepository& repository) {
 
 // Destroyed from the last to the first: what calls before what it calls.
 struct Application::Parts {
-  Parts(ServerLog& log, const Clock& clock)
-      : log(log), clock(clock), metrics(registry), call_log(log, clock) {}
+  Parts(ServerLog& server_log, const Clock& used_clock)
+      : log(server_log),
+        clock(used_clock),
+        metrics(registry),
+        call_log(server_log, used_clock) {}
   // Downloads must not outlast the rest.
   ~Parts() { stop_downloads.request_stop(); }
 
@@ -153,9 +156,9 @@ struct Application::Parts {
 absl::Status Application::Parts::OpenAccessPolicy(const ServerConfig& config) {
   const TrustLog trust_log = [this](TrustSeverity severity,
                                     const std::string& message) {
-    log.Say(severity == TrustSeverity::kWarning ? LogLevel::kWarn
-                                                : LogLevel::kInfo,
-            message);
+    log.Say(
+        severity == TrustSeverity::kWarning ? LogLevel::kWarn : LogLevel::kInfo,
+        message);
   };
   if (!config.tls_cert.empty()) {
     TL_ASSIGN_OR_RETURN(certificates,
@@ -187,8 +190,8 @@ absl::Status Application::Parts::OpenAccessPolicy(const ServerConfig& config) {
 }
 
 void Application::Parts::SetRateLimit(const ServerConfig& config) {
-  access.Set(std::make_shared<RateLimitedAccess>(*identity,
-                                                 RateLimitOf(config), clock));
+  access.Set(std::make_shared<RateLimitedAccess>(*identity, RateLimitOf(config),
+                                                 clock));
 }
 
 absl::Status Application::Parts::StartRecorder(const ServerConfig& config) {
@@ -240,12 +243,11 @@ absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
   options.http.max_body_mib = config.max_message_mib;
   options.allowed_origins = config.cors_origin;
   if (http_tls != nullptr) {
-    options.http.tls = HttpTlsHooks{
+    options.http.tls = ServerTls{
         .configure =
             [this](SSL_CTX& context) { return http_tls->Configure(context); },
-        .client_names = [](SSL* connection) {
-          return CertificateNames(*connection);
-        }};
+        .client_names =
+            [](SSL* connection) { return CertificateNames(*connection); }};
   }
   GatewayHooks hooks;
   hooks.metrics = [this] { return registry.Expose(); };

@@ -30,7 +30,6 @@ ConfigReloader::ConfigReloader(ConfigSources sources, EffectiveConfig initial,
       in_force_(std::move(initial)) {}
 
 void ConfigReloader::Reload() {
-  absl::MutexLock one_at_a_time(&reloading_);
   const auto& settings = ServerConfigTable().settings();
   const auto read = ResolveAll(sources_);
   if (!read.ok()) {

@@ -12,8 +12,8 @@
 
 namespace treeline {
 
-// Reads the sources again when asked to. Thread-safe; Reload() is not meant to
-// be called from within `apply`.
+// Reads the sources again when asked to. Reload() is for one thread at a time;
+// config() for any.
 class ConfigReloader {
  public:
   // `initial` is what `sources` gave at the start. `apply` gets the
@@ -33,8 +33,6 @@ class ConfigReloader {
   const ConfigSources sources_;
   ServerLog& log_;
   const std::function<void(const ServerConfig&)> apply_;
-  // One reload after the other.
-  absl::Mutex reloading_;
   mutable absl::Mutex mutex_;
   EffectiveConfig in_force_ ABSL_GUARDED_BY(mutex_);
 };

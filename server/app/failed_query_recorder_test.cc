@@ -204,6 +204,8 @@ class FakeDispatcher final : public Dispatcher {
                    Done<v1::UnloadSceneResponse> done) override {
     done(v1::UnloadSceneResponse());
   }
+  void Reject(const CallInfo&, const v1::LocalizeRequest&,
+              const absl::Status&) override {}
   Load load() const override { return {.queued = 3}; }
 
   absl::StatusOr<v1::LocalizeResponse> answer = v1::LocalizeResponse();

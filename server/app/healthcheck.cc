@@ -19,6 +19,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/wire/status.h"
+#include "server/service/scene_health.h"
 
 namespace treeline {
 namespace {
@@ -103,10 +104,6 @@ absl::StatusOr<std::string> Ask(grpc::GenericStub& stub,
 
 }  // namespace
 
-std::string HealthServiceOfScene(absl::string_view scene) {
-  return absl::StrCat("scene/", scene);
-}
-
 std::string EncodeHealthRequest(absl::string_view service) {
   // Field 1, a string; absent if it is empty.
   if (service.empty()) return "";
@@ -142,7 +139,7 @@ absl::Status CheckHealth(const HealthcheckOptions& options) {
   grpc::GenericStub stub(grpc::CreateCustomChannel(
       options.server, connection.credentials, connection.arguments));
   const std::string service =
-      options.scene.empty() ? "" : HealthServiceOfScene(options.scene);
+      options.scene.empty() ? "" : HealthServiceOf(options.scene);
   const auto answer =
       Ask(stub, EncodeHealthRequest(service), options.timeout_s);
   if (!answer.ok()) return answer.status();

@@ -24,9 +24,6 @@ struct HealthcheckOptions {
   std::string tls_key = {};
 };
 
-// What grpc.health.v1 calls a scene: "scene/NAME".
-std::string HealthServiceOfScene(absl::string_view scene);
-
 // OK: it answered SERVING. UNAVAILABLE: it is not there, or answered something
 // else; NOT_FOUND: it knows no such scene; DEADLINE_EXCEEDED; errors of the
 // files.

@@ -7,10 +7,6 @@
 namespace treeline {
 namespace {
 
-TEST(Healthcheck, ScenesHaveServicesOfTheirOwn) {
-  EXPECT_EQ(HealthServiceOfScene("kitchen"), "scene/kitchen");
-}
-
 TEST(Healthcheck, EncodesTheServiceAsField1) {
   EXPECT_EQ(EncodeHealthRequest(""), "");
   EXPECT_EQ(EncodeHealthRequest("scene/a"), "\x0a\x07scene/a");

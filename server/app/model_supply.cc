@@ -31,6 +31,17 @@ absl::StatusOr<std::unique_ptr<ModelSource>> OpenSource(
   return HttpModelSource::Open(std::move(options), clock);
 }
 
+// What happens to scenes after the start, too.
+void LogEventOf(const RepositoryEvent& event, ServerLog& log) {
+  const bool bad = !event.status.ok();
+  LogEvent line = log.Event();
+  line.Word("event", EventName(event.kind));
+  if (!event.scene.empty()) line.Word("scene", event.scene);
+  if (!event.version.empty()) line.Word("version", event.version);
+  if (bad) line.Text("reason", event.status.ToString());
+  log.Write(bad ? LogLevel::kWarn : LogLevel::kInfo, line);
+}
+
 void LogScenes(const SceneRepository& repository, const std::string& models,
                ServerLog& log) {
   const std::vector<SceneStatus> scenes = repository.List();
@@ -72,9 +83,12 @@ absl::StatusOr<std::unique_ptr<SceneRepository>> OpenRepository(
   RepositoryOptions options;
   options.memory_budget_bytes = static_cast<uint64_t>(config.memory_budget_mib)
                                 << 20;
-  options.poll_interval = std::chrono::milliseconds(
-      static_cast<int64_t>(config.poll_s * 1e3));
+  options.poll_interval =
+      std::chrono::milliseconds(static_cast<int64_t>(config.poll_s * 1e3));
   options.load_all_at_start = config.load_all;
+  options.on_event = [&log](const RepositoryEvent& event) {
+    LogEventOf(event, log);
+  };
   auto repository = SceneRepository::Open(
       *std::move(source),
       [](const std::string& path) { return OpenLocalizer(path); }, options,

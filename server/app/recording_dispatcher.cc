@@ -73,6 +73,10 @@ void RecordingDispatcher::Record(
 void RecordingDispatcher::Localize(CallInfo call,
                                    const v1::LocalizeRequest& request,
                                    Done<v1::LocalizeResponse> done) {
+  if (call.rpc == absl::string_view(kGeoPoseRpc)) {
+    inner_.Localize(std::move(call), request, std::move(done));
+    return;
+  }
   std::string traceparent = call.traceparent;
   inner_.Localize(
       std::move(call), request,

@@ -85,10 +85,10 @@ TEST(ServerConfig, OriginsHaveNoPath) {
   }
 }
 
-TEST(ServerConfig, ReachesGrpc) {
+TEST(ServerConfig, ReachesTheService) {
   const auto config = Made({{"queue", "3"}, {"max_megapixels", "0.5"}});
   ASSERT_TRUE(config.ok()) << config.status();
-  const GrpcServerOptions options = GrpcOptionsOf(*config);
+  const DispatcherOptions options = DispatcherOptionsOf(*config);
   EXPECT_EQ(options.queue, 3);
   EXPECT_EQ(options.decode_limits.max_pixels, 500000);
 }

@@ -156,8 +156,8 @@ void BM_TimeToStop(benchmark::State& state) {
     const Time::time_point returned = Time::now();
     asker.join();
     const double ms = std::max(
-        0.0, std::chrono::duration<double, std::milli>(returned - asked)
-                 .count());
+        0.0,
+        std::chrono::duration<double, std::milli>(returned - asked).count());
     if (!estimate.ok()) stopped_ms.push_back(ms);
     state.SetIterationTime(ms / 1e3);
   }

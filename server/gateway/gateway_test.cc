@@ -68,7 +68,7 @@ class GatewayTest : public ::testing::Test {
     return nlohmann::json::parse(result->body)["message"];
   }
 
-  const SteadyClock clock_;
+  const SteadyClock clock_{};
   TestingDispatcher dispatcher_;
   bool ready_ = true;
   std::unique_ptr<Gateway> gateway_;

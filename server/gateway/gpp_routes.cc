@@ -149,7 +149,7 @@ HttpResponse GppRoutes::Handle(const HttpRequest& request) const {
 absl::StatusOr<HttpResponse> GppRoutes::Localize(
     const HttpRequest& http) const {
   TL_ASSIGN_OR_RETURN(CallInfo call,
-                      CallInfoOf(http, "Localize", admin_listener_));
+                      CallInfoOf(http, kGeoPoseRpc, admin_listener_));
   TL_ASSIGN_OR_RETURN(GppRequest request, ParseGppRequest(http.body));
   std::vector<std::string> near = ScenesNear(scenes_(), request.hints);
   if (near.empty()) {

@@ -57,7 +57,7 @@ class GppRoutesTest : public ::testing::Test {
     return routes_.Handle(request);
   }
 
-  const SteadyClock clock_;
+  const SteadyClock clock_{};
   TestingDispatcher dispatcher_;
   v1::SceneInfo unanchored_;
   std::vector<v1::SceneInfo> scenes_{Scene("hall", 48, 11)};

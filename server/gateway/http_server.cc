@@ -85,7 +85,7 @@ absl::StatusOr<int> Listen(ListenAddress& address) {
   return fd;
 }
 
-absl::StatusOr<UniqueSslContext> MakeContext(const HttpTlsHooks& tls) {
+absl::StatusOr<UniqueSslContext> MakeContext(const ServerTls& tls) {
   UniqueSslContext context(SSL_CTX_new(TLS_server_method()));
   if (context == nullptr) return absl::InternalError("no TLS context");
   SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);

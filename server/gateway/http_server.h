@@ -22,7 +22,7 @@
 namespace treeline {
 
 // How connections are encrypted.
-struct HttpTlsHooks {
+struct ServerTls {
   // Sets up the context that all connections share: certificates, client
   // certificates, versions. The parameter of httplib::SSLServer's constructor,
   // so that what serves one serves the other. False: it failed.
@@ -49,7 +49,7 @@ struct HttpServerOptions {
   std::chrono::milliseconds idle_timeout{60000};
   StreamLimits stream = {};
   // nullopt: plain.
-  std::optional<HttpTlsHooks> tls = std::nullopt;
+  std::optional<ServerTls> tls = std::nullopt;
 
   absl::Status Validate() const;
 };

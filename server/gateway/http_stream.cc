@@ -3,6 +3,7 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
+#include <openssl/err.h>
 #include <poll.h>
 #include <sys/socket.h>
 
@@ -53,6 +54,8 @@ bool HttpStream::Handshake() {
   if (ssl_ == nullptr) return true;
   deadline_ = clock_.Now() + limits_.head_timeout;
   for (;;) {
+    // SSL_get_error() looks at what is left of earlier failures too.
+    ERR_clear_error();
     const int result = SSL_accept(ssl_.get());
     if (result == 1) return true;
     if (!WaitForTls(result)) return false;
@@ -158,6 +161,7 @@ ssize_t HttpStream::Receive(char* ptr, size_t size) {
       return -1;
     }
     if (ssl_ != nullptr) {
+      ERR_clear_error();
       const int result = SSL_read(
           ssl_.get(), ptr, static_cast<int>(std::min<size_t>(size, INT_MAX)));
       if (result > 0) return result;
@@ -178,6 +182,7 @@ ssize_t HttpStream::Receive(char* ptr, size_t size) {
 ssize_t HttpStream::Send(const char* ptr, size_t size) {
   for (;;) {
     if (ssl_ != nullptr) {
+      ERR_clear_error();
       const int result = SSL_write(
           ssl_.get(), ptr, static_cast<int>(std::min<size_t>(size, INT_MAX)));
       if (result > 0) return result;

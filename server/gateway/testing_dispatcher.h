@@ -78,6 +78,8 @@ class TestingDispatcher final : public Dispatcher {
     response.mutable_scene()->set_scene(request.scene());
     done(response);
   }
+  void Reject(const CallInfo&, const v1::LocalizeRequest&,
+              const absl::Status&) override {}
   Load load() const override { return {}; }
 
   // Of all calls so far.

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "server/repository/scene.h"
 
 namespace treeline {
@@ -57,6 +58,8 @@ struct RepositoryStats {
   uint64_t swaps = 0;
   uint64_t rescans = 0;  // that succeeded
   uint64_t rescan_failures = 0;
+  // How the last one ended.
+  absl::Status last_rescan = {};
   // Loads queued or at work.
   uint64_t pending_loads = 0;
   // Of all models in memory, those included that were let go and are still used

@@ -16,13 +16,6 @@ namespace {
 
 constexpr int kMaxLoaderThreads = 64;
 
-// To be called without a lock.
-void Carry(SceneTable::Effects& effects) {
-  effects.released.clear();
-  for (const std::function<void()>& answer : effects.answers) answer();
-  effects.answers.clear();
-}
-
 // Clients see why a model failed, but not where the server keeps it.
 absl::Status WithoutPath(const absl::Status& status, const std::string& path) {
   absl::Status stripped(
@@ -71,6 +64,18 @@ SceneRepository::SceneRepository(std::unique_ptr<ModelSource> source,
       table_(options.memory_budget_bytes) {}
 
 SceneRepository::~SceneRepository() { Stop(); }
+
+void SceneRepository::Carry(SceneTable::Effects& effects) const {
+  effects.released.clear();
+  if (options_.on_event != nullptr) {
+    for (const RepositoryEvent& event : effects.events) {
+      options_.on_event(event);
+    }
+  }
+  effects.events.clear();
+  for (const std::function<void()>& answer : effects.answers) answer();
+  effects.answers.clear();
+}
 
 void SceneRepository::StartThreads() {
   if (options_.load_all_at_start) {
@@ -198,7 +203,7 @@ void SceneRepository::AcquireAsync(const std::string& name,
     absl::MutexLock lock(&shared_->mutex);
     table_.Acquire(name, version, std::move(done), clock_.Now(), effects);
     if (stopping_) table_.TurnAwayAll(effects);
-    if (!table_.is_settled()) Wake();
+    if (table_.has_queued()) Wake();
   }
   Carry(effects);
 }
@@ -303,6 +308,7 @@ absl::Status SceneRepository::Rescan() {
   SceneTable::Effects effects;
   {
     absl::MutexLock lock(&shared_->mutex);
+    last_rescan_ = listing.status();
     if (!listing.ok()) {
       ++rescan_failures_;
       return listing.status();
@@ -353,6 +359,7 @@ RepositoryStats SceneRepository::Stats() const {
   RepositoryStats stats = table_.Stats();
   stats.rescans = rescans_;
   stats.rescan_failures = rescan_failures_;
+  stats.last_rescan = last_rescan_;
   stats.resident_bytes = shared_->resident_bytes;
   return stats;
 }

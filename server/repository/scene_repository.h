@@ -18,6 +18,7 @@
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
 #include "server/repository/model_source.h"
+#include "server/repository/repository_event.h"
 #include "server/repository/repository_stats.h"
 #include "server/repository/scene.h"
 #include "server/repository/scene_table.h"
@@ -39,6 +40,9 @@ struct RepositoryOptions {
   // Load the newest version of every scene, as far as the budget goes, rather
   // than each with its first query.
   bool load_all_at_start = false;
+  // Called for each event, without a lock, from the thread that brought it
+  // about, at times before Open has returned; must not block. May be null.
+  RepositoryEventHandler on_event = {};
 
   absl::Status Validate() const;
 };
@@ -140,6 +144,8 @@ class SceneRepository {
   void LoadNow(const std::string& name, const std::string& version,
                StatusDone done);
   bool IsStopping() const;
+  // What the table left to do; to be called without the lock.
+  void Carry(SceneTable::Effects& effects) const;
   // Wakes who waits for changes.
   void Wake() ABSL_EXCLUSIVE_LOCKS_REQUIRED(shared_->mutex) {
     shared_->changed.SignalAll();
@@ -159,6 +165,7 @@ class SceneRepository {
   uint64_t listings_ ABSL_GUARDED_BY(shared_->mutex) = 0;
   uint64_t applied_listing_ ABSL_GUARDED_BY(shared_->mutex) = 0;
   uint64_t rescans_ ABSL_GUARDED_BY(shared_->mutex) = 0;
+  absl::Status last_rescan_ ABSL_GUARDED_BY(shared_->mutex);
   uint64_t rescan_failures_ ABSL_GUARDED_BY(shared_->mutex) = 0;
 
   // Last, so that they end first.

@@ -1,6 +1,9 @@
 #include "server/repository/scene_repository.h"
 
+#include <unistd.h>
+
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <thread>
@@ -9,9 +12,11 @@
 
 #include "absl/synchronization/notification.h"
 #include "common/base/error_info.h"
+#include "common/base/file.h"
 #include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "server/repository/folder_source.h"
 #include "server/repository/load_failure.h"
 #include "server/repository/repository_test_util.h"
 
@@ -142,6 +147,7 @@ TEST_F(SceneRepositoryTest, ASourceThatFailsLaterLeavesAllAsItWas) {
   EXPECT_EQ(repository_->Rescan().code(), absl::StatusCode::kUnavailable);
   EXPECT_TRUE(repository_->Acquire("kitchen", "").ok());
   EXPECT_EQ(repository_->Stats().rescan_failures, 1u);
+  EXPECT_EQ(repository_->Stats().last_rescan.message(), "gone fishing");
   EXPECT_EQ(Load("kitchen").status().code(), absl::StatusCode::kUnavailable);
 }
 
@@ -241,6 +247,7 @@ TEST_F(SceneRepositoryTest, WaitingEndsWhenTheCallerIsStopped) {
   EXPECT_EQ(repository_->WaitForLoads(stop.get_token()).code(),
             absl::StatusCode::kCancelled);
   gated.LetGo();
+  repository_->Stop();  // the loader must be through before the gate goes
 }
 
 TEST_F(SceneRepositoryTest, ThoseWhoWaitAreAnsweredWhenItStops) {
@@ -269,6 +276,58 @@ TEST_F(SceneRepositoryTest, ThoseWhoWaitAreAnsweredWhenItStops) {
             absl::StatusCode::kNotFound);
 }
 
+// As an operator does it, with files.
+TEST_F(SceneRepositoryTest, ServesAFolderAndFollowsIt) {
+  namespace fs = std::filesystem;
+  const fs::path root =
+      fs::path(testing::TempDir()) / ("repository-" + std::to_string(getpid()));
+  const auto put = [&](const std::string& version, const std::string& content) {
+    fs::create_directories(root / "kitchen" / version);
+    const fs::path file = root / "kitchen" / version / "model.treeline";
+    ASSERT_TRUE(WriteFileAtomically(file.string(), content).ok());
+  };
+  put("1", "good one");
+  auto opened = SceneRepository::Open(
+      std::make_unique<FolderSource>(root.string()),
+      [](const std::string& path)
+          -> absl::StatusOr<std::unique_ptr<Localizer>> {
+        const auto content = ReadFile(path);
+        if (!content.ok()) return content.status();
+        return OpenContent(*content);
+      },
+      {}, clock_);
+  ASSERT_TRUE(opened.ok()) << opened.status();
+  repository_ = *std::move(opened);
+  const auto serving = [&] {
+    const auto scene = repository_->Acquire("kitchen", "");
+    return scene.ok() ? (*scene)->localizer->info().dataset
+                      : scene.status().ToString();
+  };
+  const auto rescan = [&] {
+    ASSERT_TRUE(repository_->Rescan().ok());
+    ASSERT_TRUE(repository_->WaitForLoads().ok());
+  };
+  EXPECT_EQ(serving(), "good one");
+  put("2", "half");
+  rescan();
+  EXPECT_EQ(serving(), "good one");
+  put("2", "good two");
+  rescan();
+  EXPECT_EQ(serving(), "good two");
+  put("2", "good two, mended");
+  rescan();
+  EXPECT_EQ(serving(), "good two, mended");
+  fs::remove_all(root / "kitchen" / "2");
+  rescan();
+  EXPECT_EQ(serving(), "good one");
+  fs::remove_all(root / "kitchen");
+  rescan();
+  EXPECT_EQ(serving(), "good one");
+  ASSERT_TRUE(repository_->Unload("kitchen", "").ok());
+  EXPECT_THAT(serving(), HasSubstr("NOT_FOUND"));
+  fs::remove_all(root);
+}
+
 // Everything at once, for ThreadSanitizer: 12 scenes in room for 4, of which
 // versions come, go and break.
 TEST_F(SceneRepositoryTest, StandsEverythingAtOnce) {
@@ -276,10 +335,14 @@ TEST_F(SceneRepositoryTest, StandsEverythingAtOnce) {
   constexpr int kRounds = 150;
   const auto name = [](uint32_t i) { return "scene-" + std::to_string(i); };
   for (uint32_t i = 0; i < kScenes; ++i) source_->Put(name(i), "1", "good", 5);
+  std::atomic<uint64_t> loaded{0};
   Open({.memory_budget_bytes = 20,
         .poll_interval = std::chrono::milliseconds(1),
         .loader_threads = 3,
-        .load_all_at_start = true});
+        .load_all_at_start = true,
+        .on_event = [&](const RepositoryEvent& event) {
+          if (event.kind == RepositoryEvent::Kind::kLoaded) ++loaded;
+        }});
   std::atomic<int> asked{0};
   std::atomic<int> answered{0};
   std::atomic<int> wrong{0};
@@ -292,6 +355,8 @@ TEST_F(SceneRepositoryTest, StandsEverythingAtOnce) {
           scene, "",
           [&, scene](const absl::StatusOr<std::shared_ptr<const Scene>>& got) {
             ++answered;
+            // It may call the repository.
+            if (repository_->Get(scene)->versions.empty()) ++wrong;
             if (!got.ok() || (*got)->name != scene ||
                 (*got)->localizer->info().dataset != "good") {
               ++wrong;
@@ -348,6 +413,7 @@ TEST_F(SceneRepositoryTest, StandsEverythingAtOnce) {
   repository_->Stop();
   EXPECT_EQ(answered, asked);
   EXPECT_EQ(wrong, 0);
+  EXPECT_EQ(loaded, repository_->Stats().counts.loads);
 }
 
 }  // namespace

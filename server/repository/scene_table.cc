@@ -7,6 +7,19 @@
 #include "server/repository/load_failure.h"
 
 namespace treeline {
+namespace {
+
+// The answer is moved on, so that nobody but the one who asked holds the scene.
+void PushAnswer(AcquireDone done,
+                absl::StatusOr<std::shared_ptr<const Scene>> answer,
+                SceneTable::Effects& effects) {
+  effects.answers.push_back(
+      [done = std::move(done), answer = std::move(answer)]() mutable {
+        done(std::move(answer));
+      });
+}
+
+}  // namespace
 
 void SceneTable::Apply(const SourceListing& listing, MonotonicTime now,
                        Effects& effects) {
@@ -45,6 +58,8 @@ void SceneTable::ApplyModel(const ModelRef& model, Effects& effects) {
   // What is mapped is no longer what was verified: nobody else may get it.
   if (!model.file_id.empty() && model.file_id == version.loaded.file_id) {
     Release(version, effects);
+    effects.events.push_back(
+        {RepositoryEvent::Kind::kOverwritten, model.scene, model.version});
   }
   StartLoad(version);
 }
@@ -54,9 +69,14 @@ void SceneTable::ApplyMetadata(Entry& entry, const SourceListing& listing,
   const auto unreadable = listing.scene_json_errors.find(entry.name);
   if (unreadable != listing.scene_json_errors.end()) {
     // Without the message: it tells where the server keeps its files.
-    entry.metadata_problem = absl::InvalidArgumentError(
+    const absl::Status problem = absl::InvalidArgumentError(
         absl::StrCat("scene.json: cannot be read: ",
                      absl::StatusCodeToString(unreadable->second.code())));
+    if (entry.metadata_problem == problem) return;
+    entry.metadata_problem = problem;
+    effects.events.push_back({.kind = RepositoryEvent::Kind::kBadMetadata,
+                              .scene = entry.name,
+                              .status = problem});
     entry.json.reset();
     return;
   }
@@ -68,7 +88,12 @@ void SceneTable::ApplyMetadata(Entry& entry, const SourceListing& listing,
     const absl::StatusOr<SceneMetadata> parsed =
         ParseSceneMetadata(text->second);
     entry.metadata_problem = parsed.status();
-    if (!parsed.ok()) return;
+    if (!parsed.ok()) {
+      effects.events.push_back({.kind = RepositoryEvent::Kind::kBadMetadata,
+                                .scene = entry.name,
+                                .status = parsed.status()});
+      return;
+    }
     metadata = std::make_shared<const SceneMetadata>(*parsed);
   } else {
     entry.json.reset();
@@ -171,6 +196,10 @@ void SceneTable::Settle(Entry& entry, MonotonicTime now, Effects& effects) {
   Version* const serving = Serving(entry);
   if (target != nullptr && target->scene != nullptr) {
     if (serving != nullptr && serving != target) ++swaps_;
+    if (serving != target) {
+      effects.events.push_back({RepositoryEvent::Kind::kTookOver, entry.name,
+                                target->model.version});
+    }
     entry.serving = target->model.version;
     for (auto& [name, version] : entry.versions) {
       if (&version != target && !version.named) Release(version, effects);
@@ -185,18 +214,30 @@ void SceneTable::AnswerWaiters(Entry& entry, MonotonicTime now,
                                Effects& effects) {
   std::vector<Waiter> still_waiting;
   for (Waiter& waiter : entry.waiters) {
-    Answer answer = waiter.version.empty() ? ResolveNewest(entry, now)
-                                           : ResolveNamed(entry, waiter, now);
+    Answer answer = Resolve(entry, waiter, now);
     if (!answer) {
       still_waiting.push_back(std::move(waiter));
       continue;
     }
-    effects.answers.push_back(
-        [done = std::move(waiter.done), answer = *std::move(answer)]() {
-          done(answer);
-        });
+    PushAnswer(std::move(waiter.done), *std::move(answer), effects);
   }
   entry.waiters = std::move(still_waiting);
+}
+
+void SceneTable::Add(Entry& entry, Waiter waiter, MonotonicTime now,
+                     Effects& effects) {
+  Answer answer = Resolve(entry, waiter, now);
+  if (!answer) {
+    entry.waiters.push_back(std::move(waiter));
+    return;
+  }
+  PushAnswer(std::move(waiter.done), *std::move(answer), effects);
+}
+
+SceneTable::Answer SceneTable::Resolve(Entry& entry, const Waiter& waiter,
+                                       MonotonicTime now) {
+  return waiter.version.empty() ? ResolveNewest(entry, now)
+                                : ResolveNamed(entry, waiter, now);
 }
 
 void SceneTable::Acquire(const std::string& name, const std::string& version,
@@ -204,23 +245,20 @@ void SceneTable::Acquire(const std::string& name, const std::string& version,
                          Effects& effects) {
   const auto found = scenes_.find(name);
   if (found == scenes_.end()) {
-    effects.answers.push_back(
-        [done = std::move(done), error = NoScene(name)] { done(error); });
+    PushAnswer(std::move(done), NoScene(name), effects);
     return;
   }
   Entry& entry = found->second;
   const auto wanted = entry.versions.find(version);
   if (wanted != entry.versions.end()) wanted->second.named = true;
-  entry.waiters.push_back({version, false, std::move(done)});
-  AnswerWaiters(entry, now, effects);
+  Add(entry, {version, false, std::move(done)}, now, effects);
 }
 
 void SceneTable::Load(const std::string& name, const std::string& version,
                       AcquireDone done, MonotonicTime now, Effects& effects) {
   const auto found = scenes_.find(name);
   if (found == scenes_.end()) {
-    effects.answers.push_back(
-        [done = std::move(done), error = NoScene(name)] { done(error); });
+    PushAnswer(std::move(done), NoScene(name), effects);
     return;
   }
   Entry& entry = found->second;
@@ -238,8 +276,7 @@ void SceneTable::Load(const std::string& name, const std::string& version,
     if (!state.failure.ok() || state.scene == nullptr) StartLoad(state);
     state.if_fits = false;
   }
-  entry.waiters.push_back({chosen, true, std::move(done)});
-  AnswerWaiters(entry, now, effects);
+  Add(entry, {chosen, true, std::move(done)}, now, effects);
 }
 
 absl::Status SceneTable::Unload(const std::string& name,
@@ -251,7 +288,13 @@ absl::Status SceneTable::Unload(const std::string& name,
     return NoVersion(name, version);
   }
   for (auto& [candidate, state] : versions) {
-    if (version.empty() || candidate == version) Release(state, effects);
+    if (state.scene == nullptr) continue;
+    if (!version.empty() && candidate != version) continue;
+    Release(state, effects);
+    effects.events.push_back({.kind = RepositoryEvent::Kind::kUnloaded,
+                              .scene = name,
+                              .version = candidate,
+                              .bytes = state.loaded.bytes});
   }
   Tidy(found->second);
   if (versions.empty()) scenes_.erase(found);
@@ -261,8 +304,7 @@ absl::Status SceneTable::Unload(const std::string& name,
 void SceneTable::TurnAwayAll(Effects& effects) {
   for (auto& [name, entry] : scenes_) {
     for (Waiter& waiter : entry.waiters) {
-      effects.answers.push_back([done = std::move(waiter.done),
-                                 error = Stopping(name)] { done(error); });
+      PushAnswer(std::move(waiter.done), Stopping(name), effects);
     }
     entry.waiters.clear();
   }

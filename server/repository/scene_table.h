@@ -18,6 +18,7 @@
 #include "common/base/clock.h"
 #include "server/repository/model_source.h"
 #include "server/repository/names.h"
+#include "server/repository/repository_event.h"
 #include "server/repository/repository_stats.h"
 #include "server/repository/scene.h"
 
@@ -33,9 +34,12 @@ class SceneTable {
   struct Effects {
     // Let go; models are unmapped with them.
     std::vector<std::shared_ptr<const Scene>> released;
+    std::vector<RepositoryEvent> events;
     std::vector<std::function<void()>> answers;
 
-    bool empty() const { return released.empty() && answers.empty(); }
+    bool empty() const {
+      return released.empty() && events.empty() && answers.empty();
+    }
   };
 
   // One model to load. Its bytes are set aside in the budget until Finish.
@@ -73,6 +77,7 @@ class SceneTable {
               absl::StatusOr<std::shared_ptr<const Localizer>> localizer,
               double seconds, MonotonicTime now, Effects& effects);
   // Neither queued nor running loads.
+  bool has_queued() const { return !queue_.empty(); }
   bool is_settled() const { return queue_.empty() && running_ == 0; }
 
   // Answers all who wait that the repository stops.
@@ -155,6 +160,7 @@ class SceneTable {
   // Forgets what is neither listed nor in use.
   static void Tidy(Entry& entry);
 
+  Answer Resolve(Entry& entry, const Waiter& waiter, MonotonicTime now);
   Answer ResolveNamed(Entry& entry, const Waiter& waiter, MonotonicTime now);
   Answer ResolveNewest(Entry& entry, MonotonicTime now);
   static absl::Status FailureOf(const Entry& entry, const Version& version,
@@ -165,10 +171,12 @@ class SceneTable {
   // is, and answers those whom that helps.
   void Settle(Entry& entry, MonotonicTime now, Effects& effects);
   void AnswerWaiters(Entry& entry, MonotonicTime now, Effects& effects);
+  // Answers `waiter`, or lets it wait.
+  void Add(Entry& entry, Waiter waiter, MonotonicTime now, Effects& effects);
   void Install(Entry& entry, Version& version, const Job& job,
                std::shared_ptr<const Localizer> localizer, Effects& effects);
   void NoteFailure(Entry& entry, Version& version, const absl::Status& failure,
-                   MonotonicTime now);
+                   MonotonicTime now, Effects& effects);
   void Release(Version& version, Effects& effects);
 
   bool Fits(uint64_t bytes, uint64_t resident_bytes) const {

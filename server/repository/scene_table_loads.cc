@@ -62,7 +62,7 @@ std::optional<SceneTable::Job> SceneTable::NextJob(uint64_t resident_bytes,
       version.if_fits = false;
       if (is_too_large) {
         NoteFailure(entry, version,
-                    LargerThanBudget(model.bytes, budget_bytes_), now);
+                    LargerThanBudget(model.bytes, budget_bytes_), now, effects);
         Settle(entry, now, effects);
       }
       continue;
@@ -116,6 +116,10 @@ void SceneTable::MakeRoom(const ModelRef& model, uint64_t resident_bytes,
     ++candidate.entry->counts.evictions;
     ++counts_.evictions;
     Release(*candidate.version, effects);
+    effects.events.push_back({.kind = RepositoryEvent::Kind::kEvicted,
+                              .scene = candidate.entry->name,
+                              .version = candidate.version->model.version,
+                              .bytes = bytes});
   }
 }
 
@@ -145,11 +149,16 @@ void SceneTable::Finish(
                                version.model.file_id == job.model.file_id;
   if (localizer.ok() && !was_overwritten) {
     Install(entry, version, job, *std::move(localizer), effects);
+    effects.events.push_back({.kind = RepositoryEvent::Kind::kLoaded,
+                              .scene = entry.name,
+                              .version = job.model.version,
+                              .bytes = job.model.bytes,
+                              .seconds = seconds});
   } else if (localizer.ok()) {
     effects.released.push_back(std::make_shared<const Scene>(
         Scene{entry.name, job.model.version, *std::move(localizer)}));
   } else if (!has_changed) {
-    NoteFailure(entry, version, localizer.status(), now);
+    NoteFailure(entry, version, localizer.status(), now, effects);
   }
   if (has_changed && version.listed) StartLoad(version);
   Settle(entry, now, effects);
@@ -183,13 +192,18 @@ void SceneTable::Install(Entry& entry, Version& version, const Job& job,
 }
 
 void SceneTable::NoteFailure(Entry& entry, Version& version,
-                             const absl::Status& failure, MonotonicTime now) {
+                             const absl::Status& failure, MonotonicTime now,
+                             Effects& effects) {
   ++entry.counts.load_failures;
   ++counts_.load_failures;
   version.failure = failure;
   version.retry_at =
       now + kFirstRetry * (1 << std::min(version.failures, kMostDoublings));
   ++version.failures;
+  effects.events.push_back({.kind = RepositoryEvent::Kind::kLoadFailed,
+                            .scene = entry.name,
+                            .version = version.model.version,
+                            .status = failure});
 }
 
 }  // namespace treeline

@@ -10,7 +10,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/repository/load_failure.h"
-#include "server/repository/repository_test_util.h"
+#include "server/repository/scene_table_fixture.h"
 
 namespace treeline {
 namespace {
@@ -19,115 +19,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using std::chrono_literals::operator""s;
 using std::chrono_literals::operator""ms;
-
-using ScenePtr = std::shared_ptr<const Scene>;
-
-// A table with the source, the loader and the memory that it needs, all on one
-// thread: every test says when what happens.
-class SceneTableTest : public testing::Test {
- protected:
-  SceneTableTest() : SceneTableTest(0) {}
-  explicit SceneTableTest(uint64_t budget) : table_(budget) {}
-
-  void Rescan() {
-    SceneTable::Effects effects;
-    table_.Apply(*source_.List(), clock_.Now(), effects);
-    Carry(effects);
-  }
-  // Runs the queued loads, or only the first `count` of them; returns what was
-  // loaded, as "scene/version".
-  std::vector<std::string> RunLoads(int count = 1000) {
-    std::vector<std::string> loaded;
-    for (; count > 0; --count) {
-      const auto job = Next();
-      if (!job) break;
-      loaded.push_back(job->model.scene + "/" + job->model.version);
-      Finish(*job);
-    }
-    return loaded;
-  }
-  std::optional<SceneTable::Job> Next() {
-    while (true) {
-      SceneTable::Effects effects;
-      auto job = table_.NextJob(resident_, clock_.Now(), effects);
-      if (job || effects.empty()) return job;
-      Carry(effects);
-    }
-  }
-  void Finish(const SceneTable::Job& job) {
-    absl::StatusOr<std::shared_ptr<const Localizer>> localizer;
-    const auto content = source_.Fetch(job.model, {});
-    auto opened = content.ok() ? OpenContent(*content) : content.status();
-    if (!opened.ok()) {
-      localizer = opened.status();
-    } else {
-      resident_ += job.model.bytes;
-      localizer = std::shared_ptr<const Localizer>(
-          opened->release(),
-          [this, bytes = job.model.bytes](const Localizer* gone) {
-            delete gone;
-            resident_ -= bytes;
-          });
-    }
-    SceneTable::Effects effects;
-    table_.Finish(job, std::move(localizer), 0.25, clock_.Now(), effects);
-    Carry(effects);
-  }
-  // What came of an Acquire or a Load.
-  struct Asked {
-    bool answered = false;
-    absl::StatusOr<ScenePtr> scene = absl::UnknownError("no answer");
-  };
-  std::shared_ptr<Asked> Ask(const std::string& scene,
-                             const std::string& version = "") {
-    auto asked = std::make_shared<Asked>();
-    SceneTable::Effects effects;
-    table_.Acquire(scene, version, Into(asked), clock_.Now(), effects);
-    Carry(effects);
-    return asked;
-  }
-  std::shared_ptr<Asked> Load(const std::string& scene,
-                              const std::string& version = "") {
-    auto asked = std::make_shared<Asked>();
-    SceneTable::Effects effects;
-    table_.Load(scene, version, Into(asked), clock_.Now(), effects);
-    Carry(effects);
-    return asked;
-  }
-  static AcquireDone Into(const std::shared_ptr<Asked>& asked) {
-    return [asked](absl::StatusOr<ScenePtr> scene) {
-      EXPECT_FALSE(asked->answered);
-      *asked = {true, std::move(scene)};
-    };
-  }
-  // Asks, loads what that needs, and returns the version, or the error.
-  std::string Answer(const std::string& scene,
-                     const std::string& version = "") {
-    const auto asked = Ask(scene, version);
-    RunLoads();
-    EXPECT_TRUE(asked->answered);
-    return asked->scene.ok() ? (*asked->scene)->version
-                             : asked->scene.status().ToString();
-  }
-  void Unload(const std::string& scene, const std::string& version = "") {
-    SceneTable::Effects effects;
-    EXPECT_TRUE(table_.Unload(scene, version, effects).ok());
-    Carry(effects);
-  }
-  SceneState StateOf(const std::string& scene, size_t version) {
-    return table_.Get(scene)->versions.at(version).state;
-  }
-  static void Carry(SceneTable::Effects& effects) {
-    effects.released.clear();
-    for (const auto& answer : effects.answers) answer();
-    effects.answers.clear();
-  }
-
-  ManualClock clock_;
-  FakeSource source_;
-  uint64_t resident_ = 0;
-  SceneTable table_;
-};
 
 TEST_F(SceneTableTest, AVersionIsLoadedWhenItIsFirstAskedFor) {
   source_.Put("kitchen", "1", "good");
@@ -507,6 +398,44 @@ TEST_F(SceneTableTest, CountsWhatHappens) {
   EXPECT_EQ(stats.scenes[1].counts.load_failures, 1u);
 }
 
+TEST_F(SceneTableTest, TellsWhatHappens) {
+  source_.Put("kitchen", "1", "good");
+  source_.SetJson("kitchen", "[]");
+  Rescan();
+  Answer("kitchen");
+  source_.Put("kitchen", "2", "bad");
+  Rescan();
+  RunLoads();
+  source_.Overwrite("kitchen", "1", "good");
+  Rescan();
+  Answer("kitchen");
+  Unload("kitchen");
+  EXPECT_THAT(events_,
+              ElementsAre("BAD_METADATA kitchen/", "LOADED kitchen/1",
+                          "TOOK_OVER kitchen/1", "LOAD_FAILED kitchen/2",
+                          "OVERWRITTEN kitchen/1", "LOADED kitchen/1",
+                          "UNLOADED kitchen/1"));
+}
+
+TEST_F(SceneTableTest, ACameraOfSceneJsonReplacesTheModels) {
+  source_.Put("kitchen", "1", "good");
+  Rescan();
+  const auto without = Ask("kitchen");
+  RunLoads();
+  const RgbdCalibration& model =
+      (*without->scene)->localizer->info().calibration;
+  EXPECT_FALSE(HasOwnCamera(**without->scene));
+  EXPECT_EQ(QueryCalibration(**without->scene), model);
+  source_.SetJson("kitchen", R"({"camera": {"model": "SIMPLE_PINHOLE",
+      "width_px": 40, "height_px": 30, "parameters": [35, 20, 15]}})");
+  Rescan();
+  const auto with = Ask("kitchen");
+  ASSERT_TRUE(HasOwnCamera(**with->scene));
+  const RgbdCalibration calibration = QueryCalibration(**with->scene);
+  EXPECT_EQ(calibration.color, *(*with->scene)->metadata->camera);
+  EXPECT_EQ(calibration.depth, model.depth);
+}
+
 TEST_F(SceneTableTest, ThoseWhoWaitAreTurnedAwayWhenItStops) {
   source_.Put("kitchen", "1", "good");
   Rescan();
@@ -516,173 +445,6 @@ TEST_F(SceneTableTest, ThoseWhoWaitAreTurnedAwayWhenItStops) {
   Carry(effects);
   EXPECT_EQ(asked->scene.status().code(), absl::StatusCode::kUnavailable);
   EXPECT_EQ(ErrorInfoOf(asked->scene.status()).reason, kSceneNotLoaded);
-}
-
-// Room for ten bytes.
-class BudgetTest : public SceneTableTest {
- protected:
-  BudgetTest() : SceneTableTest(10) {}
-
-  std::vector<std::string> InMemory() {
-    std::vector<std::string> names;
-    for (const SceneStatus& scene : table_.List()) {
-      if (scene.resident_bytes > 0) names.push_back(scene.name);
-    }
-    return names;
-  }
-};
-
-TEST_F(BudgetTest, TheLongestUnusedGoesFirst) {
-  for (const char* scene : {"a", "b", "c"}) source_.Put(scene, "1", "good", 4);
-  Rescan();
-  Answer("a");
-  Answer("b");
-  Answer("a");
-  Answer("c");
-  EXPECT_THAT(InMemory(), ElementsAre("a", "c"));
-  EXPECT_EQ(table_.Stats().counts.evictions, 1u);
-  EXPECT_EQ(resident_, 8u);
-}
-
-TEST_F(BudgetTest, WhatFitsIsLoadedOnce) {
-  for (const char* scene : {"a", "b", "c"}) source_.Put(scene, "1", "good", 3);
-  Rescan();
-  for (int round = 0; round < 10; ++round) {
-    for (const char* scene : {"a", "b", "c"}) EXPECT_EQ(Answer(scene), "1");
-  }
-  EXPECT_EQ(table_.Stats().counts.loads, 3u);
-  EXPECT_EQ(table_.Stats().counts.evictions, 0u);
-}
-
-TEST_F(BudgetTest, OnlyAsMuchGoesAsIsNeeded) {
-  for (const char* scene : {"a", "b", "c", "d"}) {
-    source_.Put(scene, "1", "good", 2);
-  }
-  source_.Put("e", "1", "good", 5);
-  Rescan();
-  for (const char* scene : {"a", "b", "c", "d", "e"}) Answer(scene);
-  EXPECT_THAT(InMemory(), ElementsAre("c", "d", "e"));
-}
-
-TEST_F(BudgetTest, AModelThatIsLargerThanTheBudgetIsRefusedAndNothingGoes) {
-  source_.Put("a", "1", "good", 10);
-  source_.Put("b", "1", "good", 11);
-  source_.Put("c", "1", "good", ~uint64_t{0});
-  Rescan();
-  Answer("a");
-  for (const char* scene : {"b", "c"}) {
-    const auto asked = Ask(scene);
-    EXPECT_THAT(RunLoads(), ElementsAre());
-    EXPECT_EQ(asked->scene.status().code(),
-              absl::StatusCode::kResourceExhausted);
-    EXPECT_EQ(ErrorInfoOf(asked->scene.status()).reason, kMemoryBudget);
-    EXPECT_FALSE(RetryAfterOf(asked->scene.status()));
-  }
-  EXPECT_THAT(InMemory(), ElementsAre("a"));
-}
-
-TEST_F(BudgetTest, WhatAQueryUsesCountsUntilTheQueryEnds) {
-  source_.Put("a", "1", "good", 8);
-  source_.Put("b", "1", "good", 8);
-  Rescan();
-  auto query = Ask("a");
-  RunLoads();
-  const auto waiting = Ask("b");
-  EXPECT_THAT(RunLoads(), ElementsAre());
-  EXPECT_FALSE(waiting->answered);
-  EXPECT_EQ(resident_, 8u);
-  EXPECT_TRUE((*query->scene)->localizer != nullptr);
-  query.reset();
-  EXPECT_EQ(resident_, 0u);
-  EXPECT_THAT(RunLoads(), ElementsAre("b/1"));
-  EXPECT_TRUE(waiting->answered);
-}
-
-TEST_F(BudgetTest, TheIdleGoBeforeThoseInUse) {
-  for (const char* scene : {"a", "b", "c"}) source_.Put(scene, "1", "good", 4);
-  Rescan();
-  const auto query = Ask("a");
-  RunLoads();
-  Answer("b");
-  Answer("c");
-  EXPECT_THAT(InMemory(), ElementsAre("a", "c"));
-}
-
-TEST_F(BudgetTest, ALargeModelThatWaitsIsNotOvertakenForever) {
-  for (const char* scene : {"a", "b"}) source_.Put(scene, "1", "good", 5);
-  source_.Put("large", "1", "good", 10);
-  source_.Put("small", "1", "good", 5);
-  Rescan();
-  auto query_a = Ask("a");
-  auto query_b = Ask("b");
-  RunLoads();
-  const auto large = Ask("large");
-  const auto small = Ask("small");
-  EXPECT_THAT(RunLoads(), ElementsAre());
-  query_a.reset();
-  EXPECT_THAT(RunLoads(), ElementsAre());
-  query_b.reset();
-  EXPECT_THAT(RunLoads(1), ElementsAre("large/1"));
-  EXPECT_TRUE(large->answered);
-  EXPECT_FALSE(small->answered);
-}
-
-TEST_F(BudgetTest, ASmallModelNeedNotWaitForALargeOneIfBothFit) {
-  source_.Put("a", "1", "good", 6);
-  source_.Put("b", "1", "good", 5);
-  source_.Put("c", "1", "good", 4);
-  Rescan();
-  auto query = Ask("a");
-  RunLoads();
-  const auto b = Ask("b");
-  const auto c = Ask("c");
-  EXPECT_FALSE(b->answered);
-  EXPECT_THAT(RunLoads(), ElementsAre());  // 6 + 5 + 4 > 10
-  query.reset();
-  EXPECT_THAT(RunLoads(), ElementsAre("b/1", "c/1"));
-}
-
-TEST_F(BudgetTest, ForANewVersionOthersGoRatherThanTheOldOne) {
-  source_.Put("a", "1", "good", 5);
-  source_.Put("b", "1", "good", 5);
-  Rescan();
-  Answer("a");
-  Answer("b");  // used after a
-  source_.Put("a", "2", "good", 5);
-  Rescan();
-  const auto job = Next();
-  ASSERT_TRUE(job);
-  EXPECT_EQ((*Ask("a")->scene)->version, "1");
-  Finish(*job);
-  EXPECT_EQ((*Ask("a")->scene)->version, "2");
-  EXPECT_THAT(InMemory(), ElementsAre("a"));
-}
-
-TEST_F(BudgetTest, WhereBothVersionsDoNotFitTheOldOneGoesFirst) {
-  source_.Put("a", "1", "good", 6);
-  Rescan();
-  Answer("a");
-  source_.Put("a", "2", "good", 6);
-  Rescan();
-  const auto job = Next();
-  ASSERT_TRUE(job);
-  EXPECT_EQ(resident_, 0u);
-  const auto asked = Ask("a");
-  EXPECT_FALSE(asked->answered);
-  Finish(*job);
-  EXPECT_EQ((*asked->scene)->version, "2");
-}
-
-TEST_F(BudgetTest, AtTheStartNothingGoesForAnother) {
-  for (const char* scene : {"a", "b", "c"}) source_.Put(scene, "1", "good", 4);
-  source_.Put("b", "2", "bad", 4);
-  Rescan();
-  table_.LoadWhatFits(clock_.Now());
-  RunLoads();
-  EXPECT_EQ(table_.Stats().counts.evictions, 0u);
-  EXPECT_EQ(table_.Stats().counts.loads, 2u);
-  EXPECT_TRUE(table_.is_settled());
-  EXPECT_EQ(resident_, 8u);
 }
 
 TEST_F(SceneTableTest, AtTheStartWhatIsCorruptLeavesItToTheVersionBefore) {

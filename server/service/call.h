@@ -19,6 +19,10 @@ struct Credentials {
   std::vector<std::string> certificate_names = {};
 };
 
+// CallInfo::rpc of queries that came by the GeoPose Protocol, which promises
+// that nothing of them is kept.
+inline constexpr char kGeoPoseRpc[] = "GeoPose";
+
 struct CallInfo {
   // "Localize". A literal.
   const char* rpc = "";

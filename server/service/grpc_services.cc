@@ -19,15 +19,13 @@ class UnaryCall final : public grpc::ServerUnaryReactor {
       : context_(context), response_(response) {}
 
   void Start(Dispatcher& dispatcher, Method method, const Request& request,
-             const char* rpc,
-             const CallSource& source) {
-    (dispatcher.*method)(
-        CallInfoFrom(context_, rpc, source, stop_.get_token()),
-        request, [this](absl::StatusOr<Response> response) {
-          const absl::Status status = response.status();
-          if (status.ok()) response_ = *std::move(response);
-          Finish(FinishStatus(status, context_));
-        });
+             const char* rpc, const CallSource& source) {
+    (dispatcher.*method)(CallInfoFrom(context_, rpc, source, stop_.get_token()),
+                         request, [this](absl::StatusOr<Response> response) {
+                           const absl::Status status = response.status();
+                           if (status.ok()) response_ = *std::move(response);
+                           Finish(FinishStatus(status, context_));
+                         });
   }
 
  private:

@@ -115,7 +115,7 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
   TL_ASSIGN_OR_RETURN(const std::optional<PosePrior> prior,
                       PriorFrom(request.options()));
   TL_ASSIGN_OR_RETURN(Frame frame,
-                      DecodePixels(request.frame(), limits_, "frame"));
+                      PixelsFromProto(request.frame(), limits_, "frame"));
   const std::vector<std::string> candidates(request.candidate_scenes().begin(),
                                             request.candidate_scenes().end());
   const std::vector<SceneScore> ranking = recognizer.Rank(frame, candidates);
@@ -139,7 +139,7 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
     to_try.localizer = scene->localizer;
     TL_ASSIGN_OR_RETURN(
         to_try.calibration,
-        CalibrationIn(request.frame(), frame, calibration, "frame"));
+        CalibrationFromProto(request.frame(), frame, calibration, "frame"));
     if (!to_try.calibration && HasOwnCamera(*scene)) {
       to_try.calibration = calibration;
     }
@@ -155,9 +155,9 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
   record.scene = scene.name;
   record.model_version = scene.version;
   record.method = scene.localizer->info().method;
-  TL_ASSIGN_OR_RETURN(v1::LocalizeResponse response,
-                      Answer(std::move(result->estimate), prior, scene, call,
-                             record));
+  TL_ASSIGN_OR_RETURN(
+      v1::LocalizeResponse response,
+      Answer(std::move(result->estimate), prior, scene, call, record));
   for (const ConsideredScene& considered : result->considered) {
     *response.add_candidates() = ToProto(considered);
     if (response.candidates_size() == kMostCandidates) break;

@@ -32,8 +32,9 @@ class LocalizeRpc {
   // Answers a request that names no scene: ranks scenes by what they look like,
   // and looks for a pose in the best (see LocalizeAmong). `acquire` gives a
   // scene, or says why it cannot be had.
-  using AcquireByName = std::function<absl::StatusOr<
-      std::shared_ptr<const Scene>>(const std::string& name)>;
+  using AcquireByName =
+      std::function<absl::StatusOr<std::shared_ptr<const Scene>>(
+          const std::string& name)>;
   absl::StatusOr<v1::LocalizeResponse> HandleAmong(
       const v1::LocalizeRequest& request, const SceneRecognizer& recognizer,
       const AcquireByName& acquire, const CallInfo& call,
@@ -49,8 +50,9 @@ class LocalizeRpc {
 
  private:
   absl::StatusOr<v1::LocalizeResponse> Answer(
-      absl::StatusOr<PoseEstimate> estimate, const std::optional<PosePrior>& prior,
-      const Scene& scene, const CallInfo& call, CallRecord& record) const;
+      absl::StatusOr<PoseEstimate> estimate,
+      const std::optional<PosePrior>& prior, const Scene& scene,
+      const CallInfo& call, CallRecord& record) const;
 
   const DecodeLimits limits_;
   const Clock& clock_;

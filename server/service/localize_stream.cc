@@ -29,8 +29,7 @@ absl::Status Draining() {
 
 grpc::ServerBidiReactor<v1::LocalizeStreamRequest, v1::LocalizeStreamResponse>*
 LocalizeStreams::Begin(grpc::CallbackServerContext& context,
-                       Dispatcher& dispatcher,
-                       const CallSource& source) {
+                       Dispatcher& dispatcher, const CallSource& source) {
   const auto stream =
       std::make_shared<LocalizeStreamCall>(context, dispatcher, source, *this);
   bool draining = false;
@@ -113,8 +112,8 @@ void LocalizeStreamCall::Accept() {
     }
   }
   auto item = std::make_shared<Item>();
-  item->call = CallInfoFrom(context_, "LocalizeStream", source_,
-                            stop_.get_token());
+  item->call =
+      CallInfoFrom(context_, "LocalizeStream", source_, stop_.get_token());
   item->request = std::move(incoming_);
   item->answer.set_id(item->request.id());
   items_.push_back(std::move(item));

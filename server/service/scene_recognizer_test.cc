@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/recognition/appearance_words.h"
@@ -44,9 +45,8 @@ class SceneRecognizerTest : public testing::Test {
   SceneRecognizerTest()
       : scenes_({{"attic", nullptr}, {"cellar", nullptr}, {"kitchen", nullptr}},
                 /*keep_files=*/true),
-        recognizer_(scenes_.repository(), [](const std::string& path) {
-          return Read(path);
-        }) {}
+        recognizer_(scenes_.repository(),
+                    [](const std::string& path) { return Read(path); }) {}
 
   static absl::StatusOr<SceneDescriptor> Read(const std::string& path) {
     if (path.find("/attic/") != std::string::npos) {

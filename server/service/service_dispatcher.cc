@@ -369,10 +369,9 @@ absl::StatusOr<std::shared_ptr<const Scene>> ServiceDispatcher::AcquireOnWorker(
     waiting_workers_.fetch_sub(1);
     // For the next query.
     repository_.AcquireAsync(name, "", [](const auto&) {});
-    return WithReason(
-        absl::UnavailableError(
-            absl::StrCat("scene '", name, "' is being loaded")),
-        "SCENE_NOT_LOADED");
+    return WithReason(absl::UnavailableError(
+                          absl::StrCat("scene '", name, "' is being loaded")),
+                      "SCENE_NOT_LOADED");
   }
   auto scene = repository_.Acquire(name, "", stop);
   waiting_workers_.fetch_sub(1);

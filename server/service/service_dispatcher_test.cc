@@ -18,6 +18,9 @@ namespace {
 using std::chrono::milliseconds;
 using ::testing::HasSubstr;
 
+constexpr char kTraceparent[] =
+    "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
+
 // A query, and its answer once it has one.
 struct Query {
   v1::LocalizeRequest request;
@@ -68,7 +71,7 @@ class ServiceDispatcherTest : public testing::Test {
     dispatcher_->Localize({.rpc = "Localize",
                            .transport = "http",
                            .peer = client,
-                           .traceparent = "00-trace",
+                           .traceparent = kTraceparent,
                            .arrival = clock_.Now(),
                            .deadline = deadline,
                            .stop = query->stop.get_token()},
@@ -105,7 +108,8 @@ TEST_F(ServiceDispatcherTest, AnswersAndReportsEveryCallOnce) {
   ASSERT_EQ(records.size(), 4u);
   EXPECT_EQ(records[0].client, "ipv4:10.0.0.1");
   EXPECT_STREQ(records[0].transport, "http");
-  EXPECT_EQ(records[0].traceparent, "00-trace");
+  ASSERT_TRUE(records[0].trace.has_value());
+  EXPECT_EQ(records[0].trace->span_id, "b7ad6b7169203331");
   EXPECT_EQ(records[0].scene, "kitchen");
   EXPECT_EQ(records[1].scene, "attic");
   EXPECT_EQ(records[1].model_version, "");

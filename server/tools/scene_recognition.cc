@@ -21,12 +21,12 @@ int CountFrames(const std::vector<RecognizedFrame>& frames,
   return static_cast<int>(std::ranges::count_if(frames, predicate));
 }
 
-// Numbers by value, before all that are none.
+// As the server has it: numbers by value, older than all that are none.
 bool IsOlderVersion(const std::string& a, const std::string& b) {
   const auto is_number = [](const std::string& text) {
     return text.find_first_not_of("0123456789") == std::string::npos;
   };
-  if (is_number(a) != is_number(b)) return !is_number(a);
+  if (is_number(a) != is_number(b)) return is_number(a);
   if (is_number(a) && a.size() != b.size()) return a.size() < b.size();
   return a < b;
 }

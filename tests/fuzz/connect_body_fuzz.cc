@@ -23,7 +23,7 @@ void Check(const treeline::HttpResponse& response) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  const treeline::SteadyClock clock;
+  const treeline::SteadyClock clock{};
   treeline::TestingDispatcher dispatcher;
   const treeline::ConnectRoutes routes(dispatcher, false, clock);
   treeline::HttpRequest request;

@@ -29,8 +29,8 @@ void Parse(absl::string_view text) {
     if (key.ok()) CheckKey(*key);
     return;
   }
-  const auto keys = ParseJwks(text, {JwtAlgorithm::kRs256, JwtAlgorithm::kEs256,
-                                     JwtAlgorithm::kHs256});
+  const auto keys = ParseJwks(
+      text, {JwtAlgorithm::kRs256, JwtAlgorithm::kEs256, JwtAlgorithm::kHs256});
   if (!keys.ok()) return;
   for (const JwtKey& key : keys->keys()) CheckKey(key);
 }

@@ -63,6 +63,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   treeline::CompleteHeader(file);
   if (!treeline::WriteFileAtomically(path, file).ok()) std::abort();
   const auto model = treeline::ModelFile::Open(path);
+  // One section alone, whatever the rest is.
+  for (const uint32_t kind : {8u, 9u, 10u, 11u}) {
+    const auto extra = treeline::ReadModelExtra(
+        path, static_cast<treeline::ModelExtra>(kind), 1 << 20);
+    if (extra.ok() && extra->size() > file.size()) std::abort();
+  }
   unlink(path.c_str());
   for (size_t f = 0; model.ok() && f < (*model)->forests(); ++f) {
     const treeline::ForestView& forest = (*model)->forest(f);

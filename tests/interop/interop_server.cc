@@ -56,7 +56,7 @@ absl::StatusOr<v1::LocalizeResponse> Localize(
 }
 
 int Main(const std::string& origin) {
-  const SteadyClock clock;
+  const SteadyClock clock{};
   TestingDispatcher dispatcher;
   dispatcher.on_localize = &Localize;
   dispatcher.scene_that_waits = "slow";

@@ -13,6 +13,8 @@
 #include "gtest/gtest.h"
 #include "server/core/keyframes/direct_alignment.h"
 #include "server/core/localizer/localizer.h"
+#include "server/core/recognition/scene_index.h"
+#include "server/core/training/appearance_builder.h"
 #include "server/core/training/box_room_recording.h"
 
 namespace treeline {
@@ -127,6 +129,8 @@ TEST_F(SceneTrainerTest, AForestOfOneSceneServesAnother) {
   const auto splits = Train(dataset_->Subset(few), base, "base");
   ASSERT_TRUE(splits.ok()) << splits.status();
   EXPECT_EQ(splits->info.leaves, 1);
+  EXPECT_EQ(ReadSceneDescriptor(Path("base")).status().code(),
+            absl::StatusCode::kNotFound);
 
   SceneTrainingOptions adapt = Options("rgbd");
   adapt.base_model = Path("base");
@@ -136,6 +140,9 @@ TEST_F(SceneTrainerTest, AForestOfOneSceneServesAnother) {
   const auto localizer = OpenLocalizer(Path("adapted"));
   ASSERT_TRUE(localizer.ok());
   EXPECT_GE(CountRight(**localizer, true), 13);
+  const auto descriptor = ReadSceneDescriptor(Path("adapted"));
+  ASSERT_TRUE(descriptor.ok()) << descriptor.status();
+  EXPECT_EQ(descriptor->images(), static_cast<uint32_t>(kFrames));
 
   adapt.method = "rgb";
   EXPECT_THAT(Train(*dataset_, adapt, "x").status().message(),
@@ -161,6 +168,46 @@ TEST_F(SceneTrainerTest, AModelIsExtendedByMoreFrames) {
   const int right_after = CountRight(**whole, true);
   EXPECT_LE(right_before, 10);
   EXPECT_GE(right_after, 13);
+  // What the scene looks like is what both looked like.
+  const auto all = BuildSceneDescriptor(*dataset_, {}, true, {});
+  const auto extended = ReadSceneDescriptor(Path("whole"));
+  ASSERT_TRUE(all.ok() && extended.ok());
+  EXPECT_EQ(*extended, *all);
+}
+
+TEST_F(SceneTrainerTest, WhatASceneLooksLikeDoesNotDependOnThreads) {
+  const auto one = BuildSceneDescriptor(*dataset_, {.threads = 1}, true, {});
+  const auto eight = BuildSceneDescriptor(*dataset_, {.threads = 8}, true, {});
+  ASSERT_TRUE(one.ok() && eight.ok());
+  EXPECT_EQ(*one, *eight);
+  EXPECT_GT(one->Fill(), 0.001);
+  const auto few =
+      BuildSceneDescriptor(*dataset_, {.max_images = 10}, true, {});
+  EXPECT_EQ(few->images(), 10u);
+  EXPECT_LT(few->Fill(), one->Fill());
+}
+
+TEST_F(SceneTrainerTest, ASceneIsToldByWhatItLooksLike) {
+  const auto room = BuildSceneDescriptor(*dataset_, {}, true, {});
+  ASSERT_TRUE(room.ok());
+  SceneIndex index;
+  index.Set("room", *room);
+  // The same words with others' numbers: a scene as rich that is another.
+  SceneDescriptor other;
+  std::vector<uint32_t> words;
+  for (uint32_t entry = 0; entry < room->bits().size(); ++entry) {
+    for (uint32_t bit = 0; bit < 64; ++bit) {
+      if ((room->bits()[entry] >> bit & 1) != 0) {
+        words.push_back((64 * entry + bit) ^ 0x1555);
+      }
+    }
+  }
+  other.Add(words);
+  index.Set("other", other);
+  for (int i = 0; i < 16; ++i) {
+    const Frame frame = RenderBoxRoom(Calibration(), HeldOutPose(5 * i));
+    EXPECT_EQ(index.Rank(frame)[0].scene, "room") << i;
+  }
 }
 
 TEST_F(SceneTrainerTest, AlignmentPullsAPoseIn) {

@@ -12,13 +12,13 @@ namespace {
 
 // Chosen on training frames; docs/scene-recognition.md.
 constexpr double kLeastFill = 0.02;
-constexpr double kFillPower = 0.6;
+constexpr double kFillPower = 0.5;
 // Votes are fixed-point numbers: so many are an idf of 1.
 constexpr double kVoteUnit = 1024;
 
 uint32_t Vote(size_t scenes, size_t scenes_with_word) {
-  const double idf = std::log(static_cast<double>(scenes + 2) /
-                              static_cast<double>(scenes_with_word + 1));
+  const double idf = std::log((static_cast<double>(scenes) + 1) /
+                              (static_cast<double>(scenes_with_word) + 0.5));
   return static_cast<uint32_t>(std::lround(kVoteUnit * idf));
 }
 

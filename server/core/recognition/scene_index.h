@@ -48,9 +48,9 @@ class SceneIndex {
   // scene s to a frame of words W is
   //   sum of idf(w) over w in W that occur in s
   //   / sum of idf(w) over w in W * (kLeastFill / fill(s)) ^ kFillPower
-  // with idf(w) = log((N + 2) / (n(w) + 1)), n(w) of the N scenes having w, and
-  // fill(s), at least kLeastFill, the share of all words that s has: a scene of
-  // many words has some of any frame's by chance.
+  // with idf(w) = log((N + 1) / (n(w) + 1/2)), n(w) of the N scenes having w,
+  // and fill(s), at least kLeastFill, the share of all words that s has: a
+  // scene of many words has some of any frame's by chance.
   //
   // candidates: those to rank; names that are not in the index are left out.
   // nullopt: all. Of the frame, the colour alone is looked at.

@@ -128,7 +128,7 @@ TEST(SceneIndexTest, RanksWhileScenesComeAndGo) {
   index.Set("kept", Described(Words(0, 100)));
   std::jthread writer([&](const std::stop_token& stop) {
     for (uint64_t i = 0; !stop.stop_requested(); ++i) {
-      index.Set(absl::StrCat(i % 100), Described(Words(i, 100)));
+      index.Set(absl::StrCat(i % 100), Described(Words(i + 1, 100)));
       index.Remove(absl::StrCat((i + 50) % 100));
     }
   });

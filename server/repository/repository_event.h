@@ -1,0 +1,41 @@
+// What happens to scenes, for the log.
+#ifndef SERVER_REPOSITORY_REPOSITORY_EVENT_H_
+#define SERVER_REPOSITORY_REPOSITORY_EVENT_H_
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
+
+namespace treeline {
+
+struct RepositoryEvent {
+  enum class Kind {
+    kLoaded,      // with bytes and seconds
+    kLoadFailed,  // with status
+    kTookOver,    // the version that queries without one get from now on
+    kEvicted,     // let go for another; with bytes
+    kUnloaded,    // let go because somebody asked for it; with bytes
+    // Its file was written over while it was mapped: it was let go.
+    kOverwritten,
+    kBadMetadata,  // scene.json, with status; no version
+  };
+
+  Kind kind = Kind::kLoaded;
+  std::string scene = {};
+  std::string version = {};
+  absl::Status status = {};
+  uint64_t bytes = 0;
+  double seconds = 0;
+};
+
+// "LOADED" and so on.
+absl::string_view EventName(RepositoryEvent::Kind kind);
+
+using RepositoryEventHandler = std::function<void(const RepositoryEvent&)>;
+
+}  // namespace treeline
+
+#endif  // SERVER_REPOSITORY_REPOSITORY_EVENT_H_

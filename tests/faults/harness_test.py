@@ -1,0 +1,92 @@
+"""What the fault suite judges by, judged itself."""
+
+import unittest
+
+from harness import FaultError, Metrics, Row, calls, lost, worst_p99
+from load import server_counts, total
+
+TEXT = r'''# HELP treeline_requests_total Finished calls.
+# TYPE treeline_requests_total counter
+treeline_requests_total{rpc="Localize",transport="grpc",status="OK",reason="none"} 40
+treeline_requests_total{rpc="Localize",transport="http",status="OK",reason="none"} 2
+treeline_requests_total{rpc="Localize",transport="grpc",status="UNAVAILABLE",reason="QUEUE_FULL"} 7
+treeline_requests_total{rpc="ListScenes",transport="grpc",status="OK",reason="none"} 1
+treeline_queue_depth 0
+treeline_scene_loads_total{scene="a\"b,c=\"d",result="ok"} 3
+treeline_request_seconds_bucket{rpc="Localize",le="+Inf"} 49
+'''
+
+
+class MetricsTest(unittest.TestCase):
+    def setUp(self):
+        self.metrics = Metrics(TEXT)
+
+    def test_sums_over_the_labels_that_are_not_named(self):
+        self.assertEqual(self.metrics.sum("treeline_requests_total"), 50)
+        self.assertEqual(self.metrics.sum("treeline_requests_total",
+                                          status="OK", rpc="Localize"), 42)
+        self.assertEqual(self.metrics.sum("treeline_queue_depth"), 0)
+
+    def test_labels_may_hold_quotes_and_commas(self):
+        self.assertEqual(self.metrics.by("treeline_scene_loads_total", "result",
+                                         ), {("ok",): 3})
+
+    def test_a_metric_that_is_not_there_is_no_zero(self):
+        with self.assertRaises(FaultError):
+            self.metrics.sum("treeline_shed_total")
+
+    def test_what_is_no_exposition_is_an_error(self):
+        with self.assertRaises(FaultError):
+            Metrics("<html>not found</html>")
+
+    def test_server_counts_are_comparable_with_the_clients(self):
+        ours = calls({"all_calls": [
+            {"code": "OK", "reason": None, "count": 42},
+            {"code": "UNAVAILABLE", "reason": "QUEUE_FULL", "count": 7}]})
+        self.assertEqual(server_counts(self.metrics), ours)
+        self.assertEqual(total(ours), 49)
+        self.assertEqual(total(ours, "UNAVAILABLE"), 7)
+
+
+class RowTest(unittest.TestCase):
+    def test_a_row_without_requirements_does_not_pass(self):
+        row = Row("name", "claim")
+        row.figure("calls", 1)
+        self.assertFalse(row.passed)
+
+    def test_one_requirement_that_is_not_held_fails_the_row(self):
+        row = Row("name", "claim")
+        row.require("failed", 0, "==", 0)
+        self.assertTrue(row.passed)
+        row.require("p99", 30, "<=", 20)
+        self.assertFalse(row.passed)
+        self.assertEqual([r["held"] for r in row.as_json()["requirements"]],
+                         [True, False])
+
+    def test_an_error_fails_the_row(self):
+        row = Row("name", "claim")
+        row.require("failed", 0, "==", 0)
+        row.error = "no server"
+        self.assertFalse(row.passed)
+
+
+class RunTest(unittest.TestCase):
+    RUN = {"counts": {"ok": 5, "shed": 1, "failed": 2},
+           "intervals": [{"at_s": 0, "ok": 3, "p99_ms": 10},
+                         {"at_s": 1, "ok": 0, "p99_ms": 0},
+                         {"at_s": 2, "ok": 2, "p99_ms": 40}]}
+
+    def test_lost_is_what_was_not_answered(self):
+        self.assertEqual(lost(self.RUN), 3)
+
+    def test_the_worst_interval_counts(self):
+        self.assertEqual(worst_p99(self.RUN, 0, 3), 40)
+        self.assertEqual(worst_p99(self.RUN, 0, 2), 10)
+
+    def test_no_answer_is_no_fast_answer(self):
+        with self.assertRaises(FaultError):
+            worst_p99(self.RUN, 1, 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
