@@ -66,9 +66,9 @@ Json ChecksJson(const Checks& checks) {
           {"wrong_poses", checks.wrong_poses}};
 }
 
-Json CountsJson(const int64_t (&counts)[kCallKinds]) {
+Json CountsJson(const CallCounts& counts) {
   Json json;
-  for (int kind = 0; kind < kCallKinds; ++kind) {
+  for (size_t kind = 0; kind < counts.size(); ++kind) {
     json[Name(static_cast<CallKind>(kind))] = counts[kind];
   }
   return json;

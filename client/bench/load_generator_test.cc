@@ -124,7 +124,7 @@ class LoadGeneratorTest : public testing::Test {
         items_, checker_);
   }
 
-  LoadRun Run(const LoadOptions& options, std::stop_token stop = {}) {
+  LoadRun Run(const LoadOptions& options, const std::stop_token& stop = {}) {
     return generator_->Run(options, stop, [](const Glance&, double) {});
   }
 

@@ -86,7 +86,7 @@ CallKind KindOf(const CallResult& result) {
 }
 
 int64_t TallyState::total() const {
-  return std::accumulate(std::begin(counts), std::end(counts), int64_t{0});
+  return std::accumulate(counts.begin(), counts.end(), int64_t{0});
 }
 
 void Tally::Add(const CallResult& result) {
@@ -134,8 +134,9 @@ Glance Tally::Look() const {
   absl::MutexLock lock(&mutex_);
   const LatencyHistogram& ok =
       state_.latencies[static_cast<size_t>(CallKind::kOk)].from_schedule;
-  Glance glance{.p50_ms = ok.Percentile_ms(50), .p99_ms = ok.Percentile_ms(99)};
-  std::copy(std::begin(state_.counts), std::end(state_.counts), glance.counts);
+  const Glance glance{.counts = state_.counts,
+                      .p50_ms = ok.Percentile_ms(50),
+                      .p99_ms = ok.Percentile_ms(99)};
   return glance;
 }
 

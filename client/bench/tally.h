@@ -2,6 +2,7 @@
 #ifndef CLIENT_BENCH_TALLY_H_
 #define CLIENT_BENCH_TALLY_H_
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -28,6 +29,9 @@ enum class CallKind {
 };
 inline constexpr int kCallKinds = 5;
 const char* Name(CallKind kind);
+
+// By CallKind.
+using CallCounts = std::array<int64_t, kCallKinds>;
 
 // One finished call.
 struct CallResult {
@@ -74,7 +78,7 @@ struct Checks {
 
 // A part of a run.
 struct Interval {
-  int64_t counts[kCallKinds] = {};
+  CallCounts counts = {};
   LatencyHistogram ok;
 };
 
@@ -83,9 +87,9 @@ using OutcomeKey = std::pair<absl::StatusCode, std::string>;
 
 // Everything about a run; copied out of the tally.
 struct TallyState {
-  int64_t counts[kCallKinds] = {};
+  CallCounts counts = {};
   int64_t localized = 0;
-  Latencies latencies[kCallKinds];
+  std::array<Latencies, kCallKinds> latencies;
   std::map<OutcomeKey, Latencies> outcomes;
   // Of each reasonless status one message, for people.
   std::map<OutcomeKey, std::string> messages;
@@ -99,7 +103,7 @@ struct TallyState {
 
 // What a progress line shows.
 struct Glance {
-  int64_t counts[kCallKinds] = {};
+  CallCounts counts = {};
   double p50_ms = 0;
   double p99_ms = 0;
 };

@@ -144,8 +144,9 @@ def subject(server):
     """Subject of the certificate that a new connection is shown."""
     done = subprocess.run(
         ["openssl", "s_client", "-connect", server.address, "-alpn", "h2"],
-        input="", text=True, capture_output=True, check=False, timeout=20)
-    return next((line for line in done.stdout.splitlines()
+        input=b"", capture_output=True, check=False, timeout=20)
+    text = done.stdout.decode(errors="replace")
+    return next((line for line in text.splitlines()
                  if line.startswith("subject=")), "")
 
 
