@@ -99,7 +99,7 @@ TEST(ConfigFile, WhatIsNotYamlIsRefusedWithItsLine) {
   EXPECT_THAT(ErrorOf("queue: 1\nmodels: [a\n"), HasSubstr("site.yaml:"));
   EXPECT_THAT(ErrorOf("queue: 1\nmodels: *nowhere\n"),
               HasSubstr("site.yaml:2: not YAML"));
-  EXPECT_THAT(ErrorOf(std::string("queue: 1\0\nmodels: m", 20)),
+  EXPECT_THAT(ErrorOf(std::string("queue: 1\0\nmodels: m", 19)),
               HasSubstr("zero byte"));
   EXPECT_THAT(ErrorOf(std::string(100000, '[')), HasSubstr("not YAML"));
   EXPECT_THAT(ErrorOf(std::string(kMaxConfigFileBytes + 1, '#')),

@@ -126,10 +126,12 @@ void SceneRepository::RunLoader(const std::stop_token& stop) {
           tasks_.pop_front();
           break;
         }
+        const bool was_settled = table_.is_settled();
         job = table_.NextJob(shared_->resident_bytes, clock_.Now(), effects);
         if (job || !effects.empty()) break;
-        // A load may have been dropped.
-        if (table_.is_settled()) Wake();
+        // The last load was dropped. (Without a change nobody is woken: loaders
+        // would go on waking each other.)
+        if (table_.is_settled() && !was_settled) Wake();
         shared_->changed.Wait(&shared_->mutex);
       }
       if (stopping_ && !task && !job && effects.empty()) return;

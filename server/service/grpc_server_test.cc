@@ -51,7 +51,8 @@ class GrpcServerTest : public testing::Test {
                  {"patient", [this](auto&, auto& o) { return WaitForStop(o); }},
                  {"throws", [](auto&, auto&) -> absl::StatusOr<PoseEstimate> {
                     throw std::runtime_error("secret of the house");
-                  }}}) {}
+                  }}},
+                /*keep_files=*/true) {}
 
   void StartServer(const DispatcherOptions& dispatcher = {.workers = 1,
                                                           .queue = 1},

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -142,6 +143,7 @@ TEST(WorkerPool, TurnsAwayWhatWouldEndTooLate) {
   absl::Notification learned;
   pool.Submit({.kind = "room", .run = [&] { learned.Notify(); }});
   learned.WaitForNotification();
+  while (pool.running() > 0) std::this_thread::yield();
   absl::Notification started;
   absl::Notification go_on;
   pool.Submit({.kind = "room", .run = [&] {
@@ -156,10 +158,10 @@ TEST(WorkerPool, TurnsAwayWhatWouldEndTooLate) {
             {.kind = "room", .deadline = clock.Now() + deadline, .run = [] {}})
         .verdict;
   };
-  // 10 ms pass at the look; half of what runs, what waits and its own time make
-  // 25 ms.
-  EXPECT_EQ(submit(milliseconds(30)), Verdict::kTooLate);
-  EXPECT_EQ(submit(milliseconds(36)), Verdict::kAccepted);
+  // 10 ms pass at the look; half of what runs and what waits are 15 ms, with
+  // their margin 18.75, and its own time is 20 with its margin.
+  EXPECT_EQ(submit(milliseconds(48)), Verdict::kTooLate);
+  EXPECT_EQ(submit(milliseconds(49)), Verdict::kAccepted);
   go_on.Notify();
 }
 

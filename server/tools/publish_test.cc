@@ -1,5 +1,7 @@
 #include "server/tools/publish.h"
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <string>
 
@@ -20,7 +22,9 @@ constexpr char kDigestOfAbc[] =
 class PublishTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = testing::TempDir() + "/publish_test";
+    folder_ = absl::StrCat(
+        testing::TempDir(), "/publish-", getpid(), "-",
+        testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }

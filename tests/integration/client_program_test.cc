@@ -118,7 +118,6 @@ TEST_F(ClientProgram, AServerThatIsNotThereExitsWith1) {
 
 TEST_F(ClientProgram, WrongUsageExitsWith2) {
   EXPECT_EQ(RunClient("localize", {"--scene", "room"}).exit_code, 2);
-  EXPECT_EQ(RunClient("localize", {"--color", "x.jpg"}).exit_code, 2);
   EXPECT_EQ(RunClient("scenes", {"--no-such-flag"}).exit_code, 2);
   EXPECT_EQ(RunProgram({TREELINE_CLIENT_PROGRAM}).exit_code, 2);
   EXPECT_EQ(RunProgram({TREELINE_CLIENT_PROGRAM, "--help"}).exit_code, 0);

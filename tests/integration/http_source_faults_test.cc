@@ -35,6 +35,9 @@ class HttpSourceFaults : public HttpSourceTest {
     EXPECT_EQ(ReadFile(*path).value(), model_);
     EXPECT_THAT(CachedNames(), ElementsAre(DigestOf(model_) + ".treeline"));
   }
+
+  // Lets go of a server that stalls. Outlives its threads.
+  absl::Notification done_;
 };
 
 TEST_F(HttpSourceFaults, ATruncatedBodyIsContinuedWithARange) {
@@ -136,28 +139,26 @@ TEST_F(HttpSourceFaults, ALongPauseIsLeftToWhoAsked) {
 }
 
 TEST_F(HttpSourceFaults, AStalledBodyIsGivenUpAndContinued) {
-  absl::Notification done;
   Serve(Model(100000),
-        {{.stop_after = 60000, .at_stop = [&] { done.WaitForNotification(); }},
+        {{.stop_after = 60000, .at_stop = [&] { done_.WaitForNotification(); }},
          {}});
   options_.http.stall_timeout = milliseconds(300);
   ExpectFetched();
-  done.Notify();
+  done_.Notify();
   EXPECT_EQ(server_->Requests("/model.treeline")[1].range, "bytes=60000-");
 }
 
 TEST_F(HttpSourceFaults, ACancelledFetchEndsAtOnce) {
-  absl::Notification done;
   std::stop_source stop;
   std::chrono::steady_clock::time_point stopped;
   Serve(Model(100000), {{.stop_after = 60000, .at_stop = [&] {
                            stopped = std::chrono::steady_clock::now();
                            stop.request_stop();
-                           done.WaitForNotification();
+                           done_.WaitForNotification();
                          }}});
   const auto path = Fetch(stop.get_token());
   const auto took = std::chrono::steady_clock::now() - stopped;
-  done.Notify();
+  done_.Notify();
   EXPECT_TRUE(absl::IsCancelled(path.status())) << path.status();
   // 100 ms are promised; the machine that tests may be busy.
   EXPECT_LT(took, std::chrono::seconds(1));
@@ -166,17 +167,16 @@ TEST_F(HttpSourceFaults, ACancelledFetchEndsAtOnce) {
 }
 
 TEST_F(HttpSourceFaults, AStopOfTheWholeSourceEndsAListing) {
-  absl::Notification done;
   std::stop_source stop;
   options_.stop = stop.get_token();
   server_->Put("/index.json", R"({"models":[]})",
                {{.stop_after = 3, .at_stop = [&] {
                    stop.request_stop();
-                   done.WaitForNotification();
+                   done_.WaitForNotification();
                  }}});
   Open();
   const auto listing = source_->List();
-  done.Notify();
+  done_.Notify();
   EXPECT_TRUE(absl::IsCancelled(listing.status())) << listing.status();
 }
 

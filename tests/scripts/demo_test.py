@@ -109,7 +109,8 @@ class DemoTest(ScriptTest):
         self.assertIn(f"--frames {out}/recording/room/test.txt", evaluate)
         self.assertIn("--seed 7 --threads 1", evaluate)
         self.assertEqual(server,
-                         f"server --models {out}/models --listen 127.0.0.1:0")
+                         f"server --models {out}/models --load-all "
+                         "--listen 127.0.0.1:0 --admin-listen  --http-listen ")
         self.assertIn("--server 127.0.0.1:4711 --scene room", client)
         self.assertIn("--seed 7 --json", client)
         self.assertEqual(stop, "server stopped")
