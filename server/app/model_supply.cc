@@ -59,12 +59,6 @@ void LogScenes(const SceneRepository& repository, const std::string& models,
       log.Write(LogLevel::kInfo,
                 event.Word("state", ready ? "READY" : "UNLOADED"));
     }
-    if (!scene.metadata_problem.ok()) {
-      log.Write(LogLevel::kWarn,
-                log.Event()
-                    .Word("scene", scene.name)
-                    .Text("scene_json", scene.metadata_problem.ToString()));
-    }
   }
   if (scenes.empty()) {
     log.Say(LogLevel::kWarn,
