@@ -32,7 +32,9 @@ uint64_t SizeOf(const FailedQuery& query) {
 std::string AsFileName(absl::string_view reason) {
   std::string name(reason.substr(0, kLongestReason));
   for (char& c : name) {
-    if (!absl::ascii_isalnum(c) && c != '_') c = '_';
+    if (!absl::ascii_isalnum(static_cast<unsigned char>(c)) && c != '_') {
+      c = '_';
+    }
   }
   return name.empty() ? "UNKNOWN" : name;
 }

@@ -226,7 +226,7 @@ class RecordingDispatcherTest : public FailedQueryRecorderTest {
         "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
     int answers = 0;
     dispatcher.Localize(call, request,
-                        [&](absl::StatusOr<v1::LocalizeResponse> got) {
+                        [&](const absl::StatusOr<v1::LocalizeResponse>& got) {
                           ++answers;
                           EXPECT_EQ(got.status(), inner_.answer.status());
                         });

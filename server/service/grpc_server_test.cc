@@ -49,7 +49,8 @@ class GrpcServerTest : public testing::Test {
       : scenes_({{"kitchen", [](auto&, auto&) { return LocalizedEstimate(); }},
                  {"gate", [this](auto&, auto&) { return PassGate(); }},
                  {"patient", [this](auto&, auto& o) { return WaitForStop(o); }},
-                 {"throws", [](auto&, auto&) -> absl::StatusOr<PoseEstimate> {
+                 {"throws",
+                  [](auto&, auto&) -> absl::StatusOr<PoseEstimate> {
                     throw std::runtime_error("secret of the house");
                   }}},
                 /*keep_files=*/true) {}
