@@ -146,7 +146,9 @@ absl::StatusOr<std::vector<WorkItem>> LoadWorkload(
   }
   Random random(options.seed, kOrderStream);
   for (size_t i = items.size(); i > 1; --i) {
-    std::swap(items[i - 1], items[random.NextBelow(static_cast<uint32_t>(i))]);
+    const size_t j = random.NextBelow(static_cast<uint32_t>(i));
+    // gRPC 1.51's ByteBuffer leaks when it is assigned to itself.
+    if (j != i - 1) std::swap(items[i - 1], items[j]);
   }
   return items;
 }

@@ -52,11 +52,11 @@ class WorkloadTest : public testing::Test {
   }
 
   static v1::LocalizeRequest RequestOf(const WorkItem& item) {
-    grpc::ByteBuffer bytes = item.request;
+    grpc::Slice bytes;
+    EXPECT_TRUE(item.request.DumpToSingleSlice(&bytes).ok());
     v1::LocalizeRequest request;
-    EXPECT_TRUE(grpc::SerializationTraits<v1::LocalizeRequest>::Deserialize(
-                    &bytes, &request)
-                    .ok());
+    EXPECT_TRUE(
+        request.ParseFromArray(bytes.begin(), static_cast<int>(bytes.size())));
     return request;
   }
 

@@ -42,7 +42,7 @@ TEST(SceneIndexTest, RanksTheSceneThatHasTheWordsFirst) {
     index.Set(absl::StrCat("scene-", s), Described(Words(s, 1000)));
   }
   EXPECT_EQ(index.size(), 200u);
-  for (const uint64_t s : {0, 63, 64, 130, 199}) {
+  for (const uint64_t s : {0u, 63u, 64u, 130u, 199u}) {
     const std::vector<SceneScore> ranking = index.RankWords(Words(s, 100));
     ASSERT_EQ(ranking.size(), 200u);
     EXPECT_EQ(ranking[0].scene, absl::StrCat("scene-", s));
