@@ -83,9 +83,11 @@ std::string NumberText(double value) {
 }
 
 bool IsMetricName(absl::string_view name) {
-  return !name.empty() && !absl::ascii_isdigit(name[0]) &&
+  return !name.empty() &&
+         !absl::ascii_isdigit(static_cast<unsigned char>(name[0])) &&
          std::all_of(name.begin(), name.end(), [](char c) {
-           return absl::ascii_isalnum(c) || c == '_' || c == ':';
+           return absl::ascii_isalnum(static_cast<unsigned char>(c)) ||
+                  c == '_' || c == ':';
          });
 }
 
