@@ -23,7 +23,6 @@
 namespace treeline {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 class SceneRepositoryTest : public testing::Test {
