@@ -17,8 +17,9 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using std::chrono_literals::operator""s;
-using std::chrono_literals::operator""ms;
+// clang-tidy 14 does not see that literals use them.
+using std::chrono_literals::operator""s;  // NOLINT(misc-unused-using-decls)
+using std::chrono_literals::operator""ms;  // NOLINT(misc-unused-using-decls)
 
 TEST_F(SceneTableTest, AVersionIsLoadedWhenItIsFirstAskedFor) {
   source_.Put("kitchen", "1", "good");
