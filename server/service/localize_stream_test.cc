@@ -146,7 +146,7 @@ TEST_F(LocalizeStreamTest, ACamerasOldFramesAreDropped) {
     EXPECT_EQ(error.code(), absl::StatusCode::kAborted) << id;
     EXPECT_EQ(ErrorInfoOf(error).reason, "FRAME_DROPPED") << id;
   }
-  for (const size_t id : {0, 1, 5}) EXPECT_TRUE(answers[id].has_response());
+  for (const size_t id : {0u, 1u, 5u}) EXPECT_TRUE(answers[id].has_response());
   EXPECT_TRUE(stream_->Finish().ok());
   EXPECT_EQ(observer_.records().size(), 6u);
 }
