@@ -18,7 +18,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 // clang-tidy 14 does not see that literals use them.
-using std::chrono_literals::operator""s;  // NOLINT(misc-unused-using-decls)
+using std::chrono_literals::operator""s;   // NOLINT(misc-unused-using-decls)
 using std::chrono_literals::operator""ms;  // NOLINT(misc-unused-using-decls)
 
 TEST_F(SceneTableTest, AVersionIsLoadedWhenItIsFirstAskedFor) {

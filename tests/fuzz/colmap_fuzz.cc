@@ -16,8 +16,8 @@ namespace {
 // The part at `at` after its length; whatever is left if that is more.
 std::string NextPart(const uint8_t* data, size_t size, size_t& at) {
   if (at + 2 > size) return "";
-  const size_t length =
-      std::min<size_t>(data[at] | data[at + 1] << 8, size - at - 2);
+  const size_t length = std::min<size_t>(
+      static_cast<size_t>(data[at] | data[at + 1] << 8), size - at - 2);
   const std::string part(reinterpret_cast<const char*>(data) + at + 2, length);
   at += 2 + length;
   return part;
