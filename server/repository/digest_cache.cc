@@ -18,6 +18,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "common/base/descriptor.h"
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
 #include "server/repository/retry.h"
@@ -44,21 +45,6 @@ absl::Status CacheFull(absl::string_view why) {
       absl::ResourceExhaustedError(absl::StrCat("cache of models: ", why)),
       "CACHE_FULL");
 }
-
-// Closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  const int fd_;
-};
 
 int64_t Nanoseconds(const timespec& time) {
   return time.tv_sec * kNanosecondsPerSecond + time.tv_nsec;

@@ -206,7 +206,8 @@ std::string RecognitionHtml(const std::vector<RecognitionTally>& tallies,
       "body{font:14px sans-serif;margin:2em}table{border-collapse:collapse}"
       "td{border:1px solid #ddd;text-align:right;padding:3px 6px;min-width:2em}"
       "th{text-align:left;padding:3px 6px;font-weight:normal}"
-      "thead th{writing-mode:vertical-rl}pre{background:#f4f4f4;padding:1em}"
+      "thead th{writing-mode:vertical-rl}"
+      "pre{background:#f4f4f4;padding:1em;white-space:pre-wrap}"
       "</style><h1>Scene recognition</h1><p>Frames by true scene (down) and ",
       run.options.rank_only ? "first in the ranking"
                             : "the scene that answered with a pose",
