@@ -245,6 +245,16 @@ absl::Status ServerConfig::Validate() const {
   if (absl::StrContains(models, "://") && cache.empty()) {
     return Needs("--models with a web address", "--cache");
   }
+  if (!admin_listen.empty() && !insecure_any_address && auth_keys.empty() &&
+      tls_client_ca.empty()) {
+    TL_ASSIGN_OR_RETURN(const ListenAddress admin,
+                        ParseListenAddress(admin_listen));
+    // Encrypted or not, everyone who reaches it could unload every scene.
+    if (!IsLoopback(admin)) {
+      return Needs("--admin-listen on an address that other machines reach",
+                   "--auth-keys or --tls-client-ca");
+    }
+  }
   TL_RETURN_IF_ERROR(DispatcherOptionsOf(*this).Validate());
   return GrpcOptionsOf(*this).Validate();
 }

@@ -85,6 +85,19 @@ TEST(ServerConfig, OriginsHaveNoPath) {
   }
 }
 
+TEST(ServerConfig, OperatorsFromElsewhereMustSayWhoTheyAre) {
+  ServerConfig config;
+  config.models = "m";
+  config.tls_cert = "c";
+  config.tls_key = "k";
+  config.admin_listen = "0.0.0.0:50052";
+  EXPECT_EQ(config.Validate().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(config.Validate().message()),
+              HasSubstr("--auth-keys"));
+  config.auth_keys = "keys";
+  EXPECT_TRUE(config.Validate().ok()) << config.Validate();
+}
+
 TEST(ServerConfig, ReachesTheService) {
   const auto config = Made({{"queue", "3"}, {"max_megapixels", "0.5"}});
   ASSERT_TRUE(config.ok()) << config.status();
