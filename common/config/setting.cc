@@ -13,6 +13,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
+#include "common/base/nearest_name.h"
 #include "common/base/status_macros.h"
 
 namespace treeline {
@@ -111,21 +112,6 @@ std::string YamlText(const std::string& text) {
   return absl::StrCat(
       "\"", absl::StrReplaceAll(absl::Utf8SafeCHexEscape(text), {{"\\'", "'"}}),
       "\"");
-}
-
-// How many letters must be changed, put in or left out.
-size_t EditDistance(absl::string_view a, absl::string_view b) {
-  std::vector<size_t> row(b.size() + 1);
-  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = std::exchange(row[0], i);
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row[b.size()];
 }
 
 }  // namespace
@@ -248,20 +234,10 @@ const Setting* FindSetting(const std::vector<Setting>& settings,
 
 std::string NearestName(const std::vector<Setting>& settings,
                         absl::string_view unknown) {
-  // Nothing this long is a slip of the finger.
-  if (unknown.size() > 64) return "";
-  const std::string as_key = absl::StrReplaceAll(absl::AsciiStrToLower(unknown),
-                                                 {{"-", "_"}, {" ", "_"}});
-  std::string nearest;
-  size_t best = std::max<size_t>(2, as_key.size() / 3) + 1;
-  for (const Setting& setting : settings) {
-    const size_t distance = EditDistance(as_key, setting.name);
-    if (distance < best) {
-      best = distance;
-      nearest = setting.name;
-    }
-  }
-  return nearest;
+  std::vector<absl::string_view> names;
+  names.reserve(settings.size());
+  for (const Setting& setting : settings) names.push_back(setting.name);
+  return NearestName(unknown, names);
 }
 
 }  // namespace treeline

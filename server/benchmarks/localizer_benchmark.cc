@@ -20,10 +20,10 @@
 
 #include "benchmark/benchmark.h"
 #include "common/base/random.h"
+#include "common/dataset/dataset.h"
 #include "opencv2/core.hpp"
 #include "opencv2/features2d.hpp"
 #include "opencv2/imgproc.hpp"
-#include "server/core/dataset/dataset.h"
 #include "server/core/features/planar_image.h"
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/features/walsh_hadamard.h"

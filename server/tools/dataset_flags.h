@@ -2,7 +2,7 @@
 #ifndef SERVER_TOOLS_DATASET_FLAGS_H_
 #define SERVER_TOOLS_DATASET_FLAGS_H_
 
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 
 namespace CLI {
 class App;

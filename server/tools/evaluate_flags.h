@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 #include "server/core/localizer/query_options.h"
 #include "server/tools/confidence_report.h"
 #include "server/tools/feature_pnp_baseline.h"

@@ -11,8 +11,8 @@
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
 #include "common/camera/rgbd_calibration.h"
+#include "common/dataset/dataset.h"
 #include "common/geometry/rigid3.h"
-#include "server/core/dataset/dataset.h"
 #include "server/core/localizer/localizer.h"
 
 namespace treeline {

@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/camera/rgbd_calibration.h"
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 #include "server/core/localizer/localizer.h"
 #include "server/tools/evaluate_flags.h"
 #include "server/tools/evaluated_method.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 #include "server/core/localizer/localizer.h"
 #include "server/tools/evaluation.h"
 

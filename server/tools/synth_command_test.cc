@@ -6,9 +6,9 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
+#include "common/dataset/dataset.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "server/core/dataset/dataset.h"
 #include "server/tools/commands.h"
 
 namespace treeline {

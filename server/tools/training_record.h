@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 #include "server/core/training/sift_trainer.h"
 #include "server/core/training/training_options.h"
 

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "common/base/clock.h"
+#include "common/dataset/dataset.h"
 #include "common/wire/frame.h"
-#include "server/core/dataset/dataset.h"
 #include "server/core/localizer/localizer.h"
 
 namespace treeline {

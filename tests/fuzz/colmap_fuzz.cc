@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "server/core/dataset/colmap.h"
+#include "common/dataset/colmap.h"
 
 namespace treeline {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdlib>
 
 #include "absl/strings/string_view.h"
+#include "common/dataset/text_formats.h"
 #include "common/geometry/rigid3.h"
-#include "server/core/dataset/text_formats.h"
 
 namespace treeline {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "absl/strings/string_view.h"
-#include "server/core/dataset/nvm.h"
-#include "server/core/dataset/twelve_scenes.h"
+#include "common/dataset/nvm.h"
+#include "common/dataset/twelve_scenes.h"
 
 namespace treeline {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "client/relocalizer/relocalizer.h"
+#include "common/dataset/dataset.h"
 #include "gtest/gtest.h"
-#include "server/core/dataset/dataset.h"
 #include "tests/integration/process.h"
 
 namespace treeline {

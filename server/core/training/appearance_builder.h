@@ -5,7 +5,7 @@
 #include <stop_token>
 
 #include "absl/status/statusor.h"
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 #include "server/core/recognition/scene_descriptor.h"
 
 namespace treeline {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 #include "server/core/forest/confidence_model.h"
 #include "server/core/localizer/localizer.h"
 

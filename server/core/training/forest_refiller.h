@@ -7,7 +7,7 @@
 #include <stop_token>
 
 #include "absl/status/statusor.h"
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 #include "server/core/forest/forest.h"
 #include "server/core/training/forest_trainer.h"
 #include "server/core/training/training_options.h"

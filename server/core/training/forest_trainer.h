@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/camera/rgbd_calibration.h"
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 #include "server/core/forest/forest.h"
 #include "server/core/training/training_options.h"
 

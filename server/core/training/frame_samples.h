@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "common/dataset/dataset.h"
 #include "common/geometry/rigid3.h"
-#include "server/core/dataset/dataset.h"
 #include "server/core/features/line_segments.h"
 #include "server/core/features/planar_image.h"
 #include "server/core/features/rgbd_samples.h"

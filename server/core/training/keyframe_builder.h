@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/camera/rgbd_calibration.h"
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 #include "server/core/keyframes/keyframe_map.h"
 
 namespace treeline {

@@ -12,7 +12,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 #include "server/core/forest/model_info.h"
 #include "server/core/training/forest_refiller.h"
 #include "server/core/training/rgbd_calibrator.h"

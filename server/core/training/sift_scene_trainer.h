@@ -6,7 +6,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 #include "server/core/training/scene_trainer.h"
 
 namespace treeline {

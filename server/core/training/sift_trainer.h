@@ -10,7 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "server/core/dataset/dataset.h"
+#include "common/dataset/dataset.h"
 #include "server/core/features/sift_extractor.h"
 #include "server/core/forest/forest.h"
 

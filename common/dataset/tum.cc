@@ -1,0 +1,202 @@
+#include "common/dataset/tum.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+#include <tuple>
+#include <unordered_map>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "common/base/file.h"
+#include "common/base/status_macros.h"
+#include "common/dataset/dataset_index.h"
+
+namespace treeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMaxTextBytes = 256u << 20;
+// Ground truth comes at 100 Hz; in longer gaps the camera went unseen.
+constexpr Time_ns kMaxPoseGap = 100'000'000;
+
+struct NamedCamera {
+  const char* long_name;
+  const char* short_name;
+  const char* camera;
+};
+
+// https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats
+constexpr NamedCamera kCameras[] = {
+    {"freiburg1", "fr1",
+     "FULL_OPENCV,517.3,516.5,318.6,255.3,"
+     "0.2624,-0.9531,-0.0054,0.0026,1.1633,0,0,0"},
+    {"freiburg2", "fr2",
+     "FULL_OPENCV,520.9,521.0,325.1,249.7,"
+     "0.2312,-0.7849,-0.0033,-0.0001,0.9172,0,0,0"},
+    {"freiburg3", "fr3", "PINHOLE,535.4,539.2,320.1,247.6"},
+};
+constexpr const char* kDefaultCamera = "PINHOLE,525,525,319.5,239.5";
+
+std::vector<Time_ns> Times(const std::vector<TimedFile>& files) {
+  std::vector<Time_ns> times;
+  times.reserve(files.size());
+  for (const TimedFile& file : files) times.push_back(file.time);
+  return times;
+}
+
+// The path of a listed file, which must be there.
+absl::StatusOr<std::string> ExistingPath(const std::string& folder,
+                                         const std::string& list,
+                                         const TimedFile& entry) {
+  std::string path = absl::StrCat(folder, "/", entry.path);
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) {
+    return absl::NotFoundError(
+        absl::StrCat(list, ":", entry.line, ": there is no file ", path));
+  }
+  return path;
+}
+
+// The entries of rgb.txt to read, as indices.
+absl::StatusOr<std::vector<size_t>> SelectFrames(
+    const IndexRequest& request, const std::vector<TimedFile>& colors,
+    const std::string& colors_path) {
+  std::vector<size_t> selected;
+  if (request.stems.empty()) {
+    for (size_t i = 0; i < colors.size(); ++i) selected.push_back(i);
+    return selected;
+  }
+  std::unordered_map<std::string, size_t> index_of;
+  for (size_t i = 0; i < colors.size(); ++i) index_of[colors[i].stem] = i;
+  for (const ListedStem& listed : request.stems) {
+    const auto found = index_of.find(listed.stem);
+    if (found == index_of.end()) {
+      return StemNotFound(request, listed, colors_path);
+    }
+    selected.push_back(found->second);
+  }
+  return selected;
+}
+
+absl::StatusOr<std::vector<TimedPose>> ReadGroundTruth(
+    const IndexRequest& request) {
+  const std::string path = request.folder + "/groundtruth.txt";
+  if (!request.read_poses) return std::vector<TimedPose>();
+  absl::StatusOr<std::string> text = ReadFile(path, kMaxTextBytes);
+  // A recording without ground truth can still be localized.
+  if (absl::IsNotFound(text.status())) return std::vector<TimedPose>();
+  if (!text.ok()) return text.status();
+  return ParseTimedPoses(*text, path);
+}
+
+}  // namespace
+
+std::vector<int> AssociateByTime(std::span<const Time_ns> a,
+                                 std::span<const Time_ns> b,
+                                 Time_ns max_difference) {
+  std::vector<std::tuple<Time_ns, size_t, size_t>> pairs;
+  for (size_t i = 0; i < a.size(); ++i) {
+    auto first = std::upper_bound(b.begin(), b.end(), a[i] - max_difference);
+    for (; first != b.end() && *first < a[i] + max_difference; ++first) {
+      pairs.emplace_back(std::abs(*first - a[i]), i,
+                         static_cast<size_t>(first - b.begin()));
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  std::vector<int> partner_of(a.size(), -1);
+  std::vector<bool> taken(b.size(), false);
+  for (const auto& [difference, i, j] : pairs) {
+    if (partner_of[i] >= 0 || taken[j]) continue;
+    partner_of[i] = static_cast<int>(j);
+    taken[j] = true;
+  }
+  return partner_of;
+}
+
+std::optional<Rigid3> InterpolatePose(std::span<const TimedPose> poses,
+                                      Time_ns time, Time_ns max_gap) {
+  const auto after = std::lower_bound(
+      poses.begin(), poses.end(), time,
+      [](const TimedPose& pose, Time_ns t) { return pose.time < t; });
+  if (after == poses.end()) return std::nullopt;
+  if (after->time == time) return after->world_from_camera;
+  if (after == poses.begin()) return std::nullopt;
+  const TimedPose& from = *(after - 1);
+  const Time_ns gap = after->time - from.time;
+  if (gap > max_gap) return std::nullopt;
+  const double t =
+      static_cast<double>(time - from.time) / static_cast<double>(gap);
+  const Rigid3& a = from.world_from_camera;
+  const Rigid3& b = after->world_from_camera;
+  return Rigid3{Slerp(a.rotation, b.rotation, t),
+                (1 - t) * a.translation + t * b.translation};
+}
+
+std::string TumColorCamera(const std::string& folder) {
+  std::error_code error;
+  const fs::path absolute = fs::absolute(folder, error).lexically_normal();
+  const std::vector<std::string> names = absl::StrSplit(absolute.string(), '/');
+  for (auto name = names.rbegin(); name != names.rend(); ++name) {
+    for (const NamedCamera& entry : kCameras) {
+      if (absl::StrContains(*name, entry.long_name) ||
+          absl::StrContains(*name, entry.short_name)) {
+        return entry.camera;
+      }
+    }
+  }
+  return kDefaultCamera;
+}
+
+absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request) {
+  DatasetIndex index;
+  index.color_camera = TumColorCamera(request.folder);
+  index.depth_camera = "";
+  index.depth_unit_m = 1.0 / 5000;
+  index.pose_sensor = RgbdSensor::kColor;
+
+  const std::string colors_path = request.folder + "/rgb.txt";
+  TL_ASSIGN_OR_RETURN(const std::string colors_text,
+                      ReadFile(colors_path, kMaxTextBytes));
+  TL_ASSIGN_OR_RETURN(const std::vector<TimedFile> colors,
+                      ParseTimedFiles(colors_text, colors_path));
+  if (colors.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(colors_path, ": names no image"));
+  }
+  const std::string depths_path = request.folder + "/depth.txt";
+  TL_ASSIGN_OR_RETURN(const std::string depths_text,
+                      ReadFile(depths_path, kMaxTextBytes));
+  TL_ASSIGN_OR_RETURN(const std::vector<TimedFile> depths,
+                      ParseTimedFiles(depths_text, depths_path));
+  TL_ASSIGN_OR_RETURN(const std::vector<TimedPose> poses,
+                      ReadGroundTruth(request));
+
+  const std::vector<int> depth_of = AssociateByTime(
+      Times(colors), Times(depths),
+      static_cast<Time_ns>(request.max_time_difference_s * 1e9));
+  TL_ASSIGN_OR_RETURN(const std::vector<size_t> selected,
+                      SelectFrames(request, colors, colors_path));
+  index.frames.reserve(selected.size());
+  for (const size_t i : selected) {
+    DatasetFrame frame;
+    frame.stem = colors[i].stem;
+    TL_ASSIGN_OR_RETURN(frame.color_path,
+                        ExistingPath(request.folder, colors_path, colors[i]));
+    if (depth_of[i] >= 0) {
+      TL_ASSIGN_OR_RETURN(
+          frame.depth_path,
+          ExistingPath(request.folder, depths_path,
+                       depths[static_cast<size_t>(depth_of[i])]));
+    }
+    frame.world_from_camera =
+        InterpolatePose(poses, colors[i].time, kMaxPoseGap);
+    index.frames.push_back(std::move(frame));
+  }
+  return index;
+}
+
+}  // namespace treeline
