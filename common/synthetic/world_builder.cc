@@ -1,6 +1,6 @@
 #include "common/synthetic/world_builder.h"
 
-#include <cmath>
+#include <cstddef>
 #include <optional>
 #include <utility>
 
@@ -8,12 +8,6 @@
 #include "common/synthetic/noise.h"
 
 namespace treeline {
-
-Float3 Placement::Direction(Float3 local) const {
-  const float c = std::cos(yaw_rad);
-  const float s = std::sin(yaw_rad);
-  return {c * local.x - s * local.y, s * local.x + c * local.y, local.z};
-}
 
 int WorldBuilder::AddTexture(std::function<Canvas()> paint) {
   painters_.push_back(std::move(paint));
@@ -23,6 +17,7 @@ int WorldBuilder::AddTexture(std::function<Canvas()> paint) {
 void WorldBuilder::AddSurface(const std::array<Float3, 4>& corners,
                               const Finish& finish) {
   Surface surface{.corners = corners, .texture = finish.texture};
+  surface.kind = kind_;
   surface.emission = finish.emission;
   if (finish.tile_m > 0) {
     // Each surface is cut from another place of the material, with the grain
@@ -105,6 +100,22 @@ void WorldBuilder::AddTurned(const Placement& placement, Float3 base,
   }
 }
 
+void WorldBuilder::BeginBody() { body_begin_ = surfaces_.size(); }
+
+int WorldBuilder::EndBody(std::string name, float radius_m, float height_m,
+                          std::optional<Motion> motion) {
+  const auto begin =
+      surfaces_.begin() + static_cast<std::ptrdiff_t>(body_begin_.value());
+  bodies_.push_back({.name = std::move(name),
+                     .surfaces = {begin, surfaces_.end()},
+                     .radius_m = radius_m,
+                     .height_m = height_m,
+                     .motion = std::move(motion)});
+  surfaces_.erase(begin, surfaces_.end());
+  body_begin_.reset();
+  return static_cast<int>(bodies_.size()) - 1;
+}
+
 World WorldBuilder::Build(std::string name, Float3 size_m,
                           const WalkArea& walk_area, int threads) {
   std::vector<std::optional<Texture>> painted(painters_.size());
@@ -122,6 +133,7 @@ World WorldBuilder::Build(std::string name, Float3 size_m,
   }
   world.surfaces = std::move(surfaces_);
   world.lights = std::move(lights_);
+  world.bodies = std::move(bodies_);
   return world;
 }
 
