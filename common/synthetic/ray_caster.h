@@ -46,7 +46,7 @@ class RayCaster {
   RayHit Cast(Float3 origin, Float3 direction) const;
 
   // Casts rays from one origin, many at a time: hits[i] is for directions[i].
-  // Faster than single casts where neighbours look the same way. Both spans
+  // Faster than single casts where each 32 look about the same way. Both spans
   // have the same length.
   void CastMany(Float3 origin, std::span<const Float3> directions,
                 std::span<RayHit> hits) const;
