@@ -301,12 +301,24 @@ RayHit RayCaster::CastGlass(Float3 origin, Float3 direction) const {
   return hit;
 }
 
+void RayCaster::CastManyAtGlass(Float3 origin,
+                                std::span<const Float3> directions,
+                                std::span<RayHit> hits) const {
+  CastAtGlassFrom(&origin, 0, directions, hits);
+}
+
 void RayCaster::CastManyAtGlass(std::span<const Float3> origins,
+                                std::span<const Float3> directions,
+                                std::span<RayHit> hits) const {
+  CastAtGlassFrom(origins.data(), 1, directions, hits);
+}
+
+void RayCaster::CastAtGlassFrom(const Float3* origins, size_t origin_step,
                                 std::span<const Float3> directions,
                                 std::span<RayHit> hits) const {
   for (RayHit& hit : hits) hit = {.distance = kFar_m};
   if (!has_glass()) return;
-  CastBatches(glass_scene_.get(), {origins.data(), 1}, directions, hits);
+  CastBatches(glass_scene_.get(), {origins, origin_step}, directions, hits);
   for (RayHit& hit : hits) {
     if (hit.surface != RayHit::kNothing) {
       hit.surface = glass_surfaces_[hit.surface];
