@@ -15,6 +15,7 @@ constexpr int64_t kMaxLate_ns = 5'000'000'000;
 constexpr int64_t kMaxEarly_ns = 200'000'000;
 // The rates of two quartz clocks differ by less, by far.
 constexpr double kMaxDrift = 0.002;
+constexpr std::chrono::seconds kWindow(1);
 // The base's top speed is 2.9 m/s.
 constexpr double kMaxRolled_mps = 5;
 constexpr double kMaxRolledSlack_m = 0.05;
@@ -115,32 +116,37 @@ void SegwayStatusReader::BeginAt(const SegwayCycle& cycle,
                                  MonotonicTime arrival) {
   last_ = {
       .cycle = cycle, .arrival = arrival, .device_frames = cycle.servo_frames};
-  clock_offset_ns_ = Nanoseconds(arrival) - last_->device_frames * kFrame_ns;
+  least_offset_ns_ = least_offset_before_ns_ =
+      Nanoseconds(arrival) - last_->device_frames * kFrame_ns;
+  window_begin_ = arrival;
 }
 
-MonotonicTime SegwayStatusReader::StampOf(const Timed& timed,
-                                          int64_t frames_passed) {
+MonotonicTime SegwayStatusReader::StampOf(const Timed& timed) {
   const int64_t device_ns = timed.device_frames * kFrame_ns;
-  // The smallest offset is that of the quickest arrival; it may grow as slowly
-  // as the clocks may drift.
-  const int64_t allowed_ns =
-      std::llround(kMaxDrift * static_cast<double>(frames_passed * kFrame_ns));
-  clock_offset_ns_ = std::min(clock_offset_ns_ + allowed_ns,
-                              Nanoseconds(timed.arrival) - device_ns);
-  return MonotonicTime(std::chrono::duration_cast<MonotonicTime::duration>(
-      std::chrono::nanoseconds(device_ns + clock_offset_ns_)));
+  const int64_t offset_ns = Nanoseconds(timed.arrival) - device_ns;
+  if (timed.arrival - window_begin_ >= kWindow) {
+    // After a gap the window before has nothing to say either.
+    const bool gap = timed.arrival - window_begin_ >= 3 * kWindow;
+    least_offset_before_ns_ = gap ? offset_ns : least_offset_ns_;
+    least_offset_ns_ = offset_ns;
+    window_begin_ = timed.arrival;
+  }
+  least_offset_ns_ = std::min(least_offset_ns_, offset_ns);
+  const MonotonicTime stamp(std::chrono::duration_cast<MonotonicTime::duration>(
+      std::chrono::nanoseconds(
+          device_ns + std::min(least_offset_ns_, least_offset_before_ns_))));
+  last_stamp_ = std::max(stamp, last_stamp_);
+  return last_stamp_;
 }
 
 std::optional<BaseReading> SegwayStatusReader::Accept(const SegwayCycle& cycle,
                                                       MonotonicTime arrival) {
-  int64_t frames_passed = 0;
   if (!last_) {
     BeginAt(cycle, arrival);
   } else if (const std::optional<int64_t> frames =
                  FramesBetween(*last_, cycle, arrival);
              frames.has_value() &&
              (recount_ || WheelsCanHaveRolled(last_->cycle, cycle, *frames))) {
-    frames_passed = *frames;
     if (!recount_) {
       left_ += Rolled(last_->cycle.left_position, cycle.left_position);
       right_ += Rolled(last_->cycle.right_position, cycle.right_position);
@@ -163,7 +169,7 @@ std::optional<BaseReading> SegwayStatusReader::Accept(const SegwayCycle& cycle,
   suspect_.reset();
   last_cycle_ = cycle;
   BaseReading reading = ToReading(cycle, wire_);
-  reading.stamp = StampOf(*last_, frames_passed);
+  reading.stamp = StampOf(*last_);
   reading.left_wheel_m = static_cast<double>(left_) / kSegwayCountsPerMetre;
   reading.right_wheel_m = static_cast<double>(right_) / kSegwayCountsPerMetre;
   return reading;

@@ -17,8 +17,9 @@ namespace treeline {
 // * A cycle counts only if its eight messages came complete and in order on one
 //   channel. Where both channels carry cycles, the first to complete one is
 //   kept to until Reconnected().
-// * Stamps are the base's own count of 0.01 s, put on our clock by the
-//   quickest arrivals: what a read waits in buffers does not move them.
+// * Stamps are the base's own count of 0.01 s, put on our clock by the quickest
+//   arrival of the last second or two: what a read waits in buffers does not
+//   move them. They never run backwards, and are never after the arrival.
 // * The readings' wheels never jump: they go on through the wrapping of 32-bit
 //   counters, through gaps, and where the base was restarted or its counters
 //   were reset they go on from where they were, without what was rolled
@@ -70,7 +71,7 @@ class SegwayStatusReader {
   static bool WheelsCanHaveRolled(const SegwayCycle& before,
                                   const SegwayCycle& after, int64_t frames);
   void BeginAt(const SegwayCycle& cycle, MonotonicTime arrival);
-  MonotonicTime StampOf(const Timed& timed, int64_t frames_passed);
+  MonotonicTime StampOf(const Timed& timed);
 
   const SegwayWire wire_;
   const std::optional<uint8_t> only_channel_;
@@ -83,8 +84,12 @@ class SegwayStatusReader {
   std::optional<Timed> last_;
   std::optional<Timed> suspect_;
   bool recount_ = false;
-  // Our clock less the base's (ns).
-  int64_t clock_offset_ns_ = 0;
+  // Our clock less the base's (ns): the least since window_begin_, and of the
+  // window before.
+  int64_t least_offset_ns_ = 0;
+  int64_t least_offset_before_ns_ = 0;
+  MonotonicTime window_begin_;
+  MonotonicTime last_stamp_;
   // Wheels (counts).
   int64_t left_ = 0;
   int64_t right_ = 0;

@@ -1,6 +1,8 @@
 #include "nav_agent/drivers/segway/status_reader.h"
 
+#include <algorithm>
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -90,9 +92,7 @@ TEST_F(SegwayStatusReaderTest, LateArrivalsKeepTheirMoments) {
   for (int i = 1; i <= 100; ++i) {
     const auto reading = Take(CycleAt(i), TimeOf(100));
     ASSERT_TRUE(reading.has_value());
-    // The clocks may drift apart by 0.2 %.
-    EXPECT_GE(reading->stamp, TimeOf(i));
-    EXPECT_LE(reading->stamp, TimeOf(i) + microseconds(20 * i));
+    EXPECT_EQ(reading->stamp, TimeOf(i));
   }
 }
 
@@ -103,12 +103,39 @@ TEST_F(SegwayStatusReaderTest, StampsFollowTheQuickestArrivals) {
     const auto reading = Take(CycleAt(i), TimeOf(i) + late);
     ASSERT_TRUE(reading.has_value());
     EXPECT_LE(reading->stamp, TimeOf(i) + late);
-    // 15 cycles bring each lateness once; in 0.15 s clocks drift by 0.3 ms.
+    // 15 cycles bring each lateness once.
     if (i >= 15) {
-      EXPECT_GE(reading->stamp, TimeOf(i) + microseconds(1000));
-      EXPECT_LE(reading->stamp, TimeOf(i) + microseconds(1310));
+      EXPECT_EQ(reading->stamp, TimeOf(i) + milliseconds(1));
     }
   }
+}
+
+// A base whose clock is slow by a hundredth, which none is.
+TEST_F(SegwayStatusReaderTest, StampsFollowAClockThatDrifts) {
+  MonotonicTime before = kStart - milliseconds(1);
+  for (int i = 0; i < 3000; ++i) {
+    const MonotonicTime arrival = kStart + microseconds(10100 * i);
+    const auto reading = Take(CycleAt(i), arrival);
+    ASSERT_TRUE(reading.has_value());
+    EXPECT_LE(reading->stamp, arrival);
+    // The quickest arrival was up to two seconds ago.
+    EXPECT_GE(reading->stamp, arrival - milliseconds(21));
+    EXPECT_GE(reading->stamp, before);
+    before = reading->stamp;
+  }
+}
+
+// The first arrival of all was late: later ones are not put before it.
+TEST_F(SegwayStatusReaderTest, StampsNeverRunBackwards) {
+  Take(CycleAt(0), TimeOf(0) + milliseconds(90));
+  MonotonicTime before = TimeOf(0) + milliseconds(90);
+  for (int i = 1; i < 30; ++i) {
+    const auto reading = Take(CycleAt(i), std::max(TimeOf(i), TimeOf(9)));
+    ASSERT_TRUE(reading.has_value());
+    EXPECT_GE(reading->stamp, before);
+    before = reading->stamp;
+  }
+  EXPECT_EQ(before, TimeOf(29));
 }
 
 TEST_F(SegwayStatusReaderTest, ACorruptPositionIsLeftOut) {
