@@ -99,9 +99,18 @@ RayHit CastOne(RTCScene scene, Float3 origin, Float3 direction,
           .distance = query.ray.tfar};
 }
 
+// Where the rays of a packet begin: each for itself, or (step 0) all together.
+struct Origins {
+  const Float3* first = nullptr;
+  size_t step = 0;
+
+  const Float3& operator[](size_t i) const { return first[i * step]; }
+  Origins From(size_t i) const { return {first + i * step, step}; }
+};
+
 // Casts up to kPacket rays, each no further than hits[i].distance; those that
 // meet something replace hits[i].
-void CastPacket(RTCScene scene, Float3 origin,
+void CastPacket(RTCScene scene, const Origins& origins,
                 std::span<const Float3> directions, std::span<RayHit> hits) {
   RTCIntersectContext context = MakeContext(true);
   const size_t count = directions.size();
@@ -110,9 +119,9 @@ void CastPacket(RTCScene scene, Float3 origin,
   for (size_t i = 0; i < kPacket; ++i) {
     const size_t ray = std::min(i, count - 1);
     valid[i] = i < count ? -1 : 0;
-    query.ray.org_x[i] = origin.x;
-    query.ray.org_y[i] = origin.y;
-    query.ray.org_z[i] = origin.z;
+    query.ray.org_x[i] = origins[ray].x;
+    query.ray.org_y[i] = origins[ray].y;
+    query.ray.org_z[i] = origins[ray].z;
     query.ray.dir_x[i] = directions[ray].x;
     query.ray.dir_y[i] = directions[ray].y;
     query.ray.dir_z[i] = directions[ray].z;
@@ -130,6 +139,16 @@ void CastPacket(RTCScene scene, Float3 origin,
                .u = query.hit.u[i],
                .v = query.hit.v[i],
                .distance = query.ray.tfar[i]};
+  }
+}
+
+// The same for any number of rays.
+void CastPackets(RTCScene scene, const Origins& origins,
+                 std::span<const Float3> directions, std::span<RayHit> hits) {
+  for (size_t first = 0; first < directions.size(); first += kPacket) {
+    const size_t count = std::min(kPacket, directions.size() - first);
+    CastPacket(scene, origins.From(first), directions.subspan(first, count),
+               hits.subspan(first, count));
   }
 }
 
@@ -229,18 +248,26 @@ RayHit RayCaster::CastRobust(Float3 origin, Float3 direction) const {
 
 void RayCaster::CastMany(Float3 origin, std::span<const Float3> directions,
                          std::span<RayHit> hits) const {
-  for (size_t first = 0; first < directions.size(); first += kPacket) {
-    const size_t count = std::min(kPacket, directions.size() - first);
-    const std::span<RayHit> packet = hits.subspan(first, count);
-    for (RayHit& hit : packet) hit = {.distance = kFar_m};
-    CastPacket(fast_scene_.get(), origin, directions.subspan(first, count),
-               packet);
-    for (size_t i = 0; i < count; ++i) {
-      if (packet[i].surface == RayHit::kNothing) {
-        packet[i] = CastRobust(origin, directions[first + i]);
-      } else {
-        packet[i].surface = solid_surfaces_[packet[i].surface];
-      }
+  CastFrom(&origin, 0, directions, hits);
+}
+
+void RayCaster::CastMany(std::span<const Float3> origins,
+                         std::span<const Float3> directions,
+                         std::span<RayHit> hits) const {
+  CastFrom(origins.data(), 1, directions, hits);
+}
+
+void RayCaster::CastFrom(const Float3* origins, size_t origin_step,
+                         std::span<const Float3> directions,
+                         std::span<RayHit> hits) const {
+  const Origins from = {origins, origin_step};
+  for (RayHit& hit : hits) hit = {.distance = kFar_m};
+  CastPackets(fast_scene_.get(), from, directions, hits);
+  for (size_t i = 0; i < hits.size(); ++i) {
+    if (hits[i].surface == RayHit::kNothing) {
+      hits[i] = CastRobust(from[i], directions[i]);
+    } else {
+      hits[i].surface = solid_surfaces_[hits[i].surface];
     }
   }
 }
@@ -256,6 +283,19 @@ RayHit RayCaster::CastGlass(Float3 origin, Float3 direction) const {
     hit.surface = glass_surfaces_[hit.surface];
   }
   return hit;
+}
+
+void RayCaster::CastManyAtGlass(std::span<const Float3> origins,
+                                std::span<const Float3> directions,
+                                std::span<RayHit> hits) const {
+  for (RayHit& hit : hits) hit = {.distance = kFar_m};
+  if (!has_glass()) return;
+  CastPackets(glass_scene_.get(), {origins.data(), 1}, directions, hits);
+  for (RayHit& hit : hits) {
+    if (hit.surface != RayHit::kNothing) {
+      hit.surface = glass_surfaces_[hit.surface];
+    }
+  }
 }
 
 WorldSnapshot RayCaster::At(std::vector<BodyInstance> instances) const {
@@ -296,11 +336,15 @@ void WorldSnapshot::CastMany(Float3 origin, std::span<const Float3> directions,
                              std::span<RayHit> hits) const {
   fixed_->CastMany(origin, directions, hits);
   if (scene_ == nullptr) return;
-  for (size_t first = 0; first < directions.size(); first += kPacket) {
-    const size_t count = std::min(kPacket, directions.size() - first);
-    CastPacket(scene_.get(), origin, directions.subspan(first, count),
-               hits.subspan(first, count));
-  }
+  CastPackets(scene_.get(), {&origin, 0}, directions, hits);
+}
+
+void WorldSnapshot::CastMany(std::span<const Float3> origins,
+                             std::span<const Float3> directions,
+                             std::span<RayHit> hits) const {
+  fixed_->CastMany(origins, directions, hits);
+  if (scene_ == nullptr) return;
+  CastPackets(scene_.get(), {origins.data(), 1}, directions, hits);
 }
 
 bool WorldSnapshot::IsFree(Float3 from, Float3 to) const {

@@ -50,6 +50,10 @@ class RayCaster {
   // have the same length.
   void CastMany(Float3 origin, std::span<const Float3> directions,
                 std::span<RayHit> hits) const;
+  // The same, each ray from an origin of its own.
+  void CastMany(std::span<const Float3> origins,
+                std::span<const Float3> directions,
+                std::span<RayHit> hits) const;
 
   // Whether nothing lies between two points (their own surroundings of 1 mm
   // excepted).
@@ -58,6 +62,9 @@ class RayCaster {
   // The first pane of glass along a ray.
   bool has_glass() const { return glass_scene_ != nullptr; }
   RayHit CastGlass(Float3 origin, Float3 direction) const;
+  void CastManyAtGlass(std::span<const Float3> origins,
+                       std::span<const Float3> directions,
+                       std::span<RayHit> hits) const;
 
  private:
   friend class WorldSnapshot;
@@ -69,6 +76,9 @@ class RayCaster {
   };
   RayCaster() = default;
   RayHit CastRobust(Float3 origin, Float3 direction) const;
+  void CastFrom(const Float3* origins, size_t origin_step,
+                std::span<const Float3> directions,
+                std::span<RayHit> hits) const;
 
   std::unique_ptr<RTCDeviceTy, DeviceDeleter> device_;
   // The fast one may let a ray in a million slip between two surfaces; the
@@ -93,6 +103,9 @@ class WorldSnapshot {
 
   RayHit Cast(Float3 origin, Float3 direction) const;
   void CastMany(Float3 origin, std::span<const Float3> directions,
+                std::span<RayHit> hits) const;
+  void CastMany(std::span<const Float3> origins,
+                std::span<const Float3> directions,
                 std::span<RayHit> hits) const;
   bool IsFree(Float3 from, Float3 to) const;
 
