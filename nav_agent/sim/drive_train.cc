@@ -86,10 +86,9 @@ void DriveTrain::Accelerate(const VelocityCommand& target, double pitch_rad) {
   // Towards standing still the robot brakes; away from it, it accelerates.
   const auto limit = [&](bool forwards) {
     const bool brakes = forwards ? forward_mps_ < 0 : forward_mps_ > 0;
-    const double flat = brakes ? robot_.max_deceleration_mps2
-                               : robot_.max_acceleration_mps2;
-    const double pull =
-        kGravityShare * kGravity_mps2 * std::sin(pitch_rad);
+    const double flat =
+        brakes ? robot_.max_deceleration_mps2 : robot_.max_acceleration_mps2;
+    const double pull = kGravityShare * kGravity_mps2 * std::sin(pitch_rad);
     return std::max(kLeastAcceleration_mps2, flat + (forwards ? pull : -pull)) *
            kStep_s;
   };
@@ -108,8 +107,8 @@ void DriveTrain::BeginSlipBurst(double tilt_rad, int64_t step) {
   }
   Random random = RandomFor(seed_, SimRandom::kSlip, step);
   if (random.NextUnit() >= errors_.slip_bursts_hz * kStep_s) return;
-  burst_end_ = step + static_cast<int64_t>(random.NextUniform(0.1, 0.4) /
-                                           kStep_s);
+  burst_end_ =
+      step + static_cast<int64_t>(random.NextUniform(0.1, 0.4) / kStep_s);
   burst_left_ = random.NextUnit() < 0.5;
   burst_slip_ = random.NextUniform(0.2, 0.6);
 }
@@ -143,11 +142,10 @@ PlanarMotion DriveTrain::Advance(const VelocityCommand& target,
   const auto counted = [&](double speed_mps) {
     const double way_m = speed_mps * kStep_s;
     const double turn_rad = std::abs(yaw_rate_radps_) * kStep_s;
-    const double variance = errors_.distance_m_per_sqrt_m *
-                                errors_.distance_m_per_sqrt_m *
-                                std::abs(way_m) +
-                            errors_.turn_m_per_sqrt_rad *
-                                errors_.turn_m_per_sqrt_rad * turn_rad;
+    const double variance =
+        errors_.distance_m_per_sqrt_m * errors_.distance_m_per_sqrt_m *
+            std::abs(way_m) +
+        errors_.turn_m_per_sqrt_rad * errors_.turn_m_per_sqrt_rad * turn_rad;
     const double noise = random.NextGaussian();
     return way_m == 0 ? 0 : way_m + std::sqrt(variance) * noise;
   };
@@ -205,9 +203,8 @@ void InertialSensor::Measure(double pitch_rad, double roll_rad,
                       errors_.tilt_noise_rad * random.NextGaussian();
   reading.roll_rad = roll_rad + roll_bias_rad_ +
                      errors_.tilt_noise_rad * random.NextGaussian();
-  reading.yaw_rate_radps =
-      yaw_rate_radps * yaw_rate_factor_ +
-      errors_.yaw_rate_noise_radps * random.NextGaussian();
+  reading.yaw_rate_radps = yaw_rate_radps * yaw_rate_factor_ +
+                           errors_.yaw_rate_noise_radps * random.NextGaussian();
   reading.pitch_rate_radps =
       has_last_ ? (pitch_rad - last_pitch_rad_) / interval_s : 0;
   reading.roll_rate_radps =

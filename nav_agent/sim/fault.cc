@@ -10,8 +10,8 @@
 namespace treeline {
 namespace {
 
-constexpr const char* kTargets[] = {"laser",       "camera",      "odometry",
-                                    "base",        "left_wheel",  "right_wheel",
+constexpr const char* kTargets[] = {"laser", "camera",     "odometry",
+                                    "base",  "left_wheel", "right_wheel",
                                     "server"};
 constexpr const char* kKinds[] = {"silent",       "frozen", "invalid", "dark",
                                   "stamp_offset", "delay",  "stuck",   "slip"};
@@ -44,13 +44,12 @@ const char* NameOf(FaultKind kind) { return kKinds[static_cast<size_t>(kind)]; }
 
 absl::Status Fault::Validate() const {
   if (!Exists(target, kind)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("there is no fault '", NameOf(kind), "' of '",
-                     NameOf(target), "'"));
+    return absl::InvalidArgumentError(absl::StrCat(
+        "there is no fault '", NameOf(kind), "' of '", NameOf(target), "'"));
   }
   if (duration <= SimTime(0) || start < SimTime(0)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        Name(), ": it must begin at 0 or later and last a while"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(Name(), ": it must begin at 0 or later and last a while"));
   }
   const bool in_seconds =
       kind == FaultKind::kStampOffset || kind == FaultKind::kDelay;
@@ -58,8 +57,8 @@ absl::Status Fault::Validate() const {
   const double most = in_seconds ? 3600 : 1;
   if (!(amount >= least && amount <= most)) {
     return absl::InvalidArgumentError(
-        absl::StrCat(Name(), ": the amount must be from ", least, " to ",
-                     most, in_seconds ? " s" : ""));
+        absl::StrCat(Name(), ": the amount must be from ", least, " to ", most,
+                     in_seconds ? " s" : ""));
   }
   return absl::OkStatus();
 }
@@ -85,8 +84,8 @@ absl::StatusOr<FaultTarget> ParseFaultTarget(absl::string_view name) {
 absl::StatusOr<FaultKind> ParseFaultKind(absl::string_view name) {
   const auto* found = std::find(std::begin(kKinds), std::end(kKinds), name);
   if (found == std::end(kKinds)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "'", name, "' is none of ", absl::StrJoin(kKinds, ", ")));
+    return absl::InvalidArgumentError(
+        absl::StrCat("'", name, "' is none of ", absl::StrJoin(kKinds, ", ")));
   }
   return static_cast<FaultKind>(found - std::begin(kKinds));
 }
@@ -124,11 +123,10 @@ WheelFaults FaultPlan::WheelsAt(SimTime time) const {
     const Fault* fault = Find(wheel, FaultKind::kSlip, time);
     return fault == nullptr ? 0 : fault->amount;
   };
-  return {
-      .left_stuck = Has(FaultTarget::kLeftWheel, FaultKind::kStuck, time),
-      .right_stuck = Has(FaultTarget::kRightWheel, FaultKind::kStuck, time),
-      .left_slip = slip(FaultTarget::kLeftWheel),
-      .right_slip = slip(FaultTarget::kRightWheel)};
+  return {.left_stuck = Has(FaultTarget::kLeftWheel, FaultKind::kStuck, time),
+          .right_stuck = Has(FaultTarget::kRightWheel, FaultKind::kStuck, time),
+          .left_slip = slip(FaultTarget::kLeftWheel),
+          .right_slip = slip(FaultTarget::kRightWheel)};
 }
 
 std::vector<Fault> FaultPlan::Began(SimTime after, SimTime until) const {

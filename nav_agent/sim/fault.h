@@ -21,7 +21,8 @@ inline double Seconds(SimTime time) {
 }
 // The nearest nanosecond.
 inline SimTime FromSeconds(double time_s) {
-  return SimTime(static_cast<int64_t>(time_s * 1e9 + (time_s < 0 ? -0.5 : 0.5)));
+  return SimTime(
+      static_cast<int64_t>(time_s * 1e9 + (time_s < 0 ? -0.5 : 0.5)));
 }
 
 enum class FaultTarget {

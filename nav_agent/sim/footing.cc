@@ -39,10 +39,10 @@ Vec2 Footing::FootAt(int foot, const Stance& tilted, Vec2 position,
                      double yaw_rad) const {
   // Rz Ry Rx of a point (x, y, 0), as seen from above.
   const Vec2 in_base = feet_in_base_[Index(foot)];
-  const Vec2 level = {in_base.x * std::cos(tilted.pitch_rad) +
-                          in_base.y * std::sin(tilted.pitch_rad) *
-                              std::sin(tilted.roll_rad),
-                      in_base.y * std::cos(tilted.roll_rad)};
+  const Vec2 level = {
+      in_base.x * std::cos(tilted.pitch_rad) +
+          in_base.y * std::sin(tilted.pitch_rad) * std::sin(tilted.roll_rad),
+      in_base.y * std::cos(tilted.roll_rad)};
   return Rigid2{position, yaw_rad} * level;
 }
 
@@ -64,10 +64,10 @@ void Footing::Settle(Stance& stance) const {
   const double cos_pitch = std::cos(stance.pitch_rad);
   const double sin_pitch = std::sin(stance.pitch_rad);
   stance.roll_rad = std::atan2(
-      s, std::sqrt(std::max(1e-9, cos_pitch * cos_pitch -
-                                      s * s * sin_pitch * sin_pitch)));
-  stance.height_m = 0.5 * (stance.contacts[kLeftWheel].z +
-                           stance.contacts[kRightWheel].z);
+      s, std::sqrt(std::max(
+             1e-9, cos_pitch * cos_pitch - s * s * sin_pitch * sin_pitch)));
+  stance.height_m =
+      0.5 * (stance.contacts[kLeftWheel].z + stance.contacts[kRightWheel].z);
 }
 
 Footing::Step Footing::Follow(const Stance& before, Vec2 position,
@@ -78,8 +78,8 @@ Footing::Step Footing::Follow(const Stance& before, Vec2 position,
   for (int foot = 0; foot < kFeet; ++foot) {
     const Vec2 at = FootAt(foot, before, position, yaw_rad);
     const double height_m = before.contacts[Index(foot)].z;
-    const auto ground = terrain_->GroundAt(at, height_m - max_step_m_,
-                                           height_m + max_step_m_);
+    const auto ground =
+        terrain_->GroundAt(at, height_m - max_step_m_, height_m + max_step_m_);
     const Vec3 contact = {at.x, at.y, height_m};
     if (!ground.has_value()) {
       return {.stance = std::nullopt,
@@ -97,8 +97,8 @@ std::optional<double> Footing::NearestGround_m(Vec2 at, double height_m) const {
   double highest_m = kSearch_m;
   // From the top down, from ground to ground.
   while (const auto ground = terrain_->GroundAt(at, -kSearch_m, highest_m)) {
-    if (!nearest.has_value() || std::abs(ground->height_m - height_m) <
-                                    std::abs(*nearest - height_m)) {
+    if (!nearest.has_value() ||
+        std::abs(ground->height_m - height_m) < std::abs(*nearest - height_m)) {
       nearest = ground->height_m;
     }
     highest_m = ground->height_m - 1e-3;

@@ -45,9 +45,10 @@ void SimulatedBase::SetLost(bool is_lost) {
   if (is_lost) command_ = {};
   is_lost_ = is_lost;
   health_.state = is_lost ? DeviceState::kLost : DeviceState::kRunning;
-  health_.cause = is_lost ? absl::UnavailableError(
-                                "the base does not answer (simulated fault)")
-                          : absl::OkStatus();
+  health_.cause =
+      is_lost
+          ? absl::UnavailableError("the base does not answer (simulated fault)")
+          : absl::OkStatus();
 }
 
 RgbdCalibration SimulatedCamera::Calibration() const {

@@ -42,8 +42,8 @@ std::vector<QuadCorners> Stage::QuadsOf(const BodyInstance& instance) const {
   for (const Surface& surface : body.surfaces) {
     QuadCorners corners;
     for (size_t i = 0; i < 4; ++i) {
-      const Float3 at = instance.world_from_body.Point(instance.scale *
-                                                       surface.corners[i]);
+      const Float3 at =
+          instance.world_from_body.Point(instance.scale * surface.corners[i]);
       corners[i] = {at.x, at.y, at.z};
     }
     quads.push_back(corners);
