@@ -46,7 +46,7 @@ class RayCaster {
   RayHit Cast(Float3 origin, Float3 direction) const;
 
   // Casts rays from one origin, many at a time: hits[i] is for directions[i].
-  // Faster than single casts where neighbours look the same way. Both spans
+  // Faster than single casts where each 32 look about the same way. Both spans
   // have the same length.
   void CastMany(Float3 origin, std::span<const Float3> directions,
                 std::span<RayHit> hits) const;
@@ -62,6 +62,8 @@ class RayCaster {
   // The first pane of glass along a ray.
   bool has_glass() const { return glass_scene_ != nullptr; }
   RayHit CastGlass(Float3 origin, Float3 direction) const;
+  void CastManyAtGlass(Float3 origin, std::span<const Float3> directions,
+                       std::span<RayHit> hits) const;
   void CastManyAtGlass(std::span<const Float3> origins,
                        std::span<const Float3> directions,
                        std::span<RayHit> hits) const;
@@ -76,6 +78,9 @@ class RayCaster {
   };
   RayCaster() = default;
   RayHit CastRobust(Float3 origin, Float3 direction) const;
+  void CastAtGlassFrom(const Float3* origins, size_t origin_step,
+                       std::span<const Float3> directions,
+                       std::span<RayHit> hits) const;
   void CastFrom(const Float3* origins, size_t origin_step,
                 std::span<const Float3> directions,
                 std::span<RayHit> hits) const;
