@@ -56,6 +56,7 @@ class GroundFinder {
 
   std::vector<GroundLevel> Find() {
     FindNodes();
+    MarkBuried();
     MarkEdges();
     Reach();
     LabelLevels();
@@ -167,6 +168,18 @@ class GroundFinder {
     return std::any_of(spans.begin(), spans.end(), [&](const ColumnSpan& s) {
       return s.high_m > low && s.low_m < high;
     });
+  }
+
+  // Ground below other ground: a floor that goes on below a ramp's foot.
+  void MarkBuried() {
+    for (size_t i = 0; i + 1 < nodes_.size(); ++i) {
+      GroundCell& ground = nodes_[i].ground;
+      if (nodes_[i + 1].cell == nodes_[i].cell &&
+          nodes_[i + 1].ground.height_m - ground.height_m <
+              static_cast<float>(options_.clearance_m)) {
+        ground.state = GroundState::kOccupied;
+      }
+    }
   }
 
   // Ground that ends without a wall is an edge to fall from.
