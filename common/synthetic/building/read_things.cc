@@ -51,15 +51,23 @@ absl::Status CheckSpan(const YamlNode& item, const WallRef& ref,
   return absl::OkStatus();
 }
 
-// Doors and windows of one wall must lie apart.
+// Doors and windows of one wall must lie apart: beside one another, or one over
+// the other where nothing is cut.
 absl::Status CheckApart(const YamlNode& item, const BuildingPlan& plan,
-                        const WallRef& ref, double at_m, double width_m) {
+                        const WallRef& ref, double at_m, double width_m,
+                        double low_m, double high_m) {
   std::vector<WallRef> faces = {ref};
   if (const auto behind =
           WallBehind(plan, ref, at_m - width_m / 2, at_m + width_m / 2)) {
     faces.push_back(*behind);
   }
-  const auto is_near = [&](const PlanOnWall& place, double other_width_m) {
+  const bool is_cut = ref.room < 0 || faces.size() > 1;
+  const auto is_near = [&](const PlanOnWall& place, double other_width_m,
+                           double other_low_m, double other_high_m) {
+    if (!is_cut && (other_low_m > high_m + 2 * kMargin_m ||
+                    low_m > other_high_m + 2 * kMargin_m)) {
+      return false;
+    }
     const auto other = FindWall(plan, place.wall);
     if (!other || std::abs(place.at_m - at_m) >=
                       (width_m + other_width_m) / 2 + kMargin_m) {
@@ -78,13 +86,13 @@ absl::Status CheckApart(const YamlNode& item, const BuildingPlan& plan,
     });
   };
   for (const PlanDoor& door : plan.doors) {
-    if (is_near(door.place, door.width_m)) {
+    if (is_near(door.place, door.width_m, 0, door.height_m)) {
       return item.Error(absl::StrCat("it overlaps a door at ",
                                      door.place.at_m, " m"));
     }
   }
   for (const PlanWindow& window : plan.windows) {
-    if (is_near(window.place, window.width_m)) {
+    if (is_near(window.place, window.width_m, window.low_m, window.high_m)) {
       return item.Error(absl::StrCat("it overlaps a window at ",
                                      window.place.at_m, " m"));
     }
@@ -130,7 +138,8 @@ absl::Status ReadDoors(const YamlNode& file, BuildingPlan& plan) {
     TL_RETURN_IF_ERROR(CheckSpan(item, ref, "door", door.place.at_m,
                                  door.width_m, 0, door.height_m));
     TL_RETURN_IF_ERROR(
-        CheckApart(item, plan, ref, door.place.at_m, door.width_m));
+        CheckApart(item, plan, ref, door.place.at_m, door.width_m, 0,
+                   door.height_m));
     if (item.Has("leaf")) {
       TL_ASSIGN_OR_RETURN(
           const int leaf,
@@ -169,7 +178,8 @@ absl::Status ReadWindows(const YamlNode& file, BuildingPlan& plan) {
     TL_RETURN_IF_ERROR(CheckSpan(item, ref, "window", window.place.at_m,
                                  window.width_m, window.low_m, window.high_m));
     TL_RETURN_IF_ERROR(
-        CheckApart(item, plan, ref, window.place.at_m, window.width_m));
+        CheckApart(item, plan, ref, window.place.at_m, window.width_m,
+                   window.low_m, window.high_m));
     plan.windows.push_back(window);
   }
   return absl::OkStatus();
