@@ -138,6 +138,9 @@ struct WorldOptions {
   bool with_people = true;
   // Paints on up to so many; < 1: all. The result does not depend on it.
   int threads = 0;
+  // Whether surfaces get their pictures. false: one grey texel each, for who
+  // needs no more than the geometry.
+  bool paint = true;
 };
 
 // The world called `name`:
