@@ -116,8 +116,8 @@ void BuildingMaker::AddDoor(const PlanDoor& door, int index) {
     case DoorLeaf::kNone:
       return;
     case DoorLeaf::kOpen:
-      // A little less than at right angles, into the room.
-      return AddLeaf(frame.At({opening.s0 + 0.005f, 0.03f, 0}, 1.45f), door,
+      // A little more than at right angles, into the room.
+      return AddLeaf(frame.At({opening.s0 - 0.03f, 0.04f, 0}, 1.68f), door,
                      index);
     case DoorLeaf::kClosed:
       return AddLeaf(hinge, door, index);
