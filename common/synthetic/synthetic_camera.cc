@@ -167,6 +167,23 @@ absl::Status DepthSensorOptions::Validate() const {
   return CheckRange("random loss", random_loss, 0, 1);
 }
 
+double AutomaticExposure(const std::vector<Float3>& radiance) {
+  // Middle grey, as exposed radiance: what the room has at 3.4.
+  constexpr double kKey = 0.35;
+  constexpr size_t kStep = 7;
+  double sum = 0;
+  double count = 0;
+  for (size_t i = 0; i < radiance.size(); i += kStep) {
+    const float mean =
+        (radiance[i].x + radiance[i].y + radiance[i].z) * (1.0f / 3);
+    if (!(mean > 0)) continue;
+    sum += std::log(std::max(mean, 1e-4f));
+    count += 1;
+  }
+  if (count == 0) return 1;
+  return std::clamp(kKey / std::exp(sum / count), 0.1, 100.0);
+}
+
 ColorImage ExposeColor(const PixelRays& rays,
                        const std::vector<Float3>& radiance,
                        const ColorSensorOptions& options, uint64_t seed,
@@ -174,7 +191,8 @@ ColorImage ExposeColor(const PixelRays& rays,
   ColorImage image{.width = rays.width(), .height = rays.height(), .rgb = {}};
   image.rgb.resize(3 * radiance.size());
   const PixelNoise noise(seed, frame, 1);
-  const float exposure = static_cast<float>(options.exposure);
+  const float exposure = static_cast<float>(
+      options.is_automatic ? AutomaticExposure(radiance) : options.exposure);
   const float sigma = static_cast<float>(options.noise_levels);
   ParallelFor(image.height, threads, [&](int64_t y) {
     const size_t width = static_cast<size_t>(image.width);

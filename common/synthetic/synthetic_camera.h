@@ -18,6 +18,9 @@ namespace treeline {
 struct ColorSensorOptions {
   // Radiance 1 times this is 1 before the tone curve. In (0, 100].
   double exposure = 3.4;
+  // Exposes each picture by itself instead, so that the mean of the logarithm
+  // of its radiance lands where the eye sees a middle grey (Reinhard 2002).
+  bool is_automatic = false;
   // Standard deviation of a channel, in the 8-bit picture's levels. [0, 50].
   double noise_levels = 1.6;
 
@@ -50,6 +53,9 @@ struct DepthSensorOptions {
 
   absl::Status Validate() const;
 };
+
+// What ColorSensorOptions::is_automatic exposes a picture with.
+double AutomaticExposure(const std::vector<Float3>& radiance);
 
 // Noise-free radiance as an 8-bit picture with sensor noise. `frame` numbers
 // the exposures: (seed, frame) determine the noise.
