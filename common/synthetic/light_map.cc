@@ -116,6 +116,22 @@ Float3 LightMap::At(uint32_t surface, float u, float v) const {
       ty);
 }
 
+Float3 LightMap::EvenLight(Float3 normal) {
+  const float light =
+      0.30f + 0.08f * normal.z + 0.03f * normal.x - 0.05f * normal.y * normal.y;
+  return {light, light, light};
+}
+
+LightMap LightMap::Even(const World& world) {
+  LightMap map;
+  map.texels_.reserve(world.surfaces.size());
+  for (const Surface& surface : world.surfaces) {
+    map.grids_.push_back({.first = map.texels_.size()});
+    map.texels_.push_back(EvenLight(surface.Normal()));
+  }
+  return map;
+}
+
 LightMap LightMap::Bake(const World& world, const RayCaster& caster,
                         int threads) {
   LightMap map;

@@ -16,6 +16,11 @@ class LightMap {
   static LightMap Bake(const World& world, const RayCaster& caster,
                        int threads);
 
+  // The light of a cloudy day: more from above, and from some sides than from
+  // others, so that corners can be told.
+  static LightMap Even(const World& world);
+  static Float3 EvenLight(Float3 normal);
+
   // Light at (u, v) of a surface, per pi: times reflectance it is the radiance
   // of a matt surface. Bilinear between texels of about 6 cm.
   Float3 At(uint32_t surface, float u, float v) const;

@@ -211,7 +211,8 @@ absl::Status RecordSevenScenes(const RecordOptions& options,
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(CheckNoRecording(options));
   if (stop.stop_requested()) return absl::CancelledError("recording stopped");
-  TL_ASSIGN_OR_RETURN(World world, MakeWorld(options.world, options.threads));
+  TL_ASSIGN_OR_RETURN(World world,
+                      MakeWorld(options.world, {.threads = options.threads}));
   return RecordSevenScenesIn(std::move(world), options, done, stop);
 }
 

@@ -13,7 +13,7 @@
 namespace treeline {
 
 struct RecordOptions {
-  // "room" or "seed:N"; see MakeWorld.
+  // "room" or "room:N"; see MakeWorld.
   std::string world = "room";
   // Made if it is not there. Must not hold a recording yet.
   std::string folder{};

@@ -10,7 +10,7 @@ namespace {
 
 const Renderer& RoomRenderer() {
   static const Renderer& renderer =
-      *Renderer::Create(*MakeWorld("room", 0), 0)->release();
+      *Renderer::Create(*MakeWorld("room", {}), 0)->release();
   return renderer;
 }
 

@@ -1,10 +1,9 @@
-// A furnished living room with a desk, arranged by seed.
+#include "common/synthetic/room.h"
+
 #include <array>
 #include <cmath>
+#include <utility>
 
-#include "absl/strings/numbers.h"
-#include "absl/strings/str_cat.h"
-#include "absl/strings/strip.h"
 #include "common/synthetic/furniture.h"
 #include "common/synthetic/paint.h"
 #include "common/synthetic/world.h"
@@ -282,15 +281,8 @@ class RoomMaker {
 
 }  // namespace
 
-absl::StatusOr<World> MakeWorld(absl::string_view name, int threads) {
-  uint64_t seed = kRoomSeed;
-  absl::string_view rest = name;
-  const bool seeded = absl::ConsumePrefix(&rest, "seed:");
-  if (seeded ? !absl::SimpleAtoi(rest, &seed) : name != "room") {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "world '", name, "' is neither 'room' nor 'seed:N' with a whole N"));
-  }
-  return RoomMaker(seed).Make(std::string(name), threads);
+World MakeRoom(std::string name, std::optional<uint64_t> seed, int threads) {
+  return RoomMaker(seed.value_or(kRoomSeed)).Make(std::move(name), threads);
 }
 
 }  // namespace treeline

@@ -13,8 +13,8 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(RoomTest, UnknownWorldsAreNamed) {
-  for (const char* name : {"", "Room", "seed:", "seed:-1", "seed:1.5", "x"}) {
-    const auto world = MakeWorld(name, 1);
+  for (const char* name : {"", "Room", "room:", "room:-1", "room:1.5", "x"}) {
+    const auto world = MakeWorld(name, {.threads = 1});
     EXPECT_EQ(world.status().code(), absl::StatusCode::kInvalidArgument);
     EXPECT_THAT(world.status().message(),
                 HasSubstr("'" + std::string(name) + "'"));
@@ -24,7 +24,7 @@ TEST(RoomTest, UnknownWorldsAreNamed) {
 // One test, because painting a room takes seconds and each test is a process
 // of its own.
 TEST(RoomTest, IsFurnishedWithinItsWallsAndLeavesTheWalkFree) {
-  const auto world = MakeWorld("room", 2);
+  const auto world = MakeWorld("room", {.threads = 2});
   ASSERT_TRUE(world.ok()) << world.status();
   EXPECT_EQ(world->name, "room");
   EXPECT_GT(world->surfaces.size(), 1000u);
@@ -68,8 +68,8 @@ TEST(RoomTest, IsFurnishedWithinItsWallsAndLeavesTheWalkFree) {
 }
 
 TEST(RoomTest, TheSeedDecides) {
-  const auto first = MakeWorld("seed:11", 2);
-  const auto second = MakeWorld("seed:12", 2);
+  const auto first = MakeWorld("room:11", {.threads = 2});
+  const auto second = MakeWorld("room:12", {.threads = 2});
   ASSERT_TRUE(first.ok()) << first.status();
   ASSERT_TRUE(second.ok()) << second.status();
   EXPECT_FALSE(first->size_m == second->size_m);

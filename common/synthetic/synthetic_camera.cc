@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "common/base/parallel_for.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
+#include "common/synthetic/check_range.h"
 
 namespace treeline {
 namespace {
@@ -50,13 +50,6 @@ float Tone(float exposed) {
 // std::round of numbers from 0 to 2^31, without a call into the library.
 float RoundPositive(float value) {
   return static_cast<float>(static_cast<int>(value + 0.5f));
-}
-
-absl::Status CheckRange(const char* name, double value, double low,
-                        double high) {
-  if (value >= low && value <= high) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat(name, " is ", value, ", outside [", low, ", ", high, "]"));
 }
 
 // One row of measured depth.

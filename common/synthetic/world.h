@@ -5,15 +5,29 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "common/synthetic/float3.h"
+#include "common/synthetic/placement.h"
 #include "common/synthetic/texture.h"
 
 namespace treeline {
+
+// What a surface is for those who drive, and for sensors.
+enum class SurfaceKind : uint8_t {
+  kOther,  // furniture, people, what lies about
+  kWall,
+  kCeiling,
+  kFloor,  // level ground, platforms included
+  kRamp,   // ground that rises
+  kStair,
+  // Cameras and light go through; see RayCaster::CastGlass.
+  kGlass
+};
 
 // A planar quadrilateral. Its corners, seen from the front: top left, top
 // right, bottom right, bottom left. (u, v) is (0, 0), (1, 0), (1, 1), (0, 1)
@@ -29,6 +43,7 @@ struct Surface {
   // Light that leaves the surface, as a multiple of its reflectance: lamp
   // shades, windows, screens. 0 for others.
   float emission = 0;
+  SurfaceKind kind = SurfaceKind::kOther;
 
   Float3 Normal() const {
     return Normalized(Cross(corners[3] - corners[0], corners[1] - corners[0]));
@@ -67,20 +82,74 @@ struct WalkArea {
   double half_y_m = 0;
 };
 
+// Something that moves as a whole: a person, a cart, the leaf of a door.
+struct Body {
+  std::string name;
+  // In the body's frame: z up, the origin on the ground below its middle, or at
+  // the hinge of a door.
+  std::vector<Surface> surfaces;
+  // The upright cylinder about the frame's z axis that holds it.
+  float radius_m = 0;
+  float height_m = 0;
+  // Where it is when; nullopt: nowhere, unless somebody puts it there, any
+  // number of times (a crate that blocks the way).
+  std::optional<Motion> motion;
+};
+
+// A body at one place at one moment.
+struct BodyInstance {
+  int body = 0;  // among World::bodies
+  Placement world_from_body;
+  // Factors on the body's measures, along its axes. Positive.
+  Float3 scale{1, 1, 1};
+};
+
+// A place on the ground that has a name: where a robot starts, or may be sent.
+struct NamedPlace {
+  std::string name;
+  Placement placement;
+};
+
 struct World {
   std::string name;
   Float3 size_m;
   std::vector<Texture> textures;
+  // What never moves.
   std::vector<Surface> surfaces;
   std::vector<AreaLight> lights;
+  std::vector<Body> bodies;
+  // Where somebody stands and looks around, in a room; half_x_m is 0 where
+  // there is a tour instead.
   WalkArea walk_area;
+  // A closed way over the ground that comes by everything, wide enough for a
+  // robot: corners, in order.
+  std::vector<Float3> tour;
+  std::vector<NamedPlace> places;
+
+  // Bodies that have a motion, where they are at this time.
+  std::vector<BodyInstance> InstancesAt(double time_s) const;
 };
 
-// "room": a furnished living room with a desk; "seed:N" for a whole number N:
-// a room of the same kind with other measures, furniture and pictures.
-// INVALID_ARGUMENT for other names. Paints on up to `threads` threads; the
-// result does not depend on how many.
-absl::StatusOr<World> MakeWorld(absl::string_view name, int threads);
+// Which state of a world is wanted.
+struct WorldOptions {
+  // Whether objects that the world's file moves after mapping have been moved.
+  bool after_moves = false;
+  // Whether people and carts are about.
+  bool with_people = true;
+  // Paints on up to so many; < 1: all. The result does not depend on it.
+  int threads = 0;
+  // Whether surfaces get their pictures. false: one grey texel each, for who
+  // needs no more than the geometry.
+  bool paint = true;
+};
+
+// The world called `name`:
+//   room          a furnished living room with a desk
+//   room:N        a room of the same kind, with other measures, furniture and
+//                 pictures, for each whole number N
+// INVALID_ARGUMENT for other names.
+absl::StatusOr<World> MakeWorld(absl::string_view name,
+                                const WorldOptions& options);
 
 }  // namespace treeline
 

@@ -1,6 +1,6 @@
 #include "common/synthetic/world_builder.h"
 
-#include <cmath>
+#include <cstddef>
 #include <optional>
 #include <utility>
 
@@ -8,12 +8,6 @@
 #include "common/synthetic/noise.h"
 
 namespace treeline {
-
-Float3 Placement::Direction(Float3 local) const {
-  const float c = std::cos(yaw_rad);
-  const float s = std::sin(yaw_rad);
-  return {c * local.x - s * local.y, s * local.x + c * local.y, local.z};
-}
 
 int WorldBuilder::AddTexture(std::function<Canvas()> paint) {
   painters_.push_back(std::move(paint));
@@ -23,6 +17,7 @@ int WorldBuilder::AddTexture(std::function<Canvas()> paint) {
 void WorldBuilder::AddSurface(const std::array<Float3, 4>& corners,
                               const Finish& finish) {
   Surface surface{.corners = corners, .texture = finish.texture};
+  surface.kind = kind_;
   surface.emission = finish.emission;
   if (finish.tile_m > 0) {
     // Each surface is cut from another place of the material, with the grain
@@ -105,12 +100,58 @@ void WorldBuilder::AddTurned(const Placement& placement, Float3 base,
   }
 }
 
+void WorldBuilder::BeginBody() { body_begin_ = surfaces_.size(); }
+
+int WorldBuilder::EndBody(std::string name, float radius_m, float height_m,
+                          std::optional<Motion> motion) {
+  const auto begin =
+      surfaces_.begin() + static_cast<std::ptrdiff_t>(body_begin_.value());
+  bodies_.push_back({.name = std::move(name),
+                     .surfaces = {begin, surfaces_.end()},
+                     .radius_m = radius_m,
+                     .height_m = height_m,
+                     .motion = std::move(motion)});
+  surfaces_.erase(begin, surfaces_.end());
+  body_begin_.reset();
+  return static_cast<int>(bodies_.size()) - 1;
+}
+
+void WorldBuilder::BeginGroup() {
+  group_begin_ = surfaces_.size();
+  group_lights_begin_ = lights_.size();
+}
+
+WorldBuilder::Group WorldBuilder::EndGroup() {
+  const auto begin = surfaces_.begin() + static_cast<std::ptrdiff_t>(group_begin_);
+  const auto lights_begin =
+      lights_.begin() + static_cast<std::ptrdiff_t>(group_lights_begin_);
+  Group group = {.surfaces = {begin, surfaces_.end()},
+                 .lights = {lights_begin, lights_.end()}};
+  surfaces_.erase(begin, surfaces_.end());
+  lights_.erase(lights_begin, lights_.end());
+  return group;
+}
+
+void WorldBuilder::AddGroup(const Group& group, const Placement& placement) {
+  for (Surface surface : group.surfaces) {
+    for (Float3& corner : surface.corners) corner = placement.Point(corner);
+    surfaces_.push_back(surface);
+  }
+  for (AreaLight light : group.lights) {
+    light.corner = placement.Point(light.corner);
+    light.edge_u = placement.Direction(light.edge_u);
+    light.edge_v = placement.Direction(light.edge_v);
+    lights_.push_back(light);
+  }
+}
+
 World WorldBuilder::Build(std::string name, Float3 size_m,
                           const WalkArea& walk_area, int threads) {
   std::vector<std::optional<Texture>> painted(painters_.size());
   ParallelFor(static_cast<int64_t>(painters_.size()), threads, [&](int64_t i) {
     const size_t index = static_cast<size_t>(i);
-    painted[index].emplace(painters_[index]());
+    painted[index].emplace(paint_ ? painters_[index]()
+                                  : Canvas(1, 1, {0.5f, 0.5f, 0.5f}));
   });
   World world;
   world.name = std::move(name);
@@ -122,6 +163,7 @@ World WorldBuilder::Build(std::string name, Float3 size_m,
   }
   world.surfaces = std::move(surfaces_);
   world.lights = std::move(lights_);
+  world.bodies = std::move(bodies_);
   return world;
 }
 

@@ -7,25 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "common/synthetic/placement.h"
 #include "common/synthetic/world.h"
 
 namespace treeline {
-
-// Where a piece stands in the world: it is turned by yaw about z, then moved.
-// In its own frame a piece of furniture has x along the wall, y out of the
-// wall into the room, and z up, and its back left corner (seen from above,
-// looking along y) at the origin.
-struct Placement {
-  Float3 origin;
-  float yaw_rad = 0;
-
-  Float3 Direction(Float3 local) const;
-  Float3 Point(Float3 local) const { return origin + Direction(local); }
-  // The placement of something that stands at `local` within this one.
-  Placement At(Float3 local, float turn_rad = 0) const {
-    return {Point(local), yaw_rad + turn_rad};
-  }
-};
 
 // What a surface looks like.
 struct Finish {
@@ -77,7 +62,34 @@ class WorldBuilder {
 
   void AddLight(const AreaLight& light) { lights_.push_back(light); }
 
-  // Paints the textures, in parallel, and hands over the world.
+  // What surfaces are from here on; kOther at first.
+  void set_kind(SurfaceKind kind) { kind_ = kind; }
+
+  // Surfaces from here to EndBody belong to a body that can move, and are
+  // placed in its frame (see Body). Bodies cannot be nested.
+  void BeginBody();
+  // Returns the body's index.
+  int EndBody(std::string name, float radius_m, float height_m,
+              std::optional<Motion> motion);
+
+  // Surfaces and lights from here to EndGroup are a piece of their own, which
+  // AddGroup puts anywhere, any number of times. Not within a body.
+  struct Group {
+    std::vector<Surface> surfaces;
+    std::vector<AreaLight> lights;
+  };
+  void BeginGroup();
+  Group EndGroup();
+  void AddGroup(const Group& group, const Placement& placement);
+
+  size_t surface_count() const { return surfaces_.size(); }
+
+  // Without paint, every picture is one grey texel: for who needs no more than
+  // the geometry.
+  void set_paint(bool paint) { paint_ = paint; }
+
+  // Paints the textures, in parallel, and hands over the world, which has
+  // neither places nor a tour yet.
   World Build(std::string name, Float3 size_m, const WalkArea& walk_area,
               int threads);
 
@@ -87,6 +99,14 @@ class WorldBuilder {
   std::vector<std::function<Canvas()>> painters_;
   std::vector<Surface> surfaces_;
   std::vector<AreaLight> lights_;
+  std::vector<Body> bodies_;
+  SurfaceKind kind_ = SurfaceKind::kOther;
+  // While a body is being built: where its surfaces begin.
+  std::optional<size_t> body_begin_;
+  // While a group is being built: where its surfaces and lights begin.
+  size_t group_begin_ = 0;
+  size_t group_lights_begin_ = 0;
+  bool paint_ = true;
 };
 
 }  // namespace treeline

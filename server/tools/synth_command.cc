@@ -19,7 +19,7 @@ treeline synth COMMAND --help explains a command and gives examples.)";
 constexpr const char* kRecordFooter = R"(
 Worlds:
   room    a furnished living room with a desk
-  seed:N  a room of the same kind, with other measures, furniture and pictures
+  room:N  a room of the same kind, with other measures, furniture and pictures
           for each whole number N
 
 What is written, in the layout of 7-Scenes:
@@ -65,7 +65,7 @@ Command AddRecord(CLI::App& synth) {
   command->footer(kRecordFooter);
   auto flags = std::make_shared<RecordFlags>();
   command->add_option("--world", flags->options.world, "What to walk through")
-      ->type_name("NAME|seed:N")
+      ->type_name("NAME|room:N")
       ->capture_default_str();
   command
       ->add_option("--output", flags->options.folder,

@@ -99,7 +99,7 @@ TEST_F(SynthCommandTest, DoesNotRecordOverARecording) {
 
 TEST_F(SynthCommandTest, NamesWhatIsWrong) {
   EXPECT_THAT(Record({"--world", "moon"}).message(), HasSubstr("'moon'"));
-  EXPECT_THAT(Record({"--world", "seed:x"}).message(), HasSubstr("'seed:x'"));
+  EXPECT_THAT(Record({"--world", "room:x"}).message(), HasSubstr("'room:x'"));
   EXPECT_THAT(Record({"--frames", "4"}).message(), HasSubstr("4 frames"));
   EXPECT_THROW(Record({"--format", "video"}).IgnoreError(),
                CLI::ValidationError);

@@ -1,0 +1,44 @@
+// Maps as map_server keeps them: a YAML file beside a picture (PGM).
+#ifndef NAV_AGENT_CORE_MAP_FILE_H_
+#define NAV_AGENT_CORE_MAP_FILE_H_
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "nav_agent/core/occupancy_grid.h"
+
+namespace treeline {
+
+// Maps above this many cells are refused.
+inline constexpr int64_t kMaxMapCells = int64_t{1} << 28;
+
+// A picture of grey levels, rows from the top.
+struct GreyPicture {
+  int width = 0;
+  int height = 0;
+  int max_value = 255;  // of `values`; what is white
+  std::vector<uint16_t> values;
+};
+
+// PGM, plain (P2) or raw (P5), of 8 or 16 bits. INVALID_ARGUMENT, with `name`
+// in front, for what is not. Safe on any bytes; memory is at most a small
+// multiple of them.
+absl::StatusOr<GreyPicture> ParsePgm(absl::string_view bytes,
+                                     absl::string_view name);
+std::string FormatPgm(const GreyPicture& picture);
+
+// Reads the map whose YAML file is at `path`: keys image, resolution, origin
+// [x, y, yaw], negate, occupied_thresh, free_thresh, and mode (trinary, scale
+// or raw; map_server's documentation). In mode scale what is neither occupied
+// nor free is unknown too. Errors name file and line.
+absl::StatusOr<OccupancyGrid> ReadMap(const std::string& path);
+
+// Writes the map as PATH and, beside it, as a picture of the same name that
+// ends in .pgm: free is 254, occupied 0, unknown 205. Each file is replaced
+// atomically. INVALID_ARGUMENT if `path` does not end in .yaml.
+absl::Status WriteMap(const OccupancyGrid& grid, const std::string& path);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_CORE_MAP_FILE_H_
