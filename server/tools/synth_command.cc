@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/file.h"
 #include "common/base/progress.h"
@@ -182,8 +183,12 @@ absl::Status TakePicture(const PictureFlags& flags) {
   }
   TL_RETURN_IF_ERROR(CheckWritable(flags.output));
   TL_ASSIGN_OR_RETURN(const ColorImage image, Draw(flags));
-  TL_ASSIGN_OR_RETURN(const std::string png, EncodePng(image));
-  return WriteFileAtomically(flags.output, png);
+  constexpr int kJpegQuality = 85;
+  TL_ASSIGN_OR_RETURN(const std::string bytes,
+                      absl::EndsWith(flags.output, ".jpg")
+                          ? EncodeJpeg(image, kJpegQuality)
+                          : EncodePng(image));
+  return WriteFileAtomically(flags.output, bytes);
 }
 
 Command AddPicture(CLI::App& synth) {
@@ -195,7 +200,7 @@ Command AddPicture(CLI::App& synth) {
       ->type_name("NAME|FILE|seed:N|room:N")
       ->capture_default_str();
   command->add_option("--output", flags->output, "The picture")
-      ->type_name("FILE.png")
+      ->type_name("FILE.png|FILE.jpg")
       ->required();
   command->add_option("--view", flags->view, "From above, or as a camera")
       ->check(CLI::IsMember({"top", "color", "depth"}))
