@@ -124,16 +124,18 @@ LightMap LightMap::Even(const World& world) {
   return map;
 }
 
-std::vector<std::vector<size_t>> LightMap::Patches() const {
-  std::vector<std::vector<size_t>> patches;
+std::vector<LightMap::Patch> LightMap::Patches() const {
+  std::vector<Patch> patches;
   for (const Grid& grid : grids_) {
     for (int top = 0; top < grid.v_count; top += kPatch) {
       for (int left = 0; left < grid.u_count; left += kPatch) {
-        std::vector<size_t>& patch = patches.emplace_back();
+        Patch& patch = patches.emplace_back();
+        const int right = std::min(left + kPatch, grid.u_count);
+        patch.width = static_cast<size_t>(right - left);
         for (int v = top; v < std::min(top + kPatch, grid.v_count); ++v) {
-          for (int u = left; u < std::min(left + kPatch, grid.u_count); ++u) {
-            patch.push_back(grid.first +
-                            static_cast<size_t>(v * grid.u_count + u));
+          for (int u = left; u < right; ++u) {
+            patch.texels.push_back(grid.first +
+                                   static_cast<size_t>(v * grid.u_count + u));
           }
         }
       }
@@ -244,12 +246,12 @@ void LightMap::BakeLarge(const World& world, const RayCaster& caster,
                          std::span<const LightReceiver> receivers,
                          int threads) {
   std::vector<Float3> direct(receivers.size());
-  const std::vector<std::vector<size_t>> patches = Patches();
+  const std::vector<Patch> patches = Patches();
   ParallelFor(static_cast<int64_t>(patches.size()), threads, [&](int64_t p) {
-    const std::vector<size_t>& indices = patches[static_cast<size_t>(p)];
+    const auto& [width, indices] = patches[static_cast<size_t>(p)];
     std::vector<LightReceiver> patch;
     for (const size_t i : indices) patch.push_back(receivers[i]);
-    const std::vector<size_t> lights = LightsOf(world, caster, patch);
+    const std::vector<size_t> lights = LightsOf(world, caster, patch, width);
     for (const size_t i : indices) {
       Random random(1, i);
       direct[i] = QuickDirectLight(world, lights, caster, receivers[i], random);

@@ -52,8 +52,12 @@ class LightMap {
                              std::span<const LightReceiver> receivers,
                              int bounce, int threads) const;
   void SmoothFrom(const std::vector<Float3>& gathered);
-  // Texels of one surface that lie together, as indices.
-  std::vector<std::vector<size_t>> Patches() const;
+  // Texels of one surface that lie together.
+  struct Patch {
+    size_t width = 0;
+    std::vector<size_t> texels;
+  };
+  std::vector<Patch> Patches() const;
 
   std::vector<Grid> grids_;
   std::vector<Float3> texels_;
