@@ -177,7 +177,8 @@ std::vector<LightReceiver> LightMap::LayOut(const World& world, float texel_m) {
 std::vector<Float3> LightMap::Gather(const World& world,
                                      const RayCaster& caster,
                                      std::span<const LightReceiver> receivers,
-                                     int bounce, int threads) const {
+                                     int bounce, bool is_front_only,
+                                     int threads) const {
   std::vector<Float3> gathered(receivers.size());
   ForAll(receivers.size(), threads, [&](size_t i) {
     Random random(2 + static_cast<uint64_t>(bounce), i);
@@ -190,12 +191,15 @@ std::vector<Float3> LightMap::Gather(const World& world,
     }
     caster.CastMany(receivers[i].point, directions, hits);
     Float3 sum;
-    for (const RayHit& hit : hits) {
+    for (size_t ray = 0; ray < kRays; ++ray) {
+      const RayHit& hit = hits[ray];
       if (hit.surface == RayHit::kNothing) continue;
       const Surface& other = world.surfaces[hit.surface];
-      const Float3 light =
-          At(hit.surface, hit.u, hit.v) +
-          Float3{other.emission, other.emission, other.emission};
+      const bool is_dark =
+          is_front_only && Dot(other.Normal(), directions[ray]) > 0;
+      const float emission = is_dark ? 0 : other.emission;
+      const Float3 light = At(hit.surface, hit.u, hit.v) +
+                           Float3{emission, emission, emission};
       sum = sum +
             light * world.textures[static_cast<size_t>(other.texture)].Mean();
     }
@@ -235,7 +239,8 @@ void LightMap::BakeSmall(const World& world, const RayCaster& caster,
   texels_ = direct;
   LightMap smooth = *this;
   for (int bounce = 0; bounce < kBounces; ++bounce) {
-    smooth.SmoothFrom(Gather(world, caster, receivers, bounce, threads));
+    smooth.SmoothFrom(Gather(world, caster, receivers, bounce,
+                             /*is_front_only=*/false, threads));
     for (size_t i = 0; i < texels_.size(); ++i) {
       texels_[i] = direct[i] + smooth.texels_[i];
     }
@@ -262,7 +267,8 @@ void LightMap::BakeLarge(const World& world, const RayCaster& caster,
   const std::vector<LightReceiver> few =
       coarse.LayOut(world, kCoarse * TexelSize_m(world));
   for (int bounce = 0; bounce < kBounces; ++bounce) {
-    coarse.SmoothFrom(Gather(world, caster, few, bounce, threads));
+    coarse.SmoothFrom(Gather(world, caster, few, bounce,
+                             /*is_front_only=*/true, threads));
     ForAll(receivers.size(), threads, [&](size_t i) {
       texels_[i] = direct[i] + coarse.At(receivers[i].surface, receivers[i].u,
                                          receivers[i].v);

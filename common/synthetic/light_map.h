@@ -47,10 +47,13 @@ class LightMap {
   // reflect for larger squares.
   void BakeLarge(const World& world, const RayCaster& caster,
                  std::span<const LightReceiver> receivers, int threads);
-  // What surfaces reflect towards receivers, by this map.
+  // What surfaces reflect and give off towards receivers, by this map.
+  // is_front_only: what gives off light does so to its front; light from the
+  // inside of flat lamps would seep through to the ceiling that they hang from.
   std::vector<Float3> Gather(const World& world, const RayCaster& caster,
                              std::span<const LightReceiver> receivers,
-                             int bounce, int threads) const;
+                             int bounce, bool is_front_only,
+                             int threads) const;
   void SmoothFrom(const std::vector<Float3>& gathered);
   // Texels of one surface that lie together.
   struct Patch {
