@@ -24,6 +24,7 @@ struct EmulatorCommand {
   std::function<int(std::stop_token stop)> run;
 };
 
+EmulatorCommand AddBaseCommand(CLI::App& app);
 EmulatorCommand AddLaserCommand(CLI::App& app);
 
 }  // namespace treeline
