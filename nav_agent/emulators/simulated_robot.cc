@@ -10,10 +10,10 @@ namespace treeline {
 absl::StatusOr<std::unique_ptr<SimulatedRobot>> SimulatedRobot::Create(
     Simulator& simulator, MonotonicTime start) {
   const SimulatorOptions& options = simulator.options();
-  TL_ASSIGN_OR_RETURN(LaserScanner scanner,
-                      LaserScanner::Create(simulator.world(),
-                                           options.sensors.laser,
-                                           options.seed));
+  TL_ASSIGN_OR_RETURN(
+      LaserScanner scanner,
+      LaserScanner::Create(simulator.world(), options.sensors.laser,
+                           options.seed));
   return std::unique_ptr<SimulatedRobot>(
       new SimulatedRobot(simulator, std::move(scanner), start));
 }
@@ -31,11 +31,11 @@ LaserScan SimulatedRobot::ScanAt(MonotonicTime start,
   const Rigid3& base_from_laser = simulator_.options().robot.base_from_laser;
   const absl::MutexLock lock(&mutex_);
   AdvanceTo(last);
-  LaserReturns returns = scanner_.Scan(
-      simulator_.caster().At(simulator_.bodies()),
-      simulator_.WorldFromBaseAt(first) * base_from_laser,
-      simulator_.WorldFromBaseAt(last) * base_from_laser,
-      static_cast<uint64_t>(scans_++));
+  LaserReturns returns =
+      scanner_.Scan(simulator_.caster().At(simulator_.bodies()),
+                    simulator_.WorldFromBaseAt(first) * base_from_laser,
+                    simulator_.WorldFromBaseAt(last) * base_from_laser,
+                    static_cast<uint64_t>(scans_++));
   return {.stamp = start,
           .ranges_m = std::move(returns.ranges_m),
           .intensities = std::move(returns.intensities)};
@@ -49,9 +49,8 @@ BasePlantState SimulatedRobot::Step(const VelocityCommand& wanted,
   base_time_ += FromSeconds(interval_s);
   AdvanceTo(base_time_);
   for (const BaseReading& reading : simulator_.odometry().TakeReadings()) {
-    const double half_turn_mps = 0.5 *
-                                 simulator_.options().robot.wheel_track_m *
-                                 reading.yaw_rate_radps;
+    const double half_turn_mps =
+        0.5 * simulator_.options().robot.wheel_track_m * reading.yaw_rate_radps;
     state_ = {.left_wheel_m = reading.left_wheel_m,
               .right_wheel_m = reading.right_wheel_m,
               .left_wheel_mps = reading.forward_mps - half_turn_mps,
