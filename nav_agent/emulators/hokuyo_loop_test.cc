@@ -24,8 +24,8 @@ using testing::HasSubstr;
 constexpr RoomOptions kRoom = {
     .width_m = 8, .depth_m = 6, .laser_x_m = 1.5, .laser_y_m = -0.7};
 
-FaultPlan Plan(const std::vector<std::string>& faults) {
-  FaultPlan plan;
+DeviceFaultPlan Plan(const std::vector<std::string>& faults) {
+  DeviceFaultPlan plan;
   for (const std::string& fault : faults) {
     EXPECT_TRUE(plan.Add(fault).ok()) << fault;
   }
