@@ -11,6 +11,8 @@ constexpr int kLightStrata = 4;  // squared: samples of a light
 constexpr float kPi = 3.14159265f;
 // Light that nobody would see; a white wall in full light is 1.
 constexpr float kFaint = 0.0005f;
+// Lights so near are sampled without asking whether they are seen.
+constexpr float kNear_m = 1.5f;
 
 float UnitFloat(Random& random) {
   return static_cast<float>(random.NextUnit());
@@ -36,6 +38,24 @@ Float3 PointOnPart(const AreaLight& light, int part, Random& random) {
       (static_cast<float>(part / kLightStrata) + UnitFloat(random)) /
       kLightStrata;
   return light.corner + s * light.edge_u + t * light.edge_v;
+}
+
+// Whether some points of a light can be seen from here, or it is near.
+bool MaySee(const AreaLight& light, const RayCaster& caster,
+            const LightReceiver& receiver) {
+  const Float3 area_normal = light.AreaNormal();
+  const float most =
+      std::max({light.radiance.x, light.radiance.y, light.radiance.z});
+  for (const float at : {0.1f, 0.5f, 0.9f}) {
+    const Float3 from = light.corner + at * light.edge_u + at * light.edge_v;
+    const Float3 way = from - receiver.point;
+    const float squared = std::max(Dot(way, way), 0.01f);
+    if (squared < kNear_m * kNear_m) return true;
+    if (most * Norm(area_normal) / (kPi * squared) < kFaint) continue;
+    if (Dot(way, receiver.normal) <= 0 || Dot(way, area_normal) >= 0) continue;
+    if (caster.IsFree(receiver.point, from)) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -83,33 +103,24 @@ Float3 QuickDirectLight(const World& world, std::span<const size_t> lights,
 }
 
 std::vector<size_t> LightsOf(const World& world, const RayCaster& caster,
-                             std::span<const LightReceiver> patch) {
+                             std::span<const LightReceiver> patch,
+                             size_t width) {
+  // Corners, middles of sides, and the middle.
+  std::vector<size_t> asked;
+  const size_t height = patch.size() / width;
+  for (const size_t y : {size_t{0}, height / 2, height - 1}) {
+    for (const size_t x : {size_t{0}, width / 2, width - 1}) {
+      asked.push_back(y * width + x);
+    }
+  }
+  std::sort(asked.begin(), asked.end());
+  asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
   std::vector<size_t> lights;
   for (size_t i = 0; i < world.lights.size(); ++i) {
-    const AreaLight& light = world.lights[i];
-    const Float3 area_normal = light.AreaNormal();
-    const float most =
-        std::max({light.radiance.x, light.radiance.y, light.radiance.z});
-    bool is_seen = false;
-    const size_t step = std::max<size_t>(patch.size() / 5, 1);
-    for (size_t k = 0; k < patch.size() && !is_seen; k += step) {
-      for (const float at : {0.1f, 0.5f, 0.9f}) {
-        const Float3 from =
-            light.corner + at * light.edge_u + at * light.edge_v;
-        const Float3 way = from - patch[k].point;
-        const float squared = std::max(Dot(way, way), 0.01f);
-        const float bound = most * Norm(area_normal) / (kPi * squared);
-        if (bound < kFaint) continue;
-        if (Dot(way, patch[k].normal) <= -0.5f || Dot(way, area_normal) >= 0) {
-          continue;
-        }
-        if (caster.IsFree(patch[k].point, from)) {
-          is_seen = true;
-          break;
-        }
-      }
-    }
-    if (is_seen) lights.push_back(i);
+    const auto sees = [&](size_t k) {
+      return MaySee(world.lights[i], caster, patch[k]);
+    };
+    if (std::any_of(asked.begin(), asked.end(), sees)) lights.push_back(i);
   }
   return lights;
 }

@@ -31,11 +31,12 @@ Float3 QuickDirectLight(const World& world, std::span<const size_t> lights,
                         const RayCaster& caster, const LightReceiver& receiver,
                         Random& random);
 
-// The lights that may shine on receivers that lie together on one surface: not
-// those that are too faint there, face elsewhere, or are hidden from the first,
-// the last and some in between.
+// The lights that may shine on receivers of one surface, rows of `width` of
+// them: not those that are too faint there, face elsewhere, or are hidden from
+// the patch's corners and middles.
 std::vector<size_t> LightsOf(const World& world, const RayCaster& caster,
-                             std::span<const LightReceiver> patch);
+                             std::span<const LightReceiver> patch,
+                             size_t width);
 
 }  // namespace treeline
 

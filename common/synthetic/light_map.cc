@@ -124,16 +124,18 @@ LightMap LightMap::Even(const World& world) {
   return map;
 }
 
-std::vector<std::vector<size_t>> LightMap::Patches() const {
-  std::vector<std::vector<size_t>> patches;
+std::vector<LightMap::Patch> LightMap::Patches() const {
+  std::vector<Patch> patches;
   for (const Grid& grid : grids_) {
     for (int top = 0; top < grid.v_count; top += kPatch) {
       for (int left = 0; left < grid.u_count; left += kPatch) {
-        std::vector<size_t>& patch = patches.emplace_back();
+        Patch& patch = patches.emplace_back();
+        const int right = std::min(left + kPatch, grid.u_count);
+        patch.width = static_cast<size_t>(right - left);
         for (int v = top; v < std::min(top + kPatch, grid.v_count); ++v) {
-          for (int u = left; u < std::min(left + kPatch, grid.u_count); ++u) {
-            patch.push_back(grid.first +
-                            static_cast<size_t>(v * grid.u_count + u));
+          for (int u = left; u < right; ++u) {
+            patch.texels.push_back(grid.first +
+                                   static_cast<size_t>(v * grid.u_count + u));
           }
         }
       }
@@ -175,7 +177,8 @@ std::vector<LightReceiver> LightMap::LayOut(const World& world, float texel_m) {
 std::vector<Float3> LightMap::Gather(const World& world,
                                      const RayCaster& caster,
                                      std::span<const LightReceiver> receivers,
-                                     int bounce, int threads) const {
+                                     int bounce, bool is_front_only,
+                                     int threads) const {
   std::vector<Float3> gathered(receivers.size());
   ForAll(receivers.size(), threads, [&](size_t i) {
     Random random(2 + static_cast<uint64_t>(bounce), i);
@@ -188,12 +191,15 @@ std::vector<Float3> LightMap::Gather(const World& world,
     }
     caster.CastMany(receivers[i].point, directions, hits);
     Float3 sum;
-    for (const RayHit& hit : hits) {
+    for (size_t ray = 0; ray < kRays; ++ray) {
+      const RayHit& hit = hits[ray];
       if (hit.surface == RayHit::kNothing) continue;
       const Surface& other = world.surfaces[hit.surface];
-      const Float3 light =
-          At(hit.surface, hit.u, hit.v) +
-          Float3{other.emission, other.emission, other.emission};
+      const bool is_dark =
+          is_front_only && Dot(other.Normal(), directions[ray]) > 0;
+      const float emission = is_dark ? 0 : other.emission;
+      const Float3 light = At(hit.surface, hit.u, hit.v) +
+                           Float3{emission, emission, emission};
       sum = sum +
             light * world.textures[static_cast<size_t>(other.texture)].Mean();
     }
@@ -233,7 +239,8 @@ void LightMap::BakeSmall(const World& world, const RayCaster& caster,
   texels_ = direct;
   LightMap smooth = *this;
   for (int bounce = 0; bounce < kBounces; ++bounce) {
-    smooth.SmoothFrom(Gather(world, caster, receivers, bounce, threads));
+    smooth.SmoothFrom(Gather(world, caster, receivers, bounce,
+                             /*is_front_only=*/false, threads));
     for (size_t i = 0; i < texels_.size(); ++i) {
       texels_[i] = direct[i] + smooth.texels_[i];
     }
@@ -244,12 +251,12 @@ void LightMap::BakeLarge(const World& world, const RayCaster& caster,
                          std::span<const LightReceiver> receivers,
                          int threads) {
   std::vector<Float3> direct(receivers.size());
-  const std::vector<std::vector<size_t>> patches = Patches();
+  const std::vector<Patch> patches = Patches();
   ParallelFor(static_cast<int64_t>(patches.size()), threads, [&](int64_t p) {
-    const std::vector<size_t>& indices = patches[static_cast<size_t>(p)];
+    const auto& [width, indices] = patches[static_cast<size_t>(p)];
     std::vector<LightReceiver> patch;
     for (const size_t i : indices) patch.push_back(receivers[i]);
-    const std::vector<size_t> lights = LightsOf(world, caster, patch);
+    const std::vector<size_t> lights = LightsOf(world, caster, patch, width);
     for (const size_t i : indices) {
       Random random(1, i);
       direct[i] = QuickDirectLight(world, lights, caster, receivers[i], random);
@@ -260,7 +267,8 @@ void LightMap::BakeLarge(const World& world, const RayCaster& caster,
   const std::vector<LightReceiver> few =
       coarse.LayOut(world, kCoarse * TexelSize_m(world));
   for (int bounce = 0; bounce < kBounces; ++bounce) {
-    coarse.SmoothFrom(Gather(world, caster, few, bounce, threads));
+    coarse.SmoothFrom(Gather(world, caster, few, bounce,
+                             /*is_front_only=*/true, threads));
     ForAll(receivers.size(), threads, [&](size_t i) {
       texels_[i] = direct[i] + coarse.At(receivers[i].surface, receivers[i].u,
                                          receivers[i].v);

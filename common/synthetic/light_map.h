@@ -47,13 +47,20 @@ class LightMap {
   // reflect for larger squares.
   void BakeLarge(const World& world, const RayCaster& caster,
                  std::span<const LightReceiver> receivers, int threads);
-  // What surfaces reflect towards receivers, by this map.
+  // What surfaces reflect and give off towards receivers, by this map.
+  // is_front_only: what gives off light does so to its front; light from the
+  // inside of flat lamps would seep through to the ceiling that they hang from.
   std::vector<Float3> Gather(const World& world, const RayCaster& caster,
                              std::span<const LightReceiver> receivers,
-                             int bounce, int threads) const;
+                             int bounce, bool is_front_only,
+                             int threads) const;
   void SmoothFrom(const std::vector<Float3>& gathered);
-  // Texels of one surface that lie together, as indices.
-  std::vector<std::vector<size_t>> Patches() const;
+  // Texels of one surface that lie together.
+  struct Patch {
+    size_t width = 0;
+    std::vector<size_t> texels;
+  };
+  std::vector<Patch> Patches() const;
 
   std::vector<Grid> grids_;
   std::vector<Float3> texels_;
