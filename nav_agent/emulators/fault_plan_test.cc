@@ -18,7 +18,7 @@ std::string Joined(const std::vector<std::string>& writes) {
 }
 
 TEST(FaultPlanTest, EachFaultHasItsTime) {
-  FaultPlan plan;
+  DeviceFaultPlan plan;
   for (const char* text : {"corrupt:0.001", "unplug@10+3", "error:52@5",
                            "skew:-200@1+1", "merge:0.05@20"}) {
     ASSERT_TRUE(plan.Add(text).ok()) << text;
@@ -37,7 +37,7 @@ TEST(FaultPlanTest, SaysWhatIsWrong) {
   for (const char* text : {"", "fire", "corrupt", "corrupt:2", "corrupt:x",
                            "stuck:1", "unplug@x", "unplug@-1", "unplug@1+0",
                            "unplug@1+x", "error:0", "error:100", "merge:-1"}) {
-    FaultPlan plan;
+    DeviceFaultPlan plan;
     EXPECT_TRUE(absl::IsInvalidArgument(plan.Add(text))) << text;
   }
 }
