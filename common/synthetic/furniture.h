@@ -3,6 +3,7 @@
 #ifndef COMMON_SYNTHETIC_FURNITURE_H_
 #define COMMON_SYNTHETIC_FURNITURE_H_
 
+#include "absl/strings/string_view.h"
 #include "common/base/random.h"
 #include "common/synthetic/world_builder.h"
 
@@ -26,12 +27,27 @@ class FurnitureMaker {
   // In the middle of a room; the origin is the middle of its footprint.
   void Chair(const Placement& at);
   void CoffeeTable(const Placement& at);  // 1.0 x 0.6 m
+  void CafeTable(const Placement& at);    // round, 0.7 m
+  void Table(const Placement& at, float width_m);    // 0.8 m deep
+  void Counter(const Placement& at, float width_m);  // 0.7 m deep
+  void Bench(const Placement& at, float width_m);    // 0.4 m deep
+  void Stool(const Placement& at);                   // round, 0.35 m
+  void Machine(const Placement& at);  // sells drinks; 0.95 x 0.8 m
+  void OfficeChair(const Placement& at);
+  void Bin(const Placement& at);
+  void Rack(const Placement& at, float width_m);   // 0.45 m deep
+  void Crate(const Placement& at, float width_m);  // 0.6 m deep
+  void Rug(const Placement& at, float width_m);    // 1.4 m deep
   // On a wall: `at` is on the wall's line, z is added.
   void Picture(const Placement& at, float width_m, float height_m);
   void WallShelf(const Placement& at, float width_m);
   void Clock(const Placement& at);
   // On a table top: `at` is the middle of the footprint.
   void SmallThing(const Placement& at);
+
+  // Any of those that stand on floors, by its name in snake_case; width_m for
+  // those that have one. False if there is none of that name.
+  bool ByName(absl::string_view name, const Placement& at, float width_m);
 
   // A seed that has not been used yet.
   uint64_t NextSeed() { return random_.NextBits(); }

@@ -3,6 +3,7 @@
 #define COMMON_SYNTHETIC_RAY_CASTER_H_
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -37,6 +38,10 @@ class RayCaster {
  public:
   // Copies what it needs of `world`. UNAVAILABLE if Embree does not start.
   static absl::StatusOr<RayCaster> Create(const World& world);
+  // The same without the surfaces that `is_left_out` names; may be empty.
+  static absl::StatusOr<RayCaster> CreateWithout(
+      const World& world,
+      const std::function<bool(const Surface&)>& is_left_out);
 
   // The world with bodies at these places. Costs tens of microseconds. This
   // caster must outlive it.
@@ -46,9 +51,13 @@ class RayCaster {
   RayHit Cast(Float3 origin, Float3 direction) const;
 
   // Casts rays from one origin, many at a time: hits[i] is for directions[i].
-  // Faster than single casts where neighbours look the same way. Both spans
+  // Faster than single casts where each 32 look about the same way. Both spans
   // have the same length.
   void CastMany(Float3 origin, std::span<const Float3> directions,
+                std::span<RayHit> hits) const;
+  // The same, each ray from an origin of its own.
+  void CastMany(std::span<const Float3> origins,
+                std::span<const Float3> directions,
                 std::span<RayHit> hits) const;
 
   // Whether nothing lies between two points (their own surroundings of 1 mm
@@ -58,6 +67,11 @@ class RayCaster {
   // The first pane of glass along a ray.
   bool has_glass() const { return glass_scene_ != nullptr; }
   RayHit CastGlass(Float3 origin, Float3 direction) const;
+  void CastManyAtGlass(Float3 origin, std::span<const Float3> directions,
+                       std::span<RayHit> hits) const;
+  void CastManyAtGlass(std::span<const Float3> origins,
+                       std::span<const Float3> directions,
+                       std::span<RayHit> hits) const;
 
  private:
   friend class WorldSnapshot;
@@ -69,6 +83,12 @@ class RayCaster {
   };
   RayCaster() = default;
   RayHit CastRobust(Float3 origin, Float3 direction) const;
+  void CastAtGlassFrom(const Float3* origins, size_t origin_step,
+                       std::span<const Float3> directions,
+                       std::span<RayHit> hits) const;
+  void CastFrom(const Float3* origins, size_t origin_step,
+                std::span<const Float3> directions,
+                std::span<RayHit> hits) const;
 
   std::unique_ptr<RTCDeviceTy, DeviceDeleter> device_;
   // The fast one may let a ray in a million slip between two surfaces; the
@@ -93,6 +113,9 @@ class WorldSnapshot {
 
   RayHit Cast(Float3 origin, Float3 direction) const;
   void CastMany(Float3 origin, std::span<const Float3> directions,
+                std::span<RayHit> hits) const;
+  void CastMany(std::span<const Float3> origins,
+                std::span<const Float3> directions,
                 std::span<RayHit> hits) const;
   bool IsFree(Float3 from, Float3 to) const;
 

@@ -1,11 +1,23 @@
 #include "common/synthetic/world.h"
 
+#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "common/base/file.h"
+#include "common/base/status_macros.h"
+#include "common/synthetic/building/plan_file.h"
+#include "common/synthetic/building/shipped_worlds.h"
+#include "common/synthetic/building_maker.h"
+#include "common/synthetic/generated_world.h"
 #include "common/synthetic/room.h"
 
 namespace treeline {
+namespace {
+
+constexpr size_t kMaxWorldFileBytes = size_t{1} << 20;
+
+}  // namespace
 
 std::vector<BodyInstance> World::InstancesAt(double time_s) const {
   std::vector<BodyInstance> instances;
@@ -27,8 +39,31 @@ absl::StatusOr<World> MakeWorld(absl::string_view name,
   if (absl::ConsumePrefix(&rest, "room:") && absl::SimpleAtoi(rest, &seed)) {
     return MakeRoom(std::string(name), seed, options.threads);
   }
+  rest = name;
+  if (absl::ConsumePrefix(&rest, "seed:") && absl::SimpleAtoi(rest, &seed)) {
+    TL_ASSIGN_OR_RETURN(const BuildingPlan plan, GeneratedPlan(seed));
+    return MakeBuilding(std::string(name), plan, options);
+  }
+  for (const ShippedWorld& shipped : ShippedWorlds()) {
+    if (shipped.name != name) continue;
+    TL_ASSIGN_OR_RETURN(
+        const BuildingPlan plan,
+        ParsePlan(shipped.text, absl::StrCat(name, ".yaml")));
+    return MakeBuilding(std::string(name), plan, options);
+  }
+  if (absl::EndsWith(name, ".yaml") || absl::StrContains(name, '/')) {
+    TL_ASSIGN_OR_RETURN(const std::string text,
+                        ReadFile(std::string(name), kMaxWorldFileBytes));
+    TL_ASSIGN_OR_RETURN(const BuildingPlan plan, ParsePlan(text, name));
+    return MakeBuilding(std::string(name), plan, options);
+  }
+  std::string shipped_names;
+  for (const ShippedWorld& shipped : ShippedWorlds()) {
+    absl::StrAppend(&shipped_names, shipped.name, ", ");
+  }
   return absl::InvalidArgumentError(absl::StrCat(
-      "world '", name, "' is neither 'room' nor 'room:N' with a whole N"));
+      "there is no world '", name, "'; there are ", shipped_names,
+      "room, room:N and seed:N with a whole N, and files (NAME.yaml)"));
 }
 
 }  // namespace treeline

@@ -116,12 +116,42 @@ int WorldBuilder::EndBody(std::string name, float radius_m, float height_m,
   return static_cast<int>(bodies_.size()) - 1;
 }
 
+void WorldBuilder::BeginGroup() {
+  group_begin_ = surfaces_.size();
+  group_lights_begin_ = lights_.size();
+}
+
+WorldBuilder::Group WorldBuilder::EndGroup() {
+  const auto begin = surfaces_.begin() + static_cast<std::ptrdiff_t>(group_begin_);
+  const auto lights_begin =
+      lights_.begin() + static_cast<std::ptrdiff_t>(group_lights_begin_);
+  Group group = {.surfaces = {begin, surfaces_.end()},
+                 .lights = {lights_begin, lights_.end()}};
+  surfaces_.erase(begin, surfaces_.end());
+  lights_.erase(lights_begin, lights_.end());
+  return group;
+}
+
+void WorldBuilder::AddGroup(const Group& group, const Placement& placement) {
+  for (Surface surface : group.surfaces) {
+    for (Float3& corner : surface.corners) corner = placement.Point(corner);
+    surfaces_.push_back(surface);
+  }
+  for (AreaLight light : group.lights) {
+    light.corner = placement.Point(light.corner);
+    light.edge_u = placement.Direction(light.edge_u);
+    light.edge_v = placement.Direction(light.edge_v);
+    lights_.push_back(light);
+  }
+}
+
 World WorldBuilder::Build(std::string name, Float3 size_m,
                           const WalkArea& walk_area, int threads) {
   std::vector<std::optional<Texture>> painted(painters_.size());
   ParallelFor(static_cast<int64_t>(painters_.size()), threads, [&](int64_t i) {
     const size_t index = static_cast<size_t>(i);
-    painted[index].emplace(painters_[index]());
+    painted[index].emplace(paint_ ? painters_[index]()
+                                  : Canvas(1, 1, {0.5f, 0.5f, 0.5f}));
   });
   World world;
   world.name = std::move(name);

@@ -72,6 +72,22 @@ class WorldBuilder {
   int EndBody(std::string name, float radius_m, float height_m,
               std::optional<Motion> motion);
 
+  // Surfaces and lights from here to EndGroup are a piece of their own, which
+  // AddGroup puts anywhere, any number of times. Not within a body.
+  struct Group {
+    std::vector<Surface> surfaces;
+    std::vector<AreaLight> lights;
+  };
+  void BeginGroup();
+  Group EndGroup();
+  void AddGroup(const Group& group, const Placement& placement);
+
+  size_t surface_count() const { return surfaces_.size(); }
+
+  // Without paint, every picture is one grey texel: for who needs no more than
+  // the geometry.
+  void set_paint(bool paint) { paint_ = paint; }
+
   // Paints the textures, in parallel, and hands over the world, which has
   // neither places nor a tour yet.
   World Build(std::string name, Float3 size_m, const WalkArea& walk_area,
@@ -87,6 +103,10 @@ class WorldBuilder {
   SurfaceKind kind_ = SurfaceKind::kOther;
   // While a body is being built: where its surfaces begin.
   std::optional<size_t> body_begin_;
+  // While a group is being built: where its surfaces and lights begin.
+  size_t group_begin_ = 0;
+  size_t group_lights_begin_ = 0;
+  bool paint_ = true;
 };
 
 }  // namespace treeline

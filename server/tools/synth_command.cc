@@ -1,13 +1,21 @@
 // treeline synth: recordings of worlds that exist only here.
 #include <cstdio>
 #include <memory>
+#include <numbers>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/file.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
+#include "common/image/decode.h"
+#include "common/synthetic/picture.h"
 #include "common/synthetic/recorder.h"
+#include "common/synthetic/tour_walk.h"
 #include "server/tools/commands.h"
 
 namespace treeline {
@@ -95,6 +103,137 @@ Command AddRecord(CLI::App& synth) {
           }};
 }
 
+constexpr const char* kPictureFooter = R"(
+Views:
+  top    the whole world from above, ceilings and what hangs from them cut
+         away; what is above --below Z is left out too (lower floors)
+  color  what a camera sees, without noise
+  depth  what a depth camera measures there: red is near (0.4 m), blue is far
+         (4.5 m), black was not measured
+
+The camera stands where a recording's walk comes by at --time, or at --at.
+
+Examples:
+  treeline synth picture --world cafe --output cafe.png
+  treeline synth picture --world cafe --view color --time 12 --output view.png
+  treeline synth picture --world room --view depth --at 2,2,1.4,90 \
+      --output depth.png)";
+
+struct PictureFlags {
+  std::string world = "room";
+  std::string output;
+  std::string view = "top";
+  std::vector<double> at;
+  double time_s = 0;
+  double below_m = 1e6;
+  int width_px = 960;
+  uint64_t seed = 0;
+  int threads = 0;
+  bool after_moves = false;
+  bool no_people = false;
+};
+
+absl::StatusOr<Rigid3> PicturePose(const PictureFlags& flags,
+                                   const Renderer& renderer) {
+  if (flags.at.empty()) {
+    TL_ASSIGN_OR_RETURN(
+        const CameraPath path,
+        MakeCameraPath(renderer.world(), renderer.caster(), flags.seed));
+    return path(flags.time_s);
+  }
+  constexpr double kRadiansPerDegree = std::numbers::pi / 180;
+  const double pitch_deg = flags.at.size() > 4 ? flags.at[4] : 0;
+  return LookingFrom({flags.at[0], flags.at[1], flags.at[2]},
+                     flags.at[3] * kRadiansPerDegree,
+                     pitch_deg * kRadiansPerDegree);
+}
+
+absl::StatusOr<ColorImage> Draw(const PictureFlags& flags) {
+  TL_ASSIGN_OR_RETURN(World world,
+                      MakeWorld(flags.world, {.after_moves = flags.after_moves,
+                                              .with_people = !flags.no_people,
+                                              .threads = flags.threads}));
+  const bool is_top = flags.view == "top";
+  // What hangs from the ceiling begins high up.
+  constexpr double kHanging_m = 0.7;
+  const double cut_m = std::min(flags.below_m, world.size_m.z - kHanging_m);
+  TL_ASSIGN_OR_RETURN(
+      const std::unique_ptr<const Renderer> renderer,
+      is_top ? Renderer::CreateOpened(std::move(world),
+                                      static_cast<float>(cut_m), flags.threads)
+             : Renderer::Create(std::move(world), flags.threads));
+  const WorldSnapshot snapshot =
+      renderer->caster().At(renderer->world().InstancesAt(flags.time_s));
+  if (is_top) {
+    return PictureFromAbove(*renderer, snapshot, flags.width_px, flags.threads);
+  }
+  TL_ASSIGN_OR_RETURN(const Rigid3 pose, PicturePose(flags, *renderer));
+  const int height_px = flags.width_px * 3 / 4;
+  return flags.view == "depth"
+             ? PictureOfDepth(*renderer, snapshot, pose, flags.width_px,
+                              height_px, flags.threads)
+             : PictureOf(*renderer, snapshot, pose, flags.width_px, height_px,
+                         flags.threads);
+}
+
+absl::Status TakePicture(const PictureFlags& flags) {
+  if (!flags.at.empty() && flags.at.size() < 4) {
+    return absl::InvalidArgumentError(
+        "--at takes X,Y,Z,YAW or X,Y,Z,YAW,PITCH (m, degrees)");
+  }
+  TL_RETURN_IF_ERROR(CheckWritable(flags.output));
+  TL_ASSIGN_OR_RETURN(const ColorImage image, Draw(flags));
+  constexpr int kJpegQuality = 85;
+  TL_ASSIGN_OR_RETURN(const std::string bytes,
+                      absl::EndsWith(flags.output, ".jpg")
+                          ? EncodeJpeg(image, kJpegQuality)
+                          : EncodePng(image));
+  return WriteFileAtomically(flags.output, bytes);
+}
+
+Command AddPicture(CLI::App& synth) {
+  CLI::App* command =
+      synth.add_subcommand("picture", "Draw a world for people to look at");
+  command->footer(kPictureFooter);
+  auto flags = std::make_shared<PictureFlags>();
+  command->add_option("--world", flags->world, "What to draw")
+      ->type_name("NAME|FILE|seed:N|room:N")
+      ->capture_default_str();
+  command->add_option("--output", flags->output, "The picture")
+      ->type_name("FILE.png|FILE.jpg")
+      ->required();
+  command->add_option("--view", flags->view, "From above, or as a camera")
+      ->check(CLI::IsMember({"top", "color", "depth"}))
+      ->capture_default_str();
+  command->add_option("--at", flags->at, "Where the camera is and looks")
+      ->type_name("X,Y,Z,YAW[,PITCH]")
+      ->delimiter(',')
+      ->expected(1, 5);
+  command
+      ->add_option("--time", flags->time_s,
+                   "When: where people are, and how far the walk has come")
+      ->type_name("S")
+      ->capture_default_str();
+  command->add_option("--below", flags->below_m, "Top: leave out what is above")
+      ->type_name("Z");
+  command->add_option("--width", flags->width_px, "Longer side of the picture")
+      ->type_name("PIXELS")
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  command->add_option("--seed", flags->seed, "Of the walk")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_flag("--after-moves", flags->after_moves,
+                    "With objects where they are moved to after mapping");
+  command->add_flag("--no-people", flags->no_people, "Nobody is about");
+  command
+      ->add_option("--threads", flags->threads, "Threads; 0: one a processor")
+      ->type_name("N")
+      ->capture_default_str();
+  return {command,
+          [flags](const std::stop_token&) { return TakePicture(*flags); }};
+}
+
 }  // namespace
 
 Command AddSynthCommand(CLI::App& app) {
@@ -102,7 +241,11 @@ Command AddSynthCommand(CLI::App& app) {
       app.add_subcommand("synth", "Record walks through synthetic worlds");
   command->footer(kFooter);
   command->require_subcommand(1);
-  return {command, AddRecord(*command).run};
+  const Command record = AddRecord(*command);
+  const Command picture = AddPicture(*command);
+  return {command, [record, picture](const std::stop_token& stop) {
+            return picture.app->parsed() ? picture.run(stop) : record.run(stop);
+          }};
 }
 
 }  // namespace treeline

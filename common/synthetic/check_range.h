@@ -1,0 +1,21 @@
+// One number of an options struct, checked.
+#ifndef COMMON_SYNTHETIC_CHECK_RANGE_H_
+#define COMMON_SYNTHETIC_CHECK_RANGE_H_
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+
+namespace treeline {
+
+// INVALID_ARGUMENT, in words, unless low <= value <= high.
+inline absl::Status CheckRange(absl::string_view name, double value, double low,
+                               double high) {
+  if (value >= low && value <= high) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(name, " is ", value, ", outside [", low, ", ", high, "]"));
+}
+
+}  // namespace treeline
+
+#endif  // COMMON_SYNTHETIC_CHECK_RANGE_H_

@@ -1,0 +1,364 @@
+#include "nav_agent/localization/amcl.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/localization/particle_clusters.h"
+
+namespace treeline {
+namespace {
+
+// Enough particles to tell whether a beam is explained.
+constexpr size_t kWitnesses = 256;
+
+absl::Status CheckRange(const char* name, double value, double min,
+                        double max) {
+  if (value >= min && value <= max) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "amcl: ", name, " is ", value, "; it must be ", min, "..", max));
+}
+
+bool IsFinite(const Rigid2& pose) {
+  return std::isfinite(pose.translation.x) &&
+         std::isfinite(pose.translation.y) && std::isfinite(pose.yaw_rad);
+}
+
+// The lower triangle L of L L^T = covariance (Cholesky), in its rows; nullopt
+// if that is not positive semidefinite.
+std::optional<std::array<double, 9>> SquareRoot(const PoseCovariance2& c) {
+  std::array<double, 9> root{};
+  for (size_t i = 0; i < 3; ++i) {
+    for (size_t j = 0; j <= i; ++j) {
+      double sum = c[3 * i + j];
+      if (std::abs(sum - c[3 * j + i]) > 1e-9 * (1 + std::abs(sum)) ||
+          !std::isfinite(sum)) {
+        return std::nullopt;
+      }
+      for (size_t k = 0; k < j; ++k) sum -= root[3 * i + k] * root[3 * j + k];
+      if (i == j) {
+        if (sum < -1e-12) return std::nullopt;
+        root[4 * i] = std::sqrt(std::max(sum, 0.0));
+      } else {
+        // A direction without any spread has no say in the others.
+        root[3 * i + j] = root[4 * j] > 0 ? sum / root[4 * j] : 0;
+      }
+    }
+  }
+  return root;
+}
+
+}  // namespace
+
+absl::Status AmclOptions::Validate() const {
+  TL_RETURN_IF_ERROR(CheckRange("min_particles", min_particles, 1, 1e6));
+  TL_RETURN_IF_ERROR(
+      CheckRange("max_particles", max_particles, min_particles, 1e6));
+  TL_RETURN_IF_ERROR(CheckRange("max_global_particles", max_global_particles,
+                                max_particles, 1e6));
+  TL_RETURN_IF_ERROR(CheckRange("kld_error", kld_error, 1e-4, 1));
+  TL_RETURN_IF_ERROR(CheckRange("kld_z", kld_z, 0, 10));
+  TL_RETURN_IF_ERROR(CheckRange("bin_m", bin_m, 0.01, 100));
+  TL_RETURN_IF_ERROR(
+      CheckRange("bin_rad", bin_rad, 0.001, 2 * std::numbers::pi));
+  TL_RETURN_IF_ERROR(
+      CheckRange("update_distance_m", update_distance_m, 0, 100));
+  TL_RETURN_IF_ERROR(CheckRange("update_turn_rad", update_turn_rad, 0, 100));
+  TL_RETURN_IF_ERROR(CheckRange("max_beams", max_beams, 1, 100000));
+  TL_RETURN_IF_ERROR(
+      CheckRange("independent_beams", independent_beams, 0.1, 100000));
+  TL_RETURN_IF_ERROR(
+      CheckRange("min_counting_share", min_counting_share, 0, 1));
+  TL_RETURN_IF_ERROR(CheckRange("skip_below_share", skip_below_share, 0, 1));
+  TL_RETURN_IF_ERROR(CheckRange("skip_distance_m", skip_distance_m, 0, 100));
+  TL_RETURN_IF_ERROR(CheckRange("slow_share", slow_share, 0, 1));
+  TL_RETURN_IF_ERROR(CheckRange("fast_share", fast_share, slow_share, 1));
+  TL_RETURN_IF_ERROR(CheckRange("resample_below", resample_below, 0, 1));
+  TL_RETURN_IF_ERROR(field.Validate());
+  return odometry.Validate();
+}
+
+int KldSampleCount(int bins, double error, double z) {
+  if (bins <= 1) return 1;
+  const double k = bins - 1;
+  const double a = 2 / (9 * k);
+  const double root = 1 - a + std::sqrt(a) * z;
+  return std::max(
+      1, static_cast<int>(
+             std::min(std::ceil(k / (2 * error) * root * root * root), 1e9)));
+}
+
+absl::StatusOr<Amcl> Amcl::Create(const OccupancyGrid& map,
+                                  const AmclOptions& options, uint64_t seed) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  TL_ASSIGN_OR_RETURN(LikelihoodField field,
+                      LikelihoodField::Create(map, options.field));
+  std::vector<Vec2> free_places;
+  for (int y = 0; y < map.height; ++y) {
+    for (int x = 0; x < map.width; ++x) {
+      if (map.At({x, y}) == Occupancy::kFree) {
+        free_places.push_back(map.CenterInMap({x, y}));
+      }
+    }
+  }
+  if (free_places.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat("amcl: none of the map's ",
+                                                   map.width, " x ", map.height,
+                                                   " cells is free"));
+  }
+  return Amcl(std::move(field), std::move(free_places), map.resolution_m,
+              options, seed);
+}
+
+Amcl::Amcl(LikelihoodField field, std::vector<Vec2> free_places,
+           double resolution_m, const AmclOptions& options, uint64_t seed)
+    : field_(std::move(field)),
+      free_places_(std::move(free_places)),
+      resolution_m_(resolution_m),
+      options_(options),
+      seed_(seed) {}
+
+Rigid2 Amcl::AnyPose(Random& random) const {
+  const Vec2 center = free_places_[random.NextBelow(
+      static_cast<uint32_t>(free_places_.size()))];
+  const double half_m = resolution_m_ / 2;
+  const double x = random.NextUniform(-half_m, half_m);
+  const double y = random.NextUniform(-half_m, half_m);
+  const double yaw_rad =
+      random.NextUniform(-std::numbers::pi, std::numbers::pi);
+  return {center + Vec2{x, y}, yaw_rad};
+}
+
+absl::Status Amcl::SetPose(const Rigid2& map_from_base,
+                           const PoseCovariance2& covariance) {
+  const std::optional<std::array<double, 9>> root = SquareRoot(covariance);
+  if (!IsFinite(map_from_base) || !root.has_value()) {
+    return absl::InvalidArgumentError(
+        "amcl: an initial pose must be finite, and its covariance positive "
+        "semidefinite");
+  }
+  max_particles_now_ = options_.max_particles;
+  particles_.assign(static_cast<size_t>(options_.max_particles), {});
+  ++draws_;
+  for (size_t i = 0; i < particles_.size(); ++i) {
+    Random random(seed_ + draws_, i);
+    std::array<double, 3> normal{};
+    for (double& value : normal) value = random.NextGaussian();
+    std::array<double, 3> away{};
+    for (size_t a = 0; a < 3; ++a) {
+      for (size_t b = 0; b <= a; ++b) away[a] += (*root)[3 * a + b] * normal[b];
+    }
+    particles_[i] = {
+        .map_from_base = {map_from_base.translation + Vec2{away[0], away[1]},
+                          NormalizedAngle_rad(map_from_base.yaw_rad + away[2])},
+        .weight = 1.0 / static_cast<double>(particles_.size())};
+  }
+  fits_ = 0;
+  force_next_ = true;
+  UpdateEstimate();
+  return absl::OkStatus();
+}
+
+void Amcl::SetAnywhere() {
+  max_particles_now_ = options_.max_global_particles;
+  particles_.assign(static_cast<size_t>(max_particles_now_), {});
+  ++draws_;
+  for (size_t i = 0; i < particles_.size(); ++i) {
+    Random random(seed_ + draws_, i);
+    particles_[i] = {.map_from_base = AnyPose(random),
+                     .weight = 1.0 / static_cast<double>(particles_.size())};
+  }
+  fits_ = 0;
+  force_next_ = true;
+  UpdateEstimate();
+}
+
+absl::StatusOr<std::optional<PlanarEstimate>> Amcl::Update(
+    const Rigid2& odom_from_base, const ScanPoints& points) {
+  if (!IsFinite(odom_from_base)) {
+    return absl::InvalidArgumentError("amcl: the odometry is not finite");
+  }
+  if (particles_.empty()) return std::optional<PlanarEstimate>();
+  if (odom_from_base_.has_value()) {
+    const Rigid2 before_from_after =
+        odom_from_base_->Inverse() * odom_from_base;
+    if (before_from_after != Rigid2()) Move(before_from_after);
+  }
+  odom_from_base_ = odom_from_base;
+  if (!odom_at_scan_.has_value()) odom_at_scan_ = odom_from_base;
+  const Rigid2 since = odom_at_scan_->Inverse() * odom_from_base;
+  const bool is_due = force_next_ ||
+                      Norm(since.translation) >= options_.update_distance_m ||
+                      std::abs(since.yaw_rad) >= options_.update_turn_rad;
+  if (is_due && points.size() > 0) {
+    Weigh(points);
+    Resample();
+    odom_at_scan_ = odom_from_base;
+    force_next_ = false;
+  }
+  UpdateEstimate();
+  return std::optional<PlanarEstimate>(estimate_);
+}
+
+void Amcl::Move(const Rigid2& before_from_after) {
+  const OdometryMotion motion(before_from_after, options_.odometry);
+  ++draws_;
+  for (size_t i = 0; i < particles_.size(); ++i) {
+    Random random(seed_ + draws_, i);
+    particles_[i].map_from_base =
+        motion.Sample(particles_[i].map_from_base, random);
+  }
+}
+
+ScanPoints Amcl::WithoutUnexplained(const ScanPoints& points) {
+  // Witnesses by weight, evenly.
+  const size_t witnesses = std::min(kWitnesses, particles_.size());
+  const float explained_log = field_.LogAt(options_.skip_distance_m);
+  std::vector<int> explained(points.size());
+  std::vector<float> logs(points.size());
+  double reached = 0;
+  size_t particle = 0;
+  double fit = 0;
+  for (size_t k = 0; k < witnesses; ++k) {
+    const double at =
+        (static_cast<double>(k) + 0.5) / static_cast<double>(witnesses);
+    while (particle + 1 < particles_.size() &&
+           reached + particles_[particle].weight < at) {
+      reached += particles_[particle++].weight;
+    }
+    field_.LogLikelihoods(points, particles_[particle].map_from_base, logs);
+    double sum = 0;
+    for (size_t i = 0; i < points.size(); ++i) {
+      explained[i] += logs[i] > explained_log ? 1 : 0;
+      sum += logs[i];
+    }
+    fit += std::exp(sum / static_cast<double>(points.size()));
+  }
+  // Of all beams: those that are left out are what a lost robot sees.
+  UpdateFit(fit / static_cast<double>(witnesses));
+  ScanPoints kept;
+  const double needed =
+      options_.skip_below_share * static_cast<double>(witnesses);
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (explained[i] < needed) continue;
+    kept.x_m.push_back(points.x_m[i]);
+    kept.y_m.push_back(points.y_m[i]);
+  }
+  return 2 * kept.size() < points.size() ? points : kept;
+}
+
+double Amcl::GainFor(const std::vector<float>& sums, double beams) const {
+  const double full = std::min(1.0, options_.independent_beams / beams);
+  const auto counting_share = [&](double gain) {
+    double total = 0;
+    double squares = 0;
+    for (size_t i = 0; i < sums.size(); ++i) {
+      const double weight = particles_[i].weight * std::exp(gain * sums[i]);
+      total += weight;
+      squares += weight * weight;
+    }
+    return total * total / squares / static_cast<double>(sums.size());
+  };
+  if (counting_share(full) >= options_.min_counting_share) return full;
+  double low = 0;
+  double high = full;
+  for (int i = 0; i < 10; ++i) {
+    const double middle = (low + high) / 2;
+    (counting_share(middle) >= options_.min_counting_share ? low : high) =
+        middle;
+  }
+  return low;
+}
+
+void Amcl::Weigh(const ScanPoints& points) {
+  const ScanPoints used = WithoutUnexplained(points);
+  estimate_.beams_used = static_cast<int>(used.size());
+  estimate_.beams_skipped = static_cast<int>(points.size() - used.size());
+  PoseArrays poses;
+  poses.Resize(particles_.size());
+  for (size_t i = 0; i < particles_.size(); ++i) {
+    poses.Set(i, particles_[i].map_from_base);
+  }
+  std::vector<float> sums(particles_.size());
+  field_.SumLogLikelihoods(used, poses, sums);
+
+  const double best = *std::max_element(sums.begin(), sums.end());
+  for (float& sum : sums) sum -= static_cast<float>(best);
+  const double gain = GainFor(sums, static_cast<double>(used.size()));
+  double total = 0;
+  for (size_t i = 0; i < particles_.size(); ++i) {
+    particles_[i].weight *= std::exp(gain * sums[i]);
+    total += particles_[i].weight;
+  }
+  for (Particle& particle : particles_) particle.weight /= total;
+}
+
+void Amcl::UpdateFit(double fit) {
+  estimate_.fit = fit;
+  // Plain means to begin with: the first scans of a wide cloud would hold a
+  // share of a thousandth back for thousands of scans.
+  ++fits_;
+  const double new_share = 1.0 / static_cast<double>(fits_);
+  slow_fit_ += std::max(options_.slow_share, new_share) * (fit - slow_fit_);
+  fast_fit_ += std::max(options_.fast_share, new_share) * (fit - fast_fit_);
+}
+
+void Amcl::Resample() {
+  double squares = 0;
+  for (const Particle& p : particles_) squares += p.weight * p.weight;
+  const double counting = 1 / squares;
+  const double inject =
+      options_.inject ? std::max(0.0, 1 - fast_fit_ / slow_fit_) : 0;
+  const double size = static_cast<double>(particles_.size());
+  if (counting >= options_.resample_below * size && inject == 0) return;
+
+  ++draws_;
+  Random random(seed_ + draws_, ~uint64_t{0});
+  // Low variance: evenly spaced over the weights, from one random start.
+  const auto drawn = [&](size_t count, double start) {
+    std::vector<Particle> result;
+    result.reserve(count);
+    double reached = particles_[0].weight;
+    size_t particle = 0;
+    for (size_t k = 0; k < count; ++k) {
+      const double at =
+          (static_cast<double>(k) + start) / static_cast<double>(count);
+      while (reached < at && particle + 1 < particles_.size()) {
+        reached += particles_[++particle].weight;
+      }
+      result.push_back(particles_[particle]);
+    }
+    return result;
+  };
+  const double start = random.NextUnit();
+  std::vector<Particle> next = drawn(particles_.size(), start);
+  const int wanted = std::clamp(
+      KldSampleCount(CountBins(next, options_.bin_m, options_.bin_rad),
+                     options_.kld_error, options_.kld_z),
+      options_.min_particles, max_particles_now_);
+  next = drawn(static_cast<size_t>(wanted), start);
+  // Those that are drawn anew take the place of evenly spread ones.
+  const size_t anew = static_cast<size_t>(inject * wanted);
+  for (size_t k = 0; k < anew; ++k) {
+    next[k * next.size() / anew].map_from_base = AnyPose(random);
+  }
+  for (Particle& p : next) p.weight = 1.0 / wanted;
+  particles_ = std::move(next);
+  if (wanted <= options_.max_particles) {
+    max_particles_now_ = options_.max_particles;
+  }
+}
+
+void Amcl::UpdateEstimate() {
+  PlanarEstimate estimate =
+      HeaviestCluster(particles_, options_.bin_m, options_.bin_rad);
+  estimate.fit = estimate_.fit;
+  estimate.beams_used = estimate_.beams_used;
+  estimate.beams_skipped = estimate_.beams_skipped;
+  estimate_ = estimate;
+}
+
+}  // namespace treeline

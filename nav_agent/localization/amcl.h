@@ -1,0 +1,160 @@
+// Adaptive Monte Carlo localization: where a robot is on a known map, from its
+// odometry and its laser (thesis 6.4.2; Fox 2003; Thrun et al. 2005).
+#ifndef NAV_AGENT_LOCALIZATION_AMCL_H_
+#define NAV_AGENT_LOCALIZATION_AMCL_H_
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/geometry/rigid2.h"
+#include "nav_agent/core/occupancy_grid.h"
+#include "nav_agent/localization/likelihood_field.h"
+#include "nav_agent/localization/odometry_motion.h"
+#include "nav_agent/localization/scan_points.h"
+
+namespace treeline {
+
+// Covariance of a pose in the plane, row-major, of x, y (m) and yaw (rad).
+using PoseCovariance2 = std::array<double, 9>;
+
+struct AmclOptions {
+  // How many particles KLD sampling may choose; global localization begins
+  // with max_global_particles and comes down as they gather.
+  int min_particles = 500;
+  int max_particles = 2000;
+  int max_global_particles = 30000;
+  // KLD sampling (Fox 2003): with probability 1 - delta the error is below
+  // `kld_error`; kld_z is the upper 1 - delta quantile of the normal
+  // distribution. Bins of this size.
+  double kld_error = 0.05;
+  double kld_z = 2.3263478740408408;
+  double bin_m = 0.5;
+  double bin_rad = 0.17453292519943295;
+
+  // Scans are taken in after the robot has moved this far, or turned so.
+  double update_distance_m = 0.25;
+  double update_turn_rad = 0.2;
+  int max_beams = 60;
+  // Neighbouring beams tell nearly the same: all of them together count as so
+  // many that are independent.
+  double independent_beams = 20;
+  // A scan may not leave less than this share of the particles with any weight
+  // to speak of: it counts for less until it does not (tempering). What is
+  // right survives that; what only looks right on one scan does not win by it.
+  double min_counting_share = 0.05;
+  // A beam that fewer than this share of the particles explain is left out (a
+  // person, a moved chair), unless that would leave fewer than half of them.
+  // "Explained": its end is within skip_distance_m of an obstacle.
+  double skip_below_share = 0.3;
+  double skip_distance_m = 0.5;
+
+  // Augmented MCL (Probabilistic Robotics, table 8.3): short- and long-term
+  // averages of the mean likelihood of a beam; 1 - short / long of the
+  // particles are drawn anew from all free ground. inject = false: none.
+  bool inject = true;
+  double slow_share = 0.001;
+  double fast_share = 0.1;
+  // Particles are drawn again when fewer than this share of them counts.
+  double resample_below = 0.5;
+
+  LikelihoodFieldOptions field;
+  OdometryNoise odometry;
+
+  absl::Status Validate() const;
+};
+
+struct PlanarEstimate {
+  // Mean and covariance of the heaviest cluster of particles.
+  Rigid2 map_from_base;
+  PoseCovariance2 covariance{};
+  // The cluster's share of the weight, in (0, 1].
+  double share = 0;
+  // The mean likelihood of a beam of the last scan, left out or not, over all
+  // particles; in (0, 1].
+  double fit = 0;
+  int particles = 0;
+  // Beams of the last scan that were used, and that were left out because few
+  // particles explain them.
+  int beams_used = 0;
+  int beams_skipped = 0;
+};
+
+struct Particle {
+  Rigid2 map_from_base;
+  double weight = 0;
+};
+
+// Deterministic: the same calls give the same particles for one seed. Not
+// thread-safe.
+class Amcl {
+ public:
+  // INVALID_ARGUMENT for bad options and for maps without free cells.
+  static absl::StatusOr<Amcl> Create(const OccupancyGrid& map,
+                                     const AmclOptions& options, uint64_t seed);
+
+  // The robot is about here. INVALID_ARGUMENT for what is not finite or a
+  // covariance that is not positive semidefinite.
+  absl::Status SetPose(const Rigid2& map_from_base,
+                       const PoseCovariance2& covariance);
+  // The robot may be anywhere on free ground.
+  void SetAnywhere();
+
+  // Moves the particles along with the odometry, and, if the robot has moved
+  // far enough since the last scan that was taken in, weighs them by this one.
+  // The estimate is of this moment either way; nullopt before SetPose or
+  // SetAnywhere. INVALID_ARGUMENT for an odometry that is not finite.
+  absl::StatusOr<std::optional<PlanarEstimate>> Update(
+      const Rigid2& odom_from_base, const ScanPoints& points);
+
+  // Takes in the next scan whether or not the robot has moved.
+  void ForceNextScan() { force_next_ = true; }
+
+  const std::vector<Particle>& particles() const { return particles_; }
+
+ private:
+  Amcl(LikelihoodField field, std::vector<Vec2> free_places,
+       double resolution_m, const AmclOptions& options, uint64_t seed);
+
+  Rigid2 AnyPose(Random& random) const;
+  void Move(const Rigid2& before_from_after);
+  ScanPoints WithoutUnexplained(const ScanPoints& points);
+  void UpdateFit(double fit);
+  // How much of the sums of logs (of so many beams, the best one 0) counts.
+  double GainFor(const std::vector<float>& sums, double beams) const;
+  void Weigh(const ScanPoints& points);
+  void Resample();
+  void UpdateEstimate();
+
+  LikelihoodField field_;
+  // Centres of the free cells.
+  std::vector<Vec2> free_places_;
+  double resolution_m_ = 0;
+  AmclOptions options_;
+  uint64_t seed_ = 0;
+
+  std::vector<Particle> particles_;
+  int max_particles_now_ = 0;
+  // Numbers what draws random numbers.
+  uint64_t draws_ = 0;
+  std::optional<Rigid2> odom_from_base_;  // of the last call
+  std::optional<Rigid2> odom_at_scan_;    // of the last scan taken in
+  bool force_next_ = false;
+  // How many fits the averages hold since the particles were placed.
+  int64_t fits_ = 0;
+  double slow_fit_ = 0;
+  double fast_fit_ = 0;
+  PlanarEstimate estimate_;
+};
+
+// The number of particles that keeps the sampling error below `error` with the
+// probability that `z` stands for, when they fall into `bins` bins (Fox 2003,
+// equation 7, by Wilson and Hilferty's approximation). At least 1.
+int KldSampleCount(int bins, double error, double z);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_LOCALIZATION_AMCL_H_

@@ -1,0 +1,76 @@
+// How well a scan fits a map at a pose, by the distances from where its beams
+// end to the nearest obstacles.
+#ifndef NAV_AGENT_LOCALIZATION_LIKELIHOOD_FIELD_H_
+#define NAV_AGENT_LOCALIZATION_LIKELIHOOD_FIELD_H_
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "nav_agent/core/occupancy_grid.h"
+#include "nav_agent/localization/scan_points.h"
+
+namespace treeline {
+
+// Probabilistic Robotics, table 6.3, without its constant for beams of the
+// largest range (they are left out):
+//   p(beam) = hit_share * exp(-d^2 / (2 sigma_hit^2)) + 1 - hit_share
+// where d is the distance of its end to the nearest occupied cell, so that a
+// beam that fits perfectly has 1 and one that does not fit at all 1 -
+// hit_share.
+struct LikelihoodFieldOptions {
+  double sigma_hit_m = 0.2;
+  // The share of beams that obstacles of the map explain.
+  double hit_share = 0.9;
+
+  // INVALID_ARGUMENT for sigma_hit_m outside (0, 10], hit_share outside (0, 1).
+  absl::Status Validate() const;
+};
+
+// Poses of many particles, one array a coordinate; yaw as cosine and sine.
+struct PoseArrays {
+  std::vector<float> x_m;
+  std::vector<float> y_m;
+  std::vector<float> cos_yaw;
+  std::vector<float> sin_yaw;
+
+  void Resize(size_t count);
+  void Set(size_t i, const Rigid2& map_from_base);
+  size_t size() const { return x_m.size(); }
+};
+
+// Immutable and thread-safe. Four bytes a cell.
+class LikelihoodField {
+ public:
+  // INVALID_ARGUMENT for bad options and for a grid without cells.
+  static absl::StatusOr<LikelihoodField> Create(
+      const OccupancyGrid& grid, const LikelihoodFieldOptions& options);
+
+  // sums[i] = sum over the points of log p(point seen from poses i).
+  void SumLogLikelihoods(const ScanPoints& points, const PoseArrays& poses,
+                         std::span<float> sums) const;
+
+  // log p of each point seen from one pose.
+  void LogLikelihoods(const ScanPoints& points, const Rigid2& map_from_base,
+                      std::span<float> logs) const;
+
+  // log p of a point at this distance from the nearest obstacle.
+  float LogAt(double distance_m) const;
+
+ private:
+  LikelihoodField() = default;
+
+  LikelihoodFieldOptions options_;
+  // One cell wider on each side than the grid: what lies outside ends there.
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<float> logs_;
+  // From the map to cells of logs_.
+  Rigid2 grid_from_map_;
+  double cells_per_m_ = 0;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_LOCALIZATION_LIKELIHOOD_FIELD_H_

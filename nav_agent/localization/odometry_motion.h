@@ -1,0 +1,48 @@
+// How a robot may have moved when its wheels say that it moved so.
+#ifndef NAV_AGENT_LOCALIZATION_ODOMETRY_MOTION_H_
+#define NAV_AGENT_LOCALIZATION_ODOMETRY_MOTION_H_
+
+#include "absl/status/status.h"
+#include "common/base/random.h"
+#include "common/geometry/rigid2.h"
+
+namespace treeline {
+
+// The odometry motion model (Thrun, Burgard, Fox, Probabilistic Robotics, 2005,
+// table 5.6): a motion is a turn, a straight way and another turn, whose
+// standard deviations are sums of these shares of the three. Defaults suit a
+// differential drive on firm ground.
+struct OdometryNoise {
+  // Of a turn, from turning and from driving (rad per rad, rad per m).
+  double turn_from_turn = 0.1;
+  double turn_from_drive = 0.05;
+  // Of the way, from driving and from turning (m per m, m per rad).
+  double drive_from_drive = 0.08;
+  double drive_from_turn = 0.02;
+
+  // INVALID_ARGUMENT for what is negative, above 10, or not a number.
+  absl::Status Validate() const;
+};
+
+// One motion between two moments, prepared for many draws.
+class OdometryMotion {
+ public:
+  // `before_from_after`: where odometry has the robot now in the frame of where
+  // it was then.
+  OdometryMotion(const Rigid2& before_from_after, const OdometryNoise& noise);
+
+  // A pose drawn for a robot that was at map_from_before.
+  Rigid2 Sample(const Rigid2& map_from_before, Random& random) const;
+
+ private:
+  double turn_before_rad_ = 0;
+  double drive_m_ = 0;
+  double turn_after_rad_ = 0;
+  double turn_before_sigma_rad_ = 0;
+  double drive_sigma_m_ = 0;
+  double turn_after_sigma_rad_ = 0;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_LOCALIZATION_ODOMETRY_MOTION_H_

@@ -1,0 +1,209 @@
+#include "nav_agent/localization/particle_clusters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <numeric>
+
+namespace treeline {
+namespace {
+
+// A bin's place as one number: 24 bits each of x and y, 16 of yaw. Neighbours
+// differ by known amounts.
+struct BinPlace {
+  int64_t x = 0;
+  int64_t y = 0;
+  int64_t yaw = 0;
+
+  uint64_t Key() const {
+    constexpr int64_t kOffset = int64_t{1} << 23;
+    constexpr uint64_t kMask = (uint64_t{1} << 24) - 1;
+    return (static_cast<uint64_t>(x + kOffset) & kMask) << 40 |
+           (static_cast<uint64_t>(y + kOffset) & kMask) << 16 |
+           static_cast<uint64_t>(yaw);
+  }
+  static BinPlace Of(uint64_t key) {
+    constexpr int64_t kOffset = int64_t{1} << 23;
+    constexpr uint64_t kMask = (uint64_t{1} << 24) - 1;
+    return {static_cast<int64_t>(key >> 40 & kMask) - kOffset,
+            static_cast<int64_t>(key >> 16 & kMask) - kOffset,
+            static_cast<int64_t>(key & 0xffff)};
+  }
+};
+
+class Binning {
+ public:
+  Binning(double bin_m, double bin_rad)
+      : bin_m_(bin_m),
+        yaw_bins_(std::max<int64_t>(
+            1, std::llround(2 * std::numbers::pi / bin_rad))) {}
+
+  uint64_t KeyOf(const Rigid2& pose) const {
+    const double turns = pose.yaw_rad / (2 * std::numbers::pi) -
+                         std::floor(pose.yaw_rad / (2 * std::numbers::pi));
+    const int64_t yaw =
+        static_cast<int64_t>(turns * static_cast<double>(yaw_bins_));
+    return BinPlace{
+        .x = static_cast<int64_t>(std::floor(pose.translation.x / bin_m_)),
+        .y = static_cast<int64_t>(std::floor(pose.translation.y / bin_m_)),
+        .yaw = std::min(yaw, yaw_bins_ - 1)}
+        .Key();
+  }
+  int64_t yaw_bins() const { return yaw_bins_; }
+
+ private:
+  double bin_m_;
+  int64_t yaw_bins_;
+};
+
+// Which set each of some numbers is in (Tarjan).
+class DisjointSets {
+ public:
+  explicit DisjointSets(int count) : parents_(static_cast<size_t>(count)) {
+    std::iota(parents_.begin(), parents_.end(), 0);
+  }
+  int Find(int i) {
+    while (parents_[static_cast<size_t>(i)] != i) {
+      int& parent = parents_[static_cast<size_t>(i)];
+      parent = parents_[static_cast<size_t>(parent)];
+      i = parent;
+    }
+    return i;
+  }
+  // The smaller number names the set.
+  void Join(int a, int b) {
+    const int root_a = Find(a);
+    const int root_b = Find(b);
+    parents_[static_cast<size_t>(std::max(root_a, root_b))] =
+        std::min(root_a, root_b);
+  }
+
+ private:
+  std::vector<int> parents_;
+};
+
+std::vector<uint64_t> KeysOf(const std::vector<Particle>& particles,
+                             const Binning& binning) {
+  std::vector<uint64_t> keys;
+  keys.reserve(particles.size());
+  for (const Particle& particle : particles) {
+    keys.push_back(binning.KeyOf(particle.map_from_base));
+  }
+  return keys;
+}
+
+std::vector<uint64_t> SortedUnique(std::vector<uint64_t> keys) {
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  return keys;
+}
+
+int IndexOf(const std::vector<uint64_t>& sorted, uint64_t key) {
+  const auto found = std::lower_bound(sorted.begin(), sorted.end(), key);
+  return found != sorted.end() && *found == key
+             ? static_cast<int>(found - sorted.begin())
+             : -1;
+}
+
+// Joins a bin with the half of its neighbours that the others' turns leave out.
+void JoinNeighbors(const std::vector<uint64_t>& bins, int bin, int64_t yaw_bins,
+                   DisjointSets& sets) {
+  const BinPlace place = BinPlace::Of(bins[static_cast<size_t>(bin)]);
+  for (int64_t dx = 0; dx <= 1; ++dx) {
+    for (int64_t dy = dx == 0 ? 0 : -1; dy <= 1; ++dy) {
+      for (int64_t turn = -1; turn <= 1; ++turn) {
+        const BinPlace other = {
+            .x = place.x + dx,
+            .y = place.y + dy,
+            .yaw = (place.yaw + turn + yaw_bins) % yaw_bins};
+        const int neighbor = IndexOf(bins, other.Key());
+        if (neighbor >= 0) sets.Join(bin, neighbor);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+PoseBins BinParticles(const std::vector<Particle>& particles, double bin_m,
+                      double bin_rad) {
+  const Binning binning(bin_m, bin_rad);
+  const std::vector<uint64_t> keys = KeysOf(particles, binning);
+  const std::vector<uint64_t> bins = SortedUnique(keys);
+  PoseBins result;
+  result.count = static_cast<int>(bins.size());
+  result.bin_of_particle.reserve(keys.size());
+  for (const uint64_t key : keys) {
+    result.bin_of_particle.push_back(IndexOf(bins, key));
+  }
+  DisjointSets sets(result.count);
+  for (int bin = 0; bin < result.count; ++bin) {
+    JoinNeighbors(bins, bin, binning.yaw_bins(), sets);
+  }
+  result.cluster_of_bin.resize(bins.size());
+  for (int bin = 0; bin < result.count; ++bin) {
+    // A set is named by its first bin, which has its number already.
+    const int root = sets.Find(bin);
+    result.cluster_of_bin[static_cast<size_t>(bin)] =
+        root == bin ? result.clusters++
+                    : result.cluster_of_bin[static_cast<size_t>(root)];
+  }
+  return result;
+}
+
+int CountBins(const std::vector<Particle>& particles, double bin_m,
+              double bin_rad) {
+  return static_cast<int>(
+      SortedUnique(KeysOf(particles, Binning(bin_m, bin_rad))).size());
+}
+
+PlanarEstimate HeaviestCluster(const std::vector<Particle>& particles,
+                               double bin_m, double bin_rad) {
+  const PoseBins bins = BinParticles(particles, bin_m, bin_rad);
+  std::vector<double> weights(static_cast<size_t>(bins.clusters));
+  const auto cluster_of = [&bins](size_t i) {
+    return bins.cluster_of_bin[static_cast<size_t>(bins.bin_of_particle[i])];
+  };
+  double total = 0;
+  for (size_t i = 0; i < particles.size(); ++i) {
+    weights[static_cast<size_t>(cluster_of(i))] += particles[i].weight;
+    total += particles[i].weight;
+  }
+  const int heaviest = static_cast<int>(
+      std::max_element(weights.begin(), weights.end()) - weights.begin());
+  const double weight = weights[static_cast<size_t>(heaviest)];
+
+  Vec2 position;
+  Vec2 heading;
+  for (size_t i = 0; i < particles.size(); ++i) {
+    if (cluster_of(i) != heaviest) continue;
+    const Particle& p = particles[i];
+    const double yaw_rad = p.map_from_base.yaw_rad;
+    position = position + (p.weight / weight) * p.map_from_base.translation;
+    heading = heading +
+              (p.weight / weight) * Vec2{std::cos(yaw_rad), std::sin(yaw_rad)};
+  }
+  PlanarEstimate estimate;
+  estimate.map_from_base = {.translation = position,
+                            .yaw_rad = std::atan2(heading.y, heading.x)};
+  for (size_t i = 0; i < particles.size(); ++i) {
+    if (cluster_of(i) != heaviest) continue;
+    const Particle& p = particles[i];
+    const std::array<double, 3> away = {
+        p.map_from_base.translation.x - position.x,
+        p.map_from_base.translation.y - position.y,
+        NormalizedAngle_rad(p.map_from_base.yaw_rad -
+                            estimate.map_from_base.yaw_rad)};
+    for (size_t a = 0; a < 3; ++a) {
+      for (size_t b = 0; b < 3; ++b) {
+        estimate.covariance[3 * a + b] += p.weight / weight * away[a] * away[b];
+      }
+    }
+  }
+  estimate.share = weight / total;
+  estimate.particles = static_cast<int>(particles.size());
+  return estimate;
+}
+
+}  // namespace treeline

@@ -1,0 +1,36 @@
+// Which particles belong together.
+#ifndef NAV_AGENT_LOCALIZATION_PARTICLE_CLUSTERS_H_
+#define NAV_AGENT_LOCALIZATION_PARTICLE_CLUSTERS_H_
+
+#include <vector>
+
+#include "nav_agent/localization/amcl.h"
+
+namespace treeline {
+
+// A histogram of poses over x, y and yaw: which bin each particle is in.
+struct PoseBins {
+  // One a particle: the number of its bin, in the order of the bins' keys.
+  std::vector<int> bin_of_particle;
+  int count = 0;
+  // Connected components of occupied bins, neighbours in any of the three
+  // directions and diagonally: one a bin.
+  std::vector<int> cluster_of_bin;
+  int clusters = 0;
+};
+
+PoseBins BinParticles(const std::vector<Particle>& particles, double bin_m,
+                      double bin_rad);
+
+// Only the number of bins that the particles occupy.
+int CountBins(const std::vector<Particle>& particles, double bin_m,
+              double bin_rad);
+
+// Mean, covariance and share of the heaviest cluster. The yaw's mean is
+// circular.
+PlanarEstimate HeaviestCluster(const std::vector<Particle>& particles,
+                               double bin_m, double bin_rad);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_LOCALIZATION_PARTICLE_CLUSTERS_H_

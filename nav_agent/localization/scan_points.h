@@ -1,0 +1,32 @@
+// Where the beams of a scan end, as particles are judged by them.
+#ifndef NAV_AGENT_LOCALIZATION_SCAN_POINTS_H_
+#define NAV_AGENT_LOCALIZATION_SCAN_POINTS_H_
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/geometry/rigid2.h"
+#include "nav_agent/core/sensor_data.h"
+
+namespace treeline {
+
+// End points in the base frame (m), projected onto its plane, in the order of
+// the beams. One array a coordinate, as SIMD wants them.
+struct ScanPoints {
+  std::vector<float> x_m;
+  std::vector<float> y_m;
+
+  size_t size() const { return x_m.size(); }
+};
+
+// Of at most max_points beams, evenly spread over the scan. Beams without a
+// return, and ranges outside of the sensor's own, have no end. INVALID_ARGUMENT
+// if the scan has another number of beams than `info` says.
+absl::StatusOr<ScanPoints> PointsOf(const LaserScan& scan,
+                                    const RangeSensorInfo& info,
+                                    const Rigid2& base_from_laser,
+                                    int max_points);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_LOCALIZATION_SCAN_POINTS_H_

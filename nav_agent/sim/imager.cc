@@ -1,0 +1,44 @@
+#include "nav_agent/sim/imager.h"
+
+#include <utility>
+
+#include "common/base/status_macros.h"
+#include "common/synthetic/synthetic_camera.h"
+#include "nav_agent/sim/random_streams.h"
+
+namespace treeline {
+namespace {
+
+class SyntheticImager final : public Imager {
+ public:
+  SyntheticImager(SyntheticCamera camera, int threads)
+      : camera_(std::move(camera)), threads_(threads) {}
+
+  RgbdCalibration Calibration() const override { return camera_.calibration(); }
+  Frame Capture(const CameraShot& shot) const override {
+    Frame frame = camera_.Capture(
+        shot.world_from_camera, static_cast<uint64_t>(shot.sequence), threads_);
+    frame.calibration = camera_.calibration();
+    return frame;
+  }
+
+ private:
+  SyntheticCamera camera_;
+  int threads_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<const Imager>> MakeImager(const World& world,
+                                                         uint64_t seed,
+                                                         int threads) {
+  TL_ASSIGN_OR_RETURN(std::shared_ptr<const Renderer> renderer,
+                      Renderer::Create(world, threads));
+  SyntheticCamera::Options options;
+  options.seed = RandomFor(seed, SimRandom::kCamera, 0).NextBits();
+  TL_ASSIGN_OR_RETURN(SyntheticCamera camera,
+                      SyntheticCamera::Create(std::move(renderer), options));
+  return std::make_shared<const SyntheticImager>(std::move(camera), threads);
+}
+
+}  // namespace treeline

@@ -1,0 +1,19 @@
+// Pictures of a synthetic world for the simulator's camera.
+#ifndef NAV_AGENT_SIM_IMAGER_H_
+#define NAV_AGENT_SIM_IMAGER_H_
+
+#include <memory>
+
+#include "absl/status/statusor.h"
+#include "nav_agent/sim/simulated_devices.h"
+
+namespace treeline {
+
+// Prepares the light of `world` (a second or two). threads < 1: all.
+absl::StatusOr<std::shared_ptr<const Imager>> MakeImager(const World& world,
+                                                         uint64_t seed,
+                                                         int threads);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_SIM_IMAGER_H_

@@ -1,0 +1,149 @@
+// A robot in a synthetic world, in simulated time, behind the same ports as
+// the real one. docs/simulator.md describes the model.
+#ifndef NAV_AGENT_SIM_SIMULATOR_H_
+#define NAV_AGENT_SIM_SIMULATOR_H_
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "absl/synchronization/mutex.h"
+#include "common/synthetic/world.h"
+#include "nav_agent/core/devices.h"
+#include "nav_agent/sim/robot_body.h"
+#include "nav_agent/sim/sensor_suite.h"
+
+namespace treeline {
+
+// Where a robot is put: on the ground nearest to height_m.
+struct RobotPlacement {
+  Vec2 position;
+  double yaw_rad = 0;
+  double height_m = 0;
+};
+
+struct SimulatorOptions {
+  RobotModel robot;
+  DriveErrors errors;
+  SensorOptions sensors;
+  RobotPlacement start;
+  // Of everything random: wheels, slip, noise, lost beams.
+  uint64_t seed = 0;
+  // For pictures; < 1: all. Results do not depend on it.
+  int threads = 1;
+};
+
+// The truth, which no robot knows.
+struct TrueState {
+  SimTime time{0};
+  Rigid3 world_from_base;
+  double forward_mps = 0;
+  double yaw_rate_radps = 0;
+  bool is_fallen = false;
+  bool is_blocked = false;
+  // Since the beginning; teleports do not count.
+  double distance_m = 0;
+  double turned_rad = 0;
+};
+
+// The same world, options, calls and simulated times of the calls give the same
+// motion and the same sensor data, byte for byte, however time is divided into
+// Steps and on any number of threads. Thread-safe; Step by one thread at a
+// time.
+class Simulator {
+ public:
+  // INVALID_ARGUMENT for options out of range; NOT_FOUND and
+  // FAILED_PRECONDITION if the robot cannot stand at its start.
+  static absl::StatusOr<std::unique_ptr<Simulator>> Create(
+      World world, const SimulatorOptions& options);
+
+  // Lets simulated time pass.
+  void Step(SimTime duration);
+
+  // ---- what an agent has ----
+  const Clock& clock() const { return clock_; }
+  RangeSensor& laser() { return sensors_->laser(); }
+  Odometry& odometry() { return sensors_->odometry(); }
+  // Without a camera (camera_hz 0) there are never any frames.
+  RgbdCamera& camera() { return sensors_->camera(); }
+  BaseDriver& base() { return base_; }
+
+  // ---- what the world does to it ----
+  SimTime now() const { return clock_.now(); }
+  const World& world() const { return *world_; }
+  const Terrain& terrain() const { return terrain_; }
+  const RayCaster& caster() const { return caster_; }
+  const SimulatorOptions& options() const { return options_; }
+  TrueState state() const;
+  // The true pose a short while ago (half a second at most), at the time of a
+  // measurement for instance.
+  Rigid3 WorldFromBaseAt(SimTime time) const;
+  std::vector<BodyInstance> bodies() const;
+  // Everything that happened since the last call.
+  std::vector<SimEvent> TakeEvents();
+
+  // Kidnaps the robot, or puts a fallen one back on its wheels: it stands
+  // there now, and its wheels have not felt anything. NOT_FOUND: no such place
+  // (and which there are), no ground; FAILED_PRECONDITION: no room (what is in
+  // the way), too steep.
+  absl::Status Kidnap(const RobotPlacement& placement);
+  absl::Status KidnapTo(absl::string_view place);
+
+  // INVALID_ARGUMENT as Fault::Validate; fault.start counts from now on.
+  absl::Status Inject(Fault fault);
+  // Ends the faults of a target.
+  void Repair(FaultTarget target);
+  // Whether relocalization servers are meant to be dead (FaultTarget::kServer).
+  bool IsServerDead() const;
+  void ResetOdometry();
+
+  // See Stage. Obstacles stand on the ground nearest to height_m.
+  absl::Status AddObstacle(absl::string_view name, absl::string_view body,
+                           const RobotPlacement& placement);
+  absl::Status RemoveObstacle(absl::string_view name);
+  absl::Status MoveBody(absl::string_view name,
+                        const RobotPlacement& placement);
+  absl::Status TurnDoor(absl::string_view name, double angle_rad);
+  absl::Status ReleaseBody(absl::string_view name);
+  // Records that an action could not be done.
+  void ReportScenario(const std::string& why);
+
+ private:
+  Simulator(std::unique_ptr<const World> world, RayCaster caster,
+            const SimulatorOptions& options);
+  void StepOnce() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void RecordFaults(SimTime from, SimTime until)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Record(SimEventKind kind, absl::string_view what)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status ChangeStage(
+      const std::string& what,
+      const std::function<absl::Status(Stage& stage)>& change);
+  absl::StatusOr<Placement> OnGround(const RobotPlacement& placement) const;
+
+  const std::unique_ptr<const World> world_;
+  const SimulatorOptions options_;
+  const RayCaster caster_;
+  const Terrain terrain_;
+  SimClock clock_;
+  SimulatedBase base_;
+  mutable absl::Mutex mutex_;
+  Stage stage_ ABSL_GUARDED_BY(mutex_);
+  RobotBody body_ ABSL_GUARDED_BY(mutex_);
+  FaultPlan faults_ ABSL_GUARDED_BY(mutex_);
+  // The suite's Step and Restart under mutex_; its devices are thread-safe.
+  std::unique_ptr<SensorSuite> sensors_;
+  std::vector<SimEvent> events_ ABSL_GUARDED_BY(mutex_);
+  // Steps taken.
+  int64_t steps_ ABSL_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_SIM_SIMULATOR_H_

@@ -1,0 +1,111 @@
+#include "nav_agent/sim/tour_driver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace treeline {
+namespace {
+
+// A robot that looks further away than the first from where it should go turns
+// on the spot, until it looks there within the second.
+constexpr double kTurnFrom_rad = 0.7;
+constexpr double kTurnUntil_rad = 0.15;
+constexpr double kTurnGain_hz = 2;
+// So far ahead the nearest point of the line is looked for.
+constexpr double kWindow_m = 1.0;
+constexpr double kWindowStep_m = 0.02;
+// In curves the robot takes no more than this to the side.
+constexpr double kLateral_mps2 = 0.4;
+
+}  // namespace
+
+absl::Status TourOptions::Validate() const {
+  if (!(speed_mps > 0 && speed_mps <= 5)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a tour at ", speed_mps, " m/s; up to 5 is possible"));
+  }
+  if (!(look_ahead_m >= 0.1 && look_ahead_m <= 5) ||
+      !(arrival_m > 0 && arrival_m <= 5)) {
+    return absl::InvalidArgumentError(
+        "a tour looks 0.1 to 5 m ahead and arrives within 5 m");
+  }
+  return absl::OkStatus();
+}
+
+TourDriver::TourDriver(std::vector<Vec3> corners, const TourOptions& options)
+    : corners_(std::move(corners)), options_(options) {
+  if (corners_.empty()) corners_.push_back({});
+  if (options_.repeats && !(corners_.front() == corners_.back())) {
+    corners_.push_back(corners_.front());
+  }
+  starts_.push_back(0);
+  for (size_t i = 1; i < corners_.size(); ++i) {
+    starts_.push_back(starts_.back() + Norm(corners_[i] - corners_[i - 1]));
+  }
+}
+
+Vec3 TourDriver::PointAt(double along_m) const {
+  double along = along_m;
+  if (options_.repeats && length_m() > 0) along = std::fmod(along, length_m());
+  const auto after = std::upper_bound(starts_.begin(), starts_.end(), along);
+  if (after == starts_.end()) return corners_.back();
+  const size_t i = static_cast<size_t>(after - starts_.begin());
+  const double t = (along - starts_[i - 1]) / (starts_[i] - starts_[i - 1]);
+  return corners_[i - 1] + t * (corners_[i] - corners_[i - 1]);
+}
+
+void TourDriver::Advance(Vec3 position) {
+  double best_m = std::numeric_limits<double>::infinity();
+  double best_along_m = along_m_;
+  for (double ahead_m = 0; ahead_m <= kWindow_m; ahead_m += kWindowStep_m) {
+    const double distance_m = Norm(PointAt(along_m_ + ahead_m) - position);
+    if (distance_m < best_m - 1e-9) {
+      best_m = distance_m;
+      best_along_m = along_m_ + ahead_m;
+    }
+  }
+  along_m_ = best_along_m;
+  if (options_.repeats && length_m() > 0 && along_m_ >= length_m()) {
+    along_m_ -= length_m();
+    ++rounds_;
+  }
+  along_m_ = std::min(along_m_, length_m());
+}
+
+VelocityCommand TourDriver::CommandAt(const Rigid3& world_from_base) {
+  if (is_done_) return {};
+  Advance(world_from_base.translation);
+  if (!options_.repeats && along_m_ > length_m() - kWindow_m &&
+      Norm(corners_.back() - world_from_base.translation) <
+          options_.arrival_m) {
+    is_done_ = true;
+    return {};
+  }
+  // Not beyond the next sharp corner: it would be cut.
+  const Vec3 target = PointAt(along_m_ + options_.look_ahead_m);
+  const Vec3 in_base = world_from_base.Inverse() * target;
+  const double bearing_rad = std::atan2(in_base.y, in_base.x);
+  if (std::abs(bearing_rad) > kTurnFrom_rad) turns_ = true;
+  if (std::abs(bearing_rad) < kTurnUntil_rad) turns_ = false;
+  if (turns_) return {.yaw_rate_radps = kTurnGain_hz * bearing_rad};
+  const double squared = in_base.x * in_base.x + in_base.y * in_base.y;
+  const double curvature = squared > 1e-6 ? 2 * in_base.y / squared : 0;
+  double speed_mps = options_.speed_mps;
+  if (std::abs(curvature) > 1e-6) {
+    speed_mps =
+        std::min(speed_mps, std::sqrt(kLateral_mps2 / std::abs(curvature)));
+  }
+  if (!options_.repeats) {
+    // Slower towards the end, but never so slow that it is not reached.
+    speed_mps = std::min(
+        speed_mps,
+        std::max(0.1, length_m() - along_m_));
+  }
+  return {.forward_mps = speed_mps, .yaw_rate_radps = speed_mps * curvature};
+}
+
+}  // namespace treeline

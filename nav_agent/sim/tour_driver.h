@@ -1,0 +1,62 @@
+// Drives a robot along a line by its true pose: for mapping drives and tests.
+// A helper of the simulator; no robot knows its true pose.
+#ifndef NAV_AGENT_SIM_TOUR_DRIVER_H_
+#define NAV_AGENT_SIM_TOUR_DRIVER_H_
+
+#include <cstddef>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "nav_agent/core/robot_model.h"
+#include "nav_agent/core/sensor_data.h"
+
+namespace treeline {
+
+struct TourOptions {
+  // In (0, 5].
+  double speed_mps = 0.5;
+  // The point that is steered for lies so far ahead on the line.
+  double look_ahead_m = 0.5;
+  // Corners may be cut by less than about look_ahead_m; the end is reached
+  // when it is this near.
+  double arrival_m = 0.15;
+  // Round and round, or once.
+  bool repeats = false;
+
+  absl::Status Validate() const;
+};
+
+// Pure pursuit (Coulter 1992): the arc through the robot and a point ahead on
+// the line has curvature 2 y / (x^2 + y^2) in the robot's frame. Where the
+// point is not in front, the robot turns on the spot first. Not thread-safe.
+class TourDriver {
+ public:
+  // Corners of a line on the ground; their heights tell floors apart that lie
+  // over one another. At least one.
+  TourDriver(std::vector<Vec3> corners, const TourOptions& options);
+
+  // What to do at this pose. Nothing when the tour is done.
+  VelocityCommand CommandAt(const Rigid3& world_from_base);
+  bool is_done() const { return is_done_; }
+  // Of the whole line.
+  double length_m() const { return starts_.back(); }
+  // How far along it the robot has come, rounds included.
+  double progress_m() const { return rounds_ * length_m() + along_m_; }
+
+ private:
+  Vec3 PointAt(double along_m) const;
+  void Advance(Vec3 position);
+
+  std::vector<Vec3> corners_;
+  TourOptions options_;
+  // Of each corner, how far along the line it lies.
+  std::vector<double> starts_;
+  double along_m_ = 0;
+  int rounds_ = 0;
+  bool is_done_ = false;
+  bool turns_ = false;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_SIM_TOUR_DRIVER_H_
