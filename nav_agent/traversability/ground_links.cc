@@ -34,8 +34,14 @@ Beyond WhatIsBeyond(const CleanColumns& columns, const VoxelLimits& limits,
   return Beyond::kUnknown;
 }
 
+// Links `node`. A node whose links lead both up and down by more than a step
+// in all lies on the face of a step that a voxel missed, or one too many, has
+// broken in two: the edge of a drop as well. (Slopes that are
+// not steep rise by less than a voxel from one side of it to the other.)
 void LinkNode(const CleanColumns& columns, const VoxelLimits& limits,
               const GroundColumns& ground, int x, int y, GroundNode& node) {
+  int lowest = node.z;
+  int highest = node.z;
   for (size_t d = 0; d < kNeighbors.size(); ++d) {
     const int nx = x + kNeighbors[d].x;
     const int ny = y + kNeighbors[d].y;
@@ -49,12 +55,20 @@ void LinkNode(const CleanColumns& columns, const VoxelLimits& limits,
         node.link[d] = static_cast<uint8_t>(i);
       }
     }
-    if (node.link[d] != kNoLink) continue;
+    if (node.link[d] != kNoLink) {
+      lowest = std::min(lowest, column[node.link[d]].z);
+      highest = std::max(highest, column[node.link[d]].z);
+      continue;
+    }
     const Beyond beyond =
         WhatIsBeyond(columns, limits, column, nx, ny, node.z);
     node.edge = node.edge || beyond == Beyond::kDrop;
     node.step =
         node.step || beyond == Beyond::kDrop || beyond == Beyond::kStepUp;
+  }
+  if (highest - lowest > limits.step) {
+    node.edge = true;
+    node.step = true;
   }
 }
 

@@ -120,6 +120,16 @@ GroundColumns WithHolesClosed(const GroundColumns& ground,
               [](const GroundNode& a, const GroundNode& b) {
                 return a.z < b.z;
               });
+    // What lies right below a hole that was closed was never to be stood on.
+    for (size_t i = closed.nodes.size(); i-- > begin + 1;) {
+      GroundNode& below = closed.nodes[i - 1];
+      below.clearance =
+          std::min(below.clearance, closed.nodes[i].z - below.z - 1);
+      if (below.clearance < kMinGap) {
+        closed.nodes.erase(closed.nodes.begin() +
+                           static_cast<std::ptrdiff_t>(i - 1));
+      }
+    }
     closed.begin.push_back(static_cast<uint32_t>(closed.nodes.size()));
   }
   return closed;

@@ -16,6 +16,8 @@ constexpr uint32_t kNone = 0xffffffff;
 // Levels are cut apart only for ground that lies above other ground on at
 // least this area; less is a measuring error.
 constexpr double kMinOverlapArea_m2 = 0.25;
+// And on this much at each pair of heights.
+constexpr double kMinPairArea_m2 = 0.05;
 // Ground is looked for this far from a cell that has none, to tell walls from
 // what is unknown.
 constexpr double kWallReach_m = 0.5;
@@ -180,7 +182,8 @@ struct Overlap {
 
 // By the upper height.
 std::vector<Overlap> FindOverlaps(const GroundColumns& ground,
-                                  const NodeFacts& facts, int robot_height) {
+                                  const NodeFacts& facts, int robot_height,
+                                  double cell_m2) {
   std::map<std::pair<int, int>, int64_t> counts;
   for (size_t column = 0; column + 1 < ground.begin.size(); ++column) {
     if (ground.begin[column + 1] - ground.begin[column] < 2) continue;
@@ -195,6 +198,7 @@ std::vector<Overlap> FindOverlaps(const GroundColumns& ground,
   std::vector<Overlap> overlaps;
   overlaps.reserve(counts.size());
   for (const auto& [heights, columns] : counts) {
+    if (static_cast<double>(columns) * cell_m2 < kMinPairArea_m2) continue;
     overlaps.push_back({heights.first, heights.second, columns});
   }
   return overlaps;
@@ -281,6 +285,7 @@ class LevelMaker {
       if (chosen[i] != kNone) FillCell(i, chosen[i], level);
     }
     MarkWalls(chosen, level);
+    CloseSeams(chosen, level);
     return level;
   }
 
@@ -354,6 +359,28 @@ class LevelMaker {
     }
   }
 
+  // Where a level changes over from one ground to another above it, nothing
+  // leads from cell to cell: the upper one's last cells are occupied.
+  void CloseSeams(const std::vector<uint32_t>& chosen,
+                  TraversableLevel& level) const {
+    OccupancyGrid& grid = level.grid;
+    for (int y = 0; y < grid.height; ++y) {
+      for (int x = 0; x < grid.width; ++x) {
+        const size_t cell = grid.IndexOf({x, y});
+        if (grid.cells[cell] != Occupancy::kFree) continue;
+        const GroundNode& node = ground_.nodes[chosen[cell]];
+        for (size_t d = 0; d < kNeighbors.size(); ++d) {
+          const CellIndex to{x + kNeighbors[d].x, y + kNeighbors[d].y};
+          if (!grid.Contains(to) || chosen[grid.IndexOf(to)] == kNone) continue;
+          const size_t beyond = grid.IndexOf(to);
+          if (facts_.floor[chosen[beyond]] == 0) continue;
+          const int drop = node.z - ground_.nodes[chosen[beyond]].z;
+          if (drop > limits_.step) grid.cells[cell] = Occupancy::kOccupied;
+        }
+      }
+    }
+  }
+
   void MarkWall(CellIndex cell, int floor_z,
                 const std::vector<uint32_t>& chosen,
                 TraversableLevel& level) const {
@@ -417,7 +444,7 @@ TraversableMap MakeLevels(const VoxelMap& voxels, const GroundColumns& ground,
   const VoxelLimits limits(options, r);
   const NodeFacts facts = FindFacts(ground, options, r);
   std::vector<int> cuts =
-      FindCuts(ground, facts, FindOverlaps(ground, facts, limits.robot_height),
+      FindCuts(ground, facts, FindOverlaps(ground, facts, limits.robot_height, r * r),
                r);
   const int top = voxels.size().z;
   const LevelMaker maker(voxels, ground, facts, limits);
