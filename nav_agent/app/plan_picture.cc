@@ -47,11 +47,11 @@ class Plan {
   void Set(int x, int y, Rgb color) {
     if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
     const size_t at = static_cast<size_t>(3 * (y * image.width + x));
-    std::ranges::copy(color, image.rgb.begin() + static_cast<std::ptrdiff_t>(at));
+    std::ranges::copy(color,
+                      image.rgb.begin() + static_cast<std::ptrdiff_t>(at));
   }
   void Line(Vec2 from, Vec2 to, Rgb color, int half_px) {
-    const int steps =
-        1 + static_cast<int>(Norm(to - from) / (0.5 * pixel_m_));
+    const int steps = 1 + static_cast<int>(Norm(to - from) / (0.5 * pixel_m_));
     for (int i = 0; i <= steps; ++i) {
       const double t = static_cast<double>(i) / steps;
       Dot(from + t * (to - from), color, half_px);
@@ -59,7 +59,8 @@ class Plan {
   }
   void Dot(Vec2 at, Rgb color, int half_px) {
     const int x = static_cast<int>((at.x - low_.x) / pixel_m_);
-    const int y = image.height - 1 - static_cast<int>((at.y - low_.y) / pixel_m_);
+    const int y =
+        image.height - 1 - static_cast<int>((at.y - low_.y) / pixel_m_);
     for (int dy = -half_px; dy <= half_px; ++dy) {
       for (int dx = -half_px; dx <= half_px; ++dx) Set(x + dx, y + dy, color);
     }
@@ -96,8 +97,7 @@ Rgb ColorAt(const Terrain& terrain, Vec2 at) {
   const Bounds& bounds = terrain.bounds();
   double highest_other_m = -std::numeric_limits<double>::infinity();
   double from_m = bounds.high.z + 1;
-  while (const auto ground =
-             terrain.GroundAt(at, bounds.low.z - 1, from_m)) {
+  while (const auto ground = terrain.GroundAt(at, bounds.low.z - 1, from_m)) {
     if (!IsGround(ground->kind)) {
       // The lowest underside of what hangs or stands here.
       highest_other_m = ground->height_m;

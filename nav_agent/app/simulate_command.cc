@@ -114,9 +114,8 @@ absl::Status Simulate(const SimulateFlags& flags, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(World world,
                       MakeWorld(scenario.world, scenario.world_options));
   TL_ASSIGN_OR_RETURN(scenario.options.start, StartOf(scenario, world));
-  TL_ASSIGN_OR_RETURN(
-      const std::unique_ptr<Simulator> simulator,
-      Simulator::Create(std::move(world), scenario.options));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<Simulator> simulator,
+                      Simulator::Create(std::move(world), scenario.options));
   TL_ASSIGN_OR_RETURN(const SimulationResult result,
                       RunWithProgress(*simulator, run, flags.quiet, stop));
   std::printf("%s", SimulationSummary(result).c_str());
@@ -127,9 +126,9 @@ absl::Status Simulate(const SimulateFlags& flags, const std::stop_token& stop) {
     TL_RETURN_IF_ERROR(WriteFileAtomically(flags.json, SimulationJson(result)));
   }
   if (flags.picture.empty()) return absl::OkStatus();
-  TL_ASSIGN_OR_RETURN(const std::string png,
-                      EncodePng(DrawPlan(simulator->world(),
-                                         simulator->terrain(), result)));
+  TL_ASSIGN_OR_RETURN(
+      const std::string png,
+      EncodePng(DrawPlan(simulator->world(), simulator->terrain(), result)));
   return WriteFileAtomically(flags.picture, png);
 }
 
@@ -140,16 +139,18 @@ Command AddSimulateCommand(CLI::App& app) {
       "simulate", "Drive a simulated robot through a synthetic world");
   command->footer(kFooter);
   auto flags = std::make_shared<SimulateFlags>();
-  command->add_option("--world", flags->world,
-                      "The world; otherwise the scenario's, or cafe")
+  command
+      ->add_option("--world", flags->world,
+                   "The world; otherwise the scenario's, or cafe")
       ->type_name("NAME|FILE|seed:N");
   command
       ->add_option("--scenario", flags->scenario,
                    "What happens, when; other options override it")
       ->type_name("FILE");
-  command->add_option("--drive", flags->drive,
-                      "tour: along the world's tour; to its end, or round and "
-                      "round for --seconds")
+  command
+      ->add_option("--drive", flags->drive,
+                   "tour: along the world's tour; to its end, or round and "
+                   "round for --seconds")
       ->check(CLI::IsMember({"none", "tour"}))
       ->capture_default_str();
   command->add_option("--speed", flags->speed_mps, "Of the tour, in m/s")
@@ -165,18 +166,21 @@ Command AddSimulateCommand(CLI::App& app) {
           ->type_name("N");
   command->add_flag("--no-laser", flags->no_laser, "Without the laser scanner");
   command->add_flag("--no-people", flags->no_people, "Nobody is about");
-  command->add_option("--camera-hz", flags->camera_hz,
-                      "RGB-D frames in a second; 0: none")
+  command
+      ->add_option("--camera-hz", flags->camera_hz,
+                   "RGB-D frames in a second; 0: none")
       ->type_name("HZ");
-  command->add_option("--threads", flags->threads,
-                      "For pictures; 0: one a processor")
+  command
+      ->add_option("--threads", flags->threads,
+                   "For pictures; 0: one a processor")
       ->type_name("N");
   command->add_option("--record", flags->record, "Write an agent log")
       ->type_name("FILE");
   command->add_option("--json", flags->json, "Write the result as JSON")
       ->type_name("FILE");
-  command->add_option("--picture", flags->picture,
-                      "Write a plan with the way that was taken")
+  command
+      ->add_option("--picture", flags->picture,
+                   "Write a plan with the way that was taken")
       ->type_name("FILE.png");
   command->add_flag("--quiet", flags->quiet, "Show no progress");
   return {command, [flags, seed](const std::stop_token& stop) {

@@ -32,14 +32,14 @@ double YawOf(const Rigid3& world_from_base) {
 
 std::string TextOf(const SimEvent& event) {
   const Vec3& at = event.point_in_world;
-  std::string text = absl::StrFormat("%s at (%.2f, %.2f, %.2f)",
-                                     SimEventName(event.kind), at.x, at.y, at.z);
+  std::string text = absl::StrFormat(
+      "%s at (%.2f, %.2f, %.2f)", SimEventName(event.kind), at.x, at.y, at.z);
   if (event.what != SimEventName(event.kind)) {
     absl::StrAppend(&text, ": ", event.what);
   }
   if (event.kind == SimEventKind::kCollision) {
-    absl::StrAppend(&text, event.caused_by_robot ? ", by the robot"
-                                                 : ", not by the robot");
+    absl::StrAppend(
+        &text, event.caused_by_robot ? ", by the robot" : ", not by the robot");
   }
   return text;
 }
@@ -117,12 +117,12 @@ absl::Status TakeAll(Simulator& simulator, Recorder& recorder,
     TL_RETURN_IF_ERROR(recorder.WriteFrame(frame));
   }
   const TrueState state = simulator.state();
-  TL_RETURN_IF_ERROR(recorder.Write(LogTruePose{
-      SimClock::StampOf(state.time), state.world_from_base}));
+  TL_RETURN_IF_ERROR(recorder.Write(
+      LogTruePose{SimClock::StampOf(state.time), state.world_from_base}));
   for (SimEvent& event : simulator.TakeEvents()) {
     if (event.kind == SimEventKind::kPlaced) result.track.emplace_back();
-    TL_RETURN_IF_ERROR(recorder.Write(
-        LogEvent{SimClock::StampOf(event.time), TextOf(event)}));
+    TL_RETURN_IF_ERROR(
+        recorder.Write(LogEvent{SimClock::StampOf(event.time), TextOf(event)}));
     result.events.push_back(std::move(event));
   }
   result.track.back().push_back(state.world_from_base.translation);
@@ -186,13 +186,15 @@ std::string SimulationSummary(const SimulationResult& result) {
       result.world, result.seed, result.simulated_s, result.processor_s,
       result.Factor());
   absl::StrAppendFormat(
-      &text, "Driven %.2f m, turned %.0f degrees; %d scans, %d readings, %d "
+      &text,
+      "Driven %.2f m, turned %.0f degrees; %d scans, %d readings, %d "
       "frames\n",
       result.final_state.distance_m,
       result.final_state.turned_rad * 57.29577951308232, result.scans,
       result.readings, result.frames);
   absl::StrAppendFormat(
-      &text, "Collisions: %d, of them by the robot: %d. Falls: %d. Stairs: %d. "
+      &text,
+      "Collisions: %d, of them by the robot: %d. Falls: %d. Stairs: %d. "
       "Tipped over: %d\n",
       result.Count(SimEventKind::kCollision), result.CollisionsOfRobot(),
       result.Count(SimEventKind::kFall), result.Count(SimEventKind::kStairs),

@@ -147,7 +147,8 @@ absl::StatusOr<std::unique_ptr<AgentLogWriter>> AgentLogWriter::Open(
   if (fd < 0) return SystemError("cannot write", path);
   std::unique_ptr<AgentLogWriter> writer(new AgentLogWriter(fd, path, clock));
   const auto offset = static_cast<off_t>(end);
-  if (!is_new && (ftruncate(fd, offset) != 0 || lseek(fd, offset, SEEK_SET) < 0)) {
+  if (!is_new &&
+      (ftruncate(fd, offset) != 0 || lseek(fd, offset, SEEK_SET) < 0)) {
     return SystemError("cannot go on with", path);
   }
   writer->bytes_ = static_cast<int64_t>(end);
@@ -160,7 +161,10 @@ absl::StatusOr<std::unique_ptr<AgentLogWriter>> AgentLogWriter::Open(
 }
 
 AgentLogWriter::AgentLogWriter(int fd, std::string path, const Clock& clock)
-    : fd_(fd), path_(std::move(path)), clock_(&clock), last_flush_(clock.Now()) {}
+    : fd_(fd),
+      path_(std::move(path)),
+      clock_(&clock),
+      last_flush_(clock.Now()) {}
 
 AgentLogWriter::~AgentLogWriter() {
   Flush().IgnoreError();
@@ -186,8 +190,7 @@ absl::Status AgentLogWriter::Flush() {
   last_flush_ = clock_->Now();
   size_t done = 0;
   while (done < buffer_.size()) {
-    const ssize_t n =
-        write(fd_, buffer_.data() + done, buffer_.size() - done);
+    const ssize_t n = write(fd_, buffer_.data() + done, buffer_.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) {
       buffer_.erase(0, done);
@@ -202,9 +205,8 @@ absl::Status AgentLogWriter::Flush() {
 absl::StatusOr<AgentLogReader> AgentLogReader::Open(const std::string& path) {
   TL_ASSIGN_OR_RETURN(MappedFile file, MappedFile::Open(path));
   auto shared = std::make_shared<const MappedFile>(std::move(file));
-  const absl::string_view bytes(
-      reinterpret_cast<const char*>(shared->data()),
-      static_cast<size_t>(shared->size()));
+  const absl::string_view bytes(reinterpret_cast<const char*>(shared->data()),
+                                static_cast<size_t>(shared->size()));
   auto reader = Parse(bytes);
   if (!reader.ok()) return Annotate(reader.status(), path);
   reader->file_ = std::move(shared);

@@ -60,10 +60,9 @@ struct LogCommand {
 };
 
 // RangeSensorInfo, RgbdCalibration and RobotModel hold for what follows them.
-using LogEntry =
-    std::variant<LogInformation, RangeSensorInfo, RgbdCalibration, RobotModel,
-                 LaserScan, BaseReading, LogFrame, LogTruePose, LogEvent,
-                 LogCommand>;
+using LogEntry = std::variant<LogInformation, RangeSensorInfo, RgbdCalibration,
+                              RobotModel, LaserScan, BaseReading, LogFrame,
+                              LogTruePose, LogEvent, LogCommand>;
 
 // Frames to files and back. jpeg_quality < 1: colour as PNG, without loss.
 absl::StatusOr<LogFrame> EncodeLogFrame(const RgbdFrame& frame,

@@ -29,8 +29,8 @@ MonotonicTime StampAt(int milliseconds_since) {
 // One of each kind.
 std::vector<LogEntry> AllKinds() {
   RgbdCalibration calibration;
-  calibration.color = *Camera::Parse("OPENCV,525,526,320,240,0.1,0,0,0.01",
-                                     640, 480);
+  calibration.color =
+      *Camera::Parse("OPENCV,525,526,320,240,0.1,0,0,0.01", 640, 480);
   calibration.color_from_depth.translation = {0.025, 0, 0};
   calibration.pose_sensor = RgbdSensor::kDepth;
   RobotModel robot;

@@ -150,11 +150,10 @@ auto NumbersOf(Model& robot) {
 
 template <typename Reading>
 auto NumbersOfReading(Reading& reading) {
-  return std::array{&reading.left_wheel_m,     &reading.right_wheel_m,
-                    &reading.forward_mps,      &reading.yaw_rate_radps,
-                    &reading.pitch_rad,        &reading.roll_rad,
-                    &reading.pitch_rate_radps, &reading.roll_rate_radps,
-                    &reading.battery_v};
+  return std::array{
+      &reading.left_wheel_m,     &reading.right_wheel_m,   &reading.forward_mps,
+      &reading.yaw_rate_radps,   &reading.pitch_rad,       &reading.roll_rad,
+      &reading.pitch_rate_radps, &reading.roll_rate_radps, &reading.battery_v};
 }
 
 struct Encoder {

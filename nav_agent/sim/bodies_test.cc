@@ -174,8 +174,10 @@ TEST(Stage, DoorsTurnAndObstaclesComeAndGo) {
   EXPECT_LT(PositionOf(*simulator).x, 11.71);
   EXPECT_EQ(EventsOf(*simulator, SimEventKind::kCollision).size(), 1u);
   ASSERT_TRUE(simulator->TurnDoor("door", -kPi / 2).ok());
-  ASSERT_TRUE(simulator->AddObstacle("box", "crate", {.position = {16, 10}}).ok());
-  EXPECT_FALSE(simulator->AddObstacle("box", "crate", {.position = {1, 1}}).ok());
+  ASSERT_TRUE(
+      simulator->AddObstacle("box", "crate", {.position = {16, 10}}).ok());
+  EXPECT_FALSE(
+      simulator->AddObstacle("box", "crate", {.position = {1, 1}}).ok());
   EXPECT_EQ(simulator->AddObstacle("b", "moon", {.position = {1, 1}}).code(),
             absl::StatusCode::kNotFound);
   Drive(*simulator, {.forward_mps = 0.5}, 12);

@@ -36,8 +36,8 @@ struct Result {
 };
 
 Result DriveFor(const DriveErrors& errors, uint64_t seed,
-             const VelocityCommand& command, double duration_s,
-             double pitch_rad = 0) {
+                const VelocityCommand& command, double duration_s,
+                double pitch_rad = 0) {
   DriveTrain drive(RobotModel(), errors, seed);
   Result run;
   const auto steps = static_cast<int64_t>(duration_s / DriveTrain::kStep_s);
@@ -94,8 +94,8 @@ TEST(DriveErrors, TurningSpreadsThemToo) {
                       run.true_rad);
   }
   // Two wheels with independent noise.
-  const double expected_rad = std::sqrt(2 * turned_rad) * 0.01 /
-                              RobotModel().wheel_track_m;
+  const double expected_rad =
+      std::sqrt(2 * turned_rad) * 0.01 / RobotModel().wheel_track_m;
   EXPECT_NEAR(SpreadOf(off_rad).deviation, expected_rad, 0.142 * expected_rad);
 }
 
@@ -149,8 +149,7 @@ TEST(DriveErrors, BurstsOfSlipComeOnSlopesOnlyAndAsOftenAsTheyShould) {
   // begins in another: 0.5 bursts in 1 + 0.5 * 0.25 seconds.
   const double expected = 0.5 / 1.125 * 0.25 * 0.4 / 2;
   const Spread spread = SpreadOf(lost);
-  EXPECT_NEAR(spread.mean, expected,
-              4 * spread.deviation / std::sqrt(40.0));
+  EXPECT_NEAR(spread.mean, expected, 4 * spread.deviation / std::sqrt(40.0));
   EXPECT_GT(spread.deviation, 0.0005);
 }
 

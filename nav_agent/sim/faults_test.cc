@@ -125,8 +125,8 @@ TEST_F(FaultsTest, SlipIsNotSeenByTheCounters) {
   Drive(*simulator_, {.forward_mps = 0.4}, 3);
   simulator_->Step(milliseconds(1000));
   const auto readings = simulator_->odometry().TakeReadings();
-  EXPECT_NEAR(readings.back().left_wheel_m / 2,
-              simulator_->state().distance_m, 1e-9);
+  EXPECT_NEAR(readings.back().left_wheel_m / 2, simulator_->state().distance_m,
+              1e-9);
 }
 
 TEST_F(FaultsTest, ALostBaseRefusesCommandsAndStops) {
@@ -175,7 +175,8 @@ TEST_F(FaultsTest, ResetCountersBeginAgain) {
 
 TEST_F(FaultsTest, FaultsThatDoNotExistAreRefused) {
   EXPECT_FALSE(
-      simulator_->Inject({.target = FaultTarget::kLaser, .kind = FaultKind::kStuck})
+      simulator_
+          ->Inject({.target = FaultTarget::kLaser, .kind = FaultKind::kStuck})
           .ok());
   EXPECT_FALSE(simulator_
                    ->Inject({.target = FaultTarget::kLaser,

@@ -11,18 +11,24 @@ namespace {
 
 class SyntheticImager final : public Imager {
  public:
-  SyntheticImager(SyntheticCamera camera, int threads)
-      : camera_(std::move(camera)), threads_(threads) {}
+  SyntheticImager(std::shared_ptr<const Renderer> renderer,
+                  SyntheticCamera camera, int threads)
+      : renderer_(std::move(renderer)),
+        camera_(std::move(camera)),
+        threads_(threads) {}
 
   RgbdCalibration Calibration() const override { return camera_.calibration(); }
   Frame Capture(const CameraShot& shot) const override {
-    Frame frame = camera_.Capture(
-        shot.world_from_camera, static_cast<uint64_t>(shot.sequence), threads_);
+    const WorldSnapshot snapshot = renderer_->caster().At(shot.bodies);
+    Frame frame =
+        camera_.Capture(snapshot, shot.world_from_camera,
+                        static_cast<uint64_t>(shot.sequence), threads_);
     frame.calibration = camera_.calibration();
     return frame;
   }
 
  private:
+  std::shared_ptr<const Renderer> renderer_;
   SyntheticCamera camera_;
   int threads_;
 };
@@ -37,8 +43,9 @@ absl::StatusOr<std::shared_ptr<const Imager>> MakeImager(const World& world,
   SyntheticCamera::Options options;
   options.seed = RandomFor(seed, SimRandom::kCamera, 0).NextBits();
   TL_ASSIGN_OR_RETURN(SyntheticCamera camera,
-                      SyntheticCamera::Create(std::move(renderer), options));
-  return std::make_shared<const SyntheticImager>(std::move(camera), threads);
+                      SyntheticCamera::Create(renderer, options));
+  return std::make_shared<const SyntheticImager>(std::move(renderer),
+                                                 std::move(camera), threads);
 }
 
 }  // namespace treeline

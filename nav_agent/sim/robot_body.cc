@@ -178,8 +178,8 @@ bool RobotBody::Meet(const Contact& contact, const PlanarMotion& motion,
                    stance_.position;
   const Vec2 outward = OutwardAt(arm);
   const Vec2 heading = {std::cos(stance_.yaw_rad), std::sin(stance_.yaw_rad)};
-  const Vec2 moved = motion.forward_m * heading +
-                     motion.turn_rad * Vec2{-arm.y, arm.x};
+  const Vec2 moved =
+      motion.forward_m * heading + motion.turn_rad * Vec2{-arm.y, arm.x};
   const double robot_mps = Dot(moved, outward) / DriveTrain::kStep_s;
   const bool is_fixed = contact.actor < 0;
   const double body_mps =

@@ -72,8 +72,13 @@ void ScenarioPlayer::DriveTour(const TourAction& tour) {
 }
 
 absl::Status ScenarioPlayer::DoKidnap(const KidnapAction& kidnap) {
-  return kidnap.placement.has_value() ? simulator_->Kidnap(*kidnap.placement)
-                                      : simulator_->KidnapTo(kidnap.place);
+  const absl::Status done = kidnap.placement.has_value()
+                                ? simulator_->Kidnap(*kidnap.placement)
+                                : simulator_->KidnapTo(kidnap.place);
+  if (done.ok() && tour_ != nullptr) {
+    tour_->JoinNearest(simulator_->state().world_from_base.translation);
+  }
+  return done;
 }
 
 void ScenarioPlayer::Do(const ScenarioAction& action) {
@@ -142,8 +147,7 @@ void ScenarioPlayer::Step(SimTime duration) {
   const SimTime until = simulator_->now() + duration;
   while (true) {
     const SimTime now = simulator_->now();
-    while (next_action_ < actions_.size() &&
-           actions_[next_action_].at <= now) {
+    while (next_action_ < actions_.size() && actions_[next_action_].at <= now) {
       Do(actions_[next_action_++]);
       next_steering_ = now;
     }

@@ -141,9 +141,9 @@ absl::StatusOr<Action> ReadKidnap(const YamlNode& node) {
 }
 
 constexpr const char* kActions[] = {
-    "drive",          "tour",         "stop",            "kidnap",
-    "fault",          "reset_odometry", "add_obstacle", "remove_obstacle",
-    "move",           "door",         "release"};
+    "drive", "tour",           "stop",         "kidnap",
+    "fault", "reset_odometry", "add_obstacle", "remove_obstacle",
+    "move",  "door",           "release"};
 
 absl::StatusOr<Action> ReadWhat(absl::string_view key, const YamlNode& action) {
   TL_ASSIGN_OR_RETURN(const YamlNode node, action.Get(key));
@@ -275,9 +275,9 @@ absl::Status ReadRobotAndSensors(const YamlNode& root,
 }
 
 absl::StatusOr<Scenario> ReadRoot(const YamlNode& root) {
-  TL_RETURN_IF_ERROR(root.CheckKeys({"world", "seed", "people", "after_moves",
-                                     "duration_s", "start", "robot", "sensors",
-                                     "errors", "actions"}));
+  TL_RETURN_IF_ERROR(
+      root.CheckKeys({"world", "seed", "people", "after_moves", "duration_s",
+                      "start", "robot", "sensors", "errors", "actions"}));
   Scenario scenario;
   TL_ASSIGN_OR_RETURN(scenario.world, root.TextOr("world", "cafe"));
   TL_ASSIGN_OR_RETURN(const int64_t seed,
@@ -292,8 +292,7 @@ absl::StatusOr<Scenario> ReadRoot(const YamlNode& root) {
   scenario.duration = FromSeconds(duration_s);
   if (root.Has("start")) {
     TL_ASSIGN_OR_RETURN(const YamlNode start, root.Get("start"));
-    TL_RETURN_IF_ERROR(
-        ReadPlace(start, scenario.start_place, scenario.start));
+    TL_RETURN_IF_ERROR(ReadPlace(start, scenario.start_place, scenario.start));
   }
   TL_RETURN_IF_ERROR(ReadRobotAndSensors(root, scenario.options));
   TL_ASSIGN_OR_RETURN(const std::vector<YamlNode> actions,

@@ -87,10 +87,12 @@ TEST(Scenario, ErrorsSayWhereAndWhat) {
   EXPECT_THAT(ErrorOf("world: cafe\ncolour: red\n"), StartsWith("s.yaml:2: "));
   EXPECT_THAT(ErrorOf("seed: -1\n"), StartsWith("s.yaml:1: "));
   const std::string actions = "world: cafe\nactions:\n  - ";
-  EXPECT_THAT(ErrorOf(actions + "{at_s: 1, fault: {target: laser, kind: stuck}}"),
-              AllOf(StartsWith("s.yaml:3: "), HasSubstr("no fault 'stuck'")));
-  EXPECT_THAT(ErrorOf(actions + "{at_s: 1, fault: {target: nose, kind: stuck}}"),
-              HasSubstr("'nose' is none of laser"));
+  EXPECT_THAT(
+      ErrorOf(actions + "{at_s: 1, fault: {target: laser, kind: stuck}}"),
+      AllOf(StartsWith("s.yaml:3: "), HasSubstr("no fault 'stuck'")));
+  EXPECT_THAT(
+      ErrorOf(actions + "{at_s: 1, fault: {target: nose, kind: stuck}}"),
+      HasSubstr("'nose' is none of laser"));
   EXPECT_THAT(ErrorOf(actions + "{at_s: 1}"), HasSubstr("one thing to do"));
   EXPECT_THAT(ErrorOf(actions + "{at_s: 1, stop: true, release: x}"),
               HasSubstr("one thing to do"));

@@ -49,9 +49,9 @@ std::string DriveBytes(uint64_t seed, int threads, SimTime part,
     Append(bytes, scan.intensities);
   }
   for (const BaseReading& r : simulator->odometry().TakeReadings()) {
-    Append(bytes, std::vector<double>{r.left_wheel_m, r.right_wheel_m,
-                                      r.pitch_rad, r.roll_rad,
-                                      r.yaw_rate_radps});
+    Append(bytes,
+           std::vector<double>{r.left_wheel_m, r.right_wheel_m, r.pitch_rad,
+                               r.roll_rad, r.yaw_rate_radps});
   }
   for (const RgbdFrame& frame : simulator->camera().TakeFrames()) {
     Append(bytes, frame.frame.color.rgb);
@@ -112,8 +112,8 @@ TEST(Sensors, AMovingRobotSeesASkewedWorld) {
   double off_m = 0;
   double off_unskewed_m = 0;
   const auto distance_to_wall = [](Vec3 p) {
-    return std::min({std::abs(p.x), std::abs(p.x - 20), std::abs(p.y),
-                     std::abs(p.y - 20)});
+    return std::min(
+        {std::abs(p.x), std::abs(p.x - 20), std::abs(p.y), std::abs(p.y - 20)});
   };
   const Rigid3 base_from_laser = RobotModel().base_from_laser;
   for (int beam = 0; beam < info.beams; beam += 20) {
@@ -146,10 +146,10 @@ TEST(Sensors, PicturesAreTakenOnlyForWhoAsks) {
   EXPECT_EQ(TimeOf(frames[2].stamp), milliseconds(200));
   EXPECT_EQ(frames[0].frame.color.width, 640);
   ASSERT_TRUE(frames[0].frame.depth.has_value());
-  ASSERT_TRUE(simulator
-                  ->Inject({.target = FaultTarget::kCamera,
-                            .kind = FaultKind::kDark})
-                  .ok());
+  ASSERT_TRUE(
+      simulator
+          ->Inject({.target = FaultTarget::kCamera, .kind = FaultKind::kDark})
+          .ok());
   ASSERT_TRUE(simulator
                   ->Inject({.target = FaultTarget::kCamera,
                             .kind = FaultKind::kInvalid})

@@ -28,7 +28,9 @@ void DriveTour(benchmark::State& state, bool laser, double camera_hz) {
   scenario.options.start = *StartOf(scenario, world);
   const auto simulator = *Simulator::Create(std::move(world), scenario.options);
   ScenarioPlayer player(scenario, *simulator);
-  player.DriveTour({.options = {.repeats = true}, .corners = {}});
+  TourAction tour;
+  tour.options.repeats = true;
+  player.DriveTour(tour);
   for (auto _ : state) {
     for (int i = 0; i < 10; ++i) {
       player.Step(std::chrono::milliseconds(100));

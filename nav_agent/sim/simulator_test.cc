@@ -58,7 +58,8 @@ TEST(Simulator, StandsOnARampAsGeometrySays) {
   const double yaw_rad = 0.7;
   PlaceBuilder place;
   place.Floor(0, 0, 4, 20, 0).Ramp(4, 0, 14, 20, 0, 1).Floor(14, 0, 20, 20, 1);
-  const auto simulator = MakeSimulator(place.Build(), StartAt(8, 8, yaw_rad, 0.4));
+  const auto simulator =
+      MakeSimulator(place.Build(), StartAt(8, 8, yaw_rad, 0.4));
   const Rigid3 world_from_base = simulator->state().world_from_base;
   EXPECT_NEAR(world_from_base.translation.z, 0.4, 1e-6);
   const Vec3 up = world_from_base.rotation * Vec3{0, 0, 1};

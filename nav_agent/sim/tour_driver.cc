@@ -76,6 +76,16 @@ void TourDriver::Advance(Vec3 position) {
   along_m_ = std::min(along_m_, length_m());
 }
 
+void TourDriver::JoinNearest(Vec3 position) {
+  double best_m = std::numeric_limits<double>::infinity();
+  for (double along_m = 0; along_m <= length_m(); along_m += kWindowStep_m) {
+    const double distance_m = Norm(PointAt(along_m) - position);
+    if (distance_m >= best_m) continue;
+    best_m = distance_m;
+    along_m_ = along_m;
+  }
+}
+
 VelocityCommand TourDriver::CommandAt(const Rigid3& world_from_base) {
   if (is_done_) return {};
   Advance(world_from_base.translation);
@@ -85,7 +95,6 @@ VelocityCommand TourDriver::CommandAt(const Rigid3& world_from_base) {
     is_done_ = true;
     return {};
   }
-  // Not beyond the next sharp corner: it would be cut.
   const Vec3 target = PointAt(along_m_ + options_.look_ahead_m);
   const Vec3 in_base = world_from_base.Inverse() * target;
   const double bearing_rad = std::atan2(in_base.y, in_base.x);
@@ -101,9 +110,7 @@ VelocityCommand TourDriver::CommandAt(const Rigid3& world_from_base) {
   }
   if (!options_.repeats) {
     // Slower towards the end, but never so slow that it is not reached.
-    speed_mps = std::min(
-        speed_mps,
-        std::max(0.1, length_m() - along_m_));
+    speed_mps = std::min(speed_mps, std::max(0.1, length_m() - along_m_));
   }
   return {.forward_mps = speed_mps, .yaw_rate_radps = speed_mps * curvature};
 }

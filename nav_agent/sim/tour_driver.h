@@ -37,6 +37,9 @@ class TourDriver {
 
   // What to do at this pose. Nothing when the tour is done.
   VelocityCommand CommandAt(const Rigid3& world_from_base);
+  // Goes on from the point of the line that is nearest: somebody carried the
+  // robot there.
+  void JoinNearest(Vec3 position);
   bool is_done() const { return is_done_; }
   // Of the whole line.
   double length_m() const { return starts_.back(); }
