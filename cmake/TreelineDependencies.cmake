@@ -11,6 +11,8 @@ find_package(gRPC CONFIG REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(yaml-cpp REQUIRED)
+find_package(Ceres REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(OpenCV REQUIRED
   COMPONENTS core imgproc features2d calib3d flann)
 find_package(PkgConfig REQUIRED)

@@ -6,64 +6,36 @@
 
 #include "common/base/parallel_for.h"
 #include "common/base/random.h"
+#include "common/synthetic/direct_light.h"
 
 namespace treeline {
+
 namespace {
 
 constexpr float kTexel_m = 0.06f;
 constexpr int kMaxTexels = 128;
-constexpr int kLightStrata = 4;   // squared: samples of a light
+// In larger worlds texels are larger instead.
+constexpr float kTexelBudget = 350e3f;
+// What comes from all around changes slowly: in worlds of more texels than
+// this it is gathered for squares of 3 x 3 only.
+constexpr size_t kFineGather = 120000;
+// A coarse texel is so many wide.
+constexpr float kCoarse = 3;
+// Texels of one surface that are asked together which lights they see.
+constexpr int kPatch = 8;
 constexpr int kGatherStrata = 8;  // squared: rays of the first bounce
 constexpr int kBounces = 2;
 constexpr float kPi = 3.14159265f;
 constexpr float kLift_m = 0.002f;
 
-// A point on a surface where light is computed.
-struct Receiver {
-  uint32_t surface = 0;
-  Float3 point;
-  Float3 normal;
-};
-
-float UnitFloat(Random& random) {
-  return static_cast<float>(random.NextUnit());
-}
-
-Float3 DirectLight(const World& world, const RayCaster& caster,
-                   const Receiver& receiver, Random& random) {
-  Float3 total;
-  for (const AreaLight& light : world.lights) {
-    const Float3 area_normal = light.AreaNormal();
-    Float3 sum;
-    for (int i = 0; i < kLightStrata * kLightStrata; ++i) {
-      const float s =
-          (static_cast<float>(i % kLightStrata) + UnitFloat(random)) /
-          kLightStrata;
-      const float t =
-          (static_cast<float>(i / kLightStrata) + UnitFloat(random)) /
-          kLightStrata;
-      const Float3 from = light.corner + s * light.edge_u + t * light.edge_v;
-      const Float3 way = from - receiver.point;
-      const float squared_distance = std::max(Dot(way, way), 0.01f);
-      const float cosines = -Dot(way, area_normal) * Dot(way, receiver.normal);
-      if (Dot(way, receiver.normal) <= 0 || Dot(way, area_normal) >= 0) {
-        continue;
-      }
-      if (!caster.IsFree(receiver.point, from)) continue;
-      sum = sum +
-            (cosines / (squared_distance * squared_distance)) * light.radiance;
-    }
-    total = total + (1.0f / (kLightStrata * kLightStrata * kPi)) * sum;
-  }
-  return total;
-}
-
 // Directions about the normal in proportion to their cosine, stratified.
-Float3 CosineDirection(const Receiver& receiver, int i, Random& random) {
-  const float a = (static_cast<float>(i % kGatherStrata) + UnitFloat(random)) /
-                  kGatherStrata;
-  const float b = (static_cast<float>(i / kGatherStrata) + UnitFloat(random)) /
-                  kGatherStrata;
+Float3 CosineDirection(const LightReceiver& receiver, int i, Random& random) {
+  const auto part = [&random](int index) {
+    return (static_cast<float>(index) + static_cast<float>(random.NextUnit())) /
+           kGatherStrata;
+  };
+  const float a = part(i % kGatherStrata);
+  const float b = part(i / kGatherStrata);
   const float radius = std::sqrt(a);
   const Float3& n = receiver.normal;
   const Float3 helper =
@@ -91,6 +63,26 @@ void Smooth(int u_count, int v_count, const Float3* in, Float3* out) {
       out[v * u_count + u] = (1 / count) * sum;
     }
   }
+}
+
+// Calls body(i) for each i below `count`, in parallel, some hundred at a time.
+template <typename Body>
+void ForAll(size_t count, int threads, const Body& body) {
+  constexpr size_t kChunk = 256;
+  const size_t chunks = (count + kChunk - 1) / kChunk;
+  ParallelFor(static_cast<int64_t>(chunks), threads, [&](int64_t chunk) {
+    const size_t first = static_cast<size_t>(chunk) * kChunk;
+    const size_t last = std::min(first + kChunk, count);
+    for (size_t i = first; i < last; ++i) body(i);
+  });
+}
+
+float TexelSize_m(const World& world) {
+  float area_m2 = 0;
+  for (const Surface& surface : world.surfaces) {
+    area_m2 += surface.LengthU() * surface.LengthV();
+  }
+  return std::max(kTexel_m, std::sqrt(area_m2 / kTexelBudget));
 }
 
 }  // namespace
@@ -132,14 +124,33 @@ LightMap LightMap::Even(const World& world) {
   return map;
 }
 
-LightMap LightMap::Bake(const World& world, const RayCaster& caster,
-                        int threads) {
-  LightMap map;
-  std::vector<Receiver> receivers;
+std::vector<LightMap::Patch> LightMap::Patches() const {
+  std::vector<Patch> patches;
+  for (const Grid& grid : grids_) {
+    for (int top = 0; top < grid.v_count; top += kPatch) {
+      for (int left = 0; left < grid.u_count; left += kPatch) {
+        Patch& patch = patches.emplace_back();
+        const int right = std::min(left + kPatch, grid.u_count);
+        patch.width = static_cast<size_t>(right - left);
+        for (int v = top; v < std::min(top + kPatch, grid.v_count); ++v) {
+          for (int u = left; u < right; ++u) {
+            patch.texels.push_back(grid.first +
+                                   static_cast<size_t>(v * grid.u_count + u));
+          }
+        }
+      }
+    }
+  }
+  return patches;
+}
+
+std::vector<LightReceiver> LightMap::LayOut(const World& world, float texel_m) {
+  std::vector<LightReceiver> receivers;
+  grids_.clear();
   for (size_t s = 0; s < world.surfaces.size(); ++s) {
     const Surface& surface = world.surfaces[s];
-    const auto count = [](float length_m) {
-      return std::clamp(static_cast<int>(std::lround(length_m / kTexel_m)), 1,
+    const auto count = [texel_m](float length_m) {
+      return std::clamp(static_cast<int>(std::lround(length_m / texel_m)), 1,
                         kMaxTexels);
     };
     const Grid grid{.u_count = count(surface.LengthU()),
@@ -151,60 +162,118 @@ LightMap LightMap::Bake(const World& world, const RayCaster& caster,
                       static_cast<float>(grid.u_count);
       const float v = (static_cast<float>(i / grid.u_count) + 0.5f) /
                       static_cast<float>(grid.v_count);
-      receivers.push_back({static_cast<uint32_t>(s),
-                           surface.PointAt(u, v) + kLift_m * normal, normal});
+      receivers.push_back({.surface = static_cast<uint32_t>(s),
+                           .u = u,
+                           .v = v,
+                           .point = surface.PointAt(u, v) + kLift_m * normal,
+                           .normal = normal});
     }
-    map.grids_.push_back(grid);
+    grids_.push_back(grid);
   }
+  texels_.resize(receivers.size());
+  return receivers;
+}
 
-  // Work is handed out by the row of a few hundred texels.
-  constexpr size_t kChunk = 256;
-  const auto for_all = [&](auto&& body) {
-    const size_t chunks = (receivers.size() + kChunk - 1) / kChunk;
-    ParallelFor(static_cast<int64_t>(chunks), threads, [&](int64_t chunk) {
-      const size_t first = static_cast<size_t>(chunk) * kChunk;
-      const size_t last = std::min(first + kChunk, receivers.size());
-      for (size_t i = first; i < last; ++i) body(i);
-    });
-  };
+std::vector<Float3> LightMap::Gather(const World& world,
+                                     const RayCaster& caster,
+                                     std::span<const LightReceiver> receivers,
+                                     int bounce, bool is_front_only,
+                                     int threads) const {
+  std::vector<Float3> gathered(receivers.size());
+  ForAll(receivers.size(), threads, [&](size_t i) {
+    Random random(2 + static_cast<uint64_t>(bounce), i);
+    constexpr size_t kRays = kGatherStrata * kGatherStrata;
+    std::array<Float3, kRays> directions;
+    std::array<RayHit, kRays> hits;
+    for (size_t ray = 0; ray < kRays; ++ray) {
+      directions[ray] =
+          CosineDirection(receivers[i], static_cast<int>(ray), random);
+    }
+    caster.CastMany(receivers[i].point, directions, hits);
+    Float3 sum;
+    for (size_t ray = 0; ray < kRays; ++ray) {
+      const RayHit& hit = hits[ray];
+      if (hit.surface == RayHit::kNothing) continue;
+      const Surface& other = world.surfaces[hit.surface];
+      const bool is_dark =
+          is_front_only && Dot(other.Normal(), directions[ray]) > 0;
+      const float emission = is_dark ? 0 : other.emission;
+      const Float3 light =
+          At(hit.surface, hit.u, hit.v) + Float3{emission, emission, emission};
+      sum = sum +
+            light * world.textures[static_cast<size_t>(other.texture)].Mean();
+    }
+    gathered[i] = (1.0f / kRays) * sum;
+  });
+  return gathered;
+}
+
+void LightMap::SmoothFrom(const std::vector<Float3>& gathered) {
+  for (const Grid& grid : grids_) {
+    Smooth(grid.u_count, grid.v_count, gathered.data() + grid.first,
+           texels_.data() + grid.first);
+  }
+}
+
+LightMap LightMap::Bake(const World& world, const RayCaster& caster,
+                        int threads) {
+  LightMap map;
+  const std::vector<LightReceiver> receivers =
+      map.LayOut(world, TexelSize_m(world));
+  if (receivers.size() > kFineGather) {
+    map.BakeLarge(world, caster, receivers, threads);
+  } else {
+    map.BakeSmall(world, caster, receivers, threads);
+  }
+  return map;
+}
+
+void LightMap::BakeSmall(const World& world, const RayCaster& caster,
+                         std::span<const LightReceiver> receivers,
+                         int threads) {
   std::vector<Float3> direct(receivers.size());
-  for_all([&](size_t i) {
+  ForAll(receivers.size(), threads, [&](size_t i) {
     Random random(1, i);
     direct[i] = DirectLight(world, caster, receivers[i], random);
   });
-  map.texels_ = direct;
-  std::vector<Float3> gathered(receivers.size());
-  std::vector<Float3> smooth(receivers.size());
+  texels_ = direct;
+  LightMap smooth = *this;
   for (int bounce = 0; bounce < kBounces; ++bounce) {
-    for_all([&](size_t i) {
-      Random random(2 + static_cast<uint64_t>(bounce), i);
-      constexpr size_t kRays = kGatherStrata * kGatherStrata;
-      std::array<Float3, kRays> directions;
-      std::array<RayHit, kRays> hits;
-      for (size_t ray = 0; ray < kRays; ++ray) {
-        directions[ray] =
-            CosineDirection(receivers[i], static_cast<int>(ray), random);
-      }
-      caster.CastMany(receivers[i].point, directions, hits);
-      Float3 sum;
-      for (const RayHit& hit : hits) {
-        if (hit.surface == RayHit::kNothing) continue;
-        const Surface& other = world.surfaces[hit.surface];
-        const Float3 light =
-            map.At(hit.surface, hit.u, hit.v) +
-            Float3{other.emission, other.emission, other.emission};
-        sum = sum +
-              light * world.textures[static_cast<size_t>(other.texture)].Mean();
-      }
-      gathered[i] = (1.0f / kRays) * sum;
-    });
-    for (const Grid& grid : map.grids_) {
-      Smooth(grid.u_count, grid.v_count, gathered.data() + grid.first,
-             smooth.data() + grid.first);
+    smooth.SmoothFrom(Gather(world, caster, receivers, bounce,
+                             /*is_front_only=*/false, threads));
+    for (size_t i = 0; i < texels_.size(); ++i) {
+      texels_[i] = direct[i] + smooth.texels_[i];
     }
-    for_all([&](size_t i) { map.texels_[i] = direct[i] + smooth[i]; });
   }
-  return map;
+}
+
+void LightMap::BakeLarge(const World& world, const RayCaster& caster,
+                         std::span<const LightReceiver> receivers,
+                         int threads) {
+  std::vector<Float3> direct(receivers.size());
+  const std::vector<Patch> patches = Patches();
+  ParallelFor(static_cast<int64_t>(patches.size()), threads, [&](int64_t p) {
+    const auto& [width, indices] = patches[static_cast<size_t>(p)];
+    std::vector<LightReceiver> patch;
+    for (const size_t i : indices) patch.push_back(receivers[i]);
+    const std::vector<size_t> lights = LightsOf(world, caster, patch, width);
+    for (const size_t i : indices) {
+      Random random(1, i);
+      direct[i] = QuickDirectLight(world, lights, caster, receivers[i], random);
+    }
+  });
+  texels_ = direct;
+  LightMap coarse;
+  const std::vector<LightReceiver> few =
+      coarse.LayOut(world, kCoarse * TexelSize_m(world));
+  for (int bounce = 0; bounce < kBounces; ++bounce) {
+    coarse.SmoothFrom(Gather(world, caster, few, bounce,
+                             /*is_front_only=*/true, threads));
+    ForAll(receivers.size(), threads, [&](size_t i) {
+      texels_[i] = direct[i] + coarse.At(receivers[i].surface, receivers[i].u,
+                                         receivers[i].v);
+    });
+  }
 }
 
 }  // namespace treeline

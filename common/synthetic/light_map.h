@@ -3,8 +3,11 @@
 #ifndef COMMON_SYNTHETIC_LIGHT_MAP_H_
 #define COMMON_SYNTHETIC_LIGHT_MAP_H_
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
+#include "common/synthetic/direct_light.h"
 #include "common/synthetic/ray_caster.h"
 #include "common/synthetic/world.h"
 
@@ -22,7 +25,8 @@ class LightMap {
   static Float3 EvenLight(Float3 normal);
 
   // Light at (u, v) of a surface, per pi: times reflectance it is the radiance
-  // of a matt surface. Bilinear between texels of about 6 cm.
+  // of a matt surface. Bilinear between texels of about 6 cm, more in
+  // large worlds.
   Float3 At(uint32_t surface, float u, float v) const;
 
  private:
@@ -32,6 +36,31 @@ class LightMap {
     int v_count = 1;
     size_t first = 0;
   };
+  // Lays out texels of about this size, and says where they are.
+  std::vector<LightReceiver> LayOut(const World& world, float texel_m);
+  // With all care: each texel by itself.
+  void BakeSmall(const World& world, const RayCaster& caster,
+                 std::span<const LightReceiver> receivers, int threads);
+  // Hundreds of thousands of texels and dozens of lights within seconds:
+  // leaves out lights that are not seen from around a texel, samples lights
+  // less that are wholly in view or wholly hidden, and gathers what surfaces
+  // reflect for larger squares.
+  void BakeLarge(const World& world, const RayCaster& caster,
+                 std::span<const LightReceiver> receivers, int threads);
+  // What surfaces reflect and give off towards receivers, by this map.
+  // is_front_only: what gives off light does so to its front; light from the
+  // inside of flat lamps would seep through to the ceiling that they hang from.
+  std::vector<Float3> Gather(const World& world, const RayCaster& caster,
+                             std::span<const LightReceiver> receivers,
+                             int bounce, bool is_front_only, int threads) const;
+  void SmoothFrom(const std::vector<Float3>& gathered);
+  // Texels of one surface that lie together.
+  struct Patch {
+    size_t width = 0;
+    std::vector<size_t> texels;
+  };
+  std::vector<Patch> Patches() const;
+
   std::vector<Grid> grids_;
   std::vector<Float3> texels_;
 };

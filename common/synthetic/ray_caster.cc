@@ -208,6 +208,12 @@ void RayCaster::SceneDeleter::operator()(RTCSceneTy* scene) const {
 }
 
 absl::StatusOr<RayCaster> RayCaster::Create(const World& world) {
+  return CreateWithout(world, {});
+}
+
+absl::StatusOr<RayCaster> RayCaster::CreateWithout(
+    const World& world,
+    const std::function<bool(const Surface&)>& is_left_out) {
   RayCaster caster;
   caster.device_.reset(rtcNewDevice(kDeviceOptions));
   RTCDevice device = caster.device_.get();
@@ -217,6 +223,7 @@ absl::StatusOr<RayCaster> RayCaster::Create(const World& world) {
                      static_cast<int>(rtcGetDeviceError(nullptr))));
   }
   for (uint32_t i = 0; i < world.surfaces.size(); ++i) {
+    if (is_left_out && is_left_out(world.surfaces[i])) continue;
     (world.surfaces[i].kind == SurfaceKind::kGlass ? caster.glass_surfaces_
                                                    : caster.solid_surfaces_)
         .push_back(i);

@@ -3,6 +3,7 @@
 #define COMMON_SYNTHETIC_RAY_CASTER_H_
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -37,6 +38,10 @@ class RayCaster {
  public:
   // Copies what it needs of `world`. UNAVAILABLE if Embree does not start.
   static absl::StatusOr<RayCaster> Create(const World& world);
+  // The same without the surfaces that `is_left_out` names; may be empty.
+  static absl::StatusOr<RayCaster> CreateWithout(
+      const World& world,
+      const std::function<bool(const Surface&)>& is_left_out);
 
   // The world with bodies at these places. Costs tens of microseconds. This
   // caster must outlive it.

@@ -2,10 +2,10 @@
 
 #include <unistd.h>
 
-#include <array>
-#include <cerrno>
-#include <cstdio>
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -17,7 +17,10 @@
 #include "common/base/file.h"
 #include "common/base/parallel_for.h"
 #include "common/base/status_macros.h"
-#include "common/image/decode.h"
+#include "common/dataset/tum.h"
+#include "common/synthetic/check_range.h"
+#include "common/synthetic/record_files.h"
+#include "common/synthetic/tour_walk.h"
 #include "common/synthetic/walk.h"
 
 namespace treeline {
@@ -25,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kSequence[] = "seq-01";
+constexpr int kMaxFrames = 100000;
 
 // A folder that is removed with all that is in it, unless it is kept.
 class TemporaryFolder {
@@ -40,70 +43,27 @@ class TemporaryFolder {
 
   const std::string& path() const { return path_; }
 
-  absl::Status Create() const {
+  // A folder in it.
+  absl::Status Create(const std::string& name) const {
+    const std::string path = absl::StrCat(path_, "/", name);
     std::error_code error;
-    fs::create_directories(path_, error);
+    fs::create_directories(path, error);
     if (!error) return absl::OkStatus();
     return absl::ErrnoToStatus(error.value(),
-                               absl::StrCat("creating folder ", path_));
+                               absl::StrCat("creating folder ", path));
   }
-  absl::Status MoveTo(const std::string& target) {
+  // Takes what it has there out of it.
+  absl::Status Move(const std::string& name, const std::string& target) const {
     std::error_code error;
-    fs::rename(path_, target, error);
-    if (error) {
-      return absl::ErrnoToStatus(error.value(),
-                                 absl::StrCat("renaming to ", target));
-    }
-    path_.clear();
-    return absl::OkStatus();
+    fs::rename(absl::StrCat(path_, "/", name), target, error);
+    if (!error) return absl::OkStatus();
+    return absl::ErrnoToStatus(error.value(),
+                               absl::StrCat("renaming to ", target));
   }
 
  private:
   std::string path_;
 };
-
-// A file in a folder that is not visible yet: neither atomic nor synced.
-absl::Status WriteNewFile(const std::string& path, absl::string_view bytes) {
-  std::FILE* file = std::fopen(path.c_str(), "wb");
-  if (file == nullptr) {
-    return absl::ErrnoToStatus(errno, absl::StrCat("creating ", path));
-  }
-  errno = 0;
-  const bool written =
-      std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-  const int write_error = errno;
-  const bool closed = std::fclose(file) == 0;
-  if (written && closed) return absl::OkStatus();
-  return absl::ErrnoToStatus(written ? errno : write_error,
-                             absl::StrCat("writing ", path));
-}
-
-std::string FrameName(int frame) {
-  return absl::StrFormat("frame-%06d", frame);
-}
-
-std::string PoseText(const Rigid3& world_from_camera) {
-  const Mat3 r = world_from_camera.rotation.Matrix();
-  const Vec3& t = world_from_camera.translation;
-  std::string text;
-  for (int row = 0; row < 3; ++row) {
-    absl::StrAppendFormat(&text, "%.12f %.12f %.12f %.12f\n", r(row, 0),
-                          r(row, 1), r(row, 2), t[row]);
-  }
-  return text + "0 0 0 1\n";
-}
-
-absl::Status WriteFrame(const std::string& folder, int index,
-                        const Frame& frame, const Rigid3& world_from_camera,
-                        int jpeg_quality) {
-  const std::string base = absl::StrCat(folder, "/", FrameName(index));
-  TL_ASSIGN_OR_RETURN(const std::string color,
-                      EncodeJpeg(frame.color, jpeg_quality));
-  TL_ASSIGN_OR_RETURN(const std::string depth, EncodeDepthPng(*frame.depth));
-  TL_RETURN_IF_ERROR(WriteNewFile(base + ".color.jpg", color));
-  TL_RETURN_IF_ERROR(WriteNewFile(base + ".depth.png", depth));
-  return WriteNewFile(base + ".pose.txt", PoseText(world_from_camera));
-}
 
 // The first error of many threads.
 class FirstError {
@@ -122,128 +82,263 @@ class FirstError {
   absl::Status status_ ABSL_GUARDED_BY(mutex_);
 };
 
-std::string FrameList(const RecordOptions& options, FrameUse use) {
+std::string FrameList(const RecordOptions& options,
+                      const std::vector<TimedPose>& frames, FrameUse use) {
+  const int count = static_cast<int>(frames.size());
   std::string list;
-  for (int i = 0; i < options.frames; ++i) {
-    if (UseOfFrame(i, options.frames) == use) {
-      absl::StrAppend(&list, kSequence, "/", FrameName(i), "\n");
+  for (int i = 0; i < count; ++i) {
+    if (UseOfFrame(i, count) == use) {
+      absl::StrAppend(
+          &list, StemOf(options, i, frames[static_cast<size_t>(i)].time), "\n");
     }
   }
   return list;
 }
 
 std::string Description(const RecordOptions& options,
-                        const RgbdCalibration& calibration) {
-  const Vec3& t = calibration.color_from_depth.translation;
+                        const SyntheticCamera& camera, int frames) {
+  const RgbdCalibration& calibration = camera.calibration();
+  const bool is_tum = options.format == RecordFormat::kTum;
+  const Camera& depth = is_tum ? calibration.color : calibration.depth;
+  const Vec3 t = is_tum ? Vec3{} : calibration.color_from_depth.translation;
   return absl::StrFormat(
       "world %s\nseed %d\nframes %d\nrate_hz %g\n"
       "color_camera %s\ndepth_camera %s\n"
       "# qw qx qy qz tx ty tz (m)\n"
       "color_from_depth 1 0 0 0 %g %g %g\n"
-      "# .pose.txt: world_from_camera of this camera\n"
-      "pose_sensor depth\n",
-      options.world, options.seed, options.frames, options.rate_hz,
-      calibration.color.ToString(), calibration.depth.ToString(), t.x, t.y,
-      t.z);
+      "# %s: world_from_camera of this camera\n"
+      "pose_sensor %s\n",
+      options.world, options.seed, frames, options.rate_hz,
+      calibration.color.ToString(), depth.ToString(), t.x, t.y, t.z,
+      is_tum ? "groundtruth.txt" : ".pose.txt", is_tum ? "color" : "depth");
+}
+
+// Where the pose sensor is at any time (s).
+absl::StatusOr<CameraPath> PathOf(const RecordOptions& options,
+                                  const Renderer& renderer) {
+  if (options.trajectory.empty()) {
+    return MakeCameraPath(renderer.world(), renderer.caster(), options.seed);
+  }
+  return CameraPath([&poses = options.trajectory](double time_s) {
+    const auto time =
+        std::clamp(static_cast<Time_ns>(std::llround(time_s * 1e9)),
+                   poses.front().time, poses.back().time);
+    return *InterpolatePose(poses, time, std::numeric_limits<Time_ns>::max());
+  });
+}
+
+double Seconds(Time_ns time) { return 1e-9 * static_cast<double>(time); }
+
+// When each frame is taken, and from where.
+std::vector<TimedPose> FramesOf(const RecordOptions& options,
+                                const CameraPath& path) {
+  if (!options.trajectory.empty() && !options.is_resampled) {
+    return options.trajectory;
+  }
+  const double start_s =
+      options.trajectory.empty() ? 0 : Seconds(options.trajectory.front().time);
+  std::vector<TimedPose> frames;
+  for (int i = 0; i < FrameCount(options); ++i) {
+    const double time_s = start_s + static_cast<double>(i) / options.rate_hz;
+    frames.push_back({.time = static_cast<Time_ns>(std::llround(1e9 * time_s)),
+                      .world_from_camera = path(time_s)});
+  }
+  return frames;
+}
+
+// The camera's poses while the shutter is open about a frame's time.
+std::vector<Rigid3> PosesOf(const RecordOptions& options,
+                            const CameraPath& path, const TimedPose& frame) {
+  if (!(options.shutter_s > 0)) return {frame.world_from_camera};
+  constexpr int kPoses = 5;
+  std::vector<Rigid3> poses;
+  for (int i = 0; i < kPoses; ++i) {
+    const double part = (i + 0.5) / kPoses - 0.5;
+    // The one in the middle is the frame's own, to the last bit.
+    poses.push_back(2 * i + 1 == kPoses
+                        ? frame.world_from_camera
+                        : path(Seconds(frame.time) + part * options.shutter_s));
+  }
+  return poses;
+}
+
+absl::Status RecordFrame(const RecordOptions& options,
+                         const SyntheticCamera& camera, const PixelRays& rays,
+                         const CameraPath& path, const TimedPose& frame,
+                         int index, const std::string& folder) {
+  const Renderer& renderer = camera.renderer();
+  const WorldSnapshot snapshot =
+      renderer.caster().At(renderer.world().InstancesAt(Seconds(frame.time)));
+  TL_RETURN_IF_ERROR(WriteFrameFiles(
+      options, folder, index, frame.time,
+      camera.CaptureMoving(snapshot, PosesOf(options, path, frame),
+                           static_cast<uint64_t>(index), 1),
+      frame.world_from_camera));
+  if (!options.has_truth) return absl::OkStatus();
+  return WriteTruthFiles(
+      folder, index, rays,
+      renderer.RenderTruth(snapshot, rays, frame.world_from_camera, 1));
 }
 
 absl::Status RecordFrames(const RecordOptions& options,
-                          const SyntheticCamera& camera, const Walk& walk,
+                          const SyntheticCamera& camera, const CameraPath& path,
+                          const std::vector<TimedPose>& frames,
                           const std::string& folder,
                           const std::function<void()>& done,
                           const std::stop_token& stop) {
+  const PixelRays rays(camera.calibration().pose_sensor == RgbdSensor::kDepth
+                           ? camera.calibration().depth
+                           : camera.calibration().color);
   FirstError error;
-  ParallelFor(options.frames, options.threads, [&](int64_t i) {
-    if (stop.stop_requested() || !error.Get().ok()) return;
-    const int frame = static_cast<int>(i);
-    const Rigid3 world_from_camera =
-        walk.WorldFromCameraAt(static_cast<double>(frame) / options.rate_hz);
-    const absl::Status status = WriteFrame(
-        folder, frame,
-        camera.Capture(world_from_camera, static_cast<uint64_t>(frame), 1),
-        world_from_camera, options.jpeg_quality);
-    if (!status.ok()) {
-      error.Set(status);
-    } else if (done) {
-      done();
-    }
-  });
+  ParallelFor(
+      static_cast<int64_t>(frames.size()), options.threads, [&](int64_t i) {
+        if (stop.stop_requested() || !error.Get().ok()) return;
+        const absl::Status status = RecordFrame(options, camera, rays, path,
+                                                frames[static_cast<size_t>(i)],
+                                                static_cast<int>(i), folder);
+        if (!status.ok()) {
+          error.Set(status);
+        } else if (done) {
+          done();
+        }
+      });
   if (stop.stop_requested()) return absl::CancelledError("recording stopped");
   return error.Get();
 }
 
-std::string SequencePath(const RecordOptions& options) {
-  return absl::StrCat(options.folder, "/", kSequence);
+absl::Status CheckNoRecording(const RecordOptions& options) {
+  for (const std::string& name : FoldersOf(options)) {
+    const std::string path = absl::StrCat(options.folder, "/", name);
+    std::error_code error;
+    if (fs::exists(path, error)) {
+      return absl::AlreadyExistsError(
+          absl::StrCat(path, " is there already; choose another folder"));
+    }
+  }
+  return absl::OkStatus();
 }
 
-absl::Status CheckNoRecording(const RecordOptions& options) {
-  std::error_code error;
-  if (!fs::exists(SequencePath(options), error)) return absl::OkStatus();
-  return absl::AlreadyExistsError(absl::StrCat(
-      SequencePath(options), " is there already; choose another folder"));
+SyntheticCamera::Options CameraOptions(const RecordOptions& options) {
+  SyntheticCamera::Options camera;
+  camera.seed = options.seed;
+  camera.color.is_automatic = options.is_exposure_automatic;
+  if (options.format == RecordFormat::kTum) {
+    // What readers of TUM take a sequence for that does not say.
+    constexpr double kColor[] = {525, 525, 319.5, 239.5};
+    camera.calibration.color =
+        *Camera::Create(CameraModel::kPinhole, 640, 480, kColor, 4);
+    camera.calibration.pose_sensor = RgbdSensor::kColor;
+    camera.is_depth_registered = true;
+  }
+  return camera;
+}
+
+absl::Status WriteLists(const RecordOptions& options,
+                        const SyntheticCamera& camera,
+                        const std::vector<TimedPose>& frames) {
+  std::vector<NamedText> texts;
+  if (options.format == RecordFormat::kTum) {
+    texts = TumLists(frames, options.world);
+  }
+  texts.push_back(
+      {"recording.txt",
+       Description(options, camera, static_cast<int>(frames.size()))});
+  texts.push_back({"train.txt", FrameList(options, frames, FrameUse::kTrain)});
+  texts.push_back({"test.txt", FrameList(options, frames, FrameUse::kTest)});
+  for (const NamedText& file : texts) {
+    TL_RETURN_IF_ERROR(WriteFileAtomically(
+        absl::StrCat(options.folder, "/", file.name), file.text));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckTrajectory(const RecordOptions& options) {
+  if (options.frames < 1 || options.frames > kMaxFrames) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(options.frames, " frames is outside 1..", kMaxFrames));
+  }
+  if (options.trajectory.size() > static_cast<size_t>(kMaxFrames)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a trajectory of ", options.trajectory.size(),
+                     " poses; at most ", kMaxFrames));
+  }
+  if (!options.is_resampled) return absl::OkStatus();
+  const double length_s =
+      Seconds(options.trajectory.back().time - options.trajectory.front().time);
+  // Half a frame's grace, for rounding.
+  const double wanted_s = (options.frames - 1.5) / options.rate_hz;
+  if (wanted_s <= length_s) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "%d frames at %g Hz are longer than the trajectory of %g s",
+      options.frames, options.rate_hz, length_s));
 }
 
 }  // namespace
+
+int FrameCount(const RecordOptions& options) {
+  return options.trajectory.empty() || options.is_resampled
+             ? options.frames
+             : static_cast<int>(options.trajectory.size());
+}
 
 absl::Status RecordOptions::Validate() const {
   if (folder.empty()) {
     return absl::InvalidArgumentError("no folder to record into");
   }
-  if (frames < 5 || frames > 100000) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(frames, " frames is outside 5..100000"));
-  }
   if (!(rate_hz >= 0.1) || !(rate_hz <= 1000)) {
     return absl::InvalidArgumentError(
         absl::StrCat("frame rate of ", rate_hz, " Hz is outside 0.1..1000"));
   }
-  if (jpeg_quality < 1 || jpeg_quality > 100) {
+  if (!trajectory.empty()) {
+    TL_RETURN_IF_ERROR(CheckTrajectory(*this));
+  } else if (frames < 5 || frames > kMaxFrames) {
     return absl::InvalidArgumentError(
-        absl::StrCat("JPEG quality ", jpeg_quality, " is outside 1..100"));
+        absl::StrCat(frames, " frames is outside 5..", kMaxFrames));
   }
-  return absl::OkStatus();
+  TL_RETURN_IF_ERROR(CheckRange("shutter time (s)", shutter_s, 0, 0.5));
+  TL_RETURN_IF_ERROR(CheckRange("JPEG quality", jpeg_quality, 1, 100));
+  return CheckRange("lowest JPEG quality", lowest_jpeg_quality, 1,
+                    jpeg_quality);
 }
 
-absl::Status RecordSevenScenes(const RecordOptions& options,
-                               const std::function<void()>& done,
-                               const std::stop_token& stop) {
+absl::Status RecordWorld(const RecordOptions& options,
+                         const std::function<void()>& done,
+                         const std::stop_token& stop) {
   // What would be found out later, found out before seconds of painting.
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(CheckNoRecording(options));
   if (stop.stop_requested()) return absl::CancelledError("recording stopped");
-  TL_ASSIGN_OR_RETURN(World world,
-                      MakeWorld(options.world, {.threads = options.threads}));
-  return RecordSevenScenesIn(std::move(world), options, done, stop);
+  WorldOptions world_options = options.world_options;
+  world_options.threads = options.threads;
+  TL_ASSIGN_OR_RETURN(World world, MakeWorld(options.world, world_options));
+  return RecordIn(std::move(world), options, done, stop);
 }
 
-absl::Status RecordSevenScenesIn(World world, const RecordOptions& options,
-                                 const std::function<void()>& done,
-                                 const std::stop_token& stop) {
+absl::Status RecordIn(World world, const RecordOptions& options,
+                      const std::function<void()>& done,
+                      const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(CheckNoRecording(options));
-  const std::string sequence = SequencePath(options);
-  TemporaryFolder folder(absl::StrCat(sequence, ".tmp-", getpid()));
-  TL_RETURN_IF_ERROR(folder.Create());
-
-  const Walk walk(world.walk_area, options.seed);
+  const TemporaryFolder folder(
+      absl::StrCat(options.folder, "/recording.tmp-", getpid()));
+  for (const std::string& name : FoldersOf(options)) {
+    TL_RETURN_IF_ERROR(folder.Create(name));
+  }
   TL_ASSIGN_OR_RETURN(std::shared_ptr<const Renderer> renderer,
                       Renderer::Create(std::move(world), options.threads));
-  SyntheticCamera::Options camera_options;
-  camera_options.seed = options.seed;
+  TL_ASSIGN_OR_RETURN(const CameraPath path, PathOf(options, *renderer));
+  const std::vector<TimedPose> frames = FramesOf(options, path);
   TL_ASSIGN_OR_RETURN(
       const SyntheticCamera camera,
-      SyntheticCamera::Create(std::move(renderer), camera_options));
+      SyntheticCamera::Create(std::move(renderer), CameraOptions(options)));
   TL_RETURN_IF_ERROR(
-      RecordFrames(options, camera, walk, folder.path(), done, stop));
-
-  TL_RETURN_IF_ERROR(
-      WriteFileAtomically(options.folder + "/recording.txt",
-                          Description(options, camera.calibration())));
-  TL_RETURN_IF_ERROR(WriteFileAtomically(options.folder + "/train.txt",
-                                         FrameList(options, FrameUse::kTrain)));
-  TL_RETURN_IF_ERROR(WriteFileAtomically(options.folder + "/test.txt",
-                                         FrameList(options, FrameUse::kTest)));
-  return folder.MoveTo(sequence);
+      RecordFrames(options, camera, path, frames, folder.path(), done, stop));
+  TL_RETURN_IF_ERROR(WriteLists(options, camera, frames));
+  for (const std::string& name : FoldersOf(options)) {
+    TL_RETURN_IF_ERROR(
+        folder.Move(name, absl::StrCat(options.folder, "/", name)));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace treeline

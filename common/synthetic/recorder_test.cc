@@ -56,11 +56,11 @@ TEST_F(RecorderTest, SameSeedSameBytesOnOneAndTwoThreads) {
   RecordOptions options = Options("one");
   options.threads = 1;
   std::atomic<int> done = 0;
-  ASSERT_EQ(RecordSevenScenes(options, [&] { ++done; }, {}), absl::OkStatus());
+  ASSERT_EQ(RecordWorld(options, [&] { ++done; }, {}), absl::OkStatus());
   EXPECT_EQ(done, 5);
   options.folder = Options("two").folder;
   options.threads = 2;
-  ASSERT_EQ(RecordSevenScenes(options, {}, {}), absl::OkStatus());
+  ASSERT_EQ(RecordWorld(options, {}, {}), absl::OkStatus());
 
   const auto one = Contents("one");
   EXPECT_EQ(one.size(), 3u * 5 + 3);
@@ -76,7 +76,7 @@ TEST_F(RecorderTest, SameSeedSameBytesOnOneAndTwoThreads) {
 TEST_F(RecorderTest, StoppingLeavesNothing) {
   std::stop_source source;
   // After the first frame.
-  EXPECT_EQ(RecordSevenScenesIn(
+  EXPECT_EQ(RecordIn(
                 TestingWorld(), Options("stopped"),
                 [&] { source.request_stop(); }, source.get_token())
                 .code(),
@@ -86,10 +86,10 @@ TEST_F(RecorderTest, StoppingLeavesNothing) {
 }
 
 TEST_F(RecorderTest, DoesNotRecordOverARecording) {
-  ASSERT_EQ(RecordSevenScenesIn(TestingWorld(), Options("once"), {}, {}),
+  ASSERT_EQ(RecordIn(TestingWorld(), Options("once"), {}, {}),
             absl::OkStatus());
   const auto before = Contents("once");
-  EXPECT_EQ(RecordSevenScenesIn(TestingWorld(), Options("once"), {}, {}).code(),
+  EXPECT_EQ(RecordIn(TestingWorld(), Options("once"), {}, {}).code(),
             absl::StatusCode::kAlreadyExists);
   EXPECT_EQ(Contents("once"), before);
 }
@@ -98,7 +98,7 @@ TEST_F(RecorderTest, AFolderThatCannotBeMadeIsNamed) {
   ASSERT_EQ(WriteFileAtomically((folder_ / "file").string(), "x"),
             absl::OkStatus());
   const absl::Status status =
-      RecordSevenScenesIn(TestingWorld(), Options("file/below"), {}, {});
+      RecordIn(TestingWorld(), Options("file/below"), {}, {});
   EXPECT_FALSE(status.ok());
   EXPECT_THAT(status.message(), HasSubstr("file/below"));
 }
@@ -107,7 +107,7 @@ TEST_F(RecorderTest, OptionsAreChecked) {
   const auto error = [&](auto change) {
     RecordOptions options = Options("bad");
     change(options);
-    const absl::Status status = RecordSevenScenes(options, {}, {});
+    const absl::Status status = RecordWorld(options, {}, {});
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_FALSE(fs::exists(folder_ / "bad" / "seq-01"));
     return std::string(status.message());
@@ -115,7 +115,8 @@ TEST_F(RecorderTest, OptionsAreChecked) {
   EXPECT_THAT(error([](auto& o) { o.frames = 4; }), HasSubstr("4 frames"));
   EXPECT_THAT(error([](auto& o) { o.folder = ""; }), HasSubstr("no folder"));
   EXPECT_THAT(error([](auto& o) { o.rate_hz = 0; }), HasSubstr("0 Hz"));
-  EXPECT_THAT(error([](auto& o) { o.jpeg_quality = 0; }), HasSubstr("quality"));
+  EXPECT_THAT(error([](auto& o) { o.jpeg_quality = 0; }),
+              HasSubstr("JPEG quality"));
   EXPECT_THAT(error([](auto& o) { o.world = "moon"; }), HasSubstr("'moon'"));
 }
 

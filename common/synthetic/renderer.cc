@@ -139,6 +139,28 @@ struct Renderer::View {
 
 absl::StatusOr<std::unique_ptr<const Renderer>> Renderer::Create(World world,
                                                                  int threads) {
+  return CreateLit(std::move(world), threads);
+}
+
+absl::StatusOr<std::unique_ptr<const Renderer>> Renderer::CreateOpened(
+    World world, float cut_m, int threads) {
+  TL_ASSIGN_OR_RETURN(std::unique_ptr<Renderer> renderer,
+                      CreateLit(std::move(world), threads));
+  TL_ASSIGN_OR_RETURN(renderer->caster_,
+                      RayCaster::CreateWithout(
+                          renderer->world_, [cut_m](const Surface& surface) {
+                            float low_m = surface.corners[0].z;
+                            for (const Float3& corner : surface.corners) {
+                              low_m = std::min(low_m, corner.z);
+                            }
+                            return surface.kind == SurfaceKind::kCeiling ||
+                                   low_m > cut_m;
+                          }));
+  return renderer;
+}
+
+absl::StatusOr<std::unique_ptr<Renderer>> Renderer::CreateLit(World world,
+                                                              int threads) {
   TL_ASSIGN_OR_RETURN(RayCaster caster, RayCaster::Create(world));
   LightMap light_map = LightMap::Bake(world, caster, threads);
   LightVolume volume;
@@ -146,7 +168,7 @@ absl::StatusOr<std::unique_ptr<const Renderer>> Renderer::Create(World world,
   if (!world.bodies.empty() || caster.has_glass()) {
     volume = LightVolume::Bake(world, caster, light_map, threads);
   }
-  return std::unique_ptr<const Renderer>(
+  return std::unique_ptr<Renderer>(
       new Renderer(std::move(world), std::move(caster), std::move(light_map),
                    std::move(volume)));
 }

@@ -68,6 +68,10 @@ class Renderer {
   // Prepares the light of `world` (a second or two). threads < 1: all.
   static absl::StatusOr<std::unique_ptr<const Renderer>> Create(World world,
                                                                 int threads);
+  // As Create, with the ceiling cut away after the light was prepared: all
+  // ceilings, and what begins above cut_m. For pictures from above.
+  static absl::StatusOr<std::unique_ptr<const Renderer>> CreateOpened(
+      World world, float cut_m, int threads);
   // Prepares no light, which takes milliseconds: radiance is that of a cloudy
   // day. For depth, truth and plans.
   static absl::StatusOr<std::unique_ptr<const Renderer>> CreateUnlit(
@@ -124,6 +128,8 @@ class Renderer {
 
   Renderer(World world, RayCaster caster, LightMap light_map,
            LightVolume light_volume);
+  static absl::StatusOr<std::unique_ptr<Renderer>> CreateLit(World world,
+                                                             int threads);
   Shading ShadingOf(const Surface& surface) const;
   Sight MakeSight(const PixelRays& rays) const;
   void CastRays(const View& view, std::span<const Float3> directions,

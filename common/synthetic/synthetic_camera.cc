@@ -61,6 +61,8 @@ class DepthRow {
         height_(rays.height()),
         options_(options),
         samples_(samples),
+        glass_loss_(static_cast<float>(options.glass_loss)),
+        glass_noise_(static_cast<float>(options.glass_noise_factor)),
         disparity_m_(rays.focal_length_px() *
                      static_cast<float>(options.projector_baseline_m)),
         lost_sine_(std::sin(static_cast<float>(options.lost_below_angle_deg) *
@@ -84,11 +86,24 @@ class DepthRow {
       const bool in_shadow = from_projector >= lit_until;
       lit_until = std::min(lit_until, from_projector);
       if (in_shadow || IsLost(x, y, i, Unit(chance.At(i)))) continue;
-      out[x] = Quantised(z, NearlyNormal(noise.At(i)));
+      float normal = NearlyNormal(noise.At(i));
+      if (samples_[i].is_behind_glass) {
+        if (Unit(chance.At(PatchOf(x, y))) < glass_loss_) continue;
+        normal *= glass_noise_;
+      }
+      out[x] = Quantised(z, normal);
     }
   }
 
  private:
+  // A number that no pixel has.
+  size_t PatchOf(int x, int y) const {
+    constexpr int kPatch_px = 8;
+    return samples_.size() +
+           static_cast<size_t>(y / kPatch_px) * static_cast<size_t>(width_) +
+           static_cast<size_t>(x / kPatch_px);
+  }
+
   bool IsLost(int x, int y, size_t i, float chance) const {
     const DepthSample& sample = samples_[i];
     const float z = sample.depth_m;
@@ -135,6 +150,8 @@ class DepthRow {
   int height_;
   const DepthSensorOptions& options_;
   const std::vector<DepthSample>& samples_;
+  float glass_loss_;
+  float glass_noise_;
   float disparity_m_;  // disparity (px) times depth (m)
   float lost_sine_;
   float safe_sine_;
@@ -164,7 +181,26 @@ absl::Status DepthSensorOptions::Validate() const {
   TL_RETURN_IF_ERROR(CheckRange("depth edge (m)", edge_base_m, 0, 10));
   TL_RETURN_IF_ERROR(CheckRange("depth edge slope", edge_slope, 0, 10));
   TL_RETURN_IF_ERROR(CheckRange("loss at depth edges", edge_loss, 0, 1));
-  return CheckRange("random loss", random_loss, 0, 1);
+  TL_RETURN_IF_ERROR(CheckRange("random loss", random_loss, 0, 1));
+  TL_RETURN_IF_ERROR(CheckRange("loss behind glass", glass_loss, 0, 1));
+  return CheckRange("noise factor behind glass", glass_noise_factor, 0, 100);
+}
+
+double AutomaticExposure(const std::vector<Float3>& radiance) {
+  // Middle grey, as exposed radiance: what the room has at 3.4.
+  constexpr double kKey = 0.35;
+  constexpr size_t kStep = 7;
+  double sum = 0;
+  double count = 0;
+  for (size_t i = 0; i < radiance.size(); i += kStep) {
+    const float mean =
+        (radiance[i].x + radiance[i].y + radiance[i].z) * (1.0f / 3);
+    if (!(mean > 0)) continue;
+    sum += std::log(std::max(mean, 1e-4f));
+    count += 1;
+  }
+  if (count == 0) return 1;
+  return std::clamp(kKey / std::exp(sum / count), 0.1, 100.0);
 }
 
 ColorImage ExposeColor(const PixelRays& rays,
@@ -174,7 +210,8 @@ ColorImage ExposeColor(const PixelRays& rays,
   ColorImage image{.width = rays.width(), .height = rays.height(), .rgb = {}};
   image.rgb.resize(3 * radiance.size());
   const PixelNoise noise(seed, frame, 1);
-  const float exposure = static_cast<float>(options.exposure);
+  const float exposure = static_cast<float>(
+      options.is_automatic ? AutomaticExposure(radiance) : options.exposure);
   const float sigma = static_cast<float>(options.noise_levels);
   ParallelFor(image.height, threads, [&](int64_t y) {
     const size_t width = static_cast<size_t>(image.width);
@@ -212,6 +249,37 @@ DepthImage MeasureDepth(const PixelRays& rays,
   return image;
 }
 
+DepthImage RegisterDepth(const DepthImage& depth,
+                         const RgbdCalibration& calibration) {
+  const Camera& color = calibration.color;
+  const PixelRays rays(calibration.depth);
+  DepthImage registered{.width = color.width(),
+                        .height = color.height(),
+                        .values = {},
+                        .unit_m = depth.unit_m};
+  registered.values.resize(static_cast<size_t>(color.width()) *
+                           static_cast<size_t>(color.height()));
+  for (size_t i = 0; i < depth.values.size(); ++i) {
+    const Float3 ray = rays.rays()[i];
+    if (!IsMeasured(depth.values[i]) || !(ray.z > 0)) continue;
+    const double z_m = depth.values[i] * depth.unit_m;
+    const Vec3 point =
+        calibration.color_from_depth * Vec3{z_m * ray.x, z_m * ray.y, z_m};
+    if (!(point.z > 0)) continue;
+    const Pixel pixel = color.Project(point);
+    const int x = static_cast<int>(std::lround(pixel.x));
+    const int y = static_cast<int>(std::lround(pixel.y));
+    if (x < 0 || y < 0 || x >= color.width() || y >= color.height()) continue;
+    uint16_t& value = registered.values[static_cast<size_t>(y) *
+                                            static_cast<size_t>(color.width()) +
+                                        static_cast<size_t>(x)];
+    const auto moved = static_cast<uint16_t>(
+        std::clamp(point.z / depth.unit_m + 0.5, 1.0, 65534.0));
+    if (value == 0 || moved < value) value = moved;
+  }
+  return registered;
+}
+
 RgbdCalibration SyntheticCamera::DefaultCalibration() {
   RgbdCalibration calibration;
   constexpr double kColor[] = {525, 525, 320, 240};
@@ -245,22 +313,48 @@ SyntheticCamera::SyntheticCamera(std::shared_ptr<const Renderer> renderer,
 
 Frame SyntheticCamera::Capture(const Rigid3& world_from_camera, uint64_t frame,
                                int threads) const {
-  const Rigid3& color_from_depth = options_.calibration.color_from_depth;
-  const bool is_depth = options_.calibration.pose_sensor == RgbdSensor::kDepth;
-  const Rigid3 world_from_depth =
-      is_depth ? world_from_camera : world_from_camera * color_from_depth;
-  const Rigid3 world_from_color =
-      is_depth ? world_from_camera * color_from_depth.Inverse()
-               : world_from_camera;
+  return Capture(renderer_->caster().At({}), world_from_camera, frame, threads);
+}
+
+Frame SyntheticCamera::Capture(const WorldSnapshot& snapshot,
+                               const Rigid3& world_from_camera, uint64_t frame,
+                               int threads) const {
+  return CaptureMoving(snapshot, {&world_from_camera, 1}, frame, threads);
+}
+
+Frame SyntheticCamera::CaptureMoving(const WorldSnapshot& snapshot,
+                                     std::span<const Rigid3> world_from_camera,
+                                     uint64_t frame, int threads) const {
+  const RgbdCalibration& calibration = options_.calibration;
+  const auto pose_of = [&](const Rigid3& pose, RgbdSensor sensor) {
+    return PoseOfSensor(pose, calibration.pose_sensor, sensor, calibration);
+  };
+  std::vector<Float3> radiance;
+  for (const Rigid3& pose : world_from_camera) {
+    std::vector<Float3> seen = renderer_->RenderRadiance(
+        snapshot, color_rays_, pose_of(pose, RgbdSensor::kColor), threads);
+    if (world_from_camera.size() == 1) {
+      radiance = std::move(seen);
+      break;
+    }
+    radiance.resize(seen.size());
+    const float share = 1 / static_cast<float>(world_from_camera.size());
+    for (size_t i = 0; i < seen.size(); ++i) {
+      radiance[i] = radiance[i] + share * seen[i];
+    }
+  }
   Frame result;
-  result.color = ExposeColor(
-      color_rays_,
-      renderer_->RenderRadiance(color_rays_, world_from_color, threads),
-      options_.color, options_.seed, frame, threads);
+  result.color = ExposeColor(color_rays_, radiance, options_.color,
+                             options_.seed, frame, threads);
+  const Rigid3& middle = world_from_camera[world_from_camera.size() / 2];
   result.depth = MeasureDepth(
       depth_rays_,
-      renderer_->RenderDepth(depth_rays_, world_from_depth, threads),
+      renderer_->RenderDepth(snapshot, depth_rays_,
+                             pose_of(middle, RgbdSensor::kDepth), threads),
       options_.depth, options_.seed, frame, threads);
+  if (options_.is_depth_registered) {
+    result.depth = RegisterDepth(*result.depth, calibration);
+  }
   return result;
 }
 

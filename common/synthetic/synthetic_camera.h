@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -18,6 +19,9 @@ namespace treeline {
 struct ColorSensorOptions {
   // Radiance 1 times this is 1 before the tone curve. In (0, 100].
   double exposure = 3.4;
+  // Exposes each picture by itself instead, so that the mean of the logarithm
+  // of its radiance lands where the eye sees a middle grey (Reinhard 2002).
+  bool is_automatic = false;
   // Standard deviation of a channel, in the 8-bit picture's levels. [0, 50].
   double noise_levels = 1.6;
 
@@ -47,9 +51,17 @@ struct DepthSensorOptions {
   double edge_loss = 0.6;
   // Pixels lost anywhere.
   double random_loss = 0.003;
+  // The share of what is behind glass that is lost, in patches of 8 x 8 pixels;
+  // the rest is measured through it, with so many times the noise. The pane
+  // itself is never measured.
+  double glass_loss = 0.7;
+  double glass_noise_factor = 2;
 
   absl::Status Validate() const;
 };
+
+// What ColorSensorOptions::is_automatic exposes a picture with.
+double AutomaticExposure(const std::vector<Float3>& radiance);
 
 // Noise-free radiance as an 8-bit picture with sensor noise. `frame` numbers
 // the exposures: (seed, frame) determine the noise.
@@ -65,6 +77,13 @@ DepthImage MeasureDepth(const PixelRays& rays,
                         const DepthSensorOptions& options, uint64_t seed,
                         uint64_t frame, int threads);
 
+// What the colour camera of `calibration` would measure if it measured depth:
+// each pixel of `depth` moved to where the colour camera sees its point, the
+// nearest where several meet; 0 where none does. The result has colour's size
+// and the same unit.
+DepthImage RegisterDepth(const DepthImage& depth,
+                         const RgbdCalibration& calibration);
+
 // The pair, rigidly mounted. Immutable and thread-safe.
 class SyntheticCamera {
  public:
@@ -74,6 +93,8 @@ class SyntheticCamera {
     RgbdCalibration calibration = DefaultCalibration();
     ColorSensorOptions color;
     DepthSensorOptions depth;
+    // Whether frames have RegisterDepth's depth.
+    bool is_depth_registered = false;
     uint64_t seed = 0;
   };
   static RgbdCalibration DefaultCalibration();
@@ -83,11 +104,22 @@ class SyntheticCamera {
       std::shared_ptr<const Renderer> renderer, const Options& options);
 
   const RgbdCalibration& calibration() const { return options_.calibration; }
+  const Renderer& renderer() const { return *renderer_; }
 
-  // What the pair sees with its pose sensor at world_from_camera. The frame's
-  // calibration is left empty.
+  // What the pair sees with its pose sensor at world_from_camera, of the world
+  // without bodies or as in the snapshot. The frame's calibration is left
+  // empty.
   Frame Capture(const Rigid3& world_from_camera, uint64_t frame,
                 int threads) const;
+  Frame Capture(const WorldSnapshot& snapshot, const Rigid3& world_from_camera,
+                uint64_t frame, int threads) const;
+
+  // The same of a camera that moves while the colour camera's shutter is open:
+  // the mean of what is seen from these poses, at least one, evenly spaced in
+  // time. Depth is as from the middle one.
+  Frame CaptureMoving(const WorldSnapshot& snapshot,
+                      std::span<const Rigid3> world_from_camera, uint64_t frame,
+                      int threads) const;
 
  private:
   SyntheticCamera(std::shared_ptr<const Renderer> renderer,

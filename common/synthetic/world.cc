@@ -9,6 +9,7 @@
 #include "common/synthetic/building/plan_file.h"
 #include "common/synthetic/building/shipped_worlds.h"
 #include "common/synthetic/building_maker.h"
+#include "common/synthetic/generated_world.h"
 #include "common/synthetic/room.h"
 
 namespace treeline {
@@ -37,6 +38,11 @@ absl::StatusOr<World> MakeWorld(absl::string_view name,
   absl::string_view rest = name;
   if (absl::ConsumePrefix(&rest, "room:") && absl::SimpleAtoi(rest, &seed)) {
     return MakeRoom(std::string(name), seed, options.threads);
+  }
+  rest = name;
+  if (absl::ConsumePrefix(&rest, "seed:") && absl::SimpleAtoi(rest, &seed)) {
+    TL_ASSIGN_OR_RETURN(const BuildingPlan plan, GeneratedPlan(seed));
+    return MakeBuilding(std::string(name), plan, options);
   }
   for (const ShippedWorld& shipped : ShippedWorlds()) {
     if (shipped.name != name) continue;

@@ -26,6 +26,7 @@ struct EmulatorCommand {
 
 EmulatorCommand AddBaseCommand(CLI::App& app);
 EmulatorCommand AddLaserCommand(CLI::App& app);
+EmulatorCommand AddRobotCommand(CLI::App& app);
 
 }  // namespace treeline
 

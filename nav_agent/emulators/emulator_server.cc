@@ -80,7 +80,7 @@ absl::Status EmulatorServer::trouble() const {
   return trouble_;
 }
 
-void EmulatorServer::SetFaults(FaultPlan faults) {
+void EmulatorServer::SetFaults(DeviceFaultPlan faults) {
   const absl::MutexLock lock(&mutex_);
   faults_ = std::move(faults);
   faults_since_ = clock_.Now();

@@ -36,7 +36,7 @@ absl::StatusOr<ListenAddress> ParseListenAddress(absl::string_view text);
 
 struct EmulatorServerOptions {
   ListenAddress listen;
-  FaultPlan faults;
+  DeviceFaultPlan faults;
   uint64_t seed = 1;
 };
 
@@ -61,7 +61,7 @@ class EmulatorServer {
 
   // From now on these instead of those that it was started with; their times
   // count from now.
-  void SetFaults(FaultPlan faults);
+  void SetFaults(DeviceFaultPlan faults);
 
   // Bytes that have come and gone; for people who look on.
   int64_t received() const { return received_; }
@@ -96,7 +96,7 @@ class EmulatorServer {
   std::atomic<int64_t> received_ = 0;
   std::atomic<int64_t> sent_ = 0;
   mutable absl::Mutex mutex_;
-  FaultPlan faults_ ABSL_GUARDED_BY(mutex_);
+  DeviceFaultPlan faults_ ABSL_GUARDED_BY(mutex_);
   MonotonicTime faults_since_ ABSL_GUARDED_BY(mutex_);
   std::string address_ ABSL_GUARDED_BY(mutex_);
   absl::Status trouble_ ABSL_GUARDED_BY(mutex_);

@@ -40,7 +40,7 @@ absl::Status Wrong(absl::string_view text, absl::string_view why) {
 
 }  // namespace
 
-absl::Status FaultPlan::Add(absl::string_view text) {
+absl::Status DeviceFaultPlan::Add(absl::string_view text) {
   const std::pair<absl::string_view, absl::string_view> parts =
       absl::StrSplit(text, absl::MaxSplits('@', 1));
   const std::pair<absl::string_view, absl::string_view> what =
@@ -77,7 +77,7 @@ absl::Status FaultPlan::Add(absl::string_view text) {
   return absl::OkStatus();
 }
 
-ActiveFaults FaultPlan::At(double elapsed_s) const {
+ActiveFaults DeviceFaultPlan::At(double elapsed_s) const {
   ActiveFaults active;
   for (const Fault& fault : faults_) {
     if (elapsed_s < fault.start_s || elapsed_s >= fault.end_s) continue;

@@ -34,9 +34,9 @@ struct ActiveFaults {
 };
 
 // Faults, each with the time at which it begins and how long it lasts.
-class FaultPlan {
+class DeviceFaultPlan {
  public:
-  FaultPlan() = default;
+  DeviceFaultPlan() = default;
 
   // KIND[:VALUE][@START[+DURATION]], in seconds since the emulator was
   // started; always, or for ever, where that is left out:

@@ -34,7 +34,7 @@ class PluggableBase {
   }
 
   void Unplug() {
-    FaultPlan plan;
+    DeviceFaultPlan plan;
     ASSERT_TRUE(plan.Add("unplug").ok());
     server_->SetFaults(plan);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
@@ -158,21 +159,28 @@ bool RobotBody::IsKnown(const Contact& contact, SimTime now) {
   return false;
 }
 
+Vec2 RobotBody::OutwardAt(Vec2 arm_in_world) const {
+  const Vec2 at = Rigid2{{}, -stance_.yaw_rad} * arm_in_world;
+  const std::pair<double, Vec2> faces[] = {
+      {robot_.front_m - at.x, {1, 0}},
+      {robot_.rear_m + at.x, {-1, 0}},
+      {robot_.half_width_m - at.y, {0, 1}},
+      {robot_.half_width_m + at.y, {0, -1}}};
+  const auto* nearest = std::ranges::min_element(
+      faces, {}, [](const auto& face) { return face.first; });
+  return Rigid2{{}, stance_.yaw_rad} * nearest->second;
+}
+
 bool RobotBody::Meet(const Contact& contact, const PlanarMotion& motion,
                      const std::vector<Actor>& actors, SimTime now,
                      std::vector<SimEvent>& events) {
   const Vec2 arm = Vec2{contact.point_in_world.x, contact.point_in_world.y} -
                    stance_.position;
-  const double distance = Norm(arm);
-  const Vec2 outward = distance > 0 ? (1 / distance) * arm : Vec2{1, 0};
+  const Vec2 outward = OutwardAt(arm);
   const Vec2 heading = {std::cos(stance_.yaw_rad), std::sin(stance_.yaw_rad)};
-  // Turning sweeps sideways: towards the point, as seen from the rectangle, is
-  // any motion of its edge there. What counts is whether it moves.
-  const double turn_mps =
-      std::abs(motion.turn_rad) * distance / DriveTrain::kStep_s;
-  const double straight_mps =
-      motion.forward_m * Dot(heading, outward) / DriveTrain::kStep_s;
-  const double robot_mps = std::max(0.0, straight_mps) + turn_mps;
+  const Vec2 moved = motion.forward_m * heading +
+                     motion.turn_rad * Vec2{-arm.y, arm.x};
+  const double robot_mps = Dot(moved, outward) / DriveTrain::kStep_s;
   const bool is_fixed = contact.actor < 0;
   const double body_mps =
       is_fixed ? 0 : ApproachOfBody_mps(contact, actors, now, outward);
@@ -186,7 +194,7 @@ bool RobotBody::Meet(const Contact& contact, const PlanarMotion& motion,
                       .robot_approach_mps = robot_mps,
                       .body_approach_mps = body_mps});
   }
-  return is_fixed || straight_mps > 0;
+  return is_fixed || robot_mps > 0;
 }
 
 bool RobotBody::IsStopped(const Stance& next, const PlanarMotion& motion,

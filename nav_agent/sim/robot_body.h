@@ -75,6 +75,9 @@ class RobotBody {
   bool Meet(const Contact& contact, const PlanarMotion& motion,
             const std::vector<Actor>& actors, SimTime now,
             std::vector<SimEvent>& events);
+  // At right angles to the footprint's edge that is nearest to a point, which
+  // lies `arm` from the base: outwards.
+  Vec2 OutwardAt(Vec2 arm_in_world) const;
   double ApproachOfBody_mps(const Contact& contact,
                             const std::vector<Actor>& actors, SimTime now,
                             Vec2 outward) const;

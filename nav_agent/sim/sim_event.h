@@ -34,9 +34,10 @@ struct SimEvent {
   Rigid3 world_from_base;
   // What was hit, by name.
   std::string what;
-  // Of a collision: whether the robot's own motion led to it (at more than
-  // 1 cm/s towards the point of contact). How fast each moved towards the
-  // other.
+  // Of a collision: whether the robot's own motion led to it: what stands
+  // still, it ran into; towards what moves, its edge moved at more than 1 cm/s
+  // at the point of contact. How fast each moved towards the other there, at
+  // right angles to that edge.
   bool caused_by_robot = false;
   double robot_approach_mps = 0;
   double body_approach_mps = 0;

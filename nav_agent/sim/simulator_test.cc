@@ -3,9 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "nav_agent/sim/testing_places.h"
+#include "nav_agent/sim/testing_simulator.h"
 
 namespace treeline {
 namespace {
@@ -14,45 +13,8 @@ using std::chrono::milliseconds;
 
 constexpr double kPi = std::numbers::pi;
 
-SimulatorOptions At(double x_m, double y_m, double yaw_rad = 0,
-                    double height_m = 0) {
-  SimulatorOptions options;
-  options.errors = DriveErrors::None();
-  options.sensors.has_laser = false;
-  options.start = {
-      .position = {x_m, y_m}, .yaw_rad = yaw_rad, .height_m = height_m};
-  return options;
-}
-
-std::unique_ptr<Simulator> Make(PlaceBuilder place,
-                                const SimulatorOptions& options) {
-  auto simulator = Simulator::Create(place.Build(), options);
-  EXPECT_TRUE(simulator.ok()) << simulator.status();
-  return simulator.ok() ? *std::move(simulator) : nullptr;
-}
-
-// Drives for a while, with a command every 100 ms.
-void Drive(Simulator& simulator, VelocityCommand command, double duration_s) {
-  for (int i = 0; i < static_cast<int>(duration_s * 10 + 0.5); ++i) {
-    EXPECT_TRUE(simulator.base().SetVelocity(command).ok());
-    simulator.Step(milliseconds(100));
-  }
-}
-
-Vec3 PositionOf(const Simulator& simulator) {
-  return simulator.state().world_from_base.translation;
-}
-
-std::vector<SimEvent> EventsOf(Simulator& simulator, SimEventKind kind) {
-  std::vector<SimEvent> chosen;
-  for (SimEvent& event : simulator.TakeEvents()) {
-    if (event.kind == kind) chosen.push_back(event);
-  }
-  return chosen;
-}
-
 TEST(Simulator, DrivesStraightAndStopsWithinItsLimits) {
-  const auto simulator = Make(Hall(), At(5, 5));
+  const auto simulator = MakeSimulator(Hall().Build(), StartAt(5, 5));
   Drive(*simulator, {.forward_mps = 0.5}, 4);
   // 0.5 m/s is reached after 0.625 s at 0.8 m/s^2, one step more or less.
   EXPECT_NEAR(PositionOf(*simulator).x, 5 + 0.5 * 4 - 0.5 * 0.625 * 0.5, 0.005);
@@ -64,7 +26,7 @@ TEST(Simulator, DrivesStraightAndStopsWithinItsLimits) {
 }
 
 TEST(Simulator, ArcsAreExact) {
-  const auto simulator = Make(Hall(), At(10, 10));
+  const auto simulator = MakeSimulator(Hall().Build(), StartAt(10, 10));
   // Up to speed, and then a whole round about a centre 1 m to the left.
   Drive(*simulator, {.forward_mps = 0.5, .yaw_rate_radps = 0.5}, 3);
   const Rigid3 before = simulator->state().world_from_base;
@@ -79,7 +41,7 @@ TEST(Simulator, ArcsAreExact) {
 }
 
 TEST(Simulator, ObeysNoCommandForLongerThanItsLifetime) {
-  const auto simulator = Make(Hall(), At(5, 5));
+  const auto simulator = MakeSimulator(Hall().Build(), StartAt(5, 5));
   Drive(*simulator, {.forward_mps = 0.5}, 2);
   ASSERT_TRUE(simulator->base().SetVelocity({.forward_mps = 0.5}).ok());
   simulator->Step(milliseconds(300));
@@ -96,7 +58,7 @@ TEST(Simulator, StandsOnARampAsGeometrySays) {
   const double yaw_rad = 0.7;
   PlaceBuilder place;
   place.Floor(0, 0, 4, 20, 0).Ramp(4, 0, 14, 20, 0, 1).Floor(14, 0, 20, 20, 1);
-  const auto simulator = Make(place, At(8, 8, yaw_rad, 0.4));
+  const auto simulator = MakeSimulator(place.Build(), StartAt(8, 8, yaw_rad, 0.4));
   const Rigid3 world_from_base = simulator->state().world_from_base;
   EXPECT_NEAR(world_from_base.translation.z, 0.4, 1e-6);
   const Vec3 up = world_from_base.rotation * Vec3{0, 0, 1};
@@ -118,7 +80,7 @@ TEST(Simulator, ClimbsARampAndComesDownAgain) {
   place.Floor(0, 0, 4, 20, 0)
       .Ramp(4, 0, 10, 20, 0, 0.5)
       .Floor(10, 0, 20, 20, 0.5f);
-  const auto simulator = Make(place, At(3, 5));
+  const auto simulator = MakeSimulator(place.Build(), StartAt(3, 5));
   Drive(*simulator, {.forward_mps = 0.8}, 12);
   EXPECT_NEAR(PositionOf(*simulator).z, 0.5, 1e-6);
   EXPECT_GT(PositionOf(*simulator).x, 11);
@@ -127,7 +89,7 @@ TEST(Simulator, ClimbsARampAndComesDownAgain) {
 }
 
 TEST(Simulator, StopsAtAWallWithTheFootprintTouchingIt) {
-  const auto simulator = Make(Hall(), At(18, 5));
+  const auto simulator = MakeSimulator(Hall().Build(), StartAt(18, 5));
   Drive(*simulator, {.forward_mps = 0.8}, 4);
   const double front_m = PositionOf(*simulator).x + RobotModel().front_m;
   EXPECT_LE(front_m, 20);
@@ -148,7 +110,7 @@ TEST(Simulator, StopsAtAWallWithTheFootprintTouchingIt) {
 TEST(Simulator, FallsOffAnEdgeAndLiesUntilItIsPutBack) {
   PlaceBuilder place;
   place.Floor(0, 0, 20, 20, 0).Floor(2, 2, 6, 6, 0.8f);
-  const auto simulator = Make(place, At(4, 4, 0, 0.8));
+  const auto simulator = MakeSimulator(place.Build(), StartAt(4, 4, 0, 0.8));
   Drive(*simulator, {.forward_mps = 0.5}, 8);
   const auto falls = EventsOf(*simulator, SimEventKind::kFall);
   ASSERT_EQ(falls.size(), 1u);
@@ -168,7 +130,7 @@ TEST(Simulator, EnteringStairsIsAFailureOfItsOwn) {
   place.Floor(0, 0, 20, 20, 0).Floor(2, 2, 6, 6, 0.51f);
   place.Box(SurfaceKind::kStair, {6, 2, 0}, {6.3f, 6, 0.34f})
       .Box(SurfaceKind::kStair, {6.3f, 2, 0}, {6.6f, 6, 0.17f});
-  const auto simulator = Make(place, At(4, 4, 0, 0.5));
+  const auto simulator = MakeSimulator(place.Build(), StartAt(4, 4, 0, 0.5));
   Drive(*simulator, {.forward_mps = 0.5}, 6);
   EXPECT_EQ(EventsOf(*simulator, SimEventKind::kStairs).size(), 1u);
   // From below, they are something to run into.

@@ -1,122 +1,30 @@
 // treeline: learn a scene from recorded frames, and measure the result.
-#include <cstdio>
-#include <memory>
-#include <sstream>
-#include <string>
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
-#include "common/base/interrupt.h"
-#include "common/base/version.h"
 #include "server/tools/commands.h"
 
 namespace treeline {
 namespace {
 
-// Exit codes, as docs/evaluation.md states them.
-constexpr int kOk = 0;
-constexpr int kFailed = 1;
-constexpr int kUsage = 2;
-constexpr int kInterrupted = 130;
-
 constexpr const char* kDescription =
     "Treeline tells a camera where it is. This program learns scenes from "
     "recorded frames and measures how well it did.";
 
-constexpr const char* kFooter = R"(
-treeline COMMAND --help explains a command and gives examples.
-
-Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.)";
-
-// Help of at most 80 columns: CLI11 2.1 does not break lines itself.
-class WrappingFormatter final : public CLI::Formatter {
- public:
-  WrappingFormatter() { column_width(kColumn); }
-
-  std::string make_description(const CLI::App* app) const override {
-    return Wrapped(CLI::Formatter::make_description(app), kWidth);
-  }
-  std::string make_option_desc(const CLI::Option* option) const override {
-    return Wrapped(CLI::Formatter::make_option_desc(option), kWidth - kColumn);
-  }
-  std::string make_subcommand(const CLI::App* command) const override {
-    std::ostringstream out;
-    CLI::detail::format_help(
-        out, command->get_name(),
-        Wrapped(command->get_description(), kWidth - kColumn), kColumn);
-    return out.str();
-  }
-
- private:
-  static constexpr size_t kWidth = 80;
-  static constexpr size_t kColumn = 28;
-
-  static std::string Wrapped(const std::string& text, size_t width) {
-    std::string wrapped;
-    size_t column = 0;
-    for (const absl::string_view word : absl::StrSplit(text, ' ')) {
-      if (column > 0 && column + 1 + word.size() > width) {
-        wrapped += '\n';
-        column = 0;
-      } else if (column > 0) {
-        wrapped += ' ';
-        ++column;
-      }
-      absl::StrAppend(&wrapped, word);
-      column += word.size();
-    }
-    return wrapped;
-  }
-};
-
-// Shows what a subcommand said, and returns the exit code for it.
-int Finish(const std::string& name, const absl::Status& status) {
-  if (status.ok()) {
-    // A full disk or a closed pipe shows itself only here.
-    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return kOk;
-    std::fprintf(stderr, "treeline %s: writing standard output failed\n",
-                 name.c_str());
-    return kFailed;
-  }
-  if (status.code() == absl::StatusCode::kCancelled) {
-    std::fprintf(stderr, "treeline %s: interrupted\n", name.c_str());
-    return kInterrupted;
-  }
-  std::fprintf(stderr, "treeline %s: %s\n", name.c_str(),
-               std::string(status.message()).c_str());
-  return kFailed;
-}
-
-int Run(int argc, char** argv) {
-  const std::stop_token stop = StopOnInterrupt();
-  CLI::App app(kDescription, "treeline");
-  app.formatter(std::make_shared<WrappingFormatter>());
-  app.footer(kFooter);
-  app.set_version_flag("--version", std::string("treeline ") + Version());
-  app.require_subcommand(1);
-  const std::vector<Command> commands = {
+std::vector<Command> AddCommands(CLI::App& app) {
+  return {
       AddCalibrateCommand(app), AddTrainCommand(app),
       AddEvaluateCommand(app),  AddInspectCommand(app),
       AddPublishCommand(app),   AddRecognizeCommand(app),
       AddSynthCommand(app),
   };
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    // 0 for --help and --version.
-    return app.exit(error) == 0 ? kOk : kUsage;
-  }
-  for (const Command& command : commands) {
-    if (command.app->parsed()) {
-      return Finish(command.app->get_name(), command.run(stop));
-    }
-  }
-  return kUsage;
 }
 
 }  // namespace
 }  // namespace treeline
 
-int main(int argc, char** argv) { return treeline::Run(argc, argv); }
+// Exit codes are as docs/evaluation.md states them.
+int main(int argc, char** argv) {
+  return treeline::RunProgram({"treeline", treeline::kDescription},
+                              treeline::AddCommands, argc, argv);
+}
