@@ -88,6 +88,8 @@ void CameraWorker::Take(RgbdFrame frame) {
   }
   frame.sequence += *sequence_offset_;
   next_sequence_ = frame.sequence + 1;
+  // The device's clock is known better after a few frames than at the first.
+  frame.stamp = last_stamp_ = std::max(frame.stamp, last_stamp_);
   if (!frame.frame.calibration) frame.frame.calibration = calibration();
   queue_.Push(std::move(frame));
 }

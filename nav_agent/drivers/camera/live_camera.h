@@ -80,6 +80,7 @@ class CameraWorker {
   Backoff backoff_;
   std::unique_ptr<CameraDevice> device_;
   MonotonicTime last_frame_at_;
+  MonotonicTime last_stamp_;
   // Ours less the device's; known from its first frame.
   std::optional<int64_t> sequence_offset_;
   int64_t next_sequence_ = 0;
@@ -88,8 +89,8 @@ class CameraWorker {
 };
 
 // Reads a camera on a thread of its own. Thread-safe. Frames carry their
-// calibration. Sequence numbers go on when a camera is found again; the gap
-// that its absence left is not counted.
+// calibration, and their stamps never run backwards. Sequence numbers go on
+// when a camera is found again; the gap that its absence left is not counted.
 class LiveCamera final : public RgbdCamera {
  public:
   // Begins to look for the camera. The clock is the steady one, or another

@@ -154,6 +154,19 @@ TEST_F(CameraWorkerTest, BrokenFramesAreCountedAndPassed) {
   EXPECT_EQ(queue_.Health().received, 1);
 }
 
+TEST_F(CameraWorkerTest, StampsNeverRunBackwards) {
+  for (const int ms : {100, 90, 120}) {
+    RgbdFrame frame = Numbered(ms);
+    frame.stamp = MonotonicTime(milliseconds(ms));
+    script_.answers.emplace_back(frame);
+  }
+  for (int i = 0; i < 4; ++i) worker_.Step();
+  const auto frames = queue_.Take();
+  ASSERT_EQ(frames.size(), 3u);
+  EXPECT_EQ(frames[1].stamp, MonotonicTime(milliseconds(100)));
+  EXPECT_EQ(frames[2].stamp, MonotonicTime(milliseconds(120)));
+}
+
 TEST_F(CameraWorkerTest, ADeviceThatCountsAnewDoesNotRepeatNumbers) {
   script_.answers = {Numbered(5), Numbered(6), Numbered(0)};
   for (int i = 0; i < 4; ++i) worker_.Step();

@@ -93,8 +93,12 @@ void SegwayProtocol::TakeMessage(const SegwayMessage& message,
       message.channel != *options_.receive_channel) {
     return;
   }
+  // What the other channel says of motors may be of another device on it.
+  const bool heeded =
+      reader_.channel().has_value() && message.channel == *reader_.channel();
   switch (message.id) {
     case kSegwayPowerStatus:
+      if (!heeded) return;
       motors_enabled_ = message.data[3] == kSegwayMotorsEnabled;
       if (!motors_enabled_) ForgetCommand();
       return;

@@ -392,6 +392,14 @@ TEST_F(SegwayProtocolTest, DisabledMotorsForgetTheCommand) {
   EXPECT_TRUE(protocol_->SetVelocity(kArc, now_).ok());
 }
 
+TEST_F(SegwayProtocolTest, PowerStatusOfTheOtherChannelIsNotHeeded) {
+  MakeReady();
+  Receive({.channel = kSegwayChannelB, .id = kSegwayPowerStatus});
+  EXPECT_TRUE(protocol_->SetVelocity(kArc, now_).ok());
+  Receive({.channel = kSegwayChannelA, .id = kSegwayPowerStatus});
+  EXPECT_FALSE(protocol_->SetVelocity(kArc, now_).ok());
+}
+
 TEST_F(SegwayProtocolTest, ABaseThatLeavesItsModeIsStoppedAndPutBack) {
   MakeReady();
   Drive(400);
