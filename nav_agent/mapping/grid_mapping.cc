@@ -38,8 +38,8 @@ bool ReadBeam(const GridScan& scan, const RangeSensorInfo& laser, int beam,
     out->hits = false;
   }
   const double angle_rad = laser.AngleOf_rad(beam);
-  out->end = scan.map_from_laser * Vec2{range_m * std::cos(angle_rad),
-                                        range_m * std::sin(angle_rad)};
+  out->end = scan.map_from_laser *
+             Vec2{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)};
   return true;
 }
 

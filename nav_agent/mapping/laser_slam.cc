@@ -97,9 +97,9 @@ absl::Status LaserSlamOnThread::Check(const LaserSlamScan& scan) const {
     return absl::InvalidArgumentError("a scan at a pose that is not finite");
   }
   if (!places_.empty() && scan.stamp < places_.back().stamp) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "the clock jumped back by %.3f s",
-        SecondsBetween(scan.stamp, places_.back().stamp)));
+    return absl::InvalidArgumentError(
+        absl::StrFormat("the clock jumped back by %.3f s",
+                        SecondsBetween(scan.stamp, places_.back().stamp)));
   }
   return absl::OkStatus();
 }
@@ -109,8 +109,8 @@ void LaserSlamOnThread::ApplyCorrection() {
   if (!corrected.has_value() || corrected->empty()) return;
   const size_t known = corrected->size();
   // What came later moves with the last one that was corrected.
-  const Rigid2 new_from_old = corrected->back() *
-                              keyscans_[known - 1].map_from_base.Inverse();
+  const Rigid2 new_from_old =
+      corrected->back() * keyscans_[known - 1].map_from_base.Inverse();
   for (size_t i = 0; i < keyscans_.size(); ++i) {
     Rigid2& map_from_base = keyscans_[i].map_from_base;
     map_from_base = i < known ? (*corrected)[i] : new_from_old * map_from_base;
@@ -177,8 +177,8 @@ absl::StatusOr<Rigid2> LaserSlamOnThread::AddScan(const LaserSlamScan& scan) {
       Rigid3{.rotation = scan.level_from_base, .translation = {}} *
       base_from_laser_;
   const Rigid2& odom_from_base = scan.odom_from_base;
-  auto points = std::make_shared<const ScanPoints>(MakeScanPoints(
-      scan.ranges_m, laser_, level_from_laser, options_.points));
+  auto points = std::make_shared<const ScanPoints>(
+      MakeScanPoints(scan.ranges_m, laser_, level_from_laser, options_.points));
   bool is_keyscan = keyscans_.empty() && !points->empty();
   Covariance3 covariance{};
   if (!places_.empty()) {
@@ -204,15 +204,13 @@ absl::StatusOr<Rigid2> LaserSlamOnThread::AddScan(const LaserSlamScan& scan) {
     is_keyscan = far;
   }
   odom_from_last_ = odom_from_base;
-  statistics_.front_end_ms.push_back(
-      MillisecondsBetween(start, clock_.Now()));
+  statistics_.front_end_ms.push_back(MillisecondsBetween(start, clock_.Now()));
   if (is_keyscan) {
     odom_from_keyscan_ = odom_from_base;
     odom_from_matched_ = odom_from_base;
     AddKeyscan(std::move(points), covariance);
   }
-  ScanPlace place = {.stamp = scan.stamp,
-                     .keyscan_from_base = map_from_base_};
+  ScanPlace place = {.stamp = scan.stamp, .keyscan_from_base = map_from_base_};
   if (!keyscans_.empty()) {
     place.keyscan = keyscans_.size() - 1;
     place.keyscan_from_base =
@@ -263,8 +261,8 @@ absl::StatusOr<std::unique_ptr<LaserSlam>> LaserSlam::Create(
     const LaserSlamOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   if (laser.beams < 1 || !std::isfinite(laser.angle_min_rad) ||
-      !std::isfinite(laser.angle_increment_rad) ||
-      !(laser.range_min_m >= 0) || !IsFinite(base_from_laser)) {
+      !std::isfinite(laser.angle_increment_rad) || !(laser.range_min_m >= 0) ||
+      !IsFinite(base_from_laser)) {
     return absl::InvalidArgumentError(
         "the laser's geometry or its place on the robot is not sane");
   }

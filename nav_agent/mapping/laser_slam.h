@@ -51,7 +51,7 @@ struct LaserSlamOptions {
   // but the same in every run.
   bool synchronous = false;
   // How often Finish ties all keyscans to their neighbours once more.
-  int polish_rounds = 2;
+  int polish_rounds = 1;
 
   absl::Status Validate() const;
 };

@@ -86,10 +86,10 @@ std::vector<LoopCloser::Reach> LoopCloser::ReachFrom(int keyscan) const {
 }
 
 MatchSearch LoopCloser::SearchFor(const Reach& reach) const {
-  return {.half_extent_m = std::clamp(
-              options_.search_sigmas * std::sqrt(reach.variance_m2) +
-                  options_.search_of_way * reach.way_m,
-              options_.min_search_m, options_.max_search_m),
+  return {.half_extent_m =
+              std::clamp(options_.search_sigmas * std::sqrt(reach.variance_m2) +
+                             options_.search_of_way * reach.way_m,
+                         options_.min_search_m, options_.max_search_m),
           .half_angle_rad = std::clamp(
               options_.search_sigmas * std::sqrt(reach.variance_rad2) +
                   0.2 * options_.search_of_way * reach.way_m,
@@ -185,24 +185,22 @@ std::optional<LoopCloser::Link> LoopCloser::Verified(int keyscan,
   int nearest = chain.nearest;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (int i = chain.begin; i < chain.end; ++i) {
-    const double distance_m =
-        Norm(poses_[static_cast<size_t>(i)].translation -
-             match.target_from_scan.translation);
+    const double distance_m = Norm(poses_[static_cast<size_t>(i)].translation -
+                                   match.target_from_scan.translation);
     if (distance_m < nearest_m) {
       nearest = i;
       nearest_m = distance_m;
     }
   }
   const Rigid2& map_from_nearest = poses_[static_cast<size_t>(nearest)];
-  return Link{
-      .constraint = {.from = nearest,
-                     .to = keyscan,
-                     .from_from_to =
-                         map_from_nearest.Inverse() * match.target_from_scan,
-                     .covariance =
-                         Turned(match.covariance, -map_from_nearest.yaw_rad),
-                     .may_be_wrong = true},
-      .wide = wide};
+  return Link{.constraint = {.from = nearest,
+                             .to = keyscan,
+                             .from_from_to = map_from_nearest.Inverse() *
+                                             match.target_from_scan,
+                             .covariance = Turned(match.covariance,
+                                                  -map_from_nearest.yaw_rad),
+                             .may_be_wrong = true},
+              .wide = wide};
 }
 
 std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,
@@ -254,15 +252,15 @@ bool LoopCloser::Add(std::shared_ptr<const ScanPoints> scan,
        .covariance = covariance});
   if (!options_.enabled || keyscan <= options_.recent) return false;
   const std::vector<Reach> reach = ReachFrom(keyscan);
-  const std::vector<Chain> chains = ChainsNear(keyscan, reach, options_.recent, options_.max_chains);
+  const std::vector<Chain> chains =
+      ChainsNear(keyscan, reach, options_.recent, options_.max_chains);
   std::vector<std::optional<Link>> links(chains.size());
-  ParallelFor(static_cast<int64_t>(chains.size()), options_.threads,
-              [&](int64_t i) {
-                const Chain& chain = chains[static_cast<size_t>(i)];
-                links[static_cast<size_t>(i)] =
-                    TryChain(keyscan, chain,
-                             reach[static_cast<size_t>(chain.nearest)]);
-              });
+  ParallelFor(
+      static_cast<int64_t>(chains.size()), options_.threads, [&](int64_t i) {
+        const Chain& chain = chains[static_cast<size_t>(i)];
+        links[static_cast<size_t>(i)] =
+            TryChain(keyscan, chain, reach[static_cast<size_t>(chain.nearest)]);
+      });
   statistics_.tried += static_cast<int64_t>(chains.size());
   bool moves = false;
   for (const std::optional<Link>& link : links) {
@@ -322,11 +320,11 @@ void LoopCloser::Relink() {
   ParallelFor(
       static_cast<int64_t>(scans_.size()), options_.threads, [&](int64_t i) {
         const int keyscan = static_cast<int>(i);
-        const std::vector<Chain> chains =
-            ChainsNear(keyscan, {}, options_.polish_recent,
-                       options_.polish_chains);
+        const std::vector<Chain> chains = ChainsNear(
+            keyscan, {}, options_.polish_recent, options_.polish_chains);
         for (const Chain& chain : chains) {
-          const std::optional<Link> link = TryChain(keyscan, chain, Reach{.variance_m2 = 0});
+          const std::optional<Link> link =
+              TryChain(keyscan, chain, Reach{.variance_m2 = 0});
           if (link.has_value()) links[static_cast<size_t>(i)].push_back(*link);
         }
       });

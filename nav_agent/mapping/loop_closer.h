@@ -63,7 +63,6 @@ struct LoopCloserOptions {
 
 struct LoopCloserStatistics {
   int64_t tried = 0;
-  int64_t wide_tried = 0;
   int64_t accepted = 0;
   int64_t wide_accepted = 0;
   int64_t dropped = 0;
@@ -74,8 +73,7 @@ struct LoopCloserStatistics {
 class LoopCloser {
  public:
   LoopCloser(const LoopCloserOptions& options,
-             const ScanMatcherOptions& matcher,
-             const PoseGraphOptions& graph)
+             const ScanMatcherOptions& matcher, const PoseGraphOptions& graph)
       : options_(options), matcher_(matcher), graph_(graph) {}
 
   // The next keyscan and where it is relative to the one before (ignored for

@@ -35,9 +35,8 @@ void LoopWorker::Do(const Job& job) {
   if (job.polish_rounds > 0) {
     closer_.Polish(job.polish_rounds);
   } else {
-    changed =
-        closer_.Add(job.keyscan.scan, job.keyscan.previous_from_this,
-                    job.keyscan.covariance);
+    changed = closer_.Add(job.keyscan.scan, job.keyscan.previous_from_this,
+                          job.keyscan.covariance);
   }
   const absl::MutexLock lock(&mutex_);
   if (changed) correction_ = closer_.map_from_keyscans();

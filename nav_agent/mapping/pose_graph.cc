@@ -83,10 +83,9 @@ absl::Status Check(const PoseConstraint& constraint, size_t poses) {
   if (!IsFinitePose(constraint.from_from_to) ||
       !ToMatrix(constraint.covariance).allFinite() ||
       factor.info() != Eigen::Success) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the constraint between poses ", constraint.from, " and ",
-                     constraint.to,
-                     " is not finite, or its covariance not positive"));
+    return absl::InvalidArgumentError(absl::StrCat(
+        "the constraint between poses ", constraint.from, " and ",
+        constraint.to, " is not finite, or its covariance not positive"));
   }
   return absl::OkStatus();
 }

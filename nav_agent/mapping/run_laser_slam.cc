@@ -47,9 +47,9 @@ absl::StatusOr<LaserSlamResult> RunLaserSlam(
                                       .ranges_m = scan.ranges_m,
                                       .level_from_base = {}});
     if (!place.ok()) {
-      return Annotate(place.status(),
-                      absl::StrCat("scan ", i, " at ",
-                                   FormatRecordingTime(scan.stamp)));
+      return Annotate(
+          place.status(),
+          absl::StrCat("scan ", i, " at ", FormatRecordingTime(scan.stamp)));
     }
     if (options.progress) options.progress(i + 1);
   }

@@ -67,8 +67,8 @@ class Search {
         scan_(scan),
         guess_(guess),
         half_cells_(CellsOf(search.half_extent_m, grid.cell_m())),
-        angle_step_rad_(AngleStep_rad(scan, grid.cell_m(),
-                                      options.angle_quantile)),
+        angle_step_rad_(
+            AngleStep_rad(scan, grid.cell_m(), options.angle_quantile)),
         half_turns_(static_cast<int>(
             std::ceil(search.half_angle_rad / angle_step_rad_ - 1e-9))),
         per_point_(1.0 / (255.0 * static_cast<double>(scan.size()))),
@@ -216,9 +216,8 @@ Eigen::Matrix3d Search::Spread(const Pose& best) const {
     const RotatedScan rotated = kept ? RotatedScan{} : Rotate(turn);
     const RotatedScan& at = kept ? At(turn) : rotated;
     std::array<uint32_t, kWidth * kWidth> sums{};
-    const uint8_t* corner = grid_.level(0) +
-                            (best.y - kAround) * grid_.width() + best.x -
-                            kAround;
+    const uint8_t* corner =
+        grid_.level(0) + (best.y - kAround) * grid_.width() + best.x - kAround;
     for (const int32_t offset : at.offsets) {
       for (int y = 0; y < kWidth; ++y) {
         const uint8_t* row = corner + offset + y * grid_.width();
@@ -290,10 +289,9 @@ Normal Linearize(const SurfaceGrid& grid, const ScanPoints& scan,
     const double length2 = Dot(along, along);
     const Vec2 from = point - piece->begin;
     Vec2 off = from;
-    bool on_line = false;
-    if (length2 > 1e-12) {
+    const bool is_line = length2 > 1e-12;
+    if (is_line) {
       const double t = Dot(from, along) / length2;
-      on_line = t > -0.5 && t < 1.5;
       off = from - std::clamp(t, 0.0, 1.0) * along;
     }
     const double weight = std::exp(-Dot(off, off) * inverse_2sigma2);
@@ -303,8 +301,9 @@ Normal Linearize(const SurfaceGrid& grid, const ScanPoints& scan,
       normal.precision += weight * j * j.transpose();
       normal.gradient += weight * distance_m * j;
     };
-    if (on_line) {
-      // A surface holds a point only at right angles to itself.
+    if (is_line) {
+      // A surface holds a point only at right angles to itself: where it ends
+      // is where the reference's view of it did.
       const double length = std::sqrt(length2);
       const Vec2 across = {-along.y / length, along.x / length};
       add(across, Dot(from, across));
@@ -371,8 +370,8 @@ ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanPoints& scan,
     const Eigen::Vector3d step =
         -precision.llt().solve(weight * normal.gradient + prior * off);
     // Surfaces are only known within reach.
-    const double limit = std::min(
-        1.0, grid.sigma_m() / std::max(1e-9, step.head<2>().norm()));
+    const double limit =
+        std::min(1.0, grid.sigma_m() / std::max(1e-9, step.head<2>().norm()));
     pose.translation.x += limit * step.x();
     pose.translation.y += limit * step.y();
     pose.yaw_rad = NormalizedAngle_rad(pose.yaw_rad + limit * step.z());

@@ -35,10 +35,10 @@ ScanPoints MakeScanPoints(std::span<const float> ranges_m,
                           const Rigid3& level_from_laser,
                           const ScanPointOptions& options) {
   ScanPoints scan;
-  int last_beam = -2;       // of the return before this one
-  Vec2 last_return;         // where it was
+  int last_beam = -2;  // of the return before this one
+  Vec2 last_return;    // where it was
   double last_range_m = 0;
-  bool surface = false;     // since the last kept point
+  bool surface = false;  // since the last kept point
   for (int beam = 0; beam < static_cast<int>(ranges_m.size()); ++beam) {
     const double range_m = ranges_m[static_cast<size_t>(beam)];
     if (!std::isfinite(range_m) || range_m <= laser.range_min_m ||
@@ -47,9 +47,9 @@ ScanPoints MakeScanPoints(std::span<const float> ranges_m,
       continue;
     }
     const double angle_rad = laser.AngleOf_rad(beam);
-    const Vec3 point = level_from_laser * Vec3{range_m * std::cos(angle_rad),
-                                               range_m * std::sin(angle_rad),
-                                               0};
+    const Vec3 point =
+        level_from_laser *
+        Vec3{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad), 0};
     if (point.z < options.min_height_m || point.z > options.max_height_m) {
       continue;
     }

@@ -26,9 +26,8 @@ SurfaceGrid::SurfaceGrid(Vec2 center_in_target, double half_extent_m,
   table_.resize(static_cast<size_t>(steps));
   for (int i = 0; i < steps; ++i) {
     const double d2_m2 = (i + 0.5) / kStepsPerCell2 * cell_m * cell_m;
-    table_[static_cast<size_t>(i)] = static_cast<uint8_t>(
-        std::max(1.0, std::round(255 * std::exp(-d2_m2 /
-                                                (2 * sigma_m * sigma_m)))));
+    table_[static_cast<size_t>(i)] = static_cast<uint8_t>(std::max(
+        1.0, std::round(255 * std::exp(-d2_m2 / (2 * sigma_m * sigma_m)))));
   }
 }
 
@@ -58,7 +57,8 @@ void SurfaceGrid::DrawPiece(const Piece& piece) {
   const Vec2 b = scale * (piece.end - origin_) - Vec2{0.5, 0.5};
   const double reach = kReach * sigma_m_ * scale;
   const double last = width_ - 1;
-  if (!(std::max(a.x, b.x) + reach >= 0) || !(std::max(a.y, b.y) + reach >= 0) ||
+  if (!(std::max(a.x, b.x) + reach >= 0) ||
+      !(std::max(a.y, b.y) + reach >= 0) ||
       !(std::min(a.x, b.x) - reach <= last) ||
       !(std::min(a.y, b.y) - reach <= last)) {
     return;
@@ -80,7 +80,8 @@ void SurfaceGrid::DrawPiece(const Piece& piece) {
        y <= last_cell(std::max(a.y, b.y)); ++y) {
     const size_t row = static_cast<size_t>(y) * static_cast<size_t>(width_);
     for (int x = x_begin; x <= x_end; ++x) {
-      const Vec2 from_a = Vec2{static_cast<double>(x), static_cast<double>(y)} - a;
+      const Vec2 from_a =
+          Vec2{static_cast<double>(x), static_cast<double>(y)} - a;
       const double t =
           std::clamp(Dot(from_a, along) * inverse_length2, 0.0, 1.0);
       const Vec2 off = from_a - t * along;
@@ -126,9 +127,9 @@ const SurfaceGrid::Piece* SurfaceGrid::NearestPiece(
   const double x = std::floor((point_in_target.x - origin_.x) / cell_m_);
   const double y = std::floor((point_in_target.y - origin_.y) / cell_m_);
   if (!(x >= 0) || !(y >= 0) || !(x < width_) || !(y < width_)) return nullptr;
-  const int32_t index = nearest_[static_cast<size_t>(y) *
-                                     static_cast<size_t>(width_) +
-                                 static_cast<size_t>(x)];
+  const int32_t index =
+      nearest_[static_cast<size_t>(y) * static_cast<size_t>(width_) +
+               static_cast<size_t>(x)];
   return index < 0 ? nullptr : &pieces_[static_cast<size_t>(index)];
 }
 

@@ -29,11 +29,11 @@ std::optional<Rigid2> PoseAt(std::span<const TrajectoryPose> trajectory,
                              const RelationScoreOptions& options) {
   // A microsecond: how stamps are rounded in files.
   constexpr double kSame_s = 1.5e-6;
-  const auto after = std::lower_bound(
-      trajectory.begin(), trajectory.end(), time,
-      [](const TrajectoryPose& pose, RecordingTime t) {
-        return pose.stamp < t;
-      });
+  const auto after =
+      std::lower_bound(trajectory.begin(), trajectory.end(), time,
+                       [](const TrajectoryPose& pose, RecordingTime t) {
+                         return pose.stamp < t;
+                       });
   if (after != trajectory.end() &&
       SecondsBetween(time, after->stamp) <= kSame_s) {
     return after->map_from_base;
@@ -65,8 +65,8 @@ absl::StatusOr<RelationScore> ScoreRelations(
     const auto from = PoseAt(trajectory, relation.from, options);
     const auto to = PoseAt(trajectory, relation.to, options);
     if (!from.has_value() || !to.has_value()) continue;
-    const Rigid2 error = relation.from_base_from_to_base.Inverse() *
-                         (from->Inverse() * *to);
+    const Rigid2 error =
+        relation.from_base_from_to_base.Inverse() * (from->Inverse() * *to);
     translation_m.push_back(Norm(error.translation));
     rotation_rad.push_back(std::abs(NormalizedAngle_rad(error.yaw_rad)));
   }

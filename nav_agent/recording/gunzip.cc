@@ -49,8 +49,8 @@ absl::StatusOr<std::string> Gunzip(absl::string_view bytes, size_t max_bytes) {
       return absl::DataLossError("the compressed data ends early");
     }
     if (stream.avail_in == 0) {
-      stream.next_in = reinterpret_cast<Bytef*>(
-          const_cast<char*>(bytes.data() + offset));
+      stream.next_in =
+          reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data() + offset));
       stream.avail_in = static_cast<uInt>(take);
       offset += take;
     }

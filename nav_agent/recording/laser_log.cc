@@ -27,7 +27,8 @@ using Words = std::vector<absl::string_view>;
 // The words of one line, taken from the left, with errors that say where.
 class LineReader {
  public:
-  LineReader(const std::string& name, int line, std::span<const absl::string_view> words)
+  LineReader(const std::string& name, int line,
+             std::span<const absl::string_view> words)
       : name_(name), line_(line), words_(words) {}
 
   absl::Status Error(absl::string_view what) const {
@@ -167,8 +168,8 @@ absl::Status AddWeanLine(int line, bool has_scan, LineReader reader,
 absl::Status AddLine(const std::string& name, int line, const Words& words,
                      LogBuilder* builder) {
   const absl::string_view kind = words[0];
-  const LineReader reader(
-      name, line, std::span<const absl::string_view>(words).subspan(1));
+  const LineReader reader(name, line,
+                          std::span<const absl::string_view>(words).subspan(1));
   if (kind == "FLASER") return AddFrontLaser(line, reader, builder);
   if (kind == "ROBOTLASER1") return AddRobotLaser(line, reader, builder);
   if (kind == "ODOM") return AddOdometryLine(line, reader, builder);
@@ -263,7 +264,7 @@ std::string FormatCarmenLog(const LaserLog& log) {
     for (const float range_m : scan.ranges_m) {
       const bool none = range_m == kNoReturn;
       absl::StrAppendFormat(&text, " %.6g",
-                            none                    ? log.laser.range_max_m
+                            none                     ? log.laser.range_max_m
                             : std::isfinite(range_m) ? range_m
                                                      : 0.0);
     }

@@ -166,10 +166,9 @@ absl::StatusOr<LaserLog> ParseLaserLogJson(absl::string_view text,
   int line = 1;
   Handler handler(name, &line);
   int end_line = 0;
-  const bool read =
-      Json::sax_parse(CountingIterator(text.data(), &line),
-                      CountingIterator(text.data() + text.size(), &end_line),
-                      &handler);
+  const bool read = Json::sax_parse(
+      CountingIterator(text.data(), &line),
+      CountingIterator(text.data() + text.size(), &end_line), &handler);
   if (!read || !handler.status().ok()) {
     return handler.status().ok() ? LineError(name, line, "not JSON")
                                  : handler.status();
@@ -178,14 +177,13 @@ absl::StatusOr<LaserLog> ParseLaserLogJson(absl::string_view text,
   for (ScanFields& scan : handler.scans()) {
     const std::optional<RecordingTime> stamp = ParseRecordingTime(scan.stamp);
     if (!stamp.has_value()) {
-      return LineError(name, scan.line,
-                       absl::StrCat("'",
-                                    absl::CHexEscape(scan.stamp.substr(0, 40)),
-                                    "' is not a time stamp in seconds"));
+      return LineError(
+          name, scan.line,
+          absl::StrCat("'", absl::CHexEscape(scan.stamp.substr(0, 40)),
+                       "' is not a time stamp in seconds"));
     }
     if (!scan.x_m || !scan.y_m || !scan.theta_rad || !scan.has_ranges) {
-      return LineError(name, scan.line,
-                       "a scan needs range, x, y and theta");
+      return LineError(name, scan.line, "a scan needs range, x, y and theta");
     }
     scans.emplace_back(*stamp, std::move(scan));
   }

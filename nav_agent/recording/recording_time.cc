@@ -31,8 +31,8 @@ std::optional<RecordingTime> ParseRecordingTime(absl::string_view text) {
     }
   }
   if (digits == 0) return {};
-  return RecordingTime(std::chrono::nanoseconds(
-      seconds * kNanosecondsPerSecond + nanoseconds));
+  return RecordingTime(
+      std::chrono::nanoseconds(seconds * kNanosecondsPerSecond + nanoseconds));
 }
 
 std::string FormatRecordingTime(RecordingTime time) {

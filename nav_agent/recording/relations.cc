@@ -22,9 +22,9 @@ absl::StatusOr<std::vector<PoseRelation>> ParseRelations(
     const std::vector<absl::string_view> words =
         absl::StrSplit(line, absl::ByAnyChar(" \t"), absl::SkipEmpty());
     if (words.size() != 8) {
-      return LineError(name, line_number,
-                       absl::StrCat("8 numbers belong here, not ",
-                                    words.size()));
+      return LineError(
+          name, line_number,
+          absl::StrCat("8 numbers belong here, not ", words.size()));
     }
     const auto from = ParseRecordingTime(words[0]);
     const auto to = ParseRecordingTime(words[1]);
