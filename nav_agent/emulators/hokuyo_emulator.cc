@@ -168,7 +168,7 @@ void HokuyoEmulator::Answer(absl::string_view line, MonotonicTime now) {
     clock_ms_ = 0;
     return Reply(line, "00");
   }
-  if (time_mode_) return;
+  if (time_mode_) return Reply(line, "0E");
   if (string.size() > kLongestString) return Reply(line, "0G");
   if (!std::all_of(string.begin(), string.end(), IsAllowedInString)) {
     return Reply(line, "0H");

@@ -36,9 +36,8 @@ struct HokuyoEmulatorOptions {
 // SS, MD, ME, MS, GD, GE and GS, each also with a string of up to 16
 // characters after ';'; refuses everything else with status 0E. It turns all
 // the time; a scan is sent when its last beam was measured, with the time of
-// its step 0. In time mode it answers nothing but TM, RS and RB, since that is
-// all that the specification promises. Multi-echo commands (HD, ND, ...) are
-// not understood.
+// its step 0. In time mode it knows TM, RS and RB alone, and refuses the rest
+// with 0E. Multi-echo commands (HD, ND, ...) are not understood.
 //
 // A program that does not keep up loses scans: none is sent later than four
 // turns after it was measured.

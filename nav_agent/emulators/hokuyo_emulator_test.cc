@@ -85,7 +85,7 @@ TEST_F(HokuyoEmulatorTest, TellsItsTimeInTimeModeOnly) {
   EXPECT_EQ(Say("TM0\n"), "TM0\n02R\n\n");
   EXPECT_EQ(Say("TM1\n"),
             "TM1\n00P\n" + ScipLine(EncodeScipNumber(2500, 4)) + "\n");
-  EXPECT_EQ(Say("QT\nVV\n"), "");
+  EXPECT_EQ(Say("QT\nVV\n"), ReplyOf("QT", "0E") + ReplyOf("VV", "0E"));
   EXPECT_EQ(Say("TM2\n"), "TM2\n00P\n\n");
 }
 

@@ -67,6 +67,11 @@ class Loop {
     if (!listen->pty) listen_ = "tcp:" + server_->address().substr(14);
   }
   void StopSensor() { server_.reset(); }
+  void ReplaceSensor(const HokuyoEmulatorOptions& sensor) {
+    StopSensor();
+    sensor_options_ = sensor;
+    StartSensor();
+  }
 
   void StartDriver(const HokuyoOptions& options) {
     auto opener = ParseStreamAddress(server_->address(), 115200);
@@ -371,6 +376,21 @@ TEST(HokuyoStartTest, IsLostUntilThereIsASensor) {
   EXPECT_TRUE(absl::IsNotFound((*laser)->Health().cause));
   EXPECT_EQ((*laser)->Health().losses, 0);
   EXPECT_TRUE((*laser)->TakeScans().empty());
+}
+
+TEST(HokuyoStartTest, RefusesASensorWhoseScansMeanSomethingElse) {
+  Loop loop("pty:" + FreshLink(), Impatient());
+  loop.Scans(1);
+  HokuyoEmulatorOptions other;
+  other.parameters.front_step = 500;
+  loop.ReplaceSensor(other);
+  ASSERT_TRUE(Eventually(
+      [&] { return absl::IsFailedPrecondition(loop.laser().Health().cause); }));
+  EXPECT_THAT(std::string(loop.laser().Health().cause.message()),
+              HasSubstr("another sensor"));
+  loop.laser().TakeScans();
+  loop.ReplaceSensor({});
+  loop.Scans(3);
 }
 
 TEST(HokuyoStartTest, RefusesBadOptions) {

@@ -108,6 +108,14 @@ TEST(HokuyoProtocolTest, AsksAgainAndLeavesTimeMode) {
   EXPECT_EQ(talk.Sent(), "VV\n");
 }
 
+TEST(HokuyoProtocolTest, ASensorInTimeModeRefusesQtAndIsFreedAtOnce) {
+  Talk talk;
+  talk.Expect("QT", "0E");
+  EXPECT_EQ(talk.Sent(), "TM2\nQT\n");
+  talk.Say("TM2\n00P\n\nQT\n00P\n\n");
+  EXPECT_EQ(talk.Sent(), "VV\n");
+}
+
 TEST(HokuyoProtocolTest, GivesUpWithoutAnAnswer) {
   Talk talk;
   for (int i = 0; i < 4; ++i) talk.Wait(0.51);
