@@ -198,8 +198,8 @@ std::vector<Float3> LightMap::Gather(const World& world,
       const bool is_dark =
           is_front_only && Dot(other.Normal(), directions[ray]) > 0;
       const float emission = is_dark ? 0 : other.emission;
-      const Float3 light = At(hit.surface, hit.u, hit.v) +
-                           Float3{emission, emission, emission};
+      const Float3 light =
+          At(hit.surface, hit.u, hit.v) + Float3{emission, emission, emission};
       sum = sum +
             light * world.textures[static_cast<size_t>(other.texture)].Mean();
     }

@@ -52,8 +52,7 @@ class LightMap {
   // inside of flat lamps would seep through to the ceiling that they hang from.
   std::vector<Float3> Gather(const World& world, const RayCaster& caster,
                              std::span<const LightReceiver> receivers,
-                             int bounce, bool is_front_only,
-                             int threads) const;
+                             int bounce, bool is_front_only, int threads) const;
   void SmoothFrom(const std::vector<Float3>& gathered);
   // Texels of one surface that lie together.
   struct Patch {

@@ -118,8 +118,8 @@ absl::Status WriteTruthFiles(const std::string& folder, int index,
       .width = rays.width(), .height = rays.height(), .values = {}};
   DepthImage kinds = surfaces;
   const auto byte = [](float component) {
-    return static_cast<uint8_t>(std::lround(
-        127.5f * (std::clamp(component, -1.0f, 1.0f) + 1)));
+    return static_cast<uint8_t>(
+        std::lround(127.5f * (std::clamp(component, -1.0f, 1.0f) + 1)));
   };
   for (const PixelTruth& pixel : truth) {
     const bool is_seen = pixel.surface != RayHit::kNothing;
@@ -148,23 +148,21 @@ absl::Status WriteTruthFiles(const std::string& folder, int index,
 
 std::vector<NamedText> TumLists(const std::vector<TimedPose>& frames,
                                 const std::string& world) {
-  std::string colors =
-      absl::StrCat("# color images\n# world: ", world,
-                   "\n# timestamp filename\n");
-  std::string depths =
-      absl::StrCat("# depth maps\n# world: ", world,
-                   "\n# timestamp filename\n");
-  std::string poses = absl::StrCat("# ground truth trajectory\n# world: ",
-                                   world, "\n# timestamp tx ty tz qx qy qz qw\n");
+  std::string colors = absl::StrCat("# color images\n# world: ", world,
+                                    "\n# timestamp filename\n");
+  std::string depths = absl::StrCat("# depth maps\n# world: ", world,
+                                    "\n# timestamp filename\n");
+  std::string poses =
+      absl::StrCat("# ground truth trajectory\n# world: ", world,
+                   "\n# timestamp tx ty tz qx qy qz qw\n");
   for (const TimedPose& frame : frames) {
     const std::string time = TimeText(frame.time);
     absl::StrAppend(&colors, time, " rgb/", time, ".jpg\n");
     absl::StrAppend(&depths, time, " depth/", time, ".png\n");
     const Vec3& t = frame.world_from_camera.translation;
     const Rotation3 q = Normalized(frame.world_from_camera.rotation);
-    absl::StrAppendFormat(&poses,
-                          "%s %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", time,
-                          t.x, t.y, t.z, q.x, q.y, q.z, q.w);
+    absl::StrAppendFormat(&poses, "%s %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n",
+                          time, t.x, t.y, t.z, q.x, q.y, q.z, q.w);
   }
   return {{"rgb.txt", std::move(colors)},
           {"depth.txt", std::move(depths)},

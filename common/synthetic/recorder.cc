@@ -120,8 +120,9 @@ absl::StatusOr<CameraPath> PathOf(const RecordOptions& options,
     return MakeCameraPath(renderer.world(), renderer.caster(), options.seed);
   }
   return CameraPath([&poses = options.trajectory](double time_s) {
-    const auto time = std::clamp(static_cast<Time_ns>(std::llround(time_s * 1e9)),
-                                 poses.front().time, poses.back().time);
+    const auto time =
+        std::clamp(static_cast<Time_ns>(std::llround(time_s * 1e9)),
+                   poses.front().time, poses.back().time);
     return *InterpolatePose(poses, time, std::numeric_limits<Time_ns>::max());
   });
 }
@@ -134,9 +135,8 @@ std::vector<TimedPose> FramesOf(const RecordOptions& options,
   if (!options.trajectory.empty() && !options.is_resampled) {
     return options.trajectory;
   }
-  const double start_s = options.trajectory.empty()
-                             ? 0
-                             : Seconds(options.trajectory.front().time);
+  const double start_s =
+      options.trajectory.empty() ? 0 : Seconds(options.trajectory.front().time);
   std::vector<TimedPose> frames;
   for (int i = 0; i < FrameCount(options); ++i) {
     const double time_s = start_s + static_cast<double>(i) / options.rate_hz;
@@ -167,8 +167,8 @@ absl::Status RecordFrame(const RecordOptions& options,
                          const CameraPath& path, const TimedPose& frame,
                          int index, const std::string& folder) {
   const Renderer& renderer = camera.renderer();
-  const WorldSnapshot snapshot = renderer.caster().At(
-      renderer.world().InstancesAt(Seconds(frame.time)));
+  const WorldSnapshot snapshot =
+      renderer.caster().At(renderer.world().InstancesAt(Seconds(frame.time)));
   TL_RETURN_IF_ERROR(WriteFrameFiles(
       options, folder, index, frame.time,
       camera.CaptureMoving(snapshot, PosesOf(options, path, frame),
@@ -190,18 +190,18 @@ absl::Status RecordFrames(const RecordOptions& options,
                            ? camera.calibration().depth
                            : camera.calibration().color);
   FirstError error;
-  ParallelFor(static_cast<int64_t>(frames.size()), options.threads,
-              [&](int64_t i) {
-                if (stop.stop_requested() || !error.Get().ok()) return;
-                const absl::Status status = RecordFrame(
-                    options, camera, rays, path,
-                    frames[static_cast<size_t>(i)], static_cast<int>(i), folder);
-                if (!status.ok()) {
-                  error.Set(status);
-                } else if (done) {
-                  done();
-                }
-              });
+  ParallelFor(
+      static_cast<int64_t>(frames.size()), options.threads, [&](int64_t i) {
+        if (stop.stop_requested() || !error.Get().ok()) return;
+        const absl::Status status = RecordFrame(options, camera, rays, path,
+                                                frames[static_cast<size_t>(i)],
+                                                static_cast<int>(i), folder);
+        if (!status.ok()) {
+          error.Set(status);
+        } else if (done) {
+          done();
+        }
+      });
   if (stop.stop_requested()) return absl::CancelledError("recording stopped");
   return error.Get();
 }
@@ -240,8 +240,9 @@ absl::Status WriteLists(const RecordOptions& options,
   if (options.format == RecordFormat::kTum) {
     texts = TumLists(frames, options.world);
   }
-  texts.push_back({"recording.txt",
-                   Description(options, camera, static_cast<int>(frames.size()))});
+  texts.push_back(
+      {"recording.txt",
+       Description(options, camera, static_cast<int>(frames.size()))});
   texts.push_back({"train.txt", FrameList(options, frames, FrameUse::kTrain)});
   texts.push_back({"test.txt", FrameList(options, frames, FrameUse::kTest)});
   for (const NamedText& file : texts) {
@@ -262,8 +263,8 @@ absl::Status CheckTrajectory(const RecordOptions& options) {
                      " poses; at most ", kMaxFrames));
   }
   if (!options.is_resampled) return absl::OkStatus();
-  const double length_s = Seconds(options.trajectory.back().time -
-                                  options.trajectory.front().time);
+  const double length_s =
+      Seconds(options.trajectory.back().time - options.trajectory.front().time);
   // Half a frame's grace, for rounding.
   const double wanted_s = (options.frames - 1.5) / options.rate_hz;
   if (wanted_s <= length_s) return absl::OkStatus();
@@ -330,8 +331,8 @@ absl::Status RecordIn(World world, const RecordOptions& options,
   TL_ASSIGN_OR_RETURN(
       const SyntheticCamera camera,
       SyntheticCamera::Create(std::move(renderer), CameraOptions(options)));
-  TL_RETURN_IF_ERROR(RecordFrames(options, camera, path, frames, folder.path(),
-                                  done, stop));
+  TL_RETURN_IF_ERROR(
+      RecordFrames(options, camera, path, frames, folder.path(), done, stop));
   TL_RETURN_IF_ERROR(WriteLists(options, camera, frames));
   for (const std::string& name : FoldersOf(options)) {
     TL_RETURN_IF_ERROR(

@@ -115,7 +115,8 @@ TEST_F(RecorderTest, OptionsAreChecked) {
   EXPECT_THAT(error([](auto& o) { o.frames = 4; }), HasSubstr("4 frames"));
   EXPECT_THAT(error([](auto& o) { o.folder = ""; }), HasSubstr("no folder"));
   EXPECT_THAT(error([](auto& o) { o.rate_hz = 0; }), HasSubstr("0 Hz"));
-  EXPECT_THAT(error([](auto& o) { o.jpeg_quality = 0; }), HasSubstr("JPEG quality"));
+  EXPECT_THAT(error([](auto& o) { o.jpeg_quality = 0; }),
+              HasSubstr("JPEG quality"));
   EXPECT_THAT(error([](auto& o) { o.world = "moon"; }), HasSubstr("'moon'"));
 }
 

@@ -6,6 +6,7 @@
 
 namespace treeline {
 
+Command AddLocalizeCommand(CLI::App& app);
 Command AddSimulateCommand(CLI::App& app);
 
 }  // namespace treeline

@@ -24,7 +24,9 @@ struct EmulatorCommand {
   std::function<int(std::stop_token stop)> run;
 };
 
+EmulatorCommand AddBaseCommand(CLI::App& app);
 EmulatorCommand AddLaserCommand(CLI::App& app);
+EmulatorCommand AddRobotCommand(CLI::App& app);
 
 }  // namespace treeline
 

@@ -81,7 +81,10 @@ class SegwayEmulator {
   // When the next status cycle is due.
   MonotonicTime NextCycle() const { return next_cycle_; }
 
-  // `faults` are valid.
+  // The same without taking anything out.
+  void CatchUp(MonotonicTime now) { AdvanceTo(now); }
+
+  // `faults` are valid. They begin with the next step.
   void SetFaults(const SegwayFaults& faults);
   const SegwayFaults& faults() const { return faults_; }
 

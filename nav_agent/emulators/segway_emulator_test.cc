@@ -142,11 +142,18 @@ TEST_F(SegwayEmulatorTest, EveryVariantOfTheWireDrivesTheSameArc) {
 }
 
 // What someone sees whose driver has another idea of the wire than the base.
-TEST_F(SegwayEmulatorTest, AWrongTurnSignTurnsTheOtherWay) {
+TEST_F(SegwayEmulatorTest, AWrongTurnSignTurnsTheOtherWayAndIsNoticed) {
   Restart({.wire = {.turn_sign = -1}}, {.wire = {.turn_sign = 1}});
   MakeReady();
-  Drive(kArc, 1000);
+  Drive(kArc, 500);
   EXPECT_NEAR(TurnRate(), -0.6, 1 / 325.0);
+  // Noticed half a second after 0.1 rad/s were asked for, and 0.1 rad later.
+  ASSERT_TRUE(driver_->SetVelocity(kArc, now_).ok());
+  Run(290);
+  EXPECT_EQ(driver_->SetVelocity(kArc, now_).code(),
+            absl::StatusCode::kFailedPrecondition);
+  Run(1000);
+  EXPECT_EQ(TurnRate(), 0);
 }
 
 TEST_F(SegwayEmulatorTest, AWrongChannelIsReported) {

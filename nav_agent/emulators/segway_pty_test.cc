@@ -4,52 +4,51 @@
 // segway_emulator_test.cc.
 #include <unistd.h>
 
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
+#include <utility>
 
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "gtest/gtest.h"
 #include "nav_agent/drivers/segway/segway_base.h"
-#include "nav_agent/drivers/stream/pty.h"
 #include "nav_agent/drivers/stream/serial_port.h"
-#include "nav_agent/emulators/segway_emulator.h"
-#include "nav_agent/emulators/segway_server.h"
+#include "nav_agent/emulators/emulator_server.h"
+#include "nav_agent/emulators/fault_plan.h"
+#include "nav_agent/emulators/segway_device.h"
 
 namespace treeline {
 namespace {
 
-// An emulated base whose cable can be pulled.
+// An emulated base that EmulatorServer plugs in and pulls out.
 class PluggableBase {
  public:
-  explicit PluggableBase(const Clock& clock)
-      : clock_(clock), emulator_({}, plant_, clock.Now()) {}
-  ~PluggableBase() { Unplug(); }
+  PluggableBase(const std::string& link, const Clock& clock)
+      : device_({}, plant_, clock.Now()) {
+    EmulatorServerOptions options;
+    options.listen.symlink = link;
+    auto server = EmulatorServer::Start(options, device_, clock);
+    EXPECT_TRUE(server.ok()) << server.status();
+    if (server.ok()) server_ = *std::move(server);
+  }
 
-  void Plug(const std::string& link) {
-    auto pty = Pty::Open(link);
-    ASSERT_TRUE(pty.ok()) << pty.status();
-    pty_ = *std::move(pty);
-    thread_ = std::jthread([this](const std::stop_token& stop) {
-      ServeSegway(emulator_, *pty_, clock_, stop).IgnoreError();
-    });
-  }
   void Unplug() {
-    thread_ = {};  // stops and joins
-    pty_.reset();
+    DeviceFaultPlan plan;
+    ASSERT_TRUE(plan.Add("unplug").ok());
+    server_->SetFaults(plan);
   }
-  // While it is not plugged in.
-  const SegwayEmulator& emulator() const { return emulator_; }
+  void Plug() { server_->SetFaults({}); }
+  // Ends it.
+  const SegwayEmulator& End() {
+    server_.reset();
+    return device_.emulator();
+  }
 
  private:
-  const Clock& clock_;
   FlatFloorPlant plant_{0.54};
-  SegwayEmulator emulator_;
-  std::unique_ptr<Pty> pty_;
-  std::jthread thread_;
+  SegwayDevice device_;
+  std::unique_ptr<EmulatorServer> server_;
 };
 
 class SegwayPtyTest : public ::testing::Test {
@@ -78,8 +77,7 @@ class SegwayPtyTest : public ::testing::Test {
 };
 
 TEST_F(SegwayPtyTest, DrivesLosesItsCableAndDrivesAgain) {
-  PluggableBase device(clock_);
-  device.Plug(link_);
+  PluggableBase device(link_, clock_);
   auto base =
       SegwayBase::Create({},
                          std::make_unique<SerialPortOpener>(SerialPortOptions{
@@ -99,7 +97,7 @@ TEST_F(SegwayPtyTest, DrivesLosesItsCableAndDrivesAgain) {
   EXPECT_EQ(driver.SetVelocity({}).code(), absl::StatusCode::kUnavailable);
   const double at_unplugging_m = last_.right_wheel_m;
 
-  device.Plug(link_);
+  device.Plug();
   ASSERT_TRUE(DriveUntil(driver, [&] {
     return last_.right_wheel_m > at_unplugging_m + 0.1;
   })) << driver.Health().cause;
@@ -107,11 +105,10 @@ TEST_F(SegwayPtyTest, DrivesLosesItsCableAndDrivesAgain) {
   EXPECT_EQ(driver.Health().state, DeviceState::kRunning);
 
   base->reset();
-  device.Unplug();
-  EXPECT_EQ(device.emulator().counts().broken_commands, 0);
+  const SegwayEmulator& emulator = device.End();
+  EXPECT_EQ(emulator.counts().broken_commands, 0);
   // The readings' wheels went on over the gap, which the base counted.
-  EXPECT_LE(last_.right_wheel_m,
-            device.emulator().state().right_wheel_m + 1e-4);
+  EXPECT_LE(last_.right_wheel_m, emulator.state().right_wheel_m + 1e-4);
 }
 
 TEST_F(SegwayPtyTest, WaitsForAPortThatIsNotThere) {
@@ -125,8 +122,7 @@ TEST_F(SegwayPtyTest, WaitsForAPortThatIsNotThere) {
     return (*base)->Health().cause.code() == absl::StatusCode::kNotFound;
   }));
   EXPECT_EQ((*base)->Health().state, DeviceState::kStarting);
-  PluggableBase device(clock_);
-  device.Plug(link_);
+  PluggableBase device(link_, clock_);
   EXPECT_TRUE(DriveUntil(**base, [&] {
     return (*base)->Health().state == DeviceState::kRunning;
   }));

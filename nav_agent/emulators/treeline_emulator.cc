@@ -27,7 +27,8 @@ int Run(int argc, char** argv) {
   app.set_version_flag("--version",
                        std::string("treeline-emulator ") + Version());
   app.require_subcommand(1);
-  const std::vector<EmulatorCommand> commands = {AddLaserCommand(app)};
+  const std::vector<EmulatorCommand> commands = {
+      AddLaserCommand(app), AddBaseCommand(app), AddRobotCommand(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

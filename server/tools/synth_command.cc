@@ -1,4 +1,6 @@
 // treeline synth: recordings of worlds that exist only here.
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <numbers>
@@ -7,10 +9,14 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "absl/strings/numbers.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "common/base/file.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
+#include "common/dataset/text_formats.h"
 #include "common/image/decode.h"
 #include "common/synthetic/picture.h"
 #include "common/synthetic/recorder.h"
@@ -25,45 +31,136 @@ treeline synth COMMAND --help explains a command and gives examples.)";
 
 constexpr const char* kRecordFooter = R"(
 Worlds:
-  room    a furnished living room with a desk
-  room:N  a room of the same kind, with other measures, furniture and pictures
-          for each whole number N
+  room          a furnished living room with a desk
+  cafe          a hall on two levels with a slope and stairs, people about
+  lab           a laboratory with a narrow slope and glass
+  office-floor  twelve rooms along corridors
+  two-storey    two floors, one above the other, with a ramp between them
+  seed:N        a building made from the whole number N; room:N: a room
+  FILE.yaml     a building of your own
 
 What is written, in the layout of 7-Scenes:
   DIR/seq-01/frame-000000.color.jpg  640 x 480, PINHOLE,525,525,320,240
   DIR/seq-01/frame-000000.depth.png  16 bit, mm, PINHOLE,585,585,320,240
   DIR/seq-01/frame-000000.pose.txt   4x4 world_from_camera, depth camera, m
+In the layout of TUM:
+  DIR/rgb/TIME.jpg, rgb.txt          640 x 480, PINHOLE,525,525,319.5,239.5
+  DIR/depth/TIME.png, depth.txt      16 bit, 5000 to the metre, registered
+  DIR/groundtruth.txt                TIME tx ty tz qx qy qz qw, colour camera, m
+In both:
   DIR/train.txt, DIR/test.txt        frames for training, frames held out
   DIR/recording.txt                  what this is, and the true calibration
 
-Depth is noisy like a Kinect's and is not registered to colour: the colour
-camera is 2.5 cm to the right of the depth camera. Frames are 1/30 s apart; a
-round through the room takes about 450 of them.
+Depth is noisy like a Kinect's. In 7-Scenes it is not registered to colour: the
+colour camera is 2.5 cm to the right of the depth camera. Frames are 1/30 s
+apart; a round through the room takes about 450 of them, and the tour of a
+building is walked at 0.8 m/s. A trajectory is a text file with lines
+  timestamp tx ty tz qx qy qz qw
+(world_from_camera of 7-Scenes' depth or TUM's colour camera, s and m): one
+frame for each, or with --frames or --rate evenly in time between them.
 
-Example:
+Examples:
   treeline synth record --world room --output room --frames 1000
   treeline train --dataset 7scenes:room --frames room/train.txt \
       --output room.treeline
   treeline evaluate --model room.treeline --dataset 7scenes:room \
-      --frames room/test.txt)";
+      --frames room/test.txt
+
+  treeline synth record --world cafe --format tum --output cafe --people \
+      --blur 15 --auto-exposure --jpeg 40..92
+  treeline synth record --world cafe --output path --trajectory path.txt)";
+
+constexpr uint64_t kMaxTrajectoryBytes = 64u << 20;
 
 struct RecordFlags {
   RecordOptions options;
   std::string format = "7scenes";
+  std::string trajectory;
+  std::string jpeg = "92";
+  double blur_ms = 0;
+  bool has_people = false;
   bool quiet = false;
 };
 
-absl::Status Record(const RecordFlags& flags, const std::stop_token& stop) {
-  const RecordOptions& options = flags.options;
+// "92" or "40..92".
+absl::Status ReadQualities(const std::string& text, RecordOptions& options) {
+  const std::vector<std::string> parts = absl::StrSplit(text, "..");
+  int low = 0;
+  int high = 0;
+  if (parts.size() > 2 || !absl::SimpleAtoi(parts.front(), &low) ||
+      !absl::SimpleAtoi(parts.back(), &high)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--jpeg takes N or LOW..HIGH, not '", text, "'"));
+  }
+  options.lowest_jpeg_quality = low;
+  options.jpeg_quality = high;
+  return absl::OkStatus();
+}
+
+// What flags say beyond what was parsed straight into the options.
+absl::StatusOr<RecordOptions> OptionsOf(const RecordFlags& flags,
+                                        const CLI::App& command) {
+  RecordOptions options = flags.options;
+  options.format =
+      flags.format == "tum" ? RecordFormat::kTum : RecordFormat::kSevenScenes;
+  options.shutter_s = flags.blur_ms / 1000;
+  options.world_options.with_people = flags.has_people;
+  TL_RETURN_IF_ERROR(ReadQualities(flags.jpeg, options));
+  if (flags.trajectory.empty()) return options;
+  TL_ASSIGN_OR_RETURN(const std::string text,
+                      ReadFile(flags.trajectory, kMaxTrajectoryBytes));
+  TL_ASSIGN_OR_RETURN(options.trajectory,
+                      ParseTimedPoses(text, flags.trajectory));
+  if (options.trajectory.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(flags.trajectory, ": names no pose"));
+  }
+  const bool has_frames = command.count("--frames") > 0;
+  options.is_resampled = has_frames || command.count("--rate") > 0;
+  if (options.is_resampled && !has_frames) {
+    const double length_s =
+        1e-9 * static_cast<double>(options.trajectory.back().time -
+                                   options.trajectory.front().time);
+    options.frames = 1 + static_cast<int>(std::min(
+                             std::floor(length_s * options.rate_hz), 1e6));
+  }
+  return options;
+}
+
+absl::Status Record(const RecordFlags& flags, const CLI::App& command,
+                    const std::stop_token& stop) {
+  TL_ASSIGN_OR_RETURN(const RecordOptions options, OptionsOf(flags, command));
   TL_RETURN_IF_ERROR(options.Validate());
+  const int frames = FrameCount(options);
   {
-    Progress progress("recording", options.frames, flags.quiet);
-    TL_RETURN_IF_ERROR(RecordSevenScenes(
+    Progress progress("recording", frames, flags.quiet);
+    TL_RETURN_IF_ERROR(RecordWorld(
         options, [&progress] { progress.Add(1); }, stop));
   }
-  std::printf("Recorded %d frames of '%s' in %s\n", options.frames,
+  std::printf("Recorded %d frames of '%s' in %s\n", frames,
               options.world.c_str(), options.folder.c_str());
   return absl::OkStatus();
+}
+
+void AddSensorFlags(CLI::App& command, RecordFlags& flags) {
+  command
+      .add_option("--jpeg", flags.jpeg,
+                  "JPEG quality; LOW..HIGH: another for each frame")
+      ->type_name("N|LOW..HIGH")
+      ->capture_default_str();
+  command
+      .add_option("--blur", flags.blur_ms,
+                  "Motion blur: how long the shutter is open; 0: none")
+      ->type_name("MS")
+      ->capture_default_str();
+  command.add_flag("--auto-exposure", flags.options.is_exposure_automatic,
+                   "Expose each frame by itself, as cheap cameras do");
+  command.add_flag("--people", flags.has_people,
+                   "People and carts go about their ways");
+  command.add_flag("--after-moves", flags.options.world_options.after_moves,
+                   "With objects where they are moved to after mapping");
+  command.add_flag("--truth", flags.options.has_truth,
+                   "Also write normals, surfaces and their kinds (DIR/truth)");
 }
 
 Command AddRecord(CLI::App& synth) {
@@ -71,34 +168,42 @@ Command AddRecord(CLI::App& synth) {
       "record", "Walk through a world with an RGB-D camera");
   command->footer(kRecordFooter);
   auto flags = std::make_shared<RecordFlags>();
-  command->add_option("--world", flags->options.world, "What to walk through")
-      ->type_name("NAME|room:N")
+  RecordOptions& options = flags->options;
+  command->add_option("--world", options.world, "What to walk through")
+      ->type_name("NAME|FILE|seed:N")
       ->capture_default_str();
   command
-      ->add_option("--output", flags->options.folder,
+      ->add_option("--output", options.folder,
                    "Folder to record into; made if it is not there")
       ->type_name("DIR")
       ->required();
-  command->add_option("--frames", flags->options.frames, "Length of the walk")
+  command->add_option("--frames", options.frames, "Length of the walk")
       ->type_name("N")
       ->capture_default_str();
+  command->add_option("--rate", options.rate_hz, "Frames in a second")
+      ->type_name("HZ")
+      ->capture_default_str();
   command
-      ->add_option("--seed", flags->options.seed,
+      ->add_option("--seed", options.seed,
                    "Another seed is another walk and other noise, in the same "
                    "world")
       ->type_name("N")
       ->capture_default_str();
-  command->add_option("--format", flags->format, "Layout of the recording")
-      ->check(CLI::IsMember({"7scenes"}))
-      ->capture_default_str();
   command
-      ->add_option("--threads", flags->options.threads,
-                   "Threads; 0: one a processor")
+      ->add_option("--trajectory", flags->trajectory,
+                   "Poses to record from, in place of a walk")
+      ->type_name("FILE");
+  command->add_option("--format", flags->format, "Layout of the recording")
+      ->check(CLI::IsMember({"7scenes", "tum"}))
+      ->capture_default_str();
+  AddSensorFlags(*command, *flags);
+  command
+      ->add_option("--threads", options.threads, "Threads; 0: one a processor")
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--quiet", flags->quiet, "Show no progress");
-  return {command, [flags](const std::stop_token& stop) {
-            return Record(*flags, stop);
+  return {command, [flags, command](const std::stop_token& stop) {
+            return Record(*flags, *command, stop);
           }};
 }
 
@@ -182,8 +287,12 @@ absl::Status TakePicture(const PictureFlags& flags) {
   }
   TL_RETURN_IF_ERROR(CheckWritable(flags.output));
   TL_ASSIGN_OR_RETURN(const ColorImage image, Draw(flags));
-  TL_ASSIGN_OR_RETURN(const std::string png, EncodePng(image));
-  return WriteFileAtomically(flags.output, png);
+  constexpr int kJpegQuality = 85;
+  TL_ASSIGN_OR_RETURN(const std::string bytes,
+                      absl::EndsWith(flags.output, ".jpg")
+                          ? EncodeJpeg(image, kJpegQuality)
+                          : EncodePng(image));
+  return WriteFileAtomically(flags.output, bytes);
 }
 
 Command AddPicture(CLI::App& synth) {
@@ -195,7 +304,7 @@ Command AddPicture(CLI::App& synth) {
       ->type_name("NAME|FILE|seed:N|room:N")
       ->capture_default_str();
   command->add_option("--output", flags->output, "The picture")
-      ->type_name("FILE.png")
+      ->type_name("FILE.png|FILE.jpg")
       ->required();
   command->add_option("--view", flags->view, "From above, or as a camera")
       ->check(CLI::IsMember({"top", "color", "depth"}))

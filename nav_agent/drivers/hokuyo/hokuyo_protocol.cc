@@ -321,7 +321,7 @@ void HokuyoProtocol::OnScanStatus(absl::string_view status, MonotonicTime now) {
   // It is sending already.
   if (status == "0B" && phase_ == Phase::kStarting) {
     phase_ = Phase::kScanning;
-    return;
+    return Await(options_.first_scan_timeout_s, now);
   }
   if (number == 10) {
     // The laser is off. It may have been someone's QT.

@@ -31,11 +31,11 @@ struct ScipParameters {
 
 // VV: which sensor it is.
 struct ScipVersion {
-  std::string vendor;    // VEND
-  std::string product;   // PROD
-  std::string firmware;  // FIRM
-  std::string protocol;  // PROT
-  std::string serial;    // SERI
+  std::string vendor = {};    // VEND
+  std::string product = {};   // PROD
+  std::string firmware = {};  // FIRM
+  std::string protocol = {};  // PROT
+  std::string serial = {};    // SERI
 };
 
 // DATA_LOSS for lines whose check sum or form is wrong, INVALID_ARGUMENT for

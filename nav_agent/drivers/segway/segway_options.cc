@@ -31,6 +31,7 @@ absl::Status SegwayOptions::Validate() const {
     return absl::InvalidArgumentError(absl::StrCat(
         "the base cannot be driven in the mode '", SegwayModeName(mode), "'"));
   }
+  TL_RETURN_IF_ERROR(CheckWithin("wheel_track_m", wheel_track_m, 0.1, 2));
   TL_RETURN_IF_ERROR(CheckWithin("gain schedule", gain_schedule, 0, 2));
   TL_RETURN_IF_ERROR(
       CheckWithin("max_velocity_scale", max_velocity_scale, 1, 16));

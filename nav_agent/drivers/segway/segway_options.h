@@ -17,6 +17,8 @@ struct SegwayOptions {
   // a whole status cycle comes.
   std::optional<uint8_t> receive_channel{};
   VelocityLimits limits{};
+  // Between the wheels; only TurnWatch needs it.
+  double wheel_track_m = 0.54;
 
   // What is set when a connection begins.
   SegwayMode mode = SegwayMode::kTractor;

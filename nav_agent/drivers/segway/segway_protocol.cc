@@ -37,6 +37,7 @@ bool IsZero(const VelocityCommand& command) {
 SegwayProtocol::SegwayProtocol(const SegwayOptions& options)
     : options_(options),
       reader_(options.wire, options.receive_channel),
+      turn_watch_(options.wheel_track_m),
       cause_(absl::UnavailableError("the base has not been reached yet")) {}
 
 void SegwayProtocol::Connected(MonotonicTime now) {
@@ -92,8 +93,12 @@ void SegwayProtocol::TakeMessage(const SegwayMessage& message,
       message.channel != *options_.receive_channel) {
     return;
   }
+  // What the other channel says of motors may be of another device on it.
+  const bool heeded =
+      reader_.channel().has_value() && message.channel == *reader_.channel();
   switch (message.id) {
     case kSegwayPowerStatus:
+      if (!heeded) return;
       motors_enabled_ = message.data[3] == kSegwayMotorsEnabled;
       if (!motors_enabled_) ForgetCommand();
       return;
@@ -127,6 +132,7 @@ void SegwayProtocol::TakeReading(const BaseReading& reading,
   }
   // The counters may just have been reset before the first time.
   if (!ever_ready_) return;
+  turn_watch_.Take(reading, now);
   if (readings_.size() >= kMaxWaiting) {
     readings_.pop_front();
     ++dropped_;
@@ -220,6 +226,11 @@ absl::Status SegwayProtocol::Readiness() const {
     return absl::FailedPreconditionError(
         "an emergency stop is engaged; release it to drive");
   }
+  if (turn_watch_.verdict() == TurnWatch::Verdict::kWrong) {
+    return absl::FailedPreconditionError(
+        "the base turns right when it is to turn left: change turn_sign, or "
+        "if that is right, the wheels' cables; see docs/base-driver.md");
+  }
   if (phase_ == Phase::kReady) {
     if (!motors_enabled_) {
       return absl::FailedPreconditionError(
@@ -293,6 +304,7 @@ VelocityCommand SegwayProtocol::NextVelocity(MonotonicTime now) {
 
 SegwayMotion SegwayProtocol::NextMotion(MonotonicTime now) {
   sent_ = NextVelocity(now);
+  turn_watch_.Sent(sent_.yaw_rate_radps, now);
   if (braking_ && IsZero(sent_)) braking_ = false;
   SegwayMotion motion = {.velocity_counts = static_cast<int16_t>(
                              SegwayVelocityCounts(sent_.forward_mps)),

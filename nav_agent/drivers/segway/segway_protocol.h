@@ -12,7 +12,8 @@
 // The watchdog: kCommandLifetime_s after it was given a command is forgotten,
 // and stop frames follow at once; the base then brakes by its own limits. A
 // command never outlives the loss of the link, a fault or an emergency stop
-// either: each asks for a new one. If this machine falls silent, the base
+// either: each asks for a new one. A base that turns the wrong way (TurnWatch)
+// is stopped for good. If this machine falls silent, the base
 // itself coasts to a stop after about 400 ms.
 #ifndef NAV_AGENT_DRIVERS_SEGWAY_SEGWAY_PROTOCOL_H_
 #define NAV_AGENT_DRIVERS_SEGWAY_SEGWAY_PROTOCOL_H_
@@ -30,6 +31,7 @@
 #include "nav_agent/drivers/segway/segway_codec.h"
 #include "nav_agent/drivers/segway/segway_options.h"
 #include "nav_agent/drivers/segway/status_reader.h"
+#include "nav_agent/drivers/segway/turn_watch.h"
 
 namespace treeline {
 
@@ -66,7 +68,8 @@ class SegwayProtocol {
 
   // BaseDriver. INVALID_ARGUMENT for NaN and infinity; UNAVAILABLE while the
   // base is lost or not yet configured; FAILED_PRECONDITION while it is in
-  // another mode, its motors are disabled, or an emergency stop is engaged.
+  // another mode, its motors are disabled, an emergency stop is engaged, or it
+  // has turned the wrong way.
   // With each of these, the base is stopped.
   absl::Status SetVelocity(const VelocityCommand& command, MonotonicTime now);
   // Slows down by max_deceleration_mps2.
@@ -102,6 +105,7 @@ class SegwayProtocol {
   const SegwayOptions options_;
   SegwayFrameParser parser_{SegwayDirection::kFromBase};
   SegwayStatusReader reader_;
+  TurnWatch turn_watch_;
 
   Phase phase_ = Phase::kDisconnected;
   absl::Status cause_;  // of kDisconnected, and of silence

@@ -392,6 +392,14 @@ TEST_F(SegwayProtocolTest, DisabledMotorsForgetTheCommand) {
   EXPECT_TRUE(protocol_->SetVelocity(kArc, now_).ok());
 }
 
+TEST_F(SegwayProtocolTest, PowerStatusOfTheOtherChannelIsNotHeeded) {
+  MakeReady();
+  Receive({.channel = kSegwayChannelB, .id = kSegwayPowerStatus});
+  EXPECT_TRUE(protocol_->SetVelocity(kArc, now_).ok());
+  Receive({.channel = kSegwayChannelA, .id = kSegwayPowerStatus});
+  EXPECT_FALSE(protocol_->SetVelocity(kArc, now_).ok());
+}
+
 TEST_F(SegwayProtocolTest, ABaseThatLeavesItsModeIsStoppedAndPutBack) {
   MakeReady();
   Drive(400);
@@ -432,6 +440,29 @@ TEST_F(SegwayProtocolTest, AnEmergencyStopHoldsUntilItIsReleased) {
   EXPECT_TRUE(OnlyStopsSent());
   Drive(400);
   EXPECT_FALSE(OnlyStopsSent());
+}
+
+TEST_F(SegwayProtocolTest, ABaseThatTurnsTheWrongWayIsStoppedForGood) {
+  MakeReady();
+  int driven = 0;
+  // To the left is asked for; the left wheel rolls on, the right one back.
+  while (driven < 200 && protocol_->SetVelocity(kArc, now_).ok()) {
+    ++driven;
+    cycle_.left_position += 120;
+    cycle_.right_position -= 120;
+    Run(10);
+  }
+  // 0.1 rad of 0.54 m are 2170 counts, 10 cycles; after 0.5 s, and the ramp to
+  // 0.1 rad/s.
+  EXPECT_GE(driven, 50);
+  EXPECT_LE(driven, 70);
+  EXPECT_THAT(std::string(protocol_->Health().cause.message()),
+              HasSubstr("turn_sign"));
+  sent_.clear();
+  Run(1000);
+  EXPECT_TRUE(OnlyStopsSent());
+  EXPECT_EQ(protocol_->SetVelocity(kArc, now_).code(),
+            absl::StatusCode::kFailedPrecondition);
 }
 
 TEST_F(SegwayProtocolTest, WhatIsWrongWithTheLineIsSaid) {

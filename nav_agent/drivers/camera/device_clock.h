@@ -1,0 +1,50 @@
+// A device's clock on ours.
+#ifndef NAV_AGENT_DRIVERS_CAMERA_DEVICE_CLOCK_H_
+#define NAV_AGENT_DRIVERS_CAMERA_DEVICE_CLOCK_H_
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "common/base/clock.h"
+
+namespace treeline {
+
+// Turns a device's own times into ours: device time plus the least offset of
+// the last ten to twenty seconds' arrivals, so that waiting in buffers does not
+// move a stamp. What is common to all arrivals (exposure, transfer) remains,
+// and is for the caller to subtract. A device time that jumps by more than a
+// second against ours begins anew.
+class DeviceClock {
+ public:
+  MonotonicTime StampOf(std::chrono::nanoseconds device_time,
+                        MonotonicTime arrival) {
+    const std::chrono::nanoseconds offset =
+        arrival.time_since_epoch() - device_time;
+    const bool jumped = least_ && std::chrono::abs(offset - *least_) > kMaxJump;
+    if (!least_ || jumped) {
+      least_ = least_before_ = offset;
+      window_begin_ = arrival;
+    } else if (arrival - window_begin_ >= kWindow) {
+      least_before_ = *least_;
+      least_ = offset;
+      window_begin_ = arrival;
+    }
+    least_ = std::min(*least_, offset);
+    return MonotonicTime(std::chrono::duration_cast<MonotonicTime::duration>(
+        device_time + std::min(*least_, least_before_)));
+  }
+
+ private:
+  static constexpr std::chrono::seconds kWindow{10};
+  static constexpr std::chrono::seconds kMaxJump{1};
+
+  std::optional<std::chrono::nanoseconds> least_;
+  std::chrono::nanoseconds least_before_{0};
+  MonotonicTime window_begin_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_DRIVERS_CAMERA_DEVICE_CLOCK_H_

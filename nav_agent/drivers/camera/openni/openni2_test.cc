@@ -1,0 +1,19 @@
+// OpenNI2 itself, as far as it goes without a camera: it is loaded, and says
+// that there is none.
+#include "gtest/gtest.h"
+#include "nav_agent/drivers/camera/openni/openni_device.h"
+
+namespace treeline {
+namespace {
+
+TEST(OpenNi2, ACameraThatIsNotThereIsReported) {
+  SteadyClock clock;
+  const auto system = MakeOpenNi2(clock);
+  const auto device = system->Open({.uri = "no/such/device"});
+  ASSERT_FALSE(device.ok());
+  EXPECT_EQ(device.status().code(), absl::StatusCode::kNotFound)
+      << device.status();
+}
+
+}  // namespace
+}  // namespace treeline

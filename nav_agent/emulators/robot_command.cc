@@ -1,0 +1,170 @@
+// `treeline-emulator robot`
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "CLI/CLI.hpp"
+#include "absl/strings/str_cat.h"
+#include "common/base/clock.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/drivers/stream/byte_stream.h"
+#include "nav_agent/emulators/commands.h"
+#include "nav_agent/emulators/emulator_server.h"
+#include "nav_agent/emulators/hokuyo_emulator.h"
+#include "nav_agent/emulators/segway_device.h"
+#include "nav_agent/emulators/simulated_robot.h"
+#include "nav_agent/sim/scenario.h"
+
+namespace treeline {
+namespace {
+
+constexpr const char* kDescription =
+    "A whole robot in a synthetic world: its Hokuyo UTM-30LX sees the world, "
+    "its Segway RMP100 drives in it, both byte for byte as `laser` and `base` "
+    "are. What happens to it is printed.";
+
+constexpr const char* kFooter = R"(
+Worlds: cafe, lab, office-floor, two-storey, seed:N, or a file of yours
+(docs/worlds.md). Where devices are found, and faults, are as for `laser` and
+`base`; --laser-fault and --base-fault may be repeated.
+
+Examples:
+  treeline-emulator robot --world cafe \
+      --laser pty:/tmp/ttyLaser --base pty:/tmp/ttyBase
+  treeline-emulator robot --world lab --at 9.6,0.8,180 --laser tcp:10940 \
+      --base pty:/tmp/ttyBase --base-fault unplug@30+5)";
+
+struct RobotFlags {
+  std::string world = "cafe";
+  std::vector<double> at;
+  std::string laser = "pty";
+  std::string base = "pty";
+  std::vector<std::string> laser_faults;
+  std::vector<std::string> base_faults;
+  bool no_people = false;
+  uint64_t seed = 1;
+};
+
+absl::StatusOr<EmulatorServerOptions> ServerOf(
+    const std::string& listen, const std::vector<std::string>& faults,
+    uint64_t seed) {
+  EmulatorServerOptions options = {.listen = {}, .faults = {}, .seed = seed};
+  TL_ASSIGN_OR_RETURN(options.listen, ParseListenAddress(listen));
+  for (const std::string& fault : faults) {
+    TL_RETURN_IF_ERROR(options.faults.Add(fault));
+  }
+  return options;
+}
+
+absl::StatusOr<std::unique_ptr<Simulator>> SimulatorOf(
+    const RobotFlags& flags) {
+  TL_ASSIGN_OR_RETURN(
+      World world, MakeWorld(flags.world, {.with_people = !flags.no_people}));
+  Scenario scenario;
+  if (!flags.at.empty()) {
+    scenario.start = {.position = {flags.at[0], flags.at[1]},
+                      .yaw_rad = flags.at[2] * std::numbers::pi / 180,
+                      .height_m = flags.at.size() > 3 ? flags.at[3] : 0};
+  }
+  SimulatorOptions options;
+  options.seed = flags.seed;
+  // The emulated laser has its own clock, and scans when that says so.
+  options.sensors.has_laser = false;
+  TL_ASSIGN_OR_RETURN(options.start, StartOf(scenario, world));
+  return Simulator::Create(std::move(world), options);
+}
+
+void PrintEvents(Simulator& simulator) {
+  for (const SimEvent& event : simulator.TakeEvents()) {
+    std::printf("%8.2f s  %s%s%s at %.2f, %.2f, %.2f\n", Seconds(event.time),
+                SimEventName(event.kind), event.what.empty() ? "" : ": ",
+                event.what.c_str(), event.point_in_world.x,
+                event.point_in_world.y, event.point_in_world.z);
+  }
+  std::fflush(stdout);
+}
+
+absl::Status Serve(const RobotFlags& flags, const std::stop_token& stop) {
+  TL_ASSIGN_OR_RETURN(EmulatorServerOptions laser_server,
+                      ServerOf(flags.laser, flags.laser_faults, flags.seed));
+  TL_ASSIGN_OR_RETURN(EmulatorServerOptions base_server,
+                      ServerOf(flags.base, flags.base_faults, flags.seed));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<Simulator> simulator,
+                      SimulatorOf(flags));
+  const SteadyClock clock;
+  const MonotonicTime start = clock.Now();
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<SimulatedRobot> robot,
+                      SimulatedRobot::Create(*simulator, start));
+  SegwayEmulatorOptions base_options;
+  base_options.wheel_track_m = simulator->options().robot.wheel_track_m;
+  base_options.seed = flags.seed;
+  HokuyoEmulator laser(HokuyoEmulatorOptions(), *robot, start);
+  SegwayDevice base(base_options, *robot, start);
+  TL_ASSIGN_OR_RETURN(
+      const auto laser_at,
+      EmulatorServer::Start(std::move(laser_server), laser, clock));
+  TL_ASSIGN_OR_RETURN(
+      const auto base_at,
+      EmulatorServer::Start(std::move(base_server), base, clock));
+  std::printf("laser at %s\nbase at %s\n", laser_at->address().c_str(),
+              base_at->address().c_str());
+  std::fflush(stdout);
+  while (!StopRequestedWithin(std::chrono::milliseconds(200), stop)) {
+    PrintEvents(*simulator);
+  }
+  const TrueState state = simulator->state();
+  const Vec3& at = state.world_from_base.translation;
+  std::printf("stopped at %.2f, %.2f, %.2f after %.2f m in %.1f s\n", at.x,
+              at.y, at.z, state.distance_m, Seconds(state.time));
+  return absl::OkStatus();
+}
+
+int RunRobot(const RobotFlags& flags, const std::stop_token& stop) {
+  const absl::Status status = Serve(flags, stop);
+  if (status.ok()) return kEmulatorDone;
+  std::fprintf(stderr, "treeline-emulator robot: %s\n",
+               std::string(status.message()).c_str());
+  return absl::IsInvalidArgument(status) ? kEmulatorUsage : kEmulatorFailed;
+}
+
+}  // namespace
+
+EmulatorCommand AddRobotCommand(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("robot", kDescription);
+  command->footer(kFooter);
+  // Held by the command that is returned.
+  const auto flags = std::make_shared<RobotFlags>();
+  command->add_option("--world", flags->world, "Where it is")
+      ->type_name("NAME|FILE|seed:N")
+      ->capture_default_str();
+  command
+      ->add_option("--at", flags->at,
+                   "Where it stands (m, degrees), and near which height; "
+                   "default: where the world's tour begins")
+      ->type_name("X,Y,DEGREES[,Z]")
+      ->delimiter(',')
+      ->expected(3, 4);
+  command->add_option("--laser", flags->laser, "Where drivers find its laser")
+      ->capture_default_str();
+  command->add_option("--base", flags->base, "Where drivers find its base")
+      ->capture_default_str();
+  command
+      ->add_option("--laser-fault", flags->laser_faults,
+                   "What goes wrong with the laser, and when")
+      ->take_all();
+  command
+      ->add_option("--base-fault", flags->base_faults,
+                   "What goes wrong with the base, and when")
+      ->take_all();
+  command->add_flag("--no-people", flags->no_people, "Nobody else is there");
+  command->add_option("--seed", flags->seed, "Of noise, slip and faults")
+      ->capture_default_str();
+  return {command, [flags](const std::stop_token& stop) {
+            return RunRobot(*flags, stop);
+          }};
+}
+
+}  // namespace treeline

@@ -1,0 +1,118 @@
+// A map and a trajectory from a planar laser and odometry.
+#ifndef NAV_AGENT_MAPPING_LASER_SLAM_H_
+#define NAV_AGENT_MAPPING_LASER_SLAM_H_
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "common/geometry/rigid2.h"
+#include "common/geometry/rigid3.h"
+#include "nav_agent/core/sensor_data.h"
+#include "nav_agent/mapping/loop_closer.h"
+#include "nav_agent/mapping/pose_graph.h"
+#include "nav_agent/mapping/scan_matcher.h"
+#include "nav_agent/mapping/scan_points.h"
+#include "nav_agent/recording/recording_time.h"
+
+namespace treeline {
+
+struct LaserSlamOptions {
+  ScanPointOptions points;
+  ScanMatcherOptions matcher;
+  LoopCloserOptions loops;
+  PoseGraphOptions graph;
+  // A scan becomes a keyscan once the robot has moved this far since the last
+  // one (m, rad; above 0), and is matched at all once it has moved a little.
+  double keyscan_m = 0.2;
+  double keyscan_rad = 0.15;
+  double still_m = 0.01;
+  double still_rad = 0.005;
+  // The running window: the scans that the next one is matched against.
+  int window = 15;
+  // How wrong odometry may be, one standard deviation: at rest, per metre and
+  // per radian. Searched is search_sigmas of it, within limits.
+  double odometry_m = 0.02;
+  double odometry_m_per_m = 0.10;
+  double odometry_m_per_rad = 0.03;
+  double odometry_rad = 0.01;
+  double odometry_rad_per_rad = 0.15;
+  double odometry_rad_per_m = 0.05;
+  double search_sigmas = 3.0;
+  double max_search_m = 1.0;
+  double max_search_rad = 0.7;
+  // Below this response, or with fewer points, odometry is believed instead.
+  double min_response = 0.35;
+  int min_points = 20;
+  // Loops are closed within AddScan, instead of on a thread of their own: slow
+  // but the same in every run.
+  bool synchronous = false;
+  // How often Finish ties all keyscans to their neighbours once more.
+  int polish_rounds = 2;
+
+  absl::Status Validate() const;
+};
+
+struct LaserSlamScan {
+  // Must not decrease from scan to scan.
+  RecordingTime stamp;
+  Rigid2 odom_from_base;
+  // One for each beam; what is no return as in LaserScan. Those that are NaN
+  // are passed over.
+  std::span<const float> ranges_m;
+  // Of the robot when the scan was taken: roll and pitch, with yaw and
+  // translation 0. With the laser's mount it says where in space the beams
+  // are; the trajectory stays planar.
+  Rotation3 level_from_base;
+};
+
+struct TrajectoryPose {
+  RecordingTime stamp;
+  Rigid2 map_from_base;
+};
+
+struct LaserSlamStatistics {
+  int64_t scans = 0;
+  int64_t keyscans = 0;
+  // Scans whose place was taken from odometry because they did not match.
+  int64_t unmatched = 0;
+  // The front end's time for each scan (ms).
+  std::vector<double> front_end_ms;
+  LoopCloserStatistics loops;
+};
+
+// The front end, on the caller's thread: each scan is matched against a running
+// window, in time that does not grow with the map. The back end, on its own
+// thread, closes loops; its corrections arrive between scans. Methods are for
+// one thread.
+class LaserSlam {
+ public:
+  // INVALID_ARGUMENT for options or a laser that are not sane.
+  static absl::StatusOr<std::unique_ptr<LaserSlam>> Create(
+      const RangeSensorInfo& laser, const Rigid3& base_from_laser,
+      const LaserSlamOptions& options);
+  virtual ~LaserSlam() = default;
+
+  // The robot's place with all that is known now. INVALID_ARGUMENT, and
+  // nothing is changed, if the scan has another number of beams than the
+  // laser, if its pose is not finite or if time went backwards.
+  virtual absl::StatusOr<Rigid2> AddScan(const LaserSlamScan& scan) = 0;
+
+  // Waits for the back end, and lets it take what time it needs for the best
+  // trajectory. Scans may still be added afterwards.
+  virtual void Finish() = 0;
+
+  // One pose for each scan, with all corrections that have arrived.
+  virtual std::vector<TrajectoryPose> Trajectory() const = 0;
+  virtual LaserSlamStatistics Statistics() const = 0;
+
+ protected:
+  LaserSlam() = default;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_MAPPING_LASER_SLAM_H_

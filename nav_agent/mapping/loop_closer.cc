@@ -1,0 +1,344 @@
+#include "nav_agent/mapping/loop_closer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <queue>
+#include <utility>
+
+#include "common/base/parallel_for.h"
+
+namespace treeline {
+namespace {
+
+// Links this far from the graph's estimate (squared error) move it at once;
+// others wait until there are some.
+constexpr double kMovesGraph = 4.0;
+constexpr int kMaxWaiting = 10;
+// Coarse cells are this many times as large as fine ones.
+constexpr double kCoarse = 2.5;
+// The fine search about the best coarse cell, in its cells.
+constexpr double kFineSearch_cells = 1.5;
+
+double LargestSigma_m(const Covariance3& c) {
+  const double mean = 0.5 * (c[0] + c[4]);
+  const double spread = std::hypot(0.5 * (c[0] - c[4]), c[1]);
+  return std::sqrt(std::max(0.0, mean + spread));
+}
+
+}  // namespace
+
+// How well a keyscan is known relative to the one asked about, along the way
+// through the graph on which it is known best.
+struct LoopCloser::Reach {
+  double variance_m2 = std::numeric_limits<double>::infinity();
+  double variance_rad2 = 0;
+  double way_m = 0;
+};
+
+absl::Status LoopCloserOptions::Validate() const {
+  if (recent < 1 || min_chain < 1 || max_chain < min_chain || max_chains < 1 ||
+      query_scans < 1 || threads < 1 || !(overlap_m > 0) ||
+      !(search_sigmas > 0) || !(search_of_way >= 0) || !(min_search_m > 0) ||
+      !(max_search_m >= min_search_m) || !(max_search_m <= 20) ||
+      !(min_search_rad > 0) || !(max_search_rad >= min_search_rad) ||
+      !(max_search_rad <= 3.2) || !(max_squared_error > 0)) {
+    return absl::InvalidArgumentError(
+        "loop closer: counts and lengths must be above 0, and the largest "
+        "search at least the smallest, at most 20 m and 3.2 rad");
+  }
+  return absl::OkStatus();
+}
+
+std::vector<LoopCloser::Reach> LoopCloser::ReachFrom(int keyscan) const {
+  // Dijkstra (Olson, "Robust and Efficient Robotic Mapping", 2008): variances
+  // add up along the way, and what is not known of yaw turns all that follows.
+  std::vector<Reach> reach(poses_.size());
+  std::vector<uint8_t> done(poses_.size(), 0);
+  using Entry = std::pair<double, int>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  reach[static_cast<size_t>(keyscan)].variance_m2 = 0;
+  open.emplace(0.0, keyscan);
+  while (!open.empty()) {
+    const int at = open.top().second;
+    open.pop();
+    if (done[static_cast<size_t>(at)] != 0) continue;
+    done[static_cast<size_t>(at)] = 1;
+    const Reach here = reach[static_cast<size_t>(at)];
+    for (const int index : constraints_of_[static_cast<size_t>(at)]) {
+      const PoseConstraint& c = constraints_[static_cast<size_t>(index)];
+      const int next = c.from == at ? c.to : c.from;
+      const double length_m = Norm(c.from_from_to.translation);
+      const Reach there = {
+          .variance_m2 = here.variance_m2 + c.covariance[0] + c.covariance[4] +
+                         here.variance_rad2 * length_m * length_m,
+          .variance_rad2 = here.variance_rad2 + c.covariance[8],
+          .way_m = here.way_m + length_m};
+      Reach& known = reach[static_cast<size_t>(next)];
+      if (there.variance_m2 < known.variance_m2) {
+        known = there;
+        open.emplace(there.variance_m2, next);
+      }
+    }
+  }
+  return reach;
+}
+
+MatchSearch LoopCloser::SearchFor(const Reach& reach) const {
+  return {.half_extent_m = std::clamp(
+              options_.search_sigmas * std::sqrt(reach.variance_m2) +
+                  options_.search_of_way * reach.way_m,
+              options_.min_search_m, options_.max_search_m),
+          .half_angle_rad = std::clamp(
+              options_.search_sigmas * std::sqrt(reach.variance_rad2) +
+                  0.2 * options_.search_of_way * reach.way_m,
+              options_.min_search_rad, options_.max_search_rad)};
+}
+
+std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
+    int keyscan, const std::vector<Reach>& reach, int recent,
+    int max_chains) const {
+  const Vec2 here = poses_[static_cast<size_t>(keyscan)].translation;
+  std::vector<Chain> chains;
+  Chain chain;
+  const auto finish = [&] {
+    if (chain.end - chain.begin >= options_.min_chain) {
+      // Of a long chain, the part about the nearest keyscan.
+      const int half = options_.max_chain / 2;
+      chain.begin = std::max(chain.begin, chain.nearest - half);
+      chain.end = std::min(chain.end, chain.begin + options_.max_chain);
+      chains.push_back(chain);
+    }
+    chain = {};
+  };
+  for (int i = 0; i + recent < keyscan; ++i) {
+    const double distance_m =
+        Norm(poses_[static_cast<size_t>(i)].translation - here);
+    const double search_m =
+        reach.empty() ? options_.min_search_m
+                      : SearchFor(reach[static_cast<size_t>(i)]).half_extent_m;
+    // The search's own margin does not count when it is the smallest one.
+    const double radius_m =
+        options_.overlap_m + search_m - options_.min_search_m;
+    if (distance_m > radius_m) {
+      if (chain.end > 0) finish();
+      continue;
+    }
+    if (chain.end == 0) {
+      chain = {.begin = i, .nearest = i, .distance_m = distance_m};
+    }
+    if (distance_m < chain.distance_m) {
+      chain.nearest = i;
+      chain.distance_m = distance_m;
+    }
+    chain.end = i + 1;
+  }
+  if (chain.end > 0) finish();
+  std::stable_sort(chains.begin(), chains.end(),
+                   [](const Chain& a, const Chain& b) {
+                     return a.distance_m < b.distance_m;
+                   });
+  if (static_cast<int>(chains.size()) > max_chains) {
+    chains.resize(static_cast<size_t>(max_chains));
+  }
+  return chains;
+}
+
+std::vector<PlacedScan> LoopCloser::Placed(const Chain& chain) const {
+  std::vector<PlacedScan> placed;
+  for (int i = chain.begin; i < chain.end; ++i) {
+    const auto slot = static_cast<size_t>(i);
+    placed.push_back(
+        {.scan = scans_[slot].get(), .target_from_scan = poses_[slot]});
+  }
+  return placed;
+}
+
+ScanPoints LoopCloser::QueryScan(int keyscan, int count) const {
+  const Rigid2 this_from_map = poses_[static_cast<size_t>(keyscan)].Inverse();
+  ScanPoints query;
+  for (int i = std::max(0, keyscan - count + 1); i <= keyscan; ++i) {
+    const auto slot = static_cast<size_t>(i);
+    const Rigid2 this_from_other = this_from_map * poses_[slot];
+    const ScanPoints& scan = *scans_[slot];
+    for (size_t k = 0; k < scan.size(); ++k) {
+      query.points_m.push_back(this_from_other * scan.points_m[k]);
+      query.joined.push_back(scan.joined[k]);
+    }
+  }
+  return query;
+}
+
+std::optional<LoopCloser::Link> LoopCloser::Verified(int keyscan,
+                                                     const Chain& chain,
+                                                     const ScanMatch& match,
+                                                     bool wide) const {
+  const double needed =
+      wide ? options_.min_wide_response : options_.min_response;
+  if (match.response < needed ||
+      LargestSigma_m(match.covariance) > options_.max_sigma_m ||
+      std::sqrt(match.covariance[8]) > options_.max_sigma_rad) {
+    return std::nullopt;
+  }
+  // The place found may be nearer to another keyscan of the chain.
+  int nearest = chain.nearest;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (int i = chain.begin; i < chain.end; ++i) {
+    const double distance_m =
+        Norm(poses_[static_cast<size_t>(i)].translation -
+             match.target_from_scan.translation);
+    if (distance_m < nearest_m) {
+      nearest = i;
+      nearest_m = distance_m;
+    }
+  }
+  const Rigid2& map_from_nearest = poses_[static_cast<size_t>(nearest)];
+  return Link{
+      .constraint = {.from = nearest,
+                     .to = keyscan,
+                     .from_from_to =
+                         map_from_nearest.Inverse() * match.target_from_scan,
+                     .covariance =
+                         Turned(match.covariance, -map_from_nearest.yaw_rad),
+                     .may_be_wrong = true},
+      .wide = wide};
+}
+
+std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,
+                                                     const Chain& chain,
+                                                     const Reach& reach) const {
+  const auto slot = static_cast<size_t>(keyscan);
+  const std::vector<PlacedScan> references = Placed(chain);
+  MatchSearch search = SearchFor(reach);
+  const bool wide = search.half_extent_m > options_.wide_m;
+  ScanPoints several;
+  if (wide) several = QueryScan(keyscan, options_.query_scans);
+  const ScanPoints& query = wide ? several : *scans_[slot];
+  if (query.empty()) return std::nullopt;
+  Rigid2 guess = poses_[slot];
+  if (wide) {
+    ScanMatcherOptions coarse = matcher_;
+    coarse.cell_m *= kCoarse;
+    coarse.sigma_m *= kCoarse;
+    const SurfaceGrid grid =
+        MakeSurfaceGrid(references, query, guess, search, coarse);
+    const ScanMatch match = MatchScan(grid, query, guess, search, coarse);
+    if (match.response < options_.min_coarse_response) return std::nullopt;
+    guess = match.target_from_scan;
+    search = {.half_extent_m = kFineSearch_cells * coarse.cell_m,
+              .half_angle_rad = 0.03};
+  }
+  const SurfaceGrid grid =
+      MakeSurfaceGrid(references, query, guess, search, matcher_);
+  return Verified(keyscan, chain,
+                  MatchScan(grid, query, guess, search, matcher_), wide);
+}
+
+bool LoopCloser::Add(std::shared_ptr<const ScanPoints> scan,
+                     const Rigid2& previous_from_this,
+                     const Covariance3& covariance) {
+  const int keyscan = static_cast<int>(scans_.size());
+  scans_.push_back(std::move(scan));
+  constraints_of_.emplace_back();
+  if (keyscan == 0) {
+    poses_.emplace_back();
+    way_m_.push_back(0);
+    return false;
+  }
+  poses_.push_back(poses_.back() * previous_from_this);
+  way_m_.push_back(way_m_.back() + Norm(previous_from_this.translation));
+  Tie({.from = keyscan - 1,
+       .to = keyscan,
+       .from_from_to = previous_from_this,
+       .covariance = covariance});
+  if (!options_.enabled || keyscan <= options_.recent) return false;
+  const std::vector<Reach> reach = ReachFrom(keyscan);
+  const std::vector<Chain> chains = ChainsNear(keyscan, reach, options_.recent, options_.max_chains);
+  std::vector<std::optional<Link>> links(chains.size());
+  ParallelFor(static_cast<int64_t>(chains.size()), options_.threads,
+              [&](int64_t i) {
+                const Chain& chain = chains[static_cast<size_t>(i)];
+                links[static_cast<size_t>(i)] =
+                    TryChain(keyscan, chain,
+                             reach[static_cast<size_t>(chain.nearest)]);
+              });
+  statistics_.tried += static_cast<int64_t>(chains.size());
+  bool moves = false;
+  for (const std::optional<Link>& link : links) {
+    if (!link.has_value()) continue;
+    ++statistics_.accepted;
+    statistics_.wide_accepted += link->wide ? 1 : 0;
+    moves = moves || SquaredError(link->constraint, poses_) > kMovesGraph;
+    Tie(link->constraint);
+    ++waiting_;
+  }
+  if (waiting_ == 0 || (!moves && waiting_ < kMaxWaiting)) return false;
+  Optimize();
+  return true;
+}
+
+void LoopCloser::Optimize() {
+  waiting_ = 0;
+  ++statistics_.optimizations;
+  std::vector<Rigid2> poses = poses_;
+  // What fails here leaves the poses as they were, which are of use.
+  if (!OptimizePoseGraph(constraints_, graph_, &poses).ok()) return;
+  poses_ = std::move(poses);
+  const size_t before = constraints_.size();
+  std::erase_if(constraints_, [this](const PoseConstraint& c) {
+    return c.may_be_wrong &&
+           SquaredError(c, poses_) > options_.max_squared_error;
+  });
+  if (constraints_.size() == before) return;
+  statistics_.dropped += static_cast<int64_t>(before - constraints_.size());
+  IndexConstraints();
+}
+
+void LoopCloser::Tie(const PoseConstraint& constraint) {
+  const int index = static_cast<int>(constraints_.size());
+  constraints_.push_back(constraint);
+  constraints_of_[static_cast<size_t>(constraint.from)].push_back(index);
+  constraints_of_[static_cast<size_t>(constraint.to)].push_back(index);
+}
+
+void LoopCloser::IndexConstraints() {
+  for (std::vector<int>& of : constraints_of_) of.clear();
+  for (size_t i = 0; i < constraints_.size(); ++i) {
+    const PoseConstraint& c = constraints_[i];
+    constraints_of_[static_cast<size_t>(c.from)].push_back(static_cast<int>(i));
+    constraints_of_[static_cast<size_t>(c.to)].push_back(static_cast<int>(i));
+  }
+}
+
+void LoopCloser::Polish(int rounds) {
+  if (!options_.enabled) return;
+  if (waiting_ > 0) Optimize();
+  for (int round = 0; round < rounds; ++round) Relink();
+}
+
+void LoopCloser::Relink() {
+  std::vector<std::vector<Link>> links(scans_.size());
+  ParallelFor(
+      static_cast<int64_t>(scans_.size()), options_.threads, [&](int64_t i) {
+        const int keyscan = static_cast<int>(i);
+        const std::vector<Chain> chains =
+            ChainsNear(keyscan, {}, options_.polish_recent,
+                       options_.polish_chains);
+        for (const Chain& chain : chains) {
+          const std::optional<Link> link = TryChain(keyscan, chain, Reach{.variance_m2 = 0});
+          if (link.has_value()) links[static_cast<size_t>(i)].push_back(*link);
+        }
+      });
+  std::erase_if(constraints_,
+                [](const PoseConstraint& c) { return c.may_be_wrong; });
+  for (const std::vector<Link>& of_keyscan : links) {
+    for (const Link& link : of_keyscan) {
+      constraints_.push_back(link.constraint);
+    }
+  }
+  IndexConstraints();
+  Optimize();
+}
+
+}  // namespace treeline

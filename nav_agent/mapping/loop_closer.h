@@ -1,0 +1,138 @@
+// The back end of laser SLAM: finds loops, and keeps the pose graph.
+#ifndef NAV_AGENT_MAPPING_LOOP_CLOSER_H_
+#define NAV_AGENT_MAPPING_LOOP_CLOSER_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "common/geometry/rigid2.h"
+#include "nav_agent/mapping/pose_graph.h"
+#include "nav_agent/mapping/scan_matcher.h"
+#include "nav_agent/mapping/scan_points.h"
+
+namespace treeline {
+
+struct LoopCloserOptions {
+  bool enabled = true;
+  // Keyscans as recent as this are the front end's matter.
+  int recent = 20;
+  // A chain is a run of at least min_chain keyscans, and is looked at up to
+  // max_chain of them, near the place in question; the nearest max_chains
+  // chains are tried for each keyscan.
+  int min_chain = 4;
+  int max_chain = 14;
+  int max_chains = 2;
+  // Two scans within this of each other see the same things (m).
+  double overlap_m = 4.0;
+  // The search about where the robot is believed to be: this many standard
+  // deviations of the graph's own estimate, and this part of the way there,
+  // within the limits.
+  double search_sigmas = 3.0;
+  double search_of_way = 0.02;
+  double min_search_m = 0.2;
+  double max_search_m = 4.0;
+  double min_search_rad = 0.1;
+  double max_search_rad = 0.6;
+  // Wide searches are made with this many keyscans at once, on coarse cells
+  // first, and must respond by this much.
+  int query_scans = 8;
+  double wide_m = 0.5;
+  double min_coarse_response = 0.55;
+  // What verifies a loop: response on fine cells, of the wide query or of the
+  // one scan, and how well the place is then known.
+  double min_wide_response = 0.60;
+  double min_response = 0.55;
+  double max_sigma_m = 0.15;
+  double max_sigma_rad = 0.05;
+  // Loops that the optimised graph contradicts by more than this squared error
+  // (3 degrees of freedom) are dropped.
+  double max_squared_error = 30.0;
+  // Chains for each keyscan when all is tied once more, and where they begin:
+  // nearer than `recent`, since the front end saw only what was behind.
+  int polish_chains = 3;
+  int polish_recent = 20;
+  // Threads for the chains of one keyscan; results do not depend on it.
+  int threads = 1;
+
+  absl::Status Validate() const;
+};
+
+struct LoopCloserStatistics {
+  int64_t tried = 0;
+  int64_t wide_tried = 0;
+  int64_t accepted = 0;
+  int64_t wide_accepted = 0;
+  int64_t dropped = 0;
+  int64_t optimizations = 0;
+};
+
+// Not thread-safe: one thread adds and asks.
+class LoopCloser {
+ public:
+  LoopCloser(const LoopCloserOptions& options,
+             const ScanMatcherOptions& matcher,
+             const PoseGraphOptions& graph)
+      : options_(options), matcher_(matcher), graph_(graph) {}
+
+  // The next keyscan and where it is relative to the one before (ignored for
+  // the first). Returns whether poses have changed.
+  bool Add(std::shared_ptr<const ScanPoints> scan,
+           const Rigid2& previous_from_this, const Covariance3& covariance);
+
+  // Ties every keyscan to its neighbours once more, now that all is known, and
+  // optimises: where loops were closed late, earlier passes were not compared
+  // with each other. `rounds` times.
+  void Polish(int rounds);
+
+  const std::vector<Rigid2>& map_from_keyscans() const { return poses_; }
+  const LoopCloserStatistics& statistics() const { return statistics_; }
+  std::span<const PoseConstraint> constraints() const { return constraints_; }
+
+ private:
+  struct Reach;
+  struct Chain {
+    int begin = 0;
+    int end = 0;  // one past the last
+    int nearest = 0;
+    double distance_m = 0;
+  };
+  struct Link {
+    PoseConstraint constraint;
+    bool wide = false;
+  };
+
+  std::vector<Reach> ReachFrom(int keyscan) const;
+  // reach empty: places are taken as they are.
+  std::vector<Chain> ChainsNear(int keyscan, const std::vector<Reach>& reach,
+                                int recent, int max_chains) const;
+  MatchSearch SearchFor(const Reach& reach) const;
+  std::optional<Link> TryChain(int keyscan, const Chain& chain,
+                               const Reach& reach) const;
+  std::optional<Link> Verified(int keyscan, const Chain& chain,
+                               const ScanMatch& match, bool wide) const;
+  ScanPoints QueryScan(int keyscan, int count) const;
+  std::vector<PlacedScan> Placed(const Chain& chain) const;
+  void Optimize();
+  void Tie(const PoseConstraint& constraint);
+  void IndexConstraints();
+  void Relink();
+
+  const LoopCloserOptions options_;
+  const ScanMatcherOptions matcher_;
+  const PoseGraphOptions graph_;
+  std::vector<std::shared_ptr<const ScanPoints>> scans_;
+  std::vector<Rigid2> poses_;
+  std::vector<double> way_m_;  // travelled until keyscan i
+  std::vector<PoseConstraint> constraints_;
+  std::vector<std::vector<int>> constraints_of_;  // a keyscan
+  int waiting_ = 0;  // links that were not optimised yet
+  LoopCloserStatistics statistics_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_MAPPING_LOOP_CLOSER_H_

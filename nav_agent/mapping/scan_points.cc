@@ -1,0 +1,77 @@
+#include "nav_agent/mapping/scan_points.h"
+
+#include <cmath>
+
+namespace treeline {
+namespace {
+
+// Whether one surface explains both returns: a and b from the origin, ranges
+// and angle between the beams known.
+bool OnOneSurface(Vec2 a, Vec2 b, double nearer_m, double increment_rad,
+                  const ScanPointOptions& options) {
+  const double gap_m = Norm(b - a);
+  if (gap_m > options.max_join_m) return false;
+  // Beams increment apart that hit a surface at an angle g are
+  // r * increment / sin(g) apart on it.
+  return nearer_m * increment_rad >=
+         gap_m * std::sin(options.min_incidence_rad);
+}
+
+}  // namespace
+
+absl::Status ScanPointOptions::Validate() const {
+  if (!(max_range_m > 0) || !(spacing_m >= 0) || !(max_join_m >= 0) ||
+      !(min_incidence_rad >= 0) || !(min_incidence_rad < 1.57) ||
+      !(max_height_m > min_height_m)) {
+    return absl::InvalidArgumentError(
+        "scan points: lengths must be 0 or more, max_range_m above 0, "
+        "min_incidence_rad from 0 to 1.57, max_height_m above min_height_m");
+  }
+  return absl::OkStatus();
+}
+
+ScanPoints MakeScanPoints(std::span<const float> ranges_m,
+                          const RangeSensorInfo& laser,
+                          const Rigid3& level_from_laser,
+                          const ScanPointOptions& options) {
+  ScanPoints scan;
+  int last_beam = -2;       // of the return before this one
+  Vec2 last_return;         // where it was
+  double last_range_m = 0;
+  bool surface = false;     // since the last kept point
+  for (int beam = 0; beam < static_cast<int>(ranges_m.size()); ++beam) {
+    const double range_m = ranges_m[static_cast<size_t>(beam)];
+    if (!std::isfinite(range_m) || range_m <= laser.range_min_m ||
+        range_m > options.max_range_m ||
+        (laser.range_max_m > 0 && range_m >= laser.range_max_m)) {
+      continue;
+    }
+    const double angle_rad = laser.AngleOf_rad(beam);
+    const Vec3 point = level_from_laser * Vec3{range_m * std::cos(angle_rad),
+                                               range_m * std::sin(angle_rad),
+                                               0};
+    if (point.z < options.min_height_m || point.z > options.max_height_m) {
+      continue;
+    }
+    const Vec2 here = {point.x, point.y};
+    const bool joins =
+        beam == last_beam + 1 &&
+        OnOneSurface(last_return, here, std::min(last_range_m, range_m),
+                     std::abs(laser.angle_increment_rad), options);
+    surface = (last_beam >= 0) && joins && (surface || !scan.empty());
+    last_beam = beam;
+    last_return = here;
+    last_range_m = range_m;
+    if (!scan.empty() && joins && surface &&
+        Norm(here - scan.points_m.back()) < options.spacing_m) {
+      continue;
+    }
+    if (!scan.empty()) scan.joined.back() = surface ? 1 : 0;
+    scan.points_m.push_back(here);
+    scan.joined.push_back(0);
+    surface = true;
+  }
+  return scan;
+}
+
+}  // namespace treeline

@@ -1,0 +1,74 @@
+// How near every place is to a surface that reference scans have seen.
+#ifndef NAV_AGENT_MAPPING_SURFACE_GRID_H_
+#define NAV_AGENT_MAPPING_SURFACE_GRID_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/geometry/rigid2.h"
+#include "nav_agent/mapping/scan_points.h"
+
+namespace treeline {
+
+// A scan at its place in the frame that it is a reference in.
+struct PlacedScan {
+  const ScanPoints* scan = nullptr;
+  Rigid2 target_from_scan;
+};
+
+// A lookup grid: each cell holds exp(-d^2 / (2 sigma^2)), scaled to 255, for
+// the distance d of its centre to the nearest surface, 0 beyond kReach sigma,
+// and which surface that is. Surfaces are the pieces between joined points;
+// points of their own are pieces of length 0.
+//
+// Level h of the pyramid holds at (x, y) the largest of the 2^h x 2^h cells
+// from there on, which bounds the response of all poses that are up to that
+// many cells farther (Hess et al., "Real-Time Loop Closure in 2D LIDAR SLAM",
+// ICRA 2016).
+class SurfaceGrid {
+ public:
+  static constexpr double kReach = 3.0;
+
+  struct Piece {
+    Vec2 begin;
+    Vec2 end;
+  };
+
+  // Square, axes as the target's, 2 * half_extent_m wide about the centre.
+  SurfaceGrid(Vec2 center_in_target, double half_extent_m, double cell_m,
+              double sigma_m);
+
+  void Draw(const PlacedScan& scan);
+  // After all drawing: levels 0 to `levels` - 1.
+  void BuildPyramid(int levels);
+
+  int width() const { return width_; }
+  double cell_m() const { return cell_m_; }
+  double sigma_m() const { return sigma_m_; }
+  Vec2 origin() const { return origin_; }  // the lower left corner
+  int levels() const { return static_cast<int>(levels_.size()); }
+  const uint8_t* level(int h) const {
+    return levels_[static_cast<size_t>(h)].data();
+  }
+  // The nearest piece to a place, or nothing if none is in reach.
+  const Piece* NearestPiece(Vec2 point_in_target) const;
+
+ private:
+  void DrawPiece(const Piece& piece);
+
+  double cell_m_;
+  double sigma_m_;
+  int width_;
+  Vec2 origin_;
+  std::vector<std::vector<uint8_t>> levels_;
+  std::vector<int32_t> nearest_;
+  std::vector<Piece> pieces_;
+  // 255 exp(...) by squared distance in 1 / kStepsPerCell2 of a cell squared.
+  std::vector<uint8_t> table_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_MAPPING_SURFACE_GRID_H_

@@ -1,0 +1,84 @@
+#include "nav_agent/mapping/trajectory_score.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace treeline {
+namespace {
+
+ErrorSummary Summarize(std::vector<double> errors) {
+  std::sort(errors.begin(), errors.end());
+  ErrorSummary summary;
+  double square = 0;
+  for (const double error : errors) {
+    summary.mean += error;
+    square += error * error;
+  }
+  const auto count = static_cast<double>(errors.size());
+  summary.mean /= count;
+  summary.rmse = std::sqrt(square / count);
+  summary.median = errors[errors.size() / 2];
+  summary.max = errors.back();
+  return summary;
+}
+
+}  // namespace
+
+std::optional<Rigid2> PoseAt(std::span<const TrajectoryPose> trajectory,
+                             RecordingTime time,
+                             const RelationScoreOptions& options) {
+  // A microsecond: how stamps are rounded in files.
+  constexpr double kSame_s = 1.5e-6;
+  const auto after = std::lower_bound(
+      trajectory.begin(), trajectory.end(), time,
+      [](const TrajectoryPose& pose, RecordingTime t) {
+        return pose.stamp < t;
+      });
+  if (after != trajectory.end() &&
+      SecondsBetween(time, after->stamp) <= kSame_s) {
+    return after->map_from_base;
+  }
+  if (after == trajectory.begin()) return std::nullopt;
+  const auto before = after - 1;
+  const double since_s = SecondsBetween(before->stamp, time);
+  if (since_s <= kSame_s) return before->map_from_base;
+  if (after == trajectory.end()) return std::nullopt;
+  const double until_s = SecondsBetween(time, after->stamp);
+  const Rigid2 step = before->map_from_base.Inverse() * after->map_from_base;
+  if (std::min(since_s, until_s) > options.max_gap_s ||
+      Norm(step.translation) > options.max_step_m ||
+      std::abs(step.yaw_rad) > options.max_step_rad) {
+    return std::nullopt;
+  }
+  const double part = since_s / (since_s + until_s);
+  return before->map_from_base *
+         Rigid2{part * step.translation, part * step.yaw_rad};
+}
+
+absl::StatusOr<RelationScore> ScoreRelations(
+    std::span<const TrajectoryPose> trajectory,
+    std::span<const PoseRelation> relations,
+    const RelationScoreOptions& options) {
+  std::vector<double> translation_m;
+  std::vector<double> rotation_rad;
+  for (const PoseRelation& relation : relations) {
+    const auto from = PoseAt(trajectory, relation.from, options);
+    const auto to = PoseAt(trajectory, relation.to, options);
+    if (!from.has_value() || !to.has_value()) continue;
+    const Rigid2 error = relation.from_base_from_to_base.Inverse() *
+                         (from->Inverse() * *to);
+    translation_m.push_back(Norm(error.translation));
+    rotation_rad.push_back(std::abs(NormalizedAngle_rad(error.yaw_rad)));
+  }
+  if (translation_m.empty()) {
+    return absl::InvalidArgumentError(
+        "no relation lies within the trajectory's time");
+  }
+  return RelationScore{
+      .used = static_cast<int>(translation_m.size()),
+      .left_out = static_cast<int>(relations.size() - translation_m.size()),
+      .translation_m = Summarize(std::move(translation_m)),
+      .rotation_rad = Summarize(std::move(rotation_rad))};
+}
+
+}  // namespace treeline

@@ -1,0 +1,470 @@
+#include "nav_agent/traversability/levels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace treeline {
+namespace {
+
+constexpr uint32_t kNone = 0xffffffff;
+// Levels are cut apart only for ground that lies above other ground on at
+// least this area; less is a measuring error.
+constexpr double kMinOverlapArea_m2 = 0.25;
+// And on this much at each pair of heights.
+constexpr double kMinPairArea_m2 = 0.05;
+// Ground is looked for this far from a cell that has none, to tell walls from
+// what is unknown.
+constexpr double kWallReach_m = 0.5;
+// The part of a surface's border that must be drops for it to be furniture.
+constexpr double kDropShare = 0.25;
+constexpr uint8_t kSmallFloor = 1;
+constexpr uint8_t kLargeFloor = 2;
+
+double Slope_rad(const GroundNode& node, double resolution_m) {
+  if (node.edge) return LayerGradient_rad(resolution_m, resolution_m, 0);
+  // Layers are one voxel apart, so their edges lie 1 / gradient voxels apart.
+  const double gradient = std::hypot(node.gradient_x, node.gradient_y);
+  if (gradient == 0) return 0;
+  return LayerGradient_rad(resolution_m, resolution_m, 1 / gradient);
+}
+
+// ---- which ground is part of a floor ----
+
+// Sets that are merged (Tarjan's union by index, with path halving).
+class DisjointSets {
+ public:
+  explicit DisjointSets(size_t count) : parents_(count) {
+    for (size_t i = 0; i < count; ++i) parents_[i] = static_cast<uint32_t>(i);
+  }
+  uint32_t Find(uint32_t i) {
+    while (parents_[i] != i) {
+      parents_[i] = parents_[parents_[i]];
+      i = parents_[i];
+    }
+    return i;
+  }
+  // The lower index stays, so that names do not depend on the order.
+  void Merge(uint32_t a, uint32_t b) {
+    a = Find(a);
+    b = Find(b);
+    parents_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<uint32_t> parents_;
+};
+
+// A connected patch of ground, named after its first node.
+struct Patch {
+  uint32_t nodes = 0;
+  uint32_t border = 0;
+  uint32_t drops = 0;  // edges of drops beside it
+};
+
+// What is said of each node besides what GroundNode says.
+struct NodeFacts {
+  std::vector<float> slope_rad;
+  std::vector<uint8_t> good;   // not steep, narrow or an edge
+  // 0, or good and in a patch that is no furniture: kSmallFloor or kLargeFloor.
+  std::vector<uint8_t> floor;
+};
+
+template <typename Function>
+void ForEachNode(const GroundColumns& ground, const Function& function) {
+  const ColumnRect& rect = ground.rect;
+  for (int y = rect.begin_y; y < rect.end_y; ++y) {
+    for (int x = rect.begin_x; x < rect.end_x; ++x) {
+      const size_t column = ground.ColumnOf(x, y);
+      for (uint32_t i = ground.begin[column]; i < ground.begin[column + 1];
+           ++i) {
+        function(x, y, i);
+      }
+    }
+  }
+}
+
+// The node that `i` of column (x, y) is linked to in direction d.
+uint32_t LinkedNode(const GroundColumns& ground, int x, int y, uint32_t i,
+                    size_t d) {
+  const uint8_t slot = ground.nodes[i].link[d];
+  if (slot == kNoLink) return kNone;
+  return ground.begin[ground.ColumnOf(x + kNeighbors[d].x,
+                                      y + kNeighbors[d].y)] +
+         slot;
+}
+
+std::vector<Patch> MeasurePatches(const GroundColumns& ground,
+                                  const NodeFacts& facts, DisjointSets& sets) {
+  ForEachNode(ground, [&](int x, int y, uint32_t i) {
+    if (facts.good[i] == 0) return;
+    for (const size_t d : {size_t{0}, size_t{2}}) {
+      const uint32_t other = LinkedNode(ground, x, y, i, d);
+      if (other != kNone && facts.good[other] != 0) sets.Merge(i, other);
+    }
+  });
+  std::vector<Patch> patches(ground.nodes.size());
+  ForEachNode(ground, [&](int x, int y, uint32_t i) {
+    if (facts.good[i] != 0) {
+      Patch& patch = patches[sets.Find(i)];
+      ++patch.nodes;
+      bool border = false;
+      for (size_t d = 0; d < 8; d += 2) {
+        const uint32_t other = LinkedNode(ground, x, y, i, d);
+        border = border || other == kNone || facts.good[other] == 0;
+      }
+      if (border) ++patch.border;
+    } else if (ground.nodes[i].edge) {
+      for (size_t d = 0; d < 8; d += 2) {
+        const uint32_t other = LinkedNode(ground, x, y, i, d);
+        if (other == kNone || facts.good[other] == 0) continue;
+        ++patches[sets.Find(other)].drops;
+        break;
+      }
+    }
+  });
+  return patches;
+}
+
+NodeFacts FindFacts(const GroundColumns& ground,
+                    const TraversabilityOptions& options, double resolution_m) {
+  NodeFacts facts;
+  facts.slope_rad.reserve(ground.nodes.size());
+  facts.good.reserve(ground.nodes.size());
+  for (const GroundNode& node : ground.nodes) {
+    const double slope_rad = Slope_rad(node, resolution_m);
+    facts.slope_rad.push_back(static_cast<float>(slope_rad));
+    facts.good.push_back(!node.edge && !node.narrow && node.seen &&
+                                 slope_rad < options.max_slope_rad
+                             ? 1
+                             : 0);
+  }
+  DisjointSets sets(ground.nodes.size());
+  const std::vector<Patch> patches = MeasurePatches(ground, facts, sets);
+  const auto is_large = [&](uint32_t i) {
+    return patches[sets.Find(i)].nodes * resolution_m * resolution_m >=
+           options.min_platform_area_m2;
+  };
+  std::set<int> heights;
+  facts.floor.resize(ground.nodes.size());
+  for (uint32_t i = 0; i < ground.nodes.size(); ++i) {
+    if (facts.good[i] == 0 || !is_large(i)) continue;
+    facts.floor[i] = kLargeFloor;
+    heights.insert(ground.nodes[i].z);
+  }
+  // Small patches are floor if they seem to be seen through a gap: at a large
+  // one's height, and not ending in drops.
+  for (uint32_t i = 0; i < ground.nodes.size(); ++i) {
+    if (facts.good[i] == 0 || is_large(i)) continue;
+    const Patch& patch = patches[sets.Find(i)];
+    const int z = ground.nodes[i].z;
+    const bool at_height = heights.empty() || heights.contains(z - 1) ||
+                           heights.contains(z) || heights.contains(z + 1);
+    facts.floor[i] =
+        at_height && patch.drops < kDropShare * patch.border ? kSmallFloor : 0;
+  }
+  return facts;
+}
+
+// ---- where levels are cut apart ----
+
+// Heights of ground in one column that a robot could be at both.
+struct Overlap {
+  int upper = 0;
+  int lower = 0;
+  int64_t columns = 0;
+};
+
+// By the upper height.
+std::vector<Overlap> FindOverlaps(const GroundColumns& ground,
+                                  const NodeFacts& facts, int robot_height,
+                                  double cell_m2) {
+  std::map<std::pair<int, int>, int64_t> counts;
+  for (size_t column = 0; column + 1 < ground.begin.size(); ++column) {
+    if (ground.begin[column + 1] - ground.begin[column] < 2) continue;
+    int lower = -1;
+    for (uint32_t i = ground.begin[column]; i < ground.begin[column + 1]; ++i) {
+      if (facts.floor[i] != kLargeFloor) continue;
+      const GroundNode& node = ground.nodes[i];
+      if (lower >= 0) ++counts[{node.z, lower}];
+      lower = node.clearance >= robot_height ? node.z : -1;
+    }
+  }
+  std::vector<Overlap> overlaps;
+  overlaps.reserve(counts.size());
+  for (const auto& [heights, columns] : counts) {
+    if (static_cast<double>(columns) * cell_m2 < kMinPairArea_m2) continue;
+    overlaps.push_back({heights.first, heights.second, columns});
+  }
+  return overlaps;
+}
+
+// The fewest heights so that one lies in each overlap's (lower, upper], from
+// the bottom up: the classic greedy stabbing. Within the heights that serve a
+// cut's overlaps alike it takes the highest with little ground at it.
+std::vector<int> FindCuts(const GroundColumns& ground, const NodeFacts& facts,
+                          const std::vector<Overlap>& overlaps,
+                          double resolution_m) {
+  const auto min_columns = static_cast<int64_t>(
+      std::ceil(kMinOverlapArea_m2 / (resolution_m * resolution_m)));
+  std::map<int, int64_t> ground_at;
+  if (!overlaps.empty()) {
+    for (size_t i = 0; i < ground.nodes.size(); ++i) {
+      if (facts.floor[i] == kLargeFloor) ++ground_at[ground.nodes[i].z];
+    }
+  }
+  std::vector<int> cuts;
+  size_t i = 0;
+  while (i < overlaps.size()) {
+    // The lowest upper height with enough area up to it.
+    const int last_cut = cuts.empty() ? -1 : cuts.back();
+    int64_t columns = 0;
+    int highest_lower = -1;
+    size_t end = i;
+    int upper = overlaps[i].upper;
+    for (; end < overlaps.size(); ++end) {
+      const Overlap& overlap = overlaps[end];
+      if (last_cut > overlap.lower) continue;
+      if (columns > 0 && overlap.lower >= upper) break;
+      if (columns == 0) upper = overlap.upper;
+      columns += overlap.columns;
+      highest_lower = std::max(highest_lower, overlap.lower);
+    }
+    if (columns >= min_columns) {
+      int cut = upper;
+      int64_t least = std::numeric_limits<int64_t>::max();
+      for (int z = upper; z > highest_lower; --z) {
+        const auto at = ground_at.find(z);
+        const int64_t here = at == ground_at.end() ? 0 : at->second;
+        if (here < least) {
+          least = here;
+          cut = z;
+        }
+      }
+      cuts.push_back(cut);
+    }
+    i = end;
+  }
+  return cuts;
+}
+
+// ---- levels ----
+
+class LevelMaker {
+ public:
+  LevelMaker(const VoxelMap& voxels, const GroundColumns& ground,
+             const NodeFacts& facts, const VoxelLimits& limits)
+      : voxels_(voxels), ground_(ground), facts_(facts), limits_(limits) {}
+
+  // Of ground at heights [begin_z, end_z). `chosen` gets its node for each
+  // cell.
+  TraversableLevel Make(int begin_z, int end_z,
+                        std::vector<uint32_t>& chosen) const {
+    const int width = voxels_.size().x;
+    const int height = voxels_.size().y;
+    const double r = voxels_.resolution_m();
+    TraversableLevel level;
+    level.grid = OccupancyGrid::Filled(
+        width, height, r,
+        {.translation = {voxels_.lowest().x * r, voxels_.lowest().y * r},
+         .yaw_rad = 0},
+        Occupancy::kUnknown);
+    const size_t cells = level.grid.cells.size();
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    level.height_m.assign(cells, kNan);
+    level.slope_rad.assign(cells, kNan);
+    level.clearance_m.assign(cells, kNan);
+    chosen.resize(cells);
+    for (size_t i = 0; i < cells; ++i) {
+      chosen[i] = Choose(i, begin_z, end_z);
+      if (chosen[i] != kNone) FillCell(i, chosen[i], level);
+    }
+    MarkWalls(chosen, level);
+    CloseSeams(chosen, level);
+    return level;
+  }
+
+ private:
+  // The lowest floor that the robot fits on; else the highest floor; else the
+  // lowest surface that was seen.
+  uint32_t Choose(size_t column, int begin_z, int end_z) const {
+    uint32_t best = kNone;
+    bool best_is_floor = false;
+    for (uint32_t i = ground_.begin[column]; i < ground_.begin[column + 1];
+         ++i) {
+      const GroundNode& node = ground_.nodes[i];
+      if (node.z < begin_z || node.z >= end_z || !node.seen) continue;
+      if (facts_.floor[i] != 0) {
+        if (node.clearance >= limits_.robot_height) return i;
+        best = i;
+        best_is_floor = true;
+      } else if (best == kNone && !best_is_floor) {
+        best = i;
+      }
+    }
+    return best;
+  }
+
+  void FillCell(size_t cell, uint32_t i, TraversableLevel& level) const {
+    const GroundNode& node = ground_.nodes[i];
+    const double r = voxels_.resolution_m();
+    const bool free =
+        facts_.floor[i] != 0 && node.clearance >= limits_.robot_height;
+    level.grid.cells[cell] = free ? Occupancy::kFree : Occupancy::kOccupied;
+    level.height_m[cell] =
+        static_cast<float>((voxels_.lowest().z + node.z + 0.5) * r);
+    level.slope_rad[cell] = facts_.slope_rad[i];
+    level.clearance_m[cell] =
+        node.clearance == kOpenAbove
+            ? std::numeric_limits<float>::infinity()
+            : static_cast<float>(node.clearance * r);
+  }
+
+  // A cell without ground is occupied if something rises there from the floor
+  // next to it, and unknown otherwise.
+  void MarkWalls(const std::vector<uint32_t>& chosen,
+                 TraversableLevel& level) const {
+    const OccupancyGrid& grid = level.grid;
+    std::vector<int> height(chosen.size(), -1);
+    std::vector<size_t> front;
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      if (chosen[i] == kNone || facts_.floor[chosen[i]] == 0) continue;
+      height[i] = ground_.nodes[chosen[i]].z;
+      front.push_back(i);
+    }
+    const int reach =
+        static_cast<int>(kWallReach_m / voxels_.resolution_m());
+    std::vector<size_t> next;
+    for (int distance = 0; distance < reach; ++distance) {
+      next.clear();
+      for (const size_t i : front) {
+        const auto width = static_cast<size_t>(grid.width);
+        const CellIndex cell{static_cast<int>(i % width),
+                             static_cast<int>(i / width)};
+        for (size_t d = 0; d < 8; d += 2) {
+          const CellIndex to{cell.x + kNeighbors[d].x,
+                             cell.y + kNeighbors[d].y};
+          if (!grid.Contains(to) || height[grid.IndexOf(to)] >= 0) continue;
+          height[grid.IndexOf(to)] = height[i];
+          next.push_back(grid.IndexOf(to));
+          MarkWall(to, height[i], chosen, level);
+        }
+      }
+      front.swap(next);
+    }
+  }
+
+  // Where a level changes over from one ground to another above it, nothing
+  // leads from cell to cell: the upper one's last cells are occupied.
+  void CloseSeams(const std::vector<uint32_t>& chosen,
+                  TraversableLevel& level) const {
+    OccupancyGrid& grid = level.grid;
+    for (int y = 0; y < grid.height; ++y) {
+      for (int x = 0; x < grid.width; ++x) {
+        const size_t cell = grid.IndexOf({x, y});
+        if (grid.cells[cell] != Occupancy::kFree) continue;
+        const GroundNode& node = ground_.nodes[chosen[cell]];
+        for (size_t d = 0; d < kNeighbors.size(); ++d) {
+          const CellIndex to{x + kNeighbors[d].x, y + kNeighbors[d].y};
+          if (!grid.Contains(to) || chosen[grid.IndexOf(to)] == kNone) continue;
+          const size_t beyond = grid.IndexOf(to);
+          if (facts_.floor[chosen[beyond]] == 0) continue;
+          const int drop = node.z - ground_.nodes[chosen[beyond]].z;
+          if (drop > limits_.step) grid.cells[cell] = Occupancy::kOccupied;
+        }
+      }
+    }
+  }
+
+  void MarkWall(CellIndex cell, int floor_z,
+                const std::vector<uint32_t>& chosen,
+                TraversableLevel& level) const {
+    if (chosen[level.grid.IndexOf(cell)] != kNone) return;
+    for (int z = floor_z + limits_.step + 1;
+         z <= floor_z + limits_.robot_height; ++z) {
+      if (voxels_.At({cell.x, cell.y, z}) == Voxel::kOccupied) {
+        level.grid.Set(cell, Occupancy::kOccupied);
+        return;
+      }
+    }
+  }
+
+  const VoxelMap& voxels_;
+  const GroundColumns& ground_;
+  const NodeFacts& facts_;
+  const VoxelLimits& limits_;
+};
+
+// The free cells that both levels have the same ground at, grouped where they
+// touch.
+std::vector<LevelJoin> FindJoins(const TraversableMap& map, int lower,
+                                 const std::vector<uint32_t>& lower_chosen,
+                                 const std::vector<uint32_t>& upper_chosen) {
+  const OccupancyGrid& grid = map.levels[static_cast<size_t>(lower)].grid;
+  std::vector<uint8_t> shared(lower_chosen.size());
+  for (size_t i = 0; i < shared.size(); ++i) {
+    shared[i] = lower_chosen[i] != kNone &&
+                        lower_chosen[i] == upper_chosen[i] &&
+                        grid.cells[i] == Occupancy::kFree
+                    ? 1
+                    : 0;
+  }
+  std::vector<LevelJoin> joins;
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      if (shared[grid.IndexOf({x, y})] == 0) continue;
+      LevelJoin join{
+          .lower_level = lower, .upper_level = lower + 1, .cells = {{x, y}}};
+      shared[grid.IndexOf({x, y})] = 0;
+      for (size_t i = 0; i < join.cells.size(); ++i) {
+        const CellIndex cell = join.cells[i];
+        for (const GridStep& step : kNeighbors) {
+          const CellIndex to{cell.x + step.x, cell.y + step.y};
+          if (!grid.Contains(to) || shared[grid.IndexOf(to)] == 0) continue;
+          shared[grid.IndexOf(to)] = 0;
+          join.cells.push_back(to);
+        }
+      }
+      joins.push_back(std::move(join));
+    }
+  }
+  return joins;
+}
+
+}  // namespace
+
+TraversableMap MakeLevels(const VoxelMap& voxels, const GroundColumns& ground,
+                          const TraversabilityOptions& options) {
+  const double r = voxels.resolution_m();
+  const VoxelLimits limits(options, r);
+  const NodeFacts facts = FindFacts(ground, options, r);
+  std::vector<int> cuts =
+      FindCuts(ground, facts, FindOverlaps(ground, facts, limits.robot_height, r * r),
+               r);
+  const int top = voxels.size().z;
+  const LevelMaker maker(voxels, ground, facts, limits);
+  TraversableMap map;
+  std::vector<uint32_t> chosen;
+  std::vector<uint32_t> chosen_below;
+  for (size_t level = 0; level <= cuts.size(); ++level) {
+    const int begin = level == 0 ? 0 : cuts[level - 1] - limits.overlap;
+    const int end = level == cuts.size() ? top : cuts[level] + limits.overlap;
+    map.levels.push_back(maker.Make(begin, end, chosen));
+    if (level > 0) {
+      std::vector<LevelJoin> joins = FindJoins(
+          map, static_cast<int>(level) - 1, chosen_below, chosen);
+      map.joins.insert(map.joins.end(),
+                       std::make_move_iterator(joins.begin()),
+                       std::make_move_iterator(joins.end()));
+    }
+    chosen_below.swap(chosen);
+  }
+  return map;
+}
+
+}  // namespace treeline

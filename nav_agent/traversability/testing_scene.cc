@@ -1,0 +1,270 @@
+#include "nav_agent/traversability/testing_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/base/random.h"
+
+namespace treeline {
+namespace {
+
+constexpr int kSamples = 3;  // of a cell, each way
+constexpr double kDrop_m = 0.11;
+
+// What is at a point of the plane.
+struct Truth {
+  bool free = false;
+  bool stairs = false;
+  double height_m = -1;
+};
+
+struct Solid {
+  double bottom_m = 0;
+  double top_m = 0;
+  BlockKind kind = BlockKind::kGround;
+};
+
+std::vector<Solid> SolidsAt(const Scene& scene, Vec2 point) {
+  std::vector<Solid> solids;
+  for (const Block& block : scene.blocks) {
+    const Vec2 offset = point - block.scene_from_block.translation;
+    const double reach_m = block.half_x_m + block.half_y_m;
+    // Cheaper than the block's own frame, and rules out most.
+    if (std::abs(offset.x) > reach_m || std::abs(offset.y) > reach_m) continue;
+    if (const std::optional<double> top_m = block.TopAt(point)) {
+      solids.push_back({*top_m - block.thickness_m, *top_m, block.kind});
+    }
+  }
+  std::sort(solids.begin(), solids.end(),
+            [](const Solid& a, const Solid& b) { return a.top_m < b.top_m; });
+  return solids;
+}
+
+Truth TruthAt(const Scene& scene, Vec2 point, double robot_height_m,
+              double begin_z_m, double end_z_m) {
+  const std::vector<Solid> solids = SolidsAt(scene, point);
+  Truth truth;
+  bool found = false;
+  for (size_t i = 0; i < solids.size(); ++i) {
+    const Solid& solid = solids[i];
+    if (solid.top_m < begin_z_m || solid.top_m >= end_z_m) continue;
+    double room_m = 100;
+    for (size_t j = i + 1; j < solids.size(); ++j) {
+      room_m = std::min(room_m, solids[j].bottom_m - solid.top_m);
+    }
+    if (room_m <= 0) continue;  // inside of another
+    const bool free =
+        solid.kind == BlockKind::kGround && room_m >= robot_height_m;
+    if (found && !free) continue;
+    truth = {.free = free,
+             .stairs = solid.kind == BlockKind::kStairs,
+             .height_m = solid.top_m};
+    found = true;
+    if (free) break;
+  }
+  return truth;
+}
+
+// Truths of all samples, rows of kSamples * cells.
+struct TruthGrid {
+  int width = 0;
+  int height = 0;
+  std::vector<Truth> samples;
+
+  const Truth& At(int x, int y) const {
+    return samples[static_cast<size_t>(y) * static_cast<size_t>(width) +
+                   static_cast<size_t>(x)];
+  }
+};
+
+// What the samples [begin, end) of both axes have in common.
+struct TruthSpan {
+  bool any_free = false;
+  bool all_free = true;
+  bool all_stairs = true;
+  double lowest_m = 1e9;
+  double highest_m = -1e9;
+};
+
+TruthSpan SpanOf(const TruthGrid& truth, CellIndex cell, int border) {
+  TruthSpan span;
+  const auto clip = [](int i, int size) { return std::clamp(i, 0, size); };
+  const int begin_y = clip((cell.y - border) * kSamples, truth.height);
+  const int end_y = clip((cell.y + 1 + border) * kSamples, truth.height);
+  const int begin_x = clip((cell.x - border) * kSamples, truth.width);
+  const int end_x = clip((cell.x + 1 + border) * kSamples, truth.width);
+  for (int y = begin_y; y < end_y; ++y) {
+    for (int x = begin_x; x < end_x; ++x) {
+      const Truth& sample = truth.At(x, y);
+      span.any_free = span.any_free || sample.free;
+      span.all_free = span.all_free && sample.free;
+      span.all_stairs = span.all_stairs && sample.stairs;
+      span.lowest_m = std::min(span.lowest_m, sample.height_m);
+      span.highest_m = std::max(span.highest_m, sample.height_m);
+    }
+  }
+  return span;
+}
+
+}  // namespace
+
+std::optional<double> Block::TopAt(Vec2 point) const {
+  const Vec2 local = scene_from_block.Inverse() * point;
+  if (std::abs(local.x) > half_x_m || std::abs(local.y) > half_y_m) {
+    return std::nullopt;
+  }
+  const double part = (local.x + half_x_m) / (2 * half_x_m);
+  return top_begin_m + part * (top_end_m - top_begin_m);
+}
+
+Scene Scene::WithFloor(double size_x_m, double size_y_m) {
+  Scene scene{.size_x_m = size_x_m, .size_y_m = size_y_m, .top_m = 3,
+              .blocks = {}};
+  scene.AddBox(BlockKind::kGround, {0, 0}, {size_x_m, size_y_m}, kFloor_m);
+  return scene;
+}
+
+void Scene::AddBox(BlockKind kind, Vec2 low, Vec2 high, double box_top_m,
+                   double thickness_m) {
+  blocks.push_back({.kind = kind,
+                    .scene_from_block = {.translation = 0.5 * (low + high),
+                                         .yaw_rad = 0},
+                    .half_x_m = (high.x - low.x) / 2,
+                    .half_y_m = (high.y - low.y) / 2,
+                    .top_begin_m = box_top_m,
+                    .top_end_m = box_top_m,
+                    .thickness_m = thickness_m});
+}
+
+VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise,
+                  double resolution_m) {
+  const double r = resolution_m;
+  const auto cells = [r](double length_m) {
+    return static_cast<int>(std::lround(length_m / r));
+  };
+  constexpr int kBelow = 4;
+  const int size_z = cells(scene.top_m) + kBelow;
+  VoxelMap map = *VoxelMap::Make(
+      r, {.x = 0, .y = 0, .z = -kBelow},
+      {cells(scene.size_x_m), cells(scene.size_y_m), size_z});
+  const auto height = static_cast<size_t>(size_z);
+  for (int y = 0; y < map.size().y; ++y) {
+    for (int x = 0; x < map.size().x; ++x) {
+      std::vector<int> inside(height);   // samples that are all solid
+      std::vector<int> touched(height);  // samples that are partly solid
+      for (int sample = 0; sample < kSamples * kSamples; ++sample) {
+        const Vec2 point{(x + (sample % kSamples + 0.5) / kSamples) * r,
+                         (y + (sample / kSamples + 0.5) / kSamples) * r};
+        std::vector<uint8_t> solid_here(height);
+        for (const Solid& solid : SolidsAt(scene, point)) {
+          const double begin = solid.bottom_m / r + kBelow;
+          const double end = solid.top_m / r + kBelow;
+          const int low = std::max(0, static_cast<int>(std::floor(begin)));
+          for (int z = low; z < std::min<double>(size_z, end); ++z) {
+            uint8_t& here = solid_here[static_cast<size_t>(z)];
+            // What ends between two voxels is seen in the inner one.
+            here = begin < z && z + 1 < end ? 2 : std::max<uint8_t>(here, 1);
+          }
+        }
+        for (size_t z = 0; z < height; ++z) {
+          if (solid_here[z] != 0) ++touched[z];
+          if (solid_here[z] == 2) ++inside[z];
+        }
+      }
+      for (int z = 0; z < size_z; ++z) {
+        const auto i = static_cast<size_t>(z);
+        const Voxel value = touched[i] == 0 ? Voxel::kFree
+                            : inside[i] == kSamples * kSamples
+                                ? Voxel::kUnknown
+                                : Voxel::kOccupied;
+        map.Set({x, y, z}, value);
+      }
+    }
+  }
+  if (noise.dropped == 0 && noise.near == 0 && noise.far == 0) return map;
+  const VoxelMap exact = map;
+  Random random(noise.seed, 0);
+  for (int y = 0; y < map.size().y; ++y) {
+    for (int x = 0; x < map.size().x; ++x) {
+      for (int z = 0; z < size_z; ++z) {
+        const double draw = random.NextUnit();
+        const Voxel value = exact.At({x, y, z});
+        if (value == Voxel::kOccupied && draw < noise.dropped) {
+          map.Set({x, y, z},
+                  draw < noise.dropped / 2 ? Voxel::kFree : Voxel::kUnknown);
+        } else if (value == Voxel::kFree) {
+          bool near = false;
+          for (int dz = -2; dz <= 2; ++dz) {
+            near = near || exact.At({x, y, z + dz}) == Voxel::kOccupied;
+          }
+          if (draw < (near ? noise.near : noise.far)) {
+            map.Set({x, y, z}, Voxel::kOccupied);
+          }
+        }
+      }
+    }
+  }
+  return map;
+}
+
+Score ScoreLevel(const Scene& scene, const TraversableLevel& level,
+                 double robot_height_m, double begin_z_m, double end_z_m) {
+  const OccupancyGrid& grid = level.grid;
+  TruthGrid truth{.width = grid.width * kSamples,
+                  .height = grid.height * kSamples,
+                  .samples = {}};
+  const double sample_m = grid.resolution_m / kSamples;
+  for (int y = 0; y < truth.height; ++y) {
+    for (int x = 0; x < truth.width; ++x) {
+      truth.samples.push_back(
+          TruthAt(scene, {(x + 0.5) * sample_m, (y + 0.5) * sample_m},
+                  robot_height_m, begin_z_m, end_z_m));
+    }
+  }
+  Score score;
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      const TruthSpan own = SpanOf(truth, {x, y}, 0);
+      if (own.highest_m < 0) continue;  // the level has nothing here
+      const TruthSpan near = SpanOf(truth, {x, y}, 1);
+      const bool free = grid.At({x, y}) == Occupancy::kFree;
+      const bool occupied = grid.At({x, y}) == Occupancy::kOccupied;
+      const bool boundary = near.all_free != near.any_free ||
+                            near.highest_m - near.lowest_m > 0.085;
+      const bool right = boundary ? occupied || (free && own.any_free)
+                                  : (near.all_free ? free : occupied);
+      ++score.cells;
+      if (!right) ++score.wrong;
+      if (free && own.all_stairs) ++score.free_stairs;
+      if (free && own.highest_m - own.lowest_m > kDrop_m) ++score.free_edges;
+    }
+  }
+  return score;
+}
+
+bool AreConnected(const OccupancyGrid& grid, Vec2 from, Vec2 to) {
+  const CellIndex begin = grid.CellOf(from);
+  const CellIndex end = grid.CellOf(to);
+  if (grid.AtOrUnknown(begin) != Occupancy::kFree) return false;
+  std::vector<uint8_t> reached(grid.cells.size());
+  std::vector<CellIndex> front = {begin};
+  reached[grid.IndexOf(begin)] = 1;
+  while (!front.empty()) {
+    const CellIndex cell = front.back();
+    front.pop_back();
+    if (cell == end) return true;
+    for (size_t d = 0; d < kNeighbors.size(); d += 2) {
+      const CellIndex next{cell.x + kNeighbors[d].x, cell.y + kNeighbors[d].y};
+      if (grid.AtOrUnknown(next) != Occupancy::kFree ||
+          reached[grid.IndexOf(next)] != 0) {
+        continue;
+      }
+      reached[grid.IndexOf(next)] = 1;
+      front.push_back(next);
+    }
+  }
+  return false;
+}
+
+}  // namespace treeline
