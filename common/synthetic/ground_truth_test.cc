@@ -144,7 +144,7 @@ TEST_F(GroundTruthTest, StoreysOverOneAnotherAreLevelsThatARampJoins) {
   EXPECT_TRUE(reach.Contains(*below));
   EXPECT_TRUE(reach.Contains(*above));
   // Too wide for the ramp.
-  const auto wide = truth.ReachableFrom({0.9f, 2, 0}, 0.8);
+  const auto wide = truth.ReachableFrom({0.9f, 2.9f, 0}, 0.8);
   EXPECT_GT(wide.count(), 0u);
   EXPECT_FALSE(wide.Contains(*above));
 }

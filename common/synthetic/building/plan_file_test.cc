@@ -88,7 +88,7 @@ TEST(PlanFileTest, MistakesAreNamedWithTheirLines) {
   EXPECT_EQ(ErrorWith("to: [5, 1, 0.34]", "to: [5, 1]"),
             "x.yaml:4: a ramp goes from [x, y, z] to [x, y, z]");
   EXPECT_EQ(ErrorWith("kind: chair, at: [1, 1]", "kind: chair, at: [0.1, 1]"),
-            "x.yaml:10: its corner at [-0.12, 1.22] is outside of all rooms");
+            "x.yaml:10: its corner at [-0.12, 0.78] is outside of all rooms");
   EXPECT_EQ(ErrorWith("kind: chair", "kind: chiar"),
             "x.yaml:10: unknown furniture 'chiar'; did you mean 'chair'?");
   EXPECT_EQ(ErrorWith("kind: chair,", "kind: chair, width: 2,"),
