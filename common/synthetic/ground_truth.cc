@@ -27,14 +27,8 @@ struct Offset {
   int x = 0;
   int y = 0;
 };
-constexpr std::array<Offset, 8> kAround = {{{1, 0},
-                                            {0, 1},
-                                            {-1, 0},
-                                            {0, -1},
-                                            {1, 1},
-                                            {-1, 1},
-                                            {-1, -1},
-                                            {1, -1}}};
+constexpr std::array<Offset, 8> kAround = {
+    {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
 constexpr size_t kBeside = 4;  // the first ones of kAround
 
 // Ground at one place.
@@ -157,9 +151,8 @@ class GroundFinder {
     float clearance_m = kMaxClearance_m;
     for (const ColumnSpan& span : columns_.At(cell)) {
       if (span.surface == own || span.high_m <= step) continue;
-      clearance_m = std::min(clearance_m, span.low_m <= step
-                                              ? 0.0f
-                                              : span.low_m - height_m);
+      clearance_m = std::min(clearance_m,
+                             span.low_m <= step ? 0.0f : span.low_m - height_m);
     }
     return clearance_m;
   }
@@ -381,9 +374,8 @@ absl::StatusOr<GroundTruth> GroundTruth::Compute(
   const double width = std::ceil(world.size_m.x / options.resolution_m - 1e-4);
   const double height = std::ceil(world.size_m.y / options.resolution_m - 1e-4);
   if (!(width >= 1) || !(height >= 1) || width * height > kMaxCells) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(width, " x ", height, " cells; there may be at most ",
-                     kMaxCells));
+    return absl::InvalidArgumentError(absl::StrCat(
+        width, " x ", height, " cells; there may be at most ", kMaxCells));
   }
   GroundTruth truth;
   truth.options_ = options;
@@ -438,8 +430,7 @@ std::vector<GroundTruth::FootprintCell> GroundTruth::Footprint(
     for (int dx = -reach; dx <= reach; ++dx) {
       const double distance = std::hypot(dx, dy);
       if (distance > radius) continue;
-      cells.push_back(
-          {dx, dy, StepLimit(distance * options_.resolution_m)});
+      cells.push_back({dx, dy, StepLimit(distance * options_.resolution_m)});
     }
   }
   return cells;
@@ -448,12 +439,12 @@ std::vector<GroundTruth::FootprintCell> GroundTruth::Footprint(
 bool GroundTruth::HasRoom(const GroundCellIndex& index,
                           const std::vector<FootprintCell>& footprint) const {
   const float height_m = at(index).height_m;
-  return std::all_of(
-      footprint.begin(), footprint.end(), [&](const FootprintCell& cell) {
-        return FreeAt(index.x + cell.x, index.y + cell.y, height_m,
-                      cell.tolerance_m)
-            .has_value();
-      });
+  return std::all_of(footprint.begin(), footprint.end(),
+                     [&](const FootprintCell& cell) {
+                       return FreeAt(index.x + cell.x, index.y + cell.y,
+                                     height_m, cell.tolerance_m)
+                           .has_value();
+                     });
 }
 
 bool GroundTruth::Reach::Contains(const GroundCellIndex& index) const {
@@ -505,9 +496,9 @@ bool GroundTruth::IsDriveable(const std::vector<Float3>& way,
     const int count = std::max(
         1, static_cast<int>(std::ceil(Norm(step) / options_.resolution_m)));
     for (int k = 0; k <= count; ++k) {
-      const auto index = Find(
-          Mix(way[i], way[i + 1],
-              static_cast<float>(k) / static_cast<float>(count)));
+      const auto index =
+          Find(Mix(way[i], way[i + 1],
+                   static_cast<float>(k) / static_cast<float>(count)));
       if (!index || at(*index).state != GroundState::kFree ||
           !HasRoom(*index, footprint)) {
         return false;

@@ -72,8 +72,8 @@ class GroundTruth {
   int height() const { return height_; }
   const std::vector<GroundLevel>& levels() const { return levels_; }
   const GroundCell& at(const GroundCellIndex& index) const {
-    return levels_[static_cast<size_t>(index.level)].cells[Cell(index.x,
-                                                                index.y)];
+    return levels_[static_cast<size_t>(index.level)]
+        .cells[Cell(index.x, index.y)];
   }
 
   // The known cell whose ground is within 10 cm of a point's height.

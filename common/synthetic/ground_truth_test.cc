@@ -39,7 +39,8 @@ class GroundTruthTest : public ::testing::Test {
 
   GroundTruth Compute(const GroundTruthOptions& options = {}) {
     World world = builder_.Build("test", {6, 4, 5}, {}, 1);
-    world.places.push_back({.name = "start", .placement = {{0.5f, 0.5f, 0}, 0}});
+    world.places.push_back(
+        {.name = "start", .placement = {{0.5f, 0.5f, 0}, 0}});
     auto truth = GroundTruth::Compute(world, options);
     EXPECT_TRUE(truth.ok()) << truth.status();
     return *std::move(truth);

@@ -115,9 +115,9 @@ TEST(PlanFileTest, MistakesAreNamedWithTheirLines) {
             "x.yaml:1: a 'tour' of at least 3 corners is missing");
   EXPECT_EQ(ErrorWith("[{name: start, at: [1, 2]}]", "[]"),
             "x.yaml:1: there are no places; a robot must start somewhere");
-  EXPECT_THAT(ErrorWith("area: [0, 0, 8, 4]}",
-                        "area: [0, 0, 8, 4], floor: lava}"),
-              StartsWith("x.yaml:2: unknown finish 'lava'"));
+  EXPECT_THAT(
+      ErrorWith("area: [0, 0, 8, 4]}", "area: [0, 0, 8, 4], floor: lava}"),
+      StartsWith("x.yaml:2: unknown finish 'lava'"));
 }
 
 TEST(PlanFileTest, ThereMayNotBeTooManyThings) {
@@ -130,9 +130,10 @@ TEST(PlanFileTest, ThereMayNotBeTooManyThings) {
 
 TEST(PlanFileTest, ADoorIsInBothRoomsOfItsWall) {
   // The same place from the other room, and another one beyond its edge.
-  EXPECT_EQ(ErrorWith("{wall: store.south, at: 2}",
-                      "{wall: store.south, at: 2}, {wall: hall.north, at: 2.5}"),
-            "x.yaml:7: it overlaps a door at 2 m");
+  EXPECT_EQ(
+      ErrorWith("{wall: store.south, at: 2}",
+                "{wall: store.south, at: 2}, {wall: hall.north, at: 2.5}"),
+      "x.yaml:7: it overlaps a door at 2 m");
 }
 
 TEST(PlanFileTest, ShippedWorldsAreReadAndWrittenAlike) {
