@@ -96,8 +96,8 @@ void BuildingMaker::AddDoor(const PlanDoor& door, int index) {
   const auto ref = FindWall(plan_, door.place.wall);
   if (!ref) return;
   const double half = door.width_m / 2;
-  const auto behind = WallBehind(plan_, *ref, door.place.at_m - half,
-                                 door.place.at_m + half);
+  const auto behind =
+      WallBehind(plan_, *ref, door.place.at_m - half, door.place.at_m + half);
   const Placement frame = OnWall(door.place, door.place.at_m);
   if (ref->room >= 0 && !behind) return AddOutsideDoor(frame, door);
   const bool is_in_wall = ref->wall >= 0;
@@ -235,9 +235,9 @@ void BuildingMaker::AddView(const Placement& frame, const PlanWindow& window) {
 }
 
 void BuildingMaker::AddPoster(const PlanPoster& poster) {
-  const double at =
-      options_.after_moves ? poster.moved_to_m.value_or(poster.place.at_m)
-                           : poster.place.at_m;
+  const double at = options_.after_moves
+                        ? poster.moved_to_m.value_or(poster.place.at_m)
+                        : poster.place.at_m;
   const Placement frame = OnWall(poster.place, at);
   builder_.set_kind(SurfaceKind::kOther);
   furniture_.Picture(frame.At({F(-poster.width_m / 2), 0,
@@ -251,9 +251,9 @@ void BuildingMaker::MakePiece(const PlanFurniture& piece) {
   const float width = F(piece.width_m);
   // Pieces face +x of their stand, and have their front towards y.
   const Placement middle = {{0, 0, 0}, -kPi / 2};
-  const Placement at =
-      kind->is_centred ? middle
-                       : middle.At({-width / 2, F(-kind->depth_m / 2), 0});
+  const Placement at = kind->is_centred
+                           ? middle
+                           : middle.At({-width / 2, F(-kind->depth_m / 2), 0});
   furniture_.ByName(piece.kind, at, width);
 }
 
@@ -297,8 +297,11 @@ void BuildingMaker::AddPerson() {
   const ProfilePoint leg[] = {{0.055f, 0}, {0.06f, 0.45f}, {0.085f, 0.86f}};
   builder_.AddTurned({}, {0.04f, 0.1f, 0}, leg, 10, trousers);
   builder_.AddTurned({}, {-0.04f, -0.1f, 0}, leg, 10, trousers);
-  const ProfilePoint trunk[] = {{0.17f, 0.82f}, {0.16f, 1.05f}, {0.19f, 1.35f},
-                                {0.13f, 1.46f}, {0.05f, 1.50f}};
+  const ProfilePoint trunk[] = {{0.17f, 0.82f},
+                                {0.16f, 1.05f},
+                                {0.19f, 1.35f},
+                                {0.13f, 1.46f},
+                                {0.05f, 1.50f}};
   builder_.AddTurned({}, {0, 0, 0}, trunk, 14, shirt);
   for (const float y : {-0.23f, 0.23f}) {
     const ProfilePoint arm[] = {
@@ -315,8 +318,7 @@ void BuildingMaker::AddPerson() {
 
 void BuildingMaker::AddCart() {
   const uint64_t seed = furniture_.NextSeed();
-  const Finish load =
-      Painted([seed] { return PaintCardboard(seed); });
+  const Finish load = Painted([seed] { return PaintCardboard(seed); });
   for (const float x : {-0.4f, 0.34f}) {
     for (const float y : {-0.25f, 0.19f}) {
       builder_.AddBox({}, {x, y, 0}, {x + 0.06f, y + 0.06f, 0.9f},
@@ -424,8 +426,7 @@ absl::StatusOr<World> BuildingMaker::Make(std::string name) {
         {.name = place.name, .placement = StandAt(place.stand)});
   }
   for (const PlanPoint& corner : plan_.tour) {
-    world.tour.push_back(
-        {F(corner.x_m), F(corner.y_m), GroundHeight(corner)});
+    world.tour.push_back({F(corner.x_m), F(corner.y_m), GroundHeight(corner)});
   }
   return world;
 }

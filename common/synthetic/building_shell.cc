@@ -97,7 +97,8 @@ void BuildingMaker::AddSheet(const Placement& frame, Float3 top_left,
   const Material& material = MaterialOf(finish);
   const float width = Norm(right);
   const float height = Norm(down);
-  const int columns = std::max(1, static_cast<int>(std::ceil(width / kSheet_m)));
+  const int columns =
+      std::max(1, static_cast<int>(std::ceil(width / kSheet_m)));
   const int rows = std::max(1, static_cast<int>(std::ceil(height / kSheet_m)));
   // Where the corner is in the picture: that of the frame's origin is (0, 0).
   const float u0 = Dot(top_left, (1 / width) * right) / material.u_m;
@@ -180,8 +181,8 @@ BuildingMaker::Face BuildingMaker::WallFace(const PlanWall& wall,
   WallRef ref;
   ref.wall = wall_index;
   ref.is_left = is_left;
-  const double length = std::hypot(wall.to.x_m - wall.from.x_m,
-                                   wall.to.y_m - wall.from.y_m);
+  const double length =
+      std::hypot(wall.to.x_m - wall.from.x_m, wall.to.y_m - wall.from.y_m);
   const WallFrame at = FrameOnWall(plan_, ref, is_left ? 0 : length);
   return {.frame = {{F(at.x_m), F(at.y_m), F(wall.from.z_m.value_or(0))},
                     F(at.yaw_rad)},
@@ -224,8 +225,8 @@ void BuildingMaker::AddLamps(const PlanArea& area, float ceiling_m,
   const float w = F(area.x1_m - area.x0_m);
   const float d = F(area.y1_m - area.y0_m);
   // The same brightness whatever the number of lamps.
-  const float radiance = std::min(
-      24.0f, 0.42f * w * d / F(count) / (kLamp_m * kLamp_m));
+  const float radiance =
+      std::min(24.0f, 0.42f * w * d / F(count) / (kLamp_m * kLamp_m));
   for (int i = 0; i < lamps.along_x; ++i) {
     for (int j = 0; j < lamps.along_y; ++j) {
       const Float3 corner = {
@@ -312,12 +313,16 @@ void BuildingMaker::AddRamp(const PlanRamp& ramp) {
                          .v1 = (high - base) / sides.v_m};
   // Corners begin at the high end: at the low one two may be the same.
   builder_.AddQuad(frame,
-                   {Float3{run, half, high}, {0, half, low}, {0, half, base},
+                   {Float3{run, half, high},
+                    {0, half, low},
+                    {0, half, base},
                     {run, half, base}},
                    finish);
   builder_.AddQuad(frame,
-                   {Float3{run, -half, base}, {0, -half, base},
-                    {0, -half, low}, {run, -half, high}},
+                   {Float3{run, -half, base},
+                    {0, -half, base},
+                    {0, -half, low},
+                    {run, -half, high}},
                    finish);
   AddSheet(frame, {run, -half, high}, {0, 2 * half, 0}, {0, 0, base - high},
            ramp.sides);
@@ -351,16 +356,22 @@ void BuildingMaker::AddRampWall(const PlanRamp& ramp, bool is_left,
   const float top0 = low + height_m;
   const float top1 = high + height_m;
   builder_.AddQuad(frame,
-                   {Float3{run, left, top1}, {0, left, top0}, {0, left, base},
+                   {Float3{run, left, top1},
+                    {0, left, top0},
+                    {0, left, base},
                     {run, left, base}},
                    finish);
   builder_.AddQuad(frame,
-                   {Float3{0, right, top0}, {run, right, top1},
-                    {run, right, base}, {0, right, base}},
+                   {Float3{0, right, top0},
+                    {run, right, top1},
+                    {run, right, base},
+                    {0, right, base}},
                    finish);
   builder_.AddQuad(frame,
-                   {Float3{0, left, top0}, {run, left, top1},
-                    {run, right, top1}, {0, right, top0}},
+                   {Float3{0, left, top0},
+                    {run, left, top1},
+                    {run, right, top1},
+                    {0, right, top0}},
                    white_);
   AddSheet(frame, {0, left, top0}, {0, -kThick, 0}, {0, 0, base - top0},
            ramp.sides);
@@ -416,8 +427,8 @@ void BuildingMaker::AddWall(const PlanWall& wall, int index) {
   const float height = left.height_m;
   AddSheet(left.frame, {0, 0, height}, {0, -thick, 0}, {0, 0, -height},
            wall.finish);
-  AddSheet(left.frame, {length, -thick, height}, {0, thick, 0},
-           {0, 0, -height}, wall.finish);
+  AddSheet(left.frame, {length, -thick, height}, {0, thick, 0}, {0, 0, -height},
+           wall.finish);
   builder_.AddPanel(left.frame, {0, 0, height}, {length, 0, 0}, {0, -thick, 0},
                     white_);
 }
@@ -445,8 +456,8 @@ void BuildingMaker::AddGlassWall(const PlanWall& wall, int index) {
                       {.sides = metal_, .has_bottom = z > 0});
     }
     builder_.set_kind(SurfaceKind::kGlass);
-    builder_.AddPanel(left.frame, {s1, -thick / 2, z1 - 0.04f},
-                      {s0 - s1, 0, 0}, {0, 0, z0 - z1 + 0.08f}, white_);
+    builder_.AddPanel(left.frame, {s1, -thick / 2, z1 - 0.04f}, {s0 - s1, 0, 0},
+                      {0, 0, z0 - z1 + 0.08f}, white_);
   };
   float s = 0;
   const auto panes = [&](float end, float z0) {
@@ -470,17 +481,15 @@ void BuildingMaker::AddGlassWall(const PlanWall& wall, int index) {
 }
 
 void BuildingMaker::AddPillar(const PlanPillar& pillar) {
-  const Placement frame = {{F(pillar.at.x_m), F(pillar.at.y_m),
-                            GroundHeight(pillar.at)},
-                           0};
+  const Placement frame = {
+      {F(pillar.at.x_m), F(pillar.at.y_m), GroundHeight(pillar.at)}, 0};
   const float half = F(pillar.width_m / 2);
   const float height = F(pillar.height_m);
   builder_.set_kind(SurfaceKind::kWall);
   const Material& material = MaterialOf(pillar.finish);
   if (pillar.is_round) {
-    const WorldBuilder::ProfilePoint profile[] = {{half, 0},
-                                                  {half, height},
-                                                  {0.001f, height}};
+    const WorldBuilder::ProfilePoint profile[] = {
+        {half, 0}, {half, height}, {0.001f, height}};
     builder_.AddTurned(frame, {0, 0, 0}, profile, 20,
                        {.texture = material.texture,
                         .u1 = 6.28f * half / material.u_m,

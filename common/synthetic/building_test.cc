@@ -52,15 +52,15 @@ void ExpectSound(const World& world) {
       ASSERT_FALSE(is_outside(corner.z, world.size_m.z)) << corner.z;
     }
   }
-  const auto crate = std::find_if(
-      world.bodies.begin(), world.bodies.end(),
-      [](const Body& body) { return body.name == "crate"; });
+  const auto crate =
+      std::find_if(world.bodies.begin(), world.bodies.end(),
+                   [](const Body& body) { return body.name == "crate"; });
   ASSERT_NE(crate, world.bodies.end());
   EXPECT_FALSE(crate->motion.has_value());
 
   const GroundTruth truth = TruthOf(world);
-  const auto reach = truth.ReachableFrom(world.places[0].placement.origin,
-                                         kRobotRadius_m);
+  const auto reach =
+      truth.ReachableFrom(world.places[0].placement.origin, kRobotRadius_m);
   for (const NamedPlace& place : world.places) {
     const auto index = truth.Find(place.placement.origin);
     ASSERT_TRUE(index.has_value()) << place.name;
@@ -96,8 +96,8 @@ TEST(BuildingTest, ShippedWorldsAreSoundAndHaveTheirSizes) {
     EXPECT_EQ(world.walk_area.half_x_m, 0);
     ExpectSound(world);
     // With what has been moved, too, places are places.
-    const World moved = Make(
-        name, {.after_moves = true, .threads = 1, .paint = false});
+    const World moved =
+        Make(name, {.after_moves = true, .threads = 1, .paint = false});
     EXPECT_EQ(moved.surfaces.size(), world.surfaces.size());
     const GroundTruth truth = TruthOf(moved);
     for (const NamedPlace& place : moved.places) {
@@ -196,8 +196,8 @@ TEST(BuildingTest, PeopleWalkOnTheGroundAndCanBeLeftOut) {
     }
   }
   EXPECT_EQ(people, 3u);
-  const World without =
-      Make("office-floor", {.with_people = false, .threads = 1, .paint = false});
+  const World without = Make(
+      "office-floor", {.with_people = false, .threads = 1, .paint = false});
   EXPECT_EQ(without.bodies.size() + people, world.bodies.size());
 }
 
@@ -224,8 +224,7 @@ TEST(BuildingTest, DrawnBuildingsAreSoundAndUnlike) {
     EXPECT_LE(plan->rooms.size(), 4u);
     EXPECT_GE(plan->ramps[0].Slope(), 1.0 / 12.1);
     EXPECT_LE(plan->ramps[0].Slope(), 1.0 / 8 + 1e-9);
-    const auto world =
-        MakeBuilding(absl::StrCat("seed:", seed), *plan, kBare);
+    const auto world = MakeBuilding(absl::StrCat("seed:", seed), *plan, kBare);
     ASSERT_TRUE(world.ok()) << world.status();
     ExpectSound(*world);
     EXPECT_GT(world->surfaces.size(), 1000u);

@@ -26,8 +26,8 @@ class FurnitureMaker {
   void BoxStack(const Placement& at);  // 0.7 x 0.5 m
   // In the middle of a room; the origin is the middle of its footprint.
   void Chair(const Placement& at);
-  void CoffeeTable(const Placement& at);  // 1.0 x 0.6 m
-  void CafeTable(const Placement& at);    // round, 0.7 m
+  void CoffeeTable(const Placement& at);             // 1.0 x 0.6 m
+  void CafeTable(const Placement& at);               // round, 0.7 m
   void Table(const Placement& at, float width_m);    // 0.8 m deep
   void Counter(const Placement& at, float width_m);  // 0.7 m deep
   void Bench(const Placement& at, float width_m);    // 0.4 m deep

@@ -17,10 +17,8 @@ constexpr float kPi = 3.14159265f;
 
 void FurnitureMaker::CafeTable(const Placement& at) {
   const Finish& wood = random_.NextBelow(2) == 0 ? dark_wood_ : light_wood_;
-  const ProfilePoint foot[] = {{0.20f, 0},
-                               {0.20f, 0.02f},
-                               {0.035f, 0.035f},
-                               {0.03f, 0.71f}};
+  const ProfilePoint foot[] = {
+      {0.20f, 0}, {0.20f, 0.02f}, {0.035f, 0.035f}, {0.03f, 0.71f}};
   builder_.AddTurned(at, {0, 0, 0}, foot, 16, black_);
   const ProfilePoint top[] = {
       {0.001f, 0.71f}, {0.345f, 0.711f}, {0.35f, 0.74f}, {0.001f, 0.7405f}};
@@ -45,10 +43,10 @@ void FurnitureMaker::Table(const Placement& at, float width_m) {
     } else {
       const Finish page =
           Stretched([seed = NextSeed()] { return PaintPage(seed); });
-      builder_.AddBox(at.At({x, Uniform(-0.2f, 0.1f), 0.746f},
-                            Uniform(-0.5f, 0.5f)),
-                      {-0.1f, -0.14f, 0}, {0.1f, 0.14f, 0.003f},
-                      {.sides = paper_edge_, .top = page});
+      builder_.AddBox(
+          at.At({x, Uniform(-0.2f, 0.1f), 0.746f}, Uniform(-0.5f, 0.5f)),
+          {-0.1f, -0.14f, 0}, {0.1f, 0.14f, 0.003f},
+          {.sides = paper_edge_, .top = page});
     }
   }
 }
@@ -57,9 +55,8 @@ void FurnitureMaker::Counter(const Placement& at, float width_m) {
   const float half = width_m / 2;
   const Float3 tone = Hsv({Uniform(0, 1), Uniform(0.2f, 0.5f), 0.6f});
   const int columns = std::max(2, static_cast<int>(width_m / 0.6f));
-  const Finish front = Stretched([=, seed = NextSeed()] {
-    return PaintCupboard(tone, columns, 2, seed);
-  });
+  const Finish front = Stretched(
+      [=, seed = NextSeed()] { return PaintCupboard(tone, columns, 2, seed); });
   builder_.AddBox(at, {-half + 0.03f, -0.33f, 0}, {half - 0.03f, 0.3f, 1.02f},
                   {.sides = dark_wood_, .front = front});
   builder_.AddBox(at, {-half, -0.35f, 1.02f}, {half, 0.35f, 1.06f},
@@ -111,8 +108,7 @@ void FurnitureMaker::Stool(const Placement& at) {
 void FurnitureMaker::Machine(const Placement& at) {
   const uint64_t seed = NextSeed();
   const Float3 body = Hsv({Uniform(0, 1), 0.6f, 0.5f});
-  const Finish sides =
-      Stretched([=] { return PaintPlain(body, 0.2f, seed); });
+  const Finish sides = Stretched([=] { return PaintPlain(body, 0.2f, seed); });
   const Finish front = Stretched(
       [=] {
         Canvas canvas(256, 512, body);
@@ -175,10 +171,10 @@ void FurnitureMaker::Rack(const Placement& at, float width_m) {
     for (float x = 0.06f - half; x < half - 0.3f; x += Uniform(0.36f, 0.5f)) {
       const Finish face =
           Stretched([seed = NextSeed()] { return PaintCardboard(seed); });
-      builder_.AddBox(at, {x, -0.18f, z + 0.0305f},
-                      {x + 0.3f, Uniform(0.08f, 0.18f),
-                       z + 0.03f + Uniform(0.18f, 0.4f)},
-                      {.sides = face, .front = face});
+      builder_.AddBox(
+          at, {x, -0.18f, z + 0.0305f},
+          {x + 0.3f, Uniform(0.08f, 0.18f), z + 0.03f + Uniform(0.18f, 0.4f)},
+          {.sides = face, .front = face});
     }
   }
 }
@@ -194,11 +190,11 @@ void FurnitureMaker::Crate(const Placement& at, float width_m) {
 void FurnitureMaker::Rug(const Placement& at, float width_m) {
   const float hue = Uniform(0, 1);
   const float half = width_m / 2;
-  builder_.AddBox(at, {-half, -0.7f, 0}, {half, 0.7f, 0.008f},
-                  {.sides = paper_edge_,
-                   .top = Stretched([hue, seed = NextSeed()] {
-                     return PaintRug(hue, seed);
-                   })});
+  builder_.AddBox(
+      at, {-half, -0.7f, 0}, {half, 0.7f, 0.008f},
+      {.sides = paper_edge_, .top = Stretched([hue, seed = NextSeed()] {
+                               return PaintRug(hue, seed);
+                             })});
 }
 
 bool FurnitureMaker::ByName(absl::string_view name, const Placement& at,

@@ -60,14 +60,14 @@ void VisitColumns(const Surface& surface, uint32_t index, int width, int height,
   const auto cells = [side](std::array<float, 2> range, int count) {
     return std::array<int, 2>{
         std::max(0, static_cast<int>(std::floor((range[0] - kWider_m) / side))),
-        std::min(count - 1, static_cast<int>(
-                                std::floor((range[1] + kWider_m) / side)))};
+        std::min(count - 1,
+                 static_cast<int>(std::floor((range[1] + kWider_m) / side)))};
   };
   const auto [y0, y1] = cells(Range(whole, Y), height);
   for (int y = y0; y <= y1; ++y) {
     const float row = static_cast<float>(y) * side;
-    const Polygon strip = Cut(Cut(whole, Y, row - kWider_m, 1), Y,
-                              row + side + kWider_m, -1);
+    const Polygon strip =
+        Cut(Cut(whole, Y, row - kWider_m, 1), Y, row + side + kWider_m, -1);
     if (strip.count == 0) continue;
     const auto [x0, x1] = cells(Range(strip, X), width);
     for (int x = x0; x <= x1; ++x) {

@@ -33,8 +33,7 @@ class GroundColumns {
 
 // The height at which an upright line through (x, y) meets a surface, if it
 // does; surfaces that are upright themselves have none.
-bool HeightOnSurface(const Surface& surface, float x, float y,
-                     float& height_m);
+bool HeightOnSurface(const Surface& surface, float x, float y, float& height_m);
 
 }  // namespace treeline
 

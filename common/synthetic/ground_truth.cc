@@ -20,25 +20,22 @@ constexpr float kOneGround_m = 0.01f;
 // An obstacle's own ground may be this far from the ground beside it.
 constexpr float kBesideGround_m = 0.3f;
 constexpr int kNoLevel = -1;
+// The radius of the largest robot, in cells.
+constexpr double kMaxFootprint = 1000;
 
 struct Offset {
   int x = 0;
   int y = 0;
 };
-constexpr std::array<Offset, 8> kAround = {{{1, 0},
-                                            {0, 1},
-                                            {-1, 0},
-                                            {0, -1},
-                                            {1, 1},
-                                            {-1, 1},
-                                            {-1, -1},
-                                            {1, -1}}};
+constexpr std::array<Offset, 8> kAround = {
+    {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
 constexpr size_t kBeside = 4;  // the first ones of kAround
 
 // Ground at one place.
 struct Node {
   size_t cell = 0;
   GroundCell ground;
+  bool is_buried = false;  // below other ground
   bool is_reached = false;
   int level = kNoLevel;
 };
@@ -154,9 +151,8 @@ class GroundFinder {
     float clearance_m = kMaxClearance_m;
     for (const ColumnSpan& span : columns_.At(cell)) {
       if (span.surface == own || span.high_m <= step) continue;
-      clearance_m = std::min(clearance_m, span.low_m <= step
-                                              ? 0.0f
-                                              : span.low_m - height_m);
+      clearance_m = std::min(clearance_m,
+                             span.low_m <= step ? 0.0f : span.low_m - height_m);
     }
     return clearance_m;
   }
@@ -178,6 +174,7 @@ class GroundFinder {
           nodes_[i + 1].ground.height_m - ground.height_m <
               static_cast<float>(options_.clearance_m)) {
         ground.state = GroundState::kOccupied;
+        nodes_[i].is_buried = true;
       }
     }
   }
@@ -329,8 +326,9 @@ class GroundFinder {
       const float off = std::abs(node.ground.height_m - height_m);
       if (off > kBesideGround_m) continue;
       if (node.is_reached) return std::nullopt;  // of another level
-      if (nearest == nullptr ||
-          off < std::abs(nearest->ground.height_m - height_m)) {
+      if (nearest == nullptr || (nearest->is_buried && !node.is_buried) ||
+          (nearest->is_buried == node.is_buried &&
+           off < std::abs(nearest->ground.height_m - height_m))) {
         nearest = &node;
       }
     }
@@ -376,9 +374,8 @@ absl::StatusOr<GroundTruth> GroundTruth::Compute(
   const double width = std::ceil(world.size_m.x / options.resolution_m - 1e-4);
   const double height = std::ceil(world.size_m.y / options.resolution_m - 1e-4);
   if (!(width >= 1) || !(height >= 1) || width * height > kMaxCells) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(width, " x ", height, " cells; there may be at most ",
-                     kMaxCells));
+    return absl::InvalidArgumentError(absl::StrCat(
+        width, " x ", height, " cells; there may be at most ", kMaxCells));
   }
   GroundTruth truth;
   truth.options_ = options;
@@ -423,21 +420,31 @@ std::optional<GroundCellIndex> GroundTruth::FreeAt(int x, int y, float height_m,
   return found;
 }
 
-bool GroundTruth::HasRoom(const GroundCellIndex& index, double radius_m) const {
-  const double radius = radius_m / options_.resolution_m;
+std::vector<GroundTruth::FootprintCell> GroundTruth::Footprint(
+    double radius_m) const {
+  std::vector<FootprintCell> cells;
+  const double radius =
+      std::clamp(radius_m / options_.resolution_m, 0.0, kMaxFootprint);
   const int reach = static_cast<int>(std::ceil(radius));
-  const float height_m = at(index).height_m;
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {
       const double distance = std::hypot(dx, dy);
       if (distance > radius) continue;
-      if (!FreeAt(index.x + dx, index.y + dy, height_m,
-                  StepLimit(distance * options_.resolution_m))) {
-        return false;
-      }
+      cells.push_back({dx, dy, StepLimit(distance * options_.resolution_m)});
     }
   }
-  return true;
+  return cells;
+}
+
+bool GroundTruth::HasRoom(const GroundCellIndex& index,
+                          const std::vector<FootprintCell>& footprint) const {
+  const float height_m = at(index).height_m;
+  return std::all_of(footprint.begin(), footprint.end(),
+                     [&](const FootprintCell& cell) {
+                       return FreeAt(index.x + cell.x, index.y + cell.y,
+                                     height_m, cell.tolerance_m)
+                           .has_value();
+                     });
 }
 
 bool GroundTruth::Reach::Contains(const GroundCellIndex& index) const {
@@ -452,9 +459,10 @@ GroundTruth::Reach GroundTruth::ReachableFrom(Float3 from,
   reach.width_ = width_;
   reach.levels_.assign(levels_.size(),
                        std::vector<bool>(Cell(0, height_), false));
+  const std::vector<FootprintCell> footprint = Footprint(radius_m);
   const auto start = Find(from);
   if (!start || at(*start).state != GroundState::kFree ||
-      !HasRoom(*start, radius_m)) {
+      !HasRoom(*start, footprint)) {
     return reach;
   }
   const auto mark = [&](const GroundCellIndex& index) {
@@ -470,7 +478,7 @@ GroundTruth::Reach GroundTruth::ReachableFrom(Float3 from,
       const auto there =
           FreeAt(here.x + kAround[i].x, here.y + kAround[i].y,
                  at(here).height_m, StepLimit(options_.resolution_m));
-      if (!there || reach.Contains(*there) || !HasRoom(*there, radius_m)) {
+      if (!there || reach.Contains(*there) || !HasRoom(*there, footprint)) {
         continue;
       }
       mark(*there);
@@ -482,16 +490,17 @@ GroundTruth::Reach GroundTruth::ReachableFrom(Float3 from,
 
 bool GroundTruth::IsDriveable(const std::vector<Float3>& way,
                               double radius_m) const {
+  const std::vector<FootprintCell> footprint = Footprint(radius_m);
   for (size_t i = 0; i + 1 < way.size(); ++i) {
     const Float3 step = way[i + 1] - way[i];
     const int count = std::max(
         1, static_cast<int>(std::ceil(Norm(step) / options_.resolution_m)));
     for (int k = 0; k <= count; ++k) {
-      const auto index = Find(
-          Mix(way[i], way[i + 1],
-              static_cast<float>(k) / static_cast<float>(count)));
+      const auto index =
+          Find(Mix(way[i], way[i + 1],
+                   static_cast<float>(k) / static_cast<float>(count)));
       if (!index || at(*index).state != GroundState::kFree ||
-          !HasRoom(*index, radius_m)) {
+          !HasRoom(*index, footprint)) {
         return false;
       }
     }

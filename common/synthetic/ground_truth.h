@@ -72,8 +72,8 @@ class GroundTruth {
   int height() const { return height_; }
   const std::vector<GroundLevel>& levels() const { return levels_; }
   const GroundCell& at(const GroundCellIndex& index) const {
-    return levels_[static_cast<size_t>(index.level)].cells[Cell(index.x,
-                                                                index.y)];
+    return levels_[static_cast<size_t>(index.level)]
+        .cells[Cell(index.x, index.y)];
   }
 
   // The known cell whose ground is within 10 cm of a point's height.
@@ -106,7 +106,16 @@ class GroundTruth {
   // The free cell at (x, y), on any level, nearest to a height.
   std::optional<GroundCellIndex> FreeAt(int x, int y, float height_m,
                                         float tolerance_m) const;
-  bool HasRoom(const GroundCellIndex& index, double radius_m) const;
+  // A cell below a robot, from that below its middle, and how much higher or
+  // lower it may be.
+  struct FootprintCell {
+    int x = 0;
+    int y = 0;
+    float tolerance_m = 0;
+  };
+  std::vector<FootprintCell> Footprint(double radius_m) const;
+  bool HasRoom(const GroundCellIndex& index,
+               const std::vector<FootprintCell>& footprint) const;
   float StepLimit(double distance_m) const;
 
   GroundTruthOptions options_;

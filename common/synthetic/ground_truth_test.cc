@@ -39,7 +39,8 @@ class GroundTruthTest : public ::testing::Test {
 
   GroundTruth Compute(const GroundTruthOptions& options = {}) {
     World world = builder_.Build("test", {6, 4, 5}, {}, 1);
-    world.places.push_back({.name = "start", .placement = {{0.5f, 0.5f, 0}, 0}});
+    world.places.push_back(
+        {.name = "start", .placement = {{0.5f, 0.5f, 0}, 0}});
     auto truth = GroundTruth::Compute(world, options);
     EXPECT_TRUE(truth.ok()) << truth.status();
     return *std::move(truth);
@@ -144,7 +145,7 @@ TEST_F(GroundTruthTest, StoreysOverOneAnotherAreLevelsThatARampJoins) {
   EXPECT_TRUE(reach.Contains(*below));
   EXPECT_TRUE(reach.Contains(*above));
   // Too wide for the ramp.
-  const auto wide = truth.ReachableFrom({0.9f, 2, 0}, 0.8);
+  const auto wide = truth.ReachableFrom({0.9f, 2.9f, 0}, 0.8);
   EXPECT_GT(wide.count(), 0u);
   EXPECT_FALSE(wide.Contains(*above));
 }

@@ -25,7 +25,9 @@ class SeamlessNoise {
  public:
   SeamlessNoise(uint64_t seed, int octaves, int period)
       : scale_(Float(period) / kWide), noise_(seed, octaves, period) {}
-  float At(int x, int y) { return noise_.At(Float(x) * scale_, Float(y) * scale_); }
+  float At(int x, int y) {
+    return noise_.At(Float(x) * scale_, Float(y) * scale_);
+  }
 
  private:
   float scale_;
@@ -68,9 +70,9 @@ Canvas PaintPaperWall(Float3 color, uint64_t seed) {
   constexpr int kStripe = 64;
   Random random(seed, 2);
   const Float3 dark = 0.82f * color;
-  const Float3 mark = Hsv({UniformFloat(random, 0, 1),
-                           UniformFloat(random, 0.4f, 0.7f),
-                           UniformFloat(random, 0.35f, 0.6f)});
+  const Float3 mark =
+      Hsv({UniformFloat(random, 0, 1), UniformFloat(random, 0.4f, 0.7f),
+           UniformFloat(random, 0.35f, 0.6f)});
   const int arms = 4 + static_cast<int>(random.NextBelow(4));
   const bool has_stripes = random.NextBelow(2) == 0;
   Canvas canvas(kWide, kHigh, color);
@@ -105,8 +107,9 @@ Canvas PaintBrickWall(Float3 color, uint64_t seed) {
       const int brick = (column + kColumns) % kColumns;
       Random random(seed, static_cast<uint64_t>(row * 64 + brick));
       const float bright = UniformFloat(random, 0.6f, 1.15f);
-      const Float3 tone = bright * Float3{color.x * UniformFloat(random, 0.9f, 1.1f),
-                                          color.y, color.z};
+      const Float3 tone =
+          bright *
+          Float3{color.x * UniformFloat(random, 0.9f, 1.1f), color.y, color.z};
       const float shift = row % 2 == 0 ? 0 : kBrickWide / 2;
       const float x = Float(column) * kBrickWide + shift;
       const float y = Float(row) * kBrickHigh;
@@ -148,11 +151,12 @@ Canvas PaintBlots(Float3 color, uint64_t seed) {
   Random random(seed, 4);
   for (int i = 0; i < 700; ++i) {
     const float radius = 4 + 70 * std::pow(UniformFloat(random, 0, 1), 4.0f);
-    canvas.Disc(UniformFloat(random, radius, kWide - radius),
-                UniformFloat(random, radius, kHigh - radius), radius,
-                Hsv({UniformFloat(random, 0, 1), UniformFloat(random, 0.1f, 0.7f),
-                     UniformFloat(random, 0.2f, 0.95f)}),
-                0.8f);
+    canvas.Disc(
+        UniformFloat(random, radius, kWide - radius),
+        UniformFloat(random, radius, kHigh - radius), radius,
+        Hsv({UniformFloat(random, 0, 1), UniformFloat(random, 0.1f, 0.7f),
+             UniformFloat(random, 0.2f, 0.95f)}),
+        0.8f);
   }
   Age(canvas, 0.15f, 30, 5, seed);
   return canvas;
@@ -219,7 +223,8 @@ Canvas PaintCarpetFloor(Float3 color, uint64_t seed) {
     const float own = 0.8f + 0.3f * CellNoise(column, row, seed + 1);
     const int along = (column + row) % 2 == 0 ? x : y;
     const float pile = 0.88f + 0.24f * CellNoise(x / 3, y / 3, seed + 2);
-    const bool is_thread = along % 32 < 5 && CellNoise(along / 32, column * 8 + row, seed) > 0.45f;
+    const bool is_thread =
+        along % 32 < 5 && CellNoise(along / 32, column * 8 + row, seed) > 0.45f;
     return own * pile * (0.7f + 0.6f * wear.At(x, y)) *
            (is_thread ? other : color);
   });
@@ -249,7 +254,8 @@ Canvas PaintClothes(float hue, uint64_t seed) {
   Random random(seed, 7);
   const Float3 cloth = Hsv({hue, UniformFloat(random, 0.2f, 0.7f),
                             UniformFloat(random, 0.3f, 0.8f)});
-  const Float3 stripe = Hsv({hue + 0.4f, 0.4f, UniformFloat(random, 0.3f, 0.9f)});
+  const Float3 stripe =
+      Hsv({hue + 0.4f, 0.4f, UniformFloat(random, 0.3f, 0.9f)});
   Canvas canvas(kSize, kSize, cloth);
   const int pitch = 12 + static_cast<int>(random.NextBelow(40));
   for (int y = 0; y < kSize; y += pitch) {
@@ -257,7 +263,8 @@ Canvas PaintClothes(float hue, uint64_t seed) {
   }
   FractalNoise folds(seed, 4, 6);
   canvas.Paint([&](int x, int y) {
-    return (0.6f + 0.8f * folds.At(6 * Float(x) / kSize, 1.5f * Float(y) / kSize)) *
+    return (0.6f +
+            0.8f * folds.At(6 * Float(x) / kSize, 1.5f * Float(y) / kSize)) *
            canvas.at(x, y);
   });
   return canvas;

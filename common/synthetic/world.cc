@@ -46,9 +46,8 @@ absl::StatusOr<World> MakeWorld(absl::string_view name,
   }
   for (const ShippedWorld& shipped : ShippedWorlds()) {
     if (shipped.name != name) continue;
-    TL_ASSIGN_OR_RETURN(
-        const BuildingPlan plan,
-        ParsePlan(shipped.text, absl::StrCat(name, ".yaml")));
+    TL_ASSIGN_OR_RETURN(const BuildingPlan plan,
+                        ParsePlan(shipped.text, absl::StrCat(name, ".yaml")));
     return MakeBuilding(std::string(name), plan, options);
   }
   if (absl::EndsWith(name, ".yaml") || absl::StrContains(name, '/')) {

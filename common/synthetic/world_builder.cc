@@ -122,7 +122,8 @@ void WorldBuilder::BeginGroup() {
 }
 
 WorldBuilder::Group WorldBuilder::EndGroup() {
-  const auto begin = surfaces_.begin() + static_cast<std::ptrdiff_t>(group_begin_);
+  const auto begin =
+      surfaces_.begin() + static_cast<std::ptrdiff_t>(group_begin_);
   const auto lights_begin =
       lights_.begin() + static_cast<std::ptrdiff_t>(group_lights_begin_);
   Group group = {.surfaces = {begin, surfaces_.end()},

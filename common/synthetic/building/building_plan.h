@@ -103,7 +103,7 @@ struct PlanRamp {
 
 struct PlanStairs {
   std::string name;
-  PlanPoint from;  // middle of the lowest step's front edge
+  PlanPoint from;         // middle of the lowest step's front edge
   double facing_deg = 0;  // upwards
   double width_m = 1.2;
   double rise_m = 0.17;

@@ -10,8 +10,8 @@ namespace treeline {
 namespace {
 
 constexpr std::array<absl::string_view, 12> kMaterials = {
-    "white",  "plain",    "plaster", "wallpaper", "brick", "concrete",
-    "planks", "wood",     "tiles",   "carpet",    "rubber", "noise"};
+    "white",  "plain", "plaster", "wallpaper", "brick",  "concrete",
+    "planks", "wood",  "tiles",   "carpet",    "rubber", "noise"};
 
 constexpr std::array<FurnitureKind, 21> kFurniture = {{
     {"bookcase", 0.9, 0.3, 0.4, 2.0},

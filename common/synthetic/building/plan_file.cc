@@ -134,10 +134,8 @@ Item FurnitureItem(const PlanFurniture& piece, bool has_widths) {
 Item MoverItem(const PlanMover& mover) {
   std::vector<std::string> path;
   for (const PlanMover::Stop& stop : mover.path) {
-    path.push_back(Item()
-                       .Add("at", Text(stop.at))
-                       .Add("pause", stop.pause_s)
-                       .Braced());
+    path.push_back(
+        Item().Add("at", Text(stop.at)).Add("pause", stop.pause_s).Braced());
   }
   return Item()
       .Add("name", mover.name)
@@ -213,10 +211,10 @@ void WriteFittings(const BuildingPlan& plan, std::string& out) {
 absl::StatusOr<BuildingPlan> ParsePlan(absl::string_view text,
                                        absl::string_view name) {
   TL_ASSIGN_OR_RETURN(const YamlNode file, YamlNode::Parse(text, name));
-  TL_RETURN_IF_ERROR(file.CheckKeys(
-      {"size", "seed", "finishes", "rooms", "platforms", "ramps", "stairs",
-       "walls", "pillars", "doors", "windows", "posters", "furniture",
-       "movers", "places", "tour"}));
+  TL_RETURN_IF_ERROR(
+      file.CheckKeys({"size", "seed", "finishes", "rooms", "platforms", "ramps",
+                      "stairs", "walls", "pillars", "doors", "windows",
+                      "posters", "furniture", "movers", "places", "tour"}));
   BuildingPlan plan;
   TL_ASSIGN_OR_RETURN(const std::vector<double> size,
                       file.Numbers("size", 3, 2, kMaxSize_m));

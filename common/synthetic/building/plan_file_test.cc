@@ -88,7 +88,7 @@ TEST(PlanFileTest, MistakesAreNamedWithTheirLines) {
   EXPECT_EQ(ErrorWith("to: [5, 1, 0.34]", "to: [5, 1]"),
             "x.yaml:4: a ramp goes from [x, y, z] to [x, y, z]");
   EXPECT_EQ(ErrorWith("kind: chair, at: [1, 1]", "kind: chair, at: [0.1, 1]"),
-            "x.yaml:10: its corner at [-0.12, 1.22] is outside of all rooms");
+            "x.yaml:10: its corner at [-0.12, 0.78] is outside of all rooms");
   EXPECT_EQ(ErrorWith("kind: chair", "kind: chiar"),
             "x.yaml:10: unknown furniture 'chiar'; did you mean 'chair'?");
   EXPECT_EQ(ErrorWith("kind: chair,", "kind: chair, width: 2,"),
@@ -115,9 +115,9 @@ TEST(PlanFileTest, MistakesAreNamedWithTheirLines) {
             "x.yaml:1: a 'tour' of at least 3 corners is missing");
   EXPECT_EQ(ErrorWith("[{name: start, at: [1, 2]}]", "[]"),
             "x.yaml:1: there are no places; a robot must start somewhere");
-  EXPECT_THAT(ErrorWith("area: [0, 0, 8, 4]}",
-                        "area: [0, 0, 8, 4], floor: lava}"),
-              StartsWith("x.yaml:2: unknown finish 'lava'"));
+  EXPECT_THAT(
+      ErrorWith("area: [0, 0, 8, 4]}", "area: [0, 0, 8, 4], floor: lava}"),
+      StartsWith("x.yaml:2: unknown finish 'lava'"));
 }
 
 TEST(PlanFileTest, ThereMayNotBeTooManyThings) {
@@ -130,9 +130,10 @@ TEST(PlanFileTest, ThereMayNotBeTooManyThings) {
 
 TEST(PlanFileTest, ADoorIsInBothRoomsOfItsWall) {
   // The same place from the other room, and another one beyond its edge.
-  EXPECT_EQ(ErrorWith("{wall: store.south, at: 2}",
-                      "{wall: store.south, at: 2}, {wall: hall.north, at: 2.5}"),
-            "x.yaml:7: it overlaps a door at 2 m");
+  EXPECT_EQ(
+      ErrorWith("{wall: store.south, at: 2}",
+                "{wall: store.south, at: 2}, {wall: hall.north, at: 2.5}"),
+      "x.yaml:7: it overlaps a door at 2 m");
 }
 
 TEST(PlanFileTest, ShippedWorldsAreReadAndWrittenAlike) {

@@ -113,8 +113,8 @@ class PlanDrawer {
   void DrawFinishes() {
     const std::vector<std::string> floors = {"planks", "tiles", "carpet",
                                              "planks"};
-    const std::vector<std::string> walls = {"plaster",  "wallpaper", "brick",
-                                            "concrete", "plaster",   "wallpaper"};
+    const std::vector<std::string> walls = {
+        "plaster", "wallpaper", "brick", "concrete", "plaster", "wallpaper"};
     for (int i = 0; i < 3; ++i) {
       floors_.push_back(absl::StrCat("floor-", i + 1));
       plan_.finishes.push_back(
@@ -122,8 +122,7 @@ class PlanDrawer {
     }
     for (int i = 0; i < 5; ++i) {
       walls_.push_back(absl::StrCat("wall-", i + 1));
-      plan_.finishes.push_back(
-          {walls_.back(), Pick(walls), Color(0.55, 0.92)});
+      plan_.finishes.push_back({walls_.back(), Pick(walls), Color(0.55, 0.92)});
     }
     walls_.push_back("white");
   }
@@ -259,8 +258,7 @@ class PlanDrawer {
     AddPlace("platform", hall_ - 1, ramp_y_, 180);
     double top = depth_;
     for (size_t i = 0; i < side_ends_.size(); ++i) {
-      const double y =
-          i == 0 ? aisle_y_ : Round((top + side_ends_[i]) / 2);
+      const double y = i == 0 ? aisle_y_ : Round((top + side_ends_[i]) / 2);
       AddPlace(absl::StrCat("room-", i + 1), side_x_, y, 90);
       top = side_ends_[i];
     }
@@ -312,8 +310,7 @@ class PlanDrawer {
                    PlanSide side) {
     const FurnitureKind* kind = FindFurniture(name);
     if (kind == nullptr) return;
-    const double away =
-        0.09 + kind->depth_m / 2 + (name == "plant" ? 0.2 : 0);
+    const double away = 0.09 + kind->depth_m / 2 + (name == "plant" ? 0.2 : 0);
     const double along = kind->width_m / 2 + (name == "plant" ? 0.4 : 0.12);
     for (int i = 0; i < 8; ++i) {
       const bool is_along_x = side == kSouth || side == kNorth;
@@ -347,7 +344,7 @@ class PlanDrawer {
     const std::vector<std::string> large = {"bookcase", "sideboard", "sofa",
                                             "wardrobe", "machine",   "rack",
                                             "bench",    "counter"};
-    const std::vector<std::string> small = {"plant", "boxes", "bin",
+    const std::vector<std::string> small = {"plant",      "boxes", "bin",
                                             "floor_lamp", "crate", "stool"};
     for (int i = 0; i < 4; ++i) PlaceAtWall(Pick(large), back, kNorth);
     for (int i = 0; i < 2; ++i) PlaceAtWall(Pick(large), hall, kWest);
@@ -374,9 +371,8 @@ class PlanDrawer {
     for (int i = 0; i < 10; ++i) {
       const double x = Uniform(1, hall_ - 1);
       const double y = Uniform(1.2, depth_ - 1.2);
-      const bool is_below_edge =
-          x > platform_x_ - 0.9 && y > platform_y_ - 1.3 &&
-          y < platform_y_ + 1.2;
+      const bool is_below_edge = x > platform_x_ - 0.9 &&
+                                 y > platform_y_ - 1.3 && y < platform_y_ + 1.2;
       if (is_below_edge || !Place("cafe_table", x, y, 90, variant)) continue;
       Place("chair", x, Round(y + 0.72), 270, variant);
       Place("chair", x, Round(y - 0.72), 90, variant);
@@ -393,8 +389,8 @@ class PlanDrawer {
     double to = 0;
   };
   void Note(const PlanOnWall& place, double width) {
-    hung_.push_back(
-        {place.wall, place.at_m - width / 2 - 0.2, place.at_m + width / 2 + 0.2});
+    hung_.push_back({place.wall, place.at_m - width / 2 - 0.2,
+                     place.at_m + width / 2 + 0.2});
   }
 
   void HangPoster(const std::string& room, PlanSide side, double low,

@@ -44,10 +44,10 @@ std::vector<Ground> GroundsAt(const BuildingPlan& plan, double x, double y) {
   }
   for (const PlanPlatform& platform : plan.platforms) {
     if (!platform.area.Contains(x, y)) continue;
-    grounds.push_back({platform.height_m,
-                       platform.thickness_m > 0
-                           ? platform.height_m - platform.thickness_m
-                           : platform.base_m});
+    grounds.push_back(
+        {platform.height_m, platform.thickness_m > 0
+                                ? platform.height_m - platform.thickness_m
+                                : platform.base_m});
   }
   for (const PlanRamp& ramp : plan.ramps) {
     if (const auto height = RampHeightAt(ramp, x, y)) {
@@ -102,8 +102,8 @@ std::optional<double> GroundAt(const BuildingPlan& plan,
   const std::vector<Ground> grounds = GroundsAt(plan, point.x_m, point.y_m);
   std::optional<double> best;
   for (const Ground& ground : grounds) {
-    const bool is_buried = std::any_of(
-        grounds.begin(), grounds.end(), [&](const Ground& other) {
+    const bool is_buried =
+        std::any_of(grounds.begin(), grounds.end(), [&](const Ground& other) {
           return other.height_m > ground.height_m + kNear_m &&
                  other.solid_from_m <= ground.height_m + kNear_m;
         });
@@ -137,8 +137,8 @@ std::optional<WallRef> FindWall(const BuildingPlan& plan,
     ref.wall = static_cast<int>(i);
     ref.is_left = rest != ".right";
     ref.names_side = rest != "";
-    ref.high_m = std::hypot(wall.to.x_m - wall.from.x_m,
-                            wall.to.y_m - wall.from.y_m);
+    ref.high_m =
+        std::hypot(wall.to.x_m - wall.from.x_m, wall.to.y_m - wall.from.y_m);
     ref.base_m = wall.from.z_m.value_or(0);
     ref.height_m = wall.height_m;
     return ref;

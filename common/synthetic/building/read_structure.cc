@@ -24,8 +24,7 @@ absl::Status CheckNewName(const YamlNode& node, const BuildingPlan& plan,
   };
   if (is_taken(plan.rooms) || is_taken(plan.platforms) ||
       is_taken(plan.ramps) || is_taken(plan.stairs) || is_taken(plan.walls)) {
-    return node.Error(
-        absl::StrCat("something is called '", name, "' already"));
+    return node.Error(absl::StrCat("something is called '", name, "' already"));
   }
   return absl::OkStatus();
 }
@@ -110,8 +109,8 @@ absl::Status ReadRooms(const YamlNode& file, BuildingPlan& plan) {
       if (room.area.Overlaps(other.area) &&
           room.base_m < other.base_m + other.height_m &&
           other.base_m < room.base_m + room.height_m) {
-        return item.Error(absl::StrCat("room '", room.name, "' overlaps '",
-                                       other.name, "'"));
+        return item.Error(
+            absl::StrCat("room '", room.name, "' overlaps '", other.name, "'"));
       }
     }
     plan.rooms.push_back(room);
@@ -180,8 +179,8 @@ absl::Status ReadRamps(const YamlNode& file, BuildingPlan& plan) {
                                      "' does not rise from its beginning to "
                                      "its end"));
     }
-    const double run_m = std::hypot(ramp.to.x_m - ramp.from.x_m,
-                                    ramp.to.y_m - ramp.from.y_m);
+    const double run_m =
+        std::hypot(ramp.to.x_m - ramp.from.x_m, ramp.to.y_m - ramp.from.y_m);
     if (run_m < 0.3 || ramp.Slope() > 1) {
       return item.Error(absl::StrCat("ramp '", ramp.name,
                                      "' is steeper than 1:1 or shorter than "
@@ -222,8 +221,8 @@ absl::Status ReadStairs(const YamlNode& file, BuildingPlan& plan) {
     TL_ASSIGN_OR_RETURN(stairs.run_m, item.NumberOr("run", 0.28, 0.1, 1));
     TL_ASSIGN_OR_RETURN(const int64_t count, item.Integer("count", 1, 60));
     stairs.count = static_cast<int>(count);
-    TL_RETURN_IF_ERROR(CheckHeight(
-        item, plan, stairs.base_m + stairs.rise_m * stairs.count));
+    TL_RETURN_IF_ERROR(
+        CheckHeight(item, plan, stairs.base_m + stairs.rise_m * stairs.count));
     TL_ASSIGN_OR_RETURN(stairs.finish,
                         ReadFinish(item, "finish", "concrete", plan));
     plan.stairs.push_back(stairs);
@@ -232,10 +231,10 @@ absl::Status ReadStairs(const YamlNode& file, BuildingPlan& plan) {
 }
 
 absl::Status ReadWalls(const YamlNode& file, BuildingPlan& plan) {
-  TL_ASSIGN_OR_RETURN(
-      const std::vector<YamlNode> items,
-      ReadList(file, "walls",
-               {"name", "from", "to", "height", "thickness", "glass", "finish"}));
+  TL_ASSIGN_OR_RETURN(const std::vector<YamlNode> items,
+                      ReadList(file, "walls",
+                               {"name", "from", "to", "height", "thickness",
+                                "glass", "finish"}));
   for (const YamlNode& item : items) {
     PlanWall wall;
     TL_ASSIGN_OR_RETURN(wall.name, ReadName(item));
@@ -251,12 +250,11 @@ absl::Status ReadWalls(const YamlNode& file, BuildingPlan& plan) {
     TL_ASSIGN_OR_RETURN(
         wall.height_m,
         item.NumberOr("height", plan.size_m[2] - *wall.from.z_m, 0.1, 20));
-    TL_RETURN_IF_ERROR(
-        CheckHeight(item, plan, *wall.from.z_m + wall.height_m));
+    TL_RETURN_IF_ERROR(CheckHeight(item, plan, *wall.from.z_m + wall.height_m));
     TL_ASSIGN_OR_RETURN(wall.is_glass, item.BooleanOr("glass", false));
-    TL_ASSIGN_OR_RETURN(wall.thickness_m,
-                        item.NumberOr("thickness", wall.is_glass ? 0.04 : 0.1,
-                                      0.04, 2));
+    TL_ASSIGN_OR_RETURN(
+        wall.thickness_m,
+        item.NumberOr("thickness", wall.is_glass ? 0.04 : 0.1, 0.04, 2));
     TL_ASSIGN_OR_RETURN(wall.finish,
                         ReadFinish(item, "finish", "plaster", plan));
     plan.walls.push_back(wall);

@@ -25,8 +25,9 @@ absl::StatusOr<WallRef> ReadWallRef(const YamlNode& item,
     const std::vector<absl::string_view> known(names.begin(), names.end());
     return item.Error(absl::StrCat(
         "there is no wall '", place.wall.substr(0, 80), "'",
-        known.size() > 24 ? "; walls are ROOM.north and the like, or a wall's name"
-                          : Suggestion(place.wall.substr(0, 80), known)));
+        known.size() > 24
+            ? "; walls are ROOM.north and the like, or a wall's name"
+            : Suggestion(place.wall.substr(0, 80), known)));
   }
   TL_ASSIGN_OR_RETURN(place.at_m, item.Number("at", 0, kMaxSize_m));
   return *ref;
@@ -44,9 +45,9 @@ absl::Status CheckSpan(const YamlNode& item, const WallRef& ref,
         ref.high_m, " m"));
   }
   if (low_m < 0 || high_m > ref.height_m - 0.02) {
-    return item.Error(absl::StrCat("the ", what, " from ", low_m, " to ",
-                                   high_m, " m is not within its wall, which is ",
-                                   ref.height_m, " m high"));
+    return item.Error(absl::StrCat(
+        "the ", what, " from ", low_m, " to ", high_m,
+        " m is not within its wall, which is ", ref.height_m, " m high"));
   }
   return absl::OkStatus();
 }
@@ -87,14 +88,14 @@ absl::Status CheckApart(const YamlNode& item, const BuildingPlan& plan,
   };
   for (const PlanDoor& door : plan.doors) {
     if (is_near(door.place, door.width_m, 0, door.height_m)) {
-      return item.Error(absl::StrCat("it overlaps a door at ",
-                                     door.place.at_m, " m"));
+      return item.Error(
+          absl::StrCat("it overlaps a door at ", door.place.at_m, " m"));
     }
   }
   for (const PlanWindow& window : plan.windows) {
     if (is_near(window.place, window.width_m, window.low_m, window.high_m)) {
-      return item.Error(absl::StrCat("it overlaps a window at ",
-                                     window.place.at_m, " m"));
+      return item.Error(
+          absl::StrCat("it overlaps a window at ", window.place.at_m, " m"));
     }
   }
   return absl::OkStatus();
@@ -110,9 +111,8 @@ absl::Status CheckFootprint(const YamlNode& item, const BuildingPlan& plan,
       const double at_x = stand.at.x_m + std::cos(yaw) * x - std::sin(yaw) * y;
       const double at_y = stand.at.y_m + std::sin(yaw) * x + std::cos(yaw) * y;
       const bool is_inside = std::any_of(
-          plan.rooms.begin(), plan.rooms.end(), [&](const PlanRoom& room) {
-            return room.area.Contains(at_x, at_y);
-          });
+          plan.rooms.begin(), plan.rooms.end(),
+          [&](const PlanRoom& room) { return room.area.Contains(at_x, at_y); });
       if (!is_inside) {
         return item.Error(absl::StrCat(
             "its corner at [", std::round(at_x * 100) / 100, ", ",
@@ -137,9 +137,8 @@ absl::Status ReadDoors(const YamlNode& file, BuildingPlan& plan) {
     TL_ASSIGN_OR_RETURN(door.height_m, item.NumberOr("height", 2.05, 1.5, 4));
     TL_RETURN_IF_ERROR(CheckSpan(item, ref, "door", door.place.at_m,
                                  door.width_m, 0, door.height_m));
-    TL_RETURN_IF_ERROR(
-        CheckApart(item, plan, ref, door.place.at_m, door.width_m, 0,
-                   door.height_m));
+    TL_RETURN_IF_ERROR(CheckApart(item, plan, ref, door.place.at_m,
+                                  door.width_m, 0, door.height_m));
     if (item.Has("leaf")) {
       TL_ASSIGN_OR_RETURN(
           const int leaf,
@@ -177,19 +176,18 @@ absl::Status ReadWindows(const YamlNode& file, BuildingPlan& plan) {
     }
     TL_RETURN_IF_ERROR(CheckSpan(item, ref, "window", window.place.at_m,
                                  window.width_m, window.low_m, window.high_m));
-    TL_RETURN_IF_ERROR(
-        CheckApart(item, plan, ref, window.place.at_m, window.width_m,
-                   window.low_m, window.high_m));
+    TL_RETURN_IF_ERROR(CheckApart(item, plan, ref, window.place.at_m,
+                                  window.width_m, window.low_m, window.high_m));
     plan.windows.push_back(window);
   }
   return absl::OkStatus();
 }
 
 absl::Status ReadPosters(const YamlNode& file, BuildingPlan& plan) {
-  TL_ASSIGN_OR_RETURN(const std::vector<YamlNode> items,
-                      ReadList(file, "posters",
-                               {"wall", "at", "middle", "width", "height",
-                                "moved_to"}));
+  TL_ASSIGN_OR_RETURN(
+      const std::vector<YamlNode> items,
+      ReadList(file, "posters",
+               {"wall", "at", "middle", "width", "height", "moved_to"}));
   for (const YamlNode& item : items) {
     PlanPoster poster;
     TL_ASSIGN_OR_RETURN(const WallRef ref,
@@ -200,8 +198,7 @@ absl::Status ReadPosters(const YamlNode& file, BuildingPlan& plan) {
     }
     TL_ASSIGN_OR_RETURN(poster.middle_m, item.NumberOr("middle", 1.55, 0.1, 9));
     TL_ASSIGN_OR_RETURN(poster.width_m, item.NumberOr("width", 0.6, 0.1, 5));
-    TL_ASSIGN_OR_RETURN(poster.height_m,
-                        item.NumberOr("height", 0.8, 0.1, 5));
+    TL_ASSIGN_OR_RETURN(poster.height_m, item.NumberOr("height", 0.8, 0.1, 5));
     const double low_m = poster.middle_m - poster.height_m / 2;
     const double high_m = poster.middle_m + poster.height_m / 2;
     TL_RETURN_IF_ERROR(CheckSpan(item, ref, "poster", poster.place.at_m,
@@ -218,10 +215,10 @@ absl::Status ReadPosters(const YamlNode& file, BuildingPlan& plan) {
 }
 
 absl::Status ReadFurniture(const YamlNode& file, BuildingPlan& plan) {
-  TL_ASSIGN_OR_RETURN(const std::vector<YamlNode> items,
-                      ReadList(file, "furniture",
-                               {"kind", "at", "facing", "width", "variant",
-                                "moved_to"}));
+  TL_ASSIGN_OR_RETURN(
+      const std::vector<YamlNode> items,
+      ReadList(file, "furniture",
+               {"kind", "at", "facing", "width", "variant", "moved_to"}));
   for (const YamlNode& item : items) {
     PlanFurniture piece;
     TL_ASSIGN_OR_RETURN(piece.kind, item.Text("kind"));
@@ -242,15 +239,14 @@ absl::Status ReadFurniture(const YamlNode& file, BuildingPlan& plan) {
         return item.Error(absl::StrCat("a ", kind->name,
                                        " has one width only: ", kind->width_m));
       }
-      TL_ASSIGN_OR_RETURN(piece.width_m,
-                          item.Number("width", kind->min_width_m,
-                                      kind->max_width_m));
+      TL_ASSIGN_OR_RETURN(piece.width_m, item.Number("width", kind->min_width_m,
+                                                     kind->max_width_m));
     }
     TL_ASSIGN_OR_RETURN(const int64_t variant,
                         item.IntegerOr("variant", 0, 0, 1000));
     piece.variant = static_cast<int>(variant);
-    TL_RETURN_IF_ERROR(CheckFootprint(item, plan, piece.stand, piece.width_m,
-                                      kind->depth_m));
+    TL_RETURN_IF_ERROR(
+        CheckFootprint(item, plan, piece.stand, piece.width_m, kind->depth_m));
     if (item.Has("moved_to")) {
       TL_ASSIGN_OR_RETURN(const YamlNode moved, item.Get("moved_to"));
       TL_RETURN_IF_ERROR(moved.CheckKeys({"at", "facing"}));
@@ -273,9 +269,8 @@ absl::Status ReadMovers(const YamlNode& file, BuildingPlan& plan) {
     TL_ASSIGN_OR_RETURN(mover.name, ReadName(item));
     for (const PlanMover& other : plan.movers) {
       if (other.name == mover.name || mover.name == "crate") {
-        return item.Error(
-            absl::StrCat("something that moves is called '", mover.name,
-                         "' already"));
+        return item.Error(absl::StrCat("something that moves is called '",
+                                       mover.name, "' already"));
       }
     }
     TL_ASSIGN_OR_RETURN(const int kind,
@@ -327,8 +322,8 @@ absl::Status ReadPlaces(const YamlNode& file, BuildingPlan& plan) {
 absl::Status ReadTour(const YamlNode& file, BuildingPlan& plan) {
   TL_ASSIGN_OR_RETURN(const std::vector<YamlNode> corners, file.Items("tour"));
   if (corners.size() > kMaxThings) {
-    return file.Error(absl::StrCat("a tour of more than ", kMaxThings,
-                                   " corners"));
+    return file.Error(
+        absl::StrCat("a tour of more than ", kMaxThings, " corners"));
   }
   if (corners.size() < 3) {
     return file.Error("a 'tour' of at least 3 corners is missing");

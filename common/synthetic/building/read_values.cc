@@ -45,9 +45,9 @@ absl::StatusOr<PlanPoint> ReadPoint(const YamlNode& node,
   for (size_t i = 0; i < elements->size(); ++i) {
     TL_ASSIGN_OR_RETURN(values[i], (*elements)[i].AsNumber(0, kMaxSize_m));
     if (values[i] > plan.size_m[i]) {
-      return node.Error(absl::StrCat(
-          values[i], " m is outside the building, which ends at ",
-          plan.size_m[i], " m"));
+      return node.Error(
+          absl::StrCat(values[i], " m is outside the building, which ends at ",
+                       plan.size_m[i], " m"));
     }
   }
   PlanPoint point{.x_m = values[0], .y_m = values[1]};
@@ -66,9 +66,9 @@ absl::StatusOr<PlanPoint> ReadGroundPoint(const YamlNode& node,
                                           const BuildingPlan& plan) {
   TL_ASSIGN_OR_RETURN(const PlanPoint point, ReadPoint(node, plan));
   if (!GroundAt(plan, point).has_value()) {
-    return node.Error(absl::StrCat(
-        "there is no ground at [", point.x_m, ", ", point.y_m,
-        point.z_m ? absl::StrCat(", ", *point.z_m) : "", "]"));
+    return node.Error(
+        absl::StrCat("there is no ground at [", point.x_m, ", ", point.y_m,
+                     point.z_m ? absl::StrCat(", ", *point.z_m) : "", "]"));
   }
   return point;
 }
