@@ -2,13 +2,19 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <map>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/file.h"
+#include "common/dataset/dataset.h"
+#include "common/synthetic/picture.h"
 #include "common/synthetic/testing_world.h"
+#include "common/synthetic/tour_walk.h"
+#include "common/synthetic/walk.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -103,6 +109,135 @@ TEST_F(RecorderTest, AFolderThatCannotBeMadeIsNamed) {
   EXPECT_THAT(status.message(), HasSubstr("file/below"));
 }
 
+// TestingWorld with a box that goes to and fro.
+World MovingWorld() {
+  World world = TestingWorld();
+  WorldBuilder builder;
+  builder.BeginBody();
+  const Finish grey = {.texture =
+                           builder.AddTexture([] { return Canvas(8, 8); })};
+  builder.AddBox({}, {-0.2f, -0.2f, 0}, {0.2f, 0.2f, 1.5f}, {.sides = grey});
+  builder.EndBody(
+      "cart", 0.3f, 1.5f,
+      Motion{.keys = {{.time_s = 0, .world_from_body = {{3.4f, 0.5f, 0}, 0}},
+                      {.time_s = 1, .world_from_body = {{3.4f, 2.5f, 0}, 1}}},
+             .period_s = 2});
+  world.bodies = builder.Build("", {}, {}, 1).bodies;
+  return world;
+}
+
+TEST_F(RecorderTest, EverythingAtOnceIsTheSameOnOneAndTwoThreads) {
+  for (const RecordFormat format :
+       {RecordFormat::kSevenScenes, RecordFormat::kTum}) {
+    const bool is_tum = format == RecordFormat::kTum;
+    RecordOptions options = Options(is_tum ? "tum-one" : "one");
+    options.format = format;
+    options.is_exposure_automatic = true;
+    options.shutter_s = 0.02;
+    options.lowest_jpeg_quality = 30;
+    options.has_truth = true;
+    options.threads = 1;
+    ASSERT_EQ(RecordIn(MovingWorld(), options, {}, {}), absl::OkStatus());
+    options.folder = Options(is_tum ? "tum-two" : "two").folder;
+    options.threads = 2;
+    ASSERT_EQ(RecordIn(MovingWorld(), options, {}, {}), absl::OkStatus());
+    const auto one = Contents(is_tum ? "tum-one" : "one");
+    EXPECT_EQ(one, Contents(is_tum ? "tum-two" : "two"));
+    EXPECT_EQ(one.count("truth/000004.normal.png"), 1u);
+    EXPECT_EQ(one.size(), is_tum ? 5u * 5 + 6 : 6u * 5 + 3);
+  }
+}
+
+TEST_F(RecorderTest, TumIsReadBackAsItWasSeen) {
+  RecordOptions options = Options("tum");
+  options.format = RecordFormat::kTum;
+  options.rate_hz = 10;
+  ASSERT_EQ(RecordIn(TestingWorld(), options, {}, {}), absl::OkStatus());
+  const absl::StatusOr<Dataset> dataset =
+      Dataset::Open({.uri = "tum:" + options.folder});
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  ASSERT_EQ(dataset->size(), 5);
+  EXPECT_TRUE(dataset->depth_is_registered());
+  EXPECT_EQ(dataset->frame(3).stem, "0.300000");
+
+  const auto renderer = *Renderer::CreateUnlit(TestingWorld());
+  const PixelRays rays(dataset->calibration().color);
+  const CameraPath path =
+      *MakeCameraPath(renderer->world(), renderer->caster(), options.seed);
+  for (int i = 0; i < 5; ++i) {
+    const Rigid3 pose = *dataset->frame(i).world_from_camera;
+    const PoseError error = ErrorBetween(pose, path(0.1 * i));
+    EXPECT_LT(error.translation_m, 1e-8);
+    EXPECT_LT(error.rotation_rad, 1e-8);
+    // Depth, against the truth at the pose that was read: where both are, a
+    // median pixel is within the noise (4 mm at 1.5 m; a step is 4 mm there).
+    const Frame frame = *dataset->Load(i);
+    const auto truth = renderer->RenderDepth(rays, pose, 1);
+    std::vector<double> errors_m;
+    for (size_t k = 0; k < truth.size(); ++k) {
+      if (!IsMeasured(frame.depth->values[k])) continue;
+      errors_m.push_back(std::abs(frame.depth->values[k] * frame.depth->unit_m -
+                                  truth[k].depth_m));
+    }
+    ASSERT_GT(errors_m.size(), truth.size() / 2);
+    std::nth_element(
+        errors_m.begin(),
+        errors_m.begin() + static_cast<ptrdiff_t>(errors_m.size() / 2),
+        errors_m.end());
+    EXPECT_LT(errors_m[errors_m.size() / 2], 0.008);
+  }
+  EXPECT_EQ(Dataset::Open({.uri = "tum:" + options.folder,
+                           .frame_list = options.folder + "/train.txt"})
+                ->size(),
+            3);
+}
+
+TEST_F(RecorderTest, SevenScenesIsReadBackWithItsPoses) {
+  const RecordOptions options = Options("seven");
+  ASSERT_EQ(RecordIn(TestingWorld(), options, {}, {}), absl::OkStatus());
+  const absl::StatusOr<Dataset> dataset =
+      Dataset::Open({.uri = "7scenes:" + options.folder});
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  const World world = TestingWorld();
+  const Walk walk(world.walk_area, options.seed);
+  for (int i = 0; i < 5; ++i) {
+    const PoseError error = ErrorBetween(*dataset->frame(i).world_from_camera,
+                                         walk.WorldFromCameraAt(i / 30.0));
+    EXPECT_LT(error.translation_m, 1e-9);
+    EXPECT_LT(error.rotation_rad, 1e-6);
+    EXPECT_EQ(dataset->Load(i)->depth->unit_m, 0.001);
+  }
+}
+
+TEST_F(RecorderTest, ATrajectoryIsFollowed) {
+  const Rigid3 first = LookingFrom({2, 1.5, 1.3}, 0, 0);
+  const Rigid3 last = LookingFrom({2.4, 1.5, 1.3}, 0, 0);
+  RecordOptions options = Options("line");
+  options.format = RecordFormat::kTum;
+  options.trajectory = {{.time = 5'000'000'000, .world_from_camera = first},
+                        {.time = 6'000'000'000, .world_from_camera = last}};
+  ASSERT_EQ(RecordIn(TestingWorld(), options, {}, {}), absl::OkStatus());
+  const auto two = *Dataset::Open({.uri = "tum:" + options.folder});
+  ASSERT_EQ(two.size(), 2);
+  EXPECT_EQ(two.frame(1).stem, "6.000000");
+  EXPECT_LT(ErrorBetween(*two.frame(1).world_from_camera, last).translation_m,
+            1e-8);
+
+  // Five in the second, with the ends.
+  options.folder = Options("between").folder;
+  options.is_resampled = true;
+  options.frames = 5;
+  options.rate_hz = 4;
+  ASSERT_EQ(RecordIn(TestingWorld(), options, {}, {}), absl::OkStatus());
+  const std::string poses = *ReadFile(options.folder + "/groundtruth.txt");
+  EXPECT_THAT(poses, HasSubstr("\n5.250000 2.100000000 1.5"));
+  EXPECT_THAT(poses, HasSubstr("\n6.000000 2.400000000 1.5"));
+
+  options.frames = 7;
+  EXPECT_THAT(RecordIn(TestingWorld(), options, {}, {}).message(),
+              HasSubstr("longer than the trajectory"));
+}
+
 TEST_F(RecorderTest, OptionsAreChecked) {
   const auto error = [&](auto change) {
     RecordOptions options = Options("bad");
@@ -117,6 +252,9 @@ TEST_F(RecorderTest, OptionsAreChecked) {
   EXPECT_THAT(error([](auto& o) { o.rate_hz = 0; }), HasSubstr("0 Hz"));
   EXPECT_THAT(error([](auto& o) { o.jpeg_quality = 0; }),
               HasSubstr("JPEG quality"));
+  EXPECT_THAT(error([](auto& o) { o.lowest_jpeg_quality = 93; }),
+              HasSubstr("lowest JPEG quality"));
+  EXPECT_THAT(error([](auto& o) { o.shutter_s = -1; }), HasSubstr("shutter"));
   EXPECT_THAT(error([](auto& o) { o.world = "moon"; }), HasSubstr("'moon'"));
 }
 

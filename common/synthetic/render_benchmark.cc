@@ -1,8 +1,9 @@
-// RGB-D frames of the room, from pose to encoded files.
+// RGB-D frames of worlds, from pose to encoded files.
 #include "benchmark/benchmark.h"
 #include "common/base/parallel_for.h"
 #include "common/image/decode.h"
 #include "common/synthetic/synthetic_camera.h"
+#include "common/synthetic/tour_walk.h"
 #include "common/synthetic/walk.h"
 
 namespace treeline {
@@ -38,6 +39,46 @@ void BM_Capture(benchmark::State& state) {
 BENCHMARK(BM_Capture)
     ->Arg(1)
     ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+// The same in a building, with people about.
+void BM_CaptureCafe(benchmark::State& state) {
+  const std::shared_ptr<const Renderer> renderer =
+      *Renderer::Create(*MakeWorld("cafe", {}), 0);
+  const SyntheticCamera camera = *SyntheticCamera::Create(renderer, {});
+  const CameraPath path =
+      *MakeCameraPath(renderer->world(), renderer->caster(), 0);
+  uint64_t frame = 0;
+  for (auto _ : state) {
+    const double time_s = static_cast<double>(frame);
+    const WorldSnapshot snapshot =
+        renderer->caster().At(renderer->world().InstancesAt(time_s));
+    const Frame captured = camera.Capture(snapshot, path(time_s), frame,
+                                          static_cast<int>(state.range(0)));
+    benchmark::DoNotOptimize(captured.color.rgb.data());
+    ++frame;
+  }
+  state.counters["frames/s"] = benchmark::Counter(static_cast<double>(frame),
+                                                  benchmark::Counter::kIsRate);
+}
+BENCHMARK(BM_CaptureCafe)
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+// Light of a world, on all threads.
+void BM_BakeLight(benchmark::State& state, const char* name) {
+  const World world = *MakeWorld(name, {});
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(*Renderer::Create(world, 0));
+  }
+}
+BENCHMARK_CAPTURE(BM_BakeLight, room, "room")
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(BM_BakeLight, office_floor, "office-floor")
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 

@@ -24,6 +24,8 @@ constexpr size_t kTile = kTileWidth * kTileHeight;
 // share that both of its faces reflect then.
 constexpr Float3 kGlassTint = {0.90f, 0.94f, 0.92f};
 constexpr float kGlassReflection = 0.08f;
+// Of the light around, what a mirror shows of it: lamps are small.
+constexpr float kMirrored = 0.4f;
 
 // How far from a body the ground is darker, and how much at most.
 constexpr float kShadowReach_m = 0.3f;
@@ -348,7 +350,7 @@ Float3 Renderer::ShadeThrough(const View& view, Float3 direction,
   const Float3 mirrored = unit - 2 * cosine * normal;
   const Float3 around =
       light_volume_.At(view.origin + pane.distance * direction, mirrored);
-  return (1 - share) * kGlassTint * behind + share * around;
+  return (1 - share) * kGlassTint * behind + (share * kMirrored) * around;
 }
 
 void Renderer::ShadeEdges(const View& view, const std::vector<size_t>& edges,

@@ -148,5 +148,155 @@ TEST_F(RendererTest, ThreadsDoNotChangeThePicture) {
   }
 }
 
+// TestingWorld with a pane of glass across it at x = 3, if wanted, and one
+// body: a grey post of 0.4 x 0.4 x 2 m.
+World WorldWithAPost(bool has_glass) {
+  World world = TestingWorld();
+  if (has_glass) {
+    Surface pane;
+    pane.corners = {Float3{3, 3, 2.5f}, {3, 0, 2.5f}, {3, 0, 0}, {3, 3, 0}};
+    pane.kind = SurfaceKind::kGlass;
+    world.surfaces.push_back(pane);
+  }
+  world.surfaces[4].kind = SurfaceKind::kFloor;
+  Body post;
+  post.name = "post";
+  WorldBuilder builder;
+  builder.BeginBody();
+  // Texture 0 of the world is the walls' grey.
+  builder.AddBox({}, {-0.2f, -0.2f, 0}, {0.2f, 0.2f, 2}, {.sides = {}});
+  builder.EndBody("post", 0.3f, 2, std::nullopt);
+  world.bodies = builder.Build("", {}, {}, 1).bodies;
+  return world;
+}
+
+TEST(RendererWithBodies, SeesThemLitLikeTheWallBehind) {
+  const auto renderer = *Renderer::Create(WorldWithAPost(false), 2);
+  const PixelRays rays(MakeCamera("PINHOLE,150,150,79.5,59.5"));
+  const Rigid3 pose = LookingAlongX({1.5, 1.5, 1.2});
+  const WorldSnapshot snapshot = renderer->caster().At(
+      {{.body = 0, .world_from_body = {.origin = {3.8f, 1.5f, 0}}}});
+  const size_t middle = 60 * 160 + 80;
+  const auto depth = renderer->RenderDepth(snapshot, rays, pose, 1);
+  EXPECT_NEAR(depth[middle].depth_m, 2.1, 1e-4);
+  EXPECT_NEAR(renderer->RenderDepth(rays, pose, 1)[middle].depth_m, 2.5, 1e-4);
+  // The same grey, facing as the wall does but 0.4 m nearer to the lamp, which
+  // is 2 m from the wall and 1.2 m higher: 1.48 times the direct light, and
+  // little more of the rest. The light is from a grid of half a metre.
+  const float wall = renderer->RenderRadiance(rays, pose, 1)[middle].x;
+  const auto seen = renderer->RenderRadiance(snapshot, rays, pose, 2);
+  EXPECT_GT(seen[middle].x, 1.15f * wall);
+  EXPECT_LT(seen[middle].x, 1.75f * wall);
+  // The floor at its foot is darker than without it; that before the camera
+  // is the same.
+  const Rigid3 down = {
+      Rotation3::FromMatrix(Mat3{{1, 0, 0, 0, -1, 0, 0, 0, -1}}),
+      {3.3, 1.5, 1.5}};
+  const auto without = renderer->RenderRadiance(rays, down, 1);
+  const auto with = renderer->RenderRadiance(snapshot, rays, down, 1);
+  const size_t beside = 60 * 160 + 79 + 25;  // 0.25 m towards the post
+  EXPECT_LT(with[beside].x, 0.95f * without[beside].x);
+  EXPECT_EQ(with[60 * 160].x, without[60 * 160].x);
+}
+
+TEST(RendererWithBodies, TruthNamesWhatIsThere) {
+  const auto renderer = *Renderer::CreateUnlit(WorldWithAPost(true));
+  const PixelRays rays(MakeCamera("PINHOLE,150,150,79.5,59.5"));
+  const WorldSnapshot snapshot = renderer->caster().At(
+      {{.body = 0, .world_from_body = {.origin = {2.8f, 1.5f, 0}}}});
+  const auto truth =
+      renderer->RenderTruth(snapshot, rays, LookingAlongX({1.5, 1.5, 1.2}), 2);
+  const PixelTruth& post = truth[60 * 160 + 80];
+  EXPECT_EQ(post.instance, 0);
+  EXPECT_NEAR(post.depth_m, 1.1, 1e-5);
+  EXPECT_NEAR(post.normal_in_camera.z, -1, 1e-5);
+  EXPECT_FALSE(post.is_behind_glass);
+  const PixelTruth& floor = truth[119 * 160 + 10];
+  EXPECT_EQ(floor.instance, RayHit::kFixed);
+  EXPECT_EQ(floor.kind, SurfaceKind::kFloor);
+  EXPECT_NEAR(floor.normal_in_camera.y, -1, 1e-5);
+  const PixelTruth& wall = truth[60 * 160 + 130];
+  EXPECT_EQ(wall.surface, 1u);
+  EXPECT_NEAR(wall.depth_m, 2.5, 1e-4);
+  EXPECT_TRUE(wall.is_behind_glass);
+}
+
+TEST(RendererWithGlass, ShowsWhatIsBehindDimmed) {
+  const auto glass = *Renderer::Create(WorldWithAPost(true), 2);
+  const auto clear = *Renderer::Create(WorldWithAPost(false), 2);
+  const PixelRays rays(MakeCamera("PINHOLE,150,150,79.5,59.5"));
+  const Rigid3 pose = LookingAlongX({1.5, 1.5, 1.2});
+  const size_t middle = 60 * 160 + 80;
+  const Float3 through = glass->RenderRadiance(rays, pose, 1)[middle];
+  const Float3 straight = clear->RenderRadiance(rays, pose, 1)[middle];
+  // Transmitted 0.92 of a tint of 0.9 to 0.94; what is reflected comes on top,
+  // and is less than a third of what this dim wall shows.
+  EXPECT_GT(through.x, 0.92f * 0.899f * straight.x);
+  EXPECT_LT(through.x, 1.2f * straight.x);
+  EXPECT_LT(through.x, through.y);
+  const auto depth = glass->RenderDepth(rays, pose, 1);
+  EXPECT_NEAR(depth[middle].depth_m, 2.5, 1e-4);
+  EXPECT_TRUE(depth[middle].is_behind_glass);
+}
+
+TEST(UnlitRenderer, HasTheSameDepthAndSomeLight) {
+  const auto lit = *Renderer::Create(TestingWorld(), 2);
+  const auto unlit = *Renderer::CreateUnlit(TestingWorld());
+  const PixelRays rays(MakeCamera("PINHOLE,150,150,79.5,59.5"));
+  const Rigid3 pose = LookingAlongX({1.5, 2, 1.4});
+  const auto one = lit->RenderDepth(rays, pose, 1);
+  const auto two = unlit->RenderDepth(rays, pose, 1);
+  for (size_t i = 0; i < one.size(); ++i) {
+    ASSERT_EQ(one[i].depth_m, two[i].depth_m);
+  }
+  EXPECT_GT(unlit->RenderRadiance(rays, pose, 1)[60 * 160 + 80].x, 0.01f);
+}
+
+TEST(OpenedRenderer, HasNoCeiling) {
+  World world = TestingWorld();
+  world.surfaces[5].kind = SurfaceKind::kCeiling;
+  const auto opened = *Renderer::CreateOpened(std::move(world), 2, 1);
+  const RayHit hit = opened->caster().Cast({2, 1.5f, 9}, {0, 0, -1});
+  EXPECT_EQ(hit.surface, 4u);  // the floor
+  EXPECT_NEAR(hit.distance, 9, 1e-4);
+}
+
+// A hall of so many texels that it is baked the quick way, with one lamp.
+TEST(LargeWorlds, AreLitAsTheLampSays) {
+  WorldBuilder builder;
+  const Finish grey = {.texture = builder.AddTexture([] {
+    return Canvas(8, 8, {0.5f, 0.5f, 0.5f});
+  })};
+  // Twelve floors side by side, 7.5 m each way, and a screen between the lamp
+  // and the far ones.
+  for (int i = 0; i < 12; ++i) {
+    const float x = 7.5f * static_cast<float>(i);
+    builder.AddPanel({}, {x, 7.5f, 0}, {7.5f, 0, 0}, {0, -7.5f, 0}, grey);
+  }
+  builder.AddPanel({}, {15, 7.5f, 4}, {0, -7.5f, 0}, {0, 0, -4}, grey);
+  builder.AddLight({.corner = {3.65f, 3.65f, 3},
+                    .edge_u = {0.2f, 0, 0},
+                    .edge_v = {0, 0.2f, 0},
+                    .radiance = {20, 20, 20}});
+  const auto renderer =
+      *Renderer::Create(builder.Build("hall", {90, 7.5f, 4}, {}, 1), 2);
+  const PixelRays rays(MakeCamera("PINHOLE,150,150,79.5,59.5"));
+  const auto below = [&](double x_m, double y_m) {
+    const Rigid3 down = {
+        Rotation3::FromMatrix(Mat3{{1, 0, 0, 0, -1, 0, 0, 0, -1}}),
+        {x_m, y_m, 0.5}};
+    return renderer->RenderRadiance(rays, down, 1)[60 * 160 + 80].x;
+  };
+  // cos^2 / distance^2 of 0.04 m^2 of radiance 20; nothing else to speak of.
+  const auto direct = [](double aside_m) {
+    const double squared = 9 + aside_m * aside_m;
+    return 0.25 * 20 * 0.04 * 9 / (squared * squared) / 3.14159;
+  };
+  EXPECT_NEAR(below(3.75, 3.75), direct(0), 0.05 * direct(0));
+  EXPECT_NEAR(below(3.75, 6.75), direct(3), 0.05 * direct(3));
+  EXPECT_NEAR(below(12.75, 3.75), direct(9), 0.15 * direct(9));
+  EXPECT_LT(below(18, 3.75), 0.02 * direct(0));  // behind the screen
+}
+
 }  // namespace
 }  // namespace treeline

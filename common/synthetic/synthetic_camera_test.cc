@@ -1,7 +1,11 @@
 #include "common/synthetic/synthetic_camera.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
 
+#include "common/synthetic/picture.h"
 #include "common/synthetic/testing_world.h"
 #include "gtest/gtest.h"
 
@@ -222,6 +226,96 @@ TEST(SyntheticCameraTest, TheColourCameraIsBesideTheDepthCamera) {
     different += frame.depth->values[i] != same.depth->values[i] ? 1 : 0;
   }
   EXPECT_LT(different, kPixels / 1000);  // rounding of the pose
+}
+
+TEST(GlassInDepth, IsMostlyLostAndNoisier) {
+  const PixelRays rays(SyntheticCamera::DefaultCalibration().depth);
+  const std::vector<DepthSample> samples(
+      rays.rays().size(),
+      {.depth_m = 2, .incidence = 1, .is_behind_glass = true});
+  DepthSensorOptions options;
+  options.random_loss = 0;
+  options.disparity_steps_per_px = 1000;  // finer than the noise
+  const DepthImage depth = MeasureDepth(rays, samples, options, 3, 1, 2);
+  double squares = 0;
+  double count = 0;
+  for (const uint16_t value : depth.values) {
+    if (!IsMeasured(value)) continue;
+    squares += (value - 2000.0) * (value - 2000.0);
+    count += 1;
+  }
+  // 4800 patches of 8 x 8 are lost or kept together: five standard errors.
+  const double pixels = 640.0 * 480.0;
+  EXPECT_NEAR(count / pixels, 0.3, 5 * std::sqrt(0.3 * 0.7 / 4800));
+  const double sigma_mm = 2 * 1000 * (0.0012 + 0.0019 * (2 - 0.4) * (2 - 0.4));
+  EXPECT_NEAR(std::sqrt(squares / count), sigma_mm,
+              5 * sigma_mm / std::sqrt(2 * count));
+}
+
+TEST(RegisterDepth, MovesPixelsToWhereColourSeesThem) {
+  const RgbdCalibration calibration = SyntheticCamera::DefaultCalibration();
+  DepthImage depth{.width = 640, .height = 480, .values = {}};
+  depth.values.resize(640 * 480);
+  // A point 1 m ahead, and one 2 m ahead that colour sees in the same place:
+  // the depth camera sees them f b (1 / 1 - 1 / 2) = 7.3 px apart.
+  depth.values[240 * 640 + 320] = 1000;
+  depth.values[240 * 640 + 320 - 7] = 2000;
+  const DepthImage registered = RegisterDepth(depth, calibration);
+  const int moved = 320 - static_cast<int>(std::lround(525 * 0.025));
+  EXPECT_EQ(registered.values[static_cast<size_t>(240 * 640 + moved)], 1000);
+  EXPECT_EQ(std::count_if(registered.values.begin(), registered.values.end(),
+                          IsMeasured),
+            1);
+}
+
+TEST(AutomaticExposure, MakesBrightAndDarkPicturesAlike) {
+  const PixelRays rays(SyntheticCamera::DefaultCalibration().color);
+  const auto mean_level = [&](float light) {
+    std::vector<Float3> radiance(rays.rays().size());
+    for (size_t i = 0; i < radiance.size(); ++i) {
+      const float value = light * (0.5f + static_cast<float>(i % 640) / 640);
+      radiance[i] = {value, value, value};
+    }
+    const ColorImage image = ExposeColor(
+        rays, radiance, {.is_automatic = true, .noise_levels = 0}, 0, 0, 1);
+    double sum = 0;
+    for (const uint8_t level : image.rgb) sum += level;
+    return sum / static_cast<double>(image.rgb.size());
+  };
+  EXPECT_NEAR(mean_level(0.02f), mean_level(0.5f), 1);
+  EXPECT_GT(mean_level(0.1f), 80);
+  EXPECT_LT(mean_level(0.1f), 170);
+}
+
+TEST(MotionBlur, IsTheMeanOfWhatIsSeenOnTheWay) {
+  const std::shared_ptr<const Renderer> renderer =
+      *Renderer::Create(TestingWorld(), 2);
+  SyntheticCamera::Options options;
+  options.color.noise_levels = 0;
+  const SyntheticCamera camera = *SyntheticCamera::Create(renderer, options);
+  const WorldSnapshot nobody = renderer->caster().At({});
+  const Rigid3 still = LookingFrom({2.5, 2, 1.3}, -2.5, -0.4);
+  const Rigid3 turned = LookingFrom({2.5, 2, 1.3}, -2.4, -0.4);
+  const std::array<Rigid3, 3> same = {still, still, still};
+  const Frame sharp = camera.Capture(still, 0, 2);
+  const Frame three = camera.CaptureMoving(nobody, same, 0, 2);
+  int most = 0;
+  for (size_t i = 0; i < sharp.color.rgb.size(); ++i) {
+    most = std::max(most, std::abs(sharp.color.rgb[i] - three.color.rgb[i]));
+  }
+  EXPECT_LE(most, 1);
+  const std::array<Rigid3, 2> moving = {still, turned};
+  const Frame blurred = camera.CaptureMoving(nobody, moving, 0, 2);
+  const Frame after = camera.Capture(turned, 0, 2);
+  // Between the two pictures, up to the tone curve's rounding.
+  for (size_t i = 0; i < sharp.color.rgb.size(); ++i) {
+    const auto [low, high] =
+        std::minmax(sharp.color.rgb[i], after.color.rgb[i]);
+    ASSERT_GE(blurred.color.rgb[i] + 1, low);
+    ASSERT_LE(blurred.color.rgb[i], high + 1);
+  }
+  EXPECT_NE(blurred.color.rgb, sharp.color.rgb);
+  EXPECT_EQ(blurred.depth->values, after.depth->values);
 }
 
 }  // namespace

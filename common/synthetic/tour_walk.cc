@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/random.h"
@@ -56,6 +57,28 @@ std::vector<Vec3> Rounded(const std::vector<Vec3>& points, int reach) {
 Float3 ToFloat3(Vec3 v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y),
           static_cast<float>(v.z)};
+}
+
+// A closed way's points moved along it so that they are evenly spaced. Returns
+// its length, too.
+double SpaceEvenly(std::vector<Vec3>& points) {
+  const size_t count = points.size();
+  std::vector<double> way_m = {0};
+  for (size_t i = 0; i < count; ++i) {
+    way_m.push_back(way_m.back() + Norm(points[(i + 1) % count] - points[i]));
+  }
+  std::vector<Vec3> even;
+  size_t from = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const double want_m =
+        way_m.back() * static_cast<double>(i) / static_cast<double>(count);
+    while (way_m[from + 1] < want_m) ++from;
+    const double span_m = way_m[from + 1] - way_m[from];
+    const double t = span_m > 0 ? (want_m - way_m[from]) / span_m : 0;
+    even.push_back((1 - t) * points[from] + t * points[(from + 1) % count]);
+  }
+  points = std::move(even);
+  return way_m.back();
 }
 
 // Steps back from what is nearer than kClearance_m at the camera's height.
@@ -112,10 +135,7 @@ absl::StatusOr<TourWalk> TourWalk::Create(const World& world,
   Drop(caster, walk.way_);
   // Nobody's head jumps up a step.
   walk.way_ = Rounded(walk.way_, 2);
-  for (size_t i = 0; i < walk.way_.size(); ++i) {
-    walk.length_m_ +=
-        Norm(walk.way_[(i + 1) % walk.way_.size()] - walk.way_[i]);
-  }
+  walk.length_m_ = SpaceEvenly(walk.way_);
   Random random(seed, 0x70a2);
   for (double& phase : walk.phases_) phase = random.NextUnit();
   walk.start_m_ = random.NextUnit() * walk.length_m_;
@@ -124,7 +144,6 @@ absl::StatusOr<TourWalk> TourWalk::Create(const World& world,
 }
 
 Vec3 TourWalk::At(double way_m) const {
-  // Points are near enough to evenly spaced.
   const double count = static_cast<double>(way_.size());
   double place = way_m / length_m_ * count;
   place -= count * std::floor(place / count);
