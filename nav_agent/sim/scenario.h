@@ -72,7 +72,7 @@ struct Scenario {
   std::string world = "cafe";
   WorldOptions world_options;
   // Where the robot starts: a place of the world, or here. Neither: at the
-  // tour's first corner, along the tour.
+  // tour's first corner where nobody stands, along the tour.
   std::string start_place;
   std::optional<RobotPlacement> start;
   SimulatorOptions options;
@@ -112,6 +112,8 @@ class ScenarioPlayer {
  private:
   void Do(const ScenarioAction& action);
   absl::Status DoKidnap(const KidnapAction& kidnap);
+  // Whether somebody stands before a robot on its tour.
+  bool IsWayTaken() const;
   void Steer();
 
   Simulator* simulator_;

@@ -9,6 +9,9 @@
 namespace treeline {
 namespace {
 
+// How near something beside the robot may be that it drives past.
+constexpr double kPassing_m = 0.15;
+
 constexpr SimTime kSteering = std::chrono::milliseconds(50);
 
 template <typename... Visitors>
@@ -17,6 +20,34 @@ struct Overloaded : Visitors... {
 };
 template <typename... Visitors>
 Overloaded(Visitors...) -> Overloaded<Visitors...>;
+
+// Whether a body ever leaves its place: people and carts do, doors do not.
+bool Travels(const Body& body) {
+  if (!body.motion.has_value()) return false;
+  const std::vector<Motion::Key>& keys = body.motion->keys;
+  return std::ranges::any_of(keys, [&keys](const Motion::Key& key) {
+    return key.world_from_body.origin != keys[0].world_from_body.origin;
+  });
+}
+
+// The first corner of the tour where nobody stands as the simulation begins.
+size_t FirstFreeCorner(const World& world) {
+  constexpr float kRoom_m = 0.6f;
+  constexpr float kStorey_m = 1.5f;
+  const std::vector<BodyInstance> bodies = world.InstancesAt(0);
+  for (size_t i = 0; i < world.tour.size(); ++i) {
+    bool is_free = true;
+    for (const BodyInstance& body : bodies) {
+      const Float3 away = body.world_from_body.origin - world.tour[i];
+      const float radius_m =
+          world.bodies[static_cast<size_t>(body.body)].radius_m;
+      is_free &= std::abs(away.z) > kStorey_m ||
+                 std::hypot(away.x, away.y) > radius_m + kRoom_m;
+    }
+    if (is_free) return i;
+  }
+  return 0;
+}
 
 }  // namespace
 
@@ -42,8 +73,9 @@ absl::StatusOr<RobotPlacement> StartOf(const Scenario& scenario,
         absl::StrCat("world '", world.name,
                      "' has no tour to start at; say where to start"));
   }
-  const Float3 from = world.tour[0];
-  const Float3 way = world.tour[1] - from;
+  const size_t corner = FirstFreeCorner(world);
+  const Float3 from = world.tour[corner];
+  const Float3 way = world.tour[(corner + 1) % world.tour.size()] - from;
   return RobotPlacement{.position = {from.x, from.y},
                         .yaw_rad = std::atan2(way.y, way.x),
                         .height_m = from.z};
@@ -60,7 +92,12 @@ void ScenarioPlayer::DriveTour(const TourAction& tour) {
     for (const Float3& corner : simulator_->world().tour) {
       corners.push_back({corner.x, corner.y, corner.z});
     }
-    // The world's tour is closed.
+    // The world's tour is closed: it begins wherever the robot is.
+    const Vec3 here = simulator_->state().world_from_base.translation;
+    std::ranges::rotate(
+        corners, std::ranges::min_element(corners, {}, [&here](Vec3 corner) {
+          return Norm(corner - here);
+        }));
     if (!corners.empty()) corners.push_back(corners.front());
   }
   if (corners.empty()) {
@@ -129,10 +166,33 @@ void ScenarioPlayer::Do(const ScenarioAction& action) {
   sim.ReportScenario(absl::StrCat(line, done.message()));
 }
 
+bool ScenarioPlayer::IsWayTaken() const {
+  const double reach_m = tour_->options().give_way_m;
+  if (reach_m <= 0) return false;
+  const RobotModel& robot = simulator_->options().robot;
+  const Rigid3 base_from_world = simulator_->state().world_from_base.Inverse();
+  for (const BodyInstance& instance : simulator_->bodies()) {
+    const Body& body =
+        simulator_->world().bodies[static_cast<size_t>(instance.body)];
+    if (!Travels(body)) continue;
+    const Float3 origin = instance.world_from_body.origin;
+    const Vec3 at = base_from_world * Vec3{origin.x, origin.y, origin.z};
+    const double radius_m =
+        body.radius_m * std::max(instance.scale.x, instance.scale.y);
+    if (at.z < robot.height_m && at.z + body.height_m > 0 && at.x > 0 &&
+        at.x < robot.front_m + radius_m + reach_m &&
+        std::abs(at.y) < robot.half_width_m + radius_m + kPassing_m) {
+      return true;
+    }
+  }
+  return false;
+}
+
 void ScenarioPlayer::Steer() {
   if (tour_ != nullptr) {
     const VelocityCommand command =
-        tour_->CommandAt(simulator_->state().world_from_base);
+        IsWayTaken() ? VelocityCommand()
+                     : tour_->CommandAt(simulator_->state().world_from_base);
     // Refused while the base is lost; then it stands.
     simulator_->base().SetVelocity(command).IgnoreError();
   } else if (command_.has_value() && simulator_->now() < command_end_) {

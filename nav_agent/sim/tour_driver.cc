@@ -29,7 +29,8 @@ absl::Status TourOptions::Validate() const {
         absl::StrCat("a tour at ", speed_mps, " m/s; up to 5 is possible"));
   }
   if (!(look_ahead_m >= 0.1 && look_ahead_m <= 5) ||
-      !(arrival_m > 0 && arrival_m <= 5)) {
+      !(arrival_m > 0 && arrival_m <= 5) ||
+      !(give_way_m >= 0 && give_way_m <= 10)) {
     return absl::InvalidArgumentError(
         "a tour looks 0.1 to 5 m ahead and arrives within 5 m");
   }

@@ -20,6 +20,9 @@ struct TourOptions {
   // Corners may be cut by less than about look_ahead_m; the end is reached
   // when it is this near.
   double arrival_m = 0.15;
+  // The robot waits while a person or a cart is this near before it; 0: it
+  // drives on. [0, 10]
+  double give_way_m = 0.6;
   // Round and round, or once.
   bool repeats = false;
 
@@ -40,6 +43,7 @@ class TourDriver {
   // Goes on from the point of the line that is nearest: somebody carried the
   // robot there.
   void JoinNearest(Vec3 position);
+  const TourOptions& options() const { return options_; }
   bool is_done() const { return is_done_; }
   // Of the whole line.
   double length_m() const { return starts_.back(); }
