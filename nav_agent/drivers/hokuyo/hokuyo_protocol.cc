@@ -268,11 +268,15 @@ void HokuyoProtocol::OnScanReply(const ScipReply& reply, MonotonicTime now) {
     return OnScan(reply, now);
   }
   if (reply.status == "00") {
-    if (!command_.continuous) return OnScan(reply, now);
-    phase_ = Phase::kScanning;
-    return Await(options_.first_scan_timeout_s, now);
+    return command_.continuous ? OnConfirmed(now) : OnScan(reply, now);
   }
   OnScanStatus(reply.status, now);
+}
+
+void HokuyoProtocol::OnConfirmed(MonotonicTime now) {
+  if (phase_ != Phase::kStarting) return;
+  phase_ = Phase::kScanning;
+  Await(options_.first_scan_timeout_s, now);
 }
 
 void HokuyoProtocol::OnScan(const ScipReply& reply, MonotonicTime now) {
@@ -318,11 +322,8 @@ void HokuyoProtocol::PauseUntil(MonotonicTime time) {
 
 void HokuyoProtocol::OnScanStatus(absl::string_view status, MonotonicTime now) {
   const int number = NumberOf(status);
-  // It is sending already.
-  if (status == "0B" && phase_ == Phase::kStarting) {
-    phase_ = Phase::kScanning;
-    return Await(options_.first_scan_timeout_s, now);
-  }
+  // It is sending already; a scan may have come before it said so.
+  if (status == "0B" && command_.continuous) return OnConfirmed(now);
   if (number == 10) {
     // The laser is off. It may have been someone's QT.
     return Ask(Phase::kLaserOn, "BM", now);

@@ -102,6 +102,7 @@ class HokuyoProtocol {
   void OnParameters(const ScipReply& reply, MonotonicTime now);
   void OnLaserOn(absl::string_view status, MonotonicTime now);
   void OnScanReply(const ScipReply& reply, MonotonicTime now);
+  void OnConfirmed(MonotonicTime now);
   void OnScanStatus(absl::string_view status, MonotonicTime now);
   void OnScan(const ScipReply& reply, MonotonicTime now);
   void PauseUntil(MonotonicTime time);

@@ -291,6 +291,23 @@ TEST(HokuyoProtocolTest, WaitsForASensorThatChecksItself) {
   EXPECT_TRUE(talk.protocol().trouble().ok());
 }
 
+TEST(HokuyoProtocolTest, AScanMayComeBeforeTheWordThatScansAreComing) {
+  Talk talk;
+  talk.StartScans();
+  talk.Say(ReplyText("MD0000108001000", "21"));
+  talk.Say(ReplyText("MD0000108001000", "98"));
+  EXPECT_EQ(talk.Sent(), "MD0000108001000\n");
+  talk.SayScan(2000);
+  talk.Say(ReplyText("MD0000108001000", "0B"));
+  EXPECT_FALSE(talk.protocol().failed());
+  talk.SayScan(2025);
+  EXPECT_EQ(talk.protocol().TakeScans().size(), 2u);
+  // The confirmation has not put silence off.
+  talk.Say(ReplyText("MD0000108001000", "00"));
+  talk.Wait(0.6);
+  EXPECT_TRUE(talk.protocol().failed());
+}
+
 TEST(HokuyoProtocolTest, SingleShotsAreAskedForOneByOne) {
   HokuyoOptions options;
   options.single_shot = true;
