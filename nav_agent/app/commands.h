@@ -7,6 +7,7 @@
 namespace treeline {
 
 Command AddSimulateCommand(CLI::App& app);
+Command AddTraversabilityCommand(CLI::App& app);
 
 }  // namespace treeline
 
