@@ -8,6 +8,7 @@ namespace treeline {
 
 Command AddLocalizeCommand(CLI::App& app);
 Command AddSimulateCommand(CLI::App& app);
+Command AddTraversabilityCommand(CLI::App& app);
 
 }  // namespace treeline
 

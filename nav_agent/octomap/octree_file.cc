@@ -180,8 +180,8 @@ class TreeReader {
  private:
   absl::Status Need(size_t bytes) const {
     if (bytes_.size() - at_ >= bytes) return absl::OkStatus();
-    return FileError(name_, absl::StrCat("it ends in node ", nodes_, " of ",
-                                         head_.nodes));
+    return FileError(
+        name_, absl::StrCat("it ends in node ", nodes_, " of ", head_.nodes));
   }
   absl::Status TooDeep() const {
     return FileError(name_, "a node lies deeper than OctoMap's 16 levels");
@@ -214,8 +214,7 @@ class TreeReader {
     }
     for (int child = 0; child < 8; ++child) {
       if ((bits >> (2 * child) & 3) != 3) continue;
-      TL_RETURN_IF_ERROR(
-          ReadBinary(Child(node, child, level - 1), level - 1));
+      TL_RETURN_IF_ERROR(ReadBinary(Child(node, child, level - 1), level - 1));
     }
     return absl::OkStatus();
   }
@@ -319,11 +318,10 @@ class TreeWriter {
     std::array<Kind, 8> kinds{};
     const int half = 1 << (level - 1);
     for (int child = 0; child < 8; ++child) {
-      kinds[static_cast<size_t>(child)] =
-          WriteCube({key.x + (child & 1) * half,
-                     key.y + (child >> 1 & 1) * half,
-                     key.z + (child >> 2) * half},
-                    level - 1);
+      kinds[static_cast<size_t>(child)] = WriteCube(
+          {key.x + (child & 1) * half, key.y + (child >> 1 & 1) * half,
+           key.z + (child >> 2) * half},
+          level - 1);
     }
     // The root stays, as OctoMap's does.
     const bool uniform =
@@ -428,10 +426,9 @@ absl::StatusOr<VoxelMap> ParseOctree(absl::string_view bytes,
       head.nodes == 0
           ? VoxelIndex{}
           : VoxelIndex{low.x - kCenter, low.y - kCenter, low.z - kCenter};
-  absl::StatusOr<VoxelMap> map =
-      VoxelMap::Make(head.resolution_m, lowest,
-                     {high.x - low.x, high.y - low.y, high.z - low.z},
-                     options.max_bytes);
+  absl::StatusOr<VoxelMap> map = VoxelMap::Make(
+      head.resolution_m, lowest,
+      {high.x - low.x, high.y - low.y, high.z - low.z}, options.max_bytes);
   if (!map.ok()) return Annotate(map.status(), name);
   LeafPainter painter(*map, low);
   TL_RETURN_IF_ERROR(

@@ -71,7 +71,7 @@ int CountDifferences(const VoxelMap& map, const octomap::OcTree& tree) {
     for (int y = -2; y < map.size().y + 2; ++y) {
       for (int z = -2; z < map.size().z + 2; ++z) {
         const octomap::OcTreeNode* node = tree.search(PointOf(map, {x, y, z}));
-        const Voxel in_tree = node == nullptr ? Voxel::kUnknown
+        const Voxel in_tree = node == nullptr             ? Voxel::kUnknown
                               : tree.isNodeOccupied(node) ? Voxel::kOccupied
                                                           : Voxel::kFree;
         if (in_tree != map.At({x, y, z})) ++differences;
@@ -199,11 +199,11 @@ TEST(OctreeFile, HostileTreesAreRefused) {
   EXPECT_EQ(huge.status().code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(std::string(huge.status().message()),
               HasSubstr("32768 x 32768 x 32768 voxels"));
-  EXPECT_THAT(std::string(ParseOctree(BinaryTree(std::string(2, '\0'), 999),
-                                      "m")
-                              .status()
-                              .message()),
-              HasSubstr("its head says 999 nodes, but there are 1"));
+  EXPECT_THAT(
+      std::string(ParseOctree(BinaryTree(std::string(2, '\0'), 999), "m")
+                      .status()
+                      .message()),
+      HasSubstr("its head says 999 nodes, but there are 1"));
 }
 
 TEST(OctreeFile, HeadsWithErrorsSayWhat) {

@@ -38,10 +38,10 @@ absl::StatusOr<VoxelMap> VoxelMap::Make(double resolution_m, VoxelIndex lowest,
   // At most 2^16 * 2^16 * 2^10 * 2^4: no overflow.
   const int64_t total = int64_t{size.x} * size.y * words;
   if (total * 2 * int64_t{sizeof(uint64_t)} > max_bytes) {
-    return absl::ResourceExhaustedError(
-        absl::StrCat("its known space is ", size.x, " x ", size.y, " x ",
-                     size.z, " voxels, which would take more than ",
-                     max_bytes >> 20, " MiB; are there stray voxels far away?"));
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "its known space is ", size.x, " x ", size.y, " x ", size.z,
+        " voxels, which would take more than ", max_bytes >> 20,
+        " MiB; are there stray voxels far away?"));
   }
   VoxelMap map;
   map.resolution_m_ = resolution_m;

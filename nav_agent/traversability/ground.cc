@@ -37,8 +37,7 @@ GroundColumns Cropped(const GroundColumns& ground, const ColumnRect& rect) {
 VoxelLimits::VoxelLimits(const TraversabilityOptions& options,
                          double resolution_m)
     : step(std::max(1, VoxelsIn(options.max_step_m, resolution_m))),
-      riser(std::max(step,
-                     VoxelsIn(options.max_riser_m, resolution_m) + 1)),
+      riser(std::max(step, VoxelsIn(options.max_riser_m, resolution_m) + 1)),
       robot_height(static_cast<int>(
           std::ceil(options.robot_height_m / resolution_m - 1e-6))),
       erosion(std::max(

@@ -17,10 +17,10 @@ namespace treeline {
 struct VoxelLimits {
   VoxelLimits(const TraversabilityOptions& options, double resolution_m);
 
-  int step = 1;          // heights of neighbours that are continuous ground
-  int riser = 6;         // a step up, and not a wall, up to here
+  int step = 1;   // heights of neighbours that are continuous ground
+  int riser = 6;  // a step up, and not a wall, up to here
   int robot_height = 25;
-  int erosion = 4;       // ground within this of steps on all sides is narrow
+  int erosion = 4;  // ground within this of steps on all sides is narrow
   int overlap = 5;
 };
 

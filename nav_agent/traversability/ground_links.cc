@@ -60,8 +60,7 @@ void LinkNode(const CleanColumns& columns, const VoxelLimits& limits,
       highest = std::max(highest, column[node.link[d]].z);
       continue;
     }
-    const Beyond beyond =
-        WhatIsBeyond(columns, limits, column, nx, ny, node.z);
+    const Beyond beyond = WhatIsBeyond(columns, limits, column, nx, ny, node.z);
     node.edge = node.edge || beyond == Beyond::kDrop;
     node.step =
         node.step || beyond == Beyond::kDrop || beyond == Beyond::kStepUp;
@@ -138,7 +137,8 @@ void SmoothOnce(const std::vector<int32_t>& next,
                 const std::vector<int32_t>& previous,
                 std::vector<float>& values, std::vector<float>& scratch) {
   for (size_t i = 0; i < values.size(); ++i) {
-    const float a = next[i] < 0 ? values[i] : values[static_cast<size_t>(next[i])];
+    const float a =
+        next[i] < 0 ? values[i] : values[static_cast<size_t>(next[i])];
     const float b =
         previous[i] < 0 ? values[i] : values[static_cast<size_t>(previous[i])];
     scratch[i] = 0.25F * (a + b) + 0.5F * values[i];

@@ -73,9 +73,9 @@ Surroundings LookAround(const CleanColumns& columns,
 }
 
 bool HasGroundNear(std::span<const GroundNode> column, int z) {
-  return std::any_of(
-      column.begin(), column.end(),
-      [z](const GroundNode& node) { return std::abs(node.z - z) <= 1; });
+  return std::any_of(column.begin(), column.end(), [z](const GroundNode& node) {
+    return std::abs(node.z - z) <= 1;
+  });
 }
 
 // The ground that closes column (x, y) at about height z, if it is to be
@@ -85,17 +85,15 @@ bool CloseHole(const CleanColumns& columns, const GroundColumns& ground, int x,
   // Something stands here.
   if (columns.AnyOccupied(x, y, z + 1, z + 2 + kMinGap)) return false;
   Surroundings around = LookAround(columns, ground, x, y, z);
-  const bool close =
-      around.support >= kHoleSupport ||
-      (around.support >= kHoleSupportAtWalls &&
-       around.support + around.walls >= kHoleSupportWithWalls);
+  const bool close = around.support >= kHoleSupport ||
+                     (around.support >= kHoleSupportAtWalls &&
+                      around.support + around.walls >= kHoleSupportWithWalls);
   if (!close) return false;
   const auto begin = around.heights.begin();
   std::nth_element(begin, begin + around.support / 2, begin + around.support);
   closed.z = around.heights[static_cast<size_t>(around.support / 2)];
   const int above = columns.NextOccupied(x, y, closed.z + 1);
-  closed.clearance =
-      above == kOpenAbove ? kOpenAbove : above - closed.z - 1;
+  closed.clearance = above == kOpenAbove ? kOpenAbove : above - closed.z - 1;
   closed.seen = 2 * around.seen >= around.support;
   return closed.clearance >= kMinGap;
 }
@@ -116,8 +114,7 @@ GroundColumns WithHolesClosed(const GroundColumns& ground,
       closed.nodes.push_back(hole->node);
     }
     std::sort(closed.nodes.begin() + static_cast<std::ptrdiff_t>(begin),
-              closed.nodes.end(),
-              [](const GroundNode& a, const GroundNode& b) {
+              closed.nodes.end(), [](const GroundNode& a, const GroundNode& b) {
                 return a.z < b.z;
               });
     // What lies right below a hole that was closed was never to be stood on.
@@ -205,8 +202,8 @@ GroundColumns FindTops(const CleanColumns& columns, bool needs_sight) {
   const ColumnRect& rect = columns.rect();
   GroundColumns ground;
   ground.rect = rect;
-  const size_t count = static_cast<size_t>(rect.width()) *
-                       static_cast<size_t>(rect.height());
+  const size_t count =
+      static_cast<size_t>(rect.width()) * static_cast<size_t>(rect.height());
   ground.begin.reserve(count + 1);
   ground.nodes.reserve(count + count / 2);
   for (int y = rect.begin_y; y < rect.end_y; ++y) {
@@ -220,9 +217,9 @@ GroundColumns FindTops(const CleanColumns& columns, bool needs_sight) {
           GroundNode node;
           node.z = end - 1;
           node.clearance = clearance;
-          node.seen =
-              !needs_sight ||
-              columns.AnyFree(x, y, end, end + std::min(clearance, kSightReach));
+          node.seen = !needs_sight ||
+                      columns.AnyFree(x, y, end,
+                                      end + std::min(clearance, kSightReach));
           ground.nodes.push_back(node);
         }
         z = next;

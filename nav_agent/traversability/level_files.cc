@@ -83,15 +83,14 @@ struct Layer {
 
 // Millimetres of height and clearance, ten-thousandths of a radian of slope.
 std::array<Layer, 3> LayersFrom(double lowest_m) {
-  return {{{"height",
-            &TraversableLevel::height_m,
-            {.unit = 0.001, .offset = lowest_m}},
-           {"slope",
-            &TraversableLevel::slope_rad,
-            {.unit = 0.0001, .offset = 0}},
-           {"clearance",
-            &TraversableLevel::clearance_m,
-            {.unit = 0.001, .offset = 0}}}};
+  return {
+      {{"height",
+        &TraversableLevel::height_m,
+        {.unit = 0.001, .offset = lowest_m}},
+       {"slope", &TraversableLevel::slope_rad, {.unit = 0.0001, .offset = 0}},
+       {"clearance",
+        &TraversableLevel::clearance_m,
+        {.unit = 0.001, .offset = 0}}}};
 }
 
 double LowestHeight_m(const TraversableMap& map) {
@@ -111,10 +110,10 @@ std::string DescribeLayers(const TraversableMap& map, double lowest_m) {
       "# offset + unit * (grey - 1); 65535 stands for that much or more.\n"
       "layers:\n";
   for (const Layer& layer : LayersFrom(lowest_m)) {
-    absl::StrAppendFormat(
-        &text, "  %s: {unit: %g, offset: %.9g, quantity: %s}\n", layer.name,
-        layer.scale.unit, layer.scale.offset,
-        layer.scale.unit == 0.0001 ? "rad" : "m");
+    absl::StrAppendFormat(&text,
+                          "  %s: {unit: %g, offset: %.9g, quantity: %s}\n",
+                          layer.name, layer.scale.unit, layer.scale.offset,
+                          layer.scale.unit == 0.0001 ? "rad" : "m");
   }
   absl::StrAppend(&text, "levels: ", map.levels.size(),
                   "\n# Where levels are joined: a cell (column, row from the "

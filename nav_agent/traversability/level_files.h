@@ -29,7 +29,7 @@ absl::Status WriteTraversableMap(const TraversableMap& map,
 
 // What `treeline-agent traversability` does.
 struct TraversabilityCommand {
-  std::string octomap_path;   // .bt or .ot
+  std::string octomap_path;  // .bt or .ot
   std::string output_folder;
   TraversabilityOptions options;
   double occupied_threshold = 0.7;  // of .ot files, in (0, 1)

@@ -70,7 +70,7 @@ struct Patch {
 // What is said of each node besides what GroundNode says.
 struct NodeFacts {
   std::vector<float> slope_rad;
-  std::vector<uint8_t> good;   // not steep, narrow or an edge
+  std::vector<uint8_t> good;  // not steep, narrow or an edge
   // 0, or good and in a patch that is no furniture: kSmallFloor or kLargeFloor.
   std::vector<uint8_t> floor;
 };
@@ -94,8 +94,8 @@ uint32_t LinkedNode(const GroundColumns& ground, int x, int y, uint32_t i,
                     size_t d) {
   const uint8_t slot = ground.nodes[i].link[d];
   if (slot == kNoLink) return kNone;
-  return ground.begin[ground.ColumnOf(x + kNeighbors[d].x,
-                                      y + kNeighbors[d].y)] +
+  return ground
+             .begin[ground.ColumnOf(x + kNeighbors[d].x, y + kNeighbors[d].y)] +
          slot;
 }
 
@@ -319,10 +319,9 @@ class LevelMaker {
     level.height_m[cell] =
         static_cast<float>((voxels_.lowest().z + node.z + 0.5) * r);
     level.slope_rad[cell] = facts_.slope_rad[i];
-    level.clearance_m[cell] =
-        node.clearance == kOpenAbove
-            ? std::numeric_limits<float>::infinity()
-            : static_cast<float>(node.clearance * r);
+    level.clearance_m[cell] = node.clearance == kOpenAbove
+                                  ? std::numeric_limits<float>::infinity()
+                                  : static_cast<float>(node.clearance * r);
   }
 
   // A cell without ground is occupied if something rises there from the floor
@@ -337,8 +336,7 @@ class LevelMaker {
       height[i] = ground_.nodes[chosen[i]].z;
       front.push_back(i);
     }
-    const int reach =
-        static_cast<int>(kWallReach_m / voxels_.resolution_m());
+    const int reach = static_cast<int>(kWallReach_m / voxels_.resolution_m());
     std::vector<size_t> next;
     for (int distance = 0; distance < reach; ++distance) {
       next.clear();
@@ -444,8 +442,8 @@ TraversableMap MakeLevels(const VoxelMap& voxels, const GroundColumns& ground,
   const VoxelLimits limits(options, r);
   const NodeFacts facts = FindFacts(ground, options, r);
   std::vector<int> cuts =
-      FindCuts(ground, facts, FindOverlaps(ground, facts, limits.robot_height, r * r),
-               r);
+      FindCuts(ground, facts,
+               FindOverlaps(ground, facts, limits.robot_height, r * r), r);
   const int top = voxels.size().z;
   const LevelMaker maker(voxels, ground, facts, limits);
   TraversableMap map;
@@ -456,10 +454,9 @@ TraversableMap MakeLevels(const VoxelMap& voxels, const GroundColumns& ground,
     const int end = level == cuts.size() ? top : cuts[level] + limits.overlap;
     map.levels.push_back(maker.Make(begin, end, chosen));
     if (level > 0) {
-      std::vector<LevelJoin> joins = FindJoins(
-          map, static_cast<int>(level) - 1, chosen_below, chosen);
-      map.joins.insert(map.joins.end(),
-                       std::make_move_iterator(joins.begin()),
+      std::vector<LevelJoin> joins =
+          FindJoins(map, static_cast<int>(level) - 1, chosen_below, chosen);
+      map.joins.insert(map.joins.end(), std::make_move_iterator(joins.begin()),
                        std::make_move_iterator(joins.end()));
     }
     chosen_below.swap(chosen);

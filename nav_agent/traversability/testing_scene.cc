@@ -119,22 +119,22 @@ std::optional<double> Block::TopAt(Vec2 point) const {
 }
 
 Scene Scene::WithFloor(double size_x_m, double size_y_m) {
-  Scene scene{.size_x_m = size_x_m, .size_y_m = size_y_m, .top_m = 3,
-              .blocks = {}};
+  Scene scene{
+      .size_x_m = size_x_m, .size_y_m = size_y_m, .top_m = 3, .blocks = {}};
   scene.AddBox(BlockKind::kGround, {0, 0}, {size_x_m, size_y_m}, kFloor_m);
   return scene;
 }
 
 void Scene::AddBox(BlockKind kind, Vec2 low, Vec2 high, double box_top_m,
                    double thickness_m) {
-  blocks.push_back({.kind = kind,
-                    .scene_from_block = {.translation = 0.5 * (low + high),
-                                         .yaw_rad = 0},
-                    .half_x_m = (high.x - low.x) / 2,
-                    .half_y_m = (high.y - low.y) / 2,
-                    .top_begin_m = box_top_m,
-                    .top_end_m = box_top_m,
-                    .thickness_m = thickness_m});
+  blocks.push_back(
+      {.kind = kind,
+       .scene_from_block = {.translation = 0.5 * (low + high), .yaw_rad = 0},
+       .half_x_m = (high.x - low.x) / 2,
+       .half_y_m = (high.y - low.y) / 2,
+       .top_begin_m = box_top_m,
+       .top_end_m = box_top_m,
+       .thickness_m = thickness_m});
 }
 
 VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise,
@@ -145,9 +145,9 @@ VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise,
   };
   constexpr int kBelow = 4;
   const int size_z = cells(scene.top_m) + kBelow;
-  VoxelMap map = *VoxelMap::Make(
-      r, {.x = 0, .y = 0, .z = -kBelow},
-      {cells(scene.size_x_m), cells(scene.size_y_m), size_z});
+  VoxelMap map =
+      *VoxelMap::Make(r, {.x = 0, .y = 0, .z = -kBelow},
+                      {cells(scene.size_x_m), cells(scene.size_y_m), size_z});
   const auto height = static_cast<size_t>(size_z);
   for (int y = 0; y < map.size().y; ++y) {
     for (int x = 0; x < map.size().x; ++x) {

@@ -64,9 +64,9 @@ struct Score {
   int free_edges = 0;   // cells that a drop of two voxels crosses, free
 
   double RightShare() const {
-    return cells == 0 ? 0
-                      : 1 - static_cast<double>(wrong) /
-                                static_cast<double>(cells);
+    return cells == 0
+               ? 0
+               : 1 - static_cast<double>(wrong) / static_cast<double>(cells);
   }
 };
 

@@ -13,15 +13,15 @@ absl::Status CheckRange(absl::string_view name, double value, double min,
                         double max) {
   // Written so that NaN fails.
   if (value >= min && value <= max) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
-      name, " must be from ", min, " to ", max, "; got ", value));
+  return absl::InvalidArgumentError(
+      absl::StrCat(name, " must be from ", min, " to ", max, "; got ", value));
 }
 
 }  // namespace
 
 absl::Status TraversabilityOptions::Validate() const {
-  TL_RETURN_IF_ERROR(CheckRange("max_slope_rad", max_slope_rad, 0.01,
-                                std::numbers::pi / 4));
+  TL_RETURN_IF_ERROR(
+      CheckRange("max_slope_rad", max_slope_rad, 0.01, std::numbers::pi / 4));
   TL_RETURN_IF_ERROR(CheckRange("max_step_m", max_step_m, 0, 0.3));
   TL_RETURN_IF_ERROR(CheckRange("robot_height_m", robot_height_m, 0.1, 5));
   TL_RETURN_IF_ERROR(

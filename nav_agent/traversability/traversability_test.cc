@@ -49,14 +49,14 @@ struct Climb {
   Vec2 At(double x, double y) const { return scene_from_climb * Vec2{x, y}; }
   void Add(BlockKind kind, double begin_x, double end_x, double top_begin_m,
            double top_end_m, double half_width_m = 0.75) {
-    Block block{.kind = kind,
-                .scene_from_block = {.translation = At((begin_x + end_x) / 2,
-                                                       0),
-                                     .yaw_rad = scene_from_climb.yaw_rad},
-                .half_x_m = (end_x - begin_x) / 2,
-                .half_y_m = half_width_m,
-                .top_begin_m = top_begin_m,
-                .top_end_m = top_end_m};
+    Block block{
+        .kind = kind,
+        .scene_from_block = {.translation = At((begin_x + end_x) / 2, 0),
+                             .yaw_rad = scene_from_climb.yaw_rad},
+        .half_x_m = (end_x - begin_x) / 2,
+        .half_y_m = half_width_m,
+        .top_begin_m = top_begin_m,
+        .top_end_m = top_end_m};
     scene.blocks.push_back(block);
   }
 };
@@ -226,8 +226,7 @@ Scene MakeRoom() {
   for (const Vec2 leg : {Vec2{1, 1}, {2.35, 1}, {1, 1.75}, {2.35, 1.75}}) {
     scene.AddBox(BlockKind::kObstacle, leg, leg + Vec2{0.05, 0.05}, 0.72);
   }
-  scene.AddBox(BlockKind::kGround, {4, 0.12}, {4.1, 6},
-               Scene::kFloor_m + 0.02);
+  scene.AddBox(BlockKind::kGround, {4, 0.12}, {4.1, 6}, Scene::kFloor_m + 0.02);
   scene.AddBox(BlockKind::kObstacle, {4.6, 1}, {4.8, 5}, 1.3, 0.2);
   scene.AddBox(BlockKind::kObstacle, {5.2, 1}, {5.4, 5}, 1.7, 0.2);
   return scene;
@@ -280,14 +279,14 @@ Scene MakeTwoFloors() {
   scene.top_m = 4.6;
   scene.AddBox(BlockKind::kGround, {0, 2}, {14, 6}, kUpperFloor_m, 0.2);
   scene.AddBox(BlockKind::kGround, {12, 0}, {14, 2}, kUpperFloor_m, 0.2);
-  scene.blocks.push_back({.kind = BlockKind::kGround,
-                          .scene_from_block = {.translation = {7, 0.75},
-                                               .yaw_rad = 0},
-                          .half_x_m = 5,
-                          .half_y_m = 0.75,
-                          .top_begin_m = Scene::kFloor_m,
-                          .top_end_m = kUpperFloor_m,
-                          .thickness_m = 0.15});
+  scene.blocks.push_back(
+      {.kind = BlockKind::kGround,
+       .scene_from_block = {.translation = {7, 0.75}, .yaw_rad = 0},
+       .half_x_m = 5,
+       .half_y_m = 0.75,
+       .top_begin_m = Scene::kFloor_m,
+       .top_end_m = kUpperFloor_m,
+       .thickness_m = 0.15});
   return scene;
 }
 
@@ -301,8 +300,7 @@ TEST(Traversability, FloorsThatOverlapAreLevelsJoinedByTheirRamp) {
     // The lower level has the ramp up to where the robot fits below it.
     ExpectSafe(scene, map.levels[0], -1, 2);
     ExpectSafe(scene, map.levels[1], 1.6, 100);
-    const CellIndex join =
-        map.joins[0].cells[map.joins[0].cells.size() / 2];
+    const CellIndex join = map.joins[0].cells[map.joins[0].cells.size() / 2];
     const Vec2 door = map.levels[0].grid.CenterInMap(join);
     EXPECT_TRUE(AreConnected(map.levels[0].grid, {1, 4}, door));
     EXPECT_TRUE(AreConnected(map.levels[1].grid, door, {2, 4}));
@@ -383,8 +381,7 @@ TEST(Traversability, UpdatesGiveExactlyWhatANewExtractionGives) {
         voxels.SetRun(x + dx, y + dy, z, z + 1 + below(12), value);
       }
     }
-    ASSERT_TRUE(
-        mapper->Update(voxels, {x, y, x + width, y + width}).ok());
+    ASSERT_TRUE(mapper->Update(voxels, {x, y, x + width, y + width}).ok());
     ExpectSame(mapper->map(), Extract(voxels));
   }
 }
