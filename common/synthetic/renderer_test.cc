@@ -205,7 +205,7 @@ TEST(RendererWithBodies, TruthNamesWhatIsThere) {
   const WorldSnapshot snapshot = renderer->caster().At(
       {{.body = 0, .world_from_body = {.origin = {2.8f, 1.5f, 0}}}});
   const auto truth =
-      renderer->RenderTruth(snapshot, rays, LookingAlongX({1.5, 1.5, 1.2}), 2);
+      renderer->RenderTruth(snapshot, rays, LookingAlongX({1.5, 1.5, 0.8}), 2);
   const PixelTruth& post = truth[60 * 160 + 80];
   EXPECT_EQ(post.instance, 0);
   EXPECT_NEAR(post.depth_m, 1.1, 1e-5);
