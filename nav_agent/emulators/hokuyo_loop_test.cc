@@ -269,10 +269,12 @@ TEST_P(HokuyoLoopTest, TellsThatTheHardwareIsBroken) {
   Loop loop(Listen(), Impatient());
   loop.Scans(3);
   loop.server().SetFaults(Plan({"error:52"}));
-  ASSERT_TRUE(Eventually(
-      [&] { return absl::IsFailedPrecondition(loop.laser().Health().cause); }));
-  EXPECT_THAT(std::string(loop.laser().Health().cause.message()),
-              HasSubstr("Trouble!! Error No. =[52]"));
+  // First that it is so, then why.
+  ASSERT_TRUE(Eventually([&] {
+    const absl::Status cause = loop.laser().Health().cause;
+    return absl::IsFailedPrecondition(cause) &&
+           absl::StrContains(cause.message(), "Trouble!! Error No. =[52]");
+  })) << loop.laser().Health().cause;
   loop.laser().TakeScans();
   loop.server().SetFaults({});
   loop.Scans(3);
