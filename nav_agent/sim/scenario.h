@@ -42,6 +42,8 @@ struct AddObstacleAction {
   std::string name;
   std::string body;
   RobotPlacement placement;
+  // Factors on the body's measures.
+  Float3 scale{1, 1, 1};
 };
 struct RemoveObstacleAction {
   std::string name;

@@ -145,7 +145,8 @@ void ScenarioPlayer::Do(const ScenarioAction& action) {
             return absl::OkStatus();
           },
           [&](const AddObstacleAction& add) {
-            return sim.AddObstacle(add.name, add.body, add.placement);
+            return sim.AddObstacle(add.name, add.body, add.placement,
+                                   add.scale);
           },
           [&](const RemoveObstacleAction& remove) {
             return sim.RemoveObstacle(remove.name);

@@ -108,11 +108,17 @@ absl::StatusOr<Action> ReadFault(const YamlNode& node) {
 
 absl::StatusOr<Action> ReadAddObstacle(const YamlNode& node) {
   TL_RETURN_IF_ERROR(
-      node.CheckKeys({"name", "body", "at", "yaw_deg", "height_m"}));
+      node.CheckKeys({"name", "body", "at", "yaw_deg", "height_m", "scale"}));
   AddObstacleAction add;
   TL_ASSIGN_OR_RETURN(add.body, node.Text("body"));
   TL_ASSIGN_OR_RETURN(add.name, node.TextOr("name", add.body));
   TL_ASSIGN_OR_RETURN(add.placement, ReadPlacement(node));
+  if (node.Has("scale")) {
+    TL_ASSIGN_OR_RETURN(const std::vector<double> scale,
+                        node.Numbers("scale", 3, 0.01, 100));
+    add.scale = {static_cast<float>(scale[0]), static_cast<float>(scale[1]),
+                 static_cast<float>(scale[2])};
+  }
   return add;
 }
 

@@ -31,7 +31,7 @@ actions:
   - {at_s: 5, fault: {target: laser, kind: silent, for_s: 1}}
   - {at_s: 5, fault: {target: odometry, kind: stamp_offset, seconds: -0.2}}
   - {at_s: 5.5, fault: {target: left_wheel, kind: slip, share: 0.5, for_s: 2}}
-  - {at_s: 6, add_obstacle: {name: box, body: crate, at: [3, 3], yaw_deg: 45}}
+  - {at_s: 6, add_obstacle: {name: box, body: crate, at: [3, 3], yaw_deg: 45, scale: [2, 1, 1]}}
   - {at_s: 7, move: {name: box, at: [4, 4]}}
   - {at_s: 8, remove_obstacle: box}
   - {at_s: 9.5, release: post}
@@ -118,7 +118,8 @@ TEST(Scenario, PlaysEverythingAtItsTime) {
   EXPECT_NEAR(simulator->state().world_from_base.translation.x, 12, 1e-9);
   player.Step(milliseconds(2300));
   EXPECT_NEAR(simulator->state().world_from_base.translation.y, 17, 1e-6);
-  EXPECT_EQ(simulator->bodies().size(), 2u);
+  ASSERT_EQ(simulator->bodies().size(), 2u);
+  EXPECT_EQ(simulator->bodies()[1].scale, (Float3{2, 1, 1}));
   player.Step(milliseconds(2000));
   EXPECT_EQ(simulator->bodies().size(), 1u);
   player.Step(milliseconds(11500));

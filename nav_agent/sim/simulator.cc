@@ -204,10 +204,11 @@ absl::Status Simulator::ChangeStage(
 
 absl::Status Simulator::AddObstacle(absl::string_view name,
                                     absl::string_view body,
-                                    const RobotPlacement& placement) {
+                                    const RobotPlacement& placement,
+                                    Float3 scale) {
   TL_ASSIGN_OR_RETURN(const Placement world_from_body, OnGround(placement));
   return ChangeStage(absl::StrCat(name, " added"), [&](Stage& stage) {
-    return stage.AddObstacle(name, body, world_from_body);
+    return stage.AddObstacle(name, body, world_from_body, scale);
   });
 }
 

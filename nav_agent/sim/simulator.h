@@ -105,7 +105,8 @@ class Simulator {
 
   // See Stage. Obstacles stand on the ground nearest to height_m.
   absl::Status AddObstacle(absl::string_view name, absl::string_view body,
-                           const RobotPlacement& placement);
+                           const RobotPlacement& placement,
+                           Float3 scale = {1, 1, 1});
   absl::Status RemoveObstacle(absl::string_view name);
   absl::Status MoveBody(absl::string_view name,
                         const RobotPlacement& placement);

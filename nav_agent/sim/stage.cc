@@ -86,7 +86,8 @@ absl::Status Stage::Unknown(absl::string_view name) const {
 }
 
 absl::Status Stage::AddObstacle(absl::string_view name, absl::string_view body,
-                                const Placement& world_from_body) {
+                                const Placement& world_from_body,
+                                Float3 scale) {
   const auto index = BodyCalled(body);
   if (!index.has_value()) return Unknown(body);
   const bool taken = ObstacleCalled(name).has_value() ||
@@ -97,7 +98,8 @@ absl::Status Stage::AddObstacle(absl::string_view name, absl::string_view body,
   }
   obstacles_.push_back({.name = std::string(name),
                         .instance = {.body = static_cast<int>(*index),
-                                     .world_from_body = world_from_body}});
+                                     .world_from_body = world_from_body,
+                                     .scale = scale}});
   return absl::OkStatus();
 }
 

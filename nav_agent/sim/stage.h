@@ -40,10 +40,12 @@ class Stage {
   double HeightOf_m(const BodyInstance& instance) const;
 
   // Puts a body there that the world only keeps in store (World::bodies
-  // without motion) or a second one of any kind. NOT_FOUND: no such body, and
-  // which there are; ALREADY_EXISTS: something is called `name` already.
+  // without motion) or a second one of any kind, its measures times `scale`.
+  // NOT_FOUND: no such body, and which there are; ALREADY_EXISTS: something is
+  // called `name` already.
   absl::Status AddObstacle(absl::string_view name, absl::string_view body,
-                           const Placement& world_from_body);
+                           const Placement& world_from_body,
+                           Float3 scale = {1, 1, 1});
   absl::Status RemoveObstacle(absl::string_view name);
 
   // Takes an obstacle or one of the world's bodies to a place, where it stays;
