@@ -236,7 +236,7 @@ class PlanDrawer {
   void AddTour() {
     const auto corner = [&](double x, double y) {
       plan_.tour.push_back(Point(x, y));
-      if (corners_.size() > 0) KeepLeg(corners_.back(), {x, y});
+      if (!corners_.empty()) KeepLeg(corners_.back(), {x, y});
       corners_.push_back({x, y});
     };
     const double inner = side_ends_.size() > 1
