@@ -18,7 +18,8 @@ bits; layers.yaml says of what), and level-N.png to look at.
 docs/traversability.md describes the method and its limits.
 
 Example:
-  treeline-agent traversability --octomap house.bt --output house --max-slope-deg 10)";
+  treeline-agent traversability --octomap house.bt --output house \
+      --max-slope-deg 10)";
 
 constexpr double kDegPerRad = 180 / std::numbers::pi;
 
