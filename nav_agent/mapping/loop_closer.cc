@@ -16,6 +16,8 @@ namespace {
 // others wait until there are some.
 constexpr double kMovesGraph = 4.0;
 constexpr int kMaxWaiting = 10;
+// A loop is at least this many times as long as the laser's overlap.
+constexpr double kLoopWay = 3.0;
 constexpr double kLargestDrift = 0.05;
 // Coarse cells are this many times as large as fine ones.
 constexpr double kCoarse = 2.5;
@@ -126,7 +128,11 @@ std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
     // The search's own margin does not count when it is the smallest one.
     const double radius_m =
         options_.overlap_m + search_m - options_.min_search_m;
-    if (distance_m > radius_m) {
+    // A loop comes back from somewhere; what is a little behind on the way is
+    // the front end's matter, and pulls along a corridor.
+    const double way_m = way_m_[static_cast<size_t>(keyscan)] -
+                         way_m_[static_cast<size_t>(i)];
+    if (distance_m > radius_m || way_m < kLoopWay * options_.overlap_m) {
       if (chain.end > 0) finish();
       continue;
     }
