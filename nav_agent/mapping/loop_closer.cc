@@ -16,6 +16,9 @@ namespace {
 // others wait until there are some.
 constexpr double kMovesGraph = 4.0;
 constexpr int kMaxWaiting = 10;
+// A loop is at least this many times as long as the laser's overlap.
+constexpr double kLoopWay = 3.0;
+constexpr double kLargestDrift = 0.05;
 // Coarse cells are this many times as large as fine ones.
 constexpr double kCoarse = 2.5;
 // The fine search about the best coarse cell, in its cells.
@@ -86,10 +89,14 @@ std::vector<LoopCloser::Reach> LoopCloser::ReachFrom(int keyscan) const {
 }
 
 MatchSearch LoopCloser::SearchFor(const Reach& reach) const {
-  return {.half_extent_m =
-              std::clamp(options_.search_sigmas * std::sqrt(reach.variance_m2) +
-                             options_.search_of_way * reach.way_m,
-                         options_.min_search_m, options_.max_search_m),
+  // No drift is larger than this part of the way: without that, a corridor in
+  // which nothing is known along it matches with its own beginning.
+  const double most_m = kLargestDrift * reach.way_m;
+  return {.half_extent_m = std::clamp(
+              std::min(most_m,
+                       options_.search_sigmas * std::sqrt(reach.variance_m2)) +
+                  options_.search_of_way * reach.way_m,
+              options_.min_search_m, options_.max_search_m),
           .half_angle_rad = std::clamp(
               options_.search_sigmas * std::sqrt(reach.variance_rad2) +
                   0.2 * options_.search_of_way * reach.way_m,
@@ -121,7 +128,11 @@ std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
     // The search's own margin does not count when it is the smallest one.
     const double radius_m =
         options_.overlap_m + search_m - options_.min_search_m;
-    if (distance_m > radius_m) {
+    // A loop comes back from somewhere; what is a little behind on the way is
+    // the front end's matter, and pulls along a corridor.
+    const double way_m = way_m_[static_cast<size_t>(keyscan)] -
+                         way_m_[static_cast<size_t>(i)];
+    if (distance_m > radius_m || way_m < kLoopWay * options_.overlap_m) {
       if (chain.end > 0) finish();
       continue;
     }
@@ -222,7 +233,11 @@ std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,
     const SurfaceGrid grid =
         MakeSurfaceGrid(references, query, guess, search, coarse);
     const ScanMatch match = MatchScan(grid, query, guess, search, coarse);
-    if (match.response < options_.min_coarse_response) return std::nullopt;
+    // Along a corridor all places respond: none of them is found.
+    if (match.response < options_.min_coarse_response ||
+        LargestSigma_m(match.covariance) > options_.max_sigma_m) {
+      return std::nullopt;
+    }
     guess = match.target_from_scan;
     search = {.half_extent_m = kFineSearch_cells * coarse.cell_m,
               .half_angle_rad = 0.03};

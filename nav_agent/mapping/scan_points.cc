@@ -1,5 +1,6 @@
 #include "nav_agent/mapping/scan_points.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace treeline {
@@ -15,6 +16,31 @@ bool OnOneSurface(Vec2 a, Vec2 b, double nearer_m, double increment_rad,
   // r * increment / sin(g) apart on it.
   return nearer_m * increment_rad >=
          gap_m * std::sin(options.min_incidence_rad);
+}
+
+// Whether a return lies between those of its neighbours, nearer than one and
+// farther than the other, with a surface to neither: it met a surface almost
+// along it, or two at once. Where along the beam it lies means little.
+bool IsInBetween(std::span<const float> ranges_m, int beam,
+                 const RangeSensorInfo& laser,
+                 const ScanPointOptions& options) {
+  if (beam < 1 || beam + 1 >= static_cast<int>(ranges_m.size())) return false;
+  const double angle_rad = std::abs(laser.angle_increment_rad);
+  const double here_m = ranges_m[static_cast<size_t>(beam)];
+  const auto at = [](double range_m, double angle) {
+    return Vec2{range_m * std::cos(angle), range_m * std::sin(angle)};
+  };
+  int farther = 0;
+  for (const int side : {-1, 1}) {
+    const double other_m = ranges_m[static_cast<size_t>(beam + side)];
+    if (std::isfinite(other_m) &&
+        OnOneSurface(at(here_m, 0), at(other_m, angle_rad),
+                     std::min(here_m, other_m), angle_rad, options)) {
+      return false;
+    }
+    if (!(other_m <= here_m)) ++farther;
+  }
+  return farther == 1;
 }
 
 }  // namespace
@@ -43,7 +69,8 @@ ScanPoints MakeScanPoints(std::span<const float> ranges_m,
     const double range_m = ranges_m[static_cast<size_t>(beam)];
     if (!std::isfinite(range_m) || range_m <= laser.range_min_m ||
         range_m > options.max_range_m ||
-        (laser.range_max_m > 0 && range_m >= laser.range_max_m)) {
+        (laser.range_max_m > 0 && range_m >= laser.range_max_m) ||
+        IsInBetween(ranges_m, beam, laser, options)) {
       continue;
     }
     const double angle_rad = laser.AngleOf_rad(beam);

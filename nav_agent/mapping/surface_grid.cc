@@ -7,6 +7,30 @@ namespace treeline {
 namespace {
 
 constexpr double kStepsPerCell2 = 32;
+// Points of one surface are drawn as one piece if it is straight: between
+// points that are as near to each other as they are noisy, pieces would point
+// anywhere, and hold a scan along a wall that does not.
+constexpr double kMaxPiece_m = 0.4;
+constexpr double kStraight_m = 0.03;
+
+// The last point of the straight piece of surface that begins at point i.
+size_t StraightUntil(const ScanPoints& scan, size_t i) {
+  const Vec2 begin = scan.points_m[i];
+  size_t end = i;
+  while (end + 1 < scan.size() && scan.joined[end] != 0) {
+    const Vec2 chord = scan.points_m[end + 1] - begin;
+    const double length_m = Norm(chord);
+    if (end > i && length_m > kMaxPiece_m) break;
+    bool straight = true;
+    for (size_t k = i + 1; k <= end && straight; ++k) {
+      straight = std::abs(Cross(chord, scan.points_m[k] - begin)) <=
+                 kStraight_m * length_m;
+    }
+    if (!straight) break;
+    ++end;
+  }
+  return end;
+}
 
 }  // namespace
 
@@ -33,19 +57,18 @@ SurfaceGrid::SurfaceGrid(Vec2 center_in_target, double half_extent_m,
 
 void SurfaceGrid::Draw(const PlacedScan& placed) {
   const ScanPoints& scan = *placed.scan;
-  Vec2 point;
-  bool begins = true;  // a surface, at this point
-  for (size_t i = 0; i < scan.size(); ++i) {
-    if (begins) point = placed.target_from_scan * scan.points_m[i];
-    if (scan.joined[i] != 0 && i + 1 < scan.size()) {
-      const Vec2 next = placed.target_from_scan * scan.points_m[i + 1];
-      DrawPiece({point, next});
-      point = next;
-      begins = false;
-    } else {
-      // The end of a surface is drawn already.
-      if (begins) DrawPiece({point, point});
-      begins = true;
+  bool ends_surface = false;  // point i is drawn already
+  for (size_t i = 0; i < scan.size();) {
+    const size_t end = StraightUntil(scan, i);
+    if (end > i || !ends_surface) {
+      DrawPiece({placed.target_from_scan * scan.points_m[i],
+                 placed.target_from_scan * scan.points_m[end]});
+    }
+    ends_surface = end > i;
+    i = std::max(end, i + 1);
+    if (end == i && scan.joined[end] == 0) {
+      ends_surface = false;
+      ++i;
     }
   }
 }
