@@ -242,7 +242,7 @@ std::vector<int> FindCuts(const GroundColumns& ground, const NodeFacts& facts,
       for (int z = upper; z > highest_lower; --z) {
         const auto at = ground_at.find(z);
         const int64_t here = at == ground_at.end() ? 0 : at->second;
-        if (2 * here < least) {
+        if (10 * here < least) {
           least = here;
           cut = z;
         }
