@@ -206,7 +206,8 @@ std::vector<Overlap> FindOverlaps(const GroundColumns& ground,
 
 // The fewest heights so that one lies in each overlap's (lower, upper], from
 // the bottom up: the classic greedy stabbing. Within the heights that serve a
-// cut's overlaps alike it takes the highest with little ground at it.
+// cut's overlaps alike it takes the highest, unless one below has less than
+// half the ground at it.
 std::vector<int> FindCuts(const GroundColumns& ground, const NodeFacts& facts,
                           const std::vector<Overlap>& overlaps,
                           double resolution_m) {
@@ -237,11 +238,11 @@ std::vector<int> FindCuts(const GroundColumns& ground, const NodeFacts& facts,
     }
     if (columns >= min_columns) {
       int cut = upper;
-      int64_t least = std::numeric_limits<int64_t>::max();
+      int64_t least = std::numeric_limits<int32_t>::max();
       for (int z = upper; z > highest_lower; --z) {
         const auto at = ground_at.find(z);
         const int64_t here = at == ground_at.end() ? 0 : at->second;
-        if (here < least) {
+        if (10 * here < least) {
           least = here;
           cut = z;
         }

@@ -226,7 +226,7 @@ Score ScoreLevel(const Scene& scene, const TraversableLevel& level,
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
       const TruthSpan own = SpanOf(truth, {x, y}, 0);
-      if (own.highest_m < 0) continue;  // the level has nothing here
+      if (own.lowest_m < 0) continue;  // the level ends here
       const TruthSpan near = SpanOf(truth, {x, y}, 1);
       const bool free = grid.At({x, y}) == Occupancy::kFree;
       const bool occupied = grid.At({x, y}) == Occupancy::kOccupied;
