@@ -92,11 +92,11 @@ MatchSearch LoopCloser::SearchFor(const Reach& reach) const {
   // No drift is larger than this part of the way: without that, a corridor in
   // which nothing is known along it matches with its own beginning.
   const double most_m = kLargestDrift * reach.way_m;
-  return {.half_extent_m = std::clamp(
-              std::min(most_m,
-                       options_.search_sigmas * std::sqrt(reach.variance_m2)) +
-                  options_.search_of_way * reach.way_m,
-              options_.min_search_m, options_.max_search_m),
+  return {.half_extent_m =
+              std::clamp(std::min(most_m, options_.search_sigmas *
+                                              std::sqrt(reach.variance_m2)) +
+                             options_.search_of_way * reach.way_m,
+                         options_.min_search_m, options_.max_search_m),
           .half_angle_rad = std::clamp(
               options_.search_sigmas * std::sqrt(reach.variance_rad2) +
                   0.2 * options_.search_of_way * reach.way_m,
@@ -130,8 +130,8 @@ std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
         options_.overlap_m + search_m - options_.min_search_m;
     // A loop comes back from somewhere; what is a little behind on the way is
     // the front end's matter, and pulls along a corridor.
-    const double way_m = way_m_[static_cast<size_t>(keyscan)] -
-                         way_m_[static_cast<size_t>(i)];
+    const double way_m =
+        way_m_[static_cast<size_t>(keyscan)] - way_m_[static_cast<size_t>(i)];
     if (distance_m > radius_m || way_m < kLoopWay * options_.overlap_m) {
       if (chain.end > 0) finish();
       continue;
