@@ -132,11 +132,11 @@ std::optional<WallRef> FindWall(const BuildingPlan& plan,
     const PlanWall& wall = plan.walls[i];
     absl::string_view rest = name;
     if (!absl::ConsumePrefix(&rest, wall.name)) continue;
-    if (rest != "" && rest != ".left" && rest != ".right") continue;
+    if (!rest.empty() && rest != ".left" && rest != ".right") continue;
     WallRef ref;
     ref.wall = static_cast<int>(i);
     ref.is_left = rest != ".right";
-    ref.names_side = rest != "";
+    ref.names_side = !rest.empty();
     ref.high_m =
         std::hypot(wall.to.x_m - wall.from.x_m, wall.to.y_m - wall.from.y_m);
     ref.base_m = wall.from.z_m.value_or(0);
