@@ -23,11 +23,49 @@ constexpr double kLargestDrift = 0.05;
 constexpr double kCoarse = 2.5;
 // The fine search about the best coarse cell, in its cells.
 constexpr double kFineSearch_cells = 1.5;
+// Pieces of surface long enough, and alike enough in direction, to tell which
+// side of them is seen; how many there must be, and what share must agree.
+constexpr double kTellingPiece_m = 0.1;
+constexpr double kAlong = 0.8;
+constexpr int kTellingPieces = 5;
+constexpr double kSameSide = 0.8;
 
 double LargestSigma_m(const Covariance3& c) {
   const double mean = 0.5 * (c[0] + c[4]);
   const double spread = std::hypot(0.5 * (c[0] - c[4]), c[1]);
   return std::sqrt(std::max(0.0, mean + spread));
+}
+
+// A scan runs counter-clockwise, so that the robot is always to the left of the
+// surface that it sees. The share of the query's surfaces that lie on pieces of
+// the grid which were seen from the same side: the two faces of a wall, or the
+// inner and the outer corner of a corridor, look alike to a matcher of points.
+// 0 if there are too few to tell.
+double ShareOfSameSide(const SurfaceGrid& grid, const ScanPoints& query,
+                       const Rigid2& target_from_query) {
+  int same = 0;
+  int told = 0;
+  size_t begin = 0;
+  for (size_t i = 0; i < query.size(); ++i) {
+    if (i > begin && query.joined[i - 1] == 0) begin = i;
+    const Vec2 along = query.points_m[i] - query.points_m[begin];
+    const double length_m = Norm(along);
+    if (length_m < kTellingPiece_m) continue;
+    const Vec2 middle = query.points_m[begin] + 0.5 * along;
+    begin = i;
+    const SurfaceGrid::Piece* piece =
+        grid.NearestPiece(target_from_query * middle);
+    if (piece == nullptr) continue;
+    const Vec2 across = piece->end - piece->begin;
+    if (Norm(across) < kTellingPiece_m) continue;
+    const Vec2 turned =
+        Rigid2{.translation = {}, .yaw_rad = target_from_query.yaw_rad} * along;
+    const double cosine = Dot(turned, across) / (length_m * Norm(across));
+    if (std::abs(cosine) < kAlong) continue;
+    ++told;
+    same += cosine > 0 ? 1 : 0;
+  }
+  return told < kTellingPieces ? 0 : static_cast<double>(same) / told;
 }
 
 }  // namespace
@@ -244,8 +282,11 @@ std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,
   }
   const SurfaceGrid grid =
       MakeSurfaceGrid(references, query, guess, search, matcher_);
-  return Verified(keyscan, chain,
-                  MatchScan(grid, query, guess, search, matcher_), wide);
+  const ScanMatch match = MatchScan(grid, query, guess, search, matcher_);
+  if (ShareOfSameSide(grid, query, match.target_from_scan) < kSameSide) {
+    return std::nullopt;
+  }
+  return Verified(keyscan, chain, match, wide);
 }
 
 bool LoopCloser::Add(std::shared_ptr<const ScanPoints> scan,
