@@ -113,17 +113,9 @@ absl::Status Serve(const BaseFlags& flags, const std::stop_token& stop) {
   return absl::OkStatus();
 }
 
-int RunBase(const BaseFlags& flags, const std::stop_token& stop) {
-  const absl::Status status = Serve(flags, stop);
-  if (status.ok()) return kEmulatorDone;
-  std::fprintf(stderr, "treeline-emulator base: %s\n",
-               std::string(status.message()).c_str());
-  return absl::IsInvalidArgument(status) ? kEmulatorUsage : kEmulatorFailed;
-}
-
 }  // namespace
 
-EmulatorCommand AddBaseCommand(CLI::App& app) {
+Command AddBaseCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("base", kDescription);
   command->footer(kFooter);
   // Held by the command that is returned.
@@ -160,9 +152,8 @@ EmulatorCommand AddBaseCommand(CLI::App& app) {
       ->take_all();
   command->add_option("--seed", flags->seed, "Of the faults")
       ->capture_default_str();
-  return {command, [flags](const std::stop_token& stop) {
-            return RunBase(*flags, stop);
-          }};
+  return {command,
+          [flags](const std::stop_token& stop) { return Serve(*flags, stop); }};
 }
 
 }  // namespace treeline

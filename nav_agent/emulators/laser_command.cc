@@ -112,17 +112,9 @@ absl::Status Serve(const LaserFlags& flags, const std::stop_token& stop) {
   return absl::OkStatus();
 }
 
-int RunLaser(const LaserFlags& flags, const std::stop_token& stop) {
-  const absl::Status status = Serve(flags, stop);
-  if (status.ok()) return kEmulatorDone;
-  std::fprintf(stderr, "treeline-emulator laser: %s\n",
-               std::string(status.message()).c_str());
-  return absl::IsInvalidArgument(status) ? kEmulatorUsage : kEmulatorFailed;
-}
-
 }  // namespace
 
-EmulatorCommand AddLaserCommand(CLI::App& app) {
+Command AddLaserCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("laser", kDescription);
   command->footer(kFooter);
   // Held by the command that is returned.
@@ -157,9 +149,8 @@ EmulatorCommand AddLaserCommand(CLI::App& app) {
       ->add_option("--first-time-ms", flags->first_time_ms,
                    "What its clock says at first; it wraps at 16777216")
       ->capture_default_str();
-  return {command, [flags](const std::stop_token& stop) {
-            return RunLaser(*flags, stop);
-          }};
+  return {command,
+          [flags](const std::stop_token& stop) { return Serve(*flags, stop); }};
 }
 
 }  // namespace treeline

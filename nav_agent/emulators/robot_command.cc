@@ -122,17 +122,9 @@ absl::Status Serve(const RobotFlags& flags, const std::stop_token& stop) {
   return absl::OkStatus();
 }
 
-int RunRobot(const RobotFlags& flags, const std::stop_token& stop) {
-  const absl::Status status = Serve(flags, stop);
-  if (status.ok()) return kEmulatorDone;
-  std::fprintf(stderr, "treeline-emulator robot: %s\n",
-               std::string(status.message()).c_str());
-  return absl::IsInvalidArgument(status) ? kEmulatorUsage : kEmulatorFailed;
-}
-
 }  // namespace
 
-EmulatorCommand AddRobotCommand(CLI::App& app) {
+Command AddRobotCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("robot", kDescription);
   command->footer(kFooter);
   // Held by the command that is returned.
@@ -162,9 +154,8 @@ EmulatorCommand AddRobotCommand(CLI::App& app) {
   command->add_flag("--no-people", flags->no_people, "Nobody else is there");
   command->add_option("--seed", flags->seed, "Of noise, slip and faults")
       ->capture_default_str();
-  return {command, [flags](const std::stop_token& stop) {
-            return RunRobot(*flags, stop);
-          }};
+  return {command,
+          [flags](const std::stop_token& stop) { return Serve(*flags, stop); }};
 }
 
 }  // namespace treeline

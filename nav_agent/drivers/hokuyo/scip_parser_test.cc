@@ -73,7 +73,7 @@ TEST(ScipParserTest, EmptyLinesMeanNothing) {
 TEST(ScipParserTest, HasRoomForOneReplyAndNoMore) {
   ScipParser parser;
   // A line without end, then lines without end; each costs one reply.
-  EXPECT_TRUE(Parse(parser, std::string(10'000'000, 'x')).empty());
+  EXPECT_TRUE(Parse(parser, std::string(8'000'000, 'x')).empty());
   EXPECT_THAT(Parse(parser, "\n\nBM\n00P\n\n"), ElementsAre("BM|00"));
   std::string lines;
   for (int i = 0; i < 1'000'000; ++i) lines += "x\n";
