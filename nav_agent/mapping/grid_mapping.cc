@@ -62,6 +62,8 @@ void CountBeam(Counts* cell, bool hit) {
   if (hit) ++cell->hits;
 }
 
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
 // Walks over the cells from `begin` to `end`, in cells (Amanatides and Woo,
 // "A Fast Voxel Traversal Algorithm", 1987).
 template <typename Visit>
@@ -73,7 +75,6 @@ void WalkCells(Vec2 begin, Vec2 end, const Visit& visit) {
   const Vec2 d = end - begin;
   const int step_x = d.x > 0 ? 1 : -1;
   const int step_y = d.y > 0 ? 1 : -1;
-  constexpr double kNever = std::numeric_limits<double>::infinity();
   const double per_x = d.x != 0 ? std::abs(1 / d.x) : kNever;
   const double per_y = d.y != 0 ? std::abs(1 / d.y) : kNever;
   const auto first = [](double at, double delta, double per) {
