@@ -94,10 +94,9 @@ void ScenarioPlayer::DriveTour(const TourAction& tour) {
     }
     // The world's tour is closed: it begins wherever the robot is.
     const Vec3 here = simulator_->state().world_from_base.translation;
-    std::ranges::rotate(
-        corners, std::ranges::min_element(corners, {}, [&here](Vec3 corner) {
-          return Norm(corner - here);
-        }));
+    const auto nearest = std::ranges::min_element(
+        corners, {}, [&here](Vec3 corner) { return Norm(corner - here); });
+    std::rotate(corners.begin(), nearest, corners.end());
     if (!corners.empty()) corners.push_back(corners.front());
   }
   if (corners.empty()) {
