@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 #include "common/synthetic/ground_columns.h"
 
@@ -351,13 +352,6 @@ class GroundFinder {
   std::vector<size_t> first_;  // nodes by cell
   int level_count_ = 1;
 };
-
-absl::Status CheckRange(absl::string_view name, double value, double min,
-                        double max) {
-  if (value >= min && value <= max) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat(name, " of ", value, " is outside ", min, "..", max));
-}
 
 }  // namespace
 

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "common/base/check_range.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
-#include "common/synthetic/check_range.h"
 
 namespace treeline {
 namespace {

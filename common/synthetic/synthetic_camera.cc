@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "common/base/check_range.h"
 #include "common/base/parallel_for.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
-#include "common/synthetic/check_range.h"
 
 namespace treeline {
 namespace {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/localization/particle_clusters.h"
 
@@ -14,13 +15,6 @@ namespace {
 
 // Enough particles to tell whether a beam is explained.
 constexpr size_t kWitnesses = 256;
-
-absl::Status CheckRange(const char* name, double value, double min,
-                        double max) {
-  if (value >= min && value <= max) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
-      "amcl: ", name, " is ", value, "; it must be ", min, "..", max));
-}
 
 bool IsFinite(const Rigid2& pose) {
   return std::isfinite(pose.translation.x) &&
@@ -54,29 +48,32 @@ std::optional<std::array<double, 9>> SquareRoot(const PoseCovariance2& c) {
 }  // namespace
 
 absl::Status AmclOptions::Validate() const {
-  TL_RETURN_IF_ERROR(CheckRange("min_particles", min_particles, 1, 1e6));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: min_particles", min_particles, 1, 1e6));
   TL_RETURN_IF_ERROR(
-      CheckRange("max_particles", max_particles, min_particles, 1e6));
-  TL_RETURN_IF_ERROR(CheckRange("max_global_particles", max_global_particles,
-                                max_particles, 1e6));
-  TL_RETURN_IF_ERROR(CheckRange("kld_error", kld_error, 1e-4, 1));
-  TL_RETURN_IF_ERROR(CheckRange("kld_z", kld_z, 0, 10));
-  TL_RETURN_IF_ERROR(CheckRange("bin_m", bin_m, 0.01, 100));
+      CheckRange("amcl: max_particles", max_particles, min_particles, 1e6));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: max_global_particles",
+                                max_global_particles, max_particles, 1e6));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: kld_error", kld_error, 1e-4, 1));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: kld_z", kld_z, 0, 10));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: bin_m", bin_m, 0.01, 100));
   TL_RETURN_IF_ERROR(
-      CheckRange("bin_rad", bin_rad, 0.001, 2 * std::numbers::pi));
+      CheckRange("amcl: bin_rad", bin_rad, 0.001, 2 * std::numbers::pi));
   TL_RETURN_IF_ERROR(
-      CheckRange("update_distance_m", update_distance_m, 0, 100));
-  TL_RETURN_IF_ERROR(CheckRange("update_turn_rad", update_turn_rad, 0, 100));
-  TL_RETURN_IF_ERROR(CheckRange("max_beams", max_beams, 1, 100000));
+      CheckRange("amcl: update_distance_m", update_distance_m, 0, 100));
   TL_RETURN_IF_ERROR(
-      CheckRange("independent_beams", independent_beams, 0.1, 100000));
+      CheckRange("amcl: update_turn_rad", update_turn_rad, 0, 100));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: max_beams", max_beams, 1, 100000));
   TL_RETURN_IF_ERROR(
-      CheckRange("min_counting_share", min_counting_share, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("skip_below_share", skip_below_share, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("skip_distance_m", skip_distance_m, 0, 100));
-  TL_RETURN_IF_ERROR(CheckRange("slow_share", slow_share, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("fast_share", fast_share, slow_share, 1));
-  TL_RETURN_IF_ERROR(CheckRange("resample_below", resample_below, 0, 1));
+      CheckRange("amcl: independent_beams", independent_beams, 0.1, 100000));
+  TL_RETURN_IF_ERROR(
+      CheckRange("amcl: min_counting_share", min_counting_share, 0, 1));
+  TL_RETURN_IF_ERROR(
+      CheckRange("amcl: skip_below_share", skip_below_share, 0, 1));
+  TL_RETURN_IF_ERROR(
+      CheckRange("amcl: skip_distance_m", skip_distance_m, 0, 100));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: slow_share", slow_share, 0, 1));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: fast_share", fast_share, slow_share, 1));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: resample_below", resample_below, 0, 1));
   TL_RETURN_IF_ERROR(field.Validate());
   return odometry.Validate();
 }

@@ -3,21 +3,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "absl/strings/str_cat.h"
+#include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 
 namespace treeline {
-namespace {
-
-absl::Status CheckRange(absl::string_view name, double value, double min,
-                        double max) {
-  // Written so that NaN fails.
-  if (value >= min && value <= max) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat(name, " must be from ", min, " to ", max, "; got ", value));
-}
-
-}  // namespace
 
 absl::Status TraversabilityOptions::Validate() const {
   TL_RETURN_IF_ERROR(

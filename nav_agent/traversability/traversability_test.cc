@@ -419,7 +419,7 @@ TEST(Traversability, OptionsOutOfRangeAreNamed) {
   EXPECT_TRUE(TraversabilityOptions::For(RobotModel()).Validate().ok());
   options.max_slope_rad = std::nan("");
   EXPECT_THAT(std::string(options.Validate().message()),
-              HasSubstr("max_slope_rad must be"));
+              HasSubstr("max_slope_rad is"));
   options = {};
   options.robot_height_m = 0;
   EXPECT_THAT(std::string(options.Validate().message()),

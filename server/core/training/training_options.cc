@@ -1,21 +1,9 @@
 #include "server/core/training/training_options.h"
 
-#include "absl/strings/str_cat.h"
-#include "absl/strings/string_view.h"
+#include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 
 namespace treeline {
-namespace {
-
-// Written so that NaN fails.
-absl::Status CheckRange(absl::string_view name, double value, double low,
-                        double high) {
-  if (value >= low && value <= high) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
-      name, " is ", value, "; it must be between ", low, " and ", high));
-}
-
-}  // namespace
 
 absl::Status TrainingOptions::Validate() const {
   TL_RETURN_IF_ERROR(CheckRange("threads", threads, 0, 1024));

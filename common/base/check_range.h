@@ -1,6 +1,6 @@
 // One number of an options struct, checked.
-#ifndef COMMON_SYNTHETIC_CHECK_RANGE_H_
-#define COMMON_SYNTHETIC_CHECK_RANGE_H_
+#ifndef COMMON_BASE_CHECK_RANGE_H_
+#define COMMON_BASE_CHECK_RANGE_H_
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
@@ -8,14 +8,15 @@
 
 namespace treeline {
 
-// INVALID_ARGUMENT, in words, unless low <= value <= high.
+// INVALID_ARGUMENT, "NAME is 3; it must be 0..1", unless low <= value <= high;
+// NaN is not.
 inline absl::Status CheckRange(absl::string_view name, double value, double low,
                                double high) {
   if (value >= low && value <= high) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      absl::StrCat(name, " is ", value, ", outside [", low, ", ", high, "]"));
+      absl::StrCat(name, " is ", value, "; it must be ", low, "..", high));
 }
 
 }  // namespace treeline
 
-#endif  // COMMON_SYNTHETIC_CHECK_RANGE_H_
+#endif  // COMMON_BASE_CHECK_RANGE_H_
