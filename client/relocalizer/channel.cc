@@ -36,12 +36,14 @@ constexpr int kLastReconnect_ms = 2000;
 constexpr unsigned kCertificateRefresh_s = 1;
 
 // gRPC's service configuration: calls go to every address in turn, and are
-// tried again while the answer is UNAVAILABLE.
+// tried again while the answer is UNAVAILABLE. A server that goes down ends
+// calls that arrive while it says so with CANCELLED; calls that the client
+// itself cancels are over without any answer.
 std::string ServiceConfig(int max_attempts) {
   constexpr char kRetryPolicy[] =
       R"(, "retryPolicy": {"maxAttempts": %d, "initialBackoff": "0.05s",)"
       R"( "maxBackoff": "1s", "backoffMultiplier": 3,)"
-      R"( "retryableStatusCodes": ["UNAVAILABLE"]})";
+      R"( "retryableStatusCodes": ["UNAVAILABLE", "CANCELLED"]})";
   const std::string retry_policy =
       max_attempts > 1 ? absl::StrFormat(kRetryPolicy, max_attempts) : "";
   return absl::StrCat(

@@ -129,6 +129,14 @@ TEST_F(GrpcRelocalizerTest, TriesAgainWhenTheServerIsUnavailable) {
   EXPECT_EQ(service_.calls(), 3);
 }
 
+// As a server that goes down ends calls that arrive meanwhile.
+TEST_F(GrpcRelocalizerTest, TriesAgainWhenTheServerCancels) {
+  service_.FailNext(1, grpc::CANCELLED, "CANCELLED");
+  const auto answer = client_->Localize(Query(), {});
+  EXPECT_TRUE(answer.ok()) << answer.status();
+  EXPECT_EQ(service_.calls(), 2);
+}
+
 // gRPC's own retry buffer would give up on this size in silence.
 TEST_F(GrpcRelocalizerTest, TriesAgainWithLargeRequestsToo) {
   service_.FailNext(1, grpc::UNAVAILABLE, "overloaded");
@@ -185,6 +193,7 @@ TEST_F(GrpcRelocalizerTest, TheStopTokenCancelsHereAndThere) {
   EXPECT_EQ(answer.status().code(), absl::StatusCode::kCancelled);
   answered.Notify();
   server_->Shutdown();  // until then its threads use `answered`
+  EXPECT_EQ(service_.calls(), 1);
 }
 
 TEST_F(GrpcRelocalizerTest, ANoLongerRunningServerIsUnavailable) {
