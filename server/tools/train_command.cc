@@ -10,7 +10,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
-#include "server/core/forest/model_info_json.h"
+#include "common/camera/calibration_json.h"
 #include "server/core/training/scene_trainer.h"
 #include "server/tools/calibration_text.h"
 #include "server/tools/commands.h"
