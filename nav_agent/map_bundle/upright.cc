@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
+#include <map>
 #include <vector>
 
 #include "common/base/random.h"
@@ -12,8 +14,10 @@ namespace {
 
 constexpr int kTrials = 400;
 constexpr double kMostTilt_rad = 0.6;
-// Walls that cross the plane pull at it until it lies in the middle of them.
-constexpr int kRefinements = 8;
+constexpr int kRefinements = 3;
+// Where a wall crosses the plane, most points of a cell are above or below it.
+constexpr double kCell_m = 0.1;
+constexpr double kBand_m = 0.15;
 constexpr double kOnPlane_m = 0.03;
 // Smaller planes say nothing.
 constexpr double kLeastShare = 0.05;
@@ -67,19 +71,45 @@ Plane LargestPlane(std::span<const Vec3> points, Vec3 up, uint64_t seed) {
   return best;
 }
 
+struct Cell {
+  int64_t x = 0;
+  int64_t y = 0;
+
+  auto operator<=>(const Cell&) const = default;
+};
+
+// The points on `plane` and not on a wall that crosses it, in a frame in which
+// the plane is level.
+std::vector<Vec3> PointsOf(std::span<const Vec3> points, const Plane& plane,
+                           const Rotation3& level_from_map) {
+  std::map<Cell, std::vector<Vec3>> cells;
+  for (const Vec3 point_in_map : points) {
+    const Vec3 point = level_from_map * point_in_map;
+    if (std::abs(point.z - plane.height) > kBand_m) continue;
+    const Cell cell = {std::llround(point.x / kCell_m),
+                       std::llround(point.y / kCell_m)};
+    cells[cell].push_back(point);
+  }
+  const auto is_on = [&plane](Vec3 point) {
+    return std::abs(point.z - plane.height) < kOnPlane_m;
+  };
+  std::vector<Vec3> on;
+  for (const auto& [cell, inside] : cells) {
+    const auto count = std::count_if(inside.begin(), inside.end(), is_on);
+    if (2 * count < static_cast<std::ptrdiff_t>(inside.size())) continue;
+    std::copy_if(inside.begin(), inside.end(), std::back_inserter(on), is_on);
+  }
+  return on;
+}
+
 // The least-squares plane z = p x + q y + r of the points on `plane`, which is
 // nearly level in the frame of `level_from_map`.
 Plane Refined(std::span<const Vec3> points, const Plane& plane) {
   const Rotation3 level_from_map = Upright(plane.normal);
-  std::vector<Vec3> on;
+  const std::vector<Vec3> on = PointsOf(points, plane, level_from_map);
+  if (on.size() < 3) return plane;
   Vec3 mean;
-  for (const Vec3 point : points) {
-    if (std::abs(Dot(plane.normal, point) - plane.height) >= kOnPlane_m) {
-      continue;
-    }
-    on.push_back(level_from_map * point);
-    mean = mean + on.back();
-  }
+  for (const Vec3 point : on) mean = mean + point;
   mean = mean / static_cast<double>(on.size());
   double xx = 0;
   double xy = 0;
