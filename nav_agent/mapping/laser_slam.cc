@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/mapping/driven_ground.h"
 #include "nav_agent/mapping/loop_worker.h"
@@ -34,6 +34,13 @@ constexpr double kTurnAsWay_m = 0.3;
 constexpr double kLeastOfWay = 0.5;
 constexpr double kMostOfWay = 1.5;
 constexpr double kTellingWay_m = 0.03;
+
+double ThreadTime_ms() {
+  timespec time = {};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) +
+         1e-6 * static_cast<double>(time.tv_nsec);
+}
 
 bool IsTilted(const Rotation3& level_from_base) {
   return std::hypot(level_from_base.x, level_from_base.y) > 0.5 * kLevel_rad;
@@ -82,6 +89,7 @@ class LaserSlamOnThread final : public LaserSlam {
                 options.synchronous) {}
 
   absl::StatusOr<Rigid2> AddScan(const LaserSlamScan& scan) override;
+  double Height_m() const override { return height_m_; }
   void Finish() override {
     worker_.Finish(options_.polish_rounds);
     ApplyCorrection();
@@ -119,7 +127,6 @@ class LaserSlamOnThread final : public LaserSlam {
   const RangeSensorInfo laser_;
   const Rigid3 base_from_laser_;
   const LaserSlamOptions options_;
-  SteadyClock clock_;
   std::vector<Keyscan> keyscans_;
   std::vector<ScanPlace> places_;
   Rigid2 map_from_base_;
@@ -374,7 +381,7 @@ void LaserSlamOnThread::AddPlace(const LaserSlamScan& scan) {
 
 absl::StatusOr<Rigid2> LaserSlamOnThread::AddScan(const LaserSlamScan& scan) {
   TL_RETURN_IF_ERROR(Check(scan));
-  const MonotonicTime start = clock_.Now();
+  const double start_ms = ThreadTime_ms();
   ApplyCorrection();
   Predict(scan);
   std::shared_ptr<const ScanOutline> outline;
@@ -393,7 +400,7 @@ absl::StatusOr<Rigid2> LaserSlamOnThread::AddScan(const LaserSlamScan& scan) {
       covariance = Locate(*outline, scan);
     }
   }
-  statistics_.front_end_ms.push_back(MillisecondsBetween(start, clock_.Now()));
+  statistics_.front_end_ms.push_back(ThreadTime_ms() - start_ms);
   if (is_keyscan) AddKeyscan(std::move(outline), scan, covariance);
   AddPlace(scan);
   ++statistics_.scans;

@@ -101,7 +101,8 @@ struct LaserSlamStatistics {
   int64_t keyscans = 0;
   // Scans whose place was taken from odometry because they did not match.
   int64_t unmatched = 0;
-  // The front end's time for each scan (ms).
+  // The front end's processor time for each scan (ms): what else runs on the
+  // machine does not count, nor does closing loops.
   std::vector<double> front_end_ms;
   LoopCloserStatistics loops;
 };
@@ -126,6 +127,9 @@ class LaserSlam {
   // odometry along the slope, by as much as the matched way is longer or
   // shorter than odometry's: wheels slip on slopes.
   virtual absl::StatusOr<Rigid2> AddScan(const LaserSlamScan& scan) = 0;
+
+  // Of the last scan, above the first (m).
+  virtual double Height_m() const = 0;
 
   // Waits for the back end, and lets it take what time it needs for the best
   // trajectory. Scans may still be added afterwards.
