@@ -12,7 +12,7 @@ constexpr const char* kDescription =
     "it, in the world or in a simulated one.";
 
 std::vector<Command> AddCommands(CLI::App& app) {
-  return {AddSimulateCommand(app), AddLocalizeCommand(app),
+  return {AddSimulateCommand(app), AddMapCommand(app), AddLocalizeCommand(app),
           AddTraversabilityCommand(app)};
 }
 
