@@ -103,26 +103,27 @@ absl::Status Run(const Flags& flags) {
   TL_ASSIGN_OR_RETURN(OctomapBuilder builder,
                       OctomapBuilder::Make(flags.fusion));
   double fusion_s = 0;
-  TL_RETURN_IF_ERROR(ForEachView(
-      flags.log, flags.every, [&](const LoggedView& view) -> absl::Status {
-        truth.Observe(view.depth, view.camera,
-                      PoseAt(true_poses, view.stamp) * view.base_from_camera,
-                      flags.fusion.max_depth_m, flags.truth_step);
-        const Rigid3 map_from_camera =
-            Disturbed(PoseAt(poses, view.stamp) * view.base_from_camera, flags,
-                      static_cast<uint64_t>(builder.views()));
-        const double begin_s = ProcessorSeconds();
-        TL_RETURN_IF_ERROR(builder.InsertDepth(builder.views(), view.depth,
-                                               view.camera, map_from_camera));
-        fusion_s += ProcessorSeconds() - begin_s;
-        return absl::OkStatus();
-      }));
+  const auto add = [&](const LoggedView& view) {
+    truth.Observe(view.depth, view.camera,
+                  PoseAt(true_poses, view.stamp) * view.base_from_camera,
+                  flags.fusion.max_depth_m, flags.truth_step);
+    const Rigid3 map_from_camera =
+        Disturbed(PoseAt(poses, view.stamp) * view.base_from_camera, flags,
+                  static_cast<uint64_t>(builder.views()));
+    const double begin_s = ProcessorSeconds();
+    const absl::Status status = builder.InsertDepth(
+        builder.views(), view.depth, view.camera, map_from_camera);
+    fusion_s += ProcessorSeconds() - begin_s;
+    return status;
+  };
+  TL_RETURN_IF_ERROR(ForEachView(flags.log, flags.every, add));
   const double begin_s = ProcessorSeconds();
   TL_ASSIGN_OR_RETURN(const VoxelMap map, builder.Map());
   const double map_s = ProcessorSeconds() - begin_s;
   const FusionScore score = truth.Score(map);
-  std::printf("%s: precision %.4f, recall %.4f\n", flags.world.c_str(),
-              score.precision(), score.recall());
+  std::printf("%s: precision %.4f, recall %.4f, of ground in its column %.4f\n",
+              flags.world.c_str(), score.precision(), score.recall(),
+              score.ground_recall());
   std::printf("  occupied %lld, observed %lld, free %lld\n",
               static_cast<long long>(score.occupied),
               static_cast<long long>(score.observed),

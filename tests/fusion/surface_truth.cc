@@ -32,11 +32,18 @@ bool HasOccupiedNear(const VoxelMap& map, VoxelIndex v) {
   return false;
 }
 
+bool HasOccupiedInColumn(const VoxelMap& map, VoxelIndex v) {
+  return map.At({v.x, v.y, v.z - 1}) == Voxel::kOccupied ||
+         map.At(v) == Voxel::kOccupied ||
+         map.At({v.x, v.y, v.z + 1}) == Voxel::kOccupied;
+}
+
 // How many occupied voxels `map` has, and how many of them `other` has too,
 // within one voxel.
 struct Matches {
   int64_t all = 0;
   int64_t near = 0;
+  int64_t in_column = 0;
 };
 Matches CountMatches(const VoxelMap& map, const VoxelMap& other) {
   Matches matches;
@@ -48,9 +55,9 @@ Matches CountMatches(const VoxelMap& map, const VoxelMap& other) {
       for (int z = 0; z < map.size().z; ++z) {
         if (map.At({x, y, z}) != Voxel::kOccupied) continue;
         ++matches.all;
-        if (HasOccupiedNear(other, {x + shift.x, y + shift.y, z + shift.z})) {
-          ++matches.near;
-        }
+        const VoxelIndex v{x + shift.x, y + shift.y, z + shift.z};
+        if (HasOccupiedNear(other, v)) ++matches.near;
+        if (HasOccupiedInColumn(other, v)) ++matches.in_column;
       }
     }
   }
@@ -103,23 +110,28 @@ void SurfaceTruth::Observe(const DepthImage& measured, const Camera& camera,
         std::abs(z_m - depths_m[i]) > 0.1 + 0.02 * z_m * z_m) {
       continue;
     }
-    const Float3 point =
-        world_->surfaces[hits[i].surface].PointAt(hits[i].u, hits[i].v);
+    const Surface& hit = world_->surfaces[hits[i].surface];
+    const Float3 point = hit.PointAt(hits[i].u, hits[i].v);
     const VoxelIndex v =
         surface_.IndexOf({double{point.x}, double{point.y}, double{point.z}});
     if (!surface_.Contains(v)) continue;
     surface_.Set(v, Voxel::kOccupied);
-    if (z_m <= max_depth_m) observed_.Set(v, Voxel::kOccupied);
+    if (z_m > max_depth_m) continue;
+    observed_.Set(v, Voxel::kOccupied);
+    if (std::abs(hit.Normal().z) > 0.7F) ground_.Set(v, Voxel::kOccupied);
   }
 }
 
 FusionScore SurfaceTruth::Score(const VoxelMap& map) const {
   const Matches precision = CountMatches(map, surface_);
   const Matches recall = CountMatches(observed_, map);
+  const Matches ground = CountMatches(ground_, map);
   return {.occupied = precision.all,
           .right = precision.near,
           .observed = recall.all,
-          .found = recall.near};
+          .found = recall.near,
+          .observed_ground = ground.all,
+          .found_ground = ground.in_column};
 }
 
 bool SurfaceTruth::IsNearSurface(VoxelIndex voxel) const {

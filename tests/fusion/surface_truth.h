@@ -24,12 +24,21 @@ struct FusionScore {
   // one voxel.
   int64_t observed = 0;
   int64_t found = 0;
+  // Of those whose surface looks up or down (within 45 degrees), and of those
+  // with an occupied voxel within one voxel above or below: what a map of the
+  // ground needs.
+  int64_t observed_ground = 0;
+  int64_t found_ground = 0;
 
   double precision() const {
     return static_cast<double>(right) / static_cast<double>(occupied);
   }
   double recall() const {
     return static_cast<double>(found) / static_cast<double>(observed);
+  }
+  double ground_recall() const {
+    return static_cast<double>(found_ground) /
+           static_cast<double>(observed_ground);
   }
 };
 
@@ -59,12 +68,15 @@ class SurfaceTruth {
       : world_(&world),
         caster_(std::move(caster)),
         observed_(surface),
+        ground_(surface),
         surface_(std::move(surface)) {}
 
   const World* world_;
   RayCaster caster_;
-  // Within the range, and a little beyond, which noise may bring nearer.
+  // Within the range; what of it is ground; and a little beyond, which noise
+  // may bring nearer.
   VoxelMap observed_;
+  VoxelMap ground_;
   VoxelMap surface_;
 };
 
