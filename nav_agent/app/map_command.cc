@@ -14,6 +14,7 @@
 #include "common/dataset/dataset.h"
 #include "nav_agent/app/commands.h"
 #include "nav_agent/app/map_log.h"
+#include "nav_agent/app/map_rgbd.h"
 
 namespace treeline {
 namespace {
@@ -126,13 +127,59 @@ absl::Status RunLog(const MapFlags& flags, const std::stop_token& stop) {
   return absl::OkStatus();
 }
 
+void PrintSummary(const MapRgbdResult& result) {
+  const RgbdSlamStatistics& slam = result.slam.statistics;
+  std::printf(
+      "%d frames: %d tracked, %d lost, found again %d times; %d loops closed, "
+      "%d of %d parts joined; tracking takes %.1f ms a frame (median), %.1f ms "
+      "(p99)\n",
+      slam.frames, slam.tracked, slam.lost, slam.relocalized, slam.loops,
+      slam.joined_submaps, slam.submaps, result.slam.tracking_p50_ms,
+      result.slam.tracking_p99_ms);
+  if (!result.upright.has_surface) {
+    std::fprintf(stderr,
+                 "warning: there is no large level surface; up is where most "
+                 "pictures have it\n");
+  }
+}
+
+absl::Status RunRgbd(const MapFlags& flags, const std::stop_token& stop) {
+  TL_ASSIGN_OR_RETURN(const Dataset dataset, Dataset::Open(flags.rgbd));
+  MapRgbdOptions options;
+  options.map = flags.map;
+  options.slam.slam.seed = flags.map.seed;
+  options.slam.slam.closes_loops = !flags.no_loops;
+  options.stop = stop;
+  if (!flags.calibration.empty()) {
+    TL_ASSIGN_OR_RETURN(const std::string json, ReadFile(flags.calibration));
+    absl::StatusOr<RgbdCalibration> calibration = CalibrationFromJson(json);
+    if (!calibration.ok()) {
+      return Annotate(calibration.status(), flags.calibration);
+    }
+    calibration->pose_sensor = dataset.calibration().pose_sensor;
+    options.slam.calibration = *calibration;
+  }
+  absl::StatusOr<MapRgbdResult> result;
+  {
+    PhaseLine line(flags.quiet);
+    options.progress = [&line](const char* phase, double part) {
+      line.Show(phase, part);
+    };
+    result = MapRgbd(dataset, options);
+  }
+  TL_RETURN_IF_ERROR(result.status());
+  PrintSummary(*result);
+  PrintSummary(result->summary);
+  return absl::OkStatus();
+}
+
 absl::Status Run(MapFlags& flags, const std::stop_token& stop) {
   if (flags.log.empty() == flags.rgbd.uri.empty()) {
     return absl::InvalidArgumentError(
         "of what is the map made? Give either --log FILE or --rgbd URI");
   }
   flags.map.traversability.max_slope_rad = flags.max_slope_deg / kDegPerRad;
-  return RunLog(flags, stop);
+  return flags.log.empty() ? RunRgbd(flags, stop) : RunLog(flags, stop);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ constexpr const char* kDescription =
 
 std::vector<Command> AddCommands(CLI::App& app) {
   return {AddSimulateCommand(app), AddMapCommand(app), AddLocalizeCommand(app),
-          AddTraversabilityCommand(app)};
+          AddTraversabilityCommand(app), AddScoreTrajectoryCommand(app)};
 }
 
 }  // namespace
