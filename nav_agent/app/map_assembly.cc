@@ -122,7 +122,11 @@ int MapAssembly::keyframes() const {
 
 absl::StatusOr<MapSummary> MapAssembly::Finish(
     const MapProvenance& provenance) {
-  TL_ASSIGN_OR_RETURN(const VoxelMap voxels, octomap_.Map());
+  TL_ASSIGN_OR_RETURN(const VoxelMap whole, octomap_.Map());
+  // As whoever loads the bundle will read it: the box of what is known.
+  TL_ASSIGN_OR_RETURN(const std::string octomap, FormatBt(whole));
+  TL_ASSIGN_OR_RETURN(const VoxelMap voxels,
+                      ParseOctree(octomap, kBundleOctomap));
   const absl::StatusOr<TraversableMap> levels =
       ExtractTraversableMap(voxels, options_.traversability);
   if (!levels.ok()) {

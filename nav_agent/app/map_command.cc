@@ -7,12 +7,14 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "common/base/file.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
 #include "common/camera/calibration_json.h"
 #include "common/dataset/dataset.h"
 #include "nav_agent/app/commands.h"
+#include "nav_agent/app/map_live.h"
 #include "nav_agent/app/map_log.h"
 #include "nav_agent/app/map_rgbd.h"
 
@@ -25,6 +27,11 @@ Research Lab, CARMEN. A log with RGB-D frames gives a map in space and keyframes
 to train on; a laser alone gives a plan. With --rgbd a camera alone makes the
 map; its floor, or the largest level surface, says where up is.
 
+With --live the drive is recorded, and mapped when it ends; BUNDLE/live.png shows
+it meanwhile. The robot is pushed, or driven by its own remote control. Killed,
+the recording lacks a second at most: map it with --log. Addresses are
+/dev/ttyACM0, /dev/ttyUSB0@460800 or tcp:HOST:PORT.
+
 BUNDLE then holds octomap.bt, levels/level-N.yaml and .pgm (where a robot may
 drive), keyframes (a recording in the layout of 7-Scenes), trajectory.txt (TUM)
 and map.png to look at; docs/map-bundle.md. From it, the scene's model:
@@ -36,12 +43,16 @@ Examples:
       --record drive.tlog
   treeline-agent map --log drive.tlog --output cafe
   treeline-agent map --log intel.json --output intel --resolution 0.1
+  treeline-agent map --live --laser tcp:192.168.0.10 --base /dev/ttyUSB0 \
+      --camera openni --output house
   treeline-agent map --rgbd tum:rgbd_dataset_freiburg1_room --output room)";
 
 constexpr double kDegPerRad = 180 / std::numbers::pi;
 
 struct MapFlags {
   std::string log;
+  bool is_live = false;
+  LiveDriveOptions live;
   DatasetOptions rgbd;
   std::string calibration;
   MapOptions map;
@@ -173,12 +184,54 @@ absl::Status RunRgbd(const MapFlags& flags, const std::stop_token& stop) {
   return absl::OkStatus();
 }
 
+void PrintStatus(const LiveMapStatus& status) {
+  std::string line = absl::StrFormat(
+      "%d scans, %d frames, %.1f MB", status.scans, status.frames,
+      static_cast<double>(status.log_bytes) / 1e6);
+  if (status.map_from_base.has_value()) {
+    const Vec3 at = status.map_from_base->world_from_camera.translation;
+    absl::StrAppendFormat(&line, "; at (%.1f, %.1f), height %.2f m", at.x, at.y,
+                          at.z);
+  }
+  if (!status.silent.empty()) absl::StrAppend(&line, "; ", status.silent);
+  std::fprintf(stderr, "%s\n", line.c_str());
+}
+
+// Records a drive into the bundle's folder, and makes the map of it.
+absl::Status RunLive(MapFlags& flags, const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(flags.live.Validate());
+  TL_RETURN_IF_ERROR(flags.map.Validate());
+  TL_RETURN_IF_ERROR(BeginMapBundle(flags.map.folder, flags.map.overwrite));
+  LiveMapOptions& live = flags.live.map;
+  if (live.log_path.empty()) live.log_path = flags.map.folder + "/drive.tlog";
+  live.picture_path = flags.map.folder + "/live.png";
+  live.drive.slam.loops.enabled = !flags.no_loops;
+  flags.live.seed = flags.map.seed;
+  if (!flags.quiet) {
+    flags.live.status = PrintStatus;
+    std::fprintf(stderr,
+                 "Drive; Ctrl-C ends the drive and makes the map. To watch: "
+                 "%s\n",
+                 live.picture_path.c_str());
+  }
+  TL_RETURN_IF_ERROR(RecordLiveDrive(flags.live, stop));
+  std::fprintf(stderr, "Recorded in %s\n", live.log_path.c_str());
+  flags.log = live.log_path;
+  // The stop that ended the drive is not meant for the map.
+  return RunLog(flags, {});
+}
+
 absl::Status Run(MapFlags& flags, const std::stop_token& stop) {
-  if (flags.log.empty() == flags.rgbd.uri.empty()) {
+  const int sources = static_cast<int>(!flags.log.empty()) +
+                      static_cast<int>(!flags.rgbd.uri.empty()) +
+                      static_cast<int>(flags.is_live);
+  if (sources != 1) {
     return absl::InvalidArgumentError(
-        "of what is the map made? Give either --log FILE or --rgbd URI");
+        "of what is the map made? Give one of --log FILE, --rgbd URI and "
+        "--live");
   }
   flags.map.traversability.max_slope_rad = flags.max_slope_deg / kDegPerRad;
+  if (flags.is_live) return RunLive(flags, stop);
   return flags.log.empty() ? RunRgbd(flags, stop) : RunLog(flags, stop);
 }
 
@@ -209,6 +262,35 @@ Command AddMapCommand(CLI::App& app) {
       ->add_option("--calibration", flags->calibration,
                    "How its depth and colour fit together: a file of `treeline "
                    "calibrate`")
+      ->type_name("FILE");
+  command->add_flag("--live", flags->is_live,
+                    "Or: while the robot is driven; see below");
+  command
+      ->add_option("--simulate", flags->live.simulate,
+                   "--live: a simulated robot drives through this world")
+      ->type_name("WORLD");
+  command
+      ->add_option("--pace", flags->live.pace,
+                   "--simulate: simulated seconds in a real one")
+      ->capture_default_str();
+  command->add_option("--laser", flags->live.laser, "--live: a Hokuyo laser")
+      ->type_name("ADDRESS");
+  command->add_option("--base", flags->live.base, "--live: a Segway RMP100")
+      ->type_name("ADDRESS");
+  command
+      ->add_option("--camera", flags->live.camera,
+                   "--live: none, openni, or, with --simulate, simulated")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      ->add_option("--seconds", flags->live.seconds,
+                   "--live: ends the drive; otherwise Ctrl-C does, or the end "
+                   "of the simulated tour")
+      ->type_name("N");
+  command
+      ->add_option("--record", flags->live.map.log_path,
+                   "--live: where the drive is recorded (default: drive.tlog "
+                   "in the bundle)")
       ->type_name("FILE");
   command->add_option("--output", flags->map.folder, "The map bundle's folder")
       ->type_name("BUNDLE")

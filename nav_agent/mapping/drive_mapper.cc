@@ -211,6 +211,10 @@ std::optional<TimedPose> DriveMapper::MapFromBase() const {
                    .world_from_camera = treeline::MapFromBase(last_)};
 }
 
+absl::StatusOr<std::vector<FloorGrid>> DriveMapper::Floors() const {
+  return Floors(slam_->Trajectory());
+}
+
 absl::StatusOr<std::vector<FloorGrid>> DriveMapper::Floors(
     const std::vector<TrajectoryPose>& trajectory) const {
   std::vector<const KeptScan*> by_height;

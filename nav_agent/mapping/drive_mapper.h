@@ -40,6 +40,10 @@ class DriveMapper {
   std::optional<TimedPose> MapFromBase() const;
   int64_t scans() const { return static_cast<int64_t>(odom_from_base_.size()); }
 
+  // What was seen so far, floor by floor, with what is known now. The errors of
+  // MapGrid; nothing where too few scans were taken.
+  absl::StatusOr<std::vector<FloorGrid>> Floors() const;
+
   // Scans that still wait are used as well as can be; then SLAM is finished,
   // and everything is as in DriveMapping but for what is the log's: truth,
   // information, calibration, damaged bytes. More may be added afterwards.
