@@ -182,18 +182,23 @@ VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise,
       }
     }
   }
+  return WithNoise(map, noise);
+}
+
+VoxelMap WithNoise(const VoxelMap& exact, const VoxelNoise& noise) {
+  VoxelMap map = exact;
   if (noise.dropped == 0 && noise.near == 0 && noise.far == 0) return map;
-  const VoxelMap exact = map;
   Random random(noise.seed, 0);
   for (int y = 0; y < map.size().y; ++y) {
     for (int x = 0; x < map.size().x; ++x) {
-      for (int z = 0; z < size_z; ++z) {
+      for (int z = 0; z < map.size().z; ++z) {
         const double draw = random.NextUnit();
         const Voxel value = exact.At({x, y, z});
         if (value == Voxel::kOccupied && draw < noise.dropped) {
           map.Set({x, y, z},
                   draw < noise.dropped / 2 ? Voxel::kFree : Voxel::kUnknown);
-        } else if (value == Voxel::kFree) {
+        } else if (value == Voxel::kFree &&
+                   draw < std::max(noise.near, noise.far)) {
           bool near = false;
           for (int dz = -2; dz <= 2; ++dz) {
             near = near || exact.At({x, y, z + dz}) == Voxel::kOccupied;

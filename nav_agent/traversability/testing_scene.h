@@ -56,6 +56,7 @@ struct Scene {
 // Surfaces one voxel thick; free space outside of blocks, unknown inside.
 VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise = {},
                   double resolution_m = 0.05);
+VoxelMap WithNoise(const VoxelMap& exact, const VoxelNoise& noise);
 
 struct Score {
   int64_t cells = 0;
