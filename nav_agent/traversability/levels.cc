@@ -131,6 +131,79 @@ std::vector<Patch> MeasurePatches(const GroundColumns& ground,
   return patches;
 }
 
+// The last tread of a flight lies level with the floor that it leads to, and
+// looks like it: ground this far from the head of stairs counts as a tread.
+constexpr double kTread_m = 0.3;
+
+// Whether the narrow ground of (x, y) ends in a drop when one goes on in
+// direction d: it is a tread, and no corner of a floor.
+bool EndsInDrop(const GroundColumns& ground, int x, int y, uint32_t i, size_t d,
+                int cells) {
+  for (int step = 0; step < cells; ++step) {
+    if (ground.nodes[i].edge) return true;
+    i = LinkedNode(ground, x, y, i, d);
+    if (i == kNone || !ground.nodes[i].narrow) return false;
+    x += kNeighbors[d].x;
+    y += kNeighbors[d].y;
+  }
+  return false;
+}
+
+// Whether ground next to (x, y) is a tread that leads up to height z.
+bool HasTreadBelow(const GroundColumns& ground, const VoxelLimits& limits,
+                   int x, int y, int z, int tread_cells) {
+  for (size_t d = 0; d < kNeighbors.size(); ++d) {
+    const int nx = x + kNeighbors[d].x;
+    const int ny = y + kNeighbors[d].y;
+    if (!ground.rect.Contains(nx, ny)) continue;
+    const size_t column = ground.ColumnOf(nx, ny);
+    for (uint32_t i = ground.begin[column]; i < ground.begin[column + 1]; ++i) {
+      const GroundNode& node = ground.nodes[i];
+      const int rise = z - node.z;
+      if (node.narrow && node.seen && rise > limits.step &&
+          rise <= limits.riser &&
+          EndsInDrop(ground, nx, ny, i, d, 2 * tread_cells)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+// Takes the heads of stairs from what is good.
+void CloseStairHeads(const GroundColumns& ground, const VoxelLimits& limits,
+                     double resolution_m, std::vector<uint8_t>& good) {
+  struct Place {
+    int x = 0;
+    int y = 0;
+    uint32_t node = 0;
+  };
+  const int cells = static_cast<int>(std::ceil(kTread_m / resolution_m));
+  std::vector<Place> front;
+  ForEachNode(ground, [&](int x, int y, uint32_t i) {
+    const GroundNode& node = ground.nodes[i];
+    if (node.edge && !node.narrow && node.seen &&
+        HasTreadBelow(ground, limits, x, y, node.z, cells)) {
+      front.push_back({x, y, i});
+    }
+  });
+  std::vector<Place> next;
+  for (int step = 0; step < cells && !front.empty(); ++step) {
+    next.clear();
+    for (const Place& place : front) {
+      // Along the sides and, every other time, across corners.
+      for (size_t d = 0; d < kNeighbors.size(); d += step % 2 == 0 ? 1 : 2) {
+        const uint32_t to = LinkedNode(ground, place.x, place.y, place.node, d);
+        if (to == kNone || good[to] == 0) continue;
+        good[to] = 0;
+        next.push_back(
+            {place.x + kNeighbors[d].x, place.y + kNeighbors[d].y, to});
+      }
+    }
+    front.swap(next);
+  }
+}
+
 NodeFacts FindFacts(const GroundColumns& ground,
                     const TraversabilityOptions& options, double resolution_m) {
   NodeFacts facts;
@@ -144,6 +217,8 @@ NodeFacts FindFacts(const GroundColumns& ground,
                              ? 1
                              : 0);
   }
+  CloseStairHeads(ground, VoxelLimits(options, resolution_m), resolution_m,
+                  facts.good);
   DisjointSets sets(ground.nodes.size());
   const std::vector<Patch> patches = MeasurePatches(ground, facts, sets);
   const auto is_large = [&](uint32_t i) {
@@ -204,13 +279,33 @@ std::vector<Overlap> FindOverlaps(const GroundColumns& ground,
   return overlaps;
 }
 
+// The height in [low, high] with the least ground about it, so that both levels
+// share some ramp there and no floor: the highest of those that have hardly
+// more than the least.
+int QuietestHeight(const std::map<int, int64_t>& ground_at, int low, int high,
+                   int overlap) {
+  int64_t least = std::numeric_limits<int64_t>::max();
+  std::vector<int64_t> about;
+  for (int z = low; z <= high; ++z) {
+    int64_t here = 0;
+    const auto end = ground_at.upper_bound(z + overlap);
+    for (auto at = ground_at.lower_bound(z - overlap); at != end; ++at) {
+      here += at->second;
+    }
+    about.push_back(here);
+    least = std::min(least, here);
+  }
+  int cut = high;
+  while (cut > low && about[static_cast<size_t>(cut - low)] > 2 * least) --cut;
+  return cut;
+}
+
 // The fewest heights so that one lies in each overlap's (lower, upper], from
-// the bottom up: the classic greedy stabbing. Within the heights that serve a
-// cut's overlaps alike it takes the highest, unless one below has less than
-// half the ground at it.
+// the bottom up: the classic greedy stabbing. Of the heights that serve a
+// cut's overlaps alike it takes QuietestHeight.
 std::vector<int> FindCuts(const GroundColumns& ground, const NodeFacts& facts,
                           const std::vector<Overlap>& overlaps,
-                          double resolution_m) {
+                          double resolution_m, int overlap) {
   const auto min_columns = static_cast<int64_t>(
       std::ceil(kMinOverlapArea_m2 / (resolution_m * resolution_m)));
   std::map<int, int64_t> ground_at;
@@ -229,25 +324,16 @@ std::vector<int> FindCuts(const GroundColumns& ground, const NodeFacts& facts,
     size_t end = i;
     int upper = overlaps[i].upper;
     for (; end < overlaps.size(); ++end) {
-      const Overlap& overlap = overlaps[end];
-      if (last_cut > overlap.lower) continue;
-      if (columns > 0 && overlap.lower >= upper) break;
-      if (columns == 0) upper = overlap.upper;
-      columns += overlap.columns;
-      highest_lower = std::max(highest_lower, overlap.lower);
+      const Overlap& pair = overlaps[end];
+      if (last_cut > pair.lower) continue;
+      if (columns > 0 && pair.lower >= upper) break;
+      if (columns == 0) upper = pair.upper;
+      columns += pair.columns;
+      highest_lower = std::max(highest_lower, pair.lower);
     }
     if (columns >= min_columns) {
-      int cut = upper;
-      int64_t least = std::numeric_limits<int32_t>::max();
-      for (int z = upper; z > highest_lower; --z) {
-        const auto at = ground_at.find(z);
-        const int64_t here = at == ground_at.end() ? 0 : at->second;
-        if (10 * here < least) {
-          least = here;
-          cut = z;
-        }
-      }
-      cuts.push_back(cut);
+      cuts.push_back(QuietestHeight(ground_at, highest_lower + 1, upper,
+                                    overlap));
     }
     i = end;
   }
@@ -444,7 +530,8 @@ TraversableMap MakeLevels(const VoxelMap& voxels, const GroundColumns& ground,
   const NodeFacts facts = FindFacts(ground, options, r);
   std::vector<int> cuts =
       FindCuts(ground, facts,
-               FindOverlaps(ground, facts, limits.robot_height, r * r), r);
+               FindOverlaps(ground, facts, limits.robot_height, r * r), r,
+               limits.overlap);
   const int top = voxels.size().z;
   const LevelMaker maker(voxels, ground, facts, limits);
   TraversableMap map;

@@ -261,6 +261,7 @@ class Scorer {
     bool free = false;
     bool occupied = false;
     bool at_height = false;  // occupied, and ground of this height
+    bool elsewhere = false;  // ground of another height is shown here
     size_t level = 0;
     size_t cell = 0;
   };
@@ -279,6 +280,7 @@ class Scorer {
       const size_t cell = level.grid.IndexOf(at);
       const bool near =
           std::abs(level.height_m[cell] - in_map_m) < kSameGround_m;
+      answer.elsewhere = answer.elsewhere || level.height_m[cell] > in_map_m;
       if (level.grid.cells[cell] == Occupancy::kFree && near) {
         answer.free = true;
         answer.level = i;
@@ -316,11 +318,12 @@ class Scorer {
     const double r = voxels_.resolution_m();
     const int z = static_cast<int>(std::floor((cell.height_m + lift_m_) / r)) -
                   voxels_.lowest().z;
-    const int top = cell.state == GroundState::kFree
-                        ? z + 1
-                        : z + static_cast<int>(
-                                  truth_.options().clearance_m / r);
-    for (int i = z - 1; i <= top; ++i) {
+    // The ground itself; or of an obstacle, what is above the ground.
+    const bool obstacle = cell.clearance_m <= 0;
+    const int top =
+        obstacle ? z + static_cast<int>(truth_.options().clearance_m / r)
+                 : z + 1;
+    for (int i = obstacle ? z + 2 : z - 1; i <= top; ++i) {
       if (voxels_.At({at.x, at.y, i}) == Voxel::kOccupied) return true;
     }
     return false;
@@ -369,9 +372,11 @@ class Scorer {
     const double drop_m = OpenDrop(index);
     if (drop_m == 0) return Verdict::kRight;
     if (drop_m < 2 * voxels_.resolution_m() + 0.01) {
+      if (getenv("DBG")) printf("  low edge (%d,%d) h %.3f drop %.3f\n", index.x, index.y, cell.height_m, drop_m);
       ++score_.free_low_edges;
       return Verdict::kRight;
     }
+    if (getenv("DBG")) printf("  EDGE (%d,%d) h %.3f drop %.3f\n", index.x, index.y, cell.height_m, drop_m);
     ++score_.free_edges;
     return Verdict::kDanger;
   }
@@ -418,12 +423,16 @@ class Scorer {
     }
     const bool is_free = cell.state == GroundState::kFree;
     if (is_free && answer.free) Measure(cell, answer);
-    const bool right = is_free ? answer.free : answer.occupied && !answer.free;
+    // A low place under what a level shows instead cannot be driven into.
+    const bool right = is_free ? answer.free
+                               : (answer.occupied || answer.elsewhere) &&
+                                     !answer.free;
     if (right || (IsBoundary(index) && (answer.free || answer.occupied))) {
       return Verdict::kRight;
     }
     ++score_.wrong;
     if (!is_free) {
+      if (getenv("DBG")) printf("  (%d,%d) %s h %.3f clear %.3f kind %d slope %.2f: free %d occ %d\n", index.x, index.y, "occupied", cell.height_m, cell.clearance_m, (int)cell.kind, cell.slope_rad, answer.free, answer.occupied);
       if (answer.free) ++score_.free_but_occupied;
     } else if (answer.occupied) {
       ++score_.occupied_but_free;
