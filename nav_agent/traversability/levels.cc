@@ -170,9 +170,9 @@ bool HasTreadBelow(const GroundColumns& ground, const VoxelLimits& limits,
   return false;
 }
 
-// Takes the heads of stairs from what is good.
+// Takes the heads of stairs from the floors.
 void CloseStairHeads(const GroundColumns& ground, const VoxelLimits& limits,
-                     double resolution_m, std::vector<uint8_t>& good) {
+                     double resolution_m, std::vector<uint8_t>& floor) {
   struct Place {
     int x = 0;
     int y = 0;
@@ -194,8 +194,8 @@ void CloseStairHeads(const GroundColumns& ground, const VoxelLimits& limits,
       // Along the sides and, every other time, across corners.
       for (size_t d = 0; d < kNeighbors.size(); d += step % 2 == 0 ? 1 : 2) {
         const uint32_t to = LinkedNode(ground, place.x, place.y, place.node, d);
-        if (to == kNone || good[to] == 0) continue;
-        good[to] = 0;
+        if (to == kNone || floor[to] == 0) continue;
+        floor[to] = 0;
         next.push_back(
             {place.x + kNeighbors[d].x, place.y + kNeighbors[d].y, to});
       }
@@ -217,8 +217,6 @@ NodeFacts FindFacts(const GroundColumns& ground,
                              ? 1
                              : 0);
   }
-  CloseStairHeads(ground, VoxelLimits(options, resolution_m), resolution_m,
-                  facts.good);
   DisjointSets sets(ground.nodes.size());
   const std::vector<Patch> patches = MeasurePatches(ground, facts, sets);
   const auto is_large = [&](uint32_t i) {
@@ -243,6 +241,8 @@ NodeFacts FindFacts(const GroundColumns& ground,
     facts.floor[i] =
         at_height && patch.drops < kDropShare * patch.border ? kSmallFloor : 0;
   }
+  CloseStairHeads(ground, VoxelLimits(options, resolution_m), resolution_m,
+                  facts.floor);
   return facts;
 }
 

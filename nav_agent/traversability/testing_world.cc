@@ -319,7 +319,8 @@ class Scorer {
     const int z = static_cast<int>(std::floor((cell.height_m + lift_m_) / r)) -
                   voxels_.lowest().z;
     // The ground itself; or of an obstacle, what is above the ground.
-    const bool obstacle = cell.clearance_m <= 0;
+    const bool obstacle =
+        cell.clearance_m < truth_.options().clearance_m;
     const int top =
         obstacle ? z + static_cast<int>(truth_.options().clearance_m / r)
                  : z + 1;
@@ -327,6 +328,16 @@ class Scorer {
       if (voxels_.At({at.x, at.y, i}) == Voxel::kOccupied) return true;
     }
     return false;
+  }
+
+  // Whether space right below a height has been seen to be free.
+  bool IsOpen(int x, int y, double height_m) const {
+    const CellIndex at = CellOf(x, y);
+    const int z = static_cast<int>(std::floor((height_m + lift_m_) /
+                                              voxels_.resolution_m())) -
+                  voxels_.lowest().z;
+    return voxels_.At({at.x, at.y, z - 1}) == Voxel::kFree &&
+           voxels_.At({at.x, at.y, z}) == Voxel::kFree;
   }
 
   // How far one falls beside a cell that is the edge of a drop, where a free
@@ -338,6 +349,10 @@ class Scorer {
       const int x = index.x + step.x;
       const int y = index.y + step.y;
       const Near near = TruthNear(x, y, cell.height_m);
+      if (near.state == GroundState::kUnknown &&
+          !IsOpen(x, y, cell.height_m)) {
+        continue;  // inside of a wall
+      }
       const double lower_m = near.state == GroundState::kUnknown
                                  ? 1.0
                                  : cell.height_m - near.height_m;

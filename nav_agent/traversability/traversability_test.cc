@@ -88,12 +88,13 @@ Climb MakeStairs(double rise_m, double run_m, int steps, double yaw_deg) {
     climb.Add(BlockKind::kStairs, x, x + run_m, z, z);
     x += run_m;
   }
-  // The last riser leads to the platform.
+  // The last riser leads to the platform, whose first part is the last tread.
   climb.height_m = z + rise_m;
+  climb.Add(BlockKind::kStairs, x, x + run_m, climb.height_m, climb.height_m);
   // Nothing but stairs joins it to the floor, so it is large enough to be no
   // furniture.
-  climb.Add(BlockKind::kGround, x, x + 2.2, climb.height_m, climb.height_m,
-            1.1);
+  climb.Add(BlockKind::kGround, x + run_m, x + 2.2, climb.height_m,
+            climb.height_m, 1.1);
   return climb;
 }
 
