@@ -211,8 +211,9 @@ bool SlopeBegins(const std::vector<int32_t>& next, const RunAhead& ahead,
 
 // Of a slope whose layers' edges are v cells apart every level run is between
 // v - 1 and v + 1 cells long (Eq. 6.2). The bell is short for gentle slopes:
-// it sees a step or sees none. So what it says is kept between 1 / (run + 1) and
-// 1 / (run - 1); the former if the ground goes on the same way at both ends.
+// it sees a step or sees none. So what it says is kept between 1 / (run + 1)
+// and 1 / (run - 1); the former if the ground goes on the same way at both
+// ends.
 void BoundByRuns(const GroundColumns& ground, const std::vector<int32_t>& next,
                  const std::vector<int32_t>& previous,
                  std::vector<float>& gradients) {

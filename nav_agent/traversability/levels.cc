@@ -131,27 +131,29 @@ std::vector<Patch> MeasurePatches(const GroundColumns& ground,
   return patches;
 }
 
-// The last tread of a flight lies level with the floor that it leads to, and
-// looks like it: ground this far from the head of stairs counts as a tread.
-constexpr double kTread_m = 0.3;
+// Treads of stairs are not longer (m).
+constexpr double kMaxTread_m = 0.45;
 
-// Whether the narrow ground of (x, y) ends in a drop when one goes on in
-// direction d: it is a tread, and no corner of a floor.
-bool EndsInDrop(const GroundColumns& ground, int x, int y, uint32_t i, size_t d,
-                int cells) {
-  for (int step = 0; step < cells; ++step) {
-    if (ground.nodes[i].edge) return true;
+constexpr int kNoTread = 1 << 20;
+
+// Over how many nodes the narrow ground of (x, y) ends in a drop if one goes on
+// in direction d: a tread does, and the corner of a floor does not.
+int TreadLength(const GroundColumns& ground, int x, int y, uint32_t i, size_t d,
+                int most) {
+  for (int cells = 1; cells <= most; ++cells) {
+    if (ground.nodes[i].edge) return cells;
     i = LinkedNode(ground, x, y, i, d);
-    if (i == kNone || !ground.nodes[i].narrow) return false;
+    if (i == kNone || !ground.nodes[i].narrow) break;
     x += kNeighbors[d].x;
     y += kNeighbors[d].y;
   }
-  return false;
+  return kNoTread;
 }
 
-// Whether ground next to (x, y) is a tread that leads up to height z.
-bool HasTreadBelow(const GroundColumns& ground, const VoxelLimits& limits,
-                   int x, int y, int z, int tread_cells) {
+// The length of the shortest tread next to (x, y) that leads up to height z.
+int TreadBelow(const GroundColumns& ground, const VoxelLimits& limits, int x,
+               int y, int z, int most) {
+  int length = kNoTread;
   for (size_t d = 0; d < kNeighbors.size(); ++d) {
     const int nx = x + kNeighbors[d].x;
     const int ny = y + kNeighbors[d].y;
@@ -161,43 +163,73 @@ bool HasTreadBelow(const GroundColumns& ground, const VoxelLimits& limits,
       const GroundNode& node = ground.nodes[i];
       const int rise = z - node.z;
       if (node.narrow && node.seen && rise > limits.step &&
-          rise <= limits.riser &&
-          EndsInDrop(ground, nx, ny, i, d, 2 * tread_cells)) {
-        return true;
+          rise <= limits.riser) {
+        length = std::min(length, TreadLength(ground, nx, ny, i, d, most));
       }
     }
   }
-  return false;
+  return length;
 }
 
-// Takes the heads of stairs from the floors.
-void CloseStairHeads(const GroundColumns& ground, const VoxelLimits& limits,
-                     double resolution_m, std::vector<uint8_t>& floor) {
-  struct Place {
-    int x = 0;
-    int y = 0;
-    uint32_t node = 0;
-  };
-  const int cells = static_cast<int>(std::ceil(kTread_m / resolution_m));
-  std::vector<Place> front;
+// The edge of a floor that stairs lead up to.
+struct StairHead {
+  int x = 0;
+  int y = 0;
+  uint32_t node = 0;
+  int tread = 0;  // cells
+
+  bool IsNear(const StairHead& other) const {
+    return std::max(std::abs(x - other.x), std::abs(y - other.y)) <= kHeadReach;
+  }
+  // One is noise: so many are needed within this of each other.
+  static constexpr int kHeadReach = 5;
+  static constexpr int kHeadSupport = 4;
+};
+
+std::vector<StairHead> FindStairHeads(const GroundColumns& ground,
+                                      const VoxelLimits& limits,
+                                      double resolution_m) {
+  const int most = static_cast<int>(std::ceil(kMaxTread_m / resolution_m));
+  std::vector<StairHead> found;
   ForEachNode(ground, [&](int x, int y, uint32_t i) {
     const GroundNode& node = ground.nodes[i];
-    if (node.edge && !node.narrow && node.seen &&
-        HasTreadBelow(ground, limits, x, y, node.z, cells)) {
-      front.push_back({x, y, i});
-    }
+    if (!node.edge || !node.seen) return;
+    const int tread = TreadBelow(ground, limits, x, y, node.z, most);
+    if (tread <= most) found.push_back({x, y, i, tread});
   });
-  std::vector<Place> next;
-  for (int step = 0; step < cells && !front.empty(); ++step) {
+  std::vector<StairHead> heads;
+  for (const StairHead& head : found) {
+    const auto support = std::count_if(
+        found.begin(), found.end(),
+        [&head](const StairHead& other) { return head.IsNear(other); });
+    if (support > StairHead::kHeadSupport) heads.push_back(head);
+  }
+  return heads;
+}
+
+// The last tread of a flight lies level with the floor that it leads to, and
+// looks like it. So floors are closed at the head of stairs, as far as the
+// treads below are long and a cell more.
+void CloseStairHeads(const GroundColumns& ground, const VoxelLimits& limits,
+                     double resolution_m, std::vector<uint8_t>& floor) {
+  const std::vector<StairHead> heads =
+      FindStairHeads(ground, limits, resolution_m);
+  int cells = 0;
+  for (const StairHead& head : heads) cells = std::max(cells, head.tread);
+  std::vector<StairHead> front;
+  std::vector<StairHead> next;
+  for (; cells > 0; --cells) {
+    for (const StairHead& head : heads) {
+      if (head.tread == cells) front.push_back(head);
+    }
     next.clear();
-    for (const Place& place : front) {
-      // Along the sides and, every other time, across corners.
-      for (size_t d = 0; d < kNeighbors.size(); d += step % 2 == 0 ? 1 : 2) {
+    for (const StairHead& place : front) {
+      for (size_t d = 0; d < kNeighbors.size(); ++d) {
         const uint32_t to = LinkedNode(ground, place.x, place.y, place.node, d);
         if (to == kNone || floor[to] == 0) continue;
         floor[to] = 0;
         next.push_back(
-            {place.x + kNeighbors[d].x, place.y + kNeighbors[d].y, to});
+            {place.x + kNeighbors[d].x, place.y + kNeighbors[d].y, to, cells});
       }
     }
     front.swap(next);
@@ -332,8 +364,8 @@ std::vector<int> FindCuts(const GroundColumns& ground, const NodeFacts& facts,
       highest_lower = std::max(highest_lower, pair.lower);
     }
     if (columns >= min_columns) {
-      cuts.push_back(QuietestHeight(ground_at, highest_lower + 1, upper,
-                                    overlap));
+      cuts.push_back(
+          QuietestHeight(ground_at, highest_lower + 1, upper, overlap));
     }
     i = end;
   }
@@ -528,10 +560,9 @@ TraversableMap MakeLevels(const VoxelMap& voxels, const GroundColumns& ground,
   const double r = voxels.resolution_m();
   const VoxelLimits limits(options, r);
   const NodeFacts facts = FindFacts(ground, options, r);
-  std::vector<int> cuts =
-      FindCuts(ground, facts,
-               FindOverlaps(ground, facts, limits.robot_height, r * r), r,
-               limits.overlap);
+  std::vector<int> cuts = FindCuts(
+      ground, facts, FindOverlaps(ground, facts, limits.robot_height, r * r), r,
+      limits.overlap);
   const int top = voxels.size().z;
   const LevelMaker maker(voxels, ground, facts, limits);
   TraversableMap map;

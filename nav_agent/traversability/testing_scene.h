@@ -72,7 +72,8 @@ struct Score {
 };
 
 // Compares cells with the truth: ground between begin_z_m and end_z_m with
-// robot_height_m of room is free, all else occupied. Cells where something else
+// robot_height_m of room is free, all else occupied. Of several such grounds in
+// a column the one that the level shows is meant. Cells where something else
 // begins within a voxel may be occupied or what is true in a part of them.
 Score ScoreLevel(const Scene& scene, const TraversableLevel& level,
                  double robot_height_m, double begin_z_m = -1,

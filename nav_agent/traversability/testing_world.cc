@@ -42,8 +42,7 @@ void AddSurface(const Surface& surface, double lift_m, VoxelMap& voxels) {
         return (static_cast<float>(k) + 0.5F) / static_cast<float>(count);
       };
       const Float3 point = surface.PointAt(part(i, count_u), part(j, count_v));
-      const VoxelIndex v =
-          voxels.IndexOf({point.x, point.y, point.z + lift_m});
+      const VoxelIndex v = voxels.IndexOf({point.x, point.y, point.z + lift_m});
       if (voxels.Contains(v)) voxels.Set(v, Voxel::kOccupied);
     }
   }
@@ -209,8 +208,8 @@ void AddPicture(const World& world, const RayCaster& caster,
     const double ahead = c * x + s * y;
     const double aside = -s * x + c * y;
     ends.push_back({origin.x + x, origin.y + y,
-                    origin.z + depth_m * ray.z + lift_m +
-                        pitch_rad * ahead + roll_rad * aside});
+                    origin.z + depth_m * ray.z + lift_m + pitch_rad * ahead +
+                        roll_rad * aside});
     is_hit.push_back(1);
   }
   fusion.Add(believed, ends, is_hit);
@@ -319,11 +318,10 @@ class Scorer {
     const int z = static_cast<int>(std::floor((cell.height_m + lift_m_) / r)) -
                   voxels_.lowest().z;
     // The ground itself; or of an obstacle, what is above the ground.
-    const bool obstacle =
-        cell.clearance_m < truth_.options().clearance_m;
-    const int top =
-        obstacle ? z + static_cast<int>(truth_.options().clearance_m / r)
-                 : z + 1;
+    const bool obstacle = cell.clearance_m < truth_.options().clearance_m;
+    const int top = obstacle
+                        ? z + static_cast<int>(truth_.options().clearance_m / r)
+                        : z + 1;
     for (int i = obstacle ? z + 2 : z - 1; i <= top; ++i) {
       if (voxels_.At({at.x, at.y, i}) == Voxel::kOccupied) return true;
     }
@@ -349,8 +347,7 @@ class Scorer {
       const int x = index.x + step.x;
       const int y = index.y + step.y;
       const Near near = TruthNear(x, y, cell.height_m);
-      if (near.state == GroundState::kUnknown &&
-          !IsOpen(x, y, cell.height_m)) {
+      if (near.state == GroundState::kUnknown && !IsOpen(x, y, cell.height_m)) {
         continue;  // inside of a wall
       }
       const double lower_m = near.state == GroundState::kUnknown
@@ -387,11 +384,15 @@ class Scorer {
     const double drop_m = OpenDrop(index);
     if (drop_m == 0) return Verdict::kRight;
     if (drop_m < 2 * voxels_.resolution_m() + 0.01) {
-      if (getenv("DBG")) printf("  low edge (%d,%d) h %.3f drop %.3f\n", index.x, index.y, cell.height_m, drop_m);
+      if (getenv("DBG"))
+        printf("  low edge (%d,%d) h %.3f drop %.3f\n", index.x, index.y,
+               cell.height_m, drop_m);
       ++score_.free_low_edges;
       return Verdict::kRight;
     }
-    if (getenv("DBG")) printf("  EDGE (%d,%d) h %.3f drop %.3f\n", index.x, index.y, cell.height_m, drop_m);
+    if (getenv("DBG"))
+      printf("  EDGE (%d,%d) h %.3f drop %.3f\n", index.x, index.y,
+             cell.height_m, drop_m);
     ++score_.free_edges;
     return Verdict::kDanger;
   }
@@ -417,8 +418,7 @@ class Scorer {
     if (cell.kind == SurfaceKind::kRamp) {
       score_.ramp_slope_errors_deg.push_back(error);
     }
-    if (cell.clearance_m < 4 &&
-        std::isfinite(level.clearance_m[answer.cell])) {
+    if (cell.clearance_m < 4 && std::isfinite(level.clearance_m[answer.cell])) {
       score_.clearance_errors_m.push_back(
           std::abs(level.clearance_m[answer.cell] - cell.clearance_m));
     }
@@ -439,15 +439,20 @@ class Scorer {
     const bool is_free = cell.state == GroundState::kFree;
     if (is_free && answer.free) Measure(cell, answer);
     // A low place under what a level shows instead cannot be driven into.
-    const bool right = is_free ? answer.free
-                               : (answer.occupied || answer.elsewhere) &&
-                                     !answer.free;
+    const bool right =
+        is_free ? answer.free
+                : (answer.occupied || answer.elsewhere) && !answer.free;
     if (right || (IsBoundary(index) && (answer.free || answer.occupied))) {
       return Verdict::kRight;
     }
     ++score_.wrong;
     if (!is_free) {
-      if (getenv("DBG")) printf("  (%d,%d) %s h %.3f clear %.3f kind %d slope %.2f: free %d occ %d\n", index.x, index.y, "occupied", cell.height_m, cell.clearance_m, (int)cell.kind, cell.slope_rad, answer.free, answer.occupied);
+      if (getenv("DBG"))
+        printf(
+            "  (%d,%d) %s h %.3f clear %.3f kind %d slope %.2f: free %d occ "
+            "%d\n",
+            index.x, index.y, "occupied", cell.height_m, cell.clearance_m,
+            (int)cell.kind, cell.slope_rad, answer.free, answer.occupied);
       if (answer.free) ++score_.free_but_occupied;
     } else if (answer.occupied) {
       ++score_.occupied_but_free;
@@ -467,8 +472,7 @@ class Scorer {
 
 }  // namespace
 
-VoxelMap VoxelizeWorld(const World& world, double resolution_m,
-                       double lift_m) {
+VoxelMap VoxelizeWorld(const World& world, double resolution_m, double lift_m) {
   VoxelMap voxels = EmptyMapOf(world, resolution_m);
   for (const Surface& surface : world.surfaces) {
     AddSurface(surface, lift_m, voxels);
@@ -525,9 +529,9 @@ WorldScore ScoreWorld(const GroundTruth& truth, const VoxelMap& voxels,
 
 double Quantile(std::vector<float> values, double share) {
   if (values.empty()) return 0;
-  const auto at = values.begin() +
-                  static_cast<std::ptrdiff_t>(
-                      share * static_cast<double>(values.size() - 1));
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(
+                           share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }

@@ -28,9 +28,9 @@ struct ScanOptions {
   uint64_t seed = 1;
   double resolution_m = 0.05;
   double lift_m = kMapLift_m;
-  double step_m = 0.2;     // between pictures
-  int directions = 4;      // looked into at each place
-  int width_px = 160;      // of 58 x 45 degrees
+  double step_m = 0.2;  // between pictures
+  int directions = 4;   // looked into at each place
+  int width_px = 160;   // of 58 x 45 degrees
   double max_range_m = 4.5;
   // Standard deviation: base + square (z - 0.4 m)^2, as a Kinect's.
   double noise_base_m = 0.0012;

@@ -124,8 +124,7 @@ int main(int argc, char** argv) {
     return EXIT_FAILURE;
   }
   for (int i = 3; i < argc; ++i) {
-    const absl::Status status =
-        treeline::ScoreOne(argv[i], argv[1], argv[2]);
+    const absl::Status status = treeline::ScoreOne(argv[i], argv[1], argv[2]);
     if (!status.ok()) {
       std::fprintf(stderr, "%s: %s\n", argv[i], status.ToString().c_str());
       return EXIT_FAILURE;
