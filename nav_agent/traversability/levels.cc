@@ -73,6 +73,8 @@ struct NodeFacts {
   std::vector<uint8_t> good;  // not steep, narrow or an edge
   // 0, or good and in a patch that is no furniture: kSmallFloor or kLargeFloor.
   std::vector<uint8_t> floor;
+  // The edge of a drop that a floor ends in.
+  std::vector<uint8_t> rim;
 };
 
 template <typename Function>
@@ -273,6 +275,14 @@ NodeFacts FindFacts(const GroundColumns& ground,
     facts.floor[i] =
         at_height && patch.drops < kDropShare * patch.border ? kSmallFloor : 0;
   }
+  facts.rim.resize(ground.nodes.size());
+  ForEachNode(ground, [&](int x, int y, uint32_t i) {
+    if (!ground.nodes[i].edge || !ground.nodes[i].seen) return;
+    for (size_t d = 0; d < kNeighbors.size(); ++d) {
+      const uint32_t other = LinkedNode(ground, x, y, i, d);
+      if (other != kNone && facts.floor[other] != 0) facts.rim[i] = 1;
+    }
+  });
   CloseStairHeads(ground, VoxelLimits(options, resolution_m), resolution_m,
                   facts.floor);
   return facts;
@@ -409,21 +419,23 @@ class LevelMaker {
   }
 
  private:
-  // The lowest floor that the robot fits on; else the highest floor; else the
-  // lowest surface that was seen.
+  // The lowest floor that the robot fits on; else the lowest edge of one; else
+  // the highest floor; else the lowest surface that was seen.
   uint32_t Choose(size_t column, int begin_z, int end_z) const {
     uint32_t best = kNone;
-    bool best_is_floor = false;
+    int best_rank = 0;
     for (uint32_t i = ground_.begin[column]; i < ground_.begin[column + 1];
          ++i) {
       const GroundNode& node = ground_.nodes[i];
       if (node.z < begin_z || node.z >= end_z || !node.seen) continue;
-      if (facts_.floor[i] != 0) {
-        if (node.clearance >= limits_.robot_height) return i;
+      const bool has_room = node.clearance >= limits_.robot_height;
+      if (facts_.floor[i] != 0 && has_room) return i;
+      const int rank = facts_.rim[i] != 0 && has_room ? 3
+                       : facts_.floor[i] != 0         ? 2
+                                                      : 1;
+      if (rank > best_rank || (rank == 2 && best_rank == 2)) {
         best = i;
-        best_is_floor = true;
-      } else if (best == kNone && !best_is_floor) {
-        best = i;
+        best_rank = rank;
       }
     }
     return best;

@@ -58,14 +58,13 @@ Truth TruthOf(const std::vector<Solid>& solids, double robot_height_m,
     if (room_m <= 0) continue;  // inside of another
     const bool free =
         solid.kind == BlockKind::kGround && room_m >= robot_height_m;
-    if (found && !free) continue;
     const bool shown = std::abs(solid.top_m - shown_m) < kShown_m;
-    if (found && truth.free && !shown) continue;
+    if (found && !shown && (truth.free || !free)) continue;
     truth = {.free = free,
              .stairs = solid.kind == BlockKind::kStairs,
              .height_m = solid.top_m};
     found = true;
-    if (free && shown) break;
+    if (shown) break;
   }
   return truth;
 }

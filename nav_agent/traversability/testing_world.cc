@@ -384,15 +384,9 @@ class Scorer {
     const double drop_m = OpenDrop(index);
     if (drop_m == 0) return Verdict::kRight;
     if (drop_m < 2 * voxels_.resolution_m() + 0.01) {
-      if (getenv("DBG"))
-        printf("  low edge (%d,%d) h %.3f drop %.3f\n", index.x, index.y,
-               cell.height_m, drop_m);
       ++score_.free_low_edges;
       return Verdict::kRight;
     }
-    if (getenv("DBG"))
-      printf("  EDGE (%d,%d) h %.3f drop %.3f\n", index.x, index.y,
-             cell.height_m, drop_m);
     ++score_.free_edges;
     return Verdict::kDanger;
   }
@@ -447,12 +441,6 @@ class Scorer {
     }
     ++score_.wrong;
     if (!is_free) {
-      if (getenv("DBG"))
-        printf(
-            "  (%d,%d) %s h %.3f clear %.3f kind %d slope %.2f: free %d occ "
-            "%d\n",
-            index.x, index.y, "occupied", cell.height_m, cell.clearance_m,
-            (int)cell.kind, cell.slope_rad, answer.free, answer.occupied);
       if (answer.free) ++score_.free_but_occupied;
     } else if (answer.occupied) {
       ++score_.occupied_but_free;
