@@ -235,7 +235,9 @@ void RemoveOutliers(CellImage& image, const FusionOptions& options) {
       std::sqrt(std::max(0.0, sum_of_squares / n - mean * mean));
   const double limit = mean + options.outlier_deviations * deviation;
   for (size_t cell = 0; cell < distances.size(); ++cell) {
-    if (distances[cell] > limit) image.cells[cell] = {};
+    // What is nearer than a voxel says the same as its neighbours do.
+    const double voxel = options.resolution_m / double{image.cells[cell].z};
+    if (distances[cell] > std::max(limit, voxel)) image.cells[cell] = {};
   }
 }
 

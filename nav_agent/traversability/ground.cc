@@ -53,8 +53,8 @@ ColumnRect ColumnRect::Grown(int columns, const ColumnRect& bounds) const {
 
 int GroundReach(const VoxelLimits& limits) {
   // Stray voxels 1, holes 2, spikes 1, links 1; then gradients 1 + 1 + 2 + 4 +
-  // 4, or erosion and dilation.
-  return 5 + std::max(12, 2 * limits.erosion + 1);
+  // 4, level runs 20 + 4, or erosion and dilation.
+  return 5 + std::max(24, 2 * limits.erosion + 1);
 }
 
 GroundColumns FindGround(const VoxelMap& voxels, const VoxelLimits& limits,
