@@ -68,6 +68,13 @@ absl::Status AmclOptions::Validate() const {
   TL_RETURN_IF_ERROR(
       CheckRange("amcl: min_counting_share", min_counting_share, 0, 1));
   TL_RETURN_IF_ERROR(
+      CheckRange("amcl: searching_share", searching_share, 0, 1));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: roughen_m", roughen_m, 0, 10));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: roughen_rad", roughen_rad, 0, 1));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: found_share", found_share, 0, 1));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: inject_ratio", inject_ratio, 1, 1e6));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: anew_share", anew_share, 0, 1));
+  TL_RETURN_IF_ERROR(
       CheckRange("amcl: skip_below_share", skip_below_share, 0, 1));
   TL_RETURN_IF_ERROR(
       CheckRange("amcl: skip_distance_m", skip_distance_m, 0, 100));
@@ -138,6 +145,7 @@ absl::Status Amcl::SetPose(const Rigid2& map_from_base,
         "semidefinite");
   }
   max_particles_now_ = options_.max_particles;
+  is_searching_ = false;
   particles_.assign(static_cast<size_t>(options_.max_particles), {});
   ++draws_;
   for (size_t i = 0; i < particles_.size(); ++i) {
@@ -161,6 +169,7 @@ absl::Status Amcl::SetPose(const Rigid2& map_from_base,
 
 void Amcl::SetAnywhere() {
   max_particles_now_ = options_.max_global_particles;
+  is_searching_ = true;
   particles_.assign(static_cast<size_t>(max_particles_now_), {});
   ++draws_;
   for (size_t i = 0; i < particles_.size(); ++i) {
@@ -249,6 +258,8 @@ ScanPoints Amcl::WithoutUnexplained(const ScanPoints& points) {
 
 double Amcl::GainFor(const std::vector<float>& sums, double beams) const {
   const double full = std::min(1.0, options_.independent_beams / beams);
+  const double least =
+      is_searching_ ? options_.searching_share : options_.min_counting_share;
   const auto counting_share = [&](double gain) {
     double total = 0;
     double squares = 0;
@@ -259,13 +270,12 @@ double Amcl::GainFor(const std::vector<float>& sums, double beams) const {
     }
     return total * total / squares / static_cast<double>(sums.size());
   };
-  if (counting_share(full) >= options_.min_counting_share) return full;
+  if (counting_share(full) >= least) return full;
   double low = 0;
   double high = full;
   for (int i = 0; i < 10; ++i) {
     const double middle = (low + high) / 2;
-    (counting_share(middle) >= options_.min_counting_share ? low : high) =
-        middle;
+    (counting_share(middle) >= least ? low : high) = middle;
   }
   return low;
 }
@@ -307,10 +317,10 @@ void Amcl::Resample() {
   double squares = 0;
   for (const Particle& p : particles_) squares += p.weight * p.weight;
   const double counting = 1 / squares;
-  const double inject =
-      options_.inject ? std::max(0.0, 1 - fast_fit_ / slow_fit_) : 0;
+  const bool inject = options_.inject && !is_searching_ &&
+                      options_.inject_ratio * fast_fit_ < slow_fit_;
   const double size = static_cast<double>(particles_.size());
-  if (counting >= options_.resample_below * size && inject == 0) return;
+  if (counting >= options_.resample_below * size && !inject) return;
 
   ++draws_;
   Random random(seed_ + draws_, ~uint64_t{0});
@@ -337,15 +347,48 @@ void Amcl::Resample() {
                      options_.kld_error, options_.kld_z),
       options_.min_particles, max_particles_now_);
   next = drawn(static_cast<size_t>(wanted), start);
-  // Those that are drawn anew take the place of evenly spread ones.
-  const size_t anew = static_cast<size_t>(inject * wanted);
-  for (size_t k = 0; k < anew; ++k) {
-    next[k * next.size() / anew].map_from_base = AnyPose(random);
-  }
   for (Particle& p : next) p.weight = 1.0 / wanted;
+  if (is_searching_) Roughen(next);
   particles_ = std::move(next);
-  if (wanted <= options_.max_particles) {
+  if (inject) {
+    SearchEverywhere();
+  } else if (wanted <= options_.max_particles) {
     max_particles_now_ = options_.max_particles;
+    is_searching_ =
+        is_searching_ &&
+        HeaviestCluster(particles_, options_.bin_m, options_.bin_rad).share <
+            options_.found_share;
+  }
+}
+
+void Amcl::SearchEverywhere() {
+  const size_t known = particles_.size();
+  const size_t anew = static_cast<size_t>(options_.max_global_particles);
+  for (Particle& p : particles_) p.weight *= 1 - options_.anew_share;
+  particles_.resize(known + anew);
+  ++draws_;
+  for (size_t i = 0; i < anew; ++i) {
+    Random random(seed_ + draws_, i);
+    particles_[known + i] = {
+        .map_from_base = AnyPose(random),
+        .weight = options_.anew_share / static_cast<double>(anew)};
+  }
+  max_particles_now_ = options_.max_global_particles;
+  is_searching_ = true;
+  // As if all were well: the search gets its time before the next.
+  fast_fit_ = slow_fit_;
+}
+
+void Amcl::Roughen(std::vector<Particle>& particles) {
+  ++draws_;
+  for (size_t i = 0; i < particles.size(); ++i) {
+    Random random(seed_ + draws_, i);
+    Rigid2& pose = particles[i].map_from_base;
+    const double x = random.NextGaussian();
+    const double y = random.NextGaussian();
+    pose.translation = pose.translation + options_.roughen_m * Vec2{x, y};
+    pose.yaw_rad = NormalizedAngle_rad(
+        pose.yaw_rad + options_.roughen_rad * random.NextGaussian());
   }
 }
 
@@ -353,6 +396,7 @@ void Amcl::UpdateEstimate() {
   PlanarEstimate estimate =
       HeaviestCluster(particles_, options_.bin_m, options_.bin_rad);
   estimate.fit = estimate_.fit;
+  estimate.is_searching = is_searching_;
   estimate.beams_used = estimate_.beams_used;
   estimate.beams_skipped = estimate_.beams_skipped;
   estimate_ = estimate;

@@ -46,6 +46,16 @@ struct AmclOptions {
   // to speak of: it counts for less until it does not (tempering). What is
   // right survives that; what only looks right on one scan does not win by it.
   double min_counting_share = 0.05;
+  // While the robot is looked for everywhere, particles are few for so much
+  // room. So scans count for still less, and after each drawing particles are
+  // spread again by these standard deviations (a regularised filter: Musso,
+  // Oudjane, Le Gland, 2001), lest what is right lie between them. The search
+  // ends when one cluster holds found_share of the weight and max_particles
+  // are enough.
+  double searching_share = 0.3;
+  double roughen_m = 0.1;
+  double roughen_rad = 0.05;
+  double found_share = 0.95;
   // A beam that fewer than this share of the particles explain is left out (a
   // person, a moved chair), unless that would leave fewer than half of them.
   // "Explained": its end is within skip_distance_m of an obstacle.
@@ -53,11 +63,19 @@ struct AmclOptions {
   double skip_distance_m = 0.5;
 
   // Augmented MCL (Probabilistic Robotics, table 8.3): short- and long-term
-  // averages of the mean likelihood of a beam; 1 - short / long of the
-  // particles are drawn anew from all free ground. inject = false: none.
+  // averages of the mean likelihood of a beam. When inject_ratio times the
+  // short one falls below the long one (Gutmann and Fox, "An experimental
+  // comparison of localization methods continued", 2002), the robot is looked
+  // for everywhere: max_global_particles are drawn anew from all free ground,
+  // with anew_share of the weight, beside those that there are. A trickle of
+  // new particles hardly ever hits a pose in a building, but keeps
+  // all estimates unsure where a map is a little out of date.
+  // inject = false: never.
   bool inject = true;
   double slow_share = 0.001;
   double fast_share = 0.1;
+  double inject_ratio = 1.5;
+  double anew_share = 0.5;
   // Particles are drawn again when fewer than this share of them counts.
   double resample_below = 0.5;
 
@@ -77,6 +95,8 @@ struct PlanarEstimate {
   // particles; in (0, 1].
   double fit = 0;
   int particles = 0;
+  // Whether the robot is being looked for everywhere.
+  bool is_searching = false;
   // Beams of the last scan that were used, and that were left out because few
   // particles explain them.
   int beams_used = 0;
@@ -127,6 +147,8 @@ class Amcl {
   double GainFor(const std::vector<float>& sums, double beams) const;
   void Weigh(const ScanPoints& points);
   void Resample();
+  void SearchEverywhere();
+  void Roughen(std::vector<Particle>& particles);
   void UpdateEstimate();
 
   LikelihoodField field_;
@@ -138,6 +160,7 @@ class Amcl {
 
   std::vector<Particle> particles_;
   int max_particles_now_ = 0;
+  bool is_searching_ = false;
   // Numbers what draws random numbers.
   uint64_t draws_ = 0;
   std::optional<Rigid2> odom_from_base_;  // of the last call
