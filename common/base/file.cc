@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <utility>
@@ -93,6 +94,21 @@ absl::Status WriteFileAtomically(const std::string& path,
     return status;
   }
   return absl::OkStatus();
+}
+
+absl::Status WriteNewFile(const std::string& path, absl::string_view bytes) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) {
+    return absl::ErrnoToStatus(errno, absl::StrCat("creating ", path));
+  }
+  errno = 0;
+  const bool written =
+      std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  const int write_error = errno;
+  const bool closed = std::fclose(file) == 0;
+  if (written && closed) return absl::OkStatus();
+  return absl::ErrnoToStatus(written ? errno : write_error,
+                             absl::StrCat("writing ", path));
 }
 
 absl::Status CheckWritable(const std::string& path) {

@@ -23,6 +23,10 @@ absl::StatusOr<std::string> ReadFile(const std::string& path,
 absl::Status WriteFileAtomically(const std::string& path,
                                  absl::string_view contents);
 
+// For the many files of a folder that counts only when all of them are there:
+// neither atomic nor synced. UNAVAILABLE and so on with the system's reason.
+absl::Status WriteNewFile(const std::string& path, absl::string_view bytes);
+
 // Whether WriteFileAtomically(path) may succeed: its folder exists and can be
 // written. Checked before long work whose result goes there.
 absl::Status CheckWritable(const std::string& path);

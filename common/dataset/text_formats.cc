@@ -11,6 +11,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
@@ -239,6 +240,31 @@ absl::StatusOr<std::vector<TimedPose>> ParseTimedPoses(
       poses.begin(), poses.end(),
       [](const TimedPose& a, const TimedPose& b) { return a.time < b.time; });
   return poses;
+}
+
+std::string FormatPoseMatrix(const Rigid3& world_from_camera) {
+  const Mat3 r = world_from_camera.rotation.Matrix();
+  const Vec3& t = world_from_camera.translation;
+  std::string text;
+  for (int row = 0; row < 3; ++row) {
+    absl::StrAppendFormat(&text, "%.12f %.12f %.12f %.12f\n", r(row, 0),
+                          r(row, 1), r(row, 2), t[row]);
+  }
+  return text + "0 0 0 1\n";
+}
+
+std::string FormatTimedPoses(std::span<const TimedPose> poses) {
+  constexpr Time_ns kSecond = 1'000'000'000;
+  std::string text = "# timestamp tx ty tz qx qy qz qw\n";
+  for (const TimedPose& pose : poses) {
+    const Vec3& t = pose.world_from_camera.translation;
+    const Rotation3& q = pose.world_from_camera.rotation;
+    absl::StrAppendFormat(&text,
+                          "%d.%09d %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n",
+                          pose.time / kSecond, pose.time % kSecond, t.x, t.y,
+                          t.z, q.x, q.y, q.z, q.w);
+  }
+  return text;
 }
 
 }  // namespace treeline

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,7 @@ absl::StatusOr<std::vector<StemPose>> ParseStemPoses(absl::string_view text,
 // Four lines of four numbers: world_from_camera (7-Scenes).
 absl::StatusOr<Rigid3> ParsePoseMatrix(absl::string_view text,
                                        const std::string& file);
+std::string FormatPoseMatrix(const Rigid3& world_from_camera);
 
 // "timestamp path": rgb.txt and depth.txt (TUM). In order of time; no two at
 // the same time.
@@ -66,6 +68,8 @@ struct TimedPose {
 };
 absl::StatusOr<std::vector<TimedPose>> ParseTimedPoses(absl::string_view text,
                                                        const std::string& file);
+// A line for each pose; times of 0 or later, exact to the nanosecond.
+std::string FormatTimedPoses(std::span<const TimedPose> poses);
 
 }  // namespace treeline
 

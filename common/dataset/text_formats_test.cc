@@ -165,5 +165,25 @@ TEST(ParseTimedPosesTest, ErrorsNameFileAndLine) {
   EXPECT_THAT(error("x 0 0 0 0 0 0 1\n"), HasSubstr("time stamp"));
 }
 
+TEST(FormatTest, WhatIsWrittenIsReadBack) {
+  const Rigid3 pose{Rotation3::FromAxisAngle({0.3, -0.2, 0.1}), {1, -2, 3.5}};
+  const auto matrix = ParsePoseMatrix(FormatPoseMatrix(pose), "pose.txt");
+  ASSERT_TRUE(matrix.ok()) << matrix.status();
+  EXPECT_LT(AngleBetween_rad(matrix->rotation, pose.rotation), 1e-9);
+  EXPECT_LT(Norm(matrix->translation - pose.translation), 1e-9);
+
+  const std::vector<TimedPose> written = {{0, pose},
+                                          {1'305'031'241'529'758'001, pose}};
+  const auto read = ParseTimedPoses(FormatTimedPoses(written), "poses.txt");
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->size(), 2U);
+  EXPECT_EQ((*read)[1].time, written[1].time);
+  EXPECT_LT(
+      AngleBetween_rad((*read)[1].world_from_camera.rotation, pose.rotation),
+      1e-9);
+  EXPECT_LT(Norm((*read)[1].world_from_camera.translation - pose.translation),
+            1e-9);
+}
+
 }  // namespace
 }  // namespace treeline

@@ -1,12 +1,11 @@
 #include "common/synthetic/record_files.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/file.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
@@ -20,17 +19,6 @@ constexpr int kTumPerMillimetre = 5;
 
 std::string FrameName(int frame) {
   return absl::StrFormat("frame-%06d", frame);
-}
-
-std::string PoseText(const Rigid3& world_from_camera) {
-  const Mat3 r = world_from_camera.rotation.Matrix();
-  const Vec3& t = world_from_camera.translation;
-  std::string text;
-  for (int row = 0; row < 3; ++row) {
-    absl::StrAppendFormat(&text, "%.12f %.12f %.12f %.12f\n", r(row, 0),
-                          r(row, 1), r(row, 2), t[row]);
-  }
-  return text + "0 0 0 1\n";
 }
 
 // Between the two qualities, by chance of seed and frame.
@@ -52,21 +40,6 @@ DepthImage InTumUnits(DepthImage depth) {
 }
 
 }  // namespace
-
-absl::Status WriteNewFile(const std::string& path, absl::string_view bytes) {
-  std::FILE* file = std::fopen(path.c_str(), "wb");
-  if (file == nullptr) {
-    return absl::ErrnoToStatus(errno, absl::StrCat("creating ", path));
-  }
-  errno = 0;
-  const bool written =
-      std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-  const int write_error = errno;
-  const bool closed = std::fclose(file) == 0;
-  if (written && closed) return absl::OkStatus();
-  return absl::ErrnoToStatus(written ? errno : write_error,
-                             absl::StrCat("writing ", path));
-}
 
 std::string TimeText(Time_ns time) {
   const Time_ns microseconds = (time + 500) / 1000;
@@ -106,7 +79,7 @@ absl::Status WriteFrameFiles(const RecordOptions& options,
   TL_ASSIGN_OR_RETURN(const std::string depth, EncodeDepthPng(*frame.depth));
   TL_RETURN_IF_ERROR(WriteNewFile(base + ".color.jpg", color));
   TL_RETURN_IF_ERROR(WriteNewFile(base + ".depth.png", depth));
-  return WriteNewFile(base + ".pose.txt", PoseText(world_from_camera));
+  return WriteNewFile(base + ".pose.txt", FormatPoseMatrix(world_from_camera));
 }
 
 absl::Status WriteTruthFiles(const std::string& folder, int index,

@@ -6,15 +6,11 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "absl/strings/string_view.h"
 #include "common/dataset/text_formats.h"
 #include "common/image/frame.h"
 #include "common/synthetic/recorder.h"
 
 namespace treeline {
-
-// A file in a folder that is not visible yet: neither atomic nor synced.
-absl::Status WriteNewFile(const std::string& path, absl::string_view bytes);
 
 // "0.033333"; times of 0 or later, to the microsecond.
 std::string TimeText(Time_ns time);

@@ -6,7 +6,7 @@
 #include "CLI/CLI.hpp"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
-#include "server/core/forest/model_info_json.h"
+#include "common/camera/calibration_json.h"
 #include "server/core/training/rgbd_calibrator.h"
 #include "server/tools/calibration_text.h"
 #include "server/tools/commands.h"

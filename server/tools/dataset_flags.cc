@@ -4,15 +4,14 @@
 
 namespace treeline {
 
-void AddDatasetFlags(CLI::App& app, DatasetOptions& options) {
+CLI::Option* AddDatasetFlags(CLI::App& app, DatasetOptions& options) {
   constexpr const char* kGroup = "Recording";
-  app.add_option("--dataset", options.uri,
-                 "7scenes:DIR (DIR holds seq-01, ...), 12scenes:DIR (info.txt "
-                 "and data), tum:DIR (rgb.txt and depth.txt), "
-                 "colmap:MODEL_DIR,IMAGES_DIR or nvm:FILE")
-      ->type_name("URI")
-      ->required()
-      ->group(kGroup);
+  CLI::Option* dataset = app.add_option(
+      "--dataset", options.uri,
+      "7scenes:DIR (DIR holds seq-01, ...), 12scenes:DIR (info.txt "
+      "and data), tum:DIR (rgb.txt and depth.txt), "
+      "colmap:MODEL_DIR,IMAGES_DIR or nvm:FILE");
+  dataset->type_name("URI")->required()->group(kGroup);
   app.add_option("--frames", options.frame_list,
                  "File with one frame a line (seq-01/frame-000123; for TUM "
                  "the colour time stamp); without it, all frames")
@@ -42,6 +41,7 @@ void AddDatasetFlags(CLI::App& app, DatasetOptions& options) {
       ->type_name("S")
       ->capture_default_str()
       ->group(kGroup);
+  return dataset;
 }
 
 }  // namespace treeline

@@ -6,14 +6,16 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace treeline {
 
 // Adds --dataset (required), --frames, --poses, --color-camera,
 // --depth-camera, --depth-unit and --max-time-difference to `app`. `options`
 // must live as long as `app`.
-void AddDatasetFlags(CLI::App& app, DatasetOptions& options);
+// Returns --dataset, which is required unless told otherwise.
+CLI::Option* AddDatasetFlags(CLI::App& app, DatasetOptions& options);
 
 }  // namespace treeline
 

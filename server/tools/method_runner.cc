@@ -8,8 +8,8 @@
 #include "common/base/clock.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
+#include "common/camera/calibration_json.h"
 #include "server/core/forest/model_file.h"
-#include "server/core/forest/model_info_json.h"
 #include "server/tools/run_info.h"
 
 namespace treeline {

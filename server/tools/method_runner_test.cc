@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "common/camera/calibration_json.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "server/core/forest/model_info_json.h"
 #include "server/core/training/box_room_recording.h"
 #include "server/tools/report.h"
 #include "server/tools/testing_fixtures.h"

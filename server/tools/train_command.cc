@@ -10,12 +10,13 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
-#include "server/core/forest/model_info_json.h"
+#include "common/camera/calibration_json.h"
 #include "server/core/training/scene_trainer.h"
 #include "server/tools/calibration_text.h"
 #include "server/tools/commands.h"
 #include "server/tools/dataset_flags.h"
 #include "server/tools/run_info.h"
+#include "server/tools/training_place.h"
 #include "server/tools/training_record.h"
 
 namespace treeline {
@@ -29,13 +30,17 @@ Examples:
   treeline train --dataset 7scenes:kitchen --frames train.txt --method rgbd \
       --output models/kitchen/1/model.treeline
   treeline train --dataset tum:rgbd_dataset_freiburg1_desk \
-      --output desk.treeline --trees 8 --seed 7)";
+      --output desk.treeline --trees 8 --seed 7
+  treeline train --map cafe-map --repository models)";
 
 struct TrainFlags {
   DatasetOptions dataset;
+  std::string map;
+  std::string repository;
+  std::string scene;
   std::string method = "rgbd";
   std::string output_path;
-  std::string calibration = "auto";
+  std::string calibration;
   std::string adapt_path;
   std::string extend_path;
   bool splits_only = false;
@@ -44,22 +49,56 @@ struct TrainFlags {
   bool quiet = false;
 };
 
+absl::StatusOr<RgbdCalibration> ReadCalibration(const std::string& path) {
+  TL_ASSIGN_OR_RETURN(const std::string json, ReadFile(path));
+  absl::StatusOr<RgbdCalibration> calibration = CalibrationFromJson(json);
+  if (!calibration.ok()) return Annotate(calibration.status(), path);
+  return calibration;
+}
+
+// Fills in what the other flags imply.
+absl::Status Complete(TrainFlags& flags) {
+  if (flags.map.empty() == flags.dataset.uri.empty()) {
+    return absl::InvalidArgumentError(
+        "of what is the scene learned? Give --dataset URI or --map BUNDLE");
+  }
+  if (flags.repository.empty() == flags.output_path.empty()) {
+    return absl::InvalidArgumentError(
+        "where shall the model go? Give --output FILE or --repository DIR");
+  }
+  if (!flags.map.empty()) {
+    TL_ASSIGN_OR_RETURN(const std::string scene, SceneOfMapBundle(flags.map));
+    if (flags.scene.empty()) flags.scene = scene;
+    const std::string keyframes = flags.map + "/keyframes";
+    flags.dataset.uri = "7scenes:" + keyframes;
+    const std::string calibration_path = keyframes + "/calibration.json";
+    TL_ASSIGN_OR_RETURN(const RgbdCalibration calibration,
+                        ReadCalibration(calibration_path));
+    flags.dataset.color_camera = calibration.color.ToString();
+    flags.dataset.depth_camera = calibration.depth.ToString();
+    if (flags.calibration.empty()) flags.calibration = calibration_path;
+  }
+  if (flags.calibration.empty()) flags.calibration = "auto";
+  if (flags.repository.empty()) return absl::OkStatus();
+  TL_ASSIGN_OR_RETURN(flags.output_path,
+                      NextModelPath(flags.repository, flags.scene));
+  return absl::OkStatus();
+}
+
 // nullopt: to be estimated.
 absl::StatusOr<std::optional<RgbdCalibration>> GivenCalibration(
     const TrainFlags& flags, const Dataset& dataset) {
   if (flags.calibration == "auto") return std::nullopt;
   if (flags.calibration == "nominal") return dataset.calibration();
-  TL_ASSIGN_OR_RETURN(const std::string json, ReadFile(flags.calibration));
-  absl::StatusOr<RgbdCalibration> calibration = CalibrationFromJson(json);
-  if (!calibration.ok()) {
-    return Annotate(calibration.status(), flags.calibration);
-  }
+  TL_ASSIGN_OR_RETURN(RgbdCalibration calibration,
+                      ReadCalibration(flags.calibration));
   // The cameras are the file's; whose poses these are, the recording knows.
-  calibration->pose_sensor = dataset.calibration().pose_sensor;
-  return *calibration;
+  calibration.pose_sensor = dataset.calibration().pose_sensor;
+  return calibration;
 }
 
-absl::Status Train(const TrainFlags& flags, const std::stop_token& stop) {
+absl::Status Train(TrainFlags& flags, const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(Complete(flags));
   TL_ASSIGN_OR_RETURN(const Dataset dataset, Dataset::Open(flags.dataset));
   SceneTrainingOptions options;
   options.method = flags.method;
@@ -163,20 +202,34 @@ Command AddTrainCommand(CLI::App& app) {
       app.add_subcommand("train", "Learn a scene from recorded frames");
   command->footer(absl::StrCat(MethodsHelp(), kFooter));
   auto flags = std::make_shared<TrainFlags>();
-  AddDatasetFlags(*command, flags->dataset);
+  AddDatasetFlags(*command, flags->dataset)->required(false);
+  command
+      ->add_option("--map", flags->map,
+                   "Learn from the keyframes of this map bundle, of "
+                   "`treeline-agent map`, instead of a recording")
+      ->type_name("BUNDLE");
   command->add_option("--method", flags->method, "Method, see below")
       ->type_name("NAME")
       ->capture_default_str();
   command->add_option("--output", flags->output_path, "Model file to write")
-      ->type_name("FILE")
-      ->required();
+      ->type_name("FILE");
   command
-      ->add_option("--calibration", flags->calibration,
-                   "How depth and colour fit together: auto estimates it from "
-                   "the frames, nominal takes the recording's cameras as they "
-                   "are, FILE is from `treeline calibrate`")
-      ->type_name("auto|nominal|FILE")
-      ->capture_default_str();
+      ->add_option("--repository", flags->repository,
+                   "Or: the server's folder of models. It becomes the scene's "
+                   "next version, which running servers then take")
+      ->type_name("DIR");
+  command
+      ->add_option("--scene", flags->scene,
+                   "The scene's name in the repository (default: the map's)")
+      ->type_name("NAME");
+  command
+      ->add_option(
+          "--calibration", flags->calibration,
+          "How depth and colour fit together: auto estimates it from "
+          "the frames, nominal takes the recording's cameras as they "
+          "are, FILE is from `treeline calibrate` (default: auto; with "
+          "--map, the map's own)")
+      ->type_name("auto|nominal|FILE");
   CLI::Option* adapt =
       command
           ->add_option("--adapt", flags->adapt_path,

@@ -6,7 +6,6 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "common/camera/rgbd_calibration.h"
 #include "server/core/forest/model_info.h"
 
 namespace treeline {
@@ -16,11 +15,6 @@ namespace treeline {
 std::string ModelInfoToJson(const ModelInfo& info);
 // DATA_LOSS for anything malformed.
 absl::StatusOr<ModelInfo> ModelInfoFromJson(absl::string_view json);
-
-// A calibration alone: the file that `treeline calibrate` writes.
-std::string CalibrationToJson(const RgbdCalibration& calibration);
-// INVALID_ARGUMENT, naming the field, for anything malformed.
-absl::StatusOr<RgbdCalibration> CalibrationFromJson(absl::string_view json);
 
 }  // namespace treeline
 

@@ -1,0 +1,258 @@
+#include "nav_agent/map_bundle/map_bundle.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/file.h"
+#include "common/base/status_macros.h"
+#include "common/yaml/yaml_node.h"
+#include "nav_agent/core/map_file.h"
+#include "nav_agent/octomap/octree_file.h"
+
+namespace treeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int64_t kVersion = 1;
+constexpr int64_t kMostParts = 10'000'000;
+constexpr std::array<const char*, 6> kParts = {
+    kBundleManifest,  kBundleOctomap,    kBundleLevels,
+    kBundleKeyframes, kBundleTrajectory, kBundlePicture};
+
+bool IsSceneName(absl::string_view name) {
+  return !name.empty() && name.size() <= 64 && name[0] != '.' &&
+         std::all_of(name.begin(), name.end(), [](char c) {
+           return absl::ascii_isalnum(static_cast<unsigned char>(c)) ||
+                  c == '-' || c == '_' || c == '.';
+         });
+}
+
+// In YAML's double quotes.
+std::string Quoted(absl::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += absl::ascii_iscntrl(static_cast<unsigned char>(c)) ? ' ' : c;
+  }
+  return quoted + "\"";
+}
+
+std::string FormatManifest(const MapBundleManifest& manifest) {
+  const TraversabilityOptions& t = manifest.traversability;
+  std::string text = absl::StrFormat(
+      "# A Treeline map bundle (docs/map-bundle.md). Written last: a folder\n"
+      "# without this file is not complete.\n"
+      "version: %d\nname: %s\nsource: %s\nmethod: %s\n",
+      kVersion, manifest.name, Quoted(manifest.source),
+      Quoted(manifest.method));
+  absl::StrAppendFormat(&text,
+                        "resolution_m: %.9g\nlevels: %d\nkeyframes: %d\n"
+                        "trajectory: {of: %s, poses: %d}\n",
+                        manifest.resolution_m, manifest.levels,
+                        manifest.keyframes, manifest.trajectory_of,
+                        manifest.poses);
+  absl::StrAppendFormat(
+      &text,
+      "# What the levels were extracted for.\ntraversability:\n"
+      "  max_slope_rad: %.17g\n  max_step_m: %.17g\n  robot_height_m: %.17g\n"
+      "  min_ground_width_m: %.17g\n  min_platform_area_m2: %.17g\n"
+      "  max_riser_m: %.17g\n  level_overlap_m: %.17g\n",
+      t.max_slope_rad, t.max_step_m, t.robot_height_m, t.min_ground_width_m,
+      t.min_platform_area_m2, t.max_riser_m, t.level_overlap_m);
+  return text;
+}
+
+absl::StatusOr<TraversabilityOptions> ParseTraversability(
+    const YamlNode& node) {
+  TL_RETURN_IF_ERROR(node.CheckKeys(
+      {"max_slope_rad", "max_step_m", "robot_height_m", "min_ground_width_m",
+       "min_platform_area_m2", "max_riser_m", "level_overlap_m"}));
+  TraversabilityOptions options;
+  const std::array<std::pair<const char*, double*>, 7> fields = {
+      {{"max_slope_rad", &options.max_slope_rad},
+       {"max_step_m", &options.max_step_m},
+       {"robot_height_m", &options.robot_height_m},
+       {"min_ground_width_m", &options.min_ground_width_m},
+       {"min_platform_area_m2", &options.min_platform_area_m2},
+       {"max_riser_m", &options.max_riser_m},
+       {"level_overlap_m", &options.level_overlap_m}}};
+  for (const auto& [key, value] : fields) {
+    TL_ASSIGN_OR_RETURN(*value, node.Number(key, 0, 1e6));
+  }
+  const absl::Status valid = options.Validate();
+  if (!valid.ok()) return node.Error(valid.message());
+  return options;
+}
+
+bool Exists(const std::string& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
+absl::Status CheckParts(const std::string& folder,
+                        const MapBundleManifest& manifest) {
+  const auto check = [&folder](const std::string& part) {
+    if (Exists(folder + "/" + part)) return absl::OkStatus();
+    return absl::FailedPreconditionError(
+        absl::StrCat(folder, ": this map bundle lacks ", part,
+                     "; make it anew with `treeline-agent map`"));
+  };
+  TL_RETURN_IF_ERROR(check(kBundleOctomap));
+  TL_RETURN_IF_ERROR(check(kBundleTrajectory));
+  for (int level = 0; level < manifest.levels; ++level) {
+    TL_RETURN_IF_ERROR(
+        check(absl::StrCat(kBundleLevels, "/level-", level, ".yaml")));
+  }
+  return manifest.keyframes > 0 ? check(kBundleKeyframes) : absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status BeginMapBundle(const std::string& folder, bool overwrite) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    return absl::UnavailableError(
+        absl::StrCat("making ", folder, ": ", error.message()));
+  }
+  if (overwrite) {
+    for (const char* part : kParts) {
+      fs::remove_all(folder + "/" + part, error);
+      if (error) {
+        return absl::UnavailableError(absl::StrCat(
+            "removing ", folder, "/", part, ": ", error.message()));
+      }
+    }
+    return absl::OkStatus();
+  }
+  for (const char* part : kParts) {
+    if (Exists(folder + "/" + part)) {
+      return absl::AlreadyExistsError(absl::StrCat(
+          folder, ": there is a map already (", part,
+          "); name another folder, or replace it with --overwrite"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status WriteBundleTrajectory(const std::string& folder,
+                                   std::span<const TimedPose> trajectory) {
+  return WriteFileAtomically(folder + "/" + kBundleTrajectory,
+                             FormatTimedPoses(trajectory));
+}
+
+absl::Status FinishMapBundle(const std::string& folder,
+                             const MapBundleManifest& manifest) {
+  if (!IsSceneName(manifest.name)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "'", manifest.name,
+        "' is no name for a scene: letters, digits, '-', '_' and '.'"));
+  }
+  TL_RETURN_IF_ERROR(CheckParts(folder, manifest));
+  return WriteFileAtomically(folder + "/" + kBundleManifest,
+                             FormatManifest(manifest));
+}
+
+absl::StatusOr<MapBundleManifest> ParseMapBundleManifest(
+    absl::string_view yaml, absl::string_view name) {
+  TL_ASSIGN_OR_RETURN(const YamlNode root, YamlNode::Parse(yaml, name));
+  TL_RETURN_IF_ERROR(
+      root.CheckKeys({"version", "name", "source", "method", "resolution_m",
+                      "levels", "keyframes", "trajectory", "traversability"}));
+  TL_ASSIGN_OR_RETURN(const int64_t version,
+                      root.Integer("version", 1, 1'000'000));
+  if (version != kVersion) {
+    return root.Error(absl::StrCat("version ", version,
+                                   " of map bundles is not known; this "
+                                   "program reads version ",
+                                   kVersion));
+  }
+  MapBundleManifest manifest;
+  TL_ASSIGN_OR_RETURN(manifest.name, root.Text("name"));
+  if (!IsSceneName(manifest.name)) {
+    return root.Error("name must be of letters, digits, '-', '_' and '.'");
+  }
+  TL_ASSIGN_OR_RETURN(manifest.source, root.TextOr("source", ""));
+  TL_ASSIGN_OR_RETURN(manifest.method, root.TextOr("method", ""));
+  TL_ASSIGN_OR_RETURN(manifest.resolution_m,
+                      root.Number("resolution_m", 0.001, 10));
+  TL_ASSIGN_OR_RETURN(const int64_t levels, root.Integer("levels", 0, 1000));
+  TL_ASSIGN_OR_RETURN(const int64_t keyframes,
+                      root.Integer("keyframes", 0, kMostParts));
+  TL_ASSIGN_OR_RETURN(const YamlNode trajectory, root.Get("trajectory"));
+  TL_RETURN_IF_ERROR(trajectory.CheckKeys({"of", "poses"}));
+  TL_ASSIGN_OR_RETURN(const int of,
+                      trajectory.Choice("of", {"base", "camera"}));
+  TL_ASSIGN_OR_RETURN(const int64_t poses,
+                      trajectory.Integer("poses", 0, kMostParts));
+  manifest.levels = static_cast<int>(levels);
+  manifest.keyframes = static_cast<int>(keyframes);
+  manifest.trajectory_of = of == 0 ? "base" : "camera";
+  manifest.poses = static_cast<int>(poses);
+  TL_ASSIGN_OR_RETURN(const YamlNode traversability,
+                      root.Get("traversability"));
+  TL_ASSIGN_OR_RETURN(manifest.traversability,
+                      ParseTraversability(traversability));
+  return manifest;
+}
+
+absl::StatusOr<MapBundleManifest> ReadMapBundleManifest(
+    const std::string& folder) {
+  const std::string path = folder + "/" + kBundleManifest;
+  if (!Exists(path)) {
+    if (Exists(folder + "/" + kBundleOctomap) ||
+        Exists(folder + "/" + kBundleKeyframes)) {
+      return absl::FailedPreconditionError(
+          absl::StrCat(folder,
+                       ": this map bundle is not complete, mapping was "
+                       "interrupted; make it anew with `treeline-agent map`"));
+    }
+    return absl::NotFoundError(absl::StrCat(
+        folder, ": there is no map bundle; `treeline-agent map` makes one"));
+  }
+  TL_ASSIGN_OR_RETURN(const std::string yaml,
+                      ReadFile(path, YamlNode::kMaxBytes));
+  TL_ASSIGN_OR_RETURN(MapBundleManifest manifest,
+                      ParseMapBundleManifest(yaml, path));
+  TL_RETURN_IF_ERROR(CheckParts(folder, manifest));
+  return manifest;
+}
+
+absl::StatusOr<MapBundle> LoadMapBundle(const std::string& folder) {
+  MapBundle bundle;
+  TL_ASSIGN_OR_RETURN(bundle.manifest, ReadMapBundleManifest(folder));
+  const std::string octomap = folder + "/" + kBundleOctomap;
+  TL_ASSIGN_OR_RETURN(bundle.voxels, ReadOctree(octomap));
+  absl::StatusOr<TraversableMap> levels =
+      ExtractTraversableMap(bundle.voxels, bundle.manifest.traversability);
+  if (!levels.ok()) return Annotate(levels.status(), octomap);
+  bundle.levels = *std::move(levels);
+  if (bundle.levels.levels.size() !=
+      static_cast<size_t>(bundle.manifest.levels)) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(folder, ": the OctoMap has ", bundle.levels.levels.size(),
+                     " levels, bundle.yaml says ", bundle.manifest.levels));
+  }
+  for (size_t i = 0; i < bundle.levels.levels.size(); ++i) {
+    OccupancyGrid& grid = bundle.levels.levels[i].grid;
+    const std::string path =
+        absl::StrCat(folder, "/", kBundleLevels, "/level-", i, ".yaml");
+    TL_ASSIGN_OR_RETURN(OccupancyGrid drawn, ReadMap(path));
+    if (drawn.width != grid.width || drawn.height != grid.height) {
+      return absl::FailedPreconditionError(absl::StrFormat(
+          "%s: it is %d x %d cells large, the OctoMap %d x %d", path,
+          drawn.width, drawn.height, grid.width, grid.height));
+    }
+    grid.cells = std::move(drawn.cells);
+  }
+  return bundle;
+}
+
+}  // namespace treeline
