@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "common/geometry/rigid2.h"
 #include "nav_agent/core/occupancy_grid.h"
+#include "nav_agent/localization/laser_level_map.h"
 #include "nav_agent/localization/likelihood_field.h"
 #include "nav_agent/localization/odometry_motion.h"
 #include "nav_agent/localization/scan_points.h"
@@ -76,6 +77,11 @@ struct AmclOptions {
   double fast_share = 0.1;
   double inject_ratio = 1.5;
   double anew_share = 0.5;
+  // On levels: a beam that ends this near to the ground (m, and as a share of
+  // its length, for the error of the tilt) is left out.
+  double ground_m = 0.1;
+  double ground_share = 0.01;
+
   // Particles are drawn again when fewer than this share of them counts.
   double resample_below = 0.5;
 
@@ -101,11 +107,18 @@ struct PlanarEstimate {
   // particles explain them.
   int beams_used = 0;
   int beams_skipped = 0;
+  // Beams of the last scan that ended on the ground, from where the robot was
+  // thought to be: they tell nothing, and were left out first. Only on levels.
+  int beams_on_ground = 0;
+  // On levels: where it stands. Else both are 0.
+  LevelPlace place;
 };
 
 struct Particle {
   Rigid2 map_from_base;
   double weight = 0;
+  // On levels: what it stands on.
+  LevelPlace place = {};
 };
 
 // Deterministic: the same calls give the same particles for one seed. Not
@@ -116,10 +129,22 @@ class Amcl {
   static absl::StatusOr<Amcl> Create(const OccupancyGrid& map,
                                      const AmclOptions& options, uint64_t seed);
 
+  // On all levels of a building at once: each particle has a level, and goes
+  // over to the next one where it drives over their join. Scans need heights
+  // (PointsInSpace). options.field is not used: the map has its own.
+  static absl::StatusOr<Amcl> CreateOnLevels(
+      std::shared_ptr<const LaserLevelMap> map, const AmclOptions& options,
+      uint64_t seed);
+
   // The robot is about here. INVALID_ARGUMENT for what is not finite or a
-  // covariance that is not positive semidefinite.
+  // covariance that is not positive semidefinite; on levels, the lowest ground
+  // there is meant.
   absl::Status SetPose(const Rigid2& map_from_base,
                        const PoseCovariance2& covariance);
+  // The same on the ground nearest to a height. INVALID_ARGUMENT if there is no
+  // ground within max_rise_m of it, or there are no levels.
+  absl::Status SetPoseOnLevel(const Rigid2& map_from_base, double height_m,
+                              const PoseCovariance2& covariance);
   // The robot may be anywhere on free ground.
   void SetAnywhere();
 
@@ -136,11 +161,21 @@ class Amcl {
   const std::vector<Particle>& particles() const { return particles_; }
 
  private:
-  Amcl(LikelihoodField field, std::vector<Vec2> free_places,
-       double resolution_m, const AmclOptions& options, uint64_t seed);
+  Amcl(LikelihoodField field, std::shared_ptr<const LaserLevelMap> levels,
+       std::vector<FreePlace> free_places, double resolution_m,
+       const AmclOptions& options, uint64_t seed);
 
-  Rigid2 AnyPose(Random& random) const;
+  const LikelihoodField& field() const {
+    return levels_ == nullptr ? field_ : levels_->field();
+  }
+  Particle AnyParticle(Random& random) const;
+  absl::Status PlaceAbout(const Rigid2& map_from_base,
+                          const PoseCovariance2& covariance,
+                          const LevelPlace& place);
+  // Which ground a particle that has moved is on now.
+  void FindGround(Particle& particle) const;
   void Move(const Rigid2& before_from_after);
+  ScanPoints WithoutGround(const ScanPoints& points) const;
   ScanPoints WithoutUnexplained(const ScanPoints& points);
   void UpdateFit(double fit);
   // How much of the sums of logs (of so many beams, the best one 0) counts.
@@ -152,8 +187,9 @@ class Amcl {
   void UpdateEstimate();
 
   LikelihoodField field_;
-  // Centres of the free cells.
-  std::vector<Vec2> free_places_;
+  // Null: one flat map, of field_.
+  std::shared_ptr<const LaserLevelMap> levels_;
+  std::vector<FreePlace> free_places_;
   double resolution_m_ = 0;
   AmclOptions options_;
   uint64_t seed_ = 0;
