@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <utility>
 
 #include "common/base/status_macros.h"
-#include "nav_agent/core/distance_field.h"
 #include "nav_agent/localization/scan_points.h"
 #include "nlohmann/json.hpp"
 
@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kSure = 0.9;
 constexpr double kSureWithin_m = 0.5;
+constexpr double kSameLevel_m = 0.5;
 // About where somebody says that the robot is.
 constexpr PoseCovariance2 kInitialCovariance = {0.25, 0, 0, 0,   0.25,
                                                 0,    0, 0, 0.07};
@@ -25,18 +26,75 @@ double ProcessorTime_ms() {
          1e-6 * static_cast<double>(time.tv_nsec);
 }
 
-double Agreement(const OccupancyGrid& map, const std::vector<float>& distances,
-                 const ScanPoints& points, const Rigid2& map_from_base) {
+// Of all beams, and in one field for all.
+double Agreement(const LikelihoodField& field, const ScanPoints& points,
+                 const PlanarEstimate& estimate) {
   if (points.size() == 0) return 0;
-  int near = 0;
+  std::vector<float> logs(points.size());
+  field.LogLikelihoods(points, estimate.map_from_base, logs,
+                       estimate.place.height_m);
+  const float near = field.LogAt(kAgreement_m);
+  return static_cast<double>(std::ranges::count_if(
+             logs, [near](float log) { return log >= near; })) /
+         static_cast<double>(points.size());
+}
+
+// The ends of a scan's beams, as the map's kind wants them.
+absl::StatusOr<ScanPoints> PointsFor(const LocalizationMap& map,
+                                     const RecordedDrive& drive,
+                                     const DriveScan& recorded,
+                                     const LocalizationRunOptions& options,
+                                     int max_points) {
+  LaserScan scan;
+  scan.ranges_m = recorded.ranges_m;
+  const bool use_tilt = options.use_tilt && drive.has_tilt;
+  TL_ASSIGN_OR_RETURN(
+      ScanPoints points,
+      PointsInSpace(scan, drive.laser, drive.base_from_laser,
+                    use_tilt ? recorded.level_from_base : Rotation3(),
+                    max_points));
+  if (map.levels != nullptr || !use_tilt) return points;
+  ScanPoints kept;
   for (size_t i = 0; i < points.size(); ++i) {
-    const CellIndex cell =
-        map.CellOf(map_from_base * Vec2{points.x_m[i], points.y_m[i]});
-    if (map.Contains(cell) && distances[map.IndexOf(cell)] <= kAgreement_m) {
-      ++near;
+    if (points.z_m[i] >= options.lowest_point_m &&
+        points.z_m[i] <= options.highest_point_m) {
+      kept.Add(points, i);
     }
   }
-  return static_cast<double>(near) / static_cast<double>(points.size());
+  return kept;
+}
+
+absl::StatusOr<Amcl> BeginAmcl(const LocalizationMap& map,
+                               const LocalizationRunOptions& options) {
+  if (map.levels == nullptr && map.grids.size() != 1) {
+    return absl::InvalidArgumentError("localization needs one map, or levels");
+  }
+  TL_ASSIGN_OR_RETURN(
+      Amcl amcl,
+      map.levels == nullptr
+          ? Amcl::Create(map.grids[0], options.amcl, options.seed)
+          : Amcl::CreateOnLevels(map.levels, options.amcl, options.seed));
+  if (!options.initial_map_from_base.has_value()) {
+    amcl.SetAnywhere();
+  } else if (options.initial_height_m.has_value() && map.levels != nullptr) {
+    TL_RETURN_IF_ERROR(amcl.SetPoseOnLevel(*options.initial_map_from_base,
+                                           *options.initial_height_m,
+                                           kInitialCovariance));
+  } else {
+    TL_RETURN_IF_ERROR(
+        amcl.SetPose(*options.initial_map_from_base, kInitialCovariance));
+  }
+  return amcl;
+}
+
+void CompareWithTruth(const Rigid3& world_from_base, LocalizedScan& scan) {
+  const Rigid2& pose = scan.estimate.map_from_base;
+  const Vec3& truth = world_from_base.translation;
+  const Vec3 ahead = world_from_base.rotation * Vec3{1, 0, 0};
+  scan.error_m = Norm(pose.translation - Vec2{truth.x, truth.y});
+  scan.error_rad = std::abs(
+      NormalizedAngle_rad(pose.yaw_rad - std::atan2(ahead.y, ahead.x)));
+  scan.height_error_m = std::abs(scan.estimate.place.height_m - truth.z);
 }
 
 bool IsSure(const PlanarEstimate& estimate) {
@@ -63,23 +121,70 @@ size_t FirstSure(const LocalizationResult& result) {
   return first;
 }
 
-void Summarize(const LaserLog& log, const std::vector<double>& updates_ms,
+double Driven_m(const RecordedDrive& drive, size_t scans) {
+  double driven_m = 0;
+  for (size_t i = 0; i < scans && i + 1 < drive.scans.size(); ++i) {
+    driven_m += Norm(drive.scans[i + 1].odom_from_base.translation -
+                     drive.scans[i].odom_from_base.translation);
+  }
+  return driven_m;
+}
+
+ErrorFigures FiguresOf(const std::vector<double>& errors) {
+  ErrorFigures figures;
+  if (errors.empty()) return figures;
+  for (const double error : errors) figures.rmse += error * error;
+  figures.rmse = std::sqrt(figures.rmse / static_cast<double>(errors.size()));
+  figures.p95 = Quantile(errors, 0.95);
+  figures.max = *std::ranges::max_element(errors);
+  return figures;
+}
+
+std::optional<LocalizationErrors> ErrorsOf(
+    const std::vector<LocalizedScan>& scans, size_t begin) {
+  std::vector<double> positions_m;
+  std::vector<double> headings_rad;
+  size_t right = 0;
+  for (size_t i = begin; i < scans.size(); ++i) {
+    if (!scans[i].error_m.has_value()) continue;
+    positions_m.push_back(*scans[i].error_m);
+    headings_rad.push_back(scans[i].error_rad);
+    right += scans[i].height_error_m < kSameLevel_m ? 1 : 0;
+  }
+  if (positions_m.empty()) return std::nullopt;
+  return LocalizationErrors{
+      .scans = positions_m.size(),
+      .position_m = FiguresOf(positions_m),
+      .heading_rad = FiguresOf(headings_rad),
+      .right_level =
+          static_cast<double>(right) / static_cast<double>(positions_m.size())};
+}
+
+void Summarize(const RecordedDrive& drive,
+               const std::vector<double>& updates_ms,
                LocalizationResult& result) {
   const size_t first = FirstSure(result);
-  double driven_m = 0;
-  for (size_t i = 0; i < first && i + 1 < log.scans.size(); ++i) {
-    driven_m += Norm(log.scans[i + 1].odom_from_base.translation -
-                     log.scans[i].odom_from_base.translation);
-  }
   const bool is_sure = first < result.scans.size();
-  if (is_sure) result.converged_after_m = driven_m;
+  if (is_sure) result.converged_after_m = Driven_m(drive, first);
+  const auto once = std::ranges::find_if(
+      result.scans,
+      [](const LocalizedScan& scan) { return IsSure(scan.estimate); });
+  if (once != result.scans.end()) {
+    result.first_sure_after_m =
+        Driven_m(drive, static_cast<size_t>(once - result.scans.begin()));
+  }
   const size_t begin = is_sure ? first : 0;
   for (size_t i = begin; i < result.scans.size(); ++i) {
     result.agreement += result.scans[i].agreement /
                         static_cast<double>(result.scans.size() - begin);
   }
+  if (is_sure) result.errors = ErrorsOf(result.scans, first);
   result.median_update_ms = Quantile(updates_ms, 0.5);
   result.p99_update_ms = Quantile(updates_ms, 0.99);
+}
+
+nlohmann::ordered_json JsonOf(const ErrorFigures& figures) {
+  return {{"rmse", figures.rmse}, {"p95", figures.p95}, {"max", figures.max}};
 }
 
 void Dot(ColorImage& image, int x, int y, std::array<uint8_t, 3> color) {
@@ -93,41 +198,43 @@ void Dot(ColorImage& image, int x, int y, std::array<uint8_t, 3> color) {
 
 }  // namespace
 
-absl::StatusOr<LocalizationResult> LocalizeLog(
-    const OccupancyGrid& map, const LaserLog& log,
+absl::StatusOr<LocalizationResult> LocalizeDrive(
+    const LocalizationMap& map, const RecordedDrive& drive,
     const LocalizationRunOptions& options, const std::function<void()>& done,
     const std::stop_token& stop) {
-  TL_ASSIGN_OR_RETURN(Amcl amcl, Amcl::Create(map, options.amcl, options.seed));
-  if (options.initial_map_from_base.has_value()) {
-    TL_RETURN_IF_ERROR(
-        amcl.SetPose(*options.initial_map_from_base, kInitialCovariance));
-  } else {
-    amcl.SetAnywhere();
+  TL_ASSIGN_OR_RETURN(Amcl amcl, BeginAmcl(map, options));
+  LikelihoodField flat = LikelihoodField::Empty();
+  if (map.levels == nullptr) {
+    TL_ASSIGN_OR_RETURN(
+        flat, LikelihoodField::Create(map.grids[0], options.amcl.field));
   }
-  const std::vector<float> distances = DistanceToOccupied(map, 1);
+  const LikelihoodField& field =
+      map.levels == nullptr ? flat : map.levels->field();
   LocalizationResult result;
   std::vector<double> updates_ms;
-  for (const RecordedScan& recorded : log.scans) {
+  for (const DriveScan& recorded : drive.scans) {
     if (stop.stop_requested()) return absl::CancelledError("stopped");
-    LaserScan scan;
-    scan.ranges_m = recorded.ranges_m;
     TL_ASSIGN_OR_RETURN(
         const ScanPoints points,
-        PointsOf(scan, log.laser, log.base_from_laser, options.amcl.max_beams));
+        PointsFor(map, drive, recorded, options, options.amcl.max_beams));
     const double before_ms = ProcessorTime_ms();
     TL_ASSIGN_OR_RETURN(const std::optional<PlanarEstimate> estimate,
                         amcl.Update(recorded.odom_from_base, points));
     updates_ms.push_back(ProcessorTime_ms() - before_ms);
     TL_ASSIGN_OR_RETURN(
         const ScanPoints all,
-        PointsOf(scan, log.laser, log.base_from_laser, log.laser.beams));
-    result.scans.push_back(
-        {.stamp = recorded.stamp,
-         .estimate = *estimate,
-         .agreement = Agreement(map, distances, all, estimate->map_from_base)});
+        PointsFor(map, drive, recorded, options, drive.laser.beams));
+    LocalizedScan scan = {.stamp = recorded.stamp,
+                          .estimate = *estimate,
+                          .agreement = Agreement(field, all, *estimate),
+                          .error_m = std::nullopt};
+    if (recorded.world_from_base.has_value()) {
+      CompareWithTruth(*recorded.world_from_base, scan);
+    }
+    result.scans.push_back(std::move(scan));
     if (done) done();
   }
-  Summarize(log, updates_ms, result);
+  Summarize(drive, updates_ms, result);
   return result;
 }
 
@@ -138,54 +245,76 @@ std::string LocalizationJson(const LocalizationResult& result) {
       result.converged_after_m.has_value()
           ? nlohmann::ordered_json(*result.converged_after_m)
           : nlohmann::ordered_json(nullptr);
+  json["first_sure_after_m"] =
+      result.first_sure_after_m.has_value()
+          ? nlohmann::ordered_json(*result.first_sure_after_m)
+          : nlohmann::ordered_json(nullptr);
   json["agreement"] = result.agreement;
+  if (result.errors.has_value()) {
+    json["errors"] = {{"scans", result.errors->scans},
+                      {"position_m", JsonOf(result.errors->position_m)},
+                      {"heading_rad", JsonOf(result.errors->heading_rad)},
+                      {"right_level", result.errors->right_level}};
+  }
   json["median_update_ms"] = result.median_update_ms;
   json["p99_update_ms"] = result.p99_update_ms;
   nlohmann::ordered_json poses = nlohmann::ordered_json::array();
   for (const LocalizedScan& scan : result.scans) {
     const PlanarEstimate& estimate = scan.estimate;
-    poses.push_back({{"stamp", FormatRecordingTime(scan.stamp)},
-                     {"x_m", estimate.map_from_base.translation.x},
-                     {"y_m", estimate.map_from_base.translation.y},
-                     {"yaw_rad", estimate.map_from_base.yaw_rad},
-                     {"covariance", estimate.covariance},
-                     {"share", estimate.share},
-                     {"fit", estimate.fit},
-                     {"particles", estimate.particles},
-                     {"agreement", scan.agreement}});
+    nlohmann::ordered_json pose = {
+        {"stamp", FormatRecordingTime(scan.stamp)},
+        {"x_m", estimate.map_from_base.translation.x},
+        {"y_m", estimate.map_from_base.translation.y},
+        {"yaw_rad", estimate.map_from_base.yaw_rad},
+        {"covariance", estimate.covariance},
+        {"share", estimate.share},
+        {"fit", estimate.fit},
+        {"particles", estimate.particles},
+        {"agreement", scan.agreement},
+        {"searching", estimate.is_searching},
+        {"level", estimate.place.level},
+        {"height_m", estimate.place.height_m}};
+    if (scan.error_m.has_value()) {
+      pose["error_m"] = *scan.error_m;
+      pose["error_rad"] = scan.error_rad;
+    }
+    poses.push_back(std::move(pose));
   }
   json["poses"] = std::move(poses);
   return json.dump(1) + "\n";
 }
 
-ColorImage DrawLocalization(const OccupancyGrid& map, const LaserLog& log,
+ColorImage DrawLocalization(const LocalizationMap& map,
+                            const RecordedDrive& drive,
                             const LocalizationResult& result) {
-  ColorImage image{.width = map.width, .height = map.height, .rgb = {}};
-  image.rgb.resize(3 * map.cells.size());
-  for (int y = 0; y < map.height; ++y) {
-    for (int x = 0; x < map.width; ++x) {
-      const Occupancy value = map.At({x, y});
+  const int level =
+      result.scans.empty() ? 0 : result.scans.back().estimate.place.level;
+  const OccupancyGrid& grid = map.grids[static_cast<size_t>(level)];
+  ColorImage image{.width = grid.width, .height = grid.height, .rgb = {}};
+  image.rgb.resize(3 * grid.cells.size());
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      const Occupancy value = grid.At({x, y});
       const uint8_t grey = value == Occupancy::kFree       ? 255
                            : value == Occupancy::kOccupied ? 0
                                                            : 190;
-      Dot(image, x, map.height - 1 - y, {grey, grey, grey});
+      Dot(image, x, grid.height - 1 - y, {grey, grey, grey});
     }
   }
   const auto mark = [&](Vec2 point, std::array<uint8_t, 3> color) {
-    const CellIndex cell = map.CellOf(point);
-    Dot(image, cell.x, map.height - 1 - cell.y, color);
+    const CellIndex cell = grid.CellOf(point);
+    Dot(image, cell.x, grid.height - 1 - cell.y, color);
   };
   const size_t first = FirstSure(result);
   for (size_t i = 0; i < result.scans.size(); ++i) {
+    if (result.scans[i].estimate.place.level != level) continue;
     mark(result.scans[i].estimate.map_from_base.translation,
          i < first ? std::array<uint8_t, 3>{150, 150, 160}
                    : std::array<uint8_t, 3>{30, 80, 220});
   }
   if (result.scans.empty()) return image;
-  LaserScan last;
-  last.ranges_m = log.scans.back().ranges_m;
   const absl::StatusOr<ScanPoints> points =
-      PointsOf(last, log.laser, log.base_from_laser, log.laser.beams);
+      PointsFor(map, drive, drive.scans.back(), {}, drive.laser.beams);
   if (!points.ok()) return image;
   for (size_t i = 0; i < points->size(); ++i) {
     mark(result.scans.back().estimate.map_from_base *

@@ -68,11 +68,20 @@ absl::Status AmclOptions::Validate() const {
   TL_RETURN_IF_ERROR(
       CheckRange("amcl: min_counting_share", min_counting_share, 0, 1));
   TL_RETURN_IF_ERROR(
+      CheckRange("amcl: searching_share", searching_share, 0, 1));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: roughen_m", roughen_m, 0, 10));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: roughen_rad", roughen_rad, 0, 1));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: found_share", found_share, 0, 1));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: inject_ratio", inject_ratio, 1, 1e6));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: anew_share", anew_share, 0, 1));
+  TL_RETURN_IF_ERROR(
       CheckRange("amcl: skip_below_share", skip_below_share, 0, 1));
   TL_RETURN_IF_ERROR(
       CheckRange("amcl: skip_distance_m", skip_distance_m, 0, 100));
   TL_RETURN_IF_ERROR(CheckRange("amcl: slow_share", slow_share, 0, 1));
   TL_RETURN_IF_ERROR(CheckRange("amcl: fast_share", fast_share, slow_share, 1));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: ground_m", ground_m, 0, 1));
+  TL_RETURN_IF_ERROR(CheckRange("amcl: ground_share", ground_share, 0, 1));
   TL_RETURN_IF_ERROR(CheckRange("amcl: resample_below", resample_below, 0, 1));
   TL_RETURN_IF_ERROR(field.Validate());
   return odometry.Validate();
@@ -93,11 +102,11 @@ absl::StatusOr<Amcl> Amcl::Create(const OccupancyGrid& map,
   TL_RETURN_IF_ERROR(options.Validate());
   TL_ASSIGN_OR_RETURN(LikelihoodField field,
                       LikelihoodField::Create(map, options.field));
-  std::vector<Vec2> free_places;
+  std::vector<FreePlace> free_places;
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
       if (map.At({x, y}) == Occupancy::kFree) {
-        free_places.push_back(map.CenterInMap({x, y}));
+        free_places.push_back({map.CenterInMap({x, y}), {}});
       }
     }
   }
@@ -106,31 +115,83 @@ absl::StatusOr<Amcl> Amcl::Create(const OccupancyGrid& map,
                                                    map.width, " x ", map.height,
                                                    " cells is free"));
   }
-  return Amcl(std::move(field), std::move(free_places), map.resolution_m,
-              options, seed);
+  return Amcl(std::move(field), nullptr, std::move(free_places),
+              map.resolution_m, options, seed);
 }
 
-Amcl::Amcl(LikelihoodField field, std::vector<Vec2> free_places,
-           double resolution_m, const AmclOptions& options, uint64_t seed)
+absl::StatusOr<Amcl> Amcl::CreateOnLevels(
+    std::shared_ptr<const LaserLevelMap> map, const AmclOptions& options,
+    uint64_t seed) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  if (map == nullptr) return absl::InvalidArgumentError("amcl: no map");
+  std::vector<FreePlace> free_places = map->free_places();
+  const double resolution_m = map->resolution_m();
+  return Amcl(LikelihoodField::Empty(), std::move(map), std::move(free_places),
+              resolution_m, options, seed);
+}
+
+Amcl::Amcl(LikelihoodField field, std::shared_ptr<const LaserLevelMap> levels,
+           std::vector<FreePlace> free_places, double resolution_m,
+           const AmclOptions& options, uint64_t seed)
     : field_(std::move(field)),
+      levels_(std::move(levels)),
       free_places_(std::move(free_places)),
       resolution_m_(resolution_m),
       options_(options),
       seed_(seed) {}
 
-Rigid2 Amcl::AnyPose(Random& random) const {
-  const Vec2 center = free_places_[random.NextBelow(
+Particle Amcl::AnyParticle(Random& random) const {
+  const FreePlace& free = free_places_[random.NextBelow(
       static_cast<uint32_t>(free_places_.size()))];
   const double half_m = resolution_m_ / 2;
   const double x = random.NextUniform(-half_m, half_m);
   const double y = random.NextUniform(-half_m, half_m);
   const double yaw_rad =
       random.NextUniform(-std::numbers::pi, std::numbers::pi);
-  return {center + Vec2{x, y}, yaw_rad};
+  return {.map_from_base = {free.center + Vec2{x, y}, yaw_rad},
+          .weight = 0,
+          .place = free.place};
+}
+
+void Amcl::FindGround(Particle& particle) const {
+  if (levels_ == nullptr) return;
+  // In a wall it keeps its height, and comes out on the same level.
+  const std::optional<LevelPlace> ground = levels_->GroundNear(
+      particle.map_from_base.translation, particle.place.height_m);
+  if (ground.has_value()) particle.place = *ground;
 }
 
 absl::Status Amcl::SetPose(const Rigid2& map_from_base,
                            const PoseCovariance2& covariance) {
+  LevelPlace place;
+  if (levels_ != nullptr && IsFinite(map_from_base)) {
+    for (int level = levels_->levels() - 1; level >= 0; --level) {
+      place =
+          levels_->GroundOf(map_from_base.translation, level).value_or(place);
+    }
+  }
+  return PlaceAbout(map_from_base, covariance, place);
+}
+
+absl::Status Amcl::SetPoseOnLevel(const Rigid2& map_from_base, double height_m,
+                                  const PoseCovariance2& covariance) {
+  if (levels_ == nullptr || !IsFinite(map_from_base)) {
+    return absl::InvalidArgumentError(
+        "amcl: a height needs levels and a finite pose");
+  }
+  const std::optional<LevelPlace> place =
+      levels_->GroundNear(map_from_base.translation, height_m);
+  if (!place.has_value()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "amcl: no level has ground at ", map_from_base.translation.x, ", ",
+        map_from_base.translation.y, ", height ", height_m));
+  }
+  return PlaceAbout(map_from_base, covariance, *place);
+}
+
+absl::Status Amcl::PlaceAbout(const Rigid2& map_from_base,
+                              const PoseCovariance2& covariance,
+                              const LevelPlace& place) {
   const std::optional<std::array<double, 9>> root = SquareRoot(covariance);
   if (!IsFinite(map_from_base) || !root.has_value()) {
     return absl::InvalidArgumentError(
@@ -138,6 +199,7 @@ absl::Status Amcl::SetPose(const Rigid2& map_from_base,
         "semidefinite");
   }
   max_particles_now_ = options_.max_particles;
+  is_searching_ = false;
   particles_.assign(static_cast<size_t>(options_.max_particles), {});
   ++draws_;
   for (size_t i = 0; i < particles_.size(); ++i) {
@@ -151,7 +213,9 @@ absl::Status Amcl::SetPose(const Rigid2& map_from_base,
     particles_[i] = {
         .map_from_base = {map_from_base.translation + Vec2{away[0], away[1]},
                           NormalizedAngle_rad(map_from_base.yaw_rad + away[2])},
-        .weight = 1.0 / static_cast<double>(particles_.size())};
+        .weight = 1.0 / static_cast<double>(particles_.size()),
+        .place = place};
+    FindGround(particles_[i]);
   }
   fits_ = 0;
   force_next_ = true;
@@ -161,12 +225,13 @@ absl::Status Amcl::SetPose(const Rigid2& map_from_base,
 
 void Amcl::SetAnywhere() {
   max_particles_now_ = options_.max_global_particles;
+  is_searching_ = true;
   particles_.assign(static_cast<size_t>(max_particles_now_), {});
   ++draws_;
   for (size_t i = 0; i < particles_.size(); ++i) {
     Random random(seed_ + draws_, i);
-    particles_[i] = {.map_from_base = AnyPose(random),
-                     .weight = 1.0 / static_cast<double>(particles_.size())};
+    particles_[i] = AnyParticle(random);
+    particles_[i].weight = 1.0 / static_cast<double>(particles_.size());
   }
   fits_ = 0;
   force_next_ = true;
@@ -207,13 +272,34 @@ void Amcl::Move(const Rigid2& before_from_after) {
     Random random(seed_ + draws_, i);
     particles_[i].map_from_base =
         motion.Sample(particles_[i].map_from_base, random);
+    FindGround(particles_[i]);
   }
+}
+
+ScanPoints Amcl::WithoutGround(const ScanPoints& points) const {
+  // The whole cloud says nothing on what a beam may have met.
+  if (levels_ == nullptr || is_searching_ || !points.has_heights()) {
+    return points;
+  }
+  ScanPoints kept;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Vec2 end = {points.x_m[i], points.y_m[i]};
+    const Vec2 end_in_map = estimate_.map_from_base * end;
+    if (levels_->IsOnGround(
+            {end_in_map.x, end_in_map.y,
+             estimate_.place.height_m + static_cast<double>(points.z_m[i])},
+            options_.ground_m + options_.ground_share * Norm(end))) {
+      continue;
+    }
+    kept.Add(points, i);
+  }
+  return kept;
 }
 
 ScanPoints Amcl::WithoutUnexplained(const ScanPoints& points) {
   // Witnesses by weight, evenly.
   const size_t witnesses = std::min(kWitnesses, particles_.size());
-  const float explained_log = field_.LogAt(options_.skip_distance_m);
+  const float explained_log = field().LogAt(options_.skip_distance_m);
   std::vector<int> explained(points.size());
   std::vector<float> logs(points.size());
   double reached = 0;
@@ -226,7 +312,8 @@ ScanPoints Amcl::WithoutUnexplained(const ScanPoints& points) {
            reached + particles_[particle].weight < at) {
       reached += particles_[particle++].weight;
     }
-    field_.LogLikelihoods(points, particles_[particle].map_from_base, logs);
+    field().LogLikelihoods(points, particles_[particle].map_from_base, logs,
+                           particles_[particle].place.height_m);
     double sum = 0;
     for (size_t i = 0; i < points.size(); ++i) {
       explained[i] += logs[i] > explained_log ? 1 : 0;
@@ -241,14 +328,15 @@ ScanPoints Amcl::WithoutUnexplained(const ScanPoints& points) {
       options_.skip_below_share * static_cast<double>(witnesses);
   for (size_t i = 0; i < points.size(); ++i) {
     if (explained[i] < needed) continue;
-    kept.x_m.push_back(points.x_m[i]);
-    kept.y_m.push_back(points.y_m[i]);
+    kept.Add(points, i);
   }
   return 2 * kept.size() < points.size() ? points : kept;
 }
 
 double Amcl::GainFor(const std::vector<float>& sums, double beams) const {
   const double full = std::min(1.0, options_.independent_beams / beams);
+  const double least =
+      is_searching_ ? options_.searching_share : options_.min_counting_share;
   const auto counting_share = [&](double gain) {
     double total = 0;
     double squares = 0;
@@ -259,28 +347,31 @@ double Amcl::GainFor(const std::vector<float>& sums, double beams) const {
     }
     return total * total / squares / static_cast<double>(sums.size());
   };
-  if (counting_share(full) >= options_.min_counting_share) return full;
+  if (counting_share(full) >= least) return full;
   double low = 0;
   double high = full;
   for (int i = 0; i < 10; ++i) {
     const double middle = (low + high) / 2;
-    (counting_share(middle) >= options_.min_counting_share ? low : high) =
-        middle;
+    (counting_share(middle) >= least ? low : high) = middle;
   }
   return low;
 }
 
 void Amcl::Weigh(const ScanPoints& points) {
-  const ScanPoints used = WithoutUnexplained(points);
+  const ScanPoints upright = WithoutGround(points);
+  estimate_.beams_on_ground = static_cast<int>(points.size() - upright.size());
+  // A scan of nothing but floor.
+  if (upright.size() == 0) return;
+  const ScanPoints used = WithoutUnexplained(upright);
   estimate_.beams_used = static_cast<int>(used.size());
-  estimate_.beams_skipped = static_cast<int>(points.size() - used.size());
+  estimate_.beams_skipped = static_cast<int>(upright.size() - used.size());
   PoseArrays poses;
   poses.Resize(particles_.size());
   for (size_t i = 0; i < particles_.size(); ++i) {
-    poses.Set(i, particles_[i].map_from_base);
+    poses.Set(i, particles_[i].map_from_base, particles_[i].place.height_m);
   }
   std::vector<float> sums(particles_.size());
-  field_.SumLogLikelihoods(used, poses, sums);
+  field().SumLogLikelihoods(used, poses, sums);
 
   const double best = *std::max_element(sums.begin(), sums.end());
   for (float& sum : sums) sum -= static_cast<float>(best);
@@ -307,10 +398,10 @@ void Amcl::Resample() {
   double squares = 0;
   for (const Particle& p : particles_) squares += p.weight * p.weight;
   const double counting = 1 / squares;
-  const double inject =
-      options_.inject ? std::max(0.0, 1 - fast_fit_ / slow_fit_) : 0;
+  const bool inject = options_.inject && !is_searching_ &&
+                      options_.inject_ratio * fast_fit_ < slow_fit_;
   const double size = static_cast<double>(particles_.size());
-  if (counting >= options_.resample_below * size && inject == 0) return;
+  if (counting >= options_.resample_below * size && !inject) return;
 
   ++draws_;
   Random random(seed_ + draws_, ~uint64_t{0});
@@ -337,15 +428,48 @@ void Amcl::Resample() {
                      options_.kld_error, options_.kld_z),
       options_.min_particles, max_particles_now_);
   next = drawn(static_cast<size_t>(wanted), start);
-  // Those that are drawn anew take the place of evenly spread ones.
-  const size_t anew = static_cast<size_t>(inject * wanted);
-  for (size_t k = 0; k < anew; ++k) {
-    next[k * next.size() / anew].map_from_base = AnyPose(random);
-  }
   for (Particle& p : next) p.weight = 1.0 / wanted;
+  if (is_searching_) Roughen(next);
   particles_ = std::move(next);
-  if (wanted <= options_.max_particles) {
+  if (inject) {
+    SearchEverywhere();
+  } else if (wanted <= options_.max_particles) {
     max_particles_now_ = options_.max_particles;
+    is_searching_ =
+        is_searching_ &&
+        HeaviestCluster(particles_, options_.bin_m, options_.bin_rad).share <
+            options_.found_share;
+  }
+}
+
+void Amcl::SearchEverywhere() {
+  const size_t known = particles_.size();
+  const size_t anew = static_cast<size_t>(options_.max_global_particles);
+  for (Particle& p : particles_) p.weight *= 1 - options_.anew_share;
+  particles_.resize(known + anew);
+  ++draws_;
+  for (size_t i = 0; i < anew; ++i) {
+    Random random(seed_ + draws_, i);
+    particles_[known + i] = AnyParticle(random);
+    particles_[known + i].weight =
+        options_.anew_share / static_cast<double>(anew);
+  }
+  max_particles_now_ = options_.max_global_particles;
+  is_searching_ = true;
+  // As if all were well: the search gets its time before the next.
+  fast_fit_ = slow_fit_;
+}
+
+void Amcl::Roughen(std::vector<Particle>& particles) {
+  ++draws_;
+  for (size_t i = 0; i < particles.size(); ++i) {
+    Random random(seed_ + draws_, i);
+    Rigid2& pose = particles[i].map_from_base;
+    const double x = random.NextGaussian();
+    const double y = random.NextGaussian();
+    pose.translation = pose.translation + options_.roughen_m * Vec2{x, y};
+    pose.yaw_rad = NormalizedAngle_rad(
+        pose.yaw_rad + options_.roughen_rad * random.NextGaussian());
   }
 }
 
@@ -353,8 +477,16 @@ void Amcl::UpdateEstimate() {
   PlanarEstimate estimate =
       HeaviestCluster(particles_, options_.bin_m, options_.bin_rad);
   estimate.fit = estimate_.fit;
+  estimate.beams_on_ground = estimate_.beams_on_ground;
+  estimate.is_searching = is_searching_;
   estimate.beams_used = estimate_.beams_used;
   estimate.beams_skipped = estimate_.beams_skipped;
+  if (levels_ != nullptr) {
+    estimate.place = levels_
+                         ->GroundNear(estimate.map_from_base.translation,
+                                      estimate.place.height_m)
+                         .value_or(estimate.place);
+  }
   estimate_ = estimate;
 }
 

@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "common/geometry/rigid2.h"
 #include "nav_agent/core/occupancy_grid.h"
+#include "nav_agent/localization/laser_level_map.h"
 #include "nav_agent/localization/likelihood_field.h"
 #include "nav_agent/localization/odometry_motion.h"
 #include "nav_agent/localization/scan_points.h"
@@ -46,6 +47,16 @@ struct AmclOptions {
   // to speak of: it counts for less until it does not (tempering). What is
   // right survives that; what only looks right on one scan does not win by it.
   double min_counting_share = 0.05;
+  // While the robot is looked for everywhere, particles are few for so much
+  // room. So scans count for still less, and after each drawing particles are
+  // spread again by these standard deviations (a regularised filter: Musso,
+  // Oudjane, Le Gland, 2001), lest what is right lie between them. The search
+  // ends when one cluster holds found_share of the weight and max_particles
+  // are enough.
+  double searching_share = 0.3;
+  double roughen_m = 0.1;
+  double roughen_rad = 0.05;
+  double found_share = 0.95;
   // A beam that fewer than this share of the particles explain is left out (a
   // person, a moved chair), unless that would leave fewer than half of them.
   // "Explained": its end is within skip_distance_m of an obstacle.
@@ -53,11 +64,24 @@ struct AmclOptions {
   double skip_distance_m = 0.5;
 
   // Augmented MCL (Probabilistic Robotics, table 8.3): short- and long-term
-  // averages of the mean likelihood of a beam; 1 - short / long of the
-  // particles are drawn anew from all free ground. inject = false: none.
+  // averages of the mean likelihood of a beam. When inject_ratio times the
+  // short one falls below the long one (Gutmann and Fox, "An experimental
+  // comparison of localization methods continued", 2002), the robot is looked
+  // for everywhere: max_global_particles are drawn anew from all free ground,
+  // with anew_share of the weight, beside those that there are. A trickle of
+  // new particles hardly ever hits a pose in a building, but keeps
+  // all estimates unsure where a map is a little out of date.
+  // inject = false: never.
   bool inject = true;
   double slow_share = 0.001;
   double fast_share = 0.1;
+  double inject_ratio = 1.5;
+  double anew_share = 0.5;
+  // On levels: a beam that ends this near to the ground (m, and as a share of
+  // its length, for the error of the tilt) is left out.
+  double ground_m = 0.1;
+  double ground_share = 0.01;
+
   // Particles are drawn again when fewer than this share of them counts.
   double resample_below = 0.5;
 
@@ -77,15 +101,24 @@ struct PlanarEstimate {
   // particles; in (0, 1].
   double fit = 0;
   int particles = 0;
+  // Whether the robot is being looked for everywhere.
+  bool is_searching = false;
   // Beams of the last scan that were used, and that were left out because few
   // particles explain them.
   int beams_used = 0;
   int beams_skipped = 0;
+  // Beams of the last scan that ended on the ground, from where the robot was
+  // thought to be: they tell nothing, and were left out first. Only on levels.
+  int beams_on_ground = 0;
+  // On levels: where it stands. Else both are 0.
+  LevelPlace place;
 };
 
 struct Particle {
   Rigid2 map_from_base;
   double weight = 0;
+  // On levels: what it stands on.
+  LevelPlace place = {};
 };
 
 // Deterministic: the same calls give the same particles for one seed. Not
@@ -96,10 +129,22 @@ class Amcl {
   static absl::StatusOr<Amcl> Create(const OccupancyGrid& map,
                                      const AmclOptions& options, uint64_t seed);
 
+  // On all levels of a building at once: each particle has a level, and goes
+  // over to the next one where it drives over their join. Scans need heights
+  // (PointsInSpace). options.field is not used: the map has its own.
+  static absl::StatusOr<Amcl> CreateOnLevels(
+      std::shared_ptr<const LaserLevelMap> map, const AmclOptions& options,
+      uint64_t seed);
+
   // The robot is about here. INVALID_ARGUMENT for what is not finite or a
-  // covariance that is not positive semidefinite.
+  // covariance that is not positive semidefinite; on levels, the lowest ground
+  // there is meant.
   absl::Status SetPose(const Rigid2& map_from_base,
                        const PoseCovariance2& covariance);
+  // The same on the ground nearest to a height. INVALID_ARGUMENT if there is no
+  // ground within max_rise_m of it, or there are no levels.
+  absl::Status SetPoseOnLevel(const Rigid2& map_from_base, double height_m,
+                              const PoseCovariance2& covariance);
   // The robot may be anywhere on free ground.
   void SetAnywhere();
 
@@ -116,28 +161,42 @@ class Amcl {
   const std::vector<Particle>& particles() const { return particles_; }
 
  private:
-  Amcl(LikelihoodField field, std::vector<Vec2> free_places,
-       double resolution_m, const AmclOptions& options, uint64_t seed);
+  Amcl(LikelihoodField field, std::shared_ptr<const LaserLevelMap> levels,
+       std::vector<FreePlace> free_places, double resolution_m,
+       const AmclOptions& options, uint64_t seed);
 
-  Rigid2 AnyPose(Random& random) const;
+  const LikelihoodField& field() const {
+    return levels_ == nullptr ? field_ : levels_->field();
+  }
+  Particle AnyParticle(Random& random) const;
+  absl::Status PlaceAbout(const Rigid2& map_from_base,
+                          const PoseCovariance2& covariance,
+                          const LevelPlace& place);
+  // Which ground a particle that has moved is on now.
+  void FindGround(Particle& particle) const;
   void Move(const Rigid2& before_from_after);
+  ScanPoints WithoutGround(const ScanPoints& points) const;
   ScanPoints WithoutUnexplained(const ScanPoints& points);
   void UpdateFit(double fit);
   // How much of the sums of logs (of so many beams, the best one 0) counts.
   double GainFor(const std::vector<float>& sums, double beams) const;
   void Weigh(const ScanPoints& points);
   void Resample();
+  void SearchEverywhere();
+  void Roughen(std::vector<Particle>& particles);
   void UpdateEstimate();
 
   LikelihoodField field_;
-  // Centres of the free cells.
-  std::vector<Vec2> free_places_;
+  // Null: one flat map, of field_.
+  std::shared_ptr<const LaserLevelMap> levels_;
+  std::vector<FreePlace> free_places_;
   double resolution_m_ = 0;
   AmclOptions options_;
   uint64_t seed_ = 0;
 
   std::vector<Particle> particles_;
   int max_particles_now_ = 0;
+  bool is_searching_ = false;
   // Numbers what draws random numbers.
   uint64_t draws_ = 0;
   std::optional<Rigid2> odom_from_base_;  // of the last call

@@ -150,30 +150,38 @@ TEST(Amcl, LeavesOutBeamsThatNoParticleExplains) {
   EXPECT_GT(estimate->fit, 0.5);
 }
 
-TEST(Amcl, InjectsParticlesWhenTheFitFalls) {
+// Where a robot that was carried into the other room believes to be, 12 m of
+// driving later; and whether it has looked everywhere.
+struct AfterKidnap {
+  double away_m = 0;
+  bool has_searched = false;
+};
+AfterKidnap Kidnap(bool inject) {
   Drive drive(4);
   AmclOptions options;
-  const auto far_particles = [&](bool inject) {
-    options.inject = inject;
-    Drive copy = drive;
-    absl::StatusOr<Amcl> amcl = Amcl::Create(copy.map(), options, 5);
-    EXPECT_TRUE(amcl->SetPose(copy.truth(), kAbout).ok());
-    const auto step = [&] {
-      copy.Step();
-      EXPECT_TRUE(amcl->Update(copy.odometry(), copy.Points()).ok());
-    };
-    for (int i = 0; i < 60; ++i) step();
-    copy.Kidnap({copy.map().CenterInMap({210, 60}), 2.5});
-    const Rigid2 before = (*amcl->Update(copy.odometry(), {}))->map_from_base;
-    for (int i = 0; i < 12; ++i) step();
-    int far = 0;
-    for (const Particle& p : amcl->particles()) {
-      far += DistanceBetween(p.map_from_base, before) > 3 ? 1 : 0;
-    }
-    return far;
-  };
-  EXPECT_EQ(far_particles(false), 0);
-  EXPECT_GT(far_particles(true), 20);
+  options.inject = inject;
+  absl::StatusOr<Amcl> amcl = Amcl::Create(drive.map(), options, 5);
+  EXPECT_TRUE(amcl->SetPose(drive.truth(), kAbout).ok());
+  AfterKidnap result;
+  for (int i = 0; i < 180; ++i) {
+    if (i == 60) drive.Kidnap({drive.map().CenterInMap({210, 60}), 2.5});
+    drive.Step();
+    const auto estimate = *amcl->Update(drive.odometry(), drive.Points());
+    result.has_searched = result.has_searched || estimate->is_searching;
+    // Nothing is looked for as long as all is well.
+    EXPECT_FALSE(i < 60 && estimate->is_searching) << i;
+    result.away_m = DistanceBetween(estimate->map_from_base, drive.truth());
+  }
+  return result;
+}
+
+TEST(Amcl, LooksEverywhereWhenTheFitFalls) {
+  const AfterKidnap with = Kidnap(true);
+  EXPECT_TRUE(with.has_searched);
+  EXPECT_LT(with.away_m, 0.3);
+  const AfterKidnap without = Kidnap(false);
+  EXPECT_FALSE(without.has_searched);
+  EXPECT_GT(without.away_m, 1);
 }
 
 TEST(Amcl, StartsWhereItIsTold) {

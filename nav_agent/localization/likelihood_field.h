@@ -29,23 +29,42 @@ struct LikelihoodFieldOptions {
 };
 
 // Poses of many particles, one array a coordinate; yaw as cosine and sine.
+// Heights of the ground matter to fields of several layers only.
 struct PoseArrays {
   std::vector<float> x_m;
   std::vector<float> y_m;
+  std::vector<float> height_m;
   std::vector<float> cos_yaw;
   std::vector<float> sin_yaw;
 
   void Resize(size_t count);
-  void Set(size_t i, const Rigid2& map_from_base);
+  void Set(size_t i, const Rigid2& map_from_base, double ground_m = 0);
   size_t size() const { return x_m.size(); }
 };
 
-// Immutable and thread-safe. Four bytes a cell.
+// What is occupied between heights: layer i reaches from lowest_m + i *
+// layer_m to lowest_m + (i + 1) * layer_m. All grids have the same cells.
+struct OccupancyLayers {
+  double lowest_m = 0;
+  double layer_m = 0.1;
+  std::vector<OccupancyGrid> grids;
+};
+
+// Immutable and thread-safe. Four bytes a cell and layer.
 class LikelihoodField {
  public:
   // INVALID_ARGUMENT for bad options and for a grid without cells.
   static absl::StatusOr<LikelihoodField> Create(
       const OccupancyGrid& grid, const LikelihoodFieldOptions& options);
+  // A field for each layer: points need their heights above the ground (z_m),
+  // and poses that of the ground. What is above or below all layers belongs to
+  // the nearest. INVALID_ARGUMENT for bad options, for no layers, and for
+  // grids that differ in their cells.
+  static absl::StatusOr<LikelihoodField> CreateLayered(
+      const OccupancyLayers& layers, const LikelihoodFieldOptions& options);
+
+  // Of no cells: to be replaced.
+  static LikelihoodField Empty() { return {}; }
 
   // sums[i] = sum over the points of log p(point seen from poses i).
   void SumLogLikelihoods(const ScanPoints& points, const PoseArrays& poses,
@@ -53,18 +72,24 @@ class LikelihoodField {
 
   // log p of each point seen from one pose.
   void LogLikelihoods(const ScanPoints& points, const Rigid2& map_from_base,
-                      std::span<float> logs) const;
+                      std::span<float> logs, double ground_m = 0) const;
 
   // log p of a point at this distance from the nearest obstacle.
   float LogAt(double distance_m) const;
 
  private:
   LikelihoodField() = default;
+  void AddLayer(const OccupancyGrid& grid);
 
   LikelihoodFieldOptions options_;
   // One cell wider on each side than the grid: what lies outside ends there.
   int width_ = 0;
   int height_ = 0;
+  int layers_ = 1;
+  double lowest_m_ = 0;
+  // 0: one layer for all heights.
+  double layers_per_m_ = 0;
+  // Layer by layer.
   std::vector<float> logs_;
   // From the map to cells of logs_.
   Rigid2 grid_from_map_;

@@ -9,26 +9,33 @@
 namespace treeline {
 namespace {
 
-// A bin's place as one number: 24 bits each of x and y, 16 of yaw. Neighbours
-// differ by known amounts.
+// Ground heights this far apart are of different floors.
+constexpr double kHeightBin_m = 0.6;
+
+// A bin's place as one number: 22 bits each of x and y, 7 of height, 13 of yaw.
 struct BinPlace {
   int64_t x = 0;
   int64_t y = 0;
+  int64_t height = 0;
   int64_t yaw = 0;
 
   uint64_t Key() const {
-    constexpr int64_t kOffset = int64_t{1} << 23;
-    constexpr uint64_t kMask = (uint64_t{1} << 24) - 1;
-    return (static_cast<uint64_t>(x + kOffset) & kMask) << 40 |
-           (static_cast<uint64_t>(y + kOffset) & kMask) << 16 |
+    const auto bits = [](int64_t value, int count) {
+      return static_cast<uint64_t>(value + (int64_t{1} << (count - 1))) &
+             ((uint64_t{1} << count) - 1);
+    };
+    return bits(x, 22) << 42 | bits(y, 22) << 20 | bits(height, 7) << 13 |
            static_cast<uint64_t>(yaw);
   }
   static BinPlace Of(uint64_t key) {
-    constexpr int64_t kOffset = int64_t{1} << 23;
-    constexpr uint64_t kMask = (uint64_t{1} << 24) - 1;
-    return {static_cast<int64_t>(key >> 40 & kMask) - kOffset,
-            static_cast<int64_t>(key >> 16 & kMask) - kOffset,
-            static_cast<int64_t>(key & 0xffff)};
+    const auto value = [key](int shift, int count) {
+      return static_cast<int64_t>(key >> shift & ((uint64_t{1} << count) - 1)) -
+             (int64_t{1} << (count - 1));
+    };
+    return {.x = value(42, 22),
+            .y = value(20, 22),
+            .height = value(13, 7),
+            .yaw = static_cast<int64_t>(key & 0x1fff)};
   }
 };
 
@@ -39,7 +46,8 @@ class Binning {
         yaw_bins_(std::max<int64_t>(
             1, std::llround(2 * std::numbers::pi / bin_rad))) {}
 
-  uint64_t KeyOf(const Rigid2& pose) const {
+  uint64_t KeyOf(const Particle& particle) const {
+    const Rigid2& pose = particle.map_from_base;
     const double turns = pose.yaw_rad / (2 * std::numbers::pi) -
                          std::floor(pose.yaw_rad / (2 * std::numbers::pi));
     const int64_t yaw =
@@ -47,6 +55,8 @@ class Binning {
     return BinPlace{
         .x = static_cast<int64_t>(std::floor(pose.translation.x / bin_m_)),
         .y = static_cast<int64_t>(std::floor(pose.translation.y / bin_m_)),
+        .height = static_cast<int64_t>(
+            std::floor(particle.place.height_m / kHeightBin_m)),
         .yaw = std::min(yaw, yaw_bins_ - 1)}
         .Key();
   }
@@ -88,7 +98,7 @@ std::vector<uint64_t> KeysOf(const std::vector<Particle>& particles,
   std::vector<uint64_t> keys;
   keys.reserve(particles.size());
   for (const Particle& particle : particles) {
-    keys.push_back(binning.KeyOf(particle.map_from_base));
+    keys.push_back(binning.KeyOf(particle));
   }
   return keys;
 }
@@ -106,22 +116,36 @@ int IndexOf(const std::vector<uint64_t>& sorted, uint64_t key) {
              : -1;
 }
 
-// Joins a bin with the half of its neighbours that the others' turns leave out.
-void JoinNeighbors(const std::vector<uint64_t>& bins, int bin, int64_t yaw_bins,
-                   DisjointSets& sets) {
-  const BinPlace place = BinPlace::Of(bins[static_cast<size_t>(bin)]);
+// Joins a bin with the half of its neighbours at one height that the others'
+// turns leave out.
+void JoinNeighborsAt(const std::vector<uint64_t>& bins, int bin,
+                     const BinPlace& place, int64_t yaw_bins,
+                     DisjointSets& sets) {
   for (int64_t dx = 0; dx <= 1; ++dx) {
     for (int64_t dy = dx == 0 ? 0 : -1; dy <= 1; ++dy) {
       for (int64_t turn = -1; turn <= 1; ++turn) {
         const BinPlace other = {
             .x = place.x + dx,
             .y = place.y + dy,
+            .height = place.height,
             .yaw = (place.yaw + turn + yaw_bins) % yaw_bins};
         const int neighbor = IndexOf(bins, other.Key());
         if (neighbor >= 0) sets.Join(bin, neighbor);
       }
     }
   }
+}
+
+// Where all are of one height there are no others to look for.
+void JoinNeighbors(const std::vector<uint64_t>& bins, int bin, int64_t yaw_bins,
+                   bool is_flat, DisjointSets& sets) {
+  BinPlace place = BinPlace::Of(bins[static_cast<size_t>(bin)]);
+  JoinNeighborsAt(bins, bin, place, yaw_bins, sets);
+  if (is_flat) return;
+  place.height -= 1;
+  JoinNeighborsAt(bins, bin, place, yaw_bins, sets);
+  place.height += 2;
+  JoinNeighborsAt(bins, bin, place, yaw_bins, sets);
 }
 
 }  // namespace
@@ -138,8 +162,11 @@ PoseBins BinParticles(const std::vector<Particle>& particles, double bin_m,
     result.bin_of_particle.push_back(IndexOf(bins, key));
   }
   DisjointSets sets(result.count);
+  const bool is_flat = std::ranges::all_of(bins, [&bins](uint64_t key) {
+    return BinPlace::Of(key).height == BinPlace::Of(bins[0]).height;
+  });
   for (int bin = 0; bin < result.count; ++bin) {
-    JoinNeighbors(bins, bin, binning.yaw_bins(), sets);
+    JoinNeighbors(bins, bin, binning.yaw_bins(), is_flat, sets);
   }
   result.cluster_of_bin.resize(bins.size());
   for (int bin = 0; bin < result.count; ++bin) {
@@ -176,11 +203,13 @@ PlanarEstimate HeaviestCluster(const std::vector<Particle>& particles,
 
   Vec2 position;
   Vec2 heading;
+  double height_m = 0;
   for (size_t i = 0; i < particles.size(); ++i) {
     if (cluster_of(i) != heaviest) continue;
     const Particle& p = particles[i];
     const double yaw_rad = p.map_from_base.yaw_rad;
     position = position + (p.weight / weight) * p.map_from_base.translation;
+    height_m += p.weight / weight * p.place.height_m;
     heading = heading +
               (p.weight / weight) * Vec2{std::cos(yaw_rad), std::sin(yaw_rad)};
   }
@@ -201,6 +230,7 @@ PlanarEstimate HeaviestCluster(const std::vector<Particle>& particles,
       }
     }
   }
+  estimate.place.height_m = height_m;
   estimate.share = weight / total;
   estimate.particles = static_cast<int>(particles.size());
   return estimate;

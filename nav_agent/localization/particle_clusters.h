@@ -8,13 +8,14 @@
 
 namespace treeline {
 
-// A histogram of poses over x, y and yaw: which bin each particle is in.
+// A histogram of poses over x, y, yaw and, in steps of 0.6 m, the ground's
+// height: which bin each particle is in.
 struct PoseBins {
   // One a particle: the number of its bin, in the order of the bins' keys.
   std::vector<int> bin_of_particle;
   int count = 0;
-  // Connected components of occupied bins, neighbours in any of the three
-  // directions and diagonally: one a bin.
+  // Connected components of occupied bins, neighbours in any of the
+  // four directions and diagonally: one a bin.
   std::vector<int> cluster_of_bin;
   int clusters = 0;
 };
@@ -26,8 +27,8 @@ PoseBins BinParticles(const std::vector<Particle>& particles, double bin_m,
 int CountBins(const std::vector<Particle>& particles, double bin_m,
               double bin_rad);
 
-// Mean, covariance and share of the heaviest cluster. The yaw's mean is
-// circular.
+// Mean, covariance, share and mean height of the heaviest cluster. The yaw's
+// mean is circular.
 PlanarEstimate HeaviestCluster(const std::vector<Particle>& particles,
                                double bin_m, double bin_rad);
 

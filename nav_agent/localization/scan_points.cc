@@ -1,22 +1,26 @@
 #include "nav_agent/localization/scan_points.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
 
 namespace treeline {
 
-absl::StatusOr<ScanPoints> PointsOf(const LaserScan& scan,
-                                    const RangeSensorInfo& info,
-                                    const Rigid2& base_from_laser,
-                                    int max_points) {
+namespace {
+
+// Which beams: at most max_points of those that have an end. Choosing among
+// them keeps the number up where half of the scan looks into the open.
+absl::StatusOr<std::vector<int>> ChosenBeams(const LaserScan& scan,
+                                             const RangeSensorInfo& info,
+                                             int max_points) {
   const int beams = static_cast<int>(scan.ranges_m.size());
   if (beams != info.beams) {
     return absl::InvalidArgumentError(absl::StrCat(
         "a scan of ", beams, " beams; the sensor has ", info.beams));
   }
-  // Those that have an end, first: choosing among them keeps the number up
-  // where half of the scan looks into the open.
   std::vector<int> ended;
   ended.reserve(scan.ranges_m.size());
   for (int i = 0; i < beams; ++i) {
@@ -28,19 +32,63 @@ absl::StatusOr<ScanPoints> PointsOf(const LaserScan& scan,
   }
   const int64_t count = static_cast<int64_t>(ended.size());
   const int64_t chosen = std::min<int64_t>(count, max_points);
-  ScanPoints points;
-  points.x_m.reserve(static_cast<size_t>(chosen));
-  points.y_m.reserve(static_cast<size_t>(chosen));
+  std::vector<int> result;
+  result.reserve(static_cast<size_t>(chosen));
   for (int64_t k = 0; k < chosen; ++k) {
     // The middle of the k-th of `chosen` equal parts.
-    const int beam =
-        ended[static_cast<size_t>((2 * k + 1) * count / (2 * chosen))];
-    const double range_m = scan.ranges_m[static_cast<size_t>(beam)];
-    const double angle_rad = info.AngleOf_rad(beam);
-    const Vec2 point = base_from_laser * Vec2{range_m * std::cos(angle_rad),
-                                              range_m * std::sin(angle_rad)};
+    result.push_back(
+        ended[static_cast<size_t>((2 * k + 1) * count / (2 * chosen))]);
+  }
+  return result;
+}
+
+Vec2 EndInLaser(const LaserScan& scan, const RangeSensorInfo& info, int beam) {
+  const double range_m = scan.ranges_m[static_cast<size_t>(beam)];
+  const double angle_rad = info.AngleOf_rad(beam);
+  return {range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)};
+}
+
+}  // namespace
+
+void ScanPoints::Add(const ScanPoints& from, size_t i) {
+  if (from.has_heights()) z_m.push_back(from.z_m[i]);
+  x_m.push_back(from.x_m[i]);
+  y_m.push_back(from.y_m[i]);
+}
+
+absl::StatusOr<ScanPoints> PointsOf(const LaserScan& scan,
+                                    const RangeSensorInfo& info,
+                                    const Rigid2& base_from_laser,
+                                    int max_points) {
+  TL_ASSIGN_OR_RETURN(const std::vector<int> beams,
+                      ChosenBeams(scan, info, max_points));
+  ScanPoints points;
+  points.x_m.reserve(beams.size());
+  points.y_m.reserve(beams.size());
+  for (const int beam : beams) {
+    const Vec2 point = base_from_laser * EndInLaser(scan, info, beam);
     points.x_m.push_back(static_cast<float>(point.x));
     points.y_m.push_back(static_cast<float>(point.y));
+  }
+  return points;
+}
+
+absl::StatusOr<ScanPoints> PointsInSpace(const LaserScan& scan,
+                                         const RangeSensorInfo& info,
+                                         const Rigid3& base_from_laser,
+                                         const Rotation3& level_from_base,
+                                         int max_points) {
+  TL_ASSIGN_OR_RETURN(const std::vector<int> beams,
+                      ChosenBeams(scan, info, max_points));
+  const Rigid3 level_from_laser =
+      Rigid3{.rotation = level_from_base, .translation = {}} * base_from_laser;
+  ScanPoints points;
+  for (const int beam : beams) {
+    const Vec2 end = EndInLaser(scan, info, beam);
+    const Vec3 point = level_from_laser * Vec3{end.x, end.y, 0};
+    points.x_m.push_back(static_cast<float>(point.x));
+    points.y_m.push_back(static_cast<float>(point.y));
+    points.z_m.push_back(static_cast<float>(point.z));
   }
   return points;
 }

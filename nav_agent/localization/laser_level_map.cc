@@ -1,0 +1,236 @@
+#include "nav_agent/localization/laser_level_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/check_range.h"
+#include "common/base/status_macros.h"
+
+namespace treeline {
+namespace {
+
+// Levels that share ground share its height, to rounding.
+constexpr double kSame_m = 1e-4;
+
+bool AnyOccupied(const VoxelMap& voxels, int x, int y, int begin_z, int end_z) {
+  for (int z = std::max(begin_z, 0); z < std::min(end_z, voxels.size().z);
+       ++z) {
+    const uint64_t word =
+        voxels.Occupied(x, y)[static_cast<size_t>(z) / 64] >> (z % 64);
+    if ((word & 1) != 0) return true;
+  }
+  return false;
+}
+
+// Voxels that reach into a layer, or are within one voxel of it.
+OccupancyGrid LayerOf(const VoxelMap& voxels, double begin_m, double end_m) {
+  const double r = voxels.resolution_m();
+  OccupancyGrid grid = OccupancyGrid::Filled(
+      voxels.size().x, voxels.size().y, r,
+      {.translation = {voxels.lowest().x * r, voxels.lowest().y * r},
+       .yaw_rad = 0},
+      Occupancy::kFree);
+  const int begin_z =
+      static_cast<int>(std::floor(begin_m / r + 1e-6)) - voxels.lowest().z - 1;
+  const int end_z =
+      static_cast<int>(std::ceil(end_m / r - 1e-6)) - voxels.lowest().z + 1;
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      if (AnyOccupied(voxels, x, y, begin_z, end_z)) {
+        grid.Set({x, y}, Occupancy::kOccupied);
+      }
+    }
+  }
+  return grid;
+}
+
+absl::StatusOr<OccupancyLayers> LayersOf(const VoxelMap& voxels,
+                                         const LaserLevelOptions& options) {
+  const double r = voxels.resolution_m();
+  OccupancyLayers layers;
+  layers.layer_m = options.layer_m;
+  layers.lowest_m = voxels.lowest().z * r;
+  const int count =
+      static_cast<int>(std::ceil(voxels.size().z * r / options.layer_m - 1e-6));
+  const double bytes =
+      4.0 * (voxels.size().x + 2) * (voxels.size().y + 2) * std::max(count, 1);
+  if (bytes > static_cast<double>(options.max_bytes)) {
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "the map's ", count, " layers of ", voxels.size().x, " x ",
+        voxels.size().y, " cells would take more than ",
+        options.max_bytes >> 20, " MiB; thicker layers take less"));
+  }
+  for (int i = 0; i < count; ++i) {
+    const double begin_m = layers.lowest_m + i * options.layer_m;
+    layers.grids.push_back(LayerOf(voxels, begin_m, begin_m + options.layer_m));
+  }
+  return layers;
+}
+
+// The height of each cell's ground, or of that of the nearest cell that has
+// some, going by sides.
+std::vector<float> SpreadHeights(const TraversableLevel& level) {
+  std::vector<float> heights_m = level.height_m;
+  std::vector<CellIndex> border;
+  for (int y = 0; y < level.grid.height; ++y) {
+    for (int x = 0; x < level.grid.width; ++x) {
+      if (!std::isnan(heights_m[level.grid.IndexOf({x, y})])) {
+        border.push_back({x, y});
+      }
+    }
+  }
+  for (size_t i = 0; i < border.size(); ++i) {
+    const CellIndex at = border[i];
+    const std::array<CellIndex, 4> sides = {{{at.x + 1, at.y},
+                                             {at.x - 1, at.y},
+                                             {at.x, at.y + 1},
+                                             {at.x, at.y - 1}}};
+    for (const CellIndex& side : sides) {
+      if (!level.grid.Contains(side)) continue;
+      float& height_m = heights_m[level.grid.IndexOf(side)];
+      if (!std::isnan(height_m)) continue;
+      height_m = heights_m[level.grid.IndexOf(at)];
+      border.push_back(side);
+    }
+  }
+  return heights_m;
+}
+
+bool HaveSameCells(const OccupancyGrid& grid, const VoxelMap& voxels) {
+  const double r = voxels.resolution_m();
+  const Vec2 origin = {voxels.lowest().x * r, voxels.lowest().y * r};
+  return grid.width == voxels.size().x && grid.height == voxels.size().y &&
+         std::abs(grid.resolution_m - r) < 1e-6 &&
+         Norm(grid.map_from_grid.translation - origin) < 1e-6 &&
+         grid.map_from_grid.yaw_rad == 0;
+}
+
+}  // namespace
+
+absl::Status LaserLevelOptions::Validate() const {
+  TL_RETURN_IF_ERROR(CheckRange("laser levels: layer_m", layer_m, 0.02, 1));
+  TL_RETURN_IF_ERROR(
+      CheckRange("laser levels: max_rise_m", max_rise_m, 0.001, 1));
+  TL_RETURN_IF_ERROR(CheckRange("laser levels: max_bytes",
+                                static_cast<double>(max_bytes), 1, 0x1p32));
+  return field.Validate();
+}
+
+absl::StatusOr<LaserLevelMap> LaserLevelMap::Make(
+    const VoxelMap& voxels, const TraversableMap& traversable,
+    const LaserLevelOptions& options) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  if (traversable.levels.empty()) {
+    return absl::InvalidArgumentError("laser levels: there is no level");
+  }
+  LaserLevelMap map;
+  map.resolution_m_ = voxels.resolution_m();
+  map.max_rise_m_ = options.max_rise_m;
+  map.cells_ = traversable.levels[0].grid;
+  for (size_t i = 0; i < traversable.levels.size(); ++i) {
+    const TraversableLevel& level = traversable.levels[i];
+    if (!HaveSameCells(level.grid, voxels) ||
+        level.height_m.size() != level.grid.cells.size()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "laser levels: level ", i,
+          " is not of the same cells as the voxels; ", "another resolution?"));
+    }
+    std::vector<float> heights_m = level.height_m;
+    for (float& height_m : heights_m) {
+      height_m += static_cast<float>(0.5 * map.resolution_m_);
+    }
+    map.heights_m_.push_back(std::move(heights_m));
+    for (int y = 0; y < level.grid.height; ++y) {
+      for (int x = 0; x < level.grid.width; ++x) {
+        if (level.grid.At({x, y}) != Occupancy::kFree) continue;
+        const double height_m = map.heights_m_[i][level.grid.IndexOf({x, y})];
+        const Vec2 center = level.grid.CenterInMap({x, y});
+        const auto ground = map.GroundNear(center, height_m);
+        if (!ground.has_value() || ground->level != static_cast<int>(i)) {
+          continue;
+        }
+        map.free_places_.push_back({center, *ground});
+      }
+    }
+  }
+  if (map.free_places_.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("laser levels: none of the cells of ",
+                     traversable.levels.size(), " levels is free"));
+  }
+  TL_ASSIGN_OR_RETURN(const OccupancyLayers layers, LayersOf(voxels, options));
+  TL_ASSIGN_OR_RETURN(map.field_,
+                      LikelihoodField::CreateLayered(layers, options.field));
+  return map;
+}
+
+std::optional<LevelPlace> LaserLevelMap::GroundNear(Vec2 point,
+                                                    double height_m) const {
+  const CellIndex cell = cells_.CellOf(point);
+  if (!cells_.Contains(cell)) return std::nullopt;
+  const size_t at = cells_.IndexOf(cell);
+  std::optional<LevelPlace> nearest;
+  double best_m = max_rise_m_;
+  for (size_t i = 0; i < heights_m_.size(); ++i) {
+    const double ground_m = heights_m_[i][at];
+    const double away_m = std::abs(ground_m - height_m);
+    // Not so for NaN.
+    if (away_m < best_m - kSame_m) {
+      best_m = away_m;
+      nearest = {.level = static_cast<int>(i), .height_m = ground_m};
+    }
+  }
+  return nearest;
+}
+
+std::optional<LevelPlace> LaserLevelMap::GroundOf(Vec2 point, int level) const {
+  const CellIndex cell = cells_.CellOf(point);
+  if (!cells_.Contains(cell) || level < 0 || level >= levels()) {
+    return std::nullopt;
+  }
+  const double height_m =
+      heights_m_[static_cast<size_t>(level)][cells_.IndexOf(cell)];
+  if (std::isnan(height_m)) return std::nullopt;
+  return LevelPlace{.level = level, .height_m = height_m};
+}
+
+OccupancyGrid LaserSlice(const VoxelMap& voxels, const TraversableLevel& level,
+                         double laser_height_m) {
+  OccupancyGrid slice = level.grid;
+  const std::vector<float> heights_m = SpreadHeights(level);
+  const double r = voxels.resolution_m();
+  for (int y = 0; y < slice.height; ++y) {
+    for (int x = 0; x < slice.width; ++x) {
+      const size_t at = slice.IndexOf({x, y});
+      // The voxel's middle is half a voxel below the ground.
+      const int z = static_cast<int>(std::floor(
+                        (heights_m[at] + 0.5 * r + laser_height_m) / r)) -
+                    voxels.lowest().z;
+      if (!std::isnan(heights_m[at]) &&
+          AnyOccupied(voxels, x, y, z - 1, z + 2)) {
+        slice.cells[at] = Occupancy::kOccupied;
+      } else if (std::isnan(level.height_m[at])) {
+        slice.cells[at] = Occupancy::kUnknown;
+      } else {
+        slice.cells[at] = Occupancy::kFree;
+      }
+    }
+  }
+  return slice;
+}
+
+bool LaserLevelMap::IsOnGround(Vec3 point, double tolerance_m) const {
+  const CellIndex cell = cells_.CellOf({point.x, point.y});
+  if (!cells_.Contains(cell)) return false;
+  const size_t at = cells_.IndexOf(cell);
+  return std::ranges::any_of(
+      heights_m_, [&](const std::vector<float>& heights_m) {
+        return std::abs(heights_m[at] - point.z) <= tolerance_m;
+      });
+}
+
+}  // namespace treeline
