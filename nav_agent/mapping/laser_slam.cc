@@ -11,6 +11,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/mapping/driven_ground.h"
 #include "nav_agent/mapping/loop_worker.h"
+#include "nav_agent/mapping/scan_plane.h"
 
 namespace treeline {
 namespace {
@@ -46,17 +47,18 @@ bool IsTilted(const Rotation3& level_from_base) {
   return std::hypot(level_from_base.x, level_from_base.y) > 0.5 * kLevel_rad;
 }
 
-// How steeply the ground under the robot climbs along the level x and y.
-Vec2 SlopeUnder(const Rotation3& level_from_base) {
-  if (!IsTilted(level_from_base)) return {};
-  const Vec3 up = level_from_base * Vec3{0, 0, 1};
-  return {-up.x / up.z, -up.y / up.z};
-}
-
 struct Keyscan {
   std::shared_ptr<const ScanOutline> scan;
   Rigid2 map_from_base;
   double height_m = 0;
+  // Of the ground, in the base's axes.
+  Vec2 slope;
+
+  ScanPlane Plane() const {
+    return {.at = map_from_base.translation,
+            .height_m = height_m,
+            .slope = TurnedBy(map_from_base.yaw_rad, slope)};
+  }
 };
 
 Vec3 PlaceOf(const Keyscan& keyscan) {
@@ -106,8 +108,14 @@ class LaserSlamOnThread final : public LaserSlam {
   absl::Status Check(const LaserSlamScan& scan) const;
   void ApplyCorrection();
   // Finds the robot, from a prediction; false: odometry has to do.
-  bool Match(const ScanOutline& scan, const MatchSearch& search,
+  bool Match(const ScanOutline& scan, Vec2 slope, const MatchSearch& search,
              Covariance3* covariance);
+  struct Window {
+    std::vector<PlacedScan> references;
+    // The direction in which they do not tell where the robot is; or 0.
+    Vec2 untold;
+  };
+  Window WindowFor(const ScanPlane& plane) const;
   MatchSearch SearchAfter(const Rigid2& motion) const;
   // The scan's points, without those that are known to be ground.
   std::shared_ptr<const ScanOutline> OutlineOf(const LaserSlamScan& scan) const;
@@ -214,27 +222,58 @@ MatchSearch LaserSlamOnThread::SearchAfter(const Rigid2& motion) const {
           .guess_sigma_rad = sigma_rad};
 }
 
-bool LaserSlamOnThread::Match(const ScanOutline& scan,
-                              const MatchSearch& search,
-                              Covariance3* covariance) {
-  if (static_cast<int>(scan.size()) < options_.min_points) return false;
-  std::vector<PlacedScan> references;
+LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
+    const ScanPlane& plane) const {
+  Window alike;
+  Window all;
   const size_t count =
       std::min(keyscans_.size(), static_cast<size_t>(options_.window));
   for (size_t i = keyscans_.size() - count; i < keyscans_.size(); ++i) {
-    if (std::abs(keyscans_[i].height_m - height_m_) > options_.max_climb_m) {
-      continue;
+    const Keyscan& keyscan = keyscans_[i];
+    const ScanPlane other = keyscan.Plane();
+    if (Gap_m(plane, other) > options_.max_gap_m) continue;
+    const PlacedScan reference = {.scan = keyscan.scan.get(),
+                                  .target_from_scan = keyscan.map_from_base};
+    all.references.push_back(reference);
+    if (TiltBetween(plane, other) <= options_.max_tilt) {
+      alike.references.push_back(reference);
+    } else {
+      all.untold = all.untold + (other.slope - plane.slope);
     }
-    references.push_back({.scan = keyscans_[i].scan.get(),
-                          .target_from_scan = keyscans_[i].map_from_base});
   }
-  const SurfaceGrid grid = MakeSurfaceGrid(references, scan, map_from_base_,
-                                           search, options_.matcher);
+  const bool enough =
+      static_cast<int>(alike.references.size()) >= options_.min_alike;
+  if (enough || alike.references.size() == all.references.size()) return alike;
+  const double tilt = Norm(all.untold);
+  if (tilt > 0) all.untold = (1 / tilt) * all.untold;
+  return all;
+}
+
+bool LaserSlamOnThread::Match(const ScanOutline& scan, Vec2 slope,
+                              const MatchSearch& search,
+                              Covariance3* covariance) {
+  if (static_cast<int>(scan.size()) < options_.min_points) return false;
+  const Rigid2 guess = map_from_base_;
+  const Window window = WindowFor({.at = guess.translation,
+                                   .height_m = height_m_,
+                                   .slope = TurnedBy(guess.yaw_rad, slope)});
+  const SurfaceGrid grid =
+      MakeSurfaceGrid(window.references, scan, guess, search, options_.matcher);
   const ScanMatch match =
-      MatchScan(grid, scan, map_from_base_, search, options_.matcher);
+      MatchScan(grid, scan, guess, search, options_.matcher);
   if (match.response < options_.min_response) return false;
   map_from_base_ = match.target_from_scan;
   *covariance = match.covariance;
+  const Vec2 untold = window.untold;
+  if (untold == Vec2{}) return true;
+  const double off_m =
+      Dot(match.target_from_scan.translation - guess.translation, untold);
+  map_from_base_.translation = map_from_base_.translation - off_m * untold;
+  const double variance = search.guess_sigma_m * search.guess_sigma_m;
+  (*covariance)[0] += variance * untold.x * untold.x;
+  (*covariance)[1] += variance * untold.x * untold.y;
+  (*covariance)[3] += variance * untold.x * untold.y;
+  (*covariance)[4] += variance * untold.y * untold.y;
   return true;
 }
 
@@ -317,7 +356,8 @@ Covariance3 LaserSlamOnThread::Locate(const ScanOutline& outline,
   const Rigid2 since_match = odom_from_matched_.Inverse() * scan.odom_from_base;
   const Rigid2 map_from_predicted = map_from_base_;
   Covariance3 covariance{};
-  if (Match(outline, SearchAfter(since_match), &covariance)) {
+  if (Match(outline, SlopeUnder(scan.level_from_base), SearchAfter(since_match),
+            &covariance)) {
     SpreadCorrection(map_from_predicted);
     FollowWay(map_from_predicted);
     odom_from_matched_ = scan.odom_from_base;
@@ -352,7 +392,8 @@ void LaserSlamOnThread::AddKeyscan(std::shared_ptr<const ScanOutline> outline,
   }
   keyscans_.push_back({.scan = std::move(outline),
                        .map_from_base = map_from_base_,
-                       .height_m = height_m_});
+                       .height_m = height_m_,
+                       .slope = added.slope});
   ground_.Add(PlaceOf(keyscans_.back()));
   odom_from_keyscan_ = scan.odom_from_base;
   odom_from_matched_ = scan.odom_from_base;
@@ -436,14 +477,15 @@ absl::Status LaserSlamOptions::Validate() const {
   TL_RETURN_IF_ERROR(points.Validate());
   TL_RETURN_IF_ERROR(matcher.Validate());
   TL_RETURN_IF_ERROR(loops.Validate());
-  const bool lengths =
-      keyscan_m > 0 && keyscan_rad > 0 && still_m > 0 && still_rad > 0 &&
-      max_search_m > 0 && max_search_rad > 0 && search_sigmas > 0 &&
-      max_climb_m > 0 && ground_margin_m >= 0 && ground_reach_m > 0;
+  const bool lengths = keyscan_m > 0 && keyscan_rad > 0 && still_m > 0 &&
+                       still_rad > 0 && max_search_m > 0 &&
+                       max_search_rad > 0 && search_sigmas > 0 &&
+                       max_gap_m > 0 && max_tilt > 0 && ground_margin_m >= 0 &&
+                       ground_reach_m > 0;
   const bool odometry = odometry_m > 0 && odometry_rad > 0 &&
                         odometry_m_per_m >= 0 && odometry_m_per_rad >= 0 &&
                         odometry_rad_per_rad >= 0 && odometry_rad_per_m >= 0;
-  if (!lengths || !odometry || window < 1 || min_points < 3 ||
+  if (!lengths || !odometry || window < 1 || min_points < 3 || min_alike < 1 ||
       polish_rounds < 0 || !(graph.kernel_sigmas > 0) ||
       graph.max_iterations < 1 || !(max_search_m <= 20)) {
     return absl::InvalidArgumentError(

@@ -33,11 +33,18 @@ struct LaserSlamOptions {
   double keyscan_rad = 0.15;
   double still_m = 0.05;
   double still_rad = 0.04;
-  // Scans whose heights differ by more than this are of different floors, and
-  // are not matched with each other (m, above 0).
-  double max_climb_m = 0.4;
-  // Where the robot knows the ground, by having driven there, and heights
-  // differ: beams that end this near to it, within ground_reach_m of the way,
+  // Scans whose planes are farther apart than this are of different floors,
+  // and are not matched with each other (m, above 0).
+  double max_gap_m = 0.3;
+  // Scans whose planes are inclined to each other by more than this see
+  // different things: a ramp ahead looks like a wall that moves while the robot
+  // tilts. Until min_alike keyscans of the window are inclined alike, odometry
+  // decides how far the robot came in the direction of the tilt (m per m, above
+  // 0; 1 or more).
+  double max_tilt = 0.03;
+  int min_alike = 3;
+  // Where the robot knows the ground, by having driven there, and not all of it
+  // is level: beams that end this near to it, within ground_reach_m of the way,
   // have met floor or ramp and are left out; on a slope, all that end lower
   // than this above the ground that the robot stands on (m; 0: none are). Not
   // for lasers that are lower than twice of it.

@@ -91,7 +91,10 @@ absl::Status LoopCloserOptions::Validate() const {
       !(search_sigmas > 0) || !(search_of_way >= 0) || !(min_search_m > 0) ||
       !(max_search_m >= min_search_m) || !(max_search_m <= 20) ||
       !(min_search_rad > 0) || !(max_search_rad >= min_search_rad) ||
-      !(max_search_rad <= 3.2) || !(max_squared_error > 0)) {
+      !(max_search_rad <= 3.2) || !(max_squared_error > 0) ||
+      !(max_gap_m > 0) || !(max_gap_m_per_m >= 0) ||
+      !(largest_gap_m >= max_gap_m) || !(max_tilt > 0) ||
+      !(same_ground_m >= 0)) {
     return absl::InvalidArgumentError(
         "loop closer: counts and lengths must be above 0, and the largest "
         "search at least the smallest, at most 20 m and 3.2 rad");
@@ -148,14 +151,24 @@ MatchSearch LoopCloser::SearchFor(const Reach& reach) const {
               options_.min_search_rad, options_.max_search_rad)};
 }
 
-bool LoopCloser::IsSameFloor(int a, int b) const {
-  const auto at = [](const std::vector<double>& values, int i) {
-    return values[static_cast<size_t>(i)];
-  };
-  const double way_m = std::abs(at(way_m_, a) - at(way_m_, b));
-  return std::abs(at(heights_m_, a) - at(heights_m_, b)) <=
-         std::min(options_.max_climb_m + options_.max_climb_m_per_m * way_m,
-                  options_.largest_climb_m);
+ScanPlane LoopCloser::PlaneOf(int keyscan) const {
+  const auto slot = static_cast<size_t>(keyscan);
+  return {.at = poses_[slot].translation,
+          .height_m = heights_m_[slot],
+          .slope = TurnedBy(poses_[slot].yaw_rad, slopes_[slot])};
+}
+
+bool LoopCloser::SeesTheSame(int a, int b) const {
+  if (!climbs_) return true;
+  const double way_m =
+      std::abs(way_m_[static_cast<size_t>(a)] - way_m_[static_cast<size_t>(b)]);
+  const double most_m =
+      std::min(options_.max_gap_m + options_.max_gap_m_per_m * way_m,
+               options_.largest_gap_m);
+  const ScanPlane plane_a = PlaneOf(a);
+  const ScanPlane plane_b = PlaneOf(b);
+  return Gap_m(plane_a, plane_b) <= most_m &&
+         TiltBetween(plane_a, plane_b) <= options_.max_tilt;
 }
 
 std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
@@ -188,7 +201,7 @@ std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
     const double way_m =
         way_m_[static_cast<size_t>(keyscan)] - way_m_[static_cast<size_t>(i)];
     if (distance_m > radius_m || way_m < kLoopWay * options_.overlap_m ||
-        !IsSameFloor(i, keyscan)) {
+        !SeesTheSame(i, keyscan)) {
       if (chain.end > 0) finish();
       continue;
     }
@@ -226,7 +239,7 @@ ScanOutline LoopCloser::QueryScan(int keyscan, int count) const {
   const Rigid2 this_from_map = poses_[static_cast<size_t>(keyscan)].Inverse();
   ScanOutline query;
   for (int i = std::max(0, keyscan - count + 1); i <= keyscan; ++i) {
-    if (!IsSameFloor(i, keyscan)) continue;
+    if (!SeesTheSame(i, keyscan)) continue;
     const auto slot = static_cast<size_t>(i);
     const Rigid2 this_from_other = this_from_map * poses_[slot];
     const ScanOutline& scan = *scans_[slot];
@@ -275,20 +288,17 @@ std::optional<LoopCloser::Link> LoopCloser::Verified(int keyscan,
 
 void LoopCloser::SetClimb(const Rigid2& map_from_to,
                           PoseConstraint* constraint) const {
-  const auto from = static_cast<size_t>(constraint->from);
-  const auto to = static_cast<size_t>(constraint->to);
-  const Vec2 way = map_from_to.translation - poses_[from].translation;
-  const double length_m = Norm(way);
+  const ScanPlane from = PlaneOf(constraint->from);
+  ScanPlane to = from;
+  to.at = map_from_to.translation;
+  to.slope = TurnedBy(map_from_to.yaw_rad,
+                      slopes_[static_cast<size_t>(constraint->to)]);
+  const double length_m = Norm(to.at - from.at);
   if (!climbs_ || length_m > options_.same_ground_m) return;
-  const auto along = [&way](Vec2 slope, double yaw_rad) {
-    return Dot(Rigid2{.translation = {}, .yaw_rad = yaw_rad} * slope, way);
-  };
+  constraint->climb_m = ClimbBySlope_m(from, to);
   // A ramp may begin or end between the two.
-  const double at_from_m = along(slopes_[from], poses_[from].yaw_rad);
-  const double at_to_m = along(slopes_[to], map_from_to.yaw_rad);
-  constraint->climb_m = 0.5 * (at_from_m + at_to_m);
   constraint->climb_sigma_m = kSameGround_m + kGroundTilt_rad * length_m +
-                              0.5 * std::abs(at_from_m - at_to_m);
+                              0.5 * TiltBetween(from, to) * length_m;
 }
 
 std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,

@@ -13,6 +13,7 @@
 #include "nav_agent/mapping/pose_graph.h"
 #include "nav_agent/mapping/scan_matcher.h"
 #include "nav_agent/mapping/scan_outline.h"
+#include "nav_agent/mapping/scan_plane.h"
 
 namespace treeline {
 
@@ -55,12 +56,14 @@ struct LoopCloserOptions {
   // nearer than `recent`, since the front end saw only what was behind.
   int polish_chains = 3;
   int polish_recent = 20;
-  // Keyscans whose heights differ by more than this are of different floors:
+  // Keyscans whose planes are farther apart than this are of different floors:
   // how far heights may drift, on the way to a loop of any length and for each
-  // metre of it, up to the largest (m).
-  double max_climb_m = 0.3;
-  double max_climb_m_per_m = 0.005;
-  double largest_climb_m = 0.8;
+  // metre of it, up to the largest (m). Those whose planes are inclined by more
+  // than max_tilt to each other (m per m) see different things.
+  double max_gap_m = 0.3;
+  double max_gap_m_per_m = 0.005;
+  double largest_gap_m = 0.8;
+  double max_tilt = 0.03;
   // Keyscans of a loop that are this near to each other, seen from above, stand
   // on the same ground (m).
   double same_ground_m = 0.5;
@@ -139,7 +142,8 @@ class LoopCloser {
                                const ScanMatch& match, bool wide) const;
   ScanOutline QueryScan(int keyscan, int count) const;
   std::vector<PlacedScan> Placed(const Chain& chain) const;
-  bool IsSameFloor(int a, int b) const;
+  ScanPlane PlaneOf(int keyscan) const;
+  bool SeesTheSame(int a, int b) const;
   // How much higher `to` is than `from`, by the ground that both stand on.
   void SetClimb(const Rigid2& map_from_to, PoseConstraint* constraint) const;
   void Optimize();
