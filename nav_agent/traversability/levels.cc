@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <limits>
 #include <map>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -253,25 +252,30 @@ NodeFacts FindFacts(const GroundColumns& ground,
   }
   DisjointSets sets(ground.nodes.size());
   const std::vector<Patch> patches = MeasurePatches(ground, facts, sets);
-  const auto is_large = [&](uint32_t i) {
-    return patches[sets.Find(i)].nodes * resolution_m * resolution_m >=
+  const auto is_large = [&](const Patch& patch) {
+    return patch.nodes * resolution_m * resolution_m >=
            options.min_platform_area_m2;
   };
-  std::set<int> heights;
+  // Heights of large floors, and those next to them.
+  std::vector<uint8_t> has_floor;
   facts.floor.resize(ground.nodes.size());
   for (uint32_t i = 0; i < ground.nodes.size(); ++i) {
-    if (facts.good[i] == 0 || !is_large(i)) continue;
+    if (facts.good[i] == 0 || !is_large(patches[sets.Find(i)])) continue;
     facts.floor[i] = kLargeFloor;
-    heights.insert(ground.nodes[i].z);
+    const auto z = static_cast<size_t>(ground.nodes[i].z);
+    if (has_floor.size() < z + 2) has_floor.resize(z + 2);
+    has_floor[z + 1] = 1;
+    has_floor[z] = 1;
+    if (z > 0) has_floor[z - 1] = 1;
   }
   // Small patches are floor if they seem to be seen through a gap: at a large
   // one's height, and not ending in drops.
   for (uint32_t i = 0; i < ground.nodes.size(); ++i) {
-    if (facts.good[i] == 0 || is_large(i)) continue;
+    if (facts.good[i] == 0 || facts.floor[i] != 0) continue;
     const Patch& patch = patches[sets.Find(i)];
-    const int z = ground.nodes[i].z;
-    const bool at_height = heights.empty() || heights.contains(z - 1) ||
-                           heights.contains(z) || heights.contains(z + 1);
+    const auto z = static_cast<size_t>(ground.nodes[i].z);
+    const bool at_height =
+        has_floor.empty() || (z < has_floor.size() && has_floor[z] != 0);
     facts.floor[i] =
         at_height && patch.drops < kDropShare * patch.border ? kSmallFloor : 0;
   }
