@@ -11,6 +11,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
@@ -239,6 +240,18 @@ absl::StatusOr<std::vector<TimedPose>> ParseTimedPoses(
       poses.begin(), poses.end(),
       [](const TimedPose& a, const TimedPose& b) { return a.time < b.time; });
   return poses;
+}
+
+std::string FormatTimedPoses(std::span<const TimedPose> poses) {
+  std::string text = "# timestamp tx ty tz qx qy qz qw\n";
+  for (const TimedPose& pose : poses) {
+    const Vec3& t = pose.world_from_camera.translation;
+    const Rotation3 q = Normalized(pose.world_from_camera.rotation);
+    absl::StrAppendFormat(&text, "%d.%09d %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
+                          pose.time / kSecond_ns, pose.time % kSecond_ns, t.x,
+                          t.y, t.z, q.x, q.y, q.z, q.w);
+  }
+  return text;
 }
 
 }  // namespace treeline

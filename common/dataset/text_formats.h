@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -66,6 +67,10 @@ struct TimedPose {
 };
 absl::StatusOr<std::vector<TimedPose>> ParseTimedPoses(absl::string_view text,
                                                        const std::string& file);
+
+// The inverse: one line a pose with nine decimals, w >= 0, after a comment
+// line. Times must not be before 1970.
+std::string FormatTimedPoses(std::span<const TimedPose> poses);
 
 }  // namespace treeline
 

@@ -165,5 +165,23 @@ TEST(ParseTimedPosesTest, ErrorsNameFileAndLine) {
   EXPECT_THAT(error("x 0 0 0 0 0 0 1\n"), HasSubstr("time stamp"));
 }
 
+TEST(FormatTimedPosesTest, IsReadBackAsItWas) {
+  const std::vector<TimedPose> poses = {
+      {.time = 1305031241529758123,
+       .world_from_camera = {.rotation = Rotation3::FromAxisAngle({0.1, -2, 1}),
+                             .translation = {1.25, -2.5, 3}}},
+      {.time = 1305031242000000007, .world_from_camera = {}}};
+  const auto read = ParseTimedPoses(FormatTimedPoses(poses), "g");
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_EQ(read->size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ((*read)[i].time, poses[i].time);
+    const PoseError error =
+        ErrorBetween((*read)[i].world_from_camera, poses[i].world_from_camera);
+    EXPECT_LT(error.translation_m, 2e-9);
+    EXPECT_LT(error.rotation_rad, 1e-8);
+  }
+}
+
 }  // namespace
 }  // namespace treeline
