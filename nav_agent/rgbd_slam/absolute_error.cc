@@ -11,7 +11,7 @@
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 #include "common/dataset/tum.h"
-#include "nav_agent/rgbd_slam/pose_solver.h"
+#include "common/geometry/kabsch.h"
 
 namespace treeline {
 namespace {
@@ -40,7 +40,7 @@ TrajectoryErrorSummary Summarize(std::vector<double> errors) {
 
 std::optional<Rigid3> ReferenceAt(std::span<const TimedPose> reference,
                                   Time_ns time,
-                                  const TrajectoryErrorOptions& options) {
+                                  const TrajectoryScoreOptions& options) {
   if (const std::optional<Rigid3> pose =
           InterpolatePose(reference, time, ToNanoseconds(options.max_gap_s))) {
     return pose;
@@ -69,8 +69,8 @@ struct PosePair {
 };
 
 void ScoreRelative(const std::vector<PosePair>& pairs,
-                   const TrajectoryErrorOptions& options,
-                   TrajectoryError& result) {
+                   const TrajectoryScoreOptions& options,
+                   TrajectoryScore& result) {
   const Time_ns interval = ToNanoseconds(options.interval_s);
   std::vector<double> distances_m;
   std::vector<double> angles_rad;
@@ -99,36 +99,34 @@ void ScoreRelative(const std::vector<PosePair>& pairs,
 
 }  // namespace
 
-absl::Status TrajectoryErrorOptions::Validate() const {
+absl::Status TrajectoryScoreOptions::Validate() const {
   TL_RETURN_IF_ERROR(CheckRange("max_gap_s", max_gap_s, 0, 1e6));
   TL_RETURN_IF_ERROR(CheckRange("max_difference_s", max_difference_s, 0, 1e6));
   return CheckRange("interval_s", interval_s, 1e-6, 1e6);
 }
 
-absl::StatusOr<TrajectoryError> ScoreTrajectory(
+absl::StatusOr<TrajectoryScore> ScoreTrajectory(
     std::span<const TimedPose> estimate, std::span<const TimedPose> reference,
-    const TrajectoryErrorOptions& options) {
+    const TrajectoryScoreOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   std::vector<PosePair> pairs;
-  std::vector<Vec3> estimated;
-  std::vector<Vec3> truth;
+  Kabsch kabsch;
   for (const TimedPose& pose : estimate) {
     const std::optional<Rigid3> there =
         ReferenceAt(reference, pose.time, options);
     if (!there) continue;
     pairs.push_back({pose.time, pose.world_from_camera, *there});
-    estimated.push_back(pose.world_from_camera.translation);
-    truth.push_back(there->translation);
+    kabsch.Add(there->translation, pose.world_from_camera.translation);
   }
   if (pairs.size() < 3) {
     return absl::InvalidArgumentError(
         absl::StrCat(pairs.size(), " of ", estimate.size(),
                      " poses have a reference; it takes at least 3"));
   }
-  TrajectoryError result;
+  TrajectoryScore result;
   result.poses = static_cast<int>(estimate.size());
   result.associated = static_cast<int>(pairs.size());
-  if (const std::optional<Rigid3> aligned = AlignPoints(truth, estimated)) {
+  if (const std::optional<Rigid3> aligned = kabsch.Solve()) {
     result.reference_from_estimate = *aligned;
   } else {
     // On one line, positions leave a turn about it open: that of the first.

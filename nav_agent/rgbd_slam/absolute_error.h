@@ -11,7 +11,7 @@
 
 namespace treeline {
 
-struct TrajectoryErrorOptions {
+struct TrajectoryScoreOptions {
   // The reference is interpolated at the times of the estimate, between poses
   // that are at most this far apart (s), in [0, 1e6]; an estimate nearer than
   // max_difference_s to a pose takes it even where it cannot be interpolated.
@@ -30,7 +30,7 @@ struct TrajectoryErrorSummary {
   double max = 0;
 };
 
-struct TrajectoryError {
+struct TrajectoryScore {
   // Poses of the estimate, and those with a reference.
   int poses = 0;
   int associated = 0;
@@ -50,9 +50,9 @@ struct TrajectoryError {
 
 // Both in order of time. INVALID_ARGUMENT if fewer than three poses of the
 // estimate have a reference.
-absl::StatusOr<TrajectoryError> ScoreTrajectory(
+absl::StatusOr<TrajectoryScore> ScoreTrajectory(
     std::span<const TimedPose> estimate, std::span<const TimedPose> reference,
-    const TrajectoryErrorOptions& options = {});
+    const TrajectoryScoreOptions& options = {});
 
 }  // namespace treeline
 

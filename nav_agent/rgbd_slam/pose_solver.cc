@@ -2,8 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,14 +9,13 @@
 #include <limits>
 
 #include "common/base/random.h"
+#include "common/geometry/kabsch.h"
 
 namespace treeline {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-Eigen::Vector3d ToEigen(Vec3 v) { return {v.x, v.y, v.z}; }
 
 struct NormalEquations {
   Matrix6 hessian = Matrix6::Zero();
@@ -181,46 +178,6 @@ SolvedPose SolvePose(std::span<const PointSighting> sightings,
   return solved;
 }
 
-std::optional<Rigid3> AlignPoints(std::span<const Vec3> points_in_a,
-                                  std::span<const Vec3> points_in_b) {
-  if (points_in_a.size() < 3 || points_in_a.size() != points_in_b.size()) {
-    return std::nullopt;
-  }
-  Vec3 mean_a;
-  Vec3 mean_b;
-  for (size_t i = 0; i < points_in_a.size(); ++i) {
-    mean_a = mean_a + points_in_a[i];
-    mean_b = mean_b + points_in_b[i];
-  }
-  const double scale = 1 / static_cast<double>(points_in_a.size());
-  mean_a = scale * mean_a;
-  mean_b = scale * mean_b;
-  Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
-  for (size_t i = 0; i < points_in_a.size(); ++i) {
-    correlation += ToEigen(points_in_a[i] - mean_a) *
-                   ToEigen(points_in_b[i] - mean_b).transpose();
-  }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(
-      correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d spread = svd.singularValues();
-  if (!spread.allFinite() || spread[0] <= 0 || spread[1] < 1e-9 * spread[0]) {
-    return std::nullopt;
-  }
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) {
-    turn(2, 2) = -1;
-  }
-  const Eigen::Matrix3d rotation =
-      svd.matrixU() * turn * svd.matrixV().transpose();
-  Mat3 matrix;
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) matrix(r, c) = rotation(r, c);
-  }
-  Rigid3 a_from_b{.rotation = Rotation3::FromMatrix(matrix), .translation = {}};
-  a_from_b.translation = mean_a - a_from_b.rotation * mean_b;
-  return a_from_b;
-}
-
 std::optional<SolvedPose> FindPose(std::span<const PointSighting> sightings,
                                    const Pinhole& pinhole, int min_inliers,
                                    uint64_t seed, uint64_t stream) {
@@ -238,6 +195,7 @@ std::optional<SolvedPose> FindPose(std::span<const PointSighting> sightings,
   int best_count = 0;
   int hypotheses = kHypotheses;
   for (int h = 0; h < hypotheses; ++h) {
+    Kabsch kabsch;
     std::array<Vec3, 3> in_camera;
     std::array<Vec3, 3> in_map;
     for (size_t k = 0; k < 3; ++k) {
@@ -245,6 +203,7 @@ std::optional<SolvedPose> FindPose(std::span<const PointSighting> sightings,
           static_cast<uint32_t>(with_depth.size()))]];
       in_camera[k] = pinhole.PointAt(sighting.pixel, sighting.depth_m);
       in_map[k] = sighting.point_in_map;
+      kabsch.Add(in_camera[k], in_map[k]);
     }
     // Three points that keep their distances, to a tenth, are worth a look.
     bool is_rigid = true;
@@ -254,7 +213,7 @@ std::optional<SolvedPose> FindPose(std::span<const PointSighting> sightings,
       if (a < 0.05 || std::abs(a - b) > 0.05 + 0.1 * b) is_rigid = false;
     }
     if (!is_rigid) continue;
-    const std::optional<Rigid3> pose = AlignPoints(in_camera, in_map);
+    const std::optional<Rigid3> pose = kabsch.Solve();
     if (!pose) continue;
     const int count = CountNear(sightings, pinhole, *pose);
     if (count <= best_count) continue;

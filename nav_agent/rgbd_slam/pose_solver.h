@@ -60,12 +60,6 @@ std::optional<SolvedPose> FindPose(std::span<const PointSighting> sightings,
                                    const Pinhole& pinhole, int min_inliers,
                                    uint64_t seed, uint64_t stream);
 
-// The rigid transform that takes `points_in_b` nearest to `points_in_a` in the
-// sense of least squares (Horn 1987, Umeyama 1991 without scale). nullopt for
-// fewer than three points, unequal counts, or points on one line.
-std::optional<Rigid3> AlignPoints(std::span<const Vec3> points_in_a,
-                                  std::span<const Vec3> points_in_b);
-
 }  // namespace treeline
 
 #endif  // NAV_AGENT_RGBD_SLAM_POSE_SOLVER_H_
