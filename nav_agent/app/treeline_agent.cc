@@ -13,7 +13,7 @@ constexpr const char* kDescription =
 
 std::vector<Command> AddCommands(CLI::App& app) {
   return {AddSimulateCommand(app), AddLocalizeCommand(app),
-          AddTraversabilityCommand(app)};
+          AddSuiteCommand(app), AddTraversabilityCommand(app)};
 }
 
 }  // namespace
