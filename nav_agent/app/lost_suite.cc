@@ -129,7 +129,6 @@ class SuiteRobot {
   void DriveOn(Drive drive);
   absl::Status FollowLevel();
   absl::Status Observe(const LaserScan& scan, std::vector<LostSample>& samples);
-  bool JudgeLost(const Rigid2& map_from_base, SimTime at) const;
 
   const SuiteWorld* map_;
   LostRunOptions options_;
@@ -182,9 +181,9 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
   // The sensor says what it is with its first scan.
   simulator->Step(2 * kSlice);
   std::vector<Amcl> filters;
-  for (const OccupancyGrid& level : map.laser_maps()) {
+  for (const LaserMap& level : map.laser_maps()) {
     TL_ASSIGN_OR_RETURN(Amcl amcl,
-                        Amcl::Create(level, options.amcl, options.seed));
+                        Amcl::Create(level.map, options.amcl, options.seed));
     filters.push_back(std::move(amcl));
   }
   TL_ASSIGN_OR_RETURN(
@@ -236,21 +235,15 @@ absl::Status SuiteRobot::FollowLevel() {
                                                        kToldCovariance);
 }
 
-bool SuiteRobot::JudgeLost(const Rigid2& map_from_base, SimTime at) const {
-  const Rigid2 truth = PlanarOf(simulator_->WorldFromBaseAt(at));
-  return TrueLevel() != level_ ||
-         Norm(truth.translation - map_from_base.translation) > kLostBeyond_m ||
-         std::abs(NormalizedAngle_rad(truth.yaw_rad - map_from_base.yaw_rad)) >
-             kLostBeyond_deg * std::numbers::pi / 180;
-}
-
 absl::Status SuiteRobot::Observe(const LaserScan& scan,
                                  std::vector<LostSample>& samples) {
   const RangeSensorInfo info = simulator_->laser().Info();
   const Rigid3& base_from_laser = simulator_->options().robot.base_from_laser;
   TL_ASSIGN_OR_RETURN(
       const ScanPoints points,
-      PointsOf(scan, info, PlanarOf(base_from_laser), options_.amcl.max_beams));
+      PointsAtLaserHeight(scan, info, base_from_laser, odometry_.pitch_rad(),
+                          odometry_.roll_rad(), options_.amcl.max_beams,
+                          options_.detector.scan));
   const MonotonicTime middle = scan.stamp + kMiddleOfScan;
   const Rigid2 odom_from_base = odometry_.At(middle);
   TL_ASSIGN_OR_RETURN(
@@ -272,9 +265,19 @@ absl::Status SuiteRobot::Observe(const LaserScan& scan,
   ++observed;
   const SimTime at = std::chrono::duration_cast<SimTime>(
       middle - SimClock::StampOf(SimTime(0)));
-  is_lost_ = JudgeLost(map_from_base_, at);
+  const Rigid3 world_from_base = simulator_->WorldFromBaseAt(at);
+  const Rigid2 truth = PlanarOf(world_from_base);
+  const double error_m = Norm(truth.translation - map_from_base_.translation);
+  const double error_deg =
+      std::abs(NormalizedAngle_rad(truth.yaw_rad - map_from_base_.yaw_rad)) *
+      180 / std::numbers::pi;
+  is_lost_ = TrueLevel() != level_ || error_m > kLostBeyond_m ||
+             error_deg > kLostBeyond_deg;
   samples.push_back({.time_s = static_cast<float>(Seconds(at)),
                      .log_odds = static_cast<float>(detector_.log_odds()),
+                     .error_m = static_cast<float>(error_m),
+                     .error_deg = static_cast<float>(error_deg),
+                     .position = world_from_base.translation,
                      .is_lost = is_lost_,
                      .is_first = is_first_,
                      .state = verdict.state,

@@ -51,6 +51,10 @@ struct LostSample {
   float time_s = 0;
   // Natural logarithm of the odds that the robot is lost.
   float log_odds = 0;
+  // How wrong localization is.
+  float error_m = 0;
+  float error_deg = 0;
+  Vec3 position;
   bool is_lost = false;
   // The first scan after the robot or its estimate was put somewhere.
   bool is_first = false;

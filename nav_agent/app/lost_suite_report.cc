@@ -114,10 +114,8 @@ std::vector<FalseAlarm> LostReport::FalseAlarms(
       if (sample.log_odds < threshold) continue;
       if (sample.time_s - last_above_s > kRearm_s &&
           sample.time_s - last_lost_s > kAftermath_s) {
-        alarms.push_back({.world = run.world,
-                          .seed = run.seed,
-                          .time_s = sample.time_s,
-                          .features = sample.features});
+        alarms.push_back(
+            {.world = run.world, .seed = run.seed, .sample = sample});
       }
       last_above_s = sample.time_s;
     }
@@ -224,14 +222,37 @@ std::string LostReport::Json() const {
   for (const FalseAlarm& alarm : FalseAlarms(threshold_, "")) {
     nlohmann::ordered_json entry = {{"world", alarm.world},
                                     {"seed", alarm.seed},
-                                    {"time_s", alarm.time_s},
-                                    {"jump", alarm.features.jump}};
+                                    {"time_s", alarm.sample.time_s},
+                                    {"x_m", alarm.sample.position.x},
+                                    {"y_m", alarm.sample.position.y},
+                                    {"z_m", alarm.sample.position.z},
+                                    {"error_m", alarm.sample.error_m},
+                                    {"error_deg", alarm.sample.error_deg},
+                                    {"jump", alarm.sample.features.jump}};
     for (size_t i = 0; i < kLostFeatures; ++i) {
-      entry[kNames[i]] = alarm.features.values[i];
+      entry[kNames[i]] = alarm.sample.features.values[i];
     }
     alarms.push_back(std::move(entry));
   }
   json["false_alarms"] = std::move(alarms);
+  // Where localization got really lost in drives.
+  nlohmann::ordered_json losses = nlohmann::ordered_json::array();
+  for (const LostRun& run : runs_) {
+    for (size_t i = 1; i < run.drive.size(); ++i) {
+      const LostSample& sample = run.drive[i];
+      if (!sample.is_lost || run.drive[i - 1].is_lost) continue;
+      losses.push_back({{"world", run.world},
+                        {"seed", run.seed},
+                        {"time_s", sample.time_s},
+                        {"x_m", sample.position.x},
+                        {"y_m", sample.position.y},
+                        {"z_m", sample.position.z},
+                        {"error_m", sample.error_m},
+                        {"error_deg", sample.error_deg},
+                        {"log_odds", sample.log_odds}});
+    }
+  }
+  json["losses"] = std::move(losses);
   nlohmann::ordered_json missed = nlohmann::ordered_json::array();
   for (const LostRun& run : runs_) {
     for (const KidnapTrial& trial : run.trials) {

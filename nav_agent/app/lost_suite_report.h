@@ -38,8 +38,7 @@ struct RocPoint {
 struct FalseAlarm {
   std::string world;
   uint64_t seed = 0;
-  double time_s = 0;
-  LostFeatures features;
+  LostSample sample;
 };
 
 class LostReport {

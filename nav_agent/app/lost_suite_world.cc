@@ -17,6 +17,7 @@ constexpr int kEveryCells = 7;
 constexpr int kDirections = 720;
 constexpr double kRange_m = 30;
 constexpr double kHitShare = 0.25;
+constexpr double kOpaqueShare = 0.75;
 // Walls lie on the edges of the ground.
 constexpr int kMarginCells = 10;
 // What is this near the vertical is ground or the top of something.
@@ -70,9 +71,9 @@ std::vector<Float3> AllAround() {
   return directions;
 }
 
-OccupancyGrid MapLevel(const World& world, const WorldSnapshot& snapshot,
-                       const GroundTruth& truth, const GroundLevel& level,
-                       double laser_height_m) {
+LaserMap MapLevel(const World& world, const WorldSnapshot& snapshot,
+                  const GroundTruth& truth, const GroundLevel& level,
+                  double laser_height_m) {
   OccupancyGrid map =
       OccupancyGrid::Filled(truth.width() + 2 * kMarginCells,
                             truth.height() + 2 * kMarginCells, kResolution_m,
@@ -104,13 +105,17 @@ OccupancyGrid MapLevel(const World& world, const WorldSnapshot& snapshot,
       }
     }
   }
+  OccupancyGrid opaque = map;
   for (size_t i = 0; i < map.cells.size(); ++i) {
     const int seen = votes.hits[i] + votes.passes[i];
     if (seen == 0) continue;
     map.cells[i] = votes.hits[i] >= kHitShare * seen ? Occupancy::kOccupied
                                                      : Occupancy::kFree;
+    opaque.cells[i] = votes.hits[i] >= kOpaqueShare * seen
+                          ? Occupancy::kOccupied
+                          : Occupancy::kFree;
   }
-  return map;
+  return {.map = std::move(map), .opaque = std::move(opaque)};
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "common/base/random.h"
 #include "common/synthetic/ground_truth.h"
 #include "common/synthetic/world.h"
-#include "nav_agent/core/occupancy_grid.h"
+#include "nav_agent/localization/lost_scan_check.h"
 #include "nav_agent/sim/simulator.h"
 
 namespace treeline {
@@ -20,12 +20,13 @@ class SuiteWorld {
  public:
   // Maps each level of `world` with rays from all over it, laser_height_m above
   // the ground: a cell is occupied if at least a quarter of the rays that get
-  // there end there. Doors are as they are at time 0; people and carts are not
-  // in it; panes of glass are not seen. Errors of GroundTruth and RayCaster.
+  // there end there, and opaque if at least three quarters do. Doors are as
+  // they are at time 0; people and carts are not in it; panes of glass are not
+  // seen. Errors of GroundTruth and RayCaster.
   static absl::StatusOr<SuiteWorld> Create(const World& world,
                                            double laser_height_m);
 
-  const std::vector<OccupancyGrid>& laser_maps() const { return laser_maps_; }
+  const std::vector<LaserMap>& laser_maps() const { return laser_maps_; }
   // The level that a robot is on.
   std::optional<int> LevelAt(Vec3 position) const;
   // A place with room for the robot, anywhere, looking anywhere. Somebody may
@@ -37,7 +38,7 @@ class SuiteWorld {
   void FindPlaces(const World& world);
 
   GroundTruth truth_;
-  std::vector<OccupancyGrid> laser_maps_;
+  std::vector<LaserMap> laser_maps_;
   // Where the robot has room.
   std::vector<GroundCellIndex> places_;
 };

@@ -155,7 +155,7 @@ absl::Status LostDetectorOptions::Validate() const {
 }
 
 absl::StatusOr<LostDetector> LostDetector::Create(
-    const OccupancyGrid& map, const RangeSensorInfo& laser,
+    const LaserMap& map, const RangeSensorInfo& laser,
     const Rigid3& base_from_laser, const LostDetectorOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   if (!IsFinite(base_from_laser) || laser.beams < 1) {
@@ -186,7 +186,7 @@ void LostDetector::Reset() {
   verdict_ = {};
 }
 
-absl::Status LostDetector::SetMap(const OccupancyGrid& map) {
+absl::Status LostDetector::SetMap(const LaserMap& map) {
   TL_ASSIGN_OR_RETURN(checker_, ScanChecker::Create(map, options_.scan));
   return absl::OkStatus();
 }

@@ -9,7 +9,6 @@
 
 #include "absl/status/statusor.h"
 #include "common/geometry/rigid3.h"
-#include "nav_agent/core/occupancy_grid.h"
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/localization/lost_features.h"
 #include "nav_agent/localization/lost_scan_check.h"
@@ -132,10 +131,9 @@ struct LostDetectorOptions {
 // Deterministic; not thread-safe.
 class LostDetector {
  public:
-  // `map`: what the laser sees of the level, at its height. INVALID_ARGUMENT
-  // for bad options and maps without cells.
+  // INVALID_ARGUMENT for bad options and maps without cells.
   static absl::StatusOr<LostDetector> Create(
-      const OccupancyGrid& map, const RangeSensorInfo& laser,
+      const LaserMap& map, const RangeSensorInfo& laser,
       const Rigid3& base_from_laser, const LostDetectorOptions& options);
 
   // One scan, in the order of time. INVALID_ARGUMENT for a scan of another
@@ -148,7 +146,7 @@ class LostDetector {
   void Reset();
   // It drove onto another level; what was seen stays. INVALID_ARGUMENT for a
   // map without cells.
-  absl::Status SetMap(const OccupancyGrid& map);
+  absl::Status SetMap(const LaserMap& map);
 
   const LostVerdict& verdict() const { return verdict_; }
   double log_odds() const { return filter_.log_odds(); }

@@ -69,6 +69,21 @@ Leveled LevelBeams(const ScanPose& pose, const RangeSensorInfo& info,
   return leveled;
 }
 
+absl::Status CheckBeams(const LaserScan& scan, const RangeSensorInfo& info) {
+  if (static_cast<int>(scan.ranges_m.size()) == info.beams) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("a scan of ", scan.ranges_m.size(),
+                   " beams; the sensor has ", info.beams));
+}
+
+bool IsAtLaserHeight(const Measured& beam, double laser_height_m,
+                     const ScanCheckOptions& options) {
+  return beam.height_m >= options.ground_m &&
+         std::abs(beam.height_m - laser_height_m) <= options.height_tolerance_m;
+}
+
 }  // namespace
 
 absl::Status ScanCheckOptions::Validate() const {
@@ -85,39 +100,61 @@ absl::Status ScanCheckOptions::Validate() const {
                     5);
 }
 
-absl::StatusOr<ScanChecker> ScanChecker::Create(
-    const OccupancyGrid& map, const ScanCheckOptions& options) {
-  TL_RETURN_IF_ERROR(options.Validate());
-  if (map.width < 1 || map.height < 1 || !(map.resolution_m > 0) ||
-      map.cells.size() !=
-          static_cast<size_t>(map.width) * static_cast<size_t>(map.height)) {
-    return absl::InvalidArgumentError("scan check: a map without cells");
+absl::StatusOr<ScanPoints> PointsAtLaserHeight(
+    const LaserScan& scan, const RangeSensorInfo& info,
+    const Rigid3& base_from_laser, double pitch_rad, double roll_rad,
+    int max_points, const ScanCheckOptions& options) {
+  TL_RETURN_IF_ERROR(CheckBeams(scan, info));
+  const Leveled leveled = LevelBeams({{}, pitch_rad, roll_rad}, info,
+                                     base_from_laser, scan, max_points);
+  ScanPoints points;
+  for (const Measured& beam : leveled.beams) {
+    if (!IsAtLaserHeight(beam, leveled.origin.z, options)) continue;
+    points.x_m.push_back(static_cast<float>(beam.end.x));
+    points.y_m.push_back(static_cast<float>(beam.end.y));
   }
-  return ScanChecker(map, DistanceToOccupied(map, options.field_reach_m),
-                     options);
+  return points;
 }
 
-ScanChecker::ScanChecker(OccupancyGrid map, std::vector<float> distances,
-                         const ScanCheckOptions& options)
+absl::StatusOr<ScanChecker> ScanChecker::Create(
+    const LaserMap& map, const ScanCheckOptions& options) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  for (const OccupancyGrid* grid : {&map.map, &map.opaque}) {
+    if (grid->width < 1 || grid->height < 1 || !(grid->resolution_m > 0) ||
+        grid->width != map.map.width || grid->height != map.map.height ||
+        grid->resolution_m != map.map.resolution_m ||
+        grid->map_from_grid != map.map.map_from_grid ||
+        grid->cells.size() != static_cast<size_t>(grid->width) *
+                                  static_cast<size_t>(grid->height)) {
+      return absl::InvalidArgumentError(
+          "scan check: a map without cells, or two of different size");
+    }
+  }
+  return ScanChecker(map, options);
+}
+
+ScanChecker::ScanChecker(const LaserMap& map, const ScanCheckOptions& options)
     : options_(options),
-      map_(std::move(map)),
-      grid_from_map_(map_.map_from_grid.Inverse()),
-      distances_m_(std::move(distances)) {}
+      opaque_(map.opaque),
+      grid_from_map_(map.map.map_from_grid.Inverse()),
+      distances_m_(DistanceToOccupied(map.map, options.field_reach_m)),
+      opaque_distances_m_(
+          DistanceToOccupied(map.opaque, options.field_reach_m)) {}
 
 double ScanChecker::DistanceAt_m(Vec2 point_in_map) const {
   const Vec2 point = grid_from_map_ * point_in_map;
   const CellIndex cell = {
-      static_cast<int>(std::floor(point.x / map_.resolution_m)),
-      static_cast<int>(std::floor(point.y / map_.resolution_m))};
-  return map_.Contains(cell) ? distances_m_[map_.IndexOf(cell)]
-                             : options_.field_reach_m;
+      static_cast<int>(std::floor(point.x / opaque_.resolution_m)),
+      static_cast<int>(std::floor(point.y / opaque_.resolution_m))};
+  return opaque_.Contains(cell) ? distances_m_[opaque_.IndexOf(cell)]
+                                : options_.field_reach_m;
 }
 
 ScanChecker::Ray ScanChecker::Cast(Vec2 from_in_map, Vec2 direction_in_map,
                                    double max_m) const {
   const Vec2 from = grid_from_map_ * from_in_map;
   const Vec2 ahead = grid_from_map_ * (from_in_map + direction_in_map) - from;
-  const double cell_m = map_.resolution_m;
+  const double cell_m = opaque_.resolution_m;
   // As far as the distance field says that nothing is (sphere tracing): it is
   // of cells' centres, which are up to half a diagonal from where we are and
   // from where the obstacle begins.
@@ -126,11 +163,11 @@ ScanChecker::Ray ScanChecker::Cast(Vec2 from_in_map, Vec2 direction_in_map,
     const Vec2 at = from + range_m * ahead;
     const CellIndex cell = {static_cast<int>(std::floor(at.x / cell_m)),
                             static_cast<int>(std::floor(at.y / cell_m))};
-    if (!map_.Contains(cell)) return {range_m, false};
-    const Occupancy occupancy = map_.At(cell);
+    if (!opaque_.Contains(cell)) return {range_m, false};
+    const Occupancy occupancy = opaque_.At(cell);
     if (occupancy == Occupancy::kOccupied) return {range_m, true};
     if (occupancy == Occupancy::kUnknown) return {range_m, false};
-    const double free_m = distances_m_[map_.IndexOf(cell)];
+    const double free_m = opaque_distances_m_[opaque_.IndexOf(cell)];
     range_m += std::max(0.5 * cell_m, free_m - 1.5 * cell_m);
   }
   return {max_m, true};
@@ -139,11 +176,7 @@ ScanChecker::Ray ScanChecker::Cast(Vec2 from_in_map, Vec2 direction_in_map,
 absl::StatusOr<std::vector<CheckedBeam>> ScanChecker::Check(
     const ScanPose& pose, const RangeSensorInfo& info,
     const Rigid3& base_from_laser, const LaserScan& scan) const {
-  if (static_cast<int>(scan.ranges_m.size()) != info.beams) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("a scan of ", scan.ranges_m.size(),
-                     " beams; the sensor has ", info.beams));
-  }
+  TL_RETURN_IF_ERROR(CheckBeams(scan, info));
   const Rigid2& map_from_base = pose.map_from_base;
   if (!std::isfinite(map_from_base.translation.x) ||
       !std::isfinite(map_from_base.translation.y) ||
@@ -195,9 +228,7 @@ absl::StatusOr<std::vector<CheckedBeam>> ScanChecker::Check(
       result.fit = meets ? BeamFit::kLong : BeamFit::kNotJudged;
     } else if (distance_m <= tolerance_m) {
       result.fit = BeamFit::kExplained;
-    } else if (beam.height_m < options_.ground_m ||
-               std::abs(beam.height_m - leveled.origin.z) >
-                   options_.height_tolerance_m) {
+    } else if (!IsAtLaserHeight(beam, leveled.origin.z, options_)) {
       result.fit = BeamFit::kNotJudged;
     } else {
       result.fit = BeamFit::kShort;

@@ -11,6 +11,7 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/core/occupancy_grid.h"
 #include "nav_agent/core/sensor_data.h"
+#include "nav_agent/localization/scan_points.h"
 
 namespace treeline {
 
@@ -65,12 +66,36 @@ struct ScanPose {
   double roll_rad = 0;
 };
 
-// The map at the height of the laser. Immutable and thread-safe; four bytes a
-// cell and the map itself.
+// A level as the laser sees it.
+struct LaserMap {
+  // Occupied: where beams end, from some place or other.
+  OccupancyGrid map;
+  // The same, but occupied only where next to no beam ever went through when
+  // the map was made: not at the edges of platforms, which a robot on top looks
+  // over, nor at panes of glass. Beams that pass through other cells prove
+  // nothing. The same size and place as `map`.
+  OccupancyGrid opaque;
+
+  // Where nothing is known of that.
+  static LaserMap AllOpaque(OccupancyGrid map) { return {map, map}; }
+};
+
+// Where at most max_points beams of a robot that stands tilted end, in the
+// frame of its base when that is level: those that end at about the height of
+// the laser. Localization on a plane wants these.
+absl::StatusOr<ScanPoints> PointsAtLaserHeight(const LaserScan& scan,
+                                               const RangeSensorInfo& info,
+                                               const Rigid3& base_from_laser,
+                                               double pitch_rad,
+                                               double roll_rad, int max_points,
+                                               const ScanCheckOptions& options);
+
+// Immutable and thread-safe; ten bytes a cell.
 class ScanChecker {
  public:
-  // INVALID_ARGUMENT for bad options and maps without cells.
-  static absl::StatusOr<ScanChecker> Create(const OccupancyGrid& map,
+  // INVALID_ARGUMENT for bad options, maps without cells, and maps that differ
+  // in size.
+  static absl::StatusOr<ScanChecker> Create(const LaserMap& map,
                                             const ScanCheckOptions& options);
 
   // In order of the beams. A range is compared with those that the map has for
@@ -82,9 +107,9 @@ class ScanChecker {
                                                  const Rigid3& base_from_laser,
                                                  const LaserScan& scan) const;
 
-  // From a point of the map to the first obstacle along a direction (unit
-  // length), at most max_m; `is_known` is false if the way leaves what the map
-  // knows before that.
+  // From a point of the map to the first opaque obstacle along a direction
+  // (unit length), at most max_m; `is_known` is false if the way leaves what
+  // the map knows before that.
   struct Ray {
     double range_m = 0;
     bool is_known = true;
@@ -97,13 +122,14 @@ class ScanChecker {
   const ScanCheckOptions& options() const { return options_; }
 
  private:
-  ScanChecker(OccupancyGrid map, std::vector<float> distances,
-              const ScanCheckOptions& options);
+  ScanChecker(const LaserMap& map, const ScanCheckOptions& options);
 
   ScanCheckOptions options_;
-  OccupancyGrid map_;
+  OccupancyGrid opaque_;
   Rigid2 grid_from_map_;
+  // To what is occupied in the map, and to what is opaque.
   std::vector<float> distances_m_;
+  std::vector<float> opaque_distances_m_;
 };
 
 }  // namespace treeline
