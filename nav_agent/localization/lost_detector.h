@@ -38,10 +38,10 @@ struct LostFilterOptions {
   double most_against = 2;
   // How often robots get lost without anything to be seen of it (1/s). [0, 1]
   double loss_hz = 1e-4;
-  // Scans that show another place than before, beyond the first share to
-  // beyond the second, mean a kidnap with up to this probability each.
-  double jump_from = 0.45;     // [0, 1]
-  double jump_to = 0.8;        // [jump_from, 1]
+  // From the first jump (LostFeatures::jump) on, up to the second, a scan means
+  // a kidnap with up to this probability.
+  double jump_from = 0.12;     // [0, 1]
+  double jump_to = 0.35;       // [jump_from, 1]
   double jump_chance = 0.3;    // [0, 1)
   double lifted_chance = 0.3;  // [0, 1)
   // The log of the odds stays within these, so that it can change. [0.1, 100]

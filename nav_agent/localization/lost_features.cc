@@ -199,9 +199,13 @@ LostFeatures LostFeatureMaker::Observe(const LostEvidence& evidence,
         ThereBefore(past->ends_in_base, now_from_before, beams);
     double seen = 1 + options_.prior_share * static_cast<double>(beams.size());
     double new_ones = 0;
-    for (const std::optional<bool>& one : there) {
-      seen += one.has_value() ? 1 : 0;
-      new_ones += one.has_value() && !*one ? 1 : 0;
+    for (size_t i = 0; i < beams.size(); ++i) {
+      // People come and go before the map; they are no other place.
+      const bool counts =
+          beams[i].fit == BeamFit::kExplained || beams[i].fit == BeamFit::kLong;
+      if (!counts || !there[i].has_value()) continue;
+      ++seen;
+      new_ones += beams[i].fit == BeamFit::kLong && !*there[i] ? 1 : 0;
     }
     features.jump = new_ones / seen;
   }

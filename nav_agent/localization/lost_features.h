@@ -37,9 +37,9 @@ enum LostFeature : size_t {
 
 struct LostFeatures {
   std::array<double, kLostFeatures> values{};
-  // The share of beams that show another place than half a second ago, moved
-  // as the wheels say. Kidnaps are like that, and so are wheels that slip or
-  // turn in the air.
+  // Of the beams that see the map or pass through it, those that do so all at
+  // once: half a second ago, moved as the wheels say, they were otherwise.
+  // Kidnaps are like that, and so are wheels that slip or turn in the air.
   double jump = 0;
   // The robot tilts as it cannot on its wheels: it is being carried.
   bool is_lifted = false;
