@@ -23,7 +23,11 @@ constexpr std::array<const char*, kLostFeatures> kNames = {
 
 void Add(const KidnapTrial& trial, double threshold, KidnapTally& tally) {
   // What was already said before is no detection.
-  bool is_out = trial.log_odds_before >= threshold || trial.samples.empty();
+  if (trial.log_odds_before >= threshold) {
+    ++tally.alarmed_before;
+    return;
+  }
+  bool is_out = trial.samples.empty();
   for (const LostSample& sample : trial.samples) {
     const double delay_s = sample.time_s - trial.time_s;
     if (is_out || delay_s > kDeclareWithin_s) break;
@@ -59,6 +63,7 @@ nlohmann::ordered_json TallyJson(const KidnapTally& tally) {
           {"declared", tally.declared},
           {"share", tally.Share()},
           {"not_lost", tally.not_lost},
+          {"alarmed_before", tally.alarmed_before},
           {"delay_median_s", Quantile(tally.delays_s, 0.5)},
           {"delay_p90_s", Quantile(tally.delays_s, 0.9)},
           {"delay_p99_s", Quantile(tally.delays_s, 0.99)}};
@@ -156,9 +161,11 @@ std::string LostReport::Summary() const {
   const auto line = [&](const std::string& name, const KidnapTally& tally,
                         const std::string& rest) {
     absl::StrAppendFormat(
-        &text, "%-16s %4d of %4d (%5.1f %%), %3d not lost, %4.1f / %4.1f s%s\n",
+        &text,
+        "%-17s %4d of %4d (%5.1f %%), %3d + %d do not count, %3.1f / %3.1f "
+        "s%s\n",
         name, tally.declared, tally.kidnaps, 100 * tally.Share(),
-        tally.not_lost, Quantile(tally.delays_s, 0.5),
+        tally.not_lost, tally.alarmed_before, Quantile(tally.delays_s, 0.5),
         Quantile(tally.delays_s, 0.9), rest);
   };
   absl::StrAppendFormat(

@@ -16,10 +16,11 @@ struct KidnapTally {
   int kidnaps = 0;
   // In time, while lost.
   int declared = 0;
-  // Localization found its place again before anything was declared; these do
-  // not count, nor do those that did not take the robot far enough away to be
-  // lost, and those that began after an alarm.
+  // These do not count: localization found its place again before anything was
+  // declared, or the robot was not taken far enough away to be lost; the
+  // verdict was lost before the kidnap.
   int not_lost = 0;
+  int alarmed_before = 0;
   std::vector<double> delays_s;
 
   double Share() const {

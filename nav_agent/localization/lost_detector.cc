@@ -204,12 +204,12 @@ LostReason LostDetector::ReasonFor(const LostFeatures& features) const {
     return model.weights[feature] * features.values[feature];
   };
   const double unsure = part(kSpread) + part(kElsewhere);
-  const double through = part(kLongShare);
-  const double misfit =
-      part(kResidual) + part(kChangedShare) + part(kDeficit) + part(kSlide);
-  if (unsure >= std::max(through, misfit)) return LostReason::kNotSure;
-  return through >= misfit ? LostReason::kPassesThroughWalls
-                           : LostReason::kDoesNotFit;
+  const double misfit = part(kLongShare) + part(kResidual) +
+                        part(kChangedShare) + part(kDeficit) + part(kSlide);
+  if (unsure >= misfit) return LostReason::kNotSure;
+  return features.values[kLongShare] >= options_.notable_share
+             ? LostReason::kPassesThroughWalls
+             : LostReason::kDoesNotFit;
 }
 
 LostState LostDetector::StateFor(const LostFeatures& features) const {
