@@ -82,6 +82,7 @@ class WheelOdometry {
     }
     return found;
   }
+  Rigid2 Now() const { return odom_from_base_; }
   double pitch_rad() const { return pitch_rad_; }
   double roll_rad() const { return roll_rad_; }
 
@@ -126,6 +127,8 @@ class SuiteRobot {
   SuiteRobot(const SuiteWorld& map, const LostRunOptions& options,
              std::unique_ptr<Simulator> simulator, std::vector<Amcl> filters,
              LostDetector detector);
+  absl::Status Place(const Rigid2& map_from_base,
+                     const PoseCovariance2& covariance);
   void DriveOn(Drive drive);
   absl::Status FollowLevel();
   absl::Status Observe(const LaserScan& scan, std::vector<LostSample>& samples);
@@ -149,6 +152,7 @@ class SuiteRobot {
   bool follows_level_ = true;
   bool is_lost_ = false;
   bool is_first_ = true;
+  MonotonicTime told_at_{};
   Rigid2 map_from_base_;
 };
 
@@ -205,12 +209,21 @@ absl::Status SuiteRobot::Tell(const Rigid2& map_from_base,
                               const PoseCovariance2& covariance, int level) {
   level_ = level;
   is_first_ = true;
+  told_at_ = simulator_->clock().Now();
   follows_level_ = true;
   detector_.Reset();
   TL_RETURN_IF_ERROR(
       detector_.SetMap(map_->laser_maps()[static_cast<size_t>(level_)]));
-  return filters_[static_cast<size_t>(level_)].SetPose(map_from_base,
-                                                       covariance);
+  return Place(map_from_base, covariance);
+}
+
+absl::Status SuiteRobot::Place(const Rigid2& map_from_base,
+                               const PoseCovariance2& covariance) {
+  Amcl& amcl = filters_[static_cast<size_t>(level_)];
+  // What the wheels did while another level's filter was in use is none of its
+  // business.
+  TL_RETURN_IF_ERROR(amcl.Update(odometry_.Now(), {}).status());
+  return amcl.SetPose(map_from_base, covariance);
 }
 
 absl::Status SuiteRobot::TellTruth() {
@@ -220,6 +233,7 @@ absl::Status SuiteRobot::TellTruth() {
 
 void SuiteRobot::TellNothing() {
   is_first_ = true;
+  told_at_ = simulator_->clock().Now();
   detector_.Reset();
   filters_[static_cast<size_t>(level_)].SetAnywhere();
 }
@@ -231,8 +245,7 @@ absl::Status SuiteRobot::FollowLevel() {
   level_ = level;
   TL_RETURN_IF_ERROR(
       detector_.SetMap(map_->laser_maps()[static_cast<size_t>(level_)]));
-  return filters_[static_cast<size_t>(level_)].SetPose(map_from_base_,
-                                                       kToldCovariance);
+  return Place(map_from_base_, kToldCovariance);
 }
 
 absl::Status SuiteRobot::Observe(const LaserScan& scan,
@@ -312,6 +325,8 @@ absl::Status SuiteRobot::Step(Drive drive, std::vector<LostSample>& samples) {
   }
   TL_RETURN_IF_ERROR(FollowLevel());
   for (const LaserScan& scan : simulator_->laser().TakeScans()) {
+    // What was on its way when it was told a place is of another one.
+    if (scan.stamp < told_at_) continue;
     TL_RETURN_IF_ERROR(Observe(scan, samples));
   }
   return absl::OkStatus();
