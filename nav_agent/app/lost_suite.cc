@@ -27,10 +27,6 @@ constexpr double kWatch_s = 5;
 constexpr double kPatience_s = 10;
 constexpr double kWander_mps = 0.3;
 constexpr double kWander_radps = 0.6;
-constexpr double kNear_m = 2;
-// Obstacles stand so far from the tour's line.
-constexpr double kObstacleFrom_m = 1.0;
-constexpr double kObstacleTo_m = 2.5;
 constexpr PoseCovariance2 kToldCovariance = {0.01, 0, 0, 0,     0.01,
                                              0,    0, 0, 0.0025};
 constexpr PoseCovariance2 kStartCovariance = {0.0625, 0, 0, 0,   0.0625,
@@ -341,64 +337,6 @@ absl::Status SuiteRobot::StepFor(double seconds, Drive drive,
     TL_RETURN_IF_ERROR(Step(drive, samples));
   }
   return absl::OkStatus();
-}
-
-double DistanceToTour_m(const World& world, const RobotPlacement& place) {
-  double nearest_m = 1e9;
-  for (size_t i = 0; i < world.tour.size(); ++i) {
-    const Float3 a = world.tour[i];
-    const Float3 b = world.tour[(i + 1) % world.tour.size()];
-    if (std::max(std::abs(a.z - place.height_m),
-                 std::abs(b.z - place.height_m)) > 1.5) {
-      continue;
-    }
-    const Vec2 from{a.x, a.y};
-    const Vec2 way = Vec2{b.x, b.y} - from;
-    const double along = std::clamp(
-        Dot(place.position - from, way) / (Dot(way, way) + 1e-9), 0.0, 1.0);
-    nearest_m = std::min(nearest_m, Norm(place.position - from - along * way));
-  }
-  return nearest_m;
-}
-
-// Crates where the map has nothing, near the tour and not on it.
-int AddObstacles(const SuiteWorld& map, int count, uint64_t seed,
-                 Simulator& simulator) {
-  Random random(seed, 99);
-  int added = 0;
-  for (int i = 0; i < 60 * count && added < count; ++i) {
-    const RobotPlacement place = map.AnyPlace(random);
-    const double away_m = DistanceToTour_m(simulator.world(), place);
-    const Float3 scale = {static_cast<float>(random.NextUniform(0.3, 0.8)),
-                          static_cast<float>(random.NextUniform(0.3, 0.8)),
-                          static_cast<float>(random.NextUniform(0.5, 1.4))};
-    if (away_m < kObstacleFrom_m || away_m > kObstacleTo_m) continue;
-    if (simulator
-            .AddObstacle(absl::StrCat("new-", added), "crate", place, scale)
-            .ok()) {
-      ++added;
-    }
-  }
-  return added;
-}
-
-// Carries the robot somewhere with room: anywhere, or near to where it is.
-absl::Status CarryAway(const SuiteWorld& map, bool near, Random& random,
-                       Simulator& simulator) {
-  const Rigid3 before = simulator.state().world_from_base;
-  const Vec2 here = PlanarOf(before).translation;
-  absl::Status status =
-      absl::NotFoundError("there is no room to be carried to");
-  for (int i = 0; i < 2000; ++i) {
-    const RobotPlacement place = map.AnyPlace(random);
-    if (near && (Norm(place.position - here) > kNear_m ||
-                 std::abs(place.height_m - before.translation.z) > 1)) {
-      continue;
-    }
-    status = simulator.Kidnap(place);
-    if (status.ok()) break;
-  }
-  return status;
 }
 
 absl::Status RunDrive(SuiteRobot& robot, const LostRunOptions& options,

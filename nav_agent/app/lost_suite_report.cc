@@ -11,8 +11,10 @@ namespace treeline {
 namespace {
 
 constexpr double kRearm_s = 5;
-// After it was really lost, an alarm is no false one for so long.
+// After it was really lost, an alarm is no false one for so long; nor is one
+// that comes so long before, while the error grows.
 constexpr double kAftermath_s = 10;
+constexpr double kForesight_s = 3;
 constexpr double kRocFrom = -8;
 constexpr double kRocTo = 8;
 constexpr double kRocStep = 0.1;
@@ -40,6 +42,15 @@ void Add(const KidnapTrial& trial, double threshold, KidnapTally& tally) {
     }
   }
   ++(is_out ? tally.not_lost : tally.kidnaps);
+}
+
+// Whether the robot is really lost soon after a sample of a drive.
+bool IsLostSoon(const std::vector<LostSample>& drive, size_t from) {
+  for (size_t i = from; i < drive.size(); ++i) {
+    if (drive[i].time_s - drive[from].time_s > kForesight_s) return false;
+    if (drive[i].is_lost) return true;
+  }
+  return false;
 }
 
 double Quantile(std::vector<double> values, double share) {
@@ -113,12 +124,14 @@ std::vector<FalseAlarm> LostReport::FalseAlarms(
     if (!world.empty() && run.world != world) continue;
     double last_above_s = -1e9;
     double last_lost_s = -1e9;
-    for (const LostSample& sample : run.drive) {
+    for (size_t i = 0; i < run.drive.size(); ++i) {
+      const LostSample& sample = run.drive[i];
       if (sample.is_first) last_above_s = -1e9;
       if (sample.is_lost) last_lost_s = sample.time_s;
       if (sample.log_odds < threshold) continue;
       if (sample.time_s - last_above_s > kRearm_s &&
-          sample.time_s - last_lost_s > kAftermath_s) {
+          sample.time_s - last_lost_s > kAftermath_s &&
+          !IsLostSoon(run.drive, i)) {
         alarms.push_back(
             {.world = run.world, .seed = run.seed, .sample = sample});
       }

@@ -35,7 +35,8 @@ struct RocPoint {
 };
 
 // A time for which log odds were at or above the threshold while the robot was
-// not lost; those less than five seconds apart are one.
+// not lost; those less than five seconds apart are one. None in the ten seconds
+// after a real loss and the three seconds before.
 struct FalseAlarm {
   std::string world;
   uint64_t seed = 0;

@@ -103,9 +103,10 @@ TEST(LostReportTest, AnAlarmThatGoesOnIsOneAndARealLossIsNone) {
   for (int s = 0; s < 100; ++s) {
     LostSample sample;
     sample.time_s = static_cast<float>(s);
-    // From 10 to 15 s with a gap, at 40 s, and after a loss at 60 s.
+    // From 10 to 15 s with a gap, at 40 s, and before and after a loss at 60 s.
     sample.log_odds =
-        (s >= 10 && s < 15 && s != 12) || s == 40 || s == 65 ? 5 : -5;
+        (s >= 10 && s < 15 && s != 12) || s == 40 || s == 58 || s == 65 ? 5
+                                                                        : -5;
     sample.is_lost = s == 60;
     run.drive.push_back(sample);
   }

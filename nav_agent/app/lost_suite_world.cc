@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "common/synthetic/ray_caster.h"
 
@@ -23,6 +24,11 @@ constexpr int kMarginCells = 10;
 // What is this near the vertical is ground or the top of something.
 constexpr float kLevelNormal = 0.5f;
 constexpr double kRobotRadius_m = 0.45;
+// What is near to be carried to.
+constexpr double kNear_m = 2;
+// Obstacles stand so far from the tour's line.
+constexpr double kObstacleFrom_m = 1.0;
+constexpr double kObstacleTo_m = 2.5;
 
 // How often rays ended in a cell, and how often they went through.
 struct Votes {
@@ -118,6 +124,24 @@ LaserMap MapLevel(const World& world, const WorldSnapshot& snapshot,
   return {.map = std::move(map), .opaque = std::move(opaque)};
 }
 
+double DistanceToTour_m(const World& world, const RobotPlacement& place) {
+  double nearest_m = 1e9;
+  for (size_t i = 0; i < world.tour.size(); ++i) {
+    const Float3 a = world.tour[i];
+    const Float3 b = world.tour[(i + 1) % world.tour.size()];
+    if (std::max(std::abs(a.z - place.height_m),
+                 std::abs(b.z - place.height_m)) > 1.5) {
+      continue;
+    }
+    const Vec2 from{a.x, a.y};
+    const Vec2 way = Vec2{b.x, b.y} - from;
+    const double along = std::clamp(
+        Dot(place.position - from, way) / (Dot(way, way) + 1e-9), 0.0, 1.0);
+    nearest_m = std::min(nearest_m, Norm(place.position - from - along * way));
+  }
+  return nearest_m;
+}
+
 }  // namespace
 
 absl::StatusOr<SuiteWorld> SuiteWorld::Create(const World& world,
@@ -174,6 +198,44 @@ RobotPlacement SuiteWorld::AnyPlace(Random& random) const {
                        (cell.y + 0.5) * kResolution_m},
           .yaw_rad = random.NextUniform(-std::numbers::pi, std::numbers::pi),
           .height_m = truth_.at(cell).height_m};
+}
+
+int AddObstacles(const SuiteWorld& map, int count, uint64_t seed,
+                 Simulator& simulator) {
+  Random random(seed, 99);
+  int added = 0;
+  for (int i = 0; i < 60 * count && added < count; ++i) {
+    const RobotPlacement place = map.AnyPlace(random);
+    const double away_m = DistanceToTour_m(simulator.world(), place);
+    const Float3 scale = {static_cast<float>(random.NextUniform(0.3, 0.8)),
+                          static_cast<float>(random.NextUniform(0.3, 0.8)),
+                          static_cast<float>(random.NextUniform(0.5, 1.4))};
+    if (away_m < kObstacleFrom_m || away_m > kObstacleTo_m) continue;
+    if (simulator
+            .AddObstacle(absl::StrCat("new-", added), "crate", place, scale)
+            .ok()) {
+      ++added;
+    }
+  }
+  return added;
+}
+
+absl::Status CarryAway(const SuiteWorld& map, bool near, Random& random,
+                       Simulator& simulator) {
+  const Rigid3 before = simulator.state().world_from_base;
+  const Vec2 here = {before.translation.x, before.translation.y};
+  absl::Status status =
+      absl::NotFoundError("there is no room to be carried to");
+  for (int i = 0; i < 2000; ++i) {
+    const RobotPlacement place = map.AnyPlace(random);
+    if (near && (Norm(place.position - here) > kNear_m ||
+                 std::abs(place.height_m - before.translation.z) > 1)) {
+      continue;
+    }
+    status = simulator.Kidnap(place);
+    if (status.ok()) break;
+  }
+  return status;
 }
 
 }  // namespace treeline

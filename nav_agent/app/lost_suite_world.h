@@ -43,6 +43,16 @@ class SuiteWorld {
   std::vector<GroundCellIndex> places_;
 };
 
+// Puts up to `count` crates where the map has nothing, near the tour and not on
+// it. How many found room.
+int AddObstacles(const SuiteWorld& map, int count, uint64_t seed,
+                 Simulator& simulator);
+
+// Carries the robot somewhere with room: anywhere, or near to where it is. The
+// simulator's error if there is none.
+absl::Status CarryAway(const SuiteWorld& map, bool near, Random& random,
+                       Simulator& simulator);
+
 }  // namespace treeline
 
 #endif  // NAV_AGENT_APP_LOST_SUITE_WORLD_H_

@@ -77,7 +77,7 @@ struct LaserMap {
   OccupancyGrid opaque;
 
   // Where nothing is known of that.
-  static LaserMap AllOpaque(OccupancyGrid map) { return {map, map}; }
+  static LaserMap AllOpaque(const OccupancyGrid& map) { return {map, map}; }
 };
 
 // Where at most max_points beams of a robot that stands tilted end, in the
