@@ -254,15 +254,14 @@ std::string FormatPoseMatrix(const Rigid3& world_from_camera) {
 }
 
 std::string FormatTimedPoses(std::span<const TimedPose> poses) {
-  constexpr Time_ns kSecond = 1'000'000'000;
   std::string text = "# timestamp tx ty tz qx qy qz qw\n";
   for (const TimedPose& pose : poses) {
     const Vec3& t = pose.world_from_camera.translation;
-    const Rotation3& q = pose.world_from_camera.rotation;
+    const Rotation3 q = Normalized(pose.world_from_camera.rotation);
     absl::StrAppendFormat(&text,
                           "%d.%09d %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n",
-                          pose.time / kSecond, pose.time % kSecond, t.x, t.y,
-                          t.z, q.x, q.y, q.z, q.w);
+                          pose.time / kSecond_ns, pose.time % kSecond_ns, t.x,
+                          t.y, t.z, q.x, q.y, q.z, q.w);
   }
   return text;
 }

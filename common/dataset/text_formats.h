@@ -68,7 +68,8 @@ struct TimedPose {
 };
 absl::StatusOr<std::vector<TimedPose>> ParseTimedPoses(absl::string_view text,
                                                        const std::string& file);
-// A line for each pose; times of 0 or later, exact to the nanosecond.
+// The inverse: a line for each pose, after a comment; w >= 0. Times, of 0 or
+// later, are exact to the nanosecond.
 std::string FormatTimedPoses(std::span<const TimedPose> poses);
 
 }  // namespace treeline

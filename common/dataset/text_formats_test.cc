@@ -165,24 +165,30 @@ TEST(ParseTimedPosesTest, ErrorsNameFileAndLine) {
   EXPECT_THAT(error("x 0 0 0 0 0 0 1\n"), HasSubstr("time stamp"));
 }
 
-TEST(FormatTest, WhatIsWrittenIsReadBack) {
+TEST(FormatPoseMatrixTest, IsReadBackAsItWas) {
   const Rigid3 pose{Rotation3::FromAxisAngle({0.3, -0.2, 0.1}), {1, -2, 3.5}};
   const auto matrix = ParsePoseMatrix(FormatPoseMatrix(pose), "pose.txt");
   ASSERT_TRUE(matrix.ok()) << matrix.status();
   EXPECT_LT(AngleBetween_rad(matrix->rotation, pose.rotation), 1e-9);
   EXPECT_LT(Norm(matrix->translation - pose.translation), 1e-9);
+}
 
-  const std::vector<TimedPose> written = {{0, pose},
-                                          {1'305'031'241'529'758'001, pose}};
-  const auto read = ParseTimedPoses(FormatTimedPoses(written), "poses.txt");
+TEST(FormatTimedPosesTest, IsReadBackAsItWas) {
+  const std::vector<TimedPose> poses = {
+      {.time = 1305031241529758123,
+       .world_from_camera = {.rotation = Rotation3::FromAxisAngle({0.1, -2, 1}),
+                             .translation = {1.25, -2.5, 3}}},
+      {.time = 1305031242000000007, .world_from_camera = {}}};
+  const auto read = ParseTimedPoses(FormatTimedPoses(poses), "g");
   ASSERT_TRUE(read.ok()) << read.status();
-  ASSERT_EQ(read->size(), 2U);
-  EXPECT_EQ((*read)[1].time, written[1].time);
-  EXPECT_LT(
-      AngleBetween_rad((*read)[1].world_from_camera.rotation, pose.rotation),
-      1e-9);
-  EXPECT_LT(Norm((*read)[1].world_from_camera.translation - pose.translation),
-            1e-9);
+  ASSERT_EQ(read->size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ((*read)[i].time, poses[i].time);
+    const PoseError error =
+        ErrorBetween((*read)[i].world_from_camera, poses[i].world_from_camera);
+    EXPECT_LT(error.translation_m, 2e-9);
+    EXPECT_LT(error.rotation_rad, 1e-8);
+  }
 }
 
 }  // namespace

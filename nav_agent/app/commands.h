@@ -7,6 +7,8 @@
 namespace treeline {
 
 Command AddLocalizeCommand(CLI::App& app);
+Command AddMapCommand(CLI::App& app);
+Command AddScoreTrajectoryCommand(CLI::App& app);
 Command AddSimulateCommand(CLI::App& app);
 Command AddTraversabilityCommand(CLI::App& app);
 

@@ -12,8 +12,8 @@ constexpr const char* kDescription =
     "it, in the world or in a simulated one.";
 
 std::vector<Command> AddCommands(CLI::App& app) {
-  return {AddSimulateCommand(app), AddLocalizeCommand(app),
-          AddTraversabilityCommand(app)};
+  return {AddSimulateCommand(app), AddMapCommand(app), AddLocalizeCommand(app),
+          AddTraversabilityCommand(app), AddScoreTrajectoryCommand(app)};
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
@@ -34,10 +35,26 @@ struct CellImage {
   int width = 0;
   int height = 0;
   std::vector<Cell> cells;
+
+  const Cell& At(int x, int y) const {
+    return cells[static_cast<size_t>(y) * static_cast<size_t>(width) +
+                 static_cast<size_t>(x)];
+  }
 };
+
+float SquaredDistance(const Cell& a, const Cell& b) {
+  const float dx = a.x - b.x;
+  const float dy = a.y - b.y;
+  const float dz = a.z - b.z;
+  return dx * dx + dy * dy + dz * dz;
+}
 
 double UnitFor(double range_m) {
   return std::max(kFinestUnit_m, range_m / kLargestCoordinate);
+}
+
+double Agreement_m(double depth_m) {
+  return kAgreementBase_m + kAgreementSquare_per_m * depth_m * depth_m;
 }
 
 CompactPoint Compact(Vec3 point, double unit_m) {
@@ -96,10 +113,8 @@ class CellReader {
   }
 
   std::optional<Mean> MeanAround(int x0, int y0, uint16_t seed) const {
-    const double seed_m = seed * depth_.unit_m;
-    const double tolerance_m =
-        kAgreementBase_m + kAgreementSquare_per_m * seed_m * seed_m;
-    const int tolerance = static_cast<int>(tolerance_m / depth_.unit_m);
+    const int tolerance =
+        static_cast<int>(Agreement_m(seed * depth_.unit_m) / depth_.unit_m);
     int measured = 0;
     int agreeing = 0;
     int64_t sum = 0;
@@ -131,28 +146,31 @@ class CellReader {
   uint16_t lowest_;
 };
 
-CellImage ReadCells(const DepthImage& depth, const Camera& camera,
-                    const FusionOptions& options) {
-  const int step = PixelStep(camera, options);
+// The cell whose first pixel is (x0, y0); depth 0: none.
+Cell ReadCell(const CellReader& reader, const Camera& camera, int x0, int y0) {
+  const auto mean = reader.Read(x0, y0);
+  if (!mean) return {};
+  const std::optional<Pixel> ray =
+      camera.has_distortion()
+          ? camera.Unproject(mean->pixel)
+          : Pixel{(mean->pixel.x - camera.cx()) / camera.fx(),
+                  (mean->pixel.y - camera.cy()) / camera.fy()};
+  if (!ray) return {};
+  return {static_cast<float>(ray->x * mean->z_m),
+          static_cast<float>(ray->y * mean->z_m),
+          static_cast<float>(mean->z_m)};
+}
+
+CellImage ReadCells(const DepthImage& depth, const Camera& camera, int step,
+                    double min_depth_m) {
   CellImage image{
       .width = depth.width / step, .height = depth.height / step, .cells = {}};
-  image.cells.resize(static_cast<size_t>(image.width) *
-                     static_cast<size_t>(image.height));
-  const CellReader reader(depth, step, options.min_depth_m);
-  size_t i = 0;
+  image.cells.reserve(static_cast<size_t>(image.width) *
+                      static_cast<size_t>(image.height));
+  const CellReader reader(depth, step, min_depth_m);
   for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x, ++i) {
-      const auto mean = reader.Read(x * step, y * step);
-      if (!mean) continue;
-      const std::optional<Pixel> ray =
-          camera.has_distortion()
-              ? camera.Unproject(mean->pixel)
-              : Pixel{(mean->pixel.x - camera.cx()) / camera.fx(),
-                      (mean->pixel.y - camera.cy()) / camera.fy()};
-      if (!ray) continue;
-      image.cells[i] = {static_cast<float>(ray->x * mean->z_m),
-                        static_cast<float>(ray->y * mean->z_m),
-                        static_cast<float>(mean->z_m)};
+    for (int x = 0; x < image.width; ++x) {
+      image.cells.push_back(ReadCell(reader, camera, x * step, y * step));
     }
   }
   return image;
@@ -161,24 +179,16 @@ CellImage ReadCells(const DepthImage& depth, const Camera& camera,
 // The mean distance of cell (x, y) from its nearest `neighbors` of the eight
 // around it, divided by its depth; infinite with fewer than two around it.
 float NeighborDistance(const CellImage& image, int x, int y, int neighbors) {
-  const auto at = [&image](int cell_x, int cell_y) -> const Cell& {
-    return image
-        .cells[static_cast<size_t>(cell_y) * static_cast<size_t>(image.width) +
-               static_cast<size_t>(cell_x)];
-  };
-  const Cell& cell = at(x, y);
+  const Cell& cell = image.At(x, y);
   std::array<float, 8> squares{};
   int found = 0;
   for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, image.height - 1);
        ++ny) {
     for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, image.width - 1);
          ++nx) {
-      const Cell& other = at(nx, ny);
+      const Cell& other = image.At(nx, ny);
       if (other.z == 0 || (nx == x && ny == y)) continue;
-      const float dx = other.x - cell.x;
-      const float dy = other.y - cell.y;
-      const float dz = other.z - cell.z;
-      const float square = dx * dx + dy * dy + dz * dz;
+      const float square = SquaredDistance(cell, other);
       // Sorted in, as far as it is among the nearest.
       int place = std::min(found, neighbors);
       while (place > 0 && squares[static_cast<size_t>(place - 1)] > square) {
@@ -225,8 +235,69 @@ void RemoveOutliers(CellImage& image, const FusionOptions& options) {
       std::sqrt(std::max(0.0, sum_of_squares / n - mean * mean));
   const double limit = mean + options.outlier_deviations * deviation;
   for (size_t cell = 0; cell < distances.size(); ++cell) {
-    if (distances[cell] > limit) image.cells[cell] = {};
+    // What is nearer than a voxel says the same as its neighbours do.
+    const double voxel = options.resolution_m / double{image.cells[cell].z};
+    if (distances[cell] > std::max(limit, voxel)) image.cells[cell] = {};
   }
+}
+
+// Whether cell (x, y) and one of the four beside it, on the same surface, are
+// further apart than a voxel: a surface seen at a grazing angle.
+bool IsCoarse(const CellImage& image, int x, int y, double resolution_m) {
+  constexpr std::array<std::array<int, 2>, 4> kBeside = {
+      {{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
+  const Cell& cell = image.At(x, y);
+  const auto connected = static_cast<float>(3 * Agreement_m(double{cell.z}));
+  for (const auto& [dx, dy] : kBeside) {
+    if (x + dx < 0 || x + dx >= image.width || y + dy < 0 ||
+        y + dy >= image.height) {
+      continue;
+    }
+    const Cell& beside = image.At(x + dx, y + dy);
+    if (std::abs(cell.z - beside.z) < connected &&
+        SquaredDistance(cell, beside) > resolution_m * resolution_m) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Points within the range first, then those beyond it.
+class CloudBuilder {
+ public:
+  CloudBuilder(double unit_m, double max_depth_m) : max_depth_m_(max_depth_m) {
+    cloud_.unit_m = unit_m;
+  }
+
+  void Add(const Cell& cell) {
+    if (cell.z == 0) return;
+    const Vec3 point{cell.x, cell.y, cell.z};
+    if (cell.z <= max_depth_m_) {
+      cloud_.points.push_back(Compact(point, cloud_.unit_m));
+    } else {
+      beyond_.push_back(Compact(max_depth_m_ / point.z * point, cloud_.unit_m));
+    }
+  }
+
+  CompactCloud Build() && {
+    cloud_.hits = cloud_.points.size();
+    cloud_.points.insert(cloud_.points.end(), beyond_.begin(), beyond_.end());
+    cloud_.points.shrink_to_fit();
+    return std::move(cloud_);
+  }
+
+ private:
+  double max_depth_m_;
+  CompactCloud cloud_;
+  std::vector<CompactPoint> beyond_;
+};
+
+// Wide lenses see what is further to the side than ahead.
+double ReachOf(const Camera& camera, double max_depth_m) {
+  const double reach_x = std::max(camera.cx(), camera.width() - camera.cx());
+  const double reach_y = std::max(camera.cy(), camera.height() - camera.cy());
+  return max_depth_m *
+         std::max({1.0, reach_x / camera.fx(), reach_y / camera.fy()});
 }
 
 }  // namespace
@@ -243,31 +314,30 @@ absl::StatusOr<CompactCloud> MakeDepthCloud(const DepthImage& depth,
         camera.height()));
   }
   TL_RETURN_IF_ERROR(CheckRange("the depth's unit_m", depth.unit_m, 1e-5, 0.1));
-  CellImage image = ReadCells(depth, camera, options);
+  const int step = PixelStep(camera, options);
+  CellImage image = ReadCells(depth, camera, step, options.min_depth_m);
   if (options.outlier_neighbors > 0) RemoveOutliers(image, options);
 
-  // Wide lenses see what is further to the side than ahead.
-  const double reach_x = std::max(camera.cx(), camera.width() - camera.cx());
-  const double reach_y = std::max(camera.cy(), camera.height() - camera.cy());
-  CompactCloud cloud;
-  cloud.unit_m =
-      UnitFor(options.max_depth_m *
-              std::max({1.0, reach_x / camera.fx(), reach_y / camera.fy()}));
-  std::vector<CompactPoint> beyond;
-  for (const Cell& cell : image.cells) {
-    if (cell.z == 0) continue;
-    const Vec3 point{cell.x, cell.y, cell.z};
-    if (cell.z <= options.max_depth_m) {
-      cloud.points.push_back(Compact(point, cloud.unit_m));
-    } else {
-      beyond.push_back(
-          Compact(options.max_depth_m / point.z * point, cloud.unit_m));
+  CloudBuilder builder(UnitFor(ReachOf(camera, options.max_depth_m)),
+                       options.max_depth_m);
+  const int half = step / 2;
+  const CellReader quarters(depth, std::max(half, 1), options.min_depth_m);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const Cell& cell = image.At(x, y);
+      if (cell.z == 0) continue;
+      if (half == 0 || !IsCoarse(image, x, y, options.resolution_m)) {
+        builder.Add(cell);
+        continue;
+      }
+      for (const int dy : {0, step - half}) {
+        for (const int dx : {0, step - half}) {
+          builder.Add(ReadCell(quarters, camera, x * step + dx, y * step + dy));
+        }
+      }
     }
   }
-  cloud.hits = cloud.points.size();
-  cloud.points.insert(cloud.points.end(), beyond.begin(), beyond.end());
-  cloud.points.shrink_to_fit();
-  return cloud;
+  return std::move(builder).Build();
 }
 
 CompactCloud MakePointCloud(std::span<const Vec3> points_in_sensor,

@@ -19,6 +19,9 @@ struct CompactPoint {
   int16_t x = 0;
   int16_t y = 0;
   int16_t z = 0;
+  // So much of the ray to it is surely free, in parts of kWholeRay.
+  uint16_t free = kWholeRay;
+  static constexpr uint16_t kWholeRay = 65535;
 
   constexpr bool operator==(const CompactPoint&) const = default;
 };

@@ -40,7 +40,7 @@ struct FusionOptions {
   // its nearest neighbours, so many of the eight around it, divided by its
   // depth, is more than `outlier_deviations` standard deviations above the
   // view's mean. In [0, 8], 0: all points are kept; and in (0, 100].
-  int outlier_neighbors = 4;
+  int outlier_neighbors = 2;
   double outlier_deviations = 1;
 
   // What map, clouds and working space may take together (bytes), at least

@@ -151,10 +151,11 @@ absl::StatusOr<std::optional<ColumnBox>> OctomapBuilder::Fuse(
   const Vec3 grid_from_map{static_cast<double>(-first.x * kSide),
                            static_cast<double>(-first.y * kSide),
                            static_cast<double>(-first.z * kSide)};
+  const Vec3 eye = origin + grid_from_map;
   for (size_t i = 0; i < places_.size(); ++i) {
     const Vec3 place = places_[i] + grid_from_map;
     if (i < cloud.hits) grid_.MarkOccupied(place);
-    grid_.MarkFree(origin + grid_from_map, place);
+    grid_.MarkFree(eye, place);
   }
   return map.Add(grid_, map_bytes / OccupancyBlocks::kBlockBytes);
 }

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <system_error>
 #include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/yaml/yaml_node.h"
@@ -58,6 +61,10 @@ std::string FormatManifest(const MapBundleManifest& manifest) {
                         manifest.resolution_m, manifest.levels,
                         manifest.keyframes, manifest.trajectory_of,
                         manifest.poses);
+  if (!manifest.planar_heights_m.empty()) {
+    absl::StrAppend(&text, "planar_heights_m: [",
+                    absl::StrJoin(manifest.planar_heights_m, ", "), "]\n");
+  }
   absl::StrAppendFormat(
       &text,
       "# What the levels were extracted for.\ntraversability:\n"
@@ -113,6 +120,19 @@ absl::Status CheckParts(const std::string& folder,
   return manifest.keyframes > 0 ? check(kBundleKeyframes) : absl::OkStatus();
 }
 
+std::string LevelPath(const std::string& folder, size_t level) {
+  return absl::StrCat(folder, "/", kBundleLevels, "/level-", level, ".yaml");
+}
+
+absl::StatusOr<std::vector<OccupancyGrid>> ReadLevels(const std::string& folder,
+                                                      int count) {
+  std::vector<OccupancyGrid> grids;
+  for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
+    TL_ASSIGN_OR_RETURN(grids.emplace_back(), ReadMap(LevelPath(folder, i)));
+  }
+  return grids;
+}
+
 }  // namespace
 
 absl::Status BeginMapBundle(const std::string& folder, bool overwrite) {
@@ -163,9 +183,9 @@ absl::Status FinishMapBundle(const std::string& folder,
 absl::StatusOr<MapBundleManifest> ParseMapBundleManifest(
     absl::string_view yaml, absl::string_view name) {
   TL_ASSIGN_OR_RETURN(const YamlNode root, YamlNode::Parse(yaml, name));
-  TL_RETURN_IF_ERROR(
-      root.CheckKeys({"version", "name", "source", "method", "resolution_m",
-                      "levels", "keyframes", "trajectory", "traversability"}));
+  TL_RETURN_IF_ERROR(root.CheckKeys(
+      {"version", "name", "source", "method", "resolution_m", "levels",
+       "keyframes", "trajectory", "planar_heights_m", "traversability"}));
   TL_ASSIGN_OR_RETURN(const int64_t version,
                       root.Integer("version", 1, 1'000'000));
   if (version != kVersion) {
@@ -196,6 +216,11 @@ absl::StatusOr<MapBundleManifest> ParseMapBundleManifest(
   manifest.keyframes = static_cast<int>(keyframes);
   manifest.trajectory_of = of == 0 ? "base" : "camera";
   manifest.poses = static_cast<int>(poses);
+  if (root.Has("planar_heights_m")) {
+    TL_ASSIGN_OR_RETURN(manifest.planar_heights_m,
+                        root.Numbers("planar_heights_m",
+                                     static_cast<size_t>(levels), -1e6, 1e6));
+  }
   TL_ASSIGN_OR_RETURN(const YamlNode traversability,
                       root.Get("traversability"));
   TL_ASSIGN_OR_RETURN(manifest.traversability,
@@ -230,29 +255,113 @@ absl::StatusOr<MapBundle> LoadMapBundle(const std::string& folder) {
   TL_ASSIGN_OR_RETURN(bundle.manifest, ReadMapBundleManifest(folder));
   const std::string octomap = folder + "/" + kBundleOctomap;
   TL_ASSIGN_OR_RETURN(bundle.voxels, ReadOctree(octomap));
+  TL_ASSIGN_OR_RETURN(std::vector<OccupancyGrid> drawn,
+                      ReadLevels(folder, bundle.manifest.levels));
+  if (!bundle.manifest.planar_heights_m.empty()) {
+    TL_ASSIGN_OR_RETURN(bundle.levels,
+                        PlanarLevels(drawn, bundle.manifest.planar_heights_m));
+    return bundle;
+  }
   absl::StatusOr<TraversableMap> levels =
       ExtractTraversableMap(bundle.voxels, bundle.manifest.traversability);
   if (!levels.ok()) return Annotate(levels.status(), octomap);
   bundle.levels = *std::move(levels);
-  if (bundle.levels.levels.size() !=
-      static_cast<size_t>(bundle.manifest.levels)) {
+  if (bundle.levels.levels.size() != drawn.size()) {
     return absl::FailedPreconditionError(
         absl::StrCat(folder, ": the OctoMap has ", bundle.levels.levels.size(),
-                     " levels, bundle.yaml says ", bundle.manifest.levels));
+                     " levels, bundle.yaml says ", drawn.size()));
   }
-  for (size_t i = 0; i < bundle.levels.levels.size(); ++i) {
+  for (size_t i = 0; i < drawn.size(); ++i) {
     OccupancyGrid& grid = bundle.levels.levels[i].grid;
-    const std::string path =
-        absl::StrCat(folder, "/", kBundleLevels, "/level-", i, ".yaml");
-    TL_ASSIGN_OR_RETURN(OccupancyGrid drawn, ReadMap(path));
-    if (drawn.width != grid.width || drawn.height != grid.height) {
-      return absl::FailedPreconditionError(absl::StrFormat(
-          "%s: it is %d x %d cells large, the OctoMap %d x %d", path,
-          drawn.width, drawn.height, grid.width, grid.height));
+    if (drawn[i].width != grid.width || drawn[i].height != grid.height) {
+      return absl::FailedPreconditionError(
+          absl::StrFormat("%s: it is %d x %d cells large, the OctoMap %d x %d",
+                          LevelPath(folder, i), drawn[i].width, drawn[i].height,
+                          grid.width, grid.height));
     }
-    grid.cells = std::move(drawn.cells);
+    grid.cells = std::move(drawn[i].cells);
   }
   return bundle;
+}
+
+absl::StatusOr<TraversableMap> PlanarLevels(
+    std::span<const OccupancyGrid> grids, std::span<const double> heights_m) {
+  if (grids.empty() || grids.size() != heights_m.size()) {
+    return absl::InvalidArgumentError(
+        "a planar map needs a grid and a height for each level");
+  }
+  const double resolution_m = grids[0].resolution_m;
+  // Cells of all grids, numbered from the map's origin.
+  std::vector<CellIndex> lowest;
+  CellIndex low{std::numeric_limits<int>::max(),
+                std::numeric_limits<int>::max()};
+  CellIndex high{std::numeric_limits<int>::min(),
+                 std::numeric_limits<int>::min()};
+  for (const OccupancyGrid& grid : grids) {
+    if (grid.resolution_m != resolution_m || grid.map_from_grid.yaw_rad != 0) {
+      return absl::InvalidArgumentError(
+          "the levels' grids differ in resolution, or are turned");
+    }
+    const Vec2 corner = grid.map_from_grid.translation;
+    lowest.push_back({static_cast<int>(std::lround(corner.x / resolution_m)),
+                      static_cast<int>(std::lround(corner.y / resolution_m))});
+    low = {std::min(low.x, lowest.back().x), std::min(low.y, lowest.back().y)};
+    high = {std::max(high.x, lowest.back().x + grid.width),
+            std::max(high.y, lowest.back().y + grid.height)};
+  }
+  TraversableMap map;
+  for (size_t i = 0; i < grids.size(); ++i) {
+    TraversableLevel level;
+    level.grid = OccupancyGrid::Filled(
+        high.x - low.x, high.y - low.y, resolution_m,
+        {.translation = {low.x * resolution_m, low.y * resolution_m}},
+        Occupancy::kUnknown);
+    for (int y = 0; y < grids[i].height; ++y) {
+      for (int x = 0; x < grids[i].width; ++x) {
+        level.grid.Set({x + lowest[i].x - low.x, y + lowest[i].y - low.y},
+                       grids[i].At({x, y}));
+      }
+    }
+    const size_t cells = level.grid.cells.size();
+    level.height_m.assign(cells, static_cast<float>(heights_m[i]));
+    level.slope_rad.assign(cells, 0);
+    level.clearance_m.assign(cells, std::numeric_limits<float>::infinity());
+    map.levels.push_back(std::move(level));
+  }
+  return map;
+}
+
+absl::StatusOr<VoxelMap> PlanarVoxels(const TraversableMap& levels,
+                                      double laser_height_m) {
+  if (levels.levels.empty()) {
+    return absl::InvalidArgumentError("there is no level");
+  }
+  const OccupancyGrid& first = levels.levels[0].grid;
+  const double resolution_m = first.resolution_m;
+  const auto layer_of = [&](const TraversableLevel& level) {
+    return static_cast<int>(
+        std::floor((level.height_m[0] + laser_height_m) / resolution_m));
+  };
+  const Vec2 corner = first.map_from_grid.translation;
+  const VoxelIndex lowest = {
+      static_cast<int>(std::lround(corner.x / resolution_m)),
+      static_cast<int>(std::lround(corner.y / resolution_m)),
+      layer_of(levels.levels.front())};
+  const VoxelIndex size = {first.width, first.height,
+                           layer_of(levels.levels.back()) - lowest.z + 1};
+  TL_ASSIGN_OR_RETURN(VoxelMap map, VoxelMap::Make(resolution_m, lowest, size));
+  for (const TraversableLevel& level : levels.levels) {
+    const int z = layer_of(level) - lowest.z;
+    for (int y = 0; y < first.height; ++y) {
+      for (int x = 0; x < first.width; ++x) {
+        const Occupancy cell = level.grid.At({x, y});
+        if (cell == Occupancy::kUnknown) continue;
+        map.Set({x, y, z},
+                cell == Occupancy::kOccupied ? Voxel::kOccupied : Voxel::kFree);
+      }
+    }
+  }
+  return map;
 }
 
 }  // namespace treeline

@@ -6,6 +6,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -29,6 +30,10 @@ struct MapBundleManifest {
   int keyframes = 0;
   int levels = 0;
   double resolution_m = 0.05;
+  // Of a map that was made without a camera: the ground's height on each level.
+  // The OctoMap then is what a horizontal plane through the laser saw, and
+  // levels are what their pictures say. Empty: the OctoMap has ground.
+  std::vector<double> planar_heights_m{};
   // What the levels were extracted for.
   TraversabilityOptions traversability{};
 };
@@ -40,6 +45,17 @@ inline constexpr char kBundleLevels[] = "levels";
 inline constexpr char kBundleKeyframes[] = "keyframes";
 inline constexpr char kBundleTrajectory[] = "trajectory.txt";
 inline constexpr char kBundlePicture[] = "map.png";
+
+// One level for each grid, without slopes or joins. The grids may differ in
+// size and place; the levels' cover all of them. INVALID_ARGUMENT if there is
+// none, they differ in resolution, or are turned.
+absl::StatusOr<TraversableMap> PlanarLevels(
+    std::span<const OccupancyGrid> grids, std::span<const double> heights_m);
+
+// What a horizontal plane `laser_height_m` above each level's ground saw: a
+// layer of voxels.
+absl::StatusOr<VoxelMap> PlanarVoxels(const TraversableMap& levels,
+                                      double laser_height_m);
 
 // Makes the folder ready for a new bundle. ALREADY_EXISTS if there is something
 // in it, unless `overwrite`: then what a bundle consists of is removed, and
@@ -66,8 +82,8 @@ absl::StatusOr<MapBundleManifest> ParseMapBundleManifest(
 struct MapBundle {
   MapBundleManifest manifest;
   VoxelMap voxels;
-  // Extracted from the OctoMap, and then as level-N.pgm has it: somebody may
-  // have drawn in it where the robot must not go.
+  // Extracted from the OctoMap (if it has ground), and then as level-N.pgm has
+  // it: somebody may have drawn in it where the robot must not go.
   TraversableMap levels;
 };
 

@@ -155,6 +155,45 @@ TEST_F(MapBundleTest, BadManifestsAreRefusedWithTheirLine) {
   EXPECT_THAT(with("max_step_m: ", "max_step_m: 9"), HasSubstr("step"));
 }
 
+TEST_F(MapBundleTest, ALaserAloneMakesPlanarLevels) {
+  OccupancyGrid ground = OccupancyGrid::Filled(
+      10, 8, 0.05, {.translation = {-0.5, 0.2}}, Occupancy::kFree);
+  ground.Set({9, 7}, Occupancy::kOccupied);
+  const OccupancyGrid upper = OccupancyGrid::Filled(
+      4, 4, 0.05, {.translation = {0, 0}}, Occupancy::kFree);
+  const std::vector<OccupancyGrid> grids = {ground, upper};
+  const std::vector<double> heights_m = {0, 3};
+  const auto levels = PlanarLevels(grids, heights_m);
+  ASSERT_TRUE(levels.ok()) << levels.status();
+  ASSERT_EQ(levels->levels.size(), 2U);
+  const OccupancyGrid& grid = levels->levels[0].grid;
+  EXPECT_EQ(grid.width, 14);
+  EXPECT_EQ(grid.height, 12);
+  EXPECT_EQ(grid.At(grid.CellOf({-0.02, 0.57})), Occupancy::kOccupied);
+  EXPECT_EQ(grid.At(grid.CellOf({0.1, 0.1})), Occupancy::kUnknown);
+  EXPECT_EQ(levels->levels[1].grid.At(grid.CellOf({0.1, 0.1})),
+            Occupancy::kFree);
+  const auto voxels = PlanarVoxels(*levels, 0.33);
+  ASSERT_TRUE(voxels.ok()) << voxels.status();
+  EXPECT_EQ(voxels->CountOccupied(), 1);
+  EXPECT_EQ(voxels->CountFree(), 79 + 16);
+  EXPECT_EQ(voxels->At(voxels->IndexOf({-0.02, 0.57, 0.33})), Voxel::kOccupied);
+  EXPECT_EQ(voxels->At(voxels->IndexOf({0.1, 0.1, 3.33})), Voxel::kFree);
+
+  ASSERT_TRUE(BeginMapBundle(folder_, /*overwrite=*/false).ok());
+  ASSERT_TRUE(WriteOctree(*voxels, Part(kBundleOctomap)).ok());
+  ASSERT_TRUE(WriteTraversableMap(*levels, 0.3, Part(kBundleLevels)).ok());
+  ASSERT_TRUE(WriteBundleTrajectory(folder_, {}).ok());
+  MapBundleManifest manifest = Manifest();
+  manifest.levels = 2;
+  manifest.planar_heights_m = heights_m;
+  ASSERT_TRUE(FinishMapBundle(folder_, manifest).ok());
+  const auto bundle = LoadMapBundle(folder_);
+  ASSERT_TRUE(bundle.ok()) << bundle.status();
+  EXPECT_EQ(bundle->levels.levels[0].grid.cells, grid.cells);
+  EXPECT_EQ(bundle->levels.levels[1].height_m[0], 3);
+}
+
 TEST_F(MapBundleTest, KeyframesAreARecordingToTrainOn) {
   RgbdCalibration calibration;
   calibration.color = *Camera::Parse("PINHOLE,16,16,8,6", 16, 12);

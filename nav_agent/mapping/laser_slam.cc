@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "common/base/clock.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/mapping/driven_ground.h"
 #include "nav_agent/mapping/loop_worker.h"
+#include "nav_agent/mapping/scan_plane.h"
 
 namespace treeline {
 namespace {
@@ -24,16 +26,54 @@ bool HasMoved(const Rigid2& motion, double length_m, double angle_rad) {
          std::abs(motion.yaw_rad) >= angle_rad;
 }
 
+// A tilt that is none (rad).
+constexpr double kLevel_rad = 1e-4;
+// How much a turn counts beside a way, when corrections are spread (m per rad).
+constexpr double kTurnAsWay_m = 0.3;
+// Climbs follow the matched way within these factors, and once the way is long
+// enough.
+constexpr double kLeastOfWay = 0.5;
+constexpr double kMostOfWay = 1.5;
+constexpr double kTellingWay_m = 0.03;
+
+double ThreadTime_ms() {
+  timespec time = {};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) +
+         1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+bool IsTilted(const Rotation3& level_from_base) {
+  return std::hypot(level_from_base.x, level_from_base.y) > 0.5 * kLevel_rad;
+}
+
 struct Keyscan {
-  std::shared_ptr<const ScanPoints> scan;
+  std::shared_ptr<const ScanOutline> scan;
   Rigid2 map_from_base;
+  double height_m = 0;
+  // Of the ground, in the base's axes.
+  Vec2 slope;
+
+  ScanPlane Plane() const {
+    return {.at = map_from_base.translation,
+            .height_m = height_m,
+            .slope = TurnedBy(map_from_base.yaw_rad, slope)};
+  }
 };
+
+Vec3 PlaceOf(const Keyscan& keyscan) {
+  const Vec2 at = keyscan.map_from_base.translation;
+  return {at.x, at.y, keyscan.height_m};
+}
 
 // A scan's place, tied to the keyscan before it so that it moves with it.
 struct ScanPlace {
   RecordingTime stamp;
   size_t keyscan = 0;
   Rigid2 keyscan_from_base;
+  double climb_m = 0;  // since the keyscan
+  Rotation3 level_from_base;
+  double way_m = 0;  // in odometry, turns too
 };
 
 class LaserSlamOnThread final : public LaserSlam {
@@ -43,10 +83,15 @@ class LaserSlamOnThread final : public LaserSlam {
       : laser_(laser),
         base_from_laser_(base_from_laser),
         options_(options),
+        ground_(options.ground_reach_m),
+        leaves_out_ground_(options.ground_margin_m > 0 &&
+                           base_from_laser.translation.z >
+                               2 * options.ground_margin_m),
         worker_(LoopCloser(options.loops, options.matcher, options.graph),
                 options.synchronous) {}
 
   absl::StatusOr<Rigid2> AddScan(const LaserSlamScan& scan) override;
+  double Height_m() const override { return height_m_; }
   void Finish() override {
     worker_.Finish(options_.polish_rounds);
     ApplyCorrection();
@@ -63,24 +108,53 @@ class LaserSlamOnThread final : public LaserSlam {
   absl::Status Check(const LaserSlamScan& scan) const;
   void ApplyCorrection();
   // Finds the robot, from a prediction; false: odometry has to do.
-  bool Match(const ScanPoints& scan, const MatchSearch& search,
+  bool Match(const ScanOutline& scan, Vec2 slope, const MatchSearch& search,
              Covariance3* covariance);
+  struct Window {
+    std::vector<PlacedScan> references;
+    // The direction in which they do not tell where the robot is; or 0.
+    Vec2 untold;
+  };
+  Window WindowFor(const ScanPlane& plane) const;
   MatchSearch SearchAfter(const Rigid2& motion) const;
-  void AddKeyscan(std::shared_ptr<const ScanPoints> scan,
+  // The scan's points, without those that are known to be ground.
+  std::shared_ptr<const ScanOutline> OutlineOf(const LaserSlamScan& scan) const;
+  // Where odometry says that the robot is now.
+  void Predict(const LaserSlamScan& scan);
+  // Matches the scan against the window; its covariance, by odometry where it
+  // does not match.
+  Covariance3 Locate(const ScanOutline& outline, const LaserSlamScan& scan);
+  // Spreads what matching has corrected over the scans since the last match.
+  void SpreadCorrection(const Rigid2& map_from_predicted);
+  void FollowWay(const Rigid2& map_from_predicted);
+  void AddKeyscan(std::shared_ptr<const ScanOutline> outline,
+                  const LaserSlamScan& scan,
                   const Covariance3& covariance_in_map);
+  void AddPlace(const LaserSlamScan& scan);
 
   const RangeSensorInfo laser_;
   const Rigid3 base_from_laser_;
   const LaserSlamOptions options_;
-  SteadyClock clock_;
   std::vector<Keyscan> keyscans_;
   std::vector<ScanPlace> places_;
   Rigid2 map_from_base_;
+  double height_m_ = 0;  // of the base, in the map
+  double way_m_ = 0;
+  // The last scan that was matched: its number and where it was; by how much
+  // odometry has climbed since then.
+  size_t matched_place_ = 0;
+  double matched_way_m_ = 0;
+  Rigid2 map_from_matched_;
+  double climb_since_match_m_ = 0;
+  // The last scan's height in odometry.
+  double last_height_m_ = 0;
   // Odometry of the last scan, of the last one that was matched, and of the
   // last keyscan.
   Rigid2 odom_from_last_;
   Rigid2 odom_from_matched_;
   Rigid2 odom_from_keyscan_;
+  DrivenGround ground_;
+  const bool leaves_out_ground_;
   LaserSlamStatistics statistics_;
   LoopWorker worker_;
 };
@@ -93,6 +167,7 @@ absl::Status LaserSlamOnThread::Check(const LaserSlamScan& scan) const {
   }
   const Rotation3& q = scan.level_from_base;
   if (!IsFinitePose(scan.odom_from_base) ||
+      !IsFinitePose(scan.first_from_last) || !std::isfinite(scan.height_m) ||
       !IsFinite(Rigid3{.rotation = q, .translation = {}})) {
     return absl::InvalidArgumentError("a scan at a pose that is not finite");
   }
@@ -109,13 +184,25 @@ void LaserSlamOnThread::ApplyCorrection() {
   if (!corrected.has_value() || corrected->empty()) return;
   const size_t known = corrected->size();
   // What came later moves with the last one that was corrected.
+  const KeyscanPlace& last = corrected->back();
   const Rigid2 new_from_old =
-      corrected->back() * keyscans_[known - 1].map_from_base.Inverse();
+      last.map_from_base * keyscans_[known - 1].map_from_base.Inverse();
+  const double rise_m = last.height_m - keyscans_[known - 1].height_m;
+  ground_.Clear();
   for (size_t i = 0; i < keyscans_.size(); ++i) {
-    Rigid2& map_from_base = keyscans_[i].map_from_base;
-    map_from_base = i < known ? (*corrected)[i] : new_from_old * map_from_base;
+    Keyscan& keyscan = keyscans_[i];
+    if (i < known) {
+      keyscan.map_from_base = (*corrected)[i].map_from_base;
+      keyscan.height_m = (*corrected)[i].height_m;
+    } else {
+      keyscan.map_from_base = new_from_old * keyscan.map_from_base;
+      keyscan.height_m += rise_m;
+    }
+    ground_.Add(PlaceOf(keyscan));
   }
   map_from_base_ = new_from_old * map_from_base_;
+  map_from_matched_ = new_from_old * map_from_matched_;
+  height_m_ += rise_m;
 }
 
 MatchSearch LaserSlamOnThread::SearchAfter(const Rigid2& motion) const {
@@ -135,88 +222,228 @@ MatchSearch LaserSlamOnThread::SearchAfter(const Rigid2& motion) const {
           .guess_sigma_rad = sigma_rad};
 }
 
-bool LaserSlamOnThread::Match(const ScanPoints& scan, const MatchSearch& search,
-                              Covariance3* covariance) {
-  if (static_cast<int>(scan.size()) < options_.min_points) return false;
-  std::vector<PlacedScan> references;
+LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
+    const ScanPlane& plane) const {
+  Window alike;
+  Window all;
   const size_t count =
       std::min(keyscans_.size(), static_cast<size_t>(options_.window));
   for (size_t i = keyscans_.size() - count; i < keyscans_.size(); ++i) {
-    references.push_back({.scan = keyscans_[i].scan.get(),
-                          .target_from_scan = keyscans_[i].map_from_base});
+    const Keyscan& keyscan = keyscans_[i];
+    const ScanPlane other = keyscan.Plane();
+    if (Gap_m(plane, other) > options_.max_gap_m) continue;
+    const PlacedScan reference = {.scan = keyscan.scan.get(),
+                                  .target_from_scan = keyscan.map_from_base};
+    all.references.push_back(reference);
+    if (TiltBetween(plane, other) <= options_.max_tilt) {
+      alike.references.push_back(reference);
+    } else {
+      all.untold = all.untold + (other.slope - plane.slope);
+    }
   }
-  const SurfaceGrid grid = MakeSurfaceGrid(references, scan, map_from_base_,
-                                           search, options_.matcher);
+  const bool enough =
+      static_cast<int>(alike.references.size()) >= options_.min_alike;
+  if (enough || alike.references.size() == all.references.size()) return alike;
+  const double tilt = Norm(all.untold);
+  if (tilt > 0) all.untold = (1 / tilt) * all.untold;
+  return all;
+}
+
+bool LaserSlamOnThread::Match(const ScanOutline& scan, Vec2 slope,
+                              const MatchSearch& search,
+                              Covariance3* covariance) {
+  if (static_cast<int>(scan.size()) < options_.min_points) return false;
+  const Rigid2 guess = map_from_base_;
+  const Window window = WindowFor({.at = guess.translation,
+                                   .height_m = height_m_,
+                                   .slope = TurnedBy(guess.yaw_rad, slope)});
+  const SurfaceGrid grid =
+      MakeSurfaceGrid(window.references, scan, guess, search, options_.matcher);
   const ScanMatch match =
-      MatchScan(grid, scan, map_from_base_, search, options_.matcher);
+      MatchScan(grid, scan, guess, search, options_.matcher);
   if (match.response < options_.min_response) return false;
   map_from_base_ = match.target_from_scan;
   *covariance = match.covariance;
+  const Vec2 untold = window.untold;
+  if (untold == Vec2{}) return true;
+  const double off_m =
+      Dot(match.target_from_scan.translation - guess.translation, untold);
+  map_from_base_.translation = map_from_base_.translation - off_m * untold;
+  const double variance = search.guess_sigma_m * search.guess_sigma_m;
+  (*covariance)[0] += variance * untold.x * untold.x;
+  (*covariance)[1] += variance * untold.x * untold.y;
+  (*covariance)[3] += variance * untold.x * untold.y;
+  (*covariance)[4] += variance * untold.y * untold.y;
   return true;
 }
 
-void LaserSlamOnThread::AddKeyscan(std::shared_ptr<const ScanPoints> scan,
-                                   const Covariance3& covariance_in_map) {
-  KeyscanJob job;
-  job.scan = scan;
-  if (!keyscans_.empty()) {
-    const Rigid2& map_from_previous = keyscans_.back().map_from_base;
-    job.previous_from_this = map_from_previous.Inverse() * map_from_base_;
-    job.covariance = Turned(covariance_in_map, -map_from_previous.yaw_rad);
+std::shared_ptr<const ScanOutline> LaserSlamOnThread::OutlineOf(
+    const LaserSlamScan& scan) const {
+  const Rigid3 level_from_laser =
+      Rigid3{.rotation = scan.level_from_base, .translation = {}} *
+      base_from_laser_;
+  ScanOutlineOptions points = options_.points;
+  std::span<const float> ranges_m = scan.ranges_m;
+  std::vector<float> kept;
+  const bool is_tilted = IsTilted(scan.level_from_base);
+  if (leaves_out_ground_ && is_tilted) {
+    points.min_height_m =
+        std::max(points.min_height_m, options_.ground_margin_m);
   }
-  keyscans_.push_back(
-      {.scan = std::move(scan), .map_from_base = map_from_base_});
-  worker_.Add(std::move(job));
+  if (leaves_out_ground_ && !ground_.IsLevel(options_.ground_margin_m)) {
+    const Vec2 at = map_from_base_.translation;
+    const Rigid3 map_from_level = {
+        .rotation = Rotation3::FromAxisAngle({0, 0, map_from_base_.yaw_rad}),
+        .translation = {at.x, at.y, height_m_}};
+    kept = WithoutGround(ranges_m, laser_, map_from_level * level_from_laser,
+                         ground_, options_.ground_margin_m);
+    ranges_m = kept;
+  }
+  return std::make_shared<const ScanOutline>(MakeScanOutline(
+      ranges_m, laser_, level_from_laser, points, scan.first_from_last));
+}
+
+void LaserSlamOnThread::Predict(const LaserSlamScan& scan) {
+  if (places_.empty()) {
+    last_height_m_ = scan.height_m;
+    return;
+  }
+  const Rigid2 motion = odom_from_last_.Inverse() * scan.odom_from_base;
+  map_from_base_ = map_from_base_ * motion;
+  way_m_ += Norm(motion.translation) + kTurnAsWay_m * std::abs(motion.yaw_rad);
+  const double climb_m = scan.height_m - last_height_m_;
+  height_m_ += climb_m;
+  climb_since_match_m_ += climb_m;
+  last_height_m_ = scan.height_m;
+}
+
+void LaserSlamOnThread::SpreadCorrection(const Rigid2& map_from_predicted) {
+  const double length_m = way_m_ - matched_way_m_;
+  if (!(length_m > 0) || keyscans_.empty()) return;
+  const double yaw_rad =
+      NormalizedAngle_rad(map_from_base_.yaw_rad - map_from_predicted.yaw_rad);
+  // In the axes of the keyscan that they are all tied to.
+  const Vec2 off =
+      Rigid2{.translation = {},
+             .yaw_rad = -keyscans_.back().map_from_base.yaw_rad} *
+      (map_from_base_.translation - map_from_predicted.translation);
+  for (size_t i = matched_place_ + 1; i < places_.size(); ++i) {
+    ScanPlace& place = places_[i];
+    const double part = (place.way_m - matched_way_m_) / length_m;
+    Rigid2& keyscan_from_base = place.keyscan_from_base;
+    keyscan_from_base.translation = keyscan_from_base.translation + part * off;
+    keyscan_from_base.yaw_rad =
+        NormalizedAngle_rad(keyscan_from_base.yaw_rad + part * yaw_rad);
+  }
+}
+
+void LaserSlamOnThread::FollowWay(const Rigid2& map_from_predicted) {
+  const Vec2 matched =
+      map_from_base_.translation - map_from_matched_.translation;
+  const Vec2 predicted =
+      map_from_predicted.translation - map_from_matched_.translation;
+  const double length_m = Norm(predicted);
+  if (length_m > kTellingWay_m) {
+    const double factor =
+        std::clamp(Dot(matched, predicted) / (length_m * length_m), kLeastOfWay,
+                   kMostOfWay);
+    height_m_ += (factor - 1) * climb_since_match_m_;
+  }
+}
+
+Covariance3 LaserSlamOnThread::Locate(const ScanOutline& outline,
+                                      const LaserSlamScan& scan) {
+  const Rigid2 since_match = odom_from_matched_.Inverse() * scan.odom_from_base;
+  const Rigid2 map_from_predicted = map_from_base_;
+  Covariance3 covariance{};
+  if (Match(outline, SlopeUnder(scan.level_from_base), SearchAfter(since_match),
+            &covariance)) {
+    SpreadCorrection(map_from_predicted);
+    FollowWay(map_from_predicted);
+    odom_from_matched_ = scan.odom_from_base;
+    map_from_matched_ = map_from_base_;
+    climb_since_match_m_ = 0;
+    matched_place_ = places_.size();
+    matched_way_m_ = way_m_;
+    return covariance;
+  }
+  ++statistics_.unmatched;
+  const MatchSearch odometry =
+      SearchAfter(odom_from_keyscan_.Inverse() * scan.odom_from_base);
+  covariance[0] = covariance[4] =
+      odometry.guess_sigma_m * odometry.guess_sigma_m;
+  covariance[8] = odometry.guess_sigma_rad * odometry.guess_sigma_rad;
+  return covariance;
+}
+
+void LaserSlamOnThread::AddKeyscan(std::shared_ptr<const ScanOutline> outline,
+                                   const LaserSlamScan& scan,
+                                   const Covariance3& covariance_in_map) {
+  NewKeyscan added = {.scan = outline,
+                      .previous_from_this = {},
+                      .slope = SlopeUnder(scan.level_from_base)};
+  if (!keyscans_.empty()) {
+    const Keyscan& previous = keyscans_.back();
+    added.previous_from_this =
+        previous.map_from_base.Inverse() * map_from_base_;
+    added.covariance =
+        Turned(covariance_in_map, -previous.map_from_base.yaw_rad);
+    added.climb_m = height_m_ - previous.height_m;
+  }
+  keyscans_.push_back({.scan = std::move(outline),
+                       .map_from_base = map_from_base_,
+                       .height_m = height_m_,
+                       .slope = added.slope});
+  ground_.Add(PlaceOf(keyscans_.back()));
+  odom_from_keyscan_ = scan.odom_from_base;
+  odom_from_matched_ = scan.odom_from_base;
+  map_from_matched_ = map_from_base_;
+  climb_since_match_m_ = 0;
+  matched_place_ = places_.size();
+  matched_way_m_ = way_m_;
+  worker_.Add(std::move(added));
+}
+
+void LaserSlamOnThread::AddPlace(const LaserSlamScan& scan) {
+  ScanPlace place = {.stamp = scan.stamp,
+                     .keyscan_from_base = map_from_base_,
+                     .climb_m = height_m_,
+                     .level_from_base = scan.level_from_base,
+                     .way_m = way_m_};
+  if (!keyscans_.empty()) {
+    const Keyscan& keyscan = keyscans_.back();
+    place.keyscan = keyscans_.size() - 1;
+    place.keyscan_from_base = keyscan.map_from_base.Inverse() * map_from_base_;
+    place.climb_m = height_m_ - keyscan.height_m;
+  }
+  places_.push_back(place);
+  odom_from_last_ = scan.odom_from_base;
 }
 
 absl::StatusOr<Rigid2> LaserSlamOnThread::AddScan(const LaserSlamScan& scan) {
   TL_RETURN_IF_ERROR(Check(scan));
-  const MonotonicTime start = clock_.Now();
+  const double start_ms = ThreadTime_ms();
   ApplyCorrection();
-  const Rigid3 level_from_laser =
-      Rigid3{.rotation = scan.level_from_base, .translation = {}} *
-      base_from_laser_;
-  const Rigid2& odom_from_base = scan.odom_from_base;
-  auto points = std::make_shared<const ScanPoints>(
-      MakeScanPoints(scan.ranges_m, laser_, level_from_laser, options_.points));
-  bool is_keyscan = keyscans_.empty() && !points->empty();
+  Predict(scan);
+  std::shared_ptr<const ScanOutline> outline;
+  bool is_keyscan = false;
   Covariance3 covariance{};
-  if (!places_.empty()) {
-    map_from_base_ =
-        map_from_base_ * (odom_from_last_.Inverse() * odom_from_base);
-  }
-  if (!keyscans_.empty()) {
-    const Rigid2 since_match = odom_from_matched_.Inverse() * odom_from_base;
-    const Rigid2 since_keyscan = odom_from_keyscan_.Inverse() * odom_from_base;
-    const bool far =
-        HasMoved(since_keyscan, options_.keyscan_m, options_.keyscan_rad);
-    if (far || HasMoved(since_match, options_.still_m, options_.still_rad)) {
-      if (Match(*points, SearchAfter(since_match), &covariance)) {
-        odom_from_matched_ = odom_from_base;
-      } else {
-        ++statistics_.unmatched;
-        const MatchSearch odometry = SearchAfter(since_keyscan);
-        covariance[0] = covariance[4] =
-            odometry.guess_sigma_m * odometry.guess_sigma_m;
-        covariance[8] = odometry.guess_sigma_rad * odometry.guess_sigma_rad;
-      }
+  if (keyscans_.empty()) {
+    outline = OutlineOf(scan);
+    is_keyscan = !outline->empty();
+  } else {
+    const Rigid2& odom_from_base = scan.odom_from_base;
+    is_keyscan = HasMoved(odom_from_keyscan_.Inverse() * odom_from_base,
+                          options_.keyscan_m, options_.keyscan_rad);
+    if (is_keyscan || HasMoved(odom_from_matched_.Inverse() * odom_from_base,
+                               options_.still_m, options_.still_rad)) {
+      outline = OutlineOf(scan);
+      covariance = Locate(*outline, scan);
     }
-    is_keyscan = far;
   }
-  odom_from_last_ = odom_from_base;
-  statistics_.front_end_ms.push_back(MillisecondsBetween(start, clock_.Now()));
-  if (is_keyscan) {
-    odom_from_keyscan_ = odom_from_base;
-    odom_from_matched_ = odom_from_base;
-    AddKeyscan(std::move(points), covariance);
-  }
-  ScanPlace place = {.stamp = scan.stamp, .keyscan_from_base = map_from_base_};
-  if (!keyscans_.empty()) {
-    place.keyscan = keyscans_.size() - 1;
-    place.keyscan_from_base =
-        keyscans_.back().map_from_base.Inverse() * map_from_base_;
-  }
-  places_.push_back(place);
+  statistics_.front_end_ms.push_back(ThreadTime_ms() - start_ms);
+  if (is_keyscan) AddKeyscan(std::move(outline), scan, covariance);
+  AddPlace(scan);
   ++statistics_.scans;
   return map_from_base_;
 }
@@ -225,16 +452,26 @@ std::vector<TrajectoryPose> LaserSlamOnThread::Trajectory() const {
   std::vector<TrajectoryPose> trajectory;
   trajectory.reserve(places_.size());
   for (const ScanPlace& place : places_) {
-    const Rigid2 map_from_keyscan =
-        keyscans_.empty() ? Rigid2{} : keyscans_[place.keyscan].map_from_base;
+    const Keyscan keyscan =
+        keyscans_.empty() ? Keyscan{} : keyscans_[place.keyscan];
     trajectory.push_back(
         {.stamp = place.stamp,
-         .map_from_base = map_from_keyscan * place.keyscan_from_base});
+         .map_from_base = keyscan.map_from_base * place.keyscan_from_base,
+         .height_m = keyscan.height_m + place.climb_m,
+         .level_from_base = place.level_from_base});
   }
   return trajectory;
 }
 
 }  // namespace
+
+Rigid3 MapFromBase(const TrajectoryPose& pose) {
+  const Vec2 at = pose.map_from_base.translation;
+  return {
+      .rotation = Rotation3::FromAxisAngle({0, 0, pose.map_from_base.yaw_rad}) *
+                  pose.level_from_base,
+      .translation = {at.x, at.y, pose.height_m}};
+}
 
 absl::Status LaserSlamOptions::Validate() const {
   TL_RETURN_IF_ERROR(points.Validate());
@@ -242,11 +479,13 @@ absl::Status LaserSlamOptions::Validate() const {
   TL_RETURN_IF_ERROR(loops.Validate());
   const bool lengths = keyscan_m > 0 && keyscan_rad > 0 && still_m > 0 &&
                        still_rad > 0 && max_search_m > 0 &&
-                       max_search_rad > 0 && search_sigmas > 0;
+                       max_search_rad > 0 && search_sigmas > 0 &&
+                       max_gap_m > 0 && max_tilt > 0 && ground_margin_m >= 0 &&
+                       ground_reach_m > 0;
   const bool odometry = odometry_m > 0 && odometry_rad > 0 &&
                         odometry_m_per_m >= 0 && odometry_m_per_rad >= 0 &&
                         odometry_rad_per_rad >= 0 && odometry_rad_per_m >= 0;
-  if (!lengths || !odometry || window < 1 || min_points < 3 ||
+  if (!lengths || !odometry || window < 1 || min_points < 3 || min_alike < 1 ||
       polish_rounds < 0 || !(graph.kernel_sigmas > 0) ||
       graph.max_iterations < 1 || !(max_search_m <= 20)) {
     return absl::InvalidArgumentError(

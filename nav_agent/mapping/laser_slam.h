@@ -1,4 +1,5 @@
-// A map and a trajectory from a planar laser and odometry.
+// A map and a trajectory from a planar laser and odometry, on one floor or on
+// several that ramps join.
 #ifndef NAV_AGENT_MAPPING_LASER_SLAM_H_
 #define NAV_AGENT_MAPPING_LASER_SLAM_H_
 
@@ -15,22 +16,40 @@
 #include "nav_agent/mapping/loop_closer.h"
 #include "nav_agent/mapping/pose_graph.h"
 #include "nav_agent/mapping/scan_matcher.h"
-#include "nav_agent/mapping/scan_points.h"
+#include "nav_agent/mapping/scan_outline.h"
 #include "nav_agent/recording/recording_time.h"
 
 namespace treeline {
 
 struct LaserSlamOptions {
-  ScanPointOptions points;
+  ScanOutlineOptions points;
   ScanMatcherOptions matcher;
   LoopCloserOptions loops;
   PoseGraphOptions graph;
   // A scan becomes a keyscan once the robot has moved this far since the last
-  // one (m, rad; above 0), and is matched at all once it has moved a little.
+  // one (m, rad; above 0), and is matched at all once it has moved so far since
+  // the last that was. What matching corrects is spread over those in between.
   double keyscan_m = 0.2;
   double keyscan_rad = 0.15;
-  double still_m = 0.01;
-  double still_rad = 0.005;
+  double still_m = 0.05;
+  double still_rad = 0.04;
+  // Scans whose planes are farther apart than this are of different floors,
+  // and are not matched with each other (m, above 0).
+  double max_gap_m = 0.3;
+  // Scans whose planes are inclined to each other by more than this see
+  // different things: a ramp ahead looks like a wall that moves while the robot
+  // tilts. Until min_alike keyscans of the window are inclined alike, odometry
+  // decides how far the robot came in the direction of the tilt (m per m, above
+  // 0; 1 or more).
+  double max_tilt = 0.03;
+  int min_alike = 3;
+  // Where the robot knows the ground, by having driven there, and not all of it
+  // is level: beams that end this near to it, within ground_reach_m of the way,
+  // have met floor or ramp and are left out; on a slope, all that end lower
+  // than this above the ground that the robot stands on (m; 0: none are). Not
+  // for lasers that are lower than twice of it.
+  double ground_margin_m = 0.12;
+  double ground_reach_m = 0.6;
   // The running window: the scans that the next one is matched against.
   int window = 15;
   // How wrong odometry may be, one standard deviation: at rest, per metre and
@@ -65,21 +84,32 @@ struct LaserSlamScan {
   std::span<const float> ranges_m;
   // Of the robot when the scan was taken: roll and pitch, with yaw and
   // translation 0. With the laser's mount it says where in space the beams
-  // are; the trajectory stays planar.
-  Rotation3 level_from_base;
+  // are.
+  Rotation3 level_from_base{};
+  // Of the base in odometry: only differences mean anything.
+  double height_m = 0;
+  // How the robot moved, seen from above, from the first beam to the last.
+  Rigid2 first_from_last{};
 };
 
 struct TrajectoryPose {
   RecordingTime stamp;
   Rigid2 map_from_base;
+  // Above the first scan, and as the scan says; see MapFromBase.
+  double height_m = 0;
+  Rotation3 level_from_base{};
 };
+
+// In space: Rz(yaw) level_from_base, at (x, y, height).
+Rigid3 MapFromBase(const TrajectoryPose& pose);
 
 struct LaserSlamStatistics {
   int64_t scans = 0;
   int64_t keyscans = 0;
   // Scans whose place was taken from odometry because they did not match.
   int64_t unmatched = 0;
-  // The front end's time for each scan (ms).
+  // The front end's processor time for each scan (ms): what else runs on the
+  // machine does not count, nor does closing loops.
   std::vector<double> front_end_ms;
   LoopCloserStatistics loops;
 };
@@ -99,7 +129,14 @@ class LaserSlam {
   // The robot's place with all that is known now. INVALID_ARGUMENT, and
   // nothing is changed, if the scan has another number of beams than the
   // laser, if its pose is not finite or if time went backwards.
+  //
+  // Matching is planar, in the frame that pitch and roll level. Height follows
+  // odometry along the slope, by as much as the matched way is longer or
+  // shorter than odometry's: wheels slip on slopes.
   virtual absl::StatusOr<Rigid2> AddScan(const LaserSlamScan& scan) = 0;
+
+  // Of the last scan, above the first (m).
+  virtual double Height_m() const = 0;
 
   // Waits for the back end, and lets it take what time it needs for the best
   // trajectory. Scans may still be added afterwards.

@@ -11,9 +11,9 @@ namespace treeline {
 namespace {
 
 struct Scene {
-  std::vector<ScanPoints> window;
+  std::vector<ScanOutline> window;
   std::vector<PlacedScan> references;
-  ScanPoints scan;
+  ScanOutline scan;
   Rigid2 truth = {{0.6, 0.1}, 0.15};
 
   // beams over 180 degrees, and `scans` before the one to match.
@@ -32,12 +32,12 @@ struct Scene {
       poses.push_back({{0.3 - 0.3 * i, 0.1}, 0.05 * i});
       const std::vector<float> ranges_m =
           CastScan(walls, poses.back(), laser, 0.01, static_cast<uint64_t>(i));
-      window.push_back(MakeScanPoints(ranges_m, laser, {}));
+      window.push_back(MakeScanOutline(ranges_m, laser, {}));
     }
     for (size_t i = 0; i < window.size(); ++i) {
       references.push_back({.scan = &window[i], .target_from_scan = poses[i]});
     }
-    scan = MakeScanPoints(CastScan(walls, truth, laser, 0.01, 99), laser, {});
+    scan = MakeScanOutline(CastScan(walls, truth, laser, 0.01, 99), laser, {});
   }
 };
 

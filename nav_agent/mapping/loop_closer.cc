@@ -16,6 +16,13 @@ namespace {
 // others wait until there are some.
 constexpr double kMovesGraph = 4.0;
 constexpr int kMaxWaiting = 10;
+// How well heights of the same place agree, and what tilts are off.
+constexpr double kSameGround_m = 0.01;
+constexpr double kGroundTilt_rad = 0.01;
+// What odometry's climb is off: a bias of tilts that was not seen, and slip.
+constexpr double kClimb_m_per_m = 0.005;
+constexpr double kClimb_m_per_climb_m = 0.03;
+constexpr double kLeastClimb_m = 0.0005;
 // A loop is at least this many times as long as the laser's overlap.
 constexpr double kLoopWay = 3.0;
 constexpr double kLargestDrift = 0.05;
@@ -41,7 +48,7 @@ double LargestSigma_m(const Covariance3& c) {
 // the grid which were seen from the same side: the two faces of a wall, or the
 // inner and the outer corner of a corridor, look alike to a matcher of points.
 // 0 if there are too few to tell.
-double ShareOfSameSide(const SurfaceGrid& grid, const ScanPoints& query,
+double ShareOfSameSide(const SurfaceGrid& grid, const ScanOutline& query,
                        const Rigid2& target_from_query) {
   int same = 0;
   int told = 0;
@@ -84,7 +91,10 @@ absl::Status LoopCloserOptions::Validate() const {
       !(search_sigmas > 0) || !(search_of_way >= 0) || !(min_search_m > 0) ||
       !(max_search_m >= min_search_m) || !(max_search_m <= 20) ||
       !(min_search_rad > 0) || !(max_search_rad >= min_search_rad) ||
-      !(max_search_rad <= 3.2) || !(max_squared_error > 0)) {
+      !(max_search_rad <= 3.2) || !(max_squared_error > 0) ||
+      !(max_gap_m > 0) || !(max_gap_m_per_m >= 0) ||
+      !(largest_gap_m >= max_gap_m) || !(max_tilt > 0) ||
+      !(same_ground_m >= 0)) {
     return absl::InvalidArgumentError(
         "loop closer: counts and lengths must be above 0, and the largest "
         "search at least the smallest, at most 20 m and 3.2 rad");
@@ -141,6 +151,26 @@ MatchSearch LoopCloser::SearchFor(const Reach& reach) const {
               options_.min_search_rad, options_.max_search_rad)};
 }
 
+ScanPlane LoopCloser::PlaneOf(int keyscan) const {
+  const auto slot = static_cast<size_t>(keyscan);
+  return {.at = poses_[slot].translation,
+          .height_m = heights_m_[slot],
+          .slope = TurnedBy(poses_[slot].yaw_rad, slopes_[slot])};
+}
+
+bool LoopCloser::SeesTheSame(int a, int b) const {
+  if (!climbs_) return true;
+  const double way_m =
+      std::abs(way_m_[static_cast<size_t>(a)] - way_m_[static_cast<size_t>(b)]);
+  const double most_m =
+      std::min(options_.max_gap_m + options_.max_gap_m_per_m * way_m,
+               options_.largest_gap_m);
+  const ScanPlane plane_a = PlaneOf(a);
+  const ScanPlane plane_b = PlaneOf(b);
+  return Gap_m(plane_a, plane_b) <= most_m &&
+         TiltBetween(plane_a, plane_b) <= options_.max_tilt;
+}
+
 std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
     int keyscan, const std::vector<Reach>& reach, int recent,
     int max_chains) const {
@@ -170,7 +200,8 @@ std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
     // the front end's matter, and pulls along a corridor.
     const double way_m =
         way_m_[static_cast<size_t>(keyscan)] - way_m_[static_cast<size_t>(i)];
-    if (distance_m > radius_m || way_m < kLoopWay * options_.overlap_m) {
+    if (distance_m > radius_m || way_m < kLoopWay * options_.overlap_m ||
+        !SeesTheSame(i, keyscan)) {
       if (chain.end > 0) finish();
       continue;
     }
@@ -204,13 +235,14 @@ std::vector<PlacedScan> LoopCloser::Placed(const Chain& chain) const {
   return placed;
 }
 
-ScanPoints LoopCloser::QueryScan(int keyscan, int count) const {
+ScanOutline LoopCloser::QueryScan(int keyscan, int count) const {
   const Rigid2 this_from_map = poses_[static_cast<size_t>(keyscan)].Inverse();
-  ScanPoints query;
+  ScanOutline query;
   for (int i = std::max(0, keyscan - count + 1); i <= keyscan; ++i) {
+    if (!SeesTheSame(i, keyscan)) continue;
     const auto slot = static_cast<size_t>(i);
     const Rigid2 this_from_other = this_from_map * poses_[slot];
-    const ScanPoints& scan = *scans_[slot];
+    const ScanOutline& scan = *scans_[slot];
     for (size_t k = 0; k < scan.size(); ++k) {
       query.points_m.push_back(this_from_other * scan.points_m[k]);
       query.joined.push_back(scan.joined[k]);
@@ -242,14 +274,31 @@ std::optional<LoopCloser::Link> LoopCloser::Verified(int keyscan,
     }
   }
   const Rigid2& map_from_nearest = poses_[static_cast<size_t>(nearest)];
-  return Link{.constraint = {.from = nearest,
-                             .to = keyscan,
-                             .from_from_to = map_from_nearest.Inverse() *
-                                             match.target_from_scan,
-                             .covariance = Turned(match.covariance,
-                                                  -map_from_nearest.yaw_rad),
-                             .may_be_wrong = true},
-              .wide = wide};
+  Link link = {.constraint = {.from = nearest,
+                              .to = keyscan,
+                              .from_from_to = map_from_nearest.Inverse() *
+                                              match.target_from_scan,
+                              .covariance = Turned(match.covariance,
+                                                   -map_from_nearest.yaw_rad),
+                              .may_be_wrong = true},
+               .wide = wide};
+  SetClimb(match.target_from_scan, &link.constraint);
+  return link;
+}
+
+void LoopCloser::SetClimb(const Rigid2& map_from_to,
+                          PoseConstraint* constraint) const {
+  const ScanPlane from = PlaneOf(constraint->from);
+  ScanPlane to = from;
+  to.at = map_from_to.translation;
+  to.slope = TurnedBy(map_from_to.yaw_rad,
+                      slopes_[static_cast<size_t>(constraint->to)]);
+  const double length_m = Norm(to.at - from.at);
+  if (!climbs_ || length_m > options_.same_ground_m) return;
+  constraint->climb_m = ClimbBySlope_m(from, to);
+  // A ramp may begin or end between the two.
+  constraint->climb_sigma_m = kSameGround_m + kGroundTilt_rad * length_m +
+                              0.5 * TiltBetween(from, to) * length_m;
 }
 
 std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,
@@ -259,9 +308,9 @@ std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,
   const std::vector<PlacedScan> references = Placed(chain);
   MatchSearch search = SearchFor(reach);
   const bool wide = search.half_extent_m > options_.wide_m;
-  ScanPoints several;
+  ScanOutline several;
   if (wide) several = QueryScan(keyscan, options_.query_scans);
-  const ScanPoints& query = wide ? several : *scans_[slot];
+  const ScanOutline& query = wide ? several : *scans_[slot];
   if (query.empty()) return std::nullopt;
   Rigid2 guess = poses_[slot];
   if (wide) {
@@ -289,23 +338,29 @@ std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,
   return Verified(keyscan, chain, match, wide);
 }
 
-bool LoopCloser::Add(std::shared_ptr<const ScanPoints> scan,
-                     const Rigid2& previous_from_this,
-                     const Covariance3& covariance) {
+bool LoopCloser::Add(const NewKeyscan& added) {
   const int keyscan = static_cast<int>(scans_.size());
-  scans_.push_back(std::move(scan));
+  scans_.push_back(added.scan);
+  slopes_.push_back(added.slope);
   constraints_of_.emplace_back();
   if (keyscan == 0) {
     poses_.emplace_back();
+    heights_m_.push_back(0);
     way_m_.push_back(0);
     return false;
   }
-  poses_.push_back(poses_.back() * previous_from_this);
-  way_m_.push_back(way_m_.back() + Norm(previous_from_this.translation));
+  const double length_m = Norm(added.previous_from_this.translation);
+  climbs_ = climbs_ || added.climb_m != 0 || added.slope != Vec2{};
+  poses_.push_back(poses_.back() * added.previous_from_this);
+  heights_m_.push_back(heights_m_.back() + added.climb_m);
+  way_m_.push_back(way_m_.back() + length_m);
   Tie({.from = keyscan - 1,
        .to = keyscan,
-       .from_from_to = previous_from_this,
-       .covariance = covariance});
+       .from_from_to = added.previous_from_this,
+       .covariance = added.covariance,
+       .climb_m = added.climb_m,
+       .climb_sigma_m = kLeastClimb_m + kClimb_m_per_m * length_m +
+                        kClimb_m_per_climb_m * std::abs(added.climb_m)});
   if (!options_.enabled || keyscan <= options_.recent) return false;
   const std::vector<Reach> reach = ReachFrom(keyscan);
   const std::vector<Chain> chains =
@@ -332,6 +387,15 @@ bool LoopCloser::Add(std::shared_ptr<const ScanPoints> scan,
   return true;
 }
 
+std::vector<KeyscanPlace> LoopCloser::Places() const {
+  std::vector<KeyscanPlace> places;
+  places.reserve(poses_.size());
+  for (size_t i = 0; i < poses_.size(); ++i) {
+    places.push_back({.map_from_base = poses_[i], .height_m = heights_m_[i]});
+  }
+  return places;
+}
+
 void LoopCloser::Optimize() {
   waiting_ = 0;
   ++statistics_.optimizations;
@@ -339,6 +403,10 @@ void LoopCloser::Optimize() {
   // What fails here leaves the poses as they were, which are of use.
   if (!OptimizePoseGraph(constraints_, graph_, &poses).ok()) return;
   poses_ = std::move(poses);
+  // On level ground all of them are 0 and stay so.
+  if (climbs_) {
+    OptimizeHeights(constraints_, graph_, &heights_m_).IgnoreError();
+  }
   const size_t before = constraints_.size();
   std::erase_if(constraints_, [this](const PoseConstraint& c) {
     return c.may_be_wrong &&

@@ -12,7 +12,8 @@
 #include "common/geometry/rigid2.h"
 #include "nav_agent/mapping/pose_graph.h"
 #include "nav_agent/mapping/scan_matcher.h"
-#include "nav_agent/mapping/scan_points.h"
+#include "nav_agent/mapping/scan_outline.h"
+#include "nav_agent/mapping/scan_plane.h"
 
 namespace treeline {
 
@@ -55,10 +56,39 @@ struct LoopCloserOptions {
   // nearer than `recent`, since the front end saw only what was behind.
   int polish_chains = 3;
   int polish_recent = 20;
+  // Keyscans whose planes are farther apart than this are of different floors:
+  // how far heights may drift, on the way to a loop of any length and for each
+  // metre of it, up to the largest (m). Those whose planes are inclined by more
+  // than max_tilt to each other (m per m) see different things.
+  double max_gap_m = 0.3;
+  double max_gap_m_per_m = 0.005;
+  double largest_gap_m = 0.8;
+  double max_tilt = 0.03;
+  // Keyscans of a loop that are this near to each other, seen from above, stand
+  // on the same ground (m).
+  double same_ground_m = 0.5;
   // Threads for the chains of one keyscan; results do not depend on it.
   int threads = 1;
 
   absl::Status Validate() const;
+};
+
+// What the front end hands over for one keyscan.
+struct NewKeyscan {
+  std::shared_ptr<const ScanOutline> scan;
+  // Where it is relative to the one before (ignored for the first), and how
+  // much higher (m).
+  Rigid2 previous_from_this;
+  Covariance3 covariance{};
+  double climb_m = 0;
+  // How steeply the ground climbs there along the base's x and y, seen from
+  // above (m per m).
+  Vec2 slope;
+};
+
+struct KeyscanPlace {
+  Rigid2 map_from_base;
+  double height_m = 0;
 };
 
 struct LoopCloserStatistics {
@@ -76,17 +106,15 @@ class LoopCloser {
              const ScanMatcherOptions& matcher, const PoseGraphOptions& graph)
       : options_(options), matcher_(matcher), graph_(graph) {}
 
-  // The next keyscan and where it is relative to the one before (ignored for
-  // the first). Returns whether poses have changed.
-  bool Add(std::shared_ptr<const ScanPoints> scan,
-           const Rigid2& previous_from_this, const Covariance3& covariance);
+  // Returns whether places have changed.
+  bool Add(const NewKeyscan& keyscan);
 
   // Ties every keyscan to its neighbours once more, now that all is known, and
   // optimises: where loops were closed late, earlier passes were not compared
   // with each other. `rounds` times.
   void Polish(int rounds);
 
-  const std::vector<Rigid2>& map_from_keyscans() const { return poses_; }
+  std::vector<KeyscanPlace> Places() const;
   const LoopCloserStatistics& statistics() const { return statistics_; }
   std::span<const PoseConstraint> constraints() const { return constraints_; }
 
@@ -112,8 +140,12 @@ class LoopCloser {
                                const Reach& reach) const;
   std::optional<Link> Verified(int keyscan, const Chain& chain,
                                const ScanMatch& match, bool wide) const;
-  ScanPoints QueryScan(int keyscan, int count) const;
+  ScanOutline QueryScan(int keyscan, int count) const;
   std::vector<PlacedScan> Placed(const Chain& chain) const;
+  ScanPlane PlaneOf(int keyscan) const;
+  bool SeesTheSame(int a, int b) const;
+  // How much higher `to` is than `from`, by the ground that both stand on.
+  void SetClimb(const Rigid2& map_from_to, PoseConstraint* constraint) const;
   void Optimize();
   void Tie(const PoseConstraint& constraint);
   void IndexConstraints();
@@ -122,9 +154,12 @@ class LoopCloser {
   const LoopCloserOptions options_;
   const ScanMatcherOptions matcher_;
   const PoseGraphOptions graph_;
-  std::vector<std::shared_ptr<const ScanPoints>> scans_;
+  std::vector<std::shared_ptr<const ScanOutline>> scans_;
   std::vector<Rigid2> poses_;
+  std::vector<double> heights_m_;
+  std::vector<Vec2> slopes_;   // of the ground, in the base's axes
   std::vector<double> way_m_;  // travelled until keyscan i
+  bool climbs_ = false;        // whether anything is not level
   std::vector<PoseConstraint> constraints_;
   std::vector<std::vector<int>> constraints_of_;  // a keyscan
   int waiting_ = 0;  // links that were not optimised yet

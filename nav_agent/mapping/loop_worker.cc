@@ -15,6 +15,7 @@ LoopWorker::~LoopWorker() {
   {
     const absl::MutexLock lock(&mutex_);
     stopping_ = true;
+    wake_.Signal();
   }
   thread_.request_stop();
 }
@@ -26,20 +27,20 @@ void LoopWorker::Put(Job job) {
   }
   const absl::MutexLock lock(&mutex_);
   jobs_.push_back(std::move(job));
+  wake_.Signal();
 }
 
-void LoopWorker::Add(KeyscanJob job) { Put({.keyscan = std::move(job)}); }
+void LoopWorker::Add(NewKeyscan job) { Put({.keyscan = std::move(job)}); }
 
 void LoopWorker::Do(const Job& job) {
   bool changed = true;
   if (job.polish_rounds > 0) {
     closer_.Polish(job.polish_rounds);
   } else {
-    changed = closer_.Add(job.keyscan.scan, job.keyscan.previous_from_this,
-                          job.keyscan.covariance);
+    changed = closer_.Add(job.keyscan);
   }
   const absl::MutexLock lock(&mutex_);
-  if (changed) correction_ = closer_.map_from_keyscans();
+  if (changed) correction_ = closer_.Places();
   statistics_ = closer_.statistics();
 }
 
@@ -48,7 +49,7 @@ void LoopWorker::Run(const std::stop_token& stop) {
     Job job;
     {
       const absl::MutexLock lock(&mutex_);
-      mutex_.Await(absl::Condition(this, &LoopWorker::HasJobOrStops));
+      while (!stopping_ && jobs_.empty()) wake_.Wait(&mutex_);
       if (stopping_) return;
       job = std::move(jobs_.front());
       jobs_.pop_front();
@@ -57,10 +58,11 @@ void LoopWorker::Run(const std::stop_token& stop) {
     Do(job);
     const absl::MutexLock lock(&mutex_);
     busy_ = false;
+    if (jobs_.empty()) idle_.SignalAll();
   }
 }
 
-std::optional<std::vector<Rigid2>> LoopWorker::TakeCorrection() {
+std::optional<std::vector<KeyscanPlace>> LoopWorker::TakeCorrection() {
   const absl::MutexLock lock(&mutex_);
   return std::exchange(correction_, std::nullopt);
 }
@@ -68,7 +70,7 @@ std::optional<std::vector<Rigid2>> LoopWorker::TakeCorrection() {
 void LoopWorker::Finish(int polish_rounds) {
   if (polish_rounds > 0) Put({.polish_rounds = polish_rounds});
   const absl::MutexLock lock(&mutex_);
-  mutex_.Await(absl::Condition(this, &LoopWorker::IsIdle));
+  while (busy_ || !jobs_.empty()) idle_.Wait(&mutex_);
 }
 
 LoopCloserStatistics LoopWorker::Statistics() const {

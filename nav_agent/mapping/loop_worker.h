@@ -16,13 +16,6 @@
 
 namespace treeline {
 
-// What the front end hands over for one keyscan; see LoopCloser::Add.
-struct KeyscanJob {
-  std::shared_ptr<const ScanPoints> scan;
-  Rigid2 previous_from_this;
-  Covariance3 covariance{};
-};
-
 // Thread-safe. Keyscans that wait when it is destroyed are not looked at.
 class LoopWorker {
  public:
@@ -32,10 +25,10 @@ class LoopWorker {
   LoopWorker(const LoopWorker&) = delete;
   LoopWorker& operator=(const LoopWorker&) = delete;
 
-  void Add(KeyscanJob job) ABSL_LOCKS_EXCLUDED(mutex_);
+  void Add(NewKeyscan job) ABSL_LOCKS_EXCLUDED(mutex_);
   // The places of the first keyscans, if they have changed since the last
   // call.
-  std::optional<std::vector<Rigid2>> TakeCorrection()
+  std::optional<std::vector<KeyscanPlace>> TakeCorrection()
       ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns when all that was added has been looked at, and polished.
   void Finish(int polish_rounds) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -43,27 +36,24 @@ class LoopWorker {
 
  private:
   struct Job {
-    KeyscanJob keyscan = {};
+    NewKeyscan keyscan = {};
     int polish_rounds = 0;  // above 0: no keyscan
   };
 
   void Run(const std::stop_token& stop);
   void Do(const Job& job);
   void Put(Job job) ABSL_LOCKS_EXCLUDED(mutex_);
-  bool HasJobOrStops() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-    return stopping_ || !jobs_.empty();
-  }
-  bool IsIdle() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-    return jobs_.empty() && !busy_;
-  }
 
   const bool synchronous_;
   LoopCloser closer_;  // of the thread that runs it
   mutable absl::Mutex mutex_;
+  // A job has come, or the end; all jobs are done.
+  absl::CondVar wake_;
+  absl::CondVar idle_;
   std::deque<Job> jobs_ ABSL_GUARDED_BY(mutex_);
   bool busy_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
-  std::optional<std::vector<Rigid2>> correction_ ABSL_GUARDED_BY(mutex_);
+  std::optional<std::vector<KeyscanPlace>> correction_ ABSL_GUARDED_BY(mutex_);
   LoopCloserStatistics statistics_ ABSL_GUARDED_BY(mutex_);
   std::jthread thread_;  // last: it uses all of the above
 };

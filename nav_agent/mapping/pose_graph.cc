@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
@@ -63,6 +64,38 @@ class RelativePose {
   const Rigid2 measured_;
   const Eigen::Matrix3d whitening_;
 };
+
+class Climb {
+ public:
+  explicit Climb(const PoseConstraint& constraint)
+      : climb_m_(constraint.climb_m), weight_(1 / constraint.climb_sigma_m) {}
+
+  template <typename T>
+  bool operator()(const T* from, const T* to, T* residual) const {
+    *residual = weight_ * (*to - *from - climb_m_);
+    return true;
+  }
+
+ private:
+  const double climb_m_;
+  const double weight_;
+};
+
+ceres::Solver::Options SolverOptions(const PoseGraphOptions& options) {
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.max_num_iterations = options.max_iterations;
+  solver.num_threads = 1;
+  solver.logging_type = ceres::SILENT;
+  solver.function_tolerance = 1e-7;
+  return solver;
+}
+
+ceres::LossFunction* LossOf(const PoseConstraint& constraint,
+                            const PoseGraphOptions& options) {
+  return constraint.may_be_wrong ? new ceres::CauchyLoss(options.kernel_sigmas)
+                                 : nullptr;
+}
 
 bool IsFinitePose(const Rigid2& pose) {
   return std::isfinite(pose.translation.x) &&
@@ -137,19 +170,12 @@ absl::Status OptimizePoseGraph(std::span<const PoseConstraint> constraints,
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<RelativePose, 3, 3, 3>(
             new RelativePose(constraint)),
-        constraint.may_be_wrong ? new ceres::CauchyLoss(options.kernel_sigmas)
-                                : nullptr,
+        LossOf(constraint, options),
         values[static_cast<size_t>(constraint.from)].data(),
         values[static_cast<size_t>(constraint.to)].data());
   }
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.max_num_iterations = options.max_iterations;
-  solver.num_threads = 1;
-  solver.logging_type = ceres::SILENT;
-  solver.function_tolerance = 1e-7;
   ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem, &summary);
+  ceres::Solve(SolverOptions(options), &problem, &summary);
   if (!summary.IsSolutionUsable()) {
     return absl::InternalError(
         absl::StrCat("the pose graph was not solved: ", summary.message));
@@ -158,6 +184,43 @@ absl::Status OptimizePoseGraph(std::span<const PoseConstraint> constraints,
     (*map_from_poses)[i] = {{values[i][0], values[i][1]},
                             NormalizedAngle_rad(values[i][2])};
   }
+  return absl::OkStatus();
+}
+
+absl::Status OptimizeHeights(std::span<const PoseConstraint> constraints,
+                             const PoseGraphOptions& options,
+                             std::vector<double>* heights_m) {
+  std::vector<double> values = *heights_m;
+  ceres::Problem problem;
+  for (const PoseConstraint& constraint : constraints) {
+    const auto from = static_cast<size_t>(constraint.from);
+    const auto to = static_cast<size_t>(constraint.to);
+    if (constraint.from < 0 || constraint.to < 0 || from >= values.size() ||
+        to >= values.size() || from == to) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("a climb between poses ", constraint.from, " and ",
+                       constraint.to, " of ", values.size()));
+    }
+    if (!std::isfinite(constraint.climb_sigma_m)) continue;
+    if (!std::isfinite(constraint.climb_m) || !(constraint.climb_sigma_m > 0) ||
+        !std::isfinite(values[from]) || !std::isfinite(values[to])) {
+      return absl::InvalidArgumentError("a climb that is not finite");
+    }
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<Climb, 1, 1, 1>(new Climb(constraint)),
+        LossOf(constraint, options), &values[from], &values[to]);
+  }
+  if (problem.NumResidualBlocks() == 0) return absl::OkStatus();
+  if (problem.HasParameterBlock(values.data())) {
+    problem.SetParameterBlockConstant(values.data());
+  }
+  ceres::Solver::Summary summary;
+  ceres::Solve(SolverOptions(options), &problem, &summary);
+  if (!summary.IsSolutionUsable()) {
+    return absl::InternalError(
+        absl::StrCat("heights were not solved: ", summary.message));
+  }
+  *heights_m = std::move(values);
   return absl::OkStatus();
 }
 

@@ -2,6 +2,7 @@
 #ifndef NAV_AGENT_MAPPING_POSE_GRAPH_H_
 #define NAV_AGENT_MAPPING_POSE_GRAPH_H_
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,10 @@ struct PoseConstraint {
   Covariance3 covariance{};
   // Whether it may be wrong altogether: it then has a bounded pull.
   bool may_be_wrong = false;
+  // How much higher `to` is, and its standard deviation (m); infinite: not
+  // known.
+  double climb_m = 0;
+  double climb_sigma_m = std::numeric_limits<double>::infinity();
 };
 
 struct PoseGraphOptions {
@@ -40,6 +45,15 @@ struct PoseGraphOptions {
 absl::Status OptimizePoseGraph(std::span<const PoseConstraint> constraints,
                                const PoseGraphOptions& options,
                                std::vector<Rigid2>* map_from_poses);
+
+// The same for heights (m), which do not depend on the rest: to the minimum of
+//
+//   sum_c rho(((to - from) - climb_c)^2 / sigma_c^2)
+//
+// Height 0 stays as it is. Not for constraints whose climb is not known.
+absl::Status OptimizeHeights(std::span<const PoseConstraint> constraints,
+                             const PoseGraphOptions& options,
+                             std::vector<double>* heights_m);
 
 // |S^-1/2 (from_from_to - from^-1 to)|^2: about 3 for one that holds.
 double SquaredError(const PoseConstraint& constraint,

@@ -31,7 +31,7 @@ int LevelsFor(int half_cells) {
   return levels;
 }
 
-double FarthestPoint_m(const ScanPoints& scan) {
+double FarthestPoint_m(const ScanOutline& scan) {
   double farthest_m = 0;
   for (const Vec2& point : scan.points_m) {
     farthest_m = std::max(farthest_m, Norm(point));
@@ -40,7 +40,7 @@ double FarthestPoint_m(const ScanPoints& scan) {
 }
 
 // Steps that move `quantile` of the points by less than a cell.
-double AngleStep_rad(const ScanPoints& scan, double cell_m, double quantile) {
+double AngleStep_rad(const ScanOutline& scan, double cell_m, double quantile) {
   std::vector<double> ranges_m;
   ranges_m.reserve(scan.size());
   for (const Vec2& point : scan.points_m) ranges_m.push_back(Norm(point));
@@ -61,7 +61,7 @@ struct RotatedScan {
 // Poses within the search, as steps: cells in x and y, turns in yaw.
 class Search {
  public:
-  Search(const SurfaceGrid& grid, const ScanPoints& scan, const Rigid2& guess,
+  Search(const SurfaceGrid& grid, const ScanOutline& scan, const Rigid2& guess,
          const MatchSearch& search, const ScanMatcherOptions& options)
       : grid_(grid),
         scan_(scan),
@@ -110,7 +110,7 @@ class Search {
   void Descend(const Pose& pose, int h, Pose* best) const;
 
   const SurfaceGrid& grid_;
-  const ScanPoints& scan_;
+  const ScanOutline& scan_;
   const Rigid2 guess_;
   const int half_cells_;
   const double angle_step_rad_;
@@ -274,7 +274,7 @@ struct Normal {
 };
 
 // Distances to the surfaces, linearised at `pose`.
-Normal Linearize(const SurfaceGrid& grid, const ScanPoints& scan,
+Normal Linearize(const SurfaceGrid& grid, const ScanOutline& scan,
                  const Rigid2& pose) {
   Normal normal;
   const double c = std::cos(pose.yaw_rad);
@@ -330,7 +330,7 @@ absl::Status ScanMatcherOptions::Validate() const {
 }
 
 SurfaceGrid MakeSurfaceGrid(std::span<const PlacedScan> references,
-                            const ScanPoints& scan, const Rigid2& guess,
+                            const ScanOutline& scan, const Rigid2& guess,
                             const MatchSearch& search,
                             const ScanMatcherOptions& options) {
   const int half_cells = CellsOf(search.half_extent_m, options.cell_m);
@@ -344,7 +344,7 @@ SurfaceGrid MakeSurfaceGrid(std::span<const PlacedScan> references,
   return grid;
 }
 
-ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanPoints& scan,
+ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanOutline& scan,
                       const Rigid2& start, const Rigid2& guess,
                       const MatchSearch& search,
                       const ScanMatcherOptions& options) {
@@ -381,7 +381,7 @@ ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanPoints& scan,
   return match;
 }
 
-ScanMatch MatchScan(const SurfaceGrid& grid, const ScanPoints& scan,
+ScanMatch MatchScan(const SurfaceGrid& grid, const ScanOutline& scan,
                     const Rigid2& guess, const MatchSearch& search,
                     const ScanMatcherOptions& options) {
   if (scan.empty()) {

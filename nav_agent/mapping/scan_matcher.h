@@ -51,7 +51,7 @@ struct ScanMatch {
 
 // A grid that MatchScan can search in around `guess`.
 SurfaceGrid MakeSurfaceGrid(std::span<const PlacedScan> references,
-                            const ScanPoints& scan, const Rigid2& guess,
+                            const ScanOutline& scan, const Rigid2& guess,
                             const MatchSearch& search,
                             const ScanMatcherOptions& options);
 
@@ -70,12 +70,12 @@ SurfaceGrid MakeSurfaceGrid(std::span<const PlacedScan> references,
 //
 // Deterministic. If the scan has no points, the guess comes back with response
 // 0 and a covariance of the whole search.
-ScanMatch MatchScan(const SurfaceGrid& grid, const ScanPoints& scan,
+ScanMatch MatchScan(const SurfaceGrid& grid, const ScanOutline& scan,
                     const Rigid2& guess, const MatchSearch& search,
                     const ScanMatcherOptions& options);
 
 // The refinement alone, from `start`.
-ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanPoints& scan,
+ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanOutline& scan,
                       const Rigid2& start, const Rigid2& guess,
                       const MatchSearch& search,
                       const ScanMatcherOptions& options);

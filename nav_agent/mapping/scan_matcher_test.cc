@@ -25,15 +25,15 @@ std::vector<TestWall> Corridor() {
   return {{{-60, -1}, {60, -1}}, {{-60, 1}, {60, 1}}};
 }
 
-ScanPoints Scan(const std::vector<TestWall>& walls, const Rigid2& pose,
-                uint64_t stream) {
+ScanOutline Scan(const std::vector<TestWall>& walls, const Rigid2& pose,
+                 uint64_t stream) {
   const RangeSensorInfo laser = TestLaser(10);
-  return MakeScanPoints(CastScan(walls, pose, laser, kNoise_m, stream), laser,
-                        {});
+  return MakeScanOutline(CastScan(walls, pose, laser, kNoise_m, stream), laser,
+                         {});
 }
 
-ScanMatch Match(const ScanPoints& reference, const Rigid2& map_from_reference,
-                const ScanPoints& scan, const Rigid2& guess,
+ScanMatch Match(const ScanOutline& reference, const Rigid2& map_from_reference,
+                const ScanOutline& scan, const Rigid2& guess,
                 const MatchSearch& search) {
   const ScanMatcherOptions options;
   const std::vector<PlacedScan> references = {
@@ -50,14 +50,14 @@ ScanMatch Match(const ScanPoints& reference, const Rigid2& map_from_reference,
 TEST(ScanMatcher, FindsKnownPosesInARoom) {
   const std::vector<TestWall> walls = Room();
   const Rigid2 reference_pose = {{-1.0, -0.4}, 0.2};
-  const ScanPoints reference = Scan(walls, reference_pose, 1);
+  const ScanOutline reference = Scan(walls, reference_pose, 1);
   Random random(3, 1);
   for (uint64_t i = 0; i < 40; ++i) {
     const Rigid2 offset = {
         {random.NextUniform(-0.4, 0.4), random.NextUniform(-0.4, 0.4)},
         random.NextUniform(-0.35, 0.35)};
     const Rigid2 truth = reference_pose * offset;
-    const ScanPoints scan = Scan(walls, truth, 100 + i);
+    const ScanOutline scan = Scan(walls, truth, 100 + i);
     const ScanMatch match =
         Match(reference, reference_pose, scan, reference_pose,
               {.half_extent_m = 0.6, .half_angle_rad = 0.4});
@@ -77,9 +77,9 @@ TEST(ScanMatcher, FindsKnownPosesInARoom) {
 TEST(ScanMatcher, FindsPosesFarFromTheGuess) {
   const std::vector<TestWall> walls = Room();
   const Rigid2 reference_pose = {{-1.0, -0.4}, 0.2};
-  const ScanPoints reference = Scan(walls, reference_pose, 1);
+  const ScanOutline reference = Scan(walls, reference_pose, 1);
   const Rigid2 truth = reference_pose * Rigid2{{0.5, -0.3}, -0.5};
-  const ScanPoints scan = Scan(walls, truth, 2);
+  const ScanOutline scan = Scan(walls, truth, 2);
   const Rigid2 guess = reference_pose * Rigid2{{-1.0, 0.9}, 0.3};
   const ScanMatch match = Match(reference, reference_pose, scan, guess,
                                 {.half_extent_m = 2.0, .half_angle_rad = 1.0});
@@ -92,14 +92,14 @@ TEST(ScanMatcher, FindsPosesFarFromTheGuess) {
 TEST(ScanMatcher, LooksAtEveryPose) {
   const std::vector<TestWall> walls = Room();
   const Rigid2 reference_pose = {{-1.0, -0.4}, 0.2};
-  const ScanPoints reference = Scan(walls, reference_pose, 1);
+  const ScanOutline reference = Scan(walls, reference_pose, 1);
   const std::vector<PlacedScan> references = {
       {.scan = &reference, .target_from_scan = reference_pose}};
   const ScanMatcherOptions options;
   for (uint64_t i = 0; i < 5; ++i) {
     const Rigid2 truth =
         reference_pose * Rigid2{{0.1 * static_cast<double>(i), 0.2}, 0.0};
-    const ScanPoints scan = Scan(walls, truth, 50 + i);
+    const ScanOutline scan = Scan(walls, truth, 50 + i);
     const MatchSearch search = {.half_extent_m = 0.5, .half_angle_rad = 0.0};
     const Rigid2 guess = reference_pose;
     SurfaceGrid with_levels =
@@ -116,8 +116,8 @@ TEST(ScanMatcher, LooksAtEveryPose) {
 TEST(ScanMatcher, IsUnsureAlongACorridorOnly) {
   const std::vector<TestWall> walls = Corridor();
   const Rigid2 reference_pose = {{0, 0.1}, 0.0};
-  const ScanPoints reference = Scan(walls, reference_pose, 1);
-  const ScanPoints scan = Scan(walls, {{0.2, 0.0}, 0.02}, 2);
+  const ScanOutline reference = Scan(walls, reference_pose, 1);
+  const ScanOutline scan = Scan(walls, {{0.2, 0.0}, 0.02}, 2);
   const MatchSearch search = {.half_extent_m = 0.5, .half_angle_rad = 0.2};
   const ScanMatch match =
       Match(reference, reference_pose, scan, reference_pose, search);
@@ -132,8 +132,8 @@ TEST(ScanMatcher, IsUnsureAlongACorridorOnly) {
 
 TEST(ScanMatcher, BelievesTheGuessWhereNothingElseTells) {
   const std::vector<TestWall> walls = Corridor();
-  const ScanPoints reference = Scan(walls, {}, 1);
-  const ScanPoints scan = Scan(walls, {{0.2, 0.05}, 0}, 2);
+  const ScanOutline reference = Scan(walls, {}, 1);
+  const ScanOutline scan = Scan(walls, {{0.2, 0.05}, 0}, 2);
   const Rigid2 guess = {{0.2, 0}, 0};
   const ScanMatch match = Match(reference, {}, scan, guess,
                                 {.half_extent_m = 0.3,
@@ -148,15 +148,15 @@ TEST(ScanMatcher, BelievesTheGuessWhereNothingElseTells) {
 }
 
 TEST(ScanMatcher, SaysThatAnEmptyScanTellsNothing) {
-  const ScanPoints reference = Scan(Room(), {}, 1);
+  const ScanOutline reference = Scan(Room(), {}, 1);
   const Rigid2 guess = {{0.3, 0.1}, 0.1};
-  const ScanMatch match = Match(reference, {}, ScanPoints{}, guess, {});
+  const ScanMatch match = Match(reference, {}, ScanOutline{}, guess, {});
   EXPECT_EQ(match.target_from_scan, guess);
   EXPECT_EQ(match.response, 0);
   EXPECT_GT(match.covariance[0], 0.01);
 }
 
-TEST(ScanPoints, PassesOverWhatIsNoReturn) {
+TEST(ScanOutline, PassesOverWhatIsNoReturn) {
   const RangeSensorInfo laser = TestLaser(10);
   std::vector<float> ranges_m(181, 2.0F);
   ranges_m[10] = kInvalidRange;
@@ -164,7 +164,7 @@ TEST(ScanPoints, PassesOverWhatIsNoReturn) {
   ranges_m[30] = kTooNear;
   ranges_m[40] = 0.01F;
   ranges_m[50] = 11;
-  const ScanPoints scan = MakeScanPoints(ranges_m, laser, {});
+  const ScanOutline scan = MakeScanOutline(ranges_m, laser, {});
   EXPECT_EQ(scan.size(), 176u);
   for (const Vec2& point : scan.points_m) EXPECT_NEAR(Norm(point), 2, 1e-6);
   // A surface does not run over a gap.
@@ -172,7 +172,7 @@ TEST(ScanPoints, PassesOverWhatIsNoReturn) {
   EXPECT_EQ(scan.joined[8], 1);
 }
 
-TEST(ScanPoints, DropsWhatARobotThatLeansSeesOfTheFloor) {
+TEST(ScanOutline, DropsWhatARobotThatLeansSeesOfTheFloor) {
   const RangeSensorInfo laser = TestLaser(10);
   const std::vector<float> ranges_m(181, 5.0F);
   // Nose down by 0.1 rad, the laser 0.35 m up: straight ahead the floor is met
@@ -180,8 +180,8 @@ TEST(ScanPoints, DropsWhatARobotThatLeansSeesOfTheFloor) {
   const Rigid3 level_from_laser = {
       .rotation = Rotation3::FromAxisAngle({0, 0.1, 0}),
       .translation = {0, 0, 0.35}};
-  const ScanPoints scan =
-      MakeScanPoints(ranges_m, laser, level_from_laser, {.min_height_m = 0.05});
+  const ScanOutline scan = MakeScanOutline(ranges_m, laser, level_from_laser,
+                                           {.min_height_m = 0.05});
   EXPECT_LT(scan.size(), 120u);
   EXPECT_GT(scan.size(), 60u);
   for (const Vec2& point : scan.points_m) {

@@ -14,7 +14,7 @@ constexpr double kMaxPiece_m = 0.4;
 constexpr double kStraight_m = 0.03;
 
 // The last point of the straight piece of surface that begins at point i.
-size_t StraightUntil(const ScanPoints& scan, size_t i) {
+size_t StraightUntil(const ScanOutline& scan, size_t i) {
   const Vec2 begin = scan.points_m[i];
   size_t end = i;
   while (end + 1 < scan.size() && scan.joined[end] != 0) {
@@ -56,7 +56,7 @@ SurfaceGrid::SurfaceGrid(Vec2 center_in_target, double half_extent_m,
 }
 
 void SurfaceGrid::Draw(const PlacedScan& placed) {
-  const ScanPoints& scan = *placed.scan;
+  const ScanOutline& scan = *placed.scan;
   bool ends_surface = false;  // point i is drawn already
   for (size_t i = 0; i < scan.size();) {
     const size_t end = StraightUntil(scan, i);

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "common/geometry/rigid2.h"
-#include "nav_agent/mapping/scan_points.h"
+#include "nav_agent/mapping/scan_outline.h"
 
 namespace treeline {
 
 // A scan at its place in the frame that it is a reference in.
 struct PlacedScan {
-  const ScanPoints* scan = nullptr;
+  const ScanOutline* scan = nullptr;
   Rigid2 target_from_scan;
 };
 

@@ -22,6 +22,7 @@ constexpr size_t kFileHeader_bytes = 16;
 constexpr absl::string_view kSync = "TLrc";
 constexpr size_t kRecordHeader_bytes = 32;
 constexpr size_t kChecksumAt = 24;
+constexpr uint16_t kFrameKind = 18;
 constexpr size_t kFlushFrom_bytes = size_t{1} << 20;
 constexpr std::chrono::milliseconds kFlushEvery(900);
 
@@ -202,6 +203,10 @@ absl::Status AgentLogWriter::Flush() {
   return absl::OkStatus();
 }
 
+bool IsAgentLog(absl::string_view bytes) {
+  return bytes.substr(0, kMagic.size()) == kMagic;
+}
+
 absl::StatusOr<AgentLogReader> AgentLogReader::Open(const std::string& path) {
   TL_ASSIGN_OR_RETURN(MappedFile file, MappedFile::Open(path));
   auto shared = std::make_shared<const MappedFile>(std::move(file));
@@ -214,8 +219,7 @@ absl::StatusOr<AgentLogReader> AgentLogReader::Open(const std::string& path) {
 }
 
 absl::StatusOr<AgentLogReader> AgentLogReader::Parse(absl::string_view bytes) {
-  if (bytes.size() < kFileHeader_bytes ||
-      bytes.substr(0, kMagic.size()) != kMagic) {
+  if (bytes.size() < kFileHeader_bytes || !IsAgentLog(bytes)) {
     return absl::DataLossError("not an agent log");
   }
   const uint32_t version = At<uint32_t>(bytes, kMagic.size());
@@ -246,8 +250,13 @@ std::optional<LogEntry> AgentLogReader::Next() {
     }
     at_ += length;
     end_of_last_ = at_;
+    const auto kind = At<uint16_t>(rest, 4);
+    if (skips_frames_ && kind == kFrameKind) {
+      ++skipped_frames_;
+      continue;
+    }
     auto entry = DecodeLogPayload(
-        At<uint16_t>(rest, 4), At<int64_t>(rest, 16),
+        kind, At<int64_t>(rest, 16),
         rest.substr(kRecordHeader_bytes, length - kRecordHeader_bytes));
     if (entry.has_value()) return entry;
   }

@@ -103,6 +103,9 @@ class AgentLogWriter {
   int64_t bytes_ = 0;
 };
 
+// Whether a file that begins with these bytes is an agent log, of any version.
+bool IsAgentLog(absl::string_view bytes);
+
 // Reads entries in the file's order. Not thread-safe.
 class AgentLogReader {
  public:
@@ -115,11 +118,16 @@ class AgentLogReader {
   // skipped and counted, what is of an unknown kind is skipped.
   std::optional<LogEntry> Next();
 
+  // From now on, frames are counted and passed over without being copied.
+  void SkipFrames() { skips_frames_ = true; }
+  int64_t skipped_frames() const { return skipped_frames_; }
+
   // Bytes that belong to no whole entry, so far. An unfinished last entry, as
   // a kill leaves it, is among them.
   int64_t damaged_bytes() const { return damaged_bytes_; }
   // Where the last whole entry ended.
   size_t end_of_last_entry() const { return end_of_last_; }
+  size_t size() const { return bytes_.size(); }
 
  private:
   AgentLogReader() = default;
@@ -130,6 +138,8 @@ class AgentLogReader {
   size_t at_ = 0;
   size_t end_of_last_ = 0;
   int64_t damaged_bytes_ = 0;
+  bool skips_frames_ = false;
+  int64_t skipped_frames_ = 0;
 };
 
 // ---- for tests and other programs: one entry in bytes ----

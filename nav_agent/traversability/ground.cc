@@ -32,50 +32,7 @@ GroundColumns Cropped(const GroundColumns& ground, const ColumnRect& rect) {
   return cropped;
 }
 
-}  // namespace
-
-VoxelLimits::VoxelLimits(const TraversabilityOptions& options,
-                         double resolution_m)
-    : step(std::max(1, VoxelsIn(options.max_step_m, resolution_m))),
-      riser(std::max(step, VoxelsIn(options.max_riser_m, resolution_m) + 1)),
-      robot_height(static_cast<int>(
-          std::ceil(options.robot_height_m / resolution_m - 1e-6))),
-      erosion(std::max(
-          0, VoxelsIn(options.min_ground_width_m / 2, resolution_m) - 1)),
-      overlap(VoxelsIn(options.level_overlap_m, resolution_m)) {}
-
-ColumnRect ColumnRect::Grown(int columns, const ColumnRect& bounds) const {
-  return {.begin_x = std::max(begin_x - columns, bounds.begin_x),
-          .begin_y = std::max(begin_y - columns, bounds.begin_y),
-          .end_x = std::min(end_x + columns, bounds.end_x),
-          .end_y = std::min(end_y + columns, bounds.end_y)};
-}
-
-int GroundReach(const VoxelLimits& limits) {
-  // Stray voxels 1, holes 2, spikes 1, links 1; then gradients 1 + 1 + 2 + 4 +
-  // 4, or erosion and dilation.
-  return 5 + std::max(12, 2 * limits.erosion + 1);
-}
-
-GroundColumns FindGround(const VoxelMap& voxels, const VoxelLimits& limits,
-                         bool needs_sight, const ColumnRect& rect) {
-  const ColumnRect bounds{.begin_x = 0,
-                          .begin_y = 0,
-                          .end_x = voxels.size().x,
-                          .end_y = voxels.size().y};
-  const ColumnRect window = rect.Grown(GroundReach(limits), bounds);
-  const CleanColumns columns(voxels, window);
-  GroundColumns ground = FindTops(columns, needs_sight);
-  // What the first pass closed supports the second.
-  ground = FillHoles(columns, std::move(ground));
-  ground = FillHoles(columns, std::move(ground));
-  LevelSpikes(ground);
-  LinkGround(columns, limits, ground);
-  MeasureGradients(ground);
-  FindNarrowGround(limits, ground);
-  return window == rect ? ground : Cropped(ground, rect);
-}
-
+// `ground` with the columns of `part.rect` replaced by `part`.
 GroundColumns Spliced(const GroundColumns& ground, const GroundColumns& part) {
   GroundColumns spliced;
   spliced.rect = ground.rect;
@@ -107,6 +64,112 @@ GroundColumns Spliced(const GroundColumns& ground, const GroundColumns& part) {
            row_end);
   }
   return spliced;
+}
+
+}  // namespace
+
+VoxelLimits::VoxelLimits(const TraversabilityOptions& options,
+                         double resolution_m)
+    : step(std::max(1, VoxelsIn(options.max_step_m, resolution_m))),
+      riser(std::max(step, VoxelsIn(options.max_riser_m, resolution_m) + 1)),
+      robot_height(static_cast<int>(
+          std::ceil(options.robot_height_m / resolution_m - 1e-6))),
+      erosion(std::max(
+          0, VoxelsIn(options.min_ground_width_m / 2, resolution_m) - 1)),
+      overlap(VoxelsIn(options.level_overlap_m, resolution_m)) {}
+
+ColumnRect ColumnRect::Grown(int columns, const ColumnRect& bounds) const {
+  return {.begin_x = std::max(begin_x - columns, bounds.begin_x),
+          .begin_y = std::max(begin_y - columns, bounds.begin_y),
+          .end_x = std::min(end_x + columns, bounds.end_x),
+          .end_y = std::min(end_y + columns, bounds.end_y)};
+}
+
+namespace {
+
+// Which ground there is in a column, and how it is linked, depends on voxels
+// this many columns away: stray voxels 1, holes 2, spikes 1, links 1.
+constexpr int kLinkReach = 5;
+// Gradients depend on links this far away: the bell 1 + 1 + 2 + 4 + 4 cells,
+// level runs 20 + 4.
+constexpr int kGradientReach = 24;
+
+// And whether it is narrow: erosion and dilation.
+int NarrowReach(const VoxelLimits& limits) { return 2 * limits.erosion + 1; }
+
+ColumnRect BoundsOf(const VoxelMap& voxels) {
+  return {.begin_x = 0,
+          .begin_y = 0,
+          .end_x = voxels.size().x,
+          .end_y = voxels.size().y};
+}
+
+// The ground of `rect`, linked; no more is known of it.
+GroundColumns FindLinkedGround(const VoxelMap& voxels,
+                               const VoxelLimits& limits, bool needs_sight,
+                               const ColumnRect& rect) {
+  const ColumnRect window = rect.Grown(kLinkReach, BoundsOf(voxels));
+  const CleanColumns columns(voxels, window);
+  GroundColumns ground = FindTops(columns, needs_sight);
+  // What the first pass closed supports the second.
+  ground = FillHoles(columns, std::move(ground));
+  ground = FillHoles(columns, std::move(ground));
+  LevelSpikes(ground);
+  LinkGround(columns, limits, ground);
+  return window == rect ? std::move(ground) : Cropped(ground, rect);
+}
+
+// Calls copy(from, to) for each node of `rect` in `part` and in `ground`, which
+// have the same nodes there.
+template <typename Copy>
+void ForSameNodes(const GroundColumns& part, const ColumnRect& rect,
+                  GroundColumns& ground, const Copy& copy) {
+  for (int y = rect.begin_y; y < rect.end_y; ++y) {
+    for (int x = rect.begin_x; x < rect.end_x; ++x) {
+      const auto from = part.At(part.ColumnOf(x, y));
+      GroundNode* to =
+          ground.nodes.data() + ground.begin[ground.ColumnOf(x, y)];
+      for (const GroundNode& node : from) copy(node, *to++);
+    }
+  }
+}
+
+}  // namespace
+
+GroundColumns FindGround(const VoxelMap& voxels, const VoxelLimits& limits,
+                         bool needs_sight) {
+  GroundColumns ground =
+      FindLinkedGround(voxels, limits, needs_sight, BoundsOf(voxels));
+  MeasureGradients(ground);
+  FindNarrowGround(limits, ground);
+  return ground;
+}
+
+void UpdateGround(const VoxelMap& voxels, const VoxelLimits& limits,
+                  bool needs_sight, const ColumnRect& changed,
+                  GroundColumns& ground) {
+  const ColumnRect bounds = BoundsOf(voxels);
+  const ColumnRect linked = changed.Grown(kLinkReach, bounds);
+  if (linked.width() <= 0 || linked.height() <= 0) return;
+  ground =
+      Spliced(ground, FindLinkedGround(voxels, limits, needs_sight, linked));
+
+  const ColumnRect sloped = linked.Grown(kGradientReach, bounds);
+  GroundColumns part = Cropped(ground, sloped.Grown(kGradientReach, bounds));
+  MeasureGradients(part);
+  ForSameNodes(part, sloped, ground,
+               [](const GroundNode& from, GroundNode& to) {
+                 to.gradient_x = from.gradient_x;
+                 to.gradient_y = from.gradient_y;
+               });
+
+  const int reach = NarrowReach(limits);
+  const ColumnRect narrowed = linked.Grown(reach, bounds);
+  part = Cropped(ground, narrowed.Grown(reach, bounds));
+  FindNarrowGround(limits, part);
+  ForSameNodes(
+      part, narrowed, ground,
+      [](const GroundNode& from, GroundNode& to) { to.narrow = from.narrow; });
 }
 
 }  // namespace treeline

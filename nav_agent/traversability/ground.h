@@ -90,16 +90,16 @@ struct GroundColumns {
   }
 };
 
-// Ground depends on voxels at most this many columns away.
-int GroundReach(const VoxelLimits& limits);
-
-// The ground of `rect`. `needs_sight`: whether only surfaces that were seen
+// All ground of `voxels`. `needs_sight`: whether only surfaces that were seen
 // from above are `seen`; a map without free voxels cannot say.
 GroundColumns FindGround(const VoxelMap& voxels, const VoxelLimits& limits,
-                         bool needs_sight, const ColumnRect& rect);
+                         bool needs_sight);
 
-// `ground` with the columns of `part.rect` replaced by `part`.
-GroundColumns Spliced(const GroundColumns& ground, const GroundColumns& part);
+// Makes of the ground before only columns of `changed` did what FindGround
+// gives now, bit by bit. The map's size has not changed.
+void UpdateGround(const VoxelMap& voxels, const VoxelLimits& limits,
+                  bool needs_sight, const ColumnRect& changed,
+                  GroundColumns& ground);
 
 }  // namespace treeline
 

@@ -146,6 +146,100 @@ void SmoothOnce(const std::vector<int32_t>& next,
   values.swap(scratch);
 }
 
+// ---- level runs ----
+
+// Runs are measured this far, each way, from a cell.
+constexpr int kRunReach = 20;
+// Runs from this long on say more of the slope than the bell does.
+constexpr int kLongRun = 8;
+// What is this short before a wall is its foot: skirting, or noise.
+constexpr int kShortRun = 3;
+
+// How many nodes after each are level with it, and how the run ends.
+struct RunAhead {
+  std::vector<int16_t> cells;
+  std::vector<int8_t> end;  // a step up or down; 0: the ground ends, or farther
+};
+
+// `next` leads to higher indices if `ascending`, and to lower ones if not.
+RunAhead MeasureRuns(const GroundColumns& ground,
+                     const std::vector<int32_t>& next, bool ascending) {
+  const size_t count = next.size();
+  RunAhead run{.cells = std::vector<int16_t>(count),
+               .end = std::vector<int8_t>(count)};
+  for (size_t k = 0; k < count; ++k) {
+    const size_t i = ascending ? count - 1 - k : k;
+    if (next[i] < 0) continue;
+    const auto to = static_cast<size_t>(next[i]);
+    const int step = ground.nodes[to].z - ground.nodes[i].z;
+    if (step != 0) {
+      run.end[i] = step > 0 ? 1 : -1;
+    } else if (run.cells[to] < kRunReach - 1) {
+      run.cells[i] = static_cast<int16_t>(run.cells[to] + 1);
+      run.end[i] = run.end[to];
+    } else {
+      run.cells[i] = kRunReach;
+    }
+  }
+  return run;
+}
+
+// The level run beyond the end of one, from node i on.
+struct RunBeyond {
+  int cells = 0;  // 0: there is none
+  int8_t end = 0;
+};
+
+RunBeyond FindRunBeyond(const std::vector<int32_t>& next, const RunAhead& run,
+                        size_t i) {
+  for (int cells = run.cells[i]; cells >= 0; --cells) {
+    if (next[i] < 0) return {};
+    i = static_cast<size_t>(next[i]);
+  }
+  return {.cells = run.cells[i] + 1, .end = run.end[i]};
+}
+
+// Whether a slope begins right ahead: its first layer is as far away at most as
+// it is long, and it goes on the same way.
+bool SlopeBegins(const std::vector<int32_t>& next, const RunAhead& ahead,
+                 size_t i) {
+  if (ahead.end[i] == 0 || ahead.cells[i] >= kLongRun) return false;
+  const RunBeyond beyond = FindRunBeyond(next, ahead, i);
+  return beyond.end == ahead.end[i] && beyond.cells < kLongRun &&
+         ahead.cells[i] <= beyond.cells;
+}
+
+// Of a slope whose layers' edges are v cells apart every level run is between
+// v - 1 and v + 1 cells long (Eq. 6.2). The bell is short for gentle slopes:
+// it sees a step or sees none. So what it says is kept between 1 / (run + 1)
+// and 1 / (run - 1); the former if the ground goes on the same way at both
+// ends.
+void BoundByRuns(const GroundColumns& ground, const std::vector<int32_t>& next,
+                 const std::vector<int32_t>& previous,
+                 std::vector<float>& gradients) {
+  const RunAhead ahead = MeasureRuns(ground, next, /*ascending=*/true);
+  const RunAhead behind = MeasureRuns(ground, previous, /*ascending=*/false);
+  for (size_t i = 0; i < gradients.size(); ++i) {
+    int run = ahead.cells[i] + behind.cells[i] + 1;
+    if (run <= kShortRun && ahead.end[i] == 0) {
+      run += FindRunBeyond(previous, behind, i).cells;
+    } else if (run <= kShortRun && behind.end[i] == 0) {
+      run += FindRunBeyond(next, ahead, i).cells;
+    }
+    if (run < kLongRun || SlopeBegins(next, ahead, i) ||
+        SlopeBegins(previous, behind, i)) {
+      continue;
+    }
+    float& gradient = gradients[i];
+    const float most = 1 / static_cast<float>(run - 1);
+    gradient = std::clamp(gradient, -most, most);
+    if (ahead.end[i] == 0 || ahead.end[i] != -behind.end[i]) continue;
+    const auto sign = static_cast<float>(ahead.end[i]);
+    const float least = 1 / static_cast<float>(run + 1);
+    gradient = sign * std::max(sign * gradient, least);
+  }
+}
+
 // One erosion, or dilation, of `set` through links: to all neighbours or only
 // to those that share a side.
 void Spread(const std::array<std::vector<int32_t>, 8>& links, bool all,
@@ -188,6 +282,7 @@ void MeasureGradients(GroundColumns& ground) {
     links[side] = LinksOf(ground, 2 * side);
   }
   static_assert(kEast == 0 && kNorth == 2 && kWest == 4 && kSouth == 6);
+  const std::array<std::vector<int32_t>, 4> neighbors = links;
   Field along_x = RiseAlong(ground, links[0], links[2]);
   Field along_y = RiseAlong(ground, links[1], links[3]);
   std::vector<float> scratch(ground.nodes.size());
@@ -200,13 +295,16 @@ void MeasureGradients(GroundColumns& ground) {
     if (pass >= 2) continue;
     for (std::vector<int32_t>& link : links) link = Doubled(link);
   }
+  for (Field* field : {&along_x, &along_y}) {
+    for (size_t i = 0; i < field->value.size(); ++i) {
+      if (field->weight[i] > 0) field->value[i] /= field->weight[i];
+    }
+  }
+  BoundByRuns(ground, neighbors[0], neighbors[2], along_x.value);
+  BoundByRuns(ground, neighbors[1], neighbors[3], along_y.value);
   for (size_t i = 0; i < ground.nodes.size(); ++i) {
-    if (along_x.weight[i] > 0) {
-      ground.nodes[i].gradient_x = along_x.value[i] / along_x.weight[i];
-    }
-    if (along_y.weight[i] > 0) {
-      ground.nodes[i].gradient_y = along_y.value[i] / along_y.weight[i];
-    }
+    ground.nodes[i].gradient_x = along_x.value[i];
+    ground.nodes[i].gradient_y = along_y.value[i];
   }
 }
 

@@ -17,6 +17,8 @@ constexpr int kSightReach = 4;
 // A hole is closed if so many of its eight neighbours are ground at one
 // height. Beside a straight edge they are three, in its inner corner five.
 constexpr int kHoleSupport = 6;
+// One in an edge has ground on both sides, and nobody has looked through it.
+constexpr int kHoleSupportInEdge = 5;
 // Next to walls fewer can be; walls count here.
 constexpr int kHoleSupportAtWalls = 4;
 constexpr int kHoleSupportWithWalls = 7;
@@ -46,6 +48,8 @@ struct Hole {
 // What lies about height z in the columns around (x, y).
 struct Surroundings {
   int support = 0;
+  int outside = 0;       // of the map
+  bool between = false;  // on two opposite sides
   int walls = 0;
   int seen = 0;
   std::array<int, 8> heights{};
@@ -54,21 +58,28 @@ struct Surroundings {
 Surroundings LookAround(const CleanColumns& columns,
                         const GroundColumns& ground, int x, int y, int z) {
   Surroundings around;
-  for (const GridStep& step : kNeighbors) {
-    const int nx = x + step.x;
-    const int ny = y + step.y;
-    if (!ground.rect.Contains(nx, ny)) continue;
+  std::array<bool, 8> is_ground{};
+  for (size_t d = 0; d < kNeighbors.size(); ++d) {
+    const int nx = x + kNeighbors[d].x;
+    const int ny = y + kNeighbors[d].y;
+    if (!ground.rect.Contains(nx, ny)) {
+      ++around.outside;
+      continue;
+    }
     const auto column = ground.At(ground.ColumnOf(nx, ny));
     const auto near = std::find_if(
         column.begin(), column.end(),
         [z](const GroundNode& node) { return std::abs(node.z - z) <= 1; });
     if (near != column.end()) {
+      is_ground[d] = true;
       around.heights[static_cast<size_t>(around.support++)] = near->z;
       if (near->seen) ++around.seen;
     } else if (columns.AnyOccupied(nx, ny, z + 2, z + 2 + kMinGap)) {
       ++around.walls;
     }
   }
+  around.between =
+      (is_ground[0] && is_ground[4]) || (is_ground[2] && is_ground[6]);
   return around;
 }
 
@@ -85,7 +96,11 @@ bool CloseHole(const CleanColumns& columns, const GroundColumns& ground, int x,
   // Something stands here.
   if (columns.AnyOccupied(x, y, z + 1, z + 2 + kMinGap)) return false;
   Surroundings around = LookAround(columns, ground, x, y, z);
-  const bool close = around.support >= kHoleSupport ||
+  // Nobody knows better of what lies outside.
+  const int agreeing = around.support + around.outside;
+  const bool close = agreeing >= kHoleSupport ||
+                     (around.between && agreeing >= kHoleSupportInEdge &&
+                      !columns.AnyFree(x, y, z - 2, z)) ||
                      (around.support >= kHoleSupportAtWalls &&
                       around.support + around.walls >= kHoleSupportWithWalls);
   if (!close) return false;

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <limits>
 #include <map>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -73,6 +72,8 @@ struct NodeFacts {
   std::vector<uint8_t> good;  // not steep, narrow or an edge
   // 0, or good and in a patch that is no furniture: kSmallFloor or kLargeFloor.
   std::vector<uint8_t> floor;
+  // The edge of a drop that a floor ends in.
+  std::vector<uint8_t> rim;
 };
 
 template <typename Function>
@@ -131,6 +132,111 @@ std::vector<Patch> MeasurePatches(const GroundColumns& ground,
   return patches;
 }
 
+// Treads of stairs are not longer (m).
+constexpr double kMaxTread_m = 0.45;
+
+constexpr int kNoTread = 1 << 20;
+
+// Over how many nodes the narrow ground of (x, y) ends in a drop if one goes on
+// in direction d: a tread does, and the corner of a floor does not.
+int TreadLength(const GroundColumns& ground, int x, int y, uint32_t i, size_t d,
+                int most) {
+  for (int cells = 1; cells <= most; ++cells) {
+    if (ground.nodes[i].edge) return cells;
+    i = LinkedNode(ground, x, y, i, d);
+    if (i == kNone || !ground.nodes[i].narrow) break;
+    x += kNeighbors[d].x;
+    y += kNeighbors[d].y;
+  }
+  return kNoTread;
+}
+
+// The length of the shortest tread next to (x, y) that leads up to height z.
+int TreadBelow(const GroundColumns& ground, const VoxelLimits& limits, int x,
+               int y, int z, int most) {
+  int length = kNoTread;
+  for (size_t d = 0; d < kNeighbors.size(); ++d) {
+    const int nx = x + kNeighbors[d].x;
+    const int ny = y + kNeighbors[d].y;
+    if (!ground.rect.Contains(nx, ny)) continue;
+    const size_t column = ground.ColumnOf(nx, ny);
+    for (uint32_t i = ground.begin[column]; i < ground.begin[column + 1]; ++i) {
+      const GroundNode& node = ground.nodes[i];
+      const int rise = z - node.z;
+      if (node.narrow && node.seen && rise > limits.step &&
+          rise <= limits.riser) {
+        length = std::min(length, TreadLength(ground, nx, ny, i, d, most));
+      }
+    }
+  }
+  return length;
+}
+
+// The edge of a floor that stairs lead up to.
+struct StairHead {
+  int x = 0;
+  int y = 0;
+  uint32_t node = 0;
+  int tread = 0;  // cells
+
+  bool IsNear(const StairHead& other) const {
+    return std::max(std::abs(x - other.x), std::abs(y - other.y)) <= kHeadReach;
+  }
+  // One is noise: so many are needed within this of each other.
+  static constexpr int kHeadReach = 5;
+  static constexpr int kHeadSupport = 4;
+};
+
+std::vector<StairHead> FindStairHeads(const GroundColumns& ground,
+                                      const VoxelLimits& limits,
+                                      double resolution_m) {
+  const int most = static_cast<int>(std::ceil(kMaxTread_m / resolution_m));
+  std::vector<StairHead> found;
+  ForEachNode(ground, [&](int x, int y, uint32_t i) {
+    const GroundNode& node = ground.nodes[i];
+    if (!node.edge || !node.seen) return;
+    const int tread = TreadBelow(ground, limits, x, y, node.z, most);
+    if (tread <= most) found.push_back({x, y, i, tread});
+  });
+  std::vector<StairHead> heads;
+  for (const StairHead& head : found) {
+    const auto support = std::count_if(
+        found.begin(), found.end(),
+        [&head](const StairHead& other) { return head.IsNear(other); });
+    if (support > StairHead::kHeadSupport) heads.push_back(head);
+  }
+  return heads;
+}
+
+// The last tread of a flight lies level with the floor that it leads to, and
+// looks like it. So floors are closed at the head of stairs, as far as the
+// treads below are long and a cell more.
+void CloseStairHeads(const GroundColumns& ground, const VoxelLimits& limits,
+                     double resolution_m, std::vector<uint8_t>& floor) {
+  const std::vector<StairHead> heads =
+      FindStairHeads(ground, limits, resolution_m);
+  int cells = 0;
+  for (const StairHead& head : heads) cells = std::max(cells, head.tread);
+  std::vector<StairHead> front;
+  std::vector<StairHead> next;
+  for (; cells > 0; --cells) {
+    for (const StairHead& head : heads) {
+      if (head.tread == cells) front.push_back(head);
+    }
+    next.clear();
+    for (const StairHead& place : front) {
+      for (size_t d = 0; d < kNeighbors.size(); ++d) {
+        const uint32_t to = LinkedNode(ground, place.x, place.y, place.node, d);
+        if (to == kNone || floor[to] == 0) continue;
+        floor[to] = 0;
+        next.push_back(
+            {place.x + kNeighbors[d].x, place.y + kNeighbors[d].y, to, cells});
+      }
+    }
+    front.swap(next);
+  }
+}
+
 NodeFacts FindFacts(const GroundColumns& ground,
                     const TraversabilityOptions& options, double resolution_m) {
   NodeFacts facts;
@@ -146,28 +252,43 @@ NodeFacts FindFacts(const GroundColumns& ground,
   }
   DisjointSets sets(ground.nodes.size());
   const std::vector<Patch> patches = MeasurePatches(ground, facts, sets);
-  const auto is_large = [&](uint32_t i) {
-    return patches[sets.Find(i)].nodes * resolution_m * resolution_m >=
+  const auto is_large = [&](const Patch& patch) {
+    return patch.nodes * resolution_m * resolution_m >=
            options.min_platform_area_m2;
   };
-  std::set<int> heights;
+  // Heights of large floors, and those next to them.
+  std::vector<uint8_t> has_floor;
   facts.floor.resize(ground.nodes.size());
   for (uint32_t i = 0; i < ground.nodes.size(); ++i) {
-    if (facts.good[i] == 0 || !is_large(i)) continue;
+    if (facts.good[i] == 0 || !is_large(patches[sets.Find(i)])) continue;
     facts.floor[i] = kLargeFloor;
-    heights.insert(ground.nodes[i].z);
+    const auto z = static_cast<size_t>(ground.nodes[i].z);
+    if (has_floor.size() < z + 2) has_floor.resize(z + 2);
+    has_floor[z + 1] = 1;
+    has_floor[z] = 1;
+    if (z > 0) has_floor[z - 1] = 1;
   }
   // Small patches are floor if they seem to be seen through a gap: at a large
   // one's height, and not ending in drops.
   for (uint32_t i = 0; i < ground.nodes.size(); ++i) {
-    if (facts.good[i] == 0 || is_large(i)) continue;
+    if (facts.good[i] == 0 || facts.floor[i] != 0) continue;
     const Patch& patch = patches[sets.Find(i)];
-    const int z = ground.nodes[i].z;
-    const bool at_height = heights.empty() || heights.contains(z - 1) ||
-                           heights.contains(z) || heights.contains(z + 1);
+    const auto z = static_cast<size_t>(ground.nodes[i].z);
+    const bool at_height =
+        has_floor.empty() || (z < has_floor.size() && has_floor[z] != 0);
     facts.floor[i] =
         at_height && patch.drops < kDropShare * patch.border ? kSmallFloor : 0;
   }
+  facts.rim.resize(ground.nodes.size());
+  ForEachNode(ground, [&](int x, int y, uint32_t i) {
+    if (!ground.nodes[i].edge || !ground.nodes[i].seen) return;
+    for (size_t d = 0; d < kNeighbors.size(); ++d) {
+      const uint32_t other = LinkedNode(ground, x, y, i, d);
+      if (other != kNone && facts.floor[other] != 0) facts.rim[i] = 1;
+    }
+  });
+  CloseStairHeads(ground, VoxelLimits(options, resolution_m), resolution_m,
+                  facts.floor);
   return facts;
 }
 
@@ -204,13 +325,33 @@ std::vector<Overlap> FindOverlaps(const GroundColumns& ground,
   return overlaps;
 }
 
+// The height in [low, high] with the least ground about it, so that both levels
+// share some ramp there and no floor: the highest of those that have hardly
+// more than the least.
+int QuietestHeight(const std::map<int, int64_t>& ground_at, int low, int high,
+                   int overlap) {
+  int64_t least = std::numeric_limits<int64_t>::max();
+  std::vector<int64_t> about;
+  for (int z = low; z <= high; ++z) {
+    int64_t here = 0;
+    const auto end = ground_at.upper_bound(z + overlap);
+    for (auto at = ground_at.lower_bound(z - overlap); at != end; ++at) {
+      here += at->second;
+    }
+    about.push_back(here);
+    least = std::min(least, here);
+  }
+  int cut = high;
+  while (cut > low && about[static_cast<size_t>(cut - low)] > 2 * least) --cut;
+  return cut;
+}
+
 // The fewest heights so that one lies in each overlap's (lower, upper], from
-// the bottom up: the classic greedy stabbing. Within the heights that serve a
-// cut's overlaps alike it takes the highest, unless one below has less than
-// half the ground at it.
+// the bottom up: the classic greedy stabbing. Of the heights that serve a
+// cut's overlaps alike it takes QuietestHeight.
 std::vector<int> FindCuts(const GroundColumns& ground, const NodeFacts& facts,
                           const std::vector<Overlap>& overlaps,
-                          double resolution_m) {
+                          double resolution_m, int overlap) {
   const auto min_columns = static_cast<int64_t>(
       std::ceil(kMinOverlapArea_m2 / (resolution_m * resolution_m)));
   std::map<int, int64_t> ground_at;
@@ -229,25 +370,16 @@ std::vector<int> FindCuts(const GroundColumns& ground, const NodeFacts& facts,
     size_t end = i;
     int upper = overlaps[i].upper;
     for (; end < overlaps.size(); ++end) {
-      const Overlap& overlap = overlaps[end];
-      if (last_cut > overlap.lower) continue;
-      if (columns > 0 && overlap.lower >= upper) break;
-      if (columns == 0) upper = overlap.upper;
-      columns += overlap.columns;
-      highest_lower = std::max(highest_lower, overlap.lower);
+      const Overlap& pair = overlaps[end];
+      if (last_cut > pair.lower) continue;
+      if (columns > 0 && pair.lower >= upper) break;
+      if (columns == 0) upper = pair.upper;
+      columns += pair.columns;
+      highest_lower = std::max(highest_lower, pair.lower);
     }
     if (columns >= min_columns) {
-      int cut = upper;
-      int64_t least = std::numeric_limits<int32_t>::max();
-      for (int z = upper; z > highest_lower; --z) {
-        const auto at = ground_at.find(z);
-        const int64_t here = at == ground_at.end() ? 0 : at->second;
-        if (10 * here < least) {
-          least = here;
-          cut = z;
-        }
-      }
-      cuts.push_back(cut);
+      cuts.push_back(
+          QuietestHeight(ground_at, highest_lower + 1, upper, overlap));
     }
     i = end;
   }
@@ -291,21 +423,23 @@ class LevelMaker {
   }
 
  private:
-  // The lowest floor that the robot fits on; else the highest floor; else the
-  // lowest surface that was seen.
+  // The lowest floor that the robot fits on; else the lowest edge of one; else
+  // the highest floor; else the lowest surface that was seen.
   uint32_t Choose(size_t column, int begin_z, int end_z) const {
     uint32_t best = kNone;
-    bool best_is_floor = false;
+    int best_rank = 0;
     for (uint32_t i = ground_.begin[column]; i < ground_.begin[column + 1];
          ++i) {
       const GroundNode& node = ground_.nodes[i];
       if (node.z < begin_z || node.z >= end_z || !node.seen) continue;
-      if (facts_.floor[i] != 0) {
-        if (node.clearance >= limits_.robot_height) return i;
+      const bool has_room = node.clearance >= limits_.robot_height;
+      if (facts_.floor[i] != 0 && has_room) return i;
+      const int rank = facts_.rim[i] != 0 && has_room ? 3
+                       : facts_.floor[i] != 0         ? 2
+                                                      : 1;
+      if (rank > best_rank || (rank == 2 && best_rank == 2)) {
         best = i;
-        best_is_floor = true;
-      } else if (best == kNone && !best_is_floor) {
-        best = i;
+        best_rank = rank;
       }
     }
     return best;
@@ -442,9 +576,9 @@ TraversableMap MakeLevels(const VoxelMap& voxels, const GroundColumns& ground,
   const double r = voxels.resolution_m();
   const VoxelLimits limits(options, r);
   const NodeFacts facts = FindFacts(ground, options, r);
-  std::vector<int> cuts =
-      FindCuts(ground, facts,
-               FindOverlaps(ground, facts, limits.robot_height, r * r), r);
+  std::vector<int> cuts = FindCuts(
+      ground, facts, FindOverlaps(ground, facts, limits.robot_height, r * r), r,
+      limits.overlap);
   const int top = voxels.size().z;
   const LevelMaker maker(voxels, ground, facts, limits);
   TraversableMap map;

@@ -11,6 +11,8 @@ namespace {
 
 constexpr int kSamples = 3;  // of a cell, each way
 constexpr double kDrop_m = 0.11;
+// A level shows ground if its height differs by less: two voxels.
+constexpr double kShown_m = 0.1;
 
 // What is at a point of the plane.
 struct Truth {
@@ -41,9 +43,9 @@ std::vector<Solid> SolidsAt(const Scene& scene, Vec2 point) {
   return solids;
 }
 
-Truth TruthAt(const Scene& scene, Vec2 point, double robot_height_m,
-              double begin_z_m, double end_z_m) {
-  const std::vector<Solid> solids = SolidsAt(scene, point);
+// Where a level shows one ground of several, shown_m, that one is meant.
+Truth TruthOf(const std::vector<Solid>& solids, double robot_height_m,
+              double begin_z_m, double end_z_m, double shown_m) {
   Truth truth;
   bool found = false;
   for (size_t i = 0; i < solids.size(); ++i) {
@@ -56,56 +58,33 @@ Truth TruthAt(const Scene& scene, Vec2 point, double robot_height_m,
     if (room_m <= 0) continue;  // inside of another
     const bool free =
         solid.kind == BlockKind::kGround && room_m >= robot_height_m;
-    if (found && !free) continue;
+    const bool shown = std::abs(solid.top_m - shown_m) < kShown_m;
+    if (found && !shown && (truth.free || !free)) continue;
     truth = {.free = free,
              .stairs = solid.kind == BlockKind::kStairs,
              .height_m = solid.top_m};
     found = true;
-    if (free) break;
+    if (shown) break;
   }
   return truth;
 }
 
-// Truths of all samples, rows of kSamples * cells.
-struct TruthGrid {
-  int width = 0;
-  int height = 0;
-  std::vector<Truth> samples;
-
-  const Truth& At(int x, int y) const {
-    return samples[static_cast<size_t>(y) * static_cast<size_t>(width) +
-                   static_cast<size_t>(x)];
-  }
-};
-
-// What the samples [begin, end) of both axes have in common.
+// What the samples of a cell, and those around it, have in common.
 struct TruthSpan {
   bool any_free = false;
   bool all_free = true;
   bool all_stairs = true;
   double lowest_m = 1e9;
   double highest_m = -1e9;
-};
 
-TruthSpan SpanOf(const TruthGrid& truth, CellIndex cell, int border) {
-  TruthSpan span;
-  const auto clip = [](int i, int size) { return std::clamp(i, 0, size); };
-  const int begin_y = clip((cell.y - border) * kSamples, truth.height);
-  const int end_y = clip((cell.y + 1 + border) * kSamples, truth.height);
-  const int begin_x = clip((cell.x - border) * kSamples, truth.width);
-  const int end_x = clip((cell.x + 1 + border) * kSamples, truth.width);
-  for (int y = begin_y; y < end_y; ++y) {
-    for (int x = begin_x; x < end_x; ++x) {
-      const Truth& sample = truth.At(x, y);
-      span.any_free = span.any_free || sample.free;
-      span.all_free = span.all_free && sample.free;
-      span.all_stairs = span.all_stairs && sample.stairs;
-      span.lowest_m = std::min(span.lowest_m, sample.height_m);
-      span.highest_m = std::max(span.highest_m, sample.height_m);
-    }
+  void Add(const Truth& sample) {
+    any_free = any_free || sample.free;
+    all_free = all_free && sample.free;
+    all_stairs = all_stairs && sample.stairs;
+    lowest_m = std::min(lowest_m, sample.height_m);
+    highest_m = std::max(highest_m, sample.height_m);
   }
-  return span;
-}
+};
 
 }  // namespace
 
@@ -182,18 +161,23 @@ VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise,
       }
     }
   }
+  return WithNoise(map, noise);
+}
+
+VoxelMap WithNoise(const VoxelMap& exact, const VoxelNoise& noise) {
+  VoxelMap map = exact;
   if (noise.dropped == 0 && noise.near == 0 && noise.far == 0) return map;
-  const VoxelMap exact = map;
   Random random(noise.seed, 0);
   for (int y = 0; y < map.size().y; ++y) {
     for (int x = 0; x < map.size().x; ++x) {
-      for (int z = 0; z < size_z; ++z) {
+      for (int z = 0; z < map.size().z; ++z) {
         const double draw = random.NextUnit();
         const Voxel value = exact.At({x, y, z});
         if (value == Voxel::kOccupied && draw < noise.dropped) {
           map.Set({x, y, z},
                   draw < noise.dropped / 2 ? Voxel::kFree : Voxel::kUnknown);
-        } else if (value == Voxel::kFree) {
+        } else if (value == Voxel::kFree &&
+                   draw < std::max(noise.near, noise.far)) {
           bool near = false;
           for (int dz = -2; dz <= 2; ++dz) {
             near = near || exact.At({x, y, z + dz}) == Voxel::kOccupied;
@@ -211,23 +195,35 @@ VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise,
 Score ScoreLevel(const Scene& scene, const TraversableLevel& level,
                  double robot_height_m, double begin_z_m, double end_z_m) {
   const OccupancyGrid& grid = level.grid;
-  TruthGrid truth{.width = grid.width * kSamples,
-                  .height = grid.height * kSamples,
-                  .samples = {}};
   const double sample_m = grid.resolution_m / kSamples;
-  for (int y = 0; y < truth.height; ++y) {
-    for (int x = 0; x < truth.width; ++x) {
-      truth.samples.push_back(
-          TruthAt(scene, {(x + 0.5) * sample_m, (y + 0.5) * sample_m},
-                  robot_height_m, begin_z_m, end_z_m));
+  const int width = grid.width * kSamples;
+  const int height = grid.height * kSamples;
+  std::vector<std::vector<Solid>> solids;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      solids.push_back(
+          SolidsAt(scene, {(x + 0.5) * sample_m, (y + 0.5) * sample_m}));
     }
   }
   Score score;
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
-      const TruthSpan own = SpanOf(truth, {x, y}, 0);
+      const double shown_m = level.height_m[grid.IndexOf({x, y})];
+      TruthSpan own;
+      TruthSpan near;
+      for (int i = -kSamples; i < 2 * kSamples; ++i) {
+        for (int j = -kSamples; j < 2 * kSamples; ++j) {
+          const int sx = x * kSamples + i;
+          const int sy = y * kSamples + j;
+          if (sx < 0 || sy < 0 || sx >= width || sy >= height) continue;
+          const Truth truth =
+              TruthOf(solids[static_cast<size_t>(sy * width + sx)],
+                      robot_height_m, begin_z_m, end_z_m, shown_m);
+          near.Add(truth);
+          if (std::min(i, j) >= 0 && std::max(i, j) < kSamples) own.Add(truth);
+        }
+      }
       if (own.lowest_m < 0) continue;  // the level ends here
-      const TruthSpan near = SpanOf(truth, {x, y}, 1);
       const bool free = grid.At({x, y}) == Occupancy::kFree;
       const bool occupied = grid.At({x, y}) == Occupancy::kOccupied;
       const bool boundary = near.all_free != near.any_free ||

@@ -56,6 +56,7 @@ struct Scene {
 // Surfaces one voxel thick; free space outside of blocks, unknown inside.
 VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise = {},
                   double resolution_m = 0.05);
+VoxelMap WithNoise(const VoxelMap& exact, const VoxelNoise& noise);
 
 struct Score {
   int64_t cells = 0;
@@ -71,7 +72,8 @@ struct Score {
 };
 
 // Compares cells with the truth: ground between begin_z_m and end_z_m with
-// robot_height_m of room is free, all else occupied. Cells where something else
+// robot_height_m of room is free, all else occupied. Of several such grounds in
+// a column the one that the level shows is meant. Cells where something else
 // begins within a voxel may be occupied or what is true in a part of them.
 Score ScoreLevel(const Scene& scene, const TraversableLevel& level,
                  double robot_height_m, double begin_z_m = -1,

@@ -20,8 +20,8 @@ absl::Status TraversabilityMapper::Rebuild(const VoxelMap& voxels) {
   lowest_ = voxels.lowest();
   size_ = voxels.size();
   needs_sight_ = voxels.CountFree() > 0;
-  ground_ = FindGround(voxels, VoxelLimits(options_, resolution_m_),
-                       needs_sight_, {0, 0, size_.x, size_.y});
+  ground_ =
+      FindGround(voxels, VoxelLimits(options_, resolution_m_), needs_sight_);
   map_ = MakeLevels(voxels, ground_, options_);
   return absl::OkStatus();
 }
@@ -32,15 +32,10 @@ absl::Status TraversabilityMapper::Update(const VoxelMap& voxels,
       voxels.size() != size_ || needs_sight_ != (voxels.CountFree() > 0)) {
     return Rebuild(voxels);
   }
-  const ColumnRect bounds{0, 0, size_.x, size_.y};
-  const VoxelLimits limits(options_, resolution_m_);
-  // All ground that depends on what changed.
-  const ColumnRect affected = changed.Grown(GroundReach(limits), bounds);
-  if (affected.width() <= 0 || affected.height() <= 0) {
-    return absl::OkStatus();
-  }
-  ground_ =
-      Spliced(ground_, FindGround(voxels, limits, needs_sight_, affected));
+  const ColumnRect inside = changed.Grown(0, {0, 0, size_.x, size_.y});
+  if (inside.width() <= 0 || inside.height() <= 0) return absl::OkStatus();
+  UpdateGround(voxels, VoxelLimits(options_, resolution_m_), needs_sight_,
+               inside, ground_);
   map_ = MakeLevels(voxels, ground_, options_);
   return absl::OkStatus();
 }

@@ -10,7 +10,7 @@
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
-#include "server/core/features/depth_registration.h"
+#include "common/image/depth_registration.h"
 
 namespace treeline {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "server/core/pose/kabsch.h"
+#include "common/geometry/kabsch.h"
 
 namespace treeline {
 namespace {

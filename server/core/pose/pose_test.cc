@@ -4,8 +4,8 @@
 #include "Eigen/Cholesky"
 #include "Eigen/Core"
 #include "common/base/random.h"
+#include "common/geometry/kabsch.h"
 #include "gtest/gtest.h"
-#include "server/core/pose/kabsch.h"
 #include "server/core/pose/preemptive_ransac.h"
 #include "server/core/pose/rigid_refinement.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/base/random.h"
-#include "server/core/pose/kabsch.h"
+#include "common/geometry/kabsch.h"
 
 namespace treeline {
 namespace {

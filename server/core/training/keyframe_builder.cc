@@ -9,7 +9,7 @@
 #include "common/base/parallel_for.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
-#include "server/core/features/depth_registration.h"
+#include "common/image/depth_registration.h"
 #include "server/core/features/gray_pyramid.h"
 #include "server/core/features/planar_image.h"
 #include "server/core/keyframes/keyframe_features.h"

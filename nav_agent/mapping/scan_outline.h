@@ -1,6 +1,6 @@
 // A laser scan as points and pieces of surface.
-#ifndef NAV_AGENT_MAPPING_SCAN_POINTS_H_
-#define NAV_AGENT_MAPPING_SCAN_POINTS_H_
+#ifndef NAV_AGENT_MAPPING_SCAN_OUTLINE_H_
+#define NAV_AGENT_MAPPING_SCAN_OUTLINE_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace treeline {
 
-struct ScanPointOptions {
+struct ScanOutlineOptions {
   // Farther returns are not used: what they hit is small, and where they hit
   // it depends on small turns and on how level the robot stands (m, above 0).
   double max_range_m = 25;
@@ -35,7 +35,7 @@ struct ScanPointOptions {
 
 // In the robot's levelled frame: its origin and yaw are those of the base, its
 // z is up. joined[i] says that a surface runs from point i to point i + 1.
-struct ScanPoints {
+struct ScanOutline {
   std::vector<Vec2> points_m;
   std::vector<uint8_t> joined;
 
@@ -47,11 +47,14 @@ struct ScanPoints {
 // in it, and the laser's mount: on level ground it is base_from_laser.
 // ranges_m: one for each beam of `laser`; what is not finite or outside of the
 // laser's range is no return.
-ScanPoints MakeScanPoints(std::span<const float> ranges_m,
-                          const RangeSensorInfo& laser,
-                          const Rigid3& level_from_laser,
-                          const ScanPointOptions& options = {});
+// first_from_last is how the robot moved from the first beam to the last:
+// points are put where they would have been seen at the time of the first.
+ScanOutline MakeScanOutline(std::span<const float> ranges_m,
+                            const RangeSensorInfo& laser,
+                            const Rigid3& level_from_laser,
+                            const ScanOutlineOptions& options = {},
+                            const Rigid2& first_from_last = {});
 
 }  // namespace treeline
 
-#endif  // NAV_AGENT_MAPPING_SCAN_POINTS_H_
+#endif  // NAV_AGENT_MAPPING_SCAN_OUTLINE_H_

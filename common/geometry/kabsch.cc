@@ -1,4 +1,4 @@
-#include "server/core/pose/kabsch.h"
+#include "common/geometry/kabsch.h"
 
 #include "Eigen/Eigenvalues"
 

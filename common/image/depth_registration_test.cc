@@ -1,4 +1,4 @@
-#include "server/core/features/depth_registration.h"
+#include "common/image/depth_registration.h"
 
 #include <optional>
 #include <vector>

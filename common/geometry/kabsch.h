@@ -1,6 +1,6 @@
 // The rigid transform between two sets of corresponding points.
-#ifndef SERVER_CORE_POSE_KABSCH_H_
-#define SERVER_CORE_POSE_KABSCH_H_
+#ifndef COMMON_GEOMETRY_KABSCH_H_
+#define COMMON_GEOMETRY_KABSCH_H_
 
 #include <optional>
 
@@ -30,4 +30,4 @@ class Kabsch {
 
 }  // namespace treeline
 
-#endif  // SERVER_CORE_POSE_KABSCH_H_
+#endif  // COMMON_GEOMETRY_KABSCH_H_

@@ -1,4 +1,4 @@
-#include "nav_agent/mapping/scan_points.h"
+#include "nav_agent/mapping/scan_outline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@ namespace {
 // Whether one surface explains both returns: a and b from the origin, ranges
 // and angle between the beams known.
 bool OnOneSurface(Vec2 a, Vec2 b, double nearer_m, double increment_rad,
-                  const ScanPointOptions& options) {
+                  const ScanOutlineOptions& options) {
   const double gap_m = Norm(b - a);
   if (gap_m > options.max_join_m) return false;
   // Beams increment apart that hit a surface at an angle g are
@@ -23,7 +23,7 @@ bool OnOneSurface(Vec2 a, Vec2 b, double nearer_m, double increment_rad,
 // along it, or two at once. Where along the beam it lies means little.
 bool IsInBetween(std::span<const float> ranges_m, int beam,
                  const RangeSensorInfo& laser,
-                 const ScanPointOptions& options) {
+                 const ScanOutlineOptions& options) {
   if (beam < 1 || beam + 1 >= static_cast<int>(ranges_m.size())) return false;
   const double angle_rad = std::abs(laser.angle_increment_rad);
   const double here_m = ranges_m[static_cast<size_t>(beam)];
@@ -45,7 +45,7 @@ bool IsInBetween(std::span<const float> ranges_m, int beam,
 
 }  // namespace
 
-absl::Status ScanPointOptions::Validate() const {
+absl::Status ScanOutlineOptions::Validate() const {
   if (!(max_range_m > 0) || !(spacing_m >= 0) || !(max_join_m >= 0) ||
       !(min_incidence_rad >= 0) || !(min_incidence_rad < 1.57) ||
       !(max_height_m > min_height_m)) {
@@ -56,11 +56,14 @@ absl::Status ScanPointOptions::Validate() const {
   return absl::OkStatus();
 }
 
-ScanPoints MakeScanPoints(std::span<const float> ranges_m,
-                          const RangeSensorInfo& laser,
-                          const Rigid3& level_from_laser,
-                          const ScanPointOptions& options) {
-  ScanPoints scan;
+ScanOutline MakeScanOutline(std::span<const float> ranges_m,
+                            const RangeSensorInfo& laser,
+                            const Rigid3& level_from_laser,
+                            const ScanOutlineOptions& options,
+                            const Rigid2& first_from_last) {
+  ScanOutline scan;
+  const bool moves = first_from_last != Rigid2{};
+  const double per_beam = 1.0 / std::max<double>(1, laser.beams - 1);
   int last_beam = -2;  // of the return before this one
   Vec2 last_return;    // where it was
   double last_range_m = 0;
@@ -80,7 +83,14 @@ ScanPoints MakeScanPoints(std::span<const float> ranges_m,
     if (point.z < options.min_height_m || point.z > options.max_height_m) {
       continue;
     }
-    const Vec2 here = {point.x, point.y};
+    Vec2 here = {point.x, point.y};
+    if (moves) {
+      const double part = beam * per_beam;
+      const Rigid2 first_from_now = {
+          .translation = part * first_from_last.translation,
+          .yaw_rad = part * first_from_last.yaw_rad};
+      here = first_from_now * here;
+    }
     const bool joins =
         beam == last_beam + 1 &&
         OnOneSurface(last_return, here, std::min(last_range_m, range_m),

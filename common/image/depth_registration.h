@@ -1,6 +1,6 @@
 // Depth as the colour camera sees it.
-#ifndef SERVER_CORE_FEATURES_DEPTH_REGISTRATION_H_
-#define SERVER_CORE_FEATURES_DEPTH_REGISTRATION_H_
+#ifndef COMMON_IMAGE_DEPTH_REGISTRATION_H_
+#define COMMON_IMAGE_DEPTH_REGISTRATION_H_
 
 #include <optional>
 #include <vector>
@@ -33,4 +33,4 @@ class DepthRegistration {
 
 }  // namespace treeline
 
-#endif  // SERVER_CORE_FEATURES_DEPTH_REGISTRATION_H_
+#endif  // COMMON_IMAGE_DEPTH_REGISTRATION_H_

@@ -1,0 +1,192 @@
+#include "nav_agent/app/map_assembly.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/check_range.h"
+#include "common/base/file.h"
+#include "common/base/status_macros.h"
+#include "common/image/decode.h"
+#include "nav_agent/octomap/octree_file.h"
+#include "nav_agent/traversability/level_files.h"
+
+namespace treeline {
+namespace {
+
+// The first level's picture with the way that was taken, blue.
+ColorImage PictureOfMap(const TraversableMap& levels, double max_slope_rad,
+                        std::span<const TimedPose> trajectory) {
+  constexpr std::array<uint8_t, 3> kWay = {30, 80, 220};
+  ColorImage picture = PictureOfLevel(levels, 0, max_slope_rad);
+  const OccupancyGrid& grid = levels.levels[0].grid;
+  for (const TimedPose& pose : trajectory) {
+    const Vec3 place = pose.world_from_camera.translation;
+    const CellIndex cell = grid.CellOf({place.x, place.y});
+    if (!grid.Contains(cell)) continue;
+    const auto row = static_cast<size_t>(grid.height - 1 - cell.y);
+    const size_t pixel =
+        row * static_cast<size_t>(grid.width) + static_cast<size_t>(cell.x);
+    std::copy(kWay.begin(), kWay.end(),
+              picture.rgb.begin() + static_cast<std::ptrdiff_t>(3 * pixel));
+  }
+  return picture;
+}
+
+// "maps/cafe/" is called cafe.
+std::string NameOf(const MapOptions& options) {
+  if (!options.name.empty()) return options.name;
+  const std::filesystem::path path =
+      std::filesystem::absolute(options.folder).lexically_normal();
+  return path.filename().empty() ? path.parent_path().filename().string()
+                                 : path.filename().string();
+}
+
+}  // namespace
+
+absl::Status MapOptions::Validate() const {
+  if (folder.empty()) {
+    return absl::InvalidArgumentError("no folder is named for the map");
+  }
+  TL_RETURN_IF_ERROR(fusion.Validate());
+  TL_RETURN_IF_ERROR(traversability.Validate());
+  TL_RETURN_IF_ERROR(CheckRange("keyframe_m", keyframe_m, 0, 10));
+  TL_RETURN_IF_ERROR(CheckRange("keyframe_rad", keyframe_rad, 0, 3));
+  TL_RETURN_IF_ERROR(CheckRange("scan_m", scan_m, 0, 10));
+  return CheckRange("scan_rad", scan_rad, 0, 3);
+}
+
+bool MotionGate::Passes(const Rigid3& map_from_sensor) {
+  if (last_.has_value()) {
+    const double distance_m =
+        Norm(map_from_sensor.translation - last_->translation);
+    const double turn_rad =
+        AngleBetween_rad(map_from_sensor.rotation, last_->rotation);
+    if (distance_m < distance_m_ && turn_rad < turn_rad_) return false;
+  }
+  last_ = map_from_sensor;
+  return true;
+}
+
+MapAssembly::MapAssembly(const MapOptions& options, OctomapBuilder octomap)
+    : options_(options), octomap_(std::move(octomap)) {}
+
+absl::StatusOr<std::unique_ptr<MapAssembly>> MapAssembly::Begin(
+    const MapOptions& options) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  TL_ASSIGN_OR_RETURN(OctomapBuilder octomap,
+                      OctomapBuilder::Make(options.fusion));
+  TL_RETURN_IF_ERROR(BeginMapBundle(options.folder, options.overwrite));
+  return std::unique_ptr<MapAssembly>(
+      new MapAssembly(options, std::move(octomap)));
+}
+
+absl::Status MapAssembly::SetCamera(const RgbdCalibration& calibration) {
+  calibration_ = calibration;
+  if (keyframes_.has_value()) {
+    return absl::FailedPreconditionError("there is a camera already");
+  }
+  TL_ASSIGN_OR_RETURN(
+      keyframes_, KeyframeWriter::Create(
+                      options_.folder + "/" + kBundleKeyframes, calibration));
+  return absl::OkStatus();
+}
+
+absl::Status MapAssembly::AddKeyframe(absl::string_view color,
+                                      absl::string_view depth,
+                                      double depth_unit_m,
+                                      const Rigid3& map_from_camera) {
+  if (!keyframes_.has_value()) {
+    return absl::FailedPreconditionError("the camera is not known yet");
+  }
+  TL_ASSIGN_OR_RETURN(
+      const DepthImage image,
+      DecodeDepthPng(depth, depth_unit_m * calibration_.depth_scale));
+  TL_RETURN_IF_ERROR(octomap_.InsertDepth(
+      views_++, image, calibration_.depth,
+      PoseOfSensor(map_from_camera, calibration_.pose_sensor,
+                   RgbdSensor::kDepth, calibration_)));
+  return keyframes_->Write(color, depth, depth_unit_m, map_from_camera);
+}
+
+absl::Status MapAssembly::AddPoints(std::span<const Vec3> points_in_laser,
+                                    const Rigid3& map_from_laser) {
+  return octomap_.InsertPoints(views_++, points_in_laser, map_from_laser);
+}
+
+int MapAssembly::keyframes() const {
+  return keyframes_.has_value() ? keyframes_->count() : 0;
+}
+
+absl::StatusOr<MapSummary> MapAssembly::Finish(
+    const MapProvenance& provenance) {
+  TL_ASSIGN_OR_RETURN(const VoxelMap whole, octomap_.Map());
+  // As whoever loads the bundle will read it: the box of what is known.
+  TL_ASSIGN_OR_RETURN(const std::string octomap, FormatBt(whole));
+  TL_ASSIGN_OR_RETURN(const VoxelMap voxels,
+                      ParseOctree(octomap, kBundleOctomap));
+  const absl::StatusOr<TraversableMap> levels =
+      ExtractTraversableMap(voxels, options_.traversability);
+  if (!levels.ok()) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("no map came of it: ", levels.status().message(), " (",
+                     octomap_.views(), " views)"));
+  }
+  return Write(provenance, voxels, *levels, {});
+}
+
+absl::StatusOr<MapSummary> MapAssembly::FinishPlanar(
+    const MapProvenance& provenance, std::span<const OccupancyGrid> grids,
+    std::span<const double> heights_m, double laser_height_m) {
+  TL_ASSIGN_OR_RETURN(const TraversableMap levels,
+                      PlanarLevels(grids, heights_m));
+  TL_ASSIGN_OR_RETURN(const VoxelMap voxels,
+                      PlanarVoxels(levels, laser_height_m));
+  return Write(provenance, voxels, levels,
+               {heights_m.begin(), heights_m.end()});
+}
+
+absl::StatusOr<MapSummary> MapAssembly::Write(
+    const MapProvenance& provenance, const VoxelMap& voxels,
+    const TraversableMap& levels, std::vector<double> planar_heights_m) {
+  const std::string folder = options_.folder + "/";
+  const double max_slope_rad = options_.traversability.max_slope_rad;
+  TL_RETURN_IF_ERROR(WriteOctree(voxels, folder + kBundleOctomap));
+  TL_RETURN_IF_ERROR(
+      WriteTraversableMap(levels, max_slope_rad, folder + kBundleLevels));
+  TL_RETURN_IF_ERROR(
+      WriteBundleTrajectory(options_.folder, provenance.trajectory));
+  if (!levels.levels.empty()) {
+    TL_ASSIGN_OR_RETURN(
+        const std::string png,
+        EncodePng(PictureOfMap(levels, max_slope_rad, provenance.trajectory)));
+    TL_RETURN_IF_ERROR(WriteFileAtomically(folder + kBundlePicture, png));
+  }
+  MapSummary summary{.folder = options_.folder,
+                     .keyframes = keyframes(),
+                     .levels = static_cast<int>(levels.levels.size()),
+                     .joins = static_cast<int>(levels.joins.size()),
+                     .free_cells = 0,
+                     .occupied_voxels = voxels.CountOccupied(),
+                     .free_voxels = voxels.CountFree()};
+  for (const TraversableLevel& level : levels.levels) {
+    summary.free_cells += std::count(level.grid.cells.begin(),
+                                     level.grid.cells.end(), Occupancy::kFree);
+  }
+  TL_RETURN_IF_ERROR(FinishMapBundle(
+      options_.folder, {.name = NameOf(options_),
+                        .source = provenance.source,
+                        .method = provenance.method,
+                        .trajectory_of = provenance.trajectory_of,
+                        .poses = static_cast<int>(provenance.trajectory.size()),
+                        .keyframes = summary.keyframes,
+                        .levels = summary.levels,
+                        .resolution_m = voxels.resolution_m(),
+                        .planar_heights_m = std::move(planar_heights_m),
+                        .traversability = options_.traversability}));
+  return summary;
+}
+
+}  // namespace treeline

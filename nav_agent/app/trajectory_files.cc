@@ -1,0 +1,41 @@
+#include "nav_agent/app/trajectory_files.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/file.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/map_bundle/map_bundle.h"
+#include "nav_agent/recording/laser_log.h"
+
+namespace treeline {
+
+absl::StatusOr<std::vector<TimedPose>> ReadTrajectory(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    return ReadTrajectory(absl::StrCat(path, "/", kBundleTrajectory));
+  }
+  TL_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path));
+  absl::StatusOr<std::vector<TimedPose>> poses = ParseTimedPoses(bytes, path);
+  if (!poses.ok()) {
+    const absl::StatusOr<LaserLog> log = ParseLaserLog(bytes, path);
+    // What a person meant is more likely a trajectory.
+    if (!log.ok()) return poses.status();
+    poses.emplace();
+    for (const RecordedScan& scan : log->scans) {
+      const Rigid2& pose = scan.odom_from_base;
+      poses->push_back({scan.stamp.time_since_epoch().count(),
+                        {Rotation3::FromAxisAngle({0, 0, pose.yaw_rad}),
+                         {pose.translation.x, pose.translation.y, 0}}});
+    }
+  }
+  if (poses->empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": there are no poses in it"));
+  }
+  return poses;
+}
+
+}  // namespace treeline

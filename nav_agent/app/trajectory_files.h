@@ -1,0 +1,20 @@
+// Trajectories as files, whoever wrote them.
+#ifndef NAV_AGENT_APP_TRAJECTORY_FILES_H_
+#define NAV_AGENT_APP_TRAJECTORY_FILES_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/dataset/text_formats.h"
+
+namespace treeline {
+
+// "time tx ty tz qx qy qz qw" (TUM); a map bundle's folder; or the poses that
+// stand beside the scans of a public laser log (JSON, CARMEN). In order of
+// time, at least one.
+absl::StatusOr<std::vector<TimedPose>> ReadTrajectory(const std::string& path);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_APP_TRAJECTORY_FILES_H_

@@ -1,0 +1,103 @@
+// Laser SLAM on what the devices of a robot tell, as it comes.
+#ifndef NAV_AGENT_MAPPING_DRIVE_MAPPER_H_
+#define NAV_AGENT_MAPPING_DRIVE_MAPPER_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "nav_agent/core/robot_model.h"
+#include "nav_agent/core/sensor_data.h"
+#include "nav_agent/core/slope_odometry.h"
+#include "nav_agent/mapping/drive_mapping.h"
+#include "nav_agent/mapping/laser_slam.h"
+
+namespace treeline {
+
+// Scans wait until the wheels have told where the robot was during them. Not
+// thread-safe; loops are closed on a thread of its own (options.slam).
+class DriveMapper {
+ public:
+  // Of the options, `progress`, `stop` and `robot` are not used.
+  static absl::StatusOr<std::unique_ptr<DriveMapper>> Create(
+      const RangeSensorInfo& laser, const RobotModel& robot,
+      const DriveMappingOptions& options);
+
+  // INVALID_ARGUMENT, and nothing else has changed: it was refused and
+  // counted. See SlopeOdometry::Add.
+  absl::Status Add(const BaseReading& reading);
+  // The same for another number of beams than the laser's and for time that
+  // goes backwards.
+  absl::Status Add(LaserScan scan);
+
+  // The last scan that has found its place.
+  std::optional<TimedPose> MapFromBase() const;
+  int64_t scans() const { return static_cast<int64_t>(odom_from_base_.size()); }
+
+  // What was seen so far, floor by floor, with what is known now. The errors of
+  // MapGrid; nothing where too few scans were taken.
+  absl::StatusOr<std::vector<FloorGrid>> Floors() const;
+
+  // Scans that still wait are used as well as can be; then SLAM is finished,
+  // and everything is as in DriveMapping but for what is the log's: truth,
+  // information, calibration, damaged bytes. More may be added afterwards.
+  // The errors of MapGrid.
+  absl::StatusOr<DriveMapping> Finish();
+
+ private:
+  // Odometry at one moment.
+  struct Sample {
+    MonotonicTime stamp;
+    Rigid2 odom_from_base;
+    double height_m = 0;
+    Rotation3 level_from_base;
+  };
+  // What grids are made of.
+  struct KeptScan {
+    size_t place = 0;  // in the trajectory
+    std::vector<float> ranges_m;
+  };
+
+  DriveMapper(const RangeSensorInfo& laser, const RobotModel& robot,
+              const DriveMappingOptions& options, SlopeOdometry odometry,
+              std::unique_ptr<LaserSlam> slam);
+  MonotonicTime EndOf(const LaserScan& scan) const;
+  Sample At(MonotonicTime time) const;
+  void UseWaiting(bool all);
+  void Use(const LaserScan& scan);
+  void KeepForGrid(const LaserScan& scan, const Sample& sample,
+                   const Rigid2& first_from_last);
+  void Forget();
+  absl::StatusOr<std::vector<FloorGrid>> Floors(
+      const std::vector<TrajectoryPose>& trajectory) const;
+  std::vector<std::string> Warnings() const;
+
+  const RangeSensorInfo laser_;
+  const RobotModel robot_;
+  const DriveMappingOptions options_;
+  SlopeOdometry odometry_;
+  std::unique_ptr<LaserSlam> slam_;
+  std::deque<Sample> samples_;
+  std::deque<LaserScan> waiting_;
+  std::optional<MonotonicTime> last_scan_;
+  std::vector<TimedPose> odom_from_base_;  // of each scan that was used
+  TrajectoryPose last_;
+  std::vector<KeptScan> kept_;
+  Rigid2 odom_from_kept_;
+  // What was refused, and why.
+  int64_t wrong_beams_ = 0;
+  int64_t scans_back_in_time_ = 0;
+  int64_t scans_without_odometry_ = 0;
+  int64_t refused_readings_ = 0;
+  absl::Status first_refused_reading_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_MAPPING_DRIVE_MAPPER_H_

@@ -1,0 +1,115 @@
+#include "nav_agent/rgbd_slam/run_rgbd_slam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+#include "common/base/clock.h"
+#include "common/base/status_macros.h"
+
+namespace treeline {
+namespace {
+
+constexpr Time_ns kFramePeriod_ns = 33'333'333;
+
+double Quantile(std::vector<double> values, double part) {
+  if (values.empty()) return 0;
+  const auto last = static_cast<double>(values.size() - 1);
+  const auto nth =
+      values.begin() + static_cast<std::ptrdiff_t>(std::ceil(part * last));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+// The number at a stem's end: "seq-01/frame-000123" -> 123.
+std::optional<int64_t> NumberOf(absl::string_view stem) {
+  size_t begin = stem.size();
+  while (begin > 0 && absl::ascii_isdigit(stem[begin - 1])) --begin;
+  int64_t number = 0;
+  if (!absl::SimpleAtoi(stem.substr(begin), &number) || number > 100'000'000) {
+    return std::nullopt;
+  }
+  return number;
+}
+
+Time_ns TimeOf(const std::string& stem, int index) {
+  if (const absl::StatusOr<Time_ns> time = ParseTime_ns(stem); time.ok()) {
+    return *time;
+  }
+  return kFramePeriod_ns * NumberOf(stem).value_or(index);
+}
+
+// Times must ascend: those of several sequences in one recording do not.
+std::vector<Time_ns> TimesOf(const Dataset& dataset) {
+  std::vector<Time_ns> times;
+  for (int i = 0; i < dataset.size(); ++i) {
+    const Time_ns time = TimeOf(dataset.frame(i).stem, i);
+    times.push_back(times.empty()
+                        ? time
+                        : std::max(time, times.back() + kFramePeriod_ns / 100));
+  }
+  return times;
+}
+
+}  // namespace
+
+absl::StatusOr<RgbdSlamResult> RunRgbdSlam(const Dataset& dataset,
+                                           const RunRgbdSlamOptions& options) {
+  const SteadyClock clock;
+  const MonotonicTime start = clock.Now();
+  for (int i = 0; i < dataset.size(); ++i) {
+    if (dataset.frame(i).depth_path.empty() || dataset.frame(i).color_camera) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          dataset.uri(), ": frame ", dataset.frame(i).stem,
+          dataset.frame(i).color_camera ? " has a camera of its own"
+                                        : " has no depth"));
+    }
+  }
+  TL_ASSIGN_OR_RETURN(
+      const std::unique_ptr<RgbdSlam> slam,
+      RgbdSlam::Create(options.slam,
+                       options.calibration.value_or(dataset.calibration())));
+  RgbdSlamResult result;
+  result.times = TimesOf(dataset);
+  for (int i = 0; i < dataset.size(); ++i) {
+    if (options.stop.stop_requested()) {
+      return absl::CancelledError("stopped while mapping");
+    }
+    TL_ASSIGN_OR_RETURN(const Frame frame, dataset.Load(i));
+    const auto place =
+        slam->AddFrame(frame, result.times[static_cast<size_t>(i)]);
+    if (!place.ok()) {
+      return Annotate(place.status(),
+                      absl::StrCat("frame ", dataset.frame(i).stem));
+    }
+    if (options.progress) options.progress(i + 1);
+  }
+  slam->Finish();
+  result.map_from_cameras = slam->Trajectory();
+  result.keyframes = slam->Keyframes();
+  result.statistics = slam->Statistics();
+  result.tracking_p50_ms = Quantile(result.statistics.tracking_ms, 0.50);
+  result.tracking_p99_ms = Quantile(result.statistics.tracking_ms, 0.99);
+  result.mapping_p50_ms = Quantile(result.statistics.mapping_ms, 0.50);
+  result.mapping_p99_ms = Quantile(result.statistics.mapping_ms, 0.99);
+  result.total_s = MillisecondsBetween(start, clock.Now()) / 1000;
+  return result;
+}
+
+std::vector<TimedPose> TrajectoryOf(const RgbdSlamResult& result) {
+  std::vector<TimedPose> poses;
+  for (size_t i = 0; i < result.map_from_cameras.size(); ++i) {
+    if (!result.map_from_cameras[i]) continue;
+    poses.push_back({result.times[i], *result.map_from_cameras[i]});
+  }
+  return poses;
+}
+
+}  // namespace treeline

@@ -1,0 +1,104 @@
+// A room full of corners for tests, seen without a renderer: six walls with a
+// pattern, and the depth that goes with them.
+#ifndef NAV_AGENT_RGBD_SLAM_TESTING_ROOM_H_
+#define NAV_AGENT_RGBD_SLAM_TESTING_ROOM_H_
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "common/base/random.h"
+#include "common/camera/rgbd_calibration.h"
+#include "common/image/frame.h"
+
+namespace treeline {
+
+// Depth is registered to colour.
+inline RgbdCalibration TestingCalibration() {
+  RgbdCalibration calibration;
+  calibration.color =
+      Camera::Parse("PINHOLE,260,260,159.5,119.5", 320, 240).value();
+  calibration.depth = calibration.color;
+  return calibration;
+}
+
+// Brightness 40..215 of a wall at (u, v) metres: tiles of 16, 7 and 3 cm.
+inline int TestingPattern(int wall, double u, double v) {
+  constexpr std::array<double, 3> kTiles_m = {0.16, 0.07, 0.03};
+  double sum = 0;
+  for (size_t i = 0; i < kTiles_m.size(); ++i) {
+    const auto column = static_cast<int64_t>(std::floor(u / kTiles_m[i]));
+    const auto row = static_cast<int64_t>(std::floor(v / kTiles_m[i]));
+    const uint64_t key = MixBits(static_cast<uint64_t>(column + 100000) << 32 |
+                                 static_cast<uint64_t>(row + 100000)) +
+                         static_cast<uint64_t>(wall) * 3 + i;
+    sum += static_cast<double>(MixBits(key) >> 56) / 255;
+  }
+  return 40 + static_cast<int>(175 * sum / 3);
+}
+
+// What the colour camera of `calibration` sees from inside of the box
+// |x| < 2.5, |y| < 2, |z| < 1.25 (m). Depth in millimetres, with the noise of a
+// Kinect (Nguyen, Izadi, Lovell 2012) drawn from `noise_seed`.
+inline Frame SeeTestingRoom(const RgbdCalibration& calibration,
+                            const Rigid3& world_from_camera,
+                            uint64_t noise_seed) {
+  const std::array<double, 3> half_m = {2.5, 2, 1.25};
+  const Camera& camera = calibration.color;
+  const auto pixels = static_cast<size_t>(camera.width()) *
+                      static_cast<size_t>(camera.height());
+  Frame frame;
+  frame.color = {camera.width(), camera.height(),
+                 std::vector<uint8_t>(3 * pixels)};
+  frame.depth = DepthImage{camera.width(), camera.height(),
+                           std::vector<uint16_t>(pixels), 0.001};
+  const Mat3 rotation = world_from_camera.rotation.Matrix();
+  const Vec3 from = world_from_camera.translation;
+  Random random(noise_seed, 0);
+  for (size_t i = 0; i < pixels; ++i) {
+    const auto width = static_cast<size_t>(camera.width());
+    const Vec3 ray =
+        rotation *
+        Vec3{(static_cast<double>(i % width) - camera.cx()) / camera.fx(),
+             (static_cast<double>(i / width) - camera.cy()) / camera.fy(), 1};
+    double depth_m = std::numeric_limits<double>::infinity();
+    int axis = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double half = half_m[static_cast<size_t>(a)];
+      const double way = ((ray[a] > 0 ? half : -half) - from[a]) / ray[a];
+      if (way < depth_m) {
+        depth_m = way;
+        axis = a;
+      }
+    }
+    const Vec3 hit = from + depth_m * ray;
+    const int wall = 2 * axis + (ray[axis] > 0 ? 1 : 0);
+    const auto value = static_cast<uint8_t>(
+        TestingPattern(wall, hit[(axis + 1) % 3], hit[(axis + 2) % 3]));
+    for (size_t c = 0; c < 3; ++c) frame.color.rgb[3 * i + c] = value;
+    const double sigma_m = 0.0012 + 0.0019 * (depth_m - 0.4) * (depth_m - 0.4);
+    const double measured_m = depth_m + sigma_m * random.NextGaussian();
+    frame.depth->values[i] =
+        static_cast<uint16_t>(std::lround(1000 * measured_m));
+  }
+  return frame;
+}
+
+// Level, `yaw_rad` to the left of the world's x axis.
+inline Rigid3 TestingPose(double x_m, double y_m, double yaw_rad) {
+  // The camera's axes in the world: x right, y down, z forward.
+  const double c = std::cos(yaw_rad);
+  const double s = std::sin(yaw_rad);
+  const Mat3 axes{{s, 0, c, -c, 0, s, 0, -1, 0}};
+  return {.rotation = Rotation3::FromMatrix(axes),
+          .translation = {x_m, y_m, 0.05}};
+}
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_RGBD_SLAM_TESTING_ROOM_H_
