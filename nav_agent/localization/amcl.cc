@@ -80,6 +80,8 @@ absl::Status AmclOptions::Validate() const {
       CheckRange("amcl: skip_distance_m", skip_distance_m, 0, 100));
   TL_RETURN_IF_ERROR(CheckRange("amcl: slow_share", slow_share, 0, 1));
   TL_RETURN_IF_ERROR(CheckRange("amcl: fast_share", fast_share, slow_share, 1));
+  TL_RETURN_IF_ERROR(
+      CheckRange("amcl: off_ground_share", off_ground_share, 0, 1));
   TL_RETURN_IF_ERROR(CheckRange("amcl: ground_m", ground_m, 0, 1));
   TL_RETURN_IF_ERROR(CheckRange("amcl: ground_share", ground_share, 0, 1));
   TL_RETURN_IF_ERROR(CheckRange("amcl: resample_below", resample_below, 0, 1));
@@ -159,6 +161,14 @@ void Amcl::FindGround(Particle& particle) const {
   const std::optional<LevelPlace> ground = levels_->GroundNear(
       particle.map_from_base.translation, particle.place.height_m);
   if (ground.has_value()) particle.place = *ground;
+}
+
+bool Amcl::IsOffGround(const Particle& particle) const {
+  return levels_ != nullptr &&
+         !levels_
+              ->GroundNear(particle.map_from_base.translation,
+                           particle.place.height_m)
+              .has_value();
 }
 
 absl::Status Amcl::SetPose(const Rigid2& map_from_base,
@@ -372,6 +382,14 @@ void Amcl::Weigh(const ScanPoints& points) {
   }
   std::vector<float> sums(particles_.size());
   field().SumLogLikelihoods(used, poses, sums);
+
+  // What a beam that hits nothing costs.
+  const double miss = std::log(1 - options_.field.hit_share);
+  const double off_ground =
+      options_.off_ground_share * miss * static_cast<double>(used.size());
+  for (size_t i = 0; i < particles_.size(); ++i) {
+    if (IsOffGround(particles_[i])) sums[i] += static_cast<float>(off_ground);
+  }
 
   const double best = *std::max_element(sums.begin(), sums.end());
   for (float& sum : sums) sum -= static_cast<float>(best);

@@ -77,6 +77,9 @@ struct AmclOptions {
   double fast_share = 0.1;
   double inject_ratio = 1.5;
   double anew_share = 0.5;
+  // On levels: a particle that no ground is below, in a wall or a void, counts
+  // as if it missed this share of the beams.
+  double off_ground_share = 0.5;
   // On levels: a beam that ends this near to the ground (m, and as a share of
   // its length, for the error of the tilt) is left out.
   double ground_m = 0.1;
@@ -117,7 +120,7 @@ struct PlanarEstimate {
 struct Particle {
   Rigid2 map_from_base;
   double weight = 0;
-  // On levels: what it stands on.
+  // On levels: what it stands on, or stood on last.
   LevelPlace place = {};
 };
 
@@ -174,6 +177,7 @@ class Amcl {
                           const LevelPlace& place);
   // Which ground a particle that has moved is on now.
   void FindGround(Particle& particle) const;
+  bool IsOffGround(const Particle& particle) const;
   void Move(const Rigid2& before_from_after);
   ScanPoints WithoutGround(const ScanPoints& points) const;
   ScanPoints WithoutUnexplained(const ScanPoints& points);

@@ -48,6 +48,24 @@ OccupancyGrid LayerOf(const VoxelMap& voxels, double begin_m, double end_m) {
   return grid;
 }
 
+// Only cells with a free one beside them: a beam does not get to those within.
+// Else whatever ends above or in the top of a platform, which fills a layer,
+// would fit it.
+OccupancyGrid OutlinesOf(const OccupancyGrid& grid) {
+  OccupancyGrid outlines = grid;
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      const bool is_within =
+          grid.AtOrUnknown({x + 1, y}) == Occupancy::kOccupied &&
+          grid.AtOrUnknown({x - 1, y}) == Occupancy::kOccupied &&
+          grid.AtOrUnknown({x, y + 1}) == Occupancy::kOccupied &&
+          grid.AtOrUnknown({x, y - 1}) == Occupancy::kOccupied;
+      if (is_within) outlines.Set({x, y}, Occupancy::kFree);
+    }
+  }
+  return outlines;
+}
+
 absl::StatusOr<OccupancyLayers> LayersOf(const VoxelMap& voxels,
                                          const LaserLevelOptions& options) {
   const double r = voxels.resolution_m();
@@ -66,7 +84,8 @@ absl::StatusOr<OccupancyLayers> LayersOf(const VoxelMap& voxels,
   }
   for (int i = 0; i < count; ++i) {
     const double begin_m = layers.lowest_m + i * options.layer_m;
-    layers.grids.push_back(LayerOf(voxels, begin_m, begin_m + options.layer_m));
+    layers.grids.push_back(
+        OutlinesOf(LayerOf(voxels, begin_m, begin_m + options.layer_m)));
   }
   return layers;
 }

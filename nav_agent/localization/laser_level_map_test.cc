@@ -1,0 +1,320 @@
+#include "nav_agent/localization/laser_level_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "common/base/random.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "nav_agent/localization/amcl.h"
+#include "nav_agent/traversability/testing_scene.h"
+
+namespace treeline {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kUpperFloor_m = 2.013;
+constexpr double kRampBegin_m = 3;
+constexpr double kRampLength_m = 16;
+constexpr double kLaser_m = 0.35;
+const double kSlope_rad = std::atan(2.0 / kRampLength_m);
+
+// A hall under an upper floor; along its south side a ramp of 1:8 leads up. Its
+// walls differ from each other, and between the floors.
+Scene MakeTwoFloors() {
+  Scene scene = Scene::WithFloor(22, 7);
+  scene.top_m = 4;
+  scene.AddBox(BlockKind::kGround, {0, 2.5}, {22, 7}, kUpperFloor_m, 0.2);
+  scene.AddBox(BlockKind::kGround, {19, 0}, {22, 2.5}, kUpperFloor_m, 0.2);
+  scene.blocks.push_back(
+      {.kind = BlockKind::kGround,
+       .scene_from_block = {.translation = {kRampBegin_m + kRampLength_m / 2,
+                                            1.3},
+                            .yaw_rad = 0},
+       .half_x_m = kRampLength_m / 2,
+       .half_y_m = 1.2,
+       .top_begin_m = Scene::kFloor_m,
+       .top_end_m = kUpperFloor_m,
+       .thickness_m = 0.15});
+  for (const auto& [low, high] :
+       std::vector<std::pair<Vec2, Vec2>>{{{0, 0}, {22, 0.1}},
+                                          {{0, 6.9}, {22, 7}},
+                                          {{0, 0}, {0.1, 7}},
+                                          {{21.9, 0}, {22, 7}}}) {
+    scene.AddBox(BlockKind::kObstacle, low, high, 3.9);
+  }
+  scene.AddBox(BlockKind::kObstacle, {6, 5}, {7, 6.9}, 1.7, 1.69);
+  scene.AddBox(BlockKind::kObstacle, {14, 3.3}, {14.4, 3.7}, 1.7, 1.69);
+  scene.AddBox(BlockKind::kObstacle, {9, 6}, {9.5, 6.9}, 3.9, 1.88);
+  scene.AddBox(BlockKind::kObstacle, {17, 4.5}, {18, 5}, 3.9, 1.88);
+  return scene;
+}
+
+struct Building {
+  VoxelMap voxels = Voxelize(MakeTwoFloors());
+  TraversableMap levels = *ExtractTraversableMap(voxels);
+  std::shared_ptr<const LaserLevelMap> map =
+      std::make_shared<const LaserLevelMap>(
+          *LaserLevelMap::Make(voxels, levels));
+};
+
+const Building& TheBuilding() {
+  static const Building building;
+  return building;
+}
+
+// Up the ramp, and how the robot leans there.
+double GroundOnWay(double x_m) {
+  const double share =
+      std::clamp((x_m - kRampBegin_m) / kRampLength_m, 0.0, 1.0);
+  return Scene::kFloor_m + share * (kUpperFloor_m - Scene::kFloor_m);
+}
+double PitchOnWay(double x_m) {
+  return x_m > kRampBegin_m && x_m < kRampBegin_m + kRampLength_m ? -kSlope_rad
+                                                                  : 0;
+}
+
+RangeSensorInfo Laser() {
+  return {.angle_min_rad = -2.3,
+          .angle_increment_rad = 4.6 / 120,
+          .beams = 121,
+          .range_min_m = 0.1,
+          .range_max_m = 25,
+          .beam_interval_s = 0,
+          .scan_interval_s = 0.1};
+}
+
+const Rigid3 kBaseFromLaser = {.rotation = {},
+                               .translation = {0.2, 0, kLaser_m}};
+
+// By small steps through the voxels, with 1 cm of noise.
+LaserScan ScanOf(const VoxelMap& voxels, const Rigid3& map_from_laser,
+                 Random& random) {
+  const RangeSensorInfo info = Laser();
+  LaserScan scan;
+  for (int beam = 0; beam < info.beams; ++beam) {
+    const double angle_rad = info.AngleOf_rad(beam);
+    const Vec3 direction = map_from_laser.rotation *
+                           Vec3{std::cos(angle_rad), std::sin(angle_rad), 0};
+    double range_m = info.range_min_m;
+    while (range_m < info.range_max_m &&
+           voxels.At(voxels.IndexOf(map_from_laser.translation +
+                                    range_m * direction)) != Voxel::kOccupied) {
+      range_m += 0.02;
+    }
+    scan.ranges_m.push_back(
+        range_m < info.range_max_m
+            ? static_cast<float>(range_m + 0.01 * random.NextGaussian())
+            : kNoReturn);
+  }
+  return scan;
+}
+
+struct Climb {
+  double worst_m = 0;
+  double worst_height_m = 0;
+  int first_level = -1;
+  int last_level = -1;
+  int most_on_ground = 0;
+};
+
+// From the lower floor up the ramp to the upper one, and there to the end.
+Climb DriveUp(bool global, bool use_tilt) {
+  const Building& building = TheBuilding();
+  Amcl amcl = *Amcl::CreateOnLevels(building.map, {}, 7);
+  Random random(5, 5);
+  Climb climb;
+  Rigid2 odom_from_base;
+  if (global) {
+    amcl.SetAnywhere();
+  } else {
+    EXPECT_TRUE(amcl.SetPoseOnLevel({{1, 1.3}, 0}, 0,
+                                    {0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.005})
+                    .ok());
+  }
+  for (double x_m = 1; x_m < 21; x_m += 0.25) {
+    const Rotation3 level_from_base =
+        Rotation3::FromAxisAngle({0, PitchOnWay(x_m), 0});
+    const Rigid3 map_from_base = {.rotation = level_from_base,
+                                  .translation = {x_m, 1.3, GroundOnWay(x_m)}};
+    const LaserScan scan =
+        ScanOf(building.voxels, map_from_base * kBaseFromLaser, random);
+    const ScanPoints points =
+        *PointsInSpace(scan, Laser(), kBaseFromLaser,
+                       use_tilt ? level_from_base : Rotation3(), 60);
+    const auto estimate = *amcl.Update(odom_from_base, points);
+    odom_from_base =
+        odom_from_base *
+        Rigid2{.translation = {0.25 * (1.01 + 0.02 * random.NextGaussian()), 0},
+               .yaw_rad = 0.003 * random.NextGaussian()};
+    if (climb.first_level < 0) climb.first_level = estimate->place.level;
+    climb.last_level = estimate->place.level;
+    climb.most_on_ground =
+        std::max(climb.most_on_ground, estimate->beams_on_ground);
+    if (global && x_m < 12) continue;
+    climb.worst_m =
+        std::max(climb.worst_m,
+                 Norm(estimate->map_from_base.translation - Vec2{x_m, 1.3}));
+    climb.worst_height_m =
+        std::max(climb.worst_height_m,
+                 std::abs(estimate->place.height_m - GroundOnWay(x_m)));
+  }
+  return climb;
+}
+
+TEST(LaserLevelMap, GroundGoesOnOverTheJoin) {
+  const LaserLevelMap& map = *TheBuilding().map;
+  ASSERT_EQ(map.levels(), 2);
+  LevelPlace place = *map.GroundNear({1, 1.3}, 0);
+  EXPECT_EQ(place.level, 0);
+  for (double x_m = 1; x_m < 21; x_m += 0.05) {
+    const auto next = map.GroundNear({x_m, 1.3}, place.height_m);
+    ASSERT_TRUE(next.has_value()) << x_m;
+    // A voxel, and what the slope makes of half a cell.
+    EXPECT_NEAR(next->height_m, GroundOnWay(x_m), 0.06) << x_m;
+    place = *next;
+  }
+  EXPECT_EQ(place.level, 1);
+  // Two floors, one over the other, are kept apart.
+  EXPECT_EQ(map.GroundNear({11, 5}, 0.1)->level, 0);
+  EXPECT_EQ(map.GroundNear({11, 5}, 1.9)->level, 1);
+  EXPECT_FALSE(map.GroundNear({11, 5}, 1.0).has_value());
+  EXPECT_FALSE(map.GroundNear({-5, 5}, 0).has_value());
+}
+
+TEST(LaserLevelMap, KnowsGroundFromWalls) {
+  const LaserLevelMap& map = *TheBuilding().map;
+  EXPECT_TRUE(map.IsOnGround({11, 5, 0.05}, 0.1));
+  EXPECT_TRUE(map.IsOnGround({11, 5, 2.0}, 0.1));
+  EXPECT_TRUE(map.IsOnGround({11, 1.3, GroundOnWay(11)}, 0.1));
+  EXPECT_FALSE(map.IsOnGround({11, 5, 0.4}, 0.1));
+  EXPECT_FALSE(map.IsOnGround({100, 5, 0}, 0.1));
+}
+
+TEST(LaserLevelMap, EachHeightHasItsOwnField) {
+  const LikelihoodField& field = TheBuilding().map->field();
+  // The pillar on the lower floor is not on the upper one.
+  const ScanPoints at_pillar = {.x_m = {14}, .y_m = {3.3f}, .z_m = {0.5f}};
+  float log = 0;
+  field.LogLikelihoods(at_pillar, {}, {&log, 1}, 0);
+  EXPECT_GT(log, field.LogAt(0.1));
+  field.LogLikelihoods(at_pillar, {}, {&log, 1}, kUpperFloor_m);
+  EXPECT_LT(log, field.LogAt(0.4));
+  // In the middle of the upper floor's slab is nothing that a beam could meet.
+  const ScanPoints in_slab = {.x_m = {11}, .y_m = {4.5f}, .z_m = {1.9f}};
+  field.LogLikelihoods(in_slab, {}, {&log, 1}, 0);
+  EXPECT_LT(log, field.LogAt(0.4));
+}
+
+TEST(LaserLevelMap, SumsAreThoseOfSinglePoints) {
+  const LikelihoodField& field = TheBuilding().map->field();
+  Random random(3, 1);
+  ScanPoints points;
+  for (int i = 0; i < 37; ++i) {
+    points.x_m.push_back(static_cast<float>(random.NextUniform(-9, 9)));
+    points.y_m.push_back(static_cast<float>(random.NextUniform(-9, 9)));
+    points.z_m.push_back(static_cast<float>(random.NextUniform(-2, 5)));
+  }
+  PoseArrays poses;
+  poses.Resize(50);
+  int different = 0;
+  std::vector<float> sums(50);
+  std::vector<Rigid2> map_from_base;
+  std::vector<double> grounds_m;
+  for (size_t i = 0; i < 50; ++i) {
+    map_from_base.push_back(
+        {{random.NextUniform(0, 20), random.NextUniform(0, 7)},
+         random.NextUniform(-3, 3)});
+    grounds_m.push_back(random.NextUniform(0, 2));
+    poses.Set(i, map_from_base[i], grounds_m[i]);
+  }
+  field.SumLogLikelihoods(points, poses, sums);
+  for (size_t i = 0; i < 50; ++i) {
+    std::vector<float> logs(points.size());
+    field.LogLikelihoods(points, map_from_base[i], logs, grounds_m[i]);
+    double sum = 0;
+    for (const float log : logs) sum += log;
+    // A point within rounding of a cell's side may be on either of them.
+    different += std::abs(sums[i] - sum) > 1e-3 ? 1 : 0;
+  }
+  EXPECT_LE(different, 3);
+}
+
+TEST(LaserLevelMap, RefusesWhatDoesNotFit) {
+  const Building& building = TheBuilding();
+  const VoxelMap coarse = Voxelize(MakeTwoFloors(), {}, 0.1);
+  EXPECT_THAT(LaserLevelMap::Make(coarse, building.levels).status().message(),
+              HasSubstr("another resolution?"));
+  EXPECT_EQ(LaserLevelMap::Make(building.voxels, {}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  TraversableMap closed = building.levels;
+  for (TraversableLevel& level : closed.levels) {
+    for (Occupancy& cell : level.grid.cells) cell = Occupancy::kUnknown;
+  }
+  EXPECT_THAT(LaserLevelMap::Make(building.voxels, closed).status().message(),
+              HasSubstr("none of the cells of 2 levels is free"));
+  LaserLevelOptions options;
+  options.max_bytes = 1 << 20;
+  EXPECT_EQ(LaserLevelMap::Make(building.voxels, building.levels, options)
+                .status()
+                .code(),
+            absl::StatusCode::kResourceExhausted);
+  options = {.layer_m = 0};
+  EXPECT_THAT(LaserLevelMap::Make(building.voxels, building.levels, options)
+                  .status()
+                  .message(),
+              HasSubstr("layer_m"));
+}
+
+TEST(LaserSlice, IsWhatALaserSeesFromTheGroundBelow) {
+  const Building& building = TheBuilding();
+  const OccupancyGrid lower =
+      LaserSlice(building.voxels, building.levels.levels[0], kLaser_m);
+  const OccupancyGrid upper =
+      LaserSlice(building.voxels, building.levels.levels[1], kLaser_m);
+  EXPECT_EQ(lower.At(lower.CellOf({14.02, 3.5})), Occupancy::kOccupied);
+  EXPECT_EQ(upper.At(upper.CellOf({14.02, 3.5})), Occupancy::kFree);
+  EXPECT_EQ(upper.At(upper.CellOf({17.5, 4.52})), Occupancy::kOccupied);
+  EXPECT_EQ(lower.At(lower.CellOf({17.5, 4.52})), Occupancy::kFree);
+  // The ramp is no obstacle to who is on it.
+  EXPECT_EQ(lower.At(lower.CellOf({5, 1.3})), Occupancy::kFree);
+}
+
+TEST(AmclOnLevels, FollowsARobotUpTheRampToTheNextLevel) {
+  const Climb climb = DriveUp(false, true);
+  EXPECT_EQ(climb.first_level, 0);
+  EXPECT_EQ(climb.last_level, 1);
+  // Two cells of 5 cm, and the odometry's noise between two scans.
+  EXPECT_LT(climb.worst_m, 0.15);
+  EXPECT_LT(climb.worst_height_m, 0.1);
+  // From below it looks at the ramp, from above over it; on it the beams to its
+  // sides and behind end on the ground.
+  EXPECT_GT(climb.most_on_ground, 5);
+}
+
+TEST(AmclOnLevels, TiltMattersOnTheRamp) {
+  EXPECT_GT(DriveUp(false, false).worst_m, DriveUp(false, true).worst_m);
+}
+
+TEST(AmclOnLevels, FindsItsLevelFromNothing) {
+  const Climb climb = DriveUp(true, true);
+  EXPECT_EQ(climb.last_level, 1);
+  EXPECT_LT(climb.worst_m, 0.15);
+  EXPECT_LT(climb.worst_height_m, 0.1);
+}
+
+TEST(AmclOnLevels, RefusesPlacesWithoutGround) {
+  Amcl amcl = *Amcl::CreateOnLevels(TheBuilding().map, {}, 1);
+  EXPECT_THAT(amcl.SetPoseOnLevel({{11, 5}, 0}, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1})
+                  .message(),
+              HasSubstr("no level has ground at 11, 5, height 1"));
+  EXPECT_EQ(Amcl::CreateOnLevels(nullptr, {}, 1).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace treeline
