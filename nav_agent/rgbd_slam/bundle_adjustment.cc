@@ -226,7 +226,7 @@ class Bundle {
 
 class RelativePoseError {
  public:
-  RelativePoseError(const KeyframeEdge& edge)
+  explicit RelativePoseError(const KeyframeEdge& edge)
       : to_from_from_(ToBlock(edge.from_from_to.Inverse())),
         weight_(std::sqrt(static_cast<double>(std::max(1, edge.shared)))) {}
 
