@@ -115,6 +115,39 @@ std::vector<Corner> Spread(std::vector<Corner> corners, int width, int count) {
   return corners;
 }
 
+std::vector<cv::Mat> MakePyramid(const ColorImage& color) {
+  const cv::Mat rgb(color.height, color.width, CV_8UC3,
+                    const_cast<uint8_t*>(color.rgb.data()));
+  std::vector<cv::Mat> pyramid(1);
+  cv::cvtColor(rgb, pyramid[0], cv::COLOR_RGB2GRAY);
+  for (int octave = 1; octave < kPyramidLevels; ++octave) {
+    const double scale = 1 / OctaveScale(octave);
+    const cv::Size size(cvRound(color.width * scale),
+                        cvRound(color.height * scale));
+    cv::Mat smaller;
+    cv::resize(pyramid.back(), smaller, size, 0, 0, cv::INTER_LINEAR);
+    pyramid.push_back(std::move(smaller));
+  }
+  return pyramid;
+}
+
+std::vector<cv::KeyPoint> ToKeypoints(const std::vector<Corner>& corners,
+                                      const std::vector<cv::Mat>& pyramid) {
+  std::vector<cv::KeyPoint> keypoints;
+  for (const Corner& corner : corners) {
+    const auto scale = static_cast<float>(OctaveScale(corner.octave));
+    const double angle_rad = CentroidAngle_rad(
+        pyramid[static_cast<size_t>(corner.octave)], corner.x, corner.y);
+    keypoints.emplace_back(
+        scale * static_cast<float>(corner.x),
+        scale * static_cast<float>(corner.y), 31 * scale,
+        static_cast<float>(angle_rad * 180 / std::numbers::pi), corner.response,
+        corner.octave);
+    if (keypoints.back().angle < 0) keypoints.back().angle += 360;
+  }
+  return keypoints;
+}
+
 // Depth that is registered already: the nearest measured within 1 px, unless
 // it jumps there.
 double RegisteredDepth_m(const DepthImage& depth, Pixel pixel) {
@@ -263,31 +296,11 @@ absl::StatusOr<FeatureSet> FeatureExtractor::Extract(const Frame& frame) {
         frame.depth ? "" : " without depth", "; the calibration is for ",
         camera.width(), " x ", camera.height(), " with depth"));
   }
-  const cv::Mat rgb(color.height, color.width, CV_8UC3,
-                    const_cast<uint8_t*>(color.rgb.data()));
-  std::vector<cv::Mat> pyramid(1);
-  cv::cvtColor(rgb, pyramid[0], cv::COLOR_RGB2GRAY);
-  for (int octave = 1; octave < kPyramidLevels; ++octave) {
-    const double scale = 1 / OctaveScale(octave);
-    const cv::Size size(cvRound(color.width * scale),
-                        cvRound(color.height * scale));
-    cv::Mat smaller;
-    cv::resize(pyramid.back(), smaller, size, 0, 0, cv::INTER_LINEAR);
-    pyramid.push_back(std::move(smaller));
-  }
-  std::vector<cv::KeyPoint> keypoints;
-  for (const Corner& corner : Spread(FindCorners(pyramid, options_.contrast),
-                                     color.width, options_.count)) {
-    const auto scale = static_cast<float>(OctaveScale(corner.octave));
-    const double angle_rad = CentroidAngle_rad(
-        pyramid[static_cast<size_t>(corner.octave)], corner.x, corner.y);
-    keypoints.emplace_back(
-        scale * static_cast<float>(corner.x),
-        scale * static_cast<float>(corner.y), 31 * scale,
-        static_cast<float>(angle_rad * 180 / std::numbers::pi), corner.response,
-        corner.octave);
-    if (keypoints.back().angle < 0) keypoints.back().angle += 360;
-  }
+  const std::vector<cv::Mat> pyramid = MakePyramid(color);
+  std::vector<cv::KeyPoint> keypoints =
+      ToKeypoints(Spread(FindCorners(pyramid, options_.contrast), color.width,
+                         options_.count),
+                  pyramid);
   cv::Mat descriptors;
   detector_->orb->compute(pyramid[0], keypoints, descriptors);
 

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
@@ -155,9 +157,21 @@ class Bundle {
   }
 
   void Apply() {
+    const std::set<int> solved(selection_.landmarks.begin(),
+                               selection_.landmarks.end());
     for (size_t i = 0; i < cameras_.size(); ++i) {
-      map_.keyframe(selection_.moving[i]).map_from_camera =
-          FromBlock(cameras_[i]).Inverse();
+      const int k = selection_.moving[i];
+      const Rigid3 map_from_camera = FromBlock(cameras_[i]).Inverse();
+      const Rigid3 new_from_old =
+          map_from_camera * map_.keyframe(k).map_from_camera.Inverse();
+      map_.keyframe(k).map_from_camera = map_from_camera;
+      // Those beyond the limit follow the keyframe that made them.
+      for (const int l : map_.keyframe(k).landmarks) {
+        if (l == kNoLandmark || solved.contains(l)) continue;
+        Landmark& left_out = map_.landmark(l);
+        if (left_out.reference != k) continue;
+        left_out.point_in_map = new_from_old * left_out.point_in_map;
+      }
     }
     for (size_t i = 0; i < points_.size(); ++i) {
       map_.landmark(selection_.landmarks[i]).point_in_map = {
@@ -212,7 +226,7 @@ class Bundle {
 
 class RelativePoseError {
  public:
-  RelativePoseError(const KeyframeEdge& edge)
+  explicit RelativePoseError(const KeyframeEdge& edge)
       : to_from_from_(ToBlock(edge.from_from_to.Inverse())),
         weight_(std::sqrt(static_cast<double>(std::max(1, edge.shared)))) {}
 
