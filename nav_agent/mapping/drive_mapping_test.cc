@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -54,7 +55,7 @@ std::vector<TestWall> Room() {
 
 RangeSensorInfo Laser() {
   RangeSensorInfo laser = TestLaser(20);
-  laser.beam_interval_s = 1e-4;
+
   laser.scan_interval_s = 0.1;
   return laser;
 }
@@ -69,14 +70,15 @@ LaserScan ScanAt(int64_t milliseconds) {
           .intensities = {}};
 }
 
-// Wheels that count 4 % too much.
+// Wheels that count 1 % too much, and once spin by 12 cm on the spot.
 BaseReading ReadingAt(int64_t milliseconds) {
   const double s = 1e-3 * static_cast<double>(milliseconds);
   const double half_m = 0.5 * kTurn_radps * s * RobotModel().wheel_track_m;
+  const double spin_m = 0.12 * std::clamp((s - 3.0) / 0.4, 0.0, 1.0);
   BaseReading reading;
   reading.stamp = At(milliseconds);
-  reading.left_wheel_m = 1.04 * (kForward_mps * s - half_m);
-  reading.right_wheel_m = 1.04 * (kForward_mps * s + half_m);
+  reading.left_wheel_m = 1.01 * (kForward_mps * s - half_m) + spin_m;
+  reading.right_wheel_m = 1.01 * (kForward_mps * s + half_m) + spin_m;
   reading.yaw_rate_radps = kTurn_radps;
   return reading;
 }

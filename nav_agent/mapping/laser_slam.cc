@@ -43,6 +43,10 @@ double ThreadTime_ms() {
          1e-6 * static_cast<double>(time.tv_nsec);
 }
 
+// See Match: by how much more odometry is doubted, and what is gained then.
+constexpr double kDoubtful = 10;
+constexpr double kClearlyBetter = 0.02;
+
 bool IsTilted(const Rotation3& level_from_base) {
   return std::hypot(level_from_base.x, level_from_base.y) > 0.5 * kLevel_rad;
 }
@@ -261,8 +265,15 @@ bool LaserSlamOnThread::Match(const ScanOutline& scan, Vec2 slope,
                                    .slope = TurnedBy(guess.yaw_rad, slope)});
   const SurfaceGrid grid =
       MakeSurfaceGrid(window.references, scan, guess, search, options_.matcher);
-  const ScanMatch match =
-      MatchScan(grid, scan, guess, search, options_.matcher);
+  ScanMatch match = MatchScan(grid, scan, guess, search, options_.matcher);
+  // Doubt is about small errors. Wheels that spin are wrong by far more: what
+  // then fits clearly better with hardly any odometry is believed.
+  MatchSearch doubtful = search;
+  doubtful.guess_sigma_m *= kDoubtful;
+  doubtful.guess_sigma_rad *= kDoubtful;
+  const ScanMatch other = RefineMatch(grid, scan, match.target_from_scan, guess,
+                                      doubtful, options_.matcher);
+  if (other.response > match.response + kClearlyBetter) match = other;
   if (match.response < options_.min_response) return false;
   map_from_base_ = match.target_from_scan;
   *covariance = match.covariance;
