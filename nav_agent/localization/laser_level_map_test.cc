@@ -263,7 +263,8 @@ TEST(LaserLevelMap, RefusesWhatDoesNotFit) {
                 .status()
                 .code(),
             absl::StatusCode::kResourceExhausted);
-  options = {.layer_m = 0};
+  options = LaserLevelOptions();
+  options.layer_m = 0;
   EXPECT_THAT(LaserLevelMap::Make(building.voxels, building.levels, options)
                   .status()
                   .message(),
