@@ -10,7 +10,12 @@ Command AddLocalizeCommand(CLI::App& app);
 Command AddMapCommand(CLI::App& app);
 Command AddScoreTrajectoryCommand(CLI::App& app);
 Command AddSimulateCommand(CLI::App& app);
+Command AddSuiteCommand(CLI::App& app);
 Command AddTraversabilityCommand(CLI::App& app);
+
+// Those of `treeline-agent suite`.
+Command AddLostSuite(CLI::App& suite);
+Command AddLostFit(CLI::App& suite);
 
 }  // namespace treeline
 

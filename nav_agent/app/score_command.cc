@@ -68,7 +68,7 @@ absl::StatusOr<Report> AgainstReference(
     const ScoreFlags& flags, const std::vector<TimedPose>& estimate) {
   TL_ASSIGN_OR_RETURN(const std::vector<TimedPose> reference,
                       ReadTrajectory(flags.reference));
-  TL_ASSIGN_OR_RETURN(const TrajectoryError error,
+  TL_ASSIGN_OR_RETURN(const TrajectoryScore error,
                       ScoreTrajectory(estimate, reference,
                                       {.max_gap_s = flags.max_gap_s,
                                        .max_difference_s = 0.02,

@@ -272,6 +272,12 @@ class CloudBuilder {
   void Add(const Cell& cell) {
     if (cell.z == 0) return;
     const Vec3 point{cell.x, cell.y, cell.z};
+    // At the rim of a lens that sees nearly everything.
+    const double side = std::max(std::abs(point.x), std::abs(point.y));
+    if (side * std::min(1.0, max_depth_m_ / point.z) >
+        cloud_.unit_m * kLargestCoordinate) {
+      return;
+    }
     if (cell.z <= max_depth_m_) {
       cloud_.points.push_back(Compact(point, cloud_.unit_m));
     } else {

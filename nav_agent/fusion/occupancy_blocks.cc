@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
 
 namespace treeline {
 namespace {
@@ -65,8 +66,7 @@ const OccupancyBlocks::Block* OccupancyBlocks::Find(VoxelIndex block) const {
   return found == blocks_.end() ? nullptr : found->second.get();
 }
 
-absl::StatusOr<std::optional<ColumnBox>> OccupancyBlocks::Add(
-    const ViewGrid& view, int64_t max_blocks) {
+absl::Status OccupancyBlocks::Touch(const ViewGrid& view, int64_t max_blocks) {
   const VoxelIndex size = view.blocks();
   const VoxelIndex lowest = view.lowest_block();
   std::vector<uint8_t> wanted(static_cast<size_t>(size.x) *
@@ -78,7 +78,8 @@ absl::StatusOr<std::optional<ColumnBox>> OccupancyBlocks::Add(
   });
 
   touched_.assign(wanted.size(), nullptr);
-  std::vector<VoxelIndex> missing;
+  // Which of `touched_`, and where.
+  std::vector<std::pair<size_t, VoxelIndex>> missing;
   size_t i = 0;
   for (int x = 0; x < size.x; ++x) {
     for (int y = 0; y < size.y; ++y) {
@@ -87,37 +88,41 @@ absl::StatusOr<std::optional<ColumnBox>> OccupancyBlocks::Add(
         const VoxelIndex block{lowest.x + x, lowest.y + y, lowest.z + z};
         const auto found = blocks_.find(KeyOf(block));
         if (found == blocks_.end()) {
-          missing.push_back(block);
+          missing.emplace_back(i, block);
         } else {
           touched_[i] = found->second.get();
         }
       }
     }
   }
-  if (blocks() + static_cast<int64_t>(missing.size()) > max_blocks) {
-    return absl::ResourceExhaustedError(absl::StrCat(
-        "the map would grow to ",
-        blocks() + static_cast<int64_t>(missing.size()), " blocks of ",
-        kBlockBytes, " bytes; there is room for ", max_blocks));
+  const int64_t total = blocks() + static_cast<int64_t>(missing.size());
+  if (total > max_blocks) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("the map would grow to ", total, " blocks of ",
+                     kBlockBytes, " bytes; there is room for ", max_blocks));
   }
-  for (const VoxelIndex block : missing) {
-    if (blocks_.empty()) {
-      low_ = block;
-      high_ = block;
-    }
-    low_ = {std::min(low_.x, block.x), std::min(low_.y, block.y),
-            std::min(low_.z, block.z)};
-    high_ = {std::max(high_.x, block.x + 1), std::max(high_.y, block.y + 1),
-             std::max(high_.z, block.z + 1)};
-    auto& made = blocks_[KeyOf(block)];
-    made = std::make_unique<Block>();
-    touched_[(static_cast<size_t>(block.x - lowest.x) *
-                  static_cast<size_t>(size.y) +
-              static_cast<size_t>(block.y - lowest.y)) *
-                 static_cast<size_t>(size.z) +
-             static_cast<size_t>(block.z - lowest.z)] = made.get();
-  }
+  for (const auto& [place, block] : missing) touched_[place] = Make(block);
+  return absl::OkStatus();
+}
 
+OccupancyBlocks::Block* OccupancyBlocks::Make(VoxelIndex block) {
+  if (blocks_.empty()) {
+    low_ = block;
+    high_ = block;
+  }
+  low_ = {std::min(low_.x, block.x), std::min(low_.y, block.y),
+          std::min(low_.z, block.z)};
+  high_ = {std::max(high_.x, block.x + 1), std::max(high_.y, block.y + 1),
+           std::max(high_.z, block.z + 1)};
+  std::unique_ptr<Block>& made = blocks_[KeyOf(block)];
+  made = std::make_unique<Block>();
+  return made.get();
+}
+
+absl::StatusOr<std::optional<ColumnBox>> OccupancyBlocks::Add(
+    const ViewGrid& view, int64_t max_blocks) {
+  TL_RETURN_IF_ERROR(Touch(view, max_blocks));
+  const VoxelIndex lowest = view.lowest_block();
   std::optional<ColumnBox> changed;
   ForEachByte(view, [&](size_t block, int x, int y, int z) {
     const uint8_t occupied = view.Occupied(x, y, z);
@@ -127,14 +132,7 @@ absl::StatusOr<std::optional<ColumnBox>> OccupancyBlocks::Add(
     if (!Update(*touched_[block], column, occupied, free)) return;
     const int map_x = lowest.x * kSide + x;
     const int map_y = lowest.y * kSide + y;
-    if (!changed) {
-      changed = ColumnBox{map_x, map_y, map_x + 1, map_y + 1};
-    } else {
-      changed->begin_x = std::min(changed->begin_x, map_x);
-      changed->begin_y = std::min(changed->begin_y, map_y);
-      changed->end_x = std::max(changed->end_x, map_x + 1);
-      changed->end_y = std::max(changed->end_y, map_y + 1);
-    }
+    changed = Union(changed, ColumnBox{map_x, map_y, map_x + 1, map_y + 1});
   });
   return changed;
 }

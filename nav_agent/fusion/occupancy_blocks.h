@@ -67,6 +67,9 @@ class OccupancyBlocks {
   static constexpr int64_t kBlockBytes = sizeof(Block) + 48;
 
  private:
+  // Fills touched_; makes the blocks that are not there, or none.
+  absl::Status Touch(const ViewGrid& view, int64_t max_blocks);
+  Block* Make(VoxelIndex block);
   // What becomes of eight voxels. Whether one of them has changed its state.
   bool Update(Block& block, size_t column, uint8_t occupied, uint8_t free);
 

@@ -154,7 +154,7 @@ absl::StatusOr<std::optional<ColumnBox>> OctomapBuilder::Fuse(
   const Vec3 eye = origin + grid_from_map;
   for (size_t i = 0; i < places_.size(); ++i) {
     const Vec3 place = places_[i] + grid_from_map;
-    if (i < cloud.hits) grid_.MarkOccupied(place);
+    if (i < cloud.hits && !grid_.MarkOccupied(place)) continue;
     grid_.MarkFree(eye, place);
   }
   return map.Add(grid_, map_bytes / OccupancyBlocks::kBlockBytes);

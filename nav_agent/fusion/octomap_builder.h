@@ -38,11 +38,11 @@ struct FusionMemory {
 };
 
 // Each view becomes a small cloud (see compact_cloud.h). Its points are hits,
-// and every voxel between the sensor and a point is a miss; each voxel counts
-// once per view, as a hit if it is both. Hits and misses are added up as
-// log-odds, clamped, as OctoMap does; so what has moved away is cleared by
-// later views. Clouds are kept, so that after a loop closure the map can be
-// made anew.
+// and every voxel between the sensor and a point is a miss; of points in one
+// voxel only the first one's ray is cast. Each voxel counts once per view, as a
+// hit if it is both. Hits and misses are added up as log-odds, clamped, as
+// OctoMap does; so what has moved away is cleared by later views. Clouds are
+// kept, so that after a loop closure the map can be made anew.
 //
 // Deterministic. Not thread-safe. Every error leaves all as it was.
 class OctomapBuilder {

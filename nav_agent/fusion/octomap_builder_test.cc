@@ -152,15 +152,19 @@ TEST(OctomapBuilder, LogOddsAreThoseOfTheOctomapLibrary) {
     const Vec3 origin{0.31 + 0.1 * view, -0.22, 0.53};
     std::vector<Vec3> points;
     octomap::Pointcloud cloud;
+    octomap::KeySet ends;
     for (int i = 0; i < 1500; ++i) {
       // In whole half millimetres, as clouds are kept.
       const auto draw = [&random] {
         return 0.0005 * (random.NextBelow(6000) + 0.0) - 1.5;
       };
       points.push_back({draw(), draw(), draw()});
-      const Vec3 point = origin + points.back();
-      cloud.push_back(static_cast<float>(point.x), static_cast<float>(point.y),
-                      static_cast<float>(point.z));
+      const Vec3 place = origin + points.back();
+      const octomap::point3d point(static_cast<float>(place.x),
+                                   static_cast<float>(place.y),
+                                   static_cast<float>(place.z));
+      // Ours casts one ray to each voxel, the first.
+      if (ends.insert(tree.coordToKey(point)).second) cloud.push_back(point);
     }
     ASSERT_TRUE(
         builder

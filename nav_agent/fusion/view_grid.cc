@@ -13,10 +13,6 @@ VoxelIndex VoxelAt(Vec3 place) {
           static_cast<int>(place.z)};
 }
 
-void SetBit(std::vector<uint8_t>& bytes, int64_t bit) {
-  bytes[static_cast<size_t>(bit >> 3)] |= static_cast<uint8_t>(1 << (bit & 7));
-}
-
 // One axis of a line: where it next enters another voxel, and from one such
 // place to the next; in parts of the line.
 struct Crossings {
@@ -47,8 +43,13 @@ void ViewGrid::Reset(VoxelIndex lowest, VoxelIndex blocks) {
   free_.assign(size, 0);
 }
 
-void ViewGrid::MarkOccupied(Vec3 place) {
-  SetBit(occupied_, BitOf(VoxelAt(place)));
+bool ViewGrid::MarkOccupied(Vec3 place) {
+  const int64_t bit = BitOf(VoxelAt(place));
+  uint8_t& byte = occupied_[static_cast<size_t>(bit >> 3)];
+  const auto mask = static_cast<uint8_t>(1 << (bit & 7));
+  const bool is_new = (byte & mask) == 0;
+  byte |= mask;
+  return is_new;
 }
 
 void ViewGrid::MarkFree(Vec3 from, Vec3 to) {

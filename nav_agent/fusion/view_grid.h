@@ -31,7 +31,8 @@ class ViewGrid {
   VoxelIndex blocks() const { return blocks_; }
 
   // The place must be inside, at least one voxel from the box's borders.
-  void MarkOccupied(Vec3 place);
+  // Whether its voxel was not yet marked.
+  bool MarkOccupied(Vec3 place);
   // All voxels that the straight line from one place to the other passes, but
   // not the one it ends in. Both at least one voxel from the box's borders.
   // Amanatides, Woo: "A fast voxel traversal algorithm for ray tracing", 1987.

@@ -263,7 +263,7 @@ TEST(LaserLevelMap, RefusesWhatDoesNotFit) {
                 .status()
                 .code(),
             absl::StatusCode::kResourceExhausted);
-  options = LaserLevelOptions();
+  options = {};
   options.layer_m = 0;
   EXPECT_THAT(LaserLevelMap::Make(building.voxels, building.levels, options)
                   .status()

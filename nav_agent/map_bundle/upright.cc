@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <iterator>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "common/base/random.h"
@@ -71,12 +72,8 @@ Plane LargestPlane(std::span<const Vec3> points, Vec3 up, uint64_t seed) {
   return best;
 }
 
-struct Cell {
-  int64_t x = 0;
-  int64_t y = 0;
-
-  auto operator<=>(const Cell&) const = default;
-};
+// Of a grid in the plane.
+using Cell = std::pair<int64_t, int64_t>;
 
 // The points on `plane` and not on a wall that crosses it, in a frame in which
 // the plane is level.

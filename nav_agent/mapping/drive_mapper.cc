@@ -61,9 +61,11 @@ absl::StatusOr<std::unique_ptr<DriveMapper>> DriveMapper::Create(
   odometry_options.wheel_track_m = robot.wheel_track_m;
   TL_ASSIGN_OR_RETURN(SlopeOdometry odometry,
                       SlopeOdometry::Create(odometry_options));
+  LaserSlamOptions slam_options = options.slam;
+  slam_options.odometry = options.doubt;
   TL_ASSIGN_OR_RETURN(
       std::unique_ptr<LaserSlam> slam,
-      LaserSlam::Create(laser, robot.base_from_laser, options.slam));
+      LaserSlam::Create(laser, robot.base_from_laser, slam_options));
   return std::unique_ptr<DriveMapper>(new DriveMapper(
       laser, robot, options, std::move(odometry), std::move(slam)));
 }

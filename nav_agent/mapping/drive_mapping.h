@@ -37,6 +37,8 @@ struct DriveMappingOptions {
   // slam.synchronous: the result is the same in every run.
   // slam.loops.enabled = false: without loop closing.
   LaserSlamOptions slam;
+  // In agent logs, this stands for slam.odometry: they have a gyroscope.
+  OdometryDoubt doubt = OdometryDoubt::WithGyroscope();
   // Of agent logs; the wheel track is that of the log's robot if it names one.
   SlopeOdometryOptions odometry;
   // Of agent logs without a robot.

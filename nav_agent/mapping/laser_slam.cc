@@ -208,18 +208,20 @@ void LaserSlamOnThread::ApplyCorrection() {
 MatchSearch LaserSlamOnThread::SearchAfter(const Rigid2& motion) const {
   const double moved_m = Norm(motion.translation);
   const double turned_rad = std::abs(motion.yaw_rad);
-  const double sigma_m = options_.odometry_m +
-                         options_.odometry_m_per_m * moved_m +
-                         options_.odometry_m_per_rad * turned_rad;
-  const double sigma_rad = options_.odometry_rad +
-                           options_.odometry_rad_per_rad * turned_rad +
-                           options_.odometry_rad_per_m * moved_m;
-  return {.half_extent_m =
-              std::min(options_.search_sigmas * sigma_m, options_.max_search_m),
-          .half_angle_rad = std::min(options_.search_sigmas * sigma_rad,
-                                     options_.max_search_rad),
-          .guess_sigma_m = sigma_m,
-          .guess_sigma_rad = sigma_rad};
+  const OdometryDoubt& doubt = options_.odometry;
+  const double sigma_m =
+      doubt.m + doubt.m_per_m * moved_m + doubt.m_per_rad * turned_rad;
+  const double sigma_rad =
+      doubt.rad + doubt.rad_per_rad * turned_rad + doubt.rad_per_m * moved_m;
+  return {
+      .half_extent_m = std::min(
+          std::max(options_.search_sigmas * sigma_m, doubt.min_search_m),
+          options_.max_search_m),
+      .half_angle_rad = std::min(
+          std::max(options_.search_sigmas * sigma_rad, doubt.min_search_rad),
+          options_.max_search_rad),
+      .guess_sigma_m = sigma_m,
+      .guess_sigma_rad = sigma_rad};
 }
 
 LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
@@ -482,10 +484,11 @@ absl::Status LaserSlamOptions::Validate() const {
                        max_search_rad > 0 && search_sigmas > 0 &&
                        max_gap_m > 0 && max_tilt > 0 && ground_margin_m >= 0 &&
                        ground_reach_m > 0;
-  const bool odometry = odometry_m > 0 && odometry_rad > 0 &&
-                        odometry_m_per_m >= 0 && odometry_m_per_rad >= 0 &&
-                        odometry_rad_per_rad >= 0 && odometry_rad_per_m >= 0;
-  if (!lengths || !odometry || window < 1 || min_points < 3 || min_alike < 1 ||
+  const bool doubt = odometry.m > 0 && odometry.rad > 0 &&
+                     odometry.m_per_m >= 0 && odometry.m_per_rad >= 0 &&
+                     odometry.rad_per_rad >= 0 && odometry.rad_per_m >= 0 &&
+                     odometry.min_search_m >= 0 && odometry.min_search_rad >= 0;
+  if (!lengths || !doubt || window < 1 || min_points < 3 || min_alike < 1 ||
       polish_rounds < 0 || !(graph.kernel_sigmas > 0) ||
       graph.max_iterations < 1 || !(max_search_m <= 20)) {
     return absl::InvalidArgumentError(

@@ -21,6 +21,35 @@
 
 namespace treeline {
 
+// How wrong odometry may be, one standard deviation: at rest, per metre and
+// per radian; what matching searches is search_sigmas of it, but at least
+// min_search, and at most what LaserSlamOptions say. Defaults suit wheels alone
+// that tell their turns too.
+struct OdometryDoubt {
+  double m = 0.02;
+  double m_per_m = 0.10;
+  double m_per_rad = 0.03;
+  double rad = 0.01;
+  double rad_per_rad = 0.15;
+  double rad_per_m = 0.05;
+  double min_search_m = 0;
+  double min_search_rad = 0;
+
+  // Of wheels with a gyroscope, looked at every few centimetres. More doubt
+  // costs: between parallel walls a scan fits best a little behind of where it
+  // was taken, since ahead it shows what the window has not seen.
+  static OdometryDoubt WithGyroscope() {
+    return {.m = 0.003,
+            .m_per_m = 0.02,
+            .m_per_rad = 0.004,
+            .rad = 0.002,
+            .rad_per_rad = 0.02,
+            .rad_per_m = 0.01,
+            .min_search_m = 0.08,
+            .min_search_rad = 0.02};
+  }
+};
+
 struct LaserSlamOptions {
   ScanOutlineOptions points;
   ScanMatcherOptions matcher;
@@ -31,8 +60,8 @@ struct LaserSlamOptions {
   // the last that was. What matching corrects is spread over those in between.
   double keyscan_m = 0.2;
   double keyscan_rad = 0.15;
-  double still_m = 0.05;
-  double still_rad = 0.04;
+  double still_m = 0.1;
+  double still_rad = 0.08;
   // Scans whose planes are farther apart than this are of different floors,
   // and are not matched with each other (m, above 0).
   double max_gap_m = 0.3;
@@ -52,14 +81,7 @@ struct LaserSlamOptions {
   double ground_reach_m = 0.6;
   // The running window: the scans that the next one is matched against.
   int window = 15;
-  // How wrong odometry may be, one standard deviation: at rest, per metre and
-  // per radian. Searched is search_sigmas of it, within limits.
-  double odometry_m = 0.02;
-  double odometry_m_per_m = 0.10;
-  double odometry_m_per_rad = 0.03;
-  double odometry_rad = 0.01;
-  double odometry_rad_per_rad = 0.15;
-  double odometry_rad_per_m = 0.05;
+  OdometryDoubt odometry;
   double search_sigmas = 3.0;
   double max_search_m = 1.0;
   double max_search_rad = 0.7;

@@ -100,5 +100,43 @@ TEST(PoseGraph, TurnsCovariances) {
   EXPECT_NEAR(turned[8], 9, 1e-12);
 }
 
+TEST(PoseGraph, HeightsAgreeWhereALoopSaysSo) {
+  // Up and down again, 4 cm short; the loop says that it is the same floor. A
+  // wrong one says that the top is, too.
+  std::vector<PoseConstraint> constraints;
+  std::vector<double> heights_m = {0};
+  for (const double climb_m : {0.0, 1.0, 1.6, 0.0, -1.6, -0.96}) {
+    const int from = static_cast<int>(heights_m.size()) - 1;
+    constraints.push_back({.from = from,
+                           .to = from + 1,
+                           .from_from_to = {},
+                           .climb_m = climb_m,
+                           .climb_sigma_m = 0.001 + 0.02 * std::abs(climb_m)});
+    heights_m.push_back(heights_m.back() + climb_m);
+  }
+  constraints.push_back({.from = 1,
+                         .to = 6,
+                         .from_from_to = {},
+                         .may_be_wrong = true,
+                         .climb_m = 0,
+                         .climb_sigma_m = 0.01});
+  constraints.push_back({.from = 0,
+                         .to = 3,
+                         .from_from_to = {},
+                         .may_be_wrong = true,
+                         .climb_m = 0,
+                         .climb_sigma_m = 0.01});
+  // Nothing is known of this one.
+  constraints.push_back(
+      {.from = 0, .to = 4, .from_from_to = {}, .may_be_wrong = true});
+  ASSERT_TRUE(OptimizeHeights(constraints, {}, &heights_m).ok());
+  EXPECT_EQ(heights_m[0], 0);
+  EXPECT_NEAR(heights_m[6], heights_m[1], 0.01);
+  // Half of the 4 cm belong to the way up.
+  EXPECT_NEAR(heights_m[3], 2.58, 0.02);
+  constraints[0].climb_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(OptimizeHeights(constraints, {}, &heights_m).ok());
+}
+
 }  // namespace
 }  // namespace treeline

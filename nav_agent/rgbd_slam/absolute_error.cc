@@ -85,7 +85,7 @@ void ScoreRelative(const std::vector<PosePair>& pairs,
       if (next == pairs.begin() + static_cast<std::ptrdiff_t>(i) + 1) break;
       --next;
     }
-    if (std::abs(next->time - wanted) > interval / 10) continue;
+    if (std::abs(next->time - wanted) >= interval / 10) continue;
     const Rigid3 moved = pairs[i].estimate.Inverse() * next->estimate;
     const Rigid3 truly = pairs[i].reference.Inverse() * next->reference;
     const Rigid3 error = truly.Inverse() * moved;

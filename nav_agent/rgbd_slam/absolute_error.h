@@ -42,7 +42,7 @@ struct TrajectoryScore {
   TrajectoryErrorSummary absolute_m;
   TrajectoryErrorSummary absolute_rad;
   // Relative pose error: of motions over interval_s (pairs of associated poses
-  // whose times are that far apart, to a tenth of it or the nearest one).
+  // whose times are that far apart to within less than a tenth of it).
   int pairs = 0;
   TrajectoryErrorSummary relative_m;
   TrajectoryErrorSummary relative_rad;

@@ -298,7 +298,11 @@ absl::StatusOr<FeatureSet> FeatureExtractor::Extract(const Frame& frame) {
   std::vector<ImageFeature> features;
   features.reserve(keypoints.size());
   for (size_t i = 0; i < keypoints.size(); ++i) {
-    const Pixel seen{keypoints[i].pt.x, keypoints[i].pt.y};
+    // ORB counts in pixels of the level; a level's pixel (0, 0) covers more
+    // than the picture's, and its centre is not the centre of that one.
+    const double shift_px = 0.5 * OctaveScale(keypoints[i].octave) - 0.5;
+    const Pixel seen{keypoints[i].pt.x + shift_px,
+                     keypoints[i].pt.y + shift_px};
     ImageFeature feature{
         .pixel = seen,
         .octave = keypoints[i].octave,

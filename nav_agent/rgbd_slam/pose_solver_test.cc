@@ -48,9 +48,9 @@ TEST(SolvePose, FindsThePoseFromNearby) {
   const PoseError error =
       ErrorBetween(solved.camera_from_map, TrueCameraFromMap());
   // 160 sightings of 1 px at 500 px and about 2 m: 4 mm / sqrt(160), and some
-  // for the geometry.
+  // for the geometry; a turn of a pixel.
   EXPECT_LT(error.translation_m, 0.003);
-  EXPECT_LT(error.rotation_rad, 0.001);
+  EXPECT_LT(error.rotation_rad, 0.002);
   // 5 % of the right ones are beyond the bound; of the wrong next to none is
   // within.
   EXPECT_GT(solved.inliers, 140);

@@ -27,9 +27,9 @@ inline RgbdCalibration TestingCalibration() {
   return calibration;
 }
 
-// Brightness 40..215 of a wall at (u, v) metres: tiles of 16, 7 and 3 cm.
-inline int TestingPattern(int wall, double u, double v) {
-  constexpr std::array<double, 3> kTiles_m = {0.16, 0.07, 0.03};
+// Brightness 40..215 of a wall at (u, v) metres: tiles of 31, 13 and 7 cm.
+inline double TestingPattern(int wall, double u, double v) {
+  constexpr std::array<double, 3> kTiles_m = {0.31, 0.13, 0.07};
   double sum = 0;
   for (size_t i = 0; i < kTiles_m.size(); ++i) {
     const auto column = static_cast<int64_t>(std::floor(u / kTiles_m[i]));
@@ -39,16 +39,40 @@ inline int TestingPattern(int wall, double u, double v) {
                          static_cast<uint64_t>(wall) * 3 + i;
     sum += static_cast<double>(MixBits(key) >> 56) / 255;
   }
-  return 40 + static_cast<int>(175 * sum / 3);
+  return 40 + 175 * sum / 3;
 }
 
-// What the colour camera of `calibration` sees from inside of the box
-// |x| < 2.5, |y| < 2, |z| < 1.25 (m). Depth in millimetres, with the noise of a
-// Kinect (Nguyen, Izadi, Lovell 2012) drawn from `noise_seed`.
+struct WallSample {
+  double brightness = 0;
+  // In lengths of the ray.
+  double depth_m = 0;
+};
+
+// What a ray meets in the box |x| < 2.5, |y| < 2, |z| < 1.25 (m).
+inline WallSample LookAtWall(Vec3 from, Vec3 ray) {
+  constexpr std::array<double, 3> kHalf_m = {2.5, 2, 1.25};
+  double depth_m = std::numeric_limits<double>::infinity();
+  int axis = 0;
+  for (int a = 0; a < 3; ++a) {
+    const double half_m = kHalf_m[static_cast<size_t>(a)];
+    const double way_m = ((ray[a] > 0 ? half_m : -half_m) - from[a]) / ray[a];
+    if (way_m < depth_m) {
+      depth_m = way_m;
+      axis = a;
+    }
+  }
+  const Vec3 hit = from + depth_m * ray;
+  return {TestingPattern(2 * axis + (ray[axis] > 0 ? 1 : 0),
+                         hit[(axis + 1) % 3], hit[(axis + 2) % 3]),
+          depth_m};
+}
+
+// What the colour camera of `calibration` sees from inside of that box. Depth
+// in millimetres, with the noise of a Kinect (Nguyen, Izadi, Lovell 2012) drawn
+// from `noise_seed`.
 inline Frame SeeTestingRoom(const RgbdCalibration& calibration,
                             const Rigid3& world_from_camera,
                             uint64_t noise_seed) {
-  const std::array<double, 3> half_m = {2.5, 2, 1.25};
   const Camera& camera = calibration.color;
   const auto pixels = static_cast<size_t>(camera.width()) *
                       static_cast<size_t>(camera.height());
@@ -60,27 +84,25 @@ inline Frame SeeTestingRoom(const RgbdCalibration& calibration,
   const Mat3 rotation = world_from_camera.rotation.Matrix();
   const Vec3 from = world_from_camera.translation;
   Random random(noise_seed, 0);
+  const auto width = static_cast<size_t>(camera.width());
   for (size_t i = 0; i < pixels; ++i) {
-    const auto width = static_cast<size_t>(camera.width());
-    const Vec3 ray =
-        rotation *
-        Vec3{(static_cast<double>(i % width) - camera.cx()) / camera.fx(),
-             (static_cast<double>(i / width) - camera.cy()) / camera.fy(), 1};
-    double depth_m = std::numeric_limits<double>::infinity();
-    int axis = 0;
-    for (int a = 0; a < 3; ++a) {
-      const double half = half_m[static_cast<size_t>(a)];
-      const double way = ((ray[a] > 0 ? half : -half) - from[a]) / ray[a];
-      if (way < depth_m) {
-        depth_m = way;
-        axis = a;
-      }
+    const auto x = static_cast<double>(i % width);
+    const auto y = static_cast<double>(i / width);
+    const auto look = [&](double dx, double dy) {
+      return LookAtWall(
+          from, rotation * Vec3{(x + dx - camera.cx()) / camera.fx(),
+                                (y + dy - camera.cy()) / camera.fy(), 1});
+    };
+    // The mean of four rays, so that edges are smooth.
+    double sum = 0;
+    for (const double dx : {-0.25, 0.25}) {
+      for (const double dy : {-0.25, 0.25}) sum += look(dx, dy).brightness;
     }
-    const Vec3 hit = from + depth_m * ray;
-    const int wall = 2 * axis + (ray[axis] > 0 ? 1 : 0);
-    const auto value = static_cast<uint8_t>(
-        TestingPattern(wall, hit[(axis + 1) % 3], hit[(axis + 2) % 3]));
-    for (size_t c = 0; c < 3; ++c) frame.color.rgb[3 * i + c] = value;
+    const double value = sum / 4 + 1.5 * random.NextGaussian();
+    for (size_t c = 0; c < 3; ++c) {
+      frame.color.rgb[3 * i + c] = static_cast<uint8_t>(std::lround(value));
+    }
+    const double depth_m = look(0, 0).depth_m;
     const double sigma_m = 0.0012 + 0.0019 * (depth_m - 0.4) * (depth_m - 0.4);
     const double measured_m = depth_m + sigma_m * random.NextGaussian();
     frame.depth->values[i] =

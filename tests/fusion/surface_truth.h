@@ -4,6 +4,7 @@
 #define TESTS_FUSION_SURFACE_TRUTH_H_
 
 #include <cstdint>
+#include <utility>
 
 #include "absl/status/statusor.h"
 #include "common/camera/camera.h"

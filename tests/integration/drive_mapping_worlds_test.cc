@@ -1,0 +1,88 @@
+// Drives through synthetic worlds, recorded as agent logs and mapped: how far
+// the trajectory is from the truth. docs/laser-slam.md has the figures of whole
+// tours; these are parts of them.
+#include <unistd.h>
+
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "gtest/gtest.h"
+#include "nav_agent/app/simulation_run.h"
+#include "nav_agent/mapping/drive_mapping.h"
+#include "nav_agent/mapping/truth_score.h"
+#include "nav_agent/sim/scenario.h"
+
+namespace treeline {
+namespace {
+
+// What the issue asks for.
+constexpr double kWanted_m = 0.05;
+
+DriveMapping Mapped(const std::string& world_name,
+                    const std::string& scenario) {
+  SimulationRunOptions run;
+  run.scenario =
+      *ParseScenario(absl::StrCat("world: ", world_name,
+                                  "\nseed: 2\npeople: false\n", scenario),
+                     "test");
+  run.record_path = absl::StrCat(testing::TempDir(), "/drive_", world_name, "_",
+                                 getpid(), ".tlog");
+  unlink(run.record_path.c_str());
+  World world = *MakeWorld(
+      world_name, {.with_people = false, .threads = 1, .paint = false});
+  run.scenario.options.start = *StartOf(run.scenario, world);
+  const auto simulator =
+      *Simulator::Create(std::move(world), run.scenario.options);
+  const auto driven = RunSimulation(*simulator, run, [](double) {}, {});
+  EXPECT_TRUE(driven.ok()) << driven.status();
+  DriveMappingOptions options;
+  options.slam.synchronous = true;
+  auto mapping = MapDrive(run.record_path, options);
+  unlink(run.record_path.c_str());
+  EXPECT_TRUE(mapping.ok()) << mapping.status();
+  return mapping.ok() ? *std::move(mapping) : DriveMapping{};
+}
+
+TruthScore Score(const DriveMapping& mapping) {
+  const auto score = ScoreAgainstTruth(mapping.map_from_base, mapping.truth,
+                                       TruthAlignment::kFirstPose);
+  EXPECT_TRUE(score.ok()) << score.status();
+  return score.ok() ? *score : TruthScore{};
+}
+
+TEST(DriveMappingWorlds, CafeIsFollowedInSpace) {
+  const DriveMapping mapping =
+      Mapped("cafe", "duration_s: 45\nactions:\n  - {at_s: 0, tour: {}}\n");
+  const TruthScore score = Score(mapping);
+  EXPECT_GT(score.poses, 1700);
+  EXPECT_LT(score.rmse_m, kWanted_m);
+  EXPECT_TRUE(mapping.warnings.empty()) << mapping.warnings.front();
+}
+
+TEST(DriveMappingWorlds, LabIsFollowedInSpace) {
+  const DriveMapping mapping =
+      Mapped("lab", "duration_s: 45\nactions:\n  - {at_s: 0, tour: {}}\n");
+  EXPECT_LT(Score(mapping).rmse_m, kWanted_m);
+}
+
+TEST(DriveMappingWorlds, TwoStoreysLieAboveEachOther) {
+  // From the foot of the ramp to the floor above, 2.6 m higher.
+  const DriveMapping mapping =
+      Mapped("two-storey",
+             "duration_s: 70\nstart: {at: [1.7, 9.5], yaw_deg: 90}\nactions:\n"
+             "  - {at_s: 0, tour: {corners: [[1.7, 9.5, 0], [1.9, 11.2, 0], "
+             "[14.6, 11.25, 1.3], [14.7, 9.75, 1.3], [2.4, 9.75, 2.6], "
+             "[1.8, 7.5, 2.6]]}}\n");
+  EXPECT_NEAR(mapping.truth.back().world_from_camera.translation.z, 2.6, 0.01);
+  const TruthScore score = Score(mapping);
+  // No loop is closed on the way up: slip along the ramp, which is 1.2 % by the
+  // simulator's model, and the tilt's bias are not seen by anything.
+  EXPECT_LT(score.rmse_m, 2 * kWanted_m);
+  ASSERT_GE(mapping.floors.size(), 2U);
+  EXPECT_NEAR(mapping.floors.back().height_m - mapping.floors.front().height_m,
+              2.6, 0.15);
+}
+
+}  // namespace
+}  // namespace treeline

@@ -1,0 +1,127 @@
+"""treeline-agent map as a program: a killed drive, an interrupted one, errors."""
+
+import argparse
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+AGENT = None
+# Scans in a second of the simulated laser.
+LASER_HZ = 40
+
+
+def run(*arguments):
+    return subprocess.run([AGENT, *arguments], capture_output=True, text=True,
+                          timeout=120)
+
+
+class LiveDrive:
+    """A simulated drive that is being mapped, at the pace of real time."""
+
+    def __init__(self, bundle):
+        self.process = subprocess.Popen(
+            [AGENT, "map", "--live", "--simulate", "cafe", "--output", bundle],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.scans = 0
+
+    def wait_for_scans(self, count):
+        for line in self.process.stderr:
+            told = re.match(r"(\d+) scans", line)
+            if told:
+                self.scans = int(told.group(1))
+            if self.scans >= count:
+                return
+        raise AssertionError("the drive ended early")
+
+    def stop(self, how):
+        self.process.send_signal(how)
+        out, err = self.process.communicate(timeout=120)
+        return self.process.returncode, out + err
+
+
+class MapProgramTest(unittest.TestCase):
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def poses(self, bundle):
+        with open(self.path(bundle + "/trajectory.txt"),
+                  encoding="utf-8") as lines:
+            return sum(1 for line in lines if not line.startswith("#"))
+
+    def test_a_killed_drive_loses_a_second_at_most(self):
+        drive = LiveDrive(self.path("killed"))
+        drive.wait_for_scans(3 * LASER_HZ)
+        killed_after = drive.scans
+        drive.stop(signal.SIGKILL)
+        self.assertFalse(os.path.exists(self.path("killed/bundle.yaml")))
+        mapped = run("map", "--log", self.path("killed/drive.tlog"),
+                     "--output", self.path("mapped"), "--quiet")
+        self.assertEqual(mapped.returncode, 0, mapped.stderr)
+        # A second, and the scans at both ends that have no wheel readings.
+        self.assertGreaterEqual(self.poses("mapped"),
+                                killed_after - LASER_HZ - 5)
+
+    def test_ctrl_c_ends_the_drive_and_makes_the_map(self):
+        drive = LiveDrive(self.path("cafe"))
+        drive.wait_for_scans(3 * LASER_HZ)
+        code, said = drive.stop(signal.SIGINT)
+        self.assertEqual(code, 0, said)
+        for part in ("bundle.yaml", "octomap.bt", "levels/level-0.yaml",
+                     "drive.tlog", "live.png", "map.png"):
+            self.assertTrue(os.path.exists(self.path("cafe/" + part)), part)
+        self.assertGreaterEqual(self.poses("cafe"), drive.scans - 5)
+
+    def test_what_is_there_is_not_overwritten(self):
+        os.makedirs(self.path("map"))
+        with open(self.path("map/octomap.bt"), "w", encoding="utf-8") as file:
+            file.write("somebody's")
+        refused = run("map", "--live", "--simulate", "cafe", "--output",
+                      self.path("map"))
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("--overwrite", refused.stderr)
+
+    def test_errors_say_what_is_missing(self):
+        for arguments, word in (
+                (["--output", "x"], "--log"),
+                (["--output", "x", "--live"], "--simulate"),
+                (["--output", "x", "--log", self.path("none")], "none"),
+                (["--output", self.path("y"), "--live", "--simulate", "cafee"],
+                 "cafe"),
+                (["--output", self.path("z"), "--rgbd", "tum:nowhere"],
+                 "nowhere")):
+            refused = run("map", *arguments)
+            self.assertNotEqual(refused.returncode, 0, arguments)
+            self.assertIn(word, refused.stderr, arguments)
+
+    def test_scores_are_of_the_reference(self):
+        with open(self.path("a.txt"), "w", encoding="utf-8") as file:
+            for i in range(20):
+                file.write(f"{i} {i} {i % 3} 0 0 0 0 1\n")
+        with open(self.path("b.txt"), "w", encoding="utf-8") as file:
+            for i in range(20):
+                file.write(f"{i} {i + 5} {i % 3 - 2} 0 0 0 0 1\n")
+        same = run("score-trajectory", "--estimate", self.path("a.txt"),
+                   "--reference", self.path("b.txt"), "--max-gap", "2")
+        self.assertEqual(same.returncode, 0, same.stderr)
+        self.assertRegex(same.stdout, r"absolute +rmse +0\.0000")
+        neither = run("score-trajectory", "--estimate", self.path("a.txt"))
+        self.assertEqual(neither.returncode, 1)
+        self.assertIn("--reference", neither.stderr)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--agent", required=True)
+    options, rest = parser.parse_known_args()
+    AGENT = options.agent
+    unittest.main(argv=sys.argv[:1] + rest)
