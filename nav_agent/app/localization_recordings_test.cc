@@ -35,7 +35,9 @@ TEST_P(WeanHall, ConvergesFromNothing) {
   map.grids.push_back(*ReadWeanMap(folder + "/wean.dat.gz"));
   const auto drive = ReadDrive(folder + "/" + GetParam().log);
   ASSERT_TRUE(drive.ok()) << drive.status();
-  const auto result = LocalizeDrive(map, *drive, {.seed = 3}, {}, {});
+  LocalizationRunOptions options;
+  options.seed = 3;
+  const auto result = LocalizeDrive(map, *drive, options, {}, {});
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_TRUE(result->converged_after_m.has_value());
   EXPECT_GT(result->agreement, GetParam().agreement);

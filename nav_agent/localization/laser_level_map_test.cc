@@ -40,17 +40,18 @@ Scene MakeTwoFloors() {
        .top_begin_m = Scene::kFloor_m,
        .top_end_m = kUpperFloor_m,
        .thickness_m = 0.15});
+  // Sides lie within voxels, not between two: those are seen.
   for (const auto& [low, high] :
-       std::vector<std::pair<Vec2, Vec2>>{{{0, 0}, {22, 0.1}},
-                                          {{0, 6.9}, {22, 7}},
-                                          {{0, 0}, {0.1, 7}},
-                                          {{21.9, 0}, {22, 7}}}) {
+       std::vector<std::pair<Vec2, Vec2>>{{{0, 0}, {22, 0.12}},
+                                          {{0, 6.88}, {22, 7}},
+                                          {{0, 0}, {0.12, 7}},
+                                          {{21.88, 0}, {22, 7}}}) {
     scene.AddBox(BlockKind::kObstacle, low, high, 3.9);
   }
-  scene.AddBox(BlockKind::kObstacle, {6, 5}, {7, 6.9}, 1.7, 1.69);
-  scene.AddBox(BlockKind::kObstacle, {14, 3.3}, {14.4, 3.7}, 1.7, 1.69);
-  scene.AddBox(BlockKind::kObstacle, {9, 6}, {9.5, 6.9}, 3.9, 1.88);
-  scene.AddBox(BlockKind::kObstacle, {17, 4.5}, {18, 5}, 3.9, 1.88);
+  scene.AddBox(BlockKind::kObstacle, {6.02, 5.02}, {6.98, 6.88}, 1.7, 1.69);
+  scene.AddBox(BlockKind::kObstacle, {14.02, 3.32}, {14.38, 3.68}, 1.7, 1.69);
+  scene.AddBox(BlockKind::kObstacle, {9.02, 6.02}, {9.48, 6.88}, 3.9, 1.88);
+  scene.AddBox(BlockKind::kObstacle, {17.02, 4.52}, {17.98, 4.98}, 3.9, 1.88);
   return scene;
 }
 
@@ -198,7 +199,7 @@ TEST(LaserLevelMap, KnowsGroundFromWalls) {
 TEST(LaserLevelMap, EachHeightHasItsOwnField) {
   const LikelihoodField& field = TheBuilding().map->field();
   // The pillar on the lower floor is not on the upper one.
-  const ScanPoints at_pillar = {.x_m = {14}, .y_m = {3.3f}, .z_m = {0.5f}};
+  const ScanPoints at_pillar = {.x_m = {14.03f}, .y_m = {3.5f}, .z_m = {0.5f}};
   float log = 0;
   field.LogLikelihoods(at_pillar, {}, {&log, 1}, 0);
   EXPECT_GT(log, field.LogAt(0.1));
@@ -277,10 +278,10 @@ TEST(LaserSlice, IsWhatALaserSeesFromTheGroundBelow) {
       LaserSlice(building.voxels, building.levels.levels[0], kLaser_m);
   const OccupancyGrid upper =
       LaserSlice(building.voxels, building.levels.levels[1], kLaser_m);
-  EXPECT_EQ(lower.At(lower.CellOf({14.02, 3.5})), Occupancy::kOccupied);
-  EXPECT_EQ(upper.At(upper.CellOf({14.02, 3.5})), Occupancy::kFree);
-  EXPECT_EQ(upper.At(upper.CellOf({17.5, 4.52})), Occupancy::kOccupied);
-  EXPECT_EQ(lower.At(lower.CellOf({17.5, 4.52})), Occupancy::kFree);
+  EXPECT_EQ(lower.At(lower.CellOf({14.03, 3.5})), Occupancy::kOccupied);
+  EXPECT_EQ(upper.At(upper.CellOf({14.03, 3.5})), Occupancy::kFree);
+  EXPECT_EQ(upper.At(upper.CellOf({17.5, 4.53})), Occupancy::kOccupied);
+  EXPECT_EQ(lower.At(lower.CellOf({17.5, 4.53})), Occupancy::kFree);
   // The ramp is no obstacle to who is on it.
   EXPECT_EQ(lower.At(lower.CellOf({5, 1.3})), Occupancy::kFree);
 }
