@@ -56,16 +56,20 @@ absl::StatusOr<RgbdCalibration> ReadCalibration(const std::string& path) {
   return calibration;
 }
 
-// Fills in what the other flags imply.
-absl::Status Complete(TrainFlags& flags) {
+// Wrong usage, as CLI11 has it.
+void CheckUsage(const TrainFlags& flags) {
   if (flags.map.empty() == flags.dataset.uri.empty()) {
-    return absl::InvalidArgumentError(
+    throw CLI::ValidationError(
         "of what is the scene learned? Give --dataset URI or --map BUNDLE");
   }
   if (flags.repository.empty() == flags.output_path.empty()) {
-    return absl::InvalidArgumentError(
+    throw CLI::ValidationError(
         "where shall the model go? Give --output FILE or --repository DIR");
   }
+}
+
+// Fills in what the other flags imply.
+absl::Status Complete(TrainFlags& flags) {
   if (!flags.map.empty()) {
     TL_ASSIGN_OR_RETURN(const std::string scene, SceneOfMapBundle(flags.map));
     if (flags.scene.empty()) flags.scene = scene;
@@ -253,6 +257,7 @@ Command AddTrainCommand(CLI::App& app) {
   command->add_flag("--quiet", flags->quiet, "Show no progress");
   AddForestFlags(*command, flags->training);
   AddSiftFlags(*command, flags->sift);
+  command->final_callback([flags] { CheckUsage(*flags); });
   return {command,
           [flags](const std::stop_token& stop) { return Train(*flags, stop); }};
 }

@@ -86,7 +86,22 @@ TEST_F(TrainProgram, WrongArgumentsAreNamed) {
       Train({"--calibration", folder_ + "/none.json", "--output", output}));
   EXPECT_EQ(calibration.exit_code, 1);
   EXPECT_THAT(calibration.err, HasSubstr("none.json"));
-  EXPECT_EQ(RunProgram({TREELINE_PROGRAM, "train"}).exit_code, 2);
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{},
+        {"--dataset", "7scenes:x"},
+        {"--output", "x"},
+        {"--dataset", "7scenes:x", "--map", "y"}}) {
+    std::vector<std::string> command = {TREELINE_PROGRAM, "train"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const ProgramResult unclear = RunProgram(command);
+    EXPECT_EQ(unclear.exit_code, 2);
+    EXPECT_THAT(unclear.err, HasSubstr("Give --"));
+  }
+  const ProgramResult map =
+      RunProgram({TREELINE_PROGRAM, "train", "--map", folder_ + "/nowhere",
+                  "--output", output});
+  EXPECT_EQ(map.exit_code, 1);
+  EXPECT_THAT(map.err, HasSubstr("treeline-agent map"));
   EXPECT_FALSE(std::filesystem::exists(output));
 }
 
