@@ -90,16 +90,19 @@ absl::StatusOr<OccupancyLayers> LayersOf(const VoxelMap& voxels,
   return layers;
 }
 
-// The height of each cell's ground, or of that of the nearest cell that has
-// some, going by sides.
+// The height of each cell's ground if it is free, or of that of the nearest
+// free cell, going by sides: what stands in an occupied cell has its top for
+// its height.
 std::vector<float> SpreadHeights(const TraversableLevel& level) {
   std::vector<float> heights_m = level.height_m;
   std::vector<CellIndex> border;
   for (int y = 0; y < level.grid.height; ++y) {
     for (int x = 0; x < level.grid.width; ++x) {
-      if (!std::isnan(heights_m[level.grid.IndexOf({x, y})])) {
-        border.push_back({x, y});
+      float& height_m = heights_m[level.grid.IndexOf({x, y})];
+      if (level.grid.At({x, y}) == Occupancy::kOccupied) {
+        height_m = std::numeric_limits<float>::quiet_NaN();
       }
+      if (!std::isnan(height_m)) border.push_back({x, y});
     }
   }
   for (size_t i = 0; i < border.size(); ++i) {
