@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <numbers>
 #include <opencv2/core.hpp>
@@ -113,6 +114,18 @@ std::vector<Corner> Spread(std::vector<Corner> corners, int width, int count) {
     corners.push_back(entry.corner);
   }
   return corners;
+}
+
+// Whether a picture has a camera's size, and as many values as it should.
+bool Fits(const ColorImage& image, const Camera& camera) {
+  return image.width == camera.width() && image.height == camera.height() &&
+         image.rgb.size() == 3 * static_cast<size_t>(image.width) *
+                                 static_cast<size_t>(image.height);
+}
+bool Fits(const DepthImage& image, const Camera& camera) {
+  return image.width == camera.width() && image.height == camera.height() &&
+         image.values.size() == static_cast<size_t>(image.width) *
+                                    static_cast<size_t>(image.height);
 }
 
 std::vector<cv::Mat> MakePyramid(const ColorImage& color) {
@@ -288,9 +301,8 @@ FeatureExtractor::~FeatureExtractor() = default;
 absl::StatusOr<FeatureSet> FeatureExtractor::Extract(const Frame& frame) {
   const Camera& camera = calibration_.color;
   const ColorImage& color = frame.color;
-  if (color.width != camera.width() || color.height != camera.height() ||
-      !frame.depth || frame.depth->width != calibration_.depth.width() ||
-      frame.depth->height != calibration_.depth.height()) {
+  const bool has_depth = frame.depth && Fits(*frame.depth, calibration_.depth);
+  if (!Fits(color, camera) || !has_depth) {
     return absl::InvalidArgumentError(absl::StrCat(
         "a frame of ", color.width, " x ", color.height,
         frame.depth ? "" : " without depth", "; the calibration is for ",

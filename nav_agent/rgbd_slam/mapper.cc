@@ -176,12 +176,18 @@ void Mapper::FuseMeeting(int k, const Meeting& meeting) {
   }
 }
 
-void Mapper::Finish(int submap) {
-  if (options_.closes_loops) {
-    for (int k = 0; k < map_.keyframe_count(); ++k) {
-      if (map_.keyframe(k).submap == submap) continue;
-      if (const auto meeting = Meet(k, true)) Close(k, *meeting);
-    }
+void Mapper::Connect(int submap) {
+  if (!options_.closes_loops) return;
+  int anchor = 0;
+  while (anchor < map_.keyframe_count() &&
+         map_.keyframe(anchor).submap != submap) {
+    ++anchor;
+  }
+  if (anchor == map_.keyframe_count()) return;
+  for (int k = 0; k < map_.keyframe_count(); ++k) {
+    // Joining renames submaps.
+    if (map_.keyframe(k).submap == map_.keyframe(anchor).submap) continue;
+    if (const auto meeting = Meet(k, true)) Close(k, *meeting);
   }
 }
 

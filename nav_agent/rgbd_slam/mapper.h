@@ -30,8 +30,8 @@ class Mapper {
   // New landmarks are no longer followed: the camera was lost.
   void SetLost() { recent_.clear(); }
 
-  // Tries once more to connect other submaps with `submap`, then adjusts it.
-  void Finish(int submap);
+  // Tries once more to connect other submaps with `submap`.
+  void Connect(int submap);
 
  private:
   // A place of a keyframe that was found from another one, far along the way.

@@ -302,7 +302,7 @@ void RgbdSlam::Finish() {
   state.is_finished = true;
   const int submap = state.LargestSubmap();
   if (submap < 0) return;
-  state.mapper.Finish(submap);
+  state.mapper.Connect(submap);
   if (state.options.final_iterations > 0) {
     AdjustSubmap(state.LargestSubmap(),
                  {.landmarks = state.options.final_landmarks,

@@ -199,6 +199,12 @@ TEST(RgbdSlam, RefusesWhatIsNoFrame) {
   Frame small = frame;
   small.color.width = 10;
   EXPECT_FALSE(run.slam->AddFrame(small, kPeriod).ok());
+  Frame cut = frame;
+  cut.color.rgb.resize(100);
+  EXPECT_FALSE(run.slam->AddFrame(cut, kPeriod).ok());
+  Frame shallow = frame;
+  shallow.depth->values.resize(100);
+  EXPECT_FALSE(run.slam->AddFrame(shallow, kPeriod).ok());
   // None of them was added.
   EXPECT_TRUE(run.slam->AddFrame(frame, kPeriod).ok());
   EXPECT_EQ(run.slam->Trajectory().size(), 2u);
