@@ -3,10 +3,14 @@
 // tours; these are parts of them.
 #include <unistd.h>
 
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "gtest/gtest.h"
 #include "nav_agent/app/simulation_run.h"
 #include "nav_agent/mapping/drive_mapping.h"
@@ -82,6 +86,46 @@ TEST(DriveMappingWorlds, TwoStoreysLieAboveEachOther) {
   ASSERT_GE(mapping.floors.size(), 2U);
   EXPECT_NEAR(mapping.floors.back().height_m - mapping.floors.front().height_m,
               2.6, 0.15);
+}
+
+void Print(const char* what, const TruthScore& score) {
+  std::printf("  %-22s %.4f  %.4f  %.4f  %.4f m  %.4f rad\n", what,
+              score.rmse_m, score.planar_rmse_m, score.height_rmse_m,
+              score.max_m, score.rotation_rmse_rad);
+}
+
+// The figures of the documentation, of drives that somebody has recorded.
+TEST(DriveMappingWorlds, RecordedDrivesAreFollowed) {
+  const char* paths = std::getenv("TREELINE_DRIVES");
+  if (paths == nullptr) GTEST_SKIP() << "no agent logs in TREELINE_DRIVES";
+  std::puts("in space, from above, height, largest; rotation");
+  for (const std::string& path :
+       std::vector<std::string>(absl::StrSplit(paths, ' '))) {
+    for (const bool closes_loops : {true, false}) {
+      DriveMappingOptions options;
+      options.has_grids = false;
+      options.slam.loops.enabled = closes_loops;
+      const auto mapping = MapDrive(path, options);
+      ASSERT_TRUE(mapping.ok()) << mapping.status();
+      std::printf(
+          "%s, %s loops: %lld accepted; p50 %.3f p99 %.2f max %.2f ms\n",
+          path.c_str(), closes_loops ? "with" : "without",
+          static_cast<long long>(mapping->statistics.loops.accepted),
+          mapping->p50_ms, mapping->p99_ms, mapping->max_ms);
+      for (const auto alignment :
+           {TruthAlignment::kFirstPose, TruthAlignment::kRigid}) {
+        const bool rigid = alignment == TruthAlignment::kRigid;
+        const auto odometry = ScoreAgainstTruth(mapping->odom_from_base,
+                                                mapping->truth, alignment);
+        const auto slam = ScoreAgainstTruth(mapping->map_from_base,
+                                            mapping->truth, alignment);
+        ASSERT_TRUE(odometry.ok() && slam.ok());
+        Print(rigid ? "odometry, rigid" : "odometry, first pose", *odometry);
+        Print(rigid ? "SLAM, rigid" : "SLAM, first pose", *slam);
+        EXPECT_LT(slam->rmse_m, closes_loops ? kWanted_m : 1.0);
+      }
+    }
+  }
 }
 
 }  // namespace
