@@ -90,19 +90,21 @@ absl::StatusOr<OccupancyLayers> LayersOf(const VoxelMap& voxels,
   return layers;
 }
 
-// The height of each cell's ground if it is free, or of that of the nearest
-// free cell, going by sides: what stands in an occupied cell has its top for
-// its height.
+// The height of each free cell's ground, and of that of the nearest free cell
+// elsewhere, going by sides. Other ground may be the top of a table.
 std::vector<float> SpreadHeights(const TraversableLevel& level) {
   std::vector<float> heights_m = level.height_m;
+  for (size_t i = 0; i < heights_m.size(); ++i) {
+    if (level.grid.cells[i] != Occupancy::kFree) {
+      heights_m[i] = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
   std::vector<CellIndex> border;
   for (int y = 0; y < level.grid.height; ++y) {
     for (int x = 0; x < level.grid.width; ++x) {
-      float& height_m = heights_m[level.grid.IndexOf({x, y})];
-      if (level.grid.At({x, y}) == Occupancy::kOccupied) {
-        height_m = std::numeric_limits<float>::quiet_NaN();
+      if (!std::isnan(heights_m[level.grid.IndexOf({x, y})])) {
+        border.push_back({x, y});
       }
-      if (!std::isnan(height_m)) border.push_back({x, y});
     }
   }
   for (size_t i = 0; i < border.size(); ++i) {
@@ -235,10 +237,8 @@ OccupancyGrid LaserSlice(const VoxelMap& voxels, const TraversableLevel& level,
       if (!std::isnan(heights_m[at]) &&
           AnyOccupied(voxels, x, y, z - 1, z + 2)) {
         slice.cells[at] = Occupancy::kOccupied;
-      } else if (std::isnan(level.height_m[at])) {
+      } else if (level.grid.cells[at] != Occupancy::kFree) {
         slice.cells[at] = Occupancy::kUnknown;
-      } else {
-        slice.cells[at] = Occupancy::kFree;
       }
     }
   }

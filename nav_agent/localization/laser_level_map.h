@@ -89,7 +89,7 @@ class LaserLevelMap {
 
 // What a laser sees at laser_height_m above one level's ground, where that is
 // level: occupied where a voxel is within one voxel of that height above the
-// ground nearest to a cell, else free where the level is, else unknown.
+// free ground nearest to a cell, else free where the level is, else unknown.
 OccupancyGrid LaserSlice(const VoxelMap& voxels, const TraversableLevel& level,
                          double laser_height_m);
 
