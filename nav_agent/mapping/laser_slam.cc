@@ -478,37 +478,6 @@ std::vector<TrajectoryPose> LaserSlamOnThread::Trajectory() const {
 
 }  // namespace
 
-Rigid3 MapFromBase(const TrajectoryPose& pose) {
-  const Vec2 at = pose.map_from_base.translation;
-  return {
-      .rotation = Rotation3::FromAxisAngle({0, 0, pose.map_from_base.yaw_rad}) *
-                  pose.level_from_base,
-      .translation = {at.x, at.y, pose.height_m}};
-}
-
-absl::Status LaserSlamOptions::Validate() const {
-  TL_RETURN_IF_ERROR(points.Validate());
-  TL_RETURN_IF_ERROR(matcher.Validate());
-  TL_RETURN_IF_ERROR(loops.Validate());
-  const bool lengths = keyscan_m > 0 && keyscan_rad > 0 && still_m > 0 &&
-                       still_rad > 0 && max_search_m > 0 &&
-                       max_search_rad > 0 && search_sigmas > 0 &&
-                       max_gap_m > 0 && max_tilt > 0 && ground_margin_m >= 0 &&
-                       ground_reach_m > 0;
-  const bool doubt = odometry.m > 0 && odometry.rad > 0 &&
-                     odometry.m_per_m >= 0 && odometry.m_per_rad >= 0 &&
-                     odometry.rad_per_rad >= 0 && odometry.rad_per_m >= 0 &&
-                     odometry.min_search_m >= 0 && odometry.min_search_rad >= 0;
-  if (!lengths || !doubt || window < 1 || min_points < 3 || min_alike < 1 ||
-      polish_rounds < 0 || !(graph.kernel_sigmas > 0) ||
-      graph.max_iterations < 1 || !(max_search_m <= 20)) {
-    return absl::InvalidArgumentError(
-        "laser SLAM: lengths, angles, counts and what odometry may be wrong "
-        "by must be above 0, max_search_m at most 20");
-  }
-  return absl::OkStatus();
-}
-
 absl::StatusOr<std::unique_ptr<LaserSlam>> LaserSlam::Create(
     const RangeSensorInfo& laser, const Rigid3& base_from_laser,
     const LaserSlamOptions& options) {
