@@ -20,15 +20,16 @@ namespace treeline {
 namespace {
 
 constexpr const char* kFooter = R"(
-Trajectories are text, 'time tx ty tz qx qy qz qw' (TUM); or a map bundle; or a
-laser log with poses (JSON, CARMEN). With --reference: the absolute trajectory
-error after the best rigid alignment, and the relative error (Sturm et al.
-2012). With --relations, lines 't1 t2 x y z roll pitch yaw': the errors of
-relative poses (Kuemmerle et al. 2009).
+Trajectories are text, 'time tx ty tz qx qy qz qw' (TUM); a map bundle; a laser
+log with poses (JSON, CARMEN); or a recording, 7scenes:DIR or tum:DIR.
+
+With --reference: the absolute trajectory error after the best rigid alignment,
+and the relative error (Sturm et al. 2012). With --relations, lines 't1 t2 x y z
+roll pitch yaw': the errors of relative poses (Kuemmerle et al. 2009).
 
 Examples:
   treeline-agent score-trajectory --estimate map/trajectory.txt \
-      --reference groundtruth.txt
+      --reference tum:rgbd_dataset_freiburg1_room
   treeline-agent score-trajectory --estimate map --relations intel.relations \
       --json score.json)";
 
@@ -37,6 +38,7 @@ constexpr double kDegPerRad = 180 / std::numbers::pi;
 struct ScoreFlags {
   std::string estimate;
   std::string reference;
+  std::string poses;
   std::string relations;
   double interval_s = 1;
   double max_gap_s = 0.1;
@@ -67,7 +69,7 @@ struct Report {
 absl::StatusOr<Report> AgainstReference(
     const ScoreFlags& flags, const std::vector<TimedPose>& estimate) {
   TL_ASSIGN_OR_RETURN(const std::vector<TimedPose> reference,
-                      ReadTrajectory(flags.reference));
+                      ReadTrajectory(flags.reference, flags.poses));
   TL_ASSIGN_OR_RETURN(const TrajectoryScore error,
                       ScoreTrajectory(estimate, reference,
                                       {.max_gap_s = flags.max_gap_s,
@@ -159,6 +161,11 @@ Command AddScoreTrajectoryCommand(CLI::App& app) {
       ->type_name("FILE")
       ->required();
   command->add_option("--reference", flags->reference, "The true one")
+      ->type_name("FILE");
+  command
+      ->add_option("--poses", flags->poses,
+                   "Of a recording as the reference: these instead of its own, "
+                   "as in treeline evaluate")
       ->type_name("FILE");
   command
       ->add_option("--relations", flags->relations,

@@ -4,15 +4,49 @@
 #include <filesystem>
 #include <system_error>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
+#include "common/dataset/dataset.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/recording/laser_log.h"
+#include "nav_agent/rgbd_slam/run_rgbd_slam.h"
 
 namespace treeline {
 
-absl::StatusOr<std::vector<TimedPose>> ReadTrajectory(const std::string& path) {
+namespace {
+
+absl::StatusOr<std::vector<TimedPose>> PosesOfRecording(
+    const std::string& uri, const std::string& pose_file) {
+  DatasetOptions options;
+  options.uri = uri;
+  options.pose_file = pose_file;
+  TL_ASSIGN_OR_RETURN(const Dataset dataset, Dataset::Open(options));
+  const std::vector<Time_ns> times = FrameTimes(dataset);
+  std::vector<TimedPose> poses;
+  for (int i = 0; i < dataset.size(); ++i) {
+    const auto& pose = dataset.frame(i).world_from_camera;
+    if (pose.has_value()) {
+      poses.push_back({times[static_cast<size_t>(i)], *pose});
+    }
+  }
+  if (poses.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(uri, ": there are no poses in it"));
+  }
+  return poses;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<TimedPose>> ReadTrajectory(
+    const std::string& path, const std::string& pose_file) {
+  for (const char* format : {"7scenes:", "tum:"}) {
+    if (absl::StartsWith(path, format)) {
+      return PosesOfRecording(path, pose_file);
+    }
+  }
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) {
     return ReadTrajectory(absl::StrCat(path, "/", kBundleTrajectory));

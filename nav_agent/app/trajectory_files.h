@@ -10,10 +10,13 @@
 
 namespace treeline {
 
-// "time tx ty tz qx qy qz qw" (TUM); a map bundle's folder; or the poses that
-// stand beside the scans of a public laser log (JSON, CARMEN). In order of
-// time, at least one.
-absl::StatusOr<std::vector<TimedPose>> ReadTrajectory(const std::string& path);
+// "time tx ty tz qx qy qz qw" (TUM); a map bundle's folder; the poses that
+// stand beside the scans of a public laser log (JSON, CARMEN); or those of a
+// recording, 7scenes:DIR or tum:DIR, at FrameTimes. pose_file replaces a
+// recording's own (DatasetOptions); empty: none. In order of time, at least
+// one.
+absl::StatusOr<std::vector<TimedPose>> ReadTrajectory(
+    const std::string& path, const std::string& pose_file = "");
 
 }  // namespace treeline
 

@@ -46,8 +46,9 @@ Time_ns TimeOf(const std::string& stem, int index) {
   return kFramePeriod_ns * NumberOf(stem).value_or(index);
 }
 
-// Times must ascend: those of several sequences in one recording do not.
-std::vector<Time_ns> TimesOf(const Dataset& dataset) {
+}  // namespace
+
+std::vector<Time_ns> FrameTimes(const Dataset& dataset) {
   std::vector<Time_ns> times;
   for (int i = 0; i < dataset.size(); ++i) {
     const Time_ns time = TimeOf(dataset.frame(i).stem, i);
@@ -57,8 +58,6 @@ std::vector<Time_ns> TimesOf(const Dataset& dataset) {
   }
   return times;
 }
-
-}  // namespace
 
 absl::StatusOr<RgbdSlamResult> RunRgbdSlam(const Dataset& dataset,
                                            const RunRgbdSlamOptions& options) {
@@ -77,7 +76,7 @@ absl::StatusOr<RgbdSlamResult> RunRgbdSlam(const Dataset& dataset,
       RgbdSlam::Create(options.slam,
                        options.calibration.value_or(dataset.calibration())));
   RgbdSlamResult result;
-  result.times = TimesOf(dataset);
+  result.times = FrameTimes(dataset);
   for (int i = 0; i < dataset.size(); ++i) {
     if (options.stop.stop_requested()) {
       return absl::CancelledError("stopped while mapping");

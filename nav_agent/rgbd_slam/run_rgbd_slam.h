@@ -13,6 +13,12 @@
 
 namespace treeline {
 
+// When each frame was taken: its stem where that is a time stamp (TUM), else
+// the number in its name at 30 Hz, or its place in the recording. They ascend;
+// those of several sequences in one recording, which do not, follow one
+// another.
+std::vector<Time_ns> FrameTimes(const Dataset& dataset);
+
 struct RunRgbdSlamOptions {
   RgbdSlamOptions slam;
   // Replaces the data set's calibration; color_from_depth is not known to the
@@ -28,8 +34,7 @@ struct RgbdSlamResult {
   // Of the calibration's pose sensor, for each frame of the data set; see
   // RgbdSlam::Trajectory.
   std::vector<std::optional<Rigid3>> map_from_cameras;
-  // When each frame was taken: its stem where that is a time stamp (TUM), else
-  // its place in the recording at 30 Hz.
+  // FrameTimes of the data set.
   std::vector<Time_ns> times;
   std::vector<RgbdKeyframe> keyframes;
   RgbdSlamStatistics statistics;
