@@ -303,11 +303,13 @@ TEST_F(HttpSourceFullDisk, WhatWasFetchedServesAndNothingIsHalfWritten) {
   const std::string first_model = model_;
 
   // Fits when it begins; then another program fills the disk.
+  absl::Notification filled;
   Serve(Model(2000000, 'x'), {{.stop_after = 500000,
                                .at_stop =
                                    [&] {
                                      std::ofstream(folder_ + "/other")
                                          << std::string(5000000, 'x');
+                                     filled.Notify();
                                    }},
                               {}});
   ASSERT_TRUE(source_->List().ok());
@@ -317,7 +319,9 @@ TEST_F(HttpSourceFullDisk, WhatWasFetchedServesAndNothingIsHalfWritten) {
   EXPECT_THAT(CachedNames(), ElementsAre(DigestOf(first_model) + ".treeline"));
   EXPECT_EQ(ReadFile(*first).value(), first_model);
 
-  // And when there is space again, it is fetched.
+  // And when there is space again, it is fetched. What is still being written
+  // would keep it.
+  filled.WaitForNotification();
   unlink((folder_ + "/other").c_str());
   EXPECT_EQ(ReadFile(Fetch().value()).value(), model_);
 }
