@@ -58,7 +58,7 @@ std::unique_ptr<octomap::OcTree> ReadByLibrary(const std::string& ot) {
   std::unique_ptr<octomap::AbstractOcTree> tree(
       octomap::AbstractOcTree::read(stream));
   auto* const occupancy = dynamic_cast<octomap::OcTree*>(tree.get());
-  if (occupancy != nullptr) tree.release();
+  if (occupancy != nullptr) static_cast<void>(tree.release());
   return std::unique_ptr<octomap::OcTree>(occupancy);
 }
 
