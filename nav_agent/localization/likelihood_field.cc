@@ -65,7 +65,8 @@ float SumOfLogs(const LogTable& table, const PointArrays& points,
   const auto cells = hn::Set(di, table.width * table.height);
   auto sum = hn::Zero(d);
   size_t i = 0;
-  const auto logs_at = [&](auto bx, auto by, auto bz) HWY_ATTR {
+  const auto logs_at = [&](auto bx, auto by,
+                           [[maybe_unused]] auto bz) HWY_ATTR {
     const auto gx = hn::NegMulAdd(s, by, hn::MulAdd(c, bx, x0));
     const auto gy = hn::MulAdd(s, bx, hn::MulAdd(c, by, y0));
     const auto ix = hn::ConvertTo(di, hn::Min(hn::Max(gx, zero), last_x));

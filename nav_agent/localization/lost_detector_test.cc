@@ -81,11 +81,12 @@ class Drive {
   absl::StatusOr<LostVerdict> Scan(const Rigid2& map_from_base,
                                    const Rigid2& truth) {
     Random random(7, static_cast<uint64_t>(++scans_));
-    LaserScan scan = ScanOf(TestingMap(), TestingLaser(), truth, 0.01, random);
-    return Show(map_from_base, std::move(scan));
+    const LaserScan scan =
+        ScanOf(TestingMap(), TestingLaser(), truth, 0.01, random);
+    return Show(map_from_base, scan);
   }
   absl::StatusOr<LostVerdict> Show(const Rigid2& map_from_base,
-                                   LaserScan scan) {
+                                   const LaserScan& scan) {
     time_ += std::chrono::milliseconds(100);
     LostEvidence evidence;
     evidence.stamp = time_;
