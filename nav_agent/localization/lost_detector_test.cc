@@ -161,7 +161,7 @@ TEST(LostDetectorTest, ACrowdThatWalksAboutIsNeverLost) {
         float& beam_m = scan.ranges_m[(first + k) % 181];
         beam_m = std::min(beam_m, range_m);
       }
-      const auto verdict = drive.Show(kPlace, std::move(scan));
+      const auto verdict = drive.Show(kPlace, scan);
       ASSERT_TRUE(verdict.ok());
       highest = std::max(highest, verdict->probability);
       state = verdict->state;
@@ -184,7 +184,7 @@ TEST(LostDetectorTest, NewFurnitureIsAChangedMap) {
     for (size_t k = 60; k < 105; ++k) {
       scan.ranges_m[k] = std::min(scan.ranges_m[k], 1.0f);
     }
-    ASSERT_TRUE(drive.Show(kPlace, std::move(scan)).ok());
+    ASSERT_TRUE(drive.Show(kPlace, scan).ok());
   }
   EXPECT_EQ(drive.detector().verdict().state, LostState::kMapChangedHere);
   EXPECT_LT(drive.detector().verdict().probability, 0.1);
@@ -245,7 +245,7 @@ TEST(LostDetectorTest, RefusesWhatIsNoEvidenceAndStaysAsItWas) {
   // Nothing that is seen is no evidence, and no error.
   LaserScan blind;
   blind.ranges_m.assign(181, kNoReturn);
-  ASSERT_TRUE(drive.Show(kPlace, std::move(blind)).ok());
+  ASSERT_TRUE(drive.Show(kPlace, blind).ok());
   EXPECT_LT(drive.detector().verdict().probability, 0.5);
 }
 
