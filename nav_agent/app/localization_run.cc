@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "common/geometry/kabsch.h"
 #include "nav_agent/localization/scan_points.h"
 #include "nlohmann/json.hpp"
 
@@ -140,8 +141,34 @@ ErrorFigures FiguresOf(const std::vector<double>& errors) {
   return figures;
 }
 
+// Distances of estimates from the truth after the best alignment in the plane.
+std::optional<ErrorFigures> AlignedErrors(
+    const RecordedDrive& drive, const std::vector<LocalizedScan>& scans,
+    size_t begin) {
+  std::vector<std::pair<Vec3, Vec3>> places;  // true, estimated
+  Kabsch alignment;
+  for (size_t i = begin; i < scans.size(); ++i) {
+    if (!drive.scans[i].world_from_base.has_value()) continue;
+    const Vec3 truth = drive.scans[i].world_from_base->translation;
+    const Vec2 estimate = scans[i].estimate.map_from_base.translation;
+    places.push_back({{truth.x, truth.y, 0}, {estimate.x, estimate.y, 0}});
+    // Points above them keep the alignment upright.
+    for (const double z_m : {0.0, 1.0}) {
+      alignment.Add({truth.x, truth.y, z_m}, {estimate.x, estimate.y, z_m});
+    }
+  }
+  const std::optional<Rigid3> world_from_map = alignment.Solve();
+  if (!world_from_map.has_value()) return std::nullopt;
+  std::vector<double> errors_m;
+  for (const auto& [truth, estimate] : places) {
+    errors_m.push_back(Norm(*world_from_map * estimate - truth));
+  }
+  return FiguresOf(errors_m);
+}
+
 std::optional<LocalizationErrors> ErrorsOf(
-    const std::vector<LocalizedScan>& scans, size_t begin) {
+    const RecordedDrive& drive, const std::vector<LocalizedScan>& scans,
+    size_t begin) {
   std::vector<double> positions_m;
   std::vector<double> headings_rad;
   size_t right = 0;
@@ -155,6 +182,7 @@ std::optional<LocalizationErrors> ErrorsOf(
   return LocalizationErrors{
       .scans = positions_m.size(),
       .position_m = FiguresOf(positions_m),
+      .aligned_m = AlignedErrors(drive, scans, begin),
       .heading_rad = FiguresOf(headings_rad),
       .right_level =
           static_cast<double>(right) / static_cast<double>(positions_m.size())};
@@ -178,7 +206,7 @@ void Summarize(const RecordedDrive& drive,
     result.agreement += result.scans[i].agreement /
                         static_cast<double>(result.scans.size() - begin);
   }
-  if (is_sure) result.errors = ErrorsOf(result.scans, first);
+  if (is_sure) result.errors = ErrorsOf(drive, result.scans, first);
   result.median_update_ms = Quantile(updates_ms, 0.5);
   result.p99_update_ms = Quantile(updates_ms, 0.99);
 }
@@ -253,6 +281,9 @@ std::string LocalizationJson(const LocalizationResult& result) {
   if (result.errors.has_value()) {
     json["errors"] = {{"scans", result.errors->scans},
                       {"position_m", JsonOf(result.errors->position_m)},
+                      {"aligned_m", result.errors->aligned_m.has_value()
+                                        ? JsonOf(*result.errors->aligned_m)
+                                        : nlohmann::ordered_json()},
                       {"heading_rad", JsonOf(result.errors->heading_rad)},
                       {"right_level", result.errors->right_level}};
   }

@@ -64,6 +64,10 @@ struct ErrorFigures {
 struct LocalizationErrors {
   size_t scans = 0;
   ErrorFigures position_m;
+  // The same once estimates and truth are turned and moved onto one another as
+  // well as can be: for maps that are not in the frame of the truth, such as
+  // those that a robot has made. nullopt if the robot did not move.
+  std::optional<ErrorFigures> aligned_m;
   ErrorFigures heading_rad;
   // The share of scans whose height is within 0.5 m of the truth; levels only.
   double right_level = 0;

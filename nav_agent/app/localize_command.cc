@@ -1,10 +1,12 @@
 // treeline-agent localize: AMCL over a recording.
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -22,6 +24,7 @@
 #include "nav_agent/app/localize_world.h"
 #include "nav_agent/core/map_file.h"
 #include "nav_agent/localization/laser_level_map.h"
+#include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/octomap/octree_file.h"
 #include "nav_agent/recording/wean_map.h"
 #include "nav_agent/traversability/traversability.h"
@@ -39,7 +42,7 @@ Examples:
   treeline-agent localize --map wean.dat.gz --log robotdata1.log.gz --global \
       --json out.json --picture out.png
   treeline-agent localize --map level-0.yaml --log drive.log --initial 1,2,0.5
-  treeline-agent localize --octomap house.bt --log drive.tlog --global
+  treeline-agent localize --map house --log drive.tlog --global
   treeline-agent localize --world two-storey --log drive.tlog --initial-truth)";
 
 constexpr double kDegPerRad = 180 / std::numbers::pi;
@@ -140,10 +143,30 @@ void PrintSummary(const RecordedDrive& drive, const LocalizationMap& map,
       errors.scans, errors.position_m.rmse, errors.position_m.p95,
       errors.position_m.max, kDegPerRad * errors.heading_rad.rmse,
       kDegPerRad * errors.heading_rad.p95, kDegPerRad * errors.heading_rad.max);
+  if (errors.aligned_m.has_value()) {
+    std::printf(
+        "With the frames of map and truth aligned: position RMSE %.3f m, p95 "
+        "%.3f m, max %.3f m\n",
+        errors.aligned_m->rmse, errors.aligned_m->p95, errors.aligned_m->max);
+  }
   if (map.levels != nullptr) {
     std::printf("%d levels; on the right one %.1f %% of the time\n",
                 map.levels->levels(), 100 * errors.right_level);
   }
+}
+
+// A map bundle is its OctoMap, or, of a laser alone, its lowest level.
+void ResolveBundle(LocalizeFlags& flags) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(flags.map, error)) return;
+  const absl::StatusOr<MapBundleManifest> manifest =
+      ReadMapBundleManifest(flags.map);
+  if (manifest.ok() && !manifest->planar_heights_m.empty()) {
+    flags.map += absl::StrCat("/", kBundleLevels, "/level-0.yaml");
+    return;
+  }
+  flags.octomap = absl::StrCat(flags.map, "/", kBundleOctomap);
+  flags.map.clear();
 }
 
 absl::Status CheckFlags(const LocalizeFlags& flags) {
@@ -193,7 +216,8 @@ absl::StatusOr<LocalizationRunOptions> OptionsOf(const LocalizeFlags& flags,
   return options;
 }
 
-absl::Status Localize(const LocalizeFlags& flags, const std::stop_token& stop) {
+absl::Status Localize(LocalizeFlags& flags, const std::stop_token& stop) {
+  ResolveBundle(flags);
   TL_RETURN_IF_ERROR(CheckFlags(flags));
   TL_ASSIGN_OR_RETURN(const RecordedDrive drive, ReadDrive(flags.log));
   TL_ASSIGN_OR_RETURN(const LocalizationMap map, MapOf(flags, drive));
@@ -225,7 +249,9 @@ Command AddLocalizeCommand(CLI::App& app) {
       app.add_subcommand("localize", "Follow a recorded drive on a map (AMCL)");
   command->footer(kFooter);
   auto flags = std::make_shared<LocalizeFlags>();
-  command->add_option("--map", flags->map, "The level's map")
+  command
+      ->add_option("--map", flags->map,
+                   "The level's map; or a map bundle, with all levels")
       ->type_name("YAML");
   command
       ->add_option("--octomap", flags->octomap,
