@@ -66,6 +66,7 @@ absl::Status LostFilterOptions::Validate() const {
       CheckRange("lost: independent_s", independent_s, 0.01, 60));
   TL_RETURN_IF_ERROR(CheckRange("lost: most_for", most_for, 0.1, 100));
   TL_RETURN_IF_ERROR(CheckRange("lost: most_against", most_against, 0.1, 100));
+  TL_RETURN_IF_ERROR(CheckRange("lost: slope_part", slope_part, 0, 1));
   TL_RETURN_IF_ERROR(CheckRange("lost: loss_hz", loss_hz, 0, 1));
   TL_RETURN_IF_ERROR(CheckRange("lost: jump_from", jump_from, 0, 1));
   TL_RETURN_IF_ERROR(CheckRange("lost: jump_to", jump_to, jump_from, 1));
@@ -104,6 +105,7 @@ double LostFilter::Observe(const LostFeatures& features, double interval_s) {
   // What the scan says.
   log_ratio_ = std::clamp(options_.model.LogRatio(features.values),
                           -options_.most_against, options_.most_for);
+  if (features.is_on_slope) log_ratio_ *= options_.slope_part;
   const double share =
       std::clamp(interval_s / options_.independent_s, 0.0, 1.0);
   log_odds_ = std::clamp(log_odds_ + share * log_ratio_,

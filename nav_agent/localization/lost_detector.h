@@ -36,6 +36,8 @@ struct LostFilterOptions {
   // One such says at most so much, for and against. [0.1, 100]
   double most_for = 4;
   double most_against = 2;
+  // On a slope (LostFeatures::is_on_slope) it says this part of it. [0, 1]
+  double slope_part = 0.4;
   // How often robots get lost without anything to be seen of it (1/s). [0, 1]
   double loss_hz = 1e-4;
   // From the first jump (LostFeatures::jump) on, up to the second, a scan means

@@ -11,6 +11,10 @@
 namespace treeline {
 namespace {
 
+// Flatter ground counts as level: what the inertial sensor says there is its
+// error.
+constexpr double kSlope_rad = 0.03;
+
 constexpr double kMemory_s = 1.2;
 // What is compared with what was seen so long ago.
 constexpr double kJumpAge_s = 0.45;
@@ -124,6 +128,8 @@ const LostFeatureMaker::Past* LostFeatureMaker::Before(MonotonicTime now,
 
 void LostFeatureMaker::WatchTilt(const LostEvidence& evidence,
                                  LostFeatures& features) const {
+  features.is_on_slope = std::max(std::abs(evidence.pitch_rad),
+                                  std::abs(evidence.roll_rad)) > kSlope_rad;
   features.is_lifted =
       std::hypot(evidence.pitch_rad, evidence.roll_rad) > options_.lifted_rad;
   const Past* before = Before(evidence.stamp, kYoungest_s);

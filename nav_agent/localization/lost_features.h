@@ -43,6 +43,9 @@ struct LostFeatures {
   double jump = 0;
   // The robot tilts as it cannot on its wheels: it is being carried.
   bool is_lifted = false;
+  // It stands on a slope, where localization is less exact and fewer beams see
+  // what the map has.
+  bool is_on_slope = false;
   // Of the judged beams: what moves and what stands that the map does not
   // have, and what it has that is gone.
   double moving_share = 0;
