@@ -31,7 +31,9 @@ double Quantile(std::vector<double> values, double part) {
 // The number at a stem's end: "seq-01/frame-000123" -> 123.
 std::optional<int64_t> NumberOf(absl::string_view stem) {
   size_t begin = stem.size();
-  while (begin > 0 && absl::ascii_isdigit(stem[begin - 1])) --begin;
+  while (begin > 0 &&
+         absl::ascii_isdigit(static_cast<unsigned char>(stem[begin - 1])))
+    --begin;
   int64_t number = 0;
   if (!absl::SimpleAtoi(stem.substr(begin), &number) || number > 100'000'000) {
     return std::nullopt;
