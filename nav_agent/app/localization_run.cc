@@ -5,6 +5,7 @@
 #include <ctime>
 #include <utility>
 
+#include "common/base/sample_statistics.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/kabsch.h"
 #include "nav_agent/localization/scan_points.h"
@@ -102,17 +103,6 @@ bool IsSure(const PlanarEstimate& estimate) {
   return estimate.share >= kSure &&
          std::sqrt(estimate.covariance[0] + estimate.covariance[4]) <
              kSureWithin_m;
-}
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const size_t rank =
-      std::min(values.size() - 1,
-               static_cast<size_t>(share * static_cast<double>(values.size())));
-  std::nth_element(values.begin(),
-                   values.begin() + static_cast<std::ptrdiff_t>(rank),
-                   values.end());
-  return values[rank];
 }
 
 // Where the estimates became sure for good; the number of scans if never.

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/sample_statistics.h"
 #include "nlohmann/json.hpp"
 
 namespace treeline {
@@ -51,14 +52,6 @@ bool IsLostSoon(const std::vector<LostSample>& drive, size_t from) {
     if (drive[i].is_lost) return true;
   }
   return false;
-}
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[std::min(
-      values.size() - 1,
-      static_cast<size_t>(share * static_cast<double>(values.size())))];
 }
 
 void AddRow(bool is_lost, const LostFeatures& features, std::string& table) {

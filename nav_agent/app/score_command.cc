@@ -46,9 +46,8 @@ struct ScoreFlags {
 };
 
 // A table's line and its JSON.
-template <typename Summary>
 void Add(const char* name, const char* unit, double scale,
-         const Summary& errors, std::string& text, std::string& json) {
+         const ErrorSummary& errors, std::string& text, std::string& json) {
   absl::StrAppendFormat(
       &text, "%-22s rmse %8.4f  mean %8.4f  median %8.4f  max %8.4f %s\n", name,
       scale * errors.rmse, scale * errors.mean, scale * errors.median,

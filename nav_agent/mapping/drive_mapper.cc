@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/sample_statistics.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/mapping/grid_mapping.h"
 
@@ -39,15 +40,6 @@ Rigid2 Planar(const Rigid3& a) {
   const Vec3 ahead = a.rotation * Vec3{1, 0, 0};
   return {.translation = {a.translation.x, a.translation.y},
           .yaw_rad = std::atan2(ahead.y, ahead.x)};
-}
-
-double Quantile(std::vector<double> values, double part) {
-  if (values.empty()) return 0;
-  const auto last = static_cast<double>(values.size() - 1);
-  const auto nth =
-      values.begin() + static_cast<std::ptrdiff_t>(std::ceil(part * last));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
 }
 
 }  // namespace

@@ -7,19 +7,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/clock.h"
+#include "common/base/sample_statistics.h"
 #include "common/base/status_macros.h"
 
 namespace treeline {
 namespace {
-
-double Quantile(std::vector<double> values, double part) {
-  if (values.empty()) return 0;
-  const auto last = static_cast<double>(values.size() - 1);
-  const auto nth =
-      values.begin() + static_cast<std::ptrdiff_t>(std::ceil(part * last));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
 
 Rigid3 ToRigid3(const Rigid2& a) {
   return {.rotation = Rotation3::FromAxisAngle({0, 0, a.yaw_rad}),

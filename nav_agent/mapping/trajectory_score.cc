@@ -4,25 +4,6 @@
 #include <cmath>
 
 namespace treeline {
-namespace {
-
-ErrorSummary Summarize(std::vector<double> errors) {
-  std::sort(errors.begin(), errors.end());
-  ErrorSummary summary;
-  double square = 0;
-  for (const double error : errors) {
-    summary.mean += error;
-    square += error * error;
-  }
-  const auto count = static_cast<double>(errors.size());
-  summary.mean /= count;
-  summary.rmse = std::sqrt(square / count);
-  summary.median = errors[errors.size() / 2];
-  summary.max = errors.back();
-  return summary;
-}
-
-}  // namespace
 
 std::optional<Rigid2> PoseAt(std::span<const TrajectoryPose> trajectory,
                              RecordingTime time,

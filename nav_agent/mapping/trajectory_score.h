@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/base/sample_statistics.h"
 #include "nav_agent/mapping/laser_slam.h"
 #include "nav_agent/recording/relations.h"
 
@@ -19,13 +20,6 @@ struct RelationScoreOptions {
   double max_gap_s = 1e9;
   double max_step_m = 1e9;
   double max_step_rad = 1e9;
-};
-
-struct ErrorSummary {
-  double mean = 0;
-  double rmse = 0;
-  double median = 0;
-  double max = 0;
 };
 
 struct RelationScore {

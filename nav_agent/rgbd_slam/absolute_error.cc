@@ -20,24 +20,6 @@ Time_ns ToNanoseconds(double time_s) {
   return static_cast<Time_ns>(std::llround(1e9 * time_s));
 }
 
-TrajectoryErrorSummary Summarize(std::vector<double> errors) {
-  TrajectoryErrorSummary summary;
-  if (errors.empty()) return summary;
-  std::sort(errors.begin(), errors.end());
-  const auto count = static_cast<double>(errors.size());
-  for (const double error : errors) {
-    summary.mean += error / count;
-    summary.rmse += error * error / count;
-  }
-  summary.rmse = std::sqrt(summary.rmse);
-  const size_t middle = errors.size() / 2;
-  summary.median = errors.size() % 2 == 1
-                       ? errors[middle]
-                       : 0.5 * (errors[middle - 1] + errors[middle]);
-  summary.max = errors.back();
-  return summary;
-}
-
 std::optional<Rigid3> ReferenceAt(std::span<const TimedPose> reference,
                                   Time_ns time,
                                   const TrajectoryScoreOptions& options) {

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "absl/status/statusor.h"
+#include "common/base/sample_statistics.h"
 #include "common/dataset/text_formats.h"
 
 namespace treeline {
@@ -23,13 +24,6 @@ struct TrajectoryScoreOptions {
   absl::Status Validate() const;
 };
 
-struct TrajectoryErrorSummary {
-  double rmse = 0;
-  double mean = 0;
-  double median = 0;
-  double max = 0;
-};
-
 struct TrajectoryScore {
   // Poses of the estimate, and those with a reference.
   int poses = 0;
@@ -39,13 +33,13 @@ struct TrajectoryScore {
   Rigid3 reference_from_estimate;
   // Absolute trajectory error: distances of the aligned positions, and angles
   // of the aligned rotations.
-  TrajectoryErrorSummary absolute_m;
-  TrajectoryErrorSummary absolute_rad;
+  ErrorSummary absolute_m;
+  ErrorSummary absolute_rad;
   // Relative pose error: of motions over interval_s (pairs of associated poses
   // whose times are that far apart to within less than a tenth of it).
   int pairs = 0;
-  TrajectoryErrorSummary relative_m;
-  TrajectoryErrorSummary relative_rad;
+  ErrorSummary relative_m;
+  ErrorSummary relative_rad;
 };
 
 // Both in order of time. INVALID_ARGUMENT if fewer than three poses of the

@@ -12,21 +12,13 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "common/base/clock.h"
+#include "common/base/sample_statistics.h"
 #include "common/base/status_macros.h"
 
 namespace treeline {
 namespace {
 
 constexpr Time_ns kFramePeriod_ns = 33'333'333;
-
-double Quantile(std::vector<double> values, double part) {
-  if (values.empty()) return 0;
-  const auto last = static_cast<double>(values.size() - 1);
-  const auto nth =
-      values.begin() + static_cast<std::ptrdiff_t>(std::ceil(part * last));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
 
 // The number at a stem's end: "seq-01/frame-000123" -> 123.
 std::optional<int64_t> NumberOf(absl::string_view stem) {
