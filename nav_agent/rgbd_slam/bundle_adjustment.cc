@@ -253,7 +253,7 @@ class RelativePoseError {
     ceres::AngleAxisRotatePoint(measured, from + 3, shift);
     T turned[3];
     ceres::QuaternionRotatePoint(error, to + 3, turned);
-    for (int i = 0; i < 3; ++i) {
+    for (size_t i = 0; i < 3; ++i) {
       residual[i] = weight_ / kSigma_rad * turn[i];
       residual[3 + i] =
           weight_ / kSigma_m * (shift[i] + to_from_from_[3 + i] - turned[i]);

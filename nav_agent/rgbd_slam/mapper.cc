@@ -47,11 +47,11 @@ void Mapper::CullRecent(int keyframe) {
   for (const int l : recent_) {
     const Landmark& landmark = map_.landmark(l);
     if (landmark.is_erased) continue;
-    if (landmark.found < kMinFound * landmark.visible) {
-      map_.EraseLandmark(l);
-    } else if (keyframe - landmark.reference < kTrial) {
+    const bool is_found = landmark.found >= kMinFound * landmark.visible;
+    const bool is_on_trial = keyframe - landmark.reference < kTrial;
+    if (is_found && is_on_trial) {
       kept.push_back(l);
-    } else if (landmark.sightings.size() < 2) {
+    } else if (!is_found || landmark.sightings.size() < 2) {
       map_.EraseLandmark(l);
     }
   }

@@ -86,7 +86,7 @@ struct RgbdSlam::State {
   RgbdTrackResult Place(FeatureSet features, Time_ns time);
   RgbdTrackResult Lose(FeatureSet features, Time_ns time);
   RgbdTrackResult Follow(FeatureSet features, Time_ns time,
-                         TrackedFrame tracked);
+                         const TrackedFrame& tracked);
   bool NeedsKeyframe(const TrackedFrame& tracked) const;
   void MakeKeyframe(FeatureSet features, Time_ns time,
                     const TrackedFrame& tracked, int submap);
@@ -168,7 +168,7 @@ void RgbdSlam::State::MakeKeyframe(FeatureSet features, Time_ns time,
 }
 
 RgbdTrackResult RgbdSlam::State::Follow(FeatureSet features, Time_ns time,
-                                        TrackedFrame tracked) {
+                                        const TrackedFrame& tracked) {
   RgbdTrackResult result{.tracking = tracked.is_relocalized
                                          ? RgbdTracking::kRelocalized
                                          : RgbdTracking::kTracked,
@@ -228,7 +228,7 @@ RgbdTrackResult RgbdSlam::State::Place(FeatureSet features, Time_ns time) {
                                  static_cast<uint64_t>(places.size()));
     if (tracked) mapper.SetLost();
   }
-  return tracked ? Follow(std::move(features), time, *std::move(tracked))
+  return tracked ? Follow(std::move(features), time, *tracked)
                  : Lose(std::move(features), time);
 }
 
