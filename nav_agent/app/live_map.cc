@@ -140,7 +140,10 @@ LiveMapStatus LiveMapper::Status() const {
   return status;
 }
 
-absl::Status LiveMapper::Finish() { return log_->Flush(); }
+absl::Status LiveMapper::Finish() {
+  TL_RETURN_IF_ERROR(log_->Flush());
+  return options_.picture_path.empty() ? absl::OkStatus() : Draw();
+}
 
 ColorImage DrawLiveMap(const FloorGrid& floor,
                        const std::optional<TimedPose>& map_from_base) {

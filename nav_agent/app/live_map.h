@@ -63,7 +63,7 @@ class LiveMapper {
   // lost is told by Status(), and is no error; a log that cannot be written is.
   absl::Status Poll();
   LiveMapStatus Status() const;
-  // Hands the rest of the log to the system.
+  // Hands the rest of the log to the system, and draws once more.
   absl::Status Finish();
 
  private:

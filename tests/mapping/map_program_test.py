@@ -73,7 +73,7 @@ class MapProgramTest(unittest.TestCase):
 
     def test_ctrl_c_ends_the_drive_and_makes_the_map(self):
         drive = LiveDrive(self.path("cafe"))
-        drive.wait_for_scans(3 * LASER_HZ)
+        drive.wait_for_scans(8 * LASER_HZ)
         code, said = drive.stop(signal.SIGINT)
         self.assertEqual(code, 0, said)
         for part in ("bundle.yaml", "octomap.bt", "levels/level-0.yaml",
