@@ -167,6 +167,11 @@ std::optional<double> RmseOf(const DriveMapping& drive) {
 absl::StatusOr<MapSummary> FinishPlanar(const MapProvenance& provenance,
                                         const DriveMapping& drive,
                                         MapAssembly& assembly) {
+  if (drive.floors.empty()) {
+    return absl::FailedPreconditionError(
+        "too little for a map: scans count every 10 cm, and a floor needs ten "
+        "of them; drive a few metres");
+  }
   std::vector<OccupancyGrid> grids;
   std::vector<double> heights_m;
   for (const FloorGrid& floor : drive.floors) {
