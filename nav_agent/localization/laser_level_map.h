@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "common/geometry/rigid2.h"
 #include "common/geometry/vector3.h"
+#include "nav_agent/core/level_pose.h"
 #include "nav_agent/localization/likelihood_field.h"
 #include "nav_agent/octomap/voxel_map.h"
 #include "nav_agent/traversability/traversability.h"
@@ -32,12 +33,6 @@ struct LaserLevelOptions {
 
   // INVALID_ARGUMENT names the field.
   absl::Status Validate() const;
-};
-
-// Ground that a robot stands on.
-struct LevelPlace {
-  int level = 0;
-  double height_m = 0;
 };
 
 struct FreePlace {

@@ -24,7 +24,7 @@
 #include "server/app/recording_dispatcher.h"
 #include "server/app/service_metrics.h"
 #include "server/gateway/gateway.h"
-#include "server/metrics/registry.h"
+#include "common/metrics/registry.h"
 #include "server/repository/scene_repository.h"
 #include "server/service/convert.h"
 #include "server/service/grpc_server.h"

@@ -3,7 +3,7 @@
 #define SERVER_APP_PROCESS_METRICS_H_
 
 #include "absl/strings/string_view.h"
-#include "server/metrics/registry.h"
+#include "common/metrics/registry.h"
 
 namespace treeline {
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/metrics/registry.h"
+#include "common/metrics/registry.h"
 #include "server/repository/scene_repository.h"
 #include "server/service/call_observer.h"
 #include "server/service/dispatcher.h"

@@ -14,7 +14,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/app/process_metrics.h"
-#include "server/metrics/testing_exposition.h"
+#include "common/metrics/testing_exposition.h"
 
 namespace treeline {
 namespace {

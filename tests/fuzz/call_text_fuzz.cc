@@ -11,8 +11,8 @@
 #include "absl/strings/string_view.h"
 #include "server/app/healthcheck.h"
 #include "server/app/log_event.h"
-#include "server/metrics/exposition.h"
-#include "server/metrics/testing_exposition.h"
+#include "common/metrics/exposition.h"
+#include "common/metrics/testing_exposition.h"
 #include "server/service/trace_context.h"
 
 namespace treeline {

@@ -12,7 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "gmock/gmock.h"
-#include "server/metrics/testing_exposition.h"
+#include "common/metrics/testing_exposition.h"
 #include "tests/integration/fixture.h"
 
 namespace treeline {

@@ -1,6 +1,6 @@
 // Figures that a program keeps about itself.
-#ifndef SERVER_METRICS_REGISTRY_H_
-#define SERVER_METRICS_REGISTRY_H_
+#ifndef COMMON_METRICS_REGISTRY_H_
+#define COMMON_METRICS_REGISTRY_H_
 
 #include <atomic>
 #include <cstdint>
@@ -13,7 +13,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/strings/string_view.h"
 #include "absl/synchronization/mutex.h"
-#include "server/metrics/exposition.h"
+#include "common/metrics/exposition.h"
 
 namespace treeline {
 
@@ -124,4 +124,4 @@ std::vector<double> ShareBuckets();
 
 }  // namespace treeline
 
-#endif  // SERVER_METRICS_REGISTRY_H_
+#endif  // COMMON_METRICS_REGISTRY_H_

@@ -1,4 +1,4 @@
-#include "server/metrics/registry.h"
+#include "common/metrics/registry.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "server/metrics/exposition.h"
+#include "common/metrics/exposition.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -9,7 +9,7 @@
 #include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "server/metrics/testing_exposition.h"
+#include "common/metrics/testing_exposition.h"
 
 namespace treeline {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/metrics/registry.h"
+#include "common/metrics/registry.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "server/metrics/testing_exposition.h"
+#include "common/metrics/testing_exposition.h"
 
 namespace treeline {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/metrics/exposition.h"
+#include "common/metrics/exposition.h"
 
 #include <algorithm>
 #include <charconv>

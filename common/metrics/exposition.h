@@ -1,7 +1,7 @@
 // Prometheus' text format 0.0.4:
 // https://prometheus.io/docs/instrumenting/exposition_formats
-#ifndef SERVER_METRICS_EXPOSITION_H_
-#define SERVER_METRICS_EXPOSITION_H_
+#ifndef COMMON_METRICS_EXPOSITION_H_
+#define COMMON_METRICS_EXPOSITION_H_
 
 #include <cstdint>
 #include <string>
@@ -59,4 +59,4 @@ bool IsLabelName(absl::string_view name);
 
 }  // namespace treeline
 
-#endif  // SERVER_METRICS_EXPOSITION_H_
+#endif  // COMMON_METRICS_EXPOSITION_H_

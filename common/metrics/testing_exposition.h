@@ -1,6 +1,6 @@
 // Reads metrics as strictly as Prometheus does, and more so: for tests.
-#ifndef SERVER_METRICS_TESTING_EXPOSITION_H_
-#define SERVER_METRICS_TESTING_EXPOSITION_H_
+#ifndef COMMON_METRICS_TESTING_EXPOSITION_H_
+#define COMMON_METRICS_TESTING_EXPOSITION_H_
 
 #include <map>
 #include <string>
@@ -31,4 +31,4 @@ double SampleOf(const std::map<std::string, ParsedFamily>& families,
 
 }  // namespace treeline
 
-#endif  // SERVER_METRICS_TESTING_EXPOSITION_H_
+#endif  // COMMON_METRICS_TESTING_EXPOSITION_H_

@@ -1,4 +1,4 @@
-#include "server/metrics/testing_exposition.h"
+#include "common/metrics/testing_exposition.h"
 
 #include <cmath>
 #include <limits>

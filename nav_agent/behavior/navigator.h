@@ -1,0 +1,157 @@
+// The robot's mind: goals in, velocities out (thesis 6.5-6.6).
+#ifndef NAV_AGENT_BEHAVIOR_NAVIGATOR_H_
+#define NAV_AGENT_BEHAVIOR_NAVIGATOR_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "nav_agent/control/local_controller.h"
+#include "nav_agent/core/devices.h"
+#include "nav_agent/core/navigation_cause.h"
+#include "nav_agent/core/relocalization.h"
+#include "nav_agent/localization/robot_tracker.h"
+#include "nav_agent/planning/global_planner.h"
+
+namespace treeline {
+
+// The devices must outlive the navigator. camera, server: null if none.
+struct NavigatorDevices {
+  RangeSensor& laser;
+  Odometry& odometry;
+  BaseDriver& base;
+  RgbdCamera* camera = nullptr;
+  RelocalizationPort* server = nullptr;
+};
+
+enum class NavigatorMode : uint8_t {
+  kIdle = 0,
+  kPlanning = 1,
+  kDriving = 2,
+  kRecovering = 3,
+  kLost = 4,          // stopped, about to ask
+  kRelocalizing = 5,  // asks, looks around, confirms
+  kPaused = 6,
+  kSafeStop = 7,      // a device is lost; goes on by itself when it is back
+  kNeedHelp = 8       // nobody found its place: waits to be told
+};
+const char* NavigatorModeName(NavigatorMode mode);
+
+struct NavigationGoal {
+  // Driven through in order; the last is the goal.
+  std::vector<LevelPose> poses;
+};
+
+enum class GoalState : uint8_t {
+  kAccepted = 0,
+  kActive = 1,
+  kSucceeded = 2,
+  kFailed = 3,
+  kCancelled = 4
+};
+
+struct GoalStatus {
+  uint64_t id = 0;
+  GoalState state = GoalState::kAccepted;
+  NavigationCause cause = NavigationCause::kNone;
+  std::string why;
+  size_t next_pose = 0;
+  double to_go_m = 0;
+  double driven_m = 0;
+  int replans = 0;
+  int recoveries = 0;
+};
+
+struct NavigatorEvent {
+  MonotonicTime stamp;
+  uint64_t number = 0;
+  // "goal", "plan", "recovery", "lost", "fix", "stop", "resume", ...
+  std::string kind;
+  std::string text;
+};
+
+// What people and programs are shown. Copied under no lock: taken by the thread
+// that steps.
+struct NavigatorSnapshot {
+  MonotonicTime stamp;
+  NavigatorMode mode = NavigatorMode::kIdle;
+  NavigationCause cause = NavigationCause::kNone;
+  std::string cause_text;
+  std::optional<TrackedPose> pose;
+  LostVerdict verdict;
+  std::optional<GoalStatus> goal;
+  VelocityCommand command;
+  std::vector<LevelPose> path;
+  std::vector<Vec2> tree_edges;
+  std::vector<Bubble> bubbles;
+  std::vector<Blockage> blockages;
+  // The newest scan's end points in the map.
+  std::vector<Vec2> scan_in_map;
+  std::vector<Particle> particles;
+  CostmapView costmap;
+  // The last answer of the server, and what became of it.
+  std::optional<RelocalizationAnswer> fix;
+  std::string fix_verdict;
+  int64_t steps = 0;
+  int64_t missed_deadlines = 0;
+};
+
+struct NavigatorOptions {
+  GlobalPlannerOptions planner;
+  PlanBudget plan_budget;
+  LocalControllerOptions control;
+  RobotTrackerOptions tracker;
+  double control_hz = 40;
+  // Devices that are silent for longer are lost (s).
+  double laser_timeout_s = 0.3;
+  double odometry_timeout_s = 0.2;
+  uint64_t seed = 0;
+
+  absl::Status Validate() const;
+};
+
+struct NavigatorMap {
+  VoxelMap voxels;
+  TraversableMap levels;
+};
+
+// Single-threaded: everything is called by the thread that steps. Time is the
+// injected clock's. Deterministic if the devices and the plan budget are.
+class Navigator {
+ public:
+  static absl::StatusOr<std::unique_ptr<Navigator>> Create(
+      const NavigatorMap& map, const RobotModel& robot,
+      const NavigatorDevices& devices, const NavigatorOptions& options,
+      const Clock& clock);
+  virtual ~Navigator() = default;
+
+  // control_hz times a second: reads the devices, thinks, commands the base.
+  virtual void Step() = 0;
+
+  // Replaces the goal there is. INVALID_ARGUMENT: none, or not finite.
+  virtual absl::StatusOr<uint64_t> SetGoal(const NavigationGoal& goal) = 0;
+  // NOT_FOUND: that goal is not the current one. 0: whichever there is.
+  virtual absl::Status CancelGoal(uint64_t id) = 0;
+  virtual void Pause() = 0;
+  virtual void Resume() = 0;
+  // The robot is told where it is.
+  virtual absl::Status SetPose(const LevelPose& pose,
+                               const PoseCovariance2& covariance) = 0;
+  // It is told that it does not know: it asks the server.
+  virtual void FindYourself() = 0;
+  // The robot stands from now on, whatever happens; for shutting down.
+  virtual void Halt() = 0;
+
+  virtual NavigatorMode mode() const = 0;
+  virtual std::optional<GoalStatus> goal() const = 0;
+  virtual NavigatorSnapshot Snapshot() const = 0;
+  // Since the last call.
+  virtual std::vector<NavigatorEvent> TakeEvents() = 0;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_BEHAVIOR_NAVIGATOR_H_

@@ -1,0 +1,120 @@
+// From a path and what the sensors see to a velocity: local costmap, elastic
+// band, speeds along it (thesis 6.5).
+#ifndef NAV_AGENT_CONTROL_LOCAL_CONTROLLER_H_
+#define NAV_AGENT_CONTROL_LOCAL_CONTROLLER_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/base/clock.h"
+#include "nav_agent/core/level_pose.h"
+#include "nav_agent/core/robot_model.h"
+#include "nav_agent/core/sensor_data.h"
+#include "nav_agent/traversability/navigation_map.h"
+
+namespace treeline {
+
+struct LocalControllerOptions {
+  // The costmap around the robot, forward x sideways of the map's axes (m).
+  double costmap_length_m = 4.0;
+  double costmap_width_m = 4.0;
+  double costmap_resolution_m = 0.05;
+  // Room beside the footprint that the band keeps where there is room (m).
+  double inflation_m = 0.5;
+  double goal_tolerance_m = 0.10;
+  double goal_tolerance_rad = 0.15;
+  double max_forward_mps = 0.6;
+
+  absl::Status Validate() const;
+};
+
+// Where the robot is now, and how it moves.
+struct ControlPose {
+  MonotonicTime stamp;
+  LevelPose pose;
+  // Pitch and roll (SlopeOdometry::LevelFromBase).
+  Rotation3 level_from_base;
+  double forward_mps = 0;
+  double yaw_rate_radps = 0;
+};
+
+enum class ControlState : uint8_t {
+  kIdle,     // no path
+  kDriving,
+  kArrived,  // at the goal, standing
+  kWaiting,  // something moves in the way; the band holds
+  kBlocked   // the band is broken: a plan around what stands there is needed
+};
+
+struct Bubble {
+  Vec2 center_in_map;
+  double heading_rad = 0;
+  double radius_m = 0;
+};
+
+struct ControlResult {
+  ControlState state = ControlState::kIdle;
+  VelocityCommand command;
+  // If blocked: where, and how large what stands there is.
+  Vec2 obstacle_in_map;
+  double obstacle_radius_m = 0;
+  // The collision stop had a say.
+  bool is_stopped_by_guard = false;
+  // Along the path still to go (m).
+  double to_go_m = 0;
+};
+
+// For pictures: rows from the bottom, origin at the lower left corner.
+struct CostmapView {
+  Vec2 origin_in_map;
+  double resolution_m = 0.05;
+  int width = 0;
+  int height = 0;
+  // 0 free, 1 obstacle of the map, 2 obstacle that was seen.
+  std::vector<uint8_t> cells;
+  // To the nearest obstacle (m).
+  std::vector<float> distance_m;
+};
+
+// Deterministic, without clock, threads or files: time comes with what is
+// given. Not thread-safe.
+class LocalController {
+ public:
+  static absl::StatusOr<std::unique_ptr<LocalController>> Make(
+      std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
+      const RangeSensorInfo& laser, const LocalControllerOptions& options);
+  virtual ~LocalController() = default;
+
+  // What was seen from `pose`, the robot's at that time.
+  virtual absl::Status AddScan(const ControlPose& pose,
+                               const LaserScan& scan) = 0;
+  virtual absl::Status AddDepth(const ControlPose& pose,
+                                const RgbdFrame& frame) = 0;
+  // Forgets all that was seen (a recovery; the robot was told where it is).
+  virtual void ClearObstacles() = 0;
+
+  // A new path; replaces what there is. Empty: none.
+  virtual void SetPath(const std::vector<LevelPose>& path) = 0;
+  // 40 times a second. The command obeys all limits, those of acceleration
+  // from pose.forward_mps and yaw_rate_radps on.
+  virtual ControlResult Step(const ControlPose& pose) = 0;
+
+  // For recoveries: the command as near to `wanted` as limits and obstacles
+  // allow; the last thing between any command and the base.
+  virtual VelocityCommand Guard(const ControlPose& pose,
+                                const VelocityCommand& wanted) = 0;
+  // Whether the footprint can turn fully, or move so far ahead (negative:
+  // back), without touching what is known.
+  virtual bool CanTurn(const ControlPose& pose) const = 0;
+  virtual double FreeWay_m(const ControlPose& pose, double at_most_m) const = 0;
+
+  virtual std::vector<Bubble> Bubbles() const = 0;
+  virtual CostmapView Costmap() const = 0;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_CONTROL_LOCAL_CONTROLLER_H_

@@ -1,0 +1,83 @@
+// Where the robot is, from moment to moment: wheels and scans in, a pose on a
+// level and the lost verdict out.
+#ifndef NAV_AGENT_LOCALIZATION_ROBOT_TRACKER_H_
+#define NAV_AGENT_LOCALIZATION_ROBOT_TRACKER_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "nav_agent/core/level_pose.h"
+#include "nav_agent/core/robot_model.h"
+#include "nav_agent/core/sensor_data.h"
+#include "nav_agent/localization/amcl.h"
+#include "nav_agent/localization/lost_detector.h"
+#include "nav_agent/octomap/voxel_map.h"
+#include "nav_agent/traversability/traversability.h"
+
+namespace treeline {
+
+struct RobotTrackerOptions {
+  AmclOptions amcl;
+  LostDetectorOptions lost;
+  // Scans that follow a used one sooner are left out (s).
+  double scan_interval_s = 0.09;
+
+  absl::Status Validate() const;
+};
+
+struct TrackedPose {
+  MonotonicTime stamp;
+  LevelPose pose;
+  PoseCovariance2 covariance{};
+  Rotation3 level_from_base;
+  double forward_mps = 0;
+  double yaw_rate_radps = 0;
+  // The share of AMCL's weight that agrees, and whether it searches everywhere.
+  double share = 0;
+  bool is_searching = false;
+};
+
+// Deterministic; not thread-safe.
+class RobotTracker {
+ public:
+  static absl::StatusOr<std::unique_ptr<RobotTracker>> Create(
+      const VoxelMap& voxels, const TraversableMap& levels,
+      const RobotModel& robot, const RangeSensorInfo& laser,
+      const RobotTrackerOptions& options, uint64_t seed);
+  virtual ~RobotTracker() = default;
+
+  // In the order of their stamps, as far as devices give them so. What is
+  // older than what was told last (SetPose) is dropped, and counted.
+  virtual absl::Status AddReading(const BaseReading& reading) = 0;
+  virtual absl::Status AddScan(const LaserScan& scan) = 0;
+
+  virtual absl::Status SetPose(const LevelPose& pose,
+                               const PoseCovariance2& covariance,
+                               MonotonicTime now) = 0;
+  // AMCL looks for the robot everywhere.
+  virtual void SetAnywhere(MonotonicTime now) = 0;
+
+  // AMCL's newest estimate, carried on with the wheels to the newest reading;
+  // nullopt before anything was told.
+  virtual std::optional<TrackedPose> Pose() const = 0;
+  // At another moment of the last two seconds.
+  virtual std::optional<TrackedPose> PoseAt(MonotonicTime stamp) const = 0;
+  virtual const LostVerdict& verdict() const = 0;
+  // How well the newest scan fits the map if the robot stands there: the share
+  // of judged beams that the map explains, and of those that pass through it;
+  // for gating fixes. nullopt without a scan.
+  struct ScanFit {
+    double explained = 0;
+    double contradicted = 0;
+    int judged = 0;
+  };
+  virtual std::optional<ScanFit> FitAt(const LevelPose& pose) const = 0;
+  virtual std::vector<Particle> Particles(size_t at_most) const = 0;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_LOCALIZATION_ROBOT_TRACKER_H_

@@ -1,0 +1,182 @@
+#include "nav_agent/traversability/navigation_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/core/distance_field.h"
+
+namespace treeline {
+namespace {
+
+bool IsFreeValue(Occupancy value, bool allow_unknown) {
+  return value == Occupancy::kFree ||
+         (allow_unknown && value == Occupancy::kUnknown);
+}
+
+// Exact distances from each cell to what is not free, and to what lies outside:
+// the grid with one more cell around it.
+std::vector<float> Clearances(const OccupancyGrid& grid,
+                              const std::vector<uint8_t>& is_free,
+                              double reach_m) {
+  const int width = grid.width + 2;
+  const int height = grid.height + 2;
+  std::vector<uint8_t> blocked(
+      static_cast<size_t>(width) * static_cast<size_t>(height), 1);
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      blocked[static_cast<size_t>(y + 1) * static_cast<size_t>(width) +
+              static_cast<size_t>(x + 1)] =
+          is_free[grid.IndexOf({x, y})] != 0 ? 0 : 1;
+    }
+  }
+  const std::vector<int32_t> squared =
+      SquaredDistances(width, height, blocked);
+  std::vector<float> distances(grid.cells.size());
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      const int32_t cells =
+          squared[static_cast<size_t>(y + 1) * static_cast<size_t>(width) +
+                  static_cast<size_t>(x + 1)];
+      distances[grid.IndexOf({x, y})] = static_cast<float>(std::min(
+          reach_m, grid.resolution_m * std::sqrt(static_cast<double>(cells))));
+    }
+  }
+  return distances;
+}
+
+}  // namespace
+
+absl::Status NavigationMapOptions::Validate() const {
+  if (!(reach_m >= 0.1 && reach_m <= 100)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("reach_m must be in [0.1, 100], not ", reach_m));
+  }
+  if (!(max_rise_m > 0 && max_rise_m <= 10)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("max_rise_m must be in (0, 10], not ", max_rise_m));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<NavigationMap> NavigationMap::Make(
+    TraversableMap map, const NavigationMapOptions& options) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  const bool has_free = std::ranges::any_of(
+      map.levels, [&options](const TraversableLevel& level) {
+        return std::ranges::any_of(
+            level.grid.cells, [&options](Occupancy value) {
+              return IsFreeValue(value, options.allow_unknown);
+            });
+      });
+  if (!has_free) {
+    return absl::InvalidArgumentError(
+        "the map has no free ground: nothing on it can be driven on");
+  }
+  return NavigationMap(std::move(map), options);
+}
+
+NavigationMap::NavigationMap(TraversableMap map,
+                             const NavigationMapOptions& options)
+    : map_(std::move(map)), options_(options) {
+  for (int level = 0; level < levels(); ++level) {
+    const OccupancyGrid& own = grid(level);
+    std::vector<uint8_t> is_free(own.cells.size());
+    for (size_t i = 0; i < is_free.size(); ++i) {
+      is_free[i] = IsFreeValue(own.cells[i], options_.allow_unknown) ? 1 : 0;
+    }
+    // Where a ramp goes over to another level, that level's ground goes on.
+    const std::vector<float>& heights =
+        map_.levels[static_cast<size_t>(level)].height_m;
+    for (int other = 0; other < levels(); ++other) {
+      if (other == level) continue;
+      const bool are_joined = std::ranges::any_of(
+          map_.joins, [level, other](const LevelJoin& join) {
+            return std::min(level, other) == join.lower_level &&
+                   std::max(level, other) == join.upper_level;
+          });
+      if (!are_joined) continue;
+      for (size_t i = 0; i < is_free.size(); ++i) {
+        if (std::isnan(heights[i]) &&
+            own.cells[i] == Occupancy::kUnknown &&
+            grid(other).cells[i] == Occupancy::kFree) {
+          is_free[i] = 1;
+        }
+      }
+    }
+    clearance_m_.push_back(Clearances(own, is_free, options_.reach_m));
+  }
+}
+
+bool NavigationMap::IsFree(int level, CellIndex cell) const {
+  return grid(level).Contains(cell) &&
+         IsFreeValue(grid(level).At(cell), options_.allow_unknown);
+}
+
+float NavigationMap::ClearanceAt_m(int level, CellIndex cell) const {
+  if (!grid(level).Contains(cell)) return 0;
+  return clearance_m_[static_cast<size_t>(level)][grid(level).IndexOf(cell)];
+}
+
+double NavigationMap::Clearance_m(int level, Vec2 point_in_map) const {
+  const OccupancyGrid& own = grid(level);
+  const Vec2 point = own.map_from_grid.Inverse() * point_in_map;
+  const double x = point.x / own.resolution_m - 0.5;
+  const double y = point.y / own.resolution_m - 0.5;
+  if (!(std::abs(x) < 1e8 && std::abs(y) < 1e8)) return 0;
+  const int left = static_cast<int>(std::floor(x));
+  const int below = static_cast<int>(std::floor(y));
+  const double right_part = x - left;
+  const double above_part = y - below;
+  return (1 - above_part) *
+             ((1 - right_part) * ClearanceAt_m(level, {left, below}) +
+              right_part * ClearanceAt_m(level, {left + 1, below})) +
+         above_part *
+             ((1 - right_part) * ClearanceAt_m(level, {left, below + 1}) +
+              right_part * ClearanceAt_m(level, {left + 1, below + 1}));
+}
+
+std::optional<LevelPlace> NavigationMap::GroundOf(Vec2 point_in_map,
+                                                  int level) const {
+  const CellIndex cell = grid(level).CellOf(point_in_map);
+  if (!grid(level).Contains(cell)) return std::nullopt;
+  const double height_m = map_.levels[static_cast<size_t>(level)]
+                              .height_m[grid(level).IndexOf(cell)];
+  if (std::isnan(height_m)) return std::nullopt;
+  return LevelPlace{.level = level,
+                    .height_m = height_m + resolution_m() / 2};
+}
+
+std::optional<LevelPlace> NavigationMap::GroundNear(Vec2 point_in_map,
+                                                    double height_m) const {
+  std::optional<LevelPlace> nearest;
+  double nearest_rise_m = options_.max_rise_m;
+  bool nearest_is_free = false;
+  for (int level = 0; level < levels(); ++level) {
+    const std::optional<LevelPlace> place = GroundOf(point_in_map, level);
+    if (!place.has_value()) continue;
+    const double rise_m = std::abs(place->height_m - height_m);
+    if (rise_m > options_.max_rise_m) continue;
+    const bool is_free = IsFree(level, grid(level).CellOf(point_in_map));
+    if (!nearest.has_value() || (is_free && !nearest_is_free) ||
+        (is_free == nearest_is_free && rise_m < nearest_rise_m)) {
+      nearest = place;
+      nearest_rise_m = rise_m;
+      nearest_is_free = is_free;
+    }
+  }
+  return nearest;
+}
+
+double NavigationMap::SlopeAt_rad(int level, Vec2 point_in_map) const {
+  const CellIndex cell = grid(level).CellOf(point_in_map);
+  if (!grid(level).Contains(cell)) return 0;
+  const float slope_rad = map_.levels[static_cast<size_t>(level)]
+                              .slope_rad[grid(level).IndexOf(cell)];
+  return std::isnan(slope_rad) ? 0 : slope_rad;
+}
+
+}  // namespace treeline
