@@ -35,8 +35,8 @@ enum class NavigatorMode : uint8_t {
   kLost = 4,          // stopped, about to ask
   kRelocalizing = 5,  // asks, looks around, confirms
   kPaused = 6,
-  kSafeStop = 7,      // a device is lost; goes on by itself when it is back
-  kNeedHelp = 8       // nobody found its place: waits to be told
+  kSafeStop = 7,  // a device is lost; goes on by itself when it is back
+  kNeedHelp = 8   // nobody found its place: waits to be told
 };
 const char* NavigatorModeName(NavigatorMode mode);
 
