@@ -15,6 +15,9 @@ struct ControlPose {
   Rotation3 level_from_base;
   double forward_mps = 0;
   double yaw_rate_radps = 0;
+  // A lost robot: the pose is the wheels' (odometry), and only what was seen
+  // counts, not the map.
+  bool map_is_unknown = false;
 };
 
 // The robot in space, on the ground that it stands on.
