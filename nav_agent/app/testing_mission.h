@@ -19,8 +19,8 @@ struct TestMissionOptions {
   Vec2 start = {1.6, 7.9};
   double yaw_rad = 0;
   uint64_t seed = 1000;
-  DriveErrors errors;
-  NavigatorOptions navigator;
+  DriveErrors errors = {};
+  NavigatorOptions navigator = {};
   // Null: none.
   RelocalizationPort* server = nullptr;
   RgbdCamera* camera = nullptr;
