@@ -37,7 +37,7 @@ struct NavigatorLimits {
   double back_up_s = 6;
   double look_radps = 0.6;
   double look_s = 16;
-  // The first wait, and the longest: each is twice the last one.
+  // The first wait, and the longest: it doubles every third recovery.
   double first_wait_s = 3;
   double longest_wait_s = 24;
 

@@ -28,7 +28,7 @@ struct Blockage {
 struct PlanRequest {
   LevelPose start;
   LevelPose goal;
-  std::vector<Blockage> blockages;
+  std::vector<Blockage> blockages = {};
   uint64_t seed = 0;
 };
 
@@ -79,9 +79,9 @@ class GlobalPlanner {
   virtual ~GlobalPlanner() = default;
   // CANCELLED if `stop` is requested; INVALID_ARGUMENT for poses that are not
   // finite. That there is no way is a result.
-  virtual absl::StatusOr<PlanResult> Plan(const PlanRequest& request,
-                                          const PlanBudget& budget,
-                                          const std::stop_token& stop) const = 0;
+  virtual absl::StatusOr<PlanResult> Plan(
+      const PlanRequest& request, const PlanBudget& budget,
+      const std::stop_token& stop) const = 0;
 };
 
 // INVALID_ARGUMENT for bad options, and for planners there are not, with those
