@@ -16,6 +16,7 @@ Command AddTraversabilityCommand(CLI::App& app);
 // Those of `treeline-agent suite`.
 Command AddLostSuite(CLI::App& suite);
 Command AddLostFit(CLI::App& suite);
+Command AddMissionSuite(CLI::App& suite);
 
 }  // namespace treeline
 

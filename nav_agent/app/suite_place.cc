@@ -38,8 +38,7 @@ double YawOf(const Rigid3& parent_from_child) {
 bool IsBarred(Vec3 point, const std::vector<Barrier>& barriers) {
   return std::ranges::any_of(barriers, [&](const Barrier& barrier) {
     return std::abs(barrier.center.z - point.z) < 1 &&
-           std::hypot(barrier.center.x - point.x,
-                      barrier.center.y - point.y) <
+           std::hypot(barrier.center.x - point.x, barrier.center.y - point.y) <
                barrier.radius_m + kRobotRadius_m;
   });
 }
@@ -133,8 +132,7 @@ RobotPlacement SuitePlace::PlacementOf(const GroundCellIndex& cell,
 
 RobotPlacement SuitePlace::AnyPlace(Random& random) const {
   return PlacementOf(
-      places_[random.NextBelow(static_cast<uint32_t>(places_.size()))],
-      random);
+      places_[random.NextBelow(static_cast<uint32_t>(places_.size()))], random);
 }
 
 std::optional<RobotPlacement> SuitePlace::AnyPlaceNear(Vec3 center,
@@ -191,8 +189,8 @@ std::optional<double> SuitePlace::WayLength_m(
     const RobotPlacement& from, const RobotPlacement& to,
     const std::vector<Barrier>& barriers) const {
   const auto node_of = [this](const RobotPlacement& placement) {
-    return NodeAt({placement.position.x, placement.position.y,
-                   placement.height_m});
+    return NodeAt(
+        {placement.position.x, placement.position.y, placement.height_m});
   };
   const int begin = node_of(from);
   const int end = node_of(to);
@@ -238,8 +236,8 @@ bool SuitePlace::IsStraightWay(const RobotPlacement& from,
 absl::StatusOr<LevelPose> SuitePlace::InMap(
     const RobotPlacement& placement) const {
   const Vec3 point_in_map =
-      map_from_world_ * Vec3{placement.position.x, placement.position.y,
-                             placement.height_m};
+      map_from_world_ *
+      Vec3{placement.position.x, placement.position.y, placement.height_m};
   const Vec2 at = {point_in_map.x, point_in_map.y};
   const auto ground = ground_.GroundNear(at, point_in_map.z);
   if (!ground.has_value() ||
@@ -257,13 +255,13 @@ PoseError SuitePlace::ErrorOf(const LevelPose& estimate,
                               const Rigid3& world_from_base) const {
   const Rigid3 map_from_base = map_from_world_ * world_from_base;
   const Rigid2 truth = PlanarPoseOf(map_from_base);
-  return {.distance_m = Norm(truth.translation -
-                             estimate.map_from_base.translation),
+  return {.distance_m =
+              Norm(truth.translation - estimate.map_from_base.translation),
           .turn_deg = std::abs(NormalizedAngle_rad(
                           truth.yaw_rad - estimate.map_from_base.yaw_rad)) *
                       180 / std::numbers::pi,
-          .height_m = std::abs(map_from_base.translation.z -
-                               estimate.place.height_m)};
+          .height_m =
+              std::abs(map_from_base.translation.z - estimate.place.height_m)};
 }
 
 Vec3 SuitePlace::InWorld(Vec2 point_in_map, double height_m) const {

@@ -80,6 +80,11 @@ class SuitePlace {
   // How wrong an estimate is.
   PoseError ErrorOf(const LevelPose& estimate,
                     const Rigid3& world_from_base) const;
+  // From there to what the map says a robot must not touch (m).
+  double ClearanceInMap_m(const LevelPose& pose) const {
+    return ground_.Clearance_m(pose.place.level,
+                               pose.map_from_base.translation);
+  }
   // In the world's frame, for pictures.
   Vec3 InWorld(Vec2 point_in_map, double height_m) const;
 
@@ -94,8 +99,7 @@ class SuitePlace {
   void FindPlaces();
   int NodeAt(Vec3 point) const;
   int NeighbourOf(int node, int dx, int dy) const;
-  RobotPlacement PlacementOf(const GroundCellIndex& cell,
-                             Random& random) const;
+  RobotPlacement PlacementOf(const GroundCellIndex& cell, Random& random) const;
 
   World world_;
   NavigatorMap map_;

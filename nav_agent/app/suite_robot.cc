@@ -26,8 +26,7 @@ double ProcessorTime_ms() {
 }
 
 bool LooksForItself(NavigatorMode mode) {
-  return mode == NavigatorMode::kLost ||
-         mode == NavigatorMode::kRelocalizing ||
+  return mode == NavigatorMode::kLost || mode == NavigatorMode::kRelocalizing ||
          mode == NavigatorMode::kNeedHelp;
 }
 
@@ -44,6 +43,20 @@ void StepTimes::Add(double step_ms) {
     ++bin;
   }
   ++histogram[bin];
+}
+
+void StepTimes::Add(const StepTimes& other) {
+  steps += other.steps;
+  missed += other.missed;
+  total_ms += other.total_ms;
+  highest_ms = std::max(highest_ms, other.highest_ms);
+  plans += other.plans;
+  planning_ms += other.planning_ms;
+  longest_planning_ms =
+      std::max(longest_planning_ms, other.longest_planning_ms);
+  for (size_t i = 0; i < histogram.size(); ++i) {
+    histogram[i] += other.histogram[i];
+  }
 }
 
 double StepTimes::Percentile_ms(double share) const {
@@ -112,10 +125,9 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
   }
   NavigatorOptions navigator = options.navigator;
   navigator.seed = options.seed;
-  TL_ASSIGN_OR_RETURN(
-      robot->navigator_,
-      Navigator::Create(place.map(), simulation.robot, devices, navigator,
-                        simulator.clock()));
+  TL_ASSIGN_OR_RETURN(robot->navigator_,
+                      Navigator::Create(place.map(), simulation.robot, devices,
+                                        navigator, simulator.clock()));
   robot->record_.world = simulator.world().name;
   robot->record_.seed = options.seed;
   robot->record_.track.emplace_back();

@@ -45,6 +45,7 @@ struct StepTimes {
   std::vector<int64_t> histogram = std::vector<int64_t>(16, 0);
 
   void Add(double step_ms);
+  void Add(const StepTimes& other);
   // The upper edge of the bin below which that share of all steps is.
   double Percentile_ms(double share) const;
 };
