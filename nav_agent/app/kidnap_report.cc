@@ -97,7 +97,7 @@ std::string RunJson(const KidnapRun& run) {
       &json,
       "     \"error_at_resumption\": %s, \"resumptions\": %d, "
       "\"wrong_resumptions\": %d, \"arrived\": %s,\n",
-      PoseErrorJson(run.error_at_resumption), run.resumptions,
+      PoseMissJson(run.error_at_resumption), run.resumptions,
       run.wrong_resumptions, run.arrived ? "true" : "false");
   absl::StrAppendFormat(
       &json,

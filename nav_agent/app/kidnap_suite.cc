@@ -241,7 +241,7 @@ const char* KidnapOutcomeName(KidnapOutcome outcome) {
 }
 
 void KidnapJudge::Observe(double now_s, NavigatorMode mode, bool has_arrived,
-                          const std::optional<PoseError>& error) {
+                          const std::optional<PoseMiss>& error) {
   const bool is_right = error.has_value() && error->IsRight();
   if (IsLooking(mode)) {
     if (!noticed_s_.has_value()) noticed_s_ = now_s;
@@ -257,7 +257,7 @@ void KidnapJudge::Observe(double now_s, NavigatorMode mode, bool has_arrived,
     ++resumptions_;
     if (!is_right) ++wrong_resumptions_;
     if (resumptions_ == 1 || !is_right) {
-      resumed_error_ = error.value_or(PoseError{.distance_m = -1});
+      resumed_error_ = error.value_or(PoseMiss{.distance_m = -1});
     }
   }
   if (!is_right) {

@@ -68,7 +68,7 @@ struct KidnapRun {
   double noticed_after_s = -1;
   double back_after_s = -1;
   // When it went on, right or wrong.
-  PoseError error_at_resumption;
+  PoseMiss error_at_resumption;
   int resumptions = 0;
   int wrong_resumptions = 0;
   bool arrived = false;
@@ -97,7 +97,7 @@ class KidnapJudge {
 
   // error: of its estimate; nullopt: it has none.
   void Observe(double now_s, NavigatorMode mode, bool has_arrived,
-               const std::optional<PoseError>& error);
+               const std::optional<PoseMiss>& error);
 
   // It drives and has known its place for kSure_s.
   bool IsBack() const { return back_s_.has_value(); }
@@ -113,8 +113,8 @@ class KidnapJudge {
   std::optional<double> noticed_s_;
   std::optional<double> right_since_s_;
   std::optional<double> back_s_;
-  PoseError right_error_;
-  PoseError resumed_error_;
+  PoseMiss right_error_;
+  PoseMiss resumed_error_;
   int resumptions_ = 0;
   int wrong_resumptions_ = 0;
 };

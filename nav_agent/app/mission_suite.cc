@@ -114,7 +114,7 @@ void Summarize(SuiteRobot& robot, const LevelPose& goal_in_map,
   run.false_losses = static_cast<int>(std::ranges::count(
       run.events, std::string("lost"), &NavigatorEvent::kind));
   run.estimate_error = robot.EstimateError().value_or(
-      PoseError{.distance_m = -1, .turn_deg = -1, .height_m = -1});
+      PoseMiss{.distance_m = -1, .turn_deg = -1, .height_m = -1});
   run.goal_error = robot.place().ErrorOf(
       goal_in_map, run.record.final_state.world_from_base);
   const NavigatorSnapshot snapshot = robot.navigator().Snapshot();
@@ -233,9 +233,10 @@ absl::StatusOr<Mission> MakeMission(const SuitePlace& place,
 absl::StatusOr<MissionRun> RunMission(const SuitePlace& place,
                                       const MissionOptions& options,
                                       const std::stop_token& stop) {
-  MissionRun run = {.world = place.world().name,
-                    .seed = options.seed,
-                    .scene = options.scene};
+  MissionRun run;
+  run.world = place.world().name;
+  run.seed = options.seed;
+  run.scene = options.scene;
   TL_ASSIGN_OR_RETURN(run.mission, MakeMission(place, options));
   const Mission& mission = run.mission;
   TL_ASSIGN_OR_RETURN(const LevelPose start, place.InMap(mission.start));

@@ -69,8 +69,8 @@ struct MissionRun {
   int stair_entries = 0;
   int edge_entries = 0;
   // At the end, of its estimate, and of where it stands to where it should.
-  PoseError estimate_error;
-  PoseError goal_error;
+  PoseMiss estimate_error;
+  PoseMiss goal_error;
   int replans = 0;
   int recoveries = 0;
   // How often it believed to be lost, though nobody carried it away.

@@ -42,7 +42,8 @@ absl::Status RecordDrive(const SuiteMapOptions& options, const std::string& log,
   scenario.options.seed = kSurveySeed;
   scenario.options.sensors.camera_hz = kSurveyCamera_hz;
   scenario.options.threads = 0;
-  run.tour = TourAction{.options = {.look_around_every_m = kSurveyEvery_m}};
+  run.tour.emplace();
+  run.tour->options.look_around_every_m = kSurveyEvery_m;
   run.record_path = log;
   TL_ASSIGN_OR_RETURN(World world,
                       MakeWorld(options.world, {.with_people = false}));

@@ -24,7 +24,7 @@ inline constexpr double kRightWithin_deg = 20;
 // Levels lie further apart than this.
 inline constexpr double kRightWithinHeight_m = 0.5;
 
-struct PoseError {
+struct PoseMiss {
   double distance_m = 0;
   double turn_deg = 0;
   double height_m = 0;
@@ -78,7 +78,7 @@ class SuitePlace {
   // As the map has it; NOT_FOUND where the map has no ground.
   absl::StatusOr<LevelPose> InMap(const RobotPlacement& placement) const;
   // How wrong an estimate is.
-  PoseError ErrorOf(const LevelPose& estimate,
+  PoseMiss ErrorOf(const LevelPose& estimate,
                     const Rigid3& world_from_base) const;
   // From there to what the map says a robot must not touch (m).
   double ClearanceInMap_m(const LevelPose& pose) const {

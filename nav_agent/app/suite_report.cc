@@ -100,7 +100,7 @@ std::string RunJson(const MissionRun& run) {
   absl::StrAppendFormat(
       &json,
       "     \"goal_error\": %s, \"estimate_error\": %s,\n     \"steps\": %s}",
-      PoseErrorJson(run.goal_error), PoseErrorJson(run.estimate_error),
+      PoseMissJson(run.goal_error), PoseMissJson(run.estimate_error),
       StepTimesJson(run.times));
   return json;
 }
@@ -132,7 +132,7 @@ std::string StepTimesJson(const StepTimes& times) {
       times.planning_ms, times.longest_planning_ms);
 }
 
-std::string PoseErrorJson(const PoseError& error) {
+std::string PoseMissJson(const PoseMiss& error) {
   return absl::StrFormat(
       "{\"distance_m\": %.4f, \"turn_deg\": %.3f, \"height_m\": %.3f}",
       error.distance_m, error.turn_deg, error.height_m);

@@ -34,7 +34,7 @@ absl::Status WriteRunPicture(const std::string& stem, const World& world,
 
 // ---- what both suites' reports share ----
 std::string StepTimesJson(const StepTimes& times);
-std::string PoseErrorJson(const PoseError& error);
+std::string PoseMissJson(const PoseMiss& error);
 std::string PlacementJson(const RobotPlacement& placement);
 
 }  // namespace treeline

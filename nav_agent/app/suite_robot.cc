@@ -99,6 +99,7 @@ class SuiteRobot::Camera final : public RgbdCamera {
   bool when_lost_;
 };
 
+SuiteRobot::SuiteRobot(const SuitePlace& place) : place_(&place) {}
 SuiteRobot::~SuiteRobot() = default;
 
 absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
@@ -172,7 +173,7 @@ absl::Status SuiteRobot::Tell(const LevelPose& pose) {
   return navigator_->SetPose(pose, kToldCovariance);
 }
 
-std::optional<PoseError> SuiteRobot::EstimateError() const {
+std::optional<PoseMiss> SuiteRobot::EstimateError() const {
   const NavigatorSnapshot snapshot = navigator_->Snapshot();
   if (!snapshot.pose.has_value()) return std::nullopt;
   return place_->ErrorOf(snapshot.pose->pose,

@@ -69,7 +69,7 @@ class SuiteRobot {
   // Tells it where it is, right or wrong.
   absl::Status Tell(const LevelPose& pose);
   // The newest estimate's error; nullopt: there is none.
-  std::optional<PoseError> EstimateError() const;
+  std::optional<PoseMiss> EstimateError() const;
 
   // ---- the record ----
   // Track and events, for the plan.
@@ -84,7 +84,7 @@ class SuiteRobot {
 
  private:
   class Camera;
-  explicit SuiteRobot(const SuitePlace& place) : place_(&place) {}
+  explicit SuiteRobot(const SuitePlace& place);
   void Record();
 
   const SuitePlace* place_;
