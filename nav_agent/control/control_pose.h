@@ -15,8 +15,9 @@ struct ControlPose {
   Rotation3 level_from_base;
   double forward_mps = 0;
   double yaw_rate_radps = 0;
-  // A lost robot: the pose is the wheels' (odometry), and only what was seen
-  // counts, not the map.
+  // The robot is lost: `pose` is dead reckoning's, and the map says nothing of
+  // what stands there; only what was seen counts. Obstacles are to be cleared
+  // when this changes.
   bool map_is_unknown = false;
 };
 

@@ -98,6 +98,22 @@ bool DriveSpace::FitsTurning(const Spot& spot) const {
          CanTurn(spot, -std::numbers::pi / 2, -std::numbers::pi);
 }
 
+bool DriveSpace::MayHoldDisc(const Spot& spot) const {
+  const CellIndex cell = ground_->CellOf(spot.at);
+  if (!ground_->Contains(cell) ||
+      ground_->Clearance_m(spot.level, cell) <
+          ground_->NeededClearance_m(footprint_.inscribed_m)) {
+    return false;
+  }
+  const Vec2 center = ground_->CenterOf(cell);
+  const double diagonal_m = ground_->resolution_m() * std::numbers::sqrt2;
+  return std::ranges::none_of(discs_, [&](const Disc& disc) {
+    return disc.level == spot.level &&
+           Norm(center - disc.center) + diagonal_m / 2 <
+               disc.radius_m + footprint_.inscribed_m;
+  });
+}
+
 bool DriveSpace::CanTurn(const Spot& spot, double from_yaw_rad,
                          double to_yaw_rad) const {
   const double turn_rad = NormalizedAngle_rad(to_yaw_rad - from_yaw_rad);
@@ -163,6 +179,25 @@ std::optional<Spot> DriveSpace::Drive(const Spot& from, Vec2 to,
   }
   if (!BoxIsFree(at.level, box)) return std::nullopt;
   at.at = to;
+  return at;
+}
+
+std::optional<Spot> DriveSpace::Follow(const Spot& from, Vec2 to) const {
+  Spot at = {to, from.level};
+  if (ground_->levels() == 1) return at;
+  const Vec2 way = to - from.at;
+  const int steps = std::max(
+      1,
+      static_cast<int>(std::ceil(Norm(way) / (0.5 * ground_->resolution_m()))));
+  CellIndex cell = ground_->CellOf(from.at);
+  for (int i = 1; i <= steps; ++i) {
+    const CellIndex next =
+        ground_->CellOf(from.at + (static_cast<double>(i) / steps) * way);
+    if (next == cell) continue;
+    at.level = ground_->LevelAfter(at.level, cell, next);
+    if (at.level < 0) return std::nullopt;
+    cell = next;
+  }
   return at;
 }
 

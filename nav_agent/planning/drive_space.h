@@ -49,6 +49,9 @@ class DriveSpace {
   bool Fits(const Spot& spot, double yaw_rad) const;
   // Whether it fits with any heading.
   bool FitsTurning(const Spot& spot) const;
+  // False only where nothing as wide as the inscribed disc can be in the
+  // spot's cell.
+  bool MayHoldDisc(const Spot& spot) const;
   // A turn where it stands, the shorter way round.
   bool CanTurn(const Spot& spot, double from_yaw_rad, double to_yaw_rad) const;
   // The straight line from `from`; the robot looks along it, or
@@ -57,6 +60,8 @@ class DriveSpace {
   // there.
   std::optional<Spot> Drive(const Spot& from, Vec2 to,
                             bool looks_back = false) const;
+  // The same of a point without a footprint: which level the line ends on.
+  std::optional<Spot> Follow(const Spot& from, Vec2 to) const;
   // The cost of a line that can be driven (m): its length, and more where it is
   // near to things or on slopes.
   double LineCost_m(const Spot& from, const Spot& to) const;

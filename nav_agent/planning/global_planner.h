@@ -2,6 +2,7 @@
 #ifndef NAV_AGENT_PLANNING_GLOBAL_PLANNER_H_
 #define NAV_AGENT_PLANNING_GLOBAL_PLANNER_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -57,6 +58,8 @@ struct PlanResult {
   // Pairs of points: the edges of both trees as they were when the first path
   // was found, for pictures.
   std::vector<Vec2> tree_edges;
+  // How many of the points are of the start's tree; the goal's follow.
+  size_t start_tree_points = 0;
 };
 
 struct GlobalPlannerOptions {

@@ -144,43 +144,4 @@ int GroundIndex::LevelAfter(int level, CellIndex cell, CellIndex next) const {
   return best;
 }
 
-std::vector<std::vector<int32_t>> GroundIndex::Areas(double radius_m) const {
-  // A point of a cell is at most half a diagonal from its centre, and a blocked
-  // cell reaches half a side from its own.
-  const double needed_m =
-      radius_m - (std::numbers::sqrt2 - 1) / 2 * resolution_m_;
-  std::vector<std::vector<int32_t>> areas(static_cast<size_t>(levels()),
-                                          std::vector<int32_t>(cells(), -1));
-  const auto is_open = [this, needed_m](int level, CellIndex cell) {
-    return Clearance_m(level, cell) >= needed_m && map_->IsFree(level, cell);
-  };
-  std::vector<std::pair<int, CellIndex>> open;
-  int32_t number = 0;
-  for (int level = 0; level < levels(); ++level) {
-    for (int y = 0; y < height_; ++y) {
-      for (int x = 0; x < width_; ++x) {
-        int32_t& own = areas[static_cast<size_t>(level)][IndexOf({x, y})];
-        if (own >= 0 || !is_open(level, {x, y})) continue;
-        own = number;
-        open.assign(1, {level, {x, y}});
-        while (!open.empty()) {
-          const auto [from_level, from] = open.back();
-          open.pop_back();
-          for (int i = 0; i < 9; ++i) {
-            const CellIndex next = {from.x + i % 3 - 1, from.y + i / 3 - 1};
-            const int to_level = LevelAfter(from_level, from, next);
-            if (to_level < 0 || !is_open(to_level, next)) continue;
-            int32_t& area = areas[static_cast<size_t>(to_level)][IndexOf(next)];
-            if (area >= 0) continue;
-            area = number;
-            open.emplace_back(to_level, next);
-          }
-        }
-        ++number;
-      }
-    }
-  }
-  return areas;
-}
-
 }  // namespace treeline

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "nav_agent/traversability/navigation_map.h"
@@ -75,10 +76,12 @@ class GroundIndex {
   // another one whose free ground continues it; -1: there is none.
   int LevelAfter(int level, CellIndex cell, CellIndex next) const;
 
-  // Cells that a disc of radius_m (m) might stand on, joined to areas whose
-  // cells are connected over levels: numbers from 0, -1 for other cells. Ways
-  // between areas do not exist; ways within one need not.
-  std::vector<std::vector<int32_t>> Areas(double radius_m) const;
+  // What Clearance_m is at least where a disc of radius_m might stand in the
+  // cell: a point of a cell is at most half a diagonal from its centre, and a
+  // blocked cell reaches half a side from its own.
+  double NeededClearance_m(double radius_m) const {
+    return radius_m - 0.5 * (std::numbers::sqrt2 - 1) * resolution_m_;
+  }
 
  private:
   std::shared_ptr<const NavigationMap> map_;

@@ -18,11 +18,11 @@ double YawOf(const Spot& from, const Spot& to) {
   return std::atan2(way.y, way.x);
 }
 
+}  // namespace
+
 double TurnCost_m(double from_yaw_rad, double to_yaw_rad) {
   return kTurnCost_m * std::abs(NormalizedAngle_rad(to_yaw_rad - from_yaw_rad));
 }
-
-}  // namespace
 
 double WayLength_m(const Polyline& way) {
   double length_m = 0;

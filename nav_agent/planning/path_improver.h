@@ -44,6 +44,8 @@ class PathImprover {
   std::vector<double> line_cost_m_;
 };
 
+// What turning where it stands costs (m).
+double TurnCost_m(double from_yaw_rad, double to_yaw_rad);
 // The cost of a way (m): its lines', and some for turning.
 double WayCost_m(const DriveSpace& space, double start_yaw_rad,
                  double goal_yaw_rad, const Polyline& way);

@@ -42,13 +42,6 @@ std::string Text(const LevelPose& pose) {
                          pose.map_from_base.yaw_rad, pose.place.level);
 }
 
-int AreaAt(const PlanGround& ground, const Spot& spot) {
-  const CellIndex cell = ground.index->CellOf(spot.at);
-  if (!ground.index->Contains(cell)) return -1;
-  return ground
-      .areas[static_cast<size_t>(spot.level)][ground.index->IndexOf(cell)];
-}
-
 bool IsOnMap(const GroundIndex& ground, const Stand& stand) {
   return stand.spot.level >= 0 && stand.spot.level < ground.levels() &&
          ground.Contains(ground.CellOf(stand.spot.at));
@@ -67,18 +60,7 @@ PlanGround::PlanGround(std::shared_ptr<const NavigationMap> map,
                        const RobotModel& robot, double margin_m)
     : index(std::make_shared<const GroundIndex>(std::move(map))),
       footprint(Footprint::Of(robot, margin_m)),
-      areas(index->Areas(footprint.inscribed_m)) {
-  for (size_t level = 0; level < areas.size(); ++level) {
-    for (size_t i = 0; i < areas[level].size(); ++i) {
-      const int32_t area = areas[level][i];
-      if (area < 0) continue;
-      const size_t number = static_cast<size_t>(area);
-      if (number >= cells_of_area.size()) cells_of_area.resize(number + 1);
-      cells_of_area[number].push_back(
-          static_cast<uint32_t>(level * index->cells() + i));
-    }
-  }
-}
+      areas(std::make_shared<const Areas>(DriveSpace(index, footprint, {}))) {}
 
 absl::Status CheckRequest(const PlanRequest& request) {
   if (absl::Status status = CheckPose(request.start, "start"); !status.ok()) {
@@ -122,39 +104,52 @@ std::optional<PlanTask> MakeTask(const PlanGround& ground,
                      .level = blockage.level});
   }
   DriveSpace space(ground.index, ground.footprint, std::move(discs));
-  const auto anywhere = [](const Spot& /*spot*/) { return true; };
-  const std::optional<MovedStand> moved_goal =
-      NearestStand(space, goal, max_move_m, anywhere);
-  if (!moved_goal.has_value()) {
+  std::shared_ptr<const Areas> areas = ground.areas;
+  if (!space.discs().empty()) areas = std::make_shared<const Areas>(space);
+  const auto area_of = [&](const std::optional<MovedStand>& end) {
+    return areas->Of(*ground.index, end->stand.spot);
+  };
+  const auto nearest = [&](const Stand& wanted, int area) {
+    return NearestStand(space, wanted, max_move_m, [&](const Spot& spot) {
+      return area < 0 || areas->Of(*ground.index, spot) == area;
+    });
+  };
+  std::optional<MovedStand> from = nearest(start, -1);
+  std::optional<MovedStand> to = nearest(goal, -1);
+  if (!from.has_value()) {
+    return Fail(
+        result, NavigationCause::kStartBlocked,
+        absl::StrFormat("the robot has no room at %s, nor within %.2f m of it",
+                        Text(request.start), max_move_m));
+  }
+  if (!to.has_value()) {
     return Fail(
         result, NavigationCause::kGoalBlocked,
         absl::StrFormat("the robot has no room at the goal %s, nor within "
                         "%.2f m of it",
                         Text(request.goal), max_move_m));
   }
-  const int area = AreaAt(ground, moved_goal->stand.spot);
-  const auto is_in_area = [&ground, area](const Spot& spot) {
-    return AreaAt(ground, spot) == area;
-  };
-  const std::optional<MovedStand> moved_start =
-      NearestStand(space, start, max_move_m, is_in_area);
-  if (!moved_start.has_value()) {
-    if (NearestStand(space, start, max_move_m, anywhere).has_value()) {
-      return Fail(
-          result, NavigationCause::kNoPath,
-          absl::StrCat("no free ground as wide as the robot leads from ",
-                       Text(request.start), " to ", Text(request.goal)));
-    }
-    return Fail(
-        result, NavigationCause::kStartBlocked,
-        absl::StrFormat("the robot has no room at %s, nor within %.2f m of it",
-                        Text(request.start), max_move_m));
+  // What is moved anyway is moved to where there may be a way.
+  if (area_of(from) != area_of(to) && to->moved_m > 0) {
+    to = nearest(goal, area_of(from));
+    if (!to.has_value()) to = nearest(goal, -1);
   }
-  result.moved_start_m = moved_start->moved_m;
-  result.moved_goal_m = moved_goal->moved_m;
+  if (area_of(from) != area_of(to) && from->moved_m > 0) {
+    from = nearest(start, area_of(to));
+    if (!from.has_value()) from = nearest(start, -1);
+  }
+  if (area_of(from) != area_of(to)) {
+    return Fail(result, NavigationCause::kNoPath,
+                absl::StrCat("no free ground as wide as the robot leads from ",
+                             Text(request.start), " to ", Text(request.goal)));
+  }
+  result.moved_start_m = from->moved_m;
+  result.moved_goal_m = to->moved_m;
+  const int area = area_of(from);
   return PlanTask{.space = std::move(space),
-                  .start = moved_start->stand,
-                  .goal = moved_goal->stand,
+                  .start = from->stand,
+                  .goal = to->stand,
+                  .areas = std::move(areas),
                   .area = area};
 }
 

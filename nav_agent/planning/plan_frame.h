@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "nav_agent/planning/areas.h"
 #include "nav_agent/planning/drive_space.h"
 #include "nav_agent/planning/global_planner.h"
 #include "nav_agent/planning/variable_rrt.h"
@@ -20,10 +21,8 @@ struct PlanGround {
 
   std::shared_ptr<const GroundIndex> index;
   Footprint footprint;
-  // Of the footprint's inscribed disc.
-  std::vector<std::vector<int32_t>> areas;
-  // Of each area, level * cells + cell.
-  std::vector<std::vector<uint32_t>> cells_of_area;
+  // Without blockages.
+  std::shared_ptr<const Areas> areas;
 };
 
 // A request that has a start and a goal with room, in the grids' frame.
@@ -31,6 +30,7 @@ struct PlanTask {
   DriveSpace space;
   Stand start;
   Stand goal;
+  std::shared_ptr<const Areas> areas;
   // That both are in.
   int area = 0;
 };

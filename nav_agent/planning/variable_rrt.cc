@@ -1,7 +1,6 @@
 #include "nav_agent/planning/variable_rrt.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -31,7 +30,17 @@ struct Node {
   int parent = -1;
 };
 
-class Tree {
+// Whether a node of the start's tree and one of the goal's at the same place
+// can be one: the robot turns there.
+bool AreOne(const DriveSpace& space, const Node& from, const Node& to) {
+  return from.spot.level == to.spot.level &&
+         Norm(from.spot.at - to.spot.at) < 1e-6 &&
+         space.CanTurn(from.spot, from.yaw_rad, to.yaw_rad);
+}
+
+}  // namespace
+
+class VariableRrt::Tree {
  public:
   Tree(const DriveSpace& space, const Stand& root, bool is_of_goal)
       : space_(&space), is_of_goal_(is_of_goal) {
@@ -92,12 +101,14 @@ class Tree {
     return way;
   }
 
-  void AppendEdges(std::vector<Vec2>& edges) const {
+  std::vector<Vec2> Edges() const {
+    std::vector<Vec2> edges;
     for (const Node& child : nodes_) {
       if (child.parent < 0) continue;
       edges.push_back(node(child.parent).spot.at);
       edges.push_back(child.spot.at);
     }
+    return edges;
   }
 
  private:
@@ -118,56 +129,57 @@ class Tree {
   std::vector<Node> nodes_;
 };
 
-// Whether a node of the start's tree and one of the goal's at the same place
-// can be one: the robot turns there.
-bool AreOne(const DriveSpace& space, const Node& from, const Node& to) {
-  return from.spot.level == to.spot.level &&
-         Norm(from.spot.at - to.spot.at) < 1e-6 &&
-         space.CanTurn(from.spot, from.yaw_rad, to.yaw_rad);
+VariableRrt::VariableRrt(const DriveSpace& space, const Stand& start,
+                         const Stand& goal)
+    : space_(&space),
+      trees_{std::make_unique<Tree>(space, start, false),
+             std::make_unique<Tree>(space, goal, true)} {
+  Connect(0, 0);
 }
 
-}  // namespace
+VariableRrt::~VariableRrt() = default;
 
-RrtResult GrowVariableRrt(const DriveSpace& space, const RrtRequest& request) {
-  std::array<Tree, 2> trees = {Tree(space, request.start, false),
-                               Tree(space, request.goal, true)};
-  RrtResult result;
-  // Of the start's and of the goal's tree, once they meet.
-  std::array<int, 2> met = {-1, -1};
-  // A node of one tree, and the other one grows towards it.
-  const auto connect = [&space, &trees, &met](size_t own, int node) {
-    const size_t other = 1 - own;
-    const Spot target = trees[own].node(node).spot;
-    int from = trees[other].Nearest(target);
-    while (from >= 0 && met[0] < 0) {
-      std::array<int, 2> ends{};
-      ends[own] = node;
-      ends[other] = from;
-      if (AreOne(space, trees[0].node(ends[0]), trees[1].node(ends[1]))) {
-        met = ends;
-        return;
-      }
-      from = trees[other].Step(from, target.at);
+// The other tree grows towards a node of this one.
+void VariableRrt::Connect(size_t own, int node) {
+  const size_t other = 1 - own;
+  const Spot target = trees_[own]->node(node).spot;
+  int from = trees_[other]->Nearest(target);
+  while (from >= 0) {
+    std::array<int, 2> ends{};
+    ends[own] = node;
+    ends[other] = from;
+    if (AreOne(*space_, trees_[0]->node(ends[0]), trees_[1]->node(ends[1]))) {
+      met_ = ends;
+      return;
     }
-  };
-  connect(0, 0);
-  for (; met[0] < 0 && result.iterations < request.max_iterations;
-       ++result.iterations) {
-    if (result.iterations % kStopEvery == 0 && request.is_over()) break;
-    const size_t own = static_cast<size_t>(result.iterations) % 2;
-    const Spot sample =
-        request.sample(static_cast<uint64_t>(result.iterations));
-    const int node = trees[own].Step(trees[own].Nearest(sample), sample.at);
-    if (node >= 0) connect(own, node);
+    from = trees_[other]->Step(from, target.at);
   }
-  trees[0].AppendEdges(result.edges);
-  trees[1].AppendEdges(result.edges);
-  if (met[0] < 0) return result;
-  result.way = trees[0].ToRoot(met[0]);
-  std::ranges::reverse(result.way);
-  const Polyline rest = trees[1].ToRoot(met[1]);
-  result.way.insert(result.way.end(), rest.begin() + 1, rest.end());
-  return result;
+}
+
+bool VariableRrt::Grow(int iterations,
+                       const std::function<Spot(uint64_t)>& sample,
+                       const std::function<bool()>& is_over) {
+  for (int i = 0; i < iterations && met_[0] < 0; ++i, ++iterations_) {
+    if (i % kStopEvery == 0 && is_over()) break;
+    const size_t own = static_cast<size_t>(iterations_) % 2;
+    const Spot to = sample(static_cast<uint64_t>(iterations_));
+    const int node = trees_[own]->Step(trees_[own]->Nearest(to), to.at);
+    if (node >= 0) Connect(own, node);
+  }
+  return met_[0] >= 0;
+}
+
+std::vector<Vec2> VariableRrt::Edges() const { return trees_[0]->Edges(); }
+
+std::vector<Vec2> VariableRrt::GoalEdges() const { return trees_[1]->Edges(); }
+
+Polyline VariableRrt::Way() const {
+  if (met_[0] < 0) return {};
+  Polyline way = trees_[0]->ToRoot(met_[0]);
+  std::ranges::reverse(way);
+  const Polyline rest = trees_[1]->ToRoot(met_[1]);
+  way.insert(way.end(), rest.begin() + 1, rest.end());
+  return way;
 }
 
 }  // namespace treeline

@@ -2,9 +2,11 @@
 #ifndef NAV_AGENT_PLANNING_VARIABLE_RRT_H_
 #define NAV_AGENT_PLANNING_VARIABLE_RRT_H_
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <utility>
+#include <memory>
 #include <vector>
 
 #include "nav_agent/planning/drive_space.h"
@@ -21,34 +23,45 @@ struct Stand {
 // there; at the last it turns to the goal's heading.
 using Polyline = std::vector<Spot>;
 
-struct RrtRequest {
-  Stand start;
-  Stand goal;
-  uint64_t seed = 0;
-  int max_iterations = 20000;
-  // Asked now and then; growing ends when it says so.
-  std::function<bool()> is_over;
-  // Gives a place to grow to; called once an iteration.
-  std::function<Spot(uint64_t iteration)> sample;
-};
-
-struct RrtResult {
-  // Empty: none was found.
-  Polyline way;
-  int iterations = 0;
-  // Pairs of points.
-  std::vector<Vec2> edges;
-};
-
 // Grows a tree from the start and one from the goal in turns. Each step goes
 // from the nearest node towards the sample, at most as far as the nearest
 // obstacle is from that node, whatever its direction: wide steps in open space
 // and short ones in narrow places, without a step size to be tuned. The other
 // tree then grows towards the new node until it reaches it or something is in
 // its way (after Kuffner and LaValle, "RRT-Connect", ICRA 2000). All edges, and
-// the turns between them, are checked with the footprint. Deterministic in
-// iterations.
-RrtResult GrowVariableRrt(const DriveSpace& space, const RrtRequest& request);
+// the turns between them, are checked with the footprint.
+class VariableRrt {
+ public:
+  VariableRrt(const DriveSpace& space, const Stand& start, const Stand& goal);
+  ~VariableRrt();
+  VariableRrt(const VariableRrt&) = delete;
+  VariableRrt& operator=(const VariableRrt&) = delete;
+
+  // Goes on for as many iterations at most, each with one `sample` of the
+  // iteration's number, until the trees meet or `is_over`, asked now and then,
+  // says so. Whether they have met.
+  bool Grow(int iterations, const std::function<Spot(uint64_t)>& sample,
+            const std::function<bool()>& is_over);
+
+  int iterations() const { return iterations_; }
+  // From the start to the goal; empty until the trees meet.
+  Polyline Way() const;
+  // Pairs of points: the start's tree.
+  std::vector<Vec2> Edges() const;
+  // And the goal's.
+  std::vector<Vec2> GoalEdges() const;
+
+ private:
+  class Tree;
+  void Connect(size_t own, int node);
+
+  const DriveSpace* space_;
+  // The start's and the goal's.
+  std::array<std::unique_ptr<Tree>, 2> trees_;
+  // Their nodes that met; -1 until then.
+  std::array<int, 2> met_ = {-1, -1};
+  int iterations_ = 0;
+};
 
 }  // namespace treeline
 
