@@ -17,6 +17,7 @@ Command AddTraversabilityCommand(CLI::App& app);
 Command AddLostSuite(CLI::App& suite);
 Command AddLostFit(CLI::App& suite);
 Command AddMissionSuite(CLI::App& suite);
+Command AddKidnapSuite(CLI::App& suite);
 
 }  // namespace treeline
 

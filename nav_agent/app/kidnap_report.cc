@@ -96,9 +96,9 @@ std::string RunJson(const KidnapRun& run) {
   absl::StrAppendFormat(
       &json,
       "     \"error_at_resumption\": %s, \"resumptions\": %d, "
-      "\"wrong_resumptions\": %d, \"arrived\": %s,\n",
+      "\"wrong_resumptions\": %d, \"questions\": %d, \"arrived\": %s,\n",
       PoseMissJson(run.error_at_resumption), run.resumptions,
-      run.wrong_resumptions, run.arrived ? "true" : "false");
+      run.wrong_resumptions, run.questions, run.arrived ? "true" : "false");
   absl::StrAppendFormat(
       &json,
       "     \"simulated_s\": %.3f, \"path_m\": %.3f, \"collisions\": %d, "

@@ -10,6 +10,7 @@
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/app/mission_suite.h"
+#include "nav_agent/app/suite_maps.h"
 
 namespace treeline {
 namespace {
@@ -93,11 +94,22 @@ class Kidnapping {
 
  private:
   absl::Status MakeRobot() {
-    SuiteRobotOptions robot = {.start = run_.start,
-                               .seed = options_.seed,
-                               .camera_hz = options_.camera_hz,
-                               .server = options_.server,
-                               .navigator = options_.navigator};
+    SuiteRobotOptions robot;
+    robot.start = run_.start;
+    robot.seed = options_.seed;
+    robot.camera_hz = options_.camera_hz;
+    robot.navigator = options_.navigator;
+    if (options_.server != nullptr) {
+      robot.make_server = [this](const Clock& clock) {
+        SuiteRelocalizationOptions asked = options_.relocalization;
+        asked.scene = SuiteSceneName(run_.world);
+        asked.seed = options_.seed;
+        auto port = std::make_unique<SuiteRelocalization>(*options_.server,
+                                                          clock, asked);
+        port_ = port.get();
+        return port;
+      };
+    }
     TL_ASSIGN_OR_RETURN(robot_,
                         SuiteRobot::Create(*place_, place_->world(), robot));
     return absl::OkStatus();
@@ -199,6 +211,7 @@ class Kidnapping {
     run_.marks = MarksOf(*place_, snapshot, run_.goal);
     run_.marks.really = PlanarPoseOf(run_.record.final_state.world_from_base);
     judge.Judge(run_);
+    if (port_ != nullptr) run_.questions = port_->questions();
     if (run_.record.final_state.is_fallen) run_.outcome = KidnapOutcome::kFell;
     if (run_.arrived) {
       const absl::StatusOr<LevelPose> goal = place_->InMap(run_.goal);
@@ -216,6 +229,8 @@ class Kidnapping {
   KidnapRun run_;
   Mission mission_;
   std::unique_ptr<SuiteRobot> robot_;
+  // The robot's; null: none.
+  SuiteRelocalization* port_ = nullptr;
 };
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "absl/status/statusor.h"
 #include "nav_agent/app/plan_picture.h"
+#include "nav_agent/app/suite_relocalization.h"
 #include "nav_agent/app/suite_robot.h"
 
 namespace treeline {
@@ -44,8 +45,9 @@ struct KidnapOptions {
   double patience_s = 90;
   // Drives on to the goal once it is back; otherwise the run ends then.
   bool drives_on = true;
-  // null: none.
-  RelocalizationPort* server = nullptr;
+  // The server that is asked, and how; null: none. It must outlive the run.
+  Relocalizer* server = nullptr;
+  SuiteRelocalizationOptions relocalization;
   NavigatorOptions navigator;
 };
 

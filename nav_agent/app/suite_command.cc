@@ -11,7 +11,8 @@ Command AddSuiteCommand(CLI::App& app) {
       "suite", "Measure the agent in simulated worlds, over many seeds");
   command->require_subcommand(1);
   const std::vector<Command> suites = {
-      AddLostSuite(*command), AddLostFit(*command), AddMissionSuite(*command)};
+      AddLostSuite(*command), AddLostFit(*command), AddMissionSuite(*command),
+      AddKidnapSuite(*command)};
   return {command, [suites](const std::stop_token& stop) {
             for (const Command& suite : suites) {
               if (suite.app->parsed()) return suite.run(stop);

@@ -252,7 +252,7 @@ absl::StatusOr<LevelPose> SuitePlace::InMap(
 }
 
 PoseMiss SuitePlace::ErrorOf(const LevelPose& estimate,
-                              const Rigid3& world_from_base) const {
+                             const Rigid3& world_from_base) const {
   const Rigid3 map_from_base = map_from_world_ * world_from_base;
   const Rigid2 truth = PlanarPoseOf(map_from_base);
   return {.distance_m =

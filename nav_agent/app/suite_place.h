@@ -79,7 +79,7 @@ class SuitePlace {
   absl::StatusOr<LevelPose> InMap(const RobotPlacement& placement) const;
   // How wrong an estimate is.
   PoseMiss ErrorOf(const LevelPose& estimate,
-                    const Rigid3& world_from_base) const;
+                   const Rigid3& world_from_base) const;
   // From there to what the map says a robot must not touch (m).
   double ClearanceInMap_m(const LevelPose& pose) const {
     return ground_.Clearance_m(pose.place.level,

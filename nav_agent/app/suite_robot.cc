@@ -114,10 +114,14 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
   Simulator& simulator = *robot->simulator_;
   // Devices say what they are with what they measure first.
   simulator.Step(kWarmUpSteps * kSuiteStep);
+  if (options.make_server != nullptr) {
+    robot->server_ = options.make_server(simulator.clock());
+  }
   NavigatorDevices devices = {.laser = simulator.laser(),
                               .odometry = simulator.odometry(),
                               .base = simulator.base(),
-                              .server = options.server};
+                              .camera = nullptr,
+                              .server = robot->server_.get()};
   if (options.camera_hz > 0) {
     robot->camera_ = std::make_unique<Camera>(
         static_cast<SimulatedCamera&>(simulator.camera()),

@@ -3,6 +3,7 @@
 #define NAV_AGENT_APP_SUITE_ROBOT_H_
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,8 +26,10 @@ struct SuiteRobotOptions {
   // The camera gives frames only while the robot looks for itself: rendering
   // takes long. Otherwise all.
   bool camera_when_lost = true;
-  // null: there is none.
-  RelocalizationPort* server = nullptr;
+  // Makes the port of a server that runs by the simulation's clock; null:
+  // there is none.
+  std::function<std::unique_ptr<RelocalizationPort>(const Clock&)> make_server =
+      nullptr;
   NavigatorOptions navigator;
 };
 
@@ -52,8 +55,8 @@ struct StepTimes {
 
 class SuiteRobot {
  public:
-  // `world` is the place's, or the same with more in it. The place and the
-  // server must outlive the robot. Errors of Simulator and Navigator.
+  // `world` is the place's, or the same with more in it. The place must outlive
+  // the robot. Errors of Simulator and Navigator.
   static absl::StatusOr<std::unique_ptr<SuiteRobot>> Create(
       const SuitePlace& place, World world, const SuiteRobotOptions& options);
   ~SuiteRobot();
@@ -90,6 +93,7 @@ class SuiteRobot {
   const SuitePlace* place_;
   std::unique_ptr<Simulator> simulator_;
   std::unique_ptr<Camera> camera_;
+  std::unique_ptr<RelocalizationPort> server_;
   std::unique_ptr<Navigator> navigator_;
   SimulationResult record_;
   std::vector<Vec3> believed_;
