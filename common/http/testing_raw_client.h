@@ -1,6 +1,6 @@
 // A TCP connection for tests.
-#ifndef SERVER_GATEWAY_TESTING_RAW_CLIENT_H_
-#define SERVER_GATEWAY_TESTING_RAW_CLIENT_H_
+#ifndef COMMON_HTTP_TESTING_RAW_CLIENT_H_
+#define COMMON_HTTP_TESTING_RAW_CLIENT_H_
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <string>
 
 #include "absl/strings/string_view.h"
-#include "server/service/listen_address.h"
+#include "common/base/listen_address.h"
 
 namespace treeline {
 
@@ -59,4 +59,4 @@ class RawClient {
 
 }  // namespace treeline
 
-#endif  // SERVER_GATEWAY_TESTING_RAW_CLIENT_H_
+#endif  // COMMON_HTTP_TESTING_RAW_CLIENT_H_

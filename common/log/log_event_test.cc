@@ -1,4 +1,4 @@
-#include "server/app/log_event.h"
+#include "common/log/log_event.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>

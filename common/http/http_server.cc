@@ -1,4 +1,4 @@
-#include "server/gateway/http_server.h"
+#include "common/http/http_server.h"
 
 #include <netdb.h>
 #include <netinet/in.h>
@@ -19,9 +19,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
-#include "server/gateway/http_engine.h"
-#include "server/service/listen_address.h"
+#include "common/http/http_engine.h"
 
 namespace treeline {
 namespace {

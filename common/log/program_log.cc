@@ -1,4 +1,4 @@
-#include "server/app/server_log.h"
+#include "common/log/program_log.h"
 
 #include <grpc/support/log.h>
 #include <spdlog/logger.h>
@@ -33,13 +33,13 @@ spdlog::level::level_enum ToSpdlog(LogLevel level) {
 }
 
 // gRPC's hook takes a bare function: there is no other way to it.
-std::atomic<ServerLog*>& GrpcLog() {
-  static std::atomic<ServerLog*> log = nullptr;
+std::atomic<ProgramLog*>& GrpcLog() {
+  static std::atomic<ProgramLog*> log = nullptr;
   return log;
 }
 
 void LogFromGrpc(gpr_log_func_args* args) {
-  ServerLog* log = GrpcLog().load();
+  ProgramLog* log = GrpcLog().load();
   if (log == nullptr) return;
   log->Say(args->severity == GPR_LOG_SEVERITY_ERROR ? LogLevel::kError
                                                     : LogLevel::kDebug,
@@ -60,43 +60,43 @@ LogFormat LogFormatOf(absl::string_view name) {
   return name == "json" ? LogFormat::kJson : LogFormat::kText;
 }
 
-ServerLog::ServerLog(std::shared_ptr<spdlog::logger> logger, LogFormat format)
+ProgramLog::ProgramLog(std::shared_ptr<spdlog::logger> logger, LogFormat format)
     : logger_(std::move(logger)), format_(format) {
   logger_->set_pattern(format == LogFormat::kJson ? kJsonPattern : kTextPattern,
                        spdlog::pattern_time_type::utc);
 }
 
-ServerLog::~ServerLog() {
-  ServerLog* self = this;
+ProgramLog::~ProgramLog() {
+  ProgramLog* self = this;
   GrpcLog().compare_exchange_strong(self, nullptr);
 }
 
-void ServerLog::SetLevel(LogLevel level) {
+void ProgramLog::SetLevel(LogLevel level) {
   logger_->set_level(ToSpdlog(level));
 }
 
-bool ServerLog::Writes(LogLevel level) const {
+bool ProgramLog::Writes(LogLevel level) const {
   return logger_->should_log(ToSpdlog(level));
 }
 
-void ServerLog::Write(LogLevel level, const LogEvent& event) {
+void ProgramLog::Write(LogLevel level, const LogEvent& event) {
   logger_->log(ToSpdlog(level), event.fields());
 }
 
-void ServerLog::Say(LogLevel level, absl::string_view sentence) {
+void ProgramLog::Say(LogLevel level, absl::string_view sentence) {
   if (Writes(level)) Write(level, Event().Message(sentence));
 }
 
-void ServerLog::TakeGrpcMessages() {
+void ProgramLog::TakeGrpcMessages() {
   GrpcLog().store(this);
   gpr_set_log_function(&LogFromGrpc);
 }
 
-std::unique_ptr<ServerLog> LogToStandardError(LogFormat format) {
-  return std::make_unique<ServerLog>(
+std::unique_ptr<ProgramLog> LogToStandardError(const std::string& program,
+                                               LogFormat format) {
+  return std::make_unique<ProgramLog>(
       std::make_shared<spdlog::logger>(
-          "treeline-server",
-          std::make_shared<spdlog::sinks::stderr_color_sink_mt>()),
+          program, std::make_shared<spdlog::sinks::stderr_color_sink_mt>()),
       format);
 }
 

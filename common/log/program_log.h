@@ -1,12 +1,12 @@
-// The log of the server: one line an event, text or JSON.
-#ifndef SERVER_APP_SERVER_LOG_H_
-#define SERVER_APP_SERVER_LOG_H_
+// The log of a program: one line an event, text or JSON.
+#ifndef COMMON_LOG_PROGRAM_LOG_H_
+#define COMMON_LOG_PROGRAM_LOG_H_
 
 #include <memory>
 #include <string>
 
 #include "absl/strings/string_view.h"
-#include "server/app/log_event.h"
+#include "common/log/log_event.h"
 
 namespace spdlog {
 class logger;
@@ -25,14 +25,14 @@ LogFormat LogFormatOf(absl::string_view name);
 //   2026-11-21T11:14:29.887Z info rpc=Localize ...
 //   {"ts":"2026-11-21T11:14:29.887Z","level":"info","rpc":"Localize",...}
 // Thread-safe.
-class ServerLog {
+class ProgramLog {
  public:
   // Writes with `logger`, which gets its pattern here.
-  ServerLog(std::shared_ptr<spdlog::logger> logger, LogFormat format);
+  ProgramLog(std::shared_ptr<spdlog::logger> logger, LogFormat format);
   // Takes gRPC's own messages back, if it got them.
-  ~ServerLog();
-  ServerLog(const ServerLog&) = delete;
-  ServerLog& operator=(const ServerLog&) = delete;
+  ~ProgramLog();
+  ProgramLog(const ProgramLog&) = delete;
+  ProgramLog& operator=(const ProgramLog&) = delete;
 
   LogFormat format() const { return format_; }
   LogEvent Event() const { return LogEvent(format_); }
@@ -53,8 +53,9 @@ class ServerLog {
 };
 
 // On standard error, with colours on a terminal.
-std::unique_ptr<ServerLog> LogToStandardError(LogFormat format);
+std::unique_ptr<ProgramLog> LogToStandardError(const std::string& program,
+                                               LogFormat format);
 
 }  // namespace treeline
 
-#endif  // SERVER_APP_SERVER_LOG_H_
+#endif  // COMMON_LOG_PROGRAM_LOG_H_

@@ -1,6 +1,6 @@
 // One connection as bytes: plain or TLS, with limits on time and size.
-#ifndef SERVER_GATEWAY_HTTP_STREAM_H_
-#define SERVER_GATEWAY_HTTP_STREAM_H_
+#ifndef COMMON_HTTP_HTTP_STREAM_H_
+#define COMMON_HTTP_HTTP_STREAM_H_
 
 #include <httplib.h>
 #include <openssl/ssl.h>
@@ -53,6 +53,10 @@ class HttpStream final : public httplib::Stream {
   // Phases of a request. Each sets the deadline of what follows.
   void BeginHead();
   void BeginBody();
+  // What is written from now on has the whole time for itself.
+  void BeginPart();
+  // Nothing more is read or written.
+  void Abandon() { failure_ = StreamFailure::kClosed; }
   StreamFailure failure() const { return failure_; }
   bool has_written() const { return has_written_; }
 
@@ -103,4 +107,4 @@ class HttpStream final : public httplib::Stream {
 
 }  // namespace treeline
 
-#endif  // SERVER_GATEWAY_HTTP_STREAM_H_
+#endif  // COMMON_HTTP_HTTP_STREAM_H_

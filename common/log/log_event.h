@@ -1,6 +1,6 @@
 // One line of the log before it has a format.
-#ifndef SERVER_APP_LOG_EVENT_H_
-#define SERVER_APP_LOG_EVENT_H_
+#ifndef COMMON_LOG_LOG_EVENT_H_
+#define COMMON_LOG_LOG_EVENT_H_
 
 #include <cstdint>
 #include <string>
@@ -46,4 +46,4 @@ class LogEvent {
 
 }  // namespace treeline
 
-#endif  // SERVER_APP_LOG_EVENT_H_
+#endif  // COMMON_LOG_LOG_EVENT_H_

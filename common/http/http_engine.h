@@ -1,6 +1,6 @@
 // One connection's requests, parsed by httplib, answered by a handler.
-#ifndef SERVER_GATEWAY_HTTP_ENGINE_H_
-#define SERVER_GATEWAY_HTTP_ENGINE_H_
+#ifndef COMMON_HTTP_HTTP_ENGINE_H_
+#define COMMON_HTTP_HTTP_ENGINE_H_
 
 #include <httplib.h>
 
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/base/clock.h"
-#include "server/gateway/http_message.h"
-#include "server/gateway/http_stream.h"
+#include "common/http/http_message.h"
+#include "common/http/http_stream.h"
 
 namespace treeline {
 
@@ -44,6 +44,9 @@ class HttpEngine final : private httplib::Server {
   // Answers what httplib refuses on its own.
   void OnError(const httplib::Request& request, httplib::Response& response);
 
+  // Writes head and body of a response that goes on, and ends the connection.
+  void Stream(const HttpRequest& request, const HttpResponse& response);
+
   HttpRequest Convert(const httplib::Request& request) const;
   void Apply(const HttpRequest& request, const HttpResponse& from,
              httplib::Response& to);
@@ -59,4 +62,4 @@ class HttpEngine final : private httplib::Server {
 
 }  // namespace treeline
 
-#endif  // SERVER_GATEWAY_HTTP_ENGINE_H_
+#endif  // COMMON_HTTP_HTTP_ENGINE_H_

@@ -1,4 +1,4 @@
-#include "server/gateway/http_engine.h"
+#include "common/http/http_engine.h"
 
 #include <chrono>
 #include <utility>
@@ -47,6 +47,30 @@ int CheckLengths(const httplib::Request& request, size_t max_body_bytes) {
   }
   return length > max_body_bytes ? 413 : 0;
 }
+
+// Chunks of RFC 9112, 7.1.
+class ChunkWriter final : public HttpBodyWriter {
+ public:
+  explicit ChunkWriter(HttpStream& stream) : stream_(stream) {}
+
+  bool Write(absl::string_view bytes) override {
+    if (bytes.empty()) return is_open_;
+    if (!is_open_) return false;
+    stream_.BeginPart();
+    chunk_ = absl::StrCat(absl::Hex(bytes.size()), "\r\n", bytes, "\r\n");
+    is_open_ = stream_.write(chunk_.data(), chunk_.size()) > 0;
+    return is_open_;
+  }
+  void Finish() {
+    constexpr absl::string_view kLast = "0\r\n\r\n";
+    if (is_open_) stream_.write(kLast.data(), kLast.size());
+  }
+
+ private:
+  HttpStream& stream_;
+  std::string chunk_;
+  bool is_open_ = true;
+};
 
 bool IsEncodingKnown(const httplib::Request& request) {
   if (!request.has_header("Content-Encoding")) return true;
@@ -151,8 +175,37 @@ httplib::Server::HandlerResponse HttpEngine::BeforeBody(
   close_ = close_ || HasBody(request);
   HttpRequest converted = Convert(request);
   converted.arrival = clock_.Now();
-  Apply(converted, handler_.Handle(converted), response);
+  const HttpResponse answer = handler_.Handle(converted);
+  if (answer.stream && request.method == "GET") {
+    Stream(converted, answer);
+  } else {
+    Apply(converted, answer, response);
+  }
   return HandlerResponse::Handled;
+}
+
+void HttpEngine::Stream(const HttpRequest& request,
+                        const HttpResponse& response) {
+  answered_ = true;
+  std::string head =
+      absl::StrCat("HTTP/1.1 ", response.status,
+                   " OK\r\nContent-Type: ", response.content_type,
+                   "\r\nTransfer-Encoding: chunked\r\nConnection: close\r\n");
+  for (const auto& headers :
+       {response.headers, handler_.CommonHeaders(request)}) {
+    for (const auto& [name, value] : headers) {
+      absl::StrAppend(&head, name, ": ", value, "\r\n");
+    }
+  }
+  head += "\r\n";
+  ChunkWriter writer(stream_);
+  stream_.BeginPart();
+  if (stream_.httplib::Stream::write(head) > 0) {
+    response.stream(writer);
+    writer.Finish();
+  }
+  // httplib must not answer too.
+  stream_.Abandon();
 }
 
 void HttpEngine::WithBody(const httplib::Request& request,

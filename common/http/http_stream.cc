@@ -1,4 +1,4 @@
-#include "server/gateway/http_stream.h"
+#include "common/http/http_stream.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -85,6 +85,11 @@ void HttpStream::BeginBody() {
   deadline_ = clock_.Now() + limits_.body_timeout;
 }
 
+void HttpStream::BeginPart() {
+  phase_ = Phase::kResponse;
+  deadline_ = clock_.Now() + limits_.write_timeout;
+}
+
 void HttpStream::Linger(std::chrono::milliseconds patience) {
   if (ssl_ != nullptr) SSL_shutdown(ssl_.get());
   shutdown(fd_, SHUT_WR);
@@ -131,6 +136,7 @@ ssize_t HttpStream::read(char* ptr, size_t size) {
 }
 
 ssize_t HttpStream::write(const char* ptr, size_t size) {
+  if (failure_ == StreamFailure::kClosed) return -1;
   if (phase_ != Phase::kResponse) {
     phase_ = Phase::kResponse;
     deadline_ = clock_.Now() + limits_.write_timeout;

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "server/gateway/http_server.h"
-#include "server/gateway/testing_raw_client.h"
-#include "server/service/listen_address.h"
+#include "common/base/listen_address.h"
+#include "common/http/http_server.h"
+#include "common/http/testing_raw_client.h"
 
 namespace treeline {
 namespace {

@@ -1,8 +1,8 @@
 // A listener for HTTP/1.1: connections, threads, limits. httplib parses; the
 // sockets are ours, for its own have no limit on the time of a whole request,
 // none on the number of connections, and no way to see that a client has gone.
-#ifndef SERVER_GATEWAY_HTTP_SERVER_H_
-#define SERVER_GATEWAY_HTTP_SERVER_H_
+#ifndef COMMON_HTTP_HTTP_SERVER_H_
+#define COMMON_HTTP_HTTP_SERVER_H_
 
 #include <openssl/ssl.h>
 
@@ -16,8 +16,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
-#include "server/gateway/http_message.h"
-#include "server/gateway/http_stream.h"
+#include "common/http/http_message.h"
+#include "common/http/http_stream.h"
 
 namespace treeline {
 
@@ -82,4 +82,4 @@ class HttpServer {
 
 }  // namespace treeline
 
-#endif  // SERVER_GATEWAY_HTTP_SERVER_H_
+#endif  // COMMON_HTTP_HTTP_SERVER_H_

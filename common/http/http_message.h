@@ -1,7 +1,8 @@
 // Requests and responses as handlers see them, without a socket.
-#ifndef SERVER_GATEWAY_HTTP_MESSAGE_H_
-#define SERVER_GATEWAY_HTTP_MESSAGE_H_
+#ifndef COMMON_HTTP_HTTP_MESSAGE_H_
+#define COMMON_HTTP_HTTP_MESSAGE_H_
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -37,11 +38,24 @@ struct HttpRequest {
   }
 };
 
+// Takes a body that goes on for as long as there is something to tell.
+class HttpBodyWriter {
+ public:
+  virtual ~HttpBodyWriter() = default;
+  // Waits until the system has taken the bytes, for no longer than
+  // StreamLimits::write_timeout. False: the client has gone, or does not read;
+  // nothing more can be written.
+  virtual bool Write(absl::string_view bytes) = 0;
+};
+
 struct HttpResponse {
   int status = 200;
   std::string content_type = {};
   std::string body = {};
   std::vector<std::pair<std::string, std::string>> headers = {};
+  // Instead of `body`, of GET requests alone: called in the connection's
+  // thread, and the connection closes when it returns.
+  std::function<void(HttpBodyWriter&)> stream = {};
 };
 
 // Thread-safe: every connection has a thread.
@@ -66,4 +80,4 @@ class HttpHandler {
 
 }  // namespace treeline
 
-#endif  // SERVER_GATEWAY_HTTP_MESSAGE_H_
+#endif  // COMMON_HTTP_HTTP_MESSAGE_H_

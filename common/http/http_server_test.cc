@@ -1,4 +1,4 @@
-#include "server/gateway/http_server.h"
+#include "common/http/http_server.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "absl/synchronization/notification.h"
-#include "server/gateway/testing_raw_client.h"
+#include "common/http/testing_raw_client.h"
 
 namespace treeline {
 namespace {
@@ -37,6 +37,17 @@ class EchoHandler final : public HttpHandler {
       waiting.Notify();
       go_on.WaitForNotification();
     }
+    if (request.path == "/stream") {
+      return {.content_type = "text/plain",
+              .stream = [this](HttpBodyWriter& writer) {
+                for (int i = 0; i < 3; ++i) {
+                  if (!writer.Write(absl::StrCat("part ", i, "\n"))) break;
+                }
+                while (endless && writer.Write(std::string(65536, 'x'))) {
+                }
+                streamed.Notify();
+              }};
+    }
     if (request.path == "/throw") throw std::bad_alloc();
     return {.content_type = "text/plain", .body = request.body};
   }
@@ -51,6 +62,8 @@ class EchoHandler final : public HttpHandler {
   }
 
   std::atomic<int> handled = 0;
+  std::atomic<bool> endless = false;
+  absl::Notification streamed;
   absl::Notification waiting;
   absl::Notification go_on;
 };
@@ -104,6 +117,35 @@ TEST_F(HttpServerTest, AnswersPipelinedRequestsInOrder) {
   const size_t one = answers.find("\r\n\r\none");
   ASSERT_NE(one, std::string::npos);
   EXPECT_NE(answers.find("\r\n\r\ntwo", one), std::string::npos);
+}
+
+TEST_F(HttpServerTest, StreamsInChunksAndCloses) {
+  Start();
+  const std::string answer = Exchange("GET /stream HTTP/1.1\r\n\r\n");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 OK\r\n"));
+  EXPECT_THAT(answer, HasSubstr("X-Common: yes\r\n"));
+  EXPECT_THAT(answer, HasSubstr("\r\n\r\n7\r\npart 0\n\r\n7\r\npart 1\n\r\n"
+                                "7\r\npart 2\n\r\n0\r\n\r\n"));
+}
+
+TEST_F(HttpServerTest, AStreamEndsWithItsReader) {
+  handler_.endless = true;
+  Start();
+  {
+    const RawClient client(server_->address());
+    ASSERT_TRUE(client.Send("GET /stream HTTP/1.1\r\n\r\n"));
+    ASSERT_THAT(client.ReadSome(), StartsWith("HTTP/1.1 200"));
+  }
+  handler_.streamed.WaitForNotification();
+}
+
+TEST_F(HttpServerTest, AStreamEndsWhenItsReaderDoesNotRead) {
+  handler_.endless = true;
+  options_.stream.write_timeout = std::chrono::milliseconds(100);
+  Start();
+  const RawClient client(server_->address());
+  ASSERT_TRUE(client.Send("GET /stream HTTP/1.1\r\n\r\n"));
+  handler_.streamed.WaitForNotification();
 }
 
 TEST_F(HttpServerTest, TakesChunkedAndCompressedBodies) {

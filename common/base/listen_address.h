@@ -1,6 +1,6 @@
 // Where a server listens: "HOST:PORT".
-#ifndef SERVER_SERVICE_LISTEN_ADDRESS_H_
-#define SERVER_SERVICE_LISTEN_ADDRESS_H_
+#ifndef COMMON_BASE_LISTEN_ADDRESS_H_
+#define COMMON_BASE_LISTEN_ADDRESS_H_
 
 #include <string>
 
@@ -32,4 +32,4 @@ absl::Status TryBind(const ListenAddress& address);
 
 }  // namespace treeline
 
-#endif  // SERVER_SERVICE_LISTEN_ADDRESS_H_
+#endif  // COMMON_BASE_LISTEN_ADDRESS_H_
