@@ -44,6 +44,8 @@ struct AgentState {
   // Since the agent's start (s).
   double time_s = 0;
   NavigatorSnapshot snapshot;
+  // Of snapshot.goal.
+  std::vector<LevelPose> goal_poses;
   std::vector<DeviceReport> devices;
   // Simulation only: where it truly is.
   std::optional<Rigid3> true_map_from_base;
