@@ -43,13 +43,13 @@ struct AgentState {
   uint64_t number = 0;
   // Since the agent's start (s).
   double time_s = 0;
-  NavigatorSnapshot snapshot;
+  NavigatorSnapshot snapshot = {};
   // Of snapshot.goal.
-  std::vector<LevelPose> goal_poses;
-  std::vector<DeviceReport> devices;
+  std::vector<LevelPose> goal_poses = {};
+  std::vector<DeviceReport> devices = {};
   // Simulation only: where it truly is.
-  std::optional<Rigid3> true_map_from_base;
-  std::vector<ObstacleReport> obstacles;
+  std::optional<Rigid3> true_map_from_base = std::nullopt;
+  std::vector<ObstacleReport> obstacles = {};
   int64_t missed_deadlines = 0;
 };
 

@@ -11,22 +11,28 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+GoalStatus GoalOf(uint64_t id, GoalState state, double driven_m,
+                  int recoveries) {
+  GoalStatus goal;
+  goal.id = id;
+  goal.state = state;
+  goal.driven_m = driven_m;
+  goal.recoveries = recoveries;
+  return goal;
+}
+
 TEST(AgentMetrics, CountsAGoalOnce) {
   AgentMetrics metrics;
   AgentState state;
-  state.snapshot.goal = GoalStatus{
-      .id = 1, .state = GoalState::kActive, .driven_m = 2, .recoveries = 1};
+  state.snapshot.goal = GoalOf(1, GoalState::kActive, 2, 1);
   metrics.ObserveState(state);
   EXPECT_THAT(metrics.Expose(), Not(HasSubstr("agent_goals_total{")));
   state.snapshot.goal->state = GoalState::kSucceeded;
   state.snapshot.goal->recoveries = 3;
   metrics.ObserveState(state);
   metrics.ObserveState(state);
-  state.snapshot.goal = GoalStatus{.id = 2,
-                                   .state = GoalState::kFailed,
-                                   .cause = NavigationCause::kNoPath,
-                                   .driven_m = 0.5,
-                                   .recoveries = 1};
+  state.snapshot.goal = GoalOf(2, GoalState::kFailed, 0.5, 1);
+  state.snapshot.goal->cause = NavigationCause::kNoPath;
   metrics.ObserveState(state);
   const std::string text = metrics.Expose();
   EXPECT_THAT(text,
@@ -48,7 +54,7 @@ TEST(AgentMetrics, CountsTimesLostAndFixes) {
     state.snapshot.mode = mode;
     metrics.ObserveState(state);
   }
-  state.snapshot.fix = RelocalizationAnswer{.localized = true};
+  state.snapshot.fix.emplace();
   state.snapshot.fix->round_trip_s = 0.02;
   state.snapshot.fix_verdict = "refused: 0.4 m above the floor";
   metrics.ObserveState(state);

@@ -28,13 +28,13 @@ AgentState FullState() {
   // Its longer axis lies along x + y: 0.05 + 0.03.
   pose.covariance = {0.05, 0.03, 0, 0.03, 0.05, 0, 0, 0, 0.04};
   snapshot.pose = pose;
-  snapshot.goal = GoalStatus{.id = 3,
-                             .state = GoalState::kActive,
-                             .why = "",
-                             .to_go_m = 4.5,
-                             .driven_m = 1,
-                             .replans = 1,
-                             .recoveries = 2};
+  snapshot.goal.emplace();
+  snapshot.goal->id = 3;
+  snapshot.goal->state = GoalState::kActive;
+  snapshot.goal->to_go_m = 4.5;
+  snapshot.goal->driven_m = 1;
+  snapshot.goal->replans = 1;
+  snapshot.goal->recoveries = 2;
   state.goal_poses = {{.map_from_base = {{9, 8}, 0}, .place = {0, 0}}};
   snapshot.command = {.forward_mps = 0.25, .yaw_rate_radps = -0.5};
   RelocalizationAnswer fix;
@@ -50,7 +50,8 @@ AgentState FullState() {
   snapshot.fix = fix;
   snapshot.fix_verdict = "accepted";
   snapshot.path = {{.map_from_base = {{1, 2}, 0.1}, .place = {0, 0.5}}};
-  snapshot.bubbles = {{.center_in_map = {1, 2}, .radius_m = 0.4}};
+  snapshot.bubbles = {
+      {.center_in_map = {1, 2}, .heading_rad = 0, .radius_m = 0.4}};
   snapshot.tree_edges = {{0, 0}, {1, 1}};
   snapshot.scan_in_map = {{5, 6}};
   snapshot.blockages = {{.center = {1, 1}, .radius_m = 0.2, .level = 1}};
@@ -136,7 +137,7 @@ TEST(ApiJson, ShowsAtMost500ParticlesOfAllOfThem) {
   AgentState state;
   for (int i = 0; i < 2000; ++i) {
     state.snapshot.particles.push_back(
-        {.map_from_base = {{static_cast<double>(i), 0}, 0}});
+        {.map_from_base = {{static_cast<double>(i), 0}, 0}, .weight = 1});
   }
   const Json particles = Json::parse(SceneJson(state))["particles"];
   ASSERT_EQ(particles.size(), 1500U);

@@ -1,5 +1,7 @@
 #include "nav_agent/service/device_taps.h"
 
+#include <chrono>
+#include <iterator>
 #include <utility>
 
 #include "common/base/status_macros.h"
@@ -46,10 +48,32 @@ absl::StatusOr<std::shared_ptr<const std::string>> PictureKeeper::Jpeg() const {
   return jpeg;
 }
 
-std::vector<RgbdFrame> WatchedCamera::TakeFrames() {
-  std::vector<RgbdFrame> frames = camera_.TakeFrames();
-  if (!frames.empty()) keeper_.Keep(frames.back());
-  return frames;
+BackgroundCamera::BackgroundCamera(
+    RgbdCamera& camera, std::function<void(const RgbdFrame&)> on_frame)
+    : camera_(camera),
+      on_frame_(std::move(on_frame)),
+      thread_([this](const std::stop_token& stop) { Run(stop); }) {}
+
+void BackgroundCamera::Run(const std::stop_token& stop) {
+  constexpr auto kLookUp = std::chrono::milliseconds(10);
+  while (!stop.stop_requested()) {
+    std::vector<RgbdFrame> taken = camera_.TakeFrames();
+    for (RgbdFrame& frame : taken) {
+      on_frame_(frame);
+      const absl::MutexLock lock(&mutex_);
+      frames_.push_back(std::move(frame));
+      if (frames_.size() > kKept) frames_.pop_front();
+    }
+    if (taken.empty()) std::this_thread::sleep_for(kLookUp);
+  }
+}
+
+std::vector<RgbdFrame> BackgroundCamera::TakeFrames() {
+  const absl::MutexLock lock(&mutex_);
+  std::vector<RgbdFrame> taken(std::make_move_iterator(frames_.begin()),
+                               std::make_move_iterator(frames_.end()));
+  frames_.clear();
+  return taken;
 }
 
 void WatchedServer::Ask(const RgbdFrame& frame, double timeout_s) {

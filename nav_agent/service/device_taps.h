@@ -3,9 +3,13 @@
 #ifndef NAV_AGENT_SERVICE_DEVICE_TAPS_H_
 #define NAV_AGENT_SERVICE_DEVICE_TAPS_H_
 
+#include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -38,19 +42,31 @@ class PictureKeeper {
   mutable std::shared_ptr<const std::string> jpeg_ ABSL_GUARDED_BY(mutex_);
 };
 
-// A camera whose pictures are kept. Both must outlive it.
-class WatchedCamera final : public RgbdCamera {
+// A camera whose frames are taken by a thread of its own: rendering, decoding
+// and recording them makes nobody else wait. The newest few are kept for who
+// takes them.
+class BackgroundCamera final : public RgbdCamera {
  public:
-  WatchedCamera(RgbdCamera& camera, PictureKeeper& keeper)
-      : camera_(camera), keeper_(keeper) {}
+  // on_frame: called by that thread for every frame. All must outlive it.
+  BackgroundCamera(RgbdCamera& camera,
+                   std::function<void(const RgbdFrame&)> on_frame);
+  ~BackgroundCamera() override = default;
 
   RgbdCalibration Calibration() const override { return camera_.Calibration(); }
   std::vector<RgbdFrame> TakeFrames() override;
   DeviceHealth Health() const override { return camera_.Health(); }
 
  private:
+  static constexpr size_t kKept = 4;
+
+  void Run(const std::stop_token& stop);
+
   RgbdCamera& camera_;
-  PictureKeeper& keeper_;
+  const std::function<void(const RgbdFrame&)> on_frame_;
+  absl::Mutex mutex_;
+  std::deque<RgbdFrame> frames_ ABSL_GUARDED_BY(mutex_);
+  // The last member: it uses all of them.
+  std::jthread thread_;
 };
 
 // A relocalization server whose questions are kept. Both must outlive it.

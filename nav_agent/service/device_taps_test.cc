@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include "common/image/decode.h"
 
@@ -42,30 +45,50 @@ TEST(PictureKeeper, KeepsTheNewestOfEveryInterval) {
   keeper.Keep(FrameAt(10, 250));
   EXPECT_NEAR(ShadeOf(keeper), 250, 2);
   // Without colour there is nothing to show.
-  keeper.Keep(RgbdFrame{.stamp = MonotonicTime(milliseconds(9000))});
+  RgbdFrame dark;
+  dark.stamp = MonotonicTime(milliseconds(9000));
+  keeper.Keep(dark);
   EXPECT_NEAR(ShadeOf(keeper), 250, 2);
 }
 
-class OneFrameCamera final : public RgbdCamera {
+// Has so many frames, once.
+class FewFramesCamera final : public RgbdCamera {
  public:
+  explicit FewFramesCamera(int frames) : frames_(frames) {}
+
   RgbdCalibration Calibration() const override { return {}; }
   std::vector<RgbdFrame> TakeFrames() override {
-    return std::exchange(frames, {});
+    std::vector<RgbdFrame> taken;
+    for (int i = 0; i < std::exchange(frames_, 0); ++i) {
+      taken.push_back(FrameAt(i, static_cast<uint8_t>(10 * i)));
+    }
+    return taken;
   }
-  DeviceHealth Health() const override { return {.received = 7}; }
+  DeviceHealth Health() const override {
+    DeviceHealth health;
+    health.received = 7;
+    return health;
+  }
 
-  std::vector<RgbdFrame> frames;
+ private:
+  int frames_;
 };
 
-TEST(WatchedCamera, HandsFramesOn) {
-  OneFrameCamera camera;
-  camera.frames = {FrameAt(0, 10), FrameAt(33, 90)};
-  PictureKeeper keeper(milliseconds(0));
-  WatchedCamera watched(camera, keeper);
-  EXPECT_EQ(watched.TakeFrames().size(), 2U);
-  EXPECT_TRUE(watched.TakeFrames().empty());
-  EXPECT_NEAR(ShadeOf(keeper), 90, 2);
-  EXPECT_EQ(watched.Health().received, 7);
+TEST(BackgroundCamera, KeepsTheNewestFewAndShowsAll) {
+  FewFramesCamera camera(10);
+  std::atomic<int> shown = 0;
+  BackgroundCamera background(camera, [&](const RgbdFrame&) { ++shown; });
+  while (shown < 10) std::this_thread::yield();
+  EXPECT_EQ(background.Health().received, 7);
+  std::vector<RgbdFrame> taken;
+  // The last one is handed over just after it was shown.
+  while (taken.empty() || taken.back().stamp != FrameAt(9, 0).stamp) {
+    for (RgbdFrame& frame : background.TakeFrames()) {
+      taken.push_back(std::move(frame));
+    }
+  }
+  EXPECT_LE(taken.size(), 5U);
+  EXPECT_TRUE(background.TakeFrames().empty());
 }
 
 class DeadServer final : public RelocalizationPort {

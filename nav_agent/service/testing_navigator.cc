@@ -37,7 +37,10 @@ void FakeNavigator::Step() {
 
 absl::StatusOr<uint64_t> FakeNavigator::SetGoal(const NavigationGoal& goal) {
   last_goal = goal;
-  snapshot.goal = GoalStatus{.id = ++goals_, .state = GoalState::kActive};
+  GoalStatus status;
+  status.id = ++goals_;
+  status.state = GoalState::kActive;
+  snapshot.goal = status;
   return goals_;
 }
 
@@ -52,7 +55,9 @@ absl::Status FakeNavigator::CancelGoal(uint64_t id) {
 
 absl::Status FakeNavigator::SetPose(const LevelPose& pose,
                                     const PoseCovariance2& covariance) {
-  snapshot.pose = TrackedPose{.pose = pose, .covariance = covariance};
+  snapshot.pose.emplace();
+  snapshot.pose->pose = pose;
+  snapshot.pose->covariance = covariance;
   return absl::OkStatus();
 }
 
