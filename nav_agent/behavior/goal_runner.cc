@@ -62,7 +62,8 @@ uint64_t GoalRunner::Start(const NavigationGoal& goal) {
         map_->GroundOf(pose.map_from_base.translation, pose.place.level);
     if (ground.has_value()) pose.place = *ground;
   }
-  status_ = GoalStatus{.id = ++last_id_, .state = GoalState::kAccepted};
+  status_.emplace();
+  status_->id = ++last_id_;
   phase_ = GoalPhase::kToPlan;
   is_first_path_ = true;
   replans_ = 0;
@@ -167,8 +168,10 @@ void GoalRunner::StepPlanning(const ControlPose& pose, MonotonicTime now) {
     if (!result.has_value()) {
       if (SecondsBetween(asked_->since, now) < options_.limits.plan_s) return;
       planner_->Cancel();
-      result = PlanResult{.failure = NavigationCause::kPlanTimeout,
-                          .why = "the planner did not come to an end"};
+      PlanResult late;
+      late.failure = NavigationCause::kPlanTimeout;
+      late.why = "the planner did not come to an end";
+      result = std::move(late);
     }
     if (!result->ok()) {
       End(GoalState::kFailed, NavigationCause::kInternal,

@@ -474,7 +474,10 @@ void NavigatorOfParts::Halt() {
 }
 
 NavigatorSnapshot NavigatorOfParts::Snapshot() const {
-  NavigatorSnapshot shot = {.stamp = now_, .mode = mode_, .cause = cause_};
+  NavigatorSnapshot shot;
+  shot.stamp = now_;
+  shot.mode = mode_;
+  shot.cause = cause_;
   shot.cause_text = cause_text_;
   shot.pose = parts_.tracker->Pose();
   shot.verdict = parts_.tracker->verdict();

@@ -25,10 +25,9 @@ bool ProgressWatch::Observe(MonotonicTime now, size_t leg, double to_go_m,
   }
   const bool begins = !since_.has_value();
   const bool moved = !begins && to_go_m_ - to_go_m >= limits_.progress_m;
-  const bool turned = !begins && !has_turned_ &&
-                      std::abs(NormalizedAngle_rad(map_from_base.yaw_rad -
-                                                   map_from_base_.yaw_rad)) >=
-                          limits_.progress_rad;
+  const bool turned =
+      !begins && !has_turned_ &&
+      std::abs(NormalizedAngle_rad(yaw_rad - yaw_rad_)) >= limits_.progress_rad;
   if (begins || moved || turned) {
     has_turned_ = turned;
     since_ = now;

@@ -118,7 +118,10 @@ GuardVerdict CollisionGuard::Check(const VelocityCommand& wanted,
       verdict.command = command;
       return verdict;
     }
-    if (!verdict.is_limited) verdict.point_in_base = hit->in_base;
+    if (!verdict.is_limited) {
+      verdict.point_in_base = hit->in_base;
+      verdict.point_moves = hit->approach_mps > 0;
+    }
     verdict.is_limited = true;
   }
   return verdict;

@@ -44,8 +44,9 @@ struct GuardVerdict {
   VelocityCommand command;
   // The command is another one than was wanted because of a point.
   bool is_limited = false;
-  // Of what limits most: where (m).
+  // What forbade the wanted command: where (m), and whether it moves.
   Vec2 point_in_base;
+  bool point_moves = false;
 };
 
 // For each command: what the robot does if it obeys for the reaction time and

@@ -15,6 +15,10 @@ struct ControlPose {
   Rotation3 level_from_base;
   double forward_mps = 0;
   double yaw_rate_radps = 0;
+  // The robot is lost: `pose` is dead reckoning's, and the map says nothing of
+  // what stands there; only what was seen counts. Obstacles are to be cleared
+  // when this changes.
+  bool map_is_unknown = false;
 };
 
 // The robot in space, on the ground that it stands on.

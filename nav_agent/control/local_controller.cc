@@ -9,10 +9,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/control/band_keeper.h"
 #include "nav_agent/control/collision_guard.h"
+#include "nav_agent/control/escape.h"
 #include "nav_agent/control/goal_approach.h"
 #include "nav_agent/control/local_costmap.h"
-#include "nav_agent/control/path_progress.h"
+#include "nav_agent/control/standstill.h"
 #include "nav_agent/control/track_follower.h"
 #include "nav_agent/control/velocity_limits.h"
 
@@ -22,12 +24,10 @@ namespace {
 // Without a scan for so long the robot stops (s).
 constexpr double kScanLifetime_s = 0.3;
 constexpr double kDepthLifetime_s = 0.5;
-// The band's end keeps away from the window's edge: beyond, nothing is known.
-constexpr double kInset_m = 0.4;
-constexpr double kHorizon_m = 3.0;
-constexpr double kTrackStep_m = 0.05;
-// Room below which a place counts as taken (m).
-constexpr double kTouch_m = 0.0;
+constexpr double kStanding_mps = 0.02;
+constexpr double kStanding_radps = 0.05;
+// A band that breaks so near ahead is broken (m).
+constexpr double kBrokenNear_m = 0.35;
 
 double SecondsBetween(MonotonicTime from, MonotonicTime until) {
   return std::chrono::duration<double>(until - from).count();
@@ -40,12 +40,14 @@ bool IsFinitePose(const ControlPose& pose) {
 
 class BandController final : public LocalController {
  public:
-  BandController(const RobotModel& robot, const LocalControllerOptions& options,
+  BandController(std::shared_ptr<const NavigationMap> map,
+                 const RobotModel& robot, const LocalControllerOptions& options,
                  LocalCostmap costmap)
       : robot_(robot),
         options_(options),
         costmap_(std::move(costmap)),
         guard_(robot, CollisionGuardOptions()),
+        keeper_(std::move(map), KeeperOptions(options)),
         approach_({.tolerance_m = options.goal_tolerance_m,
                    .tolerance_rad = options.goal_tolerance_rad}) {
     follow_.max_forward_mps =
@@ -60,7 +62,10 @@ class BandController final : public LocalController {
                         const RgbdFrame& frame) override {
     return costmap_.AddDepth(pose, frame);
   }
-  void ClearObstacles() override { costmap_.ClearObstacles(); }
+  void ClearObstacles() override {
+    costmap_.ClearObstacles();
+    standstill_.Reset();
+  }
 
   void SetPath(const std::vector<LevelPose>& path) override;
   ControlResult Step(const ControlPose& pose) override;
@@ -72,18 +77,28 @@ class BandController final : public LocalController {
   CostmapView Costmap() const override;
 
  private:
-  struct Track {
-    std::vector<TrackPoint> points;
-    bool ends_at_goal = false;
-    // Where it is broken.
-    std::optional<Vec2> broken_at;
+  // A command after limits and the collision stop.
+  struct Allowed {
+    VelocityCommand command;
+    bool is_limited = false;
+    // What limits it, and whether that moves.
+    std::optional<Vec2> point_in_map;
+    bool point_moves = false;
   };
 
+  static BandKeeperOptions KeeperOptions(
+      const LocalControllerOptions& options) {
+    BandKeeperOptions keeper;
+    keeper.band.influence_m = std::max(0.05, options.inflation_m);
+    return keeper;
+  }
   std::vector<GuardPoint> GuardPoints(const ControlPose& pose) const;
-  VelocityCommand Allowed(const ControlPose& pose,
-                          const VelocityCommand& wanted, bool* is_limited);
-  Track TrackAlongPath(const ControlPose& pose) const;
-  VelocityCommand Wanted(const ControlPose& pose, const Track& track);
+  Allowed Allow(const ControlPose& pose, const VelocityCommand& wanted,
+                std::span<const GuardPoint> points);
+  VelocityCommand Wanted(const ControlPose& pose, const BandTrack& track);
+  void JudgeProgress(const ControlPose& pose, const BandTrack& track,
+                     const VelocityCommand& wanted, const Allowed& allowed,
+                     ControlResult& result);
 
   RobotModel robot_;
   LocalControllerOptions options_;
@@ -91,17 +106,19 @@ class BandController final : public LocalController {
   LocalCostmap costmap_;
   CollisionGuard guard_;
   CommandHistory history_;
-  PathProgress progress_;
+  BandKeeper keeper_;
   GoalApproach approach_;
   FollowState follow_state_;
-  std::vector<Bubble> bubbles_;
+  Escape escape_;
+  Standstill standstill_;
 };
 
 void BandController::SetPath(const std::vector<LevelPose>& path) {
-  progress_.SetPath(path);
+  keeper_.SetPath(path);
   approach_.Reset();
   follow_state_ = {};
-  bubbles_.clear();
+  escape_.Reset();
+  standstill_.Reset();
 }
 
 std::vector<GuardPoint> BandController::GuardPoints(
@@ -114,6 +131,7 @@ std::vector<GuardPoint> BandController::GuardPoints(
     Vec2 last = {1e9, 1e9};
     for (const SeenPoint& point : seen) {
       const Vec2 in_base = base_from_map * point.in_map;
+      // Neighbouring beams that end side by side say the same.
       if (Norm(in_base) > reach_m || Norm(in_base - last) < 0.012) continue;
       last = in_base;
       points.push_back(
@@ -136,80 +154,53 @@ std::vector<GuardPoint> BandController::GuardPoints(
   return points;
 }
 
-VelocityCommand BandController::Allowed(const ControlPose& pose,
-                                        const VelocityCommand& wanted,
-                                        bool* is_limited) {
-  *is_limited = false;
+BandController::Allowed BandController::Allow(
+    const ControlPose& pose, const VelocityCommand& wanted,
+    std::span<const GuardPoint> points) {
   const CommandHistory::Start start = history_.StartAt(
       pose.stamp,
       {.forward_mps = pose.forward_mps, .yaw_rate_radps = pose.yaw_rate_radps},
       robot_);
-  VelocityCommand command;
+  Allowed allowed;
   const bool sees =
       costmap_.last_scan().has_value() &&
       SecondsBetween(*costmap_.last_scan(), pose.stamp) < kScanLifetime_s;
   if (!IsFinitePose(pose) || !sees || !std::isfinite(wanted.forward_mps) ||
       !std::isfinite(wanted.yaw_rate_radps)) {
-    *is_limited = true;
-    command = LimitedVelocity(start.velocity, {}, start.interval_s, robot_);
+    allowed.is_limited = true;
+    allowed.command =
+        LimitedVelocity(start.velocity, {}, start.interval_s, robot_);
   } else {
     const VelocityCommand limited =
         LimitedVelocity(start.velocity, wanted, start.interval_s, robot_);
-    const GuardVerdict verdict = guard_.Check(limited, GuardPoints(pose));
-    *is_limited = verdict.is_limited;
-    command = verdict.is_limited
-                  ? LimitedVelocity(start.velocity, verdict.command,
-                                    start.interval_s, robot_)
-                  : limited;
+    const GuardVerdict verdict = guard_.Check(limited, points);
+    allowed.is_limited = verdict.is_limited;
+    allowed.command = limited;
+    if (verdict.is_limited) {
+      allowed.command = LimitedVelocity(start.velocity, verdict.command,
+                                        start.interval_s, robot_);
+      allowed.point_in_map = pose.pose.map_from_base * verdict.point_in_base;
+      allowed.point_moves = verdict.point_moves;
+    }
   }
-  history_.Told(pose.stamp, command);
-  return command;
+  history_.Told(pose.stamp, allowed.command);
+  return allowed;
 }
 
 VelocityCommand BandController::Guard(const ControlPose& pose,
                                       const VelocityCommand& wanted) {
-  if (IsFinitePose(pose)) {
-    costmap_.MoveTo(pose.pose);
-    costmap_.Update(pose.stamp);
-  }
-  bool is_limited = false;
-  return Allowed(pose, wanted, &is_limited);
-}
-
-BandController::Track BandController::TrackAlongPath(
-    const ControlPose& pose) const {
-  Track track;
-  track.points.push_back({.in_map = pose.pose.map_from_base.translation});
-  const double from_m = progress_.along_m();
-  const double length_m = progress_.length_m();
-  for (double ahead_m = 0.1;; ahead_m += kTrackStep_m) {
-    const bool is_end = from_m + ahead_m >= length_m;
-    const LevelPose at =
-        is_end ? progress_.goal() : progress_.At(from_m + ahead_m);
-    if (!costmap_.Contains(at.map_from_base.translation, kInset_m) ||
-        ahead_m > kHorizon_m) {
-      return track;
-    }
-    const double clearance_m =
-        costmap_.FootprintDistance_m(at.map_from_base, options_.inflation_m);
-    if (clearance_m < kTouch_m) {
-      track.broken_at = at.map_from_base.translation;
-      return track;
-    }
-    track.points.push_back(
-        {.in_map = at.map_from_base.translation, .clearance_m = clearance_m});
-    if (is_end) break;
-  }
-  track.ends_at_goal = true;
-  return track;
+  if (!IsFinitePose(pose)) return Allow(pose, wanted, {}).command;
+  costmap_.MoveTo(pose);
+  costmap_.Update(pose.stamp);
+  return Allow(pose, wanted, GuardPoints(pose)).command;
 }
 
 VelocityCommand BandController::Wanted(const ControlPose& pose,
-                                       const Track& track) {
-  if (approach_.IsNear(pose.pose.map_from_base, progress_.goal().map_from_base,
-                       progress_.left_m())) {
-    return approach_.Command(pose.pose.map_from_base,
-                             progress_.goal().map_from_base, robot_, follow_);
+                                       const BandTrack& track) {
+  const Rigid2& goal = keeper_.progress().goal().map_from_base;
+  if (approach_.IsNear(pose.pose.map_from_base, goal,
+                       keeper_.progress().left_m())) {
+    return approach_.Command(pose.pose.map_from_base, goal, robot_, follow_);
   }
   return FollowTrack(pose.pose.map_from_base, pose.forward_mps, track.points, 0,
                      robot_, follow_, follow_state_);
@@ -218,40 +209,90 @@ VelocityCommand BandController::Wanted(const ControlPose& pose,
 ControlResult BandController::Step(const ControlPose& pose) {
   ControlResult result;
   if (!IsFinitePose(pose)) {
-    result.command = Allowed(pose, {}, &result.is_stopped_by_guard);
+    result.command = Allow(pose, {}, {}).command;
+    result.is_stopped_by_guard = true;
     return result;
   }
-  costmap_.MoveTo(pose.pose);
+  costmap_.MoveTo(pose);
   costmap_.Update(pose.stamp);
-  if (!progress_.has_path()) {
-    result.command = Allowed(pose, {}, &result.is_stopped_by_guard);
+  const std::vector<GuardPoint> points = GuardPoints(pose);
+  if (!keeper_.progress().has_path()) {
+    result.command = Allow(pose, {}, points).command;
     return result;
   }
-  progress_.Follow(pose.pose);
-  result.to_go_m = progress_.left_m();
-  const Track track = TrackAlongPath(pose);
-  bubbles_.clear();
-  for (const TrackPoint& point : track.points) {
-    bubbles_.push_back(
-        {.center_in_map = point.in_map, .radius_m = point.clearance_m});
-  }
+  const BandTrack track = keeper_.Update(pose.pose, costmap_);
+  result.to_go_m = keeper_.progress().left_m();
   result.state = ControlState::kDriving;
-  result.command =
-      Allowed(pose, Wanted(pose, track), &result.is_stopped_by_guard);
+  VelocityCommand wanted = Wanted(pose, track);
   if (approach_.is_done()) {
-    const bool stands = std::abs(pose.forward_mps) < 0.02 &&
-                        std::abs(pose.yaw_rate_radps) < 0.05;
+    const Allowed allowed = Allow(pose, {}, points);
+    result.command = allowed.command;
+    const bool stands = std::abs(pose.forward_mps) < kStanding_mps &&
+                        std::abs(pose.yaw_rate_radps) < kStanding_radps;
     if (stands) result.state = ControlState::kArrived;
+    standstill_.Reset();
     return result;
   }
-  if (track.broken_at.has_value() &&
-      Norm(*track.broken_at - pose.pose.map_from_base.translation) < 0.6 &&
-      std::abs(pose.forward_mps) < 0.03) {
-    result.state = ControlState::kBlocked;
-    result.obstacle_in_map = *track.broken_at;
-    result.obstacle_radius_m = 0.3;
+  if (standstill_.WantsEscape() && track.points.size() > 1) {
+    wanted = escape_.Find(pose, track.points, wanted, costmap_, guard_, points)
+                 .value_or(wanted);
   }
+  const Allowed allowed = Allow(pose, wanted, points);
+  result.command = allowed.command;
+  result.is_stopped_by_guard = allowed.is_limited;
+  JudgeProgress(pose, track, wanted, allowed, result);
   return result;
+}
+
+void BandController::JudgeProgress(const ControlPose& pose,
+                                   const BandTrack& track,
+                                   const VelocityCommand& wanted,
+                                   const Allowed& allowed,
+                                   ControlResult& result) {
+  StandstillInput input = {
+      .stamp = pose.stamp,
+      .at = pose.pose.map_from_base,
+      .wants_to_move = wanted.forward_mps != 0 || wanted.yaw_rate_radps != 0};
+  double track_m = 0;
+  for (size_t i = 1; i < track.points.size(); ++i) {
+    track_m += Norm(track.points[i].in_map - track.points[i - 1].in_map);
+  }
+  if (track.broken_at.has_value() && track_m < kBrokenNear_m &&
+      !approach_.is_turning()) {
+    input.obstacle_in_map = *track.broken_at;
+    input.is_broken = true;
+    const SeenObstacle seen = costmap_.ObstacleNear(
+        *track.broken_at, robot_.Circumradius_m() + 0.1, pose.stamp);
+    if (seen.radius_m > 0) {
+      input.obstacle_in_map = seen.center_in_map;
+      input.obstacle_radius_m = seen.radius_m;
+    }
+    input.obstacle_age_s = seen.age_s;
+  }
+  if (allowed.point_in_map.has_value()) {
+    input.is_guarded = true;
+    if (!input.is_broken) {
+      input.obstacle_in_map = *allowed.point_in_map;
+      const SeenObstacle seen =
+          costmap_.ObstacleNear(*allowed.point_in_map, 0.2, pose.stamp);
+      if (seen.radius_m > 0) {
+        input.obstacle_in_map = seen.center_in_map;
+        input.obstacle_radius_m = seen.radius_m;
+      }
+      input.obstacle_age_s = seen.age_s;
+    }
+    if (allowed.point_moves) input.obstacle_age_s = 0;
+  }
+  result.state = standstill_.Judge(input);
+  if (result.state == ControlState::kBlocked ||
+      result.state == ControlState::kWaiting) {
+    // Held by something that nothing sees: it is where the robot wants to go.
+    const double ahead_m =
+        wanted.forward_mps < 0 ? -robot_.rear_m - 0.1 : robot_.front_m + 0.1;
+    result.obstacle_in_map = input.obstacle_in_map.value_or(
+        pose.pose.map_from_base * Vec2{ahead_m, 0});
+    result.obstacle_radius_m = std::max(0.1, input.obstacle_radius_m);
+  }
 }
 
 bool BandController::CanTurn(const ControlPose& pose) const {
@@ -279,7 +320,15 @@ double BandController::FreeWay_m(const ControlPose& pose,
   return sign * free_m;
 }
 
-std::vector<Bubble> BandController::Bubbles() const { return bubbles_; }
+std::vector<Bubble> BandController::Bubbles() const {
+  std::vector<Bubble> bubbles;
+  for (const BandBubble& bubble : keeper_.bubbles()) {
+    bubbles.push_back({.center_in_map = bubble.map_from_base.translation,
+                       .heading_rad = bubble.map_from_base.yaw_rad,
+                       .radius_m = std::max(0.0, bubble.radius_m)});
+  }
+  return bubbles;
+}
 
 CostmapView BandController::Costmap() const {
   CostmapView view = {.origin_in_map = costmap_.origin_in_map(),
@@ -324,10 +373,10 @@ absl::StatusOr<std::unique_ptr<LocalController>> LocalController::Make(
   costmap_options.length_m = options.costmap_length_m;
   costmap_options.width_m = options.costmap_width_m;
   costmap_options.resolution_m = options.costmap_resolution_m;
-  TL_ASSIGN_OR_RETURN(
-      LocalCostmap costmap,
-      LocalCostmap::Make(std::move(map), robot, laser, costmap_options));
-  return std::make_unique<BandController>(robot, options, std::move(costmap));
+  TL_ASSIGN_OR_RETURN(LocalCostmap costmap,
+                      LocalCostmap::Make(map, robot, laser, costmap_options));
+  return std::make_unique<BandController>(std::move(map), robot, options,
+                                          std::move(costmap));
 }
 
 }  // namespace treeline

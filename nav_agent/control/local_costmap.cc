@@ -131,18 +131,23 @@ int64_t LocalCostmap::Milliseconds(MonotonicTime time) {
 
 // ---- the map's layer ----
 
-void LocalCostmap::MoveTo(const LevelPose& pose) {
+void LocalCostmap::MoveTo(const ControlPose& control_pose) {
+  const LevelPose& pose = control_pose.pose;
   const Vec2 at = pose.map_from_base.translation;
   const double r = options_.resolution_m;
   const auto x = static_cast<int64_t>(std::llround(at.x / r)) - width_ / 2;
   const auto y = static_cast<int64_t>(std::llround(at.y / r)) - height_ / 2;
+  if (control_pose.map_is_unknown != map_is_unknown_) is_placed_ = false;
+  map_is_unknown_ = control_pose.map_is_unknown;
   const bool rolls = !is_placed_ || x != cell_x_ || y != cell_y_;
   const bool climbs =
       !is_placed_ || pose.place.level != placed_at_.place.level ||
       std::abs(pose.place.height_m - placed_at_.place.height_m) >
           0.4 * map_->resolution_m();
   if (!rolls && !climbs) return;
-  if (is_placed_ && rolls) {
+  if (!is_placed_) {
+    std::ranges::fill(seen_, Seen());
+  } else if (rolls) {
     const int64_t by_x = x - cell_x_;
     const int64_t by_y = y - cell_y_;
     if (std::abs(by_x) < width_ && std::abs(by_y) < height_) {
@@ -234,7 +239,11 @@ void LocalCostmap::SpreadGround(const LevelPose& pose) {
   std::ranges::fill(ground_, Ground());
   std::vector<int> open;
   open.reserve(ground_.size());
-  if (SeedGround(pose, open)) {
+  if (map_is_unknown_) {
+    std::ranges::fill(
+        ground_, Ground{.level = 0,
+                        .height_m = static_cast<float>(pose.place.height_m)});
+  } else if (SeedGround(pose, open)) {
     for (size_t next = 0; next < open.size(); ++next) {
       const int i = open[next];
       const int cell_x = i % width_;
@@ -251,6 +260,10 @@ void LocalCostmap::SpreadGround(const LevelPose& pose) {
       }
     }
   }
+  MeasureMapDistances();
+}
+
+void LocalCostmap::MeasureMapDistances() {
   std::vector<uint8_t> is_obstacle(ground_.size());
   for (size_t i = 0; i < ground_.size(); ++i) {
     is_obstacle[i] = ground_[i].level < 0 ? 1 : 0;
@@ -378,7 +391,7 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
   if (!IsFinite(map_from_base)) {
     return absl::InvalidArgumentError("the pose of a scan is not finite");
   }
-  if (!is_placed_) MoveTo(pose.pose);
+  if (!is_placed_) MoveTo(pose);
   const int64_t now_ms = Milliseconds(scan.stamp) + 1;
   last_scan_ = scan.stamp;
   const Rigid3 map_from_laser = map_from_base * robot_.base_from_laser;
@@ -458,7 +471,7 @@ absl::Status LocalCostmap::AddDepth(const ControlPose& pose,
   if (!IsFinite(map_from_base)) {
     return absl::InvalidArgumentError("the pose of a frame is not finite");
   }
-  if (!is_placed_) MoveTo(pose.pose);
+  if (!is_placed_) MoveTo(pose);
   const int64_t now_ms = Milliseconds(frame.stamp) + 1;
   last_depth_ = frame.stamp;
   const Rigid3 map_from_depth =
@@ -668,14 +681,61 @@ std::vector<Vec2> LocalCostmap::UnseenObstacles(Vec2 at, double radius_m,
   return centers;
 }
 
-double LocalCostmap::AgeAt_s(Vec2 point_in_map, MonotonicTime now) const {
-  const CellIndex cell = CellOf(point_in_map);
-  constexpr double kForever_s = 1e6;
-  if (!IsInside(cell.x, cell.y) || !epoch_.has_value()) return kForever_s;
-  const size_t i = IndexOf(cell.x, cell.y);
-  if (!CountsAt(i)) return kForever_s;
-  const double now_s = std::chrono::duration<double>(now - *epoch_).count();
-  return now_s - 0.001 * static_cast<double>(seen_[i].since_ms);
+SeenObstacle LocalCostmap::ObstacleNear(Vec2 point_in_map, double reach_m,
+                                        MonotonicTime now) const {
+  SeenObstacle obstacle;
+  if (!epoch_.has_value()) return obstacle;
+  // The nearest seen cell.
+  double best_m = reach_m;
+  std::optional<CellIndex> seed;
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      if (At(x, y) != LocalCell::kSeen) continue;
+      const double away_m = Norm(CenterInMap(x, y) - point_in_map);
+      if (away_m < best_m) {
+        best_m = away_m;
+        seed = CellIndex{x, y};
+      }
+    }
+  }
+  if (!seed.has_value()) return obstacle;
+  // What hangs together with it, gaps of a cell included.
+  constexpr int kGap = 2;
+  std::vector<uint8_t> is_known(cells_.size(), 0);
+  std::vector<CellIndex> cells = {*seed};
+  is_known[IndexOf(seed->x, seed->y)] = 1;
+  for (size_t next = 0; next < cells.size(); ++next) {
+    const CellIndex at = cells[next];
+    for (int y = at.y - kGap; y <= at.y + kGap; ++y) {
+      for (int x = at.x - kGap; x <= at.x + kGap; ++x) {
+        if (!IsInside(x, y) || At(x, y) != LocalCell::kSeen ||
+            is_known[IndexOf(x, y)] != 0) {
+          continue;
+        }
+        is_known[IndexOf(x, y)] = 1;
+        cells.push_back({x, y});
+      }
+    }
+  }
+  const int64_t now_ms =
+      std::chrono::duration_cast<std::chrono::milliseconds>(now - *epoch_)
+          .count();
+  std::vector<int64_t> ages_ms;
+  for (const CellIndex& cell : cells) {
+    obstacle.center_in_map =
+        obstacle.center_in_map +
+        (1.0 / static_cast<double>(cells.size())) * CenterInMap(cell.x, cell.y);
+    ages_ms.push_back(now_ms - seen_[IndexOf(cell.x, cell.y)].since_ms);
+  }
+  for (const CellIndex& cell : cells) {
+    obstacle.radius_m =
+        std::max(obstacle.radius_m,
+                 Norm(CenterInMap(cell.x, cell.y) - obstacle.center_in_map) +
+                     0.5 * options_.resolution_m);
+  }
+  std::ranges::sort(ages_ms);
+  obstacle.age_s = 0.001 * static_cast<double>(ages_ms[ages_ms.size() / 10]);
+  return obstacle;
 }
 
 }  // namespace treeline

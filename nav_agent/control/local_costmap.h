@@ -63,12 +63,23 @@ enum class LocalCell : uint8_t { kFree = 0, kMapObstacle = 1, kSeen = 2 };
 // map's voxels at most. So on ramps and over joins each cell has the level that
 // the robot would be on there, and what is below or above a platform is not in
 // the way. All else is an obstacle: walls, drops, unknown, what is off the map.
+// For a robot that is lost (ControlPose::map_is_unknown) the map is not asked:
+// there is level ground everywhere but where something was seen.
 //
 // Seen obstacles: a beam's end is one if it lies above the ground of its place
 // by more than ground_m + ground_per_range * range, and below the robot's
 // height; what it passed on its way is free of what lasers saw. Depth points
 // likewise, from the robot's ground clearance on where they are near.
 //
+// Seen obstacles that hang together.
+struct SeenObstacle {
+  Vec2 center_in_map;
+  // 0: there is none.
+  double radius_m = 0;
+  // For how long its youngest tenth has been there (s).
+  double age_s = 1e6;
+};
+
 // Deterministic; not thread-safe.
 class LocalCostmap {
  public:
@@ -77,7 +88,7 @@ class LocalCostmap {
       const RangeSensorInfo& laser, const LocalCostmapOptions& options);
 
   // The window moves with the robot.
-  void MoveTo(const LevelPose& pose);
+  void MoveTo(const ControlPose& pose);
   // INVALID_ARGUMENT: the number of beams is not the laser's, or the pose is
   // not finite.
   absl::Status AddScan(const ControlPose& pose, const LaserScan& scan);
@@ -115,9 +126,9 @@ class LocalCostmap {
   // The ground there, if it continues the robot's.
   std::optional<LevelPlace> GroundAt(Vec2 point_in_map) const;
 
-  // How long the seen obstacle of a cell has been there; a long time for the
-  // map's (s).
-  double AgeAt_s(Vec2 point_in_map, MonotonicTime now) const;
+  // The seen obstacle nearest to a point, if it is within reach_m.
+  SeenObstacle ObstacleNear(Vec2 point_in_map, double reach_m,
+                            MonotonicTime now) const;
 
   // Centres of the obstacles' cells within radius_m of a point that no sensor
   // shows at this moment: the map's, where they border on ground, and seen ones
@@ -162,6 +173,7 @@ class LocalCostmap {
   std::optional<Ground> StepOnto(CellIndex map_cell, const Ground& from) const;
   CellIndex MapCellOf(int x, int y) const;
   void SpreadGround(const LevelPose& pose);
+  void MeasureMapDistances();
   bool SeedGround(const LevelPose& pose, std::vector<int>& open);
   void Shift(int by_x, int by_y);
   int64_t Milliseconds(MonotonicTime time);
@@ -197,6 +209,7 @@ class LocalCostmap {
   Vec2 origin_in_map_;
   bool is_placed_ = false;
   LevelPose placed_at_;
+  bool map_is_unknown_ = false;
 
   std::vector<Ground> ground_;
   std::vector<Seen> seen_;
