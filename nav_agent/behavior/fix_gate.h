@@ -4,8 +4,10 @@
 #define NAV_AGENT_BEHAVIOR_FIX_GATE_H_
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "nav_agent/core/level_pose.h"
@@ -40,9 +42,9 @@ struct FixGateOptions {
   double search_m = 0.15;
   double search_rad = 0.06;
   // Of two fixes: how far they may differ from what the wheels say between them
-  // (m, rad), beyond three standard deviations of both.
-  double pair_m = 0.15;
-  double pair_rad = 0.08;
+  // (m, rad); more if the server says that they are not well known.
+  double pair_m = 0.3;
+  double pair_rad = 0.12;
 
   absl::Status Validate() const;
 };
@@ -95,6 +97,14 @@ class FixGate {
   const FixGateOptions& options() const { return options_; }
 
  private:
+  // On ground with room; then against the scan; then against the old place.
+  GatedFix CheckPlace(const Rigid3& map_from_base,
+                      const RelocalizationAnswer& answer,
+                      const RobotTracker& tracker, GatedFix fix) const;
+  GatedFix CheckScan(const RobotTracker& tracker, GatedFix fix) const;
+  void CompareWithBefore(const RobotTracker& tracker, const LevelPose& fitted,
+                         double score, GatedFix& fix) const;
+
   std::shared_ptr<const NavigationMap> map_;
   RobotModel robot_;
   FixGateOptions options_;

@@ -64,10 +64,24 @@ struct LostAndFoundOptions {
   double settle_s = 0.3;
   double turn_radps = 0.5;
   double move_mps = 0.15;
-  // Confirming: scans that must fit in a row, and the turn (rad) meanwhile.
+  // Confirming: scans that must fit in a row, and the turn (rad) meanwhile. A
+  // scan fits if the map explains this share of it and contradicts at most
+  // that.
   int confirm_scans = 8;
   double confirm_turn_rad = 0.5;
   double most_confirm_s = 8;
+  double confirm_explained = 0.6;
+  double confirm_contradicted = 0.15;
+  // What AMCL finds by itself must fit better, for longer (s, rad), with so
+  // much of its weight in one place this small (m), and no other place of the
+  // map may fit nearly as well: by this share of the beams.
+  double search_explained = 0.75;
+  double search_contradicted = 0.08;
+  double search_hold_s = 5;
+  double search_hold_rad = 3.5;
+  double search_share = 0.95;
+  double search_std_m = 0.25;
+  double alias_margin = 0.12;
   // Asks this often while it drives straight and knows its place (s); 0: never.
   double check_interval_s = 20;
 

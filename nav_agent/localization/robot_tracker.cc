@@ -12,6 +12,7 @@
 #include "nav_agent/localization/laser_level_map.h"
 #include "nav_agent/localization/laser_views.h"
 #include "nav_agent/localization/particle_clusters.h"
+#include "nav_agent/localization/place_search.h"
 #include "nav_agent/localization/scan_points.h"
 
 namespace treeline {
@@ -21,6 +22,8 @@ namespace {
 constexpr double kMemory_s = 2.5;
 // Scans that wait for the wheels; a silent base must not fill the memory.
 constexpr size_t kMostWaiting = 8;
+// Beams that other places are judged by.
+constexpr int kSearchBeams = 60;
 // Tilt is smoothed over about five readings of the inertial sensor: the noise
 // of single ones is not tilt.
 constexpr double kTiltShare = 0.2;
@@ -150,6 +153,11 @@ class AmclTracker final : public RobotTracker {
     return parts_.detector.verdict();
   }
   std::optional<ScanFit> FitAt(const LevelPose& pose) const override;
+  void BeginOtherPlaces(const LevelPose& pose) override;
+  bool StepOtherPlaces() override;
+  std::optional<OtherPlace> BestOtherPlace() const override {
+    return other_place_;
+  }
   std::optional<MonotonicTime> ScanStamp() const override;
   std::vector<Vec2> ScanInBase() const override;
   std::vector<Particle> Particles(size_t at_most) const override;
@@ -170,6 +178,8 @@ class AmclTracker final : public RobotTracker {
                                              (laser_.beams - 1)));
   }
   TrackedPose PoseFor(const WheelMoment& moment) const;
+  std::optional<ScanFit> FitOf(const MovedScan& scan,
+                               const LevelPose& pose) const;
   absl::Status TakeIn(MovedScan scan);
   absl::Status TakeWaiting();
   // Brings AMCL's wheels up to date, without a scan.
@@ -189,6 +199,11 @@ class AmclTracker final : public RobotTracker {
   Rigid2 odom_from_base_;
   int map_level_ = 0;
   int64_t dropped_ = 0;
+  // For other places: the search, its scan, and what of its best is looked at.
+  std::optional<PlaceSearch> search_;
+  std::optional<MovedScan> search_scan_;
+  std::vector<LevelPose> candidates_;
+  std::optional<OtherPlace> other_place_;
 };
 
 absl::Status AmclTracker::AddReading(const BaseReading& reading) {
@@ -362,16 +377,22 @@ std::optional<TrackedMotion> AmclTracker::MotionAt(MonotonicTime stamp) const {
 
 std::optional<RobotTracker::ScanFit> AmclTracker::FitAt(
     const LevelPose& pose) const {
-  if (!scan_.has_value() || pose.place.level < 0 ||
+  if (!scan_.has_value()) return std::nullopt;
+  return FitOf(*scan_, pose);
+}
+
+std::optional<RobotTracker::ScanFit> AmclTracker::FitOf(
+    const MovedScan& scan, const LevelPose& pose) const {
+  if (pose.place.level < 0 ||
       pose.place.level >= static_cast<int>(parts_.checkers.size())) {
     return std::nullopt;
   }
   const auto beams =
       parts_.checkers[static_cast<size_t>(pose.place.level)].Check(
           {.map_from_base = pose.map_from_base,
-           .pitch_rad = scan_->moment.pitch_rad,
-           .roll_rad = scan_->moment.roll_rad},
-          laser_, base_from_laser_, scan_->scan);
+           .pitch_rad = scan.moment.pitch_rad,
+           .roll_rad = scan.moment.roll_rad},
+          laser_, base_from_laser_, scan.scan);
   if (!beams.ok()) return std::nullopt;
   ScanFit fit;
   int explained = 0;
@@ -386,6 +407,65 @@ std::optional<RobotTracker::ScanFit> AmclTracker::FitAt(
     fit.contradicted = static_cast<double>(contradicted) / fit.judged;
   }
   return fit;
+}
+
+void AmclTracker::BeginOtherPlaces(const LevelPose& pose) {
+  search_.reset();
+  candidates_.clear();
+  other_place_.reset();
+  search_scan_ = scan_;
+  if (!scan_.has_value()) return;
+  const absl::StatusOr<ScanPoints> points =
+      PointsInSpace(scan_->scan, laser_, base_from_laser_,
+                    scan_->moment.motion.level_from_base, kSearchBeams);
+  if (!points.ok()) return;
+  // Beams that end on the ground fit anywhere and nowhere.
+  ScanPoints upright;
+  for (size_t i = 0; i < points->size(); ++i) {
+    if (points->z_m[i] > options_.lost.scan.ground_m) upright.Add(*points, i);
+  }
+  search_.emplace(parts_.map, std::move(upright), pose);
+}
+
+bool AmclTracker::StepOtherPlaces() {
+  if (search_.has_value()) {
+    if (!search_->Step()) return false;
+    candidates_ = search_->Best();
+    search_.reset();
+    return candidates_.empty();
+  }
+  if (candidates_.empty()) return true;
+  // The place itself is between those that were tried.
+  LevelPose middle = candidates_.back();
+  candidates_.pop_back();
+  for (const double step_m : {0.12, 0.06}) {
+    LevelPose best = middle;
+    double best_score = -2;
+    for (int i = 0; i < 27; ++i) {
+      LevelPose pose = middle;
+      const double x = i % 3 - 1;
+      const double y = (i / 3) % 3 - 1;  // NOLINT(bugprone-integer-division)
+      const double turn = i / 9 - 1;     // NOLINT(bugprone-integer-division)
+      pose.map_from_base.translation =
+          middle.map_from_base.translation + Vec2{step_m * x, step_m * y};
+      pose.map_from_base.yaw_rad = NormalizedAngle_rad(
+          middle.map_from_base.yaw_rad + 0.5 * step_m * turn);
+      const std::optional<ScanFit> fit = FitOf(*search_scan_, pose);
+      if (!fit.has_value()) continue;
+      const double score = fit->explained - fit->contradicted;
+      if (score > best_score) {
+        best = pose;
+        best_score = score;
+      }
+      if (!other_place_.has_value() ||
+          score >
+              other_place_->fit.explained - other_place_->fit.contradicted) {
+        other_place_ = OtherPlace{pose, *fit};
+      }
+    }
+    middle = best;
+  }
+  return candidates_.empty();
 }
 
 std::optional<MonotonicTime> AmclTracker::ScanStamp() const {
