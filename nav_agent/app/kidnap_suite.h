@@ -73,6 +73,8 @@ struct KidnapRun {
   PoseMiss error_at_resumption;
   int resumptions = 0;
   int wrong_resumptions = 0;
+  // To the server.
+  int questions = 0;
   bool arrived = false;
   double simulated_s = 0;
   double driven_m = 0;
