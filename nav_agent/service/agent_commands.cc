@@ -74,6 +74,23 @@ absl::StatusOr<LevelPose> AgentCommands::OnLevel(
                 height_m.has_value() ? *height_m : LowestOf(level)}};
 }
 
+LevelPose AgentCommands::NearestLevel(const Rigid3& map_from_base) const {
+  const Vec3 ahead = map_from_base.rotation * Vec3{1, 0, 0};
+  const Vec3& at = map_from_base.translation;
+  LevelPose pose{.map_from_base = {{at.x, at.y}, std::atan2(ahead.y, ahead.x)},
+                 .place = {0, at.z}};
+  const auto& levels = info_.map->levels.levels;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < levels.size(); ++i) {
+    const auto height_m = HeightNear(levels[i], {at.x, at.y});
+    if (!height_m.has_value()) continue;
+    if (std::abs(*height_m - at.z) >= nearest_m) continue;
+    nearest_m = std::abs(*height_m - at.z);
+    pose.place = {static_cast<int>(i), *height_m};
+  }
+  return pose;
+}
+
 absl::StatusOr<uint64_t> AgentCommands::SetGoalNow(
     Navigator& navigator, const std::vector<PoseWish>& poses) {
   if (poses.empty()) {

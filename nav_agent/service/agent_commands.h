@@ -64,6 +64,8 @@ class AgentCommands {
   // On the ground of its level; `what` names it in errors.
   absl::StatusOr<LevelPose> OnLevel(const PoseWish& pose,
                                     const std::string& what) const;
+  // On the ground that is nearest in height.
+  LevelPose NearestLevel(const Rigid3& map_from_base) const;
   // The poses of a goal that was set here; none if it is long ago.
   std::vector<LevelPose> PosesOf(uint64_t goal_id) const;
 

@@ -59,7 +59,8 @@ class FewFramesCamera final : public RgbdCamera {
   RgbdCalibration Calibration() const override { return {}; }
   std::vector<RgbdFrame> TakeFrames() override {
     std::vector<RgbdFrame> taken;
-    for (int i = 0; i < std::exchange(frames_, 0); ++i) {
+    const int count = std::exchange(frames_, 0);
+    for (int i = 0; i < count; ++i) {
       taken.push_back(FrameAt(i, static_cast<uint8_t>(10 * i)));
     }
     return taken;
