@@ -16,6 +16,8 @@ constexpr std::array<double, 7> kShares = {1.0,  0.8,  0.6, 0.4,
 // From one look at the footprint to the next no part of it moves further (m).
 constexpr double kLook_m = 0.02;
 constexpr int kMostLooks = 60;
+constexpr double kLeast_mps = 0.006;
+constexpr double kLeast_radps = 0.015;
 // What is nearer than its margin may come so much nearer: rounding (m).
 constexpr double kSlack_m = 2e-4;
 
@@ -113,6 +115,11 @@ GuardVerdict CollisionGuard::Check(const VelocityCommand& wanted,
     const VelocityCommand command = {
         .forward_mps = share * wanted.forward_mps,
         .yaw_rate_radps = share * wanted.yaw_rate_radps};
+    // What is left of a command is no motion any more.
+    if (verdict.is_limited && std::abs(command.forward_mps) < kLeast_mps &&
+        std::abs(command.yaw_rate_radps) < kLeast_radps) {
+      break;
+    }
     const GuardPoint* hit = FirstHit(command, points, now_m);
     if (hit == nullptr) {
       verdict.command = command;

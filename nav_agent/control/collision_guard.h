@@ -19,6 +19,9 @@ struct CollisionGuardOptions {
   // of the map (m).
   double point_margin_m = 0.03;
   double cell_margin_m = 0.035;
+  // To points on what the map does not have: people and carts are wider above
+  // and below the laser's plane (m).
+  double new_margin_m = 0.10;
   // What more is kept for each m/s of speed (s).
   double margin_per_speed_s = 0.06;
   // From a command until the base obeys it (s).
@@ -27,9 +30,9 @@ struct CollisionGuardOptions {
   double braking_share = 0.75;
   // What moves may come towards the robot so fast (m/s).
   double approach_mps = 0.9;
-  double moving_margin_m = 0.08;
+  double moving_margin_m = 0.20;
   // The same, where it was seen last a moment ago (m).
-  double lost_margin_m = 0.2;
+  double lost_margin_m = 0.25;
 
   absl::Status Validate() const;
 };

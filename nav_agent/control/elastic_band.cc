@@ -17,6 +17,9 @@ constexpr double kProbe_m = 0.03;
 constexpr double kLeastRadius_m = 0.06;
 // A bubble with less room is held to touch (m).
 constexpr double kTouch_m = 0.0;
+// So far the way out of something may lead, and come nearer to it (m).
+constexpr double kLeaving_m = 0.45;
+constexpr double kLeavingSlack_m = 0.005;
 
 Vec2 Unit(Vec2 v) {
   const double length = Norm(v);
@@ -241,7 +244,14 @@ void ElasticBand::Relax(const BandSpace& space) {
 }
 
 std::optional<size_t> ElasticBand::FirstBreak(const BandSpace& space) const {
+  double along_m = 0;
   for (size_t i = 1; i < bubbles_.size(); ++i) {
+    along_m += WayBetween_m(bubbles_[i - 1], bubbles_[i]);
+    // Where the robot stands too near to something, it may get away.
+    if (bubbles_[0].radius_m <= kTouch_m && along_m < kLeaving_m &&
+        bubbles_[i].radius_m >= bubbles_[i - 1].radius_m - kLeavingSlack_m) {
+      continue;
+    }
     if (bubbles_[i].radius_m <= kTouch_m ||
         !HangTogether(bubbles_[i - 1], bubbles_[i], space)) {
       return i;

@@ -190,7 +190,8 @@ TEST(ElasticBand, WhatLiesBehindTheRobotIsCutOff) {
   EXPECT_NEAR(band.BeginAt({.translation = {0.7, 0.05}}), 0.05, 1e-9);
   EXPECT_EQ(band.bubbles()[0].map_from_base.translation.x, 0.7);
   EXPECT_GT(band.bubbles()[1].map_from_base.translation.x, 0.7);
-  EXPECT_NEAR(LengthOf(band), 2.3, 0.01);
+  // 5 cm aside.
+  EXPECT_NEAR(LengthOf(band), 2.3, 0.02);
   EXPECT_GT(band.BeginAt({.translation = {1, 2}}), 1.5);
 }
 

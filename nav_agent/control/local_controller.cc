@@ -26,6 +26,10 @@ constexpr double kScanLifetime_s = 0.3;
 constexpr double kDepthLifetime_s = 0.5;
 constexpr double kStanding_mps = 0.02;
 constexpr double kStanding_radps = 0.05;
+// Room that moves need, and by how much they may come nearer to what is nearer
+// than that already (m).
+constexpr double kRoom_m = 0.01;
+constexpr double kNearer_m = 0.003;
 // A band that breaks so near ahead is broken (m).
 constexpr double kBrokenNear_m = 0.35;
 
@@ -137,6 +141,7 @@ std::vector<GuardPoint> BandController::GuardPoints(
       points.push_back(
           {.in_base = in_base,
            .margin_m = point.is_moving ? options.moving_margin_m
+                       : point.is_new  ? options.new_margin_m
                                        : options.point_margin_m,
            .approach_mps = point.is_moving ? options.approach_mps : 0});
     }
@@ -151,8 +156,9 @@ std::vector<GuardPoint> BandController::GuardPoints(
     // Somebody who went out of sight behind the robot is still about.
     points.push_back(
         {.in_base = base_from_map * unseen.in_map,
-         .margin_m =
-             unseen.was_moving ? options.lost_margin_m : options.cell_margin_m,
+         .margin_m = unseen.was_moving ? options.lost_margin_m
+                     : unseen.is_new   ? options.new_margin_m
+                                       : options.cell_margin_m,
          .approach_mps = unseen.was_moving ? options.approach_mps : 0});
   }
   return points;
@@ -241,7 +247,9 @@ ControlResult BandController::Step(const ControlPose& pose) {
     wanted = escape_.Find(pose, track.points, wanted, costmap_, guard_, points)
                  .value_or(wanted);
   }
-  const Allowed allowed = Allow(pose, wanted, points);
+  // Who waits stands.
+  const VelocityCommand now = standstill_.Holds() ? VelocityCommand() : wanted;
+  const Allowed allowed = Allow(pose, now, points);
   result.command = allowed.command;
   result.is_stopped_by_guard = allowed.is_limited;
   JudgeProgress(pose, track, wanted, allowed, result);
@@ -301,10 +309,14 @@ void BandController::JudgeProgress(const ControlPose& pose,
 
 bool BandController::CanTurn(const ControlPose& pose) const {
   constexpr int kParts = 72;
+  // Where it stands too near to something already, it must not get nearer.
+  const double needed_m = std::min(
+      kRoom_m,
+      costmap_.FootprintDistance_m(pose.pose.map_from_base, 0.1) - kNearer_m);
   for (int part = 0; part < kParts; ++part) {
     Rigid2 turned = pose.pose.map_from_base;
     turned.yaw_rad += 2 * std::acos(-1.0) * part / kParts;
-    if (costmap_.FootprintDistance_m(turned, 0.1) <= 0.01) return false;
+    if (costmap_.FootprintDistance_m(turned, 0.1) <= needed_m) return false;
   }
   return true;
 }
@@ -314,11 +326,14 @@ double BandController::FreeWay_m(const ControlPose& pose,
   constexpr double kStep_m = 0.02;
   const double sign = at_most_m < 0 ? -1 : 1;
   double free_m = 0;
+  double room_m = costmap_.FootprintDistance_m(pose.pose.map_from_base, 0.1);
   while (free_m < std::abs(at_most_m)) {
     const double next_m = std::min(std::abs(at_most_m), free_m + kStep_m);
     Rigid2 moved = pose.pose.map_from_base;
     moved.translation = moved * Vec2{sign * next_m, 0};
-    if (costmap_.FootprintDistance_m(moved, 0.1) <= 0.01) break;
+    const double there_m = costmap_.FootprintDistance_m(moved, 0.1);
+    if (there_m <= std::min(kRoom_m, room_m - kNearer_m)) break;
+    room_m = there_m;
     free_m = next_m;
   }
   return sign * free_m;

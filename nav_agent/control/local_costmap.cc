@@ -443,7 +443,7 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
       hit_cells_.push_back(index);
     }
     if (std::hypot(end.x - at.x, end.y - at.y) < kPointReach_m) {
-      scan_points_.push_back({.in_map = {end.x, end.y}});
+      scan_points_.push_back({.in_map = {end.x, end.y}, .is_new = !near_map});
     }
   }
   for (const Vec3& end : ends) ClearAlong(origin, end, now_ms);
@@ -512,7 +512,8 @@ absl::Status LocalCostmap::AddDepth(const ControlPose& pose,
         hit_cells_.push_back(index);
       }
       if (std::hypot(end.x - at.x, end.y - at.y) < kPointReach_m) {
-        depth_points_.push_back({.in_map = {end.x, end.y}});
+        depth_points_.push_back(
+            {.in_map = {end.x, end.y}, .is_new = !near_map});
       }
     }
   }
@@ -537,6 +538,26 @@ void LocalCostmap::ClearObstacles() {
   if (is_placed_ && epoch_.has_value()) Update(*epoch_);
 }
 
+void LocalCostmap::WidenSeen(std::vector<uint8_t>& is_obstacle) const {
+  const double reach_cells = options_.widening_m / options_.resolution_m;
+  const int reach = static_cast<int>(reach_cells);
+  if (reach < 1) return;
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      if (At(x, y) != LocalCell::kSeen) continue;
+      for (int dy = -reach; dy <= reach; ++dy) {
+        for (int dx = -reach; dx <= reach; ++dx) {
+          if (!IsInside(x + dx, y + dy) ||
+              dx * dx + dy * dy > reach_cells * reach_cells + 0.5) {
+            continue;
+          }
+          is_obstacle[IndexOf(x + dx, y + dy)] = 1;
+        }
+      }
+    }
+  }
+}
+
 void LocalCostmap::Update(MonotonicTime now) {
   const int64_t now_ms = Milliseconds(now);
   const auto standing_ms =
@@ -557,6 +578,7 @@ void LocalCostmap::Update(MonotonicTime now) {
                                      : LocalCell::kFree;
     is_obstacle[i] = cells_[i] == LocalCell::kFree ? 0 : 1;
   }
+  WidenSeen(is_obstacle);
   const std::vector<int32_t> squared =
       SquaredDistances(width_, height_, is_obstacle);
   for (size_t i = 0; i < squared.size(); ++i) {
@@ -631,7 +653,9 @@ double LocalCostmap::FootprintDistance_m(const Rigid2& map_from_base,
   // Something small may stand within.
   if (least_m > 0 && from_center_m < circumradius_m) {
     for (const Vec2& point : area_in_base_) {
-      if (CellAt(in_map(point)) != LocalCell::kFree) {
+      const CellIndex cell = CellOf(in_map(point));
+      if (!IsInside(cell.x, cell.y) ||
+          distance_m_[IndexOf(cell.x, cell.y)] <= 0) {
         return std::min(-options_.resolution_m,
                         -footprint_.Inradius_m() + from_center_m);
       }
@@ -670,9 +694,10 @@ std::vector<UnseenObstacle> LocalCostmap::UnseenObstacles(
         if (now_ms - seen.last_ms <= kSeenNow_ms) continue;
         const double stood_s =
             0.001 * static_cast<double>(seen.last_ms - seen.since_ms);
-        unseen.push_back({.in_map = center,
-                          .was_moving = seen.was_free &&
-                                        stood_s < options_.standing_after_s});
+        unseen.push_back(
+            {.in_map = center,
+             .was_moving = seen.was_free && stood_s < options_.standing_after_s,
+             .is_new = true});
         continue;
       }
       const bool is_edge =

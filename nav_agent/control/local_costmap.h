@@ -31,6 +31,9 @@ struct LocalCostmapOptions {
   // this, and this times the range (m, 1).
   double ground_m = 0.10;
   double ground_per_range = 0.01;
+  // Seen obstacles are taken to be wider by this than what the sensors show of
+  // them: people and carts are, above and below a laser's plane (m).
+  double widening_m = 0.10;
   // What is seen this near to what the map has already is the map's (m).
   double map_band_m = 0.075;
   // What has stood for so long stands; before that it moves, if the place was
@@ -52,6 +55,8 @@ struct SeenPoint {
   Vec2 in_map;
   // It was not there a moment ago.
   bool is_moving = false;
+  // The map has nothing there.
+  bool is_new = false;
 };
 
 // A cell's centre.
@@ -59,6 +64,8 @@ struct UnseenObstacle {
   Vec2 in_map;
   // It was there for a moment only when it was seen last.
   bool was_moving = false;
+  // Seen, rather than the map's.
+  bool is_new = false;
 };
 
 enum class LocalCell : uint8_t { kFree = 0, kMapObstacle = 1, kSeen = 2 };
@@ -119,9 +126,10 @@ class LocalCostmap {
   // Whether a point is in the window, `inset_m` from its edge.
   bool Contains(Vec2 point_in_map, double inset_m = 0) const;
   LocalCell CellAt(Vec2 point_in_map) const;
-  // From a point to the nearest obstacle, that fills its cell: the distance of
-  // its centre, between centres by bilinear interpolation, less half a cell. 0
-  // at most in obstacles; outside of the window less than 0: it is not known.
+  // From a point to the nearest obstacle (seen ones widened), that fills its
+  // cell: the distance of its centre, between centres by bilinear
+  // interpolation, less half a cell. 0 at most in obstacles; outside of the
+  // window less than 0: it is not known.
   double Distance_m(Vec2 point_in_map) const;
   // Unit vector away from the nearest obstacle; 0 where there is none.
   Vec2 Away(Vec2 point_in_map) const;
@@ -181,6 +189,7 @@ class LocalCostmap {
   CellIndex MapCellOf(int x, int y) const;
   void SpreadGround(const LevelPose& pose);
   void MeasureMapDistances();
+  void WidenSeen(std::vector<uint8_t>& is_obstacle) const;
   bool SeedGround(const LevelPose& pose, std::vector<int>& open);
   void Shift(int by_x, int by_y);
   int64_t Milliseconds(MonotonicTime time);

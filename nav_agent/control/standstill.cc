@@ -30,6 +30,12 @@ bool Standstill::IsStuck(const StandstillInput& input) {
 }
 
 ControlState Standstill::Judge(const StandstillInput& input) {
+  const ControlState state = Decide(input);
+  holds_ = input.is_broken && state != ControlState::kDriving;
+  return state;
+}
+
+ControlState Standstill::Decide(const StandstillInput& input) {
   const bool is_stuck = IsStuck(input);
   // Nothing is seen that hinders it, and yet it does not move.
   const bool is_held =

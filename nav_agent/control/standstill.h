@@ -52,9 +52,12 @@ class Standstill {
   ControlState Judge(const StandstillInput& input);
   // The robot should try to get on another way than the one it wants.
   bool WantsEscape() const { return wants_escape_; }
+  // It waits before a broken band, or is blocked there: it should stand.
+  bool Holds() const { return holds_; }
 
  private:
   bool IsStuck(const StandstillInput& input);
+  ControlState Decide(const StandstillInput& input);
 
   StandstillOptions options_;
   std::optional<MonotonicTime> broken_since_;
@@ -65,6 +68,7 @@ class Standstill {
   Rigid2 moved_to_;
   std::optional<MonotonicTime> escaping_since_;
   bool wants_escape_ = false;
+  bool holds_ = false;
   bool is_blocked_ = false;
 };
 
