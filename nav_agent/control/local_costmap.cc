@@ -443,7 +443,8 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
       hit_cells_.push_back(index);
     }
     if (std::hypot(end.x - at.x, end.y - at.y) < kPointReach_m) {
-      scan_points_.push_back({.in_map = {end.x, end.y}, .is_new = !near_map});
+      scan_points_.push_back(
+          {.in_map = {end.x, end.y}, .is_new = IsNew(index)});
     }
   }
   for (const Vec3& end : ends) ClearAlong(origin, end, now_ms);
@@ -513,7 +514,7 @@ absl::Status LocalCostmap::AddDepth(const ControlPose& pose,
       }
       if (std::hypot(end.x - at.x, end.y - at.y) < kPointReach_m) {
         depth_points_.push_back(
-            {.in_map = {end.x, end.y}, .is_new = !near_map});
+            {.in_map = {end.x, end.y}, .is_new = IsNew(index)});
       }
     }
   }
@@ -544,7 +545,7 @@ void LocalCostmap::WidenSeen(std::vector<uint8_t>& is_obstacle) const {
   if (reach < 1) return;
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      if (At(x, y) != LocalCell::kSeen) continue;
+      if (At(x, y) != LocalCell::kSeen || !IsNew(IndexOf(x, y))) continue;
       for (int dy = -reach; dy <= reach; ++dy) {
         for (int dx = -reach; dx <= reach; ++dx) {
           if (!IsInside(x + dx, y + dy) ||
@@ -697,7 +698,7 @@ std::vector<UnseenObstacle> LocalCostmap::UnseenObstacles(
         unseen.push_back(
             {.in_map = center,
              .was_moving = seen.was_free && stood_s < options_.standing_after_s,
-             .is_new = true});
+             .is_new = IsNew(i)});
         continue;
       }
       const bool is_edge =

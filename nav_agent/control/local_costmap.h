@@ -36,6 +36,8 @@ struct LocalCostmapOptions {
   double widening_m = 0.10;
   // What is seen this near to what the map has already is the map's (m).
   double map_band_m = 0.075;
+  // Only what is seen further from the map's obstacles is widened (m).
+  double new_from_m = 0.20;
   // What has stood for so long stands; before that it moves, if the place was
   // seen free before (s).
   double standing_after_s = 1.0;
@@ -197,6 +199,11 @@ class LocalCostmap {
                           bool* near_map) const;
   void MarkHits(int64_t now_ms, uint8_t Seen::*hits);
   void ClearAlong(Vec3 from, Vec3 to, int64_t now_ms);
+  // What is seen well away from all that the map has: nearer, it may be the
+  // map's own, seen from an estimate that is off.
+  bool IsNew(size_t i) const {
+    return map_distance_m_[i] > options_.new_from_m;
+  }
   bool IsMoving(CellIndex cell, int64_t now_ms) const;
   bool CountsAt(size_t i) const {
     return seen_[i].laser_hits >= options_.hits_to_mark ||
