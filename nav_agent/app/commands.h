@@ -8,6 +8,7 @@ namespace treeline {
 
 Command AddLocalizeCommand(CLI::App& app);
 Command AddMapCommand(CLI::App& app);
+Command AddPlanCommand(CLI::App& app);
 Command AddScoreTrajectoryCommand(CLI::App& app);
 Command AddSimulateCommand(CLI::App& app);
 Command AddSuiteCommand(CLI::App& app);

@@ -12,9 +12,10 @@ constexpr const char* kDescription =
     "it, in the world or in a simulated one.";
 
 std::vector<Command> AddCommands(CLI::App& app) {
-  return {AddSimulateCommand(app),        AddMapCommand(app),
-          AddLocalizeCommand(app),        AddTraversabilityCommand(app),
-          AddScoreTrajectoryCommand(app), AddSuiteCommand(app)};
+  return {AddSimulateCommand(app), AddMapCommand(app),
+          AddLocalizeCommand(app), AddTraversabilityCommand(app),
+          AddPlanCommand(app),     AddScoreTrajectoryCommand(app),
+          AddSuiteCommand(app)};
 }
 
 }  // namespace
