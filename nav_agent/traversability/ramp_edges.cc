@@ -13,8 +13,10 @@ constexpr int kStepReach = 2;
 // Sloped ground: steeper than floors of slightly tilted maps.
 constexpr float kSloped_rad = 0.03F;
 constexpr int kFewestPlaneCells = 20;
-// Across the slope: more than 60 degrees from its direction.
+// Across the slope: more than 60 degrees from its direction; beside what is, 37
+// degrees, where a step of the ramp meets its side.
 constexpr double kAcross = 0.5;
+constexpr double kAcrossBeside = 0.8;
 constexpr std::array<CellIndex, 4> kNeighbours = {
     {{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
@@ -23,15 +25,17 @@ class EdgeFinder {
   explicit EdgeFinder(const TraversableLevel& level)
       : level_(&level), grid_(&level.grid) {}
 
-  bool IsEdge(CellIndex cell) const {
+  // Whether the mean of the steps within `reach` cells runs across the slope:
+  // the cosine between them is below `across`.
+  bool IsEdge(CellIndex cell, int reach, double across) const {
     if (!IsGround(cell) || !IsStepDown(cell) || !HasSlopeNear(cell)) {
       return false;
     }
     const std::optional<Vec2> uphill = Uphill(cell);
     if (!uphill.has_value()) return false;
-    const Vec2 step = StepDirection(cell);
+    const Vec2 step = StepDirection(cell, reach);
     return Norm(step) > 0 &&
-           std::abs(Dot(step, *uphill)) < kAcross * Norm(step) * Norm(*uphill);
+           std::abs(Dot(step, *uphill)) < across * Norm(step) * Norm(*uphill);
   }
 
  private:
@@ -112,10 +116,10 @@ class EdgeFinder {
   }
 
   // The mean direction, upwards, of the steps around.
-  Vec2 StepDirection(CellIndex middle) const {
+  Vec2 StepDirection(CellIndex middle, int reach) const {
     Vec2 sum;
-    for (int y = -kStepReach; y <= kStepReach; ++y) {
-      for (int x = -kStepReach; x <= kStepReach; ++x) {
+    for (int y = -reach; y <= reach; ++y) {
+      for (int x = -reach; x <= reach; ++x) {
         const CellIndex cell = {middle.x + x, middle.y + y};
         if (!IsGround(cell)) continue;
         for (const CellIndex& way : kNeighbours) {
@@ -136,11 +140,27 @@ class EdgeFinder {
 }  // namespace
 
 std::vector<uint8_t> RampSideEdges(const TraversableLevel& level) {
-  std::vector<uint8_t> edges(level.grid.cells.size(), 0);
+  const OccupancyGrid& grid = level.grid;
   const EdgeFinder finder(level);
-  for (int y = 0; y < level.grid.height; ++y) {
-    for (int x = 0; x < level.grid.width; ++x) {
-      if (finder.IsEdge({x, y})) edges[level.grid.IndexOf({x, y})] = 1;
+  std::vector<uint8_t> edges(grid.cells.size(), 0);
+  std::vector<CellIndex> found;
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      if (!finder.IsEdge({x, y}, kStepReach, kAcross)) continue;
+      edges[grid.IndexOf({x, y})] = 1;
+      found.push_back({x, y});
+    }
+  }
+  for (const CellIndex& edge : found) {
+    for (int y = edge.y - kStepReach; y <= edge.y + kStepReach; ++y) {
+      for (int x = edge.x - kStepReach; x <= edge.x + kStepReach; ++x) {
+        if (!grid.Contains({x, y}) || edges[grid.IndexOf({x, y})] != 0) {
+          continue;
+        }
+        if (finder.IsEdge({x, y}, 0, kAcrossBeside)) {
+          edges[grid.IndexOf({x, y})] = 1;
+        }
+      }
     }
   }
   return edges;
