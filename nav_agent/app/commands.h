@@ -8,6 +8,8 @@ namespace treeline {
 
 Command AddLocalizeCommand(CLI::App& app);
 Command AddMapCommand(CLI::App& app);
+Command AddNavigateCommand(CLI::App& app);
+Command AddRunCommand(CLI::App& app);
 Command AddScoreTrajectoryCommand(CLI::App& app);
 Command AddSimulateCommand(CLI::App& app);
 Command AddSuiteCommand(CLI::App& app);

@@ -13,6 +13,7 @@ constexpr const char* kDescription =
 
 std::vector<Command> AddCommands(CLI::App& app) {
   return {AddSimulateCommand(app),        AddMapCommand(app),
+          AddNavigateCommand(app),        AddRunCommand(app),
           AddLocalizeCommand(app),        AddTraversabilityCommand(app),
           AddScoreTrajectoryCommand(app), AddSuiteCommand(app)};
 }

@@ -64,7 +64,7 @@ LogEvent EventOf(const CallRecord& record, LogFormat format) {
   return event;
 }
 
-CallLog::CallLog(ServerLog& log, const Clock& clock)
+CallLog::CallLog(ProgramLog& log, const Clock& clock)
     : log_(log), clock_(clock), window_start_(clock.Now()) {}
 
 void CallLog::OnCall(const CallRecord& record) {

@@ -7,8 +7,8 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
-#include "server/app/log_event.h"
-#include "server/app/server_log.h"
+#include "common/log/log_event.h"
+#include "common/log/program_log.h"
 #include "server/service/call_observer.h"
 
 namespace treeline {
@@ -26,14 +26,14 @@ class CallLog final : public CallObserver {
   static constexpr int kMaxLines = 20;
 
   // Both must outlive this.
-  CallLog(ServerLog& log, const Clock& clock);
+  CallLog(ProgramLog& log, const Clock& clock);
   void OnCall(const CallRecord& record) override;
 
  private:
   // Whether a failed call may be written now; if so, how many were not since.
   bool Admit(int64_t& suppressed);
 
-  ServerLog& log_;
+  ProgramLog& log_;
   const Clock& clock_;
   absl::Mutex mutex_;
   MonotonicTime window_start_ ABSL_GUARDED_BY(mutex_);

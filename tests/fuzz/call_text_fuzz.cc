@@ -9,10 +9,10 @@
 #include <string>
 
 #include "absl/strings/string_view.h"
-#include "server/app/healthcheck.h"
-#include "server/app/log_event.h"
+#include "common/log/log_event.h"
 #include "common/metrics/exposition.h"
 #include "common/metrics/testing_exposition.h"
+#include "server/app/healthcheck.h"
 #include "server/service/trace_context.h"
 
 namespace treeline {
