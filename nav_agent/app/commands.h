@@ -18,6 +18,8 @@ Command AddTraversabilityCommand(CLI::App& app);
 // Those of `treeline-agent suite`.
 Command AddLostSuite(CLI::App& suite);
 Command AddLostFit(CLI::App& suite);
+Command AddMissionSuite(CLI::App& suite);
+Command AddKidnapSuite(CLI::App& suite);
 
 }  // namespace treeline
 

@@ -10,6 +10,9 @@ namespace {
 
 // No blockage is larger: what is, is several.
 constexpr double kMaxRadius_m = 0.6;
+// Discs that lie so near to one another are of one place.
+constexpr double kSamePlace_m = 0.1;
+constexpr double kMetAgain_s = 2;
 // So many beams must pass its middle, in so many scans in a row.
 constexpr int kBeams = 4;
 constexpr int kScans = 5;
@@ -37,24 +40,23 @@ Beam Judge(const Blockage& blockage, Vec2 laser, Vec2 end) {
 }  // namespace
 
 void BlockageMemory::Add(const Blockage& blockage, MonotonicTime now) {
+  Blockage added = blockage;
+  added.radius_m = std::min(kMaxRadius_m, blockage.radius_m);
   for (Known& known : known_) {
     Blockage& old = known.blockage;
-    const double apart_m = Norm(old.center - blockage.center);
-    if (old.level != blockage.level ||
-        apart_m > std::max(old.radius_m, blockage.radius_m)) {
+    if (old.level != added.level ||
+        Norm(old.center - added.center) > kSamePlace_m) {
       continue;
     }
-    // The disc that holds both, about the newer one's centre.
-    old.radius_m = std::min(
-        kMaxRadius_m, std::max(blockage.radius_m, old.radius_m + apart_m / 2));
-    old.center = blockage.center;
+    old.radius_m = std::max(old.radius_m, added.radius_m);
+    // The same, seen twice at once, was not met again.
+    if (SecondsBetween(known.since, now) > kMetAgain_s) {
+      known.lasts_s = std::min(2 * known.lasts_s, limits_.longest_blockage_s);
+    }
     known.since = now;
-    known.lasts_s = std::min(2 * known.lasts_s, limits_.longest_blockage_s);
     known.seen_free = 0;
     return;
   }
-  Blockage added = blockage;
-  added.radius_m = std::min(kMaxRadius_m, blockage.radius_m);
   known_.push_back(
       {.blockage = added, .since = now, .lasts_s = limits_.blockage_s});
 }

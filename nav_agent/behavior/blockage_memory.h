@@ -15,7 +15,7 @@ class BlockageMemory {
  public:
   explicit BlockageMemory(const NavigatorLimits& limits) : limits_(limits) {}
 
-  // One that overlaps what is remembered grows that, and lengthens its time.
+  // One that is known is remembered for longer.
   void Add(const Blockage& blockage, MonotonicTime now);
   // Forgets what is too old. How many.
   int Fade(MonotonicTime now);

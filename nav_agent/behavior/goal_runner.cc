@@ -7,6 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/random.h"
+#include "nav_agent/behavior/obstacle_discs.h"
+#include "nav_agent/behavior/pose_lists.h"
 
 namespace treeline {
 namespace {
@@ -35,10 +37,6 @@ std::string Place(const LevelPose& pose) {
                          pose.map_from_base.translation.y, pose.place.level);
 }
 
-double Distance_m(const LevelPose& a, const LevelPose& b) {
-  return Norm(a.map_from_base.translation - b.map_from_base.translation);
-}
-
 }  // namespace
 
 GoalRunner::GoalRunner(std::shared_ptr<const NavigationMap> map,
@@ -62,6 +60,7 @@ uint64_t GoalRunner::Start(const NavigationGoal& goal) {
         map_->GroundOf(pose.map_from_base.translation, pose.place.level);
     if (ground.has_value()) pose.place = *ground;
   }
+  HeadAlong(goal_.poses);
   status_.emplace();
   status_->id = ++last_id_;
   phase_ = GoalPhase::kToPlan;
@@ -304,7 +303,7 @@ VelocityCommand GoalRunner::StepDriving(const ControlPose& pose,
   if (control_.state != ControlState::kWaiting) waiting_since_.reset();
   if (control_.state != ControlState::kArrived) arrived_since_.reset();
   if (!IsLastLeg() && PassesPose(pose)) {
-    NextLeg();
+    NextLeg(pose.pose);
     return control_.command;
   }
   switch (control_.state) {
@@ -356,7 +355,7 @@ bool GoalRunner::PassesPose(const ControlPose& pose) const {
              kSameGround_m;
 }
 
-void GoalRunner::NextLeg() {
+void GoalRunner::NextLeg(const LevelPose& robot) {
   ++status_->next_pose;
   events_->Add("goal", absl::StrFormat("goal %d: pose %d of %d", status_->id,
                                        status_->next_pose, goal_.poses.size()));
@@ -371,7 +370,15 @@ void GoalRunner::NextLeg() {
     phase_ = GoalPhase::kToPlan;
     return;
   }
-  TakePath(*std::exchange(next_leg_, std::nullopt), "the way on");
+  // It has not quite come to the pose; the way on begins there.
+  PlanResult way = *std::exchange(next_leg_, std::nullopt);
+  std::vector<LevelPose> rest = RestOf(path_, robot);
+  if (rest.size() > 1) {
+    way.length_m += Distance_m(rest.front(), rest.back());
+    rest.insert(rest.end(), way.path.begin() + 1, way.path.end());
+    way.path = std::move(rest);
+  }
+  TakePath(way, "the way on");
 }
 
 void GoalRunner::Arrive(const ControlPose& pose, MonotonicTime now) {
@@ -410,11 +417,14 @@ void GoalRunner::MeetObstacle(const ControlPose& pose,
                               const std::string& what, MonotonicTime now) {
   const std::optional<LevelPlace> ground =
       map_->GroundNear(result.obstacle_in_map, pose.pose.place.height_m);
-  blockages_.Add(
-      {.center = result.obstacle_in_map,
-       .radius_m = result.obstacle_radius_m + options_.limits.blockage_margin_m,
-       .level = ground.has_value() ? ground->level : pose.pose.place.level},
-      now);
+  const double margin_m = options_.limits.blockage_margin_m;
+  for (const Blockage& disc :
+       DiscsOf(controller_->Costmap(), result.obstacle_in_map,
+               pose.pose.map_from_base.translation, margin_m,
+               result.obstacle_radius_m + margin_m,
+               ground.has_value() ? ground->level : pose.pose.place.level)) {
+    blockages_.Add(disc, now);
+  }
   events_->Add("blocked", absl::StrFormat("%s at (%.2f, %.2f)", what,
                                           result.obstacle_in_map.x,
                                           result.obstacle_in_map.y));

@@ -90,7 +90,7 @@ class GoalRunner {
   void StepBackground(const ControlPose& pose, MonotonicTime now);
   VelocityCommand StepDriving(const ControlPose& pose, MonotonicTime now);
   bool PassesPose(const ControlPose& pose) const;
-  void NextLeg();
+  void NextLeg(const LevelPose& robot);
   void Arrive(const ControlPose& pose, MonotonicTime now);
   void MeetObstacle(const ControlPose& pose, const ControlResult& result,
                     const std::string& what, MonotonicTime now);

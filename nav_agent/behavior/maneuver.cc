@@ -18,9 +18,9 @@ constexpr double kNearlyAround_rad = 0.1;
 
 // Round and round while the budget lasts.
 using Order = std::array<ManeuverKind, 5>;
-constexpr Order kNoWayOrder = {ManeuverKind::kClearCostmap, ManeuverKind::kWait,
-                               ManeuverKind::kBackUp, ManeuverKind::kLookAround,
-                               ManeuverKind::kWait};
+constexpr Order kNoWayOrder = {ManeuverKind::kBackUp, ManeuverKind::kWait,
+                               ManeuverKind::kClearCostmap,
+                               ManeuverKind::kLookAround, ManeuverKind::kWait};
 constexpr Order kStuckOrder = {ManeuverKind::kClearCostmap,
                                ManeuverKind::kBackUp, ManeuverKind::kReroute,
                                ManeuverKind::kLookAround, ManeuverKind::kWait};

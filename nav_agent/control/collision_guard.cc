@@ -17,7 +17,7 @@ constexpr std::array<double, 7> kShares = {1.0,  0.8,  0.6, 0.4,
 constexpr double kLook_m = 0.02;
 constexpr int kMostLooks = 60;
 // What is nearer than its margin may come so much nearer: rounding (m).
-constexpr double kSlack_m = 0.002;
+constexpr double kSlack_m = 2e-4;
 
 }  // namespace
 
@@ -46,7 +46,7 @@ double CollisionGuard::Reach_m() const {
          v * v / (2 * brake) + options_.approach_mps * stop_s +
          v * options_.margin_per_speed_s +
          std::max({options_.point_margin_m, options_.cell_margin_m,
-                   options_.moving_margin_m});
+                   options_.lost_margin_m});
 }
 
 const GuardPoint* CollisionGuard::FirstHit(

@@ -28,6 +28,8 @@ struct CollisionGuardOptions {
   // What moves may come towards the robot so fast (m/s).
   double approach_mps = 0.9;
   double moving_margin_m = 0.08;
+  // The same, where it was seen last a moment ago (m).
+  double lost_margin_m = 0.2;
 
   absl::Status Validate() const;
 };

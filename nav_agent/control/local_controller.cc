@@ -146,10 +146,14 @@ std::vector<GuardPoint> BandController::GuardPoints(
       SecondsBetween(*costmap_.last_depth(), pose.stamp) < kDepthLifetime_s) {
     add_seen(costmap_.depth_points());
   }
-  for (const Vec2& center : costmap_.UnseenObstacles(
+  for (const UnseenObstacle& unseen : costmap_.UnseenObstacles(
            pose.pose.map_from_base.translation, reach_m, pose.stamp)) {
+    // Somebody who went out of sight behind the robot is still about.
     points.push_back(
-        {.in_base = base_from_map * center, .margin_m = options.cell_margin_m});
+        {.in_base = base_from_map * unseen.in_map,
+         .margin_m =
+             unseen.was_moving ? options.lost_margin_m : options.cell_margin_m,
+         .approach_mps = unseen.was_moving ? options.approach_mps : 0});
   }
   return points;
 }

@@ -648,10 +648,10 @@ std::optional<LevelPlace> LocalCostmap::GroundAt(Vec2 point_in_map) const {
   return LevelPlace{.level = ground.level, .height_m = ground.height_m};
 }
 
-std::vector<Vec2> LocalCostmap::UnseenObstacles(Vec2 at, double radius_m,
-                                                MonotonicTime now) const {
-  std::vector<Vec2> centers;
-  if (!epoch_.has_value()) return centers;
+std::vector<UnseenObstacle> LocalCostmap::UnseenObstacles(
+    Vec2 at, double radius_m, MonotonicTime now) const {
+  std::vector<UnseenObstacle> unseen;
+  if (!epoch_.has_value()) return unseen;
   const int64_t now_ms =
       std::chrono::duration_cast<std::chrono::milliseconds>(now - *epoch_)
           .count();
@@ -666,7 +666,13 @@ std::vector<Vec2> LocalCostmap::UnseenObstacles(Vec2 at, double radius_m,
       const Vec2 center = CenterInMap(x, y);
       if (Norm(center - at) > radius_m) continue;
       if (cells_[i] == LocalCell::kSeen) {
-        if (now_ms - seen_[i].last_ms > kSeenNow_ms) centers.push_back(center);
+        const Seen& seen = seen_[i];
+        if (now_ms - seen.last_ms <= kSeenNow_ms) continue;
+        const double stood_s =
+            0.001 * static_cast<double>(seen.last_ms - seen.since_ms);
+        unseen.push_back({.in_map = center,
+                          .was_moving = seen.was_free &&
+                                        stood_s < options_.standing_after_s});
         continue;
       }
       const bool is_edge =
@@ -675,10 +681,10 @@ std::vector<Vec2> LocalCostmap::UnseenObstacles(Vec2 at, double radius_m,
           (y > 0 && ground_[i - static_cast<size_t>(width_)].level >= 0) ||
           (y + 1 < height_ &&
            ground_[i + static_cast<size_t>(width_)].level >= 0);
-      if (is_edge) centers.push_back(center);
+      if (is_edge) unseen.push_back({.in_map = center});
     }
   }
-  return centers;
+  return unseen;
 }
 
 SeenObstacle LocalCostmap::ObstacleNear(Vec2 point_in_map, double reach_m,

@@ -54,6 +54,13 @@ struct SeenPoint {
   bool is_moving = false;
 };
 
+// A cell's centre.
+struct UnseenObstacle {
+  Vec2 in_map;
+  // It was there for a moment only when it was seen last.
+  bool was_moving = false;
+};
+
 enum class LocalCell : uint8_t { kFree = 0, kMapObstacle = 1, kSeen = 2 };
 
 // A grid with the map's axes that rolls along with the robot.
@@ -133,8 +140,8 @@ class LocalCostmap {
   // Centres of the obstacles' cells within radius_m of a point that no sensor
   // shows at this moment: the map's, where they border on ground, and seen ones
   // that are only remembered.
-  std::vector<Vec2> UnseenObstacles(Vec2 at, double radius_m,
-                                    MonotonicTime now) const;
+  std::vector<UnseenObstacle> UnseenObstacles(Vec2 at, double radius_m,
+                                              MonotonicTime now) const;
 
   // The newest scan's and the newest frame's points on obstacles, the map's
   // included, near the robot.

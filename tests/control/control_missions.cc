@@ -30,6 +30,11 @@ void PutCrates(const std::vector<LevelPose>& path, Random& random,
     const Vec2 at =
         a + random.NextUniform(0.3, 0.9) * (b - a) +
         Vec2{random.NextUniform(-0.3, 0.3), random.NextUniform(-0.3, 0.3)};
+    // Neither on the robot nor on its goal.
+    if (Norm(at - path.front().map_from_base.translation) < 1.1 ||
+        Norm(at - path.back().map_from_base.translation) < 1.1) {
+      continue;
+    }
     (void)simulator.AddObstacle("new-" + std::to_string(i), "crate",
                                 {.position = at,
                                  .yaw_rad = random.NextUniform(-3, 3),
@@ -65,7 +70,7 @@ bool RunSeed(const ControlWorld& world, const Flags& flags, uint64_t seed,
                                            simulator->laser().Info(), {});
   const ControlRunResult result =
       RunControl(world, *simulator, *controller, path,
-                 {.max_s = 240,
+                 {.max_s = 100,
                   .error_m = flags.error ? 0.03 : 0,
                   .error_rad = flags.error ? 0.01 : 0,
                   .seed = seed,

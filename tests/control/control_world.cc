@@ -14,6 +14,8 @@ namespace treeline {
 namespace {
 
 constexpr double kSameGround_m = 0.08;
+// Keep-outs do not count so near to the start: the robot is there (m).
+constexpr double kLeave_m = 0.6;
 
 std::shared_ptr<const NavigationMap> MapOf(const World& world) {
   auto levels = ExtractTraversableMap(VoxelizeWorld(world),
@@ -135,7 +137,12 @@ std::vector<LevelPose> ControlWorld::FindPath(
           const double price = so_far + std::hypot(dx, dy) + 0.01;
           if (next == node || price >= cost[next] ||
               !(std::abs(height_of(next) - height_of(node)) < kSameGround_m) ||
-              (next != last && !IsOpen(level, to, clearance_m, keep_out))) {
+              (next != last &&
+               !IsOpen(level, to, clearance_m,
+                       Norm(grid.CenterInMap(to) -
+                            start.map_from_base.translation) < kLeave_m
+                           ? std::vector<KeepOut>()
+                           : keep_out))) {
             continue;
           }
           cost[next] = price;

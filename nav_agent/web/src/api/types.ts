@@ -1,0 +1,123 @@
+// What the agent says and takes. docs/agent.md has the fields. Lengths in m,
+// angles in rad, times in s, in the map's frame (x forward, y left, z up).
+
+export interface Pose {
+  x: number;
+  y: number;
+  yaw: number;
+  level: number;
+}
+
+export interface TrackedPose extends Pose {
+  height: number;
+  // Standard deviations; null where the agent has none.
+  std: number | null;
+  stdYaw: number | null;
+}
+
+export interface LevelInfo {
+  index: number;
+  width: number;
+  height: number;
+  resolution: number;
+  // The lower left corner of the grid, and its rotation.
+  origin: [x: number, y: number, yaw: number];
+  minHeight: number;
+  maxHeight: number;
+}
+
+export interface AgentInfo {
+  version: string;
+  robot: { front: number; rear: number; halfWidth: number };
+  mapName: string;
+  levels: LevelInfo[];
+  simulated: boolean;
+  world: string;
+  places: string[];
+  server: string;
+}
+
+export type GoalState =
+  | 'accepted' | 'active' | 'succeeded' | 'failed' | 'cancelled' | 'unknown';
+
+export interface Goal {
+  id: number;
+  state: GoalState;
+  cause: string;
+  why: string;
+  toGo: number;
+  driven: number;
+  replans: number;
+  recoveries: number;
+  poses: Pose[];
+}
+
+// The server's last answer and what became of it.
+export interface Fix {
+  localized: boolean;
+  confidence: number | null;
+  inliers: number | null;
+  samples: number | null;
+  scene: string;
+  reason: string;
+  roundTrip: number | null;
+  verdict: string;
+  at: { x: number; y: number; yaw: number } | null;
+}
+
+export interface Device {
+  name: string;
+  state: string;
+  cause: string;
+}
+
+export interface RobotState {
+  time: number;
+  mode: string;
+  cause: string;
+  causeText: string;
+  advice: string;
+  pose: TrackedPose | null;
+  lost: { probability: number; state: string; reason: string };
+  command: { forward: number; yawRate: number };
+  goal: Goal | null;
+  fix: Fix | null;
+  devices: Device[];
+  // Only in simulation.
+  truth: { x: number; y: number; yaw: number; height: number } | null;
+  missedDeadlines: number;
+  steps: number;
+}
+
+export interface Costmap {
+  origin: [x: number, y: number];
+  resolution: number;
+  width: number;
+  height: number;
+  z: number;
+  // Rows from the bottom: 0 free, 1 obstacle of the map, 2 one that was seen.
+  cells: Uint8Array;
+}
+
+export interface RobotScene {
+  // x, y, z, yaw of each pose.
+  path: Float32Array;
+  // x, y, z, radius of each bubble.
+  bubbles: Float32Array;
+  // x0, y0, x1, y1 of each edge.
+  tree: Float32Array;
+  // x, y of each point.
+  scan: Float32Array;
+  // x, y, yaw of each particle.
+  particles: Float32Array;
+  blockages: { x: number; y: number; radius: number; level: number }[];
+  costmap: Costmap | null;
+  obstacles: { name: string; x: number; y: number }[];
+}
+
+export interface RobotEvent {
+  number: number;
+  time: number;
+  kind: string;
+  text: string;
+}

@@ -1,0 +1,250 @@
+// Wires the page: what the agent says goes to map and panels, what a person
+// does goes to the agent.
+
+import { AgentClient } from './api/client.js';
+import { AgentStream, type Link } from './api/stream.js';
+import type { AgentInfo, RobotState } from './api/types.js';
+import { loadFields, loadLevelPicture, loadVoxels } from './map_loader.js';
+import { shownLevel } from './model/levels.js';
+import { CameraPanel } from './panels/camera_panel.js';
+import { el } from './panels/dom.js';
+import { HeadLine, LostBanner, Toasts } from './panels/frame.js';
+import { DevicesPanel, EventsPanel } from './panels/list_panels.js';
+import { MapBar, type Tool } from './panels/map_bar.js';
+import { SimulationPanel } from './panels/simulation_panel.js';
+import { LostPanel, StatusPanel } from './panels/status_panel.js';
+import './style.css';
+import { MapView } from './view/map_view.js';
+import { Placing, type Placed } from './view/placing.js';
+
+const OBSTACLE_SIZE_M = 0.5;
+
+class Page {
+  private readonly client =
+      new AgentClient((url, init) => fetch(url, init));
+  private readonly stream: AgentStream;
+  private readonly toasts = new Toasts();
+  private readonly head = new HeadLine();
+  private readonly banner = new LostBanner(() => this.stream.retryNow());
+  private readonly host = el('div', { class: 'map', id: 'map' });
+  private readonly view: MapView | null;
+  private readonly placing: Placing | null;
+  private readonly bar: MapBar;
+  private readonly status: StatusPanel;
+  private readonly lost = new LostPanel();
+  private readonly camera = new CameraPanel(this.client);
+  private readonly devices = new DevicesPanel();
+  private readonly events = new EventsPanel();
+  private readonly simulation: SimulationPanel;
+  private info: AgentInfo | null = null;
+  // The map that is shown, as text.
+  private shownMap = '';
+  private isLoading = false;
+  private state: RobotState | null = null;
+  private lastHeard = 0;
+  private pickedLevel: number | null = null;
+  private level = 0;
+  private tool: Tool = 'look';
+  private garbled = 0;
+
+  constructor() {
+    const { client } = this;
+    this.view = this.makeView();
+    this.placing = this.view && new Placing(this.view,
+        () => this.tool === 'goal' ? this.state?.pose ?? null : null,
+        (placed) => this.place(placed));
+    this.bar = new MapBar({
+      level: (picked) => {
+        this.pickedLevel = picked;
+        this.followLevel();
+      },
+      layer: (name, isShown) => this.view?.show(name, isShown),
+      cut: (aboveGround) => this.view?.setCut(aboveGround),
+      look: (angle) => this.view?.look(angle),
+      follow: (isOn) => {
+        if (this.view === null) return;
+        this.view.followsRobot = isOn;
+        this.view.draw();
+      },
+      tool: (tool) => {
+        this.tool = tool;
+        this.placing?.enable(tool !== 'look');
+      },
+    });
+    this.status = new StatusPanel({
+      pause: () => this.ask(client.pause(), 'Paused.'),
+      resume: () => this.ask(client.resume(), 'Going on.'),
+      cancel: () => this.ask(client.cancel(), 'Goal cancelled.'),
+      findYourself: () =>
+        this.ask(client.findYourself(), 'The robot looks for its place.'),
+    });
+    this.simulation = new SimulationPanel({
+      kidnapAnywhere: () => this.ask(client.kidnapTo({}), 'Kidnapped.'),
+      kidnapTo: (place) => this.ask(client.kidnapTo({ place }), 'Kidnapped.'),
+      removeObstacle: (name) =>
+        this.ask(client.removeObstacle(name), 'Box removed.'),
+      fault: (target, kind, seconds) => this.ask(
+          client.injectFault(target, kind, seconds),
+          `${target} ${kind} for ${seconds} s.`),
+    });
+    this.simulation.element.hidden = true;
+    this.stream = new AgentStream('api/stream', {
+      open: (url) => new EventSource(url),
+      now: () => Date.now(),
+      later: (work, ms) => window.setTimeout(work, ms),
+      forget: (timer) => window.clearTimeout(timer),
+    }, {
+      state: (state) => this.setState(state),
+      scene: (scene) => {
+        this.view?.setScene(scene);
+        this.simulation.update(scene);
+      },
+      event: (event) => this.events.add(event),
+      link: (link) => this.setLink(link),
+      garbled: (error) => this.tellGarbled(error),
+    });
+    this.build();
+  }
+
+  private makeView(): MapView | null {
+    try {
+      return new MapView(this.host);
+    } catch {
+      this.host.append(el('p', { class: 'no-map' },
+          'This browser cannot draw the map: WebGL is missing or switched ' +
+          'off. Everything else works.'));
+      return null;
+    }
+  }
+
+  private build(): void {
+    this.host.append(this.bar.top,
+        el('div', { class: 'map-bottom' }, this.bar.hint, this.bar.tools));
+    const side = el('div', { class: 'side' },
+        this.status.element, this.lost.element, this.camera.element,
+        this.simulation.element, this.devices.element, this.events.element);
+    document.body.append(this.head.element, this.banner.element,
+        el('main', {}, this.host, side), this.toasts.element);
+    this.setLink('connecting');
+    this.bar.applyLayers();
+  }
+
+  start(): void {
+    this.stream.start();
+    window.addEventListener('online', () => this.stream.retryNow());
+    document.addEventListener('visibilitychange', () => {
+      if (!document.hidden) this.stream.retryNow();
+    });
+  }
+
+  windowOf(x: number, y: number, z: number): { x: number; y: number } | null {
+    return this.view?.windowOf(x, y, z) ?? null;
+  }
+
+  // ---- from the agent ----
+
+  private setLink(link: Link): void {
+    this.head.setLink(link);
+    this.banner.setLink(link, this.lastHeard);
+    this.camera.setLive(link === 'live');
+    for (const part of document.querySelectorAll<HTMLElement>('.needs-link')) {
+      part.inert = link !== 'live';
+    }
+    if (link === 'live') void this.loadMap();
+  }
+
+  private async loadMap(): Promise<void> {
+    if (this.isLoading) return;
+    this.isLoading = true;
+    try {
+      const info = await this.client.info();
+      const text = JSON.stringify([info.mapName, info.levels, info.world]);
+      this.info = info;
+      this.head.setInfo(info);
+      this.bar.setLevels(info.levels.length, info.simulated);
+      this.simulation.element.hidden = !info.simulated;
+      this.simulation.setPlaces(info.places);
+      if (text !== this.shownMap) {
+        await this.showMap(info);
+        this.shownMap = text;
+      }
+    } catch (error) {
+      this.tell(error);
+    } finally {
+      this.isLoading = false;
+    }
+  }
+
+  private async showMap(info: AgentInfo): Promise<void> {
+    const { view, client } = this;
+    if (view === null) return;
+    const fields = await loadFields(client, info);
+    view.setMap(info, fields);
+    this.followLevel();
+    await Promise.all([
+      ...fields.map(async (field) => view.addLevelPicture(
+          field, await loadLevelPicture(client, field.level.index))),
+      loadVoxels(client).then((mesh) => view.setVoxels(mesh)),
+    ]);
+    this.host.dataset.map = 'ready';
+  }
+
+  private setState(state: RobotState): void {
+    this.lastHeard = Date.now();
+    this.state = state;
+    this.followLevel();
+    this.view?.setState(state);
+    this.status.update(state);
+    this.lost.update(state);
+    this.camera.update(state);
+    this.devices.update(state);
+  }
+
+  private followLevel(): void {
+    const robot = this.state?.pose?.level ?? null;
+    this.bar.showLevel(robot ?? 0);
+    const level =
+        shownLevel(this.pickedLevel, robot, this.info?.levels.length ?? 1);
+    if (level === this.level && this.view?.field(level) === null) return;
+    this.level = level;
+    this.view?.showLevel(level);
+  }
+
+  private tellGarbled(error: Error): void {
+    // Once: they come many times a second.
+    if (++this.garbled === 1) this.toasts.say(error.message, 'bad');
+  }
+
+  // ---- to the agent ----
+
+  private place({ x, y, yaw }: Placed): void {
+    const { client, level } = this;
+    const pose = { x, y, yaw, level };
+    const tool = this.tool;
+    this.bar.choose('look');
+    if (tool === 'goal') this.ask(client.sendGoal([pose]), 'Goal sent.');
+    if (tool === 'pose') this.ask(client.setPose(pose), 'Pose sent.');
+    if (tool === 'kidnap') this.ask(client.kidnapTo(pose), 'Kidnapped.');
+    if (tool === 'obstacle') {
+      this.ask(client.addObstacle(x, y, level, OBSTACLE_SIZE_M),
+          'A box stands there now.');
+    }
+  }
+
+  private ask(answer: Promise<void>, done: string): void {
+    answer.then(() => this.toasts.say(done, 'calm'),
+        (error: unknown) => this.tell(error));
+  }
+
+  private tell(error: unknown): void {
+    this.toasts.say(
+        error instanceof Error ? error.message : String(error), 'bad');
+  }
+}
+
+const page = new Page();
+page.start();
+// For the browser's console, and for tests: where a point of the map is drawn.
+Object.assign(window, { treeline: {
+  windowOf: (x: number, y: number, z: number) => page.windowOf(x, y, z),
+} });

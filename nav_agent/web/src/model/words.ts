@@ -1,0 +1,130 @@
+// The robot's state in plain words.
+
+import type { Fix, Goal, RobotState } from '../api/types.js';
+
+export type Tone = 'calm' | 'busy' | 'warn' | 'bad';
+
+export interface Saying {
+  title: string;
+  text: string;
+  tone: Tone;
+}
+
+const MODES: Record<string, Saying> = {
+  idle: { title: 'Ready', text: 'Waiting for a goal.', tone: 'calm' },
+  planning: {
+    title: 'Planning', text: 'Looking for a way to the goal.', tone: 'busy',
+  },
+  driving: { title: 'Driving', text: 'On the way to the goal.', tone: 'busy' },
+  recovering: {
+    title: 'Working around',
+    text: 'Something is in the way; the robot tries to get past.',
+    tone: 'warn',
+  },
+  lost: {
+    title: 'Lost', text: 'The robot stands still and asks where it is.',
+    tone: 'warn',
+  },
+  relocalizing: {
+    title: 'Finding its place',
+    text: 'It looks around and checks where it is.', tone: 'warn',
+  },
+  paused: {
+    title: 'Paused', text: 'Resume to let it drive on.', tone: 'calm',
+  },
+  safe_stop: {
+    title: 'Safe stop',
+    text: 'A device is missing. The robot goes on when it is back.',
+    tone: 'bad',
+  },
+  need_help: {
+    title: 'Needs help',
+    text: 'The robot could not find its place.', tone: 'bad',
+  },
+};
+
+// Names such as "safe stop" and "SAFE_STOP" are the same.
+function keyOf(name: string): string {
+  return name.trim().toLowerCase().replace(/[\s-]+/g, '_');
+}
+
+export function plain(name: string): string {
+  const words = name.trim().replace(/[_-]+/g, ' ').toLowerCase();
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+export function isPaused(state: RobotState): boolean {
+  return keyOf(state.mode) === 'paused';
+}
+
+export function sayState(state: RobotState): Saying {
+  const known = MODES[keyOf(state.mode)];
+  const saying: Saying = known ??
+      { title: plain(state.mode || 'unknown'), text: '', tone: 'calm' };
+  const hasCause = state.cause !== '' && state.cause !== 'none';
+  const text = state.causeText ||
+      (hasCause ? `${plain(state.cause)}.` : saying.text);
+  return { ...saying, text };
+}
+
+export function isUnderWay(goal: Goal | null): goal is Goal {
+  return goal !== null &&
+      (goal.state === 'accepted' || goal.state === 'active');
+}
+
+const GOALS: Record<Goal['state'], { title: string; tone: Tone }> = {
+  accepted: { title: 'Goal accepted', tone: 'busy' },
+  active: { title: 'On the way', tone: 'busy' },
+  succeeded: { title: 'Arrived', tone: 'calm' },
+  failed: { title: 'Not reached', tone: 'bad' },
+  cancelled: { title: 'Cancelled', tone: 'warn' },
+  unknown: { title: 'Goal', tone: 'calm' },
+};
+
+export function sayGoal(goal: Goal): Saying {
+  return { ...GOALS[goal.state], text: goal.why };
+}
+
+export function metres(value: number): string {
+  return `${value.toFixed(Math.abs(value) < 10 ? 1 : 0)} m`;
+}
+
+export function percent(share: number): string {
+  return `${Math.round(100 * Math.max(0, Math.min(1, share)))} %`;
+}
+
+export function degrees(angle: number): string {
+  return `${Math.round((angle * 180) / Math.PI)}°`;
+}
+
+// Seconds since the agent began, as m:ss or h:mm:ss.
+export function clockOf(seconds: number): string {
+  const all = Math.max(0, Math.floor(seconds));
+  const two = (n: number): string => String(n).padStart(2, '0');
+  const hours = Math.floor(all / 3600);
+  const minutes = Math.floor(all / 60) % 60;
+  return hours > 0 ? `${hours}:${two(minutes)}:${two(all % 60)}` :
+      `${minutes}:${two(all % 60)}`;
+}
+
+const LOST_STATES: Record<string, string> = {
+  localized: 'Knows its place',
+  map_changed_here: 'Knows its place; things here have moved',
+  people_nearby: 'Knows its place; people are nearby',
+  lost: 'Does not know its place',
+};
+
+export function sayLost(lost: RobotState['lost']): string {
+  const state = LOST_STATES[keyOf(lost.state)] ?? plain(lost.state);
+  const hasReason = lost.reason !== '' && lost.reason !== 'none';
+  return hasReason ? `${state}: ${lost.reason.replace(/_/g, ' ')}` : state;
+}
+
+// What the server said of the last picture, and what became of that.
+export function sayFix(fix: Fix): string {
+  if (!fix.localized) {
+    return fix.reason === '' ? 'The server did not recognize the place' :
+        `Not recognized: ${plain(fix.reason).toLowerCase()}`;
+  }
+  return fix.verdict === '' ? 'Recognized' : plain(fix.verdict);
+}

@@ -1,0 +1,186 @@
+// Over the map: levels, layers, ways to look, and tools.
+
+import { LAYERS, type Angle, type LayerName } from '../view/map_view.js';
+import { DEFAULT_CUT_M, NO_CUT_M } from '../model/levels.js';
+import { button, el, setShown, setText } from './dom.js';
+
+export type Tool = 'look' | 'goal' | 'pose' | 'kidnap' | 'obstacle';
+
+export interface MapCommands {
+  level(picked: number | null): void;
+  layer(name: LayerName, isShown: boolean): void;
+  cut(aboveGround: number): void;
+  look(angle: Angle): void;
+  follow(isOn: boolean): void;
+  tool(tool: Tool): void;
+}
+
+const LAYER_LABELS: Record<LayerName, string> = {
+  octomap: 'OctoMap', ground: 'Traversable map', costmap: 'Local costmap',
+  scan: 'Laser scan', particles: 'Particles', tree: 'Search tree',
+  path: 'Path', bubbles: 'Bubbles', blockages: 'Blockages',
+  truth: 'True pose (simulation)',
+};
+
+const TOOLS: readonly [tool: Tool, label: string, hint: string][] = [
+  ['look', 'Look', ''],
+  ['goal', 'Send goal',
+    'Click where the robot shall go; drag to choose its heading.'],
+  ['pose', 'Set pose',
+    'Click where the robot stands; drag to choose its heading.'],
+  ['kidnap', 'Kidnap here',
+    'Click where the robot shall be put without being told.'],
+  ['obstacle', 'Add box', 'Click where a box shall stand.'],
+];
+const SIMULATION_TOOLS: readonly Tool[] = ['kidnap', 'obstacle'];
+
+const STORE = 'treeline-layers';
+
+function storedHidden(): Set<string> {
+  try {
+    const stored: unknown = JSON.parse(localStorage.getItem(STORE) ?? '[]');
+    return new Set(Array.isArray(stored) ? stored.map(String) : []);
+  } catch {
+    return new Set();
+  }
+}
+
+export class MapBar {
+  readonly top: HTMLElement;
+  readonly tools: HTMLElement;
+  readonly hint = el('p', {
+    class: 'hint', id: 'hint', attributes: { 'aria-live': 'polite' },
+  });
+  private readonly level = el('select', {
+    id: 'level', attributes: { 'aria-label': 'Level' },
+    on: { change: () => this.pickLevel() },
+  });
+  private readonly levelBox: HTMLElement;
+  private readonly follow: HTMLButtonElement;
+  private readonly toolButtons = new Map<Tool, HTMLButtonElement>();
+  private readonly hidden = storedHidden();
+  private readonly truthRow: HTMLElement[] = [];
+  private tool: Tool = 'look';
+
+  constructor(private readonly commands: MapCommands) {
+    this.levelBox = el('label', { class: 'chip' },
+        el('span', {}, 'Level'), this.level);
+    this.follow = button('Follow', () => {
+      const isOn = this.follow.getAttribute('aria-pressed') !== 'true';
+      this.follow.setAttribute('aria-pressed', String(isOn));
+      commands.follow(isOn);
+    }, { class: 'chip', id: 'follow', attributes: {
+      'aria-pressed': 'false', 'title': 'Keep the robot in the middle' } });
+    this.top = el('div', { class: 'map-top' }, this.levelBox,
+        el('span', { class: 'chips' },
+            button('3D', () => commands.look('oblique'),
+                { class: 'chip', id: 'view-3d' }),
+            button('Top', () => commands.look('top'),
+                { class: 'chip', id: 'view-top' }),
+            this.follow),
+        this.layers());
+    this.tools = el('div', {
+      class: 'tools needs-link',
+      attributes: { 'role': 'toolbar', 'aria-label': 'Tools on the map' },
+    });
+    for (const [tool, label] of TOOLS) {
+      const entry = button(label, () => this.choose(tool), {
+        class: 'tool', id: `tool-${tool}`,
+        attributes: { 'aria-pressed': 'false', 'data-tool': tool },
+      });
+      this.toolButtons.set(tool, entry);
+      this.tools.append(entry);
+    }
+    document.addEventListener('keydown', (event) => {
+      if (event.key === 'Escape') this.choose('look');
+    });
+    this.choose('look');
+  }
+
+  private layers(): HTMLElement {
+    const rows = LAYERS.map((name) => {
+      const box = el('input', { attributes: {
+        type: 'checkbox', name: `layer-${name}` } });
+      box.checked = !this.hidden.has(name);
+      box.addEventListener('change', () => {
+        if (box.checked) this.hidden.delete(name);
+        else this.hidden.add(name);
+        try {
+          localStorage.setItem(STORE, JSON.stringify([...this.hidden]));
+        } catch {
+          // A browser that stores nothing shows all layers next time.
+        }
+        this.commands.layer(name, box.checked);
+      });
+      const row = el('label',
+          { class: 'check', attributes: { 'data-layer': name } }, box,
+          el('span', { class: 'swatch', attributes: { 'aria-hidden': 'true' } }),
+          LAYER_LABELS[name]);
+      if (name === 'truth') this.truthRow.push(row);
+      return row;
+    });
+    const cut = el('input', {
+      id: 'cut',
+      attributes: {
+        'type': 'range', 'min': '0.2', 'max': String(NO_CUT_M), 'step': '0.1',
+        'aria-label': 'Cut the map open above the ground' },
+    });
+    cut.value = String(DEFAULT_CUT_M);
+    const value = el('span', { class: 'value' }, `${DEFAULT_CUT_M} m`);
+    cut.addEventListener('input', () => {
+      const height = Number(cut.value);
+      setText(value, height >= NO_CUT_M ? 'off' : `${height.toFixed(1)} m`);
+      this.commands.cut(height);
+    });
+    return el('details', { class: 'layers' },
+        el('summary', { class: 'chip' }, 'Layers'),
+        el('div', { class: 'popover' }, ...rows,
+            el('div', { class: 'cut' }, el('span', {}, 'Cut open at'), cut,
+                value)));
+  }
+
+  // Tells the map what was chosen before.
+  applyLayers(): void {
+    for (const name of LAYERS) {
+      this.commands.layer(name, !this.hidden.has(name));
+    }
+  }
+
+  setLevels(count: number, isSimulated: boolean): void {
+    this.level.replaceChildren(
+        el('option', { attributes: { value: '' } }, 'Follow robot'),
+        ...Array.from({ length: count }, (_, i) =>
+          el('option', { attributes: { value: String(i) } }, String(i))));
+    setShown(this.levelBox, count > 1);
+    for (const tool of SIMULATION_TOOLS) {
+      const entry = this.toolButtons.get(tool);
+      if (entry) setShown(entry, isSimulated);
+    }
+    for (const row of this.truthRow) setShown(row, isSimulated);
+    if (!isSimulated && SIMULATION_TOOLS.includes(this.tool)) {
+      this.choose('look');
+    }
+  }
+
+  // Names the level that is followed.
+  showLevel(level: number): void {
+    const [auto] = this.level.options;
+    if (auto) setText(auto, `Robot's (${level})`);
+  }
+
+  private pickLevel(): void {
+    const { value } = this.level;
+    this.commands.level(value === '' ? null : Number(value));
+  }
+
+  choose(tool: Tool): void {
+    this.tool = tool;
+    for (const [name, entry] of this.toolButtons) {
+      entry.setAttribute('aria-pressed', String(name === tool));
+    }
+    const hint = TOOLS.find(([name]) => name === tool)?.[2] ?? '';
+    setText(this.hint, hint === '' ? '' : `${hint} Esc: stop.`);
+    setShown(this.hint, hint !== '');
+    this.commands.tool(tool);
+  }
+}

@@ -1,0 +1,120 @@
+// What the robot does, why not, and what to do about it.
+
+import type { RobotState } from '../api/types.js';
+import {
+  degrees, isPaused, isUnderWay, metres, percent, sayGoal, sayLost, sayState,
+} from '../model/words.js';
+import { button, card, el, Meter, setData, setShown, setText } from './dom.js';
+
+export interface RobotCommands {
+  pause(): void;
+  resume(): void;
+  cancel(): void;
+  findYourself(): void;
+}
+
+export class StatusPanel {
+  readonly element: HTMLElement;
+  private readonly title = el('p', { class: 'status-title', id: 'mode' });
+  private readonly text = el('p', { class: 'status-text', id: 'cause' });
+  private readonly advice = el('p', { class: 'advice', id: 'advice' });
+  private readonly goalLine = el('p', { class: 'goal-line', id: 'goal' });
+  private readonly goalMeter = new Meter('Part of the way that is done');
+  private readonly goalWhy = el('p', { class: 'detail' });
+  private readonly pause: HTMLButtonElement;
+  private readonly cancel: HTMLButtonElement;
+  private readonly where: HTMLButtonElement;
+  private readonly speed = el('dd');
+  private readonly place = el('dd');
+  private readonly doubt = el('dd');
+  private isPaused = false;
+
+  constructor(private readonly commands: RobotCommands) {
+    this.pause = button('Pause', () => this.togglePause(),
+        { class: 'wide', id: 'pause' });
+    this.cancel = button('Cancel goal', () => commands.cancel(),
+        { class: 'wide', id: 'cancel' });
+    this.where = button('Where am I?', () => commands.findYourself(),
+        { class: 'wide', id: 'find-yourself',
+          attributes: { title: 'The robot stops and asks the server' } });
+    const live = el('div',
+        { attributes: { 'aria-live': 'polite', 'aria-atomic': 'true' } },
+        this.title, this.text, this.advice);
+    this.element = card('Robot', 'status', live,
+        el('div', { class: 'goal' }, this.goalLine, this.goalMeter.element,
+            this.goalWhy),
+        el('div', { class: 'buttons needs-link' }, this.pause, this.cancel, this.where),
+        el('dl', { class: 'figures' },
+            el('div', {}, el('dt', {}, 'Speed'), this.speed),
+            el('div', {}, el('dt', {}, 'Place'), this.place),
+            el('div', {}, el('dt', {}, 'Sure to'), this.doubt)));
+  }
+
+  private togglePause(): void {
+    if (this.isPaused) this.commands.resume();
+    else this.commands.pause();
+  }
+
+  update(state: RobotState): void {
+    const saying = sayState(state);
+    setData(this.element, 'tone', saying.tone);
+    setText(this.title, saying.title);
+    setText(this.text, saying.text);
+    const isCalm = state.cause === '' || state.cause === 'none';
+    setText(this.advice, isCalm ? '' : state.advice);
+    setShown(this.advice, !isCalm && state.advice !== '');
+    this.updateGoal(state);
+    this.isPaused = isPaused(state);
+    setText(this.pause, this.isPaused ? 'Resume' : 'Pause');
+    this.pause.classList.toggle('primary', this.isPaused);
+    this.cancel.disabled = !isUnderWay(state.goal);
+    const { pose, command } = state;
+    setText(this.speed, `${Math.abs(command.forward).toFixed(2)} m/s`);
+    setText(this.place, pose === null ? 'unknown' :
+        `${pose.x.toFixed(2)}, ${pose.y.toFixed(2)} m · ${degrees(pose.yaw)}`);
+    setText(this.doubt, pose === null || pose.std === null ? '–' :
+        `${Math.round(100 * pose.std)} cm` +
+        (pose.stdYaw === null ? '' : ` · ${degrees(pose.stdYaw)}`));
+  }
+
+  private updateGoal({ goal }: RobotState): void {
+    setShown(this.goalMeter.element, isUnderWay(goal));
+    if (goal === null) {
+      setText(this.goalLine, 'No goal yet.');
+      setText(this.goalWhy, '');
+      return;
+    }
+    const saying = sayGoal(goal);
+    const all = goal.driven + goal.toGo;
+    setText(this.goalLine, isUnderWay(goal) ?
+        `${saying.title}: ${metres(goal.toGo)} to go` : `${saying.title}.`);
+    setData(this.goalLine, 'tone', saying.tone);
+    this.goalMeter.set(all > 0 ? goal.driven / all : 0, 'busy');
+    const parts = [`${metres(goal.driven)} driven`];
+    if (goal.replans > 0) parts.push(`${goal.replans} new plans`);
+    if (goal.recoveries > 0) parts.push(`${goal.recoveries} recoveries`);
+    setText(this.goalWhy,
+        [saying.text, parts.join(' · ')].filter((part) => part).join(' — '));
+  }
+}
+
+export class LostPanel {
+  readonly element: HTMLElement;
+  private readonly meter = new Meter('Probability that the robot is lost');
+  private readonly value = el('span', { class: 'value', id: 'lost-value' });
+  private readonly text = el('p', { class: 'detail' });
+
+  constructor() {
+    this.element = card('Is it lost?', 'lost',
+        el('div', { class: 'row' }, this.meter.element, this.value),
+        this.text);
+  }
+
+  update({ lost }: RobotState): void {
+    const tone = lost.probability < 0.3 ? 'calm' :
+      lost.probability < 0.7 ? 'warn' : 'bad';
+    this.meter.set(lost.probability, tone);
+    setText(this.value, percent(lost.probability));
+    setText(this.text, sayLost(lost));
+  }
+}

@@ -1,0 +1,46 @@
+// The local costmap, as a sheet over the ground around the robot.
+
+import {
+  DataTexture, Mesh, MeshBasicMaterial, NearestFilter, PlaneGeometry,
+  RGBAFormat, SRGBColorSpace, UnsignedByteType,
+} from 'three';
+
+import type { Costmap } from '../../api/types.js';
+import type { Theme } from '../theme.js';
+
+export class CostmapLayer {
+  private readonly material = new MeshBasicMaterial({
+    transparent: true, depthWrite: false,
+  });
+  readonly object = new Mesh(new PlaneGeometry(1, 1), this.material);
+  private texture: DataTexture | null = null;
+
+  constructor() {
+    this.object.renderOrder = 1;
+    this.object.visible = false;
+  }
+
+  // Whether there is one to show.
+  set(map: Costmap | null, theme: Theme): boolean {
+    if (map === null || map.width * map.height === 0) return false;
+    const pixels = new Uint8Array(4 * map.cells.length);
+    map.cells.forEach((cell, i) => {
+      const colour = cell === 2 ? theme.costSeen : theme.costMap;
+      pixels.set([...colour, cell === 0 ? 26 : cell === 1 ? 130 : 215], 4 * i);
+    });
+    this.texture?.dispose();
+    this.texture = new DataTexture(
+        pixels, map.width, map.height, RGBAFormat, UnsignedByteType);
+    this.texture.colorSpace = SRGBColorSpace;
+    this.texture.magFilter = NearestFilter;
+    this.texture.needsUpdate = true;
+    this.material.map = this.texture;
+    this.material.needsUpdate = true;
+    const width = map.width * map.resolution;
+    const height = map.height * map.resolution;
+    this.object.scale.set(width, height, 1);
+    this.object.position.set(
+        map.origin[0] + width / 2, map.origin[1] + height / 2, map.z + 0.03);
+    return true;
+  }
+}

@@ -1,0 +1,337 @@
+// The building in 3D: camera, layers, and when to draw.
+
+import {
+  Color, MOUSE, PerspectiveCamera, Raycaster, Scene, TOUCH, Vector2, Vector3,
+  WebGLRenderer,
+} from 'three';
+import { MapControls } from 'three/examples/jsm/controls/MapControls.js';
+
+import type { AgentInfo, RobotScene, RobotState } from '../api/types.js';
+import { turnBetween } from '../model/gesture.js';
+import type { HeightField } from '../model/height_field.js';
+import { cutHeight } from '../model/levels.js';
+import { isUnderWay } from '../model/words.js';
+import type { VoxelMesh } from '../model/voxel_mesh.js';
+import { CostmapLayer } from './layers/costmap_layer.js';
+import { GroundLayer } from './layers/ground_layer.js';
+import {
+  ParticleLayer, PathLayer, ScanLayer, TreeLayer,
+} from './layers/line_layers.js';
+import {
+  BlockageLayer, BubbleLayer, GoalLayer, ObstacleLayer, PoseMark,
+} from './layers/mark_layers.js';
+import { RobotLayer, type Stand } from './layers/robot_layer.js';
+import { VoxelLayer } from './layers/voxel_layer.js';
+import { currentTheme, onThemeChange } from './theme.js';
+
+export const LAYERS = [
+  'octomap', 'ground', 'costmap', 'scan', 'particles', 'tree', 'path',
+  'bubbles', 'blockages', 'truth',
+] as const;
+export type LayerName = typeof LAYERS[number];
+
+export type Angle = 'oblique' | 'top';
+
+// The robot glides to its newest pose in about this time (ms).
+const GLIDE_MS = 120;
+
+export class MapView {
+  readonly canvas: HTMLCanvasElement;
+  readonly controls: MapControls;
+  readonly choice = new PoseMark();
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(45, 1, 0.1, 300);
+  private theme = currentTheme();
+  private readonly voxels = new VoxelLayer();
+  private readonly ground = new GroundLayer();
+  private readonly robot = new RobotLayer();
+  private readonly costmap = new CostmapLayer();
+  private readonly scan = new ScanLayer();
+  private readonly particles = new ParticleLayer();
+  private readonly tree = new TreeLayer();
+  private readonly path = new PathLayer();
+  private readonly bubbles = new BubbleLayer();
+  private readonly goal = new GoalLayer();
+  private readonly blockages = new BlockageLayer();
+  private readonly obstacles = new ObstacleLayer();
+  private fields: HeightField[] = [];
+  private level = 0;
+  private cutAboveGround = 1.5;
+  private hidden = new Set<LayerName>();
+  private hasCostmap = false;
+  private state: RobotState | null = null;
+  private shown: Stand | null = null;
+  private wanted: Stand | null = null;
+  private isDue = false;
+  private lastFrame = 0;
+  followsRobot = false;
+
+  // Throws if the browser has no WebGL.
+  constructor(private readonly host: HTMLElement) {
+    this.renderer = new WebGLRenderer(
+        { antialias: true, powerPreference: 'low-power' });
+    this.canvas = this.renderer.domElement;
+    this.canvas.className = 'map-canvas';
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute('role', 'application');
+    this.canvas.setAttribute('aria-label',
+        'Map in 3D. Arrow keys move it, plus and minus zoom.');
+    host.prepend(this.canvas);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new MapControls(this.camera, this.canvas);
+    this.controls.enableDamping = false;
+    this.controls.zoomToCursor = true;
+    this.controls.minDistance = 1;
+    this.controls.maxDistance = 90;
+    this.controls.maxPolarAngle = 0.47 * Math.PI;
+    this.controls.listenToKeyEvents(this.canvas);
+    this.controls.addEventListener('change', () => this.draw());
+    this.scene.add(
+        this.voxels.object, this.ground.object, this.costmap.object,
+        this.tree.object, this.bubbles.object, this.path.object,
+        this.blockages.object, this.obstacles.object, this.particles.object,
+        this.scan.object, this.robot.doubt, this.robot.truth, this.robot.robot,
+        this.goal.object, this.choice.object);
+    this.paint();
+    onThemeChange(() => {
+      this.theme = currentTheme();
+      this.paint();
+    });
+    new ResizeObserver(() => this.resize()).observe(host);
+    this.resize();
+  }
+
+  private paint(): void {
+    const { theme } = this;
+    this.scene.background = new Color(theme.background);
+    this.scan.material.color.set(theme.scan);
+    this.particles.material.color.set(theme.particle);
+    this.tree.material.color.set(theme.tree);
+    this.path.material.color.set(theme.path);
+    this.choice.material.color.set(theme.goal);
+    for (const layer of [this.robot, this.bubbles, this.goal, this.blockages,
+      this.obstacles, this.ground]) {
+      layer.paint(theme);
+    }
+    this.draw();
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.host;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.camera.aspect = clientWidth / clientHeight;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  // ---- the map ----
+
+  setMap(info: AgentInfo, fields: HeightField[]): void {
+    this.fields = fields;
+    this.ground.clear();
+    this.voxels.set(null);
+    this.robot.build(info.robot);
+    this.robot.paint(this.theme);
+    this.shown = null;
+    this.look('oblique');
+  }
+
+  addLevelPicture(field: HeightField, picture: ImageBitmap): void {
+    this.ground.add(field, picture, this.theme);
+    this.ground.show(this.level);
+    this.draw();
+  }
+
+  setVoxels(mesh: VoxelMesh): void {
+    this.voxels.set(mesh);
+    this.applyCut();
+  }
+
+  showLevel(level: number): void {
+    this.level = level;
+    this.ground.show(level);
+    this.applyCut();
+  }
+
+  setCut(aboveGround: number): void {
+    this.cutAboveGround = aboveGround;
+    this.applyCut();
+  }
+
+  private applyCut(): void {
+    this.voxels.cutAt(cutHeight(this.cutAboveGround,
+        this.field()?.typical ?? 0, this.state?.pose ?? null, this.level));
+    this.draw();
+  }
+
+  show(layer: LayerName, isShown: boolean): void {
+    if (isShown) this.hidden.delete(layer);
+    else this.hidden.add(layer);
+    this.applyVisibility();
+  }
+
+  private applyVisibility(): void {
+    const isShown = (layer: LayerName): boolean => !this.hidden.has(layer);
+    this.voxels.object.visible = isShown('octomap');
+    this.ground.object.visible = isShown('ground');
+    this.costmap.object.visible = isShown('costmap') && this.hasCostmap;
+    this.scan.object.visible = isShown('scan');
+    this.particles.object.visible = isShown('particles');
+    this.tree.object.visible = isShown('tree');
+    this.path.object.visible = isShown('path');
+    this.bubbles.object.visible = isShown('bubbles');
+    this.blockages.object.visible = isShown('blockages');
+    this.robot.truth.visible = isShown('truth') && !!this.state?.truth;
+    this.draw();
+  }
+
+  field(level = this.level): HeightField | null {
+    return this.fields[level] ?? null;
+  }
+
+  private groundAt(x: number, y: number, level: number): number {
+    return this.field(level)?.atOr(x, y, this.field(level)?.typical ?? 0) ?? 0;
+  }
+
+  // ---- what the agent says ----
+
+  setState(state: RobotState): void {
+    this.state = state;
+    const { pose, truth } = state;
+    this.wanted = pose === null ? null :
+        { x: pose.x, y: pose.y, z: pose.height, yaw: pose.yaw };
+    this.robot.place(this.robot.truth, truth === null ? null :
+        { x: truth.x, y: truth.y, z: truth.height, yaw: truth.yaw });
+    const poses = isUnderWay(state.goal) ? state.goal.poses : [];
+    this.goal.set(poses, (at) => this.groundAt(at.x, at.y, at.level));
+    this.applyCut();
+    this.applyVisibility();
+  }
+
+  setScene(scene: RobotScene): void {
+    const field = this.field(this.state?.pose?.level ?? this.level);
+    const ground = this.state?.pose?.height ?? field?.typical ?? 0;
+    this.path.set(scene.path);
+    this.bubbles.set(scene.bubbles);
+    this.scan.set(scene.scan, ground);
+    if (field !== null) {
+      this.tree.set(scene.tree, field, ground);
+      this.particles.set(scene.particles, field, ground);
+    }
+    this.blockages.set(
+        scene.blockages, (x, y, level) => this.groundAt(x, y, level));
+    this.obstacles.set(
+        scene.obstacles, (x, y) => this.groundAt(x, y, this.level));
+    this.hasCostmap = this.costmap.set(scene.costmap, this.theme);
+    this.applyVisibility();
+  }
+
+  // ---- looking ----
+
+  look(angle: Angle): void {
+    const field = this.field();
+    if (field === null) return;
+    const { width, height, resolution } = field.level;
+    const middle = field.toMap(width / 2, height / 2);
+    const size = new Vector2(width, height).multiplyScalar(resolution);
+    const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
+    const span = Math.max(size.y, size.x / Math.max(0.3, this.camera.aspect));
+    const distance = (span / 2 / tangent) * (angle === 'top' ? 1.1 : 1.12);
+    const tilt = angle === 'top' ? 0.001 : 0.72;
+    const centre = new Vector3(middle.x, middle.y, field.typical);
+    this.controls.target.copy(centre);
+    this.camera.position.set(
+        centre.x, centre.y - distance * Math.sin(tilt),
+        centre.z + distance * Math.cos(tilt));
+    this.controls.update();
+    this.draw();
+  }
+
+  // A tool takes the first button and the first finger; the others move the
+  // map.
+  giveFirstButtonTo(taker: 'map' | 'tool'): void {
+    const isMap = taker === 'map';
+    this.controls.mouseButtons.LEFT = isMap ? MOUSE.PAN : null;
+    this.controls.touches.ONE = isMap ? TOUCH.PAN : null;
+    this.canvas.classList.toggle('is-aiming', !isMap);
+  }
+
+  // The ground of the shown level under a point of the window.
+  groundUnder(clientX: number, clientY: number):
+      { x: number; y: number; z: number } | null {
+    const field = this.field();
+    if (field === null) return null;
+    const box = this.canvas.getBoundingClientRect();
+    const at = new Vector2(
+        ((clientX - box.left) / box.width) * 2 - 1,
+        1 - ((clientY - box.top) / box.height) * 2);
+    const ray = new Raycaster();
+    ray.setFromCamera(at, this.camera);
+    return field.pick(ray.ray.origin, ray.ray.direction);
+  }
+
+  // Where a point of the map is in the window, for tests and labels.
+  windowOf(x: number, y: number, z: number): { x: number; y: number } {
+    const box = this.canvas.getBoundingClientRect();
+    const at = new Vector3(x, y, z).project(this.camera);
+    return {
+      x: box.left + ((at.x + 1) / 2) * box.width,
+      y: box.top + ((1 - at.y) / 2) * box.height,
+    };
+  }
+
+  // ---- drawing ----
+
+  draw(): void {
+    if (this.isDue) return;
+    this.isDue = true;
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  private frame(now: number): void {
+    this.isDue = false;
+    const passed = Math.min(200, now - this.lastFrame);
+    this.lastFrame = now;
+    const isGliding = this.glide(passed);
+    this.renderer.render(this.scene, this.camera);
+    if (isGliding) this.draw();
+  }
+
+  // Moves the shown robot towards its newest pose; false when it is there.
+  private glide(passedMs: number): boolean {
+    const { shown, wanted } = this;
+    if (wanted === null) {
+      this.shown = null;
+    } else if (shown === null ||
+        Math.hypot(wanted.x - shown.x, wanted.y - shown.y) > 0.5) {
+      this.shown = wanted;
+    } else {
+      const share = 1 - Math.exp(-passedMs / GLIDE_MS);
+      const isThere =
+          Math.hypot(wanted.x - shown.x, wanted.y - shown.y) < 0.004 &&
+          Math.abs(turnBetween(shown.yaw, wanted.yaw, 1) - shown.yaw) < 0.01;
+      this.shown = isThere ? wanted : {
+        x: shown.x + share * (wanted.x - shown.x),
+        y: shown.y + share * (wanted.y - shown.y),
+        z: shown.z + share * (wanted.z - shown.z),
+        yaw: turnBetween(shown.yaw, wanted.yaw, share),
+      };
+    }
+    this.robot.place(this.robot.robot, this.shown);
+    this.robot.placeDoubt(this.shown, this.state?.pose?.std ?? null);
+    this.followTo(this.shown);
+    return this.shown !== this.wanted;
+  }
+
+  private followTo(at: Stand | null): void {
+    if (!this.followsRobot || at === null) return;
+    const move = new Vector3(at.x, at.y, at.z).sub(this.controls.target);
+    if (move.length() < 0.001) return;
+    this.controls.target.add(move);
+    this.camera.position.add(move);
+    this.camera.lookAt(this.controls.target);
+  }
+}
