@@ -15,7 +15,8 @@ std::vector<Command> AddCommands(CLI::App& app) {
   return {AddSimulateCommand(app),        AddMapCommand(app),
           AddNavigateCommand(app),        AddRunCommand(app),
           AddLocalizeCommand(app),        AddTraversabilityCommand(app),
-          AddScoreTrajectoryCommand(app), AddSuiteCommand(app)};
+          AddScoreTrajectoryCommand(app), AddSuiteCommand(app),
+          AddDoctorCommand(app)};
 }
 
 }  // namespace

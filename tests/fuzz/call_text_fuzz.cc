@@ -9,7 +9,7 @@
 #include <string>
 
 #include "absl/strings/string_view.h"
-#include "common/log/log_event.h"
+#include "common/log/log_line.h"
 #include "common/metrics/exposition.h"
 #include "common/metrics/testing_exposition.h"
 #include "server/app/healthcheck.h"
