@@ -6,6 +6,7 @@
 
 namespace treeline {
 
+Command AddDoctorCommand(CLI::App& app);
 Command AddLocalizeCommand(CLI::App& app);
 Command AddMapCommand(CLI::App& app);
 Command AddNavigateCommand(CLI::App& app);

@@ -16,6 +16,7 @@ std::vector<Command> AddCommands(CLI::App& app) {
           AddMapCommand(app),
           AddRunCommand(app),
           AddNavigateCommand(app),
+          AddDoctorCommand(app),
           AddPlanCommand(app),
           AddLocalizeCommand(app),
           AddTraversabilityCommand(app),
