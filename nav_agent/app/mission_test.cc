@@ -77,7 +77,8 @@ TEST(Mission, DrivesThroughPosesWithoutStopping) {
   });
   EXPECT_EQ(goal.state, GoalState::kSucceeded) << mission.Story();
   EXPECT_EQ(goal.next_pose, 3u);
-  EXPECT_GT(slowest_mps, 0.15) << mission.Story();
+  // Chairs stand near the way: it slows down for them, and does not stand.
+  EXPECT_GT(slowest_mps, 0.08) << mission.Story();
 }
 
 // Thesis 6.6.1: the way is blocked, and another one is found.
@@ -208,6 +209,49 @@ INSTANTIATE_TEST_SUITE_P(
     [](const testing::TestParamInfo<FaultCase>& tested) {
       return tested.param.name;
     });
+
+TEST(Mission, IsKidnappedAsksAndArrives) {
+  TestMissionOptions options;
+  options.has_server = true;
+  TestMission mission(options);
+  mission.Send({mission.At(kCounter.x, kCounter.y)});
+  mission.Run(4);
+  ASSERT_TRUE(
+      mission.simulator().Kidnap({.position = {1.6, 3.8}, .yaw_rad = -1}).ok());
+  const double kidnapped_s = Seconds(mission.simulator().now());
+  ASSERT_TRUE(mission.RunUntil(
+      [&] {
+        return mission.navigator().mode() == NavigatorMode::kRelocalizing;
+      },
+      15))
+      << mission.Story();
+  ASSERT_TRUE(mission.RunUntil(
+      [&] { return mission.navigator().mode() == NavigatorMode::kDriving; },
+      40))
+      << mission.Story();
+  // Back on its goal, where it truly is.
+  EXPECT_LT(mission.Error_m(), 0.25) << mission.Story();
+  EXPECT_LT(Seconds(mission.simulator().now()) - kidnapped_s, 20)
+      << mission.Story();
+  EXPECT_GE(mission.server().asked, 1);
+  const GoalStatus goal = mission.RunToEnd(60);
+  EXPECT_EQ(goal.state, GoalState::kSucceeded) << mission.Story();
+  EXPECT_LT(FromCounter_m(mission), 0.25);
+  EXPECT_TRUE(mission.mishaps().empty()) << mission.Story();
+}
+
+TEST(Mission, FindsItselfAtTheStart) {
+  TestMissionOptions options;
+  options.has_server = true;
+  options.is_told_its_pose = false;
+  options.navigator.finds_itself_at_start = true;
+  TestMission mission(options);
+  mission.Send({mission.At(4, 7.9)});
+  const GoalStatus goal = mission.RunToEnd(60);
+  EXPECT_EQ(goal.state, GoalState::kSucceeded) << mission.Story();
+  EXPECT_LT(Norm(mission.Truth().translation - Vec2{4, 7.9}), 0.25);
+  EXPECT_TRUE(mission.mishaps().empty()) << mission.Story();
+}
 
 TEST(Mission, StandsWhenItIsPausedAndGoesOnAfter) {
   TestMission mission({});

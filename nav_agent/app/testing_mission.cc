@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/match.h"
@@ -22,6 +23,40 @@ double YawOf(const Rigid3& pose) {
 }
 
 }  // namespace
+
+std::vector<RgbdFrame> BlankCamera::TakeFrames() {
+  RgbdFrame frame;
+  frame.stamp = clock_.Now();
+  frame.sequence = frames_++;
+  return {frame};
+}
+
+DeviceHealth BlankCamera::Health() const {
+  DeviceHealth health;
+  health.state = DeviceState::kRunning;
+  return health;
+}
+
+void TestMission::MakeServer() {
+  camera_ = std::make_unique<BlankCamera>(simulator_->clock());
+  server_ = std::make_unique<MadeUpServer>(simulator_->clock());
+  server_->answers = [this](const RgbdFrame& frame) {
+    RelocalizationAnswer answer;
+    answer.stamp = frame.stamp;
+    answer.localized = true;
+    answer.confidence = 0.97;
+    answer.inliers = 200;
+    answer.samples = 300;
+    const SimTime at = std::chrono::duration_cast<SimTime>(
+        frame.stamp - SimClock::StampOf(SimTime(0)));
+    answer.map_from_camera = simulator_->WorldFromBaseAt(at) *
+                             simulator_->options().robot.base_from_camera;
+    for (size_t i = 0; i < 36; i += 7) {
+      answer.covariance[i] = i < 21 ? 9e-4 : 2e-4;
+    }
+    return MadeUpServer::Answer(answer);
+  };
+}
 
 TestMission::TestMission(const TestMissionOptions& options) {
   WorldOptions world_options;
@@ -49,11 +84,12 @@ TestMission::TestMission(const TestMissionOptions& options) {
   EXPECT_TRUE(map.ok()) << map.status();
   if (!map.ok()) return;
   map_ = std::make_shared<const NavigationMap>(*std::move(map));
+  if (options.has_server) MakeServer();
   const NavigatorDevices devices = {.laser = simulator_->laser(),
                                     .odometry = simulator_->odometry(),
                                     .base = simulator_->base(),
-                                    .camera = options.camera,
-                                    .server = options.server};
+                                    .camera = camera_.get(),
+                                    .server = server_.get()};
   auto navigator = Navigator::Create({*std::move(voxels), *std::move(levels)},
                                      simulation.robot, devices,
                                      options.navigator, simulator_->clock());

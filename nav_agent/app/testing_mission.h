@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/synthetic/world.h"
+#include "nav_agent/app/testing_lost_robot.h"
 #include "nav_agent/behavior/navigator.h"
 #include "nav_agent/sim/simulator.h"
 
@@ -21,10 +22,23 @@ struct TestMissionOptions {
   uint64_t seed = 1000;
   DriveErrors errors = {};
   NavigatorOptions navigator = {};
-  // Null: none.
-  RelocalizationPort* server = nullptr;
-  RgbdCamera* camera = nullptr;
   bool is_told_its_pose = true;
+  // Whether it has a camera, whose pictures nobody looks at, and a server that
+  // answers with the truth.
+  bool has_server = false;
+};
+
+// Pictures of nothing, ten a second.
+class BlankCamera final : public RgbdCamera {
+ public:
+  explicit BlankCamera(const Clock& clock) : clock_(clock) {}
+  RgbdCalibration Calibration() const override { return {}; }
+  std::vector<RgbdFrame> TakeFrames() override;
+  DeviceHealth Health() const override;
+
+ private:
+  const Clock& clock_;
+  int64_t frames_ = 0;
 };
 
 class TestMission {
@@ -48,6 +62,8 @@ class TestMission {
 
   Simulator& simulator() { return *simulator_; }
   Navigator& navigator() { return *navigator_; }
+  // With has_server.
+  MadeUpServer& server() { return *server_; }
   const NavigationMap& map() const { return *map_; }
   Rigid2 Truth() const;
   // How far the estimate is from the truth (m).
@@ -62,8 +78,12 @@ class TestMission {
   double TakeTopSpeed_mps();
 
  private:
+  void MakeServer();
+
   std::shared_ptr<const NavigationMap> map_;
   std::unique_ptr<Simulator> simulator_;
+  std::unique_ptr<BlankCamera> camera_;
+  std::unique_ptr<MadeUpServer> server_;
   std::unique_ptr<Navigator> navigator_;
   std::vector<NavigatorEvent> events_;
   std::vector<SimEvent> mishaps_;

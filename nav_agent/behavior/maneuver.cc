@@ -15,6 +15,8 @@ constexpr double kLeastBack_m = 0.08;
 // The last part of a way or a turn is not waited for.
 constexpr double kNearlyThere_m = 0.02;
 constexpr double kNearlyAround_rad = 0.1;
+// Ground that is level, for who turns.
+constexpr double kLevel_rad = 0.06;
 
 // Round and round while the budget lasts.
 using Order = std::array<ManeuverKind, 5>;
@@ -128,7 +130,9 @@ Maneuver::Result Maneuver::LookAround(const ControlPose& pose, double elapsed_s,
   if (!start_.has_value()) {
     start_ = here;
     last_yaw_rad_ = here.yaw_rad;
-    if (!controller.CanTurn(pose)) {
+    // Slopes have edges.
+    if (AngleBetween_rad(pose.level_from_base, {}) > kLevel_rad ||
+        !controller.CanTurn(pose)) {
       return {.outcome = ManeuverOutcome::kNotPossible, .command = {}};
     }
   }

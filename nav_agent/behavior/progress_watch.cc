@@ -31,7 +31,8 @@ bool ProgressWatch::Observe(MonotonicTime now, size_t leg, double to_go_m,
   if (begins || moved || turned) {
     has_turned_ = turned;
     since_ = now;
-    to_go_m_ = to_go_m;
+    // A turn may lead away from the goal; what counts is where it was before.
+    to_go_m_ = turned ? std::min(to_go_m_, to_go_m) : to_go_m;
     yaw_rad_ = yaw_rad;
     return true;
   }

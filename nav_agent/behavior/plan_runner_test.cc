@@ -1,0 +1,95 @@
+#include "nav_agent/behavior/plan_runner.h"
+
+#include <thread>
+#include <utility>
+
+#include "absl/synchronization/notification.h"
+#include "gtest/gtest.h"
+
+namespace treeline {
+namespace {
+
+// Plans when it is let; gives up when it is told to stop.
+class GatedPlanner final : public GlobalPlanner {
+ public:
+  absl::StatusOr<PlanResult> Plan(const PlanRequest& request,
+                                  const PlanBudget& /*budget*/,
+                                  const std::stop_token& stop) const override {
+    if (request.seed == 1) {
+      begun->Notify();
+      while (!stop.stop_requested()) std::this_thread::yield();
+      gave_up->Notify();
+      return absl::CancelledError("stopped");
+    }
+    PlanResult result;
+    result.length_m = static_cast<double>(request.seed);
+    return result;
+  }
+  absl::Notification* begun = nullptr;
+  absl::Notification* gave_up = nullptr;
+};
+
+PlanRequest WithSeed(uint64_t seed) {
+  PlanRequest request;
+  request.seed = seed;
+  return request;
+}
+
+absl::StatusOr<PlanResult> WaitFor(PlanRunner& runner) {
+  while (true) {
+    if (auto result = runner.Take()) return *std::move(result);
+    std::this_thread::yield();
+  }
+}
+
+TEST(PlanRunner, InlineHasTheResultAtOnce) {
+  auto runner = MakeInlinePlanRunner(std::make_unique<GatedPlanner>());
+  EXPECT_FALSE(runner->IsBusy());
+  EXPECT_FALSE(runner->Take().has_value());
+  runner->Start(WithSeed(7), {});
+  EXPECT_TRUE(runner->IsBusy());
+  EXPECT_EQ((*runner->Take())->length_m, 7);
+  EXPECT_FALSE(runner->IsBusy());
+  runner->Start(WithSeed(7), {});
+  runner->Cancel();
+  EXPECT_FALSE(runner->Take().has_value());
+}
+
+TEST(PlanRunner, AThreadPlansAndHandsOver) {
+  auto runner = MakeThreadPlanRunner(std::make_unique<GatedPlanner>());
+  runner->Start(WithSeed(3), {});
+  EXPECT_EQ(WaitFor(*runner)->length_m, 3);
+  EXPECT_FALSE(runner->IsBusy());
+}
+
+TEST(PlanRunner, ANewPlanReplacesTheOneThatIsBeingMade) {
+  absl::Notification begun;
+  absl::Notification gave_up;
+  auto planner = std::make_unique<GatedPlanner>();
+  planner->begun = &begun;
+  planner->gave_up = &gave_up;
+  auto runner = MakeThreadPlanRunner(std::move(planner));
+  runner->Start(WithSeed(1), {});
+  begun.WaitForNotification();
+  EXPECT_FALSE(runner->Take().has_value());
+  EXPECT_TRUE(runner->IsBusy());
+  runner->Start(WithSeed(5), {});
+  EXPECT_EQ(WaitFor(*runner)->length_m, 5);
+  EXPECT_TRUE(gave_up.HasBeenNotified());
+}
+
+TEST(PlanRunner, EndsWhileAPlanIsBeingMade) {
+  absl::Notification begun;
+  absl::Notification gave_up;
+  auto planner = std::make_unique<GatedPlanner>();
+  planner->begun = &begun;
+  planner->gave_up = &gave_up;
+  auto runner = MakeThreadPlanRunner(std::move(planner));
+  runner->Start(WithSeed(1), {});
+  begun.WaitForNotification();
+  runner.reset();
+  EXPECT_TRUE(gave_up.HasBeenNotified());
+}
+
+}  // namespace
+}  // namespace treeline
