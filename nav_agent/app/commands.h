@@ -11,6 +11,7 @@ Command AddLocalizeCommand(CLI::App& app);
 Command AddMapCommand(CLI::App& app);
 Command AddNavigateCommand(CLI::App& app);
 Command AddRunCommand(CLI::App& app);
+Command AddPlanCommand(CLI::App& app);
 Command AddScoreTrajectoryCommand(CLI::App& app);
 Command AddSimulateCommand(CLI::App& app);
 Command AddSuiteCommand(CLI::App& app);

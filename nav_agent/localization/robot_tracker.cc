@@ -231,7 +231,10 @@ absl::Status AmclTracker::AddScan(const LaserScan& scan) {
       ++dropped_;
       return absl::OkStatus();
     }
-    if (SecondsBetween(*last_scan_, middle) < options_.scan_interval_s) {
+    // Thirty thousand particles are moved with each scan: less often then.
+    const bool searches = estimate_.has_value() && estimate_->is_searching;
+    if (SecondsBetween(*last_scan_, middle) <
+        (searches ? options_.searching_interval_s : options_.scan_interval_s)) {
       return absl::OkStatus();
     }
   }
@@ -538,7 +541,10 @@ std::vector<PlaceCandidate> AmclTracker::Candidates(size_t at_most) const {
 absl::Status RobotTrackerOptions::Validate() const {
   TL_RETURN_IF_ERROR(amcl.Validate());
   TL_RETURN_IF_ERROR(lost.Validate());
-  return CheckRange("tracker: scan_interval_s", scan_interval_s, 0, 10);
+  TL_RETURN_IF_ERROR(
+      CheckRange("tracker: scan_interval_s", scan_interval_s, 0, 10));
+  return CheckRange("tracker: searching_interval_s", searching_interval_s, 0,
+                    10);
 }
 
 absl::StatusOr<std::unique_ptr<RobotTracker>> RobotTracker::Create(

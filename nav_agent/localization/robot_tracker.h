@@ -24,6 +24,8 @@ struct RobotTrackerOptions {
   LostDetectorOptions lost;
   // Scans that follow a used one sooner are left out (s).
   double scan_interval_s = 0.09;
+  // The same while AMCL looks everywhere, with many more particles (s).
+  double searching_interval_s = 0.3;
 
   absl::Status Validate() const;
 };
