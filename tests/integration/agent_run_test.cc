@@ -194,14 +194,14 @@ TEST_F(AgentRunTest, ATypoInTheConfigurationIsNamed) {
       WriteNewFile(config, "simulate: cafe\nmax_foward_mps: 0.4\n").ok());
   const ProgramResult result =
       RunProgram({TREELINE_AGENT, "run", "--config", config});
-  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("agent.yaml:2"));
   EXPECT_THAT(result.err, HasSubstr("max_forward_mps"));
 }
 
 TEST_F(AgentRunTest, WithoutARobotItSaysWhichThereAre) {
   const ProgramResult result = RunProgram({TREELINE_AGENT, "run"});
-  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("--simulate WORLD or --hardware FILE"));
 }
 
