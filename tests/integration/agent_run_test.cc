@@ -122,7 +122,7 @@ class AgentRunTest : public testing::Test {
 };
 
 TEST_F(AgentRunTest, ASimulatedRobotDrivesToItsGoalAndStopsOnInterrupt) {
-  StartAgent({"--simulate", "cafe", "--people", "false", "--camera-hz", "0",
+  StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0",
               "--speed", "4", "--record", folder_ + "/run.tlog"});
   const v1::NavigateResponse last = DriveTo(kGoalX_m, kGoalY_m);
   EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
@@ -145,7 +145,7 @@ TEST_F(AgentRunTest, ASimulatedRobotDrivesToItsGoalAndStopsOnInterrupt) {
 }
 
 TEST_F(AgentRunTest, AGoalOverHttpCanBeCancelledPausedAndRepeated) {
-  StartAgent({"--simulate", "cafe", "--people", "false", "--camera-hz", "0",
+  StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0",
               "--speed", "4"});
   const std::string goal =
       absl::StrCat(R"({"poses":[{"x":)", kGoalX_m, R"(,"y":)", kGoalY_m,
@@ -194,14 +194,14 @@ TEST_F(AgentRunTest, ATypoInTheConfigurationIsNamed) {
       WriteNewFile(config, "simulate: cafe\nmax_foward_mps: 0.4\n").ok());
   const ProgramResult result =
       RunProgram({TREELINE_AGENT, "run", "--config", config});
-  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("agent.yaml:2"));
   EXPECT_THAT(result.err, HasSubstr("max_forward_mps"));
 }
 
 TEST_F(AgentRunTest, WithoutARobotItSaysWhichThereAre) {
   const ProgramResult result = RunProgram({TREELINE_AGENT, "run"});
-  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("--simulate WORLD or --hardware FILE"));
 }
 
