@@ -185,6 +185,17 @@ TEST(GlobalPlannerTest, NoseInANicheNeedsAStraightWayIn) {
   ExpectClear(*map, out);
 }
 
+TEST(GlobalPlannerTest, RobotWithItsNoseToAWallIsPlannedFromBehind) {
+  const auto map = DrawnMap(RoomRows(60, 40));
+  // Its front is 1 cm further from the wall than the margin: it cannot turn.
+  const PlanResult result = PlanOf(
+      *Planner(map), {.start = At(5.56, 2, 0), .goal = At(1, 1, kPi / 2)});
+  ASSERT_EQ(result.failure, NavigationCause::kNone) << result.why;
+  EXPECT_NEAR(result.moved_start_m, 0.2, 0.11);
+  EXPECT_NEAR(result.path.front().map_from_base.translation.y, 2, 1e-9);
+  ExpectClear(*map, result);
+}
+
 TEST(GlobalPlannerTest, GoesAroundBlockages) {
   const auto map = DrawnMap(RoomRows(80, 50));
   const Blockage blockage = {.center = {4, 2.5}, .radius_m = 0.6, .level = 0};
