@@ -49,7 +49,10 @@ struct PlanResult {
   // as lines; headings are along the path, and the goal's at its end.
   std::vector<LevelPose> path;
   double length_m = 0;
-  // How far start and goal were moved to where the robot has room (m).
+  // How far start and goal were moved to where the robot has room (m); also
+  // where it cannot turn at the start and only get away backwards, or only come
+  // to the goal backwards: the path then begins behind it, and ends where it
+  // can turn.
   double moved_start_m = 0;
   double moved_goal_m = 0;
   int iterations = 0;

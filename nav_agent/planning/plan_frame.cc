@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -14,6 +15,8 @@ namespace treeline {
 namespace {
 
 constexpr double kPathStep_m = 0.1;
+constexpr double kLeavingStep_m = 0.1;
+constexpr int kLeavingSteps = 5;
 
 bool IsFinite(Vec2 at) { return std::isfinite(at.x) && std::isfinite(at.y); }
 
@@ -45,6 +48,48 @@ std::string Text(const LevelPose& pose) {
 bool IsOnMap(const GroundIndex& ground, const Stand& stand) {
   return stand.spot.level >= 0 && stand.spot.level < ground.levels() &&
          ground.Contains(ground.CellOf(stand.spot.at));
+}
+
+// Where a robot that cannot turn at `stand` gets to straight ahead
+// (`direction` 1) or back (-1) until it can, or for half a metre; nullopt if
+// something is in the way.
+std::optional<Spot> LeaveStraight(const DriveSpace& space, const Stand& stand,
+                                  int direction) {
+  if (space.FitsTurning(stand.spot)) return stand.spot;
+  const Vec2 ahead = {std::cos(stand.yaw_rad), std::sin(stand.yaw_rad)};
+  std::optional<Spot> spot;
+  for (int i = 1; i <= kLeavingSteps; ++i) {
+    spot = space.Drive(stand.spot,
+                       stand.spot.at + (direction * i * kLeavingStep_m) * ahead,
+                       direction < 0);
+    if (!spot.has_value()) return std::nullopt;
+    if (space.FitsTurning(*spot)) return spot;
+  }
+  return spot;
+}
+
+// Ends that the robot cannot leave (or come to) driving ahead are moved to
+// where it can turn: the start straight back, if that is free; else to the
+// nearest such place, if there is one.
+void MoveToTurn(const DriveSpace& space, double max_move_m, bool is_goal,
+                const std::function<bool(const Spot&)>& is_allowed,
+                MovedStand& end) {
+  if (LeaveStraight(space, end.stand, is_goal ? -1 : 1).has_value()) return;
+  if (!is_goal) {
+    const std::optional<Spot> behind = LeaveStraight(space, end.stand, -1);
+    if (behind.has_value()) {
+      end.moved_m += Norm(behind->at - end.stand.spot.at);
+      end.stand.spot = *behind;
+      return;
+    }
+  }
+  const std::optional<MovedStand> moved =
+      NearestStand(space, end.stand, max_move_m, [&](const Spot& spot) {
+        return is_allowed(spot) && space.FitsTurning(spot);
+      });
+  if (!moved.has_value()) return;
+  end.stand = moved->stand;
+  end.moved_m += moved->moved_m;
 }
 
 std::nullopt_t Fail(PlanResult& result, NavigationCause cause,
@@ -143,6 +188,11 @@ std::optional<PlanTask> MakeTask(const PlanGround& ground,
                 absl::StrCat("no free ground as wide as the robot leads from ",
                              Text(request.start), " to ", Text(request.goal)));
   }
+  const auto is_in_area = [&, area = area_of(from)](const Spot& spot) {
+    return areas->Of(*ground.index, spot) == area;
+  };
+  MoveToTurn(space, max_move_m, false, is_in_area, *from);
+  MoveToTurn(space, max_move_m, true, is_in_area, *to);
   result.moved_start_m = from->moved_m;
   result.moved_goal_m = to->moved_m;
   const int area = area_of(from);
