@@ -79,7 +79,7 @@ bool ProgramLog::Writes(LogLevel level) const {
   return logger_->should_log(ToSpdlog(level));
 }
 
-void ProgramLog::Write(LogLevel level, const LogEvent& event) {
+void ProgramLog::Write(LogLevel level, const LogLine& event) {
   logger_->log(ToSpdlog(level), event.fields());
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "absl/strings/string_view.h"
-#include "common/log/log_event.h"
+#include "common/log/log_line.h"
 
 namespace spdlog {
 class logger;
@@ -35,11 +35,11 @@ class ProgramLog {
   ProgramLog& operator=(const ProgramLog&) = delete;
 
   LogFormat format() const { return format_; }
-  LogEvent Event() const { return LogEvent(format_); }
+  LogLine Event() const { return LogLine(format_); }
 
   void SetLevel(LogLevel level);
   bool Writes(LogLevel level) const;
-  void Write(LogLevel level, const LogEvent& event);
+  void Write(LogLevel level, const LogLine& event);
   // A sentence.
   void Say(LogLevel level, absl::string_view sentence);
 

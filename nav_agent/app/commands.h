@@ -6,10 +6,12 @@
 
 namespace treeline {
 
+Command AddDoctorCommand(CLI::App& app);
 Command AddLocalizeCommand(CLI::App& app);
 Command AddMapCommand(CLI::App& app);
 Command AddNavigateCommand(CLI::App& app);
 Command AddRunCommand(CLI::App& app);
+Command AddPlanCommand(CLI::App& app);
 Command AddScoreTrajectoryCommand(CLI::App& app);
 Command AddSimulateCommand(CLI::App& app);
 Command AddSuiteCommand(CLI::App& app);

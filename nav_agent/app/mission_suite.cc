@@ -249,6 +249,7 @@ absl::StatusOr<MissionRun> RunMission(const SuitePlace& place,
                                          {.start = mission.start,
                                           .seed = options.seed,
                                           .camera_hz = options.camera_hz,
+                          .camera_when_lost = false,
                                           .navigator = options.navigator}));
   MissionTrouble trouble({.surprise = mission.surprise,
                           .at_share = mission.surprise_share,

@@ -93,9 +93,20 @@ bool DriveSpace::Fits(const Spot& spot, double yaw_rad) const {
 }
 
 bool DriveSpace::FitsTurning(const Spot& spot) const {
-  return Fits(spot, 0) && CanTurn(spot, 0, std::numbers::pi) &&
-         CanTurn(spot, 0, -std::numbers::pi / 2) &&
-         CanTurn(spot, -std::numbers::pi / 2, -std::numbers::pi);
+  const CellIndex cell = ground_->CellOf(spot.at);
+  if (spot.level < 0 || spot.level >= ground_->levels() ||
+      !ground_->Contains(cell) || !ground_->map().IsFree(spot.level, cell)) {
+    return false;
+  }
+  const double radius_m = footprint_.circumradius_m;
+  if (RoomAtLeast_m(spot) >= radius_m) return true;
+  for (const Disc& disc : discs_) {
+    if (disc.level == spot.level &&
+        Norm(disc.center - spot.at) < disc.radius_m + radius_m) {
+      return false;
+    }
+  }
+  return ground_->IsFreeDisc(spot.level, spot.at, radius_m);
 }
 
 bool DriveSpace::MayHoldDisc(const Spot& spot) const {

@@ -47,7 +47,8 @@ class DriveSpace {
   double RoomAtLeast_m(const Spot& spot) const;
   // Whether there is free ground below, and the footprint is clear.
   bool Fits(const Spot& spot, double yaw_rad) const;
-  // Whether it fits with any heading.
+  // Whether it fits with any heading: whether the disc does that the corners
+  // sweep in a turn right round.
   bool FitsTurning(const Spot& spot) const;
   // False only where nothing as wide as the inscribed disc can be in the
   // spot's cell.

@@ -3,15 +3,17 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "common/base/check_range.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/planning/ompl_planner.h"
 #include "nav_agent/planning/plan_frame.h"
 #include "nav_agent/planning/variable_rrt_planner.h"
 
 namespace treeline {
 namespace {
 
-constexpr char kPlanners[] = "variable-rrt";
+constexpr char kPlanners[] =
+    "variable-rrt, and of OMPL rrt-connect, rrt-star, bit-star, "
+    "informed-rrt-star, ompl-variable-rrt";
 
 }  // namespace
 

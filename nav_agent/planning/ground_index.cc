@@ -99,7 +99,6 @@ bool GroundIndex::IsFree(int level, const OrientedBox& box) const {
         left.x > -kTouch_cells && right.x < width_ + kTouch_cells)) {
     return false;
   }
-  const std::vector<int32_t>& next = next_blocked_[static_cast<size_t>(level)];
   const int last_row = std::min(
       height_ - 1, static_cast<int>(std::ceil(highest.y - kTouch_cells)) - 1);
   for (int row =
@@ -113,12 +112,39 @@ bool GroundIndex::IsFree(int level, const OrientedBox& box) const {
         SideAt(lowest, left, highest, std::clamp(left.y, from_y, to_y));
     const double to_x =
         SideAt(lowest, right, highest, std::clamp(right.y, from_y, to_y));
-    const int from_column =
-        std::max(0, static_cast<int>(std::floor(from_x + kTouch_cells)));
-    const int to_column = std::min(
-        width_ - 1, static_cast<int>(std::ceil(to_x - kTouch_cells)) - 1);
-    if (from_column > to_column) continue;
-    if (next[IndexOf({from_column, row})] <= to_column) return false;
+    if (!IsFreeInRow(level, row, from_x, to_x)) return false;
+  }
+  return true;
+}
+
+// Whether a row's cells between two abscissas, in cells, are free.
+bool GroundIndex::IsFreeInRow(int level, int row, double from_x,
+                              double to_x) const {
+  const int from =
+      std::max(0, static_cast<int>(std::floor(from_x + kTouch_cells)));
+  const int to = std::min(width_ - 1,
+                          static_cast<int>(std::ceil(to_x - kTouch_cells)) - 1);
+  return from > to ||
+         next_blocked_[static_cast<size_t>(level)][IndexOf({from, row})] > to;
+}
+
+bool GroundIndex::IsFreeDisc(int level, Vec2 center, double radius_m) const {
+  const double x = center.x / resolution_m_;
+  const double y = center.y / resolution_m_;
+  const double radius = radius_m / resolution_m_;
+  if (!(x - radius > -kTouch_cells && x + radius < width_ + kTouch_cells &&
+        y - radius > -kTouch_cells && y + radius < height_ + kTouch_cells)) {
+    return false;
+  }
+  const int last_row = std::min(
+      height_ - 1, static_cast<int>(std::ceil(y + radius - kTouch_cells)) - 1);
+  for (int row =
+           std::max(0, static_cast<int>(std::floor(y - radius + kTouch_cells)));
+       row <= last_row; ++row) {
+    // Widest as near to the middle as the row lets it.
+    const double dy = std::clamp<double>(y, row, row + 1) - y;
+    const double half = std::sqrt(std::max(0.0, radius * radius - dy * dy));
+    if (!IsFreeInRow(level, row, x - half, x + half)) return false;
   }
   return true;
 }

@@ -70,6 +70,8 @@ class GroundIndex {
 
   // Whether no blocked cell has area in common with the box. Exact.
   bool IsFree(int level, const OrientedBox& box) const;
+  // The same for a disc.
+  bool IsFreeDisc(int level, Vec2 center, double radius_m) const;
 
   // The level that somebody on the ground of `cell` is on after a step to
   // `next`, a neighbour or the same: this one where it is free ground, or
@@ -84,6 +86,8 @@ class GroundIndex {
   }
 
  private:
+  bool IsFreeInRow(int level, int row, double from_x, double to_x) const;
+
   std::shared_ptr<const NavigationMap> map_;
   int width_;
   int height_;

@@ -7,7 +7,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
-#include "common/log/log_event.h"
+#include "common/log/log_line.h"
 #include "common/log/program_log.h"
 #include "server/service/call_observer.h"
 
@@ -16,7 +16,7 @@ namespace treeline {
 // "rpc=Localize status=OK peer=... scene=... version=... outcome=LOCALIZED
 // inliers=432 samples=500 queue_ms=0.0 decode_ms=2.9 ... total_ms=7.1" in one
 // line, or the same as JSON. What a client chose is escaped.
-LogEvent EventOf(const CallRecord& record, LogFormat format);
+LogLine EventOf(const CallRecord& record, LogFormat format);
 
 // Answered calls are logged at debug, calls that failed at info, and the
 // server's own faults at error. Of failed calls at most kMaxLines a second are

@@ -34,7 +34,7 @@ absl::StatusOr<std::unique_ptr<ModelSource>> OpenSource(
 // What happens to scenes after the start, too.
 void LogEventOf(const RepositoryEvent& event, ProgramLog& log) {
   const bool bad = !event.status.ok();
-  LogEvent line = log.Event();
+  LogLine line = log.Event();
   line.Word("event", EventName(event.kind));
   if (!event.scene.empty()) line.Word("scene", event.scene);
   if (!event.version.empty()) line.Word("version", event.version);
@@ -47,7 +47,7 @@ void LogScenes(const SceneRepository& repository, const std::string& models,
   const std::vector<SceneStatus> scenes = repository.List();
   for (const SceneStatus& scene : scenes) {
     for (const VersionStatus& version : scene.versions) {
-      LogEvent event = log.Event();
+      LogLine event = log.Event();
       event.Word("scene", scene.name).Word("version", version.version);
       if (version.state == SceneState::kFailed) {
         log.Write(LogLevel::kWarn,

@@ -1,6 +1,6 @@
 // One line of the log before it has a format.
-#ifndef COMMON_LOG_LOG_EVENT_H_
-#define COMMON_LOG_LOG_EVENT_H_
+#ifndef COMMON_LOG_LOG_LINE_H_
+#define COMMON_LOG_LOG_LINE_H_
 
 #include <cstdint>
 #include <string>
@@ -20,20 +20,20 @@ std::string JsonText(absl::string_view text);
 //   JSON: "rpc":"Localize","status":"OK","peer":"ipv4:127.0.0.1:4",...
 // Keys are literals of a-z and _; nothing in a value can start a line or a
 // field of its own.
-class LogEvent {
+class LogLine {
  public:
-  explicit LogEvent(LogFormat format) : format_(format) {}
+  explicit LogLine(LogFormat format) : format_(format) {}
 
   // A word of ours, which stands without quotation marks in texts.
-  LogEvent& Word(absl::string_view key, absl::string_view word);
+  LogLine& Word(absl::string_view key, absl::string_view word);
   // What somebody else chose.
-  LogEvent& Text(absl::string_view key, absl::string_view text);
+  LogLine& Text(absl::string_view key, absl::string_view text);
   // A sentence. In texts it stands without its key, and for that must come
   // last or alone, and be ours or escaped.
-  LogEvent& Message(absl::string_view sentence);
-  LogEvent& Integer(absl::string_view key, int64_t value);
+  LogLine& Message(absl::string_view sentence);
+  LogLine& Integer(absl::string_view key, int64_t value);
   // With two digits after the point.
-  LogEvent& Number(absl::string_view key, double value);
+  LogLine& Number(absl::string_view key, double value);
 
   const std::string& fields() const { return fields_; }
 
@@ -46,4 +46,4 @@ class LogEvent {
 
 }  // namespace treeline
 
-#endif  // COMMON_LOG_LOG_EVENT_H_
+#endif  // COMMON_LOG_LOG_LINE_H_

@@ -1,4 +1,4 @@
-#include "common/log/log_event.h"
+#include "common/log/log_line.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -10,12 +10,12 @@
 namespace treeline {
 namespace {
 
-nlohmann::json Parsed(const LogEvent& event) {
+nlohmann::json Parsed(const LogLine& event) {
   return nlohmann::json::parse("{" + event.fields() + "}");
 }
 
-TEST(LogEvent, TextIsKeysAndValues) {
-  LogEvent event(LogFormat::kText);
+TEST(LogLine, TextIsKeysAndValues) {
+  LogLine event(LogFormat::kText);
   event.Word("rpc", "Localize")
       .Text("peer", "a \"b\"'\n")
       .Integer("n", -3)
@@ -24,8 +24,8 @@ TEST(LogEvent, TextIsKeysAndValues) {
             "rpc=Localize peer=\"a \\\"b\\\"'\\n\" n=-3 ms=1.00");
 }
 
-TEST(LogEvent, JsonIsTheSameFields) {
-  LogEvent event(LogFormat::kJson);
+TEST(LogLine, JsonIsTheSameFields) {
+  LogLine event(LogFormat::kJson);
   event.Word("rpc", "Localize")
       .Text("peer", "a \"b\"'\n")
       .Integer("n", -3)
@@ -41,27 +41,27 @@ TEST(LogEvent, JsonIsTheSameFields) {
   EXPECT_EQ(parsed["message"], "it stopped");
 }
 
-TEST(LogEvent, SentencesStandAloneInTexts) {
-  EXPECT_EQ(LogEvent(LogFormat::kText).Message("say \"no\"").fields(),
+TEST(LogLine, SentencesStandAloneInTexts) {
+  EXPECT_EQ(LogLine(LogFormat::kText).Message("say \"no\"").fields(),
             "say \"no\"");
-  EXPECT_EQ(LogEvent(LogFormat::kText).Message("a\nb\x1b[0m").fields(),
+  EXPECT_EQ(LogLine(LogFormat::kText).Message("a\nb\x1b[0m").fields(),
             "a\\nb\\x1b[0m");
 }
 
 // Whatever bytes come, there is one field on one line of plain ASCII.
-TEST(LogEvent, NoBytesBreakOut) {
+TEST(LogLine, NoBytesBreakOut) {
   for (uint64_t i = 0; i < 2000; ++i) {
     Random random(/*seed=*/7, i);
     std::string bytes(random.NextBelow(40), '\0');
     for (char& byte : bytes) byte = static_cast<char>(random.NextBits());
-    LogEvent json(LogFormat::kJson);
+    LogLine json(LogFormat::kJson);
     json.Text("a", bytes).Text("b", "end");
     for (const char byte : json.fields()) {
       ASSERT_TRUE(byte >= 0x20 && byte < 0x7f);
     }
     ASSERT_EQ(Parsed(json).size(), 2u);
     ASSERT_EQ(Parsed(json)["b"], "end");
-    LogEvent text(LogFormat::kText);
+    LogLine text(LogFormat::kText);
     text.Text("a", bytes);
     for (const char byte : text.fields()) {
       ASSERT_TRUE(byte >= 0x20 && byte < 0x7f);

@@ -1,4 +1,4 @@
-#include "common/log/log_event.h"
+#include "common/log/log_line.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -26,7 +26,7 @@ std::string JsonText(absl::string_view text) {
             nlohmann::json::error_handler_t::replace);
 }
 
-void LogEvent::Start(absl::string_view key) {
+void LogLine::Start(absl::string_view key) {
   if (format_ == LogFormat::kJson) {
     absl::StrAppend(&fields_, fields_.empty() ? "\"" : ",\"", key, "\":");
   } else {
@@ -34,19 +34,19 @@ void LogEvent::Start(absl::string_view key) {
   }
 }
 
-LogEvent& LogEvent::Word(absl::string_view key, absl::string_view word) {
+LogLine& LogLine::Word(absl::string_view key, absl::string_view word) {
   Start(key);
   fields_ += format_ == LogFormat::kJson ? JsonText(word) : std::string(word);
   return *this;
 }
 
-LogEvent& LogEvent::Text(absl::string_view key, absl::string_view text) {
+LogLine& LogLine::Text(absl::string_view key, absl::string_view text) {
   Start(key);
   fields_ += format_ == LogFormat::kJson ? JsonText(text) : Quoted(text);
   return *this;
 }
 
-LogEvent& LogEvent::Message(absl::string_view sentence) {
+LogLine& LogLine::Message(absl::string_view sentence) {
   if (format_ == LogFormat::kJson) return Text("message", sentence);
   if (!fields_.empty()) fields_ += ' ';
   // Sentences of the system and of gRPC may hold anything too.
@@ -55,13 +55,13 @@ LogEvent& LogEvent::Message(absl::string_view sentence) {
   return *this;
 }
 
-LogEvent& LogEvent::Integer(absl::string_view key, int64_t value) {
+LogLine& LogLine::Integer(absl::string_view key, int64_t value) {
   Start(key);
   absl::StrAppend(&fields_, value);
   return *this;
 }
 
-LogEvent& LogEvent::Number(absl::string_view key, double value) {
+LogLine& LogLine::Number(absl::string_view key, double value) {
   Start(key);
   // JSON has no infinity.
   if (format_ == LogFormat::kJson && !std::isfinite(value)) {
