@@ -1,0 +1,631 @@
+#include "nav_agent/behavior/lost_and_found.h"
+
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace treeline {
+namespace {
+
+using testing::Contains;
+using testing::Field;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr double kStep_s = 0.025;
+constexpr PoseCovariance2 kCovariance = {0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.002};
+
+MonotonicTime At(double seconds) {
+  return MonotonicTime() + std::chrono::duration_cast<MonotonicTime::duration>(
+                               std::chrono::duration<double>(seconds));
+}
+
+Rigid3 Lift(const Rigid2& pose, double height_m) {
+  return {.rotation = Rotation3::FromAxisAngle({0, 0, pose.yaw_rad}),
+          .translation = {pose.translation.x, pose.translation.y, height_m}};
+}
+
+// Two rooms of 6 x 6 m with a wall between them, floor at 0.
+TraversableMap TwoRooms() {
+  TraversableLevel level;
+  level.grid = OccupancyGrid::Filled(260, 120, 0.05, {}, Occupancy::kFree);
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 260; ++x) {
+      const bool is_wall =
+          x < 2 || y < 2 || x >= 258 || y >= 118 || (x >= 120 && x < 140);
+      if (is_wall) level.grid.Set({x, y}, Occupancy::kOccupied);
+    }
+  }
+  level.height_m.assign(level.grid.cells.size(), -0.025f);
+  level.slope_rad.assign(level.grid.cells.size(), 0);
+  level.clearance_m.assign(level.grid.cells.size(), 2.5f);
+  return {.levels = {level}, .joins = {}};
+}
+
+// A robot that turns as it is told, and knows the truth: how well scans fit
+// falls with the distance from it.
+class FakeTracker final : public RobotTracker {
+ public:
+  Rigid2 truth = {{2, 3}, 0.5};
+  Rigid2 odom_from_base;
+  std::optional<LevelPose> believed;
+  LostVerdict lost_verdict;
+  MonotonicTime now;
+  VelocityCommand moves;
+  // How many times particles were spread, and places told.
+  int spread = 0;
+  int told = 0;
+  bool searches = false;
+  // AMCL finds this so long after it was spread (s).
+  double finds_after_s = 5;
+  std::optional<Rigid2> finds;
+  MonotonicTime spread_at;
+  // Where scans fit as well as at the truth.
+  std::optional<Rigid2> alias;
+  double tilt_rad = 0;
+  int judged = 100;
+  double best_fit = 0.95;
+
+  void Move(double seconds, const VelocityCommand& command) {
+    moves = command;
+    const Rigid2 step = {{seconds * command.forward_mps, 0},
+                         seconds * command.yaw_rate_radps};
+    odom_from_base = odom_from_base * step;
+    truth = truth * step;
+    if (alias.has_value()) alias = *alias * step;
+    if (finds.has_value()) finds = *finds * step;
+    if (believed.has_value()) {
+      believed->map_from_base = believed->map_from_base * step;
+    }
+    if (searches && finds.has_value() &&
+        std::chrono::duration<double>(now - spread_at).count() >
+            finds_after_s) {
+      searches = false;
+      believed = LevelPose{.map_from_base = *finds, .place = {}};
+    }
+  }
+
+  absl::Status AddReading(const BaseReading&) override {
+    return absl::OkStatus();
+  }
+  absl::Status AddScan(const LaserScan&) override { return absl::OkStatus(); }
+  absl::Status SetPose(const LevelPose& pose, const PoseCovariance2&,
+                       MonotonicTime) override {
+    believed = pose;
+    searches = false;
+    lost_verdict = {};
+    ++told;
+    return absl::OkStatus();
+  }
+  void SetAnywhere(MonotonicTime when) override {
+    ++spread;
+    searches = true;
+    spread_at = when;
+    lost_verdict = {};
+    if (!believed.has_value()) believed = LevelPose();
+  }
+  std::optional<TrackedPose> Pose() const override {
+    if (!believed.has_value()) return std::nullopt;
+    return TrackedPose{.stamp = now,
+                       .pose = *believed,
+                       .covariance = kCovariance,
+                       .level_from_base = {},
+                       .forward_mps = moves.forward_mps,
+                       .yaw_rate_radps = moves.yaw_rate_radps,
+                       .share = searches ? 0.1 : 1.0,
+                       .is_searching = searches};
+  }
+  std::optional<TrackedPose> PoseAt(MonotonicTime) const override {
+    return Pose();
+  }
+  std::optional<TrackedMotion> Motion() const override {
+    return TrackedMotion{
+        .stamp = now,
+        .odom_from_base = odom_from_base,
+        .level_from_base = Rotation3::FromAxisAngle({0, tilt_rad, 0}),
+        .forward_mps = moves.forward_mps,
+        .yaw_rate_radps = moves.yaw_rate_radps};
+  }
+  std::optional<TrackedMotion> MotionAt(MonotonicTime) const override {
+    return Motion();
+  }
+  const LostVerdict& verdict() const override { return lost_verdict; }
+  std::optional<ScanFit> FitAt(const LevelPose& pose) const override {
+    double off_m = Off_m(pose.map_from_base, truth);
+    if (alias.has_value()) {
+      off_m = std::min(off_m, Off_m(pose.map_from_base, *alias));
+    }
+    return ScanFit{.explained = std::max(0.2, best_fit - 0.5 * off_m),
+                   .contradicted = std::min(0.5, 0.01 + 0.4 * off_m),
+                   .judged = judged};
+  }
+  void BeginOtherPlaces(const LevelPose&) override { ++alias_searches_; }
+  bool StepOtherPlaces() override { return true; }
+  std::optional<OtherPlace> BestOtherPlace() const override {
+    if (!alias.has_value()) return std::nullopt;
+    return OtherPlace{
+        .pose = {},
+        .fit = {.explained = best_fit, .contradicted = 0.01, .judged = judged}};
+  }
+  std::optional<MonotonicTime> ScanStamp() const override {
+    // Ten times a second.
+    const auto tenth = std::chrono::milliseconds(100);
+    return MonotonicTime() + (now.time_since_epoch() / tenth) * tenth;
+  }
+  std::vector<Vec2> ScanInBase() const override {
+    std::vector<Vec2> ends;
+    for (int i = -135; i <= 135; ++i) {
+      const double angle_rad = i * 0.01745;
+      const double range_m = 2 + 1.5 * std::sin(5 * angle_rad);
+      ends.push_back(
+          {range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)});
+    }
+    return ends;
+  }
+  std::vector<Particle> Particles(size_t) const override { return {}; }
+  std::vector<PlaceCandidate> Candidates(size_t) const override { return {}; }
+  int64_t dropped() const override { return 0; }
+
+ private:
+  static double Off_m(const Rigid2& a, const Rigid2& b) {
+    return Norm(a.translation - b.translation) +
+           std::abs(NormalizedAngle_rad(a.yaw_rad - b.yaw_rad));
+  }
+  int alias_searches_ = 0;
+};
+
+// Answers from a list, then with the last again.
+class FakeServer final : public RelocalizationPort {
+ public:
+  using Answer = absl::StatusOr<RelocalizationAnswer>;
+  explicit FakeServer(FakeTracker& tracker) : tracker_(tracker) {}
+
+  std::vector<std::function<Answer()>> answers;
+  double delay_s = 0.2;
+  int asked = 0;
+  std::vector<double> yaws_rad;
+
+  void Ask(const RgbdFrame&, double timeout_s) override {
+    is_asking_ = true;
+    timeout_s_ = timeout_s;
+    asked_at_ = tracker_.now;
+    ++asked;
+    yaws_rad.push_back(tracker_.odom_from_base.yaw_rad);
+  }
+  std::optional<Answer> TakeAnswer() override {
+    const double waited_s =
+        std::chrono::duration<double>(tracker_.now - asked_at_).count();
+    if (!is_asking_ || (waited_s < delay_s && waited_s < timeout_s_)) {
+      return std::nullopt;
+    }
+    is_asking_ = false;
+    if (delay_s > timeout_s_) {
+      return Answer(absl::DeadlineExceededError("slow"));
+    }
+    const auto number = std::min(answers.size(), static_cast<size_t>(asked));
+    return answers[number - 1]();
+  }
+  bool IsAsking() const override { return is_asking_; }
+  void Cancel() override { is_asking_ = false; }
+
+ private:
+  FakeTracker& tracker_;
+  bool is_asking_ = false;
+  double timeout_s_ = 0;
+  MonotonicTime asked_at_;
+};
+
+class LostAndFoundTest : public testing::Test {
+ protected:
+  LostAndFoundTest() {
+    tracker_.now = At(100);
+    tracker_.believed = LevelPose{.map_from_base = {{10, 1}, 2}, .place = {}};
+    server_.answers = {[this] { return Truth(0.97); }};
+    Make();
+  }
+  void Make() {
+    lost_ = *LostAndFound::Create(map_, robot_, tracker_, &server_, options_);
+  }
+
+  RelocalizationAnswer AnswerAt(const Rigid3& map_from_base,
+                                double confidence) const {
+    RelocalizationAnswer answer;
+    answer.localized = true;
+    answer.confidence = confidence;
+    answer.map_from_camera = map_from_base * robot_.base_from_camera;
+    for (size_t i = 0; i < 36; i += 7) answer.covariance[i] = 1e-4;
+    return answer;
+  }
+  RelocalizationAnswer Truth(double confidence) const {
+    return AnswerAt(Lift(tracker_.truth, 0.02), confidence);
+  }
+  void BeLost() {
+    tracker_.lost_verdict.state = LostState::kLost;
+    tracker_.lost_verdict.probability = 0.99;
+  }
+  RecoveryState Step() {
+    tracker_.now += std::chrono::milliseconds(25);
+    if (has_camera_) {
+      RgbdFrame frame;
+      frame.stamp = tracker_.now;
+      lost_->AddFrame(frame);
+    }
+    const LostAndFound::Output output =
+        lost_->Step({.now = tracker_.now,
+                     .drives_straight = drives_straight_,
+                     .can_turn = can_turn_,
+                     .free_ahead_m = free_ahead_m_,
+                     .free_behind_m = 0});
+    tracker_.Move(kStep_s, output.wanted);
+    for (RecoveryNote& note : lost_->TakeNotes()) {
+      notes_ += note.kind + ": " + note.text + "\n";
+    }
+    return output.state;
+  }
+  // Until found or help is needed.
+  RecoveryState Run(double at_most_s) {
+    for (int i = 0; i < at_most_s / kStep_s; ++i) {
+      const RecoveryState state = Step();
+      if (state == RecoveryState::kFound || state == RecoveryState::kNeedHelp) {
+        return state;
+      }
+    }
+    return lost_->state();
+  }
+  double Error_m() const {
+    return Norm(tracker_.believed->map_from_base.translation -
+                tracker_.truth.translation);
+  }
+
+  RobotModel robot_;
+  std::shared_ptr<const NavigationMap> map_ =
+      std::make_shared<const NavigationMap>(*NavigationMap::Make(TwoRooms()));
+  FakeTracker tracker_;
+  FakeServer server_{tracker_};
+  LostAndFoundOptions options_;
+  std::unique_ptr<LostAndFound> lost_;
+  std::string notes_;
+  bool has_camera_ = true;
+  bool can_turn_ = true;
+  bool drives_straight_ = false;
+  double free_ahead_m_ = 2;
+};
+
+TEST_F(LostAndFoundTest, StaysIdleWhileLocalized) {
+  EXPECT_EQ(Run(5), RecoveryState::kIdle);
+  EXPECT_EQ(server_.asked, 0);
+}
+
+TEST_F(LostAndFoundTest, AsksStandingAndGoesOnWhenScansFit) {
+  BeLost();
+  EXPECT_EQ(Run(20), RecoveryState::kFound) << notes_;
+  EXPECT_EQ(server_.asked, 1);
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_EQ(Step(), RecoveryState::kIdle);
+  EXPECT_THAT(notes_, HasSubstr("seen once, and scans fit nowhere else"));
+}
+
+TEST_F(LostAndFoundTest, StopsBeforeItLooks) {
+  BeLost();
+  tracker_.moves = {.forward_mps = 0.5, .yaw_rate_radps = 0};
+  EXPECT_EQ(Step(), RecoveryState::kStopping);
+  // The first frame that is asked about is of 0.3 s after it stood.
+  double waited_s = 0;
+  while (server_.asked == 0 && waited_s < 5) {
+    Step();
+    waited_s += kStep_s;
+  }
+  EXPECT_GE(waited_s, options_.settle_s);
+  EXPECT_LT(waited_s, 1);
+}
+
+TEST_F(LostAndFoundTest, RefusesAFixThatLeansOtherwiseThanTheRobot) {
+  server_.answers = {[this] {
+    const Rigid3 upside_down = {
+        .rotation = Rotation3::FromAxisAngle({3.1, 0, 0}),
+        .translation = {2, 3, 0}};
+    return AnswerAt(upside_down, 0.99);
+  }};
+  BeLost();
+  EXPECT_EQ(Run(250), RecoveryState::kNeedHelp) << notes_;
+  EXPECT_EQ(tracker_.told, 0);
+  EXPECT_THAT(notes_, HasSubstr("against gravity"));
+}
+
+TEST_F(LostAndFoundTest, TakesTheTiltOfARobotOnARampIntoAccount) {
+  tracker_.tilt_rad = 0.2;
+  server_.answers = {[this] {
+    Rigid3 pose = Lift(tracker_.truth, 0.02);
+    pose.rotation = pose.rotation * Rotation3::FromAxisAngle({0, 0.2, 0});
+    return AnswerAt(pose, 0.97);
+  }};
+  BeLost();
+  EXPECT_EQ(Run(20), RecoveryState::kFound) << notes_;
+}
+
+TEST_F(LostAndFoundTest, RefusesAFixInAWallAndOneInTheAir) {
+  server_.answers = {
+      [this] {
+        return AnswerAt(Lift({{6.5, 3}, 0}, 0), 0.99);
+      },
+      [this] { return AnswerAt(Lift(tracker_.truth, 0.8), 0.99); },
+      [this] {
+        return AnswerAt(Lift({{-50, 3}, 0}, 0), 0.99);
+      }};
+  options_.max_questions = 3;
+  Make();
+  BeLost();
+  EXPECT_EQ(Run(250), RecoveryState::kNeedHelp) << notes_;
+  EXPECT_EQ(tracker_.told, 0);
+  EXPECT_THAT(notes_, HasSubstr("no room for the robot at 6.50"));
+  EXPECT_THAT(notes_, HasSubstr("above the ground"));
+  EXPECT_THAT(notes_, HasSubstr("no room for the robot at -50"));
+}
+
+TEST_F(LostAndFoundTest, RefusesTheConfidentFixesOfAnotherRoomOrScene) {
+  // Upright, on free ground, and not where it is.
+  server_.answers = {[this] { return AnswerAt(Lift({{10, 4}, 1}, 0), 0.999); }};
+  BeLost();
+  EXPECT_EQ(Run(250), RecoveryState::kNeedHelp) << notes_;
+  EXPECT_EQ(tracker_.told, 0);
+  EXPECT_THAT(notes_, HasSubstr("against the scan"));
+}
+
+TEST_F(LostAndFoundTest, OfRoomsThatAreAlikeItBelievesOnlyTwoViews) {
+  // The laser fits in both rooms; the camera is wrong once.
+  tracker_.alias = Rigid2{{9, 3}, 0.5};
+  server_.answers = {
+      [this] { return AnswerAt(Lift(*tracker_.alias, 0.02), 0.99); },
+      [this] { return Truth(0.97); }, [this] { return Truth(0.97); }};
+  BeLost();
+  EXPECT_EQ(Run(60), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_GE(server_.asked, 3);
+  EXPECT_THAT(notes_, HasSubstr("looks a second time"));
+}
+
+TEST_F(LostAndFoundTest, RefusesWhatIsNoNumber) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  server_.answers = {[this, nan] {
+                       RelocalizationAnswer answer = Truth(0.97);
+                       answer.map_from_camera.translation.x = nan;
+                       return answer;
+                     },
+                     [this, nan] { return Truth(nan); },
+                     [this, nan] {
+                       RelocalizationAnswer answer = Truth(0.97);
+                       answer.covariance[0] = nan;
+                       return answer;
+                     },
+                     [this] {
+                       RelocalizationAnswer answer = Truth(0.97);
+                       answer.covariance[7] = -1;
+                       return answer;
+                     },
+                     [this] {
+                       RelocalizationAnswer answer = Truth(0.97);
+                       answer.map_from_camera.rotation = {0, 0, 0, 0};
+                       return answer;
+                     }};
+  options_.max_questions = 5;
+  options_.most_search_s = 5;
+  Make();
+  BeLost();
+  EXPECT_EQ(Run(250), RecoveryState::kNeedHelp) << notes_;
+  EXPECT_EQ(tracker_.told, 0);
+  EXPECT_EQ(server_.asked, 5);
+  EXPECT_THAT(notes_, Not(HasSubstr("sure")));
+}
+
+TEST_F(LostAndFoundTest, AWeakFixNeedsASecondViewThatAgrees) {
+  server_.answers = {[this] { return Truth(0.6); }};
+  BeLost();
+  EXPECT_EQ(Run(40), RecoveryState::kFound) << notes_;
+  EXPECT_EQ(server_.asked, 2);
+  // From another direction.
+  EXPECT_GT(std::abs(server_.yaws_rad[1] - server_.yaws_rad[0]), 0.2);
+  EXPECT_LT(Error_m(), 0.2);
+}
+
+TEST_F(LostAndFoundTest, WeakFixesThatDisagreeAreNotTaken) {
+  int number = 0;
+  server_.answers = {[this, &number] {
+    // A metre further each time; the gate alone would let them pass.
+    tracker_.judged = 10;
+    const Rigid2 pose = {{1.0 + 0.9 * ++number, 3}, 0.5 * number};
+    return AnswerAt(Lift(pose, 0), 0.6);
+  }};
+  options_.max_questions = 4;
+  options_.most_search_s = 5;
+  Make();
+  BeLost();
+  EXPECT_EQ(Run(250), RecoveryState::kNeedHelp) << notes_;
+  EXPECT_EQ(tracker_.told, 0);
+}
+
+TEST_F(LostAndFoundTest, LooksElsewhereIfItIsNotLocalized) {
+  RelocalizationAnswer none;
+  none.reason = "TOO_FEW_INLIERS";
+  server_.answers = {[none] { return none; }, [none] { return none; },
+                     [this] { return Truth(0.97); }};
+  BeLost();
+  EXPECT_EQ(Run(60), RecoveryState::kFound) << notes_;
+  ASSERT_EQ(server_.asked, 3);
+  EXPECT_GT(
+      std::abs(NormalizedAngle_rad(server_.yaws_rad[1] - server_.yaws_rad[0])),
+      0.5);
+}
+
+TEST_F(LostAndFoundTest, AFixThatDoesNotHoldIsDropped) {
+  int answers = 0;
+  server_.answers = {[this, &answers] {
+    RelocalizationAnswer answer = Truth(0.97);
+    // The gate's scan fits; those after it do not.
+    if (++answers == 1) return answer;
+    tracker_.best_fit = 0.95;
+    return answer;
+  }};
+  BeLost();
+  while (lost_->state() != RecoveryState::kConfirming) Step();
+  tracker_.best_fit = 0.3;
+  while (lost_->state() == RecoveryState::kConfirming) Step();
+  EXPECT_THAT(notes_, HasSubstr("not there: scans do not fit"));
+  EXPECT_EQ(Run(60), RecoveryState::kFound) << notes_;
+  EXPECT_GE(server_.asked, 2);
+}
+
+TEST_F(LostAndFoundTest, WithADeadServerTheLaserFindsThePlace) {
+  server_.answers = {[] { return absl::UnavailableError("dead"); }};
+  tracker_.finds = tracker_.truth;
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_EQ(tracker_.spread, 1);
+  EXPECT_THAT(notes_, HasSubstr("the server does not answer"));
+}
+
+TEST_F(LostAndFoundTest, WithASlowServerItDoesNotWaitForEver) {
+  server_.delay_s = 100;
+  tracker_.finds = tracker_.truth;
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
+  EXPECT_THAT(notes_, HasSubstr("DEADLINE_EXCEEDED"));
+}
+
+TEST_F(LostAndFoundTest, AnUnknownSceneIsAskedForOnce) {
+  server_.answers = {[] { return absl::NotFoundError("no scene 'x'"); }};
+  tracker_.finds = tracker_.truth;
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
+  EXPECT_EQ(server_.asked, 1);
+}
+
+TEST_F(LostAndFoundTest, WithoutPicturesItSearchesByLaser) {
+  has_camera_ = false;
+  tracker_.finds = tracker_.truth;
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
+  EXPECT_THAT(notes_, HasSubstr("the camera gives no pictures"));
+  EXPECT_EQ(server_.asked, 0);
+}
+
+TEST_F(LostAndFoundTest, TheSearchDoesNotBelieveAPlaceThatHasATwin) {
+  options_.method = RecoveryMethod::kAmclOnly;
+  Make();
+  tracker_.alias = Rigid2{{9, 3}, 0.5};
+  tracker_.finds = *tracker_.alias;
+  BeLost();
+  EXPECT_EQ(Run(250), RecoveryState::kNeedHelp) << notes_;
+  EXPECT_THAT(notes_, HasSubstr("the laser fits another place as well"));
+  EXPECT_EQ(server_.asked, 0);
+}
+
+TEST_F(LostAndFoundTest, TheSearchEndsInTimeIfItFindsAWrongPlace) {
+  options_.method = RecoveryMethod::kAmclOnly;
+  options_.most_search_s = 60;
+  Make();
+  tracker_.finds = Rigid2{{10, 4}, 1};
+  BeLost();
+  EXPECT_EQ(Run(62), RecoveryState::kNeedHelp) << notes_;
+  // What particles gathered at was wrong: they were spread again.
+  EXPECT_GE(tracker_.spread, 2);
+}
+
+TEST_F(LostAndFoundTest, InjectionOnlySpreadsNothing) {
+  options_.method = RecoveryMethod::kInjectionOnly;
+  options_.most_search_s = 30;
+  Make();
+  BeLost();
+  EXPECT_EQ(Run(60), RecoveryState::kNeedHelp) << notes_;
+  EXPECT_EQ(tracker_.spread, 0);
+  EXPECT_EQ(tracker_.told, 0);
+}
+
+TEST_F(LostAndFoundTest, ARobotThatCannotTurnEndsInTime) {
+  can_turn_ = false;
+  free_ahead_m_ = 0;
+  RelocalizationAnswer none;
+  server_.answers = {[none] { return none; }};
+  BeLost();
+  EXPECT_EQ(Run(250), RecoveryState::kNeedHelp) << notes_;
+  EXPECT_EQ(tracker_.odom_from_base, Rigid2());
+}
+
+TEST_F(LostAndFoundTest, APersonsWordEndsIt) {
+  BeLost();
+  Step();
+  EXPECT_TRUE(lost_->IsActive());
+  tracker_.lost_verdict = {};
+  lost_->WasTold(tracker_.now);
+  EXPECT_EQ(lost_->state(), RecoveryState::kIdle);
+  EXPECT_EQ(Run(2), RecoveryState::kIdle);
+}
+
+TEST_F(LostAndFoundTest, AStartWithoutAPlaceAsks) {
+  tracker_.believed.reset();
+  lost_->Begin(RecoveryCause::kStart, tracker_.now);
+  EXPECT_EQ(Run(20), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+}
+
+TEST_F(LostAndFoundTest, TheCheckAsksNowAndThenAndIsContent) {
+  tracker_.believed = LevelPose{.map_from_base = tracker_.truth, .place = {}};
+  drives_straight_ = true;
+  EXPECT_EQ(Run(45), RecoveryState::kIdle);
+  EXPECT_EQ(server_.asked, 2);
+  EXPECT_EQ(tracker_.told, 0);
+  EXPECT_EQ(notes_, "");
+}
+
+TEST_F(LostAndFoundTest, TheCheckCorrectsADrift) {
+  Rigid2 drifted = tracker_.truth;
+  drifted.translation.x += 0.4;
+  tracker_.believed = LevelPose{.map_from_base = drifted, .place = {}};
+  drives_straight_ = true;
+  EXPECT_EQ(Run(25), RecoveryState::kIdle);
+  EXPECT_EQ(tracker_.told, 1);
+  EXPECT_LT(Error_m(), 0.1);
+  EXPECT_THAT(notes_, HasSubstr("corrected"));
+}
+
+TEST_F(LostAndFoundTest, TheCheckStopsARobotThatIsElsewhereAndLooksTwice) {
+  drives_straight_ = true;
+  EXPECT_EQ(Run(60), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_EQ(server_.asked, 3);
+  EXPECT_THAT(notes_, HasSubstr("looks again"));
+  EXPECT_THAT(notes_, HasSubstr("two views agree"));
+}
+
+TEST_F(LostAndFoundTest, TheCheckDoesNotMoveARobotThatIsRight) {
+  tracker_.believed = LevelPose{.map_from_base = tracker_.truth, .place = {}};
+  server_.answers = {[this] { return AnswerAt(Lift({{10, 4}, 1}, 0), 0.999); }};
+  drives_straight_ = true;
+  EXPECT_EQ(Run(45), RecoveryState::kIdle) << notes_;
+  EXPECT_EQ(tracker_.told, 0);
+  EXPECT_LT(Error_m(), 1e-6);
+}
+
+TEST(LostAndFoundOptionsTest, NamesWhatIsOutOfRange) {
+  LostAndFoundOptions options;
+  EXPECT_TRUE(options.Validate().ok());
+  options.deadline_s = 0;
+  EXPECT_THAT(std::string(options.Validate().message()),
+              HasSubstr("deadline_s"));
+  options = {};
+  options.gate.sure_confidence = 0.1;
+  EXPECT_THAT(std::string(options.Validate().message()),
+              HasSubstr("sure_confidence"));
+}
+
+}  // namespace
+}  // namespace treeline
