@@ -118,7 +118,9 @@ class Page {
   }
 
   private build(): void {
-    this.host.append(this.bar.top,
+    this.host.append(
+        el('span', { class: 'crosshair', attributes: { 'aria-hidden': 'true' } }),
+        this.bar.top,
         el('div', { class: 'map-bottom' }, this.bar.hint, this.bar.tools));
     const side = el('div', { class: 'side' },
         this.status.element, this.lost.element, this.camera.element,

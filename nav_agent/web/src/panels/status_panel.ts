@@ -32,8 +32,9 @@ export class StatusPanel {
   constructor(private readonly commands: RobotCommands) {
     this.pause = button('Pause', () => this.togglePause(),
         { class: 'wide', id: 'pause' });
-    this.cancel = button('Cancel goal', () => commands.cancel(),
-        { class: 'wide', id: 'cancel' });
+    this.cancel = button('Cancel', () => commands.cancel(),
+        { class: 'wide', id: 'cancel',
+          attributes: { title: 'Give the goal up' } });
     this.where = button('Where am I?', () => commands.findYourself(),
         { class: 'wide', id: 'find-yourself',
           attributes: { title: 'The robot stops and asks the server' } });
