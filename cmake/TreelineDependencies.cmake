@@ -26,3 +26,11 @@ find_package(CURL REQUIRED)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto SSL)
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
 find_package(octomap REQUIRED)
+# What its CMake file names besides, /usr/include as a system's folder and
+# development files of Boost, would break builds.
+find_package(ompl REQUIRED)
+find_library(TREELINE_OMPL_LIBRARY ompl REQUIRED)
+add_library(treeline_ompl INTERFACE IMPORTED)
+target_include_directories(treeline_ompl INTERFACE ${OMPL_INCLUDE_DIR})
+target_link_libraries(treeline_ompl INTERFACE ${TREELINE_OMPL_LIBRARY}
+  Eigen3::Eigen)

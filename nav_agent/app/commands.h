@@ -6,8 +6,12 @@
 
 namespace treeline {
 
+Command AddDoctorCommand(CLI::App& app);
 Command AddLocalizeCommand(CLI::App& app);
 Command AddMapCommand(CLI::App& app);
+Command AddNavigateCommand(CLI::App& app);
+Command AddRunCommand(CLI::App& app);
+Command AddPlanCommand(CLI::App& app);
 Command AddScoreTrajectoryCommand(CLI::App& app);
 Command AddSimulateCommand(CLI::App& app);
 Command AddSuiteCommand(CLI::App& app);
@@ -16,6 +20,8 @@ Command AddTraversabilityCommand(CLI::App& app);
 // Those of `treeline-agent suite`.
 Command AddLostSuite(CLI::App& suite);
 Command AddLostFit(CLI::App& suite);
+Command AddMissionSuite(CLI::App& suite);
+Command AddKidnapSuite(CLI::App& suite);
 
 }  // namespace treeline
 

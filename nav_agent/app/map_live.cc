@@ -10,11 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/drivers/camera/openni/openni_camera.h"
-#include "nav_agent/drivers/camera/openni/openni_device.h"
-#include "nav_agent/drivers/hokuyo/hokuyo_laser.h"
-#include "nav_agent/drivers/segway/segway_base.h"
-#include "nav_agent/drivers/stream/stream_address.h"
+#include "nav_agent/app/robot_hardware.h"
 #include "nav_agent/sim/paced_runner.h"
 #include "nav_agent/sim/scenario.h"
 
@@ -44,28 +40,19 @@ class RealDrive final : public Drive {
                     std::chrono::duration_cast<MonotonicTime::duration>(
                         std::chrono::duration<double>(options.seconds));
     }
-    constexpr int kLaserBaud = 115200;
-    constexpr int kLaserPort = 10940;
-    constexpr int kBaseBaud = 460800;
-    TL_ASSIGN_OR_RETURN(
-        auto laser, ParseStreamAddress(options.laser, kLaserBaud, kLaserPort));
-    TL_ASSIGN_OR_RETURN(
-        drive->laser_, HokuyoLaser::Start({}, std::move(laser), drive->clock_));
-    TL_ASSIGN_OR_RETURN(auto base, ParseStreamAddress(options.base, kBaseBaud));
-    TL_ASSIGN_OR_RETURN(drive->base_,
-                        SegwayBase::Create({}, std::move(base), drive->clock_));
-    if (options.camera == "openni") {
-      TL_ASSIGN_OR_RETURN(
-          drive->camera_,
-          MakeOpenNiCamera({}, MakeOpenNi2(drive->clock_), drive->clock_));
-    }
+    TL_ASSIGN_OR_RETURN(drive->hardware_,
+                        RobotHardware::Open({.laser = options.laser,
+                                             .base = options.base,
+                                             .camera = options.camera,
+                                             .robot = options.robot},
+                                            drive->clock_));
     return drive;
   }
 
   LiveSensors Sensors() override {
-    return {.laser = *laser_,
-            .odometry = *base_,
-            .camera = camera_.get(),
+    return {.laser = hardware_->laser(),
+            .odometry = hardware_->base(),
+            .camera = hardware_->camera(),
             .robot = robot_};
   }
   bool Wait() override {
@@ -77,9 +64,7 @@ class RealDrive final : public Drive {
   SteadyClock clock_;
   RobotModel robot_;
   std::optional<MonotonicTime> end_;
-  std::unique_ptr<HokuyoLaser> laser_;
-  std::unique_ptr<SegwayBase> base_;
-  std::unique_ptr<RgbdCamera> camera_;
+  std::unique_ptr<RobotHardware> hardware_;
 };
 
 class SimulatedDrive final : public Drive {

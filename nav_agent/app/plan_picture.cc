@@ -17,6 +17,9 @@ constexpr Rgb kGlass = {90, 160, 220};
 constexpr Rgb kTour = {150, 150, 150};
 constexpr Rgb kTrack = {30, 90, 220};
 constexpr Rgb kStart = {20, 160, 60};
+constexpr Rgb kGoal = {0, 170, 60};
+constexpr Rgb kPath = {200, 0, 200};
+constexpr Rgb kBelieved = {220, 20, 20};
 constexpr Rgb kByRobot = {220, 20, 20};
 constexpr Rgb kNotByRobot = {240, 150, 20};
 constexpr Rgb kFall = {150, 30, 180};
@@ -69,6 +72,21 @@ class Plan {
     const double reach = 10 * pixel_m_;
     Line(at - Vec2{reach, reach}, at + Vec2{reach, reach}, color, 1);
     Line(at - Vec2{reach, -reach}, at + Vec2{reach, -reach}, color, 1);
+  }
+
+  // From a pose half a metre ahead.
+  void Arrow(const Rigid2& pose, Rgb color) {
+    constexpr double kLength_m = 0.5;
+    constexpr double kHead_m = 0.18;
+    const auto ahead = [&pose](double turn_rad, double length_m) {
+      return Vec2{length_m * std::cos(pose.yaw_rad + turn_rad),
+                  length_m * std::sin(pose.yaw_rad + turn_rad)};
+    };
+    const Vec2 tip = pose.translation + ahead(0, kLength_m);
+    Dot(pose.translation, color, 5);
+    Line(pose.translation, tip, color, 2);
+    Line(tip, tip + ahead(2.6, kHead_m), color, 2);
+    Line(tip, tip + ahead(-2.6, kHead_m), color, 2);
   }
 
   ColorImage image;
@@ -150,10 +168,21 @@ void DrawEvents(const SimulationResult& result, Plan& plan) {
   }
 }
 
+void DrawMarks(const PlanMarks& marks, Plan& plan) {
+  for (size_t i = 1; i < marks.path.size(); ++i) {
+    const Vec3& a = marks.path[i - 1];
+    const Vec3& b = marks.path[i];
+    plan.Line({a.x, a.y}, {b.x, b.y}, kPath, 0);
+  }
+  if (marks.goal.has_value()) plan.Arrow(*marks.goal, kGoal);
+  if (marks.really.has_value()) plan.Arrow(*marks.really, kTrack);
+  if (marks.believed.has_value()) plan.Arrow(*marks.believed, kBelieved);
+}
+
 }  // namespace
 
 ColorImage DrawPlan(const World& world, const Terrain& terrain,
-                    const SimulationResult& result) {
+                    const SimulationResult& result, const PlanMarks& marks) {
   Plan plan(terrain.bounds());
   for (int y = 0; y < plan.image.height; ++y) {
     for (int x = 0; x < plan.image.width; ++x) {
@@ -176,6 +205,7 @@ ColorImage DrawPlan(const World& world, const Terrain& terrain,
     const Vec3& start = result.track.front().front();
     plan.Dot({start.x, start.y}, kStart, 6);
   }
+  DrawMarks(marks, plan);
   DrawEvents(result, plan);
   return std::move(plan.image);
 }

@@ -33,6 +33,7 @@ struct SimulateFlags {
   std::string scenario;
   std::string drive = "none";
   double speed_mps = 0.5;
+  double look_every_m = 2.0;
   double seconds = 0;
   uint64_t seed = 0;
   bool has_seed = false;
@@ -62,9 +63,12 @@ absl::StatusOr<SimulationRunOptions> OptionsOf(const SimulateFlags& flags) {
   }
   scenario.options.threads = flags.threads;
   scenario.world_options.threads = flags.threads;
-  if (flags.drive == "tour") {
+  if (flags.drive != "none") {
     TourAction tour;
     tour.options.speed_mps = flags.speed_mps;
+    if (flags.drive == "survey") {
+      tour.options.look_around_every_m = flags.look_every_m;
+    }
     tour.options.repeats = scenario.duration > SimTime(0);
     TL_RETURN_IF_ERROR(tour.options.Validate());
     run.tour = tour;
@@ -150,11 +154,18 @@ Command AddSimulateCommand(CLI::App& app) {
   command
       ->add_option("--drive", flags->drive,
                    "tour: along the world's tour; to its end, or round and "
-                   "round for --seconds")
-      ->check(CLI::IsMember({"none", "tour"}))
+                   "round for --seconds. survey: the same, and the robot looks "
+                   "around on its way, for a map that a forest learns from")
+      ->check(CLI::IsMember({"none", "tour", "survey"}))
       ->capture_default_str();
   command->add_option("--speed", flags->speed_mps, "Of the tour, in m/s")
       ->type_name("M/S")
+      ->capture_default_str();
+  command
+      ->add_option("--look-every", flags->look_every_m,
+                   "A survey's way from one look around to the next")
+      ->type_name("M")
+      ->check(CLI::Range(0.2, 100.0))
       ->capture_default_str();
   command->add_option("--seconds", flags->seconds, "How long, simulated")
       ->type_name("N");

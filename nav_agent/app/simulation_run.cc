@@ -157,8 +157,14 @@ absl::StatusOr<SimulationResult> RunSimulation(
       options.tour.has_value() && duration == SimTime(0);
   if (options.tour.has_value()) player.DriveTour(*options.tour);
   if (until_tour_ends && player.tour() != nullptr) {
-    duration = FromSeconds(kTourPatience_s +
-                           player.tour()->length_m() / kSlowestTour_mps);
+    const TourDriver& tour = *player.tour();
+    duration =
+        FromSeconds(kTourPatience_s + tour.length_m() / kSlowestTour_mps);
+    if (const double every_m = tour.options().look_around_every_m;
+        every_m > 0) {
+      duration += FromSeconds((2 + tour.length_m() / every_m) *
+                              (3 + 7 / tour.options().look_around_radps));
+    }
   }
   const double begin_s = ProcessorSeconds();
   while (simulator.now() < duration) {

@@ -12,9 +12,16 @@ constexpr const char* kDescription =
     "it, in the world or in a simulated one.";
 
 std::vector<Command> AddCommands(CLI::App& app) {
-  return {AddSimulateCommand(app),        AddMapCommand(app),
-          AddLocalizeCommand(app),        AddTraversabilityCommand(app),
-          AddScoreTrajectoryCommand(app), AddSuiteCommand(app)};
+  return {AddSimulateCommand(app),
+          AddMapCommand(app),
+          AddRunCommand(app),
+          AddNavigateCommand(app),
+          AddDoctorCommand(app),
+          AddPlanCommand(app),
+          AddLocalizeCommand(app),
+          AddTraversabilityCommand(app),
+          AddScoreTrajectoryCommand(app),
+          AddSuiteCommand(app)};
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "nav_agent/behavior/lost_and_found.h"
+#include "nav_agent/behavior/navigator_limits.h"
 #include "nav_agent/control/local_controller.h"
 #include "nav_agent/core/devices.h"
 #include "nav_agent/core/navigation_cause.h"
@@ -35,13 +37,15 @@ enum class NavigatorMode : uint8_t {
   kLost = 4,          // stopped, about to ask
   kRelocalizing = 5,  // asks, looks around, confirms
   kPaused = 6,
-  kSafeStop = 7,      // a device is lost; goes on by itself when it is back
-  kNeedHelp = 8       // nobody found its place: waits to be told
+  kSafeStop = 7,  // a device is lost; goes on by itself when it is back
+  kNeedHelp = 8   // nobody found its place: waits to be told
 };
 const char* NavigatorModeName(NavigatorMode mode);
 
 struct NavigationGoal {
-  // Driven through in order; the last is the goal.
+  // Driven through in order, without a stop and whatever the heading there; the
+  // last is the goal. Of a place only the level counts: its height is the
+  // map's.
   std::vector<LevelPose> poses;
 };
 
@@ -67,10 +71,26 @@ struct GoalStatus {
 
 struct NavigatorEvent {
   MonotonicTime stamp;
+  // From 1 upwards, without gaps.
   uint64_t number = 0;
-  // "goal", "plan", "recovery", "lost", "fix", "stop", "resume", ...
+  // "goal", "plan", "blocked", "recovery", "lost", "fix", "stop", "resume",
+  // "pose", "pause", "sensor", "deadline"; LostAndFound's "help", "check".
   std::string kind;
   std::string text;
+};
+
+// What became of a sensor's measurements.
+struct SensorTally {
+  int64_t used = 0;
+  // Older than the device's timeout when they came; stamped in the future; not
+  // newer than one that came before. None of them is used.
+  int64_t late = 0;
+  int64_t future = 0;
+  int64_t out_of_order = 0;
+  // Not finite, of another number of beams, or with hardly a range.
+  int64_t broken = 0;
+  // The same values as before, with another stamp.
+  int64_t repeated = 0;
 };
 
 // What people and programs are shown. Copied under no lock: taken by the thread
@@ -95,21 +115,48 @@ struct NavigatorSnapshot {
   // The last answer of the server, and what became of it.
   std::optional<RelocalizationAnswer> fix;
   std::string fix_verdict;
+  // What the search for the robot's place does.
+  RecoveryState search = RecoveryState::kIdle;
+  // The last frame that was sent to the server; null: none.
+  std::shared_ptr<const RgbdFrame> query_frame;
+  SensorTally laser;
+  SensorTally odometry;
+  SensorTally camera;
   int64_t steps = 0;
+  // Steps that came more than half a period late, and the longest time between
+  // two.
   int64_t missed_deadlines = 0;
+  double longest_step_gap_s = 0;
 };
 
 struct NavigatorOptions {
+  NavigationMapOptions map;
   GlobalPlannerOptions planner;
-  PlanBudget plan_budget;
+  // The first path is found within the first budget; the robot sets off, and a
+  // better one is looked for within the second.
+  PlanBudget first_plan_budget = {.max_iterations = 2000};
+  PlanBudget plan_budget = {.max_iterations = 20000};
+  // Plans are made by a thread of their own, so that Step never waits for one;
+  // results then depend on the machine's speed.
+  bool plans_in_background = false;
   LocalControllerOptions control;
   RobotTrackerOptions tracker;
+  LostAndFoundOptions lost;
+  NavigatorLimits limits;
+  // Steps in a second (10 to 200).
   double control_hz = 40;
-  // Devices that are silent for longer are lost (s).
+  // Devices that are silent for longer are lost (s, 0.05 to 5).
   double laser_timeout_s = 0.3;
   double odometry_timeout_s = 0.2;
+  // Depth pictures in a second that obstacles are taken from (0 to 30; 0:
+  // none). A lost robot takes them as often, at least once a second.
+  double depth_hz = 5;
+  // Whether a robot that was not told where it is looks for itself, rather than
+  // waiting to be told.
+  bool finds_itself_at_start = false;
   uint64_t seed = 0;
 
+  // INVALID_ARGUMENT names the field.
   absl::Status Validate() const;
 };
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/base/clock.h"
+#include "nav_agent/control/control_pose.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
@@ -31,18 +31,8 @@ struct LocalControllerOptions {
   absl::Status Validate() const;
 };
 
-// Where the robot is now, and how it moves.
-struct ControlPose {
-  MonotonicTime stamp;
-  LevelPose pose;
-  // Pitch and roll (SlopeOdometry::LevelFromBase).
-  Rotation3 level_from_base;
-  double forward_mps = 0;
-  double yaw_rate_radps = 0;
-};
-
 enum class ControlState : uint8_t {
-  kIdle,     // no path
+  kIdle,  // no path
   kDriving,
   kArrived,  // at the goal, standing
   kWaiting,  // something moves in the way; the band holds

@@ -149,6 +149,8 @@ class LostDetector {
   // It drove onto another level; what was seen stays. INVALID_ARGUMENT for a
   // map without cells.
   absl::Status SetMap(const LaserMap& map);
+  // The same with a checker that is there already, of the same options.
+  void SetChecker(const ScanChecker& checker) { checker_ = checker; }
 
   const LostVerdict& verdict() const { return verdict_; }
   double log_odds() const { return filter_.log_odds(); }

@@ -24,6 +24,8 @@ struct RobotTrackerOptions {
   LostDetectorOptions lost;
   // Scans that follow a used one sooner are left out (s).
   double scan_interval_s = 0.09;
+  // The same while AMCL looks everywhere, with many more particles (s).
+  double searching_interval_s = 0.3;
 
   absl::Status Validate() const;
 };
@@ -38,6 +40,25 @@ struct TrackedPose {
   // The share of AMCL's weight that agrees, and whether it searches everywhere.
   double share = 0;
   bool is_searching = false;
+};
+
+// What the wheels and the inertial sensor alone say.
+struct TrackedMotion {
+  MonotonicTime stamp;
+  // Drifts, but does not jump.
+  Rigid2 odom_from_base;
+  // Pitch and roll (SlopeOdometry::LevelFromBase).
+  Rotation3 level_from_base;
+  double forward_mps = 0;
+  double yaw_rate_radps = 0;
+};
+
+// A place that particles gather at.
+struct PlaceCandidate {
+  LevelPose pose;
+  PoseCovariance2 covariance{};
+  // Of the weight.
+  double share = 0;
 };
 
 // Deterministic; not thread-safe.
@@ -65,6 +86,11 @@ class RobotTracker {
   virtual std::optional<TrackedPose> Pose() const = 0;
   // At another moment of the last two seconds.
   virtual std::optional<TrackedPose> PoseAt(MonotonicTime stamp) const = 0;
+  // What the wheels say, told or not: newest, and at another moment of the last
+  // two seconds; nullopt before the first reading.
+  virtual std::optional<TrackedMotion> Motion() const = 0;
+  virtual std::optional<TrackedMotion> MotionAt(MonotonicTime stamp) const = 0;
+
   virtual const LostVerdict& verdict() const = 0;
   // How well the newest scan fits the map if the robot stands there: the share
   // of judged beams that the map explains, and of those that pass through it;
@@ -75,7 +101,27 @@ class RobotTracker {
     int judged = 0;
   };
   virtual std::optional<ScanFit> FitAt(const LevelPose& pose) const = 0;
+  // Looks over the whole map for another place, further than 0.7 m or 0.6 rad
+  // from `pose`, where the newest scan fits: rooms that are alike. Begun with
+  // the scan there is, it goes on a slice (about 2 ms) at a time; true when it
+  // is done. Then OtherPlace is the best that was found.
+  virtual void BeginOtherPlaces(const LevelPose& pose) = 0;
+  virtual bool StepOtherPlaces() = 0;
+  struct OtherPlace {
+    LevelPose pose;
+    ScanFit fit;
+  };
+  virtual std::optional<OtherPlace> BestOtherPlace() const = 0;
+  // The newest scan that was taken in, if there is one.
+  virtual std::optional<MonotonicTime> ScanStamp() const = 0;
+  // Where its beams end, in the frame of the base when that is level (m); those
+  // at about the laser's height.
+  virtual std::vector<Vec2> ScanInBase() const = 0;
   virtual std::vector<Particle> Particles(size_t at_most) const = 0;
+  // The heaviest first.
+  virtual std::vector<PlaceCandidate> Candidates(size_t at_most) const = 0;
+  // Scans and readings that came too late, or were broken.
+  virtual int64_t dropped() const = 0;
 };
 
 }  // namespace treeline

@@ -2,6 +2,7 @@
 #ifndef NAV_AGENT_PLANNING_GLOBAL_PLANNER_H_
 #define NAV_AGENT_PLANNING_GLOBAL_PLANNER_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -28,7 +29,7 @@ struct Blockage {
 struct PlanRequest {
   LevelPose start;
   LevelPose goal;
-  std::vector<Blockage> blockages;
+  std::vector<Blockage> blockages = {};
   uint64_t seed = 0;
 };
 
@@ -57,6 +58,8 @@ struct PlanResult {
   // Pairs of points: the edges of both trees as they were when the first path
   // was found, for pictures.
   std::vector<Vec2> tree_edges;
+  // How many of the points are of the start's tree; the goal's follow.
+  size_t start_tree_points = 0;
 };
 
 struct GlobalPlannerOptions {
@@ -79,9 +82,9 @@ class GlobalPlanner {
   virtual ~GlobalPlanner() = default;
   // CANCELLED if `stop` is requested; INVALID_ARGUMENT for poses that are not
   // finite. That there is no way is a result.
-  virtual absl::StatusOr<PlanResult> Plan(const PlanRequest& request,
-                                          const PlanBudget& budget,
-                                          const std::stop_token& stop) const = 0;
+  virtual absl::StatusOr<PlanResult> Plan(
+      const PlanRequest& request, const PlanBudget& budget,
+      const std::stop_token& stop) const = 0;
 };
 
 // INVALID_ARGUMENT for bad options, and for planners there are not, with those

@@ -192,5 +192,22 @@ TEST(TourDriver, FollowsALineWithoutLeavingIt) {
   EXPECT_TRUE(simulator->TakeEvents().empty());
 }
 
+TEST(TourDriver, ASurveyLooksAroundEverySoManyMetres) {
+  const auto simulator = SimulatorFor(*ParseScenario(
+      "start: {at: [3, 3]}\nerrors: false\nsensors: {laser: false}\n", "s"));
+  ScenarioPlayer player(Scenario(), *simulator);
+  player.DriveTour({.options = {.look_around_every_m = 2},
+                    .corners = {{3, 3, 0}, {8, 3, 0}}});
+  for (int i = 0; i < 900 && !player.is_tour_done(); ++i) {
+    player.Step(milliseconds(100));
+  }
+  EXPECT_TRUE(player.is_tour_done());
+  // At 0, 2 and 4 m of 5: three times around, each a little more than once
+  // until the turn has stopped.
+  const double turns = simulator->state().turned_rad / 6.283185307179586;
+  EXPECT_GT(turns, 3);
+  EXPECT_LT(turns, 3.6);
+}
+
 }  // namespace
 }  // namespace treeline

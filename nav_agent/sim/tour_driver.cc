@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/geometry/rigid2.h"
 
 namespace treeline {
 namespace {
@@ -18,6 +20,10 @@ constexpr double kTurnGain_hz = 2;
 // So far ahead the nearest point of the line is looked for.
 constexpr double kWindow_m = 1.0;
 constexpr double kWindowStep_m = 0.02;
+// A look around that does not get on is given up after so many commands (50 ms
+// each): something is in the way.
+constexpr double kNoTurn_rad = 0.002;
+constexpr int kStuckCommands = 40;
 // In curves the robot takes no more than this to the side.
 constexpr double kLateral_mps2 = 0.4;
 
@@ -33,6 +39,11 @@ absl::Status TourOptions::Validate() const {
       !(give_way_m >= 0 && give_way_m <= 10)) {
     return absl::InvalidArgumentError(
         "a tour looks 0.1 to 5 m ahead and arrives within 5 m");
+  }
+  if (!(look_around_every_m >= 0 && look_around_every_m <= 100) ||
+      !(look_around_radps > 0 && look_around_radps <= 3)) {
+    return absl::InvalidArgumentError(
+        "a survey looks around every 0 to 100 m, at up to 3 rad/s");
   }
   return absl::OkStatus();
 }
@@ -87,6 +98,25 @@ void TourDriver::JoinNearest(Vec3 position) {
   }
 }
 
+bool TourDriver::LooksAround(double yaw_rad) {
+  if (options_.look_around_every_m <= 0) return false;
+  if (!is_looking_) {
+    if (progress_m() < next_look_m_) return false;
+    next_look_m_ = progress_m() + options_.look_around_every_m;
+    is_looking_ = true;
+    looked_rad_ = 0;
+    stuck_ = 0;
+    last_yaw_rad_ = yaw_rad;
+    return true;
+  }
+  const double turned_rad = NormalizedAngle_rad(yaw_rad - last_yaw_rad_);
+  last_yaw_rad_ = yaw_rad;
+  looked_rad_ += turned_rad;
+  stuck_ = std::abs(turned_rad) < kNoTurn_rad ? stuck_ + 1 : 0;
+  is_looking_ = looked_rad_ < 2 * std::numbers::pi && stuck_ < kStuckCommands;
+  return is_looking_;
+}
+
 VelocityCommand TourDriver::CommandAt(const Rigid3& world_from_base) {
   if (is_done_) return {};
   Advance(world_from_base.translation);
@@ -95,6 +125,10 @@ VelocityCommand TourDriver::CommandAt(const Rigid3& world_from_base) {
           options_.arrival_m) {
     is_done_ = true;
     return {};
+  }
+  const Vec3 ahead = world_from_base.rotation * Vec3{1, 0, 0};
+  if (LooksAround(std::atan2(ahead.y, ahead.x))) {
+    return {.yaw_rate_radps = options_.look_around_radps};
   }
   const Vec3 target = PointAt(along_m_ + options_.look_ahead_m);
   const Vec3 in_base = world_from_base.Inverse() * target;

@@ -25,6 +25,11 @@ struct TourOptions {
   double give_way_m = 0.6;
   // Round and round, or once.
   bool repeats = false;
+  // A survey: after each so many metres of the line the robot turns once on the
+  // spot, so that its camera sees everything from there; 0: never. [0, 100]
+  double look_around_every_m = 0;
+  // How fast, in (0, 3].
+  double look_around_radps = 0.7;
 
   absl::Status Validate() const;
 };
@@ -53,6 +58,8 @@ class TourDriver {
  private:
   Vec3 PointAt(double along_m) const;
   void Advance(Vec3 position);
+  // Whether the robot turns on the spot to look around.
+  bool LooksAround(double yaw_rad);
 
   std::vector<Vec3> corners_;
   TourOptions options_;
@@ -62,6 +69,13 @@ class TourDriver {
   int rounds_ = 0;
   bool is_done_ = false;
   bool turns_ = false;
+  // How far along the line the next look around is; while there is one, how far
+  // it has turned, and for how many commands it did not.
+  double next_look_m_ = 0;
+  bool is_looking_ = false;
+  double looked_rad_ = 0;
+  double last_yaw_rad_ = 0;
+  int stuck_ = 0;
 };
 
 }  // namespace treeline

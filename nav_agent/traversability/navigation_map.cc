@@ -8,9 +8,13 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/core/distance_field.h"
+#include "nav_agent/traversability/ramp_edges.h"
 
 namespace treeline {
 namespace {
+
+// As far as a robot's footprint reaches over a join, and there is room to tell.
+constexpr double kBeyond_m = 1.5;
 
 bool IsFreeValue(Occupancy value, bool allow_unknown) {
   return value == Occupancy::kFree ||
@@ -33,8 +37,7 @@ std::vector<float> Clearances(const OccupancyGrid& grid,
           is_free[grid.IndexOf({x, y})] != 0 ? 0 : 1;
     }
   }
-  const std::vector<int32_t> squared =
-      SquaredDistances(width, height, blocked);
+  const std::vector<int32_t> squared = SquaredDistances(width, height, blocked);
   std::vector<float> distances(grid.cells.size());
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
@@ -82,32 +85,67 @@ absl::StatusOr<NavigationMap> NavigationMap::Make(
 NavigationMap::NavigationMap(TraversableMap map,
                              const NavigationMapOptions& options)
     : map_(std::move(map)), options_(options) {
+  for (TraversableLevel& level : map_.levels) {
+    const std::vector<uint8_t> edges = RampSideEdges(level);
+    for (size_t i = 0; i < edges.size(); ++i) {
+      if (edges[i] != 0) level.grid.cells[i] = Occupancy::kOccupied;
+    }
+  }
   for (int level = 0; level < levels(); ++level) {
     const OccupancyGrid& own = grid(level);
     std::vector<uint8_t> is_free(own.cells.size());
     for (size_t i = 0; i < is_free.size(); ++i) {
       is_free[i] = IsFreeValue(own.cells[i], options_.allow_unknown) ? 1 : 0;
     }
-    // Where a ramp goes over to another level, that level's ground goes on.
-    const std::vector<float>& heights =
-        map_.levels[static_cast<size_t>(level)].height_m;
-    for (int other = 0; other < levels(); ++other) {
-      if (other == level) continue;
-      const bool are_joined = std::ranges::any_of(
-          map_.joins, [level, other](const LevelJoin& join) {
-            return std::min(level, other) == join.lower_level &&
-                   std::max(level, other) == join.upper_level;
-          });
-      if (!are_joined) continue;
-      for (size_t i = 0; i < is_free.size(); ++i) {
-        if (std::isnan(heights[i]) &&
-            own.cells[i] == Occupancy::kUnknown &&
-            grid(other).cells[i] == Occupancy::kFree) {
-          is_free[i] = 1;
-        }
+    for (const LevelJoin& join : map_.joins) {
+      if (join.lower_level == level) {
+        AddGroundBeyond(level, join.upper_level, is_free);
+      } else if (join.upper_level == level) {
+        AddGroundBeyond(level, join.lower_level, is_free);
       }
     }
     clearance_m_.push_back(Clearances(own, is_free, options_.reach_m));
+  }
+}
+
+void NavigationMap::AddGroundBeyond(int level, int other,
+                                    std::vector<uint8_t>& is_free) const {
+  const OccupancyGrid& own = grid(level);
+  const std::vector<float>& own_m =
+      map_.levels[static_cast<size_t>(level)].height_m;
+  const std::vector<float>& other_m =
+      map_.levels[static_cast<size_t>(other)].height_m;
+  const auto is_beyond = [&](CellIndex cell) {
+    return own.Contains(cell) && own.At(cell) == Occupancy::kUnknown &&
+           std::isnan(own_m[own.IndexOf(cell)]) && IsFree(other, cell);
+  };
+  // In rings: own ground first.
+  std::vector<CellIndex> ring;
+  for (int y = 0; y < own.height; ++y) {
+    for (int x = 0; x < own.width; ++x) {
+      if (IsFree(level, {x, y})) ring.push_back({x, y});
+    }
+  }
+  const int rings = static_cast<int>(kBeyond_m / own.resolution_m);
+  for (int i = 0; i < rings && !ring.empty(); ++i) {
+    std::vector<CellIndex> next;
+    for (const CellIndex& from : ring) {
+      const float from_m =
+          i == 0 ? own_m[own.IndexOf(from)] : other_m[own.IndexOf(from)];
+      for (const CellIndex& to :
+           {CellIndex{from.x + 1, from.y}, CellIndex{from.x - 1, from.y},
+            CellIndex{from.x, from.y + 1}, CellIndex{from.x, from.y - 1}}) {
+        if (!is_beyond(to) || is_free[own.IndexOf(to)] != 0) continue;
+        // Also false for ground without a height.
+        if (!(std::abs(other_m[own.IndexOf(to)] - from_m) <=
+              options_.max_rise_m)) {
+          continue;
+        }
+        is_free[own.IndexOf(to)] = 1;
+        next.push_back(to);
+      }
+    }
+    ring = std::move(next);
   }
 }
 
@@ -146,8 +184,7 @@ std::optional<LevelPlace> NavigationMap::GroundOf(Vec2 point_in_map,
   const double height_m = map_.levels[static_cast<size_t>(level)]
                               .height_m[grid(level).IndexOf(cell)];
   if (std::isnan(height_m)) return std::nullopt;
-  return LevelPlace{.level = level,
-                    .height_m = height_m + resolution_m() / 2};
+  return LevelPlace{.level = level, .height_m = height_m + resolution_m() / 2};
 }
 
 std::optional<LevelPlace> NavigationMap::GroundNear(Vec2 point_in_map,

@@ -3,7 +3,7 @@
 #ifndef NAV_AGENT_TRAVERSABILITY_NAVIGATION_MAP_H_
 #define NAV_AGENT_TRAVERSABILITY_NAVIGATION_MAP_H_
 
-#include <memory>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -29,6 +29,7 @@ struct NavigationMapOptions {
 // Immutable and thread-safe. The map's frame throughout.
 class NavigationMap {
  public:
+  // Low ends of ramps' sides (RampSideEdges) become occupied.
   // INVALID_ARGUMENT for bad options, no levels, or none with a free cell.
   static absl::StatusOr<NavigationMap> Make(
       TraversableMap map, const NavigationMapOptions& options = {});
@@ -46,7 +47,7 @@ class NavigationMap {
   // From the cell's centre to the centre of the nearest cell of its level that
   // is not free (obstacle, unknown unless allowed, outside), at most reach_m;
   // 0 in such cells. A neighbouring level's ground, where a ramp goes over to
-  // it, is free.
+  // it, is free as far as 1.5 m beyond; not what lies above or below.
   float ClearanceAt_m(int level, CellIndex cell) const;
   // The same at a point, between centres by bilinear interpolation.
   double Clearance_m(int level, Vec2 point_in_map) const;
@@ -63,6 +64,9 @@ class NavigationMap {
 
  private:
   NavigationMap(TraversableMap map, const NavigationMapOptions& options);
+  // Marks the ground of `other` that continues that of `level`, near it.
+  void AddGroundBeyond(int level, int other,
+                       std::vector<uint8_t>& is_free) const;
 
   TraversableMap map_;
   NavigationMapOptions options_;

@@ -7,8 +7,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
+#include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
+#include "common/metrics/registry.h"
 #include "server/access/grpc_tls.h"
 #include "server/access/http_tls.h"
 #include "server/access/key_store.h"
@@ -24,11 +26,9 @@
 #include "server/app/recording_dispatcher.h"
 #include "server/app/service_metrics.h"
 #include "server/gateway/gateway.h"
-#include "common/metrics/registry.h"
 #include "server/repository/scene_repository.h"
 #include "server/service/convert.h"
 #include "server/service/grpc_server.h"
-#include "server/service/listen_address.h"
 #include "server/service/service_dispatcher.h"
 
 namespace treeline {
@@ -111,7 +111,7 @@ RepositoryFigures FiguresOf(const SceneRepository& repository) {
 
 // Destroyed from the last to the first: what calls before what it calls.
 struct Application::Parts {
-  Parts(ServerLog& server_log, const Clock& used_clock)
+  Parts(ProgramLog& server_log, const Clock& used_clock)
       : log(server_log),
         clock(used_clock),
         metrics(registry),
@@ -126,7 +126,7 @@ struct Application::Parts {
   void AddMetrics();
   void SetRateLimit(const ServerConfig& config);
 
-  ServerLog& log;
+  ProgramLog& log;
   const Clock& clock;
   const SystemWallClock wall_clock;
   Registry registry;
@@ -279,7 +279,7 @@ Application::Application(std::unique_ptr<Parts> parts)
 Application::~Application() { Stop(std::chrono::milliseconds(0)); }
 
 absl::StatusOr<std::unique_ptr<Application>> Application::Start(
-    const ServerConfig& config, ServerLog& log, const Clock& clock) {
+    const ServerConfig& config, ProgramLog& log, const Clock& clock) {
   // Before the models are read: they may take a while.
   TL_RETURN_IF_ERROR(config.Validate());
   auto parts = std::make_unique<Parts>(log, clock);

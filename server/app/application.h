@@ -9,8 +9,8 @@
 
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
+#include "common/log/program_log.h"
 #include "server/app/server_config.h"
-#include "server/app/server_log.h"
 
 namespace treeline {
 
@@ -21,7 +21,7 @@ class Application {
   // Loads, binds and serves. INVALID_ARGUMENT: the configuration; everything
   // else: what the machine did not allow. `log` and `clock` must outlive it.
   static absl::StatusOr<std::unique_ptr<Application>> Start(
-      const ServerConfig& config, ServerLog& log, const Clock& clock);
+      const ServerConfig& config, ProgramLog& log, const Clock& clock);
   // Stops at once, if it was not stopped.
   ~Application();
 

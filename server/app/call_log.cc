@@ -10,7 +10,7 @@ namespace {
 constexpr auto kWindow = std::chrono::seconds(1);
 
 // Who called for what.
-void AddCaller(const CallRecord& record, LogEvent& event) {
+void AddCaller(const CallRecord& record, LogLine& event) {
   event.Text("peer", record.peer);
   if (!record.client.empty()) event.Text("client", record.client);
   if (record.trace) {
@@ -26,7 +26,7 @@ void AddCaller(const CallRecord& record, LogEvent& event) {
   }
 }
 
-void AddOutcome(const CallRecord& record, LogEvent& event) {
+void AddOutcome(const CallRecord& record, LogLine& event) {
   if (!record.outcome) return;
   const CallTimings& t = record.timings;
   event.Word("outcome", OutcomeName(*record.outcome))
@@ -41,8 +41,8 @@ void AddOutcome(const CallRecord& record, LogEvent& event) {
 
 }  // namespace
 
-LogEvent EventOf(const CallRecord& record, LogFormat format) {
-  LogEvent event(format);
+LogLine EventOf(const CallRecord& record, LogFormat format) {
+  LogLine event(format);
   event.Word("rpc", record.rpc)
       .Word("status", absl::StatusCodeToString(record.status.code()));
   // Calls by gRPC are the rule.
@@ -64,7 +64,7 @@ LogEvent EventOf(const CallRecord& record, LogFormat format) {
   return event;
 }
 
-CallLog::CallLog(ServerLog& log, const Clock& clock)
+CallLog::CallLog(ProgramLog& log, const Clock& clock)
     : log_(log), clock_(clock), window_start_(clock.Now()) {}
 
 void CallLog::OnCall(const CallRecord& record) {
@@ -78,7 +78,7 @@ void CallLog::OnCall(const CallRecord& record) {
       absl::IsInternal(record.status) ? LogLevel::kError : LogLevel::kInfo;
   int64_t suppressed = 0;
   if (!log_.Writes(level) || !Admit(suppressed)) return;
-  LogEvent event = EventOf(record, log_.format());
+  LogLine event = EventOf(record, log_.format());
   if (suppressed > 0) event.Integer("lines_left_out", suppressed);
   log_.Write(level, event);
 }

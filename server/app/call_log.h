@@ -7,8 +7,8 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
-#include "server/app/log_event.h"
-#include "server/app/server_log.h"
+#include "common/log/log_line.h"
+#include "common/log/program_log.h"
 #include "server/service/call_observer.h"
 
 namespace treeline {
@@ -16,7 +16,7 @@ namespace treeline {
 // "rpc=Localize status=OK peer=... scene=... version=... outcome=LOCALIZED
 // inliers=432 samples=500 queue_ms=0.0 decode_ms=2.9 ... total_ms=7.1" in one
 // line, or the same as JSON. What a client chose is escaped.
-LogEvent EventOf(const CallRecord& record, LogFormat format);
+LogLine EventOf(const CallRecord& record, LogFormat format);
 
 // Answered calls are logged at debug, calls that failed at info, and the
 // server's own faults at error. Of failed calls at most kMaxLines a second are
@@ -26,14 +26,14 @@ class CallLog final : public CallObserver {
   static constexpr int kMaxLines = 20;
 
   // Both must outlive this.
-  CallLog(ServerLog& log, const Clock& clock);
+  CallLog(ProgramLog& log, const Clock& clock);
   void OnCall(const CallRecord& record) override;
 
  private:
   // Whether a failed call may be written now; if so, how many were not since.
   bool Admit(int64_t& suppressed);
 
-  ServerLog& log_;
+  ProgramLog& log_;
   const Clock& clock_;
   absl::Mutex mutex_;
   MonotonicTime window_start_ ABSL_GUARDED_BY(mutex_);

@@ -31,7 +31,7 @@ class CallLogTest : public testing::Test {
   CallLogTest() {
     const auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(out_);
     logger_ = std::make_shared<spdlog::logger>("test", sink);
-    server_log_ = std::make_unique<ServerLog>(logger_, LogFormat::kText);
+    server_log_ = std::make_unique<ProgramLog>(logger_, LogFormat::kText);
     logger_->set_pattern("%l %v");
     log_ = std::make_unique<CallLog>(*server_log_, clock_);
   }
@@ -42,7 +42,7 @@ class CallLogTest : public testing::Test {
 
   std::ostringstream out_;
   std::shared_ptr<spdlog::logger> logger_;
-  std::unique_ptr<ServerLog> server_log_;
+  std::unique_ptr<ProgramLog> server_log_;
   ManualClock clock_;
   std::unique_ptr<CallLog> log_;
 };
@@ -138,7 +138,7 @@ TEST_F(CallLogTest, NamesTheClientTheTraceAndTheReason) {
 }
 
 TEST_F(CallLogTest, JsonIsOneObjectALineWithTheSameFields) {
-  ServerLog json_log(logger_, LogFormat::kJson);
+  ProgramLog json_log(logger_, LogFormat::kJson);
   CallLog log(json_log, clock_);
   CallRecord record = Traced();
   record.scene = "x\",\"status\":\"OK\n\xff\xe2\x80\xa8\x1b[31m";
@@ -163,7 +163,7 @@ TEST_F(CallLogTest, JsonIsOneObjectALineWithTheSameFields) {
 
 TEST_F(CallLogTest, JsonTellsOfAnAnswerAllThatTextDoes) {
   logger_->set_level(spdlog::level::debug);
-  ServerLog json_log(logger_, LogFormat::kJson);
+  ProgramLog json_log(logger_, LogFormat::kJson);
   CallLog log(json_log, clock_);
   CallRecord record;
   record.rpc = "Localize";

@@ -22,7 +22,7 @@ absl::StatusOr<EffectiveConfig> ResolveAll(const ConfigSources& sources) {
 }  // namespace
 
 ConfigReloader::ConfigReloader(ConfigSources sources, EffectiveConfig initial,
-                               ServerLog& log,
+                               ProgramLog& log,
                                std::function<void(const ServerConfig&)> apply)
     : sources_(std::move(sources)),
       log_(log),

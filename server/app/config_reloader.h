@@ -7,8 +7,8 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "common/config/effective_config.h"
+#include "common/log/program_log.h"
 #include "server/app/server_config.h"
-#include "server/app/server_log.h"
 
 namespace treeline {
 
@@ -19,7 +19,8 @@ class ConfigReloader {
   // `initial` is what `sources` gave at the start. `apply` gets the
   // configuration in force after each Reload() that succeeded, without a lock
   // held, whether or not anything changed.
-  ConfigReloader(ConfigSources sources, EffectiveConfig initial, ServerLog& log,
+  ConfigReloader(ConfigSources sources, EffectiveConfig initial,
+                 ProgramLog& log,
                  std::function<void(const ServerConfig&)> apply);
 
   // What can be changed live comes into force; what cannot keeps its value, and
@@ -31,7 +32,7 @@ class ConfigReloader {
 
  private:
   const ConfigSources sources_;
-  ServerLog& log_;
+  ProgramLog& log_;
   const std::function<void(const ServerConfig&)> apply_;
   mutable absl::Mutex mutex_;
   EffectiveConfig in_force_ ABSL_GUARDED_BY(mutex_);

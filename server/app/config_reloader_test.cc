@@ -47,7 +47,7 @@ class ConfigReloaderTest : public testing::Test {
 
   const std::string path_;
   std::ostringstream out_;
-  ServerLog log_;
+  ProgramLog log_;
   ConfigSources sources_;
   std::unique_ptr<ConfigReloader> reloader_;
   int applied_ = 0;

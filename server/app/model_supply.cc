@@ -13,7 +13,7 @@ namespace treeline {
 namespace {
 
 absl::StatusOr<std::unique_ptr<ModelSource>> OpenSource(
-    const ServerConfig& config, const std::stop_token& stop, ServerLog& log,
+    const ServerConfig& config, const std::stop_token& stop, ProgramLog& log,
     const Clock& clock) {
   if (!IsModelUrl(config.models)) {
     return std::make_unique<FolderSource>(config.models);
@@ -32,9 +32,9 @@ absl::StatusOr<std::unique_ptr<ModelSource>> OpenSource(
 }
 
 // What happens to scenes after the start, too.
-void LogEventOf(const RepositoryEvent& event, ServerLog& log) {
+void LogEventOf(const RepositoryEvent& event, ProgramLog& log) {
   const bool bad = !event.status.ok();
-  LogEvent line = log.Event();
+  LogLine line = log.Event();
   line.Word("event", EventName(event.kind));
   if (!event.scene.empty()) line.Word("scene", event.scene);
   if (!event.version.empty()) line.Word("version", event.version);
@@ -43,11 +43,11 @@ void LogEventOf(const RepositoryEvent& event, ServerLog& log) {
 }
 
 void LogScenes(const SceneRepository& repository, const std::string& models,
-               ServerLog& log) {
+               ProgramLog& log) {
   const std::vector<SceneStatus> scenes = repository.List();
   for (const SceneStatus& scene : scenes) {
     for (const VersionStatus& version : scene.versions) {
-      LogEvent event = log.Event();
+      LogLine event = log.Event();
       event.Word("scene", scene.name).Word("version", version.version);
       if (version.state == SceneState::kFailed) {
         log.Write(LogLevel::kWarn,
@@ -70,7 +70,7 @@ void LogScenes(const SceneRepository& repository, const std::string& models,
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<SceneRepository>> OpenRepository(
-    const ServerConfig& config, const std::stop_token& stop, ServerLog& log,
+    const ServerConfig& config, const std::stop_token& stop, ProgramLog& log,
     const Clock& clock) {
   auto source = OpenSource(config, stop, log, clock);
   if (!source.ok()) return Annotate(source.status(), "--models");

@@ -7,8 +7,8 @@
 
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
+#include "common/log/program_log.h"
 #include "server/app/server_config.h"
-#include "server/app/server_log.h"
 #include "server/repository/scene_repository.h"
 
 namespace treeline {
@@ -16,7 +16,7 @@ namespace treeline {
 // From a folder, or from a web server by way of a cache. Errors name the flag.
 // `stop` ends downloads; `log` and `clock` must outlive the repository.
 absl::StatusOr<std::unique_ptr<SceneRepository>> OpenRepository(
-    const ServerConfig& config, const std::stop_token& stop, ServerLog& log,
+    const ServerConfig& config, const std::stop_token& stop, ProgramLog& log,
     const Clock& clock);
 
 }  // namespace treeline

@@ -4,8 +4,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
-#include "server/service/listen_address.h"
 
 namespace treeline {
 namespace {

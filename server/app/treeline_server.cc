@@ -11,12 +11,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/interrupt.h"
+#include "common/log/program_log.h"
 #include "server/app/application.h"
 #include "server/app/command_line.h"
 #include "server/app/config_reloader.h"
 #include "server/app/hangup.h"
 #include "server/app/healthcheck.h"
-#include "server/app/server_log.h"
 
 namespace treeline {
 namespace {
@@ -59,7 +59,8 @@ int Serve(const ConfigSources& sources, const EffectiveConfig& effective,
           const std::stop_token& stop) {
   const ServerConfig config = ServerConfigTable().Make(effective);
   const SteadyClock clock;
-  const auto log = LogToStandardError(LogFormatOf(config.log_format));
+  const auto log =
+      LogToStandardError("treeline-server", LogFormatOf(config.log_format));
   log->SetLevel(LogLevelOf(config.log_level));
   log->TakeGrpcMessages();
   for (const std::string& variable :

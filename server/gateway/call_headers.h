@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "server/gateway/http_message.h"
+#include "common/http/http_message.h"
 #include "server/service/call.h"
 
 namespace treeline {

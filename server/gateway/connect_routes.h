@@ -7,7 +7,7 @@
 
 #include "absl/strings/string_view.h"
 #include "common/base/clock.h"
-#include "server/gateway/http_message.h"
+#include "common/http/http_message.h"
 #include "server/service/dispatcher.h"
 
 namespace treeline {

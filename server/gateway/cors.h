@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "server/gateway/http_message.h"
+#include "common/http/http_message.h"
 
 namespace treeline {
 

@@ -12,7 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
-#include "server/gateway/http_server.h"
+#include "common/http/http_server.h"
 #include "server/service/dispatcher.h"
 #include "treeline/v1/scenes.pb.h"
 

@@ -11,8 +11,8 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "common/base/clock.h"
+#include "common/http/http_message.h"
 #include "server/gateway/gpp_message.h"
-#include "server/gateway/http_message.h"
 #include "server/service/dispatcher.h"
 #include "treeline/v1/scenes.pb.h"
 

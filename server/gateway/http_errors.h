@@ -3,7 +3,7 @@
 #define SERVER_GATEWAY_HTTP_ERRORS_H_
 
 #include "absl/status/status.h"
-#include "server/gateway/http_message.h"
+#include "common/http/http_message.h"
 
 namespace treeline {
 

@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
 #include "server/service/grpc_services.h"
-#include "server/service/listen_address.h"
 #include "server/service/scene_health.h"
 
 namespace treeline {

@@ -1,4 +1,4 @@
-#include "server/service/listen_address.h"
+#include "common/base/listen_address.h"
 
 #include <arpa/inet.h>
 #include <sys/socket.h>

@@ -9,10 +9,10 @@
 #include <string>
 
 #include "absl/strings/string_view.h"
-#include "server/app/healthcheck.h"
-#include "server/app/log_event.h"
+#include "common/log/log_line.h"
 #include "common/metrics/exposition.h"
 #include "common/metrics/testing_exposition.h"
+#include "server/app/healthcheck.h"
 #include "server/service/trace_context.h"
 
 namespace treeline {
@@ -35,13 +35,13 @@ void Use(absl::string_view bytes) {
   // Any answer but 1 is "not serving".
   DecodeHealthResponse(bytes).status().IgnoreError();
 
-  LogEvent json(LogFormat::kJson);
+  LogLine json(LogFormat::kJson);
   json.Text("scene", bytes).Message(bytes).Word("end", "x");
   Check(IsPlain(json.fields()));
   const auto object =
       nlohmann::json::parse("{" + json.fields() + "}", nullptr, false);
   Check(object.is_object() && object.size() == 3 && object["end"] == "x");
-  LogEvent text(LogFormat::kText);
+  LogLine text(LogFormat::kText);
   text.Text("scene", bytes);
   Check(IsPlain(text.fields()));
 

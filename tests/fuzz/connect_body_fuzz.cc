@@ -7,8 +7,8 @@
 #include <string>
 
 #include "common/base/clock.h"
+#include "common/http/http_message.h"
 #include "server/gateway/connect_routes.h"
-#include "server/gateway/http_message.h"
 #include "server/gateway/json_message.h"
 #include "server/gateway/testing_dispatcher.h"
 #include "treeline/v1/relocalization.pb.h"

@@ -1,0 +1,83 @@
+// Requests and responses as handlers see them, without a socket.
+#ifndef COMMON_HTTP_HTTP_MESSAGE_H_
+#define COMMON_HTTP_HTTP_MESSAGE_H_
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/string_view.h"
+#include "common/base/clock.h"
+
+namespace treeline {
+
+struct HttpRequest {
+  // "POST".
+  std::string method = {};
+  // Decoded, without the query.
+  std::string path = {};
+  // Names in lower case. Of a header that came twice, the first.
+  std::map<std::string, std::string> headers = {};
+  std::string body = {};
+  // "ipv4:127.0.0.1:41234" or "ipv6:[::1]:41234".
+  std::string peer = {};
+  // Of the client's certificate; empty: none.
+  std::vector<std::string> certificate_names = {};
+  // When the whole request had arrived.
+  MonotonicTime arrival = {};
+  // The client's connection, to be watched only; -1: none.
+  int socket = -1;
+
+  // Empty: it has none. `lower_case_name` as it says.
+  absl::string_view Header(const std::string& lower_case_name) const {
+    const auto header = headers.find(lower_case_name);
+    return header == headers.end() ? absl::string_view() : header->second;
+  }
+};
+
+// Takes a body that goes on for as long as there is something to tell.
+class HttpBodyWriter {
+ public:
+  virtual ~HttpBodyWriter() = default;
+  // Waits until the system has taken the bytes, for no longer than
+  // StreamLimits::write_timeout. False: the client has gone, or does not read;
+  // nothing more can be written.
+  virtual bool Write(absl::string_view bytes) = 0;
+};
+
+struct HttpResponse {
+  int status = 200;
+  std::string content_type = {};
+  std::string body = {};
+  std::vector<std::pair<std::string, std::string>> headers = {};
+  // Instead of `body`, of GET requests alone: called in the connection's
+  // thread, and the connection closes when it returns.
+  std::function<void(HttpBodyWriter&)> stream = {};
+};
+
+// Thread-safe: every connection has a thread.
+class HttpHandler {
+ public:
+  virtual ~HttpHandler() = default;
+
+  // Before the body is read, which is empty here: an answer that needs none of
+  // it, or nullopt to go on.
+  virtual std::optional<HttpResponse> CheckHead(const HttpRequest& request) = 0;
+
+  virtual HttpResponse Handle(const HttpRequest& request) = 0;
+
+  // A response that the server gives itself: 400, 408, 411, 413,
+  // 414, 415, 417, 431, 500.
+  virtual HttpResponse Error(int status) = 0;
+
+  // Headers that go with every response to `request`, also with errors.
+  virtual std::vector<std::pair<std::string, std::string>> CommonHeaders(
+      const HttpRequest& request) = 0;
+};
+
+}  // namespace treeline
+
+#endif  // COMMON_HTTP_HTTP_MESSAGE_H_

@@ -1,0 +1,110 @@
+// One connection as bytes: plain or TLS, with limits on time and size.
+#ifndef COMMON_HTTP_HTTP_STREAM_H_
+#define COMMON_HTTP_HTTP_STREAM_H_
+
+#include <httplib.h>
+#include <openssl/ssl.h>
+
+#include <array>
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "common/base/clock.h"
+
+namespace treeline {
+
+// Why reading a request ended early.
+enum class StreamFailure { kNone, kClosed, kTimedOut, kHeadTooLarge };
+
+struct StreamLimits {
+  // Request line and headers, bytes.
+  size_t head_bytes = 16384;
+  // From the first byte of a request to the end of its headers; and for the
+  // whole TLS handshake.
+  std::chrono::milliseconds head_timeout{10000};
+  // From then to the end of its body.
+  std::chrono::milliseconds body_timeout{60000};
+  // For the whole response.
+  std::chrono::milliseconds write_timeout{30000};
+};
+
+struct SslDeleter {
+  void operator()(SSL* ssl) const { SSL_free(ssl); }
+};
+using UniqueSsl = std::unique_ptr<SSL, SslDeleter>;
+
+// What httplib reads requests from and writes responses to. Deadlines are for
+// whole phases, not for single reads: a client that sends a byte at a time has
+// no longer than others.
+class HttpStream final : public httplib::Stream {
+ public:
+  // Owns neither `fd`, which becomes non-blocking, nor `clock`. `ssl`: null
+  // for a plain connection.
+  HttpStream(int fd, UniqueSsl ssl, const StreamLimits& limits,
+             const Clock& clock);
+
+  // The TLS handshake, if there is one to do.
+  bool Handshake();
+
+  // Waits for the first byte of a request; false: none came in time, or the
+  // connection was closed.
+  bool WaitForRequest(std::chrono::milliseconds patience);
+  // Phases of a request. Each sets the deadline of what follows.
+  void BeginHead();
+  void BeginBody();
+  // What is written from now on has the whole time for itself.
+  void BeginPart();
+  // Nothing more is read or written.
+  void Abandon() { failure_ = StreamFailure::kClosed; }
+  StreamFailure failure() const { return failure_; }
+  bool has_written() const { return has_written_; }
+
+  // Says that no more will be written, and reads what still comes for up to
+  // `patience`: closing with unread bytes would take the response back.
+  void Linger(std::chrono::milliseconds patience);
+
+  SSL* ssl() const { return ssl_.get(); }
+
+  // httplib::Stream.
+  using httplib::Stream::write;
+  bool is_readable() const override { return true; }
+  bool is_writable() const override { return true; }
+  ssize_t read(char* ptr, size_t size) override;
+  ssize_t write(const char* ptr, size_t size) override;
+  void get_remote_ip_and_port(std::string& ip, int& port) const override;
+  void get_local_ip_and_port(std::string& ip, int& port) const override;
+  // Not the true one: httplib would refuse those from FD_SETSIZE on, for it
+  // means to use select().
+  socket_t socket() const override { return 0; }
+
+ private:
+  enum class Phase { kHead, kBody, kResponse };
+
+  // Bytes from the connection, at least one; 0 closed, -1 failed.
+  ssize_t Receive(char* ptr, size_t size);
+  ssize_t Send(const char* ptr, size_t size);
+  // Waits for poll events until the deadline.
+  bool Wait(short events);
+  // Waits for what SSL_get_error asks for; false: the connection is lost.
+  bool WaitForTls(int result);
+
+  const int fd_;
+  const UniqueSsl ssl_;
+  const StreamLimits limits_;
+  const Clock& clock_;
+  Phase phase_ = Phase::kHead;
+  MonotonicTime deadline_ = MonotonicTime::max();
+  StreamFailure failure_ = StreamFailure::kNone;
+  bool has_written_ = false;
+  // Of the current head.
+  size_t head_bytes_ = 0;
+  // Read ahead: buffer_[begin_..end_).
+  std::array<char, 16384> buffer_;
+  size_t begin_ = 0;
+  size_t end_ = 0;
+};
+
+}  // namespace treeline
+
+#endif  // COMMON_HTTP_HTTP_STREAM_H_

@@ -1,0 +1,212 @@
+#include "nav_agent/app/agent_robot.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/random.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/app/localize_world.h"
+#include "nav_agent/app/lost_suite_world.h"
+#include "nav_agent/sim/scenario.h"
+#include "nav_agent/sim/simulator.h"
+
+namespace treeline {
+namespace {
+
+class RealRobot final : public AgentRobot {
+ public:
+  static absl::StatusOr<std::unique_ptr<AgentRobot>> Open(
+      const HardwareConfig& config) {
+    auto robot = std::make_unique<RealRobot>();
+    robot->model_ = config.robot;
+    TL_ASSIGN_OR_RETURN(robot->hardware_,
+                        RobotHardware::Open(config, robot->clock_));
+    return robot;
+  }
+
+  NavigatorDevices Devices() override {
+    return {.laser = hardware_->laser(),
+            .odometry = hardware_->base(),
+            .base = hardware_->base(),
+            .camera = hardware_->camera()};
+  }
+  const Clock& clock() const override { return clock_; }
+  const RobotModel& model() const override { return model_; }
+  void Advance(std::chrono::nanoseconds /*duration*/) override {}
+
+ private:
+  SteadyClock clock_;
+  RobotModel model_;
+  std::unique_ptr<RobotHardware> hardware_;
+};
+
+// Its body is called so in every world.
+constexpr char kCrate[] = "crate";
+constexpr int kKidnapTries = 500;
+
+class SimulatedAgentRobot final : public AgentRobot, public SimulationControl {
+ public:
+  SimulatedAgentRobot(std::string world, std::unique_ptr<Simulator> simulator,
+                      SuiteWorld places, uint64_t seed)
+      : world_(std::move(world)),
+        simulator_(std::move(simulator)),
+        places_(std::move(places)),
+        random_(seed, kKidnapStream) {}
+
+  NavigatorDevices Devices() override {
+    return {.laser = simulator_->laser(),
+            .odometry = simulator_->odometry(),
+            .base = simulator_->base(),
+            .camera = simulator_->options().sensors.camera_hz > 0
+                          ? &simulator_->camera()
+                          : nullptr};
+  }
+  const Clock& clock() const override { return simulator_->clock(); }
+  const RobotModel& model() const override {
+    return simulator_->options().robot;
+  }
+  void Advance(std::chrono::nanoseconds duration) override {
+    simulator_->Step(duration);
+  }
+
+  SimulationControl* simulation() override { return this; }
+  std::string world() const override { return world_; }
+  std::vector<std::string> places() const override {
+    std::vector<std::string> names;
+    for (const NamedPlace& place : simulator_->world().places) {
+      names.push_back(place.name);
+    }
+    return names;
+  }
+  std::optional<Rigid3> TrueMapFromBase() const override {
+    return simulator_->state().world_from_base;
+  }
+  std::vector<ObstacleReport> Obstacles() const override {
+    std::vector<ObstacleReport> reports;
+    for (const auto& [name, center] : obstacles_) {
+      reports.push_back({name, center});
+    }
+    return reports;
+  }
+  std::vector<std::string> TakeIncidents() override {
+    std::vector<std::string> incidents;
+    for (const SimEvent& event : simulator_->TakeEvents()) {
+      incidents.push_back(absl::StrCat(SimEventName(event.kind),
+                                       event.what.empty() ? "" : ": ",
+                                       event.what));
+    }
+    return incidents;
+  }
+
+  absl::StatusOr<Rigid3> Kidnap(const LevelPose& pose) override {
+    TL_RETURN_IF_ERROR(
+        simulator_->Kidnap({.position = pose.map_from_base.translation,
+                            .yaw_rad = pose.map_from_base.yaw_rad,
+                            .height_m = pose.place.height_m}));
+    return simulator_->state().world_from_base;
+  }
+  absl::StatusOr<Rigid3> KidnapTo(const std::string& place) override {
+    TL_RETURN_IF_ERROR(simulator_->KidnapTo(place));
+    return simulator_->state().world_from_base;
+  }
+  absl::StatusOr<Rigid3> KidnapAnywhere() override {
+    absl::Status status =
+        absl::FailedPreconditionError("there is no room anywhere");
+    for (int i = 0; i < kKidnapTries; ++i) {
+      status = simulator_->Kidnap(places_.AnyPlace(random_));
+      if (status.ok()) return simulator_->state().world_from_base;
+    }
+    return status;
+  }
+  absl::StatusOr<std::string> AddObstacle(const LevelPose& pose,
+                                          double size_m) override;
+  absl::Status RemoveObstacle(const std::string& name) override {
+    TL_RETURN_IF_ERROR(simulator_->RemoveObstacle(name));
+    obstacles_.erase(name);
+    return absl::OkStatus();
+  }
+  absl::Status InjectFault(const FaultWish& wish) override {
+    Fault fault;
+    TL_ASSIGN_OR_RETURN(fault.target, ParseFaultTarget(wish.target));
+    TL_ASSIGN_OR_RETURN(fault.kind, ParseFaultKind(wish.kind));
+    if (wish.duration_s > 0) fault.duration = FromSeconds(wish.duration_s);
+    fault.amount = wish.amount;
+    return simulator_->Inject(fault);
+  }
+
+ private:
+  static constexpr uint64_t kKidnapStream = 0x51;
+
+  const std::string world_;
+  const std::unique_ptr<Simulator> simulator_;
+  const SuiteWorld places_;
+  Random random_;
+  int next_obstacle_ = 1;
+  std::map<std::string, Vec2> obstacles_;
+};
+
+absl::StatusOr<std::string> SimulatedAgentRobot::AddObstacle(
+    const LevelPose& pose, double size_m) {
+  // The sides of a crate of scale 1, from the circle that holds it.
+  double side_m = 1;
+  for (const Body& body : simulator_->world().bodies) {
+    if (body.name == kCrate) {
+      side_m = std::numbers::sqrt2 * static_cast<double>(body.radius_m);
+    }
+  }
+  const auto scale = static_cast<float>(size_m / side_m);
+  const std::string name = absl::StrCat("obstacle-", next_obstacle_);
+  const Vec2 center = pose.map_from_base.translation;
+  TL_RETURN_IF_ERROR(
+      simulator_->AddObstacle(name, kCrate,
+                              {.position = center,
+                               .yaw_rad = pose.map_from_base.yaw_rad,
+                               .height_m = pose.place.height_m},
+                              {scale, scale, 1}));
+  ++next_obstacle_;
+  obstacles_[name] = center;
+  return name;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<AgentRobot>> MakeRealRobot(
+    const HardwareConfig& config) {
+  return RealRobot::Open(config);
+}
+
+absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
+    const SimulatedRobotOptions& options) {
+  Scenario scenario;
+  scenario.world = options.world;
+  scenario.world_options.with_people = options.with_people;
+  scenario.world_options.paint = options.camera_hz > 0;
+  scenario.options.seed = options.seed;
+  scenario.options.sensors.camera_hz = options.camera_hz;
+  TL_ASSIGN_OR_RETURN(World world,
+                      MakeWorld(scenario.world, scenario.world_options));
+  TL_ASSIGN_OR_RETURN(scenario.options.start, StartOf(scenario, world));
+  TL_ASSIGN_OR_RETURN(
+      SuiteWorld places,
+      SuiteWorld::Create(world,
+                         scenario.options.robot.base_from_laser.translation.z));
+  TL_ASSIGN_OR_RETURN(std::unique_ptr<Simulator> simulator,
+                      Simulator::Create(std::move(world), scenario.options));
+  return std::make_unique<SimulatedAgentRobot>(
+      options.world, std::move(simulator), std::move(places), options.seed);
+}
+
+absl::StatusOr<NavigatorMap> MapOfWorld(const std::string& name) {
+  TL_ASSIGN_OR_RETURN(const World world,
+                      MakeWorld(name, {.with_people = false, .paint = false}));
+  constexpr double kResolution_m = 0.05;
+  NavigatorMap map;
+  TL_ASSIGN_OR_RETURN(map.voxels, VoxelsOfWorld(world, kResolution_m));
+  TL_ASSIGN_OR_RETURN(map.levels, ExtractTraversableMap(map.voxels));
+  return map;
+}
+
+}  // namespace treeline

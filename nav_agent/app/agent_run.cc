@@ -1,0 +1,327 @@
+#include "nav_agent/app/agent_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+#include "common/base/version.h"
+#include "common/http/http_server.h"
+#include "nav_agent/app/agent_loop.h"
+#include "nav_agent/app/agent_recorder.h"
+#include "nav_agent/app/agent_robot.h"
+#include "nav_agent/app/server_relocalization.h"
+#include "nav_agent/map_bundle/map_bundle.h"
+#include "nav_agent/service/agent_grpc_server.h"
+#include "nav_agent/service/agent_info.h"
+#include "nav_agent/service/http_api.h"
+
+namespace treeline {
+namespace {
+
+constexpr double kControlHz = 40;
+// Pictures for people.
+constexpr auto kPictureInterval = std::chrono::milliseconds(200);
+// A pose that somebody gives is about right.
+constexpr double kStartStd_m = 0.25;
+constexpr double kStartStd_rad = 0.2;
+// While the laser has not said how it scans.
+constexpr auto kLaserLookUp = std::chrono::milliseconds(50);
+constexpr auto kLaserReport = std::chrono::seconds(5);
+
+class AgentProgram {
+ public:
+  AgentProgram(const AgentConfig& config, ProgramLog& log,
+               const std::function<void(const std::string& line)>& announce)
+      : config_(config), log_(log), announce_(announce) {}
+  ~AgentProgram() { hub_.Close(); }
+
+  absl::Status Run(const std::stop_token& stop);
+
+ private:
+  absl::Status LoadMap();
+  absl::Status MakeRobot();
+  absl::Status WatchDevices();
+  absl::Status ConnectServer();
+  absl::Status Listen();
+  // False: a stop was requested meanwhile.
+  bool WaitForLaser(const std::stop_token& stop);
+  absl::Status MakeNavigator();
+  absl::Status GiveOrders();
+
+  const AgentConfig& config_;
+  ProgramLog& log_;
+  const std::function<void(const std::string& line)>& announce_;
+  const SteadyClock real_clock_;
+  std::shared_ptr<const NavigatorMap> map_;
+  AgentInfo info_;
+  std::unique_ptr<AgentRobot> robot_;
+  // ---- around the devices ----
+  PictureKeeper camera_picture_{kPictureInterval};
+  PictureKeeper query_picture_{std::chrono::milliseconds(0)};
+  std::unique_ptr<AgentRecorder> recorder_;
+  std::unique_ptr<RecordedLaser> laser_;
+  std::unique_ptr<RecordedOdometry> odometry_;
+  std::unique_ptr<BackgroundCamera> camera_;
+  std::unique_ptr<RelocalizationPort> port_;
+  std::unique_ptr<WatchedServer> server_;
+  // ---- around the navigator; what listens goes first ----
+  AgentHub hub_{AgentHubOptions()};
+  AgentMetrics metrics_;
+  std::unique_ptr<AgentCommands> commands_;
+  std::unique_ptr<Navigator> navigator_;
+  std::unique_ptr<HttpApi> api_;
+  std::unique_ptr<AgentGrpcServer> grpc_;
+  std::unique_ptr<HttpServer> http_;
+};
+
+absl::Status AgentProgram::LoadMap() {
+  auto map = std::make_shared<NavigatorMap>();
+  if (config_.map.empty()) {
+    TL_ASSIGN_OR_RETURN(*map, MapOfWorld(config_.simulate));
+    info_.map_name = config_.simulate;
+  } else {
+    TL_ASSIGN_OR_RETURN(MapBundle bundle, LoadMapBundle(config_.map));
+    info_.map_name = bundle.manifest.name;
+    map->voxels = std::move(bundle.voxels);
+    map->levels = std::move(bundle.levels);
+  }
+  map_ = std::move(map);
+  return absl::OkStatus();
+}
+
+absl::Status AgentProgram::MakeRobot() {
+  if (config_.hardware.empty()) {
+    TL_ASSIGN_OR_RETURN(
+        robot_, MakeSimulatedRobot({.world = config_.simulate,
+                                    .seed = static_cast<uint64_t>(config_.seed),
+                                    .camera_hz = config_.camera_hz,
+                                    .with_people = config_.people}));
+    return absl::OkStatus();
+  }
+  TL_ASSIGN_OR_RETURN(const HardwareConfig hardware,
+                      ReadHardwareConfig(config_.hardware));
+  TL_ASSIGN_OR_RETURN(robot_, MakeRealRobot(hardware));
+  return absl::OkStatus();
+}
+
+absl::Status AgentProgram::WatchDevices() {
+  if (!config_.record.empty()) {
+    TL_ASSIGN_OR_RETURN(
+        recorder_,
+        AgentRecorder::Open(config_.record, robot_->model(), real_clock_,
+                            [this](const absl::Status& status) {
+                              log_.Say(LogLevel::kError,
+                                       absl::StrCat("the recording ends: ",
+                                                    status.message()));
+                            }));
+    laser_ =
+        std::make_unique<RecordedLaser>(robot_->Devices().laser, *recorder_);
+    odometry_ = std::make_unique<RecordedOdometry>(robot_->Devices().odometry,
+                                                   *recorder_);
+  }
+  RgbdCamera* camera = robot_->Devices().camera;
+  if (camera == nullptr) return absl::OkStatus();
+  camera_ = std::make_unique<BackgroundCamera>(
+      *camera, [this, camera](const RgbdFrame& frame) {
+        camera_picture_.Keep(frame);
+        if (recorder_ != nullptr) recorder_->Add(camera->Calibration(), frame);
+      });
+  return absl::OkStatus();
+}
+
+absl::Status AgentProgram::ConnectServer() {
+  if (config_.server.empty()) return absl::OkStatus();
+  if (camera_ == nullptr) {
+    log_.Say(LogLevel::kWarn,
+             "there is no camera: the server cannot be asked anything");
+    return absl::OkStatus();
+  }
+  ConnectOptions connect;
+  connect.server = config_.server;
+  connect.tls.ca_file = config_.tls_ca;
+  connect.token_file = config_.token_file;
+  TL_ASSIGN_OR_RETURN(
+      port_,
+      MakeServerRelocalization(
+          connect, config_.scene.empty() ? info_.map_name : config_.scene,
+          robot_->clock()));
+  server_ = std::make_unique<WatchedServer>(*port_, query_picture_);
+  return absl::OkStatus();
+}
+
+absl::Status AgentProgram::Listen() {
+  info_.version = Version();
+  info_.robot = robot_->model();
+  info_.map = map_;
+  info_.is_simulated = robot_->simulation() != nullptr;
+  info_.world = robot_->world();
+  info_.places = robot_->places();
+  info_.server = config_.server;
+  commands_ =
+      std::make_unique<AgentCommands>(hub_, info_, robot_->simulation());
+  if (!config_.listen.empty()) {
+    TL_ASSIGN_OR_RETURN(
+        grpc_,
+        AgentGrpcServer::Start(
+            *commands_, {.listen = config_.listen,
+                         .insecure_any_address = config_.insecure_any_address,
+                         .max_streams = config_.max_streams}));
+    announce_("grpc on " + grpc_->address());
+  }
+  if (config_.http_listen.empty()) return absl::OkStatus();
+  HttpApiOptions options;
+  options.max_streams = config_.max_streams;
+  options.page_folder =
+      config_.page_dir.empty() ? DefaultPageFolder() : config_.page_dir;
+  TL_RETURN_IF_ERROR(options.Validate());
+  const PictureKeeper* camera = camera_ == nullptr ? nullptr : &camera_picture_;
+  const PictureKeeper* query = server_ == nullptr ? nullptr : &query_picture_;
+  api_ =
+      std::make_unique<HttpApi>(*commands_, metrics_, camera, query, options);
+  HttpServerOptions http;
+  http.listen = config_.http_listen;
+  http.insecure_any_address = config_.insecure_any_address;
+  http.max_body_mib = 1;
+  // Streams, and a few more for each.
+  http.max_connections = 8 * config_.max_streams;
+  TL_ASSIGN_OR_RETURN(http_, HttpServer::Start(http, *api_, real_clock_));
+  announce_(absl::StrCat("page on http://", http_->address(), "/"));
+  if (options.page_folder.empty()) {
+    log_.Say(LogLevel::kWarn,
+             "the operator's page is not built; its API answers");
+  }
+  return absl::OkStatus();
+}
+
+bool AgentProgram::WaitForLaser(const std::stop_token& stop) {
+  RangeSensor& laser = robot_->Devices().laser;
+  MonotonicTime next_report = real_clock_.Now() + kLaserReport;
+  while (!stop.stop_requested()) {
+    const DeviceHealth health = laser.Health();
+    if (laser.Info().beams > 0 || health.state == DeviceState::kRunning) {
+      return true;
+    }
+    if (real_clock_.Now() >= next_report) {
+      next_report += kLaserReport;
+      log_.Say(LogLevel::kWarn,
+               absl::StrCat("waiting for the laser: ",
+                            health.cause.ok() ? "nothing has been heard of it"
+                                              : health.cause.message()));
+    }
+    // A simulated one begins with its time.
+    robot_->Advance(std::chrono::milliseconds(25));
+    std::this_thread::sleep_for(kLaserLookUp);
+  }
+  return false;
+}
+
+absl::Status AgentProgram::MakeNavigator() {
+  NavigatorOptions options;
+  options.control_hz = kControlHz;
+  options.plans_in_background = true;
+  options.planner.planner = config_.planner;
+  options.first_plan_budget.max_time_s = 0.5;
+  options.plan_budget.max_time_s = 0.5;
+  options.control.max_forward_mps = config_.max_forward_mps;
+  options.control.inflation_m = config_.inflation_m;
+  options.control.goal_tolerance_m = config_.goal_tolerance_m;
+  options.control.goal_tolerance_rad = config_.goal_tolerance_rad;
+  options.laser_timeout_s = config_.laser_timeout_s;
+  options.odometry_timeout_s = config_.odometry_timeout_s;
+  options.finds_itself_at_start = config_.find_yourself;
+  options.seed = static_cast<uint64_t>(config_.seed);
+  const NavigatorDevices raw = robot_->Devices();
+  const NavigatorDevices devices = {
+      .laser = laser_ == nullptr ? raw.laser : *laser_,
+      .odometry = odometry_ == nullptr ? raw.odometry : *odometry_,
+      .base = raw.base,
+      .camera = camera_.get(),
+      .server = server_.get()};
+  TL_ASSIGN_OR_RETURN(
+      navigator_, Navigator::Create(*map_, robot_->model(), devices, options,
+                                    robot_->clock()));
+  return absl::OkStatus();
+}
+
+absl::Status AgentProgram::GiveOrders() {
+  TL_ASSIGN_OR_RETURN(std::optional<PoseWish> start,
+                      ParsePoseWish(config_.start_at, "--start-at"));
+  const std::optional<Rigid3> truth = robot_->TrueMapFromBase();
+  if (start.has_value()) {
+    TL_ASSIGN_OR_RETURN(const LevelPose pose,
+                        commands_->OnLevel(*start, "--start-at"));
+    TL_RETURN_IF_ERROR(AgentCommands::SetPoseNow(*navigator_, pose, kStartStd_m,
+                                                 kStartStd_rad));
+  } else if (truth.has_value() && !config_.find_yourself) {
+    // A simulated robot begins where everybody knows.
+    TL_RETURN_IF_ERROR(
+        AgentCommands::SetPoseNow(*navigator_, commands_->NearestLevel(*truth),
+                                  kStartStd_m, kStartStd_rad));
+  } else if (!config_.find_yourself) {
+    log_.Say(LogLevel::kInfo,
+             "the robot waits to be told where it is: give --start-at, "
+             "--find-yourself, or an initial pose on the page");
+  }
+  TL_ASSIGN_OR_RETURN(const std::optional<PoseWish> goal,
+                      ParsePoseWish(config_.goal, "--goal"));
+  if (!goal.has_value()) return absl::OkStatus();
+  return commands_->SetGoalNow(*navigator_, {*goal}).status();
+}
+
+absl::Status AgentProgram::Run(const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(LoadMap());
+  log_.Write(
+      LogLevel::kInfo,
+      log_.Event()
+          .Word("event", "map")
+          .Text("name", info_.map_name)
+          .Integer("levels", static_cast<int64_t>(map_->levels.levels.size()))
+          .Integer("voxels", map_->voxels.CountOccupied()));
+  TL_RETURN_IF_ERROR(MakeRobot());
+  TL_RETURN_IF_ERROR(WatchDevices());
+  TL_RETURN_IF_ERROR(ConnectServer());
+  TL_RETURN_IF_ERROR(Listen());
+  if (!WaitForLaser(stop)) return absl::OkStatus();
+  TL_RETURN_IF_ERROR(MakeNavigator());
+  TL_RETURN_IF_ERROR(GiveOrders());
+  AgentLoop loop(
+      *robot_, *navigator_, *commands_, metrics_,
+      {.camera = camera_.get(), .server = server_.get()},
+      {.control_hz = kControlHz,
+       .speed = config_.speed,
+       .duration_s = config_.duration},
+      real_clock_, [this](const std::string& kind, const std::string& text) {
+        log_.Write(LogLevel::kInfo,
+                   log_.Event().Word("event", kind).Text("text", text));
+      });
+  announce_("driving");
+  loop.Run(stop);
+  // Whoever watches is told before the drivers end.
+  hub_.Close();
+  if (recorder_ != nullptr) TL_RETURN_IF_ERROR(recorder_->Flush());
+  log_.Write(LogLevel::kInfo,
+             log_.Event()
+                 .Word("event", "stopped")
+                 .Integer("steps", loop.steps())
+                 .Integer("missed_deadlines", loop.missed_deadlines()));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status RunAgent(
+    const AgentConfig& config, ProgramLog& log,
+    const std::function<void(const std::string& line)>& announce,
+    const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(config.Validate());
+  AgentProgram program(config, log, announce);
+  return program.Run(stop);
+}
+
+}  // namespace treeline

@@ -1,0 +1,281 @@
+// treeline-agent suite kidnaps: does a robot that was carried away find itself?
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "CLI/CLI.hpp"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "client/relocalizer/relocalizer.h"
+#include "common/base/file.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/app/commands.h"
+#include "nav_agent/app/kidnap_report.h"
+#include "nav_agent/app/kidnap_server.h"
+#include "nav_agent/app/suite_jobs.h"
+#include "nav_agent/app/suite_maps.h"
+#include "nav_agent/app/suite_report.h"
+
+namespace treeline {
+namespace {
+
+constexpr const char* kFooter = R"(
+Each world and seed is one kidnap. Of odd seeds it is warm: a robot that drives
+to a goal is carried to another place. Of even ones it is cold: the robot is
+told a wrong place as it begins. Good is who drives to the goal again within 20
+simulated seconds, knows where it is to 0.5 m and 20 degrees, and has touched
+nothing. Who goes on with a wrong pose is counted apart. docs/suites.md.
+
+Each world is mapped by a simulated drive, and its scene's forest is trained by
+the program `treeline`, once: minutes, kept in --cache. --spawn-server starts
+`treeline-server` on them as a process of its own; --server HOST:PORT asks one
+that runs (of CACHE/models).
+
+Examples:
+  treeline-agent suite kidnaps --spawn-server --seeds 1-20 --json kidnaps.json
+  treeline-agent suite kidnaps --worlds cafe --spawn-server \
+      --server-fault killed
+  treeline-agent suite kidnaps --worlds cafe --method amcl)";
+
+struct KidnapFlags {
+  std::vector<std::string> worlds = {"cafe", "lab", "office-floor",
+                                     "two-storey", "seed:17"};
+  std::string seeds = "1-20";
+  std::string server;
+  bool spawns_server = false;
+  std::string fault = "none";
+  std::string method = "server";
+  std::string maps = "driven";
+  std::string cache = "out/suite";
+  double camera_hz = 5;
+  int threads = 0;
+  double require = 0;
+  std::string json;
+  std::string folder = "out/suite/kidnaps";
+  std::string pictures = "failed";
+  bool people = false;
+  bool quiet = false;
+};
+
+struct Job {
+  std::string world;
+  uint64_t seed = 0;
+};
+
+using Places = std::map<std::string, std::shared_ptr<const SuitePlace>>;
+
+// What answers, if anything does.
+struct Asked {
+  std::unique_ptr<KidnapServer> process;
+  std::unique_ptr<Relocalizer> connection;
+};
+
+absl::StatusOr<RecoveryMethod> MethodOf(const KidnapFlags& flags) {
+  if (flags.method == "amcl") return RecoveryMethod::kAmclOnly;
+  if (flags.method == "injection") return RecoveryMethod::kInjectionOnly;
+  if (flags.server.empty() && !flags.spawns_server) {
+    return absl::InvalidArgumentError(
+        "whom shall lost robots ask? Give --spawn-server, or --server "
+        "HOST:PORT, or --method amcl");
+  }
+  if (!flags.server.empty() && flags.fault != "none") {
+    return absl::InvalidArgumentError(
+        "--server-fault breaks a server of the suite's own: it needs "
+        "--spawn-server");
+  }
+  return RecoveryMethod::kServer;
+}
+
+SuiteMapOptions MapOptionsOf(const KidnapFlags& flags,
+                             const std::string& world) {
+  return {.world = world,
+          .is_driven = flags.maps == "driven",
+          .with_people = flags.people,
+          .paint = flags.method == "server",
+          .cache = flags.cache,
+          .quiet = flags.quiet};
+}
+
+absl::StatusOr<Asked> StartServer(const KidnapFlags& flags,
+                                  const std::stop_token& stop) {
+  Asked asked;
+  if (flags.method != "server") return asked;
+  TL_ASSIGN_OR_RETURN(const ServerFault fault, ParseServerFault(flags.fault));
+  std::string address = flags.server;
+  if (flags.spawns_server) {
+    std::string models;
+    std::vector<std::string> scenes;
+    for (const std::string& world : flags.worlds) {
+      TL_ASSIGN_OR_RETURN(models,
+                          ModelsForSuite(MapOptionsOf(flags, world), stop));
+      scenes.push_back(SuiteSceneName(world));
+    }
+    if (fault == ServerFault::kWrongScene) {
+      const std::string wrong = flags.cache + "/wrong-models";
+      TL_RETURN_IF_ERROR(MakeWrongModels(models, scenes, wrong));
+      models = wrong;
+    }
+    TL_ASSIGN_OR_RETURN(
+        asked.process,
+        KidnapServer::Spawn(models, flags.cache + "/server.log", stop));
+    address = asked.process->address();
+    asked.process->Break(fault);
+  }
+  ConnectOptions connect;
+  connect.server = address;
+  // Of 640x480 pixels, compressed without loss.
+  connect.max_message_mib = 64;
+  if (fault == ServerFault::kKilled) connect.max_attempts = 1;
+  TL_ASSIGN_OR_RETURN(asked.connection, ConnectRelocalizer(connect));
+  return asked;
+}
+
+absl::Status WritePictures(const std::vector<KidnapRun>& runs,
+                           const Places& places, const KidnapFlags& flags) {
+  if (flags.pictures == "none") return absl::OkStatus();
+  int written = 0;
+  for (const KidnapRun& run : runs) {
+    if (IsGood(run) && flags.pictures == "failed") continue;
+    const std::string stem =
+        absl::StrCat(flags.folder, "/", SuiteSceneName(run.world), "-",
+                     flags.method, "-", flags.fault, "-", run.seed);
+    TL_RETURN_IF_ERROR(WriteRunPicture(
+        stem, places.at(run.world)->world(), run.record, run.marks, run.events,
+        absl::StrFormat(
+            "%s (%s) %s; kidnapped after %.2f s (%s), noticed after %.2f s "
+            "more, back after %.2f s; error when it went on %.2f m, %.0f deg",
+            KidnapOutcomeName(run.outcome), NavigationCauseName(run.cause),
+            run.why, run.kidnap_s, run.is_warm ? "warm" : "cold",
+            run.noticed_after_s, run.back_after_s,
+            run.error_at_resumption.distance_m,
+            run.error_at_resumption.turn_deg)));
+    ++written;
+  }
+  if (written > 0) {
+    std::printf("%d pictures and logs are in %s\n", written,
+                flags.folder.c_str());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
+  TL_ASSIGN_OR_RETURN(const std::vector<uint64_t> seeds,
+                      ParseSeedList(flags.seeds));
+  KidnapOptions options;
+  TL_ASSIGN_OR_RETURN(options.navigator.lost.method, MethodOf(flags));
+  options.camera_hz = flags.method == "server" ? flags.camera_hz : 0;
+  if (flags.fault == "slow") options.relocalization.real_timeout_s = 1;
+  if (!flags.json.empty()) TL_RETURN_IF_ERROR(CheckWritable(flags.json));
+  Places places;
+  std::vector<Job> jobs;
+  for (const std::string& world : flags.worlds) {
+    TL_ASSIGN_OR_RETURN(places[world],
+                        PlaceForSuite(MapOptionsOf(flags, world), stop));
+    for (const uint64_t seed : seeds) jobs.push_back({world, seed});
+  }
+  TL_ASSIGN_OR_RETURN(const Asked asked, StartServer(flags, stop));
+  options.server = asked.connection.get();
+  JobResults<KidnapRun> results = RunJobs<KidnapRun>(
+      jobs.size(), flags.threads, "kidnaps", flags.quiet, stop,
+      [&](size_t i) -> absl::StatusOr<KidnapRun> {
+        KidnapOptions job = options;
+        job.seed = jobs[i].seed;
+        absl::StatusOr<KidnapRun> run =
+            RunKidnap(*places.at(jobs[i].world), job, stop);
+        if (run.ok()) return run;
+        return Annotate(run.status(),
+                        absl::StrCat(jobs[i].world, ", seed ", job.seed));
+      });
+  const int expected = static_cast<int>(jobs.size());
+  std::printf("%s", KidnapSummary(results.done, expected).c_str());
+  if (!flags.json.empty()) {
+    TL_RETURN_IF_ERROR(WriteFileAtomically(
+        flags.json,
+        KidnapJson(results.done, expected, flags.method, flags.fault)));
+  }
+  TL_RETURN_IF_ERROR(WritePictures(results.done, places, flags));
+  return SuiteStatus(results.done.size(), jobs.size(), GoodShare(results.done),
+                     flags.require, results.errors, results.first_error, stop);
+}
+
+void AddServerFlags(CLI::App& command, KidnapFlags& flags) {
+  CLI::Option* server =
+      command.add_option("--server", flags.server, "Who is asked")
+          ->type_name("HOST:PORT");
+  command
+      .add_flag("--spawn-server", flags.spawns_server,
+                "Start a server on the suite's own models")
+      ->excludes(server);
+  command
+      .add_option("--server-fault", flags.fault,
+                  "killed: it is dead; slow: it takes connections and does not "
+                  "answer; wrong-scene: it has another world's model under the "
+                  "scene's name")
+      ->check(CLI::IsMember({"none", "killed", "slow", "wrong-scene"}))
+      ->capture_default_str();
+  command
+      .add_option("--method", flags.method,
+                  "server; for comparison amcl (looks everywhere with the "
+                  "laser alone) and injection (only AMCL's random particles)")
+      ->check(CLI::IsMember({"server", "amcl", "injection"}))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+Command AddKidnapSuite(CLI::App& suite) {
+  CLI::App* command = suite.add_subcommand(
+      "kidnaps", "Robots that are carried away: who finds itself again");
+  command->footer(kFooter);
+  auto flags = std::make_shared<KidnapFlags>();
+  command->add_option("--worlds", flags->worlds, "To be carried away in")
+      ->type_name("WORLD,...")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--seeds", flags->seeds, "One kidnap a world and seed")
+      ->type_name("FIRST-LAST,...")
+      ->capture_default_str();
+  AddServerFlags(*command, *flags);
+  command
+      ->add_option("--maps", flags->maps,
+                   "driven: made by a simulated mapping drive; perfect: as the "
+                   "world is (no model fits that)")
+      ->check(CLI::IsMember({"perfect", "driven"}))
+      ->capture_default_str();
+  command->add_option("--cache", flags->cache, "Maps and models are kept there")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  command->add_flag("--people", flags->people, "People walk about");
+  command->add_option("--camera-hz", flags->camera_hz, "Of a robot that looks")
+      ->type_name("HZ")
+      ->check(CLI::Range(0.5, 30.0))
+      ->capture_default_str();
+  command
+      ->add_option("--threads", flags->threads,
+                   "Kidnaps at a time; 0: one a processor")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024));
+  command
+      ->add_option("--require", flags->require,
+                   "Fail if a smaller share of the kidnaps is good")
+      ->type_name("SHARE")
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--json", flags->json, "Write all figures")
+      ->type_name("FILE");
+  command->add_option("--folder", flags->folder, "Where pictures and logs go")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  command->add_option("--pictures", flags->pictures, "Of which kidnaps")
+      ->check(CLI::IsMember({"none", "failed", "all"}))
+      ->capture_default_str();
+  command->add_flag("--quiet", flags->quiet, "Show no progress");
+  return {command, [flags](const std::stop_token& stop) {
+            return RunKidnaps(*flags, stop);
+          }};
+}
+
+}  // namespace treeline

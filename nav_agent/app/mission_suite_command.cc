@@ -1,0 +1,233 @@
+// treeline-agent suite missions: does the robot get there?
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "CLI/CLI.hpp"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "common/base/file.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/app/commands.h"
+#include "nav_agent/app/mission_suite.h"
+#include "nav_agent/app/suite_jobs.h"
+#include "nav_agent/app/suite_maps.h"
+#include "nav_agent/app/suite_report.h"
+
+namespace treeline {
+namespace {
+
+constexpr const char* kFooter = R"(
+Each world and seed is one mission: the robot is told where it is, and drives
+from there to a place at least 4 m away. A mission is good if it says that it
+has arrived, stands within 0.5 m and 20 degrees of the goal, and has neither run
+into anything, nor got onto stairs, nor fallen. docs/suites.md describes the
+missions and the JSON file.
+
+Failed missions are data: the exit code is 0 if all were run. With --require
+0.99 it is 1 if fewer than that share were good. Interrupted, the suite writes
+what it has.
+
+Examples:
+  treeline-agent suite missions --seeds 1-50 --json missions.json
+  treeline-agent suite missions --worlds cafe,seed:17 --people --seeds 1-20
+  treeline-agent suite missions --scenes slope,blocked,person --seeds 1-10
+  treeline-agent suite missions --worlds lab --seeds 1004 --pictures all)";
+
+struct MissionFlags {
+  std::vector<std::string> worlds = {"cafe", "lab", "two-storey", "seed:17"};
+  std::vector<std::string> scenes;
+  std::string seeds = "1-50";
+  bool people = false;
+  std::string maps = "perfect";
+  std::string cache = "out/suite";
+  std::string planner;
+  double camera_hz = 0;
+  int threads = 0;
+  double require = 0;
+  std::string json;
+  std::string folder = "out/suite/missions";
+  std::string pictures = "failed";
+  bool quiet = false;
+};
+
+struct Job {
+  std::string world;
+  MissionOptions options;
+};
+
+using Places = std::map<std::string, std::shared_ptr<const SuitePlace>>;
+
+absl::StatusOr<std::vector<Job>> JobsOf(const MissionFlags& flags) {
+  TL_ASSIGN_OR_RETURN(const std::vector<uint64_t> seeds,
+                      ParseSeedList(flags.seeds));
+  MissionOptions options;
+  options.people = flags.people;
+  options.camera_hz = flags.camera_hz;
+  if (!flags.planner.empty()) {
+    options.navigator.planner.planner = flags.planner;
+  }
+  TL_RETURN_IF_ERROR(options.navigator.Validate());
+  std::vector<Job> jobs;
+  const auto add = [&](const std::string& world) {
+    for (const uint64_t seed : seeds) {
+      options.seed = seed;
+      jobs.push_back({world, options});
+    }
+  };
+  for (const std::string& scene : flags.scenes) {
+    options.scene = scene;
+    add("cafe");
+  }
+  if (flags.scenes.empty()) {
+    for (const std::string& world : flags.worlds) add(world);
+  }
+  return jobs;
+}
+
+absl::StatusOr<Places> PlacesOf(const std::vector<Job>& jobs,
+                                const MissionFlags& flags,
+                                const std::stop_token& stop) {
+  Places places;
+  for (const Job& job : jobs) {
+    auto& place = places[job.world];
+    if (place != nullptr) continue;
+    const SuiteMapOptions options = {
+        .world = job.world,
+        .is_driven = flags.maps == "driven",
+        // Somebody must be there who can step in front.
+        .with_people = flags.people || !flags.scenes.empty(),
+        .cache = flags.cache,
+        .quiet = flags.quiet};
+    TL_ASSIGN_OR_RETURN(place, PlaceForSuite(options, stop));
+  }
+  return places;
+}
+
+absl::Status WritePictures(const std::vector<MissionRun>& runs,
+                           const Places& places, const MissionFlags& flags) {
+  if (flags.pictures == "none") return absl::OkStatus();
+  int written = 0;
+  for (const MissionRun& run : runs) {
+    if (run.IsGood() && flags.pictures == "failed") continue;
+    const auto place = std::ranges::find_if(places, [&run](const auto& entry) {
+      return entry.second->world().name == run.world;
+    });
+    if (place == places.end()) continue;
+    const std::string stem =
+        absl::StrCat(flags.folder, "/",
+                     absl::StrReplaceAll(run.world, {{":", "-"}, {"/", "-"}}),
+                     run.scene.empty() ? "" : "-", run.scene,
+                     flags.people ? "-people" : "", "-", run.seed);
+    TL_RETURN_IF_ERROR(WriteRunPicture(
+        stem, place->second->world(), run.record, run.marks, run.events,
+        absl::StrCat(MissionOutcomeName(run.outcome), " (",
+                     NavigationCauseName(run.cause), ") ", run.why, "; ",
+                     run.surprise)));
+    ++written;
+  }
+  if (written > 0) {
+    std::printf("%d pictures and logs are in %s\n", written,
+                flags.folder.c_str());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RunMissions(const MissionFlags& flags,
+                         const std::stop_token& stop) {
+  TL_ASSIGN_OR_RETURN(const std::vector<Job> jobs, JobsOf(flags));
+  if (!flags.json.empty()) TL_RETURN_IF_ERROR(CheckWritable(flags.json));
+  TL_ASSIGN_OR_RETURN(const Places places, PlacesOf(jobs, flags, stop));
+  JobResults<MissionRun> results = RunJobs<MissionRun>(
+      jobs.size(), flags.threads, "missions", flags.quiet, stop,
+      [&](size_t i) -> absl::StatusOr<MissionRun> {
+        const Job& job = jobs[i];
+        absl::StatusOr<MissionRun> run =
+            RunMission(*places.at(job.world), job.options, stop);
+        if (run.ok()) return run;
+        return Annotate(run.status(),
+                        absl::StrCat(job.world, ", seed ", job.options.seed));
+      });
+  const int expected = static_cast<int>(jobs.size());
+  std::printf("%s", MissionSummary(results.done, expected).c_str());
+  if (!flags.json.empty()) {
+    TL_RETURN_IF_ERROR(WriteFileAtomically(
+        flags.json, MissionJson(results.done, expected, flags.people)));
+  }
+  TL_RETURN_IF_ERROR(WritePictures(results.done, places, flags));
+  return SuiteStatus(results.done.size(), jobs.size(), GoodShare(results.done),
+                     flags.require, results.errors, results.first_error, stop);
+}
+
+void AddPlaceFlags(CLI::App& command, MissionFlags& flags) {
+  command.add_option("--worlds", flags.worlds, "To drive in")
+      ->type_name("WORLD,...")
+      ->delimiter(',')
+      ->capture_default_str();
+  command
+      .add_option("--scenes", flags.scenes,
+                  "The thesis's own missions in the cafe instead")
+      ->type_name("slope,blocked,person")
+      ->delimiter(',')
+      ->check(CLI::IsMember(MissionScenes()));
+  command.add_option("--seeds", flags.seeds, "One mission a world and seed")
+      ->type_name("FIRST-LAST,...")
+      ->capture_default_str();
+  command.add_flag("--people", flags.people,
+                   "People walk about, and something gets in the way");
+  command
+      .add_option("--maps", flags.maps,
+                  "perfect: as the world is; driven: made by a simulated "
+                  "mapping drive")
+      ->check(CLI::IsMember({"perfect", "driven"}))
+      ->capture_default_str();
+  command.add_option("--cache", flags.cache, "Where driven maps are kept")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+Command AddMissionSuite(CLI::App& suite) {
+  CLI::App* command = suite.add_subcommand(
+      "missions",
+      "Drives from place to place: who arrives, who runs into what");
+  command->footer(kFooter);
+  auto flags = std::make_shared<MissionFlags>();
+  AddPlaceFlags(*command, *flags);
+  command->add_option("--planner", flags->planner, "See treeline-agent plan")
+      ->type_name("NAME");
+  command
+      ->add_option("--camera-hz", flags->camera_hz,
+                   "Depth pictures in a second; rendering takes long")
+      ->type_name("HZ")
+      ->check(CLI::Range(0.0, 30.0));
+  command
+      ->add_option("--threads", flags->threads,
+                   "Missions at a time; 0: one a processor. Results do not "
+                   "depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024));
+  command
+      ->add_option("--require", flags->require,
+                   "Fail if a smaller share of the missions is good")
+      ->type_name("SHARE")
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--json", flags->json, "Write all figures")
+      ->type_name("FILE");
+  command->add_option("--folder", flags->folder, "Where pictures and logs go")
+      ->type_name("FOLDER")
+      ->capture_default_str();
+  command->add_option("--pictures", flags->pictures, "Of which missions")
+      ->check(CLI::IsMember({"none", "failed", "all"}))
+      ->capture_default_str();
+  command->add_flag("--quiet", flags->quiet, "Show no progress");
+  return {command, [flags](const std::stop_token& stop) {
+            return RunMissions(*flags, stop);
+          }};
+}
+
+}  // namespace treeline

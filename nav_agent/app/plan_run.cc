@@ -1,0 +1,181 @@
+#include "nav_agent/app/plan_run.h"
+
+#include <cmath>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
+#include "common/base/status_macros.h"
+#include "common/synthetic/world.h"
+#include "nav_agent/app/localize_world.h"
+#include "nav_agent/core/map_file.h"
+#include "nav_agent/map_bundle/map_bundle.h"
+#include "nlohmann/json.hpp"
+
+namespace treeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kResolution_m = 0.05;
+
+// Three numbers, and a level that may be left out.
+struct Numbers {
+  double values[3] = {0, 0, 0};
+  int level = 0;
+};
+
+absl::StatusOr<Numbers> ParseNumbers(const std::string& text,
+                                     const std::string& option,
+                                     const std::string& form) {
+  const std::vector<std::string> parts = absl::StrSplit(text, ',');
+  Numbers numbers;
+  bool is_good = parts.size() == 3 || parts.size() == 4;
+  for (size_t i = 0; is_good && i < 3; ++i) {
+    is_good = absl::SimpleAtod(parts[i], &numbers.values[i]) &&
+              std::isfinite(numbers.values[i]);
+  }
+  if (is_good && parts.size() == 4) {
+    is_good = absl::SimpleAtoi(parts[3], &numbers.level);
+  }
+  if (is_good) return numbers;
+  return absl::InvalidArgumentError(absl::StrCat(
+      option, " is '", text, "'; it must be ", form, " or ", form,
+      ",LEVEL with finite numbers in m and rad, for instance 1.5,2,0"));
+}
+
+absl::StatusOr<std::shared_ptr<const NavigationMap>> Finished(
+    TraversableMap levels, bool allow_unknown, const std::string& name) {
+  absl::StatusOr<NavigationMap> map = NavigationMap::Make(
+      std::move(levels),
+      {.reach_m = 3.0, .max_rise_m = 0.3, .allow_unknown = allow_unknown});
+  if (!map.ok()) {
+    return absl::Status(map.status().code(),
+                        absl::StrCat(name, ": ", map.status().message()));
+  }
+  return std::make_shared<const NavigationMap>(*std::move(map));
+}
+
+Json PoseJson(const LevelPose& pose) {
+  return {{"x", pose.map_from_base.translation.x},
+          {"y", pose.map_from_base.translation.y},
+          {"yaw", pose.map_from_base.yaw_rad},
+          {"level", pose.place.level},
+          {"height_m", pose.place.height_m}};
+}
+
+}  // namespace
+
+absl::StatusOr<LevelPose> ParsePlanPose(const std::string& text,
+                                        const std::string& option) {
+  TL_ASSIGN_OR_RETURN(const Numbers numbers,
+                      ParseNumbers(text, option, "X,Y,YAW"));
+  return LevelPose{
+      .map_from_base = {.translation = {numbers.values[0], numbers.values[1]},
+                        .yaw_rad = NormalizedAngle_rad(numbers.values[2])},
+      .place = {.level = numbers.level, .height_m = 0}};
+}
+
+absl::StatusOr<Blockage> ParseBlockage(const std::string& text) {
+  TL_ASSIGN_OR_RETURN(const Numbers numbers,
+                      ParseNumbers(text, "--block", "X,Y,RADIUS"));
+  if (!(numbers.values[2] >= 0)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--block is '", text, "'; its radius must not be below 0"));
+  }
+  return Blockage{.center = {numbers.values[0], numbers.values[1]},
+                  .radius_m = numbers.values[2],
+                  .level = numbers.level};
+}
+
+absl::StatusOr<std::shared_ptr<const NavigationMap>> LoadNavigationMap(
+    const std::string& path, bool allow_unknown) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    TL_ASSIGN_OR_RETURN(MapBundle bundle, LoadMapBundle(path));
+    return Finished(std::move(bundle.levels), allow_unknown, path);
+  }
+  if (!absl::EndsWith(path, ".yaml") && !absl::EndsWith(path, ".yml")) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--map is '", path,
+        "'; it must be a map_server map (.yaml) or the folder of a map "
+        "bundle"));
+  }
+  TL_ASSIGN_OR_RETURN(const OccupancyGrid grid, ReadMap(path));
+  // Levels' grids are not turned; a map's origin may be. The plan does not
+  // mind.
+  OccupancyGrid upright = grid;
+  upright.map_from_grid = {};
+  const double floor_m = 0;
+  TL_ASSIGN_OR_RETURN(TraversableMap levels,
+                      PlanarLevels({&upright, 1}, {&floor_m, 1}));
+  for (TraversableLevel& level : levels.levels) {
+    level.grid.map_from_grid = grid.map_from_grid * level.grid.map_from_grid;
+  }
+  return Finished(std::move(levels), allow_unknown, path);
+}
+
+absl::StatusOr<std::shared_ptr<const NavigationMap>> NavigationMapOfWorld(
+    const std::string& name, bool allow_unknown) {
+  TL_ASSIGN_OR_RETURN(
+      const World world,
+      MakeWorld(name, {.with_people = false, .threads = 1, .paint = false}));
+  TL_ASSIGN_OR_RETURN(const VoxelMap voxels,
+                      VoxelsOfWorld(world, kResolution_m));
+  TL_ASSIGN_OR_RETURN(TraversableMap levels, ExtractTraversableMap(voxels));
+  return Finished(std::move(levels), allow_unknown, name);
+}
+
+std::string PlanJson(const PlanReport& report) {
+  const PlanResult& result = report.result;
+  Json json;
+  json["map"] = report.map_name;
+  json["planner"] = report.planner;
+  json["start"] = PoseJson(report.request.start);
+  json["goal"] = PoseJson(report.request.goal);
+  json["found"] = result.failure == NavigationCause::kNone;
+  json["cause"] = NavigationCauseName(result.failure);
+  json["why"] = result.why;
+  json["length_m"] = result.length_m;
+  json["first_path_s"] = result.first_path_s;
+  json["total_s"] = result.total_s;
+  json["iterations"] = result.iterations;
+  json["moved_start_m"] = result.moved_start_m;
+  json["moved_goal_m"] = result.moved_goal_m;
+  json["tree_edges"] = result.tree_edges.size() / 2;
+  json["path"] = Json::array();
+  for (const LevelPose& pose : result.path) {
+    json["path"].push_back(PoseJson(pose));
+  }
+  return json.dump(1) + "\n";
+}
+
+std::string PlanSummary(const PlanReport& report) {
+  const PlanResult& result = report.result;
+  if (result.failure != NavigationCause::kNone) {
+    return absl::StrFormat("No path (%s): %s. %s\n",
+                           NavigationCauseName(result.failure), result.why,
+                           NavigationCauseAdvice(result.failure));
+  }
+  std::string text = absl::StrFormat(
+      "Path of %.2f m, %d poses; first path after %.1f ms, this one after "
+      "%.1f ms and %d iterations\n",
+      result.length_m, static_cast<int>(result.path.size()),
+      1e3 * result.first_path_s, 1e3 * result.total_s, result.iterations);
+  if (result.moved_start_m > 0) {
+    absl::StrAppendFormat(&text, "The start had no room: moved by %.2f m\n",
+                          result.moved_start_m);
+  }
+  if (result.moved_goal_m > 0) {
+    absl::StrAppendFormat(&text, "The goal had no room: moved by %.2f m\n",
+                          result.moved_goal_m);
+  }
+  return text;
+}
+
+}  // namespace treeline

@@ -1,0 +1,54 @@
+// The port through which a lost robot asks, over a connection to a server.
+#ifndef NAV_AGENT_APP_SERVER_RELOCALIZATION_H_
+#define NAV_AGENT_APP_SERVER_RELOCALIZATION_H_
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "client/relocalizer/relocalizer.h"
+#include "common/base/clock.h"
+#include "common/wire/query_frame.h"
+#include "nav_agent/core/relocalization.h"
+
+namespace treeline {
+
+struct ServerRelocalizationOptions {
+  // As the server knows it. Empty: the server finds out.
+  std::string scene;
+  // Of the colour picture, 1 to 100. Depth goes as a PNG, bit for bit.
+  int jpeg_quality = 92;
+  // Of the hypotheses that the server draws.
+  uint64_t seed = 0;
+
+  absl::Status Validate() const;
+};
+
+// A frame as it is sent: JPEG, PNG, and the calibration that it was taken with;
+// without one, that of the scene. INVALID_ARGUMENT: it has no picture.
+absl::StatusOr<QueryFrame> EncodeFrame(const Frame& frame, int jpeg_quality);
+
+// Asks in a thread of its own; Ask returns at once and drops what was asked
+// before, here and on the server. Retries, replicas, TLS and tokens are the
+// relocalizer's. Thread-safe.
+absl::StatusOr<std::unique_ptr<RelocalizationPort>> MakeServerRelocalization(
+    std::shared_ptr<Relocalizer> relocalizer,
+    const ServerRelocalizationOptions& options, const Clock& clock);
+// The same over a new connection; the server need not be there yet.
+absl::StatusOr<std::unique_ptr<RelocalizationPort>> MakeServerRelocalization(
+    const ConnectOptions& connection, const std::string& scene,
+    const Clock& clock);
+
+// For simulated time: Ask waits for the real answer, which is handed over when
+// as much time as that took has passed on `clock`; so the robot waits as long
+// as it would have. `extra_s` more is waited, for tests of slow servers. Not
+// thread-safe.
+absl::StatusOr<std::unique_ptr<RelocalizationPort>>
+MakeSynchronousRelocalization(std::shared_ptr<Relocalizer> relocalizer,
+                              const ServerRelocalizationOptions& options,
+                              const Clock& clock, double extra_s = 0);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_APP_SERVER_RELOCALIZATION_H_

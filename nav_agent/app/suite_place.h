@@ -1,0 +1,122 @@
+// What the mission and kidnap suites know of a world: its ground as it really
+// is, and the map of it that the robot is given.
+#ifndef NAV_AGENT_APP_SUITE_PLACE_H_
+#define NAV_AGENT_APP_SUITE_PLACE_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/base/random.h"
+#include "common/synthetic/ground_truth.h"
+#include "common/synthetic/world.h"
+#include "nav_agent/behavior/navigator.h"
+#include "nav_agent/sim/simulator.h"
+#include "nav_agent/traversability/navigation_map.h"
+
+namespace treeline {
+
+// A robot has arrived, or knows where it is, up to these.
+inline constexpr double kRightWithin_m = 0.5;
+inline constexpr double kRightWithin_deg = 20;
+// Levels lie further apart than this.
+inline constexpr double kRightWithinHeight_m = 0.5;
+
+struct PoseMiss {
+  double distance_m = 0;
+  double turn_deg = 0;
+  double height_m = 0;
+
+  bool IsRight() const {
+    return distance_m <= kRightWithin_m && turn_deg <= kRightWithin_deg &&
+           height_m <= kRightWithinHeight_m;
+  }
+};
+
+// A disc on the ground that a robot cannot go through.
+struct Barrier {
+  Vec3 center;
+  double radius_m = 0;
+};
+
+// Immutable and thread-safe.
+class SuitePlace {
+ public:
+  // What VoxelsOfWorld knows of it; the map's frame is the world's. Errors of
+  // VoxelsOfWorld, GroundTruth and NavigationMap; FAILED_PRECONDITION if the
+  // world has no tour with room for the robot.
+  static absl::StatusOr<std::shared_ptr<const SuitePlace>> MakePerfect(
+      World world);
+  // The map of a bundle; map_from_world: where its drive began.
+  static absl::StatusOr<std::shared_ptr<const SuitePlace>> Make(
+      World world, NavigatorMap map, const Rigid3& map_from_world);
+
+  // As it stands, people included.
+  const World& world() const { return world_; }
+  const NavigatorMap& map() const { return map_; }
+  const Rigid3& map_from_world() const { return map_from_world_; }
+
+  // Anywhere with room for the robot, looking anywhere. Somebody may stand
+  // there all the same.
+  RobotPlacement AnyPlace(Random& random) const;
+  // The same, within a distance.
+  std::optional<RobotPlacement> AnyPlaceNear(Vec3 center, double radius_m,
+                                             Random& random) const;
+  // The shortest way for a round robot that holds the real one, over all
+  // levels, around barriers (m); nullopt: there is none. Along a grid, so up to
+  // 8 % longer than it really is.
+  std::optional<double> WayLength_m(
+      const RobotPlacement& from, const RobotPlacement& to,
+      const std::vector<Barrier>& barriers = {}) const;
+  // Whether somebody can walk straight from one to the other.
+  bool IsStraightWay(const RobotPlacement& from,
+                     const RobotPlacement& to) const;
+  bool HasSeveralHeights() const { return has_several_heights_; }
+
+  // As the map has it; NOT_FOUND where the map has no ground.
+  absl::StatusOr<LevelPose> InMap(const RobotPlacement& placement) const;
+  // How wrong an estimate is.
+  PoseMiss ErrorOf(const LevelPose& estimate,
+                   const Rigid3& world_from_base) const;
+  // From there to what the map says a robot must not touch (m).
+  double ClearanceInMap_m(const LevelPose& pose) const {
+    return ground_.Clearance_m(pose.place.level,
+                               pose.map_from_base.translation);
+  }
+  // In the world's frame, for pictures.
+  Vec3 InWorld(Vec2 point_in_map, double height_m) const;
+
+ private:
+  SuitePlace(World world, NavigatorMap map, NavigationMap ground,
+             GroundTruth truth, const Rigid3& map_from_world)
+      : world_(std::move(world)),
+        map_(std::move(map)),
+        ground_(std::move(ground)),
+        truth_(std::move(truth)),
+        map_from_world_(map_from_world) {}
+  void FindPlaces();
+  int NodeAt(Vec3 point) const;
+  int NeighbourOf(int node, int dx, int dy) const;
+  RobotPlacement PlacementOf(const GroundCellIndex& cell, Random& random) const;
+
+  World world_;
+  NavigatorMap map_;
+  NavigationMap ground_;
+  GroundTruth truth_;
+  Rigid3 map_from_world_;
+  bool has_several_heights_ = false;
+  // Cells with room for the robot, and which of them each cell of each level
+  // is (-1: none).
+  std::vector<GroundCellIndex> places_;
+  std::vector<std::vector<int>> place_of_cell_;
+};
+
+// Where a robot is, seen from above.
+Rigid2 PlanarPoseOf(const Rigid3& world_from_base);
+RobotPlacement PlacementOf(const Rigid3& world_from_base);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_APP_SUITE_PLACE_H_

@@ -1,0 +1,187 @@
+#include "nav_agent/app/suite_robot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <utility>
+
+#include "common/base/status_macros.h"
+
+namespace treeline {
+namespace {
+
+// How well a robot knows where it is when it is told.
+constexpr PoseCovariance2 kToldCovariance = {0.01, 0, 0, 0,     0.01,
+                                             0,    0, 0, 0.0025};
+constexpr double kFirstBin_ms = 0.25;
+constexpr double kStep_ms = 25;
+// The laser and the wheels begin to speak.
+constexpr int kWarmUpSteps = 8;
+
+double ProcessorTime_ms() {
+  timespec time = {};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) +
+         1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+bool LooksForItself(NavigatorMode mode) {
+  return mode == NavigatorMode::kLost || mode == NavigatorMode::kRelocalizing ||
+         mode == NavigatorMode::kNeedHelp;
+}
+
+}  // namespace
+
+void StepTimes::Add(double step_ms) {
+  ++steps;
+  total_ms += step_ms;
+  highest_ms = std::max(highest_ms, step_ms);
+  if (step_ms > kStep_ms) ++missed;
+  size_t bin = 0;
+  for (double edge_ms = kFirstBin_ms;
+       step_ms > edge_ms && bin + 1 < histogram.size(); edge_ms *= 2) {
+    ++bin;
+  }
+  ++histogram[bin];
+}
+
+void StepTimes::Add(const StepTimes& other) {
+  steps += other.steps;
+  missed += other.missed;
+  total_ms += other.total_ms;
+  highest_ms = std::max(highest_ms, other.highest_ms);
+  plans += other.plans;
+  planning_ms += other.planning_ms;
+  longest_planning_ms =
+      std::max(longest_planning_ms, other.longest_planning_ms);
+  for (size_t i = 0; i < histogram.size(); ++i) {
+    histogram[i] += other.histogram[i];
+  }
+}
+
+double StepTimes::Percentile_ms(double share) const {
+  int64_t below = 0;
+  double edge_ms = kFirstBin_ms;
+  for (const int64_t count : histogram) {
+    below += count;
+    if (static_cast<double>(below) >= share * static_cast<double>(steps)) {
+      break;
+    }
+    edge_ms *= 2;
+  }
+  return edge_ms;
+}
+
+// Frames are rendered only for a robot that looks for itself.
+class SuiteRobot::Camera final : public RgbdCamera {
+ public:
+  Camera(SimulatedCamera& camera, bool when_lost)
+      : camera_(&camera), is_open_(!when_lost), when_lost_(when_lost) {}
+
+  void SetMode(NavigatorMode mode) {
+    if (when_lost_) is_open_ = LooksForItself(mode);
+  }
+  RgbdCalibration Calibration() const override {
+    return camera_->Calibration();
+  }
+  std::vector<RgbdFrame> TakeFrames() override {
+    if (!is_open_) {
+      camera_->queue.Take();
+      return {};
+    }
+    return camera_->TakeFrames();
+  }
+  DeviceHealth Health() const override { return camera_->Health(); }
+
+ private:
+  SimulatedCamera* camera_;
+  bool is_open_;
+  bool when_lost_;
+};
+
+SuiteRobot::SuiteRobot(const SuitePlace& place) : place_(&place) {}
+SuiteRobot::~SuiteRobot() = default;
+
+absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
+    const SuitePlace& place, World world, const SuiteRobotOptions& options) {
+  std::unique_ptr<SuiteRobot> robot(new SuiteRobot(place));
+  SimulatorOptions simulation;
+  simulation.seed = options.seed;
+  simulation.start = options.start;
+  simulation.sensors.camera_hz = options.camera_hz;
+  TL_ASSIGN_OR_RETURN(robot->simulator_,
+                      Simulator::Create(std::move(world), simulation));
+  Simulator& simulator = *robot->simulator_;
+  // Devices say what they are with what they measure first.
+  simulator.Step(kWarmUpSteps * kSuiteStep);
+  if (options.make_server != nullptr) {
+    robot->server_ = options.make_server(simulator.clock());
+  }
+  NavigatorDevices devices = {.laser = simulator.laser(),
+                              .odometry = simulator.odometry(),
+                              .base = simulator.base(),
+                              .camera = nullptr,
+                              .server = robot->server_.get()};
+  if (options.camera_hz > 0) {
+    robot->camera_ = std::make_unique<Camera>(
+        static_cast<SimulatedCamera&>(simulator.camera()),
+        options.camera_when_lost);
+    devices.camera = robot->camera_.get();
+  }
+  NavigatorOptions navigator = options.navigator;
+  navigator.seed = options.seed;
+  TL_ASSIGN_OR_RETURN(robot->navigator_,
+                      Navigator::Create(place.map(), simulation.robot, devices,
+                                        navigator, simulator.clock()));
+  robot->record_.world = simulator.world().name;
+  robot->record_.seed = options.seed;
+  robot->record_.track.emplace_back();
+  robot->navigator_->Step();
+  robot->Record();
+  return robot;
+}
+
+void SuiteRobot::Step() {
+  simulator_->Step(kSuiteStep);
+  if (camera_ != nullptr) camera_->SetMode(navigator_->mode());
+  const double before_ms = ProcessorTime_ms();
+  navigator_->Step();
+  const double took_ms = ProcessorTime_ms() - before_ms;
+  times_.Add(took_ms);
+  Record();
+  const auto plans = std::ranges::count(navigator_events_, std::string("plan"),
+                                        &NavigatorEvent::kind);
+  if (plans > plan_events_) {
+    times_.plans += static_cast<int>(plans - plan_events_);
+    times_.planning_ms += took_ms;
+    times_.longest_planning_ms = std::max(times_.longest_planning_ms, took_ms);
+  }
+  plan_events_ = plans;
+}
+
+void SuiteRobot::Record() {
+  const TrueState state = simulator_->state();
+  for (SimEvent& event : simulator_->TakeEvents()) {
+    if (event.kind == SimEventKind::kPlaced) record_.track.emplace_back();
+    record_.events.push_back(std::move(event));
+  }
+  record_.track.back().push_back(state.world_from_base.translation);
+  record_.simulated_s = Seconds(state.time);
+  record_.final_state = state;
+  for (NavigatorEvent& event : navigator_->TakeEvents()) {
+    navigator_events_.push_back(std::move(event));
+  }
+}
+
+absl::Status SuiteRobot::Tell(const LevelPose& pose) {
+  return navigator_->SetPose(pose, kToldCovariance);
+}
+
+std::optional<PoseMiss> SuiteRobot::EstimateError() const {
+  const NavigatorSnapshot snapshot = navigator_->Snapshot();
+  if (!snapshot.pose.has_value()) return std::nullopt;
+  return place_->ErrorOf(snapshot.pose->pose,
+                         simulator_->state().world_from_base);
+}
+
+}  // namespace treeline

@@ -1,0 +1,107 @@
+// A simulated robot with a navigator, and a record of what it does.
+#ifndef NAV_AGENT_APP_SUITE_ROBOT_H_
+#define NAV_AGENT_APP_SUITE_ROBOT_H_
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "nav_agent/app/simulation_run.h"
+#include "nav_agent/app/suite_place.h"
+
+namespace treeline {
+
+// Simulated time between two steps of the navigator.
+inline constexpr SimTime kSuiteStep = std::chrono::milliseconds(25);
+
+struct SuiteRobotOptions {
+  RobotPlacement start;
+  uint64_t seed = 0;
+  // RGB-D frames in a second; 0: there is no camera.
+  double camera_hz = 0;
+  // The camera gives frames only while the robot looks for itself: rendering
+  // takes long. Otherwise all.
+  bool camera_when_lost = true;
+  // Makes the port of a server that runs by the simulation's clock; null:
+  // there is none.
+  std::function<std::unique_ptr<RelocalizationPort>(const Clock&)> make_server =
+      nullptr;
+  NavigatorOptions navigator;
+};
+
+// What Navigator::Step took, of processor time (ms).
+struct StepTimes {
+  int64_t steps = 0;
+  // Steps that took longer than the time from one to the next.
+  int64_t missed = 0;
+  double total_ms = 0;
+  double highest_ms = 0;
+  // Steps after which there was another plan.
+  int plans = 0;
+  double planning_ms = 0;
+  double longest_planning_ms = 0;
+  // How many took up to 0.25 ms, 0.5 ms, 1 ms, 2 ms ...: of percentiles.
+  std::vector<int64_t> histogram = std::vector<int64_t>(16, 0);
+
+  void Add(double step_ms);
+  void Add(const StepTimes& other);
+  // The upper edge of the bin below which that share of all steps is.
+  double Percentile_ms(double share) const;
+};
+
+class SuiteRobot {
+ public:
+  // `world` is the place's, or the same with more in it. The place must outlive
+  // the robot. Errors of Simulator and Navigator.
+  static absl::StatusOr<std::unique_ptr<SuiteRobot>> Create(
+      const SuitePlace& place, World world, const SuiteRobotOptions& options);
+  ~SuiteRobot();
+
+  Simulator& simulator() { return *simulator_; }
+  Navigator& navigator() { return *navigator_; }
+  const SuitePlace& place() const { return *place_; }
+
+  // 25 ms: the world goes on, then the navigator thinks.
+  void Step();
+  double now_s() const { return Seconds(simulator_->now()); }
+
+  // Tells it where it is, right or wrong.
+  absl::Status Tell(const LevelPose& pose);
+  // The newest estimate's error; nullopt: there is none.
+  std::optional<PoseMiss> EstimateError() const;
+
+  // ---- the record ----
+  // Track and events, for the plan.
+  const SimulationResult& record() const { return record_; }
+  // What the navigator thought it did (world's frame).
+  const std::vector<Vec3>& believed_track() const { return believed_; }
+  const std::vector<NavigatorEvent>& navigator_events() const {
+    return navigator_events_;
+  }
+  const StepTimes& step_times() const { return times_; }
+  int CollisionsOfRobot() const { return record_.CollisionsOfRobot(); }
+
+ private:
+  class Camera;
+  explicit SuiteRobot(const SuitePlace& place);
+  void Record();
+
+  const SuitePlace* place_;
+  std::unique_ptr<Simulator> simulator_;
+  std::unique_ptr<Camera> camera_;
+  std::unique_ptr<RelocalizationPort> server_;
+  std::unique_ptr<Navigator> navigator_;
+  SimulationResult record_;
+  std::vector<Vec3> believed_;
+  std::vector<NavigatorEvent> navigator_events_;
+  StepTimes times_;
+  int64_t plan_events_ = 0;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_APP_SUITE_ROBOT_H_

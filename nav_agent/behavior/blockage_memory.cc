@@ -1,0 +1,101 @@
+#include "nav_agent/behavior/blockage_memory.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nav_agent/behavior/event_log.h"
+
+namespace treeline {
+namespace {
+
+// No blockage is larger: what is, is several.
+constexpr double kMaxRadius_m = 0.6;
+// Discs that lie so near to one another are of one place.
+constexpr double kSamePlace_m = 0.1;
+constexpr double kMetAgain_s = 2;
+// So many beams must pass its middle, in so many scans in a row.
+constexpr int kBeams = 4;
+constexpr int kScans = 5;
+// What is further away is not judged: few beams meet it.
+constexpr double kFar_m = 4;
+// The part of the radius that counts as its middle.
+constexpr double kMiddle = 0.7;
+constexpr double kLeastRadius_m = 0.1;
+
+enum class Beam { kBeside, kPasses, kEndsIn };
+
+Beam Judge(const Blockage& blockage, Vec2 laser, Vec2 end) {
+  const Vec2 way = end - laser;
+  const double length_m = Norm(way);
+  if (length_m < 1e-6) return Beam::kBeside;
+  const Vec2 to_center = blockage.center - laser;
+  const double along_m = Dot(to_center, way) / length_m;
+  const double beside_m = std::abs(Cross(way, to_center)) / length_m;
+  const double radius_m = std::max(blockage.radius_m, kLeastRadius_m);
+  if (Norm(end - blockage.center) <= radius_m) return Beam::kEndsIn;
+  if (beside_m > kMiddle * radius_m || along_m <= 0) return Beam::kBeside;
+  return length_m > along_m + radius_m ? Beam::kPasses : Beam::kBeside;
+}
+
+}  // namespace
+
+void BlockageMemory::Add(const Blockage& blockage, MonotonicTime now) {
+  Blockage added = blockage;
+  added.radius_m = std::min(kMaxRadius_m, blockage.radius_m);
+  for (Known& known : known_) {
+    Blockage& old = known.blockage;
+    if (old.level != added.level ||
+        Norm(old.center - added.center) > kSamePlace_m) {
+      continue;
+    }
+    old.radius_m = std::max(old.radius_m, added.radius_m);
+    // The same, seen twice at once, was not met again.
+    if (SecondsBetween(known.since, now) > kMetAgain_s) {
+      known.lasts_s = std::min(2 * known.lasts_s, limits_.longest_blockage_s);
+    }
+    known.since = now;
+    known.seen_free = 0;
+    return;
+  }
+  known_.push_back(
+      {.blockage = added, .since = now, .lasts_s = limits_.blockage_s});
+}
+
+int BlockageMemory::Fade(MonotonicTime now) {
+  return static_cast<int>(std::erase_if(known_, [now](const Known& known) {
+    return SecondsBetween(known.since, now) > known.lasts_s;
+  }));
+}
+
+int BlockageMemory::SeeThrough(int level, Vec2 laser,
+                               const std::vector<Vec2>& ends) {
+  for (Known& known : known_) {
+    const Blockage& blockage = known.blockage;
+    if (blockage.level != level || Norm(blockage.center - laser) > kFar_m) {
+      continue;
+    }
+    int passes = 0;
+    int ends_in = 0;
+    for (const Vec2& end : ends) {
+      const Beam beam = Judge(blockage, laser, end);
+      passes += beam == Beam::kPasses ? 1 : 0;
+      ends_in += beam == Beam::kEndsIn ? 1 : 0;
+    }
+    if (ends_in > 0) {
+      known.seen_free = 0;
+    } else if (passes >= kBeams) {
+      ++known.seen_free;
+    }
+  }
+  return static_cast<int>(std::erase_if(
+      known_, [](const Known& known) { return known.seen_free >= kScans; }));
+}
+
+std::vector<Blockage> BlockageMemory::All() const {
+  std::vector<Blockage> all;
+  all.reserve(known_.size());
+  for (const Known& known : known_) all.push_back(known.blockage);
+  return all;
+}
+
+}  // namespace treeline

@@ -1,0 +1,48 @@
+// What the supervisor says of itself, in the order in which it happened.
+#ifndef NAV_AGENT_BEHAVIOR_EVENT_LOG_H_
+#define NAV_AGENT_BEHAVIOR_EVENT_LOG_H_
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "nav_agent/behavior/navigator.h"
+
+namespace treeline {
+
+inline double SecondsBetween(MonotonicTime earlier, MonotonicTime later) {
+  return std::chrono::duration<double>(later - earlier).count();
+}
+
+class EventLog {
+ public:
+  // Nobody took them for this long: the oldest go, and their numbers with them.
+  static constexpr size_t kMostWaiting = 10000;
+
+  // Events from now on carry this stamp.
+  void SetTime(MonotonicTime now) { now_ = now; }
+  void Add(std::string kind, std::string text) {
+    waiting_.push_back({.stamp = now_,
+                        .number = ++number_,
+                        .kind = std::move(kind),
+                        .text = std::move(text)});
+    if (waiting_.size() > kMostWaiting) waiting_.pop_front();
+  }
+  std::vector<NavigatorEvent> Take() {
+    std::vector<NavigatorEvent> taken(waiting_.begin(), waiting_.end());
+    waiting_.clear();
+    return taken;
+  }
+
+ private:
+  MonotonicTime now_;
+  uint64_t number_ = 0;
+  std::deque<NavigatorEvent> waiting_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_BEHAVIOR_EVENT_LOG_H_

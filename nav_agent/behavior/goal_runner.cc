@@ -1,0 +1,500 @@
+#include "nav_agent/behavior/goal_runner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/random.h"
+#include "nav_agent/behavior/obstacle_discs.h"
+#include "nav_agent/behavior/pose_lists.h"
+
+namespace treeline {
+namespace {
+
+// A robot that stands (m/s, rad/s).
+constexpr double kStands_mps = 0.03;
+constexpr double kStands_radps = 0.08;
+// Beyond the controller's tolerance: what it judged was a step ago.
+constexpr double kArrivalSlack_m = 0.02;
+constexpr double kArrivalSlack_rad = 0.03;
+// A controller that says that it has arrived, and has not, gets so long.
+constexpr double kArrivalDispute_s = 2;
+// A better path must begin so near to the robot.
+constexpr double kBetterFrom_m = 0.8;
+// Heights that belong to one ground (m).
+constexpr double kSameGround_m = 0.6;
+// Of a re-route: so far before the robot, and so large.
+constexpr double kBlockAhead_m = 0.6;
+constexpr double kBlockRadius_m = 0.3;
+// Steps between which the robot cannot have moved further (m).
+constexpr double kJump_m = 0.3;
+
+std::string Place(const LevelPose& pose) {
+  return absl::StrFormat("(%.2f, %.2f) on level %d",
+                         pose.map_from_base.translation.x,
+                         pose.map_from_base.translation.y, pose.place.level);
+}
+
+}  // namespace
+
+GoalRunner::GoalRunner(std::shared_ptr<const NavigationMap> map,
+                       PlanRunner& planner, LocalController& controller,
+                       const NavigatorOptions& options, EventLog& events)
+    : map_(std::move(map)),
+      planner_(&planner),
+      controller_(&controller),
+      options_(options),
+      events_(&events),
+      progress_(options.limits),
+      blockages_(options.limits),
+      ladder_(options.limits) {}
+
+uint64_t GoalRunner::Start(const NavigationGoal& goal) {
+  End(GoalState::kCancelled, NavigationCause::kPreempted,
+      "another goal took its place");
+  goal_ = goal;
+  for (LevelPose& pose : goal_.poses) {
+    const std::optional<LevelPlace> ground =
+        map_->GroundOf(pose.map_from_base.translation, pose.place.level);
+    if (ground.has_value()) pose.place = *ground;
+  }
+  HeadAlong(goal_.poses);
+  status_.emplace();
+  status_->id = ++last_id_;
+  phase_ = GoalPhase::kToPlan;
+  is_first_path_ = true;
+  replans_ = 0;
+  progress_.Reset();
+  ladder_.Refill();
+  events_->Add("goal",
+               absl::StrFormat("goal %d accepted: %s, %d poses", status_->id,
+                               Place(goal_.poses.back()), goal_.poses.size()));
+  return status_->id;
+}
+
+void GoalRunner::End(GoalState state, NavigationCause cause,
+                     const std::string& why) {
+  if (!is_active()) return;
+  Suspend();
+  phase_ = GoalPhase::kNone;
+  status_->state = state;
+  status_->cause = cause;
+  status_->why = why;
+  const char* what = state == GoalState::kSucceeded   ? "reached"
+                     : state == GoalState::kCancelled ? "given up"
+                                                      : "failed";
+  std::string text = absl::StrFormat("goal %d %s", status_->id, what);
+  if (cause != NavigationCause::kNone) {
+    absl::StrAppend(&text, " (", NavigationCauseName(cause), ")");
+  }
+  events_->Add("goal", absl::StrCat(text, ": ", why));
+}
+
+void GoalRunner::Suspend() {
+  planner_->Cancel();
+  asked_.reset();
+  controller_->SetPath({});
+  path_.clear();
+  control_ = {};
+  next_leg_.reset();
+  maneuver_.reset();
+  waiting_since_.reset();
+  arrived_since_.reset();
+  last_position_.reset();
+  progress_.Restart();
+  trouble_cause_ = NavigationCause::kNone;
+  if (is_active()) phase_ = GoalPhase::kToPlan;
+}
+
+void GoalRunner::NoteWayIsFree() {
+  if (maneuver_.has_value() && maneuver_->kind() == ManeuverKind::kWait) {
+    maneuver_.reset();
+    trouble_cause_ = NavigationCause::kNone;
+    phase_ = GoalPhase::kToPlan;
+  }
+}
+
+bool GoalRunner::DrivesStraight() const {
+  return phase_ == GoalPhase::kDriving && control_.command.forward_mps > 0.1 &&
+         std::abs(control_.command.yaw_rate_radps) < 0.2;
+}
+
+VelocityCommand GoalRunner::Step(const ControlPose& pose, MonotonicTime now) {
+  if (!is_active()) return controller_->Guard(pose, {});
+  status_->state = GoalState::kActive;
+  Measure(pose);
+  if (phase_ == GoalPhase::kToPlan) {
+    Ask(PlanPurpose::kRoute, pose.pose, Target(), now);
+    phase_ = GoalPhase::kPlanning;
+  }
+  if (phase_ == GoalPhase::kPlanning) StepPlanning(pose, now);
+  if (phase_ == GoalPhase::kRecovering) return StepManeuver(pose, now);
+  if (phase_ == GoalPhase::kDriving) return StepDriving(pose, now);
+  return controller_->Guard(pose, {});
+}
+
+void GoalRunner::Measure(const ControlPose& pose) {
+  const Vec2 here = pose.pose.map_from_base.translation;
+  if (last_position_.has_value()) {
+    const double way_m = Norm(here - *last_position_);
+    if (way_m < kJump_m) status_->driven_m += way_m;
+  }
+  last_position_ = here;
+}
+
+// ---- planning ----
+
+void GoalRunner::Ask(PlanPurpose purpose, const LevelPose& from,
+                     const LevelPose& to, MonotonicTime now) {
+  PlanRequest request = {.start = from,
+                         .goal = to,
+                         .blockages = {},
+                         .seed = MixBits(options_.seed + ++plans_)};
+  if (purpose != PlanPurpose::kUnblocked) request.blockages = blockages_.All();
+  const bool is_quick =
+      purpose == PlanPurpose::kRoute || purpose == PlanPurpose::kUnblocked;
+  planner_->Start(request,
+                  is_quick ? options_.first_plan_budget : options_.plan_budget);
+  asked_ = AskedPlan{.purpose = purpose, .since = now};
+}
+
+void GoalRunner::StepPlanning(const ControlPose& pose, MonotonicTime now) {
+  // A plan that fails may ask for another one, which may be there at once.
+  for (int asked = 0; asked < 3 && phase_ == GoalPhase::kPlanning; ++asked) {
+    std::optional<absl::StatusOr<PlanResult>> result = planner_->Take();
+    if (!result.has_value()) {
+      if (SecondsBetween(asked_->since, now) < options_.limits.plan_s) return;
+      planner_->Cancel();
+      PlanResult late;
+      late.failure = NavigationCause::kPlanTimeout;
+      late.why = "the planner did not come to an end";
+      result = std::move(late);
+    }
+    if (!result->ok()) {
+      End(GoalState::kFailed, NavigationCause::kInternal,
+          absl::StrCat("the planner: ", result->status().message()));
+      return;
+    }
+    TakePlan(pose, **result, now);
+  }
+}
+
+void GoalRunner::TakePlan(const ControlPose& pose, const PlanResult& result,
+                          MonotonicTime now) {
+  const PlanPurpose purpose = asked_->purpose;
+  asked_.reset();
+  if (result.failure != NavigationCause::kNone || result.path.empty()) {
+    if (purpose == PlanPurpose::kRoute &&
+        result.failure == NavigationCause::kPlanTimeout) {
+      Ask(PlanPurpose::kFullRoute, pose.pose, Target(), now);
+      return;
+    }
+    if (purpose != PlanPurpose::kUnblocked && !blockages_.empty()) {
+      failure_ = result;
+      Ask(PlanPurpose::kUnblocked, pose.pose, Target(), now);
+      return;
+    }
+    TakeNoPlan(pose, result, now);
+    return;
+  }
+  if (purpose == PlanPurpose::kUnblocked) {
+    BeginTrouble(
+        failure_.failure == NavigationCause::kStartBlocked ? Trouble::kEnclosed
+                                                           : Trouble::kNoWay,
+        NavigationCause::kBlocked,
+        absl::StrCat("what stands in the way leaves no other: ", failure_.why),
+        now);
+    return;
+  }
+  TakePath(result, is_first_path_ ? "a way" : "another way");
+  if (!is_first_path_) ++status_->replans;
+  is_first_path_ = false;
+  wants_better_ = purpose == PlanPurpose::kRoute;
+  asked_next_leg_ = false;
+  next_leg_.reset();
+  phase_ = GoalPhase::kDriving;
+}
+
+void GoalRunner::TakeNoPlan(const ControlPose& pose, const PlanResult& result,
+                            MonotonicTime now) {
+  const std::string why =
+      absl::StrCat(result.why.empty() ? "no way was found" : result.why,
+                   ", from ", Place(pose.pose), " to ", Place(Target()));
+  switch (result.failure) {
+    case NavigationCause::kStartBlocked:
+      BeginTrouble(Trouble::kEnclosed, NavigationCause::kStartBlocked, why,
+                   now);
+      return;
+    case NavigationCause::kPlanTimeout:
+      BeginTrouble(Trouble::kNoWay, NavigationCause::kPlanTimeout, why, now);
+      return;
+    case NavigationCause::kNone:
+      End(GoalState::kFailed, NavigationCause::kInternal,
+          "the planner found an empty path");
+      return;
+    default:
+      End(GoalState::kFailed, result.failure, why);
+  }
+}
+
+void GoalRunner::TakePath(const PlanResult& result, const char* what) {
+  path_ = result.path;
+  if (!result.tree_edges.empty()) tree_edges_ = result.tree_edges;
+  controller_->SetPath(path_);
+  status_->to_go_m = result.length_m;
+  control_ = {};
+  control_.to_go_m = result.length_m;
+  waiting_since_.reset();
+  arrived_since_.reset();
+  progress_.Restart();
+  std::string text = absl::StrFormat("%s of %.1f m to %s, found in %.1f ms",
+                                     what, result.length_m, Place(path_.back()),
+                                     1e3 * result.total_s);
+  if (result.moved_goal_m > 0) {
+    absl::StrAppendFormat(&text,
+                          "; %.2f m beside the goal, where there is "
+                          "room",
+                          result.moved_goal_m);
+  }
+  events_->Add("plan", std::move(text));
+}
+
+void GoalRunner::StepBackground(const ControlPose& pose, MonotonicTime now) {
+  if (!asked_.has_value()) {
+    if (wants_better_) {
+      wants_better_ = false;
+      Ask(PlanPurpose::kBetter, pose.pose, Target(), now);
+    } else if (!IsLastLeg() && !asked_next_leg_) {
+      asked_next_leg_ = true;
+      Ask(PlanPurpose::kNextLeg, path_.back(),
+          goal_.poses[status_->next_pose + 1], now);
+    }
+    return;
+  }
+  std::optional<absl::StatusOr<PlanResult>> result = planner_->Take();
+  if (!result.has_value()) return;
+  const PlanPurpose purpose = asked_->purpose;
+  asked_.reset();
+  if (!result->ok() || (*result)->failure != NavigationCause::kNone ||
+      (*result)->path.empty()) {
+    return;
+  }
+  if (purpose == PlanPurpose::kNextLeg) {
+    next_leg_ = **std::move(result);
+    return;
+  }
+  const double from_m = Distance_m((*result)->path.front(), pose.pose);
+  if (from_m < kBetterFrom_m &&
+      from_m + (*result)->length_m <
+          (1 - options_.limits.better_share) * control_.to_go_m) {
+    TakePath(**result, "a shorter way");
+  }
+}
+
+// ---- driving ----
+
+VelocityCommand GoalRunner::StepDriving(const ControlPose& pose,
+                                        MonotonicTime now) {
+  StepBackground(pose, now);
+  control_ = controller_->Step(pose);
+  status_->to_go_m = control_.to_go_m;
+  if (control_.state != ControlState::kWaiting) waiting_since_.reset();
+  if (control_.state != ControlState::kArrived) arrived_since_.reset();
+  if (!IsLastLeg() && PassesPose(pose)) {
+    NextLeg(pose.pose);
+    return control_.command;
+  }
+  switch (control_.state) {
+    case ControlState::kIdle:
+      phase_ = GoalPhase::kToPlan;
+      return control_.command;
+    case ControlState::kArrived:
+      Arrive(pose, now);
+      return control_.command;
+    case ControlState::kBlocked:
+      MeetObstacle(pose, control_, "something stands in the way", now);
+      return control_.command;
+    case ControlState::kWaiting:
+      if (!waiting_since_.has_value()) {
+        waiting_since_ = now;
+        events_->Add("blocked", "waits for something that moves");
+      }
+      progress_.Restart();
+      if (SecondsBetween(*waiting_since_, now) >
+          options_.limits.wait_for_moving_s) {
+        MeetObstacle(pose, control_, "what moved does not go away", now);
+      }
+      return control_.command;
+    case ControlState::kDriving:
+      break;
+  }
+  const bool gets_on =
+      progress_.Observe(now, status_->next_pose, control_.to_go_m,
+                        pose.pose.map_from_base.yaw_rad);
+  if (progress_.TakeRefill()) {
+    ladder_.Refill();
+    replans_ = 0;
+  }
+  if (!gets_on) {
+    BeginTrouble(Trouble::kStuck,
+                 control_.is_stopped_by_guard ? NavigationCause::kCollisionStop
+                                              : NavigationCause::kNoProgress,
+                 absl::StrFormat("%.1f m to go, and no nearer for %.0f s",
+                                 control_.to_go_m, options_.limits.progress_s),
+                 now);
+  }
+  return control_.command;
+}
+
+bool GoalRunner::PassesPose(const ControlPose& pose) const {
+  if (control_.state == ControlState::kArrived) return true;
+  return Distance_m(pose.pose, path_.back()) <= options_.limits.through_m &&
+         std::abs(pose.pose.place.height_m - path_.back().place.height_m) <
+             kSameGround_m;
+}
+
+void GoalRunner::NextLeg(const LevelPose& robot) {
+  ++status_->next_pose;
+  events_->Add("goal", absl::StrFormat("goal %d: pose %d of %d", status_->id,
+                                       status_->next_pose, goal_.poses.size()));
+  if (asked_.has_value()) planner_->Cancel();
+  asked_.reset();
+  asked_next_leg_ = false;
+  wants_better_ = false;
+  replans_ = 0;
+  ladder_.Refill();
+  if (!next_leg_.has_value()) {
+    is_first_path_ = true;
+    phase_ = GoalPhase::kToPlan;
+    return;
+  }
+  // It has not quite come to the pose; the way on begins there.
+  PlanResult way = *std::exchange(next_leg_, std::nullopt);
+  std::vector<LevelPose> rest = RestOf(path_, robot);
+  if (rest.size() > 1) {
+    way.length_m += Distance_m(rest.front(), rest.back());
+    rest.insert(rest.end(), way.path.begin() + 1, way.path.end());
+    way.path = std::move(rest);
+  }
+  TakePath(way, "the way on");
+}
+
+void GoalRunner::Arrive(const ControlPose& pose, MonotonicTime now) {
+  const LevelPose& target = path_.back();
+  const double off_m = Distance_m(pose.pose, target);
+  const double off_rad = std::abs(NormalizedAngle_rad(
+      pose.pose.map_from_base.yaw_rad - target.map_from_base.yaw_rad));
+  const LocalControllerOptions& control = options_.control;
+  const bool is_there =
+      off_m <= control.goal_tolerance_m + kArrivalSlack_m &&
+      off_rad <= control.goal_tolerance_rad + kArrivalSlack_rad;
+  const bool stands = std::abs(pose.forward_mps) < kStands_mps &&
+                      std::abs(pose.yaw_rate_radps) < kStands_radps;
+  if (is_there && stands) {
+    status_->to_go_m = 0;
+    ++status_->next_pose;
+    End(GoalState::kSucceeded, NavigationCause::kNone,
+        absl::StrFormat("%.2f m and %.0f degrees off, after %.1f m", off_m,
+                        off_rad * 57.29578, status_->driven_m));
+    return;
+  }
+  if (!arrived_since_.has_value()) arrived_since_ = now;
+  if (SecondsBetween(*arrived_since_, now) > kArrivalDispute_s) {
+    arrived_since_.reset();
+    if (++replans_ > options_.limits.max_replans) {
+      BeginTrouble(Trouble::kStuck, NavigationCause::kNoProgress,
+                   "it does not come to stand at the goal", now);
+      return;
+    }
+    phase_ = GoalPhase::kToPlan;
+  }
+}
+
+void GoalRunner::MeetObstacle(const ControlPose& pose,
+                              const ControlResult& result,
+                              const std::string& what, MonotonicTime now) {
+  const std::optional<LevelPlace> ground =
+      map_->GroundNear(result.obstacle_in_map, pose.pose.place.height_m);
+  const double margin_m = options_.limits.blockage_margin_m;
+  for (const Blockage& disc :
+       DiscsOf(controller_->Costmap(), result.obstacle_in_map,
+               pose.pose.map_from_base.translation, margin_m,
+               result.obstacle_radius_m + margin_m,
+               ground.has_value() ? ground->level : pose.pose.place.level)) {
+    blockages_.Add(disc, now);
+  }
+  events_->Add("blocked", absl::StrFormat("%s at (%.2f, %.2f)", what,
+                                          result.obstacle_in_map.x,
+                                          result.obstacle_in_map.y));
+  waiting_since_.reset();
+  if (asked_.has_value()) planner_->Cancel();
+  asked_.reset();
+  if (++replans_ > options_.limits.max_replans) {
+    BeginTrouble(Trouble::kNoWay, NavigationCause::kBlocked,
+                 absl::StrFormat("%d ways around what stands there are blocked",
+                                 options_.limits.max_replans),
+                 now);
+    return;
+  }
+  phase_ = GoalPhase::kToPlan;
+}
+
+// ---- recoveries ----
+
+void GoalRunner::BeginTrouble(Trouble trouble, NavigationCause cause,
+                              const std::string& why, MonotonicTime now) {
+  if (asked_.has_value()) planner_->Cancel();
+  asked_.reset();
+  trouble_ = trouble;
+  trouble_cause_ = cause;
+  trouble_why_ = why;
+  NextManeuver(now);
+}
+
+void GoalRunner::NextManeuver(MonotonicTime now) {
+  const std::optional<ManeuverLadder::Rung> rung = ladder_.Next(trouble_);
+  if (!rung.has_value()) {
+    const NavigationCause cause = trouble_cause_;
+    End(GoalState::kFailed, cause,
+        absl::StrFormat("%s; %d recoveries did not help", trouble_why_,
+                        ladder_.used()));
+    return;
+  }
+  ++status_->recoveries;
+  maneuver_.emplace(rung->kind, options_.limits, rung->wait_s, now);
+  events_->Add(
+      "recovery",
+      absl::StrFormat("%s (%s: %s)", ManeuverName(rung->kind),
+                      NavigationCauseName(trouble_cause_), trouble_why_));
+  phase_ = GoalPhase::kRecovering;
+}
+
+VelocityCommand GoalRunner::StepManeuver(const ControlPose& pose,
+                                         MonotonicTime now) {
+  const Maneuver::Result result = maneuver_->Step(pose, now, *controller_);
+  if (result.outcome == ManeuverOutcome::kRunning) return result.command;
+  const ManeuverKind kind = maneuver_->kind();
+  maneuver_.reset();
+  if (kind == ManeuverKind::kReroute) BlockAhead(pose, now);
+  events_->Add("recovery",
+               absl::StrFormat("%s: %s", ManeuverName(kind),
+                               ManeuverOutcomeName(result.outcome)));
+  if (result.outcome == ManeuverOutcome::kNotPossible) {
+    NextManeuver(now);
+  } else {
+    trouble_cause_ = NavigationCause::kNone;
+    phase_ = GoalPhase::kToPlan;
+  }
+  return controller_->Guard(pose, {});
+}
+
+void GoalRunner::BlockAhead(const ControlPose& pose, MonotonicTime now) {
+  blockages_.Add({.center = pose.pose.map_from_base * Vec2{kBlockAhead_m, 0},
+                  .radius_m = kBlockRadius_m,
+                  .level = pose.pose.place.level},
+                 now);
+}
+
+}  // namespace treeline

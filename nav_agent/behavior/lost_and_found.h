@@ -1,0 +1,153 @@
+// How a lost robot finds its place again: it stops, asks a server, does not
+// believe the answer, looks again, and goes on when it is sure. What it does is
+// drawn in docs/kidnap-recovery.md.
+#ifndef NAV_AGENT_BEHAVIOR_LOST_AND_FOUND_H_
+#define NAV_AGENT_BEHAVIOR_LOST_AND_FOUND_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "nav_agent/behavior/fix_gate.h"
+#include "nav_agent/core/relocalization.h"
+#include "nav_agent/core/robot_model.h"
+#include "nav_agent/core/sensor_data.h"
+#include "nav_agent/localization/robot_tracker.h"
+#include "nav_agent/traversability/navigation_map.h"
+
+namespace treeline {
+
+// What a lost robot may do, for comparisons.
+enum class RecoveryMethod : uint8_t {
+  kServer = 0,        // asks; without a server as kAmclOnly
+  kAmclOnly = 1,      // AMCL looks everywhere while the robot turns and moves
+  kInjectionOnly = 2  // only AMCL's own injection
+};
+const char* RecoveryMethodName(RecoveryMethod method);
+
+enum class RecoveryState : uint8_t {
+  kIdle = 0,        // knows its place, or was never told to look for it
+  kStopping = 1,    // until the wheels stand
+  kLooking = 2,     // waits for a picture taken since
+  kAsking = 3,      // waits for the server's answer
+  kTurning = 4,     // to where the next picture says most
+  kConfirming = 5,  // took a fix: it must hold while the robot moves
+  kSearching = 6,   // AMCL looks everywhere
+  kFound = 7,       // for one step; then kIdle
+  kNeedHelp = 8     // until it is told its place, or to begin again
+};
+const char* RecoveryStateName(RecoveryState state);
+
+enum class RecoveryCause : uint8_t {
+  kVerdict = 0,  // the lost detector's
+  kStart = 1,    // nobody has told it where it is
+  kPerson = 2,   // a person asked
+  kCheck = 3     // the server's answer to a check disagrees
+};
+
+struct LostAndFoundOptions {
+  RecoveryMethod method = RecoveryMethod::kServer;
+  FixGateOptions gate;
+  // Of one question (s, 0.1 to 60).
+  double deadline_s = 3;
+  // Questions, failed ones too, before it goes on without the server.
+  int max_questions = 10;
+  // Failures in a row (no server, too late, no such scene) after which it does.
+  int max_failures = 2;
+  // A recovery ends after so long (s): in kNeedHelp.
+  double most_server_s = 90;
+  double most_search_s = 120;
+  // Pictures are taken so long after the wheels stood (s).
+  double settle_s = 0.3;
+  double turn_radps = 0.5;
+  double move_mps = 0.15;
+  // Confirming: scans that must fit in a row, and the turn (rad) meanwhile. A
+  // scan fits if the map explains this share of it and contradicts at most
+  // that.
+  int confirm_scans = 8;
+  double confirm_turn_rad = 0.5;
+  double most_confirm_s = 8;
+  double confirm_explained = 0.6;
+  double confirm_contradicted = 0.15;
+  // What AMCL finds by itself must fit better, for longer (s, rad), with so
+  // much of its weight in one place this small (m), and no other place of the
+  // map may fit nearly as well: by this share of the beams.
+  double search_explained = 0.75;
+  double search_contradicted = 0.08;
+  double search_hold_s = 5;
+  double search_hold_rad = 3.5;
+  double search_share = 0.95;
+  double search_std_m = 0.25;
+  double alias_margin = 0.12;
+  // Asks this often while it drives straight and knows its place (s); 0: never.
+  double check_interval_s = 20;
+
+  absl::Status Validate() const;
+};
+
+// What the navigator knows when it steps.
+struct RecoveryInput {
+  MonotonicTime now;
+  // A goal is being driven to, about straight ahead.
+  bool drives_straight = false;
+  // What the controller has seen allows; not what the map has, which is
+  // elsewhere for a robot that is lost.
+  bool can_turn = true;
+  double free_ahead_m = 0;
+  double free_behind_m = 0;
+};
+
+struct RecoveryNote {
+  // As NavigatorEvent's: "lost", "fix", "recovery", "resume", "help", "check".
+  std::string kind;
+  std::string text;
+};
+
+// Owned by the navigator, which steps it with everything else, gives it the
+// camera's frames, and lets its wishes through the collision stop. Looks at the
+// tracker's verdict itself, and tells the tracker. Deterministic if the server
+// is; not thread-safe.
+class LostAndFound {
+ public:
+  // `tracker` and `server` (null: none) must outlive it.
+  static absl::StatusOr<std::unique_ptr<LostAndFound>> Create(
+      std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
+      RobotTracker& tracker, RelocalizationPort* server,
+      const LostAndFoundOptions& options);
+  virtual ~LostAndFound() = default;
+
+  // Every frame of the camera; the newest is kept.
+  virtual void AddFrame(const RgbdFrame& frame) = 0;
+  // Begins a recovery by order, also while there is one, or after kNeedHelp.
+  virtual void Begin(RecoveryCause cause, MonotonicTime now) = 0;
+  // A person told the tracker where the robot is: no recovery now.
+  virtual void WasTold(MonotonicTime now) = 0;
+
+  // After the tracker got what there is. Begins by itself when the verdict is
+  // "lost". While IsActive the robot does nothing but `wanted`.
+  struct Output {
+    RecoveryState state = RecoveryState::kIdle;
+    VelocityCommand wanted;
+  };
+  virtual Output Step(const RecoveryInput& input) = 0;
+
+  virtual RecoveryState state() const = 0;
+  // Neither kIdle nor kFound.
+  bool IsActive() const {
+    return state() != RecoveryState::kIdle && state() != RecoveryState::kFound;
+  }
+  // Since the last call.
+  virtual std::vector<RecoveryNote> TakeNotes() = 0;
+  // The last answer of the server, and what became of it.
+  virtual const std::optional<RelocalizationAnswer>& answer() const = 0;
+  virtual const std::string& answer_verdict() const = 0;
+  // The last frame that was sent; null: none yet.
+  virtual std::shared_ptr<const RgbdFrame> QueryFrame() const = 0;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_BEHAVIOR_LOST_AND_FOUND_H_

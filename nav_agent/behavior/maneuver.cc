@@ -1,0 +1,160 @@
+#include "nav_agent/behavior/maneuver.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "nav_agent/behavior/event_log.h"
+
+namespace treeline {
+namespace {
+
+// Backing up by less is not worth it.
+constexpr double kLeastBack_m = 0.08;
+// The last part of a way or a turn is not waited for.
+constexpr double kNearlyThere_m = 0.02;
+constexpr double kNearlyAround_rad = 0.1;
+
+// Round and round while the budget lasts.
+using Order = std::array<ManeuverKind, 5>;
+constexpr Order kNoWayOrder = {ManeuverKind::kBackUp, ManeuverKind::kWait,
+                               ManeuverKind::kClearCostmap,
+                               ManeuverKind::kLookAround, ManeuverKind::kWait};
+constexpr Order kStuckOrder = {ManeuverKind::kClearCostmap,
+                               ManeuverKind::kBackUp, ManeuverKind::kReroute,
+                               ManeuverKind::kLookAround, ManeuverKind::kWait};
+constexpr Order kEnclosedOrder = {
+    ManeuverKind::kClearCostmap, ManeuverKind::kWait, ManeuverKind::kBackUp,
+    ManeuverKind::kLookAround, ManeuverKind::kWait};
+
+const Order& OrderFor(Trouble trouble) {
+  switch (trouble) {
+    case Trouble::kStuck:
+      return kStuckOrder;
+    case Trouble::kEnclosed:
+      return kEnclosedOrder;
+    case Trouble::kNoWay:
+      break;
+  }
+  return kNoWayOrder;
+}
+
+}  // namespace
+
+const char* ManeuverName(ManeuverKind kind) {
+  switch (kind) {
+    case ManeuverKind::kClearCostmap:
+      return "clear costmap";
+    case ManeuverKind::kBackUp:
+      return "back up";
+    case ManeuverKind::kLookAround:
+      return "look around";
+    case ManeuverKind::kWait:
+      return "wait";
+    case ManeuverKind::kReroute:
+      return "re-route";
+  }
+  return "unknown";
+}
+
+const char* ManeuverOutcomeName(ManeuverOutcome outcome) {
+  switch (outcome) {
+    case ManeuverOutcome::kRunning:
+      return "running";
+    case ManeuverOutcome::kDone:
+      return "done";
+    case ManeuverOutcome::kNotPossible:
+      return "not possible";
+    case ManeuverOutcome::kTimedOut:
+      return "timed out";
+  }
+  return "unknown";
+}
+
+Maneuver::Maneuver(ManeuverKind kind, const NavigatorLimits& limits,
+                   double wait_s, MonotonicTime now)
+    : kind_(kind), limits_(limits), wait_s_(wait_s), begun_(now) {}
+
+Maneuver::Result Maneuver::Step(const ControlPose& pose, MonotonicTime now,
+                                LocalController& controller) {
+  const double elapsed_s = SecondsBetween(begun_, now);
+  switch (kind_) {
+    case ManeuverKind::kClearCostmap:
+      controller.ClearObstacles();
+      return {.outcome = ManeuverOutcome::kDone, .command = {}};
+    case ManeuverKind::kBackUp:
+      return BackUp(pose, elapsed_s, controller);
+    case ManeuverKind::kLookAround:
+      return LookAround(pose, elapsed_s, controller);
+    case ManeuverKind::kWait:
+      return {.outcome = elapsed_s >= wait_s_ ? ManeuverOutcome::kDone
+                                              : ManeuverOutcome::kRunning,
+              .command = {}};
+    case ManeuverKind::kReroute:
+      break;
+  }
+  // Who began it knows what is ahead.
+  return {.outcome = ManeuverOutcome::kDone, .command = {}};
+}
+
+Maneuver::Result Maneuver::BackUp(const ControlPose& pose, double elapsed_s,
+                                  LocalController& controller) {
+  const Rigid2& here = pose.pose.map_from_base;
+  if (!start_.has_value()) {
+    start_ = here;
+    // Where nothing is known to be in the way, to a hand's breadth.
+    way_m_ = controller.FreeWay_m(pose, -limits_.back_up_m);
+    if (std::abs(way_m_) < kLeastBack_m) {
+      return {.outcome = ManeuverOutcome::kNotPossible, .command = {}};
+    }
+  }
+  const double done_m = Norm(here.translation - start_->translation);
+  if (done_m >= std::abs(way_m_) - kNearlyThere_m) {
+    return {.outcome = ManeuverOutcome::kDone, .command = {}};
+  }
+  if (elapsed_s > limits_.back_up_s) {
+    return {.outcome = ManeuverOutcome::kTimedOut, .command = {}};
+  }
+  return {
+      .outcome = ManeuverOutcome::kRunning,
+      .command = controller.Guard(
+          pose, {.forward_mps = -limits_.back_up_mps, .yaw_rate_radps = 0})};
+}
+
+Maneuver::Result Maneuver::LookAround(const ControlPose& pose, double elapsed_s,
+                                      LocalController& controller) {
+  const Rigid2& here = pose.pose.map_from_base;
+  if (!start_.has_value()) {
+    start_ = here;
+    last_yaw_rad_ = here.yaw_rad;
+    if (!controller.CanTurn(pose)) {
+      return {.outcome = ManeuverOutcome::kNotPossible, .command = {}};
+    }
+  }
+  turned_rad_ += NormalizedAngle_rad(here.yaw_rad - last_yaw_rad_);
+  last_yaw_rad_ = here.yaw_rad;
+  if (turned_rad_ >= 2 * std::numbers::pi - kNearlyAround_rad) {
+    return {.outcome = ManeuverOutcome::kDone, .command = {}};
+  }
+  if (elapsed_s > limits_.look_s) {
+    return {.outcome = ManeuverOutcome::kTimedOut, .command = {}};
+  }
+  return {.outcome = ManeuverOutcome::kRunning,
+          .command = controller.Guard(
+              pose, {.forward_mps = 0, .yaw_rate_radps = limits_.look_radps})};
+}
+
+std::optional<ManeuverLadder::Rung> ManeuverLadder::Next(Trouble trouble) {
+  if (used_ >= limits_.max_recoveries) return std::nullopt;
+  const Order& order = OrderFor(trouble);
+  const size_t at = static_cast<size_t>(used_) % order.size();
+  // All rungs count, so that waits grow as the budget shrinks.
+  const double wait_s = std::min(
+      limits_.longest_wait_s,
+      limits_.first_wait_s * std::exp2(static_cast<double>(used_) / 3));
+  ++used_;
+  return Rung{.kind = order[at], .wait_s = wait_s};
+}
+
+}  // namespace treeline

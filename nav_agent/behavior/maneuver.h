@@ -1,0 +1,94 @@
+// What a robot does that does not get on: one thing after another, each with
+// an end.
+#ifndef NAV_AGENT_BEHAVIOR_MANEUVER_H_
+#define NAV_AGENT_BEHAVIOR_MANEUVER_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "nav_agent/behavior/navigator.h"
+
+namespace treeline {
+
+enum class ManeuverKind : uint8_t {
+  kClearCostmap,  // forgets what was seen; the next scans tell anew
+  kBackUp,        // as far as there is room
+  kLookAround,    // a full turn, if there is room
+  kWait,          // people go away
+  kReroute        // what is ahead counts as blocked
+};
+// "clear costmap" and so on.
+const char* ManeuverName(ManeuverKind kind);
+
+enum class ManeuverOutcome : uint8_t {
+  kRunning,
+  kDone,
+  kNotPossible,  // there is no room
+  kTimedOut      // it took too long; something held the robot
+};
+const char* ManeuverOutcomeName(ManeuverOutcome outcome);
+
+// One, from its beginning to its end. Not thread-safe.
+class Maneuver {
+ public:
+  // wait_s: of kWait.
+  Maneuver(ManeuverKind kind, const NavigatorLimits& limits, double wait_s,
+           MonotonicTime now);
+
+  struct Result {
+    ManeuverOutcome outcome = ManeuverOutcome::kRunning;
+    VelocityCommand command;
+  };
+  // The command has been through the controller's guard.
+  Result Step(const ControlPose& pose, MonotonicTime now,
+              LocalController& controller);
+  ManeuverKind kind() const { return kind_; }
+
+ private:
+  Result BackUp(const ControlPose& pose, double elapsed_s,
+                LocalController& controller);
+  Result LookAround(const ControlPose& pose, double elapsed_s,
+                    LocalController& controller);
+
+  ManeuverKind kind_;
+  NavigatorLimits limits_;
+  double wait_s_;
+  MonotonicTime begun_;
+  std::optional<Rigid2> start_;
+  double last_yaw_rad_ = 0;
+  double turned_rad_ = 0;
+  double way_m_ = 0;
+};
+
+// What a robot is in trouble with.
+enum class Trouble : uint8_t {
+  kNoWay,    // what was seen leaves no way
+  kStuck,    // it drives and does not get on
+  kEnclosed  // no free ground where it stands
+};
+
+// Which maneuver is next: each kind of trouble has its own order, and all share
+// one budget. Not thread-safe.
+class ManeuverLadder {
+ public:
+  explicit ManeuverLadder(const NavigatorLimits& limits) : limits_(limits) {}
+
+  struct Rung {
+    ManeuverKind kind = ManeuverKind::kWait;
+    double wait_s = 0;
+  };
+  // nullopt: the budget is used up.
+  std::optional<Rung> Next(Trouble trouble);
+  // The robot got on; all of the budget is there again.
+  void Refill() { used_ = 0; }
+  int used() const { return used_; }
+
+ private:
+  NavigatorLimits limits_;
+  int used_ = 0;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_BEHAVIOR_MANEUVER_H_

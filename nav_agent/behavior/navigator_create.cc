@@ -1,0 +1,45 @@
+#include <memory>
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/behavior/navigator.h"
+#include "nav_agent/behavior/navigator_parts.h"
+#include "nav_agent/behavior/plan_runner.h"
+
+namespace treeline {
+
+absl::StatusOr<std::unique_ptr<Navigator>> Navigator::Create(
+    const NavigatorMap& map, const RobotModel& robot,
+    const NavigatorDevices& devices, const NavigatorOptions& options,
+    const Clock& clock) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  TL_RETURN_IF_ERROR(robot.Validate());
+  if (devices.laser.Health().state == DeviceState::kStarting &&
+      devices.laser.Info().beams == 0) {
+    return absl::FailedPreconditionError(
+        "the laser has not said yet how it scans; wait until it runs");
+  }
+  NavigatorParts parts;
+  TL_ASSIGN_OR_RETURN(NavigationMap levels,
+                      NavigationMap::Make(map.levels, options.map));
+  parts.map = std::make_shared<const NavigationMap>(std::move(levels));
+  TL_ASSIGN_OR_RETURN(std::unique_ptr<GlobalPlanner> planner,
+                      MakeGlobalPlanner(parts.map, robot, options.planner));
+  parts.planner = options.plans_in_background
+                      ? MakeThreadPlanRunner(std::move(planner))
+                      : MakeInlinePlanRunner(std::move(planner));
+  const RangeSensorInfo laser = devices.laser.Info();
+  TL_ASSIGN_OR_RETURN(
+      parts.controller,
+      LocalController::Make(parts.map, robot, laser, options.control));
+  TL_ASSIGN_OR_RETURN(parts.tracker,
+                      RobotTracker::Create(map.voxels, map.levels, robot, laser,
+                                           options.tracker, options.seed));
+  TL_ASSIGN_OR_RETURN(parts.lost,
+                      LostAndFound::Create(parts.map, robot, *parts.tracker,
+                                           devices.server, options.lost));
+  return AssembleNavigator(std::move(parts), robot, devices, options, clock);
+}
+
+}  // namespace treeline

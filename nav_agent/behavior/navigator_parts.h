@@ -1,0 +1,30 @@
+// What a navigator is put together from; tests put in others.
+#ifndef NAV_AGENT_BEHAVIOR_NAVIGATOR_PARTS_H_
+#define NAV_AGENT_BEHAVIOR_NAVIGATOR_PARTS_H_
+
+#include <memory>
+
+#include "absl/status/statusor.h"
+#include "nav_agent/behavior/navigator.h"
+#include "nav_agent/behavior/plan_runner.h"
+
+namespace treeline {
+
+struct NavigatorParts {
+  std::shared_ptr<const NavigationMap> map;
+  std::unique_ptr<PlanRunner> planner;
+  std::unique_ptr<LocalController> controller;
+  std::unique_ptr<RobotTracker> tracker;
+  // Knows the tracker.
+  std::unique_ptr<LostAndFound> lost;
+};
+
+// As Navigator::Create, which makes the parts.
+absl::StatusOr<std::unique_ptr<Navigator>> AssembleNavigator(
+    NavigatorParts parts, const RobotModel& robot,
+    const NavigatorDevices& devices, const NavigatorOptions& options,
+    const Clock& clock);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_BEHAVIOR_NAVIGATOR_PARTS_H_

@@ -1,0 +1,43 @@
+#include "nav_agent/behavior/progress_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "nav_agent/behavior/event_log.h"
+
+namespace treeline {
+
+bool ProgressWatch::Observe(MonotonicTime now, size_t leg, double to_go_m,
+                            double yaw_rad) {
+  if (leg != leg_) {
+    leg_ = leg;
+    least_to_go_m_ = to_go_m;
+    refilled_at_m_ = to_go_m;
+    refill_ = true;
+    since_.reset();
+  }
+  if (std::isinf(refilled_at_m_)) refilled_at_m_ = to_go_m;
+  least_to_go_m_ = std::min(least_to_go_m_, to_go_m);
+  if (refilled_at_m_ - least_to_go_m_ >= limits_.refill_m) {
+    refilled_at_m_ = least_to_go_m_;
+    refill_ = true;
+  }
+  const bool begins = !since_.has_value();
+  const bool moved = !begins && to_go_m_ - to_go_m >= limits_.progress_m;
+  const bool turned =
+      !begins && !has_turned_ &&
+      std::abs(NormalizedAngle_rad(yaw_rad - yaw_rad_)) >= limits_.progress_rad;
+  if (begins || moved || turned) {
+    has_turned_ = turned;
+    since_ = now;
+    to_go_m_ = to_go_m;
+    yaw_rad_ = yaw_rad;
+    return true;
+  }
+  return SecondsBetween(*since_, now) < limits_.progress_s;
+}
+
+bool ProgressWatch::TakeRefill() { return std::exchange(refill_, false); }
+
+}  // namespace treeline

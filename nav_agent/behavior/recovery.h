@@ -1,0 +1,152 @@
+// LostAndFound as it is: states, and what each does in a step.
+#ifndef NAV_AGENT_BEHAVIOR_RECOVERY_H_
+#define NAV_AGENT_BEHAVIOR_RECOVERY_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "nav_agent/behavior/lost_and_found.h"
+#include "nav_agent/behavior/view_belief.h"
+
+namespace treeline {
+
+class Recovery final : public LostAndFound {
+ public:
+  Recovery(std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
+           RobotTracker& tracker, RelocalizationPort* server,
+           const LostAndFoundOptions& options);
+
+  void AddFrame(const RgbdFrame& frame) override;
+  void Begin(RecoveryCause cause, MonotonicTime now) override;
+  void WasTold(MonotonicTime now) override;
+  Output Step(const RecoveryInput& input) override;
+  RecoveryState state() const override { return state_; }
+  std::vector<RecoveryNote> TakeNotes() override;
+  const std::optional<RelocalizationAnswer>& answer() const override {
+    return answer_;
+  }
+  const std::string& answer_verdict() const override { return answer_verdict_; }
+  std::shared_ptr<const RgbdFrame> QueryFrame() const override {
+    return query_frame_;
+  }
+
+ private:
+  using Answer = absl::StatusOr<RelocalizationAnswer>;
+
+  void Go(RecoveryState state, MonotonicTime now);
+  double InState_s(MonotonicTime now) const;
+  void Note(const char* kind, std::string text);
+  bool MayAsk() const;
+  void Ask(const TrackedMotion& motion, MonotonicTime now);
+  // The answer if there is one, or that there is none in time.
+  std::optional<Answer> AnswerBy(MonotonicTime now);
+
+  // What each state does.
+  VelocityCommand Stopping(MonotonicTime now);
+  VelocityCommand Looking(MonotonicTime now);
+  VelocityCommand Asking(const RecoveryInput& input);
+  VelocityCommand Turning(const RecoveryInput& input);
+  VelocityCommand Confirming(const RecoveryInput& input);
+  VelocityCommand Searching(const RecoveryInput& input);
+  void Idle(const RecoveryInput& input);
+
+  // After an answer.
+  void Failed(const absl::Status& status, MonotonicTime now);
+  void Judge(const RelocalizationAnswer& answer, MonotonicTime now);
+  void LookElsewhere(MonotonicTime now);
+  void Seed(const GatedFix& fix, bool was_seen_twice, MonotonicTime now);
+  void NotConfirmed(const std::string& why, MonotonicTime now);
+  void Found(const std::string& how, MonotonicTime now);
+  void GiveUpServer(const std::string& why, MonotonicTime now);
+  void BeginSearch(MonotonicTime now);
+  void NeedHelp(MonotonicTime now);
+  void RestoreBefore(MonotonicTime now);
+
+  // Confirming and searching: what the newest scan says, once.
+  enum class ScanSays { kNothingNew, kGood, kBad };
+  ScanSays WatchScan(double explained, double contradicted);
+  bool IsPoseTight(double share, double std_m) const;
+  bool IsAmbiguous() const;
+  // While searching: whether it may be believed now.
+  bool SearchHolds(MonotonicTime now);
+  void BreakHold();
+  void LookAnywhere(MonotonicTime now);
+  void EndCycle(MonotonicTime now);
+  VelocityCommand SearchMotion(const RecoveryInput& input);
+  VelocityCommand TurnTowards(double yaw_in_odom_rad) const;
+  // Where turning is not possible: a little ahead or back.
+  VelocityCommand MakeRoom(const RecoveryInput& input) const;
+
+  // The check while driving.
+  void BeginCheck(const RecoveryInput& input);
+  void EndCheck(const RelocalizationAnswer& answer, MonotonicTime now);
+
+  std::shared_ptr<const NavigationMap> map_;
+  RobotTracker& tracker_;
+  RelocalizationPort* server_;
+  LostAndFoundOptions options_;
+  FixGate gate_;
+  ViewBelief belief_;
+
+  RecoveryState state_ = RecoveryState::kIdle;
+  RecoveryCause cause_ = RecoveryCause::kVerdict;
+  MonotonicTime since_;
+  MonotonicTime began_;
+  std::vector<RecoveryNote> notes_;
+  std::shared_ptr<const RgbdFrame> frame_;
+  std::shared_ptr<const RgbdFrame> query_frame_;
+  std::optional<RelocalizationAnswer> answer_;
+  std::string answer_verdict_;
+
+  // Since when the wheels stand.
+  std::optional<MonotonicTime> stands_;
+  // The question: of which moment, and when it was asked.
+  std::optional<TrackedMotion> asked_motion_;
+  MonotonicTime asked_;
+  int questions_ = 0;
+  int failures_ = 0;
+  bool server_is_useless_ = false;
+  // Fixes that wait for another one that agrees.
+  std::vector<GatedFix> waiting_;
+  double target_rad_ = 0;
+  // Where it thought it was when it began.
+  std::optional<TrackedPose> before_;
+  std::optional<TrackedMotion> before_motion_;
+  bool was_seeded_ = false;
+
+  // Confirming.
+  std::optional<GatedFix> seed_;
+  bool seen_twice_ = false;
+  std::optional<MonotonicTime> scan_;
+  int good_scans_ = 0;
+  int bad_scans_ = 0;
+  double turned_rad_ = 0;
+  std::optional<double> last_yaw_rad_;
+  enum class Alias { kNotLooked, kLooking, kNone, kSome };
+  Alias alias_ = Alias::kNotLooked;
+  RobotTracker::ScanFit alias_own_;
+
+  // Searching.
+  std::optional<MonotonicTime> search_began_;
+  bool searches_anywhere_ = false;
+  std::optional<MonotonicTime> holds_since_;
+  double hold_turned_rad_ = 0;
+  double cycle_turned_rad_ = 0;
+  double best_free_m_ = 0;
+  double best_free_yaw_rad_ = 0;
+  enum class Leg { kTurn, kFace, kMove };
+  Leg leg_ = Leg::kTurn;
+  Rigid2 leg_from_;
+  double leg_m_ = 0;
+  int cycles_ = 0;
+
+  // The check.
+  std::optional<MonotonicTime> last_check_;
+  bool is_checking_ = false;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_BEHAVIOR_RECOVERY_H_

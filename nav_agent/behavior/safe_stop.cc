@@ -1,0 +1,87 @@
+#include "nav_agent/behavior/safe_stop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+
+namespace treeline {
+namespace {
+
+// Of missed deadlines, one event in so many seconds.
+constexpr double kNoteEvery_s = 10;
+
+}  // namespace
+
+void SafeStop::Update(const std::vector<StopReason>& found, MonotonicTime now) {
+  if (!found.empty()) {
+    last_found_ = now;
+    if (!reason_.has_value()) begun_ = now;
+    const bool is_new =
+        !reason_.has_value() || reason_->cause != found.front().cause;
+    reason_ = found.front();
+    if (is_new) {
+      events_->Add("stop",
+                   absl::StrCat("stands (", NavigationCauseName(reason_->cause),
+                                "): ", reason_->text));
+    }
+    return;
+  }
+  if (!reason_.has_value() ||
+      SecondsBetween(last_found_, now) < limits_.settle_s) {
+    return;
+  }
+  events_->Add("resume", absl::StrFormat("all is well again after %.1f s (%s)",
+                                         SecondsBetween(begun_, now),
+                                         NavigationCauseName(reason_->cause)));
+  reason_.reset();
+}
+
+void TiltWatch::Add(const BaseReading& reading) {
+  // The angle of the base's z axis to the vertical.
+  tilt_rad_ = std::acos(std::clamp(
+      std::cos(reading.pitch_rad) * std::cos(reading.roll_rad), -1.0, 1.0));
+  stamp_ = reading.stamp;
+  if (tilt_rad_ <= max_rad_) {
+    since_.reset();
+  } else if (!since_.has_value()) {
+    since_ = stamp_;
+  }
+}
+
+std::optional<StopReason> TiltWatch::Problem() const {
+  if (!since_.has_value() || SecondsBetween(*since_, stamp_) < for_s_) {
+    return std::nullopt;
+  }
+  return StopReason{
+      .cause = NavigationCause::kTilted,
+      .text = absl::StrFormat("it leans by %.0f degrees; %.0f are safe",
+                              tilt_rad_ * 57.29578, max_rad_ * 57.29578)};
+}
+
+void DeadlineWatch::Step(MonotonicTime now) {
+  gap_s_ = last_.has_value() ? SecondsBetween(*last_, now) : 0;
+  last_ = now;
+  longest_gap_s_ = std::max(longest_gap_s_, gap_s_);
+  if (gap_s_ <= 1.5 * period_s_) return;
+  ++missed_;
+  if (noted_.has_value() && SecondsBetween(*noted_, now) < kNoteEvery_s) {
+    return;
+  }
+  noted_ = now;
+  events_->Add("deadline",
+               absl::StrFormat("a step came %.0f ms after the last one instead "
+                               "of %.0f ms; %d were late so far",
+                               1e3 * gap_s_, 1e3 * period_s_, missed_));
+}
+
+std::optional<StopReason> DeadlineWatch::Problem() const {
+  if (gap_s_ < late_s_) return std::nullopt;
+  return StopReason{.cause = NavigationCause::kControlLate,
+                    .text = absl::StrFormat(
+                        "the control loop stood still for %.2f s", gap_s_)};
+}
+
+}  // namespace treeline

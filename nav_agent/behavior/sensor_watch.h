@@ -1,0 +1,128 @@
+// Takes what the devices measured, leaves out what must not be believed, and
+// says which device is lost.
+#ifndef NAV_AGENT_BEHAVIOR_SENSOR_WATCH_H_
+#define NAV_AGENT_BEHAVIOR_SENSOR_WATCH_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "nav_agent/behavior/navigator.h"
+
+namespace treeline {
+
+// Why the robot must stand.
+struct StopReason {
+  NavigationCause cause = NavigationCause::kNone;
+  // For people: what is wrong.
+  std::string text;
+};
+
+struct SensorWatchOptions {
+  double laser_timeout_s = 0.3;
+  double odometry_timeout_s = 0.2;
+  // Stamps may be so far ahead of the clock (s).
+  double future_s = 0.05;
+  // A scan with ranges of fewer beams than this share tells nothing.
+  double least_ranges = 0.2;
+  // Readings that stay the same for so long while the base is told to move, or
+  // says that it does, are a frozen device's (s).
+  double frozen_s = 0.5;
+  // After so long of standing they are tried again, so often (s).
+  double retry_s = 2;
+  int retries = 3;
+};
+
+// Values that stay the same under new stamps. Not thread-safe.
+class SameAgain {
+ public:
+  // The measurement is, or is not, equal to the one before it.
+  void Add(bool is_same, MonotonicTime stamp) {
+    if (!is_same) {
+      since_.reset();
+    } else if (!since_.has_value()) {
+      since_ = stamp;
+    }
+  }
+  void Restart() { since_.reset(); }
+  double For_s(MonotonicTime stamp) const;
+
+ private:
+  std::optional<MonotonicTime> since_;
+};
+
+// Not thread-safe.
+class SensorWatch {
+ public:
+  SensorWatch(const NavigatorDevices& devices,
+              const SensorWatchOptions& options);
+
+  // What has arrived. command: what the base was told last.
+  void Poll(MonotonicTime now, const VelocityCommand& command);
+  // What of it can be used, oldest first.
+  const std::vector<LaserScan>& scans() const { return scans_; }
+  const std::vector<BaseReading>& readings() const { return readings_; }
+  // The newest frame since the last call; renders pictures in simulations.
+  std::optional<RgbdFrame> TakeFrame(MonotonicTime now);
+
+  // The base's answer to the last command.
+  void NoteBaseAnswer(const absl::Status& answer);
+
+  // Of the last Poll: what is lost, the most serious first.
+  std::vector<StopReason> Problems() const;
+  // Whether laser and odometry have been heard at all.
+  bool has_begun() const {
+    return laser_stamp_.has_value() && odometry_stamp_.has_value();
+  }
+
+  const SensorTally& laser() const { return laser_; }
+  const SensorTally& odometry() const { return odometry_; }
+  const SensorTally& camera() const { return camera_; }
+  // The newest usable reading.
+  const std::optional<BaseReading>& reading() const { return reading_; }
+
+ private:
+  void PollOdometry(MonotonicTime now, const VelocityCommand& command);
+  void JudgeOdometry(const BaseReading& reading, bool is_same);
+  void PollLaser(MonotonicTime now);
+  // Counts, and says whether a measurement may be used.
+  bool Accept(MonotonicTime stamp, MonotonicTime now, double timeout_s,
+              std::optional<MonotonicTime>& newest, SensorTally& tally) const;
+  std::optional<std::string> LaserProblem() const;
+  std::optional<std::string> OdometryProblem() const;
+  std::optional<std::string> BaseProblem() const;
+
+  NavigatorDevices devices_;
+  SensorWatchOptions options_;
+  MonotonicTime now_;
+  std::optional<MonotonicTime> begun_;
+
+  std::vector<LaserScan> scans_;
+  std::vector<BaseReading> readings_;
+  SensorTally laser_;
+  SensorTally odometry_;
+  SensorTally camera_;
+  // As they were when the last usable measurement came.
+  SensorTally laser_then_;
+  SensorTally odometry_then_;
+  std::optional<MonotonicTime> laser_stamp_;
+  std::optional<MonotonicTime> odometry_stamp_;
+  std::optional<MonotonicTime> camera_stamp_;
+
+  std::vector<float> last_ranges_m_;
+  SameAgain same_ranges_;
+  // How far the robot moved since ranges stay the same (m and rad, added up).
+  double moved_ = 0;
+  bool laser_frozen_ = false;
+
+  std::optional<BaseReading> reading_;
+  SameAgain same_readings_;
+  std::optional<MonotonicTime> odometry_frozen_;
+  int odometry_retries_ = 0;
+
+  absl::Status base_answer_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_BEHAVIOR_SENSOR_WATCH_H_

@@ -1,0 +1,85 @@
+// A clock and devices without a robot, for tests.
+#ifndef NAV_AGENT_BEHAVIOR_TESTING_DEVICES_H_
+#define NAV_AGENT_BEHAVIOR_TESTING_DEVICES_H_
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "nav_agent/core/devices.h"
+
+namespace treeline {
+
+class ManualClock final : public Clock {
+ public:
+  MonotonicTime Now() const override { return now_; }
+  void Advance_s(double seconds) {
+    now_ += std::chrono::nanoseconds(std::llround(seconds * 1e9));
+  }
+
+ private:
+  MonotonicTime now_{std::chrono::seconds(100)};
+};
+
+template <typename Port, typename T>
+class FakeSensor : public Port {
+ public:
+  DeviceHealth Health() const override { return health; }
+
+  std::vector<T> waiting;
+  DeviceHealth health = {.state = DeviceState::kRunning};
+
+ protected:
+  std::vector<T> TakeAll() { return std::exchange(waiting, {}); }
+};
+
+class FakeLaser final : public FakeSensor<RangeSensor, LaserScan> {
+ public:
+  RangeSensorInfo Info() const override {
+    return {.angle_min_rad = -1.5,
+            .angle_increment_rad = 0.1,
+            .beams = 31,
+            .range_min_m = 0.1,
+            .range_max_m = 30,
+            .beam_interval_s = 0,
+            .scan_interval_s = 0.025};
+  }
+  std::vector<LaserScan> TakeScans() override { return TakeAll(); }
+};
+
+class FakeOdometry final : public FakeSensor<Odometry, BaseReading> {
+ public:
+  std::vector<BaseReading> TakeReadings() override { return TakeAll(); }
+};
+
+class FakeCamera final : public FakeSensor<RgbdCamera, RgbdFrame> {
+ public:
+  RgbdCalibration Calibration() const override { return {}; }
+  std::vector<RgbdFrame> TakeFrames() override {
+    ++takes;
+    return TakeAll();
+  }
+  int takes = 0;
+};
+
+class FakeBase final : public BaseDriver {
+ public:
+  absl::Status SetVelocity(const VelocityCommand& command) override {
+    if (!answer.ok()) return answer;
+    commands.push_back(command);
+    return absl::OkStatus();
+  }
+  void Stop() override { ++stops; }
+  DeviceHealth Health() const override { return health; }
+
+  absl::Status answer;
+  DeviceHealth health = {.state = DeviceState::kRunning};
+  std::vector<VelocityCommand> commands;
+  int stops = 0;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_BEHAVIOR_TESTING_DEVICES_H_

@@ -1,0 +1,144 @@
+#include "nav_agent/behavior/view_belief.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace treeline {
+namespace {
+
+// Half of an Xtion's field of view.
+constexpr double kHalfView_rad = 0.5;
+// Of directions that the laser has not seen.
+constexpr double kUnseen = 0.35;
+// Answers of pictures this far apart have little to do with one another.
+constexpr double kShared_rad = 0.45;
+// What a radian of turning costs, in probability.
+constexpr double kTurnCost = 0.04;
+// A second view should be about this far from the first.
+constexpr double kSecondView_rad = 0.6;
+
+double DirectionOf(size_t i) {
+  return 2 * std::numbers::pi * static_cast<double>(i) /
+         static_cast<double>(ViewBelief::kDirections);
+}
+
+// How much pictures of such a distance tell, in [0, 1].
+double WorthOf(double range_m) {
+  if (range_m <= 0.6) return 0;
+  if (range_m < 1.5) return (range_m - 0.6) / 0.9;
+  if (range_m <= 6) return 1;
+  return std::max(0.3, 1 - (range_m - 6) / 10);
+}
+
+// From what is seen in a field of view.
+double PriorOf(const std::vector<double>& ranges_m) {
+  if (ranges_m.size() < 3) return 0.15;
+  double worth = 0;
+  int steps = 0;
+  for (size_t i = 0; i < ranges_m.size(); ++i) {
+    worth += WorthOf(ranges_m[i]) / static_cast<double>(ranges_m.size());
+    if (i > 0 && std::abs(ranges_m[i] - ranges_m[i - 1]) > 0.3) ++steps;
+  }
+  // Things at different distances: corners that are not only paint.
+  const double structure = std::min(1.0, steps / 6.0);
+  return 0.05 + 0.4 * worth + 0.35 * worth * structure;
+}
+
+}  // namespace
+
+void ViewBelief::Begin(const Rigid2& odom_from_base) {
+  here_ = odom_from_base;
+  prior_.fill(kUnseen);
+  is_seen_.fill(false);
+  promise_.fill(0);
+  known_.fill(0);
+}
+
+double ViewBelief::MovedFrom_m(const Rigid2& odom_from_base) const {
+  return here_.has_value()
+             ? Norm(odom_from_base.translation - here_->translation)
+             : 0;
+}
+
+void ViewBelief::AddScan(const Rigid2& odom_from_base,
+                         const std::vector<Vec2>& ends) {
+  if (ends.empty()) return;
+  double first_rad = 10;
+  double last_rad = -10;
+  for (const Vec2 end : ends) {
+    const double angle_rad = std::atan2(end.y, end.x);
+    first_rad = std::min(first_rad, angle_rad);
+    last_rad = std::max(last_rad, angle_rad);
+  }
+  for (size_t i = 0; i < kDirections; ++i) {
+    const double middle_rad =
+        NormalizedAngle_rad(DirectionOf(i) - odom_from_base.yaw_rad);
+    // Only what was seen whole.
+    if (middle_rad - kHalfView_rad < first_rad - 0.1 ||
+        middle_rad + kHalfView_rad > last_rad + 0.1) {
+      continue;
+    }
+    std::vector<double> ranges_m;
+    for (const Vec2 end : ends) {
+      const double away_rad =
+          NormalizedAngle_rad(std::atan2(end.y, end.x) - middle_rad);
+      if (std::abs(away_rad) <= kHalfView_rad) ranges_m.push_back(Norm(end));
+    }
+    const double prior = PriorOf(ranges_m);
+    prior_[i] = is_seen_[i] ? std::max(prior_[i], prior) : prior;
+    is_seen_[i] = true;
+  }
+}
+
+void ViewBelief::AddAnswer(double yaw_in_odom_rad, double promise) {
+  for (size_t i = 0; i < kDirections; ++i) {
+    const double away =
+        NormalizedAngle_rad(DirectionOf(i) - yaw_in_odom_rad) / kShared_rad;
+    const double share = std::exp(-0.5 * away * away);
+    const double sum = known_[i] + share;
+    promise_[i] = (promise_[i] * known_[i] + promise * share) / sum;
+    known_[i] = sum;
+  }
+}
+
+double ViewBelief::Chance(double yaw_in_odom_rad) const {
+  const double turn = yaw_in_odom_rad / (2 * std::numbers::pi) *
+                      static_cast<double>(kDirections);
+  const auto i =
+      static_cast<size_t>(static_cast<int64_t>(std::llround(turn)) +
+                          int64_t{1000} * static_cast<int64_t>(kDirections)) %
+      kDirections;
+  // Of what is known for sure, asking again brings nothing new.
+  const double known = std::min(1.0, known_[i]);
+  return (1 - known) * prior_[i] + known * promise_[i] * 0.5;
+}
+
+std::optional<double> ViewBelief::Next(double yaw_in_odom_rad,
+                                       std::optional<double> near_rad,
+                                       double least) const {
+  std::optional<double> best_rad;
+  double best = -1e9;
+  for (size_t i = 0; i < kDirections; ++i) {
+    const double direction_rad = DirectionOf(i);
+    double chance = Chance(direction_rad);
+    if (near_rad.has_value()) {
+      const double away =
+          (std::abs(NormalizedAngle_rad(direction_rad - *near_rad)) -
+           kSecondView_rad) /
+          0.3;
+      chance += 0.5 * std::exp(-0.5 * away * away);
+    }
+    if (chance < least) continue;
+    const double value =
+        chance - kTurnCost * std::abs(NormalizedAngle_rad(direction_rad -
+                                                          yaw_in_odom_rad));
+    if (value > best) {
+      best = value;
+      best_rad = NormalizedAngle_rad(direction_rad);
+    }
+  }
+  return best_rad;
+}
+
+}  // namespace treeline

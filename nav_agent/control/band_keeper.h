@@ -1,0 +1,88 @@
+// Keeps an elastic band along the next metres of a path: sets it up, carries it
+// on, mends it, and says where it cannot be mended.
+#ifndef NAV_AGENT_CONTROL_BAND_KEEPER_H_
+#define NAV_AGENT_CONTROL_BAND_KEEPER_H_
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "nav_agent/control/elastic_band.h"
+#include "nav_agent/control/local_costmap.h"
+#include "nav_agent/control/local_search.h"
+#include "nav_agent/control/path_progress.h"
+#include "nav_agent/control/track_follower.h"
+#include "nav_agent/traversability/navigation_map.h"
+
+namespace treeline {
+
+struct BandKeeperOptions {
+  ElasticBandOptions band;
+  LocalSearchOptions search;
+  // The band follows the next metres of the path, as long as they are in the
+  // costmap's window, this far from its edge (m).
+  double horizon_m = 3.0;
+  double inset_m = 0.35;
+  // New bubbles on the path are this far apart (m).
+  double spacing_m = 0.2;
+  // A place on the path is taken if its footprint has less room (m).
+  double room_m = 0.01;
+  // A robot that is further off has left its band (m).
+  double lost_band_m = 0.5;
+  // What a metre of path that is left out costs the search for a way around:
+  // it may come back to the path late, but not for nothing.
+  double skip_cost = 0.3;
+};
+
+// The line to drive along, from the robot on.
+struct BandTrack {
+  std::vector<TrackPoint> points;
+  bool ends_at_goal = false;
+  // Where the way ends that should go on.
+  std::optional<Vec2> broken_at;
+};
+
+// Not thread-safe.
+class BandKeeper {
+ public:
+  BandKeeper(std::shared_ptr<const NavigationMap> map,
+             const BandKeeperOptions& options)
+      : map_(std::move(map)), options_(options), band_(options.band) {}
+
+  void SetPath(const std::vector<LevelPose>& path);
+  const PathProgress& progress() const { return progress_; }
+  const std::vector<BandBubble>& bubbles() const { return band_.bubbles(); }
+
+  // The robot is here, and this is around it.
+  BandTrack Update(const LevelPose& pose, const LocalCostmap& costmap);
+  // How often a band was mended by a search.
+  int mended() const { return mended_; }
+
+ private:
+  // A place on the path.
+  struct Stop {
+    double along_m = 0;
+    Rigid2 map_from_base;
+    bool is_free = false;
+  };
+
+  std::vector<Stop> StopsAhead(const LocalCostmap& costmap) const;
+  void Renew(const LevelPose& pose, const std::vector<Stop>& stops);
+  void CarryOn(const std::vector<Stop>& stops);
+  bool Mend(const LevelPose& pose, const std::vector<Stop>& stops,
+            const LocalCostmap& costmap);
+  BandTrack TrackOf(size_t whole_bubbles, const LocalCostmap& costmap) const;
+
+  std::shared_ptr<const NavigationMap> map_;
+  BandKeeperOptions options_;
+  PathProgress progress_;
+  ElasticBand band_;
+  // Of the band's last bubble, along the path.
+  double end_along_m_ = 0;
+  int rest_ = 0;
+  int mended_ = 0;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_CONTROL_BAND_KEEPER_H_

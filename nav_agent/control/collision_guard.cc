@@ -1,0 +1,130 @@
+#include "nav_agent/control/collision_guard.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "absl/strings/str_cat.h"
+
+namespace treeline {
+namespace {
+
+// Parts of a command that are tried.
+constexpr std::array<double, 7> kShares = {1.0,  0.8,  0.6, 0.4,
+                                           0.25, 0.12, 0.06};
+// From one look at the footprint to the next no part of it moves further (m).
+constexpr double kLook_m = 0.02;
+constexpr int kMostLooks = 60;
+// What is nearer than its margin may come so much nearer: rounding (m).
+constexpr double kSlack_m = 2e-4;
+
+}  // namespace
+
+absl::Status CollisionGuardOptions::Validate() const {
+  if (!(point_margin_m >= 0 && cell_margin_m >= 0 && margin_per_speed_s >= 0 &&
+        reaction_s >= 0 && approach_mps >= 0 && moving_margin_m >= 0)) {
+    return absl::InvalidArgumentError(
+        "the collision guard's margins, times and speeds must not be negative");
+  }
+  if (!(braking_share > 0 && braking_share <= 1)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("braking_share must be in (0, 1], not ", braking_share));
+  }
+  return absl::OkStatus();
+}
+
+CollisionGuard::CollisionGuard(const RobotModel& robot,
+                               const CollisionGuardOptions& options)
+    : robot_(robot), options_(options), footprint_(Footprint::Of(robot)) {}
+
+double CollisionGuard::Reach_m() const {
+  const double v = std::max(robot_.max_forward_mps, robot_.max_backward_mps);
+  const double brake = options_.braking_share * robot_.max_deceleration_mps2;
+  const double stop_s = options_.reaction_s + v / brake;
+  return footprint_.Circumradius_m() + v * options_.reaction_s +
+         v * v / (2 * brake) + options_.approach_mps * stop_s +
+         v * options_.margin_per_speed_s +
+         std::max({options_.point_margin_m, options_.cell_margin_m,
+                   options_.lost_margin_m});
+}
+
+const GuardPoint* CollisionGuard::FirstHit(
+    const VelocityCommand& command, std::span<const GuardPoint> points,
+    std::span<const double> now_m) const {
+  const double brake = options_.braking_share * robot_.max_deceleration_mps2;
+  const double yaw_brake = 0.9 * robot_.max_yaw_acceleration_radps2;
+  const double v = command.forward_mps;
+  const double w = command.yaw_rate_radps;
+  // Both brake together along the arc, as long as the slower one takes.
+  const double stop_s = std::max(std::abs(v) / brake, std::abs(w) / yaw_brake);
+  const double total_s = options_.reaction_s + stop_s;
+  const double edge_mps =
+      std::abs(v) + std::abs(w) * footprint_.Circumradius_m();
+  const int looks = std::clamp(
+      static_cast<int>(std::ceil(edge_mps * total_s / kLook_m)), 2, kMostLooks);
+  const double extra_m = options_.margin_per_speed_s * std::abs(v);
+  Vec2 at;
+  double yaw_rad = 0;
+  const double step_s = total_s / looks;
+  for (int look = 1; look <= looks; ++look) {
+    const double time_s = look * step_s;
+    const double middle_s = time_s - 0.5 * step_s;
+    const double share =
+        middle_s <= options_.reaction_s || stop_s <= 0
+            ? 1.0
+            : std::max(0.0, 1 - (middle_s - options_.reaction_s) / stop_s);
+    const double turn_rad = share * w * step_s;
+    const double way_m = share * v * step_s;
+    at = at + way_m * Vec2{std::cos(yaw_rad + 0.5 * turn_rad),
+                           std::sin(yaw_rad + 0.5 * turn_rad)};
+    yaw_rad += turn_rad;
+    const double c = std::cos(yaw_rad);
+    const double s = std::sin(yaw_rad);
+    for (size_t i = 0; i < points.size(); ++i) {
+      const GuardPoint& point = points[i];
+      const Vec2 off = point.in_base - at;
+      const double distance_m = footprint_.DistanceTo_m(
+          {c * off.x + s * off.y, -s * off.x + c * off.y});
+      const double needed_m =
+          point.margin_m + extra_m + point.approach_mps * time_s;
+      if (distance_m < needed_m && distance_m < now_m[i] - kSlack_m) {
+        return &point;
+      }
+    }
+  }
+  return nullptr;
+}
+
+GuardVerdict CollisionGuard::Check(const VelocityCommand& wanted,
+                                   std::span<const GuardPoint> points) const {
+  GuardVerdict verdict;
+  if (!std::isfinite(wanted.forward_mps) ||
+      !std::isfinite(wanted.yaw_rate_radps)) {
+    verdict.is_limited = true;
+    return verdict;
+  }
+  if (wanted.forward_mps == 0 && wanted.yaw_rate_radps == 0) return verdict;
+  std::vector<double> now_m(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    now_m[i] = footprint_.DistanceTo_m(points[i].in_base);
+  }
+  for (const double share : kShares) {
+    const VelocityCommand command = {
+        .forward_mps = share * wanted.forward_mps,
+        .yaw_rate_radps = share * wanted.yaw_rate_radps};
+    const GuardPoint* hit = FirstHit(command, points, now_m);
+    if (hit == nullptr) {
+      verdict.command = command;
+      return verdict;
+    }
+    if (!verdict.is_limited) {
+      verdict.point_in_base = hit->in_base;
+      verdict.point_moves = hit->approach_mps > 0;
+    }
+    verdict.is_limited = true;
+  }
+  return verdict;
+}
+
+}  // namespace treeline

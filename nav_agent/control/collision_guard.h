@@ -1,0 +1,84 @@
+// The last thing between a command and the base: it does not let the robot run
+// into what is seen or known, whoever gave the command.
+#ifndef NAV_AGENT_CONTROL_COLLISION_GUARD_H_
+#define NAV_AGENT_CONTROL_COLLISION_GUARD_H_
+
+#include <span>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "common/geometry/rigid2.h"
+#include "nav_agent/control/footprint.h"
+#include "nav_agent/core/robot_model.h"
+#include "nav_agent/core/sensor_data.h"
+
+namespace treeline {
+
+struct CollisionGuardOptions {
+  // Room that is kept to points that were measured, and to the centres of cells
+  // of the map (m).
+  double point_margin_m = 0.03;
+  double cell_margin_m = 0.035;
+  // What more is kept for each m/s of speed (s).
+  double margin_per_speed_s = 0.06;
+  // From a command until the base obeys it (s).
+  double reaction_s = 0.08;
+  // The share of the robot's deceleration that is counted on: slopes.
+  double braking_share = 0.75;
+  // What moves may come towards the robot so fast (m/s).
+  double approach_mps = 0.9;
+  double moving_margin_m = 0.08;
+  // The same, where it was seen last a moment ago (m).
+  double lost_margin_m = 0.2;
+
+  absl::Status Validate() const;
+};
+
+struct GuardPoint {
+  Vec2 in_base;
+  // Kept free beside the footprint (m).
+  double margin_m = 0;
+  // It may come nearer by itself (m/s).
+  double approach_mps = 0;
+};
+
+struct GuardVerdict {
+  VelocityCommand command;
+  // The command is another one than was wanted because of a point.
+  bool is_limited = false;
+  // What forbade the wanted command: where (m), and whether it moves.
+  Vec2 point_in_base;
+  bool point_moves = false;
+};
+
+// For each command: what the robot does if it obeys for the reaction time and
+// then brakes as hard as it can; the command is allowed if no point comes
+// nearer to the footprint than its margin on that way. What is nearer already
+// must not come nearer still: away from it the robot may always drive. If the
+// command is not allowed, the fastest one along the same arc that is.
+//
+// Pure; limits of speed and acceleration are the caller's.
+class CollisionGuard {
+ public:
+  CollisionGuard(const RobotModel& robot, const CollisionGuardOptions& options);
+
+  GuardVerdict Check(const VelocityCommand& wanted,
+                     std::span<const GuardPoint> points) const;
+  // A point so far from the base matters to no command (m).
+  double Reach_m() const;
+  const CollisionGuardOptions& options() const { return options_; }
+
+ private:
+  // The first point that forbids a command; none: the end of `points`.
+  const GuardPoint* FirstHit(const VelocityCommand& command,
+                             std::span<const GuardPoint> points,
+                             std::span<const double> now_m) const;
+
+  RobotModel robot_;
+  CollisionGuardOptions options_;
+  Footprint footprint_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_CONTROL_COLLISION_GUARD_H_

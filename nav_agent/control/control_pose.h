@@ -1,0 +1,35 @@
+// Where the robot is when something is seen or decided, and how it moves then.
+#ifndef NAV_AGENT_CONTROL_CONTROL_POSE_H_
+#define NAV_AGENT_CONTROL_CONTROL_POSE_H_
+
+#include "common/base/clock.h"
+#include "common/geometry/rigid3.h"
+#include "nav_agent/core/level_pose.h"
+
+namespace treeline {
+
+struct ControlPose {
+  MonotonicTime stamp;
+  LevelPose pose;
+  // Pitch and roll (SlopeOdometry::LevelFromBase).
+  Rotation3 level_from_base;
+  double forward_mps = 0;
+  double yaw_rate_radps = 0;
+  // The robot is lost: `pose` is dead reckoning's, and the map says nothing of
+  // what stands there; only what was seen counts. Obstacles are to be cleared
+  // when this changes.
+  bool map_is_unknown = false;
+};
+
+// The robot in space, on the ground that it stands on.
+inline Rigid3 MapFromBase3(const ControlPose& pose) {
+  const Rigid2& planar = pose.pose.map_from_base;
+  return {.rotation = Rotation3::FromAxisAngle({0, 0, planar.yaw_rad}) *
+                      pose.level_from_base,
+          .translation = {planar.translation.x, planar.translation.y,
+                          pose.pose.place.height_m}};
+}
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_CONTROL_CONTROL_POSE_H_

@@ -1,0 +1,102 @@
+// Elastic bands (Quinlan and Khatib, "Elastic Bands: Connecting Path Planning
+// and Control", ICRA 1993; thesis 6.5.1): a path as bubbles of free space that
+// contracts and is pushed away by what stands beside it.
+#ifndef NAV_AGENT_CONTROL_ELASTIC_BAND_H_
+#define NAV_AGENT_CONTROL_ELASTIC_BAND_H_
+
+#include <optional>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "common/geometry/rigid2.h"
+
+namespace treeline {
+
+// A place on the band: where the robot stands there, and by how much its
+// footprint may be moved in any direction without touching anything (m).
+struct BandBubble {
+  Rigid2 map_from_base;
+  double radius_m = 0;
+};
+
+// What bubbles are made of.
+class BandSpace {
+ public:
+  virtual ~BandSpace() = default;
+  // The free distance of the footprint at this pose, at most at_most_m;
+  // negative where it touches something, and where nothing is known (m).
+  virtual double FreeDistance_m(const Rigid2& map_from_base,
+                                double at_most_m) const = 0;
+  // Unit vector from the nearest obstacle; 0 if there is none.
+  virtual Vec2 Away(Vec2 point_in_map) const = 0;
+};
+
+struct ElasticBandOptions {
+  // rho_0: obstacles further from the footprint do not push (m).
+  double influence_m = 0.5;
+  // k_c and k_r (1, 1/m).
+  double contraction = 1.0;
+  double repulsion = 2.5;
+  // A bubble moves by this times its radius times the force in one go, at most
+  // max_move_m.
+  double gain = 0.4;
+  double max_move_m = 0.05;
+  // Neighbours at most this far apart, and at least (m).
+  double max_spacing_m = 0.30;
+  double min_spacing_m = 0.10;
+  // What a turn between neighbours takes of their room (m of way for 1 rad).
+  double turn_m_per_rad = 0.1;
+  int iterations = 3;
+  int max_bubbles = 80;
+
+  absl::Status Validate() const;
+};
+
+// With bubbles b_i of radius rho_i and headings along the band:
+//
+//   f_c = k_c ((b_(i-1) - b_i) / |b_(i-1) - b_i| + (b_(i+1) - b_i) / |...|)
+//   f_r = k_r (rho_0 - rho) d rho / d b  while rho < rho_0
+//   f   = f_c + f_r, without its part along b_(i+1) - b_(i-1)
+//   b_i += gain rho_i f
+//
+// The first and the last stay where they are. Neighbours hang together if their
+// distance is less than the sum of their radii. Not thread-safe.
+class ElasticBand {
+ public:
+  explicit ElasticBand(const ElasticBandOptions& options) : options_(options) {}
+
+  const std::vector<BandBubble>& bubbles() const { return bubbles_; }
+  bool is_empty() const { return bubbles_.empty(); }
+  void Clear() { bubbles_.clear(); }
+  // A new band through these points; headings follow from them but for the
+  // first and the last.
+  void Set(const std::vector<Rigid2>& map_from_base);
+  // The band begins at the robot: what lies behind it is cut off. How far the
+  // robot was from it (m).
+  double BeginAt(const Rigid2& map_from_base);
+  // One more at the end, which becomes free to move with that.
+  void Append(const Rigid2& map_from_base);
+
+  // Some iterations in this space, with filling of gaps and thinning out.
+  void Relax(const BandSpace& space);
+  // The first bubble that touches something or does not hang together with the
+  // one before it; nullopt: the band is whole.
+  std::optional<size_t> FirstBreak(const BandSpace& space) const;
+
+ private:
+  void SetHeadings();
+  void Measure(const BandSpace& space, BandBubble& bubble) const;
+  Vec2 ForceOn(size_t i, const BandSpace& space) const;
+  void MoveBubbles(const BandSpace& space);
+  void FillAndThin(const BandSpace& space);
+  double WayBetween_m(const BandBubble& a, const BandBubble& b) const;
+  bool HangTogether(const BandBubble& a, const BandBubble& b,
+                    const BandSpace& space) const;
+
+  ElasticBandOptions options_;
+  std::vector<BandBubble> bubbles_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_CONTROL_ELASTIC_BAND_H_

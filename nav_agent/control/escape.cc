@@ -1,0 +1,73 @@
+#include "nav_agent/control/escape.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace treeline {
+namespace {
+
+constexpr double kHold_s = 0.7;
+constexpr double kAhead_s = 1.0;
+// The point of the track that the robot should look at (m).
+constexpr double kLook_m = 0.4;
+// What room beside the robot is worth, up to how much (rad of heading for 1 m).
+constexpr double kRoomWorth = 6;
+constexpr double kRoomMost_m = 0.15;
+constexpr double kSpeeds_mps[] = {0.12, 0.06, 0.0, -0.06, -0.12};
+constexpr double kYawRates_radps[] = {0.0, 0.35, -0.35, 0.7, -0.7};
+
+Rigid2 After(const Rigid2& map_from_base, const VelocityCommand& command) {
+  const double turn_rad = command.yaw_rate_radps * kAhead_s;
+  const double way_m = command.forward_mps * kAhead_s;
+  return map_from_base *
+         Rigid2{.translation = {way_m * std::cos(0.5 * turn_rad),
+                                way_m * std::sin(0.5 * turn_rad)},
+                .yaw_rad = turn_rad};
+}
+
+}  // namespace
+
+std::optional<VelocityCommand> Escape::Find(
+    const ControlPose& pose, std::span<const TrackPoint> track,
+    const VelocityCommand& wanted, const LocalCostmap& costmap,
+    const CollisionGuard& guard, std::span<const GuardPoint> points) {
+  if (!guard.Check(wanted, points).is_limited && !held_.has_value()) {
+    return std::nullopt;
+  }
+  const bool holds =
+      held_.has_value() &&
+      std::chrono::duration<double>(pose.stamp - held_since_).count() < kHold_s;
+  if (holds && !guard.Check(*held_, points).is_limited) return held_;
+  Vec2 target = track.back().in_map;
+  double along_m = 0;
+  for (size_t i = 1; i < track.size(); ++i) {
+    along_m += Norm(track[i].in_map - track[i - 1].in_map);
+    if (along_m < kLook_m) continue;
+    target = track[i].in_map;
+    break;
+  }
+  const auto price = [&](const Rigid2& at) {
+    const Vec2 to = at.Inverse() * target;
+    const double room_m = costmap.FootprintDistance_m(at, kRoomMost_m);
+    return std::abs(std::atan2(to.y, to.x)) + Norm(to) - kRoomWorth * room_m;
+  };
+  held_.reset();
+  double best = price(pose.pose.map_from_base) - 0.02;
+  for (const double speed : kSpeeds_mps) {
+    for (const double yaw_rate : kYawRates_radps) {
+      const VelocityCommand command = {.forward_mps = speed,
+                                       .yaw_rate_radps = yaw_rate};
+      if (speed == 0 && yaw_rate == 0) continue;
+      const double now = price(After(pose.pose.map_from_base, command));
+      if (now >= best || guard.Check(command, points).is_limited) continue;
+      best = now;
+      held_ = command;
+    }
+  }
+  held_since_ = pose.stamp;
+  return held_;
+}
+
+}  // namespace treeline

@@ -1,0 +1,38 @@
+// Small moves that get a robot on when the one it wants is not allowed.
+#ifndef NAV_AGENT_CONTROL_ESCAPE_H_
+#define NAV_AGENT_CONTROL_ESCAPE_H_
+
+#include <optional>
+#include <span>
+
+#include "nav_agent/control/collision_guard.h"
+#include "nav_agent/control/control_pose.h"
+#include "nav_agent/control/local_costmap.h"
+#include "nav_agent/control/track_follower.h"
+
+namespace treeline {
+
+// A robot that stands askew beside a wall cannot turn where it stands: it has
+// to back off first. Of a few slow commands, those that the collision guard
+// allows as they are, the one after which (1 s on) the robot looks most along
+// its track, has most room about it, and has not lost way. Held for a while, so
+// that the robot does not dither. Not thread-safe.
+class Escape {
+ public:
+  void Reset() { held_.reset(); }
+  // nullopt: none is allowed.
+  std::optional<VelocityCommand> Find(const ControlPose& pose,
+                                      std::span<const TrackPoint> track,
+                                      const VelocityCommand& wanted,
+                                      const LocalCostmap& costmap,
+                                      const CollisionGuard& guard,
+                                      std::span<const GuardPoint> points);
+
+ private:
+  std::optional<VelocityCommand> held_;
+  MonotonicTime held_since_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_CONTROL_ESCAPE_H_

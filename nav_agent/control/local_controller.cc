@@ -1,0 +1,386 @@
+#include "nav_agent/control/local_controller.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/control/band_keeper.h"
+#include "nav_agent/control/collision_guard.h"
+#include "nav_agent/control/escape.h"
+#include "nav_agent/control/goal_approach.h"
+#include "nav_agent/control/local_costmap.h"
+#include "nav_agent/control/standstill.h"
+#include "nav_agent/control/track_follower.h"
+#include "nav_agent/control/velocity_limits.h"
+
+namespace treeline {
+namespace {
+
+// Without a scan for so long the robot stops (s).
+constexpr double kScanLifetime_s = 0.3;
+constexpr double kDepthLifetime_s = 0.5;
+constexpr double kStanding_mps = 0.02;
+constexpr double kStanding_radps = 0.05;
+// A band that breaks so near ahead is broken (m).
+constexpr double kBrokenNear_m = 0.35;
+
+double SecondsBetween(MonotonicTime from, MonotonicTime until) {
+  return std::chrono::duration<double>(until - from).count();
+}
+
+bool IsFinitePose(const ControlPose& pose) {
+  return IsFinite(MapFromBase3(pose)) && std::isfinite(pose.forward_mps) &&
+         std::isfinite(pose.yaw_rate_radps);
+}
+
+class BandController final : public LocalController {
+ public:
+  BandController(std::shared_ptr<const NavigationMap> map,
+                 const RobotModel& robot, const LocalControllerOptions& options,
+                 LocalCostmap costmap)
+      : robot_(robot),
+        options_(options),
+        costmap_(std::move(costmap)),
+        guard_(robot, CollisionGuardOptions()),
+        keeper_(std::move(map), KeeperOptions(options)),
+        approach_({.tolerance_m = options.goal_tolerance_m,
+                   .tolerance_rad = options.goal_tolerance_rad}) {
+    follow_.max_forward_mps =
+        std::min(options.max_forward_mps, robot.max_forward_mps);
+  }
+
+  absl::Status AddScan(const ControlPose& pose,
+                       const LaserScan& scan) override {
+    return costmap_.AddScan(pose, scan);
+  }
+  absl::Status AddDepth(const ControlPose& pose,
+                        const RgbdFrame& frame) override {
+    return costmap_.AddDepth(pose, frame);
+  }
+  void ClearObstacles() override {
+    costmap_.ClearObstacles();
+    standstill_.Reset();
+  }
+
+  void SetPath(const std::vector<LevelPose>& path) override;
+  ControlResult Step(const ControlPose& pose) override;
+  VelocityCommand Guard(const ControlPose& pose,
+                        const VelocityCommand& wanted) override;
+  bool CanTurn(const ControlPose& pose) const override;
+  double FreeWay_m(const ControlPose& pose, double at_most_m) const override;
+  std::vector<Bubble> Bubbles() const override;
+  CostmapView Costmap() const override;
+
+ private:
+  // A command after limits and the collision stop.
+  struct Allowed {
+    VelocityCommand command;
+    bool is_limited = false;
+    // What limits it, and whether that moves.
+    std::optional<Vec2> point_in_map;
+    bool point_moves = false;
+  };
+
+  static BandKeeperOptions KeeperOptions(
+      const LocalControllerOptions& options) {
+    BandKeeperOptions keeper;
+    keeper.band.influence_m = std::max(0.05, options.inflation_m);
+    return keeper;
+  }
+  std::vector<GuardPoint> GuardPoints(const ControlPose& pose) const;
+  Allowed Allow(const ControlPose& pose, const VelocityCommand& wanted,
+                std::span<const GuardPoint> points);
+  VelocityCommand Wanted(const ControlPose& pose, const BandTrack& track);
+  void JudgeProgress(const ControlPose& pose, const BandTrack& track,
+                     const VelocityCommand& wanted, const Allowed& allowed,
+                     ControlResult& result);
+
+  RobotModel robot_;
+  LocalControllerOptions options_;
+  TrackFollowerOptions follow_;
+  LocalCostmap costmap_;
+  CollisionGuard guard_;
+  CommandHistory history_;
+  BandKeeper keeper_;
+  GoalApproach approach_;
+  FollowState follow_state_;
+  Escape escape_;
+  Standstill standstill_;
+};
+
+void BandController::SetPath(const std::vector<LevelPose>& path) {
+  keeper_.SetPath(path);
+  approach_.Reset();
+  follow_state_ = {};
+  escape_.Reset();
+  standstill_.Reset();
+}
+
+std::vector<GuardPoint> BandController::GuardPoints(
+    const ControlPose& pose) const {
+  const Rigid2 base_from_map = pose.pose.map_from_base.Inverse();
+  const double reach_m = guard_.Reach_m();
+  const CollisionGuardOptions& options = guard_.options();
+  std::vector<GuardPoint> points;
+  const auto add_seen = [&](const std::vector<SeenPoint>& seen) {
+    Vec2 last = {1e9, 1e9};
+    for (const SeenPoint& point : seen) {
+      const Vec2 in_base = base_from_map * point.in_map;
+      // Neighbouring beams that end side by side say the same.
+      if (Norm(in_base) > reach_m || Norm(in_base - last) < 0.012) continue;
+      last = in_base;
+      points.push_back(
+          {.in_base = in_base,
+           .margin_m = point.is_moving ? options.moving_margin_m
+                                       : options.point_margin_m,
+           .approach_mps = point.is_moving ? options.approach_mps : 0});
+    }
+  };
+  add_seen(costmap_.scan_points());
+  if (costmap_.last_depth().has_value() &&
+      SecondsBetween(*costmap_.last_depth(), pose.stamp) < kDepthLifetime_s) {
+    add_seen(costmap_.depth_points());
+  }
+  for (const UnseenObstacle& unseen : costmap_.UnseenObstacles(
+           pose.pose.map_from_base.translation, reach_m, pose.stamp)) {
+    // Somebody who went out of sight behind the robot is still about.
+    points.push_back(
+        {.in_base = base_from_map * unseen.in_map,
+         .margin_m =
+             unseen.was_moving ? options.lost_margin_m : options.cell_margin_m,
+         .approach_mps = unseen.was_moving ? options.approach_mps : 0});
+  }
+  return points;
+}
+
+BandController::Allowed BandController::Allow(
+    const ControlPose& pose, const VelocityCommand& wanted,
+    std::span<const GuardPoint> points) {
+  const CommandHistory::Start start = history_.StartAt(
+      pose.stamp,
+      {.forward_mps = pose.forward_mps, .yaw_rate_radps = pose.yaw_rate_radps},
+      robot_);
+  Allowed allowed;
+  const bool sees =
+      costmap_.last_scan().has_value() &&
+      SecondsBetween(*costmap_.last_scan(), pose.stamp) < kScanLifetime_s;
+  if (!IsFinitePose(pose) || !sees || !std::isfinite(wanted.forward_mps) ||
+      !std::isfinite(wanted.yaw_rate_radps)) {
+    allowed.is_limited = true;
+    allowed.command =
+        LimitedVelocity(start.velocity, {}, start.interval_s, robot_);
+  } else {
+    const VelocityCommand limited =
+        LimitedVelocity(start.velocity, wanted, start.interval_s, robot_);
+    const GuardVerdict verdict = guard_.Check(limited, points);
+    allowed.is_limited = verdict.is_limited;
+    allowed.command = limited;
+    if (verdict.is_limited) {
+      allowed.command = LimitedVelocity(start.velocity, verdict.command,
+                                        start.interval_s, robot_);
+      allowed.point_in_map = pose.pose.map_from_base * verdict.point_in_base;
+      allowed.point_moves = verdict.point_moves;
+    }
+  }
+  history_.Told(pose.stamp, allowed.command);
+  return allowed;
+}
+
+VelocityCommand BandController::Guard(const ControlPose& pose,
+                                      const VelocityCommand& wanted) {
+  if (!IsFinitePose(pose)) return Allow(pose, wanted, {}).command;
+  costmap_.MoveTo(pose);
+  costmap_.Update(pose.stamp);
+  return Allow(pose, wanted, GuardPoints(pose)).command;
+}
+
+VelocityCommand BandController::Wanted(const ControlPose& pose,
+                                       const BandTrack& track) {
+  const Rigid2& goal = keeper_.progress().goal().map_from_base;
+  if (approach_.IsNear(pose.pose.map_from_base, goal,
+                       keeper_.progress().left_m())) {
+    return approach_.Command(pose.pose.map_from_base, goal, robot_, follow_);
+  }
+  return FollowTrack(pose.pose.map_from_base, pose.forward_mps, track.points, 0,
+                     robot_, follow_, follow_state_);
+}
+
+ControlResult BandController::Step(const ControlPose& pose) {
+  ControlResult result;
+  if (!IsFinitePose(pose)) {
+    result.command = Allow(pose, {}, {}).command;
+    result.is_stopped_by_guard = true;
+    return result;
+  }
+  costmap_.MoveTo(pose);
+  costmap_.Update(pose.stamp);
+  const std::vector<GuardPoint> points = GuardPoints(pose);
+  if (!keeper_.progress().has_path()) {
+    result.command = Allow(pose, {}, points).command;
+    return result;
+  }
+  const BandTrack track = keeper_.Update(pose.pose, costmap_);
+  result.to_go_m = keeper_.progress().left_m();
+  result.state = ControlState::kDriving;
+  VelocityCommand wanted = Wanted(pose, track);
+  if (approach_.is_done()) {
+    const Allowed allowed = Allow(pose, {}, points);
+    result.command = allowed.command;
+    const bool stands = std::abs(pose.forward_mps) < kStanding_mps &&
+                        std::abs(pose.yaw_rate_radps) < kStanding_radps;
+    if (stands) result.state = ControlState::kArrived;
+    standstill_.Reset();
+    return result;
+  }
+  if (standstill_.WantsEscape() && track.points.size() > 1) {
+    wanted = escape_.Find(pose, track.points, wanted, costmap_, guard_, points)
+                 .value_or(wanted);
+  }
+  const Allowed allowed = Allow(pose, wanted, points);
+  result.command = allowed.command;
+  result.is_stopped_by_guard = allowed.is_limited;
+  JudgeProgress(pose, track, wanted, allowed, result);
+  return result;
+}
+
+void BandController::JudgeProgress(const ControlPose& pose,
+                                   const BandTrack& track,
+                                   const VelocityCommand& wanted,
+                                   const Allowed& allowed,
+                                   ControlResult& result) {
+  StandstillInput input = {
+      .stamp = pose.stamp,
+      .at = pose.pose.map_from_base,
+      .wants_to_move = wanted.forward_mps != 0 || wanted.yaw_rate_radps != 0};
+  double track_m = 0;
+  for (size_t i = 1; i < track.points.size(); ++i) {
+    track_m += Norm(track.points[i].in_map - track.points[i - 1].in_map);
+  }
+  if (track.broken_at.has_value() && track_m < kBrokenNear_m &&
+      !approach_.is_turning()) {
+    input.obstacle_in_map = *track.broken_at;
+    input.is_broken = true;
+    const SeenObstacle seen = costmap_.ObstacleNear(
+        *track.broken_at, robot_.Circumradius_m() + 0.1, pose.stamp);
+    if (seen.radius_m > 0) {
+      input.obstacle_in_map = seen.center_in_map;
+      input.obstacle_radius_m = seen.radius_m;
+    }
+    input.obstacle_age_s = seen.age_s;
+  }
+  if (allowed.point_in_map.has_value()) {
+    input.is_guarded = true;
+    if (!input.is_broken) {
+      input.obstacle_in_map = *allowed.point_in_map;
+      const SeenObstacle seen =
+          costmap_.ObstacleNear(*allowed.point_in_map, 0.2, pose.stamp);
+      if (seen.radius_m > 0) {
+        input.obstacle_in_map = seen.center_in_map;
+        input.obstacle_radius_m = seen.radius_m;
+      }
+      input.obstacle_age_s = seen.age_s;
+    }
+    if (allowed.point_moves) input.obstacle_age_s = 0;
+  }
+  result.state = standstill_.Judge(input);
+  if (result.state == ControlState::kBlocked ||
+      result.state == ControlState::kWaiting) {
+    // Held by something that nothing sees: it is where the robot wants to go.
+    const double ahead_m =
+        wanted.forward_mps < 0 ? -robot_.rear_m - 0.1 : robot_.front_m + 0.1;
+    result.obstacle_in_map = input.obstacle_in_map.value_or(
+        pose.pose.map_from_base * Vec2{ahead_m, 0});
+    result.obstacle_radius_m = std::max(0.1, input.obstacle_radius_m);
+  }
+}
+
+bool BandController::CanTurn(const ControlPose& pose) const {
+  constexpr int kParts = 72;
+  for (int part = 0; part < kParts; ++part) {
+    Rigid2 turned = pose.pose.map_from_base;
+    turned.yaw_rad += 2 * std::acos(-1.0) * part / kParts;
+    if (costmap_.FootprintDistance_m(turned, 0.1) <= 0.01) return false;
+  }
+  return true;
+}
+
+double BandController::FreeWay_m(const ControlPose& pose,
+                                 double at_most_m) const {
+  constexpr double kStep_m = 0.02;
+  const double sign = at_most_m < 0 ? -1 : 1;
+  double free_m = 0;
+  while (free_m < std::abs(at_most_m)) {
+    const double next_m = std::min(std::abs(at_most_m), free_m + kStep_m);
+    Rigid2 moved = pose.pose.map_from_base;
+    moved.translation = moved * Vec2{sign * next_m, 0};
+    if (costmap_.FootprintDistance_m(moved, 0.1) <= 0.01) break;
+    free_m = next_m;
+  }
+  return sign * free_m;
+}
+
+std::vector<Bubble> BandController::Bubbles() const {
+  std::vector<Bubble> bubbles;
+  for (const BandBubble& bubble : keeper_.bubbles()) {
+    bubbles.push_back({.center_in_map = bubble.map_from_base.translation,
+                       .heading_rad = bubble.map_from_base.yaw_rad,
+                       .radius_m = std::max(0.0, bubble.radius_m)});
+  }
+  return bubbles;
+}
+
+CostmapView BandController::Costmap() const {
+  CostmapView view = {.origin_in_map = costmap_.origin_in_map(),
+                      .resolution_m = costmap_.resolution_m(),
+                      .width = costmap_.width(),
+                      .height = costmap_.height(),
+                      .cells = {},
+                      .distance_m = costmap_.distances_m()};
+  view.cells.reserve(costmap_.cells().size());
+  for (const LocalCell cell : costmap_.cells()) {
+    view.cells.push_back(static_cast<uint8_t>(cell));
+  }
+  return view;
+}
+
+}  // namespace
+
+absl::Status LocalControllerOptions::Validate() const {
+  if (!(inflation_m >= 0 && inflation_m <= 2)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("inflation_m must be in [0, 2], not ", inflation_m));
+  }
+  if (!(goal_tolerance_m >= 0.02 && goal_tolerance_m <= 1 &&
+        goal_tolerance_rad >= 0.02 && goal_tolerance_rad <= 3.2)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "the goal's tolerances must be in [0.02, 1] m and [0.02, 3.2] rad, "
+        "not ",
+        goal_tolerance_m, " and ", goal_tolerance_rad));
+  }
+  if (!(max_forward_mps > 0 && max_forward_mps <= 5)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "max_forward_mps must be in (0, 5], not ", max_forward_mps));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::unique_ptr<LocalController>> LocalController::Make(
+    std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
+    const RangeSensorInfo& laser, const LocalControllerOptions& options) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  LocalCostmapOptions costmap_options;
+  costmap_options.length_m = options.costmap_length_m;
+  costmap_options.width_m = options.costmap_width_m;
+  costmap_options.resolution_m = options.costmap_resolution_m;
+  TL_ASSIGN_OR_RETURN(LocalCostmap costmap,
+                      LocalCostmap::Make(map, robot, laser, costmap_options));
+  return std::make_unique<BandController>(std::move(map), robot, options,
+                                          std::move(costmap));
+}
+
+}  // namespace treeline

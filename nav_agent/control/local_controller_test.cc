@@ -1,0 +1,220 @@
+#include "nav_agent/control/local_controller.h"
+
+#include <cmath>
+#include <limits>
+
+#include "gtest/gtest.h"
+#include "nav_agent/control/footprint.h"
+#include "nav_agent/control/testing_floor.h"
+
+namespace treeline {
+namespace {
+
+// A robot that does exactly what it is told, on a testing floor.
+class Drive {
+ public:
+  Drive(const TestingFloor& floor, const ControlPose& start,
+        std::function<bool(Vec2)> is_solid)
+      : controller_(*LocalController::Make(floor.Map(), RobotModel(),
+                                           TestingLaser(), {})),
+        pose_(start),
+        is_solid_(std::move(is_solid)) {}
+
+  LocalController& controller() { return *controller_; }
+  ControlPose& pose() { return pose_; }
+  void Goto(Vec2 goal, double yaw_rad = 0) {
+    LevelPose end;
+    end.map_from_base = {.translation = goal, .yaw_rad = yaw_rad};
+    controller_->SetPath({pose_.pose, end});
+  }
+  ControlResult Step() {
+    pose_.stamp += std::chrono::milliseconds(25);
+    EXPECT_TRUE(
+        controller_->AddScan(pose_, TestingScan(pose_, is_solid_)).ok());
+    const ControlResult result = controller_->Step(pose_);
+    const double dv = result.command.forward_mps - pose_.forward_mps;
+    EXPECT_LE(dv, 0.8 * 0.025 + 1e-9);
+    EXPECT_GE(dv, -1.5 * 0.025 - 1e-9);
+    EXPECT_LE(std::abs(result.command.yaw_rate_radps - pose_.yaw_rate_radps),
+              3.0 * 0.025 + 1e-9);
+    pose_.forward_mps = result.command.forward_mps;
+    pose_.yaw_rate_radps = result.command.yaw_rate_radps;
+    const double turn = 0.025 * pose_.yaw_rate_radps;
+    const double way = 0.025 * pose_.forward_mps;
+    pose_.pose.map_from_base = pose_.pose.map_from_base *
+                               Rigid2{.translation = {way * std::cos(turn / 2),
+                                                      way * std::sin(turn / 2)},
+                                      .yaw_rad = turn};
+    return result;
+  }
+  // Until this state, or not.
+  bool Until(ControlState state, double seconds) {
+    for (int i = 0; i < static_cast<int>(40 * seconds); ++i) {
+      last_ = Step();
+      if (last_.state == state) return true;
+    }
+    return false;
+  }
+  const ControlResult& last() const { return last_; }
+
+ private:
+  std::unique_ptr<LocalController> controller_;
+  ControlPose pose_;
+  std::function<bool(Vec2)> is_solid_;
+  ControlResult last_;
+};
+
+TEST(LocalController, DrivesToAGoalAndStandsThere) {
+  Drive drive(TestingFloor(), TestingPose(3, 6), NothingThere);
+  drive.Goto({7, 6.5}, 1.0);
+  EXPECT_TRUE(drive.Until(ControlState::kArrived, 12));
+  const Rigid2 at = drive.pose().pose.map_from_base;
+  EXPECT_LT(Norm(at.translation - Vec2{7, 6.5}), 0.1);
+  EXPECT_LT(std::abs(at.yaw_rad - 1.0), 0.15);
+  EXPECT_EQ(drive.pose().forward_mps, 0);
+}
+
+// eband: the goal was reached however fast the robot still was.
+TEST(LocalController, AGoalIsNotReachedWhileItMoves) {
+  Drive drive(TestingFloor(), TestingPose(3, 6), NothingThere);
+  drive.Goto({4, 6});
+  drive.pose().pose.map_from_base.translation = {3.99, 6};
+  drive.pose().forward_mps = 0.5;
+  EXPECT_NE(drive.Step().state, ControlState::kArrived);
+  EXPECT_TRUE(drive.Until(ControlState::kArrived, 8));
+  EXPECT_LT(std::abs(drive.pose().forward_mps), 0.02);
+  EXPECT_LT(Norm(drive.pose().pose.map_from_base.translation - Vec2{4, 6}),
+            0.1);
+}
+
+TEST(LocalController, DrivesAroundACrateOnItsPath) {
+  Drive drive(TestingFloor(), TestingPose(3, 6),
+              TestingBox({5, 5.7}, {5.5, 6.2}));
+  drive.Goto({8, 6});
+  double nearest_m = 1;
+  for (int i = 0; i < 40 * 25; ++i) {
+    const ControlResult result = drive.Step();
+    for (const Vec2 corner :
+         {Vec2{5, 5.7}, Vec2{5, 6.2}, Vec2{5.5, 5.7}, Vec2{5.5, 6.2}}) {
+      nearest_m =
+          std::min(nearest_m,
+                   Footprint::Of(RobotModel())
+                       .DistanceTo_m(drive.pose().pose.map_from_base.Inverse() *
+                                     corner));
+    }
+    if (result.state == ControlState::kArrived) break;
+    EXPECT_NE(result.state, ControlState::kBlocked);
+  }
+  EXPECT_GT(nearest_m, 0.02);
+  EXPECT_LT(Norm(drive.pose().pose.map_from_base.translation - Vec2{8, 6}),
+            0.1);
+}
+
+TEST(LocalController, SaysWhereAClosedWayIsBlocked) {
+  TestingFloor floor;
+  floor.Fill({0, 0}, {12, 5}, Occupancy::kOccupied)
+      .Fill({0, 7}, {12, 12}, Occupancy::kOccupied);
+  Drive drive(floor, TestingPose(3, 6), TestingBox({6, 5.4}, {6.4, 6.6}));
+  drive.Goto({9, 6});
+  EXPECT_TRUE(drive.Until(ControlState::kBlocked, 15));
+  EXPECT_NEAR(drive.last().obstacle_in_map.x, 6.05, 0.25);
+  EXPECT_NEAR(drive.last().obstacle_in_map.y, 6, 0.3);
+  EXPECT_GT(drive.last().obstacle_radius_m, 0.3);
+  EXPECT_LT(drive.pose().pose.map_from_base.translation.x, 5.7);
+  EXPECT_GT(drive.pose().pose.map_from_base.translation.x, 4.5);
+}
+
+TEST(LocalController, OldScansAndBadPosesStopIt) {
+  Drive drive(TestingFloor(), TestingPose(3, 6), NothingThere);
+  drive.Goto({9, 6});
+  for (int i = 0; i < 80; ++i) drive.Step();
+  EXPECT_GT(drive.pose().forward_mps, 0.5);
+  ControlPose pose = drive.pose();
+  ControlResult result;
+  for (int i = 0; i < 40; ++i) {
+    pose.stamp += std::chrono::milliseconds(25);
+    result = drive.controller().Step(pose);
+    pose.forward_mps = result.command.forward_mps;
+  }
+  EXPECT_EQ(result.command.forward_mps, 0);
+  EXPECT_TRUE(result.is_stopped_by_guard);
+  Drive other(TestingFloor(), TestingPose(3, 6), NothingThere);
+  other.Goto({9, 6});
+  other.Step();
+  ControlPose nowhere = other.pose();
+  nowhere.pose.map_from_base.yaw_rad = std::nan("");
+  EXPECT_EQ(other.controller().Step(nowhere).command, VelocityCommand());
+  EXPECT_EQ(other.controller().Guard(other.pose(), {.forward_mps = std::nan(""),
+                                                    .yaw_rate_radps = 0}),
+            VelocityCommand());
+}
+
+TEST(LocalController, GuardStopsARecoveryBeforeADrop) {
+  TestingFloor floor;
+  floor.Fill({0, 0}, {2.5, 12}, Occupancy::kOccupied);
+  Drive drive(floor, TestingPose(3.2, 6), NothingThere);
+  drive.Step();
+  ControlPose pose = drive.pose();
+  for (int i = 0; i < 120; ++i) {
+    pose.stamp += std::chrono::milliseconds(25);
+    ASSERT_TRUE(
+        drive.controller().AddScan(pose, TestingScan(pose, NothingThere)).ok());
+    const VelocityCommand command = drive.controller().Guard(
+        pose, {.forward_mps = -0.3, .yaw_rate_radps = 0});
+    pose.forward_mps = command.forward_mps;
+    pose.pose.map_from_base.translation.x += 0.025 * command.forward_mps;
+  }
+  // Its rear is 0.3 m behind.
+  EXPECT_GT(pose.pose.map_from_base.translation.x, 2.5 + 0.3);
+  EXPECT_LT(pose.pose.map_from_base.translation.x, 2.95);
+  EXPECT_EQ(pose.forward_mps, 0);
+}
+
+TEST(LocalController, KnowsItsRoom) {
+  TestingFloor floor;
+  floor.Fill({4, 0}, {4.05, 12}, Occupancy::kOccupied);
+  Drive drive(floor, TestingPose(3, 6), NothingThere);
+  drive.Step();
+  EXPECT_TRUE(drive.controller().CanTurn(drive.pose()));
+  EXPECT_NEAR(drive.controller().FreeWay_m(drive.pose(), 1.0), 0.68, 0.03);
+  EXPECT_NEAR(drive.controller().FreeWay_m(drive.pose(), -0.5), -0.5, 1e-9);
+  drive.pose().pose.map_from_base.translation.x = 3.65;
+  drive.Step();
+  EXPECT_FALSE(drive.controller().CanTurn(drive.pose()));
+}
+
+TEST(LocalController, WithoutAPathItIsIdle) {
+  Drive drive(TestingFloor(), TestingPose(3, 6), NothingThere);
+  EXPECT_EQ(drive.Step().state, ControlState::kIdle);
+  drive.Goto({5, 6});
+  drive.Step();
+  EXPECT_GT(drive.controller().Bubbles().size(), 3u);
+  const CostmapView view = drive.controller().Costmap();
+  EXPECT_EQ(view.width, 80);
+  EXPECT_EQ(view.cells.size(), 6400u);
+  EXPECT_EQ(view.distance_m.size(), 6400u);
+  drive.controller().SetPath({});
+  EXPECT_EQ(drive.Step().state, ControlState::kIdle);
+}
+
+TEST(LocalController, OptionsAreChecked) {
+  LocalControllerOptions options;
+  options.goal_tolerance_m = 0;
+  EXPECT_FALSE(LocalController::Make(TestingFloor().Map(), RobotModel(),
+                                     TestingLaser(), options)
+                   .ok());
+  options = {};
+  options.costmap_length_m = 0.2;
+  EXPECT_FALSE(LocalController::Make(TestingFloor().Map(), RobotModel(),
+                                     TestingLaser(), options)
+                   .ok());
+  // The issue's own measures.
+  options = {};
+  options.costmap_length_m = 3;
+  EXPECT_TRUE(LocalController::Make(TestingFloor().Map(), RobotModel(),
+                                    TestingLaser(), options)
+                  .ok());
+}
+
+}  // namespace
+}  // namespace treeline

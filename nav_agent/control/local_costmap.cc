@@ -1,0 +1,747 @@
+#include "nav_agent/control/local_costmap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/core/distance_field.h"
+
+namespace treeline {
+namespace {
+
+// Ground goes on over so many voxels of height from cell to cell: slopes are
+// stairs of one voxel.
+constexpr double kStepVoxels = 1.5;
+// A robot that is not quite on free ground stands on what is this near (m).
+constexpr double kSeedReach_m = 0.5;
+// Points this near to the robot are kept for the collision stop (m).
+constexpr double kPointReach_m = 2.0;
+// What was seen free this long before it was hit was free (ms).
+constexpr int64_t kWasFree_ms = 3000;
+// A look that passes a cell at more than this above its ground does not see
+// what stands there (m).
+constexpr double kLookHeight_m = 0.6;
+// What was looked at so recently is seen (ms).
+constexpr int64_t kSeenNow_ms = 150;
+constexpr double kUnknownGround = std::numeric_limits<double>::quiet_NaN();
+
+std::pair<int, int> CellsFor(double length_m, double resolution_m) {
+  const int cells = static_cast<int>(std::lround(length_m / resolution_m));
+  return {cells, cells / 2};
+}
+
+}  // namespace
+
+absl::Status LocalCostmapOptions::Validate() const {
+  if (!(length_m >= 1 && length_m <= 20 && width_m >= 1 && width_m <= 20)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the costmap must measure 1 to 20 m along each axis, not ",
+                     length_m, " x ", width_m));
+  }
+  if (!(resolution_m >= 0.01 && resolution_m <= 0.2)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the costmap's resolution_m must be in [0.01, 0.2], not ",
+                     resolution_m));
+  }
+  if (!(hits_to_mark >= 1 && most_hits >= hits_to_mark && most_hits <= 100 &&
+        miss_weight >= 1)) {
+    return absl::InvalidArgumentError(
+        "hits_to_mark must be in [1, most_hits], most_hits at most 100, "
+        "miss_weight at least 1");
+  }
+  if (!(ground_m >= 0 && ground_per_range >= 0 && map_band_m >= 0 &&
+        standing_after_s >= 0 && moving_memory_s > 0 && standing_memory_s > 0 &&
+        depth_range_m > 0 && depth_stride_px >= 1)) {
+    return absl::InvalidArgumentError(
+        "the costmap's tolerances and times must not be negative");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<LocalCostmap> LocalCostmap::Make(
+    std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
+    const RangeSensorInfo& laser, const LocalCostmapOptions& options) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  TL_RETURN_IF_ERROR(robot.Validate());
+  if (map == nullptr) return absl::InvalidArgumentError("there is no map");
+  if (laser.beams < 1 || !(laser.range_max_m > laser.range_min_m)) {
+    return absl::InvalidArgumentError(
+        "the laser's beams and ranges are not known: it has not said them yet");
+  }
+  return LocalCostmap(std::move(map), robot, laser, options);
+}
+
+LocalCostmap::LocalCostmap(std::shared_ptr<const NavigationMap> map,
+                           const RobotModel& robot,
+                           const RangeSensorInfo& laser,
+                           const LocalCostmapOptions& options)
+    : map_(std::move(map)),
+      robot_(robot),
+      laser_(laser),
+      options_(options),
+      footprint_(Footprint::Of(robot)),
+      edge_in_base_(footprint_.Edge(options.resolution_m)),
+      area_in_base_(footprint_.Area(0.7 * options.resolution_m)) {
+  width_ = CellsFor(options_.length_m, options_.resolution_m).first;
+  height_ = CellsFor(options_.width_m, options_.resolution_m).first;
+  const Rigid2& map_from_grid = map_->grid(0).map_from_grid;
+  map_cos_ = std::cos(map_from_grid.yaw_rad);
+  map_sin_ = std::sin(map_from_grid.yaw_rad);
+  map_origin_ = map_from_grid.translation;
+  for (int beam = 0; beam < laser_.beams; ++beam) {
+    beam_cos_.push_back(std::cos(laser_.AngleOf_rad(beam)));
+    beam_sin_.push_back(std::sin(laser_.AngleOf_rad(beam)));
+  }
+  const size_t cells =
+      static_cast<size_t>(width_) * static_cast<size_t>(height_);
+  ground_.resize(cells);
+  seen_.resize(cells);
+  map_distance_m_.resize(cells, 0);
+  cells_.resize(cells, LocalCell::kMapObstacle);
+  distance_m_.resize(cells, 0);
+  hit_in_.resize(cells, 0);
+  passed_in_.resize(cells, 0);
+}
+
+CellIndex LocalCostmap::CellOf(Vec2 point_in_map) const {
+  return {static_cast<int>(std::floor((point_in_map.x - origin_in_map_.x) /
+                                      options_.resolution_m)),
+          static_cast<int>(std::floor((point_in_map.y - origin_in_map_.y) /
+                                      options_.resolution_m))};
+}
+
+CellIndex LocalCostmap::MapCellOf(int x, int y) const {
+  const Vec2 from_origin = CenterInMap(x, y) - map_origin_;
+  const double scale = 1 / map_->resolution_m();
+  return {static_cast<int>(std::floor(
+              scale * (map_cos_ * from_origin.x + map_sin_ * from_origin.y))),
+          static_cast<int>(std::floor(
+              scale * (-map_sin_ * from_origin.x + map_cos_ * from_origin.y)))};
+}
+
+int64_t LocalCostmap::Milliseconds(MonotonicTime time) {
+  if (!epoch_.has_value()) epoch_ = time;
+  return std::chrono::duration_cast<std::chrono::milliseconds>(time - *epoch_)
+      .count();
+}
+
+// ---- the map's layer ----
+
+void LocalCostmap::MoveTo(const ControlPose& control_pose) {
+  const LevelPose& pose = control_pose.pose;
+  const Vec2 at = pose.map_from_base.translation;
+  const double r = options_.resolution_m;
+  const auto x = static_cast<int64_t>(std::llround(at.x / r)) - width_ / 2;
+  const auto y = static_cast<int64_t>(std::llround(at.y / r)) - height_ / 2;
+  if (control_pose.map_is_unknown != map_is_unknown_) is_placed_ = false;
+  map_is_unknown_ = control_pose.map_is_unknown;
+  const bool rolls = !is_placed_ || x != cell_x_ || y != cell_y_;
+  const bool climbs =
+      !is_placed_ || pose.place.level != placed_at_.place.level ||
+      std::abs(pose.place.height_m - placed_at_.place.height_m) >
+          0.4 * map_->resolution_m();
+  if (!rolls && !climbs) return;
+  if (!is_placed_) {
+    std::ranges::fill(seen_, Seen());
+  } else if (rolls) {
+    const int64_t by_x = x - cell_x_;
+    const int64_t by_y = y - cell_y_;
+    if (std::abs(by_x) < width_ && std::abs(by_y) < height_) {
+      Shift(static_cast<int>(by_x), static_cast<int>(by_y));
+    } else {
+      std::ranges::fill(seen_, Seen());
+    }
+  }
+  cell_x_ = x;
+  cell_y_ = y;
+  origin_in_map_ = {static_cast<double>(x) * r, static_cast<double>(y) * r};
+  is_placed_ = true;
+  placed_at_ = pose;
+  SpreadGround(pose);
+}
+
+void LocalCostmap::Shift(int by_x, int by_y) {
+  std::vector<Seen> shifted(seen_.size());
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      if (IsInside(x + by_x, y + by_y)) {
+        shifted[IndexOf(x, y)] = seen_[IndexOf(x + by_x, y + by_y)];
+      }
+    }
+  }
+  seen_ = std::move(shifted);
+}
+
+std::optional<LocalCostmap::Ground> LocalCostmap::StepOnto(
+    CellIndex map_cell, const Ground& from) const {
+  const double most_m = kStepVoxels * map_->resolution_m();
+  std::optional<Ground> best;
+  double best_m = most_m;
+  if (!map_->grid(0).Contains(map_cell)) return best;
+  const size_t i = map_->grid(0).IndexOf(map_cell);
+  for (int level = 0; level < map_->levels(); ++level) {
+    if (!map_->IsFree(level, map_cell)) continue;
+    float height_m =
+        map_->traversable().levels[static_cast<size_t>(level)].height_m[i] +
+        static_cast<float>(0.5 * map_->resolution_m());
+    // Unknown ground that may be driven on goes on level.
+    if (std::isnan(height_m)) {
+      if (level != from.level) continue;
+      height_m = from.height_m;
+    }
+    // The robot's own level, if both would do.
+    const double off_m =
+        std::abs(height_m - from.height_m) + (level == from.level ? 0 : 1e-3);
+    if (off_m > best_m) continue;
+    best_m = off_m;
+    best = Ground{.level = level, .height_m = height_m};
+  }
+  return best;
+}
+
+bool LocalCostmap::SeedGround(const LevelPose& pose, std::vector<int>& open) {
+  const double reach_cells = kSeedReach_m / options_.resolution_m;
+  const CellIndex at = CellOf(pose.map_from_base.translation);
+  const int reach = static_cast<int>(reach_cells);
+  double best = std::numeric_limits<double>::infinity();
+  CellIndex best_cell;
+  std::optional<Ground> best_ground;
+  for (int y = at.y - reach; y <= at.y + reach; ++y) {
+    for (int x = at.x - reach; x <= at.x + reach; ++x) {
+      const double cells = std::hypot(x - at.x, y - at.y);
+      if (!IsInside(x, y) || cells >= best || cells > reach_cells) continue;
+      // Estimates of height are a voxel off, and more on a slope.
+      for (const double off_m : {0.0, 0.05, -0.05, 0.12, -0.12, 0.2, -0.2}) {
+        const Ground from = {
+            .level = pose.place.level,
+            .height_m = static_cast<float>(pose.place.height_m + off_m)};
+        const std::optional<Ground> ground = StepOnto(MapCellOf(x, y), from);
+        if (!ground.has_value()) continue;
+        best = cells;
+        best_cell = {x, y};
+        best_ground = ground;
+        break;
+      }
+    }
+  }
+  if (!best_ground.has_value()) return false;
+  const size_t i = IndexOf(best_cell.x, best_cell.y);
+  ground_[i] = *best_ground;
+  open.push_back(static_cast<int>(i));
+  return true;
+}
+
+void LocalCostmap::SpreadGround(const LevelPose& pose) {
+  std::ranges::fill(ground_, Ground());
+  std::vector<int> open;
+  open.reserve(ground_.size());
+  if (map_is_unknown_) {
+    std::ranges::fill(
+        ground_, Ground{.level = 0,
+                        .height_m = static_cast<float>(pose.place.height_m)});
+  } else if (SeedGround(pose, open)) {
+    for (size_t next = 0; next < open.size(); ++next) {
+      const int i = open[next];
+      const int cell_x = i % width_;
+      const int cell_y = i / width_;
+      const Ground from = ground_[static_cast<size_t>(i)];
+      for (int y = cell_y - 1; y <= cell_y + 1; ++y) {
+        for (int x = cell_x - 1; x <= cell_x + 1; ++x) {
+          if (!IsInside(x, y) || ground_[IndexOf(x, y)].level >= 0) continue;
+          const std::optional<Ground> ground = StepOnto(MapCellOf(x, y), from);
+          if (!ground.has_value()) continue;
+          ground_[IndexOf(x, y)] = *ground;
+          open.push_back(static_cast<int>(IndexOf(x, y)));
+        }
+      }
+    }
+  }
+  MeasureMapDistances();
+}
+
+void LocalCostmap::MeasureMapDistances() {
+  std::vector<uint8_t> is_obstacle(ground_.size());
+  for (size_t i = 0; i < ground_.size(); ++i) {
+    is_obstacle[i] = ground_[i].level < 0 ? 1 : 0;
+  }
+  const std::vector<int32_t> squared =
+      SquaredDistances(width_, height_, is_obstacle);
+  for (size_t i = 0; i < squared.size(); ++i) {
+    map_distance_m_[i] =
+        squared[i] == kNoObstacle
+            ? std::numeric_limits<float>::infinity()
+            : static_cast<float>(options_.resolution_m *
+                                 std::sqrt(static_cast<double>(squared[i])));
+  }
+}
+
+// ---- what is seen ----
+
+bool LocalCostmap::IsHeightOfObstacle(CellIndex cell, double z_m,
+                                      double range_m, bool* near_map) const {
+  *near_map = false;
+  const double tolerance_m =
+      options_.ground_m + options_.ground_per_range * range_m;
+  if (!IsInside(cell.x, cell.y)) return false;
+  const size_t i = IndexOf(cell.x, cell.y);
+  *near_map = map_distance_m_[i] <= options_.map_band_m;
+  double ground_m = kUnknownGround;
+  if (ground_[i].level >= 0) {
+    ground_m = ground_[i].height_m;
+  } else {
+    // The ground beside it, if there is any.
+    for (int y = cell.y - 1; y <= cell.y + 1; ++y) {
+      for (int x = cell.x - 1; x <= cell.x + 1; ++x) {
+        if (IsInside(x, y) && ground_[IndexOf(x, y)].level >= 0) {
+          ground_m = ground_[IndexOf(x, y)].height_m;
+        }
+      }
+    }
+  }
+  if (std::isnan(ground_m)) ground_m = placed_at_.place.height_m;
+  return z_m > ground_m + tolerance_m && z_m < ground_m + robot_.height_m;
+}
+
+bool LocalCostmap::IsMoving(CellIndex cell, int64_t now_ms) const {
+  if (!IsInside(cell.x, cell.y)) return false;
+  const size_t at = IndexOf(cell.x, cell.y);
+  const auto standing_ms =
+      static_cast<int64_t>(1000 * options_.standing_after_s);
+  if (map_distance_m_[at] <= 1.6 * options_.map_band_m) return false;
+  if (!seen_[at].was_free || now_ms - seen_[at].since_ms > standing_ms) {
+    return false;
+  }
+  // The edges of what stands flicker.
+  for (int y = cell.y - 1; y <= cell.y + 1; ++y) {
+    for (int x = cell.x - 1; x <= cell.x + 1; ++x) {
+      if (!IsInside(x, y)) continue;
+      const size_t i = IndexOf(x, y);
+      if (CountsAt(i) && now_ms - seen_[i].since_ms > standing_ms) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+void LocalCostmap::ClearAlong(Vec3 from, Vec3 to, int64_t now_ms) {
+  const double r = options_.resolution_m;
+  const Vec2 way = {to.x - from.x, to.y - from.y};
+  const double length_m = Norm(way);
+  const int steps = static_cast<int>(length_m / (0.7 * r));
+  if (steps < 1) return;
+  const double inverse = 1 / r;
+  double x = (from.x - origin_in_map_.x) * inverse;
+  double y = (from.y - origin_in_map_.y) * inverse;
+  const double step_x = way.x / steps * inverse;
+  const double step_y = way.y / steps * inverse;
+  const double step_z = (to.z - from.z) / steps;
+  double z = from.z;
+  size_t last = seen_.size();
+  for (int step = 0; step < steps; ++step) {
+    if (x >= 0 && y >= 0 && x < width_ && y < height_) {
+      const size_t i = IndexOf(static_cast<int>(x), static_cast<int>(y));
+      if (i != last) {
+        last = i;
+        if (passed_in_[i] != look_ && hit_in_[i] != look_ &&
+            ground_[i].level >= 0 && z < ground_[i].height_m + kLookHeight_m) {
+          passed_in_[i] = look_;
+          Seen& seen = seen_[i];
+          seen.laser_hits = static_cast<uint8_t>(
+              std::max(0, seen.laser_hits - options_.miss_weight));
+          if (seen.laser_hits == 0) seen.last_free_ms = now_ms;
+          seen.last_ms = now_ms;
+        }
+      }
+    } else if (step > 0 && last != seen_.size()) {
+      return;  // it has left the window
+    }
+    x += step_x;
+    y += step_y;
+    z += step_z;
+  }
+}
+
+void LocalCostmap::MarkHits(int64_t now_ms, uint8_t Seen::*hits) {
+  for (const size_t i : hit_cells_) {
+    Seen& seen = seen_[i];
+    if (seen.laser_hits == 0 && seen.depth_hits == 0) {
+      seen.since_ms = now_ms;
+      seen.was_free =
+          seen.last_free_ms > 0 && now_ms - seen.last_free_ms < kWasFree_ms;
+    }
+    seen.*hits =
+        static_cast<uint8_t>(std::min(options_.most_hits, seen.*hits + 1));
+    seen.last_ms = now_ms;
+  }
+}
+
+absl::Status LocalCostmap::AddScan(const ControlPose& pose,
+                                   const LaserScan& scan) {
+  if (static_cast<int>(scan.ranges_m.size()) != laser_.beams) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a scan has ", scan.ranges_m.size(), " ranges, the laser ",
+                     laser_.beams, " beams"));
+  }
+  const Rigid3 map_from_base = MapFromBase3(pose);
+  if (!IsFinite(map_from_base)) {
+    return absl::InvalidArgumentError("the pose of a scan is not finite");
+  }
+  if (!is_placed_) MoveTo(pose);
+  const int64_t now_ms = Milliseconds(scan.stamp) + 1;
+  last_scan_ = scan.stamp;
+  const Rigid3 map_from_laser = map_from_base * robot_.base_from_laser;
+  const Mat3 rotation = map_from_laser.rotation.Matrix();
+  const Vec3 origin = map_from_laser.translation;
+  const Vec2 at = pose.pose.map_from_base.translation;
+  const double heading_x = std::cos(pose.pose.map_from_base.yaw_rad);
+  const double heading_y = std::sin(pose.pose.map_from_base.yaw_rad);
+  const double reach_m = options_.length_m + options_.width_m;
+
+  ++look_;
+  hit_cells_.clear();
+  scan_points_.clear();
+  std::vector<Vec3> ends(scan.ranges_m.size());
+  const auto is_range = [&](size_t i) {
+    return scan.ranges_m[i] >= laser_.range_min_m &&
+           scan.ranges_m[i] <= laser_.range_max_m;
+  };
+  for (size_t i = 0; i < ends.size(); ++i) {
+    // A beam without return passed what is near, unless it is broken.
+    const double range_m = is_range(i) ? scan.ranges_m[i] : 0;
+    const double used_m = std::min(range_m, reach_m);
+    // The robot moved on since the first beam.
+    const double late_s = static_cast<double>(i) * laser_.beam_interval_s;
+    const double turn = pose.yaw_rate_radps * late_s;
+    const Vec3 in_laser = {used_m * (beam_cos_[i] - turn * beam_sin_[i]),
+                           used_m * (beam_sin_[i] + turn * beam_cos_[i]), 0};
+    const double drive_m = pose.forward_mps * late_s;
+    const Vec3 end = {
+        origin.x + rotation(0, 0) * in_laser.x + rotation(0, 1) * in_laser.y +
+            heading_x * drive_m,
+        origin.y + rotation(1, 0) * in_laser.x + rotation(1, 1) * in_laser.y +
+            heading_y * drive_m,
+        origin.z + rotation(2, 0) * in_laser.x + rotation(2, 1) * in_laser.y};
+    ends[i] = end;
+    if (range_m == 0 || range_m > reach_m) continue;
+    const CellIndex cell = CellOf({end.x, end.y});
+    bool near_map = false;
+    if (!IsHeightOfObstacle(cell, end.z, range_m, &near_map)) continue;
+    // One beam alone is an echo from an edge.
+    const bool has_neighbour =
+        (i > 0 && std::abs(scan.ranges_m[i - 1] - scan.ranges_m[i]) < 0.15F) ||
+        (i + 1 < ends.size() &&
+         std::abs(scan.ranges_m[i + 1] - scan.ranges_m[i]) < 0.15F);
+    if (!has_neighbour) continue;
+    const size_t index = IndexOf(cell.x, cell.y);
+    if (!near_map && hit_in_[index] != look_) {
+      hit_in_[index] = look_;
+      hit_cells_.push_back(index);
+    }
+    if (std::hypot(end.x - at.x, end.y - at.y) < kPointReach_m) {
+      scan_points_.push_back({.in_map = {end.x, end.y}});
+    }
+  }
+  for (const Vec3& end : ends) ClearAlong(origin, end, now_ms);
+  MarkHits(now_ms, &Seen::laser_hits);
+  for (SeenPoint& point : scan_points_) {
+    point.is_moving = IsMoving(CellOf(point.in_map), now_ms);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status LocalCostmap::AddDepth(const ControlPose& pose,
+                                    const RgbdFrame& frame) {
+  if (!frame.frame.depth.has_value() || !frame.frame.calibration.has_value()) {
+    return absl::InvalidArgumentError(
+        "a frame has no depth, or no calibration");
+  }
+  const DepthImage& depth = *frame.frame.depth;
+  const RgbdCalibration& calibration = *frame.frame.calibration;
+  const size_t pixels =
+      static_cast<size_t>(depth.width) * static_cast<size_t>(depth.height);
+  if (depth.width < 1 || depth.height < 1 || depth.values.size() != pixels) {
+    return absl::InvalidArgumentError("a depth picture has a wrong size");
+  }
+  const Rigid3 map_from_base = MapFromBase3(pose);
+  if (!IsFinite(map_from_base)) {
+    return absl::InvalidArgumentError("the pose of a frame is not finite");
+  }
+  if (!is_placed_) MoveTo(pose);
+  const int64_t now_ms = Milliseconds(frame.stamp) + 1;
+  last_depth_ = frame.stamp;
+  const Rigid3 map_from_depth =
+      map_from_base * PoseOfSensor(robot_.base_from_camera,
+                                   calibration.pose_sensor, RgbdSensor::kDepth,
+                                   calibration);
+  const Vec2 at = pose.pose.map_from_base.translation;
+  ++look_;
+  hit_cells_.clear();
+  depth_points_.clear();
+  std::vector<size_t> passed;
+  for (int y = 0; y < depth.height; y += options_.depth_stride_px) {
+    for (int x = 0; x < depth.width; x += options_.depth_stride_px) {
+      const uint16_t value = depth.values[static_cast<size_t>(y) *
+                                              static_cast<size_t>(depth.width) +
+                                          static_cast<size_t>(x)];
+      if (!IsMeasured(value)) continue;
+      const double z_m = value * depth.unit_m * calibration.depth_scale;
+      if (z_m > options_.depth_range_m) continue;
+      const std::optional<Pixel> ray = calibration.depth.Unproject(
+          {static_cast<double>(x), static_cast<double>(y)});
+      if (!ray.has_value()) continue;
+      const Vec3 end = map_from_depth * Vec3{ray->x * z_m, ray->y * z_m, z_m};
+      const CellIndex cell = CellOf({end.x, end.y});
+      if (!IsInside(cell.x, cell.y)) continue;
+      const size_t index = IndexOf(cell.x, cell.y);
+      bool near_map = false;
+      if (!IsHeightOfObstacle(cell, end.z, z_m, &near_map)) {
+        // What shows its ground is free.
+        if (ground_[index].level >= 0 &&
+            end.z < ground_[index].height_m + options_.ground_m) {
+          passed.push_back(index);
+        }
+        continue;
+      }
+      if (!near_map && hit_in_[index] != look_) {
+        hit_in_[index] = look_;
+        hit_cells_.push_back(index);
+      }
+      if (std::hypot(end.x - at.x, end.y - at.y) < kPointReach_m) {
+        depth_points_.push_back({.in_map = {end.x, end.y}});
+      }
+    }
+  }
+  for (const size_t i : passed) {
+    if (hit_in_[i] == look_ || passed_in_[i] == look_) continue;
+    passed_in_[i] = look_;
+    seen_[i].depth_hits = static_cast<uint8_t>(
+        std::max(0, seen_[i].depth_hits - options_.miss_weight));
+    seen_[i].last_ms = now_ms;
+  }
+  MarkHits(now_ms, &Seen::depth_hits);
+  for (SeenPoint& point : depth_points_) {
+    point.is_moving = IsMoving(CellOf(point.in_map), now_ms);
+  }
+  return absl::OkStatus();
+}
+
+void LocalCostmap::ClearObstacles() {
+  std::ranges::fill(seen_, Seen());
+  scan_points_.clear();
+  depth_points_.clear();
+  if (is_placed_ && epoch_.has_value()) Update(*epoch_);
+}
+
+void LocalCostmap::Update(MonotonicTime now) {
+  const int64_t now_ms = Milliseconds(now);
+  const auto standing_ms =
+      static_cast<int64_t>(1000 * options_.standing_after_s);
+  std::vector<uint8_t> is_obstacle(cells_.size());
+  for (size_t i = 0; i < cells_.size(); ++i) {
+    Seen& seen = seen_[i];
+    if (seen.laser_hits > 0 || seen.depth_hits > 0) {
+      const bool stood = seen.last_ms - seen.since_ms > standing_ms;
+      const double memory_s =
+          stood ? options_.standing_memory_s : options_.moving_memory_s;
+      if (static_cast<double>(now_ms - seen.last_ms) > 1000 * memory_s) {
+        seen = Seen();
+      }
+    }
+    cells_[i] = ground_[i].level < 0 ? LocalCell::kMapObstacle
+                : CountsAt(i)        ? LocalCell::kSeen
+                                     : LocalCell::kFree;
+    is_obstacle[i] = cells_[i] == LocalCell::kFree ? 0 : 1;
+  }
+  const std::vector<int32_t> squared =
+      SquaredDistances(width_, height_, is_obstacle);
+  for (size_t i = 0; i < squared.size(); ++i) {
+    distance_m_[i] =
+        squared[i] == kNoObstacle
+            ? static_cast<float>(options_.length_m + options_.width_m)
+            : static_cast<float>(options_.resolution_m *
+                                 std::sqrt(static_cast<double>(squared[i])));
+  }
+}
+
+// ---- questions ----
+
+bool LocalCostmap::Contains(Vec2 point_in_map, double inset_m) const {
+  const Vec2 from = point_in_map - origin_in_map_;
+  return from.x >= inset_m && from.y >= inset_m &&
+         from.x < width_ * options_.resolution_m - inset_m &&
+         from.y < height_ * options_.resolution_m - inset_m;
+}
+
+LocalCell LocalCostmap::CellAt(Vec2 point_in_map) const {
+  const CellIndex cell = CellOf(point_in_map);
+  return IsInside(cell.x, cell.y) ? At(cell.x, cell.y)
+                                  : LocalCell::kMapObstacle;
+}
+
+double LocalCostmap::Distance_m(Vec2 point_in_map) const {
+  const double r = options_.resolution_m;
+  const double x = (point_in_map.x - origin_in_map_.x) / r - 0.5;
+  const double y = (point_in_map.y - origin_in_map_.y) / r - 0.5;
+  if (!(x >= -0.5 && y >= -0.5 && x <= width_ - 0.5 && y <= height_ - 0.5)) {
+    return -r;
+  }
+  const int left = std::clamp(static_cast<int>(x), 0, width_ - 2);
+  const int below = std::clamp(static_cast<int>(y), 0, height_ - 2);
+  const double right_part = std::clamp(x - left, 0.0, 1.0);
+  const double above_part = std::clamp(y - below, 0.0, 1.0);
+  const size_t i = IndexOf(left, below);
+  const size_t row = static_cast<size_t>(width_);
+  const double lower =
+      (1 - right_part) * distance_m_[i] + right_part * distance_m_[i + 1];
+  const double upper = (1 - right_part) * distance_m_[i + row] +
+                       right_part * distance_m_[i + row + 1];
+  return (1 - above_part) * lower + above_part * upper - 0.5 * r;
+}
+
+Vec2 LocalCostmap::Away(Vec2 point_in_map) const {
+  const double r = options_.resolution_m;
+  const Vec2 gradient = {Distance_m({point_in_map.x + r, point_in_map.y}) -
+                             Distance_m({point_in_map.x - r, point_in_map.y}),
+                         Distance_m({point_in_map.x, point_in_map.y + r}) -
+                             Distance_m({point_in_map.x, point_in_map.y - r})};
+  const double length = Norm(gradient);
+  return length < 1e-6 ? Vec2{} : (1 / length) * gradient;
+}
+
+double LocalCostmap::FootprintDistance_m(const Rigid2& map_from_base,
+                                         double at_most_m) const {
+  const double from_center_m = Distance_m(map_from_base.translation);
+  const double circumradius_m = footprint_.Circumradius_m();
+  if (from_center_m > circumradius_m + at_most_m) return at_most_m;
+  const double c = std::cos(map_from_base.yaw_rad);
+  const double s = std::sin(map_from_base.yaw_rad);
+  const Vec2 at = map_from_base.translation;
+  const auto in_map = [&](Vec2 p) {
+    return Vec2{at.x + c * p.x - s * p.y, at.y + s * p.x + c * p.y};
+  };
+  double least_m = at_most_m;
+  for (const Vec2& point : edge_in_base_) {
+    least_m = std::min(least_m, Distance_m(in_map(point)));
+  }
+  // Something small may stand within.
+  if (least_m > 0 && from_center_m < circumradius_m) {
+    for (const Vec2& point : area_in_base_) {
+      if (CellAt(in_map(point)) != LocalCell::kFree) {
+        return std::min(-options_.resolution_m,
+                        -footprint_.Inradius_m() + from_center_m);
+      }
+    }
+  }
+  return least_m;
+}
+
+std::optional<LevelPlace> LocalCostmap::GroundAt(Vec2 point_in_map) const {
+  const CellIndex cell = CellOf(point_in_map);
+  if (!IsInside(cell.x, cell.y)) return std::nullopt;
+  const Ground& ground = ground_[IndexOf(cell.x, cell.y)];
+  if (ground.level < 0) return std::nullopt;
+  return LevelPlace{.level = ground.level, .height_m = ground.height_m};
+}
+
+std::vector<UnseenObstacle> LocalCostmap::UnseenObstacles(
+    Vec2 at, double radius_m, MonotonicTime now) const {
+  std::vector<UnseenObstacle> unseen;
+  if (!epoch_.has_value()) return unseen;
+  const int64_t now_ms =
+      std::chrono::duration_cast<std::chrono::milliseconds>(now - *epoch_)
+          .count();
+  const CellIndex middle = CellOf(at);
+  const int reach = static_cast<int>(radius_m / options_.resolution_m) + 1;
+  for (int y = std::max(0, middle.y - reach);
+       y <= std::min(height_ - 1, middle.y + reach); ++y) {
+    for (int x = std::max(0, middle.x - reach);
+         x <= std::min(width_ - 1, middle.x + reach); ++x) {
+      const size_t i = IndexOf(x, y);
+      if (cells_[i] == LocalCell::kFree) continue;
+      const Vec2 center = CenterInMap(x, y);
+      if (Norm(center - at) > radius_m) continue;
+      if (cells_[i] == LocalCell::kSeen) {
+        const Seen& seen = seen_[i];
+        if (now_ms - seen.last_ms <= kSeenNow_ms) continue;
+        const double stood_s =
+            0.001 * static_cast<double>(seen.last_ms - seen.since_ms);
+        unseen.push_back({.in_map = center,
+                          .was_moving = seen.was_free &&
+                                        stood_s < options_.standing_after_s});
+        continue;
+      }
+      const bool is_edge =
+          (x > 0 && ground_[i - 1].level >= 0) ||
+          (x + 1 < width_ && ground_[i + 1].level >= 0) ||
+          (y > 0 && ground_[i - static_cast<size_t>(width_)].level >= 0) ||
+          (y + 1 < height_ &&
+           ground_[i + static_cast<size_t>(width_)].level >= 0);
+      if (is_edge) unseen.push_back({.in_map = center});
+    }
+  }
+  return unseen;
+}
+
+SeenObstacle LocalCostmap::ObstacleNear(Vec2 point_in_map, double reach_m,
+                                        MonotonicTime now) const {
+  SeenObstacle obstacle;
+  if (!epoch_.has_value()) return obstacle;
+  // The nearest seen cell.
+  double best_m = reach_m;
+  std::optional<CellIndex> seed;
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      if (At(x, y) != LocalCell::kSeen) continue;
+      const double away_m = Norm(CenterInMap(x, y) - point_in_map);
+      if (away_m < best_m) {
+        best_m = away_m;
+        seed = CellIndex{x, y};
+      }
+    }
+  }
+  if (!seed.has_value()) return obstacle;
+  // What hangs together with it, gaps of a cell included.
+  constexpr int kGap = 2;
+  std::vector<uint8_t> is_known(cells_.size(), 0);
+  std::vector<CellIndex> cells = {*seed};
+  is_known[IndexOf(seed->x, seed->y)] = 1;
+  for (size_t next = 0; next < cells.size(); ++next) {
+    const CellIndex at = cells[next];
+    for (int y = at.y - kGap; y <= at.y + kGap; ++y) {
+      for (int x = at.x - kGap; x <= at.x + kGap; ++x) {
+        if (!IsInside(x, y) || At(x, y) != LocalCell::kSeen ||
+            is_known[IndexOf(x, y)] != 0) {
+          continue;
+        }
+        is_known[IndexOf(x, y)] = 1;
+        cells.push_back({x, y});
+      }
+    }
+  }
+  const int64_t now_ms =
+      std::chrono::duration_cast<std::chrono::milliseconds>(now - *epoch_)
+          .count();
+  std::vector<int64_t> ages_ms;
+  for (const CellIndex& cell : cells) {
+    obstacle.center_in_map =
+        obstacle.center_in_map +
+        (1.0 / static_cast<double>(cells.size())) * CenterInMap(cell.x, cell.y);
+    ages_ms.push_back(now_ms - seen_[IndexOf(cell.x, cell.y)].since_ms);
+  }
+  for (const CellIndex& cell : cells) {
+    obstacle.radius_m =
+        std::max(obstacle.radius_m,
+                 Norm(CenterInMap(cell.x, cell.y) - obstacle.center_in_map) +
+                     0.5 * options_.resolution_m);
+  }
+  std::ranges::sort(ages_ms);
+  obstacle.age_s = 0.001 * static_cast<double>(ages_ms[ages_ms.size() / 10]);
+  return obstacle;
+}
+
+}  // namespace treeline

@@ -1,0 +1,242 @@
+// What stands around the robot: the map's ground, and what its sensors see.
+#ifndef NAV_AGENT_CONTROL_LOCAL_COSTMAP_H_
+#define NAV_AGENT_CONTROL_LOCAL_COSTMAP_H_
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "nav_agent/control/control_pose.h"
+#include "nav_agent/control/footprint.h"
+#include "nav_agent/core/robot_model.h"
+#include "nav_agent/core/sensor_data.h"
+#include "nav_agent/traversability/navigation_map.h"
+
+namespace treeline {
+
+struct LocalCostmapOptions {
+  // Along the map's x and y (m, 1 to 20), and of a cell (m, 0.01 to 0.2).
+  double length_m = 4.0;
+  double width_m = 4.0;
+  double resolution_m = 0.05;
+  // Scans or frames that must have hit a cell before it counts, the most that
+  // are remembered, and how many each one takes back that looks through it.
+  int hits_to_mark = 3;
+  int most_hits = 8;
+  int miss_weight = 2;
+  // What ends this near to the height of the ground at its place is ground:
+  // this, and this times the range (m, 1).
+  double ground_m = 0.10;
+  double ground_per_range = 0.01;
+  // What is seen this near to what the map has already is the map's (m).
+  double map_band_m = 0.075;
+  // What has stood for so long stands; before that it moves, if the place was
+  // seen free before (s).
+  double standing_after_s = 1.0;
+  // Unseen, what moves is forgotten after this time, and what stands after
+  // that (s).
+  double moving_memory_s = 2.0;
+  double standing_memory_s = 60.0;
+  // Depth beyond is not used; every how many-th pixel and row is (m, 1).
+  double depth_range_m = 3.0;
+  int depth_stride_px = 4;
+
+  absl::Status Validate() const;
+};
+
+// A point of something that a sensor saw.
+struct SeenPoint {
+  Vec2 in_map;
+  // It was not there a moment ago.
+  bool is_moving = false;
+};
+
+// A cell's centre.
+struct UnseenObstacle {
+  Vec2 in_map;
+  // It was there for a moment only when it was seen last.
+  bool was_moving = false;
+};
+
+enum class LocalCell : uint8_t { kFree = 0, kMapObstacle = 1, kSeen = 2 };
+
+// A grid with the map's axes that rolls along with the robot.
+//
+// The map's layer is the ground that continues the robot's own: from its cell
+// on, from neighbour to neighbour, where heights differ by one step of the
+// map's voxels at most. So on ramps and over joins each cell has the level that
+// the robot would be on there, and what is below or above a platform is not in
+// the way. All else is an obstacle: walls, drops, unknown, what is off the map.
+// For a robot that is lost (ControlPose::map_is_unknown) the map is not asked:
+// there is level ground everywhere but where something was seen.
+//
+// Seen obstacles: a beam's end is one if it lies above the ground of its place
+// by more than ground_m + ground_per_range * range, and below the robot's
+// height; what it passed on its way is free of what lasers saw. Depth points
+// likewise, from the robot's ground clearance on where they are near.
+//
+// Seen obstacles that hang together.
+struct SeenObstacle {
+  Vec2 center_in_map;
+  // 0: there is none.
+  double radius_m = 0;
+  // For how long its youngest tenth has been there (s).
+  double age_s = 1e6;
+};
+
+// Deterministic; not thread-safe.
+class LocalCostmap {
+ public:
+  static absl::StatusOr<LocalCostmap> Make(
+      std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
+      const RangeSensorInfo& laser, const LocalCostmapOptions& options);
+
+  // The window moves with the robot.
+  void MoveTo(const ControlPose& pose);
+  // INVALID_ARGUMENT: the number of beams is not the laser's, or the pose is
+  // not finite.
+  absl::Status AddScan(const ControlPose& pose, const LaserScan& scan);
+  absl::Status AddDepth(const ControlPose& pose, const RgbdFrame& frame);
+  void ClearObstacles();
+  // Forgets what is too old; distances are right afterwards.
+  void Update(MonotonicTime now);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  double resolution_m() const { return options_.resolution_m; }
+  Vec2 origin_in_map() const { return origin_in_map_; }
+  LocalCell At(int x, int y) const { return cells_[IndexOf(x, y)]; }
+  const std::vector<LocalCell>& cells() const { return cells_; }
+  // From centre to centre of the nearest obstacle (m).
+  const std::vector<float>& distances_m() const { return distance_m_; }
+  Vec2 CenterInMap(int x, int y) const {
+    return {origin_in_map_.x + (x + 0.5) * options_.resolution_m,
+            origin_in_map_.y + (y + 0.5) * options_.resolution_m};
+  }
+  // Whether a point is in the window, `inset_m` from its edge.
+  bool Contains(Vec2 point_in_map, double inset_m = 0) const;
+  LocalCell CellAt(Vec2 point_in_map) const;
+  // From a point to the nearest obstacle, that fills its cell: the distance of
+  // its centre, between centres by bilinear interpolation, less half a cell. 0
+  // at most in obstacles; outside of the window less than 0: it is not known.
+  double Distance_m(Vec2 point_in_map) const;
+  // Unit vector away from the nearest obstacle; 0 where there is none.
+  Vec2 Away(Vec2 point_in_map) const;
+  // The free distance of the footprint at a pose; negative if it touches
+  // something. Exact up to the grid: the least Distance_m along its edge.
+  // Never more than at_most_m.
+  double FootprintDistance_m(const Rigid2& map_from_base,
+                             double at_most_m) const;
+  // The ground there, if it continues the robot's.
+  std::optional<LevelPlace> GroundAt(Vec2 point_in_map) const;
+
+  // The seen obstacle nearest to a point, if it is within reach_m.
+  SeenObstacle ObstacleNear(Vec2 point_in_map, double reach_m,
+                            MonotonicTime now) const;
+
+  // Centres of the obstacles' cells within radius_m of a point that no sensor
+  // shows at this moment: the map's, where they border on ground, and seen ones
+  // that are only remembered.
+  std::vector<UnseenObstacle> UnseenObstacles(Vec2 at, double radius_m,
+                                              MonotonicTime now) const;
+
+  // The newest scan's and the newest frame's points on obstacles, the map's
+  // included, near the robot.
+  const std::vector<SeenPoint>& scan_points() const { return scan_points_; }
+  const std::vector<SeenPoint>& depth_points() const { return depth_points_; }
+  std::optional<MonotonicTime> last_scan() const { return last_scan_; }
+  std::optional<MonotonicTime> last_depth() const { return last_depth_; }
+
+ private:
+  // What is known of a cell's obstacles.
+  struct Seen {
+    uint8_t laser_hits = 0;
+    uint8_t depth_hits = 0;
+    bool was_free = false;
+    int64_t since_ms = 0;
+    int64_t last_ms = 0;
+    int64_t last_free_ms = 0;
+  };
+  struct Ground {
+    int level = -1;
+    float height_m = 0;
+  };
+
+  LocalCostmap(std::shared_ptr<const NavigationMap> map,
+               const RobotModel& robot, const RangeSensorInfo& laser,
+               const LocalCostmapOptions& options);
+
+  size_t IndexOf(int x, int y) const {
+    return static_cast<size_t>(y) * static_cast<size_t>(width_) +
+           static_cast<size_t>(x);
+  }
+  bool IsInside(int x, int y) const {
+    return x >= 0 && y >= 0 && x < width_ && y < height_;
+  }
+  CellIndex CellOf(Vec2 point_in_map) const;
+  std::optional<Ground> StepOnto(CellIndex map_cell, const Ground& from) const;
+  CellIndex MapCellOf(int x, int y) const;
+  void SpreadGround(const LevelPose& pose);
+  void MeasureMapDistances();
+  bool SeedGround(const LevelPose& pose, std::vector<int>& open);
+  void Shift(int by_x, int by_y);
+  int64_t Milliseconds(MonotonicTime time);
+  bool IsHeightOfObstacle(CellIndex cell, double z_m, double range_m,
+                          bool* near_map) const;
+  void MarkHits(int64_t now_ms, uint8_t Seen::*hits);
+  void ClearAlong(Vec3 from, Vec3 to, int64_t now_ms);
+  bool IsMoving(CellIndex cell, int64_t now_ms) const;
+  bool CountsAt(size_t i) const {
+    return seen_[i].laser_hits >= options_.hits_to_mark ||
+           seen_[i].depth_hits >= options_.hits_to_mark;
+  }
+
+  std::shared_ptr<const NavigationMap> map_;
+  RobotModel robot_;
+  RangeSensorInfo laser_;
+  LocalCostmapOptions options_;
+  Footprint footprint_;
+  std::vector<Vec2> edge_in_base_;
+  std::vector<Vec2> area_in_base_;
+  std::vector<double> beam_cos_;
+  std::vector<double> beam_sin_;
+  // The map's grid from the map's frame: a rotation, then cells.
+  double map_cos_ = 1;
+  double map_sin_ = 0;
+  Vec2 map_origin_;
+
+  int width_ = 0;
+  int height_ = 0;
+  // Of the window's lower left corner, in whole cells from the map's origin.
+  int64_t cell_x_ = 0;
+  int64_t cell_y_ = 0;
+  Vec2 origin_in_map_;
+  bool is_placed_ = false;
+  LevelPose placed_at_;
+  bool map_is_unknown_ = false;
+
+  std::vector<Ground> ground_;
+  std::vector<Seen> seen_;
+  // To what of the map's is no ground (cells, squared; m).
+  std::vector<float> map_distance_m_;
+  std::vector<LocalCell> cells_;
+  std::vector<float> distance_m_;
+  // Cells that the scan or frame at hand hit, and passed: its number.
+  std::vector<uint32_t> hit_in_;
+  std::vector<uint32_t> passed_in_;
+  std::vector<size_t> hit_cells_;
+  uint32_t look_ = 0;
+
+  std::optional<MonotonicTime> epoch_;
+  std::optional<MonotonicTime> last_scan_;
+  std::optional<MonotonicTime> last_depth_;
+  std::vector<SeenPoint> scan_points_;
+  std::vector<SeenPoint> depth_points_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_CONTROL_LOCAL_COSTMAP_H_

@@ -1,0 +1,286 @@
+// Speeds: limits, the collision guard, profiles, the goal.
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "gtest/gtest.h"
+#include "nav_agent/control/collision_guard.h"
+#include "nav_agent/control/goal_approach.h"
+#include "nav_agent/control/path_progress.h"
+#include "nav_agent/control/standstill.h"
+#include "nav_agent/control/testing_floor.h"
+#include "nav_agent/control/track_follower.h"
+#include "nav_agent/control/velocity_limits.h"
+
+namespace treeline {
+namespace {
+
+const RobotModel kRobot;
+
+// Where a robot gets in so much time.
+Rigid2 Moved(const Rigid2& map_from_base, const VelocityCommand& command,
+             double time_s) {
+  const double turn = command.yaw_rate_radps * time_s;
+  const double way = command.forward_mps * time_s;
+  return map_from_base * Rigid2{.translation = {way * std::cos(turn / 2),
+                                                way * std::sin(turn / 2)},
+                                .yaw_rad = turn};
+}
+
+// eband: no acceleration limit for differential drives.
+TEST(VelocityLimits, AccelerationIsLimited) {
+  const VelocityCommand start;
+  const VelocityCommand next = LimitedVelocity(
+      start, {.forward_mps = 5, .yaw_rate_radps = 9}, 0.025, kRobot);
+  EXPECT_NEAR(next.forward_mps, 0.8 * 0.025, 1e-12);
+  EXPECT_NEAR(next.yaw_rate_radps, 3.0 * 0.025, 1e-12);
+  const VelocityCommand brakes = LimitedVelocity(
+      {.forward_mps = 0.6, .yaw_rate_radps = 0}, {}, 0.025, kRobot);
+  EXPECT_NEAR(brakes.forward_mps, 0.6 - 1.5 * 0.025, 1e-12);
+  // Backwards only after it stood.
+  EXPECT_EQ(
+      LimitedVelocity({.forward_mps = 0.01, .yaw_rate_radps = 0},
+                      {.forward_mps = -0.3, .yaw_rate_radps = 0}, 0.025, kRobot)
+          .forward_mps,
+      0);
+  VelocityCommand fast = {.forward_mps = 0.8, .yaw_rate_radps = 0};
+  for (int i = 0; i < 100; ++i) {
+    fast = LimitedVelocity(fast, {.forward_mps = 5, .yaw_rate_radps = 0}, 0.025,
+                           kRobot);
+  }
+  EXPECT_EQ(fast.forward_mps, kRobot.max_forward_mps);
+  EXPECT_EQ(LimitedVelocity(
+                {}, {.forward_mps = std::nan(""), .yaw_rate_radps = INFINITY},
+                0.025, kRobot),
+            VelocityCommand());
+}
+
+TEST(CommandHistory, LateMeasurementsDoNotHalveTheAcceleration) {
+  CommandHistory history;
+  VelocityCommand command;
+  // The base says what it did 50 ms ago.
+  std::vector<VelocityCommand> told(2);
+  double time_s = 0;
+  for (int i = 0; i < 20; ++i, time_s += 0.025) {
+    const auto start =
+        history.StartAt(TestingTime(time_s), told[told.size() - 2], kRobot);
+    command = LimitedVelocity(start.velocity,
+                              {.forward_mps = 0.6, .yaw_rate_radps = 0},
+                              start.interval_s, kRobot);
+    history.Told(TestingTime(time_s), command);
+    told.push_back(command);
+  }
+  EXPECT_NEAR(command.forward_mps, 20 * 0.8 * 0.025, 0.021);
+  // Asked again in the same instant, it does not go up twice.
+  const auto again = history.StartAt(TestingTime(time_s - 0.025),
+                                     told[told.size() - 3], kRobot);
+  EXPECT_LT(again.velocity.forward_mps, command.forward_mps);
+  // What does not fit what was measured is not believed.
+  const auto pushed = history.StartAt(TestingTime(time_s), {}, kRobot);
+  EXPECT_EQ(pushed.velocity.forward_mps, 0);
+}
+
+TEST(CollisionGuard, StopsBeforeAWallFromAnySpeedAndHeading) {
+  const CollisionGuard guard(kRobot, {});
+  const Footprint body = Footprint::Of(kRobot);
+  for (const double heading_rad : {0.0, 0.4, -1.0}) {
+    for (const double yaw_rate : {0.0, 0.5}) {
+      Rigid2 at = {.translation = {0, 0}, .yaw_rad = heading_rad};
+      VelocityCommand command;
+      double nearest_m = 1;
+      for (int step = 0; step < 400; ++step) {
+        std::vector<GuardPoint> points;
+        for (int i = -60; i <= 60; ++i) {
+          const Vec2 post = at.Inverse() * Vec2{1.2, 0.02 * i};
+          points.push_back({.in_base = post, .margin_m = 0.03});
+          nearest_m = std::min(nearest_m, body.DistanceTo_m(post));
+        }
+        const VelocityCommand wanted = LimitedVelocity(
+            command, {.forward_mps = 0.8, .yaw_rate_radps = yaw_rate}, 0.025,
+            kRobot);
+        const GuardVerdict verdict = guard.Check(wanted, points);
+        command = verdict.is_limited
+                      ? LimitedVelocity(command, verdict.command, 0.025, kRobot)
+                      : wanted;
+        at = Moved(at, command, 0.025);
+      }
+      EXPECT_GT(nearest_m, 0.01) << heading_rad << " " << yaw_rate;
+    }
+  }
+}
+
+TEST(CollisionGuard, AwayFromWhatTouchesTheMarginItMayAlwaysDrive) {
+  const CollisionGuard guard(kRobot, {});
+  // 1 cm before the front.
+  const std::vector<GuardPoint> points = {
+      {.in_base = {0.31, 0}, .margin_m = 0.03}};
+  const VelocityCommand ahead = {.forward_mps = 0.1, .yaw_rate_radps = 0};
+  EXPECT_EQ(guard.Check(ahead, points).command, VelocityCommand());
+  const VelocityCommand back = {.forward_mps = -0.2, .yaw_rate_radps = 0};
+  EXPECT_FALSE(guard.Check(back, points).is_limited);
+  // The smallest command is too much, however often it is given.
+  const VelocityCommand creep = {.forward_mps = 0.02, .yaw_rate_radps = 0};
+  EXPECT_EQ(guard.Check(creep, points).command, VelocityCommand());
+}
+
+TEST(CollisionGuard, WhatMovesIsGivenMoreRoom) {
+  const CollisionGuard guard(kRobot, {});
+  const VelocityCommand ahead = {.forward_mps = 0.5, .yaw_rate_radps = 0};
+  const GuardPoint stands = {.in_base = {0.8, 0}, .margin_m = 0.03};
+  GuardPoint moves = stands;
+  moves.approach_mps = 0.9;
+  EXPECT_FALSE(guard.Check(ahead, {{stands}}).is_limited);
+  const GuardVerdict verdict = guard.Check(ahead, {{moves}});
+  EXPECT_TRUE(verdict.is_limited);
+  EXPECT_TRUE(verdict.point_moves);
+  EXPECT_LT(verdict.command.forward_mps, 0.35);
+}
+
+TEST(CollisionGuard, NaNStops) {
+  const CollisionGuard guard(kRobot, {});
+  const GuardVerdict verdict =
+      guard.Check({.forward_mps = std::nan(""), .yaw_rate_radps = 0.1}, {});
+  EXPECT_TRUE(verdict.is_limited);
+  EXPECT_EQ(verdict.command, VelocityCommand());
+}
+
+std::vector<TrackPoint> StraightTrack(double length_m, double clearance_m) {
+  std::vector<TrackPoint> track;
+  for (int i = 0; i * 0.05 <= length_m + 1e-9; ++i) {
+    track.push_back({.in_map = {0.05 * i, 0}, .clearance_m = clearance_m});
+  }
+  return track;
+}
+
+TEST(SpeedProfile, IsATrapezoidThatEndsInTime) {
+  const TrackFollowerOptions options;
+  const auto speeds = SpeedProfile(StraightTrack(2, 1), 0, kRobot, options);
+  EXPECT_EQ(speeds.front(), 0.6);
+  EXPECT_EQ(speeds.back(), 0);
+  const double brake = options.acceleration_share * 1.5;
+  for (size_t i = 1; i < speeds.size(); ++i) {
+    const double left_m = 2 - 0.05 * static_cast<double>(i);
+    EXPECT_NEAR(speeds[i], std::min(0.6, std::sqrt(2 * brake * left_m)), 1e-6);
+  }
+}
+
+TEST(SpeedProfile, IsSlowBesideObstaclesInCurvesAndOnSlopes) {
+  EXPECT_NEAR(SpeedProfile(StraightTrack(2, 0.05), 0, kRobot, {}).front(),
+              0.15 + 1.2 * 0.05, 1e-9);
+  std::vector<TrackPoint> slope = StraightTrack(2, 1);
+  for (TrackPoint& point : slope) point.slope_rad = 0.14;
+  EXPECT_NEAR(SpeedProfile(slope, 0, kRobot, {}).front(), 0.6 * 0.75, 1e-3);
+  // A right angle in the middle.
+  std::vector<TrackPoint> corner = StraightTrack(1, 1);
+  for (int i = 1; i <= 20; ++i) {
+    corner.push_back({.in_map = {1, 0.05 * i}, .clearance_m = 1});
+  }
+  const auto speeds = SpeedProfile(corner, 0, kRobot, {});
+  EXPECT_LT(speeds[20], 0.1);
+  EXPECT_EQ(speeds[0], 0.6);
+}
+
+TEST(FollowTrack, TurnsOnTheSpotTowardsALineBehindIt) {
+  FollowState state;
+  const VelocityCommand command =
+      FollowTrack({.translation = {0, 0}, .yaw_rad = std::numbers::pi - 0.1}, 0,
+                  StraightTrack(2, 1), 0, kRobot, {}, state);
+  EXPECT_EQ(command.forward_mps, 0);
+  EXPECT_LT(command.yaw_rate_radps, -0.5);
+  EXPECT_TRUE(state.is_turning);
+}
+
+TEST(GoalApproach, ArrivesWithinTheTolerancesFromManyPlaces) {
+  for (const double x : {-0.2, -0.05, 0.08}) {
+    for (const double y : {-0.1, 0.0, 0.15}) {
+      for (const double yaw : {-3.0, -0.5, 0.0, 1.6}) {
+        GoalApproach approach({.tolerance_m = 0.1, .tolerance_rad = 0.15});
+        const Rigid2 goal = {.translation = {0, 0}, .yaw_rad = 0.3};
+        Rigid2 at = {.translation = {x, y}, .yaw_rad = yaw};
+        VelocityCommand command;
+        for (int step = 0; step < 800; ++step) {
+          ASSERT_TRUE(approach.IsNear(at, goal, 0.1));
+          command = LimitedVelocity(
+              command, approach.Command(at, goal, kRobot, {}), 0.025, kRobot);
+          at = Moved(at, command, 0.025);
+        }
+        EXPECT_TRUE(approach.is_done()) << x << " " << y << " " << yaw;
+        EXPECT_LT(Norm(at.translation), 0.1);
+        EXPECT_LT(std::abs(NormalizedAngle_rad(at.yaw_rad - 0.3)), 0.15);
+        EXPECT_EQ(command, VelocityCommand());
+      }
+    }
+  }
+}
+
+TEST(PathProgress, StaysOnItsPartOfAPathThatComesByAgain) {
+  std::vector<LevelPose> path;
+  for (const Vec2 at : {Vec2{0, 0}, Vec2{4, 0}, Vec2{4, 0.4}, Vec2{0, 0.4}}) {
+    path.push_back({.map_from_base = {.translation = at}, .place = {}});
+  }
+  PathProgress progress;
+  progress.SetPath(path);
+  progress.Follow({.map_from_base = {.translation = {1, 0.25}}, .place = {}});
+  EXPECT_NEAR(progress.along_m(), 1, 0.3);
+  // Under it on another floor nothing happens.
+  progress.Follow({.map_from_base = {.translation = {1.8, 0}},
+                   .place = {.level = 1, .height_m = 3}});
+  EXPECT_NEAR(progress.along_m(), 1, 0.3);
+  EXPECT_NEAR(progress.length_m(), 8.4, 1e-9);
+  EXPECT_NEAR(progress.At(5).map_from_base.translation.x, 3.4, 1e-9);
+}
+
+StandstillInput StandingAt(double time_s) {
+  StandstillInput input;
+  input.stamp = TestingTime(time_s);
+  input.wants_to_move = true;
+  return input;
+}
+
+TEST(Standstill, WaitsForWhatMovesButNotForever) {
+  Standstill standstill;
+  bool waited = false;
+  double blocked_s = 0;
+  for (double time_s = 0; time_s < 10 && blocked_s == 0; time_s += 0.025) {
+    StandstillInput input = StandingAt(time_s);
+    input.is_broken = true;
+    input.obstacle_age_s = 0.1;
+    const ControlState state = standstill.Judge(input);
+    waited |= state == ControlState::kWaiting;
+    if (state == ControlState::kBlocked) blocked_s = time_s;
+  }
+  EXPECT_TRUE(waited);
+  EXPECT_NEAR(blocked_s, 4.4, 0.2);
+}
+
+TEST(Standstill, WhatStandsBlocksAtOnceAndFlickeringDoesNot) {
+  Standstill standstill;
+  double blocked_s = 0;
+  for (double time_s = 0; time_s < 2 && blocked_s == 0; time_s += 0.025) {
+    StandstillInput input = StandingAt(time_s);
+    input.is_broken = true;
+    if (standstill.Judge(input) == ControlState::kBlocked) blocked_s = time_s;
+  }
+  EXPECT_NEAR(blocked_s, 0.4, 0.05);
+  Standstill flickers;
+  for (int i = 0; i < 200; ++i) {
+    StandstillInput input = StandingAt(0.025 * i);
+    // The robot gets on meanwhile.
+    input.at.translation.x = 0.01 * i;
+    input.is_broken = i % 20 < 2;
+    input.obstacle_age_s = 0.1;
+    EXPECT_EQ(flickers.Judge(input), ControlState::kDriving);
+  }
+}
+
+TEST(Standstill, WhatHoldsItUnseenIsSaidInTheEnd) {
+  Standstill standstill;
+  ControlState state = ControlState::kDriving;
+  for (double time_s = 0; time_s < 12; time_s += 0.025) {
+    state = standstill.Judge(StandingAt(time_s));
+  }
+  EXPECT_EQ(state, ControlState::kBlocked);
+}
+
+}  // namespace
+}  // namespace treeline

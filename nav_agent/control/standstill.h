@@ -1,0 +1,73 @@
+// Whether a robot that does not get on waits, or is blocked.
+#ifndef NAV_AGENT_CONTROL_STANDSTILL_H_
+#define NAV_AGENT_CONTROL_STANDSTILL_H_
+
+#include <optional>
+
+#include "common/base/clock.h"
+#include "common/geometry/rigid2.h"
+#include "nav_agent/control/local_controller.h"
+
+namespace treeline {
+
+struct StandstillOptions {
+  // A break must last before it counts, and be gone before it does not (s).
+  double break_s = 0.4;
+  double mended_s = 0.3;
+  // What has been there for less may go away by itself, and is waited for at
+  // most so long (s).
+  double young_s = 2.5;
+  double patience_s = 4.0;
+  // Driving that gets nowhere: this far in this time (m, rad, s).
+  double progress_m = 0.05;
+  double progress_rad = 0.15;
+  double stuck_s = 1.2;
+  // Without anything seen in its way, it is held by something unseen after this
+  // time (s).
+  double held_s = 3.0;
+  // So long other ways are tried to get on (s).
+  double escape_s = 5.0;
+};
+
+struct StandstillInput {
+  MonotonicTime stamp;
+  Rigid2 at;
+  bool wants_to_move = false;
+  // The band is broken just ahead; the collision stop changes commands.
+  bool is_broken = false;
+  bool is_guarded = false;
+  std::optional<Vec2> obstacle_in_map = std::nullopt;
+  double obstacle_radius_m = 0;
+  double obstacle_age_s = 1e6;
+};
+
+// Not thread-safe.
+class Standstill {
+ public:
+  explicit Standstill(const StandstillOptions& options = {})
+      : options_(options) {}
+
+  void Reset();
+  // kDriving, kWaiting or kBlocked.
+  ControlState Judge(const StandstillInput& input);
+  // The robot should try to get on another way than the one it wants.
+  bool WantsEscape() const { return wants_escape_; }
+
+ private:
+  bool IsStuck(const StandstillInput& input);
+
+  StandstillOptions options_;
+  std::optional<MonotonicTime> broken_since_;
+  std::optional<MonotonicTime> whole_since_;
+  std::optional<MonotonicTime> waiting_since_;
+  // Where it got on last.
+  std::optional<MonotonicTime> moved_at_;
+  Rigid2 moved_to_;
+  std::optional<MonotonicTime> escaping_since_;
+  bool wants_escape_ = false;
+  bool is_blocked_ = false;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_CONTROL_STANDSTILL_H_

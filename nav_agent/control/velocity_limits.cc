@@ -1,0 +1,80 @@
+#include "nav_agent/control/velocity_limits.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace treeline {
+namespace {
+
+constexpr double kUsualInterval_s = 0.025;
+// What was measured may lag behind what was told by this time (s).
+constexpr double kLag_s = 0.1;
+
+double FiniteOr0(double value) { return std::isfinite(value) ? value : 0; }
+
+}  // namespace
+
+VelocityCommand LimitedVelocity(const VelocityCommand& present,
+                                const VelocityCommand& wanted,
+                                double interval_s, const RobotModel& robot) {
+  const double from = FiniteOr0(present.forward_mps);
+  const double to = std::clamp(FiniteOr0(wanted.forward_mps),
+                               -robot.max_backward_mps, robot.max_forward_mps);
+  const double up = robot.max_acceleration_mps2 * interval_s;
+  const double down = robot.max_deceleration_mps2 * interval_s;
+  VelocityCommand limited;
+  if (from > 0) {
+    limited.forward_mps =
+        to >= from ? std::min(to, from + up) : std::max({to, from - down, -up});
+    // Through standing still only in the next step.
+    if (to < 0) limited.forward_mps = std::max(from - down, 0.0);
+  } else if (from < 0) {
+    limited.forward_mps =
+        to <= from ? std::max(to, from - up) : std::min(to, from + down);
+    if (to > 0) limited.forward_mps = std::min(from + down, 0.0);
+  } else {
+    limited.forward_mps = std::clamp(to, -up, up);
+  }
+  const double turn = robot.max_yaw_acceleration_radps2 * interval_s;
+  const double yaw_from = FiniteOr0(present.yaw_rate_radps);
+  limited.yaw_rate_radps = std::clamp(
+      std::clamp(FiniteOr0(wanted.yaw_rate_radps), -robot.max_yaw_rate_radps,
+                 robot.max_yaw_rate_radps),
+      yaw_from - turn, yaw_from + turn);
+  return limited;
+}
+
+CommandHistory::Start CommandHistory::StartAt(MonotonicTime now,
+                                              const VelocityCommand& measured,
+                                              const RobotModel& robot) const {
+  Start start = {
+      .velocity = {.forward_mps = FiniteOr0(measured.forward_mps),
+                   .yaw_rate_radps = FiniteOr0(measured.yaw_rate_radps)},
+      .interval_s = kUsualInterval_s};
+  const std::optional<Entry>& before =
+      last_.has_value() && last_->stamp == now ? before_ : last_;
+  if (!before.has_value()) return start;
+  const double since_s =
+      std::chrono::duration<double>(now - before->stamp).count();
+  if (since_s < 0 || since_s > kLag_s) return start;
+  start.interval_s = std::clamp(since_s, 0.005, kLag_s);
+  const double lag_s = kLag_s + start.interval_s;
+  if (std::abs(before->command.forward_mps - start.velocity.forward_mps) <=
+      robot.max_deceleration_mps2 * lag_s) {
+    start.velocity.forward_mps = before->command.forward_mps;
+  }
+  if (std::abs(before->command.yaw_rate_radps -
+               start.velocity.yaw_rate_radps) <=
+      robot.max_yaw_acceleration_radps2 * lag_s) {
+    start.velocity.yaw_rate_radps = before->command.yaw_rate_radps;
+  }
+  return start;
+}
+
+void CommandHistory::Told(MonotonicTime now, const VelocityCommand& command) {
+  if (!last_.has_value() || last_->stamp != now) before_ = last_;
+  last_ = Entry{.stamp = now, .command = command};
+}
+
+}  // namespace treeline

@@ -1,0 +1,47 @@
+// What a base may be asked for next, given how it moves.
+#ifndef NAV_AGENT_CONTROL_VELOCITY_LIMITS_H_
+#define NAV_AGENT_CONTROL_VELOCITY_LIMITS_H_
+
+#include <optional>
+
+#include "common/base/clock.h"
+#include "nav_agent/core/robot_model.h"
+#include "nav_agent/core/sensor_data.h"
+
+namespace treeline {
+
+// The velocity nearest to `wanted` that can be reached from `present` within
+// interval_s: speeds within the robot's, |forward| grows by at most
+// max_acceleration and falls by at most max_deceleration, yaw rates change by
+// at most max_yaw_acceleration. NaN and infinity count as 0.
+VelocityCommand LimitedVelocity(const VelocityCommand& present,
+                                const VelocityCommand& wanted,
+                                double interval_s, const RobotModel& robot);
+
+// From how the base moves and what it was told last: what its next command
+// starts from. What a base says of its speed is late by one or two cycles: with
+// it alone, a base would accelerate at half of what it may.
+class CommandHistory {
+ public:
+  // What limits start from at `now`, and the time since then (s, 0.005 to
+  // 0.1). Told twice in the same instant, both start from the same.
+  struct Start {
+    VelocityCommand velocity;
+    double interval_s = 0.025;
+  };
+  Start StartAt(MonotonicTime now, const VelocityCommand& measured,
+                const RobotModel& robot) const;
+  void Told(MonotonicTime now, const VelocityCommand& command);
+
+ private:
+  struct Entry {
+    MonotonicTime stamp;
+    VelocityCommand command;
+  };
+  std::optional<Entry> last_;
+  std::optional<Entry> before_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_CONTROL_VELOCITY_LIMITS_H_

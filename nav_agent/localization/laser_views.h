@@ -1,0 +1,43 @@
+// What a laser that drives on a level sees of a map of voxels: for the lost
+// verdict and for gating fixes.
+#ifndef NAV_AGENT_LOCALIZATION_LASER_VIEWS_H_
+#define NAV_AGENT_LOCALIZATION_LASER_VIEWS_H_
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "nav_agent/localization/lost_scan_check.h"
+#include "nav_agent/octomap/voxel_map.h"
+#include "nav_agent/traversability/traversability.h"
+
+namespace treeline {
+
+struct LaserViewOptions {
+  // Above the ground that the robot stands on (m, 0 to 5).
+  double laser_height_m = 0.35;
+  // Rays are cast from places this far apart (m, 0.05 to 10), in so many
+  // directions (8 to 3600), so far (m, 0.1 to 100).
+  double place_m = 0.5;
+  int directions = 240;
+  double range_m = 25;
+  // A cell is occupied if this share of the rays that get there end there, and
+  // opaque from the second on (0 to 1).
+  double hit_share = 0.25;
+  double opaque_share = 0.75;
+
+  absl::Status Validate() const;
+};
+
+// Rays from all over the free ground of a level, level, at the laser's height
+// above that ground. They end at voxels that are occupied within one voxel of
+// their height. Where all three are, rays are sure to end: the rest (edges of
+// platforms, table tops, thin bars) counts as passed for `opaque`. Tops of
+// ground that can be driven on, slopes above all, are nobody's obstacle.
+// Errors: INVALID_ARGUMENT for options, and for a level that is not there or is
+// not of these voxels.
+absl::StatusOr<LaserMap> LaserMapOf(const VoxelMap& voxels,
+                                    const TraversableMap& levels, int level,
+                                    const LaserViewOptions& options);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_LOCALIZATION_LASER_VIEWS_H_

@@ -1,0 +1,62 @@
+// Whether a scan fits elsewhere on the map too: rooms that are alike.
+#ifndef NAV_AGENT_LOCALIZATION_PLACE_SEARCH_H_
+#define NAV_AGENT_LOCALIZATION_PLACE_SEARCH_H_
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "nav_agent/core/level_pose.h"
+#include "nav_agent/localization/laser_level_map.h"
+#include "nav_agent/localization/scan_points.h"
+
+namespace treeline {
+
+struct PlaceSearchOptions {
+  // Poses are tried at places this far apart (m) and in so many headings.
+  double place_m = 0.25;
+  int headings = 48;
+  // Elsewhere is further away than either of these.
+  double away_m = 0.7;
+  double away_rad = 0.6;
+  // Of those that fit best, so many are handed over, at least away_m or
+  // away_rad from one another.
+  size_t candidates = 12;
+  // Poses of one Step.
+  size_t slice = 8000;
+};
+
+// Works through all poses by the likelihood field, a slice at a time.
+// Deterministic; not thread-safe.
+class PlaceSearch {
+ public:
+  PlaceSearch(std::shared_ptr<const LaserLevelMap> map, ScanPoints points,
+              const LevelPose& here, const PlaceSearchOptions& options = {});
+
+  // True when there is nothing left to try.
+  bool Step();
+  // The best that were found elsewhere, the best first.
+  std::vector<LevelPose> Best() const;
+
+ private:
+  struct Tried {
+    LevelPose pose;
+    float log_likelihood = 0;
+  };
+  bool IsHere(const LevelPose& pose) const;
+  bool AreNear(const LevelPose& a, const LevelPose& b) const;
+  void Keep(std::vector<Tried>& tried);
+
+  std::shared_ptr<const LaserLevelMap> map_;
+  ScanPoints points_;
+  LevelPose here_;
+  PlaceSearchOptions options_;
+  std::vector<FreePlace> places_;
+  // Of places_ times headings.
+  size_t next_ = 0;
+  std::vector<Tried> best_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_LOCALIZATION_PLACE_SEARCH_H_

@@ -1,0 +1,592 @@
+#include "nav_agent/localization/robot_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/check_range.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/core/slope_odometry.h"
+#include "nav_agent/localization/laser_level_map.h"
+#include "nav_agent/localization/laser_views.h"
+#include "nav_agent/localization/particle_clusters.h"
+#include "nav_agent/localization/place_search.h"
+#include "nav_agent/localization/scan_points.h"
+
+namespace treeline {
+namespace {
+
+// What is remembered of the wheels' way (s).
+constexpr double kMemory_s = 2.5;
+// Scans that wait for the wheels; a silent base must not fill the memory.
+constexpr size_t kMostWaiting = 8;
+// Beams that other places are judged by.
+constexpr int kSearchBeams = 60;
+// Tilt is smoothed over about five readings of the inertial sensor: the noise
+// of single ones is not tilt.
+constexpr double kTiltShare = 0.2;
+// Scans of a robot that its wheels were not heard of since are out of step by
+// at most this (s).
+constexpr double kOutOfStep_s = 0.05;
+
+double SecondsBetween(MonotonicTime from, MonotonicTime to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+// Moments of the wheels, the oldest first.
+struct WheelMoment {
+  TrackedMotion motion;
+  double pitch_rad = 0;
+  double roll_rad = 0;
+};
+
+WheelMoment Between(const WheelMoment& a, const WheelMoment& b, double t) {
+  const auto mix = [t](double from, double to) {
+    return from + t * (to - from);
+  };
+  const Rigid2& from = a.motion.odom_from_base;
+  const Rigid2& to = b.motion.odom_from_base;
+  WheelMoment moment = a;
+  moment.motion.odom_from_base = {
+      from.translation + t * (to.translation - from.translation),
+      NormalizedAngle_rad(from.yaw_rad +
+                          t * NormalizedAngle_rad(to.yaw_rad - from.yaw_rad))};
+  moment.motion.level_from_base =
+      Slerp(a.motion.level_from_base, b.motion.level_from_base, t);
+  moment.motion.forward_mps = mix(a.motion.forward_mps, b.motion.forward_mps);
+  moment.motion.yaw_rate_radps =
+      mix(a.motion.yaw_rate_radps, b.motion.yaw_rate_radps);
+  moment.pitch_rad = mix(a.pitch_rad, b.pitch_rad);
+  moment.roll_rad = mix(a.roll_rad, b.roll_rad);
+  return moment;
+}
+
+class WheelHistory {
+ public:
+  explicit WheelHistory(SlopeOdometry odometry) : odometry_(odometry) {}
+
+  absl::Status Add(const BaseReading& reading) {
+    TL_RETURN_IF_ERROR(odometry_.Add(reading));
+    const double share = moments_.empty() ? 1 : kTiltShare;
+    pitch_rad_ += share * (reading.pitch_rad - pitch_rad_);
+    roll_rad_ += share * (reading.roll_rad - roll_rad_);
+    moments_.push_back(
+        {.motion = {.stamp = reading.stamp,
+                    .odom_from_base = odometry_.PlanarOdomFromBase(),
+                    .level_from_base = odometry_.LevelFromBase(),
+                    .forward_mps = reading.forward_mps,
+                    .yaw_rate_radps = reading.yaw_rate_radps},
+         .pitch_rad = pitch_rad_,
+         .roll_rad = roll_rad_});
+    while (SecondsBetween(moments_.front().motion.stamp, reading.stamp) >
+           kMemory_s) {
+      moments_.pop_front();
+    }
+    return absl::OkStatus();
+  }
+
+  bool is_empty() const { return moments_.empty(); }
+  const WheelMoment& newest() const { return moments_.back(); }
+
+  // At a moment that is remembered; the newest for what is newer by a little.
+  std::optional<WheelMoment> At(MonotonicTime stamp) const {
+    if (moments_.empty() || stamp < moments_.front().motion.stamp) {
+      return std::nullopt;
+    }
+    const auto after = std::ranges::lower_bound(
+        moments_, stamp, {},
+        [](const WheelMoment& moment) { return moment.motion.stamp; });
+    if (after == moments_.end()) {
+      return SecondsBetween(newest().motion.stamp, stamp) <= kOutOfStep_s
+                 ? std::optional(newest())
+                 : std::nullopt;
+    }
+    if (after == moments_.begin()) return *after;
+    const auto before = std::prev(after);
+    const double way_s =
+        SecondsBetween(before->motion.stamp, after->motion.stamp);
+    const double t =
+        way_s > 0 ? SecondsBetween(before->motion.stamp, stamp) / way_s : 1;
+    WheelMoment moment = Between(*before, *after, t);
+    moment.motion.stamp = stamp;
+    return moment;
+  }
+
+ private:
+  SlopeOdometry odometry_;
+  std::deque<WheelMoment> moments_;
+  double pitch_rad_ = 0;
+  double roll_rad_ = 0;
+};
+
+// What a tracker is made of.
+struct TrackerParts {
+  std::shared_ptr<const LaserLevelMap> map;
+  Amcl amcl;
+  LostDetector detector;
+  // One a level.
+  std::vector<ScanChecker> checkers;
+  WheelHistory wheels;
+};
+
+class AmclTracker final : public RobotTracker {
+ public:
+  AmclTracker(TrackerParts parts, const RobotModel& robot,
+              const RangeSensorInfo& laser, const RobotTrackerOptions& options)
+      : parts_(std::move(parts)),
+        base_from_laser_(robot.base_from_laser),
+        laser_(laser),
+        options_(options) {}
+
+  absl::Status AddReading(const BaseReading& reading) override;
+  absl::Status AddScan(const LaserScan& scan) override;
+  absl::Status SetPose(const LevelPose& pose, const PoseCovariance2& covariance,
+                       MonotonicTime now) override;
+  void SetAnywhere(MonotonicTime now) override;
+  std::optional<TrackedPose> Pose() const override;
+  std::optional<TrackedPose> PoseAt(MonotonicTime stamp) const override;
+  std::optional<TrackedMotion> Motion() const override;
+  std::optional<TrackedMotion> MotionAt(MonotonicTime stamp) const override;
+  const LostVerdict& verdict() const override {
+    return parts_.detector.verdict();
+  }
+  std::optional<ScanFit> FitAt(const LevelPose& pose) const override;
+  void BeginOtherPlaces(const LevelPose& pose) override;
+  bool StepOtherPlaces() override;
+  std::optional<OtherPlace> BestOtherPlace() const override {
+    return other_place_;
+  }
+  std::optional<MonotonicTime> ScanStamp() const override;
+  std::vector<Vec2> ScanInBase() const override;
+  std::vector<Particle> Particles(size_t at_most) const override;
+  std::vector<PlaceCandidate> Candidates(size_t at_most) const override;
+  int64_t dropped() const override { return dropped_; }
+
+ private:
+  // A scan and where the wheels were in the middle of it.
+  struct MovedScan {
+    LaserScan scan;
+    WheelMoment moment;
+  };
+
+  MonotonicTime MiddleOf(const LaserScan& scan) const {
+    return scan.stamp +
+           std::chrono::duration_cast<MonotonicTime::duration>(
+               std::chrono::duration<double>(0.5 * laser_.beam_interval_s *
+                                             (laser_.beams - 1)));
+  }
+  TrackedPose PoseFor(const WheelMoment& moment) const;
+  std::optional<ScanFit> FitOf(const MovedScan& scan,
+                               const LevelPose& pose) const;
+  absl::Status TakeIn(MovedScan scan);
+  absl::Status TakeWaiting();
+  // Brings AMCL's wheels up to date, without a scan.
+  void CatchUp();
+  void Forget(MonotonicTime now);
+
+  TrackerParts parts_;
+  Rigid3 base_from_laser_;
+  RangeSensorInfo laser_;
+  RobotTrackerOptions options_;
+  std::deque<LaserScan> waiting_;
+  std::optional<MovedScan> scan_;
+  std::optional<MonotonicTime> last_scan_;
+  std::optional<MonotonicTime> told_;
+  std::optional<PlanarEstimate> estimate_;
+  // Of the estimate.
+  Rigid2 odom_from_base_;
+  int map_level_ = 0;
+  int64_t dropped_ = 0;
+  // For other places: the search, its scan, and what of its best is looked at.
+  std::optional<PlaceSearch> search_;
+  std::optional<MovedScan> search_scan_;
+  std::vector<LevelPose> candidates_;
+  std::optional<OtherPlace> other_place_;
+};
+
+absl::Status AmclTracker::AddReading(const BaseReading& reading) {
+  if (const absl::Status added = parts_.wheels.Add(reading); !added.ok()) {
+    ++dropped_;
+    return added;
+  }
+  return TakeWaiting();
+}
+
+absl::Status AmclTracker::AddScan(const LaserScan& scan) {
+  if (static_cast<int>(scan.ranges_m.size()) != laser_.beams) {
+    ++dropped_;
+    return absl::InvalidArgumentError(
+        absl::StrCat("a scan of ", scan.ranges_m.size(),
+                     " beams; the laser has ", laser_.beams));
+  }
+  const MonotonicTime middle = MiddleOf(scan);
+  if (told_.has_value() && middle < *told_) {
+    ++dropped_;
+    return absl::OkStatus();
+  }
+  if (last_scan_.has_value()) {
+    if (middle < *last_scan_) {
+      ++dropped_;
+      return absl::OkStatus();
+    }
+    // Thirty thousand particles are moved with each scan: less often then.
+    const bool searches = estimate_.has_value() && estimate_->is_searching;
+    if (SecondsBetween(*last_scan_, middle) <
+        (searches ? options_.searching_interval_s : options_.scan_interval_s)) {
+      return absl::OkStatus();
+    }
+  }
+  last_scan_ = middle;
+  if (waiting_.size() >= kMostWaiting) {
+    waiting_.pop_front();
+    ++dropped_;
+  }
+  waiting_.push_back(scan);
+  return TakeWaiting();
+}
+
+absl::Status AmclTracker::TakeWaiting() {
+  absl::Status status = absl::OkStatus();
+  while (!waiting_.empty() && !parts_.wheels.is_empty()) {
+    const MonotonicTime middle = MiddleOf(waiting_.front());
+    if (middle > parts_.wheels.newest().motion.stamp) break;
+    LaserScan scan = std::move(waiting_.front());
+    waiting_.pop_front();
+    std::optional<WheelMoment> moment = parts_.wheels.At(middle);
+    if (!moment.has_value()) {
+      // From before all that is remembered of the wheels.
+      ++dropped_;
+      continue;
+    }
+    status.Update(TakeIn({std::move(scan), *moment}));
+  }
+  return status;
+}
+
+absl::Status AmclTracker::TakeIn(MovedScan scan) {
+  TL_ASSIGN_OR_RETURN(const ScanPoints points,
+                      PointsInSpace(scan.scan, laser_, base_from_laser_,
+                                    scan.moment.motion.level_from_base,
+                                    options_.amcl.max_beams));
+  const Rigid2 odom_from_base = scan.moment.motion.odom_from_base;
+  TL_ASSIGN_OR_RETURN(const std::optional<PlanarEstimate> estimate,
+                      parts_.amcl.Update(odom_from_base, points));
+  scan_ = std::move(scan);
+  if (!estimate.has_value()) return absl::OkStatus();
+  estimate_ = estimate;
+  odom_from_base_ = odom_from_base;
+  if (estimate->place.level != map_level_) {
+    map_level_ = estimate->place.level;
+    parts_.detector.SetChecker(
+        parts_.checkers[static_cast<size_t>(map_level_)]);
+  }
+  return parts_.detector
+      .Observe({.stamp = scan_->moment.motion.stamp,
+                .estimate = *estimate,
+                .odom_from_base = odom_from_base,
+                .pitch_rad = scan_->moment.pitch_rad,
+                .roll_rad = scan_->moment.roll_rad},
+               scan_->scan)
+      .status();
+}
+
+void AmclTracker::CatchUp() {
+  if (parts_.wheels.is_empty()) return;
+  const Rigid2& odom_from_base = parts_.wheels.newest().motion.odom_from_base;
+  const absl::StatusOr<std::optional<PlanarEstimate>> estimate =
+      parts_.amcl.Update(odom_from_base, {});
+  if (!estimate.ok() || !estimate->has_value()) return;
+  estimate_ = **estimate;
+  odom_from_base_ = odom_from_base;
+}
+
+void AmclTracker::Forget(MonotonicTime now) {
+  dropped_ += static_cast<int64_t>(waiting_.size());
+  waiting_.clear();
+  told_ = now;
+  parts_.detector.Reset();
+  CatchUp();
+  if (estimate_.has_value()) {
+    map_level_ = estimate_->place.level;
+    parts_.detector.SetChecker(
+        parts_.checkers[static_cast<size_t>(map_level_)]);
+  }
+}
+
+absl::Status AmclTracker::SetPose(const LevelPose& pose,
+                                  const PoseCovariance2& covariance,
+                                  MonotonicTime now) {
+  CatchUp();
+  TL_RETURN_IF_ERROR(parts_.amcl.SetPoseOnLevel(
+      pose.map_from_base, pose.place.height_m, covariance));
+  Forget(now);
+  if (!estimate_.has_value()) {
+    // No wheels were heard yet: their way begins here.
+    const auto estimate = parts_.amcl.Update(Rigid2(), {});
+    if (estimate.ok()) estimate_ = *estimate;
+  }
+  return absl::OkStatus();
+}
+
+void AmclTracker::SetAnywhere(MonotonicTime now) {
+  CatchUp();
+  parts_.amcl.SetAnywhere();
+  Forget(now);
+}
+
+TrackedPose AmclTracker::PoseFor(const WheelMoment& moment) const {
+  TrackedPose tracked;
+  tracked.stamp = moment.motion.stamp;
+  tracked.pose.map_from_base =
+      estimate_->map_from_base *
+      (odom_from_base_.Inverse() * moment.motion.odom_from_base);
+  tracked.pose.place = parts_.map
+                           ->GroundNear(tracked.pose.map_from_base.translation,
+                                        estimate_->place.height_m)
+                           .value_or(estimate_->place);
+  tracked.covariance = estimate_->covariance;
+  tracked.level_from_base = moment.motion.level_from_base;
+  tracked.forward_mps = moment.motion.forward_mps;
+  tracked.yaw_rate_radps = moment.motion.yaw_rate_radps;
+  tracked.share = estimate_->share;
+  tracked.is_searching = estimate_->is_searching;
+  return tracked;
+}
+
+std::optional<TrackedPose> AmclTracker::Pose() const {
+  if (!estimate_.has_value() || parts_.wheels.is_empty()) return std::nullopt;
+  return PoseFor(parts_.wheels.newest());
+}
+
+std::optional<TrackedPose> AmclTracker::PoseAt(MonotonicTime stamp) const {
+  if (!estimate_.has_value()) return std::nullopt;
+  const std::optional<WheelMoment> moment = parts_.wheels.At(stamp);
+  if (!moment.has_value()) return std::nullopt;
+  return PoseFor(*moment);
+}
+
+std::optional<TrackedMotion> AmclTracker::Motion() const {
+  if (parts_.wheels.is_empty()) return std::nullopt;
+  return parts_.wheels.newest().motion;
+}
+
+std::optional<TrackedMotion> AmclTracker::MotionAt(MonotonicTime stamp) const {
+  const std::optional<WheelMoment> moment = parts_.wheels.At(stamp);
+  if (!moment.has_value()) return std::nullopt;
+  return moment->motion;
+}
+
+std::optional<RobotTracker::ScanFit> AmclTracker::FitAt(
+    const LevelPose& pose) const {
+  if (!scan_.has_value()) return std::nullopt;
+  return FitOf(*scan_, pose);
+}
+
+std::optional<RobotTracker::ScanFit> AmclTracker::FitOf(
+    const MovedScan& scan, const LevelPose& pose) const {
+  if (pose.place.level < 0 ||
+      pose.place.level >= static_cast<int>(parts_.checkers.size())) {
+    return std::nullopt;
+  }
+  const auto beams =
+      parts_.checkers[static_cast<size_t>(pose.place.level)].Check(
+          {.map_from_base = pose.map_from_base,
+           .pitch_rad = scan.moment.pitch_rad,
+           .roll_rad = scan.moment.roll_rad},
+          laser_, base_from_laser_, scan.scan);
+  if (!beams.ok()) return std::nullopt;
+  ScanFit fit;
+  int explained = 0;
+  int contradicted = 0;
+  for (const CheckedBeam& beam : *beams) {
+    fit.judged += beam.fit != BeamFit::kNotJudged ? 1 : 0;
+    explained += beam.fit == BeamFit::kExplained ? 1 : 0;
+    contradicted += beam.fit == BeamFit::kLong ? 1 : 0;
+  }
+  if (fit.judged > 0) {
+    fit.explained = static_cast<double>(explained) / fit.judged;
+    fit.contradicted = static_cast<double>(contradicted) / fit.judged;
+  }
+  return fit;
+}
+
+void AmclTracker::BeginOtherPlaces(const LevelPose& pose) {
+  search_.reset();
+  candidates_.clear();
+  other_place_.reset();
+  search_scan_ = scan_;
+  if (!scan_.has_value()) return;
+  const absl::StatusOr<ScanPoints> points =
+      PointsInSpace(scan_->scan, laser_, base_from_laser_,
+                    scan_->moment.motion.level_from_base, kSearchBeams);
+  if (!points.ok()) return;
+  // Beams that end on the ground fit anywhere and nowhere.
+  ScanPoints upright;
+  for (size_t i = 0; i < points->size(); ++i) {
+    if (points->z_m[i] > options_.lost.scan.ground_m) upright.Add(*points, i);
+  }
+  search_.emplace(parts_.map, std::move(upright), pose);
+}
+
+bool AmclTracker::StepOtherPlaces() {
+  if (search_.has_value()) {
+    if (!search_->Step()) return false;
+    candidates_ = search_->Best();
+    search_.reset();
+    return candidates_.empty();
+  }
+  if (candidates_.empty()) return true;
+  // The place itself is between those that were tried.
+  LevelPose middle = candidates_.back();
+  candidates_.pop_back();
+  for (const double step_m : {0.12, 0.06}) {
+    LevelPose best = middle;
+    double best_score = -2;
+    for (int i = 0; i < 27; ++i) {
+      LevelPose pose = middle;
+      const double x = i % 3 - 1;
+      const double y = (i / 3) % 3 - 1;  // NOLINT(bugprone-integer-division)
+      const double turn = i / 9 - 1;     // NOLINT(bugprone-integer-division)
+      pose.map_from_base.translation =
+          middle.map_from_base.translation + Vec2{step_m * x, step_m * y};
+      pose.map_from_base.yaw_rad = NormalizedAngle_rad(
+          middle.map_from_base.yaw_rad + 0.5 * step_m * turn);
+      const std::optional<ScanFit> fit = FitOf(*search_scan_, pose);
+      if (!fit.has_value()) continue;
+      const double score = fit->explained - fit->contradicted;
+      if (score > best_score) {
+        best = pose;
+        best_score = score;
+      }
+      if (!other_place_.has_value() ||
+          score >
+              other_place_->fit.explained - other_place_->fit.contradicted) {
+        other_place_ = OtherPlace{pose, *fit};
+      }
+    }
+    middle = best;
+  }
+  return candidates_.empty();
+}
+
+std::optional<MonotonicTime> AmclTracker::ScanStamp() const {
+  if (!scan_.has_value()) return std::nullopt;
+  return scan_->moment.motion.stamp;
+}
+
+std::vector<Vec2> AmclTracker::ScanInBase() const {
+  std::vector<Vec2> ends;
+  if (!scan_.has_value()) return ends;
+  const absl::StatusOr<ScanPoints> points = PointsAtLaserHeight(
+      scan_->scan, laser_, base_from_laser_, scan_->moment.pitch_rad,
+      scan_->moment.roll_rad, laser_.beams, options_.lost.scan);
+  if (!points.ok()) return ends;
+  ends.reserve(points->size());
+  for (size_t i = 0; i < points->size(); ++i) {
+    ends.push_back({points->x_m[i], points->y_m[i]});
+  }
+  return ends;
+}
+
+std::vector<Particle> AmclTracker::Particles(size_t at_most) const {
+  const std::vector<Particle>& all = parts_.amcl.particles();
+  if (all.size() <= at_most) return all;
+  std::vector<Particle> some;
+  some.reserve(at_most);
+  for (size_t i = 0; i < at_most; ++i) {
+    some.push_back(all[i * all.size() / at_most]);
+  }
+  return some;
+}
+
+std::vector<PlaceCandidate> AmclTracker::Candidates(size_t at_most) const {
+  const std::vector<Particle>& all = parts_.amcl.particles();
+  if (all.empty()) return {};
+  const PoseBins bins =
+      BinParticles(all, options_.amcl.bin_m, options_.amcl.bin_rad);
+  std::vector<std::vector<Particle>> clusters(
+      static_cast<size_t>(bins.clusters));
+  std::vector<double> weights(clusters.size());
+  for (size_t i = 0; i < all.size(); ++i) {
+    const auto cluster = static_cast<size_t>(
+        bins.cluster_of_bin[static_cast<size_t>(bins.bin_of_particle[i])]);
+    clusters[cluster].push_back(all[i]);
+    weights[cluster] += all[i].weight;
+  }
+  std::vector<size_t> order(clusters.size());
+  for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::ranges::stable_sort(order, [&weights](size_t a, size_t b) {
+    return weights[a] > weights[b];
+  });
+  std::vector<PlaceCandidate> candidates;
+  for (size_t i = 0; i < std::min(at_most, order.size()); ++i) {
+    const PlanarEstimate estimate = HeaviestCluster(
+        clusters[order[i]], options_.amcl.bin_m, options_.amcl.bin_rad);
+    candidates.push_back(
+        {.pose = {.map_from_base = estimate.map_from_base,
+                  .place = parts_.map
+                               ->GroundNear(estimate.map_from_base.translation,
+                                            estimate.place.height_m)
+                               .value_or(estimate.place)},
+         .covariance = estimate.covariance,
+         .share = weights[order[i]]});
+  }
+  return candidates;
+}
+
+}  // namespace
+
+absl::Status RobotTrackerOptions::Validate() const {
+  TL_RETURN_IF_ERROR(amcl.Validate());
+  TL_RETURN_IF_ERROR(lost.Validate());
+  TL_RETURN_IF_ERROR(
+      CheckRange("tracker: scan_interval_s", scan_interval_s, 0, 10));
+  return CheckRange("tracker: searching_interval_s", searching_interval_s, 0,
+                    10);
+}
+
+absl::StatusOr<std::unique_ptr<RobotTracker>> RobotTracker::Create(
+    const VoxelMap& voxels, const TraversableMap& levels,
+    const RobotModel& robot, const RangeSensorInfo& laser,
+    const RobotTrackerOptions& options, uint64_t seed) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  TL_RETURN_IF_ERROR(robot.Validate());
+  if (laser.beams < 1) {
+    return absl::InvalidArgumentError(
+        "tracker: the laser has not said what it is yet");
+  }
+  TL_ASSIGN_OR_RETURN(
+      LaserLevelMap level_map,
+      LaserLevelMap::Make(voxels, levels, {.field = options.amcl.field}));
+  auto map = std::make_shared<const LaserLevelMap>(std::move(level_map));
+  TL_ASSIGN_OR_RETURN(Amcl amcl, Amcl::CreateOnLevels(map, options.amcl, seed));
+  std::vector<ScanChecker> checkers;
+  std::optional<LostDetector> detector;
+  for (int level = 0; level < static_cast<int>(levels.levels.size()); ++level) {
+    TL_ASSIGN_OR_RETURN(
+        const LaserMap laser_map,
+        LaserMapOf(voxels, levels, level,
+                   {.laser_height_m = robot.base_from_laser.translation.z}));
+    TL_ASSIGN_OR_RETURN(ScanChecker checker,
+                        ScanChecker::Create(laser_map, options.lost.scan));
+    checkers.push_back(std::move(checker));
+    if (detector.has_value()) continue;
+    TL_ASSIGN_OR_RETURN(
+        detector, LostDetector::Create(laser_map, laser, robot.base_from_laser,
+                                       options.lost));
+  }
+  TL_ASSIGN_OR_RETURN(
+      SlopeOdometry odometry,
+      SlopeOdometry::Create({.wheel_track_m = robot.wheel_track_m}));
+  return std::make_unique<AmclTracker>(
+      TrackerParts{.map = std::move(map),
+                   .amcl = std::move(amcl),
+                   .detector = *std::move(detector),
+                   .checkers = std::move(checkers),
+                   .wheels = WheelHistory(odometry)},
+      robot, laser, options);
+}
+
+}  // namespace treeline

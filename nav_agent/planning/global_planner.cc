@@ -1,0 +1,47 @@
+#include "nav_agent/planning/global_planner.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/planning/ompl_planner.h"
+#include "nav_agent/planning/plan_frame.h"
+#include "nav_agent/planning/variable_rrt_planner.h"
+
+namespace treeline {
+namespace {
+
+constexpr char kPlanners[] =
+    "variable-rrt, and of OMPL rrt-connect, rrt-star, bit-star, "
+    "informed-rrt-star, ompl-variable-rrt";
+
+}  // namespace
+
+absl::Status GlobalPlannerOptions::Validate() const {
+  if (!(margin_m >= 0 && margin_m <= 1)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("margin_m must be in [0, 1], not ", margin_m));
+  }
+  if (!(max_move_m >= 0 && max_move_m <= 5)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("max_move_m must be in [0, 5], not ", max_move_m));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakeGlobalPlanner(
+    std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
+    const GlobalPlannerOptions& options) {
+  TL_RETURN_IF_ERROR(options.Validate());
+  TL_RETURN_IF_ERROR(robot.Validate());
+  auto ground = std::make_shared<const PlanGround>(std::move(map), robot,
+                                                   options.margin_m);
+  if (options.planner == "variable-rrt") {
+    return std::make_unique<VariableRrtPlanner>(std::move(ground),
+                                                options.max_move_m);
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "there is no planner '", options.planner, "'; there are: ", kPlanners));
+}
+
+}  // namespace treeline

@@ -1,0 +1,105 @@
+// What planning asks of a map thousands of times for each plan.
+#ifndef NAV_AGENT_PLANNING_GROUND_INDEX_H_
+#define NAV_AGENT_PLANNING_GROUND_INDEX_H_
+
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "nav_agent/traversability/navigation_map.h"
+
+namespace treeline {
+
+// A place of a level, in the frame of the grids (m). All levels share it.
+struct Spot {
+  Vec2 at;
+  int level = 0;
+
+  constexpr bool operator==(const Spot&) const = default;
+};
+
+// A rectangle: from `origin`, in the direction (cos_yaw, sin_yaw), from back_m
+// (below 0: behind) to front_m, and half_width_m to each side.
+struct OrientedBox {
+  Vec2 origin;
+  double cos_yaw = 1;
+  double sin_yaw = 0;
+  double back_m = 0;
+  double front_m = 0;
+  double half_width_m = 0;
+};
+
+// Immutable and thread-safe; made once a map. A cell is blocked if
+// NavigationMap's clearance there is 0, or it lies outside.
+class GroundIndex {
+ public:
+  explicit GroundIndex(std::shared_ptr<const NavigationMap> map);
+
+  const NavigationMap& map() const { return *map_; }
+  int levels() const { return map_->levels(); }
+  int width() const { return width_; }
+  int height() const { return height_; }
+  double resolution_m() const { return resolution_m_; }
+  size_t cells() const {
+    return static_cast<size_t>(width_) * static_cast<size_t>(height_);
+  }
+
+  CellIndex CellOf(Vec2 at) const;
+  Vec2 CenterOf(CellIndex cell) const {
+    return {(cell.x + 0.5) * resolution_m_, (cell.y + 0.5) * resolution_m_};
+  }
+  bool Contains(CellIndex cell) const {
+    return cell.x >= 0 && cell.y >= 0 && cell.x < width_ && cell.y < height_;
+  }
+  size_t IndexOf(CellIndex cell) const {
+    return static_cast<size_t>(cell.y) * static_cast<size_t>(width_) +
+           static_cast<size_t>(cell.x);
+  }
+
+  // From the cell's centre to that of the nearest blocked one; 0 if blocked.
+  double Clearance_m(int level, CellIndex cell) const {
+    if (!Contains(cell)) return 0;
+    return clearance_m_[static_cast<size_t>(level)][IndexOf(cell)];
+  }
+  // Of the ground's inclination, as a share of a right angle's: the sine.
+  double SlopeSine(int level, CellIndex cell) const {
+    if (!Contains(cell)) return 0;
+    return slope_sine_[static_cast<size_t>(level)][IndexOf(cell)];
+  }
+
+  // Whether no blocked cell has area in common with the box. Exact.
+  bool IsFree(int level, const OrientedBox& box) const;
+  // The same for a disc.
+  bool IsFreeDisc(int level, Vec2 center, double radius_m) const;
+
+  // The level that somebody on the ground of `cell` is on after a step to
+  // `next`, a neighbour or the same: this one where it is free ground, or
+  // another one whose free ground continues it; -1: there is none.
+  int LevelAfter(int level, CellIndex cell, CellIndex next) const;
+
+  // What Clearance_m is at least where a disc of radius_m might stand in the
+  // cell: a point of a cell is at most half a diagonal from its centre, and a
+  // blocked cell reaches half a side from its own.
+  double NeededClearance_m(double radius_m) const {
+    return radius_m - 0.5 * (std::numbers::sqrt2 - 1) * resolution_m_;
+  }
+
+ private:
+  bool IsFreeInRow(int level, int row, double from_x, double to_x) const;
+
+  std::shared_ptr<const NavigationMap> map_;
+  int width_;
+  int height_;
+  double resolution_m_;
+  // One a level and cell.
+  std::vector<std::vector<float>> clearance_m_;
+  std::vector<std::vector<float>> slope_sine_;
+  // The column of the first blocked cell from here on to the right; the width
+  // where there is none.
+  std::vector<std::vector<int32_t>> next_blocked_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_PLANNING_GROUND_INDEX_H_

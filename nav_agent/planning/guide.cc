@@ -1,0 +1,218 @@
+#include "nav_agent/planning/guide.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <queue>
+
+#include "nav_agent/planning/path_improver.h"
+
+namespace treeline {
+namespace {
+
+constexpr int kStopEvery = 1024;
+constexpr float kFar = std::numeric_limits<float>::infinity();
+constexpr std::array<CellIndex, 16> kSteps = {{{1, 0},
+                                               {0, 1},
+                                               {-1, 0},
+                                               {0, -1},
+                                               {1, 1},
+                                               {-1, 1},
+                                               {-1, -1},
+                                               {1, -1},
+                                               {2, 1},
+                                               {1, 2},
+                                               {-1, 2},
+                                               {-2, 1},
+                                               {-2, -1},
+                                               {-1, -2},
+                                               {1, -2},
+                                               {2, -1}}};
+// Lines are tried over at most so many points.
+constexpr size_t kMostAhead = 40;
+
+struct Open {
+  float estimate_m = 0;
+  uint32_t number = 0;
+};
+struct IsWorse {
+  bool operator()(const Open& a, const Open& b) const {
+    return a.estimate_m != b.estimate_m ? a.estimate_m > b.estimate_m
+                                        : a.number > b.number;
+  }
+};
+
+// A* over level * cells + cell.
+class GuideSearch {
+ public:
+  GuideSearch(const DriveSpace& space, const Spot& start, const Spot& goal)
+      : space_(&space),
+        ground_(&space.ground()),
+        start_(start),
+        goal_(goal),
+        cost_m_(ground_->cells() * static_cast<size_t>(ground_->levels()),
+                kFar),
+        parent_(cost_m_.size()) {}
+
+  Polyline Run(const std::function<bool()>& is_over) {
+    const uint32_t goal = NumberOf(goal_.level, ground_->CellOf(goal_.at));
+    const uint32_t start = NumberOf(start_.level, ground_->CellOf(start_.at));
+    cost_m_[start] = 0;
+    parent_[start] = start;
+    open_.push({Estimate_m(start), start});
+    for (int count = 0; !open_.empty(); ++count) {
+      if (count % kStopEvery == 0 && is_over()) return {};
+      const Open next = open_.top();
+      open_.pop();
+      if (next.number == goal) return WayTo(goal);
+      if (next.estimate_m > cost_m_[next.number] + Estimate_m(next.number)) {
+        continue;  // it was reached at less cost since
+      }
+      Expand(next.number);
+    }
+    return {};
+  }
+
+ private:
+  uint32_t NumberOf(int level, CellIndex cell) const {
+    return static_cast<uint32_t>(static_cast<size_t>(level) * ground_->cells() +
+                                 ground_->IndexOf(cell));
+  }
+  Spot SpotOf(uint32_t number) const {
+    const size_t cell = number % ground_->cells();
+    const size_t width = static_cast<size_t>(ground_->width());
+    return {.at = ground_->CenterOf({static_cast<int>(cell % width),
+                                     static_cast<int>(cell / width)}),
+            .level = static_cast<int>(number / ground_->cells())};
+  }
+  float Estimate_m(uint32_t number) const {
+    return static_cast<float>(Norm(SpotOf(number).at - goal_.at));
+  }
+
+  void Expand(uint32_t from) {
+    const Spot spot = SpotOf(from);
+    const CellIndex cell = ground_->CellOf(spot.at);
+    const double from_cost = space_->CostPerMetre(spot);
+    for (const CellIndex& step : kSteps) {
+      const CellIndex next = {cell.x + step.x, cell.y + step.y};
+      const int level = ground_->LevelAfter(spot.level, cell, next);
+      if (level < 0) continue;
+      const Spot to = {ground_->CenterOf(next), level};
+      if (!space_->MayHoldDisc(to)) continue;
+      const double length_m =
+          ground_->resolution_m() * std::hypot(step.x, step.y);
+      const float cost_m =
+          cost_m_[from] +
+          static_cast<float>(length_m * (from_cost + space_->CostPerMetre(to)) /
+                             2);
+      const uint32_t number = NumberOf(level, next);
+      if (cost_m >= cost_m_[number]) continue;
+      cost_m_[number] = cost_m;
+      parent_[number] = from;
+      open_.push({cost_m + Estimate_m(number), number});
+    }
+  }
+
+  Polyline WayTo(uint32_t goal) const {
+    Polyline way = {goal_};
+    uint32_t at = parent_[goal];
+    for (; at != parent_[at]; at = parent_[at]) way.push_back(SpotOf(at));
+    way.push_back(start_);
+    std::ranges::reverse(way);
+    return way;
+  }
+
+  const DriveSpace* space_;
+  const GroundIndex* ground_;
+  Spot start_;
+  Spot goal_;
+  std::vector<float> cost_m_;
+  std::vector<uint32_t> parent_;
+  std::priority_queue<Open, std::vector<Open>, IsWorse> open_;
+};
+
+// The first, the last, and between them one every spacing_m.
+Polyline Thinned(const DriveSpace& space, const Polyline& points,
+                 double spacing_m) {
+  Polyline thin = {points.front()};
+  double left_m = spacing_m;
+  for (size_t i = 1; i < points.size(); ++i) {
+    const Vec2 line = points[i].at - points[i - 1].at;
+    const double length_m = Norm(line);
+    double along_m = left_m;
+    Spot at = points[i - 1];
+    for (; along_m < length_m; along_m += spacing_m) {
+      const Vec2 to = points[i - 1].at + (along_m / length_m) * line;
+      at = space.Follow(at, to).value_or(Spot{to, points[i].level});
+      thin.push_back(at);
+    }
+    left_m = along_m - length_m;
+  }
+  if (Norm(thin.back().at - points.back().at) < spacing_m / 2 &&
+      thin.size() > 1) {
+    thin.pop_back();
+  }
+  thin.push_back(points.back());
+  return thin;
+}
+
+}  // namespace
+
+Polyline FindGuide(const DriveSpace& space, const Spot& start, const Spot& goal,
+                   const std::function<bool()>& is_over) {
+  if (start.level == goal.level &&
+      space.ground().CellOf(start.at) == space.ground().CellOf(goal.at)) {
+    return {start, goal};
+  }
+  return GuideSearch(space, start, goal).Run(is_over);
+}
+
+Polyline PullTight(const DriveSpace& space, double start_yaw_rad,
+                   double goal_yaw_rad, const Polyline& points,
+                   double spacing_m) {
+  const Polyline thin = Thinned(space, points, spacing_m);
+  struct Best {
+    double cost_m = std::numeric_limits<double>::infinity();
+    double yaw_rad = 0;
+    size_t parent = 0;
+  };
+  std::vector<Best> best(thin.size());
+  best[0] = {.cost_m = 0, .yaw_rad = start_yaw_rad};
+  for (size_t i = 0; i + 1 < thin.size(); ++i) {
+    if (!std::isfinite(best[i].cost_m)) continue;
+    for (size_t k = std::min(thin.size() - 1, i + kMostAhead); k > i; --k) {
+      const Vec2 line = thin[k].at - thin[i].at;
+      const double length_m = Norm(line);
+      if (!(length_m > 1e-6)) continue;
+      // A line costs no less than its length.
+      if (best[i].cost_m + length_m >= best[k].cost_m) continue;
+      const double yaw_rad = std::atan2(line.y, line.x);
+      double cost_m = best[i].cost_m + TurnCost_m(best[i].yaw_rad, yaw_rad) +
+                      space.LineCost_m(thin[i], thin[k]);
+      if (k + 1 == thin.size()) cost_m += TurnCost_m(yaw_rad, goal_yaw_rad);
+      if (cost_m >= best[k].cost_m ||
+          !space.CanTurn(thin[i], best[i].yaw_rad, yaw_rad)) {
+        continue;
+      }
+      const std::optional<Spot> end = space.Drive(thin[i], thin[k].at);
+      if (!end.has_value() || end->level != thin[k].level) continue;
+      if (k + 1 == thin.size() &&
+          !space.CanTurn(thin[k], yaw_rad, goal_yaw_rad)) {
+        continue;
+      }
+      best[k] = {.cost_m = cost_m, .yaw_rad = yaw_rad, .parent = i};
+    }
+  }
+  if (!std::isfinite(best.back().cost_m)) return {};
+  Polyline way;
+  for (size_t i = thin.size() - 1; i > 0; i = best[i].parent) {
+    way.push_back(thin[i]);
+  }
+  way.push_back(thin.front());
+  std::ranges::reverse(way);
+  return way;
+}
+
+}  // namespace treeline

@@ -1,0 +1,52 @@
+// Requests and paths, from the map's frame to the grids' and back.
+#ifndef NAV_AGENT_PLANNING_PLAN_FRAME_H_
+#define NAV_AGENT_PLANNING_PLAN_FRAME_H_
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "nav_agent/planning/areas.h"
+#include "nav_agent/planning/drive_space.h"
+#include "nav_agent/planning/global_planner.h"
+#include "nav_agent/planning/variable_rrt.h"
+
+namespace treeline {
+
+// What all planners share of a map and a robot.
+struct PlanGround {
+  PlanGround(std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
+             double margin_m);
+
+  std::shared_ptr<const GroundIndex> index;
+  Footprint footprint;
+  // Without blockages.
+  std::shared_ptr<const Areas> areas;
+};
+
+// A request that has a start and a goal with room, in the grids' frame.
+struct PlanTask {
+  DriveSpace space;
+  Stand start;
+  Stand goal;
+  std::shared_ptr<const Areas> areas;
+  // That both are in.
+  int area = 0;
+};
+
+// INVALID_ARGUMENT for what is not finite.
+absl::Status CheckRequest(const PlanRequest& request);
+
+// Moves start and goal to where there is room. nullopt: `result` says why there
+// is no way.
+std::optional<PlanTask> MakeTask(const PlanGround& ground,
+                                 const PlanRequest& request, double max_move_m,
+                                 PlanResult& result);
+
+// Writes the way into the result: poses at most 0.1 m from one another.
+void WriteWay(const PlanTask& task, const Polyline& way, PlanResult& result);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_PLANNING_PLAN_FRAME_H_

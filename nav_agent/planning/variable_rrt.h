@@ -1,0 +1,68 @@
+// Two trees that grow towards one another in steps as long as there is room.
+#ifndef NAV_AGENT_PLANNING_VARIABLE_RRT_H_
+#define NAV_AGENT_PLANNING_VARIABLE_RRT_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "nav_agent/planning/drive_space.h"
+
+namespace treeline {
+
+// A place with a heading, in the frame of the grids.
+struct Stand {
+  Spot spot;
+  double yaw_rad = 0;
+};
+
+// A way: the robot turns at each point to look at the next one, and drives
+// there; at the last it turns to the goal's heading.
+using Polyline = std::vector<Spot>;
+
+// Grows a tree from the start and one from the goal in turns. Each step goes
+// from the nearest node towards the sample, at most as far as the nearest
+// obstacle is from that node, whatever its direction: wide steps in open space
+// and short ones in narrow places, without a step size to be tuned. The other
+// tree then grows towards the new node until it reaches it or something is in
+// its way (after Kuffner and LaValle, "RRT-Connect", ICRA 2000). All edges, and
+// the turns between them, are checked with the footprint.
+class VariableRrt {
+ public:
+  VariableRrt(const DriveSpace& space, const Stand& start, const Stand& goal);
+  ~VariableRrt();
+  VariableRrt(const VariableRrt&) = delete;
+  VariableRrt& operator=(const VariableRrt&) = delete;
+
+  // Goes on for as many iterations at most, each with one `sample` of the
+  // iteration's number, until the trees meet or `is_over`, asked now and then,
+  // says so. Whether they have met.
+  bool Grow(int iterations, const std::function<Spot(uint64_t)>& sample,
+            const std::function<bool()>& is_over);
+
+  int iterations() const { return iterations_; }
+  // From the start to the goal; empty until the trees meet.
+  Polyline Way() const;
+  // Pairs of points: the start's tree.
+  std::vector<Vec2> Edges() const;
+  // And the goal's.
+  std::vector<Vec2> GoalEdges() const;
+
+ private:
+  class Tree;
+  void Connect(size_t own, int node);
+
+  const DriveSpace* space_;
+  // The start's and the goal's.
+  std::array<std::unique_ptr<Tree>, 2> trees_;
+  // Their nodes that met; -1 until then.
+  std::array<int, 2> met_ = {-1, -1};
+  int iterations_ = 0;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_PLANNING_VARIABLE_RRT_H_

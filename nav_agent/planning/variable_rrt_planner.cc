@@ -1,0 +1,252 @@
+#include "nav_agent/planning/variable_rrt_planner.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "common/base/clock.h"
+#include "common/base/random.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/planning/guide.h"
+#include "nav_agent/planning/path_improver.h"
+
+namespace treeline {
+namespace {
+
+// Streams of random numbers; restarts follow.
+constexpr uint64_t kImprovements = 1;
+constexpr uint64_t kFirstTree = 2;
+// One sample in so many is the other tree's root.
+constexpr uint32_t kGoalEvery = 16;
+constexpr int kStopEvery = 16;
+// The trees grow so long before a guide is looked for: an open room takes less.
+constexpr int kUnguidedIterations = 300;
+// One in so many samples is anywhere once there is a guide; the others lie
+// around it, by this standard deviation (m).
+constexpr uint32_t kAnywhereEvery = 4;
+constexpr double kGuideSpread_m = 0.15;
+// A way is left alone after so many attempts in a row without a gain.
+constexpr int kIdleAttempts = 250;
+constexpr int kRestartIterations = 200;
+// So many restarts without a gain end the search.
+constexpr int kIdleRestarts = 12;
+constexpr double kGuideSpacing_m = 0.15;
+
+double SecondsSince(MonotonicTime start) {
+  return MillisecondsBetween(start, SteadyClock().Now()) / 1000;
+}
+
+// The work on one request.
+class Planning {
+ public:
+  Planning(const PlanTask& task, uint64_t seed, const PlanBudget& budget,
+           const std::stop_token& stop, MonotonicTime begin)
+      : task_(&task),
+        seed_(seed),
+        budget_(budget),
+        stop_(&stop),
+        begin_(begin) {}
+
+  // Leaves a way, or why there is none, in the result.
+  void FindFirst(PlanResult& result);
+  void Improve(PlanResult& result);
+  const Polyline& way() const { return way_; }
+
+ private:
+  bool IsOver() const {
+    return stop_->stop_requested() ||
+           SecondsSince(begin_) >= budget_.max_time_s;
+  }
+  // Anywhere in the area of start and goal; near the guide if there is one.
+  Spot SampleOf(uint64_t stream, uint64_t iteration) const;
+  void LookForGuide();
+  // Cuts and moves until nothing more is gained.
+  void Polish(PathImprover& improver, PlanResult& result) const;
+  // A way of another tree, of those that might be shorter.
+  Polyline Restart(uint64_t stream, double bound_m, PlanResult& result) const;
+
+  const PlanTask* task_;
+  uint64_t seed_;
+  PlanBudget budget_;
+  const std::stop_token* stop_;
+  MonotonicTime begin_;
+  std::optional<Polyline> guide_;
+  Polyline way_;
+};
+
+Spot Planning::SampleOf(uint64_t stream, uint64_t iteration) const {
+  Random random(seed_ + (stream << 32), iteration);
+  if (random.NextBelow(kGoalEvery) == 0) {
+    return iteration % 2 == 0 ? task_->goal.spot : task_->start.spot;
+  }
+  if (guide_.has_value() && random.NextBelow(kAnywhereEvery) != 0) {
+    Spot near =
+        (*guide_)[random.NextBelow(static_cast<uint32_t>(guide_->size()))];
+    if (random.NextBelow(2) == 0) {
+      near.at = near.at + Vec2{kGuideSpread_m * random.NextGaussian(),
+                               kGuideSpread_m * random.NextGaussian()};
+    }
+    return near;
+  }
+  const GroundIndex& ground = task_->space.ground();
+  const std::vector<uint32_t>& cells = task_->areas->CellsOf(task_->area);
+  const size_t number =
+      cells[random.NextBelow(static_cast<uint32_t>(cells.size()))];
+  const size_t cell = number % ground.cells();
+  const auto width = static_cast<size_t>(ground.width());
+  const double x = static_cast<double>(cell % width) + random.NextUnit();
+  const double y = static_cast<double>(cell / width) + random.NextUnit();
+  return {.at = ground.resolution_m() * Vec2{x, y},
+          .level = static_cast<int>(number / ground.cells())};
+}
+
+void Planning::LookForGuide() {
+  guide_ = FindGuide(task_->space, task_->start.spot, task_->goal.spot,
+                     [this] { return IsOver(); });
+}
+
+void Planning::FindFirst(PlanResult& result) {
+  VariableRrt trees(task_->space, task_->start, task_->goal);
+  const auto sample = [this](uint64_t iteration) {
+    return SampleOf(kFirstTree, iteration);
+  };
+  const auto is_over = [this] { return IsOver(); };
+  bool is_found = trees.Grow(
+      std::min(kUnguidedIterations, budget_.max_iterations), sample, is_over);
+  if (!is_found && !IsOver()) {
+    LookForGuide();
+    if (guide_->empty() && !IsOver()) {
+      result.failure = NavigationCause::kNoPath;
+      result.why = "no free ground as wide as the robot leads to the goal";
+      return;
+    }
+  }
+  if (!is_found && !IsOver()) {
+    way_ = PullTight(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
+                     *guide_, kGuideSpacing_m);
+    is_found =
+        !way_.empty() || trees.Grow(budget_.max_iterations - trees.iterations(),
+                                    sample, is_over);
+  }
+  result.iterations = trees.iterations();
+  result.tree_edges = trees.Edges();
+  result.start_tree_points = result.tree_edges.size();
+  const std::vector<Vec2> goal_edges = trees.GoalEdges();
+  result.tree_edges.insert(result.tree_edges.end(), goal_edges.begin(),
+                           goal_edges.end());
+  if (way_.empty()) way_ = trees.Way();
+  result.first_path_s = SecondsSince(begin_);
+  if (is_found) return;
+  result.failure = NavigationCause::kPlanTimeout;
+  result.why = absl::StrFormat(
+      "no way was found in %d iterations and %.3f s: places on it may be too "
+      "narrow to turn in",
+      trees.iterations(), SecondsSince(begin_));
+}
+
+void Planning::Polish(PathImprover& improver, PlanResult& result) const {
+  for (int idle = 0;
+       idle < kIdleAttempts && result.iterations < budget_.max_iterations;
+       ++result.iterations) {
+    if (result.iterations % kStopEvery == 0 && IsOver()) return;
+    Random random(seed_ + (kImprovements << 32),
+                  static_cast<uint64_t>(result.iterations));
+    idle = improver.Try(random) ? 0 : idle + 1;
+  }
+}
+
+Polyline Planning::Restart(uint64_t stream, double bound_m,
+                           PlanResult& result) const {
+  VariableRrt trees(task_->space, task_->start, task_->goal);
+  const Vec2 start = task_->start.spot.at;
+  const Vec2 goal = task_->goal.spot.at;
+  // Informed: a way over a place outside of the ellipse would be longer.
+  const auto sample = [&](uint64_t iteration) {
+    Spot spot;
+    for (uint64_t i = 0; i < 8; ++i) {
+      spot = SampleOf(stream, 8 * iteration + i);
+      if (Norm(spot.at - start) + Norm(spot.at - goal) < bound_m) break;
+    }
+    return spot;
+  };
+  trees.Grow(
+      std::min(kRestartIterations, budget_.max_iterations - result.iterations),
+      sample, [this] { return IsOver(); });
+  result.iterations += trees.iterations();
+  return trees.Way();
+}
+
+void Planning::Improve(PlanResult& result) {
+  const double start_yaw_rad = task_->start.yaw_rad;
+  const double goal_yaw_rad = task_->goal.yaw_rad;
+  PathImprover best(task_->space, start_yaw_rad, goal_yaw_rad, std::move(way_));
+  Polish(best, result);
+  int idle = 0;
+  for (uint64_t restart = 0;
+       idle < kIdleRestarts && result.iterations < budget_.max_iterations &&
+       !IsOver();
+       ++restart) {
+    Polyline other;
+    if (restart == 0) {
+      if (!guide_.has_value()) LookForGuide();
+      if (guide_->empty()) guide_.reset();
+      if (guide_.has_value()) {
+        other = PullTight(task_->space, start_yaw_rad, goal_yaw_rad, *guide_,
+                          kGuideSpacing_m);
+      }
+    } else if (restart % 2 == 1) {
+      Random random(seed_ + (kImprovements << 32), restart << 32);
+      other = PullTight(task_->space, start_yaw_rad, goal_yaw_rad, best.way(),
+                        random.NextUniform(0.1, 0.3));
+    } else {
+      other = Restart(kFirstTree + restart, best.cost_m(), result);
+    }
+    ++idle;
+    ++result.iterations;
+    if (other.empty()) continue;
+    PathImprover improver(task_->space, start_yaw_rad, goal_yaw_rad,
+                          std::move(other));
+    Polish(improver, result);
+    if (improver.cost_m() < 0.999 * best.cost_m()) idle = 0;
+    if (improver.cost_m() < best.cost_m()) best = std::move(improver);
+  }
+  way_ = best.way();
+}
+
+}  // namespace
+
+VariableRrtPlanner::VariableRrtPlanner(std::shared_ptr<const PlanGround> ground,
+                                       double max_move_m)
+    : ground_(std::move(ground)), max_move_m_(max_move_m) {}
+
+absl::StatusOr<PlanResult> VariableRrtPlanner::Plan(
+    const PlanRequest& request, const PlanBudget& budget,
+    const std::stop_token& stop) const {
+  const MonotonicTime begin = SteadyClock().Now();
+  TL_RETURN_IF_ERROR(CheckRequest(request));
+  PlanResult result;
+  const std::optional<PlanTask> task =
+      MakeTask(*ground_, request, max_move_m_, result);
+  if (!task.has_value()) {
+    result.total_s = SecondsSince(begin);
+    return result;
+  }
+  Planning planning(*task, request.seed, budget, stop, begin);
+  planning.FindFirst(result);
+  if (stop.stop_requested())
+    return absl::CancelledError("planning was stopped");
+  const Rigid2& map_from_grid = ground_->index->map().grid(0).map_from_grid;
+  for (Vec2& end : result.tree_edges) end = map_from_grid * end;
+  if (result.failure == NavigationCause::kNone) {
+    planning.Improve(result);
+    if (stop.stop_requested()) {
+      return absl::CancelledError("planning was stopped");
+    }
+    WriteWay(*task, planning.way(), result);
+  }
+  result.total_s = SecondsSince(begin);
+  return result;
+}
+
+}  // namespace treeline

@@ -1,0 +1,250 @@
+#include "nav_agent/service/agent_commands.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+
+namespace treeline {
+namespace {
+
+// No building is larger (m).
+constexpr double kFarthest_m = 1e5;
+// How far from a pose its ground is looked for (m).
+constexpr double kNearGround_m = 1.0;
+
+// The ground's height nearest to a point; nullopt: none is near.
+std::optional<double> HeightNear(const TraversableLevel& level,
+                                 Vec2 point_in_map) {
+  const OccupancyGrid& grid = level.grid;
+  const CellIndex middle = grid.CellOf(point_in_map);
+  const int reach =
+      static_cast<int>(std::ceil(kNearGround_m / grid.resolution_m));
+  std::optional<double> height;
+  int64_t nearest = std::numeric_limits<int64_t>::max();
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const CellIndex cell{middle.x + dx, middle.y + dy};
+      const int64_t distance = int64_t{dx} * dx + int64_t{dy} * dy;
+      if (distance >= nearest || !grid.Contains(cell)) continue;
+      const float found = level.height_m[grid.IndexOf(cell)];
+      if (std::isnan(found)) continue;
+      nearest = distance;
+      height = found;
+    }
+  }
+  return height;
+}
+
+double LowestOf(const TraversableLevel& level) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const float height : level.height_m) {
+    if (height < lowest) lowest = height;
+  }
+  return std::isfinite(lowest) ? lowest : 0;
+}
+
+}  // namespace
+
+absl::StatusOr<LevelPose> AgentCommands::OnLevel(
+    const PoseWish& pose, const std::string& what) const {
+  if (!std::isfinite(pose.x_m) || !std::isfinite(pose.y_m) ||
+      !std::isfinite(pose.yaw_rad)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(what, " has a NaN or an infinity"));
+  }
+  if (std::abs(pose.x_m) > kFarthest_m || std::abs(pose.y_m) > kFarthest_m) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        what, " is ", pose.x_m, ", ", pose.y_m, " m: no map reaches that far"));
+  }
+  const auto& levels = info_.map->levels.levels;
+  if (pose.level < 0 || static_cast<size_t>(pose.level) >= levels.size()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(what, " is on level ", pose.level, "; the map has 0..",
+                     levels.size() - 1));
+  }
+  const TraversableLevel& level = levels[static_cast<size_t>(pose.level)];
+  const Vec2 position{pose.x_m, pose.y_m};
+  const std::optional<double> height_m = HeightNear(level, position);
+  return LevelPose{
+      .map_from_base = {position, NormalizedAngle_rad(pose.yaw_rad)},
+      .place = {pose.level,
+                height_m.has_value() ? *height_m : LowestOf(level)}};
+}
+
+LevelPose AgentCommands::NearestLevel(const Rigid3& map_from_base) const {
+  const Vec3 ahead = map_from_base.rotation * Vec3{1, 0, 0};
+  const Vec3& at = map_from_base.translation;
+  LevelPose pose{.map_from_base = {{at.x, at.y}, std::atan2(ahead.y, ahead.x)},
+                 .place = {0, at.z}};
+  const auto& levels = info_.map->levels.levels;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < levels.size(); ++i) {
+    const auto height_m = HeightNear(levels[i], {at.x, at.y});
+    if (!height_m.has_value()) continue;
+    if (std::abs(*height_m - at.z) >= nearest_m) continue;
+    nearest_m = std::abs(*height_m - at.z);
+    pose.place = {static_cast<int>(i), *height_m};
+  }
+  return pose;
+}
+
+absl::StatusOr<uint64_t> AgentCommands::SetGoalNow(
+    Navigator& navigator, const std::vector<PoseWish>& poses) {
+  if (poses.empty()) {
+    return absl::InvalidArgumentError("a goal needs a pose at least");
+  }
+  if (poses.size() > kMaxGoalPoses) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "the goal has ", poses.size(), " poses; at most ", kMaxGoalPoses));
+  }
+  NavigationGoal goal;
+  for (size_t i = 0; i < poses.size(); ++i) {
+    TL_ASSIGN_OR_RETURN(LevelPose pose,
+                        OnLevel(poses[i], absl::StrCat("poses[", i, "]")));
+    goal.poses.push_back(pose);
+  }
+  TL_ASSIGN_OR_RETURN(const uint64_t id, navigator.SetGoal(goal));
+  const absl::MutexLock lock(&mutex_);
+  goal_id_ = id;
+  goal_poses_ = std::move(goal.poses);
+  return id;
+}
+
+absl::StatusOr<uint64_t> AgentCommands::SetGoal(
+    const std::vector<PoseWish>& poses) {
+  uint64_t id = 0;
+  TL_RETURN_IF_ERROR(hub_.Do([&](Navigator& navigator) -> absl::Status {
+    TL_ASSIGN_OR_RETURN(id, SetGoalNow(navigator, poses));
+    return absl::OkStatus();
+  }));
+  return id;
+}
+
+std::vector<LevelPose> AgentCommands::PosesOf(uint64_t goal_id) const {
+  const absl::MutexLock lock(&mutex_);
+  if (goal_id != goal_id_) return {};
+  return goal_poses_;
+}
+
+absl::Status AgentCommands::Cancel(uint64_t goal_id) {
+  return hub_.Do(
+      [&](Navigator& navigator) { return navigator.CancelGoal(goal_id); });
+}
+
+absl::Status AgentCommands::Pause() {
+  return hub_.Do([](Navigator& navigator) {
+    navigator.Pause();
+    return absl::OkStatus();
+  });
+}
+
+absl::Status AgentCommands::Resume() {
+  return hub_.Do([](Navigator& navigator) {
+    navigator.Resume();
+    return absl::OkStatus();
+  });
+}
+
+absl::Status AgentCommands::SetPoseNow(Navigator& navigator,
+                                       const LevelPose& pose, double std_m,
+                                       double std_rad) {
+  constexpr double kMost = 100;
+  if (!(std_m > 0) || !(std_rad > 0) || !(std_m <= kMost) ||
+      !(std_rad <= kMost)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("standard deviations are ", std_m, " m and ", std_rad,
+                     " rad; they must be above 0 and at most ", kMost));
+  }
+  PoseCovariance2 covariance{};
+  covariance[0] = std_m * std_m;
+  covariance[4] = std_m * std_m;
+  covariance[8] = std_rad * std_rad;
+  return navigator.SetPose(pose, covariance);
+}
+
+absl::Status AgentCommands::SetPose(const PoseWish& pose, double std_m,
+                                    double std_rad) {
+  TL_ASSIGN_OR_RETURN(const LevelPose on_level, OnLevel(pose, "the pose"));
+  return hub_.Do([&](Navigator& navigator) {
+    return SetPoseNow(navigator, on_level, std_m, std_rad);
+  });
+}
+
+absl::Status AgentCommands::FindYourself() {
+  return hub_.Do([](Navigator& navigator) {
+    navigator.FindYourself();
+    return absl::OkStatus();
+  });
+}
+
+absl::Status AgentCommands::CheckSimulated() const {
+  if (simulation_ != nullptr) return absl::OkStatus();
+  return absl::UnimplementedError(
+      "this robot is real: only a simulated one (run --simulate WORLD) can be "
+      "kidnapped, and its world changed");
+}
+
+absl::StatusOr<Rigid3> AgentCommands::DoKidnap(
+    const std::function<absl::StatusOr<Rigid3>(SimulationControl&)>& kidnap) {
+  TL_RETURN_IF_ERROR(CheckSimulated());
+  Rigid3 map_from_base;
+  TL_RETURN_IF_ERROR(hub_.Do([&](Navigator& /*navigator*/) -> absl::Status {
+    TL_ASSIGN_OR_RETURN(map_from_base, kidnap(*simulation_));
+    return absl::OkStatus();
+  }));
+  return map_from_base;
+}
+
+absl::StatusOr<Rigid3> AgentCommands::Kidnap(const PoseWish& pose) {
+  TL_ASSIGN_OR_RETURN(const LevelPose on_level, OnLevel(pose, "the pose"));
+  return DoKidnap([&](SimulationControl& simulation) {
+    return simulation.Kidnap(on_level);
+  });
+}
+
+absl::StatusOr<Rigid3> AgentCommands::KidnapTo(const std::string& place) {
+  return DoKidnap([&](SimulationControl& simulation) {
+    return simulation.KidnapTo(place);
+  });
+}
+
+absl::StatusOr<Rigid3> AgentCommands::KidnapAnywhere() {
+  return DoKidnap([](SimulationControl& simulation) {
+    return simulation.KidnapAnywhere();
+  });
+}
+
+absl::StatusOr<std::string> AgentCommands::AddObstacle(const PoseWish& pose,
+                                                       double size_m) {
+  TL_RETURN_IF_ERROR(CheckSimulated());
+  if (!(size_m >= 0.1 && size_m <= 3)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the obstacle is ", size_m, " m wide; it must be 0.1..3"));
+  }
+  TL_ASSIGN_OR_RETURN(const LevelPose on_level, OnLevel(pose, "the obstacle"));
+  std::string name;
+  TL_RETURN_IF_ERROR(hub_.Do([&](Navigator& /*navigator*/) -> absl::Status {
+    TL_ASSIGN_OR_RETURN(name, simulation_->AddObstacle(on_level, size_m));
+    return absl::OkStatus();
+  }));
+  return name;
+}
+
+absl::Status AgentCommands::RemoveObstacle(const std::string& name) {
+  TL_RETURN_IF_ERROR(CheckSimulated());
+  return hub_.Do([&](Navigator& /*navigator*/) {
+    return simulation_->RemoveObstacle(name);
+  });
+}
+
+absl::Status AgentCommands::InjectFault(const FaultWish& fault) {
+  TL_RETURN_IF_ERROR(CheckSimulated());
+  return hub_.Do([&](Navigator& /*navigator*/) {
+    return simulation_->InjectFault(fault);
+  });
+}
+
+}  // namespace treeline

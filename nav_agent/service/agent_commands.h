@@ -1,0 +1,92 @@
+// What may be asked of a robot, checked; for gRPC and HTTP alike.
+#ifndef NAV_AGENT_SERVICE_AGENT_COMMANDS_H_
+#define NAV_AGENT_SERVICE_AGENT_COMMANDS_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "nav_agent/service/agent_hub.h"
+#include "nav_agent/service/agent_info.h"
+#include "nav_agent/service/simulation_control.h"
+
+namespace treeline {
+
+// A pose as people give it.
+struct PoseWish {
+  // In the map (m, rad).
+  double x_m = 0;
+  double y_m = 0;
+  double yaw_rad = 0;
+  int level = 0;
+};
+
+inline constexpr size_t kMaxGoalPoses = 100;
+
+// Thread-safe. Errors beside those below: as AgentHub::Do, and what the
+// navigator or the simulation says.
+class AgentCommands {
+ public:
+  // simulation: null for a real robot. All must outlive it.
+  AgentCommands(AgentHub& hub, const AgentInfo& info,
+                SimulationControl* simulation)
+      : hub_(hub), info_(info), simulation_(simulation) {}
+
+  // Any thread. INVALID_ARGUMENT: none or too many, not finite, absurdly far,
+  // or no such level, and which there are.
+  absl::StatusOr<uint64_t> SetGoal(const std::vector<PoseWish>& poses);
+  absl::Status Cancel(uint64_t goal_id);
+  absl::Status Pause();
+  absl::Status Resume();
+  // Standard deviations (m, rad), in (0, 100]; INVALID_ARGUMENT otherwise.
+  absl::Status SetPose(const PoseWish& pose, double std_m, double std_rad);
+  absl::Status FindYourself();
+
+  // UNIMPLEMENTED: the robot is real.
+  absl::StatusOr<Rigid3> Kidnap(const PoseWish& pose);
+  absl::StatusOr<Rigid3> KidnapTo(const std::string& place);
+  absl::StatusOr<Rigid3> KidnapAnywhere();
+  // size_m: in [0.1, 3].
+  absl::StatusOr<std::string> AddObstacle(const PoseWish& pose, double size_m);
+  absl::Status RemoveObstacle(const std::string& name);
+  absl::Status InjectFault(const FaultWish& fault);
+
+  // For the stepping thread, and before anything steps: as SetGoal and SetPose.
+  absl::StatusOr<uint64_t> SetGoalNow(Navigator& navigator,
+                                      const std::vector<PoseWish>& poses);
+  static absl::Status SetPoseNow(Navigator& navigator, const LevelPose& pose,
+                                 double std_m, double std_rad);
+  // On the ground of its level; `what` names it in errors.
+  absl::StatusOr<LevelPose> OnLevel(const PoseWish& pose,
+                                    const std::string& what) const;
+  // On the ground that is nearest in height.
+  LevelPose NearestLevel(const Rigid3& map_from_base) const;
+  // The poses of a goal that was set here; none if it is long ago.
+  std::vector<LevelPose> PosesOf(uint64_t goal_id) const;
+
+  const AgentInfo& info() const { return info_; }
+  AgentHub& hub() { return hub_; }
+  bool is_simulated() const { return simulation_ != nullptr; }
+
+ private:
+  absl::StatusOr<Rigid3> DoKidnap(
+      const std::function<absl::StatusOr<Rigid3>(SimulationControl&)>& kidnap);
+  absl::Status CheckSimulated() const;
+
+  AgentHub& hub_;
+  const AgentInfo& info_;
+  SimulationControl* const simulation_;
+  mutable absl::Mutex mutex_;
+  // The newest goal.
+  uint64_t goal_id_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::vector<LevelPose> goal_poses_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_SERVICE_AGENT_COMMANDS_H_

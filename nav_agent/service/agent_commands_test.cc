@@ -1,0 +1,93 @@
+#include "nav_agent/service/agent_commands.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "nav_agent/service/testing_navigator.h"
+
+namespace treeline {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(AgentCommands, AGoalGetsTheGroundOfItsLevel) {
+  SteppingAgent agent;
+  const auto id = agent.commands.SetGoal(
+      {{.x_m = 0.5, .y_m = 0.5, .yaw_rad = 7, .level = 1}});
+  ASSERT_TRUE(id.ok()) << id.status();
+  const std::vector<LevelPose> poses = agent.commands.PosesOf(*id);
+  ASSERT_EQ(poses.size(), 1U);
+  EXPECT_EQ(poses[0].place, (LevelPlace{1, 1.0}));
+  EXPECT_NEAR(poses[0].map_from_base.yaw_rad, 7 - 2 * std::numbers::pi, 1e-12);
+  EXPECT_TRUE(agent.commands.PosesOf(*id + 1).empty());
+}
+
+TEST(AgentCommands, RefusesGoalsThatAreNone) {
+  SteppingAgent agent;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(agent.commands.SetGoal({}).status().message(),
+              HasSubstr("a pose at least"));
+  EXPECT_THAT(agent.commands.SetGoal({{.x_m = nan}}).status().message(),
+              HasSubstr("poses[0] has a NaN"));
+  EXPECT_THAT(agent.commands.SetGoal({{}, {.level = 2}}).status().message(),
+              HasSubstr("poses[1] is on level 2; the map has 0..1"));
+  EXPECT_THAT(agent.commands.SetGoal({{.level = -1}}).status().message(),
+              HasSubstr("level -1"));
+  EXPECT_THAT(agent.commands.SetGoal({{.x_m = 1e6}}).status().message(),
+              HasSubstr("no map reaches that far"));
+  EXPECT_THAT(
+      agent.commands.SetGoal(std::vector<PoseWish>(101)).status().message(),
+      HasSubstr("101 poses"));
+  for (const auto& bad : {agent.commands.SetGoal({{.level = 2}})}) {
+    EXPECT_TRUE(absl::IsInvalidArgument(bad.status()));
+  }
+}
+
+TEST(AgentCommands, APoseComesWithItsDoubt) {
+  SteppingAgent agent;
+  ASSERT_TRUE(agent.commands.SetPose({.x_m = 1}, 0.5, 0.1).ok());
+  agent.Close();
+  ASSERT_TRUE(agent.navigator.snapshot.pose.has_value());
+  EXPECT_DOUBLE_EQ(agent.navigator.snapshot.pose->covariance[0], 0.25);
+  EXPECT_DOUBLE_EQ(agent.navigator.snapshot.pose->covariance[8], 0.1 * 0.1);
+}
+
+TEST(AgentCommands, RefusesDoubtThatIsNone) {
+  SteppingAgent agent;
+  EXPECT_FALSE(agent.commands.SetPose({}, 0, 0.1).ok());
+  EXPECT_FALSE(agent.commands.SetPose({}, 0.1, -1).ok());
+  EXPECT_FALSE(agent.commands.SetPose({}, 101, 1).ok());
+}
+
+TEST(AgentCommands, ARealRobotCannotBeKidnapped) {
+  SteppingAgent agent(/*is_simulated=*/false);
+  EXPECT_TRUE(absl::IsUnimplemented(agent.commands.Kidnap({}).status()));
+  EXPECT_TRUE(absl::IsUnimplemented(agent.commands.KidnapAnywhere().status()));
+  EXPECT_TRUE(
+      absl::IsUnimplemented(agent.commands.AddObstacle({}, 0.5).status()));
+  EXPECT_TRUE(absl::IsUnimplemented(agent.commands.RemoveObstacle("a")));
+  EXPECT_TRUE(absl::IsUnimplemented(agent.commands.InjectFault({})));
+}
+
+TEST(AgentCommands, ASimulatedOneCan) {
+  SteppingAgent agent;
+  EXPECT_TRUE(agent.commands.Kidnap({.x_m = 1, .level = 1}).ok());
+  EXPECT_TRUE(agent.commands.KidnapTo("kitchen").ok());
+  EXPECT_TRUE(absl::IsNotFound(agent.commands.KidnapTo("moon").status()));
+  EXPECT_TRUE(agent.commands.KidnapAnywhere().ok());
+  EXPECT_FALSE(agent.commands.AddObstacle({}, 9).ok());
+  EXPECT_EQ(agent.commands.AddObstacle({}, 0.4).value(), "box-1");
+  EXPECT_TRUE(agent.commands.RemoveObstacle("box-1").ok());
+  agent.Close();
+  EXPECT_THAT(
+      agent.simulation.calls,
+      ElementsAre("kidnap 1 0 on 1 at 1", "kidnap to kitchen",
+                  "kidnap anywhere", "obstacle of 0.4 on 0", "remove box-1"));
+}
+
+}  // namespace
+}  // namespace treeline

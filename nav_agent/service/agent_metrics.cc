@@ -1,0 +1,161 @@
+#include "nav_agent/service/agent_metrics.h"
+
+#include <array>
+#include <vector>
+
+#include "common/base/version.h"
+#include "nav_agent/service/api_json.h"
+
+namespace treeline {
+namespace {
+
+constexpr std::array<NavigatorMode, 9> kModes = {
+    NavigatorMode::kIdle,     NavigatorMode::kPlanning,
+    NavigatorMode::kDriving,  NavigatorMode::kRecovering,
+    NavigatorMode::kLost,     NavigatorMode::kRelocalizing,
+    NavigatorMode::kPaused,   NavigatorMode::kSafeStop,
+    NavigatorMode::kNeedHelp,
+};
+
+// About the 25 ms of the control loop (s).
+std::vector<double> PeriodBuckets() {
+  return {0.005, 0.01, 0.02,  0.024, 0.026, 0.03,
+          0.04,  0.05, 0.075, 0.1,   0.2,   0.5};
+}
+
+std::vector<double> StepBuckets() {
+  return {0.0005, 0.001, 0.002, 0.004, 0.006, 0.008,
+          0.012,  0.018, 0.025, 0.05,  0.1,   0.3};
+}
+
+bool IsOver(GoalState state) {
+  return state == GoalState::kSucceeded || state == GoalState::kFailed ||
+         state == GoalState::kCancelled;
+}
+
+}  // namespace
+
+AgentMetrics::AgentMetrics()
+    : goals_(&registry_.AddCounter("treeline_agent_goals_total",
+                                   "Goals that ended, by what became of them",
+                                   {"outcome", "cause"})),
+      events_(&registry_.AddCounter("treeline_agent_events_total",
+                                    "Events of the navigator", {"kind"})),
+      fixes_(&registry_.AddCounter(
+          "treeline_agent_fixes_total",
+          "Answers of the relocalization server, by what became of them",
+          {"verdict"})),
+      devices_(&registry_.AddGauge("treeline_agent_device_up",
+                                   "1 while the device runs", {"device"})),
+      modes_(&registry_.AddGauge("treeline_agent_mode",
+                                 "1 for what the robot is doing", {"mode"})),
+      recoveries_(&registry_
+                       .AddCounter("treeline_agent_recoveries_total",
+                                   "Recoveries that goals took", {})
+                       .With({})),
+      replans_(&registry_
+                    .AddCounter("treeline_agent_replans_total",
+                                "Plans that replaced others", {})
+                    .With({})),
+      lost_(&registry_
+                 .AddCounter("treeline_agent_lost_total",
+                             "Times that the robot declared itself lost", {})
+                 .With({})),
+      missed_(&registry_
+                   .AddCounter("treeline_agent_missed_deadlines_total",
+                               "Control steps that came too late", {})
+                   .With({})),
+      lost_probability_(
+          &registry_
+               .AddGauge("treeline_agent_lost_probability",
+                         "That the robot is not where it believes", {})
+               .With({})),
+      driven_(&registry_
+                   .AddGauge("treeline_agent_driven_meters",
+                             "Driven for goals since the start", {})
+                   .With({})),
+      period_(&registry_
+                   .AddHistogram("treeline_agent_control_period_seconds",
+                                 "From the begin of one control step to the "
+                                 "next",
+                                 {}, PeriodBuckets())
+                   .With({})),
+      step_(&registry_
+                 .AddHistogram("treeline_agent_step_seconds",
+                               "How long a control step takes", {},
+                               StepBuckets())
+                 .With({})),
+      round_trip_(&registry_
+                       .AddHistogram("treeline_agent_fix_round_trip_seconds",
+                                     "From a question to the server to its "
+                                     "answer",
+                                     {}, LatencyBuckets())
+                       .With({})) {
+  registry_
+      .AddGauge("treeline_agent_info", "1; the version is a label", {"version"})
+      .With({Version()})
+      .Set(1);
+}
+
+void AgentMetrics::ObserveStep(std::optional<double> period_s, double step_s) {
+  if (period_s.has_value()) period_->Observe(*period_s);
+  step_->Observe(step_s);
+}
+
+void AgentMetrics::ObserveState(const AgentState& state) {
+  const NavigatorSnapshot& snapshot = state.snapshot;
+  for (const DeviceReport& device : state.devices) {
+    devices_->With({device.name}).Set(device.state == "running" ? 1 : 0);
+  }
+  for (const NavigatorMode mode : kModes) {
+    modes_->With({NavigatorModeName(mode)}).Set(mode == snapshot.mode ? 1 : 0);
+  }
+  lost_probability_->Set(snapshot.verdict.probability);
+  const bool is_lost = snapshot.mode == NavigatorMode::kLost ||
+                       snapshot.mode == NavigatorMode::kRelocalizing ||
+                       snapshot.mode == NavigatorMode::kNeedHelp;
+  if (is_lost && !was_lost_) lost_->Add();
+  was_lost_ = is_lost;
+  ObserveGoal(snapshot.goal);
+  ObserveFix(snapshot);
+}
+
+void AgentMetrics::ObserveGoal(const std::optional<GoalStatus>& goal) {
+  if (!goal.has_value()) return;
+  if (goal->id != goal_) {
+    driven_before_m_ += goal_driven_m_;
+    goal_ = goal->id;
+    goal_recoveries_ = 0;
+    goal_replans_ = 0;
+  }
+  if (goal->recoveries > goal_recoveries_) {
+    recoveries_->Add(
+        static_cast<uint64_t>(goal->recoveries - goal_recoveries_));
+    goal_recoveries_ = goal->recoveries;
+  }
+  if (goal->replans > goal_replans_) {
+    replans_->Add(static_cast<uint64_t>(goal->replans - goal_replans_));
+    goal_replans_ = goal->replans;
+  }
+  goal_driven_m_ = goal->driven_m;
+  driven_->Set(driven_before_m_ + goal_driven_m_);
+  if (IsOver(goal->state) && goal->id != counted_goal_) {
+    counted_goal_ = goal->id;
+    goals_->With({GoalStateName(goal->state), NavigationCauseName(goal->cause)})
+        .Add();
+  }
+}
+
+void AgentMetrics::ObserveFix(const NavigatorSnapshot& snapshot) {
+  if (!snapshot.fix.has_value() || snapshot.fix_verdict.empty()) return;
+  const bool is_new = counted_fix_ != snapshot.fix->stamp;
+  if (!is_new && counted_verdict_ == snapshot.fix_verdict) return;
+  if (is_new) round_trip_->Observe(snapshot.fix->round_trip_s);
+  counted_fix_ = snapshot.fix->stamp;
+  counted_verdict_ = snapshot.fix_verdict;
+  // Up to its first ':' a verdict is a word of ours.
+  fixes_->With({snapshot.fix_verdict.substr(0, snapshot.fix_verdict.find(':'))})
+      .Add();
+}
+
+}  // namespace treeline

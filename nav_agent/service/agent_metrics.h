@@ -1,0 +1,65 @@
+// What an agent counts, for Prometheus. docs/agent.md lists the figures.
+#ifndef NAV_AGENT_SERVICE_AGENT_METRICS_H_
+#define NAV_AGENT_SERVICE_AGENT_METRICS_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/metrics/registry.h"
+#include "nav_agent/service/agent_hub.h"
+
+namespace treeline {
+
+// Observe... by the stepping thread; the rest is thread-safe.
+class AgentMetrics {
+ public:
+  AgentMetrics();
+
+  // One control step: since the one before it began, and how long it took (s).
+  void ObserveStep(std::optional<double> period_s, double step_s);
+  void CountMissedDeadline() { missed_->Add(); }
+  // Every event of the navigator.
+  void CountEvent(const std::string& kind) { events_->With({kind}).Add(); }
+  // What changed since the state that was observed before: goals that ended,
+  // recoveries, times lost, fixes.
+  void ObserveState(const AgentState& state);
+
+  std::string Expose() const { return registry_.Expose(); }
+  Registry& registry() { return registry_; }
+
+ private:
+  void ObserveGoal(const std::optional<GoalStatus>& goal);
+  void ObserveFix(const NavigatorSnapshot& snapshot);
+
+  Registry registry_;
+  MetricFamily<Counter>* goals_;
+  MetricFamily<Counter>* events_;
+  MetricFamily<Counter>* fixes_;
+  MetricFamily<Gauge>* devices_;
+  MetricFamily<Gauge>* modes_;
+  Counter* recoveries_;
+  Counter* replans_;
+  Counter* lost_;
+  Counter* missed_;
+  Gauge* lost_probability_;
+  Gauge* driven_;
+  Histogram* period_;
+  Histogram* step_;
+  Histogram* round_trip_;
+  // ---- the stepping thread's ----
+  uint64_t counted_goal_ = 0;
+  // Of the goal that is watched.
+  uint64_t goal_ = 0;
+  int goal_recoveries_ = 0;
+  int goal_replans_ = 0;
+  double driven_before_m_ = 0;
+  double goal_driven_m_ = 0;
+  bool was_lost_ = false;
+  std::optional<MonotonicTime> counted_fix_;
+  std::string counted_verdict_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_SERVICE_AGENT_METRICS_H_

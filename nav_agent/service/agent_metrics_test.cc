@@ -1,0 +1,92 @@
+#include "nav_agent/service/agent_metrics.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "nav_agent/service/testing_navigator.h"
+
+namespace treeline {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+GoalStatus GoalOf(uint64_t id, GoalState state, double driven_m,
+                  int recoveries) {
+  GoalStatus goal;
+  goal.id = id;
+  goal.state = state;
+  goal.driven_m = driven_m;
+  goal.recoveries = recoveries;
+  return goal;
+}
+
+TEST(AgentMetrics, CountsAGoalOnce) {
+  AgentMetrics metrics;
+  AgentState state;
+  state.snapshot.goal = GoalOf(1, GoalState::kActive, 2, 1);
+  metrics.ObserveState(state);
+  EXPECT_THAT(metrics.Expose(), Not(HasSubstr("agent_goals_total{")));
+  state.snapshot.goal->state = GoalState::kSucceeded;
+  state.snapshot.goal->recoveries = 3;
+  metrics.ObserveState(state);
+  metrics.ObserveState(state);
+  state.snapshot.goal = GoalOf(2, GoalState::kFailed, 0.5, 1);
+  state.snapshot.goal->cause = NavigationCause::kNoPath;
+  metrics.ObserveState(state);
+  const std::string text = metrics.Expose();
+  EXPECT_THAT(text,
+              HasSubstr("treeline_agent_goals_total{outcome=\"succeeded\","
+                        "cause=\"none\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("treeline_agent_goals_total{outcome=\"failed\","
+                              "cause=\"no_path\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("treeline_agent_recoveries_total 4\n"));
+  EXPECT_THAT(text, HasSubstr("treeline_agent_driven_meters 2.5\n"));
+}
+
+TEST(AgentMetrics, CountsTimesLostAndFixes) {
+  AgentMetrics metrics;
+  AgentState state;
+  for (const NavigatorMode mode :
+       {NavigatorMode::kDriving, NavigatorMode::kLost,
+        NavigatorMode::kRelocalizing, NavigatorMode::kDriving,
+        NavigatorMode::kLost}) {
+    state.snapshot.mode = mode;
+    metrics.ObserveState(state);
+  }
+  state.snapshot.fix.emplace();
+  state.snapshot.fix->round_trip_s = 0.02;
+  state.snapshot.fix_verdict = "refused: 0.4 m above the floor";
+  metrics.ObserveState(state);
+  metrics.ObserveState(state);
+  const std::string text = metrics.Expose();
+  EXPECT_THAT(text, HasSubstr("treeline_agent_lost_total 2\n"));
+  EXPECT_THAT(text,
+              HasSubstr("treeline_agent_fixes_total{verdict=\"refused\"} 1\n"));
+  EXPECT_THAT(text,
+              HasSubstr("treeline_agent_fix_round_trip_seconds_count 1\n"));
+  EXPECT_THAT(text, HasSubstr("treeline_agent_mode{mode=\"lost\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("treeline_agent_mode{mode=\"driving\"} 0\n"));
+}
+
+TEST(AgentMetrics, TellsStepsAndDevices) {
+  AgentMetrics metrics;
+  metrics.ObserveStep(std::nullopt, 0.003);
+  metrics.ObserveStep(0.0251, 0.003);
+  metrics.CountMissedDeadline();
+  metrics.CountEvent("goal");
+  AgentState state;
+  state.devices = {{"laser", "running", ""}, {"base", "lost", "unplugged"}};
+  metrics.ObserveState(state);
+  const std::string text = metrics.Expose();
+  EXPECT_THAT(text,
+              HasSubstr("treeline_agent_control_period_seconds_count 1\n"));
+  EXPECT_THAT(text, HasSubstr("treeline_agent_step_seconds_count 2\n"));
+  EXPECT_THAT(text, HasSubstr("treeline_agent_missed_deadlines_total 1\n"));
+  EXPECT_THAT(text, HasSubstr("treeline_agent_events_total{kind=\"goal\"} 1"));
+  EXPECT_THAT(text, HasSubstr("treeline_agent_device_up{device=\"laser\"} 1"));
+  EXPECT_THAT(text, HasSubstr("treeline_agent_device_up{device=\"base\"} 0"));
+}
+
+}  // namespace
+}  // namespace treeline

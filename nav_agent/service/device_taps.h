@@ -1,0 +1,95 @@
+// Who looks over the robot's shoulder: devices that hand on what another has,
+// and keep the newest picture for people.
+#ifndef NAV_AGENT_SERVICE_DEVICE_TAPS_H_
+#define NAV_AGENT_SERVICE_DEVICE_TAPS_H_
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "nav_agent/core/devices.h"
+#include "nav_agent/core/relocalization.h"
+
+namespace treeline {
+
+// The newest colour picture of somebody's frames, as JPEG when it is asked for.
+// Thread-safe.
+class PictureKeeper {
+ public:
+  // Copies the colour of every picture that is at least this much newer than
+  // the last one.
+  explicit PictureKeeper(MonotonicTime::duration interval)
+      : interval_(interval) {}
+
+  void Keep(const RgbdFrame& frame);
+  // NOT_FOUND: there is none yet.
+  absl::StatusOr<std::shared_ptr<const std::string>> Jpeg() const;
+
+ private:
+  const MonotonicTime::duration interval_;
+  mutable absl::Mutex mutex_;
+  std::shared_ptr<const ColorImage> image_ ABSL_GUARDED_BY(mutex_);
+  std::optional<MonotonicTime> stamp_ ABSL_GUARDED_BY(mutex_);
+  // Of image_; null until somebody asks.
+  mutable std::shared_ptr<const std::string> jpeg_ ABSL_GUARDED_BY(mutex_);
+};
+
+// A camera whose frames are taken by a thread of its own: rendering, decoding
+// and recording them makes nobody else wait. The newest few are kept for who
+// takes them.
+class BackgroundCamera final : public RgbdCamera {
+ public:
+  // on_frame: called by that thread for every frame. All must outlive it.
+  BackgroundCamera(RgbdCamera& camera,
+                   std::function<void(const RgbdFrame&)> on_frame);
+  ~BackgroundCamera() override = default;
+
+  RgbdCalibration Calibration() const override { return camera_.Calibration(); }
+  std::vector<RgbdFrame> TakeFrames() override;
+  DeviceHealth Health() const override { return camera_.Health(); }
+
+ private:
+  static constexpr size_t kKept = 4;
+
+  void Run(const std::stop_token& stop);
+
+  RgbdCamera& camera_;
+  const std::function<void(const RgbdFrame&)> on_frame_;
+  absl::Mutex mutex_;
+  std::deque<RgbdFrame> frames_ ABSL_GUARDED_BY(mutex_);
+  // The last member: it uses all of them.
+  std::jthread thread_;
+};
+
+// A relocalization server whose questions are kept. Both must outlive it.
+class WatchedServer final : public RelocalizationPort {
+ public:
+  WatchedServer(RelocalizationPort& port, PictureKeeper& keeper)
+      : port_(port), keeper_(keeper) {}
+
+  void Ask(const RgbdFrame& frame, double timeout_s) override;
+  std::optional<absl::StatusOr<RelocalizationAnswer>> TakeAnswer() override;
+  bool IsAsking() const override { return port_.IsAsking(); }
+  void Cancel() override { port_.Cancel(); }
+
+  // What became of the last question; OK before the first.
+  absl::Status last_error() const;
+
+ private:
+  RelocalizationPort& port_;
+  PictureKeeper& keeper_;
+  mutable absl::Mutex mutex_;
+  absl::Status last_error_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_SERVICE_DEVICE_TAPS_H_

@@ -1,0 +1,126 @@
+#include "nav_agent/service/device_taps.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/image/decode.h"
+
+namespace treeline {
+namespace {
+
+using std::chrono::milliseconds;
+
+RgbdFrame FrameAt(int ms, uint8_t shade) {
+  RgbdFrame frame;
+  frame.stamp = MonotonicTime(milliseconds(ms));
+  frame.frame.color = {.width = 16,
+                       .height = 16,
+                       .rgb = std::vector<uint8_t>(16 * 16 * 3, shade)};
+  return frame;
+}
+
+uint8_t ShadeOf(const PictureKeeper& keeper) {
+  const auto jpeg = keeper.Jpeg();
+  EXPECT_TRUE(jpeg.ok()) << jpeg.status();
+  return DecodeColor(**jpeg, {})->rgb[0];
+}
+
+TEST(PictureKeeper, KeepsTheNewestOfEveryInterval) {
+  PictureKeeper keeper(milliseconds(200));
+  EXPECT_TRUE(absl::IsNotFound(keeper.Jpeg().status()));
+  keeper.Keep(FrameAt(1000, 50));
+  // A grey picture survives JPEG to a step or two.
+  EXPECT_NEAR(ShadeOf(keeper), 50, 2);
+  keeper.Keep(FrameAt(1100, 150));
+  EXPECT_NEAR(ShadeOf(keeper), 50, 2);
+  keeper.Keep(FrameAt(1200, 150));
+  EXPECT_NEAR(ShadeOf(keeper), 150, 2);
+  // The clock of a camera that was started anew.
+  keeper.Keep(FrameAt(10, 250));
+  EXPECT_NEAR(ShadeOf(keeper), 250, 2);
+  // Without colour there is nothing to show.
+  RgbdFrame dark;
+  dark.stamp = MonotonicTime(milliseconds(9000));
+  keeper.Keep(dark);
+  EXPECT_NEAR(ShadeOf(keeper), 250, 2);
+}
+
+// Has so many frames, once.
+class FewFramesCamera final : public RgbdCamera {
+ public:
+  explicit FewFramesCamera(int frames) : frames_(frames) {}
+
+  RgbdCalibration Calibration() const override { return {}; }
+  std::vector<RgbdFrame> TakeFrames() override {
+    std::vector<RgbdFrame> taken;
+    const int count = std::exchange(frames_, 0);
+    for (int i = 0; i < count; ++i) {
+      taken.push_back(FrameAt(i, static_cast<uint8_t>(10 * i)));
+    }
+    return taken;
+  }
+  DeviceHealth Health() const override {
+    DeviceHealth health;
+    health.received = 7;
+    return health;
+  }
+
+ private:
+  int frames_;
+};
+
+TEST(BackgroundCamera, KeepsTheNewestFewAndShowsAll) {
+  FewFramesCamera camera(10);
+  std::atomic<int> shown = 0;
+  BackgroundCamera background(camera, [&](const RgbdFrame&) { ++shown; });
+  while (shown < 10) std::this_thread::yield();
+  EXPECT_EQ(background.Health().received, 7);
+  std::vector<RgbdFrame> taken;
+  // The last one is handed over just after it was shown.
+  while (taken.empty() || taken.back().stamp != FrameAt(9, 0).stamp) {
+    for (RgbdFrame& frame : background.TakeFrames()) {
+      taken.push_back(std::move(frame));
+    }
+  }
+  EXPECT_LE(taken.size(), 5U);
+  EXPECT_TRUE(background.TakeFrames().empty());
+}
+
+class DeadServer final : public RelocalizationPort {
+ public:
+  void Ask(const RgbdFrame& /*frame*/, double timeout_s) override {
+    timeout = timeout_s;
+  }
+  std::optional<absl::StatusOr<RelocalizationAnswer>> TakeAnswer() override {
+    return absl::StatusOr<RelocalizationAnswer>(
+        absl::UnavailableError("nobody there"));
+  }
+  bool IsAsking() const override { return timeout > 0; }
+  void Cancel() override { timeout = 0; }
+
+  double timeout = 0;
+};
+
+TEST(WatchedServer, KeepsTheQuestionAndTheError) {
+  DeadServer server;
+  PictureKeeper keeper(milliseconds(0));
+  WatchedServer watched(server, keeper);
+  EXPECT_TRUE(watched.last_error().ok());
+  watched.Ask(FrameAt(0, 120), 2.5);
+  EXPECT_EQ(server.timeout, 2.5);
+  EXPECT_TRUE(watched.IsAsking());
+  EXPECT_NEAR(ShadeOf(keeper), 120, 2);
+  EXPECT_TRUE(watched.TakeAnswer().has_value());
+  EXPECT_TRUE(absl::IsUnavailable(watched.last_error()));
+  watched.Cancel();
+  EXPECT_FALSE(watched.IsAsking());
+}
+
+}  // namespace
+}  // namespace treeline

@@ -1,0 +1,79 @@
+// NavigationService and SimulationService over the commands of an agent.
+#ifndef NAV_AGENT_SERVICE_GRPC_SERVICES_H_
+#define NAV_AGENT_SERVICE_GRPC_SERVICES_H_
+
+#include <atomic>
+
+#include "nav_agent/service/agent_commands.h"
+#include "treeline/v1/navigation.grpc.pb.h"
+
+namespace treeline {
+
+// Each call has a thread. Streams are bounded, and end with the hub.
+class NavigationGrpcService final : public v1::NavigationService::Service {
+ public:
+  // `commands` must outlive the server that this is registered with.
+  NavigationGrpcService(AgentCommands& commands, int max_streams)
+      : commands_(commands), max_streams_(max_streams) {}
+
+  // ---- grpc_navigate.cc ----
+  grpc::Status Navigate(
+      grpc::ServerContext* context, const v1::NavigateRequest* request,
+      grpc::ServerWriter<v1::NavigateResponse>* writer) override;
+  grpc::Status Cancel(grpc::ServerContext* context,
+                      const v1::CancelRequest* request,
+                      v1::CancelResponse* response) override;
+  grpc::Status Pause(grpc::ServerContext* context,
+                     const v1::PauseRequest* request,
+                     v1::PauseResponse* response) override;
+  grpc::Status Resume(grpc::ServerContext* context,
+                      const v1::ResumeRequest* request,
+                      v1::ResumeResponse* response) override;
+
+  // ---- grpc_state.cc ----
+  grpc::Status StreamState(
+      grpc::ServerContext* context, const v1::StreamStateRequest* request,
+      grpc::ServerWriter<v1::StreamStateResponse>* writer) override;
+  grpc::Status GetMaps(grpc::ServerContext* context,
+                       const v1::GetMapsRequest* request,
+                       v1::GetMapsResponse* response) override;
+
+  // ---- grpc_pose.cc ----
+  grpc::Status SetInitialPose(grpc::ServerContext* context,
+                              const v1::SetInitialPoseRequest* request,
+                              v1::SetInitialPoseResponse* response) override;
+  grpc::Status FindYourself(grpc::ServerContext* context,
+                            const v1::FindYourselfRequest* request,
+                            v1::FindYourselfResponse* response) override;
+
+ private:
+  AgentCommands& commands_;
+  const int max_streams_;
+  std::atomic<int> streams_ = 0;
+};
+
+class SimulationGrpcService final : public v1::SimulationService::Service {
+ public:
+  explicit SimulationGrpcService(AgentCommands& commands)
+      : commands_(commands) {}
+
+  grpc::Status Kidnap(grpc::ServerContext* context,
+                      const v1::KidnapRequest* request,
+                      v1::KidnapResponse* response) override;
+  grpc::Status AddObstacle(grpc::ServerContext* context,
+                           const v1::AddObstacleRequest* request,
+                           v1::AddObstacleResponse* response) override;
+  grpc::Status RemoveObstacle(grpc::ServerContext* context,
+                              const v1::RemoveObstacleRequest* request,
+                              v1::RemoveObstacleResponse* response) override;
+  grpc::Status InjectFault(grpc::ServerContext* context,
+                           const v1::InjectFaultRequest* request,
+                           v1::InjectFaultResponse* response) override;
+
+ private:
+  AgentCommands& commands_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_SERVICE_GRPC_SERVICES_H_

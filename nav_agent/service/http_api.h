@@ -1,0 +1,100 @@
+// The operator's page and what it asks, over HTTP. docs/agent.md specifies it.
+#ifndef NAV_AGENT_SERVICE_HTTP_API_H_
+#define NAV_AGENT_SERVICE_HTTP_API_H_
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "common/http/http_message.h"
+#include "nav_agent/service/agent_commands.h"
+#include "nav_agent/service/agent_metrics.h"
+#include "nav_agent/service/device_taps.h"
+#include "nav_agent/service/static_files.h"
+
+namespace treeline {
+
+struct HttpApiOptions {
+  // Streams at a time, 1..1000.
+  int max_streams = 16;
+  // No stream is silent for longer: a comment is sent.
+  absl::Duration heartbeat = absl::Seconds(5);
+  // A robot whose newest state is older is not ready.
+  absl::Duration ready_within = absl::Seconds(2);
+  // Folder of the page; empty: none.
+  std::string page_folder;
+
+  absl::Status Validate() const;
+};
+
+// Thread-safe.
+class HttpApi final : public HttpHandler {
+ public:
+  // camera, query: null if there is no camera. All must outlive it, and
+  // commands' hub be closed before the HTTP server is stopped: streams end with
+  // it. `options` must be valid.
+  HttpApi(AgentCommands& commands, AgentMetrics& metrics,
+          const PictureKeeper* camera, const PictureKeeper* query,
+          const HttpApiOptions& options);
+
+  std::optional<HttpResponse> CheckHead(const HttpRequest& request) override;
+  HttpResponse Handle(const HttpRequest& request) override;
+  HttpResponse Error(int status) override;
+  std::vector<std::pair<std::string, std::string>> CommonHeaders(
+      const HttpRequest& request) override;
+
+ private:
+  using Get = std::function<HttpResponse()>;
+  // The JSON of the answer.
+  using Post =
+      std::function<absl::StatusOr<std::string>(absl::string_view body)>;
+  // What was published last, as text.
+  struct Texts {
+    uint64_t number = 0;
+    std::string state;
+    std::string scene;
+  };
+
+  void AddGets();
+  void AddPosts();
+  void AddSimulationPosts();
+  HttpResponse GetState(bool scene);
+  HttpResponse GetReady() const;
+  HttpResponse GetLevel(absl::string_view path);
+  HttpResponse GetOctomap();
+  HttpResponse GetFile(const std::string& path) const;
+  HttpResponse OpenStream();
+  void RunStream(HttpBodyWriter& writer);
+  // Made once for all streams.
+  std::shared_ptr<const Texts> TextsOf(const AgentState& state);
+
+  AgentCommands& commands_;
+  AgentMetrics& metrics_;
+  const PictureKeeper* const camera_;
+  const PictureKeeper* const query_;
+  const HttpApiOptions options_;
+  const StaticFiles files_;
+  std::map<std::string, Get> gets_;
+  std::map<std::string, Post> posts_;
+  std::atomic<int> streams_ = 0;
+  absl::Mutex mutex_;
+  std::shared_ptr<const Texts> texts_ ABSL_GUARDED_BY(mutex_);
+  std::string info_ ABSL_GUARDED_BY(mutex_);
+  std::string octomap_ ABSL_GUARDED_BY(mutex_);
+  std::map<int, std::string> levels_ ABSL_GUARDED_BY(mutex_);
+};
+
+// What HTTP calls an error: INVALID_ARGUMENT is 400, and so on.
+int HttpStatusOfCode(absl::StatusCode code);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_SERVICE_HTTP_API_H_

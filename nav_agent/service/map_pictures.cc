@@ -1,0 +1,81 @@
+#include "nav_agent/service/map_pictures.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "common/image/decode.h"
+
+namespace treeline {
+namespace {
+
+void AppendU32(std::string& bytes, uint32_t value) {
+  for (int shift = 0; shift < 32; shift += 8) {
+    bytes.push_back(static_cast<char>((value >> shift) & 0xFF));
+  }
+}
+
+void AppendFloat(std::string& bytes, double value) {
+  AppendU32(bytes, std::bit_cast<uint32_t>(static_cast<float>(value)));
+}
+
+uint8_t ShadeOf(Occupancy occupancy) {
+  switch (occupancy) {
+    case Occupancy::kFree:
+      return 255;
+    case Occupancy::kOccupied:
+      return 0;
+    case Occupancy::kUnknown:
+      break;
+  }
+  return 160;
+}
+
+bool IsEnclosed(const VoxelMap& voxels, VoxelIndex v) {
+  constexpr std::array<VoxelIndex, 6> kSteps = {
+      {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
+  return std::all_of(kSteps.begin(), kSteps.end(), [&](const VoxelIndex& step) {
+    return voxels.At({v.x + step.x, v.y + step.y, v.z + step.z}) ==
+           Voxel::kOccupied;
+  });
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> LevelPng(const OccupancyGrid& grid) {
+  ColorImage image{.width = grid.width, .height = grid.height, .rgb = {}};
+  image.rgb.reserve(grid.cells.size() * 3);
+  for (int row = grid.height - 1; row >= 0; --row) {
+    for (int x = 0; x < grid.width; ++x) {
+      image.rgb.insert(image.rgb.end(), 3, ShadeOf(grid.At({x, row})));
+    }
+  }
+  return EncodePng(image);
+}
+
+std::string OctomapBytes(const VoxelMap& voxels) {
+  std::string points;
+  uint32_t count = 0;
+  const VoxelIndex size = voxels.size();
+  for (int x = 0; x < size.x; ++x) {
+    for (int y = 0; y < size.y; ++y) {
+      for (int z = 0; z < size.z; ++z) {
+        const VoxelIndex v{x, y, z};
+        if (voxels.At(v) != Voxel::kOccupied || IsEnclosed(voxels, v)) continue;
+        const Vec3 center = voxels.CenterOf(v);
+        AppendFloat(points, center.x);
+        AppendFloat(points, center.y);
+        AppendFloat(points, center.z);
+        ++count;
+      }
+    }
+  }
+  std::string bytes = "TLVX";
+  AppendU32(bytes, count);
+  AppendFloat(bytes, voxels.resolution_m());
+  bytes += points;
+  return bytes;
+}
+
+}  // namespace treeline

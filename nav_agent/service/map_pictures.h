@@ -1,0 +1,24 @@
+// The map as browsers take it.
+#ifndef NAV_AGENT_SERVICE_MAP_PICTURES_H_
+#define NAV_AGENT_SERVICE_MAP_PICTURES_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "nav_agent/core/occupancy_grid.h"
+#include "nav_agent/octomap/voxel_map.h"
+
+namespace treeline {
+
+// PNG, a pixel for each cell, row 0 at the top (+y of the grid): free is white,
+// occupied black, unknown grey.
+absl::StatusOr<std::string> LevelPng(const OccupancyGrid& grid);
+
+// "TLVX", uint32 count, float32 resolution_m, then count times the centre of an
+// occupied voxel in the map (3 float32, m). Little-endian. Voxels that are
+// enclosed on six sides are left out: nobody sees them.
+std::string OctomapBytes(const VoxelMap& voxels);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_SERVICE_MAP_PICTURES_H_

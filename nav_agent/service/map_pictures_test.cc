@@ -1,0 +1,62 @@
+#include "nav_agent/service/map_pictures.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "common/image/decode.h"
+#include "nav_agent/service/testing_navigator.h"
+
+namespace treeline {
+namespace {
+
+float FloatAt(const std::string& bytes, size_t offset) {
+  float value = 0;
+  std::memcpy(&value, bytes.data() + offset, sizeof(value));
+  return value;
+}
+
+uint32_t CountOf(const std::string& bytes) {
+  uint32_t count = 0;
+  std::memcpy(&count, bytes.data() + 4, sizeof(count));
+  return count;
+}
+
+TEST(MapPictures, TheTopRowIsTheNorth) {
+  OccupancyGrid grid = OccupancyGrid::Filled(3, 2, 0.05, {}, Occupancy::kFree);
+  grid.Set({0, 1}, Occupancy::kOccupied);
+  grid.Set({2, 0}, Occupancy::kUnknown);
+  const auto png = LevelPng(grid);
+  ASSERT_TRUE(png.ok());
+  const auto image = DecodeColor(*png, {});
+  ASSERT_TRUE(image.ok()) << image.status();
+  ASSERT_EQ(image->width, 3);
+  ASSERT_EQ(image->height, 2);
+  EXPECT_EQ(image->rgb[0], 0);
+  EXPECT_EQ(image->rgb[3], 255);
+  EXPECT_EQ(image->rgb[(3 + 2) * 3], 160);
+}
+
+TEST(MapPictures, WritesCentresOfVoxels) {
+  const auto map = TwoLevelMap();
+  const std::string bytes = OctomapBytes(map->voxels);
+  ASSERT_EQ(bytes.size(), 12U + 2 * 12U);
+  EXPECT_EQ(bytes.substr(0, 4), "TLVX");
+  EXPECT_EQ(CountOf(bytes), 2U);
+  EXPECT_EQ(FloatAt(bytes, 8), 0.5F);
+  const Vec3 first = map->voxels.CenterOf({0, 0, 0});
+  EXPECT_EQ(FloatAt(bytes, 12), static_cast<float>(first.x));
+  EXPECT_EQ(FloatAt(bytes, 16), static_cast<float>(first.y));
+  EXPECT_EQ(FloatAt(bytes, 20), static_cast<float>(first.z));
+}
+
+TEST(MapPictures, LeavesOutWhatNobodySees) {
+  VoxelMap voxels = VoxelMap::Make(1, {}, {3, 3, 3}).value();
+  for (int x = 0; x < 3; ++x) {
+    for (int y = 0; y < 3; ++y) voxels.SetRun(x, y, 0, 3, Voxel::kOccupied);
+  }
+  EXPECT_EQ(CountOf(OctomapBytes(voxels)), 26U);
+}
+
+}  // namespace
+}  // namespace treeline

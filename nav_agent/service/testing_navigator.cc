@@ -1,0 +1,163 @@
+#include "nav_agent/service/testing_navigator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+
+namespace treeline {
+
+void FakeNavigator::Step() {
+  ++snapshot.steps;
+  if (!snapshot.goal.has_value() ||
+      snapshot.goal->state != GoalState::kActive ||
+      snapshot.mode == NavigatorMode::kPaused) {
+    return;
+  }
+  if (!snapshot.pose.has_value()) snapshot.pose = TrackedPose{};
+  GoalStatus& goal = *snapshot.goal;
+  const LevelPose& target = last_goal.poses.back();
+  Vec2& at = snapshot.pose->pose.map_from_base.translation;
+  const Vec2 way = target.map_from_base.translation - at;
+  goal.to_go_m = Norm(way);
+  constexpr double kStride_m = 0.1;
+  if (goal.to_go_m <= kStride_m) {
+    snapshot.pose->pose = target;
+    goal.to_go_m = 0;
+    goal.state = GoalState::kSucceeded;
+    snapshot.mode = NavigatorMode::kIdle;
+    return;
+  }
+  snapshot.mode = NavigatorMode::kDriving;
+  at = at + (kStride_m / goal.to_go_m) * way;
+  goal.driven_m += kStride_m;
+}
+
+absl::StatusOr<uint64_t> FakeNavigator::SetGoal(const NavigationGoal& goal) {
+  last_goal = goal;
+  GoalStatus status;
+  status.id = ++goals_;
+  status.state = GoalState::kActive;
+  snapshot.goal = status;
+  return goals_;
+}
+
+absl::Status FakeNavigator::CancelGoal(uint64_t id) {
+  if (!snapshot.goal.has_value() || (id != 0 && id != snapshot.goal->id)) {
+    return absl::NotFoundError(absl::StrCat("goal ", id, " is not driven to"));
+  }
+  snapshot.goal->state = GoalState::kCancelled;
+  snapshot.goal->cause = NavigationCause::kCancelled;
+  return absl::OkStatus();
+}
+
+absl::Status FakeNavigator::SetPose(const LevelPose& pose,
+                                    const PoseCovariance2& covariance) {
+  snapshot.pose.emplace();
+  snapshot.pose->pose = pose;
+  snapshot.pose->covariance = covariance;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Rigid3> FakeSimulation::Kidnap(const LevelPose& pose) {
+  const Vec2& at = pose.map_from_base.translation;
+  calls.push_back(absl::StrCat("kidnap ", at.x, " ", at.y, " on ",
+                               pose.place.level, " at ", pose.place.height_m));
+  return Rigid3{.rotation = {}, .translation = {at.x, at.y, 0}};
+}
+
+absl::StatusOr<Rigid3> FakeSimulation::KidnapTo(const std::string& place) {
+  if (place != "kitchen") {
+    return absl::NotFoundError("no such place; there are: kitchen");
+  }
+  calls.push_back("kidnap to " + place);
+  return Rigid3{.rotation = {}, .translation = {3, 2, 0}};
+}
+
+absl::StatusOr<Rigid3> FakeSimulation::KidnapAnywhere() {
+  calls.emplace_back("kidnap anywhere");
+  return Rigid3{};
+}
+
+absl::StatusOr<std::string> FakeSimulation::AddObstacle(const LevelPose& pose,
+                                                        double size_m) {
+  calls.push_back(
+      absl::StrCat("obstacle of ", size_m, " on ", pose.place.level));
+  return "box-1";
+}
+
+absl::Status FakeSimulation::RemoveObstacle(const std::string& name) {
+  if (name != "box-1") return absl::NotFoundError("no such obstacle");
+  calls.push_back("remove " + name);
+  return absl::OkStatus();
+}
+
+absl::Status FakeSimulation::InjectFault(const FaultWish& fault) {
+  calls.push_back(absl::StrCat("fault ", fault.target, " ", fault.kind, " ",
+                               fault.duration_s, " ", fault.amount));
+  return absl::OkStatus();
+}
+
+std::shared_ptr<const NavigatorMap> TwoLevelMap() {
+  constexpr int kWidth = 8;
+  constexpr int kHeight = 6;
+  auto map = std::make_shared<NavigatorMap>();
+  for (int i = 0; i < 2; ++i) {
+    TraversableLevel level;
+    level.grid = OccupancyGrid::Filled(kWidth, kHeight, 0.5, {{-1, -1}, 0},
+                                       Occupancy::kFree);
+    const auto cells = static_cast<size_t>(kWidth * kHeight);
+    level.height_m.assign(cells, static_cast<float>(i));
+    level.slope_rad.assign(cells, 0);
+    level.clearance_m.assign(cells, 2);
+    map->levels.levels.push_back(std::move(level));
+  }
+  TraversableLevel& lower = map->levels.levels[0];
+  for (int y = 0; y < kHeight; ++y)
+    lower.grid.Set({4, y}, Occupancy::kOccupied);
+  map->voxels = VoxelMap::Make(0.5, {-2, -2, 0}, {8, 6, 3}).value();
+  map->voxels.Set({0, 0, 0}, Voxel::kOccupied);
+  map->voxels.Set({7, 5, 2}, Voxel::kOccupied);
+  return map;
+}
+
+AgentInfo TestInfo() {
+  return {.version = "1.2.3",
+          .robot = {},
+          .map_name = "house",
+          .map = TwoLevelMap(),
+          .is_simulated = true,
+          .world = "cafe",
+          .places = {"kitchen"},
+          .server = "localhost:50051"};
+}
+
+SteppingAgent::SteppingAgent(bool is_simulated, const AgentHubOptions& options)
+    : hub(options),
+      commands(hub, info, is_simulated ? &simulation : nullptr),
+      thread_([this](const std::stop_token& stop) {
+        while (!stop.stop_requested()) {
+          hub.RunCommands(navigator);
+          navigator.Step();
+          AgentState state;
+          state.snapshot = navigator.Snapshot();
+          if (state.snapshot.goal.has_value()) {
+            state.goal_poses = commands.PosesOf(state.snapshot.goal->id);
+          }
+          hub.Publish(std::move(state));
+          // Not to burn a core; nothing depends on it.
+          absl::SleepFor(absl::Milliseconds(1));
+        }
+      }) {}
+
+SteppingAgent::~SteppingAgent() { Close(); }
+
+void SteppingAgent::Close() {
+  hub.Close();
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+}  // namespace treeline

@@ -1,0 +1,82 @@
+// A navigator without a robot, for tests of what stands around it.
+#ifndef NAV_AGENT_SERVICE_TESTING_NAVIGATOR_H_
+#define NAV_AGENT_SERVICE_TESTING_NAVIGATOR_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "nav_agent/behavior/navigator.h"
+#include "nav_agent/service/agent_commands.h"
+
+namespace treeline {
+
+// Drives straight to its goal, 0.1 m a step. Snapshots are of what was set.
+class FakeNavigator final : public Navigator {
+ public:
+  void Step() override;
+  absl::StatusOr<uint64_t> SetGoal(const NavigationGoal& goal) override;
+  absl::Status CancelGoal(uint64_t id) override;
+  void Pause() override { snapshot.mode = NavigatorMode::kPaused; }
+  void Resume() override { snapshot.mode = NavigatorMode::kIdle; }
+  absl::Status SetPose(const LevelPose& pose,
+                       const PoseCovariance2& covariance) override;
+  void FindYourself() override { snapshot.mode = NavigatorMode::kRelocalizing; }
+  void Halt() override { halted = true; }
+  NavigatorMode mode() const override { return snapshot.mode; }
+  std::optional<GoalStatus> goal() const override { return snapshot.goal; }
+  NavigatorSnapshot Snapshot() const override { return snapshot; }
+  std::vector<NavigatorEvent> TakeEvents() override { return {}; }
+
+  NavigatorSnapshot snapshot;
+  NavigationGoal last_goal;
+  bool halted = false;
+
+ private:
+  uint64_t goals_ = 0;
+};
+
+// A simulation that remembers what it was told.
+class FakeSimulation final : public SimulationControl {
+ public:
+  absl::StatusOr<Rigid3> Kidnap(const LevelPose& pose) override;
+  absl::StatusOr<Rigid3> KidnapTo(const std::string& place) override;
+  absl::StatusOr<Rigid3> KidnapAnywhere() override;
+  absl::StatusOr<std::string> AddObstacle(const LevelPose& pose,
+                                          double size_m) override;
+  absl::Status RemoveObstacle(const std::string& name) override;
+  absl::Status InjectFault(const FaultWish& fault) override;
+
+  std::vector<std::string> calls;
+};
+
+// Two levels of 4 x 3 m: the lower at 0 m with a wall in its middle column, the
+// upper at 1 m.
+std::shared_ptr<const NavigatorMap> TwoLevelMap();
+AgentInfo TestInfo();
+
+// An agent that steps in a thread of its own, as fast as it is looked at.
+class SteppingAgent {
+ public:
+  explicit SteppingAgent(bool is_simulated = true,
+                         const AgentHubOptions& options = {});
+  // Closes the hub, too.
+  ~SteppingAgent();
+
+  void Close();
+
+  AgentInfo info = TestInfo();
+  AgentHub hub;
+  FakeSimulation simulation;
+  AgentCommands commands;
+  FakeNavigator navigator;
+
+ private:
+  std::jthread thread_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_SERVICE_TESTING_NAVIGATOR_H_

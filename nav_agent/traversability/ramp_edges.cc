@@ -1,0 +1,169 @@
+#include "nav_agent/traversability/ramp_edges.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace treeline {
+namespace {
+
+// A ramp of 1:24 has a step within it.
+constexpr double kPlaneRadius_m = 1.3;
+constexpr int kStepReach = 2;
+// Sloped ground: steeper than floors of slightly tilted maps.
+constexpr float kSloped_rad = 0.03F;
+constexpr int kFewestPlaneCells = 20;
+// Across the slope: more than 60 degrees from its direction; beside what is, 37
+// degrees, where a step of the ramp meets its side.
+constexpr double kAcross = 0.5;
+constexpr double kAcrossBeside = 0.8;
+constexpr std::array<CellIndex, 4> kNeighbours = {
+    {{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+
+class EdgeFinder {
+ public:
+  explicit EdgeFinder(const TraversableLevel& level)
+      : level_(&level), grid_(&level.grid) {}
+
+  // Whether the mean of the steps within `reach` cells runs across the slope:
+  // the cosine between them is below `across`.
+  bool IsEdge(CellIndex cell, int reach, double across) const {
+    if (!IsGround(cell) || !IsStepDown(cell) || !HasSlopeNear(cell)) {
+      return false;
+    }
+    const std::optional<Vec2> uphill = Uphill(cell);
+    if (!uphill.has_value()) return false;
+    const Vec2 step = StepDirection(cell, reach);
+    return Norm(step) > 0 &&
+           std::abs(Dot(step, *uphill)) < across * Norm(step) * Norm(*uphill);
+  }
+
+ private:
+  bool IsGround(CellIndex cell) const {
+    return grid_->Contains(cell) && grid_->At(cell) == Occupancy::kFree &&
+           !std::isnan(level_->height_m[grid_->IndexOf(cell)]);
+  }
+  bool IsSloped(CellIndex cell) const {
+    return IsGround(cell) &&
+           level_->slope_rad[grid_->IndexOf(cell)] > kSloped_rad;
+  }
+  // By how many voxels `to` is lower; 0 if it is no ground.
+  double DropTo(CellIndex from, CellIndex to) const {
+    if (!IsGround(to)) return 0;
+    return (level_->height_m[grid_->IndexOf(from)] -
+            level_->height_m[grid_->IndexOf(to)]) /
+           grid_->resolution_m;
+  }
+  bool IsStepDown(CellIndex cell) const {
+    for (const CellIndex& way : kNeighbours) {
+      const double drop = DropTo(cell, {cell.x + way.x, cell.y + way.y});
+      if (drop > 0.5 && drop < 1.5) return true;
+    }
+    return false;
+  }
+  bool HasSlopeNear(CellIndex cell) const {
+    for (int y = -kStepReach; y <= kStepReach; ++y) {
+      for (int x = -kStepReach; x <= kStepReach; ++x) {
+        if (IsSloped({cell.x + x, cell.y + y})) return true;
+      }
+    }
+    return false;
+  }
+
+  // Of a plane through the sloped ground around that is not lower, in the
+  // grid's axes; its length is the slope. What is lower is the floor beside the
+  // ramp, and what is three voxels higher is of other storeys.
+  std::optional<Vec2> Uphill(CellIndex middle) const {
+    const int reach = static_cast<int>(kPlaneRadius_m / grid_->resolution_m);
+    const float middle_m = level_->height_m[grid_->IndexOf(middle)];
+    double n = 0;
+    Vec2 sum;
+    double sum_h = 0;
+    double xx = 0;
+    double xy = 0;
+    double yy = 0;
+    double xh = 0;
+    double yh = 0;
+    for (int y = -reach; y <= reach; ++y) {
+      for (int x = -reach; x <= reach; ++x) {
+        const CellIndex cell = {middle.x + x, middle.y + y};
+        if (x * x + y * y > reach * reach || !IsSloped(cell)) continue;
+        const double h = (level_->height_m[grid_->IndexOf(cell)] - middle_m) /
+                         grid_->resolution_m;
+        if (h < -0.5 || h > 3.5) continue;
+        n += 1;
+        sum = sum + Vec2{static_cast<double>(x), static_cast<double>(y)};
+        sum_h += h;
+        xx += x * x;
+        xy += x * y;
+        yy += y * y;
+        xh += x * h;
+        yh += y * h;
+      }
+    }
+    if (n < kFewestPlaneCells) return std::nullopt;
+    xx -= sum.x * sum.x / n;
+    xy -= sum.x * sum.y / n;
+    yy -= sum.y * sum.y / n;
+    xh -= sum.x * sum_h / n;
+    yh -= sum.y * sum_h / n;
+    const double determinant = xx * yy - xy * xy;
+    if (!(determinant > 1e-6 * xx * yy)) return std::nullopt;
+    const Vec2 uphill = {(yy * xh - xy * yh) / determinant,
+                         (xx * yh - xy * xh) / determinant};
+    if (!(Norm(uphill) > kSloped_rad)) return std::nullopt;
+    return uphill;
+  }
+
+  // The mean direction, upwards, of the steps around.
+  Vec2 StepDirection(CellIndex middle, int reach) const {
+    Vec2 sum;
+    for (int y = -reach; y <= reach; ++y) {
+      for (int x = -reach; x <= reach; ++x) {
+        const CellIndex cell = {middle.x + x, middle.y + y};
+        if (!IsGround(cell)) continue;
+        for (const CellIndex& way : kNeighbours) {
+          const double drop = DropTo(cell, {cell.x + way.x, cell.y + way.y});
+          if (drop < 0.5) continue;
+          sum = sum -
+                Vec2{static_cast<double>(way.x), static_cast<double>(way.y)};
+        }
+      }
+    }
+    return sum;
+  }
+
+  const TraversableLevel* level_;
+  const OccupancyGrid* grid_;
+};
+
+}  // namespace
+
+std::vector<uint8_t> RampSideEdges(const TraversableLevel& level) {
+  const OccupancyGrid& grid = level.grid;
+  const EdgeFinder finder(level);
+  std::vector<uint8_t> edges(grid.cells.size(), 0);
+  std::vector<CellIndex> found;
+  for (int y = 0; y < grid.height; ++y) {
+    for (int x = 0; x < grid.width; ++x) {
+      if (!finder.IsEdge({x, y}, kStepReach, kAcross)) continue;
+      edges[grid.IndexOf({x, y})] = 1;
+      found.push_back({x, y});
+    }
+  }
+  for (const CellIndex& edge : found) {
+    for (int y = edge.y - kStepReach; y <= edge.y + kStepReach; ++y) {
+      for (int x = edge.x - kStepReach; x <= edge.x + kStepReach; ++x) {
+        if (!grid.Contains({x, y}) || edges[grid.IndexOf({x, y})] != 0) {
+          continue;
+        }
+        if (finder.IsEdge({x, y}, 0, kAcrossBeside)) {
+          edges[grid.IndexOf({x, y})] = 1;
+        }
+      }
+    }
+  }
+  return edges;
+}
+
+}  // namespace treeline

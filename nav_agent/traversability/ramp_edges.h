@@ -1,0 +1,23 @@
+// The low ends of ramps' sides, which a voxel map shows as ground.
+#ifndef NAV_AGENT_TRAVERSABILITY_RAMP_EDGES_H_
+#define NAV_AGENT_TRAVERSABILITY_RAMP_EDGES_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "nav_agent/traversability/traversability.h"
+
+namespace treeline {
+
+// 1 for free cells of sloped ground that end in a step of one voxel downwards
+// across the slope: beside a ramp's first half metre the floor is less than two
+// voxels below it, so the map takes that side for ground like the ramp's own
+// steps, but a wheel cannot climb it. The slope's direction is that of a plane
+// through the sloped ground within 1.3 m that is not lower, the step's that of
+// the mean of all steps within two cells. One value a cell, in the grid's
+// order.
+std::vector<uint8_t> RampSideEdges(const TraversableLevel& level);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_TRAVERSABILITY_RAMP_EDGES_H_

@@ -1,0 +1,362 @@
+"""Gives a running treeline-agent a goal, carries it away, and tells the story.
+
+Speaks the agent's HTTP interface (docs/agent.md). Writes summary.html and
+summary.json. Exit status 0 if the robot arrived and believed no wrong place.
+"""
+
+import argparse
+import html
+import json
+import math
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.error
+import urllib.request
+
+SECONDS_TO_START = 120
+SECONDS_TO_ARRIVE = 420
+POLL_S = 0.1
+# What counts as knowing one's place.
+NEAR_M = 0.5
+NEAR_DEG = 20
+LOST_MODES = ("lost", "relocalizing", "need_help")
+
+
+class Agent:
+    """A treeline-agent by its HTTP interface."""
+
+    def __init__(self, address, pid):
+        self.address = address
+        self.pid = pid
+
+    def is_alive(self):
+        if self.pid is None:
+            return True
+        # A child that ended and that nobody has waited for is dead, too.
+        try:
+            status = pathlib.Path(f"/proc/{self.pid}/stat").read_text()
+        except OSError:
+            return False
+        return status.rsplit(")", 1)[1].split()[0] != "Z"
+
+    def get(self, path):
+        with urllib.request.urlopen(self.address + path, timeout=10) as reply:
+            return reply.read()
+
+    def get_json(self, path):
+        return json.loads(self.get(path))
+
+    def post(self, path, value):
+        request = urllib.request.Request(
+            self.address + path, data=json.dumps(value).encode(),
+            headers={"Content-Type": "application/json", "X-Treeline": "1"})
+        try:
+            with urllib.request.urlopen(request, timeout=10) as reply:
+                return json.load(reply)
+        except urllib.error.HTTPError as error:
+            sys.exit(f"demo robot: the agent refused {path}: "
+                     f"{error.read().decode(errors='replace')}")
+
+    def wait_for_start(self):
+        """Its info, when it has a pose."""
+        until = time.monotonic() + SECONDS_TO_START
+        while time.monotonic() < until:
+            if not self.is_alive():
+                sys.exit("demo robot: the agent ended before it began")
+            try:
+                info = self.get_json("/api/info")
+                if self.get_json("/api/state").get("pose"):
+                    return info
+            except (OSError, ValueError):
+                pass
+            time.sleep(0.2)
+        sys.exit(f"demo robot: no robot with a pose on {self.address} after "
+                 f"{SECONDS_TO_START} s")
+
+
+def read_trajectory(path):
+    """(x, y, z, yaw) of each line of a TUM trajectory of the base."""
+    poses = []
+    for line in path.read_text().splitlines():
+        if not line or line.startswith("#"):
+            continue
+        _, x, y, z, qx, qy, qz, qw = map(float, line.split()[:8])
+        yaw = math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))
+        poses.append((x, y, z, yaw))
+    return poses
+
+
+def highest_place(poses):
+    """Where the drive was at its highest; of those, where it went furthest."""
+    top = max(pose[2] for pose in poses)
+    return max((pose for pose in poses if pose[2] > top - 0.05),
+               key=lambda pose: math.hypot(pose[0], pose[1]))
+
+
+def level_at(info, height_m):
+    """The level whose heights hold this one; of several, the tightest."""
+    levels = info["map"]["levels"]
+
+    def misfit(level):
+        low, high = level["min_height_m"], level["max_height_m"]
+        beyond = max(low - height_m, height_m - high, 0)
+        return (beyond > 0.1, beyond, high - low)
+    return min(levels, key=misfit)["index"]
+
+
+def error_of(state):
+    """(metres, degrees) between what the robot thinks and the truth."""
+    pose, truth = state.get("pose"), state.get("truth")
+    if not pose or not truth:
+        return None
+    turn = math.remainder(pose["yaw"] - truth["yaw"], 2 * math.pi)
+    away = math.hypot(pose["x"] - truth["x"], pose["y"] - truth["y"])
+    return away, abs(math.degrees(turn))
+
+
+def is_wrong(error):
+    return error is not None and (error[0] > NEAR_M or error[1] > NEAR_DEG)
+
+
+class Story:
+    """What happened, as it happens."""
+
+    def __init__(self):
+        self.start = time.monotonic()
+        self.lines = []
+        self.track = []      # (true x, true y, part of the story)
+        self.part = 0
+        self.mode = None
+
+    def tell(self, text):
+        seconds = time.monotonic() - self.start
+        self.lines.append((seconds, text))
+        print(f"{seconds:6.1f} s  {text}", flush=True)
+
+    def see(self, state):
+        truth = state.get("truth") or state.get("pose")
+        if truth:
+            self.track.append((truth["x"], truth["y"], self.part))
+        if state["mode"] != self.mode:
+            self.mode = state["mode"]
+            cause = state.get("cause", "none")
+            self.tell(self.mode.replace("_", " ") +
+                      ("" if cause in ("none", "") else f" ({cause})"))
+
+
+class PagePictures:
+    """Screenshots of the page, taken beside the story; none without a browser.
+    """
+
+    def __init__(self, address, folder):
+        self.address = address
+        self.folder = folder
+        self.browser = shutil.which("chromium") or shutil.which("google-chrome")
+        self.running = []    # (process, profile, file, title)
+
+    def take(self, name, title):
+        if self.browser is None:
+            return
+        profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        process = subprocess.Popen(
+            [self.browser, "--headless", "--no-sandbox", "--disable-quic",
+             "--no-first-run", "--disable-background-networking",
+             "--disable-component-update", "--disable-sync",
+             "--use-gl=angle", "--use-angle=swiftshader",
+             "--enable-unsafe-swiftshader", f"--user-data-dir={profile.name}",
+             "--timeout=9000", "--window-size=1280,800",
+             f"--screenshot={self.folder / name}", self.address + "/"],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.running.append((process, profile, name, title))
+
+    def taken(self):
+        """(file, title) of each that came out, when all have."""
+        good = []
+        for process, profile, name, title in self.running:
+            try:
+                process.wait(timeout=60)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+            profile.cleanup()
+            if (self.folder / name).is_file():
+                good.append((name, title))
+        return good
+
+
+def save(agent, path, file):
+    try:
+        file.write_bytes(agent.get(path))
+        return True
+    except (OSError, ValueError):
+        return False
+
+
+def drive(agent, goal, kidnap_after_s, out, story):
+    """Goal, kidnap, recovery, arrival. What the summary says of it."""
+    result = {"arrived": False, "kidnapped": False, "recovered_s": None,
+              "wrong_resumptions": 0}
+    pictures = PagePictures(agent.address, out)
+    agent.post("/api/goal", {"poses": [goal]})
+    story.tell(f"goal: x {goal['x']:.2f} m, y {goal['y']:.2f} m, level "
+               f"{goal['level']}, up the ramp")
+    until = time.monotonic() + SECONDS_TO_ARRIVE
+    driving_since = kidnapped_at = None
+    was_lost = False
+    while time.monotonic() < until:
+        if not agent.is_alive():
+            sys.exit("demo robot: the agent ended on its way")
+        state = agent.get_json("/api/state")
+        story.see(state)
+        now = time.monotonic()
+        drives = state["mode"] == "driving"
+        if drives and driving_since is None:
+            driving_since = now
+        if (drives and not result["kidnapped"] and
+                now - driving_since > kidnap_after_s):
+            pictures.take("page-driving.png", "On its way")
+            agent.post("/api/sim/kidnap", {})
+            story.part = 1
+            result["kidnapped"] = True
+            kidnapped_at = time.monotonic()
+            story.tell("kidnapped: somebody carries it away, and it does not "
+                       "feel that")
+        if result["kidnapped"] and state["mode"] in LOST_MODES:
+            if not was_lost:
+                pictures.take("page-lost.png", "Lost: it stands, and asks")
+            was_lost = True
+        if was_lost and drives and result["recovered_s"] is None:
+            result["recovered_s"] = now - kidnapped_at
+            error = error_of(state)
+            story.part = 2
+            fix = state.get("fix") or {}
+            if fix.get("localized"):
+                result["fix"] = fix
+                save(agent, "/api/query.jpg", out / "query.jpg")
+            if error is not None:
+                story.tell(f"drives on, {result['recovered_s']:.1f} s after; "
+                           f"it is {100 * error[0]:.1f} cm and "
+                           f"{error[1]:.1f} degrees off")
+                result["error_m"], result["error_deg"] = error
+                result["wrong_resumptions"] += is_wrong(error)
+        goal_state = (state.get("goal") or {}).get("state")
+        if goal_state == "succeeded":
+            story.tell("arrived")
+            result["arrived"] = True
+            result["final_error"] = error_of(state)
+            pictures.take("page-arrived.png", "Arrived")
+            break
+        if goal_state in ("failed", "cancelled"):
+            why = state["goal"].get("why") or state.get("cause_text", "")
+            story.tell(f"the goal {goal_state}: {why}")
+            break
+        time.sleep(POLL_S)
+    else:
+        story.tell(f"not there after {SECONDS_TO_ARRIVE} s")
+    result["missed_deadlines"] = state.get("missed_deadlines")
+    result["pictures"] = pictures.taken()
+    return result
+
+
+def track_picture(info, level, track):
+    """An SVG: the level's picture with the way the robot truly went."""
+    grid = info["map"]["levels"][level]
+    width, height = grid["width"], grid["height"]
+    x0, y0, _ = grid["origin"]
+    step = grid["resolution_m"]
+    colors = ("#2166ac", "#b2182b", "#1b7837")
+    lines = []
+    for part, color in enumerate(colors):
+        points = " ".join(
+            f"{(x - x0) / step:.1f},{height - (y - y0) / step:.1f}"
+            for x, y, p in track if p == part)
+        if points:
+            lines.append(f'<polyline points="{points}" fill="none" '
+                         f'stroke="{color}" stroke-width="2"/>')
+    return (f'<svg viewBox="0 0 {width} {height}" '
+            f'width="{min(900, 3 * width)}">'
+            f'<image href="level-{level}.png" width="{width}" '
+            f'height="{height}" style="image-rendering:pixelated"/>'
+            + "".join(lines) + "</svg>")
+
+
+def write_summary(out, info, level, story, result):
+    figures = "".join(
+        f'<figure><img src="{name}" alt=""><figcaption>{html.escape(title)}'
+        "</figcaption></figure>" for name, title in result["pictures"])
+    if (out / "query.jpg").is_file():
+        fix = result.get("fix", {})
+        figures += (
+            '<figure><img src="query.jpg" alt=""><figcaption>What it asked the '
+            f"server: {fix.get('inliers', 0)} inliers, confidence "
+            f"{fix.get('confidence', 0):.2f}, answered in "
+            f"{1000 * fix.get('round_trip_s', 0):.0f} ms</figcaption></figure>")
+    rows = "".join(f"<tr><td>{seconds:.1f} s</td><td>{html.escape(text)}</td>"
+                   "</tr>" for seconds, text in story.lines)
+    (out / "summary.html").write_text(f"""<!doctype html>
+<html lang="en"><meta charset="utf-8"><title>Treeline: a robot's story</title>
+<meta name="viewport" content="width=device-width">
+<style>
+body {{ font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem
+auto; padding: 0 1rem; color: #222; background: #fff }}
+img, svg {{ max-width: 100%; height: auto; border: 1px solid #ccc }}
+figure {{ margin: 1rem 0 }} figcaption {{ color: #555 }}
+td {{ padding: 0 1rem 0 0; vertical-align: top }}
+td:first-child {{ text-align: right; color: #555; white-space: nowrap }}
+</style>
+<h1>A robot that finds itself again</h1>
+<p>{'It arrived.' if result['arrived'] else 'It did not arrive.'}
+Mapped in one drive; kidnapped on its way
+{'and driving again after %.1f s' % result['recovered_s']
+ if result['recovered_s'] is not None else ''}.</p>
+<h2>Where it went</h2>
+<p>Blue: towards its goal. Red: from where it was carried to. Green: after it
+knew its place again.</p>
+{track_picture(info, level, story.track)}
+<h2>What happened</h2><table>{rows}</table>
+<h2>What was to be seen</h2>{figures}
+<figure><img src="map/map.png" alt=""><figcaption>The map of the one drive
+</figcaption></figure>
+</html>
+""", encoding="utf-8")
+    kept = {key: value for key, value in result.items() if key != "pictures"}
+    kept["events"] = [{"time_s": round(seconds, 2), "text": text}
+                      for seconds, text in story.lines]
+    (out / "summary.json").write_text(json.dumps(kept, indent=2) + "\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--agent", required=True, help="http://HOST:PORT")
+    parser.add_argument("--agent-pid", type=int)
+    parser.add_argument("--map", required=True, type=pathlib.Path)
+    parser.add_argument("--out", required=True, type=pathlib.Path)
+    parser.add_argument("--kidnap-after", type=float, default=8,
+                        help="seconds of driving; default: 8")
+    arguments = parser.parse_args()
+    agent = Agent(arguments.agent, arguments.agent_pid)
+    info = agent.wait_for_start()
+    x, y, z, yaw = highest_place(read_trajectory(
+        arguments.map / "trajectory.txt"))
+    level = level_at(info, z)
+    out = arguments.out
+    for old in ("page-driving.png", "page-lost.png", "page-arrived.png",
+                "query.jpg"):
+        (out / old).unlink(missing_ok=True)
+    save(agent, f"/api/levels/{level}.png", out / f"level-{level}.png")
+    story = Story()
+    result = drive(agent, {"x": x, "y": y, "yaw": yaw, "level": level},
+                   arguments.kidnap_after, out, story)
+    write_summary(out, info, level, story, result)
+    print(f"\nSummary: {out / 'summary.html'}")
+    good = (result["arrived"] and result["recovered_s"] is not None
+            and result["wrong_resumptions"] == 0)
+    sys.exit(0 if good else 1)
+
+
+if __name__ == "__main__":
+    main()

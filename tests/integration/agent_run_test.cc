@@ -1,0 +1,209 @@
+// treeline-agent run as people run it: a robot in simulated time, and one whose
+// laser and base are emulated byte for byte, driven through gRPC and HTTP.
+#include <gmock/gmock.h>
+#include <grpcpp/grpcpp.h>
+#include <gtest/gtest.h>
+#include <httplib.h>
+#include <signal.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "common/base/file.h"
+#include "nav_agent/app/agent_robot.h"
+#include "nav_agent/map_bundle/map_bundle.h"
+#include "nav_agent/octomap/octree_file.h"
+#include "nav_agent/traversability/level_files.h"
+#include "tests/integration/process.h"
+#include "treeline/v1/navigation.grpc.pb.h"
+
+namespace treeline {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+// The cafe: where its tour begins, and a place at the other end of its
+// counter, 7.4 m away.
+constexpr char kStart[] = "1.6,7.9,0";
+constexpr double kGoalX_m = 9.0;
+constexpr double kGoalY_m = 7.7;
+
+class AgentRunTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string folder = testing::TempDir() + "/agent-XXXXXX";
+    ASSERT_NE(mkdtemp(folder.data()), nullptr);
+    folder_ = folder;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  // Starts the agent on free ports and waits until it drives.
+  void StartAgent(const std::vector<std::string>& arguments) {
+    std::vector<std::string> command = {TREELINE_AGENT,  "run",
+                                        "--listen",      "127.0.0.1:0",
+                                        "--http-listen", "127.0.0.1:0"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    agent_ = std::make_unique<Process>(command);
+    const auto grpc = agent_->WaitForLine("grpc on ");
+    ASSERT_TRUE(grpc.has_value()) << agent_->err();
+    const auto page = agent_->WaitForLine("page on ");
+    ASSERT_TRUE(page.has_value()) << agent_->err();
+    ASSERT_TRUE(agent_->WaitForLine("driving").has_value()) << agent_->err();
+    grpc_ = std::string(absl::StripPrefix(*grpc, "grpc on "));
+    page_ = std::string(absl::StripPrefix(*page, "page on "));
+    page_.pop_back();
+    stub_ = v1::NavigationService::NewStub(
+        grpc::CreateChannel(grpc_, grpc::InsecureChannelCredentials()));
+  }
+
+  // A bundle of the cafe's perfect map, as mapping would leave it.
+  static void WriteMap(const std::string& folder) {
+    const auto map = MapOfWorld("cafe");
+    ASSERT_TRUE(map.ok()) << map.status();
+    MapBundleManifest manifest;
+    manifest.name = "cafe";
+    manifest.levels = static_cast<int>(map->levels.levels.size());
+    manifest.resolution_m = map->voxels.resolution_m();
+    manifest.poses = 1;
+    const std::vector<TimedPose> trajectory = {{5, {}}};
+    ASSERT_TRUE(BeginMapBundle(folder, /*overwrite=*/false).ok());
+    ASSERT_TRUE(WriteOctree(map->voxels, folder + "/" + kBundleOctomap).ok());
+    ASSERT_TRUE(WriteTraversableMap(map->levels,
+                                    manifest.traversability.max_slope_rad,
+                                    folder + "/" + kBundleLevels)
+                    .ok());
+    ASSERT_TRUE(WriteBundleTrajectory(folder, trajectory).ok());
+    ASSERT_TRUE(FinishMapBundle(folder, manifest).ok());
+  }
+
+  // Drives there; the last that is heard of it.
+  v1::NavigateResponse DriveTo(double x_m, double y_m) {
+    v1::NavigateRequest request;
+    v1::LevelPose& pose = *request.add_poses();
+    pose.set_x_m(x_m);
+    pose.set_y_m(y_m);
+    grpc::ClientContext context;
+    const auto stream = stub_->Navigate(&context, request);
+    v1::NavigateResponse feedback;
+    while (stream->Read(&feedback)) ++feedbacks_;
+    const grpc::Status status = stream->Finish();
+    EXPECT_TRUE(status.ok()) << status.error_message() << agent_->err();
+    return feedback;
+  }
+
+  Json Get(const std::string& path) const {
+    const auto answer = httplib::Client(page_).Get(path);
+    if (!answer || answer->status != 200) {
+      ADD_FAILURE() << path << " " << (answer ? answer->body : "no answer");
+      return nullptr;
+    }
+    return Json::parse(answer->body);
+  }
+  int Post(const std::string& path, const std::string& body) const {
+    const auto answer = httplib::Client(page_).Post(path, {{"X-Treeline", "1"}},
+                                                    body, "application/json");
+    return answer ? answer->status : -1;
+  }
+
+  std::string folder_;
+  std::string grpc_;
+  std::string page_;
+  int feedbacks_ = 0;
+  std::unique_ptr<Process> agent_;
+  std::unique_ptr<v1::NavigationService::Stub> stub_;
+};
+
+TEST_F(AgentRunTest, ASimulatedRobotDrivesToItsGoalAndStopsOnInterrupt) {
+  StartAgent({"--simulate", "cafe", "--people", "false", "--camera-hz", "0",
+              "--speed", "4", "--record", folder_ + "/run.tlog"});
+  const v1::NavigateResponse last = DriveTo(kGoalX_m, kGoalY_m);
+  EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
+      << last.goal().why() << agent_->err();
+  EXPECT_GT(feedbacks_, 5);
+  const Json state = Get("/api/state");
+  // What it believes and where it is: goal_tolerance_m, and what AMCL is off.
+  EXPECT_NEAR(state["truth"]["x"], kGoalX_m, 0.25);
+  EXPECT_NEAR(state["truth"]["y"], kGoalY_m, 0.25);
+  EXPECT_EQ(state["goal"]["state"], "succeeded");
+  EXPECT_EQ(Get("/api/info")["simulated"], true);
+  EXPECT_EQ(httplib::Client(page_).Get("/readyz")->status, 200);
+  EXPECT_THAT(httplib::Client(page_).Get("/metrics")->body,
+              HasSubstr("treeline_agent_goals_total{outcome=\"succeeded\","
+                        "cause=\"none\"} 1"));
+  agent_->Signal(SIGINT);
+  EXPECT_EQ(agent_->WaitForExit(), 0) << agent_->err();
+  EXPECT_THAT(agent_->err(), HasSubstr("event=stopped"));
+  EXPECT_GT(std::filesystem::file_size(folder_ + "/run.tlog"), 100000U);
+}
+
+TEST_F(AgentRunTest, AGoalOverHttpCanBeCancelledPausedAndRepeated) {
+  StartAgent({"--simulate", "cafe", "--people", "false", "--camera-hz", "0",
+              "--speed", "4"});
+  const std::string goal =
+      absl::StrCat(R"({"poses":[{"x":)", kGoalX_m, R"(,"y":)", kGoalY_m,
+                   R"(,"yaw":0,"level":0}]})");
+  EXPECT_EQ(Post("/api/goal", goal), 200);
+  EXPECT_EQ(Post("/api/pause", "{}"), 200);
+  EXPECT_EQ(Post("/api/resume", "{}"), 200);
+  EXPECT_EQ(Post("/api/cancel", "{}"), 200);
+  EXPECT_EQ(Post("/api/goal", R"({"poses":[]})"), 400);
+  // The next goal is taken.
+  const v1::NavigateResponse last = DriveTo(kGoalX_m, kGoalY_m);
+  EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
+      << last.goal().why() << agent_->err();
+  EXPECT_EQ(Post("/api/sim/kidnap", R"({"place":"nowhere"})"), 404);
+}
+
+TEST_F(AgentRunTest, ThroughEmulatedDevicesToItsGoal) {
+  Process robot({TREELINE_EMULATOR, "robot", "--world", "cafe", "--no-people",
+                 "--laser", "tcp:0", "--base", "pty"});
+  const auto laser = robot.WaitForLine("laser at ");
+  const auto base = robot.WaitForLine("base at ");
+  ASSERT_TRUE(laser.has_value() && base.has_value()) << robot.err();
+  const std::string hardware = folder_ + "/robot.yaml";
+  ASSERT_TRUE(
+      WriteNewFile(
+          hardware,
+          absl::StrCat("laser: ", absl::StripPrefix(*laser, "laser at "),
+                       "\nbase: ", absl::StripPrefix(*base, "base at "), "\n"))
+          .ok());
+  WriteMap(folder_ + "/map");
+  StartAgent({"--map", folder_ + "/map", "--hardware", hardware, "--start-at",
+              kStart});
+  const v1::NavigateResponse last = DriveTo(kGoalX_m, kGoalY_m);
+  EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
+      << last.goal().why() << agent_->err();
+  agent_->Signal(SIGTERM);
+  EXPECT_EQ(agent_->WaitForExit(), 0) << agent_->err();
+  robot.Signal(SIGINT);
+  robot.WaitForExit();
+  EXPECT_THAT(robot.out(), ::testing::Not(HasSubstr("collision")));
+}
+
+TEST_F(AgentRunTest, ATypoInTheConfigurationIsNamed) {
+  const std::string config = folder_ + "/agent.yaml";
+  ASSERT_TRUE(
+      WriteNewFile(config, "simulate: cafe\nmax_foward_mps: 0.4\n").ok());
+  const ProgramResult result =
+      RunProgram({TREELINE_AGENT, "run", "--config", config});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("agent.yaml:2"));
+  EXPECT_THAT(result.err, HasSubstr("max_forward_mps"));
+}
+
+TEST_F(AgentRunTest, WithoutARobotItSaysWhichThereAre) {
+  const ProgramResult result = RunProgram({TREELINE_AGENT, "run"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("--simulate WORLD or --hardware FILE"));
+}
+
+}  // namespace
+}  // namespace treeline
