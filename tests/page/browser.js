@@ -35,6 +35,8 @@ export async function openPage(browser, url, options = {}, expected = null) {
   const context = await browser.newContext({
     viewport: { width: 900, height: 600 }, reducedMotion: 'reduce', ...options,
   });
+  // Software that draws is slow where other programs run, too.
+  context.setDefaultTimeout(60000);
   const page = await context.newPage();
   const wrongs = [];
   page.on('pageerror', (error) => wrongs.push(`error: ${error.message}`));

@@ -38,7 +38,7 @@ function near(actual, wanted, by = NEAR_M) {
 
 // Waits for the agent, not for a time.
 async function asked(path) {
-  for (let i = 0; i < 200; ++i) {
+  for (let i = 0; i < 1500; ++i) {
     const body = agent.lastAsked(path);
     if (body !== undefined) return body;
     await new Promise((resolve) => { setTimeout(resolve, 20); });
@@ -50,7 +50,7 @@ async function asked(path) {
 
 const text = (page, selector, wanted) => page.waitForFunction(
     ([where, what]) => document.querySelector(where)?.textContent.includes(what),
-    [selector, wanted]);
+    [selector, wanted], { polling: 50 });
 
 test('a goal is sent by a drag and followed to its end', async () => {
   const { page, wrongs, close } = await openPage(browser, url);
@@ -119,10 +119,9 @@ test('in simulation the robot is kidnapped and hindered', async () => {
   assert.deepEqual(await asked('/api/sim/kidnap'), {});
   await page.selectOption('#place', 'kitchen');
   await page.click('#kidnap-place');
-  await page.waitForFunction(() => true);
   await page.click('#tool-kidnap');
   await dragOnMap(page, [10.4, 4.2, 0]);
-  for (let i = 0; i < 200 && agent.asked.length < 3; ++i) {
+  for (let i = 0; i < 1500 && agent.asked.length < 3; ++i) {
     await page.waitForTimeout(20);
   }
   const kidnaps = agent.asked.map(({ body }) => body);

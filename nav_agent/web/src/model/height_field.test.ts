@@ -2,6 +2,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import type { LevelInfo } from '../api/types.js';
+import { heightsFromVoxels } from './ground_of_voxels.js';
 import { decodeHeights, HeightField } from './height_field.js';
 
 const LEVEL: LevelInfo = { index: 0, width: 4, height: 2, resolution: 0.5,
@@ -66,6 +67,19 @@ test('without heights a level is flat', () => {
   assert.equal(field.at(11, 20.5), 2.5);
   const hit = field.pick({ x: 11, y: 20.5, z: 9 }, { x: 0, y: 0, z: -1 });
   near(hit?.z, 2.5);
+});
+
+test('voxels show a slope, and no table as its ground', () => {
+  const level: LevelInfo = { ...LEVEL, width: 3, height: 1, origin: [0, 0, 0],
+    minHeight: 0, maxHeight: 0.5 };
+  const heights = heightsFromVoxels(level, { resolution: 0.5,
+    centres: new Float32Array([
+      0.25, 0.25, 0, 0.25, 0.25, 2.5,
+      0.75, 0.25, 0, 0.75, 0.25, 0.5, 0.75, 0.25, 2.5,
+      1.25, 0.25, 0, 1.25, 0.25, 1,
+      9, 9, 0,
+    ]) });
+  assert.deepEqual([...heights], [0.25, 0.75, NaN]);
 });
 
 test('heights are decoded, and refused where they are not the level\'s', () => {

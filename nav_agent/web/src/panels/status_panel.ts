@@ -92,7 +92,8 @@ export class StatusPanel {
     setData(this.goalLine, 'tone', saying.tone);
     this.goalMeter.set(all > 0 ? goal.driven / all : 0, 'busy');
     const parts = [`${metres(goal.driven)} driven`];
-    if (goal.replans > 0) parts.push(`${goal.replans} new plans`);
+    if (goal.replans > 0) parts.push(goal.replans === 1 ?
+        '1 new plan' : `${goal.replans} new plans`);
     if (goal.recoveries > 0) parts.push(`${goal.recoveries} recoveries`);
     setText(this.goalWhy,
         [saying.text, parts.join(' · ')].filter((part) => part).join(' — '));
