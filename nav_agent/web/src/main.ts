@@ -6,6 +6,7 @@ import { AgentStream, type Link } from './api/stream.js';
 import type { AgentInfo, RobotState } from './api/types.js';
 import { loadFields, loadLevelPicture, loadVoxels } from './map_loader.js';
 import { shownLevel } from './model/levels.js';
+import { meshOf } from './model/voxel_mesh.js';
 import { CameraPanel } from './panels/camera_panel.js';
 import { el } from './panels/dom.js';
 import { HeadLine, LostBanner, Toasts } from './panels/frame.js';
@@ -118,7 +119,9 @@ class Page {
   }
 
   private build(): void {
-    this.host.append(this.bar.top,
+    this.host.append(
+        el('span', { class: 'crosshair', attributes: { 'aria-hidden': 'true' } }),
+        this.bar.top,
         el('div', { class: 'map-bottom' }, this.bar.hint, this.bar.tools));
     const side = el('div', { class: 'side' },
         this.status.element, this.lost.element, this.camera.element,
@@ -178,14 +181,13 @@ class Page {
   private async showMap(info: AgentInfo): Promise<void> {
     const { view, client } = this;
     if (view === null) return;
-    const fields = await loadFields(client, info);
+    const voxels = await loadVoxels(client);
+    const fields = await loadFields(client, info, voxels);
     view.setMap(info, fields);
     this.followLevel();
-    await Promise.all([
-      ...fields.map(async (field) => view.addLevelPicture(
-          field, await loadLevelPicture(client, field.level.index))),
-      loadVoxels(client).then((mesh) => view.setVoxels(mesh)),
-    ]);
+    view.setVoxels(meshOf(voxels));
+    await Promise.all(fields.map(async (field) => view.addLevelPicture(
+        field, await loadLevelPicture(client, field.level.index))));
     this.host.dataset.map = 'ready';
   }
 

@@ -2,13 +2,14 @@
 
 import { ApiError, type AgentClient } from './api/client.js';
 import type { AgentInfo } from './api/types.js';
+import { heightsFromVoxels } from './model/ground_of_voxels.js';
 import { decodeHeights, HeightField } from './model/height_field.js';
-import { decodeOctomap } from './model/octomap.js';
-import { meshOf, type VoxelMesh } from './model/voxel_mesh.js';
+import { decodeOctomap, type Octomap } from './model/octomap.js';
 
-// The ground of all levels. An agent without heights has flat levels.
+// The ground of all levels: as the agent has it, else as the voxels show it.
 export async function loadFields(
-    client: AgentClient, info: AgentInfo): Promise<HeightField[]> {
+    client: AgentClient, info: AgentInfo, voxels: Octomap):
+    Promise<HeightField[]> {
   return Promise.all(info.levels.map(async (level) => {
     try {
       const bytes = await client.bytes(`api/levels/${level.index}.heights`);
@@ -17,7 +18,7 @@ export async function loadFields(
       if (error instanceof ApiError && error.code === 'unreachable') {
         throw error;
       }
-      return new HeightField(level, null);
+      return new HeightField(level, heightsFromVoxels(level, voxels));
     }
   }));
 }
@@ -27,6 +28,6 @@ export async function loadLevelPicture(
   return createImageBitmap(await client.picture(`api/levels/${level}.png`));
 }
 
-export async function loadVoxels(client: AgentClient): Promise<VoxelMesh> {
-  return meshOf(decodeOctomap(await client.bytes('api/octomap')));
+export async function loadVoxels(client: AgentClient): Promise<Octomap> {
+  return decodeOctomap(await client.bytes('api/octomap'));
 }

@@ -1,7 +1,7 @@
 // Which level is shown, and where the map is cut open.
 
-// A robot is 1.25 m high: it is seen whole, and so is what it may touch.
-export const DEFAULT_CUT_M = 1.5;
+// Above tables, below what would hide the floor from the side.
+export const DEFAULT_CUT_M = 1.0;
 // The control's end: nothing is cut off.
 export const NO_CUT_M = 3.2;
 

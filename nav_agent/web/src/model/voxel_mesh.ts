@@ -116,7 +116,8 @@ export function meshOf(map: Octomap): VoxelMesh {
   for (let z = 1; z + 1 < layers; ++z) {
     const z0 = corner[2] + z * r;
     const z1 = z0 + r;
-    const share = (z - 0.5) / Math.max(1, layers - 2);
+    // More change where people and robots are.
+    const share = ((z - 0.5) / Math.max(1, layers - 2)) ** 0.7;
     const colour = heightColour(share);
     const along = shade(colour, 0.84);
     const across = shade(colour, 0.7);

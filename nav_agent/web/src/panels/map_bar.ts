@@ -126,7 +126,7 @@ export class MapBar {
         'aria-label': 'Cut the map open above the ground' },
     });
     cut.value = String(DEFAULT_CUT_M);
-    const value = el('span', { class: 'value' }, `${DEFAULT_CUT_M} m`);
+    const value = el('span', { class: 'value' }, `${DEFAULT_CUT_M.toFixed(1)} m`);
     cut.addEventListener('input', () => {
       const height = Number(cut.value);
       setText(value, height >= NO_CUT_M ? 'off' : `${height.toFixed(1)} m`);

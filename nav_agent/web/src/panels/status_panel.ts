@@ -32,8 +32,9 @@ export class StatusPanel {
   constructor(private readonly commands: RobotCommands) {
     this.pause = button('Pause', () => this.togglePause(),
         { class: 'wide', id: 'pause' });
-    this.cancel = button('Cancel goal', () => commands.cancel(),
-        { class: 'wide', id: 'cancel' });
+    this.cancel = button('Cancel', () => commands.cancel(),
+        { class: 'wide', id: 'cancel',
+          attributes: { title: 'Give the goal up' } });
     this.where = button('Where am I?', () => commands.findYourself(),
         { class: 'wide', id: 'find-yourself',
           attributes: { title: 'The robot stops and asks the server' } });
@@ -91,7 +92,8 @@ export class StatusPanel {
     setData(this.goalLine, 'tone', saying.tone);
     this.goalMeter.set(all > 0 ? goal.driven / all : 0, 'busy');
     const parts = [`${metres(goal.driven)} driven`];
-    if (goal.replans > 0) parts.push(`${goal.replans} new plans`);
+    if (goal.replans > 0) parts.push(goal.replans === 1 ?
+        '1 new plan' : `${goal.replans} new plans`);
     if (goal.recoveries > 0) parts.push(`${goal.recoveries} recoveries`);
     setText(this.goalWhy,
         [saying.text, parts.join(' · ')].filter((part) => part).join(' — '));

@@ -1,7 +1,7 @@
 // The building in 3D: camera, layers, and when to draw.
 
 import {
-  Color, MOUSE, PerspectiveCamera, Raycaster, Scene, TOUCH, Vector2, Vector3,
+  Color, ColorManagement, LinearSRGBColorSpace, MOUSE, PerspectiveCamera, Raycaster, Scene, TOUCH, Vector2, Vector3,
   WebGLRenderer,
 } from 'three';
 import { MapControls } from 'three/examples/jsm/controls/MapControls.js';
@@ -9,7 +9,7 @@ import { MapControls } from 'three/examples/jsm/controls/MapControls.js';
 import type { AgentInfo, RobotScene, RobotState } from '../api/types.js';
 import { turnBetween } from '../model/gesture.js';
 import type { HeightField } from '../model/height_field.js';
-import { cutHeight } from '../model/levels.js';
+import { cutHeight, DEFAULT_CUT_M } from '../model/levels.js';
 import { isUnderWay } from '../model/words.js';
 import type { VoxelMesh } from '../model/voxel_mesh.js';
 import { CostmapLayer } from './layers/costmap_layer.js';
@@ -32,6 +32,9 @@ export type LayerName = typeof LAYERS[number];
 
 export type Angle = 'oblique' | 'top';
 
+// Colours are shown as they are written: nothing is lit here.
+ColorManagement.enabled = false;
+
 // The robot glides to its newest pose in about this time (ms).
 const GLIDE_MS = 120;
 
@@ -41,7 +44,7 @@ export class MapView {
   readonly choice = new PoseMark();
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(45, 1, 0.1, 300);
+  private readonly camera = new PerspectiveCamera(45, 1, 0.3, 200);
   private theme = currentTheme();
   private readonly voxels = new VoxelLayer();
   private readonly ground = new GroundLayer();
@@ -57,7 +60,7 @@ export class MapView {
   private readonly obstacles = new ObstacleLayer();
   private fields: HeightField[] = [];
   private level = 0;
-  private cutAboveGround = 1.5;
+  private cutAboveGround = DEFAULT_CUT_M;
   private hidden = new Set<LayerName>();
   private hasCostmap = false;
   private state: RobotState | null = null;
@@ -71,12 +74,14 @@ export class MapView {
   constructor(private readonly host: HTMLElement) {
     this.renderer = new WebGLRenderer(
         { antialias: true, powerPreference: 'low-power' });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.canvas = this.renderer.domElement;
     this.canvas.className = 'map-canvas';
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute('role', 'application');
     this.canvas.setAttribute('aria-label',
-        'Map in 3D. Arrow keys move it, plus and minus zoom.');
+        'Map in 3D. Arrow keys move it, plus and minus zoom; with a tool ' +
+        'chosen, Enter places in the middle.');
     host.prepend(this.canvas);
     this.camera.up.set(0, 0, 1);
     this.controls = new MapControls(this.camera, this.canvas);
@@ -86,6 +91,7 @@ export class MapView {
     this.controls.maxDistance = 90;
     this.controls.maxPolarAngle = 0.47 * Math.PI;
     this.controls.listenToKeyEvents(this.canvas);
+    this.canvas.addEventListener('keydown', (event) => this.zoomBy(event.key));
     this.controls.addEventListener('change', () => this.draw());
     this.scene.add(
         this.voxels.object, this.ground.object, this.costmap.object,
@@ -239,13 +245,21 @@ export class MapView {
     const size = new Vector2(width, height).multiplyScalar(resolution);
     const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
     const span = Math.max(size.y, size.x / Math.max(0.3, this.camera.aspect));
-    const distance = (span / 2 / tangent) * (angle === 'top' ? 1.1 : 1.12);
-    const tilt = angle === 'top' ? 0.001 : 0.72;
+    const distance = (span / 2 / tangent) * (angle === 'top' ? 1.1 : 1.27);
+    const tilt = angle === 'top' ? 0.001 : 0.62;
     const centre = new Vector3(middle.x, middle.y, field.typical);
     this.controls.target.copy(centre);
     this.camera.position.set(
         centre.x, centre.y - distance * Math.sin(tilt),
         centre.z + distance * Math.cos(tilt));
+    this.controls.update();
+    this.draw();
+  }
+
+  private zoomBy(key: string): void {
+    const share = key === '+' || key === '=' ? 0.15 : key === '-' ? -0.18 : 0;
+    if (share === 0) return;
+    this.camera.position.lerp(this.controls.target, share);
     this.controls.update();
     this.draw();
   }
@@ -297,7 +311,8 @@ export class MapView {
     this.lastFrame = now;
     const isGliding = this.glide(passed);
     this.renderer.render(this.scene, this.camera);
-    if (isGliding) this.draw();
+    // 30 pictures a second are smooth enough, and spare batteries.
+    if (isGliding) window.setTimeout(() => this.draw(), 20);
   }
 
   // Moves the shown robot towards its newest pose; false when it is there.

@@ -31,6 +31,9 @@ export class Placing {
     canvas.addEventListener('pointermove', (event) => this.move(event));
     canvas.addEventListener('pointerup', (event) => this.end(event));
     canvas.addEventListener('pointercancel', () => this.stop());
+    canvas.addEventListener('keydown', (event) => {
+      if (event.key === 'Enter') this.placeInMiddle();
+    });
   }
 
   enable(isOn: boolean): void {
@@ -43,6 +46,16 @@ export class Placing {
     this.drag = null;
     this.view.choice.hide();
     this.view.draw();
+  }
+
+  // By keyboard: under the cross in the middle of the map.
+  private placeInMiddle(): void {
+    if (!this.isOn) return;
+    const box = this.view.canvas.getBoundingClientRect();
+    const at = this.view.groundUnder(
+        box.left + box.width / 2, box.top + box.height / 2);
+    if (at === null) return;
+    this.place({ x: at.x, y: at.y, yaw: headingTowards(this.robot(), at) });
   }
 
   private begin(event: PointerEvent): void {

@@ -2,7 +2,7 @@
 
 import {
   DataTexture, Mesh, MeshBasicMaterial, NearestFilter, PlaneGeometry,
-  RGBAFormat, SRGBColorSpace, UnsignedByteType,
+  RGBAFormat, UnsignedByteType,
 } from 'three';
 
 import type { Costmap } from '../../api/types.js';
@@ -10,7 +10,8 @@ import type { Theme } from '../theme.js';
 
 export class CostmapLayer {
   private readonly material = new MeshBasicMaterial({
-    transparent: true, depthWrite: false,
+    transparent: true, depthWrite: false, polygonOffset: true,
+    polygonOffsetFactor: -2, polygonOffsetUnits: -4,
   });
   readonly object = new Mesh(new PlaneGeometry(1, 1), this.material);
   private texture: DataTexture | null = null;
@@ -25,13 +26,16 @@ export class CostmapLayer {
     if (map === null || map.width * map.height === 0) return false;
     const pixels = new Uint8Array(4 * map.cells.length);
     map.cells.forEach((cell, i) => {
+      const [x, y] = [i % map.width, Math.floor(i / map.width)];
+      const isRim = x === 0 || y === 0 || x + 1 === map.width ||
+          y + 1 === map.height;
       const colour = cell === 2 ? theme.costSeen : theme.costMap;
-      pixels.set([...colour, cell === 0 ? 26 : cell === 1 ? 130 : 215], 4 * i);
+      const alpha = cell === 2 ? 215 : cell === 1 || isRim ? 125 : 12;
+      pixels.set([...colour, alpha], 4 * i);
     });
     this.texture?.dispose();
     this.texture = new DataTexture(
         pixels, map.width, map.height, RGBAFormat, UnsignedByteType);
-    this.texture.colorSpace = SRGBColorSpace;
     this.texture.magFilter = NearestFilter;
     this.texture.needsUpdate = true;
     this.material.map = this.texture;
@@ -40,7 +44,7 @@ export class CostmapLayer {
     const height = map.height * map.resolution;
     this.object.scale.set(width, height, 1);
     this.object.position.set(
-        map.origin[0] + width / 2, map.origin[1] + height / 2, map.z + 0.03);
+        map.origin[0] + width / 2, map.origin[1] + height / 2, map.z + 0.05);
     return true;
   }
 }

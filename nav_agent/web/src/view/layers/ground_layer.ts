@@ -2,7 +2,7 @@
 
 import {
   BufferAttribute, BufferGeometry, CanvasTexture, Group, LinearFilter, Mesh,
-  MeshBasicMaterial, NearestFilter, SRGBColorSpace,
+  MeshBasicMaterial, NearestFilter,
 } from 'three';
 
 import type { HeightField } from '../../model/height_field.js';
@@ -147,7 +147,7 @@ export class GroundLayer {
   add(field: HeightField, picture: ImageBitmap, theme: Theme): void {
     const material = new MeshBasicMaterial({
       transparent: true, alphaTest: 0.5, polygonOffset: true,
-      polygonOffsetFactor: -2, polygonOffsetUnits: -4,
+      polygonOffsetFactor: -1, polygonOffsetUnits: -2,
     });
     const mesh = new Mesh(groundGeometry(field), material);
     this.object.add(mesh);
@@ -159,7 +159,6 @@ export class GroundLayer {
     for (const { mesh, picture } of this.levels.values()) {
       mesh.material.map?.dispose();
       const texture = new CanvasTexture(paint(picture, theme));
-      texture.colorSpace = SRGBColorSpace;
       texture.magFilter = NearestFilter;
       texture.minFilter = LinearFilter;
       texture.generateMipmaps = false;

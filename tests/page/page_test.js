@@ -1,0 +1,271 @@
+// The operator's page in a real browser, against an agent that the test plays.
+// TREELINE_PAGE: the built page; TREELINE_PAGE_WORK: where its packages are;
+// TREELINE_PICTURE: any JPEG picture.
+
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import { after, before, beforeEach, afterEach, test } from 'node:test';
+
+import { dragOnMap, launch, openPage, windowOf } from './browser.js';
+import { MockAgent } from './mock_agent.js';
+
+// A click is as exact as a pixel, which is about 2 cm on the map here; the
+// ground's cells are 10 cm.
+const NEAR_M = 0.12;
+
+let browser;
+let agent;
+let url;
+
+const newAgent = (options = {}) => new MockAgent({
+  pageFolder: process.env.TREELINE_PAGE,
+  picture: fs.readFileSync(process.env.TREELINE_PICTURE), ...options,
+});
+
+before(async () => {
+  browser = await launch(process.env.TREELINE_PAGE_WORK);
+});
+after(() => browser?.close());
+beforeEach(async () => {
+  agent = newAgent();
+  url = await agent.listen();
+});
+afterEach(() => agent.vanish());
+
+function near(actual, wanted, by = NEAR_M) {
+  assert.ok(Math.abs(actual - wanted) <= by, `${actual} is not ${wanted}`);
+}
+
+// Waits for the agent, not for a time.
+async function asked(path) {
+  for (let i = 0; i < 1500; ++i) {
+    const body = agent.lastAsked(path);
+    if (body !== undefined) return body;
+    await new Promise((resolve) => { setTimeout(resolve, 20); });
+  }
+  assert.fail(`${path} was not asked; only ` +
+      JSON.stringify(agent.asked.map((entry) => entry.path)));
+  return undefined;
+}
+
+const text = (page, selector, wanted) => page.waitForFunction(
+    ([where, what]) => document.querySelector(where)?.textContent.includes(what),
+    [selector, wanted], { polling: 50 });
+
+test('a goal is sent by a drag and followed to its end', async () => {
+  const { page, wrongs, close } = await openPage(browser, url);
+  await text(page, '#mode', 'Ready');
+  await page.click('#tool-goal');
+  await dragOnMap(page, [3.5, 4.9, 0], [3.5, 6.4, 0]);
+  const { poses } = await asked('/api/goal');
+  assert.equal(poses.length, 1);
+  near(poses[0].x, 3.5);
+  near(poses[0].y, 4.9);
+  near(poses[0].yaw, Math.PI / 2, 0.1);
+  assert.equal(poses[0].level, 0);
+  await text(page, '#mode', 'Driving');
+  await text(page, '#goal', 'to go');
+  await text(page, '#events', 'accepted');
+  await text(page, '#goal', 'Arrived');
+  assert.equal(await page.getAttribute('#tool-look', 'aria-pressed'), 'true');
+  assert.deepEqual(wrongs, []);
+  await close();
+});
+
+test('a click on the terrace hits its ground, not what is behind', async () => {
+  const { page, close } = await openPage(browser, url);
+  await page.click('#tool-goal');
+  await dragOnMap(page, [11.2, 6.2, 0.5]);
+  const { poses } = await asked('/api/goal');
+  near(poses[0].x, 11.2);
+  near(poses[0].y, 6.2);
+  // A click alone: on from the robot.
+  near(poses[0].yaw, Math.atan2(6.2 - 4.9, 11.2 - 2), 0.05);
+  await close();
+});
+
+test('the robot is told where it is', async () => {
+  const { page, close } = await openPage(browser, url);
+  await page.click('#tool-pose');
+  await dragOnMap(page, [6.2, 6.2, 0], [4.9, 6.2, 0]);
+  const pose = await asked('/api/initial-pose');
+  near(pose.x, 6.2);
+  near(pose.y, 6.2);
+  near(Math.abs(pose.yaw), Math.PI, 0.1);
+  await close();
+});
+
+test('buttons ask for what they say', async () => {
+  const { page, wrongs, close } = await openPage(browser, url);
+  assert.equal(await page.isDisabled('#cancel'), true);
+  agent.obey('/api/goal', { poses: [{ x: 12, y: 1, yaw: 0, level: 0 }] });
+  await page.click('#pause');
+  await asked('/api/pause');
+  await text(page, '#pause', 'Resume');
+  await page.click('#pause');
+  await asked('/api/resume');
+  await page.click('#find-yourself');
+  await asked('/api/find-yourself');
+  await page.click('#cancel:enabled');
+  assert.deepEqual(await asked('/api/cancel'), {});
+  await text(page, '#goal', 'Cancelled');
+  assert.deepEqual(wrongs, []);
+  await close();
+});
+
+test('in simulation the robot is kidnapped and hindered', async () => {
+  const { page, wrongs, close } = await openPage(browser, url);
+  await page.click('#kidnap-anywhere');
+  assert.deepEqual(await asked('/api/sim/kidnap'), {});
+  await page.selectOption('#place', 'kitchen');
+  await page.click('#kidnap-place');
+  await page.click('#tool-kidnap');
+  await dragOnMap(page, [10.4, 4.2, 0]);
+  for (let i = 0; i < 1500 && agent.asked.length < 3; ++i) {
+    await page.waitForTimeout(20);
+  }
+  const kidnaps = agent.asked.map(({ body }) => body);
+  assert.deepEqual(kidnaps[1], { place: 'kitchen' });
+  near(kidnaps[2].x, 10.4);
+  near(kidnaps[2].y, 4.2);
+  await page.click('#tool-obstacle');
+  await dragOnMap(page, [3, 3.4, 0]);
+  const box = await asked('/api/sim/obstacle');
+  near(box.x, 3);
+  near(box.y, 3.4);
+  assert.equal(box.size_m, 0.5);
+  await page.click('text=Remove');
+  assert.deepEqual(await asked('/api/sim/remove-obstacle'), { name: 'box-1' });
+  await page.selectOption('#fault', { label: 'Laser silent' });
+  await page.click('#fault-start');
+  assert.deepEqual(await asked('/api/sim/fault'),
+      { target: 'laser', kind: 'silent', duration_s: 5 });
+  assert.deepEqual(wrongs, []);
+  await close();
+});
+
+test('a real robot cannot be kidnapped from the page', async () => {
+  await agent.vanish();
+  agent = newAgent({ simulated: false });
+  url = await agent.listen();
+  const { page, close } = await openPage(browser, url);
+  for (const what of ['#simulation', '#tool-kidnap', '#tool-obstacle', '#world',
+    '[data-layer=truth]']) {
+    assert.equal(await page.isVisible(what), false, what);
+  }
+  assert.equal(await page.isVisible('#tool-goal'), true);
+  await close();
+});
+
+test('what the agent refuses is said in its words', async () => {
+  agent.refusals.set('/api/goal', { status: 400,
+    message: 'The goal is not on the map.' });
+  const { page, close } = await openPage(browser, url, {}, /400/);
+  await page.click('#tool-goal');
+  await dragOnMap(page, [3, 4, 0]);
+  await text(page, '#toasts', 'The goal is not on the map.');
+  await close();
+});
+
+test('a stop is explained with what to do about it', async () => {
+  agent.mode = 'safe_stop';
+  agent.cause = 'laser_lost';
+  agent.advice = 'Look at the laser\'s cable, power and address.';
+  agent.devices[0] = { name: 'laser', state: 'lost', cause: 'no scan' };
+  agent.lost = { probability: 0.85, state: 'lost', reason: 'scans do not fit' };
+  const { page, close } = await openPage(browser, url);
+  await text(page, '#mode', 'Safe stop');
+  await text(page, '#cause', 'Laser lost.');
+  await text(page, '#advice', 'cable');
+  await text(page, '#devices', 'lost: no scan');
+  await text(page, '#lost', '85 %');
+  await close();
+});
+
+test('markup that comes from the agent stays text', async () => {
+  agent.mode = '<img src=x onerror=alert(1)>';
+  agent.say('<b>', '<script>alert(1)</script>');
+  const { page, wrongs, close } = await openPage(browser, url);
+  await text(page, '#events', '<script>alert(1)</script>');
+  assert.equal(await page.locator('#events script, #mode img').count(), 0);
+  assert.deepEqual(wrongs, []);
+  await close();
+});
+
+for (const [what, go] of [
+  ['vanishes', () => agent.vanish()], ['falls silent', () => agent.fallSilent()],
+]) {
+  test(`an agent that ${what} is noticed, and found again`, async () => {
+    const { page, wrongs, close } = await openPage(
+        browser, url, {}, /ERR_|Failed to load/);
+    await text(page, '#link', 'Live');
+    await go();
+    await text(page, '#link', 'No connection');
+    assert.equal(await page.isVisible('#banner'), true);
+    assert.match(await page.getAttribute('body', 'class'), /is-stale/);
+    assert.equal(
+        await page.$eval('.buttons', (buttons) => buttons.inert), true);
+    if (what !== 'vanishes') await agent.vanish();
+    const port = agent.port;
+    agent = newAgent();
+    agent.mode = 'paused';
+    await agent.listen(port);
+    await text(page, '#link', 'Live');
+    await text(page, '#mode', 'Paused');
+    assert.equal(await page.isVisible('#banner'), false);
+    assert.equal(
+        await page.$eval('.buttons', (buttons) => buttons.inert), false);
+    assert.deepEqual(wrongs, []);
+    await close();
+  });
+}
+
+test('layers are hidden, and stay so', async () => {
+  const { page, close } = await openPage(browser, url);
+  await page.click('.layers summary');
+  await page.uncheck('[data-layer=octomap] input');
+  await page.reload();
+  await page.waitForSelector('#map[data-map=ready]');
+  await page.click('.layers summary');
+  assert.equal(await page.isChecked('[data-layer=octomap] input'), false);
+  assert.equal(await page.isChecked('[data-layer=path] input'), true);
+  await close();
+});
+
+test('a phone shows everything without scrolling sideways', async () => {
+  const { page, wrongs, close } = await openPage(browser, url, {
+    viewport: { width: 360, height: 740 }, isMobile: true, hasTouch: true });
+  const [page_width, window_width] = await page.evaluate(
+      () => [document.documentElement.scrollWidth, window.innerWidth]);
+  assert.equal(page_width, window_width);
+  for (const control of await page.$$('button:visible')) {
+    const box = await control.boundingBox();
+    assert.ok(box.x >= 0 && box.x + box.width <= 360.5 && box.height >= 28,
+        `${await control.textContent()}: ${JSON.stringify(box)}`);
+  }
+  await page.tap('#tool-goal');
+  const at = await windowOf(page, 6, 6, 0);
+  await page.touchscreen.tap(at.x, at.y);
+  const { poses } = await asked('/api/goal');
+  near(poses[0].x, 6, 0.2);
+  near(poses[0].y, 6, 0.2);
+  assert.deepEqual(wrongs, []);
+  await close();
+});
+
+test('the keyboard alone sends a goal', async () => {
+  const { page, close } = await openPage(browser, url);
+  await page.focus('#tool-goal');
+  await page.keyboard.press('Space');
+  assert.equal(await page.getAttribute('#tool-goal', 'aria-pressed'), 'true');
+  await page.focus('.map-canvas');
+  await page.keyboard.press('Enter');
+  const { poses } = await asked('/api/goal');
+  // The middle of the map, where the page looks at first.
+  near(poses[0].x, 6.5);
+  near(poses[0].y, 5);
+  await page.click('#tool-goal');
+  await page.keyboard.press('Escape');
+  assert.equal(await page.getAttribute('#tool-look', 'aria-pressed'), 'true');
+  await close();
+});

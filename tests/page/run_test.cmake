@@ -1,0 +1,22 @@
+# Runs a test of the page with node, if there is a page and a browser:
+#   cmake -D NODE=program -D TEST=file.js -D PAGE=folder -D WORK=folder
+#         -D PICTURE=file.jpg -P run_test.cmake
+if(NOT EXISTS ${PAGE}/index.html OR NOT EXISTS ${WORK}/node_modules/.fetched)
+  message("SKIPPED: the page could not be built here (test page.build)")
+  return()
+endif()
+if("$ENV{TREELINE_CHROMIUM}" STREQUAL "")
+  find_program(chromium NAMES chromium chromium-browser google-chrome)
+  if(NOT chromium)
+    message("SKIPPED: no chromium here: scripts/install-deps --tools")
+    return()
+  endif()
+  set(ENV{TREELINE_CHROMIUM} ${chromium})
+endif()
+set(ENV{TREELINE_PAGE} ${PAGE})
+set(ENV{TREELINE_PAGE_WORK} ${WORK})
+set(ENV{TREELINE_PICTURE} ${PICTURE})
+execute_process(COMMAND ${NODE} --test ${TEST} RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "${TEST} failed")
+endif()
