@@ -17,6 +17,7 @@ class Areas {
   // Flood fill: linear in the cells.
   explicit Areas(const DriveSpace& space);
 
+  int count() const { return static_cast<int>(cells_.size()); }
   // From 0; -1 if the cell is in none.
   int Of(const GroundIndex& ground, const Spot& spot) const;
   // level * cells + cell, of each area.

@@ -40,6 +40,10 @@ absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakeGlobalPlanner(
     return std::make_unique<VariableRrtPlanner>(std::move(ground),
                                                 options.max_move_m);
   }
+  if (IsOmplPlanner(options.planner)) {
+    return std::make_unique<OmplPlanner>(std::move(ground), options.planner,
+                                         options.max_move_m);
+  }
   return absl::InvalidArgumentError(absl::StrCat(
       "there is no planner '", options.planner, "'; there are: ", kPlanners));
 }
