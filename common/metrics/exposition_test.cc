@@ -7,9 +7,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/random.h"
+#include "common/metrics/testing_exposition.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "common/metrics/testing_exposition.h"
 
 namespace treeline {
 namespace {

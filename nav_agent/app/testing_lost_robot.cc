@@ -39,8 +39,8 @@ const LostPlace& LostPlaceOf(const std::string& world) {
   place.world = world;
   place.voxels = *VoxelsOfWorld(made, 0.05);
   place.levels = *ExtractTraversableMap(place.voxels);
-  place.map = std::make_shared<const NavigationMap>(
-      *NavigationMap::Make(place.levels));
+  place.map =
+      std::make_shared<const NavigationMap>(*NavigationMap::Make(place.levels));
   return places.emplace(world, std::move(place)).first->second;
 }
 
@@ -71,9 +71,8 @@ LostRobot::LostRobot(const LostPlace& place, uint64_t seed, bool with_people,
   Scenario scenario;
   scenario.world = place.world;
   scenario.options.seed = seed;
-  World world = *MakeWorld(place.world, {.with_people = with_people,
-                                         .threads = 1,
-                                         .paint = false});
+  World world = *MakeWorld(
+      place.world, {.with_people = with_people, .threads = 1, .paint = false});
   scenario.options.start = *StartOf(scenario, world);
   simulator_ = *Simulator::Create(std::move(world), scenario.options);
   simulator_->Step(std::chrono::milliseconds(200));
@@ -84,9 +83,9 @@ LostRobot::LostRobot(const LostPlace& place, uint64_t seed, bool with_people,
   server_->answers = [this](const RgbdFrame& frame) {
     return TrueAnswer(frame, 0.97);
   };
-  lost_ = *LostAndFound::Create(place.map, simulator_->options().robot,
-                                *tracker_,
-                                with_server ? server_.get() : nullptr, options);
+  lost_ =
+      *LostAndFound::Create(place.map, simulator_->options().robot, *tracker_,
+                            with_server ? server_.get() : nullptr, options);
 }
 
 Rigid3 LostRobot::TruthAt(MonotonicTime stamp) const {
@@ -122,7 +121,8 @@ RelocalizationAnswer LostRobot::AnswerFor(const Rigid3& map_from_base,
                                 0.008 * random_.NextGaussian(),
                                 0.015 * random_.NextGaussian()}) *
       answer.map_from_camera.rotation;
-  for (size_t i = 0; i < 36; i += 7) answer.covariance[i] = i < 21 ? 9e-4 : 2e-4;
+  for (size_t i = 0; i < 36; i += 7)
+    answer.covariance[i] = i < 21 ? 9e-4 : 2e-4;
   return answer;
 }
 
@@ -194,7 +194,8 @@ LostAndFound::Output LostRobot::Step(const VelocityCommand& drives) {
   input.can_turn = std::ranges::none_of(
       ends, [round_m](const Vec2& end) { return Norm(end) < round_m; });
   const LostAndFound::Output output = lost_->Step(input);
-  for (RecoveryNote& note : lost_->TakeNotes()) notes.push_back(std::move(note));
+  for (RecoveryNote& note : lost_->TakeNotes())
+    notes.push_back(std::move(note));
   const VelocityCommand command = lost_->IsActive() ? output.wanted : drives;
   simulator_->base().SetVelocity(command).IgnoreError();
   return output;

@@ -29,8 +29,9 @@ constexpr std::array<CauseText, 20> kTexts = {{
     {"no_progress",
      "The robot does not get on: look whether a wheel is stuck or slips."},
     {"collision_stop", "Something is too near to move: clear it away."},
-    {"recovery_failed", "Clear the robot's surroundings, and send the goal "
-                        "again."},
+    {"recovery_failed",
+     "Clear the robot's surroundings, and send the goal "
+     "again."},
     {"laser_lost", "Look at the laser's cable, power and address."},
     {"odometry_lost", "Look at the base's cable and power."},
     {"base_lost", "Look at the base's cable, power and emergency stop."},

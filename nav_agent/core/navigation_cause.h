@@ -17,20 +17,20 @@ enum class NavigationCause : uint8_t {
   kPlanTimeout = 5,   // none was found in the time allowed
   // ---- of drives ----
   kCancelled = 6,
-  kPreempted = 7,         // another goal took its place
-  kBlocked = 8,           // something stands in the way, and recoveries failed
-  kNoProgress = 9,        // the robot does not get on
-  kCollisionStop = 10,    // something is too near to move
+  kPreempted = 7,       // another goal took its place
+  kBlocked = 8,         // something stands in the way, and recoveries failed
+  kNoProgress = 9,      // the robot does not get on
+  kCollisionStop = 10,  // something is too near to move
   kRecoveryFailed = 11,
   // ---- safe stops ----
   kLaserLost = 12,
   kOdometryLost = 13,
   kBaseLost = 14,
-  kEstimateLost = 15,     // the robot does not know where it is
-  kControlLate = 16,      // the control loop missed its deadline by too much
-  kTilted = 17,           // lifted, or on ground that is too steep
-  kNeedHelp = 18,         // lost, and neither server nor search found it
-  kInternal = 19          // a defect of this program
+  kEstimateLost = 15,  // the robot does not know where it is
+  kControlLate = 16,   // the control loop missed its deadline by too much
+  kTilted = 17,        // lifted, or on ground that is too steep
+  kNeedHelp = 18,      // lost, and neither server nor search found it
+  kInternal = 19       // a defect of this program
 };
 
 // "goal_blocked" and so on.

@@ -11,10 +11,10 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 #include "common/base/random.h"
+#include "common/metrics/testing_exposition.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/app/process_metrics.h"
-#include "common/metrics/testing_exposition.h"
 
 namespace treeline {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "gmock/gmock.h"
 #include "common/metrics/testing_exposition.h"
+#include "gmock/gmock.h"
 #include "tests/integration/fixture.h"
 
 namespace treeline {
