@@ -50,10 +50,12 @@ constexpr int kKidnapTries = 500;
 class SimulatedAgentRobot final : public AgentRobot, public SimulationControl {
  public:
   SimulatedAgentRobot(std::string world, std::unique_ptr<Simulator> simulator,
-                      SuiteWorld places, uint64_t seed)
+                      SuiteWorld places, const Rigid3& map_from_world,
+                      uint64_t seed)
       : world_(std::move(world)),
         simulator_(std::move(simulator)),
         places_(std::move(places)),
+        map_from_world_(map_from_world),
         random_(seed, kKidnapStream) {}
 
   NavigatorDevices Devices() override {
@@ -82,7 +84,7 @@ class SimulatedAgentRobot final : public AgentRobot, public SimulationControl {
     return names;
   }
   std::optional<Rigid3> TrueMapFromBase() const override {
-    return simulator_->state().world_from_base;
+    return MapFromBase();
   }
   std::vector<ObstacleReport> Obstacles() const override {
     std::vector<ObstacleReport> reports;
@@ -102,22 +104,19 @@ class SimulatedAgentRobot final : public AgentRobot, public SimulationControl {
   }
 
   absl::StatusOr<Rigid3> Kidnap(const LevelPose& pose) override {
-    TL_RETURN_IF_ERROR(
-        simulator_->Kidnap({.position = pose.map_from_base.translation,
-                            .yaw_rad = pose.map_from_base.yaw_rad,
-                            .height_m = pose.place.height_m}));
-    return simulator_->state().world_from_base;
+    TL_RETURN_IF_ERROR(simulator_->Kidnap(InWorld(pose)));
+    return MapFromBase();
   }
   absl::StatusOr<Rigid3> KidnapTo(const std::string& place) override {
     TL_RETURN_IF_ERROR(simulator_->KidnapTo(place));
-    return simulator_->state().world_from_base;
+    return MapFromBase();
   }
   absl::StatusOr<Rigid3> KidnapAnywhere() override {
     absl::Status status =
         absl::FailedPreconditionError("there is no room anywhere");
     for (int i = 0; i < kKidnapTries; ++i) {
       status = simulator_->Kidnap(places_.AnyPlace(random_));
-      if (status.ok()) return simulator_->state().world_from_base;
+      if (status.ok()) return MapFromBase();
     }
     return status;
   }
@@ -140,9 +139,28 @@ class SimulatedAgentRobot final : public AgentRobot, public SimulationControl {
  private:
   static constexpr uint64_t kKidnapStream = 0x51;
 
+  Rigid3 MapFromBase() const {
+    return map_from_world_ * simulator_->state().world_from_base;
+  }
+  RobotPlacement InWorld(const LevelPose& pose) const {
+    const Rigid2& map_from_base = pose.map_from_base;
+    const Rigid3 world_from_base =
+        map_from_world_.Inverse() *
+        Rigid3{
+            .rotation = Rotation3::FromAxisAngle({0, 0, map_from_base.yaw_rad}),
+            .translation = {map_from_base.translation.x,
+                            map_from_base.translation.y, pose.place.height_m}};
+    const Vec3 forward = world_from_base.rotation * Vec3{1, 0, 0};
+    return {.position = {world_from_base.translation.x,
+                         world_from_base.translation.y},
+            .yaw_rad = std::atan2(forward.y, forward.x),
+            .height_m = world_from_base.translation.z};
+  }
+
   const std::string world_;
   const std::unique_ptr<Simulator> simulator_;
   const SuiteWorld places_;
+  const Rigid3 map_from_world_;
   Random random_;
   int next_obstacle_ = 1;
   std::map<std::string, Vec2> obstacles_;
@@ -161,11 +179,7 @@ absl::StatusOr<std::string> SimulatedAgentRobot::AddObstacle(
   const std::string name = absl::StrCat("obstacle-", next_obstacle_);
   const Vec2 center = pose.map_from_base.translation;
   TL_RETURN_IF_ERROR(
-      simulator_->AddObstacle(name, kCrate,
-                              {.position = center,
-                               .yaw_rad = pose.map_from_base.yaw_rad,
-                               .height_m = pose.place.height_m},
-                              {scale, scale, 1}));
+      simulator_->AddObstacle(name, kCrate, InWorld(pose), {scale, scale, 1}));
   ++next_obstacle_;
   obstacles_[name] = center;
   return name;
@@ -195,8 +209,18 @@ absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
                          scenario.options.robot.base_from_laser.translation.z));
   TL_ASSIGN_OR_RETURN(std::unique_ptr<Simulator> simulator,
                       Simulator::Create(std::move(world), scenario.options));
+  Rigid3 map_from_world;
+  if (options.map_begins_at_start) {
+    // The map's frame is level, whatever the ground is like at the start.
+    const RobotPlacement& start = scenario.options.start;
+    map_from_world =
+        Rigid3{.rotation = Rotation3::FromAxisAngle({0, 0, start.yaw_rad}),
+               .translation = simulator->state().world_from_base.translation}
+            .Inverse();
+  }
   return std::make_unique<SimulatedAgentRobot>(
-      options.world, std::move(simulator), std::move(places), options.seed);
+      options.world, std::move(simulator), std::move(places), map_from_world,
+      options.seed);
 }
 
 absl::StatusOr<NavigatorMap> MapOfWorld(const std::string& name) {

@@ -49,8 +49,11 @@ struct SimulatedRobotOptions {
   // Frames in a second; 0: no camera, [0, 60].
   double camera_hz = 5;
   bool with_people = true;
+  // The map was made by a drive that began where this robot starts: its frame
+  // is the base's there. Else it is the world's.
+  bool map_begins_at_start = false;
 };
-// The map's frame is the world's. Errors as MakeWorld and Simulator::Create.
+// Errors as MakeWorld and Simulator::Create.
 absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
     const SimulatedRobotOptions& options);
 

@@ -98,10 +98,12 @@ absl::Status AgentProgram::LoadMap() {
 absl::Status AgentProgram::MakeRobot() {
   if (config_.hardware.empty()) {
     TL_ASSIGN_OR_RETURN(
-        robot_, MakeSimulatedRobot({.world = config_.simulate,
-                                    .seed = static_cast<uint64_t>(config_.seed),
-                                    .camera_hz = config_.camera_hz,
-                                    .with_people = config_.people}));
+        robot_,
+        MakeSimulatedRobot({.world = config_.simulate,
+                            .seed = static_cast<uint64_t>(config_.seed),
+                            .camera_hz = config_.camera_hz,
+                            .with_people = config_.people,
+                            .map_begins_at_start = !config_.map.empty()}));
     return absl::OkStatus();
   }
   TL_ASSIGN_OR_RETURN(const HardwareConfig hardware,
