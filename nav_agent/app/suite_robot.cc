@@ -109,6 +109,7 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
   simulation.seed = options.seed;
   simulation.start = options.start;
   simulation.sensors.camera_hz = options.camera_hz;
+  simulation.sensors.camera_scale = options.camera_scale;
   TL_ASSIGN_OR_RETURN(robot->simulator_,
                       Simulator::Create(std::move(world), simulation));
   Simulator& simulator = *robot->simulator_;

@@ -23,6 +23,8 @@ struct SuiteRobotOptions {
   uint64_t seed = 0;
   // RGB-D frames in a second; 0: there is no camera.
   double camera_hz = 0;
+  // Of its pictures: see SensorOptions.
+  double camera_scale = 1;
   // The camera gives frames only while the robot looks for itself: rendering
   // takes long. Otherwise all.
   bool camera_when_lost = true;

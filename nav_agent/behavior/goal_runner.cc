@@ -28,6 +28,8 @@ constexpr double kSameGround_m = 0.6;
 // Of a re-route: so far before the robot, and so large.
 constexpr double kBlockAhead_m = 0.6;
 constexpr double kBlockRadius_m = 0.3;
+// A wait lasts so long at least, whatever has gone meanwhile.
+constexpr double kLeastWait_s = 1;
 // Steps between which the robot cannot have moved further (m).
 constexpr double kJump_m = 0.3;
 
@@ -108,13 +110,7 @@ void GoalRunner::Suspend() {
   if (is_active()) phase_ = GoalPhase::kToPlan;
 }
 
-void GoalRunner::NoteWayIsFree() {
-  if (maneuver_.has_value() && maneuver_->kind() == ManeuverKind::kWait) {
-    maneuver_.reset();
-    trouble_cause_ = NavigationCause::kNone;
-    phase_ = GoalPhase::kToPlan;
-  }
-}
+void GoalRunner::NoteWayIsFree() { way_is_free_ = true; }
 
 bool GoalRunner::DrivesStraight() const {
   return phase_ == GoalPhase::kDriving && control_.command.forward_mps > 0.1 &&
@@ -464,6 +460,8 @@ void GoalRunner::NextManeuver(MonotonicTime now) {
   }
   ++status_->recoveries;
   maneuver_.emplace(rung->kind, options_.limits, rung->wait_s, now);
+  maneuver_since_ = now;
+  way_is_free_ = false;
   events_->Add(
       "recovery",
       absl::StrFormat("%s (%s: %s)", ManeuverName(rung->kind),
@@ -473,6 +471,14 @@ void GoalRunner::NextManeuver(MonotonicTime now) {
 
 VelocityCommand GoalRunner::StepManeuver(const ControlPose& pose,
                                          MonotonicTime now) {
+  if (way_is_free_ && maneuver_->kind() == ManeuverKind::kWait &&
+      SecondsBetween(maneuver_since_, now) > kLeastWait_s) {
+    maneuver_.reset();
+    ladder_.GiveBack();
+    trouble_cause_ = NavigationCause::kNone;
+    phase_ = GoalPhase::kToPlan;
+    return controller_->Guard(pose, {});
+  }
   const Maneuver::Result result = maneuver_->Step(pose, now, *controller_);
   if (result.outcome == ManeuverOutcome::kRunning) return result.command;
   const ManeuverKind kind = maneuver_->kind();

@@ -133,6 +133,8 @@ class GoalRunner {
 
   ManeuverLadder ladder_;
   std::optional<Maneuver> maneuver_;
+  MonotonicTime maneuver_since_;
+  bool way_is_free_ = false;
   Trouble trouble_ = Trouble::kNoWay;
   NavigationCause trouble_cause_ = NavigationCause::kNone;
   std::string trouble_why_;

@@ -15,14 +15,17 @@ constexpr double kLeastBack_m = 0.08;
 // The last part of a way or a turn is not waited for.
 constexpr double kNearlyThere_m = 0.02;
 constexpr double kNearlyAround_rad = 0.1;
+// Rungs that may be had once more.
+constexpr int kMostGivenBack = 30;
 // Ground that is level, for who turns.
 constexpr double kLevel_rad = 0.06;
 
 // Round and round while the budget lasts.
 using Order = std::array<ManeuverKind, 5>;
+// Who turns among people may turn into one: what was seen is waited for.
 constexpr Order kNoWayOrder = {ManeuverKind::kBackUp, ManeuverKind::kWait,
-                               ManeuverKind::kClearCostmap,
-                               ManeuverKind::kLookAround, ManeuverKind::kWait};
+                               ManeuverKind::kClearCostmap, ManeuverKind::kWait,
+                               ManeuverKind::kWait};
 constexpr Order kStuckOrder = {ManeuverKind::kClearCostmap,
                                ManeuverKind::kBackUp, ManeuverKind::kReroute,
                                ManeuverKind::kLookAround, ManeuverKind::kWait};
@@ -158,7 +161,15 @@ std::optional<ManeuverLadder::Rung> ManeuverLadder::Next(Trouble trouble) {
       limits_.longest_wait_s,
       limits_.first_wait_s * std::exp2(static_cast<double>(used_) / 3));
   ++used_;
+  can_give_back_ = true;
   return Rung{.kind = order[at], .wait_s = wait_s};
+}
+
+void ManeuverLadder::GiveBack() {
+  if (!can_give_back_ || used_ < 1 || given_back_ >= kMostGivenBack) return;
+  can_give_back_ = false;
+  --used_;
+  ++given_back_;
 }
 
 }  // namespace treeline

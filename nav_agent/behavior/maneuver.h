@@ -81,12 +81,17 @@ class ManeuverLadder {
   // nullopt: the budget is used up.
   std::optional<Rung> Next(Trouble trouble);
   // The robot got on; all of the budget is there again.
-  void Refill() { used_ = 0; }
+  void Refill() { *this = ManeuverLadder(limits_); }
+  // The last maneuver ended before its time, as something changed: it does not
+  // count. Only so often until the budget is refilled.
+  void GiveBack();
   int used() const { return used_; }
 
  private:
   NavigatorLimits limits_;
   int used_ = 0;
+  int given_back_ = 0;
+  bool can_give_back_ = false;
 };
 
 }  // namespace treeline

@@ -21,7 +21,7 @@ struct CollisionGuardOptions {
   double cell_margin_m = 0.035;
   // To points on what the map does not have: people and carts are wider above
   // and below the laser's plane (m).
-  double new_margin_m = 0.10;
+  double new_margin_m = 0.15;
   // What more is kept for each m/s of speed (s).
   double margin_per_speed_s = 0.06;
   // From a command until the base obeys it (s).

@@ -30,6 +30,8 @@ constexpr double kStanding_radps = 0.05;
 // than that already (m).
 constexpr double kRoom_m = 0.01;
 constexpr double kNearer_m = 0.003;
+// A robot that waits looks whether it might set off so fast (m/s).
+constexpr double kProbe_mps = 0.15;
 // A band that breaks so near ahead is broken (m).
 constexpr double kBrokenNear_m = 0.35;
 
@@ -99,6 +101,9 @@ class BandController final : public LocalController {
   std::vector<GuardPoint> GuardPoints(const ControlPose& pose) const;
   Allowed Allow(const ControlPose& pose, const VelocityCommand& wanted,
                 std::span<const GuardPoint> points);
+  // What the collision stop would say of the first step of a command.
+  void Probe(const ControlPose& pose, const VelocityCommand& wanted,
+             std::span<const GuardPoint> points, Allowed& allowed) const;
   VelocityCommand Wanted(const ControlPose& pose, const BandTrack& track);
   void JudgeProgress(const ControlPose& pose, const BandTrack& track,
                      const VelocityCommand& wanted, const Allowed& allowed,
@@ -197,6 +202,22 @@ BandController::Allowed BandController::Allow(
   return allowed;
 }
 
+void BandController::Probe(const ControlPose& pose,
+                           const VelocityCommand& wanted,
+                           std::span<const GuardPoint> points,
+                           Allowed& allowed) const {
+  const double share =
+      std::min(1.0, kProbe_mps / std::max(std::abs(wanted.forward_mps), 1e-6));
+  const GuardVerdict verdict =
+      guard_.Check({.forward_mps = share * wanted.forward_mps,
+                    .yaw_rate_radps = share * wanted.yaw_rate_radps},
+                   points);
+  if (!verdict.is_limited) return;
+  allowed.is_limited = true;
+  allowed.point_in_map = pose.pose.map_from_base * verdict.point_in_base;
+  allowed.point_moves = verdict.point_moves;
+}
+
 VelocityCommand BandController::Guard(const ControlPose& pose,
                                       const VelocityCommand& wanted) {
   if (!IsFinitePose(pose)) return Allow(pose, wanted, {}).command;
@@ -247,9 +268,10 @@ ControlResult BandController::Step(const ControlPose& pose) {
     wanted = escape_.Find(pose, track.points, wanted, costmap_, guard_, points)
                  .value_or(wanted);
   }
-  // Who waits stands.
-  const VelocityCommand now = standstill_.Holds() ? VelocityCommand() : wanted;
-  const Allowed allowed = Allow(pose, now, points);
+  // Who waits stands; whether it might go on is looked at all the same.
+  const bool holds = standstill_.Holds();
+  Allowed allowed = Allow(pose, holds ? VelocityCommand() : wanted, points);
+  if (holds) Probe(pose, wanted, points, allowed);
   result.command = allowed.command;
   result.is_stopped_by_guard = allowed.is_limited;
   JudgeProgress(pose, track, wanted, allowed, result);

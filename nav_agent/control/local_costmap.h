@@ -33,11 +33,13 @@ struct LocalCostmapOptions {
   double ground_per_range = 0.01;
   // Seen obstacles are taken to be wider by this than what the sensors show of
   // them: people and carts are, above and below a laser's plane (m).
-  double widening_m = 0.10;
+  double widening_m = 0.15;
   // What is seen this near to what the map has already is the map's (m).
   double map_band_m = 0.075;
-  // Only what is seen further from the map's obstacles is widened (m).
+  // Only what is seen further from the map's obstacles is widened, or so far
+  // if its place was seen free before (m).
   double new_from_m = 0.20;
+  double came_from_m = 0.12;
   // What has stood for so long stands; before that it moves, if the place was
   // seen free before (s).
   double standing_after_s = 1.0;
@@ -45,9 +47,10 @@ struct LocalCostmapOptions {
   // that (s).
   double moving_memory_s = 2.0;
   double standing_memory_s = 60.0;
-  // Depth beyond is not used; every how many-th pixel and row is (m, 1).
+  // Depth beyond is not used; of a picture so many columns are at most, and
+  // rows as far apart (m, 1).
   double depth_range_m = 3.0;
-  int depth_stride_px = 4;
+  int depth_columns = 160;
 
   absl::Status Validate() const;
 };
@@ -202,7 +205,8 @@ class LocalCostmap {
   // What is seen well away from all that the map has: nearer, it may be the
   // map's own, seen from an estimate that is off.
   bool IsNew(size_t i) const {
-    return map_distance_m_[i] > options_.new_from_m;
+    return map_distance_m_[i] > (seen_[i].was_free ? options_.came_from_m
+                                                   : options_.new_from_m);
   }
   bool IsMoving(CellIndex cell, int64_t now_ms) const;
   bool CountsAt(size_t i) const {

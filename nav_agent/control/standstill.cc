@@ -31,7 +31,8 @@ bool Standstill::IsStuck(const StandstillInput& input) {
 
 ControlState Standstill::Judge(const StandstillInput& input) {
   const ControlState state = Decide(input);
-  holds_ = input.is_broken && state != ControlState::kDriving;
+  holds_ = state == ControlState::kWaiting ||
+           (input.is_broken && state != ControlState::kDriving);
   return state;
 }
 

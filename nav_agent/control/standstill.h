@@ -52,7 +52,7 @@ class Standstill {
   ControlState Judge(const StandstillInput& input);
   // The robot should try to get on another way than the one it wants.
   bool WantsEscape() const { return wants_escape_; }
-  // It waits before a broken band, or is blocked there: it should stand.
+  // It waits, or is blocked before a broken band: it should stand.
   bool Holds() const { return holds_; }
 
  private:

@@ -37,8 +37,9 @@ absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakeGlobalPlanner(
   auto ground = std::make_shared<const PlanGround>(std::move(map), robot,
                                                    options.margin_m);
   if (options.planner == "variable-rrt") {
-    return std::make_unique<VariableRrtPlanner>(std::move(ground),
-                                                options.max_move_m);
+    auto tight = std::make_shared<const PlanGround>(ground->index, robot, 0.0);
+    return std::make_unique<VariableRrtPlanner>(
+        std::move(ground), std::move(tight), options.max_move_m);
   }
   if (IsOmplPlanner(options.planner)) {
     return std::make_unique<OmplPlanner>(std::move(ground), options.planner,

@@ -103,7 +103,12 @@ std::nullopt_t Fail(PlanResult& result, NavigationCause cause,
 
 PlanGround::PlanGround(std::shared_ptr<const NavigationMap> map,
                        const RobotModel& robot, double margin_m)
-    : index(std::make_shared<const GroundIndex>(std::move(map))),
+    : PlanGround(std::make_shared<const GroundIndex>(std::move(map)), robot,
+                 margin_m) {}
+
+PlanGround::PlanGround(std::shared_ptr<const GroundIndex> index_of,
+                       const RobotModel& robot, double margin_m)
+    : index(std::move(index_of)),
       footprint(Footprint::Of(robot, margin_m)),
       areas(std::make_shared<const Areas>(DriveSpace(index, footprint, {}))) {}
 

@@ -18,6 +18,8 @@ namespace treeline {
 struct PlanGround {
   PlanGround(std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
              double margin_m);
+  PlanGround(std::shared_ptr<const GroundIndex> index_of,
+             const RobotModel& robot, double margin_m);
 
   std::shared_ptr<const GroundIndex> index;
   Footprint footprint;

@@ -9,6 +9,7 @@
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/planning/guide.h"
+#include "nav_agent/planning/lattice.h"
 #include "nav_agent/planning/path_improver.h"
 
 namespace treeline {
@@ -32,6 +33,8 @@ constexpr int kRestartIterations = 200;
 // So many restarts without a gain end the search.
 constexpr int kIdleRestarts = 12;
 constexpr double kGuideSpacing_m = 0.15;
+// Trees that have not met after so many do not meet soon.
+constexpr int kEasyIterations = 1000;
 
 double SecondsSince(MonotonicTime start) {
   return MillisecondsBetween(start, SteadyClock().Now()) / 1000;
@@ -50,6 +53,8 @@ class Planning {
 
   // Leaves a way, or why there is none, in the result.
   void FindFirst(PlanResult& result);
+  // The same, and nothing is left out: what it does not find is not there.
+  void FindThoroughly(PlanResult& result);
   void Improve(PlanResult& result);
   const Polyline& way() const { return way_; }
 
@@ -125,9 +130,10 @@ void Planning::FindFirst(PlanResult& result) {
   if (!is_found && !IsOver()) {
     way_ = PullTight(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
                      *guide_, kGuideSpacing_m);
-    is_found =
-        !way_.empty() || trees.Grow(budget_.max_iterations - trees.iterations(),
-                                    sample, is_over);
+    is_found = !way_.empty() ||
+               trees.Grow(std::min(budget_.max_iterations, kEasyIterations) -
+                              trees.iterations(),
+                          sample, is_over);
   }
   result.iterations = trees.iterations();
   result.tree_edges = trees.Edges();
@@ -143,6 +149,25 @@ void Planning::FindFirst(PlanResult& result) {
       "no way was found in %d iterations and %.3f s: places on it may be too "
       "narrow to turn in",
       trees.iterations(), SecondsSince(begin_));
+}
+
+void Planning::FindThoroughly(PlanResult& result) {
+  const auto is_over = [this] { return IsOver(); };
+  LookForGuide();
+  if (!IsOver() && !guide_->empty()) {
+    way_ = PullTight(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
+                     *guide_, kGuideSpacing_m);
+  }
+  if (way_.empty() && !IsOver()) {
+    way_ = SearchLattice(task_->space, task_->start, task_->goal, is_over);
+  }
+  result.first_path_s = SecondsSince(begin_);
+  if (!way_.empty()) return;
+  result.failure =
+      IsOver() ? NavigationCause::kPlanTimeout : NavigationCause::kNoPath;
+  result.why = absl::StrFormat(
+      "no way was found in %.3f s: places on it are too narrow to turn in",
+      SecondsSince(begin_));
 }
 
 void Planning::Polish(PathImprover& improver, PlanResult& result) const {
@@ -217,8 +242,11 @@ void Planning::Improve(PlanResult& result) {
 }  // namespace
 
 VariableRrtPlanner::VariableRrtPlanner(std::shared_ptr<const PlanGround> ground,
+                                       std::shared_ptr<const PlanGround> tight,
                                        double max_move_m)
-    : ground_(std::move(ground)), max_move_m_(max_move_m) {}
+    : ground_(std::move(ground)),
+      tight_(std::move(tight)),
+      max_move_m_(max_move_m) {}
 
 absl::StatusOr<PlanResult> VariableRrtPlanner::Plan(
     const PlanRequest& request, const PlanBudget& budget,
@@ -226,24 +254,28 @@ absl::StatusOr<PlanResult> VariableRrtPlanner::Plan(
   const MonotonicTime begin = SteadyClock().Now();
   TL_RETURN_IF_ERROR(CheckRequest(request));
   PlanResult result;
-  const std::optional<PlanTask> task =
-      MakeTask(*ground_, request, max_move_m_, result);
-  if (!task.has_value()) {
-    result.total_s = SecondsSince(begin);
-    return result;
-  }
-  Planning planning(*task, request.seed, budget, stop, begin);
-  planning.FindFirst(result);
-  if (stop.stop_requested())
-    return absl::CancelledError("planning was stopped");
   const Rigid2& map_from_grid = ground_->index->map().grid(0).map_from_grid;
-  for (Vec2& end : result.tree_edges) end = map_from_grid * end;
-  if (result.failure == NavigationCause::kNone) {
-    planning.Improve(result);
+  for (const bool is_tight : {false, true}) {
+    result.failure = NavigationCause::kNone;
+    result.why.clear();
+    const std::optional<PlanTask> task =
+        MakeTask(is_tight ? *tight_ : *ground_, request, max_move_m_, result);
+    if (!task.has_value()) continue;
+    Planning planning(*task, request.seed, budget, stop, begin);
+    if (is_tight) {
+      planning.FindThoroughly(result);
+    } else {
+      planning.FindFirst(result);
+      for (Vec2& end : result.tree_edges) end = map_from_grid * end;
+    }
+    if (result.failure == NavigationCause::kNone) {
+      planning.Improve(result);
+      WriteWay(*task, planning.way(), result);
+    }
     if (stop.stop_requested()) {
       return absl::CancelledError("planning was stopped");
     }
-    WriteWay(*task, planning.way(), result);
+    if (result.failure == NavigationCause::kNone) break;
   }
   result.total_s = SecondsSince(begin);
   return result;

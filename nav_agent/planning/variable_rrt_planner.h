@@ -11,7 +11,10 @@ namespace treeline {
 
 class VariableRrtPlanner final : public GlobalPlanner {
  public:
+  // Where `ground` has no way, one is looked for on `tight`: the same with no
+  // room beside the footprint.
   VariableRrtPlanner(std::shared_ptr<const PlanGround> ground,
+                     std::shared_ptr<const PlanGround> tight,
                      double max_move_m);
 
   absl::StatusOr<PlanResult> Plan(const PlanRequest& request,
@@ -20,6 +23,7 @@ class VariableRrtPlanner final : public GlobalPlanner {
 
  private:
   std::shared_ptr<const PlanGround> ground_;
+  std::shared_ptr<const PlanGround> tight_;
   double max_move_m_;
 };
 

@@ -1,5 +1,6 @@
 #include "nav_agent/sim/imager.h"
 
+#include <cmath>
 #include <utility>
 
 #include "common/base/status_macros.h"
@@ -33,14 +34,33 @@ class SyntheticImager final : public Imager {
   int threads_;
 };
 
+// A pinhole camera's picture made smaller.
+absl::StatusOr<Camera> Scaled(const Camera& camera, double scale) {
+  const double parameters[] = {scale * camera.fx(), scale * camera.fy(),
+                               scale * camera.cx(), scale * camera.cy()};
+  return Camera::Create(CameraModel::kPinhole,
+                        static_cast<int>(std::lround(scale * camera.width())),
+                        static_cast<int>(std::lround(scale * camera.height())),
+                        parameters, 4);
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const Imager>> MakeImager(const World& world,
                                                          uint64_t seed,
+                                                         double scale,
                                                          int threads) {
   TL_ASSIGN_OR_RETURN(std::shared_ptr<const Renderer> renderer,
                       Renderer::Create(world, threads));
   SyntheticCamera::Options options;
+  if (scale != 1) {
+    // Depth is as exact as that of the whole picture.
+    options.depth.disparity_steps_per_px /= scale;
+    TL_ASSIGN_OR_RETURN(options.calibration.color,
+                        Scaled(options.calibration.color, scale));
+    TL_ASSIGN_OR_RETURN(options.calibration.depth,
+                        Scaled(options.calibration.depth, scale));
+  }
   options.seed = RandomFor(seed, SimRandom::kCamera, 0).NextBits();
   TL_ASSIGN_OR_RETURN(SyntheticCamera camera,
                       SyntheticCamera::Create(renderer, options));

@@ -9,9 +9,12 @@
 
 namespace treeline {
 
-// Prepares the light of `world` (a second or two). threads < 1: all.
+// Prepares the light of `world` (a second or two). Pictures are `scale` (in
+// [0.1, 1]) times as wide and high as the camera's own, of the same view.
+// threads < 1: all.
 absl::StatusOr<std::shared_ptr<const Imager>> MakeImager(const World& world,
                                                          uint64_t seed,
+                                                         double scale,
                                                          int threads);
 
 }  // namespace treeline

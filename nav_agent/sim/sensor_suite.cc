@@ -56,6 +56,10 @@ absl::Status SensorOptions::Validate() const {
     return absl::InvalidArgumentError(
         absl::StrCat("a camera at ", camera_hz, " Hz; 0 to 60 is possible"));
   }
+  if (!(camera_scale >= 0.1 && camera_scale <= 1)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("camera_scale must be in [0.1, 1], not ", camera_scale));
+  }
   return laser.Validate();
 }
 

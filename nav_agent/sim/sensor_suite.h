@@ -26,6 +26,9 @@ struct SensorOptions {
   // Readings and frames in a second. In [1, 200]; [0, 60], 0: no camera.
   double odometry_hz = 100;
   double camera_hz = 0;
+  // Pictures are 640 x 480 pixels times this; smaller ones take less time. In
+  // [0.1, 1].
+  double camera_scale = 1;
 
   absl::Status Validate() const;
 };

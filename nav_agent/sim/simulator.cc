@@ -35,8 +35,9 @@ absl::StatusOr<std::unique_ptr<Simulator>> Simulator::Create(
   TL_ASSIGN_OR_RETURN(RayCaster caster, RayCaster::Create(*owned));
   std::shared_ptr<const Imager> imager;
   if (options.sensors.camera_hz > 0) {
-    TL_ASSIGN_OR_RETURN(imager,
-                        MakeImager(*owned, options.seed, options.threads));
+    TL_ASSIGN_OR_RETURN(
+        imager, MakeImager(*owned, options.seed, options.sensors.camera_scale,
+                           options.threads));
   }
   std::unique_ptr<Simulator> simulator(
       new Simulator(std::move(owned), std::move(caster), options));

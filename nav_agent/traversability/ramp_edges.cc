@@ -1,7 +1,9 @@
 #include "nav_agent/traversability/ramp_edges.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 
 namespace treeline {
@@ -13,6 +15,10 @@ constexpr int kStepReach = 2;
 // Sloped ground: steeper than floors of slightly tilted maps.
 constexpr float kSloped_rad = 0.03F;
 constexpr int kFewestPlaneCells = 20;
+// Of other storeys is what is so many voxels higher or lower, and a step of so
+// many is none of a ramp.
+constexpr double kPlaneReach_cells = 3.5;
+constexpr double kHighStep_cells = 1.5;
 // Across the slope: more than 60 degrees from its direction; beside what is, 37
 // degrees, where a step of the ramp meets its side.
 constexpr double kAcross = 0.5;
@@ -57,7 +63,7 @@ class EdgeFinder {
   bool IsStepDown(CellIndex cell) const {
     for (const CellIndex& way : kNeighbours) {
       const double drop = DropTo(cell, {cell.x + way.x, cell.y + way.y});
-      if (drop > 0.5 && drop < 1.5) return true;
+      if (drop > 0.5 && drop < kHighStep_cells) return true;
     }
     return false;
   }
@@ -70,10 +76,37 @@ class EdgeFinder {
     return false;
   }
 
-  // Of a plane through the sloped ground around that is not lower, in the
-  // grid's axes; its length is the slope. What is lower is the floor beside the
-  // ramp, and what is three voxels higher is of other storeys.
+  // Whether the line between two cells stays on ground without high steps.
+  bool IsInSight(CellIndex from, CellIndex to) const {
+    const int steps =
+        std::max(std::abs(to.x - from.x), std::abs(to.y - from.y));
+    CellIndex at = from;
+    for (int i = 1; i <= steps; ++i) {
+      const double part = static_cast<double>(i) / steps;
+      const CellIndex next = {
+          from.x + static_cast<int>(std::lround(part * (to.x - from.x))),
+          from.y + static_cast<int>(std::lround(part * (to.y - from.y)))};
+      if (!IsGround(next) || std::abs(DropTo(at, next)) > kHighStep_cells) {
+        return false;
+      }
+      at = next;
+    }
+    return true;
+  }
+
+  // The slope's direction where the ramp is on the higher side of a step, else
+  // where it is on the lower one: its upper end, beside the floor it leads to.
   std::optional<Vec2> Uphill(CellIndex middle) const {
+    const std::optional<Vec2> above = Uphill(middle, -0.5, kPlaneReach_cells);
+    return above.has_value() ? above : Uphill(middle, -kPlaneReach_cells, -0.5);
+  }
+
+  // Of a plane through the sloped ground in sight between two heights over the
+  // middle's (voxels), in the grid's axes; its length is the slope. What is
+  // lower than a ramp's cell is the floor beside it, what is three voxels
+  // higher is of other storeys, and what is out of sight of other ramps.
+  std::optional<Vec2> Uphill(CellIndex middle, double lowest,
+                             double highest) const {
     const int reach = static_cast<int>(kPlaneRadius_m / grid_->resolution_m);
     const float middle_m = level_->height_m[grid_->IndexOf(middle)];
     double n = 0;
@@ -90,7 +123,7 @@ class EdgeFinder {
         if (x * x + y * y > reach * reach || !IsSloped(cell)) continue;
         const double h = (level_->height_m[grid_->IndexOf(cell)] - middle_m) /
                          grid_->resolution_m;
-        if (h < -0.5 || h > 3.5) continue;
+        if (h < lowest || h > highest || !IsInSight(middle, cell)) continue;
         n += 1;
         sum = sum + Vec2{static_cast<double>(x), static_cast<double>(y)};
         sum_h += h;

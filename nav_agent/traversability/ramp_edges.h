@@ -13,9 +13,10 @@ namespace treeline {
 // across the slope: beside a ramp's first half metre the floor is less than two
 // voxels below it, so the map takes that side for ground like the ramp's own
 // steps, but a wheel cannot climb it. The slope's direction is that of a plane
-// through the sloped ground within 1.3 m that is not lower, the step's that of
-// the mean of all steps within two cells. One value a cell, in the grid's
-// order.
+// through the sloped ground in sight within 1.3 m that is not lower, the step's
+// that of the mean of all steps within two cells. The same at a ramp's upper
+// end, where the floor it leads to is a voxel higher than the ramp beside it.
+// One value a cell, in the grid's order.
 std::vector<uint8_t> RampSideEdges(const TraversableLevel& level);
 
 }  // namespace treeline
