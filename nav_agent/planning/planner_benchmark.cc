@@ -120,6 +120,10 @@ void BM_FirstPath(benchmark::State& state, const std::string& world,
     if (!result.ok() || result->failure != NavigationCause::kNone) {
       ++failures;
       none_ms.push_back(took_ms);
+      if (result.ok()) {
+        std::printf("pair %zu: %s: %s\n", (next - 1) % requests.size(),
+                    NavigationCauseName(result->failure), result->why.c_str());
+      }
       continue;
     }
     first_ms.push_back(is_own ? took_ms : 1e3 * result->first_path_s);
