@@ -68,15 +68,21 @@ class AgentRunTest : public testing::Test {
   static void WriteMap(const std::string& folder) {
     const auto map = MapOfWorld("cafe");
     ASSERT_TRUE(map.ok()) << map.status();
+    ASSERT_TRUE(BeginMapBundle(folder, /*overwrite=*/false).ok());
+    const std::string octomap = folder + "/" + kBundleOctomap;
+    ASSERT_TRUE(WriteOctree(map->voxels, octomap).ok());
+    // A file ends where what is known ends, the world's voxels with the world.
+    const auto voxels = ReadOctree(octomap);
+    ASSERT_TRUE(voxels.ok()) << voxels.status();
+    const auto levels = ExtractTraversableMap(*voxels);
+    ASSERT_TRUE(levels.ok()) << levels.status();
     MapBundleManifest manifest;
     manifest.name = "cafe";
-    manifest.levels = static_cast<int>(map->levels.levels.size());
-    manifest.resolution_m = map->voxels.resolution_m();
+    manifest.levels = static_cast<int>(levels->levels.size());
+    manifest.resolution_m = voxels->resolution_m();
     manifest.poses = 1;
     const std::vector<TimedPose> trajectory = {{5, {}}};
-    ASSERT_TRUE(BeginMapBundle(folder, /*overwrite=*/false).ok());
-    ASSERT_TRUE(WriteOctree(map->voxels, folder + "/" + kBundleOctomap).ok());
-    ASSERT_TRUE(WriteTraversableMap(map->levels,
+    ASSERT_TRUE(WriteTraversableMap(*levels,
                                     manifest.traversability.max_slope_rad,
                                     folder + "/" + kBundleLevels)
                     .ok());
@@ -122,8 +128,9 @@ class AgentRunTest : public testing::Test {
 };
 
 TEST_F(AgentRunTest, ASimulatedRobotDrivesToItsGoalAndStopsOnInterrupt) {
-  StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0",
-              "--speed", "4", "--record", folder_ + "/run.tlog"});
+  ASSERT_NO_FATAL_FAILURE(
+      StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0",
+                  "--speed", "4", "--record", folder_ + "/run.tlog"}));
   const v1::NavigateResponse last = DriveTo(kGoalX_m, kGoalY_m);
   EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
       << last.goal().why() << agent_->err();
@@ -145,8 +152,8 @@ TEST_F(AgentRunTest, ASimulatedRobotDrivesToItsGoalAndStopsOnInterrupt) {
 }
 
 TEST_F(AgentRunTest, AGoalOverHttpCanBeCancelledPausedAndRepeated) {
-  StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0",
-              "--speed", "4"});
+  ASSERT_NO_FATAL_FAILURE(StartAgent({"--simulate", "cafe", "--people=false",
+                                      "--camera-hz", "0", "--speed", "4"}));
   const std::string goal =
       absl::StrCat(R"({"poses":[{"x":)", kGoalX_m, R"(,"y":)", kGoalY_m,
                    R"(,"yaw":0,"level":0}]})");
@@ -175,9 +182,9 @@ TEST_F(AgentRunTest, ThroughEmulatedDevicesToItsGoal) {
           absl::StrCat("laser: ", absl::StripPrefix(*laser, "laser at "),
                        "\nbase: ", absl::StripPrefix(*base, "base at "), "\n"))
           .ok());
-  WriteMap(folder_ + "/map");
-  StartAgent({"--map", folder_ + "/map", "--hardware", hardware, "--start-at",
-              kStart});
+  ASSERT_NO_FATAL_FAILURE(WriteMap(folder_ + "/map"));
+  ASSERT_NO_FATAL_FAILURE(StartAgent({"--map", folder_ + "/map", "--hardware",
+                                      hardware, "--start-at", kStart}));
   const v1::NavigateResponse last = DriveTo(kGoalX_m, kGoalY_m);
   EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
       << last.goal().why() << agent_->err();
