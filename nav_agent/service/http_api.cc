@@ -280,8 +280,8 @@ std::vector<std::pair<std::string, std::string>> HttpApi::CommonHeaders(
           {"X-Frame-Options", "DENY"},
           {"Referrer-Policy", "no-referrer"},
           {"Content-Security-Policy",
-           "default-src 'self'; img-src 'self' data: blob:; style-src 'self' "
-           "'unsafe-inline'; worker-src 'self' blob:; frame-ancestors 'none'"}};
+           "default-src 'self'; img-src 'self' data: blob:; style-src 'self'; "
+           "object-src 'none'; base-uri 'none'; frame-ancestors 'none'"}};
 }
 
 HttpResponse HttpApi::GetState(bool scene) {

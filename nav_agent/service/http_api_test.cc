@@ -20,6 +20,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Json = nlohmann::json;
 
 const httplib::Headers kOurs = {{"X-Treeline", "1"}};
@@ -292,8 +293,9 @@ TEST_F(HttpApiTest, ServesThePage) {
   Start();
   const auto page = Client().Get("/");
   EXPECT_EQ(page->body, "<p>");
-  EXPECT_THAT(page->get_header_value("Content-Security-Policy"),
-              HasSubstr("default-src 'self'"));
+  const std::string policy = page->get_header_value("Content-Security-Policy");
+  EXPECT_THAT(policy, HasSubstr("default-src 'self'"));
+  EXPECT_THAT(policy, Not(HasSubstr("unsafe")));
   EXPECT_EQ(page->get_header_value("X-Content-Type-Options"), "nosniff");
   EXPECT_EQ(Client().Get("/%2e%2e/%2e%2e/etc/passwd")->status, 404);
   EXPECT_EQ(Client().Get("/..%2f..%2fetc/passwd")->status, 404);

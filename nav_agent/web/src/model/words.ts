@@ -93,8 +93,14 @@ export function percent(share: number): string {
   return `${Math.round(100 * Math.max(0, Math.min(1, share)))} %`;
 }
 
+// With a minus sign that is as wide as a plus; no zero is negative.
+export function signed(value: number, digits: number): string {
+  const text = Math.abs(value).toFixed(digits);
+  return value < 0 && Number(text) !== 0 ? `\u2212${text}` : text;
+}
+
 export function degrees(angle: number): string {
-  return `${Math.round((angle * 180) / Math.PI)}°`;
+  return `${signed((angle * 180) / Math.PI, 0)}°`;
 }
 
 // Seconds since the agent began, as m:ss or h:mm:ss.

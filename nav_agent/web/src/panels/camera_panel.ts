@@ -28,6 +28,8 @@ export class CameraPanel {
   private url = '';
   private timer = 0;
   private isLive = false;
+  private isAsked = false;
+  private server = '';
 
   constructor(private readonly client: AgentClient) {
     this.live = this.tab('Live', 'camera');
@@ -102,16 +104,29 @@ export class CameraPanel {
         error.code !== 'timeout';
     setText(this.empty, !isNone ? 'The picture cannot be fetched.' :
         this.picture === 'camera' ? 'This robot has no camera picture.' :
-          'The server was not asked yet.');
+          'No picture was sent to the server yet.');
     setShown(this.image, false);
     setShown(this.empty, true);
   }
 
+  // HOST:PORT of the server that is asked; '' if there is none.
+  setServer(server: string): void {
+    this.server = server;
+    if (!this.isAsked) this.sayUnasked();
+  }
+
+  private sayUnasked(): void {
+    setText(this.verdict, this.server === '' ?
+        'No server: a lost robot looks around with its laser alone.' :
+        'The server was not asked yet.');
+    setData(this.verdict, 'tone', 'calm');
+  }
+
   update({ fix }: RobotState): void {
     setShown(this.figures, fix !== null);
+    this.isAsked = fix !== null;
     if (fix === null) {
-      setText(this.verdict, 'The server was not asked yet.');
-      setData(this.verdict, 'tone', 'calm');
+      this.sayUnasked();
       return;
     }
     const parts = [sayFix(fix)];
