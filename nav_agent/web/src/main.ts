@@ -157,6 +157,10 @@ class Page {
     return this.view?.windowOf(x, y, z) ?? null;
   }
 
+  drawn(): { triangles: number; levels: number } | null {
+    return this.view?.drawn() ?? null;
+  }
+
   // ---- from the agent ----
 
   private setLink(link: Link): void {
@@ -263,7 +267,9 @@ class Page {
 
 const page = new Page();
 page.start();
-// For the browser's console, and for tests: where a point of the map is drawn.
+// For the browser's console, and for tests: where a point of the map is drawn,
+// and how much is.
 Object.assign(window, { treeline: {
+  drawn: () => page.drawn(),
   windowOf: (x: number, y: number, z: number) => page.windowOf(x, y, z),
 } });

@@ -3,8 +3,8 @@ import { test } from 'node:test';
 
 import { restAfter } from './pace.js';
 
-test('slow pictures are drawn half of the time at most', () => {
+test('slow pictures are drawn a third of the time', () => {
   assert.equal(restAfter(16), 0);
-  assert.equal(restAfter(120), 120);
-  assert.equal(restAfter(9000), 500);
+  assert.equal(restAfter(120), 240);
+  assert.equal(restAfter(9000), 1000);
 });

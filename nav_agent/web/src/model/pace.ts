@@ -3,10 +3,10 @@
 
 // A picture that is there within this time costs nothing worth sparing (ms).
 const QUICK_MS = 50;
-const LONGEST_REST_MS = 500;
+const LONGEST_REST_MS = 1000;
 
-// Of a picture that took so long: for how long none is drawn after it. So at
-// least half of the time is left to other work.
+// Of a picture that took so long: for how long none is drawn after it. So two
+// thirds of the time are left to other work.
 export function restAfter(tookMs: number): number {
-  return tookMs <= QUICK_MS ? 0 : Math.min(LONGEST_REST_MS, tookMs);
+  return tookMs <= QUICK_MS ? 0 : Math.min(LONGEST_REST_MS, 2 * tookMs);
 }

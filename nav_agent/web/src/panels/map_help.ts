@@ -2,27 +2,28 @@
 
 import { heightColour, heightShare } from '../model/colours.js';
 import { scaleBar } from '../model/scale.js';
+import { signed } from '../model/words.js';
 import { el, setShown, setText } from './dom.js';
 
 const MOST_SCALE_PX = 110;
 
 // Beside those of the layers: what is always shown.
 const MARKS: readonly [mark: string, label: string, simulated?: true][] = [
-  ['robot', 'Robot, where it believes to be'],
-  ['doubt', 'Ring around it: so sure is it (2 σ)'],
+  ['robot', 'Robot, as it believes'],
+  ['doubt', 'How sure it is (2 σ)'],
   ['truth', 'Where it truly is', true],
-  ['goal', 'Goal, or a place that is being chosen'],
-  ['path', 'Path that was planned'],
-  ['bubbles', 'Elastic band: room around the way'],
-  ['tree', 'Tree of the search for a way'],
+  ['goal', 'Goal, or chosen place'],
+  ['path', 'Path'],
+  ['bubbles', 'Elastic band\'s bubbles'],
+  ['tree', 'Search tree'],
   ['scan', 'Laser scan'],
-  ['particles', 'Particles: where it might be'],
-  ['cost-map', 'Local costmap: in the map'],
-  ['cost-seen', 'Local costmap: what sensors see'],
-  ['blockages', 'Remembered to be in the way'],
-  ['box', 'Box that was put there', true],
+  ['particles', 'Particles'],
+  ['cost-map', 'Local costmap: mapped'],
+  ['cost-seen', 'Local costmap: seen'],
+  ['blockages', 'Remembered blockage'],
+  ['box', 'Added box', true],
   ['free', 'Free ground'],
-  ['occupied', 'Ground with no room for the robot'],
+  ['occupied', 'Occupied or no room'],
 ];
 
 const KEYS: readonly [keys: string, what: string][] = [
@@ -70,8 +71,8 @@ export class MapHelp {
 
   // What the OctoMap's colours reach from and to (m).
   setHeights(low: number, high: number): void {
-    setText(this.low, `${low.toFixed(1)} m`);
-    setText(this.high, `${high.toFixed(1)} m`);
+    setText(this.low, `${signed(low, 1)} m`);
+    setText(this.high, `${signed(high, 1)} m`);
     const stops = Array.from({ length: 9 },
         (_, i) => `rgb(${heightColour(heightShare(i / 8)).join(' ')})`);
     this.ramp.style.background = `linear-gradient(90deg, ${stops.join(', ')})`;

@@ -96,7 +96,9 @@ export class StatusPanel {
         `${saying.title}: ${metres(goal.toGo)} to go` : `${saying.title}.`);
     setData(this.goalLine, 'tone', saying.tone);
     this.goalMeter.set(all > 0 ? goal.driven / all : 0, 'busy');
-    const parts = [`${metres(goal.driven)} driven`];
+    // Of a goal that was reached the agent says itself how far it was.
+    const parts = goal.state === 'succeeded' && saying.text !== '' ? [] :
+        [`${metres(goal.driven)} driven`];
     if (goal.replans > 0) parts.push(goal.replans === 1 ?
         '1 new plan' : `${goal.replans} new plans`);
     if (goal.recoveries > 0) parts.push(`${goal.recoveries} recoveries`);

@@ -45,6 +45,16 @@ const FOLLOW_FROM_M = 9;
 const TOP_BAR_PX = 56;
 const BOTTOM_BAR_PX = 68;
 
+// Whether a graphics card draws, not the processor.
+function isDrawnFast(): boolean {
+  const context = document.createElement('canvas').getContext(
+      'webgl2', { failIfMajorPerformanceCaveat: true });
+  const names = context?.getExtension('WEBGL_debug_renderer_info');
+  if (!context || !names) return context !== null;
+  const name = String(context.getParameter(names.UNMASKED_RENDERER_WEBGL));
+  return !/swiftshader|llvmpipe|software/i.test(name);
+}
+
 export class MapView {
   readonly canvas: HTMLCanvasElement;
   readonly controls: MapControls;
@@ -84,7 +94,7 @@ export class MapView {
   // Throws if the browser has no WebGL.
   constructor(private readonly host: HTMLElement) {
     this.renderer = new WebGLRenderer(
-        { antialias: true, powerPreference: 'low-power' });
+        { antialias: isDrawnFast(), powerPreference: 'low-power' });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.localClippingEnabled = true;
     this.canvas = this.renderer.domElement;
@@ -322,6 +332,12 @@ export class MapView {
       x: box.left + ((at.x + 1) / 2) * box.width,
       y: box.top + ((1 - at.y) / 2) * box.height,
     };
+  }
+
+  // What the last picture was made of, for tests.
+  drawn(): { triangles: number; levels: number } {
+    return { triangles: this.renderer.info.render.triangles,
+      levels: this.ground.shownLevels() };
   }
 
   // ---- drawing ----

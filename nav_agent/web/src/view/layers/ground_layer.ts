@@ -9,7 +9,7 @@ import type { HeightField } from '../../model/height_field.js';
 import type { Theme } from '../theme.js';
 
 // Above the surface of the voxels that it lies on (m).
-const LIFT_M = 0.012;
+const LIFT_M = 0.02;
 // Neighbouring cells that differ by more are a step, not a slope (m).
 const STEP_M = 0.12;
 
@@ -170,6 +170,10 @@ export class GroundLayer {
 
   cutAt(height: number): void {
     this.cut.constant = Math.min(1e6, height + LIFT_M);
+  }
+
+  shownLevels(): number {
+    return [...this.levels.values()].filter(({ mesh }) => mesh.visible).length;
   }
 
   // The shown level and those below it.
