@@ -27,6 +27,8 @@ test('the cause is what is said, if there is one', () => {
     cause_text: 'No scan for 0.4 s.' })).text, 'No scan for 0.4 s.');
   assert.equal(sayState(stateOf({ mode: 'safe_stop', cause: 'laser_lost' }))
       .text, 'Laser lost.');
+  assert.equal(sayState(stateOf({ mode: 'relocalizing',
+    cause: 'estimate_lost', cause_text: 'searching' })).text, 'Searching.');
   assert.equal(sayState(stateOf({ mode: 'idle', cause: 'none' })).text,
       'Waiting for a goal.');
 });

@@ -53,6 +53,12 @@ export function plain(name: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
+function sentence(text: string): string {
+  if (text === '') return '';
+  const begun = text.charAt(0).toUpperCase() + text.slice(1);
+  return /[.!?…]$/.test(begun) ? begun : `${begun}.`;
+}
+
 export function isPaused(state: RobotState): boolean {
   return keyOf(state.mode) === 'paused';
 }
@@ -62,7 +68,7 @@ export function sayState(state: RobotState): Saying {
   const saying: Saying = known ??
       { title: plain(state.mode || 'unknown'), text: '', tone: 'calm' };
   const hasCause = state.cause !== '' && state.cause !== 'none';
-  const text = state.causeText ||
+  const text = sentence(state.causeText) ||
       (hasCause ? `${plain(state.cause)}.` : saying.text);
   return { ...saying, text };
 }

@@ -41,6 +41,8 @@ ColorManagement.enabled = false;
 const GLIDE_MS = 120;
 // A followed robot is looked at from not farther than this (m).
 const FOLLOW_FROM_M = 9;
+// How the view in 3D leans from the vertical.
+const TILT_RAD = 0.52;
 // What tools take of the picture's height, above and below (pixels).
 const TOP_BAR_PX = 56;
 const BOTTOM_BAR_PX = 68;
@@ -255,7 +257,8 @@ export class MapView {
         scene.blockages, (x, y, level) => this.groundAt(x, y, level));
     this.obstacles.set(
         scene.obstacles, (x, y) => this.groundAt(x, y, this.level));
-    this.hasCostmap = this.costmap.set(scene.costmap, this.theme);
+    this.hasCostmap = this.costmap.set(scene.costmap, this.theme,
+        (x, y) => field === null || field.at(x, y) !== null);
     this.applyVisibility();
   }
 
@@ -274,7 +277,7 @@ export class MapView {
     }
     const pixels = Math.max(200, this.host.clientHeight);
     const target = frameBox(
-        this.camera, box, angle === 'top' ? 0.001 : 0.62, {
+        this.camera, box, angle === 'top' ? 0.001 : TILT_RAD, {
           top: TOP_BAR_PX / pixels, bottom: BOTTOM_BAR_PX / pixels, side: 0.02,
         });
     this.controls.target.copy(target);
