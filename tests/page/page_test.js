@@ -339,3 +339,15 @@ test('a scale says how long a metre is', async () => {
   assert.equal(await at.jsonValue(), true);
   await close();
 });
+
+test('a robot without a camera is not asked for pictures', async () => {
+  agent.picture = null;
+  agent.devices = agent.devices.filter(({ name }) => name !== 'camera');
+  const { page, wrongs, close } = await openPage(browser, url);
+  await text(page, '#camera', 'no camera picture');
+  await page.click('text=Last question');
+  await text(page, '#camera', 'No picture was sent');
+  // An answer of 404 would be among them.
+  assert.deepEqual(wrongs, []);
+  await close();
+});

@@ -181,6 +181,10 @@ export class MapView {
   }
 
   showLevel(level: number): void {
+    // So one looks at the other level from as far.
+    const rise = (this.field(level)?.typical ?? 0) - (this.field()?.typical ?? 0);
+    this.controls.target.z += rise;
+    this.camera.position.z += rise;
     this.level = level;
     this.ground.show(level);
     this.applyCut();
