@@ -89,7 +89,8 @@ class SuiteRobot::Camera final : public RgbdCamera {
       camera_->queue.Take();
       return {};
     }
-    return camera_->TakeFrames();
+    // Nobody looks at older ones.
+    return camera_->TakeNewest();
   }
   DeviceHealth Health() const override { return camera_->Health(); }
 
