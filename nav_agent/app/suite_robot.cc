@@ -87,7 +87,8 @@ class SuiteRobot::Camera final : public RgbdCamera {
       return {};
     }
     const double before_ms = ProcessorTime_ms();
-    std::vector<RgbdFrame> frames = camera_->TakeFrames();
+    // Nobody looks at older ones.
+    std::vector<RgbdFrame> frames = camera_->TakeNewest();
     rendering_ms_ += ProcessorTime_ms() - before_ms;
     return frames;
   }

@@ -1,4 +1,5 @@
-// Without a server: AMCL looks everywhere while the robot turns and moves.
+// Without a server: what the laser says of itself, or else AMCL that looks
+// everywhere while the robot turns and moves.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -35,7 +36,9 @@ void Recovery::BeginSearch(MonotonicTime now) {
   best_free_m_ = 0;
   leg_ = Leg::kTurn;
   cycles_ = 0;
+  holds_clear_ = false;
   Go(RecoveryState::kSearching, now);
+  if (MayTryClear() && TryClear(now)) return;
   // Where the verdict is not, or no longer, that it is lost, what it knows gets
   // the chance of a full turn.
   if (!tracker_.Pose().has_value() ||
@@ -45,6 +48,7 @@ void Recovery::BeginSearch(MonotonicTime now) {
 }
 
 void Recovery::LookAnywhere(MonotonicTime now) {
+  holds_clear_ = false;
   if (options_.method == RecoveryMethod::kInjectionOnly &&
       tracker_.Pose().has_value()) {
     return;
@@ -87,6 +91,7 @@ bool Recovery::SearchHolds(MonotonicTime now) {
     return false;
   }
   if (alias_ == Alias::kNotLooked) {
+    look_ = Look::kNone;
     const std::optional<TrackedPose> pose = tracker_.Pose();
     alias_own_ = tracker_.FitAt(pose->pose).value_or(RobotTracker::ScanFit());
     tracker_.BeginOtherPlaces(pose->pose);
@@ -110,9 +115,33 @@ void Recovery::EndCycle(MonotonicTime now) {
   const bool is_wrong =
       !holds_since_.has_value() && (!pose.has_value() || !pose->is_searching);
   if (alias_ == Alias::kSome) alias_ = Alias::kNotLooked;
+  if (holds_clear_ && is_wrong && MayAsk()) {
+    // It was not there: the camera's turn again.
+    Note("recovery", "what the laser said does not hold: looks elsewhere");
+    holds_clear_ = false;
+    search_began_.reset();
+    LookElsewhere(now);
+    return;
+  }
   if (!searches_anywhere_ || is_wrong) LookAnywhere(now);
   // The server may be there again.
-  if (MayAsk()) Go(RecoveryState::kStopping, now);
+  if (MayAsk() && !asks_) Go(RecoveryState::kStopping, now);
+}
+
+bool Recovery::TookAnswer(MonotonicTime now) {
+  if (!asks_) return false;
+  const std::optional<Answer> answer = AnswerBy(now);
+  if (!answer.has_value()) return false;
+  asks_ = false;
+  const MonotonicTime leg_began = since_;
+  if (answer->ok()) {
+    Judge(**answer, now);
+  } else {
+    Failed(answer->status(), now);
+  }
+  // The legs of the search go on as they were.
+  if (state_ == RecoveryState::kSearching) since_ = leg_began;
+  return state_ != RecoveryState::kSearching;
 }
 
 VelocityCommand Recovery::SearchMotion(const RecoveryInput& input) {
@@ -182,6 +211,7 @@ VelocityCommand Recovery::Searching(const RecoveryInput& input) {
     hold_turned_rad_ += holds_since_.has_value() ? turned_rad : 0;
   }
   last_yaw_rad_ = yaw_rad;
+  if (TookAnswer(input.now)) return {};
   if (SearchHolds(input.now)) {
     Found("by laser alone, and scans fit nowhere else", input.now);
     return {};
