@@ -79,7 +79,8 @@ export class StatusPanel {
     setText(this.place, pose === null ? 'unknown' :
         `${pose.x.toFixed(2)}, ${pose.y.toFixed(2)} m · ${degrees(pose.yaw)}`);
     setText(this.doubt, pose === null || pose.std === null ? '–' :
-        `${Math.round(100 * pose.std)} cm` +
+        (pose.std < 1 ? `${Math.round(100 * pose.std)} cm` :
+          metres(pose.std)) +
         (pose.stdYaw === null ? '' : ` · ${degrees(pose.stdYaw)}`));
   }
 

@@ -14,7 +14,7 @@ import { restAfter } from '../model/pace.js';
 import { isUnderWay } from '../model/words.js';
 import type { VoxelMesh } from '../model/voxel_mesh.js';
 import { frameBox } from './framing.js';
-import { CostmapLayer } from './layers/costmap_layer.js';
+import { CostmapLayer, isAround } from './layers/costmap_layer.js';
 import { GroundLayer } from './layers/ground_layer.js';
 import {
   ParticleLayer, PathLayer, ScanLayer, TreeLayer,
@@ -261,7 +261,10 @@ export class MapView {
         scene.blockages, (x, y, level) => this.groundAt(x, y, level));
     this.obstacles.set(
         scene.obstacles, (x, y) => this.groundAt(x, y, this.level));
-    this.hasCostmap = this.costmap.set(scene.costmap, this.theme,
+    // A lost robot has it elsewhere than where it then believes to be.
+    const { costmap } = scene;
+    this.hasCostmap = isAround(costmap, this.state?.pose ?? null) &&
+        this.costmap.set(costmap, this.theme,
         (x, y) => field === null || field.at(x, y) !== null);
     this.applyVisibility();
   }

@@ -14,6 +14,15 @@ const RIM_ALPHA = 125;
 const MAPPED_ALPHA = 85;
 const FREE_ALPHA = 12;
 
+// Whether the place is in it.
+export function isAround(
+    map: Costmap | null, place: { x: number; y: number } | null): boolean {
+  if (map === null || place === null) return false;
+  const column = (place.x - map.origin[0]) / map.resolution;
+  const row = (place.y - map.origin[1]) / map.resolution;
+  return column >= 0 && row >= 0 && column < map.width && row < map.height;
+}
+
 export class CostmapLayer {
   private readonly material = new MeshBasicMaterial({
     transparent: true, depthWrite: false, polygonOffset: true,
