@@ -46,6 +46,7 @@ RelocalizationAnswer AnswerOf(const LocalizeAnswer& answer,
   result.confidence = answer.confidence;
   result.inliers = answer.inliers;
   result.samples = answer.samples;
+  result.inlier_pixels = answer.inlier_pixels;
   result.scene = answer.scene;
   result.model_version = answer.model_version;
   result.round_trip_s = 1e-3 * answer.round_trip_ms;
@@ -61,6 +62,7 @@ Answer AskNow(Relocalizer& relocalizer,
   LocalizeQuery query;
   query.scene = options.scene;
   query.seed = options.seed;
+  query.wants_inlier_pixels = true;
   TL_ASSIGN_OR_RETURN(query.frame,
                       EncodeFrame(frame.frame, options.jpeg_quality));
   TL_ASSIGN_OR_RETURN(

@@ -129,9 +129,8 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
                               .camera = nullptr,
                               .server = robot->server_.get()};
   if (options.camera_hz > 0) {
-    robot->camera_ = std::make_unique<Camera>(
-        static_cast<SimulatedCamera&>(simulator.camera()),
-        options.camera_when_lost);
+    robot->camera_ =
+        std::make_unique<Camera>(simulator.camera(), options.camera_when_lost);
     devices.camera = robot->camera_.get();
   }
   NavigatorOptions navigator = options.navigator;

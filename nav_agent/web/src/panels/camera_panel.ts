@@ -40,7 +40,7 @@ export class CameraPanel {
     this.live = this.tab('Live', 'camera');
     this.query = this.tab('Last question', 'query');
     this.figures = el('div', { class: 'fix-figures' },
-        el('span', {}, 'Points that agree'), this.inliers.element,
+        el('span', {}, 'Points that agree (green dots)'), this.inliers.element,
         this.inliersText,
         el('span', {}, 'Confidence'), this.confidence.element,
         this.confidenceText);
