@@ -75,6 +75,15 @@ std::vector<std::pair<std::string, Tally>> TalliesOf(
   return tallies;
 }
 
+// Who came towards whom, and where the robot was touched.
+std::string CollisionText(const SimEvent& event) {
+  const Vec3 in_base = event.world_from_base.Inverse() * event.point_in_world;
+  return absl::StrFormat(
+      ", %sby the robot (%.2f m/s; the other %.2f m/s), at (%.2f, %.2f) of it",
+      event.caused_by_robot ? "" : "not ", event.robot_approach_mps,
+      event.body_approach_mps, in_base.x, in_base.y);
+}
+
 std::string RunJson(const MissionRun& run) {
   std::string json = absl::StrFormat(
       "    {\"world\": %s, \"seed\": %d, \"scene\": %s, \"outcome\": \"%s\", "
@@ -242,13 +251,11 @@ absl::Status WriteRunPicture(const std::string& stem, const World& world,
   };
   for (const SimEvent& event : record.events) {
     add_until(Seconds(event.time));
-    absl::StrAppendFormat(&text, "%9.3f s  ## %s %s at (%.2f, %.2f, %.2f)%s\n",
-                          Seconds(event.time), SimEventName(event.kind),
-                          event.what, event.point_in_world.x,
-                          event.point_in_world.y, event.point_in_world.z,
-                          event.kind != SimEventKind::kCollision ? ""
-                          : event.caused_by_robot ? ", by the robot"
-                                                  : ", not by the robot");
+    absl::StrAppendFormat(
+        &text, "%9.3f s  ## %s %s at (%.2f, %.2f, %.2f)%s\n",
+        Seconds(event.time), SimEventName(event.kind), event.what,
+        event.point_in_world.x, event.point_in_world.y, event.point_in_world.z,
+        event.kind != SimEventKind::kCollision ? "" : CollisionText(event));
   }
   add_until(1e18);
   return WriteFileAtomically(stem + ".txt", text);

@@ -151,8 +151,10 @@ void GoalRunner::Ask(PlanPurpose purpose, const LevelPose& from,
   if (purpose != PlanPurpose::kUnblocked) request.blockages = blockages_.All();
   const bool is_quick =
       purpose == PlanPurpose::kRoute || purpose == PlanPurpose::kUnblocked;
-  planner_->Start(request,
-                  is_quick ? options_.first_plan_budget : options_.plan_budget);
+  PlanBudget budget =
+      is_quick ? options_.first_plan_budget : options_.plan_budget;
+  if (purpose == PlanPurpose::kUnblocked) budget.improves = false;
+  planner_->Start(request, budget);
   asked_ = AskedPlan{.purpose = purpose, .since = now};
 }
 

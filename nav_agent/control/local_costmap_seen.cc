@@ -15,6 +15,8 @@ namespace {
 constexpr double kPointReach_m = 2.0;
 // What was seen free this long before it was hit was free (ms).
 constexpr int64_t kWasFree_ms = 3000;
+// A sensor showed it a moment ago, the camera five times a second (ms).
+constexpr int64_t kSeenLately_ms = 300;
 // A look that passes a cell at more than this above its ground does not see
 // what stands there (m).
 constexpr double kLookHeight_m = 0.6;
@@ -56,12 +58,14 @@ bool LocalCostmap::IsMoving(CellIndex cell, int64_t now_ms) const {
   if (!seen_[at].was_free || now_ms - seen_[at].since_ms > standing_ms) {
     return false;
   }
-  // The edges of what stands flicker.
+  // The edges of what stands flicker; what is only remembered does not: who
+  // comes back to where somebody stood moves.
   for (int y = cell.y - 1; y <= cell.y + 1; ++y) {
     for (int x = cell.x - 1; x <= cell.x + 1; ++x) {
       if (!IsInside(x, y)) continue;
       const size_t i = IndexOf(x, y);
-      if (CountsAt(i) && now_ms - seen_[i].since_ms > standing_ms) {
+      if (CountsAt(i) && now_ms - seen_[i].since_ms > standing_ms &&
+          now_ms - seen_[i].last_ms < kSeenLately_ms) {
         return false;
       }
     }
@@ -111,7 +115,10 @@ void LocalCostmap::ClearAlong(Vec3 from, Vec3 to, int64_t now_ms) {
 void LocalCostmap::MarkHits(int64_t now_ms, uint8_t Seen::*hits) {
   for (const size_t i : hit_cells_) {
     Seen& seen = seen_[i];
-    if (seen.laser_hits == 0 && seen.depth_hits == 0) {
+    // Where the camera saw something, perhaps long ago, the laser may see
+    // another thing come.
+    if (seen.laser_hits == 0 &&
+        (seen.depth_hits == 0 || hits == &Seen::laser_hits)) {
       seen.since_ms = now_ms;
       seen.was_free =
           seen.last_free_ms > 0 && now_ms - seen.last_free_ms < kWasFree_ms;

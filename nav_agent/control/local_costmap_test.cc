@@ -273,6 +273,28 @@ TEST(LocalCostmap, DepthMarksAndClearsWhatIsLowerThanTheLaser) {
   EXPECT_EQ(costmap.CellAt({7, 6}), LocalCell::kFree);
 }
 
+TEST(LocalCostmap, WhoComesToWhereTheCameraSawSomethingMoves) {
+  RobotModel robot;
+  robot.base_from_camera =
+      RobotModel::UprightCamera({1.0, 0, 1.0}, std::numbers::pi / 2);
+  LocalCostmap costmap =
+      *LocalCostmap::Make(TestingFloor().Map(), robot, TestingLaser(), {});
+  // For 2 s there is a box, which the laser looks over.
+  for (int i = 0; i < 10; ++i) {
+    ControlPose pose = TestingPose(6, 6);
+    Look(costmap, pose, 8, NothingThere, 0.2 * i);
+    pose.stamp = TestingTime(0.2 * i + 0.19);
+    ASSERT_TRUE(costmap.AddDepth(pose, DepthOfBox(0.2, pose.stamp)).ok());
+  }
+  // A second later somebody steps there.
+  Look(costmap, TestingPose(6, 6), 20, NothingThere, 2.5);
+  Look(costmap, TestingPose(6, 6), 3, TestingBox({6.9, 5.8}, {7.3, 6.2}), 3.0);
+  const auto moving =
+      std::ranges::count_if(costmap.scan_points(), &SeenPoint::is_moving);
+  EXPECT_GT(moving, 10);
+  EXPECT_EQ(static_cast<size_t>(moving), costmap.scan_points().size());
+}
+
 TEST(LocalCostmap, BadInputIsSaid) {
   LocalCostmap costmap = MakeCostmap(TestingFloor());
   const ControlPose pose = TestingPose(6, 6);

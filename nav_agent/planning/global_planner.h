@@ -38,6 +38,8 @@ struct PlanBudget {
   // of the request alone.
   int max_iterations = 20000;
   double max_time_s = std::numeric_limits<double>::infinity();
+  // false: the first path will do (of variable-rrt).
+  bool improves = true;
 };
 
 struct PlanResult {

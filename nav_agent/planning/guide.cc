@@ -54,7 +54,13 @@ class GuideSearch {
         goal_(goal),
         cost_m_(ground_->cells() * static_cast<size_t>(ground_->levels()),
                 kFar),
-        parent_(cost_m_.size()) {}
+        prices_(cost_m_.size(), -1),
+        parent_(cost_m_.size()) {
+    for (size_t i = 0; i < kSteps.size(); ++i) {
+      step_m_[i] = static_cast<float>(ground_->resolution_m() *
+                                      std::hypot(kSteps[i].x, kSteps[i].y));
+    }
+  }
 
   Polyline Run(const std::function<bool()>& is_over) {
     const uint32_t goal = NumberOf(goal_.level, ground_->CellOf(goal_.at));
@@ -80,39 +86,52 @@ class GuideSearch {
     return static_cast<uint32_t>(static_cast<size_t>(level) * ground_->cells() +
                                  ground_->IndexOf(cell));
   }
+  CellIndex CellOf(uint32_t number) const {
+    const auto cell = static_cast<int>(number % ground_->cells());
+    return {cell % ground_->width(), cell / ground_->width()};
+  }
   Spot SpotOf(uint32_t number) const {
-    const size_t cell = number % ground_->cells();
-    const size_t width = static_cast<size_t>(ground_->width());
-    return {.at = ground_->CenterOf({static_cast<int>(cell % width),
-                                     static_cast<int>(cell / width)}),
+    return {.at = ground_->CenterOf(CellOf(number)),
             .level = static_cast<int>(number / ground_->cells())};
   }
   float Estimate_m(uint32_t number) const {
-    return static_cast<float>(Norm(SpotOf(number).at - goal_.at));
+    const Vec2 way = ground_->CenterOf(CellOf(number)) - goal_.at;
+    return static_cast<float>(std::sqrt(Dot(way, way)));
   }
 
   void Expand(uint32_t from) {
-    const Spot spot = SpotOf(from);
-    const CellIndex cell = ground_->CellOf(spot.at);
-    const double from_cost = space_->CostPerMetre(spot);
-    for (const CellIndex& step : kSteps) {
-      const CellIndex next = {cell.x + step.x, cell.y + step.y};
-      const int level = ground_->LevelAfter(spot.level, cell, next);
+    const int from_level = static_cast<int>(from / ground_->cells());
+    const CellIndex cell = CellOf(from);
+    // The start's own cell may have less room.
+    const float from_price = std::max(1.0F, PriceAt(from));
+    const float from_cost_m = cost_m_[from];
+    for (size_t i = 0; i < kSteps.size(); ++i) {
+      const CellIndex next = {cell.x + kSteps[i].x, cell.y + kSteps[i].y};
+      const int level = ground_->LevelAfter(from_level, cell, next);
       if (level < 0) continue;
-      const Spot to = {ground_->CenterOf(next), level};
-      if (!space_->MayHoldDisc(to)) continue;
-      const double length_m =
-          ground_->resolution_m() * std::hypot(step.x, step.y);
-      const float cost_m =
-          cost_m_[from] +
-          static_cast<float>(length_m * (from_cost + space_->CostPerMetre(to)) /
-                             2);
       const uint32_t number = NumberOf(level, next);
+      // A metre costs 1 at least.
+      if (from_cost_m + step_m_[i] >= cost_m_[number]) continue;
+      const float price = PriceAt(number);
+      if (!(price > 0)) continue;
+      const float cost_m = from_cost_m + step_m_[i] * (from_price + price) / 2;
       if (cost_m >= cost_m_[number]) continue;
       cost_m_[number] = cost_m;
       parent_[number] = from;
       open_.push({cost_m + Estimate_m(number), number});
     }
+  }
+
+  // What a metre costs; 0 where the disc has no room. Asked once.
+  float PriceAt(uint32_t number) {
+    float& price = prices_[number];
+    if (price < 0) {
+      const Spot spot = SpotOf(number);
+      price = space_->MayHoldDisc(spot)
+                  ? static_cast<float>(space_->CostPerMetre(spot))
+                  : 0;
+    }
+    return price;
   }
 
   Polyline WayTo(uint32_t goal) const {
@@ -128,7 +147,9 @@ class GuideSearch {
   const GroundIndex* ground_;
   Spot start_;
   Spot goal_;
+  std::array<float, kSteps.size()> step_m_ = {};
   std::vector<float> cost_m_;
+  std::vector<float> prices_;
   std::vector<uint32_t> parent_;
   std::priority_queue<Open, std::vector<Open>, IsWorse> open_;
 };

@@ -269,7 +269,7 @@ absl::StatusOr<PlanResult> VariableRrtPlanner::Plan(
       for (Vec2& end : result.tree_edges) end = map_from_grid * end;
     }
     if (result.failure == NavigationCause::kNone) {
-      planning.Improve(result);
+      if (budget.improves) planning.Improve(result);
       WriteWay(*task, planning.way(), result);
     }
     if (stop.stop_requested()) {
