@@ -162,6 +162,8 @@ class Recovery final : public LostAndFound {
   bool searches_anywhere_ = false;
   std::optional<MonotonicTime> holds_since_;
   double hold_turned_rad_ = 0;
+  // Of that, when other places were looked for.
+  double alias_turned_rad_ = 0;
   double cycle_turned_rad_ = 0;
   double best_free_m_ = 0;
   double best_free_yaw_rad_ = 0;
