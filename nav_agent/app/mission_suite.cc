@@ -252,6 +252,7 @@ absl::StatusOr<MissionRun> RunMission(const SuitePlace& place,
                                           .seed = options.seed,
                                           .camera_hz = options.camera_hz,
                                           .camera_scale = kCameraScale,
+                                          .camera_is_lit = false,
                                           .camera_when_lost = false,
                                           .navigator = options.navigator}));
   MissionTrouble trouble({.surprise = mission.surprise,

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -30,6 +31,14 @@ struct Numbers {
   int level = 0;
 };
 
+// What was given, for a message: not all of it if it is long, and nothing that
+// a terminal obeys.
+std::string Shown(const std::string& text) {
+  constexpr size_t kMost = 60;
+  return absl::CHexEscape(text.substr(0, kMost)) +
+         (text.size() > kMost ? "..." : "");
+}
+
 absl::StatusOr<Numbers> ParseNumbers(const std::string& text,
                                      const std::string& option,
                                      const std::string& form) {
@@ -41,12 +50,13 @@ absl::StatusOr<Numbers> ParseNumbers(const std::string& text,
               std::isfinite(numbers.values[i]);
   }
   if (is_good && parts.size() == 4) {
-    is_good = absl::SimpleAtoi(parts[3], &numbers.level);
+    is_good = absl::SimpleAtoi(parts[3], &numbers.level) && numbers.level >= 0;
   }
   if (is_good) return numbers;
   return absl::InvalidArgumentError(absl::StrCat(
-      option, " is '", text, "'; it must be ", form, " or ", form,
-      ",LEVEL with finite numbers in m and rad, for instance 1.5,2,0"));
+      option, " is '", Shown(text), "'; it must be ", form, " or ", form,
+      ",LEVEL with finite numbers in m and rad and levels from 0, for instance "
+      "1.5,2,0"));
 }
 
 absl::StatusOr<std::shared_ptr<const NavigationMap>> Finished(
@@ -86,7 +96,7 @@ absl::StatusOr<Blockage> ParseBlockage(const std::string& text) {
                       ParseNumbers(text, "--block", "X,Y,RADIUS"));
   if (!(numbers.values[2] >= 0)) {
     return absl::InvalidArgumentError(absl::StrCat(
-        "--block is '", text, "'; its radius must not be below 0"));
+        "--block is '", Shown(text), "'; its radius must not be below 0"));
   }
   return Blockage{.center = {numbers.values[0], numbers.values[1]},
                   .radius_m = numbers.values[2],

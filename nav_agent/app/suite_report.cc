@@ -126,10 +126,11 @@ std::string StepTimesJson(const StepTimes& times) {
   return absl::StrFormat(
       "{\"count\": %d, \"missed_deadlines\": %d, \"total_ms\": %.1f, "
       "\"p50_below_ms\": %.2f, \"p99_below_ms\": %.2f, \"highest_ms\": %.2f, "
-      "\"plans\": %d, \"planning_ms\": %.2f, \"longest_planning_ms\": %.2f}",
+      "\"plans\": %d, \"late_plans\": %d, \"planning_ms\": %.2f, "
+      "\"longest_planning_ms\": %.2f}",
       times.steps, times.missed, times.total_ms, times.Percentile_ms(0.5),
-      times.Percentile_ms(0.99), times.highest_ms, times.plans,
-      times.planning_ms, times.longest_planning_ms);
+      times.Percentile_ms(0.99), times.highest_ms, times.plans.plans,
+      times.plans.late, times.plans.total_ms, times.plans.longest_ms);
 }
 
 std::string PoseMissJson(const PoseMiss& error) {
@@ -169,9 +170,14 @@ std::string MissionSummary(const std::vector<MissionRun>& runs, int expected) {
       "Furthest from a goal at which it said that it had arrived: %.2f m. "
       "Believed to be lost, and was not: %d times.\n"
       "A step of the navigator took up to %.2f ms (p99), %.1f ms at worst; %d "
-      "of %d took longer than 25 ms.\n",
+      "of %d took longer than 25 ms.\n"
+      "%d plans beside them: %.1f ms each, %.1f ms at worst; %d would have "
+      "been later than %d steps.\n",
       all.goal_error_m, all.false_losses, all.times.Percentile_ms(0.99),
-      all.times.highest_ms, all.times.missed, all.times.steps);
+      all.times.highest_ms, all.times.missed, all.times.steps,
+      all.times.plans.plans,
+      all.times.plans.total_ms / std::max(1, all.times.plans.plans),
+      all.times.plans.longest_ms, all.times.plans.late, kSuitePlanSteps);
   if (static_cast<int>(runs.size()) < expected) {
     absl::StrAppendFormat(&text, "%d of %d missions were not run.\n",
                           expected - static_cast<int>(runs.size()), expected);

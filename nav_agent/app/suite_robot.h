@@ -17,6 +17,8 @@ namespace treeline {
 
 // Simulated time between two steps of the navigator.
 inline constexpr SimTime kSuiteStep = std::chrono::milliseconds(25);
+// A plan is handed over so many steps after it was begun, 0.1 s.
+inline constexpr int kSuitePlanSteps = 4;
 
 struct SuiteRobotOptions {
   RobotPlacement start;
@@ -25,6 +27,7 @@ struct SuiteRobotOptions {
   double camera_hz = 0;
   // Of its pictures: see SensorOptions.
   double camera_scale = 1;
+  bool camera_is_lit = true;
   // The camera gives frames only while the robot looks for itself: rendering
   // takes long. Otherwise all.
   bool camera_when_lost = true;
@@ -35,17 +38,17 @@ struct SuiteRobotOptions {
   NavigatorOptions navigator;
 };
 
-// What Navigator::Step took, of processor time (ms).
+// What Navigator::Step took, of processor time (ms): without the simulator's
+// part, which is the rendering of the pictures that it takes.
 struct StepTimes {
   int64_t steps = 0;
   // Steps that took longer than the time from one to the next.
   int64_t missed = 0;
   double total_ms = 0;
   double highest_ms = 0;
-  // Steps after which there was another plan.
-  int plans = 0;
-  double planning_ms = 0;
-  double longest_planning_ms = 0;
+  // Plans, made in a thread of their own: none of the steps' time. `late` would
+  // not have been there by the step that they were handed over in.
+  PlanTally plans;
   // How many took up to 0.25 ms, 0.5 ms, 1 ms, 2 ms ...: of percentiles.
   std::vector<int64_t> histogram = std::vector<int64_t>(16, 0);
 
@@ -84,7 +87,7 @@ class SuiteRobot {
   const std::vector<NavigatorEvent>& navigator_events() const {
     return navigator_events_;
   }
-  const StepTimes& step_times() const { return times_; }
+  StepTimes step_times() const;
   int CollisionsOfRobot() const { return record_.CollisionsOfRobot(); }
 
  private:
@@ -101,7 +104,6 @@ class SuiteRobot {
   std::vector<Vec3> believed_;
   std::vector<NavigatorEvent> navigator_events_;
   StepTimes times_;
-  int64_t plan_events_ = 0;
 };
 
 }  // namespace treeline

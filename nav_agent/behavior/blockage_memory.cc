@@ -67,8 +67,9 @@ int BlockageMemory::Fade(MonotonicTime now) {
   }));
 }
 
-int BlockageMemory::SeeThrough(int level, Vec2 laser,
-                               const std::vector<Vec2>& ends) {
+int BlockageMemory::SeeThrough(
+    int level, Vec2 laser, const std::vector<Vec2>& ends,
+    const std::function<bool(const Blockage&)>& is_seen) {
   for (Known& known : known_) {
     const Blockage& blockage = known.blockage;
     if (blockage.level != level || Norm(blockage.center - laser) > kFar_m) {
@@ -81,7 +82,7 @@ int BlockageMemory::SeeThrough(int level, Vec2 laser,
       passes += beam == Beam::kPasses ? 1 : 0;
       ends_in += beam == Beam::kEndsIn ? 1 : 0;
     }
-    if (ends_in > 0) {
+    if (ends_in > 0 || (passes >= kBeams && is_seen(blockage))) {
       known.seen_free = 0;
     } else if (passes >= kBeams) {
       ++known.seen_free;

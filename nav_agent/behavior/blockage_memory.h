@@ -2,6 +2,7 @@
 #ifndef NAV_AGENT_BEHAVIOR_BLOCKAGE_MEMORY_H_
 #define NAV_AGENT_BEHAVIOR_BLOCKAGE_MEMORY_H_
 
+#include <functional>
 #include <vector>
 
 #include "nav_agent/behavior/navigator.h"
@@ -21,8 +22,10 @@ class BlockageMemory {
   int Fade(MonotonicTime now);
   // A scan's beams, from where the laser is to where each ended, in the map,
   // level by level: blockages that many beams pass and none ends in are free,
-  // if that is seen for a while. How many were forgotten.
-  int SeeThrough(int level, Vec2 laser, const std::vector<Vec2>& ends);
+  // if that is seen for a while; not those of which something is seen
+  // otherwise, below the laser's plane or above it. How many were forgotten.
+  int SeeThrough(int level, Vec2 laser, const std::vector<Vec2>& ends,
+                 const std::function<bool(const Blockage&)>& is_seen);
   // Of a robot that was told, or found, that it is elsewhere.
   void Clear() { known_.clear(); }
 

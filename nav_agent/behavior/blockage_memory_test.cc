@@ -26,6 +26,8 @@ std::vector<Vec2> Beams(double blocked_from_y, double blocked_to_y) {
   return ends;
 }
 
+bool Unseen(const Blockage& /*blockage*/) { return false; }
+
 TEST(BlockageMemory, FadesAndLastsLongerWhenMetAgain) {
   ManualClock clock;
   BlockageMemory memory(kLimits);
@@ -48,7 +50,8 @@ TEST(BlockageMemory, SeesThatNothingIsThereAnyMore) {
   memory.Add(At(2, 0.8), clock.Now());
   for (int i = 0; i < 10; ++i) {
     // Something still stands at (2, 0.8).
-    EXPECT_EQ(memory.SeeThrough(0, {0, 0}, Beams(0.7, 0.9)), i == 4 ? 1 : 0);
+    EXPECT_EQ(memory.SeeThrough(0, {0, 0}, Beams(0.7, 0.9), Unseen),
+              i == 4 ? 1 : 0);
   }
   ASSERT_EQ(memory.All().size(), 1u);
   EXPECT_EQ(memory.All()[0].center.y, 0.8);
@@ -61,9 +64,27 @@ TEST(BlockageMemory, OneScanOrAnotherLevelOrFarAwayIsNotEnough) {
   memory.Add(At(6, 0), clock.Now());
   memory.Add(At(2, 0), clock.Now());
   for (int i = 0; i < 20; ++i) {
-    memory.SeeThrough(0, {0, 0}, i % 2 == 0 ? Beams(1, 1) : Beams(-0.1, 0.1));
+    memory.SeeThrough(0, {0, 0}, i % 2 == 0 ? Beams(1, 1) : Beams(-0.1, 0.1),
+                      Unseen);
   }
   EXPECT_EQ(memory.All().size(), 3u);
+}
+
+TEST(BlockageMemory, WhatTheLaserLooksOverAndTheCameraSeesIsNotForgotten) {
+  ManualClock clock;
+  BlockageMemory memory(kLimits);
+  memory.Add(At(2, 0), clock.Now());
+  bool is_seen = true;
+  const auto seen = [&is_seen](const Blockage&) { return is_seen; };
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_EQ(memory.SeeThrough(0, {0, 0}, Beams(0.7, 0.9), seen), 0);
+  }
+  is_seen = false;
+  int forgotten = 0;
+  for (int i = 0; i < 5; ++i) {
+    forgotten += memory.SeeThrough(0, {0, 0}, Beams(0.7, 0.9), seen);
+  }
+  EXPECT_EQ(forgotten, 1);
 }
 
 TEST(ObstacleDiscs, FollowTheShapeThatHangsTogether) {

@@ -10,7 +10,7 @@
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/goal_runner.h"
 #include "nav_agent/behavior/navigator_parts.h"
-#include "nav_agent/behavior/plan_runner.h"
+#include "nav_agent/behavior/obstacle_discs.h"
 #include "nav_agent/behavior/safe_stop.h"
 #include "nav_agent/behavior/scan_ends.h"
 #include "nav_agent/behavior/sensor_watch.h"
@@ -25,6 +25,9 @@ constexpr double kEstimateAge_s = 0.5;
 constexpr int64_t kLookEvery = 4;
 constexpr int kBeamEvery = 2;
 constexpr double kNearlyLevel_rad = 0.05;
+// What is seen so near to a blockage is of it: it has one disc behind the
+// other.
+constexpr double kStillSeen_m = 0.25;
 // How far a lost robot asks for room (m).
 constexpr double kAskAhead_m = 1.0;
 constexpr double kAskBehind_m = 0.5;
@@ -150,6 +153,7 @@ void NavigatorOfParts::Step() {
   now_ = clock_.Now();
   events_.SetTime(now_);
   ++steps_;
+  parts_.planner->BeginStep();
   deadline_.Step(now_);
   sensors_.Poll(now_, command_);
   FeedTracker();
@@ -227,10 +231,15 @@ void NavigatorOfParts::LookThroughBlockages(const ControlPose& pose,
     return;
   }
   const Vec3 laser = robot_.base_from_laser.translation;
+  const CostmapView costmap = parts_.controller->Costmap();
   const int forgotten = runner_.blockages().SeeThrough(
       pose.pose.place.level, pose.pose.map_from_base * Vec2{laser.x, laser.y},
       ScanEndsInMap(scan, devices_.laser.Info(), robot_,
-                    pose.pose.map_from_base, kBeamEvery, true));
+                    pose.pose.map_from_base, kBeamEvery, true),
+      [&costmap](const Blockage& blockage) {
+        return IsSeenNear(costmap, blockage.center,
+                          blockage.radius_m + kStillSeen_m);
+      });
   if (forgotten == 0) return;
   events_.Add("blocked", "what stood in the way is gone");
   runner_.NoteWayIsFree();
@@ -506,6 +515,7 @@ NavigatorSnapshot NavigatorOfParts::Snapshot() const {
   shot.laser = sensors_.laser();
   shot.odometry = sensors_.odometry();
   shot.camera = sensors_.camera();
+  shot.plans = parts_.planner->Tally();
   shot.steps = steps_;
   shot.missed_deadlines = deadline_.missed();
   shot.longest_step_gap_s = deadline_.longest_gap_s();

@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "nav_agent/behavior/lost_and_found.h"
 #include "nav_agent/behavior/navigator_limits.h"
+#include "nav_agent/behavior/plan_runner.h"
 #include "nav_agent/control/local_controller.h"
 #include "nav_agent/core/devices.h"
 #include "nav_agent/core/navigation_cause.h"
@@ -122,6 +123,7 @@ struct NavigatorSnapshot {
   SensorTally laser;
   SensorTally odometry;
   SensorTally camera;
+  PlanTally plans;
   int64_t steps = 0;
   // Steps that came more than half a period late, and the longest time between
   // two.
@@ -139,6 +141,11 @@ struct NavigatorOptions {
   // Plans are made by a thread of their own, so that Step never waits for one;
   // results then depend on the machine's speed.
   bool plans_in_background = false;
+  // Or by such a thread, but handed over exactly so many steps after they were
+  // begun (0 to 400; 0: not so), which Step waits for if it must: results do
+  // not depend on the machine, and other than without both Step does nothing
+  // of a plan's work. Not with plans_in_background.
+  int plan_steps = 0;
   LocalControllerOptions control;
   RobotTrackerOptions tracker;
   LostAndFoundOptions lost;

@@ -8,6 +8,22 @@
 #include "nav_agent/behavior/plan_runner.h"
 
 namespace treeline {
+namespace {
+
+std::unique_ptr<PlanRunner> RunnerOf(
+    std::unique_ptr<const GlobalPlanner> planner,
+    const NavigatorOptions& options) {
+  if (options.plans_in_background) {
+    return MakeThreadPlanRunner(std::move(planner));
+  }
+  if (options.plan_steps > 0) {
+    return MakeSteppedPlanRunner(std::move(planner), options.plan_steps,
+                                 1e3 / options.control_hz);
+  }
+  return MakeInlinePlanRunner(std::move(planner));
+}
+
+}  // namespace
 
 absl::StatusOr<std::unique_ptr<Navigator>> Navigator::Create(
     const NavigatorMap& map, const RobotModel& robot,
@@ -26,9 +42,7 @@ absl::StatusOr<std::unique_ptr<Navigator>> Navigator::Create(
   parts.map = std::make_shared<const NavigationMap>(std::move(levels));
   TL_ASSIGN_OR_RETURN(std::unique_ptr<GlobalPlanner> planner,
                       MakeGlobalPlanner(parts.map, robot, options.planner));
-  parts.planner = options.plans_in_background
-                      ? MakeThreadPlanRunner(std::move(planner))
-                      : MakeInlinePlanRunner(std::move(planner));
+  parts.planner = RunnerOf(std::move(planner), options);
   const RangeSensorInfo laser = devices.laser.Info();
   TL_ASSIGN_OR_RETURN(
       parts.controller,

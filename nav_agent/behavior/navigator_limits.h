@@ -42,8 +42,10 @@ struct NavigatorLimits {
   double longest_wait_s = 24;
 
   // ---- what stands in the way is remembered ----
-  // Beyond what was seen of it (m).
-  double blockage_margin_m = 0.05;
+  // Beyond what was seen of it (m): as much as the local costmap widens what it
+  // sees (LocalCostmapOptions::widening_m), or ways are planned that the band
+  // refuses.
+  double blockage_margin_m = 0.15;
   // So long (s) the first time, twice as long each time that it is met again.
   double blockage_s = 30;
   double longest_blockage_s = 240;

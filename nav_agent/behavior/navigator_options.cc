@@ -48,6 +48,11 @@ absl::Status NavigatorOptions::Validate() const {
   TL_RETURN_IF_ERROR(tracker.Validate());
   TL_RETURN_IF_ERROR(lost.Validate());
   TL_RETURN_IF_ERROR(limits.Validate());
+  TL_RETURN_IF_ERROR(CheckRange("plan_steps", plan_steps, 0, 400));
+  if (plan_steps > 0 && plans_in_background) {
+    return absl::InvalidArgumentError(
+        "plan_steps and plans_in_background exclude each other");
+  }
   TL_RETURN_IF_ERROR(CheckRange("control_hz", control_hz, 10, 200));
   TL_RETURN_IF_ERROR(CheckRange("laser_timeout_s", laser_timeout_s, 0.05, 5));
   TL_RETURN_IF_ERROR(

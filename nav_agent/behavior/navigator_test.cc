@@ -401,6 +401,11 @@ TEST_F(NavigatorTest, OptionsAreChecked) {
   options = {};
   options.limits.back_up_m = -1;
   EXPECT_EQ(options.Validate().code(), absl::StatusCode::kInvalidArgument);
+  options = {};
+  options.plan_steps = 4;
+  EXPECT_TRUE(options.Validate().ok());
+  options.plans_in_background = true;
+  EXPECT_EQ(options.Validate().code(), absl::StatusCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -17,7 +17,8 @@ constexpr double kGap_m = 0.55;
 constexpr double kSpacing_m = 0.2;
 constexpr double kBehind_m = 0.2;
 
-std::vector<Vec2> SeenNear(const CostmapView& costmap, Vec2 about) {
+std::vector<Vec2> SeenNear(const CostmapView& costmap, Vec2 about,
+                           double reach_m) {
   std::vector<Vec2> points;
   for (int y = 0; y < costmap.height; ++y) {
     for (int x = 0; x < costmap.width; ++x) {
@@ -28,7 +29,7 @@ std::vector<Vec2> SeenNear(const CostmapView& costmap, Vec2 about) {
       const Vec2 point =
           costmap.origin_in_map + Vec2{(x + 0.5) * costmap.resolution_m,
                                        (y + 0.5) * costmap.resolution_m};
-      if (Norm(point - about) <= kFar_m) points.push_back(point);
+      if (Norm(point - about) <= reach_m) points.push_back(point);
     }
   }
   return points;
@@ -39,7 +40,7 @@ std::vector<Vec2> SeenNear(const CostmapView& costmap, Vec2 about) {
 std::vector<Blockage> DiscsOf(const CostmapView& costmap, Vec2 about, Vec2 eye,
                               double radius_m, double fallback_radius_m,
                               int level) {
-  std::vector<Vec2> seen = SeenNear(costmap, about);
+  std::vector<Vec2> seen = SeenNear(costmap, about, kFar_m);
   // Nearest first: what hangs together grows from there.
   std::ranges::sort(seen, [about](Vec2 a, Vec2 b) {
     return Norm(a - about) < Norm(b - about);
@@ -69,6 +70,10 @@ std::vector<Blockage> DiscsOf(const CostmapView& costmap, Vec2 about, Vec2 eye,
                      .level = level});
   }
   return discs;
+}
+
+bool IsSeenNear(const CostmapView& costmap, Vec2 about, double reach_m) {
+  return !SeenNear(costmap, about, reach_m).empty();
 }
 
 }  // namespace treeline

@@ -18,6 +18,9 @@ std::vector<Blockage> DiscsOf(const CostmapView& costmap, Vec2 about, Vec2 eye,
                               double radius_m, double fallback_radius_m,
                               int level);
 
+// Whether the costmap shows something seen within reach_m of a point.
+bool IsSeenNear(const CostmapView& costmap, Vec2 about, double reach_m);
+
 }  // namespace treeline
 
 #endif  // NAV_AGENT_BEHAVIOR_OBSTACLE_DISCS_H_

@@ -10,6 +10,19 @@
 
 namespace treeline {
 
+// Processor time of plans (ms).
+struct PlanTally {
+  int plans = 0;
+  double total_ms = 0;
+  double longest_ms = 0;
+  // Handed over later than they would have been by the processor alone: see
+  // MakeSteppedPlanRunner.
+  int late = 0;
+
+  void Add(double plan_ms);
+  void Add(const PlanTally& other);
+};
+
 // Makes one plan at a time. Called by one thread.
 class PlanRunner {
  public:
@@ -22,6 +35,10 @@ class PlanRunner {
   // Between Start and the Take that hands over the result, or Cancel.
   virtual bool IsBusy() const = 0;
   virtual void Cancel() = 0;
+  // A step of the control loop begins: for those that count them.
+  virtual void BeginStep() {}
+  // Of the plans that came to their end.
+  virtual PlanTally Tally() const = 0;
 };
 
 // Plans within Start: the next Take has the result.
@@ -32,6 +49,14 @@ std::unique_ptr<PlanRunner> MakeInlinePlanRunner(
 // which waits until the planner has noticed that it is to stop.
 std::unique_ptr<PlanRunner> MakeThreadPlanRunner(
     std::unique_ptr<const GlobalPlanner> planner);
+
+// The same, but a result comes exactly `steps` (at least 1) steps after its
+// plan was begun, so that a run depends on its seed and not on the machine. Of
+// a plan that takes longer, Take waits for the end. `late` are plans that took
+// more processor time than the steps, of step_ms each: there a robot that does
+// not wait would have had its plan later.
+std::unique_ptr<PlanRunner> MakeSteppedPlanRunner(
+    std::unique_ptr<const GlobalPlanner> planner, int steps, double step_ms);
 
 }  // namespace treeline
 

@@ -78,6 +78,79 @@ TEST(PlanRunner, ANewPlanReplacesTheOneThatIsBeingMade) {
   EXPECT_TRUE(gave_up.HasBeenNotified());
 }
 
+// Takes as long as it is told, whatever the machine does meanwhile.
+class SlowPlanner final : public GlobalPlanner {
+ public:
+  absl::StatusOr<PlanResult> Plan(
+      const PlanRequest& request, const PlanBudget& /*budget*/,
+      const std::stop_token& /*stop*/) const override {
+    if (request.seed == 2) may_end->WaitForNotification();
+    PlanResult result;
+    result.length_m = static_cast<double>(request.seed);
+    return result;
+  }
+  absl::Notification* may_end = nullptr;
+};
+
+TEST(PlanRunner, SteppedHandsOverExactlyThenAndNotBefore) {
+  auto runner = MakeSteppedPlanRunner(std::make_unique<SlowPlanner>(), 3, 25);
+  for (uint64_t seed = 10; seed < 200; ++seed) {
+    runner->BeginStep();
+    runner->Start(WithSeed(seed), {});
+    for (int step = 1; step < 3; ++step) {
+      EXPECT_FALSE(runner->Take().has_value());
+      EXPECT_TRUE(runner->IsBusy());
+      runner->BeginStep();
+    }
+    EXPECT_FALSE(runner->Take().has_value());
+    runner->BeginStep();
+    const auto result = runner->Take();
+    ASSERT_TRUE(result.has_value()) << seed;
+    EXPECT_EQ((*result)->length_m, static_cast<double>(seed));
+    EXPECT_FALSE(runner->Take().has_value());
+    EXPECT_FALSE(runner->IsBusy());
+  }
+  EXPECT_EQ(runner->Tally().plans, 190);
+}
+
+TEST(PlanRunner, SteppedWaitsForAPlanThatTakesLonger) {
+  absl::Notification may_end;
+  auto planner = std::make_unique<SlowPlanner>();
+  planner->may_end = &may_end;
+  auto runner = MakeSteppedPlanRunner(std::move(planner), 1, 25);
+  runner->Start(WithSeed(2), {});
+  EXPECT_FALSE(runner->Take().has_value());
+  runner->BeginStep();
+  std::jthread other([&may_end] { may_end.Notify(); });
+  const auto result = runner->Take();
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ((*result)->length_m, 2);
+}
+
+TEST(PlanRunner, SteppedCountsPlansThatTakeLongerThanTheirSteps) {
+  // No plan takes less processor time than none.
+  auto late = MakeSteppedPlanRunner(std::make_unique<SlowPlanner>(), 1, -1);
+  auto in_time = MakeSteppedPlanRunner(std::make_unique<SlowPlanner>(), 1, 1e9);
+  for (PlanRunner* runner : {late.get(), in_time.get()}) {
+    runner->Start(WithSeed(10), {});
+    runner->BeginStep();
+    ASSERT_TRUE(runner->Take().has_value());
+  }
+  EXPECT_EQ(late->Tally().late, 1);
+  EXPECT_EQ(in_time->Tally().late, 0);
+}
+
+TEST(PlanRunner, SteppedCancelLeavesNothingBehind) {
+  auto runner = MakeSteppedPlanRunner(std::make_unique<SlowPlanner>(), 2, 25);
+  runner->Start(WithSeed(10), {});
+  runner->BeginStep();
+  runner->Cancel();
+  EXPECT_FALSE(runner->IsBusy());
+  runner->BeginStep();
+  runner->BeginStep();
+  EXPECT_FALSE(runner->Take().has_value());
+}
+
 TEST(PlanRunner, EndsWhileAPlanIsBeingMade) {
   absl::Notification begun;
   absl::Notification gave_up;

@@ -54,6 +54,7 @@ class FakePlanRunner final : public PlanRunner {
     return Straight(requests.back().start, requests.back().goal);
   }
   bool IsBusy() const override { return is_busy_; }
+  PlanTally Tally() const override { return {}; }
   void Cancel() override { is_busy_ = false; }
 
   static PlanResult Straight(const LevelPose& from, const LevelPose& to) {

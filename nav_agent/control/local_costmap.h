@@ -75,6 +75,15 @@ struct UnseenObstacle {
 
 enum class LocalCell : uint8_t { kFree = 0, kMapObstacle = 1, kSeen = 2 };
 
+// Seen obstacles that hang together.
+struct SeenObstacle {
+  Vec2 center_in_map;
+  // 0: there is none.
+  double radius_m = 0;
+  // For how long its youngest tenth has been there (s).
+  double age_s = 1e6;
+};
+
 // A grid with the map's axes that rolls along with the robot.
 //
 // The map's layer is the ground that continues the robot's own: from its cell
@@ -90,15 +99,6 @@ enum class LocalCell : uint8_t { kFree = 0, kMapObstacle = 1, kSeen = 2 };
 // height; what it passed on its way is free of what lasers saw. Depth points
 // likewise, from the robot's ground clearance on where they are near.
 //
-// Seen obstacles that hang together.
-struct SeenObstacle {
-  Vec2 center_in_map;
-  // 0: there is none.
-  double radius_m = 0;
-  // For how long its youngest tenth has been there (s).
-  double age_s = 1e6;
-};
-
 // Deterministic; not thread-safe.
 class LocalCostmap {
  public:

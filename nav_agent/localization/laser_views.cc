@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numbers>
 #include <vector>
 
@@ -21,13 +22,21 @@ struct Votes {
   std::vector<uint32_t> passes;
 };
 
-// Of the voxels z - 1, z, z + 1 of a column, how many are occupied.
-int OccupiedAround(const VoxelMap& voxels, int x, int y, int z) {
-  int count = 0;
-  for (int at = z - 1; at <= z + 1; ++at) {
-    count += voxels.At({x, y, at}) == Voxel::kOccupied ? 1 : 0;
+// Of the voxels z - 1, z, z + 1 of each column, how many are occupied.
+std::vector<uint8_t> OccupiedAround(const VoxelMap& voxels, int z) {
+  const VoxelIndex size = voxels.size();
+  std::vector<uint8_t> counts;
+  counts.reserve(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
+  for (int y = 0; y < size.y; ++y) {
+    for (int x = 0; x < size.x; ++x) {
+      uint8_t count = 0;
+      for (int at = z - 1; at <= z + 1; ++at) {
+        if (voxels.At({x, y, at}) == Voxel::kOccupied) ++count;
+      }
+      counts.push_back(count);
+    }
   }
-  return count;
+  return counts;
 }
 
 class ViewCaster {
@@ -39,6 +48,7 @@ class ViewCaster {
   // `from` in cells, from the corner of the box; z: the voxel of the laser.
   void Cast(Vec2 from, Vec2 direction, int z) {
     const VoxelIndex size = voxels_.size();
+    const std::vector<uint8_t>& counts = CountsAt(z);
     const int steps =
         static_cast<int>(2 * options_.range_m / voxels_.resolution_m());
     CellIndex last = {-1, -1};
@@ -54,7 +64,7 @@ class ViewCaster {
       const size_t index =
           static_cast<size_t>(cell.y) * static_cast<size_t>(size.x) +
           static_cast<size_t>(cell.x);
-      const int occupied = OccupiedAround(voxels_, cell.x, cell.y, z);
+      const uint8_t occupied = counts[index];
       if (occupied == 0) {
         ++votes_.passes[index];
         continue;
@@ -80,10 +90,18 @@ class ViewCaster {
         });
   }
 
+  // Rays of one height ask for the same thousands of times.
+  const std::vector<uint8_t>& CountsAt(int z) {
+    std::vector<uint8_t>& counts = counts_[z];
+    if (counts.empty()) counts = OccupiedAround(voxels_, z);
+    return counts;
+  }
+
   const VoxelMap& voxels_;
   const TraversableMap& levels_;
   const LaserViewOptions& options_;
   Votes& votes_;
+  std::map<int, std::vector<uint8_t>> counts_;
 };
 
 }  // namespace

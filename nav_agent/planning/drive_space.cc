@@ -163,7 +163,7 @@ std::optional<Spot> DriveSpace::Drive(const Spot& from, Vec2 to,
   if (!ground_->Contains(cell) || !ground_->map().IsFree(from.level, cell)) {
     return std::nullopt;
   }
-  if (ground_->levels() == 1) {
+  if (ground_->IsOfOneLevel(from.level, box)) {
     if (!BoxIsFree(from.level, box)) return std::nullopt;
     return Spot{to, from.level};
   }

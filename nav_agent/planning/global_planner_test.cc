@@ -63,12 +63,8 @@ void ExpectClear(const NavigationMap& map, const PlanResult& result) {
   }
 }
 
-// A room of 8 x 5 m with a wall across, and a door of width_dm in it.
 std::shared_ptr<const NavigationMap> TwoRooms(int width_dm) {
-  std::vector<std::string> rows = RoomRows(80, 50);
-  Fill(rows, 40, 42, 1, 49, '#');
-  Fill(rows, 40, 42, 20, 20 + width_dm, '.');
-  return DrawnMap(rows);
+  return DrawnMap(TwoRoomsRows(width_dm));
 }
 
 TEST(GlobalPlannerTest, StraightWayInAnEmptyRoomIsStraight) {
@@ -100,13 +96,32 @@ TEST(GlobalPlannerTest, PassesDoorsThatTheFootprintJustFits) {
   }
 }
 
+TEST(GlobalPlannerTest, PassesDoorsThatLeaveLessRoomThanTheMargin) {
+  // 0.65 m: 3 cm more than the robot, 3 cm less than it and its margins.
+  std::vector<std::string> rows = RoomRows(160, 100);
+  Fill(rows, 80, 84, 1, 99, '#');
+  Fill(rows, 80, 84, 40, 53, '.');
+  const auto map = DrawnMap(rows, 1);
+  const PlanResult result = PlanOf(
+      *Planner(map), {.start = At(1, 4, kPi / 2), .goal = At(7, 4, -kPi / 2)});
+  ASSERT_EQ(result.failure, NavigationCause::kNone) << result.why;
+  ExpectClear(*map, result);
+  EXPECT_LT(result.length_m, 9.0);
+}
+
 TEST(GlobalPlannerTest, SaysThatThereIsNoWayThroughATooNarrowDoor) {
-  const PlanResult result =
-      PlanOf(*Planner(TwoRooms(6)), {.start = At(1, 4), .goal = At(7, 4)});
-  EXPECT_EQ(result.failure, NavigationCause::kNoPath);
-  EXPECT_THAT(result.why, testing::HasSubstr("no free ground"));
-  EXPECT_TRUE(result.path.empty());
-  EXPECT_EQ(result.iterations, 0);
+  const PlanRequest request = {.start = At(1, 4), .goal = At(7, 4)};
+  // No disc of the robot's length gets through.
+  const PlanResult none = PlanOf(*Planner(TwoRooms(5)), request);
+  EXPECT_EQ(none.failure, NavigationCause::kNoPath);
+  EXPECT_THAT(none.why, testing::HasSubstr("no free ground"));
+  EXPECT_TRUE(none.path.empty());
+  EXPECT_EQ(none.iterations, 0);
+  // One does, but the robot is 2 cm wider.
+  const PlanResult narrow = PlanOf(*Planner(TwoRooms(6)), request);
+  EXPECT_EQ(narrow.failure, NavigationCause::kNoPath);
+  EXPECT_THAT(narrow.why, testing::HasSubstr("too narrow"));
+  EXPECT_TRUE(narrow.path.empty());
 }
 
 TEST(GlobalPlannerTest, NamesGoalsThatAreOutsideOrHaveNoRoom) {

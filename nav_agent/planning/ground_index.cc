@@ -68,20 +68,25 @@ GroundIndex::GroundIndex(std::shared_ptr<const NavigationMap> map)
         map_->traversable().levels[static_cast<size_t>(level)].slope_rad;
     std::vector<float> clearance_m(cells());
     std::vector<float> slope_sine(cells());
-    std::vector<int32_t> next_blocked(cells());
+    NextInRow next_blocked(cells());
+    NextInRow next_beyond(cells());
     for (int y = 0; y < height_; ++y) {
       int32_t next = width_;
+      int32_t beyond = width_;
       for (int x = width_ - 1; x >= 0; --x) {
         const size_t at = IndexOf({x, y});
         clearance_m[at] = map_->ClearanceAt_m(level, {x, y});
         slope_sine[at] = std::isnan(slopes[at]) ? 0 : std::sin(slopes[at]);
         if (!(clearance_m[at] > 0)) next = x;
+        if (clearance_m[at] > 0 && !map_->IsFree(level, {x, y})) beyond = x;
         next_blocked[at] = next;
+        next_beyond[at] = beyond;
       }
     }
     clearance_m_.push_back(std::move(clearance_m));
     slope_sine_.push_back(std::move(slope_sine));
     next_blocked_.push_back(std::move(next_blocked));
+    next_beyond_.push_back(std::move(next_beyond));
   }
 }
 
@@ -92,7 +97,7 @@ CellIndex GroundIndex::CellOf(Vec2 at) const {
   return {static_cast<int>(x), static_cast<int>(y)};
 }
 
-bool GroundIndex::IsFree(int level, const OrientedBox& box) const {
+bool GroundIndex::IsClear(const NextInRow& next, const OrientedBox& box) const {
   const auto [lowest, right, highest, left] = CornersOf(box, resolution_m_);
   // Also false for what is not a number.
   if (!(lowest.y > -kTouch_cells && highest.y < height_ + kTouch_cells &&
@@ -112,20 +117,19 @@ bool GroundIndex::IsFree(int level, const OrientedBox& box) const {
         SideAt(lowest, left, highest, std::clamp(left.y, from_y, to_y));
     const double to_x =
         SideAt(lowest, right, highest, std::clamp(right.y, from_y, to_y));
-    if (!IsFreeInRow(level, row, from_x, to_x)) return false;
+    if (!IsClearInRow(next, row, from_x, to_x)) return false;
   }
   return true;
 }
 
-// Whether a row's cells between two abscissas, in cells, are free.
-bool GroundIndex::IsFreeInRow(int level, int row, double from_x,
-                              double to_x) const {
+// Whether there is none between two abscissas of a row, in cells.
+bool GroundIndex::IsClearInRow(const NextInRow& next, int row, double from_x,
+                               double to_x) const {
   const int from =
       std::max(0, static_cast<int>(std::floor(from_x + kTouch_cells)));
   const int to = std::min(width_ - 1,
                           static_cast<int>(std::ceil(to_x - kTouch_cells)) - 1);
-  return from > to ||
-         next_blocked_[static_cast<size_t>(level)][IndexOf({from, row})] > to;
+  return from > to || next[IndexOf({from, row})] > to;
 }
 
 bool GroundIndex::IsFreeDisc(int level, Vec2 center, double radius_m) const {
@@ -144,7 +148,10 @@ bool GroundIndex::IsFreeDisc(int level, Vec2 center, double radius_m) const {
     // Widest as near to the middle as the row lets it.
     const double dy = std::clamp<double>(y, row, row + 1) - y;
     const double half = std::sqrt(std::max(0.0, radius * radius - dy * dy));
-    if (!IsFreeInRow(level, row, x - half, x + half)) return false;
+    if (!IsClearInRow(next_blocked_[static_cast<size_t>(level)], row, x - half,
+                      x + half)) {
+      return false;
+    }
   }
   return true;
 }

@@ -69,7 +69,15 @@ class GroundIndex {
   }
 
   // Whether no blocked cell has area in common with the box. Exact.
-  bool IsFree(int level, const OrientedBox& box) const;
+  bool IsFree(int level, const OrientedBox& box) const {
+    return IsClear(next_blocked_[static_cast<size_t>(level)], box);
+  }
+  // Whether the box has no ground that is another level's, continuing this
+  // one's: who drives within it stays on the level.
+  bool IsOfOneLevel(int level, const OrientedBox& box) const {
+    return levels() == 1 ||
+           IsClear(next_beyond_[static_cast<size_t>(level)], box);
+  }
   // The same for a disc.
   bool IsFreeDisc(int level, Vec2 center, double radius_m) const;
 
@@ -86,7 +94,10 @@ class GroundIndex {
   }
 
  private:
-  bool IsFreeInRow(int level, int row, double from_x, double to_x) const;
+  using NextInRow = std::vector<int32_t>;
+  bool IsClear(const NextInRow& next, const OrientedBox& box) const;
+  bool IsClearInRow(const NextInRow& next, int row, double from_x,
+                    double to_x) const;
 
   std::shared_ptr<const NavigationMap> map_;
   int width_;
@@ -97,7 +108,9 @@ class GroundIndex {
   std::vector<std::vector<float>> slope_sine_;
   // The column of the first blocked cell from here on to the right; the width
   // where there is none.
-  std::vector<std::vector<int32_t>> next_blocked_;
+  std::vector<NextInRow> next_blocked_;
+  // The same of cells that are not blocked, nor free on this level.
+  std::vector<NextInRow> next_beyond_;
 };
 
 }  // namespace treeline

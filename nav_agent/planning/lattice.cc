@@ -42,6 +42,11 @@ constexpr float kGreed = 1.5F;
 // at most this (rad): other headings are of other nodes.
 constexpr double kLastLine_m = 1.0;
 constexpr double kLastTurn_rad = 0.6;
+// A niche around the goal is no larger than so many nodes.
+constexpr size_t kNicheNodes = 20000;
+// Ways that are longer than the disc's by more than this (m) are guided less.
+constexpr float kDetour_m = 3.0F;
+constexpr size_t kNowhere = std::numeric_limits<size_t>::max();
 
 double YawOf(int heading) {
   const CellIndex& step = kSteps[static_cast<size_t>(heading)];
@@ -60,32 +65,50 @@ struct IsWorse {
 };
 using Queue = std::priority_queue<Open, std::vector<Open>, IsWorse>;
 
-// Nodes are places, one in each cell, with the heading that they were driven to
-// with: number = (level * cells + cell) * headings + heading.
+// Nodes are places, one in each cell, with a heading to stand there with:
+// number = (level * cells + cell) * headings + heading. Edges are steps ahead
+// and turns to the next heading.
 class Lattice {
  public:
-  Lattice(const DriveSpace& space, const Stand& start, const Stand& goal)
+  Lattice(const DriveSpace& space, const Stand& start, const Stand& goal,
+          const std::function<bool()>& is_over)
       : space_(&space),
         ground_(&space.ground()),
+        is_over_(&is_over),
         start_(start),
         goal_(goal),
         offset_(start.spot.at -
                 ground_->CenterOf(ground_->CellOf(start.spot.at))),
-        places_(ground_->cells() * static_cast<size_t>(ground_->levels())) {}
+        places_(ground_->cells() * static_cast<size_t>(ground_->levels())),
+        room_m_(places_, kUnknownRoom),
+        turns_(places_ * kHeadings, kUnknown) {
+    for (size_t heading = 0; heading < kHeadings; ++heading) {
+      step_m_[heading] =
+          static_cast<float>(ground_->resolution_m() *
+                             std::hypot(kSteps[heading].x, kSteps[heading].y));
+    }
+  }
 
-  Polyline Run(const std::function<bool()>& is_over) {
-    if (!EstimateAll(is_over)) return {};
+  Polyline Run() {
+    FindEnds();
+    if (starts_.empty() || ends_.empty() || !MayBeReached() || !EstimateAll()) {
+      return {};
+    }
     cost_m_.assign(places_ * kHeadings, kFar);
     parent_.assign(places_ * kHeadings, kNone);
-    turns_.assign(places_ * kHeadings, kUnknown);
-    Begin();
+    is_done_.assign(places_ * kHeadings, false);
+    for (const uint32_t number : starts_) {
+      const double yaw_rad = YawOf(HeadingOf(number));
+      Reach(kNone, number,
+            static_cast<float>(TurnCost_m(start_.yaw_rad, yaw_rad)));
+    }
     for (int count = 0; !open_.empty(); ++count) {
-      if (count % kStopEvery == 0 && is_over()) return {};
+      if (count % kStopEvery == 0 && (*is_over_)()) return {};
       const Open next = open_.top();
       open_.pop();
       if (is_done_[next.number]) continue;
       is_done_[next.number] = true;
-      if (LeadsToGoal(next.number)) return WayTo(next.number);
+      if (is_end_[next.number]) return WayTo(next.number);
       Expand(next.number);
     }
     return {};
@@ -95,6 +118,7 @@ class Lattice {
   static constexpr uint8_t kUnknown = 0;
   static constexpr uint8_t kCan = 1;
   static constexpr uint8_t kCannot = 2;
+  static constexpr float kUnknownRoom = -1;
 
   size_t PlaceOf(int level, CellIndex cell) const {
     return static_cast<size_t>(level) * ground_->cells() +
@@ -111,66 +135,169 @@ class Lattice {
   Spot SpotOf(size_t place) const {
     return {ground_->CenterOf(CellOf(place)) + offset_, LevelOf(place)};
   }
+  static int HeadingOf(uint32_t number) {
+    return static_cast<int>(number % kHeadings);
+  }
+  static uint32_t NumberOf(size_t place, int heading) {
+    return static_cast<uint32_t>(place * kHeadings +
+                                 static_cast<size_t>(heading));
+  }
 
-  // The inscribed disc's way to the goal from everywhere, by Dijkstra. False if
-  // it is over.
-  bool EstimateAll(const std::function<bool()>& is_over) {
+  // DriveSpace's, asked once.
+  double RoomAt_m(size_t place) {
+    float& room_m = room_m_[place];
+    if (room_m == kUnknownRoom) {
+      // Rounded down.
+      room_m = static_cast<float>(space_->RoomAtLeast_m(SpotOf(place))) *
+               (1 - std::numeric_limits<float>::epsilon());
+    }
+    return room_m;
+  }
+
+  // Nodes that it may begin and end with.
+  void FindEnds() {
+    const size_t start =
+        PlaceOf(start_.spot.level, ground_->CellOf(start_.spot.at));
+    for (int heading = 0; heading < kHeadings; ++heading) {
+      if (space_->CanTurn(start_.spot, start_.yaw_rad, YawOf(heading))) {
+        starts_.push_back(NumberOf(start, heading));
+      }
+    }
+    is_end_.assign(places_ * kHeadings, false);
+    const CellIndex middle = ground_->CellOf(goal_.spot.at);
+    const int reach =
+        static_cast<int>(kLastLine_m / ground_->resolution_m()) + 1;
+    for (int y = middle.y - reach; y <= middle.y + reach; ++y) {
+      for (int x = middle.x - reach; x <= middle.x + reach; ++x) {
+        if (!ground_->Contains({x, y})) continue;
+        for (int level = 0; level < ground_->levels(); ++level) {
+          FindEndsAt(PlaceOf(level, {x, y}));
+        }
+      }
+    }
+  }
+
+  void FindEndsAt(size_t place) {
+    const Spot spot = SpotOf(place);
+    const Vec2 line = goal_.spot.at - spot.at;
+    const double length_m = Norm(line);
+    if (length_m > kLastLine_m ||
+        !space_->MayHoldDisc({ground_->CenterOf(CellOf(place)), spot.level})) {
+      return;
+    }
+    const bool is_there = length_m < 1e-6;
+    const double line_rad =
+        is_there ? goal_.yaw_rad : std::atan2(line.y, line.x);
+    if (is_there ? spot.level != goal_.spot.level
+                 : !LeadsToGoal(spot, line_rad)) {
+      return;
+    }
+    for (int heading = 0; heading < kHeadings; ++heading) {
+      const double turn_rad =
+          std::abs(NormalizedAngle_rad(line_rad - YawOf(heading)));
+      if ((!is_there && turn_rad > kLastTurn_rad) ||
+          !space_->CanTurn(spot, YawOf(heading), line_rad)) {
+        continue;
+      }
+      ends_.push_back(NumberOf(place, heading));
+      is_end_[ends_.back()] = true;
+    }
+  }
+
+  bool LeadsToGoal(const Spot& spot, double line_rad) const {
+    const std::optional<Spot> end = space_->Drive(spot, goal_.spot.at);
+    return end.has_value() && end->level == goal_.spot.level &&
+           space_->CanTurn(*end, line_rad, goal_.yaw_rad);
+  }
+
+  // False if none of the ways back from the goal leads far, and none to the
+  // start: niches that cannot be driven into would have everything else
+  // searched.
+  bool MayBeReached() {
+    std::vector<bool> is_found(places_ * kHeadings, false);
+    std::vector<uint32_t> found = ends_;
+    for (const uint32_t number : found) is_found[number] = true;
+    const auto add = [&](uint32_t number) {
+      if (!is_found[number]) found.push_back(number);
+      is_found[number] = true;
+    };
+    for (size_t i = 0; i < found.size(); ++i) {
+      if (i > kNicheNodes ||
+          std::ranges::find(starts_, found[i]) != starts_.end()) {
+        return true;
+      }
+      const size_t place = found[i] / kHeadings;
+      const int heading = HeadingOf(found[i]);
+      const int left = (heading + 1) % kHeadings;
+      const int right = (heading + kHeadings - 1) % kHeadings;
+      if (CanTurnLeft(place, heading)) add(NumberOf(place, left));
+      if (CanTurnLeft(place, right)) add(NumberOf(place, right));
+      const CellIndex& step = kSteps[static_cast<size_t>(heading)];
+      const CellIndex cell = CellOf(place);
+      const CellIndex before = {cell.x - step.x, cell.y - step.y};
+      for (int level = 0; level < ground_->levels(); ++level) {
+        if (!ground_->map().IsFree(level, before)) continue;
+        const size_t from = PlaceOf(level, before);
+        if (PlaceAhead(from, heading) == place &&
+            CanDrive(from, heading, place)) {
+          add(NumberOf(from, heading));
+        }
+      }
+    }
+    return false;
+  }
+
+  // The inscribed disc's way to the goal, by Dijkstra: from everywhere up to a
+  // little further than from the start; what is further gets that bound. False
+  // if it is over.
+  bool EstimateAll() {
     estimate_m_.assign(places_, kFar);
     Queue open;
     const size_t goal =
         PlaceOf(goal_.spot.level, ground_->CellOf(goal_.spot.at));
+    const size_t start = starts_.front() / kHeadings;
     estimate_m_[goal] = 0;
     open.push({0, static_cast<uint32_t>(goal)});
+    float furthest_m = kFar;
     for (int count = 0; !open.empty(); ++count) {
-      if (count % kStopEvery == 0 && is_over()) return false;
+      if (count % kStopEvery == 0 && (*is_over_)()) return false;
       const Open next = open.top();
       open.pop();
+      if (next.estimate_m > furthest_m) break;
       if (next.estimate_m > estimate_m_[next.number]) continue;
+      if (next.number == start) furthest_m = next.estimate_m + kDetour_m;
       const CellIndex cell = CellOf(next.number);
-      for (const CellIndex& step : kSteps) {
-        const CellIndex to = {cell.x + step.x, cell.y + step.y};
+      for (size_t i = 0; i < kHeadings; ++i) {
+        const CellIndex to = {cell.x + kSteps[i].x, cell.y + kSteps[i].y};
         const int level = ground_->LevelAfter(LevelOf(next.number), cell, to);
-        if (level < 0 || !space_->MayHoldDisc({ground_->CenterOf(to), level})) {
+        if (level < 0) continue;
+        const float cost_m = next.estimate_m + step_m_[i];
+        const size_t place = PlaceOf(level, to);
+        if (cost_m >= estimate_m_[place] ||
+            !space_->MayHoldDisc({ground_->CenterOf(to), level})) {
           continue;
         }
-        const float cost_m =
-            next.estimate_m + static_cast<float>(ground_->resolution_m() *
-                                                 std::hypot(step.x, step.y));
-        const size_t place = PlaceOf(level, to);
-        if (cost_m >= estimate_m_[place]) continue;
         estimate_m_[place] = cost_m;
         open.push({cost_m, static_cast<uint32_t>(place)});
       }
     }
+    for (float& estimate_m : estimate_m_) {
+      estimate_m = std::min(estimate_m, furthest_m);
+    }
     return true;
   }
 
-  void Begin() {
-    is_done_.assign(places_ * kHeadings, false);
-    const size_t place =
-        PlaceOf(start_.spot.level, ground_->CellOf(start_.spot.at));
-    for (int heading = 0; heading < kHeadings; ++heading) {
-      if (!space_->CanTurn(start_.spot, start_.yaw_rad, YawOf(heading))) {
-        continue;
-      }
-      Reach(kNone, place, heading,
-            static_cast<float>(TurnCost_m(start_.yaw_rad, YawOf(heading))));
-    }
-  }
-
-  void Reach(uint32_t from, size_t place, int heading, float cost_m) {
-    const size_t number = place * kHeadings + static_cast<size_t>(heading);
-    if (cost_m >= cost_m_[number] || !std::isfinite(estimate_m_[place])) {
-      return;
-    }
+  void Reach(uint32_t from, uint32_t number, float cost_m) {
+    const float estimate_m = estimate_m_[number / kHeadings];
+    if (cost_m >= cost_m_[number] || !std::isfinite(estimate_m)) return;
     cost_m_[number] = cost_m;
     parent_[number] = from;
-    open_.push(
-        {cost_m + kGreed * estimate_m_[place], static_cast<uint32_t>(number)});
+    open_.push({cost_m + kGreed * estimate_m, number});
   }
 
   // Whether it turns there from a heading to the next one to the left.
   bool CanTurnLeft(size_t place, int heading) {
+    if (RoomAt_m(place) >= space_->footprint().circumradius_m) return true;
     uint8_t& known = turns_[place * kHeadings + static_cast<size_t>(heading)];
     if (known == kUnknown) {
       known = space_->CanTurn(SpotOf(place), YawOf(heading),
@@ -181,94 +308,111 @@ class Lattice {
     return known == kCan;
   }
 
-  void Expand(uint32_t from) {
-    const size_t place = from / kHeadings;
-    const auto heading = static_cast<int>(from % kHeadings);
-    DriveOn(from, place, heading);
-    for (const int side : {1, -1}) {
-      int turned = heading;
-      for (int i = 0; i < kHeadings / 2; ++i) {
-        const int next = (turned + side + kHeadings) % kHeadings;
-        if (!CanTurnLeft(place, side > 0 ? turned : next)) break;
-        turned = next;
-        DriveOn(from, place, turned);
-      }
-    }
-  }
-
-  // A step from a node along a heading that it can be turned to.
-  void DriveOn(uint32_t from, size_t place, int heading) {
+  // Where a step along a heading leads; kNowhere: off the ground.
+  size_t PlaceAhead(size_t place, int heading) const {
     const CellIndex& step = kSteps[static_cast<size_t>(heading)];
     const CellIndex cell = CellOf(place);
     const CellIndex next = {cell.x + step.x, cell.y + step.y};
     const int level = ground_->LevelAfter(LevelOf(place), cell, next);
-    if (level < 0) return;
-    const size_t to = PlaceOf(level, next);
-    if (is_done_[to * kHeadings + static_cast<size_t>(heading)]) return;
-    const Spot spot = SpotOf(place);
-    const Spot end = {ground_->CenterOf(next) + offset_, level};
-    const auto cost_m = static_cast<float>(
-        TurnCost_m(YawOf(static_cast<int>(from % kHeadings)), YawOf(heading)) +
-        ground_->resolution_m() * std::hypot(step.x, step.y) *
-            (space_->CostPerMetre(spot) + space_->CostPerMetre(end)) / 2);
-    if (cost_m_[from] + cost_m >=
-        cost_m_[to * kHeadings + static_cast<size_t>(heading)]) {
-      return;
-    }
-    const std::optional<Spot> driven = space_->Drive(spot, end.at);
-    if (!driven.has_value() || driven->level != level) return;
-    Reach(from, to, heading, cost_m_[from] + cost_m);
+    return level < 0 ? kNowhere : PlaceOf(level, next);
   }
 
-  bool LeadsToGoal(uint32_t from) const {
-    const Spot spot = SpotOf(from / kHeadings);
-    const Vec2 line = goal_.spot.at - spot.at;
-    const double length_m = Norm(line);
-    if (spot.level != goal_.spot.level || length_m > kLastLine_m) return false;
-    const double yaw_rad = YawOf(static_cast<int>(from % kHeadings));
-    if (length_m < 1e-6) {
-      return space_->CanTurn(spot, yaw_rad, goal_.yaw_rad);
+  bool CanDrive(size_t place, int heading, size_t to) {
+    // All that a step sweeps is that near.
+    if (LevelOf(place) == LevelOf(to) &&
+        RoomAt_m(place) >= space_->footprint().circumradius_m +
+                               step_m_[static_cast<size_t>(heading)]) {
+      return true;
     }
-    const double line_rad = std::atan2(line.y, line.x);
-    if (std::abs(NormalizedAngle_rad(line_rad - yaw_rad)) > kLastTurn_rad) {
-      return false;
-    }
-    const std::optional<Spot> end = space_->Drive(spot, goal_.spot.at);
-    return end.has_value() && end->level == goal_.spot.level &&
-           space_->CanTurn(spot, yaw_rad, line_rad) &&
-           space_->CanTurn(*end, line_rad, goal_.yaw_rad);
+    const std::optional<Spot> driven =
+        space_->Drive(SpotOf(place), SpotOf(to).at);
+    return driven.has_value() && driven->level == LevelOf(to);
   }
 
-  // Through the places where the heading changes.
+  void Expand(uint32_t from) {
+    const size_t place = from / kHeadings;
+    const int heading = HeadingOf(from);
+    const int left = (heading + 1) % kHeadings;
+    const int right = (heading + kHeadings - 1) % kHeadings;
+    if (MayTurnOn(from)) {
+      if (CanTurnLeft(place, heading)) Turn(from, place, left);
+      if (CanTurnLeft(place, right)) Turn(from, place, right);
+    }
+    const size_t to = PlaceAhead(place, heading);
+    if (to == kNowhere) return;
+    const uint32_t number = NumberOf(to, heading);
+    if (is_done_[number]) return;
+    const auto cost_m =
+        static_cast<float>(step_m_[static_cast<size_t>(heading)] *
+                           (space_->CostPerMetre(SpotOf(place)) +
+                            space_->CostPerMetre(SpotOf(to))) /
+                           2);
+    if (cost_m_[from] + cost_m >= cost_m_[number]) return;
+    if (CanDrive(place, heading, to))
+      Reach(from, number, cost_m_[from] + cost_m);
+  }
+
+  // Turns are driven the shorter way round: at most half a turn in one place.
+  // At the start all such are among the first nodes.
+  bool MayTurnOn(uint32_t node) const {
+    int turns = 0;
+    for (uint32_t before = parent_[node];
+         before != kNone && before / kHeadings == node / kHeadings;
+         before = parent_[before]) {
+      if (++turns == kHeadings / 2) return false;
+    }
+    return node / kHeadings != starts_.front() / kHeadings;
+  }
+
+  void Turn(uint32_t from, size_t place, int heading) {
+    const double cost_m = TurnCost_m(YawOf(HeadingOf(from)), YawOf(heading));
+    Reach(from, NumberOf(place, heading),
+          cost_m_[from] + static_cast<float>(cost_m));
+  }
+
+  // Through the places where it turns or comes to another level.
   Polyline WayTo(uint32_t last) const {
-    Polyline way = {goal_.spot};
-    if (Norm(SpotOf(last / kHeadings).at - goal_.spot.at) > 1e-6) {
-      way.push_back(SpotOf(last / kHeadings));
-    }
-    for (uint32_t at = last; parent_[at] != kNone; at = parent_[at]) {
-      const uint32_t before = parent_[at];
+    std::vector<uint32_t> nodes;
+    for (uint32_t at = last; at != kNone; at = parent_[at]) nodes.push_back(at);
+    std::ranges::reverse(nodes);
+    Polyline way = {start_.spot};
+    for (size_t i = 1; i + 1 < nodes.size(); ++i) {
+      const size_t place = nodes[i] / kHeadings;
+      const size_t next = nodes[i + 1] / kHeadings;
       const bool is_corner =
-          parent_[before] == kNone || before % kHeadings != at % kHeadings ||
-          LevelOf(before / kHeadings) != LevelOf(at / kHeadings);
-      if (is_corner) way.push_back(SpotOf(before / kHeadings));
+          next != place && (nodes[i - 1] / kHeadings == place ||
+                            LevelOf(next) != LevelOf(place));
+      if (is_corner && place != nodes.front() / kHeadings) {
+        way.push_back(SpotOf(place));
+      }
     }
-    std::ranges::reverse(way);
+    const size_t end = last / kHeadings;
+    if (end != nodes.front() / kHeadings) way.push_back(SpotOf(end));
+    if (Norm(SpotOf(end).at - goal_.spot.at) > 1e-6) {
+      way.push_back(goal_.spot);
+    }
     return way;
   }
 
   const DriveSpace* space_;
   const GroundIndex* ground_;
+  const std::function<bool()>* is_over_;
   Stand start_;
   Stand goal_;
   // From cells' centres to the places: one of them is the start.
   Vec2 offset_;
+  std::array<float, kHeadings> step_m_ = {};
   size_t places_;
+  std::vector<uint32_t> starts_;
+  std::vector<uint32_t> ends_;
   // One a place.
+  std::vector<float> room_m_;
   std::vector<float> estimate_m_;
   // One a node.
+  std::vector<uint8_t> turns_;
+  std::vector<bool> is_end_;
   std::vector<float> cost_m_;
   std::vector<uint32_t> parent_;
-  std::vector<uint8_t> turns_;
   std::vector<bool> is_done_;
   Queue open_;
 };
@@ -278,7 +422,7 @@ class Lattice {
 Polyline SearchLattice(const DriveSpace& space, const Stand& start,
                        const Stand& goal,
                        const std::function<bool()>& is_over) {
-  return Lattice(space, start, goal).Run(is_over);
+  return Lattice(space, start, goal, is_over).Run();
 }
 
 }  // namespace treeline

@@ -75,6 +75,14 @@ inline void Fill(std::vector<std::string>& rows, int x0, int x1, int y0, int y1,
   }
 }
 
+// A room of 8 x 5 m with a wall across, and a door of width_dm in it.
+inline std::vector<std::string> TwoRoomsRows(int width_dm) {
+  std::vector<std::string> rows = RoomRows(80, 50);
+  Fill(rows, 40, 42, 1, 49, '#');
+  Fill(rows, 40, 42, 20, 20 + width_dm, '.');
+  return rows;
+}
+
 }  // namespace treeline
 
 #endif  // NAV_AGENT_PLANNING_TESTING_MAPS_H_

@@ -46,12 +46,11 @@ absl::StatusOr<Camera> Scaled(const Camera& camera, double scale) {
 
 }  // namespace
 
-absl::StatusOr<std::shared_ptr<const Imager>> MakeImager(const World& world,
-                                                         uint64_t seed,
-                                                         double scale,
-                                                         int threads) {
-  TL_ASSIGN_OR_RETURN(std::shared_ptr<const Renderer> renderer,
-                      Renderer::Create(world, threads));
+absl::StatusOr<std::shared_ptr<const Imager>> MakeImager(
+    const World& world, uint64_t seed, double scale, bool is_lit, int threads) {
+  TL_ASSIGN_OR_RETURN(
+      std::shared_ptr<const Renderer> renderer,
+      is_lit ? Renderer::Create(world, threads) : Renderer::CreateUnlit(world));
   SyntheticCamera::Options options;
   if (scale != 1) {
     // Depth is as exact as that of the whole picture.

@@ -9,13 +9,11 @@
 
 namespace treeline {
 
-// Prepares the light of `world` (a second or two). Pictures are `scale` (in
-// [0.1, 1]) times as wide and high as the camera's own, of the same view.
-// threads < 1: all.
-absl::StatusOr<std::shared_ptr<const Imager>> MakeImager(const World& world,
-                                                         uint64_t seed,
-                                                         double scale,
-                                                         int threads);
+// Prepares the light of `world` (a second or two), if it is to be lit. Pictures
+// are `scale` (in [0.1, 1]) times as wide and high as the camera's own, of the
+// same view. threads < 1: all.
+absl::StatusOr<std::shared_ptr<const Imager>> MakeImager(
+    const World& world, uint64_t seed, double scale, bool is_lit, int threads);
 
 }  // namespace treeline
 

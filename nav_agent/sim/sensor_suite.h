@@ -29,6 +29,9 @@ struct SensorOptions {
   // Pictures are 640 x 480 pixels times this; smaller ones take less time. In
   // [0.1, 1].
   double camera_scale = 1;
+  // Whether the world's light is prepared (a second or two) for the pictures'
+  // colours; else it is that of a cloudy day everywhere. Depth is the same.
+  bool camera_is_lit = true;
 
   absl::Status Validate() const;
 };

@@ -134,6 +134,24 @@ TEST(Sensors, AMovingRobotSeesASkewedWorld) {
   EXPECT_GT(off_unskewed_m, 0.1);
 }
 
+TEST(Sensors, DepthIsTheSameWithoutLight) {
+  std::vector<std::vector<uint16_t>> depths;
+  for (const bool is_lit : {true, false}) {
+    SimulatorOptions options = StartAt(10, 10);
+    options.sensors.camera_hz = 10;
+    options.sensors.camera_scale = 0.1;
+    options.sensors.camera_is_lit = is_lit;
+    const auto simulator = MakeSimulator(Hall().Build(), options);
+    simulator->Step(milliseconds(100));
+    const auto frames = simulator->camera().TakeFrames();
+    ASSERT_FALSE(frames.empty());
+    ASSERT_TRUE(frames[0].frame.depth.has_value());
+    depths.push_back(frames[0].frame.depth->values);
+  }
+  EXPECT_GT(*std::ranges::max_element(depths[0]), 0);
+  EXPECT_EQ(depths[0], depths[1]);
+}
+
 TEST(Sensors, PicturesAreTakenOnlyForWhoAsks) {
   SimulatorOptions options = StartAt(10, 10);
   options.sensors.camera_hz = 10;

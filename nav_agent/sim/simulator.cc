@@ -37,7 +37,7 @@ absl::StatusOr<std::unique_ptr<Simulator>> Simulator::Create(
   if (options.sensors.camera_hz > 0) {
     TL_ASSIGN_OR_RETURN(
         imager, MakeImager(*owned, options.seed, options.sensors.camera_scale,
-                           options.threads));
+                           options.sensors.camera_is_lit, options.threads));
   }
   std::unique_ptr<Simulator> simulator(
       new Simulator(std::move(owned), std::move(caster), options));

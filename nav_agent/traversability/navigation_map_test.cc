@@ -181,6 +181,78 @@ TEST(NavigationMapTest, SidesOfARampAreBlockedDownToItsFoot) {
   }
 }
 
+// The ramp of RampScene, and a landing 0.4 m high beyond its upper end and
+// beside it, to the left.
+Scene RampWithLanding(double yaw_rad) {
+  Scene scene = RampScene(yaw_rad);
+  const Rigid2 scene_from_ramp = scene.blocks.back().scene_from_block;
+  const auto add = [&](Vec2 middle, double half_x_m, double half_y_m) {
+    scene.blocks.push_back(
+        {.kind = BlockKind::kGround,
+         .scene_from_block = scene_from_ramp * Rigid2{middle, 0},
+         .half_x_m = half_x_m,
+         .half_y_m = half_y_m,
+         .top_begin_m = Scene::kFloor_m + 0.4,
+         .top_end_m = Scene::kFloor_m + 0.4});
+  };
+  add({0.9, 1.2}, 2.3, 0.6);
+  add({2.8, 0}, 0.4, 0.6);
+  return scene;
+}
+
+TEST(NavigationMapTest, SidesOfARampAreBlockedUpToTheFloorThatItLeadsTo) {
+  for (const double yaw_rad : {0.0, 0.4}) {
+    const Scene scene = RampWithLanding(yaw_rad);
+    const auto levels = ExtractTraversableMap(Voxelize(scene));
+    ASSERT_TRUE(levels.ok());
+    const NavigationMap map = Map(*levels);
+    const Rigid2& scene_from_ramp = scene.blocks[1].scene_from_block;
+    // Over the side between ramp and landing. The ramp lies 9 to 5 cm below
+    // the landing there; further up it is in the landing's own voxels.
+    for (double along_m = 3.7; along_m < 4.2; along_m += 0.05) {
+      bool is_blocked = false;
+      for (double y_m = 0.3; y_m < 0.9; y_m += 0.01) {
+        const Vec2 at = scene_from_ramp * Vec2{along_m - 2.4, y_m};
+        is_blocked = is_blocked || !map.IsFree(0, map.grid(0).CellOf(at));
+      }
+      EXPECT_TRUE(is_blocked) << "yaw " << yaw_rad << ", " << along_m << " m";
+    }
+    // From the ramp onto the landing, and over the landing beside its end.
+    for (double along_m = 0; along_m < 5.4; along_m += 0.05) {
+      const Vec2 up = scene_from_ramp * Vec2{along_m - 2.4, 0};
+      EXPECT_TRUE(map.IsFree(0, map.grid(0).CellOf(up)))
+          << "yaw " << yaw_rad << ", " << along_m << " m";
+      if (along_m < 2.6) continue;
+      const Vec2 beside = scene_from_ramp * Vec2{along_m - 2.4, 1.2};
+      EXPECT_TRUE(map.IsFree(0, map.grid(0).CellOf(beside)))
+          << "yaw " << yaw_rad << ", " << along_m << " m, beside";
+    }
+  }
+}
+
+TEST(NavigationMapTest, AnotherRampBehindAWallBlocksNothing) {
+  // Up the one along x; the other one, behind a wall at its right side, leads
+  // along y, so that the one's own steps lie across it.
+  Scene scene = RampScene(0);
+  scene.AddBox(BlockKind::kObstacle, {1.0, 3.2}, {7.0, 3.3}, 1.5);
+  scene.blocks.push_back({.kind = BlockKind::kGround,
+                          .scene_from_block = {.translation = {4, 1.7},
+                                               .yaw_rad = std::numbers::pi / 2},
+                          .half_x_m = 1.5,
+                          .half_y_m = 2.4,
+                          .top_begin_m = Scene::kFloor_m,
+                          .top_end_m = Scene::kFloor_m + 0.3});
+  const auto levels = ExtractTraversableMap(Voxelize(scene));
+  ASSERT_TRUE(levels.ok());
+  const NavigationMap map = Map(*levels);
+  for (double x_m = 1.2; x_m < 6.2; x_m += 0.05) {
+    for (const double y_m : {3.65, 4.0, 4.35}) {
+      EXPECT_TRUE(map.IsFree(0, map.grid(0).CellOf({x_m, y_m})))
+          << x_m << ", " << y_m;
+    }
+  }
+}
+
 TEST(NavigationMapTest, FloorsOfTiltedMapsStayWhole) {
   // Half a degree: from one voxel to the next after 5.7 m.
   Scene scene = Scene::WithFloor(8, 8);

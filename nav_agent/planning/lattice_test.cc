@@ -1,0 +1,105 @@
+#include "nav_agent/planning/lattice.h"
+
+#include <memory>
+#include <numbers>
+
+#include "gtest/gtest.h"
+#include "nav_agent/planning/path_improver.h"
+#include "nav_agent/planning/testing_maps.h"
+
+namespace treeline {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+DriveSpace SpaceOf(const std::vector<std::string>& rows, int scale = 2) {
+  return {std::make_shared<const GroundIndex>(DrawnMap(rows, scale)),
+          Footprint::Of(RobotModel(), 0.0),
+          {}};
+}
+
+Stand At(double x, double y, double yaw_rad) {
+  return {.spot = {{x, y}, 0}, .yaw_rad = yaw_rad};
+}
+
+bool Never() { return false; }
+
+// A room of 6 x 4 m with a niche of 0.7 m x 1 m in its right wall: no room to
+// turn in.
+std::vector<std::string> NicheRows() {
+  std::vector<std::string> rows = RoomRows(120, 80);
+  Fill(rows, 90, 119, 1, 79, '#');
+  Fill(rows, 90, 110, 33, 47, '.');
+  return rows;
+}
+
+TEST(LatticeTest, FindsAWayThroughADoorThatItJustFits) {
+  std::vector<std::string> rows = RoomRows(160, 100);
+  Fill(rows, 80, 84, 1, 99, '#');
+  Fill(rows, 80, 84, 40, 53, '.');
+  const DriveSpace space = SpaceOf(rows, 1);
+  const Stand start = At(1.01, 4.02, 2.0);
+  const Stand goal = At(7.03, 3.98, -1.0);
+  const Polyline way = SearchLattice(space, start, goal, Never);
+  ASSERT_GE(way.size(), 3U);
+  EXPECT_EQ(way.front(), start.spot);
+  EXPECT_EQ(way.back(), goal.spot);
+  EXPECT_TRUE(CanBeDriven(space, start.yaw_rad, goal.yaw_rad, way));
+  // Straight lines over the door's middle are 7.0 m.
+  EXPECT_LT(WayLength_m(way), 8.0);
+}
+
+TEST(LatticeTest, DrivesIntoANicheAhead) {
+  const DriveSpace space = SpaceOf(NicheRows(), 1);
+  const Stand start = At(1, 1, kPi);
+  const Stand goal = At(5.1, 2.0, 0);
+  const Polyline way = SearchLattice(space, start, goal, Never);
+  ASSERT_FALSE(way.empty());
+  EXPECT_TRUE(CanBeDriven(space, start.yaw_rad, goal.yaw_rad, way));
+}
+
+TEST(LatticeTest, KnowsSoonThatANicheCannotBeBackedInto) {
+  int asked = 0;
+  const Polyline way =
+      SearchLattice(SpaceOf(NicheRows(), 1), At(1, 1, kPi), At(5.1, 2.0, kPi),
+                    [&asked] { return ++asked < 0; });
+  EXPECT_TRUE(way.empty());
+  // It has not begun to search the room.
+  EXPECT_EQ(asked, 0);
+}
+
+TEST(LatticeTest, FindsNothingThroughADoorThatIsNarrowerThanTheRobot) {
+  EXPECT_TRUE(
+      SearchLattice(SpaceOf(TwoRoomsRows(6)), At(1, 4, 0), At(7, 4, 0), Never)
+          .empty());
+}
+
+TEST(LatticeTest, EndsWhenItIsOver) {
+  const DriveSpace space = SpaceOf(TwoRoomsRows(9));
+  const Stand start = At(1, 4, 0);
+  const Stand goal = At(7, 4, 0);
+  int asked = 0;
+  ASSERT_FALSE(SearchLattice(space, start, goal, [&asked] {
+                 return ++asked < 0;
+               }).empty());
+  // Whenever that is.
+  for (const int last : {1, asked / 2, asked}) {
+    int now = 0;
+    EXPECT_TRUE(SearchLattice(space, start, goal, [&now, last] {
+                  return ++now >= last;
+                }).empty());
+    EXPECT_EQ(now, last);
+  }
+}
+
+TEST(LatticeTest, IsAtTheGoalAlready) {
+  const DriveSpace space = SpaceOf(RoomRows(60, 40));
+  const Stand start = At(2, 2, 0);
+  const Polyline way = SearchLattice(space, start, At(2, 2, kPi), Never);
+  EXPECT_TRUE(CanBeDriven(space, 0, kPi, way));
+  EXPECT_EQ(WayLength_m(way), 0);
+  EXPECT_FALSE(way.empty());
+}
+
+}  // namespace
+}  // namespace treeline
