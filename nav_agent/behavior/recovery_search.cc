@@ -178,8 +178,7 @@ VelocityCommand Recovery::SearchMotion(const RecoveryInput& input) {
         EndCycle(input.now);
         return {};
       }
-      if (!input.can_turn) return MakeRoom(input);
-      return {.forward_mps = 0, .yaw_rate_radps = options_.turn_radps};
+      return Swing(input, options_.turn_radps);
     }
     case Leg::kFace:
       if (best_free_m_ < kLeastMove_m + kKeepAway_m || is_stuck) {
