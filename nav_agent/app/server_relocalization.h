@@ -44,10 +44,10 @@ absl::StatusOr<std::unique_ptr<RelocalizationPort>> MakeServerRelocalization(
 struct SynchronousOptions {
   // What an answer takes in simulated time (s); nullopt: as long as it really
   // took. Fixed, a run's result does not depend on how busy the machine is.
-  std::optional<double> latency_s;
+  std::optional<double> latency_s{};
   // What a call may take in real time (s); nullopt: the question's own limit.
   // What takes longer is DEADLINE_EXCEEDED when that limit has passed.
-  std::optional<double> real_timeout_s;
+  std::optional<double> real_timeout_s{};
   // So much more is waited, for tests of slow servers (s).
   double extra_s = 0;
 };

@@ -24,6 +24,10 @@ constexpr double kTurned_rad = 0.05;
 constexpr double kMostTurning_s = 12;
 // Without room to turn, it gives up after this (s).
 constexpr double kMostStuck_s = 4;
+// It makes room for so long, and swings back when it has not turned for so long
+// (s).
+constexpr double kMostRoom_s = 3;
+constexpr double kSwingBlocked_s = 0.6;
 // Directions that promise less are not looked at.
 constexpr double kLeastPromise = 0.06;
 // So many fixes in a row that the robot's own sensors refuse: the server knows
@@ -357,6 +361,29 @@ VelocityCommand Recovery::MakeRoom(const RecoveryInput& input) const {
   return {};
 }
 
+VelocityCommand Recovery::Swing(const RecoveryInput& input,
+                                double speed_radps) {
+  if (input.can_turn) {
+    swing_ = 1;
+    swing_blocked_.reset();
+    return {.forward_mps = 0, .yaw_rate_radps = speed_radps};
+  }
+  const VelocityCommand room = MakeRoom(input);
+  if (room != VelocityCommand() && InState_s(input.now) < kMostRoom_s) {
+    return room;
+  }
+  const std::optional<TrackedMotion> motion = tracker_.Motion();
+  if (!motion.has_value() || std::abs(motion->yaw_rate_radps) > kStands_radps) {
+    swing_blocked_.reset();
+  } else if (!swing_blocked_.has_value()) {
+    swing_blocked_ = input.now;
+  } else if (SecondsBetween(*swing_blocked_, input.now) > kSwingBlocked_s) {
+    swing_ = -swing_;
+    swing_blocked_.reset();
+  }
+  return {.forward_mps = 0, .yaw_rate_radps = swing_ * speed_radps};
+}
+
 VelocityCommand Recovery::Turning(const RecoveryInput& input) {
   const std::optional<TrackedMotion> motion = tracker_.Motion();
   if (!motion.has_value()) return {};
@@ -375,10 +402,13 @@ VelocityCommand Recovery::Turning(const RecoveryInput& input) {
   }
   if (input.can_turn) return TurnTowards(target_rad_);
   const VelocityCommand room = MakeRoom(input);
-  if (room == VelocityCommand() && took_s > kMostStuck_s) {
+  if (room != VelocityCommand() && took_s < kMostRoom_s) return room;
+  if (took_s > kMostStuck_s &&
+      std::abs(motion->yaw_rate_radps) < kStands_radps) {
     GiveUpServer("there is no room to turn", input.now);
+    return {};
   }
-  return room;
+  return TurnTowards(target_rad_);
 }
 
 void Recovery::Found(const std::string& how, MonotonicTime now) {

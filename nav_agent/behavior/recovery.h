@@ -92,6 +92,9 @@ class Recovery final : public LostAndFound {
   void EndCycle(MonotonicTime now);
   VelocityCommand SearchMotion(const RecoveryInput& input);
   VelocityCommand TurnTowards(double yaw_in_odom_rad) const;
+  // Turns on; where there is no room for a full turn it makes some, and then
+  // swings there and back as far as the collision stop lets it.
+  VelocityCommand Swing(const RecoveryInput& input, double speed_radps);
   // Where turning is not possible: a little ahead or back.
   VelocityCommand MakeRoom(const RecoveryInput& input) const;
 
@@ -131,6 +134,9 @@ class Recovery final : public LostAndFound {
   // Fixes that wait for another one that agrees.
   std::vector<GatedFix> waiting_;
   double target_rad_ = 0;
+  // The side that it swings to, and since when it has not moved there.
+  double swing_ = 1;
+  std::optional<MonotonicTime> swing_blocked_;
   // Where it thought it was when it began.
   std::optional<TrackedPose> before_;
   std::optional<TrackedMotion> before_motion_;
@@ -162,6 +168,8 @@ class Recovery final : public LostAndFound {
   bool searches_anywhere_ = false;
   std::optional<MonotonicTime> holds_since_;
   double hold_turned_rad_ = 0;
+  // Of that, when other places were looked for.
+  double alias_turned_rad_ = 0;
   double cycle_turned_rad_ = 0;
   double best_free_m_ = 0;
   double best_free_yaw_rad_ = 0;

@@ -145,8 +145,7 @@ VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
     return {};
   }
   if (turned_rad_ >= options_.confirm_turn_rad) return {};
-  if (!input.can_turn) return MakeRoom(input);
-  return {.forward_mps = 0, .yaw_rate_radps = 0.6 * options_.turn_radps};
+  return Swing(input, 0.6 * options_.turn_radps);
 }
 
 void Recovery::NotConfirmed(const std::string& why, MonotonicTime now) {

@@ -20,6 +20,8 @@ constexpr double kMostLeg_s = 20;
 // Of the scans while a place holds, so many may not fit: somebody walks by.
 constexpr double kMostBadShare = 0.2;
 constexpr int kFreeBadScans = 2;
+// A scan is another one after such a turn.
+constexpr double kLookAgain_rad = 0.5;
 // Where it came from is half as good.
 constexpr double kBackWorth = 0.5;
 
@@ -101,9 +103,15 @@ bool Recovery::SearchHolds(MonotonicTime now) {
   if (alias_ == Alias::kLooking) {
     if (!tracker_.StepOtherPlaces()) return false;
     alias_ = IsAmbiguous() ? Alias::kSome : Alias::kNone;
+    alias_turned_rad_ = hold_turned_rad_;
     if (alias_ == Alias::kSome) {
       Note("recovery", "the laser fits another place as well: goes on looking");
     }
+  } else if (alias_ == Alias::kSome && holds_clear_ &&
+             hold_turned_rad_ - alias_turned_rad_ > kLookAgain_rad) {
+    // One scan said that it fits nowhere else, another one that it does: a
+    // third. Rooms that are alike are so in all of them.
+    alias_ = Alias::kNotLooked;
   }
   return alias_ == Alias::kNone;
 }
@@ -170,8 +178,7 @@ VelocityCommand Recovery::SearchMotion(const RecoveryInput& input) {
         EndCycle(input.now);
         return {};
       }
-      if (!input.can_turn) return MakeRoom(input);
-      return {.forward_mps = 0, .yaw_rate_radps = options_.turn_radps};
+      return Swing(input, options_.turn_radps);
     }
     case Leg::kFace:
       if (best_free_m_ < kLeastMove_m + kKeepAway_m || is_stuck) {
