@@ -95,6 +95,7 @@ v1::LocalizeRequest ToProto(const LocalizeQuery& query) {
   v1::LocalizeOptions& options = *request.mutable_options();
   options.set_seed(query.seed);
   if (query.time_budget_ms) options.set_time_budget_ms(*query.time_budget_ms);
+  if (query.wants_inlier_pixels) options.set_include_correspondences(true);
   if (query.prior) {
     v1::PosePrior& prior = *options.mutable_prior();
     *prior.mutable_world_from_camera() =
@@ -124,6 +125,11 @@ absl::StatusOr<LocalizeAnswer> FromProto(const v1::LocalizeResponse& response) {
   answer.inliers = response.inliers();
   answer.samples = response.samples();
   answer.inlier_ratio = response.inlier_ratio();
+  for (const v1::Correspondence& sample : response.correspondences()) {
+    if (!sample.inlier()) continue;
+    answer.inlier_pixels.push_back(
+        {sample.color_pixel().x_px(), sample.color_pixel().y_px()});
+  }
   answer.confidence = response.confidence();
   answer.scene = response.scene();
   answer.model_version = response.model_version();

@@ -28,6 +28,11 @@ v1::LocalizeResponse Localized() {
   response.set_inliers(321);
   response.set_samples(500);
   response.set_inlier_ratio(0.642);
+  v1::Correspondence& inlier = *response.add_correspondences();
+  inlier.mutable_color_pixel()->set_x_px(12.5);
+  inlier.mutable_color_pixel()->set_y_px(3);
+  inlier.set_inlier(true);
+  response.add_correspondences()->mutable_color_pixel()->set_x_px(99);
   response.set_scene("kitchen");
   response.set_model_version("7");
   response.mutable_timings()->set_queue_ms(1);
@@ -61,6 +66,9 @@ TEST(ClientConvert, AnswersKeepEveryFieldBitForBit) {
   EXPECT_EQ(answer->inliers, 321);
   EXPECT_EQ(answer->samples, 500);
   EXPECT_EQ(answer->inlier_ratio, 0.642);
+  ASSERT_EQ(answer->inlier_pixels.size(), 1U);
+  EXPECT_EQ(answer->inlier_pixels[0].x, 12.5);
+  EXPECT_EQ(answer->inlier_pixels[0].y, 3);
   EXPECT_EQ(answer->scene, "kitchen");
   EXPECT_EQ(answer->model_version, "7");
   EXPECT_EQ(answer->server.queue_ms, 1);
@@ -132,6 +140,7 @@ TEST(ClientConvert, QueriesKeepEveryField) {
   query.candidate_scenes = {"kitchen", "office"};
   query.seed = 18446744073709551615u;
   query.time_budget_ms = 250;
+  query.wants_inlier_pixels = true;
   query.prior = PosePrior{.world_from_camera = SomePose(),
                           .position_radius_m = 4,
                           .rotation_radius_rad = 0.5};
@@ -145,6 +154,7 @@ TEST(ClientConvert, QueriesKeepEveryField) {
   EXPECT_EQ(request.options().seed(), 18446744073709551615u);
   EXPECT_THAT(request.candidate_scenes(), ElementsAre("kitchen", "office"));
   EXPECT_EQ(request.options().time_budget_ms(), 250);
+  EXPECT_TRUE(request.options().include_correspondences());
   EXPECT_EQ(*FromProto(request.options().prior().world_from_camera(), ""),
             SomePose());
   EXPECT_EQ(request.options().prior().position_radius_m(), 4);
@@ -157,6 +167,7 @@ TEST(ClientConvert, QueriesKeepEveryField) {
             v1::DEPTH_REGISTRATION_SCENE_CALIBRATION);
   const v1::LocalizeRequest plain = ToProto(LocalizeQuery{});
   EXPECT_FALSE(plain.options().has_time_budget_ms());
+  EXPECT_FALSE(plain.options().include_correspondences());
   EXPECT_FALSE(plain.options().has_prior());
 }
 

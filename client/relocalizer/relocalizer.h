@@ -13,6 +13,7 @@
 #include "absl/status/statusor.h"
 #include "client/relocalizer/connect_options.h"
 #include "common/camera/rgbd_calibration.h"
+#include "common/geometry/rigid2.h"
 #include "common/geometry/rigid3.h"
 #include "common/wire/query_frame.h"
 
@@ -41,6 +42,9 @@ struct LocalizeQuery {
   std::optional<double> time_budget_ms = std::nullopt;
   // Decides whether an answer is believed, not what is found.
   std::optional<PosePrior> prior = std::nullopt;
+  // Whether the answer says which pixels support it, for pictures: some tens of
+  // kilobytes more.
+  bool wants_inlier_pixels = false;
 };
 
 // Where the server's time went, in the order of its stages (ms).
@@ -82,6 +86,9 @@ struct LocalizeAnswer {
   int inliers = 0;
   int samples = 0;
   double inlier_ratio = 0;  // in [0, 1]
+  // If asked for: the inliers' pixels in the colour image (x right, y down; as
+  // the server says, unchecked).
+  std::vector<Vec2> inlier_pixels;
   // Probability that the pose is right, in [0, 1]: see docs/service.md.
   double confidence = 0;
   // Who answered.

@@ -245,9 +245,13 @@ absl::Status AgentProgram::MakeNavigator() {
       .base = raw.base,
       .camera = camera_.get(),
       .server = server_.get()};
-  TL_ASSIGN_OR_RETURN(
-      navigator_, Navigator::Create(*map_, robot_->model(), devices, options,
-                                    robot_->clock()));
+  absl::StatusOr<std::unique_ptr<Navigator>> navigator = Navigator::Create(
+      *map_, robot_->model(), devices, options, robot_->clock());
+  if (!navigator.ok()) {
+    return Annotate(navigator.status(),
+                    config_.map.empty() ? config_.simulate : config_.map);
+  }
+  navigator_ = *std::move(navigator);
   return absl::OkStatus();
 }
 

@@ -10,6 +10,7 @@
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/app/mission_suite.h"
+#include "nav_agent/app/server_relocalization.h"
 #include "nav_agent/app/suite_maps.h"
 
 namespace treeline {
@@ -65,6 +66,28 @@ absl::StatusOr<RobotPlacement> ElsewhereThan(const SuitePlace& place,
       "the world has no room to be carried away to");
 }
 
+// Counts what it is asked.
+class CountingPort final : public RelocalizationPort {
+ public:
+  explicit CountingPort(std::unique_ptr<RelocalizationPort> port)
+      : port_(std::move(port)) {}
+
+  void Ask(const RgbdFrame& frame, double timeout_s) override {
+    ++questions_;
+    port_->Ask(frame, timeout_s);
+  }
+  std::optional<absl::StatusOr<RelocalizationAnswer>> TakeAnswer() override {
+    return port_->TakeAnswer();
+  }
+  bool IsAsking() const override { return port_->IsAsking(); }
+  void Cancel() override { port_->Cancel(); }
+  int questions() const { return questions_; }
+
+ private:
+  std::unique_ptr<RelocalizationPort> port_;
+  int questions_ = 0;
+};
+
 // One kidnapped robot.
 class Kidnapping {
  public:
@@ -101,11 +124,14 @@ class Kidnapping {
     robot.navigator = options_.navigator;
     if (options_.server != nullptr) {
       robot.make_server = [this](const Clock& clock) {
-        SuiteRelocalizationOptions asked = options_.relocalization;
-        asked.scene = SuiteSceneName(run_.world);
-        asked.seed = options_.seed;
-        auto port = std::make_unique<SuiteRelocalization>(*options_.server,
-                                                          clock, asked);
+        // What is sent and asked for can be said: no errors.
+        auto port =
+            std::make_unique<CountingPort>(*MakeSynchronousRelocalization(
+                options_.server,
+                {.scene = SuiteSceneName(run_.world), .seed = options_.seed},
+                clock,
+                {.latency_s = options_.latency_s,
+                 .real_timeout_s = options_.real_timeout_s}));
         port_ = port.get();
         return port;
       };
@@ -230,7 +256,7 @@ class Kidnapping {
   Mission mission_;
   std::unique_ptr<SuiteRobot> robot_;
   // The robot's; null: none.
-  SuiteRelocalization* port_ = nullptr;
+  CountingPort* port_ = nullptr;
 };
 
 }  // namespace

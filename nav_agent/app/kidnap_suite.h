@@ -5,14 +5,15 @@
 #define NAV_AGENT_APP_KIDNAP_SUITE_H_
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client/relocalizer/relocalizer.h"
 #include "nav_agent/app/plan_picture.h"
-#include "nav_agent/app/suite_relocalization.h"
 #include "nav_agent/app/suite_robot.h"
 
 namespace treeline {
@@ -45,9 +46,13 @@ struct KidnapOptions {
   double patience_s = 90;
   // Drives on to the goal once it is back; otherwise the run ends then.
   bool drives_on = true;
-  // The server that is asked, and how; null: none. It must outlive the run.
-  Relocalizer* server = nullptr;
-  SuiteRelocalizationOptions relocalization;
+  // The server that is asked; null: none.
+  std::shared_ptr<Relocalizer> server;
+  // What an answer takes in simulated time (s): the server's 0.1 s, the way
+  // there and back over a wireless network, with room to spare.
+  double latency_s = 0.5;
+  // What a call may take in real time (s); then it is too late.
+  double real_timeout_s = 60;
   NavigatorOptions navigator;
 };
 

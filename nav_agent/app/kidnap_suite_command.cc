@@ -52,6 +52,7 @@ struct KidnapFlags {
   std::string maps = "driven";
   std::string cache = "out/suite";
   double camera_hz = 5;
+  std::string until = "goal";
   int threads = 0;
   double require = 0;
   std::string json;
@@ -71,7 +72,7 @@ using Places = std::map<std::string, std::shared_ptr<const SuitePlace>>;
 // What answers, if anything does.
 struct Asked {
   std::unique_ptr<KidnapServer> process;
-  std::unique_ptr<Relocalizer> connection;
+  std::shared_ptr<Relocalizer> connection;
 };
 
 absl::StatusOr<RecoveryMethod> MethodOf(const KidnapFlags& flags) {
@@ -167,8 +168,9 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
                       ParseSeedList(flags.seeds));
   KidnapOptions options;
   TL_ASSIGN_OR_RETURN(options.navigator.lost.method, MethodOf(flags));
+  options.drives_on = flags.until == "goal";
   options.camera_hz = flags.method == "server" ? flags.camera_hz : 0;
-  if (flags.fault == "slow") options.relocalization.real_timeout_s = 1;
+  if (flags.fault == "slow") options.real_timeout_s = 1;
   if (!flags.json.empty()) TL_RETURN_IF_ERROR(CheckWritable(flags.json));
   Places places;
   std::vector<Job> jobs;
@@ -178,7 +180,7 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
     for (const uint64_t seed : seeds) jobs.push_back({world, seed});
   }
   TL_ASSIGN_OR_RETURN(const Asked asked, StartServer(flags, stop));
-  options.server = asked.connection.get();
+  options.server = asked.connection;
   JobResults<KidnapRun> results = RunJobs<KidnapRun>(
       jobs.size(), flags.threads, "kidnaps", flags.quiet, stop,
       [&](size_t i) -> absl::StatusOr<KidnapRun> {
@@ -253,6 +255,12 @@ Command AddKidnapSuite(CLI::App& suite) {
   command->add_option("--camera-hz", flags->camera_hz, "Of a robot that looks")
       ->type_name("HZ")
       ->check(CLI::Range(0.5, 30.0))
+      ->capture_default_str();
+  command
+      ->add_option("--until", flags->until,
+                   "goal: drives on to its goal; back: a run ends when the "
+                   "robot is back on its way, which is quicker")
+      ->check(CLI::IsMember({"goal", "back"}))
       ->capture_default_str();
   command
       ->add_option("--threads", flags->threads,

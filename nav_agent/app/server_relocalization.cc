@@ -46,6 +46,7 @@ RelocalizationAnswer AnswerOf(const LocalizeAnswer& answer,
   result.confidence = answer.confidence;
   result.inliers = answer.inliers;
   result.samples = answer.samples;
+  result.inlier_pixels = answer.inlier_pixels;
   result.scene = answer.scene;
   result.model_version = answer.model_version;
   result.round_trip_s = 1e-3 * answer.round_trip_ms;
@@ -61,6 +62,7 @@ Answer AskNow(Relocalizer& relocalizer,
   LocalizeQuery query;
   query.scene = options.scene;
   query.seed = options.seed;
+  query.wants_inlier_pixels = true;
   TL_ASSIGN_OR_RETURN(query.frame,
                       EncodeFrame(frame.frame, options.jpeg_quality));
   TL_ASSIGN_OR_RETURN(
@@ -183,19 +185,22 @@ class SynchronousRelocalization final : public RelocalizationPort {
  public:
   SynchronousRelocalization(std::shared_ptr<Relocalizer> relocalizer,
                             ServerRelocalizationOptions options,
-                            const Clock& clock, double extra_s)
+                            const Clock& clock,
+                            const SynchronousOptions& timing)
       : relocalizer_(std::move(relocalizer)),
         options_(std::move(options)),
         clock_(clock),
-        extra_s_(extra_s) {}
+        timing_(timing) {}
 
   void Ask(const RgbdFrame& frame, double timeout_s) override {
     const auto began = std::chrono::steady_clock::now();
-    answer_ = AskNow(*relocalizer_, options_, frame, timeout_s, {});
-    double took_s =
+    answer_ = AskNow(*relocalizer_, options_, frame,
+                     timing_.real_timeout_s.value_or(timeout_s), {});
+    const double really_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began)
-            .count() +
-        extra_s_;
+            .count();
+    double took_s = timing_.latency_s.value_or(really_s) + timing_.extra_s;
+    if (absl::IsDeadlineExceeded(answer_->status())) took_s = timeout_s;
     if (took_s > timeout_s) {
       answer_ = Answer(
           absl::DeadlineExceededError("the server did not answer in time"));
@@ -217,7 +222,7 @@ class SynchronousRelocalization final : public RelocalizationPort {
   const std::shared_ptr<Relocalizer> relocalizer_;
   const ServerRelocalizationOptions options_;
   const Clock& clock_;
-  const double extra_s_;
+  const SynchronousOptions timing_;
   std::optional<Answer> answer_;
   MonotonicTime ready_;
 };
@@ -289,10 +294,11 @@ absl::StatusOr<std::unique_ptr<RelocalizationPort>> MakeServerRelocalization(
 absl::StatusOr<std::unique_ptr<RelocalizationPort>>
 MakeSynchronousRelocalization(std::shared_ptr<Relocalizer> relocalizer,
                               const ServerRelocalizationOptions& options,
-                              const Clock& clock, double extra_s) {
+                              const Clock& clock,
+                              const SynchronousOptions& timing) {
   TL_RETURN_IF_ERROR(Check(relocalizer, options));
   return std::make_unique<SynchronousRelocalization>(std::move(relocalizer),
-                                                     options, clock, extra_s);
+                                                     options, clock, timing);
 }
 
 }  // namespace treeline

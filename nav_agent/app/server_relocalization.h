@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -40,14 +41,25 @@ absl::StatusOr<std::unique_ptr<RelocalizationPort>> MakeServerRelocalization(
     const ConnectOptions& connection, const std::string& scene,
     const Clock& clock);
 
+struct SynchronousOptions {
+  // What an answer takes in simulated time (s); nullopt: as long as it really
+  // took. Fixed, a run's result does not depend on how busy the machine is.
+  std::optional<double> latency_s{};
+  // What a call may take in real time (s); nullopt: the question's own limit.
+  // What takes longer is DEADLINE_EXCEEDED when that limit has passed.
+  std::optional<double> real_timeout_s{};
+  // So much more is waited, for tests of slow servers (s).
+  double extra_s = 0;
+};
+
 // For simulated time: Ask waits for the real answer, which is handed over when
-// as much time as that took has passed on `clock`; so the robot waits as long
-// as it would have. `extra_s` more is waited, for tests of slow servers. Not
-// thread-safe.
+// the answer's time has passed on `clock`, so that the robot waits as long as
+// it would have. Not thread-safe.
 absl::StatusOr<std::unique_ptr<RelocalizationPort>>
 MakeSynchronousRelocalization(std::shared_ptr<Relocalizer> relocalizer,
                               const ServerRelocalizationOptions& options,
-                              const Clock& clock, double extra_s = 0);
+                              const Clock& clock,
+                              const SynchronousOptions& timing = {});
 
 }  // namespace treeline
 

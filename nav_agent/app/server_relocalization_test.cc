@@ -232,7 +232,8 @@ TEST(SynchronousRelocalization, HandsOverWhenTheRoundTripHasPassed) {
     return LocalizeAnswer();
   };
   StepClock clock;
-  auto port = *MakeSynchronousRelocalization(relocalizer, {}, clock, 1.0);
+  auto port =
+      *MakeSynchronousRelocalization(relocalizer, {}, clock, {.extra_s = 1.0});
   port->Ask(SmallFrame(true), 30);
   EXPECT_TRUE(port->IsAsking());
   clock.Advance(999);
@@ -250,12 +251,46 @@ TEST(SynchronousRelocalization, TooSlowIsTooLate) {
     return LocalizeAnswer();
   };
   StepClock clock;
-  auto port = *MakeSynchronousRelocalization(relocalizer, {}, clock, 60);
+  auto port =
+      *MakeSynchronousRelocalization(relocalizer, {}, clock, {.extra_s = 60});
   port->Ask(SmallFrame(true), 3);
   clock.Advance(2999);
   EXPECT_FALSE(port->TakeAnswer().has_value());
   clock.Advance(1);
   const auto answer = port->TakeAnswer();
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_EQ(answer->status().code(), absl::StatusCode::kDeadlineExceeded);
+}
+
+TEST(SynchronousRelocalization, AnswersInAFixedTimeHoweverLongItTook) {
+  auto relocalizer = std::make_shared<FakeRelocalizer>();
+  std::chrono::milliseconds timeout{0};
+  absl::Status status;
+  relocalizer->localize =
+      [&](const LocalizeQuery&,
+          const CallOptions& call) -> absl::StatusOr<LocalizeAnswer> {
+    timeout = call.timeout;
+    if (!status.ok()) return status;
+    return LocalizeAnswer();
+  };
+  StepClock clock;
+  auto port = *MakeSynchronousRelocalization(
+      relocalizer, {}, clock, {.latency_s = 0.5, .real_timeout_s = 60});
+  port->Ask(SmallFrame(true), 3);
+  EXPECT_EQ(timeout, std::chrono::seconds(60));
+  clock.Advance(499);
+  EXPECT_FALSE(port->TakeAnswer().has_value());
+  clock.Advance(1);
+  auto answer = port->TakeAnswer();
+  ASSERT_TRUE(answer.has_value() && answer->ok());
+  EXPECT_EQ((*answer)->round_trip_s, 0.5);
+  // A server that does not answer is waited for as long as the robot would.
+  status = absl::DeadlineExceededError("silent");
+  port->Ask(SmallFrame(true), 3);
+  clock.Advance(2999);
+  EXPECT_FALSE(port->TakeAnswer().has_value());
+  clock.Advance(1);
+  answer = port->TakeAnswer();
   ASSERT_TRUE(answer.has_value());
   EXPECT_EQ(answer->status().code(), absl::StatusCode::kDeadlineExceeded);
 }

@@ -87,7 +87,8 @@ class SuiteRobot::Camera final : public RgbdCamera {
       return {};
     }
     const double before_ms = ProcessorTime_ms();
-    std::vector<RgbdFrame> frames = camera_->TakeFrames();
+    // Nobody looks at older ones.
+    std::vector<RgbdFrame> frames = camera_->TakeNewest();
     rendering_ms_ += ProcessorTime_ms() - before_ms;
     return frames;
   }
@@ -128,9 +129,8 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
                               .camera = nullptr,
                               .server = robot->server_.get()};
   if (options.camera_hz > 0) {
-    robot->camera_ = std::make_unique<Camera>(
-        static_cast<SimulatedCamera&>(simulator.camera()),
-        options.camera_when_lost);
+    robot->camera_ =
+        std::make_unique<Camera>(simulator.camera(), options.camera_when_lost);
     devices.camera = robot->camera_.get();
   }
   NavigatorOptions navigator = options.navigator;

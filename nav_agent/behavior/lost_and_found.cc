@@ -72,6 +72,8 @@ absl::Status LostAndFoundOptions::Validate() const {
   TL_RETURN_IF_ERROR(CheckRange("lost: search_share", search_share, 0, 1));
   TL_RETURN_IF_ERROR(CheckRange("lost: search_std_m", search_std_m, 0, 10));
   TL_RETURN_IF_ERROR(CheckRange("lost: alias_margin", alias_margin, 0, 1));
+  TL_RETURN_IF_ERROR(
+      CheckRange("lost: help_interval_s", help_interval_s, 0, 1e6));
   return CheckRange("lost: check_interval_s", check_interval_s, 0, 1e6);
 }
 

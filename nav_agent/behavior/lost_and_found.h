@@ -22,7 +22,7 @@ namespace treeline {
 
 // What a lost robot may do, for comparisons.
 enum class RecoveryMethod : uint8_t {
-  kServer = 0,        // asks; without a server as kAmclOnly
+  kServer = 0,        // asks, and looks over the map with the laser meanwhile
   kAmclOnly = 1,      // AMCL looks everywhere while the robot turns and moves
   kInjectionOnly = 2  // only AMCL's own injection
 };
@@ -37,7 +37,7 @@ enum class RecoveryState : uint8_t {
   kConfirming = 5,  // took a fix: it must hold while the robot moves
   kSearching = 6,   // AMCL looks everywhere
   kFound = 7,       // for one step; then kIdle
-  kNeedHelp = 8     // until it is told its place, or to begin again
+  kNeedHelp = 8     // until it is told its place, or a server knows it
 };
 const char* RecoveryStateName(RecoveryState state);
 
@@ -84,6 +84,8 @@ struct LostAndFoundOptions {
   double alias_margin = 0.12;
   // Asks this often while it drives straight and knows its place (s); 0: never.
   double check_interval_s = 20;
+  // A robot that needs help asks this often (s); 0: never.
+  double help_interval_s = 15;
 
   absl::Status Validate() const;
 };
@@ -119,6 +121,9 @@ class LostAndFound {
       const LostAndFoundOptions& options);
   virtual ~LostAndFound() = default;
 
+  // Whether a picture taken now would be looked at: a question or a check is
+  // due.
+  virtual bool WantsPictures(MonotonicTime now) const = 0;
   // Every frame of the camera; the newest is kept.
   virtual void AddFrame(const RgbdFrame& frame) = 0;
   // Begins a recovery by order, also while there is one, or after kNeedHelp.

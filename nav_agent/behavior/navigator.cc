@@ -32,7 +32,7 @@ constexpr double kStillSeen_m = 0.25;
 constexpr double kAskAhead_m = 1.0;
 constexpr double kAskBehind_m = 0.5;
 // Pictures a second that a lost robot takes at least.
-constexpr double kLostPictures_hz = 2;
+constexpr double kLostPictures_hz = 10;
 constexpr size_t kShownParticles = 500;
 
 bool IsFinite(const LevelPose& pose) {
@@ -247,9 +247,10 @@ void NavigatorOfParts::LookThroughBlockages(const ControlPose& pose,
 
 void NavigatorOfParts::FeedCamera() {
   if (devices_.camera == nullptr) return;
-  const double rate_hz = parts_.lost->IsActive()
-                             ? std::max(options_.depth_hz, kLostPictures_hz)
-                             : options_.depth_hz;
+  double rate_hz = options_.depth_hz;
+  if (parts_.lost->WantsPictures(now_)) {
+    rate_hz = std::max(rate_hz, kLostPictures_hz);
+  }
   if (rate_hz <= 0 || (last_frame_.has_value() &&
                        SecondsBetween(*last_frame_, now_) < 1 / rate_hz)) {
     return;

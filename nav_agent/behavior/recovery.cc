@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "nav_agent/behavior/recovery_parts.h"
 
 namespace treeline {
 namespace {
@@ -23,28 +24,18 @@ constexpr double kTurned_rad = 0.05;
 constexpr double kMostTurning_s = 12;
 // Without room to turn, it gives up after this (s).
 constexpr double kMostStuck_s = 4;
+// It makes room for so long, and swings back when it has not turned for so long
+// (s).
+constexpr double kMostRoom_s = 3;
+constexpr double kSwingBlocked_s = 0.6;
 // Directions that promise less are not looked at.
 constexpr double kLeastPromise = 0.06;
-// Of scans while confirming: more bad ones end it.
-constexpr int kMostBadScans = 12;
-// The pose must not leave what was seeded by more (m).
-constexpr double kMostDrift_m = 0.6;
+// So many fixes in a row that the robot's own sensors refuse: the server knows
+// another place than this one.
+constexpr int kMostRefused = 3;
+// An answer is waited for standing while it may come any moment (s).
+constexpr double kPatience_s = 1;
 constexpr size_t kMostWaiting = 8;
-
-double SecondsBetween(MonotonicTime from, MonotonicTime to) {
-  return std::chrono::duration<double>(to - from).count();
-}
-
-LevelPose CarriedOn(const LevelPose& pose, const TrackedMotion& from,
-                    const TrackedMotion& to, const NavigationMap& map) {
-  LevelPose carried = pose;
-  carried.map_from_base =
-      pose.map_from_base * (from.odom_from_base.Inverse() * to.odom_from_base);
-  carried.place =
-      map.GroundNear(carried.map_from_base.translation, pose.place.height_m)
-          .value_or(pose.place);
-  return carried;
-}
 
 const char* CauseText(RecoveryCause cause) {
   switch (cause) {
@@ -102,9 +93,14 @@ void Recovery::Begin(RecoveryCause cause, MonotonicTime now) {
   began_ = now;
   questions_ = 0;
   failures_ = 0;
+  refused_ = 0;
   server_is_useless_ = false;
+  needs_help_ = false;
   waiting_.clear();
   seed_.reset();
+  look_ = Look::kNone;
+  clear_.reset();
+  clear_was_tried_ = false;
   before_ = tracker_.Pose();
   before_motion_ = tracker_.Motion();
   was_seeded_ = false;
@@ -123,6 +119,8 @@ void Recovery::WasTold(MonotonicTime now) {
   if (server_ != nullptr) server_->Cancel();
   asked_motion_.reset();
   is_checking_ = false;
+  needs_help_ = false;
+  look_ = Look::kNone;
   if (IsActive()) Note("recovery", "it was told where it is");
   Go(RecoveryState::kIdle, now);
 }
@@ -136,6 +134,7 @@ void Recovery::Ask(const TrackedMotion& motion, MonotonicTime now) {
   query_frame_ = frame_;
   asked_motion_ = motion;
   asked_ = now;
+  asks_ = true;
   server_->Ask(*query_frame_, options_.deadline_s);
 }
 
@@ -153,11 +152,14 @@ LostAndFound::Output Recovery::Step(const RecoveryInput& input) {
   const MonotonicTime now = input.now;
   if (state_ == RecoveryState::kFound) Go(RecoveryState::kIdle, now);
   if (state_ == RecoveryState::kIdle) Idle(input);
+  StepLook(now);
   VelocityCommand wanted;
   switch (state_) {
     case RecoveryState::kIdle:
     case RecoveryState::kFound:
+      break;
     case RecoveryState::kNeedHelp:
+      Helpless(now);
       break;
     case RecoveryState::kStopping:
       wanted = Stopping(now);
@@ -221,13 +223,22 @@ VelocityCommand Recovery::Looking(MonotonicTime now) {
   belief_.AddScan(motion->odom_from_base, tracker_.ScanInBase());
   ++questions_;
   Ask(*motion, now);
+  BeginLook();
   Go(RecoveryState::kAsking, now);
   return {};
 }
 
 VelocityCommand Recovery::Asking(const RecoveryInput& input) {
   const std::optional<Answer> answer = AnswerBy(input.now);
-  if (!answer.has_value()) return {};
+  if (!answer.has_value()) {
+    if (InState_s(input.now) > kPatience_s && MayTryClear()) {
+      Note("recovery",
+           "the server takes its time: tries what the laser says meanwhile");
+      BeginSearch(input.now);
+    }
+    return {};
+  }
+  asks_ = false;
   if (!answer->ok()) {
     Failed(answer->status(), input.now);
   } else {
@@ -262,9 +273,18 @@ void Recovery::Judge(const RelocalizationAnswer& answer, MonotonicTime now) {
   if (IsRefused(fix.verdict)) {
     const bool is_near = fix.verdict == FixVerdict::kLowConfidence;
     belief_.AddAnswer(yaw_rad, is_near ? answer.confidence : 0.03);
+    const bool is_elsewhere = fix.verdict == FixVerdict::kAgainstGravity ||
+                              fix.verdict == FixVerdict::kNotOnGround ||
+                              fix.verdict == FixVerdict::kAgainstScan;
+    if (is_elsewhere && ++refused_ >= kMostRefused) {
+      server_is_useless_ = true;
+      GiveUpServer("what the server says does not fit here", now);
+      return;
+    }
     LookElsewhere(now);
     return;
   }
+  refused_ = 0;
   belief_.AddAnswer(yaw_rad, fix.confidence);
   const auto agrees = std::ranges::find_if(
       waiting_, [&](const GatedFix& other) { return gate_.Agree(other, fix); });
@@ -273,8 +293,9 @@ void Recovery::Judge(const RelocalizationAnswer& answer, MonotonicTime now) {
     Seed(fix, true, now);
     return;
   }
-  if (fix.verdict == FixVerdict::kSure && waiting_.empty() &&
-      cause_ != RecoveryCause::kCheck) {
+  if (cause_ != RecoveryCause::kCheck &&
+      ((fix.verdict == FixVerdict::kSure && waiting_.empty()) ||
+       IsClearPlace(fix))) {
     Seed(fix, false, now);
     return;
   }
@@ -284,12 +305,21 @@ void Recovery::Judge(const RelocalizationAnswer& answer, MonotonicTime now) {
 }
 
 void Recovery::LookElsewhere(MonotonicTime now) {
+  if (needs_help_) {
+    Go(RecoveryState::kNeedHelp, now);
+    return;
+  }
   if (search_began_.has_value()) {
     Go(RecoveryState::kSearching, now);
     return;
   }
   const std::optional<TrackedMotion> motion = tracker_.Motion();
   const bool has_time = SecondsBetween(began_, now) < options_.most_server_s;
+  if (waiting_.empty() && MayTryClear()) {
+    Note("recovery", "tries what the laser says");
+    BeginSearch(now);
+    return;
+  }
   if (!MayAsk() || !has_time || !motion.has_value()) {
     GiveUpServer("no answer of the server could be believed", now);
     return;
@@ -331,10 +361,38 @@ VelocityCommand Recovery::MakeRoom(const RecoveryInput& input) const {
   return {};
 }
 
+VelocityCommand Recovery::Swing(const RecoveryInput& input,
+                                double speed_radps) {
+  if (input.can_turn) {
+    swing_ = 1;
+    swing_blocked_.reset();
+    return {.forward_mps = 0, .yaw_rate_radps = speed_radps};
+  }
+  const VelocityCommand room = MakeRoom(input);
+  if (room != VelocityCommand() && InState_s(input.now) < kMostRoom_s) {
+    return room;
+  }
+  const std::optional<TrackedMotion> motion = tracker_.Motion();
+  if (!motion.has_value() || std::abs(motion->yaw_rate_radps) > kStands_radps) {
+    swing_blocked_.reset();
+  } else if (!swing_blocked_.has_value()) {
+    swing_blocked_ = input.now;
+  } else if (SecondsBetween(*swing_blocked_, input.now) > kSwingBlocked_s) {
+    swing_ = -swing_;
+    swing_blocked_.reset();
+  }
+  return {.forward_mps = 0, .yaw_rate_radps = swing_ * speed_radps};
+}
+
 VelocityCommand Recovery::Turning(const RecoveryInput& input) {
   const std::optional<TrackedMotion> motion = tracker_.Motion();
   if (!motion.has_value()) return {};
   belief_.AddScan(motion->odom_from_base, tracker_.ScanInBase());
+  if (waiting_.empty() && MayTryClear()) {
+    Note("recovery", "tries what the laser says");
+    BeginSearch(input.now);
+    return {};
+  }
   const double left_rad =
       NormalizedAngle_rad(target_rad_ - motion->odom_from_base.yaw_rad);
   const double took_s = InState_s(input.now);
@@ -344,158 +402,13 @@ VelocityCommand Recovery::Turning(const RecoveryInput& input) {
   }
   if (input.can_turn) return TurnTowards(target_rad_);
   const VelocityCommand room = MakeRoom(input);
-  if (room == VelocityCommand() && took_s > kMostStuck_s) {
+  if (room != VelocityCommand() && took_s < kMostRoom_s) return room;
+  if (took_s > kMostStuck_s &&
+      std::abs(motion->yaw_rate_radps) < kStands_radps) {
     GiveUpServer("there is no room to turn", input.now);
-  }
-  return room;
-}
-
-void Recovery::Seed(const GatedFix& fix, bool was_seen_twice,
-                    MonotonicTime now) {
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
-  if (!motion.has_value()) return;
-  const LevelPose pose = CarriedOn(fix.pose, fix.motion, *motion, *map_);
-  const absl::Status told = tracker_.SetPose(pose, fix.covariance, now);
-  if (!told.ok()) {
-    Note("fix", absl::StrCat("the fix could not be taken: ",
-                             std::string(told.ToString())));
-    LookElsewhere(now);
-    return;
-  }
-  was_seeded_ = true;
-  seed_ = fix;
-  seen_twice_ = was_seen_twice;
-  good_scans_ = 0;
-  bad_scans_ = 0;
-  turned_rad_ = 0;
-  last_yaw_rad_.reset();
-  scan_ = tracker_.ScanStamp();
-  alias_ = Alias::kNotLooked;
-  Note("recovery",
-       absl::StrFormat("takes %.2f, %.2f on level %d, %.0f degrees, to see "
-                       "whether it holds",
-                       pose.map_from_base.translation.x,
-                       pose.map_from_base.translation.y, pose.place.level,
-                       pose.map_from_base.yaw_rad * 57.29577951308232));
-  Go(RecoveryState::kConfirming, now);
-}
-
-Recovery::ScanSays Recovery::WatchScan(double explained, double contradicted) {
-  const std::optional<MonotonicTime> stamp = tracker_.ScanStamp();
-  if (!stamp.has_value() || stamp == scan_) return ScanSays::kNothingNew;
-  scan_ = stamp;
-  const std::optional<TrackedPose> pose = tracker_.PoseAt(*stamp);
-  if (!pose.has_value()) return ScanSays::kNothingNew;
-  const auto fit = tracker_.FitAt(pose->pose);
-  if (!fit.has_value() || fit->judged < options_.gate.least_judged / 2) {
-    return ScanSays::kNothingNew;
-  }
-  return fit->explained >= explained && fit->contradicted <= contradicted
-             ? ScanSays::kGood
-             : ScanSays::kBad;
-}
-
-bool Recovery::IsPoseTight(double share, double std_m) const {
-  const std::optional<TrackedPose> pose = tracker_.Pose();
-  return pose.has_value() && pose->share >= share && !pose->is_searching &&
-         std::sqrt(std::max(pose->covariance[0], pose->covariance[4])) <= std_m;
-}
-
-bool Recovery::IsAmbiguous() const {
-  const auto other = tracker_.BestOtherPlace();
-  if (!other.has_value()) return false;
-  const double own = alias_own_.explained - alias_own_.contradicted;
-  return other->fit.explained - other->fit.contradicted >
-         own - options_.alias_margin;
-}
-
-VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
-  const std::optional<TrackedPose> pose = tracker_.Pose();
-  if (!motion.has_value() || !pose.has_value()) return {};
-  const double yaw_rad = motion->odom_from_base.yaw_rad;
-  if (last_yaw_rad_.has_value()) {
-    turned_rad_ += std::abs(NormalizedAngle_rad(yaw_rad - *last_yaw_rad_));
-  }
-  last_yaw_rad_ = yaw_rad;
-  switch (
-      WatchScan(options_.confirm_explained, options_.confirm_contradicted)) {
-    case ScanSays::kNothingNew:
-      break;
-    case ScanSays::kGood:
-      ++good_scans_;
-      break;
-    case ScanSays::kBad:
-      good_scans_ = 0;
-      ++bad_scans_;
-      break;
-  }
-  // Whether the laser alone would know this place from all others.
-  if (alias_ == Alias::kNotLooked && good_scans_ > 0) {
-    const auto fit = tracker_.FitAt(pose->pose);
-    alias_own_ = fit.value_or(RobotTracker::ScanFit());
-    tracker_.BeginOtherPlaces(pose->pose);
-    alias_ = Alias::kLooking;
-  } else if (alias_ == Alias::kLooking && tracker_.StepOtherPlaces()) {
-    alias_ = IsAmbiguous() ? Alias::kSome : Alias::kNone;
-  }
-  const LevelPose expected =
-      CarriedOn(seed_->pose, seed_->motion, *motion, *map_);
-  const double drift_m = Norm(expected.map_from_base.translation -
-                              pose->pose.map_from_base.translation);
-  const LostVerdict& verdict = tracker_.verdict();
-  if (bad_scans_ > kMostBadScans || drift_m > kMostDrift_m ||
-      verdict.state == LostState::kLost) {
-    NotConfirmed(drift_m > kMostDrift_m ? "localization went elsewhere"
-                                        : "scans do not fit there",
-                 input.now);
     return {};
   }
-  const bool has_held = good_scans_ >= options_.confirm_scans &&
-                        turned_rad_ >= options_.confirm_turn_rad &&
-                        IsPoseTight(0.8, 0.3) && verdict.probability < 0.3;
-  if (has_held && (seen_twice_ || alias_ == Alias::kNone)) {
-    Found(seen_twice_ ? "seen twice, and scans fit"
-                      : "seen once, and scans fit nowhere else",
-          input.now);
-    return {};
-  }
-  if (has_held && alias_ == Alias::kSome) {
-    // Other places look the same to the laser: the camera must say it twice.
-    Note("recovery", "the laser would fit elsewhere too: looks a second time");
-    waiting_ = {*seed_};
-    if (MayAsk()) {
-      Go(RecoveryState::kStopping, input.now);
-    } else {
-      NotConfirmed("places look alike, and the server cannot be asked again",
-                   input.now);
-    }
-    return {};
-  }
-  if (InState_s(input.now) > options_.most_confirm_s) {
-    NotConfirmed("it was not confirmed in time", input.now);
-    return {};
-  }
-  if (turned_rad_ >= options_.confirm_turn_rad) return {};
-  if (!input.can_turn) return MakeRoom(input);
-  return {.forward_mps = 0, .yaw_rate_radps = 0.6 * options_.turn_radps};
-}
-
-void Recovery::NotConfirmed(const std::string& why, MonotonicTime now) {
-  Note("recovery", absl::StrCat("not there: ", why));
-  answer_verdict_ = absl::StrCat("taken, and not confirmed: ", why);
-  waiting_.clear();
-  if (seed_.has_value()) {
-    belief_.AddAnswer(seed_->motion.odom_from_base.yaw_rad, 0.03);
-  }
-  seed_.reset();
-  if (search_began_.has_value()) {
-    searches_anywhere_ = false;
-    cycles_ = 1;
-    Go(RecoveryState::kSearching, now);
-    return;
-  }
-  LookElsewhere(now);
+  return TurnTowards(target_rad_);
 }
 
 void Recovery::Found(const std::string& how, MonotonicTime now) {
@@ -507,6 +420,10 @@ void Recovery::Found(const std::string& how, MonotonicTime now) {
                        pose->pose.map_from_base.translation.x,
                        pose->pose.map_from_base.translation.y,
                        pose->pose.place.level));
+  if (server_ != nullptr) server_->Cancel();
+  asks_ = false;
+  needs_help_ = false;
+  look_ = Look::kNone;
   last_check_ = now;
   Go(RecoveryState::kFound, now);
 }
@@ -530,6 +447,11 @@ void Recovery::RestoreBefore(MonotonicTime now) {
 
 void Recovery::GiveUpServer(const std::string& why, MonotonicTime now) {
   if (server_ != nullptr) server_->Cancel();
+  asks_ = false;
+  if (needs_help_) {
+    Go(RecoveryState::kNeedHelp, now);
+    return;
+  }
   if (search_began_.has_value()) {
     Go(RecoveryState::kSearching, now);
     return;
@@ -546,6 +468,10 @@ void Recovery::GiveUpServer(const std::string& why, MonotonicTime now) {
 }
 
 void Recovery::NeedHelp(MonotonicTime now) {
+  if (server_ != nullptr) server_->Cancel();
+  asks_ = false;
+  needs_help_ = true;
+  last_help_ = now;
   Note("help",
        "nobody found the robot's place: say where it is (initial pose), or "
        "drive it to where the map looks like nothing else");

@@ -23,6 +23,7 @@ class Recovery final : public LostAndFound {
   void WasTold(MonotonicTime now) override;
   Output Step(const RecoveryInput& input) override;
   RecoveryState state() const override { return state_; }
+  bool WantsPictures(MonotonicTime now) const override;
   std::vector<RecoveryNote> TakeNotes() override;
   const std::optional<RelocalizationAnswer>& answer() const override {
     return answer_;
@@ -51,6 +52,8 @@ class Recovery final : public LostAndFound {
   VelocityCommand Confirming(const RecoveryInput& input);
   VelocityCommand Searching(const RecoveryInput& input);
   void Idle(const RecoveryInput& input);
+  // Stands, and asks now and then.
+  void Helpless(MonotonicTime now);
 
   // After an answer.
   void Failed(const absl::Status& status, MonotonicTime now);
@@ -69,6 +72,19 @@ class Recovery final : public LostAndFound {
   ScanSays WatchScan(double explained, double contradicted);
   bool IsPoseTight(double share, double std_m) const;
   bool IsAmbiguous() const;
+  // The laser's own search over the whole map, with one scan, while the server
+  // is asked. The place is *clear* if that scan fits there well and nowhere
+  // else nearly as well.
+  void BeginLook();
+  void StepLook(MonotonicTime now);
+  bool MayTryClear() const;
+  // Gives it to AMCL; false: that refused it.
+  bool TryClear(MonotonicTime now);
+  bool IsClearPlace(const GatedFix& fix) const;
+
+  // While searching: the answer to a question that was open when it began;
+  // true: it changed the state.
+  bool TookAnswer(MonotonicTime now);
   // While searching: whether it may be believed now.
   bool SearchHolds(MonotonicTime now);
   void BreakHold();
@@ -76,6 +92,9 @@ class Recovery final : public LostAndFound {
   void EndCycle(MonotonicTime now);
   VelocityCommand SearchMotion(const RecoveryInput& input);
   VelocityCommand TurnTowards(double yaw_in_odom_rad) const;
+  // Turns on; where there is no room for a full turn it makes some, and then
+  // swings there and back as far as the collision stop lets it.
+  VelocityCommand Swing(const RecoveryInput& input, double speed_radps);
   // Where turning is not possible: a little ahead or back.
   VelocityCommand MakeRoom(const RecoveryInput& input) const;
 
@@ -107,10 +126,17 @@ class Recovery final : public LostAndFound {
   MonotonicTime asked_;
   int questions_ = 0;
   int failures_ = 0;
+  // Localized, and refused by the gate, in a row.
+  int refused_ = 0;
+  // A question of a recovery is open.
+  bool asks_ = false;
   bool server_is_useless_ = false;
   // Fixes that wait for another one that agrees.
   std::vector<GatedFix> waiting_;
   double target_rad_ = 0;
+  // The side that it swings to, and since when it has not moved there.
+  double swing_ = 1;
+  std::optional<MonotonicTime> swing_blocked_;
   // Where it thought it was when it began.
   std::optional<TrackedPose> before_;
   std::optional<TrackedMotion> before_motion_;
@@ -128,11 +154,22 @@ class Recovery final : public LostAndFound {
   Alias alias_ = Alias::kNotLooked;
   RobotTracker::ScanFit alias_own_;
 
+  // The laser's own search: of which moment, and what came of it.
+  enum class Look { kNone, kLooking, kDone };
+  Look look_ = Look::kNone;
+  std::optional<TrackedMotion> look_motion_;
+  std::optional<LevelPose> clear_;
+  bool clear_was_tried_ = false;
+
   // Searching.
   std::optional<MonotonicTime> search_began_;
+  // What AMCL has is the clear place.
+  bool holds_clear_ = false;
   bool searches_anywhere_ = false;
   std::optional<MonotonicTime> holds_since_;
   double hold_turned_rad_ = 0;
+  // Of that, when other places were looked for.
+  double alias_turned_rad_ = 0;
   double cycle_turned_rad_ = 0;
   double best_free_m_ = 0;
   double best_free_yaw_rad_ = 0;
@@ -141,6 +178,10 @@ class Recovery final : public LostAndFound {
   Rigid2 leg_from_;
   double leg_m_ = 0;
   int cycles_ = 0;
+
+  // Since it said that it needs help, and when it asked last since.
+  bool needs_help_ = false;
+  std::optional<MonotonicTime> last_help_;
 
   // The check.
   std::optional<MonotonicTime> last_check_;

@@ -1,9 +1,11 @@
-// While the robot drives and knows its place: what the server says of it.
+// While the robot drives and knows its place: what the server says of it. And
+// while it has given up: whether a server knows it now.
 #include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_format.h"
 #include "nav_agent/behavior/recovery.h"
+#include "nav_agent/behavior/recovery_parts.h"
 
 namespace treeline {
 namespace {
@@ -20,8 +22,8 @@ constexpr double kDrift_rad = 0.35;
 // Scans must fit better by this share of the beams for a correction.
 constexpr double kBetter = 0.03;
 
-double ScoreOf(const std::optional<RobotTracker::ScanFit>& fit) {
-  return fit.has_value() ? fit->explained - fit->contradicted : 0;
+double ScoreOfFit(const std::optional<RobotTracker::ScanFit>& fit) {
+  return fit.has_value() ? ScoreOf(*fit) : 0;
 }
 
 }  // namespace
@@ -41,6 +43,41 @@ void Recovery::Idle(const RecoveryInput& input) {
   is_checking_ = false;
   // A server that does not answer is nobody's business while all is well.
   if (answer->ok()) EndCheck(**answer, input.now);
+}
+
+bool Recovery::WantsPictures(MonotonicTime now) const {
+  if (state_ == RecoveryState::kLooking) return true;
+  if (state_ == RecoveryState::kNeedHelp) {
+    return server_ != nullptr && options_.help_interval_s > 0 && !asks_ &&
+           SecondsBetween(*last_help_, now) >= options_.help_interval_s;
+  }
+  return !IsActive() && server_ != nullptr && options_.check_interval_s > 0 &&
+         !is_checking_ && last_check_.has_value() &&
+         SecondsBetween(*last_check_, now) >= options_.check_interval_s;
+}
+
+void Recovery::Helpless(MonotonicTime now) {
+  if (server_ == nullptr || options_.help_interval_s <= 0) return;
+  if (asks_) {
+    const std::optional<Answer> answer = AnswerBy(now);
+    if (!answer.has_value()) return;
+    asks_ = false;
+    if (answer->ok()) Judge(**answer, now);
+    return;
+  }
+  if (SecondsBetween(*last_help_, now) < options_.help_interval_s ||
+      frame_ == nullptr || SecondsBetween(frame_->stamp, now) > kFresh_s) {
+    return;
+  }
+  const std::optional<TrackedMotion> motion = tracker_.MotionAt(frame_->stamp);
+  if (!motion.has_value()) return;
+  last_help_ = now;
+  // Of the same view as the one before: two of them say no more than one.
+  waiting_.clear();
+  server_is_useless_ = false;
+  failures_ = 0;
+  questions_ = 1;
+  Ask(*motion, now);
 }
 
 void Recovery::BeginCheck(const RecoveryInput& input) {
@@ -87,7 +124,8 @@ void Recovery::EndCheck(const RelocalizationAnswer& answer, MonotonicTime now) {
   const bool same_level =
       std::abs(seen.place.height_m - pose->pose.place.height_m) < kDrift_m;
   if (same_level && off_m <= agree_m && off_rad <= agree_rad) return;
-  const double better = ScoreOf(fix.fit) - ScoreOf(tracker_.FitAt(pose->pose));
+  const double better =
+      ScoreOfFit(fix.fit) - ScoreOfFit(tracker_.FitAt(pose->pose));
   const std::string text = absl::StrFormat(
       "the server sees the robot %.2f m and %.0f degrees from where it thinks "
       "it is",

@@ -1,4 +1,5 @@
-// Without a server: AMCL looks everywhere while the robot turns and moves.
+// Without a server: what the laser says of itself, or else AMCL that looks
+// everywhere while the robot turns and moves.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -19,6 +20,8 @@ constexpr double kMostLeg_s = 20;
 // Of the scans while a place holds, so many may not fit: somebody walks by.
 constexpr double kMostBadShare = 0.2;
 constexpr int kFreeBadScans = 2;
+// A scan is another one after such a turn.
+constexpr double kLookAgain_rad = 0.5;
 // Where it came from is half as good.
 constexpr double kBackWorth = 0.5;
 
@@ -35,7 +38,9 @@ void Recovery::BeginSearch(MonotonicTime now) {
   best_free_m_ = 0;
   leg_ = Leg::kTurn;
   cycles_ = 0;
+  holds_clear_ = false;
   Go(RecoveryState::kSearching, now);
+  if (MayTryClear() && TryClear(now)) return;
   // Where the verdict is not, or no longer, that it is lost, what it knows gets
   // the chance of a full turn.
   if (!tracker_.Pose().has_value() ||
@@ -45,6 +50,7 @@ void Recovery::BeginSearch(MonotonicTime now) {
 }
 
 void Recovery::LookAnywhere(MonotonicTime now) {
+  holds_clear_ = false;
   if (options_.method == RecoveryMethod::kInjectionOnly &&
       tracker_.Pose().has_value()) {
     return;
@@ -87,6 +93,7 @@ bool Recovery::SearchHolds(MonotonicTime now) {
     return false;
   }
   if (alias_ == Alias::kNotLooked) {
+    look_ = Look::kNone;
     const std::optional<TrackedPose> pose = tracker_.Pose();
     alias_own_ = tracker_.FitAt(pose->pose).value_or(RobotTracker::ScanFit());
     tracker_.BeginOtherPlaces(pose->pose);
@@ -96,9 +103,15 @@ bool Recovery::SearchHolds(MonotonicTime now) {
   if (alias_ == Alias::kLooking) {
     if (!tracker_.StepOtherPlaces()) return false;
     alias_ = IsAmbiguous() ? Alias::kSome : Alias::kNone;
+    alias_turned_rad_ = hold_turned_rad_;
     if (alias_ == Alias::kSome) {
       Note("recovery", "the laser fits another place as well: goes on looking");
     }
+  } else if (alias_ == Alias::kSome && holds_clear_ &&
+             hold_turned_rad_ - alias_turned_rad_ > kLookAgain_rad) {
+    // One scan said that it fits nowhere else, another one that it does: a
+    // third. Rooms that are alike are so in all of them.
+    alias_ = Alias::kNotLooked;
   }
   return alias_ == Alias::kNone;
 }
@@ -110,9 +123,33 @@ void Recovery::EndCycle(MonotonicTime now) {
   const bool is_wrong =
       !holds_since_.has_value() && (!pose.has_value() || !pose->is_searching);
   if (alias_ == Alias::kSome) alias_ = Alias::kNotLooked;
+  if (holds_clear_ && is_wrong && MayAsk()) {
+    // It was not there: the camera's turn again.
+    Note("recovery", "what the laser said does not hold: looks elsewhere");
+    holds_clear_ = false;
+    search_began_.reset();
+    LookElsewhere(now);
+    return;
+  }
   if (!searches_anywhere_ || is_wrong) LookAnywhere(now);
   // The server may be there again.
-  if (MayAsk()) Go(RecoveryState::kStopping, now);
+  if (MayAsk() && !asks_) Go(RecoveryState::kStopping, now);
+}
+
+bool Recovery::TookAnswer(MonotonicTime now) {
+  if (!asks_) return false;
+  const std::optional<Answer> answer = AnswerBy(now);
+  if (!answer.has_value()) return false;
+  asks_ = false;
+  const MonotonicTime leg_began = since_;
+  if (answer->ok()) {
+    Judge(**answer, now);
+  } else {
+    Failed(answer->status(), now);
+  }
+  // The legs of the search go on as they were.
+  if (state_ == RecoveryState::kSearching) since_ = leg_began;
+  return state_ != RecoveryState::kSearching;
 }
 
 VelocityCommand Recovery::SearchMotion(const RecoveryInput& input) {
@@ -141,8 +178,7 @@ VelocityCommand Recovery::SearchMotion(const RecoveryInput& input) {
         EndCycle(input.now);
         return {};
       }
-      if (!input.can_turn) return MakeRoom(input);
-      return {.forward_mps = 0, .yaw_rate_radps = options_.turn_radps};
+      return Swing(input, options_.turn_radps);
     }
     case Leg::kFace:
       if (best_free_m_ < kLeastMove_m + kKeepAway_m || is_stuck) {
@@ -182,6 +218,7 @@ VelocityCommand Recovery::Searching(const RecoveryInput& input) {
     hold_turned_rad_ += holds_since_.has_value() ? turned_rad : 0;
   }
   last_yaw_rad_ = yaw_rad;
+  if (TookAnswer(input.now)) return {};
   if (SearchHolds(input.now)) {
     Found("by laser alone, and scans fit nowhere else", input.now);
     return {};

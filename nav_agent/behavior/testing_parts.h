@@ -177,11 +177,9 @@ class FakeTracker final : public RobotTracker {
   std::optional<ScanFit> FitAt(const LevelPose& /*pose*/) const override {
     return std::nullopt;
   }
-  void BeginOtherPlaces(const LevelPose& /*pose*/) override {}
+  void BeginOtherPlaces(const std::optional<LevelPose>& /*than*/) override {}
   bool StepOtherPlaces() override { return true; }
-  std::optional<OtherPlace> BestOtherPlace() const override {
-    return std::nullopt;
-  }
+  std::vector<OtherPlace> BestPlaces() const override { return {}; }
   std::optional<MonotonicTime> ScanStamp() const override {
     return std::nullopt;
   }

@@ -67,6 +67,9 @@ class FakeTracker final : public RobotTracker {
   MonotonicTime spread_at;
   // Where scans fit as well as at the truth.
   std::optional<Rigid2> alias;
+  // A search over the whole map finds the truth, or this instead.
+  bool laser_knows = false;
+  std::optional<Rigid2> laser_says;
   double tilt_rad = 0;
   int judged = 100;
   double best_fit = 0.95;
@@ -144,13 +147,27 @@ class FakeTracker final : public RobotTracker {
                    .contradicted = std::min(0.5, 0.01 + 0.4 * off_m),
                    .judged = judged};
   }
-  void BeginOtherPlaces(const LevelPose&) override { ++alias_searches_; }
+  void BeginOtherPlaces(const std::optional<LevelPose>& than) override {
+    looks_everywhere_ = !than.has_value();
+    looked_at_truth_ = truth;
+  }
   bool StepOtherPlaces() override { return true; }
-  std::optional<OtherPlace> BestOtherPlace() const override {
-    if (!alias.has_value()) return std::nullopt;
-    return OtherPlace{
-        .pose = {},
-        .fit = {.explained = best_fit, .contradicted = 0.01, .judged = judged}};
+  std::vector<OtherPlace> BestPlaces() const override {
+    const ScanFit fit = {
+        .explained = best_fit, .contradicted = 0.01, .judged = judged};
+    std::vector<OtherPlace> places;
+    if (looks_everywhere_) {
+      if (!laser_knows) return {};
+      places.push_back(
+          {.pose = {.map_from_base = laser_says.value_or(looked_at_truth_),
+                    .place = {}},
+           .fit = fit});
+    }
+    if (alias.has_value()) {
+      places.push_back(
+          {.pose = {.map_from_base = *alias, .place = {}}, .fit = fit});
+    }
+    return places;
   }
   std::optional<MonotonicTime> ScanStamp() const override {
     // Ten times a second.
@@ -176,7 +193,8 @@ class FakeTracker final : public RobotTracker {
     return Norm(a.translation - b.translation) +
            std::abs(NormalizedAngle_rad(a.yaw_rad - b.yaw_rad));
   }
-  int alias_searches_ = 0;
+  bool looks_everywhere_ = false;
+  Rigid2 looked_at_truth_;
 };
 
 // Answers from a list, then with the last again.

@@ -4,8 +4,10 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/geometry/rigid2.h"
 #include "common/geometry/rigid3.h"
 #include "nav_agent/core/sensor_data.h"
 
@@ -26,6 +28,9 @@ struct RelocalizationAnswer {
   double confidence = 0;
   int inliers = 0;
   int samples = 0;
+  // Pixels of the colour image that support the answer, for pictures; as the
+  // server has them, unchecked.
+  std::vector<Vec2> inlier_pixels = {};
   std::string scene;
   std::string model_version;
   // From the question to the answer, retries included (s).

@@ -11,7 +11,8 @@
 namespace treeline {
 
 PlaceSearch::PlaceSearch(std::shared_ptr<const LaserLevelMap> map,
-                         ScanPoints points, const LevelPose& here,
+                         ScanPoints points,
+                         const std::optional<LevelPose>& here,
                          const PlaceSearchOptions& options)
     : map_(std::move(map)),
       points_(std::move(points)),
@@ -40,7 +41,7 @@ bool PlaceSearch::AreNear(const LevelPose& a, const LevelPose& b) const {
 }
 
 bool PlaceSearch::IsHere(const LevelPose& pose) const {
-  return AreNear(pose, here_);
+  return here_.has_value() && AreNear(pose, *here_);
 }
 
 bool PlaceSearch::Step() {

@@ -1,9 +1,10 @@
-// Whether a scan fits elsewhere on the map too: rooms that are alike.
+// Where on the map a scan fits: all places, or those elsewhere than at one.
 #ifndef NAV_AGENT_LOCALIZATION_PLACE_SEARCH_H_
 #define NAV_AGENT_LOCALIZATION_PLACE_SEARCH_H_
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "nav_agent/core/level_pose.h"
@@ -30,12 +31,14 @@ struct PlaceSearchOptions {
 // Deterministic; not thread-safe.
 class PlaceSearch {
  public:
+  // here: what is near it is left out; nullopt: nothing is.
   PlaceSearch(std::shared_ptr<const LaserLevelMap> map, ScanPoints points,
-              const LevelPose& here, const PlaceSearchOptions& options = {});
+              const std::optional<LevelPose>& here,
+              const PlaceSearchOptions& options = {});
 
   // True when there is nothing left to try.
   bool Step();
-  // The best that were found elsewhere, the best first.
+  // The best that were found, the best first.
   std::vector<LevelPose> Best() const;
 
  private:
@@ -49,7 +52,7 @@ class PlaceSearch {
 
   std::shared_ptr<const LaserLevelMap> map_;
   ScanPoints points_;
-  LevelPose here_;
+  std::optional<LevelPose> here_;
   PlaceSearchOptions options_;
   std::vector<FreePlace> places_;
   // Of places_ times headings.

@@ -153,11 +153,9 @@ class AmclTracker final : public RobotTracker {
     return parts_.detector.verdict();
   }
   std::optional<ScanFit> FitAt(const LevelPose& pose) const override;
-  void BeginOtherPlaces(const LevelPose& pose) override;
+  void BeginOtherPlaces(const std::optional<LevelPose>& than) override;
   bool StepOtherPlaces() override;
-  std::optional<OtherPlace> BestOtherPlace() const override {
-    return other_place_;
-  }
+  std::vector<OtherPlace> BestPlaces() const override { return places_; }
   std::optional<MonotonicTime> ScanStamp() const override;
   std::vector<Vec2> ScanInBase() const override;
   std::vector<Particle> Particles(size_t at_most) const override;
@@ -180,6 +178,8 @@ class AmclTracker final : public RobotTracker {
   TrackedPose PoseFor(const WheelMoment& moment) const;
   std::optional<ScanFit> FitOf(const MovedScan& scan,
                                const LevelPose& pose) const;
+  // The best fit of the search's scan within a few steps of a pose.
+  OtherPlace Refined(const LevelPose& tried) const;
   absl::Status TakeIn(MovedScan scan);
   absl::Status TakeWaiting();
   // Brings AMCL's wheels up to date, without a scan.
@@ -203,7 +203,7 @@ class AmclTracker final : public RobotTracker {
   std::optional<PlaceSearch> search_;
   std::optional<MovedScan> search_scan_;
   std::vector<LevelPose> candidates_;
-  std::optional<OtherPlace> other_place_;
+  std::vector<OtherPlace> places_;
 };
 
 absl::Status AmclTracker::AddReading(const BaseReading& reading) {
@@ -412,10 +412,10 @@ std::optional<RobotTracker::ScanFit> AmclTracker::FitOf(
   return fit;
 }
 
-void AmclTracker::BeginOtherPlaces(const LevelPose& pose) {
+void AmclTracker::BeginOtherPlaces(const std::optional<LevelPose>& than) {
   search_.reset();
   candidates_.clear();
-  other_place_.reset();
+  places_.clear();
   search_scan_ = scan_;
   if (!scan_.has_value()) return;
   const absl::StatusOr<ScanPoints> points =
@@ -427,7 +427,7 @@ void AmclTracker::BeginOtherPlaces(const LevelPose& pose) {
   for (size_t i = 0; i < points->size(); ++i) {
     if (points->z_m[i] > options_.lost.scan.ground_m) upright.Add(*points, i);
   }
-  search_.emplace(parts_.map, std::move(upright), pose);
+  search_.emplace(parts_.map, std::move(upright), than);
 }
 
 bool AmclTracker::StepOtherPlaces() {
@@ -438,12 +438,24 @@ bool AmclTracker::StepOtherPlaces() {
     return candidates_.empty();
   }
   if (candidates_.empty()) return true;
-  // The place itself is between those that were tried.
-  LevelPose middle = candidates_.back();
+  const OtherPlace place = Refined(candidates_.back());
   candidates_.pop_back();
+  const auto score = [](const OtherPlace& one) {
+    return one.fit.explained - one.fit.contradicted;
+  };
+  const auto before = std::ranges::find_if(
+      places_,
+      [&](const OtherPlace& other) { return score(other) < score(place); });
+  places_.insert(before, place);
+  return candidates_.empty();
+}
+
+RobotTracker::OtherPlace AmclTracker::Refined(const LevelPose& tried) const {
+  // The place itself is between those that were tried.
+  OtherPlace best = {.pose = tried, .fit = {}};
+  double best_score = -2;
   for (const double step_m : {0.12, 0.06}) {
-    LevelPose best = middle;
-    double best_score = -2;
+    const LevelPose middle = best.pose;
     for (int i = 0; i < 27; ++i) {
       LevelPose pose = middle;
       const double x = i % 3 - 1;
@@ -457,18 +469,12 @@ bool AmclTracker::StepOtherPlaces() {
       if (!fit.has_value()) continue;
       const double score = fit->explained - fit->contradicted;
       if (score > best_score) {
-        best = pose;
+        best = {.pose = pose, .fit = *fit};
         best_score = score;
       }
-      if (!other_place_.has_value() ||
-          score >
-              other_place_->fit.explained - other_place_->fit.contradicted) {
-        other_place_ = OtherPlace{pose, *fit};
-      }
     }
-    middle = best;
   }
-  return candidates_.empty();
+  return best;
 }
 
 std::optional<MonotonicTime> AmclTracker::ScanStamp() const {

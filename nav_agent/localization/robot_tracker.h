@@ -101,17 +101,18 @@ class RobotTracker {
     int judged = 0;
   };
   virtual std::optional<ScanFit> FitAt(const LevelPose& pose) const = 0;
-  // Looks over the whole map for another place, further than 0.7 m or 0.6 rad
-  // from `pose`, where the newest scan fits: rooms that are alike. Begun with
-  // the scan there is, it goes on a slice (about 2 ms) at a time; true when it
-  // is done. Then OtherPlace is the best that was found.
-  virtual void BeginOtherPlaces(const LevelPose& pose) = 0;
+  // Looks over the whole map for places where the newest scan fits, further
+  // than 0.7 m or 0.6 rad from `than`: rooms that are alike; nullopt: for all
+  // of them. Begun with the scan there is, it goes on a slice (about 2 ms) at a
+  // time; true when it is done. Then BestPlaces has at most a dozen, the best
+  // first, none within 0.7 m and 0.6 rad of another.
+  virtual void BeginOtherPlaces(const std::optional<LevelPose>& than) = 0;
   virtual bool StepOtherPlaces() = 0;
   struct OtherPlace {
     LevelPose pose;
     ScanFit fit;
   };
-  virtual std::optional<OtherPlace> BestOtherPlace() const = 0;
+  virtual std::vector<OtherPlace> BestPlaces() const = 0;
   // The newest scan that was taken in, if there is one.
   virtual std::optional<MonotonicTime> ScanStamp() const = 0;
   // Where its beams end, in the frame of the base when that is level (m); those

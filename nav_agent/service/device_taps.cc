@@ -1,6 +1,9 @@
 #include "nav_agent/service/device_taps.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <cstdint>
 #include <iterator>
 #include <utility>
 
@@ -11,6 +14,26 @@ namespace treeline {
 namespace {
 
 constexpr int kJpegQuality = 80;
+constexpr std::array<uint8_t, 3> kDotColor = {60, 220, 90};
+constexpr int kDotRadius_px = 1;
+
+// A small square around a pixel; none if that is outside, or is no number.
+void DrawDot(const Vec2& pixel, ColorImage& image) {
+  if (!(pixel.x >= 0 && pixel.x < image.width && pixel.y >= 0 &&
+        pixel.y < image.height)) {
+    return;
+  }
+  const auto middle_x = static_cast<int>(pixel.x);
+  const auto middle_y = static_cast<int>(pixel.y);
+  const int last_x = std::min(middle_x + kDotRadius_px, image.width - 1);
+  const int last_y = std::min(middle_y + kDotRadius_px, image.height - 1);
+  for (int y = std::max(middle_y - kDotRadius_px, 0); y <= last_y; ++y) {
+    for (int x = std::max(middle_x - kDotRadius_px, 0); x <= last_x; ++x) {
+      const size_t index = (static_cast<size_t>(y) * image.width + x) * 3;
+      std::ranges::copy(kDotColor, image.rgb.begin() + index);
+    }
+  }
+}
 
 }  // namespace
 
@@ -28,6 +51,21 @@ void PictureKeeper::Keep(const RgbdFrame& frame) {
   const absl::MutexLock lock(&mutex_);
   image_ = std::move(image);
   stamp_ = frame.stamp;
+  jpeg_ = nullptr;
+}
+
+void PictureKeeper::Mark(MonotonicTime stamp, std::span<const Vec2> pixels) {
+  std::shared_ptr<const ColorImage> plain;
+  {
+    const absl::MutexLock lock(&mutex_);
+    if (image_ == nullptr || stamp_ != stamp) return;
+    plain = image_;
+  }
+  auto marked = std::make_shared<ColorImage>(*plain);
+  for (const Vec2& pixel : pixels) DrawDot(pixel, *marked);
+  const absl::MutexLock lock(&mutex_);
+  if (image_ != plain) return;
+  image_ = std::move(marked);
   jpeg_ = nullptr;
 }
 
@@ -84,10 +122,15 @@ void WatchedServer::Ask(const RgbdFrame& frame, double timeout_s) {
 std::optional<absl::StatusOr<RelocalizationAnswer>>
 WatchedServer::TakeAnswer() {
   auto answer = port_.TakeAnswer();
-  if (answer.has_value()) {
-    const absl::MutexLock lock(&mutex_);
-    last_error_ = answer->status();
+  if (!answer.has_value()) return answer;
+  if (answer->ok()) {
+    // Nobody behind this one draws.
+    const std::vector<Vec2> pixels =
+        std::exchange((*answer)->inlier_pixels, {});
+    keeper_.Mark((*answer)->stamp, pixels);
   }
+  const absl::MutexLock lock(&mutex_);
+  last_error_ = answer->status();
   return answer;
 }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -15,6 +16,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "common/geometry/rigid2.h"
 #include "nav_agent/core/devices.h"
 #include "nav_agent/core/relocalization.h"
 
@@ -30,6 +32,9 @@ class PictureKeeper {
       : interval_(interval) {}
 
   void Keep(const RgbdFrame& frame);
+  // Draws a dot at each of these pixels into the picture of that stamp, if it
+  // is still the newest. What lies outside is left out.
+  void Mark(MonotonicTime stamp, std::span<const Vec2> pixels);
   // NOT_FOUND: there is none yet.
   absl::StatusOr<std::shared_ptr<const std::string>> Jpeg() const;
 
@@ -69,7 +74,8 @@ class BackgroundCamera final : public RgbdCamera {
   std::jthread thread_;
 };
 
-// A relocalization server whose questions are kept. Both must outlive it.
+// A relocalization server whose questions are kept, with the pixels that
+// support the answer drawn in. Both must outlive it.
 class WatchedServer final : public RelocalizationPort {
  public:
   WatchedServer(RelocalizationPort& port, PictureKeeper& keeper)

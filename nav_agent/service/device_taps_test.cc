@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <limits>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -49,6 +50,30 @@ TEST(PictureKeeper, KeepsTheNewestOfEveryInterval) {
   dark.stamp = MonotonicTime(milliseconds(9000));
   keeper.Keep(dark);
   EXPECT_NEAR(ShadeOf(keeper), 250, 2);
+}
+
+TEST(PictureKeeper, MarksThePixelsOfItsPictureOnly) {
+  PictureKeeper keeper(milliseconds(0));
+  const auto picture = [&keeper] { return *DecodeColor(**keeper.Jpeg(), {}); };
+  const auto is_marked = [](const ColorImage& image, int x, int y) {
+    const size_t index = (static_cast<size_t>(y) * 16 + x) * 3;
+    return image.rgb[index + 1] > image.rgb[index] + 60;
+  };
+  // No picture yet.
+  keeper.Mark(FrameAt(1000, 50).stamp, std::vector<Vec2>{{4, 4}});
+  keeper.Keep(FrameAt(1000, 50));
+  // Another one's.
+  keeper.Mark(FrameAt(900, 50).stamp, std::vector<Vec2>{{4, 4}});
+  EXPECT_FALSE(is_marked(picture(), 4, 4));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  keeper.Mark(FrameAt(1000, 50).stamp,
+              std::vector<Vec2>{
+                  {4.5, 4.5}, {15, 0}, {-1, 3}, {3, 16}, {nan, 3}, {1e30, 3}});
+  EXPECT_TRUE(is_marked(picture(), 4, 4));
+  EXPECT_TRUE(is_marked(picture(), 15, 0));
+  EXPECT_FALSE(is_marked(picture(), 10, 10));
+  keeper.Keep(FrameAt(1001, 50));
+  EXPECT_FALSE(is_marked(picture(), 4, 4));
 }
 
 // Has so many frames, once.

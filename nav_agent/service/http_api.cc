@@ -23,7 +23,7 @@ constexpr char kNoPage[] =
     "The operator's page is not built.\n\n"
     "The robot runs without it; its API is here (GET /api/state, "
     "docs/agent.md)."
-    "\nTo build the page: scripts/build_page, or give --page-dir DIR.\n";
+    "\nTo build the page: scripts/build-page, or give --page-dir DIR.\n";
 
 HttpResponse Failure(const absl::Status& status) {
   return {.status = HttpStatusOfCode(status.code()),
@@ -50,6 +50,18 @@ HttpResponse PictureAnswer(const PictureKeeper* keeper, const char* what) {
   const auto jpeg = keeper->Jpeg();
   if (!jpeg.ok()) return Failure(jpeg.status());
   return {.content_type = "image/jpeg", .body = **jpeg};
+}
+
+// Digits alone name a level: no sign, no space, and not too many of them.
+std::optional<int> LevelCalled(absl::string_view name, size_t levels) {
+  constexpr size_t kMostDigits = 4;
+  int level = 0;
+  if (name.size() > kMostDigits ||
+      !std::all_of(name.begin(), name.end(), absl::ascii_isdigit) ||
+      !absl::SimpleAtoi(name, &level) || static_cast<size_t>(level) >= levels) {
+    return std::nullopt;
+  }
+  return level;
 }
 
 }  // namespace
@@ -268,8 +280,8 @@ std::vector<std::pair<std::string, std::string>> HttpApi::CommonHeaders(
           {"X-Frame-Options", "DENY"},
           {"Referrer-Policy", "no-referrer"},
           {"Content-Security-Policy",
-           "default-src 'self'; img-src 'self' data: blob:; style-src 'self' "
-           "'unsafe-inline'; worker-src 'self' blob:; frame-ancestors 'none'"}};
+           "default-src 'self'; img-src 'self' data: blob:; style-src 'self'; "
+           "object-src 'none'; base-uri 'none'; frame-ancestors 'none'"}};
 }
 
 HttpResponse HttpApi::GetState(bool scene) {
@@ -298,22 +310,31 @@ HttpResponse HttpApi::GetReady() const {
 HttpResponse HttpApi::GetLevel(absl::string_view path) {
   absl::ConsumePrefix(&path, "/api/levels/");
   const auto& levels = commands_.info().map->levels.levels;
-  int index = 0;
-  if (!absl::ConsumeSuffix(&path, ".png") || path.size() > 4 ||
-      !absl::SimpleAtoi(path, &index) || index < 0 ||
-      static_cast<size_t>(index) >= levels.size()) {
+  const bool is_heights = absl::ConsumeSuffix(&path, ".heights");
+  const bool is_known = is_heights || absl::ConsumeSuffix(&path, ".png");
+  const std::optional<int> level =
+      is_known ? LevelCalled(path, levels.size()) : std::nullopt;
+  if (!level.has_value()) {
     return Failure(404, "not_found",
                    absl::StrCat("there is no such level; the map has 0..",
-                                levels.size() - 1, ": /api/levels/0.png"));
+                                levels.size() - 1,
+                                ": /api/levels/0.png, /api/levels/0.heights"));
   }
+  if (!is_heights) return GetLevelPicture(*level);
+  return {.content_type = "application/octet-stream",
+          .body = LevelHeights(levels[static_cast<size_t>(*level)])};
+}
+
+HttpResponse HttpApi::GetLevelPicture(int level) {
   const absl::MutexLock lock(&mutex_);
-  const auto known = levels_.find(index);
+  const auto known = levels_.find(level);
   if (known != levels_.end()) {
     return {.content_type = "image/png", .body = known->second};
   }
-  auto png = LevelPng(levels[static_cast<size_t>(index)].grid);
+  const auto& levels = commands_.info().map->levels.levels;
+  auto png = LevelPng(levels[static_cast<size_t>(level)].grid);
   if (!png.ok()) return Failure(png.status());
-  levels_[index] = *png;
+  levels_[level] = *png;
   return {.content_type = "image/png", .body = *std::move(png)};
 }
 

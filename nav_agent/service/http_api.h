@@ -69,6 +69,7 @@ class HttpApi final : public HttpHandler {
   HttpResponse GetState(bool scene);
   HttpResponse GetReady() const;
   HttpResponse GetLevel(absl::string_view path);
+  HttpResponse GetLevelPicture(int level);
   HttpResponse GetOctomap();
   HttpResponse GetFile(const std::string& path) const;
   HttpResponse OpenStream();

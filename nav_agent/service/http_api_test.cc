@@ -12,6 +12,7 @@
 
 #include "common/base/file.h"
 #include "common/http/http_server.h"
+#include "nav_agent/service/map_pictures.h"
 #include "nav_agent/service/testing_navigator.h"
 
 namespace treeline {
@@ -19,6 +20,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Json = nlohmann::json;
 
 const httplib::Headers kOurs = {{"X-Treeline", "1"}};
@@ -161,11 +163,28 @@ TEST_F(HttpApiTest, ServesTheMap) {
   EXPECT_EQ(level->body.substr(1, 3), "PNG");
   EXPECT_EQ(Client().Get("/api/levels/1.png")->body, level->body);
   EXPECT_EQ(Client().Get("/api/octomap")->body.substr(0, 4), "TLVX");
-  for (const char* path :
-       {"/api/levels/2.png", "/api/levels/-1.png", "/api/levels/x.png",
-        "/api/levels/99999999999.png", "/api/levels/0", "/api/levels/"}) {
-    EXPECT_EQ(Client().Get(path)->status, 404) << path;
+  const auto heights = Client().Get("/api/levels/1.heights");
+  EXPECT_EQ(heights->get_header_value("Content-Type"),
+            "application/octet-stream");
+  EXPECT_EQ(heights->body, LevelHeights(agent_->info.map->levels.levels[1]));
+}
+
+TEST_F(HttpApiTest, OnlyANumberOfALevelNamesOne) {
+  Start();
+  for (const std::string name :
+       {"2", "-1", "-0", "+1", "%201", "1%20", "x", "0x1", "1e0", "1.0", "",
+        "99999", "99999999999999999999999", "4294967297", "..%2f1", "1%00",
+        "%31%0a"}) {
+    for (const char* ending : {".png", ".heights", ".PNG", "", "/"}) {
+      const std::string path = "/api/levels/" + name + ending;
+      const auto answer = Client().Get(path);
+      ASSERT_TRUE(answer) << path;
+      EXPECT_GE(answer->status, 400) << path;
+      EXPECT_LE(answer->status, 404) << path;
+    }
   }
+  EXPECT_EQ(Client().Get("/api/levels/1")->status, 404);
+  EXPECT_EQ(Client().Get("/api/levels/0.heights.png")->status, 404);
 }
 
 TEST_F(HttpApiTest, ServesPicturesOfTheCamera) {
@@ -274,8 +293,9 @@ TEST_F(HttpApiTest, ServesThePage) {
   Start();
   const auto page = Client().Get("/");
   EXPECT_EQ(page->body, "<p>");
-  EXPECT_THAT(page->get_header_value("Content-Security-Policy"),
-              HasSubstr("default-src 'self'"));
+  const std::string policy = page->get_header_value("Content-Security-Policy");
+  EXPECT_THAT(policy, HasSubstr("default-src 'self'"));
+  EXPECT_THAT(policy, Not(HasSubstr("unsafe")));
   EXPECT_EQ(page->get_header_value("X-Content-Type-Options"), "nosniff");
   EXPECT_EQ(Client().Get("/%2e%2e/%2e%2e/etc/passwd")->status, 404);
   EXPECT_EQ(Client().Get("/..%2f..%2fetc/passwd")->status, 404);

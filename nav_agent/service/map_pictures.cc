@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "common/image/decode.h"
 
@@ -52,6 +54,20 @@ absl::StatusOr<std::string> LevelPng(const OccupancyGrid& grid) {
     }
   }
   return EncodePng(image);
+}
+
+std::string LevelHeights(const TraversableLevel& level) {
+  std::string bytes = "TLVH";
+  bytes.reserve(12 + 4 * level.height_m.size());
+  AppendU32(bytes, static_cast<uint32_t>(level.grid.width));
+  AppendU32(bytes, static_cast<uint32_t>(level.grid.height));
+  for (const float middle_m : level.height_m) {
+    // The map has the middle of the highest voxel; the robot stands on its top.
+    AppendFloat(bytes, std::isnan(middle_m)
+                           ? std::numeric_limits<double>::quiet_NaN()
+                           : middle_m + level.grid.resolution_m / 2);
+  }
+  return bytes;
 }
 
 std::string OctomapBytes(const VoxelMap& voxels) {

@@ -7,12 +7,19 @@
 #include "absl/status/statusor.h"
 #include "nav_agent/core/occupancy_grid.h"
 #include "nav_agent/octomap/voxel_map.h"
+#include "nav_agent/traversability/traversability.h"
 
 namespace treeline {
 
 // PNG, a pixel for each cell, row 0 at the top (+y of the grid): free is white,
 // occupied black, unknown grey.
 absl::StatusOr<std::string> LevelPng(const OccupancyGrid& grid);
+
+// "TLVH", uint32 width, uint32 height, then a float32 for each cell, rows from
+// the bottom as the grid has them: how high the ground's surface is in the map
+// (m), as poses have it; a quiet NaN where the level has no ground.
+// Little-endian.
+std::string LevelHeights(const TraversableLevel& level);
 
 // "TLVX", uint32 count, float32 resolution_m, then count times the centre of an
 // occupied voxel in the map (3 float32, m). Little-endian. Voxels that are

@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "common/image/decode.h"
 #include "nav_agent/service/testing_navigator.h"
+#include "nav_agent/traversability/navigation_map.h"
 
 namespace treeline {
 namespace {
@@ -16,11 +19,13 @@ float FloatAt(const std::string& bytes, size_t offset) {
   return value;
 }
 
-uint32_t CountOf(const std::string& bytes) {
-  uint32_t count = 0;
-  std::memcpy(&count, bytes.data() + 4, sizeof(count));
-  return count;
+uint32_t NumberAt(const std::string& bytes, size_t offset) {
+  uint32_t number = 0;
+  std::memcpy(&number, bytes.data() + offset, sizeof(number));
+  return number;
 }
+
+uint32_t CountOf(const std::string& bytes) { return NumberAt(bytes, 4); }
 
 TEST(MapPictures, TheTopRowIsTheNorth) {
   OccupancyGrid grid = OccupancyGrid::Filled(3, 2, 0.05, {}, Occupancy::kFree);
@@ -35,6 +40,31 @@ TEST(MapPictures, TheTopRowIsTheNorth) {
   EXPECT_EQ(image->rgb[0], 0);
   EXPECT_EQ(image->rgb[3], 255);
   EXPECT_EQ(image->rgb[(3 + 2) * 3], 160);
+}
+
+TEST(MapPictures, HeightsAreOfTheSurfaceFromTheBottomRowOn) {
+  TraversableLevel level;
+  level.grid = OccupancyGrid::Filled(3, 2, 0.1, {}, Occupancy::kFree);
+  level.height_m = {0, 1, 2, -0.5F, std::numeric_limits<float>::quiet_NaN(), 4};
+  const std::string bytes = LevelHeights(level);
+  ASSERT_EQ(bytes.size(), 12U + 6 * 4U);
+  EXPECT_EQ(bytes.substr(0, 4), "TLVH");
+  EXPECT_EQ(NumberAt(bytes, 4), 3U);
+  EXPECT_EQ(NumberAt(bytes, 8), 2U);
+  EXPECT_EQ(FloatAt(bytes, 12), 0.05F);
+  EXPECT_EQ(FloatAt(bytes, 12 + 4 * 2), 2.05F);
+  EXPECT_EQ(FloatAt(bytes, 12 + 4 * 3), -0.45F);
+  EXPECT_TRUE(std::isnan(FloatAt(bytes, 12 + 4 * 4)));
+  EXPECT_EQ(FloatAt(bytes, 12 + 4 * 5), 4.05F);
+}
+
+TEST(MapPictures, HeightsAreThoseThatPosesHave) {
+  const auto map = TwoLevelMap();
+  const NavigationMap places = NavigationMap::Make(map->levels).value();
+  const std::string bytes = LevelHeights(map->levels.levels[1]);
+  const auto place = places.GroundOf({-0.8, -0.7}, 1);
+  ASSERT_TRUE(place.has_value());
+  EXPECT_EQ(FloatAt(bytes, 12), static_cast<float>(place->height_m));
 }
 
 TEST(MapPictures, WritesCentresOfVoxels) {

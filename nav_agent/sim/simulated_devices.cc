@@ -55,20 +55,31 @@ RgbdCalibration SimulatedCamera::Calibration() const {
   return imager_ == nullptr ? RgbdCalibration{} : imager_->Calibration();
 }
 
+RgbdFrame SimulatedCamera::Render(const Exposure& exposure) const {
+  RgbdFrame frame = {.stamp = exposure.stamp,
+                     .sequence = exposure.sequence,
+                     .frame = imager_->Capture(exposure.shot)};
+  if (exposure.dark) std::ranges::fill(frame.frame.color.rgb, uint8_t{0});
+  if (exposure.blind && frame.frame.depth.has_value()) {
+    std::ranges::fill(frame.frame.depth->values, uint16_t{0});
+  }
+  return frame;
+}
+
 std::vector<RgbdFrame> SimulatedCamera::TakeFrames() {
   std::vector<RgbdFrame> frames;
   if (imager_ == nullptr) return frames;
   for (const Exposure& exposure : queue.Take()) {
-    RgbdFrame frame = {.stamp = exposure.stamp,
-                       .sequence = exposure.sequence,
-                       .frame = imager_->Capture(exposure.shot)};
-    if (exposure.dark) std::ranges::fill(frame.frame.color.rgb, uint8_t{0});
-    if (exposure.blind && frame.frame.depth.has_value()) {
-      std::ranges::fill(frame.frame.depth->values, uint16_t{0});
-    }
-    frames.push_back(std::move(frame));
+    frames.push_back(Render(exposure));
   }
   return frames;
+}
+
+std::vector<RgbdFrame> SimulatedCamera::TakeNewest() {
+  if (imager_ == nullptr) return {};
+  const std::vector<Exposure> exposures = queue.Take();
+  if (exposures.empty()) return {};
+  return {Render(exposures.back())};
 }
 
 const char* SimEventName(SimEventKind kind) {

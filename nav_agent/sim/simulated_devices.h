@@ -176,11 +176,15 @@ class SimulatedCamera final : public RgbdCamera {
       : queue(clock), imager_(std::move(imager)) {}
   RgbdCalibration Calibration() const override;
   std::vector<RgbdFrame> TakeFrames() override;
+  // Only the newest that has arrived: the others are never rendered.
+  std::vector<RgbdFrame> TakeNewest();
   DeviceHealth Health() const override { return queue.Health(); }
 
   DeliveryQueue<Exposure> queue;
 
  private:
+  RgbdFrame Render(const Exposure& exposure) const;
+
   const std::shared_ptr<const Imager> imager_;
 };
 

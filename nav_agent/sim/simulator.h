@@ -71,7 +71,7 @@ class Simulator {
   RangeSensor& laser() { return sensors_->laser(); }
   Odometry& odometry() { return sensors_->odometry(); }
   // Without a camera (camera_hz 0) there are never any frames.
-  RgbdCamera& camera() { return sensors_->camera(); }
+  SimulatedCamera& camera() { return sensors_->camera(); }
   BaseDriver& base() { return base_; }
 
   // ---- what the world does to it ----

@@ -9,6 +9,7 @@ import html
 import json
 import math
 import pathlib
+import random
 import shutil
 import subprocess
 import sys
@@ -23,6 +24,8 @@ POLL_S = 0.1
 # What counts as knowing one's place.
 NEAR_M = 0.5
 NEAR_DEG = 20
+# So far away (m) it is carried.
+FAR_M = 4
 LOST_MODES = ("lost", "relocalizing", "need_help")
 
 
@@ -97,6 +100,19 @@ def highest_place(poses):
                key=lambda pose: math.hypot(pose[0], pose[1]))
 
 
+def far_place(poses, robot, goal, seed):
+    """Somewhere on the drive, in any heading, away from robot and goal; of a
+    small map, where the drive was furthest from the robot."""
+    def away(pose, place):
+        return math.hypot(pose[0] - place["x"], pose[1] - place["y"])
+    chance = random.Random(seed)
+    far = [pose for pose in poses
+           if away(pose, robot) > FAR_M and away(pose, goal) > FAR_M]
+    x, y, z, _ = (chance.choice(far) if far else
+                  max(poses, key=lambda pose: away(pose, robot)))
+    return x, y, z, chance.uniform(-math.pi, math.pi)
+
+
 def level_at(info, height_m):
     """The level whose heights hold this one; of several, the tightest."""
     levels = info["map"]["levels"]
@@ -106,6 +122,12 @@ def level_at(info, height_m):
         beyond = max(low - height_m, height_m - high, 0)
         return (beyond > 0.1, beyond, high - low)
     return min(levels, key=misfit)["index"]
+
+
+def place_of(info, pose):
+    """What the agent's interface takes, of (x, y, z, yaw)."""
+    x, y, z, yaw = pose
+    return {"x": x, "y": y, "yaw": yaw, "level": level_at(info, z)}
 
 
 def error_of(state):
@@ -196,8 +218,11 @@ def save(agent, path, file):
         return False
 
 
-def drive(agent, goal, kidnap_after_s, out, story):
-    """Goal, kidnap, recovery, arrival. What the summary says of it."""
+def drive(agent, goal, kidnap_after_s, elsewhere, out, story):
+    """Goal, kidnap, recovery, arrival. What the summary says of it.
+
+    elsewhere: of a robot's pose, where it is carried to.
+    """
     result = {"arrived": False, "kidnapped": False, "recovered_s": None,
               "wrong_resumptions": 0}
     pictures = PagePictures(agent.address, out)
@@ -219,7 +244,7 @@ def drive(agent, goal, kidnap_after_s, out, story):
         if (drives and not result["kidnapped"] and
                 now - driving_since > kidnap_after_s):
             pictures.take("page-driving.png", "On its way")
-            agent.post("/api/sim/kidnap", {})
+            agent.post("/api/sim/kidnap", elsewhere(state["truth"]))
             story.part = 1
             result["kidnapped"] = True
             kidnapped_at = time.monotonic()
@@ -238,9 +263,11 @@ def drive(agent, goal, kidnap_after_s, out, story):
                 result["fix"] = fix
                 save(agent, "/api/query.jpg", out / "query.jpg")
             if error is not None:
-                story.tell(f"drives on, {result['recovered_s']:.1f} s after; "
-                           f"it is {100 * error[0]:.1f} cm and "
-                           f"{error[1]:.1f} degrees off")
+                by = "the server" if "fix" in result else "the laser alone"
+                story.tell(f"found by {by}: drives on, "
+                           f"{result['recovered_s']:.1f} s after; it is "
+                           f"{100 * error[0]:.1f} cm and {error[1]:.1f} "
+                           "degrees off")
                 result["error_m"], result["error_deg"] = error
                 result["wrong_resumptions"] += is_wrong(error)
         goal_state = (state.get("goal") or {}).get("state")
@@ -269,14 +296,20 @@ def track_picture(info, level, track):
     x0, y0, _ = grid["origin"]
     step = grid["resolution_m"]
     colors = ("#2166ac", "#b2182b", "#1b7837")
-    lines = []
-    for part, color in enumerate(colors):
-        points = " ".join(
-            f"{(x - x0) / step:.1f},{height - (y - y0) / step:.1f}"
-            for x, y, p in track if p == part)
-        if points:
-            lines.append(f'<polyline points="{points}" fill="none" '
-                         f'stroke="{color}" stroke-width="2"/>')
+    parts = [[], [], []]
+    for x, y, part in track:
+        parts[part].append(f"{(x - x0) / step:.1f},"
+                           f"{height - (y - y0) / step:.1f}")
+    lines = [f'<polyline points="{" ".join(points)}" fill="none" '
+             f'stroke="{color}" stroke-width="2"/>'
+             for points, color in zip(parts, colors) if points]
+    if parts[0] and parts[1]:
+        # Carried: from where to where.
+        x, y = parts[1][0].split(",")
+        lines.append(f'<polyline points="{parts[0][-1]} {parts[1][0]}" '
+                     f'fill="none" stroke="{colors[1]}" stroke-width="1" '
+                     'stroke-dasharray="4 4"/>'
+                     f'<circle cx="{x}" cy="{y}" r="4" fill="{colors[1]}"/>')
     return (f'<svg viewBox="0 0 {width} {height}" '
             f'width="{min(900, 3 * width)}">'
             f'<image href="level-{level}.png" width="{width}" '
@@ -314,8 +347,8 @@ Mapped in one drive; kidnapped on its way
 {'and driving again after %.1f s' % result['recovered_s']
  if result['recovered_s'] is not None else ''}.</p>
 <h2>Where it went</h2>
-<p>Blue: towards its goal. Red: from where it was carried to. Green: after it
-knew its place again.</p>
+<p>Blue: towards its goal. Red: carried, and looking for its place. Green: after
+it knew its place again.</p>
 {track_picture(info, level, story.track)}
 <h2>What happened</h2><table>{rows}</table>
 <h2>What was to be seen</h2>{figures}
@@ -337,20 +370,24 @@ def main():
     parser.add_argument("--out", required=True, type=pathlib.Path)
     parser.add_argument("--kidnap-after", type=float, default=8,
                         help="seconds of driving; default: 8")
+    parser.add_argument("--seed", type=int, default=1,
+                        help="of where it is carried; default: 1")
     arguments = parser.parse_args()
     agent = Agent(arguments.agent, arguments.agent_pid)
     info = agent.wait_for_start()
-    x, y, z, yaw = highest_place(read_trajectory(
-        arguments.map / "trajectory.txt"))
-    level = level_at(info, z)
+    poses = read_trajectory(arguments.map / "trajectory.txt")
+    goal = place_of(info, highest_place(poses))
     out = arguments.out
     for old in ("page-driving.png", "page-lost.png", "page-arrived.png",
                 "query.jpg"):
         (out / old).unlink(missing_ok=True)
+    level = goal["level"]
     save(agent, f"/api/levels/{level}.png", out / f"level-{level}.png")
     story = Story()
-    result = drive(agent, {"x": x, "y": y, "yaw": yaw, "level": level},
-                   arguments.kidnap_after, out, story)
+
+    def elsewhere(robot):
+        return place_of(info, far_place(poses, robot, goal, arguments.seed))
+    result = drive(agent, goal, arguments.kidnap_after, elsewhere, out, story)
     write_summary(out, info, level, story, result)
     print(f"\nSummary: {out / 'summary.html'}")
     good = (result["arrived"] and result["recovered_s"] is not None

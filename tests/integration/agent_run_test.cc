@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <stdlib.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -46,11 +47,16 @@ class AgentRunTest : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   // Starts the agent on free ports and waits until it drives.
-  void StartAgent(const std::vector<std::string>& arguments) {
+  void StartAgent(const std::vector<std::string>& arguments,
+                  const std::string& shell_before = "") {
     std::vector<std::string> command = {TREELINE_AGENT,  "run",
                                         "--listen",      "127.0.0.1:0",
                                         "--http-listen", "127.0.0.1:0"};
     command.insert(command.end(), arguments.begin(), arguments.end());
+    if (!shell_before.empty()) {
+      command.insert(command.begin(),
+                     {"/bin/bash", "-c", shell_before + "; exec \"$@\"", "sh"});
+    }
     agent_ = std::make_unique<Process>(command);
     const auto grpc = agent_->WaitForLine("grpc on ");
     ASSERT_TRUE(grpc.has_value()) << agent_->err();
@@ -68,15 +74,21 @@ class AgentRunTest : public testing::Test {
   static void WriteMap(const std::string& folder) {
     const auto map = MapOfWorld("cafe");
     ASSERT_TRUE(map.ok()) << map.status();
+    ASSERT_TRUE(BeginMapBundle(folder, /*overwrite=*/false).ok());
+    const std::string octomap = folder + "/" + kBundleOctomap;
+    ASSERT_TRUE(WriteOctree(map->voxels, octomap).ok());
+    // A file ends where what is known ends, the world's voxels with the world.
+    const auto voxels = ReadOctree(octomap);
+    ASSERT_TRUE(voxels.ok()) << voxels.status();
+    const auto levels = ExtractTraversableMap(*voxels);
+    ASSERT_TRUE(levels.ok()) << levels.status();
     MapBundleManifest manifest;
     manifest.name = "cafe";
-    manifest.levels = static_cast<int>(map->levels.levels.size());
-    manifest.resolution_m = map->voxels.resolution_m();
+    manifest.levels = static_cast<int>(levels->levels.size());
+    manifest.resolution_m = voxels->resolution_m();
     manifest.poses = 1;
     const std::vector<TimedPose> trajectory = {{5, {}}};
-    ASSERT_TRUE(BeginMapBundle(folder, /*overwrite=*/false).ok());
-    ASSERT_TRUE(WriteOctree(map->voxels, folder + "/" + kBundleOctomap).ok());
-    ASSERT_TRUE(WriteTraversableMap(map->levels,
+    ASSERT_TRUE(WriteTraversableMap(*levels,
                                     manifest.traversability.max_slope_rad,
                                     folder + "/" + kBundleLevels)
                     .ok());
@@ -122,8 +134,9 @@ class AgentRunTest : public testing::Test {
 };
 
 TEST_F(AgentRunTest, ASimulatedRobotDrivesToItsGoalAndStopsOnInterrupt) {
-  StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0",
-              "--speed", "4", "--record", folder_ + "/run.tlog"});
+  ASSERT_NO_FATAL_FAILURE(
+      StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0",
+                  "--speed", "4", "--record", folder_ + "/run.tlog"}));
   const v1::NavigateResponse last = DriveTo(kGoalX_m, kGoalY_m);
   EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
       << last.goal().why() << agent_->err();
@@ -145,8 +158,8 @@ TEST_F(AgentRunTest, ASimulatedRobotDrivesToItsGoalAndStopsOnInterrupt) {
 }
 
 TEST_F(AgentRunTest, AGoalOverHttpCanBeCancelledPausedAndRepeated) {
-  StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0",
-              "--speed", "4"});
+  ASSERT_NO_FATAL_FAILURE(StartAgent({"--simulate", "cafe", "--people=false",
+                                      "--camera-hz", "0", "--speed", "4"}));
   const std::string goal =
       absl::StrCat(R"({"poses":[{"x":)", kGoalX_m, R"(,"y":)", kGoalY_m,
                    R"(,"yaw":0,"level":0}]})");
@@ -175,9 +188,9 @@ TEST_F(AgentRunTest, ThroughEmulatedDevicesToItsGoal) {
           absl::StrCat("laser: ", absl::StripPrefix(*laser, "laser at "),
                        "\nbase: ", absl::StripPrefix(*base, "base at "), "\n"))
           .ok());
-  WriteMap(folder_ + "/map");
-  StartAgent({"--map", folder_ + "/map", "--hardware", hardware, "--start-at",
-              kStart});
+  ASSERT_NO_FATAL_FAILURE(WriteMap(folder_ + "/map"));
+  ASSERT_NO_FATAL_FAILURE(StartAgent({"--map", folder_ + "/map", "--hardware",
+                                      hardware, "--start-at", kStart}));
   const v1::NavigateResponse last = DriveTo(kGoalX_m, kGoalY_m);
   EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
       << last.goal().why() << agent_->err();
@@ -186,6 +199,40 @@ TEST_F(AgentRunTest, ThroughEmulatedDevicesToItsGoal) {
   robot.Signal(SIGINT);
   robot.WaitForExit();
   EXPECT_THAT(robot.out(), ::testing::Not(HasSubstr("collision")));
+}
+
+TEST_F(AgentRunTest, AFullDiskEndsTheRecordingAndNotTheDrive) {
+  // A limit on file sizes fails the write as a full disk does.
+  ASSERT_NO_FATAL_FAILURE(
+      StartAgent({"--simulate", "cafe", "--people=false", "--camera-hz", "0",
+                  "--speed", "4", "--record", folder_ + "/run.tlog"},
+                 "trap '' XFSZ; ulimit -f 64"));
+  const v1::NavigateResponse last = DriveTo(kGoalX_m, kGoalY_m);
+  EXPECT_EQ(last.goal().state(), v1::GOAL_STATE_SUCCEEDED)
+      << last.goal().why() << agent_->err();
+  agent_->Signal(SIGINT);
+  agent_->WaitForExit();
+  EXPECT_THAT(agent_->err(), HasSubstr("the recording ends"));
+  EXPECT_THAT(agent_->err(), HasSubstr("run.tlog"));
+  EXPECT_THAT(agent_->err(), HasSubstr("File too large"));
+}
+
+TEST_F(AgentRunTest, AMapWithoutFreeGroundIsNamed) {
+  const std::string map = folder_ + "/map";
+  ASSERT_NO_FATAL_FAILURE(WriteMap(map));
+  const std::string picture = map + "/" + kBundleLevels + "/level-0.pgm";
+  auto pixels = ReadFile(picture, size_t{1} << 26);
+  ASSERT_TRUE(pixels.ok()) << pixels.status();
+  // All that is free is occupied: 254 is free, 0 is not.
+  std::ranges::replace(*pixels, static_cast<char>(254), '\0');
+  std::filesystem::remove(picture);
+  ASSERT_TRUE(WriteNewFile(picture, *pixels).ok());
+  const ProgramResult result =
+      RunProgram({TREELINE_AGENT, "run", "--map", map, "--simulate", "cafe",
+                  "--listen", "127.0.0.1:0", "--http-listen", "127.0.0.1:0"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("no free ground"));
+  EXPECT_THAT(result.err, HasSubstr(map));
 }
 
 TEST_F(AgentRunTest, ATypoInTheConfigurationIsNamed) {

@@ -26,12 +26,24 @@ export async function launch(work) {
   return chromium.launch({ executablePath: browserProgram(), args: FLAGS });
 }
 
+// The same as a program of its own, which can be killed.
+export async function launchServer(work) {
+  const require = createRequire(path.resolve(work) + path.sep);
+  const { chromium } = require('playwright-core');
+  const server = await chromium.launchServer(
+      { executablePath: browserProgram(), args: FLAGS });
+  return { browser: await chromium.connect(server.wsEndpoint()),
+    kill: () => server.kill() };
+}
+
 // What the browser says of software rendering says nothing of the page.
 const ABOUT_GRAPHICS = /GL Driver Message|WebGL|swiftshader/i;
 
 // A page of `url`, with what it did wrong: errors, warnings of the console, and
 // requests to other hosts. `expected`: messages that the test brings about.
-export async function openPage(browser, url, options = {}, expected = null) {
+// `onResponse` is called for each answer.
+export async function openPage(browser, url, options = {}, expected = null,
+    onResponse = () => {}) {
   const context = await browser.newContext({
     viewport: { width: 900, height: 600 }, reducedMotion: 'reduce', ...options,
   });
@@ -46,6 +58,7 @@ export async function openPage(browser, url, options = {}, expected = null) {
     if (ABOUT_GRAPHICS.test(text) || expected?.test(text)) return;
     wrongs.push(`${message.type()}: ${text}`);
   });
+  page.on('response', onResponse);
   page.on('request', (request) => {
     const to = new URL(request.url());
     if (to.protocol === 'blob:' || to.protocol === 'data:') return;

@@ -261,11 +261,93 @@ test('the keyboard alone sends a goal', async () => {
   await page.focus('.map-canvas');
   await page.keyboard.press('Enter');
   const { poses } = await asked('/api/goal');
-  // The middle of the map, where the page looks at first.
-  near(poses[0].x, 6.5);
-  near(poses[0].y, 5);
+  // Under the cross, which is in the middle of the canvas.
+  const at = await windowOf(page, poses[0].x, poses[0].y, 0);
+  const box = await page.locator('.map-canvas').boundingBox();
+  near(at.x, box.x + box.width / 2, 3);
+  near(at.y, box.y + box.height / 2, 3);
   await page.click('#tool-goal');
   await page.keyboard.press('Escape');
   assert.equal(await page.getAttribute('#tool-look', 'aria-pressed'), 'true');
+  await close();
+});
+
+test('keys do what the help says', async () => {
+  const { page, wrongs, close } = await openPage(browser, url);
+  await page.keyboard.press('?');
+  await page.waitForSelector('#help .popover:visible');
+  assert.match(await page.textContent('#help'), /OctoMap, by height/);
+  await page.keyboard.press('l');
+  await page.waitForSelector('.layers .popover:visible');
+  await page.waitForSelector('#help .popover', { state: 'hidden' });
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('.layers .popover', { state: 'hidden' });
+  for (const [key, tool] of [['g', 'goal'], ['p', 'pose'], ['Escape', 'look']]) {
+    await page.keyboard.press(key);
+    assert.equal(
+        await page.getAttribute(`#tool-${tool}`, 'aria-pressed'), 'true', key);
+  }
+  await page.keyboard.press('f');
+  assert.equal(await page.getAttribute('#follow', 'aria-pressed'), 'true');
+  await page.keyboard.press('Space');
+  await asked('/api/pause');
+  // It is the button's own there.
+  await page.focus('#find-yourself');
+  await page.keyboard.press('Space');
+  await asked('/api/find-yourself');
+  assert.equal(agent.asked.length, 2);
+  assert.deepEqual(wrongs, []);
+  await close();
+});
+
+for (const [what, view] of [['3D', '#view-3d'], ['the top', '#view-top']]) {
+  test(`in ${what} all of the map is in the picture, and large`, async () => {
+    const { page, close } = await openPage(browser, url);
+    await page.click(view);
+    const box = await page.locator('.map-canvas').boundingBox();
+    const corners = [];
+    // The corners of the canned world.
+    for (const [x, y] of [[0, 0], [13, 0], [0, 10], [13, 10]]) {
+      corners.push(await windowOf(page, x, y, 0));
+    }
+    const [left, right] = [Math.min, Math.max].map(
+        (of) => of(...corners.map((corner) => corner.x)));
+    const [top, bottom] = [Math.min, Math.max].map(
+        (of) => of(...corners.map((corner) => corner.y)));
+    assert.ok(left >= box.x && right <= box.x + box.width, `${left} ${right}`);
+    // Not under the tools either.
+    assert.ok(top >= box.y + 50 && bottom <= box.y + box.height - 60,
+        `${top} ${bottom}`);
+    assert.ok(right - left > 0.8 * box.width ||
+        bottom - top > 0.6 * box.height, `${right - left} ${bottom - top}`);
+    await close();
+  });
+}
+
+test('a scale says how long a metre is', async () => {
+  const { page, close } = await openPage(browser, url);
+  await page.click('#view-top');
+  const at = await page.waitForFunction(() => {
+    const element = document.querySelector('#scale');
+    const [begin, end] = [6, 7].map((x) => window.treeline.windowOf(x, 5, 0.5));
+    const metres = parseFloat(element.textContent) /
+        (element.textContent.includes('cm') ? 100 : 1);
+    const wanted = metres * (end.x - begin.x);
+    const width = element.getBoundingClientRect().width;
+    return Math.abs(width / wanted - 1) < 0.1;
+  }, null, { polling: 50 });
+  assert.equal(await at.jsonValue(), true);
+  await close();
+});
+
+test('a robot without a camera is not asked for pictures', async () => {
+  agent.picture = null;
+  agent.devices = agent.devices.filter(({ name }) => name !== 'camera');
+  const { page, wrongs, close } = await openPage(browser, url);
+  await text(page, '#camera', 'no camera picture');
+  await page.click('text=Last question');
+  await text(page, '#camera', 'No picture was sent');
+  // An answer of 404 would be among them.
+  assert.deepEqual(wrongs, []);
   await close();
 });

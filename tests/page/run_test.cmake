@@ -1,6 +1,6 @@
 # Runs a test of the page with node, if there is a page and a browser:
 #   cmake -D NODE=program -D TEST=file.js -D PAGE=folder -D WORK=folder
-#         -D PICTURE=file.jpg -P run_test.cmake
+#         -D PICTURE=file.jpg [-D AGENT=program] -P run_test.cmake
 if(NOT EXISTS ${PAGE}/index.html OR NOT EXISTS ${WORK}/node_modules/.fetched)
   message("SKIPPED: the page could not be built here (test page.build)")
   return()
@@ -13,6 +13,11 @@ if("$ENV{TREELINE_CHROMIUM}" STREQUAL "")
   endif()
   set(ENV{TREELINE_CHROMIUM} ${chromium})
 endif()
+if(TEST MATCHES "agent_test" AND NOT EXISTS "${AGENT}")
+  message("SKIPPED: treeline-agent is not built: ${AGENT}")
+  return()
+endif()
+set(ENV{TREELINE_AGENT} ${AGENT})
 set(ENV{TREELINE_PAGE} ${PAGE})
 set(ENV{TREELINE_PAGE_WORK} ${WORK})
 set(ENV{TREELINE_PICTURE} ${PICTURE})

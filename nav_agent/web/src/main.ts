@@ -12,6 +12,7 @@ import { el } from './panels/dom.js';
 import { HeadLine, LostBanner, Toasts } from './panels/frame.js';
 import { DevicesPanel, EventsPanel } from './panels/list_panels.js';
 import { MapBar, type Tool } from './panels/map_bar.js';
+import { Scale } from './panels/map_help.js';
 import { SimulationPanel } from './panels/simulation_panel.js';
 import { LostPanel, StatusPanel } from './panels/status_panel.js';
 import './style.css';
@@ -31,6 +32,7 @@ class Page {
   private readonly view: MapView | null;
   private readonly placing: Placing | null;
   private readonly bar: MapBar;
+  private readonly scale = new Scale();
   private readonly status: StatusPanel;
   private readonly lost = new LostPanel();
   private readonly camera = new CameraPanel(this.client);
@@ -62,11 +64,7 @@ class Page {
       layer: (name, isShown) => this.view?.show(name, isShown),
       cut: (aboveGround) => this.view?.setCut(aboveGround),
       look: (angle) => this.view?.look(angle),
-      follow: (isOn) => {
-        if (this.view === null) return;
-        this.view.followsRobot = isOn;
-        this.view.draw();
-      },
+      follow: (isOn) => this.view?.follow(isOn),
       tool: (tool) => {
         this.tool = tool;
         this.placing?.enable(tool !== 'look');
@@ -121,7 +119,7 @@ class Page {
   private build(): void {
     this.host.append(
         el('span', { class: 'crosshair', attributes: { 'aria-hidden': 'true' } }),
-        this.bar.top,
+        this.bar.top, this.scale.element,
         el('div', { class: 'map-bottom' }, this.bar.hint, this.bar.tools));
     const side = el('div', { class: 'side' },
         this.status.element, this.lost.element, this.camera.element,
@@ -130,6 +128,21 @@ class Page {
         el('main', {}, this.host, side), this.toasts.element);
     this.setLink('connecting');
     this.bar.applyLayers();
+    if (this.view !== null) {
+      this.view.onScale = (pixels) => this.scale.set(pixels);
+    }
+    document.addEventListener('keydown', (event) => this.press(event));
+  }
+
+  // Keys that are not meant for the control that has the focus.
+  private press(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
+    const at = event.target;
+    const isFree = at === document.body || at === this.view?.canvas;
+    if (event.key === ' ' && isFree) this.status.pressPause();
+    else if (at instanceof HTMLSelectElement) return;
+    else if (!this.bar.press(event.key.toLowerCase())) return;
+    event.preventDefault();
   }
 
   start(): void {
@@ -142,6 +155,10 @@ class Page {
 
   windowOf(x: number, y: number, z: number): { x: number; y: number } | null {
     return this.view?.windowOf(x, y, z) ?? null;
+  }
+
+  drawn(): { triangles: number; levels: number } | null {
+    return this.view?.drawn() ?? null;
   }
 
   // ---- from the agent ----
@@ -165,6 +182,7 @@ class Page {
       this.info = info;
       this.head.setInfo(info);
       this.bar.setLevels(info.levels.length, info.simulated);
+      this.camera.setServer(info.server);
       this.simulation.element.hidden = !info.simulated;
       this.simulation.setPlaces(info.places);
       if (text !== this.shownMap) {
@@ -185,7 +203,10 @@ class Page {
     const fields = await loadFields(client, info, voxels);
     view.setMap(info, fields);
     this.followLevel();
-    view.setVoxels(meshOf(voxels));
+    const mesh = meshOf(voxels);
+    view.setVoxels(mesh);
+    this.bar.help.setHeights(
+        mesh.bottom, mesh.bottom + mesh.bodyEnds.length * mesh.resolution);
     await Promise.all(fields.map(async (field) => view.addLevelPicture(
         field, await loadLevelPicture(client, field.level.index))));
     this.host.dataset.map = 'ready';
@@ -246,7 +267,9 @@ class Page {
 
 const page = new Page();
 page.start();
-// For the browser's console, and for tests: where a point of the map is drawn.
+// For the browser's console, and for tests: where a point of the map is drawn,
+// and how much is.
 Object.assign(window, { treeline: {
+  drawn: () => page.drawn(),
   windowOf: (x: number, y: number, z: number) => page.windowOf(x, y, z),
 } });

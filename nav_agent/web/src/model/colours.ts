@@ -18,6 +18,11 @@ export function heightColour(share: number): Colour {
   )) as Colour;
 }
 
+// More change where people and robots are. share: of the map's height.
+export function heightShare(share: number): number {
+  return Math.max(0, share) ** 0.7;
+}
+
 export function shade(colour: Colour, factor: number): Colour {
   return colour.map((part) => Math.round(part * factor)) as Colour;
 }

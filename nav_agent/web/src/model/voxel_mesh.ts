@@ -6,7 +6,7 @@
 // looks from. What the cut opens is closed by `caps`: the upper faces of voxels
 // with another one above.
 
-import { heightColour, shade } from './colours.js';
+import { heightColour, heightShare, shade } from './colours.js';
 import type { Octomap } from './octomap.js';
 
 export interface Faces {
@@ -116,9 +116,8 @@ export function meshOf(map: Octomap): VoxelMesh {
   for (let z = 1; z + 1 < layers; ++z) {
     const z0 = corner[2] + z * r;
     const z1 = z0 + r;
-    // More change where people and robots are.
-    const share = ((z - 0.5) / Math.max(1, layers - 2)) ** 0.7;
-    const colour = heightColour(share);
+    const colour =
+        heightColour(heightShare((z - 0.5) / Math.max(1, layers - 2)));
     const along = shade(colour, 0.84);
     const across = shade(colour, 0.7);
     const layer = z * layerStep;

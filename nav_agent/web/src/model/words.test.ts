@@ -5,7 +5,7 @@ import { decodeState } from '../api/decode.js';
 import { headingOf, headingTowards, turnBetween } from './gesture.js';
 import { cutHeight, NO_CUT_M, shownLevel } from './levels.js';
 import {
-  clockOf, isPaused, metres, percent, plain, sayFix, sayLost, sayState,
+  clockOf, degrees, isPaused, metres, percent, plain, sayFix, sayLost, sayState, signed,
 } from './words.js';
 
 const stateOf = (fields: object) => decodeState({ time_s: 0, ...fields });
@@ -27,6 +27,8 @@ test('the cause is what is said, if there is one', () => {
     cause_text: 'No scan for 0.4 s.' })).text, 'No scan for 0.4 s.');
   assert.equal(sayState(stateOf({ mode: 'safe_stop', cause: 'laser_lost' }))
       .text, 'Laser lost.');
+  assert.equal(sayState(stateOf({ mode: 'relocalizing',
+    cause: 'estimate_lost', cause_text: 'searching' })).text, 'Searching.');
   assert.equal(sayState(stateOf({ mode: 'idle', cause: 'none' })).text,
       'Waiting for a goal.');
 });
@@ -34,6 +36,10 @@ test('the cause is what is said, if there is one', () => {
 test('numbers are short', () => {
   assert.equal(metres(3.14159), '3.1 m');
   assert.equal(metres(14.2), '14 m');
+  assert.equal(signed(-0.1, 2), '\u22120.10');
+  assert.equal(signed(-0.001, 2), '0.00');
+  assert.equal(degrees(-Math.PI / 2), '\u221290°');
+  assert.equal(degrees(-0.001), '0°');
   assert.equal(percent(0.934), '93 %');
   assert.equal(percent(7), '100 %');
   assert.equal(clockOf(75.9), '1:15');

@@ -53,6 +53,12 @@ export function plain(name: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
+function sentence(text: string): string {
+  if (text === '') return '';
+  const begun = text.charAt(0).toUpperCase() + text.slice(1);
+  return /[.!?…]$/.test(begun) ? begun : `${begun}.`;
+}
+
 export function isPaused(state: RobotState): boolean {
   return keyOf(state.mode) === 'paused';
 }
@@ -62,7 +68,7 @@ export function sayState(state: RobotState): Saying {
   const saying: Saying = known ??
       { title: plain(state.mode || 'unknown'), text: '', tone: 'calm' };
   const hasCause = state.cause !== '' && state.cause !== 'none';
-  const text = state.causeText ||
+  const text = sentence(state.causeText) ||
       (hasCause ? `${plain(state.cause)}.` : saying.text);
   return { ...saying, text };
 }
@@ -93,8 +99,14 @@ export function percent(share: number): string {
   return `${Math.round(100 * Math.max(0, Math.min(1, share)))} %`;
 }
 
+// With a minus sign that is as wide as a plus; no zero is negative.
+export function signed(value: number, digits: number): string {
+  const text = Math.abs(value).toFixed(digits);
+  return value < 0 && Number(text) !== 0 ? `\u2212${text}` : text;
+}
+
 export function degrees(angle: number): string {
-  return `${Math.round((angle * 180) / Math.PI)}°`;
+  return `${signed((angle * 180) / Math.PI, 0)}°`;
 }
 
 // Seconds since the agent began, as m:ss or h:mm:ss.

@@ -10,6 +10,9 @@ type Picture = 'camera' | 'query';
 const PERIOD_MS = 400;
 const REST_MS = 5000;
 
+const NO_CAMERA = 'This robot has no camera picture.';
+const NOT_SENT = 'No picture was sent to the server yet.';
+
 export class CameraPanel {
   readonly element: HTMLElement;
   private readonly image =
@@ -28,12 +31,16 @@ export class CameraPanel {
   private url = '';
   private timer = 0;
   private isLive = false;
+  private isAsked = false;
+  // Whether the camera has taken a picture.
+  private hasCamera = false;
+  private server = '';
 
   constructor(private readonly client: AgentClient) {
     this.live = this.tab('Live', 'camera');
     this.query = this.tab('Last question', 'query');
     this.figures = el('div', { class: 'fix-figures' },
-        el('span', {}, 'Points that agree'), this.inliers.element,
+        el('span', {}, 'Points that agree (green dots)'), this.inliers.element,
         this.inliersText,
         el('span', {}, 'Confidence'), this.confidence.element,
         this.confidenceText);
@@ -72,13 +79,15 @@ export class CameraPanel {
     window.clearTimeout(this.timer);
     let wait = PERIOD_MS;
     const wanted = this.picture;
-    if (!document.hidden) {
+    if (!document.hidden && !this.isThere(wanted)) {
+      this.showNone(wanted === 'camera' ? NO_CAMERA : NOT_SENT);
+    } else if (!document.hidden) {
       try {
         const blob = await this.client.picture(`api/${wanted}.jpg`);
         if (wanted === this.picture) this.show(blob);
       } catch (error) {
         wait = REST_MS;
-        if (wanted === this.picture) this.showNone(error);
+        if (wanted === this.picture) this.sayError(error);
       }
     }
     if (!this.isLive) return;
@@ -97,21 +106,44 @@ export class CameraPanel {
     setShown(this.empty, false);
   }
 
-  private showNone(error: unknown): void {
+  // What is not there is not asked for either.
+  private isThere(picture: Picture): boolean {
+    return picture === 'camera' ? this.hasCamera : this.isAsked;
+  }
+
+  private sayError(error: unknown): void {
     const isNone = error instanceof ApiError && error.code !== 'unreachable' &&
         error.code !== 'timeout';
-    setText(this.empty, !isNone ? 'The picture cannot be fetched.' :
-        this.picture === 'camera' ? 'This robot has no camera picture.' :
-          'The server was not asked yet.');
+    this.showNone(!isNone ? 'The picture cannot be fetched.' :
+        this.picture === 'camera' ? NO_CAMERA : NOT_SENT);
+  }
+
+  private showNone(why: string): void {
+    setText(this.empty, why);
     setShown(this.image, false);
     setShown(this.empty, true);
   }
 
-  update({ fix }: RobotState): void {
+  // HOST:PORT of the server that is asked; '' if there is none.
+  setServer(server: string): void {
+    this.server = server;
+    if (!this.isAsked) this.sayUnasked();
+  }
+
+  private sayUnasked(): void {
+    setText(this.verdict, this.server === '' ?
+        'No server: a lost robot looks around with its laser alone.' :
+        'The server was not asked yet.');
+    setData(this.verdict, 'tone', 'calm');
+  }
+
+  update({ devices, fix }: RobotState): void {
+    this.hasCamera = devices.some(
+        ({ name, state }) => name === 'camera' && state !== 'starting');
     setShown(this.figures, fix !== null);
+    this.isAsked = fix !== null;
     if (fix === null) {
-      setText(this.verdict, 'The server was not asked yet.');
-      setData(this.verdict, 'tone', 'calm');
+      this.sayUnasked();
       return;
     }
     const parts = [sayFix(fix)];

@@ -51,6 +51,9 @@ export class EventsPanel {
   });
   private newest = -1;
   private newestTime = 0;
+  // How often the newest line was said, one after the other.
+  private said = '';
+  private times = 0;
 
   constructor() {
     this.element = card('Events', 'events', this.list);
@@ -60,6 +63,7 @@ export class EventsPanel {
   clear(): void {
     this.newest = -1;
     this.newestTime = 0;
+    this.said = '';
     this.list.replaceChildren(
         el('li', { class: 'detail' }, 'Nothing has happened yet.'));
   }
@@ -74,10 +78,15 @@ export class EventsPanel {
     if (this.newest < 0) this.list.replaceChildren();
     this.newest = event.number;
     this.newestTime = event.time;
+    const said = `${event.kind}\n${event.text}`;
+    this.times = said === this.said ? this.times + 1 : 1;
+    this.said = said;
+    if (this.times > 1) this.list.firstElementChild?.remove();
     this.list.prepend(el('li', { attributes: { 'data-kind': event.kind } },
         el('time', {}, clockOf(event.time)),
         el('span', { class: 'kind' }, plain(event.kind)),
-        el('span', { class: 'event-text' }, event.text)));
+        el('span', { class: 'event-text' }, this.times === 1 ? event.text :
+            `${event.text} (${this.times} times)`)));
     while (this.list.children.length > MOST_EVENTS) {
       this.list.lastElementChild?.remove();
     }

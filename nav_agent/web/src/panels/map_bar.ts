@@ -3,6 +3,7 @@
 import { LAYERS, type Angle, type LayerName } from '../view/map_view.js';
 import { DEFAULT_CUT_M, NO_CUT_M } from '../model/levels.js';
 import { button, el, setShown, setText } from './dom.js';
+import { MapHelp } from './map_help.js';
 
 export type Tool = 'look' | 'goal' | 'pose' | 'kidnap' | 'obstacle';
 
@@ -22,16 +23,17 @@ const LAYER_LABELS: Record<LayerName, string> = {
   truth: 'True pose (simulation)',
 };
 
-const TOOLS: readonly [tool: Tool, label: string, hint: string][] = [
-  ['look', 'Look', ''],
-  ['goal', 'Send goal',
-    'Click where the robot shall go; drag to choose its heading.'],
-  ['pose', 'Set pose',
-    'Click where the robot stands; drag to choose its heading.'],
-  ['kidnap', 'Kidnap here',
-    'Click where the robot shall be put without being told.'],
-  ['obstacle', 'Add box', 'Click where a box shall stand.'],
-];
+const TOOLS: readonly
+    [tool: Tool, label: string, hint: string, key: string][] = [
+      ['look', 'Look', '', ''],
+      ['goal', 'Send goal',
+        'Click where the robot shall go; drag to choose its heading.', 'g'],
+      ['pose', 'Set pose',
+        'Click where the robot stands; drag to choose its heading.', 'p'],
+      ['kidnap', 'Kidnap here',
+        'Click where the robot shall be put without being told.', ''],
+      ['obstacle', 'Add box', 'Click where a box shall stand.', ''],
+    ];
 const SIMULATION_TOOLS: readonly Tool[] = ['kidnap', 'obstacle'];
 
 const STORE = 'treeline-layers';
@@ -51,6 +53,8 @@ export class MapBar {
   readonly hint = el('p', {
     class: 'hint', id: 'hint', attributes: { 'aria-live': 'polite' },
   });
+  readonly help = new MapHelp();
+  private readonly layerBox: HTMLDetailsElement;
   private readonly level = el('select', {
     id: 'level', attributes: { 'aria-label': 'Level' },
     on: { change: () => this.pickLevel() },
@@ -71,6 +75,7 @@ export class MapBar {
       commands.follow(isOn);
     }, { class: 'chip', id: 'follow', attributes: {
       'aria-pressed': 'false', 'title': 'Keep the robot in the middle' } });
+    this.layerBox = this.layers();
     this.top = el('div', { class: 'map-top' }, this.levelBox,
         el('span', { class: 'chips' },
             button('3D', () => commands.look('oblique'),
@@ -78,7 +83,7 @@ export class MapBar {
             button('Top', () => commands.look('top'),
                 { class: 'chip', id: 'view-top' }),
             this.follow),
-        this.layers());
+        this.layerBox, this.help.element);
     this.tools = el('div', {
       class: 'tools needs-link',
       attributes: { 'role': 'toolbar', 'aria-label': 'Tools on the map' },
@@ -92,12 +97,42 @@ export class MapBar {
       this.tools.append(entry);
     }
     document.addEventListener('keydown', (event) => {
-      if (event.key === 'Escape') this.choose('look');
+      if (event.key !== 'Escape') return;
+      this.choose('look');
+      for (const popup of popups) popup.open = false;
     });
+    // They are in the same place.
+    const popups = [this.layerBox, this.help.element];
+    for (const popup of popups) {
+      popup.addEventListener('toggle', () => {
+        if (!popup.open) return;
+        for (const other of popups) other.open = other === popup;
+      });
+    }
     this.choose('look');
   }
 
-  private layers(): HTMLElement {
+  // Whether the key does something here.
+  press(key: string): boolean {
+    const tool = TOOLS.find(([, , , its]) => its !== '' && its === key)?.[0];
+    const open = key === 'l' ? this.layerBox :
+      key === '?' ? this.help.element : null;
+    if (tool !== undefined) this.pressTool(tool);
+    else if (key === 'f') this.follow.click();
+    else if (key === 't') this.commands.look('top');
+    else if (key === 'd') this.commands.look('oblique');
+    else if (open !== null) open.open = !open.open;
+    else return false;
+    return true;
+  }
+
+  // As far as it can be pressed with a mouse.
+  private pressTool(tool: Tool): void {
+    const entry = this.toolButtons.get(tool);
+    if (entry && !entry.hidden && !entry.closest('[inert]')) entry.click();
+  }
+
+  private layers(): HTMLDetailsElement {
     const rows = LAYERS.map((name) => {
       const box = el('input', { attributes: {
         type: 'checkbox', name: `layer-${name}` } });
@@ -132,7 +167,7 @@ export class MapBar {
       setText(value, height >= NO_CUT_M ? 'off' : `${height.toFixed(1)} m`);
       this.commands.cut(height);
     });
-    return el('details', { class: 'layers' },
+    return el('details', { class: 'layers popup' },
         el('summary', { class: 'chip' }, 'Layers'),
         el('div', { class: 'popover' }, ...rows,
             el('div', { class: 'cut' }, el('span', {}, 'Cut open at'), cut,
@@ -156,6 +191,7 @@ export class MapBar {
       const entry = this.toolButtons.get(tool);
       if (entry) setShown(entry, isSimulated);
     }
+    this.help.setSimulated(isSimulated);
     for (const row of this.truthRow) setShown(row, isSimulated);
     if (!isSimulated && SIMULATION_TOOLS.includes(this.tool)) {
       this.choose('look');

@@ -2,7 +2,7 @@
 
 import type { RobotState } from '../api/types.js';
 import {
-  degrees, isPaused, isUnderWay, metres, percent, sayGoal, sayLost, sayState,
+  degrees, isPaused, isUnderWay, metres, percent, sayGoal, sayLost, sayState, signed,
 } from '../model/words.js';
 import { button, card, el, Meter, setData, setShown, setText } from './dom.js';
 
@@ -51,6 +51,11 @@ export class StatusPanel {
             el('div', {}, el('dt', {}, 'Sure to'), this.doubt)));
   }
 
+  // As a click on the button does, if it can be clicked.
+  pressPause(): void {
+    if (!this.pause.closest('[inert]')) this.pause.click();
+  }
+
   private togglePause(): void {
     if (this.isPaused) this.commands.resume();
     else this.commands.pause();
@@ -70,11 +75,12 @@ export class StatusPanel {
     this.pause.classList.toggle('primary', this.isPaused);
     this.cancel.disabled = !isUnderWay(state.goal);
     const { pose, command } = state;
-    setText(this.speed, `${Math.abs(command.forward).toFixed(2)} m/s`);
+    setText(this.speed, `${signed(command.forward, 2)} m/s`);
     setText(this.place, pose === null ? 'unknown' :
         `${pose.x.toFixed(2)}, ${pose.y.toFixed(2)} m · ${degrees(pose.yaw)}`);
     setText(this.doubt, pose === null || pose.std === null ? '–' :
-        `${Math.round(100 * pose.std)} cm` +
+        (pose.std < 1 ? `${Math.round(100 * pose.std)} cm` :
+          metres(pose.std)) +
         (pose.stdYaw === null ? '' : ` · ${degrees(pose.stdYaw)}`));
   }
 
@@ -91,7 +97,9 @@ export class StatusPanel {
         `${saying.title}: ${metres(goal.toGo)} to go` : `${saying.title}.`);
     setData(this.goalLine, 'tone', saying.tone);
     this.goalMeter.set(all > 0 ? goal.driven / all : 0, 'busy');
-    const parts = [`${metres(goal.driven)} driven`];
+    // Of a goal that was reached the agent says itself how far it was.
+    const parts = goal.state === 'succeeded' && saying.text !== '' ? [] :
+        [`${metres(goal.driven)} driven`];
     if (goal.replans > 0) parts.push(goal.replans === 1 ?
         '1 new plan' : `${goal.replans} new plans`);
     if (goal.recoveries > 0) parts.push(`${goal.recoveries} recoveries`);

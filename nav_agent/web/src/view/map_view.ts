@@ -1,8 +1,8 @@
 // The building in 3D: camera, layers, and when to draw.
 
 import {
-  Color, ColorManagement, LinearSRGBColorSpace, MOUSE, PerspectiveCamera, Raycaster, Scene, TOUCH, Vector2, Vector3,
-  WebGLRenderer,
+  Box3, Color, ColorManagement, LinearSRGBColorSpace, MOUSE, PerspectiveCamera,
+  Raycaster, Scene, TOUCH, Vector2, Vector3, WebGLRenderer,
 } from 'three';
 import { MapControls } from 'three/examples/jsm/controls/MapControls.js';
 
@@ -10,9 +10,11 @@ import type { AgentInfo, RobotScene, RobotState } from '../api/types.js';
 import { turnBetween } from '../model/gesture.js';
 import type { HeightField } from '../model/height_field.js';
 import { cutHeight, DEFAULT_CUT_M } from '../model/levels.js';
+import { restAfter } from '../model/pace.js';
 import { isUnderWay } from '../model/words.js';
 import type { VoxelMesh } from '../model/voxel_mesh.js';
-import { CostmapLayer } from './layers/costmap_layer.js';
+import { frameBox } from './framing.js';
+import { CostmapLayer, isAround } from './layers/costmap_layer.js';
 import { GroundLayer } from './layers/ground_layer.js';
 import {
   ParticleLayer, PathLayer, ScanLayer, TreeLayer,
@@ -37,6 +39,23 @@ ColorManagement.enabled = false;
 
 // The robot glides to its newest pose in about this time (ms).
 const GLIDE_MS = 120;
+// A followed robot is looked at from not farther than this (m).
+const FOLLOW_FROM_M = 9;
+// How the view in 3D leans from the vertical.
+const TILT_RAD = 0.52;
+// What tools take of the picture's height, above and below (pixels).
+const TOP_BAR_PX = 56;
+const BOTTOM_BAR_PX = 68;
+
+// Whether a graphics card draws, not the processor.
+function isDrawnFast(): boolean {
+  const context = document.createElement('canvas').getContext(
+      'webgl2', { failIfMajorPerformanceCaveat: true });
+  const names = context?.getExtension('WEBGL_debug_renderer_info');
+  if (!context || !names) return context !== null;
+  const name = String(context.getParameter(names.UNMASKED_RENDERER_WEBGL));
+  return !/swiftshader|llvmpipe|software/i.test(name);
+}
 
 export class MapView {
   readonly canvas: HTMLCanvasElement;
@@ -68,13 +87,18 @@ export class MapView {
   private wanted: Stand | null = null;
   private isDue = false;
   private lastFrame = 0;
-  followsRobot = false;
+  // Not to draw before (ms).
+  private restsUntil = 0;
+  private followsRobot = false;
+  // Called with each picture: how many pixels a metre has where one looks at.
+  onScale: ((pixelsPerMetre: number) => void) | null = null;
 
   // Throws if the browser has no WebGL.
   constructor(private readonly host: HTMLElement) {
     this.renderer = new WebGLRenderer(
-        { antialias: true, powerPreference: 'low-power' });
+        { antialias: isDrawnFast(), powerPreference: 'low-power' });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.renderer.localClippingEnabled = true;
     this.canvas = this.renderer.domElement;
     this.canvas.className = 'map-canvas';
     this.canvas.tabIndex = 0;
@@ -157,6 +181,10 @@ export class MapView {
   }
 
   showLevel(level: number): void {
+    // So one looks at the other level from as far.
+    const rise = (this.field(level)?.typical ?? 0) - (this.field()?.typical ?? 0);
+    this.controls.target.z += rise;
+    this.camera.position.z += rise;
     this.level = level;
     this.ground.show(level);
     this.applyCut();
@@ -168,8 +196,10 @@ export class MapView {
   }
 
   private applyCut(): void {
-    this.voxels.cutAt(cutHeight(this.cutAboveGround,
-        this.field()?.typical ?? 0, this.state?.pose ?? null, this.level));
+    const height = cutHeight(this.cutAboveGround, this.field()?.typical ?? 0,
+        this.state?.pose ?? null, this.level);
+    this.voxels.cutAt(height);
+    this.ground.cutAt(height);
     this.draw();
   }
 
@@ -231,7 +261,11 @@ export class MapView {
         scene.blockages, (x, y, level) => this.groundAt(x, y, level));
     this.obstacles.set(
         scene.obstacles, (x, y) => this.groundAt(x, y, this.level));
-    this.hasCostmap = this.costmap.set(scene.costmap, this.theme);
+    // A lost robot has it elsewhere than where it then believes to be.
+    const { costmap } = scene;
+    this.hasCostmap = isAround(costmap, this.state?.pose ?? null) &&
+        this.costmap.set(costmap, this.theme,
+        (x, y) => field === null || field.at(x, y) !== null);
     this.applyVisibility();
   }
 
@@ -240,19 +274,32 @@ export class MapView {
   look(angle: Angle): void {
     const field = this.field();
     if (field === null) return;
-    const { width, height, resolution } = field.level;
-    const middle = field.toMap(width / 2, height / 2);
-    const size = new Vector2(width, height).multiplyScalar(resolution);
-    const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
-    const span = Math.max(size.y, size.x / Math.max(0.3, this.camera.aspect));
-    const distance = (span / 2 / tangent) * (angle === 'top' ? 1.1 : 1.27);
-    const tilt = angle === 'top' ? 0.001 : 0.62;
-    const centre = new Vector3(middle.x, middle.y, field.typical);
-    this.controls.target.copy(centre);
-    this.camera.position.set(
-        centre.x, centre.y - distance * Math.sin(tilt),
-        centre.z + distance * Math.cos(tilt));
+    const { width, height } = field.level;
+    const box = new Box3();
+    for (const [column, row] of [[0, 0], [width, 0], [0, height],
+      [width, height]]) {
+      const { x, y } = field.toMap(column, row);
+      box.expandByPoint(new Vector3(x, y, field.lowest));
+      box.expandByPoint(new Vector3(x, y, field.typical + DEFAULT_CUT_M));
+    }
+    const pixels = Math.max(200, this.host.clientHeight);
+    const target = frameBox(
+        this.camera, box, angle === 'top' ? 0.001 : TILT_RAD, {
+          top: TOP_BAR_PX / pixels, bottom: BOTTOM_BAR_PX / pixels, side: 0.02,
+        });
+    this.controls.target.copy(target);
     this.controls.update();
+    this.draw();
+  }
+
+  // Keeps the robot in the middle, and comes nearer if it is far off.
+  follow(isOn: boolean): void {
+    this.followsRobot = isOn;
+    const away = this.camera.position.clone().sub(this.controls.target);
+    if (isOn && away.length() > FOLLOW_FROM_M) {
+      away.setLength(FOLLOW_FROM_M);
+      this.camera.position.copy(this.controls.target).add(away);
+    }
     this.draw();
   }
 
@@ -297,12 +344,31 @@ export class MapView {
     };
   }
 
+  // What the last picture was made of, for tests.
+  drawn(): { triangles: number; levels: number } {
+    return { triangles: this.renderer.info.render.triangles,
+      levels: this.ground.shownLevels() };
+  }
+
   // ---- drawing ----
 
   draw(): void {
     if (this.isDue) return;
     this.isDue = true;
-    requestAnimationFrame((now) => this.frame(now));
+    const rest = this.restsUntil - performance.now();
+    if (rest > 0) window.setTimeout(() => this.drawSoon(), rest);
+    else this.drawSoon();
+  }
+
+  // A browser that is not done with the last picture asks late for this one.
+  private drawSoon(): void {
+    const asked = performance.now();
+    requestAnimationFrame((now) => {
+      const began = performance.now();
+      this.frame(now);
+      this.restsUntil = performance.now() +
+          restAfter(Math.max(began - asked, performance.now() - began));
+    });
   }
 
   private frame(now: number): void {
@@ -311,8 +377,15 @@ export class MapView {
     this.lastFrame = now;
     const isGliding = this.glide(passed);
     this.renderer.render(this.scene, this.camera);
+    this.onScale?.(this.pixelsPerMetre());
     // 30 pictures a second are smooth enough, and spare batteries.
     if (isGliding) window.setTimeout(() => this.draw(), 20);
+  }
+
+  private pixelsPerMetre(): number {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
+    return this.host.clientHeight / (2 * tangent * distance);
   }
 
   // Moves the shown robot towards its newest pose; false when it is there.

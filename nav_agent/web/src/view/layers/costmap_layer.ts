@@ -8,6 +8,21 @@ import {
 import type { Costmap } from '../../api/types.js';
 import type { Theme } from '../theme.js';
 
+// How much is seen of it, of 255: what lies below shall be, too.
+const SEEN_ALPHA = 215;
+const RIM_ALPHA = 125;
+const MAPPED_ALPHA = 85;
+const FREE_ALPHA = 12;
+
+// Whether the place is in it.
+export function isAround(
+    map: Costmap | null, place: { x: number; y: number } | null): boolean {
+  if (map === null || place === null) return false;
+  const column = (place.x - map.origin[0]) / map.resolution;
+  const row = (place.y - map.origin[1]) / map.resolution;
+  return column >= 0 && row >= 0 && column < map.width && row < map.height;
+}
+
 export class CostmapLayer {
   private readonly material = new MeshBasicMaterial({
     transparent: true, depthWrite: false, polygonOffset: true,
@@ -21,16 +36,22 @@ export class CostmapLayer {
     this.object.visible = false;
   }
 
-  // Whether there is one to show.
-  set(map: Costmap | null, theme: Theme): boolean {
+  // Whether there is one to show. Where `hasGround` says that the map has none,
+  // only what sensors see is drawn: nothing is beside a building.
+  set(map: Costmap | null, theme: Theme,
+      hasGround: (x: number, y: number) => boolean): boolean {
     if (map === null || map.width * map.height === 0) return false;
     const pixels = new Uint8Array(4 * map.cells.length);
     map.cells.forEach((cell, i) => {
       const [x, y] = [i % map.width, Math.floor(i / map.width)];
+      const isIn = hasGround(
+          map.origin[0] + (x + 0.5) * map.resolution,
+          map.origin[1] + (y + 0.5) * map.resolution);
       const isRim = x === 0 || y === 0 || x + 1 === map.width ||
           y + 1 === map.height;
       const colour = cell === 2 ? theme.costSeen : theme.costMap;
-      const alpha = cell === 2 ? 215 : cell === 1 || isRim ? 125 : 12;
+      const alpha = cell === 2 ? SEEN_ALPHA : !isIn ? 0 :
+        isRim ? RIM_ALPHA : cell === 1 ? MAPPED_ALPHA : FREE_ALPHA;
       pixels.set([...colour, alpha], 4 * i);
     });
     this.texture?.dispose();

@@ -2,34 +2,32 @@
 
 import {
   BufferAttribute, BufferGeometry, CanvasTexture, Group, LinearFilter, Mesh,
-  MeshBasicMaterial, NearestFilter,
+  MeshBasicMaterial, NearestFilter, Plane, Vector3,
 } from 'three';
 
 import type { HeightField } from '../../model/height_field.js';
 import type { Theme } from '../theme.js';
 
 // Above the surface of the voxels that it lies on (m).
-const LIFT_M = 0.012;
+const LIFT_M = 0.02;
 // Neighbouring cells that differ by more are a step, not a slope (m).
 const STEP_M = 0.12;
 
-// Corner heights of a grid of cells: the mean of the cells around a corner that
-// belong to the same ground as `height`.
+// Corner heights of a grid of cells: the highest of the cells around a corner
+// that belong to the same ground as `height`. So no voxel of a slope looks out.
 function cornerHeight(field: HeightField, heights: Float32Array, column: number,
                       row: number, height: number): number {
   const { width, height: rows } = field.level;
-  let sum = 0;
-  let count = 0;
+  let highest = height;
   for (const y of [row - 1, row]) {
     for (const x of [column - 1, column]) {
       if (x < 0 || y < 0 || x >= width || y >= rows) continue;
       const other = heights[y * width + x];
       if (Number.isNaN(other) || Math.abs(other - height) > STEP_M) continue;
-      sum += other;
-      ++count;
+      highest = Math.max(highest, other);
     }
   }
-  return count === 0 ? height : sum / count;
+  return highest;
 }
 
 class GroundMesh {
@@ -132,6 +130,8 @@ interface Level {
 export class GroundLayer {
   readonly object = new Group();
   private levels = new Map<number, Level>();
+  // What is above is cut off, as the voxels are.
+  private readonly cut = new Plane(new Vector3(0, 0, -1), 1e6);
 
   clear(): void {
     for (const { mesh, picture } of this.levels.values()) {
@@ -148,6 +148,7 @@ export class GroundLayer {
     const material = new MeshBasicMaterial({
       transparent: true, alphaTest: 0.5, polygonOffset: true,
       polygonOffsetFactor: -1, polygonOffsetUnits: -2,
+      clippingPlanes: [this.cut],
     });
     const mesh = new Mesh(groundGeometry(field), material);
     this.object.add(mesh);
@@ -165,6 +166,14 @@ export class GroundLayer {
       mesh.material.map = texture;
       mesh.material.needsUpdate = true;
     }
+  }
+
+  cutAt(height: number): void {
+    this.cut.constant = Math.min(1e6, height + LIFT_M);
+  }
+
+  shownLevels(): number {
+    return [...this.levels.values()].filter(({ mesh }) => mesh.visible).length;
   }
 
   // The shown level and those below it.
