@@ -367,6 +367,25 @@ TEST_F(NavigatorTest, TakesPicturesAtALowRate) {
   EXPECT_EQ(lost->frames, 8);
 }
 
+TEST_F(NavigatorTest, ALostRobotHasPicturesWithoutADepthRate) {
+  NavigatorOptions options;
+  options.depth_hz = 0;
+  MakePlaced(options);
+  const auto wait = [this] {
+    for (int i = 0; i < 20; ++i) {
+      RgbdFrame frame;
+      frame.stamp = clock.Now();
+      camera.waiting.push_back(frame);
+      Run(0.1);
+    }
+  };
+  wait();
+  EXPECT_EQ(lost->frames, 0);
+  lost->wants_pictures = true;
+  wait();
+  EXPECT_GE(lost->frames, 10);
+}
+
 TEST_F(NavigatorTest, EveryStepCommandsAndHaltIsForGood) {
   MakePlaced();
   Send({PoseAtPoint(7, 2)});

@@ -202,6 +202,9 @@ class FakeTracker final : public RobotTracker {
 
 class FakeLost final : public LostAndFound {
  public:
+  bool WantsPictures(MonotonicTime /*now*/) const override {
+    return wants_pictures;
+  }
   void AddFrame(const RgbdFrame& /*frame*/) override { ++frames; }
   void Begin(RecoveryCause cause, MonotonicTime /*now*/) override {
     begun.push_back(cause);
@@ -228,6 +231,7 @@ class FakeLost final : public LostAndFound {
     return nullptr;
   }
 
+  bool wants_pictures = false;
   RecoveryState now_state = RecoveryState::kIdle;
   VelocityCommand wanted;
   std::vector<RecoveryCause> begun;
