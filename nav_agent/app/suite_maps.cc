@@ -124,10 +124,14 @@ absl::StatusOr<std::shared_ptr<const SuitePlace>> PlaceForSuite(
   const Rigid3 world_from_map = {
       .rotation = Rotation3::FromAxisAngle({0, 0, start.yaw_rad}),
       .translation = {start.position.x, start.position.y, start.height_m}};
-  return SuitePlace::Make(
-      std::move(world),
-      {.voxels = std::move(bundle.voxels), .levels = std::move(bundle.levels)},
-      world_from_map.Inverse());
+  TL_ASSIGN_OR_RETURN(std::shared_ptr<const SuitePlace> place,
+                      SuitePlace::Make(std::move(world),
+                                       {.voxels = std::move(bundle.voxels),
+                                        .levels = std::move(bundle.levels)},
+                                       world_from_map.Inverse()));
+  std::printf("The map of %s has %.1f %% of the places in it.\n",
+              options.world.c_str(), 100 * place->MappedShare());
+  return place;
 }
 
 absl::StatusOr<std::string> ModelsForSuite(const SuiteMapOptions& options,

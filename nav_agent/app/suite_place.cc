@@ -35,6 +35,10 @@ double YawOf(const Rigid3& parent_from_child) {
   return std::atan2(forward.y, forward.x);
 }
 
+Vec2 CenterOf(const GroundCellIndex& cell) {
+  return {(cell.x + 0.5) * kResolution_m, (cell.y + 0.5) * kResolution_m};
+}
+
 bool IsBarred(Vec3 point, const std::vector<Barrier>& barriers) {
   return std::ranges::any_of(barriers, [&](const Barrier& barrier) {
     return std::abs(barrier.center.z - point.z) < 1 &&
@@ -63,11 +67,18 @@ absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::MakePerfect(
   TL_ASSIGN_OR_RETURN(TraversableMap levels, ExtractTraversableMap(voxels));
   return Make(std::move(world),
               {.voxels = std::move(voxels), .levels = std::move(levels)},
-              Rigid3{});
+              Rigid3{}, /*is_driven=*/false);
 }
 
 absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::Make(
     World world, NavigatorMap map, const Rigid3& map_from_world) {
+  return Make(std::move(world), std::move(map), map_from_world,
+              /*is_driven=*/true);
+}
+
+absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::Make(
+    World world, NavigatorMap map, const Rigid3& map_from_world,
+    bool is_driven) {
   TL_ASSIGN_OR_RETURN(NavigationMap ground, NavigationMap::Make(map.levels));
   TL_ASSIGN_OR_RETURN(
       GroundTruth truth,
@@ -77,6 +88,7 @@ absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::Make(
       new SuitePlace(std::move(world), std::move(map), std::move(ground),
                      std::move(truth), map_from_world));
   place->FindPlaces();
+  if (is_driven) place->KeepMappedPlaces();
   if (place->places_.empty()) {
     return absl::FailedPreconditionError(absl::StrCat(
         "world ", place->world_.name,
@@ -87,10 +99,6 @@ absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::Make(
 }
 
 void SuitePlace::FindPlaces() {
-  place_of_cell_.assign(
-      truth_.levels().size(),
-      std::vector<int>(static_cast<size_t>(truth_.width() * truth_.height()),
-                       -1));
   // From the corner of the tour from which most can be reached.
   GroundTruth::Reach reach;
   for (const Float3& corner : world_.tour) {
@@ -101,31 +109,89 @@ void SuitePlace::FindPlaces() {
       break;
     }
   }
-  if (reach.count() == 0) return;
-  float lowest_m = std::numeric_limits<float>::infinity();
-  float highest_m = -lowest_m;
+  std::vector<GroundCellIndex> places;
   for (int level = 0; level < static_cast<int>(truth_.levels().size());
        ++level) {
     for (int y = 0; y < truth_.height(); ++y) {
       for (int x = 0; x < truth_.width(); ++x) {
         const GroundCellIndex index = {.level = level, .x = x, .y = y};
-        if (!reach.Contains(index)) continue;
-        place_of_cell_[static_cast<size_t>(level)]
-                      [static_cast<size_t>(y * truth_.width() + x)] =
-                          static_cast<int>(places_.size());
-        places_.push_back(index);
-        lowest_m = std::min(lowest_m, truth_.at(index).height_m);
-        highest_m = std::max(highest_m, truth_.at(index).height_m);
+        if (reach.count() > 0 && reach.Contains(index)) places.push_back(index);
       }
     }
+  }
+  SetPlaces(std::move(places));
+}
+
+void SuitePlace::SetPlaces(std::vector<GroundCellIndex> places) {
+  places_ = std::move(places);
+  place_of_cell_.assign(
+      truth_.levels().size(),
+      std::vector<int>(static_cast<size_t>(truth_.width() * truth_.height()),
+                       -1));
+  float lowest_m = std::numeric_limits<float>::infinity();
+  float highest_m = -lowest_m;
+  for (size_t i = 0; i < places_.size(); ++i) {
+    const GroundCellIndex& cell = places_[i];
+    place_of_cell_[static_cast<size_t>(cell.level)]
+                  [static_cast<size_t>(cell.y * truth_.width() + cell.x)] =
+                      static_cast<int>(i);
+    lowest_m = std::min(lowest_m, truth_.at(cell).height_m);
+    highest_m = std::max(highest_m, truth_.at(cell).height_m);
   }
   has_several_heights_ = highest_m - lowest_m > kSeveralHeights_m;
 }
 
+void SuitePlace::KeepMappedPlaces() {
+  const size_t all = places_.size();
+  std::vector<GroundCellIndex> mapped;
+  for (const GroundCellIndex& cell : places_) {
+    const absl::StatusOr<LevelPose> pose = InMap(
+        {.position = CenterOf(cell), .height_m = truth_.at(cell).height_m});
+    if (pose.ok() && ClearanceInMap_m(*pose) >= kRobotRadius_m) {
+      mapped.push_back(cell);
+    }
+  }
+  SetPlaces(std::move(mapped));
+  std::vector<int> most;
+  std::vector<uint8_t> is_seen(places_.size(), 0);
+  for (int i = 0; i < static_cast<int>(places_.size()); ++i) {
+    if (is_seen[static_cast<size_t>(i)] != 0) continue;
+    std::vector<int> reached = PlacesReachedFrom(i, is_seen);
+    if (reached.size() > most.size()) most = std::move(reached);
+  }
+  std::ranges::sort(most);
+  std::vector<GroundCellIndex> together;
+  together.reserve(most.size());
+  for (const int node : most) {
+    together.push_back(places_[static_cast<size_t>(node)]);
+  }
+  SetPlaces(std::move(together));
+  mapped_share_ =
+      all == 0 ? 0
+               : static_cast<double>(places_.size()) / static_cast<double>(all);
+}
+
+std::vector<int> SuitePlace::PlacesReachedFrom(
+    int node, std::vector<uint8_t>& is_seen) const {
+  std::vector<int> reached = {node};
+  is_seen[static_cast<size_t>(node)] = 1;
+  for (size_t next = 0; next < reached.size(); ++next) {
+    for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(-1, 0),
+                                 std::pair(0, 1), std::pair(0, -1)}) {
+      const int neighbour = NeighbourOf(reached[next], dx, dy);
+      if (neighbour < 0 || is_seen[static_cast<size_t>(neighbour)] != 0) {
+        continue;
+      }
+      is_seen[static_cast<size_t>(neighbour)] = 1;
+      reached.push_back(neighbour);
+    }
+  }
+  return reached;
+}
+
 RobotPlacement SuitePlace::PlacementOf(const GroundCellIndex& cell,
                                        Random& random) const {
-  return {.position = {(cell.x + 0.5) * kResolution_m,
-                       (cell.y + 0.5) * kResolution_m},
+  return {.position = CenterOf(cell),
           .yaw_rad = random.NextUniform(-std::numbers::pi, std::numbers::pi),
           .height_m = truth_.at(cell).height_m};
 }
@@ -214,8 +280,8 @@ std::optional<double> SuitePlace::WayLength_m(
         const double there_m = here_m + kResolution_m * std::hypot(dx, dy);
         if (there_m >= way_m[static_cast<size_t>(next)]) continue;
         const GroundCellIndex& cell = places_[static_cast<size_t>(next)];
-        if (IsBarred({(cell.x + 0.5) * kResolution_m,
-                      (cell.y + 0.5) * kResolution_m, truth_.at(cell).height_m},
+        const Vec2 center = CenterOf(cell);
+        if (IsBarred({center.x, center.y, truth_.at(cell).height_m},
                      barriers)) {
           continue;
         }

@@ -3,6 +3,7 @@
 #ifndef NAV_AGENT_APP_SUITE_PLACE_H_
 #define NAV_AGENT_APP_SUITE_PLACE_H_
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -49,7 +50,9 @@ class SuitePlace {
   // world has no tour with room for the robot.
   static absl::StatusOr<std::shared_ptr<const SuitePlace>> MakePerfect(
       World world);
-  // The map of a bundle; map_from_world: where its drive began.
+  // The map of a bundle; map_from_world: where its drive began. Places are
+  // those that the map has, too, with as much room: nobody sends a robot to
+  // where its map has nothing. MappedShare() says how many those are.
   static absl::StatusOr<std::shared_ptr<const SuitePlace>> Make(
       World world, NavigatorMap map, const Rigid3& map_from_world);
 
@@ -57,6 +60,10 @@ class SuitePlace {
   const World& world() const { return world_; }
   const NavigatorMap& map() const { return map_; }
   const Rigid3& map_from_world() const { return map_from_world_; }
+
+  // Of the places with room for the robot in the world, the share that a robot
+  // gets to in its map; 1 of a perfect map.
+  double MappedShare() const { return mapped_share_; }
 
   // Anywhere with room for the robot, looking anywhere. Somebody may stand
   // there all the same.
@@ -96,7 +103,16 @@ class SuitePlace {
         ground_(std::move(ground)),
         truth_(std::move(truth)),
         map_from_world_(map_from_world) {}
+  static absl::StatusOr<std::shared_ptr<const SuitePlace>> Make(
+      World world, NavigatorMap map, const Rigid3& map_from_world,
+      bool is_driven);
   void FindPlaces();
+  void SetPlaces(std::vector<GroundCellIndex> places);
+  // Leaves the places that the map has and that hang together there.
+  void KeepMappedPlaces();
+  // Numbers of the places that can be got to from this one, itself included.
+  std::vector<int> PlacesReachedFrom(int node,
+                                     std::vector<uint8_t>& is_seen) const;
   int NodeAt(Vec3 point) const;
   int NeighbourOf(int node, int dx, int dy) const;
   RobotPlacement PlacementOf(const GroundCellIndex& cell, Random& random) const;
@@ -106,6 +122,7 @@ class SuitePlace {
   NavigationMap ground_;
   GroundTruth truth_;
   Rigid3 map_from_world_;
+  double mapped_share_ = 1;
   bool has_several_heights_ = false;
   // Cells with room for the robot, and which of them each cell of each level
   // is (-1: none).

@@ -76,7 +76,7 @@ struct LostAndFoundOptions {
   // much of its weight in one place this small (m), and no other place of the
   // map may fit nearly as well: by this share of the beams.
   double search_explained = 0.75;
-  double search_contradicted = 0.08;
+  double search_contradicted = 0.12;
   double search_hold_s = 5;
   double search_hold_rad = 3.5;
   double search_share = 0.95;
