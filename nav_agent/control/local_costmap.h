@@ -205,8 +205,8 @@ class LocalCostmap {
   // What is seen well away from all that the map has: nearer, it may be the
   // map's own, seen from an estimate that is off.
   bool IsNew(size_t i) const {
-    return map_distance_m_[i] > (seen_[i].was_free ? options_.came_from_m
-                                                   : options_.new_from_m);
+    return map_distance_m_[i] >
+           (seen_[i].was_free ? options_.came_from_m : options_.new_from_m);
   }
   bool IsMoving(CellIndex cell, int64_t now_ms) const;
   bool CountsAt(size_t i) const {
