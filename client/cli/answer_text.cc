@@ -125,6 +125,7 @@ std::string AnswerJson(const FrameFiles& files,
   json["samples"] = answer->samples;
   json["inlier_ratio"] = answer->inlier_ratio;
   json["confidence"] = answer->confidence;
+  json["confidence_threshold"] = answer->confidence_threshold;
   json["round_trip_ms"] = answer->round_trip_ms;
   json["server"] = TimingsJson(answer->server);
   json["scene"] = answer->scene;

@@ -223,6 +223,10 @@ void AddFlags(CLI::App& app, LocalizeFlags& flags) {
   app.add_option("--time-budget-ms", flags.query.time_budget_ms,
                  "Most that the server may take")
       ->check(CLI::PositiveNumber);
+  app.add_option("--min-confidence", flags.query.min_confidence,
+                 "Least confidence of an answer (default: the scene's "
+                 "threshold); lower only if you check poses yourself")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_option("--prior", flags.prior,
                  "Pose that an answer must be near: qw,qx,qy,qz,tx,ty,tz of "
                  "world_from_camera (m)")

@@ -95,6 +95,7 @@ v1::LocalizeRequest ToProto(const LocalizeQuery& query) {
   v1::LocalizeOptions& options = *request.mutable_options();
   options.set_seed(query.seed);
   if (query.time_budget_ms) options.set_time_budget_ms(*query.time_budget_ms);
+  if (query.min_confidence) options.set_min_confidence(*query.min_confidence);
   if (query.wants_inlier_pixels) options.set_include_correspondences(true);
   if (query.prior) {
     v1::PosePrior& prior = *options.mutable_prior();
@@ -131,6 +132,7 @@ absl::StatusOr<LocalizeAnswer> FromProto(const v1::LocalizeResponse& response) {
         {sample.color_pixel().x_px(), sample.color_pixel().y_px()});
   }
   answer.confidence = response.confidence();
+  answer.confidence_threshold = response.confidence_threshold();
   answer.scene = response.scene();
   answer.model_version = response.model_version();
   for (const v1::SceneCandidate& candidate : response.candidates()) {

@@ -35,6 +35,7 @@ v1::LocalizeResponse Localized() {
   response.add_correspondences()->mutable_color_pixel()->set_x_px(99);
   response.set_scene("kitchen");
   response.set_model_version("7");
+  response.set_confidence_threshold(0.9);
   response.mutable_timings()->set_queue_ms(1);
   response.mutable_timings()->set_decode_ms(2);
   response.mutable_timings()->set_sample_ms(3);
@@ -71,6 +72,7 @@ TEST(ClientConvert, AnswersKeepEveryFieldBitForBit) {
   EXPECT_EQ(answer->inlier_pixels[0].y, 3);
   EXPECT_EQ(answer->scene, "kitchen");
   EXPECT_EQ(answer->model_version, "7");
+  EXPECT_EQ(answer->confidence_threshold, 0.9);
   EXPECT_EQ(answer->server.queue_ms, 1);
   EXPECT_EQ(answer->server.decode_ms, 2);
   EXPECT_EQ(answer->server.sample_ms, 3);
@@ -140,6 +142,7 @@ TEST(ClientConvert, QueriesKeepEveryField) {
   query.candidate_scenes = {"kitchen", "office"};
   query.seed = 18446744073709551615u;
   query.time_budget_ms = 250;
+  query.min_confidence = 0.4;
   query.wants_inlier_pixels = true;
   query.prior = PosePrior{.world_from_camera = SomePose(),
                           .position_radius_m = 4,
@@ -154,6 +157,7 @@ TEST(ClientConvert, QueriesKeepEveryField) {
   EXPECT_EQ(request.options().seed(), 18446744073709551615u);
   EXPECT_THAT(request.candidate_scenes(), ElementsAre("kitchen", "office"));
   EXPECT_EQ(request.options().time_budget_ms(), 250);
+  EXPECT_EQ(request.options().min_confidence(), 0.4);
   EXPECT_TRUE(request.options().include_correspondences());
   EXPECT_EQ(*FromProto(request.options().prior().world_from_camera(), ""),
             SomePose());
@@ -167,6 +171,7 @@ TEST(ClientConvert, QueriesKeepEveryField) {
             v1::DEPTH_REGISTRATION_SCENE_CALIBRATION);
   const v1::LocalizeRequest plain = ToProto(LocalizeQuery{});
   EXPECT_FALSE(plain.options().has_time_budget_ms());
+  EXPECT_FALSE(plain.options().has_min_confidence());
   EXPECT_FALSE(plain.options().include_correspondences());
   EXPECT_FALSE(plain.options().has_prior());
 }

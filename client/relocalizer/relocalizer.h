@@ -40,6 +40,10 @@ struct LocalizeQuery {
   // Most that the server may take from the arrival of the request (ms),
   // positive, beside the call's own timeout.
   std::optional<double> time_budget_ms = std::nullopt;
+  // Least confidence of an answer that is localized, in [0, 1]; nullopt: the
+  // scene's threshold, above which 99 of 100 are right. Lower only if poses are
+  // checked by other means.
+  std::optional<double> min_confidence = std::nullopt;
   // Decides whether an answer is believed, not what is found.
   std::optional<PosePrior> prior = std::nullopt;
   // Whether the answer says which pixels support it, for pictures: some tens of
@@ -91,6 +95,8 @@ struct LocalizeAnswer {
   std::vector<Vec2> inlier_pixels;
   // Probability that the pose is right, in [0, 1]: see docs/service.md.
   double confidence = 0;
+  // The scene's: of answers that reach it, 99 of 100 were right in training.
+  double confidence_threshold = 0;
   // Who answered.
   std::string scene;
   std::string model_version;

@@ -122,6 +122,8 @@ class Kidnapping {
     robot.seed = options_.seed;
     robot.camera_hz = options_.camera_hz;
     robot.navigator = options_.navigator;
+    // Pictures are rendered for questions and checks alone.
+    robot.navigator.depth_hz = 0;
     if (options_.server != nullptr) {
       robot.make_server = [this](const Clock& clock) {
         // What is sent and asked for can be said: no errors.

@@ -253,7 +253,6 @@ absl::StatusOr<MissionRun> RunMission(const SuitePlace& place,
                                           .camera_hz = options.camera_hz,
                                           .camera_scale = kCameraScale,
                                           .camera_is_lit = false,
-                                          .camera_when_lost = false,
                                           .navigator = options.navigator}));
   MissionTrouble trouble({.surprise = mission.surprise,
                           .at_share = mission.surprise_share,

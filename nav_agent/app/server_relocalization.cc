@@ -44,6 +44,7 @@ RelocalizationAnswer AnswerOf(const LocalizeAnswer& answer,
   }
   result.covariance = answer.covariance;
   result.confidence = answer.confidence;
+  result.confidence_threshold = answer.confidence_threshold;
   result.inliers = answer.inliers;
   result.samples = answer.samples;
   result.inlier_pixels = answer.inlier_pixels;
@@ -62,6 +63,7 @@ Answer AskNow(Relocalizer& relocalizer,
   LocalizeQuery query;
   query.scene = options.scene;
   query.seed = options.seed;
+  query.min_confidence = options.min_confidence;
   query.wants_inlier_pixels = true;
   TL_ASSIGN_OR_RETURN(query.frame,
                       EncodeFrame(frame.frame, options.jpeg_quality));
@@ -238,7 +240,9 @@ absl::Status Check(const std::shared_ptr<Relocalizer>& relocalizer,
 }  // namespace
 
 absl::Status ServerRelocalizationOptions::Validate() const {
-  return CheckRange("relocalization: jpeg_quality", jpeg_quality, 1, 100);
+  TL_RETURN_IF_ERROR(
+      CheckRange("relocalization: jpeg_quality", jpeg_quality, 1, 100));
+  return CheckRange("relocalization: min_confidence", min_confidence, 0, 1);
 }
 
 absl::StatusOr<QueryFrame> EncodeFrame(const Frame& frame, int jpeg_quality) {

@@ -20,6 +20,9 @@ struct ServerRelocalizationOptions {
   std::string scene;
   // Of the colour picture, 1 to 100. Depth goes as a PNG, bit for bit.
   int jpeg_quality = 92;
+  // Least confidence of an answer, in [0, 1]: a robot has its laser to check
+  // what the server is not sure of (FixGateOptions).
+  double min_confidence = 0.3;
   // Of the hypotheses that the server draws.
   uint64_t seed = 0;
 

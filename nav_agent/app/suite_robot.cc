@@ -25,11 +25,6 @@ double ProcessorTime_ms() {
          1e-6 * static_cast<double>(time.tv_nsec);
 }
 
-bool LooksForItself(NavigatorMode mode) {
-  return mode == NavigatorMode::kLost || mode == NavigatorMode::kRelocalizing ||
-         mode == NavigatorMode::kNeedHelp;
-}
-
 }  // namespace
 
 void StepTimes::Add(double step_ms) {
@@ -69,23 +64,15 @@ double StepTimes::Percentile_ms(double share) const {
   return edge_ms;
 }
 
-// Frames are rendered only for a robot that looks for itself.
+// Renders when the navigator takes a frame.
 class SuiteRobot::Camera final : public RgbdCamera {
  public:
-  Camera(SimulatedCamera& camera, bool when_lost)
-      : camera_(&camera), is_open_(!when_lost), when_lost_(when_lost) {}
+  explicit Camera(SimulatedCamera& camera) : camera_(&camera) {}
 
-  void SetMode(NavigatorMode mode) {
-    if (when_lost_) is_open_ = LooksForItself(mode);
-  }
   RgbdCalibration Calibration() const override {
     return camera_->Calibration();
   }
   std::vector<RgbdFrame> TakeFrames() override {
-    if (!is_open_) {
-      camera_->queue.Take();
-      return {};
-    }
     const double before_ms = ProcessorTime_ms();
     // Nobody looks at older ones.
     std::vector<RgbdFrame> frames = camera_->TakeNewest();
@@ -98,8 +85,6 @@ class SuiteRobot::Camera final : public RgbdCamera {
 
  private:
   SimulatedCamera* camera_;
-  bool is_open_;
-  bool when_lost_;
   double rendering_ms_ = 0;
 };
 
@@ -129,8 +114,7 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
                               .camera = nullptr,
                               .server = robot->server_.get()};
   if (options.camera_hz > 0) {
-    robot->camera_ =
-        std::make_unique<Camera>(simulator.camera(), options.camera_when_lost);
+    robot->camera_ = std::make_unique<Camera>(simulator.camera());
     devices.camera = robot->camera_.get();
   }
   NavigatorOptions navigator = options.navigator;
@@ -149,7 +133,6 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
 
 void SuiteRobot::Step() {
   simulator_->Step(kSuiteStep);
-  if (camera_ != nullptr) camera_->SetMode(navigator_->mode());
   const double before_ms = ProcessorTime_ms();
   navigator_->Step();
   const double took_ms = ProcessorTime_ms() - before_ms;

@@ -28,9 +28,6 @@ struct SuiteRobotOptions {
   // Of its pictures: see SensorOptions.
   double camera_scale = 1;
   bool camera_is_lit = true;
-  // The camera gives frames only while the robot looks for itself: rendering
-  // takes long. Otherwise all.
-  bool camera_when_lost = true;
   // Makes the port of a server that runs by the simulation's clock; null:
   // there is none.
   std::function<std::unique_ptr<RelocalizationPort>(const Clock&)> make_server =

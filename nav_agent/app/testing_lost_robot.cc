@@ -15,14 +15,11 @@ namespace {
 constexpr SimTime kStep = std::chrono::milliseconds(25);
 constexpr PoseCovariance2 kTold = {0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.0025};
 
-double FreeWay_m(const std::vector<Vec2>& ends, const RobotModel& robot,
-                 double sign) {
+double FreeAhead_m(const std::vector<Vec2>& ends, const RobotModel& robot) {
   double free_m = 3;
   for (const Vec2 end : ends) {
     if (std::abs(end.y) > robot.half_width_m + 0.05) continue;
-    const double along_m = sign * end.x;
-    const double edge_m = sign > 0 ? robot.front_m : robot.rear_m;
-    if (along_m > 0) free_m = std::min(free_m, along_m - edge_m - 0.05);
+    if (end.x > 0) free_m = std::min(free_m, end.x - robot.front_m - 0.05);
   }
   return std::max(0.0, free_m);
 }
@@ -188,8 +185,7 @@ LostAndFound::Output LostRobot::Step(const VelocityCommand& drives) {
   RecoveryInput input;
   input.now = Now();
   input.drives_straight = drives.forward_mps > 0;
-  input.free_ahead_m = FreeWay_m(ends, robot, 1);
-  input.free_behind_m = FreeWay_m(ends, robot, -1);
+  input.free_ahead_m = FreeAhead_m(ends, robot);
   const double round_m = robot.Circumradius_m() + 0.03;
   input.can_turn = std::ranges::none_of(
       ends, [round_m](const Vec2& end) { return Norm(end) < round_m; });

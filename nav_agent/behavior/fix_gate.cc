@@ -161,6 +161,11 @@ GatedFix FixGate::Check(const RelocalizationAnswer& answer,
   GatedFix fix;
   fix.motion = motion;
   fix.confidence = answer.confidence;
+  const double p = std::clamp(answer.confidence, 0.01, 0.99);
+  fix.log_odds = std::log(p / (1 - p));
+  fix.is_server_sure =
+      answer.confidence >=
+      std::max(options_.sure_confidence, answer.confidence_threshold);
   const auto refuse = [&fix](FixVerdict verdict, std::string why) {
     fix.verdict = verdict;
     fix.why = std::move(why);
@@ -267,7 +272,7 @@ GatedFix FixGate::CheckScan(const RobotTracker& tracker, GatedFix fix) const {
     fix.verdict = FixVerdict::kAgainstScan;
     return fix;
   }
-  const bool is_sure = fix.confidence >= options_.sure_confidence &&
+  const bool is_sure = fix.is_server_sure &&
                        best.fit.explained >= options_.sure_explained &&
                        best.fit.contradicted <= options_.sure_contradicted;
   fix.verdict = is_sure ? FixVerdict::kSure : FixVerdict::kWeak;

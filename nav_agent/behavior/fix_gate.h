@@ -20,7 +20,7 @@ namespace treeline {
 
 struct FixGateOptions {
   // The server's own probability: below the first it is refused, below the
-  // second it is weak.
+  // second, or below the scene's own threshold, it is weak.
   double least_confidence = 0.3;
   double sure_confidence = 0.9;
   // The camera's tilt and what the inertial sensor says of it (rad).
@@ -73,6 +73,10 @@ struct GatedFix {
   LevelPose pose;
   PoseCovariance2 covariance{};
   double confidence = 0;
+  // The server is: sure_confidence and the scene's threshold are reached.
+  bool is_server_sure = false;
+  // ln(p / (1 - p)) of the confidence; of views that agree, their sum.
+  double log_odds = 0;
   std::optional<RobotTracker::ScanFit> fit;
   // The wheels' of that moment.
   TrackedMotion motion;

@@ -54,7 +54,7 @@ struct LostAndFoundOptions {
   // Of one question (s, 0.1 to 60).
   double deadline_s = 3;
   // Questions, failed ones too, before it goes on without the server.
-  int max_questions = 10;
+  int max_questions = 30;
   // Failures in a row (no server, too late, no such scene) after which it does.
   int max_failures = 2;
   // A recovery ends after so long (s): in kNeedHelp.
@@ -62,7 +62,7 @@ struct LostAndFoundOptions {
   double most_search_s = 120;
   // Pictures are taken so long after the wheels stood (s).
   double settle_s = 0.3;
-  double turn_radps = 0.5;
+  double turn_radps = 0.8;
   double move_mps = 0.15;
   // Confirming: scans that must fit in a row, and the turn (rad) meanwhile. A
   // scan fits if the map explains this share of it and contradicts at most
@@ -99,7 +99,6 @@ struct RecoveryInput {
   // elsewhere for a robot that is lost.
   bool can_turn = true;
   double free_ahead_m = 0;
-  double free_behind_m = 0;
 };
 
 struct RecoveryNote {

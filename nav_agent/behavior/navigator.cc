@@ -30,7 +30,6 @@ constexpr double kNearlyLevel_rad = 0.05;
 constexpr double kStillSeen_m = 0.25;
 // How far a lost robot asks for room (m).
 constexpr double kAskAhead_m = 1.0;
-constexpr double kAskBehind_m = 0.5;
 // Pictures a second that a lost robot takes at least.
 constexpr double kLostPictures_hz = 10;
 constexpr size_t kShownParticles = 500;
@@ -341,8 +340,6 @@ VelocityCommand NavigatorOfParts::StepLost(const ControlPose& pose) {
   if (was_active) {
     input.can_turn = parts_.controller->CanTurn(pose);
     input.free_ahead_m = parts_.controller->FreeWay_m(pose, kAskAhead_m);
-    input.free_behind_m =
-        std::abs(parts_.controller->FreeWay_m(pose, -kAskBehind_m));
   }
   const LostAndFound::Output output = parts_.lost->Step(input);
   for (RecoveryNote& note : parts_.lost->TakeNotes()) {

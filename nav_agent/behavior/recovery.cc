@@ -20,14 +20,16 @@ constexpr double kMostLooking_s = 2.5;
 // The port's own deadline and a bit (s).
 constexpr double kLate_s = 0.5;
 // A turn ends this near to where it should (rad), or after so long (s).
-constexpr double kTurned_rad = 0.05;
+constexpr double kTurned_rad = 0.1;
 constexpr double kMostTurning_s = 12;
-// Without room to turn, it gives up after this (s).
-constexpr double kMostStuck_s = 4;
-// It makes room for so long, and swings back when it has not turned for so long
-// (s).
-constexpr double kMostRoom_s = 3;
+// What has not turned after this (s) has no room to.
+constexpr double kMostStuck_s = 1.5;
+// It swings back when it has not turned for so long (s). Where it turns to
+// neither side it goes a little ahead, if there is this much room (m), until so
+// many tries have failed.
 constexpr double kSwingBlocked_s = 0.6;
+constexpr double kRoom_m = 0.25;
+constexpr int kMostSidesBlocked = 8;
 // Directions that promise less are not looked at.
 constexpr double kLeastPromise = 0.06;
 // So many fixes in a row that the robot's own sensors refuse: the server knows
@@ -36,6 +38,10 @@ constexpr int kMostRefused = 3;
 // An answer is waited for standing while it may come any moment (s).
 constexpr double kPatience_s = 1;
 constexpr size_t kMostWaiting = 8;
+// Views that show something else are turned by this (rad). Together they are
+// sure from 99 in 100 on.
+constexpr double kOtherView_rad = 0.3;
+constexpr double kSureLogOdds = 4.6;
 
 const char* CauseText(RecoveryCause cause) {
   switch (cause) {
@@ -122,6 +128,7 @@ void Recovery::WasTold(MonotonicTime now) {
   needs_help_ = false;
   look_ = Look::kNone;
   if (IsActive()) Note("recovery", "it was told where it is");
+  CheckSoon(now);
   Go(RecoveryState::kIdle, now);
 }
 
@@ -213,6 +220,7 @@ VelocityCommand Recovery::Looking(MonotonicTime now) {
   const bool is_new = frame_ != nullptr && frame_->stamp >= since_;
   if (!is_new) {
     if (InState_s(now) > kMostLooking_s) {
+      ++failures_;
       GiveUpServer("the camera gives no pictures", now);
     }
     return {};
@@ -264,7 +272,7 @@ void Recovery::Failed(const absl::Status& status, MonotonicTime now) {
 
 void Recovery::Judge(const RelocalizationAnswer& answer, MonotonicTime now) {
   failures_ = 0;
-  const GatedFix fix = gate_.Check(answer, *asked_motion_, tracker_);
+  GatedFix fix = gate_.Check(answer, *asked_motion_, tracker_);
   answer_ = answer;
   answer_verdict_ = absl::StrCat(FixVerdictName(fix.verdict),
                                  fix.why.empty() ? "" : ": ", fix.why);
@@ -290,11 +298,22 @@ void Recovery::Judge(const RelocalizationAnswer& answer, MonotonicTime now) {
       waiting_, [&](const GatedFix& other) { return gate_.Agree(other, fix); });
   if (agrees != waiting_.end()) {
     Note("fix", "two views agree");
-    Seed(fix, true, now);
+    // Doubtful views of the same thing err together; others add up.
+    const double turned_rad =
+        NormalizedAngle_rad(yaw_rad - agrees->motion.odom_from_base.yaw_rad);
+    if (std::abs(turned_rad) >= kOtherView_rad) {
+      fix.log_odds += agrees->log_odds;
+    } else {
+      fix.log_odds = std::max(fix.log_odds, agrees->log_odds);
+    }
+    fix.is_server_sure |= agrees->is_server_sure;
+    Seed(fix, fix.is_server_sure || fix.log_odds >= kSureLogOdds, now);
     return;
   }
+  const bool is_disputed =
+      std::ranges::any_of(waiting_, &GatedFix::is_server_sure);
   if (cause_ != RecoveryCause::kCheck &&
-      ((fix.verdict == FixVerdict::kSure && waiting_.empty()) ||
+      ((fix.verdict == FixVerdict::kSure && !is_disputed) ||
        IsClearPlace(fix))) {
     Seed(fix, false, now);
     return;
@@ -349,37 +368,31 @@ VelocityCommand Recovery::TurnTowards(double yaw_in_odom_rad) const {
           .yaw_rate_radps = std::copysign(speed_radps, left_rad)};
 }
 
-VelocityCommand Recovery::MakeRoom(const RecoveryInput& input) const {
-  constexpr double kRoom_m = 0.25;
-  if (input.free_ahead_m >= kRoom_m &&
-      input.free_ahead_m >= input.free_behind_m) {
-    return {.forward_mps = options_.move_mps, .yaw_rate_radps = 0};
-  }
-  if (input.free_behind_m >= kRoom_m) {
-    return {.forward_mps = -options_.move_mps, .yaw_rate_radps = 0};
-  }
-  return {};
-}
-
 VelocityCommand Recovery::Swing(const RecoveryInput& input,
                                 double speed_radps) {
-  if (input.can_turn) {
+  const std::optional<TrackedMotion> motion = tracker_.Motion();
+  if (input.can_turn || !motion.has_value()) {
     swing_ = 1;
     swing_blocked_.reset();
+    sides_blocked_ = 0;
     return {.forward_mps = 0, .yaw_rate_radps = speed_radps};
   }
-  const VelocityCommand room = MakeRoom(input);
-  if (room != VelocityCommand() && InState_s(input.now) < kMostRoom_s) {
-    return room;
-  }
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
-  if (!motion.has_value() || std::abs(motion->yaw_rate_radps) > kStands_radps) {
+  if (std::abs(motion->yaw_rate_radps) > kStands_radps) {
     swing_blocked_.reset();
+    sides_blocked_ = 0;
   } else if (!swing_blocked_.has_value()) {
     swing_blocked_ = input.now;
   } else if (SecondsBetween(*swing_blocked_, input.now) > kSwingBlocked_s) {
     swing_ = -swing_;
     swing_blocked_.reset();
+    ++sides_blocked_;
+  }
+  // Ahead it sees where it goes; behind it does not.
+  if (sides_blocked_ >= 2 && input.free_ahead_m >= kRoom_m) {
+    if (sides_blocked_ < kMostSidesBlocked) {
+      return {.forward_mps = options_.move_mps, .yaw_rate_radps = 0};
+    }
+    sides_blocked_ = 0;
   }
   return {.forward_mps = 0, .yaw_rate_radps = swing_ * speed_radps};
 }
@@ -400,9 +413,6 @@ VelocityCommand Recovery::Turning(const RecoveryInput& input) {
     Go(RecoveryState::kStopping, input.now);
     return {};
   }
-  if (input.can_turn) return TurnTowards(target_rad_);
-  const VelocityCommand room = MakeRoom(input);
-  if (room != VelocityCommand() && took_s < kMostRoom_s) return room;
   if (took_s > kMostStuck_s &&
       std::abs(motion->yaw_rate_radps) < kStands_radps) {
     GiveUpServer("there is no room to turn", input.now);

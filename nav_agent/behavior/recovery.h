@@ -59,7 +59,9 @@ class Recovery final : public LostAndFound {
   void Failed(const absl::Status& status, MonotonicTime now);
   void Judge(const RelocalizationAnswer& answer, MonotonicTime now);
   void LookElsewhere(MonotonicTime now);
+  // Of a fix that was seen twice, the views are sure together.
   void Seed(const GatedFix& fix, bool was_seen_twice, MonotonicTime now);
+  void LookAgain(const std::string& why, MonotonicTime now);
   void NotConfirmed(const std::string& why, MonotonicTime now);
   void Found(const std::string& how, MonotonicTime now);
   void GiveUpServer(const std::string& why, MonotonicTime now);
@@ -71,7 +73,10 @@ class Recovery final : public LostAndFound {
   enum class ScanSays { kNothingNew, kGood, kBad };
   ScanSays WatchScan(double explained, double contradicted);
   bool IsPoseTight(double share, double std_m) const;
-  bool IsAmbiguous() const;
+  // Other places where the scan fits nearly as well, or clearly better.
+  enum class Alias { kNotLooked, kLooking, kNone, kSome, kBetter };
+  // Once they are known.
+  Alias AliasFound() const;
   // The laser's own search over the whole map, with one scan, while the server
   // is asked. The place is *clear* if that scan fits there well and nowhere
   // else nearly as well.
@@ -85,6 +90,8 @@ class Recovery final : public LostAndFound {
   // While searching: the answer to a question that was open when it began;
   // true: it changed the state.
   bool TookAnswer(MonotonicTime now);
+  // While searching: whether to stand for the next picture.
+  bool IsTimeToAsk(MonotonicTime now) const;
   // While searching: whether it may be believed now.
   bool SearchHolds(MonotonicTime now);
   void BreakHold();
@@ -92,13 +99,12 @@ class Recovery final : public LostAndFound {
   void EndCycle(MonotonicTime now);
   VelocityCommand SearchMotion(const RecoveryInput& input);
   VelocityCommand TurnTowards(double yaw_in_odom_rad) const;
-  // Turns on; where there is no room for a full turn it makes some, and then
-  // swings there and back as far as the collision stop lets it.
+  // Turns on; where there is no room for a full turn it swings there and back
+  // as far as the collision stop lets it, and goes ahead if that is nowhere.
   VelocityCommand Swing(const RecoveryInput& input, double speed_radps);
-  // Where turning is not possible: a little ahead or back.
-  VelocityCommand MakeRoom(const RecoveryInput& input) const;
 
   // The check while driving.
+  void CheckSoon(MonotonicTime now);
   void BeginCheck(const RecoveryInput& input);
   void EndCheck(const RelocalizationAnswer& answer, MonotonicTime now);
 
@@ -134,9 +140,11 @@ class Recovery final : public LostAndFound {
   // Fixes that wait for another one that agrees.
   std::vector<GatedFix> waiting_;
   double target_rad_ = 0;
-  // The side that it swings to, and since when it has not moved there.
+  // The side that it swings to, since when it has not moved there, and how
+  // often in a row that was so.
   double swing_ = 1;
   std::optional<MonotonicTime> swing_blocked_;
+  int sides_blocked_ = 0;
   // Where it thought it was when it began.
   std::optional<TrackedPose> before_;
   std::optional<TrackedMotion> before_motion_;
@@ -150,7 +158,6 @@ class Recovery final : public LostAndFound {
   int bad_scans_ = 0;
   double turned_rad_ = 0;
   std::optional<double> last_yaw_rad_;
-  enum class Alias { kNotLooked, kLooking, kNone, kSome };
   Alias alias_ = Alias::kNotLooked;
   RobotTracker::ScanFit alias_own_;
 
@@ -163,6 +170,7 @@ class Recovery final : public LostAndFound {
 
   // Searching.
   std::optional<MonotonicTime> search_began_;
+  std::optional<MonotonicTime> last_pause_;
   // What AMCL has is the clear place.
   bool holds_clear_ = false;
   bool searches_anywhere_ = false;

@@ -13,6 +13,8 @@ namespace {
 // Pictures older than this are not asked about (s).
 constexpr double kFresh_s = 0.2;
 constexpr double kKnown = 0.8;
+// What a person says is checked so soon (s).
+constexpr double kCheckTold_s = 2;
 // Within three standard deviations of both, and at least this, they agree.
 constexpr double kAgree_m = 0.25;
 constexpr double kAgree_rad = 0.12;
@@ -78,6 +80,12 @@ void Recovery::Helpless(MonotonicTime now) {
   failures_ = 0;
   questions_ = 1;
   Ask(*motion, now);
+}
+
+void Recovery::CheckSoon(MonotonicTime now) {
+  const double wait_s = std::max(0.0, options_.check_interval_s - kCheckTold_s);
+  last_check_ = now - std::chrono::duration_cast<MonotonicTime::duration>(
+                          std::chrono::duration<double>(wait_s));
 }
 
 void Recovery::BeginCheck(const RecoveryInput& input) {

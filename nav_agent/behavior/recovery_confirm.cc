@@ -14,6 +14,8 @@ namespace {
 
 // Of scans: more bad ones end it.
 constexpr int kMostBadScans = 12;
+// After this (s) it does not make room to turn any longer.
+constexpr double kNoRoom_s = 4;
 // The pose must not leave what was seeded by more (m).
 constexpr double kMostDrift_m = 0.6;
 
@@ -71,10 +73,12 @@ bool Recovery::IsPoseTight(double share, double std_m) const {
          std::sqrt(std::max(pose->covariance[0], pose->covariance[4])) <= std_m;
 }
 
-bool Recovery::IsAmbiguous() const {
+Recovery::Alias Recovery::AliasFound() const {
   const std::vector<RobotTracker::OtherPlace> others = tracker_.BestPlaces();
-  return !others.empty() && ScoreOf(others.front().fit) >
-                                ScoreOf(alias_own_) - options_.alias_margin;
+  if (others.empty()) return Alias::kNone;
+  const double lead = ScoreOf(others.front().fit) - ScoreOf(alias_own_);
+  if (lead > options_.alias_margin) return Alias::kBetter;
+  return lead > -options_.alias_margin ? Alias::kSome : Alias::kNone;
 }
 
 VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
@@ -105,13 +109,17 @@ VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
     tracker_.BeginOtherPlaces(pose->pose);
     alias_ = Alias::kLooking;
   } else if (alias_ == Alias::kLooking && tracker_.StepOtherPlaces()) {
-    alias_ = IsAmbiguous() ? Alias::kSome : Alias::kNone;
+    alias_ = AliasFound();
   }
   const LevelPose expected =
       CarriedOn(seed_->pose, seed_->motion, *motion, *map_);
   const double drift_m = Norm(expected.map_from_base.translation -
                               pose->pose.map_from_base.translation);
   const LostVerdict& verdict = tracker_.verdict();
+  if (alias_ == Alias::kBetter) {
+    NotConfirmed("scans fit better elsewhere", input.now);
+    return {};
+  }
   if (bad_scans_ > kMostBadScans || drift_m > kMostDrift_m ||
       verdict.state == LostState::kLost) {
     NotConfirmed(drift_m > kMostDrift_m ? "localization went elsewhere"
@@ -119,9 +127,9 @@ VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
                  input.now);
     return {};
   }
-  const bool has_held = good_scans_ >= options_.confirm_scans &&
-                        turned_rad_ >= options_.confirm_turn_rad &&
-                        IsPoseTight(0.8, 0.3) && verdict.probability < 0.3;
+  const bool fits = good_scans_ >= options_.confirm_scans &&
+                    IsPoseTight(0.8, 0.3) && verdict.probability < 0.3;
+  const bool has_held = fits && turned_rad_ >= options_.confirm_turn_rad;
   if (has_held && (seen_twice_ || alias_ == Alias::kNone)) {
     Found(seen_twice_ ? "seen twice, and scans fit"
                       : "seen once, and scans fit nowhere else",
@@ -130,13 +138,16 @@ VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
   }
   if (has_held && alias_ == Alias::kSome) {
     // Other places look the same to the laser: the camera must say it twice.
-    Note("recovery", "the laser would fit elsewhere too: looks a second time");
-    waiting_ = {*seed_};
-    if (MayAsk()) {
-      Go(RecoveryState::kStopping, input.now);
+    LookAgain("the laser would fit elsewhere too", input.now);
+    return {};
+  }
+  const bool has_no_room =
+      fits && !input.can_turn && InState_s(input.now) > kNoRoom_s;
+  if (has_no_room && alias_ == Alias::kNone) {
+    if (seen_twice_) {
+      Found("seen twice, and scans fit nowhere else", input.now);
     } else {
-      NotConfirmed("places look alike, and the server cannot be asked again",
-                   input.now);
+      LookAgain("there is no room to turn", input.now);
     }
     return {};
   }
@@ -146,6 +157,16 @@ VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
   }
   if (turned_rad_ >= options_.confirm_turn_rad) return {};
   return Swing(input, 0.6 * options_.turn_radps);
+}
+
+void Recovery::LookAgain(const std::string& why, MonotonicTime now) {
+  if (!MayAsk()) {
+    NotConfirmed(why + ", and the server cannot be asked again", now);
+    return;
+  }
+  Note("recovery", why + ": looks a second time");
+  waiting_ = {*seed_};
+  Go(RecoveryState::kStopping, now);
 }
 
 void Recovery::NotConfirmed(const std::string& why, MonotonicTime now) {

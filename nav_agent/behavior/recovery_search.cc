@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "nav_agent/behavior/recovery.h"
+#include "nav_agent/behavior/recovery_parts.h"
 
 namespace treeline {
 namespace {
@@ -16,7 +17,10 @@ constexpr double kMostMove_m = 1.5;
 constexpr double kKeepAway_m = 0.3;
 constexpr double kFaced_rad = 0.1;
 // No leg takes longer: something holds the robot (s).
-constexpr double kMostLeg_s = 20;
+constexpr double kMostLeg_s = 15;
+// It pauses so often for a picture, and if the server failed last (s).
+constexpr double kAskEvery_s = 4;
+constexpr double kAskFailedEvery_s = 15;
 // Of the scans while a place holds, so many may not fit: somebody walks by.
 constexpr double kMostBadShare = 0.2;
 constexpr int kFreeBadScans = 2;
@@ -29,6 +33,7 @@ constexpr double kBackWorth = 0.5;
 
 void Recovery::BeginSearch(MonotonicTime now) {
   search_began_ = now;
+  last_pause_ = now;
   searches_anywhere_ = false;
   BreakHold();
   alias_ = Alias::kNotLooked;
@@ -85,8 +90,7 @@ bool Recovery::SearchHolds(MonotonicTime now) {
     if (says != ScanSays::kGood) return false;
     holds_since_ = now;
   }
-  const double held_s =
-      std::chrono::duration<double>(now - *holds_since_).count();
+  const double held_s = SecondsBetween(*holds_since_, now);
   if (held_s < options_.search_hold_s ||
       hold_turned_rad_ < options_.search_hold_rad ||
       tracker_.verdict().probability > 0.2) {
@@ -102,12 +106,12 @@ bool Recovery::SearchHolds(MonotonicTime now) {
   }
   if (alias_ == Alias::kLooking) {
     if (!tracker_.StepOtherPlaces()) return false;
-    alias_ = IsAmbiguous() ? Alias::kSome : Alias::kNone;
+    alias_ = AliasFound();
     alias_turned_rad_ = hold_turned_rad_;
-    if (alias_ == Alias::kSome) {
+    if (alias_ != Alias::kNone) {
       Note("recovery", "the laser fits another place as well: goes on looking");
     }
-  } else if (alias_ == Alias::kSome && holds_clear_ &&
+  } else if (alias_ != Alias::kNone && holds_clear_ &&
              hold_turned_rad_ - alias_turned_rad_ > kLookAgain_rad) {
     // One scan said that it fits nowhere else, another one that it does: a
     // third. Rooms that are alike are so in all of them.
@@ -122,7 +126,9 @@ void Recovery::EndCycle(MonotonicTime now) {
   // One full turn, and what particles gathered at does not hold.
   const bool is_wrong =
       !holds_since_.has_value() && (!pose.has_value() || !pose->is_searching);
-  if (alias_ == Alias::kSome) alias_ = Alias::kNotLooked;
+  if (alias_ == Alias::kSome || alias_ == Alias::kBetter) {
+    alias_ = Alias::kNotLooked;
+  }
   if (holds_clear_ && is_wrong && MayAsk()) {
     // It was not there: the camera's turn again.
     Note("recovery", "what the laser said does not hold: looks elsewhere");
@@ -132,8 +138,12 @@ void Recovery::EndCycle(MonotonicTime now) {
     return;
   }
   if (!searches_anywhere_ || is_wrong) LookAnywhere(now);
-  // The server may be there again.
-  if (MayAsk() && !asks_) Go(RecoveryState::kStopping, now);
+}
+
+bool Recovery::IsTimeToAsk(MonotonicTime now) const {
+  if (!MayAsk() || asks_) return false;
+  const double since_s = SecondsBetween(*last_pause_, now);
+  return since_s > (failures_ > 0 ? kAskFailedEvery_s : kAskEvery_s);
 }
 
 bool Recovery::TookAnswer(MonotonicTime now) {
@@ -188,8 +198,7 @@ VelocityCommand Recovery::SearchMotion(const RecoveryInput& input) {
       }
       if (std::abs(NormalizedAngle_rad(best_free_yaw_rad_ - yaw_rad)) >
           kFaced_rad) {
-        return input.can_turn ? TurnTowards(best_free_yaw_rad_)
-                              : MakeRoom(input);
+        return TurnTowards(best_free_yaw_rad_);
       }
       leg_m_ = std::min(kMostMove_m, best_free_m_ - kKeepAway_m);
       next_leg(Leg::kMove);
@@ -223,9 +232,13 @@ VelocityCommand Recovery::Searching(const RecoveryInput& input) {
     Found("by laser alone, and scans fit nowhere else", input.now);
     return {};
   }
-  if (std::chrono::duration<double>(input.now - *search_began_).count() >
-      options_.most_search_s) {
+  if (SecondsBetween(*search_began_, input.now) > options_.most_search_s) {
     NeedHelp(input.now);
+    return {};
+  }
+  if (IsTimeToAsk(input.now)) {
+    last_pause_ = input.now;
+    Go(RecoveryState::kStopping, input.now);
     return {};
   }
   return SearchMotion(input);

@@ -14,7 +14,7 @@ constexpr double kUnseen = 0.35;
 // Answers of pictures this far apart have little to do with one another.
 constexpr double kShared_rad = 0.45;
 // What a radian of turning costs, in probability.
-constexpr double kTurnCost = 0.04;
+constexpr double kTurnCost = 0.1;
 // A second view should be about this far from the first.
 constexpr double kSecondView_rad = 0.6;
 

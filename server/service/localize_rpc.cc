@@ -9,6 +9,7 @@
 #include "common/base/status_macros.h"
 #include "common/wire/frame.h"
 #include "common/wire/geometry.h"
+#include "server/core/forest/confidence_model.h"
 #include "server/core/recognition/localize_among.h"
 #include "server/service/convert.h"
 
@@ -45,6 +46,9 @@ LocalizeOptions OptionsOf(const v1::LocalizeRequest& request,
   LocalizeOptions options;
   options.seed = request.options().seed();
   options.keep_correspondences = request.options().include_correspondences();
+  if (request.options().has_min_confidence()) {
+    options.min_confidence = request.options().min_confidence();
+  }
   options.stop = call.stop;
   return options;
 }
@@ -75,6 +79,12 @@ absl::Status CheckOptions(const v1::LocalizeOptions& options) {
     return FieldError("options.time_budget_ms",
                       absl::StrCat(options.time_budget_ms(),
                                    " is not a positive time up to a day"));
+  }
+  if (options.has_min_confidence() &&
+      !(options.min_confidence() >= 0 && options.min_confidence() <= 1)) {
+    return FieldError(
+        "options.min_confidence",
+        absl::StrCat(options.min_confidence(), " is no probability"));
   }
   return PriorFrom(options).status();
 }
@@ -189,6 +199,10 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Answer(
       ToProto(*estimate, scene.localizer->info().calibration.pose_sensor);
   response.set_scene(scene.name);
   response.set_model_version(scene.version);
+  response.set_confidence_threshold(
+      scene.localizer->info()
+          .confidence.value_or(ConfidenceModel::Typical())
+          .threshold);
   record.timings.total_ms = MillisecondsBetween(call.arrival, clock_.Now());
   *response.mutable_timings() = ToProto(record.timings);
   return response;

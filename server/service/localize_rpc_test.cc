@@ -75,11 +75,14 @@ TEST_F(LocalizeRpcTest, PassesSeedAndOptionsOn) {
   ASSERT_TRUE(Handle(request).ok());
   EXPECT_EQ(options_->seed, 0u);
   EXPECT_FALSE(options_->keep_correspondences);
+  EXPECT_FALSE(options_->min_confidence.has_value());
   request.mutable_options()->set_seed(18446744073709551615u);
   request.mutable_options()->set_include_correspondences(true);
+  request.mutable_options()->set_min_confidence(0.4);
   ASSERT_TRUE(Handle(request).ok());
   EXPECT_EQ(options_->seed, 18446744073709551615u);
   EXPECT_TRUE(options_->keep_correspondences);
+  EXPECT_EQ(options_->min_confidence, 0.4);
 }
 
 TEST_F(LocalizeRpcTest, NotLocalizedIsAnAnswer) {
@@ -210,6 +213,11 @@ TEST_F(LocalizeRpcTest, AbsurdOptionsNameTheirField) {
   request = TestRequest("kitchen");
   request.mutable_options()->set_time_budget_ms(0);
   EXPECT_THAT(message(request), HasSubstr("options.time_budget_ms"));
+  for (const double none : {-0.1, 1.1, std::nan("")}) {
+    request = TestRequest("kitchen");
+    request.mutable_options()->set_min_confidence(none);
+    EXPECT_THAT(message(request), HasSubstr("options.min_confidence")) << none;
+  }
 }
 
 TEST_F(LocalizeRpcTest, BadFramesNameTheirField) {

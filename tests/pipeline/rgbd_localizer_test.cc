@@ -107,6 +107,26 @@ TEST_F(RgbdLocalizerTest, TheSameSeedGivesTheSameBitsFromAnyThread) {
             first->world_from_camera);
 }
 
+TEST_F(RgbdLocalizerTest, TheQuestionSaysHowSureAnAnswerMustBe) {
+  const Frame frame = RenderBoxRoom(Calibration(), HeldOutPose(7));
+  const auto usual = localizer_->Localize(frame, {});
+  ASSERT_TRUE(usual.ok());
+  ASSERT_EQ(usual->outcome, Outcome::kLocalized);
+  ASSERT_LT(usual->confidence, 1);
+  const auto asked = [&](double min_confidence) {
+    LocalizeOptions options;
+    options.min_confidence = min_confidence;
+    return *localizer_->Localize(frame, options);
+  };
+  EXPECT_EQ(asked(usual->confidence).outcome, Outcome::kLocalized);
+  const PoseEstimate unsure = asked(1);
+  EXPECT_EQ(unsure.outcome, Outcome::kNotLocalized);
+  EXPECT_EQ(unsure.reason, NotLocalizedReason::kLowConfidence);
+  // What was found is the same.
+  EXPECT_EQ(unsure.world_from_camera, usual->world_from_camera);
+  EXPECT_EQ(unsure.confidence, usual->confidence);
+}
+
 TEST_F(RgbdLocalizerTest, ExplainsItselfOnRequest) {
   const Frame frame = RenderBoxRoom(Calibration(), HeldOutPose(7));
   LocalizeOptions options;

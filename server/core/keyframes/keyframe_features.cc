@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "common/base/status_macros.h"
@@ -14,8 +15,15 @@ namespace {
 
 // Sides at which images are halved (px).
 constexpr int kHalvedSide_px = 512;
-// Features that keyframes are compared by.
-constexpr size_t kCompared = 300;
+// Of a frame and of a keyframe, so many features are compared.
+struct Compared {
+  size_t of_frame = 0;
+  size_t of_keyframe = 0;
+};
+// At a glance, all keyframes; then the most alike of them.
+constexpr Compared kGlance = {.of_frame = 120, .of_keyframe = 150};
+constexpr size_t kShortlist = 32;
+constexpr Compared kCompared = {.of_frame = 300, .of_keyframe = 500};
 // Keyframes are alike from so many matches on.
 constexpr size_t kMinAlike = 6;
 // OpenCV's contrast threshold.
@@ -42,6 +50,74 @@ ColorImage HalfOf(const ColorImage& image) {
   return half;
 }
 
+// Two features that are each other's nearest.
+struct Pair {
+  uint32_t query = 0;
+  uint32_t known = 0;
+  double ratio = 1;
+};
+
+// In the order of the keyframe's features.
+void FindPairs(std::span<const SiftDescriptor> queries,
+               std::span<const KeyframeFeature> known, double max_ratio,
+               std::vector<Pair>& pairs) {
+  constexpr uint32_t kNobody = std::numeric_limits<uint32_t>::max();
+  pairs.clear();
+  if (known.empty()) return;
+  std::vector<NearestSift> nearest(queries.size());
+  FindNearestSift(
+      queries,
+      {known[0].descriptor.data(), sizeof(KeyframeFeature), known.size()},
+      nearest);
+  // Of the features that a keyframe's is nearest to, the nearest.
+  std::vector<uint32_t> back(known.size(), kNobody);
+  for (uint32_t i = 0; i < nearest.size(); ++i) {
+    uint32_t& other = back[nearest[i].index];
+    if (other == kNobody ||
+        nearest[i].squared_distance < nearest[other].squared_distance) {
+      other = i;
+    }
+  }
+  for (uint32_t j = 0; j < known.size(); ++j) {
+    if (back[j] == kNobody) continue;
+    const NearestSift& match = nearest[back[j]];
+    const double ratio = std::sqrt(static_cast<double>(match.squared_distance) /
+                                   std::max(1, match.second_squared_distance));
+    if (ratio <= max_ratio) pairs.push_back({back[j], j, ratio});
+  }
+}
+
+template <typename T>
+std::span<const T> AtMost(std::span<const T> values, size_t count) {
+  return values.first(std::min(count, values.size()));
+}
+
+// Of these keyframes the `count` that share most features with a frame, and at
+// least `least` of them; most first.
+std::vector<size_t> MostPairs(const SiftFeatures& features,
+                              const KeyframeMap& map,
+                              std::span<const size_t> keyframes,
+                              const Compared& compared, size_t count,
+                              size_t least, double max_ratio) {
+  const auto queries =
+      AtMost(std::span(std::as_const(features.descriptors)), compared.of_frame);
+  std::vector<std::pair<size_t, size_t>> alike;  // pairs, keyframe
+  std::vector<Pair> pairs;
+  for (const size_t k : keyframes) {
+    FindPairs(queries, AtMost(map.features(k), compared.of_keyframe), max_ratio,
+              pairs);
+    if (pairs.size() >= least) alike.emplace_back(pairs.size(), k);
+  }
+  std::ranges::stable_sort(alike, std::ranges::greater(),
+                           [](const auto& a) { return a.first; });
+  std::vector<size_t> result;
+  for (const auto& [shared, k] :
+       AtMost(std::span(std::as_const(alike)), count)) {
+    result.push_back(k);
+  }
+  return result;
+}
+
 }  // namespace
 
 absl::StatusOr<SiftFeatures> ExtractKeyframeSift(const ColorImage& image,
@@ -64,35 +140,15 @@ std::vector<KeyframeMatch> MatchKeyframes(const SiftFeatures& features,
                                           const KeyframeMap& map,
                                           std::span<const size_t> keyframes,
                                           double max_ratio) {
-  constexpr uint32_t kNobody = std::numeric_limits<uint32_t>::max();
   std::vector<KeyframeMatch> matches;
-  std::vector<NearestSift> nearest(features.size());
+  std::vector<Pair> pairs;
   for (const size_t k : keyframes) {
     const std::span<const KeyframeFeature> known = map.features(k);
-    if (known.empty()) continue;
-    FindNearestSift(
-        features.descriptors,
-        {known[0].descriptor.data(), sizeof(KeyframeFeature), known.size()},
-        nearest);
-    // Of the features that a keyframe's is nearest to, the nearest.
-    std::vector<uint32_t> back(known.size(), kNobody);
-    for (uint32_t i = 0; i < nearest.size(); ++i) {
-      uint32_t& other = back[nearest[i].index];
-      if (other == kNobody ||
-          nearest[i].squared_distance < nearest[other].squared_distance) {
-        other = i;
-      }
-    }
-    for (size_t j = 0; j < known.size(); ++j) {
-      if (back[j] == kNobody) continue;
-      const NearestSift& match = nearest[back[j]];
-      const double ratio =
-          std::sqrt(static_cast<double>(match.squared_distance) /
-                    std::max(1, match.second_squared_distance));
-      if (ratio > max_ratio) continue;
-      const auto& [x, y, z] = known[j].position_in_world;
+    FindPairs(features.descriptors, known, max_ratio, pairs);
+    for (const Pair& pair : pairs) {
+      const auto& [x, y, z] = known[pair.known].position_in_world;
       matches.push_back(
-          {features.keypoints[back[j]].pixel, Vec3{x, y, z}, ratio});
+          {features.keypoints[pair.query].pixel, Vec3{x, y, z}, pair.ratio});
     }
   }
   std::ranges::stable_sort(matches, {}, &KeyframeMatch::ratio);
@@ -102,27 +158,12 @@ std::vector<KeyframeMatch> MatchKeyframes(const SiftFeatures& features,
 std::vector<size_t> MostAlike(const SiftFeatures& features,
                               const KeyframeMap& map, size_t count,
                               double max_ratio) {
-  SiftFeatures compared;
-  const size_t kept = std::min(kCompared, features.size());
-  compared.keypoints.assign(
-      features.keypoints.begin(),
-      features.keypoints.begin() + static_cast<std::ptrdiff_t>(kept));
-  compared.descriptors.assign(
-      features.descriptors.begin(),
-      features.descriptors.begin() + static_cast<std::ptrdiff_t>(kept));
-  std::vector<std::pair<size_t, size_t>> alike;  // matches, keyframe
-  for (size_t k = 0; k < map.size(); ++k) {
-    const size_t matches =
-        MatchKeyframes(compared, map, std::span(&k, 1), max_ratio).size();
-    if (matches >= kMinAlike) alike.emplace_back(matches, k);
-  }
-  std::ranges::stable_sort(alike, std::ranges::greater(),
-                           [](const auto& a) { return a.first; });
-  std::vector<size_t> result;
-  for (size_t i = 0; i < std::min(count, alike.size()); ++i) {
-    result.push_back(alike[i].second);
-  }
-  return result;
+  std::vector<size_t> all(map.size());
+  std::iota(all.begin(), all.end(), size_t{0});
+  return MostPairs(
+      features, map,
+      MostPairs(features, map, all, kGlance, kShortlist, 1, max_ratio),
+      kCompared, count, kMinAlike, max_ratio);
 }
 
 }  // namespace treeline

@@ -134,7 +134,7 @@ absl::StatusOr<PoseEstimate> HybridLocalizer::Localize(
     RgbdCalibration calibration = info().calibration;
     calibration.color = camera;
     scratch.pyramid.Assign(scratch.image);
-    verifier_.Judge(scratch.pyramid, nullptr, calibration, estimate);
+    verifier_.Judge(scratch.pyramid, nullptr, calibration, options, estimate);
   }
   if (options.keep_correspondences) {
     estimate.correspondences = matched.pose ? CorrespondencesOf(matched)

@@ -74,6 +74,9 @@ struct LocalizeOptions {
   // else the process does.
   uint64_t seed = 0;
   bool keep_correspondences = false;
+  // Least confidence of what is localized, in [0, 1]; nullopt: the model's
+  // threshold.
+  std::optional<double> min_confidence = std::nullopt;
   // Polled in sampling, backtracking and RANSAC: CANCELLED soon after.
   std::stop_token stop;
 };

@@ -36,6 +36,7 @@ absl::StatusOr<PoseVerifier> PoseVerifier::Create(const ModelFile& model) {
 
 void PoseVerifier::Judge(const GrayPyramid& image, const DepthImage* depth,
                          const RgbdCalibration& calibration,
+                         const LocalizeOptions& options,
                          PoseEstimate& estimate) const {
   PoseEvidence& evidence = estimate.evidence;
   evidence.inlier_ratio = estimate.inlier_ratio;
@@ -69,7 +70,8 @@ void PoseVerifier::Judge(const GrayPyramid& image, const DepthImage* depth,
     estimate.reason = NotLocalizedReason::kTooFewInliers;
   } else if (!is_determined) {
     estimate.reason = NotLocalizedReason::kPoorlyConstrained;
-  } else if (estimate.confidence < confidence_.threshold) {
+  } else if (estimate.confidence <
+             options.min_confidence.value_or(confidence_.threshold)) {
     estimate.reason = NotLocalizedReason::kLowConfidence;
   } else {
     estimate.reason = NotLocalizedReason::kNone;

@@ -27,9 +27,11 @@ class PoseVerifier {
   // `estimate` holds the pose that the predictions support, of
   // calibration.pose_sensor, with its covariance, inliers and inlier_ratio.
   // Aligns it with the keyframes around, where there are any; then sets
-  // evidence, confidence, outcome and reason. depth may be null.
+  // evidence, confidence, outcome and reason. depth may be null; of `options`,
+  // min_confidence counts.
   void Judge(const GrayPyramid& image, const DepthImage* depth,
-             const RgbdCalibration& calibration, PoseEstimate& estimate) const;
+             const RgbdCalibration& calibration, const LocalizeOptions& options,
+             PoseEstimate& estimate) const;
 
  private:
   KeyframeMap keyframes_;

@@ -37,7 +37,7 @@ absl::StatusOr<PoseEstimate> RgbLocalizer::Localize(
     RgbdCalibration calibration = info().calibration;
     calibration.color = camera;
     scratch.pyramid.Assign(scratch.image);
-    verifier_.Judge(scratch.pyramid, nullptr, calibration, estimate);
+    verifier_.Judge(scratch.pyramid, nullptr, calibration, options, estimate);
   }
   if (options.keep_correspondences) {
     estimate.correspondences = CorrespondencesOf(found, scratch);

@@ -142,7 +142,8 @@ absl::Status SiftLocalizer::Solve(const Matches& matches, const Camera& camera,
                                  kMaxPositionSigma * info().viewing_distance;
       if (!is_determined) {
         estimate.reason = NotLocalizedReason::kPoorlyConstrained;
-      } else if (estimate.confidence < confidence.threshold) {
+      } else if (estimate.confidence <
+                 options.min_confidence.value_or(confidence.threshold)) {
         estimate.reason = NotLocalizedReason::kLowConfidence;
       } else {
         estimate.reason = NotLocalizedReason::kNone;

@@ -16,7 +16,7 @@ struct KeyframeOptions {
   // distance of KeyframeMap::Nearest (m).
   double spacing_m = 0.25;
   // At most so many, evenly thinned.
-  int max_keyframes = 400;
+  int max_keyframes = 1600;
   // At most so many points of each.
   int points = 1200;
   // At most so many SIFT features of each, where depth is measured; 0: none,

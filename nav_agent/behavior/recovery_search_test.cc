@@ -1,0 +1,278 @@
+#include <algorithm>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "nav_agent/behavior/testing_lost_and_found.h"
+
+namespace treeline {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST_F(LostAndFoundTest, WithADeadServerTheLaserFindsThePlace) {
+  server_.answers = {[] { return absl::UnavailableError("dead"); }};
+  tracker_.finds = tracker_.truth;
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_EQ(tracker_.spread, 1);
+  EXPECT_THAT(notes_, HasSubstr("the server does not answer"));
+}
+
+TEST_F(LostAndFoundTest, WithASlowServerItDoesNotWaitForEver) {
+  server_.delay_s = 100;
+  tracker_.finds = tracker_.truth;
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
+  EXPECT_THAT(notes_, HasSubstr("DEADLINE_EXCEEDED"));
+}
+
+TEST_F(LostAndFoundTest, TheLaserLooksWhileASlowServerIsAsked) {
+  server_.delay_s = 100;
+  tracker_.laser_knows = true;
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_THAT(notes_, HasSubstr("takes its time"));
+  EXPECT_THAT(notes_, HasSubstr("found after 6."));
+  // Particles were not spread: it was seen at once where it is.
+  EXPECT_EQ(tracker_.spread, 0);
+}
+
+TEST_F(LostAndFoundTest, ALateAnswerIsTakenWhileTheLaserLooks) {
+  server_.delay_s = 2.5;
+  tracker_.laser_knows = true;
+  BeLost();
+  while (server_.asked == 0) Step();
+  // Of where it was asked; it turns meanwhile.
+  const RelocalizationAnswer then = Truth(0.97);
+  server_.answers = {[then] { return then; }};
+  EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_THAT(notes_, HasSubstr("seen once, and scans fit nowhere else"));
+  EXPECT_EQ(server_.asked, 1);
+}
+
+TEST_F(LostAndFoundTest, WhatTheLaserSaysMustHoldLikeAllElse) {
+  // It says so of one scan, and those after it do not fit there.
+  tracker_.laser_knows = true;
+  tracker_.laser_says = Rigid2{{9, 3}, 0.5};
+  RelocalizationAnswer none;
+  none.reason = "TOO_FEW_INLIERS";
+  const auto nothing = [none] { return none; };
+  server_.answers = {nothing, nothing, nothing, [this] { return Truth(0.97); }};
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_THAT(notes_, HasSubstr("tries what the laser says"));
+  EXPECT_THAT(notes_, HasSubstr("what the laser said does not hold"));
+}
+
+TEST_F(LostAndFoundTest, WhereRoomsAreAlikeTheLaserAloneSaysNothing) {
+  tracker_.laser_knows = true;
+  tracker_.alias = Rigid2{{9, 3}, 0.5};
+  RelocalizationAnswer none;
+  none.reason = "TOO_FEW_INLIERS";
+  server_.answers = {[none] { return none; }};
+  options_.max_questions = 3;
+  options_.most_search_s = 10;
+  Make();
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kNeedHelp) << notes_;
+  EXPECT_THAT(notes_, Not(HasSubstr("tries what the laser says")));
+}
+
+TEST_F(LostAndFoundTest, AWeakFixWhereTheLaserSaysSoNeedsNoSecondView) {
+  server_.answers = {[this] { return Truth(0.6); }};
+  tracker_.laser_knows = true;
+  BeLost();
+  EXPECT_EQ(Run(40), RecoveryState::kFound) << notes_;
+  EXPECT_EQ(server_.asked, 1);
+  EXPECT_LT(Error_m(), 0.2);
+}
+
+TEST_F(LostAndFoundTest, AServerThatKnowsAnotherPlaceIsAskedThreeTimes) {
+  server_.answers = {[this] { return AnswerAt(Lift({{10, 4}, 1}, 0), 0.999); }};
+  tracker_.finds = tracker_.truth;
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_EQ(server_.asked, 3);
+  EXPECT_THAT(notes_, HasSubstr("does not fit here"));
+}
+
+TEST_F(LostAndFoundTest, WhoNeedsHelpAsksAServerThatHasComeBack) {
+  server_.answers = {[] { return absl::UnavailableError("dead"); }};
+  options_.most_search_s = 5;
+  Make();
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kNeedHelp) << notes_;
+  const int asked = server_.asked;
+  const Rigid2 stood = tracker_.odom_from_base;
+  for (int i = 0; i < 50 / kStep_s; ++i) {
+    EXPECT_EQ(Step(), RecoveryState::kNeedHelp);
+  }
+  EXPECT_EQ(server_.asked, asked + 3);
+  EXPECT_EQ(tracker_.odom_from_base, stood);
+  // Another place is not believed now either.
+  server_.answers = {[this] { return AnswerAt(Lift({{10, 4}, 1}, 0), 0.999); }};
+  for (int i = 0; i < 20 / kStep_s; ++i) {
+    EXPECT_EQ(Step(), RecoveryState::kNeedHelp);
+  }
+  server_.answers = {[this] { return Truth(0.97); }};
+  for (int i = 0; i < 30 / kStep_s; ++i) {
+    if (Step() == RecoveryState::kFound) break;
+  }
+  EXPECT_EQ(lost_->state(), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+}
+
+TEST_F(LostAndFoundTest, WhoNeedsHelpListensToAPerson) {
+  server_.answers = {[] { return absl::UnavailableError("dead"); }};
+  options_.most_search_s = 5;
+  Make();
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kNeedHelp) << notes_;
+  // Also while it asks.
+  server_.delay_s = 2;
+  const int asked = server_.asked;
+  while (server_.asked == asked) Step();
+  tracker_.lost_verdict = {};
+  lost_->WasTold(tracker_.now);
+  server_.answers = {[this] { return AnswerAt(Lift({{10, 4}, 1}, 0), 0.999); }};
+  EXPECT_EQ(Run(40), RecoveryState::kIdle) << notes_;
+  EXPECT_EQ(tracker_.told, 0);
+  EXPECT_EQ(server_.asked, asked + 1);
+}
+
+TEST_F(LostAndFoundTest, PicturesAreWantedForQuestionsAndChecksOnly) {
+  EXPECT_FALSE(lost_->WantsPictures(tracker_.now));
+  Run(1);
+  EXPECT_FALSE(lost_->WantsPictures(tracker_.now));
+  Run(options_.check_interval_s);
+  EXPECT_TRUE(lost_->WantsPictures(tracker_.now));
+  BeLost();
+  has_camera_ = false;
+  for (int i = 0; i < 100 && lost_->state() != RecoveryState::kLooking; ++i) {
+    EXPECT_FALSE(Step() != RecoveryState::kLooking &&
+                 lost_->WantsPictures(tracker_.now));
+  }
+  EXPECT_TRUE(lost_->WantsPictures(tracker_.now));
+  EXPECT_EQ(lost_->state(), RecoveryState::kLooking);
+}
+
+TEST_F(LostAndFoundTest, AnUnknownSceneIsAskedForOnce) {
+  server_.answers = {[] { return absl::NotFoundError("no scene 'x'"); }};
+  tracker_.finds = tracker_.truth;
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
+  EXPECT_EQ(server_.asked, 1);
+}
+
+TEST_F(LostAndFoundTest, WithoutPicturesItSearchesByLaser) {
+  has_camera_ = false;
+  tracker_.finds = tracker_.truth;
+  BeLost();
+  EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
+  EXPECT_THAT(notes_, HasSubstr("the camera gives no pictures"));
+  EXPECT_EQ(server_.asked, 0);
+}
+
+TEST_F(LostAndFoundTest, TheSearchDoesNotBelieveAPlaceThatHasATwin) {
+  options_.method = RecoveryMethod::kAmclOnly;
+  Make();
+  tracker_.alias = Rigid2{{9, 3}, 0.5};
+  tracker_.finds = *tracker_.alias;
+  BeLost();
+  EXPECT_EQ(Run(250), RecoveryState::kNeedHelp) << notes_;
+  EXPECT_THAT(notes_, HasSubstr("the laser fits another place as well"));
+  EXPECT_EQ(server_.asked, 0);
+}
+
+TEST_F(LostAndFoundTest, TheSearchEndsInTimeIfItFindsAWrongPlace) {
+  options_.method = RecoveryMethod::kAmclOnly;
+  options_.most_search_s = 60;
+  Make();
+  tracker_.finds = Rigid2{{10, 4}, 1};
+  BeLost();
+  EXPECT_EQ(Run(62), RecoveryState::kNeedHelp) << notes_;
+  // What particles gathered at was wrong: they were spread again.
+  EXPECT_GE(tracker_.spread, 2);
+}
+
+TEST_F(LostAndFoundTest, InjectionOnlySpreadsNothing) {
+  options_.method = RecoveryMethod::kInjectionOnly;
+  options_.most_search_s = 30;
+  Make();
+  BeLost();
+  EXPECT_EQ(Run(60), RecoveryState::kNeedHelp) << notes_;
+  EXPECT_EQ(tracker_.spread, 0);
+  EXPECT_EQ(tracker_.told, 0);
+}
+
+TEST_F(LostAndFoundTest, TheSearchPausesForPictures) {
+  RelocalizationAnswer none;
+  server_.answers = {[none] { return none; }};
+  BeLost();
+  while (Step() != RecoveryState::kSearching) {
+  }
+  const int asked = server_.asked;
+  EXPECT_EQ(Run(20), RecoveryState::kSearching) << notes_;
+  EXPECT_EQ(server_.asked, asked + 4) << notes_;
+  server_.answers = {[this] { return Truth(0.97); }};
+  EXPECT_EQ(Run(10), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+}
+
+TEST_F(LostAndFoundTest, WithoutRoomToTurnItLooksTwice) {
+  can_turn_ = false;
+  free_ahead_m_ = 0;
+  BeLost();
+  EXPECT_EQ(Run(20), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_EQ(server_.asked, 2);
+  EXPECT_EQ(tracker_.odom_from_base, Rigid2());
+  EXPECT_THAT(notes_, HasSubstr("there is no room to turn"));
+}
+
+TEST_F(LostAndFoundTest, WhereItCannotTurnItGoesAheadAndNeverBack) {
+  can_turn_ = false;
+  free_ahead_m_ = 1;
+  RelocalizationAnswer none;
+  server_.answers = {[none] { return none; }};
+  BeLost();
+  double least_m = 0;
+  for (int i = 0; i < 30 / kStep_s; ++i) {
+    Step();
+    least_m = std::min(least_m, tracker_.odom_from_base.translation.x);
+  }
+  EXPECT_EQ(least_m, 0);
+  EXPECT_GT(tracker_.odom_from_base.translation.x, 0.2);
+}
+
+TEST_F(LostAndFoundTest, ARobotThatCannotTurnEndsInTime) {
+  can_turn_ = false;
+  free_ahead_m_ = 0;
+  RelocalizationAnswer none;
+  server_.answers = {[none] { return none; }};
+  BeLost();
+  EXPECT_EQ(Run(250), RecoveryState::kNeedHelp) << notes_;
+  EXPECT_EQ(tracker_.odom_from_base, Rigid2());
+}
+
+TEST_F(LostAndFoundTest, WithoutRoomForAFullTurnItSwingsThereAndBack) {
+  can_turn_ = false;
+  swings_rad_ = 1.2;
+  free_ahead_m_ = 0;
+  tracker_.laser_knows = true;
+  RelocalizationAnswer none;
+  server_.answers = {[none] { return none; }};
+  BeLost();
+  EXPECT_EQ(Run(20), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_THAT(notes_, HasSubstr("by laser alone"));
+}
+
+}  // namespace
+}  // namespace treeline
