@@ -29,7 +29,7 @@ struct SuiteMapOptions {
 // Of the mapping drive: along the tour, with a look around every
 // kSurveyEvery_m, and this many frames in a second.
 inline constexpr double kSurveyEvery_m = 2.0;
-inline constexpr double kSurveyCamera_hz = 1.5;
+inline constexpr double kSurveyCamera_hz = 3;
 inline constexpr uint64_t kSurveySeed = 900001;
 
 // "seed:17" as a folder and as a scene.

@@ -83,7 +83,8 @@ enum class LocalCell : uint8_t { kFree = 0, kMapObstacle = 1, kSeen = 2 };
 // the robot would be on there, and what is below or above a platform is not in
 // the way. All else is an obstacle: walls, drops, unknown, what is off the map.
 // For a robot that is lost (ControlPose::map_is_unknown) the map is not asked:
-// there is level ground everywhere but where something was seen.
+// there is level ground everywhere but where something was seen, and nothing is
+// new.
 //
 // Seen obstacles: a beam's end is one if it lies above the ground of its place
 // by more than ground_m + ground_per_range * range, and below the robot's
@@ -205,8 +206,9 @@ class LocalCostmap {
   // What is seen well away from all that the map has: nearer, it may be the
   // map's own, seen from an estimate that is off.
   bool IsNew(size_t i) const {
-    return map_distance_m_[i] >
-           (seen_[i].was_free ? options_.came_from_m : options_.new_from_m);
+    return !map_is_unknown_ &&
+           map_distance_m_[i] > (seen_[i].was_free ? options_.came_from_m
+                                                   : options_.new_from_m);
   }
   bool IsMoving(CellIndex cell, int64_t now_ms) const;
   bool CountsAt(size_t i) const {

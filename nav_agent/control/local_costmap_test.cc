@@ -221,6 +221,10 @@ TEST(LocalCostmap, ALostRobotDoesNotAskTheMap) {
   Look(costmap, pose, 20, TestingBox({7, 5.8}, {7.4, 6.2}));
   EXPECT_EQ(costmap.CellAt({6.5, 6}), LocalCell::kFree);
   EXPECT_EQ(costmap.CellAt({7.02, 6}), LocalCell::kSeen);
+  // Nor does it take a wall for a person, who is wider than he looks.
+  ASSERT_FALSE(costmap.scan_points().empty());
+  EXPECT_FALSE(costmap.scan_points().front().is_new);
+  EXPECT_NEAR(costmap.Distance_m({6.5, 6}), 0.5, 0.05);
   pose.map_is_unknown = false;
   costmap.MoveTo(pose);
   costmap.Update(pose.stamp);
