@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <queue>
 
+#include "nav_agent/planning/open_nodes.h"
 #include "nav_agent/planning/path_improver.h"
 
 namespace treeline {
@@ -32,17 +32,6 @@ constexpr std::array<CellIndex, 16> kSteps = {{{1, 0},
                                                {2, -1}}};
 // Lines are tried over at most so many points.
 constexpr size_t kMostAhead = 40;
-
-struct Open {
-  float estimate_m = 0;
-  uint32_t number = 0;
-};
-struct IsWorse {
-  bool operator()(const Open& a, const Open& b) const {
-    return a.estimate_m != b.estimate_m ? a.estimate_m > b.estimate_m
-                                        : a.number > b.number;
-  }
-};
 
 // A* over level * cells + cell.
 class GuideSearch {
@@ -70,7 +59,7 @@ class GuideSearch {
     open_.push({Estimate_m(start), start});
     for (int count = 0; !open_.empty(); ++count) {
       if (count % kStopEvery == 0 && is_over()) return {};
-      const Open next = open_.top();
+      const OpenNode next = open_.top();
       open_.pop();
       if (next.number == goal) return WayTo(goal);
       if (next.estimate_m > cost_m_[next.number] + Estimate_m(next.number)) {
@@ -151,7 +140,7 @@ class GuideSearch {
   std::vector<float> cost_m_;
   std::vector<float> prices_;
   std::vector<uint32_t> parent_;
-  std::priority_queue<Open, std::vector<Open>, IsWorse> open_;
+  OpenNodes open_;
 };
 
 // The first, the last, and between them one every spacing_m.

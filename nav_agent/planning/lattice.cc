@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <queue>
 #include <vector>
 
+#include "nav_agent/planning/open_nodes.h"
 #include "nav_agent/planning/path_improver.h"
 
 namespace treeline {
@@ -53,18 +53,6 @@ double YawOf(int heading) {
   return std::atan2(step.y, step.x);
 }
 
-struct Open {
-  float estimate_m = 0;
-  uint32_t number = 0;
-};
-struct IsWorse {
-  bool operator()(const Open& a, const Open& b) const {
-    return a.estimate_m != b.estimate_m ? a.estimate_m > b.estimate_m
-                                        : a.number > b.number;
-  }
-};
-using Queue = std::priority_queue<Open, std::vector<Open>, IsWorse>;
-
 // Nodes are places, one in each cell, with a heading to stand there with:
 // number = (level * cells + cell) * headings + heading. Edges are steps ahead
 // and turns to the next heading.
@@ -104,7 +92,7 @@ class Lattice {
     }
     for (int count = 0; !open_.empty(); ++count) {
       if (count % kStopEvery == 0 && (*is_over_)()) return {};
-      const Open next = open_.top();
+      const OpenNode next = open_.top();
       open_.pop();
       if (is_done_[next.number]) continue;
       is_done_[next.number] = true;
@@ -252,7 +240,7 @@ class Lattice {
   // if it is over.
   bool EstimateAll() {
     estimate_m_.assign(places_, kFar);
-    Queue open;
+    OpenNodes open;
     const size_t goal =
         PlaceOf(goal_.spot.level, ground_->CellOf(goal_.spot.at));
     const size_t start = starts_.front() / kHeadings;
@@ -261,7 +249,7 @@ class Lattice {
     float furthest_m = kFar;
     for (int count = 0; !open.empty(); ++count) {
       if (count % kStopEvery == 0 && (*is_over_)()) return false;
-      const Open next = open.top();
+      const OpenNode next = open.top();
       open.pop();
       if (next.estimate_m > furthest_m) break;
       if (next.estimate_m > estimate_m_[next.number]) continue;
@@ -414,7 +402,7 @@ class Lattice {
   std::vector<float> cost_m_;
   std::vector<uint32_t> parent_;
   std::vector<bool> is_done_;
-  Queue open_;
+  OpenNodes open_;
 };
 
 }  // namespace
