@@ -31,7 +31,8 @@ void SightingError(const PointSighting& sighting, const Pinhole& pinhole,
   residual[1] =
       inverse_sigma * (pinhole.fy * p[1] / z + pinhole.cy - sighting.pixel.y);
   if (sighting.depth_m > 0) {
-    residual[2] = (p[2] - sighting.depth_m) / DepthSigma_m(sighting.depth_m);
+    residual[2] =
+        (p[2] - sighting.depth_m) / FeatureDepthSigma_m(sighting.depth_m);
   } else {
     residual[2] = T(0);
   }

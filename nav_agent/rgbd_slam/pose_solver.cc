@@ -47,7 +47,7 @@ void AddSighting(const PointSighting& sighting, const Pinhole& pinhole,
   double inverse_depth_sigma = 0;
   double limit = kMaxSquaredError2;
   if (sighting.depth_m > 0) {
-    inverse_depth_sigma = 1 / DepthSigma_m(sighting.depth_m);
+    inverse_depth_sigma = 1 / FeatureDepthSigma_m(sighting.depth_m);
     depth_error = inverse_depth_sigma * (p.z - sighting.depth_m);
     squared += depth_error * depth_error;
     limit = kMaxSquaredError3;
@@ -128,7 +128,7 @@ int CountNear(std::span<const PointSighting> sightings, const Pinhole& pinhole,
 
 }  // namespace
 
-double DepthSigma_m(double depth_m) {
+double FeatureDepthSigma_m(double depth_m) {
   return 0.004 + 0.004 * depth_m * depth_m;
 }
 
@@ -141,7 +141,8 @@ double SquaredError(const PointSighting& sighting, const Pinhole& pinhole,
   const double v = (seen.y - sighting.pixel.y) / sighting.sigma_px;
   double squared = u * u + v * v;
   if (sighting.depth_m > 0) {
-    const double d = (p.z - sighting.depth_m) / DepthSigma_m(sighting.depth_m);
+    const double d =
+        (p.z - sighting.depth_m) / FeatureDepthSigma_m(sighting.depth_m);
     squared += d * d;
   }
   return squared;

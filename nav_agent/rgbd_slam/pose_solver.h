@@ -25,7 +25,7 @@ struct PointSighting {
 // Standard deviation of a feature's measured depth: that of the sensor, which
 // grows with the square (Khoshelham, Elberink 2012), and of the surface's slant
 // below a corner that is a pixel or two away from where it seems.
-double DepthSigma_m(double depth_m);
+double FeatureDepthSigma_m(double depth_m);
 
 // Bounds on squared errors over variances, 95 % of two and of three degrees of
 // freedom: beyond, a sighting is not of that point.

@@ -29,7 +29,8 @@ std::vector<PointSighting> Sightings(int count, int wrong, uint64_t seed) {
         .point_in_map = map_from_camera * kPinhole.PointAt(pixel, depth_m),
         .pixel = {pixel.x + random.NextGaussian(),
                   pixel.y + random.NextGaussian()},
-        .depth_m = depth_m + DepthSigma_m(depth_m) * random.NextGaussian()};
+        .depth_m =
+            depth_m + FeatureDepthSigma_m(depth_m) * random.NextGaussian()};
     if (i % 3 == 2) sighting.depth_m = 0;
     if (i < wrong) {
       sighting.pixel = {random.NextUniform(0, 640), random.NextUniform(0, 480)};
