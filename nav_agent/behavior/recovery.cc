@@ -334,7 +334,7 @@ void Recovery::LookElsewhere(MonotonicTime now) {
   }
   const std::optional<TrackedMotion> motion = tracker_.Motion();
   const bool has_time = SecondsBetween(began_, now) < options_.most_server_s;
-  if (waiting_.empty() && MayTryClear()) {
+  if (IsLasersTurn()) {
     Note("recovery", "tries what the laser says");
     BeginSearch(now);
     return;
@@ -401,7 +401,7 @@ VelocityCommand Recovery::Turning(const RecoveryInput& input) {
   const std::optional<TrackedMotion> motion = tracker_.Motion();
   if (!motion.has_value()) return {};
   belief_.AddScan(motion->odom_from_base, tracker_.ScanInBase());
-  if (waiting_.empty() && MayTryClear()) {
+  if (IsLasersTurn()) {
     Note("recovery", "tries what the laser says");
     BeginSearch(input.now);
     return {};

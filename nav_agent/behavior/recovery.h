@@ -83,6 +83,9 @@ class Recovery final : public LostAndFound {
   void BeginLook();
   void StepLook(MonotonicTime now);
   bool MayTryClear() const;
+  // The same, but a fix that waits for a second view gets that first, if it
+  // does not take many questions.
+  bool IsLasersTurn() const;
   // Gives it to AMCL; false: that refused it.
   bool TryClear(MonotonicTime now);
   bool IsClearPlace(const GatedFix& fix) const;

@@ -14,6 +14,8 @@ namespace {
 // How well such a place is known: the search's last step is 6 cm and 2 degrees.
 constexpr PoseCovariance2 kClear = {0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.0064};
 
+constexpr int kQuestionsBeforeLaser = 4;
+
 }  // namespace
 
 void Recovery::BeginLook() {
@@ -50,6 +52,11 @@ void Recovery::StepLook(MonotonicTime now) {
 bool Recovery::MayTryClear() const {
   return clear_.has_value() && !clear_was_tried_ && !needs_help_ &&
          cause_ != RecoveryCause::kCheck;
+}
+
+bool Recovery::IsLasersTurn() const {
+  return MayTryClear() &&
+         (waiting_.empty() || questions_ >= kQuestionsBeforeLaser);
 }
 
 bool Recovery::IsClearPlace(const GatedFix& fix) const {

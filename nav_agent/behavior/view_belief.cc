@@ -127,7 +127,9 @@ std::optional<double> ViewBelief::Next(double yaw_in_odom_rad,
           (std::abs(NormalizedAngle_rad(direction_rad - *near_rad)) -
            kSecondView_rad) /
           0.3;
-      chance += 0.5 * std::exp(-0.5 * away * away);
+      // Not where it has looked already.
+      chance += 0.5 * (1 - std::min(1.0, known_[i])) *
+                std::exp(-0.5 * away * away);
     }
     if (chance < least) continue;
     const double value =

@@ -1,6 +1,7 @@
 #include "nav_agent/behavior/view_belief.h"
 
 #include <cmath>
+#include <vector>
 
 #include "gtest/gtest.h"
 
@@ -65,6 +66,22 @@ TEST(ViewBelief, ASecondViewLiesBesideTheFirst) {
   const double second_rad = *belief.Next(1, 1.0, 0.05);
   EXPECT_GT(std::abs(second_rad - 1), 0.3);
   EXPECT_LT(std::abs(second_rad - 1), 1.0);
+}
+
+TEST(ViewBelief, WhereTheSecondViewSaidNothingItDoesNotLookAgain) {
+  ViewBelief belief;
+  belief.Begin({});
+  belief.AddAnswer(1, 0.6);
+  std::vector<double> looked_rad;
+  double yaw_rad = 1;
+  for (int i = 0; i < 4; ++i) {
+    yaw_rad = *belief.Next(yaw_rad, 1.0, 0.05);
+    for (const double before_rad : looked_rad) {
+      EXPECT_GT(std::abs(yaw_rad - before_rad), 0.25);
+    }
+    looked_rad.push_back(yaw_rad);
+    belief.AddAnswer(yaw_rad, 0.03);
+  }
 }
 
 }  // namespace
