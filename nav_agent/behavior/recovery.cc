@@ -32,8 +32,8 @@ constexpr double kRoom_m = 0.25;
 constexpr int kMostSidesBlocked = 8;
 // Directions that promise less are not looked at.
 constexpr double kLeastPromise = 0.06;
-// So many fixes in a row that the robot's own sensors refuse: the server knows
-// another place than this one.
+// So many fixes in a row that the server is sure of and the robot's own sensors
+// refuse: the server knows another place than this one.
 constexpr int kMostRefused = 3;
 // An answer is waited for standing while it may come any moment (s).
 constexpr double kPatience_s = 1;
@@ -284,7 +284,7 @@ void Recovery::Judge(const RelocalizationAnswer& answer, MonotonicTime now) {
     const bool is_elsewhere = fix.verdict == FixVerdict::kAgainstGravity ||
                               fix.verdict == FixVerdict::kNotOnGround ||
                               fix.verdict == FixVerdict::kAgainstScan;
-    if (is_elsewhere && ++refused_ >= kMostRefused) {
+    if (is_elsewhere && fix.is_server_sure && ++refused_ >= kMostRefused) {
       server_is_useless_ = true;
       GiveUpServer("what the server says does not fit here", now);
       return;

@@ -102,6 +102,16 @@ TEST_F(LostAndFoundTest, AServerThatKnowsAnotherPlaceIsAskedThreeTimes) {
   EXPECT_THAT(notes_, HasSubstr("does not fit here"));
 }
 
+TEST_F(LostAndFoundTest, AServerThatIsWrongAndSaysSoIsAskedOn) {
+  server_.answers.assign(
+      4, [this] { return AnswerAt(Lift({{10, 4}, 1}, 0), 0.5); });
+  server_.answers.push_back([this] { return Truth(0.97); });
+  BeLost();
+  EXPECT_EQ(Run(40), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_EQ(server_.asked, 5);
+}
+
 TEST_F(LostAndFoundTest, WhoNeedsHelpAsksAServerThatHasComeBack) {
   server_.answers = {[] { return absl::UnavailableError("dead"); }};
   options_.most_search_s = 5;
