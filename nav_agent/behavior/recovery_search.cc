@@ -46,6 +46,8 @@ void Recovery::BeginSearch(MonotonicTime now) {
   holds_clear_ = false;
   Go(RecoveryState::kSearching, now);
   if (MayTryClear() && TryClear(now)) return;
+  // Nobody was asked, so nobody has looked over the map yet.
+  if (look_ == Look::kNone) BeginLook();
   // Where the verdict is not, or no longer, that it is lost, what it knows gets
   // the chance of a full turn.
   if (!tracker_.Pose().has_value() ||

@@ -180,6 +180,15 @@ TEST_F(LostAndFoundTest, AnUnknownSceneIsAskedForOnce) {
   EXPECT_EQ(server_.asked, 1);
 }
 
+TEST_F(LostAndFoundTest, WithoutAServerTheLaserLooksOverTheMap) {
+  lost_ = *LostAndFound::Create(map_, robot_, tracker_, nullptr, options_);
+  tracker_.laser_knows = true;
+  BeLost();
+  EXPECT_EQ(Run(20), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_THAT(notes_, HasSubstr("and nowhere else: turns"));
+}
+
 TEST_F(LostAndFoundTest, WithoutPicturesItSearchesByLaser) {
   has_camera_ = false;
   tracker_.finds = tracker_.truth;
