@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of a lost robot's picture the camera measures the depth of what is nearer than
-// 4.5 m, which often is floor alone; the posters that say where it is hang
+// Of a lost robot's picture the camera measures the depth of what is nearer
+// than 4.5 m, which often is floor alone; the posters that say where it is hang
 // beyond (docs/suites.md).
 constexpr const char* kMethod = "hybrid";
 // A quarter of what `treeline train` takes by itself: minutes rather than a
@@ -158,7 +158,8 @@ absl::StatusOr<std::string> ModelsForSuite(const SuiteMapOptions& options,
       ChildProcess::Start(
           {program, "train", "--map", SuiteBundleFolder(options),
            "--repository", models, "--scene", scene, "--method", kMethod,
-           "--frames-per-tree", kFramesPerTree, "--samples-per-frame", kSamplesPerFrame},
+           "--frames-per-tree", kFramesPerTree, "--samples-per-frame",
+           kSamplesPerFrame},
           FolderOf(options) + "/train.log"));
   TL_RETURN_IF_ERROR(training->Wait(stop));
   return models;

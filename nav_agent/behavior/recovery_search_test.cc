@@ -103,8 +103,9 @@ TEST_F(LostAndFoundTest, AServerThatKnowsAnotherPlaceIsAskedThreeTimes) {
 }
 
 TEST_F(LostAndFoundTest, AServerThatIsWrongAndSaysSoIsAskedOn) {
-  server_.answers.assign(
-      4, [this] { return AnswerAt(Lift({{10, 4}, 1}, 0), 0.5); });
+  server_.answers.assign(4, [this] {
+    return AnswerAt(Lift({{10, 4}, 1}, 0), 0.5);
+  });
   server_.answers.push_back([this] { return Truth(0.97); });
   BeLost();
   EXPECT_EQ(Run(40), RecoveryState::kFound) << notes_;

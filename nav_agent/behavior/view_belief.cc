@@ -128,8 +128,8 @@ std::optional<double> ViewBelief::Next(double yaw_in_odom_rad,
            kSecondView_rad) /
           0.3;
       // Not where it has looked already.
-      chance += 0.5 * (1 - std::min(1.0, known_[i])) *
-                std::exp(-0.5 * away * away);
+      chance +=
+          0.5 * (1 - std::min(1.0, known_[i])) * std::exp(-0.5 * away * away);
     }
     if (chance < least) continue;
     const double value =

@@ -207,8 +207,8 @@ class LocalCostmap {
   // map's own, seen from an estimate that is off.
   bool IsNew(size_t i) const {
     return !map_is_unknown_ &&
-           map_distance_m_[i] > (seen_[i].was_free ? options_.came_from_m
-                                                   : options_.new_from_m);
+           map_distance_m_[i] >
+               (seen_[i].was_free ? options_.came_from_m : options_.new_from_m);
   }
   bool IsMoving(CellIndex cell, int64_t now_ms) const;
   bool CountsAt(size_t i) const {

@@ -180,7 +180,8 @@ absl::StatusOr<PoseEstimate> PointsLinesLocalizer::Localize(
         static_cast<double>(refined->inliers) / estimate.samples;
     estimate.world_from_camera = refined->world_from_camera;
     estimate.covariance = refined->covariance;
-    verifier_.Judge(scratch.pyramid, &*frame.depth, calibration, options, estimate);
+    verifier_.Judge(scratch.pyramid, &*frame.depth, calibration, options,
+                    estimate);
   }
   if (options.keep_correspondences) {
     for (size_t i = 0; i < scene.size(); ++i) {

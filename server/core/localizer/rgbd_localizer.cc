@@ -85,7 +85,8 @@ absl::StatusOr<PoseEstimate> RgbdLocalizer::Localize(
     estimate.world_from_camera = refined->world_from_camera;
     estimate.covariance = refined->covariance;
     scratch.pyramid.Assign(scratch.image);
-    verifier_.Judge(scratch.pyramid, &*frame.depth, calibration, options, estimate);
+    verifier_.Judge(scratch.pyramid, &*frame.depth, calibration, options,
+                    estimate);
   }
   if (options.keep_correspondences) {
     for (size_t i = 0; i < scene.size(); ++i) {
