@@ -371,12 +371,8 @@ VelocityCommand Recovery::TurnTowards(double yaw_in_odom_rad) const {
 VelocityCommand Recovery::Swing(const RecoveryInput& input,
                                 double speed_radps) {
   const std::optional<TrackedMotion> motion = tracker_.Motion();
-  if (input.can_turn || !motion.has_value()) {
-    swing_ = 1;
-    swing_blocked_.reset();
-    sides_blocked_ = 0;
-    return {.forward_mps = 0, .yaw_rate_radps = speed_radps};
-  }
+  if (!motion.has_value()) return {};
+  // Also what the laser does not see may hold it.
   if (std::abs(motion->yaw_rate_radps) > kStands_radps) {
     swing_blocked_.reset();
     sides_blocked_ = 0;

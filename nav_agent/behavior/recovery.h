@@ -102,8 +102,8 @@ class Recovery final : public LostAndFound {
   void EndCycle(MonotonicTime now);
   VelocityCommand SearchMotion(const RecoveryInput& input);
   VelocityCommand TurnTowards(double yaw_in_odom_rad) const;
-  // Turns on; where there is no room for a full turn it swings there and back
-  // as far as the collision stop lets it, and goes ahead if that is nowhere.
+  // Turns on; where something holds it, it swings there and back as far as that
+  // and the collision stop let it, and goes ahead if that is nowhere.
   VelocityCommand Swing(const RecoveryInput& input, double speed_radps);
 
   // The check while driving.
