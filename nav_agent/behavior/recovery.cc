@@ -30,6 +30,9 @@ constexpr double kMostStuck_s = 1.5;
 constexpr double kSwingBlocked_s = 0.6;
 constexpr double kRoom_m = 0.25;
 constexpr int kMostSidesBlocked = 8;
+// From where something held it there (m), it keeps away so far (rad).
+constexpr double kSamePlace_m = 0.15;
+constexpr double kKeepFrom_rad = 0.15;
 // Directions that promise less are not looked at.
 constexpr double kLeastPromise = 0.06;
 // So many fixes in a row that the server is sure of and the robot's own sensors
@@ -104,6 +107,7 @@ void Recovery::Begin(RecoveryCause cause, MonotonicTime now) {
   needs_help_ = false;
   waiting_.clear();
   seed_.reset();
+  held_at_ = {};
   look_ = Look::kNone;
   clear_.reset();
   clear_was_tried_ = false;
@@ -379,9 +383,20 @@ VelocityCommand Recovery::Swing(const RecoveryInput& input,
   } else if (!swing_blocked_.has_value()) {
     swing_blocked_ = input.now;
   } else if (SecondsBetween(*swing_blocked_, input.now) > kSwingBlocked_s) {
+    held_at_[swing_ > 0 ? 1 : 0] = motion->odom_from_base;
     swing_ = -swing_;
     swing_blocked_.reset();
     ++sides_blocked_;
+  }
+  // Once is enough.
+  if (const std::optional<Rigid2>& held = held_at_[swing_ > 0 ? 1 : 0];
+      held.has_value() &&
+      Norm(held->translation - motion->odom_from_base.translation) <
+          kSamePlace_m) {
+    const double left_rad =
+        swing_ *
+        NormalizedAngle_rad(held->yaw_rad - motion->odom_from_base.yaw_rad);
+    if (left_rad > 0 && left_rad < kKeepFrom_rad) swing_ = -swing_;
   }
   // Ahead it sees where it goes; behind it does not.
   if (sides_blocked_ >= 2 && input.free_ahead_m >= kRoom_m) {

@@ -2,6 +2,7 @@
 #ifndef NAV_AGENT_BEHAVIOR_RECOVERY_H_
 #define NAV_AGENT_BEHAVIOR_RECOVERY_H_
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -148,6 +149,8 @@ class Recovery final : public LostAndFound {
   double swing_ = 1;
   std::optional<MonotonicTime> swing_blocked_;
   int sides_blocked_ = 0;
+  // Where something held it last that it turned to: right, left.
+  std::array<std::optional<Rigid2>, 2> held_at_;
   // Where it thought it was when it began.
   std::optional<TrackedPose> before_;
   std::optional<TrackedMotion> before_motion_;

@@ -245,6 +245,29 @@ TEST_F(LostAndFoundTest, TheSearchPausesForPictures) {
   EXPECT_LT(Error_m(), 0.2);
 }
 
+TEST_F(LostAndFoundTest, WhatHeldItOnceItDoesNotTurnAgainst) {
+  // The laser sees room, and something holds it at both ends all the same.
+  swings_rad_ = 1.2;
+  can_turn_ = false;
+  free_ahead_m_ = 0;
+  RelocalizationAnswer none;
+  server_.answers = {[none] { return none; }};
+  BeLost();
+  while (Step() != RecoveryState::kSearching) {
+  }
+  int held = 0;
+  bool was_held = false;
+  for (int i = 0; i < 40 / kStep_s; ++i) {
+    const double before_rad = tracker_.odom_from_base.yaw_rad;
+    Step();
+    const bool is_held = before_rad == tracker_.odom_from_base.yaw_rad &&
+                         (before_rad < 0.05 || before_rad > 1.15);
+    held += is_held && !was_held ? 1 : 0;
+    was_held = is_held;
+  }
+  EXPECT_LE(held, 3) << notes_;
+}
+
 TEST_F(LostAndFoundTest, WithoutRoomToTurnItLooksTwice) {
   can_turn_ = false;
   free_ahead_m_ = 0;
