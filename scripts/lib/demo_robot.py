@@ -20,6 +20,7 @@ import urllib.request
 
 SECONDS_TO_START = 120
 SECONDS_TO_ARRIVE = 420
+MOST_KIDNAP_TRIES = 20
 POLL_S = 0.1
 # What counts as knowing one's place.
 NEAR_M = 0.5
@@ -53,7 +54,8 @@ class Agent:
     def get_json(self, path):
         return json.loads(self.get(path))
 
-    def post(self, path, value):
+    def post(self, path, value, may_be_refused=False):
+        """The reply; None if it may be refused and is."""
         request = urllib.request.Request(
             self.address + path, data=json.dumps(value).encode(),
             headers={"Content-Type": "application/json", "X-Treeline": "1"})
@@ -61,6 +63,8 @@ class Agent:
             with urllib.request.urlopen(request, timeout=10) as reply:
                 return json.load(reply)
         except urllib.error.HTTPError as error:
+            if may_be_refused:
+                return None
             sys.exit(f"demo robot: the agent refused {path}: "
                      f"{error.read().decode(errors='replace')}")
 
@@ -221,7 +225,8 @@ def save(agent, path, file):
 def drive(agent, goal, kidnap_after_s, elsewhere, out, story):
     """Goal, kidnap, recovery, arrival. What the summary says of it.
 
-    elsewhere: of a robot's pose, where it is carried to.
+    elsewhere: of a robot's pose and the number of a try, where it is carried
+    to.
     """
     result = {"arrived": False, "kidnapped": False, "recovered_s": None,
               "wrong_resumptions": 0}
@@ -232,6 +237,7 @@ def drive(agent, goal, kidnap_after_s, elsewhere, out, story):
     until = time.monotonic() + SECONDS_TO_ARRIVE
     driving_since = kidnapped_at = None
     was_lost = False
+    tries = 0
     while time.monotonic() < until:
         if not agent.is_alive():
             sys.exit("demo robot: the agent ended on its way")
@@ -243,8 +249,14 @@ def drive(agent, goal, kidnap_after_s, elsewhere, out, story):
             driving_since = now
         if (drives and not result["kidnapped"] and
                 now - driving_since > kidnap_after_s):
+            if agent.post("/api/sim/kidnap", elsewhere(state["truth"], tries),
+                          may_be_refused=True) is None:
+                # Somebody stands there; another place will do.
+                tries += 1
+                if tries > MOST_KIDNAP_TRIES:
+                    sys.exit("demo robot: there is no room to carry it to")
+                continue
             pictures.take("page-driving.png", "On its way")
-            agent.post("/api/sim/kidnap", elsewhere(state["truth"]))
             story.part = 1
             result["kidnapped"] = True
             kidnapped_at = time.monotonic()
@@ -385,8 +397,9 @@ def main():
     save(agent, f"/api/levels/{level}.png", out / f"level-{level}.png")
     story = Story()
 
-    def elsewhere(robot):
-        return place_of(info, far_place(poses, robot, goal, arguments.seed))
+    def elsewhere(robot, number):
+        return place_of(info, far_place(poses, robot, goal,
+                                        arguments.seed + number))
     result = drive(agent, goal, arguments.kidnap_after, elsewhere, out, story)
     write_summary(out, info, level, story, result)
     print(f"\nSummary: {out / 'summary.html'}")
