@@ -104,17 +104,24 @@ def highest_place(poses):
                key=lambda pose: math.hypot(pose[0], pose[1]))
 
 
+def turning_places(poses):
+    """Where the drive turned on the spot: there is room to turn."""
+    later = len(poses) // 1000 + 1
+    return [pose for before, pose in zip(poses, poses[later:])
+            if math.hypot(pose[0] - before[0], pose[1] - before[1]) < 0.02
+            and abs(math.remainder(pose[3] - before[3], 2 * math.pi)) > 0.1]
+
+
 def far_place(poses, robot, goal, seed):
-    """Somewhere on the drive, in any heading, away from robot and goal; of a
-    small map, where the drive was furthest from the robot."""
+    """Where the drive turned on the spot, away from robot and goal; of a small
+    map, where it was furthest from the robot."""
     def away(pose, place):
         return math.hypot(pose[0] - place["x"], pose[1] - place["y"])
     chance = random.Random(seed)
-    far = [pose for pose in poses
+    far = [pose for pose in turning_places(poses)
            if away(pose, robot) > FAR_M and away(pose, goal) > FAR_M]
-    x, y, z, _ = (chance.choice(far) if far else
-                  max(poses, key=lambda pose: away(pose, robot)))
-    return x, y, z, chance.uniform(-math.pi, math.pi)
+    return (chance.choice(far) if far else
+            max(poses, key=lambda pose: away(pose, robot)))
 
 
 def level_at(info, height_m):
