@@ -27,6 +27,9 @@ NEAR_M = 0.5
 NEAR_DEG = 20
 # So far away (m) it is carried.
 FAR_M = 4
+# So much room it has there (m): a robot turns in less. Of maps' pictures.
+ROOM_M = 0.55
+FREE = 254
 LOST_MODES = ("lost", "relocalizing", "need_help")
 
 
@@ -104,24 +107,45 @@ def highest_place(poses):
                key=lambda pose: math.hypot(pose[0], pose[1]))
 
 
-def turning_places(poses):
-    """Where the drive turned on the spot: there is room to turn."""
-    later = len(poses) // 1000 + 1
-    return [pose for before, pose in zip(poses, poses[later:])
-            if math.hypot(pose[0] - before[0], pose[1] - before[1]) < 0.02
-            and abs(math.remainder(pose[3] - before[3], 2 * math.pi)) > 0.1]
+class FreeGround:
+    """A level's map_server picture: where a robot has room to turn."""
+
+    def __init__(self, folder, level):
+        stem = folder / "levels" / f"level-{level}"
+        lines = dict(line.split(": ", 1) for line in
+                     stem.with_suffix(".yaml").read_text().splitlines())
+        self.cell_m = float(lines["resolution"])
+        self.x, self.y, _ = json.loads(lines["origin"])
+        _, size, _, self.cells = stem.with_suffix(".pgm").read_bytes().split(
+            b"\n", 3)
+        self.columns, self.rows = map(int, size.split())
+
+    def is_free(self, x, y):
+        column = math.floor((x - self.x) / self.cell_m)
+        row = self.rows - 1 - math.floor((y - self.y) / self.cell_m)
+        return (0 <= column < self.columns and 0 <= row < self.rows
+                and self.cells[row * self.columns + column] == FREE)
+
+    def has_room(self, x, y):
+        steps = round(ROOM_M / self.cell_m)
+        return all(self.is_free(x + i * self.cell_m, y + j * self.cell_m)
+                   for i in range(-steps, steps + 1)
+                   for j in range(-steps, steps + 1)
+                   if math.hypot(i, j) <= steps)
 
 
-def far_place(poses, robot, goal, seed):
-    """Where the drive turned on the spot, away from robot and goal; of a small
-    map, where it was furthest from the robot."""
+def far_place(poses, robot, goal, seed, has_room):
+    """Somewhere on the drive with room, in any heading, away from robot and
+    goal; of a small map, where the drive was furthest from the robot."""
     def away(pose, place):
         return math.hypot(pose[0] - place["x"], pose[1] - place["y"])
     chance = random.Random(seed)
-    far = [pose for pose in turning_places(poses)
+    far = [pose for pose in poses
            if away(pose, robot) > FAR_M and away(pose, goal) > FAR_M]
-    return (chance.choice(far) if far else
-            max(poses, key=lambda pose: away(pose, robot)))
+    chance.shuffle(far)
+    x, y, z, _ = next((pose for pose in far if has_room(pose)),
+                      max(poses, key=lambda pose: away(pose, robot)))
+    return x, y, z, chance.uniform(-math.pi, math.pi)
 
 
 def level_at(info, height_m):
@@ -254,6 +278,8 @@ def drive(agent, goal, kidnap_after_s, elsewhere, out, story):
         drives = state["mode"] == "driving"
         if drives and driving_since is None:
             driving_since = now
+            # A browser takes seconds for one.
+            pictures.take("page-driving.png", "On its way")
         if (drives and not result["kidnapped"] and
                 now - driving_since > kidnap_after_s):
             if agent.post("/api/sim/kidnap", elsewhere(state["truth"], tries),
@@ -263,7 +289,6 @@ def drive(agent, goal, kidnap_after_s, elsewhere, out, story):
                 if tries > MOST_KIDNAP_TRIES:
                     sys.exit("demo robot: there is no room to carry it to")
                 continue
-            pictures.take("page-driving.png", "On its way")
             story.part = 1
             result["kidnapped"] = True
             kidnapped_at = time.monotonic()
@@ -271,7 +296,7 @@ def drive(agent, goal, kidnap_after_s, elsewhere, out, story):
                        "feel that")
         if result["kidnapped"] and state["mode"] in LOST_MODES:
             if not was_lost:
-                pictures.take("page-lost.png", "Lost: it stands, and asks")
+                pictures.take("page-lost.png", "Carried away, it asks where it is")
             was_lost = True
         if was_lost and drives and result["recovered_s"] is None:
             result["recovered_s"] = now - kidnapped_at
@@ -387,8 +412,8 @@ def main():
     parser.add_argument("--agent-pid", type=int)
     parser.add_argument("--map", required=True, type=pathlib.Path)
     parser.add_argument("--out", required=True, type=pathlib.Path)
-    parser.add_argument("--kidnap-after", type=float, default=8,
-                        help="seconds of driving; default: 8")
+    parser.add_argument("--kidnap-after", type=float, default=12,
+                        help="seconds of driving; default: 12")
     parser.add_argument("--seed", type=int, default=1,
                         help="of where it is carried; default: 1")
     arguments = parser.parse_args()
@@ -404,9 +429,15 @@ def main():
     save(agent, f"/api/levels/{level}.png", out / f"level-{level}.png")
     story = Story()
 
+    grounds = [FreeGround(arguments.map, one["index"])
+               for one in info["map"]["levels"]]
+
+    def has_room(pose):
+        return grounds[place_of(info, pose)["level"]].has_room(*pose[:2])
+
     def elsewhere(robot, number):
         return place_of(info, far_place(poses, robot, goal,
-                                        arguments.seed + number))
+                                        arguments.seed + number, has_room))
     result = drive(agent, goal, arguments.kidnap_after, elsewhere, out, story)
     write_summary(out, info, level, story, result)
     print(f"\nSummary: {out / 'summary.html'}")
