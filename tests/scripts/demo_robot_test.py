@@ -35,6 +35,13 @@ if sys.argv[1] == "map":
     folder.mkdir()
     (folder / "trajectory.txt").write_text(
         "# time x y z qx qy qz qw\n0 0 0 0 0 0 0 1\n1 2 1 0.5 0 0 0 1\n")
+    (folder / "levels").mkdir()
+    for level in (0, 1):
+        stem = folder / f"levels/level-{level}"
+        stem.with_suffix(".yaml").write_text(
+            "resolution: 0.05\norigin: [0, 0, 0]\n")
+        stem.with_suffix(".pgm").write_bytes(
+            b"P5\n10 10\n255\n" + bytes([254]) * 100)
 if sys.argv[1] != "run":
     sys.exit(0)
 BAD_RESUMPTION = "WRONG" in os.environ
@@ -81,7 +88,12 @@ class Handler(http.server.BaseHTTPRequestHandler):
         with open(os.environ["CALLS"], "a") as calls:
             calls.write(f"POST {self.path} {body}\n")
         if self.path == "/api/goal": goal_at = time.monotonic()
-        if self.path == "/api/sim/kidnap": kidnapped = time.monotonic()
+        if self.path == "/api/sim/kidnap":
+            if os.environ.pop("SOMEBODY_STANDS_THERE", None):
+                self.send_response(409)
+                self.end_headers()
+                return
+            kidnapped = time.monotonic()
         self.reply(b'{"ok": true}')
 host, port = arguments["--http-listen"].split(":")
 signal.signal(signal.SIGTERM, lambda *_: os._exit(0))
@@ -105,7 +117,7 @@ class DemoRobotTest(ScriptTest):
         self.stub("chromium", "#!/bin/sh\nexit 1\n")
         # The kidnap comes sooner than people would like to watch.
         teller = self.root / "scripts/lib/demo_robot.py"
-        text, count = re.subn(r"default=8,", "default=0.2,",
+        text, count = re.subn(r"default=12,", "default=0.2,",
                               teller.read_text())
         self.assertEqual(count, 1)
         teller.write_text(text)
@@ -137,6 +149,12 @@ class DemoRobotTest(ScriptTest):
         page = (out / "summary.html").read_text()
         self.assertIn("It arrived.", page)
         self.assertIn("polyline", page)
+
+    def test_where_somebody_stands_it_is_carried_elsewhere(self):
+        done = self.demo(SOMEBODY_STANDS_THERE="1")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertEqual(self.calls.read_text().count("POST /api/sim/kidnap"),
+                         2)
 
     def test_believing_a_wrong_place_is_a_failure(self):
         done = self.demo(WRONG="1")
