@@ -14,7 +14,7 @@ namespace {
 
 // Of scans: more bad ones end it.
 constexpr int kMostBadScans = 12;
-// After this (s) it does not make room to turn any longer.
+// What has not turned enough by then (s), and cannot turn, has no room to.
 constexpr double kNoRoom_s = 4;
 // The pose must not leave what was seeded by more (m).
 constexpr double kMostDrift_m = 0.6;
