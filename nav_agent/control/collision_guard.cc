@@ -48,7 +48,7 @@ double CollisionGuard::Reach_m() const {
          v * v / (2 * brake) + options_.approach_mps * stop_s +
          v * options_.margin_per_speed_s +
          std::max({options_.point_margin_m, options_.cell_margin_m,
-                   options_.lost_margin_m});
+                   options_.moving_margin_m});
 }
 
 const GuardPoint* CollisionGuard::FirstHit(
@@ -86,11 +86,15 @@ const GuardPoint* CollisionGuard::FirstHit(
     for (size_t i = 0; i < points.size(); ++i) {
       const GuardPoint& point = points[i];
       const Vec2 off = point.in_base - at;
-      const double distance_m = footprint_.DistanceTo_m(
-          {c * off.x + s * off.y, -s * off.x + c * off.y});
+      const Vec2 in_base = {c * off.x + s * off.y, -s * off.x + c * off.y};
+      const double distance_m = footprint_.DistanceTo_m(in_base);
       const double needed_m =
           point.margin_m + extra_m + point.approach_mps * time_s;
-      if (distance_m < needed_m && distance_m < now_m[i] - kSlack_m) {
+      if (distance_m >= needed_m) continue;
+      if (point.approach_mps > 0 ? footprint_.OutwardSpeed_mps(
+                                       {share * v, share * w}, in_base,
+                                       needed_m) > options_.outward_mps
+                                 : distance_m < now_m[i] - kSlack_m) {
         return &point;
       }
     }

@@ -8,6 +8,7 @@
 
 #include "common/geometry/rigid2.h"
 #include "nav_agent/core/robot_model.h"
+#include "nav_agent/core/sensor_data.h"
 
 namespace treeline {
 
@@ -30,6 +31,11 @@ struct Footprint {
     if (x <= 0 || y <= 0) return std::max(x, y);
     return std::sqrt(x * x + y * y);
   }
+  // The fastest that a part of its edge within reach_m of a point moves
+  // outwards, at right angles to that edge (m/s): what stands or walks there is
+  // touched by the robot's motion if that is more than 0.
+  double OutwardSpeed_mps(const VelocityCommand& motion, Vec2 point_in_base,
+                          double reach_m) const;
   double Circumradius_m() const {
     return std::hypot(std::max(front_m, rear_m), half_width_m);
   }

@@ -14,6 +14,7 @@
 #include "nav_agent/control/escape.h"
 #include "nav_agent/control/goal_approach.h"
 #include "nav_agent/control/local_costmap.h"
+#include "nav_agent/control/mover_tracks.h"
 #include "nav_agent/control/standstill.h"
 #include "nav_agent/control/track_follower.h"
 #include "nav_agent/control/velocity_limits.h"
@@ -47,11 +48,12 @@ bool IsFinitePose(const ControlPose& pose) {
 class BandController final : public LocalController {
  public:
   BandController(std::shared_ptr<const NavigationMap> map,
-                 const RobotModel& robot, const LocalControllerOptions& options,
-                 LocalCostmap costmap)
+                 const RobotModel& robot, const RangeSensorInfo& laser,
+                 const LocalControllerOptions& options, LocalCostmap costmap)
       : robot_(robot),
         options_(options),
         costmap_(std::move(costmap)),
+        movers_(laser, {}),
         guard_(robot, CollisionGuardOptions()),
         keeper_(std::move(map), KeeperOptions(options)),
         approach_({.tolerance_m = options.goal_tolerance_m,
@@ -62,7 +64,10 @@ class BandController final : public LocalController {
 
   absl::Status AddScan(const ControlPose& pose,
                        const LaserScan& scan) override {
-    return costmap_.AddScan(pose, scan);
+    TL_RETURN_IF_ERROR(costmap_.AddScan(pose, scan));
+    movers_.AddScan(MapFromBase3(pose) * robot_.base_from_laser, scan,
+                    costmap_.scan_points());
+    return absl::OkStatus();
   }
   absl::Status AddDepth(const ControlPose& pose,
                         const RgbdFrame& frame) override {
@@ -70,6 +75,7 @@ class BandController final : public LocalController {
   }
   void ClearObstacles() override {
     costmap_.ClearObstacles();
+    movers_.Clear();
     standstill_.Reset();
   }
 
@@ -113,6 +119,7 @@ class BandController final : public LocalController {
   LocalControllerOptions options_;
   TrackFollowerOptions follow_;
   LocalCostmap costmap_;
+  MoverTracks movers_;
   CollisionGuard guard_;
   CommandHistory history_;
   BandKeeper keeper_;
@@ -158,13 +165,18 @@ std::vector<GuardPoint> BandController::GuardPoints(
   }
   for (const UnseenObstacle& unseen : costmap_.UnseenObstacles(
            pose.pose.map_from_base.translation, reach_m, pose.stamp)) {
-    // Somebody who went out of sight behind the robot is still about.
-    points.push_back(
-        {.in_base = base_from_map * unseen.in_map,
-         .margin_m = unseen.was_moving ? options.lost_margin_m
-                     : unseen.is_new   ? options.new_margin_m
-                                       : options.cell_margin_m,
-         .approach_mps = unseen.was_moving ? options.approach_mps : 0});
+    points.push_back({.in_base = base_from_map * unseen.in_map,
+                      .margin_m = unseen.is_new ? options.new_margin_m
+                                                : options.cell_margin_m});
+  }
+  // Somebody who went out of sight behind the robot is still about.
+  for (const Mover& mover : movers_.Movers()) {
+    if (mover.unseen_s == 0) continue;
+    const Vec2 in_base = base_from_map * mover.in_map;
+    if (Norm(in_base) > reach_m + mover.doubt_m) continue;
+    points.push_back({.in_base = in_base,
+                      .margin_m = options.lost_margin_m + mover.doubt_m,
+                      .approach_mps = options.approach_mps});
   }
   return points;
 }
@@ -416,7 +428,7 @@ absl::StatusOr<std::unique_ptr<LocalController>> LocalController::Make(
   costmap_options.resolution_m = options.costmap_resolution_m;
   TL_ASSIGN_OR_RETURN(LocalCostmap costmap,
                       LocalCostmap::Make(map, robot, laser, costmap_options));
-  return std::make_unique<BandController>(std::move(map), robot, options,
+  return std::make_unique<BandController>(std::move(map), robot, laser, options,
                                           std::move(costmap));
 }
 

@@ -373,12 +373,7 @@ std::vector<UnseenObstacle> LocalCostmap::UnseenObstacles(
       if (cells_[i] == LocalCell::kSeen) {
         const Seen& seen = seen_[i];
         if (now_ms - seen.last_ms <= kSeenNow_ms) continue;
-        const double stood_s =
-            0.001 * static_cast<double>(seen.last_ms - seen.since_ms);
-        unseen.push_back(
-            {.in_map = center,
-             .was_moving = seen.was_free && stood_s < options_.standing_after_s,
-             .is_new = IsNew(i)});
+        unseen.push_back({.in_map = center, .is_new = IsNew(i)});
         continue;
       }
       const bool is_edge =

@@ -67,8 +67,6 @@ struct SeenPoint {
 // A cell's centre.
 struct UnseenObstacle {
   Vec2 in_map;
-  // It was there for a moment only when it was seen last.
-  bool was_moving = false;
   // Seen, rather than the map's.
   bool is_new = false;
 };

@@ -136,6 +136,43 @@ TEST(CollisionGuard, WhatMovesIsGivenMoreRoom) {
   EXPECT_LT(verdict.command.forward_mps, 0.35);
 }
 
+// Somebody's legs beside the front right corner: a turn to the left takes the
+// corner away from them, and the front into the rest of whoever that is.
+TEST(CollisionGuard, NoEdgeMovesOutBesideWhoMoves) {
+  const CollisionGuard guard(kRobot, {});
+  const GuardPoint legs = {
+      .in_base = {0.34, -0.45}, .margin_m = 0.25, .approach_mps = 0.9};
+  EXPECT_EQ(guard.Check({0, 0.5}, {{legs}}).command, VelocityCommand());
+  EXPECT_EQ(guard.Check({0, -0.5}, {{legs}}).command, VelocityCommand());
+  EXPECT_EQ(guard.Check({0.2, 0}, {{legs}}).command, VelocityCommand());
+  EXPECT_FALSE(guard.Check({-0.2, 0}, {{legs}}).is_limited);
+  // Behind the rear left corner it may drive off, straight ahead.
+  const GuardPoint behind = {
+      .in_base = {-0.45, 0.45}, .margin_m = 0.35, .approach_mps = 0.9};
+  EXPECT_FALSE(guard.Check({0.3, 0}, {{behind}}).is_limited);
+  EXPECT_EQ(guard.Check({0, 0.5}, {{behind}}).command, VelocityCommand());
+  EXPECT_EQ(guard.Check({0, -0.5}, {{behind}}).command, VelocityCommand());
+  EXPECT_EQ(guard.Check({-0.1, 0}, {{behind}}).command, VelocityCommand());
+  // The same that stands still only keeps the robot from coming nearer.
+  const GuardPoint stands = {.in_base = {0.34, -0.45}, .margin_m = 0.15};
+  EXPECT_FALSE(guard.Check({0, 0.5}, {{stands}}).is_limited);
+}
+
+TEST(Footprint, OutwardSpeedIsOfTheEdgesNearAPoint) {
+  const Footprint footprint = {.front_m = 0.3, .rear_m = 0.4, .half_width_m = 0.2};
+  // Before the middle of the front, driving ahead and turning.
+  EXPECT_NEAR(footprint.OutwardSpeed_mps({0.5, 0}, {0.4, 0}, 0.2), 0.5, 1e-12);
+  EXPECT_EQ(footprint.OutwardSpeed_mps({-0.5, 0}, {0.4, 0}, 0.15), 0);
+  EXPECT_NEAR(footprint.OutwardSpeed_mps({0, 1}, {0.4, 0}, 0.125), 0.075,
+              1e-12);
+  // Beside the rear: to the right it swings out to the left.
+  EXPECT_NEAR(footprint.OutwardSpeed_mps({0, -1}, {-0.3, 0.3}, 0.1001), 0.3,
+              0.01);
+  EXPECT_EQ(footprint.OutwardSpeed_mps({0, 1}, {-0.3, 0.3}, 0.1001), 0);
+  // Too far away.
+  EXPECT_EQ(footprint.OutwardSpeed_mps({1, 1}, {0.6, 0}, 0.2), 0);
+}
+
 TEST(CollisionGuard, NaNStops) {
   const CollisionGuard guard(kRobot, {});
   const GuardVerdict verdict =

@@ -1,8 +1,6 @@
 #include "nav_agent/localization/odometry_motion.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -10,15 +8,9 @@
 namespace treeline {
 namespace {
 
-// Below this way the direction of driving means nothing: a turn on the spot.
-constexpr double kNoDrive_m = 0.01;
-
-// The size of a turn, whichever way the robot faced: driving backwards is no
-// half turn.
-double TurnSize_rad(double turn_rad) {
-  return std::min(std::abs(turn_rad),
-                  std::abs(NormalizedAngle_rad(turn_rad + std::numbers::pi)));
-}
+// Of a shorter way only how far it leads ahead or back means anything, its
+// direction does not.
+constexpr double kNoCourse_m = 0.01;
 
 }  // namespace
 
@@ -39,18 +31,25 @@ absl::Status OdometryNoise::Validate() const {
 
 OdometryMotion::OdometryMotion(const Rigid2& before_from_after,
                                const OdometryNoise& noise) {
+  // Driving back is no half turn, but a way of less than nothing.
   const Vec2 way = before_from_after.translation;
-  drive_m_ = Norm(way);
-  turn_before_rad_ = drive_m_ < kNoDrive_m ? 0 : std::atan2(way.y, way.x);
+  const double sign = way.x < 0 ? -1 : 1;
+  if (Norm(way) < kNoCourse_m) {
+    drive_m_ = way.x;
+  } else {
+    drive_m_ = sign * Norm(way);
+    turn_before_rad_ = std::atan2(sign * way.y, sign * way.x);
+  }
   turn_after_rad_ =
       NormalizedAngle_rad(before_from_after.yaw_rad - turn_before_rad_);
-  const double before_rad = TurnSize_rad(turn_before_rad_);
-  const double after_rad = TurnSize_rad(turn_after_rad_);
+  const double before_rad = std::abs(turn_before_rad_);
+  const double after_rad = std::abs(turn_after_rad_);
+  const double driven_m = std::abs(drive_m_);
   turn_before_sigma_rad_ =
-      noise.turn_from_turn * before_rad + noise.turn_from_drive * drive_m_;
+      noise.turn_from_turn * before_rad + noise.turn_from_drive * driven_m;
   turn_after_sigma_rad_ =
-      noise.turn_from_turn * after_rad + noise.turn_from_drive * drive_m_;
-  drive_sigma_m_ = noise.drive_from_drive * drive_m_ +
+      noise.turn_from_turn * after_rad + noise.turn_from_drive * driven_m;
+  drive_sigma_m_ = noise.drive_from_drive * driven_m +
                    noise.drive_from_turn * (before_rad + after_rad);
 }
 

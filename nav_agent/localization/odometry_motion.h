@@ -36,6 +36,7 @@ class OdometryMotion {
 
  private:
   double turn_before_rad_ = 0;
+  // Back: less than 0.
   double drive_m_ = 0;
   double turn_after_rad_ = 0;
   double turn_before_sigma_rad_ = 0;

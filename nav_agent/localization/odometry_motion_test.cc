@@ -84,6 +84,20 @@ TEST(OdometryMotion, DrivingBackwardsIsNoHalfTurn) {
   EXPECT_NEAR(moved.yaw_rad, 0, 1e-9);
 }
 
+// Slow steps back are millimetres from one scan to the next.
+TEST(OdometryMotion, ShortStepsLeadBackAsTheyLeadAhead) {
+  const OdometryNoise none = {0, 0, 0, 0};
+  for (const double step_m : {-0.02, -0.006, -0.0015, 0.0015, 0.006, 0.02}) {
+    Rigid2 at;
+    Random random(1, 1);
+    for (int step = 0; step < 10; ++step) {
+      at = OdometryMotion({{step_m, 1e-5}, 0.001}, none).Sample(at, random);
+    }
+    EXPECT_NEAR(at.translation.x, 10 * step_m, 0.01 * std::abs(step_m));
+    EXPECT_NEAR(at.yaw_rad, 0.01, 1e-9);
+  }
+}
+
 TEST(OdometryNoise, RefusesWhatIsNoShare) {
   EXPECT_TRUE(OdometryNoise().Validate().ok());
   EXPECT_EQ(OdometryNoise{.drive_from_turn = -1}.Validate().message(),

@@ -1,0 +1,143 @@
+#include "nav_agent/control/mover_tracks.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace treeline {
+namespace {
+
+// Scans further apart say nothing of speeds (s).
+constexpr double kLongestInterval_s = 0.25;
+// Who walks is not faster (m/s).
+constexpr double kFastest_mps = 2.0;
+// A beam that ends so much nearer does not show what is behind (m).
+constexpr double kInFront_m = 0.25;
+
+struct Cluster {
+  Vec2 sum;
+  int points = 0;
+  Vec2 Middle() const { return (1.0 / points) * sum; }
+};
+
+std::vector<Cluster> ClustersOf(std::span<const SeenPoint> points,
+                                double size_m) {
+  std::vector<Cluster> clusters;
+  for (const SeenPoint& point : points) {
+    if (!point.is_moving) continue;
+    auto nearest = std::ranges::find_if(clusters, [&](const Cluster& cluster) {
+      return Norm(cluster.Middle() - point.in_map) < size_m;
+    });
+    if (nearest == clusters.end()) {
+      nearest = clusters.insert(clusters.end(), Cluster());
+    }
+    nearest->sum = nearest->sum + point.in_map;
+    ++nearest->points;
+  }
+  return clusters;
+}
+
+}  // namespace
+
+MoverTracks::MoverTracks(const RangeSensorInfo& laser,
+                         const MoverTracksOptions& options)
+    : laser_(laser), options_(options) {}
+
+MoverTracks::Sight MoverTracks::SightOf(const Rigid3& map_from_laser,
+                                        const LaserScan& scan,
+                                        Vec2 in_map) const {
+  const Vec3 in_laser = map_from_laser.Inverse() *
+                        Vec3{in_map.x, in_map.y, map_from_laser.translation.z};
+  const double beam = (std::atan2(in_laser.y, in_laser.x) - laser_.angle_min_rad) /
+                      laser_.angle_increment_rad;
+  if (!(beam >= 0 && beam <= laser_.beams - 1)) return Sight::kNot;
+  const double away_m = std::hypot(in_laser.x, in_laser.y);
+  const float range_m = scan.ranges_m[static_cast<size_t>(std::lround(beam))];
+  if (!(range_m >= laser_.range_min_m && range_m > away_m - kInFront_m)) {
+    return Sight::kNot;
+  }
+  const double to_edge_rad = laser_.angle_increment_rad *
+                             std::min(beam, laser_.beams - 1 - beam);
+  return to_edge_rad * away_m < options_.size_m ? Sight::kPart : Sight::kFull;
+}
+
+void MoverTracks::Follow(Track& track, Vec2 in_map, double interval_s) const {
+  const Vec2 surprise = in_map - track.in_map;
+  // Who comes into sight again is there, not between there and where it was
+  // expected.
+  const bool is_back = track.unseen_s > 0;
+  track.in_map = is_back ? in_map
+                         : track.in_map + options_.place_gain * surprise;
+  if (!is_back && interval_s > 0) {
+    track.velocity_mps = track.velocity_mps +
+                         (options_.speed_gain / interval_s) * surprise;
+    const double speed_mps = Norm(track.velocity_mps);
+    if (speed_mps > kFastest_mps) {
+      track.velocity_mps = (kFastest_mps / speed_mps) * track.velocity_mps;
+    }
+  }
+  track.unseen_s = 0;
+  track.missed = 0;
+  ++track.seen;
+}
+
+void MoverTracks::AddScan(const Rigid3& map_from_laser, const LaserScan& scan,
+                          std::span<const SeenPoint> points) {
+  const double interval_s =
+      last_.has_value()
+          ? std::chrono::duration<double>(scan.stamp - *last_).count()
+          : 0;
+  last_ = scan.stamp;
+  if (interval_s < 0 || interval_s > kLongestInterval_s) Clear();
+  std::vector<Cluster> clusters = ClustersOf(points, options_.size_m);
+  for (Track& track : tracks_) {
+    track.in_map = track.in_map + interval_s * track.velocity_mps;
+    const auto nearest =
+        std::ranges::min_element(clusters, {}, [&](const Cluster& cluster) {
+          return Norm(cluster.Middle() - track.in_map);
+        });
+    if (nearest != clusters.end() &&
+        Norm(nearest->Middle() - track.in_map) <
+            options_.reach_m + options_.doubt_mps * track.unseen_s) {
+      // Of what is cut off by the edge of the view, the middle is not seen.
+      if (track.seen >= options_.scans_to_begin &&
+          SightOf(map_from_laser, scan, nearest->Middle()) == Sight::kPart) {
+        track.unseen_s = 0;
+      } else {
+        Follow(track, nearest->Middle(), interval_s);
+      }
+      clusters.erase(nearest);
+      continue;
+    }
+    track.unseen_s += interval_s;
+    track.missed =
+        SightOf(map_from_laser, scan, track.in_map) == Sight::kFull
+            ? track.missed + 1
+            : 0;
+  }
+  std::erase_if(tracks_, [&](const Track& track) {
+    return track.missed >= options_.scans_to_end ||
+           track.unseen_s > options_.memory_s ||
+           (track.unseen_s > 0 && track.seen < options_.scans_to_begin);
+  });
+  for (const Cluster& cluster : clusters) {
+    tracks_.push_back(
+        {.in_map = cluster.Middle(), .velocity_mps = {}, .seen = 1});
+  }
+}
+
+std::vector<Mover> MoverTracks::Movers() const {
+  std::vector<Mover> movers;
+  for (const Track& track : tracks_) {
+    if (track.seen < options_.scans_to_begin) continue;
+    movers.push_back({.in_map = track.in_map,
+                      .velocity_mps = track.velocity_mps,
+                      .unseen_s = track.unseen_s,
+                      .doubt_m = options_.doubt_mps * track.unseen_s});
+  }
+  return movers;
+}
+
+}  // namespace treeline

@@ -1,0 +1,89 @@
+// Who moves about near the robot, and where somebody is who went out of its
+// sight.
+#ifndef NAV_AGENT_CONTROL_MOVER_TRACKS_H_
+#define NAV_AGENT_CONTROL_MOVER_TRACKS_H_
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/geometry/rigid3.h"
+#include "nav_agent/control/local_costmap.h"
+#include "nav_agent/core/sensor_data.h"
+
+namespace treeline {
+
+struct MoverTracksOptions {
+  // Points so near to the middle of one are its own, legs of one person for
+  // instance (m).
+  double size_m = 0.4;
+  // It is taken for the one that was expected within this (m).
+  double reach_m = 0.5;
+  // The parts of a surprise that go into place and speed with each scan of
+  // 40 Hz (an alpha-beta filter, critically damped).
+  double place_gain = 0.25;
+  double speed_gain = 0.036;
+  // Seen so often, it is there; not seen so often where it should be, it is not.
+  int scans_to_begin = 4;
+  int scans_to_end = 6;
+  // Out of sight it walks on as it did, for so long (s), and every second may be
+  // so much further from there (m).
+  double memory_s = 3.0;
+  double doubt_mps = 0.35;
+};
+
+// One that moves.
+struct Mover {
+  Vec2 in_map;
+  Vec2 velocity_mps;
+  // Since it was seen last; 0: it is seen (s).
+  double unseen_s = 0;
+  // How far from in_map its middle may be (m).
+  double doubt_m = 0;
+};
+
+// What moves in a planar laser's scans, followed from one to the next and on
+// where the laser does not look: behind the robot, behind others. Pure;
+// deterministic; not thread-safe.
+class MoverTracks {
+ public:
+  MoverTracks(const RangeSensorInfo& laser, const MoverTracksOptions& options);
+
+  // A scan from `map_from_laser`, and what of its points move (among `points`).
+  void AddScan(const Rigid3& map_from_laser, const LaserScan& scan,
+               std::span<const SeenPoint> points);
+  void Clear() { tracks_.clear(); }
+
+  std::vector<Mover> Movers() const;
+
+ private:
+  struct Track {
+    Vec2 in_map;
+    Vec2 velocity_mps;
+    int seen = 0;
+    // In a row, where it should have been seen.
+    int missed = 0;
+    double unseen_s = 0;
+  };
+
+  // How the laser sees what is at a place.
+  enum class Sight : uint8_t {
+    kNot,   // it looks elsewhere, or something is in between
+    kPart,  // half of it may be beyond the first or the last beam
+    kFull
+  };
+  Sight SightOf(const Rigid3& map_from_laser, const LaserScan& scan,
+                Vec2 in_map) const;
+  void Follow(Track& track, Vec2 in_map, double interval_s) const;
+
+  RangeSensorInfo laser_;
+  MoverTracksOptions options_;
+  std::vector<Track> tracks_;
+  std::optional<MonotonicTime> last_;
+};
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_CONTROL_MOVER_TRACKS_H_

@@ -1,0 +1,165 @@
+#include "nav_agent/control/mover_tracks.h"
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "gtest/gtest.h"
+
+namespace treeline {
+namespace {
+
+constexpr double kInterval_s = 0.025;
+// 270 degrees at 0.5 degrees, as a UTM-30LX with every second beam.
+const RangeSensorInfo kLaser = {.angle_min_rad = -0.75 * std::numbers::pi,
+                                .angle_increment_rad = std::numbers::pi / 360,
+                                .beams = 541,
+                                .range_min_m = 0.1,
+                                .range_max_m = 30,
+                                .beam_interval_s = 0,
+                                .scan_interval_s = kInterval_s};
+
+// An empty hall in which one walks, a disc of 15 cm. The laser is at the map's
+// origin and looks along x.
+class Hall {
+ public:
+  explicit Hall(MoverTracksOptions options = {}) : tracks_(kLaser, options) {}
+
+  // A scan; somebody at `at`, if anybody.
+  void Scan(std::optional<Vec2> at, std::optional<Vec2> wall = std::nullopt) {
+    time_s_ += kInterval_s;
+    LaserScan scan;
+    scan.stamp = MonotonicTime() +
+                 std::chrono::microseconds(std::llround(1e6 * time_s_));
+    scan.ranges_m.assign(541, kNoReturn);
+    std::vector<SeenPoint> points;
+    for (int beam = 0; beam < kLaser.beams; ++beam) {
+      const double angle = kLaser.AngleOf_rad(beam);
+      const Vec2 way = {std::cos(angle), std::sin(angle)};
+      for (const auto& [middle, moves] :
+           {std::pair(at, true), std::pair(wall, false)}) {
+        if (!middle.has_value()) continue;
+        const double along_m = Dot(*middle, way);
+        const double beside_m = std::abs(Cross(way, *middle));
+        float& range_m = scan.ranges_m[static_cast<size_t>(beam)];
+        if (along_m <= 0 || beside_m > 0.15 || along_m > range_m) continue;
+        range_m = static_cast<float>(along_m - 0.15);
+        points.push_back({.in_map = (along_m - 0.15) * way,
+                          .is_moving = moves,
+                          .is_new = true});
+      }
+    }
+    tracks_.AddScan(Rigid3(), scan, points);
+  }
+  std::vector<Mover> Movers() const { return tracks_.Movers(); }
+  MoverTracks& tracks() { return tracks_; }
+
+ private:
+  MoverTracks tracks_;
+  double time_s_ = 0;
+};
+
+TEST(MoverTracks, FollowsOneWhoWalksAndKnowsItsSpeed) {
+  Hall hall;
+  Vec2 at = {1.5, -1.5};
+  for (int scan = 0; scan < 80; ++scan) {
+    hall.Scan(at);
+    at.y += 1.0 * kInterval_s;
+  }
+  const std::vector<Mover> movers = hall.Movers();
+  ASSERT_EQ(movers.size(), 1u);
+  EXPECT_EQ(movers[0].unseen_s, 0);
+  EXPECT_EQ(movers[0].doubt_m, 0);
+  EXPECT_NEAR(Norm(movers[0].in_map - at), 0.15, 0.1);
+  EXPECT_NEAR(movers[0].velocity_mps.y, 1.0, 0.1);
+  EXPECT_NEAR(movers[0].velocity_mps.x, 0, 0.1);
+}
+
+// It walks past on the left and turns in behind; there it goes on.
+TEST(MoverTracks, WalksOnBehindTheLaserAndIsDoubtedMoreAndMore) {
+  Hall hall;
+  Vec2 at = {1.5, 0.8};
+  double unseen_s = 0;
+  for (int scan = 0; scan < 130; ++scan) {
+    hall.Scan(at);
+    at.x -= 1.0 * kInterval_s;
+    // The middle of it is behind the last beam.
+    if (at.x < -0.8) unseen_s += kInterval_s;
+  }
+  const std::vector<Mover> movers = hall.Movers();
+  ASSERT_EQ(movers.size(), 1u);
+  EXPECT_NEAR(movers[0].unseen_s, unseen_s, 0.3);
+  EXPECT_GT(movers[0].unseen_s, 0.5);
+  EXPECT_NEAR(movers[0].doubt_m, 0.35 * movers[0].unseen_s, 1e-9);
+  EXPECT_LT(Norm(movers[0].in_map - at), 0.15 + movers[0].doubt_m);
+}
+
+TEST(MoverTracks, WhoCrossesBehindIsOneAndTheSameOnTheOtherSide) {
+  Hall hall;
+  Vec2 at = {-0.9, 2.0};
+  for (int scan = 0; scan < 160; ++scan) {
+    hall.Scan(at);
+    at.y -= 1.0 * kInterval_s;
+  }
+  const std::vector<Mover> movers = hall.Movers();
+  ASSERT_EQ(movers.size(), 1u);
+  EXPECT_EQ(movers[0].unseen_s, 0);
+  EXPECT_LT(Norm(movers[0].in_map - at), 0.35);
+}
+
+TEST(MoverTracks, ForgetsWhoIsNotWhereTheLaserLooks) {
+  Hall hall;
+  for (int scan = 0; scan < 40; ++scan) {
+    hall.Scan(Vec2{1.5, -0.5 + scan * kInterval_s});
+  }
+  ASSERT_EQ(hall.Movers().size(), 1u);
+  for (int scan = 0; scan < 10; ++scan) hall.Scan(std::nullopt);
+  EXPECT_TRUE(hall.Movers().empty());
+}
+
+TEST(MoverTracks, KeepsWhoIsHiddenByAnother) {
+  Hall hall;
+  for (int scan = 0; scan < 40; ++scan) {
+    hall.Scan(Vec2{2.0 - 0.1 * kInterval_s * scan, 0});
+  }
+  // Something stands in between.
+  for (int scan = 0; scan < 20; ++scan) hall.Scan(std::nullopt, Vec2{1.0, 0});
+  ASSERT_EQ(hall.Movers().size(), 1u);
+  EXPECT_NEAR(hall.Movers()[0].unseen_s, 0.5, 1e-6);
+}
+
+TEST(MoverTracks, ForgetsWhoHasBeenAwayForLong) {
+  Hall hall({.memory_s = 1.0});
+  Vec2 at = {-0.9, 1.5};
+  // Slowly: it stays behind.
+  for (int scan = 0; scan < 100; ++scan) {
+    hall.Scan(at);
+    at.y -= 0.4 * kInterval_s;
+  }
+  for (int scan = 0; scan < 60; ++scan) hall.Scan(std::nullopt);
+  EXPECT_TRUE(hall.Movers().empty());
+}
+
+TEST(MoverTracks, AFlickerIsNobody) {
+  Hall hall;
+  for (int scan = 0; scan < 30; ++scan) {
+    hall.Scan(scan % 5 < 2 ? std::optional(Vec2{1.5, 0}) : std::nullopt);
+    EXPECT_TRUE(hall.Movers().empty());
+  }
+}
+
+TEST(MoverTracks, APauseOfTheLaserEndsAll) {
+  Hall hall;
+  for (int scan = 0; scan < 40; ++scan) {
+    hall.Scan(Vec2{1.5, -0.5 + scan * kInterval_s});
+  }
+  LaserScan late;
+  late.stamp = MonotonicTime() + std::chrono::seconds(10);
+  late.ranges_m.assign(541, kNoReturn);
+  hall.tracks().AddScan(Rigid3(), late, {});
+  EXPECT_TRUE(hall.Movers().empty());
+}
+
+}  // namespace
+}  // namespace treeline
