@@ -13,6 +13,7 @@ constexpr double kMaxRadius_m = 0.6;
 // Discs that lie so near to one another are of one place.
 constexpr double kSamePlace_m = 0.1;
 constexpr double kMetAgain_s = 2;
+constexpr double kLarger_m = 0.03;
 // So many beams must pass its middle, in so many scans in a row.
 constexpr int kBeams = 4;
 constexpr int kScans = 5;
@@ -52,6 +53,9 @@ void BlockageMemory::Add(const Blockage& blockage, MonotonicTime now) {
     // The same, seen twice at once, was not met again.
     if (SecondsBetween(known.since, now) > kMetAgain_s) {
       known.lasts_s = std::min(2 * known.lasts_s, limits_.longest_blockage_s);
+    } else if (known.since != now) {
+      // A way that was to lead around it did not: it is larger than that.
+      old.radius_m = std::min(old.radius_m + kLarger_m, kMaxRadius_m);
     }
     known.since = now;
     known.seen_free = 0;

@@ -155,7 +155,9 @@ void GoalRunner::Ask(PlanPurpose purpose, const LevelPose& from,
       is_quick ? options_.first_plan_budget : options_.plan_budget;
   if (purpose == PlanPurpose::kUnblocked) budget.improves = false;
   planner_->Start(request, budget);
-  asked_ = AskedPlan{.purpose = purpose, .since = now};
+  asked_ = AskedPlan{.purpose = purpose,
+                     .since = now,
+                     .has_blockages = !request.blockages.empty()};
 }
 
 void GoalRunner::StepPlanning(const ControlPose& pose, MonotonicTime now) {
@@ -182,6 +184,7 @@ void GoalRunner::StepPlanning(const ControlPose& pose, MonotonicTime now) {
 void GoalRunner::TakePlan(const ControlPose& pose, const PlanResult& result,
                           MonotonicTime now) {
   const PlanPurpose purpose = asked_->purpose;
+  const bool had_blockages = asked_->has_blockages;
   asked_.reset();
   if (result.failure != NavigationCause::kNone || result.path.empty()) {
     if (purpose == PlanPurpose::kRoute &&
@@ -189,7 +192,8 @@ void GoalRunner::TakePlan(const ControlPose& pose, const PlanResult& result,
       Ask(PlanPurpose::kFullRoute, pose.pose, Target(), now);
       return;
     }
-    if (purpose != PlanPurpose::kUnblocked && !blockages_.empty()) {
+    // They may have faded meanwhile.
+    if (had_blockages) {
       failure_ = result;
       Ask(PlanPurpose::kUnblocked, pose.pose, Target(), now);
       return;
@@ -452,7 +456,7 @@ void GoalRunner::BeginTrouble(Trouble trouble, NavigationCause cause,
 }
 
 void GoalRunner::NextManeuver(MonotonicTime now) {
-  const std::optional<ManeuverLadder::Rung> rung = ladder_.Next(trouble_);
+  const std::optional<ManeuverRung> rung = ladder_.Next(trouble_);
   if (!rung.has_value()) {
     const NavigationCause cause = trouble_cause_;
     End(GoalState::kFailed, cause,
@@ -461,7 +465,7 @@ void GoalRunner::NextManeuver(MonotonicTime now) {
     return;
   }
   ++status_->recoveries;
-  maneuver_.emplace(rung->kind, options_.limits, rung->wait_s, now);
+  maneuver_.emplace(*rung, options_.limits, now);
   maneuver_since_ = now;
   way_is_free_ = false;
   events_->Add(

@@ -72,6 +72,7 @@ class GoalRunner {
   struct AskedPlan {
     PlanPurpose purpose = PlanPurpose::kRoute;
     MonotonicTime since;
+    bool has_blockages = false;
   };
 
   const LevelPose& Target() const { return goal_.poses[status_->next_pose]; }

@@ -17,15 +17,17 @@ constexpr double kNearlyThere_m = 0.02;
 constexpr double kNearlyAround_rad = 0.1;
 // Rungs that may be had once more.
 constexpr int kMostGivenBack = 30;
+// Rungs after which it backs up among people, too.
+constexpr int kBoldFrom = 4;
 // Ground that is level, for who turns.
 constexpr double kLevel_rad = 0.06;
 
 // Round and round while the budget lasts.
 using Order = std::array<ManeuverKind, 5>;
 // Who turns among people may turn into one: what was seen is waited for.
-constexpr Order kNoWayOrder = {ManeuverKind::kBackUp, ManeuverKind::kWait,
+constexpr Order kNoWayOrder = {ManeuverKind::kWait, ManeuverKind::kBackUp,
                                ManeuverKind::kClearCostmap, ManeuverKind::kWait,
-                               ManeuverKind::kWait};
+                               ManeuverKind::kBackUp};
 constexpr Order kStuckOrder = {ManeuverKind::kClearCostmap,
                                ManeuverKind::kBackUp, ManeuverKind::kReroute,
                                ManeuverKind::kLookAround, ManeuverKind::kWait};
@@ -77,23 +79,23 @@ const char* ManeuverOutcomeName(ManeuverOutcome outcome) {
   return "unknown";
 }
 
-Maneuver::Maneuver(ManeuverKind kind, const NavigatorLimits& limits,
-                   double wait_s, MonotonicTime now)
-    : kind_(kind), limits_(limits), wait_s_(wait_s), begun_(now) {}
+Maneuver::Maneuver(const ManeuverRung& rung, const NavigatorLimits& limits,
+                   MonotonicTime now)
+    : rung_(rung), limits_(limits), begun_(now) {}
 
 Maneuver::Result Maneuver::Step(const ControlPose& pose, MonotonicTime now,
                                 LocalController& controller) {
   const double elapsed_s = SecondsBetween(begun_, now);
-  switch (kind_) {
+  switch (rung_.kind) {
     case ManeuverKind::kClearCostmap:
       controller.ClearObstacles();
       return {.outcome = ManeuverOutcome::kDone, .command = {}};
     case ManeuverKind::kBackUp:
-      return BackUp(pose, elapsed_s, controller);
+      return BackUp(pose, now, controller);
     case ManeuverKind::kLookAround:
       return LookAround(pose, elapsed_s, controller);
     case ManeuverKind::kWait:
-      return {.outcome = elapsed_s >= wait_s_ ? ManeuverOutcome::kDone
+      return {.outcome = elapsed_s >= rung_.wait_s ? ManeuverOutcome::kDone
                                               : ManeuverOutcome::kRunning,
               .command = {}};
     case ManeuverKind::kReroute:
@@ -103,9 +105,13 @@ Maneuver::Result Maneuver::Step(const ControlPose& pose, MonotonicTime now,
   return {.outcome = ManeuverOutcome::kDone, .command = {}};
 }
 
-Maneuver::Result Maneuver::BackUp(const ControlPose& pose, double elapsed_s,
+Maneuver::Result Maneuver::BackUp(const ControlPose& pose, MonotonicTime now,
                                   LocalController& controller) {
   const Rigid2& here = pose.pose.map_from_base;
+  // Whoever is about may come up behind it.
+  if (!rung_.is_bold && !controller.IsQuiet(now)) {
+    return {.outcome = ManeuverOutcome::kNotPossible, .command = {}};
+  }
   if (!start_.has_value()) {
     start_ = here;
     // Where nothing is known to be in the way, to a hand's breadth.
@@ -118,7 +124,7 @@ Maneuver::Result Maneuver::BackUp(const ControlPose& pose, double elapsed_s,
   if (done_m >= std::abs(way_m_) - kNearlyThere_m) {
     return {.outcome = ManeuverOutcome::kDone, .command = {}};
   }
-  if (elapsed_s > limits_.back_up_s) {
+  if (SecondsBetween(begun_, now) > limits_.back_up_s) {
     return {.outcome = ManeuverOutcome::kTimedOut, .command = {}};
   }
   return {
@@ -152,7 +158,7 @@ Maneuver::Result Maneuver::LookAround(const ControlPose& pose, double elapsed_s,
               pose, {.forward_mps = 0, .yaw_rate_radps = limits_.look_radps})};
 }
 
-std::optional<ManeuverLadder::Rung> ManeuverLadder::Next(Trouble trouble) {
+std::optional<ManeuverRung> ManeuverLadder::Next(Trouble trouble) {
   if (used_ >= limits_.max_recoveries) return std::nullopt;
   const Order& order = OrderFor(trouble);
   const size_t at = static_cast<size_t>(used_) % order.size();
@@ -160,9 +166,11 @@ std::optional<ManeuverLadder::Rung> ManeuverLadder::Next(Trouble trouble) {
   const double wait_s = std::min(
       limits_.longest_wait_s,
       limits_.first_wait_s * std::exp2(static_cast<double>(used_) / 3));
+  const bool is_bold = used_ >= kBoldFrom;
   ++used_;
   can_give_back_ = true;
-  return Rung{.kind = order[at], .wait_s = wait_s};
+  return ManeuverRung{
+      .kind = order[at], .wait_s = wait_s, .is_bold = is_bold};
 }
 
 void ManeuverLadder::GiveBack() {

@@ -13,7 +13,7 @@ namespace treeline {
 
 enum class ManeuverKind : uint8_t {
   kClearCostmap,  // forgets what was seen; the next scans tell anew
-  kBackUp,        // as far as there is room
+  kBackUp,        // as far as there is room, where nobody is about
   kLookAround,    // a full turn, if there is room
   kWait,          // people go away
   kReroute        // what is ahead counts as blocked
@@ -24,16 +24,23 @@ const char* ManeuverName(ManeuverKind kind);
 enum class ManeuverOutcome : uint8_t {
   kRunning,
   kDone,
-  kNotPossible,  // there is no room
+  kNotPossible,  // there is no room, or somebody about
   kTimedOut      // it took too long; something held the robot
 };
 const char* ManeuverOutcomeName(ManeuverOutcome outcome);
 
+struct ManeuverRung {
+  ManeuverKind kind = ManeuverKind::kWait;
+  // Of kWait.
+  double wait_s = 0;
+  // Little else is left to try: it backs up where people are about, too.
+  bool is_bold = false;
+};
+
 // One, from its beginning to its end. Not thread-safe.
 class Maneuver {
  public:
-  // wait_s: of kWait.
-  Maneuver(ManeuverKind kind, const NavigatorLimits& limits, double wait_s,
+  Maneuver(const ManeuverRung& rung, const NavigatorLimits& limits,
            MonotonicTime now);
 
   struct Result {
@@ -43,17 +50,16 @@ class Maneuver {
   // The command has been through the controller's guard.
   Result Step(const ControlPose& pose, MonotonicTime now,
               LocalController& controller);
-  ManeuverKind kind() const { return kind_; }
+  ManeuverKind kind() const { return rung_.kind; }
 
  private:
-  Result BackUp(const ControlPose& pose, double elapsed_s,
+  Result BackUp(const ControlPose& pose, MonotonicTime now,
                 LocalController& controller);
   Result LookAround(const ControlPose& pose, double elapsed_s,
                     LocalController& controller);
 
-  ManeuverKind kind_;
+  ManeuverRung rung_;
   NavigatorLimits limits_;
-  double wait_s_;
   MonotonicTime begun_;
   std::optional<Rigid2> start_;
   double last_yaw_rad_ = 0;
@@ -74,12 +80,8 @@ class ManeuverLadder {
  public:
   explicit ManeuverLadder(const NavigatorLimits& limits) : limits_(limits) {}
 
-  struct Rung {
-    ManeuverKind kind = ManeuverKind::kWait;
-    double wait_s = 0;
-  };
   // nullopt: the budget is used up.
-  std::optional<Rung> Next(Trouble trouble);
+  std::optional<ManeuverRung> Next(Trouble trouble);
   // The robot got on; all of the budget is there again.
   void Refill() { *this = ManeuverLadder(limits_); }
   // The last maneuver ended before its time, as something changed: it does not

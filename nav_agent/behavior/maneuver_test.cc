@@ -15,7 +15,8 @@ class ManeuverTest : public testing::Test {
  protected:
   // Until it ends, with the robot doing what it is told, or `share` of it.
   ManeuverOutcome Run(ManeuverKind kind, double share = 1, double wait_s = 3) {
-    Maneuver maneuver(kind, kLimits, wait_s, clock.Now());
+    Maneuver maneuver({.kind = kind, .wait_s = wait_s, .is_bold = is_bold},
+                      kLimits, clock.Now());
     begun = clock.Now();
     while (true) {
       const Maneuver::Result result =
@@ -35,7 +36,17 @@ class ManeuverTest : public testing::Test {
   MonotonicTime begun;
   FakeController controller;
   ControlPose pose;
+  bool is_bold = false;
 };
+
+// Behind the robot no sensor looks.
+TEST_F(ManeuverTest, BacksUpAmongPeopleOnlyIfLittleElseIsLeft) {
+  controller.is_quiet = false;
+  EXPECT_EQ(Run(ManeuverKind::kBackUp), ManeuverOutcome::kNotPossible);
+  EXPECT_EQ(pose.pose.map_from_base.translation.x, 0);
+  is_bold = true;
+  EXPECT_EQ(Run(ManeuverKind::kBackUp), ManeuverOutcome::kDone);
+}
 
 TEST_F(ManeuverTest, BacksUpAsFarAsItMay) {
   EXPECT_EQ(Run(ManeuverKind::kBackUp), ManeuverOutcome::kDone);
@@ -81,12 +92,13 @@ TEST(ManeuverLadder, EndsAndIsRefilled) {
   ManeuverLadder ladder(kLimits);
   double last_wait_s = 0;
   for (int i = 0; i < kLimits.max_recoveries; ++i) {
-    const std::optional<ManeuverLadder::Rung> rung =
+    const std::optional<ManeuverRung> rung =
         ladder.Next(Trouble::kNoWay);
     ASSERT_TRUE(rung.has_value());
     EXPECT_GE(rung->wait_s, last_wait_s);
     EXPECT_LE(rung->wait_s, kLimits.longest_wait_s);
     last_wait_s = rung->wait_s;
+    EXPECT_EQ(rung->is_bold, i >= 4);
   }
   EXPECT_FALSE(ladder.Next(Trouble::kStuck).has_value());
   ladder.Refill();

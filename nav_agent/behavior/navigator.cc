@@ -21,10 +21,11 @@ namespace {
 // An estimate that is older tells nothing (s).
 constexpr double kEstimateAge_s = 0.5;
 // Scans that are looked through for blockages: one in so many, and of them one
-// beam in so many, and only from ground that is nearly level.
+// beam in so many, where they pass so high above the ground (m).
 constexpr int64_t kLookEvery = 4;
 constexpr int kBeamEvery = 2;
-constexpr double kNearlyLevel_rad = 0.05;
+constexpr double kLowestLook_m = 0.1;
+constexpr double kHighestLook_m = 0.6;
 // What is seen so near to a blockage is of it: it has one disc behind the
 // other.
 constexpr double kStillSeen_m = 0.25;
@@ -89,6 +90,7 @@ class NavigatorOfParts final : public Navigator {
   void FeedController();
   void FeedCamera();
   void LookThroughBlockages(const ControlPose& pose, const LaserScan& scan);
+  bool IsInLasersPlane(const ControlPose& pose, const Blockage& blockage) const;
   void ChooseFrame();
   std::vector<StopReason> FindProblems() const;
   std::optional<ControlPose> PoseNow() const;
@@ -225,8 +227,7 @@ void NavigatorOfParts::FeedController() {
 void NavigatorOfParts::LookThroughBlockages(const ControlPose& pose,
                                             const LaserScan& scan) {
   if (is_unplaced_ || runner_.blockages().empty() ||
-      ++looked_scans_ % kLookEvery != 0 ||
-      AngleBetween_rad(pose.level_from_base, {}) > kNearlyLevel_rad) {
+      ++looked_scans_ % kLookEvery != 0) {
     return;
   }
   const Vec3 laser = robot_.base_from_laser.translation;
@@ -235,13 +236,31 @@ void NavigatorOfParts::LookThroughBlockages(const ControlPose& pose,
       pose.pose.place.level, pose.pose.map_from_base * Vec2{laser.x, laser.y},
       ScanEndsInMap(scan, devices_.laser.Info(), robot_,
                     pose.pose.map_from_base, kBeamEvery, true),
-      [&costmap](const Blockage& blockage) {
-        return IsSeenNear(costmap, blockage.center,
+      [&](const Blockage& blockage) {
+        return !IsInLasersPlane(pose, blockage) ||
+               IsSeenNear(costmap, blockage.center,
                           blockage.radius_m + kStillSeen_m);
       });
   if (forgotten == 0) return;
   events_.Add("blocked", "what stood in the way is gone");
   runner_.NoteWayIsFree();
+}
+
+// On and before slopes the laser looks into the ground, or over what stands
+// there.
+bool NavigatorOfParts::IsInLasersPlane(const ControlPose& pose,
+                                       const Blockage& blockage) const {
+  const std::optional<LevelPlace> ground =
+      parts_.map->GroundOf(blockage.center, blockage.level);
+  if (!ground.has_value()) return false;
+  const Rigid3 map_from_laser = MapFromBase3(pose) * robot_.base_from_laser;
+  const Vec3 normal = map_from_laser.rotation * Vec3{0, 0, 1};
+  const Vec3 from = map_from_laser.translation;
+  const double z_m = from.z - (normal.x * (blockage.center.x - from.x) +
+                               normal.y * (blockage.center.y - from.y)) /
+                                  normal.z;
+  const double above_m = z_m - ground->height_m;
+  return above_m > kLowestLook_m && above_m < kHighestLook_m;
 }
 
 void NavigatorOfParts::FeedCamera() {

@@ -31,15 +31,17 @@ Rigid2 After(const Rigid2& map_from_base, const VelocityCommand& command) {
 
 std::optional<VelocityCommand> Escape::Find(
     const ControlPose& pose, std::span<const TrackPoint> track,
-    const VelocityCommand& wanted, const LocalCostmap& costmap,
-    const CollisionGuard& guard, std::span<const GuardPoint> points) {
+    const VelocityCommand& wanted, bool may_back_up,
+    const LocalCostmap& costmap, const CollisionGuard& guard,
+    std::span<const GuardPoint> points) {
   if (!guard.Check(wanted, points).is_limited && !held_.has_value()) {
     return std::nullopt;
   }
   const bool holds =
       held_.has_value() &&
       std::chrono::duration<double>(pose.stamp - held_since_).count() < kHold_s;
-  if (holds && !guard.Check(*held_, points).is_limited) return held_;
+  if (holds && (may_back_up || held_->forward_mps >= 0) &&
+      !guard.Check(*held_, points).is_limited) return held_;
   Vec2 target = track.back().in_map;
   double along_m = 0;
   for (size_t i = 1; i < track.size(); ++i) {
@@ -56,6 +58,7 @@ std::optional<VelocityCommand> Escape::Find(
   held_.reset();
   double best = price(pose.pose.map_from_base) - 0.02;
   for (const double speed : kSpeeds_mps) {
+    if (speed < 0 && !may_back_up) continue;
     for (const double yaw_rate : kYawRates_radps) {
       const VelocityCommand command = {.forward_mps = speed,
                                        .yaw_rate_radps = yaw_rate};

@@ -20,10 +20,11 @@ namespace treeline {
 class Escape {
  public:
   void Reset() { held_.reset(); }
-  // nullopt: none is allowed.
+  // nullopt: none is allowed. Without `may_back_up`, none that goes back.
   std::optional<VelocityCommand> Find(const ControlPose& pose,
                                       std::span<const TrackPoint> track,
                                       const VelocityCommand& wanted,
+                                      bool may_back_up,
                                       const LocalCostmap& costmap,
                                       const CollisionGuard& guard,
                                       std::span<const GuardPoint> points);

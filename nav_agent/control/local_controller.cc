@@ -20,6 +20,7 @@
 #include "nav_agent/control/velocity_limits.h"
 
 namespace treeline {
+thread_local std::vector<std::pair<Vec2,Mover>> g_movers;
 namespace {
 
 // Without a scan for so long the robot stops (s).
@@ -35,6 +36,8 @@ constexpr double kNearer_m = 0.003;
 constexpr double kProbe_mps = 0.15;
 // A band that breaks so near ahead is broken (m).
 constexpr double kBrokenNear_m = 0.35;
+// Nobody has moved for so long: nobody is about (s).
+constexpr double kQuiet_s = 8;
 
 double SecondsBetween(MonotonicTime from, MonotonicTime until) {
   return std::chrono::duration<double>(until - from).count();
@@ -85,6 +88,10 @@ class BandController final : public LocalController {
                         const VelocityCommand& wanted) override;
   bool CanTurn(const ControlPose& pose) const override;
   double FreeWay_m(const ControlPose& pose, double at_most_m) const override;
+  bool IsQuiet(MonotonicTime now) const override {
+    return !movers_.last_seen().has_value() ||
+           SecondsBetween(*movers_.last_seen(), now) > kQuiet_s;
+  }
   std::vector<Bubble> Bubbles() const override;
   CostmapView Costmap() const override;
 
@@ -170,7 +177,9 @@ std::vector<GuardPoint> BandController::GuardPoints(
                                                 : options.cell_margin_m});
   }
   // Somebody who went out of sight behind the robot is still about.
+  g_movers.clear();
   for (const Mover& mover : movers_.Movers()) {
+    g_movers.push_back({base_from_map * mover.in_map, mover});
     if (mover.unseen_s == 0) continue;
     const Vec2 in_base = base_from_map * mover.in_map;
     if (Norm(in_base) > reach_m + mover.doubt_m) continue;
@@ -277,7 +286,9 @@ ControlResult BandController::Step(const ControlPose& pose) {
     return result;
   }
   if (standstill_.WantsEscape() && track.points.size() > 1) {
-    wanted = escape_.Find(pose, track.points, wanted, costmap_, guard_, points)
+    wanted = escape_
+                 .Find(pose, track.points, wanted, IsQuiet(pose.stamp),
+                       costmap_, guard_, points)
                  .value_or(wanted);
   }
   // Who waits stands; whether it might go on is looked at all the same.

@@ -13,6 +13,8 @@ namespace {
 constexpr double kLongestInterval_s = 0.25;
 // Who walks is not faster (m/s).
 constexpr double kFastest_mps = 2.0;
+// Out of sight for so long, it may have turned (s).
+constexpr double kBlink_s = 0.3;
 // A beam that ends so much nearer does not show what is behind (m).
 constexpr double kInFront_m = 0.25;
 
@@ -60,19 +62,20 @@ MoverTracks::Sight MoverTracks::SightOf(const Rigid3& map_from_laser,
   }
   const double to_edge_rad = laser_.angle_increment_rad *
                              std::min(beam, laser_.beams - 1 - beam);
-  return to_edge_rad * away_m < options_.size_m ? Sight::kPart : Sight::kFull;
+  return to_edge_rad * away_m < options_.cut_m ? Sight::kPart : Sight::kFull;
 }
 
 void MoverTracks::Follow(Track& track, Vec2 in_map, double interval_s) const {
-  const Vec2 surprise = in_map - track.in_map;
   // Who comes into sight again is there, not between there and where it was
-  // expected.
-  const bool is_back = track.unseen_s > 0;
-  track.in_map = is_back ? in_map
-                         : track.in_map + options_.place_gain * surprise;
-  if (!is_back && interval_s > 0) {
+  // expected, and goes another way perhaps.
+  if (track.unseen_s > kBlink_s) track.fitted = 0;
+  track.fitted = std::min(track.fitted + 1, options_.fitted_scans);
+  const double n = track.fitted;
+  const Vec2 surprise = in_map - track.in_map;
+  track.in_map = track.in_map + (2 * (2 * n - 1) / (n * (n + 1))) * surprise;
+  if (track.fitted > 1 && interval_s > 0) {
     track.velocity_mps = track.velocity_mps +
-                         (options_.speed_gain / interval_s) * surprise;
+                         (6 / (n * (n + 1) * interval_s)) * surprise;
     const double speed_mps = Norm(track.velocity_mps);
     if (speed_mps > kFastest_mps) {
       track.velocity_mps = (kFastest_mps / speed_mps) * track.velocity_mps;
@@ -102,7 +105,7 @@ void MoverTracks::AddScan(const Rigid3& map_from_laser, const LaserScan& scan,
         Norm(nearest->Middle() - track.in_map) <
             options_.reach_m + options_.doubt_mps * track.unseen_s) {
       // Of what is cut off by the edge of the view, the middle is not seen.
-      if (track.seen >= options_.scans_to_begin &&
+      if (track.fitted > options_.fitted_scans / 2 &&
           SightOf(map_from_laser, scan, nearest->Middle()) == Sight::kPart) {
         track.unseen_s = 0;
       } else {
@@ -122,9 +125,14 @@ void MoverTracks::AddScan(const Rigid3& map_from_laser, const LaserScan& scan,
            track.unseen_s > options_.memory_s ||
            (track.unseen_s > 0 && track.seen < options_.scans_to_begin);
   });
+  for (const Track& track : tracks_) {
+    if (track.unseen_s == 0 && track.seen >= options_.scans_to_begin) {
+      last_seen_ = scan.stamp;
+    }
+  }
   for (const Cluster& cluster : clusters) {
     tracks_.push_back(
-        {.in_map = cluster.Middle(), .velocity_mps = {}, .seen = 1});
+        {.in_map = cluster.Middle(), .velocity_mps = {}, .seen = 1, .fitted = 1});
   }
 }
 

@@ -19,19 +19,22 @@ struct MoverTracksOptions {
   // Points so near to the middle of one are its own, legs of one person for
   // instance (m).
   double size_m = 0.4;
+  // What is so near to the edge of the view is half out of it (m).
+  double cut_m = 0.2;
   // It is taken for the one that was expected within this (m).
   double reach_m = 0.5;
-  // The parts of a surprise that go into place and speed with each scan of
-  // 40 Hz (an alpha-beta filter, critically damped).
-  double place_gain = 0.25;
-  double speed_gain = 0.036;
+  // Place and speed are those of the straight line through its last so many
+  // places, roughly: an alpha-beta filter whose gains are those of a least
+  // squares fit to all (Benedict and Bordner's growing memory) until there are
+  // so many.
+  int fitted_scans = 14;
   // Seen so often, it is there; not seen so often where it should be, it is not.
   int scans_to_begin = 4;
   int scans_to_end = 6;
-  // Out of sight it walks on as it did, for so long (s), and every second may be
-  // so much further from there (m).
-  double memory_s = 3.0;
+  // Out of sight it walks on as it did, and every second may be so much further
+  // from there (m). After so long it is forgotten (s).
   double doubt_mps = 0.35;
+  double memory_s = 3.0;
 };
 
 // One that moves.
@@ -57,12 +60,16 @@ class MoverTracks {
   void Clear() { tracks_.clear(); }
 
   std::vector<Mover> Movers() const;
+  // When one was seen last; nullopt: never.
+  std::optional<MonotonicTime> last_seen() const { return last_seen_; }
 
  private:
   struct Track {
     Vec2 in_map;
     Vec2 velocity_mps;
     int seen = 0;
+    // Of them, those that place and speed rest on.
+    int fitted = 0;
     // In a row, where it should have been seen.
     int missed = 0;
     double unseen_s = 0;
@@ -82,6 +89,7 @@ class MoverTracks {
   MoverTracksOptions options_;
   std::vector<Track> tracks_;
   std::optional<MonotonicTime> last_;
+  std::optional<MonotonicTime> last_seen_;
 };
 
 }  // namespace treeline
