@@ -4,27 +4,38 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace treeline {
 namespace {
 
 constexpr double kHold_s = 0.7;
-constexpr double kAhead_s = 1.0;
+constexpr double kAhead_s[] = {1.0, 2.0};
 // The point of the track that the robot should look at (m).
-constexpr double kLook_m = 0.4;
+constexpr double kLook_m = 0.8;
+// What a place costs from where it may not move as it wants to either (rad).
+constexpr double kHeldToo = 0.5;
 // What room beside the robot is worth, up to how much (rad of heading for 1 m).
 constexpr double kRoomWorth = 6;
 constexpr double kRoomMost_m = 0.15;
 constexpr double kSpeeds_mps[] = {0.12, 0.06, 0.0, -0.06, -0.12};
 constexpr double kYawRates_radps[] = {0.0, 0.35, -0.35, 0.7, -0.7};
+constexpr double kTurn_radps = 0.35;
 
-Rigid2 After(const Rigid2& map_from_base, const VelocityCommand& command) {
-  const double turn_rad = command.yaw_rate_radps * kAhead_s;
-  const double way_m = command.forward_mps * kAhead_s;
-  return map_from_base *
-         Rigid2{.translation = {way_m * std::cos(0.5 * turn_rad),
-                                way_m * std::sin(0.5 * turn_rad)},
-                .yaw_rad = turn_rad};
+Rigid2 MotionIn(double time_s, const VelocityCommand& command) {
+  const double turn_rad = command.yaw_rate_radps * time_s;
+  const double way_m = command.forward_mps * time_s;
+  return {.translation = {way_m * std::cos(0.5 * turn_rad),
+                          way_m * std::sin(0.5 * turn_rad)},
+          .yaw_rad = turn_rad};
+}
+
+std::vector<GuardPoint> SeenFrom(const Rigid2& base_from_there,
+                                 std::span<const GuardPoint> points) {
+  const Rigid2 there_from_base = base_from_there.Inverse();
+  std::vector<GuardPoint> seen(points.begin(), points.end());
+  for (GuardPoint& point : seen) point.in_base = there_from_base * point.in_base;
+  return seen;
 }
 
 }  // namespace
@@ -50,23 +61,35 @@ std::optional<VelocityCommand> Escape::Find(
     target = track[i].in_map;
     break;
   }
-  const auto price = [&](const Rigid2& at) {
+  // After a motion: what it has brought, and whether the robot may go on from
+  // there.
+  const auto price = [&](const Rigid2& motion) {
+    const Rigid2 at = pose.pose.map_from_base * motion;
     const Vec2 to = at.Inverse() * target;
+    const double angle_rad = std::atan2(to.y, to.x);
     const double room_m = costmap.FootprintDistance_m(at, kRoomMost_m);
-    return std::abs(std::atan2(to.y, to.x)) + Norm(to) - kRoomWorth * room_m;
+    const VelocityCommand turn = {
+        .forward_mps = 0,
+        .yaw_rate_radps = std::copysign(kTurn_radps, angle_rad)};
+    const bool is_held = guard.Check(turn, SeenFrom(motion, points)).is_limited;
+    return std::abs(angle_rad) + Norm(to) - kRoomWorth * room_m +
+           (is_held ? kHeldToo : 0);
   };
   held_.reset();
-  double best = price(pose.pose.map_from_base) - 0.02;
+  double best = price({}) - 0.02;
   for (const double speed : kSpeeds_mps) {
     if (speed < 0 && !may_back_up) continue;
     for (const double yaw_rate : kYawRates_radps) {
       const VelocityCommand command = {.forward_mps = speed,
                                        .yaw_rate_radps = yaw_rate};
       if (speed == 0 && yaw_rate == 0) continue;
-      const double now = price(After(pose.pose.map_from_base, command));
-      if (now >= best || guard.Check(command, points).is_limited) continue;
-      best = now;
-      held_ = command;
+      if (guard.Check(command, points).is_limited) continue;
+      for (const double ahead_s : kAhead_s) {
+        const double then = price(MotionIn(ahead_s, command));
+        if (then >= best) continue;
+        best = then;
+        held_ = command;
+      }
     }
   }
   held_since_ = pose.stamp;

@@ -14,9 +14,10 @@ namespace treeline {
 
 // A robot that stands askew beside a wall cannot turn where it stands: it has
 // to back off first. Of a few slow commands, those that the collision guard
-// allows as they are, the one after which (1 s on) the robot looks most along
-// its track, has most room about it, and has not lost way. Held for a while, so
-// that the robot does not dither. Not thread-safe.
+// allows as they are, the one after which (1 or 2 s on) the robot looks most
+// along its track, has most room about it, may turn to its track, and has not
+// lost way. Held for a while, so that the robot does not dither. Not
+// thread-safe.
 class Escape {
  public:
   void Reset() { held_.reset(); }
