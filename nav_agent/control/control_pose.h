@@ -5,6 +5,7 @@
 #include "common/base/clock.h"
 #include "common/geometry/rigid3.h"
 #include "nav_agent/core/level_pose.h"
+#include "nav_agent/core/sensor_data.h"
 
 namespace treeline {
 
@@ -28,6 +29,15 @@ inline Rigid3 MapFromBase3(const ControlPose& pose) {
                       pose.level_from_base,
           .translation = {planar.translation.x, planar.translation.y,
                           pose.pose.place.height_m}};
+}
+
+// Where a robot that obeys a command for time_s comes to, from where it was.
+inline Rigid2 MotionIn(double time_s, const VelocityCommand& command) {
+  const double turn_rad = command.yaw_rate_radps * time_s;
+  const double way_m = command.forward_mps * time_s;
+  return {.translation = {way_m * std::cos(0.5 * turn_rad),
+                          way_m * std::sin(0.5 * turn_rad)},
+          .yaw_rad = turn_rad};
 }
 
 }  // namespace treeline

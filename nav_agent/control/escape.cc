@@ -22,14 +22,6 @@ constexpr double kSpeeds_mps[] = {0.12, 0.06, 0.0, -0.06, -0.12};
 constexpr double kYawRates_radps[] = {0.0, 0.35, -0.35, 0.7, -0.7};
 constexpr double kTurn_radps = 0.35;
 
-Rigid2 MotionIn(double time_s, const VelocityCommand& command) {
-  const double turn_rad = command.yaw_rate_radps * time_s;
-  const double way_m = command.forward_mps * time_s;
-  return {.translation = {way_m * std::cos(0.5 * turn_rad),
-                          way_m * std::sin(0.5 * turn_rad)},
-          .yaw_rad = turn_rad};
-}
-
 std::vector<GuardPoint> SeenFrom(const Rigid2& base_from_there,
                                  std::span<const GuardPoint> points) {
   const Rigid2 there_from_base = base_from_there.Inverse();

@@ -15,12 +15,12 @@
 #include "nav_agent/control/goal_approach.h"
 #include "nav_agent/control/local_costmap.h"
 #include "nav_agent/control/mover_tracks.h"
+#include "nav_agent/control/rounded_turn.h"
 #include "nav_agent/control/standstill.h"
 #include "nav_agent/control/track_follower.h"
 #include "nav_agent/control/velocity_limits.h"
 
 namespace treeline {
-thread_local std::vector<std::pair<Vec2,Mover>> g_movers;
 namespace {
 
 // Without a scan for so long the robot stops (s).
@@ -32,8 +32,9 @@ constexpr double kStanding_radps = 0.05;
 // than that already (m).
 constexpr double kRoom_m = 0.01;
 constexpr double kNearer_m = 0.003;
-// A robot that waits looks whether it might set off so fast (m/s).
+// A robot that waits looks whether it might set off so fast (m/s, rad/s).
 constexpr double kProbe_mps = 0.15;
+constexpr double kProbe_radps = 0.3;
 // A band that breaks so near ahead is broken (m).
 constexpr double kBrokenNear_m = 0.35;
 // Nobody has moved for so long: nobody is about (s).
@@ -177,9 +178,7 @@ std::vector<GuardPoint> BandController::GuardPoints(
                                                 : options.cell_margin_m});
   }
   // Somebody who went out of sight behind the robot is still about.
-  g_movers.clear();
   for (const Mover& mover : movers_.Movers()) {
-    g_movers.push_back({base_from_map * mover.in_map, mover});
     if (mover.unseen_s == 0) continue;
     const Vec2 in_base = base_from_map * mover.in_map;
     if (Norm(in_base) > reach_m + mover.doubt_m) continue;
@@ -228,7 +227,8 @@ void BandController::Probe(const ControlPose& pose,
                            std::span<const GuardPoint> points,
                            Allowed& allowed) const {
   const double share =
-      std::min(1.0, kProbe_mps / std::max(std::abs(wanted.forward_mps), 1e-6));
+      std::min({1.0, kProbe_mps / std::max(std::abs(wanted.forward_mps), 1e-6),
+                kProbe_radps / std::max(std::abs(wanted.yaw_rate_radps), 1e-6)});
   const GuardVerdict verdict =
       guard_.Check({.forward_mps = share * wanted.forward_mps,
                     .yaw_rate_radps = share * wanted.yaw_rate_radps},
@@ -290,6 +290,8 @@ ControlResult BandController::Step(const ControlPose& pose) {
                  .Find(pose, track.points, wanted, IsQuiet(pose.stamp),
                        costmap_, guard_, points)
                  .value_or(wanted);
+  } else if (!IsQuiet(pose.stamp) && !approach_.is_turning()) {
+    wanted = RoundedTurn(pose, wanted, robot_, costmap_, guard_, points);
   }
   // Who waits stands; whether it might go on is looked at all the same.
   const bool holds = standstill_.Holds();

@@ -168,6 +168,9 @@ class LocalCostmap {
     uint8_t laser_hits = 0;
     uint8_t depth_hits = 0;
     bool was_free = false;
+    // Somebody moved beside it when it was seen last: a cart's deck beside its
+    // legs.
+    bool is_of_mover = false;
     int64_t since_ms = 0;
     int64_t last_ms = 0;
     int64_t last_free_ms = 0;
@@ -209,6 +212,7 @@ class LocalCostmap {
                (seen_[i].was_free ? options_.came_from_m : options_.new_from_m);
   }
   bool IsMoving(CellIndex cell, int64_t now_ms) const;
+  bool IsBesideMover(size_t i) const;
   bool CountsAt(size_t i) const {
     return seen_[i].laser_hits >= options_.hits_to_mark ||
            seen_[i].depth_hits >= options_.hits_to_mark;

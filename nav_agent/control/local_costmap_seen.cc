@@ -20,6 +20,8 @@ constexpr int64_t kSeenLately_ms = 300;
 // A look that passes a cell at more than this above its ground does not see
 // what stands there (m).
 constexpr double kLookHeight_m = 0.6;
+// What is so near to a leg that walks is of the same body or cart (m).
+constexpr double kMoverSize_m = 0.5;
 constexpr double kUnknownGround = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
@@ -73,6 +75,14 @@ bool LocalCostmap::IsMoving(CellIndex cell, int64_t now_ms) const {
   return true;
 }
 
+bool LocalCostmap::IsBesideMover(size_t i) const {
+  const int cell = static_cast<int>(i);
+  const Vec2 center = CenterInMap(cell % width_, cell / width_);
+  return std::ranges::any_of(scan_points_, [&](const SeenPoint& point) {
+    return point.is_moving && Norm(point.in_map - center) < kMoverSize_m;
+  });
+}
+
 void LocalCostmap::ClearAlong(Vec3 from, Vec3 to, int64_t now_ms) {
   const double r = options_.resolution_m;
   const Vec2 way = {to.x - from.x, to.y - from.y};
@@ -123,6 +133,7 @@ void LocalCostmap::MarkHits(int64_t now_ms, uint8_t Seen::*hits) {
       seen.was_free =
           seen.last_free_ms > 0 && now_ms - seen.last_free_ms < kWasFree_ms;
     }
+    seen.is_of_mover = false;
     seen.*hits =
         static_cast<uint8_t>(std::min(options_.most_hits, seen.*hits + 1));
     seen.last_ms = now_ms;
@@ -276,6 +287,7 @@ absl::Status LocalCostmap::AddDepth(const ControlPose& pose,
     seen_[i].last_ms = now_ms;
   }
   MarkHits(now_ms, &Seen::depth_hits);
+  for (const size_t i : hit_cells_) seen_[i].is_of_mover = IsBesideMover(i);
   for (SeenPoint& point : depth_points_) {
     point.is_moving = IsMoving(CellOf(point.in_map), now_ms);
   }
@@ -317,7 +329,8 @@ void LocalCostmap::Update(MonotonicTime now) {
   for (size_t i = 0; i < cells_.size(); ++i) {
     Seen& seen = seen_[i];
     if (seen.laser_hits > 0 || seen.depth_hits > 0) {
-      const bool stood = seen.last_ms - seen.since_ms > standing_ms;
+      const bool stood =
+          seen.last_ms - seen.since_ms > standing_ms && !seen.is_of_mover;
       const double memory_s =
           stood ? options_.standing_memory_s : options_.moving_memory_s;
       if (static_cast<double>(now_ms - seen.last_ms) > 1000 * memory_s) {
