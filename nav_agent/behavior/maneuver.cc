@@ -19,6 +19,10 @@ constexpr double kNearlyAround_rad = 0.1;
 constexpr int kMostGivenBack = 30;
 // Rungs after which it backs up among people, too.
 constexpr int kBoldFrom = 4;
+// Nobody has moved for so long: nobody is about; or not at this moment (s).
+constexpr double kQuiet_s = 8;
+constexpr double kQuietMoment_s = 1.5;
+constexpr double kSomebody_s = 0.2;
 // Ground that is level, for who turns.
 constexpr double kLevel_rad = 0.06;
 
@@ -96,7 +100,7 @@ Maneuver::Result Maneuver::Step(const ControlPose& pose, MonotonicTime now,
       return LookAround(pose, elapsed_s, controller);
     case ManeuverKind::kWait:
       return {.outcome = elapsed_s >= rung_.wait_s ? ManeuverOutcome::kDone
-                                              : ManeuverOutcome::kRunning,
+                                                   : ManeuverOutcome::kRunning,
               .command = {}};
     case ManeuverKind::kReroute:
       break;
@@ -108,11 +112,21 @@ Maneuver::Result Maneuver::Step(const ControlPose& pose, MonotonicTime now,
 Maneuver::Result Maneuver::BackUp(const ControlPose& pose, MonotonicTime now,
                                   LocalController& controller) {
   const Rigid2& here = pose.pose.map_from_base;
-  // Whoever is about may come up behind it.
-  if (!rung_.is_bold && !controller.IsQuiet(now)) {
-    return {.outcome = ManeuverOutcome::kNotPossible, .command = {}};
+  // Whoever is about may come up behind it: the bold wait for a quiet moment.
+  const double quiet_s = controller.QuietFor_s(now);
+  if (!start_.has_value() &&
+      quiet_s < (rung_.is_bold ? kQuietMoment_s : kQuiet_s)) {
+    const bool waits =
+        rung_.is_bold && SecondsBetween(begun_, now) < limits_.back_up_s;
+    return {.outcome = waits ? ManeuverOutcome::kRunning
+                             : ManeuverOutcome::kNotPossible,
+            .command = controller.Guard(pose, {})};
+  }
+  if (quiet_s < kSomebody_s) {
+    return {.outcome = ManeuverOutcome::kTimedOut, .command = {}};
   }
   if (!start_.has_value()) {
+    begun_ = now;
     start_ = here;
     // Where nothing is known to be in the way, to a hand's breadth.
     way_m_ = controller.FreeWay_m(pose, -limits_.back_up_m);
@@ -169,8 +183,7 @@ std::optional<ManeuverRung> ManeuverLadder::Next(Trouble trouble) {
   const bool is_bold = used_ >= kBoldFrom;
   ++used_;
   can_give_back_ = true;
-  return ManeuverRung{
-      .kind = order[at], .wait_s = wait_s, .is_bold = is_bold};
+  return ManeuverRung{.kind = order[at], .wait_s = wait_s, .is_bold = is_bold};
 }
 
 void ManeuverLadder::GiveBack() {

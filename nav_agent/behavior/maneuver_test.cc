@@ -41,11 +41,30 @@ class ManeuverTest : public testing::Test {
 
 // Behind the robot no sensor looks.
 TEST_F(ManeuverTest, BacksUpAmongPeopleOnlyIfLittleElseIsLeft) {
-  controller.is_quiet = false;
+  controller.quiet_s = 3;
   EXPECT_EQ(Run(ManeuverKind::kBackUp), ManeuverOutcome::kNotPossible);
+  EXPECT_LT(Took_s(), 0.1);
   EXPECT_EQ(pose.pose.map_from_base.translation.x, 0);
   is_bold = true;
   EXPECT_EQ(Run(ManeuverKind::kBackUp), ManeuverOutcome::kDone);
+  EXPECT_LT(pose.pose.map_from_base.translation.x, -0.2);
+}
+
+TEST_F(ManeuverTest, TheBoldWaitForAQuietMomentAndStandWhenSomebodyComes) {
+  is_bold = true;
+  controller.quiet_s = 0.5;
+  EXPECT_EQ(Run(ManeuverKind::kBackUp), ManeuverOutcome::kNotPossible);
+  EXPECT_NEAR(Took_s(), kLimits.back_up_s, 0.1);
+  EXPECT_EQ(pose.pose.map_from_base.translation.x, 0);
+
+  controller.quiet_s = 2;
+  Maneuver maneuver({.kind = ManeuverKind::kBackUp, .is_bold = true}, kLimits,
+                    clock.Now());
+  EXPECT_LT(maneuver.Step(pose, clock.Now(), controller).command.forward_mps,
+            0);
+  controller.quiet_s = 0;
+  EXPECT_EQ(maneuver.Step(pose, clock.Now(), controller).outcome,
+            ManeuverOutcome::kTimedOut);
 }
 
 TEST_F(ManeuverTest, BacksUpAsFarAsItMay) {
@@ -92,8 +111,7 @@ TEST(ManeuverLadder, EndsAndIsRefilled) {
   ManeuverLadder ladder(kLimits);
   double last_wait_s = 0;
   for (int i = 0; i < kLimits.max_recoveries; ++i) {
-    const std::optional<ManeuverRung> rung =
-        ladder.Next(Trouble::kNoWay);
+    const std::optional<ManeuverRung> rung = ladder.Next(Trouble::kNoWay);
     ASSERT_TRUE(rung.has_value());
     EXPECT_GE(rung->wait_s, last_wait_s);
     EXPECT_LE(rung->wait_s, kLimits.longest_wait_s);

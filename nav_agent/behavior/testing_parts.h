@@ -106,7 +106,7 @@ class FakeController final : public LocalController {
     return wanted;
   }
   bool CanTurn(const ControlPose& /*pose*/) const override { return can_turn; }
-  bool IsQuiet(MonotonicTime /*now*/) const override { return is_quiet; }
+  double QuietFor_s(MonotonicTime /*now*/) const override { return quiet_s; }
   double FreeWay_m(const ControlPose& /*pose*/,
                    double at_most_m) const override {
     return std::abs(at_most_m) > free_m ? std::copysign(free_m, at_most_m)
@@ -127,7 +127,7 @@ class FakeController final : public LocalController {
   int clears = 0;
   int steps = 0;
   bool can_turn = true;
-  bool is_quiet = true;
+  double quiet_s = 100;
   double free_m = 10;
   std::optional<ControlPose> last_scan_pose;
   std::optional<ControlPose> last_guarded;

@@ -91,10 +91,10 @@ const GuardPoint* CollisionGuard::FirstHit(
       const double needed_m =
           point.margin_m + extra_m + point.approach_mps * time_s;
       if (distance_m >= needed_m) continue;
-      if (point.approach_mps > 0 ? footprint_.OutwardSpeed_mps(
-                                       {share * v, share * w}, in_base,
-                                       needed_m) > options_.outward_mps
-                                 : distance_m < now_m[i] - kSlack_m) {
+      if (point.approach_mps > 0
+              ? footprint_.OutwardSpeed_mps({share * v, share * w}, in_base,
+                                            needed_m) > options_.outward_mps
+              : distance_m < now_m[i] - kSlack_m) {
         return &point;
       }
     }

@@ -26,7 +26,8 @@ std::vector<GuardPoint> SeenFrom(const Rigid2& base_from_there,
                                  std::span<const GuardPoint> points) {
   const Rigid2 there_from_base = base_from_there.Inverse();
   std::vector<GuardPoint> seen(points.begin(), points.end());
-  for (GuardPoint& point : seen) point.in_base = there_from_base * point.in_base;
+  for (GuardPoint& point : seen)
+    point.in_base = there_from_base * point.in_base;
   return seen;
 }
 
@@ -44,7 +45,8 @@ std::optional<VelocityCommand> Escape::Find(
       held_.has_value() &&
       std::chrono::duration<double>(pose.stamp - held_since_).count() < kHold_s;
   if (holds && (may_back_up || held_->forward_mps >= 0) &&
-      !guard.Check(*held_, points).is_limited) return held_;
+      !guard.Check(*held_, points).is_limited)
+    return held_;
   Vec2 target = track.back().in_map;
   double along_m = 0;
   for (size_t i = 1; i < track.size(); ++i) {

@@ -10,8 +10,8 @@ int Pieces(double length_m, double spacing_m) {
   return std::max(1, static_cast<int>(std::ceil(length_m / spacing_m - 1e-9)));
 }
 
-// The part of a side from `from` to `until` (along it) that is within reach_m of
-// a point `beside_m` away from the side's line, at `along`; nullopt: none.
+// The part of a side from `from` to `until` (along it) that is within reach_m
+// of a point `beside_m` away from the side's line, at `along`; nullopt: none.
 std::optional<std::pair<double, double>> PartNear(double from, double until,
                                                   double along, double beside_m,
                                                   double reach_m) {
@@ -40,10 +40,10 @@ double Footprint::OutwardSpeed_mps(const VelocityCommand& motion,
       fastest_mps = std::max({fastest_mps, sign * (v - w * part->first),
                               sign * (v - w * part->second)});
     }
-    if (const auto part = PartNear(-rear_m, front_m, x,
-                                   y - sign * half_width_m, reach_m)) {
-      fastest_mps = std::max({fastest_mps, sign * w * part->first,
-                              sign * w * part->second});
+    if (const auto part =
+            PartNear(-rear_m, front_m, x, y - sign * half_width_m, reach_m)) {
+      fastest_mps = std::max(
+          {fastest_mps, sign * w * part->first, sign * w * part->second});
     }
   }
   return fastest_mps;

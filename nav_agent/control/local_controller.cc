@@ -37,8 +37,13 @@ constexpr double kProbe_mps = 0.15;
 constexpr double kProbe_radps = 0.3;
 // A band that breaks so near ahead is broken (m).
 constexpr double kBrokenNear_m = 0.35;
-// Nobody has moved for so long: nobody is about (s).
+// Nobody has moved for so long: nobody is about (s). A robot that has not got
+// on for a while dares more: so much less for each second.
 constexpr double kQuiet_s = 8;
+constexpr double kQuietLeast_s = 1.5;
+constexpr double kDaring = 0.5;
+// It has got on when it is so far away (m).
+constexpr double kGotOn_m = 0.15;
 
 double SecondsBetween(MonotonicTime from, MonotonicTime until) {
   return std::chrono::duration<double>(until - from).count();
@@ -89,9 +94,10 @@ class BandController final : public LocalController {
                         const VelocityCommand& wanted) override;
   bool CanTurn(const ControlPose& pose) const override;
   double FreeWay_m(const ControlPose& pose, double at_most_m) const override;
-  bool IsQuiet(MonotonicTime now) const override {
-    return !movers_.last_seen().has_value() ||
-           SecondsBetween(*movers_.last_seen(), now) > kQuiet_s;
+  double QuietFor_s(MonotonicTime now) const override {
+    return movers_.last_seen().has_value()
+               ? SecondsBetween(*movers_.last_seen(), now)
+               : std::numeric_limits<double>::infinity();
   }
   std::vector<Bubble> Bubbles() const override;
   CostmapView Costmap() const override;
@@ -119,6 +125,7 @@ class BandController final : public LocalController {
   void Probe(const ControlPose& pose, const VelocityCommand& wanted,
              std::span<const GuardPoint> points, Allowed& allowed) const;
   VelocityCommand Wanted(const ControlPose& pose, const BandTrack& track);
+  bool MayBackUp(const ControlPose& pose);
   void JudgeProgress(const ControlPose& pose, const BandTrack& track,
                      const VelocityCommand& wanted, const Allowed& allowed,
                      ControlResult& result);
@@ -133,6 +140,8 @@ class BandController final : public LocalController {
   BandKeeper keeper_;
   GoalApproach approach_;
   FollowState follow_state_;
+  // Where the robot got on last, and when.
+  std::optional<std::pair<Vec2, MonotonicTime>> got_on_;
   Escape escape_;
   Standstill standstill_;
 };
@@ -226,9 +235,9 @@ void BandController::Probe(const ControlPose& pose,
                            const VelocityCommand& wanted,
                            std::span<const GuardPoint> points,
                            Allowed& allowed) const {
-  const double share =
-      std::min({1.0, kProbe_mps / std::max(std::abs(wanted.forward_mps), 1e-6),
-                kProbe_radps / std::max(std::abs(wanted.yaw_rate_radps), 1e-6)});
+  const double share = std::min(
+      {1.0, kProbe_mps / std::max(std::abs(wanted.forward_mps), 1e-6),
+       kProbe_radps / std::max(std::abs(wanted.yaw_rate_radps), 1e-6)});
   const GuardVerdict verdict =
       guard_.Check({.forward_mps = share * wanted.forward_mps,
                     .yaw_rate_radps = share * wanted.yaw_rate_radps},
@@ -258,6 +267,12 @@ VelocityCommand BandController::Wanted(const ControlPose& pose,
                      robot_, follow_, follow_state_);
 }
 
+bool BandController::MayBackUp(const ControlPose& pose) {
+  const double stood_s = SecondsBetween(got_on_->second, pose.stamp);
+  return QuietFor_s(pose.stamp) >=
+         std::max(kQuietLeast_s, kQuiet_s - kDaring * stood_s);
+}
+
 ControlResult BandController::Step(const ControlPose& pose) {
   ControlResult result;
   if (!IsFinitePose(pose)) {
@@ -267,6 +282,10 @@ ControlResult BandController::Step(const ControlPose& pose) {
   }
   costmap_.MoveTo(pose);
   costmap_.Update(pose.stamp);
+  const Vec2 here = pose.pose.map_from_base.translation;
+  if (!got_on_.has_value() || Norm(here - got_on_->first) > kGotOn_m) {
+    got_on_ = {here, pose.stamp};
+  }
   const std::vector<GuardPoint> points = GuardPoints(pose);
   if (!keeper_.progress().has_path()) {
     result.command = Allow(pose, {}, points).command;
@@ -287,10 +306,10 @@ ControlResult BandController::Step(const ControlPose& pose) {
   }
   if (standstill_.WantsEscape() && track.points.size() > 1) {
     wanted = escape_
-                 .Find(pose, track.points, wanted, IsQuiet(pose.stamp),
-                       costmap_, guard_, points)
+                 .Find(pose, track.points, wanted, MayBackUp(pose), costmap_,
+                       guard_, points)
                  .value_or(wanted);
-  } else if (!IsQuiet(pose.stamp) && !approach_.is_turning()) {
+  } else if (QuietFor_s(pose.stamp) < kQuiet_s && !approach_.is_turning()) {
     wanted = RoundedTurn(pose, wanted, robot_, costmap_, guard_, points);
   }
   // Who waits stands; whether it might go on is looked at all the same.

@@ -100,9 +100,9 @@ class LocalController {
   // back), without touching what is known.
   virtual bool CanTurn(const ControlPose& pose) const = 0;
   virtual double FreeWay_m(const ControlPose& pose, double at_most_m) const = 0;
-  // Whether nobody has been seen to move nearby for a while: where people are
+  // For how long nobody has been seen to move nearby (s): where people are
   // about, one may come up behind the robot, where no sensor looks.
-  virtual bool IsQuiet(MonotonicTime now) const = 0;
+  virtual double QuietFor_s(MonotonicTime now) const = 0;
 
   virtual std::vector<Bubble> Bubbles() const = 0;
   virtual CostmapView Costmap() const = 0;

@@ -39,12 +39,8 @@ class Drive {
               3.0 * 0.025 + 1e-9);
     pose_.forward_mps = result.command.forward_mps;
     pose_.yaw_rate_radps = result.command.yaw_rate_radps;
-    const double turn = 0.025 * pose_.yaw_rate_radps;
-    const double way = 0.025 * pose_.forward_mps;
-    pose_.pose.map_from_base = pose_.pose.map_from_base *
-                               Rigid2{.translation = {way * std::cos(turn / 2),
-                                                      way * std::sin(turn / 2)},
-                                      .yaw_rad = turn};
+    pose_.pose.map_from_base =
+        pose_.pose.map_from_base * MotionIn(0.025, result.command);
     return result;
   }
   // Until this state, or not.
@@ -108,6 +104,43 @@ TEST(LocalController, DrivesAroundACrateOnItsPath) {
   EXPECT_GT(nearest_m, 0.02);
   EXPECT_LT(Norm(drive.pose().pose.map_from_base.translation - Vec2{8, 6}),
             0.1);
+}
+
+// What is behind the robot no sensor shows.
+TEST(LocalController, AmongPeopleItsRearEdgeDoesNotSweepBack) {
+  double time_s = 0;
+  Drive* robot = nullptr;
+  // Somebody walks to and fro 1.6 m before it, wherever that is.
+  const auto somebody = [&](Vec2 at) {
+    const Rigid2& map_from_base = robot->pose().pose.map_from_base;
+    return Norm(map_from_base.Inverse() * at -
+                Vec2{1.6, 0.8 * std::sin(time_s)}) < 0.15;
+  };
+  Drive drive(TestingFloor(), TestingPose(6, 6), somebody);
+  robot = &drive;
+  for (; time_s < 1; time_s += 0.025) drive.Step();
+  EXPECT_LT(drive.controller().QuietFor_s(drive.pose().stamp), 0.1);
+  drive.Goto({4, 6.2}, 3.14);
+  double turned_rad = 0;
+  double swept_m = 0;
+  for (int i = 0; i < 40 * 6; ++i, time_s += 0.025) {
+    drive.Step();
+    const double turn_radps = std::abs(drive.pose().yaw_rate_radps);
+    turned_rad += 0.025 * turn_radps;
+    swept_m += 0.025 * std::max(0.0, RobotModel().half_width_m * turn_radps -
+                                         drive.pose().forward_mps);
+  }
+  EXPECT_GT(turned_rad, 1.5);
+  // A turn on the spot: 0.31 m for each radian.
+  EXPECT_LT(swept_m, 0.05);
+}
+
+TEST(LocalController, TurnsOnTheSpotWhereNobodyIs) {
+  Drive drive(TestingFloor(), TestingPose(6, 6), NothingThere);
+  drive.Goto({4, 6.2}, 3.14);
+  for (int i = 0; i < 40; ++i)
+    EXPECT_LT(drive.Step().command.forward_mps, 0.01);
+  EXPECT_GT(drive.pose().pose.map_from_base.yaw_rad, 0.5);
 }
 
 TEST(LocalController, SaysWhereAClosedWayIsBlocked) {

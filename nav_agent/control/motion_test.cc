@@ -5,7 +5,9 @@
 
 #include "gtest/gtest.h"
 #include "nav_agent/control/collision_guard.h"
+#include "nav_agent/control/escape.h"
 #include "nav_agent/control/goal_approach.h"
+#include "nav_agent/control/local_costmap.h"
 #include "nav_agent/control/path_progress.h"
 #include "nav_agent/control/standstill.h"
 #include "nav_agent/control/testing_floor.h"
@@ -16,16 +18,6 @@ namespace treeline {
 namespace {
 
 const RobotModel kRobot;
-
-// Where a robot gets in so much time.
-Rigid2 Moved(const Rigid2& map_from_base, const VelocityCommand& command,
-             double time_s) {
-  const double turn = command.yaw_rate_radps * time_s;
-  const double way = command.forward_mps * time_s;
-  return map_from_base * Rigid2{.translation = {way * std::cos(turn / 2),
-                                                way * std::sin(turn / 2)},
-                                .yaw_rad = turn};
-}
 
 // eband: no acceleration limit for differential drives.
 TEST(VelocityLimits, AccelerationIsLimited) {
@@ -102,7 +94,7 @@ TEST(CollisionGuard, StopsBeforeAWallFromAnySpeedAndHeading) {
         command = verdict.is_limited
                       ? LimitedVelocity(command, verdict.command, 0.025, kRobot)
                       : wanted;
-        at = Moved(at, command, 0.025);
+        at = at * MotionIn(0.025, command);
       }
       EXPECT_GT(nearest_m, 0.01) << heading_rad << " " << yaw_rate;
     }
@@ -158,8 +150,39 @@ TEST(CollisionGuard, NoEdgeMovesOutBesideWhoMoves) {
   EXPECT_FALSE(guard.Check({0, 0.5}, {{stands}}).is_limited);
 }
 
+// A bench beside its rear right corner: it may not turn left, where its track
+// leads, nor may it back up; 20 cm further ahead it may turn.
+TEST(Escape, DrivesOnToWhereItMayTurn) {
+  TestingFloor floor;
+  floor.Fill({4.5, 5.2}, {5.85, 5.65}, Occupancy::kOccupied);
+  absl::StatusOr<LocalCostmap> costmap =
+      LocalCostmap::Make(floor.Map(), kRobot, TestingLaser(), {});
+  ASSERT_TRUE(costmap.ok());
+  ControlPose pose = TestingPose(6, 6);
+  costmap->MoveTo(pose);
+  costmap->Update(pose.stamp);
+  std::vector<GuardPoint> bench;
+  for (double x_m = -1; x_m < -0.16; x_m += 0.05) {
+    bench.push_back({.in_base = {x_m, -0.345}, .margin_m = 0.035});
+  }
+  std::vector<TrackPoint> track;
+  for (double s_m = 0; s_m < 1.5; s_m += 0.1) {
+    track.push_back({.in_map = {6 + 0.75 * s_m, 6 + 0.65 * s_m}});
+  }
+  const CollisionGuard guard(kRobot, {});
+  const VelocityCommand wanted = {.forward_mps = 0, .yaw_rate_radps = 1.0};
+  ASSERT_TRUE(guard.Check({0, 0.35}, bench).is_limited);
+  Escape escape;
+  const std::optional<VelocityCommand> found =
+      escape.Find(pose, track, wanted, false, *costmap, guard, bench);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_GT(found->forward_mps, 0);
+  EXPECT_FALSE(guard.Check(*found, bench).is_limited);
+}
+
 TEST(Footprint, OutwardSpeedIsOfTheEdgesNearAPoint) {
-  const Footprint footprint = {.front_m = 0.3, .rear_m = 0.4, .half_width_m = 0.2};
+  const Footprint footprint = {
+      .front_m = 0.3, .rear_m = 0.4, .half_width_m = 0.2};
   // Before the middle of the front, driving ahead and turning.
   EXPECT_NEAR(footprint.OutwardSpeed_mps({0.5, 0}, {0.4, 0}, 0.2), 0.5, 1e-12);
   EXPECT_EQ(footprint.OutwardSpeed_mps({-0.5, 0}, {0.4, 0}, 0.15), 0);
@@ -239,7 +262,7 @@ TEST(GoalApproach, ArrivesWithinTheTolerancesFromManyPlaces) {
           ASSERT_TRUE(approach.IsNear(at, goal, 0.1));
           command = LimitedVelocity(
               command, approach.Command(at, goal, kRobot, {}), 0.025, kRobot);
-          at = Moved(at, command, 0.025);
+          at = at * MotionIn(0.025, command);
         }
         EXPECT_TRUE(approach.is_done()) << x << " " << y << " " << yaw;
         EXPECT_LT(Norm(at.translation), 0.1);

@@ -52,16 +52,17 @@ MoverTracks::Sight MoverTracks::SightOf(const Rigid3& map_from_laser,
                                         Vec2 in_map) const {
   const Vec3 in_laser = map_from_laser.Inverse() *
                         Vec3{in_map.x, in_map.y, map_from_laser.translation.z};
-  const double beam = (std::atan2(in_laser.y, in_laser.x) - laser_.angle_min_rad) /
-                      laser_.angle_increment_rad;
+  const double beam =
+      (std::atan2(in_laser.y, in_laser.x) - laser_.angle_min_rad) /
+      laser_.angle_increment_rad;
   if (!(beam >= 0 && beam <= laser_.beams - 1)) return Sight::kNot;
   const double away_m = std::hypot(in_laser.x, in_laser.y);
   const float range_m = scan.ranges_m[static_cast<size_t>(std::lround(beam))];
   if (!(range_m >= laser_.range_min_m && range_m > away_m - kInFront_m)) {
     return Sight::kNot;
   }
-  const double to_edge_rad = laser_.angle_increment_rad *
-                             std::min(beam, laser_.beams - 1 - beam);
+  const double to_edge_rad =
+      laser_.angle_increment_rad * std::min(beam, laser_.beams - 1 - beam);
   return to_edge_rad * away_m < options_.cut_m ? Sight::kPart : Sight::kFull;
 }
 
@@ -74,8 +75,8 @@ void MoverTracks::Follow(Track& track, Vec2 in_map, double interval_s) const {
   const Vec2 surprise = in_map - track.in_map;
   track.in_map = track.in_map + (2 * (2 * n - 1) / (n * (n + 1))) * surprise;
   if (track.fitted > 1 && interval_s > 0) {
-    track.velocity_mps = track.velocity_mps +
-                         (6 / (n * (n + 1) * interval_s)) * surprise;
+    track.velocity_mps =
+        track.velocity_mps + (6 / (n * (n + 1) * interval_s)) * surprise;
     const double speed_mps = Norm(track.velocity_mps);
     if (speed_mps > kFastest_mps) {
       track.velocity_mps = (kFastest_mps / speed_mps) * track.velocity_mps;
@@ -115,10 +116,9 @@ void MoverTracks::AddScan(const Rigid3& map_from_laser, const LaserScan& scan,
       continue;
     }
     track.unseen_s += interval_s;
-    track.missed =
-        SightOf(map_from_laser, scan, track.in_map) == Sight::kFull
-            ? track.missed + 1
-            : 0;
+    track.missed = SightOf(map_from_laser, scan, track.in_map) == Sight::kFull
+                       ? track.missed + 1
+                       : 0;
   }
   std::erase_if(tracks_, [&](const Track& track) {
     return track.missed >= options_.scans_to_end ||
@@ -131,8 +131,10 @@ void MoverTracks::AddScan(const Rigid3& map_from_laser, const LaserScan& scan,
     }
   }
   for (const Cluster& cluster : clusters) {
-    tracks_.push_back(
-        {.in_map = cluster.Middle(), .velocity_mps = {}, .seen = 1, .fitted = 1});
+    tracks_.push_back({.in_map = cluster.Middle(),
+                       .velocity_mps = {},
+                       .seen = 1,
+                       .fitted = 1});
   }
 }
 

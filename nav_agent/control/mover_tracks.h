@@ -28,7 +28,8 @@ struct MoverTracksOptions {
   // squares fit to all (Benedict and Bordner's growing memory) until there are
   // so many.
   int fitted_scans = 14;
-  // Seen so often, it is there; not seen so often where it should be, it is not.
+  // Seen so often, it is there; not seen so often where it should be, it is
+  // not.
   int scans_to_begin = 4;
   int scans_to_end = 6;
   // Out of sight it walks on as it did, and every second may be so much further
