@@ -13,13 +13,15 @@ import random
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 import urllib.error
 import urllib.request
 
 SECONDS_TO_START = 120
 SECONDS_TO_ARRIVE = 420
+SECONDS_TO_CLOSE = 30
+# Its picture is taken so long before it is carried away (s).
+SHOWN_BEFORE_S = 2
 MOST_KIDNAP_TRIES = 20
 POLL_S = 0.1
 # What counts as knowing one's place.
@@ -31,6 +33,10 @@ FAR_M = 4
 ROOM_M = 0.55
 FREE = 254
 LOST_MODES = ("lost", "relocalizing", "need_help")
+
+HERE = pathlib.Path(__file__).resolve().parent
+# Where build-page keeps what it has fetched.
+PAGE_WORK = HERE.parent.parent / "build" / "page-work"
 
 
 class Agent:
@@ -206,43 +212,41 @@ class Story:
 
 
 class PagePictures:
-    """Screenshots of the page, taken beside the story; none without a browser.
+    """The page, open in a browser beside the story, and pictures of it; none
+    without node, Chromium and the packages that build-page has fetched.
     """
 
     def __init__(self, address, folder):
-        self.address = address
         self.folder = folder
-        self.browser = shutil.which("chromium") or shutil.which("google-chrome")
-        self.running = []    # (process, profile, file, title)
+        self.asked = []    # (file, title)
+        self.process = None
+        if (shutil.which("node") and
+                (PAGE_WORK / "node_modules" / "playwright-core").is_dir()):
+            self.process = subprocess.Popen(
+                ["node", str(HERE / "demo_page.mjs"), str(PAGE_WORK), address],
+                stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL, text=True)
 
     def take(self, name, title):
-        if self.browser is None:
+        if self.process is None:
             return
-        profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
-        process = subprocess.Popen(
-            [self.browser, "--headless", "--no-sandbox", "--disable-quic",
-             "--no-first-run", "--disable-background-networking",
-             "--disable-component-update", "--disable-sync",
-             "--use-gl=angle", "--use-angle=swiftshader",
-             "--enable-unsafe-swiftshader", f"--user-data-dir={profile.name}",
-             "--timeout=9000", "--window-size=1280,800",
-             f"--screenshot={self.folder / name}", self.address + "/"],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.running.append((process, profile, name, title))
+        try:
+            print(self.folder / name, file=self.process.stdin, flush=True)
+            self.asked.append((name, title))
+        except BrokenPipeError:
+            self.process = None
 
     def taken(self):
         """(file, title) of each that came out, when all have."""
-        good = []
-        for process, profile, name, title in self.running:
+        if self.process is not None:
+            self.process.stdin.close()
             try:
-                process.wait(timeout=60)
+                self.process.wait(timeout=SECONDS_TO_CLOSE)
             except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-            profile.cleanup()
-            if (self.folder / name).is_file():
-                good.append((name, title))
-        return good
+                self.process.kill()
+                self.process.wait()
+        return [(name, title) for name, title in self.asked
+                if (self.folder / name).is_file()]
 
 
 def save(agent, path, file):
@@ -267,7 +271,7 @@ def drive(agent, goal, kidnap_after_s, elsewhere, out, story):
                f"{goal['level']}, up the ramp")
     until = time.monotonic() + SECONDS_TO_ARRIVE
     driving_since = kidnapped_at = None
-    was_lost = False
+    was_lost = was_shown = False
     tries = 0
     while time.monotonic() < until:
         if not agent.is_alive():
@@ -278,7 +282,9 @@ def drive(agent, goal, kidnap_after_s, elsewhere, out, story):
         drives = state["mode"] == "driving"
         if drives and driving_since is None:
             driving_since = now
-            # A browser takes seconds for one.
+        if (drives and not was_shown and
+                now - driving_since > kidnap_after_s - SHOWN_BEFORE_S):
+            was_shown = True
             pictures.take("page-driving.png", "On its way")
         if (drives and not result["kidnapped"] and
                 now - driving_since > kidnap_after_s):
