@@ -43,6 +43,23 @@ TEST(BlockageMemory, FadesAndLastsLongerWhenMetAgain) {
   EXPECT_TRUE(memory.empty());
 }
 
+// A way that was planned around it, and that the band refuses at once.
+TEST(BlockageMemory, MetAgainAtOnceItIsLargerThanThought) {
+  ManualClock clock;
+  BlockageMemory memory(kLimits);
+  memory.Add(At(2, 0), clock.Now());
+  // Another disc of the same look.
+  memory.Add(At(2.05, 0), clock.Now());
+  EXPECT_EQ(memory.All().at(0).radius_m, 0.2);
+  clock.Advance_s(0.5);
+  memory.Add(At(2, 0), clock.Now());
+  EXPECT_NEAR(memory.All().at(0).radius_m, 0.23, 1e-9);
+  // Much later it says nothing of its size.
+  clock.Advance_s(5);
+  memory.Add(At(2, 0), clock.Now());
+  EXPECT_NEAR(memory.All().at(0).radius_m, 0.23, 1e-9);
+}
+
 TEST(BlockageMemory, SeesThatNothingIsThereAnyMore) {
   ManualClock clock;
   BlockageMemory memory(kLimits);
