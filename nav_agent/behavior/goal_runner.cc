@@ -236,9 +236,15 @@ void GoalRunner::TakeNoPlan(const ControlPose& pose, const PlanResult& result,
       End(GoalState::kFailed, NavigationCause::kInternal,
           "the planner found an empty path");
       return;
+    case NavigationCause::kNoPath:
+      if (is_first_path_) break;
+      // Its way led here: a little off, or turned, one leads on.
+      BeginTrouble(Trouble::kNoWay, NavigationCause::kNoPath, why, now);
+      return;
     default:
-      End(GoalState::kFailed, result.failure, why);
+      break;
   }
+  End(GoalState::kFailed, result.failure, why);
 }
 
 void GoalRunner::TakePath(const PlanResult& result, const char* what) {

@@ -211,6 +211,23 @@ TEST_F(NavigatorTest, PlanFailuresEndTheGoalWithTheirCause) {
   EXPECT_EQ(Goal().cause, NavigationCause::kInternal);
 }
 
+// A robot that its way has led to a place that is too narrow by the map.
+TEST_F(NavigatorTest, WithoutAWayOnFromWhereItDroveItRecovers) {
+  MakePlaced();
+  Send({PoseAtPoint(7, 2)});
+  Run(0.1);
+  controller->result.state = ControlState::kIdle;
+  planner->answers.emplace_back(FakePlanRunner::Failure(
+      NavigationCause::kNoPath, "too narrow to turn in"));
+  Run(0.05);
+  EXPECT_EQ(Goal().state, GoalState::kActive);
+  EXPECT_GE(Goal().recoveries, 1);
+  controller->result.state = ControlState::kDriving;
+  Run(NavigatorLimits{}.first_wait_s + 1);
+  EXPECT_EQ(mode(), NavigatorMode::kDriving);
+  EXPECT_EQ(Count("recovery", "wait: done"), 1);
+}
+
 TEST_F(NavigatorTest, APlanThatTakesTooLongIsAskedForWithMoreTime) {
   MakePlaced();
   planner->answers.emplace_back(
