@@ -48,7 +48,7 @@ double CollisionGuard::Reach_m() const {
          v * v / (2 * brake) + options_.approach_mps * stop_s +
          v * options_.margin_per_speed_s +
          std::max({options_.point_margin_m, options_.cell_margin_m,
-                   options_.moving_margin_m});
+                   options_.body_margin_m});
 }
 
 const GuardPoint* CollisionGuard::FirstHit(
@@ -91,12 +91,12 @@ const GuardPoint* CollisionGuard::FirstHit(
       const double needed_m =
           point.margin_m + extra_m + point.approach_mps * time_s;
       if (distance_m >= needed_m) continue;
-      if (point.approach_mps > 0
+      const bool is_hit =
+          point.is_of_body
               ? footprint_.OutwardSpeed_mps({share * v, share * w}, in_base,
                                             needed_m) > options_.outward_mps
-              : distance_m < now_m[i] - kSlack_m) {
-        return &point;
-      }
+              : distance_m < now_m[i] - kSlack_m;
+      if (is_hit) return &point;
     }
   }
   return nullptr;

@@ -28,10 +28,12 @@ struct CollisionGuardOptions {
   double reaction_s = 0.08;
   // The share of the robot's deceleration that is counted on: slopes.
   double braking_share = 0.75;
-  // What moves may come towards the robot so fast (m/s), and is wider than what
-  // is seen of it by this (m).
+  // What moves may come towards the robot so fast (m/s); room that is kept to
+  // it if it is no more than what is seen, and if it is somebody who is wider
+  // (m).
   double approach_mps = 0.9;
-  double moving_margin_m = 0.25;
+  double moving_margin_m = 0.20;
+  double body_margin_m = 0.25;
   // From the middle of somebody who is not seen (m).
   double lost_margin_m = 0.35;
   // Where somebody may be, no edge of the robot moves outwards faster (m/s).
@@ -44,8 +46,10 @@ struct GuardPoint {
   Vec2 in_base;
   // Kept free beside the footprint (m).
   double margin_m = 0;
-  // It may come nearer by itself (m/s), if this is more than 0.
+  // It may come nearer by itself (m/s).
   double approach_mps = 0;
+  // It is of somebody: the rest may be anywhere within its margin.
+  bool is_of_body = false;
 };
 
 struct GuardVerdict {
@@ -63,7 +67,7 @@ struct GuardVerdict {
 // must not come nearer still: away from it the robot may always drive. If the
 // command is not allowed, the fastest one along the same arc that is.
 //
-// What moves is larger than the point that is seen of it, and may be anywhere
+// Somebody who moves is larger than the point that is seen, and may be anywhere
 // within its margin and the way that it may have come since: an edge of the
 // robot that is in there must not move outwards. So whoever touches the robot
 // has run into it.

@@ -74,6 +74,10 @@ class BandController final : public LocalController {
   absl::Status AddScan(const ControlPose& pose,
                        const LaserScan& scan) override {
     TL_RETURN_IF_ERROR(costmap_.AddScan(pose, scan));
+    if (pose.map_is_unknown) {
+      movers_.Clear();
+      return absl::OkStatus();
+    }
     movers_.AddScan(MapFromBase3(pose) * robot_.base_from_laser, scan,
                     costmap_.scan_points());
     return absl::OkStatus();
@@ -160,6 +164,8 @@ std::vector<GuardPoint> BandController::GuardPoints(
   const double reach_m = guard_.Reach_m();
   const CollisionGuardOptions& options = guard_.options();
   std::vector<GuardPoint> points;
+  // Walls seem to move to a robot that turns and does not know the map.
+  const bool knows_movers = !pose.map_is_unknown;
   const auto add_seen = [&](const std::vector<SeenPoint>& seen) {
     Vec2 last = {1e9, 1e9};
     for (const SeenPoint& point : seen) {
@@ -167,12 +173,15 @@ std::vector<GuardPoint> BandController::GuardPoints(
       // Neighbouring beams that end side by side say the same.
       if (Norm(in_base) > reach_m || Norm(in_base - last) < 0.012) continue;
       last = in_base;
+      const double moving_margin_m =
+          knows_movers ? options.body_margin_m : options.moving_margin_m;
       points.push_back(
           {.in_base = in_base,
-           .margin_m = point.is_moving ? options.moving_margin_m
+           .margin_m = point.is_moving ? moving_margin_m
                        : point.is_new  ? options.new_margin_m
                                        : options.point_margin_m,
-           .approach_mps = point.is_moving ? options.approach_mps : 0});
+           .approach_mps = point.is_moving ? options.approach_mps : 0,
+           .is_of_body = point.is_moving && knows_movers});
     }
   };
   add_seen(costmap_.scan_points());
@@ -193,7 +202,8 @@ std::vector<GuardPoint> BandController::GuardPoints(
     if (Norm(in_base) > reach_m + mover.doubt_m) continue;
     points.push_back({.in_base = in_base,
                       .margin_m = options.lost_margin_m + mover.doubt_m,
-                      .approach_mps = options.approach_mps});
+                      .approach_mps = options.approach_mps,
+                      .is_of_body = true});
   }
   return points;
 }

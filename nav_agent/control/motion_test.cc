@@ -132,15 +132,19 @@ TEST(CollisionGuard, WhatMovesIsGivenMoreRoom) {
 // corner away from them, and the front into the rest of whoever that is.
 TEST(CollisionGuard, NoEdgeMovesOutBesideWhoMoves) {
   const CollisionGuard guard(kRobot, {});
-  const GuardPoint legs = {
-      .in_base = {0.34, -0.45}, .margin_m = 0.25, .approach_mps = 0.9};
+  const GuardPoint legs = {.in_base = {0.34, -0.45},
+                           .margin_m = 0.25,
+                           .approach_mps = 0.9,
+                           .is_of_body = true};
   EXPECT_EQ(guard.Check({0, 0.5}, {{legs}}).command, VelocityCommand());
   EXPECT_EQ(guard.Check({0, -0.5}, {{legs}}).command, VelocityCommand());
   EXPECT_EQ(guard.Check({0.2, 0}, {{legs}}).command, VelocityCommand());
   EXPECT_FALSE(guard.Check({-0.2, 0}, {{legs}}).is_limited);
   // Behind the rear left corner it may drive off, straight ahead.
-  const GuardPoint behind = {
-      .in_base = {-0.45, 0.45}, .margin_m = 0.35, .approach_mps = 0.9};
+  const GuardPoint behind = {.in_base = {-0.45, 0.45},
+                             .margin_m = 0.35,
+                             .approach_mps = 0.9,
+                             .is_of_body = true};
   EXPECT_FALSE(guard.Check({0.3, 0}, {{behind}}).is_limited);
   EXPECT_EQ(guard.Check({0, 0.5}, {{behind}}).command, VelocityCommand());
   EXPECT_EQ(guard.Check({0, -0.5}, {{behind}}).command, VelocityCommand());
