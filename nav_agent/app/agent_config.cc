@@ -36,6 +36,10 @@ void AddRobot(Table& table) {
              .help = "Frames a second of the simulated camera; 0: none",
              .min = 0,
              .max = 30});
+  table.Add(
+      &AgentConfig::rear_laser,
+      {.name = "rear_laser",
+       .help = "Whether the simulated robot has a laser that looks back"});
   table.Add(&AgentConfig::record,
             {.name = "record",
              .value_name = "FILE",

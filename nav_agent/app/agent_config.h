@@ -25,6 +25,7 @@ struct AgentConfig {
   double speed = 1;
   bool people = true;
   double camera_hz = 5;
+  bool rear_laser = true;
   std::string record;
   // ---- where it is ----
   std::string map;

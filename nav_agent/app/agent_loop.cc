@@ -78,6 +78,9 @@ std::vector<DeviceReport> ReportDevices(const NavigatorDevices& devices,
       Report("laser", devices.laser.Health()),
       Report("odometry", devices.odometry.Health()),
       Report("base", devices.base.Health())};
+  if (devices.rear_laser != nullptr) {
+    reports.push_back(Report("rear laser", devices.rear_laser->Health()));
+  }
   if (devices.camera != nullptr) {
     reports.push_back(Report("camera", devices.camera->Health()));
   }

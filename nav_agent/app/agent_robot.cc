@@ -31,6 +31,7 @@ class RealRobot final : public AgentRobot {
     return {.laser = hardware_->laser(),
             .odometry = hardware_->base(),
             .base = hardware_->base(),
+            .rear_laser = hardware_->rear_laser(),
             .camera = hardware_->camera()};
   }
   const Clock& clock() const override { return clock_; }
@@ -77,6 +78,7 @@ class SimulatedAgentRobot final : public AgentRobot, public SimulationControl {
     return {.laser = simulator_->laser(),
             .odometry = simulator_->odometry(),
             .base = simulator_->base(),
+            .rear_laser = simulator_->rear_laser(),
             .camera = simulator_->options().sensors.camera_hz > 0 ? &camera_
                                                                   : nullptr};
   }
@@ -215,6 +217,7 @@ absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
   scenario.world_options.paint = options.camera_hz > 0;
   scenario.options.seed = options.seed;
   scenario.options.sensors.camera_hz = options.camera_hz;
+  scenario.options.sensors.has_rear_laser = options.has_rear_laser;
   TL_ASSIGN_OR_RETURN(World world,
                       MakeWorld(scenario.world, scenario.world_options));
   TL_ASSIGN_OR_RETURN(scenario.options.start, StartOf(scenario, world));

@@ -48,6 +48,8 @@ struct SimulatedRobotOptions {
   uint64_t seed = 0;
   // Frames in a second; 0: no camera, [0, 60].
   double camera_hz = 5;
+  // Whether a laser looks back.
+  bool has_rear_laser = true;
   bool with_people = true;
   // The map was made by a drive that began where this robot starts: its frame
   // is the base's there. Else it is the world's.

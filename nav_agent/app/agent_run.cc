@@ -34,6 +34,11 @@ constexpr double kStartStd_rad = 0.2;
 constexpr auto kLaserLookUp = std::chrono::milliseconds(50);
 constexpr auto kLaserReport = std::chrono::seconds(5);
 
+bool HasSpoken(const RangeSensor& laser) {
+  return laser.Info().beams > 0 ||
+         laser.Health().state == DeviceState::kRunning;
+}
+
 class AgentProgram {
  public:
   AgentProgram(const AgentConfig& config, ProgramLog& log,
@@ -50,7 +55,7 @@ class AgentProgram {
   absl::Status ConnectServer();
   absl::Status Listen();
   // False: a stop was requested meanwhile.
-  bool WaitForLaser(const std::stop_token& stop);
+  bool WaitForLasers(const std::stop_token& stop);
   absl::Status MakeNavigator();
   absl::Status GiveOrders();
 
@@ -102,6 +107,7 @@ absl::Status AgentProgram::MakeRobot() {
         MakeSimulatedRobot({.world = config_.simulate,
                             .seed = static_cast<uint64_t>(config_.seed),
                             .camera_hz = config_.camera_hz,
+                            .has_rear_laser = config_.rear_laser,
                             .with_people = config_.people,
                             .map_begins_at_start = !config_.map.empty()}));
     return absl::OkStatus();
@@ -201,20 +207,22 @@ absl::Status AgentProgram::Listen() {
   return absl::OkStatus();
 }
 
-bool AgentProgram::WaitForLaser(const std::stop_token& stop) {
-  RangeSensor& laser = robot_->Devices().laser;
+bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
+  const NavigatorDevices devices = robot_->Devices();
   MonotonicTime next_report = real_clock_.Now() + kLaserReport;
   while (!stop.stop_requested()) {
-    const DeviceHealth health = laser.Health();
-    if (laser.Info().beams > 0 || health.state == DeviceState::kRunning) {
-      return true;
-    }
+    const bool knows_front = HasSpoken(devices.laser);
+    const RangeSensor* rear = devices.rear_laser;
+    if (knows_front && (rear == nullptr || HasSpoken(*rear))) return true;
     if (real_clock_.Now() >= next_report) {
       next_report += kLaserReport;
-      log_.Say(LogLevel::kWarn,
-               absl::StrCat("waiting for the laser: ",
-                            health.cause.ok() ? "nothing has been heard of it"
-                                              : health.cause.message()));
+      const absl::Status cause =
+          (knows_front ? *rear : devices.laser).Health().cause;
+      log_.Say(
+          LogLevel::kWarn,
+          absl::StrCat(
+              "waiting for the ", knows_front ? "rear " : "", "laser: ",
+              cause.ok() ? "nothing has been heard of it" : cause.message()));
     }
     // A simulated one begins with its time.
     robot_->Advance(std::chrono::milliseconds(25));
@@ -243,6 +251,7 @@ absl::Status AgentProgram::MakeNavigator() {
       .laser = laser_ == nullptr ? raw.laser : *laser_,
       .odometry = odometry_ == nullptr ? raw.odometry : *odometry_,
       .base = raw.base,
+      .rear_laser = raw.rear_laser,
       .camera = camera_.get(),
       .server = server_.get()};
   absl::StatusOr<std::unique_ptr<Navigator>> navigator = Navigator::Create(
@@ -293,7 +302,7 @@ absl::Status AgentProgram::Run(const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(WatchDevices());
   TL_RETURN_IF_ERROR(ConnectServer());
   TL_RETURN_IF_ERROR(Listen());
-  if (!WaitForLaser(stop)) return absl::OkStatus();
+  if (!WaitForLasers(stop)) return absl::OkStatus();
   TL_RETURN_IF_ERROR(MakeNavigator());
   TL_RETURN_IF_ERROR(GiveOrders());
   AgentLoop loop(

@@ -101,6 +101,28 @@ TEST_F(HardwareConfigTest, ReadsAddressesAndMeasures) {
   EXPECT_EQ(config->robot.front_m, RobotModel().front_m);
 }
 
+TEST_F(HardwareConfigTest, ARearLaserIsAnotherOneThatLooksBack) {
+  const auto config = Read(
+      "laser: tcp:10.0.0.2\nrear_laser: tcp:10.0.0.3\nbase: /dev/ttyUSB0\n"
+      "rear_laser_x_m: -0.25\nrear_laser_yaw_rad: 3.0\n");
+  ASSERT_TRUE(config.ok()) << config.status();
+  EXPECT_EQ(config->rear_laser, "tcp:10.0.0.3");
+  const Rigid3& pose = config->robot.base_from_rear_laser;
+  EXPECT_EQ(pose.translation.x, -0.25);
+  const Vec3 ahead = pose.rotation * Vec3{1, 0, 0};
+  EXPECT_NEAR(std::atan2(ahead.y, ahead.x), 3.0, 1e-9);
+  EXPECT_THAT(Read("laser: tcp:10.0.0.2\nrear_laser: tcp:10.0.0.2\n"
+                   "base: /dev/ttyUSB0\n")
+                  .status()
+                  .message(),
+              HasSubstr("they are two"));
+  EXPECT_THAT(Read("laser: tcp:10.0.0.2\nrear_laser: 'tcp:'\n"
+                   "base: /dev/ttyUSB0\n")
+                  .status()
+                  .message(),
+              HasSubstr("hardware_config.yaml"));
+}
+
 TEST_F(HardwareConfigTest, NamesFileLineAndKey) {
   EXPECT_THAT(Read("laser: a\nbase: /dev/b\nlazer_x_m: 1\n").status().message(),
               HasSubstr("hardware_config.yaml:3"));

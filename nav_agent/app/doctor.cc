@@ -79,13 +79,13 @@ const char* VerdictName(Verdict verdict) {
 
 std::vector<Finding> JudgeLaser(const HeardLaser& heard) {
   if (heard.scans.empty()) {
-    return {Silent("laser", heard.health,
+    return {Silent(heard.name, heard.health,
                    "check its power and its address; docs/laser-driver.md has "
                    "the causes")};
   }
   const double hz = static_cast<double>(heard.scans.size()) / heard.seconds;
   std::vector<Finding> findings = {
-      Rate("laser", hz, 1 / heard.info.scan_interval_s, heard.health)};
+      Rate(heard.name, hz, 1 / heard.info.scan_interval_s, heard.health)};
   int64_t ranges = 0;
   int64_t invalid = 0;
   int64_t all = 0;
@@ -103,7 +103,7 @@ std::vector<Finding> JudgeLaser(const HeardLaser& heard) {
       all == 0 ? 0 : static_cast<double>(ranges) / static_cast<double>(all);
   const double bad =
       all == 0 ? 1 : static_cast<double>(invalid) / static_cast<double>(all);
-  Finding finding{.what = "laser: ranges",
+  Finding finding{.what = absl::StrCat(heard.name, ": ranges"),
                   .verdict = Verdict::kOk,
                   .found = absl::StrFormat(
                       "%.0f %% of %d beams see something, %.0f %% invalid",

@@ -28,6 +28,8 @@ struct Finding {
 
 // What a laser, a base and a camera told while they were listened to.
 struct HeardLaser {
+  // "laser" or "rear laser".
+  std::string name = "laser";
   RangeSensorInfo info;
   DeviceHealth health;
   double seconds = 0;

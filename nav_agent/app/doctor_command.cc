@@ -87,7 +87,12 @@ absl::Status ExamineHardware(const std::string& path, double listen_s,
   const SteadyClock clock;
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<RobotHardware> hardware,
                       RobotHardware::Open(*config, clock));
-  HeardLaser laser;
+  std::vector<std::pair<RangeSensor*, HeardLaser>> lasers;
+  lasers.emplace_back(&hardware->laser(), HeardLaser());
+  if (hardware->rear_laser() != nullptr) {
+    lasers.emplace_back(hardware->rear_laser(), HeardLaser());
+    lasers.back().second.name = "rear laser";
+  }
   HeardBase base;
   HeardCamera camera;
   const MonotonicTime start = clock.Now();
@@ -96,8 +101,10 @@ absl::Status ExamineHardware(const std::string& path, double listen_s,
       start + std::chrono::duration_cast<MonotonicTime::duration>(
                   std::chrono::duration<double>(listen_s));
   while (clock.Now() < end && !stop.stop_requested()) {
-    for (LaserScan& scan : hardware->laser().TakeScans()) {
-      laser.scans.push_back(std::move(scan));
+    for (auto& [laser, heard] : lasers) {
+      for (LaserScan& scan : laser->TakeScans()) {
+        heard.scans.push_back(std::move(scan));
+      }
     }
     for (const BaseReading& reading : hardware->base().TakeReadings()) {
       base.readings.push_back(reading);
@@ -114,14 +121,16 @@ absl::Status ExamineHardware(const std::string& path, double listen_s,
   const auto since = [](MonotonicTime from, MonotonicTime to) {
     return std::chrono::duration<double>(to - from).count();
   };
-  laser.info = hardware->laser().Info();
-  laser.health = hardware->laser().Health();
-  laser.seconds =
-      laser.scans.empty() ? listen_s : since(laser.scans[0].stamp, end);
+  for (auto& [laser, heard] : lasers) {
+    heard.info = laser->Info();
+    heard.health = laser->Health();
+    heard.seconds =
+        heard.scans.empty() ? listen_s : since(heard.scans[0].stamp, end);
+    Append(JudgeLaser(heard), findings);
+  }
   base.health = hardware->base().Health();
   base.seconds =
       base.readings.empty() ? listen_s : since(base.readings[0].stamp, end);
-  Append(JudgeLaser(laser), findings);
   Append(JudgeBase(base), findings);
   if (hardware->camera() == nullptr) {
     findings.push_back({.what = "camera",

@@ -37,8 +37,10 @@ TEST(Doctor, AGoodLaserIsFine) {
 TEST(Doctor, ASilentLaserFailsWithItsCause) {
   HeardLaser heard;
   heard.health.cause = absl::NotFoundError("/dev/ttyACM0 is not there");
+  heard.name = "rear laser";
   const auto findings = JudgeLaser(heard);
   ASSERT_THAT(findings, SizeIs(1));
+  EXPECT_THAT(findings[0].what, HasSubstr("rear laser"));
   EXPECT_EQ(findings[0].verdict, Verdict::kFail);
   EXPECT_THAT(findings[0].found, HasSubstr("/dev/ttyACM0"));
   EXPECT_FALSE(findings[0].mend.empty());

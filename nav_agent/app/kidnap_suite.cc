@@ -121,6 +121,7 @@ class Kidnapping {
     robot.start = run_.start;
     robot.seed = options_.seed;
     robot.camera_hz = options_.camera_hz;
+    robot.has_rear_laser = options_.has_rear_laser;
     robot.navigator = options_.navigator;
     // Pictures are rendered for questions and checks alone.
     robot.navigator.depth_hz = 0;

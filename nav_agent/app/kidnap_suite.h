@@ -42,6 +42,7 @@ const char* KidnapOutcomeName(KidnapOutcome outcome);
 struct KidnapOptions {
   uint64_t seed = 0;
   double camera_hz = 5;
+  bool has_rear_laser = true;
   // It is given so much time after the kidnap (s).
   double patience_s = 90;
   // Drives on to the goal once it is back; otherwise the run ends then.

@@ -52,6 +52,7 @@ struct KidnapFlags {
   std::string maps = "driven";
   std::string cache = "out/suite";
   double camera_hz = 5;
+  bool no_rear_laser = false;
   std::string until = "goal";
   int threads = 0;
   double require = 0;
@@ -169,6 +170,7 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
   KidnapOptions options;
   TL_ASSIGN_OR_RETURN(options.navigator.lost.method, MethodOf(flags));
   options.drives_on = flags.until == "goal";
+  options.has_rear_laser = !flags.no_rear_laser;
   options.camera_hz = flags.method == "server" ? flags.camera_hz : 0;
   if (flags.fault == "slow") options.real_timeout_s = 1;
   if (!flags.json.empty()) TL_RETURN_IF_ERROR(CheckWritable(flags.json));
@@ -256,6 +258,8 @@ Command AddKidnapSuite(CLI::App& suite) {
       ->type_name("HZ")
       ->check(CLI::Range(0.5, 30.0))
       ->capture_default_str();
+  command->add_flag("--no-rear-laser", flags->no_rear_laser,
+                    "A robot that does not see what is behind it");
   command
       ->add_option("--until", flags->until,
                    "goal: drives on to its goal; back: a run ends when the "

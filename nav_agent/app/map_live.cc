@@ -43,6 +43,7 @@ class RealDrive final : public Drive {
     TL_ASSIGN_OR_RETURN(drive->hardware_,
                         RobotHardware::Open({.laser = options.laser,
                                              .base = options.base,
+                                             .rear_laser = {},
                                              .camera = options.camera,
                                              .robot = options.robot},
                                             drive->clock_));

@@ -246,14 +246,16 @@ absl::StatusOr<MissionRun> RunMission(const SuitePlace& place,
   World world = place.world();
   AddPassers(place, mission.start, mission.goal, mission.passers, options.seed,
              world);
-  TL_ASSIGN_OR_RETURN(const std::unique_ptr<SuiteRobot> robot,
-                      SuiteRobot::Create(place, std::move(world),
-                                         {.start = mission.start,
-                                          .seed = options.seed,
-                                          .camera_hz = options.camera_hz,
-                                          .camera_scale = kCameraScale,
-                                          .camera_is_lit = false,
-                                          .navigator = options.navigator}));
+  TL_ASSIGN_OR_RETURN(
+      const std::unique_ptr<SuiteRobot> robot,
+      SuiteRobot::Create(place, std::move(world),
+                         {.start = mission.start,
+                          .seed = options.seed,
+                          .camera_hz = options.camera_hz,
+                          .has_rear_laser = options.has_rear_laser,
+                          .camera_scale = kCameraScale,
+                          .camera_is_lit = false,
+                          .navigator = options.navigator}));
   MissionTrouble trouble({.surprise = mission.surprise,
                           .at_share = mission.surprise_share,
                           .way_m = mission.way_m,

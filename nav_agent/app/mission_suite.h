@@ -40,6 +40,7 @@ struct MissionOptions {
   // From start to goal, at least (m).
   double min_way_m = 4;
   double camera_hz = 0;
+  bool has_rear_laser = true;
   NavigatorOptions navigator;
 };
 

@@ -50,6 +50,7 @@ struct MissionFlags {
   std::string planner;
   // Negative: kPeopleCamera_hz with people, otherwise none.
   double camera_hz = -1;
+  bool no_rear_laser = false;
   int threads = 0;
   double require = 0;
   std::string json;
@@ -73,6 +74,7 @@ absl::StatusOr<std::vector<Job>> JobsOf(const MissionFlags& flags) {
   options.camera_hz = flags.camera_hz >= 0 ? flags.camera_hz
                       : flags.people       ? kPeopleCamera_hz
                                            : 0;
+  options.has_rear_laser = !flags.no_rear_laser;
   if (!flags.planner.empty()) {
     options.navigator.planner.planner = flags.planner;
   }
@@ -212,6 +214,8 @@ Command AddMissionSuite(CLI::App& suite) {
                    "5 with --people, otherwise 0")
       ->type_name("HZ")
       ->check(CLI::Range(0.0, 30.0));
+  command->add_flag("--no-rear-laser", flags->no_rear_laser,
+                    "A robot that does not see what is behind it");
   command
       ->add_option("--threads", flags->threads,
                    "Missions at a time; 0: one a processor. Results do not "

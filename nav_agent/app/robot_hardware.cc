@@ -1,5 +1,6 @@
 #include "nav_agent/app/robot_hardware.h"
 
+#include <numbers>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -19,6 +20,7 @@ constexpr int kLaserPort = 10940;
 struct HardwareFile {
   std::string laser;
   std::string base;
+  std::string rear_laser;
   std::string camera = "none";
   double front_m = RobotModel().front_m;
   double rear_m = RobotModel().rear_m;
@@ -29,6 +31,10 @@ struct HardwareFile {
   double laser_x_m = RobotModel().base_from_laser.translation.x;
   double laser_y_m = RobotModel().base_from_laser.translation.y;
   double laser_z_m = RobotModel().base_from_laser.translation.z;
+  double rear_laser_x_m = RobotModel().base_from_rear_laser.translation.x;
+  double rear_laser_y_m = RobotModel().base_from_rear_laser.translation.y;
+  double rear_laser_z_m = RobotModel().base_from_rear_laser.translation.z;
+  double rear_laser_yaw_rad = std::numbers::pi;
   double camera_x_m = RobotModel().base_from_camera.translation.x;
   double camera_y_m = RobotModel().base_from_camera.translation.y;
   double camera_z_m = RobotModel().base_from_camera.translation.z;
@@ -43,6 +49,9 @@ const ConfigTable<HardwareFile>& HardwareTable() {
               {.name = "laser", .help = "A Hokuyo laser", .required = true});
     made->Add(&HardwareFile::base,
               {.name = "base", .help = "A Segway RMP100", .required = true});
+    made->Add(&HardwareFile::rear_laser,
+              {.name = "rear_laser",
+               .help = "A second Hokuyo laser, that looks back"});
     made->Add(&HardwareFile::camera, {.name = "camera",
                                       .help = "An RGB-D camera",
                                       .choices = {"none", "openni"}});
@@ -61,6 +70,13 @@ const ConfigTable<HardwareFile>& HardwareTable() {
     add(&HardwareFile::laser_x_m, "laser_x_m", "The laser, ahead", -5, 5);
     add(&HardwareFile::laser_y_m, "laser_y_m", "... to the left", -5, 5);
     add(&HardwareFile::laser_z_m, "laser_z_m", "... and up", 0, 5);
+    add(&HardwareFile::rear_laser_x_m, "rear_laser_x_m",
+        "The rear laser, ahead", -5, 5);
+    add(&HardwareFile::rear_laser_y_m, "rear_laser_y_m", "... to the left", -5,
+        5);
+    add(&HardwareFile::rear_laser_z_m, "rear_laser_z_m", "... and up", 0, 5);
+    add(&HardwareFile::rear_laser_yaw_rad, "rear_laser_yaw_rad",
+        "... and where it looks, from ahead counter-clockwise", -6.3, 6.3);
     add(&HardwareFile::camera_x_m, "camera_x_m", "The camera, ahead", -5, 5);
     add(&HardwareFile::camera_y_m, "camera_y_m", "... to the left", -5, 5);
     add(&HardwareFile::camera_z_m, "camera_z_m", "... and up", 0, 5);
@@ -85,6 +101,14 @@ absl::Status HardwareConfig::Validate() const {
   }
   TL_RETURN_IF_ERROR(
       ParseStreamAddress(laser, kLaserBaud, kLaserPort).status());
+  if (!rear_laser.empty()) {
+    TL_RETURN_IF_ERROR(
+        ParseStreamAddress(rear_laser, kLaserBaud, kLaserPort).status());
+    if (rear_laser == laser) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "laser and rear_laser are both at ", laser, "; they are two"));
+    }
+  }
   TL_RETURN_IF_ERROR(ParseStreamAddress(base, kSegwayBaud).status());
   return robot.Validate();
 }
@@ -96,6 +120,7 @@ absl::StatusOr<HardwareConfig> ReadHardwareConfig(const std::string& path) {
   const HardwareFile file = table.Make(effective);
   HardwareConfig config{.laser = file.laser,
                         .base = file.base,
+                        .rear_laser = file.rear_laser,
                         .camera = file.camera,
                         .robot = {}};
   config.robot.front_m = file.front_m;
@@ -106,6 +131,10 @@ absl::StatusOr<HardwareConfig> ReadHardwareConfig(const std::string& path) {
   config.robot.max_forward_mps = file.max_forward_mps;
   config.robot.base_from_laser.translation = {file.laser_x_m, file.laser_y_m,
                                               file.laser_z_m};
+  config.robot.base_from_rear_laser = {
+      .rotation = Rotation3::FromAxisAngle({0, 0, file.rear_laser_yaw_rad}),
+      .translation = {file.rear_laser_x_m, file.rear_laser_y_m,
+                      file.rear_laser_z_m}};
   config.robot.base_from_camera = RobotModel::UprightCamera(
       {file.camera_x_m, file.camera_y_m, file.camera_z_m},
       file.camera_down_rad);
@@ -125,6 +154,12 @@ absl::StatusOr<std::unique_ptr<RobotHardware>> RobotHardware::Open(
                       ParseStreamAddress(config.laser, kLaserBaud, kLaserPort));
   TL_ASSIGN_OR_RETURN(hardware->laser_,
                       HokuyoLaser::Start({}, std::move(laser), clock));
+  if (!config.rear_laser.empty()) {
+    TL_ASSIGN_OR_RETURN(auto rear, ParseStreamAddress(config.rear_laser,
+                                                      kLaserBaud, kLaserPort));
+    TL_ASSIGN_OR_RETURN(hardware->rear_laser_,
+                        HokuyoLaser::Start({}, std::move(rear), clock));
+  }
   TL_ASSIGN_OR_RETURN(auto base, ParseStreamAddress(config.base, kSegwayBaud));
   SegwayBaseOptions base_options;
   base_options.protocol.wheel_track_m = config.robot.wheel_track_m;

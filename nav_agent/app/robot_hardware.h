@@ -20,6 +20,8 @@ struct HardwareConfig {
   // Where real devices are (ParseStreamAddress). camera: "openni" or "none".
   std::string laser;
   std::string base;
+  // A laser that looks back; empty: there is none.
+  std::string rear_laser;
   std::string camera = "none";
   RobotModel robot;
 
@@ -28,9 +30,9 @@ struct HardwareConfig {
   absl::Status Validate() const;
 };
 
-// A YAML file: laser, base, camera, and the robot's measures where they are not
-// the default robot's (docs/agent.md). INVALID_ARGUMENT names file, line and
-// the key that was probably meant.
+// A YAML file: laser, base, rear_laser, camera, and the robot's measures where
+// they are not the default robot's (docs/agent.md). INVALID_ARGUMENT names
+// file, line and the key that was probably meant.
 absl::StatusOr<HardwareConfig> ReadHardwareConfig(const std::string& path);
 
 // The drivers, at work. They look for their devices by themselves: whether
@@ -44,12 +46,14 @@ class RobotHardware {
   RangeSensor& laser() { return *laser_; }
   SegwayBase& base() { return *base_; }
   // Null: there is none.
+  RangeSensor* rear_laser() { return rear_laser_.get(); }
   RgbdCamera* camera() { return camera_.get(); }
 
  private:
   RobotHardware() = default;
 
   std::unique_ptr<HokuyoLaser> laser_;
+  std::unique_ptr<HokuyoLaser> rear_laser_;
   std::unique_ptr<SegwayBase> base_;
   std::unique_ptr<RgbdCamera> camera_;
 };

@@ -97,6 +97,7 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
   SimulatorOptions simulation;
   simulation.seed = options.seed;
   simulation.start = options.start;
+  simulation.sensors.has_rear_laser = options.has_rear_laser;
   simulation.sensors.camera_hz = options.camera_hz;
   simulation.sensors.camera_scale = options.camera_scale;
   simulation.sensors.camera_is_lit = options.camera_is_lit;
@@ -111,6 +112,7 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
   NavigatorDevices devices = {.laser = simulator.laser(),
                               .odometry = simulator.odometry(),
                               .base = simulator.base(),
+                              .rear_laser = simulator.rear_laser(),
                               .camera = nullptr,
                               .server = robot->server_.get()};
   if (options.camera_hz > 0) {

@@ -25,6 +25,8 @@ struct SuiteRobotOptions {
   uint64_t seed = 0;
   // RGB-D frames in a second; 0: there is no camera.
   double camera_hz = 0;
+  // Whether a laser looks back.
+  bool has_rear_laser = true;
   // Of its pictures: see SensorOptions.
   double camera_scale = 1;
   bool camera_is_lit = true;

@@ -30,6 +30,8 @@ constexpr double kBlockAhead_m = 0.6;
 constexpr double kBlockRadius_m = 0.3;
 // A wait lasts so long at least, whatever has gone meanwhile.
 constexpr double kLeastWait_s = 1;
+// Beside a goal where something stands, it waits so long for that to go (s).
+constexpr double kGoalWait_s = 10;
 // Steps between which the robot cannot have moved further (m).
 constexpr double kJump_m = 0.3;
 
@@ -210,7 +212,7 @@ void GoalRunner::TakePlan(const ControlPose& pose, const PlanResult& result,
         now);
     return;
   }
-  TakePath(result, is_first_path_ ? "a way" : "another way");
+  TakePath(result, had_blockages, is_first_path_ ? "a way" : "another way");
   if (!is_first_path_) ++status_->replans;
   is_first_path_ = false;
   wants_better_ = purpose == PlanPurpose::kRoute;
@@ -247,8 +249,13 @@ void GoalRunner::TakeNoPlan(const ControlPose& pose, const PlanResult& result,
   End(GoalState::kFailed, result.failure, why);
 }
 
-void GoalRunner::TakePath(const PlanResult& result, const char* what) {
+void GoalRunner::TakePath(const PlanResult& result, bool had_blockages,
+                          const char* what) {
   path_ = result.path;
+  beside_goal_m_ = result.moved_goal_m;
+  goal_is_taken_ = IsLastLeg() && had_blockages &&
+                   beside_goal_m_ > options_.control.goal_tolerance_m;
+  way_is_free_ = false;
   if (!result.tree_edges.empty()) tree_edges_ = result.tree_edges;
   controller_->SetPath(path_);
   status_->to_go_m = result.length_m;
@@ -284,6 +291,7 @@ void GoalRunner::StepBackground(const ControlPose& pose, MonotonicTime now) {
   std::optional<absl::StatusOr<PlanResult>> result = planner_->Take();
   if (!result.has_value()) return;
   const PlanPurpose purpose = asked_->purpose;
+  const bool had_blockages = asked_->has_blockages;
   asked_.reset();
   if (!result->ok() || (*result)->failure != NavigationCause::kNone ||
       (*result)->path.empty()) {
@@ -297,7 +305,7 @@ void GoalRunner::StepBackground(const ControlPose& pose, MonotonicTime now) {
   if (from_m < kBetterFrom_m &&
       from_m + (*result)->length_m <
           (1 - options_.limits.better_share) * control_.to_go_m) {
-    TakePath(**result, "a shorter way");
+    TakePath(**result, had_blockages, "a shorter way");
   }
 }
 
@@ -305,6 +313,12 @@ void GoalRunner::StepBackground(const ControlPose& pose, MonotonicTime now) {
 
 VelocityCommand GoalRunner::StepDriving(const ControlPose& pose,
                                         MonotonicTime now) {
+  if (goal_is_taken_ && way_is_free_) {
+    if (asked_.has_value()) planner_->Cancel();
+    asked_.reset();
+    phase_ = GoalPhase::kToPlan;
+    return controller_->Guard(pose, {});
+  }
   StepBackground(pose, now);
   control_ = controller_->Step(pose);
   status_->to_go_m = control_.to_go_m;
@@ -386,7 +400,7 @@ void GoalRunner::NextLeg(const LevelPose& robot) {
     rest.insert(rest.end(), way.path.begin() + 1, way.path.end());
     way.path = std::move(rest);
   }
-  TakePath(way, "the way on");
+  TakePath(way, !blockages_.empty(), "the way on");
 }
 
 void GoalRunner::Arrive(const ControlPose& pose, MonotonicTime now) {
@@ -400,15 +414,24 @@ void GoalRunner::Arrive(const ControlPose& pose, MonotonicTime now) {
       off_rad <= control.goal_tolerance_rad + kArrivalSlack_rad;
   const bool stands = std::abs(pose.forward_mps) < kStands_mps &&
                       std::abs(pose.yaw_rate_radps) < kStands_radps;
+  if (!arrived_since_.has_value()) arrived_since_ = now;
   if (is_there && stands) {
     status_->to_go_m = 0;
+    if (goal_is_taken_ && SecondsBetween(*arrived_since_, now) < kGoalWait_s) {
+      return;
+    }
     ++status_->next_pose;
-    End(GoalState::kSucceeded, NavigationCause::kNone,
+    std::string where =
         absl::StrFormat("%.2f m and %.0f degrees off, after %.1f m", off_m,
-                        off_rad * 57.29578, status_->driven_m));
+                        off_rad * 57.29578, status_->driven_m);
+    if (beside_goal_m_ > 0) {
+      absl::StrAppendFormat(
+          &where, ", at a place %.2f m beside the goal, %s", beside_goal_m_,
+          goal_is_taken_ ? "where something stands" : "which has no room");
+    }
+    End(GoalState::kSucceeded, NavigationCause::kNone, where);
     return;
   }
-  if (!arrived_since_.has_value()) arrived_since_ = now;
   if (SecondsBetween(*arrived_since_, now) > kArrivalDispute_s) {
     arrived_since_.reset();
     if (++replans_ > options_.limits.max_replans) {

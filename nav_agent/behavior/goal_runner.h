@@ -86,7 +86,8 @@ class GoalRunner {
                 MonotonicTime now);
   void TakeNoPlan(const ControlPose& pose, const PlanResult& result,
                   MonotonicTime now);
-  void TakePath(const PlanResult& result, const char* what);
+  // had_blockages: the planner was told of what stands about.
+  void TakePath(const PlanResult& result, bool had_blockages, const char* what);
   // Plans while driving.
   void StepBackground(const ControlPose& pose, MonotonicTime now);
   VelocityCommand StepDriving(const ControlPose& pose, MonotonicTime now);
@@ -119,6 +120,10 @@ class GoalRunner {
   PlanResult failure_;
   std::vector<LevelPose> path_;
   std::vector<Vec2> tree_edges_;
+  // How far from the goal it ends, where there is room (m); whether that is
+  // because of something seen at the goal, which may go.
+  double beside_goal_m_ = 0;
+  bool goal_is_taken_ = false;
   bool is_first_path_ = true;
   bool wants_better_ = false;
   // The path from the next pose on, if it was found already.

@@ -89,8 +89,10 @@ class NavigatorOfParts final : public Navigator {
   void FeedTracker();
   void FeedController();
   void FeedCamera();
-  void LookThroughBlockages(const ControlPose& pose, const LaserScan& scan);
-  bool IsInLasersPlane(const ControlPose& pose, const Blockage& blockage) const;
+  void LookThroughBlockages(const ControlPose& pose, const LaserScan& scan,
+                            LaserMount mount);
+  bool IsInLasersPlane(const ControlPose& pose, const Rigid3& base_from_laser,
+                       const Blockage& blockage) const;
   void ChooseFrame();
   std::vector<StopReason> FindProblems() const;
   std::optional<ControlPose> PoseNow() const;
@@ -126,7 +128,8 @@ class NavigatorOfParts final : public Navigator {
   bool has_looked_for_itself_ = false;
   std::optional<MonotonicTime> last_frame_;
   std::optional<LaserScan> last_scan_;
-  int64_t looked_scans_ = 0;
+  int64_t front_scans_ = 0;
+  int64_t rear_scans_ = 0;
   int64_t refused_ = 0;  // by tracker or controller
 };
 
@@ -219,25 +222,36 @@ void NavigatorOfParts::FeedController() {
     const std::optional<ControlPose> pose = PoseAt(scan.stamp);
     if (!pose.has_value()) continue;
     if (!parts_.controller->AddScan(*pose, scan).ok()) ++refused_;
-    LookThroughBlockages(*pose, scan);
+    if (++front_scans_ % kLookEvery == 0) {
+      LookThroughBlockages(*pose, scan, LaserMount::kFront);
+    }
   }
   if (!sensors_.scans().empty()) last_scan_ = sensors_.scans().back();
+  for (const LaserScan& scan : sensors_.rear_scans()) {
+    const std::optional<ControlPose> pose = PoseAt(scan.stamp);
+    if (!pose.has_value()) continue;
+    if (!parts_.controller->AddRearScan(*pose, scan).ok()) ++refused_;
+    if (++rear_scans_ % kLookEvery == 0) {
+      LookThroughBlockages(*pose, scan, LaserMount::kRear);
+    }
+  }
 }
 
 void NavigatorOfParts::LookThroughBlockages(const ControlPose& pose,
-                                            const LaserScan& scan) {
-  if (is_unplaced_ || runner_.blockages().empty() ||
-      ++looked_scans_ % kLookEvery != 0) {
-    return;
-  }
-  const Vec3 laser = robot_.base_from_laser.translation;
+                                            const LaserScan& scan,
+                                            LaserMount mount) {
+  if (is_unplaced_ || runner_.blockages().empty()) return;
+  const RangeSensor& laser =
+      mount == LaserMount::kRear ? *devices_.rear_laser : devices_.laser;
+  const Rigid3& base_from_laser = robot_.BaseFrom(mount);
+  const Vec3 at = base_from_laser.translation;
   const CostmapView costmap = parts_.controller->Costmap();
   const int forgotten = runner_.blockages().SeeThrough(
-      pose.pose.place.level, pose.pose.map_from_base * Vec2{laser.x, laser.y},
-      ScanEndsInMap(scan, devices_.laser.Info(), robot_,
+      pose.pose.place.level, pose.pose.map_from_base * Vec2{at.x, at.y},
+      ScanEndsInMap(scan, laser.Info(), base_from_laser,
                     pose.pose.map_from_base, kBeamEvery, true),
       [&](const Blockage& blockage) {
-        return !IsInLasersPlane(pose, blockage) ||
+        return !IsInLasersPlane(pose, base_from_laser, blockage) ||
                IsSeenNear(costmap, blockage.center,
                           blockage.radius_m + kStillSeen_m);
       });
@@ -249,11 +263,12 @@ void NavigatorOfParts::LookThroughBlockages(const ControlPose& pose,
 // On and before slopes the laser looks into the ground, or over what stands
 // there.
 bool NavigatorOfParts::IsInLasersPlane(const ControlPose& pose,
+                                       const Rigid3& base_from_laser,
                                        const Blockage& blockage) const {
   const std::optional<LevelPlace> ground =
       parts_.map->GroundOf(blockage.center, blockage.level);
   if (!ground.has_value()) return false;
-  const Rigid3 map_from_laser = MapFromBase3(pose) * robot_.base_from_laser;
+  const Rigid3 map_from_laser = MapFromBase3(pose) * base_from_laser;
   const Vec3 normal = map_from_laser.rotation * Vec3{0, 0, 1};
   const Vec3 from = map_from_laser.translation;
   const double z_m = from.z - (normal.x * (blockage.center.x - from.x) +
@@ -517,9 +532,9 @@ NavigatorSnapshot NavigatorOfParts::Snapshot() const {
     const std::optional<TrackedPose> pose =
         parts_.tracker->PoseAt(last_scan_->stamp);
     if (pose.has_value()) {
-      shot.scan_in_map =
-          ScanEndsInMap(*last_scan_, devices_.laser.Info(), robot_,
-                        pose->pose.map_from_base, 1, false);
+      shot.scan_in_map = ScanEndsInMap(*last_scan_, devices_.laser.Info(),
+                                       robot_.base_from_laser,
+                                       pose->pose.map_from_base, 1, false);
     }
   }
   shot.particles = parts_.tracker->Particles(kShownParticles);
@@ -529,6 +544,7 @@ NavigatorSnapshot NavigatorOfParts::Snapshot() const {
   shot.search = parts_.lost->state();
   shot.query_frame = parts_.lost->QueryFrame();
   shot.laser = sensors_.laser();
+  shot.rear_laser = sensors_.rear_laser();
   shot.odometry = sensors_.odometry();
   shot.camera = sensors_.camera();
   shot.plans = parts_.planner->Tally();

@@ -21,11 +21,13 @@
 
 namespace treeline {
 
-// The devices must outlive the navigator. camera, server: null if none.
+// The devices must outlive the navigator. rear_laser (that looks back), camera,
+// server: null if none.
 struct NavigatorDevices {
   RangeSensor& laser;
   Odometry& odometry;
   BaseDriver& base;
+  RangeSensor* rear_laser = nullptr;
   RgbdCamera* camera = nullptr;
   RelocalizationPort* server = nullptr;
 };
@@ -121,6 +123,7 @@ struct NavigatorSnapshot {
   // The last frame that was sent to the server; null: none.
   std::shared_ptr<const RgbdFrame> query_frame;
   SensorTally laser;
+  SensorTally rear_laser;
   SensorTally odometry;
   SensorTally camera;
   PlanTally plans;

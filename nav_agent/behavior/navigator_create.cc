@@ -23,6 +23,12 @@ std::unique_ptr<PlanRunner> RunnerOf(
   return MakeInlinePlanRunner(std::move(planner));
 }
 
+RobotLasers LasersOf(const NavigatorDevices& devices) {
+  RobotLasers lasers = {.front = devices.laser.Info()};
+  if (devices.rear_laser != nullptr) lasers.rear = devices.rear_laser->Info();
+  return lasers;
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Navigator>> Navigator::Create(
@@ -31,10 +37,14 @@ absl::StatusOr<std::unique_ptr<Navigator>> Navigator::Create(
     const Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(robot.Validate());
-  if (devices.laser.Health().state == DeviceState::kStarting &&
-      devices.laser.Info().beams == 0) {
+  const auto is_unknown = [](const RangeSensor& laser) {
+    return laser.Health().state == DeviceState::kStarting &&
+           laser.Info().beams == 0;
+  };
+  if (is_unknown(devices.laser) ||
+      (devices.rear_laser != nullptr && is_unknown(*devices.rear_laser))) {
     return absl::FailedPreconditionError(
-        "the laser has not said yet how it scans; wait until it runs");
+        "a laser has not said yet how it scans; wait until it runs");
   }
   NavigatorParts parts;
   TL_ASSIGN_OR_RETURN(NavigationMap levels,
@@ -44,9 +54,9 @@ absl::StatusOr<std::unique_ptr<Navigator>> Navigator::Create(
                       MakeGlobalPlanner(parts.map, robot, options.planner));
   parts.planner = RunnerOf(std::move(planner), options);
   const RangeSensorInfo laser = devices.laser.Info();
-  TL_ASSIGN_OR_RETURN(
-      parts.controller,
-      LocalController::Make(parts.map, robot, laser, options.control));
+  TL_ASSIGN_OR_RETURN(parts.controller,
+                      LocalController::Make(parts.map, robot, LasersOf(devices),
+                                            options.control));
   TL_ASSIGN_OR_RETURN(parts.tracker,
                       RobotTracker::Create(map.voxels, map.levels, robot, laser,
                                            options.tracker, options.seed));

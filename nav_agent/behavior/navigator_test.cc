@@ -83,6 +83,59 @@ TEST_F(NavigatorTest, AGoalIsReachedOnlyWithinToleranceAndStanding) {
   EXPECT_EQ(Goal().state, GoalState::kSucceeded);
 }
 
+// Something stands at the goal: the robot waits beside it for a while.
+class TakenGoalTest : public NavigatorFixture {
+ protected:
+  void ArriveBeside(const NavigatorOptions& options = {}) {
+    MakePlaced(options);
+    Send({PoseAtPoint(5, 2)});
+    Run(0.05);
+    controller->result.state = ControlState::kBlocked;
+    controller->result.obstacle_in_map = {5, 2};
+    controller->result.obstacle_radius_m = 0.2;
+    PlanResult beside =
+        FakePlanRunner::Straight(PoseAtPoint(2, 2), PoseAtPoint(4.4, 2));
+    beside.moved_goal_m = 0.6;
+    planner->answers.push_back(beside);
+    // The better way that is looked for meanwhile.
+    planner->answers.push_back(beside);
+    Run(0.025);
+    controller->result = {.state = ControlState::kArrived};
+    tracker->pose = PoseAtPoint(4.4, 2);
+    Run(0.5);
+    ASSERT_EQ(Goal().state, GoalState::kActive);
+  }
+};
+
+TEST_F(TakenGoalTest, IsReachedBesideAfterAWait) {
+  ArriveBeside();
+  Run(9);
+  EXPECT_EQ(Goal().state, GoalState::kActive);
+  Run(2);
+  EXPECT_EQ(Goal().state, GoalState::kSucceeded);
+  EXPECT_EQ(Count("goal", "0.60 m beside the goal, where something stands"), 1);
+}
+
+TEST_F(TakenGoalTest, IsDrivenToWhenItIsFree) {
+  NavigatorOptions options;
+  options.limits.blockage_s = 5;
+  ArriveBeside(options);
+  const size_t asked = planner->requests.size();
+  Run(3);
+  EXPECT_EQ(planner->requests.size(), asked);
+  // What stood there is forgotten.
+  Run(2);
+  ASSERT_GT(planner->requests.size(), asked);
+  EXPECT_EQ(planner->requests.back().goal.map_from_base.translation.x, 5);
+  EXPECT_TRUE(planner->requests.back().blockages.empty());
+  EXPECT_EQ(controller->path.back().map_from_base.translation.x, 5);
+  controller->result.state = ControlState::kArrived;
+  tracker->pose = PoseAtPoint(5, 2);
+  Run(0.5);
+  EXPECT_EQ(Goal().state, GoalState::kSucceeded);
+  EXPECT_EQ(Count("goal", "beside the goal"), 0);
+}
+
 // A controller that says that it has arrived and has not gets new plans, then
 // recoveries, then an end.
 TEST_F(NavigatorTest, ADisputeAboutArrivalEnds) {

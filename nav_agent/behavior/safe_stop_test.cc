@@ -43,6 +43,29 @@ TEST_F(SafeStopTest, OfASilentLaser) {
   ExpectGoesOn();
 }
 
+TEST_F(SafeStopTest, OfASilentRearLaser) {
+  has_rear_laser = true;
+  Drive();
+  EXPECT_GT(controller->rear_scans, 3);
+  rear_laser_runs = false;
+  Run(0.35);
+  ExpectStop(NavigationCause::kLaserLost);
+  EXPECT_TRUE(
+      absl::StrContains(navigator->Snapshot().cause_text, "rear laser"));
+  EXPECT_GT(navigator->Snapshot().rear_laser.used, 3);
+  rear_laser_runs = true;
+  Run(0.2);
+  ExpectGoesOn();
+}
+
+TEST_F(SafeStopTest, NotOfARearLaserThatIsNotThere) {
+  rear_laser_runs = false;
+  Drive();
+  Run(1);
+  EXPECT_EQ(mode(), NavigatorMode::kDriving);
+  EXPECT_EQ(controller->rear_scans, 0);
+}
+
 TEST_F(SafeStopTest, OfALaserThatSaysThatItIsLost) {
   Drive();
   laser.health.state = DeviceState::kLost;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/geometry/rigid2.h"
-#include "nav_agent/core/robot_model.h"
+#include "common/geometry/rigid3.h"
 #include "nav_agent/core/sensor_data.h"
 
 namespace treeline {
@@ -15,7 +15,7 @@ namespace treeline {
 // or end at the laser's largest range.
 inline std::vector<Vec2> ScanEndsInMap(const LaserScan& scan,
                                        const RangeSensorInfo& laser,
-                                       const RobotModel& robot,
+                                       const Rigid3& base_from_laser,
                                        const Rigid2& map_from_base, int every,
                                        bool with_no_return) {
   std::vector<Vec2> ends;
@@ -24,9 +24,8 @@ inline std::vector<Vec2> ScanEndsInMap(const LaserScan& scan,
     if (range_m == kNoReturn && with_no_return) range_m = laser.range_max_m;
     if (!std::isfinite(range_m)) continue;
     const double angle_rad = laser.AngleOf_rad(i);
-    const Vec3 end =
-        robot.base_from_laser *
-        Vec3{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad), 0};
+    const Vec3 end = base_from_laser * Vec3{range_m * std::cos(angle_rad),
+                                            range_m * std::sin(angle_rad), 0};
     ends.push_back(map_from_base * Vec2{end.x, end.y});
   }
   return ends;

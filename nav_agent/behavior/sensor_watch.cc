@@ -71,14 +71,10 @@ double SameAgain::For_s(MonotonicTime stamp) const {
   return since_.has_value() ? SecondsBetween(*since_, stamp) : 0;
 }
 
-SensorWatch::SensorWatch(const NavigatorDevices& devices,
-                         const SensorWatchOptions& options)
-    : devices_(devices), options_(options) {}
-
-bool SensorWatch::Accept(MonotonicTime stamp, MonotonicTime now,
-                         double timeout_s, std::optional<MonotonicTime>& newest,
-                         SensorTally& tally) const {
-  if (SecondsBetween(now, stamp) > options_.future_s) {
+bool AcceptStamp(MonotonicTime stamp, MonotonicTime now, double timeout_s,
+                 const SensorWatchOptions& options,
+                 std::optional<MonotonicTime> newest, SensorTally& tally) {
+  if (SecondsBetween(now, stamp) > options.future_s) {
     ++tally.future;
     return false;
   }
@@ -93,23 +89,95 @@ bool SensorWatch::Accept(MonotonicTime stamp, MonotonicTime now,
   return true;
 }
 
+void LaserWatch::Poll(MonotonicTime now, double moved) {
+  scans_.clear();
+  moved_ += moved;
+  const int beams = laser_->Info().beams;
+  for (LaserScan& scan : laser_->TakeScans()) {
+    if (static_cast<int>(scan.ranges_m.size()) != beams ||
+        ShareOfRanges(scan.ranges_m) < options_->least_ranges) {
+      ++tally_.broken;
+      continue;
+    }
+    if (!AcceptStamp(scan.stamp, now, options_->laser_timeout_s, *options_,
+                     stamp_, tally_)) {
+      continue;
+    }
+    Judge(scan);
+    stamp_ = scan.stamp;
+    ++tally_.used;
+    tally_then_ = tally_;
+    if (!is_frozen_) scans_.push_back(std::move(scan));
+  }
+}
+
+void LaserWatch::Judge(const LaserScan& scan) {
+  const bool is_same =
+      HasRange(scan.ranges_m) && SameRanges(scan.ranges_m, last_ranges_m_);
+  if (!is_same) {
+    moved_ = 0;
+    is_frozen_ = false;
+    last_ranges_m_ = scan.ranges_m;
+  }
+  tally_.repeated += is_same ? 1 : 0;
+  same_ranges_.Add(is_same, scan.stamp);
+  if (same_ranges_.For_s(scan.stamp) > options_->laser_timeout_s &&
+      moved_ > kMoved) {
+    is_frozen_ = true;
+  }
+}
+
+std::optional<std::string> LaserWatch::Problem(MonotonicTime begun,
+                                               MonotonicTime now) const {
+  const DeviceHealth health = laser_->Health();
+  if (health.state == DeviceState::kLost) {
+    return absl::StrCat("the ", name_, " is lost: ", health.cause.message());
+  }
+  const double silent_s = SecondsBetween(stamp_.value_or(begun), now);
+  if (silent_s > options_->laser_timeout_s) {
+    return Silence(name_, silent_s, tally_, tally_then_);
+  }
+  if (is_frozen_) {
+    return absl::StrCat("the ", name_,
+                        " says the same again and again while the robot moves");
+  }
+  return std::nullopt;
+}
+
+SensorWatch::SensorWatch(const NavigatorDevices& devices,
+                         const SensorWatchOptions& options)
+    : devices_(devices),
+      options_(options),
+      laser_("laser", devices.laser, options_) {
+  if (devices.rear_laser != nullptr) {
+    rear_laser_.emplace("rear laser", *devices.rear_laser, options_);
+  }
+}
+
+const std::vector<LaserScan>& SensorWatch::rear_scans() const {
+  static const std::vector<LaserScan> kNone;
+  return rear_laser_.has_value() ? rear_laser_->scans() : kNone;
+}
+
 void SensorWatch::Poll(MonotonicTime now, const VelocityCommand& command) {
   now_ = now;
   if (!begun_.has_value()) begun_ = now;
   PollOdometry(now, command);
-  PollLaser(now);
+  laser_.Poll(now, moved_);
+  if (rear_laser_.has_value()) rear_laser_->Poll(now, moved_);
 }
 
 void SensorWatch::PollOdometry(MonotonicTime now,
                                const VelocityCommand& command) {
   readings_.clear();
+  moved_ = 0;
   for (const BaseReading& reading : devices_.odometry.TakeReadings()) {
     if (!IsFinite(reading)) {
       ++odometry_.broken;
       continue;
     }
-    if (!Accept(reading.stamp, now, options_.odometry_timeout_s,
-                odometry_stamp_, odometry_)) {
+    if (!AcceptStamp(reading.stamp, now, options_.odometry_timeout_s, options_,
+                     odometry_stamp_, odometry_)) {
       continue;
     }
     const bool is_same = reading_.has_value() && SameValues(*reading_, reading);
@@ -156,45 +224,14 @@ void SensorWatch::JudgeOdometry(const BaseReading& reading, bool is_same) {
   }
 }
 
-void SensorWatch::PollLaser(MonotonicTime now) {
-  scans_.clear();
-  const int beams = devices_.laser.Info().beams;
-  for (LaserScan& scan : devices_.laser.TakeScans()) {
-    if (static_cast<int>(scan.ranges_m.size()) != beams ||
-        ShareOfRanges(scan.ranges_m) < options_.least_ranges) {
-      ++laser_.broken;
-      continue;
-    }
-    if (!Accept(scan.stamp, now, options_.laser_timeout_s, laser_stamp_,
-                laser_)) {
-      continue;
-    }
-    const bool is_same =
-        HasRange(scan.ranges_m) && SameRanges(scan.ranges_m, last_ranges_m_);
-    if (!is_same) {
-      moved_ = 0;
-      laser_frozen_ = false;
-      last_ranges_m_ = scan.ranges_m;
-    }
-    laser_.repeated += is_same ? 1 : 0;
-    same_ranges_.Add(is_same, scan.stamp);
-    if (same_ranges_.For_s(scan.stamp) > options_.laser_timeout_s &&
-        moved_ > kMoved) {
-      laser_frozen_ = true;
-    }
-    laser_stamp_ = scan.stamp;
-    ++laser_.used;
-    laser_then_ = laser_;
-    if (!laser_frozen_) scans_.push_back(std::move(scan));
-  }
-}
-
 std::optional<RgbdFrame> SensorWatch::TakeFrame(MonotonicTime now) {
   if (devices_.camera == nullptr) return std::nullopt;
   std::optional<RgbdFrame> newest;
   for (RgbdFrame& frame : devices_.camera->TakeFrames()) {
     // Pictures come late; what uses them asks where the robot was then.
-    if (!Accept(frame.stamp, now, 2.0, camera_stamp_, camera_)) continue;
+    if (!AcceptStamp(frame.stamp, now, 2.0, options_, camera_stamp_, camera_)) {
+      continue;
+    }
     camera_stamp_ = frame.stamp;
     ++camera_.used;
     newest = std::move(frame);
@@ -204,21 +241,6 @@ std::optional<RgbdFrame> SensorWatch::TakeFrame(MonotonicTime now) {
 
 void SensorWatch::NoteBaseAnswer(const absl::Status& answer) {
   base_answer_ = answer;
-}
-
-std::optional<std::string> SensorWatch::LaserProblem() const {
-  const DeviceHealth health = devices_.laser.Health();
-  if (health.state == DeviceState::kLost) {
-    return absl::StrCat("the laser is lost: ", health.cause.message());
-  }
-  const double silent_s = SecondsBetween(laser_stamp_.value_or(*begun_), now_);
-  if (silent_s > options_.laser_timeout_s) {
-    return Silence("laser", silent_s, laser_, laser_then_);
-  }
-  if (laser_frozen_) {
-    return "the laser says the same again and again while the robot moves";
-  }
-  return std::nullopt;
 }
 
 std::optional<std::string> SensorWatch::OdometryProblem() const {
@@ -263,7 +285,10 @@ std::vector<StopReason> SensorWatch::Problems() const {
   };
   add(NavigationCause::kBaseLost, BaseProblem());
   add(NavigationCause::kOdometryLost, OdometryProblem());
-  add(NavigationCause::kLaserLost, LaserProblem());
+  add(NavigationCause::kLaserLost, laser_.Problem(*begun_, now_));
+  if (rear_laser_.has_value()) {
+    add(NavigationCause::kLaserLost, rear_laser_->Problem(*begun_, now_));
+  }
   return problems;
 }
 

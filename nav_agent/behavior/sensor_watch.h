@@ -51,6 +51,49 @@ class SameAgain {
   std::optional<MonotonicTime> since_;
 };
 
+// Counts, and says whether a measurement may be used: it is newer than
+// `newest`, and neither too old nor of the future.
+bool AcceptStamp(MonotonicTime stamp, MonotonicTime now, double timeout_s,
+                 const SensorWatchOptions& options,
+                 std::optional<MonotonicTime> newest, SensorTally& tally);
+
+// One laser's scans. Not thread-safe.
+class LaserWatch {
+ public:
+  // `name` for people. What is given must outlive it.
+  LaserWatch(const char* name, RangeSensor& laser,
+             const SensorWatchOptions& options)
+      : name_(name), laser_(&laser), options_(&options) {}
+
+  // moved: how far the robot has moved since the last Poll (m and rad, added
+  // up).
+  void Poll(MonotonicTime now, double moved);
+  // What can be used of it, oldest first.
+  const std::vector<LaserScan>& scans() const { return scans_; }
+  const SensorTally& tally() const { return tally_; }
+  bool has_begun() const { return stamp_.has_value(); }
+  // Why it is lost, if it is; begun: when somebody first listened.
+  std::optional<std::string> Problem(MonotonicTime begun,
+                                     MonotonicTime now) const;
+
+ private:
+  void Judge(const LaserScan& scan);
+
+  const char* name_;
+  RangeSensor* laser_;
+  const SensorWatchOptions* options_;
+  std::vector<LaserScan> scans_;
+  SensorTally tally_;
+  // As it was when the last usable scan came.
+  SensorTally tally_then_;
+  std::optional<MonotonicTime> stamp_;
+  std::vector<float> last_ranges_m_;
+  SameAgain same_ranges_;
+  // Since ranges stay the same.
+  double moved_ = 0;
+  bool is_frozen_ = false;
+};
+
 // Not thread-safe.
 class SensorWatch {
  public:
@@ -60,7 +103,9 @@ class SensorWatch {
   // What has arrived. command: what the base was told last.
   void Poll(MonotonicTime now, const VelocityCommand& command);
   // What of it can be used, oldest first.
-  const std::vector<LaserScan>& scans() const { return scans_; }
+  const std::vector<LaserScan>& scans() const { return laser_.scans(); }
+  // Of the laser that looks back; none where there is none.
+  const std::vector<LaserScan>& rear_scans() const;
   const std::vector<BaseReading>& readings() const { return readings_; }
   // The newest frame since the last call; renders pictures in simulations.
   std::optional<RgbdFrame> TakeFrame(MonotonicTime now);
@@ -72,10 +117,13 @@ class SensorWatch {
   std::vector<StopReason> Problems() const;
   // Whether laser and odometry have been heard at all.
   bool has_begun() const {
-    return laser_stamp_.has_value() && odometry_stamp_.has_value();
+    return laser_.has_begun() && odometry_stamp_.has_value();
   }
 
-  const SensorTally& laser() const { return laser_; }
+  const SensorTally& laser() const { return laser_.tally(); }
+  SensorTally rear_laser() const {
+    return rear_laser_.has_value() ? rear_laser_->tally() : SensorTally();
+  }
   const SensorTally& odometry() const { return odometry_; }
   const SensorTally& camera() const { return camera_; }
   // The newest usable reading.
@@ -84,11 +132,6 @@ class SensorWatch {
  private:
   void PollOdometry(MonotonicTime now, const VelocityCommand& command);
   void JudgeOdometry(const BaseReading& reading, bool is_same);
-  void PollLaser(MonotonicTime now);
-  // Counts, and says whether a measurement may be used.
-  bool Accept(MonotonicTime stamp, MonotonicTime now, double timeout_s,
-              std::optional<MonotonicTime>& newest, SensorTally& tally) const;
-  std::optional<std::string> LaserProblem() const;
   std::optional<std::string> OdometryProblem() const;
   std::optional<std::string> BaseProblem() const;
 
@@ -97,24 +140,18 @@ class SensorWatch {
   MonotonicTime now_;
   std::optional<MonotonicTime> begun_;
 
-  std::vector<LaserScan> scans_;
+  LaserWatch laser_;
+  std::optional<LaserWatch> rear_laser_;
   std::vector<BaseReading> readings_;
-  SensorTally laser_;
   SensorTally odometry_;
   SensorTally camera_;
-  // As they were when the last usable measurement came.
-  SensorTally laser_then_;
+  // As it was when the last usable reading came.
   SensorTally odometry_then_;
-  std::optional<MonotonicTime> laser_stamp_;
   std::optional<MonotonicTime> odometry_stamp_;
   std::optional<MonotonicTime> camera_stamp_;
 
-  std::vector<float> last_ranges_m_;
-  SameAgain same_ranges_;
-  // How far the robot moved since ranges stay the same (m and rad, added up).
+  // In the readings of the last Poll (m and rad, added up).
   double moved_ = 0;
-  bool laser_frozen_ = false;
-
   std::optional<BaseReading> reading_;
   SameAgain same_readings_;
   std::optional<MonotonicTime> odometry_frozen_;

@@ -33,13 +33,15 @@ class NavigatorFixture : public testing::Test {
     parts.controller = std::move(controller_part);
     parts.tracker = std::move(tracker_part);
     parts.lost = std::move(lost_part);
-    auto made = AssembleNavigator(std::move(parts), RobotModel{},
-                                  {.laser = laser,
-                                   .odometry = odometry,
-                                   .base = base,
-                                   .camera = &camera,
-                                   .server = nullptr},
-                                  options, clock);
+    auto made =
+        AssembleNavigator(std::move(parts), RobotModel{},
+                          {.laser = laser,
+                           .odometry = odometry,
+                           .base = base,
+                           .rear_laser = has_rear_laser ? &rear_laser : nullptr,
+                           .camera = &camera,
+                           .server = nullptr},
+                          options, clock);
     ASSERT_TRUE(made.ok()) << made.status();
     navigator = *std::move(made);
   }
@@ -57,6 +59,12 @@ class NavigatorFixture : public testing::Test {
       // Never twice the same, as of a real one.
       scan.ranges_m.assign(31, 3.0f + 1e-4f * static_cast<float>(++scans_));
       laser.waiting.push_back(std::move(scan));
+    }
+    if (rear_laser_runs) {
+      LaserScan scan;
+      scan.stamp = clock.Now();
+      scan.ranges_m.assign(31, 4.0f + 1e-4f * static_cast<float>(++scans_));
+      rear_laser.waiting.push_back(std::move(scan));
     }
     if (odometry_runs) {
       reading.stamp = clock.Now();
@@ -96,6 +104,7 @@ class NavigatorFixture : public testing::Test {
 
   ManualClock clock;
   FakeLaser laser;
+  FakeLaser rear_laser;
   FakeOdometry odometry;
   FakeBase base;
   FakeCamera camera;
@@ -107,7 +116,9 @@ class NavigatorFixture : public testing::Test {
   std::vector<NavigatorEvent> events;
   BaseReading reading;
   double pitch = 0;
+  bool has_rear_laser = false;
   bool laser_runs = true;
+  bool rear_laser_runs = true;
   bool odometry_runs = true;
 
  private:

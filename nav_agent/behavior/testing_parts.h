@@ -89,6 +89,11 @@ class FakeController final : public LocalController {
     last_scan_pose = pose;
     return absl::OkStatus();
   }
+  absl::Status AddRearScan(const ControlPose& /*pose*/,
+                           const LaserScan& /*scan*/) override {
+    ++rear_scans;
+    return absl::OkStatus();
+  }
   absl::Status AddDepth(const ControlPose& /*pose*/,
                         const RgbdFrame& /*frame*/) override {
     ++frames;
@@ -123,6 +128,7 @@ class FakeController final : public LocalController {
                           .is_stopped_by_guard = false,
                           .to_go_m = 5};
   int scans = 0;
+  int rear_scans = 0;
   int frames = 0;
   int clears = 0;
   int steps = 0;

@@ -55,8 +55,8 @@ TestingFloor Room() {
 
 // One scan taken in.
 void BM_AddScan(benchmark::State& state) {
-  LocalCostmap costmap =
-      *LocalCostmap::Make(Room().Map(), RobotModel(), FullLaser(), {});
+  LocalCostmap costmap = *LocalCostmap::Make(Room().Map(), RobotModel(),
+                                             {.front = FullLaser()}, {});
   const ControlPose pose = TestingPose(5.5, 6);
   const LaserScan scan = FullScan(pose);
   costmap.MoveTo(pose);
@@ -66,8 +66,8 @@ BENCHMARK(BM_AddScan)->Unit(benchmark::kMicrosecond);
 
 // Exact distances of all cells.
 void BM_Distances(benchmark::State& state) {
-  LocalCostmap costmap =
-      *LocalCostmap::Make(Room().Map(), RobotModel(), FullLaser(), {});
+  LocalCostmap costmap = *LocalCostmap::Make(Room().Map(), RobotModel(),
+                                             {.front = FullLaser()}, {});
   const ControlPose pose = TestingPose(5.5, 6);
   costmap.MoveTo(pose);
   for (auto _ : state) costmap.Update(pose.stamp);
@@ -76,8 +76,8 @@ BENCHMARK(BM_Distances)->Unit(benchmark::kMicrosecond);
 
 // The window rolls by a cell: the ground is spread anew.
 void BM_Roll(benchmark::State& state) {
-  LocalCostmap costmap =
-      *LocalCostmap::Make(Room().Map(), RobotModel(), FullLaser(), {});
+  LocalCostmap costmap = *LocalCostmap::Make(Room().Map(), RobotModel(),
+                                             {.front = FullLaser()}, {});
   bool is_odd = false;
   for (auto _ : state) {
     is_odd = !is_odd;
@@ -89,8 +89,8 @@ BENCHMARK(BM_Roll)->Unit(benchmark::kMicrosecond);
 // Everything that happens in a step: a full scan, the window's rolling at
 // 0.5 m/s, distances, the band past a crate, speeds, the guard.
 void BM_ControlStep(benchmark::State& state) {
-  auto controller =
-      *LocalController::Make(Room().Map(), RobotModel(), FullLaser(), {});
+  auto controller = *LocalController::Make(Room().Map(), RobotModel(),
+                                           {.front = FullLaser()}, {});
   std::vector<ControlPose> poses;
   std::vector<LaserScan> scans;
   for (int i = 0; i < 64; ++i) {

@@ -26,6 +26,8 @@ namespace {
 // Without a scan for so long the robot stops (s).
 constexpr double kScanLifetime_s = 0.3;
 constexpr double kDepthLifetime_s = 0.5;
+// Scans of both lasers show the same moment if they are not further apart (s).
+constexpr double kTogether_s = 0.1;
 constexpr double kStanding_mps = 0.02;
 constexpr double kStanding_radps = 0.05;
 // Room that moves need, and by how much they may come nearer to what is nearer
@@ -57,12 +59,13 @@ bool IsFinitePose(const ControlPose& pose) {
 class BandController final : public LocalController {
  public:
   BandController(std::shared_ptr<const NavigationMap> map,
-                 const RobotModel& robot, const RangeSensorInfo& laser,
+                 const RobotModel& robot, const RobotLasers& lasers,
                  const LocalControllerOptions& options, LocalCostmap costmap)
       : robot_(robot),
+        lasers_(lasers),
         options_(options),
         costmap_(std::move(costmap)),
-        movers_(laser, {}),
+        movers_({}),
         guard_(robot, CollisionGuardOptions()),
         keeper_(std::move(map), KeeperOptions(options)),
         approach_({.tolerance_m = options.goal_tolerance_m,
@@ -74,12 +77,13 @@ class BandController final : public LocalController {
   absl::Status AddScan(const ControlPose& pose,
                        const LaserScan& scan) override {
     TL_RETURN_IF_ERROR(costmap_.AddScan(pose, scan));
-    if (pose.map_is_unknown) {
-      movers_.Clear();
-      return absl::OkStatus();
-    }
-    movers_.AddScan(MapFromBase3(pose) * robot_.base_from_laser, scan,
-                    costmap_.scan_points());
+    FollowMovers(pose, scan);
+    return absl::OkStatus();
+  }
+  absl::Status AddRearScan(const ControlPose& pose,
+                           const LaserScan& scan) override {
+    TL_RETURN_IF_ERROR(costmap_.AddScan(pose, scan, LaserMount::kRear));
+    behind_ = LookOf(LaserMount::kRear, pose, scan);
     return absl::OkStatus();
   }
   absl::Status AddDepth(const ControlPose& pose,
@@ -89,6 +93,7 @@ class BandController final : public LocalController {
   void ClearObstacles() override {
     costmap_.ClearObstacles();
     movers_.Clear();
+    behind_.reset();
     standstill_.Reset();
   }
 
@@ -99,7 +104,7 @@ class BandController final : public LocalController {
   bool CanTurn(const ControlPose& pose) const override;
   double FreeWay_m(const ControlPose& pose, double at_most_m) const override;
   double QuietFor_s(MonotonicTime now) const override {
-    return movers_.last_seen().has_value()
+    return movers_.last_seen().has_value() && !lasers_.rear.has_value()
                ? SecondsBetween(*movers_.last_seen(), now)
                : std::numeric_limits<double>::infinity();
   }
@@ -122,6 +127,11 @@ class BandController final : public LocalController {
     keeper.band.influence_m = std::max(0.05, options.inflation_m);
     return keeper;
   }
+  LaserLook LookOf(LaserMount mount, const ControlPose& pose,
+                   const LaserScan& scan) const;
+  void FollowMovers(const ControlPose& pose, const LaserScan& scan);
+  // Each laser has shown something lately.
+  bool Sees(MonotonicTime now) const;
   std::vector<GuardPoint> GuardPoints(const ControlPose& pose) const;
   Allowed Allow(const ControlPose& pose, const VelocityCommand& wanted,
                 std::span<const GuardPoint> points);
@@ -135,10 +145,13 @@ class BandController final : public LocalController {
                      ControlResult& result);
 
   RobotModel robot_;
+  RobotLasers lasers_;
   LocalControllerOptions options_;
   TrackFollowerOptions follow_;
   LocalCostmap costmap_;
   MoverTracks movers_;
+  // The newest scan of what is behind.
+  std::optional<LaserLook> behind_;
   CollisionGuard guard_;
   CommandHistory history_;
   BandKeeper keeper_;
@@ -156,6 +169,37 @@ void BandController::SetPath(const std::vector<LevelPose>& path) {
   follow_state_ = {};
   escape_.Reset();
   standstill_.Reset();
+}
+
+LaserLook BandController::LookOf(LaserMount mount, const ControlPose& pose,
+                                 const LaserScan& scan) const {
+  return {.laser = mount == LaserMount::kRear ? *lasers_.rear : lasers_.front,
+          .map_from_laser = MapFromBase3(pose) * robot_.BaseFrom(mount),
+          .scan = scan,
+          .points = costmap_.scan_points(mount)};
+}
+
+void BandController::FollowMovers(const ControlPose& pose,
+                                  const LaserScan& scan) {
+  if (pose.map_is_unknown) {
+    movers_.Clear();
+    return;
+  }
+  std::vector<LaserLook> looks = {LookOf(LaserMount::kFront, pose, scan)};
+  if (behind_.has_value() &&
+      SecondsBetween(behind_->scan.stamp, scan.stamp) < kTogether_s) {
+    looks.push_back(*behind_);
+  }
+  movers_.AddLooks(scan.stamp, looks);
+}
+
+bool BandController::Sees(MonotonicTime now) const {
+  const auto sees = [&](LaserMount mount) {
+    const std::optional<MonotonicTime> last = costmap_.last_scan(mount);
+    return last.has_value() && SecondsBetween(*last, now) < kScanLifetime_s;
+  };
+  return sees(LaserMount::kFront) &&
+         (!lasers_.rear.has_value() || sees(LaserMount::kRear));
 }
 
 std::vector<GuardPoint> BandController::GuardPoints(
@@ -184,7 +228,8 @@ std::vector<GuardPoint> BandController::GuardPoints(
            .is_of_body = point.is_moving && knows_movers});
     }
   };
-  add_seen(costmap_.scan_points());
+  add_seen(costmap_.scan_points(LaserMount::kFront));
+  add_seen(costmap_.scan_points(LaserMount::kRear));
   if (costmap_.last_depth().has_value() &&
       SecondsBetween(*costmap_.last_depth(), pose.stamp) < kDepthLifetime_s) {
     add_seen(costmap_.depth_points());
@@ -216,10 +261,8 @@ BandController::Allowed BandController::Allow(
       {.forward_mps = pose.forward_mps, .yaw_rate_radps = pose.yaw_rate_radps},
       robot_);
   Allowed allowed;
-  const bool sees =
-      costmap_.last_scan().has_value() &&
-      SecondsBetween(*costmap_.last_scan(), pose.stamp) < kScanLifetime_s;
-  if (!IsFinitePose(pose) || !sees || !std::isfinite(wanted.forward_mps) ||
+  if (!IsFinitePose(pose) || !Sees(pose.stamp) ||
+      !std::isfinite(wanted.forward_mps) ||
       !std::isfinite(wanted.yaw_rate_radps)) {
     allowed.is_limited = true;
     allowed.command =
@@ -462,16 +505,16 @@ absl::Status LocalControllerOptions::Validate() const {
 
 absl::StatusOr<std::unique_ptr<LocalController>> LocalController::Make(
     std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-    const RangeSensorInfo& laser, const LocalControllerOptions& options) {
+    const RobotLasers& lasers, const LocalControllerOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   LocalCostmapOptions costmap_options;
   costmap_options.length_m = options.costmap_length_m;
   costmap_options.width_m = options.costmap_width_m;
   costmap_options.resolution_m = options.costmap_resolution_m;
   TL_ASSIGN_OR_RETURN(LocalCostmap costmap,
-                      LocalCostmap::Make(map, robot, laser, costmap_options));
-  return std::make_unique<BandController>(std::move(map), robot, laser, options,
-                                          std::move(costmap));
+                      LocalCostmap::Make(map, robot, lasers, costmap_options));
+  return std::make_unique<BandController>(std::move(map), robot, lasers,
+                                          options, std::move(costmap));
 }
 
 }  // namespace treeline

@@ -75,12 +75,15 @@ class LocalController {
  public:
   static absl::StatusOr<std::unique_ptr<LocalController>> Make(
       std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-      const RangeSensorInfo& laser, const LocalControllerOptions& options);
+      const RobotLasers& lasers, const LocalControllerOptions& options);
   virtual ~LocalController() = default;
 
   // What was seen from `pose`, the robot's at that time.
   virtual absl::Status AddScan(const ControlPose& pose,
                                const LaserScan& scan) = 0;
+  // The same of the laser that looks back; INVALID_ARGUMENT if there is none.
+  virtual absl::Status AddRearScan(const ControlPose& pose,
+                                   const LaserScan& scan) = 0;
   virtual absl::Status AddDepth(const ControlPose& pose,
                                 const RgbdFrame& frame) = 0;
   // Forgets all that was seen (a recovery; the robot was told where it is).
@@ -101,7 +104,8 @@ class LocalController {
   virtual bool CanTurn(const ControlPose& pose) const = 0;
   virtual double FreeWay_m(const ControlPose& pose, double at_most_m) const = 0;
   // For how long nobody has been seen to move nearby (s): where people are
-  // about, one may come up behind the robot, where no sensor looks.
+  // about, one may come up behind the robot, where no sensor looks. Infinity
+  // for a robot with a laser there.
   virtual double QuietFor_s(MonotonicTime now) const = 0;
 
   virtual std::vector<Bubble> Bubbles() const = 0;

@@ -14,9 +14,13 @@ namespace {
 class Drive {
  public:
   Drive(const TestingFloor& floor, const ControlPose& start,
-        std::function<bool(Vec2)> is_solid)
-      : controller_(*LocalController::Make(floor.Map(), RobotModel(),
-                                           TestingLaser(), {})),
+        std::function<bool(Vec2)> is_solid, bool looks_back = false)
+      : controller_(*LocalController::Make(
+            floor.Map(), RobotModel(),
+            {.front = TestingLaser(),
+             .rear = looks_back ? std::optional(TestingLaser()) : std::nullopt},
+            {})),
+        looks_back_(looks_back),
         pose_(start),
         is_solid_(std::move(is_solid)) {}
 
@@ -27,20 +31,29 @@ class Drive {
     end.map_from_base = {.translation = goal, .yaw_rad = yaw_rad};
     controller_->SetPath({pose_.pose, end});
   }
-  ControlResult Step() {
+  // Time passes, and the lasers scan.
+  void Look() {
     pose_.stamp += std::chrono::milliseconds(25);
     EXPECT_TRUE(
         controller_->AddScan(pose_, TestingScan(pose_, is_solid_)).ok());
+    if (!looks_back_) return;
+    const LaserScan rear = TestingScan(pose_, is_solid_, LaserMount::kRear);
+    EXPECT_TRUE(controller_->AddRearScan(pose_, rear).ok());
+  }
+  // A recovery's command, as far as it is allowed.
+  void Guarded(const VelocityCommand& wanted) {
+    Look();
+    Obey(controller_->Guard(pose_, wanted));
+  }
+  ControlResult Step() {
+    Look();
     const ControlResult result = controller_->Step(pose_);
     const double dv = result.command.forward_mps - pose_.forward_mps;
     EXPECT_LE(dv, 0.8 * 0.025 + 1e-9);
     EXPECT_GE(dv, -1.5 * 0.025 - 1e-9);
     EXPECT_LE(std::abs(result.command.yaw_rate_radps - pose_.yaw_rate_radps),
               3.0 * 0.025 + 1e-9);
-    pose_.forward_mps = result.command.forward_mps;
-    pose_.yaw_rate_radps = result.command.yaw_rate_radps;
-    pose_.pose.map_from_base =
-        pose_.pose.map_from_base * MotionIn(0.025, result.command);
+    Obey(result.command);
     return result;
   }
   // Until this state, or not.
@@ -54,7 +67,15 @@ class Drive {
   const ControlResult& last() const { return last_; }
 
  private:
+  void Obey(const VelocityCommand& command) {
+    pose_.forward_mps = command.forward_mps;
+    pose_.yaw_rate_radps = command.yaw_rate_radps;
+    pose_.pose.map_from_base =
+        pose_.pose.map_from_base * MotionIn(0.025, command);
+  }
+
   std::unique_ptr<LocalController> controller_;
+  bool looks_back_;
   ControlPose pose_;
   std::function<bool(Vec2)> is_solid_;
   ControlResult last_;
@@ -133,6 +154,79 @@ TEST(LocalController, AmongPeopleItsRearEdgeDoesNotSweepBack) {
   EXPECT_GT(turned_rad, 1.5);
   // A turn on the spot: 0.31 m for each radian.
   EXPECT_LT(swept_m, 0.05);
+}
+
+// How far the robot's rear edge is from somebody who comes up from 3 m behind
+// at 0.8 m/s, up to `until_m` behind its middle, when it has backed up for 5 s.
+double GapAfterBackingUp_m(bool looks_back, double until_m) {
+  double middle_m = -3;
+  Drive drive(
+      TestingFloor(), TestingPose(6, 6),
+      [&](Vec2 at) {
+        return Norm(at - Vec2{6 + middle_m, 6}) < 0.15;
+      },
+      looks_back);
+  double gap_m = 3;
+  for (int i = 0; i < 40 * 5; ++i) {
+    middle_m = std::min(-until_m, middle_m + 0.8 * 0.025);
+    drive.Guarded({.forward_mps = -0.2, .yaw_rate_radps = 0});
+    const double rear_m =
+        drive.pose().pose.map_from_base.translation.x - RobotModel().rear_m;
+    gap_m = std::min(gap_m, rear_m - (6 + middle_m + 0.15));
+  }
+  return gap_m;
+}
+
+TEST(LocalController, ARearLaserShowsWhoComesUpBehind) {
+  const double gap_m = GapAfterBackingUp_m(true, 0.9);
+  EXPECT_GT(gap_m, 0.05);
+  EXPECT_LT(gap_m, 0.45);
+  EXPECT_LT(GapAfterBackingUp_m(false, 0.9), 0);
+}
+
+TEST(LocalController, WhoSeesBehindTurnsOnTheSpotAmongPeople) {
+  double time_s = 0;
+  Drive* robot = nullptr;
+  const auto somebody = [&](Vec2 at) {
+    const Rigid2& map_from_base = robot->pose().pose.map_from_base;
+    return Norm(map_from_base.Inverse() * at -
+                Vec2{1.6, 0.8 * std::sin(time_s)}) < 0.15;
+  };
+  Drive drive(TestingFloor(), TestingPose(6, 6), somebody, true);
+  robot = &drive;
+  for (; time_s < 1; time_s += 0.025) drive.Step();
+  EXPECT_EQ(drive.controller().QuietFor_s(drive.pose().stamp),
+            std::numeric_limits<double>::infinity());
+  drive.Goto({4, 6.2}, 3.14);
+  for (int i = 0; i < 40; ++i, time_s += 0.025) {
+    EXPECT_LT(drive.Step().command.forward_mps, 0.01);
+  }
+  EXPECT_GT(drive.pose().pose.map_from_base.yaw_rad, 0.5);
+}
+
+TEST(LocalController, ARearLaserThatIsSilentStopsIt) {
+  Drive drive(TestingFloor(), TestingPose(3, 6), NothingThere, true);
+  drive.Goto({9, 6});
+  for (int i = 0; i < 80; ++i) drive.Step();
+  EXPECT_GT(drive.pose().forward_mps, 0.5);
+  ControlPose pose = drive.pose();
+  for (int i = 0; i < 40; ++i) {
+    pose.stamp += std::chrono::milliseconds(25);
+    ASSERT_TRUE(
+        drive.controller().AddScan(pose, TestingScan(pose, NothingThere)).ok());
+    pose.forward_mps = drive.controller().Step(pose).command.forward_mps;
+  }
+  EXPECT_EQ(pose.forward_mps, 0);
+}
+
+TEST(LocalController, ScansOfARearLaserThatIsNotThereAreRefused) {
+  Drive drive(TestingFloor(), TestingPose(3, 6), NothingThere);
+  EXPECT_EQ(
+      drive.controller()
+          .AddRearScan(drive.pose(), TestingScan(drive.pose(), NothingThere,
+                                                 LaserMount::kRear))
+          .code(),
+      absl::StatusCode::kInvalidArgument);
 }
 
 TEST(LocalController, TurnsOnTheSpotWhereNobodyIs) {
@@ -234,18 +328,18 @@ TEST(LocalController, OptionsAreChecked) {
   LocalControllerOptions options;
   options.goal_tolerance_m = 0;
   EXPECT_FALSE(LocalController::Make(TestingFloor().Map(), RobotModel(),
-                                     TestingLaser(), options)
+                                     {.front = TestingLaser()}, options)
                    .ok());
   options = {};
   options.costmap_length_m = 0.2;
   EXPECT_FALSE(LocalController::Make(TestingFloor().Map(), RobotModel(),
-                                     TestingLaser(), options)
+                                     {.front = TestingLaser()}, options)
                    .ok());
   // The issue's own measures.
   options = {};
   options.costmap_length_m = 3;
   EXPECT_TRUE(LocalController::Make(TestingFloor().Map(), RobotModel(),
-                                    TestingLaser(), options)
+                                    {.front = TestingLaser()}, options)
                   .ok());
 }
 

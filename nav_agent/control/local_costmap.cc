@@ -56,24 +56,25 @@ absl::Status LocalCostmapOptions::Validate() const {
 
 absl::StatusOr<LocalCostmap> LocalCostmap::Make(
     std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-    const RangeSensorInfo& laser, const LocalCostmapOptions& options) {
+    const RobotLasers& lasers, const LocalCostmapOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(robot.Validate());
   if (map == nullptr) return absl::InvalidArgumentError("there is no map");
-  if (laser.beams < 1 || !(laser.range_max_m > laser.range_min_m)) {
-    return absl::InvalidArgumentError(
-        "the laser's beams and ranges are not known: it has not said them yet");
+  for (const RangeSensorInfo& laser :
+       {lasers.front, lasers.rear.value_or(lasers.front)}) {
+    if (laser.beams < 1 || !(laser.range_max_m > laser.range_min_m)) {
+      return absl::InvalidArgumentError(
+          "a laser's beams and ranges are not known: it has not said them yet");
+    }
   }
-  return LocalCostmap(std::move(map), robot, laser, options);
+  return LocalCostmap(std::move(map), robot, lasers, options);
 }
 
 LocalCostmap::LocalCostmap(std::shared_ptr<const NavigationMap> map,
-                           const RobotModel& robot,
-                           const RangeSensorInfo& laser,
+                           const RobotModel& robot, const RobotLasers& lasers,
                            const LocalCostmapOptions& options)
     : map_(std::move(map)),
       robot_(robot),
-      laser_(laser),
       options_(options),
       footprint_(Footprint::Of(robot)),
       edge_in_base_(footprint_.Edge(options.resolution_m)),
@@ -84,9 +85,15 @@ LocalCostmap::LocalCostmap(std::shared_ptr<const NavigationMap> map,
   map_cos_ = std::cos(map_from_grid.yaw_rad);
   map_sin_ = std::sin(map_from_grid.yaw_rad);
   map_origin_ = map_from_grid.translation;
-  for (int beam = 0; beam < laser_.beams; ++beam) {
-    beam_cos_.push_back(std::cos(laser_.AngleOf_rad(beam)));
-    beam_sin_.push_back(std::sin(laser_.AngleOf_rad(beam)));
+  lasers_[static_cast<size_t>(LaserMount::kFront)].info = lasers.front;
+  lasers_[static_cast<size_t>(LaserMount::kRear)].info =
+      lasers.rear.value_or(RangeSensorInfo());
+  held_looks_ = lasers.rear.has_value() ? 1 : 0;
+  for (Laser& laser : lasers_) {
+    for (int beam = 0; beam < laser.info.beams; ++beam) {
+      laser.beam_cos.push_back(std::cos(laser.info.AngleOf_rad(beam)));
+      laser.beam_sin.push_back(std::sin(laser.info.AngleOf_rad(beam)));
+    }
   }
   const size_t cells =
       static_cast<size_t>(width_) * static_cast<size_t>(height_);

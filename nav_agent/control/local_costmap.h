@@ -2,6 +2,7 @@
 #ifndef NAV_AGENT_CONTROL_LOCAL_COSTMAP_H_
 #define NAV_AGENT_CONTROL_LOCAL_COSTMAP_H_
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -103,13 +104,14 @@ class LocalCostmap {
  public:
   static absl::StatusOr<LocalCostmap> Make(
       std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-      const RangeSensorInfo& laser, const LocalCostmapOptions& options);
+      const RobotLasers& lasers, const LocalCostmapOptions& options);
 
   // The window moves with the robot.
   void MoveTo(const ControlPose& pose);
   // INVALID_ARGUMENT: the number of beams is not the laser's, or the pose is
   // not finite.
-  absl::Status AddScan(const ControlPose& pose, const LaserScan& scan);
+  absl::Status AddScan(const ControlPose& pose, const LaserScan& scan,
+                       LaserMount mount = LaserMount::kFront);
   absl::Status AddDepth(const ControlPose& pose, const RgbdFrame& frame);
   void ClearObstacles();
   // Forgets what is too old; distances are right afterwards.
@@ -157,9 +159,15 @@ class LocalCostmap {
 
   // The newest scan's and the newest frame's points on obstacles, the map's
   // included, near the robot.
-  const std::vector<SeenPoint>& scan_points() const { return scan_points_; }
+  const std::vector<SeenPoint>& scan_points(
+      LaserMount mount = LaserMount::kFront) const {
+    return LaserAt(mount).points;
+  }
   const std::vector<SeenPoint>& depth_points() const { return depth_points_; }
-  std::optional<MonotonicTime> last_scan() const { return last_scan_; }
+  std::optional<MonotonicTime> last_scan(
+      LaserMount mount = LaserMount::kFront) const {
+    return LaserAt(mount).last_scan;
+  }
   std::optional<MonotonicTime> last_depth() const { return last_depth_; }
 
  private:
@@ -180,9 +188,22 @@ class LocalCostmap {
     float height_m = 0;
   };
 
+  // One of the lasers, and what it has shown last. No beams: there is none.
+  struct Laser {
+    RangeSensorInfo info;
+    std::vector<double> beam_cos;
+    std::vector<double> beam_sin;
+    std::optional<MonotonicTime> last_scan;
+    std::vector<SeenPoint> points;
+  };
+
   LocalCostmap(std::shared_ptr<const NavigationMap> map,
-               const RobotModel& robot, const RangeSensorInfo& laser,
+               const RobotModel& robot, const RobotLasers& lasers,
                const LocalCostmapOptions& options);
+
+  const Laser& LaserAt(LaserMount mount) const {
+    return lasers_[static_cast<size_t>(mount)];
+  }
 
   size_t IndexOf(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(width_) +
@@ -220,13 +241,12 @@ class LocalCostmap {
 
   std::shared_ptr<const NavigationMap> map_;
   RobotModel robot_;
-  RangeSensorInfo laser_;
   LocalCostmapOptions options_;
   Footprint footprint_;
   std::vector<Vec2> edge_in_base_;
   std::vector<Vec2> area_in_base_;
-  std::vector<double> beam_cos_;
-  std::vector<double> beam_sin_;
+  // By LaserMount.
+  std::array<Laser, 2> lasers_;
   // The map's grid from the map's frame: a rotation, then cells.
   double map_cos_ = 1;
   double map_sin_ = 0;
@@ -252,12 +272,13 @@ class LocalCostmap {
   std::vector<uint32_t> hit_in_;
   std::vector<uint32_t> passed_in_;
   std::vector<size_t> hit_cells_;
-  uint32_t look_ = 0;
+  uint32_t look_ = 1;
+  // A second laser sees past the edges of what the first one hits: what was hit
+  // in so many looks before is not passed.
+  uint32_t held_looks_ = 0;
 
   std::optional<MonotonicTime> epoch_;
-  std::optional<MonotonicTime> last_scan_;
   std::optional<MonotonicTime> last_depth_;
-  std::vector<SeenPoint> scan_points_;
   std::vector<SeenPoint> depth_points_;
 };
 

@@ -78,8 +78,10 @@ bool LocalCostmap::IsMoving(CellIndex cell, int64_t now_ms) const {
 bool LocalCostmap::IsBesideMover(size_t i) const {
   const int cell = static_cast<int>(i);
   const Vec2 center = CenterInMap(cell % width_, cell / width_);
-  return std::ranges::any_of(scan_points_, [&](const SeenPoint& point) {
-    return point.is_moving && Norm(point.in_map - center) < kMoverSize_m;
+  return std::ranges::any_of(lasers_, [&](const Laser& laser) {
+    return std::ranges::any_of(laser.points, [&](const SeenPoint& point) {
+      return point.is_moving && Norm(point.in_map - center) < kMoverSize_m;
+    });
   });
 }
 
@@ -102,7 +104,7 @@ void LocalCostmap::ClearAlong(Vec3 from, Vec3 to, int64_t now_ms) {
       const size_t i = IndexOf(static_cast<int>(x), static_cast<int>(y));
       if (i != last) {
         last = i;
-        if (passed_in_[i] != look_ && hit_in_[i] != look_ &&
+        if (passed_in_[i] != look_ && hit_in_[i] + held_looks_ < look_ &&
             ground_[i].level >= 0 && z < ground_[i].height_m + kLookHeight_m) {
           passed_in_[i] = look_;
           Seen& seen = seen_[i];
@@ -141,11 +143,12 @@ void LocalCostmap::MarkHits(int64_t now_ms, uint8_t Seen::*hits) {
 }
 
 absl::Status LocalCostmap::AddScan(const ControlPose& pose,
-                                   const LaserScan& scan) {
-  if (static_cast<int>(scan.ranges_m.size()) != laser_.beams) {
+                                   const LaserScan& scan, LaserMount mount) {
+  Laser& laser = lasers_[static_cast<size_t>(mount)];
+  if (static_cast<int>(scan.ranges_m.size()) != laser.info.beams) {
     return absl::InvalidArgumentError(
         absl::StrCat("a scan has ", scan.ranges_m.size(), " ranges, the laser ",
-                     laser_.beams, " beams"));
+                     laser.info.beams, " beams"));
   }
   const Rigid3 map_from_base = MapFromBase3(pose);
   if (!IsFinite(map_from_base)) {
@@ -153,8 +156,8 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
   }
   if (!is_placed_) MoveTo(pose);
   const int64_t now_ms = Milliseconds(scan.stamp) + 1;
-  last_scan_ = scan.stamp;
-  const Rigid3 map_from_laser = map_from_base * robot_.base_from_laser;
+  laser.last_scan = scan.stamp;
+  const Rigid3 map_from_laser = map_from_base * robot_.BaseFrom(mount);
   const Mat3 rotation = map_from_laser.rotation.Matrix();
   const Vec3 origin = map_from_laser.translation;
   const Vec2 at = pose.pose.map_from_base.translation;
@@ -164,21 +167,22 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
 
   ++look_;
   hit_cells_.clear();
-  scan_points_.clear();
+  laser.points.clear();
   std::vector<Vec3> ends(scan.ranges_m.size());
   const auto is_range = [&](size_t i) {
-    return scan.ranges_m[i] >= laser_.range_min_m &&
-           scan.ranges_m[i] <= laser_.range_max_m;
+    return scan.ranges_m[i] >= laser.info.range_min_m &&
+           scan.ranges_m[i] <= laser.info.range_max_m;
   };
   for (size_t i = 0; i < ends.size(); ++i) {
     // A beam without return passed what is near, unless it is broken.
     const double range_m = is_range(i) ? scan.ranges_m[i] : 0;
     const double used_m = std::min(range_m, reach_m);
     // The robot moved on since the first beam.
-    const double late_s = static_cast<double>(i) * laser_.beam_interval_s;
+    const double late_s = static_cast<double>(i) * laser.info.beam_interval_s;
     const double turn = pose.yaw_rate_radps * late_s;
-    const Vec3 in_laser = {used_m * (beam_cos_[i] - turn * beam_sin_[i]),
-                           used_m * (beam_sin_[i] + turn * beam_cos_[i]), 0};
+    const Vec3 in_laser = {
+        used_m * (laser.beam_cos[i] - turn * laser.beam_sin[i]),
+        used_m * (laser.beam_sin[i] + turn * laser.beam_cos[i]), 0};
     const double drive_m = pose.forward_mps * late_s;
     const Vec3 end = {
         origin.x + rotation(0, 0) * in_laser.x + rotation(0, 1) * in_laser.y +
@@ -203,13 +207,13 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
       hit_cells_.push_back(index);
     }
     if (std::hypot(end.x - at.x, end.y - at.y) < kPointReach_m) {
-      scan_points_.push_back(
+      laser.points.push_back(
           {.in_map = {end.x, end.y}, .is_new = IsNew(index)});
     }
   }
   for (const Vec3& end : ends) ClearAlong(origin, end, now_ms);
   MarkHits(now_ms, &Seen::laser_hits);
-  for (SeenPoint& point : scan_points_) {
+  for (SeenPoint& point : laser.points) {
     point.is_moving = IsMoving(CellOf(point.in_map), now_ms);
   }
   return absl::OkStatus();
@@ -296,7 +300,7 @@ absl::Status LocalCostmap::AddDepth(const ControlPose& pose,
 
 void LocalCostmap::ClearObstacles() {
   std::ranges::fill(seen_, Seen());
-  scan_points_.clear();
+  for (Laser& laser : lasers_) laser.points.clear();
   depth_points_.clear();
   if (is_placed_ && epoch_.has_value()) Update(*epoch_);
 }

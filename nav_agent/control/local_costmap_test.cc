@@ -11,8 +11,8 @@ namespace {
 
 LocalCostmap MakeCostmap(const TestingFloor& floor,
                          const LocalCostmapOptions& options = {}) {
-  return *LocalCostmap::Make(floor.Map(), RobotModel(), TestingLaser(),
-                             options);
+  return *LocalCostmap::Make(floor.Map(), RobotModel(),
+                             {.front = TestingLaser()}, options);
 }
 
 // So many scans, 25 ms apart, from the same place.
@@ -62,7 +62,7 @@ TEST(LocalCostmap, TheFootprintsDistanceDependsOnItsHeading) {
   RobotModel robot;
   robot.front_m = 0.6;
   LocalCostmap costmap =
-      *LocalCostmap::Make(floor.Map(), robot, TestingLaser(), {});
+      *LocalCostmap::Make(floor.Map(), robot, {.front = TestingLaser()}, {});
   costmap.MoveTo(TestingPose(6, 6));
   costmap.Update(TestingTime(0));
   EXPECT_NEAR(costmap.FootprintDistance_m({.translation = {6, 6}}, 0.5),
@@ -192,7 +192,7 @@ TEST(LocalCostmap, GroundGoesOnOverAJoinAndNotOverADrop) {
   }
   LocalCostmap costmap = *LocalCostmap::Make(
       std::make_shared<const NavigationMap>(*NavigationMap::Make(map)),
-      RobotModel(), TestingLaser(), {});
+      RobotModel(), {.front = TestingLaser()}, {});
   costmap.MoveTo(TestingPose(6.2, 6));
   costmap.Update(TestingTime(0));
   ASSERT_TRUE(costmap.GroundAt({7.5, 6}).has_value());
@@ -257,8 +257,8 @@ TEST(LocalCostmap, DepthMarksAndClearsWhatIsLowerThanTheLaser) {
   RobotModel robot;
   robot.base_from_camera =
       RobotModel::UprightCamera({1.0, 0, 1.0}, std::numbers::pi / 2);
-  LocalCostmap costmap =
-      *LocalCostmap::Make(TestingFloor().Map(), robot, TestingLaser(), {});
+  LocalCostmap costmap = *LocalCostmap::Make(TestingFloor().Map(), robot,
+                                             {.front = TestingLaser()}, {});
   ControlPose pose = TestingPose(6, 6);
   costmap.MoveTo(pose);
   for (int i = 0; i < 5; ++i) {
@@ -281,8 +281,8 @@ TEST(LocalCostmap, WhoComesToWhereTheCameraSawSomethingMoves) {
   RobotModel robot;
   robot.base_from_camera =
       RobotModel::UprightCamera({1.0, 0, 1.0}, std::numbers::pi / 2);
-  LocalCostmap costmap =
-      *LocalCostmap::Make(TestingFloor().Map(), robot, TestingLaser(), {});
+  LocalCostmap costmap = *LocalCostmap::Make(TestingFloor().Map(), robot,
+                                             {.front = TestingLaser()}, {});
   // For 2 s there is a box, which the laser looks over.
   for (int i = 0; i < 10; ++i) {
     ControlPose pose = TestingPose(6, 6);
@@ -311,11 +311,12 @@ TEST(LocalCostmap, BadInputIsSaid) {
   EXPECT_FALSE(costmap.AddScan(nowhere, TestingScan(pose, NothingThere)).ok());
   EXPECT_FALSE(costmap.AddDepth(pose, RgbdFrame()).ok());
   EXPECT_FALSE(
-      LocalCostmap::Make(nullptr, RobotModel(), TestingLaser(), {}).ok());
+      LocalCostmap::Make(nullptr, RobotModel(), {.front = TestingLaser()}, {})
+          .ok());
   LocalCostmapOptions options;
   options.resolution_m = 0;
   EXPECT_FALSE(LocalCostmap::Make(TestingFloor().Map(), RobotModel(),
-                                  TestingLaser(), options)
+                                  {.front = TestingLaser()}, options)
                    .ok());
   // Ranges that are none mark nothing.
   LaserScan nothing = TestingScan(pose, NothingThere);

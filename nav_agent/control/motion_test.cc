@@ -160,7 +160,7 @@ TEST(Escape, DrivesOnToWhereItMayTurn) {
   TestingFloor floor;
   floor.Fill({4.5, 5.2}, {5.85, 5.65}, Occupancy::kOccupied);
   absl::StatusOr<LocalCostmap> costmap =
-      LocalCostmap::Make(floor.Map(), kRobot, TestingLaser(), {});
+      LocalCostmap::Make(floor.Map(), kRobot, {.front = TestingLaser()}, {});
   ASSERT_TRUE(costmap.ok());
   ControlPose pose = TestingPose(6, 6);
   costmap->MoveTo(pose);

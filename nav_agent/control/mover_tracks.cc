@@ -24,46 +24,57 @@ struct Cluster {
   Vec2 Middle() const { return (1.0 / points) * sum; }
 };
 
-std::vector<Cluster> ClustersOf(std::span<const SeenPoint> points,
+std::vector<Cluster> ClustersOf(std::span<const LaserLook> looks,
                                 double size_m) {
   std::vector<Cluster> clusters;
-  for (const SeenPoint& point : points) {
-    if (!point.is_moving) continue;
+  const auto add = [&](Vec2 in_map) {
     auto nearest = std::ranges::find_if(clusters, [&](const Cluster& cluster) {
-      return Norm(cluster.Middle() - point.in_map) < size_m;
+      return Norm(cluster.Middle() - in_map) < size_m;
     });
     if (nearest == clusters.end()) {
       nearest = clusters.insert(clusters.end(), Cluster());
     }
-    nearest->sum = nearest->sum + point.in_map;
+    nearest->sum = nearest->sum + in_map;
     ++nearest->points;
+  };
+  for (const LaserLook& look : looks) {
+    for (const SeenPoint& point : look.points) {
+      if (point.is_moving) add(point.in_map);
+    }
   }
   return clusters;
 }
 
 }  // namespace
 
-MoverTracks::MoverTracks(const RangeSensorInfo& laser,
-                         const MoverTracksOptions& options)
-    : laser_(laser), options_(options) {}
-
-MoverTracks::Sight MoverTracks::SightOf(const Rigid3& map_from_laser,
-                                        const LaserScan& scan,
+MoverTracks::Sight MoverTracks::SightIn(const LaserLook& look,
                                         Vec2 in_map) const {
-  const Vec3 in_laser = map_from_laser.Inverse() *
-                        Vec3{in_map.x, in_map.y, map_from_laser.translation.z};
+  const RangeSensorInfo& laser = look.laser;
+  const Vec3 in_laser =
+      look.map_from_laser.Inverse() *
+      Vec3{in_map.x, in_map.y, look.map_from_laser.translation.z};
   const double beam =
-      (std::atan2(in_laser.y, in_laser.x) - laser_.angle_min_rad) /
-      laser_.angle_increment_rad;
-  if (!(beam >= 0 && beam <= laser_.beams - 1)) return Sight::kNot;
+      (std::atan2(in_laser.y, in_laser.x) - laser.angle_min_rad) /
+      laser.angle_increment_rad;
+  if (!(beam >= 0 && beam <= laser.beams - 1)) return Sight::kNot;
   const double away_m = std::hypot(in_laser.x, in_laser.y);
-  const float range_m = scan.ranges_m[static_cast<size_t>(std::lround(beam))];
-  if (!(range_m >= laser_.range_min_m && range_m > away_m - kInFront_m)) {
+  const float range_m =
+      look.scan.ranges_m[static_cast<size_t>(std::lround(beam))];
+  if (!(range_m >= laser.range_min_m && range_m > away_m - kInFront_m)) {
     return Sight::kNot;
   }
   const double to_edge_rad =
-      laser_.angle_increment_rad * std::min(beam, laser_.beams - 1 - beam);
+      laser.angle_increment_rad * std::min(beam, laser.beams - 1 - beam);
   return to_edge_rad * away_m < options_.cut_m ? Sight::kPart : Sight::kFull;
+}
+
+MoverTracks::Sight MoverTracks::SightOf(std::span<const LaserLook> looks,
+                                        Vec2 in_map) const {
+  Sight best = Sight::kNot;
+  for (const LaserLook& look : looks) {
+    best = std::max(best, SightIn(look, in_map));
+  }
+  return best;
 }
 
 void MoverTracks::Follow(Track& track, Vec2 in_map, double interval_s) const {
@@ -87,15 +98,14 @@ void MoverTracks::Follow(Track& track, Vec2 in_map, double interval_s) const {
   ++track.seen;
 }
 
-void MoverTracks::AddScan(const Rigid3& map_from_laser, const LaserScan& scan,
-                          std::span<const SeenPoint> points) {
+void MoverTracks::AddLooks(MonotonicTime stamp,
+                           std::span<const LaserLook> looks) {
   const double interval_s =
-      last_.has_value()
-          ? std::chrono::duration<double>(scan.stamp - *last_).count()
-          : 0;
-  last_ = scan.stamp;
+      last_.has_value() ? std::chrono::duration<double>(stamp - *last_).count()
+                        : 0;
+  last_ = stamp;
   if (interval_s < 0 || interval_s > kLongestInterval_s) Clear();
-  std::vector<Cluster> clusters = ClustersOf(points, options_.size_m);
+  std::vector<Cluster> clusters = ClustersOf(looks, options_.size_m);
   for (Track& track : tracks_) {
     track.in_map = track.in_map + interval_s * track.velocity_mps;
     const auto nearest =
@@ -107,7 +117,7 @@ void MoverTracks::AddScan(const Rigid3& map_from_laser, const LaserScan& scan,
             options_.reach_m + options_.doubt_mps * track.unseen_s) {
       // Of what is cut off by the edge of the view, the middle is not seen.
       if (track.fitted > options_.fitted_scans / 2 &&
-          SightOf(map_from_laser, scan, nearest->Middle()) == Sight::kPart) {
+          SightOf(looks, nearest->Middle()) == Sight::kPart) {
         track.unseen_s = 0;
       } else {
         Follow(track, nearest->Middle(), interval_s);
@@ -116,9 +126,8 @@ void MoverTracks::AddScan(const Rigid3& map_from_laser, const LaserScan& scan,
       continue;
     }
     track.unseen_s += interval_s;
-    track.missed = SightOf(map_from_laser, scan, track.in_map) == Sight::kFull
-                       ? track.missed + 1
-                       : 0;
+    track.missed =
+        SightOf(looks, track.in_map) == Sight::kFull ? track.missed + 1 : 0;
   }
   std::erase_if(tracks_, [&](const Track& track) {
     return track.missed >= options_.scans_to_end ||
@@ -127,7 +136,7 @@ void MoverTracks::AddScan(const Rigid3& map_from_laser, const LaserScan& scan,
   });
   for (const Track& track : tracks_) {
     if (track.unseen_s == 0 && track.seen >= options_.scans_to_begin) {
-      last_seen_ = scan.stamp;
+      last_seen_ = stamp;
     }
   }
   for (const Cluster& cluster : clusters) {

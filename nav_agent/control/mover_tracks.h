@@ -48,16 +48,23 @@ struct Mover {
   double doubt_m = 0;
 };
 
-// What moves in a planar laser's scans, followed from one to the next and on
-// where the laser does not look: behind the robot, behind others. Pure;
-// deterministic; not thread-safe.
+// A scan, from where it was taken, and what of it moves (among `points`).
+struct LaserLook {
+  RangeSensorInfo laser;
+  Rigid3 map_from_laser;
+  LaserScan scan;
+  std::span<const SeenPoint> points;
+};
+
+// What moves in scans of planar lasers, followed from one to the next and on
+// where no laser looks: behind the robot, behind others. Pure; deterministic;
+// not thread-safe.
 class MoverTracks {
  public:
-  MoverTracks(const RangeSensorInfo& laser, const MoverTracksOptions& options);
+  explicit MoverTracks(const MoverTracksOptions& options) : options_(options) {}
 
-  // A scan from `map_from_laser`, and what of its points move (among `points`).
-  void AddScan(const Rigid3& map_from_laser, const LaserScan& scan,
-               std::span<const SeenPoint> points);
+  // What the lasers show at `stamp`, each in its newest scan.
+  void AddLooks(MonotonicTime stamp, std::span<const LaserLook> looks);
   void Clear() { tracks_.clear(); }
 
   std::vector<Mover> Movers() const;
@@ -76,17 +83,16 @@ class MoverTracks {
     double unseen_s = 0;
   };
 
-  // How the laser sees what is at a place.
+  // How lasers see what is at a place, the one that sees best.
   enum class Sight : uint8_t {
-    kNot,   // it looks elsewhere, or something is in between
-    kPart,  // half of it may be beyond the first or the last beam
-    kFull
+    kNot = 0,   // it looks elsewhere, or something is in between
+    kPart = 1,  // half of it may be beyond the first or the last beam
+    kFull = 2
   };
-  Sight SightOf(const Rigid3& map_from_laser, const LaserScan& scan,
-                Vec2 in_map) const;
+  Sight SightIn(const LaserLook& look, Vec2 in_map) const;
+  Sight SightOf(std::span<const LaserLook> looks, Vec2 in_map) const;
   void Follow(Track& track, Vec2 in_map, double interval_s) const;
 
-  RangeSensorInfo laser_;
   MoverTracksOptions options_;
   std::vector<Track> tracks_;
   std::optional<MonotonicTime> last_;

@@ -24,7 +24,7 @@ const RangeSensorInfo kLaser = {.angle_min_rad = -0.75 * std::numbers::pi,
 // origin and looks along x.
 class Hall {
  public:
-  explicit Hall(MoverTracksOptions options = {}) : tracks_(kLaser, options) {}
+  explicit Hall(MoverTracksOptions options = {}) : tracks_(options) {}
 
   // A scan; somebody at `at`, if anybody.
   void Scan(std::optional<Vec2> at, std::optional<Vec2> wall = std::nullopt) {
@@ -50,7 +50,9 @@ class Hall {
                           .is_new = true});
       }
     }
-    tracks_.AddScan(Rigid3(), scan, points);
+    const LaserLook look = {
+        .laser = kLaser, .map_from_laser = {}, .scan = scan, .points = points};
+    tracks_.AddLooks(scan.stamp, {&look, 1});
   }
   std::vector<Mover> Movers() const { return tracks_.Movers(); }
   MoverTracks& tracks() { return tracks_; }
@@ -74,6 +76,44 @@ TEST(MoverTracks, FollowsOneWhoWalksAndKnowsItsSpeed) {
   EXPECT_NEAR(Norm(movers[0].in_map - at), 0.15, 0.1);
   EXPECT_NEAR(movers[0].velocity_mps.y, 1.0, 0.1);
   EXPECT_NEAR(movers[0].velocity_mps.x, 0, 0.1);
+}
+
+// Behind the first laser, before a second one that looks back.
+TEST(MoverTracks, IsFollowedBySecondLaserToo) {
+  MoverTracks tracks({});
+  const Rigid3 back = {
+      .rotation = Rotation3::FromAxisAngle({0, 0, std::numbers::pi}),
+      .translation = {-0.4, 0, 0}};
+  LaserScan empty;
+  empty.ranges_m.assign(541, kNoReturn);
+  Vec2 at = {-2.5, 0};
+  for (int scan = 1; scan <= 60; ++scan) {
+    const SeenPoint point = {.in_map = at, .is_moving = true, .is_new = true};
+    LaserScan rear = empty;
+    // Straight ahead of it.
+    rear.ranges_m[270] = static_cast<float>(-0.4 - at.x);
+    const LaserLook looks[] = {
+        {.laser = kLaser, .map_from_laser = {}, .scan = empty, .points = {}},
+        {.laser = kLaser,
+         .map_from_laser = back,
+         .scan = rear,
+         .points = {&point, 1}}};
+    tracks.AddLooks(MonotonicTime() + std::chrono::milliseconds(25 * scan),
+                    looks);
+    at.x += 0.8 * kInterval_s;
+  }
+  ASSERT_EQ(tracks.Movers().size(), 1u);
+  EXPECT_EQ(tracks.Movers()[0].unseen_s, 0);
+  EXPECT_NEAR(tracks.Movers()[0].velocity_mps.x, 0.8, 0.1);
+  // It goes, and the laser that looks there shows that it is gone.
+  for (int scan = 61; scan <= 80; ++scan) {
+    const LaserLook looks[] = {
+        {.laser = kLaser, .map_from_laser = {}, .scan = empty, .points = {}},
+        {.laser = kLaser, .map_from_laser = back, .scan = empty, .points = {}}};
+    tracks.AddLooks(MonotonicTime() + std::chrono::milliseconds(25 * scan),
+                    looks);
+  }
+  EXPECT_TRUE(tracks.Movers().empty());
 }
 
 // It walks past on the left and turns in behind; there it goes on.
@@ -157,7 +197,7 @@ TEST(MoverTracks, APauseOfTheLaserEndsAll) {
   LaserScan late;
   late.stamp = MonotonicTime() + std::chrono::seconds(10);
   late.ranges_m.assign(541, kNoReturn);
-  hall.tracks().AddScan(Rigid3(), late, {});
+  hall.tracks().AddLooks(late.stamp, {});
   EXPECT_TRUE(hall.Movers().empty());
 }
 

@@ -96,15 +96,19 @@ inline ControlPose TestingPose(double x_m, double y_m, double yaw_rad = 0,
   return pose;
 }
 
-// On level ground, from 0.22 m before the base, with walls all around 8 m from
-// the origin of the beams.
+// On level ground, from 0.22 m before the base, or as far behind it and looking
+// back, with walls all around 8 m from the origin of the beams.
 inline LaserScan TestingScan(const ControlPose& pose,
-                             const std::function<bool(Vec2)>& is_solid) {
+                             const std::function<bool(Vec2)>& is_solid,
+                             LaserMount mount = LaserMount::kFront) {
   const RangeSensorInfo laser = TestingLaser();
   LaserScan scan;
   scan.stamp = pose.stamp;
+  const bool looks_back = mount == LaserMount::kRear;
   const Rigid2 map_from_laser =
-      pose.pose.map_from_base * Rigid2{.translation = {0.22, 0}, .yaw_rad = 0};
+      pose.pose.map_from_base *
+      Rigid2{.translation = {looks_back ? -0.22 : 0.22, 0},
+             .yaw_rad = looks_back ? std::numbers::pi : 0};
   for (int beam = 0; beam < laser.beams; ++beam) {
     const double angle_rad = laser.AngleOf_rad(beam);
     double range_m = 0.1;

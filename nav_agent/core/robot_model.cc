@@ -54,7 +54,8 @@ absl::Status RobotModel::Validate() const {
         "robot: casters at ", caster_m, " m stand out of a body that reaches ",
         std::min(front_m, rear_m), " m from its axle"));
   }
-  if (!IsFinite(base_from_laser) || !IsFinite(base_from_camera)) {
+  if (!IsFinite(base_from_laser) || !IsFinite(base_from_rear_laser) ||
+      !IsFinite(base_from_camera)) {
     return absl::InvalidArgumentError("robot: a sensor's pose is not finite");
   }
   return absl::OkStatus();

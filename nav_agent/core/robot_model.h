@@ -3,16 +3,24 @@
 #ifndef NAV_AGENT_CORE_ROBOT_MODEL_H_
 #define NAV_AGENT_CORE_ROBOT_MODEL_H_
 
+#include <cstdint>
+#include <numbers>
+
 #include "absl/status/status.h"
 #include "common/geometry/rigid3.h"
 
 namespace treeline {
 
+// Which of a robot's planar lasers: the one ahead, that it also maps and
+// localizes with; or one that looks back, for what comes from there.
+enum class LaserMount : uint8_t { kFront = 0, kRear = 1 };
+
 // A robot with two driven wheels, and casters before and behind them. The base
 // frame lies on the ground below the middle of the axle: x forward, y left,
 // z up at right angles to the ground that the wheels stand on (REP 105's
 // base_footprint on level ground). Defaults: a Segway RMP100 with casters, a
-// UTM-30LX low in front and an Xtion on a post (thesis 6.2).
+// UTM-30LX low in front and an Xtion on a post (thesis 6.2), and where there is
+// a laser that looks back, it is as low behind.
 struct RobotModel {
   // The footprint is a rectangle: from the axle forward, backward, and to each
   // side (m).
@@ -43,7 +51,14 @@ struct RobotModel {
   // The laser's frame has x forward, y left; camera frames x right, y down,
   // z forward. The camera is the pose sensor of its calibration.
   Rigid3 base_from_laser = {.rotation = {}, .translation = {0.22, 0, 0.35}};
+  Rigid3 base_from_rear_laser = {
+      .rotation = Rotation3::FromAxisAngle({0, 0, std::numbers::pi}),
+      .translation = {-0.22, 0, 0.35}};
   Rigid3 base_from_camera = UprightCamera({0.12, 0, 1.10}, 0.21);
+
+  const Rigid3& BaseFrom(LaserMount laser) const {
+    return laser == LaserMount::kRear ? base_from_rear_laser : base_from_laser;
+  }
 
   // The pose of a camera at `position_in_base` that looks ahead, and down_rad
   // below the horizon.

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "common/base/clock.h"
@@ -31,6 +32,12 @@ struct RangeSensorInfo {
   double AngleOf_rad(int beam) const {
     return angle_min_rad + beam * angle_increment_rad;
   }
+};
+
+// Those of a robot; rear: nullopt if none looks back.
+struct RobotLasers {
+  RangeSensorInfo front;
+  std::optional<RangeSensorInfo> rear = std::nullopt;
 };
 
 // Ranges that are none (REP 117).

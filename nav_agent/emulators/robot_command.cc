@@ -24,7 +24,8 @@ namespace {
 constexpr const char* kDescription =
     "A whole robot in a synthetic world: its Hokuyo UTM-30LX sees the world, "
     "its Segway RMP100 drives in it, both byte for byte as `laser` and `base` "
-    "are. What happens to it is printed.";
+    "are; with --rear-laser a second one looks back. What happens to it is "
+    "printed.";
 
 constexpr const char* kFooter = R"(
 Worlds: cafe, lab, office-floor, two-storey, seed:N, or a file of yours
@@ -35,12 +36,15 @@ Examples:
   treeline-emulator robot --world cafe \
       --laser pty:/tmp/ttyLaser --base pty:/tmp/ttyBase
   treeline-emulator robot --world lab --at 9.6,0.8,180 --laser tcp:10940 \
-      --base pty:/tmp/ttyBase --base-fault unplug@30+5)";
+      --base pty:/tmp/ttyBase --base-fault unplug@30+5
+  treeline-emulator robot --laser tcp:10940 --rear-laser tcp:10941)";
 
 struct RobotFlags {
   std::string world = "cafe";
   std::vector<double> at;
   std::string laser = "pty";
+  // Empty: there is none.
+  std::string rear_laser;
   std::string base = "pty";
   std::vector<std::string> laser_faults;
   std::vector<std::string> base_faults;
@@ -109,8 +113,22 @@ absl::Status Serve(const RobotFlags& flags, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(
       const auto base_at,
       EmulatorServer::Start(std::move(base_server), base, clock));
+  HokuyoEmulator rear_laser(HokuyoEmulatorOptions(), robot->rear_laser(),
+                            start);
+  std::unique_ptr<EmulatorServer> rear_laser_at;
+  if (!flags.rear_laser.empty()) {
+    TL_ASSIGN_OR_RETURN(
+        EmulatorServerOptions rear_server,
+        ServerOf(flags.rear_laser, flags.laser_faults, flags.seed + 1));
+    TL_ASSIGN_OR_RETURN(
+        rear_laser_at,
+        EmulatorServer::Start(std::move(rear_server), rear_laser, clock));
+  }
   std::printf("laser at %s\nbase at %s\n", laser_at->address().c_str(),
               base_at->address().c_str());
+  if (rear_laser_at != nullptr) {
+    std::printf("rear laser at %s\n", rear_laser_at->address().c_str());
+  }
   std::fflush(stdout);
   while (!StopRequestedWithin(std::chrono::milliseconds(200), stop)) {
     PrintEvents(*simulator);
@@ -141,11 +159,14 @@ Command AddRobotCommand(CLI::App& app) {
       ->expected(3, 4);
   command->add_option("--laser", flags->laser, "Where drivers find its laser")
       ->capture_default_str();
+  command->add_option("--rear-laser", flags->rear_laser,
+                      "Where drivers find a second one, that looks back; "
+                      "default: there is none");
   command->add_option("--base", flags->base, "Where drivers find its base")
       ->capture_default_str();
   command
       ->add_option("--laser-fault", flags->laser_faults,
-                   "What goes wrong with the laser, and when")
+                   "What goes wrong with its lasers, and when")
       ->take_all();
   command
       ->add_option("--base-fault", flags->base_faults,

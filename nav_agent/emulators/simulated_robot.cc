@@ -23,12 +23,12 @@ void SimulatedRobot::AdvanceTo(SimTime time) {
   if (time > now) simulator_.Step(time - now);
 }
 
-LaserScan SimulatedRobot::ScanAt(MonotonicTime start,
-                                 const RangeSensorInfo& info) {
+LaserScan SimulatedRobot::ScanFrom(LaserMount mount, MonotonicTime start,
+                                   const RangeSensorInfo& info) {
   const SimTime first = std::chrono::duration_cast<SimTime>(start - start_);
   const SimTime last =
       first + FromSeconds((info.beams - 1) * info.beam_interval_s);
-  const Rigid3& base_from_laser = simulator_.options().robot.base_from_laser;
+  const Rigid3& base_from_laser = simulator_.options().robot.BaseFrom(mount);
   const absl::MutexLock lock(&mutex_);
   AdvanceTo(last);
   LaserReturns returns =

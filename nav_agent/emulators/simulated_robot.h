@@ -30,19 +30,41 @@ class SimulatedRobot final : public LaserSource, public BasePlant {
 
   // The scanner's beams are those of the simulator's laser, and `info` must
   // have as many.
-  LaserScan ScanAt(MonotonicTime start, const RangeSensorInfo& info) override;
+  LaserScan ScanAt(MonotonicTime start, const RangeSensorInfo& info) override {
+    return ScanFrom(LaserMount::kFront, start, info);
+  }
+  // The same scanner, that looks back.
+  LaserSource& rear_laser() { return rear_laser_; }
   BasePlantState Step(const VelocityCommand& wanted,
                       double interval_s) override;
 
  private:
+  class RearLaser final : public LaserSource {
+   public:
+    explicit RearLaser(SimulatedRobot& robot) : robot_(robot) {}
+    LaserScan ScanAt(MonotonicTime start,
+                     const RangeSensorInfo& info) override {
+      return robot_.ScanFrom(LaserMount::kRear, start, info);
+    }
+
+   private:
+    SimulatedRobot& robot_;
+  };
+
   SimulatedRobot(Simulator& simulator, LaserScanner scanner,
                  MonotonicTime start)
-      : simulator_(simulator), scanner_(std::move(scanner)), start_(start) {}
+      : simulator_(simulator),
+        scanner_(std::move(scanner)),
+        start_(start),
+        rear_laser_(*this) {}
+  LaserScan ScanFrom(LaserMount mount, MonotonicTime start,
+                     const RangeSensorInfo& info);
   void AdvanceTo(SimTime time) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   Simulator& simulator_;
   const LaserScanner scanner_;
   const MonotonicTime start_;
+  RearLaser rear_laser_;
   absl::Mutex mutex_;
   int64_t scans_ ABSL_GUARDED_BY(mutex_) = 0;
   // Until when the base has been stepped.

@@ -66,6 +66,7 @@ class DrivenRobot {
   }
 
   Simulator& simulator() { return *simulator_; }
+  SimulatedRobot& devices() { return *robot_; }
   SegwayBase& base() { return *base_; }
   const LaserScan& scan() const { return scan_; }
   const BaseReading& reading() const { return reading_; }
@@ -96,6 +97,18 @@ TEST(SimulatedRobot, IsDrivenThroughTheRealDrivers) {
   // The wall of the hall, seen from the laser of a robot at x = 2.
   EXPECT_NEAR(range_before_m,
               20 - 2 - RobotModel().base_from_laser.translation.x, 0.15);
+
+  // And the one behind it, from one that looks back.
+  const RangeSensorInfo info = {.angle_min_rad = -2.35619449,
+                                .angle_increment_rad = 0.00436332313,
+                                .beams = 1081,
+                                .range_min_m = 0.1,
+                                .range_max_m = 30,
+                                .beam_interval_s = 0,
+                                .scan_interval_s = 0.025};
+  EXPECT_NEAR(RangeAhead_m(robot.devices().rear_laser().ScanAt(
+                  robot.scan().stamp, info)),
+              2 - 0.22, 0.15);
 
   ASSERT_TRUE(robot.Until([&] {
     return robot.base().SetVelocity({0.5, 0}).ok() &&

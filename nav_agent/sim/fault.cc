@@ -10,15 +10,16 @@
 namespace treeline {
 namespace {
 
-constexpr const char* kTargets[] = {"laser", "camera",     "odometry",
-                                    "base",  "left_wheel", "right_wheel",
-                                    "server"};
+constexpr const char* kTargets[] = {"laser",  "camera",     "odometry",
+                                    "base",   "left_wheel", "right_wheel",
+                                    "server", "rear_laser"};
 constexpr const char* kKinds[] = {"silent",       "frozen", "invalid", "dark",
                                   "stamp_offset", "delay",  "stuck",   "slip"};
 
 bool Exists(FaultTarget target, FaultKind kind) {
   switch (target) {
     case FaultTarget::kLaser:
+    case FaultTarget::kRearLaser:
       return kind <= FaultKind::kDelay && kind != FaultKind::kDark;
     case FaultTarget::kCamera:
       return kind <= FaultKind::kDelay;

@@ -32,7 +32,8 @@ enum class FaultTarget {
   kBase,
   kLeftWheel,
   kRightWheel,
-  kServer
+  kServer,
+  kRearLaser
 };
 
 enum class FaultKind {

@@ -61,6 +61,20 @@ TEST_F(FaultsTest, ASilentLaserIsLostAndComesBack) {
   EXPECT_EQ(began.size(), 1u);
 }
 
+TEST_F(FaultsTest, ARearLaserFailsByItself) {
+  SimulatorOptions options = StartAt(10, 10);
+  options.sensors.has_laser = true;
+  options.sensors.has_rear_laser = true;
+  simulator_ = MakeSimulator(Hall().Build(), options);
+  simulator_->Step(milliseconds(1000));
+  Inject(FaultTarget::kRearLaser, FaultKind::kSilent, 500);
+  simulator_->Step(milliseconds(400));
+  EXPECT_EQ(simulator_->rear_laser()->Health().state, DeviceState::kLost);
+  EXPECT_EQ(simulator_->laser().Health().state, DeviceState::kRunning);
+  simulator_->Step(milliseconds(200));
+  EXPECT_EQ(simulator_->rear_laser()->Health().state, DeviceState::kRunning);
+}
+
 TEST_F(FaultsTest, AFrozenLaserRepeatsItselfWithNewStamps) {
   Inject(FaultTarget::kLaser, FaultKind::kFrozen, 400);
   const auto scans = ScansIn(400);

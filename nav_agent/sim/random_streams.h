@@ -17,7 +17,8 @@ enum class SimRandom : uint64_t {
   kInertialBias,
   kFault,
   kLaser,
-  kCamera
+  kCamera,
+  kRearLaser
 };
 
 inline Random RandomFor(uint64_t seed, SimRandom purpose, int64_t index) {

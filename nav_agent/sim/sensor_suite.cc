@@ -60,8 +60,27 @@ absl::Status SensorOptions::Validate() const {
     return absl::InvalidArgumentError(
         absl::StrCat("camera_scale must be in [0.1, 1], not ", camera_scale));
   }
+  TL_RETURN_IF_ERROR(rear_laser.Validate());
   return laser.Validate();
 }
+
+LaserScannerOptions SensorOptions::ShortRangeLaser() {
+  LaserScannerOptions laser;
+  laser.beams = 541;
+  laser.angle_increment_rad *= 2;
+  laser.beam_interval_s *= 2;
+  laser.range_min_m = 0.06;
+  laser.range_max_m = 10;
+  laser.noise_base_m = 0.01;
+  return laser;
+}
+
+SensorSuite::Laser::Laser(LaserMount on, FaultTarget of, LaserScanner measured,
+                          const SimClock& clock)
+    : mount(on),
+      target(of),
+      scanner(std::move(measured)),
+      device(clock, InfoOf(scanner.options())) {}
 
 void PoseHistory::Add(SimTime time, const Rigid3& world_from_base) {
   entries_.push_back({time, world_from_base});
@@ -93,27 +112,37 @@ absl::StatusOr<std::unique_ptr<SensorSuite>> SensorSuite::Create(
     const DriveErrors& errors, const SensorOptions& options, uint64_t seed,
     const SimClock& clock, std::shared_ptr<const Imager> imager) {
   TL_RETURN_IF_ERROR(options.Validate());
-  const uint64_t laser_seed = RandomFor(seed, SimRandom::kLaser, 0).NextBits();
-  TL_ASSIGN_OR_RETURN(LaserScanner scanner,
-                      LaserScanner::Create(world, options.laser, laser_seed));
-  return std::unique_ptr<SensorSuite>(
-      new SensorSuite(robot, caster, std::move(scanner), errors, options, seed,
-                      clock, std::move(imager)));
+  std::unique_ptr<SensorSuite> suite(new SensorSuite(
+      robot, caster, errors, options, seed, clock, std::move(imager)));
+  TL_ASSIGN_OR_RETURN(
+      LaserScanner front,
+      LaserScanner::Create(world, options.laser,
+                           RandomFor(seed, SimRandom::kLaser, 0).NextBits()));
+  suite->front_ = std::make_unique<Laser>(
+      LaserMount::kFront, FaultTarget::kLaser, std::move(front), clock);
+  if (options.has_rear_laser) {
+    TL_ASSIGN_OR_RETURN(
+        LaserScanner rear,
+        LaserScanner::Create(
+            world, options.rear_laser,
+            RandomFor(seed, SimRandom::kRearLaser, 0).NextBits()));
+    suite->rear_ = std::make_unique<Laser>(
+        LaserMount::kRear, FaultTarget::kRearLaser, std::move(rear), clock);
+  }
+  return suite;
 }
 
 SensorSuite::SensorSuite(const RobotModel& robot, const RayCaster& caster,
-                         LaserScanner scanner, const DriveErrors& errors,
+                         const DriveErrors& errors,
                          const SensorOptions& options, uint64_t seed,
                          const SimClock& clock,
                          std::shared_ptr<const Imager> imager)
     : robot_(robot),
       caster_(&caster),
-      scanner_(std::move(scanner)),
       inertial_(errors, seed),
       options_(options),
       seed_(seed),
       has_camera_(imager != nullptr && options.camera_hz > 0),
-      laser_(clock, InfoOf(options.laser)),
       odometry_(clock),
       camera_(clock, std::move(imager)) {}
 
@@ -146,41 +175,56 @@ void SensorSuite::MeasureOdometry(const RobotBody& body,
                        reading);
 }
 
+void SensorSuite::ScanUntil(const Stage& stage, const FaultPlan& faults,
+                            SimTime now, Laser& laser) {
+  const LaserScannerOptions& scanned = laser.scanner.options();
+  const SimTime sweep =
+      FromSeconds((scanned.beams - 1) * scanned.beam_interval_s);
+  while (true) {
+    const SimTime first = FromSeconds(static_cast<double>(laser.scans) /
+                                      (1 / scanned.scan_interval_s));
+    if (first + sweep > now) return;
+    ScanOnce(stage, faults, first, laser);
+    ++laser.scans;
+  }
+}
+
 void SensorSuite::ScanOnce(const Stage& stage, const FaultPlan& faults,
-                           SimTime first) {
-  constexpr FaultTarget kTarget = FaultTarget::kLaser;
-  if (faults.Has(kTarget, FaultKind::kSilent, first)) {
-    laser_.queue.SetLost(Silent("laser"));
+                           SimTime first, Laser& laser) {
+  const FaultTarget target = laser.target;
+  if (faults.Has(target, FaultKind::kSilent, first)) {
+    laser.device.queue.SetLost(
+        Silent(laser.mount == LaserMount::kRear ? "rear laser" : "laser"));
     return;
   }
-  const LaserScannerOptions& laser = options_.laser;
+  const LaserScannerOptions& scanned = laser.scanner.options();
   const SimTime last =
-      first + FromSeconds((laser.beams - 1) * laser.beam_interval_s);
+      first + FromSeconds((scanned.beams - 1) * scanned.beam_interval_s);
   LaserScan scan;
-  if (faults.Has(kTarget, FaultKind::kFrozen, first) &&
-      last_scan_.has_value()) {
-    scan = *last_scan_;
+  if (faults.Has(target, FaultKind::kFrozen, first) && laser.last.has_value()) {
+    scan = *laser.last;
   } else {
+    const Rigid3& base_from_laser = robot_.BaseFrom(laser.mount);
     const double middle_s = Seconds(first + (last - first) / 2);
     const WorldSnapshot snapshot = caster_->At(stage.InstancesAt(middle_s));
     LaserReturns returns =
-        scanner_.Scan(snapshot, history_.At(first) * robot_.base_from_laser,
-                      history_.At(last) * robot_.base_from_laser,
-                      static_cast<uint64_t>(scans_));
+        laser.scanner.Scan(snapshot, history_.At(first) * base_from_laser,
+                           history_.At(last) * base_from_laser,
+                           static_cast<uint64_t>(laser.scans));
     scan.ranges_m = std::move(returns.ranges_m);
     scan.intensities = std::move(returns.intensities);
   }
-  scan.stamp = SimClock::StampOf(first + StampFault(faults, kTarget, first));
-  last_scan_ = scan;
-  if (const Fault* invalid = faults.Find(kTarget, FaultKind::kInvalid, first)) {
-    Random random = RandomFor(seed_, SimRandom::kFault, scans_);
+  scan.stamp = SimClock::StampOf(first + StampFault(faults, target, first));
+  laser.last = scan;
+  if (const Fault* invalid = faults.Find(target, FaultKind::kInvalid, first)) {
+    Random random = RandomFor(seed_, SimRandom::kFault, laser.scans);
     for (float& range_m : scan.ranges_m) {
       if (random.NextUnit() < invalid->amount) range_m = kInvalidRange;
     }
   }
-  laser_.queue.Push(last + FromSeconds(options_.laser_latency_s) +
-                        DelayFault(faults, kTarget, first),
-                    std::move(scan));
+  laser.device.queue.Push(last + FromSeconds(options_.laser_latency_s) +
+                              DelayFault(faults, target, first),
+                          std::move(scan));
 }
 
 void SensorSuite::ExposeOnce(const Stage& stage, const FaultPlan& faults,
@@ -223,14 +267,8 @@ void SensorSuite::Step(const RobotBody& body, const Stage& stage,
     MeasureOdometry(body, faults, now);
     ++readings_;
   }
-  const LaserScannerOptions& laser = options_.laser;
-  const SimTime sweep = FromSeconds((laser.beams - 1) * laser.beam_interval_s);
-  while (options_.has_laser) {
-    const SimTime first = due(scans_, 1 / laser.scan_interval_s);
-    if (first + sweep > now) break;
-    ScanOnce(stage, faults, first);
-    ++scans_;
-  }
+  if (options_.has_laser) ScanUntil(stage, faults, now, *front_);
+  if (rear_ != nullptr) ScanUntil(stage, faults, now, *rear_);
   while (has_camera_) {
     const SimTime middle = due(exposures_, options_.camera_hz);
     if (middle > now) break;

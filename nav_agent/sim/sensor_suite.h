@@ -23,6 +23,9 @@ struct SensorOptions {
   double camera_latency_s = 0.04;
   bool has_laser = true;
   LaserScannerOptions laser;
+  // One that looks back, beside the first one.
+  bool has_rear_laser = false;
+  LaserScannerOptions rear_laser = ShortRangeLaser();
   // Readings and frames in a second. In [1, 200]; [0, 60], 0: no camera.
   double odometry_hz = 100;
   double camera_hz = 0;
@@ -33,6 +36,9 @@ struct SensorOptions {
   // colours; else it is that of a cloudy day everywhere. Depth is the same.
   bool camera_is_lit = true;
 
+  // A Hokuyo UST-10LX (data sheet C-42-4057: 10 m, 40 mm) of which every second
+  // beam is read.
+  static LaserScannerOptions ShortRangeLaser();
   absl::Status Validate() const;
 };
 
@@ -68,37 +74,56 @@ class SensorSuite {
   void Restart(const RobotBody& body, SimTime now);
 
   const PoseHistory& history() const { return history_; }
-  SimulatedLaser& laser() { return laser_; }
+  SimulatedLaser& laser() { return front_->device; }
+  SimulatedLaser* rear_laser() {
+    return rear_ == nullptr ? nullptr : &rear_->device;
+  }
   SimulatedOdometry& odometry() { return odometry_; }
   SimulatedCamera& camera() { return camera_; }
 
  private:
+  // A laser of the robot.
+  struct Laser {
+    Laser(LaserMount on, FaultTarget of, LaserScanner measured,
+          const SimClock& clock);
+
+    LaserMount mount;
+    FaultTarget target;
+    LaserScanner scanner;
+    SimulatedLaser device;
+    // How many were due so far, lost ones too: they number the noise.
+    int64_t scans = 0;
+    // What a frozen one repeats.
+    std::optional<LaserScan> last;
+  };
+
   SensorSuite(const RobotModel& robot, const RayCaster& caster,
-              LaserScanner scanner, const DriveErrors& errors,
-              const SensorOptions& options, uint64_t seed,
-              const SimClock& clock, std::shared_ptr<const Imager> imager);
+              const DriveErrors& errors, const SensorOptions& options,
+              uint64_t seed, const SimClock& clock,
+              std::shared_ptr<const Imager> imager);
   void MeasureOdometry(const RobotBody& body, const FaultPlan& faults,
                        SimTime now);
-  void ScanOnce(const Stage& stage, const FaultPlan& faults, SimTime first);
+  void ScanUntil(const Stage& stage, const FaultPlan& faults, SimTime now,
+                 Laser& laser);
+  void ScanOnce(const Stage& stage, const FaultPlan& faults, SimTime first,
+                Laser& laser);
   void ExposeOnce(const Stage& stage, const FaultPlan& faults, SimTime middle);
 
   RobotModel robot_;
   const RayCaster* caster_;
-  LaserScanner scanner_;
   InertialSensor inertial_;
   SensorOptions options_;
   uint64_t seed_;
   bool has_camera_;
   PoseHistory history_;
-  SimulatedLaser laser_;
+  std::unique_ptr<Laser> front_;
+  std::unique_ptr<Laser> rear_;
   SimulatedOdometry odometry_;
   SimulatedCamera camera_;
   // How many were due so far, lost ones too: they number the noise.
-  int64_t scans_ = 0;
   int64_t readings_ = 0;
   int64_t exposures_ = 0;
   // What a frozen device repeats.
-  std::optional<LaserScan> last_scan_;
   std::optional<BaseReading> last_reading_;
   std::optional<SimulatedCamera::Exposure> last_exposure_;
 };

@@ -95,6 +95,28 @@ TEST(Sensors, ScansArriveWithTheirRateAndLatency) {
   EXPECT_GT(simulator->odometry().Health().dropped, 30);
 }
 
+TEST(Sensors, ARearLaserSeesWhatIsBehind) {
+  SimulatorOptions options = StartAt(5, 10);
+  options.sensors.has_laser = true;
+  EXPECT_EQ(MakeSimulator(Hall().Build(), options)->rear_laser(), nullptr);
+  const auto without = MakeSimulator(Hall().Build(), options);
+  options.sensors.has_rear_laser = true;
+  const auto simulator = MakeSimulator(Hall().Build(), options);
+  without->Step(milliseconds(1000));
+  simulator->Step(milliseconds(1000));
+  ASSERT_NE(simulator->rear_laser(), nullptr);
+  const auto scans = simulator->rear_laser()->TakeScans();
+  ASSERT_EQ(scans.size(), 40u);
+  // Straight back (beam 270 of 541) is a wall 5 m from the axle.
+  ASSERT_EQ(scans[7].ranges_m.size(), 541u);
+  EXPECT_NEAR(scans[7].ranges_m[270], 5 - 0.22, 0.06);
+  // Ahead of the robot it does not look; sideways there is nothing in reach.
+  EXPECT_EQ(scans[7].ranges_m[0], kNoReturn);
+  // The first one is not changed by it.
+  EXPECT_EQ(simulator->laser().TakeScans().back().ranges_m,
+            without->laser().TakeScans().back().ranges_m);
+}
+
 TEST(Sensors, AMovingRobotSeesASkewedWorld) {
   SimulatorOptions options = StartAt(10, 10);
   options.sensors.has_laser = true;

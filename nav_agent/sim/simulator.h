@@ -69,6 +69,8 @@ class Simulator {
   // ---- what an agent has ----
   const Clock& clock() const { return clock_; }
   RangeSensor& laser() { return sensors_->laser(); }
+  // Null: nothing looks back.
+  RangeSensor* rear_laser() { return sensors_->rear_laser(); }
   Odometry& odometry() { return sensors_->odometry(); }
   // Without a camera (camera_hz 0) there are never any frames.
   SimulatedCamera& camera() { return sensors_->camera(); }

@@ -177,16 +177,20 @@ TEST_F(AgentRunTest, AGoalOverHttpCanBeCancelledPausedAndRepeated) {
 
 TEST_F(AgentRunTest, ThroughEmulatedDevicesToItsGoal) {
   Process robot({TREELINE_EMULATOR, "robot", "--world", "cafe", "--no-people",
-                 "--laser", "tcp:0", "--base", "pty"});
+                 "--laser", "tcp:0", "--rear-laser", "tcp:0", "--base", "pty"});
   const auto laser = robot.WaitForLine("laser at ");
   const auto base = robot.WaitForLine("base at ");
-  ASSERT_TRUE(laser.has_value() && base.has_value()) << robot.err();
+  const auto rear = robot.WaitForLine("rear laser at ");
+  ASSERT_TRUE(laser.has_value() && base.has_value() && rear.has_value())
+      << robot.err();
   const std::string hardware = folder_ + "/robot.yaml";
   ASSERT_TRUE(
       WriteNewFile(
           hardware,
-          absl::StrCat("laser: ", absl::StripPrefix(*laser, "laser at "),
-                       "\nbase: ", absl::StripPrefix(*base, "base at "), "\n"))
+          absl::StrCat(
+              "laser: ", absl::StripPrefix(*laser, "laser at "),
+              "\nrear_laser: ", absl::StripPrefix(*rear, "rear laser at "),
+              "\nbase: ", absl::StripPrefix(*base, "base at "), "\n"))
           .ok());
   ASSERT_NO_FATAL_FAILURE(WriteMap(folder_ + "/map"));
   ASSERT_NO_FATAL_FAILURE(StartAgent({"--map", folder_ + "/map", "--hardware",
