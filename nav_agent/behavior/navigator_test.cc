@@ -86,8 +86,8 @@ TEST_F(NavigatorTest, AGoalIsReachedOnlyWithinToleranceAndStanding) {
 // Something stands at the goal: the robot waits beside it for a while.
 class TakenGoalTest : public NavigatorFixture {
  protected:
-  void ArriveBeside(const NavigatorOptions& options = {}) {
-    MakePlaced(options);
+  void ArriveBeside() {
+    MakePlaced();
     Send({PoseAtPoint(5, 2)});
     Run(0.05);
     controller->result.state = ControlState::kBlocked;
@@ -96,12 +96,14 @@ class TakenGoalTest : public NavigatorFixture {
     PlanResult beside =
         FakePlanRunner::Straight(PoseAtPoint(2, 2), PoseAtPoint(4.4, 2));
     beside.moved_goal_m = 0.6;
-    planner->answers.push_back(beside);
-    // The better way that is looked for meanwhile.
-    planner->answers.push_back(beside);
+    // Better ways that are looked for meanwhile, too.
+    planner->answers.assign(5, beside);
     Run(0.025);
-    controller->result = {.state = ControlState::kArrived};
+    controller->result = {};
+    controller->result.state = ControlState::kArrived;
     tracker->pose = PoseAtPoint(4.4, 2);
+    // The laser sees it, 0.22 m before the base.
+    laser_range_m = 0.3F;
     Run(0.5);
     ASSERT_EQ(Goal().state, GoalState::kActive);
   }
@@ -117,14 +119,15 @@ TEST_F(TakenGoalTest, IsReachedBesideAfterAWait) {
 }
 
 TEST_F(TakenGoalTest, IsDrivenToWhenItIsFree) {
-  NavigatorOptions options;
-  options.limits.blockage_s = 5;
-  ArriveBeside(options);
+  ArriveBeside();
   const size_t asked = planner->requests.size();
   Run(3);
   EXPECT_EQ(planner->requests.size(), asked);
-  // What stood there is forgotten.
+  planner->answers.clear();
+  // The laser looks through what stood there.
+  laser_range_m = 3;
   Run(2);
+  EXPECT_EQ(Count("blocked", "what stood in the way is gone"), 1);
   ASSERT_GT(planner->requests.size(), asked);
   EXPECT_EQ(planner->requests.back().goal.map_from_base.translation.x, 5);
   EXPECT_TRUE(planner->requests.back().blockages.empty());

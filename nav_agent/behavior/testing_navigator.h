@@ -57,7 +57,8 @@ class NavigatorFixture : public testing::Test {
       LaserScan scan;
       scan.stamp = clock.Now();
       // Never twice the same, as of a real one.
-      scan.ranges_m.assign(31, 3.0f + 1e-4f * static_cast<float>(++scans_));
+      scan.ranges_m.assign(
+          31, laser_range_m + 1e-4f * static_cast<float>(++scans_));
       laser.waiting.push_back(std::move(scan));
     }
     if (rear_laser_runs) {
@@ -117,6 +118,7 @@ class NavigatorFixture : public testing::Test {
   BaseReading reading;
   double pitch = 0;
   bool has_rear_laser = false;
+  float laser_range_m = 3;
   bool laser_runs = true;
   bool rear_laser_runs = true;
   bool odometry_runs = true;

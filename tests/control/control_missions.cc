@@ -66,8 +66,8 @@ bool RunSeed(const ControlWorld& world, const Flags& flags, uint64_t seed,
     simulator = made.ok() ? *std::move(made) : nullptr;
   }
   if (flags.crates) PutCrates(path, random, *simulator);
-  auto controller = *LocalController::Make(world.map(), RobotModel(),
-                                           simulator->laser().Info(), {});
+  auto controller = *LocalController::Make(
+      world.map(), RobotModel(), {.front = simulator->laser().Info()}, {});
   const ControlRunResult result =
       RunControl(world, *simulator, *controller, path,
                  {.max_s = 100,
