@@ -229,6 +229,8 @@ absl::Status Amcl::PlaceAbout(const Rigid2& map_from_base,
   }
   fits_ = 0;
   force_next_ = true;
+  is_weighed_ = false;
+  is_settled_ = true;
   UpdateEstimate();
   return absl::OkStatus();
 }
@@ -245,15 +247,24 @@ void Amcl::SetAnywhere() {
   }
   fits_ = 0;
   force_next_ = true;
+  is_weighed_ = false;
+  is_settled_ = true;
   UpdateEstimate();
 }
 
 absl::StatusOr<std::optional<PlanarEstimate>> Amcl::Update(
     const Rigid2& odom_from_base, const ScanPoints& points) {
+  TL_RETURN_IF_ERROR(Begin(odom_from_base, points));
+  return Settle();
+}
+
+absl::Status Amcl::Begin(const Rigid2& odom_from_base,
+                         const ScanPoints& points) {
   if (!IsFinite(odom_from_base)) {
     return absl::InvalidArgumentError("amcl: the odometry is not finite");
   }
-  if (particles_.empty()) return std::optional<PlanarEstimate>();
+  if (!is_settled_) Settle();
+  if (particles_.empty()) return absl::OkStatus();
   if (odom_from_base_.has_value()) {
     const Rigid2 before_from_after =
         odom_from_base_->Inverse() * odom_from_base;
@@ -267,12 +278,20 @@ absl::StatusOr<std::optional<PlanarEstimate>> Amcl::Update(
                       std::abs(since.yaw_rad) >= options_.update_turn_rad;
   if (is_due && points.size() > 0) {
     Weigh(points);
-    Resample();
+    is_weighed_ = true;
     odom_at_scan_ = odom_from_base;
     force_next_ = false;
   }
+  is_settled_ = false;
+  return absl::OkStatus();
+}
+
+std::optional<PlanarEstimate> Amcl::Settle() {
+  is_settled_ = true;
+  if (particles_.empty()) return std::nullopt;
+  if (std::exchange(is_weighed_, false)) Resample();
   UpdateEstimate();
-  return std::optional<PlanarEstimate>(estimate_);
+  return estimate_;
 }
 
 void Amcl::Move(const Rigid2& before_from_after) {

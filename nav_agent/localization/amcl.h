@@ -157,6 +157,13 @@ class Amcl {
   // SetAnywhere. INVALID_ARGUMENT for an odometry that is not finite.
   absl::StatusOr<std::optional<PlanarEstimate>> Update(
       const Rigid2& odom_from_base, const ScanPoints& points);
+  // Update in two parts of about the same length, for whom thirty thousand
+  // particles at once are too many: moves and weighs; then draws anew and makes
+  // the estimate, of the moment of Begin. Until then it is the one before. What
+  // was begun and not settled, the next Begin settles.
+  absl::Status Begin(const Rigid2& odom_from_base, const ScanPoints& points);
+  std::optional<PlanarEstimate> Settle();
+  bool is_settled() const { return is_settled_; }
 
   // Takes in the next scan whether or not the robot has moved.
   void ForceNextScan() { force_next_ = true; }
@@ -206,6 +213,9 @@ class Amcl {
   std::optional<Rigid2> odom_from_base_;  // of the last call
   std::optional<Rigid2> odom_at_scan_;    // of the last scan taken in
   bool force_next_ = false;
+  bool is_settled_ = true;
+  // Since the last Settle a scan was taken in.
+  bool is_weighed_ = false;
   // How many fits the averages hold since the particles were placed.
   int64_t fits_ = 0;
   double slow_fit_ = 0;

@@ -133,6 +133,32 @@ TEST(Amcl, IsDeterministic) {
   EXPECT_EQ(run(), run());
 }
 
+// Whoever has no time for all of it at once gets the same.
+TEST(Amcl, InTwoPartsItComesToTheSame) {
+  Drive drive(1);
+  Amcl whole = *Amcl::Create(drive.map(), {}, 5);
+  Amcl parts = *Amcl::Create(drive.map(), {}, 5);
+  whole.SetAnywhere();
+  parts.SetAnywhere();
+  for (int step = 0; step < 30; ++step) {
+    drive.Step();
+    const ScanPoints points = drive.Points();
+    const auto estimate = *whole.Update(drive.odometry(), points);
+    ASSERT_TRUE(parts.Begin(drive.odometry(), points).ok());
+    EXPECT_FALSE(parts.is_settled());
+    // What nobody asked for is settled by the next one.
+    if (step % 3 == 1) continue;
+    const auto settled = parts.Settle();
+    EXPECT_TRUE(parts.is_settled());
+    ASSERT_TRUE(estimate.has_value() && settled.has_value());
+    EXPECT_EQ(settled->map_from_base, estimate->map_from_base);
+    EXPECT_EQ(settled->share, estimate->share);
+    EXPECT_EQ(settled->particles, estimate->particles);
+  }
+  EXPECT_LT(whole.particles().size(), 30000U);
+  EXPECT_EQ(parts.particles().size(), whole.particles().size());
+}
+
 TEST(Amcl, LeavesOutBeamsThatNoParticleExplains) {
   Drive drive(2);
   absl::StatusOr<Amcl> amcl = Amcl::Create(drive.map(), {}, 5);

@@ -20,6 +20,8 @@ namespace {
 
 // What is remembered of the wheels' way (s).
 constexpr double kMemory_s = 2.5;
+// More are moved and weighed with one scan, and drawn anew with the next.
+constexpr size_t kParticlesAtOnce = 10000;
 // Scans that wait for the wheels; a silent base must not fill the memory.
 constexpr size_t kMostWaiting = 8;
 // Beams that other places are judged by.
@@ -181,6 +183,8 @@ class AmclTracker final : public RobotTracker {
   // The best fit of the search's scan within a few steps of a pose.
   OtherPlace Refined(const LevelPose& tried) const;
   absl::Status TakeIn(MovedScan scan);
+  // What AMCL makes of the scan that was taken in.
+  absl::Status Settle();
   absl::Status TakeWaiting();
   // Brings AMCL's wheels up to date, without a scan.
   void CatchUp();
@@ -221,6 +225,7 @@ absl::Status AmclTracker::AddScan(const LaserScan& scan) {
         absl::StrCat("a scan of ", scan.ranges_m.size(),
                      " beams; the laser has ", laser_.beams));
   }
+  if (!parts_.amcl.is_settled()) TL_RETURN_IF_ERROR(Settle());
   const MonotonicTime middle = MiddleOf(scan);
   if (told_.has_value() && middle < *told_) {
     ++dropped_;
@@ -270,13 +275,21 @@ absl::Status AmclTracker::TakeIn(MovedScan scan) {
                       PointsInSpace(scan.scan, laser_, base_from_laser_,
                                     scan.moment.motion.level_from_base,
                                     options_.amcl.max_beams));
-  const Rigid2 odom_from_base = scan.moment.motion.odom_from_base;
-  TL_ASSIGN_OR_RETURN(const std::optional<PlanarEstimate> estimate,
-                      parts_.amcl.Update(odom_from_base, points));
+  TL_RETURN_IF_ERROR(
+      parts_.amcl.Begin(scan.moment.motion.odom_from_base, points));
   scan_ = std::move(scan);
+  // The other half of a long one comes with the next scan.
+  if (parts_.amcl.particles().size() > kParticlesAtOnce) {
+    return absl::OkStatus();
+  }
+  return Settle();
+}
+
+absl::Status AmclTracker::Settle() {
+  const std::optional<PlanarEstimate> estimate = parts_.amcl.Settle();
   if (!estimate.has_value()) return absl::OkStatus();
   estimate_ = estimate;
-  odom_from_base_ = odom_from_base;
+  odom_from_base_ = scan_->moment.motion.odom_from_base;
   if (estimate->place.level != map_level_) {
     map_level_ = estimate->place.level;
     parts_.detector.SetChecker(
@@ -285,7 +298,7 @@ absl::Status AmclTracker::TakeIn(MovedScan scan) {
   return parts_.detector
       .Observe({.stamp = scan_->moment.motion.stamp,
                 .estimate = *estimate,
-                .odom_from_base = odom_from_base,
+                .odom_from_base = odom_from_base_,
                 .pitch_rad = scan_->moment.pitch_rad,
                 .roll_rad = scan_->moment.roll_rad},
                scan_->scan)
