@@ -1,10 +1,14 @@
 #include "nav_agent/localization/particle_clusters.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <numbers>
 #include <numeric>
+
+#include "common/base/random.h"
 
 namespace treeline {
 namespace {
@@ -93,34 +97,47 @@ class DisjointSets {
   std::vector<int> parents_;
 };
 
-std::vector<uint64_t> KeysOf(const std::vector<Particle>& particles,
-                             const Binning& binning) {
-  std::vector<uint64_t> keys;
-  keys.reserve(particles.size());
-  for (const Particle& particle : particles) {
-    keys.push_back(binning.KeyOf(particle));
+// Numbers keys in the order in which they come: a hash table with open
+// addresses, at most half full, as a wide cloud's bins are looked up half a
+// million times.
+class BinTable {
+ public:
+  explicit BinTable(size_t most)
+      : slots_(std::bit_ceil(std::max<size_t>(2 * most, 16)), -1) {
+    keys_.reserve(most);
   }
-  return keys;
-}
+  // -1: it is not there.
+  int Find(uint64_t key) const { return slots_[SlotOf(key)]; }
+  int FindOrAdd(uint64_t key) {
+    int& number = slots_[SlotOf(key)];
+    if (number < 0) {
+      number = static_cast<int>(keys_.size());
+      keys_.push_back(key);
+    }
+    return number;
+  }
+  const std::vector<uint64_t>& keys() const { return keys_; }
 
-std::vector<uint64_t> SortedUnique(std::vector<uint64_t> keys) {
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  return keys;
-}
+ private:
+  // Where it is, or belongs.
+  size_t SlotOf(uint64_t key) const {
+    const size_t mask = slots_.size() - 1;
+    size_t slot = MixBits(key) & mask;
+    while (slots_[slot] >= 0 &&
+           keys_[static_cast<size_t>(slots_[slot])] != key) {
+      slot = (slot + 1) & mask;
+    }
+    return slot;
+  }
 
-int IndexOf(const std::vector<uint64_t>& sorted, uint64_t key) {
-  const auto found = std::lower_bound(sorted.begin(), sorted.end(), key);
-  return found != sorted.end() && *found == key
-             ? static_cast<int>(found - sorted.begin())
-             : -1;
-}
+  std::vector<int> slots_;
+  std::vector<uint64_t> keys_;
+};
 
 // Joins a bin with the half of its neighbours at one height that the others'
 // turns leave out.
-void JoinNeighborsAt(const std::vector<uint64_t>& bins, int bin,
-                     const BinPlace& place, int64_t yaw_bins,
-                     DisjointSets& sets) {
+void JoinNeighborsAt(const BinTable& bins, int bin, const BinPlace& place,
+                     int64_t yaw_bins, DisjointSets& sets) {
   for (int64_t dx = 0; dx <= 1; ++dx) {
     for (int64_t dy = dx == 0 ? 0 : -1; dy <= 1; ++dy) {
       for (int64_t turn = -1; turn <= 1; ++turn) {
@@ -129,7 +146,7 @@ void JoinNeighborsAt(const std::vector<uint64_t>& bins, int bin,
             .y = place.y + dy,
             .height = place.height,
             .yaw = (place.yaw + turn + yaw_bins) % yaw_bins};
-        const int neighbor = IndexOf(bins, other.Key());
+        const int neighbor = bins.Find(other.Key());
         if (neighbor >= 0) sets.Join(bin, neighbor);
       }
     }
@@ -137,9 +154,9 @@ void JoinNeighborsAt(const std::vector<uint64_t>& bins, int bin,
 }
 
 // Where all are of one height there are no others to look for.
-void JoinNeighbors(const std::vector<uint64_t>& bins, int bin, int64_t yaw_bins,
+void JoinNeighbors(const BinTable& bins, int bin, int64_t yaw_bins,
                    bool is_flat, DisjointSets& sets) {
-  BinPlace place = BinPlace::Of(bins[static_cast<size_t>(bin)]);
+  BinPlace place = BinPlace::Of(bins.keys()[static_cast<size_t>(bin)]);
   JoinNeighborsAt(bins, bin, place, yaw_bins, sets);
   if (is_flat) return;
   place.height -= 1;
@@ -153,22 +170,21 @@ void JoinNeighbors(const std::vector<uint64_t>& bins, int bin, int64_t yaw_bins,
 PoseBins BinParticles(const std::vector<Particle>& particles, double bin_m,
                       double bin_rad) {
   const Binning binning(bin_m, bin_rad);
-  const std::vector<uint64_t> keys = KeysOf(particles, binning);
-  const std::vector<uint64_t> bins = SortedUnique(keys);
+  BinTable bins(particles.size());
   PoseBins result;
-  result.count = static_cast<int>(bins.size());
-  result.bin_of_particle.reserve(keys.size());
-  for (const uint64_t key : keys) {
-    result.bin_of_particle.push_back(IndexOf(bins, key));
+  result.bin_of_particle.reserve(particles.size());
+  for (const Particle& particle : particles) {
+    result.bin_of_particle.push_back(bins.FindOrAdd(binning.KeyOf(particle)));
   }
+  result.count = static_cast<int>(bins.keys().size());
   DisjointSets sets(result.count);
-  const bool is_flat = std::ranges::all_of(bins, [&bins](uint64_t key) {
-    return BinPlace::Of(key).height == BinPlace::Of(bins[0]).height;
+  const bool is_flat = std::ranges::all_of(bins.keys(), [&bins](uint64_t key) {
+    return BinPlace::Of(key).height == BinPlace::Of(bins.keys()[0]).height;
   });
   for (int bin = 0; bin < result.count; ++bin) {
     JoinNeighbors(bins, bin, binning.yaw_bins(), is_flat, sets);
   }
-  result.cluster_of_bin.resize(bins.size());
+  result.cluster_of_bin.resize(bins.keys().size());
   for (int bin = 0; bin < result.count; ++bin) {
     // A set is named by its first bin, which has its number already.
     const int root = sets.Find(bin);
@@ -181,8 +197,12 @@ PoseBins BinParticles(const std::vector<Particle>& particles, double bin_m,
 
 int CountBins(const std::vector<Particle>& particles, double bin_m,
               double bin_rad) {
-  return static_cast<int>(
-      SortedUnique(KeysOf(particles, Binning(bin_m, bin_rad))).size());
+  const Binning binning(bin_m, bin_rad);
+  BinTable bins(particles.size());
+  for (const Particle& particle : particles) {
+    bins.FindOrAdd(binning.KeyOf(particle));
+  }
+  return static_cast<int>(bins.keys().size());
 }
 
 PlanarEstimate HeaviestCluster(const std::vector<Particle>& particles,

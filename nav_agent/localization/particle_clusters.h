@@ -11,7 +11,8 @@ namespace treeline {
 // A histogram of poses over x, y, yaw and, in steps of 0.6 m, the ground's
 // height: which bin each particle is in.
 struct PoseBins {
-  // One a particle: the number of its bin, in the order of the bins' keys.
+  // One a particle: the number of its bin, in the order in which particles
+  // occupy them.
   std::vector<int> bin_of_particle;
   int count = 0;
   // Connected components of occupied bins, neighbours in any of the
