@@ -57,7 +57,7 @@ absl::Status AmclOptions::Validate() const {
   TL_RETURN_IF_ERROR(CheckRange("amcl: kld_z", kld_z, 0, 10));
   TL_RETURN_IF_ERROR(CheckRange("amcl: bin_m", bin_m, 0.01, 100));
   TL_RETURN_IF_ERROR(
-      CheckRange("amcl: bin_rad", bin_rad, 0.001, 2 * std::numbers::pi));
+      CheckRange("amcl: bin_rad", bin_rad, 0.01, 2 * std::numbers::pi));
   TL_RETURN_IF_ERROR(
       CheckRange("amcl: update_distance_m", update_distance_m, 0, 100));
   TL_RETURN_IF_ERROR(

@@ -16,59 +16,27 @@ namespace {
 // Ground heights this far apart are of different floors.
 constexpr double kHeightBin_m = 0.6;
 
-// A bin's place as one number: 22 bits each of x and y, 7 of height, 13 of yaw.
-struct BinPlace {
+// Where a bin is, whatever its heading, as one number: 22 bits each of x and y,
+// 20 of height.
+struct ColumnPlace {
   int64_t x = 0;
   int64_t y = 0;
   int64_t height = 0;
-  int64_t yaw = 0;
 
   uint64_t Key() const {
     const auto bits = [](int64_t value, int count) {
       return static_cast<uint64_t>(value + (int64_t{1} << (count - 1))) &
              ((uint64_t{1} << count) - 1);
     };
-    return bits(x, 22) << 42 | bits(y, 22) << 20 | bits(height, 7) << 13 |
-           static_cast<uint64_t>(yaw);
+    return bits(x, 22) << 42 | bits(y, 22) << 20 | bits(height, 20);
   }
-  static BinPlace Of(uint64_t key) {
+  static ColumnPlace Of(uint64_t key) {
     const auto value = [key](int shift, int count) {
       return static_cast<int64_t>(key >> shift & ((uint64_t{1} << count) - 1)) -
              (int64_t{1} << (count - 1));
     };
-    return {.x = value(42, 22),
-            .y = value(20, 22),
-            .height = value(13, 7),
-            .yaw = static_cast<int64_t>(key & 0x1fff)};
+    return {.x = value(42, 22), .y = value(20, 22), .height = value(0, 20)};
   }
-};
-
-class Binning {
- public:
-  Binning(double bin_m, double bin_rad)
-      : bin_m_(bin_m),
-        yaw_bins_(std::max<int64_t>(
-            1, std::llround(2 * std::numbers::pi / bin_rad))) {}
-
-  uint64_t KeyOf(const Particle& particle) const {
-    const Rigid2& pose = particle.map_from_base;
-    const double turns = pose.yaw_rad / (2 * std::numbers::pi) -
-                         std::floor(pose.yaw_rad / (2 * std::numbers::pi));
-    const int64_t yaw =
-        static_cast<int64_t>(turns * static_cast<double>(yaw_bins_));
-    return BinPlace{
-        .x = static_cast<int64_t>(std::floor(pose.translation.x / bin_m_)),
-        .y = static_cast<int64_t>(std::floor(pose.translation.y / bin_m_)),
-        .height = static_cast<int64_t>(
-            std::floor(particle.place.height_m / kHeightBin_m)),
-        .yaw = std::min(yaw, yaw_bins_ - 1)}
-        .Key();
-  }
-  int64_t yaw_bins() const { return yaw_bins_; }
-
- private:
-  double bin_m_;
-  int64_t yaw_bins_;
 };
 
 // Which set each of some numbers is in (Tarjan).
@@ -98,14 +66,11 @@ class DisjointSets {
 };
 
 // Numbers keys in the order in which they come: a hash table with open
-// addresses, at most half full, as a wide cloud's bins are looked up half a
-// million times.
-class BinTable {
+// addresses, at most half full.
+class KeyTable {
  public:
-  explicit BinTable(size_t most)
-      : slots_(std::bit_ceil(std::max<size_t>(2 * most, 16)), -1) {
-    keys_.reserve(most);
-  }
+  explicit KeyTable(size_t most)
+      : slots_(std::bit_ceil(std::max<size_t>(2 * most, 16)), -1) {}
   // -1: it is not there.
   int Find(uint64_t key) const { return slots_[SlotOf(key)]; }
   int FindOrAdd(uint64_t key) {
@@ -134,57 +99,96 @@ class BinTable {
   std::vector<uint64_t> keys_;
 };
 
-// Joins a bin with the half of its neighbours at one height that the others'
-// turns leave out.
-void JoinNeighborsAt(const BinTable& bins, int bin, const BinPlace& place,
-                     int64_t yaw_bins, DisjointSets& sets) {
-  for (int64_t dx = 0; dx <= 1; ++dx) {
-    for (int64_t dy = dx == 0 ? 0 : -1; dy <= 1; ++dy) {
-      for (int64_t turn = -1; turn <= 1; ++turn) {
-        const BinPlace other = {
-            .x = place.x + dx,
-            .y = place.y + dy,
-            .height = place.height,
-            .yaw = (place.yaw + turn + yaw_bins) % yaw_bins};
-        const int neighbor = bins.Find(other.Key());
-        if (neighbor >= 0) sets.Join(bin, neighbor);
+// Numbers bins in the order in which poses occupy them. Columns of bins, one
+// for each heading, are looked up; what is in one stands side by side. A wide
+// cloud has thousands of columns, and tens of thousands of bins.
+class BinTable {
+ public:
+  BinTable(double bin_m, double bin_rad, size_t most_columns)
+      : bin_m_(bin_m),
+        yaw_bins_(static_cast<size_t>(std::max<int64_t>(
+            1, std::llround(2 * std::numbers::pi / bin_rad)))),
+        columns_(most_columns) {}
+
+  int FindOrAdd(const Particle& particle) {
+    const Rigid2& pose = particle.map_from_base;
+    const ColumnPlace place = {
+        .x = static_cast<int64_t>(std::floor(pose.translation.x / bin_m_)),
+        .y = static_cast<int64_t>(std::floor(pose.translation.y / bin_m_)),
+        .height = static_cast<int64_t>(
+            std::floor(particle.place.height_m / kHeightBin_m))};
+    const double turns = pose.yaw_rad / (2 * std::numbers::pi) -
+                         std::floor(pose.yaw_rad / (2 * std::numbers::pi));
+    const size_t yaw =
+        std::min(static_cast<size_t>(turns * static_cast<double>(yaw_bins_)),
+                 yaw_bins_ - 1);
+    const auto column = static_cast<size_t>(columns_.FindOrAdd(place.Key()));
+    if ((column + 1) * yaw_bins_ > bins_.size()) {
+      bins_.resize((column + 1) * yaw_bins_, -1);
+    }
+    int& bin = bins_[column * yaw_bins_ + yaw];
+    if (bin < 0) bin = count_++;
+    return bin;
+  }
+  int count() const { return count_; }
+
+  // Bins that are neighbours, in any of the four directions and diagonally, are
+  // of one set.
+  void JoinNeighbors(DisjointSets& sets) const {
+    for (size_t column = 0; column < columns_.keys().size(); ++column) {
+      const ColumnPlace place = ColumnPlace::Of(columns_.keys()[column]);
+      // The half of them that the others' turns leave out.
+      for (int64_t height = -1; height <= 1; ++height) {
+        for (int64_t dx = 0; dx <= 1; ++dx) {
+          for (int64_t dy = dx == 0 ? 0 : -1; dy <= 1; ++dy) {
+            const int other =
+                columns_.Find(ColumnPlace{.x = place.x + dx,
+                                          .y = place.y + dy,
+                                          .height = place.height + height}
+                                  .Key());
+            if (other >= 0) Join(column, static_cast<size_t>(other), sets);
+          }
+        }
       }
     }
   }
-}
 
-// Where all are of one height there are no others to look for.
-void JoinNeighbors(const BinTable& bins, int bin, int64_t yaw_bins,
-                   bool is_flat, DisjointSets& sets) {
-  BinPlace place = BinPlace::Of(bins.keys()[static_cast<size_t>(bin)]);
-  JoinNeighborsAt(bins, bin, place, yaw_bins, sets);
-  if (is_flat) return;
-  place.height -= 1;
-  JoinNeighborsAt(bins, bin, place, yaw_bins, sets);
-  place.height += 2;
-  JoinNeighborsAt(bins, bin, place, yaw_bins, sets);
-}
+ private:
+  // Bins of two columns whose headings are neighbours.
+  void Join(size_t column, size_t other, DisjointSets& sets) const {
+    const int* const bins = &bins_[column * yaw_bins_];
+    const int* const others = &bins_[other * yaw_bins_];
+    for (size_t yaw = 0; yaw < yaw_bins_; ++yaw) {
+      if (bins[yaw] < 0) continue;
+      for (const size_t near :
+           {yaw, (yaw + 1) % yaw_bins_, (yaw + yaw_bins_ - 1) % yaw_bins_}) {
+        if (others[near] >= 0) sets.Join(bins[yaw], others[near]);
+      }
+    }
+  }
+
+  double bin_m_;
+  size_t yaw_bins_;
+  KeyTable columns_;
+  // Column by column, each with all headings; -1: it is empty.
+  std::vector<int> bins_;
+  int count_ = 0;
+};
 
 }  // namespace
 
 PoseBins BinParticles(const std::vector<Particle>& particles, double bin_m,
                       double bin_rad) {
-  const Binning binning(bin_m, bin_rad);
-  BinTable bins(particles.size());
+  BinTable bins(bin_m, bin_rad, particles.size());
   PoseBins result;
   result.bin_of_particle.reserve(particles.size());
   for (const Particle& particle : particles) {
-    result.bin_of_particle.push_back(bins.FindOrAdd(binning.KeyOf(particle)));
+    result.bin_of_particle.push_back(bins.FindOrAdd(particle));
   }
-  result.count = static_cast<int>(bins.keys().size());
+  result.count = bins.count();
   DisjointSets sets(result.count);
-  const bool is_flat = std::ranges::all_of(bins.keys(), [&bins](uint64_t key) {
-    return BinPlace::Of(key).height == BinPlace::Of(bins.keys()[0]).height;
-  });
-  for (int bin = 0; bin < result.count; ++bin) {
-    JoinNeighbors(bins, bin, binning.yaw_bins(), is_flat, sets);
-  }
-  result.cluster_of_bin.resize(bins.keys().size());
+  bins.JoinNeighbors(sets);
+  result.cluster_of_bin.resize(static_cast<size_t>(result.count));
   for (int bin = 0; bin < result.count; ++bin) {
     // A set is named by its first bin, which has its number already.
     const int root = sets.Find(bin);
@@ -197,12 +201,9 @@ PoseBins BinParticles(const std::vector<Particle>& particles, double bin_m,
 
 int CountBins(const std::vector<Particle>& particles, double bin_m,
               double bin_rad) {
-  const Binning binning(bin_m, bin_rad);
-  BinTable bins(particles.size());
-  for (const Particle& particle : particles) {
-    bins.FindOrAdd(binning.KeyOf(particle));
-  }
-  return static_cast<int>(bins.keys().size());
+  BinTable bins(bin_m, bin_rad, particles.size());
+  for (const Particle& particle : particles) bins.FindOrAdd(particle);
+  return bins.count();
 }
 
 PlanarEstimate HeaviestCluster(const std::vector<Particle>& particles,

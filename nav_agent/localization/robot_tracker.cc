@@ -225,7 +225,8 @@ absl::Status AmclTracker::AddScan(const LaserScan& scan) {
         absl::StrCat("a scan of ", scan.ranges_m.size(),
                      " beams; the laser has ", laser_.beams));
   }
-  if (!parts_.amcl.is_settled()) TL_RETURN_IF_ERROR(Settle());
+  // That is enough for one scan's time.
+  if (!parts_.amcl.is_settled()) return Settle();
   const MonotonicTime middle = MiddleOf(scan);
   if (told_.has_value() && middle < *told_) {
     ++dropped_;
