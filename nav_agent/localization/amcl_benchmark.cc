@@ -50,6 +50,7 @@ BENCHMARK(BM_Update)
     ->Args({500, 60})
     ->Args({2000, 60})
     ->Args({10000, 60})
+    ->Args({30000, 60})
     ->Args({2000, 1081})
     ->Unit(benchmark::kMillisecond);
 

@@ -14,114 +14,21 @@
 #include "nav_agent/localization/particle_clusters.h"
 #include "nav_agent/localization/place_search.h"
 #include "nav_agent/localization/scan_points.h"
+#include "nav_agent/localization/wheel_history.h"
 
 namespace treeline {
 namespace {
 
-// What is remembered of the wheels' way (s).
-constexpr double kMemory_s = 2.5;
 // More are moved and weighed with one scan, and drawn anew with the next.
 constexpr size_t kParticlesAtOnce = 10000;
 // Scans that wait for the wheels; a silent base must not fill the memory.
 constexpr size_t kMostWaiting = 8;
 // Beams that other places are judged by.
 constexpr int kSearchBeams = 60;
-// Tilt is smoothed over about five readings of the inertial sensor: the noise
-// of single ones is not tilt.
-constexpr double kTiltShare = 0.2;
-// Scans of a robot that its wheels were not heard of since are out of step by
-// at most this (s).
-constexpr double kOutOfStep_s = 0.05;
 
 double SecondsBetween(MonotonicTime from, MonotonicTime to) {
   return std::chrono::duration<double>(to - from).count();
 }
-
-// Moments of the wheels, the oldest first.
-struct WheelMoment {
-  TrackedMotion motion;
-  double pitch_rad = 0;
-  double roll_rad = 0;
-};
-
-WheelMoment Between(const WheelMoment& a, const WheelMoment& b, double t) {
-  const auto mix = [t](double from, double to) {
-    return from + t * (to - from);
-  };
-  const Rigid2& from = a.motion.odom_from_base;
-  const Rigid2& to = b.motion.odom_from_base;
-  WheelMoment moment = a;
-  moment.motion.odom_from_base = {
-      from.translation + t * (to.translation - from.translation),
-      NormalizedAngle_rad(from.yaw_rad +
-                          t * NormalizedAngle_rad(to.yaw_rad - from.yaw_rad))};
-  moment.motion.level_from_base =
-      Slerp(a.motion.level_from_base, b.motion.level_from_base, t);
-  moment.motion.forward_mps = mix(a.motion.forward_mps, b.motion.forward_mps);
-  moment.motion.yaw_rate_radps =
-      mix(a.motion.yaw_rate_radps, b.motion.yaw_rate_radps);
-  moment.pitch_rad = mix(a.pitch_rad, b.pitch_rad);
-  moment.roll_rad = mix(a.roll_rad, b.roll_rad);
-  return moment;
-}
-
-class WheelHistory {
- public:
-  explicit WheelHistory(SlopeOdometry odometry) : odometry_(odometry) {}
-
-  absl::Status Add(const BaseReading& reading) {
-    TL_RETURN_IF_ERROR(odometry_.Add(reading));
-    const double share = moments_.empty() ? 1 : kTiltShare;
-    pitch_rad_ += share * (reading.pitch_rad - pitch_rad_);
-    roll_rad_ += share * (reading.roll_rad - roll_rad_);
-    moments_.push_back(
-        {.motion = {.stamp = reading.stamp,
-                    .odom_from_base = odometry_.PlanarOdomFromBase(),
-                    .level_from_base = odometry_.LevelFromBase(),
-                    .forward_mps = reading.forward_mps,
-                    .yaw_rate_radps = reading.yaw_rate_radps},
-         .pitch_rad = pitch_rad_,
-         .roll_rad = roll_rad_});
-    while (SecondsBetween(moments_.front().motion.stamp, reading.stamp) >
-           kMemory_s) {
-      moments_.pop_front();
-    }
-    return absl::OkStatus();
-  }
-
-  bool is_empty() const { return moments_.empty(); }
-  const WheelMoment& newest() const { return moments_.back(); }
-
-  // At a moment that is remembered; the newest for what is newer by a little.
-  std::optional<WheelMoment> At(MonotonicTime stamp) const {
-    if (moments_.empty() || stamp < moments_.front().motion.stamp) {
-      return std::nullopt;
-    }
-    const auto after = std::ranges::lower_bound(
-        moments_, stamp, {},
-        [](const WheelMoment& moment) { return moment.motion.stamp; });
-    if (after == moments_.end()) {
-      return SecondsBetween(newest().motion.stamp, stamp) <= kOutOfStep_s
-                 ? std::optional(newest())
-                 : std::nullopt;
-    }
-    if (after == moments_.begin()) return *after;
-    const auto before = std::prev(after);
-    const double way_s =
-        SecondsBetween(before->motion.stamp, after->motion.stamp);
-    const double t =
-        way_s > 0 ? SecondsBetween(before->motion.stamp, stamp) / way_s : 1;
-    WheelMoment moment = Between(*before, *after, t);
-    moment.motion.stamp = stamp;
-    return moment;
-  }
-
- private:
-  SlopeOdometry odometry_;
-  std::deque<WheelMoment> moments_;
-  double pitch_rad_ = 0;
-  double roll_rad_ = 0;
-};
 
 // What a tracker is made of.
 struct TrackerParts {

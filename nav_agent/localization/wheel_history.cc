@@ -1,0 +1,91 @@
+#include "nav_agent/localization/wheel_history.h"
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+
+#include "common/base/status_macros.h"
+#include "common/geometry/rigid2.h"
+
+namespace treeline {
+namespace {
+
+// What is remembered (s).
+constexpr double kMemory_s = 2.5;
+// The noise of single readings of the inertial sensor is not tilt.
+constexpr double kTiltShare = 0.2;
+// Scans of a robot that its wheels were not heard of since are out of step by
+// at most this (s).
+constexpr double kOutOfStep_s = 0.05;
+
+double SecondsBetween(MonotonicTime from, MonotonicTime to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+WheelMoment Between(const WheelMoment& a, const WheelMoment& b, double t) {
+  const auto mix = [t](double from, double to) {
+    return from + t * (to - from);
+  };
+  const Rigid2& from = a.motion.odom_from_base;
+  const Rigid2& to = b.motion.odom_from_base;
+  WheelMoment moment = a;
+  moment.motion.odom_from_base = {
+      from.translation + t * (to.translation - from.translation),
+      NormalizedAngle_rad(from.yaw_rad +
+                          t * NormalizedAngle_rad(to.yaw_rad - from.yaw_rad))};
+  moment.motion.level_from_base =
+      Slerp(a.motion.level_from_base, b.motion.level_from_base, t);
+  moment.motion.forward_mps = mix(a.motion.forward_mps, b.motion.forward_mps);
+  moment.motion.yaw_rate_radps =
+      mix(a.motion.yaw_rate_radps, b.motion.yaw_rate_radps);
+  moment.pitch_rad = mix(a.pitch_rad, b.pitch_rad);
+  moment.roll_rad = mix(a.roll_rad, b.roll_rad);
+  return moment;
+}
+
+}  // namespace
+
+absl::Status WheelHistory::Add(const BaseReading& reading) {
+  TL_RETURN_IF_ERROR(odometry_.Add(reading));
+  const double share = moments_.empty() ? 1 : kTiltShare;
+  pitch_rad_ += share * (reading.pitch_rad - pitch_rad_);
+  roll_rad_ += share * (reading.roll_rad - roll_rad_);
+  moments_.push_back(
+      {.motion = {.stamp = reading.stamp,
+                  .odom_from_base = odometry_.PlanarOdomFromBase(),
+                  .level_from_base = odometry_.LevelFromBase(),
+                  .forward_mps = reading.forward_mps,
+                  .yaw_rate_radps = reading.yaw_rate_radps},
+       .pitch_rad = pitch_rad_,
+       .roll_rad = roll_rad_});
+  while (SecondsBetween(moments_.front().motion.stamp, reading.stamp) >
+         kMemory_s) {
+    moments_.pop_front();
+  }
+  return absl::OkStatus();
+}
+
+std::optional<WheelMoment> WheelHistory::At(MonotonicTime stamp) const {
+  if (moments_.empty() || stamp < moments_.front().motion.stamp) {
+    return std::nullopt;
+  }
+  const auto after = std::ranges::lower_bound(
+      moments_, stamp, {},
+      [](const WheelMoment& moment) { return moment.motion.stamp; });
+  if (after == moments_.end()) {
+    return SecondsBetween(newest().motion.stamp, stamp) <= kOutOfStep_s
+               ? std::optional(newest())
+               : std::nullopt;
+  }
+  if (after == moments_.begin()) return *after;
+  const auto before = std::prev(after);
+  const double way_s =
+      SecondsBetween(before->motion.stamp, after->motion.stamp);
+  const double t =
+      way_s > 0 ? SecondsBetween(before->motion.stamp, stamp) / way_s : 1;
+  WheelMoment moment = Between(*before, *after, t);
+  moment.motion.stamp = stamp;
+  return moment;
+}
+
+}  // namespace treeline
