@@ -16,6 +16,7 @@
 #include "nav_agent/app/commands.h"
 #include "nav_agent/app/kidnap_report.h"
 #include "nav_agent/app/kidnap_server.h"
+#include "nav_agent/app/suite_flags.h"
 #include "nav_agent/app/suite_jobs.h"
 #include "nav_agent/app/suite_maps.h"
 #include "nav_agent/app/suite_report.h"
@@ -42,25 +43,17 @@ Examples:
   treeline-agent suite kidnaps --worlds cafe --method amcl)";
 
 struct KidnapFlags {
-  std::vector<std::string> worlds = {"cafe", "lab", "office-floor",
-                                     "two-storey", "seed:17"};
-  std::string seeds = "1-20";
+  SuiteFlags suite = {
+      .worlds = {"cafe", "lab", "office-floor", "two-storey", "seed:17"},
+      .seeds = "1-20",
+      .maps = "driven",
+      .folder = "out/suite/kidnaps"};
   std::string server;
   bool spawns_server = false;
   std::string fault = "none";
   std::string method = "server";
-  std::string maps = "driven";
-  std::string cache = "out/suite";
   double camera_hz = 5;
-  bool no_rear_laser = false;
   std::string until = "goal";
-  int threads = 0;
-  double require = 0;
-  std::string json;
-  std::string folder = "out/suite/kidnaps";
-  std::string pictures = "failed";
-  bool people = false;
-  bool quiet = false;
 };
 
 struct Job {
@@ -94,12 +87,9 @@ absl::StatusOr<RecoveryMethod> MethodOf(const KidnapFlags& flags) {
 
 SuiteMapOptions MapOptionsOf(const KidnapFlags& flags,
                              const std::string& world) {
-  return {.world = world,
-          .is_driven = flags.maps == "driven",
-          .with_people = flags.people,
-          .paint = flags.method == "server",
-          .cache = flags.cache,
-          .quiet = flags.quiet};
+  SuiteMapOptions options = flags.suite.MapOptions(world);
+  options.paint = flags.method == "server";
+  return options;
 }
 
 absl::StatusOr<Asked> StartServer(const KidnapFlags& flags,
@@ -111,19 +101,19 @@ absl::StatusOr<Asked> StartServer(const KidnapFlags& flags,
   if (flags.spawns_server) {
     std::string models;
     std::vector<std::string> scenes;
-    for (const std::string& world : flags.worlds) {
+    for (const std::string& world : flags.suite.worlds) {
       TL_ASSIGN_OR_RETURN(models,
                           ModelsForSuite(MapOptionsOf(flags, world), stop));
       scenes.push_back(SuiteSceneName(world));
     }
     if (fault == ServerFault::kWrongScene) {
-      const std::string wrong = flags.cache + "/wrong-models";
+      const std::string wrong = flags.suite.cache + "/wrong-models";
       TL_RETURN_IF_ERROR(MakeWrongModels(models, scenes, wrong));
       models = wrong;
     }
     TL_ASSIGN_OR_RETURN(
         asked.process,
-        KidnapServer::Spawn(models, flags.cache + "/server.log", stop));
+        KidnapServer::Spawn(models, flags.suite.cache + "/server.log", stop));
     address = asked.process->address();
     asked.process->Break(fault);
   }
@@ -138,12 +128,11 @@ absl::StatusOr<Asked> StartServer(const KidnapFlags& flags,
 
 absl::Status WritePictures(const std::vector<KidnapRun>& runs,
                            const Places& places, const KidnapFlags& flags) {
-  if (flags.pictures == "none") return absl::OkStatus();
   int written = 0;
   for (const KidnapRun& run : runs) {
-    if (IsGood(run) && flags.pictures == "failed") continue;
+    if (!flags.suite.WantsPicture(IsGood(run))) continue;
     const std::string stem =
-        absl::StrCat(flags.folder, "/", SuiteSceneName(run.world), "-",
+        absl::StrCat(flags.suite.folder, "/", SuiteSceneName(run.world), "-",
                      flags.method, "-", flags.fault, "-", run.seed);
     TL_RETURN_IF_ERROR(WriteRunPicture(
         stem, places.at(run.world)->world(), run.record, run.marks, run.events,
@@ -159,24 +148,25 @@ absl::Status WritePictures(const std::vector<KidnapRun>& runs,
   }
   if (written > 0) {
     std::printf("%d pictures and logs are in %s\n", written,
-                flags.folder.c_str());
+                flags.suite.folder.c_str());
   }
   return absl::OkStatus();
 }
 
 absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const std::vector<uint64_t> seeds,
-                      ParseSeedList(flags.seeds));
+                      ParseSeedList(flags.suite.seeds));
   KidnapOptions options;
   TL_ASSIGN_OR_RETURN(options.navigator.lost.method, MethodOf(flags));
   options.drives_on = flags.until == "goal";
-  options.has_rear_laser = !flags.no_rear_laser;
+  options.has_rear_laser = !flags.suite.no_rear_laser;
   options.camera_hz = flags.method == "server" ? flags.camera_hz : 0;
   if (flags.fault == "slow") options.real_timeout_s = 1;
-  if (!flags.json.empty()) TL_RETURN_IF_ERROR(CheckWritable(flags.json));
+  if (!flags.suite.json.empty())
+    TL_RETURN_IF_ERROR(CheckWritable(flags.suite.json));
   Places places;
   std::vector<Job> jobs;
-  for (const std::string& world : flags.worlds) {
+  for (const std::string& world : flags.suite.worlds) {
     TL_ASSIGN_OR_RETURN(places[world],
                         PlaceForSuite(MapOptionsOf(flags, world), stop));
     for (const uint64_t seed : seeds) jobs.push_back({world, seed});
@@ -184,7 +174,7 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const Asked asked, StartServer(flags, stop));
   options.server = asked.connection;
   JobResults<KidnapRun> results = RunJobs<KidnapRun>(
-      jobs.size(), flags.threads, "kidnaps", flags.quiet, stop,
+      jobs.size(), flags.suite.threads, "kidnaps", flags.suite.quiet, stop,
       [&](size_t i) -> absl::StatusOr<KidnapRun> {
         KidnapOptions job = options;
         job.seed = jobs[i].seed;
@@ -196,14 +186,15 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
       });
   const int expected = static_cast<int>(jobs.size());
   std::printf("%s", KidnapSummary(results.done, expected).c_str());
-  if (!flags.json.empty()) {
+  if (!flags.suite.json.empty()) {
     TL_RETURN_IF_ERROR(WriteFileAtomically(
-        flags.json,
+        flags.suite.json,
         KidnapJson(results.done, expected, flags.method, flags.fault)));
   }
   TL_RETURN_IF_ERROR(WritePictures(results.done, places, flags));
   return SuiteStatus(results.done.size(), jobs.size(), GoodShare(results.done),
-                     flags.require, results.errors, results.first_error, stop);
+                     flags.suite.require, results.errors, results.first_error,
+                     stop);
 }
 
 void AddServerFlags(CLI::App& command, KidnapFlags& flags) {
@@ -236,55 +227,19 @@ Command AddKidnapSuite(CLI::App& suite) {
       "kidnaps", "Robots that are carried away: who finds itself again");
   command->footer(kFooter);
   auto flags = std::make_shared<KidnapFlags>();
-  command->add_option("--worlds", flags->worlds, "To be carried away in")
-      ->type_name("WORLD,...")
-      ->delimiter(',')
-      ->capture_default_str();
-  command->add_option("--seeds", flags->seeds, "One kidnap a world and seed")
-      ->type_name("FIRST-LAST,...")
-      ->capture_default_str();
+  AddSuiteFlags(*command, "kidnap", flags->suite);
+  command->add_flag("--people", flags->suite.people, "People walk about");
   AddServerFlags(*command, *flags);
-  command
-      ->add_option("--maps", flags->maps,
-                   "driven: made by a simulated mapping drive; perfect: as the "
-                   "world is (no model fits that)")
-      ->check(CLI::IsMember({"perfect", "driven"}))
-      ->capture_default_str();
-  command->add_option("--cache", flags->cache, "Maps and models are kept there")
-      ->type_name("FOLDER")
-      ->capture_default_str();
-  command->add_flag("--people", flags->people, "People walk about");
   command->add_option("--camera-hz", flags->camera_hz, "Of a robot that looks")
       ->type_name("HZ")
       ->check(CLI::Range(0.5, 30.0))
       ->capture_default_str();
-  command->add_flag("--no-rear-laser", flags->no_rear_laser,
-                    "A robot that does not see what is behind it");
   command
       ->add_option("--until", flags->until,
                    "goal: drives on to its goal; back: a run ends when the "
                    "robot is back on its way, which is quicker")
       ->check(CLI::IsMember({"goal", "back"}))
       ->capture_default_str();
-  command
-      ->add_option("--threads", flags->threads,
-                   "Kidnaps at a time; 0: one a processor")
-      ->type_name("N")
-      ->check(CLI::Range(0, 1024));
-  command
-      ->add_option("--require", flags->require,
-                   "Fail if a smaller share of the kidnaps is good")
-      ->type_name("SHARE")
-      ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--json", flags->json, "Write all figures")
-      ->type_name("FILE");
-  command->add_option("--folder", flags->folder, "Where pictures and logs go")
-      ->type_name("FOLDER")
-      ->capture_default_str();
-  command->add_option("--pictures", flags->pictures, "Of which kidnaps")
-      ->check(CLI::IsMember({"none", "failed", "all"}))
-      ->capture_default_str();
-  command->add_flag("--quiet", flags->quiet, "Show no progress");
   return {command, [flags](const std::stop_token& stop) {
             return RunKidnaps(*flags, stop);
           }};

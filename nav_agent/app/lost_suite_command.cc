@@ -1,6 +1,7 @@
 // treeline-agent suite lost, lost-fit: how good the lost verdict is, and its
 // calibration.
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -8,9 +9,6 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "absl/strings/numbers.h"
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "common/base/file.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
@@ -18,6 +16,7 @@
 #include "nav_agent/app/commands.h"
 #include "nav_agent/app/lost_suite.h"
 #include "nav_agent/app/lost_suite_report.h"
+#include "nav_agent/app/suite_jobs.h"
 
 namespace treeline {
 namespace {
@@ -44,33 +43,14 @@ struct LostFlags {
   bool quiet = false;
 };
 
-struct SeedRange {
-  uint64_t first = 1;
-  uint64_t last = 1;
-};
-
-// "7" or "1-20".
-absl::StatusOr<SeedRange> ParseSeeds(const std::string& text) {
-  const std::vector<absl::string_view> parts = absl::StrSplit(text, '-');
-  SeedRange range;
-  if (parts.empty() || parts.size() > 2 ||
-      !absl::SimpleAtoi(parts.front(), &range.first) ||
-      !absl::SimpleAtoi(parts.back(), &range.last) ||
-      range.last < range.first || range.last - range.first > 9999) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--seeds is '", text, "'; it must be like 7 or 1-20"));
-  }
-  return range;
-}
-
 absl::StatusOr<std::vector<LostRun>> RunAll(const LostFlags& flags,
-                                            const SeedRange& seeds,
+                                            const std::vector<uint64_t>& seeds,
                                             const std::stop_token& stop) {
   LostRunOptions options;
   options.drive_s = 60 * flags.minutes;
   options.kidnaps = flags.kidnaps;
   const double runs = static_cast<double>(flags.worlds.size()) *
-                      static_cast<double>(seeds.last - seeds.first + 1);
+                      static_cast<double>(seeds.size());
   Progress progress("simulating",
                     1 + static_cast<int64_t>(runs * ExpectedSeconds(options)),
                     flags.quiet);
@@ -90,8 +70,8 @@ absl::StatusOr<std::vector<LostRun>> RunAll(const LostFlags& flags,
         const SuiteWorld map,
         SuiteWorld::Create(world, RobotModel().base_from_laser.translation.z));
     options.world = name;
-    for (options.seed = seeds.first; options.seed <= seeds.last;
-         ++options.seed) {
+    for (const uint64_t seed : seeds) {
+      options.seed = seed;
       TL_ASSIGN_OR_RETURN(LostRun run, RunLostSuite(map, options, pass, stop));
       done.push_back(std::move(run));
     }
@@ -100,7 +80,8 @@ absl::StatusOr<std::vector<LostRun>> RunAll(const LostFlags& flags,
 }
 
 absl::Status RunLost(const LostFlags& flags, const std::stop_token& stop) {
-  TL_ASSIGN_OR_RETURN(const SeedRange seeds, ParseSeeds(flags.seeds));
+  TL_ASSIGN_OR_RETURN(const std::vector<uint64_t> seeds,
+                      ParseSeedList(flags.seeds));
   for (const std::string* path :
        {&flags.json, &flags.picture, &flags.features}) {
     if (!path->empty()) TL_RETURN_IF_ERROR(CheckWritable(*path));
@@ -151,7 +132,7 @@ Command AddLostSuite(CLI::App& suite) {
       ->delimiter(',')
       ->capture_default_str();
   command->add_option("--seeds", flags->seeds, "One run a world and seed")
-      ->type_name("FIRST-LAST")
+      ->type_name("FIRST-LAST,...")
       ->capture_default_str();
   command->add_option("--minutes", flags->minutes, "Of driving in each run")
       ->type_name("N")

@@ -13,6 +13,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/app/commands.h"
 #include "nav_agent/app/mission_suite.h"
+#include "nav_agent/app/suite_flags.h"
 #include "nav_agent/app/suite_jobs.h"
 #include "nav_agent/app/suite_maps.h"
 #include "nav_agent/app/suite_report.h"
@@ -41,22 +42,14 @@ Examples:
 constexpr double kPeopleCamera_hz = 5;
 
 struct MissionFlags {
-  std::vector<std::string> worlds = {"cafe", "lab", "two-storey", "seed:17"};
+  SuiteFlags suite = {.worlds = {"cafe", "lab", "two-storey", "seed:17"},
+                      .seeds = "1-50",
+                      .maps = "perfect",
+                      .folder = "out/suite/missions"};
   std::vector<std::string> scenes;
-  std::string seeds = "1-50";
-  bool people = false;
-  std::string maps = "perfect";
-  std::string cache = "out/suite";
   std::string planner;
   // Negative: kPeopleCamera_hz with people, otherwise none.
   double camera_hz = -1;
-  bool no_rear_laser = false;
-  int threads = 0;
-  double require = 0;
-  std::string json;
-  std::string folder = "out/suite/missions";
-  std::string pictures = "failed";
-  bool quiet = false;
 };
 
 struct Job {
@@ -68,13 +61,13 @@ using Places = std::map<std::string, std::shared_ptr<const SuitePlace>>;
 
 absl::StatusOr<std::vector<Job>> JobsOf(const MissionFlags& flags) {
   TL_ASSIGN_OR_RETURN(const std::vector<uint64_t> seeds,
-                      ParseSeedList(flags.seeds));
+                      ParseSeedList(flags.suite.seeds));
   MissionOptions options;
-  options.people = flags.people;
+  options.people = flags.suite.people;
   options.camera_hz = flags.camera_hz >= 0 ? flags.camera_hz
-                      : flags.people       ? kPeopleCamera_hz
+                      : flags.suite.people ? kPeopleCamera_hz
                                            : 0;
-  options.has_rear_laser = !flags.no_rear_laser;
+  options.has_rear_laser = !flags.suite.no_rear_laser;
   if (!flags.planner.empty()) {
     options.navigator.planner.planner = flags.planner;
   }
@@ -91,7 +84,7 @@ absl::StatusOr<std::vector<Job>> JobsOf(const MissionFlags& flags) {
     add("cafe");
   }
   if (flags.scenes.empty()) {
-    for (const std::string& world : flags.worlds) add(world);
+    for (const std::string& world : flags.suite.worlds) add(world);
   }
   return jobs;
 }
@@ -103,13 +96,9 @@ absl::StatusOr<Places> PlacesOf(const std::vector<Job>& jobs,
   for (const Job& job : jobs) {
     auto& place = places[job.world];
     if (place != nullptr) continue;
-    const SuiteMapOptions options = {
-        .world = job.world,
-        .is_driven = flags.maps == "driven",
-        // Somebody must be there who can step in front.
-        .with_people = flags.people || !flags.scenes.empty(),
-        .cache = flags.cache,
-        .quiet = flags.quiet};
+    SuiteMapOptions options = flags.suite.MapOptions(job.world);
+    // Somebody must be there who can step in front.
+    options.with_people |= !flags.scenes.empty();
     TL_ASSIGN_OR_RETURN(place, PlaceForSuite(options, stop));
   }
   return places;
@@ -117,19 +106,18 @@ absl::StatusOr<Places> PlacesOf(const std::vector<Job>& jobs,
 
 absl::Status WritePictures(const std::vector<MissionRun>& runs,
                            const Places& places, const MissionFlags& flags) {
-  if (flags.pictures == "none") return absl::OkStatus();
   int written = 0;
   for (const MissionRun& run : runs) {
-    if (run.IsGood() && flags.pictures == "failed") continue;
+    if (!flags.suite.WantsPicture(run.IsGood())) continue;
     const auto place = std::ranges::find_if(places, [&run](const auto& entry) {
       return entry.second->world().name == run.world;
     });
     if (place == places.end()) continue;
     const std::string stem =
-        absl::StrCat(flags.folder, "/",
+        absl::StrCat(flags.suite.folder, "/",
                      absl::StrReplaceAll(run.world, {{":", "-"}, {"/", "-"}}),
                      run.scene.empty() ? "" : "-", run.scene,
-                     flags.people ? "-people" : "", "-", run.seed);
+                     flags.suite.people ? "-people" : "", "-", run.seed);
     TL_RETURN_IF_ERROR(WriteRunPicture(
         stem, place->second->world(), run.record, run.marks, run.events,
         absl::StrCat(MissionOutcomeName(run.outcome), " (",
@@ -139,7 +127,7 @@ absl::Status WritePictures(const std::vector<MissionRun>& runs,
   }
   if (written > 0) {
     std::printf("%d pictures and logs are in %s\n", written,
-                flags.folder.c_str());
+                flags.suite.folder.c_str());
   }
   return absl::OkStatus();
 }
@@ -147,10 +135,11 @@ absl::Status WritePictures(const std::vector<MissionRun>& runs,
 absl::Status RunMissions(const MissionFlags& flags,
                          const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const std::vector<Job> jobs, JobsOf(flags));
-  if (!flags.json.empty()) TL_RETURN_IF_ERROR(CheckWritable(flags.json));
+  if (!flags.suite.json.empty())
+    TL_RETURN_IF_ERROR(CheckWritable(flags.suite.json));
   TL_ASSIGN_OR_RETURN(const Places places, PlacesOf(jobs, flags, stop));
   JobResults<MissionRun> results = RunJobs<MissionRun>(
-      jobs.size(), flags.threads, "missions", flags.quiet, stop,
+      jobs.size(), flags.suite.threads, "missions", flags.suite.quiet, stop,
       [&](size_t i) -> absl::StatusOr<MissionRun> {
         const Job& job = jobs[i];
         absl::StatusOr<MissionRun> run =
@@ -161,40 +150,15 @@ absl::Status RunMissions(const MissionFlags& flags,
       });
   const int expected = static_cast<int>(jobs.size());
   std::printf("%s", MissionSummary(results.done, expected).c_str());
-  if (!flags.json.empty()) {
+  if (!flags.suite.json.empty()) {
     TL_RETURN_IF_ERROR(WriteFileAtomically(
-        flags.json, MissionJson(results.done, expected, flags.people)));
+        flags.suite.json,
+        MissionJson(results.done, expected, flags.suite.people)));
   }
   TL_RETURN_IF_ERROR(WritePictures(results.done, places, flags));
   return SuiteStatus(results.done.size(), jobs.size(), GoodShare(results.done),
-                     flags.require, results.errors, results.first_error, stop);
-}
-
-void AddPlaceFlags(CLI::App& command, MissionFlags& flags) {
-  command.add_option("--worlds", flags.worlds, "To drive in")
-      ->type_name("WORLD,...")
-      ->delimiter(',')
-      ->capture_default_str();
-  command
-      .add_option("--scenes", flags.scenes,
-                  "The thesis's own missions in the cafe instead")
-      ->type_name("slope,blocked,person")
-      ->delimiter(',')
-      ->check(CLI::IsMember(MissionScenes()));
-  command.add_option("--seeds", flags.seeds, "One mission a world and seed")
-      ->type_name("FIRST-LAST,...")
-      ->capture_default_str();
-  command.add_flag("--people", flags.people,
-                   "People walk about, and something gets in the way");
-  command
-      .add_option("--maps", flags.maps,
-                  "perfect: as the world is; driven: made by a simulated "
-                  "mapping drive")
-      ->check(CLI::IsMember({"perfect", "driven"}))
-      ->capture_default_str();
-  command.add_option("--cache", flags.cache, "Where driven maps are kept")
-      ->type_name("FOLDER")
-      ->capture_default_str();
+                     flags.suite.require, results.errors, results.first_error,
+                     stop);
 }
 
 }  // namespace
@@ -205,7 +169,15 @@ Command AddMissionSuite(CLI::App& suite) {
       "Drives from place to place: who arrives, who runs into what");
   command->footer(kFooter);
   auto flags = std::make_shared<MissionFlags>();
-  AddPlaceFlags(*command, *flags);
+  AddSuiteFlags(*command, "mission", flags->suite);
+  command->add_flag("--people", flags->suite.people,
+                    "People walk about, and something gets in the way");
+  command
+      ->add_option("--scenes", flags->scenes,
+                   "The thesis's own missions in the cafe instead")
+      ->type_name("slope,blocked,person")
+      ->delimiter(',')
+      ->check(CLI::IsMember(MissionScenes()));
   command->add_option("--planner", flags->planner, "See treeline-agent plan")
       ->type_name("NAME");
   command
@@ -214,28 +186,6 @@ Command AddMissionSuite(CLI::App& suite) {
                    "5 with --people, otherwise 0")
       ->type_name("HZ")
       ->check(CLI::Range(0.0, 30.0));
-  command->add_flag("--no-rear-laser", flags->no_rear_laser,
-                    "A robot that does not see what is behind it");
-  command
-      ->add_option("--threads", flags->threads,
-                   "Missions at a time; 0: one a processor. Results do not "
-                   "depend on it")
-      ->type_name("N")
-      ->check(CLI::Range(0, 1024));
-  command
-      ->add_option("--require", flags->require,
-                   "Fail if a smaller share of the missions is good")
-      ->type_name("SHARE")
-      ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--json", flags->json, "Write all figures")
-      ->type_name("FILE");
-  command->add_option("--folder", flags->folder, "Where pictures and logs go")
-      ->type_name("FOLDER")
-      ->capture_default_str();
-  command->add_option("--pictures", flags->pictures, "Of which missions")
-      ->check(CLI::IsMember({"none", "failed", "all"}))
-      ->capture_default_str();
-  command->add_flag("--quiet", flags->quiet, "Show no progress");
   return {command, [flags](const std::stop_token& stop) {
             return RunMissions(*flags, stop);
           }};
