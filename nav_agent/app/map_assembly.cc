@@ -10,6 +10,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
+#include "nav_agent/fusion/driven_strip.h"
 #include "nav_agent/octomap/octree_file.h"
 #include "nav_agent/traversability/level_files.h"
 
@@ -122,7 +123,14 @@ int MapAssembly::keyframes() const {
 
 absl::StatusOr<MapSummary> MapAssembly::Finish(
     const MapProvenance& provenance) {
-  TL_ASSIGN_OR_RETURN(const VoxelMap whole, octomap_.Map());
+  TL_ASSIGN_OR_RETURN(VoxelMap whole, octomap_.Map());
+  if (provenance.wheel_track_m.has_value()) {
+    std::vector<Rigid3> map_from_base;
+    for (const TimedPose& pose : provenance.trajectory) {
+      map_from_base.push_back(pose.world_from_camera);
+    }
+    KeepDrivenStrip(map_from_base, *provenance.wheel_track_m / 2, whole);
+  }
   // As whoever loads the bundle will read it: the box of what is known.
   TL_ASSIGN_OR_RETURN(const std::string octomap, FormatBt(whole));
   TL_ASSIGN_OR_RETURN(const VoxelMap voxels,

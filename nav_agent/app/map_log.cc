@@ -202,11 +202,14 @@ absl::StatusOr<MapLogResult> MapLog(const std::string& log,
     TL_RETURN_IF_ERROR(FuseLog(log, options, *assembly, result));
   }
   const bool is_planar = assembly->keyframes() == 0;
-  const MapProvenance provenance = {
+  MapProvenance provenance = {
       .source = log,
       .method = is_planar ? "laser SLAM, planar" : "laser SLAM, RGB-D fused",
       .trajectory_of = "base",
       .trajectory = result.drive.map_from_base};
+  if (result.drive.robot.has_value()) {
+    provenance.wheel_track_m = result.drive.robot->wheel_track_m;
+  }
   if (is_planar) {
     TL_ASSIGN_OR_RETURN(result.summary,
                         FinishPlanar(provenance, result.drive, *assembly));

@@ -1,0 +1,30 @@
+// The strip of ground that the wheels stood on.
+#ifndef NAV_AGENT_FUSION_DRIVEN_STRIP_H_
+#define NAV_AGENT_FUSION_DRIVEN_STRIP_H_
+
+#include <span>
+
+#include "common/geometry/rigid3.h"
+#include "nav_agent/octomap/voxel_map.h"
+
+namespace treeline {
+
+// What was driven on is ground, even if views that grazed it have cleared its
+// voxels: from a ramp's foot, rays to its upper part pass just above the lower
+// one, and what is left on both sides of the hole may be two voxels apart.
+//
+// Holes are columns below the axle with nothing occupied within a voxel of the
+// wheels' height. There, and on the strip within 0.3 m of them, the ground is
+// put to that height: its voxel becomes occupied, and free what is up to three
+// voxels above. All else stays as it was seen. Outside of the map's box nothing
+// is put.
+//
+// map_from_base: on the ground below the axle's middle, y along it, no further
+// apart than a voxel. half_track_m: to each side. Returns how many columns were
+// holes.
+int KeepDrivenStrip(std::span<const Rigid3> map_from_base, double half_track_m,
+                    VoxelMap& map);
+
+}  // namespace treeline
+
+#endif  // NAV_AGENT_FUSION_DRIVEN_STRIP_H_

@@ -1,0 +1,130 @@
+#include "nav_agent/fusion/driven_strip.h"
+
+#include <cmath>
+#include <vector>
+
+#include "gtest/gtest.h"
+
+namespace treeline {
+namespace {
+
+constexpr double kResolution_m = 0.05;
+constexpr double kHalfTrack_m = 0.2;
+constexpr double kSlope = 1.0 / 12;
+
+// 4 x 2 m of which all is free.
+VoxelMap FreeSpace() {
+  VoxelMap map =
+      *VoxelMap::Make(kResolution_m, {0, -20, -4}, {.x = 80, .y = 40, .z = 40});
+  for (int y = 0; y < map.size().y; ++y) {
+    for (int x = 0; x < map.size().x; ++x) {
+      map.SetRun(x, y, 0, map.size().z, Voxel::kFree);
+    }
+  }
+  return map;
+}
+
+// The way along the x axis, `height(x)` above it.
+template <typename Height>
+std::vector<Rigid3> Way(Height height) {
+  std::vector<Rigid3> poses;
+  for (double x = 0.01; x < 4; x += 0.02) {
+    Rigid3 pose;
+    pose.translation = {x, 0, height(x)};
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+double RampHeight(double x) { return 0.01 + kSlope * x; }
+
+void PutRamp(VoxelMap& map) {
+  for (int y = 0; y < map.size().y; ++y) {
+    for (int x = 0; x < map.size().x; ++x) {
+      const Vec3 middle = map.CenterOf({x, y, 0});
+      const VoxelIndex ground =
+          map.IndexOf({middle.x, middle.y, RampHeight(middle.x)});
+      map.Set(ground, Voxel::kOccupied);
+    }
+  }
+}
+
+// The highest occupied voxel of a column, or -1.
+int TopOf(const VoxelMap& map, int x, int y) {
+  int top = map.size().z - 1;
+  while (top >= 0 && map.At({x, y, top}) != Voxel::kOccupied) --top;
+  return top;
+}
+
+TEST(DrivenStripTest, WhatWasSeenStays) {
+  VoxelMap map = FreeSpace();
+  PutRamp(map);
+  const VoxelMap seen = map;
+  EXPECT_EQ(KeepDrivenStrip(Way(RampHeight), kHalfTrack_m, map), 0);
+  EXPECT_EQ(map, seen);
+  // Wheels a voxel above or below what was seen prove nothing.
+  for (const double off_m : {-0.04, 0.04}) {
+    const auto height = [off_m](double x) { return RampHeight(x) + off_m; };
+    EXPECT_EQ(KeepDrivenStrip(Way(height), kHalfTrack_m, map), 0) << off_m;
+  }
+  EXPECT_EQ(map, seen);
+}
+
+TEST(DrivenStripTest, AHoleInARampIsClosedWithoutAStep) {
+  VoxelMap map = FreeSpace();
+  PutRamp(map);
+  const VoxelMap whole = map;
+  // Columns 40 to 43 were cleared, and those before them were seen too low,
+  // those behind too high.
+  for (int y = 0; y < map.size().y; ++y) {
+    for (int x = 36; x < 48; ++x) {
+      const int top = TopOf(map, x, y);
+      map.Set({x, y, top}, Voxel::kFree);
+      if (x < 40) map.Set({x, y, top - 1}, Voxel::kOccupied);
+      if (x > 43) map.Set({x, y, top + 1}, Voxel::kOccupied);
+    }
+  }
+  const int holes = KeepDrivenStrip(Way(RampHeight), kHalfTrack_m, map);
+  const VoxelIndex left = map.IndexOf({0, kHalfTrack_m, 0});
+  const VoxelIndex right = map.IndexOf({0, -kHalfTrack_m, 0});
+  EXPECT_EQ(holes, 4 * (left.y - right.y + 1));
+  for (int y = right.y; y <= left.y; ++y) {
+    for (int x = 36; x < 48; ++x) {
+      EXPECT_NEAR(TopOf(map, x, y), TopOf(whole, x, y), 1) << x << " " << y;
+      EXPECT_LE(std::abs(TopOf(map, x, y) - TopOf(map, x - 1, y)), 1);
+    }
+  }
+  // Nobody drove beside it.
+  EXPECT_EQ(TopOf(map, 41, left.y + 1), -1);
+  EXPECT_EQ(TopOf(map, 41, right.y - 1), -1);
+}
+
+TEST(DrivenStripTest, GroundThatNobodySawIsThatOfEachStorey) {
+  VoxelMap map = FreeSpace();
+  std::vector<Rigid3> way = Way([](double /*x*/) { return 0.01; });
+  const std::vector<Rigid3> above = Way([](double /*x*/) { return 1.26; });
+  way.insert(way.end(), above.begin(), above.end());
+  EXPECT_GT(KeepDrivenStrip(way, kHalfTrack_m, map), 0);
+  const VoxelIndex lower = map.IndexOf({2, 0, 0.01});
+  const VoxelIndex upper = map.IndexOf({2, 0, 1.26});
+  EXPECT_EQ(map.At(lower), Voxel::kOccupied);
+  EXPECT_EQ(map.At(upper), Voxel::kOccupied);
+  EXPECT_EQ(map.At({lower.x, lower.y, lower.z + 1}), Voxel::kFree);
+  EXPECT_EQ(map.CountOccupied() % 2, 0);
+}
+
+TEST(DrivenStripTest, WaysOutsideOfTheMapAreNoMatter) {
+  VoxelMap map = FreeSpace();
+  const VoxelMap before = map;
+  Rigid3 far;
+  far.translation = {1e12, -1e12, 5};
+  Rigid3 high;
+  high.translation = {1, 0, 100};
+  const std::vector<Rigid3> way = {far, high};
+  EXPECT_EQ(KeepDrivenStrip(way, kHalfTrack_m, map), 0);
+  EXPECT_EQ(KeepDrivenStrip({}, kHalfTrack_m, map), 0);
+  EXPECT_EQ(map, before);
+}
+
+}  // namespace
+}  // namespace treeline
