@@ -124,12 +124,12 @@ int MapAssembly::keyframes() const {
 absl::StatusOr<MapSummary> MapAssembly::Finish(
     const MapProvenance& provenance) {
   TL_ASSIGN_OR_RETURN(VoxelMap whole, octomap_.Map());
-  if (provenance.wheel_track_m.has_value()) {
+  if (provenance.half_width_m.has_value()) {
     std::vector<Rigid3> map_from_base;
     for (const TimedPose& pose : provenance.trajectory) {
       map_from_base.push_back(pose.world_from_camera);
     }
-    KeepDrivenStrip(map_from_base, *provenance.wheel_track_m / 2, whole);
+    KeepDrivenStrip(map_from_base, *provenance.half_width_m, whole);
   }
   // As whoever loads the bundle will read it: the box of what is known.
   TL_ASSIGN_OR_RETURN(const std::string octomap, FormatBt(whole));

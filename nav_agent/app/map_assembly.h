@@ -59,9 +59,9 @@ struct MapProvenance {
   std::string method;
   std::string trajectory_of = "base";
   std::vector<TimedPose> trajectory;
-  // Of a robot whose base the trajectory is of: between its wheels. What they
-  // stood on is ground.
-  std::optional<double> wheel_track_m = {};
+  // Of a robot whose base the trajectory is of, to the outer edge of its
+  // wheels. What they stood on is ground.
+  std::optional<double> half_width_m = {};
 };
 
 // Whether something has moved far enough since the last time that it had.

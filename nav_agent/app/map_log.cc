@@ -208,7 +208,7 @@ absl::StatusOr<MapLogResult> MapLog(const std::string& log,
       .trajectory_of = "base",
       .trajectory = result.drive.map_from_base};
   if (result.drive.robot.has_value()) {
-    provenance.wheel_track_m = result.drive.robot->wheel_track_m;
+    provenance.half_width_m = result.drive.robot->half_width_m;
   }
   if (is_planar) {
     TL_ASSIGN_OR_RETURN(result.summary,

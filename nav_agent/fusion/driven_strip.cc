@@ -91,15 +91,15 @@ bool IsHole(const VoxelMap& map, VoxelIndex at) {
 
 }  // namespace
 
-int KeepDrivenStrip(std::span<const Rigid3> map_from_base, double half_track_m,
+int KeepDrivenStrip(std::span<const Rigid3> map_from_base, double half_width_m,
                     VoxelMap& map) {
   Strip strip(map);
   // Points at most half a voxel apart.
   const int steps =
-      static_cast<int>(std::ceil(2 * half_track_m / map.resolution_m()));
+      static_cast<int>(std::ceil(2 * half_width_m / map.resolution_m()));
   for (const Rigid3& pose : map_from_base) {
     for (int i = -steps; i <= steps; ++i) {
-      strip.Add(pose * Vec3{0, half_track_m * i / std::max(1, steps), 0});
+      strip.Add(pose * Vec3{0, half_width_m * i / std::max(1, steps), 0});
     }
   }
   int holes = 0;

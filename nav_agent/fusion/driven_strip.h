@@ -20,9 +20,9 @@ namespace treeline {
 // is put.
 //
 // map_from_base: on the ground below the axle's middle, y along it, no further
-// apart than a voxel. half_track_m: to each side. Returns how many columns were
-// holes.
-int KeepDrivenStrip(std::span<const Rigid3> map_from_base, double half_track_m,
+// apart than a voxel. half_width_m: from there to the outer edge of each wheel.
+// Returns how many columns were holes.
+int KeepDrivenStrip(std::span<const Rigid3> map_from_base, double half_width_m,
                     VoxelMap& map);
 
 }  // namespace treeline

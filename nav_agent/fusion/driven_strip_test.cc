@@ -9,7 +9,7 @@ namespace treeline {
 namespace {
 
 constexpr double kResolution_m = 0.05;
-constexpr double kHalfTrack_m = 0.2;
+constexpr double kHalfWidth_m = 0.2;
 constexpr double kSlope = 1.0 / 12;
 
 // 4 x 2 m of which all is free.
@@ -60,12 +60,12 @@ TEST(DrivenStripTest, WhatWasSeenStays) {
   VoxelMap map = FreeSpace();
   PutRamp(map);
   const VoxelMap seen = map;
-  EXPECT_EQ(KeepDrivenStrip(Way(RampHeight), kHalfTrack_m, map), 0);
+  EXPECT_EQ(KeepDrivenStrip(Way(RampHeight), kHalfWidth_m, map), 0);
   EXPECT_EQ(map, seen);
   // Wheels a voxel above or below what was seen prove nothing.
   for (const double off_m : {-0.04, 0.04}) {
     const auto height = [off_m](double x) { return RampHeight(x) + off_m; };
-    EXPECT_EQ(KeepDrivenStrip(Way(height), kHalfTrack_m, map), 0) << off_m;
+    EXPECT_EQ(KeepDrivenStrip(Way(height), kHalfWidth_m, map), 0) << off_m;
   }
   EXPECT_EQ(map, seen);
 }
@@ -84,9 +84,9 @@ TEST(DrivenStripTest, AHoleInARampIsClosedWithoutAStep) {
       if (x > 43) map.Set({x, y, top + 1}, Voxel::kOccupied);
     }
   }
-  const int holes = KeepDrivenStrip(Way(RampHeight), kHalfTrack_m, map);
-  const VoxelIndex left = map.IndexOf({0, kHalfTrack_m, 0});
-  const VoxelIndex right = map.IndexOf({0, -kHalfTrack_m, 0});
+  const int holes = KeepDrivenStrip(Way(RampHeight), kHalfWidth_m, map);
+  const VoxelIndex left = map.IndexOf({0, kHalfWidth_m, 0});
+  const VoxelIndex right = map.IndexOf({0, -kHalfWidth_m, 0});
   EXPECT_EQ(holes, 4 * (left.y - right.y + 1));
   for (int y = right.y; y <= left.y; ++y) {
     for (int x = 36; x < 48; ++x) {
@@ -104,7 +104,7 @@ TEST(DrivenStripTest, GroundThatNobodySawIsThatOfEachStorey) {
   std::vector<Rigid3> way = Way([](double /*x*/) { return 0.01; });
   const std::vector<Rigid3> above = Way([](double /*x*/) { return 1.26; });
   way.insert(way.end(), above.begin(), above.end());
-  EXPECT_GT(KeepDrivenStrip(way, kHalfTrack_m, map), 0);
+  EXPECT_GT(KeepDrivenStrip(way, kHalfWidth_m, map), 0);
   const VoxelIndex lower = map.IndexOf({2, 0, 0.01});
   const VoxelIndex upper = map.IndexOf({2, 0, 1.26});
   EXPECT_EQ(map.At(lower), Voxel::kOccupied);
@@ -121,8 +121,8 @@ TEST(DrivenStripTest, WaysOutsideOfTheMapAreNoMatter) {
   Rigid3 high;
   high.translation = {1, 0, 100};
   const std::vector<Rigid3> way = {far, high};
-  EXPECT_EQ(KeepDrivenStrip(way, kHalfTrack_m, map), 0);
-  EXPECT_EQ(KeepDrivenStrip({}, kHalfTrack_m, map), 0);
+  EXPECT_EQ(KeepDrivenStrip(way, kHalfWidth_m, map), 0);
+  EXPECT_EQ(KeepDrivenStrip({}, kHalfWidth_m, map), 0);
   EXPECT_EQ(map, before);
 }
 
