@@ -5,7 +5,6 @@
 #include <system_error>
 #include <utility>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "common/base/file.h"
@@ -145,7 +144,8 @@ absl::StatusOr<std::string> ModelsForSuite(const SuiteMapOptions& options,
   std::error_code error;
   for (const fs::directory_entry& entry :
        fs::directory_iterator(models + "/" + scene, error)) {
-    if (!absl::StartsWith(entry.path().filename().string(), ".")) return models;
+    // What an interrupted training leaves is no model.
+    if (fs::exists(entry.path() / "model.treeline", error)) return models;
   }
   TL_RETURN_IF_ERROR(BundleOf(options, stop).status());
   TL_ASSIGN_OR_RETURN(const std::string program, SiblingProgram("treeline"));

@@ -120,15 +120,21 @@ OccupancyBlocks::Block* OccupancyBlocks::Make(VoxelIndex block) {
 }
 
 absl::StatusOr<std::optional<ColumnBox>> OccupancyBlocks::Add(
-    const ViewGrid& view, int64_t max_blocks) {
+    const ViewGrid& view, ViewKind kind, int64_t max_blocks) {
   TL_RETURN_IF_ERROR(Touch(view, max_blocks));
   const VoxelIndex lowest = view.lowest_block();
   std::optional<ColumnBox> changed;
   ForEachByte(view, [&](size_t block, int x, int y, int z) {
     const uint8_t occupied = view.Occupied(x, y, z);
-    const uint8_t free = view.Free(x, y, z);
+    uint8_t free = view.Free(x, y, z);
     if ((occupied | free) == 0) return;
     const auto column = static_cast<size_t>(x % kSide * kSide + y % kSide);
+    uint8_t& surface = touched_[block]->surface[column];
+    if (kind == ViewKind::kSurfaces) {
+      surface |= occupied;
+    } else {
+      free = static_cast<uint8_t>(free & ~surface);
+    }
     if (!Update(*touched_[block], column, occupied, free)) return;
     const int map_x = lowest.x * kSide + x;
     const int map_y = lowest.y * kSide + y;

@@ -32,6 +32,12 @@ struct ColumnBox {
 std::optional<ColumnBox> Union(const std::optional<ColumnBox>& a,
                                const std::optional<ColumnBox>& b);
 
+// What a view's rays are: those of a depth picture, side by side, or the few of
+// a laser's plane. Such a plane may pass just above a floor, through the upper
+// part of its voxels: that it met nothing there does not say that they are
+// free.
+enum class ViewKind : uint8_t { kSurfaces, kLines };
+
 // OctoMap's update (Hornung et al. 2013, Eq. 2 and 4) over blocks of 8 x 8 x 8
 // voxels in a hash table. A plain value but for its blocks; not thread-safe.
 class OccupancyBlocks {
@@ -43,15 +49,19 @@ class OccupancyBlocks {
     std::array<float, kSide * kSide * kSide> log_odds{};
     // Bit z of byte 8 x + y: whether anything is known of that voxel.
     std::array<uint8_t, kSide * kSide> known{};
+    // The same: whether a view of surfaces has hit it.
+    std::array<uint8_t, kSide * kSide> surface{};
   };
 
   explicit OccupancyBlocks(const FusionOptions& options);
 
   // Adds a miss to each voxel that is free in `view` and a hit to each that is
-  // occupied, which wins. RESOURCE_EXHAUSTED, and nothing is changed, if there
-  // would be more than max_blocks. Returns the columns in which a voxel has
-  // become known, occupied or free.
+  // occupied, which wins. Misses of kLines do not count where kSurfaces have
+  // hit. RESOURCE_EXHAUSTED, and nothing is changed, if there would be more
+  // than max_blocks. Returns the columns in which a voxel has become known,
+  // occupied or free.
   absl::StatusOr<std::optional<ColumnBox>> Add(const ViewGrid& view,
+                                               ViewKind kind,
                                                int64_t max_blocks);
 
   // Null where nothing is known.

@@ -70,17 +70,18 @@ absl::Status OctomapBuilder::InsertDepth(int64_t id, const DepthImage& depth,
                                          const Rigid3& map_from_camera) {
   TL_ASSIGN_OR_RETURN(CompactCloud cloud,
                       MakeDepthCloud(depth, camera, options_));
-  return Insert(id, std::move(cloud), map_from_camera);
+  return Insert(id, ViewKind::kSurfaces, std::move(cloud), map_from_camera);
 }
 
 absl::Status OctomapBuilder::InsertPoints(
     int64_t id, std::span<const Vec3> points_in_sensor,
     const Rigid3& map_from_sensor) {
-  return Insert(id, MakePointCloud(points_in_sensor, options_),
-                map_from_sensor);
+  return Insert(id, ViewKind::kLines,
+                MakePointCloud(points_in_sensor, options_), map_from_sensor);
 }
 
-absl::Status OctomapBuilder::Insert(int64_t id, CompactCloud cloud,
+absl::Status OctomapBuilder::Insert(int64_t id, ViewKind kind,
+                                    CompactCloud cloud,
                                     const Rigid3& map_from_sensor) {
   if (view_of_id_.contains(id)) {
     return absl::AlreadyExistsError(
@@ -90,20 +91,21 @@ absl::Status OctomapBuilder::Insert(int64_t id, CompactCloud cloud,
   const int64_t cloud_bytes =
       cloud.bytes() + static_cast<int64_t>(sizeof(View) + 32);
   cloud_bytes_ += cloud_bytes;
-  const auto changed = Fuse(cloud, pose, map_);
+  const auto changed = Fuse(cloud, kind, pose, map_);
   if (!changed.ok()) {
     cloud_bytes_ -= cloud_bytes;
     return changed.status();
   }
   changed_ = Union(changed_, *changed);
   view_of_id_[id] = views_.size();
-  views_.push_back(
-      {.pose = {.id = id, .map_from_sensor = pose}, .cloud = std::move(cloud)});
+  views_.push_back({.pose = {.id = id, .map_from_sensor = pose},
+                    .kind = kind,
+                    .cloud = std::move(cloud)});
   return absl::OkStatus();
 }
 
 absl::StatusOr<std::optional<ColumnBox>> OctomapBuilder::Fuse(
-    const CompactCloud& cloud, const Rigid3& map_from_sensor,
+    const CompactCloud& cloud, ViewKind kind, const Rigid3& map_from_sensor,
     OccupancyBlocks& map) {
   // Places in voxels of the map.
   const Mat3 rotation = map_from_sensor.rotation.Matrix();
@@ -157,7 +159,7 @@ absl::StatusOr<std::optional<ColumnBox>> OctomapBuilder::Fuse(
     if (i < cloud.hits && !grid_.MarkOccupied(place)) continue;
     grid_.MarkFree(eye, place);
   }
-  return map.Add(grid_, map_bytes / OccupancyBlocks::kBlockBytes);
+  return map.Add(grid_, kind, map_bytes / OccupancyBlocks::kBlockBytes);
 }
 
 absl::Status OctomapBuilder::SetPoses(std::span<const ViewPose> poses) {
@@ -177,8 +179,8 @@ absl::Status OctomapBuilder::SetPoses(std::span<const ViewPose> poses) {
   OccupancyBlocks map(options_);
   std::optional<ColumnBox> changed;
   for (size_t i = 0; i < views_.size(); ++i) {
-    TL_ASSIGN_OR_RETURN(const auto box,
-                        Fuse(views_[i].cloud, new_poses[i], map));
+    TL_ASSIGN_OR_RETURN(const auto box, Fuse(views_[i].cloud, views_[i].kind,
+                                             new_poses[i], map));
     changed = Union(changed, box);
   }
   if (map_.blocks() > 0) {

@@ -58,7 +58,8 @@ class OctomapBuilder {
   absl::Status InsertDepth(int64_t id, const DepthImage& depth,
                            const Camera& camera, const Rigid3& map_from_camera);
   // The same for points in a sensor's frame (m), seen from its origin, such as
-  // those of a laser scan. Points that are not finite are left out.
+  // those of a laser scan. Points that are not finite are left out. Their rays
+  // clear nothing that depth has shown.
   absl::Status InsertPoints(int64_t id, std::span<const Vec3> points_in_sensor,
                             const Rigid3& map_from_sensor);
 
@@ -87,16 +88,18 @@ class OctomapBuilder {
  private:
   struct View {
     ViewPose pose;
+    ViewKind kind = ViewKind::kSurfaces;
     CompactCloud cloud;
   };
 
   explicit OctomapBuilder(const FusionOptions& options)
       : options_(options), map_(options) {}
 
-  absl::Status Insert(int64_t id, CompactCloud cloud,
+  absl::Status Insert(int64_t id, ViewKind kind, CompactCloud cloud,
                       const Rigid3& map_from_sensor);
   // Adds a cloud to `map`.
   absl::StatusOr<std::optional<ColumnBox>> Fuse(const CompactCloud& cloud,
+                                                ViewKind kind,
                                                 const Rigid3& map_from_sensor,
                                                 OccupancyBlocks& map);
 

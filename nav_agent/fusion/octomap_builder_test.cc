@@ -62,6 +62,37 @@ std::unique_ptr<octomap::OcTree> ReadByLibrary(const std::string& ot) {
   return std::unique_ptr<octomap::OcTree>(occupancy);
 }
 
+TEST(OctomapBuilder, LinesThatGrazeASurfaceDoNotClearIt) {
+  OctomapBuilder builder = MakeBuilder();
+  const std::vector<ViewPose> poses = TurningPoses(12);
+  InsertRoom(builder, poses, poses);
+  const VoxelMap before = *builder.Map();
+  VoxelIndex wall = before.IndexOf({2, 0.5, 1.2});
+  while (before.Contains(wall) && before.At(wall) != Voxel::kOccupied) ++wall.x;
+  ASSERT_TRUE(before.Contains(wall));
+  const Vec3 in_wall = before.CenterOf(wall);
+  // A laser's plane along the wall, within that voxel; and what stood in the
+  // room once, where no camera has seen it.
+  const Rigid3 map_from_laser = {.rotation = {},
+                                 .translation = in_wall - Vec3{0, 1, 0}};
+  const Vec3 stood = {-0.5, -0.5, 0};
+  const auto insert = [&](int64_t id, const std::vector<Vec3>& ends) {
+    return builder.InsertPoints(id, ends, map_from_laser).ok();
+  };
+  const auto at = [&builder](Vec3 place) {
+    const VoxelMap map = *builder.Map();
+    return map.At(map.IndexOf(place));
+  };
+  ASSERT_EQ(at(map_from_laser * stood), Voxel::kFree);
+  for (int64_t id = 1; id <= 8; ++id) ASSERT_TRUE(insert(id, {stood}));
+  EXPECT_EQ(at(map_from_laser * stood), Voxel::kOccupied);
+  for (int64_t id = 21; id <= 40; ++id) {
+    ASSERT_TRUE(insert(id, {{0, 2, 0}, 2 * stood}));
+  }
+  EXPECT_EQ(at(in_wall), Voxel::kOccupied);
+  EXPECT_EQ(at(map_from_laser * stood), Voxel::kFree);
+}
+
 TEST(OctomapBuilder, ARoomIsOccupiedAtItsWallsAndFreeInside) {
   OctomapBuilder builder = MakeBuilder();
   InsertRoom(builder, TurningPoses(12), TurningPoses(12));
