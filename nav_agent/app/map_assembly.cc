@@ -124,12 +124,14 @@ int MapAssembly::keyframes() const {
 absl::StatusOr<MapSummary> MapAssembly::Finish(
     const MapProvenance& provenance) {
   TL_ASSIGN_OR_RETURN(VoxelMap whole, octomap_.Map());
+  int driven_holes = 0;
   if (provenance.half_width_m.has_value()) {
     std::vector<Rigid3> map_from_base;
     for (const TimedPose& pose : provenance.trajectory) {
       map_from_base.push_back(pose.world_from_camera);
     }
-    KeepDrivenStrip(map_from_base, *provenance.half_width_m, whole);
+    driven_holes =
+        KeepDrivenStrip(map_from_base, *provenance.half_width_m, whole);
   }
   // As whoever loads the bundle will read it: the box of what is known.
   TL_ASSIGN_OR_RETURN(const std::string octomap, FormatBt(whole));
@@ -142,7 +144,10 @@ absl::StatusOr<MapSummary> MapAssembly::Finish(
         absl::StrCat("no map came of it: ", levels.status().message(), " (",
                      octomap_.views(), " views)"));
   }
-  return Write(provenance, voxels, *levels, {});
+  TL_ASSIGN_OR_RETURN(MapSummary summary,
+                      Write(provenance, voxels, *levels, {}));
+  summary.driven_holes = driven_holes;
+  return summary;
 }
 
 absl::StatusOr<MapSummary> MapAssembly::FinishPlanar(

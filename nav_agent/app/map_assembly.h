@@ -51,6 +51,8 @@ struct MapSummary {
   int64_t free_cells = 0;
   int64_t occupied_voxels = 0;
   int64_t free_voxels = 0;
+  // Columns of the map that the wheels stood in and no view had kept ground of.
+  int driven_holes = 0;
 };
 
 // Where the map was made from: text and poses that end up in the bundle.

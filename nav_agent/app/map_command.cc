@@ -111,11 +111,12 @@ void PrintSummary(const MapLogResult& result) {
 void PrintSummary(const MapSummary& summary) {
   std::printf(
       "%lld voxels occupied, %lld free; %d levels, %d joins, %lld free cells; "
-      "%d keyframes\nWritten to %s\n",
+      "%d keyframes; under the wheels %d columns without ground, put to their "
+      "height\nWritten to %s\n",
       static_cast<long long>(summary.occupied_voxels),
       static_cast<long long>(summary.free_voxels), summary.levels,
       summary.joins, static_cast<long long>(summary.free_cells),
-      summary.keyframes, summary.folder.c_str());
+      summary.keyframes, summary.driven_holes, summary.folder.c_str());
 }
 
 absl::Status RunLog(const MapFlags& flags, const std::stop_token& stop) {

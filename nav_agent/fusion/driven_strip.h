@@ -9,9 +9,10 @@
 
 namespace treeline {
 
-// What was driven on is ground, even if views that grazed it have cleared its
-// voxels: from a ramp's foot, rays to its upper part pass just above the lower
-// one, and what is left on both sides of the hole may be two voxels apart.
+// What was driven on is ground, even if no view shows it: a camera that looks
+// ahead does not see what the robot stands on, nor the floor of a place that it
+// only turns in. What was seen of a hole's edges from afar may be a voxel off,
+// on each side the other way.
 //
 // Holes are columns below the axle with nothing occupied within a voxel of the
 // wheels' height. There, and on the strip within 0.3 m of them, the ground is
