@@ -143,7 +143,7 @@ absl::StatusOr<std::string> ModelsForSuite(const SuiteMapOptions& options,
   const std::string scene = SuiteSceneName(options.world);
   std::error_code error;
   for (const fs::directory_entry& entry :
-       fs::directory_iterator(models + "/" + scene, error)) {
+       fs::directory_iterator(absl::StrCat(models, "/", scene), error)) {
     // What an interrupted training leaves is no model.
     if (fs::exists(entry.path() / "model.treeline", error)) return models;
   }
