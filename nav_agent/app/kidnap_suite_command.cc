@@ -162,8 +162,9 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
   options.has_rear_laser = !flags.suite.no_rear_laser;
   options.camera_hz = flags.method == "server" ? flags.camera_hz : 0;
   if (flags.fault == "slow") options.real_timeout_s = 1;
-  if (!flags.suite.json.empty())
+  if (!flags.suite.json.empty()) {
     TL_RETURN_IF_ERROR(CheckWritable(flags.suite.json));
+  }
   Places places;
   std::vector<Job> jobs;
   for (const std::string& world : flags.suite.worlds) {

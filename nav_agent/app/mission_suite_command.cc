@@ -135,8 +135,9 @@ absl::Status WritePictures(const std::vector<MissionRun>& runs,
 absl::Status RunMissions(const MissionFlags& flags,
                          const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const std::vector<Job> jobs, JobsOf(flags));
-  if (!flags.suite.json.empty())
+  if (!flags.suite.json.empty()) {
     TL_RETURN_IF_ERROR(CheckWritable(flags.suite.json));
+  }
   TL_ASSIGN_OR_RETURN(const Places places, PlacesOf(jobs, flags, stop));
   JobResults<MissionRun> results = RunJobs<MissionRun>(
       jobs.size(), flags.suite.threads, "missions", flags.suite.quiet, stop,

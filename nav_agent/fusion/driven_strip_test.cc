@@ -1,6 +1,6 @@
 #include "nav_agent/fusion/driven_strip.h"
 
-#include <cmath>
+#include <cstdlib>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -110,7 +110,10 @@ TEST(DrivenStripTest, GroundThatNobodySawIsThatOfEachStorey) {
   EXPECT_EQ(map.At(lower), Voxel::kOccupied);
   EXPECT_EQ(map.At(upper), Voxel::kOccupied);
   EXPECT_EQ(map.At({lower.x, lower.y, lower.z + 1}), Voxel::kFree);
-  EXPECT_EQ(map.CountOccupied() % 2, 0);
+  // One voxel of each column on each storey, and nothing else.
+  const VoxelIndex left = map.IndexOf({2, kHalfWidth_m, 0.01});
+  const VoxelIndex right = map.IndexOf({2, -kHalfWidth_m, 0.01});
+  EXPECT_EQ(map.CountOccupied(), 2 * map.size().x * (left.y - right.y + 1));
 }
 
 TEST(DrivenStripTest, WaysOutsideOfTheMapAreNoMatter) {
