@@ -17,8 +17,8 @@ namespace treeline {
 
 // Simulated time between two steps of the navigator.
 inline constexpr SimTime kSuiteStep = std::chrono::milliseconds(25);
-// A plan is handed over so many steps after it was begun, 0.1 s.
-inline constexpr int kSuitePlanSteps = 4;
+// A plan is handed over so many steps after it was begun, 0.2 s.
+inline constexpr int kSuitePlanSteps = 8;
 
 struct SuiteRobotOptions {
   RobotPlacement start;

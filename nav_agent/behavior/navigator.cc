@@ -208,8 +208,14 @@ void NavigatorOfParts::ChooseFrame() {
 }
 
 std::optional<ControlPose> NavigatorOfParts::PoseNow() const {
-  return is_unplaced_ ? OfMotion(parts_.tracker->Motion())
-                      : OfPose(parts_.tracker->Pose());
+  const std::optional<TrackedPose> place = parts_.tracker->Pose();
+  if (!is_unplaced_) return OfPose(place);
+  std::optional<ControlPose> pose = OfMotion(parts_.tracker->Motion());
+  if (pose.has_value() && place.has_value() &&
+      parts_.lost->state() == RecoveryState::kConfirming) {
+    pose->supposed = place->pose;
+  }
+  return pose;
 }
 
 std::optional<ControlPose> NavigatorOfParts::PoseAt(MonotonicTime stamp) const {

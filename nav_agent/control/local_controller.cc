@@ -240,6 +240,13 @@ std::vector<GuardPoint> BandController::GuardPoints(
                       .margin_m = unseen.is_new ? options.new_margin_m
                                                 : options.cell_margin_m});
   }
+  if (pose.supposed.has_value()) {
+    const Rigid2 base_from_supposed = pose.supposed->map_from_base.Inverse();
+    for (const Vec2& in_map : costmap_.MapObstacles(*pose.supposed, reach_m)) {
+      points.push_back({.in_base = base_from_supposed * in_map,
+                        .margin_m = options.cell_margin_m});
+    }
+  }
   // Somebody who went out of sight behind the robot is still about.
   for (const Mover& mover : movers_.Movers()) {
     if (mover.unseen_s == 0) continue;

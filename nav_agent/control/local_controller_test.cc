@@ -297,6 +297,40 @@ TEST(LocalController, GuardStopsARecoveryBeforeADrop) {
   EXPECT_EQ(pose.forward_mps, 0);
 }
 
+TEST(LocalController, GuardHeedsTheMapWhereALostRobotSupposesThatItIs) {
+  TestingFloor floor;
+  floor.Fill({0, 0}, {12, 2.5}, Occupancy::kOccupied);
+  // The frame is that of the wheels: backwards in it is down in the map's.
+  const Rigid2 map_from_odom =
+      TestingPose(6, 3.2).pose.map_from_base * Rigid2{{}, std::numbers::pi / 2};
+  const auto backs_up_m = [&](bool supposes) {
+    Drive drive(floor, TestingPose(6, 6), NothingThere);
+    ControlPose pose = drive.pose();
+    pose.pose.map_from_base = Rigid2();
+    pose.map_is_unknown = true;
+    for (int i = 0; i < 120; ++i) {
+      pose.stamp += std::chrono::milliseconds(25);
+      if (supposes) {
+        pose.supposed =
+            LevelPose{.map_from_base = map_from_odom * pose.pose.map_from_base,
+                      .place = pose.pose.place};
+      }
+      EXPECT_TRUE(drive.controller()
+                      .AddScan(pose, TestingScan(pose, NothingThere))
+                      .ok());
+      const VelocityCommand command = drive.controller().Guard(
+          pose, {.forward_mps = -0.3, .yaw_rate_radps = 0});
+      pose.forward_mps = command.forward_mps;
+      pose.pose.map_from_base.translation.x += 0.025 * command.forward_mps;
+    }
+    return -pose.pose.map_from_base.translation.x;
+  };
+  // There are 0.7 m to the edge, and its rear is 0.3 m behind.
+  EXPECT_GT(backs_up_m(true), 0.25);
+  EXPECT_LT(backs_up_m(true), 0.4);
+  EXPECT_GT(backs_up_m(false), 0.8);
+}
+
 TEST(LocalController, KnowsItsRoom) {
   TestingFloor floor;
   floor.Fill({4, 0}, {4.05, 12}, Occupancy::kOccupied);

@@ -113,8 +113,8 @@ CellIndex LocalCostmap::CellOf(Vec2 point_in_map) const {
                                       options_.resolution_m))};
 }
 
-CellIndex LocalCostmap::MapCellOf(int x, int y) const {
-  const Vec2 from_origin = CenterInMap(x, y) - map_origin_;
+CellIndex LocalCostmap::MapCellAt(Vec2 point_in_map) const {
+  const Vec2 from_origin = point_in_map - map_origin_;
   const double scale = 1 / map_->resolution_m();
   return {static_cast<int>(std::floor(
               scale * (map_cos_ * from_origin.x + map_sin_ * from_origin.y))),
@@ -393,6 +393,30 @@ std::vector<UnseenObstacle> LocalCostmap::UnseenObstacles(
     }
   }
   return unseen;
+}
+
+std::vector<Vec2> LocalCostmap::MapObstacles(const LevelPose& pose,
+                                             double radius_m) const {
+  std::vector<Vec2> obstacles;
+  const Vec2 at = pose.map_from_base.translation;
+  const Ground ground = {.level = pose.place.level,
+                         .height_m = static_cast<float>(pose.place.height_m)};
+  const auto is_ground = [&](int x, int y) {
+    return StepOnto({x, y}, ground).has_value();
+  };
+  const CellIndex middle = MapCellAt(at);
+  const int reach = static_cast<int>(radius_m / map_->resolution_m()) + 1;
+  for (int y = middle.y - reach; y <= middle.y + reach; ++y) {
+    for (int x = middle.x - reach; x <= middle.x + reach; ++x) {
+      const Vec2 center = map_->grid(0).CenterInMap({x, y});
+      if (Norm(center - at) > radius_m || is_ground(x, y)) continue;
+      if (is_ground(x - 1, y) || is_ground(x + 1, y) || is_ground(x, y - 1) ||
+          is_ground(x, y + 1)) {
+        obstacles.push_back(center);
+      }
+    }
+  }
+  return obstacles;
 }
 
 SeenObstacle LocalCostmap::ObstacleNear(Vec2 point_in_map, double reach_m,

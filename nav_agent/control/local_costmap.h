@@ -157,6 +157,10 @@ class LocalCostmap {
   std::vector<UnseenObstacle> UnseenObstacles(Vec2 at, double radius_m,
                                               MonotonicTime now) const;
 
+  // Centres of the map's cells within radius_m of a pose that its ground does
+  // not continue in, and that border on such it does. The window is not asked.
+  std::vector<Vec2> MapObstacles(const LevelPose& pose, double radius_m) const;
+
   // The newest scan's and the newest frame's points on obstacles, the map's
   // included, near the robot.
   const std::vector<SeenPoint>& scan_points(
@@ -214,7 +218,10 @@ class LocalCostmap {
   }
   CellIndex CellOf(Vec2 point_in_map) const;
   std::optional<Ground> StepOnto(CellIndex map_cell, const Ground& from) const;
-  CellIndex MapCellOf(int x, int y) const;
+  CellIndex MapCellAt(Vec2 point_in_map) const;
+  CellIndex MapCellOf(int x, int y) const {
+    return MapCellAt(CenterInMap(x, y));
+  }
   void SpreadGround(const LevelPose& pose);
   void MeasureMapDistances();
   void WidenSeen(std::vector<uint8_t>& is_obstacle) const;

@@ -31,7 +31,7 @@ constexpr double kGuideSpread_m = 0.15;
 constexpr int kIdleAttempts = 250;
 constexpr int kRestartIterations = 200;
 // So many restarts without a gain end the search.
-constexpr int kIdleRestarts = 12;
+constexpr int kIdleRestarts = 40;
 constexpr double kGuideSpacing_m = 0.15;
 // Trees that have not met after so many do not meet soon.
 constexpr int kEasyIterations = 1000;
