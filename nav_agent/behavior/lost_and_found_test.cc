@@ -120,6 +120,21 @@ TEST_F(LostAndFoundTest, WhereScansFitBetterElsewhereItIsNot) {
   EXPECT_THAT(notes_, HasSubstr("scans fit better elsewhere"));
 }
 
+TEST_F(LostAndFoundTest, TwoViewsWaitForWhatTheScanShowsElsewhere) {
+  // Views agree that are sure together, and scans fit there, but not as well as
+  // elsewhere, which takes longer to find out than the turn does.
+  tracker_.search_steps = 300;
+  tracker_.alias = tracker_.truth;
+  server_.answers.assign(2, [this] {
+    return AnswerAt(Lift(tracker_.truth * Rigid2{{0.42, 0}, 0}, 0.02), 0.95);
+  });
+  server_.answers.push_back([this] { return Truth(0.97); });
+  BeLost();
+  EXPECT_EQ(Run(60), RecoveryState::kFound) << notes_;
+  EXPECT_LT(Error_m(), 0.2);
+  EXPECT_THAT(notes_, HasSubstr("scans fit better elsewhere"));
+}
+
 TEST_F(LostAndFoundTest, RefusesWhatIsNoNumber) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   server_.answers = {[this, nan] {

@@ -120,6 +120,10 @@ VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
     NotConfirmed("scans fit better elsewhere", input.now);
     return {};
   }
+  if (InState_s(input.now) > options_.most_confirm_s) {
+    NotConfirmed("it was not confirmed in time", input.now);
+    return {};
+  }
   if (bad_scans_ > kMostBadScans || drift_m > kMostDrift_m ||
       verdict.state == LostState::kLost) {
     NotConfirmed(drift_m > kMostDrift_m ? "localization went elsewhere"
@@ -130,6 +134,12 @@ VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
   const bool fits = good_scans_ >= options_.confirm_scans &&
                     IsPoseTight(0.8, 0.3) && verdict.probability < 0.3;
   const bool has_held = fits && turned_rad_ >= options_.confirm_turn_rad;
+  // Camera and laser may both be wrong where rooms are alike: what the scan
+  // shows somewhere else is waited for, if it could fit better there.
+  const bool may_be_elsewhere =
+      alias_ == Alias::kLooking &&
+      ScoreOf(alias_own_) < 1 - options_.alias_margin;
+  if (has_held && may_be_elsewhere) return {};
   if (has_held && (seen_twice_ || alias_ == Alias::kNone)) {
     Found(seen_twice_ ? "seen twice, and scans fit"
                       : "seen once, and scans fit nowhere else",
@@ -149,10 +159,6 @@ VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
     } else {
       LookAgain("there is no room to turn", input.now);
     }
-    return {};
-  }
-  if (InState_s(input.now) > options_.most_confirm_s) {
-    NotConfirmed("it was not confirmed in time", input.now);
     return {};
   }
   if (turned_rad_ >= options_.confirm_turn_rad) return {};

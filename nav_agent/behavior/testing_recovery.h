@@ -67,7 +67,9 @@ class FakeTracker final : public RobotTracker {
   MonotonicTime spread_at;
   // Where scans fit as well as at the truth.
   std::optional<Rigid2> alias;
-  // A search over the whole map finds the truth, or this instead.
+  // A search for other places takes so many steps, and finds the truth if that
+  // is one of them; over the whole map it finds the truth, or this instead.
+  int search_steps = 1;
   bool laser_knows = false;
   std::optional<Rigid2> laser_says;
   double tilt_rad = 0;
@@ -149,9 +151,10 @@ class FakeTracker final : public RobotTracker {
   }
   void BeginOtherPlaces(const std::optional<LevelPose>& than) override {
     looks_everywhere_ = !than.has_value();
+    search_steps_left_ = search_steps;
     looked_at_truth_ = truth;
   }
-  bool StepOtherPlaces() override { return true; }
+  bool StepOtherPlaces() override { return --search_steps_left_ <= 0; }
   std::vector<OtherPlace> BestPlaces() const override {
     const ScanFit fit = {
         .explained = best_fit, .contradicted = 0.01, .judged = judged};
@@ -194,6 +197,7 @@ class FakeTracker final : public RobotTracker {
            std::abs(NormalizedAngle_rad(a.yaw_rad - b.yaw_rad));
   }
   bool looks_everywhere_ = false;
+  int search_steps_left_ = 0;
   Rigid2 looked_at_truth_;
 };
 
