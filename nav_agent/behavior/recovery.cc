@@ -338,6 +338,15 @@ void Recovery::LookElsewhere(MonotonicTime now) {
   }
   const std::optional<TrackedMotion> motion = tracker_.Motion();
   const bool has_time = SecondsBetween(began_, now) < options_.most_server_s;
+  const auto clear = std::ranges::find_if(
+      waiting_, [this](const GatedFix& fix) { return IsClearPlace(fix); });
+  if (clear != waiting_.end() && cause_ != RecoveryCause::kCheck) {
+    Note("fix", "scans fit where it was seen, and nowhere else");
+    const GatedFix fix = *clear;
+    waiting_.erase(clear);
+    Seed(fix, false, now);
+    return;
+  }
   if (IsLasersTurn()) {
     Note("recovery", "tries what the laser says");
     BeginSearch(now);

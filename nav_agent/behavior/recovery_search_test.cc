@@ -92,6 +92,21 @@ TEST_F(LostAndFoundTest, AWeakFixWhereTheLaserSaysSoNeedsNoSecondView) {
   EXPECT_LT(Error_m(), 0.2);
 }
 
+TEST_F(LostAndFoundTest, AWeakFixIsTakenWhenTheLaserSaysSoLater) {
+  RelocalizationAnswer none;
+  none.reason = "TOO_FEW_INLIERS";
+  server_.answers = {[this] {
+                       tracker_.laser_knows = true;
+                       return Truth(0.6);
+                     },
+                     [none] { return none; }};
+  BeLost();
+  EXPECT_EQ(Run(40), RecoveryState::kFound) << notes_;
+  EXPECT_EQ(server_.asked, 2);
+  EXPECT_THAT(notes_, HasSubstr("scans fit where it was seen"));
+  EXPECT_LT(Error_m(), 0.2);
+}
+
 TEST_F(LostAndFoundTest, AServerThatKnowsAnotherPlaceIsAskedThreeTimes) {
   server_.answers = {[this] { return AnswerAt(Lift({{10, 4}, 1}, 0), 0.999); }};
   tracker_.finds = tracker_.truth;
