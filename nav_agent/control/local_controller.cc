@@ -273,7 +273,7 @@ BandController::Allowed BandController::Allow(
       !std::isfinite(wanted.yaw_rate_radps)) {
     allowed.is_limited = true;
     allowed.command =
-        LimitedVelocity(start.velocity, {}, start.interval_s, robot_);
+        LimitedTogether(start.velocity, {}, start.interval_s, robot_);
   } else {
     const VelocityCommand limited =
         LimitedVelocity(start.velocity, wanted, start.interval_s, robot_);
@@ -281,7 +281,7 @@ BandController::Allowed BandController::Allow(
     allowed.is_limited = verdict.is_limited;
     allowed.command = limited;
     if (verdict.is_limited) {
-      allowed.command = LimitedVelocity(start.velocity, verdict.command,
+      allowed.command = LimitedTogether(start.velocity, verdict.command,
                                         start.interval_s, robot_);
       allowed.point_in_map = pose.pose.map_from_base * verdict.point_in_base;
       allowed.point_moves = verdict.point_moves;

@@ -47,6 +47,34 @@ TEST(VelocityLimits, AccelerationIsLimited) {
             VelocityCommand());
 }
 
+TEST(VelocityLimits, WhatBrakesTogetherStaysOnItsArc) {
+  // It turns left as it creeps ahead, and its rear left corner hardly moves
+  // back; if the way ahead ended first, it would by 1.4 cm a second.
+  VelocityCommand command = {.forward_mps = 0.028, .yaw_rate_radps = 0.105};
+  EXPECT_EQ(LimitedVelocity(command, {}, 0.025, kRobot).forward_mps, 0);
+  for (int step = 0; step < 2; ++step) {
+    const double corner_mps =
+        command.forward_mps - command.yaw_rate_radps * kRobot.half_width_m;
+    EXPECT_GT(corner_mps, -0.005);
+    const VelocityCommand next = LimitedTogether(command, {}, 0.025, kRobot);
+    EXPECT_NEAR(next.forward_mps * command.yaw_rate_radps,
+                next.yaw_rate_radps * command.forward_mps, 1e-12);
+    EXPECT_LE(command.yaw_rate_radps - next.yaw_rate_radps, 3.0 * 0.025 + 1e-9);
+    command = next;
+  }
+  EXPECT_EQ(command, VelocityCommand());
+  // The slower one sets the pace; backwards only after it stood.
+  const VelocityCommand turns = LimitedTogether(
+      {.forward_mps = 0.03, .yaw_rate_radps = 0},
+      {.forward_mps = -0.03, .yaw_rate_radps = 0.05}, 0.025, kRobot);
+  EXPECT_NEAR(turns.forward_mps, 0, 1e-12);
+  EXPECT_NEAR(turns.yaw_rate_radps, 0.025, 1e-12);
+  EXPECT_EQ(LimitedTogether({.forward_mps = NAN, .yaw_rate_radps = 0},
+                            {.forward_mps = 0, .yaw_rate_radps = INFINITY},
+                            0.025, kRobot),
+            VelocityCommand());
+}
+
 TEST(CommandHistory, LateMeasurementsDoNotHalveTheAcceleration) {
   CommandHistory history;
   VelocityCommand command;
@@ -92,7 +120,7 @@ TEST(CollisionGuard, StopsBeforeAWallFromAnySpeedAndHeading) {
             kRobot);
         const GuardVerdict verdict = guard.Check(wanted, points);
         command = verdict.is_limited
-                      ? LimitedVelocity(command, verdict.command, 0.025, kRobot)
+                      ? LimitedTogether(command, verdict.command, 0.025, kRobot)
                       : wanted;
         at = at * MotionIn(0.025, command);
       }

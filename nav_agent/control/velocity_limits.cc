@@ -45,6 +45,28 @@ VelocityCommand LimitedVelocity(const VelocityCommand& present,
   return limited;
 }
 
+VelocityCommand LimitedTogether(const VelocityCommand& present,
+                                const VelocityCommand& wanted,
+                                double interval_s, const RobotModel& robot) {
+  const VelocityCommand each =
+      LimitedVelocity(present, wanted, interval_s, robot);
+  const auto share = [](double from, double to, double limited) {
+    const double change = FiniteOr0(to) - FiniteOr0(from);
+    return change == 0 ? 1.0 : (limited - FiniteOr0(from)) / change;
+  };
+  const double both = std::clamp(
+      std::min(share(present.forward_mps, wanted.forward_mps, each.forward_mps),
+               share(present.yaw_rate_radps, wanted.yaw_rate_radps,
+                     each.yaw_rate_radps)),
+      0.0, 1.0);
+  const auto between = [both](double from, double to) {
+    return std::lerp(FiniteOr0(from), FiniteOr0(to), both);
+  };
+  return {.forward_mps = between(present.forward_mps, wanted.forward_mps),
+          .yaw_rate_radps =
+              between(present.yaw_rate_radps, wanted.yaw_rate_radps)};
+}
+
 CommandHistory::Start CommandHistory::StartAt(MonotonicTime now,
                                               const VelocityCommand& measured,
                                               const RobotModel& robot) const {
