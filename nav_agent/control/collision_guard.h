@@ -17,8 +17,8 @@ namespace treeline {
 struct CollisionGuardOptions {
   // Room that is kept to points that were measured, and to the centres of cells
   // of the map (m).
-  double point_margin_m = 0.03;
-  double cell_margin_m = 0.035;
+  double point_margin_m = 0.04;
+  double cell_margin_m = 0.045;
   // To points on what the map does not have: people and carts are wider above
   // and below the laser's plane (m).
   double new_margin_m = 0.15;
