@@ -136,9 +136,8 @@ VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
   const bool has_held = fits && turned_rad_ >= options_.confirm_turn_rad;
   // Camera and laser may both be wrong where rooms are alike: what the scan
   // shows somewhere else is waited for, if it could fit better there.
-  const bool may_be_elsewhere =
-      alias_ == Alias::kLooking &&
-      ScoreOf(alias_own_) < 1 - options_.alias_margin;
+  const bool may_be_elsewhere = alias_ == Alias::kLooking &&
+                                ScoreOf(alias_own_) < 1 - options_.alias_margin;
   if (has_held && may_be_elsewhere) return {};
   if (has_held && (seen_twice_ || alias_ == Alias::kNone)) {
     Found(seen_twice_ ? "seen twice, and scans fit"

@@ -62,9 +62,9 @@ VelocityCommand LimitedTogether(const VelocityCommand& present,
   const auto between = [both](double from, double to) {
     return std::lerp(FiniteOr0(from), FiniteOr0(to), both);
   };
-  return {.forward_mps = between(present.forward_mps, wanted.forward_mps),
-          .yaw_rate_radps =
-              between(present.yaw_rate_radps, wanted.yaw_rate_radps)};
+  return {
+      .forward_mps = between(present.forward_mps, wanted.forward_mps),
+      .yaw_rate_radps = between(present.yaw_rate_radps, wanted.yaw_rate_radps)};
 }
 
 CommandHistory::Start CommandHistory::StartAt(MonotonicTime now,

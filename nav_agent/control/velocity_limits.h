@@ -18,10 +18,10 @@ VelocityCommand LimitedVelocity(const VelocityCommand& present,
                                 const VelocityCommand& wanted,
                                 double interval_s, const RobotModel& robot);
 
-// The same, on the straight line from `present` to `wanted`: what brakes goes on
-// along its arc, and no part of the robot moves in a direction that it has in
-// neither. An edge that the way ahead takes along with a turn would move back
-// if the way ended first.
+// The same, on the straight line from `present` to `wanted`: what brakes goes
+// on along its arc, and no part of the robot moves in a direction that it has
+// in neither. An edge that the way ahead takes along with a turn would move
+// back if the way ended first.
 VelocityCommand LimitedTogether(const VelocityCommand& present,
                                 const VelocityCommand& wanted,
                                 double interval_s, const RobotModel& robot);
