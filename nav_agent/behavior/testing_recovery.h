@@ -67,9 +67,9 @@ class FakeTracker final : public RobotTracker {
   MonotonicTime spread_at;
   // Where scans fit as well as at the truth.
   std::optional<Rigid2> alias;
-  // A search for other places takes so many steps, and finds the truth if that
-  // is one of them; over the whole map it finds the truth, or this instead.
+  // A search over the map takes so many steps.
   int search_steps = 1;
+  // Over the whole map it finds the truth, or this instead.
   bool laser_knows = false;
   std::optional<Rigid2> laser_says;
   double tilt_rad = 0;

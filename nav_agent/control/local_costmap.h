@@ -157,8 +157,10 @@ class LocalCostmap {
   std::vector<UnseenObstacle> UnseenObstacles(Vec2 at, double radius_m,
                                               MonotonicTime now) const;
 
-  // Centres of the map's cells within radius_m of a pose that its ground does
-  // not continue in, and that border on such it does. The window is not asked.
+  // Centres of the map's cells within radius_m of a pose, which need not be the
+  // window's, that are not at the height of the pose's ground, within a step of
+  // the map's voxels, and border on cells that are. On slopes of 1 in 12 that
+  // holds for 0.9 m.
   std::vector<Vec2> MapObstacles(const LevelPose& pose, double radius_m) const;
 
   // The newest scan's and the newest frame's points on obstacles, the map's
