@@ -3,10 +3,11 @@
 #include "absl/strings/str_cat.h"
 #include "common/wire/geometry.h"
 
-namespace treeline {
+namespace treeline::bench {
 
-AnswerChecker::AnswerChecker(std::vector<std::optional<Rigid3>> truths,
-                             const Tolerance& tolerance)
+AnswerChecker::AnswerChecker(
+    std::vector<std::optional<geometry::Rigid3>> truths,
+    const Tolerance& tolerance)
     : truths_(std::move(truths)), tolerance_(tolerance) {}
 
 void AnswerChecker::LoadBegins() {
@@ -18,12 +19,12 @@ AnswerChecker::Verdict AnswerChecker::Check(
     size_t query, const v1::LocalizeResponse& response) {
   Verdict verdict;
   const bool localized = response.outcome() == v1::OUTCOME_LOCALIZED;
-  if (const std::optional<Rigid3>& truth = truths_[query]) {
-    const absl::StatusOr<Rigid3> pose =
-        FromProto(response.world_from_camera(), "world_from_camera");
+  if (const std::optional<geometry::Rigid3>& truth = truths_[query]) {
+    const absl::StatusOr<geometry::Rigid3> pose =
+        wire::FromProto(response.world_from_camera(), "world_from_camera");
     verdict.within_tolerance = false;
     if (localized && pose.ok()) {
-      const PoseError error = ErrorBetween(*pose, *truth);
+      const geometry::PoseError error = geometry::ErrorBetween(*pose, *truth);
       verdict.within_tolerance = error.translation_m <= tolerance_.position_m &&
                                  error.rotation_rad <= tolerance_.rotation_rad;
     }
@@ -49,4 +50,4 @@ AnswerChecker::Verdict AnswerChecker::Check(
   return verdict;
 }
 
-}  // namespace treeline
+}  // namespace treeline::bench

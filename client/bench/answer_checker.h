@@ -14,7 +14,7 @@
 #include "common/geometry/rigid3.h"
 #include "treeline/v1/relocalization.pb.h"
 
-namespace treeline {
+namespace treeline::bench {
 
 // An answer is compared, bit for bit and in everything but its timings, with
 // the answer that the same query had from the same model version before the
@@ -43,7 +43,7 @@ class AnswerChecker {
   };
 
   // truths[i]: of query i, where it is known.
-  AnswerChecker(std::vector<std::optional<Rigid3>> truths,
+  AnswerChecker(std::vector<std::optional<geometry::Rigid3>> truths,
                 const Tolerance& tolerance);
 
   // From here on answers are compared with those seen so far as "before load".
@@ -57,7 +57,7 @@ class AnswerChecker {
     bool before_load = false;
   };
 
-  const std::vector<std::optional<Rigid3>> truths_;
+  const std::vector<std::optional<geometry::Rigid3>> truths_;
   const Tolerance tolerance_;
   absl::Mutex mutex_;
   bool load_ ABSL_GUARDED_BY(mutex_) = false;
@@ -66,6 +66,6 @@ class AnswerChecker {
       ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::bench
 
 #endif  // CLIENT_BENCH_ANSWER_CHECKER_H_

@@ -3,22 +3,22 @@
 #include "common/wire/geometry.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 using Bits = AnswerChecker::Bits;
 
-v1::LocalizeResponse Answer(const Rigid3& pose, double total_ms = 1) {
+v1::LocalizeResponse Answer(const geometry::Rigid3& pose, double total_ms = 1) {
   v1::LocalizeResponse response;
   response.set_outcome(v1::OUTCOME_LOCALIZED);
-  *response.mutable_world_from_camera() = ToProto(pose);
+  *response.mutable_world_from_camera() = wire::ToProto(pose);
   response.set_scene("room");
   response.set_model_version("1");
   response.mutable_timings()->set_total_ms(total_ms);
   return response;
 }
 
-Rigid3 At(double x_m) { return {{}, {x_m, 0, 0}}; }
+geometry::Rigid3 At(double x_m) { return {{}, {x_m, 0, 0}}; }
 
 TEST(AnswerChecker, TimingsMayDifferAndNothingElse) {
   AnswerChecker checker({std::nullopt, std::nullopt}, {});
@@ -42,7 +42,7 @@ TEST(AnswerChecker, ANewVersionIsComparedWithItself) {
   EXPECT_EQ(checker.Check(0, second).bits, Bits::kNew);
   EXPECT_EQ(checker.Check(0, second).bits, Bits::kAsFirstUnderLoad);
   EXPECT_EQ(checker.Check(0, Answer(At(1))).bits, Bits::kAsBeforeLoad);
-  *second.mutable_world_from_camera() = ToProto(At(3));
+  *second.mutable_world_from_camera() = wire::ToProto(At(3));
   EXPECT_EQ(checker.Check(0, second).bits, Bits::kDifferent);
 }
 
@@ -56,7 +56,7 @@ TEST(AnswerChecker, PosesAreComparedWithTheTruth) {
   EXPECT_EQ(far.within_tolerance, false);
   EXPECT_TRUE(far.wrong_pose);
   const auto turned = checker.Check(
-      0, Answer({Rotation3::FromAxisAngle({0, 0.11, 0}), {1, 0, 0}}));
+      0, Answer({geometry::Rotation3::FromAxisAngle({0, 0.11, 0}), {1, 0, 0}}));
   EXPECT_TRUE(turned.wrong_pose);
   EXPECT_FALSE(checker.Check(1, Answer(At(9))).within_tolerance.has_value());
 }
@@ -71,4 +71,4 @@ TEST(AnswerChecker, NotLocalizedIsNoWrongPose) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::bench

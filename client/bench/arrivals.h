@@ -7,7 +7,7 @@
 
 #include "common/base/random.h"
 
-namespace treeline {
+namespace treeline::bench {
 
 // A Poisson process: the same seed and rate give the same times.
 class PoissonArrivals {
@@ -25,11 +25,11 @@ class PoissonArrivals {
  private:
   static constexpr uint64_t kStream = 1;
 
-  Random random_;
+  base::Random random_;
   const double rate_per_s_;
   double at_s_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::bench
 
 #endif  // CLIENT_BENCH_ARRIVALS_H_

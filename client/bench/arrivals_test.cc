@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 // Of 10000 gaps the mean is known to 1 %, the share longer than the mean
@@ -35,4 +35,4 @@ TEST(PoissonArrivals, ASeedFixesThem) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::bench

@@ -8,7 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "nlohmann/json.hpp"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -328,4 +328,4 @@ std::string LiveLine(const Glance& glance, double at_s) {
       count(CallKind::kDeadline), count(CallKind::kFailed));
 }
 
-}  // namespace treeline
+}  // namespace treeline::bench

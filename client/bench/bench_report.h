@@ -12,7 +12,7 @@
 #include "client/bench/machine.h"
 #include "client/bench/tally.h"
 
-namespace treeline {
+namespace treeline::bench {
 
 struct WorkloadSummary {
   std::string scene;
@@ -48,6 +48,6 @@ double Goodput_per_s(const LoadRun& run);
 // "12.0 s  84.3/s  p50 11.2 ms  p99 30.1 ms  0 shed, 0 late, 0 failed".
 std::string LiveLine(const Glance& glance, double at_s);
 
-}  // namespace treeline
+}  // namespace treeline::bench
 
 #endif  // CLIENT_BENCH_BENCH_REPORT_H_

@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 using ::testing::AllOf;
@@ -26,8 +26,8 @@ BenchReport SomeReport() {
          .verdict = {.bits = i == 100 ? AnswerChecker::Bits::kDifferent
                                       : AnswerChecker::Bits::kAsBeforeLoad}});
   }
-  tally.Add({.status = WithRetryAfter(
-                 WithReason(absl::UnavailableError("full"), "QUEUE_FULL"),
+  tally.Add({.status = base::WithRetryAfter(
+                 base::WithReason(absl::UnavailableError("full"), "QUEUE_FULL"),
                  std::chrono::milliseconds(50)),
              .from_send_ms = 3});
   LoadRun run;
@@ -87,4 +87,4 @@ TEST(BenchReport, TheLiveLineTellsTheWarmUpApart) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::bench

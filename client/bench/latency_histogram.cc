@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 constexpr int kLogBucketsPerDoubling = 6;
@@ -72,4 +72,4 @@ double LatencyHistogram::Percentile_ms(double percent) const {
   return max_ms_;
 }
 
-}  // namespace treeline
+}  // namespace treeline::bench

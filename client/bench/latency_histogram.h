@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace treeline {
+namespace treeline::bench {
 
 // Durations are counted in buckets whose width grows with the duration, as in
 // HdrHistogram: below 128 us one bucket a microsecond, above it 64 buckets for
@@ -33,6 +33,6 @@ class LatencyHistogram {
   double max_ms_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::bench
 
 #endif  // CLIENT_BENCH_LATENCY_HISTOGRAM_H_

@@ -7,7 +7,7 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 TEST(LatencyHistogram, NothingIsZero) {
@@ -36,7 +36,7 @@ TEST(LatencyHistogram, ShortDurationsAreExactToTheMicrosecond) {
 
 // Nine decades of durations: each percentile lies where sorting them puts it.
 TEST(LatencyHistogram, PercentilesAreAtMostASixtyFourthTooHigh) {
-  Random random(1, 0);
+  base::Random random(1, 0);
   LatencyHistogram histogram;
   std::vector<double> sorted;
   for (int i = 0; i < 20000; ++i) {
@@ -56,7 +56,7 @@ TEST(LatencyHistogram, PercentilesAreAtMostASixtyFourthTooHigh) {
 }
 
 TEST(LatencyHistogram, MergingIsCountingTogether) {
-  Random random(2, 0);
+  base::Random random(2, 0);
   LatencyHistogram together;
   LatencyHistogram one;
   LatencyHistogram other;
@@ -84,4 +84,4 @@ TEST(LatencyHistogram, AbsurdDurationsAreKeptWithinBounds) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::bench

@@ -20,7 +20,7 @@
 #include "common/base/random.h"
 #include "common/wire/status.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 constexpr char kMethod[] = "/treeline.v1.RelocalizationService/Localize";
@@ -31,15 +31,15 @@ constexpr std::chrono::milliseconds kWatchEvery(500);
 // After which an interruption is looked for.
 constexpr std::chrono::milliseconds kLongestSleep(200);
 
-MonotonicTime Now() { return SteadyClock().Now(); }
+base::MonotonicTime Now() { return base::SteadyClock().Now(); }
 
-MonotonicTime::duration Seconds(double seconds) {
-  return std::chrono::duration_cast<MonotonicTime::duration>(
+base::MonotonicTime::duration Seconds(double seconds) {
+  return std::chrono::duration_cast<base::MonotonicTime::duration>(
       std::chrono::duration<double>(seconds));
 }
 
-double SecondsBetween(MonotonicTime start, MonotonicTime end) {
-  return 1e-3 * MillisecondsBetween(start, end);
+double SecondsBetween(base::MonotonicTime start, base::MonotonicTime end) {
+  return 1e-3 * base::MillisecondsBetween(start, end);
 }
 
 double ProcessorSeconds() {
@@ -55,8 +55,8 @@ double ProcessorSeconds() {
 // A call that is out. gRPC's callback and whoever cancels share it.
 struct Call {
   size_t item = 0;
-  MonotonicTime scheduled = {};
-  MonotonicTime sent = {};
+  base::MonotonicTime scheduled = {};
+  base::MonotonicTime sent = {};
   grpc::ClientContext context;
   grpc::ByteBuffer response;
 };
@@ -90,10 +90,10 @@ bool LoadRun::saturated() const {
 
 class LoadGenerator::Impl {
  public:
-  Impl(std::vector<Connection> connections, const std::vector<WorkItem>& items,
-       AnswerChecker& checker)
+  Impl(std::vector<relocalizer::Connection> connections,
+       const std::vector<WorkItem>& items, AnswerChecker& checker)
       : connections_(std::move(connections)), items_(items), checker_(checker) {
-    for (const Connection& connection : connections_) {
+    for (const relocalizer::Connection& connection : connections_) {
       stubs_.push_back(
           std::make_unique<grpc::GenericStub>(connection.channel()));
     }
@@ -110,25 +110,25 @@ class LoadGenerator::Impl {
  private:
   void RunClosedLoop(const std::stop_token& stop);
   void RunOpenLoop(const std::stop_token& stop, LoadRun& run);
-  bool SleepUntil(MonotonicTime due, const std::stop_token& stop);
+  bool SleepUntil(base::MonotonicTime due, const std::stop_token& stop);
 
   // Sends the next query. on_done: with the result, on a thread of gRPC.
-  void Send(MonotonicTime scheduled,
+  void Send(base::MonotonicTime scheduled,
             std::function<void(const absl::Status&)> on_done);
   void Finish(const std::shared_ptr<Call>& call, const grpc::Status& status,
               const std::function<void(const absl::Status&)>& on_done);
-  void SendAgain(MonotonicTime when);
+  void SendAgain(base::MonotonicTime when);
   void Stream();
   void CountFrame(const StreamClient::Frame& frame, const absl::Status& status,
                   const v1::LocalizeResponse* response);
   void Add(const CallResult& result);
   // Calls `action` later, and waits for that in WaitForAll.
-  void After(MonotonicTime::duration pause, std::function<void()> action);
-  bool Goes(MonotonicTime now);
+  void After(base::MonotonicTime::duration pause, std::function<void()> action);
+  bool Goes(base::MonotonicTime now);
   void Abandon();
   void WaitForAll();
 
-  const std::vector<Connection> connections_;
+  const std::vector<relocalizer::Connection> connections_;
   const std::vector<WorkItem>& items_;
   AnswerChecker& checker_;
   std::vector<std::unique_ptr<grpc::GenericStub>> stubs_;
@@ -136,8 +136,8 @@ class LoadGenerator::Impl {
 
   // Set while no call is out.
   LoadOptions options_;
-  MonotonicTime measured_from_ = {};
-  MonotonicTime end_ = {};
+  base::MonotonicTime measured_from_ = {};
+  base::MonotonicTime end_ = {};
 
   std::mutex mutex_;
   std::condition_variable_any changed_;
@@ -155,7 +155,8 @@ class LoadGenerator::Impl {
 };
 
 void LoadGenerator::Impl::Send(
-    MonotonicTime scheduled, std::function<void(const absl::Status&)> on_done) {
+    base::MonotonicTime scheduled,
+    std::function<void(const absl::Status&)> on_done) {
   auto call = std::make_shared<Call>();
   size_t number = 0;
   {
@@ -177,7 +178,7 @@ void LoadGenerator::Impl::Send(
       [this, call, on_done = std::move(on_done)](const grpc::Status& status) {
         Finish(call, status, on_done);
       });
-  Random random(options_.seed + number, kCancelStream);
+  base::Random random(options_.seed + number, kCancelStream);
   if (random.NextUnit() < options_.cancel_share) {
     timer_.At(call->sent +
                   Seconds(1e-3 * options_.cancel_after_ms * random.NextUnit()),
@@ -190,18 +191,18 @@ void LoadGenerator::Impl::Send(
 void LoadGenerator::Impl::Finish(
     const std::shared_ptr<Call>& call, const grpc::Status& status,
     const std::function<void(const absl::Status&)>& on_done) {
-  const MonotonicTime now = Now();
+  const base::MonotonicTime now = Now();
   v1::LocalizeResponse response;
   CallResult result{
-      .status = FromGrpc(status),
+      .status = wire::FromGrpc(status),
       .pushback =
           call->context.GetServerTrailingMetadata().count(kPushback) > 0,
-      .latency_ms = MillisecondsBetween(call->scheduled, now),
-      .from_send_ms = MillisecondsBetween(call->sent, now),
+      .latency_ms = base::MillisecondsBetween(call->scheduled, now),
+      .from_send_ms = base::MillisecondsBetween(call->sent, now),
       .scheduled_s = SecondsBetween(measured_from_, call->scheduled)};
   if (status.ok()) {
-    result.status =
-        FromGrpc(grpc::SerializationTraits<v1::LocalizeResponse>::Deserialize(
+    result.status = wire::FromGrpc(
+        grpc::SerializationTraits<v1::LocalizeResponse>::Deserialize(
             &call->response, &response));
     if (result.status.ok()) {
       result.response = &response;
@@ -220,12 +221,12 @@ void LoadGenerator::Impl::Finish(
   changed_.notify_all();
 }
 
-bool LoadGenerator::Impl::Goes(MonotonicTime now) {
+bool LoadGenerator::Impl::Goes(base::MonotonicTime now) {
   const std::lock_guard lock(mutex_);
   return now < end_ && !abandoned_;
 }
 
-void LoadGenerator::Impl::After(MonotonicTime::duration pause,
+void LoadGenerator::Impl::After(base::MonotonicTime::duration pause,
                                 std::function<void()> action) {
   {
     const std::lock_guard lock(mutex_);
@@ -240,7 +241,7 @@ void LoadGenerator::Impl::After(MonotonicTime::duration pause,
 }
 
 // One client of a closed loop.
-void LoadGenerator::Impl::SendAgain(MonotonicTime when) {
+void LoadGenerator::Impl::SendAgain(base::MonotonicTime when) {
   if (!Goes(when)) return;
   Send(when, [this](const absl::Status& status) {
     if (status.ok()) {
@@ -295,7 +296,7 @@ void LoadGenerator::Impl::Stream() {
 void LoadGenerator::Impl::CountFrame(const StreamClient::Frame& frame,
                                      const absl::Status& status,
                                      const v1::LocalizeResponse* response) {
-  const double took_ms = MillisecondsBetween(frame.sent, Now());
+  const double took_ms = base::MillisecondsBetween(frame.sent, Now());
   CallResult result{.status = status,
                     .latency_ms = took_ms,
                     .from_send_ms = took_ms,
@@ -318,7 +319,7 @@ void LoadGenerator::Impl::Add(const CallResult& result) {
   tally_.Add(result);
 }
 
-bool LoadGenerator::Impl::SleepUntil(MonotonicTime due,
+bool LoadGenerator::Impl::SleepUntil(base::MonotonicTime due,
                                      const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   changed_.wait_until(lock, stop, due, [due] { return Now() >= due; });
@@ -339,9 +340,10 @@ void LoadGenerator::Impl::RunClosedLoop(const std::stop_token& stop) {
 void LoadGenerator::Impl::RunOpenLoop(const std::stop_token& stop,
                                       LoadRun& run) {
   PoissonArrivals arrivals(options_.seed, options_.rate_per_s);
-  const MonotonicTime start = measured_from_ - Seconds(options_.warm_up_s);
+  const base::MonotonicTime start =
+      measured_from_ - Seconds(options_.warm_up_s);
   while (true) {
-    const MonotonicTime due = start + Seconds(arrivals.Next_s());
+    const base::MonotonicTime due = start + Seconds(arrivals.Next_s());
     if (due >= end_) break;
     // Not on the condition variable: every answer would wake this thread.
     while (Now() < due && !stop.stop_requested()) {
@@ -354,7 +356,7 @@ void LoadGenerator::Impl::RunOpenLoop(const std::stop_token& stop,
       room = outstanding_ < options_.max_outstanding;
     }
     const bool measured = due >= measured_from_;
-    if (measured) run.send_lag.Add(MillisecondsBetween(due, Now()));
+    if (measured) run.send_lag.Add(base::MillisecondsBetween(due, Now()));
     if (room) {
       Send(due, nullptr);
     } else {
@@ -386,7 +388,7 @@ absl::Status LoadGenerator::Impl::AskOnce(int concurrency, double deadline_ms,
                                           const std::stop_token& stop) {
   options_ = {.deadline_ms = deadline_ms};
   // Nothing of it is measured.
-  measured_from_ = MonotonicTime::max();
+  measured_from_ = base::MonotonicTime::max();
   absl::Status first_error;
   next_ = 0;
   for (size_t i = 0; i < items_.size() && !stop.stop_requested(); ++i) {
@@ -417,7 +419,7 @@ LoadRun LoadGenerator::Impl::Run(const LoadOptions& options,
   options_ = options;
   tally_.Reset(options.interval_s);
   const double cpu_s = ProcessorSeconds();
-  const MonotonicTime start = Now();
+  const base::MonotonicTime start = Now();
   measured_from_ = start + Seconds(options.warm_up_s);
   end_ = measured_from_ + Seconds(options.duration_s);
   run.measured_from = std::chrono::system_clock::now() +
@@ -453,7 +455,7 @@ LoadRun LoadGenerator::Impl::Run(const LoadOptions& options,
   return run;
 }
 
-LoadGenerator::LoadGenerator(std::vector<Connection> connections,
+LoadGenerator::LoadGenerator(std::vector<relocalizer::Connection> connections,
                              const std::vector<WorkItem>& items,
                              AnswerChecker& checker)
     : impl_(std::make_unique<Impl>(std::move(connections), items, checker)) {}
@@ -474,4 +476,4 @@ std::map<OutcomeKey, int64_t> LoadGenerator::AllCalls() const {
   return impl_->AllCalls();
 }
 
-}  // namespace treeline
+}  // namespace treeline::bench

@@ -16,7 +16,7 @@
 #include "client/bench/workload.h"
 #include "client/relocalizer/channel.h"
 
-namespace treeline {
+namespace treeline::bench {
 
 struct LoadOptions {
   // Closed loop: so many clients, each of which asks again as soon as it has
@@ -75,7 +75,7 @@ class LoadGenerator {
  public:
   // Calls go over the connections in turn. `items` and `checker` must outlive
   // the generator.
-  LoadGenerator(std::vector<Connection> connections,
+  LoadGenerator(std::vector<relocalizer::Connection> connections,
                 const std::vector<WorkItem>& items, AnswerChecker& checker);
   // Waits for the calls that are still out.
   ~LoadGenerator();
@@ -99,6 +99,6 @@ class LoadGenerator {
   const std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::bench
 
 #endif  // CLIENT_BENCH_LOAD_GENERATOR_H_

@@ -15,7 +15,7 @@
 #include "gtest/gtest.h"
 #include "treeline/v1/relocalization.grpc.pb.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 class FakeService final : public v1::RelocalizationService::CallbackService {
@@ -118,8 +118,9 @@ class LoadGeneratorTest : public testing::Test {
 
   std::unique_ptr<LoadGenerator> MakeGenerator(int attempts) {
     return std::make_unique<LoadGenerator>(
-        std::vector<Connection>{
-            Connection::Open({.server = address_, .max_attempts = attempts})
+        std::vector<relocalizer::Connection>{
+            relocalizer::Connection::Open(
+                {.server = address_, .max_attempts = attempts})
                 .value()},
         items_, checker_);
   }
@@ -298,4 +299,4 @@ TEST(LoadOptions, NonsenseIsRefused) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::bench

@@ -12,7 +12,7 @@
 #include "common/base/parallel_for.h"
 #include "common/base/version.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 std::string CpuModel() {
@@ -33,9 +33,9 @@ std::string CpuModel() {
 
 MachineFacts DescribeMachine() {
   MachineFacts facts{.cpu_model = CpuModel(),
-                     .cores = HardwareThreads(),
+                     .cores = base::HardwareThreads(),
                      .system = {},
-                     .client_version = Version(),
+                     .client_version = base::Version(),
                      .grpc_version = grpc::Version()};
   utsname system = {};
   if (uname(&system) == 0) {
@@ -51,4 +51,4 @@ std::array<double, 3> LoadAverage() {
   return averages;
 }
 
-}  // namespace treeline
+}  // namespace treeline::bench

@@ -5,7 +5,7 @@
 #include <array>
 #include <string>
 
-namespace treeline {
+namespace treeline::bench {
 
 struct MachineFacts {
   std::string cpu_model;  // empty: not known
@@ -19,6 +19,6 @@ MachineFacts DescribeMachine();
 // Over 1, 5 and 15 minutes; zeros if it is not known.
 std::array<double, 3> LoadAverage();
 
-}  // namespace treeline
+}  // namespace treeline::bench
 
 #endif  // CLIENT_BENCH_MACHINE_H_

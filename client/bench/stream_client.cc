@@ -7,7 +7,7 @@
 
 #include "common/wire/status.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 constexpr char kMethod[] = "/treeline.v1.RelocalizationService/LocalizeStream";
@@ -37,7 +37,7 @@ grpc::ByteBuffer StreamMessage(uint64_t id, const grpc::ByteBuffer& localize) {
   return grpc::ByteBuffer(slices.data(), slices.size());
 }
 
-StreamClient::StreamClient(const Connection& connection,
+StreamClient::StreamClient(const relocalizer::Connection& connection,
                            grpc::GenericStub& stub,
                            const std::vector<WorkItem>& items, int window,
                            Host host)
@@ -72,7 +72,7 @@ void StreamClient::SendIfThereIsRoom() {
   {
     absl::MutexLock lock(&mutex_);
     const Frame frame{
-        .id = next_id_++, .item = *item, .sent = SteadyClock().Now()};
+        .id = next_id_++, .item = *item, .sent = base::SteadyClock().Now()};
     in_flight_.push_back(frame);
     out_ = StreamMessage(frame.id, items_[*item].request);
   }
@@ -117,7 +117,7 @@ void StreamClient::Deliver(const v1::LocalizeStreamResponse& response) {
   } else if (response.has_response()) {
     host_.answer(*frame, absl::OkStatus(), &response.response());
   } else {
-    const absl::Status error = FromProto(response.error());
+    const absl::Status error = wire::FromProto(response.error());
     host_.answer(
         *frame, error.ok() ? absl::InternalError("an error that is OK") : error,
         nullptr);
@@ -125,7 +125,7 @@ void StreamClient::Deliver(const v1::LocalizeStreamResponse& response) {
 }
 
 void StreamClient::OnDone(const grpc::Status& status) {
-  const absl::Status ended = FromGrpc(status);
+  const absl::Status ended = wire::FromGrpc(status);
   std::deque<Frame> unanswered;
   {
     absl::MutexLock lock(&mutex_);
@@ -141,4 +141,4 @@ void StreamClient::OnDone(const grpc::Status& status) {
   delete this;
 }
 
-}  // namespace treeline
+}  // namespace treeline::bench

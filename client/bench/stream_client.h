@@ -21,7 +21,7 @@
 #include "common/base/clock.h"
 #include "treeline/v1/relocalization.pb.h"
 
-namespace treeline {
+namespace treeline::bench {
 
 // Keeps `window` frames of a stream in flight until there are no more. Deletes
 // itself when the stream has ended.
@@ -32,7 +32,7 @@ class StreamClient final
   struct Frame {
     uint64_t id = 0;
     size_t item = 0;
-    MonotonicTime sent = {};
+    base::MonotonicTime sent = {};
   };
   // All are called on gRPC's threads. `end` is the last call, and is given the
   // client that is about to be deleted; the frames without answers went to
@@ -47,8 +47,9 @@ class StreamClient final
   };
 
   // `items` and `stub` must outlive the client.
-  StreamClient(const Connection& connection, grpc::GenericStub& stub,
-               const std::vector<WorkItem>& items, int window, Host host);
+  StreamClient(const relocalizer::Connection& connection,
+               grpc::GenericStub& stub, const std::vector<WorkItem>& items,
+               int window, Host host);
 
   void Start();
   void Cancel() { context_.TryCancel(); }
@@ -78,6 +79,6 @@ class StreamClient final
 // A LocalizeStreamRequest of a serialised LocalizeRequest, which is not copied.
 grpc::ByteBuffer StreamMessage(uint64_t id, const grpc::ByteBuffer& localize);
 
-}  // namespace treeline
+}  // namespace treeline::bench
 
 #endif  // CLIENT_BENCH_STREAM_CLIENT_H_

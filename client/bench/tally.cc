@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 // A run of a day has so many seconds.
@@ -77,7 +77,7 @@ CallKind KindOf(const CallResult& result) {
     case absl::StatusCode::kUnavailable:
     case absl::StatusCode::kResourceExhausted:
       // The connection's own failures come without a word about later.
-      return result.pushback || RetryAfterOf(result.status).has_value()
+      return result.pushback || base::RetryAfterOf(result.status).has_value()
                  ? CallKind::kShed
                  : CallKind::kFailed;
     default:
@@ -91,7 +91,8 @@ int64_t TallyState::total() const {
 
 void Tally::Add(const CallResult& result) {
   const auto kind = static_cast<size_t>(KindOf(result));
-  const OutcomeKey key{result.status.code(), ErrorInfoOf(result.status).reason};
+  const OutcomeKey key{result.status.code(),
+                       base::ErrorInfoOf(result.status).reason};
   absl::MutexLock lock(&mutex_);
   ++all_calls_[key];
   if (result.scheduled_s < 0) return;
@@ -151,4 +152,4 @@ std::map<OutcomeKey, int64_t> Tally::AllCalls() const {
   return all_calls_;
 }
 
-}  // namespace treeline
+}  // namespace treeline::bench

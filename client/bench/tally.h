@@ -17,7 +17,7 @@
 #include "client/bench/latency_histogram.h"
 #include "treeline/v1/relocalization.pb.h"
 
-namespace treeline {
+namespace treeline::bench {
 
 // What a call came to, as far as a load test is concerned.
 enum class CallKind {
@@ -137,6 +137,6 @@ class Tally {
   std::map<OutcomeKey, int64_t> all_calls_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::bench
 
 #endif  // CLIENT_BENCH_TALLY_H_

@@ -5,7 +5,7 @@
 #include "common/base/error_info.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 CallResult Failure(const absl::Status& status) {
@@ -19,8 +19,9 @@ int64_t Count(const TallyState& state, CallKind kind) {
 TEST(KindOf, ShedIsWhatTheServerAskedToTryLater) {
   const absl::Status plain = absl::UnavailableError("connection refused");
   EXPECT_EQ(KindOf(Failure(plain)), CallKind::kFailed);
-  EXPECT_EQ(KindOf(Failure(WithRetryAfter(plain, std::chrono::seconds(1)))),
-            CallKind::kShed);
+  EXPECT_EQ(
+      KindOf(Failure(base::WithRetryAfter(plain, std::chrono::seconds(1)))),
+      CallKind::kShed);
   CallResult with_trailer = Failure(plain);
   with_trailer.pushback = true;
   EXPECT_EQ(KindOf(with_trailer), CallKind::kShed);
@@ -38,7 +39,8 @@ TEST(Tally, CountsByKindAndByReason) {
   Tally tally;
   tally.Add({});
   tally.Add({});
-  tally.Add(Failure(WithReason(absl::NotFoundError("attic"), "NO_SCENE")));
+  tally.Add(
+      Failure(base::WithReason(absl::NotFoundError("attic"), "NO_SCENE")));
   tally.Add(Failure(absl::NotFoundError("what")));
   const TallyState state = tally.State();
   EXPECT_EQ(state.total(), 4);
@@ -116,4 +118,4 @@ TEST(Tally, ResetForgetsWhatWasMeasured) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::bench

@@ -2,14 +2,14 @@
 
 #include <utility>
 
-namespace treeline {
+namespace treeline::bench {
 
 Timer::~Timer() {
   thread_.request_stop();
   thread_.join();
 }
 
-void Timer::At(MonotonicTime due, std::function<void()> action) {
+void Timer::At(base::MonotonicTime due, std::function<void()> action) {
   {
     const std::lock_guard lock(mutex_);
     actions_.emplace(due, std::move(action));
@@ -24,7 +24,7 @@ void Timer::Run(const std::stop_token& stop) {
       changed_.wait(lock, stop, [this] { return !actions_.empty(); });
       continue;
     }
-    const MonotonicTime due = actions_.begin()->first;
+    const base::MonotonicTime due = actions_.begin()->first;
     if (std::chrono::steady_clock::now() < due) {
       changed_.wait_until(lock, stop, due, [this, due] {
         return actions_.begin()->first < due;
@@ -39,4 +39,4 @@ void Timer::Run(const std::stop_token& stop) {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::bench

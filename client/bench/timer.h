@@ -11,7 +11,7 @@
 
 #include "common/base/clock.h"
 
-namespace treeline {
+namespace treeline::bench {
 
 // Thread-safe. Actions run on the timer's thread, one after the other, and must
 // be quick; what is not due when the timer is destroyed is dropped.
@@ -22,17 +22,18 @@ class Timer {
   Timer(const Timer&) = delete;
   Timer& operator=(const Timer&) = delete;
 
-  void At(MonotonicTime due, std::function<void()> action);
+  void At(base::MonotonicTime due, std::function<void()> action);
 
  private:
   void Run(const std::stop_token& stop);
 
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::multimap<MonotonicTime, std::function<void()>> actions_;  // by mutex_
+  std::multimap<base::MonotonicTime, std::function<void()>>
+      actions_;          // by mutex_
   std::jthread thread_;  // the last: it uses the others
 };
 
-}  // namespace treeline
+}  // namespace treeline::bench
 
 #endif  // CLIENT_BENCH_TIMER_H_

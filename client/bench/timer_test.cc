@@ -8,13 +8,13 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 using ::testing::ElementsAre;
 
 TEST(Timer, ActionsComeInTheOrderOfTheirTimes) {
-  const MonotonicTime start = SteadyClock().Now();
+  const base::MonotonicTime start = base::SteadyClock().Now();
   absl::Notification done;
   std::vector<int> order;  // of the timer's thread, until `done`
   Timer timer;
@@ -25,7 +25,7 @@ TEST(Timer, ActionsComeInTheOrderOfTheirTimes) {
   timer.At(start + std::chrono::milliseconds(20), [&] { order.push_back(2); });
   timer.At(start, [&] { order.push_back(1); });
   done.WaitForNotification();
-  EXPECT_GE(SteadyClock().Now() - start, std::chrono::milliseconds(30));
+  EXPECT_GE(base::SteadyClock().Now() - start, std::chrono::milliseconds(30));
   EXPECT_THAT(order, ElementsAre(1, 2, 3));
 }
 
@@ -33,10 +33,11 @@ TEST(Timer, WhatIsNotDueIsDropped) {
   bool ran = false;
   {
     Timer timer;
-    timer.At(SteadyClock().Now() + std::chrono::hours(1), [&] { ran = true; });
+    timer.At(base::SteadyClock().Now() + std::chrono::hours(1),
+             [&] { ran = true; });
   }
   EXPECT_FALSE(ran);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::bench

@@ -10,12 +10,12 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::bench {
 
-absl::StatusOr<std::optional<Rigid3>> ReadTruth(const std::string& root,
-                                                const std::string& stem) {
+absl::StatusOr<std::optional<geometry::Rigid3>> ReadTruth(
+    const std::string& root, const std::string& stem) {
   const std::string path = absl::StrCat(root, "/", stem, ".pose.txt");
-  const absl::StatusOr<std::string> text = ReadFile(path, 1 << 16);
+  const absl::StatusOr<std::string> text = base::ReadFile(path, 1 << 16);
   if (absl::IsNotFound(text.status())) return std::nullopt;
   TL_RETURN_IF_ERROR(text.status());
   const std::vector<absl::string_view> words =
@@ -31,9 +31,10 @@ absl::StatusOr<std::optional<Rigid3>> ReadTruth(const std::string& root,
     finite = finite && std::isfinite(matrix[i]);
   }
   if (!finite) return std::nullopt;
-  const absl::StatusOr<Rigid3> pose = RigidFromMatrix4(matrix);
-  if (!pose.ok()) return Annotate(pose.status(), path);
+  const absl::StatusOr<geometry::Rigid3> pose =
+      geometry::RigidFromMatrix4(matrix);
+  if (!pose.ok()) return base::Annotate(pose.status(), path);
   return *pose;
 }
 
-}  // namespace treeline
+}  // namespace treeline::bench

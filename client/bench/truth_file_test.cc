@@ -9,7 +9,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 class TruthFileTest : public testing::Test {
@@ -17,8 +17,9 @@ class TruthFileTest : public testing::Test {
   void SetUp() override { std::filesystem::create_directories(root_); }
   void TearDown() override { std::filesystem::remove_all(root_); }
 
-  absl::StatusOr<std::optional<Rigid3>> Read(const std::string& text) const {
-    EXPECT_TRUE(WriteFileAtomically(root_ + "/f.pose.txt", text).ok());
+  absl::StatusOr<std::optional<geometry::Rigid3>> Read(
+      const std::string& text) const {
+    EXPECT_TRUE(base::WriteFileAtomically(root_ + "/f.pose.txt", text).ok());
     return ReadTruth(root_, "f");
   }
 
@@ -30,8 +31,8 @@ TEST_F(TruthFileTest, ReadsTheMatrix) {
   const auto pose = Read("1 0 0 4\n0 0 -1 5\n0 1 0 6\n0 0 0 1\n");
   ASSERT_TRUE(pose.ok()) << pose.status();
   ASSERT_TRUE(pose->has_value());
-  EXPECT_EQ((*pose)->translation, (Vec3{4, 5, 6}));
-  const Vec3 turned = (*pose)->rotation * Vec3{0, 1, 0};
+  EXPECT_EQ((*pose)->translation, (geometry::Vec3{4, 5, 6}));
+  const geometry::Vec3 turned = (*pose)->rotation * geometry::Vec3{0, 1, 0};
   EXPECT_NEAR(turned.z, 1, 1e-12);
 }
 
@@ -55,4 +56,4 @@ TEST_F(TruthFileTest, SomethingElseNamesTheFile) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::bench

@@ -12,7 +12,7 @@
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 constexpr uint64_t kOrderStream = 2;
@@ -38,42 +38,44 @@ absl::StatusOr<int> IndexOf(absl::string_view name,
   return static_cast<int>(found - names.begin());
 }
 
-absl::Status Reencode(FrameEncoding encoding, QueryFrame& frame) {
-  const std::string file = std::get<EncodedImage>(frame.color).bytes;
+absl::Status Reencode(FrameEncoding encoding, wire::QueryFrame& frame) {
+  const std::string file = std::get<wire::EncodedImage>(frame.color).bytes;
   if (encoding.color != FrameEncoding::Color::kAsRecorded) {
-    TL_ASSIGN_OR_RETURN(ColorImage image, DecodeColor(file));
+    TL_ASSIGN_OR_RETURN(image::ColorImage image, image::DecodeColor(file));
     if (encoding.color == FrameEncoding::Color::kRaw) {
       frame.color = std::move(image);
     } else {
-      EncodedImage encoded;
+      wire::EncodedImage encoded;
       TL_ASSIGN_OR_RETURN(encoded.bytes,
                           encoding.color == FrameEncoding::Color::kJpeg
-                              ? EncodeJpeg(image, kJpegQuality)
-                              : EncodePng(image));
+                              ? image::EncodeJpeg(image, kJpegQuality)
+                              : image::EncodePng(image));
       frame.color = std::move(encoded);
     }
   }
   if (encoding.depth == FrameEncoding::Depth::kNone) frame.depth.reset();
   if (encoding.depth == FrameEncoding::Depth::kRaw && frame.depth) {
     TL_ASSIGN_OR_RETURN(
-        DepthImage depth,
-        DecodeDepthPng(std::get<EncodedImage>(frame.depth->image).bytes,
-                       frame.depth->unit_m));
+        image::DepthImage depth,
+        image::DecodeDepthPng(
+            std::get<wire::EncodedImage>(frame.depth->image).bytes,
+            frame.depth->unit_m));
     frame.depth->image = std::move(depth);
   }
   return absl::OkStatus();
 }
 
 absl::StatusOr<WorkItem> MakeItem(const SceneFrames& source,
-                                  const FrameFiles& files,
+                                  const relocalizer::FrameFiles& files,
                                   FrameEncoding encoding,
                                   const WorkloadOptions& options) {
-  LocalizeQuery query;
+  relocalizer::LocalizeQuery query;
   query.scene = source.scene;
   query.seed = options.seed;
-  TL_ASSIGN_OR_RETURN(query.frame, ReadFrame(files, options.frames));
+  TL_ASSIGN_OR_RETURN(query.frame,
+                      relocalizer::ReadFrame(files, options.frames));
   const absl::Status encoded = Reencode(encoding, query.frame);
-  if (!encoded.ok()) return Annotate(encoded, files.color);
+  if (!encoded.ok()) return base::Annotate(encoded, files.color);
   WorkItem item{.scene = source.scene,
                 .stem = files.stem,
                 .encoding = encoding.Name(),
@@ -81,19 +83,19 @@ absl::StatusOr<WorkItem> MakeItem(const SceneFrames& source,
                 .world_from_camera = {}};
   TL_ASSIGN_OR_RETURN(item.world_from_camera,
                       ReadTruth(source.root, files.stem));
-  const grpc::Slice bytes(ToProto(query).SerializeAsString());
+  const grpc::Slice bytes(relocalizer::ToProto(query).SerializeAsString());
   item.request = grpc::ByteBuffer(&bytes, 1);
   return item;
 }
 
 absl::Status AddScene(const SceneFrames& source, const WorkloadOptions& options,
                       std::vector<WorkItem>& items) {
-  TL_ASSIGN_OR_RETURN(const std::vector<FrameFiles> list,
-                      ReadFrameList(source.list, source.root));
+  TL_ASSIGN_OR_RETURN(const std::vector<relocalizer::FrameFiles> list,
+                      relocalizer::ReadFrameList(source.list, source.root));
   const size_t count =
       std::min(list.size(), static_cast<size_t>(options.max_frames));
   for (size_t i = 0; i < count; ++i) {
-    const FrameFiles& files = list[i * list.size() / count];
+    const relocalizer::FrameFiles& files = list[i * list.size() / count];
     for (const FrameEncoding& encoding : options.encodings) {
       TL_ASSIGN_OR_RETURN(WorkItem item,
                           MakeItem(source, files, encoding, options));
@@ -144,7 +146,7 @@ absl::StatusOr<std::vector<WorkItem>> LoadWorkload(
   for (const SceneFrames& scene : options.scenes) {
     TL_RETURN_IF_ERROR(AddScene(scene, options, items));
   }
-  Random random(options.seed, kOrderStream);
+  base::Random random(options.seed, kOrderStream);
   for (size_t i = items.size(); i > 1; --i) {
     const size_t j = random.NextBelow(static_cast<uint32_t>(i));
     // gRPC 1.51's ByteBuffer leaks when it is assigned to itself.
@@ -153,4 +155,4 @@ absl::StatusOr<std::vector<WorkItem>> LoadWorkload(
   return items;
 }
 
-}  // namespace treeline
+}  // namespace treeline::bench

@@ -11,10 +11,10 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "client/cli/frame_files.h"
+#include "client/relocalizer/frame_files.h"
 #include "common/geometry/rigid3.h"
 
-namespace treeline {
+namespace treeline::bench {
 
 // Frames of one recording, asked for in one scene.
 struct SceneFrames {
@@ -44,7 +44,7 @@ struct WorkloadOptions {
   std::vector<SceneFrames> scenes;
   // Every frame is asked for in each of them.
   std::vector<FrameEncoding> encodings = {FrameEncoding{}};
-  FrameFileOptions frames;
+  relocalizer::FrameFileOptions frames;
   // Most frames of a scene, spread over its list; at least 1.
   int max_frames = 32;
   // Of the queries, and of their order.
@@ -59,7 +59,7 @@ struct WorkItem {
   // A serialised LocalizeRequest.
   grpc::ByteBuffer request;
   // True pose of the recording's pose sensor, where it is known.
-  std::optional<Rigid3> world_from_camera;
+  std::optional<geometry::Rigid3> world_from_camera;
 };
 
 // Reads and encodes every frame, in memory, in an order that mixes scenes and
@@ -67,6 +67,6 @@ struct WorkItem {
 absl::StatusOr<std::vector<WorkItem>> LoadWorkload(
     const WorkloadOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::bench
 
 #endif  // CLIENT_BENCH_WORKLOAD_H_

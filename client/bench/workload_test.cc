@@ -13,7 +13,7 @@
 #include "gtest/gtest.h"
 #include "treeline/v1/relocalization.pb.h"
 
-namespace treeline {
+namespace treeline::bench {
 namespace {
 
 using ::testing::HasSubstr;
@@ -24,15 +24,15 @@ class WorkloadTest : public testing::Test {
 
   void SetUp() override {
     std::filesystem::create_directories(root_);
-    ColorImage color{.width = 8, .height = 6, .rgb = {}};
+    image::ColorImage color{.width = 8, .height = 6, .rgb = {}};
     color.rgb.assign(8 * 6 * 3, 77);
-    const DepthImage depth{
+    const image::DepthImage depth{
         .width = 8, .height = 6, .values = std::vector<uint16_t>(48, 1500)};
     std::string list;
     for (int i = 0; i < kFrames; ++i) {
       const std::string stem = "f" + std::to_string(i);
-      Put(stem + ".color.jpg", EncodeJpeg(color, 90).value());
-      Put(stem + ".depth.png", EncodeDepthPng(depth).value());
+      Put(stem + ".color.jpg", image::EncodeJpeg(color, 90).value());
+      Put(stem + ".depth.png", image::EncodeDepthPng(depth).value());
       list += stem + "\n";
     }
     Put("f0.pose.txt", "1 0 0 4 0 1 0 5 0 0 1 6 0 0 0 1");
@@ -41,7 +41,7 @@ class WorkloadTest : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(root_); }
 
   void Put(const std::string& name, const std::string& bytes) const {
-    ASSERT_TRUE(WriteFileAtomically(root_ + "/" + name, bytes).ok());
+    ASSERT_TRUE(base::WriteFileAtomically(root_ + "/" + name, bytes).ok());
   }
 
   WorkloadOptions Options() const {
@@ -89,13 +89,15 @@ TEST_F(WorkloadTest, EncodingsAreWhatTheySay) {
     options.max_frames = 1;
     return RequestOf(LoadWorkload(options).value().front()).frame();
   };
-  EXPECT_EQ(SniffFormat(frame_as("file").color().encoded()),
-            ImageFormat::kJpeg);
-  EXPECT_EQ(SniffFormat(frame_as("png").color().encoded()), ImageFormat::kPng);
-  EXPECT_EQ(SniffFormat(frame_as("jpeg").color().encoded()),
-            ImageFormat::kJpeg);
+  EXPECT_EQ(image::SniffFormat(frame_as("file").color().encoded()),
+            image::ImageFormat::kJpeg);
+  EXPECT_EQ(image::SniffFormat(frame_as("png").color().encoded()),
+            image::ImageFormat::kPng);
+  EXPECT_EQ(image::SniffFormat(frame_as("jpeg").color().encoded()),
+            image::ImageFormat::kJpeg);
   EXPECT_EQ(frame_as("raw").color().rgb8().data().size(), 8u * 6u * 3u);
-  EXPECT_EQ(SniffFormat(frame_as("raw").depth().png()), ImageFormat::kPng);
+  EXPECT_EQ(image::SniffFormat(frame_as("raw").depth().png()),
+            image::ImageFormat::kPng);
   EXPECT_EQ(frame_as("jpeg+raw").depth().raw().data().size(), 8u * 6u * 2u);
   EXPECT_FALSE(frame_as("jpeg+none").has_depth());
 }
@@ -137,4 +139,4 @@ TEST(FrameEncoding, NamesBothImages) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::bench

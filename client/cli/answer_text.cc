@@ -9,32 +9,33 @@
 #include "common/base/error_info.h"
 #include "nlohmann/json.hpp"
 
-namespace treeline {
+namespace treeline::client_cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
-Json PoseJson(const Rigid3& pose) {
-  const Rotation3& q = pose.rotation;
-  const Vec3& t = pose.translation;
+Json PoseJson(const geometry::Rigid3& pose) {
+  const geometry::Rotation3& q = pose.rotation;
+  const geometry::Vec3& t = pose.translation;
   return {{"qw", q.w}, {"qx", q.x}, {"qy", q.y}, {"qz", q.z},
           {"tx", t.x}, {"ty", t.y}, {"tz", t.z}};
 }
 
-Json VectorJson(Vec3 v) { return {v.x, v.y, v.z}; }
+Json VectorJson(geometry::Vec3 v) { return {v.x, v.y, v.z}; }
 
-Json TimingsJson(const ServerTimings& t) {
+Json TimingsJson(const relocalizer::ServerTimings& t) {
   return {{"queue_ms", t.queue_ms},   {"decode_ms", t.decode_ms},
           {"sample_ms", t.sample_ms}, {"forest_ms", t.forest_ms},
           {"pose_ms", t.pose_ms},     {"localize_ms", t.localize_ms},
           {"total_ms", t.total_ms}};
 }
 
-Json CandidatesJson(const std::vector<SceneCandidate>& candidates) {
+Json CandidatesJson(
+    const std::vector<relocalizer::SceneCandidate>& candidates) {
   Json list = Json::array();
-  for (const SceneCandidate& candidate : candidates) {
+  for (const relocalizer::SceneCandidate& candidate : candidates) {
     Json json = {{"scene", candidate.scene},
                  {"similarity", candidate.similarity},
                  {"tried", candidate.tried}};
@@ -48,8 +49,8 @@ Json CandidatesJson(const std::vector<SceneCandidate>& candidates) {
   return list;
 }
 
-const char* SensorName(RgbdSensor sensor) {
-  return sensor == RgbdSensor::kColor ? "COLOR" : "DEPTH";
+const char* SensorName(camera::RgbdSensor sensor) {
+  return sensor == camera::RgbdSensor::kColor ? "COLOR" : "DEPTH";
 }
 
 // Names of files may hold any bytes; JSON holds UTF-8 alone.
@@ -57,7 +58,7 @@ std::string Serialized(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-Json ModelJson(const ModelDescription& model) {
+Json ModelJson(const relocalizer::ModelDescription& model) {
   return {{"method", model.method},
           {"dataset", model.dataset},
           {"created_utc", model.created_utc},
@@ -85,7 +86,7 @@ double Percentile(const std::vector<double>& values, double percent) {
 }
 
 // The largest standard deviation along x, y, z of one half of the covariance.
-double LargestSigma(const PoseCovariance& covariance, size_t first) {
+double LargestSigma(const geometry::PoseCovariance& covariance, size_t first) {
   double variance = 0;
   for (size_t i = first; i < first + 3; ++i) {
     variance = std::max(variance, covariance[7 * i]);
@@ -95,8 +96,9 @@ double LargestSigma(const PoseCovariance& covariance, size_t first) {
 
 }  // namespace
 
-std::string AnswerJson(const FrameFiles& files,
-                       const absl::StatusOr<LocalizeAnswer>& answer) {
+std::string AnswerJson(
+    const relocalizer::FrameFiles& files,
+    const absl::StatusOr<relocalizer::LocalizeAnswer>& answer) {
   Json json;
   if (!files.stem.empty()) json["stem"] = files.stem;
   json["color"] = files.color;
@@ -104,7 +106,7 @@ std::string AnswerJson(const FrameFiles& files,
     json["outcome"] = "ERROR";
     json["code"] = absl::StatusCodeToString(answer.status().code());
     json["reason"] = std::string(answer.status().message());
-    if (const ErrorInfo info = ErrorInfoOf(answer.status());
+    if (const base::ErrorInfo info = base::ErrorInfoOf(answer.status());
         !info.reason.empty()) {
       json["error_reason"] = info.reason;
       json["error_metadata"] = info.metadata;
@@ -136,25 +138,25 @@ std::string AnswerJson(const FrameFiles& files,
   return Serialized(json);
 }
 
-std::string AnswerText(const LocalizeAnswer& answer) {
+std::string AnswerText(const relocalizer::LocalizeAnswer& answer) {
   std::string text;
   if (answer.localized) {
-    const Rotation3& q = answer.world_from_camera.rotation;
-    const Vec3& t = answer.world_from_camera.translation;
+    const geometry::Rotation3& q = answer.world_from_camera.rotation;
+    const geometry::Vec3& t = answer.world_from_camera.translation;
     text = absl::StrFormat(
         "LOCALIZED in %s, version %s: %s camera\n"
         "  position         %.4f %.4f %.4f m  (x y z, sigma %.1f mm)\n"
         "  rotation         %.6f %.6f %.6f %.6f  (qw qx qy qz, sigma %.2f deg)"
         "\n",
         answer.scene, answer.model_version,
-        answer.pose_sensor == RgbdSensor::kColor ? "colour" : "depth", t.x, t.y,
-        t.z, 1e3 * LargestSigma(answer.covariance, 0), q.w, q.x, q.y, q.z,
-        kDegreesPerRadian * LargestSigma(answer.covariance, 3));
+        answer.pose_sensor == camera::RgbdSensor::kColor ? "colour" : "depth",
+        t.x, t.y, t.z, 1e3 * LargestSigma(answer.covariance, 0), q.w, q.x, q.y,
+        q.z, kDegreesPerRadian * LargestSigma(answer.covariance, 3));
   } else {
     text = absl::StrFormat("NOT LOCALIZED in %s, version %s: %s\n",
                            answer.scene, answer.model_version, answer.reason);
   }
-  const ServerTimings& s = answer.server;
+  const relocalizer::ServerTimings& s = answer.server;
   absl::StrAppendFormat(
       &text,
       "  inliers          %d of %d samples (%.1f %%)\n"
@@ -162,7 +164,7 @@ std::string AnswerText(const LocalizeAnswer& answer) {
       "localize %.1f\n",
       answer.inliers, answer.samples, 100 * answer.inlier_ratio,
       answer.round_trip_ms, s.total_ms, s.queue_ms, s.decode_ms, s.localize_ms);
-  for (const SceneCandidate& candidate : answer.candidates) {
+  for (const relocalizer::SceneCandidate& candidate : answer.candidates) {
     absl::StrAppendFormat(&text, "  candidate        %s: similarity %.3f",
                           candidate.scene, candidate.similarity);
     if (candidate.tried) {
@@ -175,8 +177,9 @@ std::string AnswerText(const LocalizeAnswer& answer) {
   return text;
 }
 
-std::string AnswerLine(const FrameFiles& files,
-                       const absl::StatusOr<LocalizeAnswer>& answer) {
+std::string AnswerLine(
+    const relocalizer::FrameFiles& files,
+    const absl::StatusOr<relocalizer::LocalizeAnswer>& answer) {
   if (!answer.ok()) {
     return absl::StrCat(files.stem, "  ERROR ",
                         absl::StatusCodeToString(answer.status().code()), ": ",
@@ -187,15 +190,16 @@ std::string AnswerLine(const FrameFiles& files,
                            answer->reason, answer->inliers, answer->samples,
                            answer->round_trip_ms);
   }
-  const Rotation3& q = answer->world_from_camera.rotation;
-  const Vec3& t = answer->world_from_camera.translation;
+  const geometry::Rotation3& q = answer->world_from_camera.rotation;
+  const geometry::Vec3& t = answer->world_from_camera.translation;
   return absl::StrFormat(
       "%s  %.4f %.4f %.4f m  %.6f %.6f %.6f %.6f  %d/%d  %.1f ms", files.stem,
       t.x, t.y, t.z, q.w, q.x, q.y, q.z, answer->inliers, answer->samples,
       answer->round_trip_ms);
 }
 
-void AnswerSummary::Add(const absl::StatusOr<LocalizeAnswer>& answer) {
+void AnswerSummary::Add(
+    const absl::StatusOr<relocalizer::LocalizeAnswer>& answer) {
   ++queries_;
   if (!answer.ok()) {
     ++failed_;
@@ -219,9 +223,10 @@ std::string AnswerSummary::Text() const {
   return text;
 }
 
-std::string ScenesJson(const std::vector<SceneDescription>& scenes) {
+std::string ScenesJson(
+    const std::vector<relocalizer::SceneDescription>& scenes) {
   Json list = Json::array();
-  for (const SceneDescription& scene : scenes) {
+  for (const relocalizer::SceneDescription& scene : scenes) {
     list.push_back(
         {{"scene", scene.name},
          {"state", scene.state},
@@ -237,10 +242,11 @@ std::string ScenesJson(const std::vector<SceneDescription>& scenes) {
   return Serialized({{"scenes", list}});
 }
 
-std::string ScenesText(const std::vector<SceneDescription>& scenes) {
+std::string ScenesText(
+    const std::vector<relocalizer::SceneDescription>& scenes) {
   if (scenes.empty()) return "no scenes\n";
   size_t width = 5;
-  for (const SceneDescription& scene : scenes) {
+  for (const relocalizer::SceneDescription& scene : scenes) {
     width = std::max(width, scene.name.size());
   }
   const int w = static_cast<int>(width);
@@ -248,7 +254,7 @@ std::string ScenesText(const std::vector<SceneDescription>& scenes) {
       absl::StrFormat("%-*s  %-8s  %-10s  %-8s  %8s  %s\n", w, "SCENE", "STATE",
                       "VERSION", "METHOD", "MB", "TRAINED");
   std::string failures;
-  for (const SceneDescription& scene : scenes) {
+  for (const relocalizer::SceneDescription& scene : scenes) {
     absl::StrAppendFormat(&text, "%-*s  %-8s  %-10s", w, scene.name,
                           scene.state, scene.model_version);
     if (scene.model) {
@@ -264,4 +270,4 @@ std::string ScenesText(const std::vector<SceneDescription>& scenes) {
   return text + failures;
 }
 
-}  // namespace treeline
+}  // namespace treeline::client_cli

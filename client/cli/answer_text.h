@@ -6,29 +6,31 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/cli/frame_files.h"
+#include "client/relocalizer/frame_files.h"
 #include "client/relocalizer/relocalizer.h"
 
-namespace treeline {
+namespace treeline::client_cli {
 
 // One JSON object in one line, without the new line: docs/service.md has its
 // keys. A query that failed has the outcome ERROR, `code`, `reason` (the
 // message) and, where the server gave them, `error_reason` and
 // `error_metadata`. Numbers are written so that reading them back gives the
 // same doubles.
-std::string AnswerJson(const FrameFiles& files,
-                       const absl::StatusOr<LocalizeAnswer>& answer);
+std::string AnswerJson(
+    const relocalizer::FrameFiles& files,
+    const absl::StatusOr<relocalizer::LocalizeAnswer>& answer);
 
 // A few lines about one answer.
-std::string AnswerText(const LocalizeAnswer& answer);
+std::string AnswerText(const relocalizer::LocalizeAnswer& answer);
 // One line of a list.
-std::string AnswerLine(const FrameFiles& files,
-                       const absl::StatusOr<LocalizeAnswer>& answer);
+std::string AnswerLine(
+    const relocalizer::FrameFiles& files,
+    const absl::StatusOr<relocalizer::LocalizeAnswer>& answer);
 
 // Accumulates what a list of queries came to.
 class AnswerSummary {
  public:
-  void Add(const absl::StatusOr<LocalizeAnswer>& answer);
+  void Add(const absl::StatusOr<relocalizer::LocalizeAnswer>& answer);
   int localized() const { return localized_; }
   int failed() const { return failed_; }
   // "500 frames: 498 localized, 2 not, 0 failed; round trip p50 8.1 ms, ..."
@@ -41,10 +43,12 @@ class AnswerSummary {
   std::vector<double> round_trip_ms_;
 };
 
-std::string ScenesJson(const std::vector<SceneDescription>& scenes);
+std::string ScenesJson(
+    const std::vector<relocalizer::SceneDescription>& scenes);
 // A table, and below it the reasons of scenes that failed.
-std::string ScenesText(const std::vector<SceneDescription>& scenes);
+std::string ScenesText(
+    const std::vector<relocalizer::SceneDescription>& scenes);
 
-}  // namespace treeline
+}  // namespace treeline::client_cli
 
 #endif  // CLIENT_CLI_ANSWER_TEXT_H_

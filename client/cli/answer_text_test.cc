@@ -6,24 +6,25 @@
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"
 
-namespace treeline {
+namespace treeline::client_cli {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::json;
 
-LocalizeAnswer Localized() {
-  LocalizeAnswer answer;
+relocalizer::LocalizeAnswer Localized() {
+  relocalizer::LocalizeAnswer answer;
   answer.localized = true;
   answer.reason = "NONE";
   answer.world_from_camera = {
-      Normalized(Rotation3::FromAxisAngle({0.3, -1.1, 0.7})),
+      geometry::Normalized(
+          geometry::Rotation3::FromAxisAngle({0.3, -1.1, 0.7})),
       {1.0 / 3, 0.1, -3}};
   // Standard deviations: 2 mm along y, 0.01 rad about z.
   answer.covariance[7] = 4e-6;
   answer.covariance[35] = 1e-4;
-  answer.pose_sensor = RgbdSensor::kDepth;
+  answer.pose_sensor = camera::RgbdSensor::kDepth;
   answer.inliers = 432;
   answer.samples = 500;
   answer.inlier_ratio = 0.864;
@@ -40,18 +41,18 @@ LocalizeAnswer Localized() {
   return answer;
 }
 
-LocalizeAnswer Lost() {
-  LocalizeAnswer answer = Localized();
+relocalizer::LocalizeAnswer Lost() {
+  relocalizer::LocalizeAnswer answer = Localized();
   answer.localized = false;
   answer.reason = "TOO_FEW_INLIERS";
   return answer;
 }
 
-const FrameFiles kFiles{
+const relocalizer::FrameFiles kFiles{
     .stem = "seq-01/a", .color = "r/seq-01/a.color.jpg", .depth = ""};
 
 TEST(AnswerJson, KeepsEveryFieldBitForBit) {
-  const LocalizeAnswer answer = Localized();
+  const relocalizer::LocalizeAnswer answer = Localized();
   const std::string line = AnswerJson(kFiles, answer);
   EXPECT_THAT(line, Not(HasSubstr("\n")));
   const Json json = Json::parse(line);
@@ -60,10 +61,11 @@ TEST(AnswerJson, KeepsEveryFieldBitForBit) {
   EXPECT_EQ(json["outcome"], "LOCALIZED");
   EXPECT_TRUE(json["reason"].is_null());
   const Json& pose = json["world_from_camera"];
-  const Rigid3 back{{pose["qw"], pose["qx"], pose["qy"], pose["qz"]},
-                    {pose["tx"], pose["ty"], pose["tz"]}};
+  const geometry::Rigid3 back{{pose["qw"], pose["qx"], pose["qy"], pose["qz"]},
+                              {pose["tx"], pose["ty"], pose["tz"]}};
   EXPECT_EQ(back, answer.world_from_camera);
-  EXPECT_EQ(json["covariance"].get<PoseCovariance>(), answer.covariance);
+  EXPECT_EQ(json["covariance"].get<geometry::PoseCovariance>(),
+            answer.covariance);
   EXPECT_EQ(json["pose_sensor"], "DEPTH");
   EXPECT_EQ(json["inliers"], 432);
   EXPECT_EQ(json["samples"], 500);
@@ -126,7 +128,7 @@ TEST(AnswerLine, IsOneLinePerFrame) {
 TEST(AnswerSummary, CountsAndRanksByNearestRank) {
   AnswerSummary summary;
   for (int i = 1; i <= 98; ++i) {
-    LocalizeAnswer answer = i <= 90 ? Localized() : Lost();
+    relocalizer::LocalizeAnswer answer = i <= 90 ? Localized() : Lost();
     answer.round_trip_ms = i;
     summary.Add(answer);
   }
@@ -138,8 +140,8 @@ TEST(AnswerSummary, CountsAndRanksByNearestRank) {
             "p95 94.0 ms, p99 98.0 ms");
 }
 
-std::vector<SceneDescription> SomeScenes() {
-  SceneDescription ready;
+std::vector<relocalizer::SceneDescription> SomeScenes() {
+  relocalizer::SceneDescription ready;
   ready.name = "kitchen";
   ready.state = "READY";
   ready.model_version = "2";
@@ -149,7 +151,7 @@ std::vector<SceneDescription> SomeScenes() {
   ready.model->created_utc = "2026-11-21T09:30:00Z";
   ready.model->file_bytes = 12'345'678;
   ready.model->bounds_min_in_world = {-1, -2, -3.5};
-  SceneDescription failed;
+  relocalizer::SceneDescription failed;
   failed.name = "a-scene-with-a-long-name";
   failed.state = "FAILED";
   failed.failure = "DATA_LOSS: checksum differs";
@@ -183,4 +185,4 @@ TEST(ScenesJson, KeepsStateAndModel) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::client_cli

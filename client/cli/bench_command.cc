@@ -19,7 +19,7 @@
 #include "client/cli/connection_flags.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::client_cli {
 namespace {
 
 constexpr const char* kFooter = R"(
@@ -54,8 +54,8 @@ struct BenchFlags {
   ConnectionFlags connection;
   std::vector<std::string> scenes;
   std::vector<std::string> encodings = {"file"};
-  WorkloadOptions workload;
-  LoadOptions load;
+  bench::WorkloadOptions workload;
+  bench::LoadOptions load;
   int attempts = 1;
   int connections = 1;
   bool sweep = false;
@@ -98,8 +98,9 @@ class LiveDisplay {
 
 class Bench {
  public:
-  Bench(const BenchFlags& flags, std::vector<Connection> connections,
-        std::vector<WorkItem> items)
+  Bench(const BenchFlags& flags,
+        std::vector<relocalizer::Connection> connections,
+        std::vector<bench::WorkItem> items)
       : flags_(flags),
         items_(std::move(items)),
         checker_(Truths(items_),
@@ -107,9 +108,9 @@ class Bench {
                   .rotation_rad = flags.tolerance_deg * kRadiansPerDegree}),
         generator_(std::move(connections), items_, checker_) {
     report_.server = flags.connection.server;
-    report_.machine = DescribeMachine();
-    report_.load_before = LoadAverage();
-    report_.workload = Summarize(items_);
+    report_.machine = bench::DescribeMachine();
+    report_.load_before = bench::LoadAverage();
+    report_.workload = bench::Summarize(items_);
   }
 
   absl::Status Run(const std::stop_token& stop) {
@@ -123,45 +124,46 @@ class Bench {
     } else {
       RunOnce(flags_.load, stop);
     }
-    report_.load_after = LoadAverage();
+    report_.load_after = bench::LoadAverage();
     report_.all_calls = generator_.AllCalls();
     return absl::OkStatus();
   }
 
-  const BenchReport& report() const { return report_; }
+  const bench::BenchReport& report() const { return report_; }
 
   // Whether there were answers, and none of them was another than before.
   bool Passed() const {
-    return std::all_of(
-        report_.runs.begin(), report_.runs.end(), [](const LoadRun& run) {
-          return run.tally.counts[0] > 0 && run.tally.checks.different == 0;
-        });
+    return std::all_of(report_.runs.begin(), report_.runs.end(),
+                       [](const bench::LoadRun& run) {
+                         return run.tally.counts[0] > 0 &&
+                                run.tally.checks.different == 0;
+                       });
   }
 
  private:
-  static std::vector<std::optional<Rigid3>> Truths(
-      const std::vector<WorkItem>& items) {
-    std::vector<std::optional<Rigid3>> truths;
+  static std::vector<std::optional<geometry::Rigid3>> Truths(
+      const std::vector<bench::WorkItem>& items) {
+    std::vector<std::optional<geometry::Rigid3>> truths;
     truths.reserve(items.size());
-    for (const WorkItem& item : items) {
+    for (const bench::WorkItem& item : items) {
       truths.push_back(item.world_from_camera);
     }
     return truths;
   }
 
-  void RunOnce(const LoadOptions& options, const std::stop_token& stop) {
+  void RunOnce(const bench::LoadOptions& options, const std::stop_token& stop) {
     LiveDisplay display;
-    report_.runs.push_back(
-        generator_.Run(options, stop, [&](const Glance& glance, double at_s) {
-          display.Show(LiveLine(glance, at_s));
+    report_.runs.push_back(generator_.Run(
+        options, stop, [&](const bench::Glance& glance, double at_s) {
+          display.Show(bench::LiveLine(glance, at_s));
         }));
   }
 
   void Sweep(const std::stop_token& stop) {
-    LoadOptions options = flags_.load;
+    bench::LoadOptions options = flags_.load;
     options.rate_per_s = 0;
     RunOnce(options, stop);
-    report_.capacity_per_s = Goodput_per_s(report_.runs.back());
+    report_.capacity_per_s = bench::Goodput_per_s(report_.runs.back());
     if (report_.capacity_per_s == 0) return;
     for (int percent = 10; percent <= 120; percent += 10) {
       if (stop.stop_requested()) return;
@@ -171,22 +173,23 @@ class Bench {
   }
 
   const BenchFlags& flags_;
-  const std::vector<WorkItem> items_;
-  AnswerChecker checker_;
-  LoadGenerator generator_;
-  BenchReport report_;
+  const std::vector<bench::WorkItem> items_;
+  bench::AnswerChecker checker_;
+  bench::LoadGenerator generator_;
+  bench::BenchReport report_;
 };
 
 // What the flags say in text.
 absl::Status Parse(BenchFlags& flags) {
   for (const std::string& scene : flags.scenes) {
-    TL_ASSIGN_OR_RETURN(SceneFrames frames, SceneFrames::Parse(scene));
+    TL_ASSIGN_OR_RETURN(bench::SceneFrames frames,
+                        bench::SceneFrames::Parse(scene));
     flags.workload.scenes.push_back(std::move(frames));
   }
   flags.workload.encodings.clear();
   for (const std::string& encoding : flags.encodings) {
-    TL_ASSIGN_OR_RETURN(const FrameEncoding parsed,
-                        FrameEncoding::Parse(encoding));
+    TL_ASSIGN_OR_RETURN(const bench::FrameEncoding parsed,
+                        bench::FrameEncoding::Parse(encoding));
     flags.workload.encodings.push_back(parsed);
   }
   if (flags.sweep && flags.load.rate_per_s > 0) {
@@ -195,13 +198,15 @@ absl::Status Parse(BenchFlags& flags) {
   return flags.load.Validate();
 }
 
-absl::StatusOr<std::vector<Connection>> Connect(const BenchFlags& flags) {
-  ConnectOptions options = ConnectOptionsOf(flags.connection);
+absl::StatusOr<std::vector<relocalizer::Connection>> Connect(
+    const BenchFlags& flags) {
+  relocalizer::ConnectOptions options = ConnectOptionsOf(flags.connection);
   options.max_attempts = flags.attempts;
   options.own_connections = true;
-  std::vector<Connection> connections;
+  std::vector<relocalizer::Connection> connections;
   for (int i = 0; i < flags.connections; ++i) {
-    TL_ASSIGN_OR_RETURN(Connection connection, Connection::Open(options));
+    TL_ASSIGN_OR_RETURN(relocalizer::Connection connection,
+                        relocalizer::Connection::Open(options));
     connections.push_back(std::move(connection));
   }
   return connections;
@@ -215,14 +220,14 @@ int RunBench(BenchFlags flags, const std::stop_token& stop) {
   flags.load.seed = flags.workload.seed;
   auto connections = Connect(flags);
   if (!connections.ok()) return ReportLocalFailure(connections.status());
-  auto items = LoadWorkload(flags.workload);
+  auto items = bench::LoadWorkload(flags.workload);
   if (!items.ok()) return ReportLocalFailure(items.status());
   Bench bench(flags, *std::move(connections), *std::move(items));
   if (const absl::Status run = bench.Run(stop); !run.ok()) {
     return ReportFailure(run, flags.connection, stop);
   }
-  std::fputs(flags.json ? (BenchJson(bench.report()) + "\n").c_str()
-                        : BenchText(bench.report()).c_str(),
+  std::fputs(flags.json ? (bench::BenchJson(bench.report()) + "\n").c_str()
+                        : bench::BenchText(bench.report()).c_str(),
              stdout);
   if (!FlushOutput()) return kExitFailed;
   if (stop.stop_requested()) return kExitInterrupted;
@@ -263,7 +268,7 @@ void AddWorkloadFlags(CLI::App& app, BenchFlags& flags) {
 }
 
 void AddLoadFlags(CLI::App& app, BenchFlags& flags) {
-  LoadOptions& load = flags.load;
+  bench::LoadOptions& load = flags.load;
   app.add_option("--concurrency", load.concurrency, "Clients of a closed loop")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
@@ -321,4 +326,4 @@ ClientCommand AddBenchCommand(CLI::App& app) {
           }};
 }
 
-}  // namespace treeline
+}  // namespace treeline::client_cli

@@ -9,7 +9,7 @@ namespace CLI {
 class App;
 }
 
-namespace treeline {
+namespace treeline::client_cli {
 
 // Exit codes, as docs/service.md states them.
 enum ExitCode {
@@ -31,6 +31,6 @@ ClientCommand AddBenchCommand(CLI::App& app);
 ClientCommand AddLocalizeCommand(CLI::App& app);
 ClientCommand AddScenesCommand(CLI::App& app);
 
-}  // namespace treeline
+}  // namespace treeline::client_cli
 
 #endif  // CLIENT_CLI_COMMANDS_H_

@@ -11,7 +11,7 @@
 #include "client/cli/commands.h"
 #include "common/base/error_info.h"
 
-namespace treeline {
+namespace treeline::client_cli {
 
 namespace {
 
@@ -19,7 +19,7 @@ constexpr char kTokenVariable[] = "TREELINE_TOKEN";
 
 // "QUEUE_FULL (scene=office)"; empty if the error has no reason.
 std::string ReasonText(const absl::Status& status) {
-  const ErrorInfo info = ErrorInfoOf(status);
+  const base::ErrorInfo info = base::ErrorInfoOf(status);
   if (info.reason.empty()) return "";
   const std::string metadata =
       absl::StrJoin(info.metadata, ", ", absl::PairFormatter("="));
@@ -73,7 +73,7 @@ void AddConnectionFlags(CLI::App& app, ConnectionFlags& flags) {
       ->check(CLI::Range(0.001, 86400.0));
 }
 
-ConnectOptions ConnectOptionsOf(const ConnectionFlags& flags) {
+relocalizer::ConnectOptions ConnectOptionsOf(const ConnectionFlags& flags) {
   const bool variable =
       flags.token_file.empty() && std::getenv(kTokenVariable) != nullptr;
   return {.server = flags.server,
@@ -83,7 +83,8 @@ ConnectOptions ConnectOptionsOf(const ConnectionFlags& flags) {
           .token_variable = variable ? kTokenVariable : ""};
 }
 
-CallOptions CallOptionsOf(const ConnectionFlags& flags, std::stop_token stop) {
+relocalizer::CallOptions CallOptionsOf(const ConnectionFlags& flags,
+                                       std::stop_token stop) {
   return {.timeout = std::chrono::milliseconds(
               static_cast<int64_t>(flags.timeout_s * 1e3)),
           .stop = std::move(stop)};
@@ -122,4 +123,4 @@ bool FlushOutput() {
   return false;
 }
 
-}  // namespace treeline
+}  // namespace treeline::client_cli

@@ -12,11 +12,11 @@ namespace CLI {
 class App;
 }
 
-namespace treeline {
+namespace treeline::client_cli {
 
 struct ConnectionFlags {
   std::string server;
-  TlsOptions tls;
+  relocalizer::TlsOptions tls;
   std::string token_file;
   int max_message_mib = 32;
   double timeout_s = 10;
@@ -29,9 +29,10 @@ void AddConnectionFlags(CLI::App& app, ConnectionFlags& flags);
 
 // Without a file, the token is what the environment variable TREELINE_TOKEN
 // holds, if there is one.
-ConnectOptions ConnectOptionsOf(const ConnectionFlags& flags);
+relocalizer::ConnectOptions ConnectOptionsOf(const ConnectionFlags& flags);
 
-CallOptions CallOptionsOf(const ConnectionFlags& flags, std::stop_token stop);
+relocalizer::CallOptions CallOptionsOf(const ConnectionFlags& flags,
+                                       std::stop_token stop);
 
 // Says on standard error what went wrong and, where it helps, what to do.
 // Returns the exit code for it.
@@ -45,6 +46,6 @@ int ReportLocalFailure(const absl::Status& status);
 // closed pipe); says so if not.
 bool FlushOutput();
 
-}  // namespace treeline
+}  // namespace treeline::client_cli
 
 #endif  // CLIENT_CLI_CONNECTION_FLAGS_H_

@@ -13,12 +13,12 @@
 #include "client/cli/answer_text.h"
 #include "client/cli/commands.h"
 #include "client/cli/connection_flags.h"
-#include "client/cli/frame_files.h"
+#include "client/relocalizer/frame_files.h"
 #include "client/relocalizer/relocalizer.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::client_cli {
 namespace {
 
 constexpr const char* kFooter = R"(
@@ -49,16 +49,16 @@ interrupted. For a list: 0 if at least one frame was localized and none failed,
 
 struct LocalizeFlags {
   ConnectionFlags connection;
-  LocalizeQuery query;  // but for its frame
-  FrameFiles files;
-  FrameFileOptions frames;
+  relocalizer::LocalizeQuery query;  // but for its frame
+  relocalizer::FrameFiles files;
+  relocalizer::FrameFileOptions frames;
   std::string list;
   std::string root;
   std::vector<double> prior;  // empty: none
   double prior_radius_m = 4;
   double prior_radius_deg = 25;
   bool stream = false;
-  StreamOptions stream_options;
+  relocalizer::StreamOptions stream_options;
   bool json = false;
 };
 
@@ -66,10 +66,10 @@ struct LocalizeFlags {
 absl::Status SetPrior(LocalizeFlags& flags) {
   if (flags.prior.empty()) return absl::OkStatus();
   const std::vector<double>& p = flags.prior;
-  const absl::StatusOr<Rigid3> pose =
-      RigidFromQuaternion(p[0], p[1], p[2], p[3], {p[4], p[5], p[6]});
-  if (!pose.ok()) return Annotate(pose.status(), "--prior");
-  flags.query.prior = PosePrior{
+  const absl::StatusOr<geometry::Rigid3> pose =
+      geometry::RigidFromQuaternion(p[0], p[1], p[2], p[3], {p[4], p[5], p[6]});
+  if (!pose.ok()) return base::Annotate(pose.status(), "--prior");
+  flags.query.prior = relocalizer::PosePrior{
       .world_from_camera = *pose,
       .position_radius_m = flags.prior_radius_m,
       .rotation_radius_rad = flags.prior_radius_deg * std::numbers::pi / 180};
@@ -84,22 +84,21 @@ bool EndsTheList(const absl::Status& status) {
 
 // Reads the files of one frame and asks about it. `asked`: whether it came as
 // far as asking.
-absl::StatusOr<LocalizeAnswer> ReadAndAsk(Relocalizer& client,
-                                          const LocalizeFlags& flags,
-                                          const FrameFiles& files,
-                                          const std::stop_token& stop,
-                                          bool& asked) {
+absl::StatusOr<relocalizer::LocalizeAnswer> ReadAndAsk(
+    relocalizer::Relocalizer& client, const LocalizeFlags& flags,
+    const relocalizer::FrameFiles& files, const std::stop_token& stop,
+    bool& asked) {
   asked = false;
-  LocalizeQuery query = flags.query;
-  TL_ASSIGN_OR_RETURN(query.frame, ReadFrame(files, flags.frames));
+  relocalizer::LocalizeQuery query = flags.query;
+  TL_ASSIGN_OR_RETURN(query.frame, relocalizer::ReadFrame(files, flags.frames));
   asked = true;
   return client.Localize(query, CallOptionsOf(flags.connection, stop));
 }
 
-int LocalizeOne(Relocalizer& client, const LocalizeFlags& flags,
+int LocalizeOne(relocalizer::Relocalizer& client, const LocalizeFlags& flags,
                 const std::stop_token& stop) {
   bool asked = false;
-  const absl::StatusOr<LocalizeAnswer> answer =
+  const absl::StatusOr<relocalizer::LocalizeAnswer> answer =
       ReadAndAsk(client, flags, flags.files, stop, asked);
   if (flags.json) {
     std::printf("%s\n", AnswerJson(flags.files, answer).c_str());
@@ -117,15 +116,16 @@ int LocalizeOne(Relocalizer& client, const LocalizeFlags& flags,
 
 // Asks about every frame, but for the rest of them if one fails in a way that
 // the rest would too; then that failure is returned.
-absl::Status AskForAll(Relocalizer& client, const LocalizeFlags& flags,
-                       const std::vector<FrameFiles>& list,
+absl::Status AskForAll(relocalizer::Relocalizer& client,
+                       const LocalizeFlags& flags,
+                       const std::vector<relocalizer::FrameFiles>& list,
                        const std::stop_token& stop, AnswerSummary& summary) {
   // On a terminal the answers themselves show how far it is.
-  Progress progress("localizing", static_cast<int64_t>(list.size()),
-                    /*quiet=*/isatty(STDOUT_FILENO) == 1);
-  for (const FrameFiles& files : list) {
+  base::Progress progress("localizing", static_cast<int64_t>(list.size()),
+                          /*quiet=*/isatty(STDOUT_FILENO) == 1);
+  for (const relocalizer::FrameFiles& files : list) {
     bool asked = false;
-    const absl::StatusOr<LocalizeAnswer> answer =
+    const absl::StatusOr<relocalizer::LocalizeAnswer> answer =
         ReadAndAsk(client, flags, files, stop, asked);
     summary.Add(answer);
     std::printf("%s\n", flags.json ? AnswerJson(files, answer).c_str()
@@ -140,17 +140,20 @@ absl::Status AskForAll(Relocalizer& client, const LocalizeFlags& flags,
 
 // Sends every frame as soon as the server has room for it, and prints the
 // answers as they come.
-absl::Status StreamAll(Relocalizer& client, const LocalizeFlags& flags,
-                       const std::vector<FrameFiles>& list,
+absl::Status StreamAll(relocalizer::Relocalizer& client,
+                       const LocalizeFlags& flags,
+                       const std::vector<relocalizer::FrameFiles>& list,
                        const std::stop_token& stop, AnswerSummary& summary) {
-  StreamOptions options = flags.stream_options;
+  relocalizer::StreamOptions options = flags.stream_options;
   options.stop = stop;
-  const std::unique_ptr<LocalizeStream> stream = client.OpenStream(options);
+  const std::unique_ptr<relocalizer::LocalizeStream> stream =
+      client.OpenStream(options);
   absl::Status unreadable;
   std::jthread sender([&] {
-    LocalizeQuery query = flags.query;
+    relocalizer::LocalizeQuery query = flags.query;
     for (size_t i = 0; i < list.size(); ++i) {
-      absl::StatusOr<QueryFrame> frame = ReadFrame(list[i], flags.frames);
+      absl::StatusOr<wire::QueryFrame> frame =
+          relocalizer::ReadFrame(list[i], flags.frames);
       if (!frame.ok()) {
         unreadable = frame.status();
         break;
@@ -160,12 +163,13 @@ absl::Status StreamAll(Relocalizer& client, const LocalizeFlags& flags,
     }
     stream->FinishSending();
   });
-  Progress progress("localizing", static_cast<int64_t>(list.size()),
-                    /*quiet=*/isatty(STDOUT_FILENO) == 1);
-  while (const std::optional<StreamAnswer> next = stream->Receive()) {
+  base::Progress progress("localizing", static_cast<int64_t>(list.size()),
+                          /*quiet=*/isatty(STDOUT_FILENO) == 1);
+  while (const std::optional<relocalizer::StreamAnswer> next =
+             stream->Receive()) {
     summary.Add(next->answer);
     if (next->id >= list.size()) continue;  // a server's fault, and counted
-    const FrameFiles& files = list[next->id];
+    const relocalizer::FrameFiles& files = list[next->id];
     std::printf("%s\n", flags.json ? AnswerJson(files, next->answer).c_str()
                                    : AnswerLine(files, next->answer).c_str());
     progress.Add(1);
@@ -175,10 +179,10 @@ absl::Status StreamAll(Relocalizer& client, const LocalizeFlags& flags,
   return unreadable;
 }
 
-int LocalizeList(Relocalizer& client, const LocalizeFlags& flags,
+int LocalizeList(relocalizer::Relocalizer& client, const LocalizeFlags& flags,
                  const std::stop_token& stop) {
-  const absl::StatusOr<std::vector<FrameFiles>> list =
-      ReadFrameList(flags.list, flags.root);
+  const absl::StatusOr<std::vector<relocalizer::FrameFiles>> list =
+      relocalizer::ReadFrameList(flags.list, flags.root);
   if (!list.ok()) return ReportLocalFailure(list.status());
   AnswerSummary summary;
   const absl::Status ended =
@@ -202,7 +206,8 @@ int RunLocalize(LocalizeFlags flags, const std::stop_token& stop) {
                  "--help explains\n");
     return kExitUsage;
   }
-  const auto client = ConnectRelocalizer(ConnectOptionsOf(flags.connection));
+  const auto client =
+      relocalizer::ConnectRelocalizer(ConnectOptionsOf(flags.connection));
   if (!client.ok()) {
     return ReportFailure(client.status(), flags.connection, stop);
   }
@@ -300,4 +305,4 @@ ClientCommand AddLocalizeCommand(CLI::App& app) {
           }};
 }
 
-}  // namespace treeline
+}  // namespace treeline::client_cli

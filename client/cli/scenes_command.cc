@@ -11,7 +11,7 @@
 #include "client/cli/connection_flags.h"
 #include "client/relocalizer/relocalizer.h"
 
-namespace treeline {
+namespace treeline::client_cli {
 namespace {
 
 constexpr const char* kFooter = R"(
@@ -33,9 +33,9 @@ struct ScenesFlags {
   bool json = false;
 };
 
-absl::StatusOr<SceneDescription> AskAboutOne(Relocalizer& client,
-                                             const ScenesFlags& flags,
-                                             const CallOptions& options) {
+absl::StatusOr<relocalizer::SceneDescription> AskAboutOne(
+    relocalizer::Relocalizer& client, const ScenesFlags& flags,
+    const relocalizer::CallOptions& options) {
   if (flags.load) {
     return client.LoadScene(flags.scene, flags.model_version, options);
   }
@@ -45,17 +45,19 @@ absl::StatusOr<SceneDescription> AskAboutOne(Relocalizer& client,
   return client.GetScene(flags.scene, options);
 }
 
-absl::StatusOr<std::vector<SceneDescription>> Ask(Relocalizer& client,
-                                                  const ScenesFlags& flags,
-                                                  const CallOptions& options) {
+absl::StatusOr<std::vector<relocalizer::SceneDescription>> Ask(
+    relocalizer::Relocalizer& client, const ScenesFlags& flags,
+    const relocalizer::CallOptions& options) {
   if (flags.scene.empty()) return client.ListScenes(options);
-  absl::StatusOr<SceneDescription> scene = AskAboutOne(client, flags, options);
+  absl::StatusOr<relocalizer::SceneDescription> scene =
+      AskAboutOne(client, flags, options);
   if (!scene.ok()) return scene.status();
-  return std::vector<SceneDescription>{*std::move(scene)};
+  return std::vector<relocalizer::SceneDescription>{*std::move(scene)};
 }
 
 int RunScenes(const ScenesFlags& flags, const std::stop_token& stop) {
-  const auto client = ConnectRelocalizer(ConnectOptionsOf(flags.connection));
+  const auto client =
+      relocalizer::ConnectRelocalizer(ConnectOptionsOf(flags.connection));
   if (!client.ok()) {
     return ReportFailure(client.status(), flags.connection, stop);
   }
@@ -98,4 +100,4 @@ ClientCommand AddScenesCommand(CLI::App& app) {
           }};
 }
 
-}  // namespace treeline
+}  // namespace treeline::client_cli

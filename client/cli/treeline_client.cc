@@ -7,7 +7,7 @@
 #include "common/base/interrupt.h"
 #include "common/base/version.h"
 
-namespace treeline {
+namespace treeline::client_cli {
 namespace {
 
 constexpr const char* kFooter = R"(
@@ -16,11 +16,11 @@ treeline-client COMMAND --help explains a command and gives examples.
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 not localized, 130 interrupted.)";
 
 int Run(int argc, char** argv) {
-  const std::stop_token stop = StopOnInterrupt();
+  const std::stop_token stop = base::StopOnInterrupt();
   CLI::App app("Asks a Treeline server where a camera is.", "treeline-client");
   app.footer(kFooter);
   app.set_version_flag("--version",
-                       std::string("treeline-client ") + Version());
+                       std::string("treeline-client ") + base::Version());
   app.require_subcommand(1);
   const std::vector<ClientCommand> commands = {
       AddLocalizeCommand(app), AddScenesCommand(app), AddBenchCommand(app)};
@@ -37,6 +37,8 @@ int Run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::client_cli
 
-int main(int argc, char** argv) { return treeline::Run(argc, argv); }
+int main(int argc, char** argv) {
+  return treeline::client_cli::Run(argc, argv);
+}

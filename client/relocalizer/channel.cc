@@ -14,7 +14,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 namespace {
 
 // A request larger than this buffer is sent once and never retried; gRPC's
@@ -55,7 +55,7 @@ std::string ServiceConfig(int max_attempts) {
 // gRPC would only log what is wrong with a file, and wait for a better one.
 absl::Status CheckPem(const std::string& path, absl::string_view what) {
   if (path.empty()) return absl::OkStatus();
-  const absl::StatusOr<std::string> text = ReadFile(path, 16 << 20);
+  const absl::StatusOr<std::string> text = base::ReadFile(path, 16 << 20);
   if (!text.ok()) return text.status();
   if (absl::StrContains(*text, "-----BEGIN ")) return absl::OkStatus();
   return absl::InvalidArgumentError(
@@ -162,4 +162,4 @@ void Connection::Prepare(grpc::ClientContext& context) const {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::relocalizer

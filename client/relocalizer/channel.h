@@ -11,7 +11,7 @@
 #include "client/relocalizer/connect_options.h"
 #include "client/relocalizer/token_source.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 
 // Thread-safe.
 class Connection {
@@ -33,6 +33,6 @@ class Connection {
   std::shared_ptr<TokenSource> token_;  // null: none
 };
 
-}  // namespace treeline
+}  // namespace treeline::relocalizer
 
 #endif  // CLIENT_RELOCALIZER_CHANNEL_H_

@@ -18,7 +18,7 @@
 #include "gtest/gtest.h"
 #include "treeline/v1/scenes.grpc.pb.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 namespace {
 
 using ::testing::HasSubstr;
@@ -85,7 +85,7 @@ class ChannelTest : public testing::Test {
   }
 
   std::string Put(const std::string& name, const std::string& text) const {
-    EXPECT_TRUE(WriteFileAtomically(folder_ + "/" + name, text).ok());
+    EXPECT_TRUE(base::WriteFileAtomically(folder_ + "/" + name, text).ok());
     return folder_ + "/" + name;
   }
 
@@ -170,4 +170,4 @@ TEST_F(ChannelTest, FilesThatAreNoneAreNamedAtOnce) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::relocalizer

@@ -14,7 +14,7 @@
 #include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 namespace {
 
 struct HostAndPort {
@@ -131,4 +131,4 @@ absl::Status ConnectOptions::Validate() const {
   return absl::OkStatus();
 }
 
-}  // namespace treeline
+}  // namespace treeline::relocalizer

@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 
 // TLS, and for mutual TLS the client's own certificate. Files are PEM and are
 // read again when they change, at most a second later; new connections use the
@@ -58,6 +58,6 @@ absl::StatusOr<std::string> GrpcTarget(absl::string_view server);
 // localhost, or a socket file.
 bool IsOnThisMachine(absl::string_view server);
 
-}  // namespace treeline
+}  // namespace treeline::relocalizer
 
 #endif  // CLIENT_RELOCALIZER_CONNECT_OPTIONS_H_

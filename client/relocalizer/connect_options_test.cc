@@ -4,7 +4,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 namespace {
 
 using ::testing::HasSubstr;
@@ -86,4 +86,4 @@ TEST(ConnectOptions, HalfACredentialIsRefused) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::relocalizer

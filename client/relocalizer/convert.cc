@@ -10,7 +10,7 @@
 #include "common/wire/frame.h"
 #include "common/wire/geometry.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 namespace {
 
 absl::Status BrokenContract(const absl::Status& problem) {
@@ -34,14 +34,14 @@ absl::Status FillPose(const v1::LocalizeResponse& response,
       FromProto(response.world_from_camera(), "world_from_camera"));
   if (response.covariance_size() !=
       static_cast<int>(answer.covariance.size())) {
-    return FieldError("covariance",
-                      absl::StrCat(response.covariance_size(), " entries"));
+    return wire::FieldError(
+        "covariance", absl::StrCat(response.covariance_size(), " entries"));
   }
   std::copy(response.covariance().begin(), response.covariance().end(),
             answer.covariance.begin());
   for (const double entry : answer.covariance) {
     if (!std::isfinite(entry)) {
-      return FieldError("covariance", "has a NaN or an infinity");
+      return wire::FieldError("covariance", "has a NaN or an infinity");
     }
   }
   TL_ASSIGN_OR_RETURN(answer.pose_sensor,
@@ -119,7 +119,7 @@ absl::StatusOr<LocalizeAnswer> FromProto(const v1::LocalizeResponse& response) {
     case v1::OUTCOME_NOT_LOCALIZED:
       break;
     default:
-      return BrokenContract(FieldError("outcome", "is neither"));
+      return BrokenContract(wire::FieldError("outcome", "is neither"));
   }
   answer.reason = ShortName(v1::NotLocalizedReason_Name(response.reason()),
                             "NOT_LOCALIZED_REASON_", response.reason());
@@ -171,4 +171,4 @@ absl::StatusOr<SceneDescription> FromProto(const v1::SceneInfo& info) {
   return scene;
 }
 
-}  // namespace treeline
+}  // namespace treeline::relocalizer

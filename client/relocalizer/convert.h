@@ -7,7 +7,7 @@
 #include "treeline/v1/relocalization.pb.h"
 #include "treeline/v1/scenes.pb.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 
 v1::LocalizeRequest ToProto(const LocalizeQuery& query);
 
@@ -16,6 +16,6 @@ v1::LocalizeRequest ToProto(const LocalizeQuery& query);
 absl::StatusOr<LocalizeAnswer> FromProto(const v1::LocalizeResponse& response);
 absl::StatusOr<SceneDescription> FromProto(const v1::SceneInfo& info);
 
-}  // namespace treeline
+}  // namespace treeline::relocalizer
 
 #endif  // CLIENT_RELOCALIZER_CONVERT_H_

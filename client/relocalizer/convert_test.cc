@@ -8,14 +8,15 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-Rigid3 SomePose() {
-  return {Normalized(Rotation3::FromAxisAngle({0.3, -1.1, 0.7})),
+geometry::Rigid3 SomePose() {
+  return {geometry::Normalized(
+              geometry::Rotation3::FromAxisAngle({0.3, -1.1, 0.7})),
           {1.25, 0.1, -3}};
 }
 
@@ -63,7 +64,7 @@ TEST(ClientConvert, AnswersKeepEveryFieldBitForBit) {
   for (size_t i = 0; i < 36; ++i) {
     EXPECT_EQ(answer->covariance[i], 1e-7 * static_cast<double>(i));
   }
-  EXPECT_EQ(answer->pose_sensor, RgbdSensor::kDepth);
+  EXPECT_EQ(answer->pose_sensor, camera::RgbdSensor::kDepth);
   EXPECT_EQ(answer->inliers, 321);
   EXPECT_EQ(answer->samples, 500);
   EXPECT_EQ(answer->inlier_ratio, 0.642);
@@ -147,10 +148,10 @@ TEST(ClientConvert, QueriesKeepEveryField) {
   query.prior = PosePrior{.world_from_camera = SomePose(),
                           .position_radius_m = 4,
                           .rotation_radius_rad = 0.5};
-  query.frame.color = EncodedImage{"jpeg"};
-  query.frame.camera = Camera();
+  query.frame.color = wire::EncodedImage{"jpeg"};
+  query.frame.camera = camera::Camera();
   query.frame.depth =
-      QueryDepth{.image = EncodedImage{"png"}, .unit_m = 0.0002};
+      wire::QueryDepth{.image = wire::EncodedImage{"png"}, .unit_m = 0.0002};
   const v1::LocalizeRequest request = ToProto(query);
   EXPECT_EQ(request.scene(), "kitchen");
   EXPECT_EQ(request.model_version(), "7");
@@ -164,7 +165,7 @@ TEST(ClientConvert, QueriesKeepEveryField) {
   EXPECT_EQ(request.options().prior().position_radius_m(), 4);
   EXPECT_EQ(request.options().prior().rotation_radius_rad(), 0.5);
   EXPECT_EQ(request.frame().color().encoded(), "jpeg");
-  EXPECT_EQ(*FromProto(request.frame().camera(), ""), Camera());
+  EXPECT_EQ(*FromProto(request.frame().camera(), ""), camera::Camera());
   EXPECT_EQ(request.frame().depth().png(), "png");
   EXPECT_EQ(request.frame().depth().unit_m(), 0.0002);
   EXPECT_EQ(request.frame().depth().registration(),
@@ -191,9 +192,9 @@ v1::SceneInfo SomeScene() {
   model.set_created_utc("2026-11-21T09:30:00Z");
   model.set_software_version("0.1.0");
   model.set_checksum("0123456789abcdef");
-  *model.mutable_calibration() = ToProto(RgbdCalibration{});
-  *model.mutable_bounds_min_in_world_m() = ToProto(Vec3{-1, -2, -3});
-  *model.mutable_bounds_max_in_world_m() = ToProto(Vec3{1, 2, 3});
+  *model.mutable_calibration() = ToProto(camera::RgbdCalibration{});
+  *model.mutable_bounds_min_in_world_m() = ToProto(geometry::Vec3{-1, -2, -3});
+  *model.mutable_bounds_max_in_world_m() = ToProto(geometry::Vec3{1, 2, 3});
   model.set_training_frames(500);
   model.set_training_s(41);
   model.set_trees(5);
@@ -218,9 +219,9 @@ TEST(ClientConvert, ScenesKeepEveryField) {
   EXPECT_EQ(scene->model->created_utc, "2026-11-21T09:30:00Z");
   EXPECT_EQ(scene->model->software_version, "0.1.0");
   EXPECT_EQ(scene->model->checksum, "0123456789abcdef");
-  EXPECT_EQ(scene->model->calibration, RgbdCalibration{});
-  EXPECT_EQ(scene->model->bounds_min_in_world, (Vec3{-1, -2, -3}));
-  EXPECT_EQ(scene->model->bounds_max_in_world, (Vec3{1, 2, 3}));
+  EXPECT_EQ(scene->model->calibration, camera::RgbdCalibration{});
+  EXPECT_EQ(scene->model->bounds_min_in_world, (geometry::Vec3{-1, -2, -3}));
+  EXPECT_EQ(scene->model->bounds_max_in_world, (geometry::Vec3{1, 2, 3}));
   EXPECT_EQ(scene->model->training_frames, 500);
   EXPECT_EQ(scene->model->training_s, 41);
   EXPECT_EQ(scene->model->trees, 5);
@@ -242,4 +243,4 @@ TEST(ClientConvert, ScenesThatFailedSayWhy) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::relocalizer

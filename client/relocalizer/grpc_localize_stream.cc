@@ -14,7 +14,7 @@
 #include "common/base/clock.h"
 #include "common/wire/status.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 namespace {
 
 class GrpcLocalizeStream final : public LocalizeStream {
@@ -59,7 +59,7 @@ class GrpcLocalizeStream final : public LocalizeStream {
   std::optional<StreamAnswer> Receive() override {
     v1::LocalizeStreamResponse response;
     if (!stream_->Read(&response)) return std::nullopt;
-    const MonotonicTime now = clock_.Now();
+    const base::MonotonicTime now = clock_.Now();
     StreamAnswer received{.id = response.id(), .answer = AnswerOf(response)};
     absl::MutexLock lock(&mutex_);
     if (sent_.empty() || sent_.front().id != response.id()) {
@@ -69,7 +69,7 @@ class GrpcLocalizeStream final : public LocalizeStream {
     } else {
       if (received.answer.ok()) {
         received.answer->round_trip_ms =
-            MillisecondsBetween(sent_.front().at, now);
+            base::MillisecondsBetween(sent_.front().at, now);
       }
       sent_.pop_front();
     }
@@ -78,13 +78,13 @@ class GrpcLocalizeStream final : public LocalizeStream {
 
   absl::Status Finish() override {
     finished_ = true;
-    return FromGrpc(stream_->Finish());
+    return wire::FromGrpc(stream_->Finish());
   }
 
  private:
   struct Sent {
     uint64_t id = 0;
-    MonotonicTime at = {};
+    base::MonotonicTime at = {};
   };
 
   static absl::StatusOr<LocalizeAnswer> AnswerOf(
@@ -106,7 +106,7 @@ class GrpcLocalizeStream final : public LocalizeStream {
 
   const Connection connection_;
   const StreamOptions options_;
-  const SteadyClock clock_;
+  const base::SteadyClock clock_;
   grpc::ClientContext context_;
   std::unique_ptr<grpc::ClientReaderWriterInterface<v1::LocalizeStreamRequest,
                                                     v1::LocalizeStreamResponse>>
@@ -127,4 +127,4 @@ std::unique_ptr<LocalizeStream> OpenGrpcStream(
   return std::make_unique<GrpcLocalizeStream>(connection, stub, options);
 }
 
-}  // namespace treeline
+}  // namespace treeline::relocalizer

@@ -8,13 +8,13 @@
 #include "client/relocalizer/relocalizer.h"
 #include "treeline/v1/relocalization.grpc.pb.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 
 // `stub` is used until the call has returned; the connection is kept.
 std::unique_ptr<LocalizeStream> OpenGrpcStream(
     const Connection& connection, v1::RelocalizationService::Stub& stub,
     const StreamOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::relocalizer
 
 #endif  // CLIENT_RELOCALIZER_GRPC_LOCALIZE_STREAM_H_

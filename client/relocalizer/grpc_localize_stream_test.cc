@@ -13,7 +13,7 @@
 #include "gtest/gtest.h"
 #include "treeline/v1/relocalization.grpc.pb.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 namespace {
 
 using Stream = grpc::ServerReaderWriter<v1::LocalizeStreamResponse,
@@ -54,7 +54,7 @@ class LocalizeStreamTest : public testing::Test {
   static LocalizeQuery Query() {
     LocalizeQuery query;
     query.scene = "kitchen";
-    query.frame.color = EncodedImage{"x"};
+    query.frame.color = wire::EncodedImage{"x"};
     return query;
   }
 
@@ -182,4 +182,4 @@ TEST_F(LocalizeStreamTest, AStreamThatIsGivenUpEnds) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::relocalizer

@@ -15,7 +15,7 @@
 #include "treeline/v1/relocalization.grpc.pb.h"
 #include "treeline/v1/scenes.grpc.pb.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 namespace {
 
 // A call's context: its deadline, and its cancellation while it lasts.
@@ -43,14 +43,14 @@ class GrpcRelocalizer final : public Relocalizer {
 
   absl::StatusOr<LocalizeAnswer> Localize(const LocalizeQuery& query,
                                           const CallOptions& options) override {
-    const SteadyClock clock;
-    const MonotonicTime start = clock.Now();
+    const base::SteadyClock clock;
+    const base::MonotonicTime start = clock.Now();
     Context context(connection_, options);
     v1::LocalizeResponse response;
-    TL_RETURN_IF_ERROR(FromGrpc(
+    TL_RETURN_IF_ERROR(wire::FromGrpc(
         relocalization_->Localize(context.get(), ToProto(query), &response)));
     TL_ASSIGN_OR_RETURN(LocalizeAnswer answer, FromProto(response));
-    answer.round_trip_ms = MillisecondsBetween(start, clock.Now());
+    answer.round_trip_ms = base::MillisecondsBetween(start, clock.Now());
     return answer;
   }
 
@@ -59,7 +59,7 @@ class GrpcRelocalizer final : public Relocalizer {
     Context context(connection_, options);
     v1::ListScenesResponse response;
     TL_RETURN_IF_ERROR(
-        FromGrpc(scenes_->ListScenes(context.get(), {}, &response)));
+        wire::FromGrpc(scenes_->ListScenes(context.get(), {}, &response)));
     std::vector<SceneDescription> scenes;
     for (const v1::SceneInfo& info : response.scenes()) {
       TL_ASSIGN_OR_RETURN(SceneDescription scene, FromProto(info));
@@ -75,7 +75,7 @@ class GrpcRelocalizer final : public Relocalizer {
     request.set_scene(scene);
     v1::GetSceneResponse response;
     TL_RETURN_IF_ERROR(
-        FromGrpc(scenes_->GetScene(context.get(), request, &response)));
+        wire::FromGrpc(scenes_->GetScene(context.get(), request, &response)));
     return FromProto(response.scene());
   }
 
@@ -88,7 +88,7 @@ class GrpcRelocalizer final : public Relocalizer {
     request.set_model_version(model_version);
     v1::LoadSceneResponse response;
     TL_RETURN_IF_ERROR(
-        FromGrpc(scenes_->LoadScene(context.get(), request, &response)));
+        wire::FromGrpc(scenes_->LoadScene(context.get(), request, &response)));
     return FromProto(response.scene());
   }
 
@@ -100,8 +100,8 @@ class GrpcRelocalizer final : public Relocalizer {
     request.set_scene(scene);
     request.set_model_version(model_version);
     v1::UnloadSceneResponse response;
-    TL_RETURN_IF_ERROR(
-        FromGrpc(scenes_->UnloadScene(context.get(), request, &response)));
+    TL_RETURN_IF_ERROR(wire::FromGrpc(
+        scenes_->UnloadScene(context.get(), request, &response)));
     return FromProto(response.scene());
   }
 
@@ -124,4 +124,4 @@ absl::StatusOr<std::unique_ptr<Relocalizer>> ConnectRelocalizer(
   return std::make_unique<GrpcRelocalizer>(std::move(connection));
 }
 
-}  // namespace treeline
+}  // namespace treeline::relocalizer

@@ -16,7 +16,7 @@
 #include "treeline/v1/relocalization.grpc.pb.h"
 #include "treeline/v1/scenes.grpc.pb.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 namespace {
 
 // Gives the statuses it was told, one a call, and then answers.
@@ -94,7 +94,7 @@ class GrpcRelocalizerTest : public testing::Test {
   static LocalizeQuery Query(size_t bytes = 10) {
     LocalizeQuery query;
     query.scene = "kitchen";
-    query.frame.color = EncodedImage{std::string(bytes, 'x')};
+    query.frame.color = wire::EncodedImage{std::string(bytes, 'x')};
     return query;
   }
 
@@ -213,4 +213,4 @@ TEST_F(GrpcRelocalizerTest, RequestsOverTheLimitAreNotSent) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::relocalizer

@@ -17,12 +17,12 @@
 #include "common/geometry/rigid3.h"
 #include "common/wire/query_frame.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 
 // A pose that the client believes in, and how far the truth may be from it.
 struct PosePrior {
   // Of the scene's pose sensor.
-  Rigid3 world_from_camera;
+  geometry::Rigid3 world_from_camera;
   double position_radius_m = 0;    // positive
   double rotation_radius_rad = 0;  // in (0, pi]
 };
@@ -34,7 +34,7 @@ struct LocalizeQuery {
   std::vector<std::string> candidate_scenes = {};
   // Empty: the newest version that is ready.
   std::string model_version = {};
-  QueryFrame frame = {};
+  wire::QueryFrame frame = {};
   // The same seed, frame and model version give the same answer, bit for bit.
   uint64_t seed = 0;
   // Most that the server may take from the arrival of the request (ms),
@@ -84,15 +84,15 @@ struct LocalizeAnswer {
   std::string reason;
   // Meaningful if localized: the pose of pose_sensor's camera, bit for bit as
   // the server computed it, and its covariance.
-  Rigid3 world_from_camera;
-  PoseCovariance covariance{};
-  RgbdSensor pose_sensor = RgbdSensor::kColor;
+  geometry::Rigid3 world_from_camera;
+  geometry::PoseCovariance covariance{};
+  camera::RgbdSensor pose_sensor = camera::RgbdSensor::kColor;
   int inliers = 0;
   int samples = 0;
   double inlier_ratio = 0;  // in [0, 1]
   // If asked for: the inliers' pixels in the colour image (x right, y down; as
   // the server says, unchecked).
-  std::vector<Vec2> inlier_pixels;
+  std::vector<geometry::Vec2> inlier_pixels;
   // Probability that the pose is right, in [0, 1]: see docs/service.md.
   double confidence = 0;
   // The scene's: of answers that reach it, 99 of 100 were right in training.
@@ -114,10 +114,10 @@ struct ModelDescription {
   std::string created_utc;
   std::string software_version;
   std::string checksum;
-  RgbdCalibration calibration;
+  camera::RgbdCalibration calibration;
   // Axis-aligned box of the training points, world frame (m).
-  Vec3 bounds_min_in_world;
-  Vec3 bounds_max_in_world;
+  geometry::Vec3 bounds_min_in_world;
+  geometry::Vec3 bounds_max_in_world;
   int training_frames = 0;
   double training_s = 0;
   int trees = 0;
@@ -220,6 +220,6 @@ class Relocalizer {
 absl::StatusOr<std::unique_ptr<Relocalizer>> ConnectRelocalizer(
     const ConnectOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::relocalizer
 
 #endif  // CLIENT_RELOCALIZER_RELOCALIZER_H_

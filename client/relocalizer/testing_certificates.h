@@ -3,7 +3,7 @@
 #ifndef CLIENT_RELOCALIZER_TESTING_CERTIFICATES_H_
 #define CLIENT_RELOCALIZER_TESTING_CERTIFICATES_H_
 
-namespace treeline::testing_certificates {
+namespace treeline::relocalizer::testing_certificates {
 
 // Signed the server's and the client's.
 inline constexpr char kAuthority[] = R"(-----BEGIN CERTIFICATE-----
@@ -70,6 +70,6 @@ FwS73SRS1IQGxDjFt3ki0Qw+PQWhRANCAAS8zPmbu5fKokHRae+5sqytjrw9RZys
 -----END PRIVATE KEY-----
 )";
 
-}  // namespace treeline::testing_certificates
+}  // namespace treeline::relocalizer::testing_certificates
 
 #endif  // CLIENT_RELOCALIZER_TESTING_CERTIFICATES_H_

@@ -9,7 +9,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 namespace {
 
 // Far more than servers accept in a header.
@@ -33,7 +33,8 @@ absl::StatusOr<std::string> CleanToken(absl::string_view text,
 }
 
 absl::StatusOr<std::string> ReadToken(const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxTokenBytes));
+  TL_ASSIGN_OR_RETURN(const std::string text,
+                      base::ReadFile(path, kMaxTokenBytes));
   return CleanToken(text, path);
 }
 
@@ -91,4 +92,4 @@ std::string TokenSource::Get() {
   return token_;
 }
 
-}  // namespace treeline
+}  // namespace treeline::relocalizer

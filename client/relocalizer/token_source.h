@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 
 // A token from a file, which whoever renews it replaces, or a fixed one.
 // Thread-safe.
@@ -50,6 +50,6 @@ class TokenSource {
   std::string token_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::relocalizer
 
 #endif  // CLIENT_RELOCALIZER_TOKEN_SOURCE_H_

@@ -10,7 +10,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::relocalizer {
 namespace {
 
 using ::testing::HasSubstr;
@@ -21,7 +21,7 @@ class TokenSourceTest : public testing::Test {
   void TearDown() override { std::filesystem::remove(path_); }
 
   void Put(const std::string& text) const {
-    ASSERT_TRUE(WriteFileAtomically(path_, text).ok());
+    ASSERT_TRUE(base::WriteFileAtomically(path_, text).ok());
   }
 
   const std::string path_ =
@@ -77,4 +77,4 @@ TEST_F(TokenSourceTest, ComesFromTheEnvironmentToo) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::relocalizer

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::base {
 
 // INVALID_ARGUMENT, "NAME is 3; it must be 0..1", unless low <= value <= high;
 // NaN is not.
@@ -17,6 +17,6 @@ inline absl::Status CheckRange(absl::string_view name, double value, double low,
       absl::StrCat(name, " is ", value, "; it must be ", low, "..", high));
 }
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_CHECK_RANGE_H_

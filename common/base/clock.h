@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-namespace treeline {
+namespace treeline::base {
 
 using MonotonicTime = std::chrono::steady_clock::time_point;
 
@@ -26,6 +26,6 @@ inline double MillisecondsBetween(MonotonicTime start, MonotonicTime end) {
   return std::chrono::duration<double, std::milli>(end - start).count();
 }
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_CLOCK_H_

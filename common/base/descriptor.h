@@ -4,7 +4,7 @@
 
 #include <unistd.h>
 
-namespace treeline {
+namespace treeline::base {
 
 // Owns what open() returned; negative: nothing.
 class Descriptor {
@@ -21,6 +21,6 @@ class Descriptor {
   const int fd_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_DESCRIPTOR_H_

@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 
-namespace treeline {
+namespace treeline::base {
 namespace {
 
 // Keys of the payloads of an absl::Status.
@@ -57,4 +57,4 @@ std::optional<std::chrono::milliseconds> RetryAfterOf(
   return std::chrono::milliseconds(milliseconds);
 }
 
-}  // namespace treeline
+}  // namespace treeline::base

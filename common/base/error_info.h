@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::base {
 
 // A stable reason and details, as google.rpc.ErrorInfo carries them; messages
 // may change, these do not. docs/service.md lists the reasons.
@@ -35,6 +35,6 @@ ErrorInfo ErrorInfoOf(const absl::Status& status);
 std::optional<std::chrono::milliseconds> RetryAfterOf(
     const absl::Status& status);
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_ERROR_INFO_H_

@@ -3,7 +3,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::base {
 namespace {
 
 using ::testing::ElementsAre;
@@ -41,4 +41,4 @@ TEST(ErrorInfo, RetryTimesAreKeptToTheMillisecond) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::base

@@ -15,7 +15,7 @@
 #include "common/base/descriptor.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::base {
 namespace {
 
 absl::Status SystemError(absl::string_view action, const std::string& path) {
@@ -173,4 +173,4 @@ MappedFile::~MappedFile() {
   if (data_ != nullptr) munmap(const_cast<uint8_t*>(data_), size_);
 }
 
-}  // namespace treeline
+}  // namespace treeline::base

@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::base {
 
 // The bytes of `path`. NOT_FOUND, PERMISSION_DENIED or UNAVAILABLE name the
 // path and the system's reason; RESOURCE_EXHAUSTED if it is longer than
@@ -54,6 +54,6 @@ class MappedFile {
   uint64_t size_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_FILE_H_

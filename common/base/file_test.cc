@@ -13,7 +13,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::base {
 namespace {
 
 using ::testing::HasSubstr;
@@ -198,4 +198,4 @@ TEST_F(FileTest, AMovedMappingKeepsItsBytes) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::base

@@ -5,7 +5,7 @@
 #include <csignal>
 #include <thread>
 
-namespace treeline {
+namespace treeline::base {
 
 std::stop_token StopOnInterrupt() {
   // A thread waits for the signals, so that the stop callbacks run outside
@@ -28,4 +28,4 @@ std::stop_token StopOnInterrupt() {
   return source.get_token();
 }
 
-}  // namespace treeline
+}  // namespace treeline::base

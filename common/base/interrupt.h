@@ -4,13 +4,13 @@
 
 #include <stop_token>
 
-namespace treeline {
+namespace treeline::base {
 
 // Installs handlers for SIGINT and SIGTERM and returns a token that they
 // request to stop. A second signal ends the process at once with the signal's
 // default action. Call once, from main(), before threads start.
 std::stop_token StopOnInterrupt();
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_INTERRUPT_H_

@@ -15,7 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 
-namespace treeline {
+namespace treeline::base {
 namespace {
 
 struct AddressListDeleter {
@@ -107,4 +107,4 @@ absl::Status TryBind(const ListenAddress& address) {
   return absl::OkStatus();
 }
 
-}  // namespace treeline
+}  // namespace treeline::base

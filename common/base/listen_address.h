@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::base {
 
 struct ListenAddress {
   // Without brackets.
@@ -30,6 +30,6 @@ bool IsLoopback(const ListenAddress& address);
 // address. OK if it can be bound.
 absl::Status TryBind(const ListenAddress& address);
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_LISTEN_ADDRESS_H_

@@ -7,7 +7,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_replace.h"
 
-namespace treeline {
+namespace treeline::base {
 namespace {
 
 size_t EditDistance(absl::string_view a, absl::string_view b) {
@@ -44,4 +44,4 @@ std::string NearestName(absl::string_view unknown,
   return nearest;
 }
 
-}  // namespace treeline
+}  // namespace treeline::base

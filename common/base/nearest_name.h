@@ -7,7 +7,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::base {
 
 // The one of `known` (in snake_case) that is nearest to `unknown`, by letters
 // changed, put in or left out; the earliest of several. Dashes, spaces and
@@ -15,6 +15,6 @@ namespace treeline {
 std::string NearestName(absl::string_view unknown,
                         std::span<const absl::string_view> known);
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_NEAREST_NAME_H_

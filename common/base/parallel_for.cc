@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace treeline {
+namespace treeline::base {
 
 int HardwareThreads() {
   cpu_set_t allowed;
@@ -31,4 +31,4 @@ void ParallelFor(int64_t count, int threads,
   work();
 }
 
-}  // namespace treeline
+}  // namespace treeline::base

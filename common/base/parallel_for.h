@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <functional>
 
-namespace treeline {
+namespace treeline::base {
 
 // Calls body(i) for every i in [0, count) on up to `threads` threads, the
 // calling one included. Indices are handed out one at a time in ascending
@@ -18,6 +18,6 @@ void ParallelFor(int64_t count, int threads,
 // The processors this process may run on, at least 1.
 int HardwareThreads();
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_PARALLEL_FOR_H_

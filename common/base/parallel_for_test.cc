@@ -14,7 +14,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::base {
 namespace {
 
 using ::testing::Each;
@@ -110,4 +110,4 @@ TEST(HardwareThreads, IsAtLeastOneAndAtMostTheMachines) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::base

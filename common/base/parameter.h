@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace treeline {
+namespace treeline::base {
 
 // Where a parameter's value comes from.
 enum class ParameterOrigin {
@@ -55,4 +55,4 @@ ParameterRow RowOf(const Parameter<T>& parameter) {
           parameter.why};
 }
 
-}  // namespace treeline
+}  // namespace treeline::base

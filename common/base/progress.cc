@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <utility>
 
-namespace treeline {
+namespace treeline::base {
 namespace {
 
 constexpr auto kTerminalInterval = std::chrono::milliseconds(100);
@@ -57,4 +57,4 @@ void Progress::Draw(MonotonicTime now, bool last) {
   std::fflush(stderr);
 }
 
-}  // namespace treeline
+}  // namespace treeline::base

@@ -9,7 +9,7 @@
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
 
-namespace treeline {
+namespace treeline::base {
 
 // Writes "label [#####.....] 52 %  12 s left" to standard error: redrawn in
 // place at most ten times a second on a terminal, one line every ten seconds
@@ -37,6 +37,6 @@ class Progress {
   MonotonicTime next_draw_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_PROGRESS_H_

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace treeline {
+namespace treeline::base {
 
 // SplitMix64's finaliser (Steele, Lea, Flood 2014): a bijection whose output
 // bits each depend on every input bit.
@@ -57,6 +57,6 @@ class Random {
   uint64_t state_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_RANDOM_H_

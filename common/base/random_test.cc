@@ -9,7 +9,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::base {
 namespace {
 
 TEST(MixBits, MatchesPublishedSplitMix64Outputs) {
@@ -156,4 +156,4 @@ TEST(Random, NeighbouringStreamsAreUncorrelated) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::base

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace treeline {
+namespace treeline::base {
 
 double Quantile(std::vector<double> values, double part) {
   if (values.empty()) return 0;
@@ -34,4 +34,4 @@ ErrorSummary Summarize(std::vector<double> errors) {
   return summary;
 }
 
-}  // namespace treeline
+}  // namespace treeline::base

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace treeline {
+namespace treeline::base {
 
 // The value that a share `part` in [0, 1] of `values` is at most, by nearest
 // rank: 0 is the smallest, 1 the largest. 0 if there is none.
@@ -20,6 +20,6 @@ struct ErrorSummary {
 };
 ErrorSummary Summarize(std::vector<double> errors);
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_SAMPLE_STATISTICS_H_

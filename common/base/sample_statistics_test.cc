@@ -2,7 +2,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::base {
 namespace {
 
 TEST(QuantileTest, IsAValueThatWasMeasured) {
@@ -27,4 +27,4 @@ TEST(ErrorSummaryTest, IsOfAllErrors) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::base

@@ -27,7 +27,7 @@
   if (!status_or.ok()) return std::move(status_or).status();         \
   declaration = *std::move(status_or)
 
-namespace treeline {
+namespace treeline::base {
 
 // The same error with `context` in front: "reading scene.json: ...".
 inline absl::Status Annotate(const absl::Status& status,
@@ -38,6 +38,6 @@ inline absl::Status Annotate(const absl::Status& status,
   return absl::Status(status.code(), message);
 }
 
-}  // namespace treeline
+}  // namespace treeline::base
 
 #endif  // COMMON_BASE_STATUS_MACROS_H_

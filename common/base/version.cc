@@ -1,7 +1,7 @@
 #include "common/base/version.h"
 
-namespace treeline {
+namespace treeline::base {
 
 const char* Version() { return TREELINE_VERSION; }
 
-}  // namespace treeline
+}  // namespace treeline::base

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::camera {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -18,8 +18,8 @@ Json CameraToJson(const Camera& camera) {
 }
 
 Json ToJson(const RgbdCalibration& calibration) {
-  const Rotation3& q = calibration.color_from_depth.rotation;
-  const Vec3& t = calibration.color_from_depth.translation;
+  const geometry::Rotation3& q = calibration.color_from_depth.rotation;
+  const geometry::Vec3& t = calibration.color_from_depth.translation;
   return {{"color", CameraToJson(calibration.color)},
           {"depth", CameraToJson(calibration.depth)},
           {"color_from_depth",
@@ -48,7 +48,7 @@ absl::StatusOr<RgbdCalibration> FromJson(const Json& json) {
   const Json& pose = json.at("color_from_depth");
   TL_ASSIGN_OR_RETURN(
       calibration.color_from_depth,
-      RigidFromQuaternion(
+      geometry::RigidFromQuaternion(
           pose.at("qw").get<double>(), pose.at("qx").get<double>(),
           pose.at("qy").get<double>(), pose.at("qz").get<double>(),
           {pose.at("tx_m").get<double>(), pose.at("ty_m").get<double>(),
@@ -83,4 +83,4 @@ absl::StatusOr<RgbdCalibration> CalibrationFromJson(absl::string_view json) {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::camera

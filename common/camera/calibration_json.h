@@ -9,7 +9,7 @@
 #include "absl/strings/string_view.h"
 #include "common/camera/rgbd_calibration.h"
 
-namespace treeline {
+namespace treeline::camera {
 
 // Cameras as Camera::ToString has them, quaternions and metres, and the pose's
 // sensor; numbers are exact.
@@ -17,6 +17,6 @@ std::string CalibrationToJson(const RgbdCalibration& calibration);
 // INVALID_ARGUMENT, naming the field, for anything malformed.
 absl::StatusOr<RgbdCalibration> CalibrationFromJson(absl::string_view json);
 
-}  // namespace treeline
+}  // namespace treeline::camera
 
 #endif  // COMMON_CAMERA_CALIBRATION_JSON_H_

@@ -4,22 +4,22 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::camera {
 namespace {
 
 TEST(CalibrationJsonTest, RoundTrips) {
   RgbdCalibration calibration;
   calibration.depth =
       *Camera::Parse("OPENCV,586,586,300,220,-0.05,0,0,0", 640, 480);
-  calibration.color_from_depth = {Rotation3::FromAxisAngle({0.1, 0.2, -0.3}),
-                                  {0.1, -0.2, 0.3}};
+  calibration.color_from_depth = {
+      geometry::Rotation3::FromAxisAngle({0.1, 0.2, -0.3}), {0.1, -0.2, 0.3}};
   calibration.depth_scale = 1.0123;
   const auto read = CalibrationFromJson(CalibrationToJson(calibration));
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_EQ(read->depth, calibration.depth);
   EXPECT_EQ(read->depth_scale, calibration.depth_scale);
-  EXPECT_LT(AngleBetween_rad(read->color_from_depth.rotation,
-                             calibration.color_from_depth.rotation),
+  EXPECT_LT(geometry::AngleBetween_rad(read->color_from_depth.rotation,
+                                       calibration.color_from_depth.rotation),
             1e-15);
 }
 
@@ -44,4 +44,4 @@ TEST(CalibrationJsonTest, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::camera

@@ -12,7 +12,7 @@
 #include "absl/strings/strip.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::camera {
 namespace {
 
 constexpr int kMaxSize_px = 16384;
@@ -364,7 +364,7 @@ absl::StatusOr<Camera> Camera::Parse(absl::string_view text, int width,
   };
   const absl::StatusOr<CameraModel> model =
       ParseCameraModel(absl::StripAsciiWhitespace(parts[0]));
-  if (!model.ok()) return Annotate(model.status(), context());
+  if (!model.ok()) return base::Annotate(model.status(), context());
   std::vector<double> parameters;
   for (size_t i = 1; i < parts.size(); ++i) {
     double value = 0;
@@ -377,7 +377,7 @@ absl::StatusOr<Camera> Camera::Parse(absl::string_view text, int width,
   absl::StatusOr<Camera> camera =
       Create(*model, width, height, parameters.data(),
              static_cast<int>(parameters.size()));
-  if (!camera.ok()) return Annotate(camera.status(), context());
+  if (!camera.ok()) return base::Annotate(camera.status(), context());
   return camera;
 }
 
@@ -391,7 +391,7 @@ std::string Camera::ToString() const {
   return text;
 }
 
-Pixel Camera::Project(Vec3 point_in_camera) const {
+Pixel Camera::Project(geometry::Vec3 point_in_camera) const {
   const Pixel ray = {point_in_camera.x / point_in_camera.z,
                      point_in_camera.y / point_in_camera.z};
   const Pixel distorted = has_distortion_ ? Distort(ray) : ray;
@@ -438,4 +438,4 @@ std::optional<Pixel> Camera::Undistort(Pixel distorted) const {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::camera

@@ -11,7 +11,7 @@
 #include "absl/strings/string_view.h"
 #include "common/geometry/vector3.h"
 
-namespace treeline {
+namespace treeline::camera {
 
 // A position in an image, in pixels: x to the right, y down, and the centre of
 // the top left pixel is (0, 0). (COLMAP puts it at (0.5, 0.5): its principal
@@ -78,7 +78,7 @@ class Camera {
   bool has_distortion() const { return has_distortion_; }
 
   // The image of a point in the camera frame (m). Meaningful for z > 0 only.
-  Pixel Project(Vec3 point_in_camera) const;
+  Pixel Project(geometry::Vec3 point_in_camera) const;
 
   // The ray through a pixel as (x/z, y/z) of its points. Distortion is
   // inverted by Newton iterations; nullopt where they do not converge (beyond
@@ -108,6 +108,6 @@ inline double MeanFocal_px(const Camera& camera) {
   return 0.5 * (camera.fx() + camera.fy());
 }
 
-}  // namespace treeline
+}  // namespace treeline::camera
 
 #endif  // COMMON_CAMERA_CAMERA_H_

@@ -7,7 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::camera {
 namespace {
 
 using ::testing::HasSubstr;
@@ -258,4 +258,4 @@ TEST(CameraTest, ModelNamesRoundTrip) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::camera

@@ -5,7 +5,7 @@
 #include "common/camera/camera.h"
 #include "common/geometry/rigid3.h"
 
-namespace treeline {
+namespace treeline::camera {
 
 // Which camera of an RGB-D pair a pose is of.
 enum class RgbdSensor { kColor, kDepth };
@@ -19,7 +19,7 @@ enum class RgbdSensor { kColor, kDepth };
 struct RgbdCalibration {
   Camera color;
   Camera depth;
-  Rigid3 color_from_depth;
+  geometry::Rigid3 color_from_depth;
   // World units per measured metre, in [0.5, 2]; see `treeline calibrate`.
   double depth_scale = 1;
   // Whose pose `world_from_camera` means for data with this calibration.
@@ -30,15 +30,15 @@ struct RgbdCalibration {
 
 // The pose of `wanted` given the pose of `given` at the same moment; both are
 // sensors of `calibration`.
-inline Rigid3 PoseOfSensor(const Rigid3& world_from_given, RgbdSensor given,
-                           RgbdSensor wanted,
-                           const RgbdCalibration& calibration) {
+inline geometry::Rigid3 PoseOfSensor(const geometry::Rigid3& world_from_given,
+                                     RgbdSensor given, RgbdSensor wanted,
+                                     const RgbdCalibration& calibration) {
   if (given == wanted) return world_from_given;
   return wanted == RgbdSensor::kDepth
              ? world_from_given * calibration.color_from_depth
              : world_from_given * calibration.color_from_depth.Inverse();
 }
 
-}  // namespace treeline
+}  // namespace treeline::camera
 
 #endif  // COMMON_CAMERA_RGBD_CALIBRATION_H_

@@ -10,7 +10,7 @@
 #include "common/base/interrupt.h"
 #include "common/base/version.h"
 
-namespace treeline {
+namespace treeline::cli {
 namespace {
 
 constexpr int kOk = 0;
@@ -83,14 +83,15 @@ int RunProgram(
     const ProgramText& text,
     const std::function<std::vector<Command>(CLI::App& app)>& add_commands,
     int argc, char** argv) {
-  const std::stop_token stop = StopOnInterrupt();
+  const std::stop_token stop = base::StopOnInterrupt();
   CLI::App app(text.description, text.name);
   app.formatter(std::make_shared<WrappingFormatter>());
   app.footer(absl::StrCat(
       "\n", text.name,
       " COMMAND --help explains a command and gives examples.\n\n"
       "Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted."));
-  app.set_version_flag("--version", absl::StrCat(text.name, " ", Version()));
+  app.set_version_flag("--version",
+                       absl::StrCat(text.name, " ", base::Version()));
   app.require_subcommand(1);
   const std::vector<Command> commands = add_commands(app);
   try {
@@ -108,4 +109,4 @@ int RunProgram(
   return kUsage;
 }
 
-}  // namespace treeline
+}  // namespace treeline::cli

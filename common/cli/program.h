@@ -14,7 +14,7 @@ namespace CLI {
 class App;
 }
 
-namespace treeline {
+namespace treeline::cli {
 
 // A subcommand adds its options to a CLI11 subcommand of `app` and returns
 // what to run if the user chose it. The options live in the returned closure.
@@ -36,6 +36,6 @@ int RunProgram(
     const std::function<std::vector<Command>(CLI::App& app)>& add_commands,
     int argc, char** argv);
 
-}  // namespace treeline
+}  // namespace treeline::cli
 
 #endif  // COMMON_CLI_PROGRAM_H_

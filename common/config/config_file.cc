@@ -10,7 +10,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::config {
 namespace {
 
 // Builds errors that start with the place.
@@ -144,8 +144,8 @@ absl::StatusOr<std::map<std::string, FileValue>> ParseConfigFile(
 absl::StatusOr<std::map<std::string, FileValue>> ReadConfigFile(
     const std::string& path, const std::vector<Setting>& settings) {
   TL_ASSIGN_OR_RETURN(const std::string text,
-                      ReadFile(path, kMaxConfigFileBytes));
+                      base::ReadFile(path, kMaxConfigFileBytes));
   return ParseConfigFile(text, path, settings);
 }
 
-}  // namespace treeline
+}  // namespace treeline::config

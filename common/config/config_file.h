@@ -10,7 +10,7 @@
 #include "absl/strings/string_view.h"
 #include "common/config/setting.h"
 
-namespace treeline {
+namespace treeline::config {
 
 // Files above this are not configurations.
 inline constexpr size_t kMaxConfigFileBytes = size_t{1} << 20;
@@ -36,6 +36,6 @@ absl::StatusOr<std::map<std::string, FileValue>> ParseConfigFile(
 absl::StatusOr<std::map<std::string, FileValue>> ReadConfigFile(
     const std::string& path, const std::vector<Setting>& settings);
 
-}  // namespace treeline
+}  // namespace treeline::config
 
 #endif  // COMMON_CONFIG_CONFIG_FILE_H_

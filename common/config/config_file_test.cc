@@ -7,7 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::config {
 namespace {
 
 using ::testing::HasSubstr;
@@ -115,4 +115,4 @@ TEST(ConfigFile, AMissingFileIsNamed) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::config

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 
-namespace treeline {
+namespace treeline::config {
 namespace {
 
 std::string Help(const Setting& setting) {
@@ -74,4 +74,4 @@ std::map<std::string, std::string> ConfigFlags::Given() const {
   return given;
 }
 
-}  // namespace treeline
+}  // namespace treeline::config

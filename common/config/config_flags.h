@@ -14,7 +14,7 @@ class App;
 class Option;
 }  // namespace CLI
 
-namespace treeline {
+namespace treeline::config {
 
 // One flag for each setting that is not a secret. The flags only collect text:
 // what it means is decided where the environment's is.
@@ -32,6 +32,6 @@ class ConfigFlags {
   std::vector<std::pair<Setting, CLI::Option*>> flags_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::config
 
 #endif  // COMMON_CONFIG_CONFIG_FLAGS_H_

@@ -13,7 +13,7 @@
 #include "common/config/effective_config.h"
 #include "common/config/setting.h"
 
-namespace treeline {
+namespace treeline::config {
 
 // Of a struct with defaults,
 //
@@ -64,6 +64,6 @@ class ConfigTable {
   std::vector<std::function<void(const ConfigValue&, Config&)>> setters_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::config
 
 #endif  // COMMON_CONFIG_CONFIG_TABLE_H_

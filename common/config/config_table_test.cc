@@ -9,7 +9,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::config {
 namespace {
 
 using ::testing::ElementsAre;
@@ -102,4 +102,4 @@ TEST(ConfigFlags, HelpIsMadeOfTheTable) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::config

@@ -10,7 +10,7 @@
 #include "absl/strings/string_view.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::config {
 namespace {
 
 // How a value can be given, for whoever did not.
@@ -57,14 +57,14 @@ absl::StatusOr<EffectiveConfig> ResolveConfig(
         in != sources.environment.end()) {
       const std::string origin = absl::StrCat("environment ", variable);
       auto value = ParseValue(setting, in->second);
-      if (!value.ok()) return Annotate(value.status(), origin);
+      if (!value.ok()) return base::Annotate(value.status(), origin);
       effective = {*std::move(value), origin};
     }
     if (const auto in = sources.flags.find(setting.name);
         in != sources.flags.end()) {
       const std::string origin = absl::StrCat("flag ", FlagName(setting));
       auto value = ParseValue(setting, in->second);
-      if (!value.ok()) return Annotate(value.status(), origin);
+      if (!value.ok()) return base::Annotate(value.status(), origin);
       effective = {*std::move(value), origin};
     }
     if (setting.required && effective.value == ConfigValue(std::string())) {
@@ -127,4 +127,4 @@ std::vector<std::string> ChangedSettings(const std::vector<Setting>& settings,
   return changed;
 }
 
-}  // namespace treeline
+}  // namespace treeline::config

@@ -11,7 +11,7 @@
 #include "common/config/config_file.h"
 #include "common/config/setting.h"
 
-namespace treeline {
+namespace treeline::config {
 
 struct EffectiveValue {
   ConfigValue value = false;
@@ -60,6 +60,6 @@ std::vector<std::string> ChangedSettings(const std::vector<Setting>& settings,
                                          const EffectiveConfig& before,
                                          const EffectiveConfig& after);
 
-}  // namespace treeline
+}  // namespace treeline::config
 
 #endif  // COMMON_CONFIG_EFFECTIVE_CONFIG_H_

@@ -9,7 +9,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::config {
 namespace {
 
 using ::testing::ElementsAre;
@@ -131,4 +131,4 @@ TEST_F(EffectiveConfigTest, ChangesAreNamed) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::config

@@ -16,7 +16,7 @@
 #include "common/base/nearest_name.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::config {
 namespace {
 
 // The digits that read back as the same number, and no more.
@@ -165,7 +165,7 @@ absl::Status CheckValue(const Setting& setting, const ConfigValue& value) {
     }
   }
   if (!setting.check) return absl::OkStatus();
-  return Annotate(setting.check(value), setting.name);
+  return base::Annotate(setting.check(value), setting.name);
 }
 
 std::string ToYaml(const ConfigValue& value) {
@@ -240,4 +240,4 @@ std::string NearestName(const std::vector<Setting>& settings,
   return NearestName(unknown, names);
 }
 
-}  // namespace treeline
+}  // namespace treeline::config

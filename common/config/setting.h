@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::config {
 
 using ConfigValue =
     std::variant<bool, int64_t, double, std::string, std::vector<std::string>>;
@@ -86,6 +86,6 @@ const Setting* FindSetting(const std::vector<Setting>& settings,
 std::string NearestName(const std::vector<Setting>& settings,
                         absl::string_view unknown);
 
-}  // namespace treeline
+}  // namespace treeline::config
 
 #endif  // COMMON_CONFIG_SETTING_H_

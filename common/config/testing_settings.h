@@ -7,7 +7,7 @@
 
 #include "common/config/config_table.h"
 
-namespace treeline {
+namespace treeline::config {
 
 struct TestOptions {
   std::string models;
@@ -48,6 +48,6 @@ inline ConfigTable<TestOptions> TestTable() {
   return table;
 }
 
-}  // namespace treeline
+}  // namespace treeline::config
 
 #endif  // COMMON_CONFIG_TESTING_SETTINGS_H_

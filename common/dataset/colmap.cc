@@ -15,7 +15,7 @@
 #include "common/dataset/colmap_builder.h"
 #include "common/dataset/text_lines.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 namespace fs = std::filesystem;
@@ -32,7 +32,8 @@ absl::StatusOr<std::optional<ColmapFile>> FindFile(const std::string& folder,
         absl::StrCat(folder, "/", name, binary ? ".bin" : ".txt");
     std::error_code error;
     if (!fs::is_regular_file(path, error)) continue;
-    TL_ASSIGN_OR_RETURN(std::string bytes, ReadFile(path, kMaxModelBytes));
+    TL_ASSIGN_OR_RETURN(std::string bytes,
+                        base::ReadFile(path, kMaxModelBytes));
     return ColmapFile{std::move(path), std::move(bytes), binary};
   }
   return std::nullopt;
@@ -46,27 +47,28 @@ absl::Status ColmapPlace::Error(absl::string_view what) const {
                    : absl::StrCat(file->path, ":", at, ": ", what));
 }
 
-ColmapBuilder::ColmapBuilder(const std::optional<Camera>& camera,
+ColmapBuilder::ColmapBuilder(const std::optional<camera::Camera>& camera,
                              bool has_points)
     : one_camera_(camera.has_value()), has_points_(has_points) {
   if (camera) model_.cameras.push_back(*camera);
 }
 
 absl::Status ColmapBuilder::AddCamera(const ColmapPlace& place, uint32_t id,
-                                      CameraModel model, uint64_t width,
+                                      camera::CameraModel model, uint64_t width,
                                       uint64_t height,
                                       std::span<const double> parameters) {
   std::vector<double> ours(parameters.begin(), parameters.end());
-  const size_t cx = static_cast<size_t>(CameraPrincipalPointIndex(model));
+  const size_t cx =
+      static_cast<size_t>(camera::CameraPrincipalPointIndex(model));
   for (size_t i = cx; i < std::min(cx + 2, ours.size()); ++i) {
     ours[i] -= kPixelShift_px;
   }
   const auto size = [](uint64_t pixels) {
     return static_cast<int>(std::min(pixels, kLargestSize_px));
   };
-  const absl::StatusOr<Camera> camera =
-      Camera::Create(model, size(width), size(height), ours.data(),
-                     static_cast<int>(ours.size()));
+  const absl::StatusOr<camera::Camera> camera =
+      camera::Camera::Create(model, size(width), size(height), ours.data(),
+                             static_cast<int>(ours.size()));
   if (!camera.ok()) return place.Error(camera.status().message());
   if (!camera_of_id_.emplace(id, static_cast<int32_t>(model_.cameras.size()))
            .second) {
@@ -77,9 +79,9 @@ absl::Status ColmapBuilder::AddCamera(const ColmapPlace& place, uint32_t id,
 }
 
 absl::Status ColmapBuilder::AddPoint(const ColmapPlace& place, uint64_t id,
-                                     Vec3 position,
+                                     geometry::Vec3 position,
                                      std::span<const TrackElement> track) {
-  if (!IsFinite(position)) {
+  if (!geometry::IsFinite(position)) {
     return place.Error(
         absl::StrCat("the position of point ", id, " is not finite"));
   }
@@ -104,8 +106,9 @@ absl::Status ColmapBuilder::AddImage(
   }
   SfmModel::Image image;
   image.name = std::string(name);
-  const absl::StatusOr<Rigid3> camera_from_world = RigidFromQuaternion(
-      pose[0], pose[1], pose[2], pose[3], {pose[4], pose[5], pose[6]});
+  const absl::StatusOr<geometry::Rigid3> camera_from_world =
+      geometry::RigidFromQuaternion(pose[0], pose[1], pose[2], pose[3],
+                                    {pose[4], pose[5], pose[6]});
   if (!camera_from_world.ok()) {
     return place.Error(camera_from_world.status().message());
   }
@@ -194,8 +197,8 @@ absl::StatusOr<SfmModel> ParseColmap(const ColmapFiles& files) {
   return builder.Finish();
 }
 
-absl::StatusOr<SfmModel> ReadColmap(const std::string& folder,
-                                    const std::optional<Camera>& camera) {
+absl::StatusOr<SfmModel> ReadColmap(
+    const std::string& folder, const std::optional<camera::Camera>& camera) {
   ColmapFiles files;
   TL_ASSIGN_OR_RETURN(std::optional<ColmapFile> images,
                       FindFile(folder, "images"));
@@ -223,4 +226,4 @@ absl::StatusOr<SfmModel> ReadColmap(const std::string& folder,
   return ParseColmap(files);
 }
 
-}  // namespace treeline
+}  // namespace treeline::dataset

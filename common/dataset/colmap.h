@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "common/dataset/sfm_model.h"
 
-namespace treeline {
+namespace treeline::dataset {
 
 // One file of a model, in memory.
 struct ColmapFile {
@@ -26,7 +26,7 @@ struct ColmapFiles {
   std::optional<ColmapFile> cameras;
   // Absent: keypoints have no points.
   std::optional<ColmapFile> points;
-  std::optional<Camera> camera;
+  std::optional<camera::Camera> camera;
 };
 
 // INVALID_ARGUMENT, with the file and the line or byte, for what is malformed:
@@ -43,9 +43,9 @@ absl::StatusOr<SfmModel> ParseColmap(const ColmapFiles& files);
 // looked for in ../sparse, ../sparse/0 and .. . If `camera` is given it is
 // taken for every image, and no cameras file is read. NOT_FOUND if there are no
 // images or no cameras; errors of ParseColmap.
-absl::StatusOr<SfmModel> ReadColmap(const std::string& folder,
-                                    const std::optional<Camera>& camera);
+absl::StatusOr<SfmModel> ReadColmap(
+    const std::string& folder, const std::optional<camera::Camera>& camera);
 
-}  // namespace treeline
+}  // namespace treeline::dataset
 
 #endif  // COMMON_DATASET_COLMAP_H_

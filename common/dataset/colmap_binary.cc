@@ -11,23 +11,24 @@
 #include "common/base/status_macros.h"
 #include "common/dataset/colmap_builder.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
 // COLMAP's numbers of its camera models.
-constexpr CameraModel kModels[] = {CameraModel::kSimplePinhole,
-                                   CameraModel::kPinhole,
-                                   CameraModel::kSimpleRadial,
-                                   CameraModel::kRadial,
-                                   CameraModel::kOpenCv,
-                                   CameraModel::kOpenCvFisheye,
-                                   CameraModel::kFullOpenCv,
-                                   CameraModel::kFov,
-                                   CameraModel::kSimpleRadialFisheye,
-                                   CameraModel::kRadialFisheye,
-                                   CameraModel::kThinPrismFisheye};
+constexpr camera::CameraModel kModels[] = {
+    camera::CameraModel::kSimplePinhole,
+    camera::CameraModel::kPinhole,
+    camera::CameraModel::kSimpleRadial,
+    camera::CameraModel::kRadial,
+    camera::CameraModel::kOpenCv,
+    camera::CameraModel::kOpenCvFisheye,
+    camera::CameraModel::kFullOpenCv,
+    camera::CameraModel::kFov,
+    camera::CameraModel::kSimpleRadialFisheye,
+    camera::CameraModel::kRadialFisheye,
+    camera::CameraModel::kThinPrismFisheye};
 
 // The least bytes that a record takes.
 constexpr uint64_t kCameraBytes = 4 + 4 + 8 + 8;
@@ -107,9 +108,9 @@ absl::Status ReadCamera(ByteReader& reader, ColmapBuilder& builder) {
     return place.Error(absl::StrCat("camera ", id, " has model number ", model,
                                     ", which is not known"));
   }
-  const CameraModel known = kModels[model];
+  const camera::CameraModel known = kModels[model];
   std::vector<double> parameters(
-      static_cast<size_t>(CameraParameterCount(known)));
+      static_cast<size_t>(camera::CameraParameterCount(known)));
   for (double& parameter : parameters) {
     TL_RETURN_IF_ERROR(reader.Read(parameter));
   }
@@ -140,7 +141,7 @@ absl::Status ReadImage(ByteReader& reader, ColmapBuilder& builder) {
 absl::Status ReadPoint(ByteReader& reader, ColmapBuilder& builder) {
   const ColmapPlace place = reader.place();
   uint64_t id = 0;
-  Vec3 position;
+  geometry::Vec3 position;
   uint64_t count = 0;
   TL_RETURN_IF_ERROR(reader.Read(id));
   TL_RETURN_IF_ERROR(reader.Read(position.x));
@@ -185,4 +186,4 @@ absl::Status ReadPointsBinary(const ColmapFile& file, ColmapBuilder& builder) {
   return ReadRecords(file, "points", kPointBytes, ReadPoint, builder);
 }
 
-}  // namespace treeline
+}  // namespace treeline::dataset

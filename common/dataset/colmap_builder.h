@@ -13,7 +13,7 @@
 #include "absl/strings/string_view.h"
 #include "common/dataset/colmap.h"
 
-namespace treeline {
+namespace treeline::dataset {
 
 // A line of a text file, or a byte of a binary one.
 struct ColmapPlace {
@@ -41,12 +41,13 @@ class ColmapBuilder {
 
   // `camera`: every image's, whatever its camera id. has_points: whether
   // there is a points file; if not, point ids mean nothing.
-  ColmapBuilder(const std::optional<Camera>& camera, bool has_points);
+  ColmapBuilder(const std::optional<camera::Camera>& camera, bool has_points);
 
   absl::Status AddCamera(const ColmapPlace& place, uint32_t id,
-                         CameraModel model, uint64_t width, uint64_t height,
-                         std::span<const double> parameters);
-  absl::Status AddPoint(const ColmapPlace& place, uint64_t id, Vec3 position,
+                         camera::CameraModel model, uint64_t width,
+                         uint64_t height, std::span<const double> parameters);
+  absl::Status AddPoint(const ColmapPlace& place, uint64_t id,
+                        geometry::Vec3 position,
                         std::span<const TrackElement> track);
   // pose: qw qx qy qz tx ty tz, camera_from_world.
   absl::Status AddImage(const ColmapPlace& place, uint32_t id,
@@ -80,6 +81,6 @@ absl::Status ReadCamerasBinary(const ColmapFile& file, ColmapBuilder& builder);
 absl::Status ReadImagesBinary(const ColmapFile& file, ColmapBuilder& builder);
 absl::Status ReadPointsBinary(const ColmapFile& file, ColmapBuilder& builder);
 
-}  // namespace treeline
+}  // namespace treeline::dataset
 
 #endif  // COMMON_DATASET_COLMAP_BUILDER_H_

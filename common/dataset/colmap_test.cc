@@ -12,7 +12,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 using ::testing::HasSubstr;
@@ -114,8 +114,9 @@ void ExpectIsTheModel(const absl::StatusOr<SfmModel>& model) {
   const SfmModel::Image& image = model->images[0];
   EXPECT_EQ(image.name, "left wing/b 1.jpg");
   EXPECT_EQ(image.camera, 1);
-  EXPECT_EQ(image.camera_from_world.translation, (Vec3{1, 2, 3}));
-  const Vec3 turned = image.camera_from_world.rotation * Vec3{0, 0, 1};
+  EXPECT_EQ(image.camera_from_world.translation, (geometry::Vec3{1, 2, 3}));
+  const geometry::Vec3 turned =
+      image.camera_from_world.rotation * geometry::Vec3{0, 0, 1};
   EXPECT_NEAR(turned.z, -1, 1e-12);
   ASSERT_EQ(image.keypoints.size(), 3u);
   EXPECT_EQ(image.keypoints[0].pixel.x, 10);
@@ -126,7 +127,7 @@ void ExpectIsTheModel(const absl::StatusOr<SfmModel>& model) {
   EXPECT_TRUE(model->images[1].keypoints.empty());
   EXPECT_EQ(model->images[2].keypoints[0].point, 0);
   ASSERT_EQ(model->points.size(), 2u);
-  EXPECT_EQ(model->points[1].position_in_world, (Vec3{-4, 0.5, 6}));
+  EXPECT_EQ(model->points[1].position_in_world, (geometry::Vec3{-4, 0.5, 6}));
   EXPECT_EQ(model->points[0].track_length, 2);
 }
 
@@ -177,11 +178,11 @@ TEST(ColmapTest, WithoutPointsKeypointsHaveNone) {
 TEST(ColmapTest, AGivenCameraIsEveryImages) {
   ColmapFiles files = TextModel();
   files.cameras.reset();
-  files.camera = Camera();
+  files.camera = camera::Camera();
   const auto model = ParseColmap(files);
   ASSERT_TRUE(model.ok()) << model.status();
   ASSERT_EQ(model->cameras.size(), 1u);
-  EXPECT_EQ(model->cameras[0], Camera());
+  EXPECT_EQ(model->cameras[0], camera::Camera());
   EXPECT_EQ(model->images[0].camera, 0);
 }
 
@@ -289,4 +290,4 @@ TEST(ColmapTest, CamerasAreFoundBesideAFolderThatHasNone) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::dataset

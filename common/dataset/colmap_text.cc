@@ -14,7 +14,7 @@
 #include "common/dataset/colmap_builder.h"
 #include "common/dataset/text_lines.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 using Words = std::vector<absl::string_view>;
@@ -121,8 +121,8 @@ absl::Status ReadCamerasText(const ColmapFile& file, ColmapBuilder& builder) {
     uint64_t width = 0;
     uint64_t height = 0;
     TL_RETURN_IF_ERROR(ParseWhole(place, words[0], id));
-    const absl::StatusOr<CameraModel> model =
-        ParseCameraModel(absl::CHexEscape(words[1].substr(0, 64)));
+    const absl::StatusOr<camera::CameraModel> model =
+        camera::ParseCameraModel(absl::CHexEscape(words[1].substr(0, 64)));
     if (!model.ok()) return place.Error(model.status().message());
     TL_RETURN_IF_ERROR(ParseWhole(place, words[2], width));
     TL_RETURN_IF_ERROR(ParseWhole(place, words[3], height));
@@ -194,4 +194,4 @@ absl::Status ReadPointsText(const ColmapFile& file, ColmapBuilder& builder) {
   return absl::OkStatus();
 }
 
-}  // namespace treeline
+}  // namespace treeline::dataset

@@ -15,7 +15,7 @@
 #include "common/dataset/dataset_index.h"
 #include "common/image/decode.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 constexpr uint64_t kMaxTextBytes = 256u << 20;
@@ -105,7 +105,8 @@ absl::Status CheckNumbers(const DatasetOptions& options) {
 // gives for them, if any.
 absl::StatusOr<std::optional<double>> ApplyPoseFile(
     const std::string& file, std::vector<DatasetFrame>& frames) {
-  TL_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxTextBytes));
+  TL_ASSIGN_OR_RETURN(const std::string text,
+                      base::ReadFile(file, kMaxTextBytes));
   TL_ASSIGN_OR_RETURN(const std::vector<StemPose> poses,
                       ParseStemPoses(text, file));
   std::unordered_map<std::string, const StemPose*> pose_of;
@@ -139,65 +140,69 @@ absl::StatusOr<std::optional<double>> ApplyPoseFile(
   return median_px;
 }
 
-absl::StatusOr<ImageSize> ReadSizeOf(const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path, kMaxImageBytes));
-  const absl::StatusOr<ImageSize> size = ReadImageSize(bytes);
-  if (!size.ok()) return Annotate(size.status(), path);
+absl::StatusOr<image::ImageSize> ReadSizeOf(const std::string& path) {
+  TL_ASSIGN_OR_RETURN(const std::string bytes,
+                      base::ReadFile(path, kMaxImageBytes));
+  const absl::StatusOr<image::ImageSize> size = image::ReadImageSize(bytes);
+  if (!size.ok()) return base::Annotate(size.status(), path);
   return size;
 }
 
 // The camera from `option`, or the format's default, which holds for one image
 // size only.
-absl::StatusOr<Camera> ChooseCamera(absl::string_view name,
-                                    const std::string& option,
-                                    const std::string& default_camera,
-                                    const DatasetIndex& index, ImageSize size,
-                                    const std::string& uri) {
+absl::StatusOr<camera::Camera> ChooseCamera(absl::string_view name,
+                                            const std::string& option,
+                                            const std::string& default_camera,
+                                            const DatasetIndex& index,
+                                            image::ImageSize size,
+                                            const std::string& uri) {
   if (option.empty() &&
-      size != ImageSize{index.default_width, index.default_height}) {
+      size != image::ImageSize{index.default_width, index.default_height}) {
     return absl::InvalidArgumentError(
         absl::StrCat(uri, ": images are ", size.width, " x ", size.height,
                      " pixels, but the default ", name, " camera is for ",
                      index.default_width, " x ", index.default_height,
                      "; give the ", name, " camera"));
   }
-  return Camera::Parse(option.empty() ? default_camera : option, size.width,
-                       size.height);
+  return camera::Camera::Parse(option.empty() ? default_camera : option,
+                               size.width, size.height);
 }
 
-absl::StatusOr<Camera> WithFocalLength(const Camera& camera, double focal_px) {
-  std::array<double, Camera::kMaxParameters> parameters = camera.parameters();
+absl::StatusOr<camera::Camera> WithFocalLength(const camera::Camera& camera,
+                                               double focal_px) {
+  std::array<double, camera::Camera::kMaxParameters> parameters =
+      camera.parameters();
   parameters[0] = focal_px;
   parameters[1] = focal_px;  // The defaults all have fx and fy.
-  return Camera::Create(camera.model(), camera.width(), camera.height(),
-                        parameters.data(),
-                        CameraParameterCount(camera.model()));
+  return camera::Camera::Create(camera.model(), camera.width(), camera.height(),
+                                parameters.data(),
+                                camera::CameraParameterCount(camera.model()));
 }
 
 // That of a format which knows its cameras, with what the options replace.
-absl::StatusOr<RgbdCalibration> GivenCalibration(const DatasetOptions& options,
-                                                 const DatasetIndex& index) {
-  RgbdCalibration calibration = *index.calibration;
+absl::StatusOr<camera::RgbdCalibration> GivenCalibration(
+    const DatasetOptions& options, const DatasetIndex& index) {
+  camera::RgbdCalibration calibration = *index.calibration;
   if (index.structure != nullptr) return calibration;
   if (!options.pose_file.empty()) {
-    calibration.pose_sensor = RgbdSensor::kColor;
+    calibration.pose_sensor = camera::RgbdSensor::kColor;
   }
   for (auto [option, camera] :
        {std::pair(&options.color_camera, &calibration.color),
         std::pair(&options.depth_camera, &calibration.depth)}) {
     if (option->empty()) continue;
-    TL_ASSIGN_OR_RETURN(
-        *camera, Camera::Parse(*option, camera->width(), camera->height()));
+    TL_ASSIGN_OR_RETURN(*camera, camera::Camera::Parse(*option, camera->width(),
+                                                       camera->height()));
   }
   return calibration;
 }
 
-absl::StatusOr<RgbdCalibration> ChooseCalibration(
+absl::StatusOr<camera::RgbdCalibration> ChooseCalibration(
     const DatasetOptions& options, const DatasetIndex& index,
     std::optional<double> focal_length_px) {
   if (index.calibration) return GivenCalibration(options, index);
-  RgbdCalibration calibration;
-  TL_ASSIGN_OR_RETURN(const ImageSize color_size,
+  camera::RgbdCalibration calibration;
+  TL_ASSIGN_OR_RETURN(const image::ImageSize color_size,
                       ReadSizeOf(index.frames[0].color_path));
   TL_ASSIGN_OR_RETURN(
       calibration.color,
@@ -207,8 +212,9 @@ absl::StatusOr<RgbdCalibration> ChooseCalibration(
     TL_ASSIGN_OR_RETURN(calibration.color,
                         WithFocalLength(calibration.color, *focal_length_px));
   }
-  calibration.pose_sensor =
-      options.pose_file.empty() ? index.pose_sensor : RgbdSensor::kColor;
+  calibration.pose_sensor = options.pose_file.empty()
+                                ? index.pose_sensor
+                                : camera::RgbdSensor::kColor;
   if (index.depth_camera.empty()) {
     if (!options.depth_camera.empty()) {
       return absl::InvalidArgumentError(absl::StrCat(
@@ -222,7 +228,7 @@ absl::StatusOr<RgbdCalibration> ChooseCalibration(
   const auto with_depth = std::find_if(
       index.frames.begin(), index.frames.end(),
       [](const DatasetFrame& frame) { return !frame.depth_path.empty(); });
-  ImageSize depth_size{index.default_width, index.default_height};
+  image::ImageSize depth_size{index.default_width, index.default_height};
   if (with_depth != index.frames.end()) {
     TL_ASSIGN_OR_RETURN(depth_size, ReadSizeOf(with_depth->depth_path));
   }
@@ -234,7 +240,7 @@ absl::StatusOr<RgbdCalibration> ChooseCalibration(
 }
 
 absl::Status CheckSameSize(absl::string_view name, int width, int height,
-                           const Camera& camera) {
+                           const camera::Camera& camera) {
   if (width == camera.width() && height == camera.height()) {
     return absl::OkStatus();
   }
@@ -243,17 +249,19 @@ absl::Status CheckSameSize(absl::string_view name, int width, int height,
       " camera has ", camera.width(), " x ", camera.height()));
 }
 
-absl::StatusOr<ColorImage> DecodeColorOf(const Camera& camera,
-                                         const std::string& bytes) {
-  TL_ASSIGN_OR_RETURN(ColorImage image, DecodeColor(bytes));
+absl::StatusOr<image::ColorImage> DecodeColorOf(const camera::Camera& camera,
+                                                const std::string& bytes) {
+  TL_ASSIGN_OR_RETURN(image::ColorImage image, image::DecodeColor(bytes));
   TL_RETURN_IF_ERROR(
       CheckSameSize("colour", image.width, image.height, camera));
   return image;
 }
 
-absl::StatusOr<DepthImage> DecodeDepthOf(const Camera& camera, double unit_m,
-                                         const std::string& bytes) {
-  TL_ASSIGN_OR_RETURN(DepthImage image, DecodeDepthPng(bytes, unit_m));
+absl::StatusOr<image::DepthImage> DecodeDepthOf(const camera::Camera& camera,
+                                                double unit_m,
+                                                const std::string& bytes) {
+  TL_ASSIGN_OR_RETURN(image::DepthImage image,
+                      image::DecodeDepthPng(bytes, unit_m));
   TL_RETURN_IF_ERROR(CheckSameSize("depth", image.width, image.height, camera));
   return image;
 }
@@ -279,7 +287,7 @@ absl::StatusOr<Dataset> Dataset::Open(const DatasetOptions& options) {
   if (!options.frame_list.empty()) {
     request.frame_list = options.frame_list;
     TL_ASSIGN_OR_RETURN(const std::string text,
-                        ReadFile(options.frame_list, kMaxTextBytes));
+                        base::ReadFile(options.frame_list, kMaxTextBytes));
     TL_ASSIGN_OR_RETURN(request.stems,
                         ParseFrameList(text, options.frame_list));
   }
@@ -321,41 +329,41 @@ absl::StatusOr<Dataset::Encoded> Dataset::ReadEncoded(int i) const {
   Encoded encoded;
   encoded.color_camera = frame(i).color_camera;
   TL_ASSIGN_OR_RETURN(encoded.color,
-                      ReadFile(frame(i).color_path, kMaxImageBytes));
+                      base::ReadFile(frame(i).color_path, kMaxImageBytes));
   if (!frame(i).depth_path.empty()) {
     TL_ASSIGN_OR_RETURN(encoded.depth,
-                        ReadFile(frame(i).depth_path, kMaxImageBytes));
+                        base::ReadFile(frame(i).depth_path, kMaxImageBytes));
   }
   return encoded;
 }
 
-std::optional<RgbdCalibration> Dataset::CalibrationOf(
+std::optional<camera::RgbdCalibration> Dataset::CalibrationOf(
     const Encoded& encoded) const {
   if (!encoded.color_camera) return std::nullopt;
-  RgbdCalibration calibration = calibration_;
+  camera::RgbdCalibration calibration = calibration_;
   calibration.color = calibration.depth = *encoded.color_camera;
   return calibration;
 }
 
-absl::StatusOr<Frame> Dataset::Load(int i) const {
+absl::StatusOr<image::Frame> Dataset::Load(int i) const {
   TL_ASSIGN_OR_RETURN(const Encoded encoded, ReadEncoded(i));
-  absl::StatusOr<ColorImage> color = DecodeColorOf(
+  absl::StatusOr<image::ColorImage> color = DecodeColorOf(
       encoded.color_camera.value_or(calibration_.color), encoded.color);
-  if (!color.ok()) return Annotate(color.status(), frame(i).color_path);
-  Frame result;
+  if (!color.ok()) return base::Annotate(color.status(), frame(i).color_path);
+  image::Frame result;
   result.calibration = CalibrationOf(encoded);
   result.color = *std::move(color);
   if (!frame(i).depth_path.empty()) {
-    absl::StatusOr<DepthImage> depth =
+    absl::StatusOr<image::DepthImage> depth =
         DecodeDepthOf(calibration_.depth, depth_unit_m_, encoded.depth);
-    if (!depth.ok()) return Annotate(depth.status(), frame(i).depth_path);
+    if (!depth.ok()) return base::Annotate(depth.status(), frame(i).depth_path);
     result.depth = *std::move(depth);
   }
   return result;
 }
 
-absl::StatusOr<Frame> Dataset::Decode(const Encoded& encoded) const {
-  Frame result;
+absl::StatusOr<image::Frame> Dataset::Decode(const Encoded& encoded) const {
+  image::Frame result;
   result.calibration = CalibrationOf(encoded);
   TL_ASSIGN_OR_RETURN(
       result.color,
@@ -369,4 +377,4 @@ absl::StatusOr<Frame> Dataset::Decode(const Encoded& encoded) const {
   return result;
 }
 
-}  // namespace treeline
+}  // namespace treeline::dataset

@@ -13,7 +13,7 @@
 #include "common/dataset/sfm_model.h"
 #include "common/image/frame.h"
 
-namespace treeline {
+namespace treeline::dataset {
 
 // What to read, from the command line. Empty strings: the format's default.
 // (The braces let designated initialisers leave members out without a warning.)
@@ -48,9 +48,9 @@ struct DatasetFrame {
   std::string color_path;
   std::string depth_path;  // empty: the frame has no depth
   // Pose of calibration().pose_sensor; nullopt: not known at this moment.
-  std::optional<Rigid3> world_from_camera;
+  std::optional<geometry::Rigid3> world_from_camera;
   // The colour camera, where each frame has its own; else calibration().color.
-  std::optional<Camera> color_camera;
+  std::optional<camera::Camera> color_camera;
   // This frame among structure()->images; -1: none.
   int structure_image = -1;
 };
@@ -73,7 +73,7 @@ class Dataset {
   const std::string& uri() const { return uri_; }
   // As given by the options or the format's default; color_from_depth is the
   // identity where the format leaves it unknown (7-Scenes).
-  const RgbdCalibration& calibration() const { return calibration_; }
+  const camera::RgbdCalibration& calibration() const { return calibration_; }
   // Whether depth pixel (x, y) already sees what colour pixel (x, y) sees
   // (TUM); false for 7-Scenes.
   bool depth_is_registered() const { return depth_is_registered_; }
@@ -89,8 +89,8 @@ class Dataset {
   // The encoded files of frame i: what a client would send.
   struct Encoded {
     std::string color;
-    std::string depth;                   // empty: none
-    std::optional<Camera> color_camera;  // DatasetFrame::color_camera
+    std::string depth;                           // empty: none
+    std::optional<camera::Camera> color_camera;  // DatasetFrame::color_camera
   };
   absl::StatusOr<Encoded> ReadEncoded(int i) const;
 
@@ -98,21 +98,22 @@ class Dataset {
   // the frame has a camera of its own.
   // INVALID_ARGUMENT, with the file, for images that do not decode or whose
   // size is not that of the calibration.
-  absl::StatusOr<Frame> Load(int i) const;
-  absl::StatusOr<Frame> Decode(const Encoded& encoded) const;
+  absl::StatusOr<image::Frame> Load(int i) const;
+  absl::StatusOr<image::Frame> Decode(const Encoded& encoded) const;
 
  private:
-  std::optional<RgbdCalibration> CalibrationOf(const Encoded& encoded) const;
+  std::optional<camera::RgbdCalibration> CalibrationOf(
+      const Encoded& encoded) const;
 
   std::string uri_;
   std::vector<DatasetFrame> frames_;
-  RgbdCalibration calibration_;
+  camera::RgbdCalibration calibration_;
   bool depth_is_registered_ = false;
   double depth_unit_m_ = 0.001;
   bool units_are_metres_ = true;
   std::shared_ptr<const SfmModel> structure_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::dataset
 
 #endif  // COMMON_DATASET_DATASET_H_

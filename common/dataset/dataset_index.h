@@ -11,7 +11,7 @@
 #include "common/dataset/dataset.h"
 #include "common/dataset/text_formats.h"
 
-namespace treeline {
+namespace treeline::dataset {
 
 struct DatasetIndex {
   std::vector<DatasetFrame> frames;
@@ -21,10 +21,10 @@ struct DatasetIndex {
   int default_width = 640;
   int default_height = 480;
   double depth_unit_m = 0.001;
-  RgbdSensor pose_sensor = RgbdSensor::kColor;
+  camera::RgbdSensor pose_sensor = camera::RgbdSensor::kColor;
   // Where the format knows its cameras itself: in place of all of the above
   // but the depth unit.
-  std::optional<RgbdCalibration> calibration;
+  std::optional<camera::RgbdCalibration> calibration;
   bool units_are_metres = true;
   std::shared_ptr<const SfmModel> structure;
 };
@@ -70,6 +70,6 @@ absl::StatusOr<DatasetIndex> IndexNvm(const IndexRequest& request);
 absl::Status StemNotFound(const IndexRequest& request, const ListedStem& stem,
                           const std::string& where);
 
-}  // namespace treeline
+}  // namespace treeline::dataset
 
 #endif  // COMMON_DATASET_DATASET_INDEX_H_

@@ -11,7 +11,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 using ::testing::AllOf;
@@ -22,14 +22,14 @@ namespace fs = std::filesystem;
 
 constexpr char kIdentity[] = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
 
-ColorImage FlatColor(int width, int height, uint8_t value) {
+image::ColorImage FlatColor(int width, int height, uint8_t value) {
   return {.width = width,
           .height = height,
           .rgb = std::vector<uint8_t>(static_cast<size_t>(3 * width * height),
                                       value)};
 }
 
-DepthImage FlatDepth(int width, int height, uint16_t value) {
+image::DepthImage FlatDepth(int width, int height, uint16_t value) {
   return {.width = width,
           .height = height,
           .values = std::vector<uint16_t>(static_cast<size_t>(width * height),
@@ -61,8 +61,9 @@ class DatasetTest : public ::testing::Test {
 
   void WriteSevenScenesFrame(const std::string& stem, double x_m,
                              uint8_t color = 100, uint16_t depth = 1500) const {
-    Write(stem + ".color.png", *EncodePng(FlatColor(640, 480, color)));
-    Write(stem + ".depth.png", *EncodeDepthPng(FlatDepth(640, 480, depth)));
+    Write(stem + ".color.png", *image::EncodePng(FlatColor(640, 480, color)));
+    Write(stem + ".depth.png",
+          *image::EncodeDepthPng(FlatDepth(640, 480, depth)));
     Write(stem + ".pose.txt",
           absl::StrCat("1 0 0 ", x_m, "\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"));
   }
@@ -98,10 +99,10 @@ TEST_F(DatasetTest, SevenScenesWithoutAListReadsAllSequencesInOrder) {
   EXPECT_EQ(dataset->frame(2).stem, "seq-02/frame-000000");
   EXPECT_EQ(dataset->frame(1).world_from_camera->translation.x, 2);
   EXPECT_FALSE(dataset->depth_is_registered());
-  EXPECT_EQ(dataset->calibration().pose_sensor, RgbdSensor::kDepth);
+  EXPECT_EQ(dataset->calibration().pose_sensor, camera::RgbdSensor::kDepth);
   EXPECT_EQ(dataset->calibration().depth.ToString(), "PINHOLE,585,585,320,240");
   EXPECT_EQ(dataset->calibration().color.ToString(), "PINHOLE,525,525,320,240");
-  EXPECT_EQ(dataset->calibration().color_from_depth, Rigid3{});
+  EXPECT_EQ(dataset->calibration().color_from_depth, geometry::Rigid3{});
 
   const auto frame = dataset->Load(1);
   ASSERT_TRUE(frame.ok()) << frame.status();
@@ -118,7 +119,7 @@ TEST_F(DatasetTest, EncodedFilesDecodeToWhatLoadGives) {
   ASSERT_TRUE(dataset.ok()) << dataset.status();
   const auto encoded = dataset->ReadEncoded(0);
   ASSERT_TRUE(encoded.ok()) << encoded.status();
-  EXPECT_EQ(SniffFormat(encoded->color), ImageFormat::kPng);
+  EXPECT_EQ(image::SniffFormat(encoded->color), image::ImageFormat::kPng);
   const auto decoded = dataset->Decode(*encoded);
   const auto loaded = dataset->Load(0);
   ASSERT_TRUE(decoded.ok()) << decoded.status();
@@ -130,7 +131,7 @@ TEST_F(DatasetTest, EncodedFilesDecodeToWhatLoadGives) {
 TEST_F(DatasetTest, ListOrderIsKeptAndJpegIsFound) {
   WriteSevenScenesFrame("seq-01/frame-000000", 0);
   Write("seq-01/frame-000001.color.jpg",
-        *EncodeJpeg(FlatColor(640, 480, 50), 90));
+        *image::EncodeJpeg(FlatColor(640, 480, 50), 90));
   Write("list.txt", "seq-01/frame-000001\nseq-01/frame-000000\n");
   DatasetOptions options = SevenScenes();
   options.frame_list = Path("list.txt");
@@ -189,7 +190,7 @@ TEST_F(DatasetTest, APoseFileReplacesPosesAndFocalLength) {
   EXPECT_EQ(dataset->frame(0).world_from_camera->translation.x, 7);
   // Frames that the file leaves out have no pose, not their old one.
   EXPECT_FALSE(dataset->frame(1).world_from_camera.has_value());
-  EXPECT_EQ(dataset->calibration().pose_sensor, RgbdSensor::kColor);
+  EXPECT_EQ(dataset->calibration().pose_sensor, camera::RgbdSensor::kColor);
   EXPECT_EQ(dataset->calibration().color.ToString(), "PINHOLE,526,526,320,240");
 
   options.color_camera = "SIMPLE_PINHOLE,530,321,241";
@@ -232,7 +233,8 @@ TEST_F(DatasetTest, GivenCamerasAndUnitAreUsed) {
 }
 
 TEST_F(DatasetTest, DefaultsHoldForTheirImageSizeOnly) {
-  Write("seq-01/frame-000000.color.png", *EncodePng(FlatColor(320, 240, 9)));
+  Write("seq-01/frame-000000.color.png",
+        *image::EncodePng(FlatColor(320, 240, 9)));
   Write("seq-01/frame-000000.pose.txt", kIdentity);
   EXPECT_THAT(ErrorOf(SevenScenes(), absl::StatusCode::kInvalidArgument),
               HasSubstr("give the colour camera"));
@@ -247,9 +249,10 @@ TEST_F(DatasetTest, AnImageOfAnotherSizeIsAnErrorThatNamesTheFile) {
   WriteSevenScenesFrame("seq-01/frame-000000", 0);
   WriteSevenScenesFrame("seq-01/frame-000001", 0);
   WriteSevenScenesFrame("seq-01/frame-000002", 0);
-  Write("seq-01/frame-000001.color.png", *EncodePng(FlatColor(639, 480, 9)));
+  Write("seq-01/frame-000001.color.png",
+        *image::EncodePng(FlatColor(639, 480, 9)));
   Write("seq-01/frame-000002.depth.png",
-        *EncodeDepthPng(FlatDepth(640, 479, 9)));
+        *image::EncodeDepthPng(FlatDepth(640, 479, 9)));
   const auto dataset = Dataset::Open(SevenScenes());
   ASSERT_TRUE(dataset.ok()) << dataset.status();
   EXPECT_THAT(dataset->Load(1).status().message(),
@@ -300,10 +303,10 @@ class TumDatasetTest : public DatasetTest {
  protected:
   TumDatasetTest() {
     for (const char* name : {"rgb/a.png", "rgb/b.png", "rgb/c.png"}) {
-      Write(name, *EncodePng(FlatColor(640, 480, 70)));
+      Write(name, *image::EncodePng(FlatColor(640, 480, 70)));
     }
-    Write("depth/a.png", *EncodeDepthPng(FlatDepth(640, 480, 5000)));
-    Write("depth/b.png", *EncodeDepthPng(FlatDepth(640, 480, 10000)));
+    Write("depth/a.png", *image::EncodeDepthPng(FlatDepth(640, 480, 5000)));
+    Write("depth/b.png", *image::EncodeDepthPng(FlatDepth(640, 480, 10000)));
     Write("rgb.txt",
           "# colour\n10.000 rgb/a.png\n10.100 rgb/b.png\n"
           "10.300 rgb/c.png\n");
@@ -327,7 +330,7 @@ TEST_F(TumDatasetTest, AssociatesDepthAndInterpolatesPoses) {
   EXPECT_FALSE(dataset->frame(2).world_from_camera.has_value());
 
   EXPECT_TRUE(dataset->depth_is_registered());
-  EXPECT_EQ(dataset->calibration().pose_sensor, RgbdSensor::kColor);
+  EXPECT_EQ(dataset->calibration().pose_sensor, camera::RgbdSensor::kColor);
   EXPECT_EQ(dataset->calibration().depth, dataset->calibration().color);
   EXPECT_EQ(dataset->Load(1)->depth->unit_m, 1.0 / 5000);
   EXPECT_FALSE(dataset->Load(2)->depth.has_value());
@@ -360,7 +363,7 @@ TEST_F(TumDatasetTest, AListedImageThatIsMissingIsNamed) {
   fs::remove(folder_ / "rgb/b.png");
   EXPECT_THAT(ErrorOf(Tum(), absl::StatusCode::kNotFound),
               AllOf(HasSubstr("rgb.txt:3: "), HasSubstr("rgb/b.png")));
-  Write("rgb/b.png", *EncodePng(FlatColor(640, 480, 70)));
+  Write("rgb/b.png", *image::EncodePng(FlatColor(640, 480, 70)));
   fs::remove(folder_ / "depth/a.png");
   EXPECT_THAT(ErrorOf(Tum(), absl::StatusCode::kNotFound),
               AllOf(HasSubstr("depth.txt:2: "), HasSubstr("depth/a.png")));
@@ -390,4 +393,4 @@ TEST_F(TumDatasetTest, ADepthCameraContradictsRegisteredDepth) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::dataset

@@ -14,7 +14,7 @@
 #include "common/base/status_macros.h"
 #include "common/dataset/text_lines.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 // The least characters that a line of each kind takes.
@@ -126,10 +126,11 @@ class NvmParser {
       return Error(
           absl::StrCat("focal length ", image.focal_px, " px is not positive"));
     }
-    const absl::StatusOr<Rigid3> turned =
-        RigidFromQuaternion(n[1], n[2], n[3], n[4], {});
+    const absl::StatusOr<geometry::Rigid3> turned =
+        geometry::RigidFromQuaternion(n[1], n[2], n[3], n[4], {});
     if (!turned.ok()) return Error(turned.status().message());
-    image.camera_from_world = *turned * Rigid3{{}, -Vec3{n[5], n[6], n[7]}};
+    image.camera_from_world =
+        *turned * geometry::Rigid3{{}, -geometry::Vec3{n[5], n[6], n[7]}};
     image.radial = n[8];
     model_.images.push_back(std::move(image));
     return absl::OkStatus();
@@ -176,21 +177,22 @@ class NvmParser {
 
 // With n the measurement over f and u = n (1 + r |n|^2) the ray,
 // n = u (1 - r |u|^2 + 3 r^2 |u|^4 - 12 r^3 |u|^6 + ...).
-absl::StatusOr<Camera> CameraOf(const NvmModel& nvm,
-                                const NvmModel::Image& image, ImageSize size,
-                                Pixel center) {
+absl::StatusOr<camera::Camera> CameraOf(const NvmModel& nvm,
+                                        const NvmModel::Image& image,
+                                        image::ImageSize size,
+                                        camera::Pixel center) {
   const double fx = nvm.fixed_k ? nvm.fixed_k->fx : image.focal_px;
   const double fy = nvm.fixed_k ? nvm.fixed_k->fy : image.focal_px;
   if (image.radial == 0) {
     const double pinhole[] = {fx, fy, center.x, center.y};
-    return Camera::Create(CameraModel::kPinhole, size.width, size.height,
-                          pinhole, 4);
+    return camera::Camera::Create(camera::CameraModel::kPinhole, size.width,
+                                  size.height, pinhole, 4);
   }
   const double r = image.radial;
   const double full[] = {fx, fy, center.x,        center.y, -r, 3 * r * r,
                          0,  0,  -12 * r * r * r, 0,        0,  0};
-  return Camera::Create(CameraModel::kFullOpenCv, size.width, size.height, full,
-                        12);
+  return camera::Camera::Create(camera::CameraModel::kFullOpenCv, size.width,
+                                size.height, full, 12);
 }
 
 }  // namespace
@@ -201,20 +203,22 @@ absl::StatusOr<NvmModel> ParseNvm(absl::string_view text,
 }
 
 absl::StatusOr<SfmModel> ToSfmModel(const NvmModel& nvm,
-                                    std::span<const ImageSize> sizes,
+                                    std::span<const image::ImageSize> sizes,
                                     const std::string& file) {
   SfmModel model;
   for (size_t i = 0; i < nvm.images.size(); ++i) {
     // SiftGPU, too, has the centre of the top left pixel at (0.5, 0.5).
-    const Pixel center =
+    const camera::Pixel center =
         nvm.fixed_k
-            ? Pixel{nvm.fixed_k->cx - 0.5, nvm.fixed_k->cy - 0.5}
-            : Pixel{0.5 * sizes[i].width - 0.5, 0.5 * sizes[i].height - 0.5};
-    const absl::StatusOr<Camera> camera =
+            ? camera::Pixel{nvm.fixed_k->cx - 0.5, nvm.fixed_k->cy - 0.5}
+            : camera::Pixel{0.5 * sizes[i].width - 0.5,
+                            0.5 * sizes[i].height - 0.5};
+    const absl::StatusOr<camera::Camera> camera =
         CameraOf(nvm, nvm.images[i], sizes[i], center);
     if (!camera.ok()) {
-      return Annotate(camera.status(),
-                      absl::StrCat(file, ": image '", nvm.images[i].name, "'"));
+      return base::Annotate(
+          camera.status(),
+          absl::StrCat(file, ": image '", nvm.images[i].name, "'"));
     }
     model.cameras.push_back(*camera);
     model.images.push_back(
@@ -223,10 +227,11 @@ absl::StatusOr<SfmModel> ToSfmModel(const NvmModel& nvm,
          .camera_from_world = nvm.images[i].camera_from_world,
          .keypoints = {}});
   }
-  for (const Vec3& point : nvm.points) model.points.push_back({point, 0});
+  for (const geometry::Vec3& point : nvm.points)
+    model.points.push_back({point, 0});
   for (const NvmModel::Measurement& seen : nvm.measurements) {
     const size_t i = static_cast<size_t>(seen.image);
-    const Camera& camera = model.cameras[i];
+    const camera::Camera& camera = model.cameras[i];
     model.images[i].keypoints.push_back(
         {{camera.cx() + seen.x, camera.cy() + seen.y}, seen.point});
     ++model.points[static_cast<size_t>(seen.point)].track_length;
@@ -234,4 +239,4 @@ absl::StatusOr<SfmModel> ToSfmModel(const NvmModel& nvm,
   return model;
 }
 
-}  // namespace treeline
+}  // namespace treeline::dataset

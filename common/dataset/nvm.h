@@ -15,7 +15,7 @@
 #include "common/geometry/vector3.h"
 #include "common/image/decode.h"
 
-namespace treeline {
+namespace treeline::dataset {
 
 // A model as its file has it: sizes of images are not in it, and measurements
 // are relative to the centre of their image, or to the principal point of
@@ -24,7 +24,7 @@ struct NvmModel {
   struct Image {
     std::string name;  // with / between folders
     double focal_px = 0;
-    Rigid3 camera_from_world;
+    geometry::Rigid3 camera_from_world;
     // The image is of the ray n (1 + radial |n|^2), where n is the measurement
     // over the focal length: VisualSFM's measurement distortion. Bundler's and
     // COLMAP's coefficients act the other way round, on the ray.
@@ -43,7 +43,7 @@ struct NvmModel {
 
   std::optional<FixedK> fixed_k;
   std::vector<Image> images;
-  std::vector<Vec3> points;
+  std::vector<geometry::Vec3> points;
   std::vector<Measurement> measurements;  // in order of points
 };
 
@@ -61,9 +61,9 @@ absl::StatusOr<NvmModel> ParseNvm(absl::string_view text,
 // FULL_OPENCV camera: within 0.1 px where radial |n|^2 stays below 0.035.
 // INVALID_ARGUMENT for cameras that Camera::Create refuses.
 absl::StatusOr<SfmModel> ToSfmModel(const NvmModel& nvm,
-                                    std::span<const ImageSize> sizes,
+                                    std::span<const image::ImageSize> sizes,
                                     const std::string& file);
 
-}  // namespace treeline
+}  // namespace treeline::dataset
 
 #endif  // COMMON_DATASET_NVM_H_

@@ -8,7 +8,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 using ::testing::HasSubstr;
@@ -27,7 +27,7 @@ constexpr char kModel[] =
     "\n"
     "0\n";
 
-constexpr ImageSize kSizes[] = {{640, 480}, {1920, 1080}};
+constexpr image::ImageSize kSizes[] = {{640, 480}, {1920, 1080}};
 
 std::string ErrorWith(const char* from, const char* to) {
   const auto nvm = ParseNvm(absl::StrReplaceAll(kModel, {{from, to}}), "m.nvm");
@@ -44,9 +44,13 @@ TEST(NvmTest, ReadsCamerasAndMeasurementsAboutTheImageCentre) {
   ASSERT_EQ(model->images.size(), 2u);
   EXPECT_EQ(model->cameras[0].ToString(), "PINHOLE,800,800,319.5,239.5");
   EXPECT_EQ(model->images[1].name, "with space.jpg");
-  const Rigid3 world_from_camera = model->images[1].camera_from_world.Inverse();
-  EXPECT_NEAR(Norm(world_from_camera.translation - Vec3{1, 2, 3}), 0, 1e-12);
-  EXPECT_NEAR((world_from_camera.rotation * Vec3{0, 0, 1}).z, -1, 1e-12);
+  const geometry::Rigid3 world_from_camera =
+      model->images[1].camera_from_world.Inverse();
+  EXPECT_NEAR(
+      geometry::Norm(world_from_camera.translation - geometry::Vec3{1, 2, 3}),
+      0, 1e-12);
+  EXPECT_NEAR((world_from_camera.rotation * geometry::Vec3{0, 0, 1}).z, -1,
+              1e-12);
   ASSERT_EQ(model->images[0].keypoints.size(), 1u);
   EXPECT_EQ(model->images[0].keypoints[0].pixel.x, 330);
   EXPECT_EQ(model->images[0].keypoints[0].pixel.y, 219.5);
@@ -54,14 +58,14 @@ TEST(NvmTest, ReadsCamerasAndMeasurementsAboutTheImageCentre) {
   ASSERT_EQ(model->images[1].keypoints.size(), 2u);
   EXPECT_EQ(model->images[1].keypoints[1].point, 1);
   EXPECT_EQ(model->points[0].track_length, 2);
-  EXPECT_EQ(model->points[0].position_in_world, (Vec3{0.5, -1, 4}));
+  EXPECT_EQ(model->points[0].position_in_world, (geometry::Vec3{0.5, -1, 4}));
 }
 
 TEST(NvmTest, RadialDistortionActsOnTheMeasurement) {
   const auto nvm = ParseNvm(kModel, "m.nvm");
   const auto model = ToSfmModel(*nvm, kSizes, "m.nvm");
   ASSERT_TRUE(model.ok()) << model.status();
-  const Camera& camera = model->cameras[1];
+  const camera::Camera& camera = model->cameras[1];
   for (const double x : {-959.5, -300.0, 0.0, 959.5}) {
     for (const double y : {-539.5, 100.0, 539.5}) {
       const auto ray = camera.Unproject({camera.cx() + x, camera.cy() + y});
@@ -115,4 +119,4 @@ TEST(NvmTest, TruncatedFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::dataset

@@ -8,7 +8,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 class RecordingsTest : public ::testing::Test {
@@ -44,8 +44,8 @@ TEST_F(RecordingsTest, RedKitchenWithBothGroundTruths) {
     ASSERT_TRUE(original->frame(i).world_from_camera.has_value());
     ASSERT_TRUE(sfm->frame(i).world_from_camera.has_value());
     const auto distance_m = [i](const Dataset& dataset) {
-      return Norm(dataset.frame(i).world_from_camera->translation -
-                  dataset.frame(0).world_from_camera->translation);
+      return geometry::Norm(dataset.frame(i).world_from_camera->translation -
+                            dataset.frame(0).world_from_camera->translation);
     };
     const double expected_m = distance_m(*original);
     EXPECT_NEAR(distance_m(*sfm), expected_m, 0.01 * expected_m + 0.1) << i;
@@ -57,7 +57,7 @@ TEST_F(RecordingsTest, RedKitchenWithBothGroundTruths) {
   // A kitchen: most pixels are measured, at room distances.
   int near = 0;
   for (const uint16_t value : frame->depth->values) {
-    if (IsMeasured(value) && value > 300 && value < 8000) ++near;
+    if (image::IsMeasured(value) && value > 300 && value < 8000) ++near;
   }
   EXPECT_GT(near, 640 * 480 / 2);
 }
@@ -82,7 +82,8 @@ TEST_F(RecordingsTest, TumFr1IsAssociatedAndRegistered) {
   EXPECT_GE(with_pose, 89);
   // groundtruth.txt: (1.3035 0.6230 1.5015) at .5230, (1.3037 0.6231 1.5014)
   // at .5330, and the picture was taken at .529758.
-  const Vec3 position_m = dataset->frame(0).world_from_camera->translation;
+  const geometry::Vec3 position_m =
+      dataset->frame(0).world_from_camera->translation;
   EXPECT_NEAR(position_m.x, 1.3035 + 0.6758 * 0.0002, 1e-7);
   EXPECT_NEAR(position_m.y, 0.6230 + 0.6758 * 0.0001, 1e-7);
   EXPECT_NEAR(position_m.z, 1.5015 - 0.6758 * 0.0001, 1e-7);
@@ -108,12 +109,13 @@ TEST_F(RecordingsTest, SouthBuildingReprojects) {
   int seen = 0;
   int near = 0;
   for (const SfmModel::Image& image : model.images) {
-    const Camera& camera = model.cameras[static_cast<size_t>(image.camera)];
+    const camera::Camera& camera =
+        model.cameras[static_cast<size_t>(image.camera)];
     for (const SfmModel::Keypoint& keypoint : image.keypoints) {
-      const Vec3 point =
+      const geometry::Vec3 point =
           image.camera_from_world *
           model.points[static_cast<size_t>(keypoint.point)].position_in_world;
-      const Pixel pixel = camera.Project(point);
+      const camera::Pixel pixel = camera.Project(point);
       const double dx = pixel.x - keypoint.pixel.x;
       const double dy = pixel.y - keypoint.pixel.y;
       ++seen;
@@ -140,9 +142,9 @@ TEST_F(RecordingsTest, SouthBuildingsTestPosesFindTheirCameraBeside) {
   ASSERT_EQ(dataset->size(), 16);
   EXPECT_EQ(dataset->frame(0).stem, "P1180148.jpg");
   EXPECT_EQ(dataset->frame(0).color_camera->model(),
-            CameraModel::kSimpleRadial);
+            camera::CameraModel::kSimpleRadial);
   EXPECT_EQ(dataset->frame(0).color_camera->cx(), 639.5);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::dataset

@@ -9,7 +9,7 @@
 #include "common/base/status_macros.h"
 #include "common/dataset/dataset_index.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 namespace fs = std::filesystem;
@@ -72,7 +72,8 @@ absl::StatusOr<DatasetFrame> IndexFrame(const IndexRequest& request,
   if (IsFile(base + ".depth.png")) frame.depth_path = base + ".depth.png";
   const std::string pose_path = base + ".pose.txt";
   if (request.read_poses && IsFile(pose_path)) {
-    TL_ASSIGN_OR_RETURN(const std::string text, ReadFile(pose_path, 1 << 16));
+    TL_ASSIGN_OR_RETURN(const std::string text,
+                        base::ReadFile(pose_path, 1 << 16));
     TL_ASSIGN_OR_RETURN(frame.world_from_camera,
                         ParsePoseMatrix(text, pose_path));
   }
@@ -88,7 +89,7 @@ absl::StatusOr<DatasetIndex> IndexSevenScenes(const IndexRequest& request) {
   index.color_camera = "PINHOLE,525,525,320,240";
   index.depth_camera = "PINHOLE,585,585,320,240";
   index.depth_unit_m = 0.001;
-  index.pose_sensor = RgbdSensor::kDepth;
+  index.pose_sensor = camera::RgbdSensor::kDepth;
   const std::vector<ListedStem> stems =
       request.stems.empty() ? ScanStems(request.folder) : request.stems;
   if (stems.empty()) {
@@ -105,4 +106,4 @@ absl::StatusOr<DatasetIndex> IndexSevenScenes(const IndexRequest& request) {
   return index;
 }
 
-}  // namespace treeline
+}  // namespace treeline::dataset

@@ -15,7 +15,7 @@
 #include "common/dataset/nvm.h"
 #include "common/image/decode.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 namespace fs = std::filesystem;
@@ -49,10 +49,11 @@ absl::StatusOr<std::string> PictureOf(const std::string& folder,
                                           name, " of an image of the model"));
 }
 
-absl::StatusOr<ImageSize> ReadSizeOf(const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path, kMaxImageBytes));
-  const absl::StatusOr<ImageSize> size = ReadImageSize(bytes);
-  if (!size.ok()) return Annotate(size.status(), path);
+absl::StatusOr<image::ImageSize> ReadSizeOf(const std::string& path) {
+  TL_ASSIGN_OR_RETURN(const std::string bytes,
+                      base::ReadFile(path, kMaxImageBytes));
+  const absl::StatusOr<image::ImageSize> size = image::ReadImageSize(bytes);
+  if (!size.ok()) return base::Annotate(size.status(), path);
   return size;
 }
 
@@ -108,7 +109,7 @@ absl::StatusOr<DatasetIndex> IndexOf(std::shared_ptr<const SfmModel> model,
     return absl::InvalidArgumentError(
         absl::StrCat("the model with images in ", folder, " has no images"));
   }
-  RgbdCalibration calibration;
+  camera::RgbdCalibration calibration;
   calibration.color = calibration.depth = *index.frames[0].color_camera;
   index.calibration = calibration;
   index.structure = std::move(model);
@@ -118,11 +119,11 @@ absl::StatusOr<DatasetIndex> IndexOf(std::shared_ptr<const SfmModel> model,
 }  // namespace
 
 absl::StatusOr<DatasetIndex> IndexColmap(const IndexRequest& request) {
-  std::optional<Camera> camera;
+  std::optional<camera::Camera> camera;
   if (!request.color_camera.empty()) {
     // The size is that of the first picture there is.
     TL_ASSIGN_OR_RETURN(const SfmModel named,
-                        ReadColmap(request.folder, Camera()));
+                        ReadColmap(request.folder, camera::Camera()));
     TL_ASSIGN_OR_RETURN(
         const std::vector<int32_t> selected,
         SelectImages(request, NamesOf(named.images), request.folder));
@@ -131,9 +132,10 @@ absl::StatusOr<DatasetIndex> IndexColmap(const IndexRequest& request) {
           const std::string path,
           PictureOf(request.images,
                     named.images[static_cast<size_t>(selected.front())].name));
-      TL_ASSIGN_OR_RETURN(const ImageSize size, ReadSizeOf(path));
+      TL_ASSIGN_OR_RETURN(const image::ImageSize size, ReadSizeOf(path));
       TL_ASSIGN_OR_RETURN(
-          camera, Camera::Parse(request.color_camera, size.width, size.height));
+          camera,
+          camera::Camera::Parse(request.color_camera, size.width, size.height));
     }
   }
   TL_ASSIGN_OR_RETURN(SfmModel model, ReadColmap(request.folder, camera));
@@ -146,19 +148,20 @@ absl::StatusOr<DatasetIndex> IndexColmap(const IndexRequest& request) {
 
 absl::StatusOr<DatasetIndex> IndexNvm(const IndexRequest& request) {
   const std::string& file = request.folder;
-  TL_ASSIGN_OR_RETURN(const std::string text, ReadFile(file, kMaxNvmBytes));
+  TL_ASSIGN_OR_RETURN(const std::string text,
+                      base::ReadFile(file, kMaxNvmBytes));
   TL_ASSIGN_OR_RETURN(const NvmModel nvm, ParseNvm(text, file));
   TL_ASSIGN_OR_RETURN(const std::vector<int32_t> selected,
                       SelectImages(request, NamesOf(nvm.images), file));
   std::string folder = fs::path(file).parent_path().string();
   if (folder.empty()) folder = ".";
   // Pictures that were not selected need not be there.
-  std::vector<ImageSize> sizes(nvm.images.size(), {1, 1});
+  std::vector<image::ImageSize> sizes(nvm.images.size(), {1, 1});
   for (const int32_t i : selected) {
     const size_t image = static_cast<size_t>(i);
     TL_ASSIGN_OR_RETURN(const std::string path,
                         PictureOf(folder, nvm.images[image].name));
-    TL_ASSIGN_OR_RETURN(const ImageSize size, ReadSizeOf(path));
+    TL_ASSIGN_OR_RETURN(const image::ImageSize size, ReadSizeOf(path));
     sizes[image] = {size.width, size.height};
   }
   TL_ASSIGN_OR_RETURN(SfmModel model, ToSfmModel(nvm, sizes, file));
@@ -166,11 +169,12 @@ absl::StatusOr<DatasetIndex> IndexNvm(const IndexRequest& request) {
     for (size_t i = 0; i < model.cameras.size(); ++i) {
       TL_ASSIGN_OR_RETURN(
           model.cameras[i],
-          Camera::Parse(request.color_camera, sizes[i].width, sizes[i].height));
+          camera::Camera::Parse(request.color_camera, sizes[i].width,
+                                sizes[i].height));
     }
   }
   return IndexOf(std::make_shared<const SfmModel>(std::move(model)), selected,
                  folder);
 }
 
-}  // namespace treeline
+}  // namespace treeline::dataset

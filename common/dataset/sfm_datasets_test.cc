@@ -11,7 +11,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 using ::testing::AllOf;
@@ -50,10 +50,10 @@ class SfmDatasetsTest : public ::testing::Test {
     std::ofstream(folder_ / name, std::ios::binary) << contents;
   }
   void WritePicture(const std::string& name, int width, int height) const {
-    const ColorImage image{
+    const image::ColorImage image{
         width, height,
         std::vector<uint8_t>(static_cast<size_t>(3 * width * height), 90)};
-    Write(name, *EncodePng(image));
+    Write(name, *image::EncodePng(image));
   }
   // Two cameras of different sizes; b.png stands before a.png in the model.
   void WriteColmap() const {
@@ -186,8 +186,8 @@ TEST_F(SfmDatasetsTest, TwelveScenesKnowsItsCamerasAndLostFrames) {
   Write("info.txt", kInfo);
   for (const char* stem : {"data/frame-000000", "data/frame-000001"}) {
     WritePicture(absl::StrCat(stem, ".color.png"), 40, 30);
-    const DepthImage depth{20, 15, std::vector<uint16_t>(300, 1500)};
-    Write(absl::StrCat(stem, ".depth.png"), *EncodeDepthPng(depth));
+    const image::DepthImage depth{20, 15, std::vector<uint16_t>(300, 1500)};
+    Write(absl::StrCat(stem, ".depth.png"), *image::EncodeDepthPng(depth));
   }
   Write("data/frame-000000.pose.txt", "1 0 0 2\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
   Write("data/frame-000001.pose.txt",
@@ -237,4 +237,4 @@ TEST_F(SfmDatasetsTest, TwelveScenesInfoErrorsNameTheEntry) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::dataset

@@ -17,7 +17,7 @@
 #include "common/base/status_macros.h"
 #include "common/dataset/text_lines.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 constexpr Time_ns kSecond_ns = 1'000'000'000;
@@ -130,8 +130,9 @@ absl::StatusOr<std::vector<StemPose>> ParseStemPoses(absl::string_view text,
     const std::span<double> numbers(n.data(), line.words.size() - 1);
     TL_RETURN_IF_ERROR(ParseNumbers(std::span(line.words).subspan(1), file,
                                     line.number, numbers));
-    const absl::StatusOr<Rigid3> camera_from_world =
-        RigidFromQuaternion(n[0], n[1], n[2], n[3], {n[4], n[5], n[6]});
+    const absl::StatusOr<geometry::Rigid3> camera_from_world =
+        geometry::RigidFromQuaternion(n[0], n[1], n[2], n[3],
+                                      {n[4], n[5], n[6]});
     if (!camera_from_world.ok()) {
       return LineError(file, line.number, camera_from_world.status().message());
     }
@@ -152,8 +153,8 @@ absl::StatusOr<std::vector<StemPose>> ParseStemPoses(absl::string_view text,
   return poses;
 }
 
-absl::StatusOr<Rigid3> ParsePoseMatrix(absl::string_view text,
-                                       const std::string& file) {
+absl::StatusOr<geometry::Rigid3> ParsePoseMatrix(absl::string_view text,
+                                                 const std::string& file) {
   const std::vector<Line> lines = SplitLines(text);
   if (lines.size() != 4) {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -170,8 +171,9 @@ absl::StatusOr<Rigid3> ParsePoseMatrix(absl::string_view text,
     TL_RETURN_IF_ERROR(ParseNumbers(line.words, file, line.number,
                                     std::span(matrix).subspan(4 * row, 4)));
   }
-  const absl::StatusOr<Rigid3> pose = RigidFromMatrix4(matrix);
-  if (!pose.ok()) return Annotate(pose.status(), file);
+  const absl::StatusOr<geometry::Rigid3> pose =
+      geometry::RigidFromMatrix4(matrix);
+  if (!pose.ok()) return base::Annotate(pose.status(), file);
   return pose;
 }
 
@@ -229,8 +231,8 @@ absl::StatusOr<std::vector<TimedPose>> ParseTimedPoses(
     std::array<double, 7> n{};
     TL_RETURN_IF_ERROR(
         ParseNumbers(std::span(line.words).subspan(1), file, line.number, n));
-    const absl::StatusOr<Rigid3> pose =
-        RigidFromQuaternion(n[6], n[3], n[4], n[5], {n[0], n[1], n[2]});
+    const absl::StatusOr<geometry::Rigid3> pose = geometry::RigidFromQuaternion(
+        n[6], n[3], n[4], n[5], {n[0], n[1], n[2]});
     if (!pose.ok()) {
       return LineError(file, line.number, pose.status().message());
     }
@@ -242,9 +244,9 @@ absl::StatusOr<std::vector<TimedPose>> ParseTimedPoses(
   return poses;
 }
 
-std::string FormatPoseMatrix(const Rigid3& world_from_camera) {
-  const Mat3 r = world_from_camera.rotation.Matrix();
-  const Vec3& t = world_from_camera.translation;
+std::string FormatPoseMatrix(const geometry::Rigid3& world_from_camera) {
+  const geometry::Mat3 r = world_from_camera.rotation.Matrix();
+  const geometry::Vec3& t = world_from_camera.translation;
   std::string text;
   for (int row = 0; row < 3; ++row) {
     absl::StrAppendFormat(&text, "%.12f %.12f %.12f %.12f\n", r(row, 0),
@@ -256,8 +258,9 @@ std::string FormatPoseMatrix(const Rigid3& world_from_camera) {
 std::string FormatTimedPoses(std::span<const TimedPose> poses) {
   std::string text = "# timestamp tx ty tz qx qy qz qw\n";
   for (const TimedPose& pose : poses) {
-    const Vec3& t = pose.world_from_camera.translation;
-    const Rotation3 q = Normalized(pose.world_from_camera.rotation);
+    const geometry::Vec3& t = pose.world_from_camera.translation;
+    const geometry::Rotation3 q =
+        geometry::Normalized(pose.world_from_camera.rotation);
     absl::StrAppendFormat(&text,
                           "%d.%09d %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n",
                           pose.time / kSecond_ns, pose.time % kSecond_ns, t.x,
@@ -266,4 +269,4 @@ std::string FormatTimedPoses(std::span<const TimedPose> poses) {
   return text;
 }
 
-}  // namespace treeline
+}  // namespace treeline::dataset

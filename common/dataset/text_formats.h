@@ -14,7 +14,7 @@
 #include "absl/strings/string_view.h"
 #include "common/geometry/rigid3.h"
 
-namespace treeline {
+namespace treeline::dataset {
 
 // Time stamps are whole nanoseconds: a double cannot hold those of this epoch.
 using Time_ns = int64_t;
@@ -39,16 +39,16 @@ absl::StatusOr<std::vector<ListedStem>> ParseFrameList(absl::string_view text,
 // (".color.png"), as published files have it.
 struct StemPose {
   std::string stem;
-  Rigid3 world_from_camera;
+  geometry::Rigid3 world_from_camera;
   std::optional<double> focal_length_px;
 };
 absl::StatusOr<std::vector<StemPose>> ParseStemPoses(absl::string_view text,
                                                      const std::string& file);
 
 // Four lines of four numbers: world_from_camera (7-Scenes).
-absl::StatusOr<Rigid3> ParsePoseMatrix(absl::string_view text,
-                                       const std::string& file);
-std::string FormatPoseMatrix(const Rigid3& world_from_camera);
+absl::StatusOr<geometry::Rigid3> ParsePoseMatrix(absl::string_view text,
+                                                 const std::string& file);
+std::string FormatPoseMatrix(const geometry::Rigid3& world_from_camera);
 
 // "timestamp path": rgb.txt and depth.txt (TUM). In order of time; no two at
 // the same time.
@@ -64,7 +64,7 @@ absl::StatusOr<std::vector<TimedFile>> ParseTimedFiles(absl::string_view text,
 // "timestamp tx ty tz qx qy qz qw": world_from_camera (TUM). In order of time.
 struct TimedPose {
   Time_ns time = 0;
-  Rigid3 world_from_camera;
+  geometry::Rigid3 world_from_camera;
 };
 absl::StatusOr<std::vector<TimedPose>> ParseTimedPoses(absl::string_view text,
                                                        const std::string& file);
@@ -72,6 +72,6 @@ absl::StatusOr<std::vector<TimedPose>> ParseTimedPoses(absl::string_view text,
 // later, are exact to the nanosecond.
 std::string FormatTimedPoses(std::span<const TimedPose> poses);
 
-}  // namespace treeline
+}  // namespace treeline::dataset
 
 #endif  // COMMON_DATASET_TEXT_FORMATS_H_

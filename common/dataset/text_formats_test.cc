@@ -5,7 +5,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 using ::testing::HasSubstr;
@@ -67,7 +67,7 @@ TEST(ParseStemPosesTest, InvertsCameraFromWorld) {
       "p");
   ASSERT_TRUE(poses.ok()) << poses.status();
   ASSERT_EQ(poses->size(), 2u);
-  const Rigid3& pose = (*poses)[0].world_from_camera;
+  const geometry::Rigid3& pose = (*poses)[0].world_from_camera;
   // camera = R world + t with R (x, y, z) = (-y, x, z); the centre is -R't.
   EXPECT_NEAR(pose.translation.x, -2, 1e-7);
   EXPECT_NEAR(pose.translation.y, 1, 1e-7);
@@ -98,8 +98,8 @@ TEST(ParsePoseMatrixTest, ReadsWorldFromCamera) {
   const auto pose =
       ParsePoseMatrix("0 -1 0 4\t\r\n1 0 0 5\n0 0 1 6\n\n0 0 0 1\n", "m");
   ASSERT_TRUE(pose.ok()) << pose.status();
-  EXPECT_EQ(pose->translation, (Vec3{4, 5, 6}));
-  const Vec3 x = pose->rotation * Vec3{1, 0, 0};
+  EXPECT_EQ(pose->translation, (geometry::Vec3{4, 5, 6}));
+  const geometry::Vec3 x = pose->rotation * geometry::Vec3{1, 0, 0};
   EXPECT_NEAR(x.y, 1, 1e-12);
 }
 
@@ -107,7 +107,7 @@ TEST(ParsePoseMatrixTest, ASlightlyScaledRotationIsMadeOne) {
   const auto pose =
       ParsePoseMatrix("1.01 0 0 0\n0 1.01 0 0\n0 0 1.01 0\n0 0 0 1\n", "m");
   ASSERT_TRUE(pose.ok()) << pose.status();
-  const Rotation3& q = pose->rotation;
+  const geometry::Rotation3& q = pose->rotation;
   EXPECT_NEAR(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z, 1, 1e-12);
 }
 
@@ -150,9 +150,9 @@ TEST(ParseTimedPosesTest, ReadsTranslationThenQuaternionWithWLast) {
   const auto poses =
       ParseTimedPoses("1.5 1 2 3 0 0 0.70710678 0.70710678\n", "g");
   ASSERT_TRUE(poses.ok()) << poses.status();
-  const Rigid3& pose = (*poses)[0].world_from_camera;
-  EXPECT_EQ(pose.translation, (Vec3{1, 2, 3}));
-  EXPECT_NEAR((pose.rotation * Vec3{1, 0, 0}).y, 1, 1e-7);
+  const geometry::Rigid3& pose = (*poses)[0].world_from_camera;
+  EXPECT_EQ(pose.translation, (geometry::Vec3{1, 2, 3}));
+  EXPECT_NEAR((pose.rotation * geometry::Vec3{1, 0, 0}).y, 1, 1e-7);
 }
 
 TEST(ParseTimedPosesTest, ErrorsNameFileAndLine) {
@@ -166,17 +166,19 @@ TEST(ParseTimedPosesTest, ErrorsNameFileAndLine) {
 }
 
 TEST(FormatPoseMatrixTest, IsReadBackAsItWas) {
-  const Rigid3 pose{Rotation3::FromAxisAngle({0.3, -0.2, 0.1}), {1, -2, 3.5}};
+  const geometry::Rigid3 pose{
+      geometry::Rotation3::FromAxisAngle({0.3, -0.2, 0.1}), {1, -2, 3.5}};
   const auto matrix = ParsePoseMatrix(FormatPoseMatrix(pose), "pose.txt");
   ASSERT_TRUE(matrix.ok()) << matrix.status();
-  EXPECT_LT(AngleBetween_rad(matrix->rotation, pose.rotation), 1e-9);
-  EXPECT_LT(Norm(matrix->translation - pose.translation), 1e-9);
+  EXPECT_LT(geometry::AngleBetween_rad(matrix->rotation, pose.rotation), 1e-9);
+  EXPECT_LT(geometry::Norm(matrix->translation - pose.translation), 1e-9);
 }
 
 TEST(FormatTimedPosesTest, IsReadBackAsItWas) {
   const std::vector<TimedPose> poses = {
       {.time = 1305031241529758123,
-       .world_from_camera = {.rotation = Rotation3::FromAxisAngle({0.1, -2, 1}),
+       .world_from_camera = {.rotation = geometry::Rotation3::FromAxisAngle(
+                                 {0.1, -2, 1}),
                              .translation = {1.25, -2.5, 3}}},
       {.time = 1305031242000000007, .world_from_camera = {}}};
   const auto read = ParseTimedPoses(FormatTimedPoses(poses), "g");
@@ -184,12 +186,12 @@ TEST(FormatTimedPosesTest, IsReadBackAsItWas) {
   ASSERT_EQ(read->size(), 2u);
   for (size_t i = 0; i < 2; ++i) {
     EXPECT_EQ((*read)[i].time, poses[i].time);
-    const PoseError error =
-        ErrorBetween((*read)[i].world_from_camera, poses[i].world_from_camera);
+    const geometry::PoseError error = geometry::ErrorBetween(
+        (*read)[i].world_from_camera, poses[i].world_from_camera);
     EXPECT_LT(error.translation_m, 2e-9);
     EXPECT_LT(error.rotation_rad, 1e-8);
   }
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::dataset

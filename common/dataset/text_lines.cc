@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 
-namespace treeline {
+namespace treeline::dataset {
 
 absl::Status LineError(const std::string& file, int line,
                        absl::string_view what) {
@@ -37,4 +37,4 @@ bool LeadsOutside(absl::string_view path) {
   return false;
 }
 
-}  // namespace treeline
+}  // namespace treeline::dataset

@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::dataset {
 
 // INVALID_ARGUMENT, "FILE:LINE: what".
 absl::Status LineError(const std::string& file, int line,
@@ -23,6 +23,6 @@ absl::Status ParseNumbers(std::span<const absl::string_view> words,
 // Whether a relative path is none, or has a part "..".
 bool LeadsOutside(absl::string_view path);
 
-}  // namespace treeline
+}  // namespace treeline::dataset
 
 #endif  // COMMON_DATASET_TEXT_LINES_H_

@@ -14,7 +14,7 @@
 #include "common/base/status_macros.h"
 #include "common/dataset/dataset_index.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 namespace fs = std::filesystem;
@@ -86,7 +86,7 @@ absl::StatusOr<std::vector<TimedPose>> ReadGroundTruth(
     const IndexRequest& request) {
   const std::string path = request.folder + "/groundtruth.txt";
   if (!request.read_poses) return std::vector<TimedPose>();
-  absl::StatusOr<std::string> text = ReadFile(path, kMaxTextBytes);
+  absl::StatusOr<std::string> text = base::ReadFile(path, kMaxTextBytes);
   // A recording without ground truth can still be localized.
   if (absl::IsNotFound(text.status())) return std::vector<TimedPose>();
   if (!text.ok()) return text.status();
@@ -117,8 +117,8 @@ std::vector<int> AssociateByTime(std::span<const Time_ns> a,
   return partner_of;
 }
 
-std::optional<Rigid3> InterpolatePose(std::span<const TimedPose> poses,
-                                      Time_ns time, Time_ns max_gap) {
+std::optional<geometry::Rigid3> InterpolatePose(
+    std::span<const TimedPose> poses, Time_ns time, Time_ns max_gap) {
   const auto after = std::lower_bound(
       poses.begin(), poses.end(), time,
       [](const TimedPose& pose, Time_ns t) { return pose.time < t; });
@@ -130,10 +130,10 @@ std::optional<Rigid3> InterpolatePose(std::span<const TimedPose> poses,
   if (gap > max_gap) return std::nullopt;
   const double t =
       static_cast<double>(time - from.time) / static_cast<double>(gap);
-  const Rigid3& a = from.world_from_camera;
-  const Rigid3& b = after->world_from_camera;
-  return Rigid3{Slerp(a.rotation, b.rotation, t),
-                (1 - t) * a.translation + t * b.translation};
+  const geometry::Rigid3& a = from.world_from_camera;
+  const geometry::Rigid3& b = after->world_from_camera;
+  return geometry::Rigid3{geometry::Slerp(a.rotation, b.rotation, t),
+                          (1 - t) * a.translation + t * b.translation};
 }
 
 std::string TumColorCamera(const std::string& folder) {
@@ -156,11 +156,11 @@ absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request) {
   index.color_camera = TumColorCamera(request.folder);
   index.depth_camera = "";
   index.depth_unit_m = 1.0 / 5000;
-  index.pose_sensor = RgbdSensor::kColor;
+  index.pose_sensor = camera::RgbdSensor::kColor;
 
   const std::string colors_path = request.folder + "/rgb.txt";
   TL_ASSIGN_OR_RETURN(const std::string colors_text,
-                      ReadFile(colors_path, kMaxTextBytes));
+                      base::ReadFile(colors_path, kMaxTextBytes));
   TL_ASSIGN_OR_RETURN(const std::vector<TimedFile> colors,
                       ParseTimedFiles(colors_text, colors_path));
   if (colors.empty()) {
@@ -169,7 +169,7 @@ absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request) {
   }
   const std::string depths_path = request.folder + "/depth.txt";
   TL_ASSIGN_OR_RETURN(const std::string depths_text,
-                      ReadFile(depths_path, kMaxTextBytes));
+                      base::ReadFile(depths_path, kMaxTextBytes));
   TL_ASSIGN_OR_RETURN(const std::vector<TimedFile> depths,
                       ParseTimedFiles(depths_text, depths_path));
   TL_ASSIGN_OR_RETURN(const std::vector<TimedPose> poses,
@@ -199,4 +199,4 @@ absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request) {
   return index;
 }
 
-}  // namespace treeline
+}  // namespace treeline::dataset

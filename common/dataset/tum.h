@@ -9,7 +9,7 @@
 
 #include "common/dataset/text_formats.h"
 
-namespace treeline {
+namespace treeline::dataset {
 
 // Pairs entries of `a` with entries of `b` less than max_difference apart, one
 // to one, the closest pairs first (as TUM's associate.py). Both ascend. The
@@ -21,14 +21,14 @@ std::vector<int> AssociateByTime(std::span<const Time_ns> a,
 // The pose at `time`, between its neighbours (rotation along the shorter arc).
 // nullopt before the first, after the last, and between neighbours that are
 // more than max_gap apart. `poses` ascends in time.
-std::optional<Rigid3> InterpolatePose(std::span<const TimedPose> poses,
-                                      Time_ns time, Time_ns max_gap);
+std::optional<geometry::Rigid3> InterpolatePose(
+    std::span<const TimedPose> poses, Time_ns time, Time_ns max_gap);
 
 // The colour camera of a sequence in `folder`, by the first of its folder
 // names from the right that contains freiburg1/fr1, freiburg2/fr2 or
 // freiburg3/fr3; TUM's recommended default (ROS) if none does.
 std::string TumColorCamera(const std::string& folder);
 
-}  // namespace treeline
+}  // namespace treeline::dataset
 
 #endif  // COMMON_DATASET_TUM_H_

@@ -3,7 +3,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 using ::testing::ElementsAre;
@@ -44,9 +44,10 @@ TEST(AssociateByTimeTest, NothingToPairWith) {
 class InterpolatePoseTest : public ::testing::Test {
  protected:
   const std::vector<TimedPose> poses_ = {
-      {100 * kMs, {Rotation3{}, {0, 0, 0}}},
-      {140 * kMs, {Rotation3::FromAxisAngle({0, 0, 0.4}), {4, 8, 0}}},
-      {300 * kMs, {Rotation3::FromAxisAngle({0, 0, 0.4}), {4, 8, 0}}}};
+      {100 * kMs, {geometry::Rotation3{}, {0, 0, 0}}},
+      {140 * kMs, {geometry::Rotation3::FromAxisAngle({0, 0, 0.4}), {4, 8, 0}}},
+      {300 * kMs,
+       {geometry::Rotation3::FromAxisAngle({0, 0, 0.4}), {4, 8, 0}}}};
 };
 
 TEST_F(InterpolatePoseTest, IsLinearInTimeBetweenNeighbours) {
@@ -54,7 +55,7 @@ TEST_F(InterpolatePoseTest, IsLinearInTimeBetweenNeighbours) {
   ASSERT_TRUE(pose.has_value());
   EXPECT_NEAR(pose->translation.x, 1, 1e-12);
   EXPECT_NEAR(pose->translation.y, 2, 1e-12);
-  EXPECT_NEAR(ToAxisAngle(pose->rotation).z, 0.1, 1e-12);
+  EXPECT_NEAR(geometry::ToAxisAngle(pose->rotation).z, 0.1, 1e-12);
 }
 
 TEST_F(InterpolatePoseTest, AnEntryAtThatVeryTimeIsTakenAsItIs) {
@@ -82,4 +83,4 @@ TEST(TumColorCameraTest, IsChosenByTheFolderName) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::dataset

@@ -19,7 +19,7 @@
 #include "common/dataset/dataset_index.h"
 #include "common/dataset/text_lines.h"
 
-namespace treeline {
+namespace treeline::dataset {
 namespace {
 
 namespace fs = std::filesystem;
@@ -71,7 +71,8 @@ absl::StatusOr<DatasetFrame> IndexFrame(const IndexRequest& request,
   if (IsFile(base + ".depth.png")) frame.depth_path = base + ".depth.png";
   const std::string pose_path = base + ".pose.txt";
   if (request.read_poses && IsFile(pose_path)) {
-    TL_ASSIGN_OR_RETURN(const std::string text, ReadFile(pose_path, 1 << 16));
+    TL_ASSIGN_OR_RETURN(const std::string text,
+                        base::ReadFile(pose_path, 1 << 16));
     // Frames that the recorder lost have -inf throughout.
     if (!absl::StrContains(text, "inf")) {
       TL_ASSIGN_OR_RETURN(frame.world_from_camera,
@@ -118,7 +119,7 @@ class InfoText {
   }
 
   // A pinhole from the size and the 4 x 4 matrix of intrinsics of a sensor.
-  absl::StatusOr<Camera> CameraOf(const std::string& sensor) const {
+  absl::StatusOr<camera::Camera> CameraOf(const std::string& sensor) const {
     std::array<double, 1> width{};
     std::array<double, 1> height{};
     std::array<double, 16> k{};
@@ -133,20 +134,22 @@ class InfoText {
       return static_cast<int>(std::clamp(pixels, 0.0, 1e6));
     };
     const double pinhole[] = {k[0], k[5], k[2], k[6]};
-    const absl::StatusOr<Camera> camera = Camera::Create(
-        CameraModel::kPinhole, size(width[0]), size(height[0]), pinhole, 4);
+    const absl::StatusOr<camera::Camera> camera =
+        camera::Camera::Create(camera::CameraModel::kPinhole, size(width[0]),
+                               size(height[0]), pinhole, 4);
     if (!camera.ok()) {
-      return Annotate(camera.status(), absl::StrCat(file_, ": ", name));
+      return base::Annotate(camera.status(), absl::StrCat(file_, ": ", name));
     }
     return camera;
   }
 
-  absl::StatusOr<Rigid3> ExtrinsicOf(const char* name) const {
+  absl::StatusOr<geometry::Rigid3> ExtrinsicOf(const char* name) const {
     std::array<double, 16> matrix{};
     TL_RETURN_IF_ERROR(Numbers(name, matrix));
-    const absl::StatusOr<Rigid3> pose = RigidFromMatrix4(matrix);
+    const absl::StatusOr<geometry::Rigid3> pose =
+        geometry::RigidFromMatrix4(matrix);
     if (!pose.ok()) {
-      return Annotate(pose.status(), absl::StrCat(file_, ": ", name));
+      return base::Annotate(pose.status(), absl::StrCat(file_, ": ", name));
     }
     return pose;
   }
@@ -172,22 +175,23 @@ absl::StatusOr<TwelveScenesInfo> ParseTwelveScenesInfo(
     absl::string_view text, const std::string& file) {
   const InfoText entries(text, file);
   TwelveScenesInfo info;
-  RgbdCalibration& calibration = info.calibration;
+  camera::RgbdCalibration& calibration = info.calibration;
   TL_ASSIGN_OR_RETURN(calibration.color, entries.CameraOf("color"));
   TL_ASSIGN_OR_RETURN(calibration.depth, entries.CameraOf("depth"));
-  TL_ASSIGN_OR_RETURN(const Rigid3 rig_from_color,
+  TL_ASSIGN_OR_RETURN(const geometry::Rigid3 rig_from_color,
                       entries.ExtrinsicOf("m_calibrationColorExtrinsic"));
-  TL_ASSIGN_OR_RETURN(const Rigid3 rig_from_depth,
+  TL_ASSIGN_OR_RETURN(const geometry::Rigid3 rig_from_depth,
                       entries.ExtrinsicOf("m_calibrationDepthExtrinsic"));
   calibration.color_from_depth = rig_from_color.Inverse() * rig_from_depth;
-  calibration.pose_sensor = RgbdSensor::kDepth;
+  calibration.pose_sensor = camera::RgbdSensor::kDepth;
   TL_ASSIGN_OR_RETURN(info.depth_unit_m, entries.DepthUnit_m());
   return info;
 }
 
 absl::StatusOr<DatasetIndex> IndexTwelveScenes(const IndexRequest& request) {
   const std::string info_path = request.folder + "/info.txt";
-  TL_ASSIGN_OR_RETURN(const std::string text, ReadFile(info_path, 1 << 20));
+  TL_ASSIGN_OR_RETURN(const std::string text,
+                      base::ReadFile(info_path, 1 << 20));
   TL_ASSIGN_OR_RETURN(const TwelveScenesInfo info,
                       ParseTwelveScenesInfo(text, info_path));
   DatasetIndex index;
@@ -208,4 +212,4 @@ absl::StatusOr<DatasetIndex> IndexTwelveScenes(const IndexRequest& request) {
   return index;
 }
 
-}  // namespace treeline
+}  // namespace treeline::dataset

@@ -8,11 +8,11 @@
 #include "absl/strings/string_view.h"
 #include "common/camera/rgbd_calibration.h"
 
-namespace treeline {
+namespace treeline::dataset {
 
 struct TwelveScenesInfo {
   // Poses are of the depth camera.
-  RgbdCalibration calibration;
+  camera::RgbdCalibration calibration;
   double depth_unit_m = 0.001;
 };
 
@@ -24,6 +24,6 @@ struct TwelveScenesInfo {
 absl::StatusOr<TwelveScenesInfo> ParseTwelveScenesInfo(absl::string_view text,
                                                        const std::string& file);
 
-}  // namespace treeline
+}  // namespace treeline::dataset
 
 #endif  // COMMON_DATASET_TWELVE_SCENES_H_

@@ -2,7 +2,7 @@
 
 #include "Eigen/Eigenvalues"
 
-namespace treeline {
+namespace treeline::geometry {
 
 void Kabsch::Add(Vec3 point_in_a, Vec3 point_in_b, double weight) {
   if (count_ == 0) {
@@ -53,4 +53,4 @@ std::optional<Rigid3> Kabsch::Solve() const {
                 (origin_in_a_ + mean_a) - rotation * (origin_in_b_ + mean_b)};
 }
 
-}  // namespace treeline
+}  // namespace treeline::geometry

@@ -6,7 +6,7 @@
 
 #include "common/geometry/rigid3.h"
 
-namespace treeline {
+namespace treeline::geometry {
 
 // Accumulates correspondences and solves
 //   min over a_from_b of  sum_i w_i | a_from_b * b_i - a_i |^2
@@ -28,6 +28,6 @@ class Kabsch {
   Mat3 products_;  // sum of w a b^T
 };
 
-}  // namespace treeline
+}  // namespace treeline::geometry
 
 #endif  // COMMON_GEOMETRY_KABSCH_H_

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace treeline {
+namespace treeline::geometry {
 
 // A position in the plane (m).
 struct Vec2 {
@@ -55,6 +55,6 @@ inline Rigid2 operator*(const Rigid2& a, const Rigid2& b) {
   return {a * b.translation, NormalizedAngle_rad(a.yaw_rad + b.yaw_rad)};
 }
 
-}  // namespace treeline
+}  // namespace treeline::geometry
 
 #endif  // COMMON_GEOMETRY_RIGID2_H_

@@ -8,7 +8,7 @@
 #include "Eigen/SVD"
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::geometry {
 
 Mat3 Rotation3::Matrix() const {
   return Mat3{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z),
@@ -160,4 +160,4 @@ PoseError ErrorBetween(const Rigid3& estimated_world_from_camera,
                            true_world_from_camera.rotation)};
 }
 
-}  // namespace treeline
+}  // namespace treeline::geometry

@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "common/geometry/vector3.h"
 
-namespace treeline {
+namespace treeline::geometry {
 
 // A rotation as a unit quaternion w + xi + yj + zk (Hamilton convention).
 struct Rotation3 {
@@ -85,6 +85,6 @@ PoseError ErrorBetween(const Rigid3& estimated_world_from_camera,
 // expressed in frame a. The order of ROS's PoseWithCovariance.
 using PoseCovariance = std::array<double, 36>;
 
-}  // namespace treeline
+}  // namespace treeline::geometry
 
 #endif  // COMMON_GEOMETRY_RIGID3_H_

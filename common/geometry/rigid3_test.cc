@@ -10,7 +10,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::geometry {
 namespace {
 
 using ::testing::HasSubstr;
@@ -26,16 +26,16 @@ void ExpectNear(Vec3 a, Vec3 b, double tolerance) {
   EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
-Vec3 RandomVector(Random& random) {
+Vec3 RandomVector(base::Random& random) {
   return {random.NextGaussian(), random.NextGaussian(), random.NextGaussian()};
 }
 
-Rotation3 RandomRotation(Random& random) {
+Rotation3 RandomRotation(base::Random& random) {
   return Normalized(Rotation3{random.NextGaussian(), random.NextGaussian(),
                               random.NextGaussian(), random.NextGaussian()});
 }
 
-Rigid3 RandomRigid(Random& random) {
+Rigid3 RandomRigid(base::Random& random) {
   return {RandomRotation(random), RandomVector(random)};
 }
 
@@ -77,7 +77,7 @@ TEST(Rotation3, FromAxisAngleMatchesTheHalfAngleFormula) {
 }
 
 TEST(Rotation3, MatrixRotatesLikeTheQuaternion) {
-  Random random(1, 0);
+  base::Random random(1, 0);
   for (int i = 0; i < 100; ++i) {
     const Rotation3 q = RandomRotation(random);
     const Vec3 v = RandomVector(random);
@@ -87,7 +87,7 @@ TEST(Rotation3, MatrixRotatesLikeTheQuaternion) {
 }
 
 TEST(Rotation3, FromMatrixInvertsMatrix) {
-  Random random(1, 1);
+  base::Random random(1, 1);
   for (int i = 0; i < 1000; ++i) {
     const Rotation3 q = RandomRotation(random);
     EXPECT_LT(AngleBetween_rad(Rotation3::FromMatrix(q.Matrix()), q),
@@ -114,7 +114,7 @@ TEST(Rotation3, ProductAppliesTheRightFactorFirst) {
 }
 
 TEST(Rotation3, ProductMatchesTheMatrixProduct) {
-  Random random(1, 2);
+  base::Random random(1, 2);
   for (int i = 0; i < 100; ++i) {
     const Rotation3 a = RandomRotation(random);
     const Rotation3 b = RandomRotation(random);
@@ -127,14 +127,14 @@ TEST(Rotation3, ProductMatchesTheMatrixProduct) {
 }
 
 TEST(Rotation3, InverseUndoesTheRotation) {
-  Random random(1, 3);
+  base::Random random(1, 3);
   const Rotation3 q = RandomRotation(random);
   const Vec3 v = RandomVector(random);
   ExpectNear(q.Inverse() * (q * v), v, 10 * kRounding);
 }
 
 TEST(Rotation3, ToAxisAngleInvertsFromAxisAngle) {
-  Random random(1, 4);
+  base::Random random(1, 4);
   for (double angle : {0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-3, 0.5, 3.0, 3.1415}) {
     const Vec3 axis_angle = angle * Normalized(RandomVector(random));
     // Near pi the half angle's cosine carries the information.
@@ -150,7 +150,7 @@ TEST(Rotation3, ToAxisAngleTakesTheShorterWay) {
 }
 
 TEST(Rotation3, AngleBetweenIsExactForTinyAndForStraightAngles) {
-  Random random(1, 5);
+  base::Random random(1, 5);
   const Rotation3 a = RandomRotation(random);
   for (double angle : {0.0, 1e-10, 1e-5, 1.0, kPi}) {
     const Rotation3 b = a * Rotation3::FromAxisAngle({0, angle, 0});
@@ -160,7 +160,7 @@ TEST(Rotation3, AngleBetweenIsExactForTinyAndForStraightAngles) {
 }
 
 TEST(Rotation3, AngleBetweenIgnoresTheSignOfTheQuaternion) {
-  Random random(1, 6);
+  base::Random random(1, 6);
   const Rotation3 a = RandomRotation(random);
   const Rotation3 minus{-a.w, -a.x, -a.y, -a.z};
   EXPECT_NEAR(AngleBetween_rad(a, minus), 0, kRounding);
@@ -196,7 +196,7 @@ TEST(Rigid3, RotatesThenTranslates) {
 }
 
 TEST(Rigid3, ProductComposes) {
-  Random random(2, 0);
+  base::Random random(2, 0);
   const Rigid3 a_from_b = RandomRigid(random);
   const Rigid3 b_from_c = RandomRigid(random);
   const Vec3 point_in_c = RandomVector(random);
@@ -205,7 +205,7 @@ TEST(Rigid3, ProductComposes) {
 }
 
 TEST(Rigid3, InverseComposesToTheIdentityOnBothSides) {
-  Random random(2, 1);
+  base::Random random(2, 1);
   for (int i = 0; i < 20; ++i) {
     const Rigid3 a = RandomRigid(random);
     for (const Rigid3& identity : {a * a.Inverse(), a.Inverse() * a}) {
@@ -217,7 +217,7 @@ TEST(Rigid3, InverseComposesToTheIdentityOnBothSides) {
 }
 
 TEST(RigidFromMatrix4, ReadsAnExactMatrix) {
-  Random random(3, 0);
+  base::Random random(3, 0);
   const Rigid3 truth = RandomRigid(random);
   const absl::StatusOr<Rigid3> read =
       RigidFromMatrix4(Matrix4(truth.rotation.Matrix(), 1, truth.translation));
@@ -227,7 +227,7 @@ TEST(RigidFromMatrix4, ReadsAnExactMatrix) {
 }
 
 TEST(RigidFromMatrix4, RemovesAScaleOfTheRotationAndKeepsTheTranslation) {
-  Random random(3, 1);
+  base::Random random(3, 1);
   const Rigid3 truth = RandomRigid(random);
   for (double scale : {0.96, 0.999, 1.04}) {
     const absl::StatusOr<Rigid3> read = RigidFromMatrix4(
@@ -241,7 +241,7 @@ TEST(RigidFromMatrix4, RemovesAScaleOfTheRotationAndKeepsTheTranslation) {
 TEST(RigidFromMatrix4, FindsTheNearestRotationToASkewedMatrix) {
   // A symmetric stretch S on the right of R is removed exactly: R S is a polar
   // decomposition.
-  Random random(3, 2);
+  base::Random random(3, 2);
   const Rotation3 rotation = RandomRotation(random);
   const Mat3 stretch{{1.02, 0.01, 0, 0.01, 0.99, -0.005, 0, -0.005, 1.01}};
   const absl::StatusOr<Rigid3> read =
@@ -312,7 +312,7 @@ TEST(IsFinite, SeesEveryComponentOfATransform) {
 }
 
 TEST(ErrorBetween, SeparatesTranslationAndRotation) {
-  Random random(4, 0);
+  base::Random random(4, 0);
   const Rigid3 truth = RandomRigid(random);
   const Rigid3 estimate{truth.rotation * Rotation3::FromAxisAngle({0, 0.03, 0}),
                         truth.translation + Vec3{0.02, -0.01, 0.02}};
@@ -325,4 +325,4 @@ TEST(ErrorBetween, SeparatesTranslationAndRotation) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::geometry

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace treeline {
+namespace treeline::geometry {
 
 struct Vec3 {
   double x = 0;
@@ -77,6 +77,6 @@ constexpr Mat3 Transpose(const Mat3& a) {
       {a.m[0], a.m[3], a.m[6], a.m[1], a.m[4], a.m[7], a.m[2], a.m[5], a.m[8]}};
 }
 
-}  // namespace treeline
+}  // namespace treeline::geometry
 
 #endif  // COMMON_GEOMETRY_VECTOR3_H_

@@ -5,7 +5,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::geometry {
 namespace {
 
 TEST(Vec3, IndexesItsComponentsInOrder) {
@@ -100,4 +100,4 @@ TEST(Mat3, IdentityChangesNothing) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::geometry

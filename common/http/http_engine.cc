@@ -8,7 +8,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::http {
 namespace {
 
 constexpr std::chrono::milliseconds kLinger{1000};
@@ -82,7 +82,7 @@ bool IsEncodingKnown(const httplib::Request& request) {
 }  // namespace
 
 HttpEngine::HttpEngine(HttpHandler& handler, HttpStream& stream,
-                       Connection connection, const Clock& clock)
+                       Connection connection, const base::Clock& clock)
     : handler_(handler),
       stream_(stream),
       connection_(std::move(connection)),
@@ -269,4 +269,4 @@ void HttpEngine::Apply(const HttpRequest& request, const HttpResponse& from,
   if (close_) to.set_header("Connection", "close");
 }
 
-}  // namespace treeline
+}  // namespace treeline::http

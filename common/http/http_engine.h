@@ -13,7 +13,7 @@
 #include "common/http/http_message.h"
 #include "common/http/http_stream.h"
 
-namespace treeline {
+namespace treeline::http {
 
 // For one thread. httplib's server without its sockets: each connection has an
 // own one, so that a handler's request knows its connection.
@@ -28,7 +28,7 @@ class HttpEngine final : private httplib::Server {
 
   // Keeps references to `handler`, `stream` and `clock`.
   HttpEngine(HttpHandler& handler, HttpStream& stream, Connection connection,
-             const Clock& clock);
+             const base::Clock& clock);
 
   // Reads and answers a request. `last`: the response says that the connection
   // closes. False: it is to be closed.
@@ -54,12 +54,12 @@ class HttpEngine final : private httplib::Server {
   HttpHandler& handler_;
   HttpStream& stream_;
   const Connection connection_;
-  const Clock& clock_;
+  const base::Clock& clock_;
   // Of the request at hand.
   bool answered_ = false;
   bool close_ = false;
 };
 
-}  // namespace treeline
+}  // namespace treeline::http
 
 #endif  // COMMON_HTTP_HTTP_ENGINE_H_

@@ -12,7 +12,7 @@
 #include "absl/strings/string_view.h"
 #include "common/base/clock.h"
 
-namespace treeline {
+namespace treeline::http {
 
 struct HttpRequest {
   // "POST".
@@ -27,7 +27,7 @@ struct HttpRequest {
   // Of the client's certificate; empty: none.
   std::vector<std::string> certificate_names = {};
   // When the whole request had arrived.
-  MonotonicTime arrival = {};
+  base::MonotonicTime arrival = {};
   // The client's connection, to be watched only; -1: none.
   int socket = -1;
 
@@ -78,6 +78,6 @@ class HttpHandler {
       const HttpRequest& request) = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::http
 
 #endif  // COMMON_HTTP_HTTP_MESSAGE_H_

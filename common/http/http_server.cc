@@ -23,7 +23,7 @@
 #include "common/base/status_macros.h"
 #include "common/http/http_engine.h"
 
-namespace treeline {
+namespace treeline::http {
 namespace {
 
 // Connections that the system holds until they are accepted.
@@ -47,7 +47,7 @@ struct SslContextDeleter {
 using UniqueSslContext = std::unique_ptr<SSL_CTX, SslContextDeleter>;
 
 // A listening socket for `address`, whose port is set to the one it has got.
-absl::StatusOr<int> Listen(ListenAddress& address) {
+absl::StatusOr<int> Listen(base::ListenAddress& address) {
   addrinfo hints{};
   hints.ai_family = AF_UNSPEC;
   hints.ai_socktype = SOCK_STREAM;
@@ -107,8 +107,9 @@ absl::Status CheckPositive(absl::string_view name,
 }  // namespace
 
 absl::Status HttpServerOptions::Validate() const {
-  TL_ASSIGN_OR_RETURN(const ListenAddress address, ParseListenAddress(listen));
-  if (!tls.has_value() && !insecure_any_address && !IsLoopback(address)) {
+  TL_ASSIGN_OR_RETURN(const base::ListenAddress address,
+                      base::ParseListenAddress(listen));
+  if (!tls.has_value() && !insecure_any_address && !base::IsLoopback(address)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "refusing to listen for HTTP on ", address.ToString(),
         ", which other machines may reach: the connection is not encrypted. "
@@ -142,7 +143,7 @@ absl::Status HttpServerOptions::Validate() const {
 class HttpServer::Impl {
  public:
   Impl(const HttpServerOptions& options, HttpHandler& handler,
-       const Clock& clock, UniqueSslContext context, int listener,
+       const base::Clock& clock, UniqueSslContext context, int listener,
        std::string address)
       : options_(options),
         handler_(handler),
@@ -166,7 +167,7 @@ class HttpServer::Impl {
     int fd = -1;
     // Waits for a request since then.
     bool idle = true;
-    MonotonicTime idle_since;
+    base::MonotonicTime idle_since;
   };
   using Connections = std::map<int64_t, Connection>;
 
@@ -188,7 +189,7 @@ class HttpServer::Impl {
 
   const HttpServerOptions options_;
   HttpHandler& handler_;
-  const Clock& clock_;
+  const base::Clock& clock_;
   const UniqueSslContext context_;
   const int listener_;
   const std::string address_;
@@ -368,10 +369,10 @@ HttpServer::~HttpServer() { Stop(std::chrono::milliseconds(0)); }
 
 absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Start(
     const HttpServerOptions& options, HttpHandler& handler,
-    const Clock& clock) {
+    const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
-  TL_ASSIGN_OR_RETURN(ListenAddress address,
-                      ParseListenAddress(options.listen));
+  TL_ASSIGN_OR_RETURN(base::ListenAddress address,
+                      base::ParseListenAddress(options.listen));
   UniqueSslContext context;
   if (options.tls.has_value()) {
     TL_ASSIGN_OR_RETURN(context, MakeContext(*options.tls));
@@ -387,4 +388,4 @@ const std::string& HttpServer::address() const { return impl_->address(); }
 
 void HttpServer::Stop(std::chrono::milliseconds grace) { impl_->Stop(grace); }
 
-}  // namespace treeline
+}  // namespace treeline::http

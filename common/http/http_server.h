@@ -19,7 +19,7 @@
 #include "common/http/http_message.h"
 #include "common/http/http_stream.h"
 
-namespace treeline {
+namespace treeline::http {
 
 // How connections are encrypted.
 struct ServerTls {
@@ -61,7 +61,7 @@ class HttpServer {
   // the system's reason. `handler` and `clock` must outlive the server.
   static absl::StatusOr<std::unique_ptr<HttpServer>> Start(
       const HttpServerOptions& options, HttpHandler& handler,
-      const Clock& clock);
+      const base::Clock& clock);
   // Stops without waiting for requests in flight.
   ~HttpServer();
 
@@ -80,6 +80,6 @@ class HttpServer {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::http
 
 #endif  // COMMON_HTTP_HTTP_SERVER_H_

@@ -17,7 +17,7 @@
 #include "absl/synchronization/notification.h"
 #include "common/http/testing_raw_client.h"
 
-namespace treeline {
+namespace treeline::http {
 namespace {
 
 using ::testing::HasSubstr;
@@ -87,7 +87,7 @@ class HttpServerTest : public ::testing::Test {
     return client.ReadAll();
   }
 
-  const SteadyClock clock_{};
+  const base::SteadyClock clock_{};
   HttpServerOptions options_;
   EchoHandler handler_;
   std::unique_ptr<HttpServer> server_;
@@ -400,4 +400,4 @@ TEST_F(HttpServerTest, ManyClientsAtATime) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::http

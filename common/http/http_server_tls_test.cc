@@ -14,7 +14,7 @@
 #include "common/http/http_server.h"
 #include "common/http/testing_raw_client.h"
 
-namespace treeline {
+namespace treeline::http {
 namespace {
 
 using ::testing::ElementsAre;
@@ -87,14 +87,14 @@ class HttpServerTlsTest : public ::testing::Test {
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
     client_ = std::make_unique<httplib::SSLClient>(
-        "127.0.0.1", ParseListenAddress(server_->address())->port);
+        "127.0.0.1", base::ParseListenAddress(server_->address())->port);
     client_->enable_server_certificate_verification(false);
     client_->set_tcp_nodelay(true);
     client_->set_keep_alive(true);
   }
 
   const SelfSigned certificate_{};
-  const SteadyClock clock_{};
+  const base::SteadyClock clock_{};
   HttpServerOptions options_;
   NamesHandler handler_;
   std::unique_ptr<HttpServer> server_;
@@ -144,4 +144,4 @@ TEST_F(HttpServerTlsTest, RefusesASetUpThatFails) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::http

@@ -13,7 +13,7 @@
 #include <cstring>
 #include <utility>
 
-namespace treeline {
+namespace treeline::http {
 namespace {
 
 using NameOfEnd = int (*)(int, sockaddr*, socklen_t*);
@@ -40,7 +40,7 @@ void IpAndPort(int fd, NameOfEnd name_of_end, std::string& ip, int& port) {
 }  // namespace
 
 HttpStream::HttpStream(int fd, UniqueSsl ssl, const StreamLimits& limits,
-                       const Clock& clock)
+                       const base::Clock& clock)
     : fd_(fd), ssl_(std::move(ssl)), limits_(limits), clock_(clock) {
   fcntl(fd_, F_SETFL, fcntl(fd_, F_GETFL) | O_NONBLOCK);
   if (ssl_ != nullptr) {
@@ -230,4 +230,4 @@ bool HttpStream::WaitForTls(int result) {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::http

@@ -12,7 +12,7 @@
 
 #include "common/base/clock.h"
 
-namespace treeline {
+namespace treeline::http {
 
 // Why reading a request ended early.
 enum class StreamFailure { kNone, kClosed, kTimedOut, kHeadTooLarge };
@@ -42,7 +42,7 @@ class HttpStream final : public httplib::Stream {
   // Owns neither `fd`, which becomes non-blocking, nor `clock`. `ssl`: null
   // for a plain connection.
   HttpStream(int fd, UniqueSsl ssl, const StreamLimits& limits,
-             const Clock& clock);
+             const base::Clock& clock);
 
   // The TLS handshake, if there is one to do.
   bool Handshake();
@@ -92,9 +92,9 @@ class HttpStream final : public httplib::Stream {
   const int fd_;
   const UniqueSsl ssl_;
   const StreamLimits limits_;
-  const Clock& clock_;
+  const base::Clock& clock_;
   Phase phase_ = Phase::kHead;
-  MonotonicTime deadline_ = MonotonicTime::max();
+  base::MonotonicTime deadline_ = base::MonotonicTime::max();
   StreamFailure failure_ = StreamFailure::kNone;
   bool has_written_ = false;
   // Of the current head.
@@ -105,6 +105,6 @@ class HttpStream final : public httplib::Stream {
   size_t end_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::http
 
 #endif  // COMMON_HTTP_HTTP_STREAM_H_

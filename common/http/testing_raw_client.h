@@ -14,7 +14,7 @@
 #include "absl/strings/string_view.h"
 #include "common/base/listen_address.h"
 
-namespace treeline {
+namespace treeline::http {
 
 // A connection on which a test may say what it likes.
 class RawClient {
@@ -23,8 +23,8 @@ class RawClient {
       : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in to{};
     to.sin_family = AF_INET;
-    to.sin_port =
-        htons(static_cast<uint16_t>(ParseListenAddress(address).value().port));
+    to.sin_port = htons(
+        static_cast<uint16_t>(base::ParseListenAddress(address).value().port));
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     EXPECT_EQ(connect(fd_, reinterpret_cast<sockaddr*>(&to), sizeof(to)), 0);
   }
@@ -57,6 +57,6 @@ class RawClient {
   const int fd_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::http
 
 #endif  // COMMON_HTTP_TESTING_RAW_CLIENT_H_

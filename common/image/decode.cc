@@ -16,7 +16,7 @@
 #include "common/base/status_macros.h"
 #include "common/image/depth_png.h"
 
-namespace treeline {
+namespace treeline::image {
 namespace {
 
 constexpr absl::string_view kPngSignature("\x89PNG\r\n\x1a\n", 8);
@@ -337,4 +337,4 @@ absl::StatusOr<std::string> EncodeDepthPng(const DepthImage& image) {
   return EncodePlainDepthPng(image.width, image.height, image.values);
 }
 
-}  // namespace treeline
+}  // namespace treeline::image

@@ -9,7 +9,7 @@
 #include "absl/strings/string_view.h"
 #include "common/image/image.h"
 
-namespace treeline {
+namespace treeline::image {
 
 // Larger images are refused with INVALID_ARGUMENT before they are decoded.
 struct DecodeLimits {
@@ -52,6 +52,6 @@ absl::StatusOr<std::string> EncodeJpeg(const ColorImage& image, int quality);
 absl::StatusOr<std::string> EncodePng(const ColorImage& image);
 absl::StatusOr<std::string> EncodeDepthPng(const DepthImage& image);
 
-}  // namespace treeline
+}  // namespace treeline::image
 
 #endif  // COMMON_IMAGE_DECODE_H_

@@ -6,7 +6,7 @@
 #include "common/base/file.h"
 #include "common/image/decode.h"
 
-namespace treeline {
+namespace treeline::image {
 namespace {
 
 std::string ReadFrameFile(const char* ending) {
@@ -14,7 +14,7 @@ std::string ReadFrameFile(const char* ending) {
   const std::string path =
       std::string(data != nullptr ? data : "../shared/data") +
       "/7scenes-redkitchen/seq-01/frame-000120" + ending;
-  auto bytes = ReadFile(path);
+  auto bytes = base::ReadFile(path);
   return bytes.ok() ? *std::move(bytes) : std::string();
 }
 
@@ -67,6 +67,6 @@ void BM_EncodeColorJpeg(benchmark::State& state) {
 BENCHMARK(BM_EncodeColorJpeg)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::image
 
 BENCHMARK_MAIN();

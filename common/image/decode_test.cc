@@ -12,7 +12,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::image {
 namespace {
 
 using ::testing::HasSubstr;
@@ -404,4 +404,4 @@ TEST(EncodeTest, JpegKeepsFullColourFromQuality95) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::image

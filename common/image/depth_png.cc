@@ -11,7 +11,7 @@
 
 #include "absl/strings/match.h"
 
-namespace treeline {
+namespace treeline::image {
 namespace {
 
 constexpr absl::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
@@ -248,4 +248,4 @@ std::string EncodePlainDepthPng(int width, int height,
   return png;
 }
 
-}  // namespace treeline
+}  // namespace treeline::image

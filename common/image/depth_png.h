@@ -11,7 +11,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::image {
 
 // What a plain PNG (16-bit grey, not interlaced) says of itself.
 struct PlainDepthPng {
@@ -31,6 +31,6 @@ std::optional<PlainDepthPng> DecodePlainDepthPng(absl::string_view bytes,
 std::string EncodePlainDepthPng(int width, int height,
                                 std::span<const uint16_t> values);
 
-}  // namespace treeline
+}  // namespace treeline::image
 
 #endif  // COMMON_IMAGE_DEPTH_PNG_H_

@@ -8,7 +8,7 @@
 #include "common/image/decode.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::image {
 namespace {
 
 constexpr int kWidth = 7;
@@ -211,4 +211,4 @@ TEST(DepthPngTest, DecodeDepthPngTakesBothWays) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::image

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace treeline {
+namespace treeline::image {
 namespace {
 
 constexpr double kMaxDepthJump = 0.05;
@@ -12,37 +12,39 @@ constexpr int kDepthRadius_px = 2;
 
 }  // namespace
 
-DepthRegistration::DepthRegistration(const RgbdCalibration& calibration)
+DepthRegistration::DepthRegistration(const camera::RgbdCalibration& calibration)
     : calibration_(calibration) {
-  const Camera& depth = calibration.depth;
+  const camera::Camera& depth = calibration.depth;
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   for (int y = 0; y < depth.height(); ++y) {
     for (int x = 0; x < depth.width(); ++x) {
-      const Pixel pixel{static_cast<double>(x), static_cast<double>(y)};
-      rays_.push_back(depth.Unproject(pixel).value_or(Pixel{kNan, kNan}));
+      const camera::Pixel pixel{static_cast<double>(x), static_cast<double>(y)};
+      rays_.push_back(
+          depth.Unproject(pixel).value_or(camera::Pixel{kNan, kNan}));
     }
   }
 }
 
-std::vector<Vec3> DepthRegistration::PointsInColor(
+std::vector<geometry::Vec3> DepthRegistration::PointsInColor(
     const DepthImage& depth) const {
-  const Camera& color = calibration_.color;
-  std::vector<Vec3> points(static_cast<size_t>(color.width()) *
-                           static_cast<size_t>(color.height()));
+  const camera::Camera& color = calibration_.color;
+  std::vector<geometry::Vec3> points(static_cast<size_t>(color.width()) *
+                                     static_cast<size_t>(color.height()));
   const size_t count = std::min(rays_.size(), depth.values.size());
   for (size_t i = 0; i < count; ++i) {
     if (!IsMeasured(depth.values[i]) || std::isnan(rays_[i].x)) continue;
     const double z = calibration_.depth_scale * depth.unit_m * depth.values[i];
-    const Vec3 point =
-        calibration_.color_from_depth * Vec3{z * rays_[i].x, z * rays_[i].y, z};
+    const geometry::Vec3 point =
+        calibration_.color_from_depth *
+        geometry::Vec3{z * rays_[i].x, z * rays_[i].y, z};
     if (point.z <= 0) continue;
-    const Pixel pixel = color.Project(point);
+    const camera::Pixel pixel = color.Project(point);
     const double x = std::round(pixel.x);
     const double y = std::round(pixel.y);
     if (!(x >= 0 && x < color.width() && y >= 0 && y < color.height())) {
       continue;
     }
-    Vec3& held =
+    geometry::Vec3& held =
         points[static_cast<size_t>(y) * static_cast<size_t>(color.width()) +
                static_cast<size_t>(x)];
     if (held.z == 0 || point.z < held.z) held = point;
@@ -50,9 +52,10 @@ std::vector<Vec3> DepthRegistration::PointsInColor(
   return points;
 }
 
-std::optional<Vec3> DepthRegistration::PointAt(
-    const std::vector<Vec3>& points_in_color, Pixel pixel) const {
-  const Camera& color = calibration_.color;
+std::optional<geometry::Vec3> DepthRegistration::PointAt(
+    const std::vector<geometry::Vec3>& points_in_color,
+    camera::Pixel pixel) const {
+  const camera::Camera& color = calibration_.color;
   const int x0 = static_cast<int>(std::lround(pixel.x));
   const int y0 = static_cast<int>(std::lround(pixel.y));
   double depth_m = 0;
@@ -63,7 +66,7 @@ std::optional<Vec3> DepthRegistration::PointAt(
        y <= std::min(color.height() - 1, y0 + kDepthRadius_px); ++y) {
     for (int x = std::max(0, x0 - kDepthRadius_px);
          x <= std::min(color.width() - 1, x0 + kDepthRadius_px); ++x) {
-      const Vec3& point =
+      const geometry::Vec3& point =
           points_in_color[static_cast<size_t>(y) *
                               static_cast<size_t>(color.width()) +
                           static_cast<size_t>(x)];
@@ -80,9 +83,9 @@ std::optional<Vec3> DepthRegistration::PointAt(
   if (furthest_m == 0 || furthest_m > (1 + kMaxDepthJump) * nearest_m) {
     return std::nullopt;
   }
-  const std::optional<Pixel> ray = color.Unproject(pixel);
+  const std::optional<camera::Pixel> ray = color.Unproject(pixel);
   if (!ray) return std::nullopt;
-  return Vec3{depth_m * ray->x, depth_m * ray->y, depth_m};
+  return geometry::Vec3{depth_m * ray->x, depth_m * ray->y, depth_m};
 }
 
-}  // namespace treeline
+}  // namespace treeline::image

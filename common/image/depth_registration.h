@@ -8,29 +8,30 @@
 #include "common/camera/rgbd_calibration.h"
 #include "common/image/image.h"
 
-namespace treeline {
+namespace treeline::image {
 
 // Depth seen from the colour camera: for each colour pixel, row by row, the
 // nearest measured point that falls on it, in the colour camera's frame (world
 // units); z is 0 where there is none.
 class DepthRegistration {
  public:
-  explicit DepthRegistration(const RgbdCalibration& calibration);
+  explicit DepthRegistration(const camera::RgbdCalibration& calibration);
 
-  std::vector<Vec3> PointsInColor(const DepthImage& depth) const;
+  std::vector<geometry::Vec3> PointsInColor(const DepthImage& depth) const;
 
   // The point seen at `pixel`: on its ray, as far along the optical axis as
   // the nearest measured pixel within 2 px. nullopt: none, or depth jumps
   // there by more than 5 %.
-  std::optional<Vec3> PointAt(const std::vector<Vec3>& points_in_color,
-                              Pixel pixel) const;
+  std::optional<geometry::Vec3> PointAt(
+      const std::vector<geometry::Vec3>& points_in_color,
+      camera::Pixel pixel) const;
 
  private:
-  const RgbdCalibration calibration_;
+  const camera::RgbdCalibration calibration_;
   // Rays of the depth camera's pixels, (x/z, y/z); NaN where there is none.
-  std::vector<Pixel> rays_;
+  std::vector<camera::Pixel> rays_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::image
 
 #endif  // COMMON_IMAGE_DEPTH_REGISTRATION_H_

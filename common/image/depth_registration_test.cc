@@ -5,16 +5,17 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::image {
 namespace {
 
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
 
-RgbdCalibration Pair(const char* color, const char* depth, Vec3 offset_m) {
-  RgbdCalibration calibration;
-  calibration.color = Camera::Parse(color, kWidth, kHeight).value();
-  calibration.depth = Camera::Parse(depth, kWidth, kHeight).value();
+camera::RgbdCalibration Pair(const char* color, const char* depth,
+                             geometry::Vec3 offset_m) {
+  camera::RgbdCalibration calibration;
+  calibration.color = camera::Camera::Parse(color, kWidth, kHeight).value();
+  calibration.depth = camera::Camera::Parse(depth, kWidth, kHeight).value();
   calibration.color_from_depth.translation = offset_m;
   return calibration;
 }
@@ -33,14 +34,15 @@ TEST(DepthRegistration, PutsAPointWhereTheColourCameraSeesIt) {
   // Depth pixel (180, 120), 20 px right of the centre at f 200, 2 m away: the
   // point (0.2, 0, 2). The colour camera sits 0.1 m to the right of it, so
   // that the point is (0.1, 0, 2) there, at 160 + 300 * 0.05 = 175.
-  const RgbdCalibration calibration =
+  const camera::RgbdCalibration calibration =
       Pair("PINHOLE,300,300,160,120", "PINHOLE,200,200,160,120", {-0.1, 0, 0});
   const DepthRegistration registration(calibration);
   DepthImage depth = NoDepth();
   SetDepth(depth, 180, 120, 2000);
-  const std::vector<Vec3> points = registration.PointsInColor(depth);
+  const std::vector<geometry::Vec3> points = registration.PointsInColor(depth);
   // A little beside it, the ray is that of the pixel asked for.
-  const std::optional<Vec3> point = registration.PointAt(points, {175.3, 120});
+  const std::optional<geometry::Vec3> point =
+      registration.PointAt(points, {175.3, 120});
   ASSERT_TRUE(point.has_value());
   EXPECT_NEAR(point->x, 2 * 15.3 / 300, 1e-12);
   EXPECT_NEAR(point->y, 0, 1e-12);
@@ -49,7 +51,7 @@ TEST(DepthRegistration, PutsAPointWhereTheColourCameraSeesIt) {
 }
 
 TEST(DepthRegistration, AppliesTheDepthScale) {
-  RgbdCalibration calibration =
+  camera::RgbdCalibration calibration =
       Pair("PINHOLE,300,300,160,120", "PINHOLE,300,300,160,120", {});
   calibration.depth_scale = 0.99;
   const DepthRegistration registration(calibration);
@@ -63,7 +65,7 @@ TEST(DepthRegistration, AppliesTheDepthScale) {
 
 TEST(DepthRegistration, KeepsTheNearerOfTwoPointsOnOnePixel) {
   // Half the focal length in colour: depth pixels 160 and 161 share a pixel.
-  const RgbdCalibration calibration =
+  const camera::RgbdCalibration calibration =
       Pair("PINHOLE,100,100,160,120", "PINHOLE,400,400,160,120", {});
   const DepthRegistration registration(calibration);
   DepthImage depth = NoDepth();
@@ -76,7 +78,7 @@ TEST(DepthRegistration, KeepsTheNearerOfTwoPointsOnOnePixel) {
 }
 
 TEST(DepthRegistration, RefusesPointsAtDepthEdges) {
-  const RgbdCalibration calibration =
+  const camera::RgbdCalibration calibration =
       Pair("PINHOLE,300,300,160,120", "PINHOLE,300,300,160,120", {});
   const DepthRegistration registration(calibration);
   DepthImage depth = NoDepth();
@@ -92,7 +94,7 @@ TEST(DepthRegistration, RefusesPointsAtDepthEdges) {
 }
 
 TEST(DepthRegistration, IgnoresWhatWasNotMeasured) {
-  const RgbdCalibration calibration =
+  const camera::RgbdCalibration calibration =
       Pair("PINHOLE,300,300,160,120", "PINHOLE,300,300,160,120", {});
   const DepthRegistration registration(calibration);
   DepthImage depth = NoDepth();
@@ -106,4 +108,4 @@ TEST(DepthRegistration, IgnoresWhatWasNotMeasured) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::image

@@ -7,18 +7,18 @@
 #include "common/camera/rgbd_calibration.h"
 #include "common/image/image.h"
 
-namespace treeline {
+namespace treeline::image {
 
 // A query or a training frame.
 struct Frame {
   // The calibration this frame was taken with. Where depth is absent, only
   // calibration.color and calibration.pose_sensor mean anything. nullopt: use
   // the one that is stored with the scene.
-  std::optional<RgbdCalibration> calibration;
+  std::optional<camera::RgbdCalibration> calibration;
   ColorImage color;
   std::optional<DepthImage> depth;
 };
 
-}  // namespace treeline
+}  // namespace treeline::image
 
 #endif  // COMMON_IMAGE_FRAME_H_

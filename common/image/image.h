@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace treeline {
+namespace treeline::image {
 
 // 8-bit colour, interleaved R, G, B, rows from the top without padding:
 // channel c of pixel (x, y) is rgb[3 * (y * width + x) + c].
@@ -28,6 +28,6 @@ inline bool IsMeasured(uint16_t depth_value) {
   return depth_value != 0 && depth_value != 65535;
 }
 
-}  // namespace treeline
+}  // namespace treeline::image
 
 #endif  // COMMON_IMAGE_IMAGE_H_

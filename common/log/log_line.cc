@@ -8,7 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 
-namespace treeline {
+namespace treeline::logging {
 namespace {
 
 // In quotation marks, on one line.
@@ -72,4 +72,4 @@ LogLine& LogLine::Number(absl::string_view key, double value) {
   return *this;
 }
 
-}  // namespace treeline
+}  // namespace treeline::logging

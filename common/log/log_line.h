@@ -7,7 +7,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::logging {
 
 enum class LogFormat { kText, kJson };
 
@@ -44,6 +44,6 @@ class LogLine {
   std::string fields_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::logging
 
 #endif  // COMMON_LOG_LOG_LINE_H_

@@ -7,7 +7,7 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::logging {
 namespace {
 
 nlohmann::json Parsed(const LogLine& event) {
@@ -51,7 +51,7 @@ TEST(LogLine, SentencesStandAloneInTexts) {
 // Whatever bytes come, there is one field on one line of plain ASCII.
 TEST(LogLine, NoBytesBreakOut) {
   for (uint64_t i = 0; i < 2000; ++i) {
-    Random random(/*seed=*/7, i);
+    base::Random random(/*seed=*/7, i);
     std::string bytes(random.NextBelow(40), '\0');
     for (char& byte : bytes) byte = static_cast<char>(random.NextBits());
     LogLine json(LogFormat::kJson);
@@ -70,4 +70,4 @@ TEST(LogLine, NoBytesBreakOut) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::logging

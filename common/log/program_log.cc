@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::logging {
 namespace {
 
 constexpr char kTextPattern[] = "%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v";
@@ -100,4 +100,4 @@ std::unique_ptr<ProgramLog> LogToStandardError(const std::string& program,
       format);
 }
 
-}  // namespace treeline
+}  // namespace treeline::logging

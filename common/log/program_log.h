@@ -12,7 +12,7 @@ namespace spdlog {
 class logger;
 }
 
-namespace treeline {
+namespace treeline::logging {
 
 enum class LogLevel { kDebug, kInfo, kWarn, kError, kOff };
 
@@ -56,6 +56,6 @@ class ProgramLog {
 std::unique_ptr<ProgramLog> LogToStandardError(const std::string& program,
                                                LogFormat format);
 
-}  // namespace treeline
+}  // namespace treeline::logging
 
 #endif  // COMMON_LOG_PROGRAM_LOG_H_

@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 
-namespace treeline {
+namespace treeline::metrics {
 namespace {
 
 const char* NameOf(MetricType type) {
@@ -139,4 +139,4 @@ void Exposition::Histogram(const Labels& labels,
   Line("_count", labels, nullptr, static_cast<double>(total));
 }
 
-}  // namespace treeline
+}  // namespace treeline::metrics

@@ -10,7 +10,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::metrics {
 
 inline constexpr char kExpositionContentType[] =
     "text/plain; version=0.0.4; charset=utf-8";
@@ -57,6 +57,6 @@ bool IsMetricName(absl::string_view name);
 // [a-zA-Z_][a-zA-Z0-9_]*, but not __..., which is Prometheus' own.
 bool IsLabelName(absl::string_view name);
 
-}  // namespace treeline
+}  // namespace treeline::metrics
 
 #endif  // COMMON_METRICS_EXPOSITION_H_

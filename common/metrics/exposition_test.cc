@@ -11,7 +11,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::metrics {
 namespace {
 
 TEST(Exposition, IsTheTextFormat) {
@@ -45,7 +45,7 @@ TEST(Exposition, NumbersReadBackTheSame) {
   EXPECT_EQ(NumberText(-std::numeric_limits<double>::infinity()), "-Inf");
   EXPECT_EQ(NumberText(std::nan("")), "NaN");
   for (uint64_t i = 0; i < 1000; ++i) {
-    Random random(/*seed=*/3, i);
+    base::Random random(/*seed=*/3, i);
     const double value =
         std::ldexp(static_cast<double>(random.NextBits()),
                    static_cast<int>(random.NextBelow(200)) - 100);
@@ -86,7 +86,7 @@ TEST(Exposition, WhatIsNotUtf8IsReplaced) {
 // Any bytes as a label's value, and the page still reads back to one sample.
 TEST(Exposition, NoLabelBreaksOut) {
   for (uint64_t i = 0; i < 3000; ++i) {
-    Random random(/*seed=*/11, i);
+    base::Random random(/*seed=*/11, i);
     // Mostly what has a meaning in the format.
     static constexpr char kSpecial[] = "\"\\\n{},= \r\0#";
     std::string value;
@@ -137,4 +137,4 @@ TEST(ParseExposition, RefusesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::metrics

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
-namespace treeline {
+namespace treeline::metrics {
 namespace {
 
 // "Others", where there are too many to tell apart.
@@ -157,4 +157,4 @@ std::vector<double> ShareBuckets() {
   return bounds;
 }
 
-}  // namespace treeline
+}  // namespace treeline::metrics

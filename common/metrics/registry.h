@@ -15,7 +15,7 @@
 #include "absl/synchronization/mutex.h"
 #include "common/metrics/exposition.h"
 
-namespace treeline {
+namespace treeline::metrics {
 
 // Counts; never goes down. Thread-safe, without a lock.
 class Counter {
@@ -122,6 +122,6 @@ std::vector<double> LatencyBuckets();
 // 0.05, 0.1, ... 1: for shares and probabilities.
 std::vector<double> ShareBuckets();
 
-}  // namespace treeline
+}  // namespace treeline::metrics
 
 #endif  // COMMON_METRICS_REGISTRY_H_

@@ -12,7 +12,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::metrics {
 namespace {
 
 using ::testing::ElementsAre;
@@ -69,7 +69,7 @@ TEST(Histogram, NanIsCountedAndSpoilsNoSum) {
 // Against counting by hand.
 TEST(Histogram, CountsLikeTheDefinition) {
   for (uint64_t round = 0; round < 50; ++round) {
-    Random random(/*seed=*/5, round);
+    base::Random random(/*seed=*/5, round);
     std::vector<double> bounds;
     for (uint32_t i = random.NextBelow(6); i > 0; --i) {
       bounds.push_back(random.NextBelow(20));
@@ -145,4 +145,4 @@ TEST(Registry, ManyThreadsLoseNothing) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::metrics

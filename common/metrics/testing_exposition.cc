@@ -14,7 +14,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 
-namespace treeline {
+namespace treeline::metrics {
 namespace {
 
 struct ParsedSample {
@@ -261,4 +261,4 @@ double SampleOf(const std::map<std::string, ParsedFamily>& families,
   return 0;
 }
 
-}  // namespace treeline
+}  // namespace treeline::metrics

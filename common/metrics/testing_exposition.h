@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::metrics {
 
 struct ParsedFamily {
   std::string type;
@@ -29,6 +29,6 @@ absl::StatusOr<std::map<std::string, ParsedFamily>> ParseExposition(
 double SampleOf(const std::map<std::string, ParsedFamily>& families,
                 const std::string& key);
 
-}  // namespace treeline
+}  // namespace treeline::metrics
 
 #endif  // COMMON_METRICS_TESTING_EXPOSITION_H_

@@ -5,7 +5,7 @@
 #include "common/base/status_macros.h"
 #include "common/wire/geometry.h"
 
-namespace treeline {
+namespace treeline::wire {
 namespace {
 
 // Longer names are not repeated in messages.
@@ -13,51 +13,52 @@ constexpr size_t kLongestModelName = 32;
 
 }  // namespace
 
-v1::Camera ToProto(const Camera& camera) {
+v1::Camera ToProto(const camera::Camera& camera) {
   v1::Camera proto;
-  const absl::string_view model = CameraModelName(camera.model());
+  const absl::string_view model = camera::CameraModelName(camera.model());
   proto.set_model(model.data(), model.size());
   proto.set_width_px(camera.width());
   proto.set_height_px(camera.height());
   proto.mutable_parameters()->Add(
       camera.parameters().begin(),
-      camera.parameters().begin() + CameraParameterCount(camera.model()));
+      camera.parameters().begin() +
+          camera::CameraParameterCount(camera.model()));
   return proto;
 }
 
-absl::StatusOr<Camera> FromProto(const v1::Camera& proto,
-                                 absl::string_view field) {
+absl::StatusOr<camera::Camera> FromProto(const v1::Camera& proto,
+                                         absl::string_view field) {
   if (proto.model().size() > kLongestModelName) {
     return FieldError(field, "the name of the model is too long");
   }
-  const absl::StatusOr<CameraModel> model =
-      ParseCameraModel(absl::CEscape(proto.model()));
-  if (!model.ok()) return Annotate(model.status(), field);
-  const absl::StatusOr<Camera> camera =
-      Camera::Create(*model, proto.width_px(), proto.height_px(),
-                     proto.parameters().data(), proto.parameters_size());
-  if (!camera.ok()) return Annotate(camera.status(), field);
+  const absl::StatusOr<camera::CameraModel> model =
+      camera::ParseCameraModel(absl::CEscape(proto.model()));
+  if (!model.ok()) return base::Annotate(model.status(), field);
+  const absl::StatusOr<camera::Camera> camera = camera::Camera::Create(
+      *model, proto.width_px(), proto.height_px(), proto.parameters().data(),
+      proto.parameters_size());
+  if (!camera.ok()) return base::Annotate(camera.status(), field);
   return camera;
 }
 
-v1::RgbdSensor ToProto(RgbdSensor sensor) {
-  return sensor == RgbdSensor::kColor ? v1::RGBD_SENSOR_COLOR
-                                      : v1::RGBD_SENSOR_DEPTH;
+v1::RgbdSensor ToProto(camera::RgbdSensor sensor) {
+  return sensor == camera::RgbdSensor::kColor ? v1::RGBD_SENSOR_COLOR
+                                              : v1::RGBD_SENSOR_DEPTH;
 }
 
-absl::StatusOr<RgbdSensor> FromProto(v1::RgbdSensor proto,
-                                     absl::string_view field) {
+absl::StatusOr<camera::RgbdSensor> FromProto(v1::RgbdSensor proto,
+                                             absl::string_view field) {
   switch (proto) {
     case v1::RGBD_SENSOR_COLOR:
-      return RgbdSensor::kColor;
+      return camera::RgbdSensor::kColor;
     case v1::RGBD_SENSOR_DEPTH:
-      return RgbdSensor::kDepth;
+      return camera::RgbdSensor::kDepth;
     default:
       return FieldError(field, "neither the colour nor the depth camera");
   }
 }
 
-v1::RgbdCalibration ToProto(const RgbdCalibration& calibration) {
+v1::RgbdCalibration ToProto(const camera::RgbdCalibration& calibration) {
   v1::RgbdCalibration proto;
   *proto.mutable_color() = ToProto(calibration.color);
   *proto.mutable_depth() = ToProto(calibration.depth);
@@ -67,9 +68,9 @@ v1::RgbdCalibration ToProto(const RgbdCalibration& calibration) {
   return proto;
 }
 
-absl::StatusOr<RgbdCalibration> FromProto(const v1::RgbdCalibration& proto,
-                                          absl::string_view field) {
-  RgbdCalibration calibration;
+absl::StatusOr<camera::RgbdCalibration> FromProto(
+    const v1::RgbdCalibration& proto, absl::string_view field) {
+  camera::RgbdCalibration calibration;
   TL_ASSIGN_OR_RETURN(calibration.color,
                       FromProto(proto.color(), absl::StrCat(field, ".color")));
   TL_ASSIGN_OR_RETURN(calibration.depth,
@@ -95,4 +96,4 @@ absl::Status CheckDepthScale(double depth_scale, absl::string_view field) {
                                         kMinDepthScale, "..", kMaxDepthScale));
 }
 
-}  // namespace treeline
+}  // namespace treeline::wire

@@ -7,7 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::wire {
 namespace {
 
 using ::testing::HasSubstr;
@@ -18,19 +18,21 @@ std::string MessageOf(const absl::Status& status) {
   return std::string(status.message());
 }
 
-Camera MustParse(const char* text, int width, int height) {
-  const auto camera = Camera::Parse(text, width, height);
+camera::Camera MustParse(const char* text, int width, int height) {
+  const auto camera = camera::Camera::Parse(text, width, height);
   EXPECT_TRUE(camera.ok()) << camera.status();
-  return camera.value_or(Camera());
+  return camera.value_or(camera::Camera());
 }
 
 class EveryModel : public testing::TestWithParam<const char*> {};
 
 TEST_P(EveryModel, RoundTripsBitForBit) {
-  const Camera camera = MustParse(GetParam(), 641, 479);
+  const camera::Camera camera = MustParse(GetParam(), 641, 479);
   const v1::Camera proto = ToProto(camera);
-  EXPECT_EQ(proto.model(), std::string(CameraModelName(camera.model())));
-  EXPECT_EQ(proto.parameters_size(), CameraParameterCount(camera.model()));
+  EXPECT_EQ(proto.model(),
+            std::string(camera::CameraModelName(camera.model())));
+  EXPECT_EQ(proto.parameters_size(),
+            camera::CameraParameterCount(camera.model()));
   const auto back = FromProto(proto, "camera");
   ASSERT_TRUE(back.ok()) << back.status();
   EXPECT_EQ(*back, camera);
@@ -59,7 +61,7 @@ void ExpectRefused(const v1::Camera& bad, const char* why) {
 }
 
 TEST(WireCamera, HostileValuesAreRefusedByName) {
-  const v1::Camera good = ToProto(Camera());
+  const v1::Camera good = ToProto(camera::Camera());
   ASSERT_TRUE(FromProto(good, "x").ok());
   const auto with = [&](auto change) {
     v1::Camera bad = good;
@@ -92,19 +94,20 @@ TEST(WireCamera, HostileValuesAreRefusedByName) {
                 "width 2^31");
 }
 
-RgbdCalibration SomeCalibration() {
-  RgbdCalibration calibration;
+camera::RgbdCalibration SomeCalibration() {
+  camera::RgbdCalibration calibration;
   calibration.color = MustParse("PINHOLE,525,526,319.5,239.5", 640, 480);
   calibration.depth = MustParse("SIMPLE_PINHOLE,290,160,120", 320, 240);
   calibration.color_from_depth = {
-      Rotation3::FromAxisAngle({0.01, -0.02, 0.003}), {0.025, 0.001, -0.002}};
+      geometry::Rotation3::FromAxisAngle({0.01, -0.02, 0.003}),
+      {0.025, 0.001, -0.002}};
   calibration.depth_scale = 1.0123;
-  calibration.pose_sensor = RgbdSensor::kDepth;
+  calibration.pose_sensor = camera::RgbdSensor::kDepth;
   return calibration;
 }
 
 TEST(WireCamera, CalibrationsRoundTripBitForBit) {
-  const RgbdCalibration calibration = SomeCalibration();
+  const camera::RgbdCalibration calibration = SomeCalibration();
   const auto back = FromProto(ToProto(calibration), "calibration");
   ASSERT_TRUE(back.ok()) << back.status();
   EXPECT_EQ(*back, calibration);
@@ -134,4 +137,4 @@ TEST(WireCamera, CalibrationsNameTheFieldThatIsWrong) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::wire

@@ -9,7 +9,7 @@
 #include "common/wire/camera.h"
 #include "common/wire/geometry.h"
 
-namespace treeline {
+namespace treeline::wire {
 namespace {
 
 constexpr double kMaxDepthUnit_m = 1.0;
@@ -31,7 +31,7 @@ void FillColor(const QueryFrame& frame, v1::ColorImage& proto) {
     proto.set_encoded(encoded->bytes);
     return;
   }
-  const ColorImage& image = std::get<ColorImage>(frame.color);
+  const image::ColorImage& image = std::get<image::ColorImage>(frame.color);
   v1::Rgb8Image& raw = *proto.mutable_rgb8();
   raw.set_width_px(image.width);
   raw.set_height_px(image.height);
@@ -42,7 +42,7 @@ void FillDepth(const QueryDepth& depth, v1::DepthImage& proto) {
   if (const auto* encoded = std::get_if<EncodedImage>(&depth.image)) {
     proto.set_png(encoded->bytes);
   } else {
-    const DepthImage& image = std::get<DepthImage>(depth.image);
+    const image::DepthImage& image = std::get<image::DepthImage>(depth.image);
     v1::Uint16Image& raw = *proto.mutable_raw();
     raw.set_width_px(image.width);
     raw.set_height_px(image.height);
@@ -67,7 +67,7 @@ void FillDepth(const QueryDepth& depth, v1::DepthImage& proto) {
 // The size and length of an image without encoding.
 template <typename RawImage>
 absl::Status CheckRawImage(const RawImage& raw, int bytes_per_pixel,
-                           const DecodeLimits& limits,
+                           const image::DecodeLimits& limits,
                            absl::string_view field) {
   const int64_t width = raw.width_px();
   const int64_t height = raw.height_px();
@@ -93,14 +93,15 @@ absl::Status CheckRawImage(const RawImage& raw, int bytes_per_pixel,
   return absl::OkStatus();
 }
 
-absl::StatusOr<ColorImage> DecodeColorField(const v1::ColorImage& proto,
-                                            const DecodeLimits& limits,
-                                            absl::string_view field) {
+absl::StatusOr<image::ColorImage> DecodeColorField(
+    const v1::ColorImage& proto, const image::DecodeLimits& limits,
+    absl::string_view field) {
   switch (proto.data_case()) {
     case v1::ColorImage::kEncoded: {
-      absl::StatusOr<ColorImage> image = DecodeColor(proto.encoded(), limits);
+      absl::StatusOr<image::ColorImage> image =
+          image::DecodeColor(proto.encoded(), limits);
       if (!image.ok()) {
-        return Annotate(image.status(), absl::StrCat(field, ".encoded"));
+        return base::Annotate(image.status(), absl::StrCat(field, ".encoded"));
       }
       return image;
     }
@@ -108,7 +109,7 @@ absl::StatusOr<ColorImage> DecodeColorField(const v1::ColorImage& proto,
       const v1::Rgb8Image& raw = proto.rgb8();
       TL_RETURN_IF_ERROR(
           CheckRawImage(raw, 3, limits, absl::StrCat(field, ".rgb8")));
-      ColorImage image{
+      image::ColorImage image{
           .width = raw.width_px(), .height = raw.height_px(), .rgb = {}};
       image.rgb.assign(raw.data().begin(), raw.data().end());
       return image;
@@ -118,15 +119,15 @@ absl::StatusOr<ColorImage> DecodeColorField(const v1::ColorImage& proto,
   }
 }
 
-absl::StatusOr<DepthImage> DecodeDepthField(const v1::DepthImage& proto,
-                                            const DecodeLimits& limits,
-                                            absl::string_view field) {
+absl::StatusOr<image::DepthImage> DecodeDepthField(
+    const v1::DepthImage& proto, const image::DecodeLimits& limits,
+    absl::string_view field) {
   switch (proto.data_case()) {
     case v1::DepthImage::kPng: {
-      absl::StatusOr<DepthImage> image =
-          DecodeDepthPng(proto.png(), proto.unit_m(), limits);
+      absl::StatusOr<image::DepthImage> image =
+          image::DecodeDepthPng(proto.png(), proto.unit_m(), limits);
       if (!image.ok()) {
-        return Annotate(image.status(), absl::StrCat(field, ".png"));
+        return base::Annotate(image.status(), absl::StrCat(field, ".png"));
       }
       return image;
     }
@@ -134,10 +135,10 @@ absl::StatusOr<DepthImage> DecodeDepthField(const v1::DepthImage& proto,
       const v1::Uint16Image& raw = proto.raw();
       TL_RETURN_IF_ERROR(
           CheckRawImage(raw, 2, limits, absl::StrCat(field, ".raw")));
-      DepthImage image{.width = raw.width_px(),
-                       .height = raw.height_px(),
-                       .values = {},
-                       .unit_m = proto.unit_m()};
+      image::DepthImage image{.width = raw.width_px(),
+                              .height = raw.height_px(),
+                              .values = {},
+                              .unit_m = proto.unit_m()};
       image.values.resize(raw.data().size() / 2);
       const auto* bytes =
           reinterpret_cast<const unsigned char*>(raw.data().data());
@@ -186,10 +187,10 @@ absl::Status CheckDepthStatement(const v1::DepthImage& proto,
 }
 
 // The table in the header. The cameras are checked; images are not looked at.
-absl::StatusOr<std::optional<RgbdCalibration>> ResolveCalibration(
-    const v1::Frame& proto, const RgbdCalibration& scene,
+absl::StatusOr<std::optional<camera::RgbdCalibration>> ResolveCalibration(
+    const v1::Frame& proto, const camera::RgbdCalibration& scene,
     absl::string_view field) {
-  RgbdCalibration merged = scene;
+  camera::RgbdCalibration merged = scene;
   if (proto.has_camera()) {
     TL_ASSIGN_OR_RETURN(
         merged.color,
@@ -206,7 +207,7 @@ absl::StatusOr<std::optional<RgbdCalibration>> ResolveCalibration(
       proto.depth().has_depth_scale() ? proto.depth().depth_scale() : 1;
   if (registration == v1::DEPTH_REGISTRATION_REGISTERED_TO_COLOR) {
     merged.depth = merged.color;
-    merged.color_from_depth = Rigid3{};
+    merged.color_from_depth = geometry::Rigid3{};
     return merged;
   }
   const v1::DepthCalibration& calibration = proto.depth().calibration();
@@ -224,8 +225,9 @@ std::string SizeText(int width, int height) {
   return absl::StrCat(width, " x ", height);
 }
 
-absl::Status CheckColorSize(const ColorImage& image, const Camera& camera,
-                            bool camera_given, absl::string_view field) {
+absl::Status CheckColorSize(const image::ColorImage& image,
+                            const camera::Camera& camera, bool camera_given,
+                            absl::string_view field) {
   if (image.width == camera.width() && image.height == camera.height()) {
     return absl::OkStatus();
   }
@@ -243,7 +245,8 @@ absl::Status CheckColorSize(const ColorImage& image, const Camera& camera,
                    " pixels is not from the scene's camera of ", camera_size));
 }
 
-absl::Status CheckDepthSize(const DepthImage& image, const Camera& camera,
+absl::Status CheckDepthSize(const image::DepthImage& image,
+                            const camera::Camera& camera,
                             absl::string_view field) {
   if (image.width == camera.width() && image.height == camera.height()) {
     return absl::OkStatus();
@@ -261,16 +264,18 @@ absl::Status CheckStatements(const v1::Frame& proto, absl::string_view field) {
   return CheckDepthStatement(proto.depth(), absl::StrCat(field, ".depth"));
 }
 
-absl::Status DecodeColorOf(const v1::Frame& proto, const DecodeLimits& limits,
-                           absl::string_view field, Frame& frame) {
+absl::Status DecodeColorOf(const v1::Frame& proto,
+                           const image::DecodeLimits& limits,
+                           absl::string_view field, image::Frame& frame) {
   TL_ASSIGN_OR_RETURN(
       frame.color,
       DecodeColorField(proto.color(), limits, absl::StrCat(field, ".color")));
   return absl::OkStatus();
 }
 
-absl::Status DecodeDepthOf(const v1::Frame& proto, const DecodeLimits& limits,
-                           absl::string_view field, Frame& frame) {
+absl::Status DecodeDepthOf(const v1::Frame& proto,
+                           const image::DecodeLimits& limits,
+                           absl::string_view field, image::Frame& frame) {
   if (!proto.has_depth()) return absl::OkStatus();
   TL_ASSIGN_OR_RETURN(
       frame.depth,
@@ -288,16 +293,15 @@ v1::Frame ToProto(const QueryFrame& frame) {
   return proto;
 }
 
-absl::StatusOr<Frame> FromProto(const v1::Frame& proto,
-                                const RgbdCalibration& scene_calibration,
-                                const DecodeLimits& limits,
-                                absl::string_view field) {
+absl::StatusOr<image::Frame> FromProto(
+    const v1::Frame& proto, const camera::RgbdCalibration& scene_calibration,
+    const image::DecodeLimits& limits, absl::string_view field) {
   TL_RETURN_IF_ERROR(CheckStatements(proto, field));
-  TL_ASSIGN_OR_RETURN(std::optional<RgbdCalibration> calibration,
+  TL_ASSIGN_OR_RETURN(std::optional<camera::RgbdCalibration> calibration,
                       ResolveCalibration(proto, scene_calibration, field));
-  const RgbdCalibration& cameras =
+  const camera::RgbdCalibration& cameras =
       calibration ? *calibration : scene_calibration;
-  Frame frame;
+  image::Frame frame;
   TL_RETURN_IF_ERROR(DecodeColorOf(proto, limits, field, frame));
   TL_RETURN_IF_ERROR(
       CheckColorSize(frame.color, cameras.color, proto.has_camera(), field));
@@ -309,23 +313,23 @@ absl::StatusOr<Frame> FromProto(const v1::Frame& proto,
   return frame;
 }
 
-absl::StatusOr<Frame> PixelsFromProto(const v1::Frame& proto,
-                                      const DecodeLimits& limits,
-                                      absl::string_view field) {
+absl::StatusOr<image::Frame> PixelsFromProto(const v1::Frame& proto,
+                                             const image::DecodeLimits& limits,
+                                             absl::string_view field) {
   TL_RETURN_IF_ERROR(CheckStatements(proto, field));
-  Frame frame;
+  image::Frame frame;
   TL_RETURN_IF_ERROR(DecodeColorOf(proto, limits, field, frame));
   TL_RETURN_IF_ERROR(DecodeDepthOf(proto, limits, field, frame));
   return frame;
 }
 
-absl::StatusOr<std::optional<RgbdCalibration>> CalibrationFromProto(
-    const v1::Frame& proto, const Frame& pixels,
-    const RgbdCalibration& scene_calibration, absl::string_view field) {
+absl::StatusOr<std::optional<camera::RgbdCalibration>> CalibrationFromProto(
+    const v1::Frame& proto, const image::Frame& pixels,
+    const camera::RgbdCalibration& scene_calibration, absl::string_view field) {
   TL_RETURN_IF_ERROR(CheckStatements(proto, field));
-  TL_ASSIGN_OR_RETURN(std::optional<RgbdCalibration> calibration,
+  TL_ASSIGN_OR_RETURN(std::optional<camera::RgbdCalibration> calibration,
                       ResolveCalibration(proto, scene_calibration, field));
-  const RgbdCalibration& cameras =
+  const camera::RgbdCalibration& cameras =
       calibration ? *calibration : scene_calibration;
   TL_RETURN_IF_ERROR(
       CheckColorSize(pixels.color, cameras.color, proto.has_camera(), field));
@@ -335,4 +339,4 @@ absl::StatusOr<std::optional<RgbdCalibration>> CalibrationFromProto(
   return calibration;
 }
 
-}  // namespace treeline
+}  // namespace treeline::wire

@@ -10,7 +10,7 @@
 #include "common/wire/query_frame.h"
 #include "treeline/v1/frame.pb.h"
 
-namespace treeline {
+namespace treeline::wire {
 
 // What a client sends.
 v1::Frame ToProto(const QueryFrame& frame);
@@ -33,22 +33,21 @@ v1::Frame ToProto(const QueryFrame& frame);
 // poses that are not valid; a unit or registration that is missing or absurd.
 // Cheap checks come before decoding, and nothing is allocated for an image
 // before its size was checked.
-absl::StatusOr<Frame> FromProto(const v1::Frame& proto,
-                                const RgbdCalibration& scene_calibration,
-                                const DecodeLimits& limits,
-                                absl::string_view field);
+absl::StatusOr<image::Frame> FromProto(
+    const v1::Frame& proto, const camera::RgbdCalibration& scene_calibration,
+    const image::DecodeLimits& limits, absl::string_view field);
 
 // The two halves of it, for a frame that is tried in several scenes: what does
 // not depend on the scene, to be decoded once, without a calibration;
-absl::StatusOr<Frame> PixelsFromProto(const v1::Frame& proto,
-                                      const DecodeLimits& limits,
-                                      absl::string_view field);
+absl::StatusOr<image::Frame> PixelsFromProto(const v1::Frame& proto,
+                                             const image::DecodeLimits& limits,
+                                             absl::string_view field);
 // and what becomes Frame::calibration in one scene. `pixels` are of the first;
 // INVALID_ARGUMENT if their sizes are not those of the cameras.
-absl::StatusOr<std::optional<RgbdCalibration>> CalibrationFromProto(
-    const v1::Frame& proto, const Frame& pixels,
-    const RgbdCalibration& scene_calibration, absl::string_view field);
+absl::StatusOr<std::optional<camera::RgbdCalibration>> CalibrationFromProto(
+    const v1::Frame& proto, const image::Frame& pixels,
+    const camera::RgbdCalibration& scene_calibration, absl::string_view field);
 
-}  // namespace treeline
+}  // namespace treeline::wire
 
 #endif  // COMMON_WIRE_FRAME_H_

@@ -8,7 +8,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::wire {
 namespace {
 
 using ::testing::StartsWith;
@@ -18,27 +18,27 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kWidth = 40;
 constexpr int kHeight = 30;
 
-Camera SmallCamera() {
+camera::Camera SmallCamera() {
   const double parameters[] = {35, 20, 15};
-  return Camera::Create(CameraModel::kSimplePinhole, kWidth, kHeight,
-                        parameters, 3)
+  return camera::Camera::Create(camera::CameraModel::kSimplePinhole, kWidth,
+                                kHeight, parameters, 3)
       .value();
 }
 
-RgbdCalibration SceneCalibration() {
+camera::RgbdCalibration SceneCalibration() {
   return {.color = SmallCamera(),
           .depth = SmallCamera(),
-          .color_from_depth = Rigid3{}};
+          .color_from_depth = geometry::Rigid3{}};
 }
 
-ColorImage SomeColor() {
-  ColorImage image{.width = kWidth, .height = kHeight, .rgb = {}};
+image::ColorImage SomeColor() {
+  image::ColorImage image{.width = kWidth, .height = kHeight, .rgb = {}};
   image.rgb.assign(kWidth * kHeight * 3, 90);
   return image;
 }
 
-DepthImage SomeDepth() {
-  DepthImage image{.width = kWidth, .height = kHeight, .values = {}};
+image::DepthImage SomeDepth() {
+  image::DepthImage image{.width = kWidth, .height = kHeight, .values = {}};
   image.values.assign(kWidth * kHeight, 1500);
   return image;
 }
@@ -46,21 +46,21 @@ DepthImage SomeDepth() {
 // Everything stated, everything valid.
 v1::Frame GoodFrame() {
   QueryFrame query{.color = SomeColor(), .camera = SmallCamera()};
-  query.depth =
-      QueryDepth{.image = SomeDepth(),
-                 .registration = DepthRegistration::kExplicit,
-                 .geometry = QueryDepth::Geometry{SmallCamera(), Rigid3{}}};
+  query.depth = QueryDepth{
+      .image = SomeDepth(),
+      .registration = DepthRegistration::kExplicit,
+      .geometry = QueryDepth::Geometry{SmallCamera(), geometry::Rigid3{}}};
   return ToProto(query);
 }
 
-absl::StatusOr<Frame> Decode(const v1::Frame& proto,
-                             const DecodeLimits& limits = {}) {
+absl::StatusOr<image::Frame> Decode(const v1::Frame& proto,
+                                    const image::DecodeLimits& limits = {}) {
   return FromProto(proto, SceneCalibration(), limits, "frame");
 }
 
 template <typename Change>
 void ExpectRefused(const char* field, Change change,
-                   const DecodeLimits& limits = {}) {
+                   const image::DecodeLimits& limits = {}) {
   v1::Frame bad = GoodFrame();
   change(bad);
   const auto result = Decode(bad, limits);
@@ -90,11 +90,11 @@ TEST(HostileFrame, ColorThatIsNoImage) {
   ExpectRefused("frame.color.encoded", [](auto& f) {
     f.mutable_color()->set_encoded("GIF89a, which nobody asked for");
   });
-  const std::string jpeg = EncodeJpeg(SomeColor(), 90).value();
+  const std::string jpeg = image::EncodeJpeg(SomeColor(), 90).value();
   ExpectRefused("frame.color.encoded", [&](auto& f) {
     f.mutable_color()->set_encoded(jpeg.substr(0, jpeg.size() / 2));
   });
-  const std::string png = EncodePng(SomeColor()).value();
+  const std::string png = image::EncodePng(SomeColor()).value();
   ExpectRefused("frame.color.encoded", [&](auto& f) {
     f.mutable_color()->set_encoded(png.substr(0, png.size() / 2));
   });
@@ -138,7 +138,7 @@ TEST(HostileFrame, RawColorOverTheLimits) {
                   .ok());
 }
 
-TEST(HostileFrame, Camera) {
+TEST(HostileFrame, camera::Camera) {
   ExpectRefused("frame.camera",
                 [](auto& f) { f.mutable_camera()->set_parameters(0, kNan); });
   ExpectRefused("frame.camera",
@@ -230,13 +230,13 @@ TEST(HostileFrame, DepthThatIsNoImage) {
   ExpectRefused("frame.depth", [](auto& f) { f.mutable_depth()->clear_raw(); });
   ExpectRefused("frame.depth.png",
                 [](auto& f) { f.mutable_depth()->set_png("not a PNG"); });
-  const std::string png = EncodeDepthPng(SomeDepth()).value();
+  const std::string png = image::EncodeDepthPng(SomeDepth()).value();
   ExpectRefused("frame.depth.png", [&](auto& f) {
     f.mutable_depth()->set_png(png.substr(0, png.size() - 20));
   });
   // Eight bits a channel: colour sent as depth.
   ExpectRefused("frame.depth.png", [](auto& f) {
-    f.mutable_depth()->set_png(EncodePng(SomeColor()).value());
+    f.mutable_depth()->set_png(image::EncodePng(SomeColor()).value());
   });
   ExpectRefused("frame.depth.raw.data", [](auto& f) {
     f.mutable_depth()->mutable_raw()->mutable_data()->pop_back();
@@ -255,4 +255,4 @@ TEST(HostileFrame, DepthOfAnotherSizeThanItsCamera) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::wire

@@ -8,15 +8,15 @@
 #include "common/wire/camera.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::wire {
 namespace {
 
 constexpr int kWidth = 40;
 constexpr int kHeight = 30;
 
 // Smooth, so that JPEG keeps it.
-ColorImage SomeColor(int width = kWidth, int height = kHeight) {
-  ColorImage image{.width = width, .height = height, .rgb = {}};
+image::ColorImage SomeColor(int width = kWidth, int height = kHeight) {
+  image::ColorImage image{.width = width, .height = height, .rgb = {}};
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       image.rgb.push_back(static_cast<uint8_t>(5 * x));
@@ -27,9 +27,9 @@ ColorImage SomeColor(int width = kWidth, int height = kHeight) {
   return image;
 }
 
-DepthImage SomeDepth(int width = kWidth, int height = kHeight) {
-  Random random(/*seed=*/3, /*stream=*/0);
-  DepthImage image{
+image::DepthImage SomeDepth(int width = kWidth, int height = kHeight) {
+  base::Random random(/*seed=*/3, /*stream=*/0);
+  image::DepthImage image{
       .width = width, .height = height, .values = {}, .unit_m = 0.0002};
   for (int i = 0; i < width * height; ++i) {
     image.values.push_back(static_cast<uint16_t>(random.NextBelow(65536)));
@@ -37,22 +37,22 @@ DepthImage SomeDepth(int width = kWidth, int height = kHeight) {
   return image;
 }
 
-Camera CameraOf(int width, int height, double focal_length_px) {
+camera::Camera CameraOf(int width, int height, double focal_length_px) {
   const double parameters[] = {focal_length_px, width / 2.0, height / 2.0};
-  return Camera::Create(CameraModel::kSimplePinhole, width, height, parameters,
-                        3)
+  return camera::Camera::Create(camera::CameraModel::kSimplePinhole, width,
+                                height, parameters, 3)
       .value();
 }
 
 // A scene whose depth camera is smaller than its colour camera.
-RgbdCalibration SceneCalibration() {
-  RgbdCalibration scene;
+camera::RgbdCalibration SceneCalibration() {
+  camera::RgbdCalibration scene;
   scene.color = CameraOf(kWidth, kHeight, 35);
   scene.depth = CameraOf(kWidth / 2, kHeight / 2, 18);
-  scene.color_from_depth = {Rotation3::FromAxisAngle({0, 0.01, 0}),
+  scene.color_from_depth = {geometry::Rotation3::FromAxisAngle({0, 0.01, 0}),
                             {0.025, 0, 0}};
   scene.depth_scale = 1.01;
-  scene.pose_sensor = RgbdSensor::kDepth;
+  scene.pose_sensor = camera::RgbdSensor::kDepth;
   return scene;
 }
 
@@ -61,8 +61,9 @@ QueryFrame Query(QueryDepth depth) {
       .color = SomeColor(), .camera = std::nullopt, .depth = std::move(depth)};
 }
 
-absl::StatusOr<Frame> Decode(const QueryFrame& query) {
-  return FromProto(ToProto(query), SceneCalibration(), DecodeLimits{}, "frame");
+absl::StatusOr<image::Frame> Decode(const QueryFrame& query) {
+  return FromProto(ToProto(query), SceneCalibration(), image::DecodeLimits{},
+                   "frame");
 }
 
 TEST(WireFrame, RawColorArrivesBitForBit) {
@@ -77,23 +78,24 @@ TEST(WireFrame, RawColorArrivesBitForBit) {
 
 TEST(WireFrame, PngColorArrivesBitForBit) {
   const auto frame =
-      Decode({.color = EncodedImage{EncodePng(SomeColor()).value()}});
+      Decode({.color = EncodedImage{image::EncodePng(SomeColor()).value()}});
   ASSERT_TRUE(frame.ok()) << frame.status();
   EXPECT_EQ(frame->color.rgb, SomeColor().rgb);
 }
 
 TEST(WireFrame, JpegColorArrivesAsItsDecoderGivesIt) {
-  const std::string jpeg = EncodeJpeg(SomeColor(), 95).value();
+  const std::string jpeg = image::EncodeJpeg(SomeColor(), 95).value();
   const auto frame = Decode({.color = EncodedImage{jpeg}});
   ASSERT_TRUE(frame.ok()) << frame.status();
-  EXPECT_EQ(frame->color.rgb, DecodeColor(jpeg)->rgb);
+  EXPECT_EQ(frame->color.rgb, image::DecodeColor(jpeg)->rgb);
 }
 
 TEST(WireFrame, RawAndPngDepthArriveBitForBit) {
-  const DepthImage depth = SomeDepth(kWidth / 2, kHeight / 2);
+  const image::DepthImage depth = SomeDepth(kWidth / 2, kHeight / 2);
   for (const bool encoded : {false, true}) {
     QueryDepth query{.image = depth, .unit_m = 0.0002};
-    if (encoded) query.image = EncodedImage{EncodeDepthPng(depth).value()};
+    if (encoded)
+      query.image = EncodedImage{image::EncodeDepthPng(depth).value()};
     const auto frame = Decode(Query(query));
     ASSERT_TRUE(frame.ok()) << frame.status();
     ASSERT_TRUE(frame->depth.has_value());
@@ -105,8 +107,8 @@ TEST(WireFrame, RawAndPngDepthArriveBitForBit) {
 }
 
 TEST(WireFrame, RawDepthIsLittleEndianOnTheWire) {
-  QueryDepth depth{.image =
-                       DepthImage{.width = 1, .height = 1, .values = {0x1234}}};
+  QueryDepth depth{
+      .image = image::DepthImage{.width = 1, .height = 1, .values = {0x1234}}};
   EXPECT_EQ(ToProto(Query(depth)).depth().raw().data(), "\x34\x12");
 }
 
@@ -126,7 +128,7 @@ TEST(WireFrame, OwnColorCameraReplacesOnlyTheScenesColorCamera) {
     }
     const auto frame = Decode(query);
     ASSERT_TRUE(frame.ok()) << frame.status();
-    RgbdCalibration expected = SceneCalibration();
+    camera::RgbdCalibration expected = SceneCalibration();
     expected.color = CameraOf(60, 50, 77);
     EXPECT_EQ(frame->calibration, expected);
   }
@@ -137,11 +139,12 @@ TEST(WireFrame, RegisteredDepthSharesTheScenesColorCamera) {
       Decode(Query({.image = SomeDepth(),
                     .registration = DepthRegistration::kRegisteredToColor}));
   ASSERT_TRUE(frame.ok()) << frame.status();
-  const RgbdCalibration expected{.color = SceneCalibration().color,
-                                 .depth = SceneCalibration().color,
-                                 .color_from_depth = Rigid3{},
-                                 .depth_scale = 1,
-                                 .pose_sensor = RgbdSensor::kDepth};
+  const camera::RgbdCalibration expected{
+      .color = SceneCalibration().color,
+      .depth = SceneCalibration().color,
+      .color_from_depth = geometry::Rigid3{},
+      .depth_scale = 1,
+      .pose_sensor = camera::RgbdSensor::kDepth};
   EXPECT_EQ(frame->calibration, expected);
 }
 
@@ -153,28 +156,30 @@ TEST(WireFrame, RegisteredDepthSharesTheRequestsColorCamera) {
                  .depth_scale = 1.02};
   const auto frame = Decode(query);
   ASSERT_TRUE(frame.ok()) << frame.status();
-  const RgbdCalibration expected{.color = CameraOf(60, 50, 77),
-                                 .depth = CameraOf(60, 50, 77),
-                                 .color_from_depth = Rigid3{},
-                                 .depth_scale = 1.02,
-                                 .pose_sensor = RgbdSensor::kDepth};
+  const camera::RgbdCalibration expected{
+      .color = CameraOf(60, 50, 77),
+      .depth = CameraOf(60, 50, 77),
+      .color_from_depth = geometry::Rigid3{},
+      .depth_scale = 1.02,
+      .pose_sensor = camera::RgbdSensor::kDepth};
   EXPECT_EQ(frame->calibration, expected);
 }
 
 TEST(WireFrame, ExplicitDepthCameraIsUsedAsSent) {
-  const Rigid3 color_from_depth{Rotation3::FromAxisAngle({0.1, 0.2, 0.3}),
-                                {0.05, -0.01, 0.02}};
+  const geometry::Rigid3 color_from_depth{
+      geometry::Rotation3::FromAxisAngle({0.1, 0.2, 0.3}), {0.05, -0.01, 0.02}};
   const auto frame = Decode(Query(
       {.image = SomeDepth(16, 12),
        .registration = DepthRegistration::kExplicit,
        .geometry = QueryDepth::Geometry{CameraOf(16, 12, 14), color_from_depth},
        .depth_scale = 0.97}));
   ASSERT_TRUE(frame.ok()) << frame.status();
-  const RgbdCalibration expected{.color = SceneCalibration().color,
-                                 .depth = CameraOf(16, 12, 14),
-                                 .color_from_depth = color_from_depth,
-                                 .depth_scale = 0.97,
-                                 .pose_sensor = RgbdSensor::kDepth};
+  const camera::RgbdCalibration expected{
+      .color = SceneCalibration().color,
+      .depth = CameraOf(16, 12, 14),
+      .color_from_depth = color_from_depth,
+      .depth_scale = 0.97,
+      .pose_sensor = camera::RgbdSensor::kDepth};
   EXPECT_EQ(frame->calibration, expected);
 }
 
@@ -186,13 +191,13 @@ TEST(WireFrame, PixelsAndCalibrationAreTheTwoHalvesOfAFrame) {
   QueryFrame query = Query(depth);
   query.camera = CameraOf(kWidth, kHeight, 50);
   const v1::Frame proto = ToProto(query);
-  RgbdCalibration other = SceneCalibration();
+  camera::RgbdCalibration other = SceneCalibration();
   other.depth_scale = 0.98;
-  const auto pixels = PixelsFromProto(proto, DecodeLimits{}, "frame");
+  const auto pixels = PixelsFromProto(proto, image::DecodeLimits{}, "frame");
   ASSERT_TRUE(pixels.ok()) << pixels.status();
   EXPECT_EQ(pixels->calibration, std::nullopt);
-  for (const RgbdCalibration& scene : {SceneCalibration(), other}) {
-    const auto whole = FromProto(proto, scene, DecodeLimits{}, "frame");
+  for (const camera::RgbdCalibration& scene : {SceneCalibration(), other}) {
+    const auto whole = FromProto(proto, scene, image::DecodeLimits{}, "frame");
     ASSERT_TRUE(whole.ok()) << whole.status();
     EXPECT_EQ(pixels->color.rgb, whole->color.rgb);
     EXPECT_EQ(pixels->depth->values, whole->depth->values);
@@ -206,15 +211,15 @@ TEST(WireFrame, PixelsAndCalibrationAreTheTwoHalvesOfAFrame) {
 TEST(WireFrame, PixelsMustFitTheCamerasOfTheScene) {
   const v1::Frame proto = ToProto(
       {.color = SomeColor(), .camera = std::nullopt, .depth = std::nullopt});
-  const auto pixels = PixelsFromProto(proto, DecodeLimits{}, "frame");
+  const auto pixels = PixelsFromProto(proto, image::DecodeLimits{}, "frame");
   ASSERT_TRUE(pixels.ok());
-  RgbdCalibration scene = SceneCalibration();
+  camera::RgbdCalibration scene = SceneCalibration();
   EXPECT_TRUE(CalibrationFromProto(proto, *pixels, scene, "frame").ok());
   scene.color = CameraOf(kWidth + 2, kHeight, 35);
   EXPECT_EQ(CalibrationFromProto(proto, *pixels, scene, "frame").status(),
-            FromProto(proto, scene, DecodeLimits{}, "frame").status());
+            FromProto(proto, scene, image::DecodeLimits{}, "frame").status());
   EXPECT_FALSE(CalibrationFromProto(proto, *pixels, scene, "frame").ok());
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::wire

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::wire {
 namespace {
 
 // A dozen rounding errors of a norm near 1.
@@ -16,7 +16,7 @@ absl::Status FieldError(absl::string_view field, absl::string_view problem) {
   return absl::InvalidArgumentError(absl::StrCat(field, ": ", problem));
 }
 
-v1::Vector3 ToProto(Vec3 v) {
+v1::Vector3 ToProto(geometry::Vec3 v) {
   v1::Vector3 proto;
   proto.set_x(v.x);
   proto.set_y(v.y);
@@ -24,25 +24,28 @@ v1::Vector3 ToProto(Vec3 v) {
   return proto;
 }
 
-absl::StatusOr<Vec3> FromProto(const v1::Vector3& proto,
-                               absl::string_view field) {
-  const Vec3 v{proto.x(), proto.y(), proto.z()};
-  if (!IsFinite(v)) return FieldError(field, "has a NaN or an infinity");
+absl::StatusOr<geometry::Vec3> FromProto(const v1::Vector3& proto,
+                                         absl::string_view field) {
+  const geometry::Vec3 v{proto.x(), proto.y(), proto.z()};
+  if (!geometry::IsFinite(v))
+    return FieldError(field, "has a NaN or an infinity");
   return v;
 }
 
-v1::Pixel ToProto(Pixel pixel) {
+v1::Pixel ToProto(camera::Pixel pixel) {
   v1::Pixel proto;
   proto.set_x_px(pixel.x);
   proto.set_y_px(pixel.y);
   return proto;
 }
 
-Pixel FromProto(const v1::Pixel& proto) { return {proto.x_px(), proto.y_px()}; }
+camera::Pixel FromProto(const v1::Pixel& proto) {
+  return {proto.x_px(), proto.y_px()};
+}
 
-v1::Pose ToProto(const Rigid3& target_from_source) {
+v1::Pose ToProto(const geometry::Rigid3& target_from_source) {
   v1::Pose proto;
-  const Rotation3& q = target_from_source.rotation;
+  const geometry::Rotation3& q = target_from_source.rotation;
   proto.mutable_rotation()->set_w(q.w);
   proto.mutable_rotation()->set_x(q.x);
   proto.mutable_rotation()->set_y(q.y);
@@ -51,14 +54,15 @@ v1::Pose ToProto(const Rigid3& target_from_source) {
   return proto;
 }
 
-absl::StatusOr<Rigid3> FromProto(const v1::Pose& proto,
-                                 absl::string_view field) {
+absl::StatusOr<geometry::Rigid3> FromProto(const v1::Pose& proto,
+                                           absl::string_view field) {
   if (!proto.has_rotation()) return FieldError(field, "has no rotation");
   const v1::Quaternion& q = proto.rotation();
-  const Vec3 translation{proto.translation_m().x(), proto.translation_m().y(),
-                         proto.translation_m().z()};
-  absl::StatusOr<Rigid3> pose =
-      RigidFromQuaternion(q.w(), q.x(), q.y(), q.z(), translation);
+  const geometry::Vec3 translation{proto.translation_m().x(),
+                                   proto.translation_m().y(),
+                                   proto.translation_m().z()};
+  absl::StatusOr<geometry::Rigid3> pose =
+      geometry::RigidFromQuaternion(q.w(), q.x(), q.y(), q.z(), translation);
   if (!pose.ok()) {
     return FieldError(field, {pose.status().message().data(),
                               pose.status().message().size()});
@@ -71,4 +75,4 @@ absl::StatusOr<Rigid3> FromProto(const v1::Pose& proto,
   return pose;
 }
 
-}  // namespace treeline
+}  // namespace treeline::wire

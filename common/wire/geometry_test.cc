@@ -6,7 +6,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::wire {
 namespace {
 
 using ::testing::HasSubstr;
@@ -14,13 +14,13 @@ using ::testing::HasSubstr;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Rigid3 RandomPose(uint64_t stream) {
-  Random random(/*seed=*/7, stream);
-  const Vec3 axis_angle_rad{random.NextUniform(-2, 2),
-                            random.NextUniform(-2, 2),
-                            random.NextUniform(-2, 2)};
+geometry::Rigid3 RandomPose(uint64_t stream) {
+  base::Random random(/*seed=*/7, stream);
+  const geometry::Vec3 axis_angle_rad{random.NextUniform(-2, 2),
+                                      random.NextUniform(-2, 2),
+                                      random.NextUniform(-2, 2)};
   return {
-      Normalized(Rotation3::FromAxisAngle(axis_angle_rad)),
+      geometry::Normalized(geometry::Rotation3::FromAxisAngle(axis_angle_rad)),
       {random.NextGaussian(), random.NextGaussian(), random.NextGaussian()}};
 }
 
@@ -29,7 +29,7 @@ std::string MessageOf(const absl::Status& status) {
 }
 
 TEST(WireGeometry, VectorsRoundTripBitForBit) {
-  const Vec3 v{0.1, -1e300, 5e-324};
+  const geometry::Vec3 v{0.1, -1e300, 5e-324};
   const auto back = FromProto(ToProto(v), "v");
   ASSERT_TRUE(back.ok()) << back.status();
   EXPECT_EQ(*back, v);
@@ -37,14 +37,15 @@ TEST(WireGeometry, VectorsRoundTripBitForBit) {
 
 TEST(WireGeometry, VectorsThatAreNotFiniteAreRefusedByName) {
   for (const double bad : {kNan, kInfinity, -kInfinity}) {
-    const auto result = FromProto(ToProto(Vec3{0, bad, 0}), "bounds.low");
+    const auto result =
+        FromProto(ToProto(geometry::Vec3{0, bad, 0}), "bounds.low");
     EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
     EXPECT_THAT(MessageOf(result.status()), HasSubstr("bounds.low"));
   }
 }
 
 TEST(WireGeometry, PixelsRoundTripBitForBit) {
-  const Pixel back = FromProto(ToProto(Pixel{319.5, 0.1}));
+  const camera::Pixel back = FromProto(ToProto(camera::Pixel{319.5, 0.1}));
   EXPECT_EQ(back.x, 319.5);
   EXPECT_EQ(back.y, 0.1);
 }
@@ -54,11 +55,11 @@ TEST(WireGeometry, PixelsRoundTripBitForBit) {
 TEST(WireGeometry, PosesRoundTripBitForBit) {
   int not_exactly_unit = 0;
   for (uint64_t i = 0; i < 1000; ++i) {
-    const Rigid3 pose = RandomPose(i);
+    const geometry::Rigid3 pose = RandomPose(i);
     const auto back = FromProto(ToProto(pose), "world_from_camera");
     ASSERT_TRUE(back.ok()) << back.status();
     ASSERT_EQ(*back, pose) << "pose " << i;
-    not_exactly_unit += !(Normalized(pose.rotation) == pose.rotation);
+    not_exactly_unit += !(geometry::Normalized(pose.rotation) == pose.rotation);
   }
   // Else the test above would prove nothing.
   EXPECT_GT(not_exactly_unit, 0);
@@ -69,7 +70,7 @@ TEST(WireGeometry, NearlyUnitQuaternionsAreNormalised) {
   proto.mutable_rotation()->set_w(proto.rotation().w() * 1.002);
   const auto pose = FromProto(proto, "pose");
   ASSERT_TRUE(pose.ok()) << pose.status();
-  const Rotation3& q = pose->rotation;
+  const geometry::Rotation3& q = pose->rotation;
   EXPECT_NEAR(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z, 1, 1e-15);
 }
 
@@ -78,7 +79,7 @@ TEST(WireGeometry, PosesWithoutTranslationAreAtTheOrigin) {
   proto.clear_translation_m();
   const auto pose = FromProto(proto, "pose");
   ASSERT_TRUE(pose.ok()) << pose.status();
-  EXPECT_EQ(pose->translation, (Vec3{0, 0, 0}));
+  EXPECT_EQ(pose->translation, (geometry::Vec3{0, 0, 0}));
 }
 
 TEST(WireGeometry, PosesThatAreNoneAreRefusedByName) {
@@ -109,4 +110,4 @@ TEST(WireGeometry, PosesThatAreNoneAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::wire

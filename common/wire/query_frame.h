@@ -10,7 +10,7 @@
 #include "common/geometry/rigid3.h"
 #include "common/image/image.h"
 
-namespace treeline {
+namespace treeline::wire {
 
 // The bytes of an image file: JPEG or PNG for colour, 16-bit PNG for depth.
 struct EncodedImage {
@@ -29,14 +29,14 @@ enum class DepthRegistration {
 
 struct QueryDepth {
   // A DepthImage's own unit_m is not looked at: the one below counts.
-  std::variant<EncodedImage, DepthImage> image = EncodedImage{};
+  std::variant<EncodedImage, image::DepthImage> image = EncodedImage{};
   // Metres per unit of a value, in (0, 1].
   double unit_m = 0.001;
   DepthRegistration registration = DepthRegistration::kSceneCalibration;
   // The depth camera; with kExplicit only.
   struct Geometry {
-    Camera depth_camera;
-    Rigid3 color_from_depth;
+    camera::Camera depth_camera;
+    geometry::Rigid3 color_from_depth;
   };
   std::optional<Geometry> geometry = std::nullopt;
   // World units per measured metre, in [0.5, 2]. nullopt: 1, or the scene's
@@ -45,12 +45,12 @@ struct QueryDepth {
 };
 
 struct QueryFrame {
-  std::variant<EncodedImage, ColorImage> color = EncodedImage{};
+  std::variant<EncodedImage, image::ColorImage> color = EncodedImage{};
   // nullopt: the scene's.
-  std::optional<Camera> camera = std::nullopt;
+  std::optional<camera::Camera> camera = std::nullopt;
   std::optional<QueryDepth> depth = std::nullopt;
 };
 
-}  // namespace treeline
+}  // namespace treeline::wire
 
 #endif  // COMMON_WIRE_QUERY_FRAME_H_

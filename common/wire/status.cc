@@ -9,7 +9,7 @@
 
 #include "common/base/error_info.h"
 
-namespace treeline {
+namespace treeline::wire {
 namespace {
 
 struct CodePair {
@@ -59,7 +59,7 @@ absl::StatusCode AbslCode(grpc::StatusCode code) {
 }
 
 void AddDetails(const absl::Status& status, google::rpc::Status& proto) {
-  const ErrorInfo info = ErrorInfoOf(status);
+  const base::ErrorInfo info = base::ErrorInfoOf(status);
   if (!info.reason.empty()) {
     google::rpc::ErrorInfo detail;
     detail.set_reason(info.reason);
@@ -68,7 +68,7 @@ void AddDetails(const absl::Status& status, google::rpc::Status& proto) {
                                       info.metadata.end());
     proto.add_details()->PackFrom(detail);
   }
-  if (const auto retry_after = RetryAfterOf(status)) {
+  if (const auto retry_after = base::RetryAfterOf(status)) {
     google::rpc::RetryInfo detail;
     const int64_t milliseconds = retry_after->count();
     detail.mutable_retry_delay()->set_seconds(milliseconds / 1000);
@@ -84,10 +84,11 @@ absl::Status WithDetails(absl::Status status,
     google::rpc::ErrorInfo info;
     google::rpc::RetryInfo retry;
     if (any.UnpackTo(&info) && info.domain() == kDomain) {
-      status = WithReason(std::move(status), info.reason(),
-                          {info.metadata().begin(), info.metadata().end()});
+      status =
+          base::WithReason(std::move(status), info.reason(),
+                           {info.metadata().begin(), info.metadata().end()});
     } else if (any.UnpackTo(&retry)) {
-      status = WithRetryAfter(
+      status = base::WithRetryAfter(
           std::move(status),
           std::chrono::milliseconds(retry.retry_delay().seconds() * 1000 +
                                     retry.retry_delay().nanos() / 1'000'000));
@@ -134,4 +135,4 @@ absl::Status FromGrpc(const grpc::Status& status) {
       details);
 }
 
-}  // namespace treeline
+}  // namespace treeline::wire

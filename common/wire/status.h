@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "google/rpc/status.pb.h"
 
-namespace treeline {
+namespace treeline::wire {
 
 // Messages are cut to this many bytes: they travel in the trailing metadata,
 // which peers bound at 8 KiB.
@@ -24,6 +24,6 @@ google::rpc::Status ToProto(const absl::Status& status);
 absl::Status FromGrpc(const grpc::Status& status);
 absl::Status FromProto(const google::rpc::Status& status);
 
-}  // namespace treeline
+}  // namespace treeline::wire
 
 #endif  // COMMON_WIRE_STATUS_H_

@@ -6,7 +6,7 @@
 #include "common/base/error_info.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::wire {
 namespace {
 
 struct Row {
@@ -68,25 +68,25 @@ TEST(Status, LongMessagesAreCutToWhatTrailersCarry) {
 }
 
 TEST(Status, ReasonAndRetryTimeTravelAsDetails) {
-  const absl::Status status =
-      WithRetryAfter(WithReason(absl::UnavailableError("the queue is full"),
-                                "QUEUE_FULL", {{"queue", "64"}}),
-                     std::chrono::milliseconds(1250));
+  const absl::Status status = base::WithRetryAfter(
+      base::WithReason(absl::UnavailableError("the queue is full"),
+                       "QUEUE_FULL", {{"queue", "64"}}),
+      std::chrono::milliseconds(1250));
   for (const absl::Status& back :
        {FromGrpc(ToGrpc(status)), FromProto(ToProto(status))}) {
     EXPECT_EQ(back.code(), absl::StatusCode::kUnavailable);
     EXPECT_EQ(back.message(), "the queue is full");
-    EXPECT_EQ(ErrorInfoOf(back).reason, "QUEUE_FULL");
-    EXPECT_EQ(ErrorInfoOf(back).metadata.at("queue"), "64");
-    EXPECT_EQ(RetryAfterOf(back), std::chrono::milliseconds(1250));
+    EXPECT_EQ(base::ErrorInfoOf(back).reason, "QUEUE_FULL");
+    EXPECT_EQ(base::ErrorInfoOf(back).metadata.at("queue"), "64");
+    EXPECT_EQ(base::RetryAfterOf(back), std::chrono::milliseconds(1250));
   }
 }
 
 TEST(Status, ForeignDetailsArePassedOver) {
   const grpc::Status status(grpc::UNAVAILABLE, "x", "not a message");
   EXPECT_EQ(FromGrpc(status).code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(ErrorInfoOf(FromGrpc(status)).reason, "");
+  EXPECT_EQ(base::ErrorInfoOf(FromGrpc(status)).reason, "");
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::wire

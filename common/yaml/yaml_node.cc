@@ -15,7 +15,7 @@
 #include "common/base/nearest_name.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::yaml {
 namespace {
 
 int LineOf(const YAML::Mark& mark) {
@@ -87,7 +87,7 @@ absl::StatusOr<YamlNode> YamlNode::Parse(absl::string_view text,
 }
 
 absl::StatusOr<YamlNode> YamlNode::Read(const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxBytes));
+  TL_ASSIGN_OR_RETURN(const std::string text, base::ReadFile(path, kMaxBytes));
   return Parse(text, path);
 }
 
@@ -119,7 +119,7 @@ absl::Status YamlNode::CheckKeys(
     for (const absl::string_view name : known) is_known |= name == key;
     if (is_known) continue;
     const std::string nearest =
-        NearestName(key, std::span(known.begin(), known.size()));
+        base::NearestName(key, std::span(known.begin(), known.size()));
     return ErrorAt(
         *impl_->file, line,
         absl::StrCat(
@@ -296,4 +296,4 @@ absl::StatusOr<std::string> YamlNode::AsText() const {
   return impl_->node.Scalar();
 }
 
-}  // namespace treeline
+}  // namespace treeline::yaml

@@ -13,7 +13,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::yaml {
 
 // A value in a YAML text that knows its place. All errors are
 // INVALID_ARGUMENT and begin with "FILE:LINE: ". Safe on any bytes. Cheap to
@@ -90,6 +90,6 @@ class YamlNode {
   std::shared_ptr<const Impl> impl_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::yaml
 
 #endif  // COMMON_YAML_YAML_NODE_H_

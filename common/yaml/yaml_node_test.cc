@@ -3,7 +3,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::yaml {
 namespace {
 
 using testing::ElementsAre;
@@ -98,4 +98,4 @@ TEST(YamlNode, RefusesWhatIsNoYaml) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::yaml

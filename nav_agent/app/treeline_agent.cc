@@ -2,32 +2,42 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "nav_agent/app/commands.h"
+#include "nav_agent/app/doctor/doctor_command.h"
+#include "nav_agent/app/localize/localize_command.h"
+#include "nav_agent/app/map/map_command.h"
+#include "nav_agent/app/navigate/navigate_command.h"
+#include "nav_agent/app/plan/plan_command.h"
+#include "nav_agent/app/run/run_command.h"
+#include "nav_agent/app/score/score_command.h"
+#include "nav_agent/app/simulate/simulate_command.h"
+#include "nav_agent/app/suite/suite_command.h"
+#include "nav_agent/app/traversability/traversability_command.h"
 
-namespace treeline {
+namespace treeline::agent_app {
 namespace {
 
 constexpr const char* kDescription =
     "Treeline's robot: maps, knows where it is, and drives. This program runs "
     "it, in the world or in a simulated one.";
 
-std::vector<Command> AddCommands(CLI::App& app) {
-  return {AddSimulateCommand(app),
-          AddMapCommand(app),
-          AddRunCommand(app),
-          AddNavigateCommand(app),
-          AddDoctorCommand(app),
-          AddPlanCommand(app),
-          AddLocalizeCommand(app),
-          AddTraversabilityCommand(app),
-          AddScoreTrajectoryCommand(app),
-          AddSuiteCommand(app)};
+std::vector<cli::Command> AddCommands(CLI::App& app) {
+  return {simulate_app::AddSimulateCommand(app),
+          map_app::AddMapCommand(app),
+          run_app::AddRunCommand(app),
+          navigate_app::AddNavigateCommand(app),
+          doctor_app::AddDoctorCommand(app),
+          plan_app::AddPlanCommand(app),
+          localize_app::AddLocalizeCommand(app),
+          traversability_app::AddTraversabilityCommand(app),
+          score_app::AddScoreTrajectoryCommand(app),
+          suite_app::AddSuiteCommand(app)};
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::agent_app
 
 int main(int argc, char** argv) {
-  return treeline::RunProgram({"treeline-agent", treeline::kDescription},
-                              treeline::AddCommands, argc, argv);
+  return treeline::cli::RunProgram(
+      {"treeline-agent", treeline::agent_app::kDescription},
+      treeline::agent_app::AddCommands, argc, argv);
 }

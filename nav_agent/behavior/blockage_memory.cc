@@ -5,7 +5,7 @@
 
 #include "nav_agent/behavior/event_log.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // No blockage is larger: what is, is several.
@@ -25,28 +25,30 @@ constexpr double kLeastRadius_m = 0.1;
 
 enum class Beam { kBeside, kPasses, kEndsIn };
 
-Beam Judge(const Blockage& blockage, Vec2 laser, Vec2 end) {
-  const Vec2 way = end - laser;
-  const double length_m = Norm(way);
+Beam Judge(const planning::Blockage& blockage, geometry::Vec2 laser,
+           geometry::Vec2 end) {
+  const geometry::Vec2 way = end - laser;
+  const double length_m = geometry::Norm(way);
   if (length_m < 1e-6) return Beam::kBeside;
-  const Vec2 to_center = blockage.center - laser;
-  const double along_m = Dot(to_center, way) / length_m;
-  const double beside_m = std::abs(Cross(way, to_center)) / length_m;
+  const geometry::Vec2 to_center = blockage.center - laser;
+  const double along_m = geometry::Dot(to_center, way) / length_m;
+  const double beside_m = std::abs(geometry::Cross(way, to_center)) / length_m;
   const double radius_m = std::max(blockage.radius_m, kLeastRadius_m);
-  if (Norm(end - blockage.center) <= radius_m) return Beam::kEndsIn;
+  if (geometry::Norm(end - blockage.center) <= radius_m) return Beam::kEndsIn;
   if (beside_m > kMiddle * radius_m || along_m <= 0) return Beam::kBeside;
   return length_m > along_m + radius_m ? Beam::kPasses : Beam::kBeside;
 }
 
 }  // namespace
 
-void BlockageMemory::Add(const Blockage& blockage, MonotonicTime now) {
-  Blockage added = blockage;
+void BlockageMemory::Add(const planning::Blockage& blockage,
+                         base::MonotonicTime now) {
+  planning::Blockage added = blockage;
   added.radius_m = std::min(kMaxRadius_m, blockage.radius_m);
   for (Known& known : known_) {
-    Blockage& old = known.blockage;
+    planning::Blockage& old = known.blockage;
     if (old.level != added.level ||
-        Norm(old.center - added.center) > kSamePlace_m) {
+        geometry::Norm(old.center - added.center) > kSamePlace_m) {
       continue;
     }
     old.radius_m = std::max(old.radius_m, added.radius_m);
@@ -65,23 +67,24 @@ void BlockageMemory::Add(const Blockage& blockage, MonotonicTime now) {
       {.blockage = added, .since = now, .lasts_s = limits_.blockage_s});
 }
 
-int BlockageMemory::Fade(MonotonicTime now) {
+int BlockageMemory::Fade(base::MonotonicTime now) {
   return static_cast<int>(std::erase_if(known_, [now](const Known& known) {
     return SecondsBetween(known.since, now) > known.lasts_s;
   }));
 }
 
 int BlockageMemory::SeeThrough(
-    int level, Vec2 laser, const std::vector<Vec2>& ends,
-    const std::function<bool(const Blockage&)>& is_seen) {
+    int level, geometry::Vec2 laser, const std::vector<geometry::Vec2>& ends,
+    const std::function<bool(const planning::Blockage&)>& is_seen) {
   for (Known& known : known_) {
-    const Blockage& blockage = known.blockage;
-    if (blockage.level != level || Norm(blockage.center - laser) > kFar_m) {
+    const planning::Blockage& blockage = known.blockage;
+    if (blockage.level != level ||
+        geometry::Norm(blockage.center - laser) > kFar_m) {
       continue;
     }
     int passes = 0;
     int ends_in = 0;
-    for (const Vec2& end : ends) {
+    for (const geometry::Vec2& end : ends) {
       const Beam beam = Judge(blockage, laser, end);
       passes += beam == Beam::kPasses ? 1 : 0;
       ends_in += beam == Beam::kEndsIn ? 1 : 0;
@@ -96,11 +99,11 @@ int BlockageMemory::SeeThrough(
       known_, [](const Known& known) { return known.seen_free >= kScans; }));
 }
 
-std::vector<Blockage> BlockageMemory::All() const {
-  std::vector<Blockage> all;
+std::vector<planning::Blockage> BlockageMemory::All() const {
+  std::vector<planning::Blockage> all;
   all.reserve(known_.size());
   for (const Known& known : known_) all.push_back(known.blockage);
   return all;
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

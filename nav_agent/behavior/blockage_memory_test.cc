@@ -7,26 +7,27 @@
 #include "nav_agent/behavior/obstacle_discs.h"
 #include "nav_agent/behavior/testing_devices.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 constexpr NavigatorLimits kLimits;
 
-Blockage At(double x_m, double y_m, int level = 0) {
+planning::Blockage At(double x_m, double y_m, int level = 0) {
   return {.center = {x_m, y_m}, .radius_m = 0.2, .level = level};
 }
 
 // Beams from the origin to a wall at x = 4, or to what stands before it.
-std::vector<Vec2> Beams(double blocked_from_y, double blocked_to_y) {
-  std::vector<Vec2> ends;
+std::vector<geometry::Vec2> Beams(double blocked_from_y, double blocked_to_y) {
+  std::vector<geometry::Vec2> ends;
   for (double y_m = -2; y_m < 2; y_m += 0.02) {
     const bool is_blocked = y_m / 2 > blocked_from_y && y_m / 2 < blocked_to_y;
-    ends.push_back(is_blocked ? Vec2{2, y_m / 2} : Vec2{4, y_m});
+    ends.push_back(is_blocked ? geometry::Vec2{2, y_m / 2}
+                              : geometry::Vec2{4, y_m});
   }
   return ends;
 }
 
-bool Unseen(const Blockage& /*blockage*/) { return false; }
+bool Unseen(const planning::Blockage& /*blockage*/) { return false; }
 
 TEST(BlockageMemory, FadesAndLastsLongerWhenMetAgain) {
   ManualClock clock;
@@ -92,7 +93,7 @@ TEST(BlockageMemory, WhatTheLaserLooksOverAndTheCameraSeesIsNotForgotten) {
   BlockageMemory memory(kLimits);
   memory.Add(At(2, 0), clock.Now());
   bool is_seen = true;
-  const auto seen = [&is_seen](const Blockage&) { return is_seen; };
+  const auto seen = [&is_seen](const planning::Blockage&) { return is_seen; };
   for (int i = 0; i < 20; ++i) {
     EXPECT_EQ(memory.SeeThrough(0, {0, 0}, Beams(0.7, 0.9), seen), 0);
   }
@@ -105,7 +106,7 @@ TEST(BlockageMemory, WhatTheLaserLooksOverAndTheCameraSeesIsNotForgotten) {
 }
 
 TEST(ObstacleDiscs, FollowTheShapeThatHangsTogether) {
-  CostmapView costmap;
+  control::CostmapView costmap;
   costmap.origin_in_map = {-2, -2};
   costmap.width = 80;
   costmap.height = 80;
@@ -119,12 +120,12 @@ TEST(ObstacleDiscs, FollowTheShapeThatHangsTogether) {
   for (double y_m = -0.5; y_m <= 0.5; y_m += 0.05) mark(1.01, y_m, 2);
   mark(1.01, 1.0, 1);
   mark(1.01, 1.5, 2);
-  const std::vector<Blockage> discs =
+  const std::vector<planning::Blockage> discs =
       DiscsOf(costmap, {1, 0}, {0, 0}, 0.05, 0.3, 1);
   ASSERT_GE(discs.size(), 8u);
   double least_m = 1;
   double most_m = -1;
-  for (const Blockage& disc : discs) {
+  for (const planning::Blockage& disc : discs) {
     EXPECT_EQ(disc.level, 1);
     EXPECT_EQ(disc.radius_m, 0.05);
     EXPECT_GT(disc.center.x, 0.95);
@@ -137,10 +138,11 @@ TEST(ObstacleDiscs, FollowTheShapeThatHangsTogether) {
 }
 
 TEST(ObstacleDiscs, AreOneWhereNothingWasSeen) {
-  const std::vector<Blockage> discs = DiscsOf({}, {1, 0}, {0, 0}, 0.05, 0.3, 0);
+  const std::vector<planning::Blockage> discs =
+      DiscsOf({}, {1, 0}, {0, 0}, 0.05, 0.3, 0);
   ASSERT_EQ(discs.size(), 1u);
   EXPECT_EQ(discs[0].radius_m, 0.3);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::behavior

@@ -11,9 +11,10 @@
 
 #include "nav_agent/behavior/navigator.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
-inline double SecondsBetween(MonotonicTime earlier, MonotonicTime later) {
+inline double SecondsBetween(base::MonotonicTime earlier,
+                             base::MonotonicTime later) {
   return std::chrono::duration<double>(later - earlier).count();
 }
 
@@ -23,7 +24,7 @@ class EventLog {
   static constexpr size_t kMostWaiting = 10000;
 
   // Events from now on carry this stamp.
-  void SetTime(MonotonicTime now) { now_ = now; }
+  void SetTime(base::MonotonicTime now) { now_ = now; }
   void Add(std::string kind, std::string text) {
     waiting_.push_back({.stamp = now_,
                         .number = ++number_,
@@ -38,11 +39,11 @@ class EventLog {
   }
 
  private:
-  MonotonicTime now_;
+  base::MonotonicTime now_;
   uint64_t number_ = 0;
   std::deque<NavigatorEvent> waiting_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_EVENT_LOG_H_

@@ -10,7 +10,7 @@
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 constexpr double kDegrees = 57.29577951308232;
@@ -32,10 +32,11 @@ constexpr double kWorse = 0.08;
 constexpr double kPerMetre = 0.2;
 constexpr double kPerRadian = 0.5;
 
-bool AreNumbers(const RelocalizationAnswer& answer) {
-  const Rotation3& q = answer.map_from_camera.rotation;
+bool AreNumbers(const core::RelocalizationAnswer& answer) {
+  const geometry::Rotation3& q = answer.map_from_camera.rotation;
   const double norm = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  if (!IsFinite(answer.map_from_camera) || !(std::abs(norm - 1) < 0.01) ||
+  if (!geometry::IsFinite(answer.map_from_camera) ||
+      !(std::abs(norm - 1) < 0.01) ||
       !(answer.confidence >= 0 && answer.confidence <= 1)) {
     return false;
   }
@@ -46,7 +47,7 @@ bool AreNumbers(const RelocalizationAnswer& answer) {
   return true;
 }
 
-PoseCovariance2 CovarianceOf(const PoseCovariance& c) {
+localization::PoseCovariance2 CovarianceOf(const geometry::PoseCovariance& c) {
   const auto variance = [](double value, double least, double most) {
     return std::clamp(value, least * least, most * most);
   };
@@ -55,82 +56,87 @@ PoseCovariance2 CovarianceOf(const PoseCovariance& c) {
           variance(c[35], kLeastStd_rad, kMostStd_rad)};
 }
 
-double ScoreOf(const RobotTracker::ScanFit& fit) {
+double ScoreOf(const localization::RobotTracker::ScanFit& fit) {
   return fit.explained - fit.contradicted;
 }
 
 // The place of the best fit within `step` of one, in nine positions and three
 // headings.
 struct FittedPose {
-  LevelPose pose;
-  RobotTracker::ScanFit fit;
+  core::LevelPose pose;
+  localization::RobotTracker::ScanFit fit;
   double score = -1e9;
 };
 
-void TryAround(const RobotTracker& tracker, const Rigid2& begin, double step_m,
-               double step_rad, FittedPose& best) {
-  const LevelPose middle = best.pose;
+void TryAround(const localization::RobotTracker& tracker,
+               const geometry::Rigid2& begin, double step_m, double step_rad,
+               FittedPose& best) {
+  const core::LevelPose middle = best.pose;
   for (int i = 0; i < 27; ++i) {
     const double x = i % 3 - 1;
     const double y = (i / 3) % 3 - 1;  // NOLINT(bugprone-integer-division)
     const double turn = i / 9 - 1;     // NOLINT(bugprone-integer-division)
-    LevelPose pose = middle;
-    pose.map_from_base.translation =
-        middle.map_from_base.translation + Vec2{step_m * x, step_m * y};
-    pose.map_from_base.yaw_rad =
-        NormalizedAngle_rad(middle.map_from_base.yaw_rad + step_rad * turn);
+    core::LevelPose pose = middle;
+    pose.map_from_base.translation = middle.map_from_base.translation +
+                                     geometry::Vec2{step_m * x, step_m * y};
+    pose.map_from_base.yaw_rad = geometry::NormalizedAngle_rad(
+        middle.map_from_base.yaw_rad + step_rad * turn);
     const auto fit = tracker.FitAt(pose);
     if (!fit.has_value()) continue;
     const double moved_m =
-        Norm(pose.map_from_base.translation - begin.translation);
-    const double turned_rad = std::abs(
-        NormalizedAngle_rad(pose.map_from_base.yaw_rad - begin.yaw_rad));
+        geometry::Norm(pose.map_from_base.translation - begin.translation);
+    const double turned_rad = std::abs(geometry::NormalizedAngle_rad(
+        pose.map_from_base.yaw_rad - begin.yaw_rad));
     const double score =
         ScoreOf(*fit) - kPerMetre * moved_m - kPerRadian * turned_rad;
     if (score > best.score + 1e-9) best = {pose, *fit, score};
   }
 }
 
-bool AreSame(const LevelPose& a, const LevelPose& b) {
-  return Norm(a.map_from_base.translation - b.map_from_base.translation) <
-             kSame_m &&
-         std::abs(NormalizedAngle_rad(a.map_from_base.yaw_rad -
-                                      b.map_from_base.yaw_rad)) < kSame_rad &&
+bool AreSame(const core::LevelPose& a, const core::LevelPose& b) {
+  return geometry::Norm(a.map_from_base.translation -
+                        b.map_from_base.translation) < kSame_m &&
+         std::abs(geometry::NormalizedAngle_rad(
+             a.map_from_base.yaw_rad - b.map_from_base.yaw_rad)) < kSame_rad &&
          std::abs(a.place.height_m - b.place.height_m) < kSame_m;
 }
 
 // The angle between a fix's idea of "up" and the inertial sensor's.
-double TiltError_rad(const Rotation3& map_from_base,
-                     const Rotation3& level_from_base) {
-  const Vec3 up_of_fix = map_from_base.Inverse() * Vec3{0, 0, 1};
-  const Vec3 up = level_from_base.Inverse() * Vec3{0, 0, 1};
-  return std::acos(std::clamp(Dot(up_of_fix, up), -1.0, 1.0));
+double TiltError_rad(const geometry::Rotation3& map_from_base,
+                     const geometry::Rotation3& level_from_base) {
+  const geometry::Vec3 up_of_fix =
+      map_from_base.Inverse() * geometry::Vec3{0, 0, 1};
+  const geometry::Vec3 up = level_from_base.Inverse() * geometry::Vec3{0, 0, 1};
+  return std::acos(std::clamp(geometry::Dot(up_of_fix, up), -1.0, 1.0));
 }
 
 }  // namespace
 
 absl::Status FixGateOptions::Validate() const {
   TL_RETURN_IF_ERROR(
-      CheckRange("gate: least_confidence", least_confidence, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("gate: sure_confidence", sure_confidence,
-                                least_confidence, 1));
-  TL_RETURN_IF_ERROR(CheckRange("gate: most_tilt_rad", most_tilt_rad, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("gate: most_height_m", most_height_m, 0, 2));
+      base::CheckRange("gate: least_confidence", least_confidence, 0, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("gate: sure_confidence", sure_confidence,
+                                      least_confidence, 1));
   TL_RETURN_IF_ERROR(
-      CheckRange("gate: least_clearance_m", least_clearance_m, 0, 2));
+      base::CheckRange("gate: most_tilt_rad", most_tilt_rad, 0, 1));
   TL_RETURN_IF_ERROR(
-      CheckRange("gate: least_explained", least_explained, 0, 1));
+      base::CheckRange("gate: most_height_m", most_height_m, 0, 2));
   TL_RETURN_IF_ERROR(
-      CheckRange("gate: most_contradicted", most_contradicted, 0, 1));
+      base::CheckRange("gate: least_clearance_m", least_clearance_m, 0, 2));
   TL_RETURN_IF_ERROR(
-      CheckRange("gate: sure_explained", sure_explained, least_explained, 1));
-  TL_RETURN_IF_ERROR(CheckRange("gate: sure_contradicted", sure_contradicted, 0,
-                                most_contradicted));
-  TL_RETURN_IF_ERROR(CheckRange("gate: least_judged", least_judged, 0, 10000));
-  TL_RETURN_IF_ERROR(CheckRange("gate: search_m", search_m, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("gate: search_rad", search_rad, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("gate: pair_m", pair_m, 0, 2));
-  return CheckRange("gate: pair_rad", pair_rad, 0, 1);
+      base::CheckRange("gate: least_explained", least_explained, 0, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("gate: most_contradicted", most_contradicted, 0, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("gate: sure_explained", sure_explained,
+                                      least_explained, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("gate: sure_contradicted",
+                                      sure_contradicted, 0, most_contradicted));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("gate: least_judged", least_judged, 0, 10000));
+  TL_RETURN_IF_ERROR(base::CheckRange("gate: search_m", search_m, 0, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("gate: search_rad", search_rad, 0, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("gate: pair_m", pair_m, 0, 2));
+  return base::CheckRange("gate: pair_rad", pair_rad, 0, 1);
 }
 
 const char* FixVerdictName(FixVerdict verdict) {
@@ -155,9 +161,9 @@ const char* FixVerdictName(FixVerdict verdict) {
   return "?";
 }
 
-GatedFix FixGate::Check(const RelocalizationAnswer& answer,
-                        const TrackedMotion& motion,
-                        const RobotTracker& tracker) const {
+GatedFix FixGate::Check(const core::RelocalizationAnswer& answer,
+                        const localization::TrackedMotion& motion,
+                        const localization::RobotTracker& tracker) const {
   GatedFix fix;
   fix.motion = motion;
   fix.confidence = answer.confidence;
@@ -183,7 +189,7 @@ GatedFix FixGate::Check(const RelocalizationAnswer& answer,
                   absl::StrFormat("%.2f, needs %.2f", answer.confidence,
                                   options_.least_confidence));
   }
-  const Rigid3 map_from_base =
+  const geometry::Rigid3 map_from_base =
       answer.map_from_camera * robot_.base_from_camera.Inverse();
   const double tilt_rad =
       TiltError_rad(map_from_base.rotation, motion.level_from_base);
@@ -196,14 +202,15 @@ GatedFix FixGate::Check(const RelocalizationAnswer& answer,
   return CheckPlace(map_from_base, answer, tracker, std::move(fix));
 }
 
-GatedFix FixGate::CheckPlace(const Rigid3& map_from_base,
-                             const RelocalizationAnswer& answer,
-                             const RobotTracker& tracker, GatedFix fix) const {
-  const Vec3& at = map_from_base.translation;
-  const Vec3 ahead = map_from_base.rotation * Vec3{1, 0, 0};
+GatedFix FixGate::CheckPlace(const geometry::Rigid3& map_from_base,
+                             const core::RelocalizationAnswer& answer,
+                             const localization::RobotTracker& tracker,
+                             GatedFix fix) const {
+  const geometry::Vec3& at = map_from_base.translation;
+  const geometry::Vec3 ahead = map_from_base.rotation * geometry::Vec3{1, 0, 0};
   fix.pose.map_from_base = {{at.x, at.y}, std::atan2(ahead.y, ahead.x)};
   fix.covariance = CovarianceOf(answer.covariance);
-  std::optional<LevelPlace> ground;
+  std::optional<core::LevelPlace> ground;
   for (int level = 0; level < map_->levels(); ++level) {
     const auto place = map_->GroundOf({at.x, at.y}, level);
     if (!place.has_value() ||
@@ -232,9 +239,10 @@ GatedFix FixGate::CheckPlace(const Rigid3& map_from_base,
   return CheckScan(tracker, std::move(fix));
 }
 
-GatedFix FixGate::CheckScan(const RobotTracker& tracker, GatedFix fix) const {
+GatedFix FixGate::CheckScan(const localization::RobotTracker& tracker,
+                            GatedFix fix) const {
   // From the frame's moment to the scan's, by the wheels.
-  Rigid2 frame_from_scan;
+  geometry::Rigid2 frame_from_scan;
   if (const auto stamp = tracker.ScanStamp(); stamp.has_value()) {
     if (const auto then = tracker.MotionAt(*stamp); then.has_value()) {
       frame_from_scan =
@@ -244,7 +252,7 @@ GatedFix FixGate::CheckScan(const RobotTracker& tracker, GatedFix fix) const {
   FittedPose best;
   best.pose = fix.pose;
   best.pose.map_from_base = fix.pose.map_from_base * frame_from_scan;
-  const Rigid2 begin = best.pose.map_from_base;
+  const geometry::Rigid2 begin = best.pose.map_from_base;
   const auto here = tracker.FitAt(best.pose);
   if (!here.has_value()) {
     fix.verdict = FixVerdict::kWeak;
@@ -280,8 +288,8 @@ GatedFix FixGate::CheckScan(const RobotTracker& tracker, GatedFix fix) const {
   return fix;
 }
 
-void FixGate::CompareWithBefore(const RobotTracker& tracker,
-                                const LevelPose& fitted, double score,
+void FixGate::CompareWithBefore(const localization::RobotTracker& tracker,
+                                const core::LevelPose& fitted, double score,
                                 GatedFix& fix) const {
   const auto stamp = tracker.ScanStamp();
   const auto before = stamp.has_value() ? tracker.PoseAt(*stamp) : std::nullopt;
@@ -298,13 +306,13 @@ void FixGate::CompareWithBefore(const RobotTracker& tracker,
 }
 
 bool FixGate::Agree(const GatedFix& first, const GatedFix& second) const {
-  const Rigid2 expected =
+  const geometry::Rigid2 expected =
       first.pose.map_from_base *
       (first.motion.odom_from_base.Inverse() * second.motion.odom_from_base);
-  const Rigid2& seen = second.pose.map_from_base;
-  const double off_m = Norm(expected.translation - seen.translation);
+  const geometry::Rigid2& seen = second.pose.map_from_base;
+  const double off_m = geometry::Norm(expected.translation - seen.translation);
   const double off_rad =
-      std::abs(NormalizedAngle_rad(expected.yaw_rad - seen.yaw_rad));
+      std::abs(geometry::NormalizedAngle_rad(expected.yaw_rad - seen.yaw_rad));
   const auto deviation = [&](size_t i) {
     return std::sqrt(first.covariance[i] + second.covariance[i]);
   };
@@ -319,4 +327,4 @@ bool FixGate::Agree(const GatedFix& first, const GatedFix& second) const {
              kSame_m + options_.pair_m;
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

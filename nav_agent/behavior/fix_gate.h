@@ -16,7 +16,7 @@
 #include "nav_agent/localization/robot_tracker.h"
 #include "nav_agent/traversability/navigation_map.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 struct FixGateOptions {
   // The server's own probability: below the first it is refused, below the
@@ -70,30 +70,30 @@ struct GatedFix {
   // "explained 0.41 of 87 beams": for people.
   std::string why;
   // Meaningful unless refused; of the moment of the frame.
-  LevelPose pose;
-  PoseCovariance2 covariance{};
+  core::LevelPose pose;
+  localization::PoseCovariance2 covariance{};
   double confidence = 0;
   // The server is: sure_confidence and the scene's threshold are reached.
   bool is_server_sure = false;
   // ln(p / (1 - p)) of the confidence; of views that agree, their sum.
   double log_odds = 0;
-  std::optional<RobotTracker::ScanFit> fit;
+  std::optional<localization::RobotTracker::ScanFit> fit;
   // The wheels' of that moment.
-  TrackedMotion motion;
+  localization::TrackedMotion motion;
 };
 
 // Stateless; thread-safe as the tracker is.
 class FixGate {
  public:
-  FixGate(std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-          const FixGateOptions& options)
+  FixGate(std::shared_ptr<const traversability::NavigationMap> map,
+          const core::RobotModel& robot, const FixGateOptions& options)
       : map_(std::move(map)), robot_(robot), options_(options) {}
 
   // `motion` is the wheels' of the frame's moment. The tracker's newest scan
   // must be of about the same place: the pose is carried on by the wheels.
-  GatedFix Check(const RelocalizationAnswer& answer,
-                 const TrackedMotion& motion,
-                 const RobotTracker& tracker) const;
+  GatedFix Check(const core::RelocalizationAnswer& answer,
+                 const localization::TrackedMotion& motion,
+                 const localization::RobotTracker& tracker) const;
 
   // Whether two fixes are related as the wheels' motion between them says.
   bool Agree(const GatedFix& first, const GatedFix& second) const;
@@ -102,18 +102,21 @@ class FixGate {
 
  private:
   // On ground with room; then against the scan; then against the old place.
-  GatedFix CheckPlace(const Rigid3& map_from_base,
-                      const RelocalizationAnswer& answer,
-                      const RobotTracker& tracker, GatedFix fix) const;
-  GatedFix CheckScan(const RobotTracker& tracker, GatedFix fix) const;
-  void CompareWithBefore(const RobotTracker& tracker, const LevelPose& fitted,
-                         double score, GatedFix& fix) const;
+  GatedFix CheckPlace(const geometry::Rigid3& map_from_base,
+                      const core::RelocalizationAnswer& answer,
+                      const localization::RobotTracker& tracker,
+                      GatedFix fix) const;
+  GatedFix CheckScan(const localization::RobotTracker& tracker,
+                     GatedFix fix) const;
+  void CompareWithBefore(const localization::RobotTracker& tracker,
+                         const core::LevelPose& fitted, double score,
+                         GatedFix& fix) const;
 
-  std::shared_ptr<const NavigationMap> map_;
-  RobotModel robot_;
+  std::shared_ptr<const traversability::NavigationMap> map_;
+  core::RobotModel robot_;
   FixGateOptions options_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_FIX_GATE_H_

@@ -10,7 +10,7 @@
 #include "nav_agent/behavior/obstacle_discs.h"
 #include "nav_agent/behavior/pose_lists.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // A robot that stands (m/s, rad/s).
@@ -35,7 +35,7 @@ constexpr double kGoalWait_s = 10;
 // Steps between which the robot cannot have moved further (m).
 constexpr double kJump_m = 0.3;
 
-std::string Place(const LevelPose& pose) {
+std::string Place(const core::LevelPose& pose) {
   return absl::StrFormat("(%.2f, %.2f) on level %d",
                          pose.map_from_base.translation.x,
                          pose.map_from_base.translation.y, pose.place.level);
@@ -43,8 +43,9 @@ std::string Place(const LevelPose& pose) {
 
 }  // namespace
 
-GoalRunner::GoalRunner(std::shared_ptr<const NavigationMap> map,
-                       PlanRunner& planner, LocalController& controller,
+GoalRunner::GoalRunner(std::shared_ptr<const traversability::NavigationMap> map,
+                       PlanRunner& planner,
+                       control::LocalController& controller,
                        const NavigatorOptions& options, EventLog& events)
     : map_(std::move(map)),
       planner_(&planner),
@@ -56,11 +57,11 @@ GoalRunner::GoalRunner(std::shared_ptr<const NavigationMap> map,
       ladder_(options.limits) {}
 
 uint64_t GoalRunner::Start(const NavigationGoal& goal) {
-  End(GoalState::kCancelled, NavigationCause::kPreempted,
+  End(GoalState::kCancelled, core::NavigationCause::kPreempted,
       "another goal took its place");
   goal_ = goal;
-  for (LevelPose& pose : goal_.poses) {
-    const std::optional<LevelPlace> ground =
+  for (core::LevelPose& pose : goal_.poses) {
+    const std::optional<core::LevelPlace> ground =
         map_->GroundOf(pose.map_from_base.translation, pose.place.level);
     if (ground.has_value()) pose.place = *ground;
   }
@@ -78,7 +79,7 @@ uint64_t GoalRunner::Start(const NavigationGoal& goal) {
   return status_->id;
 }
 
-void GoalRunner::End(GoalState state, NavigationCause cause,
+void GoalRunner::End(GoalState state, core::NavigationCause cause,
                      const std::string& why) {
   if (!is_active()) return;
   Suspend();
@@ -90,8 +91,8 @@ void GoalRunner::End(GoalState state, NavigationCause cause,
                      : state == GoalState::kCancelled ? "given up"
                                                       : "failed";
   std::string text = absl::StrFormat("goal %d %s", status_->id, what);
-  if (cause != NavigationCause::kNone) {
-    absl::StrAppend(&text, " (", NavigationCauseName(cause), ")");
+  if (cause != core::NavigationCause::kNone) {
+    absl::StrAppend(&text, " (", core::NavigationCauseName(cause), ")");
   }
   events_->Add("goal", absl::StrCat(text, ": ", why));
 }
@@ -108,7 +109,7 @@ void GoalRunner::Suspend() {
   arrived_since_.reset();
   last_position_.reset();
   progress_.Restart();
-  trouble_cause_ = NavigationCause::kNone;
+  trouble_cause_ = core::NavigationCause::kNone;
   if (is_active()) phase_ = GoalPhase::kToPlan;
 }
 
@@ -119,7 +120,8 @@ bool GoalRunner::DrivesStraight() const {
          std::abs(control_.command.yaw_rate_radps) < 0.2;
 }
 
-VelocityCommand GoalRunner::Step(const ControlPose& pose, MonotonicTime now) {
+core::VelocityCommand GoalRunner::Step(const control::ControlPose& pose,
+                                       base::MonotonicTime now) {
   if (!is_active()) return controller_->Guard(pose, {});
   status_->state = GoalState::kActive;
   Measure(pose);
@@ -133,10 +135,10 @@ VelocityCommand GoalRunner::Step(const ControlPose& pose, MonotonicTime now) {
   return controller_->Guard(pose, {});
 }
 
-void GoalRunner::Measure(const ControlPose& pose) {
-  const Vec2 here = pose.pose.map_from_base.translation;
+void GoalRunner::Measure(const control::ControlPose& pose) {
+  const geometry::Vec2 here = pose.pose.map_from_base.translation;
   if (last_position_.has_value()) {
-    const double way_m = Norm(here - *last_position_);
+    const double way_m = geometry::Norm(here - *last_position_);
     if (way_m < kJump_m) status_->driven_m += way_m;
   }
   last_position_ = here;
@@ -144,16 +146,17 @@ void GoalRunner::Measure(const ControlPose& pose) {
 
 // ---- planning ----
 
-void GoalRunner::Ask(PlanPurpose purpose, const LevelPose& from,
-                     const LevelPose& to, MonotonicTime now) {
-  PlanRequest request = {.start = from,
-                         .goal = to,
-                         .blockages = {},
-                         .seed = MixBits(options_.seed + ++plans_)};
+void GoalRunner::Ask(PlanPurpose purpose, const core::LevelPose& from,
+                     const core::LevelPose& to, base::MonotonicTime now) {
+  planning::PlanRequest request = {
+      .start = from,
+      .goal = to,
+      .blockages = {},
+      .seed = base::MixBits(options_.seed + ++plans_)};
   if (purpose != PlanPurpose::kUnblocked) request.blockages = blockages_.All();
   const bool is_quick =
       purpose == PlanPurpose::kRoute || purpose == PlanPurpose::kUnblocked;
-  PlanBudget budget =
+  planning::PlanBudget budget =
       is_quick ? options_.first_plan_budget : options_.plan_budget;
   if (purpose == PlanPurpose::kUnblocked) budget.improves = false;
   planner_->Start(request, budget);
@@ -162,20 +165,22 @@ void GoalRunner::Ask(PlanPurpose purpose, const LevelPose& from,
                      .has_blockages = !request.blockages.empty()};
 }
 
-void GoalRunner::StepPlanning(const ControlPose& pose, MonotonicTime now) {
+void GoalRunner::StepPlanning(const control::ControlPose& pose,
+                              base::MonotonicTime now) {
   // A plan that fails may ask for another one, which may be there at once.
   for (int asked = 0; asked < 3 && phase_ == GoalPhase::kPlanning; ++asked) {
-    std::optional<absl::StatusOr<PlanResult>> result = planner_->Take();
+    std::optional<absl::StatusOr<planning::PlanResult>> result =
+        planner_->Take();
     if (!result.has_value()) {
       if (SecondsBetween(asked_->since, now) < options_.limits.plan_s) return;
       planner_->Cancel();
-      PlanResult late;
-      late.failure = NavigationCause::kPlanTimeout;
+      planning::PlanResult late;
+      late.failure = core::NavigationCause::kPlanTimeout;
       late.why = "the planner did not come to an end";
       result = std::move(late);
     }
     if (!result->ok()) {
-      End(GoalState::kFailed, NavigationCause::kInternal,
+      End(GoalState::kFailed, core::NavigationCause::kInternal,
           absl::StrCat("the planner: ", result->status().message()));
       return;
     }
@@ -183,14 +188,15 @@ void GoalRunner::StepPlanning(const ControlPose& pose, MonotonicTime now) {
   }
 }
 
-void GoalRunner::TakePlan(const ControlPose& pose, const PlanResult& result,
-                          MonotonicTime now) {
+void GoalRunner::TakePlan(const control::ControlPose& pose,
+                          const planning::PlanResult& result,
+                          base::MonotonicTime now) {
   const PlanPurpose purpose = asked_->purpose;
   const bool had_blockages = asked_->has_blockages;
   asked_.reset();
-  if (result.failure != NavigationCause::kNone || result.path.empty()) {
+  if (result.failure != core::NavigationCause::kNone || result.path.empty()) {
     if (purpose == PlanPurpose::kRoute &&
-        result.failure == NavigationCause::kPlanTimeout) {
+        result.failure == core::NavigationCause::kPlanTimeout) {
       Ask(PlanPurpose::kFullRoute, pose.pose, Target(), now);
       return;
     }
@@ -205,9 +211,10 @@ void GoalRunner::TakePlan(const ControlPose& pose, const PlanResult& result,
   }
   if (purpose == PlanPurpose::kUnblocked) {
     BeginTrouble(
-        failure_.failure == NavigationCause::kStartBlocked ? Trouble::kEnclosed
-                                                           : Trouble::kNoWay,
-        NavigationCause::kBlocked,
+        failure_.failure == core::NavigationCause::kStartBlocked
+            ? Trouble::kEnclosed
+            : Trouble::kNoWay,
+        core::NavigationCause::kBlocked,
         absl::StrCat("what stands in the way leaves no other: ", failure_.why),
         now);
     return;
@@ -221,27 +228,29 @@ void GoalRunner::TakePlan(const ControlPose& pose, const PlanResult& result,
   phase_ = GoalPhase::kDriving;
 }
 
-void GoalRunner::TakeNoPlan(const ControlPose& pose, const PlanResult& result,
-                            MonotonicTime now) {
+void GoalRunner::TakeNoPlan(const control::ControlPose& pose,
+                            const planning::PlanResult& result,
+                            base::MonotonicTime now) {
   const std::string why =
       absl::StrCat(result.why.empty() ? "no way was found" : result.why,
                    ", from ", Place(pose.pose), " to ", Place(Target()));
   switch (result.failure) {
-    case NavigationCause::kStartBlocked:
-      BeginTrouble(Trouble::kEnclosed, NavigationCause::kStartBlocked, why,
+    case core::NavigationCause::kStartBlocked:
+      BeginTrouble(Trouble::kEnclosed, core::NavigationCause::kStartBlocked,
+                   why, now);
+      return;
+    case core::NavigationCause::kPlanTimeout:
+      BeginTrouble(Trouble::kNoWay, core::NavigationCause::kPlanTimeout, why,
                    now);
       return;
-    case NavigationCause::kPlanTimeout:
-      BeginTrouble(Trouble::kNoWay, NavigationCause::kPlanTimeout, why, now);
-      return;
-    case NavigationCause::kNone:
-      End(GoalState::kFailed, NavigationCause::kInternal,
+    case core::NavigationCause::kNone:
+      End(GoalState::kFailed, core::NavigationCause::kInternal,
           "the planner found an empty path");
       return;
-    case NavigationCause::kNoPath:
+    case core::NavigationCause::kNoPath:
       if (is_first_path_) break;
       // Its way led here: a little off, or turned, one leads on.
-      BeginTrouble(Trouble::kNoWay, NavigationCause::kNoPath, why, now);
+      BeginTrouble(Trouble::kNoWay, core::NavigationCause::kNoPath, why, now);
       return;
     default:
       break;
@@ -249,8 +258,8 @@ void GoalRunner::TakeNoPlan(const ControlPose& pose, const PlanResult& result,
   End(GoalState::kFailed, result.failure, why);
 }
 
-void GoalRunner::TakePath(const PlanResult& result, bool had_blockages,
-                          const char* what) {
+void GoalRunner::TakePath(const planning::PlanResult& result,
+                          bool had_blockages, const char* what) {
   path_ = result.path;
   beside_goal_m_ = result.moved_goal_m;
   goal_is_taken_ = IsLastLeg() && had_blockages &&
@@ -276,7 +285,8 @@ void GoalRunner::TakePath(const PlanResult& result, bool had_blockages,
   events_->Add("plan", std::move(text));
 }
 
-void GoalRunner::StepBackground(const ControlPose& pose, MonotonicTime now) {
+void GoalRunner::StepBackground(const control::ControlPose& pose,
+                                base::MonotonicTime now) {
   if (!asked_.has_value()) {
     if (wants_better_) {
       wants_better_ = false;
@@ -288,12 +298,12 @@ void GoalRunner::StepBackground(const ControlPose& pose, MonotonicTime now) {
     }
     return;
   }
-  std::optional<absl::StatusOr<PlanResult>> result = planner_->Take();
+  std::optional<absl::StatusOr<planning::PlanResult>> result = planner_->Take();
   if (!result.has_value()) return;
   const PlanPurpose purpose = asked_->purpose;
   const bool had_blockages = asked_->has_blockages;
   asked_.reset();
-  if (!result->ok() || (*result)->failure != NavigationCause::kNone ||
+  if (!result->ok() || (*result)->failure != core::NavigationCause::kNone ||
       (*result)->path.empty()) {
     return;
   }
@@ -311,8 +321,8 @@ void GoalRunner::StepBackground(const ControlPose& pose, MonotonicTime now) {
 
 // ---- driving ----
 
-VelocityCommand GoalRunner::StepDriving(const ControlPose& pose,
-                                        MonotonicTime now) {
+core::VelocityCommand GoalRunner::StepDriving(const control::ControlPose& pose,
+                                              base::MonotonicTime now) {
   if (goal_is_taken_ && way_is_free_) {
     if (asked_.has_value()) planner_->Cancel();
     asked_.reset();
@@ -322,23 +332,23 @@ VelocityCommand GoalRunner::StepDriving(const ControlPose& pose,
   StepBackground(pose, now);
   control_ = controller_->Step(pose);
   status_->to_go_m = control_.to_go_m;
-  if (control_.state != ControlState::kWaiting) waiting_since_.reset();
-  if (control_.state != ControlState::kArrived) arrived_since_.reset();
+  if (control_.state != control::ControlState::kWaiting) waiting_since_.reset();
+  if (control_.state != control::ControlState::kArrived) arrived_since_.reset();
   if (!IsLastLeg() && PassesPose(pose)) {
     NextLeg(pose.pose);
     return control_.command;
   }
   switch (control_.state) {
-    case ControlState::kIdle:
+    case control::ControlState::kIdle:
       phase_ = GoalPhase::kToPlan;
       return control_.command;
-    case ControlState::kArrived:
+    case control::ControlState::kArrived:
       Arrive(pose, now);
       return control_.command;
-    case ControlState::kBlocked:
+    case control::ControlState::kBlocked:
       MeetObstacle(pose, control_, "something stands in the way", now);
       return control_.command;
-    case ControlState::kWaiting:
+    case control::ControlState::kWaiting:
       if (!waiting_since_.has_value()) {
         waiting_since_ = now;
         events_->Add("blocked", "waits for something that moves");
@@ -349,7 +359,7 @@ VelocityCommand GoalRunner::StepDriving(const ControlPose& pose,
         MeetObstacle(pose, control_, "what moved does not go away", now);
       }
       return control_.command;
-    case ControlState::kDriving:
+    case control::ControlState::kDriving:
       break;
   }
   const bool gets_on =
@@ -361,8 +371,9 @@ VelocityCommand GoalRunner::StepDriving(const ControlPose& pose,
   }
   if (!gets_on) {
     BeginTrouble(Trouble::kStuck,
-                 control_.is_stopped_by_guard ? NavigationCause::kCollisionStop
-                                              : NavigationCause::kNoProgress,
+                 control_.is_stopped_by_guard
+                     ? core::NavigationCause::kCollisionStop
+                     : core::NavigationCause::kNoProgress,
                  absl::StrFormat("%.1f m to go, and no nearer for %.0f s",
                                  control_.to_go_m, options_.limits.progress_s),
                  now);
@@ -370,14 +381,14 @@ VelocityCommand GoalRunner::StepDriving(const ControlPose& pose,
   return control_.command;
 }
 
-bool GoalRunner::PassesPose(const ControlPose& pose) const {
-  if (control_.state == ControlState::kArrived) return true;
+bool GoalRunner::PassesPose(const control::ControlPose& pose) const {
+  if (control_.state == control::ControlState::kArrived) return true;
   return Distance_m(pose.pose, path_.back()) <= options_.limits.through_m &&
          std::abs(pose.pose.place.height_m - path_.back().place.height_m) <
              kSameGround_m;
 }
 
-void GoalRunner::NextLeg(const LevelPose& robot) {
+void GoalRunner::NextLeg(const core::LevelPose& robot) {
   ++status_->next_pose;
   events_->Add("goal", absl::StrFormat("goal %d: pose %d of %d", status_->id,
                                        status_->next_pose, goal_.poses.size()));
@@ -393,8 +404,8 @@ void GoalRunner::NextLeg(const LevelPose& robot) {
     return;
   }
   // It has not quite come to the pose; the way on begins there.
-  PlanResult way = *std::exchange(next_leg_, std::nullopt);
-  std::vector<LevelPose> rest = RestOf(path_, robot);
+  planning::PlanResult way = *std::exchange(next_leg_, std::nullopt);
+  std::vector<core::LevelPose> rest = RestOf(path_, robot);
   if (rest.size() > 1) {
     way.length_m += Distance_m(rest.front(), rest.back());
     rest.insert(rest.end(), way.path.begin() + 1, way.path.end());
@@ -403,12 +414,13 @@ void GoalRunner::NextLeg(const LevelPose& robot) {
   TakePath(way, !blockages_.empty(), "the way on");
 }
 
-void GoalRunner::Arrive(const ControlPose& pose, MonotonicTime now) {
-  const LevelPose& target = path_.back();
+void GoalRunner::Arrive(const control::ControlPose& pose,
+                        base::MonotonicTime now) {
+  const core::LevelPose& target = path_.back();
   const double off_m = Distance_m(pose.pose, target);
-  const double off_rad = std::abs(NormalizedAngle_rad(
+  const double off_rad = std::abs(geometry::NormalizedAngle_rad(
       pose.pose.map_from_base.yaw_rad - target.map_from_base.yaw_rad));
-  const LocalControllerOptions& control = options_.control;
+  const control::LocalControllerOptions& control = options_.control;
   const bool is_there =
       off_m <= control.goal_tolerance_m + kArrivalSlack_m &&
       off_rad <= control.goal_tolerance_rad + kArrivalSlack_rad;
@@ -429,13 +441,13 @@ void GoalRunner::Arrive(const ControlPose& pose, MonotonicTime now) {
           &where, ", at a place %.2f m beside the goal, %s", beside_goal_m_,
           goal_is_taken_ ? "where something stands" : "which has no room");
     }
-    End(GoalState::kSucceeded, NavigationCause::kNone, where);
+    End(GoalState::kSucceeded, core::NavigationCause::kNone, where);
     return;
   }
   if (SecondsBetween(*arrived_since_, now) > kArrivalDispute_s) {
     arrived_since_.reset();
     if (++replans_ > options_.limits.max_replans) {
-      BeginTrouble(Trouble::kStuck, NavigationCause::kNoProgress,
+      BeginTrouble(Trouble::kStuck, core::NavigationCause::kNoProgress,
                    "it does not come to stand at the goal", now);
       return;
     }
@@ -443,13 +455,14 @@ void GoalRunner::Arrive(const ControlPose& pose, MonotonicTime now) {
   }
 }
 
-void GoalRunner::MeetObstacle(const ControlPose& pose,
-                              const ControlResult& result,
-                              const std::string& what, MonotonicTime now) {
-  const std::optional<LevelPlace> ground =
+void GoalRunner::MeetObstacle(const control::ControlPose& pose,
+                              const control::ControlResult& result,
+                              const std::string& what,
+                              base::MonotonicTime now) {
+  const std::optional<core::LevelPlace> ground =
       map_->GroundNear(result.obstacle_in_map, pose.pose.place.height_m);
   const double margin_m = options_.limits.blockage_margin_m;
-  for (const Blockage& disc :
+  for (const planning::Blockage& disc :
        DiscsOf(controller_->Costmap(), result.obstacle_in_map,
                pose.pose.map_from_base.translation, margin_m,
                result.obstacle_radius_m + margin_m,
@@ -463,7 +476,7 @@ void GoalRunner::MeetObstacle(const ControlPose& pose,
   if (asked_.has_value()) planner_->Cancel();
   asked_.reset();
   if (++replans_ > options_.limits.max_replans) {
-    BeginTrouble(Trouble::kNoWay, NavigationCause::kBlocked,
+    BeginTrouble(Trouble::kNoWay, core::NavigationCause::kBlocked,
                  absl::StrFormat("%d ways around what stands there are blocked",
                                  options_.limits.max_replans),
                  now);
@@ -474,8 +487,8 @@ void GoalRunner::MeetObstacle(const ControlPose& pose,
 
 // ---- recoveries ----
 
-void GoalRunner::BeginTrouble(Trouble trouble, NavigationCause cause,
-                              const std::string& why, MonotonicTime now) {
+void GoalRunner::BeginTrouble(Trouble trouble, core::NavigationCause cause,
+                              const std::string& why, base::MonotonicTime now) {
   if (asked_.has_value()) planner_->Cancel();
   asked_.reset();
   trouble_ = trouble;
@@ -484,10 +497,10 @@ void GoalRunner::BeginTrouble(Trouble trouble, NavigationCause cause,
   NextManeuver(now);
 }
 
-void GoalRunner::NextManeuver(MonotonicTime now) {
+void GoalRunner::NextManeuver(base::MonotonicTime now) {
   const std::optional<ManeuverRung> rung = ladder_.Next(trouble_);
   if (!rung.has_value()) {
-    const NavigationCause cause = trouble_cause_;
+    const core::NavigationCause cause = trouble_cause_;
     End(GoalState::kFailed, cause,
         absl::StrFormat("%s; %d recoveries did not help", trouble_why_,
                         ladder_.used()));
@@ -500,17 +513,17 @@ void GoalRunner::NextManeuver(MonotonicTime now) {
   events_->Add(
       "recovery",
       absl::StrFormat("%s (%s: %s)", ManeuverName(rung->kind),
-                      NavigationCauseName(trouble_cause_), trouble_why_));
+                      core::NavigationCauseName(trouble_cause_), trouble_why_));
   phase_ = GoalPhase::kRecovering;
 }
 
-VelocityCommand GoalRunner::StepManeuver(const ControlPose& pose,
-                                         MonotonicTime now) {
+core::VelocityCommand GoalRunner::StepManeuver(const control::ControlPose& pose,
+                                               base::MonotonicTime now) {
   if (way_is_free_ && maneuver_->kind() == ManeuverKind::kWait &&
       SecondsBetween(maneuver_since_, now) > kLeastWait_s) {
     maneuver_.reset();
     ladder_.GiveBack();
-    trouble_cause_ = NavigationCause::kNone;
+    trouble_cause_ = core::NavigationCause::kNone;
     phase_ = GoalPhase::kToPlan;
     return controller_->Guard(pose, {});
   }
@@ -525,17 +538,19 @@ VelocityCommand GoalRunner::StepManeuver(const ControlPose& pose,
   if (result.outcome == ManeuverOutcome::kNotPossible) {
     NextManeuver(now);
   } else {
-    trouble_cause_ = NavigationCause::kNone;
+    trouble_cause_ = core::NavigationCause::kNone;
     phase_ = GoalPhase::kToPlan;
   }
   return controller_->Guard(pose, {});
 }
 
-void GoalRunner::BlockAhead(const ControlPose& pose, MonotonicTime now) {
-  blockages_.Add({.center = pose.pose.map_from_base * Vec2{kBlockAhead_m, 0},
-                  .radius_m = kBlockRadius_m,
-                  .level = pose.pose.place.level},
-                 now);
+void GoalRunner::BlockAhead(const control::ControlPose& pose,
+                            base::MonotonicTime now) {
+  blockages_.Add(
+      {.center = pose.pose.map_from_base * geometry::Vec2{kBlockAhead_m, 0},
+       .radius_m = kBlockRadius_m,
+       .level = pose.pose.place.level},
+      now);
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

@@ -15,7 +15,7 @@
 #include "nav_agent/behavior/plan_runner.h"
 #include "nav_agent/behavior/progress_watch.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 // What it does about its goal. docs/navigator.md draws the transitions.
 enum class GoalPhase : uint8_t {
@@ -29,14 +29,15 @@ enum class GoalPhase : uint8_t {
 // Not thread-safe. What is given must outlive it.
 class GoalRunner {
  public:
-  GoalRunner(std::shared_ptr<const NavigationMap> map, PlanRunner& planner,
-             LocalController& controller, const NavigatorOptions& options,
-             EventLog& events);
+  GoalRunner(std::shared_ptr<const traversability::NavigationMap> map,
+             PlanRunner& planner, control::LocalController& controller,
+             const NavigatorOptions& options, EventLog& events);
 
   // A goal with at least one pose, all finite; what there is, is preempted.
   uint64_t Start(const NavigationGoal& goal);
   // Ends the goal there is, if it is active.
-  void End(GoalState state, NavigationCause cause, const std::string& why);
+  void End(GoalState state, core::NavigationCause cause,
+           const std::string& why);
   // The robot stands for another reason, or is somewhere else: a plan is needed
   // before it goes on.
   void Suspend();
@@ -45,7 +46,8 @@ class GoalRunner {
   void NoteWayIsFree();
 
   // What to do now. Only while the robot may move, and knows where it is.
-  VelocityCommand Step(const ControlPose& pose, MonotonicTime now);
+  core::VelocityCommand Step(const control::ControlPose& pose,
+                             base::MonotonicTime now);
 
   GoalPhase phase() const { return phase_; }
   bool is_active() const { return phase_ != GoalPhase::kNone; }
@@ -53,12 +55,12 @@ class GoalRunner {
   // About straight ahead, at more than a crawl.
   bool DrivesStraight() const;
   // Of the drive or the maneuver: why it does not get on.
-  NavigationCause trouble() const { return trouble_cause_; }
+  core::NavigationCause trouble() const { return trouble_cause_; }
 
   BlockageMemory& blockages() { return blockages_; }
   const BlockageMemory& blockages() const { return blockages_; }
-  const std::vector<LevelPose>& path() const { return path_; }
-  const std::vector<Vec2>& tree_edges() const { return tree_edges_; }
+  const std::vector<core::LevelPose>& path() const { return path_; }
+  const std::vector<geometry::Vec2>& tree_edges() const { return tree_edges_; }
 
  private:
   // What a plan is for.
@@ -71,41 +73,48 @@ class GoalRunner {
   };
   struct AskedPlan {
     PlanPurpose purpose = PlanPurpose::kRoute;
-    MonotonicTime since;
+    base::MonotonicTime since;
     bool has_blockages = false;
   };
 
-  const LevelPose& Target() const { return goal_.poses[status_->next_pose]; }
+  const core::LevelPose& Target() const {
+    return goal_.poses[status_->next_pose];
+  }
   bool IsLastLeg() const {
     return status_->next_pose + 1 == goal_.poses.size();
   }
-  void Ask(PlanPurpose purpose, const LevelPose& from, const LevelPose& to,
-           MonotonicTime now);
-  void StepPlanning(const ControlPose& pose, MonotonicTime now);
-  void TakePlan(const ControlPose& pose, const PlanResult& result,
-                MonotonicTime now);
-  void TakeNoPlan(const ControlPose& pose, const PlanResult& result,
-                  MonotonicTime now);
+  void Ask(PlanPurpose purpose, const core::LevelPose& from,
+           const core::LevelPose& to, base::MonotonicTime now);
+  void StepPlanning(const control::ControlPose& pose, base::MonotonicTime now);
+  void TakePlan(const control::ControlPose& pose,
+                const planning::PlanResult& result, base::MonotonicTime now);
+  void TakeNoPlan(const control::ControlPose& pose,
+                  const planning::PlanResult& result, base::MonotonicTime now);
   // had_blockages: the planner was told of what stands about.
-  void TakePath(const PlanResult& result, bool had_blockages, const char* what);
+  void TakePath(const planning::PlanResult& result, bool had_blockages,
+                const char* what);
   // Plans while driving.
-  void StepBackground(const ControlPose& pose, MonotonicTime now);
-  VelocityCommand StepDriving(const ControlPose& pose, MonotonicTime now);
-  bool PassesPose(const ControlPose& pose) const;
-  void NextLeg(const LevelPose& robot);
-  void Arrive(const ControlPose& pose, MonotonicTime now);
-  void MeetObstacle(const ControlPose& pose, const ControlResult& result,
-                    const std::string& what, MonotonicTime now);
-  void BeginTrouble(Trouble trouble, NavigationCause cause,
-                    const std::string& why, MonotonicTime now);
-  void NextManeuver(MonotonicTime now);
-  VelocityCommand StepManeuver(const ControlPose& pose, MonotonicTime now);
-  void BlockAhead(const ControlPose& pose, MonotonicTime now);
-  void Measure(const ControlPose& pose);
+  void StepBackground(const control::ControlPose& pose,
+                      base::MonotonicTime now);
+  core::VelocityCommand StepDriving(const control::ControlPose& pose,
+                                    base::MonotonicTime now);
+  bool PassesPose(const control::ControlPose& pose) const;
+  void NextLeg(const core::LevelPose& robot);
+  void Arrive(const control::ControlPose& pose, base::MonotonicTime now);
+  void MeetObstacle(const control::ControlPose& pose,
+                    const control::ControlResult& result,
+                    const std::string& what, base::MonotonicTime now);
+  void BeginTrouble(Trouble trouble, core::NavigationCause cause,
+                    const std::string& why, base::MonotonicTime now);
+  void NextManeuver(base::MonotonicTime now);
+  core::VelocityCommand StepManeuver(const control::ControlPose& pose,
+                                     base::MonotonicTime now);
+  void BlockAhead(const control::ControlPose& pose, base::MonotonicTime now);
+  void Measure(const control::ControlPose& pose);
 
-  std::shared_ptr<const NavigationMap> map_;
+  std::shared_ptr<const traversability::NavigationMap> map_;
   PlanRunner* planner_;
-  LocalController* controller_;
+  control::LocalController* controller_;
   NavigatorOptions options_;
   EventLog* events_;
 
@@ -117,9 +126,9 @@ class GoalRunner {
 
   std::optional<AskedPlan> asked_;
   // The last failure, while it is asked whether there is a way otherwise.
-  PlanResult failure_;
-  std::vector<LevelPose> path_;
-  std::vector<Vec2> tree_edges_;
+  planning::PlanResult failure_;
+  std::vector<core::LevelPose> path_;
+  std::vector<geometry::Vec2> tree_edges_;
   // How far from the goal it ends, where there is room (m); whether that is
   // because of something seen at the goal, which may go.
   double beside_goal_m_ = 0;
@@ -127,26 +136,26 @@ class GoalRunner {
   bool is_first_path_ = true;
   bool wants_better_ = false;
   // The path from the next pose on, if it was found already.
-  std::optional<PlanResult> next_leg_;
+  std::optional<planning::PlanResult> next_leg_;
   bool asked_next_leg_ = false;
 
-  ControlResult control_;
+  control::ControlResult control_;
   ProgressWatch progress_;
   BlockageMemory blockages_;
   int replans_ = 0;  // since it got on
-  std::optional<MonotonicTime> waiting_since_;
-  std::optional<MonotonicTime> arrived_since_;
+  std::optional<base::MonotonicTime> waiting_since_;
+  std::optional<base::MonotonicTime> arrived_since_;
 
   ManeuverLadder ladder_;
   std::optional<Maneuver> maneuver_;
-  MonotonicTime maneuver_since_;
+  base::MonotonicTime maneuver_since_;
   bool way_is_free_ = false;
   Trouble trouble_ = Trouble::kNoWay;
-  NavigationCause trouble_cause_ = NavigationCause::kNone;
+  core::NavigationCause trouble_cause_ = core::NavigationCause::kNone;
   std::string trouble_why_;
-  std::optional<Vec2> last_position_;
+  std::optional<geometry::Vec2> last_position_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_GOAL_RUNNER_H_

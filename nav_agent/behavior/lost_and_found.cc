@@ -6,7 +6,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/behavior/recovery.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 const char* RecoveryMethodName(RecoveryMethod method) {
   switch (method) {
@@ -46,41 +46,51 @@ const char* RecoveryStateName(RecoveryState state) {
 
 absl::Status LostAndFoundOptions::Validate() const {
   TL_RETURN_IF_ERROR(gate.Validate());
-  TL_RETURN_IF_ERROR(CheckRange("lost: deadline_s", deadline_s, 0.1, 60));
-  TL_RETURN_IF_ERROR(CheckRange("lost: max_questions", max_questions, 0, 1000));
-  TL_RETURN_IF_ERROR(CheckRange("lost: max_failures", max_failures, 1, 1000));
-  TL_RETURN_IF_ERROR(CheckRange("lost: most_server_s", most_server_s, 0, 3600));
-  TL_RETURN_IF_ERROR(CheckRange("lost: most_search_s", most_search_s, 0, 3600));
-  TL_RETURN_IF_ERROR(CheckRange("lost: settle_s", settle_s, 0, 10));
-  TL_RETURN_IF_ERROR(CheckRange("lost: turn_radps", turn_radps, 0.05, 3));
-  TL_RETURN_IF_ERROR(CheckRange("lost: move_mps", move_mps, 0.01, 1));
-  TL_RETURN_IF_ERROR(CheckRange("lost: confirm_scans", confirm_scans, 1, 1000));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: deadline_s", deadline_s, 0.1, 60));
   TL_RETURN_IF_ERROR(
-      CheckRange("lost: confirm_turn_rad", confirm_turn_rad, 0, 7));
-  TL_RETURN_IF_ERROR(CheckRange("lost: most_confirm_s", most_confirm_s, 1, 60));
+      base::CheckRange("lost: max_questions", max_questions, 0, 1000));
   TL_RETURN_IF_ERROR(
-      CheckRange("lost: confirm_explained", confirm_explained, 0, 1));
+      base::CheckRange("lost: max_failures", max_failures, 1, 1000));
   TL_RETURN_IF_ERROR(
-      CheckRange("lost: confirm_contradicted", confirm_contradicted, 0, 1));
+      base::CheckRange("lost: most_server_s", most_server_s, 0, 3600));
   TL_RETURN_IF_ERROR(
-      CheckRange("lost: search_explained", search_explained, 0, 1));
+      base::CheckRange("lost: most_search_s", most_search_s, 0, 3600));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: settle_s", settle_s, 0, 10));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: turn_radps", turn_radps, 0.05, 3));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: move_mps", move_mps, 0.01, 1));
   TL_RETURN_IF_ERROR(
-      CheckRange("lost: search_contradicted", search_contradicted, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("lost: search_hold_s", search_hold_s, 0, 600));
+      base::CheckRange("lost: confirm_scans", confirm_scans, 1, 1000));
   TL_RETURN_IF_ERROR(
-      CheckRange("lost: search_hold_rad", search_hold_rad, 0, 100));
-  TL_RETURN_IF_ERROR(CheckRange("lost: search_share", search_share, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("lost: search_std_m", search_std_m, 0, 10));
-  TL_RETURN_IF_ERROR(CheckRange("lost: alias_margin", alias_margin, 0, 1));
+      base::CheckRange("lost: confirm_turn_rad", confirm_turn_rad, 0, 7));
   TL_RETURN_IF_ERROR(
-      CheckRange("lost: help_interval_s", help_interval_s, 0, 1e6));
-  return CheckRange("lost: check_interval_s", check_interval_s, 0, 1e6);
+      base::CheckRange("lost: most_confirm_s", most_confirm_s, 1, 60));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: confirm_explained", confirm_explained, 0, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: confirm_contradicted",
+                                      confirm_contradicted, 0, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: search_explained", search_explained, 0, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: search_contradicted", search_contradicted, 0, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: search_hold_s", search_hold_s, 0, 600));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: search_hold_rad", search_hold_rad, 0, 100));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: search_share", search_share, 0, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: search_std_m", search_std_m, 0, 10));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: alias_margin", alias_margin, 0, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: help_interval_s", help_interval_s, 0, 1e6));
+  return base::CheckRange("lost: check_interval_s", check_interval_s, 0, 1e6);
 }
 
 absl::StatusOr<std::unique_ptr<LostAndFound>> LostAndFound::Create(
-    std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-    RobotTracker& tracker, RelocalizationPort* server,
-    const LostAndFoundOptions& options) {
+    std::shared_ptr<const traversability::NavigationMap> map,
+    const core::RobotModel& robot, localization::RobotTracker& tracker,
+    core::RelocalizationPort* server, const LostAndFoundOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(robot.Validate());
   if (map == nullptr) return absl::InvalidArgumentError("lost: no map");
@@ -88,4 +98,4 @@ absl::StatusOr<std::unique_ptr<LostAndFound>> LostAndFound::Create(
                                     options);
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

@@ -18,7 +18,7 @@
 #include "nav_agent/localization/robot_tracker.h"
 #include "nav_agent/traversability/navigation_map.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 // What a lost robot may do, for comparisons.
 enum class RecoveryMethod : uint8_t {
@@ -92,7 +92,7 @@ struct LostAndFoundOptions {
 
 // What the navigator knows when it steps.
 struct RecoveryInput {
-  MonotonicTime now;
+  base::MonotonicTime now;
   // A goal is being driven to, about straight ahead.
   bool drives_straight = false;
   // What the controller has seen allows; not what the map has, which is
@@ -115,26 +115,26 @@ class LostAndFound {
  public:
   // `tracker` and `server` (null: none) must outlive it.
   static absl::StatusOr<std::unique_ptr<LostAndFound>> Create(
-      std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-      RobotTracker& tracker, RelocalizationPort* server,
-      const LostAndFoundOptions& options);
+      std::shared_ptr<const traversability::NavigationMap> map,
+      const core::RobotModel& robot, localization::RobotTracker& tracker,
+      core::RelocalizationPort* server, const LostAndFoundOptions& options);
   virtual ~LostAndFound() = default;
 
   // Whether a picture taken now would be looked at: a question or a check is
   // due.
-  virtual bool WantsPictures(MonotonicTime now) const = 0;
+  virtual bool WantsPictures(base::MonotonicTime now) const = 0;
   // Every frame of the camera; the newest is kept.
-  virtual void AddFrame(const RgbdFrame& frame) = 0;
+  virtual void AddFrame(const core::RgbdFrame& frame) = 0;
   // Begins a recovery by order, also while there is one, or after kNeedHelp.
-  virtual void Begin(RecoveryCause cause, MonotonicTime now) = 0;
+  virtual void Begin(RecoveryCause cause, base::MonotonicTime now) = 0;
   // A person told the tracker where the robot is: no recovery now.
-  virtual void WasTold(MonotonicTime now) = 0;
+  virtual void WasTold(base::MonotonicTime now) = 0;
 
   // After the tracker got what there is. Begins by itself when the verdict is
   // "lost". While IsActive the robot does nothing but `wanted`.
   struct Output {
     RecoveryState state = RecoveryState::kIdle;
-    VelocityCommand wanted;
+    core::VelocityCommand wanted;
   };
   virtual Output Step(const RecoveryInput& input) = 0;
 
@@ -146,12 +146,12 @@ class LostAndFound {
   // Since the last call.
   virtual std::vector<RecoveryNote> TakeNotes() = 0;
   // The last answer of the server, and what became of it.
-  virtual const std::optional<RelocalizationAnswer>& answer() const = 0;
+  virtual const std::optional<core::RelocalizationAnswer>& answer() const = 0;
   virtual const std::string& answer_verdict() const = 0;
   // The last frame that was sent; null: none yet.
-  virtual std::shared_ptr<const RgbdFrame> QueryFrame() const = 0;
+  virtual std::shared_ptr<const core::RgbdFrame> QueryFrame() const = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_LOST_AND_FOUND_H_

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "nav_agent/behavior/testing_lost_and_found.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 using testing::HasSubstr;
@@ -44,8 +44,8 @@ TEST_F(LostAndFoundTest, StopsBeforeItLooks) {
 
 TEST_F(LostAndFoundTest, RefusesAFixThatLeansOtherwiseThanTheRobot) {
   server_.answers = {[this] {
-    const Rigid3 upside_down = {
-        .rotation = Rotation3::FromAxisAngle({3.1, 0, 0}),
+    const geometry::Rigid3 upside_down = {
+        .rotation = geometry::Rotation3::FromAxisAngle({3.1, 0, 0}),
         .translation = {2, 3, 0}};
     return AnswerAt(upside_down, 0.99);
   }};
@@ -58,8 +58,9 @@ TEST_F(LostAndFoundTest, RefusesAFixThatLeansOtherwiseThanTheRobot) {
 TEST_F(LostAndFoundTest, TakesTheTiltOfARobotOnARampIntoAccount) {
   tracker_.tilt_rad = 0.2;
   server_.answers = {[this] {
-    Rigid3 pose = Lift(tracker_.truth, 0.02);
-    pose.rotation = pose.rotation * Rotation3::FromAxisAngle({0, 0.2, 0});
+    geometry::Rigid3 pose = Lift(tracker_.truth, 0.02);
+    pose.rotation =
+        pose.rotation * geometry::Rotation3::FromAxisAngle({0, 0.2, 0});
     return AnswerAt(pose, 0.97);
   }};
   BeLost();
@@ -96,7 +97,7 @@ TEST_F(LostAndFoundTest, RefusesTheConfidentFixesOfAnotherRoomOrScene) {
 
 TEST_F(LostAndFoundTest, OfRoomsThatAreAlikeItBelievesOnlyTwoViews) {
   // The laser fits in both rooms; the camera is wrong once.
-  tracker_.alias = Rigid2{{9, 3}, 0.5};
+  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
   server_.answers = {
       [this] { return AnswerAt(Lift(*tracker_.alias, 0.02), 0.99); },
       [this] { return Truth(0.97); }, [this] { return Truth(0.97); }};
@@ -110,7 +111,8 @@ TEST_F(LostAndFoundTest, OfRoomsThatAreAlikeItBelievesOnlyTwoViews) {
 TEST_F(LostAndFoundTest, WhereScansFitBetterElsewhereItIsNot) {
   // The gate lets pass what the map explains to a half.
   server_.answers.assign(3, [this] {
-    return AnswerAt(Lift(tracker_.truth * Rigid2{{0.5, 0}, 0}, 0.02), 0.99);
+    return AnswerAt(Lift(tracker_.truth * geometry::Rigid2{{0.5, 0}, 0}, 0.02),
+                    0.99);
   });
   server_.answers.push_back([this] { return Truth(0.97); });
   tracker_.alias = tracker_.truth;
@@ -126,7 +128,8 @@ TEST_F(LostAndFoundTest, TwoViewsWaitForWhatTheScanShowsElsewhere) {
   tracker_.search_steps = 300;
   tracker_.alias = tracker_.truth;
   server_.answers.assign(2, [this] {
-    return AnswerAt(Lift(tracker_.truth * Rigid2{{0.42, 0}, 0}, 0.02), 0.95);
+    return AnswerAt(Lift(tracker_.truth * geometry::Rigid2{{0.42, 0}, 0}, 0.02),
+                    0.95);
   });
   server_.answers.push_back([this] { return Truth(0.97); });
   BeLost();
@@ -138,23 +141,23 @@ TEST_F(LostAndFoundTest, TwoViewsWaitForWhatTheScanShowsElsewhere) {
 TEST_F(LostAndFoundTest, RefusesWhatIsNoNumber) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   server_.answers = {[this, nan] {
-                       RelocalizationAnswer answer = Truth(0.97);
+                       core::RelocalizationAnswer answer = Truth(0.97);
                        answer.map_from_camera.translation.x = nan;
                        return answer;
                      },
                      [this, nan] { return Truth(nan); },
                      [this, nan] {
-                       RelocalizationAnswer answer = Truth(0.97);
+                       core::RelocalizationAnswer answer = Truth(0.97);
                        answer.covariance[0] = nan;
                        return answer;
                      },
                      [this] {
-                       RelocalizationAnswer answer = Truth(0.97);
+                       core::RelocalizationAnswer answer = Truth(0.97);
                        answer.covariance[7] = -1;
                        return answer;
                      },
                      [this] {
-                       RelocalizationAnswer answer = Truth(0.97);
+                       core::RelocalizationAnswer answer = Truth(0.97);
                        answer.map_from_camera.rotation = {0, 0, 0, 0};
                        return answer;
                      }};
@@ -180,7 +183,7 @@ TEST_F(LostAndFoundTest, AWeakFixNeedsASecondViewThatAgrees) {
 
 TEST_F(LostAndFoundTest, BelowItsScenesThresholdTheServerIsNotSure) {
   server_.answers = {[this] {
-    RelocalizationAnswer answer = Truth(0.95);
+    core::RelocalizationAnswer answer = Truth(0.95);
     answer.confidence_threshold = 0.97;
     return answer;
   }};
@@ -191,7 +194,7 @@ TEST_F(LostAndFoundTest, BelowItsScenesThresholdTheServerIsNotSure) {
 
 TEST_F(LostAndFoundTest, DoubtfulViewsAreNotEnoughWhereRoomsAreAlike) {
   // Camera and laser take the other room for this one, the camera with doubt.
-  tracker_.alias = Rigid2{{9, 3}, 0.5};
+  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
   const auto doubtful = [this] {
     return AnswerAt(Lift(*tracker_.alias, 0.02), 0.6);
   };
@@ -204,7 +207,7 @@ TEST_F(LostAndFoundTest, DoubtfulViewsAreNotEnoughWhereRoomsAreAlike) {
 }
 
 TEST_F(LostAndFoundTest, ViewsOfOtherThingsThatAgreeAreSureTogether) {
-  tracker_.alias = Rigid2{{9, 3}, 0.5};
+  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
   server_.answers = {[this] { return Truth(0.85); }};
   BeLost();
   EXPECT_EQ(Run(60), RecoveryState::kFound) << notes_;
@@ -217,7 +220,7 @@ TEST_F(LostAndFoundTest, WeakFixesThatDisagreeAreNotTaken) {
   server_.answers = {[this, &number] {
     // A metre further each time; the gate alone would let them pass.
     tracker_.judged = 10;
-    const Rigid2 pose = {{1.0 + 0.9 * ++number, 3}, 0.5 * number};
+    const geometry::Rigid2 pose = {{1.0 + 0.9 * ++number, 3}, 0.5 * number};
     return AnswerAt(Lift(pose, 0), 0.6);
   }};
   options_.max_questions = 4;
@@ -229,22 +232,22 @@ TEST_F(LostAndFoundTest, WeakFixesThatDisagreeAreNotTaken) {
 }
 
 TEST_F(LostAndFoundTest, LooksElsewhereIfItIsNotLocalized) {
-  RelocalizationAnswer none;
+  core::RelocalizationAnswer none;
   none.reason = "TOO_FEW_INLIERS";
   server_.answers = {[none] { return none; }, [none] { return none; },
                      [this] { return Truth(0.97); }};
   BeLost();
   EXPECT_EQ(Run(60), RecoveryState::kFound) << notes_;
   ASSERT_EQ(server_.asked, 3);
-  EXPECT_GT(
-      std::abs(NormalizedAngle_rad(server_.yaws_rad[1] - server_.yaws_rad[0])),
-      0.5);
+  EXPECT_GT(std::abs(geometry::NormalizedAngle_rad(server_.yaws_rad[1] -
+                                                   server_.yaws_rad[0])),
+            0.5);
 }
 
 TEST_F(LostAndFoundTest, AFixThatDoesNotHoldIsDropped) {
   int answers = 0;
   server_.answers = {[this, &answers] {
-    RelocalizationAnswer answer = Truth(0.97);
+    core::RelocalizationAnswer answer = Truth(0.97);
     // The gate's scan fits; those after it do not.
     if (++answers == 1) return answer;
     tracker_.best_fit = 0.95;
@@ -287,7 +290,8 @@ TEST_F(LostAndFoundTest, AStartWithoutAPlaceAsks) {
 }
 
 TEST_F(LostAndFoundTest, TheCheckAsksNowAndThenAndIsContent) {
-  tracker_.believed = LevelPose{.map_from_base = tracker_.truth, .place = {}};
+  tracker_.believed =
+      core::LevelPose{.map_from_base = tracker_.truth, .place = {}};
   drives_straight_ = true;
   EXPECT_EQ(Run(45), RecoveryState::kIdle);
   EXPECT_EQ(server_.asked, 2);
@@ -296,9 +300,9 @@ TEST_F(LostAndFoundTest, TheCheckAsksNowAndThenAndIsContent) {
 }
 
 TEST_F(LostAndFoundTest, TheCheckCorrectsADrift) {
-  Rigid2 drifted = tracker_.truth;
+  geometry::Rigid2 drifted = tracker_.truth;
   drifted.translation.x += 0.4;
-  tracker_.believed = LevelPose{.map_from_base = drifted, .place = {}};
+  tracker_.believed = core::LevelPose{.map_from_base = drifted, .place = {}};
   drives_straight_ = true;
   EXPECT_EQ(Run(25), RecoveryState::kIdle);
   EXPECT_EQ(tracker_.told, 1);
@@ -316,7 +320,8 @@ TEST_F(LostAndFoundTest, TheCheckStopsARobotThatIsElsewhereAndLooksTwice) {
 }
 
 TEST_F(LostAndFoundTest, TheCheckDoesNotMoveARobotThatIsRight) {
-  tracker_.believed = LevelPose{.map_from_base = tracker_.truth, .place = {}};
+  tracker_.believed =
+      core::LevelPose{.map_from_base = tracker_.truth, .place = {}};
   server_.answers = {[this] { return AnswerAt(Lift({{10, 4}, 1}, 0), 0.999); }};
   drives_straight_ = true;
   EXPECT_EQ(Run(45), RecoveryState::kIdle) << notes_;
@@ -337,4 +342,4 @@ TEST(LostAndFoundOptionsTest, NamesWhatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::behavior

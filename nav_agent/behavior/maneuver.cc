@@ -7,7 +7,7 @@
 
 #include "nav_agent/behavior/event_log.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // Backing up by less is not worth it.
@@ -84,11 +84,12 @@ const char* ManeuverOutcomeName(ManeuverOutcome outcome) {
 }
 
 Maneuver::Maneuver(const ManeuverRung& rung, const NavigatorLimits& limits,
-                   MonotonicTime now)
+                   base::MonotonicTime now)
     : rung_(rung), limits_(limits), begun_(now) {}
 
-Maneuver::Result Maneuver::Step(const ControlPose& pose, MonotonicTime now,
-                                LocalController& controller) {
+Maneuver::Result Maneuver::Step(const control::ControlPose& pose,
+                                base::MonotonicTime now,
+                                control::LocalController& controller) {
   const double elapsed_s = SecondsBetween(begun_, now);
   switch (rung_.kind) {
     case ManeuverKind::kClearCostmap:
@@ -109,9 +110,10 @@ Maneuver::Result Maneuver::Step(const ControlPose& pose, MonotonicTime now,
   return {.outcome = ManeuverOutcome::kDone, .command = {}};
 }
 
-Maneuver::Result Maneuver::BackUp(const ControlPose& pose, MonotonicTime now,
-                                  LocalController& controller) {
-  const Rigid2& here = pose.pose.map_from_base;
+Maneuver::Result Maneuver::BackUp(const control::ControlPose& pose,
+                                  base::MonotonicTime now,
+                                  control::LocalController& controller) {
+  const geometry::Rigid2& here = pose.pose.map_from_base;
   // Whoever is about may come up behind it: the bold wait for a quiet moment.
   const double quiet_s = controller.QuietFor_s(now);
   if (!start_.has_value() &&
@@ -134,7 +136,7 @@ Maneuver::Result Maneuver::BackUp(const ControlPose& pose, MonotonicTime now,
       return {.outcome = ManeuverOutcome::kNotPossible, .command = {}};
     }
   }
-  const double done_m = Norm(here.translation - start_->translation);
+  const double done_m = geometry::Norm(here.translation - start_->translation);
   if (done_m >= std::abs(way_m_) - kNearlyThere_m) {
     return {.outcome = ManeuverOutcome::kDone, .command = {}};
   }
@@ -147,19 +149,20 @@ Maneuver::Result Maneuver::BackUp(const ControlPose& pose, MonotonicTime now,
           pose, {.forward_mps = -limits_.back_up_mps, .yaw_rate_radps = 0})};
 }
 
-Maneuver::Result Maneuver::LookAround(const ControlPose& pose, double elapsed_s,
-                                      LocalController& controller) {
-  const Rigid2& here = pose.pose.map_from_base;
+Maneuver::Result Maneuver::LookAround(const control::ControlPose& pose,
+                                      double elapsed_s,
+                                      control::LocalController& controller) {
+  const geometry::Rigid2& here = pose.pose.map_from_base;
   if (!start_.has_value()) {
     start_ = here;
     last_yaw_rad_ = here.yaw_rad;
     // Slopes have edges.
-    if (AngleBetween_rad(pose.level_from_base, {}) > kLevel_rad ||
+    if (geometry::AngleBetween_rad(pose.level_from_base, {}) > kLevel_rad ||
         !controller.CanTurn(pose)) {
       return {.outcome = ManeuverOutcome::kNotPossible, .command = {}};
     }
   }
-  turned_rad_ += NormalizedAngle_rad(here.yaw_rad - last_yaw_rad_);
+  turned_rad_ += geometry::NormalizedAngle_rad(here.yaw_rad - last_yaw_rad_);
   last_yaw_rad_ = here.yaw_rad;
   if (turned_rad_ >= 2 * std::numbers::pi - kNearlyAround_rad) {
     return {.outcome = ManeuverOutcome::kDone, .command = {}};
@@ -193,4 +196,4 @@ void ManeuverLadder::GiveBack() {
   ++given_back_;
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

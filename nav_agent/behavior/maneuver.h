@@ -9,7 +9,7 @@
 
 #include "nav_agent/behavior/navigator.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 enum class ManeuverKind : uint8_t {
   kClearCostmap,  // forgets what was seen; the next scans tell anew
@@ -41,27 +41,27 @@ struct ManeuverRung {
 class Maneuver {
  public:
   Maneuver(const ManeuverRung& rung, const NavigatorLimits& limits,
-           MonotonicTime now);
+           base::MonotonicTime now);
 
   struct Result {
     ManeuverOutcome outcome = ManeuverOutcome::kRunning;
-    VelocityCommand command;
+    core::VelocityCommand command;
   };
   // The command has been through the controller's guard.
-  Result Step(const ControlPose& pose, MonotonicTime now,
-              LocalController& controller);
+  Result Step(const control::ControlPose& pose, base::MonotonicTime now,
+              control::LocalController& controller);
   ManeuverKind kind() const { return rung_.kind; }
 
  private:
-  Result BackUp(const ControlPose& pose, MonotonicTime now,
-                LocalController& controller);
-  Result LookAround(const ControlPose& pose, double elapsed_s,
-                    LocalController& controller);
+  Result BackUp(const control::ControlPose& pose, base::MonotonicTime now,
+                control::LocalController& controller);
+  Result LookAround(const control::ControlPose& pose, double elapsed_s,
+                    control::LocalController& controller);
 
   ManeuverRung rung_;
   NavigatorLimits limits_;
-  MonotonicTime begun_;
-  std::optional<Rigid2> start_;
+  base::MonotonicTime begun_;
+  std::optional<geometry::Rigid2> start_;
   double last_yaw_rad_ = 0;
   double turned_rad_ = 0;
   double way_m_ = 0;
@@ -96,6 +96,6 @@ class ManeuverLadder {
   bool can_give_back_ = false;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_MANEUVER_H_

@@ -5,7 +5,7 @@
 #include "nav_agent/behavior/testing_devices.h"
 #include "nav_agent/behavior/testing_parts.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 constexpr NavigatorLimits kLimits;
@@ -22,9 +22,10 @@ class ManeuverTest : public testing::Test {
       const Maneuver::Result result =
           maneuver.Step(pose, clock.Now(), controller);
       if (result.outcome != ManeuverOutcome::kRunning) return result.outcome;
-      Rigid2& here = pose.pose.map_from_base;
-      here = here * Rigid2{{share * kStep_s * result.command.forward_mps, 0},
-                           share * kStep_s * result.command.yaw_rate_radps};
+      geometry::Rigid2& here = pose.pose.map_from_base;
+      here = here *
+             geometry::Rigid2{{share * kStep_s * result.command.forward_mps, 0},
+                              share * kStep_s * result.command.yaw_rate_radps};
       clock.Advance_s(kStep_s);
     }
   }
@@ -33,9 +34,9 @@ class ManeuverTest : public testing::Test {
   }
 
   ManualClock clock;
-  MonotonicTime begun;
+  base::MonotonicTime begun;
   FakeController controller;
-  ControlPose pose;
+  control::ControlPose pose;
   bool is_bold = false;
 };
 
@@ -96,7 +97,7 @@ TEST_F(ManeuverTest, LooksAllAround) {
 
 // Slopes have edges.
 TEST_F(ManeuverTest, DoesNotTurnOnASlope) {
-  pose.level_from_base = Rotation3::FromAxisAngle({0, 0.1, 0});
+  pose.level_from_base = geometry::Rotation3::FromAxisAngle({0, 0.1, 0});
   EXPECT_EQ(Run(ManeuverKind::kLookAround), ManeuverOutcome::kNotPossible);
 }
 
@@ -169,4 +170,4 @@ TEST(ProgressWatch, RefillsOnlyNearerThanEver) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::behavior

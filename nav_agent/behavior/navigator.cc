@@ -15,7 +15,7 @@
 #include "nav_agent/behavior/scan_ends.h"
 #include "nav_agent/behavior/sensor_watch.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // An estimate that is older tells nothing (s).
@@ -35,17 +35,17 @@ constexpr double kAskAhead_m = 1.0;
 constexpr double kLostPictures_hz = 10;
 constexpr size_t kShownParticles = 500;
 
-bool IsFinite(const LevelPose& pose) {
+bool IsFinite(const core::LevelPose& pose) {
   return std::isfinite(pose.map_from_base.translation.x) &&
          std::isfinite(pose.map_from_base.translation.y) &&
          std::isfinite(pose.map_from_base.yaw_rad) &&
          std::isfinite(pose.place.height_m);
 }
 
-std::optional<ControlPose> OfMotion(
-    const std::optional<TrackedMotion>& motion) {
+std::optional<control::ControlPose> OfMotion(
+    const std::optional<localization::TrackedMotion>& motion) {
   if (!motion.has_value()) return std::nullopt;
-  return ControlPose{
+  return control::ControlPose{
       .stamp = motion->stamp,
       .pose = {.map_from_base = motion->odom_from_base, .place = {}},
       .level_from_base = motion->level_from_base,
@@ -54,29 +54,31 @@ std::optional<ControlPose> OfMotion(
       .map_is_unknown = true};
 }
 
-std::optional<ControlPose> OfPose(const std::optional<TrackedPose>& pose) {
+std::optional<control::ControlPose> OfPose(
+    const std::optional<localization::TrackedPose>& pose) {
   if (!pose.has_value()) return std::nullopt;
-  return ControlPose{.stamp = pose->stamp,
-                     .pose = pose->pose,
-                     .level_from_base = pose->level_from_base,
-                     .forward_mps = pose->forward_mps,
-                     .yaw_rate_radps = pose->yaw_rate_radps,
-                     .map_is_unknown = false};
+  return control::ControlPose{.stamp = pose->stamp,
+                              .pose = pose->pose,
+                              .level_from_base = pose->level_from_base,
+                              .forward_mps = pose->forward_mps,
+                              .yaw_rate_radps = pose->yaw_rate_radps,
+                              .map_is_unknown = false};
 }
 
 class NavigatorOfParts final : public Navigator {
  public:
-  NavigatorOfParts(NavigatorParts parts, const RobotModel& robot,
+  NavigatorOfParts(NavigatorParts parts, const core::RobotModel& robot,
                    const NavigatorDevices& devices,
-                   const NavigatorOptions& options, const Clock& clock);
+                   const NavigatorOptions& options, const base::Clock& clock);
 
   void Step() override;
   absl::StatusOr<uint64_t> SetGoal(const NavigationGoal& goal) override;
   absl::Status CancelGoal(uint64_t id) override;
   void Pause() override;
   void Resume() override;
-  absl::Status SetPose(const LevelPose& pose,
-                       const PoseCovariance2& covariance) override;
+  absl::Status SetPose(
+      const core::LevelPose& pose,
+      const localization::PoseCovariance2& covariance) override;
   void FindYourself() override;
   void Halt() override;
 
@@ -89,24 +91,27 @@ class NavigatorOfParts final : public Navigator {
   void FeedTracker();
   void FeedController();
   void FeedCamera();
-  void LookThroughBlockages(const ControlPose& pose, const LaserScan& scan,
-                            LaserMount mount);
-  bool IsInLasersPlane(const ControlPose& pose, const Rigid3& base_from_laser,
-                       const Blockage& blockage) const;
+  void LookThroughBlockages(const control::ControlPose& pose,
+                            const core::LaserScan& scan,
+                            core::LaserMount mount);
+  bool IsInLasersPlane(const control::ControlPose& pose,
+                       const geometry::Rigid3& base_from_laser,
+                       const planning::Blockage& blockage) const;
   void ChooseFrame();
   std::vector<StopReason> FindProblems() const;
-  std::optional<ControlPose> PoseNow() const;
-  std::optional<ControlPose> PoseAt(MonotonicTime stamp) const;
-  VelocityCommand Decide();
-  VelocityCommand StepLost(const ControlPose& pose);
-  void SetMode(NavigatorMode mode, NavigationCause cause, std::string text);
-  void Command(const VelocityCommand& command, bool stops_at_once);
+  std::optional<control::ControlPose> PoseNow() const;
+  std::optional<control::ControlPose> PoseAt(base::MonotonicTime stamp) const;
+  core::VelocityCommand Decide();
+  core::VelocityCommand StepLost(const control::ControlPose& pose);
+  void SetMode(NavigatorMode mode, core::NavigationCause cause,
+               std::string text);
+  void Command(const core::VelocityCommand& command, bool stops_at_once);
 
   const NavigatorParts parts_;
-  const RobotModel robot_;
+  const core::RobotModel robot_;
   const NavigatorDevices devices_;
   const NavigatorOptions options_;
-  const Clock& clock_;
+  const base::Clock& clock_;
 
   EventLog events_;
   SensorWatch sensors_;
@@ -115,29 +120,29 @@ class NavigatorOfParts final : public Navigator {
   SafeStop safe_stop_;
   GoalRunner runner_;
 
-  MonotonicTime now_;
+  base::MonotonicTime now_;
   int64_t steps_ = 0;
   NavigatorMode mode_ = NavigatorMode::kIdle;
-  NavigationCause cause_ = NavigationCause::kNone;
+  core::NavigationCause cause_ = core::NavigationCause::kNone;
   std::string cause_text_;
-  VelocityCommand command_;
+  core::VelocityCommand command_;
   bool is_paused_ = false;
   bool is_halted_ = false;
   // Positions are those of the wheels: where it is on the map is not known.
   bool is_unplaced_ = true;
   bool has_looked_for_itself_ = false;
-  std::optional<MonotonicTime> last_frame_;
-  std::optional<LaserScan> last_scan_;
+  std::optional<base::MonotonicTime> last_frame_;
+  std::optional<core::LaserScan> last_scan_;
   int64_t front_scans_ = 0;
   int64_t rear_scans_ = 0;
   int64_t refused_ = 0;  // by tracker or controller
 };
 
 NavigatorOfParts::NavigatorOfParts(NavigatorParts parts,
-                                   const RobotModel& robot,
+                                   const core::RobotModel& robot,
                                    const NavigatorDevices& devices,
                                    const NavigatorOptions& options,
-                                   const Clock& clock)
+                                   const base::Clock& clock)
     : parts_(std::move(parts)),
       robot_(robot),
       devices_(devices),
@@ -180,20 +185,20 @@ void NavigatorOfParts::Step() {
 
 void NavigatorOfParts::FeedTracker() {
   // In the order of their stamps.
-  const std::vector<BaseReading>& readings = sensors_.readings();
-  const std::vector<LaserScan>& scans = sensors_.scans();
+  const std::vector<core::BaseReading>& readings = sensors_.readings();
+  const std::vector<core::LaserScan>& scans = sensors_.scans();
   size_t next = 0;
-  const auto add_scans = [&](MonotonicTime until) {
+  const auto add_scans = [&](base::MonotonicTime until) {
     for (; next < scans.size() && scans[next].stamp <= until; ++next) {
       if (!parts_.tracker->AddScan(scans[next]).ok()) ++refused_;
     }
   };
-  for (const BaseReading& reading : readings) {
+  for (const core::BaseReading& reading : readings) {
     add_scans(reading.stamp);
     tilt_.Add(reading);
     if (!parts_.tracker->AddReading(reading).ok()) ++refused_;
   }
-  add_scans(MonotonicTime::max());
+  add_scans(base::MonotonicTime::max());
 }
 
 void NavigatorOfParts::ChooseFrame() {
@@ -207,10 +212,10 @@ void NavigatorOfParts::ChooseFrame() {
   if (is_unplaced) runner_.blockages().Clear();
 }
 
-std::optional<ControlPose> NavigatorOfParts::PoseNow() const {
-  const std::optional<TrackedPose> place = parts_.tracker->Pose();
+std::optional<control::ControlPose> NavigatorOfParts::PoseNow() const {
+  const std::optional<localization::TrackedPose> place = parts_.tracker->Pose();
   if (!is_unplaced_) return OfPose(place);
-  std::optional<ControlPose> pose = OfMotion(parts_.tracker->Motion());
+  std::optional<control::ControlPose> pose = OfMotion(parts_.tracker->Motion());
   if (pose.has_value() && place.has_value() &&
       parts_.lost->state() == RecoveryState::kConfirming) {
     pose->supposed = place->pose;
@@ -218,45 +223,47 @@ std::optional<ControlPose> NavigatorOfParts::PoseNow() const {
   return pose;
 }
 
-std::optional<ControlPose> NavigatorOfParts::PoseAt(MonotonicTime stamp) const {
+std::optional<control::ControlPose> NavigatorOfParts::PoseAt(
+    base::MonotonicTime stamp) const {
   return is_unplaced_ ? OfMotion(parts_.tracker->MotionAt(stamp))
                       : OfPose(parts_.tracker->PoseAt(stamp));
 }
 
 void NavigatorOfParts::FeedController() {
-  for (const LaserScan& scan : sensors_.scans()) {
-    const std::optional<ControlPose> pose = PoseAt(scan.stamp);
+  for (const core::LaserScan& scan : sensors_.scans()) {
+    const std::optional<control::ControlPose> pose = PoseAt(scan.stamp);
     if (!pose.has_value()) continue;
     if (!parts_.controller->AddScan(*pose, scan).ok()) ++refused_;
     if (++front_scans_ % kLookEvery == 0) {
-      LookThroughBlockages(*pose, scan, LaserMount::kFront);
+      LookThroughBlockages(*pose, scan, core::LaserMount::kFront);
     }
   }
   if (!sensors_.scans().empty()) last_scan_ = sensors_.scans().back();
-  for (const LaserScan& scan : sensors_.rear_scans()) {
-    const std::optional<ControlPose> pose = PoseAt(scan.stamp);
+  for (const core::LaserScan& scan : sensors_.rear_scans()) {
+    const std::optional<control::ControlPose> pose = PoseAt(scan.stamp);
     if (!pose.has_value()) continue;
     if (!parts_.controller->AddRearScan(*pose, scan).ok()) ++refused_;
     if (++rear_scans_ % kLookEvery == 0) {
-      LookThroughBlockages(*pose, scan, LaserMount::kRear);
+      LookThroughBlockages(*pose, scan, core::LaserMount::kRear);
     }
   }
 }
 
-void NavigatorOfParts::LookThroughBlockages(const ControlPose& pose,
-                                            const LaserScan& scan,
-                                            LaserMount mount) {
+void NavigatorOfParts::LookThroughBlockages(const control::ControlPose& pose,
+                                            const core::LaserScan& scan,
+                                            core::LaserMount mount) {
   if (is_unplaced_ || runner_.blockages().empty()) return;
-  const RangeSensor& laser =
-      mount == LaserMount::kRear ? *devices_.rear_laser : devices_.laser;
-  const Rigid3& base_from_laser = robot_.BaseFrom(mount);
-  const Vec3 at = base_from_laser.translation;
-  const CostmapView costmap = parts_.controller->Costmap();
+  const core::RangeSensor& laser =
+      mount == core::LaserMount::kRear ? *devices_.rear_laser : devices_.laser;
+  const geometry::Rigid3& base_from_laser = robot_.BaseFrom(mount);
+  const geometry::Vec3 at = base_from_laser.translation;
+  const control::CostmapView costmap = parts_.controller->Costmap();
   const int forgotten = runner_.blockages().SeeThrough(
-      pose.pose.place.level, pose.pose.map_from_base * Vec2{at.x, at.y},
+      pose.pose.place.level,
+      pose.pose.map_from_base * geometry::Vec2{at.x, at.y},
       ScanEndsInMap(scan, laser.Info(), base_from_laser,
                     pose.pose.map_from_base, kBeamEvery, true),
-      [&](const Blockage& blockage) {
+      [&](const planning::Blockage& blockage) {
         return !IsInLasersPlane(pose, base_from_laser, blockage) ||
                IsSeenNear(costmap, blockage.center,
                           blockage.radius_m + kStillSeen_m);
@@ -268,15 +275,17 @@ void NavigatorOfParts::LookThroughBlockages(const ControlPose& pose,
 
 // On and before slopes the laser looks into the ground, or over what stands
 // there.
-bool NavigatorOfParts::IsInLasersPlane(const ControlPose& pose,
-                                       const Rigid3& base_from_laser,
-                                       const Blockage& blockage) const {
-  const std::optional<LevelPlace> ground =
+bool NavigatorOfParts::IsInLasersPlane(
+    const control::ControlPose& pose, const geometry::Rigid3& base_from_laser,
+    const planning::Blockage& blockage) const {
+  const std::optional<core::LevelPlace> ground =
       parts_.map->GroundOf(blockage.center, blockage.level);
   if (!ground.has_value()) return false;
-  const Rigid3 map_from_laser = MapFromBase3(pose) * base_from_laser;
-  const Vec3 normal = map_from_laser.rotation * Vec3{0, 0, 1};
-  const Vec3 from = map_from_laser.translation;
+  const geometry::Rigid3 map_from_laser =
+      control::MapFromBase3(pose) * base_from_laser;
+  const geometry::Vec3 normal =
+      map_from_laser.rotation * geometry::Vec3{0, 0, 1};
+  const geometry::Vec3 from = map_from_laser.translation;
   const double z_m = from.z - (normal.x * (blockage.center.x - from.x) +
                                normal.y * (blockage.center.y - from.y)) /
                                   normal.z;
@@ -295,10 +304,10 @@ void NavigatorOfParts::FeedCamera() {
     return;
   }
   last_frame_ = now_;
-  const std::optional<RgbdFrame> frame = sensors_.TakeFrame(now_);
+  const std::optional<core::RgbdFrame> frame = sensors_.TakeFrame(now_);
   if (!frame.has_value()) return;
   parts_.lost->AddFrame(*frame);
-  const std::optional<ControlPose> pose = PoseAt(frame->stamp);
+  const std::optional<control::ControlPose> pose = PoseAt(frame->stamp);
   if (options_.depth_hz <= 0 || !pose.has_value()) return;
   if (!parts_.controller->AddDepth(*pose, *frame).ok()) ++refused_;
 }
@@ -314,12 +323,12 @@ std::vector<StopReason> NavigatorOfParts::FindProblems() const {
   if (std::optional<StopReason> late = deadline_.Problem()) {
     problems.push_back(*std::move(late));
   }
-  const std::optional<ControlPose> pose = PoseNow();
+  const std::optional<control::ControlPose> pose = PoseNow();
   if (pose.has_value() &&
       (!IsFinite(pose->pose) ||
        SecondsBetween(pose->stamp, now_) > kEstimateAge_s)) {
     problems.push_back(
-        {.cause = NavigationCause::kEstimateLost,
+        {.cause = core::NavigationCause::kEstimateLost,
          .text = absl::StrFormat("the estimate of its pose is %.2f s old, or "
                                  "not finite",
                                  SecondsBetween(pose->stamp, now_))});
@@ -327,48 +336,49 @@ std::vector<StopReason> NavigatorOfParts::FindProblems() const {
   return problems;
 }
 
-VelocityCommand NavigatorOfParts::Decide() {
-  const std::optional<ControlPose> pose = PoseNow();
+core::VelocityCommand NavigatorOfParts::Decide() {
+  const std::optional<control::ControlPose> pose = PoseNow();
   if (is_halted_ || !pose.has_value()) {
-    SetMode(NavigatorMode::kIdle, NavigationCause::kNone,
+    SetMode(NavigatorMode::kIdle, core::NavigationCause::kNone,
             is_halted_ ? "halted" : "waits for its sensors");
     return {};
   }
   if (is_paused_) {
-    SetMode(NavigatorMode::kPaused, NavigationCause::kNone, "paused");
+    SetMode(NavigatorMode::kPaused, core::NavigationCause::kNone, "paused");
     return parts_.controller->Guard(*pose, {});
   }
-  const VelocityCommand search = StepLost(*pose);
+  const core::VelocityCommand search = StepLost(*pose);
   if (parts_.lost->IsActive()) return search;
   if (is_unplaced_) {
     // The search has just ended, or nobody has told it anything yet.
     if (!parts_.tracker->Pose().has_value()) {
-      SetMode(NavigatorMode::kNeedHelp, NavigationCause::kNeedHelp,
+      SetMode(NavigatorMode::kNeedHelp, core::NavigationCause::kNeedHelp,
               "nobody has told it where it is");
     }
     return parts_.controller->Guard(*pose, {});
   }
-  const VelocityCommand command = runner_.Step(*pose, now_);
+  const core::VelocityCommand command = runner_.Step(*pose, now_);
   switch (runner_.phase()) {
     case GoalPhase::kNone:
-      SetMode(NavigatorMode::kIdle, NavigationCause::kNone, "");
+      SetMode(NavigatorMode::kIdle, core::NavigationCause::kNone, "");
       break;
     case GoalPhase::kToPlan:
     case GoalPhase::kPlanning:
-      SetMode(NavigatorMode::kPlanning, NavigationCause::kNone, "");
+      SetMode(NavigatorMode::kPlanning, core::NavigationCause::kNone, "");
       break;
     case GoalPhase::kDriving:
-      SetMode(NavigatorMode::kDriving, NavigationCause::kNone, "");
+      SetMode(NavigatorMode::kDriving, core::NavigationCause::kNone, "");
       break;
     case GoalPhase::kRecovering:
       SetMode(NavigatorMode::kRecovering, runner_.trouble(),
-              NavigationCauseAdvice(runner_.trouble()));
+              core::NavigationCauseAdvice(runner_.trouble()));
       break;
   }
   return command;
 }
 
-VelocityCommand NavigatorOfParts::StepLost(const ControlPose& pose) {
+core::VelocityCommand NavigatorOfParts::StepLost(
+    const control::ControlPose& pose) {
   if (options_.finds_itself_at_start && !has_looked_for_itself_ &&
       !parts_.tracker->Pose().has_value()) {
     has_looked_for_itself_ = true;
@@ -389,30 +399,31 @@ VelocityCommand NavigatorOfParts::StepLost(const ControlPose& pose) {
   if (!was_active) runner_.Suspend();
   switch (output.state) {
     case RecoveryState::kStopping:
-      SetMode(NavigatorMode::kLost, NavigationCause::kEstimateLost,
-              LostReasonName(parts_.tracker->verdict().reason));
+      SetMode(NavigatorMode::kLost, core::NavigationCause::kEstimateLost,
+              localization::LostReasonName(parts_.tracker->verdict().reason));
       break;
     case RecoveryState::kNeedHelp:
-      SetMode(NavigatorMode::kNeedHelp, NavigationCause::kNeedHelp,
+      SetMode(NavigatorMode::kNeedHelp, core::NavigationCause::kNeedHelp,
               "it is lost, and neither the server nor a search found it");
       break;
     default:
-      SetMode(NavigatorMode::kRelocalizing, NavigationCause::kEstimateLost,
+      SetMode(NavigatorMode::kRelocalizing,
+              core::NavigationCause::kEstimateLost,
               RecoveryStateName(output.state));
   }
   // The frame changes in the next step; until then it only slows down.
   return parts_.controller->Guard(
-      pose, is_unplaced_ ? output.wanted : VelocityCommand{});
+      pose, is_unplaced_ ? output.wanted : core::VelocityCommand{});
 }
 
-void NavigatorOfParts::SetMode(NavigatorMode mode, NavigationCause cause,
+void NavigatorOfParts::SetMode(NavigatorMode mode, core::NavigationCause cause,
                                std::string text) {
   mode_ = mode;
   cause_ = cause;
   cause_text_ = std::move(text);
 }
 
-void NavigatorOfParts::Command(const VelocityCommand& command,
+void NavigatorOfParts::Command(const core::VelocityCommand& command,
                                bool stops_at_once) {
   command_ = command;
   if (!std::isfinite(command.forward_mps) ||
@@ -432,7 +443,7 @@ absl::StatusOr<uint64_t> NavigatorOfParts::SetGoal(const NavigationGoal& goal) {
     return absl::InvalidArgumentError(
         "a goal without poses; it needs one at least");
   }
-  for (const LevelPose& pose : goal.poses) {
+  for (const core::LevelPose& pose : goal.poses) {
     if (!IsFinite(pose)) {
       return absl::InvalidArgumentError("a goal's pose is not finite");
     }
@@ -452,7 +463,7 @@ absl::Status NavigatorOfParts::CancelGoal(uint64_t id) {
         id == 0 ? std::string("there is no goal to cancel")
                 : absl::StrCat("goal ", id, " is not the current one"));
   }
-  runner_.End(GoalState::kCancelled, NavigationCause::kCancelled,
+  runner_.End(GoalState::kCancelled, core::NavigationCause::kCancelled,
               "somebody cancelled it");
   return absl::OkStatus();
 }
@@ -472,8 +483,9 @@ void NavigatorOfParts::Resume() {
   events_.Add("resume", "goes on");
 }
 
-absl::Status NavigatorOfParts::SetPose(const LevelPose& pose,
-                                       const PoseCovariance2& covariance) {
+absl::Status NavigatorOfParts::SetPose(
+    const core::LevelPose& pose,
+    const localization::PoseCovariance2& covariance) {
   now_ = clock_.Now();
   events_.SetTime(now_);
   if (!IsFinite(pose)) {
@@ -484,8 +496,8 @@ absl::Status NavigatorOfParts::SetPose(const LevelPose& pose,
         absl::StrFormat("a pose on level %d; the map has levels 0 to %d",
                         pose.place.level, parts_.map->levels() - 1));
   }
-  LevelPose placed = pose;
-  const std::optional<LevelPlace> ground =
+  core::LevelPose placed = pose;
+  const std::optional<core::LevelPlace> ground =
       parts_.map->GroundOf(pose.map_from_base.translation, pose.place.level);
   if (ground.has_value()) placed.place = *ground;
   TL_RETURN_IF_ERROR(parts_.tracker->SetPose(placed, covariance, now_));
@@ -513,10 +525,10 @@ void NavigatorOfParts::FindYourself() {
 void NavigatorOfParts::Halt() {
   events_.SetTime(clock_.Now());
   is_halted_ = true;
-  runner_.End(GoalState::kCancelled, NavigationCause::kCancelled,
+  runner_.End(GoalState::kCancelled, core::NavigationCause::kCancelled,
               "the robot was halted");
   Command({}, true);
-  SetMode(NavigatorMode::kIdle, NavigationCause::kNone, "halted");
+  SetMode(NavigatorMode::kIdle, core::NavigationCause::kNone, "halted");
   events_.Add("stop", "halted");
 }
 
@@ -535,7 +547,7 @@ NavigatorSnapshot NavigatorOfParts::Snapshot() const {
   shot.bubbles = parts_.controller->Bubbles();
   shot.blockages = runner_.blockages().All();
   if (last_scan_.has_value()) {
-    const std::optional<TrackedPose> pose =
+    const std::optional<localization::TrackedPose> pose =
         parts_.tracker->PoseAt(last_scan_->stamp);
     if (pose.has_value()) {
       shot.scan_in_map = ScanEndsInMap(*last_scan_, devices_.laser.Info(),
@@ -563,13 +575,13 @@ NavigatorSnapshot NavigatorOfParts::Snapshot() const {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Navigator>> AssembleNavigator(
-    NavigatorParts parts, const RobotModel& robot,
+    NavigatorParts parts, const core::RobotModel& robot,
     const NavigatorDevices& devices, const NavigatorOptions& options,
-    const Clock& clock) {
+    const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(robot.Validate());
   return std::make_unique<NavigatorOfParts>(std::move(parts), robot, devices,
                                             options, clock);
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

@@ -19,17 +19,17 @@
 #include "nav_agent/localization/robot_tracker.h"
 #include "nav_agent/planning/global_planner.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 // The devices must outlive the navigator. rear_laser (that looks back), camera,
 // server: null if none.
 struct NavigatorDevices {
-  RangeSensor& laser;
-  Odometry& odometry;
-  BaseDriver& base;
-  RangeSensor* rear_laser = nullptr;
-  RgbdCamera* camera = nullptr;
-  RelocalizationPort* server = nullptr;
+  core::RangeSensor& laser;
+  core::Odometry& odometry;
+  core::BaseDriver& base;
+  core::RangeSensor* rear_laser = nullptr;
+  core::RgbdCamera* camera = nullptr;
+  core::RelocalizationPort* server = nullptr;
 };
 
 enum class NavigatorMode : uint8_t {
@@ -49,7 +49,7 @@ struct NavigationGoal {
   // Driven through in order, without a stop and whatever the heading there; the
   // last is the goal. Of a place only the level counts: its height is the
   // map's.
-  std::vector<LevelPose> poses;
+  std::vector<core::LevelPose> poses;
 };
 
 enum class GoalState : uint8_t {
@@ -63,7 +63,7 @@ enum class GoalState : uint8_t {
 struct GoalStatus {
   uint64_t id = 0;
   GoalState state = GoalState::kAccepted;
-  NavigationCause cause = NavigationCause::kNone;
+  core::NavigationCause cause = core::NavigationCause::kNone;
   std::string why;
   size_t next_pose = 0;
   double to_go_m = 0;
@@ -73,7 +73,7 @@ struct GoalStatus {
 };
 
 struct NavigatorEvent {
-  MonotonicTime stamp;
+  base::MonotonicTime stamp;
   // From 1 upwards, without gaps.
   uint64_t number = 0;
   // "goal", "plan", "blocked", "recovery", "lost", "fix", "stop", "resume",
@@ -99,29 +99,29 @@ struct SensorTally {
 // What people and programs are shown. Copied under no lock: taken by the thread
 // that steps.
 struct NavigatorSnapshot {
-  MonotonicTime stamp;
+  base::MonotonicTime stamp;
   NavigatorMode mode = NavigatorMode::kIdle;
-  NavigationCause cause = NavigationCause::kNone;
+  core::NavigationCause cause = core::NavigationCause::kNone;
   std::string cause_text;
-  std::optional<TrackedPose> pose;
-  LostVerdict verdict;
+  std::optional<localization::TrackedPose> pose;
+  localization::LostVerdict verdict;
   std::optional<GoalStatus> goal;
-  VelocityCommand command;
-  std::vector<LevelPose> path;
-  std::vector<Vec2> tree_edges;
-  std::vector<Bubble> bubbles;
-  std::vector<Blockage> blockages;
+  core::VelocityCommand command;
+  std::vector<core::LevelPose> path;
+  std::vector<geometry::Vec2> tree_edges;
+  std::vector<control::Bubble> bubbles;
+  std::vector<planning::Blockage> blockages;
   // The newest scan's end points in the map.
-  std::vector<Vec2> scan_in_map;
-  std::vector<Particle> particles;
-  CostmapView costmap;
+  std::vector<geometry::Vec2> scan_in_map;
+  std::vector<localization::Particle> particles;
+  control::CostmapView costmap;
   // The last answer of the server, and what became of it.
-  std::optional<RelocalizationAnswer> fix;
+  std::optional<core::RelocalizationAnswer> fix;
   std::string fix_verdict;
   // What the search for the robot's place does.
   RecoveryState search = RecoveryState::kIdle;
   // The last frame that was sent to the server; null: none.
-  std::shared_ptr<const RgbdFrame> query_frame;
+  std::shared_ptr<const core::RgbdFrame> query_frame;
   SensorTally laser;
   SensorTally rear_laser;
   SensorTally odometry;
@@ -135,12 +135,12 @@ struct NavigatorSnapshot {
 };
 
 struct NavigatorOptions {
-  NavigationMapOptions map;
-  GlobalPlannerOptions planner;
+  traversability::NavigationMapOptions map;
+  planning::GlobalPlannerOptions planner;
   // The first path is found within the first budget; the robot sets off, and a
   // better one is looked for within the second.
-  PlanBudget first_plan_budget = {.max_iterations = 2000};
-  PlanBudget plan_budget = {.max_iterations = 20000};
+  planning::PlanBudget first_plan_budget = {.max_iterations = 2000};
+  planning::PlanBudget plan_budget = {.max_iterations = 20000};
   // Plans are made by a thread of their own, so that Step never waits for one;
   // results then depend on the machine's speed.
   bool plans_in_background = false;
@@ -149,8 +149,8 @@ struct NavigatorOptions {
   // not depend on the machine, and other than without both Step does nothing
   // of a plan's work. Not with plans_in_background.
   int plan_steps = 0;
-  LocalControllerOptions control;
-  RobotTrackerOptions tracker;
+  control::LocalControllerOptions control;
+  localization::RobotTrackerOptions tracker;
   LostAndFoundOptions lost;
   NavigatorLimits limits;
   // Steps in a second (10 to 200).
@@ -171,8 +171,8 @@ struct NavigatorOptions {
 };
 
 struct NavigatorMap {
-  VoxelMap voxels;
-  TraversableMap levels;
+  octree::VoxelMap voxels;
+  traversability::TraversableMap levels;
 };
 
 // Single-threaded: everything is called by the thread that steps. Time is the
@@ -180,9 +180,9 @@ struct NavigatorMap {
 class Navigator {
  public:
   static absl::StatusOr<std::unique_ptr<Navigator>> Create(
-      const NavigatorMap& map, const RobotModel& robot,
+      const NavigatorMap& map, const core::RobotModel& robot,
       const NavigatorDevices& devices, const NavigatorOptions& options,
-      const Clock& clock);
+      const base::Clock& clock);
   virtual ~Navigator() = default;
 
   // control_hz times a second: reads the devices, thinks, commands the base.
@@ -195,8 +195,9 @@ class Navigator {
   virtual void Pause() = 0;
   virtual void Resume() = 0;
   // The robot is told where it is.
-  virtual absl::Status SetPose(const LevelPose& pose,
-                               const PoseCovariance2& covariance) = 0;
+  virtual absl::Status SetPose(
+      const core::LevelPose& pose,
+      const localization::PoseCovariance2& covariance) = 0;
   // It is told that it does not know: it asks the server.
   virtual void FindYourself() = 0;
   // The robot stands from now on, whatever happens; for shutting down.
@@ -209,6 +210,6 @@ class Navigator {
   virtual std::vector<NavigatorEvent> TakeEvents() = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_NAVIGATOR_H_

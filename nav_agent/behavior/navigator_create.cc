@@ -7,11 +7,11 @@
 #include "nav_agent/behavior/navigator_parts.h"
 #include "nav_agent/behavior/plan_runner.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 std::unique_ptr<PlanRunner> RunnerOf(
-    std::unique_ptr<const GlobalPlanner> planner,
+    std::unique_ptr<const planning::GlobalPlanner> planner,
     const NavigatorOptions& options) {
   if (options.plans_in_background) {
     return MakeThreadPlanRunner(std::move(planner));
@@ -23,8 +23,8 @@ std::unique_ptr<PlanRunner> RunnerOf(
   return MakeInlinePlanRunner(std::move(planner));
 }
 
-RobotLasers LasersOf(const NavigatorDevices& devices) {
-  RobotLasers lasers = {.front = devices.laser.Info()};
+core::RobotLasers LasersOf(const NavigatorDevices& devices) {
+  core::RobotLasers lasers = {.front = devices.laser.Info()};
   if (devices.rear_laser != nullptr) lasers.rear = devices.rear_laser->Info();
   return lasers;
 }
@@ -32,13 +32,13 @@ RobotLasers LasersOf(const NavigatorDevices& devices) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Navigator>> Navigator::Create(
-    const NavigatorMap& map, const RobotModel& robot,
+    const NavigatorMap& map, const core::RobotModel& robot,
     const NavigatorDevices& devices, const NavigatorOptions& options,
-    const Clock& clock) {
+    const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(robot.Validate());
-  const auto is_unknown = [](const RangeSensor& laser) {
-    return laser.Health().state == DeviceState::kStarting &&
+  const auto is_unknown = [](const core::RangeSensor& laser) {
+    return laser.Health().state == core::DeviceState::kStarting &&
            laser.Info().beams == 0;
   };
   if (is_unknown(devices.laser) ||
@@ -47,23 +47,26 @@ absl::StatusOr<std::unique_ptr<Navigator>> Navigator::Create(
         "a laser has not said yet how it scans; wait until it runs");
   }
   NavigatorParts parts;
-  TL_ASSIGN_OR_RETURN(NavigationMap levels,
-                      NavigationMap::Make(map.levels, options.map));
-  parts.map = std::make_shared<const NavigationMap>(std::move(levels));
-  TL_ASSIGN_OR_RETURN(std::unique_ptr<GlobalPlanner> planner,
-                      MakeGlobalPlanner(parts.map, robot, options.planner));
+  TL_ASSIGN_OR_RETURN(
+      traversability::NavigationMap levels,
+      traversability::NavigationMap::Make(map.levels, options.map));
+  parts.map =
+      std::make_shared<const traversability::NavigationMap>(std::move(levels));
+  TL_ASSIGN_OR_RETURN(
+      std::unique_ptr<planning::GlobalPlanner> planner,
+      planning::MakeGlobalPlanner(parts.map, robot, options.planner));
   parts.planner = RunnerOf(std::move(planner), options);
-  const RangeSensorInfo laser = devices.laser.Info();
-  TL_ASSIGN_OR_RETURN(parts.controller,
-                      LocalController::Make(parts.map, robot, LasersOf(devices),
+  const core::RangeSensorInfo laser = devices.laser.Info();
+  TL_ASSIGN_OR_RETURN(parts.controller, control::LocalController::Make(
+                                            parts.map, robot, LasersOf(devices),
                                             options.control));
-  TL_ASSIGN_OR_RETURN(parts.tracker,
-                      RobotTracker::Create(map.voxels, map.levels, robot, laser,
-                                           options.tracker, options.seed));
+  TL_ASSIGN_OR_RETURN(parts.tracker, localization::RobotTracker::Create(
+                                         map.voxels, map.levels, robot, laser,
+                                         options.tracker, options.seed));
   TL_ASSIGN_OR_RETURN(parts.lost,
                       LostAndFound::Create(parts.map, robot, *parts.tracker,
                                            devices.server, options.lost));
   return AssembleNavigator(std::move(parts), robot, devices, options, clock);
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

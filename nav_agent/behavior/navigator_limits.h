@@ -4,7 +4,7 @@
 
 #include "absl/status/status.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 // Times in (0, 600] s, ways in (0, 10] m, speeds in (0, 2].
 struct NavigatorLimits {
@@ -63,6 +63,6 @@ struct NavigatorLimits {
   absl::Status Validate() const;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_NAVIGATOR_LIMITS_H_

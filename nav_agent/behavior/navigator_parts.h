@@ -8,23 +8,23 @@
 #include "nav_agent/behavior/navigator.h"
 #include "nav_agent/behavior/plan_runner.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 struct NavigatorParts {
-  std::shared_ptr<const NavigationMap> map;
+  std::shared_ptr<const traversability::NavigationMap> map;
   std::unique_ptr<PlanRunner> planner;
-  std::unique_ptr<LocalController> controller;
-  std::unique_ptr<RobotTracker> tracker;
+  std::unique_ptr<control::LocalController> controller;
+  std::unique_ptr<localization::RobotTracker> tracker;
   // Knows the tracker.
   std::unique_ptr<LostAndFound> lost;
 };
 
 // As Navigator::Create, which makes the parts.
 absl::StatusOr<std::unique_ptr<Navigator>> AssembleNavigator(
-    NavigatorParts parts, const RobotModel& robot,
+    NavigatorParts parts, const core::RobotModel& robot,
     const NavigatorDevices& devices, const NavigatorOptions& options,
-    const Clock& clock);
+    const base::Clock& clock);
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_NAVIGATOR_PARTS_H_

@@ -4,7 +4,7 @@
 
 #include "nav_agent/behavior/testing_navigator.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -15,8 +15,8 @@ TEST_F(NavigatorTest, WaitsToBeToldWhereItIs) {
   Make();
   Run(0.1);
   EXPECT_EQ(mode(), NavigatorMode::kNeedHelp);
-  EXPECT_EQ(navigator->Snapshot().cause, NavigationCause::kNeedHelp);
-  EXPECT_EQ(Last(), VelocityCommand{});
+  EXPECT_EQ(navigator->Snapshot().cause, core::NavigationCause::kNeedHelp);
+  EXPECT_EQ(Last(), core::VelocityCommand{});
   Send({PoseAtPoint(5, 5)});
   Run(0.1);
   EXPECT_EQ(Goal().state, GoalState::kAccepted);
@@ -44,7 +44,7 @@ TEST_F(NavigatorTest, PlansDrivesAndArrives) {
   planner->holds = true;
   Run(0.05);
   EXPECT_EQ(mode(), NavigatorMode::kPlanning);
-  EXPECT_EQ(Last(), VelocityCommand{});
+  EXPECT_EQ(Last(), core::VelocityCommand{});
   planner->holds = false;
   Run(0.05);
   EXPECT_EQ(mode(), NavigatorMode::kDriving);
@@ -53,7 +53,7 @@ TEST_F(NavigatorTest, PlansDrivesAndArrives) {
   EXPECT_EQ(Goal().state, GoalState::kActive);
   EXPECT_DOUBLE_EQ(Goal().to_go_m, 5);
   tracker->pose = PoseAtPoint(5, 2);
-  controller->result.state = ControlState::kArrived;
+  controller->result.state = control::ControlState::kArrived;
   controller->result.command = {};
   Run(0.05);
   EXPECT_EQ(Goal().state, GoalState::kSucceeded);
@@ -67,7 +67,7 @@ TEST_F(NavigatorTest, AGoalIsReachedOnlyWithinToleranceAndStanding) {
   MakePlaced();
   Send({PoseAtPoint(5, 2)});
   Run(0.05);
-  controller->result.state = ControlState::kArrived;
+  controller->result.state = control::ControlState::kArrived;
   tracker->pose = PoseAtPoint(4.7, 2);
   Run(1);
   EXPECT_EQ(Goal().state, GoalState::kActive);
@@ -90,17 +90,17 @@ class TakenGoalTest : public NavigatorFixture {
     MakePlaced();
     Send({PoseAtPoint(5, 2)});
     Run(0.05);
-    controller->result.state = ControlState::kBlocked;
+    controller->result.state = control::ControlState::kBlocked;
     controller->result.obstacle_in_map = {5, 2};
     controller->result.obstacle_radius_m = 0.2;
-    PlanResult beside =
+    planning::PlanResult beside =
         FakePlanRunner::Straight(PoseAtPoint(2, 2), PoseAtPoint(4.4, 2));
     beside.moved_goal_m = 0.6;
     // Better ways that are looked for meanwhile, too.
     planner->answers.assign(5, beside);
     Run(0.025);
     controller->result = {};
-    controller->result.state = ControlState::kArrived;
+    controller->result.state = control::ControlState::kArrived;
     tracker->pose = PoseAtPoint(4.4, 2);
     // The laser sees it, 0.22 m before the base.
     laser_range_m = 0.3F;
@@ -132,7 +132,7 @@ TEST_F(TakenGoalTest, IsDrivenToWhenItIsFree) {
   EXPECT_EQ(planner->requests.back().goal.map_from_base.translation.x, 5);
   EXPECT_TRUE(planner->requests.back().blockages.empty());
   EXPECT_EQ(controller->path.back().map_from_base.translation.x, 5);
-  controller->result.state = ControlState::kArrived;
+  controller->result.state = control::ControlState::kArrived;
   tracker->pose = PoseAtPoint(5, 2);
   Run(0.5);
   EXPECT_EQ(Goal().state, GoalState::kSucceeded);
@@ -144,11 +144,11 @@ TEST_F(TakenGoalTest, IsDrivenToWhenItIsFree) {
 TEST_F(NavigatorTest, ADisputeAboutArrivalEnds) {
   MakePlaced();
   Send({PoseAtPoint(5, 2)});
-  controller->result.state = ControlState::kArrived;
+  controller->result.state = control::ControlState::kArrived;
   controller->result.command = {};
   Run(400);
   EXPECT_EQ(Goal().state, GoalState::kFailed);
-  EXPECT_EQ(Goal().cause, NavigationCause::kNoProgress);
+  EXPECT_EQ(Goal().cause, core::NavigationCause::kNoProgress);
 }
 
 TEST_F(NavigatorTest, RefusesGoalsThatAreNone) {
@@ -183,9 +183,9 @@ TEST_F(NavigatorTest, CancelStopsAndTheNextGoalIsAccepted) {
   Run(0.1);
   ASSERT_TRUE(navigator->CancelGoal(id).ok());
   EXPECT_EQ(Goal().state, GoalState::kCancelled);
-  EXPECT_EQ(Goal().cause, NavigationCause::kCancelled);
+  EXPECT_EQ(Goal().cause, core::NavigationCause::kCancelled);
   Run(0.05);
-  EXPECT_EQ(Last(), VelocityCommand{});
+  EXPECT_EQ(Last(), core::VelocityCommand{});
   EXPECT_EQ(mode(), NavigatorMode::kIdle);
   EXPECT_EQ(navigator->CancelGoal(0).code(), absl::StatusCode::kNotFound);
   Send({PoseAtPoint(2, 5)});
@@ -201,7 +201,7 @@ TEST_F(NavigatorTest, PauseStandsAndResumePlansAnew) {
   navigator->Pause();
   Run(0.1);
   EXPECT_EQ(mode(), NavigatorMode::kPaused);
-  EXPECT_EQ(Last(), VelocityCommand{});
+  EXPECT_EQ(Last(), core::VelocityCommand{});
   EXPECT_EQ(Goal().state, GoalState::kActive);
   navigator->Resume();
   Run(0.1);
@@ -229,7 +229,7 @@ TEST_F(NavigatorTest, PosesAreDrivenThroughAndTheWayOnIsKnownBefore) {
 
 TEST_F(NavigatorTest, ABetterPathIsTakenOnlyIfItIsNotablyShorter) {
   MakePlaced();
-  PlanResult detour =
+  planning::PlanResult detour =
       FakePlanRunner::Straight(PoseAtPoint(2, 2), PoseAtPoint(7, 2));
   detour.path.insert(detour.path.begin() + 1, PoseAtPoint(4, 6));
   detour.length_m = 9.5;
@@ -251,9 +251,9 @@ TEST_F(NavigatorTest, ABetterPathIsTakenOnlyIfItIsNotablyShorter) {
 
 TEST_F(NavigatorTest, PlanFailuresEndTheGoalWithTheirCause) {
   MakePlaced();
-  for (const NavigationCause cause :
-       {NavigationCause::kGoalBlocked, NavigationCause::kGoalOutside,
-        NavigationCause::kNoPath}) {
+  for (const core::NavigationCause cause :
+       {core::NavigationCause::kGoalBlocked,
+        core::NavigationCause::kGoalOutside, core::NavigationCause::kNoPath}) {
     planner->answers.emplace_back(FakePlanRunner::Failure(cause, "so it is"));
     Send({PoseAtPoint(5, 2)});
     Run(0.1);
@@ -264,7 +264,7 @@ TEST_F(NavigatorTest, PlanFailuresEndTheGoalWithTheirCause) {
   planner->answers.emplace_back(absl::InvalidArgumentError("odd"));
   Send({PoseAtPoint(5, 2)});
   Run(0.1);
-  EXPECT_EQ(Goal().cause, NavigationCause::kInternal);
+  EXPECT_EQ(Goal().cause, core::NavigationCause::kInternal);
 }
 
 // A robot that its way has led to a place that is too narrow by the map.
@@ -272,13 +272,13 @@ TEST_F(NavigatorTest, WithoutAWayOnFromWhereItDroveItRecovers) {
   MakePlaced();
   Send({PoseAtPoint(7, 2)});
   Run(0.1);
-  controller->result.state = ControlState::kIdle;
+  controller->result.state = control::ControlState::kIdle;
   planner->answers.emplace_back(FakePlanRunner::Failure(
-      NavigationCause::kNoPath, "too narrow to turn in"));
+      core::NavigationCause::kNoPath, "too narrow to turn in"));
   Run(0.05);
   EXPECT_EQ(Goal().state, GoalState::kActive);
   EXPECT_GE(Goal().recoveries, 1);
-  controller->result.state = ControlState::kDriving;
+  controller->result.state = control::ControlState::kDriving;
   Run(NavigatorLimits{}.first_wait_s + 1);
   EXPECT_EQ(mode(), NavigatorMode::kDriving);
   EXPECT_EQ(Count("recovery", "wait: done"), 1);
@@ -287,7 +287,7 @@ TEST_F(NavigatorTest, WithoutAWayOnFromWhereItDroveItRecovers) {
 TEST_F(NavigatorTest, APlanThatTakesTooLongIsAskedForWithMoreTime) {
   MakePlaced();
   planner->answers.emplace_back(
-      FakePlanRunner::Failure(NavigationCause::kPlanTimeout, "too hard"));
+      FakePlanRunner::Failure(core::NavigationCause::kPlanTimeout, "too hard"));
   Send({PoseAtPoint(5, 2)});
   Run(0.1);
   EXPECT_EQ(mode(), NavigatorMode::kDriving);
@@ -299,11 +299,11 @@ TEST_F(NavigatorTest, WhatStandsInTheWayIsPlannedAround) {
   MakePlaced();
   Send({PoseAtPoint(7, 2)});
   Run(0.1);
-  controller->result.state = ControlState::kBlocked;
+  controller->result.state = control::ControlState::kBlocked;
   controller->result.obstacle_in_map = {4, 2};
   controller->result.obstacle_radius_m = 0.3;
   Run(0.025);
-  controller->result.state = ControlState::kDriving;
+  controller->result.state = control::ControlState::kDriving;
   Run(0.025);
   EXPECT_EQ(mode(), NavigatorMode::kDriving);
   EXPECT_EQ(Goal().replans, 1);
@@ -322,10 +322,10 @@ TEST_F(NavigatorTest, RecoveriesEscalateAndEnd) {
   MakePlaced();
   Send({PoseAtPoint(7, 2)});
   Run(0.1);
-  controller->result.state = ControlState::kBlocked;
+  controller->result.state = control::ControlState::kBlocked;
   controller->result.obstacle_in_map = {4, 2};
   controller->result.obstacle_radius_m = 0.3;
-  const auto blocked = [&](const PlanRequest& request) {
+  const auto blocked = [&](const planning::PlanRequest& request) {
     return !request.blockages.empty();
   };
   for (int i = 0; i < 40000 && Goal().state == GoalState::kActive; ++i) {
@@ -333,7 +333,7 @@ TEST_F(NavigatorTest, RecoveriesEscalateAndEnd) {
     planner->answers.clear();
     for (int k = 0; k < 4; ++k) {
       planner->answers.emplace_back(FakePlanRunner::Failure(
-          NavigationCause::kNoPath, "walls everywhere"));
+          core::NavigationCause::kNoPath, "walls everywhere"));
       planner->answers.emplace_back(
           FakePlanRunner::Straight(PoseAtPoint(2, 2), PoseAtPoint(7, 2)));
     }
@@ -343,13 +343,13 @@ TEST_F(NavigatorTest, RecoveriesEscalateAndEnd) {
     Run(0.025);
   }
   EXPECT_EQ(Goal().state, GoalState::kFailed);
-  EXPECT_EQ(Goal().cause, NavigationCause::kBlocked);
+  EXPECT_EQ(Goal().cause, core::NavigationCause::kBlocked);
   EXPECT_EQ(Goal().recoveries, NavigatorLimits{}.max_recoveries);
   EXPECT_GE(Count("recovery", "back up"), 1);
   EXPECT_GE(Count("recovery", "clear costmap"), 1);
   EXPECT_GE(Count("recovery", "wait"), 1);
   Send({PoseAtPoint(2, 5)});
-  controller->result.state = ControlState::kDriving;
+  controller->result.state = control::ControlState::kDriving;
   planner->answers.clear();
   Run(0.1);
   EXPECT_EQ(mode(), NavigatorMode::kDriving);
@@ -364,14 +364,14 @@ TEST_F(NavigatorTest, WithoutProgressItRecoversThenFails) {
   EXPECT_GE(Count("recovery", "no_progress"), 1);
   Run(400);
   EXPECT_EQ(Goal().state, GoalState::kFailed);
-  EXPECT_EQ(Goal().cause, NavigationCause::kNoProgress);
+  EXPECT_EQ(Goal().cause, core::NavigationCause::kNoProgress);
 }
 
 TEST_F(NavigatorTest, WaitsForWhatMovesButNotForEver) {
   MakePlaced();
   Send({PoseAtPoint(7, 2)});
   Run(0.1);
-  controller->result.state = ControlState::kWaiting;
+  controller->result.state = control::ControlState::kWaiting;
   controller->result.command = {};
   controller->result.obstacle_in_map = {4, 2};
   Run(NavigatorLimits{}.wait_for_moving_s - 0.5);
@@ -390,7 +390,7 @@ TEST_F(NavigatorTest, LostMeansThatTheSearchDrives) {
   lost->wanted = {.forward_mps = 0, .yaw_rate_radps = 0.3};
   Run(0.025);
   EXPECT_EQ(mode(), NavigatorMode::kLost);
-  EXPECT_EQ(navigator->Snapshot().cause, NavigationCause::kEstimateLost);
+  EXPECT_EQ(navigator->Snapshot().cause, core::NavigationCause::kEstimateLost);
   Run(0.05);
   // Its place on the map is not believed any more, only what its wheels say.
   EXPECT_TRUE(controller->last_guarded->map_is_unknown);
@@ -403,7 +403,7 @@ TEST_F(NavigatorTest, LostMeansThatTheSearchDrives) {
   lost->now_state = RecoveryState::kNeedHelp;
   Run(0.05);
   EXPECT_EQ(mode(), NavigatorMode::kNeedHelp);
-  EXPECT_EQ(navigator->Snapshot().cause, NavigationCause::kNeedHelp);
+  EXPECT_EQ(navigator->Snapshot().cause, core::NavigationCause::kNeedHelp);
   // Found: the goal goes on from where it is.
   tracker->pose = PoseAtPoint(8, 8);
   lost->now_state = RecoveryState::kFound;
@@ -430,7 +430,7 @@ TEST_F(NavigatorTest, TakesPicturesAtALowRate) {
   MakePlaced(options);
   camera.takes = 0;
   for (int i = 0; i < 20; ++i) {
-    RgbdFrame frame;
+    core::RgbdFrame frame;
     frame.stamp = clock.Now();
     camera.waiting.push_back(frame);
     Run(0.1);
@@ -446,7 +446,7 @@ TEST_F(NavigatorTest, ALostRobotHasPicturesWithoutADepthRate) {
   MakePlaced(options);
   const auto wait = [this] {
     for (int i = 0; i < 20; ++i) {
-      RgbdFrame frame;
+      core::RgbdFrame frame;
       frame.stamp = clock.Now();
       camera.waiting.push_back(frame);
       Run(0.1);
@@ -470,7 +470,7 @@ TEST_F(NavigatorTest, EveryStepCommandsAndHaltIsForGood) {
   base.commands.clear();
   Run(1);
   EXPECT_EQ(base.commands.size(), 40u);
-  EXPECT_EQ(Last(), VelocityCommand{});
+  EXPECT_EQ(Last(), core::VelocityCommand{});
   EXPECT_EQ(Goal().state, GoalState::kCancelled);
 }
 
@@ -501,4 +501,4 @@ TEST_F(NavigatorTest, OptionsAreChecked) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::behavior

@@ -11,7 +11,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 double ProcessorTime_ms() {
@@ -23,15 +23,17 @@ double ProcessorTime_ms() {
 
 class InlinePlanRunner final : public PlanRunner {
  public:
-  explicit InlinePlanRunner(std::unique_ptr<const GlobalPlanner> planner)
+  explicit InlinePlanRunner(
+      std::unique_ptr<const planning::GlobalPlanner> planner)
       : planner_(std::move(planner)) {}
 
-  void Start(const PlanRequest& request, const PlanBudget& budget) override {
+  void Start(const planning::PlanRequest& request,
+             const planning::PlanBudget& budget) override {
     const double before_ms = ProcessorTime_ms();
     result_ = planner_->Plan(request, budget, std::stop_token());
     tally_.Add(ProcessorTime_ms() - before_ms);
   }
-  std::optional<absl::StatusOr<PlanResult>> Take() override {
+  std::optional<absl::StatusOr<planning::PlanResult>> Take() override {
     return std::exchange(result_, std::nullopt);
   }
   bool IsBusy() const override { return result_.has_value(); }
@@ -39,8 +41,8 @@ class InlinePlanRunner final : public PlanRunner {
   PlanTally Tally() const override { return tally_; }
 
  private:
-  std::unique_ptr<const GlobalPlanner> planner_;
-  std::optional<absl::StatusOr<PlanResult>> result_;
+  std::unique_ptr<const planning::GlobalPlanner> planner_;
+  std::optional<absl::StatusOr<planning::PlanResult>> result_;
   PlanTally tally_;
 };
 
@@ -53,7 +55,7 @@ struct HandOver {
 
 class ThreadPlanRunner final : public PlanRunner {
  public:
-  ThreadPlanRunner(std::unique_ptr<const GlobalPlanner> planner,
+  ThreadPlanRunner(std::unique_ptr<const planning::GlobalPlanner> planner,
                    const HandOver& hand_over)
       : planner_(std::move(planner)),
         hand_over_(hand_over),
@@ -70,14 +72,15 @@ class ThreadPlanRunner final : public PlanRunner {
     thread_.join();
   }
 
-  void Start(const PlanRequest& request, const PlanBudget& budget) override {
+  void Start(const planning::PlanRequest& request,
+             const planning::PlanBudget& budget) override {
     const absl::MutexLock lock(&mutex_);
     GiveUp();
     question_ = Question{.request = request, .budget = budget};
     begun_in_step_ = step_;
     changed_.SignalAll();
   }
-  std::optional<absl::StatusOr<PlanResult>> Take() override {
+  std::optional<absl::StatusOr<planning::PlanResult>> Take() override {
     const absl::MutexLock lock(&mutex_);
     if (step_ < begun_in_step_ + hand_over_.steps) return std::nullopt;
     while (hand_over_.steps > 0 && (question_.has_value() || is_planning_)) {
@@ -104,8 +107,8 @@ class ThreadPlanRunner final : public PlanRunner {
 
  private:
   struct Question {
-    PlanRequest request;
-    PlanBudget budget;
+    planning::PlanRequest request;
+    planning::PlanBudget budget;
   };
 
   void GiveUp() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
@@ -134,7 +137,7 @@ class ThreadPlanRunner final : public PlanRunner {
         is_planning_ = true;
       }
       const double before_ms = ProcessorTime_ms();
-      absl::StatusOr<PlanResult> result =
+      absl::StatusOr<planning::PlanResult> result =
           planner_->Plan(question.request, question.budget, stop_plan);
       const double took_ms = ProcessorTime_ms() - before_ms;
       const absl::MutexLock lock(&mutex_);
@@ -147,12 +150,13 @@ class ThreadPlanRunner final : public PlanRunner {
     }
   }
 
-  const std::unique_ptr<const GlobalPlanner> planner_;
+  const std::unique_ptr<const planning::GlobalPlanner> planner_;
   const HandOver hand_over_;
   mutable absl::Mutex mutex_;
   absl::CondVar changed_;
   std::optional<Question> question_ ABSL_GUARDED_BY(mutex_);
-  std::optional<absl::StatusOr<PlanResult>> result_ ABSL_GUARDED_BY(mutex_);
+  std::optional<absl::StatusOr<planning::PlanResult>> result_
+      ABSL_GUARDED_BY(mutex_);
   std::stop_source stop_plan_ ABSL_GUARDED_BY(mutex_);
   // Counts what was given up.
   uint64_t generation_ ABSL_GUARDED_BY(mutex_) = 0;
@@ -180,19 +184,20 @@ void PlanTally::Add(const PlanTally& other) {
 }
 
 std::unique_ptr<PlanRunner> MakeInlinePlanRunner(
-    std::unique_ptr<const GlobalPlanner> planner) {
+    std::unique_ptr<const planning::GlobalPlanner> planner) {
   return std::make_unique<InlinePlanRunner>(std::move(planner));
 }
 
 std::unique_ptr<PlanRunner> MakeThreadPlanRunner(
-    std::unique_ptr<const GlobalPlanner> planner) {
+    std::unique_ptr<const planning::GlobalPlanner> planner) {
   return std::make_unique<ThreadPlanRunner>(std::move(planner), HandOver());
 }
 
 std::unique_ptr<PlanRunner> MakeSteppedPlanRunner(
-    std::unique_ptr<const GlobalPlanner> planner, int steps, double step_ms) {
+    std::unique_ptr<const planning::GlobalPlanner> planner, int steps,
+    double step_ms) {
   const HandOver hand_over = {.steps = steps, .late_after_ms = steps * step_ms};
   return std::make_unique<ThreadPlanRunner>(std::move(planner), hand_over);
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "nav_agent/planning/global_planner.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 // Processor time of plans (ms).
 struct PlanTally {
@@ -29,9 +29,10 @@ class PlanRunner {
   virtual ~PlanRunner() = default;
 
   // Begins; what is being planned is given up, and no result of it comes.
-  virtual void Start(const PlanRequest& request, const PlanBudget& budget) = 0;
+  virtual void Start(const planning::PlanRequest& request,
+                     const planning::PlanBudget& budget) = 0;
   // The result, once; nullopt while there is none.
-  virtual std::optional<absl::StatusOr<PlanResult>> Take() = 0;
+  virtual std::optional<absl::StatusOr<planning::PlanResult>> Take() = 0;
   // Between Start and the Take that hands over the result, or Cancel.
   virtual bool IsBusy() const = 0;
   virtual void Cancel() = 0;
@@ -43,12 +44,12 @@ class PlanRunner {
 
 // Plans within Start: the next Take has the result.
 std::unique_ptr<PlanRunner> MakeInlinePlanRunner(
-    std::unique_ptr<const GlobalPlanner> planner);
+    std::unique_ptr<const planning::GlobalPlanner> planner);
 
 // Plans in a thread of its own; no call waits for it, but for the destructor,
 // which waits until the planner has noticed that it is to stop.
 std::unique_ptr<PlanRunner> MakeThreadPlanRunner(
-    std::unique_ptr<const GlobalPlanner> planner);
+    std::unique_ptr<const planning::GlobalPlanner> planner);
 
 // The same, but a result comes exactly `steps` (at least 1) steps after its
 // plan was begun, so that a run depends on its seed and not on the machine. Of
@@ -56,8 +57,9 @@ std::unique_ptr<PlanRunner> MakeThreadPlanRunner(
 // more processor time than the steps, of step_ms each: there a robot that does
 // not wait would have had its plan later.
 std::unique_ptr<PlanRunner> MakeSteppedPlanRunner(
-    std::unique_ptr<const GlobalPlanner> planner, int steps, double step_ms);
+    std::unique_ptr<const planning::GlobalPlanner> planner, int steps,
+    double step_ms);
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_PLAN_RUNNER_H_

@@ -6,22 +6,23 @@
 #include "absl/synchronization/notification.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // Plans when it is let; gives up when it is told to stop.
-class GatedPlanner final : public GlobalPlanner {
+class GatedPlanner final : public planning::GlobalPlanner {
  public:
-  absl::StatusOr<PlanResult> Plan(const PlanRequest& request,
-                                  const PlanBudget& /*budget*/,
-                                  const std::stop_token& stop) const override {
+  absl::StatusOr<planning::PlanResult> Plan(
+      const planning::PlanRequest& request,
+      const planning::PlanBudget& /*budget*/,
+      const std::stop_token& stop) const override {
     if (request.seed == 1) {
       begun->Notify();
       while (!stop.stop_requested()) std::this_thread::yield();
       gave_up->Notify();
       return absl::CancelledError("stopped");
     }
-    PlanResult result;
+    planning::PlanResult result;
     result.length_m = static_cast<double>(request.seed);
     return result;
   }
@@ -29,13 +30,13 @@ class GatedPlanner final : public GlobalPlanner {
   absl::Notification* gave_up = nullptr;
 };
 
-PlanRequest WithSeed(uint64_t seed) {
-  PlanRequest request;
+planning::PlanRequest WithSeed(uint64_t seed) {
+  planning::PlanRequest request;
   request.seed = seed;
   return request;
 }
 
-absl::StatusOr<PlanResult> WaitFor(PlanRunner& runner) {
+absl::StatusOr<planning::PlanResult> WaitFor(PlanRunner& runner) {
   while (true) {
     if (auto result = runner.Take()) return *std::move(result);
     std::this_thread::yield();
@@ -79,13 +80,14 @@ TEST(PlanRunner, ANewPlanReplacesTheOneThatIsBeingMade) {
 }
 
 // Takes as long as it is told, whatever the machine does meanwhile.
-class SlowPlanner final : public GlobalPlanner {
+class SlowPlanner final : public planning::GlobalPlanner {
  public:
-  absl::StatusOr<PlanResult> Plan(
-      const PlanRequest& request, const PlanBudget& /*budget*/,
+  absl::StatusOr<planning::PlanResult> Plan(
+      const planning::PlanRequest& request,
+      const planning::PlanBudget& /*budget*/,
       const std::stop_token& /*stop*/) const override {
     if (request.seed == 2) may_end->WaitForNotification();
-    PlanResult result;
+    planning::PlanResult result;
     result.length_m = static_cast<double>(request.seed);
     return result;
   }
@@ -165,4 +167,4 @@ TEST(PlanRunner, EndsWhileAPlanIsBeingMade) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::behavior

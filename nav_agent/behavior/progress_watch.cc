@@ -6,9 +6,9 @@
 
 #include "nav_agent/behavior/event_log.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
-bool ProgressWatch::Observe(MonotonicTime now, size_t leg, double to_go_m,
+bool ProgressWatch::Observe(base::MonotonicTime now, size_t leg, double to_go_m,
                             double yaw_rad) {
   if (leg != leg_) {
     leg_ = leg;
@@ -27,7 +27,8 @@ bool ProgressWatch::Observe(MonotonicTime now, size_t leg, double to_go_m,
   const bool moved = !begins && to_go_m_ - to_go_m >= limits_.progress_m;
   const bool turned =
       !begins && !has_turned_ &&
-      std::abs(NormalizedAngle_rad(yaw_rad - yaw_rad_)) >= limits_.progress_rad;
+      std::abs(geometry::NormalizedAngle_rad(yaw_rad - yaw_rad_)) >=
+          limits_.progress_rad;
   if (begins || moved || turned) {
     has_turned_ = turned;
     since_ = now;
@@ -41,4 +42,4 @@ bool ProgressWatch::Observe(MonotonicTime now, size_t leg, double to_go_m,
 
 bool ProgressWatch::TakeRefill() { return std::exchange(refill_, false); }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

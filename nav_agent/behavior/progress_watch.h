@@ -8,7 +8,7 @@
 
 #include "nav_agent/behavior/navigator.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 // Two questions. Has it got on lately: less to go, or turned, once? And has it
 // come nearer to the goal than ever, which gives a goal its recoveries back:
@@ -25,13 +25,14 @@ class ProgressWatch {
 
   // While it drives. leg: counts poses that have been reached. False: it has
   // not got on for progress_s.
-  bool Observe(MonotonicTime now, size_t leg, double to_go_m, double yaw_rad);
+  bool Observe(base::MonotonicTime now, size_t leg, double to_go_m,
+               double yaw_rad);
   // Whether it has got on by refill_m further than ever; once for each.
   bool TakeRefill();
 
  private:
   NavigatorLimits limits_;
-  std::optional<MonotonicTime> since_;
+  std::optional<base::MonotonicTime> since_;
   // When the watch last saw progress.
   double to_go_m_ = 0;
   double yaw_rad_ = 0;
@@ -44,6 +45,6 @@ class ProgressWatch {
   bool refill_ = false;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_PROGRESS_WATCH_H_

@@ -8,7 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "nav_agent/behavior/recovery_parts.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // Wheels that turn slower than this stand.
@@ -62,9 +62,10 @@ const char* CauseText(RecoveryCause cause) {
 
 }  // namespace
 
-Recovery::Recovery(std::shared_ptr<const NavigationMap> map,
-                   const RobotModel& robot, RobotTracker& tracker,
-                   RelocalizationPort* server,
+Recovery::Recovery(std::shared_ptr<const traversability::NavigationMap> map,
+                   const core::RobotModel& robot,
+                   localization::RobotTracker& tracker,
+                   core::RelocalizationPort* server,
                    const LostAndFoundOptions& options)
     : map_(map),
       tracker_(tracker),
@@ -72,17 +73,17 @@ Recovery::Recovery(std::shared_ptr<const NavigationMap> map,
       options_(options),
       gate_(std::move(map), robot, options.gate) {}
 
-void Recovery::AddFrame(const RgbdFrame& frame) {
-  frame_ = std::make_shared<const RgbdFrame>(frame);
+void Recovery::AddFrame(const core::RgbdFrame& frame) {
+  frame_ = std::make_shared<const core::RgbdFrame>(frame);
 }
 
-void Recovery::Go(RecoveryState state, MonotonicTime now) {
+void Recovery::Go(RecoveryState state, base::MonotonicTime now) {
   state_ = state;
   since_ = now;
   stands_.reset();
 }
 
-double Recovery::InState_s(MonotonicTime now) const {
+double Recovery::InState_s(base::MonotonicTime now) const {
   return SecondsBetween(since_, now);
 }
 
@@ -94,7 +95,7 @@ std::vector<RecoveryNote> Recovery::TakeNotes() {
   return std::exchange(notes_, {});
 }
 
-void Recovery::Begin(RecoveryCause cause, MonotonicTime now) {
+void Recovery::Begin(RecoveryCause cause, base::MonotonicTime now) {
   if (server_ != nullptr) server_->Cancel();
   is_checking_ = false;
   asked_motion_.reset();
@@ -119,13 +120,14 @@ void Recovery::Begin(RecoveryCause cause, MonotonicTime now) {
   belief_ = ViewBelief();
   std::string text = CauseText(cause);
   if (cause == RecoveryCause::kVerdict) {
-    absl::StrAppend(&text, ": ", LostReasonName(tracker_.verdict().reason));
+    absl::StrAppend(&text, ": ",
+                    localization::LostReasonName(tracker_.verdict().reason));
   }
   Note("lost", std::move(text));
   Go(RecoveryState::kStopping, now);
 }
 
-void Recovery::WasTold(MonotonicTime now) {
+void Recovery::WasTold(base::MonotonicTime now) {
   if (server_ != nullptr) server_->Cancel();
   asked_motion_.reset();
   is_checking_ = false;
@@ -141,7 +143,8 @@ bool Recovery::MayAsk() const {
          questions_ < options_.max_questions;
 }
 
-void Recovery::Ask(const TrackedMotion& motion, MonotonicTime now) {
+void Recovery::Ask(const localization::TrackedMotion& motion,
+                   base::MonotonicTime now) {
   query_frame_ = frame_;
   asked_motion_ = motion;
   asked_ = now;
@@ -149,7 +152,7 @@ void Recovery::Ask(const TrackedMotion& motion, MonotonicTime now) {
   server_->Ask(*query_frame_, options_.deadline_s);
 }
 
-std::optional<Recovery::Answer> Recovery::AnswerBy(MonotonicTime now) {
+std::optional<Recovery::Answer> Recovery::AnswerBy(base::MonotonicTime now) {
   std::optional<Answer> answer = server_->TakeAnswer();
   if (!answer.has_value() &&
       SecondsBetween(asked_, now) > options_.deadline_s + kLate_s) {
@@ -160,11 +163,11 @@ std::optional<Recovery::Answer> Recovery::AnswerBy(MonotonicTime now) {
 }
 
 LostAndFound::Output Recovery::Step(const RecoveryInput& input) {
-  const MonotonicTime now = input.now;
+  const base::MonotonicTime now = input.now;
   if (state_ == RecoveryState::kFound) Go(RecoveryState::kIdle, now);
   if (state_ == RecoveryState::kIdle) Idle(input);
   StepLook(now);
-  VelocityCommand wanted;
+  core::VelocityCommand wanted;
   switch (state_) {
     case RecoveryState::kIdle:
     case RecoveryState::kFound:
@@ -194,8 +197,8 @@ LostAndFound::Output Recovery::Step(const RecoveryInput& input) {
   return {.state = state_, .wanted = wanted};
 }
 
-VelocityCommand Recovery::Stopping(MonotonicTime now) {
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
+core::VelocityCommand Recovery::Stopping(base::MonotonicTime now) {
+  const std::optional<localization::TrackedMotion> motion = tracker_.Motion();
   const bool stands = motion.has_value() &&
                       std::abs(motion->forward_mps) < kStands_mps &&
                       std::abs(motion->yaw_rate_radps) < kStands_radps;
@@ -220,7 +223,7 @@ VelocityCommand Recovery::Stopping(MonotonicTime now) {
   return {};
 }
 
-VelocityCommand Recovery::Looking(MonotonicTime now) {
+core::VelocityCommand Recovery::Looking(base::MonotonicTime now) {
   const bool is_new = frame_ != nullptr && frame_->stamp >= since_;
   if (!is_new) {
     if (InState_s(now) > kMostLooking_s) {
@@ -229,7 +232,8 @@ VelocityCommand Recovery::Looking(MonotonicTime now) {
     }
     return {};
   }
-  const std::optional<TrackedMotion> motion = tracker_.MotionAt(frame_->stamp);
+  const std::optional<localization::TrackedMotion> motion =
+      tracker_.MotionAt(frame_->stamp);
   // The wheels of that moment come a little later.
   if (!motion.has_value()) return {};
   belief_.AddScan(motion->odom_from_base, tracker_.ScanInBase());
@@ -240,7 +244,7 @@ VelocityCommand Recovery::Looking(MonotonicTime now) {
   return {};
 }
 
-VelocityCommand Recovery::Asking(const RecoveryInput& input) {
+core::VelocityCommand Recovery::Asking(const RecoveryInput& input) {
   const std::optional<Answer> answer = AnswerBy(input.now);
   if (!answer.has_value()) {
     if (InState_s(input.now) > kPatience_s && MayTryClear()) {
@@ -259,7 +263,7 @@ VelocityCommand Recovery::Asking(const RecoveryInput& input) {
   return {};
 }
 
-void Recovery::Failed(const absl::Status& status, MonotonicTime now) {
+void Recovery::Failed(const absl::Status& status, base::MonotonicTime now) {
   ++failures_;
   answer_verdict_ = std::string(status.ToString());
   Note("fix", absl::StrCat("the server did not answer: ", answer_verdict_));
@@ -274,7 +278,8 @@ void Recovery::Failed(const absl::Status& status, MonotonicTime now) {
   }
 }
 
-void Recovery::Judge(const RelocalizationAnswer& answer, MonotonicTime now) {
+void Recovery::Judge(const core::RelocalizationAnswer& answer,
+                     base::MonotonicTime now) {
   failures_ = 0;
   GatedFix fix = gate_.Check(answer, *asked_motion_, tracker_);
   answer_ = answer;
@@ -303,8 +308,8 @@ void Recovery::Judge(const RelocalizationAnswer& answer, MonotonicTime now) {
   if (agrees != waiting_.end()) {
     Note("fix", "two views agree");
     // Doubtful views of the same thing err together; others add up.
-    const double turned_rad =
-        NormalizedAngle_rad(yaw_rad - agrees->motion.odom_from_base.yaw_rad);
+    const double turned_rad = geometry::NormalizedAngle_rad(
+        yaw_rad - agrees->motion.odom_from_base.yaw_rad);
     if (std::abs(turned_rad) >= kOtherView_rad) {
       fix.log_odds += agrees->log_odds;
     } else {
@@ -327,7 +332,7 @@ void Recovery::Judge(const RelocalizationAnswer& answer, MonotonicTime now) {
   LookElsewhere(now);
 }
 
-void Recovery::LookElsewhere(MonotonicTime now) {
+void Recovery::LookElsewhere(base::MonotonicTime now) {
   if (needs_help_) {
     Go(RecoveryState::kNeedHelp, now);
     return;
@@ -336,7 +341,7 @@ void Recovery::LookElsewhere(MonotonicTime now) {
     Go(RecoveryState::kSearching, now);
     return;
   }
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
+  const std::optional<localization::TrackedMotion> motion = tracker_.Motion();
   const bool has_time = SecondsBetween(began_, now) < options_.most_server_s;
   const auto clear = std::ranges::find_if(
       waiting_, [this](const GatedFix& fix) { return IsClearPlace(fix); });
@@ -370,20 +375,20 @@ void Recovery::LookElsewhere(MonotonicTime now) {
   Go(RecoveryState::kTurning, now);
 }
 
-VelocityCommand Recovery::TurnTowards(double yaw_in_odom_rad) const {
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
+core::VelocityCommand Recovery::TurnTowards(double yaw_in_odom_rad) const {
+  const std::optional<localization::TrackedMotion> motion = tracker_.Motion();
   if (!motion.has_value()) return {};
-  const double left_rad =
-      NormalizedAngle_rad(yaw_in_odom_rad - motion->odom_from_base.yaw_rad);
+  const double left_rad = geometry::NormalizedAngle_rad(
+      yaw_in_odom_rad - motion->odom_from_base.yaw_rad);
   const double speed_radps =
       std::clamp(2 * std::abs(left_rad), 0.12, options_.turn_radps);
   return {.forward_mps = 0,
           .yaw_rate_radps = std::copysign(speed_radps, left_rad)};
 }
 
-VelocityCommand Recovery::Swing(const RecoveryInput& input,
-                                double speed_radps) {
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
+core::VelocityCommand Recovery::Swing(const RecoveryInput& input,
+                                      double speed_radps) {
+  const std::optional<localization::TrackedMotion> motion = tracker_.Motion();
   if (!motion.has_value()) return {};
   // Also what the laser does not see may hold it.
   if (std::abs(motion->yaw_rate_radps) > kStands_radps) {
@@ -398,13 +403,14 @@ VelocityCommand Recovery::Swing(const RecoveryInput& input,
     ++sides_blocked_;
   }
   // Once is enough.
-  if (const std::optional<Rigid2>& held = held_at_[swing_ > 0 ? 1 : 0];
+  if (const std::optional<geometry::Rigid2>& held =
+          held_at_[swing_ > 0 ? 1 : 0];
       held.has_value() &&
-      Norm(held->translation - motion->odom_from_base.translation) <
+      geometry::Norm(held->translation - motion->odom_from_base.translation) <
           kSamePlace_m) {
     const double left_rad =
-        swing_ *
-        NormalizedAngle_rad(held->yaw_rad - motion->odom_from_base.yaw_rad);
+        swing_ * geometry::NormalizedAngle_rad(held->yaw_rad -
+                                               motion->odom_from_base.yaw_rad);
     if (left_rad > 0 && left_rad < kKeepFrom_rad) swing_ = -swing_;
   }
   // Ahead it sees where it goes; behind it does not.
@@ -417,8 +423,8 @@ VelocityCommand Recovery::Swing(const RecoveryInput& input,
   return {.forward_mps = 0, .yaw_rate_radps = swing_ * speed_radps};
 }
 
-VelocityCommand Recovery::Turning(const RecoveryInput& input) {
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
+core::VelocityCommand Recovery::Turning(const RecoveryInput& input) {
+  const std::optional<localization::TrackedMotion> motion = tracker_.Motion();
   if (!motion.has_value()) return {};
   belief_.AddScan(motion->odom_from_base, tracker_.ScanInBase());
   if (IsLasersTurn()) {
@@ -426,8 +432,8 @@ VelocityCommand Recovery::Turning(const RecoveryInput& input) {
     BeginSearch(input.now);
     return {};
   }
-  const double left_rad =
-      NormalizedAngle_rad(target_rad_ - motion->odom_from_base.yaw_rad);
+  const double left_rad = geometry::NormalizedAngle_rad(
+      target_rad_ - motion->odom_from_base.yaw_rad);
   const double took_s = InState_s(input.now);
   if (std::abs(left_rad) < kTurned_rad || took_s > kMostTurning_s) {
     Go(RecoveryState::kStopping, input.now);
@@ -441,8 +447,8 @@ VelocityCommand Recovery::Turning(const RecoveryInput& input) {
   return TurnTowards(target_rad_);
 }
 
-void Recovery::Found(const std::string& how, MonotonicTime now) {
-  const std::optional<TrackedPose> pose = tracker_.Pose();
+void Recovery::Found(const std::string& how, base::MonotonicTime now) {
+  const std::optional<localization::TrackedPose> pose = tracker_.Pose();
   Note("resume",
        absl::StrFormat("found after %.1f s and %d questions (%s): %.2f, %.2f "
                        "on level %d",
@@ -458,14 +464,14 @@ void Recovery::Found(const std::string& how, MonotonicTime now) {
   Go(RecoveryState::kFound, now);
 }
 
-void Recovery::RestoreBefore(MonotonicTime now) {
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
+void Recovery::RestoreBefore(base::MonotonicTime now) {
+  const std::optional<localization::TrackedMotion> motion = tracker_.Motion();
   if (!was_seeded_ || !before_.has_value() || !before_motion_.has_value() ||
       !motion.has_value()) {
     return;
   }
   was_seeded_ = false;
-  PoseCovariance2 covariance = before_->covariance;
+  localization::PoseCovariance2 covariance = before_->covariance;
   for (const size_t i : {size_t{0}, size_t{4}, size_t{8}}) {
     covariance[i] += 0.01;
   }
@@ -475,7 +481,7 @@ void Recovery::RestoreBefore(MonotonicTime now) {
       .IgnoreError();
 }
 
-void Recovery::GiveUpServer(const std::string& why, MonotonicTime now) {
+void Recovery::GiveUpServer(const std::string& why, base::MonotonicTime now) {
   if (server_ != nullptr) server_->Cancel();
   asks_ = false;
   if (needs_help_) {
@@ -497,7 +503,7 @@ void Recovery::GiveUpServer(const std::string& why, MonotonicTime now) {
   BeginSearch(now);
 }
 
-void Recovery::NeedHelp(MonotonicTime now) {
+void Recovery::NeedHelp(base::MonotonicTime now) {
   if (server_ != nullptr) server_->Cancel();
   asks_ = false;
   needs_help_ = true;
@@ -508,4 +514,4 @@ void Recovery::NeedHelp(MonotonicTime now) {
   Go(RecoveryState::kNeedHelp, now);
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

@@ -7,7 +7,7 @@
 #include "nav_agent/behavior/recovery.h"
 #include "nav_agent/behavior/recovery_parts.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // Pictures older than this are not asked about (s).
@@ -24,14 +24,15 @@ constexpr double kDrift_rad = 0.35;
 // Scans must fit better by this share of the beams for a correction.
 constexpr double kBetter = 0.03;
 
-double ScoreOfFit(const std::optional<RobotTracker::ScanFit>& fit) {
+double ScoreOfFit(
+    const std::optional<localization::RobotTracker::ScanFit>& fit) {
   return fit.has_value() ? ScoreOf(*fit) : 0;
 }
 
 }  // namespace
 
 void Recovery::Idle(const RecoveryInput& input) {
-  if (tracker_.verdict().state == LostState::kLost) {
+  if (tracker_.verdict().state == localization::LostState::kLost) {
     Begin(RecoveryCause::kVerdict, input.now);
     return;
   }
@@ -47,7 +48,7 @@ void Recovery::Idle(const RecoveryInput& input) {
   if (answer->ok()) EndCheck(**answer, input.now);
 }
 
-bool Recovery::WantsPictures(MonotonicTime now) const {
+bool Recovery::WantsPictures(base::MonotonicTime now) const {
   if (state_ == RecoveryState::kLooking) return true;
   if (state_ == RecoveryState::kNeedHelp) {
     return server_ != nullptr && options_.help_interval_s > 0 && !asks_ &&
@@ -58,7 +59,7 @@ bool Recovery::WantsPictures(MonotonicTime now) const {
          SecondsBetween(*last_check_, now) >= options_.check_interval_s;
 }
 
-void Recovery::Helpless(MonotonicTime now) {
+void Recovery::Helpless(base::MonotonicTime now) {
   if (server_ == nullptr || options_.help_interval_s <= 0) return;
   if (asks_) {
     const std::optional<Answer> answer = AnswerBy(now);
@@ -71,7 +72,8 @@ void Recovery::Helpless(MonotonicTime now) {
       frame_ == nullptr || SecondsBetween(frame_->stamp, now) > kFresh_s) {
     return;
   }
-  const std::optional<TrackedMotion> motion = tracker_.MotionAt(frame_->stamp);
+  const std::optional<localization::TrackedMotion> motion =
+      tracker_.MotionAt(frame_->stamp);
   if (!motion.has_value()) return;
   last_help_ = now;
   // Of the same view as the one before: two of them say no more than one.
@@ -82,46 +84,48 @@ void Recovery::Helpless(MonotonicTime now) {
   Ask(*motion, now);
 }
 
-void Recovery::CheckSoon(MonotonicTime now) {
+void Recovery::CheckSoon(base::MonotonicTime now) {
   const double wait_s = std::max(0.0, options_.check_interval_s - kCheckTold_s);
-  last_check_ = now - std::chrono::duration_cast<MonotonicTime::duration>(
+  last_check_ = now - std::chrono::duration_cast<base::MonotonicTime::duration>(
                           std::chrono::duration<double>(wait_s));
 }
 
 void Recovery::BeginCheck(const RecoveryInput& input) {
   if (!last_check_.has_value()) last_check_ = input.now;
-  const auto age_s = [&input](MonotonicTime then) {
+  const auto age_s = [&input](base::MonotonicTime then) {
     return std::chrono::duration<double>(input.now - then).count();
   };
-  const std::optional<TrackedPose> pose = tracker_.Pose();
+  const std::optional<localization::TrackedPose> pose = tracker_.Pose();
   if (!input.drives_straight || !pose.has_value() || pose->share < kKnown ||
       age_s(*last_check_) < options_.check_interval_s || frame_ == nullptr ||
       age_s(frame_->stamp) > kFresh_s) {
     return;
   }
-  const std::optional<TrackedMotion> motion = tracker_.MotionAt(frame_->stamp);
+  const std::optional<localization::TrackedMotion> motion =
+      tracker_.MotionAt(frame_->stamp);
   if (!motion.has_value()) return;
   last_check_ = input.now;
   is_checking_ = true;
   Ask(*motion, input.now);
 }
 
-void Recovery::EndCheck(const RelocalizationAnswer& answer, MonotonicTime now) {
-  const std::optional<TrackedPose> pose = tracker_.Pose();
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
+void Recovery::EndCheck(const core::RelocalizationAnswer& answer,
+                        base::MonotonicTime now) {
+  const std::optional<localization::TrackedPose> pose = tracker_.Pose();
+  const std::optional<localization::TrackedMotion> motion = tracker_.Motion();
   if (!pose.has_value() || !motion.has_value()) return;
   const GatedFix fix = gate_.Check(answer, *asked_motion_, tracker_);
   answer_ = answer;
   answer_verdict_ = absl::StrCat("check: ", FixVerdictName(fix.verdict),
                                  fix.why.empty() ? "" : ": ", fix.why);
   if (fix.verdict != FixVerdict::kSure) return;
-  const Rigid2 now_from_frame =
+  const geometry::Rigid2 now_from_frame =
       motion->odom_from_base.Inverse() * fix.motion.odom_from_base;
-  LevelPose seen = fix.pose;
+  core::LevelPose seen = fix.pose;
   seen.map_from_base = fix.pose.map_from_base * now_from_frame.Inverse();
-  const double off_m = Norm(seen.map_from_base.translation -
-                            pose->pose.map_from_base.translation);
-  const double off_rad = std::abs(NormalizedAngle_rad(
+  const double off_m = geometry::Norm(seen.map_from_base.translation -
+                                      pose->pose.map_from_base.translation);
+  const double off_rad = std::abs(geometry::NormalizedAngle_rad(
       seen.map_from_base.yaw_rad - pose->pose.map_from_base.yaw_rad));
   const auto deviation = [&](size_t i) {
     return std::sqrt(fix.covariance[i] + pose->covariance[i]);
@@ -154,4 +158,4 @@ void Recovery::EndCheck(const RelocalizationAnswer& answer, MonotonicTime now) {
   Begin(RecoveryCause::kCheck, now);
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

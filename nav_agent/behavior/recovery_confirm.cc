@@ -9,7 +9,7 @@
 #include "nav_agent/behavior/recovery.h"
 #include "nav_agent/behavior/recovery_parts.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // Of scans: more bad ones end it.
@@ -22,10 +22,10 @@ constexpr double kMostDrift_m = 0.6;
 }  // namespace
 
 void Recovery::Seed(const GatedFix& fix, bool was_seen_twice,
-                    MonotonicTime now) {
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
+                    base::MonotonicTime now) {
+  const std::optional<localization::TrackedMotion> motion = tracker_.Motion();
   if (!motion.has_value()) return;
-  const LevelPose pose = CarriedOn(fix.pose, fix.motion, *motion, *map_);
+  const core::LevelPose pose = CarriedOn(fix.pose, fix.motion, *motion, *map_);
   const absl::Status told = tracker_.SetPose(pose, fix.covariance, now);
   if (!told.ok()) {
     Note("fix", absl::StrCat("the fix could not be taken: ",
@@ -53,10 +53,10 @@ void Recovery::Seed(const GatedFix& fix, bool was_seen_twice,
 }
 
 Recovery::ScanSays Recovery::WatchScan(double explained, double contradicted) {
-  const std::optional<MonotonicTime> stamp = tracker_.ScanStamp();
+  const std::optional<base::MonotonicTime> stamp = tracker_.ScanStamp();
   if (!stamp.has_value() || stamp == scan_) return ScanSays::kNothingNew;
   scan_ = stamp;
-  const std::optional<TrackedPose> pose = tracker_.PoseAt(*stamp);
+  const std::optional<localization::TrackedPose> pose = tracker_.PoseAt(*stamp);
   if (!pose.has_value()) return ScanSays::kNothingNew;
   const auto fit = tracker_.FitAt(pose->pose);
   if (!fit.has_value() || fit->judged < options_.gate.least_judged / 2) {
@@ -68,26 +68,28 @@ Recovery::ScanSays Recovery::WatchScan(double explained, double contradicted) {
 }
 
 bool Recovery::IsPoseTight(double share, double std_m) const {
-  const std::optional<TrackedPose> pose = tracker_.Pose();
+  const std::optional<localization::TrackedPose> pose = tracker_.Pose();
   return pose.has_value() && pose->share >= share && !pose->is_searching &&
          std::sqrt(std::max(pose->covariance[0], pose->covariance[4])) <= std_m;
 }
 
 Recovery::Alias Recovery::AliasFound() const {
-  const std::vector<RobotTracker::OtherPlace> others = tracker_.BestPlaces();
+  const std::vector<localization::RobotTracker::OtherPlace> others =
+      tracker_.BestPlaces();
   if (others.empty()) return Alias::kNone;
   const double lead = ScoreOf(others.front().fit) - ScoreOf(alias_own_);
   if (lead > options_.alias_margin) return Alias::kBetter;
   return lead > -options_.alias_margin ? Alias::kSome : Alias::kNone;
 }
 
-VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
-  const std::optional<TrackedPose> pose = tracker_.Pose();
+core::VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
+  const std::optional<localization::TrackedMotion> motion = tracker_.Motion();
+  const std::optional<localization::TrackedPose> pose = tracker_.Pose();
   if (!motion.has_value() || !pose.has_value()) return {};
   const double yaw_rad = motion->odom_from_base.yaw_rad;
   if (last_yaw_rad_.has_value()) {
-    turned_rad_ += std::abs(NormalizedAngle_rad(yaw_rad - *last_yaw_rad_));
+    turned_rad_ +=
+        std::abs(geometry::NormalizedAngle_rad(yaw_rad - *last_yaw_rad_));
   }
   last_yaw_rad_ = yaw_rad;
   switch (
@@ -105,17 +107,17 @@ VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
   // Whether the laser alone would know this place from all others.
   if (alias_ == Alias::kNotLooked && good_scans_ > 0) {
     const auto fit = tracker_.FitAt(pose->pose);
-    alias_own_ = fit.value_or(RobotTracker::ScanFit());
+    alias_own_ = fit.value_or(localization::RobotTracker::ScanFit());
     tracker_.BeginOtherPlaces(pose->pose);
     alias_ = Alias::kLooking;
   } else if (alias_ == Alias::kLooking && tracker_.StepOtherPlaces()) {
     alias_ = AliasFound();
   }
-  const LevelPose expected =
+  const core::LevelPose expected =
       CarriedOn(seed_->pose, seed_->motion, *motion, *map_);
-  const double drift_m = Norm(expected.map_from_base.translation -
-                              pose->pose.map_from_base.translation);
-  const LostVerdict& verdict = tracker_.verdict();
+  const double drift_m = geometry::Norm(expected.map_from_base.translation -
+                                        pose->pose.map_from_base.translation);
+  const localization::LostVerdict& verdict = tracker_.verdict();
   if (alias_ == Alias::kBetter) {
     NotConfirmed("scans fit better elsewhere", input.now);
     return {};
@@ -125,7 +127,7 @@ VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
     return {};
   }
   if (bad_scans_ > kMostBadScans || drift_m > kMostDrift_m ||
-      verdict.state == LostState::kLost) {
+      verdict.state == localization::LostState::kLost) {
     NotConfirmed(drift_m > kMostDrift_m ? "localization went elsewhere"
                                         : "scans do not fit there",
                  input.now);
@@ -164,7 +166,7 @@ VelocityCommand Recovery::Confirming(const RecoveryInput& input) {
   return Swing(input, 0.6 * options_.turn_radps);
 }
 
-void Recovery::LookAgain(const std::string& why, MonotonicTime now) {
+void Recovery::LookAgain(const std::string& why, base::MonotonicTime now) {
   if (!MayAsk()) {
     NotConfirmed(why + ", and the server cannot be asked again", now);
     return;
@@ -174,7 +176,7 @@ void Recovery::LookAgain(const std::string& why, MonotonicTime now) {
   Go(RecoveryState::kStopping, now);
 }
 
-void Recovery::NotConfirmed(const std::string& why, MonotonicTime now) {
+void Recovery::NotConfirmed(const std::string& why, base::MonotonicTime now) {
   Note("recovery", absl::StrCat("not there: ", why));
   answer_verdict_ = absl::StrCat("taken, and not confirmed: ", why);
   waiting_.clear();
@@ -195,4 +197,4 @@ void Recovery::NotConfirmed(const std::string& why, MonotonicTime now) {
   LookElsewhere(now);
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

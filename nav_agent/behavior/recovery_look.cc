@@ -8,11 +8,12 @@
 #include "nav_agent/behavior/recovery.h"
 #include "nav_agent/behavior/recovery_parts.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // How well such a place is known: the search's last step is 6 cm and 2 degrees.
-constexpr PoseCovariance2 kClear = {0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.0064};
+constexpr localization::PoseCovariance2 kClear = {0.01, 0, 0, 0,     0.01,
+                                                  0,    0, 0, 0.0064};
 
 constexpr int kQuestionsBeforeLaser = 4;
 
@@ -20,7 +21,7 @@ constexpr int kQuestionsBeforeLaser = 4;
 
 void Recovery::BeginLook() {
   if (options_.method != RecoveryMethod::kServer || clear_was_tried_) return;
-  const std::optional<MonotonicTime> stamp = tracker_.ScanStamp();
+  const std::optional<base::MonotonicTime> stamp = tracker_.ScanStamp();
   if (!stamp.has_value()) return;
   look_motion_ = tracker_.MotionAt(*stamp);
   if (!look_motion_.has_value()) return;
@@ -29,12 +30,13 @@ void Recovery::BeginLook() {
   look_ = Look::kLooking;
 }
 
-void Recovery::StepLook(MonotonicTime now) {
+void Recovery::StepLook(base::MonotonicTime now) {
   if (look_ != Look::kLooking || !tracker_.StepOtherPlaces()) return;
   look_ = Look::kDone;
-  const std::vector<RobotTracker::OtherPlace> places = tracker_.BestPlaces();
+  const std::vector<localization::RobotTracker::OtherPlace> places =
+      tracker_.BestPlaces();
   if (places.empty()) return;
-  const RobotTracker::ScanFit& best = places.front().fit;
+  const localization::RobotTracker::ScanFit& best = places.front().fit;
   if (best.explained < options_.search_explained ||
       best.contradicted > options_.search_contradicted ||
       best.judged < options_.gate.least_judged) {
@@ -61,22 +63,24 @@ bool Recovery::IsLasersTurn() const {
 
 bool Recovery::IsClearPlace(const GatedFix& fix) const {
   if (!clear_.has_value() || !look_motion_.has_value()) return false;
-  const LevelPose expected =
+  const core::LevelPose expected =
       CarriedOn(*clear_, *look_motion_, fix.motion, *map_);
-  return Norm(expected.map_from_base.translation -
-              fix.pose.map_from_base.translation) <= options_.gate.pair_m &&
-         std::abs(NormalizedAngle_rad(expected.map_from_base.yaw_rad -
-                                      fix.pose.map_from_base.yaw_rad)) <=
-             options_.gate.pair_rad &&
+  return geometry::Norm(expected.map_from_base.translation -
+                        fix.pose.map_from_base.translation) <=
+             options_.gate.pair_m &&
+         std::abs(geometry::NormalizedAngle_rad(
+             expected.map_from_base.yaw_rad -
+             fix.pose.map_from_base.yaw_rad)) <= options_.gate.pair_rad &&
          std::abs(expected.place.height_m - fix.pose.place.height_m) <=
              options_.gate.pair_m;
 }
 
-bool Recovery::TryClear(MonotonicTime now) {
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
+bool Recovery::TryClear(base::MonotonicTime now) {
+  const std::optional<localization::TrackedMotion> motion = tracker_.Motion();
   if (!motion.has_value()) return false;
   clear_was_tried_ = true;
-  const LevelPose pose = CarriedOn(*clear_, *look_motion_, *motion, *map_);
+  const core::LevelPose pose =
+      CarriedOn(*clear_, *look_motion_, *motion, *map_);
   if (!tracker_.SetPose(pose, kClear, now).ok()) return false;
   was_seeded_ = true;
   searches_anywhere_ = true;
@@ -91,4 +95,4 @@ bool Recovery::TryClear(MonotonicTime now) {
   return true;
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

@@ -8,16 +8,18 @@
 #include "nav_agent/localization/robot_tracker.h"
 #include "nav_agent/traversability/navigation_map.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
-inline double SecondsBetween(MonotonicTime from, MonotonicTime to) {
+inline double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
 // Where a robot that was at `pose` is after the wheels' motion.
-inline LevelPose CarriedOn(const LevelPose& pose, const TrackedMotion& from,
-                           const TrackedMotion& to, const NavigationMap& map) {
-  LevelPose carried = pose;
+inline core::LevelPose CarriedOn(const core::LevelPose& pose,
+                                 const localization::TrackedMotion& from,
+                                 const localization::TrackedMotion& to,
+                                 const traversability::NavigationMap& map) {
+  core::LevelPose carried = pose;
   carried.map_from_base =
       pose.map_from_base * (from.odom_from_base.Inverse() * to.odom_from_base);
   carried.place =
@@ -27,10 +29,10 @@ inline LevelPose CarriedOn(const LevelPose& pose, const TrackedMotion& from,
 }
 
 // In [-1, 1].
-inline double ScoreOf(const RobotTracker::ScanFit& fit) {
+inline double ScoreOf(const localization::RobotTracker::ScanFit& fit) {
   return fit.explained - fit.contradicted;
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_RECOVERY_PARTS_H_

@@ -7,7 +7,7 @@
 #include "nav_agent/behavior/recovery.h"
 #include "nav_agent/behavior/recovery_parts.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 constexpr double kCircle_rad = 2 * std::numbers::pi;
@@ -31,7 +31,7 @@ constexpr double kBackWorth = 0.5;
 
 }  // namespace
 
-void Recovery::BeginSearch(MonotonicTime now) {
+void Recovery::BeginSearch(base::MonotonicTime now) {
   search_began_ = now;
   last_pause_ = now;
   searches_anywhere_ = false;
@@ -51,12 +51,12 @@ void Recovery::BeginSearch(MonotonicTime now) {
   // Where the verdict is not, or no longer, that it is lost, what it knows gets
   // the chance of a full turn.
   if (!tracker_.Pose().has_value() ||
-      tracker_.verdict().state == LostState::kLost) {
+      tracker_.verdict().state == localization::LostState::kLost) {
     LookAnywhere(now);
   }
 }
 
-void Recovery::LookAnywhere(MonotonicTime now) {
+void Recovery::LookAnywhere(base::MonotonicTime now) {
   holds_clear_ = false;
   if (options_.method == RecoveryMethod::kInjectionOnly &&
       tracker_.Pose().has_value()) {
@@ -75,14 +75,14 @@ void Recovery::BreakHold() {
   if (state_ == RecoveryState::kSearching) alias_ = Alias::kNotLooked;
 }
 
-bool Recovery::SearchHolds(MonotonicTime now) {
+bool Recovery::SearchHolds(base::MonotonicTime now) {
   const ScanSays says =
       WatchScan(options_.search_explained, options_.search_contradicted);
   good_scans_ += says == ScanSays::kGood ? 1 : 0;
   bad_scans_ += says == ScanSays::kBad ? 1 : 0;
   const bool is_tight =
       IsPoseTight(options_.search_share, options_.search_std_m) &&
-      tracker_.verdict().state != LostState::kLost;
+      tracker_.verdict().state != localization::LostState::kLost;
   const bool fits = bad_scans_ <= kFreeBadScans + kMostBadShare * good_scans_;
   if (!is_tight || !fits) {
     BreakHold();
@@ -100,8 +100,9 @@ bool Recovery::SearchHolds(MonotonicTime now) {
   }
   if (alias_ == Alias::kNotLooked) {
     look_ = Look::kNone;
-    const std::optional<TrackedPose> pose = tracker_.Pose();
-    alias_own_ = tracker_.FitAt(pose->pose).value_or(RobotTracker::ScanFit());
+    const std::optional<localization::TrackedPose> pose = tracker_.Pose();
+    alias_own_ = tracker_.FitAt(pose->pose)
+                     .value_or(localization::RobotTracker::ScanFit());
     tracker_.BeginOtherPlaces(pose->pose);
     alias_ = Alias::kLooking;
     return false;
@@ -122,9 +123,9 @@ bool Recovery::SearchHolds(MonotonicTime now) {
   return alias_ == Alias::kNone;
 }
 
-void Recovery::EndCycle(MonotonicTime now) {
+void Recovery::EndCycle(base::MonotonicTime now) {
   ++cycles_;
-  const std::optional<TrackedPose> pose = tracker_.Pose();
+  const std::optional<localization::TrackedPose> pose = tracker_.Pose();
   // One full turn, and what particles gathered at does not hold.
   const bool is_wrong =
       !holds_since_.has_value() && (!pose.has_value() || !pose->is_searching);
@@ -142,18 +143,18 @@ void Recovery::EndCycle(MonotonicTime now) {
   if (!searches_anywhere_ || is_wrong) LookAnywhere(now);
 }
 
-bool Recovery::IsTimeToAsk(MonotonicTime now) const {
+bool Recovery::IsTimeToAsk(base::MonotonicTime now) const {
   if (!MayAsk() || asks_) return false;
   const double since_s = SecondsBetween(*last_pause_, now);
   return since_s > (failures_ > 0 ? kAskFailedEvery_s : kAskEvery_s);
 }
 
-bool Recovery::TookAnswer(MonotonicTime now) {
+bool Recovery::TookAnswer(base::MonotonicTime now) {
   if (!asks_) return false;
   const std::optional<Answer> answer = AnswerBy(now);
   if (!answer.has_value()) return false;
   asks_ = false;
-  const MonotonicTime leg_began = since_;
+  const base::MonotonicTime leg_began = since_;
   if (answer->ok()) {
     Judge(**answer, now);
   } else {
@@ -164,8 +165,8 @@ bool Recovery::TookAnswer(MonotonicTime now) {
   return state_ != RecoveryState::kSearching;
 }
 
-VelocityCommand Recovery::SearchMotion(const RecoveryInput& input) {
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
+core::VelocityCommand Recovery::SearchMotion(const RecoveryInput& input) {
+  const std::optional<localization::TrackedMotion> motion = tracker_.Motion();
   if (!motion.has_value()) return {};
   const double yaw_rad = motion->odom_from_base.yaw_rad;
   const auto next_leg = [&](Leg leg) {
@@ -177,8 +178,8 @@ VelocityCommand Recovery::SearchMotion(const RecoveryInput& input) {
   const bool is_stuck = InState_s(input.now) > kMostLeg_s;
   switch (leg_) {
     case Leg::kTurn: {
-      const double back_rad =
-          NormalizedAngle_rad(yaw_rad - leg_from_.yaw_rad - std::numbers::pi);
+      const double back_rad = geometry::NormalizedAngle_rad(
+          yaw_rad - leg_from_.yaw_rad - std::numbers::pi);
       const double worth =
           cycles_ > 0 && std::abs(back_rad) < 0.8 ? kBackWorth : 1;
       if (worth * input.free_ahead_m > best_free_m_) {
@@ -198,8 +199,8 @@ VelocityCommand Recovery::SearchMotion(const RecoveryInput& input) {
         next_leg(Leg::kTurn);
         return {};
       }
-      if (std::abs(NormalizedAngle_rad(best_free_yaw_rad_ - yaw_rad)) >
-          kFaced_rad) {
+      if (std::abs(geometry::NormalizedAngle_rad(best_free_yaw_rad_ -
+                                                 yaw_rad)) > kFaced_rad) {
         return TurnTowards(best_free_yaw_rad_);
       }
       leg_m_ = std::min(kMostMove_m, best_free_m_ - kKeepAway_m);
@@ -208,8 +209,8 @@ VelocityCommand Recovery::SearchMotion(const RecoveryInput& input) {
     case Leg::kMove:
       break;
   }
-  const double moved_m =
-      Norm(motion->odom_from_base.translation - leg_from_.translation);
+  const double moved_m = geometry::Norm(motion->odom_from_base.translation -
+                                        leg_from_.translation);
   if (moved_m >= leg_m_ || input.free_ahead_m < kKeepAway_m || is_stuck) {
     best_free_m_ = 0;
     next_leg(Leg::kTurn);
@@ -218,13 +219,13 @@ VelocityCommand Recovery::SearchMotion(const RecoveryInput& input) {
   return {.forward_mps = options_.move_mps, .yaw_rate_radps = 0};
 }
 
-VelocityCommand Recovery::Searching(const RecoveryInput& input) {
-  const std::optional<TrackedMotion> motion = tracker_.Motion();
+core::VelocityCommand Recovery::Searching(const RecoveryInput& input) {
+  const std::optional<localization::TrackedMotion> motion = tracker_.Motion();
   if (!motion.has_value()) return {};
   const double yaw_rad = motion->odom_from_base.yaw_rad;
   if (last_yaw_rad_.has_value()) {
     const double turned_rad =
-        std::abs(NormalizedAngle_rad(yaw_rad - *last_yaw_rad_));
+        std::abs(geometry::NormalizedAngle_rad(yaw_rad - *last_yaw_rad_));
     cycle_turned_rad_ += turned_rad;
     hold_turned_rad_ += holds_since_.has_value() ? turned_rad : 0;
   }
@@ -246,4 +247,4 @@ VelocityCommand Recovery::Searching(const RecoveryInput& input) {
   return SearchMotion(input);
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

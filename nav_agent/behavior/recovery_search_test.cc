@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "nav_agent/behavior/testing_lost_and_found.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 using testing::HasSubstr;
@@ -46,7 +46,7 @@ TEST_F(LostAndFoundTest, ALateAnswerIsTakenWhileTheLaserLooks) {
   BeLost();
   while (server_.asked == 0) Step();
   // Of where it was asked; it turns meanwhile.
-  const RelocalizationAnswer then = Truth(0.97);
+  const core::RelocalizationAnswer then = Truth(0.97);
   server_.answers = {[then] { return then; }};
   EXPECT_EQ(Run(100), RecoveryState::kFound) << notes_;
   EXPECT_LT(Error_m(), 0.2);
@@ -57,8 +57,8 @@ TEST_F(LostAndFoundTest, ALateAnswerIsTakenWhileTheLaserLooks) {
 TEST_F(LostAndFoundTest, WhatTheLaserSaysMustHoldLikeAllElse) {
   // It says so of one scan, and those after it do not fit there.
   tracker_.laser_knows = true;
-  tracker_.laser_says = Rigid2{{9, 3}, 0.5};
-  RelocalizationAnswer none;
+  tracker_.laser_says = geometry::Rigid2{{9, 3}, 0.5};
+  core::RelocalizationAnswer none;
   none.reason = "TOO_FEW_INLIERS";
   const auto nothing = [none] { return none; };
   server_.answers = {nothing, nothing, nothing, [this] { return Truth(0.97); }};
@@ -71,8 +71,8 @@ TEST_F(LostAndFoundTest, WhatTheLaserSaysMustHoldLikeAllElse) {
 
 TEST_F(LostAndFoundTest, WhereRoomsAreAlikeTheLaserAloneSaysNothing) {
   tracker_.laser_knows = true;
-  tracker_.alias = Rigid2{{9, 3}, 0.5};
-  RelocalizationAnswer none;
+  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
+  core::RelocalizationAnswer none;
   none.reason = "TOO_FEW_INLIERS";
   server_.answers = {[none] { return none; }};
   options_.max_questions = 3;
@@ -93,7 +93,7 @@ TEST_F(LostAndFoundTest, AWeakFixWhereTheLaserSaysSoNeedsNoSecondView) {
 }
 
 TEST_F(LostAndFoundTest, AWeakFixIsTakenWhenTheLaserSaysSoLater) {
-  RelocalizationAnswer none;
+  core::RelocalizationAnswer none;
   none.reason = "TOO_FEW_INLIERS";
   server_.answers = {[this] {
                        tracker_.laser_knows = true;
@@ -135,7 +135,7 @@ TEST_F(LostAndFoundTest, WhoNeedsHelpAsksAServerThatHasComeBack) {
   BeLost();
   EXPECT_EQ(Run(100), RecoveryState::kNeedHelp) << notes_;
   const int asked = server_.asked;
-  const Rigid2 stood = tracker_.odom_from_base;
+  const geometry::Rigid2 stood = tracker_.odom_from_base;
   for (int i = 0; i < 50 / kStep_s; ++i) {
     EXPECT_EQ(Step(), RecoveryState::kNeedHelp);
   }
@@ -217,7 +217,7 @@ TEST_F(LostAndFoundTest, WithoutPicturesItSearchesByLaser) {
 TEST_F(LostAndFoundTest, TheSearchDoesNotBelieveAPlaceThatHasATwin) {
   options_.method = RecoveryMethod::kAmclOnly;
   Make();
-  tracker_.alias = Rigid2{{9, 3}, 0.5};
+  tracker_.alias = geometry::Rigid2{{9, 3}, 0.5};
   tracker_.finds = *tracker_.alias;
   BeLost();
   EXPECT_EQ(Run(250), RecoveryState::kNeedHelp) << notes_;
@@ -229,7 +229,7 @@ TEST_F(LostAndFoundTest, TheSearchEndsInTimeIfItFindsAWrongPlace) {
   options_.method = RecoveryMethod::kAmclOnly;
   options_.most_search_s = 60;
   Make();
-  tracker_.finds = Rigid2{{10, 4}, 1};
+  tracker_.finds = geometry::Rigid2{{10, 4}, 1};
   BeLost();
   EXPECT_EQ(Run(62), RecoveryState::kNeedHelp) << notes_;
   // What particles gathered at was wrong: they were spread again.
@@ -247,7 +247,7 @@ TEST_F(LostAndFoundTest, InjectionOnlySpreadsNothing) {
 }
 
 TEST_F(LostAndFoundTest, TheSearchPausesForPictures) {
-  RelocalizationAnswer none;
+  core::RelocalizationAnswer none;
   server_.answers = {[none] { return none; }};
   BeLost();
   while (Step() != RecoveryState::kSearching) {
@@ -265,7 +265,7 @@ TEST_F(LostAndFoundTest, WhatHeldItOnceItDoesNotTurnAgainst) {
   swings_rad_ = 1.2;
   can_turn_ = false;
   free_ahead_m_ = 0;
-  RelocalizationAnswer none;
+  core::RelocalizationAnswer none;
   server_.answers = {[none] { return none; }};
   BeLost();
   while (Step() != RecoveryState::kSearching) {
@@ -290,14 +290,14 @@ TEST_F(LostAndFoundTest, WithoutRoomToTurnItLooksTwice) {
   EXPECT_EQ(Run(20), RecoveryState::kFound) << notes_;
   EXPECT_LT(Error_m(), 0.2);
   EXPECT_EQ(server_.asked, 2);
-  EXPECT_EQ(tracker_.odom_from_base, Rigid2());
+  EXPECT_EQ(tracker_.odom_from_base, geometry::Rigid2());
   EXPECT_THAT(notes_, HasSubstr("there is no room to turn"));
 }
 
 TEST_F(LostAndFoundTest, WhereItCannotTurnItGoesAheadAndNeverBack) {
   can_turn_ = false;
   free_ahead_m_ = 1;
-  RelocalizationAnswer none;
+  core::RelocalizationAnswer none;
   server_.answers = {[none] { return none; }};
   BeLost();
   double least_m = 0;
@@ -312,11 +312,11 @@ TEST_F(LostAndFoundTest, WhereItCannotTurnItGoesAheadAndNeverBack) {
 TEST_F(LostAndFoundTest, ARobotThatCannotTurnEndsInTime) {
   can_turn_ = false;
   free_ahead_m_ = 0;
-  RelocalizationAnswer none;
+  core::RelocalizationAnswer none;
   server_.answers = {[none] { return none; }};
   BeLost();
   EXPECT_EQ(Run(250), RecoveryState::kNeedHelp) << notes_;
-  EXPECT_EQ(tracker_.odom_from_base, Rigid2());
+  EXPECT_EQ(tracker_.odom_from_base, geometry::Rigid2());
 }
 
 TEST_F(LostAndFoundTest, WithoutRoomForAFullTurnItSwingsThereAndBack) {
@@ -324,7 +324,7 @@ TEST_F(LostAndFoundTest, WithoutRoomForAFullTurnItSwingsThereAndBack) {
   swings_rad_ = 1.2;
   free_ahead_m_ = 0;
   tracker_.laser_knows = true;
-  RelocalizationAnswer none;
+  core::RelocalizationAnswer none;
   server_.answers = {[none] { return none; }};
   BeLost();
   EXPECT_EQ(Run(20), RecoveryState::kFound) << notes_;
@@ -333,4 +333,4 @@ TEST_F(LostAndFoundTest, WithoutRoomForAFullTurnItSwingsThereAndBack) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::behavior

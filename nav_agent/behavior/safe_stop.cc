@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // Of missed deadlines, one event in so many seconds.
@@ -15,7 +15,8 @@ constexpr double kNoteEvery_s = 10;
 
 }  // namespace
 
-void SafeStop::Update(const std::vector<StopReason>& found, MonotonicTime now) {
+void SafeStop::Update(const std::vector<StopReason>& found,
+                      base::MonotonicTime now) {
   if (!found.empty()) {
     last_found_ = now;
     if (!reason_.has_value()) begun_ = now;
@@ -23,9 +24,10 @@ void SafeStop::Update(const std::vector<StopReason>& found, MonotonicTime now) {
         !reason_.has_value() || reason_->cause != found.front().cause;
     reason_ = found.front();
     if (is_new) {
-      events_->Add("stop",
-                   absl::StrCat("stands (", NavigationCauseName(reason_->cause),
-                                "): ", reason_->text));
+      events_->Add(
+          "stop",
+          absl::StrCat("stands (", core::NavigationCauseName(reason_->cause),
+                       "): ", reason_->text));
     }
     return;
   }
@@ -33,13 +35,14 @@ void SafeStop::Update(const std::vector<StopReason>& found, MonotonicTime now) {
       SecondsBetween(last_found_, now) < limits_.settle_s) {
     return;
   }
-  events_->Add("resume", absl::StrFormat("all is well again after %.1f s (%s)",
-                                         SecondsBetween(begun_, now),
-                                         NavigationCauseName(reason_->cause)));
+  events_->Add("resume",
+               absl::StrFormat("all is well again after %.1f s (%s)",
+                               SecondsBetween(begun_, now),
+                               core::NavigationCauseName(reason_->cause)));
   reason_.reset();
 }
 
-void TiltWatch::Add(const BaseReading& reading) {
+void TiltWatch::Add(const core::BaseReading& reading) {
   // The angle of the base's z axis to the vertical.
   tilt_rad_ = std::acos(std::clamp(
       std::cos(reading.pitch_rad) * std::cos(reading.roll_rad), -1.0, 1.0));
@@ -56,12 +59,12 @@ std::optional<StopReason> TiltWatch::Problem() const {
     return std::nullopt;
   }
   return StopReason{
-      .cause = NavigationCause::kTilted,
+      .cause = core::NavigationCause::kTilted,
       .text = absl::StrFormat("it leans by %.0f degrees; %.0f are safe",
                               tilt_rad_ * 57.29578, max_rad_ * 57.29578)};
 }
 
-void DeadlineWatch::Step(MonotonicTime now) {
+void DeadlineWatch::Step(base::MonotonicTime now) {
   gap_s_ = last_.has_value() ? SecondsBetween(*last_, now) : 0;
   last_ = now;
   longest_gap_s_ = std::max(longest_gap_s_, gap_s_);
@@ -79,9 +82,9 @@ void DeadlineWatch::Step(MonotonicTime now) {
 
 std::optional<StopReason> DeadlineWatch::Problem() const {
   if (gap_s_ < late_s_) return std::nullopt;
-  return StopReason{.cause = NavigationCause::kControlLate,
+  return StopReason{.cause = core::NavigationCause::kControlLate,
                     .text = absl::StrFormat(
                         "the control loop stood still for %.2f s", gap_s_)};
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

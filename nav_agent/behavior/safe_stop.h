@@ -9,7 +9,7 @@
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/sensor_watch.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 // Begins at once, and ends when all has been well for settle_s. Not
 // thread-safe.
@@ -19,7 +19,7 @@ class SafeStop {
       : limits_(limits), events_(&events) {}
 
   // What a step found; the first is named.
-  void Update(const std::vector<StopReason>& found, MonotonicTime now);
+  void Update(const std::vector<StopReason>& found, base::MonotonicTime now);
   bool is_active() const { return reason_.has_value(); }
   // While active.
   const StopReason& reason() const { return *reason_; }
@@ -28,26 +28,26 @@ class SafeStop {
   NavigatorLimits limits_;
   EventLog* events_;
   std::optional<StopReason> reason_;
-  MonotonicTime begun_;
-  MonotonicTime last_found_;
+  base::MonotonicTime begun_;
+  base::MonotonicTime last_found_;
 };
 
 // Tilt that a robot of this model must not stand at. Not thread-safe.
 class TiltWatch {
  public:
-  TiltWatch(const RobotModel& robot, const NavigatorLimits& limits)
+  TiltWatch(const core::RobotModel& robot, const NavigatorLimits& limits)
       : max_rad_(robot.max_slope_rad + limits.tilt_margin_rad),
         for_s_(limits.tilt_s) {}
 
-  void Add(const BaseReading& reading);
+  void Add(const core::BaseReading& reading);
   std::optional<StopReason> Problem() const;
 
  private:
   double max_rad_;
   double for_s_;
   double tilt_rad_ = 0;
-  MonotonicTime stamp_;
-  std::optional<MonotonicTime> since_;
+  base::MonotonicTime stamp_;
+  std::optional<base::MonotonicTime> since_;
 };
 
 // Whether Step is called in time. Not thread-safe.
@@ -57,7 +57,7 @@ class DeadlineWatch {
                 EventLog& events)
       : period_s_(1 / control_hz), late_s_(limits.late_s), events_(&events) {}
 
-  void Step(MonotonicTime now);
+  void Step(base::MonotonicTime now);
   // So late that the base was without a command.
   std::optional<StopReason> Problem() const;
   int64_t missed() const { return missed_; }
@@ -67,13 +67,13 @@ class DeadlineWatch {
   double period_s_;
   double late_s_;
   EventLog* events_;
-  std::optional<MonotonicTime> last_;
+  std::optional<base::MonotonicTime> last_;
   int64_t missed_ = 0;
   double gap_s_ = 0;
   double longest_gap_s_ = 0;
-  std::optional<MonotonicTime> noted_;
+  std::optional<base::MonotonicTime> noted_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_SAFE_STOP_H_

@@ -4,7 +4,7 @@
 
 #include "nav_agent/behavior/testing_navigator.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 class SafeStopTest : public NavigatorFixture {
@@ -15,11 +15,11 @@ class SafeStopTest : public NavigatorFixture {
     Run(0.2);
     ASSERT_EQ(mode(), NavigatorMode::kDriving);
   }
-  void ExpectStop(NavigationCause cause) {
+  void ExpectStop(core::NavigationCause cause) {
     EXPECT_EQ(mode(), NavigatorMode::kSafeStop);
     EXPECT_EQ(navigator->Snapshot().cause, cause);
     EXPECT_FALSE(navigator->Snapshot().cause_text.empty());
-    EXPECT_EQ(Last(), VelocityCommand{});
+    EXPECT_EQ(Last(), core::VelocityCommand{});
     EXPECT_GE(base.stops, 1);
     EXPECT_EQ(Goal().state, GoalState::kActive);
   }
@@ -36,7 +36,7 @@ TEST_F(SafeStopTest, OfASilentLaser) {
   Run(0.25);
   EXPECT_EQ(mode(), NavigatorMode::kDriving);
   Run(0.1);
-  ExpectStop(NavigationCause::kLaserLost);
+  ExpectStop(core::NavigationCause::kLaserLost);
   laser_runs = true;
   Run(0.2);
   EXPECT_EQ(mode(), NavigatorMode::kSafeStop);
@@ -49,7 +49,7 @@ TEST_F(SafeStopTest, OfASilentRearLaser) {
   EXPECT_GT(controller->rear_scans, 3);
   rear_laser_runs = false;
   Run(0.35);
-  ExpectStop(NavigationCause::kLaserLost);
+  ExpectStop(core::NavigationCause::kLaserLost);
   EXPECT_TRUE(
       absl::StrContains(navigator->Snapshot().cause_text, "rear laser"));
   EXPECT_GT(navigator->Snapshot().rear_laser.used, 3);
@@ -68,12 +68,12 @@ TEST_F(SafeStopTest, NotOfARearLaserThatIsNotThere) {
 
 TEST_F(SafeStopTest, OfALaserThatSaysThatItIsLost) {
   Drive();
-  laser.health.state = DeviceState::kLost;
+  laser.health.state = core::DeviceState::kLost;
   laser.health.cause = absl::UnavailableError("unplugged");
   Run(0.025);
-  ExpectStop(NavigationCause::kLaserLost);
+  ExpectStop(core::NavigationCause::kLaserLost);
   EXPECT_TRUE(absl::StrContains(navigator->Snapshot().cause_text, "unplugged"));
-  laser.health = {.state = DeviceState::kRunning};
+  laser.health = {.state = core::DeviceState::kRunning};
   ExpectGoesOn();
 }
 
@@ -81,13 +81,13 @@ TEST_F(SafeStopTest, OfScansWithoutRanges) {
   Drive();
   laser_runs = false;
   for (int i = 0; i < 20; ++i) {
-    LaserScan scan;
+    core::LaserScan scan;
     scan.stamp = clock.Now();
-    scan.ranges_m.assign(31, kInvalidRange);
+    scan.ranges_m.assign(31, core::kInvalidRange);
     laser.waiting.push_back(scan);
     Run(0.025);
   }
-  ExpectStop(NavigationCause::kLaserLost);
+  ExpectStop(core::NavigationCause::kLaserLost);
   EXPECT_EQ(navigator->Snapshot().laser.broken, 20);
   EXPECT_TRUE(absl::StrContains(navigator->Snapshot().cause_text, "broken"));
 }
@@ -96,7 +96,7 @@ TEST_F(SafeStopTest, OfStampsThatCannotBe) {
   Drive();
   laser_runs = false;
   const auto add = [&](double offset_s) {
-    LaserScan scan;
+    core::LaserScan scan;
     scan.stamp =
         clock.Now() + std::chrono::milliseconds(std::llround(1e3 * offset_s));
     scan.ranges_m.assign(31, 3.0f);
@@ -107,7 +107,7 @@ TEST_F(SafeStopTest, OfStampsThatCannotBe) {
     add(-0.9);
     Run(0.025);
   }
-  ExpectStop(NavigationCause::kLaserLost);
+  ExpectStop(core::NavigationCause::kLaserLost);
   EXPECT_EQ(navigator->Snapshot().laser.future, 20);
   EXPECT_EQ(navigator->Snapshot().laser.late, 20);
   add(0);
@@ -121,7 +121,7 @@ TEST_F(SafeStopTest, OfALaserThatIsFrozenWhileTheRobotMoves) {
   Drive();
   laser_runs = false;
   for (int i = 0; i < 20; ++i) {
-    LaserScan scan;
+    core::LaserScan scan;
     scan.stamp = clock.Now();
     scan.ranges_m.assign(31, 2.0f);
     laser.waiting.push_back(scan);
@@ -130,7 +130,7 @@ TEST_F(SafeStopTest, OfALaserThatIsFrozenWhileTheRobotMoves) {
   // It stands: that everything looks the same is as it should be.
   EXPECT_EQ(mode(), NavigatorMode::kDriving);
   for (int i = 0; i < 20; ++i) {
-    LaserScan scan;
+    core::LaserScan scan;
     scan.stamp = clock.Now();
     scan.ranges_m.assign(31, 2.0f);
     laser.waiting.push_back(scan);
@@ -138,7 +138,7 @@ TEST_F(SafeStopTest, OfALaserThatIsFrozenWhileTheRobotMoves) {
     reading.right_wheel_m += 0.01;
     Run(0.025);
   }
-  ExpectStop(NavigationCause::kLaserLost);
+  ExpectStop(core::NavigationCause::kLaserLost);
   laser_runs = true;
   ExpectGoesOn();
 }
@@ -147,7 +147,7 @@ TEST_F(SafeStopTest, OfSilentOdometry) {
   Drive();
   odometry_runs = false;
   Run(0.3);
-  ExpectStop(NavigationCause::kOdometryLost);
+  ExpectStop(core::NavigationCause::kOdometryLost);
   odometry_runs = true;
   ExpectGoesOn();
 }
@@ -161,7 +161,7 @@ TEST_F(SafeStopTest, OfOdometryThatIsFrozen) {
     odometry.waiting.push_back(reading);
     Run(0.025);
   }
-  ExpectStop(NavigationCause::kOdometryLost);
+  ExpectStop(core::NavigationCause::kOdometryLost);
   odometry_runs = true;
   ExpectGoesOn();
 }
@@ -171,7 +171,7 @@ TEST_F(SafeStopTest, OfABaseThatRefuses) {
   base.answer = absl::UnavailableError("emergency stop");
   Run(0.05);
   EXPECT_EQ(mode(), NavigatorMode::kSafeStop);
-  EXPECT_EQ(navigator->Snapshot().cause, NavigationCause::kBaseLost);
+  EXPECT_EQ(navigator->Snapshot().cause, core::NavigationCause::kBaseLost);
   base.answer = absl::OkStatus();
   ExpectGoesOn();
 }
@@ -180,7 +180,7 @@ TEST_F(SafeStopTest, OfMotorsThatAreOff) {
   Drive();
   reading.motors_enabled = false;
   Run(0.025);
-  ExpectStop(NavigationCause::kBaseLost);
+  ExpectStop(core::NavigationCause::kBaseLost);
   reading.motors_enabled = true;
   ExpectGoesOn();
 }
@@ -195,7 +195,7 @@ TEST_F(SafeStopTest, OfTilt) {
   Run(0.05);
   EXPECT_EQ(mode(), NavigatorMode::kDriving);
   Run(0.3);
-  ExpectStop(NavigationCause::kTilted);
+  ExpectStop(core::NavigationCause::kTilted);
   pitch = 0;
   ExpectGoesOn();
 }
@@ -204,7 +204,7 @@ TEST_F(SafeStopTest, OfAnEstimateThatIsNotANumber) {
   Drive();
   tracker->pose = PoseAtPoint(std::numeric_limits<double>::quiet_NaN(), 0);
   Run(0.025);
-  ExpectStop(NavigationCause::kEstimateLost);
+  ExpectStop(core::NavigationCause::kEstimateLost);
   tracker->pose = PoseAtPoint(2, 2);
   ExpectGoesOn();
 }
@@ -213,7 +213,7 @@ TEST_F(SafeStopTest, OfALoopThatStoodStill) {
   Drive();
   clock.Advance_s(0.4);
   Run(0.025);
-  ExpectStop(NavigationCause::kControlLate);
+  ExpectStop(core::NavigationCause::kControlLate);
   EXPECT_EQ(navigator->Snapshot().missed_deadlines, 1);
   EXPECT_NEAR(navigator->Snapshot().longest_step_gap_s, 0.425, 1e-6);
   ExpectGoesOn();
@@ -241,7 +241,7 @@ TEST_F(SafeStopTest, ComesBeforeEverythingElse) {
   const int steps = lost->steps;
   laser_runs = false;
   Run(0.5);
-  ExpectStop(NavigationCause::kLaserLost);
+  ExpectStop(core::NavigationCause::kLaserLost);
   EXPECT_LT(lost->steps, steps + 15);
   laser_runs = true;
   Run(0.5);
@@ -252,4 +252,4 @@ TEST_F(SafeStopTest, ComesBeforeEverythingElse) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::behavior

@@ -9,14 +9,14 @@
 #include "absl/strings/str_format.h"
 #include "nav_agent/behavior/event_log.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // Of a robot that surely moves (m or rad, m/s or rad/s).
 constexpr double kMoved = 0.02;
 constexpr double kMoves = 0.02;
 
-bool IsFinite(const BaseReading& reading) {
+bool IsFinite(const core::BaseReading& reading) {
   for (const double value :
        {reading.left_wheel_m, reading.right_wheel_m, reading.forward_mps,
         reading.yaw_rate_radps, reading.pitch_rad, reading.roll_rad}) {
@@ -25,7 +25,7 @@ bool IsFinite(const BaseReading& reading) {
   return true;
 }
 
-bool SameValues(const BaseReading& a, const BaseReading& b) {
+bool SameValues(const core::BaseReading& a, const core::BaseReading& b) {
   return a.left_wheel_m == b.left_wheel_m &&
          a.right_wheel_m == b.right_wheel_m && a.forward_mps == b.forward_mps &&
          a.yaw_rate_radps == b.yaw_rate_radps && a.pitch_rad == b.pitch_rad &&
@@ -67,13 +67,14 @@ std::string Silence(const char* device, double silent_s,
 
 }  // namespace
 
-double SameAgain::For_s(MonotonicTime stamp) const {
+double SameAgain::For_s(base::MonotonicTime stamp) const {
   return since_.has_value() ? SecondsBetween(*since_, stamp) : 0;
 }
 
-bool AcceptStamp(MonotonicTime stamp, MonotonicTime now, double timeout_s,
-                 const SensorWatchOptions& options,
-                 std::optional<MonotonicTime> newest, SensorTally& tally) {
+bool AcceptStamp(base::MonotonicTime stamp, base::MonotonicTime now,
+                 double timeout_s, const SensorWatchOptions& options,
+                 std::optional<base::MonotonicTime> newest,
+                 SensorTally& tally) {
   if (SecondsBetween(now, stamp) > options.future_s) {
     ++tally.future;
     return false;
@@ -89,11 +90,11 @@ bool AcceptStamp(MonotonicTime stamp, MonotonicTime now, double timeout_s,
   return true;
 }
 
-void LaserWatch::Poll(MonotonicTime now, double moved) {
+void LaserWatch::Poll(base::MonotonicTime now, double moved) {
   scans_.clear();
   moved_ += moved;
   const int beams = laser_->Info().beams;
-  for (LaserScan& scan : laser_->TakeScans()) {
+  for (core::LaserScan& scan : laser_->TakeScans()) {
     if (static_cast<int>(scan.ranges_m.size()) != beams ||
         ShareOfRanges(scan.ranges_m) < options_->least_ranges) {
       ++tally_.broken;
@@ -111,7 +112,7 @@ void LaserWatch::Poll(MonotonicTime now, double moved) {
   }
 }
 
-void LaserWatch::Judge(const LaserScan& scan) {
+void LaserWatch::Judge(const core::LaserScan& scan) {
   const bool is_same =
       HasRange(scan.ranges_m) && SameRanges(scan.ranges_m, last_ranges_m_);
   if (!is_same) {
@@ -127,10 +128,10 @@ void LaserWatch::Judge(const LaserScan& scan) {
   }
 }
 
-std::optional<std::string> LaserWatch::Problem(MonotonicTime begun,
-                                               MonotonicTime now) const {
-  const DeviceHealth health = laser_->Health();
-  if (health.state == DeviceState::kLost) {
+std::optional<std::string> LaserWatch::Problem(base::MonotonicTime begun,
+                                               base::MonotonicTime now) const {
+  const core::DeviceHealth health = laser_->Health();
+  if (health.state == core::DeviceState::kLost) {
     return absl::StrCat("the ", name_, " is lost: ", health.cause.message());
   }
   const double silent_s = SecondsBetween(stamp_.value_or(begun), now);
@@ -154,12 +155,13 @@ SensorWatch::SensorWatch(const NavigatorDevices& devices,
   }
 }
 
-const std::vector<LaserScan>& SensorWatch::rear_scans() const {
-  static const std::vector<LaserScan> kNone;
+const std::vector<core::LaserScan>& SensorWatch::rear_scans() const {
+  static const std::vector<core::LaserScan> kNone;
   return rear_laser_.has_value() ? rear_laser_->scans() : kNone;
 }
 
-void SensorWatch::Poll(MonotonicTime now, const VelocityCommand& command) {
+void SensorWatch::Poll(base::MonotonicTime now,
+                       const core::VelocityCommand& command) {
   now_ = now;
   if (!begun_.has_value()) begun_ = now;
   PollOdometry(now, command);
@@ -167,11 +169,11 @@ void SensorWatch::Poll(MonotonicTime now, const VelocityCommand& command) {
   if (rear_laser_.has_value()) rear_laser_->Poll(now, moved_);
 }
 
-void SensorWatch::PollOdometry(MonotonicTime now,
-                               const VelocityCommand& command) {
+void SensorWatch::PollOdometry(base::MonotonicTime now,
+                               const core::VelocityCommand& command) {
   readings_.clear();
   moved_ = 0;
-  for (const BaseReading& reading : devices_.odometry.TakeReadings()) {
+  for (const core::BaseReading& reading : devices_.odometry.TakeReadings()) {
     if (!IsFinite(reading)) {
       ++odometry_.broken;
       continue;
@@ -201,7 +203,8 @@ void SensorWatch::PollOdometry(MonotonicTime now,
   }
 }
 
-void SensorWatch::JudgeOdometry(const BaseReading& reading, bool is_same) {
+void SensorWatch::JudgeOdometry(const core::BaseReading& reading,
+                                bool is_same) {
   if (!is_same) {
     odometry_frozen_.reset();
     odometry_retries_ = 0;
@@ -224,10 +227,10 @@ void SensorWatch::JudgeOdometry(const BaseReading& reading, bool is_same) {
   }
 }
 
-std::optional<RgbdFrame> SensorWatch::TakeFrame(MonotonicTime now) {
+std::optional<core::RgbdFrame> SensorWatch::TakeFrame(base::MonotonicTime now) {
   if (devices_.camera == nullptr) return std::nullopt;
-  std::optional<RgbdFrame> newest;
-  for (RgbdFrame& frame : devices_.camera->TakeFrames()) {
+  std::optional<core::RgbdFrame> newest;
+  for (core::RgbdFrame& frame : devices_.camera->TakeFrames()) {
     // Pictures come late; what uses them asks where the robot was then.
     if (!AcceptStamp(frame.stamp, now, 2.0, options_, camera_stamp_, camera_)) {
       continue;
@@ -244,8 +247,8 @@ void SensorWatch::NoteBaseAnswer(const absl::Status& answer) {
 }
 
 std::optional<std::string> SensorWatch::OdometryProblem() const {
-  const DeviceHealth health = devices_.odometry.Health();
-  if (health.state == DeviceState::kLost) {
+  const core::DeviceHealth health = devices_.odometry.Health();
+  if (health.state == core::DeviceState::kLost) {
     return absl::StrCat("the odometry is lost: ", health.cause.message());
   }
   const double silent_s =
@@ -261,8 +264,8 @@ std::optional<std::string> SensorWatch::OdometryProblem() const {
 }
 
 std::optional<std::string> SensorWatch::BaseProblem() const {
-  const DeviceHealth health = devices_.base.Health();
-  if (health.state == DeviceState::kLost) {
+  const core::DeviceHealth health = devices_.base.Health();
+  if (health.state == core::DeviceState::kLost) {
     return absl::StrCat("the base is lost: ", health.cause.message());
   }
   if (!base_answer_.ok()) {
@@ -277,19 +280,19 @@ std::optional<std::string> SensorWatch::BaseProblem() const {
 std::vector<StopReason> SensorWatch::Problems() const {
   std::vector<StopReason> problems;
   if (!begun_.has_value()) return problems;
-  const auto add = [&problems](NavigationCause cause,
+  const auto add = [&problems](core::NavigationCause cause,
                                std::optional<std::string> text) {
     if (text.has_value()) {
       problems.push_back({.cause = cause, .text = *std::move(text)});
     }
   };
-  add(NavigationCause::kBaseLost, BaseProblem());
-  add(NavigationCause::kOdometryLost, OdometryProblem());
-  add(NavigationCause::kLaserLost, laser_.Problem(*begun_, now_));
+  add(core::NavigationCause::kBaseLost, BaseProblem());
+  add(core::NavigationCause::kOdometryLost, OdometryProblem());
+  add(core::NavigationCause::kLaserLost, laser_.Problem(*begun_, now_));
   if (rear_laser_.has_value()) {
-    add(NavigationCause::kLaserLost, rear_laser_->Problem(*begun_, now_));
+    add(core::NavigationCause::kLaserLost, rear_laser_->Problem(*begun_, now_));
   }
   return problems;
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

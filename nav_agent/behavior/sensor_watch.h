@@ -9,11 +9,11 @@
 
 #include "nav_agent/behavior/navigator.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 // Why the robot must stand.
 struct StopReason {
-  NavigationCause cause = NavigationCause::kNone;
+  core::NavigationCause cause = core::NavigationCause::kNone;
   // For people: what is wrong.
   std::string text;
 };
@@ -37,7 +37,7 @@ struct SensorWatchOptions {
 class SameAgain {
  public:
   // The measurement is, or is not, equal to the one before it.
-  void Add(bool is_same, MonotonicTime stamp) {
+  void Add(bool is_same, base::MonotonicTime stamp) {
     if (!is_same) {
       since_.reset();
     } else if (!since_.has_value()) {
@@ -45,48 +45,48 @@ class SameAgain {
     }
   }
   void Restart() { since_.reset(); }
-  double For_s(MonotonicTime stamp) const;
+  double For_s(base::MonotonicTime stamp) const;
 
  private:
-  std::optional<MonotonicTime> since_;
+  std::optional<base::MonotonicTime> since_;
 };
 
 // Counts, and says whether a measurement may be used: it is newer than
 // `newest`, and neither too old nor of the future.
-bool AcceptStamp(MonotonicTime stamp, MonotonicTime now, double timeout_s,
-                 const SensorWatchOptions& options,
-                 std::optional<MonotonicTime> newest, SensorTally& tally);
+bool AcceptStamp(base::MonotonicTime stamp, base::MonotonicTime now,
+                 double timeout_s, const SensorWatchOptions& options,
+                 std::optional<base::MonotonicTime> newest, SensorTally& tally);
 
 // One laser's scans. Not thread-safe.
 class LaserWatch {
  public:
   // `name` for people. What is given must outlive it.
-  LaserWatch(const char* name, RangeSensor& laser,
+  LaserWatch(const char* name, core::RangeSensor& laser,
              const SensorWatchOptions& options)
       : name_(name), laser_(&laser), options_(&options) {}
 
   // moved: how far the robot has moved since the last Poll (m and rad, added
   // up).
-  void Poll(MonotonicTime now, double moved);
+  void Poll(base::MonotonicTime now, double moved);
   // What can be used of it, oldest first.
-  const std::vector<LaserScan>& scans() const { return scans_; }
+  const std::vector<core::LaserScan>& scans() const { return scans_; }
   const SensorTally& tally() const { return tally_; }
   bool has_begun() const { return stamp_.has_value(); }
   // Why it is lost, if it is; begun: when somebody first listened.
-  std::optional<std::string> Problem(MonotonicTime begun,
-                                     MonotonicTime now) const;
+  std::optional<std::string> Problem(base::MonotonicTime begun,
+                                     base::MonotonicTime now) const;
 
  private:
-  void Judge(const LaserScan& scan);
+  void Judge(const core::LaserScan& scan);
 
   const char* name_;
-  RangeSensor* laser_;
+  core::RangeSensor* laser_;
   const SensorWatchOptions* options_;
-  std::vector<LaserScan> scans_;
+  std::vector<core::LaserScan> scans_;
   SensorTally tally_;
   // As it was when the last usable scan came.
   SensorTally tally_then_;
-  std::optional<MonotonicTime> stamp_;
+  std::optional<base::MonotonicTime> stamp_;
   std::vector<float> last_ranges_m_;
   SameAgain same_ranges_;
   // Since ranges stay the same.
@@ -101,14 +101,14 @@ class SensorWatch {
               const SensorWatchOptions& options);
 
   // What has arrived. command: what the base was told last.
-  void Poll(MonotonicTime now, const VelocityCommand& command);
+  void Poll(base::MonotonicTime now, const core::VelocityCommand& command);
   // What of it can be used, oldest first.
-  const std::vector<LaserScan>& scans() const { return laser_.scans(); }
+  const std::vector<core::LaserScan>& scans() const { return laser_.scans(); }
   // Of the laser that looks back; none where there is none.
-  const std::vector<LaserScan>& rear_scans() const;
-  const std::vector<BaseReading>& readings() const { return readings_; }
+  const std::vector<core::LaserScan>& rear_scans() const;
+  const std::vector<core::BaseReading>& readings() const { return readings_; }
   // The newest frame since the last call; renders pictures in simulations.
-  std::optional<RgbdFrame> TakeFrame(MonotonicTime now);
+  std::optional<core::RgbdFrame> TakeFrame(base::MonotonicTime now);
 
   // The base's answer to the last command.
   void NoteBaseAnswer(const absl::Status& answer);
@@ -127,39 +127,40 @@ class SensorWatch {
   const SensorTally& odometry() const { return odometry_; }
   const SensorTally& camera() const { return camera_; }
   // The newest usable reading.
-  const std::optional<BaseReading>& reading() const { return reading_; }
+  const std::optional<core::BaseReading>& reading() const { return reading_; }
 
  private:
-  void PollOdometry(MonotonicTime now, const VelocityCommand& command);
-  void JudgeOdometry(const BaseReading& reading, bool is_same);
+  void PollOdometry(base::MonotonicTime now,
+                    const core::VelocityCommand& command);
+  void JudgeOdometry(const core::BaseReading& reading, bool is_same);
   std::optional<std::string> OdometryProblem() const;
   std::optional<std::string> BaseProblem() const;
 
   NavigatorDevices devices_;
   SensorWatchOptions options_;
-  MonotonicTime now_;
-  std::optional<MonotonicTime> begun_;
+  base::MonotonicTime now_;
+  std::optional<base::MonotonicTime> begun_;
 
   LaserWatch laser_;
   std::optional<LaserWatch> rear_laser_;
-  std::vector<BaseReading> readings_;
+  std::vector<core::BaseReading> readings_;
   SensorTally odometry_;
   SensorTally camera_;
   // As it was when the last usable reading came.
   SensorTally odometry_then_;
-  std::optional<MonotonicTime> odometry_stamp_;
-  std::optional<MonotonicTime> camera_stamp_;
+  std::optional<base::MonotonicTime> odometry_stamp_;
+  std::optional<base::MonotonicTime> camera_stamp_;
 
   // In the readings of the last Poll (m and rad, added up).
   double moved_ = 0;
-  std::optional<BaseReading> reading_;
+  std::optional<core::BaseReading> reading_;
   SameAgain same_readings_;
-  std::optional<MonotonicTime> odometry_frozen_;
+  std::optional<base::MonotonicTime> odometry_frozen_;
   int odometry_retries_ = 0;
 
   absl::Status base_answer_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_SENSOR_WATCH_H_

@@ -10,34 +10,34 @@
 #include "common/base/clock.h"
 #include "nav_agent/core/devices.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
-class ManualClock final : public Clock {
+class ManualClock final : public base::Clock {
  public:
-  MonotonicTime Now() const override { return now_; }
+  base::MonotonicTime Now() const override { return now_; }
   void Advance_s(double seconds) {
     now_ += std::chrono::nanoseconds(std::llround(seconds * 1e9));
   }
 
  private:
-  MonotonicTime now_{std::chrono::seconds(100)};
+  base::MonotonicTime now_{std::chrono::seconds(100)};
 };
 
 template <typename Port, typename T>
 class FakeSensor : public Port {
  public:
-  DeviceHealth Health() const override { return health; }
+  core::DeviceHealth Health() const override { return health; }
 
   std::vector<T> waiting;
-  DeviceHealth health = {.state = DeviceState::kRunning};
+  core::DeviceHealth health = {.state = core::DeviceState::kRunning};
 
  protected:
   std::vector<T> TakeAll() { return std::exchange(waiting, {}); }
 };
 
-class FakeLaser final : public FakeSensor<RangeSensor, LaserScan> {
+class FakeLaser final : public FakeSensor<core::RangeSensor, core::LaserScan> {
  public:
-  RangeSensorInfo Info() const override {
+  core::RangeSensorInfo Info() const override {
     return {.angle_min_rad = -1.5,
             .angle_increment_rad = 0.1,
             .beams = 31,
@@ -46,40 +46,41 @@ class FakeLaser final : public FakeSensor<RangeSensor, LaserScan> {
             .beam_interval_s = 0,
             .scan_interval_s = 0.025};
   }
-  std::vector<LaserScan> TakeScans() override { return TakeAll(); }
+  std::vector<core::LaserScan> TakeScans() override { return TakeAll(); }
 };
 
-class FakeOdometry final : public FakeSensor<Odometry, BaseReading> {
+class FakeOdometry final
+    : public FakeSensor<core::Odometry, core::BaseReading> {
  public:
-  std::vector<BaseReading> TakeReadings() override { return TakeAll(); }
+  std::vector<core::BaseReading> TakeReadings() override { return TakeAll(); }
 };
 
-class FakeCamera final : public FakeSensor<RgbdCamera, RgbdFrame> {
+class FakeCamera final : public FakeSensor<core::RgbdCamera, core::RgbdFrame> {
  public:
-  RgbdCalibration Calibration() const override { return {}; }
-  std::vector<RgbdFrame> TakeFrames() override {
+  camera::RgbdCalibration Calibration() const override { return {}; }
+  std::vector<core::RgbdFrame> TakeFrames() override {
     ++takes;
     return TakeAll();
   }
   int takes = 0;
 };
 
-class FakeBase final : public BaseDriver {
+class FakeBase final : public core::BaseDriver {
  public:
-  absl::Status SetVelocity(const VelocityCommand& command) override {
+  absl::Status SetVelocity(const core::VelocityCommand& command) override {
     if (!answer.ok()) return answer;
     commands.push_back(command);
     return absl::OkStatus();
   }
   void Stop() override { ++stops; }
-  DeviceHealth Health() const override { return health; }
+  core::DeviceHealth Health() const override { return health; }
 
   absl::Status answer;
-  DeviceHealth health = {.state = DeviceState::kRunning};
-  std::vector<VelocityCommand> commands;
+  core::DeviceHealth health = {.state = core::DeviceState::kRunning};
+  std::vector<core::VelocityCommand> commands;
   int stops = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_TESTING_DEVICES_H_

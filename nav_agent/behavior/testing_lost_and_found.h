@@ -14,13 +14,14 @@
 #include "nav_agent/behavior/lost_and_found.h"
 #include "nav_agent/behavior/testing_recovery.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 class LostAndFoundTest : public testing::Test {
  protected:
   LostAndFoundTest() {
     tracker_.now = At(100);
-    tracker_.believed = LevelPose{.map_from_base = {{10, 1}, 2}, .place = {}};
+    tracker_.believed =
+        core::LevelPose{.map_from_base = {{10, 1}, 2}, .place = {}};
     server_.answers = {[this] { return Truth(0.97); }};
     Make();
   }
@@ -28,26 +29,26 @@ class LostAndFoundTest : public testing::Test {
     lost_ = *LostAndFound::Create(map_, robot_, tracker_, &server_, options_);
   }
 
-  RelocalizationAnswer AnswerAt(const Rigid3& map_from_base,
-                                double confidence) const {
-    RelocalizationAnswer answer;
+  core::RelocalizationAnswer AnswerAt(const geometry::Rigid3& map_from_base,
+                                      double confidence) const {
+    core::RelocalizationAnswer answer;
     answer.localized = true;
     answer.confidence = confidence;
     answer.map_from_camera = map_from_base * robot_.base_from_camera;
     for (size_t i = 0; i < 36; i += 7) answer.covariance[i] = 1e-4;
     return answer;
   }
-  RelocalizationAnswer Truth(double confidence) const {
+  core::RelocalizationAnswer Truth(double confidence) const {
     return AnswerAt(Lift(tracker_.truth, 0.02), confidence);
   }
   void BeLost() {
-    tracker_.lost_verdict.state = LostState::kLost;
+    tracker_.lost_verdict.state = localization::LostState::kLost;
     tracker_.lost_verdict.probability = 0.99;
   }
   RecoveryState Step() {
     tracker_.now += std::chrono::milliseconds(25);
     if (has_camera_) {
-      RgbdFrame frame;
+      core::RgbdFrame frame;
       frame.stamp = tracker_.now;
       lost_->AddFrame(frame);
     }
@@ -57,7 +58,7 @@ class LostAndFoundTest : public testing::Test {
                      .can_turn = can_turn_,
                      .free_ahead_m = free_ahead_m_});
     // What the collision stop lets through.
-    VelocityCommand moves = output.wanted;
+    core::VelocityCommand moves = output.wanted;
     const double yaw_rad = tracker_.odom_from_base.yaw_rad;
     const bool is_blocked =
         !can_turn_ && (yaw_rad + kStep_s * moves.yaw_rate_radps > swings_rad_ ||
@@ -80,13 +81,14 @@ class LostAndFoundTest : public testing::Test {
     return lost_->state();
   }
   double Error_m() const {
-    return Norm(tracker_.believed->map_from_base.translation -
-                tracker_.truth.translation);
+    return geometry::Norm(tracker_.believed->map_from_base.translation -
+                          tracker_.truth.translation);
   }
 
-  RobotModel robot_;
-  std::shared_ptr<const NavigationMap> map_ =
-      std::make_shared<const NavigationMap>(*NavigationMap::Make(TwoRooms()));
+  core::RobotModel robot_;
+  std::shared_ptr<const traversability::NavigationMap> map_ =
+      std::make_shared<const traversability::NavigationMap>(
+          *traversability::NavigationMap::Make(TwoRooms()));
   FakeTracker tracker_;
   FakeServer server_{tracker_};
   LostAndFoundOptions options_;
@@ -100,6 +102,6 @@ class LostAndFoundTest : public testing::Test {
   double free_ahead_m_ = 2;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_TESTING_LOST_AND_FOUND_H_

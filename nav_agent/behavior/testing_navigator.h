@@ -12,7 +12,7 @@
 #include "nav_agent/behavior/testing_devices.h"
 #include "nav_agent/behavior/testing_parts.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 class NavigatorFixture : public testing::Test {
  protected:
@@ -34,7 +34,7 @@ class NavigatorFixture : public testing::Test {
     parts.tracker = std::move(tracker_part);
     parts.lost = std::move(lost_part);
     auto made =
-        AssembleNavigator(std::move(parts), RobotModel{},
+        AssembleNavigator(std::move(parts), core::RobotModel{},
                           {.laser = laser,
                            .odometry = odometry,
                            .base = base,
@@ -54,7 +54,7 @@ class NavigatorFixture : public testing::Test {
 
   void Measure() {
     if (laser_runs) {
-      LaserScan scan;
+      core::LaserScan scan;
       scan.stamp = clock.Now();
       // Never twice the same, as of a real one.
       scan.ranges_m.assign(
@@ -62,7 +62,7 @@ class NavigatorFixture : public testing::Test {
       laser.waiting.push_back(std::move(scan));
     }
     if (rear_laser_runs) {
-      LaserScan scan;
+      core::LaserScan scan;
       scan.stamp = clock.Now();
       scan.ranges_m.assign(31, 4.0f + 1e-4f * static_cast<float>(++scans_));
       rear_laser.waiting.push_back(std::move(scan));
@@ -83,7 +83,7 @@ class NavigatorFixture : public testing::Test {
       }
     }
   }
-  uint64_t Send(std::vector<LevelPose> poses) {
+  uint64_t Send(std::vector<core::LevelPose> poses) {
     const absl::StatusOr<uint64_t> id =
         navigator->SetGoal({.poses = std::move(poses)});
     EXPECT_TRUE(id.ok()) << id.status();
@@ -91,8 +91,9 @@ class NavigatorFixture : public testing::Test {
   }
   GoalStatus Goal() { return navigator->goal().value_or(GoalStatus{}); }
   NavigatorMode mode() { return navigator->mode(); }
-  VelocityCommand Last() {
-    return base.commands.empty() ? VelocityCommand{} : base.commands.back();
+  core::VelocityCommand Last() {
+    return base.commands.empty() ? core::VelocityCommand{}
+                                 : base.commands.back();
   }
   int Count(const std::string& kind, const std::string& part) {
     int count = 0;
@@ -115,7 +116,7 @@ class NavigatorFixture : public testing::Test {
   FakeLost* lost = nullptr;
   std::unique_ptr<Navigator> navigator;
   std::vector<NavigatorEvent> events;
-  BaseReading reading;
+  core::BaseReading reading;
   double pitch = 0;
   bool has_rear_laser = false;
   float laser_range_m = 3;
@@ -128,6 +129,6 @@ class NavigatorFixture : public testing::Test {
   int readings_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_TESTING_NAVIGATOR_H_

@@ -14,31 +14,33 @@
 
 #include "nav_agent/behavior/lost_and_found.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 inline constexpr double kStep_s = 0.025;
-inline constexpr PoseCovariance2 kCovariance = {0.01, 0, 0, 0,    0.01,
-                                                0,    0, 0, 0.002};
+inline constexpr localization::PoseCovariance2 kCovariance = {
+    0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.002};
 
-inline MonotonicTime At(double seconds) {
-  return MonotonicTime() + std::chrono::duration_cast<MonotonicTime::duration>(
-                               std::chrono::duration<double>(seconds));
+inline base::MonotonicTime At(double seconds) {
+  return base::MonotonicTime() +
+         std::chrono::duration_cast<base::MonotonicTime::duration>(
+             std::chrono::duration<double>(seconds));
 }
 
-inline Rigid3 Lift(const Rigid2& pose, double height_m) {
-  return {.rotation = Rotation3::FromAxisAngle({0, 0, pose.yaw_rad}),
+inline geometry::Rigid3 Lift(const geometry::Rigid2& pose, double height_m) {
+  return {.rotation = geometry::Rotation3::FromAxisAngle({0, 0, pose.yaw_rad}),
           .translation = {pose.translation.x, pose.translation.y, height_m}};
 }
 
 // Two rooms of 6 x 6 m with a wall between them, floor at 0.
-inline TraversableMap TwoRooms() {
-  TraversableLevel level;
-  level.grid = OccupancyGrid::Filled(260, 120, 0.05, {}, Occupancy::kFree);
+inline traversability::TraversableMap TwoRooms() {
+  traversability::TraversableLevel level;
+  level.grid =
+      core::OccupancyGrid::Filled(260, 120, 0.05, {}, core::Occupancy::kFree);
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 260; ++x) {
       const bool is_wall =
           x < 2 || y < 2 || x >= 258 || y >= 118 || (x >= 120 && x < 140);
-      if (is_wall) level.grid.Set({x, y}, Occupancy::kOccupied);
+      if (is_wall) level.grid.Set({x, y}, core::Occupancy::kOccupied);
     }
   }
   level.height_m.assign(level.grid.cells.size(), -0.025f);
@@ -49,37 +51,37 @@ inline TraversableMap TwoRooms() {
 
 // A robot that turns as it is told, and knows the truth: how well scans fit
 // falls with the distance from it.
-class FakeTracker final : public RobotTracker {
+class FakeTracker final : public localization::RobotTracker {
  public:
-  Rigid2 truth = {{2, 3}, 0.5};
-  Rigid2 odom_from_base;
-  std::optional<LevelPose> believed;
-  LostVerdict lost_verdict;
-  MonotonicTime now;
-  VelocityCommand moves;
+  geometry::Rigid2 truth = {{2, 3}, 0.5};
+  geometry::Rigid2 odom_from_base;
+  std::optional<core::LevelPose> believed;
+  localization::LostVerdict lost_verdict;
+  base::MonotonicTime now;
+  core::VelocityCommand moves;
   // How many times particles were spread, and places told.
   int spread = 0;
   int told = 0;
   bool searches = false;
   // AMCL finds this so long after it was spread (s).
   double finds_after_s = 5;
-  std::optional<Rigid2> finds;
-  MonotonicTime spread_at;
+  std::optional<geometry::Rigid2> finds;
+  base::MonotonicTime spread_at;
   // Where scans fit as well as at the truth.
-  std::optional<Rigid2> alias;
+  std::optional<geometry::Rigid2> alias;
   // A search over the map takes so many steps.
   int search_steps = 1;
   // Over the whole map it finds the truth, or this instead.
   bool laser_knows = false;
-  std::optional<Rigid2> laser_says;
+  std::optional<geometry::Rigid2> laser_says;
   double tilt_rad = 0;
   int judged = 100;
   double best_fit = 0.95;
 
-  void Move(double seconds, const VelocityCommand& command) {
+  void Move(double seconds, const core::VelocityCommand& command) {
     moves = command;
-    const Rigid2 step = {{seconds * command.forward_mps, 0},
-                         seconds * command.yaw_rate_radps};
+    const geometry::Rigid2 step = {{seconds * command.forward_mps, 0},
+                                   seconds * command.yaw_rate_radps};
     odom_from_base = odom_from_base * step;
     truth = truth * step;
     if (alias.has_value()) alias = *alias * step;
@@ -91,56 +93,63 @@ class FakeTracker final : public RobotTracker {
         std::chrono::duration<double>(now - spread_at).count() >
             finds_after_s) {
       searches = false;
-      believed = LevelPose{.map_from_base = *finds, .place = {}};
+      believed = core::LevelPose{.map_from_base = *finds, .place = {}};
     }
   }
 
-  absl::Status AddReading(const BaseReading&) override {
+  absl::Status AddReading(const core::BaseReading&) override {
     return absl::OkStatus();
   }
-  absl::Status AddScan(const LaserScan&) override { return absl::OkStatus(); }
-  absl::Status SetPose(const LevelPose& pose, const PoseCovariance2&,
-                       MonotonicTime) override {
+  absl::Status AddScan(const core::LaserScan&) override {
+    return absl::OkStatus();
+  }
+  absl::Status SetPose(const core::LevelPose& pose,
+                       const localization::PoseCovariance2&,
+                       base::MonotonicTime) override {
     believed = pose;
     searches = false;
     lost_verdict = {};
     ++told;
     return absl::OkStatus();
   }
-  void SetAnywhere(MonotonicTime when) override {
+  void SetAnywhere(base::MonotonicTime when) override {
     ++spread;
     searches = true;
     spread_at = when;
     lost_verdict = {};
-    if (!believed.has_value()) believed = LevelPose();
+    if (!believed.has_value()) believed = core::LevelPose();
   }
-  std::optional<TrackedPose> Pose() const override {
+  std::optional<localization::TrackedPose> Pose() const override {
     if (!believed.has_value()) return std::nullopt;
-    return TrackedPose{.stamp = now,
-                       .pose = *believed,
-                       .covariance = kCovariance,
-                       .level_from_base = {},
-                       .forward_mps = moves.forward_mps,
-                       .yaw_rate_radps = moves.yaw_rate_radps,
-                       .share = searches ? 0.1 : 1.0,
-                       .is_searching = searches};
+    return localization::TrackedPose{.stamp = now,
+                                     .pose = *believed,
+                                     .covariance = kCovariance,
+                                     .level_from_base = {},
+                                     .forward_mps = moves.forward_mps,
+                                     .yaw_rate_radps = moves.yaw_rate_radps,
+                                     .share = searches ? 0.1 : 1.0,
+                                     .is_searching = searches};
   }
-  std::optional<TrackedPose> PoseAt(MonotonicTime) const override {
+  std::optional<localization::TrackedPose> PoseAt(
+      base::MonotonicTime) const override {
     return Pose();
   }
-  std::optional<TrackedMotion> Motion() const override {
-    return TrackedMotion{
+  std::optional<localization::TrackedMotion> Motion() const override {
+    return localization::TrackedMotion{
         .stamp = now,
         .odom_from_base = odom_from_base,
-        .level_from_base = Rotation3::FromAxisAngle({0, tilt_rad, 0}),
+        .level_from_base = geometry::Rotation3::FromAxisAngle({0, tilt_rad, 0}),
         .forward_mps = moves.forward_mps,
         .yaw_rate_radps = moves.yaw_rate_radps};
   }
-  std::optional<TrackedMotion> MotionAt(MonotonicTime) const override {
+  std::optional<localization::TrackedMotion> MotionAt(
+      base::MonotonicTime) const override {
     return Motion();
   }
-  const LostVerdict& verdict() const override { return lost_verdict; }
-  std::optional<ScanFit> FitAt(const LevelPose& pose) const override {
+  const localization::LostVerdict& verdict() const override {
+    return lost_verdict;
+  }
+  std::optional<ScanFit> FitAt(const core::LevelPose& pose) const override {
     double off_m = Off_m(pose.map_from_base, truth);
     if (alias.has_value()) {
       off_m = std::min(off_m, Off_m(pose.map_from_base, *alias));
@@ -149,7 +158,7 @@ class FakeTracker final : public RobotTracker {
                    .contradicted = std::min(0.5, 0.01 + 0.4 * off_m),
                    .judged = judged};
   }
-  void BeginOtherPlaces(const std::optional<LevelPose>& than) override {
+  void BeginOtherPlaces(const std::optional<core::LevelPose>& than) override {
     looks_everywhere_ = !than.has_value();
     search_steps_left_ = search_steps;
     looked_at_truth_ = truth;
@@ -172,13 +181,13 @@ class FakeTracker final : public RobotTracker {
     }
     return places;
   }
-  std::optional<MonotonicTime> ScanStamp() const override {
+  std::optional<base::MonotonicTime> ScanStamp() const override {
     // Ten times a second.
     const auto tenth = std::chrono::milliseconds(100);
-    return MonotonicTime() + (now.time_since_epoch() / tenth) * tenth;
+    return base::MonotonicTime() + (now.time_since_epoch() / tenth) * tenth;
   }
-  std::vector<Vec2> ScanInBase() const override {
-    std::vector<Vec2> ends;
+  std::vector<geometry::Vec2> ScanInBase() const override {
+    std::vector<geometry::Vec2> ends;
     for (int i = -135; i <= 135; ++i) {
       const double angle_rad = i * 0.01745;
       const double range_m = 2 + 1.5 * std::sin(5 * angle_rad);
@@ -187,24 +196,28 @@ class FakeTracker final : public RobotTracker {
     }
     return ends;
   }
-  std::vector<Particle> Particles(size_t) const override { return {}; }
-  std::vector<PlaceCandidate> Candidates(size_t) const override { return {}; }
+  std::vector<localization::Particle> Particles(size_t) const override {
+    return {};
+  }
+  std::vector<localization::PlaceCandidate> Candidates(size_t) const override {
+    return {};
+  }
   int64_t dropped() const override { return 0; }
 
  private:
-  static double Off_m(const Rigid2& a, const Rigid2& b) {
-    return Norm(a.translation - b.translation) +
-           std::abs(NormalizedAngle_rad(a.yaw_rad - b.yaw_rad));
+  static double Off_m(const geometry::Rigid2& a, const geometry::Rigid2& b) {
+    return geometry::Norm(a.translation - b.translation) +
+           std::abs(geometry::NormalizedAngle_rad(a.yaw_rad - b.yaw_rad));
   }
   bool looks_everywhere_ = false;
   int search_steps_left_ = 0;
-  Rigid2 looked_at_truth_;
+  geometry::Rigid2 looked_at_truth_;
 };
 
 // Answers from a list, then with the last again.
-class FakeServer final : public RelocalizationPort {
+class FakeServer final : public core::RelocalizationPort {
  public:
-  using Answer = absl::StatusOr<RelocalizationAnswer>;
+  using Answer = absl::StatusOr<core::RelocalizationAnswer>;
   explicit FakeServer(FakeTracker& tracker) : tracker_(tracker) {}
 
   std::vector<std::function<Answer()>> answers;
@@ -212,7 +225,7 @@ class FakeServer final : public RelocalizationPort {
   int asked = 0;
   std::vector<double> yaws_rad;
 
-  void Ask(const RgbdFrame&, double timeout_s) override {
+  void Ask(const core::RgbdFrame&, double timeout_s) override {
     is_asking_ = true;
     timeout_s_ = timeout_s;
     asked_at_ = tracker_.now;
@@ -239,9 +252,9 @@ class FakeServer final : public RelocalizationPort {
   FakeTracker& tracker_;
   bool is_asking_ = false;
   double timeout_s_ = 0;
-  MonotonicTime asked_at_;
+  base::MonotonicTime asked_at_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_TESTING_RECOVERY_H_

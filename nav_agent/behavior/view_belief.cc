@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // Half of an Xtion's field of view.
@@ -47,7 +47,7 @@ double PriorOf(const std::vector<double>& ranges_m) {
 
 }  // namespace
 
-void ViewBelief::Begin(const Rigid2& odom_from_base) {
+void ViewBelief::Begin(const geometry::Rigid2& odom_from_base) {
   here_ = odom_from_base;
   prior_.fill(kUnseen);
   is_seen_.fill(false);
@@ -55,35 +55,36 @@ void ViewBelief::Begin(const Rigid2& odom_from_base) {
   known_.fill(0);
 }
 
-double ViewBelief::MovedFrom_m(const Rigid2& odom_from_base) const {
+double ViewBelief::MovedFrom_m(const geometry::Rigid2& odom_from_base) const {
   return here_.has_value()
-             ? Norm(odom_from_base.translation - here_->translation)
+             ? geometry::Norm(odom_from_base.translation - here_->translation)
              : 0;
 }
 
-void ViewBelief::AddScan(const Rigid2& odom_from_base,
-                         const std::vector<Vec2>& ends) {
+void ViewBelief::AddScan(const geometry::Rigid2& odom_from_base,
+                         const std::vector<geometry::Vec2>& ends) {
   if (ends.empty()) return;
   double first_rad = 10;
   double last_rad = -10;
-  for (const Vec2 end : ends) {
+  for (const geometry::Vec2 end : ends) {
     const double angle_rad = std::atan2(end.y, end.x);
     first_rad = std::min(first_rad, angle_rad);
     last_rad = std::max(last_rad, angle_rad);
   }
   for (size_t i = 0; i < kDirections; ++i) {
     const double middle_rad =
-        NormalizedAngle_rad(DirectionOf(i) - odom_from_base.yaw_rad);
+        geometry::NormalizedAngle_rad(DirectionOf(i) - odom_from_base.yaw_rad);
     // Only what was seen whole.
     if (middle_rad - kHalfView_rad < first_rad - 0.1 ||
         middle_rad + kHalfView_rad > last_rad + 0.1) {
       continue;
     }
     std::vector<double> ranges_m;
-    for (const Vec2 end : ends) {
+    for (const geometry::Vec2 end : ends) {
       const double away_rad =
-          NormalizedAngle_rad(std::atan2(end.y, end.x) - middle_rad);
-      if (std::abs(away_rad) <= kHalfView_rad) ranges_m.push_back(Norm(end));
+          geometry::NormalizedAngle_rad(std::atan2(end.y, end.x) - middle_rad);
+      if (std::abs(away_rad) <= kHalfView_rad)
+        ranges_m.push_back(geometry::Norm(end));
     }
     const double prior = PriorOf(ranges_m);
     prior_[i] = is_seen_[i] ? std::max(prior_[i], prior) : prior;
@@ -94,7 +95,8 @@ void ViewBelief::AddScan(const Rigid2& odom_from_base,
 void ViewBelief::AddAnswer(double yaw_in_odom_rad, double promise) {
   for (size_t i = 0; i < kDirections; ++i) {
     const double away =
-        NormalizedAngle_rad(DirectionOf(i) - yaw_in_odom_rad) / kShared_rad;
+        geometry::NormalizedAngle_rad(DirectionOf(i) - yaw_in_odom_rad) /
+        kShared_rad;
     const double share = std::exp(-0.5 * away * away);
     const double sum = known_[i] + share;
     promise_[i] = (promise_[i] * known_[i] + promise * share) / sum;
@@ -124,7 +126,7 @@ std::optional<double> ViewBelief::Next(double yaw_in_odom_rad,
     double chance = Chance(direction_rad);
     if (near_rad.has_value()) {
       const double away =
-          (std::abs(NormalizedAngle_rad(direction_rad - *near_rad)) -
+          (std::abs(geometry::NormalizedAngle_rad(direction_rad - *near_rad)) -
            kSecondView_rad) /
           0.3;
       // Not where it has looked already.
@@ -133,14 +135,14 @@ std::optional<double> ViewBelief::Next(double yaw_in_odom_rad,
     }
     if (chance < least) continue;
     const double value =
-        chance - kTurnCost * std::abs(NormalizedAngle_rad(direction_rad -
-                                                          yaw_in_odom_rad));
+        chance - kTurnCost * std::abs(geometry::NormalizedAngle_rad(
+                                 direction_rad - yaw_in_odom_rad));
     if (value > best) {
       best = value;
-      best_rad = NormalizedAngle_rad(direction_rad);
+      best_rad = geometry::NormalizedAngle_rad(direction_rad);
     }
   }
   return best_rad;
 }
 
-}  // namespace treeline
+}  // namespace treeline::behavior

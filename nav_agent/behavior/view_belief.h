@@ -10,7 +10,7 @@
 
 #include "common/geometry/rigid2.h"
 
-namespace treeline {
+namespace treeline::behavior {
 
 // The probability that a picture localizes, for each of 24 directions around
 // where the robot stands, in the frame of its odometry. It begins with what the
@@ -23,14 +23,15 @@ class ViewBelief {
   static constexpr size_t kDirections = 24;
 
   // Forgets all answers: the robot stands elsewhere.
-  void Begin(const Rigid2& odom_from_base);
+  void Begin(const geometry::Rigid2& odom_from_base);
   bool has_begun() const { return here_.has_value(); }
   // How far the robot has moved since, without turns (m).
-  double MovedFrom_m(const Rigid2& odom_from_base) const;
+  double MovedFrom_m(const geometry::Rigid2& odom_from_base) const;
 
   // What the laser sees, in the base's frame; directions that it has not seen
   // yet get their prior, seen ones the better of both.
-  void AddScan(const Rigid2& odom_from_base, const std::vector<Vec2>& ends);
+  void AddScan(const geometry::Rigid2& odom_from_base,
+               const std::vector<geometry::Vec2>& ends);
   // A picture was asked about; `promise` in [0, 1] is how near the answer was
   // to being believed (its confidence; less if it was refused).
   void AddAnswer(double yaw_in_odom_rad, double promise);
@@ -45,7 +46,7 @@ class ViewBelief {
   double Chance(double yaw_in_odom_rad) const;
 
  private:
-  std::optional<Rigid2> here_;
+  std::optional<geometry::Rigid2> here_;
   std::array<double, kDirections> prior_{};
   std::array<bool, kDirections> is_seen_{};
   // Of answers: what they promise, and how much is known.
@@ -53,6 +54,6 @@ class ViewBelief {
   std::array<double, kDirections> known_{};
 };
 
-}  // namespace treeline
+}  // namespace treeline::behavior
 
 #endif  // NAV_AGENT_BEHAVIOR_VIEW_BELIEF_H_

@@ -5,12 +5,12 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::behavior {
 namespace {
 
 // A wall 0.5 m to the left, things at 2 to 4 m to the right, nothing elsewhere.
-std::vector<Vec2> Scan() {
-  std::vector<Vec2> ends;
+std::vector<geometry::Vec2> Scan() {
+  std::vector<geometry::Vec2> ends;
   for (int i = -130; i <= 130; ++i) {
     const double angle_rad = i * 0.01745;
     double range_m = 12;
@@ -39,7 +39,8 @@ TEST(ViewBelief, DoesNotAskTwiceInADirectionThatSaidNothing) {
   const double first_rad = *belief.Next(0, std::nullopt, 0.05);
   belief.AddAnswer(first_rad, 0.03);
   const double second_rad = *belief.Next(first_rad, std::nullopt, 0.05);
-  EXPECT_GT(std::abs(NormalizedAngle_rad(second_rad - first_rad)), 0.4);
+  EXPECT_GT(std::abs(geometry::NormalizedAngle_rad(second_rad - first_rad)),
+            0.4);
 }
 
 TEST(ViewBelief, GivesUpWhenAllDirectionsSaidNothing) {
@@ -85,4 +86,4 @@ TEST(ViewBelief, WhereTheSecondViewSaidNothingItDoesNotLookAgain) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::behavior

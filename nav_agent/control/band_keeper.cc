@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 constexpr double kStop_m = 0.1;
@@ -19,11 +19,11 @@ constexpr double kAside_m = 1.2;
 class CostmapSpace final : public BandSpace {
  public:
   explicit CostmapSpace(const LocalCostmap& costmap) : costmap_(&costmap) {}
-  double FreeDistance_m(const Rigid2& map_from_base,
+  double FreeDistance_m(const geometry::Rigid2& map_from_base,
                         double at_most_m) const override {
     return costmap_->FootprintDistance_m(map_from_base, at_most_m);
   }
-  Vec2 Away(Vec2 point_in_map) const override {
+  geometry::Vec2 Away(geometry::Vec2 point_in_map) const override {
     return costmap_->Away(point_in_map);
   }
 
@@ -33,7 +33,7 @@ class CostmapSpace final : public BandSpace {
 
 }  // namespace
 
-void BandKeeper::SetPath(const std::vector<LevelPose>& path) {
+void BandKeeper::SetPath(const std::vector<core::LevelPose>& path) {
   progress_.SetPath(path);
   band_.Clear();
   end_along_m_ = 0;
@@ -49,8 +49,9 @@ std::vector<BandKeeper::Stop> BandKeeper::StopsAhead(
        ahead_m += kStop_m) {
     const bool is_end = from_m + ahead_m >= length_m - kEnd_m;
     const double along_m = is_end ? length_m : from_m + ahead_m;
-    const LevelPose pose = is_end ? progress_.goal() : progress_.At(along_m);
-    const Rigid2& at = pose.map_from_base;
+    const core::LevelPose pose =
+        is_end ? progress_.goal() : progress_.At(along_m);
+    const geometry::Rigid2& at = pose.map_from_base;
     if (!costmap.Contains(at.translation, options_.inset_m)) break;
     stops.push_back(
         {.along_m = along_m,
@@ -62,8 +63,9 @@ std::vector<BandKeeper::Stop> BandKeeper::StopsAhead(
   return stops;
 }
 
-void BandKeeper::Renew(const LevelPose& pose, const std::vector<Stop>& stops) {
-  std::vector<Rigid2> line = {pose.map_from_base};
+void BandKeeper::Renew(const core::LevelPose& pose,
+                       const std::vector<Stop>& stops) {
+  std::vector<geometry::Rigid2> line = {pose.map_from_base};
   end_along_m_ = progress_.along_m();
   for (size_t i = 0; i < stops.size(); ++i) {
     const bool is_last = i + 1 == stops.size();
@@ -89,13 +91,14 @@ void BandKeeper::CarryOn(const std::vector<Stop>& stops) {
   }
 }
 
-bool BandKeeper::Mend(const LevelPose& pose, const std::vector<Stop>& stops,
+bool BandKeeper::Mend(const core::LevelPose& pose,
+                      const std::vector<Stop>& stops,
                       const LocalCostmap& costmap) {
   if (rest_ > 0) {
     --rest_;
     return false;
   }
-  std::vector<Vec2> ends;
+  std::vector<geometry::Vec2> ends;
   std::vector<double> costs;
   std::vector<size_t> which;
   for (size_t i = 0; i < stops.size(); ++i) {
@@ -115,7 +118,8 @@ bool BandKeeper::Mend(const LevelPose& pose, const std::vector<Stop>& stops,
       !stops.empty() && stops.back().along_m >= progress_.length_m() - kEnd_m;
   if (ends.empty() && !stops.empty() && !ends_at_goal) {
     for (double aside_m = -kAside_m; aside_m <= kAside_m; aside_m += kStop_m) {
-      const Vec2 end = stops.back().map_from_base * Vec2{0, aside_m};
+      const geometry::Vec2 end =
+          stops.back().map_from_base * geometry::Vec2{0, aside_m};
       if (!costmap.Contains(end, options_.search.inset_m) ||
           costmap.Distance_m(end) < options_.search.clearance_m) {
         continue;
@@ -134,17 +138,18 @@ bool BandKeeper::Mend(const LevelPose& pose, const std::vector<Stop>& stops,
     rest_ = kRestSteps;
     return false;
   }
-  std::vector<Rigid2> line = {pose.map_from_base};
-  for (const Vec2& point : way.points_in_map) {
-    if (Norm(point - line.back().translation) < 0.6 * options_.spacing_m) {
+  std::vector<geometry::Rigid2> line = {pose.map_from_base};
+  for (const geometry::Vec2& point : way.points_in_map) {
+    if (geometry::Norm(point - line.back().translation) <
+        0.6 * options_.spacing_m) {
       continue;
     }
     line.push_back({.translation = point, .yaw_rad = 0});
   }
   for (size_t i = which[way.end]; i < stops.size(); ++i) {
     if (i > which[way.end] && i + 1 < stops.size() &&
-        Norm(stops[i].map_from_base.translation - line.back().translation) <
-            options_.spacing_m) {
+        geometry::Norm(stops[i].map_from_base.translation -
+                       line.back().translation) < options_.spacing_m) {
       continue;
     }
     line.push_back(stops[i].map_from_base);
@@ -160,17 +165,20 @@ BandTrack BandKeeper::TrackOf(size_t whole_bubbles,
   BandTrack track;
   const std::vector<BandBubble>& bubbles = band_.bubbles();
   for (size_t i = 0; i < whole_bubbles; ++i) {
-    const Vec2 to = bubbles[i].map_from_base.translation;
-    const Vec2 from = i == 0 ? to : bubbles[i - 1].map_from_base.translation;
-    const int pieces = std::max(
-        1, static_cast<int>(std::lround(Norm(to - from) / kTrackStep_m)));
+    const geometry::Vec2 to = bubbles[i].map_from_base.translation;
+    const geometry::Vec2 from =
+        i == 0 ? to : bubbles[i - 1].map_from_base.translation;
+    const int pieces =
+        std::max(1, static_cast<int>(
+                        std::lround(geometry::Norm(to - from) / kTrackStep_m)));
     for (int piece = i == 0 ? pieces : 1; piece <= pieces; ++piece) {
       const double part = static_cast<double>(piece) / pieces;
       TrackPoint point = {.in_map = from + part * (to - from)};
       point.clearance_m = i == 0 ? bubbles[0].radius_m
                                  : (1 - part) * bubbles[i - 1].radius_m +
                                        part * bubbles[i].radius_m;
-      const std::optional<LevelPlace> ground = costmap.GroundAt(point.in_map);
+      const std::optional<core::LevelPlace> ground =
+          costmap.GroundAt(point.in_map);
       if (ground.has_value()) {
         point.slope_rad = map_->SlopeAt_rad(ground->level, point.in_map);
       }
@@ -180,7 +188,7 @@ BandTrack BandKeeper::TrackOf(size_t whole_bubbles,
   return track;
 }
 
-BandTrack BandKeeper::Update(const LevelPose& pose,
+BandTrack BandKeeper::Update(const core::LevelPose& pose,
                              const LocalCostmap& costmap) {
   progress_.Follow(pose);
   const CostmapSpace space(costmap);
@@ -229,4 +237,4 @@ BandTrack BandKeeper::Update(const LevelPose& pose,
   return track;
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

@@ -14,7 +14,7 @@
 #include "nav_agent/control/track_follower.h"
 #include "nav_agent/traversability/navigation_map.h"
 
-namespace treeline {
+namespace treeline::control {
 
 struct BandKeeperOptions {
   ElasticBandOptions band;
@@ -39,22 +39,22 @@ struct BandTrack {
   std::vector<TrackPoint> points;
   bool ends_at_goal = false;
   // Where the way ends that should go on.
-  std::optional<Vec2> broken_at;
+  std::optional<geometry::Vec2> broken_at;
 };
 
 // Not thread-safe.
 class BandKeeper {
  public:
-  BandKeeper(std::shared_ptr<const NavigationMap> map,
+  BandKeeper(std::shared_ptr<const traversability::NavigationMap> map,
              const BandKeeperOptions& options)
       : map_(std::move(map)), options_(options), band_(options.band) {}
 
-  void SetPath(const std::vector<LevelPose>& path);
+  void SetPath(const std::vector<core::LevelPose>& path);
   const PathProgress& progress() const { return progress_; }
   const std::vector<BandBubble>& bubbles() const { return band_.bubbles(); }
 
   // The robot is here, and this is around it.
-  BandTrack Update(const LevelPose& pose, const LocalCostmap& costmap);
+  BandTrack Update(const core::LevelPose& pose, const LocalCostmap& costmap);
   // How often a band was mended by a search.
   int mended() const { return mended_; }
 
@@ -62,18 +62,18 @@ class BandKeeper {
   // A place on the path.
   struct Stop {
     double along_m = 0;
-    Rigid2 map_from_base;
+    geometry::Rigid2 map_from_base;
     bool is_free = false;
   };
 
   std::vector<Stop> StopsAhead(const LocalCostmap& costmap) const;
-  void Renew(const LevelPose& pose, const std::vector<Stop>& stops);
+  void Renew(const core::LevelPose& pose, const std::vector<Stop>& stops);
   void CarryOn(const std::vector<Stop>& stops);
-  bool Mend(const LevelPose& pose, const std::vector<Stop>& stops,
+  bool Mend(const core::LevelPose& pose, const std::vector<Stop>& stops,
             const LocalCostmap& costmap);
   BandTrack TrackOf(size_t whole_bubbles, const LocalCostmap& costmap) const;
 
-  std::shared_ptr<const NavigationMap> map_;
+  std::shared_ptr<const traversability::NavigationMap> map_;
   BandKeeperOptions options_;
   PathProgress progress_;
   ElasticBand band_;
@@ -83,6 +83,6 @@ class BandKeeper {
   int mended_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_BAND_KEEPER_H_

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 // Parts of a command that are tried.
@@ -36,7 +36,7 @@ absl::Status CollisionGuardOptions::Validate() const {
   return absl::OkStatus();
 }
 
-CollisionGuard::CollisionGuard(const RobotModel& robot,
+CollisionGuard::CollisionGuard(const core::RobotModel& robot,
                                const CollisionGuardOptions& options)
     : robot_(robot), options_(options), footprint_(Footprint::Of(robot)) {}
 
@@ -52,7 +52,7 @@ double CollisionGuard::Reach_m() const {
 }
 
 const GuardPoint* CollisionGuard::FirstHit(
-    const VelocityCommand& command, std::span<const GuardPoint> points,
+    const core::VelocityCommand& command, std::span<const GuardPoint> points,
     std::span<const double> now_m) const {
   const double brake = options_.braking_share * robot_.max_deceleration_mps2;
   const double yaw_brake = 0.9 * robot_.max_yaw_acceleration_radps2;
@@ -66,7 +66,7 @@ const GuardPoint* CollisionGuard::FirstHit(
   const int looks = std::clamp(
       static_cast<int>(std::ceil(edge_mps * total_s / kLook_m)), 2, kMostLooks);
   const double extra_m = options_.margin_per_speed_s * std::abs(v);
-  Vec2 at;
+  geometry::Vec2 at;
   double yaw_rad = 0;
   const double step_s = total_s / looks;
   for (int look = 1; look <= looks; ++look) {
@@ -78,15 +78,16 @@ const GuardPoint* CollisionGuard::FirstHit(
             : std::max(0.0, 1 - (middle_s - options_.reaction_s) / stop_s);
     const double turn_rad = share * w * step_s;
     const double way_m = share * v * step_s;
-    at = at + way_m * Vec2{std::cos(yaw_rad + 0.5 * turn_rad),
-                           std::sin(yaw_rad + 0.5 * turn_rad)};
+    at = at + way_m * geometry::Vec2{std::cos(yaw_rad + 0.5 * turn_rad),
+                                     std::sin(yaw_rad + 0.5 * turn_rad)};
     yaw_rad += turn_rad;
     const double c = std::cos(yaw_rad);
     const double s = std::sin(yaw_rad);
     for (size_t i = 0; i < points.size(); ++i) {
       const GuardPoint& point = points[i];
-      const Vec2 off = point.in_base - at;
-      const Vec2 in_base = {c * off.x + s * off.y, -s * off.x + c * off.y};
+      const geometry::Vec2 off = point.in_base - at;
+      const geometry::Vec2 in_base = {c * off.x + s * off.y,
+                                      -s * off.x + c * off.y};
       const double distance_m = footprint_.DistanceTo_m(in_base);
       const double needed_m =
           point.margin_m + extra_m + point.approach_mps * time_s;
@@ -102,7 +103,7 @@ const GuardPoint* CollisionGuard::FirstHit(
   return nullptr;
 }
 
-GuardVerdict CollisionGuard::Check(const VelocityCommand& wanted,
+GuardVerdict CollisionGuard::Check(const core::VelocityCommand& wanted,
                                    std::span<const GuardPoint> points) const {
   GuardVerdict verdict;
   if (!std::isfinite(wanted.forward_mps) ||
@@ -116,7 +117,7 @@ GuardVerdict CollisionGuard::Check(const VelocityCommand& wanted,
     now_m[i] = footprint_.DistanceTo_m(points[i].in_base);
   }
   for (const double share : kShares) {
-    const VelocityCommand command = {
+    const core::VelocityCommand command = {
         .forward_mps = share * wanted.forward_mps,
         .yaw_rate_radps = share * wanted.yaw_rate_radps};
     // What is left of a command is no motion any more.
@@ -138,4 +139,4 @@ GuardVerdict CollisionGuard::Check(const VelocityCommand& wanted,
   return verdict;
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

@@ -12,7 +12,7 @@
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::control {
 
 struct CollisionGuardOptions {
   // Room that is kept to points that were measured, and to the centres of cells
@@ -43,7 +43,7 @@ struct CollisionGuardOptions {
 };
 
 struct GuardPoint {
-  Vec2 in_base;
+  geometry::Vec2 in_base;
   // Kept free beside the footprint (m).
   double margin_m = 0;
   // It may come nearer by itself (m/s).
@@ -53,11 +53,11 @@ struct GuardPoint {
 };
 
 struct GuardVerdict {
-  VelocityCommand command;
+  core::VelocityCommand command;
   // The command is another one than was wanted because of a point.
   bool is_limited = false;
   // What forbade the wanted command: where (m), and whether it moves.
-  Vec2 point_in_base;
+  geometry::Vec2 point_in_base;
   bool point_moves = false;
 };
 
@@ -75,9 +75,10 @@ struct GuardVerdict {
 // Pure; limits of speed and acceleration are the caller's.
 class CollisionGuard {
  public:
-  CollisionGuard(const RobotModel& robot, const CollisionGuardOptions& options);
+  CollisionGuard(const core::RobotModel& robot,
+                 const CollisionGuardOptions& options);
 
-  GuardVerdict Check(const VelocityCommand& wanted,
+  GuardVerdict Check(const core::VelocityCommand& wanted,
                      std::span<const GuardPoint> points) const;
   // A point so far from the base matters to no command (m).
   double Reach_m() const;
@@ -85,15 +86,15 @@ class CollisionGuard {
 
  private:
   // The first point that forbids a command; none: the end of `points`.
-  const GuardPoint* FirstHit(const VelocityCommand& command,
+  const GuardPoint* FirstHit(const core::VelocityCommand& command,
                              std::span<const GuardPoint> points,
                              std::span<const double> now_m) const;
 
-  RobotModel robot_;
+  core::RobotModel robot_;
   CollisionGuardOptions options_;
   Footprint footprint_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_COLLISION_GUARD_H_

@@ -9,13 +9,13 @@
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::control {
 
 struct ControlPose {
-  MonotonicTime stamp;
-  LevelPose pose;
+  base::MonotonicTime stamp;
+  core::LevelPose pose;
   // Pitch and roll (SlopeOdometry::LevelFromBase).
-  Rotation3 level_from_base;
+  geometry::Rotation3 level_from_base;
   double forward_mps = 0;
   double yaw_rate_radps = 0;
   // The robot is lost: `pose` is dead reckoning's, and the map says nothing of
@@ -24,20 +24,22 @@ struct ControlPose {
   bool map_is_unknown = false;
   // Where a robot that is lost supposes that it is on the map, to see whether
   // that holds: what the map has there must not be run into either.
-  std::optional<LevelPose> supposed = {};
+  std::optional<core::LevelPose> supposed = {};
 };
 
 // The robot in space, on the ground that it stands on.
-inline Rigid3 MapFromBase3(const ControlPose& pose) {
-  const Rigid2& planar = pose.pose.map_from_base;
-  return {.rotation = Rotation3::FromAxisAngle({0, 0, planar.yaw_rad}) *
-                      pose.level_from_base,
-          .translation = {planar.translation.x, planar.translation.y,
-                          pose.pose.place.height_m}};
+inline geometry::Rigid3 MapFromBase3(const ControlPose& pose) {
+  const geometry::Rigid2& planar = pose.pose.map_from_base;
+  return {
+      .rotation = geometry::Rotation3::FromAxisAngle({0, 0, planar.yaw_rad}) *
+                  pose.level_from_base,
+      .translation = {planar.translation.x, planar.translation.y,
+                      pose.pose.place.height_m}};
 }
 
 // Where a robot that obeys a command for time_s comes to, from where it was.
-inline Rigid2 MotionIn(double time_s, const VelocityCommand& command) {
+inline geometry::Rigid2 MotionIn(double time_s,
+                                 const core::VelocityCommand& command) {
   const double turn_rad = command.yaw_rate_radps * time_s;
   const double way_m = command.forward_mps * time_s;
   return {.translation = {way_m * std::cos(0.5 * turn_rad),
@@ -45,6 +47,6 @@ inline Rigid2 MotionIn(double time_s, const VelocityCommand& command) {
           .yaw_rad = turn_rad};
 }
 
-}  // namespace treeline
+}  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_CONTROL_POSE_H_

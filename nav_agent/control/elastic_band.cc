@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 // Nearer neighbours have no direction (m).
@@ -21,18 +21,20 @@ constexpr double kTouch_m = 0.0;
 constexpr double kLeaving_m = 0.45;
 constexpr double kLeavingSlack_m = 0.005;
 
-Vec2 Unit(Vec2 v) {
-  const double length = Norm(v);
-  return length < kCoincide_m ? Vec2{} : (1 / length) * v;
+geometry::Vec2 Unit(geometry::Vec2 v) {
+  const double length = geometry::Norm(v);
+  return length < kCoincide_m ? geometry::Vec2{} : (1 / length) * v;
 }
 
-Vec2 At(const BandBubble& bubble) { return bubble.map_from_base.translation; }
+geometry::Vec2 At(const BandBubble& bubble) {
+  return bubble.map_from_base.translation;
+}
 
 BandBubble Between(const BandBubble& a, const BandBubble& b) {
   BandBubble middle;
   middle.map_from_base.translation = 0.5 * (At(a) + At(b));
-  const Vec2 way = At(b) - At(a);
-  middle.map_from_base.yaw_rad = Norm(way) < kCoincide_m
+  const geometry::Vec2 way = At(b) - At(a);
+  middle.map_from_base.yaw_rad = geometry::Norm(way) < kCoincide_m
                                      ? a.map_from_base.yaw_rad
                                      : std::atan2(way.y, way.x);
   return middle;
@@ -52,37 +54,38 @@ absl::Status ElasticBandOptions::Validate() const {
   return absl::OkStatus();
 }
 
-void ElasticBand::Set(const std::vector<Rigid2>& map_from_base) {
+void ElasticBand::Set(const std::vector<geometry::Rigid2>& map_from_base) {
   bubbles_.clear();
-  for (const Rigid2& pose : map_from_base) {
+  for (const geometry::Rigid2& pose : map_from_base) {
     bubbles_.push_back({.map_from_base = pose});
   }
   SetHeadings();
 }
 
-void ElasticBand::Append(const Rigid2& map_from_base) {
+void ElasticBand::Append(const geometry::Rigid2& map_from_base) {
   bubbles_.push_back({.map_from_base = map_from_base});
 }
 
-double ElasticBand::BeginAt(const Rigid2& map_from_base) {
+double ElasticBand::BeginAt(const geometry::Rigid2& map_from_base) {
   if (bubbles_.empty()) {
     bubbles_.push_back({.map_from_base = map_from_base});
     return 0;
   }
   // The nearest piece within the next metre; what is before it is behind.
   constexpr double kWithin_m = 1.0;
-  const Vec2 at = map_from_base.translation;
-  double best_m = Norm(At(bubbles_[0]) - at);
+  const geometry::Vec2 at = map_from_base.translation;
+  double best_m = geometry::Norm(At(bubbles_[0]) - at);
   size_t first_ahead = bubbles_.size() > 1 ? 1 : 0;
   double along_m = 0;
   for (size_t i = 1; i < bubbles_.size() && along_m < kWithin_m; ++i) {
-    const Vec2 begin = At(bubbles_[i - 1]);
-    const Vec2 way = At(bubbles_[i]) - begin;
-    const double square = Dot(way, way);
+    const geometry::Vec2 begin = At(bubbles_[i - 1]);
+    const geometry::Vec2 way = At(bubbles_[i]) - begin;
+    const double square = geometry::Dot(way, way);
     const double part =
-        square < 1e-12 ? 0
-                       : std::clamp(Dot(at - begin, way) / square, 0.0, 1.0);
-    const double off_m = Norm(begin + part * way - at);
+        square < 1e-12
+            ? 0
+            : std::clamp(geometry::Dot(at - begin, way) / square, 0.0, 1.0);
+    const double off_m = geometry::Norm(begin + part * way - at);
     if (off_m <= best_m) {
       best_m = off_m;
       first_ahead = part >= 1 && i + 1 < bubbles_.size() ? i + 1 : i;
@@ -91,7 +94,8 @@ double ElasticBand::BeginAt(const Rigid2& map_from_base) {
   }
   // One that the robot is all but at is behind it, unless it is the last.
   while (first_ahead + 1 < bubbles_.size() &&
-         Norm(At(bubbles_[first_ahead]) - at) < 0.5 * options_.min_spacing_m) {
+         geometry::Norm(At(bubbles_[first_ahead]) - at) <
+             0.5 * options_.min_spacing_m) {
     ++first_ahead;
   }
   bubbles_.erase(bubbles_.begin(),
@@ -102,8 +106,8 @@ double ElasticBand::BeginAt(const Rigid2& map_from_base) {
 
 void ElasticBand::SetHeadings() {
   for (size_t i = 1; i + 1 < bubbles_.size(); ++i) {
-    const Vec2 way = At(bubbles_[i + 1]) - At(bubbles_[i - 1]);
-    if (Norm(way) < kCoincide_m) continue;
+    const geometry::Vec2 way = At(bubbles_[i + 1]) - At(bubbles_[i - 1]);
+    if (geometry::Norm(way) < kCoincide_m) continue;
     bubbles_[i].map_from_base.yaw_rad = std::atan2(way.y, way.x);
   }
 }
@@ -113,39 +117,40 @@ void ElasticBand::Measure(const BandSpace& space, BandBubble& bubble) const {
       space.FreeDistance_m(bubble.map_from_base, options_.influence_m);
 }
 
-Vec2 ElasticBand::ForceOn(size_t i, const BandSpace& space) const {
+geometry::Vec2 ElasticBand::ForceOn(size_t i, const BandSpace& space) const {
   const BandBubble& bubble = bubbles_[i];
-  const Vec2 to_before = At(bubbles_[i - 1]) - At(bubble);
-  const Vec2 to_after = At(bubbles_[i + 1]) - At(bubble);
-  Vec2 force = options_.contraction * (Unit(to_before) + Unit(to_after));
+  const geometry::Vec2 to_before = At(bubbles_[i - 1]) - At(bubble);
+  const geometry::Vec2 to_after = At(bubbles_[i + 1]) - At(bubble);
+  geometry::Vec2 force =
+      options_.contraction * (Unit(to_before) + Unit(to_after));
   if (bubble.radius_m < options_.influence_m) {
     const auto radius_at = [&](double dx, double dy) {
-      Rigid2 pose = bubble.map_from_base;
-      pose.translation = pose.translation + Vec2{dx, dy};
+      geometry::Rigid2 pose = bubble.map_from_base;
+      pose.translation = pose.translation + geometry::Vec2{dx, dy};
       return space.FreeDistance_m(pose, options_.influence_m);
     };
-    Vec2 gradient = {
+    geometry::Vec2 gradient = {
         (radius_at(kProbe_m, 0) - radius_at(-kProbe_m, 0)) / (2 * kProbe_m),
         (radius_at(0, kProbe_m) - radius_at(0, -kProbe_m)) / (2 * kProbe_m)};
     // Within something the footprint's distance says little.
-    if (bubble.radius_m <= kTouch_m && Norm(gradient) < 0.1) {
+    if (bubble.radius_m <= kTouch_m && geometry::Norm(gradient) < 0.1) {
       gradient = space.Away(At(bubble));
     }
-    const double length = Norm(gradient);
+    const double length = geometry::Norm(gradient);
     if (length > 1) gradient = (1 / length) * gradient;
     force = force + options_.repulsion *
                         (options_.influence_m - bubble.radius_m) * gradient;
   }
-  const Vec2 along = Unit(At(bubbles_[i + 1]) - At(bubbles_[i - 1]));
-  return force - Dot(force, along) * along;
+  const geometry::Vec2 along = Unit(At(bubbles_[i + 1]) - At(bubbles_[i - 1]));
+  return force - geometry::Dot(force, along) * along;
 }
 
 void ElasticBand::MoveBubbles(const BandSpace& space) {
   for (size_t i = 1; i + 1 < bubbles_.size(); ++i) {
-    const Vec2 force = ForceOn(i, space);
-    Vec2 move =
+    const geometry::Vec2 force = ForceOn(i, space);
+    geometry::Vec2 move =
         options_.gain * std::max(kLeastRadius_m, bubbles_[i].radius_m) * force;
-    const double length_m = Norm(move);
+    const double length_m = geometry::Norm(move);
     if (length_m < 1e-5) continue;
     if (length_m > options_.max_move_m) {
       move = (options_.max_move_m / length_m) * move;
@@ -162,21 +167,21 @@ void ElasticBand::MoveBubbles(const BandSpace& space) {
 
 double ElasticBand::WayBetween_m(const BandBubble& a,
                                  const BandBubble& b) const {
-  return Norm(At(b) - At(a));
+  return geometry::Norm(At(b) - At(a));
 }
 
 bool ElasticBand::HangTogether(const BandBubble& a, const BandBubble& b,
                                const BandSpace& space) const {
   const double way_m = WayBetween_m(a, b);
   const double turn_m = options_.turn_m_per_rad *
-                        std::abs(NormalizedAngle_rad(b.map_from_base.yaw_rad -
-                                                     a.map_from_base.yaw_rad));
+                        std::abs(geometry::NormalizedAngle_rad(
+                            b.map_from_base.yaw_rad - a.map_from_base.yaw_rad));
   if (way_m + turn_m < a.radius_m + b.radius_m) return true;
   // In narrow places bubbles are small: what lies between is looked at.
   if (way_m > options_.max_spacing_m) return false;
   const int parts =
       static_cast<int>(std::ceil(way_m / (0.5 * options_.min_spacing_m)));
-  Rigid2 between = Between(a, b).map_from_base;
+  geometry::Rigid2 between = Between(a, b).map_from_base;
   for (int part = 1; part < parts; ++part) {
     between.translation =
         At(a) + (static_cast<double>(part) / parts) * (At(b) - At(a));
@@ -202,7 +207,7 @@ void ElasticBand::FillAndThin(const BandSpace& space) {
       if (way_m > room_m && filled.size() + bubbles_.size() - i < most) {
         const int pieces =
             std::min(static_cast<int>(std::ceil(way_m / room_m)), 8);
-        const Vec2 begin = At(last);
+        const geometry::Vec2 begin = At(last);
         BandBubble between = Between(last, bubbles_[i]);
         for (int piece = 1; piece < pieces; ++piece) {
           between.map_from_base.translation =
@@ -260,4 +265,4 @@ std::optional<size_t> ElasticBand::FirstBreak(const BandSpace& space) const {
   return std::nullopt;
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

@@ -10,12 +10,12 @@
 #include "absl/status/status.h"
 #include "common/geometry/rigid2.h"
 
-namespace treeline {
+namespace treeline::control {
 
 // A place on the band: where the robot stands there, and by how much its
 // footprint may be moved in any direction without touching anything (m).
 struct BandBubble {
-  Rigid2 map_from_base;
+  geometry::Rigid2 map_from_base;
   double radius_m = 0;
 };
 
@@ -25,10 +25,10 @@ class BandSpace {
   virtual ~BandSpace() = default;
   // The free distance of the footprint at this pose, at most at_most_m;
   // negative where it touches something, and where nothing is known (m).
-  virtual double FreeDistance_m(const Rigid2& map_from_base,
+  virtual double FreeDistance_m(const geometry::Rigid2& map_from_base,
                                 double at_most_m) const = 0;
   // Unit vector from the nearest obstacle; 0 if there is none.
-  virtual Vec2 Away(Vec2 point_in_map) const = 0;
+  virtual geometry::Vec2 Away(geometry::Vec2 point_in_map) const = 0;
 };
 
 struct ElasticBandOptions {
@@ -70,12 +70,12 @@ class ElasticBand {
   void Clear() { bubbles_.clear(); }
   // A new band through these points; headings follow from them but for the
   // first and the last.
-  void Set(const std::vector<Rigid2>& map_from_base);
+  void Set(const std::vector<geometry::Rigid2>& map_from_base);
   // The band begins at the robot: what lies behind it is cut off. How far the
   // robot was from it (m).
-  double BeginAt(const Rigid2& map_from_base);
+  double BeginAt(const geometry::Rigid2& map_from_base);
   // One more at the end, which becomes free to move with that.
-  void Append(const Rigid2& map_from_base);
+  void Append(const geometry::Rigid2& map_from_base);
 
   // Some iterations in this space, with filling of gaps and thinning out.
   void Relax(const BandSpace& space);
@@ -86,7 +86,7 @@ class ElasticBand {
  private:
   void SetHeadings();
   void Measure(const BandSpace& space, BandBubble& bubble) const;
-  Vec2 ForceOn(size_t i, const BandSpace& space) const;
+  geometry::Vec2 ForceOn(size_t i, const BandSpace& space) const;
   void MoveBubbles(const BandSpace& space);
   void FillAndThin(const BandSpace& space);
   double WayBetween_m(const BandBubble& a, const BandBubble& b) const;
@@ -97,6 +97,6 @@ class ElasticBand {
   std::vector<BandBubble> bubbles_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_ELASTIC_BAND_H_

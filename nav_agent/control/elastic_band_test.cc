@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "nav_agent/control/footprint.h"
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 const Footprint kBody = {.front_m = 0.3, .rear_m = 0.3, .half_width_m = 0.31};
@@ -16,34 +16,37 @@ const Footprint kBody = {.front_m = 0.3, .rear_m = 0.3, .half_width_m = 0.31};
 // Posts without width, exactly.
 class Posts final : public BandSpace {
  public:
-  explicit Posts(std::vector<Vec2> posts, Footprint body = kBody)
+  explicit Posts(std::vector<geometry::Vec2> posts, Footprint body = kBody)
       : posts_(std::move(posts)), body_(body) {}
-  double FreeDistance_m(const Rigid2& map_from_base,
+  double FreeDistance_m(const geometry::Rigid2& map_from_base,
                         double at_most_m) const override {
-    const Rigid2 base_from_map = map_from_base.Inverse();
+    const geometry::Rigid2 base_from_map = map_from_base.Inverse();
     double least_m = at_most_m;
-    for (const Vec2& post : posts_) {
+    for (const geometry::Vec2& post : posts_) {
       least_m = std::min(least_m, body_.DistanceTo_m(base_from_map * post));
     }
     return least_m;
   }
-  Vec2 Away(Vec2 point) const override {
-    Vec2 nearest = {1e9, 1e9};
-    for (const Vec2& post : posts_) {
-      if (Norm(point - post) < Norm(point - nearest)) nearest = post;
+  geometry::Vec2 Away(geometry::Vec2 point) const override {
+    geometry::Vec2 nearest = {1e9, 1e9};
+    for (const geometry::Vec2& post : posts_) {
+      if (geometry::Norm(point - post) < geometry::Norm(point - nearest))
+        nearest = post;
     }
-    const Vec2 off = point - nearest;
-    return Norm(off) < 1e-9 ? Vec2{0, 1} : (1 / Norm(off)) * off;
+    const geometry::Vec2 off = point - nearest;
+    return geometry::Norm(off) < 1e-9 ? geometry::Vec2{0, 1}
+                                      : (1 / geometry::Norm(off)) * off;
   }
 
  private:
-  std::vector<Vec2> posts_;
+  std::vector<geometry::Vec2> posts_;
   Footprint body_;
 };
 
-std::vector<Rigid2> Line(Vec2 from, Vec2 to, int points) {
-  std::vector<Rigid2> line;
-  const Vec2 way = to - from;
+std::vector<geometry::Rigid2> Line(geometry::Vec2 from, geometry::Vec2 to,
+                                   int points) {
+  std::vector<geometry::Rigid2> line;
+  const geometry::Vec2 way = to - from;
   for (int i = 0; i < points; ++i) {
     line.push_back({.translation = from + (1.0 * i / (points - 1)) * way,
                     .yaw_rad = std::atan2(way.y, way.x)});
@@ -58,15 +61,15 @@ void Settle(ElasticBand& band, const BandSpace& space, int times = 100) {
 double LengthOf(const ElasticBand& band) {
   double length_m = 0;
   for (size_t i = 1; i < band.bubbles().size(); ++i) {
-    length_m += Norm(band.bubbles()[i].map_from_base.translation -
-                     band.bubbles()[i - 1].map_from_base.translation);
+    length_m += geometry::Norm(band.bubbles()[i].map_from_base.translation -
+                               band.bubbles()[i - 1].map_from_base.translation);
   }
   return length_m;
 }
 
 TEST(ElasticBand, ContractsToAStraightLine) {
-  std::vector<Rigid2> corner = Line({0, 0}, {1, 1}, 6);
-  const std::vector<Rigid2> rest = Line({1.2, 0.8}, {2, 0}, 5);
+  std::vector<geometry::Rigid2> corner = Line({0, 0}, {1, 1}, 6);
+  const std::vector<geometry::Rigid2> rest = Line({1.2, 0.8}, {2, 0}, 5);
   corner.insert(corner.end(), rest.begin(), rest.end());
   ElasticBand band({});
   band.Set(corner);
@@ -98,7 +101,7 @@ TEST(ElasticBand, IsCentredInADoor) {
   Settle(band, space);
   EXPECT_FALSE(band.FirstBreak(space).has_value());
   for (const BandBubble& bubble : band.bubbles()) {
-    const Vec2 at = bubble.map_from_base.translation;
+    const geometry::Vec2 at = bubble.map_from_base.translation;
     if (std::abs(at.x - 1.5) < 0.2) {
       EXPECT_NEAR(at.y, 0.06, 0.025) << at.x;
     }
@@ -116,8 +119,8 @@ TEST(ElasticBand, ForcesPushAlongBothAxesAlike) {
   ASSERT_EQ(along_x.bubbles().size(), along_y.bubbles().size());
   double pushed_m = 0;
   for (size_t i = 0; i < along_x.bubbles().size(); ++i) {
-    const Vec2 a = along_x.bubbles()[i].map_from_base.translation;
-    const Vec2 b = along_y.bubbles()[i].map_from_base.translation;
+    const geometry::Vec2 a = along_x.bubbles()[i].map_from_base.translation;
+    const geometry::Vec2 b = along_y.bubbles()[i].map_from_base.translation;
     EXPECT_NEAR(a.x, b.y, 1e-6);
     EXPECT_NEAR(a.y, -b.x, 1e-6);
     pushed_m = std::max(pushed_m, std::abs(a.y));
@@ -127,7 +130,7 @@ TEST(ElasticBand, ForcesPushAlongBothAxesAlike) {
 
 // eband: division by the distance of neighbours that all but coincide.
 TEST(ElasticBand, CoincidentNeighboursDoNoHarm) {
-  std::vector<Rigid2> line = Line({0, 0}, {2, 0}, 11);
+  std::vector<geometry::Rigid2> line = Line({0, 0}, {2, 0}, 11);
   line.insert(line.begin() + 5, 4, line[5]);
   line.insert(line.begin(), 2, line[0]);
   line.push_back(line.back());
@@ -172,7 +175,7 @@ TEST(ElasticBand, BubblesKnowTheirHeading) {
 }
 
 TEST(ElasticBand, AClosedWayIsBroken) {
-  std::vector<Vec2> wall;
+  std::vector<geometry::Vec2> wall;
   for (int i = -20; i <= 20; ++i) wall.push_back({1.5, 0.1 * i});
   const Posts space(wall);
   ElasticBand band({});
@@ -203,4 +206,4 @@ TEST(ElasticBand, OptionsAreChecked) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::control

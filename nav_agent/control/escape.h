@@ -10,7 +10,7 @@
 #include "nav_agent/control/local_costmap.h"
 #include "nav_agent/control/track_follower.h"
 
-namespace treeline {
+namespace treeline::control {
 
 // A robot that stands askew beside a wall cannot turn where it stands: it has
 // to back off first. Of a few slow commands, those that the collision guard
@@ -22,19 +22,19 @@ class Escape {
  public:
   void Reset() { held_.reset(); }
   // nullopt: none is allowed. Without `may_back_up`, none that goes back.
-  std::optional<VelocityCommand> Find(const ControlPose& pose,
-                                      std::span<const TrackPoint> track,
-                                      const VelocityCommand& wanted,
-                                      bool may_back_up,
-                                      const LocalCostmap& costmap,
-                                      const CollisionGuard& guard,
-                                      std::span<const GuardPoint> points);
+  std::optional<core::VelocityCommand> Find(const ControlPose& pose,
+                                            std::span<const TrackPoint> track,
+                                            const core::VelocityCommand& wanted,
+                                            bool may_back_up,
+                                            const LocalCostmap& costmap,
+                                            const CollisionGuard& guard,
+                                            std::span<const GuardPoint> points);
 
  private:
-  std::optional<VelocityCommand> held_;
-  MonotonicTime held_since_;
+  std::optional<core::VelocityCommand> held_;
+  base::MonotonicTime held_since_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_ESCAPE_H_

@@ -3,7 +3,7 @@
 #include <optional>
 #include <utility>
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 int Pieces(double length_m, double spacing_m) {
@@ -25,8 +25,9 @@ std::optional<std::pair<double, double>> PartNear(double from, double until,
 
 }  // namespace
 
-double Footprint::OutwardSpeed_mps(const VelocityCommand& motion,
-                                   Vec2 point_in_base, double reach_m) const {
+double Footprint::OutwardSpeed_mps(const core::VelocityCommand& motion,
+                                   geometry::Vec2 point_in_base,
+                                   double reach_m) const {
   const double v = motion.forward_mps;
   const double w = motion.yaw_rate_radps;
   const auto [x, y] = point_in_base;
@@ -49,8 +50,8 @@ double Footprint::OutwardSpeed_mps(const VelocityCommand& motion,
   return fastest_mps;
 }
 
-std::vector<Vec2> Footprint::Edge(double spacing_m) const {
-  std::vector<Vec2> points;
+std::vector<geometry::Vec2> Footprint::Edge(double spacing_m) const {
+  std::vector<geometry::Vec2> points;
   const int along = Pieces(front_m + rear_m, spacing_m);
   for (int i = 0; i <= along; ++i) {
     const double x = -rear_m + (front_m + rear_m) * i / along;
@@ -66,8 +67,8 @@ std::vector<Vec2> Footprint::Edge(double spacing_m) const {
   return points;
 }
 
-std::vector<Vec2> Footprint::Area(double spacing_m) const {
-  std::vector<Vec2> points;
+std::vector<geometry::Vec2> Footprint::Area(double spacing_m) const {
+  std::vector<geometry::Vec2> points;
   const int along = Pieces(front_m + rear_m, spacing_m);
   const int across = Pieces(2 * half_width_m, spacing_m);
   for (int i = 0; i <= along; ++i) {
@@ -79,4 +80,4 @@ std::vector<Vec2> Footprint::Area(double spacing_m) const {
   return points;
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

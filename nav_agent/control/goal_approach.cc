@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 // Shares of the tolerances within which the robot is content.
@@ -16,10 +16,11 @@ constexpr double kAlignUntil_rad = 0.1;
 
 }  // namespace
 
-bool GoalApproach::IsNear(const Rigid2& map_from_base,
-                          const Rigid2& map_from_goal, double left_m) {
+bool GoalApproach::IsNear(const geometry::Rigid2& map_from_base,
+                          const geometry::Rigid2& map_from_goal,
+                          double left_m) {
   const double away_m =
-      Norm(map_from_base.translation - map_from_goal.translation);
+      geometry::Norm(map_from_base.translation - map_from_goal.translation);
   if (phase_ == Phase::kFar && left_m < options_.near_m &&
       away_m < options_.near_m) {
     phase_ = Phase::kMove;
@@ -32,14 +33,15 @@ bool GoalApproach::IsNear(const Rigid2& map_from_base,
   return phase_ != Phase::kFar;
 }
 
-VelocityCommand GoalApproach::Command(const Rigid2& map_from_base,
-                                      const Rigid2& map_from_goal,
-                                      const RobotModel& robot,
-                                      const TrackFollowerOptions& options) {
-  const Vec2 goal = map_from_base.Inverse() * map_from_goal.translation;
-  const double away_m = Norm(goal);
-  const double turn_rad =
-      NormalizedAngle_rad(map_from_goal.yaw_rad - map_from_base.yaw_rad);
+core::VelocityCommand GoalApproach::Command(
+    const geometry::Rigid2& map_from_base,
+    const geometry::Rigid2& map_from_goal, const core::RobotModel& robot,
+    const TrackFollowerOptions& options) {
+  const geometry::Vec2 goal =
+      map_from_base.Inverse() * map_from_goal.translation;
+  const double away_m = geometry::Norm(goal);
+  const double turn_rad = geometry::NormalizedAngle_rad(map_from_goal.yaw_rad -
+                                                        map_from_base.yaw_rad);
   if (phase_ == Phase::kMove) {
     // Abeam of the goal nothing is gained by driving on.
     const bool is_abeam =
@@ -79,4 +81,4 @@ VelocityCommand GoalApproach::Command(const Rigid2& map_from_base,
           .yaw_rate_radps = TurnRate_radps(turn_rad, robot, options)};
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

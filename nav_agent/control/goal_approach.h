@@ -7,7 +7,7 @@
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::control {
 
 struct GoalApproachOptions {
   double tolerance_m = 0.10;
@@ -24,11 +24,12 @@ class GoalApproach {
 
   void Reset() { phase_ = Phase::kFar; }
   // Whether the robot is to be steered by Command from now on.
-  bool IsNear(const Rigid2& map_from_base, const Rigid2& map_from_goal,
-              double left_m);
-  VelocityCommand Command(const Rigid2& map_from_base,
-                          const Rigid2& map_from_goal, const RobotModel& robot,
-                          const TrackFollowerOptions& options);
+  bool IsNear(const geometry::Rigid2& map_from_base,
+              const geometry::Rigid2& map_from_goal, double left_m);
+  core::VelocityCommand Command(const geometry::Rigid2& map_from_base,
+                                const geometry::Rigid2& map_from_goal,
+                                const core::RobotModel& robot,
+                                const TrackFollowerOptions& options);
   // Within both tolerances with room to spare; the robot may still be moving.
   bool is_done() const { return phase_ == Phase::kDone; }
   bool is_turning() const { return phase_ == Phase::kTurn; }
@@ -41,6 +42,6 @@ class GoalApproach {
   bool aligns_ = false;
 };
 
-}  // namespace treeline
+}  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_GOAL_APPROACH_H_

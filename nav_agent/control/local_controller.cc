@@ -20,7 +20,7 @@
 #include "nav_agent/control/track_follower.h"
 #include "nav_agent/control/velocity_limits.h"
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 // Without a scan for so long the robot stops (s).
@@ -47,19 +47,19 @@ constexpr double kDaring = 0.5;
 // It has got on when it is so far away (m).
 constexpr double kGotOn_m = 0.15;
 
-double SecondsBetween(MonotonicTime from, MonotonicTime until) {
+double SecondsBetween(base::MonotonicTime from, base::MonotonicTime until) {
   return std::chrono::duration<double>(until - from).count();
 }
 
 bool IsFinitePose(const ControlPose& pose) {
-  return IsFinite(MapFromBase3(pose)) && std::isfinite(pose.forward_mps) &&
-         std::isfinite(pose.yaw_rate_radps);
+  return geometry::IsFinite(MapFromBase3(pose)) &&
+         std::isfinite(pose.forward_mps) && std::isfinite(pose.yaw_rate_radps);
 }
 
 class BandController final : public LocalController {
  public:
-  BandController(std::shared_ptr<const NavigationMap> map,
-                 const RobotModel& robot, const RobotLasers& lasers,
+  BandController(std::shared_ptr<const traversability::NavigationMap> map,
+                 const core::RobotModel& robot, const core::RobotLasers& lasers,
                  const LocalControllerOptions& options, LocalCostmap costmap)
       : robot_(robot),
         lasers_(lasers),
@@ -75,19 +75,19 @@ class BandController final : public LocalController {
   }
 
   absl::Status AddScan(const ControlPose& pose,
-                       const LaserScan& scan) override {
+                       const core::LaserScan& scan) override {
     TL_RETURN_IF_ERROR(costmap_.AddScan(pose, scan));
     FollowMovers(pose, scan);
     return absl::OkStatus();
   }
   absl::Status AddRearScan(const ControlPose& pose,
-                           const LaserScan& scan) override {
-    TL_RETURN_IF_ERROR(costmap_.AddScan(pose, scan, LaserMount::kRear));
-    behind_ = LookOf(LaserMount::kRear, pose, scan);
+                           const core::LaserScan& scan) override {
+    TL_RETURN_IF_ERROR(costmap_.AddScan(pose, scan, core::LaserMount::kRear));
+    behind_ = LookOf(core::LaserMount::kRear, pose, scan);
     return absl::OkStatus();
   }
   absl::Status AddDepth(const ControlPose& pose,
-                        const RgbdFrame& frame) override {
+                        const core::RgbdFrame& frame) override {
     return costmap_.AddDepth(pose, frame);
   }
   void ClearObstacles() override {
@@ -97,13 +97,13 @@ class BandController final : public LocalController {
     standstill_.Reset();
   }
 
-  void SetPath(const std::vector<LevelPose>& path) override;
+  void SetPath(const std::vector<core::LevelPose>& path) override;
   ControlResult Step(const ControlPose& pose) override;
-  VelocityCommand Guard(const ControlPose& pose,
-                        const VelocityCommand& wanted) override;
+  core::VelocityCommand Guard(const ControlPose& pose,
+                              const core::VelocityCommand& wanted) override;
   bool CanTurn(const ControlPose& pose) const override;
   double FreeWay_m(const ControlPose& pose, double at_most_m) const override;
-  double QuietFor_s(MonotonicTime now) const override {
+  double QuietFor_s(base::MonotonicTime now) const override {
     return movers_.last_seen().has_value() && !lasers_.rear.has_value()
                ? SecondsBetween(*movers_.last_seen(), now)
                : std::numeric_limits<double>::infinity();
@@ -114,10 +114,10 @@ class BandController final : public LocalController {
  private:
   // A command after limits and the collision stop.
   struct Allowed {
-    VelocityCommand command;
+    core::VelocityCommand command;
     bool is_limited = false;
     // What limits it, and whether that moves.
-    std::optional<Vec2> point_in_map;
+    std::optional<geometry::Vec2> point_in_map;
     bool point_moves = false;
   };
 
@@ -127,25 +127,25 @@ class BandController final : public LocalController {
     keeper.band.influence_m = std::max(0.05, options.inflation_m);
     return keeper;
   }
-  LaserLook LookOf(LaserMount mount, const ControlPose& pose,
-                   const LaserScan& scan) const;
-  void FollowMovers(const ControlPose& pose, const LaserScan& scan);
+  LaserLook LookOf(core::LaserMount mount, const ControlPose& pose,
+                   const core::LaserScan& scan) const;
+  void FollowMovers(const ControlPose& pose, const core::LaserScan& scan);
   // Each laser has shown something lately.
-  bool Sees(MonotonicTime now) const;
+  bool Sees(base::MonotonicTime now) const;
   std::vector<GuardPoint> GuardPoints(const ControlPose& pose) const;
-  Allowed Allow(const ControlPose& pose, const VelocityCommand& wanted,
+  Allowed Allow(const ControlPose& pose, const core::VelocityCommand& wanted,
                 std::span<const GuardPoint> points);
   // What the collision stop would say of the first step of a command.
-  void Probe(const ControlPose& pose, const VelocityCommand& wanted,
+  void Probe(const ControlPose& pose, const core::VelocityCommand& wanted,
              std::span<const GuardPoint> points, Allowed& allowed) const;
-  VelocityCommand Wanted(const ControlPose& pose, const BandTrack& track);
+  core::VelocityCommand Wanted(const ControlPose& pose, const BandTrack& track);
   bool MayBackUp(const ControlPose& pose);
   void JudgeProgress(const ControlPose& pose, const BandTrack& track,
-                     const VelocityCommand& wanted, const Allowed& allowed,
-                     ControlResult& result);
+                     const core::VelocityCommand& wanted,
+                     const Allowed& allowed, ControlResult& result);
 
-  RobotModel robot_;
-  RobotLasers lasers_;
+  core::RobotModel robot_;
+  core::RobotLasers lasers_;
   LocalControllerOptions options_;
   TrackFollowerOptions follow_;
   LocalCostmap costmap_;
@@ -158,12 +158,12 @@ class BandController final : public LocalController {
   GoalApproach approach_;
   FollowState follow_state_;
   // Where the robot got on last, and when.
-  std::optional<std::pair<Vec2, MonotonicTime>> got_on_;
+  std::optional<std::pair<geometry::Vec2, base::MonotonicTime>> got_on_;
   Escape escape_;
   Standstill standstill_;
 };
 
-void BandController::SetPath(const std::vector<LevelPose>& path) {
+void BandController::SetPath(const std::vector<core::LevelPose>& path) {
   keeper_.SetPath(path);
   approach_.Reset();
   follow_state_ = {};
@@ -171,21 +171,23 @@ void BandController::SetPath(const std::vector<LevelPose>& path) {
   standstill_.Reset();
 }
 
-LaserLook BandController::LookOf(LaserMount mount, const ControlPose& pose,
-                                 const LaserScan& scan) const {
-  return {.laser = mount == LaserMount::kRear ? *lasers_.rear : lasers_.front,
-          .map_from_laser = MapFromBase3(pose) * robot_.BaseFrom(mount),
-          .scan = scan,
-          .points = costmap_.scan_points(mount)};
+LaserLook BandController::LookOf(core::LaserMount mount,
+                                 const ControlPose& pose,
+                                 const core::LaserScan& scan) const {
+  return {
+      .laser = mount == core::LaserMount::kRear ? *lasers_.rear : lasers_.front,
+      .map_from_laser = MapFromBase3(pose) * robot_.BaseFrom(mount),
+      .scan = scan,
+      .points = costmap_.scan_points(mount)};
 }
 
 void BandController::FollowMovers(const ControlPose& pose,
-                                  const LaserScan& scan) {
+                                  const core::LaserScan& scan) {
   if (pose.map_is_unknown) {
     movers_.Clear();
     return;
   }
-  std::vector<LaserLook> looks = {LookOf(LaserMount::kFront, pose, scan)};
+  std::vector<LaserLook> looks = {LookOf(core::LaserMount::kFront, pose, scan)};
   if (behind_.has_value() &&
       SecondsBetween(behind_->scan.stamp, scan.stamp) < kTogether_s) {
     looks.push_back(*behind_);
@@ -193,29 +195,31 @@ void BandController::FollowMovers(const ControlPose& pose,
   movers_.AddLooks(scan.stamp, looks);
 }
 
-bool BandController::Sees(MonotonicTime now) const {
-  const auto sees = [&](LaserMount mount) {
-    const std::optional<MonotonicTime> last = costmap_.last_scan(mount);
+bool BandController::Sees(base::MonotonicTime now) const {
+  const auto sees = [&](core::LaserMount mount) {
+    const std::optional<base::MonotonicTime> last = costmap_.last_scan(mount);
     return last.has_value() && SecondsBetween(*last, now) < kScanLifetime_s;
   };
-  return sees(LaserMount::kFront) &&
-         (!lasers_.rear.has_value() || sees(LaserMount::kRear));
+  return sees(core::LaserMount::kFront) &&
+         (!lasers_.rear.has_value() || sees(core::LaserMount::kRear));
 }
 
 std::vector<GuardPoint> BandController::GuardPoints(
     const ControlPose& pose) const {
-  const Rigid2 base_from_map = pose.pose.map_from_base.Inverse();
+  const geometry::Rigid2 base_from_map = pose.pose.map_from_base.Inverse();
   const double reach_m = guard_.Reach_m();
   const CollisionGuardOptions& options = guard_.options();
   std::vector<GuardPoint> points;
   // Walls seem to move to a robot that turns and does not know the map.
   const bool knows_movers = !pose.map_is_unknown;
   const auto add_seen = [&](const std::vector<SeenPoint>& seen) {
-    Vec2 last = {1e9, 1e9};
+    geometry::Vec2 last = {1e9, 1e9};
     for (const SeenPoint& point : seen) {
-      const Vec2 in_base = base_from_map * point.in_map;
+      const geometry::Vec2 in_base = base_from_map * point.in_map;
       // Neighbouring beams that end side by side say the same.
-      if (Norm(in_base) > reach_m || Norm(in_base - last) < 0.012) continue;
+      if (geometry::Norm(in_base) > reach_m ||
+          geometry::Norm(in_base - last) < 0.012)
+        continue;
       last = in_base;
       const double moving_margin_m =
           knows_movers ? options.body_margin_m : options.moving_margin_m;
@@ -228,8 +232,8 @@ std::vector<GuardPoint> BandController::GuardPoints(
            .is_of_body = point.is_moving && knows_movers});
     }
   };
-  add_seen(costmap_.scan_points(LaserMount::kFront));
-  add_seen(costmap_.scan_points(LaserMount::kRear));
+  add_seen(costmap_.scan_points(core::LaserMount::kFront));
+  add_seen(costmap_.scan_points(core::LaserMount::kRear));
   if (costmap_.last_depth().has_value() &&
       SecondsBetween(*costmap_.last_depth(), pose.stamp) < kDepthLifetime_s) {
     add_seen(costmap_.depth_points());
@@ -241,8 +245,10 @@ std::vector<GuardPoint> BandController::GuardPoints(
                                                 : options.cell_margin_m});
   }
   if (pose.supposed.has_value()) {
-    const Rigid2 base_from_supposed = pose.supposed->map_from_base.Inverse();
-    for (const Vec2& in_map : costmap_.MapObstacles(*pose.supposed, reach_m)) {
+    const geometry::Rigid2 base_from_supposed =
+        pose.supposed->map_from_base.Inverse();
+    for (const geometry::Vec2& in_map :
+         costmap_.MapObstacles(*pose.supposed, reach_m)) {
       points.push_back({.in_base = base_from_supposed * in_map,
                         .margin_m = options.cell_margin_m});
     }
@@ -250,8 +256,8 @@ std::vector<GuardPoint> BandController::GuardPoints(
   // Somebody who went out of sight behind the robot is still about.
   for (const Mover& mover : movers_.Movers()) {
     if (mover.unseen_s == 0) continue;
-    const Vec2 in_base = base_from_map * mover.in_map;
-    if (Norm(in_base) > reach_m + mover.doubt_m) continue;
+    const geometry::Vec2 in_base = base_from_map * mover.in_map;
+    if (geometry::Norm(in_base) > reach_m + mover.doubt_m) continue;
     points.push_back({.in_base = in_base,
                       .margin_m = options.lost_margin_m + mover.doubt_m,
                       .approach_mps = options.approach_mps,
@@ -261,7 +267,7 @@ std::vector<GuardPoint> BandController::GuardPoints(
 }
 
 BandController::Allowed BandController::Allow(
-    const ControlPose& pose, const VelocityCommand& wanted,
+    const ControlPose& pose, const core::VelocityCommand& wanted,
     std::span<const GuardPoint> points) {
   const CommandHistory::Start start = history_.StartAt(
       pose.stamp,
@@ -275,7 +281,7 @@ BandController::Allowed BandController::Allow(
     allowed.command =
         LimitedTogether(start.velocity, {}, start.interval_s, robot_);
   } else {
-    const VelocityCommand limited =
+    const core::VelocityCommand limited =
         LimitedVelocity(start.velocity, wanted, start.interval_s, robot_);
     const GuardVerdict verdict = guard_.Check(limited, points);
     allowed.is_limited = verdict.is_limited;
@@ -292,7 +298,7 @@ BandController::Allowed BandController::Allow(
 }
 
 void BandController::Probe(const ControlPose& pose,
-                           const VelocityCommand& wanted,
+                           const core::VelocityCommand& wanted,
                            std::span<const GuardPoint> points,
                            Allowed& allowed) const {
   const double share = std::min(
@@ -308,17 +314,17 @@ void BandController::Probe(const ControlPose& pose,
   allowed.point_moves = verdict.point_moves;
 }
 
-VelocityCommand BandController::Guard(const ControlPose& pose,
-                                      const VelocityCommand& wanted) {
+core::VelocityCommand BandController::Guard(
+    const ControlPose& pose, const core::VelocityCommand& wanted) {
   if (!IsFinitePose(pose)) return Allow(pose, wanted, {}).command;
   costmap_.MoveTo(pose);
   costmap_.Update(pose.stamp);
   return Allow(pose, wanted, GuardPoints(pose)).command;
 }
 
-VelocityCommand BandController::Wanted(const ControlPose& pose,
-                                       const BandTrack& track) {
-  const Rigid2& goal = keeper_.progress().goal().map_from_base;
+core::VelocityCommand BandController::Wanted(const ControlPose& pose,
+                                             const BandTrack& track) {
+  const geometry::Rigid2& goal = keeper_.progress().goal().map_from_base;
   if (approach_.IsNear(pose.pose.map_from_base, goal,
                        keeper_.progress().left_m())) {
     return approach_.Command(pose.pose.map_from_base, goal, robot_, follow_);
@@ -342,8 +348,9 @@ ControlResult BandController::Step(const ControlPose& pose) {
   }
   costmap_.MoveTo(pose);
   costmap_.Update(pose.stamp);
-  const Vec2 here = pose.pose.map_from_base.translation;
-  if (!got_on_.has_value() || Norm(here - got_on_->first) > kGotOn_m) {
+  const geometry::Vec2 here = pose.pose.map_from_base.translation;
+  if (!got_on_.has_value() ||
+      geometry::Norm(here - got_on_->first) > kGotOn_m) {
     got_on_ = {here, pose.stamp};
   }
   const std::vector<GuardPoint> points = GuardPoints(pose);
@@ -354,7 +361,7 @@ ControlResult BandController::Step(const ControlPose& pose) {
   const BandTrack track = keeper_.Update(pose.pose, costmap_);
   result.to_go_m = keeper_.progress().left_m();
   result.state = ControlState::kDriving;
-  VelocityCommand wanted = Wanted(pose, track);
+  core::VelocityCommand wanted = Wanted(pose, track);
   if (approach_.is_done()) {
     const Allowed allowed = Allow(pose, {}, points);
     result.command = allowed.command;
@@ -374,7 +381,8 @@ ControlResult BandController::Step(const ControlPose& pose) {
   }
   // Who waits stands; whether it might go on is looked at all the same.
   const bool holds = standstill_.Holds();
-  Allowed allowed = Allow(pose, holds ? VelocityCommand() : wanted, points);
+  Allowed allowed =
+      Allow(pose, holds ? core::VelocityCommand() : wanted, points);
   if (holds) Probe(pose, wanted, points, allowed);
   result.command = allowed.command;
   result.is_stopped_by_guard = allowed.is_limited;
@@ -384,7 +392,7 @@ ControlResult BandController::Step(const ControlPose& pose) {
 
 void BandController::JudgeProgress(const ControlPose& pose,
                                    const BandTrack& track,
-                                   const VelocityCommand& wanted,
+                                   const core::VelocityCommand& wanted,
                                    const Allowed& allowed,
                                    ControlResult& result) {
   StandstillInput input = {
@@ -393,7 +401,8 @@ void BandController::JudgeProgress(const ControlPose& pose,
       .wants_to_move = wanted.forward_mps != 0 || wanted.yaw_rate_radps != 0};
   double track_m = 0;
   for (size_t i = 1; i < track.points.size(); ++i) {
-    track_m += Norm(track.points[i].in_map - track.points[i - 1].in_map);
+    track_m +=
+        geometry::Norm(track.points[i].in_map - track.points[i - 1].in_map);
   }
   if (track.broken_at.has_value() && track_m < kBrokenNear_m &&
       !approach_.is_turning()) {
@@ -428,7 +437,7 @@ void BandController::JudgeProgress(const ControlPose& pose,
     const double ahead_m =
         wanted.forward_mps < 0 ? -robot_.rear_m - 0.1 : robot_.front_m + 0.1;
     result.obstacle_in_map = input.obstacle_in_map.value_or(
-        pose.pose.map_from_base * Vec2{ahead_m, 0});
+        pose.pose.map_from_base * geometry::Vec2{ahead_m, 0});
     result.obstacle_radius_m = std::max(0.1, input.obstacle_radius_m);
   }
 }
@@ -440,7 +449,7 @@ bool BandController::CanTurn(const ControlPose& pose) const {
       kRoom_m,
       costmap_.FootprintDistance_m(pose.pose.map_from_base, 0.1) - kNearer_m);
   for (int part = 0; part < kParts; ++part) {
-    Rigid2 turned = pose.pose.map_from_base;
+    geometry::Rigid2 turned = pose.pose.map_from_base;
     turned.yaw_rad += 2 * std::acos(-1.0) * part / kParts;
     if (costmap_.FootprintDistance_m(turned, 0.1) <= needed_m) return false;
   }
@@ -455,8 +464,8 @@ double BandController::FreeWay_m(const ControlPose& pose,
   double room_m = costmap_.FootprintDistance_m(pose.pose.map_from_base, 0.1);
   while (free_m < std::abs(at_most_m)) {
     const double next_m = std::min(std::abs(at_most_m), free_m + kStep_m);
-    Rigid2 moved = pose.pose.map_from_base;
-    moved.translation = moved * Vec2{sign * next_m, 0};
+    geometry::Rigid2 moved = pose.pose.map_from_base;
+    moved.translation = moved * geometry::Vec2{sign * next_m, 0};
     const double there_m = costmap_.FootprintDistance_m(moved, 0.1);
     if (there_m <= std::min(kRoom_m, room_m - kNearer_m)) break;
     room_m = there_m;
@@ -511,8 +520,9 @@ absl::Status LocalControllerOptions::Validate() const {
 }
 
 absl::StatusOr<std::unique_ptr<LocalController>> LocalController::Make(
-    std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-    const RobotLasers& lasers, const LocalControllerOptions& options) {
+    std::shared_ptr<const traversability::NavigationMap> map,
+    const core::RobotModel& robot, const core::RobotLasers& lasers,
+    const LocalControllerOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   LocalCostmapOptions costmap_options;
   costmap_options.length_m = options.costmap_length_m;
@@ -524,4 +534,4 @@ absl::StatusOr<std::unique_ptr<LocalController>> LocalController::Make(
                                           options, std::move(costmap));
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

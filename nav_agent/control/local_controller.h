@@ -15,7 +15,7 @@
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/traversability/navigation_map.h"
 
-namespace treeline {
+namespace treeline::control {
 
 struct LocalControllerOptions {
   // The costmap around the robot, forward x sideways of the map's axes (m).
@@ -40,16 +40,16 @@ enum class ControlState : uint8_t {
 };
 
 struct Bubble {
-  Vec2 center_in_map;
+  geometry::Vec2 center_in_map;
   double heading_rad = 0;
   double radius_m = 0;
 };
 
 struct ControlResult {
   ControlState state = ControlState::kIdle;
-  VelocityCommand command;
+  core::VelocityCommand command;
   // If blocked: where, and how large what stands there is.
-  Vec2 obstacle_in_map;
+  geometry::Vec2 obstacle_in_map;
   double obstacle_radius_m = 0;
   // The collision stop had a say.
   bool is_stopped_by_guard = false;
@@ -59,7 +59,7 @@ struct ControlResult {
 
 // For pictures: rows from the bottom, origin at the lower left corner.
 struct CostmapView {
-  Vec2 origin_in_map;
+  geometry::Vec2 origin_in_map;
   double resolution_m = 0.05;
   int width = 0;
   int height = 0;
@@ -74,31 +74,32 @@ struct CostmapView {
 class LocalController {
  public:
   static absl::StatusOr<std::unique_ptr<LocalController>> Make(
-      std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-      const RobotLasers& lasers, const LocalControllerOptions& options);
+      std::shared_ptr<const traversability::NavigationMap> map,
+      const core::RobotModel& robot, const core::RobotLasers& lasers,
+      const LocalControllerOptions& options);
   virtual ~LocalController() = default;
 
   // What was seen from `pose`, the robot's at that time.
   virtual absl::Status AddScan(const ControlPose& pose,
-                               const LaserScan& scan) = 0;
+                               const core::LaserScan& scan) = 0;
   // The same of the laser that looks back; INVALID_ARGUMENT if there is none.
   virtual absl::Status AddRearScan(const ControlPose& pose,
-                                   const LaserScan& scan) = 0;
+                                   const core::LaserScan& scan) = 0;
   virtual absl::Status AddDepth(const ControlPose& pose,
-                                const RgbdFrame& frame) = 0;
+                                const core::RgbdFrame& frame) = 0;
   // Forgets all that was seen (a recovery; the robot was told where it is).
   virtual void ClearObstacles() = 0;
 
   // A new path; replaces what there is. Empty: none.
-  virtual void SetPath(const std::vector<LevelPose>& path) = 0;
+  virtual void SetPath(const std::vector<core::LevelPose>& path) = 0;
   // 40 times a second. The command obeys all limits, those of acceleration
   // from pose.forward_mps and yaw_rate_radps on.
   virtual ControlResult Step(const ControlPose& pose) = 0;
 
   // For recoveries: the command as near to `wanted` as limits and obstacles
   // allow; the last thing between any command and the base.
-  virtual VelocityCommand Guard(const ControlPose& pose,
-                                const VelocityCommand& wanted) = 0;
+  virtual core::VelocityCommand Guard(const ControlPose& pose,
+                                      const core::VelocityCommand& wanted) = 0;
   // Whether the footprint can turn fully, or move so far ahead (negative:
   // back), without touching what is known.
   virtual bool CanTurn(const ControlPose& pose) const = 0;
@@ -106,12 +107,12 @@ class LocalController {
   // For how long nobody has been seen to move nearby (s): where people are
   // about, one may come up behind the robot, where no sensor looks. Infinity
   // for a robot with a laser there.
-  virtual double QuietFor_s(MonotonicTime now) const = 0;
+  virtual double QuietFor_s(base::MonotonicTime now) const = 0;
 
   virtual std::vector<Bubble> Bubbles() const = 0;
   virtual CostmapView Costmap() const = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_LOCAL_CONTROLLER_H_

@@ -7,16 +7,16 @@
 #include "nav_agent/control/footprint.h"
 #include "nav_agent/control/testing_floor.h"
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 // A robot that does exactly what it is told, on a testing floor.
 class Drive {
  public:
   Drive(const TestingFloor& floor, const ControlPose& start,
-        std::function<bool(Vec2)> is_solid, bool looks_back = false)
+        std::function<bool(geometry::Vec2)> is_solid, bool looks_back = false)
       : controller_(*LocalController::Make(
-            floor.Map(), RobotModel(),
+            floor.Map(), core::RobotModel(),
             {.front = TestingLaser(),
              .rear = looks_back ? std::optional(TestingLaser()) : std::nullopt},
             {})),
@@ -26,8 +26,8 @@ class Drive {
 
   LocalController& controller() { return *controller_; }
   ControlPose& pose() { return pose_; }
-  void Goto(Vec2 goal, double yaw_rad = 0) {
-    LevelPose end;
+  void Goto(geometry::Vec2 goal, double yaw_rad = 0) {
+    core::LevelPose end;
     end.map_from_base = {.translation = goal, .yaw_rad = yaw_rad};
     controller_->SetPath({pose_.pose, end});
   }
@@ -37,11 +37,12 @@ class Drive {
     EXPECT_TRUE(
         controller_->AddScan(pose_, TestingScan(pose_, is_solid_)).ok());
     if (!looks_back_) return;
-    const LaserScan rear = TestingScan(pose_, is_solid_, LaserMount::kRear);
+    const core::LaserScan rear =
+        TestingScan(pose_, is_solid_, core::LaserMount::kRear);
     EXPECT_TRUE(controller_->AddRearScan(pose_, rear).ok());
   }
   // A recovery's command, as far as it is allowed.
-  void Guarded(const VelocityCommand& wanted) {
+  void Guarded(const core::VelocityCommand& wanted) {
     Look();
     Obey(controller_->Guard(pose_, wanted));
   }
@@ -67,7 +68,7 @@ class Drive {
   const ControlResult& last() const { return last_; }
 
  private:
-  void Obey(const VelocityCommand& command) {
+  void Obey(const core::VelocityCommand& command) {
     pose_.forward_mps = command.forward_mps;
     pose_.yaw_rate_radps = command.yaw_rate_radps;
     pose_.pose.map_from_base =
@@ -77,7 +78,7 @@ class Drive {
   std::unique_ptr<LocalController> controller_;
   bool looks_back_;
   ControlPose pose_;
-  std::function<bool(Vec2)> is_solid_;
+  std::function<bool(geometry::Vec2)> is_solid_;
   ControlResult last_;
 };
 
@@ -85,8 +86,8 @@ TEST(LocalController, DrivesToAGoalAndStandsThere) {
   Drive drive(TestingFloor(), TestingPose(3, 6), NothingThere);
   drive.Goto({7, 6.5}, 1.0);
   EXPECT_TRUE(drive.Until(ControlState::kArrived, 12));
-  const Rigid2 at = drive.pose().pose.map_from_base;
-  EXPECT_LT(Norm(at.translation - Vec2{7, 6.5}), 0.1);
+  const geometry::Rigid2 at = drive.pose().pose.map_from_base;
+  EXPECT_LT(geometry::Norm(at.translation - geometry::Vec2{7, 6.5}), 0.1);
   EXPECT_LT(std::abs(at.yaw_rad - 1.0), 0.15);
   EXPECT_EQ(drive.pose().forward_mps, 0);
 }
@@ -100,7 +101,8 @@ TEST(LocalController, AGoalIsNotReachedWhileItMoves) {
   EXPECT_NE(drive.Step().state, ControlState::kArrived);
   EXPECT_TRUE(drive.Until(ControlState::kArrived, 8));
   EXPECT_LT(std::abs(drive.pose().forward_mps), 0.02);
-  EXPECT_LT(Norm(drive.pose().pose.map_from_base.translation - Vec2{4, 6}),
+  EXPECT_LT(geometry::Norm(drive.pose().pose.map_from_base.translation -
+                           geometry::Vec2{4, 6}),
             0.1);
 }
 
@@ -111,11 +113,12 @@ TEST(LocalController, DrivesAroundACrateOnItsPath) {
   double nearest_m = 1;
   for (int i = 0; i < 40 * 25; ++i) {
     const ControlResult result = drive.Step();
-    for (const Vec2 corner :
-         {Vec2{5, 5.7}, Vec2{5, 6.2}, Vec2{5.5, 5.7}, Vec2{5.5, 6.2}}) {
+    for (const geometry::Vec2 corner :
+         {geometry::Vec2{5, 5.7}, geometry::Vec2{5, 6.2},
+          geometry::Vec2{5.5, 5.7}, geometry::Vec2{5.5, 6.2}}) {
       nearest_m =
           std::min(nearest_m,
-                   Footprint::Of(RobotModel())
+                   Footprint::Of(core::RobotModel())
                        .DistanceTo_m(drive.pose().pose.map_from_base.Inverse() *
                                      corner));
     }
@@ -123,7 +126,8 @@ TEST(LocalController, DrivesAroundACrateOnItsPath) {
     EXPECT_NE(result.state, ControlState::kBlocked);
   }
   EXPECT_GT(nearest_m, 0.02);
-  EXPECT_LT(Norm(drive.pose().pose.map_from_base.translation - Vec2{8, 6}),
+  EXPECT_LT(geometry::Norm(drive.pose().pose.map_from_base.translation -
+                           geometry::Vec2{8, 6}),
             0.1);
 }
 
@@ -132,10 +136,10 @@ TEST(LocalController, AmongPeopleItsRearEdgeDoesNotSweepBack) {
   double time_s = 0;
   Drive* robot = nullptr;
   // Somebody walks to and fro 1.6 m before it, wherever that is.
-  const auto somebody = [&](Vec2 at) {
-    const Rigid2& map_from_base = robot->pose().pose.map_from_base;
-    return Norm(map_from_base.Inverse() * at -
-                Vec2{1.6, 0.8 * std::sin(time_s)}) < 0.15;
+  const auto somebody = [&](geometry::Vec2 at) {
+    const geometry::Rigid2& map_from_base = robot->pose().pose.map_from_base;
+    return geometry::Norm(map_from_base.Inverse() * at -
+                          geometry::Vec2{1.6, 0.8 * std::sin(time_s)}) < 0.15;
   };
   Drive drive(TestingFloor(), TestingPose(6, 6), somebody);
   robot = &drive;
@@ -148,8 +152,9 @@ TEST(LocalController, AmongPeopleItsRearEdgeDoesNotSweepBack) {
     drive.Step();
     const double turn_radps = std::abs(drive.pose().yaw_rate_radps);
     turned_rad += 0.025 * turn_radps;
-    swept_m += 0.025 * std::max(0.0, RobotModel().half_width_m * turn_radps -
-                                         drive.pose().forward_mps);
+    swept_m +=
+        0.025 * std::max(0.0, core::RobotModel().half_width_m * turn_radps -
+                                  drive.pose().forward_mps);
   }
   EXPECT_GT(turned_rad, 1.5);
   // A turn on the spot: 0.31 m for each radian.
@@ -162,16 +167,16 @@ double GapAfterBackingUp_m(bool looks_back) {
   double middle_m = -3;
   Drive drive(
       TestingFloor(), TestingPose(6, 6),
-      [&](Vec2 at) {
-        return Norm(at - Vec2{6 + middle_m, 6}) < 0.15;
+      [&](geometry::Vec2 at) {
+        return geometry::Norm(at - geometry::Vec2{6 + middle_m, 6}) < 0.15;
       },
       looks_back);
   double gap_m = 3;
   for (int i = 0; i < 40 * 5; ++i) {
     middle_m = std::min(-1.3, middle_m + 0.8 * 0.025);
     drive.Guarded({.forward_mps = -0.2, .yaw_rate_radps = 0});
-    const double rear_m =
-        drive.pose().pose.map_from_base.translation.x - RobotModel().rear_m;
+    const double rear_m = drive.pose().pose.map_from_base.translation.x -
+                          core::RobotModel().rear_m;
     gap_m = std::min(gap_m, rear_m - (6 + middle_m + 0.15));
   }
   return gap_m;
@@ -187,10 +192,10 @@ TEST(LocalController, ARearLaserShowsWhoComesUpBehind) {
 TEST(LocalController, WhoSeesBehindTurnsOnTheSpotAmongPeople) {
   double time_s = 0;
   Drive* robot = nullptr;
-  const auto somebody = [&](Vec2 at) {
-    const Rigid2& map_from_base = robot->pose().pose.map_from_base;
-    return Norm(map_from_base.Inverse() * at -
-                Vec2{1.6, 0.8 * std::sin(time_s)}) < 0.15;
+  const auto somebody = [&](geometry::Vec2 at) {
+    const geometry::Rigid2& map_from_base = robot->pose().pose.map_from_base;
+    return geometry::Norm(map_from_base.Inverse() * at -
+                          geometry::Vec2{1.6, 0.8 * std::sin(time_s)}) < 0.15;
   };
   Drive drive(TestingFloor(), TestingPose(6, 6), somebody, true);
   robot = &drive;
@@ -224,7 +229,7 @@ TEST(LocalController, ScansOfARearLaserThatIsNotThereAreRefused) {
   EXPECT_EQ(
       drive.controller()
           .AddRearScan(drive.pose(), TestingScan(drive.pose(), NothingThere,
-                                                 LaserMount::kRear))
+                                                 core::LaserMount::kRear))
           .code(),
       absl::StatusCode::kInvalidArgument);
 }
@@ -239,8 +244,8 @@ TEST(LocalController, TurnsOnTheSpotWhereNobodyIs) {
 
 TEST(LocalController, SaysWhereAClosedWayIsBlocked) {
   TestingFloor floor;
-  floor.Fill({0, 0}, {12, 5}, Occupancy::kOccupied)
-      .Fill({0, 7}, {12, 12}, Occupancy::kOccupied);
+  floor.Fill({0, 0}, {12, 5}, core::Occupancy::kOccupied)
+      .Fill({0, 7}, {12, 12}, core::Occupancy::kOccupied);
   Drive drive(floor, TestingPose(3, 6), TestingBox({6, 5.4}, {6.4, 6.6}));
   drive.Goto({9, 6});
   EXPECT_TRUE(drive.Until(ControlState::kBlocked, 15));
@@ -270,15 +275,15 @@ TEST(LocalController, OldScansAndBadPosesStopIt) {
   other.Step();
   ControlPose nowhere = other.pose();
   nowhere.pose.map_from_base.yaw_rad = std::nan("");
-  EXPECT_EQ(other.controller().Step(nowhere).command, VelocityCommand());
+  EXPECT_EQ(other.controller().Step(nowhere).command, core::VelocityCommand());
   EXPECT_EQ(other.controller().Guard(other.pose(), {.forward_mps = std::nan(""),
                                                     .yaw_rate_radps = 0}),
-            VelocityCommand());
+            core::VelocityCommand());
 }
 
 TEST(LocalController, GuardStopsARecoveryBeforeADrop) {
   TestingFloor floor;
-  floor.Fill({0, 0}, {2.5, 12}, Occupancy::kOccupied);
+  floor.Fill({0, 0}, {2.5, 12}, core::Occupancy::kOccupied);
   Drive drive(floor, TestingPose(3.2, 6), NothingThere);
   drive.Step();
   ControlPose pose = drive.pose();
@@ -286,7 +291,7 @@ TEST(LocalController, GuardStopsARecoveryBeforeADrop) {
     pose.stamp += std::chrono::milliseconds(25);
     ASSERT_TRUE(
         drive.controller().AddScan(pose, TestingScan(pose, NothingThere)).ok());
-    const VelocityCommand command = drive.controller().Guard(
+    const core::VelocityCommand command = drive.controller().Guard(
         pose, {.forward_mps = -0.3, .yaw_rate_radps = 0});
     pose.forward_mps = command.forward_mps;
     pose.pose.map_from_base.translation.x += 0.025 * command.forward_mps;
@@ -299,26 +304,27 @@ TEST(LocalController, GuardStopsARecoveryBeforeADrop) {
 
 TEST(LocalController, GuardHeedsTheMapWhereALostRobotSupposesThatItIs) {
   TestingFloor floor;
-  floor.Fill({0, 0}, {12, 2.5}, Occupancy::kOccupied);
+  floor.Fill({0, 0}, {12, 2.5}, core::Occupancy::kOccupied);
   // The frame is that of the wheels: backwards in it is down in the map's.
-  const Rigid2 map_from_odom =
-      TestingPose(6, 3.2).pose.map_from_base * Rigid2{{}, std::numbers::pi / 2};
+  const geometry::Rigid2 map_from_odom =
+      TestingPose(6, 3.2).pose.map_from_base *
+      geometry::Rigid2{{}, std::numbers::pi / 2};
   const auto backs_up_m = [&](bool supposes) {
     Drive drive(floor, TestingPose(6, 6), NothingThere);
     ControlPose pose = drive.pose();
-    pose.pose.map_from_base = Rigid2();
+    pose.pose.map_from_base = geometry::Rigid2();
     pose.map_is_unknown = true;
     for (int i = 0; i < 120; ++i) {
       pose.stamp += std::chrono::milliseconds(25);
       if (supposes) {
-        pose.supposed =
-            LevelPose{.map_from_base = map_from_odom * pose.pose.map_from_base,
-                      .place = pose.pose.place};
+        pose.supposed = core::LevelPose{
+            .map_from_base = map_from_odom * pose.pose.map_from_base,
+            .place = pose.pose.place};
       }
       EXPECT_TRUE(drive.controller()
                       .AddScan(pose, TestingScan(pose, NothingThere))
                       .ok());
-      const VelocityCommand command = drive.controller().Guard(
+      const core::VelocityCommand command = drive.controller().Guard(
           pose, {.forward_mps = -0.3, .yaw_rate_radps = 0});
       pose.forward_mps = command.forward_mps;
       pose.pose.map_from_base.translation.x += 0.025 * command.forward_mps;
@@ -333,7 +339,7 @@ TEST(LocalController, GuardHeedsTheMapWhereALostRobotSupposesThatItIs) {
 
 TEST(LocalController, KnowsItsRoom) {
   TestingFloor floor;
-  floor.Fill({4, 0}, {4.05, 12}, Occupancy::kOccupied);
+  floor.Fill({4, 0}, {4.05, 12}, core::Occupancy::kOccupied);
   Drive drive(floor, TestingPose(3, 6), NothingThere);
   drive.Step();
   EXPECT_TRUE(drive.controller().CanTurn(drive.pose()));
@@ -361,21 +367,21 @@ TEST(LocalController, WithoutAPathItIsIdle) {
 TEST(LocalController, OptionsAreChecked) {
   LocalControllerOptions options;
   options.goal_tolerance_m = 0;
-  EXPECT_FALSE(LocalController::Make(TestingFloor().Map(), RobotModel(),
+  EXPECT_FALSE(LocalController::Make(TestingFloor().Map(), core::RobotModel(),
                                      {.front = TestingLaser()}, options)
                    .ok());
   options = {};
   options.costmap_length_m = 0.2;
-  EXPECT_FALSE(LocalController::Make(TestingFloor().Map(), RobotModel(),
+  EXPECT_FALSE(LocalController::Make(TestingFloor().Map(), core::RobotModel(),
                                      {.front = TestingLaser()}, options)
                    .ok());
   // The issue's own measures.
   options = {};
   options.costmap_length_m = 3;
-  EXPECT_TRUE(LocalController::Make(TestingFloor().Map(), RobotModel(),
+  EXPECT_TRUE(LocalController::Make(TestingFloor().Map(), core::RobotModel(),
                                     {.front = TestingLaser()}, options)
                   .ok());
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::control

@@ -10,7 +10,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/core/distance_field.h"
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 // Ground goes on over so many voxels of height from cell to cell: slopes are
@@ -55,12 +55,13 @@ absl::Status LocalCostmapOptions::Validate() const {
 }
 
 absl::StatusOr<LocalCostmap> LocalCostmap::Make(
-    std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-    const RobotLasers& lasers, const LocalCostmapOptions& options) {
+    std::shared_ptr<const traversability::NavigationMap> map,
+    const core::RobotModel& robot, const core::RobotLasers& lasers,
+    const LocalCostmapOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(robot.Validate());
   if (map == nullptr) return absl::InvalidArgumentError("there is no map");
-  for (const RangeSensorInfo& laser :
+  for (const core::RangeSensorInfo& laser :
        {lasers.front, lasers.rear.value_or(lasers.front)}) {
     if (laser.beams < 1 || !(laser.range_max_m > laser.range_min_m)) {
       return absl::InvalidArgumentError(
@@ -70,9 +71,10 @@ absl::StatusOr<LocalCostmap> LocalCostmap::Make(
   return LocalCostmap(std::move(map), robot, lasers, options);
 }
 
-LocalCostmap::LocalCostmap(std::shared_ptr<const NavigationMap> map,
-                           const RobotModel& robot, const RobotLasers& lasers,
-                           const LocalCostmapOptions& options)
+LocalCostmap::LocalCostmap(
+    std::shared_ptr<const traversability::NavigationMap> map,
+    const core::RobotModel& robot, const core::RobotLasers& lasers,
+    const LocalCostmapOptions& options)
     : map_(std::move(map)),
       robot_(robot),
       options_(options),
@@ -81,13 +83,13 @@ LocalCostmap::LocalCostmap(std::shared_ptr<const NavigationMap> map,
       area_in_base_(footprint_.Area(0.7 * options.resolution_m)) {
   width_ = CellsFor(options_.length_m, options_.resolution_m).first;
   height_ = CellsFor(options_.width_m, options_.resolution_m).first;
-  const Rigid2& map_from_grid = map_->grid(0).map_from_grid;
+  const geometry::Rigid2& map_from_grid = map_->grid(0).map_from_grid;
   map_cos_ = std::cos(map_from_grid.yaw_rad);
   map_sin_ = std::sin(map_from_grid.yaw_rad);
   map_origin_ = map_from_grid.translation;
-  lasers_[static_cast<size_t>(LaserMount::kFront)].info = lasers.front;
-  lasers_[static_cast<size_t>(LaserMount::kRear)].info =
-      lasers.rear.value_or(RangeSensorInfo());
+  lasers_[static_cast<size_t>(core::LaserMount::kFront)].info = lasers.front;
+  lasers_[static_cast<size_t>(core::LaserMount::kRear)].info =
+      lasers.rear.value_or(core::RangeSensorInfo());
   held_looks_ = lasers.rear.has_value() ? 1 : 0;
   for (Laser& laser : lasers_) {
     for (int beam = 0; beam < laser.info.beams; ++beam) {
@@ -106,15 +108,15 @@ LocalCostmap::LocalCostmap(std::shared_ptr<const NavigationMap> map,
   passed_in_.resize(cells, 0);
 }
 
-CellIndex LocalCostmap::CellOf(Vec2 point_in_map) const {
+core::CellIndex LocalCostmap::CellOf(geometry::Vec2 point_in_map) const {
   return {static_cast<int>(std::floor((point_in_map.x - origin_in_map_.x) /
                                       options_.resolution_m)),
           static_cast<int>(std::floor((point_in_map.y - origin_in_map_.y) /
                                       options_.resolution_m))};
 }
 
-CellIndex LocalCostmap::MapCellAt(Vec2 point_in_map) const {
-  const Vec2 from_origin = point_in_map - map_origin_;
+core::CellIndex LocalCostmap::MapCellAt(geometry::Vec2 point_in_map) const {
+  const geometry::Vec2 from_origin = point_in_map - map_origin_;
   const double scale = 1 / map_->resolution_m();
   return {static_cast<int>(std::floor(
               scale * (map_cos_ * from_origin.x + map_sin_ * from_origin.y))),
@@ -122,7 +124,7 @@ CellIndex LocalCostmap::MapCellAt(Vec2 point_in_map) const {
               scale * (-map_sin_ * from_origin.x + map_cos_ * from_origin.y)))};
 }
 
-int64_t LocalCostmap::Milliseconds(MonotonicTime time) {
+int64_t LocalCostmap::Milliseconds(base::MonotonicTime time) {
   if (!epoch_.has_value()) epoch_ = time;
   return std::chrono::duration_cast<std::chrono::milliseconds>(time - *epoch_)
       .count();
@@ -131,8 +133,8 @@ int64_t LocalCostmap::Milliseconds(MonotonicTime time) {
 // ---- the map's layer ----
 
 void LocalCostmap::MoveTo(const ControlPose& control_pose) {
-  const LevelPose& pose = control_pose.pose;
-  const Vec2 at = pose.map_from_base.translation;
+  const core::LevelPose& pose = control_pose.pose;
+  const geometry::Vec2 at = pose.map_from_base.translation;
   const double r = options_.resolution_m;
   const auto x = static_cast<int64_t>(std::llround(at.x / r)) - width_ / 2;
   const auto y = static_cast<int64_t>(std::llround(at.y / r)) - height_ / 2;
@@ -176,7 +178,7 @@ void LocalCostmap::Shift(int by_x, int by_y) {
 }
 
 std::optional<LocalCostmap::Ground> LocalCostmap::StepOnto(
-    CellIndex map_cell, const Ground& from) const {
+    core::CellIndex map_cell, const Ground& from) const {
   const double most_m = kStepVoxels * map_->resolution_m();
   std::optional<Ground> best;
   double best_m = most_m;
@@ -202,12 +204,13 @@ std::optional<LocalCostmap::Ground> LocalCostmap::StepOnto(
   return best;
 }
 
-bool LocalCostmap::SeedGround(const LevelPose& pose, std::vector<int>& open) {
+bool LocalCostmap::SeedGround(const core::LevelPose& pose,
+                              std::vector<int>& open) {
   const double reach_cells = kSeedReach_m / options_.resolution_m;
-  const CellIndex at = CellOf(pose.map_from_base.translation);
+  const core::CellIndex at = CellOf(pose.map_from_base.translation);
   const int reach = static_cast<int>(reach_cells);
   double best = std::numeric_limits<double>::infinity();
-  CellIndex best_cell;
+  core::CellIndex best_cell;
   std::optional<Ground> best_ground;
   for (int y = at.y - reach; y <= at.y + reach; ++y) {
     for (int x = at.x - reach; x <= at.x + reach; ++x) {
@@ -234,7 +237,7 @@ bool LocalCostmap::SeedGround(const LevelPose& pose, std::vector<int>& open) {
   return true;
 }
 
-void LocalCostmap::SpreadGround(const LevelPose& pose) {
+void LocalCostmap::SpreadGround(const core::LevelPose& pose) {
   std::ranges::fill(ground_, Ground());
   std::vector<int> open;
   open.reserve(ground_.size());
@@ -268,10 +271,10 @@ void LocalCostmap::MeasureMapDistances() {
     is_obstacle[i] = ground_[i].level < 0 ? 1 : 0;
   }
   const std::vector<int32_t> squared =
-      SquaredDistances(width_, height_, is_obstacle);
+      core::SquaredDistances(width_, height_, is_obstacle);
   for (size_t i = 0; i < squared.size(); ++i) {
     map_distance_m_[i] =
-        squared[i] == kNoObstacle
+        squared[i] == core::kNoObstacle
             ? std::numeric_limits<float>::infinity()
             : static_cast<float>(options_.resolution_m *
                                  std::sqrt(static_cast<double>(squared[i])));
@@ -280,20 +283,20 @@ void LocalCostmap::MeasureMapDistances() {
 
 // ---- questions ----
 
-bool LocalCostmap::Contains(Vec2 point_in_map, double inset_m) const {
-  const Vec2 from = point_in_map - origin_in_map_;
+bool LocalCostmap::Contains(geometry::Vec2 point_in_map, double inset_m) const {
+  const geometry::Vec2 from = point_in_map - origin_in_map_;
   return from.x >= inset_m && from.y >= inset_m &&
          from.x < width_ * options_.resolution_m - inset_m &&
          from.y < height_ * options_.resolution_m - inset_m;
 }
 
-LocalCell LocalCostmap::CellAt(Vec2 point_in_map) const {
-  const CellIndex cell = CellOf(point_in_map);
+LocalCell LocalCostmap::CellAt(geometry::Vec2 point_in_map) const {
+  const core::CellIndex cell = CellOf(point_in_map);
   return IsInside(cell.x, cell.y) ? At(cell.x, cell.y)
                                   : LocalCell::kMapObstacle;
 }
 
-double LocalCostmap::Distance_m(Vec2 point_in_map) const {
+double LocalCostmap::Distance_m(geometry::Vec2 point_in_map) const {
   const double r = options_.resolution_m;
   const double x = (point_in_map.x - origin_in_map_.x) / r - 0.5;
   const double y = (point_in_map.y - origin_in_map_.y) / r - 0.5;
@@ -313,35 +316,36 @@ double LocalCostmap::Distance_m(Vec2 point_in_map) const {
   return (1 - above_part) * lower + above_part * upper - 0.5 * r;
 }
 
-Vec2 LocalCostmap::Away(Vec2 point_in_map) const {
+geometry::Vec2 LocalCostmap::Away(geometry::Vec2 point_in_map) const {
   const double r = options_.resolution_m;
-  const Vec2 gradient = {Distance_m({point_in_map.x + r, point_in_map.y}) -
-                             Distance_m({point_in_map.x - r, point_in_map.y}),
-                         Distance_m({point_in_map.x, point_in_map.y + r}) -
-                             Distance_m({point_in_map.x, point_in_map.y - r})};
-  const double length = Norm(gradient);
-  return length < 1e-6 ? Vec2{} : (1 / length) * gradient;
+  const geometry::Vec2 gradient = {
+      Distance_m({point_in_map.x + r, point_in_map.y}) -
+          Distance_m({point_in_map.x - r, point_in_map.y}),
+      Distance_m({point_in_map.x, point_in_map.y + r}) -
+          Distance_m({point_in_map.x, point_in_map.y - r})};
+  const double length = geometry::Norm(gradient);
+  return length < 1e-6 ? geometry::Vec2{} : (1 / length) * gradient;
 }
 
-double LocalCostmap::FootprintDistance_m(const Rigid2& map_from_base,
+double LocalCostmap::FootprintDistance_m(const geometry::Rigid2& map_from_base,
                                          double at_most_m) const {
   const double from_center_m = Distance_m(map_from_base.translation);
   const double circumradius_m = footprint_.Circumradius_m();
   if (from_center_m > circumradius_m + at_most_m) return at_most_m;
   const double c = std::cos(map_from_base.yaw_rad);
   const double s = std::sin(map_from_base.yaw_rad);
-  const Vec2 at = map_from_base.translation;
-  const auto in_map = [&](Vec2 p) {
-    return Vec2{at.x + c * p.x - s * p.y, at.y + s * p.x + c * p.y};
+  const geometry::Vec2 at = map_from_base.translation;
+  const auto in_map = [&](geometry::Vec2 p) {
+    return geometry::Vec2{at.x + c * p.x - s * p.y, at.y + s * p.x + c * p.y};
   };
   double least_m = at_most_m;
-  for (const Vec2& point : edge_in_base_) {
+  for (const geometry::Vec2& point : edge_in_base_) {
     least_m = std::min(least_m, Distance_m(in_map(point)));
   }
   // Something small may stand within.
   if (least_m > 0 && from_center_m < circumradius_m) {
-    for (const Vec2& point : area_in_base_) {
-      const CellIndex cell = CellOf(in_map(point));
+    for (const geometry::Vec2& point : area_in_base_) {
+      const core::CellIndex cell = CellOf(in_map(point));
       if (!IsInside(cell.x, cell.y) ||
           distance_m_[IndexOf(cell.x, cell.y)] <= 0) {
         return std::min(-options_.resolution_m,
@@ -352,22 +356,23 @@ double LocalCostmap::FootprintDistance_m(const Rigid2& map_from_base,
   return least_m;
 }
 
-std::optional<LevelPlace> LocalCostmap::GroundAt(Vec2 point_in_map) const {
-  const CellIndex cell = CellOf(point_in_map);
+std::optional<core::LevelPlace> LocalCostmap::GroundAt(
+    geometry::Vec2 point_in_map) const {
+  const core::CellIndex cell = CellOf(point_in_map);
   if (!IsInside(cell.x, cell.y)) return std::nullopt;
   const Ground& ground = ground_[IndexOf(cell.x, cell.y)];
   if (ground.level < 0) return std::nullopt;
-  return LevelPlace{.level = ground.level, .height_m = ground.height_m};
+  return core::LevelPlace{.level = ground.level, .height_m = ground.height_m};
 }
 
 std::vector<UnseenObstacle> LocalCostmap::UnseenObstacles(
-    Vec2 at, double radius_m, MonotonicTime now) const {
+    geometry::Vec2 at, double radius_m, base::MonotonicTime now) const {
   std::vector<UnseenObstacle> unseen;
   if (!epoch_.has_value()) return unseen;
   const int64_t now_ms =
       std::chrono::duration_cast<std::chrono::milliseconds>(now - *epoch_)
           .count();
-  const CellIndex middle = CellOf(at);
+  const core::CellIndex middle = CellOf(at);
   const int reach = static_cast<int>(radius_m / options_.resolution_m) + 1;
   for (int y = std::max(0, middle.y - reach);
        y <= std::min(height_ - 1, middle.y + reach); ++y) {
@@ -375,8 +380,8 @@ std::vector<UnseenObstacle> LocalCostmap::UnseenObstacles(
          x <= std::min(width_ - 1, middle.x + reach); ++x) {
       const size_t i = IndexOf(x, y);
       if (cells_[i] == LocalCell::kFree) continue;
-      const Vec2 center = CenterInMap(x, y);
-      if (Norm(center - at) > radius_m) continue;
+      const geometry::Vec2 center = CenterInMap(x, y);
+      if (geometry::Norm(center - at) > radius_m) continue;
       if (cells_[i] == LocalCell::kSeen) {
         const Seen& seen = seen_[i];
         if (now_ms - seen.last_ms <= kSeenNow_ms) continue;
@@ -395,21 +400,21 @@ std::vector<UnseenObstacle> LocalCostmap::UnseenObstacles(
   return unseen;
 }
 
-std::vector<Vec2> LocalCostmap::MapObstacles(const LevelPose& pose,
-                                             double radius_m) const {
-  std::vector<Vec2> obstacles;
-  const Vec2 at = pose.map_from_base.translation;
+std::vector<geometry::Vec2> LocalCostmap::MapObstacles(
+    const core::LevelPose& pose, double radius_m) const {
+  std::vector<geometry::Vec2> obstacles;
+  const geometry::Vec2 at = pose.map_from_base.translation;
   const Ground ground = {.level = pose.place.level,
                          .height_m = static_cast<float>(pose.place.height_m)};
   const auto is_ground = [&](int x, int y) {
     return StepOnto({x, y}, ground).has_value();
   };
-  const CellIndex middle = MapCellAt(at);
+  const core::CellIndex middle = MapCellAt(at);
   const int reach = static_cast<int>(radius_m / map_->resolution_m()) + 1;
   for (int y = middle.y - reach; y <= middle.y + reach; ++y) {
     for (int x = middle.x - reach; x <= middle.x + reach; ++x) {
-      const Vec2 center = map_->grid(0).CenterInMap({x, y});
-      if (Norm(center - at) > radius_m || is_ground(x, y)) continue;
+      const geometry::Vec2 center = map_->grid(0).CenterInMap({x, y});
+      if (geometry::Norm(center - at) > radius_m || is_ground(x, y)) continue;
       if (is_ground(x - 1, y) || is_ground(x + 1, y) || is_ground(x, y - 1) ||
           is_ground(x, y + 1)) {
         obstacles.push_back(center);
@@ -419,20 +424,21 @@ std::vector<Vec2> LocalCostmap::MapObstacles(const LevelPose& pose,
   return obstacles;
 }
 
-SeenObstacle LocalCostmap::ObstacleNear(Vec2 point_in_map, double reach_m,
-                                        MonotonicTime now) const {
+SeenObstacle LocalCostmap::ObstacleNear(geometry::Vec2 point_in_map,
+                                        double reach_m,
+                                        base::MonotonicTime now) const {
   SeenObstacle obstacle;
   if (!epoch_.has_value()) return obstacle;
   // The nearest seen cell.
   double best_m = reach_m;
-  std::optional<CellIndex> seed;
+  std::optional<core::CellIndex> seed;
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
       if (At(x, y) != LocalCell::kSeen) continue;
-      const double away_m = Norm(CenterInMap(x, y) - point_in_map);
+      const double away_m = geometry::Norm(CenterInMap(x, y) - point_in_map);
       if (away_m < best_m) {
         best_m = away_m;
-        seed = CellIndex{x, y};
+        seed = core::CellIndex{x, y};
       }
     }
   }
@@ -440,10 +446,10 @@ SeenObstacle LocalCostmap::ObstacleNear(Vec2 point_in_map, double reach_m,
   // What hangs together with it, gaps of a cell included.
   constexpr int kGap = 2;
   std::vector<uint8_t> is_known(cells_.size(), 0);
-  std::vector<CellIndex> cells = {*seed};
+  std::vector<core::CellIndex> cells = {*seed};
   is_known[IndexOf(seed->x, seed->y)] = 1;
   for (size_t next = 0; next < cells.size(); ++next) {
-    const CellIndex at = cells[next];
+    const core::CellIndex at = cells[next];
     for (int y = at.y - kGap; y <= at.y + kGap; ++y) {
       for (int x = at.x - kGap; x <= at.x + kGap; ++x) {
         if (!IsInside(x, y) || At(x, y) != LocalCell::kSeen ||
@@ -459,21 +465,21 @@ SeenObstacle LocalCostmap::ObstacleNear(Vec2 point_in_map, double reach_m,
       std::chrono::duration_cast<std::chrono::milliseconds>(now - *epoch_)
           .count();
   std::vector<int64_t> ages_ms;
-  for (const CellIndex& cell : cells) {
+  for (const core::CellIndex& cell : cells) {
     obstacle.center_in_map =
         obstacle.center_in_map +
         (1.0 / static_cast<double>(cells.size())) * CenterInMap(cell.x, cell.y);
     ages_ms.push_back(now_ms - seen_[IndexOf(cell.x, cell.y)].since_ms);
   }
-  for (const CellIndex& cell : cells) {
-    obstacle.radius_m =
-        std::max(obstacle.radius_m,
-                 Norm(CenterInMap(cell.x, cell.y) - obstacle.center_in_map) +
-                     0.5 * options_.resolution_m);
+  for (const core::CellIndex& cell : cells) {
+    obstacle.radius_m = std::max(
+        obstacle.radius_m,
+        geometry::Norm(CenterInMap(cell.x, cell.y) - obstacle.center_in_map) +
+            0.5 * options_.resolution_m);
   }
   std::ranges::sort(ages_ms);
   obstacle.age_s = 0.001 * static_cast<double>(ages_ms[ages_ms.size() / 10]);
   return obstacle;
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

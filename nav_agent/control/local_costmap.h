@@ -16,7 +16,7 @@
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/traversability/navigation_map.h"
 
-namespace treeline {
+namespace treeline::control {
 
 struct LocalCostmapOptions {
   // Along the map's x and y (m, 1 to 20), and of a cell (m, 0.01 to 0.2).
@@ -58,7 +58,7 @@ struct LocalCostmapOptions {
 
 // A point of something that a sensor saw.
 struct SeenPoint {
-  Vec2 in_map;
+  geometry::Vec2 in_map;
   // It was not there a moment ago.
   bool is_moving = false;
   // The map has nothing there.
@@ -67,7 +67,7 @@ struct SeenPoint {
 
 // A cell's centre.
 struct UnseenObstacle {
-  Vec2 in_map;
+  geometry::Vec2 in_map;
   // Seen, rather than the map's.
   bool is_new = false;
 };
@@ -92,7 +92,7 @@ enum class LocalCell : uint8_t { kFree = 0, kMapObstacle = 1, kSeen = 2 };
 //
 // Seen obstacles that hang together.
 struct SeenObstacle {
-  Vec2 center_in_map;
+  geometry::Vec2 center_in_map;
   // 0: there is none.
   double radius_m = 0;
   // For how long its youngest tenth has been there (s).
@@ -103,78 +103,81 @@ struct SeenObstacle {
 class LocalCostmap {
  public:
   static absl::StatusOr<LocalCostmap> Make(
-      std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-      const RobotLasers& lasers, const LocalCostmapOptions& options);
+      std::shared_ptr<const traversability::NavigationMap> map,
+      const core::RobotModel& robot, const core::RobotLasers& lasers,
+      const LocalCostmapOptions& options);
 
   // The window moves with the robot.
   void MoveTo(const ControlPose& pose);
   // INVALID_ARGUMENT: the number of beams is not the laser's, or the pose is
   // not finite.
-  absl::Status AddScan(const ControlPose& pose, const LaserScan& scan,
-                       LaserMount mount = LaserMount::kFront);
-  absl::Status AddDepth(const ControlPose& pose, const RgbdFrame& frame);
+  absl::Status AddScan(const ControlPose& pose, const core::LaserScan& scan,
+                       core::LaserMount mount = core::LaserMount::kFront);
+  absl::Status AddDepth(const ControlPose& pose, const core::RgbdFrame& frame);
   void ClearObstacles();
   // Forgets what is too old; distances are right afterwards.
-  void Update(MonotonicTime now);
+  void Update(base::MonotonicTime now);
 
   int width() const { return width_; }
   int height() const { return height_; }
   double resolution_m() const { return options_.resolution_m; }
-  Vec2 origin_in_map() const { return origin_in_map_; }
+  geometry::Vec2 origin_in_map() const { return origin_in_map_; }
   LocalCell At(int x, int y) const { return cells_[IndexOf(x, y)]; }
   const std::vector<LocalCell>& cells() const { return cells_; }
   // From centre to centre of the nearest obstacle (m).
   const std::vector<float>& distances_m() const { return distance_m_; }
-  Vec2 CenterInMap(int x, int y) const {
+  geometry::Vec2 CenterInMap(int x, int y) const {
     return {origin_in_map_.x + (x + 0.5) * options_.resolution_m,
             origin_in_map_.y + (y + 0.5) * options_.resolution_m};
   }
   // Whether a point is in the window, `inset_m` from its edge.
-  bool Contains(Vec2 point_in_map, double inset_m = 0) const;
-  LocalCell CellAt(Vec2 point_in_map) const;
+  bool Contains(geometry::Vec2 point_in_map, double inset_m = 0) const;
+  LocalCell CellAt(geometry::Vec2 point_in_map) const;
   // From a point to the nearest obstacle (seen ones widened), that fills its
   // cell: the distance of its centre, between centres by bilinear
   // interpolation, less half a cell. 0 at most in obstacles; outside of the
   // window less than 0: it is not known.
-  double Distance_m(Vec2 point_in_map) const;
+  double Distance_m(geometry::Vec2 point_in_map) const;
   // Unit vector away from the nearest obstacle; 0 where there is none.
-  Vec2 Away(Vec2 point_in_map) const;
+  geometry::Vec2 Away(geometry::Vec2 point_in_map) const;
   // The free distance of the footprint at a pose; negative if it touches
   // something. Exact up to the grid: the least Distance_m along its edge.
   // Never more than at_most_m.
-  double FootprintDistance_m(const Rigid2& map_from_base,
+  double FootprintDistance_m(const geometry::Rigid2& map_from_base,
                              double at_most_m) const;
   // The ground there, if it continues the robot's.
-  std::optional<LevelPlace> GroundAt(Vec2 point_in_map) const;
+  std::optional<core::LevelPlace> GroundAt(geometry::Vec2 point_in_map) const;
 
   // The seen obstacle nearest to a point, if it is within reach_m.
-  SeenObstacle ObstacleNear(Vec2 point_in_map, double reach_m,
-                            MonotonicTime now) const;
+  SeenObstacle ObstacleNear(geometry::Vec2 point_in_map, double reach_m,
+                            base::MonotonicTime now) const;
 
   // Centres of the obstacles' cells within radius_m of a point that no sensor
   // shows at this moment: the map's, where they border on ground, and seen ones
   // that are only remembered.
-  std::vector<UnseenObstacle> UnseenObstacles(Vec2 at, double radius_m,
-                                              MonotonicTime now) const;
+  std::vector<UnseenObstacle> UnseenObstacles(geometry::Vec2 at,
+                                              double radius_m,
+                                              base::MonotonicTime now) const;
 
   // Centres of the map's cells within radius_m of a pose, which need not be the
   // window's, that are not at the height of the pose's ground, within a step of
   // the map's voxels, and border on cells that are. On slopes of 1 in 12 that
   // holds for 0.9 m.
-  std::vector<Vec2> MapObstacles(const LevelPose& pose, double radius_m) const;
+  std::vector<geometry::Vec2> MapObstacles(const core::LevelPose& pose,
+                                           double radius_m) const;
 
   // The newest scan's and the newest frame's points on obstacles, the map's
   // included, near the robot.
   const std::vector<SeenPoint>& scan_points(
-      LaserMount mount = LaserMount::kFront) const {
+      core::LaserMount mount = core::LaserMount::kFront) const {
     return LaserAt(mount).points;
   }
   const std::vector<SeenPoint>& depth_points() const { return depth_points_; }
-  std::optional<MonotonicTime> last_scan(
-      LaserMount mount = LaserMount::kFront) const {
+  std::optional<base::MonotonicTime> last_scan(
+      core::LaserMount mount = core::LaserMount::kFront) const {
     return LaserAt(mount).last_scan;
   }
-  std::optional<MonotonicTime> last_depth() const { return last_depth_; }
+  std::optional<base::MonotonicTime> last_depth() const { return last_depth_; }
 
  private:
   // What is known of a cell's obstacles.
@@ -196,18 +199,18 @@ class LocalCostmap {
 
   // One of the lasers, and what it has shown last. No beams: there is none.
   struct Laser {
-    RangeSensorInfo info;
+    core::RangeSensorInfo info;
     std::vector<double> beam_cos;
     std::vector<double> beam_sin;
-    std::optional<MonotonicTime> last_scan;
+    std::optional<base::MonotonicTime> last_scan;
     std::vector<SeenPoint> points;
   };
 
-  LocalCostmap(std::shared_ptr<const NavigationMap> map,
-               const RobotModel& robot, const RobotLasers& lasers,
+  LocalCostmap(std::shared_ptr<const traversability::NavigationMap> map,
+               const core::RobotModel& robot, const core::RobotLasers& lasers,
                const LocalCostmapOptions& options);
 
-  const Laser& LaserAt(LaserMount mount) const {
+  const Laser& LaserAt(core::LaserMount mount) const {
     return lasers_[static_cast<size_t>(mount)];
   }
 
@@ -218,22 +221,23 @@ class LocalCostmap {
   bool IsInside(int x, int y) const {
     return x >= 0 && y >= 0 && x < width_ && y < height_;
   }
-  CellIndex CellOf(Vec2 point_in_map) const;
-  std::optional<Ground> StepOnto(CellIndex map_cell, const Ground& from) const;
-  CellIndex MapCellAt(Vec2 point_in_map) const;
-  CellIndex MapCellOf(int x, int y) const {
+  core::CellIndex CellOf(geometry::Vec2 point_in_map) const;
+  std::optional<Ground> StepOnto(core::CellIndex map_cell,
+                                 const Ground& from) const;
+  core::CellIndex MapCellAt(geometry::Vec2 point_in_map) const;
+  core::CellIndex MapCellOf(int x, int y) const {
     return MapCellAt(CenterInMap(x, y));
   }
-  void SpreadGround(const LevelPose& pose);
+  void SpreadGround(const core::LevelPose& pose);
   void MeasureMapDistances();
   void WidenSeen(std::vector<uint8_t>& is_obstacle) const;
-  bool SeedGround(const LevelPose& pose, std::vector<int>& open);
+  bool SeedGround(const core::LevelPose& pose, std::vector<int>& open);
   void Shift(int by_x, int by_y);
-  int64_t Milliseconds(MonotonicTime time);
-  bool IsHeightOfObstacle(CellIndex cell, double z_m, double range_m,
+  int64_t Milliseconds(base::MonotonicTime time);
+  bool IsHeightOfObstacle(core::CellIndex cell, double z_m, double range_m,
                           bool* near_map) const;
   void MarkHits(int64_t now_ms, uint8_t Seen::*hits);
-  void ClearAlong(Vec3 from, Vec3 to, int64_t now_ms);
+  void ClearAlong(geometry::Vec3 from, geometry::Vec3 to, int64_t now_ms);
   // What is seen well away from all that the map has: nearer, it may be the
   // map's own, seen from an estimate that is off.
   bool IsNew(size_t i) const {
@@ -241,34 +245,34 @@ class LocalCostmap {
            map_distance_m_[i] >
                (seen_[i].was_free ? options_.came_from_m : options_.new_from_m);
   }
-  bool IsMoving(CellIndex cell, int64_t now_ms) const;
+  bool IsMoving(core::CellIndex cell, int64_t now_ms) const;
   bool IsBesideMover(size_t i) const;
   bool CountsAt(size_t i) const {
     return seen_[i].laser_hits >= options_.hits_to_mark ||
            seen_[i].depth_hits >= options_.hits_to_mark;
   }
 
-  std::shared_ptr<const NavigationMap> map_;
-  RobotModel robot_;
+  std::shared_ptr<const traversability::NavigationMap> map_;
+  core::RobotModel robot_;
   LocalCostmapOptions options_;
   Footprint footprint_;
-  std::vector<Vec2> edge_in_base_;
-  std::vector<Vec2> area_in_base_;
+  std::vector<geometry::Vec2> edge_in_base_;
+  std::vector<geometry::Vec2> area_in_base_;
   // By LaserMount.
   std::array<Laser, 2> lasers_;
   // The map's grid from the map's frame: a rotation, then cells.
   double map_cos_ = 1;
   double map_sin_ = 0;
-  Vec2 map_origin_;
+  geometry::Vec2 map_origin_;
 
   int width_ = 0;
   int height_ = 0;
   // Of the window's lower left corner, in whole cells from the map's origin.
   int64_t cell_x_ = 0;
   int64_t cell_y_ = 0;
-  Vec2 origin_in_map_;
+  geometry::Vec2 origin_in_map_;
   bool is_placed_ = false;
-  LevelPose placed_at_;
+  core::LevelPose placed_at_;
   bool map_is_unknown_ = false;
 
   std::vector<Ground> ground_;
@@ -286,11 +290,11 @@ class LocalCostmap {
   // in so many looks before is not passed.
   uint32_t held_looks_ = 0;
 
-  std::optional<MonotonicTime> epoch_;
-  std::optional<MonotonicTime> last_depth_;
+  std::optional<base::MonotonicTime> epoch_;
+  std::optional<base::MonotonicTime> last_depth_;
   std::vector<SeenPoint> depth_points_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_LOCAL_COSTMAP_H_

@@ -8,7 +8,7 @@
 #include "nav_agent/control/local_costmap.h"
 #include "nav_agent/core/distance_field.h"
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 // Points this near to the robot are kept for the collision stop (m).
@@ -26,7 +26,7 @@ constexpr double kUnknownGround = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-bool LocalCostmap::IsHeightOfObstacle(CellIndex cell, double z_m,
+bool LocalCostmap::IsHeightOfObstacle(core::CellIndex cell, double z_m,
                                       double range_m, bool* near_map) const {
   *near_map = false;
   const double tolerance_m =
@@ -51,7 +51,7 @@ bool LocalCostmap::IsHeightOfObstacle(CellIndex cell, double z_m,
   return z_m > ground_m + tolerance_m && z_m < ground_m + robot_.height_m;
 }
 
-bool LocalCostmap::IsMoving(CellIndex cell, int64_t now_ms) const {
+bool LocalCostmap::IsMoving(core::CellIndex cell, int64_t now_ms) const {
   if (!IsInside(cell.x, cell.y)) return false;
   const size_t at = IndexOf(cell.x, cell.y);
   const auto standing_ms =
@@ -77,18 +77,20 @@ bool LocalCostmap::IsMoving(CellIndex cell, int64_t now_ms) const {
 
 bool LocalCostmap::IsBesideMover(size_t i) const {
   const int cell = static_cast<int>(i);
-  const Vec2 center = CenterInMap(cell % width_, cell / width_);
+  const geometry::Vec2 center = CenterInMap(cell % width_, cell / width_);
   return std::ranges::any_of(lasers_, [&](const Laser& laser) {
     return std::ranges::any_of(laser.points, [&](const SeenPoint& point) {
-      return point.is_moving && Norm(point.in_map - center) < kMoverSize_m;
+      return point.is_moving &&
+             geometry::Norm(point.in_map - center) < kMoverSize_m;
     });
   });
 }
 
-void LocalCostmap::ClearAlong(Vec3 from, Vec3 to, int64_t now_ms) {
+void LocalCostmap::ClearAlong(geometry::Vec3 from, geometry::Vec3 to,
+                              int64_t now_ms) {
   const double r = options_.resolution_m;
-  const Vec2 way = {to.x - from.x, to.y - from.y};
-  const double length_m = Norm(way);
+  const geometry::Vec2 way = {to.x - from.x, to.y - from.y};
+  const double length_m = geometry::Norm(way);
   const int steps = static_cast<int>(length_m / (0.7 * r));
   if (steps < 1) return;
   const double inverse = 1 / r;
@@ -143,24 +145,26 @@ void LocalCostmap::MarkHits(int64_t now_ms, uint8_t Seen::*hits) {
 }
 
 absl::Status LocalCostmap::AddScan(const ControlPose& pose,
-                                   const LaserScan& scan, LaserMount mount) {
+                                   const core::LaserScan& scan,
+                                   core::LaserMount mount) {
   Laser& laser = lasers_[static_cast<size_t>(mount)];
   if (static_cast<int>(scan.ranges_m.size()) != laser.info.beams) {
     return absl::InvalidArgumentError(
         absl::StrCat("a scan has ", scan.ranges_m.size(), " ranges, the laser ",
                      laser.info.beams, " beams"));
   }
-  const Rigid3 map_from_base = MapFromBase3(pose);
-  if (!IsFinite(map_from_base)) {
+  const geometry::Rigid3 map_from_base = MapFromBase3(pose);
+  if (!geometry::IsFinite(map_from_base)) {
     return absl::InvalidArgumentError("the pose of a scan is not finite");
   }
   if (!is_placed_) MoveTo(pose);
   const int64_t now_ms = Milliseconds(scan.stamp) + 1;
   laser.last_scan = scan.stamp;
-  const Rigid3 map_from_laser = map_from_base * robot_.BaseFrom(mount);
-  const Mat3 rotation = map_from_laser.rotation.Matrix();
-  const Vec3 origin = map_from_laser.translation;
-  const Vec2 at = pose.pose.map_from_base.translation;
+  const geometry::Rigid3 map_from_laser =
+      map_from_base * robot_.BaseFrom(mount);
+  const geometry::Mat3 rotation = map_from_laser.rotation.Matrix();
+  const geometry::Vec3 origin = map_from_laser.translation;
+  const geometry::Vec2 at = pose.pose.map_from_base.translation;
   const double heading_x = std::cos(pose.pose.map_from_base.yaw_rad);
   const double heading_y = std::sin(pose.pose.map_from_base.yaw_rad);
   const double reach_m = options_.length_m + options_.width_m;
@@ -168,7 +172,7 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
   ++look_;
   hit_cells_.clear();
   laser.points.clear();
-  std::vector<Vec3> ends(scan.ranges_m.size());
+  std::vector<geometry::Vec3> ends(scan.ranges_m.size());
   const auto is_range = [&](size_t i) {
     return scan.ranges_m[i] >= laser.info.range_min_m &&
            scan.ranges_m[i] <= laser.info.range_max_m;
@@ -180,11 +184,11 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
     // The robot moved on since the first beam.
     const double late_s = static_cast<double>(i) * laser.info.beam_interval_s;
     const double turn = pose.yaw_rate_radps * late_s;
-    const Vec3 in_laser = {
+    const geometry::Vec3 in_laser = {
         used_m * (laser.beam_cos[i] - turn * laser.beam_sin[i]),
         used_m * (laser.beam_sin[i] + turn * laser.beam_cos[i]), 0};
     const double drive_m = pose.forward_mps * late_s;
-    const Vec3 end = {
+    const geometry::Vec3 end = {
         origin.x + rotation(0, 0) * in_laser.x + rotation(0, 1) * in_laser.y +
             heading_x * drive_m,
         origin.y + rotation(1, 0) * in_laser.x + rotation(1, 1) * in_laser.y +
@@ -192,7 +196,7 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
         origin.z + rotation(2, 0) * in_laser.x + rotation(2, 1) * in_laser.y};
     ends[i] = end;
     if (range_m == 0 || range_m > reach_m) continue;
-    const CellIndex cell = CellOf({end.x, end.y});
+    const core::CellIndex cell = CellOf({end.x, end.y});
     bool near_map = false;
     if (!IsHeightOfObstacle(cell, end.z, range_m, &near_map)) continue;
     // One beam alone is an echo from an edge.
@@ -211,7 +215,7 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
           {.in_map = {end.x, end.y}, .is_new = IsNew(index)});
     }
   }
-  for (const Vec3& end : ends) ClearAlong(origin, end, now_ms);
+  for (const geometry::Vec3& end : ends) ClearAlong(origin, end, now_ms);
   MarkHits(now_ms, &Seen::laser_hits);
   for (SeenPoint& point : laser.points) {
     point.is_moving = IsMoving(CellOf(point.in_map), now_ms);
@@ -220,30 +224,30 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
 }
 
 absl::Status LocalCostmap::AddDepth(const ControlPose& pose,
-                                    const RgbdFrame& frame) {
+                                    const core::RgbdFrame& frame) {
   if (!frame.frame.depth.has_value() || !frame.frame.calibration.has_value()) {
     return absl::InvalidArgumentError(
         "a frame has no depth, or no calibration");
   }
-  const DepthImage& depth = *frame.frame.depth;
-  const RgbdCalibration& calibration = *frame.frame.calibration;
+  const image::DepthImage& depth = *frame.frame.depth;
+  const camera::RgbdCalibration& calibration = *frame.frame.calibration;
   const size_t pixels =
       static_cast<size_t>(depth.width) * static_cast<size_t>(depth.height);
   if (depth.width < 1 || depth.height < 1 || depth.values.size() != pixels) {
     return absl::InvalidArgumentError("a depth picture has a wrong size");
   }
-  const Rigid3 map_from_base = MapFromBase3(pose);
-  if (!IsFinite(map_from_base)) {
+  const geometry::Rigid3 map_from_base = MapFromBase3(pose);
+  if (!geometry::IsFinite(map_from_base)) {
     return absl::InvalidArgumentError("the pose of a frame is not finite");
   }
   if (!is_placed_) MoveTo(pose);
   const int64_t now_ms = Milliseconds(frame.stamp) + 1;
   last_depth_ = frame.stamp;
-  const Rigid3 map_from_depth =
-      map_from_base * PoseOfSensor(robot_.base_from_camera,
-                                   calibration.pose_sensor, RgbdSensor::kDepth,
-                                   calibration);
-  const Vec2 at = pose.pose.map_from_base.translation;
+  const geometry::Rigid3 map_from_depth =
+      map_from_base *
+      camera::PoseOfSensor(robot_.base_from_camera, calibration.pose_sensor,
+                           camera::RgbdSensor::kDepth, calibration);
+  const geometry::Vec2 at = pose.pose.map_from_base.translation;
   ++look_;
   hit_cells_.clear();
   depth_points_.clear();
@@ -254,14 +258,15 @@ absl::Status LocalCostmap::AddDepth(const ControlPose& pose,
       const uint16_t value = depth.values[static_cast<size_t>(y) *
                                               static_cast<size_t>(depth.width) +
                                           static_cast<size_t>(x)];
-      if (!IsMeasured(value)) continue;
+      if (!image::IsMeasured(value)) continue;
       const double z_m = value * depth.unit_m * calibration.depth_scale;
       if (z_m > options_.depth_range_m) continue;
-      const std::optional<Pixel> ray = calibration.depth.Unproject(
+      const std::optional<camera::Pixel> ray = calibration.depth.Unproject(
           {static_cast<double>(x), static_cast<double>(y)});
       if (!ray.has_value()) continue;
-      const Vec3 end = map_from_depth * Vec3{ray->x * z_m, ray->y * z_m, z_m};
-      const CellIndex cell = CellOf({end.x, end.y});
+      const geometry::Vec3 end =
+          map_from_depth * geometry::Vec3{ray->x * z_m, ray->y * z_m, z_m};
+      const core::CellIndex cell = CellOf({end.x, end.y});
       if (!IsInside(cell.x, cell.y)) continue;
       const size_t index = IndexOf(cell.x, cell.y);
       bool near_map = false;
@@ -325,7 +330,7 @@ void LocalCostmap::WidenSeen(std::vector<uint8_t>& is_obstacle) const {
   }
 }
 
-void LocalCostmap::Update(MonotonicTime now) {
+void LocalCostmap::Update(base::MonotonicTime now) {
   const int64_t now_ms = Milliseconds(now);
   const auto standing_ms =
       static_cast<int64_t>(1000 * options_.standing_after_s);
@@ -348,14 +353,14 @@ void LocalCostmap::Update(MonotonicTime now) {
   }
   WidenSeen(is_obstacle);
   const std::vector<int32_t> squared =
-      SquaredDistances(width_, height_, is_obstacle);
+      core::SquaredDistances(width_, height_, is_obstacle);
   for (size_t i = 0; i < squared.size(); ++i) {
     distance_m_[i] =
-        squared[i] == kNoObstacle
+        squared[i] == core::kNoObstacle
             ? static_cast<float>(options_.length_m + options_.width_m)
             : static_cast<float>(options_.resolution_m *
                                  std::sqrt(static_cast<double>(squared[i])));
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

@@ -6,18 +6,19 @@
 #include "gtest/gtest.h"
 #include "nav_agent/control/testing_floor.h"
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 LocalCostmap MakeCostmap(const TestingFloor& floor,
                          const LocalCostmapOptions& options = {}) {
-  return *LocalCostmap::Make(floor.Map(), RobotModel(),
+  return *LocalCostmap::Make(floor.Map(), core::RobotModel(),
                              {.front = TestingLaser()}, options);
 }
 
 // So many scans, 25 ms apart, from the same place.
 void Look(LocalCostmap& costmap, ControlPose pose, int scans,
-          const std::function<bool(Vec2)>& is_solid, double from_s = 0) {
+          const std::function<bool(geometry::Vec2)>& is_solid,
+          double from_s = 0) {
   for (int scan = 0; scan < scans; ++scan) {
     pose.stamp = TestingTime(from_s + 0.025 * scan);
     costmap.MoveTo(pose);
@@ -29,7 +30,7 @@ void Look(LocalCostmap& costmap, ControlPose pose, int scans,
 TEST(LocalCostmap, DistancesAreExactAndDoNotSaturate) {
   // One that is decoded from a cost byte ends near half a metre.
   TestingFloor floor;
-  floor.Fill({7.5, 0}, {7.55, 12}, Occupancy::kOccupied);
+  floor.Fill({7.5, 0}, {7.55, 12}, core::Occupancy::kOccupied);
   LocalCostmap costmap = MakeCostmap(floor);
   costmap.MoveTo(TestingPose(6, 6));
   costmap.Update(TestingTime(0));
@@ -41,7 +42,7 @@ TEST(LocalCostmap, DistancesAreExactAndDoNotSaturate) {
 
 TEST(LocalCostmap, UnknownAndOffTheMapAreNotFree) {
   TestingFloor floor;
-  floor.Fill({6.5, 0}, {12, 12}, Occupancy::kUnknown);
+  floor.Fill({6.5, 0}, {12, 12}, core::Occupancy::kUnknown);
   LocalCostmap costmap = MakeCostmap(floor);
   costmap.MoveTo(TestingPose(5.5, 6));
   costmap.Update(TestingTime(0));
@@ -58,8 +59,8 @@ TEST(LocalCostmap, UnknownAndOffTheMapAreNotFree) {
 
 TEST(LocalCostmap, TheFootprintsDistanceDependsOnItsHeading) {
   TestingFloor floor;
-  floor.Fill({0, 6.4}, {12, 6.45}, Occupancy::kOccupied);
-  RobotModel robot;
+  floor.Fill({0, 6.4}, {12, 6.45}, core::Occupancy::kOccupied);
+  core::RobotModel robot;
   robot.front_m = 0.6;
   LocalCostmap costmap =
       *LocalCostmap::Make(floor.Map(), robot, {.front = TestingLaser()}, {});
@@ -78,7 +79,7 @@ TEST(LocalCostmap, TheFootprintsDistanceDependsOnItsHeading) {
 
 TEST(LocalCostmap, SomethingThinInTheFootprintIsFound) {
   TestingFloor floor;
-  floor.Fill({6.2, 6.2}, {6.25, 6.25}, Occupancy::kOccupied);
+  floor.Fill({6.2, 6.2}, {6.25, 6.25}, core::Occupancy::kOccupied);
   LocalCostmap costmap = MakeCostmap(floor);
   costmap.MoveTo(TestingPose(6, 5));
   costmap.Update(TestingTime(0));
@@ -143,7 +144,7 @@ TEST(LocalCostmap, WhatComesWhereItWasFreeMoves) {
 
 TEST(LocalCostmap, GlassOfTheMapCountsThoughLasersLookThroughIt) {
   TestingFloor floor;
-  floor.Fill({7, 0}, {7.05, 12}, Occupancy::kOccupied);
+  floor.Fill({7, 0}, {7.05, 12}, core::Occupancy::kOccupied);
   LocalCostmap costmap = MakeCostmap(floor);
   Look(costmap, TestingPose(6, 6), 40, NothingThere);
   EXPECT_EQ(costmap.CellAt({7.02, 6}), LocalCell::kMapObstacle);
@@ -170,8 +171,8 @@ TEST(LocalCostmap, ARobotThatLeansSeesTheFloor) {
   ControlPose pose = TestingPose(6, 6);
   // 8 degrees nose down: beams ahead end on the floor after 2.3 m; 0.8 m of
   // the window lie behind that.
-  pose.level_from_base = Rotation3::FromAxisAngle({0, 0.2, 0});
-  const auto floor = [](Vec2 at) { return at.x > 7.72; };
+  pose.level_from_base = geometry::Rotation3::FromAxisAngle({0, 0.2, 0});
+  const auto floor = [](geometry::Vec2 at) { return at.x > 7.72; };
   Look(costmap, pose, 10, floor);
   EXPECT_EQ(costmap.CellAt({7.74, 6}), LocalCell::kFree);
 }
@@ -180,7 +181,7 @@ TEST(LocalCostmap, GroundGoesOnOverAJoinAndNotOverADrop) {
   TestingFloor floor;
   // A ramp up along x at y in [5, 7], a platform at its end; beside it, floor.
   floor.Ramp({6, 5}, {7, 7}, 0.25).Raise({7, 4}, {12, 8}, 0.25);
-  TraversableMap map;
+  traversability::TraversableMap map;
   map.levels.push_back(floor.level());
   // The platform's upper part is another level.
   map.levels.push_back(floor.level());
@@ -188,11 +189,12 @@ TEST(LocalCostmap, GroundGoesOnOverAJoinAndNotOverADrop) {
     const bool is_high = map.levels[0].height_m[i] > 0.11F;
     const size_t without = is_high ? 0 : 1;
     map.levels[without].height_m[i] = std::numeric_limits<float>::quiet_NaN();
-    map.levels[without].grid.cells[i] = Occupancy::kUnknown;
+    map.levels[without].grid.cells[i] = core::Occupancy::kUnknown;
   }
-  LocalCostmap costmap = *LocalCostmap::Make(
-      std::make_shared<const NavigationMap>(*NavigationMap::Make(map)),
-      RobotModel(), {.front = TestingLaser()}, {});
+  LocalCostmap costmap =
+      *LocalCostmap::Make(std::make_shared<const traversability::NavigationMap>(
+                              *traversability::NavigationMap::Make(map)),
+                          core::RobotModel(), {.front = TestingLaser()}, {});
   costmap.MoveTo(TestingPose(6.2, 6));
   costmap.Update(TestingTime(0));
   ASSERT_TRUE(costmap.GroundAt({7.5, 6}).has_value());
@@ -213,8 +215,8 @@ TEST(LocalCostmap, GroundGoesOnOverAJoinAndNotOverADrop) {
 
 TEST(LocalCostmap, ALostRobotDoesNotAskTheMap) {
   TestingFloor floor;
-  floor.Fill({0, 0}, {12, 12}, Occupancy::kOccupied)
-      .Fill({1, 1}, {2, 2}, Occupancy::kFree);
+  floor.Fill({0, 0}, {12, 12}, core::Occupancy::kOccupied)
+      .Fill({1, 1}, {2, 2}, core::Occupancy::kFree);
   LocalCostmap costmap = MakeCostmap(floor);
   ControlPose pose = TestingPose(6, 6);
   pose.map_is_unknown = true;
@@ -233,15 +235,15 @@ TEST(LocalCostmap, ALostRobotDoesNotAskTheMap) {
 
 // A camera 1 m high that looks straight down from 1 m before the base sees the
 // floor, and a box of this height in the middle of the picture.
-RgbdFrame DepthOfBox(double box_m, MonotonicTime stamp) {
-  RgbdFrame frame;
+core::RgbdFrame DepthOfBox(double box_m, base::MonotonicTime stamp) {
+  core::RgbdFrame frame;
   frame.stamp = stamp;
-  frame.frame.calibration = RgbdCalibration();
+  frame.frame.calibration = camera::RgbdCalibration();
   frame.frame.calibration->color =
-      *Camera::Create(CameraModel::kPinhole, 64, 48,
-                      std::array<double, 4>{60, 60, 32, 24}.data(), 4);
+      *camera::Camera::Create(camera::CameraModel::kPinhole, 64, 48,
+                              std::array<double, 4>{60, 60, 32, 24}.data(), 4);
   frame.frame.calibration->depth = frame.frame.calibration->color;
-  DepthImage depth = {.width = 64, .height = 48, .values = {}};
+  image::DepthImage depth = {.width = 64, .height = 48, .values = {}};
   for (int y = 0; y < 48; ++y) {
     for (int x = 0; x < 64; ++x) {
       const bool is_box = std::abs(x - 32) < 8 && std::abs(y - 24) < 8;
@@ -254,9 +256,9 @@ RgbdFrame DepthOfBox(double box_m, MonotonicTime stamp) {
 }
 
 TEST(LocalCostmap, DepthMarksAndClearsWhatIsLowerThanTheLaser) {
-  RobotModel robot;
+  core::RobotModel robot;
   robot.base_from_camera =
-      RobotModel::UprightCamera({1.0, 0, 1.0}, std::numbers::pi / 2);
+      core::RobotModel::UprightCamera({1.0, 0, 1.0}, std::numbers::pi / 2);
   LocalCostmap costmap = *LocalCostmap::Make(TestingFloor().Map(), robot,
                                              {.front = TestingLaser()}, {});
   ControlPose pose = TestingPose(6, 6);
@@ -278,9 +280,9 @@ TEST(LocalCostmap, DepthMarksAndClearsWhatIsLowerThanTheLaser) {
 }
 
 TEST(LocalCostmap, WhoComesToWhereTheCameraSawSomethingMoves) {
-  RobotModel robot;
+  core::RobotModel robot;
   robot.base_from_camera =
-      RobotModel::UprightCamera({1.0, 0, 1.0}, std::numbers::pi / 2);
+      core::RobotModel::UprightCamera({1.0, 0, 1.0}, std::numbers::pi / 2);
   LocalCostmap costmap = *LocalCostmap::Make(TestingFloor().Map(), robot,
                                              {.front = TestingLaser()}, {});
   // For 2 s there is a box, which the laser looks over.
@@ -302,28 +304,28 @@ TEST(LocalCostmap, WhoComesToWhereTheCameraSawSomethingMoves) {
 TEST(LocalCostmap, BadInputIsSaid) {
   LocalCostmap costmap = MakeCostmap(TestingFloor());
   const ControlPose pose = TestingPose(6, 6);
-  LaserScan short_scan = TestingScan(pose, NothingThere);
+  core::LaserScan short_scan = TestingScan(pose, NothingThere);
   short_scan.ranges_m.pop_back();
   EXPECT_EQ(costmap.AddScan(pose, short_scan).code(),
             absl::StatusCode::kInvalidArgument);
   ControlPose nowhere = pose;
   nowhere.pose.map_from_base.translation.x = std::nan("");
   EXPECT_FALSE(costmap.AddScan(nowhere, TestingScan(pose, NothingThere)).ok());
-  EXPECT_FALSE(costmap.AddDepth(pose, RgbdFrame()).ok());
-  EXPECT_FALSE(
-      LocalCostmap::Make(nullptr, RobotModel(), {.front = TestingLaser()}, {})
-          .ok());
+  EXPECT_FALSE(costmap.AddDepth(pose, core::RgbdFrame()).ok());
+  EXPECT_FALSE(LocalCostmap::Make(nullptr, core::RobotModel(),
+                                  {.front = TestingLaser()}, {})
+                   .ok());
   LocalCostmapOptions options;
   options.resolution_m = 0;
-  EXPECT_FALSE(LocalCostmap::Make(TestingFloor().Map(), RobotModel(),
+  EXPECT_FALSE(LocalCostmap::Make(TestingFloor().Map(), core::RobotModel(),
                                   {.front = TestingLaser()}, options)
                    .ok());
   // Ranges that are none mark nothing.
-  LaserScan nothing = TestingScan(pose, NothingThere);
-  std::ranges::fill(nothing.ranges_m, kInvalidRange);
+  core::LaserScan nothing = TestingScan(pose, NothingThere);
+  std::ranges::fill(nothing.ranges_m, core::kInvalidRange);
   EXPECT_TRUE(costmap.AddScan(pose, nothing).ok());
   EXPECT_TRUE(costmap.scan_points().empty());
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::control

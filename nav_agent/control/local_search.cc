@@ -8,7 +8,7 @@
 #include <queue>
 #include <utility>
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 // About the start cells are open that are no narrower than the start (m).
@@ -16,16 +16,16 @@ constexpr double kStartReach_m = 0.4;
 
 }  // namespace
 
-LocalWay FindLocalWay(const LocalCostmap& costmap, Vec2 start,
-                      std::span<const Vec2> ends,
+LocalWay FindLocalWay(const LocalCostmap& costmap, geometry::Vec2 start,
+                      std::span<const geometry::Vec2> ends,
                       std::span<const double> end_costs_m,
                       const LocalSearchOptions& options) {
   LocalWay way;
   const double r = costmap.resolution_m();
   const int width = costmap.width();
   const int height = costmap.height();
-  const Vec2 origin = costmap.origin_in_map();
-  const auto cell_of = [&](Vec2 point) {
+  const geometry::Vec2 origin = costmap.origin_in_map();
+  const auto cell_of = [&](geometry::Vec2 point) {
     return std::pair<int, int>{
         static_cast<int>(std::floor((point.x - origin.x) / r)),
         static_cast<int>(std::floor((point.y - origin.y) / r))};
@@ -100,4 +100,4 @@ LocalWay FindLocalWay(const LocalCostmap& costmap, Vec2 start,
   return way;
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

@@ -8,7 +8,7 @@
 #include "common/geometry/rigid2.h"
 #include "nav_agent/control/local_costmap.h"
 
-namespace treeline {
+namespace treeline::control {
 
 struct LocalSearchOptions {
   // Cells nearer to obstacles than this are closed (m, from centre to centre),
@@ -23,18 +23,18 @@ struct LocalSearchOptions {
 
 struct LocalWay {
   // From the start to one of the ends; empty if there is none.
-  std::vector<Vec2> points_in_map;
+  std::vector<geometry::Vec2> points_in_map;
   // Which end was reached.
   size_t end = 0;
 };
 
 // Dijkstra's algorithm on the costmap's cells from `start` to the end whose way
 // is the cheapest, ends[i] at an extra cost of end_costs_m[i].
-LocalWay FindLocalWay(const LocalCostmap& costmap, Vec2 start,
-                      std::span<const Vec2> ends,
+LocalWay FindLocalWay(const LocalCostmap& costmap, geometry::Vec2 start,
+                      std::span<const geometry::Vec2> ends,
                       std::span<const double> end_costs_m,
                       const LocalSearchOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_LOCAL_SEARCH_H_

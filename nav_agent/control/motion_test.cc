@@ -14,19 +14,19 @@
 #include "nav_agent/control/track_follower.h"
 #include "nav_agent/control/velocity_limits.h"
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
-const RobotModel kRobot;
+const core::RobotModel kRobot;
 
 // eband: no acceleration limit for differential drives.
 TEST(VelocityLimits, AccelerationIsLimited) {
-  const VelocityCommand start;
-  const VelocityCommand next = LimitedVelocity(
+  const core::VelocityCommand start;
+  const core::VelocityCommand next = LimitedVelocity(
       start, {.forward_mps = 5, .yaw_rate_radps = 9}, 0.025, kRobot);
   EXPECT_NEAR(next.forward_mps, 0.8 * 0.025, 1e-12);
   EXPECT_NEAR(next.yaw_rate_radps, 3.0 * 0.025, 1e-12);
-  const VelocityCommand brakes = LimitedVelocity(
+  const core::VelocityCommand brakes = LimitedVelocity(
       {.forward_mps = 0.6, .yaw_rate_radps = 0}, {}, 0.025, kRobot);
   EXPECT_NEAR(brakes.forward_mps, 0.6 - 1.5 * 0.025, 1e-12);
   // Backwards only after it stood.
@@ -35,7 +35,7 @@ TEST(VelocityLimits, AccelerationIsLimited) {
                       {.forward_mps = -0.3, .yaw_rate_radps = 0}, 0.025, kRobot)
           .forward_mps,
       0);
-  VelocityCommand fast = {.forward_mps = 0.8, .yaw_rate_radps = 0};
+  core::VelocityCommand fast = {.forward_mps = 0.8, .yaw_rate_radps = 0};
   for (int i = 0; i < 100; ++i) {
     fast = LimitedVelocity(fast, {.forward_mps = 5, .yaw_rate_radps = 0}, 0.025,
                            kRobot);
@@ -44,27 +44,29 @@ TEST(VelocityLimits, AccelerationIsLimited) {
   EXPECT_EQ(LimitedVelocity(
                 {}, {.forward_mps = std::nan(""), .yaw_rate_radps = INFINITY},
                 0.025, kRobot),
-            VelocityCommand());
+            core::VelocityCommand());
 }
 
 TEST(VelocityLimits, WhatBrakesTogetherStaysOnItsArc) {
   // It turns left as it creeps ahead, and its rear left corner hardly moves
   // back; if the way ahead ended first, it would by 1.4 cm a second.
-  VelocityCommand command = {.forward_mps = 0.028, .yaw_rate_radps = 0.105};
+  core::VelocityCommand command = {.forward_mps = 0.028,
+                                   .yaw_rate_radps = 0.105};
   EXPECT_EQ(LimitedVelocity(command, {}, 0.025, kRobot).forward_mps, 0);
   for (int step = 0; step < 2; ++step) {
     const double corner_mps =
         command.forward_mps - command.yaw_rate_radps * kRobot.half_width_m;
     EXPECT_GT(corner_mps, -0.005);
-    const VelocityCommand next = LimitedTogether(command, {}, 0.025, kRobot);
+    const core::VelocityCommand next =
+        LimitedTogether(command, {}, 0.025, kRobot);
     EXPECT_NEAR(next.forward_mps * command.yaw_rate_radps,
                 next.yaw_rate_radps * command.forward_mps, 1e-12);
     EXPECT_LE(command.yaw_rate_radps - next.yaw_rate_radps, 3.0 * 0.025 + 1e-9);
     command = next;
   }
-  EXPECT_EQ(command, VelocityCommand());
+  EXPECT_EQ(command, core::VelocityCommand());
   // The slower one sets the pace; backwards only after it stood.
-  const VelocityCommand turns = LimitedTogether(
+  const core::VelocityCommand turns = LimitedTogether(
       {.forward_mps = 0.03, .yaw_rate_radps = 0},
       {.forward_mps = -0.03, .yaw_rate_radps = 0.05}, 0.025, kRobot);
   EXPECT_NEAR(turns.forward_mps, 0, 1e-12);
@@ -72,14 +74,14 @@ TEST(VelocityLimits, WhatBrakesTogetherStaysOnItsArc) {
   EXPECT_EQ(LimitedTogether({.forward_mps = NAN, .yaw_rate_radps = 0},
                             {.forward_mps = 0, .yaw_rate_radps = INFINITY},
                             0.025, kRobot),
-            VelocityCommand());
+            core::VelocityCommand());
 }
 
 TEST(CommandHistory, LateMeasurementsDoNotHalveTheAcceleration) {
   CommandHistory history;
-  VelocityCommand command;
+  core::VelocityCommand command;
   // The base says what it did 50 ms ago.
-  std::vector<VelocityCommand> told(2);
+  std::vector<core::VelocityCommand> told(2);
   double time_s = 0;
   for (int i = 0; i < 20; ++i, time_s += 0.025) {
     const auto start =
@@ -105,17 +107,18 @@ TEST(CollisionGuard, StopsBeforeAWallFromAnySpeedAndHeading) {
   const Footprint body = Footprint::Of(kRobot);
   for (const double heading_rad : {0.0, 0.4, -1.0}) {
     for (const double yaw_rate : {0.0, 0.5}) {
-      Rigid2 at = {.translation = {0, 0}, .yaw_rad = heading_rad};
-      VelocityCommand command;
+      geometry::Rigid2 at = {.translation = {0, 0}, .yaw_rad = heading_rad};
+      core::VelocityCommand command;
       double nearest_m = 1;
       for (int step = 0; step < 400; ++step) {
         std::vector<GuardPoint> points;
         for (int i = -60; i <= 60; ++i) {
-          const Vec2 post = at.Inverse() * Vec2{1.2, 0.02 * i};
+          const geometry::Vec2 post =
+              at.Inverse() * geometry::Vec2{1.2, 0.02 * i};
           points.push_back({.in_base = post, .margin_m = 0.03});
           nearest_m = std::min(nearest_m, body.DistanceTo_m(post));
         }
-        const VelocityCommand wanted = LimitedVelocity(
+        const core::VelocityCommand wanted = LimitedVelocity(
             command, {.forward_mps = 0.8, .yaw_rate_radps = yaw_rate}, 0.025,
             kRobot);
         const GuardVerdict verdict = guard.Check(wanted, points);
@@ -134,18 +137,19 @@ TEST(CollisionGuard, AwayFromWhatTouchesTheMarginItMayAlwaysDrive) {
   // 1 cm before the front.
   const std::vector<GuardPoint> points = {
       {.in_base = {0.31, 0}, .margin_m = 0.03}};
-  const VelocityCommand ahead = {.forward_mps = 0.1, .yaw_rate_radps = 0};
-  EXPECT_EQ(guard.Check(ahead, points).command, VelocityCommand());
-  const VelocityCommand back = {.forward_mps = -0.2, .yaw_rate_radps = 0};
+  const core::VelocityCommand ahead = {.forward_mps = 0.1, .yaw_rate_radps = 0};
+  EXPECT_EQ(guard.Check(ahead, points).command, core::VelocityCommand());
+  const core::VelocityCommand back = {.forward_mps = -0.2, .yaw_rate_radps = 0};
   EXPECT_FALSE(guard.Check(back, points).is_limited);
   // The smallest command is too much, however often it is given.
-  const VelocityCommand creep = {.forward_mps = 0.02, .yaw_rate_radps = 0};
-  EXPECT_EQ(guard.Check(creep, points).command, VelocityCommand());
+  const core::VelocityCommand creep = {.forward_mps = 0.02,
+                                       .yaw_rate_radps = 0};
+  EXPECT_EQ(guard.Check(creep, points).command, core::VelocityCommand());
 }
 
 TEST(CollisionGuard, WhatMovesIsGivenMoreRoom) {
   const CollisionGuard guard(kRobot, {});
-  const VelocityCommand ahead = {.forward_mps = 0.5, .yaw_rate_radps = 0};
+  const core::VelocityCommand ahead = {.forward_mps = 0.5, .yaw_rate_radps = 0};
   const GuardPoint stands = {.in_base = {0.8, 0}, .margin_m = 0.03};
   GuardPoint moves = stands;
   moves.approach_mps = 0.9;
@@ -164,9 +168,9 @@ TEST(CollisionGuard, NoEdgeMovesOutBesideWhoMoves) {
                            .margin_m = 0.25,
                            .approach_mps = 0.9,
                            .is_of_body = true};
-  EXPECT_EQ(guard.Check({0, 0.5}, {{legs}}).command, VelocityCommand());
-  EXPECT_EQ(guard.Check({0, -0.5}, {{legs}}).command, VelocityCommand());
-  EXPECT_EQ(guard.Check({0.2, 0}, {{legs}}).command, VelocityCommand());
+  EXPECT_EQ(guard.Check({0, 0.5}, {{legs}}).command, core::VelocityCommand());
+  EXPECT_EQ(guard.Check({0, -0.5}, {{legs}}).command, core::VelocityCommand());
+  EXPECT_EQ(guard.Check({0.2, 0}, {{legs}}).command, core::VelocityCommand());
   EXPECT_FALSE(guard.Check({-0.2, 0}, {{legs}}).is_limited);
   // Behind the rear left corner it may drive off, straight ahead.
   const GuardPoint behind = {.in_base = {-0.45, 0.45},
@@ -174,9 +178,11 @@ TEST(CollisionGuard, NoEdgeMovesOutBesideWhoMoves) {
                              .approach_mps = 0.9,
                              .is_of_body = true};
   EXPECT_FALSE(guard.Check({0.3, 0}, {{behind}}).is_limited);
-  EXPECT_EQ(guard.Check({0, 0.5}, {{behind}}).command, VelocityCommand());
-  EXPECT_EQ(guard.Check({0, -0.5}, {{behind}}).command, VelocityCommand());
-  EXPECT_EQ(guard.Check({-0.1, 0}, {{behind}}).command, VelocityCommand());
+  EXPECT_EQ(guard.Check({0, 0.5}, {{behind}}).command, core::VelocityCommand());
+  EXPECT_EQ(guard.Check({0, -0.5}, {{behind}}).command,
+            core::VelocityCommand());
+  EXPECT_EQ(guard.Check({-0.1, 0}, {{behind}}).command,
+            core::VelocityCommand());
   // The same that stands still only keeps the robot from coming nearer.
   const GuardPoint stands = {.in_base = {0.34, -0.45}, .margin_m = 0.15};
   EXPECT_FALSE(guard.Check({0, 0.5}, {{stands}}).is_limited);
@@ -186,7 +192,7 @@ TEST(CollisionGuard, NoEdgeMovesOutBesideWhoMoves) {
 // leads, nor may it back up; 20 cm further ahead it may turn.
 TEST(Escape, DrivesOnToWhereItMayTurn) {
   TestingFloor floor;
-  floor.Fill({4.5, 5.2}, {5.85, 5.65}, Occupancy::kOccupied);
+  floor.Fill({4.5, 5.2}, {5.85, 5.65}, core::Occupancy::kOccupied);
   absl::StatusOr<LocalCostmap> costmap =
       LocalCostmap::Make(floor.Map(), kRobot, {.front = TestingLaser()}, {});
   ASSERT_TRUE(costmap.ok());
@@ -202,10 +208,11 @@ TEST(Escape, DrivesOnToWhereItMayTurn) {
     track.push_back({.in_map = {6 + 0.75 * s_m, 6 + 0.65 * s_m}});
   }
   const CollisionGuard guard(kRobot, {});
-  const VelocityCommand wanted = {.forward_mps = 0, .yaw_rate_radps = 1.0};
+  const core::VelocityCommand wanted = {.forward_mps = 0,
+                                        .yaw_rate_radps = 1.0};
   ASSERT_TRUE(guard.Check({0, 0.35}, bench).is_limited);
   Escape escape;
-  const std::optional<VelocityCommand> found =
+  const std::optional<core::VelocityCommand> found =
       escape.Find(pose, track, wanted, false, *costmap, guard, bench);
   ASSERT_TRUE(found.has_value());
   EXPECT_GT(found->forward_mps, 0);
@@ -233,7 +240,7 @@ TEST(CollisionGuard, NaNStops) {
   const GuardVerdict verdict =
       guard.Check({.forward_mps = std::nan(""), .yaw_rate_radps = 0.1}, {});
   EXPECT_TRUE(verdict.is_limited);
-  EXPECT_EQ(verdict.command, VelocityCommand());
+  EXPECT_EQ(verdict.command, core::VelocityCommand());
 }
 
 std::vector<TrackPoint> StraightTrack(double length_m, double clearance_m) {
@@ -274,7 +281,7 @@ TEST(SpeedProfile, IsSlowBesideObstaclesInCurvesAndOnSlopes) {
 
 TEST(FollowTrack, TurnsOnTheSpotTowardsALineBehindIt) {
   FollowState state;
-  const VelocityCommand command =
+  const core::VelocityCommand command =
       FollowTrack({.translation = {0, 0}, .yaw_rad = std::numbers::pi - 0.1}, 0,
                   StraightTrack(2, 1), 0, kRobot, {}, state);
   EXPECT_EQ(command.forward_mps, 0);
@@ -287,9 +294,9 @@ TEST(GoalApproach, ArrivesWithinTheTolerancesFromManyPlaces) {
     for (const double y : {-0.1, 0.0, 0.15}) {
       for (const double yaw : {-3.0, -0.5, 0.0, 1.6}) {
         GoalApproach approach({.tolerance_m = 0.1, .tolerance_rad = 0.15});
-        const Rigid2 goal = {.translation = {0, 0}, .yaw_rad = 0.3};
-        Rigid2 at = {.translation = {x, y}, .yaw_rad = yaw};
-        VelocityCommand command;
+        const geometry::Rigid2 goal = {.translation = {0, 0}, .yaw_rad = 0.3};
+        geometry::Rigid2 at = {.translation = {x, y}, .yaw_rad = yaw};
+        core::VelocityCommand command;
         for (int step = 0; step < 800; ++step) {
           ASSERT_TRUE(approach.IsNear(at, goal, 0.1));
           command = LimitedVelocity(
@@ -297,17 +304,20 @@ TEST(GoalApproach, ArrivesWithinTheTolerancesFromManyPlaces) {
           at = at * MotionIn(0.025, command);
         }
         EXPECT_TRUE(approach.is_done()) << x << " " << y << " " << yaw;
-        EXPECT_LT(Norm(at.translation), 0.1);
-        EXPECT_LT(std::abs(NormalizedAngle_rad(at.yaw_rad - 0.3)), 0.15);
-        EXPECT_EQ(command, VelocityCommand());
+        EXPECT_LT(geometry::Norm(at.translation), 0.1);
+        EXPECT_LT(std::abs(geometry::NormalizedAngle_rad(at.yaw_rad - 0.3)),
+                  0.15);
+        EXPECT_EQ(command, core::VelocityCommand());
       }
     }
   }
 }
 
 TEST(PathProgress, StaysOnItsPartOfAPathThatComesByAgain) {
-  std::vector<LevelPose> path;
-  for (const Vec2 at : {Vec2{0, 0}, Vec2{4, 0}, Vec2{4, 0.4}, Vec2{0, 0.4}}) {
+  std::vector<core::LevelPose> path;
+  for (const geometry::Vec2 at :
+       {geometry::Vec2{0, 0}, geometry::Vec2{4, 0}, geometry::Vec2{4, 0.4},
+        geometry::Vec2{0, 0.4}}) {
     path.push_back({.map_from_base = {.translation = at}, .place = {}});
   }
   PathProgress progress;
@@ -375,4 +385,4 @@ TEST(Standstill, WhatHoldsItUnseenIsSaidInTheEnd) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::control

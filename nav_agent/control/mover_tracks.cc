@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 // Scans further apart say nothing of speeds (s).
@@ -19,17 +19,17 @@ constexpr double kBlink_s = 0.3;
 constexpr double kInFront_m = 0.25;
 
 struct Cluster {
-  Vec2 sum;
+  geometry::Vec2 sum;
   int points = 0;
-  Vec2 Middle() const { return (1.0 / points) * sum; }
+  geometry::Vec2 Middle() const { return (1.0 / points) * sum; }
 };
 
 std::vector<Cluster> ClustersOf(std::span<const LaserLook> looks,
                                 double size_m) {
   std::vector<Cluster> clusters;
-  const auto add = [&](Vec2 in_map) {
+  const auto add = [&](geometry::Vec2 in_map) {
     auto nearest = std::ranges::find_if(clusters, [&](const Cluster& cluster) {
-      return Norm(cluster.Middle() - in_map) < size_m;
+      return geometry::Norm(cluster.Middle() - in_map) < size_m;
     });
     if (nearest == clusters.end()) {
       nearest = clusters.insert(clusters.end(), Cluster());
@@ -48,11 +48,11 @@ std::vector<Cluster> ClustersOf(std::span<const LaserLook> looks,
 }  // namespace
 
 MoverTracks::Sight MoverTracks::SightIn(const LaserLook& look,
-                                        Vec2 in_map) const {
-  const RangeSensorInfo& laser = look.laser;
-  const Vec3 in_laser =
+                                        geometry::Vec2 in_map) const {
+  const core::RangeSensorInfo& laser = look.laser;
+  const geometry::Vec3 in_laser =
       look.map_from_laser.Inverse() *
-      Vec3{in_map.x, in_map.y, look.map_from_laser.translation.z};
+      geometry::Vec3{in_map.x, in_map.y, look.map_from_laser.translation.z};
   const double beam =
       (std::atan2(in_laser.y, in_laser.x) - laser.angle_min_rad) /
       laser.angle_increment_rad;
@@ -69,7 +69,7 @@ MoverTracks::Sight MoverTracks::SightIn(const LaserLook& look,
 }
 
 MoverTracks::Sight MoverTracks::SightOf(std::span<const LaserLook> looks,
-                                        Vec2 in_map) const {
+                                        geometry::Vec2 in_map) const {
   Sight best = Sight::kNot;
   for (const LaserLook& look : looks) {
     best = std::max(best, SightIn(look, in_map));
@@ -77,18 +77,19 @@ MoverTracks::Sight MoverTracks::SightOf(std::span<const LaserLook> looks,
   return best;
 }
 
-void MoverTracks::Follow(Track& track, Vec2 in_map, double interval_s) const {
+void MoverTracks::Follow(Track& track, geometry::Vec2 in_map,
+                         double interval_s) const {
   // Who comes into sight again is there, not between there and where it was
   // expected, and goes another way perhaps.
   if (track.unseen_s > kBlink_s) track.fitted = 0;
   track.fitted = std::min(track.fitted + 1, options_.fitted_scans);
   const double n = track.fitted;
-  const Vec2 surprise = in_map - track.in_map;
+  const geometry::Vec2 surprise = in_map - track.in_map;
   track.in_map = track.in_map + (2 * (2 * n - 1) / (n * (n + 1))) * surprise;
   if (track.fitted > 1 && interval_s > 0) {
     track.velocity_mps =
         track.velocity_mps + (6 / (n * (n + 1) * interval_s)) * surprise;
-    const double speed_mps = Norm(track.velocity_mps);
+    const double speed_mps = geometry::Norm(track.velocity_mps);
     if (speed_mps > kFastest_mps) {
       track.velocity_mps = (kFastest_mps / speed_mps) * track.velocity_mps;
     }
@@ -98,7 +99,7 @@ void MoverTracks::Follow(Track& track, Vec2 in_map, double interval_s) const {
   ++track.seen;
 }
 
-void MoverTracks::AddLooks(MonotonicTime stamp,
+void MoverTracks::AddLooks(base::MonotonicTime stamp,
                            std::span<const LaserLook> looks) {
   const double interval_s =
       last_.has_value() ? std::chrono::duration<double>(stamp - *last_).count()
@@ -110,10 +111,10 @@ void MoverTracks::AddLooks(MonotonicTime stamp,
     track.in_map = track.in_map + interval_s * track.velocity_mps;
     const auto nearest =
         std::ranges::min_element(clusters, {}, [&](const Cluster& cluster) {
-          return Norm(cluster.Middle() - track.in_map);
+          return geometry::Norm(cluster.Middle() - track.in_map);
         });
     if (nearest != clusters.end() &&
-        Norm(nearest->Middle() - track.in_map) <
+        geometry::Norm(nearest->Middle() - track.in_map) <
             options_.reach_m + options_.doubt_mps * track.unseen_s) {
       // Of what is cut off by the edge of the view, the middle is not seen.
       if (track.fitted > options_.fitted_scans / 2 &&
@@ -159,4 +160,4 @@ std::vector<Mover> MoverTracks::Movers() const {
   return movers;
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

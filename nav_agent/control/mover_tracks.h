@@ -13,7 +13,7 @@
 #include "nav_agent/control/local_costmap.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::control {
 
 struct MoverTracksOptions {
   // Points so near to the middle of one are its own, legs of one person for
@@ -40,8 +40,8 @@ struct MoverTracksOptions {
 
 // One that moves.
 struct Mover {
-  Vec2 in_map;
-  Vec2 velocity_mps;
+  geometry::Vec2 in_map;
+  geometry::Vec2 velocity_mps;
   // Since it was seen last; 0: it is seen (s).
   double unseen_s = 0;
   // How far from in_map its middle may be (m).
@@ -50,9 +50,9 @@ struct Mover {
 
 // A scan, from where it was taken, and what of it moves (among `points`).
 struct LaserLook {
-  RangeSensorInfo laser;
-  Rigid3 map_from_laser;
-  LaserScan scan;
+  core::RangeSensorInfo laser;
+  geometry::Rigid3 map_from_laser;
+  core::LaserScan scan;
   std::span<const SeenPoint> points;
 };
 
@@ -64,17 +64,17 @@ class MoverTracks {
   explicit MoverTracks(const MoverTracksOptions& options) : options_(options) {}
 
   // What the lasers show at `stamp`, each in its newest scan.
-  void AddLooks(MonotonicTime stamp, std::span<const LaserLook> looks);
+  void AddLooks(base::MonotonicTime stamp, std::span<const LaserLook> looks);
   void Clear() { tracks_.clear(); }
 
   std::vector<Mover> Movers() const;
   // When one was seen last; nullopt: never.
-  std::optional<MonotonicTime> last_seen() const { return last_seen_; }
+  std::optional<base::MonotonicTime> last_seen() const { return last_seen_; }
 
  private:
   struct Track {
-    Vec2 in_map;
-    Vec2 velocity_mps;
+    geometry::Vec2 in_map;
+    geometry::Vec2 velocity_mps;
     int seen = 0;
     // Of them, those that place and speed rest on.
     int fitted = 0;
@@ -89,16 +89,16 @@ class MoverTracks {
     kPart = 1,  // half of it may be beyond the first or the last beam
     kFull = 2
   };
-  Sight SightIn(const LaserLook& look, Vec2 in_map) const;
-  Sight SightOf(std::span<const LaserLook> looks, Vec2 in_map) const;
-  void Follow(Track& track, Vec2 in_map, double interval_s) const;
+  Sight SightIn(const LaserLook& look, geometry::Vec2 in_map) const;
+  Sight SightOf(std::span<const LaserLook> looks, geometry::Vec2 in_map) const;
+  void Follow(Track& track, geometry::Vec2 in_map, double interval_s) const;
 
   MoverTracksOptions options_;
   std::vector<Track> tracks_;
-  std::optional<MonotonicTime> last_;
-  std::optional<MonotonicTime> last_seen_;
+  std::optional<base::MonotonicTime> last_;
+  std::optional<base::MonotonicTime> last_seen_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_MOVER_TRACKS_H_

@@ -7,18 +7,19 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 constexpr double kInterval_s = 0.025;
 // 270 degrees at 0.5 degrees, as a UTM-30LX with every second beam.
-const RangeSensorInfo kLaser = {.angle_min_rad = -0.75 * std::numbers::pi,
-                                .angle_increment_rad = std::numbers::pi / 360,
-                                .beams = 541,
-                                .range_min_m = 0.1,
-                                .range_max_m = 30,
-                                .beam_interval_s = 0,
-                                .scan_interval_s = kInterval_s};
+const core::RangeSensorInfo kLaser = {
+    .angle_min_rad = -0.75 * std::numbers::pi,
+    .angle_increment_rad = std::numbers::pi / 360,
+    .beams = 541,
+    .range_min_m = 0.1,
+    .range_max_m = 30,
+    .beam_interval_s = 0,
+    .scan_interval_s = kInterval_s};
 
 // An empty hall in which one walks, a disc of 15 cm. The laser is at the map's
 // origin and looks along x.
@@ -27,21 +28,22 @@ class Hall {
   explicit Hall(MoverTracksOptions options = {}) : tracks_(options) {}
 
   // A scan; somebody at `at`, if anybody.
-  void Scan(std::optional<Vec2> at, std::optional<Vec2> wall = std::nullopt) {
+  void Scan(std::optional<geometry::Vec2> at,
+            std::optional<geometry::Vec2> wall = std::nullopt) {
     time_s_ += kInterval_s;
-    LaserScan scan;
-    scan.stamp = MonotonicTime() +
+    core::LaserScan scan;
+    scan.stamp = base::MonotonicTime() +
                  std::chrono::microseconds(std::llround(1e6 * time_s_));
-    scan.ranges_m.assign(541, kNoReturn);
+    scan.ranges_m.assign(541, core::kNoReturn);
     std::vector<SeenPoint> points;
     for (int beam = 0; beam < kLaser.beams; ++beam) {
       const double angle = kLaser.AngleOf_rad(beam);
-      const Vec2 way = {std::cos(angle), std::sin(angle)};
+      const geometry::Vec2 way = {std::cos(angle), std::sin(angle)};
       for (const auto& [middle, moves] :
            {std::pair(at, true), std::pair(wall, false)}) {
         if (!middle.has_value()) continue;
-        const double along_m = Dot(*middle, way);
-        const double beside_m = std::abs(Cross(way, *middle));
+        const double along_m = geometry::Dot(*middle, way);
+        const double beside_m = std::abs(geometry::Cross(way, *middle));
         float& range_m = scan.ranges_m[static_cast<size_t>(beam)];
         if (along_m <= 0 || beside_m > 0.15 || along_m > range_m) continue;
         range_m = static_cast<float>(along_m - 0.15);
@@ -64,7 +66,7 @@ class Hall {
 
 TEST(MoverTracks, FollowsOneWhoWalksAndKnowsItsSpeed) {
   Hall hall;
-  Vec2 at = {1.5, -1.5};
+  geometry::Vec2 at = {1.5, -1.5};
   for (int scan = 0; scan < 80; ++scan) {
     hall.Scan(at);
     at.y += 1.0 * kInterval_s;
@@ -73,7 +75,7 @@ TEST(MoverTracks, FollowsOneWhoWalksAndKnowsItsSpeed) {
   ASSERT_EQ(movers.size(), 1u);
   EXPECT_EQ(movers[0].unseen_s, 0);
   EXPECT_EQ(movers[0].doubt_m, 0);
-  EXPECT_NEAR(Norm(movers[0].in_map - at), 0.15, 0.1);
+  EXPECT_NEAR(geometry::Norm(movers[0].in_map - at), 0.15, 0.1);
   EXPECT_NEAR(movers[0].velocity_mps.y, 1.0, 0.1);
   EXPECT_NEAR(movers[0].velocity_mps.x, 0, 0.1);
 }
@@ -81,15 +83,15 @@ TEST(MoverTracks, FollowsOneWhoWalksAndKnowsItsSpeed) {
 // Behind the first laser, before a second one that looks back.
 TEST(MoverTracks, IsFollowedBySecondLaserToo) {
   MoverTracks tracks({});
-  const Rigid3 back = {
-      .rotation = Rotation3::FromAxisAngle({0, 0, std::numbers::pi}),
+  const geometry::Rigid3 back = {
+      .rotation = geometry::Rotation3::FromAxisAngle({0, 0, std::numbers::pi}),
       .translation = {-0.4, 0, 0}};
-  LaserScan empty;
-  empty.ranges_m.assign(541, kNoReturn);
-  Vec2 at = {-2.5, 0};
+  core::LaserScan empty;
+  empty.ranges_m.assign(541, core::kNoReturn);
+  geometry::Vec2 at = {-2.5, 0};
   for (int scan = 1; scan <= 60; ++scan) {
     const SeenPoint point = {.in_map = at, .is_moving = true, .is_new = true};
-    LaserScan rear = empty;
+    core::LaserScan rear = empty;
     // Straight ahead of it.
     rear.ranges_m[270] = static_cast<float>(-0.4 - at.x);
     const LaserLook looks[] = {
@@ -98,8 +100,8 @@ TEST(MoverTracks, IsFollowedBySecondLaserToo) {
          .map_from_laser = back,
          .scan = rear,
          .points = {&point, 1}}};
-    tracks.AddLooks(MonotonicTime() + std::chrono::milliseconds(25 * scan),
-                    looks);
+    tracks.AddLooks(
+        base::MonotonicTime() + std::chrono::milliseconds(25 * scan), looks);
     at.x += 0.8 * kInterval_s;
   }
   ASSERT_EQ(tracks.Movers().size(), 1u);
@@ -110,8 +112,8 @@ TEST(MoverTracks, IsFollowedBySecondLaserToo) {
     const LaserLook looks[] = {
         {.laser = kLaser, .map_from_laser = {}, .scan = empty, .points = {}},
         {.laser = kLaser, .map_from_laser = back, .scan = empty, .points = {}}};
-    tracks.AddLooks(MonotonicTime() + std::chrono::milliseconds(25 * scan),
-                    looks);
+    tracks.AddLooks(
+        base::MonotonicTime() + std::chrono::milliseconds(25 * scan), looks);
   }
   EXPECT_TRUE(tracks.Movers().empty());
 }
@@ -119,7 +121,7 @@ TEST(MoverTracks, IsFollowedBySecondLaserToo) {
 // It walks past on the left and turns in behind; there it goes on.
 TEST(MoverTracks, WalksOnBehindTheLaserAndIsDoubtedMoreAndMore) {
   Hall hall;
-  Vec2 at = {1.5, 0.8};
+  geometry::Vec2 at = {1.5, 0.8};
   double unseen_s = 0;
   for (int scan = 0; scan < 130; ++scan) {
     hall.Scan(at);
@@ -132,12 +134,12 @@ TEST(MoverTracks, WalksOnBehindTheLaserAndIsDoubtedMoreAndMore) {
   EXPECT_NEAR(movers[0].unseen_s, unseen_s, 0.3);
   EXPECT_GT(movers[0].unseen_s, 0.5);
   EXPECT_NEAR(movers[0].doubt_m, 0.35 * movers[0].unseen_s, 1e-9);
-  EXPECT_LT(Norm(movers[0].in_map - at), 0.15 + movers[0].doubt_m);
+  EXPECT_LT(geometry::Norm(movers[0].in_map - at), 0.15 + movers[0].doubt_m);
 }
 
 TEST(MoverTracks, WhoCrossesBehindIsOneAndTheSameOnTheOtherSide) {
   Hall hall;
-  Vec2 at = {-0.9, 2.0};
+  geometry::Vec2 at = {-0.9, 2.0};
   for (int scan = 0; scan < 160; ++scan) {
     hall.Scan(at);
     at.y -= 1.0 * kInterval_s;
@@ -145,13 +147,13 @@ TEST(MoverTracks, WhoCrossesBehindIsOneAndTheSameOnTheOtherSide) {
   const std::vector<Mover> movers = hall.Movers();
   ASSERT_EQ(movers.size(), 1u);
   EXPECT_EQ(movers[0].unseen_s, 0);
-  EXPECT_LT(Norm(movers[0].in_map - at), 0.35);
+  EXPECT_LT(geometry::Norm(movers[0].in_map - at), 0.35);
 }
 
 TEST(MoverTracks, ForgetsWhoIsNotWhereTheLaserLooks) {
   Hall hall;
   for (int scan = 0; scan < 40; ++scan) {
-    hall.Scan(Vec2{1.5, -0.5 + scan * kInterval_s});
+    hall.Scan(geometry::Vec2{1.5, -0.5 + scan * kInterval_s});
   }
   ASSERT_EQ(hall.Movers().size(), 1u);
   for (int scan = 0; scan < 10; ++scan) hall.Scan(std::nullopt);
@@ -161,17 +163,18 @@ TEST(MoverTracks, ForgetsWhoIsNotWhereTheLaserLooks) {
 TEST(MoverTracks, KeepsWhoIsHiddenByAnother) {
   Hall hall;
   for (int scan = 0; scan < 40; ++scan) {
-    hall.Scan(Vec2{2.0 - 0.1 * kInterval_s * scan, 0});
+    hall.Scan(geometry::Vec2{2.0 - 0.1 * kInterval_s * scan, 0});
   }
   // Something stands in between.
-  for (int scan = 0; scan < 20; ++scan) hall.Scan(std::nullopt, Vec2{1.0, 0});
+  for (int scan = 0; scan < 20; ++scan)
+    hall.Scan(std::nullopt, geometry::Vec2{1.0, 0});
   ASSERT_EQ(hall.Movers().size(), 1u);
   EXPECT_NEAR(hall.Movers()[0].unseen_s, 0.5, 1e-6);
 }
 
 TEST(MoverTracks, ForgetsWhoHasBeenAwayForLong) {
   Hall hall({.memory_s = 1.0});
-  Vec2 at = {-0.9, 1.5};
+  geometry::Vec2 at = {-0.9, 1.5};
   // Slowly: it stays behind.
   for (int scan = 0; scan < 100; ++scan) {
     hall.Scan(at);
@@ -184,7 +187,8 @@ TEST(MoverTracks, ForgetsWhoHasBeenAwayForLong) {
 TEST(MoverTracks, AFlickerIsNobody) {
   Hall hall;
   for (int scan = 0; scan < 30; ++scan) {
-    hall.Scan(scan % 5 < 2 ? std::optional(Vec2{1.5, 0}) : std::nullopt);
+    hall.Scan(scan % 5 < 2 ? std::optional(geometry::Vec2{1.5, 0})
+                           : std::nullopt);
     EXPECT_TRUE(hall.Movers().empty());
   }
 }
@@ -192,14 +196,14 @@ TEST(MoverTracks, AFlickerIsNobody) {
 TEST(MoverTracks, APauseOfTheLaserEndsAll) {
   Hall hall;
   for (int scan = 0; scan < 40; ++scan) {
-    hall.Scan(Vec2{1.5, -0.5 + scan * kInterval_s});
+    hall.Scan(geometry::Vec2{1.5, -0.5 + scan * kInterval_s});
   }
-  LaserScan late;
-  late.stamp = MonotonicTime() + std::chrono::seconds(10);
-  late.ranges_m.assign(541, kNoReturn);
+  core::LaserScan late;
+  late.stamp = base::MonotonicTime() + std::chrono::seconds(10);
+  late.ranges_m.assign(541, core::kNoReturn);
   hall.tracks().AddLooks(late.stamp, {});
   EXPECT_TRUE(hall.Movers().empty());
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::control

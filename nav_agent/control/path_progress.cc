@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 // So far back and ahead along the path the nearest point is looked for (m),
@@ -19,30 +19,30 @@ constexpr double kFloor_m = 1.0;
 
 }  // namespace
 
-void PathProgress::SetPath(const std::vector<LevelPose>& path) {
+void PathProgress::SetPath(const std::vector<core::LevelPose>& path) {
   path_ = path;
   starts_m_.assign(path.size(), 0);
   for (size_t i = 1; i < path.size(); ++i) {
-    starts_m_[i] =
-        starts_m_[i - 1] + Norm(path[i].map_from_base.translation -
-                                path[i - 1].map_from_base.translation);
+    starts_m_[i] = starts_m_[i - 1] +
+                   geometry::Norm(path[i].map_from_base.translation -
+                                  path[i - 1].map_from_base.translation);
   }
   along_m_ = 0;
   off_m_ = 0;
   is_fresh_ = true;
 }
 
-void PathProgress::Follow(const LevelPose& pose) {
+void PathProgress::Follow(const core::LevelPose& pose) {
   if (path_.size() < 2) {
     if (!path_.empty()) {
-      off_m_ = Norm(pose.map_from_base.translation -
-                    path_[0].map_from_base.translation);
+      off_m_ = geometry::Norm(pose.map_from_base.translation -
+                              path_[0].map_from_base.translation);
     }
     return;
   }
   const double from_m = std::max(0.0, along_m_ - kBack_m);
   const double until_m = along_m_ + (is_fresh_ ? kFirst_m : kAhead_m);
-  const Vec2 at = pose.map_from_base.translation;
+  const geometry::Vec2 at = pose.map_from_base.translation;
   double best = std::numeric_limits<double>::infinity();
   double best_along_m = along_m_;
   for (size_t i = 1; i < path_.size(); ++i) {
@@ -50,16 +50,17 @@ void PathProgress::Follow(const LevelPose& pose) {
     if (std::abs(path_[i].place.height_m - pose.place.height_m) > kFloor_m) {
       continue;
     }
-    const Vec2 begin = path_[i - 1].map_from_base.translation;
-    const Vec2 way = path_[i].map_from_base.translation - begin;
-    const double square = Dot(way, way);
+    const geometry::Vec2 begin = path_[i - 1].map_from_base.translation;
+    const geometry::Vec2 way = path_[i].map_from_base.translation - begin;
+    const double square = geometry::Dot(way, way);
     const double part =
-        square > 1e-12 ? std::clamp(Dot(at - begin, way) / square, 0.0, 1.0)
-                       : 1.0;
+        square > 1e-12
+            ? std::clamp(geometry::Dot(at - begin, way) / square, 0.0, 1.0)
+            : 1.0;
     const double along_m =
         std::clamp(starts_m_[i - 1] + part * (starts_m_[i] - starts_m_[i - 1]),
                    from_m, until_m);
-    const double off_m = Norm(begin + part * way - at);
+    const double off_m = geometry::Norm(begin + part * way - at);
     const double score = off_m + kSkip * std::max(0.0, along_m - along_m_);
     if (score < best) {
       best = score;
@@ -75,24 +76,25 @@ void PathProgress::JumpTo(double along_m) {
   along_m_ = std::clamp(along_m, 0.0, length_m());
 }
 
-LevelPose PathProgress::At(double along_m) const {
+core::LevelPose PathProgress::At(double along_m) const {
   if (path_.size() < 2 || along_m >= length_m()) return path_.back();
   const auto next = std::ranges::upper_bound(starts_m_, along_m);
   const auto i = static_cast<size_t>(
       std::max<std::ptrdiff_t>(1, next - starts_m_.begin()));
-  const LevelPose& a = path_[i - 1];
-  const LevelPose& b = path_[i];
+  const core::LevelPose& a = path_[i - 1];
+  const core::LevelPose& b = path_[i];
   const double piece_m = starts_m_[i] - starts_m_[i - 1];
   const double part =
       piece_m > 1e-9
           ? std::clamp((along_m - starts_m_[i - 1]) / piece_m, 0.0, 1.0)
           : 0.0;
-  const Vec2 way = b.map_from_base.translation - a.map_from_base.translation;
-  LevelPose at = part < 0.5 ? a : b;
+  const geometry::Vec2 way =
+      b.map_from_base.translation - a.map_from_base.translation;
+  core::LevelPose at = part < 0.5 ? a : b;
   at.map_from_base.translation = a.map_from_base.translation + part * way;
   if (piece_m > 1e-6) at.map_from_base.yaw_rad = std::atan2(way.y, way.x);
   at.place.height_m = (1 - part) * a.place.height_m + part * b.place.height_m;
   return at;
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

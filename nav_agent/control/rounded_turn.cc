@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 // Slower turns sweep nothing (rad/s).
@@ -17,23 +17,24 @@ constexpr double kOutward_mps = 0.01;
 
 }  // namespace
 
-VelocityCommand RoundedTurn(const ControlPose& pose,
-                            const VelocityCommand& wanted,
-                            const RobotModel& robot,
-                            const LocalCostmap& costmap,
-                            const CollisionGuard& guard,
-                            std::span<const GuardPoint> points) {
+core::VelocityCommand RoundedTurn(const ControlPose& pose,
+                                  const core::VelocityCommand& wanted,
+                                  const core::RobotModel& robot,
+                                  const LocalCostmap& costmap,
+                                  const CollisionGuard& guard,
+                                  std::span<const GuardPoint> points) {
   const double turn_radps = std::abs(wanted.yaw_rate_radps);
   const double needed_mps = robot.half_width_m * turn_radps;
   if (turn_radps < kLeast_radps || wanted.forward_mps < 0 ||
       wanted.forward_mps >= needed_mps) {
     return wanted;
   }
-  VelocityCommand arc = {
+  core::VelocityCommand arc = {
       .forward_mps = std::min(needed_mps, robot.max_forward_mps),
       .yaw_rate_radps = wanted.yaw_rate_radps};
   for (const double ahead_s : kAhead_s) {
-    const Rigid2 there = pose.pose.map_from_base * MotionIn(ahead_s, arc);
+    const geometry::Rigid2 there =
+        pose.pose.map_from_base * MotionIn(ahead_s, arc);
     if (costmap.FootprintDistance_m(there, 2 * kRoom_m) < kRoom_m) {
       return wanted;
     }
@@ -46,4 +47,4 @@ VelocityCommand RoundedTurn(const ControlPose& pose,
   return arc;
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

@@ -3,10 +3,11 @@
 #include <chrono>
 #include <cmath>
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
-double Since_s(const std::optional<MonotonicTime>& from, MonotonicTime now) {
+double Since_s(const std::optional<base::MonotonicTime>& from,
+               base::MonotonicTime now) {
   return from.has_value() ? std::chrono::duration<double>(now - *from).count()
                           : 0;
 }
@@ -18,10 +19,10 @@ void Standstill::Reset() { *this = Standstill(options_); }
 bool Standstill::IsStuck(const StandstillInput& input) {
   const bool has_moved =
       !moved_at_.has_value() ||
-      Norm(input.at.translation - moved_to_.translation) >
+      geometry::Norm(input.at.translation - moved_to_.translation) >
           options_.progress_m ||
-      std::abs(NormalizedAngle_rad(input.at.yaw_rad - moved_to_.yaw_rad)) >
-          options_.progress_rad;
+      std::abs(geometry::NormalizedAngle_rad(
+          input.at.yaw_rad - moved_to_.yaw_rad)) > options_.progress_rad;
   if (has_moved || !input.wants_to_move) {
     moved_at_ = input.stamp;
     moved_to_ = input.at;
@@ -83,4 +84,4 @@ ControlState Standstill::Decide(const StandstillInput& input) {
   return ControlState::kBlocked;
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

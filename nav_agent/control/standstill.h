@@ -8,7 +8,7 @@
 #include "common/geometry/rigid2.h"
 #include "nav_agent/control/local_controller.h"
 
-namespace treeline {
+namespace treeline::control {
 
 struct StandstillOptions {
   // A break must last before it counts, and be gone before it does not (s).
@@ -30,13 +30,13 @@ struct StandstillOptions {
 };
 
 struct StandstillInput {
-  MonotonicTime stamp;
-  Rigid2 at;
+  base::MonotonicTime stamp;
+  geometry::Rigid2 at;
   bool wants_to_move = false;
   // The band is broken just ahead; the collision stop changes commands.
   bool is_broken = false;
   bool is_guarded = false;
-  std::optional<Vec2> obstacle_in_map = std::nullopt;
+  std::optional<geometry::Vec2> obstacle_in_map = std::nullopt;
   double obstacle_radius_m = 0;
   double obstacle_age_s = 1e6;
 };
@@ -60,18 +60,18 @@ class Standstill {
   ControlState Decide(const StandstillInput& input);
 
   StandstillOptions options_;
-  std::optional<MonotonicTime> broken_since_;
-  std::optional<MonotonicTime> whole_since_;
-  std::optional<MonotonicTime> waiting_since_;
+  std::optional<base::MonotonicTime> broken_since_;
+  std::optional<base::MonotonicTime> whole_since_;
+  std::optional<base::MonotonicTime> waiting_since_;
   // Where it got on last.
-  std::optional<MonotonicTime> moved_at_;
-  Rigid2 moved_to_;
-  std::optional<MonotonicTime> escaping_since_;
+  std::optional<base::MonotonicTime> moved_at_;
+  geometry::Rigid2 moved_to_;
+  std::optional<base::MonotonicTime> escaping_since_;
   bool wants_escape_ = false;
   bool holds_ = false;
   bool is_blocked_ = false;
 };
 
-}  // namespace treeline
+}  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_STANDSTILL_H_

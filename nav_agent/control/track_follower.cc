@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 // A line's direction is that over this length (m).
@@ -17,13 +17,14 @@ constexpr double kTurned_rad = 0.01;
 std::vector<double> AlongTrack(std::span<const TrackPoint> track) {
   std::vector<double> along_m(track.size(), 0);
   for (size_t i = 1; i < track.size(); ++i) {
-    along_m[i] = along_m[i - 1] + Norm(track[i].in_map - track[i - 1].in_map);
+    along_m[i] =
+        along_m[i - 1] + geometry::Norm(track[i].in_map - track[i - 1].in_map);
   }
   return along_m;
 }
 
-Vec2 PointAt(std::span<const TrackPoint> track, std::span<const double> along_m,
-             double wanted_m) {
+geometry::Vec2 PointAt(std::span<const TrackPoint> track,
+                       std::span<const double> along_m, double wanted_m) {
   const auto next = std::ranges::lower_bound(along_m, wanted_m);
   if (next == along_m.end()) return track.back().in_map;
   const auto i = static_cast<size_t>(next - along_m.begin());
@@ -38,15 +39,16 @@ double TurnAt_rad(std::span<const TrackPoint> track,
                   std::span<const double> along_m, double at_m) {
   const double end_m = along_m.back();
   if (at_m < kDirection_m || at_m > end_m - kDirection_m) return 0;
-  const Vec2 here = PointAt(track, along_m, at_m);
-  const Vec2 in = here - PointAt(track, along_m, at_m - kDirection_m);
-  const Vec2 out = PointAt(track, along_m, at_m + kDirection_m) - here;
-  return std::atan2(Cross(in, out), Dot(in, out));
+  const geometry::Vec2 here = PointAt(track, along_m, at_m);
+  const geometry::Vec2 in = here - PointAt(track, along_m, at_m - kDirection_m);
+  const geometry::Vec2 out =
+      PointAt(track, along_m, at_m + kDirection_m) - here;
+  return std::atan2(geometry::Cross(in, out), geometry::Dot(in, out));
 }
 
 }  // namespace
 
-double TurnRate_radps(double angle_rad, const RobotModel& robot,
+double TurnRate_radps(double angle_rad, const core::RobotModel& robot,
                       const TrackFollowerOptions& options) {
   const double left_rad = std::abs(angle_rad);
   if (left_rad < kTurned_rad) return 0;
@@ -60,7 +62,7 @@ double TurnRate_radps(double angle_rad, const RobotModel& robot,
 }
 
 std::vector<double> SpeedProfile(std::span<const TrackPoint> track,
-                                 double end_mps, const RobotModel& robot,
+                                 double end_mps, const core::RobotModel& robot,
                                  const TrackFollowerOptions& options) {
   std::vector<double> speeds(track.size(), 0);
   if (track.empty()) return speeds;
@@ -91,18 +93,19 @@ std::vector<double> SpeedProfile(std::span<const TrackPoint> track,
   return speeds;
 }
 
-VelocityCommand FollowTrack(const Rigid2& map_from_base, double forward_mps,
-                            std::span<const TrackPoint> track, double end_mps,
-                            const RobotModel& robot,
-                            const TrackFollowerOptions& options,
-                            FollowState& state) {
+core::VelocityCommand FollowTrack(const geometry::Rigid2& map_from_base,
+                                  double forward_mps,
+                                  std::span<const TrackPoint> track,
+                                  double end_mps, const core::RobotModel& robot,
+                                  const TrackFollowerOptions& options,
+                                  FollowState& state) {
   if (track.size() < 2) return {};
   const std::vector<double> along_m = AlongTrack(track);
   const double look_ahead_m =
       std::min(options.look_ahead_most_m,
                options.look_ahead_base_m +
                    options.look_ahead_s * std::max(0.0, forward_mps));
-  const Vec2 target =
+  const geometry::Vec2 target =
       map_from_base.Inverse() * PointAt(track, along_m, look_ahead_m);
   const double bearing_rad = std::atan2(target.y, target.x);
   const double off_rad = std::abs(bearing_rad);
@@ -116,7 +119,7 @@ VelocityCommand FollowTrack(const Rigid2& map_from_base, double forward_mps,
       SpeedProfile(track, end_mps, robot, options);
   // What it can reach within the next tenth of a second counts.
   double speed = speeds[0];
-  const double distance_m = std::max(0.05, Norm(target));
+  const double distance_m = std::max(0.05, geometry::Norm(target));
   const double curvature = 2 * target.y / (distance_m * distance_m);
   const double yaw_rate = options.yaw_share * robot.max_yaw_rate_radps;
   if (std::abs(curvature) > 1e-6) {
@@ -127,4 +130,4 @@ VelocityCommand FollowTrack(const Rigid2& map_from_base, double forward_mps,
           .yaw_rate_radps = std::clamp(speed * curvature, -yaw_rate, yaw_rate)};
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

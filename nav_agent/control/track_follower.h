@@ -9,11 +9,11 @@
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::control {
 
 // A point of the line that is driven along.
 struct TrackPoint {
-  Vec2 in_map;
+  geometry::Vec2 in_map;
   // The free distance of the footprint there (m), and the ground's slope.
   double clearance_m = 1;
   double slope_rad = 0;
@@ -48,22 +48,23 @@ struct FollowState {
 // for each point ahead and ends at end_mps (the time-optimal profile backwards,
 // v^2 = v_end^2 + 2 a s; forwards the base's own limits rule).
 std::vector<double> SpeedProfile(std::span<const TrackPoint> track,
-                                 double end_mps, const RobotModel& robot,
+                                 double end_mps, const core::RobotModel& robot,
                                  const TrackFollowerOptions& options);
 
 // What to do at a pose near the track's beginning: pure pursuit (Coulter 1992)
 // of a point ahead at the profile's speed, or turning on the spot.
-VelocityCommand FollowTrack(const Rigid2& map_from_base, double forward_mps,
-                            std::span<const TrackPoint> track, double end_mps,
-                            const RobotModel& robot,
-                            const TrackFollowerOptions& options,
-                            FollowState& state);
+core::VelocityCommand FollowTrack(const geometry::Rigid2& map_from_base,
+                                  double forward_mps,
+                                  std::span<const TrackPoint> track,
+                                  double end_mps, const core::RobotModel& robot,
+                                  const TrackFollowerOptions& options,
+                                  FollowState& state);
 
 // Turning on the spot by an angle, to stand after it: the yaw rate from which
 // the robot can brake in time.
-double TurnRate_radps(double angle_rad, const RobotModel& robot,
+double TurnRate_radps(double angle_rad, const core::RobotModel& robot,
                       const TrackFollowerOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_TRACK_FOLLOWER_H_

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace treeline {
+namespace treeline::control {
 namespace {
 
 constexpr double kUsualInterval_s = 0.025;
@@ -15,15 +15,16 @@ double FiniteOr0(double value) { return std::isfinite(value) ? value : 0; }
 
 }  // namespace
 
-VelocityCommand LimitedVelocity(const VelocityCommand& present,
-                                const VelocityCommand& wanted,
-                                double interval_s, const RobotModel& robot) {
+core::VelocityCommand LimitedVelocity(const core::VelocityCommand& present,
+                                      const core::VelocityCommand& wanted,
+                                      double interval_s,
+                                      const core::RobotModel& robot) {
   const double from = FiniteOr0(present.forward_mps);
   const double to = std::clamp(FiniteOr0(wanted.forward_mps),
                                -robot.max_backward_mps, robot.max_forward_mps);
   const double up = robot.max_acceleration_mps2 * interval_s;
   const double down = robot.max_deceleration_mps2 * interval_s;
-  VelocityCommand limited;
+  core::VelocityCommand limited;
   if (from > 0) {
     limited.forward_mps =
         to >= from ? std::min(to, from + up) : std::max({to, from - down, -up});
@@ -45,10 +46,11 @@ VelocityCommand LimitedVelocity(const VelocityCommand& present,
   return limited;
 }
 
-VelocityCommand LimitedTogether(const VelocityCommand& present,
-                                const VelocityCommand& wanted,
-                                double interval_s, const RobotModel& robot) {
-  const VelocityCommand each =
+core::VelocityCommand LimitedTogether(const core::VelocityCommand& present,
+                                      const core::VelocityCommand& wanted,
+                                      double interval_s,
+                                      const core::RobotModel& robot) {
+  const core::VelocityCommand each =
       LimitedVelocity(present, wanted, interval_s, robot);
   const auto share = [](double from, double to, double limited) {
     const double change = FiniteOr0(to) - FiniteOr0(from);
@@ -67,9 +69,9 @@ VelocityCommand LimitedTogether(const VelocityCommand& present,
       .yaw_rate_radps = between(present.yaw_rate_radps, wanted.yaw_rate_radps)};
 }
 
-CommandHistory::Start CommandHistory::StartAt(MonotonicTime now,
-                                              const VelocityCommand& measured,
-                                              const RobotModel& robot) const {
+CommandHistory::Start CommandHistory::StartAt(
+    base::MonotonicTime now, const core::VelocityCommand& measured,
+    const core::RobotModel& robot) const {
   Start start = {
       .velocity = {.forward_mps = FiniteOr0(measured.forward_mps),
                    .yaw_rate_radps = FiniteOr0(measured.yaw_rate_radps)},
@@ -94,9 +96,10 @@ CommandHistory::Start CommandHistory::StartAt(MonotonicTime now,
   return start;
 }
 
-void CommandHistory::Told(MonotonicTime now, const VelocityCommand& command) {
+void CommandHistory::Told(base::MonotonicTime now,
+                          const core::VelocityCommand& command) {
   if (!last_.has_value() || last_->stamp != now) before_ = last_;
   last_ = Entry{.stamp = now, .command = command};
 }
 
-}  // namespace treeline
+}  // namespace treeline::control

@@ -15,7 +15,7 @@
 #include "common/camera/rgbd_calibration.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::core {
 
 inline constexpr int kMaxWaiting = 64;
 
@@ -49,7 +49,7 @@ class RangeSensor {
 class RgbdCamera {
  public:
   virtual ~RgbdCamera() = default;
-  virtual RgbdCalibration Calibration() const = 0;
+  virtual camera::RgbdCalibration Calibration() const = 0;
   virtual std::vector<RgbdFrame> TakeFrames() = 0;
   virtual DeviceHealth Health() const = 0;
 };
@@ -76,6 +76,6 @@ class BaseDriver {
   virtual DeviceHealth Health() const = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::core
 
 #endif  // NAV_AGENT_CORE_DEVICES_H_

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace treeline {
+namespace treeline::core {
 namespace {
 
 // The lower envelope of the parabolas (x - i)^2 + f[i], sampled at whole x.
@@ -113,4 +113,4 @@ std::vector<float> DistanceToOccupied(const OccupancyGrid& grid, double max_m) {
   return distances;
 }
 
-}  // namespace treeline
+}  // namespace treeline::core

@@ -8,7 +8,7 @@
 
 #include "nav_agent/core/occupancy_grid.h"
 
-namespace treeline {
+namespace treeline::core {
 
 // Squared Euclidean distances, in cells, from the centre of each of width x
 // height cells to that of the nearest one where `is_obstacle` is not 0; rows
@@ -23,6 +23,6 @@ std::vector<int32_t> SquaredDistances(int width, int height,
 // occupied one, at most max_m; rows as in the grid.
 std::vector<float> DistanceToOccupied(const OccupancyGrid& grid, double max_m);
 
-}  // namespace treeline
+}  // namespace treeline::core
 
 #endif  // NAV_AGENT_CORE_DISTANCE_FIELD_H_

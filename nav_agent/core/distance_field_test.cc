@@ -6,7 +6,7 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::core {
 namespace {
 
 // By trying all pairs.
@@ -29,7 +29,7 @@ std::vector<int32_t> Slowly(int width, int height,
 }
 
 TEST(SquaredDistances, AreExact) {
-  Random random(7, 1);
+  base::Random random(7, 1);
   for (int trial = 0; trial < 60; ++trial) {
     const int width = 1 + static_cast<int>(random.NextBelow(24));
     const int height = 1 + static_cast<int>(random.NextBelow(24));
@@ -54,4 +54,4 @@ TEST(DistanceToOccupied, IsInMetresAndBounded) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::core

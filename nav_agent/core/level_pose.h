@@ -4,7 +4,7 @@
 
 #include "common/geometry/rigid2.h"
 
-namespace treeline {
+namespace treeline::core {
 
 // Ground that a robot stands on: a level of the map, from 0 at the bottom, and
 // the height of its surface in the map's frame (m).
@@ -17,12 +17,12 @@ struct LevelPlace {
 
 // The robot as a map sees it from above, and what it stands on.
 struct LevelPose {
-  Rigid2 map_from_base;
+  geometry::Rigid2 map_from_base;
   LevelPlace place;
 
   constexpr bool operator==(const LevelPose&) const = default;
 };
 
-}  // namespace treeline
+}  // namespace treeline::core
 
 #endif  // NAV_AGENT_CORE_LEVEL_POSE_H_

@@ -14,7 +14,7 @@
 #include "common/base/status_macros.h"
 #include "common/yaml/yaml_node.h"
 
-namespace treeline {
+namespace treeline::core {
 namespace {
 
 constexpr uint16_t kFreeGrey = 254;
@@ -26,7 +26,7 @@ enum class MapMode { kTrinary, kScale, kRaw };
 struct MapSettings {
   std::string image;
   double resolution_m = 0.05;
-  Rigid2 map_from_grid;
+  geometry::Rigid2 map_from_grid;
   bool negate = false;
   double occupied_threshold = 0.65;
   double free_threshold = 0.196;
@@ -106,7 +106,7 @@ absl::Status ReadRawValues(absl::string_view bytes, absl::string_view name,
   return absl::OkStatus();
 }
 
-absl::StatusOr<MapSettings> ReadSettings(const YamlNode& yaml) {
+absl::StatusOr<MapSettings> ReadSettings(const yaml::YamlNode& yaml) {
   TL_RETURN_IF_ERROR(
       yaml.CheckKeys({"image", "resolution", "origin", "negate",
                       "occupied_thresh", "free_thresh", "mode"}));
@@ -212,11 +212,11 @@ std::string FormatPgm(const GreyPicture& picture) {
 }
 
 absl::StatusOr<OccupancyGrid> ReadMap(const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const YamlNode yaml, YamlNode::Read(path));
+  TL_ASSIGN_OR_RETURN(const yaml::YamlNode yaml, yaml::YamlNode::Read(path));
   TL_ASSIGN_OR_RETURN(const MapSettings settings, ReadSettings(yaml));
   const std::filesystem::path image =
       std::filesystem::path(path).parent_path() / settings.image;
-  TL_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(image.string()));
+  TL_ASSIGN_OR_RETURN(const std::string bytes, base::ReadFile(image.string()));
   TL_ASSIGN_OR_RETURN(const GreyPicture picture,
                       ParsePgm(bytes, image.string()));
   OccupancyGrid grid = OccupancyGrid::Filled(
@@ -251,9 +251,9 @@ absl::Status WriteMap(const OccupancyGrid& grid, const std::string& path) {
     }
   }
   const std::string image = absl::StrCat(stem, ".pgm");
-  TL_RETURN_IF_ERROR(WriteFileAtomically(image, FormatPgm(picture)));
-  const Rigid2& origin = grid.map_from_grid;
-  return WriteFileAtomically(
+  TL_RETURN_IF_ERROR(base::WriteFileAtomically(image, FormatPgm(picture)));
+  const geometry::Rigid2& origin = grid.map_from_grid;
+  return base::WriteFileAtomically(
       path, absl::StrFormat("image: %s\nmode: trinary\nresolution: %.9g\n"
                             "origin: [%.9g, %.9g, %.9g]\nnegate: 0\n"
                             "occupied_thresh: 0.65\nfree_thresh: 0.196\n",
@@ -262,4 +262,4 @@ absl::Status WriteMap(const OccupancyGrid& grid, const std::string& path) {
                             origin.translation.y, origin.yaw_rad));
 }
 
-}  // namespace treeline
+}  // namespace treeline::core

@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "nav_agent/core/occupancy_grid.h"
 
-namespace treeline {
+namespace treeline::core {
 
 // Maps above this many cells are refused.
 inline constexpr int64_t kMaxMapCells = int64_t{1} << 28;
@@ -39,6 +39,6 @@ absl::StatusOr<OccupancyGrid> ReadMap(const std::string& path);
 // atomically. INVALID_ARGUMENT if `path` does not end in .yaml.
 absl::Status WriteMap(const OccupancyGrid& grid, const std::string& path);
 
-}  // namespace treeline
+}  // namespace treeline::core
 
 #endif  // NAV_AGENT_CORE_MAP_FILE_H_

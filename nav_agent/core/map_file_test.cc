@@ -7,7 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::core {
 namespace {
 
 using testing::HasSubstr;
@@ -16,7 +16,7 @@ class MapFileTest : public testing::Test {
  protected:
   std::string Write(const std::string& name, absl::string_view bytes) const {
     const std::string path = (folder_ / name).string();
-    EXPECT_TRUE(WriteFileAtomically(path, bytes).ok());
+    EXPECT_TRUE(base::WriteFileAtomically(path, bytes).ok());
     return path;
   }
   // A map of one row: 0, 100, 205, 254 of 255.
@@ -110,4 +110,4 @@ TEST(ParsePgm, RefusesWhatIsBroken) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::core

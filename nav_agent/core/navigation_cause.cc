@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-namespace treeline {
+namespace treeline::core {
 namespace {
 
 struct CauseText {
@@ -57,4 +57,4 @@ const char* NavigationCauseAdvice(NavigationCause cause) {
   return TextOf(cause).advice;
 }
 
-}  // namespace treeline
+}  // namespace treeline::core

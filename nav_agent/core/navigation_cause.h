@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace treeline {
+namespace treeline::core {
 
 // Numbers are those of navigation.proto.
 enum class NavigationCause : uint8_t {
@@ -38,6 +38,6 @@ const char* NavigationCauseName(NavigationCause cause);
 // What a person can do about it, one sentence.
 const char* NavigationCauseAdvice(NavigationCause cause);
 
-}  // namespace treeline
+}  // namespace treeline::core
 
 #endif  // NAV_AGENT_CORE_NAVIGATION_CAUSE_H_

@@ -9,7 +9,7 @@
 
 #include "common/geometry/rigid2.h"
 
-namespace treeline {
+namespace treeline::core {
 
 // As in nav_msgs/OccupancyGrid, but for the type.
 enum class Occupancy : uint8_t { kFree, kOccupied, kUnknown };
@@ -29,11 +29,12 @@ struct OccupancyGrid {
   int height = 0;
   double resolution_m = 0.05;
   // The grid's frame in the map.
-  Rigid2 map_from_grid;
+  geometry::Rigid2 map_from_grid;
   std::vector<Occupancy> cells;
 
   static OccupancyGrid Filled(int width, int height, double resolution_m,
-                              const Rigid2& map_from_grid, Occupancy value) {
+                              const geometry::Rigid2& map_from_grid,
+                              Occupancy value) {
     return {
         .width = width,
         .height = height,
@@ -58,17 +59,17 @@ struct OccupancyGrid {
   void Set(CellIndex cell, Occupancy value) { cells[IndexOf(cell)] = value; }
 
   // The cell that a point of the map lies in; it may be outside of the grid.
-  CellIndex CellOf(Vec2 point_in_map) const {
-    const Vec2 point = map_from_grid.Inverse() * point_in_map;
+  CellIndex CellOf(geometry::Vec2 point_in_map) const {
+    const geometry::Vec2 point = map_from_grid.Inverse() * point_in_map;
     return {static_cast<int>(std::floor(point.x / resolution_m)),
             static_cast<int>(std::floor(point.y / resolution_m))};
   }
-  Vec2 CenterInMap(CellIndex cell) const {
-    return map_from_grid *
-           Vec2{(cell.x + 0.5) * resolution_m, (cell.y + 0.5) * resolution_m};
+  geometry::Vec2 CenterInMap(CellIndex cell) const {
+    return map_from_grid * geometry::Vec2{(cell.x + 0.5) * resolution_m,
+                                          (cell.y + 0.5) * resolution_m};
   }
 };
 
-}  // namespace treeline
+}  // namespace treeline::core
 
 #endif  // NAV_AGENT_CORE_OCCUPANCY_GRID_H_

@@ -11,20 +11,20 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::core {
 
 // What a relocalization server says of one frame. "Not localized" is an answer.
 struct RelocalizationAnswer {
   // The exposure that it is of.
-  MonotonicTime stamp;
+  base::MonotonicTime stamp;
   bool localized = false;
   // Why not, as the server has it: "LOW_CONFIDENCE", "TOO_FEW_INLIERS", ...
   std::string reason;
   // If localized: the pose of the calibration's pose sensor (camera frame: x
   // right, y down, z forward), its covariance (Rigid3's order), and the
   // probability that it is right, in [0, 1].
-  Rigid3 map_from_camera;
-  PoseCovariance covariance{};
+  geometry::Rigid3 map_from_camera;
+  geometry::PoseCovariance covariance{};
   double confidence = 0;
   // The scene's: of answers that reach it, 99 of 100 were right in training.
   double confidence_threshold = 0;
@@ -32,7 +32,7 @@ struct RelocalizationAnswer {
   int samples = 0;
   // Pixels of the colour image that support the answer, for pictures; as the
   // server has them, unchecked.
-  std::vector<Vec2> inlier_pixels = {};
+  std::vector<geometry::Vec2> inlier_pixels = {};
   std::string scene;
   std::string model_version;
   // From the question to the answer, retries included (s).
@@ -56,6 +56,6 @@ class RelocalizationPort {
   virtual void Cancel() = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::core
 
 #endif  // NAV_AGENT_CORE_RELOCALIZATION_H_

@@ -6,13 +6,15 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::core {
 
-Rigid3 RobotModel::UprightCamera(Vec3 position_in_base, double down_rad) {
+geometry::Rigid3 RobotModel::UprightCamera(geometry::Vec3 position_in_base,
+                                           double down_rad) {
   // Columns: the camera's right, down and forward in the base's frame.
   const double c = std::cos(down_rad);
   const double s = std::sin(down_rad);
-  return {Rotation3::FromMatrix(Mat3{{0, -s, c, -1, 0, 0, 0, -c, -s}}),
+  return {geometry::Rotation3::FromMatrix(
+              geometry::Mat3{{0, -s, c, -1, 0, 0, 0, -c, -s}}),
           position_in_base};
 }
 
@@ -54,11 +56,12 @@ absl::Status RobotModel::Validate() const {
         "robot: casters at ", caster_m, " m stand out of a body that reaches ",
         std::min(front_m, rear_m), " m from its axle"));
   }
-  if (!IsFinite(base_from_laser) || !IsFinite(base_from_rear_laser) ||
-      !IsFinite(base_from_camera)) {
+  if (!geometry::IsFinite(base_from_laser) ||
+      !geometry::IsFinite(base_from_rear_laser) ||
+      !geometry::IsFinite(base_from_camera)) {
     return absl::InvalidArgumentError("robot: a sensor's pose is not finite");
   }
   return absl::OkStatus();
 }
 
-}  // namespace treeline
+}  // namespace treeline::core

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "common/geometry/rigid3.h"
 
-namespace treeline {
+namespace treeline::core {
 
 // Which of a robot's planar lasers: the one ahead, that it also maps and
 // localizes with; or one that looks back, for what comes from there.
@@ -50,19 +50,21 @@ struct RobotModel {
 
   // The laser's frame has x forward, y left; camera frames x right, y down,
   // z forward. The camera is the pose sensor of its calibration.
-  Rigid3 base_from_laser = {.rotation = {}, .translation = {0.22, 0, 0.35}};
-  Rigid3 base_from_rear_laser = {
-      .rotation = Rotation3::FromAxisAngle({0, 0, std::numbers::pi}),
+  geometry::Rigid3 base_from_laser = {.rotation = {},
+                                      .translation = {0.22, 0, 0.35}};
+  geometry::Rigid3 base_from_rear_laser = {
+      .rotation = geometry::Rotation3::FromAxisAngle({0, 0, std::numbers::pi}),
       .translation = {-0.22, 0, 0.35}};
-  Rigid3 base_from_camera = UprightCamera({0.12, 0, 1.10}, 0.21);
+  geometry::Rigid3 base_from_camera = UprightCamera({0.12, 0, 1.10}, 0.21);
 
-  const Rigid3& BaseFrom(LaserMount laser) const {
+  const geometry::Rigid3& BaseFrom(LaserMount laser) const {
     return laser == LaserMount::kRear ? base_from_rear_laser : base_from_laser;
   }
 
   // The pose of a camera at `position_in_base` that looks ahead, and down_rad
   // below the horizon.
-  static Rigid3 UprightCamera(Vec3 position_in_base, double down_rad);
+  static geometry::Rigid3 UprightCamera(geometry::Vec3 position_in_base,
+                                        double down_rad);
 
   // The radius of the circle about the base's origin that holds the footprint.
   double Circumradius_m() const;
@@ -72,6 +74,6 @@ struct RobotModel {
   absl::Status Validate() const;
 };
 
-}  // namespace treeline
+}  // namespace treeline::core
 
 #endif  // NAV_AGENT_CORE_ROBOT_MODEL_H_

@@ -5,7 +5,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::core {
 namespace {
 
 TEST(RobotModel, TheDefaultIsValid) {
@@ -13,14 +13,15 @@ TEST(RobotModel, TheDefaultIsValid) {
 }
 
 TEST(RobotModel, ACameraLooksAheadAndDown) {
-  const Rigid3 base_from_camera = RobotModel::UprightCamera({0.1, 0, 1}, 0.2);
+  const geometry::Rigid3 base_from_camera =
+      RobotModel::UprightCamera({0.1, 0, 1}, 0.2);
   // One metre along the optical axis.
-  const Vec3 seen = base_from_camera * Vec3{0, 0, 1};
+  const geometry::Vec3 seen = base_from_camera * geometry::Vec3{0, 0, 1};
   EXPECT_NEAR(seen.x, 0.1 + std::cos(0.2), 1e-12);
   EXPECT_NEAR(seen.y, 0, 1e-12);
   EXPECT_NEAR(seen.z, 1 - std::sin(0.2), 1e-12);
   // The picture's right is the robot's right.
-  EXPECT_NEAR((base_from_camera * Vec3{1, 0, 0}).y, -1, 1e-12);
+  EXPECT_NEAR((base_from_camera * geometry::Vec3{1, 0, 0}).y, -1, 1e-12);
 }
 
 TEST(RobotModel, SaysWhatIsWrong) {
@@ -37,4 +38,4 @@ TEST(RobotModel, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::core

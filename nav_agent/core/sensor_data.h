@@ -12,7 +12,7 @@
 #include "common/base/clock.h"
 #include "common/image/frame.h"
 
-namespace treeline {
+namespace treeline::core {
 
 // The geometry of a planar laser scanner's scans (sensor_msgs/LaserScan).
 struct RangeSensorInfo {
@@ -47,7 +47,7 @@ inline constexpr float kInvalidRange = std::numeric_limits<float>::quiet_NaN();
 
 struct LaserScan {
   // When the first beam was measured.
-  MonotonicTime stamp;
+  base::MonotonicTime stamp;
   // One for each beam (m), or one of the three above.
   std::vector<float> ranges_m;
   // One for each beam, in the sensor's own units; or empty.
@@ -56,15 +56,15 @@ struct LaserScan {
 
 struct RgbdFrame {
   // The middle of the exposure.
-  MonotonicTime stamp;
+  base::MonotonicTime stamp;
   // Numbers exposures from 0 upwards; a gap is a frame that was lost.
   int64_t sequence = 0;
-  Frame frame;
+  image::Frame frame;
 };
 
 // What wheels and inertial sensor of a differential drive say.
 struct BaseReading {
-  MonotonicTime stamp;
+  base::MonotonicTime stamp;
   // How far each wheel has rolled since the base was switched on or its
   // counters were reset. Only differences mean anything.
   double left_wheel_m = 0;
@@ -91,6 +91,6 @@ struct VelocityCommand {
   constexpr bool operator==(const VelocityCommand&) const = default;
 };
 
-}  // namespace treeline
+}  // namespace treeline::core
 
 #endif  // NAV_AGENT_CORE_SENSOR_DATA_H_

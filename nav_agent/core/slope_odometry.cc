@@ -8,7 +8,7 @@
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::core {
 namespace {
 
 // No robot stands like that.
@@ -16,9 +16,9 @@ constexpr double kMaxTilt_rad = 1.0;
 // A counter may jump by this much between two readings without a reset.
 constexpr double kJump_m = 0.05;
 
-Rotation3 Tilted(double pitch_rad, double roll_rad) {
-  return Rotation3::FromAxisAngle({0, pitch_rad, 0}) *
-         Rotation3::FromAxisAngle({roll_rad, 0, 0});
+geometry::Rotation3 Tilted(double pitch_rad, double roll_rad) {
+  return geometry::Rotation3::FromAxisAngle({0, pitch_rad, 0}) *
+         geometry::Rotation3::FromAxisAngle({roll_rad, 0, 0});
 }
 
 absl::Status Check(const BaseReading& reading) {
@@ -42,12 +42,14 @@ absl::Status Check(const BaseReading& reading) {
 }  // namespace
 
 absl::Status SlopeOdometryOptions::Validate() const {
-  TL_RETURN_IF_ERROR(CheckRange("wheel_track_m", wheel_track_m, 0.05, 10));
-  TL_RETURN_IF_ERROR(CheckRange("level_within_rad", level_within_rad, 0, 0.2));
-  TL_RETURN_IF_ERROR(CheckRange("bias_time_s", bias_time_s, 1e-3, 1e6));
-  TL_RETURN_IF_ERROR(CheckRange("max_bias_rad", max_bias_rad, 0, 0.2));
-  TL_RETURN_IF_ERROR(CheckRange("max_gap_s", max_gap_s, 1e-3, 10));
-  return CheckRange("max_speed_mps", max_speed_mps, 0.1, 100);
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("wheel_track_m", wheel_track_m, 0.05, 10));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("level_within_rad", level_within_rad, 0, 0.2));
+  TL_RETURN_IF_ERROR(base::CheckRange("bias_time_s", bias_time_s, 1e-3, 1e6));
+  TL_RETURN_IF_ERROR(base::CheckRange("max_bias_rad", max_bias_rad, 0, 0.2));
+  TL_RETURN_IF_ERROR(base::CheckRange("max_gap_s", max_gap_s, 1e-3, 10));
+  return base::CheckRange("max_speed_mps", max_speed_mps, 0.1, 100);
 }
 
 absl::StatusOr<SlopeOdometry> SlopeOdometry::Create(
@@ -108,31 +110,36 @@ absl::Status SlopeOdometry::Add(const BaseReading& reading) {
   Follow(roll_, reading.roll_rad, interval_s);
   last_ = reading;
 
-  const Rotation3 tilt = Tilted(0.5 * (pitch_before_rad + pitch_.angle_rad),
-                                0.5 * (roll_before_rad + roll_.angle_rad));
+  const geometry::Rotation3 tilt =
+      Tilted(0.5 * (pitch_before_rad + pitch_.angle_rad),
+             0.5 * (roll_before_rad + roll_.angle_rad));
   const double forward_m = 0.5 * (left_m + right_m);
   way_m_ += std::abs(forward_m);
   const double half_rad = 0.5 * turn_rad;
   const double chord_m = std::abs(half_rad) < 1e-6
                              ? forward_m
                              : forward_m * std::sin(half_rad) / half_rad;
-  const Rotation3 heading = Rotation3::FromAxisAngle({0, 0, yaw_rad_});
+  const geometry::Rotation3 heading =
+      geometry::Rotation3::FromAxisAngle({0, 0, yaw_rad_});
   position_m_ =
-      position_m_ + heading * (tilt * Vec3{chord_m * std::cos(half_rad),
-                                           chord_m * std::sin(half_rad), 0});
-  const Vec3 ahead = tilt * Vec3{std::cos(turn_rad), std::sin(turn_rad), 0};
-  yaw_rad_ = NormalizedAngle_rad(yaw_rad_ + std::atan2(ahead.y, ahead.x));
+      position_m_ +
+      heading * (tilt * geometry::Vec3{chord_m * std::cos(half_rad),
+                                       chord_m * std::sin(half_rad), 0});
+  const geometry::Vec3 ahead =
+      tilt * geometry::Vec3{std::cos(turn_rad), std::sin(turn_rad), 0};
+  yaw_rad_ =
+      geometry::NormalizedAngle_rad(yaw_rad_ + std::atan2(ahead.y, ahead.x));
   return absl::OkStatus();
 }
 
-Rotation3 SlopeOdometry::LevelFromBase() const {
+geometry::Rotation3 SlopeOdometry::LevelFromBase() const {
   return Tilted(pitch_.angle_rad, roll_.angle_rad);
 }
 
-Rigid3 SlopeOdometry::OdomFromBase() const {
-  return {
-      .rotation = Rotation3::FromAxisAngle({0, 0, yaw_rad_}) * LevelFromBase(),
-      .translation = position_m_};
+geometry::Rigid3 SlopeOdometry::OdomFromBase() const {
+  return {.rotation = geometry::Rotation3::FromAxisAngle({0, 0, yaw_rad_}) *
+                      LevelFromBase(),
+          .translation = position_m_};
 }
 
-}  // namespace treeline
+}  // namespace treeline::core

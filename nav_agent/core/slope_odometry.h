@@ -11,7 +11,7 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::core {
 
 struct SlopeOdometryOptions {
   // Of the robot that is driven: RobotModel::wheel_track_m (m, 0.05 to 10).
@@ -60,18 +60,18 @@ class SlopeOdometry {
   absl::Status Add(const BaseReading& reading);
 
   bool has_reading() const { return has_reading_; }
-  MonotonicTime stamp() const { return last_.stamp; }
+  base::MonotonicTime stamp() const { return last_.stamp; }
 
   // Where the robot is in space.
-  Rigid3 OdomFromBase() const;
+  geometry::Rigid3 OdomFromBase() const;
   // The same from above: distances are as a map has them, corrected for the
   // slope.
-  Rigid2 PlanarOdomFromBase() const {
+  geometry::Rigid2 PlanarOdomFromBase() const {
     return {.translation = {position_m_.x, position_m_.y}, .yaw_rad = yaw_rad_};
   }
   double height_m() const { return position_m_.z; }
   // Pitch and roll, without the inertial sensor's bias; yaw and translation 0.
-  Rotation3 LevelFromBase() const;
+  geometry::Rotation3 LevelFromBase() const;
   double pitch_rad() const { return pitch_.angle_rad; }
   double roll_rad() const { return roll_.angle_rad; }
 
@@ -95,7 +95,7 @@ class SlopeOdometry {
   SlopeOdometryOptions options_;
   bool has_reading_ = false;
   BaseReading last_;
-  Vec3 position_m_;
+  geometry::Vec3 position_m_;
   double yaw_rad_ = 0;
   Tilt pitch_;
   Tilt roll_;
@@ -103,6 +103,6 @@ class SlopeOdometry {
   int64_t resets_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::core
 
 #endif  // NAV_AGENT_CORE_SLOPE_ODOMETRY_H_

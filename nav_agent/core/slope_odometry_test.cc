@@ -8,13 +8,13 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::core {
 namespace {
 
 constexpr double kTrack_m = 0.54;
 
-MonotonicTime At(int64_t milliseconds) {
-  return MonotonicTime(std::chrono::milliseconds(milliseconds));
+base::MonotonicTime At(int64_t milliseconds) {
+  return base::MonotonicTime(std::chrono::milliseconds(milliseconds));
 }
 
 SlopeOdometry Make(const SlopeOdometryOptions& options = {}) {
@@ -46,9 +46,9 @@ struct Drive {
 TEST(SlopeOdometry, NoseUpClimbsAndShortensTheWayFromAbove) {
   Drive drive;
   drive.Go(1, -0.1, 0, 0);
-  const Vec3 before = drive.odometry.OdomFromBase().translation;
+  const geometry::Vec3 before = drive.odometry.OdomFromBase().translation;
   drive.Go(200, -0.1, 0, 0);
-  const Vec3 after = drive.odometry.OdomFromBase().translation;
+  const geometry::Vec3 after = drive.odometry.OdomFromBase().translation;
   EXPECT_NEAR(after.x - before.x, std::cos(0.1), 1e-9);
   EXPECT_NEAR(after.z - before.z, std::sin(0.1), 1e-9);
   EXPECT_NEAR(drive.odometry.way_m(), 1.005, 1e-9);
@@ -63,22 +63,25 @@ TEST(SlopeOdometry, ACircleOnAPlaneComesBackToItself) {
   SlopeOdometryOptions options;
   options.level_within_rad = 0;
   Drive drive(options);
-  const Rotation3 plane = Rotation3::FromAxisAngle({0, -0.2, 0});
+  const geometry::Rotation3 plane =
+      geometry::Rotation3::FromAxisAngle({0, -0.2, 0});
   const double turn_radps = 0.5;
   const int steps =
       static_cast<int>(std::lround(2 * std::numbers::pi / turn_radps / 0.01));
-  Vec3 highest;
+  geometry::Vec3 highest;
   for (int i = 0; i <= steps; ++i) {
     const double angle = turn_radps * 0.01 * (i + 1);
-    const Vec3 x = plane * Vec3{std::cos(angle), std::sin(angle), 0};
-    const Vec3 y = plane * Vec3{-std::sin(angle), std::cos(angle), 0};
+    const geometry::Vec3 x =
+        plane * geometry::Vec3{std::cos(angle), std::sin(angle), 0};
+    const geometry::Vec3 y =
+        plane * geometry::Vec3{-std::sin(angle), std::cos(angle), 0};
     const double pitch = -std::asin(x.z);
     const double roll = std::asin(y.z / std::cos(pitch));
     drive.Go(1, pitch, roll, turn_radps);
-    const Vec3 here = drive.odometry.OdomFromBase().translation;
+    const geometry::Vec3 here = drive.odometry.OdomFromBase().translation;
     if (here.z > highest.z) highest = here;
   }
-  const Rigid3 end = drive.odometry.OdomFromBase();
+  const geometry::Rigid3 end = drive.odometry.OdomFromBase();
   // Steps of 5 mm, the first of them on the level: 1 mm of 6.3 m.
   EXPECT_NEAR(end.translation.x, 0, 0.01);
   EXPECT_NEAR(end.translation.y, 0, 0.01);
@@ -90,7 +93,7 @@ TEST(SlopeOdometry, ACircleOnAPlaneComesBackToItself) {
 
 TEST(SlopeOdometry, LevelFloorsStayLevelWhateverTheBias) {
   Drive drive;
-  Random random(3, 0);
+  base::Random random(3, 0);
   for (int i = 0; i < 20000; ++i) {
     drive.Go(1, 0.006 + 0.002 * random.NextGaussian(),
              -0.005 + 0.002 * random.NextGaussian(), 0);
@@ -138,7 +141,7 @@ TEST(SlopeOdometry, CountersThatJumpAreNoMotion) {
 TEST(SlopeOdometry, BadReadingsAreNamedAndChangeNothing) {
   Drive drive;
   drive.Go(10, 0, 0, 0);
-  const Rigid3 before = drive.odometry.OdomFromBase();
+  const geometry::Rigid3 before = drive.odometry.OdomFromBase();
   BaseReading bad = drive.reading;
   bad.pitch_rad = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(drive.odometry.Add(bad).code(), absl::StatusCode::kInvalidArgument);
@@ -158,4 +161,4 @@ TEST(SlopeOdometry, BadReadingsAreNamedAndChangeNothing) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::core

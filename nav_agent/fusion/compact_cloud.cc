@@ -11,7 +11,7 @@
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::fusion {
 namespace {
 
 // Coordinates of clouds up to 16 m are in half millimetres.
@@ -57,7 +57,7 @@ double Agreement_m(double depth_m) {
   return kAgreementBase_m + kAgreementSquare_per_m * depth_m * depth_m;
 }
 
-CompactPoint Compact(Vec3 point, double unit_m) {
+CompactPoint Compact(geometry::Vec3 point, double unit_m) {
   const auto round = [unit_m](double value_m) {
     return static_cast<int16_t>(std::lround(
         std::clamp(value_m / unit_m, -kLargestCoordinate, kLargestCoordinate)));
@@ -65,10 +65,10 @@ CompactPoint Compact(Vec3 point, double unit_m) {
   return {round(point.x), round(point.y), round(point.z)};
 }
 
-int PixelStep(const Camera& camera, const FusionOptions& options) {
+int PixelStep(const camera::Camera& camera, const FusionOptions& options) {
   if (options.pixel_step > 0) return options.pixel_step;
-  const double step =
-      0.6 * options.resolution_m * MeanFocal_px(camera) / options.max_depth_m;
+  const double step = 0.6 * options.resolution_m *
+                      camera::MeanFocal_px(camera) / options.max_depth_m;
   return static_cast<int>(std::clamp(step, 1.0, 16.0));
 }
 
@@ -76,7 +76,7 @@ int PixelStep(const Camera& camera, const FusionOptions& options) {
 // left out.
 class CellReader {
  public:
-  CellReader(const DepthImage& depth, int step, double min_depth_m)
+  CellReader(const image::DepthImage& depth, int step, double min_depth_m)
       : depth_(depth),
         step_(step),
         lowest_(static_cast<uint16_t>(
@@ -86,7 +86,7 @@ class CellReader {
   // (m) and of the pixels' places.
   struct Mean {
     double z_m = 0;
-    Pixel pixel;
+    camera::Pixel pixel;
   };
   std::optional<Mean> Read(int x0, int y0) const {
     // A middle pixel may be lost or be the outlier itself; then the next.
@@ -141,27 +141,29 @@ class CellReader {
                           y0 + static_cast<double>(sum_y) / agreeing}};
   }
 
-  const DepthImage& depth_;
+  const image::DepthImage& depth_;
   int step_;
   uint16_t lowest_;
 };
 
 // The cell whose first pixel is (x0, y0); depth 0: none.
-Cell ReadCell(const CellReader& reader, const Camera& camera, int x0, int y0) {
+Cell ReadCell(const CellReader& reader, const camera::Camera& camera, int x0,
+              int y0) {
   const auto mean = reader.Read(x0, y0);
   if (!mean) return {};
-  const std::optional<Pixel> ray =
+  const std::optional<camera::Pixel> ray =
       camera.has_distortion()
           ? camera.Unproject(mean->pixel)
-          : Pixel{(mean->pixel.x - camera.cx()) / camera.fx(),
-                  (mean->pixel.y - camera.cy()) / camera.fy()};
+          : camera::Pixel{(mean->pixel.x - camera.cx()) / camera.fx(),
+                          (mean->pixel.y - camera.cy()) / camera.fy()};
   if (!ray) return {};
   return {static_cast<float>(ray->x * mean->z_m),
           static_cast<float>(ray->y * mean->z_m),
           static_cast<float>(mean->z_m)};
 }
 
-CellImage ReadCells(const DepthImage& depth, const Camera& camera, int step,
+CellImage ReadCells(const image::DepthImage& depth,
+                    const camera::Camera& camera, int step,
                     double min_depth_m) {
   CellImage image{
       .width = depth.width / step, .height = depth.height / step, .cells = {}};
@@ -271,7 +273,7 @@ class CloudBuilder {
 
   void Add(const Cell& cell) {
     if (cell.z == 0) return;
-    const Vec3 point{cell.x, cell.y, cell.z};
+    const geometry::Vec3 point{cell.x, cell.y, cell.z};
     // At the rim of a lens that sees nearly everything.
     const double side = std::max(std::abs(point.x), std::abs(point.y));
     if (side * std::min(1.0, max_depth_m_ / point.z) >
@@ -299,7 +301,7 @@ class CloudBuilder {
 };
 
 // Wide lenses see what is further to the side than ahead.
-double ReachOf(const Camera& camera, double max_depth_m) {
+double ReachOf(const camera::Camera& camera, double max_depth_m) {
   const double reach_x = std::max(camera.cx(), camera.width() - camera.cx());
   const double reach_y = std::max(camera.cy(), camera.height() - camera.cy());
   return max_depth_m *
@@ -308,8 +310,8 @@ double ReachOf(const Camera& camera, double max_depth_m) {
 
 }  // namespace
 
-absl::StatusOr<CompactCloud> MakeDepthCloud(const DepthImage& depth,
-                                            const Camera& camera,
+absl::StatusOr<CompactCloud> MakeDepthCloud(const image::DepthImage& depth,
+                                            const camera::Camera& camera,
                                             const FusionOptions& options) {
   if (depth.width != camera.width() || depth.height != camera.height() ||
       depth.values.size() != static_cast<size_t>(depth.width) *
@@ -319,7 +321,8 @@ absl::StatusOr<CompactCloud> MakeDepthCloud(const DepthImage& depth,
         depth.values.size(), " values, but a camera of ", camera.width(), " x ",
         camera.height()));
   }
-  TL_RETURN_IF_ERROR(CheckRange("the depth's unit_m", depth.unit_m, 1e-5, 0.1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("the depth's unit_m", depth.unit_m, 1e-5, 0.1));
   const int step = PixelStep(camera, options);
   CellImage image = ReadCells(depth, camera, step, options.min_depth_m);
   if (options.outlier_neighbors > 0) RemoveOutliers(image, options);
@@ -346,13 +349,13 @@ absl::StatusOr<CompactCloud> MakeDepthCloud(const DepthImage& depth,
   return std::move(builder).Build();
 }
 
-CompactCloud MakePointCloud(std::span<const Vec3> points_in_sensor,
+CompactCloud MakePointCloud(std::span<const geometry::Vec3> points_in_sensor,
                             const FusionOptions& options) {
   CompactCloud cloud;
   cloud.unit_m = UnitFor(options.max_point_range_m);
   std::vector<CompactPoint> beyond;
-  for (const Vec3 point : points_in_sensor) {
-    const double range_m = Norm(point);
+  for (const geometry::Vec3 point : points_in_sensor) {
+    const double range_m = geometry::Norm(point);
     if (!std::isfinite(range_m)) continue;
     if (range_m <= options.max_point_range_m) {
       cloud.points.push_back(Compact(point, cloud.unit_m));
@@ -367,4 +370,4 @@ CompactCloud MakePointCloud(std::span<const Vec3> points_in_sensor,
   return cloud;
 }
 
-}  // namespace treeline
+}  // namespace treeline::fusion

@@ -13,7 +13,7 @@
 #include "common/image/image.h"
 #include "nav_agent/fusion/fusion_options.h"
 
-namespace treeline {
+namespace treeline::fusion {
 
 struct CompactPoint {
   int16_t x = 0;
@@ -47,15 +47,15 @@ struct CompactCloud {
 // are measured, agree. Then statistical outlier removal (thesis 6.3.1); see
 // FusionOptions. INVALID_ARGUMENT if image and camera differ in size, or the
 // image's unit is not in [1e-5, 0.1] m.
-absl::StatusOr<CompactCloud> MakeDepthCloud(const DepthImage& depth,
-                                            const Camera& camera,
+absl::StatusOr<CompactCloud> MakeDepthCloud(const image::DepthImage& depth,
+                                            const camera::Camera& camera,
                                             const FusionOptions& options);
 
 // The cloud of points in the sensor's frame (m), for instance of a laser scan.
 // Points that are not finite are left out.
-CompactCloud MakePointCloud(std::span<const Vec3> points_in_sensor,
+CompactCloud MakePointCloud(std::span<const geometry::Vec3> points_in_sensor,
                             const FusionOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::fusion
 
 #endif  // NAV_AGENT_FUSION_COMPACT_CLOUD_H_

@@ -8,20 +8,21 @@
 #include "gtest/gtest.h"
 #include "nav_agent/fusion/testing_views.h"
 
-namespace treeline {
+namespace treeline::fusion {
 namespace {
 
-const Camera kCamera;
+const camera::Camera kCamera;
 
-Vec3 PointOf(const CompactCloud& cloud, size_t i) {
+geometry::Vec3 PointOf(const CompactCloud& cloud, size_t i) {
   const CompactPoint& point = cloud.points[i];
-  return cloud.unit_m * Vec3{double(point.x), double(point.y), double(point.z)};
+  return cloud.unit_m *
+         geometry::Vec3{double(point.x), double(point.y), double(point.z)};
 }
 
 TEST(DepthCloud, CellsOfAWallAverageItsNoise) {
-  Random random(1, 0);
+  base::Random random(1, 0);
   // The sensor's noise at 3 m is 14 mm.
-  const DepthImage wall = MakeDepth(kCamera, [&random](double, double) {
+  const image::DepthImage wall = MakeDepth(kCamera, [&random](double, double) {
     return 3 + 0.014 * random.NextGaussian();
   });
   const auto cloud = MakeDepthCloud(wall, kCamera, {.outlier_neighbors = 0});
@@ -38,20 +39,20 @@ TEST(DepthCloud, CellsOfAWallAverageItsNoise) {
 }
 
 TEST(DepthCloud, PointsLieOnTheirRays) {
-  const DepthImage slanted = MakeDepth(
+  const image::DepthImage slanted = MakeDepth(
       kCamera, [](double x, double y) { return 2 / (1 + 0.3 * x - 0.2 * y); });
   const auto cloud = MakeDepthCloud(slanted, kCamera, {});
   ASSERT_TRUE(cloud.ok()) << cloud.status();
   ASSERT_GT(cloud->hits, size_t{18000});
   for (size_t i = 0; i < cloud->hits; ++i) {
-    const Vec3 point = PointOf(*cloud, i);
+    const geometry::Vec3 point = PointOf(*cloud, i);
     // The plane z + 0.3 x - 0.2 y = 2; half a millimetre of rounding each.
     EXPECT_NEAR(point.z + 0.3 * point.x - 0.2 * point.y, 2, 0.0015);
   }
 }
 
 TEST(DepthCloud, FlyingPixelsBetweenTwoSurfacesAreRemoved) {
-  Random random(2, 0);
+  base::Random random(2, 0);
   // A near wall on the left, a far one on the right, and between them a column
   // of 12 pixels that measured anything in between.
   const auto depth_m = [&random](double x, double) {
@@ -73,7 +74,7 @@ TEST(DepthCloud, FlyingPixelsBetweenTwoSurfacesAreRemoved) {
 
 TEST(DepthCloud, AFloorSeenAtAGrazingAngleKeepsItsPointsAndGetsMore) {
   // The camera is 1.1 m above the floor and looks level.
-  const DepthImage floor = MakeDepth(
+  const image::DepthImage floor = MakeDepth(
       kCamera, [](double, double y) { return y > 0.01 ? 1.1 / y : 0; });
   const auto cloud = MakeDepthCloud(floor, kCamera, {.max_depth_m = 4});
   ASSERT_TRUE(cloud.ok()) << cloud.status();
@@ -81,7 +82,7 @@ TEST(DepthCloud, AFloorSeenAtAGrazingAngleKeepsItsPointsAndGetsMore) {
   // voxel ahead has a point.
   std::vector<int> counts(24);
   for (size_t i = 0; i < cloud->hits; ++i) {
-    const Vec3 point = PointOf(*cloud, i);
+    const geometry::Vec3 point = PointOf(*cloud, i);
     if (std::abs(point.x) > 0.5) continue;
     const int row = static_cast<int>((point.z - 2.8) / 0.05);
     if (row >= 0 && row < 24) ++counts[static_cast<size_t>(row)];
@@ -92,7 +93,8 @@ TEST(DepthCloud, AFloorSeenAtAGrazingAngleKeepsItsPointsAndGetsMore) {
 }
 
 TEST(DepthCloud, WhatIsFurtherThanTheRangeIsNoHit) {
-  const DepthImage wall = MakeDepth(kCamera, [](double, double) { return 6; });
+  const image::DepthImage wall =
+      MakeDepth(kCamera, [](double, double) { return 6; });
   const auto cloud = MakeDepthCloud(wall, kCamera, {});
   ASSERT_TRUE(cloud.ok()) << cloud.status();
   EXPECT_EQ(cloud->hits, size_t{0});
@@ -103,14 +105,16 @@ TEST(DepthCloud, WhatIsFurtherThanTheRangeIsNoHit) {
 }
 
 TEST(DepthCloud, AnImageWithoutDepthGivesAnEmptyCloud) {
-  DepthImage image = MakeDepth(kCamera, [](double, double) { return 0; });
+  image::DepthImage image =
+      MakeDepth(kCamera, [](double, double) { return 0; });
   EXPECT_TRUE(MakeDepthCloud(image, kCamera, {})->points.empty());
   std::fill(image.values.begin(), image.values.end(), uint16_t{65535});
   EXPECT_TRUE(MakeDepthCloud(image, kCamera, {})->points.empty());
 }
 
 TEST(DepthCloud, ImagesThatDoNotFitTheirCameraAreRefused) {
-  DepthImage image = MakeDepth(kCamera, [](double, double) { return 1; });
+  image::DepthImage image =
+      MakeDepth(kCamera, [](double, double) { return 1; });
   image.unit_m = 0;
   EXPECT_EQ(MakeDepthCloud(image, kCamera, {}).status().code(),
             absl::StatusCode::kInvalidArgument);
@@ -124,13 +128,14 @@ TEST(DepthCloud, ImagesThatDoNotFitTheirCameraAreRefused) {
 }
 
 TEST(DepthCloud, DistortedCamerasAreUndone) {
-  const Camera camera =
-      *Camera::Parse("SIMPLE_RADIAL,585,320,240,0.1", 640, 480);
-  const DepthImage wall = MakeDepth(camera, [](double, double) { return 2; });
+  const camera::Camera camera =
+      *camera::Camera::Parse("SIMPLE_RADIAL,585,320,240,0.1", 640, 480);
+  const image::DepthImage wall =
+      MakeDepth(camera, [](double, double) { return 2; });
   const auto cloud = MakeDepthCloud(wall, camera, {});
   ASSERT_TRUE(cloud.ok()) << cloud.status();
   // The cell whose middle is pixel (1.5, 1.5).
-  const Pixel ray = *camera.Unproject({1.5, 1.5});
+  const camera::Pixel ray = *camera.Unproject({1.5, 1.5});
   EXPECT_NEAR(PointOf(*cloud, 0).x, 2 * ray.x, 0.001);
   EXPECT_NEAR(PointOf(*cloud, 0).y, 2 * ray.y, 0.001);
 }
@@ -138,14 +143,16 @@ TEST(DepthCloud, DistortedCamerasAreUndone) {
 TEST(PointCloud, PointsThatAreNotFiniteAreLeftOut) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
-  const std::vector<Vec3> points = {
+  const std::vector<geometry::Vec3> points = {
       {nan, 0, 0}, {1, 2, 3}, {infinity, 0, 0}, {0, 0, 1e300}, {100, 0, 0}};
   const CompactCloud cloud = MakePointCloud(points, {});
   ASSERT_EQ(cloud.points.size(), size_t{2});
   EXPECT_EQ(cloud.hits, size_t{1});
-  EXPECT_NEAR(Norm(PointOf(cloud, 0) - Vec3{1, 2, 3}), 0, 0.0005);
-  EXPECT_NEAR(Norm(PointOf(cloud, 1) - Vec3{10, 0, 0}), 0, 0.0005);
+  EXPECT_NEAR(geometry::Norm(PointOf(cloud, 0) - geometry::Vec3{1, 2, 3}), 0,
+              0.0005);
+  EXPECT_NEAR(geometry::Norm(PointOf(cloud, 1) - geometry::Vec3{10, 0, 0}), 0,
+              0.0005);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::fusion

@@ -7,7 +7,7 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/octomap/voxel_map.h"
 
-namespace treeline {
+namespace treeline::fusion {
 
 // What was driven on is ground, even if no view shows it: a camera that looks
 // ahead does not see what the robot stands on, nor the floor of a place that it
@@ -23,9 +23,9 @@ namespace treeline {
 // map_from_base: on the ground below the axle's middle, y along it, no further
 // apart than a voxel. half_width_m: from there to the outer edge of each wheel.
 // Returns how many columns were holes.
-int KeepDrivenStrip(std::span<const Rigid3> map_from_base, double half_width_m,
-                    VoxelMap& map);
+int KeepDrivenStrip(std::span<const geometry::Rigid3> map_from_base,
+                    double half_width_m, octree::VoxelMap& map);
 
-}  // namespace treeline
+}  // namespace treeline::fusion
 
 #endif  // NAV_AGENT_FUSION_DRIVEN_STRIP_H_

@@ -5,7 +5,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::fusion {
 namespace {
 
 constexpr double kResolution_m = 0.05;
@@ -13,12 +13,12 @@ constexpr double kHalfWidth_m = 0.2;
 constexpr double kSlope = 1.0 / 12;
 
 // 4 x 2 m of which all is free.
-VoxelMap FreeSpace() {
-  VoxelMap map =
-      *VoxelMap::Make(kResolution_m, {0, -20, -4}, {.x = 80, .y = 40, .z = 40});
+octree::VoxelMap FreeSpace() {
+  octree::VoxelMap map = *octree::VoxelMap::Make(kResolution_m, {0, -20, -4},
+                                                 {.x = 80, .y = 40, .z = 40});
   for (int y = 0; y < map.size().y; ++y) {
     for (int x = 0; x < map.size().x; ++x) {
-      map.SetRun(x, y, 0, map.size().z, Voxel::kFree);
+      map.SetRun(x, y, 0, map.size().z, octree::Voxel::kFree);
     }
   }
   return map;
@@ -26,10 +26,10 @@ VoxelMap FreeSpace() {
 
 // The way along the x axis, `height(x)` above it.
 template <typename Height>
-std::vector<Rigid3> Way(Height height) {
-  std::vector<Rigid3> poses;
+std::vector<geometry::Rigid3> Way(Height height) {
+  std::vector<geometry::Rigid3> poses;
   for (double x = 0.01; x < 4; x += 0.02) {
-    Rigid3 pose;
+    geometry::Rigid3 pose;
     pose.translation = {x, 0, height(x)};
     poses.push_back(pose);
   }
@@ -38,28 +38,28 @@ std::vector<Rigid3> Way(Height height) {
 
 double RampHeight(double x) { return 0.01 + kSlope * x; }
 
-void PutRamp(VoxelMap& map) {
+void PutRamp(octree::VoxelMap& map) {
   for (int y = 0; y < map.size().y; ++y) {
     for (int x = 0; x < map.size().x; ++x) {
-      const Vec3 middle = map.CenterOf({x, y, 0});
-      const VoxelIndex ground =
+      const geometry::Vec3 middle = map.CenterOf({x, y, 0});
+      const octree::VoxelIndex ground =
           map.IndexOf({middle.x, middle.y, RampHeight(middle.x)});
-      map.Set(ground, Voxel::kOccupied);
+      map.Set(ground, octree::Voxel::kOccupied);
     }
   }
 }
 
 // The highest occupied voxel of a column, or -1.
-int TopOf(const VoxelMap& map, int x, int y) {
+int TopOf(const octree::VoxelMap& map, int x, int y) {
   int top = map.size().z - 1;
-  while (top >= 0 && map.At({x, y, top}) != Voxel::kOccupied) --top;
+  while (top >= 0 && map.At({x, y, top}) != octree::Voxel::kOccupied) --top;
   return top;
 }
 
 TEST(DrivenStripTest, WhatWasSeenStays) {
-  VoxelMap map = FreeSpace();
+  octree::VoxelMap map = FreeSpace();
   PutRamp(map);
-  const VoxelMap seen = map;
+  const octree::VoxelMap seen = map;
   EXPECT_EQ(KeepDrivenStrip(Way(RampHeight), kHalfWidth_m, map), 0);
   EXPECT_EQ(map, seen);
   // Wheels a voxel above or below what was seen prove nothing.
@@ -71,22 +71,22 @@ TEST(DrivenStripTest, WhatWasSeenStays) {
 }
 
 TEST(DrivenStripTest, AHoleInARampIsClosedWithoutAStep) {
-  VoxelMap map = FreeSpace();
+  octree::VoxelMap map = FreeSpace();
   PutRamp(map);
-  const VoxelMap whole = map;
+  const octree::VoxelMap whole = map;
   // Columns 40 to 43 were cleared, and those before them were seen too low,
   // those behind too high.
   for (int y = 0; y < map.size().y; ++y) {
     for (int x = 36; x < 48; ++x) {
       const int top = TopOf(map, x, y);
-      map.Set({x, y, top}, Voxel::kFree);
-      if (x < 40) map.Set({x, y, top - 1}, Voxel::kOccupied);
-      if (x > 43) map.Set({x, y, top + 1}, Voxel::kOccupied);
+      map.Set({x, y, top}, octree::Voxel::kFree);
+      if (x < 40) map.Set({x, y, top - 1}, octree::Voxel::kOccupied);
+      if (x > 43) map.Set({x, y, top + 1}, octree::Voxel::kOccupied);
     }
   }
   const int holes = KeepDrivenStrip(Way(RampHeight), kHalfWidth_m, map);
-  const VoxelIndex left = map.IndexOf({0, kHalfWidth_m, 0});
-  const VoxelIndex right = map.IndexOf({0, -kHalfWidth_m, 0});
+  const octree::VoxelIndex left = map.IndexOf({0, kHalfWidth_m, 0});
+  const octree::VoxelIndex right = map.IndexOf({0, -kHalfWidth_m, 0});
   EXPECT_EQ(holes, 4 * (left.y - right.y + 1));
   for (int y = right.y; y <= left.y; ++y) {
     for (int x = 36; x < 48; ++x) {
@@ -100,34 +100,35 @@ TEST(DrivenStripTest, AHoleInARampIsClosedWithoutAStep) {
 }
 
 TEST(DrivenStripTest, GroundThatNobodySawIsThatOfEachStorey) {
-  VoxelMap map = FreeSpace();
-  std::vector<Rigid3> way = Way([](double /*x*/) { return 0.01; });
-  const std::vector<Rigid3> above = Way([](double /*x*/) { return 1.26; });
+  octree::VoxelMap map = FreeSpace();
+  std::vector<geometry::Rigid3> way = Way([](double /*x*/) { return 0.01; });
+  const std::vector<geometry::Rigid3> above =
+      Way([](double /*x*/) { return 1.26; });
   way.insert(way.end(), above.begin(), above.end());
   EXPECT_GT(KeepDrivenStrip(way, kHalfWidth_m, map), 0);
-  const VoxelIndex lower = map.IndexOf({2, 0, 0.01});
-  const VoxelIndex upper = map.IndexOf({2, 0, 1.26});
-  EXPECT_EQ(map.At(lower), Voxel::kOccupied);
-  EXPECT_EQ(map.At(upper), Voxel::kOccupied);
-  EXPECT_EQ(map.At({lower.x, lower.y, lower.z + 1}), Voxel::kFree);
+  const octree::VoxelIndex lower = map.IndexOf({2, 0, 0.01});
+  const octree::VoxelIndex upper = map.IndexOf({2, 0, 1.26});
+  EXPECT_EQ(map.At(lower), octree::Voxel::kOccupied);
+  EXPECT_EQ(map.At(upper), octree::Voxel::kOccupied);
+  EXPECT_EQ(map.At({lower.x, lower.y, lower.z + 1}), octree::Voxel::kFree);
   // One voxel of each column on each storey, and nothing else.
-  const VoxelIndex left = map.IndexOf({2, kHalfWidth_m, 0.01});
-  const VoxelIndex right = map.IndexOf({2, -kHalfWidth_m, 0.01});
+  const octree::VoxelIndex left = map.IndexOf({2, kHalfWidth_m, 0.01});
+  const octree::VoxelIndex right = map.IndexOf({2, -kHalfWidth_m, 0.01});
   EXPECT_EQ(map.CountOccupied(), 2 * map.size().x * (left.y - right.y + 1));
 }
 
 TEST(DrivenStripTest, WaysOutsideOfTheMapAreNoMatter) {
-  VoxelMap map = FreeSpace();
-  const VoxelMap before = map;
-  Rigid3 far;
+  octree::VoxelMap map = FreeSpace();
+  const octree::VoxelMap before = map;
+  geometry::Rigid3 far;
   far.translation = {1e12, -1e12, 5};
-  Rigid3 high;
+  geometry::Rigid3 high;
   high.translation = {1, 0, 100};
-  const std::vector<Rigid3> way = {far, high};
+  const std::vector<geometry::Rigid3> way = {far, high};
   EXPECT_EQ(KeepDrivenStrip(way, kHalfWidth_m, map), 0);
   EXPECT_EQ(KeepDrivenStrip({}, kHalfWidth_m, map), 0);
   EXPECT_EQ(map, before);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::fusion

@@ -3,15 +3,15 @@
 #include "nav_agent/fusion/octomap_builder.h"
 #include "nav_agent/fusion/testing_views.h"
 
-namespace treeline {
+namespace treeline::fusion {
 namespace {
 
 constexpr int kViews = 16;
 
 struct RoomViews {
-  Camera camera;
-  std::vector<DepthImage> images;
-  std::vector<Rigid3> poses;
+  camera::Camera camera;
+  std::vector<image::DepthImage> images;
+  std::vector<geometry::Rigid3> poses;
 };
 
 // 640 x 480, turning about once in a room of 6 x 5 m.
@@ -89,6 +89,6 @@ void BM_FormatOt(benchmark::State& state) {
 BENCHMARK(BM_FormatOt)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::fusion
 
 BENCHMARK_MAIN();

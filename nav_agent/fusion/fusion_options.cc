@@ -3,7 +3,7 @@
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::fusion {
 namespace {
 
 constexpr double kAlmost0 = 1e-6;
@@ -12,28 +12,29 @@ constexpr double kAlmost1 = 1 - kAlmost0;
 }  // namespace
 
 absl::Status FusionOptions::Validate() const {
-  TL_RETURN_IF_ERROR(CheckRange("resolution_m", resolution_m, 0.01, 0.5));
+  TL_RETURN_IF_ERROR(base::CheckRange("resolution_m", resolution_m, 0.01, 0.5));
   TL_RETURN_IF_ERROR(
-      CheckRange("hit_probability", hit_probability, 0.5, kAlmost1));
+      base::CheckRange("hit_probability", hit_probability, 0.5, kAlmost1));
   TL_RETURN_IF_ERROR(
-      CheckRange("miss_probability", miss_probability, kAlmost0, 0.5));
+      base::CheckRange("miss_probability", miss_probability, kAlmost0, 0.5));
+  TL_RETURN_IF_ERROR(base::CheckRange("lowest_probability", lowest_probability,
+                                      kAlmost0, 0.5));
+  TL_RETURN_IF_ERROR(base::CheckRange("highest_probability",
+                                      highest_probability, 0.5, kAlmost1));
+  TL_RETURN_IF_ERROR(base::CheckRange("occupied_threshold", occupied_threshold,
+                                      kAlmost0, kAlmost1));
+  TL_RETURN_IF_ERROR(base::CheckRange("max_depth_m", max_depth_m, 0.01, 20));
   TL_RETURN_IF_ERROR(
-      CheckRange("lowest_probability", lowest_probability, kAlmost0, 0.5));
+      base::CheckRange("min_depth_m", min_depth_m, 0, max_depth_m - 0.001));
   TL_RETURN_IF_ERROR(
-      CheckRange("highest_probability", highest_probability, 0.5, kAlmost1));
+      base::CheckRange("max_point_range_m", max_point_range_m, 0.01, 60));
+  TL_RETURN_IF_ERROR(base::CheckRange("pixel_step", pixel_step, 0, 16));
   TL_RETURN_IF_ERROR(
-      CheckRange("occupied_threshold", occupied_threshold, kAlmost0, kAlmost1));
-  TL_RETURN_IF_ERROR(CheckRange("max_depth_m", max_depth_m, 0.01, 20));
-  TL_RETURN_IF_ERROR(
-      CheckRange("min_depth_m", min_depth_m, 0, max_depth_m - 0.001));
-  TL_RETURN_IF_ERROR(
-      CheckRange("max_point_range_m", max_point_range_m, 0.01, 60));
-  TL_RETURN_IF_ERROR(CheckRange("pixel_step", pixel_step, 0, 16));
-  TL_RETURN_IF_ERROR(CheckRange("outlier_neighbors", outlier_neighbors, 0, 8));
-  TL_RETURN_IF_ERROR(
-      CheckRange("outlier_deviations", outlier_deviations, kAlmost0, 100));
-  return CheckRange("max_bytes", static_cast<double>(max_bytes),
-                    static_cast<double>(1 << 20), 1e15);
+      base::CheckRange("outlier_neighbors", outlier_neighbors, 0, 8));
+  TL_RETURN_IF_ERROR(base::CheckRange("outlier_deviations", outlier_deviations,
+                                      kAlmost0, 100));
+  return base::CheckRange("max_bytes", static_cast<double>(max_bytes),
+                          static_cast<double>(1 << 20), 1e15);
 }
 
-}  // namespace treeline
+}  // namespace treeline::fusion

@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 
-namespace treeline {
+namespace treeline::fusion {
 
 // Defaults are OctoMap's sensor model (Hornung et al. 2013) and the thesis's
 // map (6.3.1 and 6.6.1).
@@ -51,6 +51,6 @@ struct FusionOptions {
   absl::Status Validate() const;
 };
 
-}  // namespace treeline
+}  // namespace treeline::fusion
 
 #endif  // NAV_AGENT_FUSION_FUSION_OPTIONS_H_

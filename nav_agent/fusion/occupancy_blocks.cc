@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::fusion {
 namespace {
 
 // As octomap computes it, in float.
@@ -16,7 +16,7 @@ float LogOdds(double probability) {
 }
 
 // Of a block; each coordinate has 21 bits.
-uint64_t KeyOf(VoxelIndex block) {
+uint64_t KeyOf(octree::VoxelIndex block) {
   constexpr int kBits = 21;
   constexpr uint64_t kMask = (uint64_t{1} << kBits) - 1;
   return (static_cast<uint64_t>(block.x) & kMask) << (2 * kBits) |
@@ -28,7 +28,7 @@ uint64_t KeyOf(VoxelIndex block) {
 // all blocks.
 template <typename Visit>
 void ForEachByte(const ViewGrid& view, const Visit& visit) {
-  const VoxelIndex blocks = view.blocks();
+  const octree::VoxelIndex blocks = view.blocks();
   for (int x = 0; x < blocks.x * ViewGrid::kSide; ++x) {
     for (int y = 0; y < blocks.y * ViewGrid::kSide; ++y) {
       const auto first = (static_cast<size_t>(x / ViewGrid::kSide) *
@@ -61,14 +61,15 @@ OccupancyBlocks::OccupancyBlocks(const FusionOptions& options)
       highest_(LogOdds(options.highest_probability)),
       occupied_(LogOdds(options.occupied_threshold)) {}
 
-const OccupancyBlocks::Block* OccupancyBlocks::Find(VoxelIndex block) const {
+const OccupancyBlocks::Block* OccupancyBlocks::Find(
+    octree::VoxelIndex block) const {
   const auto found = blocks_.find(KeyOf(block));
   return found == blocks_.end() ? nullptr : found->second.get();
 }
 
 absl::Status OccupancyBlocks::Touch(const ViewGrid& view, int64_t max_blocks) {
-  const VoxelIndex size = view.blocks();
-  const VoxelIndex lowest = view.lowest_block();
+  const octree::VoxelIndex size = view.blocks();
+  const octree::VoxelIndex lowest = view.lowest_block();
   std::vector<uint8_t> wanted(static_cast<size_t>(size.x) *
                               static_cast<size_t>(size.y) *
                               static_cast<size_t>(size.z));
@@ -79,13 +80,14 @@ absl::Status OccupancyBlocks::Touch(const ViewGrid& view, int64_t max_blocks) {
 
   touched_.assign(wanted.size(), nullptr);
   // Which of `touched_`, and where.
-  std::vector<std::pair<size_t, VoxelIndex>> missing;
+  std::vector<std::pair<size_t, octree::VoxelIndex>> missing;
   size_t i = 0;
   for (int x = 0; x < size.x; ++x) {
     for (int y = 0; y < size.y; ++y) {
       for (int z = 0; z < size.z; ++z, ++i) {
         if (wanted[i] == 0) continue;
-        const VoxelIndex block{lowest.x + x, lowest.y + y, lowest.z + z};
+        const octree::VoxelIndex block{lowest.x + x, lowest.y + y,
+                                       lowest.z + z};
         const auto found = blocks_.find(KeyOf(block));
         if (found == blocks_.end()) {
           missing.emplace_back(i, block);
@@ -105,7 +107,7 @@ absl::Status OccupancyBlocks::Touch(const ViewGrid& view, int64_t max_blocks) {
   return absl::OkStatus();
 }
 
-OccupancyBlocks::Block* OccupancyBlocks::Make(VoxelIndex block) {
+OccupancyBlocks::Block* OccupancyBlocks::Make(octree::VoxelIndex block) {
   if (blocks_.empty()) {
     low_ = block;
     high_ = block;
@@ -122,7 +124,7 @@ OccupancyBlocks::Block* OccupancyBlocks::Make(VoxelIndex block) {
 absl::StatusOr<std::optional<ColumnBox>> OccupancyBlocks::Add(
     const ViewGrid& view, ViewKind kind, int64_t max_blocks) {
   TL_RETURN_IF_ERROR(Touch(view, max_blocks));
-  const VoxelIndex lowest = view.lowest_block();
+  const octree::VoxelIndex lowest = view.lowest_block();
   std::optional<ColumnBox> changed;
   ForEachByte(view, [&](size_t block, int x, int y, int z) {
     const uint8_t occupied = view.Occupied(x, y, z);
@@ -165,4 +167,4 @@ bool OccupancyBlocks::Update(Block& block, size_t column, uint8_t occupied,
   return changed;
 }
 
-}  // namespace treeline
+}  // namespace treeline::fusion

@@ -15,7 +15,7 @@
 #include "nav_agent/fusion/view_grid.h"
 #include "nav_agent/octomap/voxel_map.h"
 
-namespace treeline {
+namespace treeline::fusion {
 
 // Columns [begin_x, end_x) x [begin_y, end_y), numbered as VoxelIndex is in a
 // VoxelMap whose lowest() is 0.
@@ -65,11 +65,11 @@ class OccupancyBlocks {
                                                int64_t max_blocks);
 
   // Null where nothing is known.
-  const Block* Find(VoxelIndex block) const;
+  const Block* Find(octree::VoxelIndex block) const;
 
   // The voxels in known blocks; the box's borders are those of blocks.
-  VoxelIndex lowest_block() const { return low_; }
-  VoxelIndex end_block() const { return high_; }
+  octree::VoxelIndex lowest_block() const { return low_; }
+  octree::VoxelIndex end_block() const { return high_; }
   int64_t blocks() const { return static_cast<int64_t>(blocks_.size()); }
 
   float occupied_log_odds() const { return occupied_; }
@@ -79,7 +79,7 @@ class OccupancyBlocks {
  private:
   // Fills touched_; makes the blocks that are not there, or none.
   absl::Status Touch(const ViewGrid& view, int64_t max_blocks);
-  Block* Make(VoxelIndex block);
+  Block* Make(octree::VoxelIndex block);
   // What becomes of eight voxels. Whether one of them has changed its state.
   bool Update(Block& block, size_t column, uint8_t occupied, uint8_t free);
 
@@ -90,12 +90,12 @@ class OccupancyBlocks {
   float occupied_;
   absl::flat_hash_map<uint64_t, std::unique_ptr<Block>> blocks_;
   // The box of all blocks.
-  VoxelIndex low_;
-  VoxelIndex high_;
+  octree::VoxelIndex low_;
+  octree::VoxelIndex high_;
   // Of the view that is being added: a block for each of the grid's.
   std::vector<Block*> touched_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::fusion
 
 #endif  // NAV_AGENT_FUSION_OCCUPANCY_BLOCKS_H_

@@ -8,21 +8,22 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/octomap/log_odds_file.h"
 
-namespace treeline {
+namespace treeline::fusion {
 namespace {
 
 constexpr int kSide = OccupancyBlocks::kSide;
 // OctoMap's keys reach so many voxels each way.
 constexpr double kMapReach = 1 << 15;
 
-absl::StatusOr<Rigid3> CheckedPose(const Rigid3& pose) {
-  const Rotation3& q = pose.rotation;
+absl::StatusOr<geometry::Rigid3> CheckedPose(const geometry::Rigid3& pose) {
+  const geometry::Rotation3& q = pose.rotation;
   const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
-  if (!IsFinite(pose) || !(std::abs(norm - 1) <= 1e-3)) {
+  if (!geometry::IsFinite(pose) || !(std::abs(norm - 1) <= 1e-3)) {
     return absl::InvalidArgumentError(
         "a view's pose is not a rotation and a translation");
   }
-  return Rigid3{.rotation = Normalized(q), .translation = pose.translation};
+  return geometry::Rigid3{.rotation = geometry::Normalized(q),
+                          .translation = pose.translation};
 }
 
 // The block that a place (in voxels) lies in.
@@ -38,19 +39,21 @@ int Below(int value, int multiple) {
 
 // Sets the voxels of one block's column in `map`, runs at a time.
 void PaintColumn(const OccupancyBlocks::Block& block, size_t column,
-                 float occupied_log_odds, VoxelIndex first, VoxelMap& map) {
+                 float occupied_log_odds, octree::VoxelIndex first,
+                 octree::VoxelMap& map) {
   const unsigned known = block.known[column];
   const float* const values = block.log_odds.data() + column * kSide;
   const auto state_of = [known, values, occupied_log_odds](int z) {
-    if ((known >> z & 1) == 0) return Voxel::kUnknown;
-    return values[z] >= occupied_log_odds ? Voxel::kOccupied : Voxel::kFree;
+    if ((known >> z & 1) == 0) return octree::Voxel::kUnknown;
+    return values[z] >= occupied_log_odds ? octree::Voxel::kOccupied
+                                          : octree::Voxel::kFree;
   };
   int begin = 0;
   while (begin < kSide) {
-    const Voxel state = state_of(begin);
+    const octree::Voxel state = state_of(begin);
     int end = begin + 1;
     while (end < kSide && state_of(end) == state) ++end;
-    if (state != Voxel::kUnknown) {
+    if (state != octree::Voxel::kUnknown) {
       map.SetRun(first.x, first.y, first.z + begin, first.z + end, state);
     }
     begin = end;
@@ -65,29 +68,30 @@ absl::StatusOr<OctomapBuilder> OctomapBuilder::Make(
   return OctomapBuilder(options);
 }
 
-absl::Status OctomapBuilder::InsertDepth(int64_t id, const DepthImage& depth,
-                                         const Camera& camera,
-                                         const Rigid3& map_from_camera) {
+absl::Status OctomapBuilder::InsertDepth(
+    int64_t id, const image::DepthImage& depth, const camera::Camera& camera,
+    const geometry::Rigid3& map_from_camera) {
   TL_ASSIGN_OR_RETURN(CompactCloud cloud,
                       MakeDepthCloud(depth, camera, options_));
   return Insert(id, ViewKind::kSurfaces, std::move(cloud), map_from_camera);
 }
 
 absl::Status OctomapBuilder::InsertPoints(
-    int64_t id, std::span<const Vec3> points_in_sensor,
-    const Rigid3& map_from_sensor) {
+    int64_t id, std::span<const geometry::Vec3> points_in_sensor,
+    const geometry::Rigid3& map_from_sensor) {
   return Insert(id, ViewKind::kLines,
                 MakePointCloud(points_in_sensor, options_), map_from_sensor);
 }
 
 absl::Status OctomapBuilder::Insert(int64_t id, ViewKind kind,
                                     CompactCloud cloud,
-                                    const Rigid3& map_from_sensor) {
+                                    const geometry::Rigid3& map_from_sensor) {
   if (view_of_id_.contains(id)) {
     return absl::AlreadyExistsError(
         absl::StrCat("there is a view ", id, " already"));
   }
-  TL_ASSIGN_OR_RETURN(const Rigid3 pose, CheckedPose(map_from_sensor));
+  TL_ASSIGN_OR_RETURN(const geometry::Rigid3 pose,
+                      CheckedPose(map_from_sensor));
   const int64_t cloud_bytes =
       cloud.bytes() + static_cast<int64_t>(sizeof(View) + 32);
   cloud_bytes_ += cloud_bytes;
@@ -105,19 +109,21 @@ absl::Status OctomapBuilder::Insert(int64_t id, ViewKind kind,
 }
 
 absl::StatusOr<std::optional<ColumnBox>> OctomapBuilder::Fuse(
-    const CompactCloud& cloud, ViewKind kind, const Rigid3& map_from_sensor,
-    OccupancyBlocks& map) {
+    const CompactCloud& cloud, ViewKind kind,
+    const geometry::Rigid3& map_from_sensor, OccupancyBlocks& map) {
   // Places in voxels of the map.
-  const Mat3 rotation = map_from_sensor.rotation.Matrix();
-  const Vec3 origin = map_from_sensor.translation / options_.resolution_m;
+  const geometry::Mat3 rotation = map_from_sensor.rotation.Matrix();
+  const geometry::Vec3 origin =
+      map_from_sensor.translation / options_.resolution_m;
   const double scale = cloud.unit_m / options_.resolution_m;
-  Vec3 low = origin;
-  Vec3 high = origin;
+  geometry::Vec3 low = origin;
+  geometry::Vec3 high = origin;
   places_.resize(cloud.points.size());
   for (size_t i = 0; i < cloud.points.size(); ++i) {
     const CompactPoint& point = cloud.points[i];
-    const Vec3 place =
-        rotation * Vec3{scale * point.x, scale * point.y, scale * point.z} +
+    const geometry::Vec3 place =
+        rotation *
+            geometry::Vec3{scale * point.x, scale * point.y, scale * point.z} +
         origin;
     low = {std::min(low.x, place.x), std::min(low.y, place.y),
            std::min(low.z, place.z)};
@@ -133,15 +139,16 @@ absl::StatusOr<std::optional<ColumnBox>> OctomapBuilder::Fuse(
   }
 
   // The view's box, with a voxel to spare on all sides.
-  const VoxelIndex first{BlockOf(low.x - 1), BlockOf(low.y - 1),
-                         BlockOf(low.z - 1)};
-  const VoxelIndex blocks{BlockOf(high.x + 1) + 1 - first.x,
-                          BlockOf(high.y + 1) + 1 - first.y,
-                          BlockOf(high.z + 1) + 1 - first.z};
+  const octree::VoxelIndex first{BlockOf(low.x - 1), BlockOf(low.y - 1),
+                                 BlockOf(low.z - 1)};
+  const octree::VoxelIndex blocks{BlockOf(high.x + 1) + 1 - first.x,
+                                  BlockOf(high.y + 1) + 1 - first.y,
+                                  BlockOf(high.z + 1) + 1 - first.z};
   // A byte and a pointer for each block besides the grid's bits.
-  const int64_t working = ViewGrid::BytesFor(blocks) * (2 * kSide * kSide + 9) /
-                              (2 * kSide * kSide) +
-                          static_cast<int64_t>(places_.size() * sizeof(Vec3));
+  const int64_t working =
+      ViewGrid::BytesFor(blocks) * (2 * kSide * kSide + 9) /
+          (2 * kSide * kSide) +
+      static_cast<int64_t>(places_.size() * sizeof(geometry::Vec3));
   const int64_t map_bytes = options_.max_bytes - cloud_bytes_ - working;
   if (map_bytes < 0) {
     return absl::ResourceExhaustedError(absl::StrCat(
@@ -150,12 +157,12 @@ absl::StatusOr<std::optional<ColumnBox>> OctomapBuilder::Fuse(
         " KiB) take more than ", options_.max_bytes >> 10, " KiB"));
   }
   grid_.Reset(first, blocks);
-  const Vec3 grid_from_map{static_cast<double>(-first.x * kSide),
-                           static_cast<double>(-first.y * kSide),
-                           static_cast<double>(-first.z * kSide)};
-  const Vec3 eye = origin + grid_from_map;
+  const geometry::Vec3 grid_from_map{static_cast<double>(-first.x * kSide),
+                                     static_cast<double>(-first.y * kSide),
+                                     static_cast<double>(-first.z * kSide)};
+  const geometry::Vec3 eye = origin + grid_from_map;
   for (size_t i = 0; i < places_.size(); ++i) {
-    const Vec3 place = places_[i] + grid_from_map;
+    const geometry::Vec3 place = places_[i] + grid_from_map;
     if (i < cloud.hits && !grid_.MarkOccupied(place)) continue;
     grid_.MarkFree(eye, place);
   }
@@ -163,7 +170,7 @@ absl::StatusOr<std::optional<ColumnBox>> OctomapBuilder::Fuse(
 }
 
 absl::Status OctomapBuilder::SetPoses(std::span<const ViewPose> poses) {
-  std::vector<Rigid3> new_poses;
+  std::vector<geometry::Rigid3> new_poses;
   new_poses.reserve(views_.size());
   for (const View& view : views_) {
     new_poses.push_back(view.pose.map_from_sensor);
@@ -184,8 +191,8 @@ absl::Status OctomapBuilder::SetPoses(std::span<const ViewPose> poses) {
     changed = Union(changed, box);
   }
   if (map_.blocks() > 0) {
-    const VoxelIndex low = map_.lowest_block();
-    const VoxelIndex high = map_.end_block();
+    const octree::VoxelIndex low = map_.lowest_block();
+    const octree::VoxelIndex high = map_.end_block();
     changed = Union(changed, ColumnBox{.begin_x = low.x * kSide,
                                        .begin_y = low.y * kSide,
                                        .end_x = high.x * kSide,
@@ -199,22 +206,25 @@ absl::Status OctomapBuilder::SetPoses(std::span<const ViewPose> poses) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<VoxelMap> OctomapBuilder::Map(int alignment) const {
+absl::StatusOr<octree::VoxelMap> OctomapBuilder::Map(int alignment) const {
   if (alignment < 1 || alignment > 4096) {
     return absl::InvalidArgumentError(
         absl::StrCat("alignment is ", alignment, "; it must be 1..4096"));
   }
-  const VoxelIndex low = map_.lowest_block();
-  const VoxelIndex high = map_.end_block();
-  const VoxelIndex lowest{Below(low.x * kSide, alignment),
-                          Below(low.y * kSide, alignment), low.z * kSide};
-  const VoxelIndex end{-Below(-high.x * kSide, alignment),
-                       -Below(-high.y * kSide, alignment), high.z * kSide};
+  const octree::VoxelIndex low = map_.lowest_block();
+  const octree::VoxelIndex high = map_.end_block();
+  const octree::VoxelIndex lowest{Below(low.x * kSide, alignment),
+                                  Below(low.y * kSide, alignment),
+                                  low.z * kSide};
+  const octree::VoxelIndex end{-Below(-high.x * kSide, alignment),
+                               -Below(-high.y * kSide, alignment),
+                               high.z * kSide};
   TL_ASSIGN_OR_RETURN(
-      VoxelMap map,
-      VoxelMap::Make(options_.resolution_m, lowest,
-                     {end.x - lowest.x, end.y - lowest.y, end.z - lowest.z},
-                     options_.max_bytes));
+      octree::VoxelMap map,
+      octree::VoxelMap::Make(
+          options_.resolution_m, lowest,
+          {end.x - lowest.x, end.y - lowest.y, end.z - lowest.z},
+          options_.max_bytes));
   for (int x = low.x; x < high.x; ++x) {
     for (int y = low.y; y < high.y; ++y) {
       for (int z = low.z; z < high.z; ++z) {
@@ -234,12 +244,13 @@ absl::StatusOr<VoxelMap> OctomapBuilder::Map(int alignment) const {
 }
 
 absl::StatusOr<std::string> OctomapBuilder::FormatOt() const {
-  return FormatLogOddsOt(
+  return octree::FormatLogOddsOt(
       options_.resolution_m, map_.lowest_block(), map_.end_block(),
-      [this](VoxelIndex index) -> std::optional<LogOddsBlock> {
+      [this](octree::VoxelIndex index) -> std::optional<octree::LogOddsBlock> {
         const OccupancyBlocks::Block* const block = map_.Find(index);
         if (block == nullptr) return std::nullopt;
-        return LogOddsBlock{.log_odds = block->log_odds, .known = block->known};
+        return octree::LogOddsBlock{.log_odds = block->log_odds,
+                                    .known = block->known};
       });
 }
 
@@ -248,10 +259,11 @@ std::optional<ColumnBox> OctomapBuilder::TakeChangedColumns() {
 }
 
 FusionMemory OctomapBuilder::memory() const {
-  return {.map = map_.blocks() * OccupancyBlocks::kBlockBytes,
-          .clouds = cloud_bytes_,
-          .working = grid_.bytes() +
-                     static_cast<int64_t>(places_.capacity() * sizeof(Vec3))};
+  return {
+      .map = map_.blocks() * OccupancyBlocks::kBlockBytes,
+      .clouds = cloud_bytes_,
+      .working = grid_.bytes() + static_cast<int64_t>(places_.capacity() *
+                                                      sizeof(geometry::Vec3))};
 }
 
-}  // namespace treeline
+}  // namespace treeline::fusion

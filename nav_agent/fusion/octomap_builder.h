@@ -20,12 +20,12 @@
 #include "nav_agent/fusion/view_grid.h"
 #include "nav_agent/octomap/voxel_map.h"
 
-namespace treeline {
+namespace treeline::fusion {
 
 // Where a view was taken from.
 struct ViewPose {
   int64_t id = 0;
-  Rigid3 map_from_sensor;
+  geometry::Rigid3 map_from_sensor;
 };
 
 // What a builder takes (bytes). During SetPoses there are two maps.
@@ -55,13 +55,15 @@ class OctomapBuilder {
   // is further than 1e-3 from 1), or so far away that the view does not lie
   // within 2^15 voxels of the map's origin; ALREADY_EXISTS: the id;
   // RESOURCE_EXHAUSTED: max_bytes. A view without any depth is no error.
-  absl::Status InsertDepth(int64_t id, const DepthImage& depth,
-                           const Camera& camera, const Rigid3& map_from_camera);
+  absl::Status InsertDepth(int64_t id, const image::DepthImage& depth,
+                           const camera::Camera& camera,
+                           const geometry::Rigid3& map_from_camera);
   // The same for points in a sensor's frame (m), seen from its origin, such as
   // those of a laser scan. Points that are not finite are left out. Their rays
   // clear nothing that depth has shown.
-  absl::Status InsertPoints(int64_t id, std::span<const Vec3> points_in_sensor,
-                            const Rigid3& map_from_sensor);
+  absl::Status InsertPoints(int64_t id,
+                            std::span<const geometry::Vec3> points_in_sensor,
+                            const geometry::Rigid3& map_from_sensor);
 
   // Moves views and makes the map anew: exactly the map that inserting all
   // views, in the order in which they came, with their poses of now makes.
@@ -72,7 +74,7 @@ class OctomapBuilder {
   // that of the known blocks of 8 voxels, widened in x and y to multiples of
   // `alignment` (at least 1) voxels, so that it seldom changes while a map
   // grows. RESOURCE_EXHAUSTED as VoxelMap::Make.
-  absl::StatusOr<VoxelMap> Map(int alignment = 1) const;
+  absl::StatusOr<octree::VoxelMap> Map(int alignment = 1) const;
   // The bytes of an .ot file with the log-odds as they are.
   absl::StatusOr<std::string> FormatOt() const;
 
@@ -96,12 +98,11 @@ class OctomapBuilder {
       : options_(options), map_(options) {}
 
   absl::Status Insert(int64_t id, ViewKind kind, CompactCloud cloud,
-                      const Rigid3& map_from_sensor);
+                      const geometry::Rigid3& map_from_sensor);
   // Adds a cloud to `map`.
-  absl::StatusOr<std::optional<ColumnBox>> Fuse(const CompactCloud& cloud,
-                                                ViewKind kind,
-                                                const Rigid3& map_from_sensor,
-                                                OccupancyBlocks& map);
+  absl::StatusOr<std::optional<ColumnBox>> Fuse(
+      const CompactCloud& cloud, ViewKind kind,
+      const geometry::Rigid3& map_from_sensor, OccupancyBlocks& map);
 
   FusionOptions options_;
   OccupancyBlocks map_;
@@ -111,9 +112,9 @@ class OctomapBuilder {
   std::optional<ColumnBox> changed_;
   // Working space of Fuse.
   ViewGrid grid_;
-  std::vector<Vec3> places_;
+  std::vector<geometry::Vec3> places_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::fusion
 
 #endif  // NAV_AGENT_FUSION_OCTOMAP_BUILDER_H_

@@ -15,12 +15,12 @@
 #include "nav_agent/fusion/testing_views.h"
 #include "nav_agent/octomap/octree_file.h"
 
-namespace treeline {
+namespace treeline::fusion {
 namespace {
 
 // A quarter of the pixels, the same field of view.
-Camera SmallCamera() {
-  return *Camera::Parse("SIMPLE_PINHOLE,292.5,159.5,119.5", 320, 240);
+camera::Camera SmallCamera() {
+  return *camera::Camera::Parse("SIMPLE_PINHOLE,292.5,159.5,119.5", 320, 240);
 }
 
 // Views of the room, turning about once.
@@ -43,9 +43,9 @@ OctomapBuilder MakeBuilder(const FusionOptions& options = {}) {
 void InsertRoom(OctomapBuilder& builder,
                 const std::vector<ViewPose>& taken_from,
                 const std::vector<ViewPose>& poses) {
-  const Camera camera = SmallCamera();
+  const camera::Camera camera = SmallCamera();
   for (size_t i = 0; i < poses.size(); ++i) {
-    const DepthImage depth =
+    const image::DepthImage depth =
         MakeRoomDepth(camera, taken_from[i].map_from_sensor, i);
     const absl::Status status = builder.InsertDepth(poses[i].id, depth, camera,
                                                     poses[i].map_from_sensor);
@@ -66,43 +66,44 @@ TEST(OctomapBuilder, LinesThatGrazeASurfaceDoNotClearIt) {
   OctomapBuilder builder = MakeBuilder();
   const std::vector<ViewPose> poses = TurningPoses(12);
   InsertRoom(builder, poses, poses);
-  const VoxelMap before = *builder.Map();
-  VoxelIndex wall = before.IndexOf({2, 0.5, 1.2});
-  while (before.Contains(wall) && before.At(wall) != Voxel::kOccupied) ++wall.x;
+  const octree::VoxelMap before = *builder.Map();
+  octree::VoxelIndex wall = before.IndexOf({2, 0.5, 1.2});
+  while (before.Contains(wall) && before.At(wall) != octree::Voxel::kOccupied)
+    ++wall.x;
   ASSERT_TRUE(before.Contains(wall));
-  const Vec3 in_wall = before.CenterOf(wall);
+  const geometry::Vec3 in_wall = before.CenterOf(wall);
   // A laser's plane along the wall, within that voxel; and what stood in the
   // room once, where no camera has seen it.
-  const Rigid3 map_from_laser = {.rotation = {},
-                                 .translation = in_wall - Vec3{0, 1, 0}};
-  const Vec3 stood = {-0.5, -0.5, 0};
-  const auto insert = [&](int64_t id, const std::vector<Vec3>& ends) {
+  const geometry::Rigid3 map_from_laser = {
+      .rotation = {}, .translation = in_wall - geometry::Vec3{0, 1, 0}};
+  const geometry::Vec3 stood = {-0.5, -0.5, 0};
+  const auto insert = [&](int64_t id, const std::vector<geometry::Vec3>& ends) {
     return builder.InsertPoints(id, ends, map_from_laser).ok();
   };
-  const auto at = [&builder](Vec3 place) {
-    const VoxelMap map = *builder.Map();
+  const auto at = [&builder](geometry::Vec3 place) {
+    const octree::VoxelMap map = *builder.Map();
     return map.At(map.IndexOf(place));
   };
-  ASSERT_EQ(at(map_from_laser * stood), Voxel::kFree);
+  ASSERT_EQ(at(map_from_laser * stood), octree::Voxel::kFree);
   for (int64_t id = 1; id <= 8; ++id) ASSERT_TRUE(insert(id, {stood}));
-  EXPECT_EQ(at(map_from_laser * stood), Voxel::kOccupied);
+  EXPECT_EQ(at(map_from_laser * stood), octree::Voxel::kOccupied);
   for (int64_t id = 21; id <= 40; ++id) {
     ASSERT_TRUE(insert(id, {{0, 2, 0}, 2 * stood}));
   }
-  EXPECT_EQ(at(in_wall), Voxel::kOccupied);
-  EXPECT_EQ(at(map_from_laser * stood), Voxel::kFree);
+  EXPECT_EQ(at(in_wall), octree::Voxel::kOccupied);
+  EXPECT_EQ(at(map_from_laser * stood), octree::Voxel::kFree);
 }
 
 TEST(OctomapBuilder, ARoomIsOccupiedAtItsWallsAndFreeInside) {
   OctomapBuilder builder = MakeBuilder();
   InsertRoom(builder, TurningPoses(12), TurningPoses(12));
-  const VoxelMap map = *builder.Map();
+  const octree::VoxelMap map = *builder.Map();
   int64_t beside = 0;
   for (int x = 0; x < map.size().x; ++x) {
     for (int y = 0; y < map.size().y; ++y) {
       for (int z = 0; z < map.size().z; ++z) {
-        if (map.At({x, y, z}) != Voxel::kOccupied) continue;
-        const Vec3 p = map.CenterOf({x, y, z});
+        if (map.At({x, y, z}) != octree::Voxel::kOccupied) continue;
+        const geometry::Vec3 p = map.CenterOf({x, y, z});
         const double wall_m = std::min({std::abs(3 - std::abs(p.x)),
                                         std::abs(2.5 - std::abs(p.y)),
                                         std::abs(p.z), std::abs(2.6 - p.z)});
@@ -118,7 +119,8 @@ TEST(OctomapBuilder, ARoomIsOccupiedAtItsWallsAndFreeInside) {
   for (double x = -2; x <= 2; x += 0.05) {
     for (double y = -2; y <= 2; y += 0.05) {
       if (std::hypot(x, y) < 1 || std::hypot(x, y) > 2) continue;
-      EXPECT_EQ(map.At(map.IndexOf({x + 0.02, y + 0.02, 1.22})), Voxel::kFree);
+      EXPECT_EQ(map.At(map.IndexOf({x + 0.02, y + 0.02, 1.22})),
+                octree::Voxel::kFree);
     }
   }
 }
@@ -128,8 +130,9 @@ TEST(OctomapBuilder, NewPosesGiveTheMapOfViewsInsertedThereBitForBit) {
   std::vector<ViewPose> right = TurningPoses(8);
   for (ViewPose& pose : right) {
     pose.map_from_sensor =
-        Rigid3{.rotation = Rotation3::FromAxisAngle({0.01, -0.02, 0.3}),
-               .translation = {1.5, -0.7, 0.1}} *
+        geometry::Rigid3{
+            .rotation = geometry::Rotation3::FromAxisAngle({0.01, -0.02, 0.3}),
+            .translation = {1.5, -0.7, 0.1}} *
         pose.map_from_sensor;
   }
   OctomapBuilder moved = MakeBuilder();
@@ -149,11 +152,11 @@ TEST(OctomapBuilder, NewPosesGiveTheMapOfViewsInsertedThereBitForBit) {
 }
 
 TEST(OctomapBuilder, WhatMovesAwayIsClearedByLaterViews) {
-  const Camera camera = SmallCamera();
-  const Rigid3 pose = LevelCamera({0, 0, 1.2}, 0);
-  const DepthImage empty = MakeRoomDepth(camera, pose, 1);
+  const camera::Camera camera = SmallCamera();
+  const geometry::Rigid3 pose = LevelCamera({0, 0, 1.2}, 0);
+  const image::DepthImage empty = MakeRoomDepth(camera, pose, 1);
   // Somebody 1.5 m ahead, 0.5 m wide.
-  DepthImage blocked = empty;
+  image::DepthImage blocked = empty;
   for (int y = 60; y < 240; ++y) {
     for (int x = 110; x < 210; ++x) {
       blocked.values[static_cast<size_t>(y * 320 + x)] = 1500;
@@ -161,12 +164,12 @@ TEST(OctomapBuilder, WhatMovesAwayIsClearedByLaterViews) {
   }
   OctomapBuilder builder = MakeBuilder();
   int64_t id = 0;
-  const auto insert = [&](const DepthImage& depth) {
+  const auto insert = [&](const image::DepthImage& depth) {
     ASSERT_TRUE(builder.InsertDepth(id++, depth, camera, pose).ok());
   };
   const auto is_occupied = [&builder] {
-    const VoxelMap map = *builder.Map();
-    return map.At(map.IndexOf({1.52, 0.02, 1.22})) == Voxel::kOccupied;
+    const octree::VoxelMap map = *builder.Map();
+    return map.At(map.IndexOf({1.52, 0.02, 1.22})) == octree::Voxel::kOccupied;
   };
   for (int i = 0; i < 10; ++i) insert(blocked);
   EXPECT_TRUE(is_occupied());
@@ -176,12 +179,12 @@ TEST(OctomapBuilder, WhatMovesAwayIsClearedByLaterViews) {
 }
 
 TEST(OctomapBuilder, LogOddsAreThoseOfTheOctomapLibrary) {
-  Random random(3, 0);
+  base::Random random(3, 0);
   OctomapBuilder builder = MakeBuilder({.resolution_m = 0.1});
   octomap::OcTree tree(0.1);
   for (int view = 0; view < 6; ++view) {
-    const Vec3 origin{0.31 + 0.1 * view, -0.22, 0.53};
-    std::vector<Vec3> points;
+    const geometry::Vec3 origin{0.31 + 0.1 * view, -0.22, 0.53};
+    std::vector<geometry::Vec3> points;
     octomap::Pointcloud cloud;
     octomap::KeySet ends;
     for (int i = 0; i < 1500; ++i) {
@@ -190,7 +193,7 @@ TEST(OctomapBuilder, LogOddsAreThoseOfTheOctomapLibrary) {
         return 0.0005 * (random.NextBelow(6000) + 0.0) - 1.5;
       };
       points.push_back({draw(), draw(), draw()});
-      const Vec3 place = origin + points.back();
+      const geometry::Vec3 place = origin + points.back();
       const octomap::point3d point(static_cast<float>(place.x),
                                    static_cast<float>(place.y),
                                    static_cast<float>(place.z));
@@ -224,8 +227,8 @@ TEST(OctomapBuilder, LogOddsAreThoseOfTheOctomapLibrary) {
 TEST(OctomapBuilder, ItsFilesAreReadAsItsMap) {
   OctomapBuilder builder = MakeBuilder();
   InsertRoom(builder, TurningPoses(5), TurningPoses(5));
-  const VoxelMap map = *builder.Map();
-  const auto read = ParseOctree(*builder.FormatOt(), "map.ot");
+  const octree::VoxelMap map = *builder.Map();
+  const auto read = octree::ParseOctree(*builder.FormatOt(), "map.ot");
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_EQ(read->CountOccupied(), map.CountOccupied());
   EXPECT_EQ(read->CountFree(), map.CountFree());
@@ -244,14 +247,15 @@ TEST(OctomapBuilder, ChangesLieWithinTheChangedColumns) {
   InsertRoom(builder, TurningPoses(6), TurningPoses(6));
   EXPECT_TRUE(builder.TakeChangedColumns().has_value());
   EXPECT_FALSE(builder.TakeChangedColumns().has_value());
-  const VoxelMap before = *builder.Map(64);
+  const octree::VoxelMap before = *builder.Map(64);
   // A post that was not there.
-  const std::vector<Vec3> post = {{1, 0, 0}, {1, 0.05, 0}};
-  const Rigid3 before_post{.rotation = {}, .translation = {1.02, 0.02, 1.22}};
+  const std::vector<geometry::Vec3> post = {{1, 0, 0}, {1, 0.05, 0}};
+  const geometry::Rigid3 before_post{.rotation = {},
+                                     .translation = {1.02, 0.02, 1.22}};
   for (const int64_t id : {1, 2, 3}) {
     ASSERT_TRUE(builder.InsertPoints(id, post, before_post).ok());
   }
-  const VoxelMap after = *builder.Map(64);
+  const octree::VoxelMap after = *builder.Map(64);
   ASSERT_EQ(before.lowest(), after.lowest());
   ASSERT_EQ(before.size(), after.size());
   const auto changed = builder.TakeChangedColumns();
@@ -275,9 +279,9 @@ TEST(OctomapBuilder, ChangesLieWithinTheChangedColumns) {
 
 TEST(OctomapBuilder, BoxesAreAligned) {
   OctomapBuilder builder = MakeBuilder();
-  EXPECT_EQ(builder.Map()->size(), VoxelIndex{});
+  EXPECT_EQ(builder.Map()->size(), octree::VoxelIndex{});
   InsertRoom(builder, TurningPoses(4), TurningPoses(4));
-  const VoxelMap map = *builder.Map(100);
+  const octree::VoxelMap map = *builder.Map(100);
   EXPECT_EQ(map.lowest().x % 100, 0);
   EXPECT_EQ(map.size().y % 100, 0);
   EXPECT_EQ(map.CountOccupied(), builder.Map()->CountOccupied());
@@ -288,14 +292,15 @@ TEST(OctomapBuilder, BadViewsAreRefusedAndChangeNothing) {
   OctomapBuilder builder = MakeBuilder();
   InsertRoom(builder, TurningPoses(3), TurningPoses(3));
   const std::string before = *builder.FormatOt();
-  const Camera camera = SmallCamera();
-  const Rigid3 pose = LevelCamera({0, 0, 1}, 0);
-  const DepthImage depth = MakeRoomDepth(camera, pose, 1);
-  const auto code_of = [&](int64_t id, const Rigid3& map_from_camera) {
+  const camera::Camera camera = SmallCamera();
+  const geometry::Rigid3 pose = LevelCamera({0, 0, 1}, 0);
+  const image::DepthImage depth = MakeRoomDepth(camera, pose, 1);
+  const auto code_of = [&](int64_t id,
+                           const geometry::Rigid3& map_from_camera) {
     return builder.InsertDepth(id, depth, camera, map_from_camera).code();
   };
   EXPECT_EQ(code_of(100, pose), absl::StatusCode::kAlreadyExists);
-  Rigid3 bad = pose;
+  geometry::Rigid3 bad = pose;
   bad.translation.y = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(code_of(1, bad), absl::StatusCode::kInvalidArgument);
   bad = pose;
@@ -306,7 +311,7 @@ TEST(OctomapBuilder, BadViewsAreRefusedAndChangeNothing) {
   EXPECT_EQ(code_of(1, bad), absl::StatusCode::kInvalidArgument);
   bad.translation.x = 1640;
   EXPECT_EQ(code_of(1, bad), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(builder.InsertDepth(1, depth, Camera(), pose).code(),
+  EXPECT_EQ(builder.InsertDepth(1, depth, camera::Camera(), pose).code(),
             absl::StatusCode::kInvalidArgument);
   const ViewPose unknown{.id = 5, .map_from_sensor = pose};
   EXPECT_EQ(builder.SetPoses({&unknown, 1}).code(),
@@ -317,7 +322,7 @@ TEST(OctomapBuilder, BadViewsAreRefusedAndChangeNothing) {
   EXPECT_EQ(builder.views(), 3);
   EXPECT_TRUE(*builder.FormatOt() == before);
   // Nothing seen is no error.
-  DepthImage nothing = depth;
+  image::DepthImage nothing = depth;
   std::fill(nothing.values.begin(), nothing.values.end(), uint16_t{0});
   EXPECT_TRUE(builder.InsertDepth(1, nothing, camera, pose).ok());
   EXPECT_TRUE(*builder.FormatOt() == before);
@@ -325,14 +330,14 @@ TEST(OctomapBuilder, BadViewsAreRefusedAndChangeNothing) {
 
 TEST(OctomapBuilder, MemoryIsBounded) {
   OctomapBuilder builder = MakeBuilder({.max_bytes = 4 << 20});
-  const Camera camera = SmallCamera();
+  const camera::Camera camera = SmallCamera();
   absl::Status status;
   std::string before;
   int64_t id = 0;
   while (status.ok() && id < 200) {
     before = *builder.FormatOt();
-    const Rigid3 pose = LevelCamera({0.1 * static_cast<double>(id), 0, 1.2},
-                                    0.4 * static_cast<double>(id));
+    const geometry::Rigid3 pose = LevelCamera(
+        {0.1 * static_cast<double>(id), 0, 1.2}, 0.4 * static_cast<double>(id));
     status = builder.InsertDepth(
         id++, MakeRoomDepth(camera, LevelCamera({0, 0, 1.2}, 0), 1), camera,
         pose);
@@ -344,7 +349,7 @@ TEST(OctomapBuilder, MemoryIsBounded) {
   // Absurd: 60 m of points at 1 cm.
   OctomapBuilder fine =
       MakeBuilder({.resolution_m = 0.01, .max_point_range_m = 60});
-  const std::vector<Vec3> far = {{35, 35, 35}, {-35, -35, -35}};
+  const std::vector<geometry::Vec3> far = {{35, 35, 35}, {-35, -35, -35}};
   EXPECT_EQ(fine.InsertPoints(0, far, {}).code(),
             absl::StatusCode::kResourceExhausted);
 }
@@ -368,4 +373,4 @@ TEST(OctomapBuilder, OptionsOutOfRangeAreNamed) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::fusion

@@ -10,19 +10,19 @@
 #include "common/geometry/rigid3.h"
 #include "common/image/image.h"
 
-namespace treeline {
+namespace treeline::fusion {
 
 // An image in millimetres; depth_m gives the depth (m) along the ray (x, y, 1)
 // in the camera's frame, 0 for none.
-inline DepthImage MakeDepth(
-    const Camera& camera,
+inline image::DepthImage MakeDepth(
+    const camera::Camera& camera,
     const std::function<double(double, double)>& depth_m) {
-  DepthImage image{
+  image::DepthImage image{
       .width = camera.width(), .height = camera.height(), .values = {}};
   for (int y = 0; y < camera.height(); ++y) {
     for (int x = 0; x < camera.width(); ++x) {
-      const Pixel ray{(x - camera.cx()) / camera.fx(),
-                      (y - camera.cy()) / camera.fy()};
+      const camera::Pixel ray{(x - camera.cx()) / camera.fx(),
+                              (y - camera.cy()) / camera.fy()};
       image.values.push_back(
           static_cast<uint16_t>(1000 * depth_m(ray.x, ray.y) + 0.5));
     }
@@ -32,15 +32,17 @@ inline DepthImage MakeDepth(
 
 // Inside of a box room of 6 x 5 x 2.6 m whose floor is at z = 0 and whose
 // middle is at the map's origin, with the noise of a structured-light sensor.
-inline DepthImage MakeRoomDepth(const Camera& camera,
-                                const Rigid3& map_from_camera, uint64_t seed) {
+inline image::DepthImage MakeRoomDepth(const camera::Camera& camera,
+                                       const geometry::Rigid3& map_from_camera,
+                                       uint64_t seed) {
   constexpr double kHalfX_m = 3;
   constexpr double kHalfY_m = 2.5;
   constexpr double kHeight_m = 2.6;
-  Random random(seed, 0);
-  const Vec3 from = map_from_camera.translation;
+  base::Random random(seed, 0);
+  const geometry::Vec3 from = map_from_camera.translation;
   return MakeDepth(camera, [&](double x, double y) {
-    const Vec3 ray = map_from_camera.rotation * Vec3{x, y, 1};
+    const geometry::Vec3 ray =
+        map_from_camera.rotation * geometry::Vec3{x, y, 1};
     const auto reach = [](double at, double step, double low, double high) {
       return step > 0 ? (high - at) / step : (low - at) / step;
     };
@@ -61,14 +63,15 @@ inline DepthImage MakeRoomDepth(const Camera& camera,
 }
 
 // A camera at `position` that looks level along the direction yaw_rad.
-inline Rigid3 LevelCamera(Vec3 position, double yaw_rad) {
+inline geometry::Rigid3 LevelCamera(geometry::Vec3 position, double yaw_rad) {
   // Camera axes in the map at yaw 0: x is -y, y is -z, z is x.
-  const Rotation3 ahead =
-      Rotation3::FromMatrix(Mat3{{0, 0, 1, -1, 0, 0, 0, -1, 0}});
-  return {.rotation = Rotation3::FromAxisAngle({0, 0, yaw_rad}) * ahead,
-          .translation = position};
+  const geometry::Rotation3 ahead = geometry::Rotation3::FromMatrix(
+      geometry::Mat3{{0, 0, 1, -1, 0, 0, 0, -1, 0}});
+  return {
+      .rotation = geometry::Rotation3::FromAxisAngle({0, 0, yaw_rad}) * ahead,
+      .translation = position};
 }
 
-}  // namespace treeline
+}  // namespace treeline::fusion
 
 #endif  // NAV_AGENT_FUSION_TESTING_VIEWS_H_

@@ -4,11 +4,11 @@
 #include <cstdlib>
 #include <limits>
 
-namespace treeline {
+namespace treeline::fusion {
 namespace {
 
 // Places are never negative: truncation is the floor.
-VoxelIndex VoxelAt(Vec3 place) {
+octree::VoxelIndex VoxelAt(geometry::Vec3 place) {
   return {static_cast<int>(place.x), static_cast<int>(place.y),
           static_cast<int>(place.z)};
 }
@@ -29,11 +29,11 @@ Crossings CrossingsOf(double from, double to, int voxel) {
 
 }  // namespace
 
-int64_t ViewGrid::BytesFor(VoxelIndex blocks) {
+int64_t ViewGrid::BytesFor(octree::VoxelIndex blocks) {
   return int64_t{blocks.x} * blocks.y * blocks.z * (2 * kSide * kSide);
 }
 
-void ViewGrid::Reset(VoxelIndex lowest, VoxelIndex blocks) {
+void ViewGrid::Reset(octree::VoxelIndex lowest, octree::VoxelIndex blocks) {
   lowest_ = lowest;
   blocks_ = blocks;
   stride_y_ = int64_t{blocks.z} * kSide;
@@ -43,7 +43,7 @@ void ViewGrid::Reset(VoxelIndex lowest, VoxelIndex blocks) {
   free_.assign(size, 0);
 }
 
-bool ViewGrid::MarkOccupied(Vec3 place) {
+bool ViewGrid::MarkOccupied(geometry::Vec3 place) {
   const int64_t bit = BitOf(VoxelAt(place));
   uint8_t& byte = occupied_[static_cast<size_t>(bit >> 3)];
   const auto mask = static_cast<uint8_t>(1 << (bit & 7));
@@ -52,9 +52,9 @@ bool ViewGrid::MarkOccupied(Vec3 place) {
   return is_new;
 }
 
-void ViewGrid::MarkFree(Vec3 from, Vec3 to) {
-  const VoxelIndex first = VoxelAt(from);
-  const VoxelIndex last = VoxelAt(to);
+void ViewGrid::MarkFree(geometry::Vec3 from, geometry::Vec3 to) {
+  const octree::VoxelIndex first = VoxelAt(from);
+  const octree::VoxelIndex last = VoxelAt(to);
   // So many borders are crossed. Rounding may cross one of another axis at the
   // very end, hence the voxel that the box has to spare.
   const int steps = std::abs(last.x - first.x) + std::abs(last.y - first.y) +
@@ -85,4 +85,4 @@ void ViewGrid::MarkFree(Vec3 from, Vec3 to) {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::fusion

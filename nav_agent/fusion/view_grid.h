@@ -9,7 +9,7 @@
 #include "common/geometry/vector3.h"
 #include "nav_agent/octomap/voxel_map.h"
 
-namespace treeline {
+namespace treeline::fusion {
 
 // A box of voxels, two bits each, so that a voxel is counted once however many
 // rays pass: a view of a room takes some hundred kilobytes, which stay in the
@@ -23,20 +23,20 @@ class ViewGrid {
 
   // Clears it. The box is `blocks` blocks from block `lowest` of the map on;
   // what lay at p there is at p - kSide * lowest here.
-  void Reset(VoxelIndex lowest, VoxelIndex blocks);
+  void Reset(octree::VoxelIndex lowest, octree::VoxelIndex blocks);
   // What a box of so many blocks takes.
-  static int64_t BytesFor(VoxelIndex blocks);
+  static int64_t BytesFor(octree::VoxelIndex blocks);
 
-  VoxelIndex lowest_block() const { return lowest_; }
-  VoxelIndex blocks() const { return blocks_; }
+  octree::VoxelIndex lowest_block() const { return lowest_; }
+  octree::VoxelIndex blocks() const { return blocks_; }
 
   // The place must be inside, at least one voxel from the box's borders.
   // Whether its voxel was not yet marked.
-  bool MarkOccupied(Vec3 place);
+  bool MarkOccupied(geometry::Vec3 place);
   // All voxels that the straight line from one place to the other passes, but
   // not the one it ends in. Both at least one voxel from the box's borders.
   // Amanatides, Woo: "A fast voxel traversal algorithm for ray tracing", 1987.
-  void MarkFree(Vec3 from, Vec3 to);
+  void MarkFree(geometry::Vec3 from, geometry::Vec3 to);
 
   // Eight voxels above one another, the lowest in bit 0: column (x, y) of the
   // box, in its z-th layer of blocks. What is occupied may be free too.
@@ -56,12 +56,12 @@ class ViewGrid {
                static_cast<size_t>(blocks_.z) +
            static_cast<size_t>(z);
   }
-  int64_t BitOf(VoxelIndex v) const {
+  int64_t BitOf(octree::VoxelIndex v) const {
     return int64_t{v.x} * stride_x_ + int64_t{v.y} * stride_y_ + v.z;
   }
 
-  VoxelIndex lowest_;
-  VoxelIndex blocks_;
+  octree::VoxelIndex lowest_;
+  octree::VoxelIndex blocks_;
   // From one voxel to the next along an axis, in bits.
   int64_t stride_x_ = 0;
   int64_t stride_y_ = 0;
@@ -69,6 +69,6 @@ class ViewGrid {
   std::vector<uint8_t> free_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::fusion
 
 #endif  // NAV_AGENT_FUSION_VIEW_GRID_H_

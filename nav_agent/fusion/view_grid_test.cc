@@ -7,10 +7,10 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::fusion {
 namespace {
 
-bool IsFree(const ViewGrid& grid, VoxelIndex v) {
+bool IsFree(const ViewGrid& grid, octree::VoxelIndex v) {
   return (grid.Free(v.x, v.y, v.z / 8) >> (v.z % 8) & 1) != 0;
 }
 
@@ -26,31 +26,31 @@ int CountFree(const ViewGrid& grid) {
   return count;
 }
 
-VoxelIndex VoxelAt(Vec3 place) {
+octree::VoxelIndex VoxelAt(geometry::Vec3 place) {
   return {static_cast<int>(place.x), static_cast<int>(place.y),
           static_cast<int>(place.z)};
 }
 
 TEST(ViewGrid, RaysPassAllVoxelsOnTheirWayButNotTheLast) {
   ViewGrid grid;
-  Random random(1, 0);
+  base::Random random(1, 0);
   const auto draw = [&random] {
-    return Vec3{random.NextUniform(1, 23), random.NextUniform(1, 31),
-                random.NextUniform(1, 39)};
+    return geometry::Vec3{random.NextUniform(1, 23), random.NextUniform(1, 31),
+                          random.NextUniform(1, 39)};
   };
   for (int ray = 0; ray < 300; ++ray) {
     grid.Reset({}, {3, 4, 5});
-    const Vec3 from = draw();
-    const Vec3 to = draw();
+    const geometry::Vec3 from = draw();
+    const geometry::Vec3 to = draw();
     grid.MarkFree(from, to);
-    const VoxelIndex first = VoxelAt(from);
-    const VoxelIndex last = VoxelAt(to);
+    const octree::VoxelIndex first = VoxelAt(from);
+    const octree::VoxelIndex last = VoxelAt(to);
     EXPECT_EQ(CountFree(grid), std::abs(last.x - first.x) +
                                    std::abs(last.y - first.y) +
                                    std::abs(last.z - first.z));
     EXPECT_FALSE(IsFree(grid, last));
     for (int i = 0; i < 2000; ++i) {
-      const VoxelIndex v = VoxelAt(from + i / 2000.0 * (to - from));
+      const octree::VoxelIndex v = VoxelAt(from + i / 2000.0 * (to - from));
       EXPECT_TRUE(IsFree(grid, v) || v == last);
     }
   }
@@ -68,4 +68,4 @@ TEST(ViewGrid, RaysAlongAnAxisAndOfNoLength) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::fusion

@@ -10,13 +10,13 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/localization/particle_clusters.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 // Enough particles to tell whether a beam is explained.
 constexpr size_t kWitnesses = 256;
 
-bool IsFinite(const Rigid2& pose) {
+bool IsFinite(const geometry::Rigid2& pose) {
   return std::isfinite(pose.translation.x) &&
          std::isfinite(pose.translation.y) && std::isfinite(pose.yaw_rad);
 }
@@ -48,43 +48,48 @@ std::optional<std::array<double, 9>> SquareRoot(const PoseCovariance2& c) {
 }  // namespace
 
 absl::Status AmclOptions::Validate() const {
-  TL_RETURN_IF_ERROR(CheckRange("amcl: min_particles", min_particles, 1, 1e6));
   TL_RETURN_IF_ERROR(
-      CheckRange("amcl: max_particles", max_particles, min_particles, 1e6));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: max_global_particles",
-                                max_global_particles, max_particles, 1e6));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: kld_error", kld_error, 1e-4, 1));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: kld_z", kld_z, 0, 10));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: bin_m", bin_m, 0.01, 100));
+      base::CheckRange("amcl: min_particles", min_particles, 1, 1e6));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: max_particles", max_particles,
+                                      min_particles, 1e6));
+  TL_RETURN_IF_ERROR(base::CheckRange(
+      "amcl: max_global_particles", max_global_particles, max_particles, 1e6));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: kld_error", kld_error, 1e-4, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: kld_z", kld_z, 0, 10));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: bin_m", bin_m, 0.01, 100));
   TL_RETURN_IF_ERROR(
-      CheckRange("amcl: bin_rad", bin_rad, 0.01, 2 * std::numbers::pi));
+      base::CheckRange("amcl: bin_rad", bin_rad, 0.01, 2 * std::numbers::pi));
   TL_RETURN_IF_ERROR(
-      CheckRange("amcl: update_distance_m", update_distance_m, 0, 100));
+      base::CheckRange("amcl: update_distance_m", update_distance_m, 0, 100));
   TL_RETURN_IF_ERROR(
-      CheckRange("amcl: update_turn_rad", update_turn_rad, 0, 100));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: max_beams", max_beams, 1, 100000));
+      base::CheckRange("amcl: update_turn_rad", update_turn_rad, 0, 100));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: max_beams", max_beams, 1, 100000));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: independent_beams",
+                                      independent_beams, 0.1, 100000));
   TL_RETURN_IF_ERROR(
-      CheckRange("amcl: independent_beams", independent_beams, 0.1, 100000));
+      base::CheckRange("amcl: min_counting_share", min_counting_share, 0, 1));
   TL_RETURN_IF_ERROR(
-      CheckRange("amcl: min_counting_share", min_counting_share, 0, 1));
+      base::CheckRange("amcl: searching_share", searching_share, 0, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: roughen_m", roughen_m, 0, 10));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: roughen_rad", roughen_rad, 0, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: found_share", found_share, 0, 1));
   TL_RETURN_IF_ERROR(
-      CheckRange("amcl: searching_share", searching_share, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: roughen_m", roughen_m, 0, 10));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: roughen_rad", roughen_rad, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: found_share", found_share, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: inject_ratio", inject_ratio, 1, 1e6));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: anew_share", anew_share, 0, 1));
+      base::CheckRange("amcl: inject_ratio", inject_ratio, 1, 1e6));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: anew_share", anew_share, 0, 1));
   TL_RETURN_IF_ERROR(
-      CheckRange("amcl: skip_below_share", skip_below_share, 0, 1));
+      base::CheckRange("amcl: skip_below_share", skip_below_share, 0, 1));
   TL_RETURN_IF_ERROR(
-      CheckRange("amcl: skip_distance_m", skip_distance_m, 0, 100));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: slow_share", slow_share, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: fast_share", fast_share, slow_share, 1));
+      base::CheckRange("amcl: skip_distance_m", skip_distance_m, 0, 100));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: slow_share", slow_share, 0, 1));
   TL_RETURN_IF_ERROR(
-      CheckRange("amcl: off_ground_share", off_ground_share, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: ground_m", ground_m, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: ground_share", ground_share, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("amcl: resample_below", resample_below, 0, 1));
+      base::CheckRange("amcl: fast_share", fast_share, slow_share, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("amcl: off_ground_share", off_ground_share, 0, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: ground_m", ground_m, 0, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("amcl: ground_share", ground_share, 0, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("amcl: resample_below", resample_below, 0, 1));
   TL_RETURN_IF_ERROR(field.Validate());
   return odometry.Validate();
 }
@@ -99,7 +104,7 @@ int KldSampleCount(int bins, double error, double z) {
              std::min(std::ceil(k / (2 * error) * root * root * root), 1e9)));
 }
 
-absl::StatusOr<Amcl> Amcl::Create(const OccupancyGrid& map,
+absl::StatusOr<Amcl> Amcl::Create(const core::OccupancyGrid& map,
                                   const AmclOptions& options, uint64_t seed) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_ASSIGN_OR_RETURN(LikelihoodField field,
@@ -107,7 +112,7 @@ absl::StatusOr<Amcl> Amcl::Create(const OccupancyGrid& map,
   std::vector<FreePlace> free_places;
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
-      if (map.At({x, y}) == Occupancy::kFree) {
+      if (map.At({x, y}) == core::Occupancy::kFree) {
         free_places.push_back({map.CenterInMap({x, y}), {}});
       }
     }
@@ -142,7 +147,7 @@ Amcl::Amcl(LikelihoodField field, std::shared_ptr<const LaserLevelMap> levels,
       options_(options),
       seed_(seed) {}
 
-Particle Amcl::AnyParticle(Random& random) const {
+Particle Amcl::AnyParticle(base::Random& random) const {
   const FreePlace& free = free_places_[random.NextBelow(
       static_cast<uint32_t>(free_places_.size()))];
   const double half_m = resolution_m_ / 2;
@@ -150,7 +155,7 @@ Particle Amcl::AnyParticle(Random& random) const {
   const double y = random.NextUniform(-half_m, half_m);
   const double yaw_rad =
       random.NextUniform(-std::numbers::pi, std::numbers::pi);
-  return {.map_from_base = {free.center + Vec2{x, y}, yaw_rad},
+  return {.map_from_base = {free.center + geometry::Vec2{x, y}, yaw_rad},
           .weight = 0,
           .place = free.place};
 }
@@ -158,7 +163,7 @@ Particle Amcl::AnyParticle(Random& random) const {
 void Amcl::FindGround(Particle& particle) const {
   if (levels_ == nullptr) return;
   // In a wall it keeps its height, and comes out on the same level.
-  const std::optional<LevelPlace> ground = levels_->GroundNear(
+  const std::optional<core::LevelPlace> ground = levels_->GroundNear(
       particle.map_from_base.translation, particle.place.height_m);
   if (ground.has_value()) particle.place = *ground;
 }
@@ -171,9 +176,9 @@ bool Amcl::IsOffGround(const Particle& particle) const {
               .has_value();
 }
 
-absl::Status Amcl::SetPose(const Rigid2& map_from_base,
+absl::Status Amcl::SetPose(const geometry::Rigid2& map_from_base,
                            const PoseCovariance2& covariance) {
-  LevelPlace place;
+  core::LevelPlace place;
   if (levels_ != nullptr && IsFinite(map_from_base)) {
     for (int level = levels_->levels() - 1; level >= 0; --level) {
       place =
@@ -183,13 +188,14 @@ absl::Status Amcl::SetPose(const Rigid2& map_from_base,
   return PlaceAbout(map_from_base, covariance, place);
 }
 
-absl::Status Amcl::SetPoseOnLevel(const Rigid2& map_from_base, double height_m,
+absl::Status Amcl::SetPoseOnLevel(const geometry::Rigid2& map_from_base,
+                                  double height_m,
                                   const PoseCovariance2& covariance) {
   if (levels_ == nullptr || !IsFinite(map_from_base)) {
     return absl::InvalidArgumentError(
         "amcl: a height needs levels and a finite pose");
   }
-  const std::optional<LevelPlace> place =
+  const std::optional<core::LevelPlace> place =
       levels_->GroundNear(map_from_base.translation, height_m);
   if (!place.has_value()) {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -199,9 +205,9 @@ absl::Status Amcl::SetPoseOnLevel(const Rigid2& map_from_base, double height_m,
   return PlaceAbout(map_from_base, covariance, *place);
 }
 
-absl::Status Amcl::PlaceAbout(const Rigid2& map_from_base,
+absl::Status Amcl::PlaceAbout(const geometry::Rigid2& map_from_base,
                               const PoseCovariance2& covariance,
-                              const LevelPlace& place) {
+                              const core::LevelPlace& place) {
   const std::optional<std::array<double, 9>> root = SquareRoot(covariance);
   if (!IsFinite(map_from_base) || !root.has_value()) {
     return absl::InvalidArgumentError(
@@ -213,18 +219,19 @@ absl::Status Amcl::PlaceAbout(const Rigid2& map_from_base,
   particles_.assign(static_cast<size_t>(options_.max_particles), {});
   ++draws_;
   for (size_t i = 0; i < particles_.size(); ++i) {
-    Random random(seed_ + draws_, i);
+    base::Random random(seed_ + draws_, i);
     std::array<double, 3> normal{};
     for (double& value : normal) value = random.NextGaussian();
     std::array<double, 3> away{};
     for (size_t a = 0; a < 3; ++a) {
       for (size_t b = 0; b <= a; ++b) away[a] += (*root)[3 * a + b] * normal[b];
     }
-    particles_[i] = {
-        .map_from_base = {map_from_base.translation + Vec2{away[0], away[1]},
-                          NormalizedAngle_rad(map_from_base.yaw_rad + away[2])},
-        .weight = 1.0 / static_cast<double>(particles_.size()),
-        .place = place};
+    particles_[i] = {.map_from_base = {map_from_base.translation +
+                                           geometry::Vec2{away[0], away[1]},
+                                       geometry::NormalizedAngle_rad(
+                                           map_from_base.yaw_rad + away[2])},
+                     .weight = 1.0 / static_cast<double>(particles_.size()),
+                     .place = place};
     FindGround(particles_[i]);
   }
   fits_ = 0;
@@ -241,7 +248,7 @@ void Amcl::SetAnywhere() {
   particles_.assign(static_cast<size_t>(max_particles_now_), {});
   ++draws_;
   for (size_t i = 0; i < particles_.size(); ++i) {
-    Random random(seed_ + draws_, i);
+    base::Random random(seed_ + draws_, i);
     particles_[i] = AnyParticle(random);
     particles_[i].weight = 1.0 / static_cast<double>(particles_.size());
   }
@@ -253,12 +260,12 @@ void Amcl::SetAnywhere() {
 }
 
 absl::StatusOr<std::optional<PlanarEstimate>> Amcl::Update(
-    const Rigid2& odom_from_base, const ScanPoints& points) {
+    const geometry::Rigid2& odom_from_base, const ScanPoints& points) {
   TL_RETURN_IF_ERROR(Begin(odom_from_base, points));
   return Settle();
 }
 
-absl::Status Amcl::Begin(const Rigid2& odom_from_base,
+absl::Status Amcl::Begin(const geometry::Rigid2& odom_from_base,
                          const ScanPoints& points) {
   if (!IsFinite(odom_from_base)) {
     return absl::InvalidArgumentError("amcl: the odometry is not finite");
@@ -266,16 +273,17 @@ absl::Status Amcl::Begin(const Rigid2& odom_from_base,
   if (!is_settled_) Settle();
   if (particles_.empty()) return absl::OkStatus();
   if (odom_from_base_.has_value()) {
-    const Rigid2 before_from_after =
+    const geometry::Rigid2 before_from_after =
         odom_from_base_->Inverse() * odom_from_base;
-    if (before_from_after != Rigid2()) Move(before_from_after);
+    if (before_from_after != geometry::Rigid2()) Move(before_from_after);
   }
   odom_from_base_ = odom_from_base;
   if (!odom_at_scan_.has_value()) odom_at_scan_ = odom_from_base;
-  const Rigid2 since = odom_at_scan_->Inverse() * odom_from_base;
-  const bool is_due = force_next_ ||
-                      Norm(since.translation) >= options_.update_distance_m ||
-                      std::abs(since.yaw_rad) >= options_.update_turn_rad;
+  const geometry::Rigid2 since = odom_at_scan_->Inverse() * odom_from_base;
+  const bool is_due =
+      force_next_ ||
+      geometry::Norm(since.translation) >= options_.update_distance_m ||
+      std::abs(since.yaw_rad) >= options_.update_turn_rad;
   if (is_due && points.size() > 0) {
     Weigh(points);
     is_weighed_ = true;
@@ -294,11 +302,11 @@ std::optional<PlanarEstimate> Amcl::Settle() {
   return estimate_;
 }
 
-void Amcl::Move(const Rigid2& before_from_after) {
+void Amcl::Move(const geometry::Rigid2& before_from_after) {
   const OdometryMotion motion(before_from_after, options_.odometry);
   ++draws_;
   for (size_t i = 0; i < particles_.size(); ++i) {
-    Random random(seed_ + draws_, i);
+    base::Random random(seed_ + draws_, i);
     particles_[i].map_from_base =
         motion.Sample(particles_[i].map_from_base, random);
     FindGround(particles_[i]);
@@ -312,12 +320,12 @@ ScanPoints Amcl::WithoutGround(const ScanPoints& points) const {
   }
   ScanPoints kept;
   for (size_t i = 0; i < points.size(); ++i) {
-    const Vec2 end = {points.x_m[i], points.y_m[i]};
-    const Vec2 end_in_map = estimate_.map_from_base * end;
+    const geometry::Vec2 end = {points.x_m[i], points.y_m[i]};
+    const geometry::Vec2 end_in_map = estimate_.map_from_base * end;
     if (levels_->IsOnGround(
             {end_in_map.x, end_in_map.y,
              estimate_.place.height_m + static_cast<double>(points.z_m[i])},
-            options_.ground_m + options_.ground_share * Norm(end))) {
+            options_.ground_m + options_.ground_share * geometry::Norm(end))) {
       continue;
     }
     kept.Add(points, i);
@@ -441,7 +449,7 @@ void Amcl::Resample() {
   if (counting >= options_.resample_below * size && !inject) return;
 
   ++draws_;
-  Random random(seed_ + draws_, ~uint64_t{0});
+  base::Random random(seed_ + draws_, ~uint64_t{0});
   // Low variance: evenly spaced over the weights, from one random start.
   const auto drawn = [&](size_t count, double start) {
     std::vector<Particle> result;
@@ -486,7 +494,7 @@ void Amcl::SearchEverywhere() {
   particles_.resize(known + anew);
   ++draws_;
   for (size_t i = 0; i < anew; ++i) {
-    Random random(seed_ + draws_, i);
+    base::Random random(seed_ + draws_, i);
     particles_[known + i] = AnyParticle(random);
     particles_[known + i].weight =
         options_.anew_share / static_cast<double>(anew);
@@ -500,12 +508,13 @@ void Amcl::SearchEverywhere() {
 void Amcl::Roughen(std::vector<Particle>& particles) {
   ++draws_;
   for (size_t i = 0; i < particles.size(); ++i) {
-    Random random(seed_ + draws_, i);
-    Rigid2& pose = particles[i].map_from_base;
+    base::Random random(seed_ + draws_, i);
+    geometry::Rigid2& pose = particles[i].map_from_base;
     const double x = random.NextGaussian();
     const double y = random.NextGaussian();
-    pose.translation = pose.translation + options_.roughen_m * Vec2{x, y};
-    pose.yaw_rad = NormalizedAngle_rad(
+    pose.translation =
+        pose.translation + options_.roughen_m * geometry::Vec2{x, y};
+    pose.yaw_rad = geometry::NormalizedAngle_rad(
         pose.yaw_rad + options_.roughen_rad * random.NextGaussian());
   }
 }
@@ -527,4 +536,4 @@ void Amcl::UpdateEstimate() {
   estimate_ = estimate;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization

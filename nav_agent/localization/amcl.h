@@ -17,7 +17,7 @@
 #include "nav_agent/localization/odometry_motion.h"
 #include "nav_agent/localization/scan_points.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 // Covariance of a pose in the plane, row-major, of x, y (m) and yaw (rad).
 using PoseCovariance2 = std::array<double, 9>;
@@ -96,7 +96,7 @@ struct AmclOptions {
 
 struct PlanarEstimate {
   // Mean and covariance of the heaviest cluster of particles.
-  Rigid2 map_from_base;
+  geometry::Rigid2 map_from_base;
   PoseCovariance2 covariance{};
   // The cluster's share of the weight, in (0, 1].
   double share = 0;
@@ -114,14 +114,14 @@ struct PlanarEstimate {
   // thought to be: they tell nothing, and were left out first. Only on levels.
   int beams_on_ground = 0;
   // On levels: where it stands. Else both are 0.
-  LevelPlace place;
+  core::LevelPlace place;
 };
 
 struct Particle {
-  Rigid2 map_from_base;
+  geometry::Rigid2 map_from_base;
   double weight = 0;
   // On levels: what it stands on, or stood on last.
-  LevelPlace place = {};
+  core::LevelPlace place = {};
 };
 
 // Deterministic: the same calls give the same particles for one seed. Not
@@ -129,7 +129,7 @@ struct Particle {
 class Amcl {
  public:
   // INVALID_ARGUMENT for bad options and for maps without free cells.
-  static absl::StatusOr<Amcl> Create(const OccupancyGrid& map,
+  static absl::StatusOr<Amcl> Create(const core::OccupancyGrid& map,
                                      const AmclOptions& options, uint64_t seed);
 
   // On all levels of a building at once: each particle has a level, and goes
@@ -142,11 +142,12 @@ class Amcl {
   // The robot is about here. INVALID_ARGUMENT for what is not finite or a
   // covariance that is not positive semidefinite; on levels, the lowest ground
   // there is meant.
-  absl::Status SetPose(const Rigid2& map_from_base,
+  absl::Status SetPose(const geometry::Rigid2& map_from_base,
                        const PoseCovariance2& covariance);
   // The same on the ground nearest to a height. INVALID_ARGUMENT if there is no
   // ground within max_rise_m of it, or there are no levels.
-  absl::Status SetPoseOnLevel(const Rigid2& map_from_base, double height_m,
+  absl::Status SetPoseOnLevel(const geometry::Rigid2& map_from_base,
+                              double height_m,
                               const PoseCovariance2& covariance);
   // The robot may be anywhere on free ground.
   void SetAnywhere();
@@ -156,12 +157,13 @@ class Amcl {
   // The estimate is of this moment either way; nullopt before SetPose or
   // SetAnywhere. INVALID_ARGUMENT for an odometry that is not finite.
   absl::StatusOr<std::optional<PlanarEstimate>> Update(
-      const Rigid2& odom_from_base, const ScanPoints& points);
+      const geometry::Rigid2& odom_from_base, const ScanPoints& points);
   // Update in two parts of about the same length, for whom thirty thousand
   // particles at once are too many: moves and weighs; then draws anew and makes
   // the estimate, of the moment of Begin. Until then it is the one before. What
   // was begun and not settled, the next Begin settles.
-  absl::Status Begin(const Rigid2& odom_from_base, const ScanPoints& points);
+  absl::Status Begin(const geometry::Rigid2& odom_from_base,
+                     const ScanPoints& points);
   std::optional<PlanarEstimate> Settle();
   bool is_settled() const { return is_settled_; }
 
@@ -178,14 +180,14 @@ class Amcl {
   const LikelihoodField& field() const {
     return levels_ == nullptr ? field_ : levels_->field();
   }
-  Particle AnyParticle(Random& random) const;
-  absl::Status PlaceAbout(const Rigid2& map_from_base,
+  Particle AnyParticle(base::Random& random) const;
+  absl::Status PlaceAbout(const geometry::Rigid2& map_from_base,
                           const PoseCovariance2& covariance,
-                          const LevelPlace& place);
+                          const core::LevelPlace& place);
   // Which ground a particle that has moved is on now.
   void FindGround(Particle& particle) const;
   bool IsOffGround(const Particle& particle) const;
-  void Move(const Rigid2& before_from_after);
+  void Move(const geometry::Rigid2& before_from_after);
   ScanPoints WithoutGround(const ScanPoints& points) const;
   ScanPoints WithoutUnexplained(const ScanPoints& points);
   void UpdateFit(double fit);
@@ -210,8 +212,8 @@ class Amcl {
   bool is_searching_ = false;
   // Numbers what draws random numbers.
   uint64_t draws_ = 0;
-  std::optional<Rigid2> odom_from_base_;  // of the last call
-  std::optional<Rigid2> odom_at_scan_;    // of the last scan taken in
+  std::optional<geometry::Rigid2> odom_from_base_;  // of the last call
+  std::optional<geometry::Rigid2> odom_at_scan_;    // of the last scan taken in
   bool force_next_ = false;
   bool is_settled_ = true;
   // Since the last Settle a scan was taken in.
@@ -228,6 +230,6 @@ class Amcl {
 // equation 7, by Wilson and Hilferty's approximation). At least 1.
 int KldSampleCount(int bins, double error, double z);
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_AMCL_H_

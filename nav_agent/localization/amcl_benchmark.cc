@@ -4,14 +4,14 @@
 #include "nav_agent/localization/amcl.h"
 #include "nav_agent/localization/testing_map.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 // range(0) particles, range(1) beams, in a map of 80 x 80 m.
 void BM_Update(benchmark::State& state) {
-  const OccupancyGrid small = TestingMap();
-  OccupancyGrid map = OccupancyGrid::Filled(
-      1600, 1600, 0.05, small.map_from_grid, Occupancy::kUnknown);
+  const core::OccupancyGrid small = TestingMap();
+  core::OccupancyGrid map = core::OccupancyGrid::Filled(
+      1600, 1600, 0.05, small.map_from_grid, core::Occupancy::kUnknown);
   for (int y = 0; y < small.height; ++y) {
     for (int x = 0; x < small.width; ++x) map.Set({x, y}, small.At({x, y}));
   }
@@ -24,17 +24,17 @@ void BM_Update(benchmark::State& state) {
   options.update_distance_m = 0;
   options.update_turn_rad = 0;
   Amcl amcl = *Amcl::Create(map, options, 1);
-  const Rigid2 truth = {map.CenterInMap({80, 60}), 0.4};
+  const geometry::Rigid2 truth = {map.CenterInMap({80, 60}), 0.4};
   const bool is_set =
       amcl.SetPose(truth, {0.04, 0, 0, 0, 0.04, 0, 0, 0, 0.02}).ok();
-  Random random(1, 1);
-  const RangeSensorInfo info = {.angle_min_rad = -2.35,
-                                .angle_increment_rad = 4.7 / 1080,
-                                .beams = 1081,
-                                .range_min_m = 0.05,
-                                .range_max_m = 30,
-                                .beam_interval_s = 0,
-                                .scan_interval_s = 0.025};
+  base::Random random(1, 1);
+  const core::RangeSensorInfo info = {.angle_min_rad = -2.35,
+                                      .angle_increment_rad = 4.7 / 1080,
+                                      .beams = 1081,
+                                      .range_min_m = 0.05,
+                                      .range_max_m = 30,
+                                      .beam_interval_s = 0,
+                                      .scan_interval_s = 0.025};
   const ScanPoints points = *PointsOf(ScanOf(small, info, truth, 0.01, random),
                                       info, {}, options.max_beams);
   double x = 0;
@@ -55,6 +55,6 @@ BENCHMARK(BM_Update)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::localization
 
 BENCHMARK_MAIN();

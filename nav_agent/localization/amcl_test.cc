@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "nav_agent/localization/testing_map.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 using testing::HasSubstr;
@@ -23,50 +23,52 @@ class Drive {
 
   // Moves on by 0.1 m or so.
   void Step() {
-    const Vec2 way = Target() - map_from_base_.map_from_base.translation;
-    if (Norm(way) < 0.3) target_ = (target_ + 1) % 6;
-    const double turn_rad =
-        std::clamp(NormalizedAngle_rad(std::atan2(way.y, way.x) -
-                                       map_from_base_.map_from_base.yaw_rad),
-                   -0.15, 0.15);
-    const Rigid2 move = {.translation = {0.1, 0}, .yaw_rad = turn_rad};
+    const geometry::Vec2 way =
+        Target() - map_from_base_.map_from_base.translation;
+    if (geometry::Norm(way) < 0.3) target_ = (target_ + 1) % 6;
+    const double turn_rad = std::clamp(
+        geometry::NormalizedAngle_rad(std::atan2(way.y, way.x) -
+                                      map_from_base_.map_from_base.yaw_rad),
+        -0.15, 0.15);
+    const geometry::Rigid2 move = {.translation = {0.1, 0},
+                                   .yaw_rad = turn_rad};
     map_from_base_.map_from_base = map_from_base_.map_from_base * move;
-    const Rigid2 felt = {
+    const geometry::Rigid2 felt = {
         .translation = {0.1 * (1.02 + 0.03 * random_.NextGaussian()), 0},
         .yaw_rad = turn_rad * (1.02 + 0.05 * random_.NextGaussian()) +
                    0.002 * random_.NextGaussian()};
     odom_from_base_ = odom_from_base_ * felt;
   }
-  void Kidnap(const Rigid2& map_from_base) {
+  void Kidnap(const geometry::Rigid2& map_from_base) {
     map_from_base_.map_from_base = map_from_base;
   }
 
-  const Rigid2& truth() const { return map_from_base_.map_from_base; }
-  const Rigid2& odometry() const { return odom_from_base_; }
+  const geometry::Rigid2& truth() const { return map_from_base_.map_from_base; }
+  const geometry::Rigid2& odometry() const { return odom_from_base_; }
   ScanPoints Points() {
     return *PointsOf(ScanOf(map_, TestingLaser(), truth(), 0.01, random_),
-                     TestingLaser(), Rigid2(), 60);
+                     TestingLaser(), geometry::Rigid2(), 60);
   }
-  const OccupancyGrid& map() const { return map_; }
+  const core::OccupancyGrid& map() const { return map_; }
 
  private:
-  Vec2 Target() const {
+  geometry::Vec2 Target() const {
     // Cells, through the door at (131, 72) and back.
-    constexpr CellIndex kTargets[] = {{100, 72}, {165, 72}, {210, 80},
-                                      {165, 75}, {100, 70}, {30, 60}};
+    constexpr core::CellIndex kTargets[] = {{100, 72}, {165, 72}, {210, 80},
+                                            {165, 75}, {100, 70}, {30, 60}};
     return map_.CenterInMap(kTargets[target_]);
   }
 
-  Random random_;
-  OccupancyGrid map_ = TestingMap();
+  base::Random random_;
+  core::OccupancyGrid map_ = TestingMap();
   Particle map_from_base_ = {
       .map_from_base = {TestingMap().CenterInMap({30, 40}), 0.6}};
-  Rigid2 odom_from_base_;
+  geometry::Rigid2 odom_from_base_;
   size_t target_ = 0;
 };
 
-double DistanceBetween(const Rigid2& a, const Rigid2& b) {
-  return Norm(a.translation - b.translation);
+double DistanceBetween(const geometry::Rigid2& a, const geometry::Rigid2& b) {
+  return geometry::Norm(a.translation - b.translation);
 }
 
 TEST(Amcl, TracksARobotThatDrivesAbout) {
@@ -85,8 +87,8 @@ TEST(Amcl, TracksARobotThatDrivesAbout) {
                        DistanceBetween(estimate->map_from_base, drive.truth()));
     worst_rad =
         std::max(worst_rad,
-                 std::abs(NormalizedAngle_rad(estimate->map_from_base.yaw_rad -
-                                              drive.truth().yaw_rad)));
+                 std::abs(geometry::NormalizedAngle_rad(
+                     estimate->map_from_base.yaw_rad - drive.truth().yaw_rad)));
     EXPECT_LE(estimate->particles, 2000);
   }
   // Three cells, of a map whose walls are two cells thick.
@@ -125,7 +127,7 @@ TEST(Amcl, IsDeterministic) {
       drive.Step();
       EXPECT_TRUE(amcl->Update(drive.odometry(), drive.Points()).ok());
     }
-    std::vector<Rigid2> poses;
+    std::vector<geometry::Rigid2> poses;
     for (const Particle& p : amcl->particles())
       poses.push_back(p.map_from_base);
     return poses;
@@ -211,22 +213,22 @@ TEST(Amcl, LooksEverywhereWhenTheFitFalls) {
 }
 
 TEST(Amcl, StartsWhereItIsTold) {
-  const OccupancyGrid map = TestingMap();
+  const core::OccupancyGrid map = TestingMap();
   AmclOptions options;
   options.max_particles = 20000;
   absl::StatusOr<Amcl> amcl = Amcl::Create(map, options, 1);
-  const Rigid2 pose = {.translation = {1, 2}, .yaw_rad = 3.1};
+  const geometry::Rigid2 pose = {.translation = {1, 2}, .yaw_rad = 3.1};
   // Correlated; 1 % of the sampling error of 20000 particles is 3 sigma.
   const PoseCovariance2 covariance = {0.09, 0.03, 0.01, 0.03, 0.04,
                                       0.0,  0.01, 0.0,  0.02};
   ASSERT_TRUE(amcl->SetPose(pose, covariance).ok());
   PoseCovariance2 found{};
-  Vec2 mean;
+  geometry::Vec2 mean;
   for (const Particle& p : amcl->particles()) {
     mean = mean + (1.0 / 20000) * p.map_from_base.translation;
-    const double away[] = {p.map_from_base.translation.x - 1,
-                           p.map_from_base.translation.y - 2,
-                           NormalizedAngle_rad(p.map_from_base.yaw_rad - 3.1)};
+    const double away[] = {
+        p.map_from_base.translation.x - 1, p.map_from_base.translation.y - 2,
+        geometry::NormalizedAngle_rad(p.map_from_base.yaw_rad - 3.1)};
     for (size_t a = 0; a < 3; ++a) {
       for (size_t b = 0; b < 3; ++b) {
         found[3 * a + b] += away[a] * away[b] / 20000;
@@ -239,7 +241,7 @@ TEST(Amcl, StartsWhereItIsTold) {
 }
 
 TEST(Amcl, RefusesNonsense) {
-  const OccupancyGrid map = TestingMap();
+  const core::OccupancyGrid map = TestingMap();
   absl::StatusOr<Amcl> amcl = Amcl::Create(map, {}, 1);
   EXPECT_FALSE((*amcl->Update({}, {})).has_value());
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -251,12 +253,12 @@ TEST(Amcl, RefusesNonsense) {
             absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(amcl->Update({{0, nan}, 0}, {}).status().code(),
             absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(
-      Amcl::Create(OccupancyGrid::Filled(3, 2, 0.1, {}, Occupancy::kUnknown),
-                   {}, 1)
-          .status()
-          .message(),
-      HasSubstr("none of the map's 3 x 2 cells is free"));
+  EXPECT_THAT(Amcl::Create(core::OccupancyGrid::Filled(
+                               3, 2, 0.1, {}, core::Occupancy::kUnknown),
+                           {}, 1)
+                  .status()
+                  .message(),
+              HasSubstr("none of the map's 3 x 2 cells is free"));
   AmclOptions options;
   options.max_particles = 10;
   EXPECT_THAT(Amcl::Create(map, options, 1).status().message(),
@@ -273,4 +275,4 @@ TEST(KldSampleCount, IsTheBoundOfFox) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::localization

@@ -10,13 +10,14 @@
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 // Levels that share ground share its height, to rounding.
 constexpr double kSame_m = 1e-4;
 
-bool AnyOccupied(const VoxelMap& voxels, int x, int y, int begin_z, int end_z) {
+bool AnyOccupied(const octree::VoxelMap& voxels, int x, int y, int begin_z,
+                 int end_z) {
   for (int z = std::max(begin_z, 0); z < std::min(end_z, voxels.size().z);
        ++z) {
     const uint64_t word =
@@ -27,13 +28,14 @@ bool AnyOccupied(const VoxelMap& voxels, int x, int y, int begin_z, int end_z) {
 }
 
 // Voxels that reach into a layer, or are within one voxel of it.
-OccupancyGrid LayerOf(const VoxelMap& voxels, double begin_m, double end_m) {
+core::OccupancyGrid LayerOf(const octree::VoxelMap& voxels, double begin_m,
+                            double end_m) {
   const double r = voxels.resolution_m();
-  OccupancyGrid grid = OccupancyGrid::Filled(
+  core::OccupancyGrid grid = core::OccupancyGrid::Filled(
       voxels.size().x, voxels.size().y, r,
       {.translation = {voxels.lowest().x * r, voxels.lowest().y * r},
        .yaw_rad = 0},
-      Occupancy::kFree);
+      core::Occupancy::kFree);
   const int begin_z =
       static_cast<int>(std::floor(begin_m / r + 1e-6)) - voxels.lowest().z - 1;
   const int end_z =
@@ -41,7 +43,7 @@ OccupancyGrid LayerOf(const VoxelMap& voxels, double begin_m, double end_m) {
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
       if (AnyOccupied(voxels, x, y, begin_z, end_z)) {
-        grid.Set({x, y}, Occupancy::kOccupied);
+        grid.Set({x, y}, core::Occupancy::kOccupied);
       }
     }
   }
@@ -51,22 +53,22 @@ OccupancyGrid LayerOf(const VoxelMap& voxels, double begin_m, double end_m) {
 // Only cells with a free one beside them: a beam does not get to those within.
 // Else whatever ends above or in the top of a platform, which fills a layer,
 // would fit it.
-OccupancyGrid OutlinesOf(const OccupancyGrid& grid) {
-  OccupancyGrid outlines = grid;
+core::OccupancyGrid OutlinesOf(const core::OccupancyGrid& grid) {
+  core::OccupancyGrid outlines = grid;
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
       const bool is_within =
-          grid.AtOrUnknown({x + 1, y}) == Occupancy::kOccupied &&
-          grid.AtOrUnknown({x - 1, y}) == Occupancy::kOccupied &&
-          grid.AtOrUnknown({x, y + 1}) == Occupancy::kOccupied &&
-          grid.AtOrUnknown({x, y - 1}) == Occupancy::kOccupied;
-      if (is_within) outlines.Set({x, y}, Occupancy::kFree);
+          grid.AtOrUnknown({x + 1, y}) == core::Occupancy::kOccupied &&
+          grid.AtOrUnknown({x - 1, y}) == core::Occupancy::kOccupied &&
+          grid.AtOrUnknown({x, y + 1}) == core::Occupancy::kOccupied &&
+          grid.AtOrUnknown({x, y - 1}) == core::Occupancy::kOccupied;
+      if (is_within) outlines.Set({x, y}, core::Occupancy::kFree);
     }
   }
   return outlines;
 }
 
-absl::StatusOr<OccupancyLayers> LayersOf(const VoxelMap& voxels,
+absl::StatusOr<OccupancyLayers> LayersOf(const octree::VoxelMap& voxels,
                                          const LaserLevelOptions& options) {
   const double r = voxels.resolution_m();
   OccupancyLayers layers;
@@ -92,14 +94,15 @@ absl::StatusOr<OccupancyLayers> LayersOf(const VoxelMap& voxels,
 
 // The height of each free cell's ground, and of that of the nearest free cell
 // elsewhere, going by sides. Other ground may be the top of a table.
-std::vector<float> SpreadHeights(const TraversableLevel& level) {
+std::vector<float> SpreadHeights(
+    const traversability::TraversableLevel& level) {
   std::vector<float> heights_m = level.height_m;
   for (size_t i = 0; i < heights_m.size(); ++i) {
-    if (level.grid.cells[i] != Occupancy::kFree) {
+    if (level.grid.cells[i] != core::Occupancy::kFree) {
       heights_m[i] = std::numeric_limits<float>::quiet_NaN();
     }
   }
-  std::vector<CellIndex> border;
+  std::vector<core::CellIndex> border;
   for (int y = 0; y < level.grid.height; ++y) {
     for (int x = 0; x < level.grid.width; ++x) {
       if (!std::isnan(heights_m[level.grid.IndexOf({x, y})])) {
@@ -108,12 +111,12 @@ std::vector<float> SpreadHeights(const TraversableLevel& level) {
     }
   }
   for (size_t i = 0; i < border.size(); ++i) {
-    const CellIndex at = border[i];
-    const std::array<CellIndex, 4> sides = {{{at.x + 1, at.y},
-                                             {at.x - 1, at.y},
-                                             {at.x, at.y + 1},
-                                             {at.x, at.y - 1}}};
-    for (const CellIndex& side : sides) {
+    const core::CellIndex at = border[i];
+    const std::array<core::CellIndex, 4> sides = {{{at.x + 1, at.y},
+                                                   {at.x - 1, at.y},
+                                                   {at.x, at.y + 1},
+                                                   {at.x, at.y - 1}}};
+    for (const core::CellIndex& side : sides) {
       if (!level.grid.Contains(side)) continue;
       float& height_m = heights_m[level.grid.IndexOf(side)];
       if (!std::isnan(height_m)) continue;
@@ -124,28 +127,31 @@ std::vector<float> SpreadHeights(const TraversableLevel& level) {
   return heights_m;
 }
 
-bool HaveSameCells(const OccupancyGrid& grid, const VoxelMap& voxels) {
+bool HaveSameCells(const core::OccupancyGrid& grid,
+                   const octree::VoxelMap& voxels) {
   const double r = voxels.resolution_m();
-  const Vec2 origin = {voxels.lowest().x * r, voxels.lowest().y * r};
+  const geometry::Vec2 origin = {voxels.lowest().x * r, voxels.lowest().y * r};
   return grid.width == voxels.size().x && grid.height == voxels.size().y &&
          std::abs(grid.resolution_m - r) < 1e-6 &&
-         Norm(grid.map_from_grid.translation - origin) < 1e-6 &&
+         geometry::Norm(grid.map_from_grid.translation - origin) < 1e-6 &&
          grid.map_from_grid.yaw_rad == 0;
 }
 
 }  // namespace
 
 absl::Status LaserLevelOptions::Validate() const {
-  TL_RETURN_IF_ERROR(CheckRange("laser levels: layer_m", layer_m, 0.02, 1));
   TL_RETURN_IF_ERROR(
-      CheckRange("laser levels: max_rise_m", max_rise_m, 0.001, 1));
-  TL_RETURN_IF_ERROR(CheckRange("laser levels: max_bytes",
-                                static_cast<double>(max_bytes), 1, 0x1p32));
+      base::CheckRange("laser levels: layer_m", layer_m, 0.02, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("laser levels: max_rise_m", max_rise_m, 0.001, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange(
+      "laser levels: max_bytes", static_cast<double>(max_bytes), 1, 0x1p32));
   return field.Validate();
 }
 
 absl::StatusOr<LaserLevelMap> LaserLevelMap::Make(
-    const VoxelMap& voxels, const TraversableMap& traversable,
+    const octree::VoxelMap& voxels,
+    const traversability::TraversableMap& traversable,
     const LaserLevelOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   if (traversable.levels.empty()) {
@@ -156,7 +162,7 @@ absl::StatusOr<LaserLevelMap> LaserLevelMap::Make(
   map.max_rise_m_ = options.max_rise_m;
   map.cells_ = traversable.levels[0].grid;
   for (size_t i = 0; i < traversable.levels.size(); ++i) {
-    const TraversableLevel& level = traversable.levels[i];
+    const traversability::TraversableLevel& level = traversable.levels[i];
     if (!HaveSameCells(level.grid, voxels) ||
         level.height_m.size() != level.grid.cells.size()) {
       return absl::InvalidArgumentError(absl::StrCat(
@@ -170,9 +176,9 @@ absl::StatusOr<LaserLevelMap> LaserLevelMap::Make(
     map.heights_m_.push_back(std::move(heights_m));
     for (int y = 0; y < level.grid.height; ++y) {
       for (int x = 0; x < level.grid.width; ++x) {
-        if (level.grid.At({x, y}) != Occupancy::kFree) continue;
+        if (level.grid.At({x, y}) != core::Occupancy::kFree) continue;
         const double height_m = map.heights_m_[i][level.grid.IndexOf({x, y})];
-        const Vec2 center = level.grid.CenterInMap({x, y});
+        const geometry::Vec2 center = level.grid.CenterInMap({x, y});
         const auto ground = map.GroundNear(center, height_m);
         if (!ground.has_value() || ground->level != static_cast<int>(i)) {
           continue;
@@ -192,12 +198,12 @@ absl::StatusOr<LaserLevelMap> LaserLevelMap::Make(
   return map;
 }
 
-std::optional<LevelPlace> LaserLevelMap::GroundNear(Vec2 point,
-                                                    double height_m) const {
-  const CellIndex cell = cells_.CellOf(point);
+std::optional<core::LevelPlace> LaserLevelMap::GroundNear(
+    geometry::Vec2 point, double height_m) const {
+  const core::CellIndex cell = cells_.CellOf(point);
   if (!cells_.Contains(cell)) return std::nullopt;
   const size_t at = cells_.IndexOf(cell);
-  std::optional<LevelPlace> nearest;
+  std::optional<core::LevelPlace> nearest;
   double best_m = max_rise_m_;
   for (size_t i = 0; i < heights_m_.size(); ++i) {
     const double ground_m = heights_m_[i][at];
@@ -211,20 +217,22 @@ std::optional<LevelPlace> LaserLevelMap::GroundNear(Vec2 point,
   return nearest;
 }
 
-std::optional<LevelPlace> LaserLevelMap::GroundOf(Vec2 point, int level) const {
-  const CellIndex cell = cells_.CellOf(point);
+std::optional<core::LevelPlace> LaserLevelMap::GroundOf(geometry::Vec2 point,
+                                                        int level) const {
+  const core::CellIndex cell = cells_.CellOf(point);
   if (!cells_.Contains(cell) || level < 0 || level >= levels()) {
     return std::nullopt;
   }
   const double height_m =
       heights_m_[static_cast<size_t>(level)][cells_.IndexOf(cell)];
   if (std::isnan(height_m)) return std::nullopt;
-  return LevelPlace{.level = level, .height_m = height_m};
+  return core::LevelPlace{.level = level, .height_m = height_m};
 }
 
-OccupancyGrid LaserSlice(const VoxelMap& voxels, const TraversableLevel& level,
-                         double laser_height_m) {
-  OccupancyGrid slice = level.grid;
+core::OccupancyGrid LaserSlice(const octree::VoxelMap& voxels,
+                               const traversability::TraversableLevel& level,
+                               double laser_height_m) {
+  core::OccupancyGrid slice = level.grid;
   const std::vector<float> heights_m = SpreadHeights(level);
   const double r = voxels.resolution_m();
   for (int y = 0; y < slice.height; ++y) {
@@ -236,17 +244,17 @@ OccupancyGrid LaserSlice(const VoxelMap& voxels, const TraversableLevel& level,
                     voxels.lowest().z;
       if (!std::isnan(heights_m[at]) &&
           AnyOccupied(voxels, x, y, z - 1, z + 2)) {
-        slice.cells[at] = Occupancy::kOccupied;
-      } else if (level.grid.cells[at] != Occupancy::kFree) {
-        slice.cells[at] = Occupancy::kUnknown;
+        slice.cells[at] = core::Occupancy::kOccupied;
+      } else if (level.grid.cells[at] != core::Occupancy::kFree) {
+        slice.cells[at] = core::Occupancy::kUnknown;
       }
     }
   }
   return slice;
 }
 
-bool LaserLevelMap::IsOnGround(Vec3 point, double tolerance_m) const {
-  const CellIndex cell = cells_.CellOf({point.x, point.y});
+bool LaserLevelMap::IsOnGround(geometry::Vec3 point, double tolerance_m) const {
+  const core::CellIndex cell = cells_.CellOf({point.x, point.y});
   if (!cells_.Contains(cell)) return false;
   const size_t at = cells_.IndexOf(cell);
   return std::ranges::any_of(
@@ -255,4 +263,4 @@ bool LaserLevelMap::IsOnGround(Vec3 point, double tolerance_m) const {
       });
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization

@@ -17,7 +17,7 @@
 #include "nav_agent/octomap/voxel_map.h"
 #include "nav_agent/traversability/traversability.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 struct LaserLevelOptions {
   // Heights are told apart by layers this thick (m), in [0.02, 1]. A layer
@@ -36,8 +36,8 @@ struct LaserLevelOptions {
 };
 
 struct FreePlace {
-  Vec2 center;
-  LevelPlace place;
+  geometry::Vec2 center;
+  core::LevelPlace place;
 };
 
 // A likelihood field for each height, rather than the traversable map's
@@ -49,7 +49,8 @@ class LaserLevelMap {
   // resolutions, and levels without any free cell; RESOURCE_EXHAUSTED if it
   // took more than max_bytes.
   static absl::StatusOr<LaserLevelMap> Make(
-      const VoxelMap& voxels, const TraversableMap& traversable,
+      const octree::VoxelMap& voxels,
+      const traversability::TraversableMap& traversable,
       const LaserLevelOptions& options = {});
 
   const LikelihoodField& field() const { return field_; }
@@ -62,11 +63,13 @@ class LaserLevelMap {
   // height is nearest, the lower one of two that share it. So a robot that
   // drives over a join goes over to the other level. nullopt where none is
   // near: in walls, and outside.
-  std::optional<LevelPlace> GroundNear(Vec2 point, double height_m) const;
+  std::optional<core::LevelPlace> GroundNear(geometry::Vec2 point,
+                                             double height_m) const;
   // The ground of one level.
-  std::optional<LevelPlace> GroundOf(Vec2 point, int level) const;
+  std::optional<core::LevelPlace> GroundOf(geometry::Vec2 point,
+                                           int level) const;
   // Whether a point lies within this of any level's ground.
-  bool IsOnGround(Vec3 point, double tolerance_m) const;
+  bool IsOnGround(geometry::Vec3 point, double tolerance_m) const;
 
  private:
   LaserLevelMap() = default;
@@ -76,7 +79,7 @@ class LaserLevelMap {
   double resolution_m_ = 0;
   double max_rise_m_ = 0;
   // Cells of all levels; its states are not used.
-  OccupancyGrid cells_;
+  core::OccupancyGrid cells_;
   // One a level and cell; NaN: no ground. Of the surface: half a voxel above
   // the middle of its voxel.
   std::vector<std::vector<float>> heights_m_;
@@ -85,9 +88,10 @@ class LaserLevelMap {
 // What a laser sees at laser_height_m above one level's ground, where that is
 // level: occupied where a voxel is within one voxel of that height above the
 // free ground nearest to a cell, else free where the level is, else unknown.
-OccupancyGrid LaserSlice(const VoxelMap& voxels, const TraversableLevel& level,
-                         double laser_height_m);
+core::OccupancyGrid LaserSlice(const octree::VoxelMap& voxels,
+                               const traversability::TraversableLevel& level,
+                               double laser_height_m);
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_LASER_LEVEL_MAP_H_

@@ -12,7 +12,7 @@
 #include "nav_agent/localization/amcl.h"
 #include "nav_agent/traversability/testing_scene.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 using testing::HasSubstr;
@@ -25,39 +25,47 @@ const double kSlope_rad = std::atan(2.0 / kRampLength_m);
 
 // A hall under an upper floor; along its south side a ramp of 1:8 leads up. Its
 // walls differ from each other, and between the floors.
-Scene MakeTwoFloors() {
-  Scene scene = Scene::WithFloor(22, 7);
+traversability::Scene MakeTwoFloors() {
+  traversability::Scene scene = traversability::Scene::WithFloor(22, 7);
   scene.top_m = 4;
-  scene.AddBox(BlockKind::kGround, {0, 2.5}, {22, 7}, kUpperFloor_m, 0.2);
-  scene.AddBox(BlockKind::kGround, {19, 0}, {22, 2.5}, kUpperFloor_m, 0.2);
+  scene.AddBox(traversability::BlockKind::kGround, {0, 2.5}, {22, 7},
+               kUpperFloor_m, 0.2);
+  scene.AddBox(traversability::BlockKind::kGround, {19, 0}, {22, 2.5},
+               kUpperFloor_m, 0.2);
   scene.blocks.push_back(
-      {.kind = BlockKind::kGround,
+      {.kind = traversability::BlockKind::kGround,
        .scene_from_block = {.translation = {kRampBegin_m + kRampLength_m / 2,
                                             1.3},
                             .yaw_rad = 0},
        .half_x_m = kRampLength_m / 2,
        .half_y_m = 1.2,
-       .top_begin_m = Scene::kFloor_m,
+       .top_begin_m = traversability::Scene::kFloor_m,
        .top_end_m = kUpperFloor_m,
        .thickness_m = 0.15});
   // Sides lie within voxels, not between two: those are seen.
   for (const auto& [low, high] :
-       std::vector<std::pair<Vec2, Vec2>>{{{0, 0}, {22, 0.12}},
-                                          {{0, 6.88}, {22, 7}},
-                                          {{0, 0}, {0.12, 7}},
-                                          {{21.88, 0}, {22, 7}}}) {
-    scene.AddBox(BlockKind::kObstacle, low, high, 3.9);
+       std::vector<std::pair<geometry::Vec2, geometry::Vec2>>{
+           {{0, 0}, {22, 0.12}},
+           {{0, 6.88}, {22, 7}},
+           {{0, 0}, {0.12, 7}},
+           {{21.88, 0}, {22, 7}}}) {
+    scene.AddBox(traversability::BlockKind::kObstacle, low, high, 3.9);
   }
-  scene.AddBox(BlockKind::kObstacle, {6.02, 5.02}, {6.98, 6.88}, 1.7, 1.69);
-  scene.AddBox(BlockKind::kObstacle, {14.02, 3.32}, {14.38, 3.68}, 1.7, 1.69);
-  scene.AddBox(BlockKind::kObstacle, {9.02, 6.02}, {9.48, 6.88}, 3.9, 1.88);
-  scene.AddBox(BlockKind::kObstacle, {17.02, 4.52}, {17.98, 4.98}, 3.9, 1.88);
+  scene.AddBox(traversability::BlockKind::kObstacle, {6.02, 5.02}, {6.98, 6.88},
+               1.7, 1.69);
+  scene.AddBox(traversability::BlockKind::kObstacle, {14.02, 3.32},
+               {14.38, 3.68}, 1.7, 1.69);
+  scene.AddBox(traversability::BlockKind::kObstacle, {9.02, 6.02}, {9.48, 6.88},
+               3.9, 1.88);
+  scene.AddBox(traversability::BlockKind::kObstacle, {17.02, 4.52},
+               {17.98, 4.98}, 3.9, 1.88);
   return scene;
 }
 
 struct Building {
-  VoxelMap voxels = Voxelize(MakeTwoFloors());
-  TraversableMap levels = *ExtractTraversableMap(voxels);
+  octree::VoxelMap voxels = traversability::Voxelize(MakeTwoFloors());
+  traversability::TraversableMap levels =
+      *traversability::ExtractTraversableMap(voxels);
   std::shared_ptr<const LaserLevelMap> map =
       std::make_shared<const LaserLevelMap>(
           *LaserLevelMap::Make(voxels, levels));
@@ -72,14 +80,15 @@ const Building& TheBuilding() {
 double GroundOnWay(double x_m) {
   const double share =
       std::clamp((x_m - kRampBegin_m) / kRampLength_m, 0.0, 1.0);
-  return Scene::kFloor_m + share * (kUpperFloor_m - Scene::kFloor_m);
+  return traversability::Scene::kFloor_m +
+         share * (kUpperFloor_m - traversability::Scene::kFloor_m);
 }
 double PitchOnWay(double x_m) {
   return x_m > kRampBegin_m && x_m < kRampBegin_m + kRampLength_m ? -kSlope_rad
                                                                   : 0;
 }
 
-RangeSensorInfo Laser() {
+core::RangeSensorInfo Laser() {
   return {.angle_min_rad = -2.3,
           .angle_increment_rad = 4.6 / 120,
           .beams = 121,
@@ -89,28 +98,31 @@ RangeSensorInfo Laser() {
           .scan_interval_s = 0.1};
 }
 
-const Rigid3 kBaseFromLaser = {.rotation = {},
-                               .translation = {0.2, 0, kLaser_m}};
+const geometry::Rigid3 kBaseFromLaser = {.rotation = {},
+                                         .translation = {0.2, 0, kLaser_m}};
 
 // By small steps through the voxels, with 1 cm of noise.
-LaserScan ScanOf(const VoxelMap& voxels, const Rigid3& map_from_laser,
-                 Random& random) {
-  const RangeSensorInfo info = Laser();
-  LaserScan scan;
+core::LaserScan ScanOf(const octree::VoxelMap& voxels,
+                       const geometry::Rigid3& map_from_laser,
+                       base::Random& random) {
+  const core::RangeSensorInfo info = Laser();
+  core::LaserScan scan;
   for (int beam = 0; beam < info.beams; ++beam) {
     const double angle_rad = info.AngleOf_rad(beam);
-    const Vec3 direction = map_from_laser.rotation *
-                           Vec3{std::cos(angle_rad), std::sin(angle_rad), 0};
+    const geometry::Vec3 direction =
+        map_from_laser.rotation *
+        geometry::Vec3{std::cos(angle_rad), std::sin(angle_rad), 0};
     double range_m = info.range_min_m;
     while (range_m < info.range_max_m &&
            voxels.At(voxels.IndexOf(map_from_laser.translation +
-                                    range_m * direction)) != Voxel::kOccupied) {
+                                    range_m * direction)) !=
+               octree::Voxel::kOccupied) {
       range_m += 0.02;
     }
     scan.ranges_m.push_back(
         range_m < info.range_max_m
             ? static_cast<float>(range_m + 0.01 * random.NextGaussian())
-            : kNoReturn);
+            : core::kNoReturn);
   }
   return scan;
 }
@@ -127,9 +139,9 @@ struct Climb {
 Climb DriveUp(bool global, bool use_tilt) {
   const Building& building = TheBuilding();
   Amcl amcl = *Amcl::CreateOnLevels(building.map, {}, 7);
-  Random random(5, 5);
+  base::Random random(5, 5);
   Climb climb;
-  Rigid2 odom_from_base;
+  geometry::Rigid2 odom_from_base;
   if (global) {
     amcl.SetAnywhere();
   } else {
@@ -138,28 +150,30 @@ Climb DriveUp(bool global, bool use_tilt) {
                     .ok());
   }
   for (double x_m = 1; x_m < 21; x_m += 0.25) {
-    const Rotation3 level_from_base =
-        Rotation3::FromAxisAngle({0, PitchOnWay(x_m), 0});
-    const Rigid3 map_from_base = {.rotation = level_from_base,
-                                  .translation = {x_m, 1.3, GroundOnWay(x_m)}};
-    const LaserScan scan =
+    const geometry::Rotation3 level_from_base =
+        geometry::Rotation3::FromAxisAngle({0, PitchOnWay(x_m), 0});
+    const geometry::Rigid3 map_from_base = {
+        .rotation = level_from_base,
+        .translation = {x_m, 1.3, GroundOnWay(x_m)}};
+    const core::LaserScan scan =
         ScanOf(building.voxels, map_from_base * kBaseFromLaser, random);
     const ScanPoints points =
         *PointsInSpace(scan, Laser(), kBaseFromLaser,
-                       use_tilt ? level_from_base : Rotation3(), 60);
+                       use_tilt ? level_from_base : geometry::Rotation3(), 60);
     const auto estimate = *amcl.Update(odom_from_base, points);
     odom_from_base =
         odom_from_base *
-        Rigid2{.translation = {0.25 * (1.01 + 0.02 * random.NextGaussian()), 0},
-               .yaw_rad = 0.003 * random.NextGaussian()};
+        geometry::Rigid2{
+            .translation = {0.25 * (1.01 + 0.02 * random.NextGaussian()), 0},
+            .yaw_rad = 0.003 * random.NextGaussian()};
     if (climb.first_level < 0) climb.first_level = estimate->place.level;
     climb.last_level = estimate->place.level;
     climb.most_on_ground =
         std::max(climb.most_on_ground, estimate->beams_on_ground);
     if (global && x_m < 12) continue;
-    climb.worst_m =
-        std::max(climb.worst_m,
-                 Norm(estimate->map_from_base.translation - Vec2{x_m, 1.3}));
+    climb.worst_m = std::max(
+        climb.worst_m, geometry::Norm(estimate->map_from_base.translation -
+                                      geometry::Vec2{x_m, 1.3}));
     climb.worst_height_m =
         std::max(climb.worst_height_m,
                  std::abs(estimate->place.height_m - GroundOnWay(x_m)));
@@ -170,7 +184,7 @@ Climb DriveUp(bool global, bool use_tilt) {
 TEST(LaserLevelMap, GroundGoesOnOverTheJoin) {
   const LaserLevelMap& map = *TheBuilding().map;
   ASSERT_EQ(map.levels(), 2);
-  LevelPlace place = *map.GroundNear({1, 1.3}, 0);
+  core::LevelPlace place = *map.GroundNear({1, 1.3}, 0);
   EXPECT_EQ(place.level, 0);
   for (double x_m = 1; x_m < 21; x_m += 0.05) {
     const auto next = map.GroundNear({x_m, 1.3}, place.height_m);
@@ -213,7 +227,7 @@ TEST(LaserLevelMap, EachHeightHasItsOwnField) {
 
 TEST(LaserLevelMap, SumsAreThoseOfSinglePoints) {
   const LikelihoodField& field = TheBuilding().map->field();
-  Random random(3, 1);
+  base::Random random(3, 1);
   ScanPoints points;
   for (int i = 0; i < 37; ++i) {
     points.x_m.push_back(static_cast<float>(random.NextUniform(-9, 9)));
@@ -224,7 +238,7 @@ TEST(LaserLevelMap, SumsAreThoseOfSinglePoints) {
   poses.Resize(50);
   int different = 0;
   std::vector<float> sums(50);
-  std::vector<Rigid2> map_from_base;
+  std::vector<geometry::Rigid2> map_from_base;
   std::vector<double> grounds_m;
   for (size_t i = 0; i < 50; ++i) {
     map_from_base.push_back(
@@ -247,14 +261,16 @@ TEST(LaserLevelMap, SumsAreThoseOfSinglePoints) {
 
 TEST(LaserLevelMap, RefusesWhatDoesNotFit) {
   const Building& building = TheBuilding();
-  const VoxelMap coarse = Voxelize(MakeTwoFloors(), {}, 0.1);
+  const octree::VoxelMap coarse =
+      traversability::Voxelize(MakeTwoFloors(), {}, 0.1);
   EXPECT_THAT(LaserLevelMap::Make(coarse, building.levels).status().message(),
               HasSubstr("another resolution?"));
   EXPECT_EQ(LaserLevelMap::Make(building.voxels, {}).status().code(),
             absl::StatusCode::kInvalidArgument);
-  TraversableMap closed = building.levels;
-  for (TraversableLevel& level : closed.levels) {
-    for (Occupancy& cell : level.grid.cells) cell = Occupancy::kUnknown;
+  traversability::TraversableMap closed = building.levels;
+  for (traversability::TraversableLevel& level : closed.levels) {
+    for (core::Occupancy& cell : level.grid.cells)
+      cell = core::Occupancy::kUnknown;
   }
   EXPECT_THAT(LaserLevelMap::Make(building.voxels, closed).status().message(),
               HasSubstr("none of the cells of 2 levels is free"));
@@ -274,16 +290,16 @@ TEST(LaserLevelMap, RefusesWhatDoesNotFit) {
 
 TEST(LaserSlice, IsWhatALaserSeesFromTheGroundBelow) {
   const Building& building = TheBuilding();
-  const OccupancyGrid lower =
+  const core::OccupancyGrid lower =
       LaserSlice(building.voxels, building.levels.levels[0], kLaser_m);
-  const OccupancyGrid upper =
+  const core::OccupancyGrid upper =
       LaserSlice(building.voxels, building.levels.levels[1], kLaser_m);
-  EXPECT_EQ(lower.At(lower.CellOf({14.03, 3.5})), Occupancy::kOccupied);
-  EXPECT_EQ(upper.At(upper.CellOf({14.03, 3.5})), Occupancy::kFree);
-  EXPECT_EQ(upper.At(upper.CellOf({17.5, 4.53})), Occupancy::kOccupied);
-  EXPECT_EQ(lower.At(lower.CellOf({17.5, 4.53})), Occupancy::kFree);
+  EXPECT_EQ(lower.At(lower.CellOf({14.03, 3.5})), core::Occupancy::kOccupied);
+  EXPECT_EQ(upper.At(upper.CellOf({14.03, 3.5})), core::Occupancy::kFree);
+  EXPECT_EQ(upper.At(upper.CellOf({17.5, 4.53})), core::Occupancy::kOccupied);
+  EXPECT_EQ(lower.At(lower.CellOf({17.5, 4.53})), core::Occupancy::kFree);
   // The ramp is no obstacle to who is on it.
-  EXPECT_EQ(lower.At(lower.CellOf({5, 1.3})), Occupancy::kFree);
+  EXPECT_EQ(lower.At(lower.CellOf({5, 1.3})), core::Occupancy::kFree);
 }
 
 TEST(AmclOnLevels, FollowsARobotUpTheRampToTheNextLevel) {
@@ -319,4 +335,4 @@ TEST(AmclOnLevels, RefusesPlacesWithoutGround) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::localization

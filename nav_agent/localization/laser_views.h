@@ -9,7 +9,7 @@
 #include "nav_agent/octomap/voxel_map.h"
 #include "nav_agent/traversability/traversability.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 struct LaserViewOptions {
   // Above the ground that the robot stands on (m, 0 to 5).
@@ -34,10 +34,11 @@ struct LaserViewOptions {
 // ground that can be driven on, slopes above all, are nobody's obstacle.
 // Errors: INVALID_ARGUMENT for options, and for a level that is not there or is
 // not of these voxels.
-absl::StatusOr<LaserMap> LaserMapOf(const VoxelMap& voxels,
-                                    const TraversableMap& levels, int level,
-                                    const LaserViewOptions& options);
+absl::StatusOr<LaserMap> LaserMapOf(
+    const octree::VoxelMap& voxels,
+    const traversability::TraversableMap& levels, int level,
+    const LaserViewOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_LASER_VIEWS_H_

@@ -10,7 +10,7 @@
 
 #ifndef NAV_AGENT_LOCALIZATION_LOG_TABLE_
 #define NAV_AGENT_LOCALIZATION_LOG_TABLE_
-namespace treeline {
+namespace treeline::localization {
 // width x height cells in each of so many layers.
 struct LogTable {
   const float* logs;
@@ -35,11 +35,11 @@ struct CellPose {
   float cosine;
   float sine;
 };
-}  // namespace treeline
+}  // namespace treeline::localization
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace treeline::HWY_NAMESPACE {
+namespace treeline::localization::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // The sum over the points of the logs of the cells that they fall into when
@@ -109,7 +109,7 @@ void SumsOfLogs(const LogTable& table, const PointArrays& points,
   }
 }
 
-}  // namespace treeline::HWY_NAMESPACE
+}  // namespace treeline::localization::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -117,7 +117,7 @@ HWY_AFTER_NAMESPACE();
 #include "common/base/status_macros.h"
 #include "nav_agent/core/distance_field.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 HWY_EXPORT(SumsOfLogs);
 
@@ -143,7 +143,8 @@ void PoseArrays::Resize(size_t count) {
   sin_yaw.resize(count);
 }
 
-void PoseArrays::Set(size_t i, const Rigid2& map_from_base, double ground_m) {
+void PoseArrays::Set(size_t i, const geometry::Rigid2& map_from_base,
+                     double ground_m) {
   x_m[i] = static_cast<float>(map_from_base.translation.x);
   y_m[i] = static_cast<float>(map_from_base.translation.y);
   height_m[i] = static_cast<float>(ground_m);
@@ -152,7 +153,7 @@ void PoseArrays::Set(size_t i, const Rigid2& map_from_base, double ground_m) {
 }
 
 absl::StatusOr<LikelihoodField> LikelihoodField::Create(
-    const OccupancyGrid& grid, const LikelihoodFieldOptions& options) {
+    const core::OccupancyGrid& grid, const LikelihoodFieldOptions& options) {
   OccupancyLayers layers;
   layers.grids.push_back(grid);
   TL_ASSIGN_OR_RETURN(LikelihoodField field, CreateLayered(layers, options));
@@ -168,7 +169,7 @@ absl::StatusOr<LikelihoodField> LikelihoodField::CreateLayered(
       !(layers.layer_m > 0) || !std::isfinite(layers.lowest_m)) {
     return absl::InvalidArgumentError("likelihood field: a map without cells");
   }
-  const OccupancyGrid& first = layers.grids[0];
+  const core::OccupancyGrid& first = layers.grids[0];
   // What is numbered by 32 bits.
   if (static_cast<double>(first.width + 2) * (first.height + 2) *
           static_cast<double>(layers.grids.size()) >
@@ -185,7 +186,7 @@ absl::StatusOr<LikelihoodField> LikelihoodField::CreateLayered(
   field.layers_per_m_ = 1 / layers.layer_m;
   field.cells_per_m_ = 1 / first.resolution_m;
   field.grid_from_map_ = first.map_from_grid.Inverse();
-  for (const OccupancyGrid& grid : layers.grids) {
+  for (const core::OccupancyGrid& grid : layers.grids) {
     if (grid.width != first.width || grid.height != first.height ||
         grid.resolution_m != first.resolution_m ||
         grid.map_from_grid != first.map_from_grid) {
@@ -197,10 +198,10 @@ absl::StatusOr<LikelihoodField> LikelihoodField::CreateLayered(
   return field;
 }
 
-void LikelihoodField::AddLayer(const OccupancyGrid& grid) {
+void LikelihoodField::AddLayer(const core::OccupancyGrid& grid) {
   // Beyond five sigma nothing is left of the hit.
   const double reach_m = 5 * options_.sigma_hit_m;
-  const std::vector<float> distances = DistanceToOccupied(grid, reach_m);
+  const std::vector<float> distances = core::DistanceToOccupied(grid, reach_m);
   const size_t row = static_cast<size_t>(width_);
   const size_t begin = logs_.size();
   logs_.resize(begin + row * static_cast<size_t>(height_), LogAt(reach_m));
@@ -251,16 +252,17 @@ void LikelihoodField::SumLogLikelihoods(const ScanPoints& points,
 }
 
 void LikelihoodField::LogLikelihoods(const ScanPoints& points,
-                                     const Rigid2& map_from_base,
+                                     const geometry::Rigid2& map_from_base,
                                      std::span<float> logs,
                                      double ground_m) const {
-  const Rigid2 grid_from_base = grid_from_map_ * map_from_base;
+  const geometry::Rigid2 grid_from_base = grid_from_map_ * map_from_base;
   const bool is_layered = layers_per_m_ > 0 && points.has_heights();
   const size_t cells =
       static_cast<size_t>(width_) * static_cast<size_t>(height_);
   for (size_t i = 0; i < points.size(); ++i) {
-    const Vec2 point =
-        cells_per_m_ * (grid_from_base * Vec2{points.x_m[i], points.y_m[i]});
+    const geometry::Vec2 point =
+        cells_per_m_ *
+        (grid_from_base * geometry::Vec2{points.x_m[i], points.y_m[i]});
     const double x = std::clamp(point.x + 1, 0.0, width_ - 1.0);
     const double y = std::clamp(point.y + 1, 0.0, height_ - 1.0);
     double layer = 0;
@@ -274,5 +276,5 @@ void LikelihoodField::LogLikelihoods(const ScanPoints& points,
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization
 #endif  // HWY_ONCE

@@ -11,7 +11,7 @@
 #include "nav_agent/core/occupancy_grid.h"
 #include "nav_agent/localization/scan_points.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 // Probabilistic Robotics, table 6.3, without its constant for beams of the
 // largest range (they are left out):
@@ -38,7 +38,8 @@ struct PoseArrays {
   std::vector<float> sin_yaw;
 
   void Resize(size_t count);
-  void Set(size_t i, const Rigid2& map_from_base, double ground_m = 0);
+  void Set(size_t i, const geometry::Rigid2& map_from_base,
+           double ground_m = 0);
   size_t size() const { return x_m.size(); }
 };
 
@@ -47,7 +48,7 @@ struct PoseArrays {
 struct OccupancyLayers {
   double lowest_m = 0;
   double layer_m = 0.1;
-  std::vector<OccupancyGrid> grids;
+  std::vector<core::OccupancyGrid> grids;
 };
 
 // Immutable and thread-safe. Four bytes a cell and layer.
@@ -55,7 +56,7 @@ class LikelihoodField {
  public:
   // INVALID_ARGUMENT for bad options and for a grid without cells.
   static absl::StatusOr<LikelihoodField> Create(
-      const OccupancyGrid& grid, const LikelihoodFieldOptions& options);
+      const core::OccupancyGrid& grid, const LikelihoodFieldOptions& options);
   // A field for each layer: points need their heights above the ground (z_m),
   // and poses that of the ground. What is above or below all layers belongs to
   // the nearest. INVALID_ARGUMENT for bad options, for no layers, and for
@@ -71,7 +72,8 @@ class LikelihoodField {
                          std::span<float> sums) const;
 
   // log p of each point seen from one pose.
-  void LogLikelihoods(const ScanPoints& points, const Rigid2& map_from_base,
+  void LogLikelihoods(const ScanPoints& points,
+                      const geometry::Rigid2& map_from_base,
                       std::span<float> logs, double ground_m = 0) const;
 
   // log p of a point at this distance from the nearest obstacle.
@@ -79,7 +81,7 @@ class LikelihoodField {
 
  private:
   LikelihoodField() = default;
-  void AddLayer(const OccupancyGrid& grid);
+  void AddLayer(const core::OccupancyGrid& grid);
 
   LikelihoodFieldOptions options_;
   // One cell wider on each side than the grid: what lies outside ends there.
@@ -92,10 +94,10 @@ class LikelihoodField {
   // Layer by layer.
   std::vector<float> logs_;
   // From the map to cells of logs_.
-  Rigid2 grid_from_map_;
+  geometry::Rigid2 grid_from_map_;
   double cells_per_m_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_LIKELIHOOD_FIELD_H_

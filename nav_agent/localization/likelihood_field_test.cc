@@ -6,13 +6,14 @@
 #include "gtest/gtest.h"
 #include "nav_agent/localization/testing_map.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 TEST(LikelihoodField, IsTheEquationOfTheDistance) {
   // One obstacle in a row of cells.
-  OccupancyGrid map = OccupancyGrid::Filled(40, 1, 0.1, {}, Occupancy::kFree);
-  map.Set({10, 0}, Occupancy::kOccupied);
+  core::OccupancyGrid map =
+      core::OccupancyGrid::Filled(40, 1, 0.1, {}, core::Occupancy::kFree);
+  map.Set({10, 0}, core::Occupancy::kOccupied);
   const LikelihoodField field =
       *LikelihoodField::Create(map, {.sigma_hit_m = 0.2, .hit_share = 0.8});
   for (int cell = 0; cell < 40; ++cell) {
@@ -27,9 +28,9 @@ TEST(LikelihoodField, IsTheEquationOfTheDistance) {
 }
 
 TEST(LikelihoodField, SumsAreThoseOfSinglePoints) {
-  const OccupancyGrid map = TestingMap();
+  const core::OccupancyGrid map = TestingMap();
   const LikelihoodField field = *LikelihoodField::Create(map, {});
-  Random random(3, 1);
+  base::Random random(3, 1);
   // Numbers of points that do and do not fill SIMD registers, and poses that
   // look out of the map.
   for (const size_t count : {0u, 1u, 7u, 8u, 60u, 61u}) {
@@ -41,7 +42,7 @@ TEST(LikelihoodField, SumsAreThoseOfSinglePoints) {
     constexpr size_t kPoses = 50;
     PoseArrays poses;
     poses.Resize(kPoses);
-    std::vector<Rigid2> map_from_base;
+    std::vector<geometry::Rigid2> map_from_base;
     for (size_t i = 0; i < kPoses; ++i) {
       map_from_base.push_back(
           {{random.NextUniform(-5, 12), random.NextUniform(-5, 12)},
@@ -64,16 +65,17 @@ TEST(LikelihoodField, SumsAreThoseOfSinglePoints) {
 }
 
 TEST(PointsOf, ChoosesEvenlyAmongBeamsThatEnd) {
-  const RangeSensorInfo info = {.angle_min_rad = -1,
-                                .angle_increment_rad = 0.5,
-                                .beams = 5,
-                                .range_min_m = 0.1,
-                                .range_max_m = 10,
-                                .beam_interval_s = 0,
-                                .scan_interval_s = 0.1};
-  LaserScan scan;
-  scan.ranges_m = {1, kNoReturn, 2, kInvalidRange, 4};
-  const Rigid2 base_from_laser = {.translation = {0.5, 0}, .yaw_rad = 0};
+  const core::RangeSensorInfo info = {.angle_min_rad = -1,
+                                      .angle_increment_rad = 0.5,
+                                      .beams = 5,
+                                      .range_min_m = 0.1,
+                                      .range_max_m = 10,
+                                      .beam_interval_s = 0,
+                                      .scan_interval_s = 0.1};
+  core::LaserScan scan;
+  scan.ranges_m = {1, core::kNoReturn, 2, core::kInvalidRange, 4};
+  const geometry::Rigid2 base_from_laser = {.translation = {0.5, 0},
+                                            .yaw_rad = 0};
   const ScanPoints all = *PointsOf(scan, info, base_from_laser, 60);
   ASSERT_EQ(all.size(), 3u);
   EXPECT_FLOAT_EQ(all.x_m[1], 2.5f);
@@ -88,4 +90,4 @@ TEST(PointsOf, ChoosesEvenlyAmongBeamsThatEnd) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::localization

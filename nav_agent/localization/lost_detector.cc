@@ -7,7 +7,7 @@
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 // A jump or a lift is named as the reason for so long.
@@ -15,7 +15,7 @@ constexpr double kRecent_s = 5;
 
 double Logistic(double x) { return 1 / (1 + std::exp(-x)); }
 
-bool IsFinite(const Rigid2& pose) {
+bool IsFinite(const geometry::Rigid2& pose) {
   return std::isfinite(pose.translation.x) &&
          std::isfinite(pose.translation.y) && std::isfinite(pose.yaw_rad);
 }
@@ -30,7 +30,7 @@ bool IsFinite(const LostEvidence& evidence) {
          std::isfinite(evidence.roll_rad);
 }
 
-double SecondsBetween(MonotonicTime from, MonotonicTime to) {
+double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
@@ -59,23 +59,25 @@ LostModel LostModel::Trained() {
 
 absl::Status LostFilterOptions::Validate() const {
   for (const double weight : model.weights) {
-    TL_RETURN_IF_ERROR(CheckRange("lost: a weight", weight, 0, 1000));
+    TL_RETURN_IF_ERROR(base::CheckRange("lost: a weight", weight, 0, 1000));
   }
-  TL_RETURN_IF_ERROR(CheckRange("lost: bias", model.bias, -1000, 1000));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: bias", model.bias, -1000, 1000));
   TL_RETURN_IF_ERROR(
-      CheckRange("lost: independent_s", independent_s, 0.01, 60));
-  TL_RETURN_IF_ERROR(CheckRange("lost: most_for", most_for, 0.1, 100));
-  TL_RETURN_IF_ERROR(CheckRange("lost: most_against", most_against, 0.1, 100));
-  TL_RETURN_IF_ERROR(CheckRange("lost: slope_part", slope_part, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("lost: loss_hz", loss_hz, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("lost: jump_from", jump_from, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("lost: jump_to", jump_to, jump_from, 1));
-  TL_RETURN_IF_ERROR(CheckRange("lost: jump_chance", jump_chance, 0, 0.999));
+      base::CheckRange("lost: independent_s", independent_s, 0.01, 60));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: most_for", most_for, 0.1, 100));
   TL_RETURN_IF_ERROR(
-      CheckRange("lost: lifted_chance", lifted_chance, 0, 0.999));
+      base::CheckRange("lost: most_against", most_against, 0.1, 100));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: slope_part", slope_part, 0, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: loss_hz", loss_hz, 0, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: jump_from", jump_from, 0, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: jump_to", jump_to, jump_from, 1));
   TL_RETURN_IF_ERROR(
-      CheckRange("lost: most_sure_lost", most_sure_lost, 0.1, 100));
-  return CheckRange("lost: most_sure_not", most_sure_not, 0.1, 100);
+      base::CheckRange("lost: jump_chance", jump_chance, 0, 0.999));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: lifted_chance", lifted_chance, 0, 0.999));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: most_sure_lost", most_sure_lost, 0.1, 100));
+  return base::CheckRange("lost: most_sure_not", most_sure_not, 0.1, 100);
 }
 
 LostFilter::LostFilter(const LostFilterOptions& options)
@@ -150,16 +152,18 @@ absl::Status LostDetectorOptions::Validate() const {
   TL_RETURN_IF_ERROR(features.Validate());
   TL_RETURN_IF_ERROR(filter.Validate());
   TL_RETURN_IF_ERROR(
-      CheckRange("lost: declare_at", declare_at, 1e-6, 0.999999));
+      base::CheckRange("lost: declare_at", declare_at, 1e-6, 0.999999));
   TL_RETURN_IF_ERROR(
-      CheckRange("lost: withdraw_at", withdraw_at, 0, declare_at));
-  TL_RETURN_IF_ERROR(CheckRange("lost: notable_share", notable_share, 0, 1));
-  return CheckRange("lost: min_interval_s", min_interval_s, 0, 10);
+      base::CheckRange("lost: withdraw_at", withdraw_at, 0, declare_at));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: notable_share", notable_share, 0, 1));
+  return base::CheckRange("lost: min_interval_s", min_interval_s, 0, 10);
 }
 
 absl::StatusOr<LostDetector> LostDetector::Create(
-    const LaserMap& map, const RangeSensorInfo& laser,
-    const Rigid3& base_from_laser, const LostDetectorOptions& options) {
+    const LaserMap& map, const core::RangeSensorInfo& laser,
+    const geometry::Rigid3& base_from_laser,
+    const LostDetectorOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   if (!IsFinite(base_from_laser) || laser.beams < 1) {
     return absl::InvalidArgumentError(
@@ -170,8 +174,9 @@ absl::StatusOr<LostDetector> LostDetector::Create(
   return LostDetector(std::move(checker), laser, base_from_laser, options);
 }
 
-LostDetector::LostDetector(ScanChecker checker, const RangeSensorInfo& laser,
-                           const Rigid3& base_from_laser,
+LostDetector::LostDetector(ScanChecker checker,
+                           const core::RangeSensorInfo& laser,
+                           const geometry::Rigid3& base_from_laser,
                            const LostDetectorOptions& options)
     : options_(options),
       checker_(std::move(checker)),
@@ -227,7 +232,7 @@ LostState LostDetector::StateFor(const LostFeatures& features) const {
 }
 
 absl::StatusOr<LostVerdict> LostDetector::Observe(const LostEvidence& evidence,
-                                                  const LaserScan& scan) {
+                                                  const core::LaserScan& scan) {
   if (!IsFinite(evidence)) {
     return absl::InvalidArgumentError("lost: evidence that is not finite");
   }
@@ -258,4 +263,4 @@ absl::StatusOr<LostVerdict> LostDetector::Observe(const LostEvidence& evidence,
   return verdict_;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization

@@ -13,7 +13,7 @@
 #include "nav_agent/localization/lost_features.h"
 #include "nav_agent/localization/lost_scan_check.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 // log p(features | lost) / p(features | not lost) = bias + sum of weight *
 // feature: a logistic regression on as many scans of both kinds, with weights
@@ -135,14 +135,15 @@ class LostDetector {
  public:
   // INVALID_ARGUMENT for bad options and maps without cells.
   static absl::StatusOr<LostDetector> Create(
-      const LaserMap& map, const RangeSensorInfo& laser,
-      const Rigid3& base_from_laser, const LostDetectorOptions& options);
+      const LaserMap& map, const core::RangeSensorInfo& laser,
+      const geometry::Rigid3& base_from_laser,
+      const LostDetectorOptions& options);
 
   // One scan, in the order of time. INVALID_ARGUMENT for a scan of another
   // number of beams, for evidence that is not finite, and for a clock that
   // goes back; the verdict stays as it was.
   absl::StatusOr<LostVerdict> Observe(const LostEvidence& evidence,
-                                      const LaserScan& scan);
+                                      const core::LaserScan& scan);
 
   // The robot was told where it is: everything before is forgotten.
   void Reset();
@@ -156,25 +157,25 @@ class LostDetector {
   double log_odds() const { return filter_.log_odds(); }
 
  private:
-  LostDetector(ScanChecker checker, const RangeSensorInfo& laser,
-               const Rigid3& base_from_laser,
+  LostDetector(ScanChecker checker, const core::RangeSensorInfo& laser,
+               const geometry::Rigid3& base_from_laser,
                const LostDetectorOptions& options);
   LostReason ReasonFor(const LostFeatures& features) const;
   LostState StateFor(const LostFeatures& features) const;
 
   LostDetectorOptions options_;
   ScanChecker checker_;
-  RangeSensorInfo laser_;
-  Rigid3 base_from_laser_;
+  core::RangeSensorInfo laser_;
+  geometry::Rigid3 base_from_laser_;
   LostFeatureMaker maker_;
   LostFilter filter_;
-  std::optional<MonotonicTime> last_;
+  std::optional<base::MonotonicTime> last_;
   // When the robot last seemed to be carried; see LostReason.
-  std::optional<MonotonicTime> jumped_;
-  std::optional<MonotonicTime> lifted_;
+  std::optional<base::MonotonicTime> jumped_;
+  std::optional<base::MonotonicTime> lifted_;
   LostVerdict verdict_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_LOST_DETECTOR_H_

@@ -7,12 +7,14 @@
 #include "gtest/gtest.h"
 #include "nav_agent/localization/testing_map.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
-constexpr Rigid2 kPlace = {.translation = {0.5, 2.9}, .yaw_rad = 0.4};
-constexpr Rigid2 kElsewherePlace = {.translation = {7, 4}, .yaw_rad = 2};
-const Rigid3 kBaseFromLaser = {.rotation = {}, .translation = {0, 0, 0.35}};
+constexpr geometry::Rigid2 kPlace = {.translation = {0.5, 2.9}, .yaw_rad = 0.4};
+constexpr geometry::Rigid2 kElsewherePlace = {.translation = {7, 4},
+                                              .yaw_rad = 2};
+const geometry::Rigid3 kBaseFromLaser = {.rotation = {},
+                                         .translation = {0, 0, 0.35}};
 constexpr double kScan_s = 0.1;
 
 LostFeatures Usual() {
@@ -78,15 +80,15 @@ class Drive {
       : detector_(*LostDetector::Create(LaserMap::AllOpaque(TestingMap()),
                                         TestingLaser(), kBaseFromLaser, {})) {}
 
-  absl::StatusOr<LostVerdict> Scan(const Rigid2& map_from_base,
-                                   const Rigid2& truth) {
-    Random random(7, static_cast<uint64_t>(++scans_));
-    const LaserScan scan =
+  absl::StatusOr<LostVerdict> Scan(const geometry::Rigid2& map_from_base,
+                                   const geometry::Rigid2& truth) {
+    base::Random random(7, static_cast<uint64_t>(++scans_));
+    const core::LaserScan scan =
         ScanOf(TestingMap(), TestingLaser(), truth, 0.01, random);
     return Show(map_from_base, scan);
   }
-  absl::StatusOr<LostVerdict> Show(const Rigid2& map_from_base,
-                                   const LaserScan& scan) {
+  absl::StatusOr<LostVerdict> Show(const geometry::Rigid2& map_from_base,
+                                   const core::LaserScan& scan) {
     time_ += std::chrono::milliseconds(100);
     LostEvidence evidence;
     evidence.stamp = time_;
@@ -98,12 +100,12 @@ class Drive {
   }
   LostDetector& detector() { return detector_; }
 
-  Rigid2 odom_from_base;
+  geometry::Rigid2 odom_from_base;
   double pitch_rad = 0;
 
  private:
   LostDetector detector_;
-  MonotonicTime time_{};
+  base::MonotonicTime time_{};
   int scans_ = 0;
 };
 
@@ -149,12 +151,12 @@ TEST(LostDetectorTest, ACrowdThatWalksAboutIsNeverLost) {
     for (int i = 0; i < 20; ++i) ASSERT_TRUE(drive.Scan(kPlace, kPlace).ok());
     double highest = 0;
     LostState state = LostState::kLocalized;
-    Random noise(9, 0);
-    const LaserScan empty =
+    base::Random noise(9, 0);
+    const core::LaserScan empty =
         ScanOf(TestingMap(), TestingLaser(), kPlace, 0.01, noise);
     for (int i = 0; i < 200; ++i) {
-      Random random(9, static_cast<uint64_t>(i));
-      LaserScan scan = empty;
+      base::Random random(9, static_cast<uint64_t>(i));
+      core::LaserScan scan = empty;
       const size_t first = static_cast<size_t>(i * 37) % 181;
       const float range_m = static_cast<float>(0.5 + 0.9 * random.NextUnit());
       for (size_t k = 0; k < width; ++k) {
@@ -176,11 +178,11 @@ TEST(LostDetectorTest, ACrowdThatWalksAboutIsNeverLost) {
 TEST(LostDetectorTest, NewFurnitureIsAChangedMap) {
   Drive drive;
   for (int i = 0; i < 20; ++i) ASSERT_TRUE(drive.Scan(kPlace, kPlace).ok());
-  Random random(11, 0);
-  const LaserScan empty =
+  base::Random random(11, 0);
+  const core::LaserScan empty =
       ScanOf(TestingMap(), TestingLaser(), kPlace, 0.01, random);
   for (int i = 0; i < 100; ++i) {
-    LaserScan scan = empty;
+    core::LaserScan scan = empty;
     for (size_t k = 60; k < 105; ++k) {
       scan.ranges_m[k] = std::min(scan.ranges_m[k], 1.0f);
     }
@@ -204,10 +206,10 @@ TEST(LostDetectorTest, WheelsThatTurnInTheAirAreDoubted) {
   for (int i = 0; i < 50; ++i) ASSERT_TRUE(drive.Scan(kPlace, kPlace).ok());
   const double before = drive.detector().verdict().probability;
   // Wheels say 0.8 m/s, and localization believes them; the scan stands.
-  Rigid2 believed = kPlace;
+  geometry::Rigid2 believed = kPlace;
   double highest = 0;
   for (int i = 0; i < 20; ++i) {
-    const Rigid2 step = {.translation = {0.08, 0}};
+    const geometry::Rigid2 step = {.translation = {0.08, 0}};
     drive.odom_from_base = drive.odom_from_base * step;
     believed = believed * step;
     const auto verdict = drive.Scan(believed, kPlace);
@@ -221,7 +223,7 @@ TEST(LostDetectorTest, TheSameScansGiveTheSameVerdicts) {
   Drive a;
   Drive b;
   for (int i = 0; i < 30; ++i) {
-    const Rigid2 truth = i < 15 ? kPlace : kElsewherePlace;
+    const geometry::Rigid2 truth = i < 15 ? kPlace : kElsewherePlace;
     ASSERT_TRUE(a.Scan(kPlace, truth).ok());
     ASSERT_TRUE(b.Scan(kPlace, truth).ok());
     EXPECT_EQ(a.detector().log_odds(), b.detector().log_odds());
@@ -243,8 +245,8 @@ TEST(LostDetectorTest, RefusesWhatIsNoEvidenceAndStaysAsItWas) {
             absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(drive.detector().log_odds(), before);
   // Nothing that is seen is no evidence, and no error.
-  LaserScan blind;
-  blind.ranges_m.assign(181, kNoReturn);
+  core::LaserScan blind;
+  blind.ranges_m.assign(181, core::kNoReturn);
   ASSERT_TRUE(drive.Show(kPlace, blind).ok());
   EXPECT_LT(drive.detector().verdict().probability, 0.5);
 }
@@ -252,14 +254,14 @@ TEST(LostDetectorTest, RefusesWhatIsNoEvidenceAndStaysAsItWas) {
 TEST(LostDetectorTest, AClockThatGoesBackIsAnError) {
   LostDetector detector = *LostDetector::Create(
       LaserMap::AllOpaque(TestingMap()), TestingLaser(), kBaseFromLaser, {});
-  Random random(1, 1);
-  const LaserScan scan =
+  base::Random random(1, 1);
+  const core::LaserScan scan =
       ScanOf(TestingMap(), TestingLaser(), kPlace, 0.01, random);
   LostEvidence evidence;
   evidence.estimate.map_from_base = kPlace;
-  evidence.stamp = MonotonicTime(std::chrono::seconds(10));
+  evidence.stamp = base::MonotonicTime(std::chrono::seconds(10));
   ASSERT_TRUE(detector.Observe(evidence, scan).ok());
-  evidence.stamp = MonotonicTime(std::chrono::seconds(9));
+  evidence.stamp = base::MonotonicTime(std::chrono::seconds(9));
   EXPECT_EQ(detector.Observe(evidence, scan).status().code(),
             absl::StatusCode::kInvalidArgument);
 }
@@ -275,4 +277,4 @@ TEST(LostDetectorTest, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::localization

@@ -8,7 +8,7 @@
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 // Flatter ground counts as level: what the inertial sensor says there is its
@@ -29,20 +29,20 @@ constexpr double kSameShare = 0.03;
 constexpr double kFarResidual_m = 0.25;
 constexpr double kUsualResidual = 0.2;
 
-double SecondsBetween(MonotonicTime from, MonotonicTime to) {
+double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
 // What one saw in each direction: from the nearest to the farthest.
 class Panorama {
  public:
-  Panorama(const std::vector<Vec2>& ends_before,
-           const Rigid2& now_from_before) {
+  Panorama(const std::vector<geometry::Vec2>& ends_before,
+           const geometry::Rigid2& now_from_before) {
     nearest_.fill(std::numeric_limits<double>::infinity());
     farthest_.fill(0);
-    for (const Vec2 end : ends_before) {
-      const Vec2 at = now_from_before * end;
-      const double range_m = Norm(at);
+    for (const geometry::Vec2 end : ends_before) {
+      const geometry::Vec2 at = now_from_before * end;
+      const double range_m = geometry::Norm(at);
       const size_t sector = SectorOf(at);
       nearest_[sector] = std::min(nearest_[sector], range_m);
       farthest_[sector] = std::max(farthest_[sector], range_m);
@@ -50,7 +50,7 @@ class Panorama {
   }
 
   // Whether something was there, or was not; nullopt: nobody looked.
-  std::optional<bool> WasThere(Vec2 end) const {
+  std::optional<bool> WasThere(geometry::Vec2 end) const {
     const size_t middle = SectorOf(end);
     double nearest_m = std::numeric_limits<double>::infinity();
     double farthest_m = 0;
@@ -63,14 +63,14 @@ class Panorama {
       farthest_m = std::max(farthest_m, farthest_[sector]);
     }
     if (seen < 2) return std::nullopt;
-    const double range_m = Norm(end);
+    const double range_m = geometry::Norm(end);
     const double tolerance_m = kSame_m + kSameShare * range_m;
     return range_m > nearest_m - tolerance_m &&
            range_m < farthest_m + tolerance_m;
   }
 
  private:
-  static size_t SectorOf(Vec2 at) {
+  static size_t SectorOf(geometry::Vec2 at) {
     const double turn =
         (std::atan2(at.y, at.x) / (2 * std::numbers::pi) + 0.5) * kSectors;
     return static_cast<size_t>(turn) % kSectors;
@@ -81,7 +81,8 @@ class Panorama {
 };
 
 std::vector<std::optional<bool>> ThereBefore(
-    const std::vector<Vec2>& before, const Rigid2& now_from_before,
+    const std::vector<geometry::Vec2>& before,
+    const geometry::Rigid2& now_from_before,
     const std::vector<CheckedBeam>& beams) {
   const Panorama panorama(before, now_from_before);
   std::vector<std::optional<bool>> there;
@@ -100,13 +101,15 @@ double Clamp01(double value) {
 }  // namespace
 
 absl::Status LostFeatureOptions::Validate() const {
-  TL_RETURN_IF_ERROR(CheckRange("lost: prior_share", prior_share, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("lost: lifted_rad", lifted_rad, 0.05, 1.5));
-  TL_RETURN_IF_ERROR(CheckRange("lost: lifted_radps", lifted_radps, 0.1, 20));
-  TL_RETURN_IF_ERROR(CheckRange("lost: slide_m", slide_m, 0.01, 10));
-  TL_RETURN_IF_ERROR(CheckRange("lost: spread_m", spread_m, 0.01, 10));
-  TL_RETURN_IF_ERROR(CheckRange("lost: history_s", history_s, 1, 3600));
-  return CheckRange("lost: usual_explained", usual_explained, 0, 1);
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: prior_share", prior_share, 0, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: lifted_rad", lifted_rad, 0.05, 1.5));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: lifted_radps", lifted_radps, 0.1, 20));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: slide_m", slide_m, 0.01, 10));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: spread_m", spread_m, 0.01, 10));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost: history_s", history_s, 1, 3600));
+  return base::CheckRange("lost: usual_explained", usual_explained, 0, 1);
 }
 
 void LostFeatureMaker::Reset() {
@@ -114,7 +117,7 @@ void LostFeatureMaker::Reset() {
   usual_explained_ = options_.usual_explained;
 }
 
-const LostFeatureMaker::Past* LostFeatureMaker::Before(MonotonicTime now,
+const LostFeatureMaker::Past* LostFeatureMaker::Before(base::MonotonicTime now,
                                                        double age_s) const {
   const Past* found = nullptr;
   for (const Past& past : past_) {
@@ -199,7 +202,7 @@ LostFeatures LostFeatureMaker::Observe(const LostEvidence& evidence,
     interval_s = SecondsBetween(past_.back().stamp, evidence.stamp);
   }
   if (const Past* past = Before(evidence.stamp, kJumpAge_s)) {
-    const Rigid2 now_from_before =
+    const geometry::Rigid2 now_from_before =
         evidence.odom_from_base.Inverse() * past->odom_from_base;
     const std::vector<std::optional<bool>> there =
         ThereBefore(past->ends_in_base, now_from_before, beams);
@@ -216,13 +219,14 @@ LostFeatures LostFeatureMaker::Observe(const LostEvidence& evidence,
     features.jump = new_ones / seen;
   }
   if (const Past* past = Before(evidence.stamp, kIdentityAge_s)) {
-    const Rigid2 by_wheels =
+    const geometry::Rigid2 by_wheels =
         past->odom_from_base.Inverse() * evidence.odom_from_base;
-    const Rigid2 by_estimate =
+    const geometry::Rigid2 by_estimate =
         past->map_from_base.Inverse() * estimate.map_from_base;
     const double slid_m =
-        Norm(by_wheels.translation - by_estimate.translation) +
-        std::abs(NormalizedAngle_rad(by_wheels.yaw_rad - by_estimate.yaw_rad));
+        geometry::Norm(by_wheels.translation - by_estimate.translation) +
+        std::abs(geometry::NormalizedAngle_rad(by_wheels.yaw_rad -
+                                               by_estimate.yaw_rad));
     features.values[kSlide] = Clamp01(slid_m / options_.slide_m);
     // In the map: what stands keeps its place there.
     const std::vector<std::optional<bool>> there =
@@ -255,4 +259,4 @@ LostFeatures LostFeatureMaker::Observe(const LostEvidence& evidence,
   return features;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization

@@ -14,7 +14,7 @@
 #include "nav_agent/localization/amcl.h"
 #include "nav_agent/localization/lost_scan_check.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 // Evidence of one scan, each in [0, 1], and more is always worse.
 enum LostFeature : size_t {
@@ -56,11 +56,11 @@ struct LostFeatures {
 
 // One scan with all that belongs to it.
 struct LostEvidence {
-  MonotonicTime stamp;
+  base::MonotonicTime stamp;
   // What localization believes, of the time of the scan.
   PlanarEstimate estimate;
   // What the wheels say, of the same time; drifts, but does not jump.
-  Rigid2 odom_from_base;
+  geometry::Rigid2 odom_from_base;
   // Of the inertial sensor; nose down and right side down are positive.
   double pitch_rad = 0;
   double roll_rad = 0;
@@ -98,15 +98,15 @@ class LostFeatureMaker {
 
  private:
   struct Past {
-    MonotonicTime stamp;
-    Rigid2 odom_from_base;
-    Rigid2 map_from_base;
+    base::MonotonicTime stamp;
+    geometry::Rigid2 odom_from_base;
+    geometry::Rigid2 map_from_base;
     double pitch_rad = 0;
     double roll_rad = 0;
-    std::vector<Vec2> ends_in_base;
+    std::vector<geometry::Vec2> ends_in_base;
   };
   // The last that is at least so old; null: none.
-  const Past* Before(MonotonicTime now, double age_s) const;
+  const Past* Before(base::MonotonicTime now, double age_s) const;
   void WatchTilt(const LostEvidence& evidence, LostFeatures& features) const;
   void Count(const std::vector<CheckedBeam>& beams,
              const std::vector<bool>& was_there, double doubt,
@@ -117,6 +117,6 @@ class LostFeatureMaker {
   std::deque<Past> past_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_LOST_FEATURES_H_

@@ -10,7 +10,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/core/distance_field.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 // Nothing is that far away that a laser of this robot measures.
@@ -19,10 +19,10 @@ constexpr double kFarthest_m = 100;
 // A beam that has a return, in the frame of the base when that is level.
 struct Measured {
   int beam = 0;
-  Vec2 end;
+  geometry::Vec2 end;
   // Along the ground.
   double range_m = 0;
-  Vec2 direction;
+  geometry::Vec2 direction;
   // Of its end above the ground that the wheels stand on, and how much it
   // rises with each metre along the ground.
   double height_m = 0;
@@ -30,17 +30,18 @@ struct Measured {
 };
 
 struct Leveled {
-  Vec3 origin;
+  geometry::Vec3 origin;
   std::vector<Measured> beams;
 };
 
-Leveled LevelBeams(const ScanPose& pose, const RangeSensorInfo& info,
-                   const Rigid3& base_from_laser, const LaserScan& scan,
-                   int max_beams) {
-  const Rotation3 level_from_base =
-      Rotation3::FromAxisAngle({0, pose.pitch_rad, 0}) *
-      Rotation3::FromAxisAngle({pose.roll_rad, 0, 0});
-  const Rotation3 level_from_laser = level_from_base * base_from_laser.rotation;
+Leveled LevelBeams(const ScanPose& pose, const core::RangeSensorInfo& info,
+                   const geometry::Rigid3& base_from_laser,
+                   const core::LaserScan& scan, int max_beams) {
+  const geometry::Rotation3 level_from_base =
+      geometry::Rotation3::FromAxisAngle({0, pose.pitch_rad, 0}) *
+      geometry::Rotation3::FromAxisAngle({pose.roll_rad, 0, 0});
+  const geometry::Rotation3 level_from_laser =
+      level_from_base * base_from_laser.rotation;
   Leveled leveled;
   leveled.origin = level_from_base * base_from_laser.translation;
   const int count = std::min(max_beams, info.beams);
@@ -54,8 +55,9 @@ Leveled LevelBeams(const ScanPose& pose, const RangeSensorInfo& info,
       continue;
     }
     const double angle_rad = info.AngleOf_rad(beam);
-    const Vec3 along =
-        level_from_laser * Vec3{std::cos(angle_rad), std::sin(angle_rad), 0};
+    const geometry::Vec3 along =
+        level_from_laser *
+        geometry::Vec3{std::cos(angle_rad), std::sin(angle_rad), 0};
     const double level = std::hypot(along.x, along.y);
     if (level < 0.1) continue;
     leveled.beams.push_back({.beam = k,
@@ -69,7 +71,8 @@ Leveled LevelBeams(const ScanPose& pose, const RangeSensorInfo& info,
   return leveled;
 }
 
-absl::Status CheckBeams(const LaserScan& scan, const RangeSensorInfo& info) {
+absl::Status CheckBeams(const core::LaserScan& scan,
+                        const core::RangeSensorInfo& info) {
   if (static_cast<int>(scan.ranges_m.size()) == info.beams) {
     return absl::OkStatus();
   }
@@ -87,22 +90,24 @@ bool IsAtLaserHeight(const Measured& beam, double laser_height_m,
 }  // namespace
 
 absl::Status ScanCheckOptions::Validate() const {
-  TL_RETURN_IF_ERROR(CheckRange("scan check: max_beams", max_beams, 8, 2000));
   TL_RETURN_IF_ERROR(
-      CheckRange("scan check: tolerance_m", tolerance_m, 0.01, 2));
+      base::CheckRange("scan check: max_beams", max_beams, 8, 2000));
   TL_RETURN_IF_ERROR(
-      CheckRange("scan check: tolerance_share", tolerance_share, 0, 0.5));
-  TL_RETURN_IF_ERROR(CheckRange("scan check: nearest_m", nearest_m, 0, 2));
+      base::CheckRange("scan check: tolerance_m", tolerance_m, 0.01, 2));
   TL_RETURN_IF_ERROR(
-      CheckRange("scan check: field_reach_m", field_reach_m, 0.1, 20));
-  TL_RETURN_IF_ERROR(CheckRange("scan check: ground_m", ground_m, 0, 1));
-  return CheckRange("scan check: height_tolerance_m", height_tolerance_m, 0.01,
-                    5);
+      base::CheckRange("scan check: tolerance_share", tolerance_share, 0, 0.5));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("scan check: nearest_m", nearest_m, 0, 2));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("scan check: field_reach_m", field_reach_m, 0.1, 20));
+  TL_RETURN_IF_ERROR(base::CheckRange("scan check: ground_m", ground_m, 0, 1));
+  return base::CheckRange("scan check: height_tolerance_m", height_tolerance_m,
+                          0.01, 5);
 }
 
 absl::StatusOr<ScanPoints> PointsAtLaserHeight(
-    const LaserScan& scan, const RangeSensorInfo& info,
-    const Rigid3& base_from_laser, double pitch_rad, double roll_rad,
+    const core::LaserScan& scan, const core::RangeSensorInfo& info,
+    const geometry::Rigid3& base_from_laser, double pitch_rad, double roll_rad,
     int max_points, const ScanCheckOptions& options) {
   TL_RETURN_IF_ERROR(CheckBeams(scan, info));
   const Leveled leveled = LevelBeams({{}, pitch_rad, roll_rad}, info,
@@ -119,7 +124,7 @@ absl::StatusOr<ScanPoints> PointsAtLaserHeight(
 absl::StatusOr<ScanChecker> ScanChecker::Create(
     const LaserMap& map, const ScanCheckOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
-  for (const OccupancyGrid* grid : {&map.map, &map.opaque}) {
+  for (const core::OccupancyGrid* grid : {&map.map, &map.opaque}) {
     if (grid->width < 1 || grid->height < 1 || !(grid->resolution_m > 0) ||
         grid->width != map.map.width || grid->height != map.map.height ||
         grid->resolution_m != map.map.resolution_m ||
@@ -137,36 +142,38 @@ ScanChecker::ScanChecker(const LaserMap& map, const ScanCheckOptions& options)
     : options_(options),
       opaque_(map.opaque),
       grid_from_map_(map.map.map_from_grid.Inverse()),
-      distances_m_(DistanceToOccupied(map.map, options.field_reach_m)),
+      distances_m_(core::DistanceToOccupied(map.map, options.field_reach_m)),
       opaque_distances_m_(
-          DistanceToOccupied(map.opaque, options.field_reach_m)) {}
+          core::DistanceToOccupied(map.opaque, options.field_reach_m)) {}
 
-double ScanChecker::DistanceAt_m(Vec2 point_in_map) const {
-  const Vec2 point = grid_from_map_ * point_in_map;
-  const CellIndex cell = {
+double ScanChecker::DistanceAt_m(geometry::Vec2 point_in_map) const {
+  const geometry::Vec2 point = grid_from_map_ * point_in_map;
+  const core::CellIndex cell = {
       static_cast<int>(std::floor(point.x / opaque_.resolution_m)),
       static_cast<int>(std::floor(point.y / opaque_.resolution_m))};
   return opaque_.Contains(cell) ? distances_m_[opaque_.IndexOf(cell)]
                                 : options_.field_reach_m;
 }
 
-ScanChecker::Ray ScanChecker::Cast(Vec2 from_in_map, Vec2 direction_in_map,
+ScanChecker::Ray ScanChecker::Cast(geometry::Vec2 from_in_map,
+                                   geometry::Vec2 direction_in_map,
                                    double max_m) const {
-  const Vec2 from = grid_from_map_ * from_in_map;
-  const Vec2 ahead = grid_from_map_ * (from_in_map + direction_in_map) - from;
+  const geometry::Vec2 from = grid_from_map_ * from_in_map;
+  const geometry::Vec2 ahead =
+      grid_from_map_ * (from_in_map + direction_in_map) - from;
   const double cell_m = opaque_.resolution_m;
   // As far as the distance field says that nothing is (sphere tracing): it is
   // of cells' centres, which are up to half a diagonal from where we are and
   // from where the obstacle begins.
   double range_m = options_.nearest_m;
   while (range_m < max_m) {
-    const Vec2 at = from + range_m * ahead;
-    const CellIndex cell = {static_cast<int>(std::floor(at.x / cell_m)),
-                            static_cast<int>(std::floor(at.y / cell_m))};
+    const geometry::Vec2 at = from + range_m * ahead;
+    const core::CellIndex cell = {static_cast<int>(std::floor(at.x / cell_m)),
+                                  static_cast<int>(std::floor(at.y / cell_m))};
     if (!opaque_.Contains(cell)) return {range_m, false};
-    const Occupancy occupancy = opaque_.At(cell);
-    if (occupancy == Occupancy::kOccupied) return {range_m, true};
-    if (occupancy == Occupancy::kUnknown) return {range_m, false};
+    const core::Occupancy occupancy = opaque_.At(cell);
+    if (occupancy == core::Occupancy::kOccupied) return {range_m, true};
+    if (occupancy == core::Occupancy::kUnknown) return {range_m, false};
     const double free_m = opaque_distances_m_[opaque_.IndexOf(cell)];
     range_m += std::max(0.5 * cell_m, free_m - 1.5 * cell_m);
   }
@@ -174,10 +181,11 @@ ScanChecker::Ray ScanChecker::Cast(Vec2 from_in_map, Vec2 direction_in_map,
 }
 
 absl::StatusOr<std::vector<CheckedBeam>> ScanChecker::Check(
-    const ScanPose& pose, const RangeSensorInfo& info,
-    const Rigid3& base_from_laser, const LaserScan& scan) const {
+    const ScanPose& pose, const core::RangeSensorInfo& info,
+    const geometry::Rigid3& base_from_laser,
+    const core::LaserScan& scan) const {
   TL_RETURN_IF_ERROR(CheckBeams(scan, info));
-  const Rigid2& map_from_base = pose.map_from_base;
+  const geometry::Rigid2& map_from_base = pose.map_from_base;
   if (!std::isfinite(map_from_base.translation.x) ||
       !std::isfinite(map_from_base.translation.y) ||
       !std::isfinite(map_from_base.yaw_rad) || !std::isfinite(pose.pitch_rad) ||
@@ -186,14 +194,15 @@ absl::StatusOr<std::vector<CheckedBeam>> ScanChecker::Check(
   }
   const Leveled leveled =
       LevelBeams(pose, info, base_from_laser, scan, options_.max_beams);
-  const Vec2 from = map_from_base * Vec2{leveled.origin.x, leveled.origin.y};
+  const geometry::Vec2 from =
+      map_from_base * geometry::Vec2{leveled.origin.x, leveled.origin.y};
   const auto tolerance_at = [this](double range_m) {
     return options_.tolerance_m + options_.tolerance_share * range_m;
   };
   std::vector<Ray> rays;
   rays.reserve(leveled.beams.size());
   for (size_t i = 0; i < leveled.beams.size(); ++i) {
-    const Vec2 ahead =
+    const geometry::Vec2 ahead =
         map_from_base * leveled.beams[i].direction - map_from_base.translation;
     // What lies beyond the ends, its own and its neighbours', does not matter.
     double reach_m = leveled.beams[i].range_m;
@@ -237,4 +246,4 @@ absl::StatusOr<std::vector<CheckedBeam>> ScanChecker::Check(
   return checked;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization

@@ -13,7 +13,7 @@
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/localization/scan_points.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 enum class BeamFit : uint8_t {
   // It ends near an obstacle of the map that it should meet.
@@ -32,7 +32,7 @@ enum class BeamFit : uint8_t {
 struct CheckedBeam {
   BeamFit fit = BeamFit::kNotJudged;
   // Where it ends, in the frame of the base when that is level (m).
-  Vec2 end_in_base;
+  geometry::Vec2 end_in_base;
   // From there to the nearest obstacle of the map (m), at most field_reach_m.
   double distance_m = 0;
 };
@@ -60,7 +60,7 @@ struct ScanCheckOptions {
 
 // How the robot stands and where its laser is.
 struct ScanPose {
-  Rigid2 map_from_base;
+  geometry::Rigid2 map_from_base;
   // Nose down and right side down are positive.
   double pitch_rad = 0;
   double roll_rad = 0;
@@ -69,26 +69,26 @@ struct ScanPose {
 // A level as the laser sees it.
 struct LaserMap {
   // Occupied: where beams end, from some place or other.
-  OccupancyGrid map;
+  core::OccupancyGrid map;
   // The same, but occupied only where next to no beam ever went through when
   // the map was made: not at the edges of platforms, which a robot on top looks
   // over, nor at panes of glass. Beams that pass through other cells prove
   // nothing. The same size and place as `map`.
-  OccupancyGrid opaque;
+  core::OccupancyGrid opaque;
 
   // Where nothing is known of that.
-  static LaserMap AllOpaque(const OccupancyGrid& map) { return {map, map}; }
+  static LaserMap AllOpaque(const core::OccupancyGrid& map) {
+    return {map, map};
+  }
 };
 
 // Where at most max_points beams of a robot that stands tilted end, in the
 // frame of its base when that is level: those that end at about the height of
 // the laser. Localization on a plane wants these.
-absl::StatusOr<ScanPoints> PointsAtLaserHeight(const LaserScan& scan,
-                                               const RangeSensorInfo& info,
-                                               const Rigid3& base_from_laser,
-                                               double pitch_rad,
-                                               double roll_rad, int max_points,
-                                               const ScanCheckOptions& options);
+absl::StatusOr<ScanPoints> PointsAtLaserHeight(
+    const core::LaserScan& scan, const core::RangeSensorInfo& info,
+    const geometry::Rigid3& base_from_laser, double pitch_rad, double roll_rad,
+    int max_points, const ScanCheckOptions& options);
 
 // Immutable and thread-safe; ten bytes a cell.
 class ScanChecker {
@@ -102,10 +102,10 @@ class ScanChecker {
   // the beam and its neighbours, so that a pose that is a little wrong does
   // not move beams past edges. INVALID_ARGUMENT if the scan has another number
   // of beams than `info` says, or the pose is not finite.
-  absl::StatusOr<std::vector<CheckedBeam>> Check(const ScanPose& pose,
-                                                 const RangeSensorInfo& info,
-                                                 const Rigid3& base_from_laser,
-                                                 const LaserScan& scan) const;
+  absl::StatusOr<std::vector<CheckedBeam>> Check(
+      const ScanPose& pose, const core::RangeSensorInfo& info,
+      const geometry::Rigid3& base_from_laser,
+      const core::LaserScan& scan) const;
 
   // From a point of the map to the first opaque obstacle along a direction
   // (unit length), at most max_m; `is_known` is false if the way leaves what
@@ -114,10 +114,11 @@ class ScanChecker {
     double range_m = 0;
     bool is_known = true;
   };
-  Ray Cast(Vec2 from_in_map, Vec2 direction_in_map, double max_m) const;
+  Ray Cast(geometry::Vec2 from_in_map, geometry::Vec2 direction_in_map,
+           double max_m) const;
 
   // The distance to the nearest obstacle.
-  double DistanceAt_m(Vec2 point_in_map) const;
+  double DistanceAt_m(geometry::Vec2 point_in_map) const;
 
   const ScanCheckOptions& options() const { return options_; }
 
@@ -125,13 +126,13 @@ class ScanChecker {
   ScanChecker(const LaserMap& map, const ScanCheckOptions& options);
 
   ScanCheckOptions options_;
-  OccupancyGrid opaque_;
-  Rigid2 grid_from_map_;
+  core::OccupancyGrid opaque_;
+  geometry::Rigid2 grid_from_map_;
   // To what is occupied in the map, and to what is opaque.
   std::vector<float> distances_m_;
   std::vector<float> opaque_distances_m_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_LOST_SCAN_CHECK_H_

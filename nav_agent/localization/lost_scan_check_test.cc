@@ -7,14 +7,15 @@
 #include "gtest/gtest.h"
 #include "nav_agent/localization/testing_map.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
-constexpr Rigid2 kPlace = {.translation = {0.5, 2.9}, .yaw_rad = 0.4};
-const Rigid3 kBaseFromLaser = {.rotation = {}, .translation = {0, 0, 0.35}};
+constexpr geometry::Rigid2 kPlace = {.translation = {0.5, 2.9}, .yaw_rad = 0.4};
+const geometry::Rigid3 kBaseFromLaser = {.rotation = {},
+                                         .translation = {0, 0, 0.35}};
 
-LaserScan CleanScan(const Rigid2& map_from_laser) {
-  Random random(1, 1);
+core::LaserScan CleanScan(const geometry::Rigid2& map_from_laser) {
+  base::Random random(1, 1);
   return ScanOf(TestingMap(), TestingLaser(), map_from_laser, 0.01, random);
 }
 
@@ -30,7 +31,8 @@ double ShareOf(const std::vector<CheckedBeam>& beams, BeamFit fit) {
          static_cast<double>(beams.size());
 }
 
-std::vector<CheckedBeam> Check(const ScanPose& pose, const LaserScan& scan) {
+std::vector<CheckedBeam> Check(const ScanPose& pose,
+                               const core::LaserScan& scan) {
   const auto beams = MakeChecker(LaserMap::AllOpaque(TestingMap()))
                          .Check(pose, TestingLaser(), kBaseFromLaser, scan);
   EXPECT_TRUE(beams.ok()) << beams.status();
@@ -47,7 +49,8 @@ TEST(ScanCheckerTest, AScanFromTheRightPlaceIsExplained) {
 }
 
 TEST(ScanCheckerTest, ALittleErrorIsStillExplained) {
-  const Rigid2 nearby = {.translation = {0.56, 2.85}, .yaw_rad = 0.42};
+  const geometry::Rigid2 nearby = {.translation = {0.56, 2.85},
+                                   .yaw_rad = 0.42};
   const std::vector<CheckedBeam> beams =
       Check({.map_from_base = nearby}, CleanScan(kPlace));
   EXPECT_GT(ShareOf(beams, BeamFit::kExplained), 0.95);
@@ -62,7 +65,7 @@ TEST(ScanCheckerTest, FromAnotherPlaceBeamsPassThroughWalls) {
 }
 
 TEST(ScanCheckerTest, SomebodyBeforeTheRobotIsShort) {
-  LaserScan scan = CleanScan(kPlace);
+  core::LaserScan scan = CleanScan(kPlace);
   for (size_t i = 80; i < 110; ++i) scan.ranges_m[i] = 0.8f;
   const std::vector<CheckedBeam> beams = Check({.map_from_base = kPlace}, scan);
   // 30 of 181 beams.
@@ -72,9 +75,9 @@ TEST(ScanCheckerTest, SomebodyBeforeTheRobotIsShort) {
 
 TEST(ScanCheckerTest, WhatIsSeenThroughProvesNothing) {
   LaserMap map = LaserMap::AllOpaque(TestingMap());
-  map.opaque =
-      OccupancyGrid::Filled(map.map.width, map.map.height, map.map.resolution_m,
-                            map.map.map_from_grid, Occupancy::kFree);
+  map.opaque = core::OccupancyGrid::Filled(
+      map.map.width, map.map.height, map.map.resolution_m,
+      map.map.map_from_grid, core::Occupancy::kFree);
   const auto beams = MakeChecker(map).Check(
       {.map_from_base = {.translation = {7, 4}, .yaw_rad = 2}}, TestingLaser(),
       kBaseFromLaser, CleanScan(kPlace));
@@ -85,7 +88,7 @@ TEST(ScanCheckerTest, WhatIsSeenThroughProvesNothing) {
 TEST(ScanCheckerTest, ATiltedRobotsBeamsMayEndOnTheGround) {
   // Nose down by 6 degrees, beams ahead meet the ground after 0.35 / tan(6) =
   // 3.3 m: those that end there are not judged.
-  LaserScan scan = CleanScan(kPlace);
+  core::LaserScan scan = CleanScan(kPlace);
   for (size_t i = 85; i < 96; ++i) scan.ranges_m[i] = 3.3f;
   const double pitch_rad = 6 * 3.14159265 / 180;
   const std::vector<CheckedBeam> beams =
@@ -102,7 +105,7 @@ TEST(ScanCheckerTest, ATiltedRobotsBeamsMayEndOnTheGround) {
 
 TEST(ScanCheckerTest, RefusesWhatIsNoScanOrNoPose) {
   const ScanChecker checker = MakeChecker(LaserMap::AllOpaque(TestingMap()));
-  LaserScan scan = CleanScan(kPlace);
+  core::LaserScan scan = CleanScan(kPlace);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(checker
                 .Check({.map_from_base = {.translation = {nan, 0}}},
@@ -120,8 +123,8 @@ TEST(ScanCheckerTest, RefusesWhatIsNoScanOrNoPose) {
 }
 
 TEST(ScanCheckerTest, BeamsWithoutARangeAreLeftOut) {
-  LaserScan scan = CleanScan(kPlace);
-  std::ranges::fill(scan.ranges_m, kInvalidRange);
+  core::LaserScan scan = CleanScan(kPlace);
+  std::ranges::fill(scan.ranges_m, core::kInvalidRange);
   EXPECT_TRUE(Check({.map_from_base = kPlace}, scan).empty());
 }
 
@@ -135,4 +138,4 @@ TEST(ScanCheckerTest, RefusesMapsThatDoNotBelongTogether) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::localization

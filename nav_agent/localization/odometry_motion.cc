@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 // Of a shorter way only how far it leads ahead or back means anything, its
@@ -29,19 +29,19 @@ absl::Status OdometryNoise::Validate() const {
   return absl::OkStatus();
 }
 
-OdometryMotion::OdometryMotion(const Rigid2& before_from_after,
+OdometryMotion::OdometryMotion(const geometry::Rigid2& before_from_after,
                                const OdometryNoise& noise) {
   // Driving back is no half turn, but a way of less than nothing.
-  const Vec2 way = before_from_after.translation;
+  const geometry::Vec2 way = before_from_after.translation;
   const double sign = way.x < 0 ? -1 : 1;
-  if (Norm(way) < kNoCourse_m) {
+  if (geometry::Norm(way) < kNoCourse_m) {
     drive_m_ = way.x;
   } else {
-    drive_m_ = sign * Norm(way);
+    drive_m_ = sign * geometry::Norm(way);
     turn_before_rad_ = std::atan2(sign * way.y, sign * way.x);
   }
-  turn_after_rad_ =
-      NormalizedAngle_rad(before_from_after.yaw_rad - turn_before_rad_);
+  turn_after_rad_ = geometry::NormalizedAngle_rad(before_from_after.yaw_rad -
+                                                  turn_before_rad_);
   const double before_rad = std::abs(turn_before_rad_);
   const double after_rad = std::abs(turn_after_rad_);
   const double driven_m = std::abs(drive_m_);
@@ -53,17 +53,18 @@ OdometryMotion::OdometryMotion(const Rigid2& before_from_after,
                    noise.drive_from_turn * (before_rad + after_rad);
 }
 
-Rigid2 OdometryMotion::Sample(const Rigid2& map_from_before,
-                              Random& random) const {
+geometry::Rigid2 OdometryMotion::Sample(const geometry::Rigid2& map_from_before,
+                                        base::Random& random) const {
   const double turn_before_rad =
       turn_before_rad_ + turn_before_sigma_rad_ * random.NextGaussian();
   const double drive_m = drive_m_ + drive_sigma_m_ * random.NextGaussian();
   const double turn_after_rad =
       turn_after_rad_ + turn_after_sigma_rad_ * random.NextGaussian();
   const double course_rad = map_from_before.yaw_rad + turn_before_rad;
-  return {map_from_before.translation +
-              drive_m * Vec2{std::cos(course_rad), std::sin(course_rad)},
-          NormalizedAngle_rad(course_rad + turn_after_rad)};
+  return {
+      map_from_before.translation +
+          drive_m * geometry::Vec2{std::cos(course_rad), std::sin(course_rad)},
+      geometry::NormalizedAngle_rad(course_rad + turn_after_rad)};
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization

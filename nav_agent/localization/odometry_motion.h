@@ -6,7 +6,7 @@
 #include "common/base/random.h"
 #include "common/geometry/rigid2.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 // The odometry motion model (Thrun, Burgard, Fox, Probabilistic Robotics, 2005,
 // table 5.6): a motion is a turn, a straight way and another turn, whose
@@ -29,10 +29,12 @@ class OdometryMotion {
  public:
   // `before_from_after`: where odometry has the robot now in the frame of where
   // it was then.
-  OdometryMotion(const Rigid2& before_from_after, const OdometryNoise& noise);
+  OdometryMotion(const geometry::Rigid2& before_from_after,
+                 const OdometryNoise& noise);
 
   // A pose drawn for a robot that was at map_from_before.
-  Rigid2 Sample(const Rigid2& map_from_before, Random& random) const;
+  geometry::Rigid2 Sample(const geometry::Rigid2& map_from_before,
+                          base::Random& random) const;
 
  private:
   double turn_before_rad_ = 0;
@@ -44,6 +46,6 @@ class OdometryMotion {
   double turn_after_sigma_rad_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_ODOMETRY_MOTION_H_

@@ -5,7 +5,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 constexpr int kDraws = 20000;
@@ -32,17 +32,19 @@ Spread SpreadOf(const std::vector<double>& values) {
 
 TEST(OdometryMotion, WithoutNoiseIsTheMotionItself) {
   const OdometryNoise none = {0, 0, 0, 0};
-  const Rigid2 map_from_before = {.translation = {1, 2}, .yaw_rad = 2};
-  const Rigid2 moves[] = {{{0.4, 0.1}, 0.5}, {{-0.3, 0.02}, 0.1}, {{0, 0}, -1}};
-  for (const Rigid2& move : moves) {
-    Random random(1, 1);
-    const Rigid2 moved =
+  const geometry::Rigid2 map_from_before = {.translation = {1, 2},
+                                            .yaw_rad = 2};
+  const geometry::Rigid2 moves[] = {
+      {{0.4, 0.1}, 0.5}, {{-0.3, 0.02}, 0.1}, {{0, 0}, -1}};
+  for (const geometry::Rigid2& move : moves) {
+    base::Random random(1, 1);
+    const geometry::Rigid2 moved =
         OdometryMotion(move, none).Sample(map_from_before, random);
-    const Rigid2 expected = map_from_before * move;
+    const geometry::Rigid2 expected = map_from_before * move;
     EXPECT_NEAR(moved.translation.x, expected.translation.x, 1e-12);
     EXPECT_NEAR(moved.translation.y, expected.translation.y, 1e-12);
-    EXPECT_NEAR(NormalizedAngle_rad(moved.yaw_rad - expected.yaw_rad), 0,
-                1e-12);
+    EXPECT_NEAR(geometry::NormalizedAngle_rad(moved.yaw_rad - expected.yaw_rad),
+                0, 1e-12);
   }
 }
 
@@ -58,10 +60,10 @@ TEST(OdometryMotion, NoiseIsAsStated) {
   std::vector<double> courses;
   std::vector<double> turns;
   for (uint64_t i = 0; i < kDraws; ++i) {
-    Random random(5, i);
-    const Rigid2 moved = motion.Sample({}, random);
+    base::Random random(5, i);
+    const geometry::Rigid2 moved = motion.Sample({}, random);
     // Along the course that was driven, which may be backwards by no chance.
-    ways.push_back(Norm(moved.translation));
+    ways.push_back(geometry::Norm(moved.translation));
     courses.push_back(std::atan2(moved.translation.y, moved.translation.x));
     turns.push_back(moved.yaw_rad - courses.back());
   }
@@ -78,8 +80,9 @@ TEST(OdometryMotion, DrivingBackwardsIsNoHalfTurn) {
                                .turn_from_drive = 0,
                                .drive_from_drive = 0,
                                .drive_from_turn = 0.1};
-  Random random(1, 1);
-  const Rigid2 moved = OdometryMotion({{-1, 0}, 0}, noise).Sample({}, random);
+  base::Random random(1, 1);
+  const geometry::Rigid2 moved =
+      OdometryMotion({{-1, 0}, 0}, noise).Sample({}, random);
   EXPECT_NEAR(moved.translation.x, -1, 1e-9);
   EXPECT_NEAR(moved.yaw_rad, 0, 1e-9);
 }
@@ -88,8 +91,8 @@ TEST(OdometryMotion, DrivingBackwardsIsNoHalfTurn) {
 TEST(OdometryMotion, ShortStepsLeadBackAsTheyLeadAhead) {
   const OdometryNoise none = {0, 0, 0, 0};
   for (const double step_m : {-0.02, -0.006, -0.0015, 0.0015, 0.006, 0.02}) {
-    Rigid2 at;
-    Random random(1, 1);
+    geometry::Rigid2 at;
+    base::Random random(1, 1);
     for (int step = 0; step < 10; ++step) {
       at = OdometryMotion({{step_m, 1e-5}, 0.001}, none).Sample(at, random);
     }
@@ -105,4 +108,4 @@ TEST(OdometryNoise, RefusesWhatIsNoShare) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::localization

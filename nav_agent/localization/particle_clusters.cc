@@ -10,7 +10,7 @@
 
 #include "common/base/random.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 // Ground heights this far apart are of different floors.
@@ -87,7 +87,7 @@ class KeyTable {
   // Where it is, or belongs.
   size_t SlotOf(uint64_t key) const {
     const size_t mask = slots_.size() - 1;
-    size_t slot = MixBits(key) & mask;
+    size_t slot = base::MixBits(key) & mask;
     while (slots_[slot] >= 0 &&
            keys_[static_cast<size_t>(slots_[slot])] != key) {
       slot = (slot + 1) & mask;
@@ -111,7 +111,7 @@ class BinTable {
         columns_(most_columns) {}
 
   int FindOrAdd(const Particle& particle) {
-    const Rigid2& pose = particle.map_from_base;
+    const geometry::Rigid2& pose = particle.map_from_base;
     const ColumnPlace place = {
         .x = static_cast<int64_t>(std::floor(pose.translation.x / bin_m_)),
         .y = static_cast<int64_t>(std::floor(pose.translation.y / bin_m_)),
@@ -222,8 +222,8 @@ PlanarEstimate HeaviestCluster(const std::vector<Particle>& particles,
       std::max_element(weights.begin(), weights.end()) - weights.begin());
   const double weight = weights[static_cast<size_t>(heaviest)];
 
-  Vec2 position;
-  Vec2 heading;
+  geometry::Vec2 position;
+  geometry::Vec2 heading;
   double height_m = 0;
   for (size_t i = 0; i < particles.size(); ++i) {
     if (cluster_of(i) != heaviest) continue;
@@ -231,8 +231,8 @@ PlanarEstimate HeaviestCluster(const std::vector<Particle>& particles,
     const double yaw_rad = p.map_from_base.yaw_rad;
     position = position + (p.weight / weight) * p.map_from_base.translation;
     height_m += p.weight / weight * p.place.height_m;
-    heading = heading +
-              (p.weight / weight) * Vec2{std::cos(yaw_rad), std::sin(yaw_rad)};
+    heading = heading + (p.weight / weight) * geometry::Vec2{std::cos(yaw_rad),
+                                                             std::sin(yaw_rad)};
   }
   PlanarEstimate estimate;
   estimate.map_from_base = {.translation = position,
@@ -243,8 +243,8 @@ PlanarEstimate HeaviestCluster(const std::vector<Particle>& particles,
     const std::array<double, 3> away = {
         p.map_from_base.translation.x - position.x,
         p.map_from_base.translation.y - position.y,
-        NormalizedAngle_rad(p.map_from_base.yaw_rad -
-                            estimate.map_from_base.yaw_rad)};
+        geometry::NormalizedAngle_rad(p.map_from_base.yaw_rad -
+                                      estimate.map_from_base.yaw_rad)};
     for (size_t a = 0; a < 3; ++a) {
       for (size_t b = 0; b < 3; ++b) {
         estimate.covariance[3 * a + b] += p.weight / weight * away[a] * away[b];
@@ -257,4 +257,4 @@ PlanarEstimate HeaviestCluster(const std::vector<Particle>& particles,
   return estimate;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization

@@ -6,7 +6,7 @@
 
 #include "nav_agent/localization/amcl.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 // A histogram of poses over x, y, yaw and, in steps of 0.6 m, the ground's
 // height: which bin each particle is in.
@@ -33,6 +33,6 @@ int CountBins(const std::vector<Particle>& particles, double bin_m,
 PlanarEstimate HeaviestCluster(const std::vector<Particle>& particles,
                                double bin_m, double bin_rad);
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_PARTICLE_CLUSTERS_H_

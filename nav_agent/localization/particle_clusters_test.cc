@@ -5,7 +5,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 TEST(BinParticles, NeighboursAreOneClusterAcrossTheTurnOfTheYaw) {
@@ -47,4 +47,4 @@ TEST(HeaviestCluster, HasItsMeanAndCovarianceAlone) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::localization

@@ -8,11 +8,11 @@
 #include <tuple>
 #include <utility>
 
-namespace treeline {
+namespace treeline::localization {
 
 PlaceSearch::PlaceSearch(std::shared_ptr<const LaserLevelMap> map,
                          ScanPoints points,
-                         const std::optional<LevelPose>& here,
+                         const std::optional<core::LevelPose>& here,
                          const PlaceSearchOptions& options)
     : map_(std::move(map)),
       points_(std::move(points)),
@@ -31,16 +31,17 @@ PlaceSearch::PlaceSearch(std::shared_ptr<const LaserLevelMap> map,
   }
 }
 
-bool PlaceSearch::AreNear(const LevelPose& a, const LevelPose& b) const {
-  return Norm(a.map_from_base.translation - b.map_from_base.translation) <
-             options_.away_m &&
-         std::abs(NormalizedAngle_rad(a.map_from_base.yaw_rad -
-                                      b.map_from_base.yaw_rad)) <
+bool PlaceSearch::AreNear(const core::LevelPose& a,
+                          const core::LevelPose& b) const {
+  return geometry::Norm(a.map_from_base.translation -
+                        b.map_from_base.translation) < options_.away_m &&
+         std::abs(geometry::NormalizedAngle_rad(a.map_from_base.yaw_rad -
+                                                b.map_from_base.yaw_rad)) <
              options_.away_rad &&
          std::abs(a.place.height_m - b.place.height_m) < 1;
 }
 
-bool PlaceSearch::IsHere(const LevelPose& pose) const {
+bool PlaceSearch::IsHere(const core::LevelPose& pose) const {
   return here_.has_value() && AreNear(pose, *here_);
 }
 
@@ -55,7 +56,7 @@ bool PlaceSearch::Step() {
   poses.Resize(end - next_);
   for (size_t i = next_; i < end; ++i) {
     const FreePlace& place = places_[i / headings];
-    const double yaw_rad = NormalizedAngle_rad(
+    const double yaw_rad = geometry::NormalizedAngle_rad(
         2 * std::numbers::pi * static_cast<double>(i % headings) /
         static_cast<double>(headings));
     tried.push_back({.pose = {.map_from_base = {place.center, yaw_rad},
@@ -98,11 +99,11 @@ void PlaceSearch::Keep(std::vector<Tried>& tried) {
   }
 }
 
-std::vector<LevelPose> PlaceSearch::Best() const {
-  std::vector<LevelPose> poses;
+std::vector<core::LevelPose> PlaceSearch::Best() const {
+  std::vector<core::LevelPose> poses;
   poses.reserve(best_.size());
   for (const Tried& one : best_) poses.push_back(one.pose);
   return poses;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization

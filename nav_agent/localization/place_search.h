@@ -11,7 +11,7 @@
 #include "nav_agent/localization/laser_level_map.h"
 #include "nav_agent/localization/scan_points.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 struct PlaceSearchOptions {
   // Poses are tried at places this far apart (m) and in so many headings.
@@ -33,26 +33,26 @@ class PlaceSearch {
  public:
   // here: what is near it is left out; nullopt: nothing is.
   PlaceSearch(std::shared_ptr<const LaserLevelMap> map, ScanPoints points,
-              const std::optional<LevelPose>& here,
+              const std::optional<core::LevelPose>& here,
               const PlaceSearchOptions& options = {});
 
   // True when there is nothing left to try.
   bool Step();
   // The best that were found, the best first.
-  std::vector<LevelPose> Best() const;
+  std::vector<core::LevelPose> Best() const;
 
  private:
   struct Tried {
-    LevelPose pose;
+    core::LevelPose pose;
     float log_likelihood = 0;
   };
-  bool IsHere(const LevelPose& pose) const;
-  bool AreNear(const LevelPose& a, const LevelPose& b) const;
+  bool IsHere(const core::LevelPose& pose) const;
+  bool AreNear(const core::LevelPose& a, const core::LevelPose& b) const;
   void Keep(std::vector<Tried>& tried);
 
   std::shared_ptr<const LaserLevelMap> map_;
   ScanPoints points_;
-  std::optional<LevelPose> here_;
+  std::optional<core::LevelPose> here_;
   PlaceSearchOptions options_;
   std::vector<FreePlace> places_;
   // Of places_ times headings.
@@ -60,6 +60,6 @@ class PlaceSearch {
   std::vector<Tried> best_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_PLACE_SEARCH_H_

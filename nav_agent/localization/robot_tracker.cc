@@ -16,7 +16,7 @@
 #include "nav_agent/localization/scan_points.h"
 #include "nav_agent/localization/wheel_history.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 // More are moved and weighed with one scan, and drawn anew with the next.
@@ -26,7 +26,7 @@ constexpr size_t kMostWaiting = 8;
 // Beams that other places are judged by.
 constexpr int kSearchBeams = 60;
 
-double SecondsBetween(MonotonicTime from, MonotonicTime to) {
+double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
@@ -42,31 +42,34 @@ struct TrackerParts {
 
 class AmclTracker final : public RobotTracker {
  public:
-  AmclTracker(TrackerParts parts, const RobotModel& robot,
-              const RangeSensorInfo& laser, const RobotTrackerOptions& options)
+  AmclTracker(TrackerParts parts, const core::RobotModel& robot,
+              const core::RangeSensorInfo& laser,
+              const RobotTrackerOptions& options)
       : parts_(std::move(parts)),
         base_from_laser_(robot.base_from_laser),
         laser_(laser),
         options_(options) {}
 
-  absl::Status AddReading(const BaseReading& reading) override;
-  absl::Status AddScan(const LaserScan& scan) override;
-  absl::Status SetPose(const LevelPose& pose, const PoseCovariance2& covariance,
-                       MonotonicTime now) override;
-  void SetAnywhere(MonotonicTime now) override;
+  absl::Status AddReading(const core::BaseReading& reading) override;
+  absl::Status AddScan(const core::LaserScan& scan) override;
+  absl::Status SetPose(const core::LevelPose& pose,
+                       const PoseCovariance2& covariance,
+                       base::MonotonicTime now) override;
+  void SetAnywhere(base::MonotonicTime now) override;
   std::optional<TrackedPose> Pose() const override;
-  std::optional<TrackedPose> PoseAt(MonotonicTime stamp) const override;
+  std::optional<TrackedPose> PoseAt(base::MonotonicTime stamp) const override;
   std::optional<TrackedMotion> Motion() const override;
-  std::optional<TrackedMotion> MotionAt(MonotonicTime stamp) const override;
+  std::optional<TrackedMotion> MotionAt(
+      base::MonotonicTime stamp) const override;
   const LostVerdict& verdict() const override {
     return parts_.detector.verdict();
   }
-  std::optional<ScanFit> FitAt(const LevelPose& pose) const override;
-  void BeginOtherPlaces(const std::optional<LevelPose>& than) override;
+  std::optional<ScanFit> FitAt(const core::LevelPose& pose) const override;
+  void BeginOtherPlaces(const std::optional<core::LevelPose>& than) override;
   bool StepOtherPlaces() override;
   std::vector<OtherPlace> BestPlaces() const override { return places_; }
-  std::optional<MonotonicTime> ScanStamp() const override;
-  std::vector<Vec2> ScanInBase() const override;
+  std::optional<base::MonotonicTime> ScanStamp() const override;
+  std::vector<geometry::Vec2> ScanInBase() const override;
   std::vector<Particle> Particles(size_t at_most) const override;
   std::vector<PlaceCandidate> Candidates(size_t at_most) const override;
   int64_t dropped() const override { return dropped_; }
@@ -74,50 +77,50 @@ class AmclTracker final : public RobotTracker {
  private:
   // A scan and where the wheels were in the middle of it.
   struct MovedScan {
-    LaserScan scan;
+    core::LaserScan scan;
     WheelMoment moment;
   };
 
-  MonotonicTime MiddleOf(const LaserScan& scan) const {
+  base::MonotonicTime MiddleOf(const core::LaserScan& scan) const {
     return scan.stamp +
-           std::chrono::duration_cast<MonotonicTime::duration>(
+           std::chrono::duration_cast<base::MonotonicTime::duration>(
                std::chrono::duration<double>(0.5 * laser_.beam_interval_s *
                                              (laser_.beams - 1)));
   }
   TrackedPose PoseFor(const WheelMoment& moment) const;
   std::optional<ScanFit> FitOf(const MovedScan& scan,
-                               const LevelPose& pose) const;
+                               const core::LevelPose& pose) const;
   // The best fit of the search's scan within a few steps of a pose.
-  OtherPlace Refined(const LevelPose& tried) const;
+  OtherPlace Refined(const core::LevelPose& tried) const;
   absl::Status TakeIn(MovedScan scan);
   // What AMCL makes of the scan that was taken in.
   absl::Status Settle();
   absl::Status TakeWaiting();
   // Brings AMCL's wheels up to date, without a scan.
   void CatchUp();
-  void Forget(MonotonicTime now);
+  void Forget(base::MonotonicTime now);
 
   TrackerParts parts_;
-  Rigid3 base_from_laser_;
-  RangeSensorInfo laser_;
+  geometry::Rigid3 base_from_laser_;
+  core::RangeSensorInfo laser_;
   RobotTrackerOptions options_;
-  std::deque<LaserScan> waiting_;
+  std::deque<core::LaserScan> waiting_;
   std::optional<MovedScan> scan_;
-  std::optional<MonotonicTime> last_scan_;
-  std::optional<MonotonicTime> told_;
+  std::optional<base::MonotonicTime> last_scan_;
+  std::optional<base::MonotonicTime> told_;
   std::optional<PlanarEstimate> estimate_;
   // Of the estimate.
-  Rigid2 odom_from_base_;
+  geometry::Rigid2 odom_from_base_;
   int map_level_ = 0;
   int64_t dropped_ = 0;
   // For other places: the search, its scan, and what of its best is looked at.
   std::optional<PlaceSearch> search_;
   std::optional<MovedScan> search_scan_;
-  std::vector<LevelPose> candidates_;
+  std::vector<core::LevelPose> candidates_;
   std::vector<OtherPlace> places_;
 };
 
-absl::Status AmclTracker::AddReading(const BaseReading& reading) {
+absl::Status AmclTracker::AddReading(const core::BaseReading& reading) {
   if (const absl::Status added = parts_.wheels.Add(reading); !added.ok()) {
     ++dropped_;
     return added;
@@ -125,7 +128,7 @@ absl::Status AmclTracker::AddReading(const BaseReading& reading) {
   return TakeWaiting();
 }
 
-absl::Status AmclTracker::AddScan(const LaserScan& scan) {
+absl::Status AmclTracker::AddScan(const core::LaserScan& scan) {
   if (static_cast<int>(scan.ranges_m.size()) != laser_.beams) {
     ++dropped_;
     return absl::InvalidArgumentError(
@@ -134,7 +137,7 @@ absl::Status AmclTracker::AddScan(const LaserScan& scan) {
   }
   // That is enough for one scan's time.
   if (!parts_.amcl.is_settled()) return Settle();
-  const MonotonicTime middle = MiddleOf(scan);
+  const base::MonotonicTime middle = MiddleOf(scan);
   if (told_.has_value() && middle < *told_) {
     ++dropped_;
     return absl::OkStatus();
@@ -163,9 +166,9 @@ absl::Status AmclTracker::AddScan(const LaserScan& scan) {
 absl::Status AmclTracker::TakeWaiting() {
   absl::Status status = absl::OkStatus();
   while (!waiting_.empty() && !parts_.wheels.is_empty()) {
-    const MonotonicTime middle = MiddleOf(waiting_.front());
+    const base::MonotonicTime middle = MiddleOf(waiting_.front());
     if (middle > parts_.wheels.newest().motion.stamp) break;
-    LaserScan scan = std::move(waiting_.front());
+    core::LaserScan scan = std::move(waiting_.front());
     waiting_.pop_front();
     std::optional<WheelMoment> moment = parts_.wheels.At(middle);
     if (!moment.has_value()) {
@@ -215,7 +218,8 @@ absl::Status AmclTracker::Settle() {
 
 void AmclTracker::CatchUp() {
   if (parts_.wheels.is_empty()) return;
-  const Rigid2& odom_from_base = parts_.wheels.newest().motion.odom_from_base;
+  const geometry::Rigid2& odom_from_base =
+      parts_.wheels.newest().motion.odom_from_base;
   const absl::StatusOr<std::optional<PlanarEstimate>> estimate =
       parts_.amcl.Update(odom_from_base, {});
   if (!estimate.ok() || !estimate->has_value()) return;
@@ -223,7 +227,7 @@ void AmclTracker::CatchUp() {
   odom_from_base_ = odom_from_base;
 }
 
-void AmclTracker::Forget(MonotonicTime now) {
+void AmclTracker::Forget(base::MonotonicTime now) {
   dropped_ += static_cast<int64_t>(waiting_.size());
   waiting_.clear();
   told_ = now;
@@ -236,22 +240,22 @@ void AmclTracker::Forget(MonotonicTime now) {
   }
 }
 
-absl::Status AmclTracker::SetPose(const LevelPose& pose,
+absl::Status AmclTracker::SetPose(const core::LevelPose& pose,
                                   const PoseCovariance2& covariance,
-                                  MonotonicTime now) {
+                                  base::MonotonicTime now) {
   CatchUp();
   TL_RETURN_IF_ERROR(parts_.amcl.SetPoseOnLevel(
       pose.map_from_base, pose.place.height_m, covariance));
   Forget(now);
   if (!estimate_.has_value()) {
     // No wheels were heard yet: their way begins here.
-    const auto estimate = parts_.amcl.Update(Rigid2(), {});
+    const auto estimate = parts_.amcl.Update(geometry::Rigid2(), {});
     if (estimate.ok()) estimate_ = *estimate;
   }
   return absl::OkStatus();
 }
 
-void AmclTracker::SetAnywhere(MonotonicTime now) {
+void AmclTracker::SetAnywhere(base::MonotonicTime now) {
   CatchUp();
   parts_.amcl.SetAnywhere();
   Forget(now);
@@ -281,7 +285,8 @@ std::optional<TrackedPose> AmclTracker::Pose() const {
   return PoseFor(parts_.wheels.newest());
 }
 
-std::optional<TrackedPose> AmclTracker::PoseAt(MonotonicTime stamp) const {
+std::optional<TrackedPose> AmclTracker::PoseAt(
+    base::MonotonicTime stamp) const {
   if (!estimate_.has_value()) return std::nullopt;
   const std::optional<WheelMoment> moment = parts_.wheels.At(stamp);
   if (!moment.has_value()) return std::nullopt;
@@ -293,20 +298,21 @@ std::optional<TrackedMotion> AmclTracker::Motion() const {
   return parts_.wheels.newest().motion;
 }
 
-std::optional<TrackedMotion> AmclTracker::MotionAt(MonotonicTime stamp) const {
+std::optional<TrackedMotion> AmclTracker::MotionAt(
+    base::MonotonicTime stamp) const {
   const std::optional<WheelMoment> moment = parts_.wheels.At(stamp);
   if (!moment.has_value()) return std::nullopt;
   return moment->motion;
 }
 
 std::optional<RobotTracker::ScanFit> AmclTracker::FitAt(
-    const LevelPose& pose) const {
+    const core::LevelPose& pose) const {
   if (!scan_.has_value()) return std::nullopt;
   return FitOf(*scan_, pose);
 }
 
 std::optional<RobotTracker::ScanFit> AmclTracker::FitOf(
-    const MovedScan& scan, const LevelPose& pose) const {
+    const MovedScan& scan, const core::LevelPose& pose) const {
   if (pose.place.level < 0 ||
       pose.place.level >= static_cast<int>(parts_.checkers.size())) {
     return std::nullopt;
@@ -333,7 +339,7 @@ std::optional<RobotTracker::ScanFit> AmclTracker::FitOf(
   return fit;
 }
 
-void AmclTracker::BeginOtherPlaces(const std::optional<LevelPose>& than) {
+void AmclTracker::BeginOtherPlaces(const std::optional<core::LevelPose>& than) {
   search_.reset();
   candidates_.clear();
   places_.clear();
@@ -371,20 +377,21 @@ bool AmclTracker::StepOtherPlaces() {
   return candidates_.empty();
 }
 
-RobotTracker::OtherPlace AmclTracker::Refined(const LevelPose& tried) const {
+RobotTracker::OtherPlace AmclTracker::Refined(
+    const core::LevelPose& tried) const {
   // The place itself is between those that were tried.
   OtherPlace best = {.pose = tried, .fit = {}};
   double best_score = -2;
   for (const double step_m : {0.12, 0.06}) {
-    const LevelPose middle = best.pose;
+    const core::LevelPose middle = best.pose;
     for (int i = 0; i < 27; ++i) {
-      LevelPose pose = middle;
+      core::LevelPose pose = middle;
       const double x = i % 3 - 1;
       const double y = (i / 3) % 3 - 1;  // NOLINT(bugprone-integer-division)
       const double turn = i / 9 - 1;     // NOLINT(bugprone-integer-division)
-      pose.map_from_base.translation =
-          middle.map_from_base.translation + Vec2{step_m * x, step_m * y};
-      pose.map_from_base.yaw_rad = NormalizedAngle_rad(
+      pose.map_from_base.translation = middle.map_from_base.translation +
+                                       geometry::Vec2{step_m * x, step_m * y};
+      pose.map_from_base.yaw_rad = geometry::NormalizedAngle_rad(
           middle.map_from_base.yaw_rad + 0.5 * step_m * turn);
       const std::optional<ScanFit> fit = FitOf(*search_scan_, pose);
       if (!fit.has_value()) continue;
@@ -398,13 +405,13 @@ RobotTracker::OtherPlace AmclTracker::Refined(const LevelPose& tried) const {
   return best;
 }
 
-std::optional<MonotonicTime> AmclTracker::ScanStamp() const {
+std::optional<base::MonotonicTime> AmclTracker::ScanStamp() const {
   if (!scan_.has_value()) return std::nullopt;
   return scan_->moment.motion.stamp;
 }
 
-std::vector<Vec2> AmclTracker::ScanInBase() const {
-  std::vector<Vec2> ends;
+std::vector<geometry::Vec2> AmclTracker::ScanInBase() const {
+  std::vector<geometry::Vec2> ends;
   if (!scan_.has_value()) return ends;
   const absl::StatusOr<ScanPoints> points = PointsAtLaserHeight(
       scan_->scan, laser_, base_from_laser_, scan_->moment.pitch_rad,
@@ -469,15 +476,16 @@ absl::Status RobotTrackerOptions::Validate() const {
   TL_RETURN_IF_ERROR(amcl.Validate());
   TL_RETURN_IF_ERROR(lost.Validate());
   TL_RETURN_IF_ERROR(
-      CheckRange("tracker: scan_interval_s", scan_interval_s, 0, 10));
-  return CheckRange("tracker: searching_interval_s", searching_interval_s, 0,
-                    10);
+      base::CheckRange("tracker: scan_interval_s", scan_interval_s, 0, 10));
+  return base::CheckRange("tracker: searching_interval_s", searching_interval_s,
+                          0, 10);
 }
 
 absl::StatusOr<std::unique_ptr<RobotTracker>> RobotTracker::Create(
-    const VoxelMap& voxels, const TraversableMap& levels,
-    const RobotModel& robot, const RangeSensorInfo& laser,
-    const RobotTrackerOptions& options, uint64_t seed) {
+    const octree::VoxelMap& voxels,
+    const traversability::TraversableMap& levels, const core::RobotModel& robot,
+    const core::RangeSensorInfo& laser, const RobotTrackerOptions& options,
+    uint64_t seed) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(robot.Validate());
   if (laser.beams < 1) {
@@ -505,8 +513,8 @@ absl::StatusOr<std::unique_ptr<RobotTracker>> RobotTracker::Create(
                                        options.lost));
   }
   TL_ASSIGN_OR_RETURN(
-      SlopeOdometry odometry,
-      SlopeOdometry::Create({.wheel_track_m = robot.wheel_track_m}));
+      core::SlopeOdometry odometry,
+      core::SlopeOdometry::Create({.wheel_track_m = robot.wheel_track_m}));
   return std::make_unique<AmclTracker>(
       TrackerParts{.map = std::move(map),
                    .amcl = std::move(amcl),
@@ -516,4 +524,4 @@ absl::StatusOr<std::unique_ptr<RobotTracker>> RobotTracker::Create(
       robot, laser, options);
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization

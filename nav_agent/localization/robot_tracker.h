@@ -17,7 +17,7 @@
 #include "nav_agent/octomap/voxel_map.h"
 #include "nav_agent/traversability/traversability.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 struct RobotTrackerOptions {
   AmclOptions amcl;
@@ -31,10 +31,10 @@ struct RobotTrackerOptions {
 };
 
 struct TrackedPose {
-  MonotonicTime stamp;
-  LevelPose pose;
+  base::MonotonicTime stamp;
+  core::LevelPose pose;
   PoseCovariance2 covariance{};
-  Rotation3 level_from_base;
+  geometry::Rotation3 level_from_base;
   double forward_mps = 0;
   double yaw_rate_radps = 0;
   // The share of AMCL's weight that agrees, and whether it searches everywhere.
@@ -44,18 +44,18 @@ struct TrackedPose {
 
 // What the wheels and the inertial sensor alone say.
 struct TrackedMotion {
-  MonotonicTime stamp;
+  base::MonotonicTime stamp;
   // Drifts, but does not jump.
-  Rigid2 odom_from_base;
+  geometry::Rigid2 odom_from_base;
   // Pitch and roll (SlopeOdometry::LevelFromBase).
-  Rotation3 level_from_base;
+  geometry::Rotation3 level_from_base;
   double forward_mps = 0;
   double yaw_rate_radps = 0;
 };
 
 // A place that particles gather at.
 struct PlaceCandidate {
-  LevelPose pose;
+  core::LevelPose pose;
   PoseCovariance2 covariance{};
   // Of the weight.
   double share = 0;
@@ -65,31 +65,34 @@ struct PlaceCandidate {
 class RobotTracker {
  public:
   static absl::StatusOr<std::unique_ptr<RobotTracker>> Create(
-      const VoxelMap& voxels, const TraversableMap& levels,
-      const RobotModel& robot, const RangeSensorInfo& laser,
+      const octree::VoxelMap& voxels,
+      const traversability::TraversableMap& levels,
+      const core::RobotModel& robot, const core::RangeSensorInfo& laser,
       const RobotTrackerOptions& options, uint64_t seed);
   virtual ~RobotTracker() = default;
 
   // In the order of their stamps, as far as devices give them so. What is
   // older than what was told last (SetPose) is dropped, and counted.
-  virtual absl::Status AddReading(const BaseReading& reading) = 0;
-  virtual absl::Status AddScan(const LaserScan& scan) = 0;
+  virtual absl::Status AddReading(const core::BaseReading& reading) = 0;
+  virtual absl::Status AddScan(const core::LaserScan& scan) = 0;
 
-  virtual absl::Status SetPose(const LevelPose& pose,
+  virtual absl::Status SetPose(const core::LevelPose& pose,
                                const PoseCovariance2& covariance,
-                               MonotonicTime now) = 0;
+                               base::MonotonicTime now) = 0;
   // AMCL looks for the robot everywhere.
-  virtual void SetAnywhere(MonotonicTime now) = 0;
+  virtual void SetAnywhere(base::MonotonicTime now) = 0;
 
   // AMCL's newest estimate, carried on with the wheels to the newest reading;
   // nullopt before anything was told.
   virtual std::optional<TrackedPose> Pose() const = 0;
   // At another moment of the last two seconds.
-  virtual std::optional<TrackedPose> PoseAt(MonotonicTime stamp) const = 0;
+  virtual std::optional<TrackedPose> PoseAt(
+      base::MonotonicTime stamp) const = 0;
   // What the wheels say, told or not: newest, and at another moment of the last
   // two seconds; nullopt before the first reading.
   virtual std::optional<TrackedMotion> Motion() const = 0;
-  virtual std::optional<TrackedMotion> MotionAt(MonotonicTime stamp) const = 0;
+  virtual std::optional<TrackedMotion> MotionAt(
+      base::MonotonicTime stamp) const = 0;
 
   virtual const LostVerdict& verdict() const = 0;
   // How well the newest scan fits the map if the robot stands there: the share
@@ -100,24 +103,24 @@ class RobotTracker {
     double contradicted = 0;
     int judged = 0;
   };
-  virtual std::optional<ScanFit> FitAt(const LevelPose& pose) const = 0;
+  virtual std::optional<ScanFit> FitAt(const core::LevelPose& pose) const = 0;
   // Looks over the whole map for places where the newest scan fits, further
   // than 0.7 m or 0.6 rad from `than`: rooms that are alike; nullopt: for all
   // of them. Begun with the scan there is, it goes on a slice (about 2 ms) at a
   // time; true when it is done. Then BestPlaces has at most a dozen, the best
   // first, none within 0.7 m and 0.6 rad of another.
-  virtual void BeginOtherPlaces(const std::optional<LevelPose>& than) = 0;
+  virtual void BeginOtherPlaces(const std::optional<core::LevelPose>& than) = 0;
   virtual bool StepOtherPlaces() = 0;
   struct OtherPlace {
-    LevelPose pose;
+    core::LevelPose pose;
     ScanFit fit;
   };
   virtual std::vector<OtherPlace> BestPlaces() const = 0;
   // The newest scan that was taken in, if there is one.
-  virtual std::optional<MonotonicTime> ScanStamp() const = 0;
+  virtual std::optional<base::MonotonicTime> ScanStamp() const = 0;
   // Where its beams end, in the frame of the base when that is level (m); those
   // at about the laser's height.
-  virtual std::vector<Vec2> ScanInBase() const = 0;
+  virtual std::vector<geometry::Vec2> ScanInBase() const = 0;
   virtual std::vector<Particle> Particles(size_t at_most) const = 0;
   // The heaviest first.
   virtual std::vector<PlaceCandidate> Candidates(size_t at_most) const = 0;
@@ -125,6 +128,6 @@ class RobotTracker {
   virtual int64_t dropped() const = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_ROBOT_TRACKER_H_

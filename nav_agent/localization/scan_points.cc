@@ -7,14 +7,14 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 namespace {
 
 // Which beams: at most max_points of those that have an end. Choosing among
 // them keeps the number up where half of the scan looks into the open.
-absl::StatusOr<std::vector<int>> ChosenBeams(const LaserScan& scan,
-                                             const RangeSensorInfo& info,
+absl::StatusOr<std::vector<int>> ChosenBeams(const core::LaserScan& scan,
+                                             const core::RangeSensorInfo& info,
                                              int max_points) {
   const int beams = static_cast<int>(scan.ranges_m.size());
   if (beams != info.beams) {
@@ -42,7 +42,8 @@ absl::StatusOr<std::vector<int>> ChosenBeams(const LaserScan& scan,
   return result;
 }
 
-Vec2 EndInLaser(const LaserScan& scan, const RangeSensorInfo& info, int beam) {
+geometry::Vec2 EndInLaser(const core::LaserScan& scan,
+                          const core::RangeSensorInfo& info, int beam) {
   const double range_m = scan.ranges_m[static_cast<size_t>(beam)];
   const double angle_rad = info.AngleOf_rad(beam);
   return {range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)};
@@ -56,9 +57,9 @@ void ScanPoints::Add(const ScanPoints& from, size_t i) {
   y_m.push_back(from.y_m[i]);
 }
 
-absl::StatusOr<ScanPoints> PointsOf(const LaserScan& scan,
-                                    const RangeSensorInfo& info,
-                                    const Rigid2& base_from_laser,
+absl::StatusOr<ScanPoints> PointsOf(const core::LaserScan& scan,
+                                    const core::RangeSensorInfo& info,
+                                    const geometry::Rigid2& base_from_laser,
                                     int max_points) {
   TL_ASSIGN_OR_RETURN(const std::vector<int> beams,
                       ChosenBeams(scan, info, max_points));
@@ -66,26 +67,27 @@ absl::StatusOr<ScanPoints> PointsOf(const LaserScan& scan,
   points.x_m.reserve(beams.size());
   points.y_m.reserve(beams.size());
   for (const int beam : beams) {
-    const Vec2 point = base_from_laser * EndInLaser(scan, info, beam);
+    const geometry::Vec2 point = base_from_laser * EndInLaser(scan, info, beam);
     points.x_m.push_back(static_cast<float>(point.x));
     points.y_m.push_back(static_cast<float>(point.y));
   }
   return points;
 }
 
-absl::StatusOr<ScanPoints> PointsInSpace(const LaserScan& scan,
-                                         const RangeSensorInfo& info,
-                                         const Rigid3& base_from_laser,
-                                         const Rotation3& level_from_base,
-                                         int max_points) {
+absl::StatusOr<ScanPoints> PointsInSpace(
+    const core::LaserScan& scan, const core::RangeSensorInfo& info,
+    const geometry::Rigid3& base_from_laser,
+    const geometry::Rotation3& level_from_base, int max_points) {
   TL_ASSIGN_OR_RETURN(const std::vector<int> beams,
                       ChosenBeams(scan, info, max_points));
-  const Rigid3 level_from_laser =
-      Rigid3{.rotation = level_from_base, .translation = {}} * base_from_laser;
+  const geometry::Rigid3 level_from_laser =
+      geometry::Rigid3{.rotation = level_from_base, .translation = {}} *
+      base_from_laser;
   ScanPoints points;
   for (const int beam : beams) {
-    const Vec2 end = EndInLaser(scan, info, beam);
-    const Vec3 point = level_from_laser * Vec3{end.x, end.y, 0};
+    const geometry::Vec2 end = EndInLaser(scan, info, beam);
+    const geometry::Vec3 point =
+        level_from_laser * geometry::Vec3{end.x, end.y, 0};
     points.x_m.push_back(static_cast<float>(point.x));
     points.y_m.push_back(static_cast<float>(point.y));
     points.z_m.push_back(static_cast<float>(point.z));
@@ -93,4 +95,4 @@ absl::StatusOr<ScanPoints> PointsInSpace(const LaserScan& scan,
   return points;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization

@@ -9,7 +9,7 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 // End points in the base frame (m), projected onto its plane, in the order of
 // the beams. One array a coordinate, as SIMD wants them. Heights above the
@@ -29,19 +29,18 @@ struct ScanPoints {
 // Of at most max_points beams, evenly spread over the scan. Beams without a
 // return, and ranges outside of the sensor's own, have no end. INVALID_ARGUMENT
 // if the scan has another number of beams than `info` says.
-absl::StatusOr<ScanPoints> PointsOf(const LaserScan& scan,
-                                    const RangeSensorInfo& info,
-                                    const Rigid2& base_from_laser,
+absl::StatusOr<ScanPoints> PointsOf(const core::LaserScan& scan,
+                                    const core::RangeSensorInfo& info,
+                                    const geometry::Rigid2& base_from_laser,
                                     int max_points);
 
 // The same in space: of a robot that leans. `level_from_base` has no yaw (see
 // SlopeOdometry::LevelFromBase).
-absl::StatusOr<ScanPoints> PointsInSpace(const LaserScan& scan,
-                                         const RangeSensorInfo& info,
-                                         const Rigid3& base_from_laser,
-                                         const Rotation3& level_from_base,
-                                         int max_points);
+absl::StatusOr<ScanPoints> PointsInSpace(
+    const core::LaserScan& scan, const core::RangeSensorInfo& info,
+    const geometry::Rigid3& base_from_laser,
+    const geometry::Rotation3& level_from_base, int max_points);
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_SCAN_POINTS_H_

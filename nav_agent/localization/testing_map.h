@@ -8,17 +8,17 @@
 #include "nav_agent/core/occupancy_grid.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 // 12 x 8 m at 0.05 m, with walls around it, a wall with a door across it, and
 // a few pillars: no two places look the same.
-inline OccupancyGrid TestingMap() {
-  OccupancyGrid map = OccupancyGrid::Filled(
+inline core::OccupancyGrid TestingMap() {
+  core::OccupancyGrid map = core::OccupancyGrid::Filled(
       240, 160, 0.05, {.translation = {-2, -1}, .yaw_rad = 0.3},
-      Occupancy::kFree);
+      core::Occupancy::kFree);
   const auto fill = [&map](int x0, int y0, int x1, int y1) {
     for (int y = y0; y < y1; ++y) {
-      for (int x = x0; x < x1; ++x) map.Set({x, y}, Occupancy::kOccupied);
+      for (int x = x0; x < x1; ++x) map.Set({x, y}, core::Occupancy::kOccupied);
     }
   };
   fill(0, 0, 240, 2);
@@ -33,7 +33,7 @@ inline OccupancyGrid TestingMap() {
   return map;
 }
 
-inline RangeSensorInfo TestingLaser() {
+inline core::RangeSensorInfo TestingLaser() {
   return {.angle_min_rad = -1.5,
           .angle_increment_rad = 3.0 / 180,
           .beams = 181,
@@ -45,27 +45,30 @@ inline RangeSensorInfo TestingLaser() {
 
 // The scan of a laser at map_from_laser, by small steps along each beam, with
 // Gaussian noise.
-inline LaserScan ScanOf(const OccupancyGrid& map, const RangeSensorInfo& info,
-                        const Rigid2& map_from_laser, double noise_m,
-                        Random& random) {
-  LaserScan scan;
+inline core::LaserScan ScanOf(const core::OccupancyGrid& map,
+                              const core::RangeSensorInfo& info,
+                              const geometry::Rigid2& map_from_laser,
+                              double noise_m, base::Random& random) {
+  core::LaserScan scan;
   for (int beam = 0; beam < info.beams; ++beam) {
     const double angle_rad = info.AngleOf_rad(beam);
     double range_m = 0;
     while (range_m < info.range_max_m) {
-      const Vec2 point = map_from_laser * Vec2{range_m * std::cos(angle_rad),
-                                               range_m * std::sin(angle_rad)};
-      if (map.AtOrUnknown(map.CellOf(point)) == Occupancy::kOccupied) break;
+      const geometry::Vec2 point =
+          map_from_laser * geometry::Vec2{range_m * std::cos(angle_rad),
+                                          range_m * std::sin(angle_rad)};
+      if (map.AtOrUnknown(map.CellOf(point)) == core::Occupancy::kOccupied)
+        break;
       range_m += 0.02;
     }
     scan.ranges_m.push_back(
         range_m < info.range_max_m
             ? static_cast<float>(range_m + noise_m * random.NextGaussian())
-            : kNoReturn);
+            : core::kNoReturn);
   }
   return scan;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_TESTING_MAP_H_

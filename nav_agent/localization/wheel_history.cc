@@ -7,7 +7,7 @@
 #include "common/base/status_macros.h"
 #include "common/geometry/rigid2.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
 // What is remembered (s).
@@ -18,7 +18,7 @@ constexpr double kTiltShare = 0.2;
 // at most this (s).
 constexpr double kOutOfStep_s = 0.05;
 
-double SecondsBetween(MonotonicTime from, MonotonicTime to) {
+double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
@@ -26,15 +26,16 @@ WheelMoment Between(const WheelMoment& a, const WheelMoment& b, double t) {
   const auto mix = [t](double from, double to) {
     return from + t * (to - from);
   };
-  const Rigid2& from = a.motion.odom_from_base;
-  const Rigid2& to = b.motion.odom_from_base;
+  const geometry::Rigid2& from = a.motion.odom_from_base;
+  const geometry::Rigid2& to = b.motion.odom_from_base;
   WheelMoment moment = a;
   moment.motion.odom_from_base = {
       from.translation + t * (to.translation - from.translation),
-      NormalizedAngle_rad(from.yaw_rad +
-                          t * NormalizedAngle_rad(to.yaw_rad - from.yaw_rad))};
+      geometry::NormalizedAngle_rad(
+          from.yaw_rad +
+          t * geometry::NormalizedAngle_rad(to.yaw_rad - from.yaw_rad))};
   moment.motion.level_from_base =
-      Slerp(a.motion.level_from_base, b.motion.level_from_base, t);
+      geometry::Slerp(a.motion.level_from_base, b.motion.level_from_base, t);
   moment.motion.forward_mps = mix(a.motion.forward_mps, b.motion.forward_mps);
   moment.motion.yaw_rate_radps =
       mix(a.motion.yaw_rate_radps, b.motion.yaw_rate_radps);
@@ -45,7 +46,7 @@ WheelMoment Between(const WheelMoment& a, const WheelMoment& b, double t) {
 
 }  // namespace
 
-absl::Status WheelHistory::Add(const BaseReading& reading) {
+absl::Status WheelHistory::Add(const core::BaseReading& reading) {
   TL_RETURN_IF_ERROR(odometry_.Add(reading));
   const double share = moments_.empty() ? 1 : kTiltShare;
   pitch_rad_ += share * (reading.pitch_rad - pitch_rad_);
@@ -65,7 +66,7 @@ absl::Status WheelHistory::Add(const BaseReading& reading) {
   return absl::OkStatus();
 }
 
-std::optional<WheelMoment> WheelHistory::At(MonotonicTime stamp) const {
+std::optional<WheelMoment> WheelHistory::At(base::MonotonicTime stamp) const {
   if (moments_.empty() || stamp < moments_.front().motion.stamp) {
     return std::nullopt;
   }
@@ -88,4 +89,4 @@ std::optional<WheelMoment> WheelHistory::At(MonotonicTime stamp) const {
   return moment;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localization

@@ -10,7 +10,7 @@
 #include "nav_agent/core/slope_odometry.h"
 #include "nav_agent/localization/robot_tracker.h"
 
-namespace treeline {
+namespace treeline::localization {
 
 // The way so far, and the tilt, smoothed over about five readings (rad).
 struct WheelMoment {
@@ -22,26 +22,26 @@ struct WheelMoment {
 // The last 2.5 s of them. Deterministic; not thread-safe.
 class WheelHistory {
  public:
-  explicit WheelHistory(SlopeOdometry odometry) : odometry_(odometry) {}
+  explicit WheelHistory(core::SlopeOdometry odometry) : odometry_(odometry) {}
 
   // Errors as SlopeOdometry's.
-  absl::Status Add(const BaseReading& reading);
+  absl::Status Add(const core::BaseReading& reading);
 
   bool is_empty() const { return moments_.empty(); }
   // There must be one.
   const WheelMoment& newest() const { return moments_.back(); }
   // At a moment that is remembered, between two readings; the newest for what
   // is newer by 0.05 s at most.
-  std::optional<WheelMoment> At(MonotonicTime stamp) const;
+  std::optional<WheelMoment> At(base::MonotonicTime stamp) const;
 
  private:
-  SlopeOdometry odometry_;
+  core::SlopeOdometry odometry_;
   // The oldest first.
   std::deque<WheelMoment> moments_;
   double pitch_rad_ = 0;
   double roll_rad_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localization
 
 #endif  // NAV_AGENT_LOCALIZATION_WHEEL_HISTORY_H_

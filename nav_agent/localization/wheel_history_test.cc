@@ -4,18 +4,18 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::localization {
 namespace {
 
-MonotonicTime At_ms(int ms) {
-  return MonotonicTime() + std::chrono::milliseconds(ms);
+base::MonotonicTime At_ms(int ms) {
+  return base::MonotonicTime() + std::chrono::milliseconds(ms);
 }
 
 // Straight ahead at 1 m/s for so long, a reading each 10 ms.
 WheelHistory Driven(int ms) {
-  WheelHistory history(*SlopeOdometry::Create({.wheel_track_m = 0.54}));
+  WheelHistory history(*core::SlopeOdometry::Create({.wheel_track_m = 0.54}));
   for (int at = 0; at <= ms; at += 10) {
-    BaseReading reading;
+    core::BaseReading reading;
     reading.stamp = At_ms(at);
     reading.left_wheel_m = 0.001 * at;
     reading.right_wheel_m = 0.001 * at;
@@ -26,7 +26,8 @@ WheelHistory Driven(int ms) {
 }
 
 TEST(WheelHistory, IsEmptyUntilTheWheelsAreHeard) {
-  const WheelHistory history(*SlopeOdometry::Create({.wheel_track_m = 0.54}));
+  const WheelHistory history(
+      *core::SlopeOdometry::Create({.wheel_track_m = 0.54}));
   EXPECT_TRUE(history.is_empty());
   EXPECT_FALSE(history.At(At_ms(0)).has_value());
 }
@@ -55,4 +56,4 @@ TEST(WheelHistory, WhatIsALittleNewerIsTheNewest) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::localization

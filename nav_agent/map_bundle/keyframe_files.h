@@ -11,7 +11,7 @@
 #include "common/camera/rgbd_calibration.h"
 #include "common/geometry/rigid3.h"
 
-namespace treeline {
+namespace treeline::map_bundle {
 
 // Writes a sequence in the layout of 7-Scenes, frame by frame:
 //   FOLDER/calibration.json                 the cameras (treeline calibrate)
@@ -24,26 +24,28 @@ class KeyframeWriter {
  public:
   // Makes the folder. ALREADY_EXISTS if there is a sequence in it.
   static absl::StatusOr<KeyframeWriter> Create(
-      const std::string& folder, const RgbdCalibration& calibration);
+      const std::string& folder, const camera::RgbdCalibration& calibration);
 
   // color: a JPEG or PNG file. depth: a 16-bit PNG file in depth_unit_m; what
   // is not in millimetres is converted, and 65.5 m or more are not measured.
   // map_from_camera: of the calibration's pose sensor. INVALID_ARGUMENT for
   // other files and for a pose that is not finite.
   absl::Status Write(absl::string_view color, absl::string_view depth,
-                     double depth_unit_m, const Rigid3& map_from_camera);
+                     double depth_unit_m,
+                     const geometry::Rigid3& map_from_camera);
 
   int count() const { return count_; }
 
  private:
-  KeyframeWriter(std::string sequence, const RgbdCalibration& calibration)
+  KeyframeWriter(std::string sequence,
+                 const camera::RgbdCalibration& calibration)
       : sequence_(std::move(sequence)), calibration_(calibration) {}
 
   std::string sequence_;
-  RgbdCalibration calibration_;
+  camera::RgbdCalibration calibration_;
   int count_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::map_bundle
 
 #endif  // NAV_AGENT_MAP_BUNDLE_KEYFRAME_FILES_H_

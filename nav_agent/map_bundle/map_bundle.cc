@@ -18,7 +18,7 @@
 #include "nav_agent/core/map_file.h"
 #include "nav_agent/octomap/octree_file.h"
 
-namespace treeline {
+namespace treeline::map_bundle {
 namespace {
 
 namespace fs = std::filesystem;
@@ -48,7 +48,7 @@ std::string Quoted(absl::string_view text) {
 }
 
 std::string FormatManifest(const MapBundleManifest& manifest) {
-  const TraversabilityOptions& t = manifest.traversability;
+  const traversability::TraversabilityOptions& t = manifest.traversability;
   std::string text = absl::StrFormat(
       "# A Treeline map bundle (docs/map-bundle.md). Written last: a folder\n"
       "# without this file is not complete.\n"
@@ -76,12 +76,12 @@ std::string FormatManifest(const MapBundleManifest& manifest) {
   return text;
 }
 
-absl::StatusOr<TraversabilityOptions> ParseTraversability(
-    const YamlNode& node) {
+absl::StatusOr<traversability::TraversabilityOptions> ParseTraversability(
+    const yaml::YamlNode& node) {
   TL_RETURN_IF_ERROR(node.CheckKeys(
       {"max_slope_rad", "max_step_m", "robot_height_m", "min_ground_width_m",
        "min_platform_area_m2", "max_riser_m", "level_overlap_m"}));
-  TraversabilityOptions options;
+  traversability::TraversabilityOptions options;
   const std::array<std::pair<const char*, double*>, 7> fields = {
       {{"max_slope_rad", &options.max_slope_rad},
        {"max_step_m", &options.max_step_m},
@@ -124,11 +124,12 @@ std::string LevelPath(const std::string& folder, size_t level) {
   return absl::StrCat(folder, "/", kBundleLevels, "/level-", level, ".yaml");
 }
 
-absl::StatusOr<std::vector<OccupancyGrid>> ReadLevels(const std::string& folder,
-                                                      int count) {
-  std::vector<OccupancyGrid> grids;
+absl::StatusOr<std::vector<core::OccupancyGrid>> ReadLevels(
+    const std::string& folder, int count) {
+  std::vector<core::OccupancyGrid> grids;
   for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
-    TL_ASSIGN_OR_RETURN(grids.emplace_back(), ReadMap(LevelPath(folder, i)));
+    TL_ASSIGN_OR_RETURN(grids.emplace_back(),
+                        core::ReadMap(LevelPath(folder, i)));
   }
   return grids;
 }
@@ -162,10 +163,10 @@ absl::Status BeginMapBundle(const std::string& folder, bool overwrite) {
   return absl::OkStatus();
 }
 
-absl::Status WriteBundleTrajectory(const std::string& folder,
-                                   std::span<const TimedPose> trajectory) {
-  return WriteFileAtomically(folder + "/" + kBundleTrajectory,
-                             FormatTimedPoses(trajectory));
+absl::Status WriteBundleTrajectory(
+    const std::string& folder, std::span<const dataset::TimedPose> trajectory) {
+  return base::WriteFileAtomically(folder + "/" + kBundleTrajectory,
+                                   dataset::FormatTimedPoses(trajectory));
 }
 
 absl::Status FinishMapBundle(const std::string& folder,
@@ -176,13 +177,14 @@ absl::Status FinishMapBundle(const std::string& folder,
         "' is no name for a scene: letters, digits, '-', '_' and '.'"));
   }
   TL_RETURN_IF_ERROR(CheckParts(folder, manifest));
-  return WriteFileAtomically(folder + "/" + kBundleManifest,
-                             FormatManifest(manifest));
+  return base::WriteFileAtomically(folder + "/" + kBundleManifest,
+                                   FormatManifest(manifest));
 }
 
 absl::StatusOr<MapBundleManifest> ParseMapBundleManifest(
     absl::string_view yaml, absl::string_view name) {
-  TL_ASSIGN_OR_RETURN(const YamlNode root, YamlNode::Parse(yaml, name));
+  TL_ASSIGN_OR_RETURN(const yaml::YamlNode root,
+                      yaml::YamlNode::Parse(yaml, name));
   TL_RETURN_IF_ERROR(root.CheckKeys(
       {"version", "name", "source", "method", "resolution_m", "levels",
        "keyframes", "trajectory", "planar_heights_m", "traversability"}));
@@ -206,7 +208,7 @@ absl::StatusOr<MapBundleManifest> ParseMapBundleManifest(
   TL_ASSIGN_OR_RETURN(const int64_t levels, root.Integer("levels", 0, 1000));
   TL_ASSIGN_OR_RETURN(const int64_t keyframes,
                       root.Integer("keyframes", 0, kMostParts));
-  TL_ASSIGN_OR_RETURN(const YamlNode trajectory, root.Get("trajectory"));
+  TL_ASSIGN_OR_RETURN(const yaml::YamlNode trajectory, root.Get("trajectory"));
   TL_RETURN_IF_ERROR(trajectory.CheckKeys({"of", "poses"}));
   TL_ASSIGN_OR_RETURN(const int of,
                       trajectory.Choice("of", {"base", "camera"}));
@@ -221,7 +223,7 @@ absl::StatusOr<MapBundleManifest> ParseMapBundleManifest(
                         root.Numbers("planar_heights_m",
                                      static_cast<size_t>(levels), -1e6, 1e6));
   }
-  TL_ASSIGN_OR_RETURN(const YamlNode traversability,
+  TL_ASSIGN_OR_RETURN(const yaml::YamlNode traversability,
                       root.Get("traversability"));
   TL_ASSIGN_OR_RETURN(manifest.traversability,
                       ParseTraversability(traversability));
@@ -243,7 +245,7 @@ absl::StatusOr<MapBundleManifest> ReadMapBundleManifest(
         folder, ": there is no map bundle; `treeline-agent map` makes one"));
   }
   TL_ASSIGN_OR_RETURN(const std::string yaml,
-                      ReadFile(path, YamlNode::kMaxBytes));
+                      base::ReadFile(path, yaml::YamlNode::kMaxBytes));
   TL_ASSIGN_OR_RETURN(MapBundleManifest manifest,
                       ParseMapBundleManifest(yaml, path));
   TL_RETURN_IF_ERROR(CheckParts(folder, manifest));
@@ -254,17 +256,18 @@ absl::StatusOr<MapBundle> LoadMapBundle(const std::string& folder) {
   MapBundle bundle;
   TL_ASSIGN_OR_RETURN(bundle.manifest, ReadMapBundleManifest(folder));
   const std::string octomap = folder + "/" + kBundleOctomap;
-  TL_ASSIGN_OR_RETURN(bundle.voxels, ReadOctree(octomap));
-  TL_ASSIGN_OR_RETURN(std::vector<OccupancyGrid> drawn,
+  TL_ASSIGN_OR_RETURN(bundle.voxels, octree::ReadOctree(octomap));
+  TL_ASSIGN_OR_RETURN(std::vector<core::OccupancyGrid> drawn,
                       ReadLevels(folder, bundle.manifest.levels));
   if (!bundle.manifest.planar_heights_m.empty()) {
     TL_ASSIGN_OR_RETURN(bundle.levels,
                         PlanarLevels(drawn, bundle.manifest.planar_heights_m));
     return bundle;
   }
-  absl::StatusOr<TraversableMap> levels =
-      ExtractTraversableMap(bundle.voxels, bundle.manifest.traversability);
-  if (!levels.ok()) return Annotate(levels.status(), octomap);
+  absl::StatusOr<traversability::TraversableMap> levels =
+      traversability::ExtractTraversableMap(bundle.voxels,
+                                            bundle.manifest.traversability);
+  if (!levels.ok()) return base::Annotate(levels.status(), octomap);
   bundle.levels = *std::move(levels);
   if (bundle.levels.levels.size() != drawn.size()) {
     return absl::FailedPreconditionError(
@@ -272,7 +275,7 @@ absl::StatusOr<MapBundle> LoadMapBundle(const std::string& folder) {
                      " levels, bundle.yaml says ", drawn.size()));
   }
   for (size_t i = 0; i < drawn.size(); ++i) {
-    OccupancyGrid& grid = bundle.levels.levels[i].grid;
+    core::OccupancyGrid& grid = bundle.levels.levels[i].grid;
     if (drawn[i].width != grid.width || drawn[i].height != grid.height) {
       return absl::FailedPreconditionError(
           absl::StrFormat("%s: it is %d x %d cells large, the OctoMap %d x %d",
@@ -284,38 +287,39 @@ absl::StatusOr<MapBundle> LoadMapBundle(const std::string& folder) {
   return bundle;
 }
 
-absl::StatusOr<TraversableMap> PlanarLevels(
-    std::span<const OccupancyGrid> grids, std::span<const double> heights_m) {
+absl::StatusOr<traversability::TraversableMap> PlanarLevels(
+    std::span<const core::OccupancyGrid> grids,
+    std::span<const double> heights_m) {
   if (grids.empty() || grids.size() != heights_m.size()) {
     return absl::InvalidArgumentError(
         "a planar map needs a grid and a height for each level");
   }
   const double resolution_m = grids[0].resolution_m;
   // Cells of all grids, numbered from the map's origin.
-  std::vector<CellIndex> lowest;
-  CellIndex low{std::numeric_limits<int>::max(),
-                std::numeric_limits<int>::max()};
-  CellIndex high{std::numeric_limits<int>::min(),
-                 std::numeric_limits<int>::min()};
-  for (const OccupancyGrid& grid : grids) {
+  std::vector<core::CellIndex> lowest;
+  core::CellIndex low{std::numeric_limits<int>::max(),
+                      std::numeric_limits<int>::max()};
+  core::CellIndex high{std::numeric_limits<int>::min(),
+                       std::numeric_limits<int>::min()};
+  for (const core::OccupancyGrid& grid : grids) {
     if (grid.resolution_m != resolution_m || grid.map_from_grid.yaw_rad != 0) {
       return absl::InvalidArgumentError(
           "the levels' grids differ in resolution, or are turned");
     }
-    const Vec2 corner = grid.map_from_grid.translation;
+    const geometry::Vec2 corner = grid.map_from_grid.translation;
     lowest.push_back({static_cast<int>(std::lround(corner.x / resolution_m)),
                       static_cast<int>(std::lround(corner.y / resolution_m))});
     low = {std::min(low.x, lowest.back().x), std::min(low.y, lowest.back().y)};
     high = {std::max(high.x, lowest.back().x + grid.width),
             std::max(high.y, lowest.back().y + grid.height)};
   }
-  TraversableMap map;
+  traversability::TraversableMap map;
   for (size_t i = 0; i < grids.size(); ++i) {
-    TraversableLevel level;
-    level.grid = OccupancyGrid::Filled(
+    traversability::TraversableLevel level;
+    level.grid = core::OccupancyGrid::Filled(
         high.x - low.x, high.y - low.y, resolution_m,
         {.translation = {low.x * resolution_m, low.y * resolution_m}},
-        Occupancy::kUnknown);
+        core::Occupancy::kUnknown);
     for (int y = 0; y < grids[i].height; ++y) {
       for (int x = 0; x < grids[i].width; ++x) {
         level.grid.Set({x + lowest[i].x - low.x, y + lowest[i].y - low.y},
@@ -331,37 +335,39 @@ absl::StatusOr<TraversableMap> PlanarLevels(
   return map;
 }
 
-absl::StatusOr<VoxelMap> PlanarVoxels(const TraversableMap& levels,
-                                      double laser_height_m) {
+absl::StatusOr<octree::VoxelMap> PlanarVoxels(
+    const traversability::TraversableMap& levels, double laser_height_m) {
   if (levels.levels.empty()) {
     return absl::InvalidArgumentError("there is no level");
   }
-  const OccupancyGrid& first = levels.levels[0].grid;
+  const core::OccupancyGrid& first = levels.levels[0].grid;
   const double resolution_m = first.resolution_m;
-  const auto layer_of = [&](const TraversableLevel& level) {
+  const auto layer_of = [&](const traversability::TraversableLevel& level) {
     return static_cast<int>(
         std::floor((level.height_m[0] + laser_height_m) / resolution_m));
   };
-  const Vec2 corner = first.map_from_grid.translation;
-  const VoxelIndex lowest = {
+  const geometry::Vec2 corner = first.map_from_grid.translation;
+  const octree::VoxelIndex lowest = {
       static_cast<int>(std::lround(corner.x / resolution_m)),
       static_cast<int>(std::lround(corner.y / resolution_m)),
       layer_of(levels.levels.front())};
-  const VoxelIndex size = {first.width, first.height,
-                           layer_of(levels.levels.back()) - lowest.z + 1};
-  TL_ASSIGN_OR_RETURN(VoxelMap map, VoxelMap::Make(resolution_m, lowest, size));
-  for (const TraversableLevel& level : levels.levels) {
+  const octree::VoxelIndex size = {
+      first.width, first.height, layer_of(levels.levels.back()) - lowest.z + 1};
+  TL_ASSIGN_OR_RETURN(octree::VoxelMap map,
+                      octree::VoxelMap::Make(resolution_m, lowest, size));
+  for (const traversability::TraversableLevel& level : levels.levels) {
     const int z = layer_of(level) - lowest.z;
     for (int y = 0; y < first.height; ++y) {
       for (int x = 0; x < first.width; ++x) {
-        const Occupancy cell = level.grid.At({x, y});
-        if (cell == Occupancy::kUnknown) continue;
-        map.Set({x, y, z},
-                cell == Occupancy::kOccupied ? Voxel::kOccupied : Voxel::kFree);
+        const core::Occupancy cell = level.grid.At({x, y});
+        if (cell == core::Occupancy::kUnknown) continue;
+        map.Set({x, y, z}, cell == core::Occupancy::kOccupied
+                               ? octree::Voxel::kOccupied
+                               : octree::Voxel::kFree);
       }
     }
   }
   return map;
 }
 
-}  // namespace treeline
+}  // namespace treeline::map_bundle

@@ -15,7 +15,7 @@
 #include "nav_agent/octomap/voxel_map.h"
 #include "nav_agent/traversability/traversability.h"
 
-namespace treeline {
+namespace treeline::map_bundle {
 
 // What bundle.yaml says.
 struct MapBundleManifest {
@@ -35,7 +35,7 @@ struct MapBundleManifest {
   // levels are what their pictures say. Empty: the OctoMap has ground.
   std::vector<double> planar_heights_m{};
   // What the levels were extracted for.
-  TraversabilityOptions traversability{};
+  traversability::TraversabilityOptions traversability{};
 };
 
 // The parts, relative to the bundle's folder.
@@ -49,13 +49,14 @@ inline constexpr char kBundlePicture[] = "map.png";
 // One level for each grid, without slopes or joins. The grids may differ in
 // size and place; the levels' cover all of them. INVALID_ARGUMENT if there is
 // none, they differ in resolution, or are turned.
-absl::StatusOr<TraversableMap> PlanarLevels(
-    std::span<const OccupancyGrid> grids, std::span<const double> heights_m);
+absl::StatusOr<traversability::TraversableMap> PlanarLevels(
+    std::span<const core::OccupancyGrid> grids,
+    std::span<const double> heights_m);
 
 // What a horizontal plane `laser_height_m` above each level's ground saw: a
 // layer of voxels.
-absl::StatusOr<VoxelMap> PlanarVoxels(const TraversableMap& levels,
-                                      double laser_height_m);
+absl::StatusOr<octree::VoxelMap> PlanarVoxels(
+    const traversability::TraversableMap& levels, double laser_height_m);
 
 // Makes the folder ready for a new bundle. ALREADY_EXISTS if there is something
 // in it, unless `overwrite`: then what a bundle consists of is removed, and
@@ -63,8 +64,8 @@ absl::StatusOr<VoxelMap> PlanarVoxels(const TraversableMap& levels,
 absl::Status BeginMapBundle(const std::string& folder, bool overwrite);
 
 // Writes trajectory.txt (TUM: "time tx ty tz qx qy qz qw").
-absl::Status WriteBundleTrajectory(const std::string& folder,
-                                   std::span<const TimedPose> trajectory);
+absl::Status WriteBundleTrajectory(
+    const std::string& folder, std::span<const dataset::TimedPose> trajectory);
 
 // The last step: a folder without it is not complete.
 absl::Status FinishMapBundle(const std::string& folder,
@@ -81,16 +82,16 @@ absl::StatusOr<MapBundleManifest> ParseMapBundleManifest(
 
 struct MapBundle {
   MapBundleManifest manifest;
-  VoxelMap voxels;
+  octree::VoxelMap voxels;
   // Extracted from the OctoMap (if it has ground), and then as level-N.pgm has
   // it: somebody may have drawn in it where the robot must not go.
-  TraversableMap levels;
+  traversability::TraversableMap levels;
 };
 
 // The errors of ReadMapBundleManifest and of the parts. FAILED_PRECONDITION if
 // a level's picture is not of the OctoMap's cells.
 absl::StatusOr<MapBundle> LoadMapBundle(const std::string& folder);
 
-}  // namespace treeline
+}  // namespace treeline::map_bundle
 
 #endif  // NAV_AGENT_MAP_BUNDLE_MAP_BUNDLE_H_

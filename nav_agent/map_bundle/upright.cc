@@ -10,7 +10,7 @@
 
 #include "common/base/random.h"
 
-namespace treeline {
+namespace treeline::map_bundle {
 namespace {
 
 constexpr int kTrials = 400;
@@ -26,48 +26,51 @@ constexpr double kLeastShare = 0.05;
 constexpr double kBelowFloor = 0.02;
 constexpr double kFarBelow_m = 0.1;
 
-constexpr Vec3 kUp{0, 0, 1};
+constexpr geometry::Vec3 kUp{0, 0, 1};
 
 // The shortest rotation that turns a unit vector upright.
-Rotation3 Upright(Vec3 up) {
-  const Vec3 axis = Cross(up, kUp);
-  const double sine = Norm(axis);
-  const double angle_rad = std::atan2(sine, Dot(up, kUp));
+geometry::Rotation3 Upright(geometry::Vec3 up) {
+  const geometry::Vec3 axis = geometry::Cross(up, kUp);
+  const double sine = geometry::Norm(axis);
+  const double angle_rad = std::atan2(sine, geometry::Dot(up, kUp));
   if (sine < 1e-12) {
-    return angle_rad < 1 ? Rotation3{}
-                         : Rotation3::FromAxisAngle({angle_rad, 0, 0});
+    return angle_rad < 1
+               ? geometry::Rotation3{}
+               : geometry::Rotation3::FromAxisAngle({angle_rad, 0, 0});
   }
-  return Rotation3::FromAxisAngle((angle_rad / sine) * axis);
+  return geometry::Rotation3::FromAxisAngle((angle_rad / sine) * axis);
 }
 
 struct Plane {
-  Vec3 normal;
+  geometry::Vec3 normal;
   double height = 0;  // Dot(normal, point) of its points
   size_t points = 0;
 };
 
-size_t CountOn(std::span<const Vec3> points, Vec3 normal, double height) {
+size_t CountOn(std::span<const geometry::Vec3> points, geometry::Vec3 normal,
+               double height) {
   return static_cast<size_t>(
-      std::count_if(points.begin(), points.end(), [&](Vec3 point) {
-        return std::abs(Dot(normal, point) - height) < kOnPlane_m;
+      std::count_if(points.begin(), points.end(), [&](geometry::Vec3 point) {
+        return std::abs(geometry::Dot(normal, point) - height) < kOnPlane_m;
       }));
 }
 
-Plane LargestPlane(std::span<const Vec3> points, Vec3 up, uint64_t seed) {
+Plane LargestPlane(std::span<const geometry::Vec3> points, geometry::Vec3 up,
+                   uint64_t seed) {
   Plane best;
   const auto count = static_cast<uint32_t>(points.size());
   for (uint64_t trial = 0; trial < kTrials; ++trial) {
-    Random random(seed, trial);
-    const Vec3 a = points[random.NextBelow(count)];
-    const Vec3 b = points[random.NextBelow(count)];
-    const Vec3 c = points[random.NextBelow(count)];
-    Vec3 normal = Cross(b - a, c - a);
-    if (SquaredNorm(normal) < 1e-6) continue;
-    normal = Normalized(normal);
-    if (Dot(normal, up) < 0) normal = -normal;
-    if (Dot(normal, up) < std::cos(kMostTilt_rad)) continue;
-    const size_t on = CountOn(points, normal, Dot(normal, a));
-    if (on > best.points) best = {normal, Dot(normal, a), on};
+    base::Random random(seed, trial);
+    const geometry::Vec3 a = points[random.NextBelow(count)];
+    const geometry::Vec3 b = points[random.NextBelow(count)];
+    const geometry::Vec3 c = points[random.NextBelow(count)];
+    geometry::Vec3 normal = geometry::Cross(b - a, c - a);
+    if (geometry::SquaredNorm(normal) < 1e-6) continue;
+    normal = geometry::Normalized(normal);
+    if (geometry::Dot(normal, up) < 0) normal = -normal;
+    if (geometry::Dot(normal, up) < std::cos(kMostTilt_rad)) continue;
+    const size_t on = CountOn(points, normal, geometry::Dot(normal, a));
+    if (on > best.points) best = {normal, geometry::Dot(normal, a), on};
   }
   return best;
 }
@@ -77,20 +80,21 @@ using Cell = std::pair<int64_t, int64_t>;
 
 // The points on `plane` and not on a wall that crosses it, in a frame in which
 // the plane is level.
-std::vector<Vec3> PointsOf(std::span<const Vec3> points, const Plane& plane,
-                           const Rotation3& level_from_map) {
-  std::map<Cell, std::vector<Vec3>> cells;
-  for (const Vec3 point_in_map : points) {
-    const Vec3 point = level_from_map * point_in_map;
+std::vector<geometry::Vec3> PointsOf(
+    std::span<const geometry::Vec3> points, const Plane& plane,
+    const geometry::Rotation3& level_from_map) {
+  std::map<Cell, std::vector<geometry::Vec3>> cells;
+  for (const geometry::Vec3 point_in_map : points) {
+    const geometry::Vec3 point = level_from_map * point_in_map;
     if (std::abs(point.z - plane.height) > kBand_m) continue;
     const Cell cell = {std::llround(point.x / kCell_m),
                        std::llround(point.y / kCell_m)};
     cells[cell].push_back(point);
   }
-  const auto is_on = [&plane](Vec3 point) {
+  const auto is_on = [&plane](geometry::Vec3 point) {
     return std::abs(point.z - plane.height) < kOnPlane_m;
   };
-  std::vector<Vec3> on;
+  std::vector<geometry::Vec3> on;
   for (const auto& [cell, inside] : cells) {
     const auto count = std::count_if(inside.begin(), inside.end(), is_on);
     if (2 * count < static_cast<std::ptrdiff_t>(inside.size())) continue;
@@ -101,20 +105,21 @@ std::vector<Vec3> PointsOf(std::span<const Vec3> points, const Plane& plane,
 
 // The least-squares plane z = p x + q y + r of the points on `plane`, which is
 // nearly level in the frame of `level_from_map`.
-Plane Refined(std::span<const Vec3> points, const Plane& plane) {
-  const Rotation3 level_from_map = Upright(plane.normal);
-  const std::vector<Vec3> on = PointsOf(points, plane, level_from_map);
+Plane Refined(std::span<const geometry::Vec3> points, const Plane& plane) {
+  const geometry::Rotation3 level_from_map = Upright(plane.normal);
+  const std::vector<geometry::Vec3> on =
+      PointsOf(points, plane, level_from_map);
   if (on.size() < 3) return plane;
-  Vec3 mean;
-  for (const Vec3 point : on) mean = mean + point;
+  geometry::Vec3 mean;
+  for (const geometry::Vec3 point : on) mean = mean + point;
   mean = mean / static_cast<double>(on.size());
   double xx = 0;
   double xy = 0;
   double yy = 0;
   double xz = 0;
   double yz = 0;
-  for (const Vec3 point : on) {
-    const Vec3 d = point - mean;
+  for (const geometry::Vec3 point : on) {
+    const geometry::Vec3 d = point - mean;
     xx += d.x * d.x;
     xy += d.x * d.y;
     yy += d.y * d.y;
@@ -125,17 +130,18 @@ Plane Refined(std::span<const Vec3> points, const Plane& plane) {
   if (!(determinant > 1e-9 * xx * yy)) return plane;
   const double p = (xz * yy - yz * xy) / determinant;
   const double q = (yz * xx - xz * xy) / determinant;
-  const Vec3 normal = level_from_map.Inverse() * Normalized(Vec3{-p, -q, 1});
-  const double height = Dot(normal, level_from_map.Inverse() * mean);
+  const geometry::Vec3 normal = level_from_map.Inverse() *
+                                geometry::Normalized(geometry::Vec3{-p, -q, 1});
+  const double height = geometry::Dot(normal, level_from_map.Inverse() * mean);
   return {normal, height, CountOn(points, normal, height)};
 }
 
 }  // namespace
 
-UprightMap FindUpright(std::span<const Vec3> points_in_map,
-                       Vec3 up_guess_in_map, uint64_t seed) {
-  const double length = Norm(up_guess_in_map);
-  Vec3 up = length > 1e-9 ? up_guess_in_map / length : kUp;
+UprightMap FindUpright(std::span<const geometry::Vec3> points_in_map,
+                       geometry::Vec3 up_guess_in_map, uint64_t seed) {
+  const double length = geometry::Norm(up_guess_in_map);
+  geometry::Vec3 up = length > 1e-9 ? up_guess_in_map / length : kUp;
   UprightMap upright;
   if (points_in_map.size() < 3) {
     upright.level_from_map.rotation = Upright(up);
@@ -153,7 +159,8 @@ UprightMap FindUpright(std::span<const Vec3> points_in_map,
   }
   std::vector<double> heights;
   heights.reserve(points_in_map.size());
-  for (const Vec3 point : points_in_map) heights.push_back(Dot(up, point));
+  for (const geometry::Vec3 point : points_in_map)
+    heights.push_back(geometry::Dot(up, point));
   const auto low =
       heights.begin() + static_cast<std::ptrdiff_t>(kBelowFloor * all);
   std::nth_element(heights.begin(), low, heights.end());
@@ -164,4 +171,4 @@ UprightMap FindUpright(std::span<const Vec3> points_in_map,
   return upright;
 }
 
-}  // namespace treeline
+}  // namespace treeline::map_bundle

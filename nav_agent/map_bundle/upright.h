@@ -8,11 +8,11 @@
 
 #include "common/geometry/rigid3.h"
 
-namespace treeline {
+namespace treeline::map_bundle {
 
 struct UprightMap {
   // z up, and 0 on the floor; x and y of the map's origin are 0.
-  Rigid3 level_from_map;
+  geometry::Rigid3 level_from_map;
   // Whether a level surface was found; else `up_guess` was believed.
   bool has_surface = false;
   // The share of the points that lie on it.
@@ -24,9 +24,9 @@ struct UprightMap {
 // (RANSAC, then least squares). The floor is that plane if hardly anything is
 // below, and the lowest of the points else. Deterministic by seed. Without
 // points: only turned.
-UprightMap FindUpright(std::span<const Vec3> points_in_map,
-                       Vec3 up_guess_in_map, uint64_t seed);
+UprightMap FindUpright(std::span<const geometry::Vec3> points_in_map,
+                       geometry::Vec3 up_guess_in_map, uint64_t seed);
 
-}  // namespace treeline
+}  // namespace treeline::map_bundle
 
 #endif  // NAV_AGENT_MAP_BUNDLE_UPRIGHT_H_

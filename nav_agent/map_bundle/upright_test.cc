@@ -5,14 +5,15 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::map_bundle {
 namespace {
 
 // A room's floor, a wall and a table, with noise of 5 mm; then tilted.
-std::vector<Vec3> Room(const Rigid3& map_from_level, bool with_floor) {
-  Random random(1, 0);
-  std::vector<Vec3> points;
-  const auto add = [&](Vec3 point) {
+std::vector<geometry::Vec3> Room(const geometry::Rigid3& map_from_level,
+                                 bool with_floor) {
+  base::Random random(1, 0);
+  std::vector<geometry::Vec3> points;
+  const auto add = [&](geometry::Vec3 point) {
     point.z += 0.005 * random.NextGaussian();
     points.push_back(map_from_level * point);
   };
@@ -26,48 +27,55 @@ std::vector<Vec3> Room(const Rigid3& map_from_level, bool with_floor) {
   return points;
 }
 
-const Rigid3 kMapFromLevel{Rotation3::FromAxisAngle({-1.2, 0.3, 0.1}),
-                           {0.3, -0.4, 1.1}};
+const geometry::Rigid3 kMapFromLevel{
+    geometry::Rotation3::FromAxisAngle({-1.2, 0.3, 0.1}), {0.3, -0.4, 1.1}};
 
 TEST(UprightTest, TheFloorIsLevelAndAtZero) {
-  const Vec3 guess = kMapFromLevel.rotation *
-                     Rotation3::FromAxisAngle({0.3, 0.1, 0}) * Vec3{0, 0, 2};
+  const geometry::Vec3 guess =
+      kMapFromLevel.rotation *
+      geometry::Rotation3::FromAxisAngle({0.3, 0.1, 0}) *
+      geometry::Vec3{0, 0, 2};
   const UprightMap upright =
       FindUpright(Room(kMapFromLevel, /*with_floor=*/true), guess, 7);
   EXPECT_TRUE(upright.has_surface);
   EXPECT_GT(upright.share, 0.3);
-  const Rigid3 level_from_true = upright.level_from_map * kMapFromLevel;
+  const geometry::Rigid3 level_from_true =
+      upright.level_from_map * kMapFromLevel;
   // 3000 points of 5 mm on 4 x 3 m: a tenth of a milliradian.
-  EXPECT_LT(Norm(level_from_true.rotation * Vec3{0, 0, 1} - Vec3{0, 0, 1}),
+  EXPECT_LT(geometry::Norm(level_from_true.rotation * geometry::Vec3{0, 0, 1} -
+                           geometry::Vec3{0, 0, 1}),
             1e-3);
-  EXPECT_NEAR((level_from_true * Vec3{2, 1.5, 0}).z, 0, 2e-3);
+  EXPECT_NEAR((level_from_true * geometry::Vec3{2, 1.5, 0}).z, 0, 2e-3);
 }
 
 TEST(UprightTest, ATableIsNoFloor) {
   const UprightMap upright =
       FindUpright(Room(kMapFromLevel, /*with_floor=*/false),
-                  kMapFromLevel.rotation * Vec3{0, 0, 1}, 7);
+                  kMapFromLevel.rotation * geometry::Vec3{0, 0, 1}, 7);
   EXPECT_TRUE(upright.has_surface);
-  const Rigid3 level_from_true = upright.level_from_map * kMapFromLevel;
-  EXPECT_LT(Norm(level_from_true.rotation * Vec3{0, 0, 1} - Vec3{0, 0, 1}),
+  const geometry::Rigid3 level_from_true =
+      upright.level_from_map * kMapFromLevel;
+  EXPECT_LT(geometry::Norm(level_from_true.rotation * geometry::Vec3{0, 0, 1} -
+                           geometry::Vec3{0, 0, 1}),
             5e-3);
   // The wall reaches down to the floor.
-  EXPECT_NEAR((level_from_true * Vec3{2, 1.5, 0}).z, 0, 0.1);
+  EXPECT_NEAR((level_from_true * geometry::Vec3{2, 1.5, 0}).z, 0, 0.1);
 }
 
 TEST(UprightTest, WithoutPointsTheGuessIsBelieved) {
   const UprightMap upright = FindUpright({}, {0, -3, 0}, 0);
   EXPECT_FALSE(upright.has_surface);
-  EXPECT_LT(Norm(upright.level_from_map * Vec3{0, -1, 0} - Vec3{0, 0, 1}),
+  EXPECT_LT(geometry::Norm(upright.level_from_map * geometry::Vec3{0, -1, 0} -
+                           geometry::Vec3{0, 0, 1}),
             1e-12);
   // Upside down, and no guess at all.
-  EXPECT_LT(
-      Norm(FindUpright({}, {0, 0, -1}, 0).level_from_map * Vec3{0, 0, -1} -
-           Vec3{0, 0, 1}),
-      1e-12);
-  EXPECT_EQ(FindUpright({}, {}, 0).level_from_map * (Vec3{1, 2, 3}),
-            (Vec3{1, 2, 3}));
+  EXPECT_LT(geometry::Norm(FindUpright({}, {0, 0, -1}, 0).level_from_map *
+                               geometry::Vec3{0, 0, -1} -
+                           geometry::Vec3{0, 0, 1}),
+            1e-12);
+  EXPECT_EQ(FindUpright({}, {}, 0).level_from_map * (geometry::Vec3{1, 2, 3}),
+            (geometry::Vec3{1, 2, 3}));
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::map_bundle

@@ -10,7 +10,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/mapping/grid_mapping.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 // A scan may be as far from the wheels' readings as this, where they begin and
@@ -26,18 +26,18 @@ constexpr double kMostTurn_rad = 0.01;
 constexpr double kFloors_m = 0.15;
 constexpr int64_t kLeastScans = 10;
 
-int64_t Nanoseconds(MonotonicTime stamp) {
+int64_t Nanoseconds(base::MonotonicTime stamp) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              stamp.time_since_epoch())
       .count();
 }
 
-bool IsLevel(const Rotation3& level_from_base) {
+bool IsLevel(const geometry::Rotation3& level_from_base) {
   return std::hypot(level_from_base.x, level_from_base.y) < 1e-4;
 }
 
-Rigid2 Planar(const Rigid3& a) {
-  const Vec3 ahead = a.rotation * Vec3{1, 0, 0};
+geometry::Rigid2 Planar(const geometry::Rigid3& a) {
+  const geometry::Vec3 ahead = a.rotation * geometry::Vec3{1, 0, 0};
   return {.translation = {a.translation.x, a.translation.y},
           .yaw_rad = std::atan2(ahead.y, ahead.x)};
 }
@@ -45,14 +45,14 @@ Rigid2 Planar(const Rigid3& a) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<DriveMapper>> DriveMapper::Create(
-    const RangeSensorInfo& laser, const RobotModel& robot,
+    const core::RangeSensorInfo& laser, const core::RobotModel& robot,
     const DriveMappingOptions& options) {
   TL_RETURN_IF_ERROR(robot.Validate());
   TL_RETURN_IF_ERROR(options.grid.Validate());
-  SlopeOdometryOptions odometry_options = options.odometry;
+  core::SlopeOdometryOptions odometry_options = options.odometry;
   odometry_options.wheel_track_m = robot.wheel_track_m;
-  TL_ASSIGN_OR_RETURN(SlopeOdometry odometry,
-                      SlopeOdometry::Create(odometry_options));
+  TL_ASSIGN_OR_RETURN(core::SlopeOdometry odometry,
+                      core::SlopeOdometry::Create(odometry_options));
   LaserSlamOptions slam_options = options.slam;
   slam_options.odometry = options.doubt;
   TL_ASSIGN_OR_RETURN(
@@ -62,9 +62,10 @@ absl::StatusOr<std::unique_ptr<DriveMapper>> DriveMapper::Create(
       laser, robot, options, std::move(odometry), std::move(slam)));
 }
 
-DriveMapper::DriveMapper(const RangeSensorInfo& laser, const RobotModel& robot,
+DriveMapper::DriveMapper(const core::RangeSensorInfo& laser,
+                         const core::RobotModel& robot,
                          const DriveMappingOptions& options,
-                         SlopeOdometry odometry,
+                         core::SlopeOdometry odometry,
                          std::unique_ptr<LaserSlam> slam)
     : laser_(laser),
       robot_(robot),
@@ -72,13 +73,13 @@ DriveMapper::DriveMapper(const RangeSensorInfo& laser, const RobotModel& robot,
       odometry_(std::move(odometry)),
       slam_(std::move(slam)) {}
 
-MonotonicTime DriveMapper::EndOf(const LaserScan& scan) const {
+base::MonotonicTime DriveMapper::EndOf(const core::LaserScan& scan) const {
   const double length_s =
       std::clamp(laser_.beam_interval_s * (laser_.beams - 1), 0.0, 1.0);
   return scan.stamp + std::chrono::nanoseconds(std::llround(1e9 * length_s));
 }
 
-absl::Status DriveMapper::Add(const BaseReading& reading) {
+absl::Status DriveMapper::Add(const core::BaseReading& reading) {
   if (absl::Status status = odometry_.Add(reading); !status.ok()) {
     if (refused_readings_++ == 0) first_refused_reading_ = status;
     return status;
@@ -92,7 +93,7 @@ absl::Status DriveMapper::Add(const BaseReading& reading) {
   return absl::OkStatus();
 }
 
-absl::Status DriveMapper::Add(LaserScan scan) {
+absl::Status DriveMapper::Add(core::LaserScan scan) {
   if (static_cast<int>(scan.ranges_m.size()) != laser_.beams) {
     ++wrong_beams_;
     return absl::InvalidArgumentError(
@@ -115,7 +116,7 @@ absl::Status DriveMapper::Add(LaserScan scan) {
 
 // What no scan can need any more.
 void DriveMapper::Forget() {
-  const MonotonicTime needed =
+  const base::MonotonicTime needed =
       (waiting_.empty() ? samples_.back().stamp : waiting_.front().stamp) -
       kWithoutReading;
   while (samples_.size() > 2 && samples_[1].stamp < needed) {
@@ -123,27 +124,31 @@ void DriveMapper::Forget() {
   }
 }
 
-DriveMapper::Sample DriveMapper::At(MonotonicTime time) const {
-  const auto after = std::lower_bound(
-      samples_.begin(), samples_.end(), time,
-      [](const Sample& sample, MonotonicTime t) { return sample.stamp < t; });
+DriveMapper::Sample DriveMapper::At(base::MonotonicTime time) const {
+  const auto after =
+      std::lower_bound(samples_.begin(), samples_.end(), time,
+                       [](const Sample& sample, base::MonotonicTime t) {
+                         return sample.stamp < t;
+                       });
   if (after == samples_.end()) return samples_.back();
   if (after == samples_.begin() || after->stamp == time) return *after;
   const Sample& a = *(after - 1);
   const Sample& b = *after;
   const double part = std::chrono::duration<double>(time - a.stamp) /
                       std::chrono::duration<double>(b.stamp - a.stamp);
-  const Rigid2 motion = a.odom_from_base.Inverse() * b.odom_from_base;
+  const geometry::Rigid2 motion = a.odom_from_base.Inverse() * b.odom_from_base;
   return {.stamp = time,
-          .odom_from_base = a.odom_from_base * Rigid2{part * motion.translation,
-                                                      part * motion.yaw_rad},
+          .odom_from_base =
+              a.odom_from_base * geometry::Rigid2{part * motion.translation,
+                                                  part * motion.yaw_rad},
           .height_m = a.height_m + part * (b.height_m - a.height_m),
-          .level_from_base = Slerp(a.level_from_base, b.level_from_base, part)};
+          .level_from_base =
+              geometry::Slerp(a.level_from_base, b.level_from_base, part)};
 }
 
 void DriveMapper::UseWaiting(bool all) {
   while (!waiting_.empty() && (all || !samples_.empty())) {
-    const LaserScan& scan = waiting_.front();
+    const core::LaserScan& scan = waiting_.front();
     if (!all && samples_.back().stamp < EndOf(scan)) return;
     if (samples_.empty() ||
         scan.stamp < samples_.front().stamp - kWithoutReading ||
@@ -156,13 +161,13 @@ void DriveMapper::UseWaiting(bool all) {
   }
 }
 
-void DriveMapper::Use(const LaserScan& scan) {
+void DriveMapper::Use(const core::LaserScan& scan) {
   const Sample first = At(scan.stamp);
   const Sample last = At(EndOf(scan));
-  const Rigid2 first_from_last =
+  const geometry::Rigid2 first_from_last =
       first.odom_from_base.Inverse() * last.odom_from_base;
   const auto place =
-      slam_->AddScan({.stamp = RecordingTime(
+      slam_->AddScan({.stamp = recording::RecordingTime(
                           std::chrono::duration_cast<std::chrono::nanoseconds>(
                               scan.stamp.time_since_epoch())),
                       .odom_from_base = first.odom_from_base,
@@ -172,12 +177,13 @@ void DriveMapper::Use(const LaserScan& scan) {
                       .first_from_last = first_from_last});
   // All that it refuses was refused before.
   if (!place.ok()) return;
-  odom_from_base_.push_back({.time = Nanoseconds(scan.stamp),
-                             .world_from_camera = treeline::MapFromBase(
-                                 {.stamp = {},
-                                  .map_from_base = first.odom_from_base,
-                                  .height_m = first.height_m,
-                                  .level_from_base = first.level_from_base})});
+  odom_from_base_.push_back(
+      {.time = Nanoseconds(scan.stamp),
+       .world_from_camera = treeline::mapping::MapFromBase(
+           {.stamp = {},
+            .map_from_base = first.odom_from_base,
+            .height_m = first.height_m,
+            .level_from_base = first.level_from_base})});
   last_ = {.stamp = {},
            .map_from_base = *place,
            .height_m = slam_->Height_m(),
@@ -185,10 +191,12 @@ void DriveMapper::Use(const LaserScan& scan) {
   if (options_.has_grids) KeepForGrid(scan, first, first_from_last);
 }
 
-void DriveMapper::KeepForGrid(const LaserScan& scan, const Sample& sample,
-                              const Rigid2& first_from_last) {
-  const Rigid2 motion = odom_from_kept_.Inverse() * sample.odom_from_base;
-  const bool has_moved = kept_.empty() || Norm(motion.translation) >= kKeep_m ||
+void DriveMapper::KeepForGrid(const core::LaserScan& scan, const Sample& sample,
+                              const geometry::Rigid2& first_from_last) {
+  const geometry::Rigid2 motion =
+      odom_from_kept_.Inverse() * sample.odom_from_base;
+  const bool has_moved = kept_.empty() ||
+                         geometry::Norm(motion.translation) >= kKeep_m ||
                          std::abs(motion.yaw_rad) >= kKeep_rad;
   if (!has_moved || !IsLevel(sample.level_from_base) ||
       std::abs(first_from_last.yaw_rad) > kMostTurn_rad) {
@@ -199,10 +207,11 @@ void DriveMapper::KeepForGrid(const LaserScan& scan, const Sample& sample,
       {.place = odom_from_base_.size() - 1, .ranges_m = scan.ranges_m});
 }
 
-std::optional<TimedPose> DriveMapper::MapFromBase() const {
+std::optional<dataset::TimedPose> DriveMapper::MapFromBase() const {
   if (odom_from_base_.empty()) return std::nullopt;
-  return TimedPose{.time = odom_from_base_.back().time,
-                   .world_from_camera = treeline::MapFromBase(last_)};
+  return dataset::TimedPose{
+      .time = odom_from_base_.back().time,
+      .world_from_camera = treeline::mapping::MapFromBase(last_)};
 }
 
 absl::StatusOr<std::vector<FloorGrid>> DriveMapper::Floors() const {
@@ -220,7 +229,7 @@ absl::StatusOr<std::vector<FloorGrid>> DriveMapper::Floors(
                    [&height_m](const KeptScan* a, const KeptScan* b) {
                      return height_m(a) < height_m(b);
                    });
-  const Rigid2 base_from_laser = Planar(robot_.base_from_laser);
+  const geometry::Rigid2 base_from_laser = Planar(robot_.base_from_laser);
   std::vector<FloorGrid> floors;
   size_t begin = 0;
   for (size_t i = 1; i <= by_height.size(); ++i) {
@@ -240,7 +249,7 @@ absl::StatusOr<std::vector<FloorGrid>> DriveMapper::Floors(
     begin = i;
     const auto count = static_cast<int64_t>(scans.size());
     if (count < kLeastScans) continue;
-    TL_ASSIGN_OR_RETURN(OccupancyGrid grid,
+    TL_ASSIGN_OR_RETURN(core::OccupancyGrid grid,
                         MapGrid(scans, laser_, options_.grid));
     floors.push_back({.height_m = sum_m / static_cast<double>(count),
                       .scans = count,
@@ -281,7 +290,7 @@ absl::StatusOr<DriveMapping> DriveMapper::Finish() {
   for (size_t i = 0; i < trajectory.size(); ++i) {
     mapping.map_from_base.push_back(
         {.time = odom_from_base_[i].time,
-         .world_from_camera = treeline::MapFromBase(trajectory[i])});
+         .world_from_camera = treeline::mapping::MapFromBase(trajectory[i])});
   }
   if (!trajectory.empty()) {
     last_ = trajectory.back();
@@ -289,9 +298,9 @@ absl::StatusOr<DriveMapping> DriveMapper::Finish() {
   mapping.odom_from_base = odom_from_base_;
   mapping.statistics = slam_->Statistics();
   const std::vector<double>& times_ms = mapping.statistics.front_end_ms;
-  mapping.p50_ms = Quantile(times_ms, 0.50);
-  mapping.p99_ms = Quantile(times_ms, 0.99);
-  mapping.max_ms = Quantile(times_ms, 1.0);
+  mapping.p50_ms = base::Quantile(times_ms, 0.50);
+  mapping.p99_ms = base::Quantile(times_ms, 0.99);
+  mapping.max_ms = base::Quantile(times_ms, 1.0);
   if (options_.has_grids) {
     TL_ASSIGN_OR_RETURN(mapping.floors, Floors(trajectory));
   }
@@ -302,4 +311,4 @@ absl::StatusOr<DriveMapping> DriveMapper::Finish() {
   return mapping;
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

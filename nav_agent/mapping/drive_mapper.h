@@ -18,7 +18,7 @@
 #include "nav_agent/mapping/drive_mapping.h"
 #include "nav_agent/mapping/laser_slam.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 // Scans wait until the wheels have told where the robot was during them. Not
 // thread-safe; loops are closed on a thread of its own (options.slam).
@@ -26,18 +26,18 @@ class DriveMapper {
  public:
   // Of the options, `progress`, `stop` and `robot` are not used.
   static absl::StatusOr<std::unique_ptr<DriveMapper>> Create(
-      const RangeSensorInfo& laser, const RobotModel& robot,
+      const core::RangeSensorInfo& laser, const core::RobotModel& robot,
       const DriveMappingOptions& options);
 
   // INVALID_ARGUMENT, and nothing else has changed: it was refused and
   // counted. See SlopeOdometry::Add.
-  absl::Status Add(const BaseReading& reading);
+  absl::Status Add(const core::BaseReading& reading);
   // The same for another number of beams than the laser's and for time that
   // goes backwards.
-  absl::Status Add(LaserScan scan);
+  absl::Status Add(core::LaserScan scan);
 
   // The last scan that has found its place.
-  std::optional<TimedPose> MapFromBase() const;
+  std::optional<dataset::TimedPose> MapFromBase() const;
   int64_t scans() const { return static_cast<int64_t>(odom_from_base_.size()); }
 
   // What was seen so far, floor by floor, with what is known now. The errors of
@@ -53,10 +53,10 @@ class DriveMapper {
  private:
   // Odometry at one moment.
   struct Sample {
-    MonotonicTime stamp;
-    Rigid2 odom_from_base;
+    base::MonotonicTime stamp;
+    geometry::Rigid2 odom_from_base;
     double height_m = 0;
-    Rotation3 level_from_base;
+    geometry::Rotation3 level_from_base;
   };
   // What grids are made of.
   struct KeptScan {
@@ -64,32 +64,33 @@ class DriveMapper {
     std::vector<float> ranges_m;
   };
 
-  DriveMapper(const RangeSensorInfo& laser, const RobotModel& robot,
-              const DriveMappingOptions& options, SlopeOdometry odometry,
+  DriveMapper(const core::RangeSensorInfo& laser, const core::RobotModel& robot,
+              const DriveMappingOptions& options, core::SlopeOdometry odometry,
               std::unique_ptr<LaserSlam> slam);
-  MonotonicTime EndOf(const LaserScan& scan) const;
-  Sample At(MonotonicTime time) const;
+  base::MonotonicTime EndOf(const core::LaserScan& scan) const;
+  Sample At(base::MonotonicTime time) const;
   void UseWaiting(bool all);
-  void Use(const LaserScan& scan);
-  void KeepForGrid(const LaserScan& scan, const Sample& sample,
-                   const Rigid2& first_from_last);
+  void Use(const core::LaserScan& scan);
+  void KeepForGrid(const core::LaserScan& scan, const Sample& sample,
+                   const geometry::Rigid2& first_from_last);
   void Forget();
   absl::StatusOr<std::vector<FloorGrid>> Floors(
       const std::vector<TrajectoryPose>& trajectory) const;
   std::vector<std::string> Warnings() const;
 
-  const RangeSensorInfo laser_;
-  const RobotModel robot_;
+  const core::RangeSensorInfo laser_;
+  const core::RobotModel robot_;
   const DriveMappingOptions options_;
-  SlopeOdometry odometry_;
+  core::SlopeOdometry odometry_;
   std::unique_ptr<LaserSlam> slam_;
   std::deque<Sample> samples_;
-  std::deque<LaserScan> waiting_;
-  std::optional<MonotonicTime> last_scan_;
-  std::vector<TimedPose> odom_from_base_;  // of each scan that was used
+  std::deque<core::LaserScan> waiting_;
+  std::optional<base::MonotonicTime> last_scan_;
+  std::vector<dataset::TimedPose>
+      odom_from_base_;  // of each scan that was used
   TrajectoryPose last_;
   std::vector<KeptScan> kept_;
-  Rigid2 odom_from_kept_;
+  geometry::Rigid2 odom_from_kept_;
   // What was refused, and why.
   int64_t wrong_beams_ = 0;
   int64_t scans_back_in_time_ = 0;
@@ -98,6 +99,6 @@ class DriveMapper {
   absl::Status first_refused_reading_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_DRIVE_MAPPER_H_

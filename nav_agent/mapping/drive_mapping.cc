@@ -15,7 +15,7 @@
 #include "nav_agent/recording/agent_log.h"
 #include "nav_agent/recording/laser_log.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 constexpr int64_t kProgressEvery = 50;  // scans
@@ -26,38 +26,39 @@ class AgentLogMapping {
   explicit AgentLogMapping(const DriveMappingOptions& options)
       : options_(options) {}
 
-  absl::Status Use(LogEntry entry) {
+  absl::Status Use(recording::LogEntry entry) {
     return std::visit([this](auto& value) { return Take(value); }, entry);
   }
   absl::StatusOr<DriveMapping> Finish();
   int64_t scans() const { return scans_; }
 
  private:
-  absl::Status Take(const LogInformation& information) {
+  absl::Status Take(const recording::LogInformation& information) {
     if (!mapping_.information.empty()) mapping_.information += '\n';
     mapping_.information += information.text;
     return absl::OkStatus();
   }
-  absl::Status Take(const RangeSensorInfo& laser) {
+  absl::Status Take(const core::RangeSensorInfo& laser) {
     if (laser_.has_value() && *laser_ != laser) is_other_laser_ = true;
     if (!laser_.has_value() || *laser_ == laser) is_other_laser_ = false;
     if (!laser_.has_value()) laser_ = laser;
     return absl::OkStatus();
   }
-  absl::Status Take(const RgbdCalibration& calibration) {
+  absl::Status Take(const camera::RgbdCalibration& calibration) {
     if (!mapping_.calibration.has_value()) mapping_.calibration = calibration;
     return absl::OkStatus();
   }
-  absl::Status Take(const RobotModel& robot) {
+  absl::Status Take(const core::RobotModel& robot) {
     if (!mapping_.robot.has_value()) mapping_.robot = robot;
     return absl::OkStatus();
   }
-  absl::Status Take(LaserScan& scan);
-  absl::Status Take(const BaseReading& reading);
-  absl::Status Take(const LogTruePose& pose) {
-    const Time_ns time = std::chrono::duration_cast<std::chrono::nanoseconds>(
-                             pose.stamp.time_since_epoch())
-                             .count();
+  absl::Status Take(core::LaserScan& scan);
+  absl::Status Take(const core::BaseReading& reading);
+  absl::Status Take(const recording::LogTruePose& pose) {
+    const dataset::Time_ns time =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(
+            pose.stamp.time_since_epoch())
+            .count();
     // As a trajectory that can be interpolated.
     if (mapping_.truth.empty() || mapping_.truth.back().time < time) {
       mapping_.truth.push_back(
@@ -65,15 +66,21 @@ class AgentLogMapping {
     }
     return absl::OkStatus();
   }
-  absl::Status Take(const LogFrame& /*frame*/) { return absl::OkStatus(); }
-  absl::Status Take(const LogEvent& /*event*/) { return absl::OkStatus(); }
-  absl::Status Take(const LogCommand& /*command*/) { return absl::OkStatus(); }
+  absl::Status Take(const recording::LogFrame& /*frame*/) {
+    return absl::OkStatus();
+  }
+  absl::Status Take(const recording::LogEvent& /*event*/) {
+    return absl::OkStatus();
+  }
+  absl::Status Take(const recording::LogCommand& /*command*/) {
+    return absl::OkStatus();
+  }
 
   absl::Status MakeMapper() {
-    const RobotModel& robot =
+    const core::RobotModel& robot =
         mapping_.robot.has_value() ? *mapping_.robot : options_.robot;
     TL_ASSIGN_OR_RETURN(mapper_, DriveMapper::Create(*laser_, robot, options_));
-    for (const BaseReading& reading : early_readings_) {
+    for (const core::BaseReading& reading : early_readings_) {
       // What is refused is counted.
       mapper_->Add(reading).IgnoreError();
     }
@@ -83,18 +90,18 @@ class AgentLogMapping {
 
   const DriveMappingOptions& options_;
   DriveMapping mapping_;
-  std::optional<RangeSensorInfo> laser_;
+  std::optional<core::RangeSensorInfo> laser_;
   bool is_other_laser_ = false;
   std::unique_ptr<DriveMapper> mapper_;
   // Before the first scan.
-  std::vector<BaseReading> early_readings_;
+  std::vector<core::BaseReading> early_readings_;
   int64_t scans_ = 0;
   int64_t readings_ = 0;
   int64_t scans_without_laser_ = 0;
   int64_t scans_of_other_laser_ = 0;
 };
 
-absl::Status AgentLogMapping::Take(LaserScan& scan) {
+absl::Status AgentLogMapping::Take(core::LaserScan& scan) {
   ++scans_;
   if (!laser_.has_value()) {
     ++scans_without_laser_;
@@ -109,7 +116,7 @@ absl::Status AgentLogMapping::Take(LaserScan& scan) {
   return absl::OkStatus();
 }
 
-absl::Status AgentLogMapping::Take(const BaseReading& reading) {
+absl::Status AgentLogMapping::Take(const core::BaseReading& reading) {
   ++readings_;
   if (mapper_ == nullptr) {
     early_readings_.push_back(reading);
@@ -157,11 +164,12 @@ absl::StatusOr<DriveMapping> AgentLogMapping::Finish() {
 
 absl::StatusOr<DriveMapping> MapAgentLog(const std::string& path,
                                          const DriveMappingOptions& options) {
-  TL_ASSIGN_OR_RETURN(AgentLogReader reader, AgentLogReader::Open(path));
+  TL_ASSIGN_OR_RETURN(recording::AgentLogReader reader,
+                      recording::AgentLogReader::Open(path));
   reader.SkipFrames();
   AgentLogMapping log(options);
   int64_t told = 0;
-  while (std::optional<LogEntry> entry = reader.Next()) {
+  while (std::optional<recording::LogEntry> entry = reader.Next()) {
     if (options.stop.stop_requested()) {
       return absl::CancelledError("stopped while mapping");
     }
@@ -187,7 +195,8 @@ absl::StatusOr<DriveMapping> MapAgentLog(const std::string& path,
 
 absl::StatusOr<DriveMapping> MapLaserLog(const std::string& path,
                                          const DriveMappingOptions& options) {
-  TL_ASSIGN_OR_RETURN(const LaserLog log, ReadLaserLog(path));
+  TL_ASSIGN_OR_RETURN(const recording::LaserLog log,
+                      recording::ReadLaserLog(path));
   RunLaserSlamOptions run;
   run.slam = options.slam;
   run.grid = options.grid;
@@ -203,14 +212,15 @@ absl::StatusOr<DriveMapping> MapLaserLog(const std::string& path,
   DriveMapping mapping;
   mapping.format = DriveFormat::kLaserLog;
   mapping.laser = log.laser;
-  const Rigid2& mount = log.base_from_laser;
+  const geometry::Rigid2& mount = log.base_from_laser;
   mapping.base_from_laser = MapFromBase({.stamp = {}, .map_from_base = mount});
   for (size_t i = 0; i < log.scans.size(); ++i) {
-    const Time_ns time = log.scans[i].stamp.time_since_epoch().count();
+    const dataset::Time_ns time = log.scans[i].stamp.time_since_epoch().count();
     mapping.map_from_base.push_back(
         {.time = time, .world_from_camera = MapFromBase(result.trajectory[i])});
-    const Rigid2 odom_from_base = log.scans.front().odom_from_base.Inverse() *
-                                  log.scans[i].odom_from_base;
+    const geometry::Rigid2 odom_from_base =
+        log.scans.front().odom_from_base.Inverse() *
+        log.scans[i].odom_from_base;
     mapping.odom_from_base.push_back(
         {.time = time,
          .world_from_camera =
@@ -229,10 +239,11 @@ absl::StatusOr<DriveMapping> MapLaserLog(const std::string& path,
 }
 
 absl::StatusOr<bool> IsAgentLogFile(const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const MappedFile file, MappedFile::Open(path));
+  TL_ASSIGN_OR_RETURN(const base::MappedFile file,
+                      base::MappedFile::Open(path));
   const absl::string_view bytes(reinterpret_cast<const char*>(file.data()),
                                 static_cast<size_t>(file.size()));
-  return IsAgentLog(bytes);
+  return recording::IsAgentLog(bytes);
 }
 
 }  // namespace
@@ -247,14 +258,14 @@ absl::Status DriveMappingOptions::Validate() const {
 absl::StatusOr<DriveMapping> MapDrive(const std::string& path,
                                       const DriveMappingOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
-  const SteadyClock clock;
-  const MonotonicTime start = clock.Now();
+  const base::SteadyClock clock;
+  const base::MonotonicTime start = clock.Now();
   TL_ASSIGN_OR_RETURN(const bool is_agent_log, IsAgentLogFile(path));
   auto mapping =
       is_agent_log ? MapAgentLog(path, options) : MapLaserLog(path, options);
   if (!mapping.ok()) return mapping;
-  mapping->total_s = MillisecondsBetween(start, clock.Now()) / 1000;
+  mapping->total_s = base::MillisecondsBetween(start, clock.Now()) / 1000;
   return mapping;
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

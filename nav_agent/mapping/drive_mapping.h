@@ -20,7 +20,7 @@
 #include "nav_agent/mapping/grid_mapping.h"
 #include "nav_agent/mapping/laser_slam.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 enum class DriveFormat : uint8_t {
   kAgentLog,  // docs/agent-log.md
@@ -40,9 +40,9 @@ struct DriveMappingOptions {
   // In agent logs, this stands for slam.odometry: they have a gyroscope.
   OdometryDoubt doubt = OdometryDoubt::WithGyroscope();
   // Of agent logs; the wheel track is that of the log's robot if it names one.
-  SlopeOdometryOptions odometry;
+  core::SlopeOdometryOptions odometry;
   // Of agent logs without a robot.
-  RobotModel robot;
+  core::RobotModel robot;
   // Grids of the floors that were driven on, if has_grids.
   GridMappingOptions grid;
   bool has_grids = true;
@@ -59,7 +59,7 @@ struct FloorGrid {
   // Of the ground that the robot stood on, in the map.
   double height_m = 0;
   int64_t scans = 0;
-  OccupancyGrid grid;
+  core::OccupancyGrid grid;
 };
 
 struct DriveMapping {
@@ -68,18 +68,18 @@ struct DriveMapping {
   // with all corrections. The map begins at the first of them, level: x ahead,
   // z up, height 0. `world_from_camera` is map_from_base here. Times ascend and
   // are the log's (ns): of the monotonic clock in an agent log.
-  std::vector<TimedPose> map_from_base;
+  std::vector<dataset::TimedPose> map_from_base;
   // The same from odometry alone (odom_from_base), to compare.
-  std::vector<TimedPose> odom_from_base;
+  std::vector<dataset::TimedPose> odom_from_base;
 
   // What the log holds of these.
   std::string information;
-  RangeSensorInfo laser;
-  Rigid3 base_from_laser;
-  std::optional<RobotModel> robot;
-  std::optional<RgbdCalibration> calibration;
+  core::RangeSensorInfo laser;
+  geometry::Rigid3 base_from_laser;
+  std::optional<core::RobotModel> robot;
+  std::optional<camera::RgbdCalibration> calibration;
   // world_from_base, if a simulator wrote the log.
-  std::vector<TimedPose> truth;
+  std::vector<dataset::TimedPose> truth;
   int64_t frames = 0;
 
   // From the lowest floor upwards: only scans that were taken on level ground
@@ -113,6 +113,6 @@ struct DriveMapping {
 absl::StatusOr<DriveMapping> MapDrive(const std::string& path,
                                       const DriveMappingOptions& options = {});
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_DRIVE_MAPPING_H_

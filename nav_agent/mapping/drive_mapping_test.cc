@@ -18,7 +18,7 @@
 #include "nav_agent/recording/agent_log.h"
 #include "nav_agent/recording/laser_log.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 using ::testing::Contains;
@@ -30,12 +30,12 @@ constexpr int kScans = 80;
 constexpr double kForward_mps = 0.4;
 constexpr double kTurn_radps = 0.15;
 
-MonotonicTime At(int64_t milliseconds) {
-  return MonotonicTime(std::chrono::milliseconds(1000 + milliseconds));
+base::MonotonicTime At(int64_t milliseconds) {
+  return base::MonotonicTime(std::chrono::milliseconds(1000 + milliseconds));
 }
 
 // Along an arc in a room of 9 x 7 m, from its lower left.
-Rigid2 TruthAt(int64_t milliseconds) {
+geometry::Rigid2 TruthAt(int64_t milliseconds) {
   const double angle_rad =
       1e-3 * kTurn_radps * static_cast<double>(milliseconds);
   const double radius_m = kForward_mps / kTurn_radps;
@@ -53,29 +53,31 @@ std::vector<TestWall> Room() {
   return walls;
 }
 
-RangeSensorInfo Laser() {
-  RangeSensorInfo laser = TestLaser(20);
+core::RangeSensorInfo Laser() {
+  core::RangeSensorInfo laser = TestLaser(20);
 
   laser.scan_interval_s = 0.1;
   return laser;
 }
 
-LaserScan ScanAt(int64_t milliseconds) {
-  const RobotModel robot;
-  const Vec3 mount = robot.base_from_laser.translation;
+core::LaserScan ScanAt(int64_t milliseconds) {
+  const core::RobotModel robot;
+  const geometry::Vec3 mount = robot.base_from_laser.translation;
   return {.stamp = At(milliseconds),
           .ranges_m = CastScan(
-              Room(), TruthAt(milliseconds) * Rigid2{{mount.x, mount.y}, 0},
+              Room(),
+              TruthAt(milliseconds) * geometry::Rigid2{{mount.x, mount.y}, 0},
               Laser(), 0.01, static_cast<uint64_t>(milliseconds)),
           .intensities = {}};
 }
 
 // Wheels that count 1 % too much, and once spin by 12 cm on the spot.
-BaseReading ReadingAt(int64_t milliseconds) {
+core::BaseReading ReadingAt(int64_t milliseconds) {
   const double s = 1e-3 * static_cast<double>(milliseconds);
-  const double half_m = 0.5 * kTurn_radps * s * RobotModel().wheel_track_m;
+  const double half_m =
+      0.5 * kTurn_radps * s * core::RobotModel().wheel_track_m;
   const double spin_m = 0.12 * std::clamp((s - 3.0) / 0.4, 0.0, 1.0);
-  BaseReading reading;
+  core::BaseReading reading;
   reading.stamp = At(milliseconds);
   reading.left_wheel_m = 1.01 * (kForward_mps * s - half_m) + spin_m;
   reading.right_wheel_m = 1.01 * (kForward_mps * s + half_m) + spin_m;
@@ -84,18 +86,19 @@ BaseReading ReadingAt(int64_t milliseconds) {
 }
 
 // What the robot would have written; one entry after another.
-std::vector<LogEntry> Entries() {
-  std::vector<LogEntry> entries = {LogInformation{"a room"}, RobotModel(),
-                                   Laser()};
+std::vector<recording::LogEntry> Entries() {
+  std::vector<recording::LogEntry> entries = {
+      recording::LogInformation{"a room"}, core::RobotModel(), Laser()};
   for (int i = 0; i < kScans; ++i) {
     for (int k = 0; k < 5; ++k) {
       const int64_t time = 100 * i + 20 * k;
       entries.emplace_back(ReadingAt(time));
-      const Rigid2 truth = TruthAt(time);
-      entries.emplace_back(LogTruePose{
+      const geometry::Rigid2 truth = TruthAt(time);
+      entries.emplace_back(recording::LogTruePose{
           .stamp = At(time),
           .world_from_base = {
-              .rotation = Rotation3::FromAxisAngle({0, 0, truth.yaw_rad}),
+              .rotation =
+                  geometry::Rotation3::FromAxisAngle({0, 0, truth.yaw_rad}),
               .translation = {truth.translation.x, truth.translation.y, 0}}});
       if (k == 0) entries.emplace_back(ScanAt(100 * i + 10));
     }
@@ -103,9 +106,10 @@ std::vector<LogEntry> Entries() {
   return entries;
 }
 
-std::string Bytes(const std::vector<LogEntry>& entries) {
-  std::string bytes = AgentLogHeader();
-  for (const LogEntry& entry : entries) bytes += EncodeLogRecord(entry);
+std::string Bytes(const std::vector<recording::LogEntry>& entries) {
+  std::string bytes = recording::AgentLogHeader();
+  for (const recording::LogEntry& entry : entries)
+    bytes += recording::EncodeLogRecord(entry);
   return bytes;
 }
 
@@ -155,23 +159,24 @@ TEST(MapDrive, FollowsTheTruthBetterThanWheels) {
   // All of it on one floor.
   ASSERT_THAT(mapping->floors, SizeIs(1));
   EXPECT_EQ(mapping->floors[0].height_m, 0);
-  const OccupancyGrid& grid = mapping->floors[0].grid;
-  EXPECT_EQ(grid.AtOrUnknown(grid.CellOf({1, 0.2})), Occupancy::kFree);
+  const core::OccupancyGrid& grid = mapping->floors[0].grid;
+  EXPECT_EQ(grid.AtOrUnknown(grid.CellOf({1, 0.2})), core::Occupancy::kFree);
 }
 
 TEST(MapDrive, LeavesOutWhatIsBrokenAndSaysSo) {
-  std::vector<LogEntry> entries = Entries();
-  LaserScan few = ScanAt(2011);
+  std::vector<recording::LogEntry> entries = Entries();
+  core::LaserScan few = ScanAt(2011);
   few.ranges_m.resize(90);
-  LaserScan blind = ScanAt(2012);
-  blind.ranges_m.assign(blind.ranges_m.size(), kInvalidRange);
-  LaserScan early = ScanAt(500);
-  BaseReading mad = ReadingAt(2012);
+  core::LaserScan blind = ScanAt(2012);
+  blind.ranges_m.assign(blind.ranges_m.size(), core::kInvalidRange);
+  core::LaserScan early = ScanAt(500);
+  core::BaseReading mad = ReadingAt(2012);
   mad.pitch_rad = std::nan("");
-  BaseReading past = ReadingAt(100);
-  RangeSensorInfo other = Laser();
+  core::BaseReading past = ReadingAt(100);
+  core::RangeSensorInfo other = Laser();
   other.angle_increment_rad *= 0.5;
-  std::vector<LogEntry> broken(entries.begin(), entries.begin() + 230);
+  std::vector<recording::LogEntry> broken(entries.begin(),
+                                          entries.begin() + 230);
   // After the scan at 2010 ms, the first of these comes in order.
   broken.insert(broken.end(),
                 {few, blind, early, mad, past, other, ScanAt(2020), Laser()});
@@ -194,7 +199,7 @@ TEST(MapDrive, LeavesOutWhatIsBrokenAndSaysSo) {
 }
 
 TEST(MapDrive, GivesUpScansThatTheWheelsDoNotCover) {
-  std::vector<LogEntry> entries = Entries();
+  std::vector<recording::LogEntry> entries = Entries();
   for (int i = 0; i < 10; ++i) entries.emplace_back(ScanAt(20000 + 100 * i));
   const auto mapping = Map(Bytes(entries));
   ASSERT_TRUE(mapping.ok()) << mapping.status();
@@ -204,25 +209,27 @@ TEST(MapDrive, GivesUpScansThatTheWheelsDoNotCover) {
 }
 
 template <typename T>
-std::vector<LogEntry> Without() {
-  std::vector<LogEntry> entries = Entries();
-  std::erase_if(entries, [](const LogEntry& entry) {
+std::vector<recording::LogEntry> Without() {
+  std::vector<recording::LogEntry> entries = Entries();
+  std::erase_if(entries, [](const recording::LogEntry& entry) {
     return std::holds_alternative<T>(entry);
   });
   return entries;
 }
 
 TEST(MapDrive, NamesWhatIsMissing) {
-  const auto message = [](const std::vector<LogEntry>& entries) {
+  const auto message = [](const std::vector<recording::LogEntry>& entries) {
     const absl::Status status = Map(Bytes(entries)).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition) << status;
     return std::string(status.message());
   };
-  EXPECT_THAT(message(Without<LaserScan>()), HasSubstr("no laser scans"));
-  EXPECT_THAT(message(Without<BaseReading>()), HasSubstr("no wheel readings"));
-  EXPECT_THAT(message(Without<RangeSensorInfo>()), HasSubstr("laser scanner"));
+  EXPECT_THAT(message(Without<core::LaserScan>()), HasSubstr("no laser scans"));
+  EXPECT_THAT(message(Without<core::BaseReading>()),
+              HasSubstr("no wheel readings"));
+  EXPECT_THAT(message(Without<core::RangeSensorInfo>()),
+              HasSubstr("laser scanner"));
   EXPECT_THAT(message({}), HasSubstr("no laser scans"));
-  EXPECT_TRUE(Map(Bytes(Without<RobotModel>())).ok());
+  EXPECT_TRUE(Map(Bytes(Without<core::RobotModel>())).ok());
   EXPECT_EQ(MapDrive("/nowhere/drive.tlog").status().code(),
             absl::StatusCode::kNotFound);
   EXPECT_EQ(Map("neither this nor that").status().code(),
@@ -230,24 +237,25 @@ TEST(MapDrive, NamesWhatIsMissing) {
 }
 
 TEST(MapDrive, ReadsPublicLogsToo) {
-  LaserLog log;
+  recording::LaserLog log;
   log.laser = TestLaser(20);
   for (int i = 0; i < kScans; ++i) {
-    Rigid2 wheels = TruthAt(100 * i);
+    geometry::Rigid2 wheels = TruthAt(100 * i);
     wheels.translation = 1.04 * wheels.translation;
     log.scans.push_back(
-        {.stamp = RecordingTime(std::chrono::milliseconds(100 * i)),
+        {.stamp = recording::RecordingTime(std::chrono::milliseconds(100 * i)),
          .odom_from_base = wheels,
          .ranges_m = CastScan(Room(), TruthAt(100 * i), log.laser, 0.01,
                               static_cast<uint64_t>(i))});
   }
-  const auto mapping = Map(FormatCarmenLog(log));
+  const auto mapping = Map(recording::FormatCarmenLog(log));
   ASSERT_TRUE(mapping.ok()) << mapping.status();
   EXPECT_EQ(mapping->format, DriveFormat::kLaserLog);
   ASSERT_THAT(mapping->map_from_base, SizeIs(kScans));
   EXPECT_EQ(mapping->map_from_base.back().time, 7'900'000'000);
-  const Vec3 end = mapping->map_from_base.back().world_from_camera.translation;
-  const Vec2 truth = TruthAt(7900).translation;
+  const geometry::Vec3 end =
+      mapping->map_from_base.back().world_from_camera.translation;
+  const geometry::Vec2 truth = TruthAt(7900).translation;
   EXPECT_NEAR(end.x, truth.x, 2 * kGood_m);
   EXPECT_NEAR(end.y, truth.y, 2 * kGood_m);
   EXPECT_EQ(end.z, 0);
@@ -264,4 +272,4 @@ TEST(MapDrive, StopsWhenAskedTo) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace treeline {
+namespace treeline::mapping {
 
 int32_t DrivenGround::IndexOf(double at_m) const {
   // Beyond this there is no map.
@@ -13,7 +13,7 @@ int32_t DrivenGround::IndexOf(double at_m) const {
       std::clamp(std::floor(at_m / reach_m_), -kMostCells, kMostCells));
 }
 
-void DrivenGround::Add(Vec3 base_in_map) {
+void DrivenGround::Add(geometry::Vec3 base_in_map) {
   places_[CellOf(IndexOf(base_in_map.x), IndexOf(base_in_map.y))].push_back(
       base_in_map);
   lowest_m_ = std::min(lowest_m_, base_in_map.z);
@@ -22,7 +22,7 @@ void DrivenGround::Add(Vec3 base_in_map) {
 
 void DrivenGround::Clear() { *this = DrivenGround(reach_m_); }
 
-bool DrivenGround::IsNear(Vec3 point_in_map, double margin_m) const {
+bool DrivenGround::IsNear(geometry::Vec3 point_in_map, double margin_m) const {
   if (!(point_in_map.z <= highest_m_ + margin_m) ||
       !(point_in_map.z >= lowest_m_ - margin_m)) {
     return false;
@@ -33,7 +33,7 @@ bool DrivenGround::IsNear(Vec3 point_in_map, double margin_m) const {
     for (int32_t dx = -1; dx <= 1; ++dx) {
       const auto cell = places_.find(CellOf(x + dx, y + dy));
       if (cell == places_.end()) continue;
-      for (const Vec3& place : cell->second) {
+      for (const geometry::Vec3& place : cell->second) {
         if (std::abs(place.z - point_in_map.z) <= margin_m &&
             std::hypot(place.x - point_in_map.x, place.y - point_in_map.y) <=
                 reach_m_) {
@@ -46,21 +46,21 @@ bool DrivenGround::IsNear(Vec3 point_in_map, double margin_m) const {
 }
 
 std::vector<float> WithoutGround(std::span<const float> ranges_m,
-                                 const RangeSensorInfo& laser,
-                                 const Rigid3& map_from_laser,
+                                 const core::RangeSensorInfo& laser,
+                                 const geometry::Rigid3& map_from_laser,
                                  const DrivenGround& ground, double margin_m) {
   std::vector<float> kept(ranges_m.begin(), ranges_m.end());
   for (size_t i = 0; i < kept.size(); ++i) {
     const double range_m = kept[i];
     if (!std::isfinite(range_m)) continue;
     const double angle_rad = laser.AngleOf_rad(static_cast<int>(i));
-    const Vec3 end_in_laser = {range_m * std::cos(angle_rad),
-                               range_m * std::sin(angle_rad), 0};
+    const geometry::Vec3 end_in_laser = {range_m * std::cos(angle_rad),
+                                         range_m * std::sin(angle_rad), 0};
     if (ground.IsNear(map_from_laser * end_in_laser, margin_m)) {
-      kept[i] = kInvalidRange;
+      kept[i] = core::kInvalidRange;
     }
   }
   return kept;
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -12,7 +12,7 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 // Places on the way, by square cells as large as what is asked for.
 class DrivenGround {
@@ -21,7 +21,7 @@ class DrivenGround {
   // there, seen from above (m, above 0).
   explicit DrivenGround(double reach_m) : reach_m_(reach_m) {}
 
-  void Add(Vec3 base_in_map);
+  void Add(geometry::Vec3 base_in_map);
   void Clear();
   bool IsLevel(double within_m) const {
     return !(highest_m_ - lowest_m_ > within_m);
@@ -29,7 +29,7 @@ class DrivenGround {
 
   // Whether there is ground near a point, on any floor, that is at most
   // margin_m higher or lower.
-  bool IsNear(Vec3 point_in_map, double margin_m) const;
+  bool IsNear(geometry::Vec3 point_in_map, double margin_m) const;
 
  private:
   int64_t CellOf(int32_t x, int32_t y) const {
@@ -40,16 +40,16 @@ class DrivenGround {
   double reach_m_;
   double lowest_m_ = std::numeric_limits<double>::infinity();
   double highest_m_ = -std::numeric_limits<double>::infinity();
-  std::unordered_map<int64_t, std::vector<Vec3>> places_;
+  std::unordered_map<int64_t, std::vector<geometry::Vec3>> places_;
 };
 
 // The ranges of a scan without those that end on ground: they become
 // kInvalidRange. map_from_laser is of the first beam.
 std::vector<float> WithoutGround(std::span<const float> ranges_m,
-                                 const RangeSensorInfo& laser,
-                                 const Rigid3& map_from_laser,
+                                 const core::RangeSensorInfo& laser,
+                                 const geometry::Rigid3& map_from_laser,
                                  const DrivenGround& ground, double margin_m);
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_DRIVEN_GROUND_H_

@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "nav_agent/mapping/scan_plane.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 // Up a ramp of 1:8, to a floor above.
@@ -34,23 +34,24 @@ TEST(DrivenGround, KnowsHowHighItIsWhereTheRobotDrove) {
 TEST(DrivenGround, TakesOutBeamsThatEndOnIt) {
   // Three beams of a level laser 0.35 m above the foot of the ramp: ahead onto
   // the ramp, where it is as high, and to walls at both sides.
-  const RangeSensorInfo laser = {.angle_min_rad = -std::numbers::pi / 2,
-                                 .angle_increment_rad = std::numbers::pi / 2,
-                                 .beams = 3,
-                                 .range_min_m = 0.02,
-                                 .range_max_m = 30,
-                                 .beam_interval_s = 0,
-                                 .scan_interval_s = 0};
+  const core::RangeSensorInfo laser = {
+      .angle_min_rad = -std::numbers::pi / 2,
+      .angle_increment_rad = std::numbers::pi / 2,
+      .beams = 3,
+      .range_min_m = 0.02,
+      .range_max_m = 30,
+      .beam_interval_s = 0,
+      .scan_interval_s = 0};
   const std::vector<float> kept = WithoutGround(
-      std::vector<float>{0.5F, 2.8F, kNoReturn}, laser,
+      std::vector<float>{0.5F, 2.8F, core::kNoReturn}, laser,
       {.rotation = {}, .translation = {0, 0, 0.35}}, Ramp(), 0.12);
   EXPECT_EQ(kept[0], 0.5F);
   EXPECT_TRUE(std::isnan(kept[1]));
-  EXPECT_EQ(kept[2], kNoReturn);
+  EXPECT_EQ(kept[2], core::kNoReturn);
 }
 
 TEST(ScanPlane, IsTheSameAlongARampAndAnotherOnTheFloorAbove) {
-  const Vec2 up = {0.125, 0};
+  const geometry::Vec2 up = {0.125, 0};
   const ScanPlane low = {.at = {1, 0}, .height_m = 0.125, .slope = up};
   const ScanPlane high = {.at = {7, 0}, .height_m = 0.875, .slope = up};
   EXPECT_NEAR(Gap_m(low, high), 0, 1e-12);
@@ -63,14 +64,16 @@ TEST(ScanPlane, IsTheSameAlongARampAndAnotherOnTheFloorAbove) {
 }
 
 TEST(ScanPlane, NoseUpClimbsAhead) {
-  const Vec2 slope = SlopeUnder(Rotation3::FromAxisAngle({0, -0.1, 0}));
+  const geometry::Vec2 slope =
+      SlopeUnder(geometry::Rotation3::FromAxisAngle({0, -0.1, 0}));
   EXPECT_NEAR(slope.x, std::tan(0.1), 1e-12);
   EXPECT_NEAR(slope.y, 0, 1e-12);
   // The left side up.
-  const Vec2 across = SlopeUnder(Rotation3::FromAxisAngle({0.1, 0, 0}));
+  const geometry::Vec2 across =
+      SlopeUnder(geometry::Rotation3::FromAxisAngle({0.1, 0, 0}));
   EXPECT_NEAR(across.y, std::tan(0.1), 1e-12);
-  EXPECT_EQ(SlopeUnder({}), Vec2{});
+  EXPECT_EQ(SlopeUnder({}), geometry::Vec2{});
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -8,12 +8,12 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/core/map_file.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 struct Beam {
-  Vec2 end;           // in the map
-  bool hits = false;  // something, there
+  geometry::Vec2 end;  // in the map
+  bool hits = false;   // something, there
 };
 
 struct Counts {
@@ -22,11 +22,11 @@ struct Counts {
 };
 
 // What a beam tells; nothing if it tells nothing.
-bool ReadBeam(const GridScan& scan, const RangeSensorInfo& laser, int beam,
-              const GridMappingOptions& options, Beam* out) {
+bool ReadBeam(const GridScan& scan, const core::RangeSensorInfo& laser,
+              int beam, const GridMappingOptions& options, Beam* out) {
   double range_m = scan.ranges_m[static_cast<size_t>(beam)];
   out->hits = true;
-  if (range_m == kNoReturn ||
+  if (range_m == core::kNoReturn ||
       (laser.range_max_m > 0 && range_m >= laser.range_max_m)) {
     if (options.no_return_clears_m <= 0) return false;
     range_m = std::min(options.no_return_clears_m, options.max_range_m);
@@ -38,18 +38,19 @@ bool ReadBeam(const GridScan& scan, const RangeSensorInfo& laser, int beam,
     out->hits = false;
   }
   const double angle_rad = laser.AngleOf_rad(beam);
-  out->end = scan.map_from_laser *
-             Vec2{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)};
+  out->end =
+      scan.map_from_laser * geometry::Vec2{range_m * std::cos(angle_rad),
+                                           range_m * std::sin(angle_rad)};
   return true;
 }
 
 struct Bounds {
-  Vec2 low = {std::numeric_limits<double>::infinity(),
-              std::numeric_limits<double>::infinity()};
-  Vec2 high = {-std::numeric_limits<double>::infinity(),
-               -std::numeric_limits<double>::infinity()};
+  geometry::Vec2 low = {std::numeric_limits<double>::infinity(),
+                        std::numeric_limits<double>::infinity()};
+  geometry::Vec2 high = {-std::numeric_limits<double>::infinity(),
+                         -std::numeric_limits<double>::infinity()};
 
-  void Add(Vec2 p) {
+  void Add(geometry::Vec2 p) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y)};
   }
@@ -67,12 +68,12 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // Walks over the cells from `begin` to `end`, in cells (Amanatides and Woo,
 // "A Fast Voxel Traversal Algorithm", 1987).
 template <typename Visit>
-void WalkCells(Vec2 begin, Vec2 end, const Visit& visit) {
+void WalkCells(geometry::Vec2 begin, geometry::Vec2 end, const Visit& visit) {
   int x = static_cast<int>(std::floor(begin.x));
   int y = static_cast<int>(std::floor(begin.y));
   const int end_x = static_cast<int>(std::floor(end.x));
   const int end_y = static_cast<int>(std::floor(end.y));
-  const Vec2 d = end - begin;
+  const geometry::Vec2 d = end - begin;
   const int step_x = d.x > 0 ? 1 : -1;
   const int step_y = d.y > 0 ? 1 : -1;
   const double per_x = d.x != 0 ? std::abs(1 / d.x) : kNever;
@@ -110,9 +111,9 @@ absl::Status GridMappingOptions::Validate() const {
   return absl::OkStatus();
 }
 
-absl::StatusOr<OccupancyGrid> MapGrid(std::span<const GridScan> scans,
-                                      const RangeSensorInfo& laser,
-                                      const GridMappingOptions& options) {
+absl::StatusOr<core::OccupancyGrid> MapGrid(std::span<const GridScan> scans,
+                                            const core::RangeSensorInfo& laser,
+                                            const GridMappingOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   Bounds bounds;
   Beam beam;
@@ -130,7 +131,7 @@ absl::StatusOr<OccupancyGrid> MapGrid(std::span<const GridScan> scans,
     }
     if (sees) bounds.Add(scan.map_from_laser.translation);
   }
-  const Vec2 size = bounds.high - bounds.low;
+  const geometry::Vec2 size = bounds.high - bounds.low;
   if (!std::isfinite(size.x) || !std::isfinite(size.y)) {
     return absl::InvalidArgumentError("no scan has seen anything");
   }
@@ -142,23 +143,25 @@ absl::StatusOr<OccupancyGrid> MapGrid(std::span<const GridScan> scans,
     return absl::ResourceExhaustedError(
         absl::StrCat("a map of ", width, " x ", height, " cells"));
   }
-  const Vec2 origin = bounds.low - options.border_m * Vec2{1, 1};
-  OccupancyGrid grid = OccupancyGrid::Filled(
+  const geometry::Vec2 origin =
+      bounds.low - options.border_m * geometry::Vec2{1, 1};
+  core::OccupancyGrid grid = core::OccupancyGrid::Filled(
       static_cast<int>(width), static_cast<int>(height), options.resolution_m,
-      {origin, 0}, Occupancy::kUnknown);
+      {origin, 0}, core::Occupancy::kUnknown);
   std::vector<Counts> counts(grid.cells.size());
   const double scale = 1 / options.resolution_m;
   for (const GridScan& scan : scans) {
-    const Vec2 begin = scale * (scan.map_from_laser.translation - origin);
+    const geometry::Vec2 begin =
+        scale * (scan.map_from_laser.translation - origin);
     for (int i = 0; i < laser.beams; ++i) {
       if (!ReadBeam(scan, laser, i, options, &beam)) continue;
-      const Vec2 end = scale * (beam.end - origin);
+      const geometry::Vec2 end = scale * (beam.end - origin);
       WalkCells(begin, end, [&](int x, int y) {
         CountBeam(&counts[grid.IndexOf({x, y})], false);
       });
       if (beam.hits) {
-        const CellIndex cell = {static_cast<int>(std::floor(end.x)),
-                                static_cast<int>(std::floor(end.y))};
+        const core::CellIndex cell = {static_cast<int>(std::floor(end.x)),
+                                      static_cast<int>(std::floor(end.y))};
         CountBeam(&counts[grid.IndexOf(cell)], true);
       }
     }
@@ -166,10 +169,10 @@ absl::StatusOr<OccupancyGrid> MapGrid(std::span<const GridScan> scans,
   for (size_t i = 0; i < counts.size(); ++i) {
     if (counts[i].beams < options.min_beams) continue;
     grid.cells[i] = counts[i].hits >= options.occupied_part * counts[i].beams
-                        ? Occupancy::kOccupied
-                        : Occupancy::kFree;
+                        ? core::Occupancy::kOccupied
+                        : core::Occupancy::kFree;
   }
   return grid;
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

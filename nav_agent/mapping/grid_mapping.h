@@ -10,7 +10,7 @@
 #include "nav_agent/core/occupancy_grid.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 struct GridMappingOptions {
   double resolution_m = 0.05;
@@ -30,7 +30,7 @@ struct GridMappingOptions {
 };
 
 struct GridScan {
-  Rigid2 map_from_laser;
+  geometry::Rigid2 map_from_laser;
   std::span<const float> ranges_m;
 };
 
@@ -38,10 +38,10 @@ struct GridScan {
 // map's. INVALID_ARGUMENT for options, scans of other sizes than the laser's,
 // or if there is nothing to see; RESOURCE_EXHAUSTED for a map of more cells
 // than map_file.h allows.
-absl::StatusOr<OccupancyGrid> MapGrid(std::span<const GridScan> scans,
-                                      const RangeSensorInfo& laser,
-                                      const GridMappingOptions& options);
+absl::StatusOr<core::OccupancyGrid> MapGrid(std::span<const GridScan> scans,
+                                            const core::RangeSensorInfo& laser,
+                                            const GridMappingOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_GRID_MAPPING_H_

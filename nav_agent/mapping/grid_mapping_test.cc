@@ -5,18 +5,18 @@
 #include "gtest/gtest.h"
 #include "nav_agent/mapping/testing_plan.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 TEST(GridMapping, MarksARoom) {
   std::vector<TestWall> walls;
   AddBox({-2, -1.5}, {2, 1.5}, &walls);
-  const RangeSensorInfo laser = TestLaser(10);
+  const core::RangeSensorInfo laser = TestLaser(10);
   std::vector<std::vector<float>> ranges_m;
   std::vector<GridScan> scans;
-  const std::vector<Rigid2> poses = {
+  const std::vector<geometry::Rigid2> poses = {
       {{0.1, 0.2}, 0}, {{0.1, 0.2}, 1.5}, {{0.1, 0.2}, 3.1}, {{0, 0}, 4.6}};
-  for (const Rigid2& pose : poses) {
+  for (const geometry::Rigid2& pose : poses) {
     ranges_m.push_back(CastScan(walls, pose, laser, 0, 1));
   }
   for (size_t i = 0; i < poses.size(); ++i) {
@@ -26,20 +26,20 @@ TEST(GridMapping, MarksARoom) {
   ASSERT_TRUE(grid.ok()) << grid.status();
   int free = 0;
   int occupied = 0;
-  for (const Occupancy cell : grid->cells) {
-    free += cell == Occupancy::kFree ? 1 : 0;
-    occupied += cell == Occupancy::kOccupied ? 1 : 0;
+  for (const core::Occupancy cell : grid->cells) {
+    free += cell == core::Occupancy::kFree ? 1 : 0;
+    occupied += cell == core::Occupancy::kOccupied ? 1 : 0;
   }
   // 80 x 60 cells of 5 cm; walls on 280 of them, seen by a beam a degree.
   EXPECT_NEAR(free, 80 * 60, 0.06 * 80 * 60);
   EXPECT_GT(occupied, 200);
   EXPECT_LT(occupied, 340);
-  EXPECT_EQ(grid->At(grid->CellOf({0, 0})), Occupancy::kFree);
-  EXPECT_EQ(grid->At(grid->CellOf({0, 1.7})), Occupancy::kUnknown);
+  EXPECT_EQ(grid->At(grid->CellOf({0, 0})), core::Occupancy::kFree);
+  EXPECT_EQ(grid->At(grid->CellOf({0, 1.7})), core::Occupancy::kUnknown);
 }
 
 TEST(GridMapping, ForgetsWhatPassedBy) {
-  const RangeSensorInfo laser = {
+  const core::RangeSensorInfo laser = {
       .angle_increment_rad = 0.01, .beams = 1, .range_max_m = 10};
   const std::vector<float> wall = {4.0F};
   const std::vector<float> person = {2.0F};
@@ -47,13 +47,13 @@ TEST(GridMapping, ForgetsWhatPassedBy) {
   scans.push_back({.map_from_laser = {}, .ranges_m = person});
   const auto grid = MapGrid(scans, laser, {});
   ASSERT_TRUE(grid.ok());
-  EXPECT_EQ(grid->At(grid->CellOf({2.001, 0.001})), Occupancy::kFree);
-  EXPECT_EQ(grid->At(grid->CellOf({4.001, 0.001})), Occupancy::kOccupied);
+  EXPECT_EQ(grid->At(grid->CellOf({2.001, 0.001})), core::Occupancy::kFree);
+  EXPECT_EQ(grid->At(grid->CellOf({4.001, 0.001})), core::Occupancy::kOccupied);
 }
 
 TEST(GridMapping, RefusesWhatIsNotSane) {
-  const RangeSensorInfo laser = TestLaser(10);
-  const std::vector<float> blind(181, kInvalidRange);
+  const core::RangeSensorInfo laser = TestLaser(10);
+  const std::vector<float> blind(181, core::kInvalidRange);
   const std::vector<float> few(3, 1.0F);
   GridScan scan = {.map_from_laser = {}, .ranges_m = blind};
   EXPECT_FALSE(MapGrid({&scan, 1}, laser, {}).ok());
@@ -67,4 +67,4 @@ TEST(GridMapping, RefusesWhatIsNotSane) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::mapping

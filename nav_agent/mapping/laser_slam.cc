@@ -13,16 +13,17 @@
 #include "nav_agent/mapping/loop_worker.h"
 #include "nav_agent/mapping/scan_plane.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
-bool IsFinitePose(const Rigid2& pose) {
+bool IsFinitePose(const geometry::Rigid2& pose) {
   return std::isfinite(pose.translation.x) &&
          std::isfinite(pose.translation.y) && std::isfinite(pose.yaw_rad);
 }
 
-bool HasMoved(const Rigid2& motion, double length_m, double angle_rad) {
-  return Norm(motion.translation) >= length_m ||
+bool HasMoved(const geometry::Rigid2& motion, double length_m,
+              double angle_rad) {
+  return geometry::Norm(motion.translation) >= length_m ||
          std::abs(motion.yaw_rad) >= angle_rad;
 }
 
@@ -47,16 +48,16 @@ double ThreadTime_ms() {
 constexpr double kDoubtful = 10;
 constexpr double kClearlyBetter = 0.02;
 
-bool IsTilted(const Rotation3& level_from_base) {
+bool IsTilted(const geometry::Rotation3& level_from_base) {
   return std::hypot(level_from_base.x, level_from_base.y) > 0.5 * kLevel_rad;
 }
 
 struct Keyscan {
   std::shared_ptr<const ScanOutline> scan;
-  Rigid2 map_from_base;
+  geometry::Rigid2 map_from_base;
   double height_m = 0;
   // Of the ground, in the base's axes.
-  Vec2 slope;
+  geometry::Vec2 slope;
 
   ScanPlane Plane() const {
     return {.at = map_from_base.translation,
@@ -65,24 +66,25 @@ struct Keyscan {
   }
 };
 
-Vec3 PlaceOf(const Keyscan& keyscan) {
-  const Vec2 at = keyscan.map_from_base.translation;
+geometry::Vec3 PlaceOf(const Keyscan& keyscan) {
+  const geometry::Vec2 at = keyscan.map_from_base.translation;
   return {at.x, at.y, keyscan.height_m};
 }
 
 // A scan's place, tied to the keyscan before it so that it moves with it.
 struct ScanPlace {
-  RecordingTime stamp;
+  recording::RecordingTime stamp;
   size_t keyscan = 0;
-  Rigid2 keyscan_from_base;
+  geometry::Rigid2 keyscan_from_base;
   double climb_m = 0;  // since the keyscan
-  Rotation3 level_from_base;
+  geometry::Rotation3 level_from_base;
   double way_m = 0;  // in odometry, turns too
 };
 
 class LaserSlamOnThread final : public LaserSlam {
  public:
-  LaserSlamOnThread(const RangeSensorInfo& laser, const Rigid3& base_from_laser,
+  LaserSlamOnThread(const core::RangeSensorInfo& laser,
+                    const geometry::Rigid3& base_from_laser,
                     const LaserSlamOptions& options)
       : laser_(laser),
         base_from_laser_(base_from_laser),
@@ -94,7 +96,7 @@ class LaserSlamOnThread final : public LaserSlam {
         worker_(LoopCloser(options.loops, options.matcher, options.graph),
                 options.synchronous) {}
 
-  absl::StatusOr<Rigid2> AddScan(const LaserSlamScan& scan) override;
+  absl::StatusOr<geometry::Rigid2> AddScan(const LaserSlamScan& scan) override;
   double Height_m() const override { return height_m_; }
   void Finish() override {
     worker_.Finish(options_.polish_rounds);
@@ -112,15 +114,15 @@ class LaserSlamOnThread final : public LaserSlam {
   absl::Status Check(const LaserSlamScan& scan) const;
   void ApplyCorrection();
   // Finds the robot, from a prediction; false: odometry has to do.
-  bool Match(const ScanOutline& scan, Vec2 slope, const MatchSearch& search,
-             Covariance3* covariance);
+  bool Match(const ScanOutline& scan, geometry::Vec2 slope,
+             const MatchSearch& search, Covariance3* covariance);
   struct Window {
     std::vector<PlacedScan> references;
     // The direction in which they do not tell where the robot is; or 0.
-    Vec2 untold;
+    geometry::Vec2 untold;
   };
   Window WindowFor(const ScanPlane& plane) const;
-  MatchSearch SearchAfter(const Rigid2& motion) const;
+  MatchSearch SearchAfter(const geometry::Rigid2& motion) const;
   // The scan's points, without those that are known to be ground.
   std::shared_ptr<const ScanOutline> OutlineOf(const LaserSlamScan& scan) const;
   // Where odometry says that the robot is now.
@@ -129,34 +131,34 @@ class LaserSlamOnThread final : public LaserSlam {
   // does not match.
   Covariance3 Locate(const ScanOutline& outline, const LaserSlamScan& scan);
   // Spreads what matching has corrected over the scans since the last match.
-  void SpreadCorrection(const Rigid2& map_from_predicted);
-  void FollowWay(const Rigid2& map_from_predicted);
+  void SpreadCorrection(const geometry::Rigid2& map_from_predicted);
+  void FollowWay(const geometry::Rigid2& map_from_predicted);
   void AddKeyscan(std::shared_ptr<const ScanOutline> outline,
                   const LaserSlamScan& scan,
                   const Covariance3& covariance_in_map);
   void AddPlace(const LaserSlamScan& scan);
 
-  const RangeSensorInfo laser_;
-  const Rigid3 base_from_laser_;
+  const core::RangeSensorInfo laser_;
+  const geometry::Rigid3 base_from_laser_;
   const LaserSlamOptions options_;
   std::vector<Keyscan> keyscans_;
   std::vector<ScanPlace> places_;
-  Rigid2 map_from_base_;
+  geometry::Rigid2 map_from_base_;
   double height_m_ = 0;  // of the base, in the map
   double way_m_ = 0;
   // The last scan that was matched: its number and where it was; by how much
   // odometry has climbed since then.
   size_t matched_place_ = 0;
   double matched_way_m_ = 0;
-  Rigid2 map_from_matched_;
+  geometry::Rigid2 map_from_matched_;
   double climb_since_match_m_ = 0;
   // The last scan's height in odometry.
   double last_height_m_ = 0;
   // Odometry of the last scan, of the last one that was matched, and of the
   // last keyscan.
-  Rigid2 odom_from_last_;
-  Rigid2 odom_from_matched_;
-  Rigid2 odom_from_keyscan_;
+  geometry::Rigid2 odom_from_last_;
+  geometry::Rigid2 odom_from_matched_;
+  geometry::Rigid2 odom_from_keyscan_;
   DrivenGround ground_;
   const bool leaves_out_ground_;
   LaserSlamStatistics statistics_;
@@ -169,16 +171,16 @@ absl::Status LaserSlamOnThread::Check(const LaserSlamScan& scan) const {
         absl::StrCat("a scan of ", scan.ranges_m.size(), " beams from a laser",
                      " of ", laser_.beams));
   }
-  const Rotation3& q = scan.level_from_base;
+  const geometry::Rotation3& q = scan.level_from_base;
   if (!IsFinitePose(scan.odom_from_base) ||
       !IsFinitePose(scan.first_from_last) || !std::isfinite(scan.height_m) ||
-      !IsFinite(Rigid3{.rotation = q, .translation = {}})) {
+      !geometry::IsFinite(geometry::Rigid3{.rotation = q, .translation = {}})) {
     return absl::InvalidArgumentError("a scan at a pose that is not finite");
   }
   if (!places_.empty() && scan.stamp < places_.back().stamp) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("the clock jumped back by %.3f s",
-                        SecondsBetween(scan.stamp, places_.back().stamp)));
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "the clock jumped back by %.3f s",
+        recording::SecondsBetween(scan.stamp, places_.back().stamp)));
   }
   return absl::OkStatus();
 }
@@ -189,7 +191,7 @@ void LaserSlamOnThread::ApplyCorrection() {
   const size_t known = corrected->size();
   // What came later moves with the last one that was corrected.
   const KeyscanPlace& last = corrected->back();
-  const Rigid2 new_from_old =
+  const geometry::Rigid2 new_from_old =
       last.map_from_base * keyscans_[known - 1].map_from_base.Inverse();
   const double rise_m = last.height_m - keyscans_[known - 1].height_m;
   ground_.Clear();
@@ -209,8 +211,9 @@ void LaserSlamOnThread::ApplyCorrection() {
   height_m_ += rise_m;
 }
 
-MatchSearch LaserSlamOnThread::SearchAfter(const Rigid2& motion) const {
-  const double moved_m = Norm(motion.translation);
+MatchSearch LaserSlamOnThread::SearchAfter(
+    const geometry::Rigid2& motion) const {
+  const double moved_m = geometry::Norm(motion.translation);
   const double turned_rad = std::abs(motion.yaw_rad);
   const OdometryDoubt& doubt = options_.odometry;
   const double sigma_m =
@@ -250,16 +253,16 @@ LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
   const bool enough =
       static_cast<int>(alike.references.size()) >= options_.min_alike;
   if (enough || alike.references.size() == all.references.size()) return alike;
-  const double tilt = Norm(all.untold);
+  const double tilt = geometry::Norm(all.untold);
   if (tilt > 0) all.untold = (1 / tilt) * all.untold;
   return all;
 }
 
-bool LaserSlamOnThread::Match(const ScanOutline& scan, Vec2 slope,
+bool LaserSlamOnThread::Match(const ScanOutline& scan, geometry::Vec2 slope,
                               const MatchSearch& search,
                               Covariance3* covariance) {
   if (static_cast<int>(scan.size()) < options_.min_points) return false;
-  const Rigid2 guess = map_from_base_;
+  const geometry::Rigid2 guess = map_from_base_;
   const Window window = WindowFor({.at = guess.translation,
                                    .height_m = height_m_,
                                    .slope = TurnedBy(guess.yaw_rad, slope)});
@@ -277,10 +280,10 @@ bool LaserSlamOnThread::Match(const ScanOutline& scan, Vec2 slope,
   if (match.response < options_.min_response) return false;
   map_from_base_ = match.target_from_scan;
   *covariance = match.covariance;
-  const Vec2 untold = window.untold;
-  if (untold == Vec2{}) return true;
-  const double off_m =
-      Dot(match.target_from_scan.translation - guess.translation, untold);
+  const geometry::Vec2 untold = window.untold;
+  if (untold == geometry::Vec2{}) return true;
+  const double off_m = geometry::Dot(
+      match.target_from_scan.translation - guess.translation, untold);
   map_from_base_.translation = map_from_base_.translation - off_m * untold;
   const double variance = search.guess_sigma_m * search.guess_sigma_m;
   (*covariance)[0] += variance * untold.x * untold.x;
@@ -292,8 +295,8 @@ bool LaserSlamOnThread::Match(const ScanOutline& scan, Vec2 slope,
 
 std::shared_ptr<const ScanOutline> LaserSlamOnThread::OutlineOf(
     const LaserSlamScan& scan) const {
-  const Rigid3 level_from_laser =
-      Rigid3{.rotation = scan.level_from_base, .translation = {}} *
+  const geometry::Rigid3 level_from_laser =
+      geometry::Rigid3{.rotation = scan.level_from_base, .translation = {}} *
       base_from_laser_;
   ScanOutlineOptions points = options_.points;
   std::span<const float> ranges_m = scan.ranges_m;
@@ -304,9 +307,10 @@ std::shared_ptr<const ScanOutline> LaserSlamOnThread::OutlineOf(
         std::max(points.min_height_m, options_.ground_margin_m);
   }
   if (leaves_out_ground_ && !ground_.IsLevel(options_.ground_margin_m)) {
-    const Vec2 at = map_from_base_.translation;
-    const Rigid3 map_from_level = {
-        .rotation = Rotation3::FromAxisAngle({0, 0, map_from_base_.yaw_rad}),
+    const geometry::Vec2 at = map_from_base_.translation;
+    const geometry::Rigid3 map_from_level = {
+        .rotation =
+            geometry::Rotation3::FromAxisAngle({0, 0, map_from_base_.yaw_rad}),
         .translation = {at.x, at.y, height_m_}};
     kept = WithoutGround(ranges_m, laser_, map_from_level * level_from_laser,
                          ground_, options_.ground_margin_m);
@@ -321,53 +325,57 @@ void LaserSlamOnThread::Predict(const LaserSlamScan& scan) {
     last_height_m_ = scan.height_m;
     return;
   }
-  const Rigid2 motion = odom_from_last_.Inverse() * scan.odom_from_base;
+  const geometry::Rigid2 motion =
+      odom_from_last_.Inverse() * scan.odom_from_base;
   map_from_base_ = map_from_base_ * motion;
-  way_m_ += Norm(motion.translation) + kTurnAsWay_m * std::abs(motion.yaw_rad);
+  way_m_ += geometry::Norm(motion.translation) +
+            kTurnAsWay_m * std::abs(motion.yaw_rad);
   const double climb_m = scan.height_m - last_height_m_;
   height_m_ += climb_m;
   climb_since_match_m_ += climb_m;
   last_height_m_ = scan.height_m;
 }
 
-void LaserSlamOnThread::SpreadCorrection(const Rigid2& map_from_predicted) {
+void LaserSlamOnThread::SpreadCorrection(
+    const geometry::Rigid2& map_from_predicted) {
   const double length_m = way_m_ - matched_way_m_;
   if (!(length_m > 0) || keyscans_.empty()) return;
-  const double yaw_rad =
-      NormalizedAngle_rad(map_from_base_.yaw_rad - map_from_predicted.yaw_rad);
+  const double yaw_rad = geometry::NormalizedAngle_rad(
+      map_from_base_.yaw_rad - map_from_predicted.yaw_rad);
   // In the axes of the keyscan that they are all tied to.
-  const Vec2 off =
-      Rigid2{.translation = {},
-             .yaw_rad = -keyscans_.back().map_from_base.yaw_rad} *
+  const geometry::Vec2 off =
+      geometry::Rigid2{.translation = {},
+                       .yaw_rad = -keyscans_.back().map_from_base.yaw_rad} *
       (map_from_base_.translation - map_from_predicted.translation);
   for (size_t i = matched_place_ + 1; i < places_.size(); ++i) {
     ScanPlace& place = places_[i];
     const double part = (place.way_m - matched_way_m_) / length_m;
-    Rigid2& keyscan_from_base = place.keyscan_from_base;
+    geometry::Rigid2& keyscan_from_base = place.keyscan_from_base;
     keyscan_from_base.translation = keyscan_from_base.translation + part * off;
-    keyscan_from_base.yaw_rad =
-        NormalizedAngle_rad(keyscan_from_base.yaw_rad + part * yaw_rad);
+    keyscan_from_base.yaw_rad = geometry::NormalizedAngle_rad(
+        keyscan_from_base.yaw_rad + part * yaw_rad);
   }
 }
 
-void LaserSlamOnThread::FollowWay(const Rigid2& map_from_predicted) {
-  const Vec2 matched =
+void LaserSlamOnThread::FollowWay(const geometry::Rigid2& map_from_predicted) {
+  const geometry::Vec2 matched =
       map_from_base_.translation - map_from_matched_.translation;
-  const Vec2 predicted =
+  const geometry::Vec2 predicted =
       map_from_predicted.translation - map_from_matched_.translation;
-  const double length_m = Norm(predicted);
+  const double length_m = geometry::Norm(predicted);
   if (length_m > kTellingWay_m) {
     const double factor =
-        std::clamp(Dot(matched, predicted) / (length_m * length_m), kLeastOfWay,
-                   kMostOfWay);
+        std::clamp(geometry::Dot(matched, predicted) / (length_m * length_m),
+                   kLeastOfWay, kMostOfWay);
     height_m_ += (factor - 1) * climb_since_match_m_;
   }
 }
 
 Covariance3 LaserSlamOnThread::Locate(const ScanOutline& outline,
                                       const LaserSlamScan& scan) {
-  const Rigid2 since_match = odom_from_matched_.Inverse() * scan.odom_from_base;
-  const Rigid2 map_from_predicted = map_from_base_;
+  const geometry::Rigid2 since_match =
+      odom_from_matched_.Inverse() * scan.odom_from_base;
+  const geometry::Rigid2 map_from_predicted = map_from_base_;
   Covariance3 covariance{};
   if (Match(outline, SlopeUnder(scan.level_from_base), SearchAfter(since_match),
             &covariance)) {
@@ -433,7 +441,8 @@ void LaserSlamOnThread::AddPlace(const LaserSlamScan& scan) {
   odom_from_last_ = scan.odom_from_base;
 }
 
-absl::StatusOr<Rigid2> LaserSlamOnThread::AddScan(const LaserSlamScan& scan) {
+absl::StatusOr<geometry::Rigid2> LaserSlamOnThread::AddScan(
+    const LaserSlamScan& scan) {
   TL_RETURN_IF_ERROR(Check(scan));
   const double start_ms = ThreadTime_ms();
   ApplyCorrection();
@@ -445,7 +454,7 @@ absl::StatusOr<Rigid2> LaserSlamOnThread::AddScan(const LaserSlamScan& scan) {
     outline = OutlineOf(scan);
     is_keyscan = !outline->empty();
   } else {
-    const Rigid2& odom_from_base = scan.odom_from_base;
+    const geometry::Rigid2& odom_from_base = scan.odom_from_base;
     is_keyscan = HasMoved(odom_from_keyscan_.Inverse() * odom_from_base,
                           options_.keyscan_m, options_.keyscan_rad);
     if (is_keyscan || HasMoved(odom_from_matched_.Inverse() * odom_from_base,
@@ -479,16 +488,16 @@ std::vector<TrajectoryPose> LaserSlamOnThread::Trajectory() const {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<LaserSlam>> LaserSlam::Create(
-    const RangeSensorInfo& laser, const Rigid3& base_from_laser,
+    const core::RangeSensorInfo& laser, const geometry::Rigid3& base_from_laser,
     const LaserSlamOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   if (laser.beams < 1 || !std::isfinite(laser.angle_min_rad) ||
       !std::isfinite(laser.angle_increment_rad) || !(laser.range_min_m >= 0) ||
-      !IsFinite(base_from_laser)) {
+      !geometry::IsFinite(base_from_laser)) {
     return absl::InvalidArgumentError(
         "the laser's geometry or its place on the robot is not sane");
   }
   return std::make_unique<LaserSlamOnThread>(laser, base_from_laser, options);
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

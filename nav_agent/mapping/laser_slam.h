@@ -19,7 +19,7 @@
 #include "nav_agent/mapping/scan_outline.h"
 #include "nav_agent/recording/recording_time.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 // How wrong odometry may be, one standard deviation: at rest, per metre and
 // per radian; what matching searches is search_sigmas of it, but at least
@@ -99,31 +99,31 @@ struct LaserSlamOptions {
 
 struct LaserSlamScan {
   // Must not decrease from scan to scan.
-  RecordingTime stamp;
-  Rigid2 odom_from_base;
+  recording::RecordingTime stamp;
+  geometry::Rigid2 odom_from_base;
   // One for each beam; what is no return as in LaserScan. Those that are NaN
   // are passed over.
   std::span<const float> ranges_m;
   // Of the robot when the scan was taken: roll and pitch, with yaw and
   // translation 0. With the laser's mount it says where in space the beams
   // are.
-  Rotation3 level_from_base{};
+  geometry::Rotation3 level_from_base{};
   // Of the base in odometry: only differences mean anything.
   double height_m = 0;
   // How the robot moved, seen from above, from the first beam to the last.
-  Rigid2 first_from_last{};
+  geometry::Rigid2 first_from_last{};
 };
 
 struct TrajectoryPose {
-  RecordingTime stamp;
-  Rigid2 map_from_base;
+  recording::RecordingTime stamp;
+  geometry::Rigid2 map_from_base;
   // Above the first scan, and as the scan says; see MapFromBase.
   double height_m = 0;
-  Rotation3 level_from_base{};
+  geometry::Rotation3 level_from_base{};
 };
 
 // In space: Rz(yaw) level_from_base, at (x, y, height).
-Rigid3 MapFromBase(const TrajectoryPose& pose);
+geometry::Rigid3 MapFromBase(const TrajectoryPose& pose);
 
 struct LaserSlamStatistics {
   int64_t scans = 0;
@@ -144,8 +144,8 @@ class LaserSlam {
  public:
   // INVALID_ARGUMENT for options or a laser that are not sane.
   static absl::StatusOr<std::unique_ptr<LaserSlam>> Create(
-      const RangeSensorInfo& laser, const Rigid3& base_from_laser,
-      const LaserSlamOptions& options);
+      const core::RangeSensorInfo& laser,
+      const geometry::Rigid3& base_from_laser, const LaserSlamOptions& options);
   virtual ~LaserSlam() = default;
 
   // The robot's place with all that is known now. INVALID_ARGUMENT, and
@@ -155,7 +155,8 @@ class LaserSlam {
   // Matching is planar, in the frame that pitch and roll level. Height follows
   // odometry along the slope, by as much as the matched way is longer or
   // shorter than odometry's: wheels slip on slopes.
-  virtual absl::StatusOr<Rigid2> AddScan(const LaserSlamScan& scan) = 0;
+  virtual absl::StatusOr<geometry::Rigid2> AddScan(
+      const LaserSlamScan& scan) = 0;
 
   // Of the last scan, above the first (m).
   virtual double Height_m() const = 0;
@@ -172,6 +173,6 @@ class LaserSlam {
   LaserSlam() = default;
 };
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_LASER_SLAM_H_

@@ -7,27 +7,27 @@
 #include "nav_agent/mapping/scan_matcher.h"
 #include "nav_agent/mapping/testing_plan.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 struct Scene {
   std::vector<ScanOutline> window;
   std::vector<PlacedScan> references;
   ScanOutline scan;
-  Rigid2 truth = {{0.6, 0.1}, 0.15};
+  geometry::Rigid2 truth = {{0.6, 0.1}, 0.15};
 
   // beams over 180 degrees, and `scans` before the one to match.
   Scene(int beams, int scans) {
     std::vector<TestWall> walls;
     AddBox({-8, -6}, {8, 6}, &walls);
     for (int i = 0; i < 6; ++i) {
-      const Vec2 low = {-6.0 + 2.2 * i, i % 2 == 0 ? 3.0 : -4.0};
-      AddBox(low, low + Vec2{0.5, 0.8}, &walls);
+      const geometry::Vec2 low = {-6.0 + 2.2 * i, i % 2 == 0 ? 3.0 : -4.0};
+      AddBox(low, low + geometry::Vec2{0.5, 0.8}, &walls);
     }
-    RangeSensorInfo laser = TestLaser(25);
+    core::RangeSensorInfo laser = TestLaser(25);
     laser.beams = beams;
     laser.angle_increment_rad = std::numbers::pi / (beams - 1);
-    std::vector<Rigid2> poses;
+    std::vector<geometry::Rigid2> poses;
     for (int i = 0; i < scans; ++i) {
       poses.push_back({{0.3 - 0.3 * i, 0.1}, 0.05 * i});
       const std::vector<float> ranges_m =
@@ -54,7 +54,8 @@ void BM_DrawAndMatch(benchmark::State& state) {
                     static_cast<int>(state.range(1)));
   const ScanMatcherOptions options;
   const MatchSearch search = Search(0.3);
-  const Rigid2 guess = scene.truth * Rigid2{{0.12, -0.1}, 0.08};
+  const geometry::Rigid2 guess =
+      scene.truth * geometry::Rigid2{{0.12, -0.1}, 0.08};
   for (auto _ : state) {
     const SurfaceGrid grid =
         MakeSurfaceGrid(scene.references, scene.scan, guess, search, options);
@@ -72,7 +73,8 @@ void BM_Match(benchmark::State& state) {
   const Scene scene(static_cast<int>(state.range(0)), 15);
   const ScanMatcherOptions options;
   const MatchSearch search = Search(0.1 * static_cast<double>(state.range(1)));
-  const Rigid2 guess = scene.truth * Rigid2{{0.12, -0.1}, 0.08};
+  const geometry::Rigid2 guess =
+      scene.truth * geometry::Rigid2{{0.12, -0.1}, 0.08};
   const SurfaceGrid grid =
       MakeSurfaceGrid(scene.references, scene.scan, guess, search, options);
   for (auto _ : state) {
@@ -84,6 +86,6 @@ BENCHMARK(BM_Match)->Args({181, 3})->Args({181, 40})->Args({1081, 3})->Unit(
     benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 BENCHMARK_MAIN();

@@ -1,14 +1,14 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/mapping/laser_slam.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
-Rigid3 MapFromBase(const TrajectoryPose& pose) {
-  const Vec2 at = pose.map_from_base.translation;
-  return {
-      .rotation = Rotation3::FromAxisAngle({0, 0, pose.map_from_base.yaw_rad}) *
-                  pose.level_from_base,
-      .translation = {at.x, at.y, pose.height_m}};
+geometry::Rigid3 MapFromBase(const TrajectoryPose& pose) {
+  const geometry::Vec2 at = pose.map_from_base.translation;
+  return {.rotation = geometry::Rotation3::FromAxisAngle(
+                          {0, 0, pose.map_from_base.yaw_rad}) *
+                      pose.level_from_base,
+          .translation = {at.x, at.y, pose.height_m}};
 }
 
 absl::Status LaserSlamOptions::Validate() const {
@@ -34,4 +34,4 @@ absl::Status LaserSlamOptions::Validate() const {
   return absl::OkStatus();
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

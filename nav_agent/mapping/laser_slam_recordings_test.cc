@@ -16,7 +16,7 @@
 #include "nav_agent/mapping/trajectory_score.h"
 #include "nav_agent/recording/relations.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 // "" if it is not there.
@@ -27,9 +27,9 @@ std::string Folder(const std::string& name) {
   return std::filesystem::is_directory(folder) ? folder : "";
 }
 
-std::vector<TrajectoryPose> Recorded(const LaserLog& log) {
+std::vector<TrajectoryPose> Recorded(const recording::LaserLog& log) {
   std::vector<TrajectoryPose> trajectory;
-  for (const RecordedScan& scan : log.scans) {
+  for (const recording::RecordedScan& scan : log.scans) {
     trajectory.push_back(
         {.stamp = scan.stamp, .map_from_base = scan.odom_from_base});
   }
@@ -38,7 +38,7 @@ std::vector<TrajectoryPose> Recorded(const LaserLog& log) {
 
 RelationScore Score(const char* name,
                     const std::vector<TrajectoryPose>& trajectory,
-                    const std::vector<PoseRelation>& relations,
+                    const std::vector<recording::PoseRelation>& relations,
                     double max_gap_s) {
   const auto score =
       ScoreRelations(trajectory, relations, {.max_gap_s = max_gap_s});
@@ -52,11 +52,11 @@ RelationScore Score(const char* name,
   return *score;
 }
 
-void WriteIfAsked(const OccupancyGrid& grid, const std::string& name) {
+void WriteIfAsked(const core::OccupancyGrid& grid, const std::string& name) {
   const char* folder = std::getenv("TREELINE_MAPS");
   if (folder == nullptr) return;
   const absl::Status written =
-      WriteMap(grid, std::string(folder) + "/" + name + ".yaml");
+      core::WriteMap(grid, std::string(folder) + "/" + name + ".yaml");
   EXPECT_TRUE(written.ok()) << written;
 }
 
@@ -77,9 +77,9 @@ void PrintRun(const LaserSlamResult& result) {
 TEST(LaserSlamRecordings, IntelIsAtLeastAsGoodAsItsCorrectedLog) {
   const std::string folder = Folder("laser-intel");
   if (folder.empty()) GTEST_SKIP() << "no laser-intel in TREELINE_DATA";
-  const auto raw = ReadLaserLog(folder + "/raw.json");
-  const auto corrected = ReadLaserLog(folder + "/corrected.json");
-  const auto relations = ReadRelations(folder + "/intel.relations");
+  const auto raw = recording::ReadLaserLog(folder + "/raw.json");
+  const auto corrected = recording::ReadLaserLog(folder + "/corrected.json");
+  const auto relations = recording::ReadRelations(folder + "/intel.relations");
   ASSERT_TRUE(raw.ok() && corrected.ok() && relations.ok());
   RunLaserSlamOptions options;
   options.slam.synchronous = true;
@@ -122,8 +122,8 @@ TEST(LaserSlamRecordings, WeanHallIsMapped) {
   const std::string folder = Folder("laser-wean");
   if (folder.empty()) GTEST_SKIP() << "no laser-wean in TREELINE_DATA";
   for (int i = 1; i <= 3; ++i) {
-    const auto log =
-        ReadLaserLog(folder + "/robotdata" + std::to_string(i) + ".log.gz");
+    const auto log = recording::ReadLaserLog(folder + "/robotdata" +
+                                             std::to_string(i) + ".log.gz");
     ASSERT_TRUE(log.ok()) << log.status();
     const auto result = RunLaserSlam(*log, RunLaserSlamOptions{});
     ASSERT_TRUE(result.ok()) << result.status();
@@ -135,4 +135,4 @@ TEST(LaserSlamRecordings, WeanHallIsMapped) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -12,7 +12,7 @@
 #include "nav_agent/mapping/run_laser_slam.h"
 #include "nav_agent/mapping/testing_plan.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 using ::testing::HasSubstr;
@@ -35,19 +35,19 @@ std::vector<TestWall> SquareCorridor() {
 }
 
 // Once round the corridor, counter-clockwise, and 5 m more.
-std::vector<Rigid2> WayRound() {
-  std::vector<Rigid2> way;
-  Rigid2 pose;
+std::vector<geometry::Rigid2> WayRound() {
+  std::vector<geometry::Rigid2> way;
+  geometry::Rigid2 pose;
   const auto steps = static_cast<int>(kSide_m / kStep_m);
   for (int side = 0; side < 5; ++side) {
     for (int i = 0; i < (side == 4 ? 20 : steps); ++i) {
       way.push_back(pose);
-      pose = pose * Rigid2{{kStep_m, 0}, 0};
+      pose = pose * geometry::Rigid2{{kStep_m, 0}, 0};
     }
     if (side == 4) break;
     for (int i = 0; i < 6; ++i) {
       way.push_back(pose);
-      pose = pose * Rigid2{{0, 0}, std::numbers::pi / 12};
+      pose = pose * geometry::Rigid2{{0, 0}, std::numbers::pi / 12};
     }
   }
   return way;
@@ -55,24 +55,24 @@ std::vector<Rigid2> WayRound() {
 
 // The log of a robot whose wheels slip by 6 % on the first two sides. The
 // laser reaches 3.5 m: of a long corridor it sees no end.
-LaserLog DriveRound(const std::vector<Rigid2>& way) {
+recording::LaserLog DriveRound(const std::vector<geometry::Rigid2>& way) {
   const std::vector<TestWall> walls = SquareCorridor();
-  LaserLog log = {.laser = TestLaser(3.5),
-                  .base_from_laser = {},
-                  .scans = {},
-                  .odometry = {}};
-  Rigid2 odom_from_base;
+  recording::LaserLog log = {.laser = TestLaser(3.5),
+                             .base_from_laser = {},
+                             .scans = {},
+                             .odometry = {}};
+  geometry::Rigid2 odom_from_base;
   for (size_t i = 0; i < way.size(); ++i) {
     if (i > 0) {
-      Rigid2 step = way[i - 1].Inverse() * way[i];
+      geometry::Rigid2 step = way[i - 1].Inverse() * way[i];
       const double slip = i < way.size() / 2 ? 1.06 : 1.0;
       step.translation = slip * step.translation;
-      Random random(11, i);
+      base::Random random(11, i);
       step.yaw_rad += 0.01 * random.NextGaussian();
       odom_from_base = odom_from_base * step;
     }
     log.scans.push_back(
-        {.stamp = RecordingTime(std::chrono::milliseconds(250 * i)),
+        {.stamp = recording::RecordingTime(std::chrono::milliseconds(250 * i)),
          .odom_from_base = odom_from_base,
          .ranges_m = CastScan(walls, way[i], log.laser, 0.01, 1000 + i)});
   }
@@ -85,26 +85,26 @@ RunLaserSlamOptions Synchronous() {
   return options;
 }
 
-double Rmse_m(const std::vector<Rigid2>& way,
+double Rmse_m(const std::vector<geometry::Rigid2>& way,
               const std::vector<TrajectoryPose>& trajectory) {
   double sum = 0;
   for (size_t i = 0; i < way.size(); ++i) {
-    const Vec2 off =
+    const geometry::Vec2 off =
         trajectory[i].map_from_base.translation - way[i].translation;
-    sum += Dot(off, off);
+    sum += geometry::Dot(off, off);
   }
   return std::sqrt(sum / static_cast<double>(way.size()));
 }
 
-double EndError_m(const std::vector<Rigid2>& way,
+double EndError_m(const std::vector<geometry::Rigid2>& way,
                   const std::vector<TrajectoryPose>& trajectory) {
-  return Norm(trajectory.back().map_from_base.translation -
-              way.back().translation);
+  return geometry::Norm(trajectory.back().map_from_base.translation -
+                        way.back().translation);
 }
 
-std::vector<TrajectoryPose> Odometry(const LaserLog& log) {
+std::vector<TrajectoryPose> Odometry(const recording::LaserLog& log) {
   std::vector<TrajectoryPose> trajectory;
-  for (const RecordedScan& scan : log.scans) {
+  for (const recording::RecordedScan& scan : log.scans) {
     trajectory.push_back(
         {.stamp = scan.stamp, .map_from_base = scan.odom_from_base});
   }
@@ -114,8 +114,8 @@ std::vector<TrajectoryPose> Odometry(const LaserLog& log) {
 // The corners are alike, and the inner one of each is an outer one turned
 // inside out: what tells them apart is the side that they are seen from.
 TEST(LaserSlam, ClosesTheLoopOfASquareCorridor) {
-  const std::vector<Rigid2> way = WayRound();
-  const LaserLog log = DriveRound(way);
+  const std::vector<geometry::Rigid2> way = WayRound();
+  const recording::LaserLog log = DriveRound(way);
   RunLaserSlamOptions options = Synchronous();
   const auto closed = RunLaserSlam(log, options);
   ASSERT_TRUE(closed.ok()) << closed.status();
@@ -146,7 +146,7 @@ TEST(LaserSlam, ClosesTheLoopOfASquareCorridor) {
 }
 
 TEST(LaserSlam, DoesNotDependOnThreadsOrRuns) {
-  const LaserLog log = DriveRound(WayRound());
+  const recording::LaserLog log = DriveRound(WayRound());
   RunLaserSlamOptions options = Synchronous();
   const auto one = RunLaserSlam(log, options);
   options.slam.loops.threads = 2;
@@ -161,7 +161,7 @@ TEST(LaserSlam, DoesNotDependOnThreadsOrRuns) {
 }
 
 TEST(LaserSlam, ClosesLoopsBesideTheFrontEnd) {
-  const std::vector<Rigid2> way = WayRound();
+  const std::vector<geometry::Rigid2> way = WayRound();
   const auto result = RunLaserSlam(DriveRound(way), RunLaserSlamOptions{});
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_GT(result->statistics.loops.accepted, 0);
@@ -170,13 +170,13 @@ TEST(LaserSlam, ClosesLoopsBesideTheFrontEnd) {
 }
 
 TEST(LaserSlam, MapsTheCorridorThatItDroveThrough) {
-  const std::vector<Rigid2> way = WayRound();
+  const std::vector<geometry::Rigid2> way = WayRound();
   const auto result = RunLaserSlam(DriveRound(way), Synchronous());
   ASSERT_TRUE(result.ok()) << result.status();
-  const OccupancyGrid& grid = result->grid;
+  const core::OccupancyGrid& grid = result->grid;
   for (const TrajectoryPose& pose : result->trajectory) {
-    const CellIndex cell = grid.CellOf(pose.map_from_base.translation);
-    EXPECT_EQ(grid.AtOrUnknown(cell), Occupancy::kFree);
+    const core::CellIndex cell = grid.CellOf(pose.map_from_base.translation);
+    EXPECT_EQ(grid.AtOrUnknown(cell), core::Occupancy::kFree);
   }
   // Walls at 1 m on both sides, to two cells.
   int walls = 0;
@@ -184,14 +184,14 @@ TEST(LaserSlam, MapsTheCorridorThatItDroveThrough) {
     for (const double y : {-1.0, 1.0}) {
       bool found = false;
       for (int dy = -2; dy <= 2; ++dy) {
-        const CellIndex cell = grid.CellOf({x, y + 0.05 * dy});
-        found = found || grid.AtOrUnknown(cell) == Occupancy::kOccupied;
+        const core::CellIndex cell = grid.CellOf({x, y + 0.05 * dy});
+        found = found || grid.AtOrUnknown(cell) == core::Occupancy::kOccupied;
       }
       walls += found ? 1 : 0;
     }
   }
   EXPECT_EQ(walls, 6);
-  EXPECT_EQ(grid.AtOrUnknown(grid.CellOf({7, 7})), Occupancy::kUnknown);
+  EXPECT_EQ(grid.AtOrUnknown(grid.CellOf({7, 7})), core::Occupancy::kUnknown);
 }
 
 class LaserSlamInput : public ::testing::Test {
@@ -202,16 +202,17 @@ class LaserSlamInput : public ::testing::Test {
     slam_ = *std::move(slam);
     ranges_m_ = CastScan(SquareCorridor(), {}, laser_, 0.01, 1);
   }
-  absl::Status Add(int time_ms, const Rigid2& odom_from_base) {
+  absl::Status Add(int time_ms, const geometry::Rigid2& odom_from_base) {
     return slam_
-        ->AddScan({.stamp = RecordingTime(std::chrono::milliseconds(time_ms)),
+        ->AddScan({.stamp = recording::RecordingTime(
+                       std::chrono::milliseconds(time_ms)),
                    .odom_from_base = odom_from_base,
                    .ranges_m = ranges_m_,
                    .level_from_base = {}})
         .status();
   }
 
-  const RangeSensorInfo laser_ = TestLaser(8);
+  const core::RangeSensorInfo laser_ = TestLaser(8);
   std::unique_ptr<LaserSlam> slam_;
   std::vector<float> ranges_m_;
 };
@@ -241,19 +242,19 @@ TEST_F(LaserSlamInput, RefusesPosesThatAreNotFinite) {
 
 TEST_F(LaserSlamInput, FollowsOdometryWhereScansAreBlind) {
   ASSERT_TRUE(Add(0, {}).ok());
-  ranges_m_.assign(ranges_m_.size(), kInvalidRange);
+  ranges_m_.assign(ranges_m_.size(), core::kInvalidRange);
   ASSERT_TRUE(Add(100, {{0.3, 0}, 0}).ok());
   ASSERT_TRUE(Add(200, {{0.6, 0}, 0.1}).ok());
   slam_->Finish();
   EXPECT_EQ(slam_->Statistics().unmatched, 2);
-  const Rigid2 last = slam_->Trajectory().back().map_from_base;
+  const geometry::Rigid2 last = slam_->Trajectory().back().map_from_base;
   EXPECT_NEAR(last.translation.x, 0.6, 1e-6);
   EXPECT_NEAR(last.yaw_rad, 0.1, 1e-6);
 }
 
 TEST_F(LaserSlamInput, BeginsWhenItSeesSomething) {
   const std::vector<float> seen = ranges_m_;
-  ranges_m_.assign(seen.size(), kNoReturn);
+  ranges_m_.assign(seen.size(), core::kNoReturn);
   ASSERT_TRUE(Add(0, {}).ok());
   ranges_m_ = seen;
   ASSERT_TRUE(Add(100, {{0.5, 0}, 0}).ok());
@@ -269,10 +270,10 @@ TEST(LaserSlamOptions, AreChecked) {
   options = {};
   options.loops.threads = 0;
   EXPECT_FALSE(LaserSlam::Create(TestLaser(5), {}, options).ok());
-  RangeSensorInfo laser = TestLaser(5);
+  core::RangeSensorInfo laser = TestLaser(5);
   laser.beams = 0;
   EXPECT_FALSE(LaserSlam::Create(laser, {}, {}).ok());
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::mapping

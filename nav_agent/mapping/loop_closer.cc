@@ -9,7 +9,7 @@
 
 #include "common/base/parallel_for.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 // Links this far from the graph's estimate (squared error) move it at once;
@@ -49,25 +49,28 @@ double LargestSigma_m(const Covariance3& c) {
 // inner and the outer corner of a corridor, look alike to a matcher of points.
 // 0 if there are too few to tell.
 double ShareOfSameSide(const SurfaceGrid& grid, const ScanOutline& query,
-                       const Rigid2& target_from_query) {
+                       const geometry::Rigid2& target_from_query) {
   int same = 0;
   int told = 0;
   size_t begin = 0;
   for (size_t i = 0; i < query.size(); ++i) {
     if (i > begin && query.joined[i - 1] == 0) begin = i;
-    const Vec2 along = query.points_m[i] - query.points_m[begin];
-    const double length_m = Norm(along);
+    const geometry::Vec2 along = query.points_m[i] - query.points_m[begin];
+    const double length_m = geometry::Norm(along);
     if (length_m < kTellingPiece_m) continue;
-    const Vec2 middle = query.points_m[begin] + 0.5 * along;
+    const geometry::Vec2 middle = query.points_m[begin] + 0.5 * along;
     begin = i;
     const SurfaceGrid::Piece* piece =
         grid.NearestPiece(target_from_query * middle);
     if (piece == nullptr) continue;
-    const Vec2 across = piece->end - piece->begin;
-    if (Norm(across) < kTellingPiece_m) continue;
-    const Vec2 turned =
-        Rigid2{.translation = {}, .yaw_rad = target_from_query.yaw_rad} * along;
-    const double cosine = Dot(turned, across) / (length_m * Norm(across));
+    const geometry::Vec2 across = piece->end - piece->begin;
+    if (geometry::Norm(across) < kTellingPiece_m) continue;
+    const geometry::Vec2 turned =
+        geometry::Rigid2{.translation = {},
+                         .yaw_rad = target_from_query.yaw_rad} *
+        along;
+    const double cosine =
+        geometry::Dot(turned, across) / (length_m * geometry::Norm(across));
     if (std::abs(cosine) < kAlong) continue;
     ++told;
     same += cosine > 0 ? 1 : 0;
@@ -120,7 +123,7 @@ std::vector<LoopCloser::Reach> LoopCloser::ReachFrom(int keyscan) const {
     for (const int index : constraints_of_[static_cast<size_t>(at)]) {
       const PoseConstraint& c = constraints_[static_cast<size_t>(index)];
       const int next = c.from == at ? c.to : c.from;
-      const double length_m = Norm(c.from_from_to.translation);
+      const double length_m = geometry::Norm(c.from_from_to.translation);
       const Reach there = {
           .variance_m2 = here.variance_m2 + c.covariance[0] + c.covariance[4] +
                          here.variance_rad2 * length_m * length_m,
@@ -174,7 +177,7 @@ bool LoopCloser::SeesTheSame(int a, int b) const {
 std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
     int keyscan, const std::vector<Reach>& reach, int recent,
     int max_chains) const {
-  const Vec2 here = poses_[static_cast<size_t>(keyscan)].translation;
+  const geometry::Vec2 here = poses_[static_cast<size_t>(keyscan)].translation;
   std::vector<Chain> chains;
   Chain chain;
   const auto finish = [&] {
@@ -189,7 +192,7 @@ std::vector<LoopCloser::Chain> LoopCloser::ChainsNear(
   };
   for (int i = 0; i + recent < keyscan; ++i) {
     const double distance_m =
-        Norm(poses_[static_cast<size_t>(i)].translation - here);
+        geometry::Norm(poses_[static_cast<size_t>(i)].translation - here);
     const double search_m =
         reach.empty() ? options_.min_search_m
                       : SearchFor(reach[static_cast<size_t>(i)]).half_extent_m;
@@ -236,12 +239,13 @@ std::vector<PlacedScan> LoopCloser::Placed(const Chain& chain) const {
 }
 
 ScanOutline LoopCloser::QueryScan(int keyscan, int count) const {
-  const Rigid2 this_from_map = poses_[static_cast<size_t>(keyscan)].Inverse();
+  const geometry::Rigid2 this_from_map =
+      poses_[static_cast<size_t>(keyscan)].Inverse();
   ScanOutline query;
   for (int i = std::max(0, keyscan - count + 1); i <= keyscan; ++i) {
     if (!SeesTheSame(i, keyscan)) continue;
     const auto slot = static_cast<size_t>(i);
-    const Rigid2 this_from_other = this_from_map * poses_[slot];
+    const geometry::Rigid2 this_from_other = this_from_map * poses_[slot];
     const ScanOutline& scan = *scans_[slot];
     for (size_t k = 0; k < scan.size(); ++k) {
       query.points_m.push_back(this_from_other * scan.points_m[k]);
@@ -266,14 +270,16 @@ std::optional<LoopCloser::Link> LoopCloser::Verified(int keyscan,
   int nearest = chain.nearest;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (int i = chain.begin; i < chain.end; ++i) {
-    const double distance_m = Norm(poses_[static_cast<size_t>(i)].translation -
-                                   match.target_from_scan.translation);
+    const double distance_m =
+        geometry::Norm(poses_[static_cast<size_t>(i)].translation -
+                       match.target_from_scan.translation);
     if (distance_m < nearest_m) {
       nearest = i;
       nearest_m = distance_m;
     }
   }
-  const Rigid2& map_from_nearest = poses_[static_cast<size_t>(nearest)];
+  const geometry::Rigid2& map_from_nearest =
+      poses_[static_cast<size_t>(nearest)];
   Link link = {.constraint = {.from = nearest,
                               .to = keyscan,
                               .from_from_to = map_from_nearest.Inverse() *
@@ -286,14 +292,14 @@ std::optional<LoopCloser::Link> LoopCloser::Verified(int keyscan,
   return link;
 }
 
-void LoopCloser::SetClimb(const Rigid2& map_from_to,
+void LoopCloser::SetClimb(const geometry::Rigid2& map_from_to,
                           PoseConstraint* constraint) const {
   const ScanPlane from = PlaneOf(constraint->from);
   ScanPlane to = from;
   to.at = map_from_to.translation;
   to.slope = TurnedBy(map_from_to.yaw_rad,
                       slopes_[static_cast<size_t>(constraint->to)]);
-  const double length_m = Norm(to.at - from.at);
+  const double length_m = geometry::Norm(to.at - from.at);
   if (!climbs_ || length_m > options_.same_ground_m) return;
   constraint->climb_m = ClimbBySlope_m(from, to);
   // A ramp may begin or end between the two.
@@ -312,7 +318,7 @@ std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,
   if (wide) several = QueryScan(keyscan, options_.query_scans);
   const ScanOutline& query = wide ? several : *scans_[slot];
   if (query.empty()) return std::nullopt;
-  Rigid2 guess = poses_[slot];
+  geometry::Rigid2 guess = poses_[slot];
   if (wide) {
     ScanMatcherOptions coarse = matcher_;
     coarse.cell_m *= kCoarse;
@@ -349,8 +355,8 @@ bool LoopCloser::Add(const NewKeyscan& added) {
     way_m_.push_back(0);
     return false;
   }
-  const double length_m = Norm(added.previous_from_this.translation);
-  climbs_ = climbs_ || added.climb_m != 0 || added.slope != Vec2{};
+  const double length_m = geometry::Norm(added.previous_from_this.translation);
+  climbs_ = climbs_ || added.climb_m != 0 || added.slope != geometry::Vec2{};
   poses_.push_back(poses_.back() * added.previous_from_this);
   heights_m_.push_back(heights_m_.back() + added.climb_m);
   way_m_.push_back(way_m_.back() + length_m);
@@ -366,7 +372,7 @@ bool LoopCloser::Add(const NewKeyscan& added) {
   const std::vector<Chain> chains =
       ChainsNear(keyscan, reach, options_.recent, options_.max_chains);
   std::vector<std::optional<Link>> links(chains.size());
-  ParallelFor(
+  base::ParallelFor(
       static_cast<int64_t>(chains.size()), options_.threads, [&](int64_t i) {
         const Chain& chain = chains[static_cast<size_t>(i)];
         links[static_cast<size_t>(i)] =
@@ -399,7 +405,7 @@ std::vector<KeyscanPlace> LoopCloser::Places() const {
 void LoopCloser::Optimize() {
   waiting_ = 0;
   ++statistics_.optimizations;
-  std::vector<Rigid2> poses = poses_;
+  std::vector<geometry::Rigid2> poses = poses_;
   // What fails here leaves the poses as they were, which are of use.
   if (!OptimizePoseGraph(constraints_, graph_, &poses).ok()) return;
   poses_ = std::move(poses);
@@ -441,7 +447,7 @@ void LoopCloser::Polish(int rounds) {
 
 void LoopCloser::Relink() {
   std::vector<std::vector<Link>> links(scans_.size());
-  ParallelFor(
+  base::ParallelFor(
       static_cast<int64_t>(scans_.size()), options_.threads, [&](int64_t i) {
         const int keyscan = static_cast<int>(i);
         const std::vector<Chain> chains = ChainsNear(
@@ -463,4 +469,4 @@ void LoopCloser::Relink() {
   Optimize();
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -15,7 +15,7 @@
 #include "nav_agent/mapping/scan_outline.h"
 #include "nav_agent/mapping/scan_plane.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 struct LoopCloserOptions {
   bool enabled = true;
@@ -78,16 +78,16 @@ struct NewKeyscan {
   std::shared_ptr<const ScanOutline> scan;
   // Where it is relative to the one before (ignored for the first), and how
   // much higher (m).
-  Rigid2 previous_from_this;
+  geometry::Rigid2 previous_from_this;
   Covariance3 covariance{};
   double climb_m = 0;
   // How steeply the ground climbs there along the base's x and y, seen from
   // above (m per m).
-  Vec2 slope;
+  geometry::Vec2 slope;
 };
 
 struct KeyscanPlace {
-  Rigid2 map_from_base;
+  geometry::Rigid2 map_from_base;
   double height_m = 0;
 };
 
@@ -145,7 +145,8 @@ class LoopCloser {
   ScanPlane PlaneOf(int keyscan) const;
   bool SeesTheSame(int a, int b) const;
   // How much higher `to` is than `from`, by the ground that both stand on.
-  void SetClimb(const Rigid2& map_from_to, PoseConstraint* constraint) const;
+  void SetClimb(const geometry::Rigid2& map_from_to,
+                PoseConstraint* constraint) const;
   void Optimize();
   void Tie(const PoseConstraint& constraint);
   void IndexConstraints();
@@ -155,17 +156,17 @@ class LoopCloser {
   const ScanMatcherOptions matcher_;
   const PoseGraphOptions graph_;
   std::vector<std::shared_ptr<const ScanOutline>> scans_;
-  std::vector<Rigid2> poses_;
+  std::vector<geometry::Rigid2> poses_;
   std::vector<double> heights_m_;
-  std::vector<Vec2> slopes_;   // of the ground, in the base's axes
-  std::vector<double> way_m_;  // travelled until keyscan i
-  bool climbs_ = false;        // whether anything is not level
+  std::vector<geometry::Vec2> slopes_;  // of the ground, in the base's axes
+  std::vector<double> way_m_;           // travelled until keyscan i
+  bool climbs_ = false;                 // whether anything is not level
   std::vector<PoseConstraint> constraints_;
   std::vector<std::vector<int>> constraints_of_;  // a keyscan
   int waiting_ = 0;  // links that were not optimised yet
   LoopCloserStatistics statistics_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_LOOP_CLOSER_H_

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace treeline {
+namespace treeline::mapping {
 
 LoopWorker::LoopWorker(LoopCloser closer, bool synchronous)
     : synchronous_(synchronous), closer_(std::move(closer)) {
@@ -78,4 +78,4 @@ LoopCloserStatistics LoopWorker::Statistics() const {
   return statistics_;
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -14,7 +14,7 @@
 #include "absl/synchronization/mutex.h"
 #include "nav_agent/mapping/loop_closer.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 // Thread-safe. Keyscans that wait when it is destroyed are not looked at.
 class LoopWorker {
@@ -58,6 +58,6 @@ class LoopWorker {
   std::jthread thread_;  // last: it uses all of the above
 };
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_LOOP_WORKER_H_

@@ -12,7 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 Eigen::Matrix3d ToMatrix(const Covariance3& c) {
@@ -61,7 +61,7 @@ class RelativePose {
   }
 
  private:
-  const Rigid2 measured_;
+  const geometry::Rigid2 measured_;
   const Eigen::Matrix3d whitening_;
 };
 
@@ -97,7 +97,7 @@ ceres::LossFunction* LossOf(const PoseConstraint& constraint,
                                  : nullptr;
 }
 
-bool IsFinitePose(const Rigid2& pose) {
+bool IsFinitePose(const geometry::Rigid2& pose) {
   return std::isfinite(pose.translation.x) &&
          std::isfinite(pose.translation.y) && std::isfinite(pose.yaw_rad);
 }
@@ -126,9 +126,9 @@ absl::Status Check(const PoseConstraint& constraint, size_t poses) {
 }  // namespace
 
 double SquaredError(const PoseConstraint& constraint,
-                    std::span<const Rigid2> poses) {
-  const Rigid2& from = poses[static_cast<size_t>(constraint.from)];
-  const Rigid2& to = poses[static_cast<size_t>(constraint.to)];
+                    std::span<const geometry::Rigid2> poses) {
+  const geometry::Rigid2& from = poses[static_cast<size_t>(constraint.from)];
+  const geometry::Rigid2& to = poses[static_cast<size_t>(constraint.to)];
   const double a[3] = {from.translation.x, from.translation.y, from.yaw_rad};
   const double b[3] = {to.translation.x, to.translation.y, to.yaw_rad};
   double e[3] = {};
@@ -149,9 +149,9 @@ Covariance3 Turned(const Covariance3& covariance, double yaw_rad) {
 
 absl::Status OptimizePoseGraph(std::span<const PoseConstraint> constraints,
                                const PoseGraphOptions& options,
-                               std::vector<Rigid2>* map_from_poses) {
+                               std::vector<geometry::Rigid2>* map_from_poses) {
   std::vector<std::array<double, 3>> values;
-  for (const Rigid2& pose : *map_from_poses) {
+  for (const geometry::Rigid2& pose : *map_from_poses) {
     if (!IsFinitePose(pose)) {
       return absl::InvalidArgumentError("a pose that is not finite");
     }
@@ -182,7 +182,7 @@ absl::Status OptimizePoseGraph(std::span<const PoseConstraint> constraints,
   }
   for (size_t i = 1; i < values.size(); ++i) {
     (*map_from_poses)[i] = {{values[i][0], values[i][1]},
-                            NormalizedAngle_rad(values[i][2])};
+                            geometry::NormalizedAngle_rad(values[i][2])};
   }
   return absl::OkStatus();
 }
@@ -224,4 +224,4 @@ absl::Status OptimizeHeights(std::span<const PoseConstraint> constraints,
   return absl::OkStatus();
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

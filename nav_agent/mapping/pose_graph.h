@@ -10,13 +10,13 @@
 #include "common/geometry/rigid2.h"
 #include "nav_agent/mapping/scan_matcher.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 // Pose `to` as seen from pose `from`.
 struct PoseConstraint {
   int from = 0;
   int to = 0;
-  Rigid2 from_from_to;
+  geometry::Rigid2 from_from_to;
   // Of from_from_to; positive definite.
   Covariance3 covariance{};
   // Whether it may be wrong altogether: it then has a bounded pull.
@@ -44,7 +44,7 @@ struct PoseGraphOptions {
 // are then as they were.
 absl::Status OptimizePoseGraph(std::span<const PoseConstraint> constraints,
                                const PoseGraphOptions& options,
-                               std::vector<Rigid2>* map_from_poses);
+                               std::vector<geometry::Rigid2>* map_from_poses);
 
 // The same for heights (m), which do not depend on the rest: to the minimum of
 //
@@ -57,12 +57,12 @@ absl::Status OptimizeHeights(std::span<const PoseConstraint> constraints,
 
 // |S^-1/2 (from_from_to - from^-1 to)|^2: about 3 for one that holds.
 double SquaredError(const PoseConstraint& constraint,
-                    std::span<const Rigid2> map_from_poses);
+                    std::span<const geometry::Rigid2> map_from_poses);
 
 // The covariance of a_from_b in b's axes instead of a's, or in those of any
 // frame turned by yaw_rad against its own: translation parts are turned.
 Covariance3 Turned(const Covariance3& covariance, double yaw_rad);
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_POSE_GRAPH_H_

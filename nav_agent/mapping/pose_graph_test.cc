@@ -7,15 +7,15 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 constexpr Covariance3 kSure = {1e-4, 0, 0, 0, 1e-4, 0, 0, 0, 1e-4};
 
 // A square of 4 poses that each turn by 90 degrees.
-Rigid2 Side() { return {{2, 0}, std::numbers::pi / 2}; }
+geometry::Rigid2 Side() { return {{2, 0}, std::numbers::pi / 2}; }
 
-std::vector<PoseConstraint> SquareOf(const Rigid2& side) {
+std::vector<PoseConstraint> SquareOf(const geometry::Rigid2& side) {
   std::vector<PoseConstraint> constraints;
   for (int i = 0; i < 3; ++i) {
     constraints.push_back(
@@ -24,8 +24,8 @@ std::vector<PoseConstraint> SquareOf(const Rigid2& side) {
   return constraints;
 }
 
-std::vector<Rigid2> Drive(const Rigid2& side) {
-  std::vector<Rigid2> poses = {{}};
+std::vector<geometry::Rigid2> Drive(const geometry::Rigid2& side) {
+  std::vector<geometry::Rigid2> poses = {{}};
   for (int i = 0; i < 3; ++i) poses.push_back(poses.back() * side);
   return poses;
 }
@@ -33,20 +33,21 @@ std::vector<Rigid2> Drive(const Rigid2& side) {
 TEST(PoseGraph, SpreadsALoopsErrorOverIt) {
   // Each side is 1 cm too long and turns 0.01 rad too far; the loop knows
   // better.
-  const Rigid2 measured = Side() * Rigid2{{0, -0.01}, 0.01};
+  const geometry::Rigid2 measured = Side() * geometry::Rigid2{{0, -0.01}, 0.01};
   std::vector<PoseConstraint> constraints = SquareOf(measured);
-  std::vector<Rigid2> poses = Drive(measured);
+  std::vector<geometry::Rigid2> poses = Drive(measured);
   constraints.push_back(
       {.from = 3, .to = 0, .from_from_to = Side(), .covariance = kSure});
   const double before = SquaredError(constraints.back(), poses);
   ASSERT_TRUE(OptimizePoseGraph(constraints, {}, &poses).ok());
-  EXPECT_EQ(poses[0], Rigid2{});
+  EXPECT_EQ(poses[0], geometry::Rigid2{});
   double sum = 0;
   for (const PoseConstraint& c : constraints) sum += SquaredError(c, poses);
   EXPECT_LT(sum, 0.3 * before);
   // All turn by the same.
-  EXPECT_NEAR(NormalizedAngle_rad(poses[1].yaw_rad - std::numbers::pi / 2),
-              0.0025, 0.002);
+  EXPECT_NEAR(
+      geometry::NormalizedAngle_rad(poses[1].yaw_rad - std::numbers::pi / 2),
+      0.0025, 0.002);
 }
 
 TEST(PoseGraph, LetsAWrongLoopPullBoundedly) {
@@ -61,16 +62,17 @@ TEST(PoseGraph, LetsAWrongLoopPullBoundedly) {
                          .from_from_to = {{5, 5}, 0},
                          .covariance = kSure,
                          .may_be_wrong = true});
-  std::vector<Rigid2> poses = Drive(Side());
+  std::vector<geometry::Rigid2> poses = Drive(Side());
   ASSERT_TRUE(OptimizePoseGraph(constraints, {}, &poses).ok());
   // Cauchy's kernel of 2 sigmas: the pull of an error e is 4 / e, in sigmas,
   // here 4 / 500 of them: far below a millimetre.
-  EXPECT_LT(Norm(poses[3].translation - Drive(Side())[3].translation), 0.002);
+  EXPECT_LT(geometry::Norm(poses[3].translation - Drive(Side())[3].translation),
+            0.002);
   EXPECT_GT(SquaredError(constraints.back(), poses), 1000);
 }
 
 TEST(PoseGraph, TakesTheShortWayRound) {
-  std::vector<Rigid2> poses = {{{0, 0}, 3.1}, {{0, 0}, -3.1}};
+  std::vector<geometry::Rigid2> poses = {{{0, 0}, 3.1}, {{0, 0}, -3.1}};
   const std::vector<PoseConstraint> constraints = {
       {.from = 0, .to = 1, .from_from_to = {{0, 0}, 0.1}, .covariance = kSure}};
   ASSERT_TRUE(OptimizePoseGraph(constraints, {}, &poses).ok());
@@ -78,8 +80,8 @@ TEST(PoseGraph, TakesTheShortWayRound) {
 }
 
 TEST(PoseGraph, RefusesWhatIsNotSane) {
-  std::vector<Rigid2> poses = Drive(Side());
-  const std::vector<Rigid2> before = poses;
+  std::vector<geometry::Rigid2> poses = Drive(Side());
+  const std::vector<geometry::Rigid2> before = poses;
   PoseConstraint constraint = {
       .from = 0, .to = 4, .from_from_to = {}, .covariance = kSure};
   EXPECT_FALSE(OptimizePoseGraph({&constraint, 1}, {}, &poses).ok());
@@ -139,4 +141,4 @@ TEST(PoseGraph, HeightsAgreeWhereALoopSaysSo) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::mapping

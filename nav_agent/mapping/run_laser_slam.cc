@@ -10,20 +10,20 @@
 #include "common/base/sample_statistics.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
-Rigid3 ToRigid3(const Rigid2& a) {
-  return {.rotation = Rotation3::FromAxisAngle({0, 0, a.yaw_rad}),
+geometry::Rigid3 ToRigid3(const geometry::Rigid2& a) {
+  return {.rotation = geometry::Rotation3::FromAxisAngle({0, 0, a.yaw_rad}),
           .translation = {a.translation.x, a.translation.y, 0}};
 }
 
 }  // namespace
 
 absl::StatusOr<LaserSlamResult> RunLaserSlam(
-    const LaserLog& log, const RunLaserSlamOptions& options) {
-  const SteadyClock clock;
-  const MonotonicTime start = clock.Now();
+    const recording::LaserLog& log, const RunLaserSlamOptions& options) {
+  const base::SteadyClock clock;
+  const base::MonotonicTime start = clock.Now();
   TL_RETURN_IF_ERROR(options.grid.Validate());
   TL_ASSIGN_OR_RETURN(
       const std::unique_ptr<LaserSlam> slam,
@@ -33,15 +33,16 @@ absl::StatusOr<LaserSlamResult> RunLaserSlam(
     if (options.stop.stop_requested()) {
       return absl::CancelledError("stopped while mapping");
     }
-    const RecordedScan& scan = log.scans[i];
+    const recording::RecordedScan& scan = log.scans[i];
     const auto place = slam->AddScan({.stamp = scan.stamp,
                                       .odom_from_base = scan.odom_from_base,
                                       .ranges_m = scan.ranges_m,
                                       .level_from_base = {}});
     if (!place.ok()) {
-      return Annotate(
+      return base::Annotate(
           place.status(),
-          absl::StrCat("scan ", i, " at ", FormatRecordingTime(scan.stamp)));
+          absl::StrCat("scan ", i, " at ",
+                       recording::FormatRecordingTime(scan.stamp)));
     }
     if (options.progress) options.progress(i + 1);
   }
@@ -58,11 +59,11 @@ absl::StatusOr<LaserSlamResult> RunLaserSlam(
   }
   TL_ASSIGN_OR_RETURN(result.grid, MapGrid(scans, log.laser, options.grid));
   const std::vector<double>& times_ms = result.statistics.front_end_ms;
-  result.p50_ms = Quantile(times_ms, 0.50);
-  result.p99_ms = Quantile(times_ms, 0.99);
-  result.max_ms = Quantile(times_ms, 1.0);
-  result.total_s = MillisecondsBetween(start, clock.Now()) / 1000;
+  result.p50_ms = base::Quantile(times_ms, 0.50);
+  result.p99_ms = base::Quantile(times_ms, 0.99);
+  result.max_ms = base::Quantile(times_ms, 1.0);
+  result.total_s = base::MillisecondsBetween(start, clock.Now()) / 1000;
   return result;
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -12,7 +12,7 @@
 #include "nav_agent/mapping/laser_slam.h"
 #include "nav_agent/recording/laser_log.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 struct RunLaserSlamOptions {
   LaserSlamOptions slam;
@@ -26,7 +26,7 @@ struct RunLaserSlamOptions {
 struct LaserSlamResult {
   // One pose for each scan of the log.
   std::vector<TrajectoryPose> trajectory;
-  OccupancyGrid grid;
+  core::OccupancyGrid grid;
   LaserSlamStatistics statistics;
   // Of the front end's time for each scan (ms), and of all (s).
   double p50_ms = 0;
@@ -38,8 +38,8 @@ struct LaserSlamResult {
 // With slam.synchronous, the result is a function of the log and the options:
 // the same in every run and for any number of threads.
 absl::StatusOr<LaserSlamResult> RunLaserSlam(
-    const LaserLog& log, const RunLaserSlamOptions& options);
+    const recording::LaserLog& log, const RunLaserSlamOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_RUN_LASER_SLAM_H_

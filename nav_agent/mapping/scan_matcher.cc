@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 constexpr int kMaxLevels = 7;
@@ -33,8 +33,8 @@ int LevelsFor(int half_cells) {
 
 double FarthestPoint_m(const ScanOutline& scan) {
   double farthest_m = 0;
-  for (const Vec2& point : scan.points_m) {
-    farthest_m = std::max(farthest_m, Norm(point));
+  for (const geometry::Vec2& point : scan.points_m) {
+    farthest_m = std::max(farthest_m, geometry::Norm(point));
   }
   return farthest_m;
 }
@@ -43,7 +43,8 @@ double FarthestPoint_m(const ScanOutline& scan) {
 double AngleStep_rad(const ScanOutline& scan, double cell_m, double quantile) {
   std::vector<double> ranges_m;
   ranges_m.reserve(scan.size());
-  for (const Vec2& point : scan.points_m) ranges_m.push_back(Norm(point));
+  for (const geometry::Vec2& point : scan.points_m)
+    ranges_m.push_back(geometry::Norm(point));
   const auto nth =
       ranges_m.begin() +
       static_cast<ptrdiff_t>(quantile * static_cast<double>(scan.size() - 1));
@@ -61,8 +62,9 @@ struct RotatedScan {
 // Poses within the search, as steps: cells in x and y, turns in yaw.
 class Search {
  public:
-  Search(const SurfaceGrid& grid, const ScanOutline& scan, const Rigid2& guess,
-         const MatchSearch& search, const ScanMatcherOptions& options)
+  Search(const SurfaceGrid& grid, const ScanOutline& scan,
+         const geometry::Rigid2& guess, const MatchSearch& search,
+         const ScanMatcherOptions& options)
       : grid_(grid),
         scan_(scan),
         guess_(guess),
@@ -94,10 +96,11 @@ class Search {
   Pose FindBest();
   // The spread of p around `best`: second moments in (x, y, yaw).
   Eigen::Matrix3d Spread(const Pose& best) const;
-  Rigid2 PoseOf(const Pose& pose) const {
+  geometry::Rigid2 PoseOf(const Pose& pose) const {
     return {{guess_.translation.x + pose.x * grid_.cell_m(),
              guess_.translation.y + pose.y * grid_.cell_m()},
-            NormalizedAngle_rad(guess_.yaw_rad + pose.turn * angle_step_rad_)};
+            geometry::NormalizedAngle_rad(guess_.yaw_rad +
+                                          pose.turn * angle_step_rad_)};
   }
 
  private:
@@ -111,7 +114,7 @@ class Search {
 
   const SurfaceGrid& grid_;
   const ScanOutline& scan_;
-  const Rigid2 guess_;
+  const geometry::Rigid2 guess_;
   const int half_cells_;
   const double angle_step_rad_;
   const int half_turns_;
@@ -126,15 +129,16 @@ RotatedScan Search::Rotate(int turn) const {
   RotatedScan rotated;
   rotated.turn_rad = turn * angle_step_rad_;
   rotated.offsets.reserve(scan_.size());
-  const Rigid2 pose = {guess_.translation, guess_.yaw_rad + rotated.turn_rad};
+  const geometry::Rigid2 pose = {guess_.translation,
+                                 guess_.yaw_rad + rotated.turn_rad};
   const double c = std::cos(pose.yaw_rad);
   const double s = std::sin(pose.yaw_rad);
   const double scale = 1 / grid_.cell_m();
-  const Vec2 offset = pose.translation - grid_.origin();
+  const geometry::Vec2 offset = pose.translation - grid_.origin();
   // No step of the search, of the spread or of a block may leave the grid.
   const double margin = half_cells_ + kAround + (1 << grid_.levels());
   const double last = grid_.width() - 1 - margin;
-  for (const Vec2& p : scan_.points_m) {
+  for (const geometry::Vec2& p : scan_.points_m) {
     const double x = std::floor((offset.x + c * p.x - s * p.y) * scale);
     const double y = std::floor((offset.y + s * p.x + c * p.y) * scale);
     if (!(x >= margin) || !(y >= margin) || !(x <= last) || !(y <= last)) {
@@ -275,29 +279,30 @@ struct Normal {
 
 // Distances to the surfaces, linearised at `pose`.
 Normal Linearize(const SurfaceGrid& grid, const ScanOutline& scan,
-                 const Rigid2& pose) {
+                 const geometry::Rigid2& pose) {
   Normal normal;
   const double c = std::cos(pose.yaw_rad);
   const double s = std::sin(pose.yaw_rad);
   const double inverse_2sigma2 = 1 / (2 * Square(grid.sigma_m()));
-  for (const Vec2& p : scan.points_m) {
-    const Vec2 arm = {c * p.x - s * p.y, s * p.x + c * p.y};
-    const Vec2 point = pose.translation + arm;
+  for (const geometry::Vec2& p : scan.points_m) {
+    const geometry::Vec2 arm = {c * p.x - s * p.y, s * p.x + c * p.y};
+    const geometry::Vec2 point = pose.translation + arm;
     const SurfaceGrid::Piece* piece = grid.NearestPiece(point);
     if (piece == nullptr) continue;
-    const Vec2 along = piece->end - piece->begin;
-    const double length2 = Dot(along, along);
-    const Vec2 from = point - piece->begin;
-    Vec2 off = from;
+    const geometry::Vec2 along = piece->end - piece->begin;
+    const double length2 = geometry::Dot(along, along);
+    const geometry::Vec2 from = point - piece->begin;
+    geometry::Vec2 off = from;
     const bool is_line = length2 > 1e-12;
     if (is_line) {
-      const double t = Dot(from, along) / length2;
+      const double t = geometry::Dot(from, along) / length2;
       off = from - std::clamp(t, 0.0, 1.0) * along;
     }
-    const double weight = std::exp(-Dot(off, off) * inverse_2sigma2);
+    const double weight = std::exp(-geometry::Dot(off, off) * inverse_2sigma2);
     normal.response += weight;
-    const auto add = [&](Vec2 direction, double distance_m) {
-      const Eigen::Vector3d j(direction.x, direction.y, Cross(arm, direction));
+    const auto add = [&](geometry::Vec2 direction, double distance_m) {
+      const Eigen::Vector3d j(direction.x, direction.y,
+                              geometry::Cross(arm, direction));
       normal.precision += weight * j * j.transpose();
       normal.gradient += weight * distance_m * j;
     };
@@ -305,8 +310,8 @@ Normal Linearize(const SurfaceGrid& grid, const ScanOutline& scan,
       // A surface holds a point only at right angles to itself: where it ends
       // is where the reference's view of it did.
       const double length = std::sqrt(length2);
-      const Vec2 across = {-along.y / length, along.x / length};
-      add(across, Dot(from, across));
+      const geometry::Vec2 across = {-along.y / length, along.x / length};
+      add(across, geometry::Dot(from, across));
     } else {
       add({1, 0}, off.x);
       add({0, 1}, off.y);
@@ -330,7 +335,8 @@ absl::Status ScanMatcherOptions::Validate() const {
 }
 
 SurfaceGrid MakeSurfaceGrid(std::span<const PlacedScan> references,
-                            const ScanOutline& scan, const Rigid2& guess,
+                            const ScanOutline& scan,
+                            const geometry::Rigid2& guess,
                             const MatchSearch& search,
                             const ScanMatcherOptions& options) {
   const int half_cells = CellsOf(search.half_extent_m, options.cell_m);
@@ -345,8 +351,8 @@ SurfaceGrid MakeSurfaceGrid(std::span<const PlacedScan> references,
 }
 
 ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanOutline& scan,
-                      const Rigid2& start, const Rigid2& guess,
-                      const MatchSearch& search,
+                      const geometry::Rigid2& start,
+                      const geometry::Rigid2& guess, const MatchSearch& search,
                       const ScanMatcherOptions& options) {
   ScanMatch match = {.target_from_scan = start,
                      .points = static_cast<int>(scan.size())};
@@ -358,7 +364,7 @@ ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanOutline& scan,
   const double weight = options.point_weight / Square(grid.sigma_m());
   Eigen::Matrix3d precision = prior;
   for (int i = 0; i <= kRefinements; ++i) {
-    Rigid2& pose = match.target_from_scan;
+    geometry::Rigid2& pose = match.target_from_scan;
     const Normal normal = Linearize(grid, scan, pose);
     match.response = normal.response;
     precision = weight * normal.precision + prior;
@@ -366,7 +372,7 @@ ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanOutline& scan,
     const Eigen::Vector3d off(
         pose.translation.x - guess.translation.x,
         pose.translation.y - guess.translation.y,
-        NormalizedAngle_rad(pose.yaw_rad - guess.yaw_rad));
+        geometry::NormalizedAngle_rad(pose.yaw_rad - guess.yaw_rad));
     const Eigen::Vector3d step =
         -precision.llt().solve(weight * normal.gradient + prior * off);
     // Surfaces are only known within reach.
@@ -374,7 +380,8 @@ ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanOutline& scan,
         std::min(1.0, grid.sigma_m() / std::max(1e-9, step.head<2>().norm()));
     pose.translation.x += limit * step.x();
     pose.translation.y += limit * step.y();
-    pose.yaw_rad = NormalizedAngle_rad(pose.yaw_rad + limit * step.z());
+    pose.yaw_rad =
+        geometry::NormalizedAngle_rad(pose.yaw_rad + limit * step.z());
     if (step.head<2>().norm() < 1e-5 && std::abs(step.z()) < 1e-6) break;
   }
   match.covariance = ToCovariance(precision.inverse());
@@ -382,7 +389,7 @@ ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanOutline& scan,
 }
 
 ScanMatch MatchScan(const SurfaceGrid& grid, const ScanOutline& scan,
-                    const Rigid2& guess, const MatchSearch& search,
+                    const geometry::Rigid2& guess, const MatchSearch& search,
                     const ScanMatcherOptions& options) {
   if (scan.empty()) {
     return RefineMatch(grid, scan, guess, guess, search, options);
@@ -398,4 +405,4 @@ ScanMatch MatchScan(const SurfaceGrid& grid, const ScanOutline& scan,
   return match;
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "nav_agent/mapping/surface_grid.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 // Of (x, y, yaw), row-major, as docs/frames.md defines covariance of a
 // transform a_from_b: translation along a's axes (m), rotation about b's
@@ -41,7 +41,7 @@ struct MatchSearch {
 };
 
 struct ScanMatch {
-  Rigid2 target_from_scan;
+  geometry::Rigid2 target_from_scan;
   // The mean over points of exp(-d^2 / (2 sigma^2)): 1 if all lie on surfaces.
   double response = 0;
   // Of target_from_scan.
@@ -51,7 +51,8 @@ struct ScanMatch {
 
 // A grid that MatchScan can search in around `guess`.
 SurfaceGrid MakeSurfaceGrid(std::span<const PlacedScan> references,
-                            const ScanOutline& scan, const Rigid2& guess,
+                            const ScanOutline& scan,
+                            const geometry::Rigid2& guess,
                             const MatchSearch& search,
                             const ScanMatcherOptions& options);
 
@@ -71,15 +72,15 @@ SurfaceGrid MakeSurfaceGrid(std::span<const PlacedScan> references,
 // Deterministic. If the scan has no points, the guess comes back with response
 // 0 and a covariance of the whole search.
 ScanMatch MatchScan(const SurfaceGrid& grid, const ScanOutline& scan,
-                    const Rigid2& guess, const MatchSearch& search,
+                    const geometry::Rigid2& guess, const MatchSearch& search,
                     const ScanMatcherOptions& options);
 
 // The refinement alone, from `start`.
 ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanOutline& scan,
-                      const Rigid2& start, const Rigid2& guess,
-                      const MatchSearch& search,
+                      const geometry::Rigid2& start,
+                      const geometry::Rigid2& guess, const MatchSearch& search,
                       const ScanMatcherOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_SCAN_MATCHER_H_

@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "nav_agent/mapping/testing_plan.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 constexpr double kNoise_m = 0.01;
@@ -25,15 +25,16 @@ std::vector<TestWall> Corridor() {
   return {{{-60, -1}, {60, -1}}, {{-60, 1}, {60, 1}}};
 }
 
-ScanOutline Scan(const std::vector<TestWall>& walls, const Rigid2& pose,
-                 uint64_t stream) {
-  const RangeSensorInfo laser = TestLaser(10);
+ScanOutline Scan(const std::vector<TestWall>& walls,
+                 const geometry::Rigid2& pose, uint64_t stream) {
+  const core::RangeSensorInfo laser = TestLaser(10);
   return MakeScanOutline(CastScan(walls, pose, laser, kNoise_m, stream), laser,
                          {});
 }
 
-ScanMatch Match(const ScanOutline& reference, const Rigid2& map_from_reference,
-                const ScanOutline& scan, const Rigid2& guess,
+ScanMatch Match(const ScanOutline& reference,
+                const geometry::Rigid2& map_from_reference,
+                const ScanOutline& scan, const geometry::Rigid2& guess,
                 const MatchSearch& search) {
   const ScanMatcherOptions options;
   const std::vector<PlacedScan> references = {
@@ -49,20 +50,20 @@ ScanMatch Match(const ScanOutline& reference, const Rigid2& map_from_reference,
 // standard deviations of the sum are 1 cm. Yaw: the same over arms of 3 m.
 TEST(ScanMatcher, FindsKnownPosesInARoom) {
   const std::vector<TestWall> walls = Room();
-  const Rigid2 reference_pose = {{-1.0, -0.4}, 0.2};
+  const geometry::Rigid2 reference_pose = {{-1.0, -0.4}, 0.2};
   const ScanOutline reference = Scan(walls, reference_pose, 1);
-  Random random(3, 1);
+  base::Random random(3, 1);
   for (uint64_t i = 0; i < 40; ++i) {
-    const Rigid2 offset = {
+    const geometry::Rigid2 offset = {
         {random.NextUniform(-0.4, 0.4), random.NextUniform(-0.4, 0.4)},
         random.NextUniform(-0.35, 0.35)};
-    const Rigid2 truth = reference_pose * offset;
+    const geometry::Rigid2 truth = reference_pose * offset;
     const ScanOutline scan = Scan(walls, truth, 100 + i);
     const ScanMatch match =
         Match(reference, reference_pose, scan, reference_pose,
               {.half_extent_m = 0.6, .half_angle_rad = 0.4});
-    const Rigid2 error = truth.Inverse() * match.target_from_scan;
-    EXPECT_LT(Norm(error.translation), 0.01) << i;
+    const geometry::Rigid2 error = truth.Inverse() * match.target_from_scan;
+    EXPECT_LT(geometry::Norm(error.translation), 0.01) << i;
     EXPECT_LT(std::abs(error.yaw_rad), 0.004) << i;
     EXPECT_GT(match.response, 0.75) << i;
     // It knows that it is sure, and is right about it. By the formulas: 75
@@ -70,38 +71,41 @@ TEST(ScanMatcher, FindsKnownPosesInARoom) {
     // from the peak; twice that as yaw is not known; and two axes.
     const double sigma_m = std::sqrt(match.covariance[0] + match.covariance[4]);
     EXPECT_LT(sigma_m, 0.04) << i;
-    EXPECT_LT(Norm(error.translation), 4 * sigma_m) << i;
+    EXPECT_LT(geometry::Norm(error.translation), 4 * sigma_m) << i;
   }
 }
 
 TEST(ScanMatcher, FindsPosesFarFromTheGuess) {
   const std::vector<TestWall> walls = Room();
-  const Rigid2 reference_pose = {{-1.0, -0.4}, 0.2};
+  const geometry::Rigid2 reference_pose = {{-1.0, -0.4}, 0.2};
   const ScanOutline reference = Scan(walls, reference_pose, 1);
-  const Rigid2 truth = reference_pose * Rigid2{{0.5, -0.3}, -0.5};
+  const geometry::Rigid2 truth =
+      reference_pose * geometry::Rigid2{{0.5, -0.3}, -0.5};
   const ScanOutline scan = Scan(walls, truth, 2);
-  const Rigid2 guess = reference_pose * Rigid2{{-1.0, 0.9}, 0.3};
+  const geometry::Rigid2 guess =
+      reference_pose * geometry::Rigid2{{-1.0, 0.9}, 0.3};
   const ScanMatch match = Match(reference, reference_pose, scan, guess,
                                 {.half_extent_m = 2.0, .half_angle_rad = 1.0});
-  const Rigid2 error = truth.Inverse() * match.target_from_scan;
-  EXPECT_LT(Norm(error.translation), 0.01);
+  const geometry::Rigid2 error = truth.Inverse() * match.target_from_scan;
+  EXPECT_LT(geometry::Norm(error.translation), 0.01);
   EXPECT_LT(std::abs(error.yaw_rad), 0.004);
 }
 
 // Branch and bound must find what trying every pose finds: the best score.
 TEST(ScanMatcher, LooksAtEveryPose) {
   const std::vector<TestWall> walls = Room();
-  const Rigid2 reference_pose = {{-1.0, -0.4}, 0.2};
+  const geometry::Rigid2 reference_pose = {{-1.0, -0.4}, 0.2};
   const ScanOutline reference = Scan(walls, reference_pose, 1);
   const std::vector<PlacedScan> references = {
       {.scan = &reference, .target_from_scan = reference_pose}};
   const ScanMatcherOptions options;
   for (uint64_t i = 0; i < 5; ++i) {
-    const Rigid2 truth =
-        reference_pose * Rigid2{{0.1 * static_cast<double>(i), 0.2}, 0.0};
+    const geometry::Rigid2 truth =
+        reference_pose *
+        geometry::Rigid2{{0.1 * static_cast<double>(i), 0.2}, 0.0};
     const ScanOutline scan = Scan(walls, truth, 50 + i);
     const MatchSearch search = {.half_extent_m = 0.5, .half_angle_rad = 0.0};
-    const Rigid2 guess = reference_pose;
+    const geometry::Rigid2 guess = reference_pose;
     SurfaceGrid with_levels =
         MakeSurfaceGrid(references, scan, guess, search, options);
     SurfaceGrid without = with_levels;
@@ -115,7 +119,7 @@ TEST(ScanMatcher, LooksAtEveryPose) {
 
 TEST(ScanMatcher, IsUnsureAlongACorridorOnly) {
   const std::vector<TestWall> walls = Corridor();
-  const Rigid2 reference_pose = {{0, 0.1}, 0.0};
+  const geometry::Rigid2 reference_pose = {{0, 0.1}, 0.0};
   const ScanOutline reference = Scan(walls, reference_pose, 1);
   const ScanOutline scan = Scan(walls, {{0.2, 0.0}, 0.02}, 2);
   const MatchSearch search = {.half_extent_m = 0.5, .half_angle_rad = 0.2};
@@ -134,7 +138,7 @@ TEST(ScanMatcher, BelievesTheGuessWhereNothingElseTells) {
   const std::vector<TestWall> walls = Corridor();
   const ScanOutline reference = Scan(walls, {}, 1);
   const ScanOutline scan = Scan(walls, {{0.2, 0.05}, 0}, 2);
-  const Rigid2 guess = {{0.2, 0}, 0};
+  const geometry::Rigid2 guess = {{0.2, 0}, 0};
   const ScanMatch match = Match(reference, {}, scan, guess,
                                 {.half_extent_m = 0.3,
                                  .half_angle_rad = 0.1,
@@ -149,7 +153,7 @@ TEST(ScanMatcher, BelievesTheGuessWhereNothingElseTells) {
 
 TEST(ScanMatcher, SaysThatAnEmptyScanTellsNothing) {
   const ScanOutline reference = Scan(Room(), {}, 1);
-  const Rigid2 guess = {{0.3, 0.1}, 0.1};
+  const geometry::Rigid2 guess = {{0.3, 0.1}, 0.1};
   const ScanMatch match = Match(reference, {}, ScanOutline{}, guess, {});
   EXPECT_EQ(match.target_from_scan, guess);
   EXPECT_EQ(match.response, 0);
@@ -157,37 +161,38 @@ TEST(ScanMatcher, SaysThatAnEmptyScanTellsNothing) {
 }
 
 TEST(ScanOutline, PassesOverWhatIsNoReturn) {
-  const RangeSensorInfo laser = TestLaser(10);
+  const core::RangeSensorInfo laser = TestLaser(10);
   std::vector<float> ranges_m(181, 2.0F);
-  ranges_m[10] = kInvalidRange;
-  ranges_m[20] = kNoReturn;
-  ranges_m[30] = kTooNear;
+  ranges_m[10] = core::kInvalidRange;
+  ranges_m[20] = core::kNoReturn;
+  ranges_m[30] = core::kTooNear;
   ranges_m[40] = 0.01F;
   ranges_m[50] = 11;
   const ScanOutline scan = MakeScanOutline(ranges_m, laser, {});
   EXPECT_EQ(scan.size(), 176u);
-  for (const Vec2& point : scan.points_m) EXPECT_NEAR(Norm(point), 2, 1e-6);
+  for (const geometry::Vec2& point : scan.points_m)
+    EXPECT_NEAR(geometry::Norm(point), 2, 1e-6);
   // A surface does not run over a gap.
   EXPECT_EQ(scan.joined[9], 0);
   EXPECT_EQ(scan.joined[8], 1);
 }
 
 TEST(ScanOutline, DropsWhatARobotThatLeansSeesOfTheFloor) {
-  const RangeSensorInfo laser = TestLaser(10);
+  const core::RangeSensorInfo laser = TestLaser(10);
   const std::vector<float> ranges_m(181, 5.0F);
   // Nose down by 0.1 rad, the laser 0.35 m up: straight ahead the floor is met
   // at 3.5 m, to the sides it is not.
-  const Rigid3 level_from_laser = {
-      .rotation = Rotation3::FromAxisAngle({0, 0.1, 0}),
+  const geometry::Rigid3 level_from_laser = {
+      .rotation = geometry::Rotation3::FromAxisAngle({0, 0.1, 0}),
       .translation = {0, 0, 0.35}};
   const ScanOutline scan = MakeScanOutline(ranges_m, laser, level_from_laser,
                                            {.min_height_m = 0.05});
   EXPECT_LT(scan.size(), 120u);
   EXPECT_GT(scan.size(), 60u);
-  for (const Vec2& point : scan.points_m) {
+  for (const geometry::Vec2& point : scan.points_m) {
     EXPECT_LT(point.x, 3.1);
   }
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 // Whether one surface explains both returns: a and b from the origin, ranges
 // and angle between the beams known.
-bool OnOneSurface(Vec2 a, Vec2 b, double nearer_m, double increment_rad,
-                  const ScanOutlineOptions& options) {
-  const double gap_m = Norm(b - a);
+bool OnOneSurface(geometry::Vec2 a, geometry::Vec2 b, double nearer_m,
+                  double increment_rad, const ScanOutlineOptions& options) {
+  const double gap_m = geometry::Norm(b - a);
   if (gap_m > options.max_join_m) return false;
   // Beams increment apart that hit a surface at an angle g are
   // r * increment / sin(g) apart on it.
@@ -22,13 +22,13 @@ bool OnOneSurface(Vec2 a, Vec2 b, double nearer_m, double increment_rad,
 // farther than the other, with a surface to neither: it met a surface almost
 // along it, or two at once. Where along the beam it lies means little.
 bool IsInBetween(std::span<const float> ranges_m, int beam,
-                 const RangeSensorInfo& laser,
+                 const core::RangeSensorInfo& laser,
                  const ScanOutlineOptions& options) {
   if (beam < 1 || beam + 1 >= static_cast<int>(ranges_m.size())) return false;
   const double angle_rad = std::abs(laser.angle_increment_rad);
   const double here_m = ranges_m[static_cast<size_t>(beam)];
   const auto at = [](double range_m, double angle) {
-    return Vec2{range_m * std::cos(angle), range_m * std::sin(angle)};
+    return geometry::Vec2{range_m * std::cos(angle), range_m * std::sin(angle)};
   };
   int farther = 0;
   for (const int side : {-1, 1}) {
@@ -57,15 +57,15 @@ absl::Status ScanOutlineOptions::Validate() const {
 }
 
 ScanOutline MakeScanOutline(std::span<const float> ranges_m,
-                            const RangeSensorInfo& laser,
-                            const Rigid3& level_from_laser,
+                            const core::RangeSensorInfo& laser,
+                            const geometry::Rigid3& level_from_laser,
                             const ScanOutlineOptions& options,
-                            const Rigid2& first_from_last) {
+                            const geometry::Rigid2& first_from_last) {
   ScanOutline scan;
-  const bool moves = first_from_last != Rigid2{};
+  const bool moves = first_from_last != geometry::Rigid2{};
   const double per_beam = 1.0 / std::max<double>(1, laser.beams - 1);
-  int last_beam = -2;  // of the return before this one
-  Vec2 last_return;    // where it was
+  int last_beam = -2;          // of the return before this one
+  geometry::Vec2 last_return;  // where it was
   double last_range_m = 0;
   bool surface = false;  // since the last kept point
   for (int beam = 0; beam < static_cast<int>(ranges_m.size()); ++beam) {
@@ -77,16 +77,16 @@ ScanOutline MakeScanOutline(std::span<const float> ranges_m,
       continue;
     }
     const double angle_rad = laser.AngleOf_rad(beam);
-    const Vec3 point =
-        level_from_laser *
-        Vec3{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad), 0};
+    const geometry::Vec3 point =
+        level_from_laser * geometry::Vec3{range_m * std::cos(angle_rad),
+                                          range_m * std::sin(angle_rad), 0};
     if (point.z < options.min_height_m || point.z > options.max_height_m) {
       continue;
     }
-    Vec2 here = {point.x, point.y};
+    geometry::Vec2 here = {point.x, point.y};
     if (moves) {
       const double part = beam * per_beam;
-      const Rigid2 first_from_now = {
+      const geometry::Rigid2 first_from_now = {
           .translation = part * first_from_last.translation,
           .yaw_rad = part * first_from_last.yaw_rad};
       here = first_from_now * here;
@@ -100,7 +100,7 @@ ScanOutline MakeScanOutline(std::span<const float> ranges_m,
     last_return = here;
     last_range_m = range_m;
     if (!scan.empty() && joins && surface &&
-        Norm(here - scan.points_m.back()) < options.spacing_m) {
+        geometry::Norm(here - scan.points_m.back()) < options.spacing_m) {
       continue;
     }
     if (!scan.empty()) scan.joined.back() = surface ? 1 : 0;
@@ -111,4 +111,4 @@ ScanOutline MakeScanOutline(std::span<const float> ranges_m,
   return scan;
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -12,7 +12,7 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 struct ScanOutlineOptions {
   // Farther returns are not used: what they hit is small, and where they hit
@@ -36,7 +36,7 @@ struct ScanOutlineOptions {
 // In the robot's levelled frame: its origin and yaw are those of the base, its
 // z is up. joined[i] says that a surface runs from point i to point i + 1.
 struct ScanOutline {
-  std::vector<Vec2> points_m;
+  std::vector<geometry::Vec2> points_m;
   std::vector<uint8_t> joined;
 
   size_t size() const { return points_m.size(); }
@@ -50,11 +50,11 @@ struct ScanOutline {
 // first_from_last is how the robot moved from the first beam to the last:
 // points are put where they would have been seen at the time of the first.
 ScanOutline MakeScanOutline(std::span<const float> ranges_m,
-                            const RangeSensorInfo& laser,
-                            const Rigid3& level_from_laser,
+                            const core::RangeSensorInfo& laser,
+                            const geometry::Rigid3& level_from_laser,
                             const ScanOutlineOptions& options = {},
-                            const Rigid2& first_from_last = {});
+                            const geometry::Rigid2& first_from_last = {});
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_SCAN_OUTLINE_H_

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
 constexpr double kStepsPerCell2 = 32;
@@ -15,15 +15,15 @@ constexpr double kStraight_m = 0.03;
 
 // The last point of the straight piece of surface that begins at point i.
 size_t StraightUntil(const ScanOutline& scan, size_t i) {
-  const Vec2 begin = scan.points_m[i];
+  const geometry::Vec2 begin = scan.points_m[i];
   size_t end = i;
   while (end + 1 < scan.size() && scan.joined[end] != 0) {
-    const Vec2 chord = scan.points_m[end + 1] - begin;
-    const double length_m = Norm(chord);
+    const geometry::Vec2 chord = scan.points_m[end + 1] - begin;
+    const double length_m = geometry::Norm(chord);
     if (end > i && length_m > kMaxPiece_m) break;
     bool straight = true;
     for (size_t k = i + 1; k <= end && straight; ++k) {
-      straight = std::abs(Cross(chord, scan.points_m[k] - begin)) <=
+      straight = std::abs(geometry::Cross(chord, scan.points_m[k] - begin)) <=
                  kStraight_m * length_m;
     }
     if (!straight) break;
@@ -34,12 +34,12 @@ size_t StraightUntil(const ScanOutline& scan, size_t i) {
 
 }  // namespace
 
-SurfaceGrid::SurfaceGrid(Vec2 center_in_target, double half_extent_m,
+SurfaceGrid::SurfaceGrid(geometry::Vec2 center_in_target, double half_extent_m,
                          double cell_m, double sigma_m)
     : cell_m_(cell_m),
       sigma_m_(sigma_m),
       width_(2 * static_cast<int>(std::ceil(half_extent_m / cell_m)) + 2),
-      origin_(center_in_target - 0.5 * width_ * cell_m * Vec2{1, 1}) {
+      origin_(center_in_target - 0.5 * width_ * cell_m * geometry::Vec2{1, 1}) {
   const size_t cells =
       static_cast<size_t>(width_) * static_cast<size_t>(width_);
   levels_.emplace_back(cells, uint8_t{0});
@@ -76,8 +76,10 @@ void SurfaceGrid::Draw(const PlacedScan& placed) {
 void SurfaceGrid::DrawPiece(const Piece& piece) {
   // In cells, with the centre of cell (0, 0) at the origin.
   const double scale = 1 / cell_m_;
-  const Vec2 a = scale * (piece.begin - origin_) - Vec2{0.5, 0.5};
-  const Vec2 b = scale * (piece.end - origin_) - Vec2{0.5, 0.5};
+  const geometry::Vec2 a =
+      scale * (piece.begin - origin_) - geometry::Vec2{0.5, 0.5};
+  const geometry::Vec2 b =
+      scale * (piece.end - origin_) - geometry::Vec2{0.5, 0.5};
   const double reach = kReach * sigma_m_ * scale;
   const double last = width_ - 1;
   if (!(std::max(a.x, b.x) + reach >= 0) ||
@@ -94,8 +96,8 @@ void SurfaceGrid::DrawPiece(const Piece& piece) {
   };
   const auto index = static_cast<int32_t>(pieces_.size());
   pieces_.push_back(piece);
-  const Vec2 along = b - a;
-  const double length2 = Dot(along, along);
+  const geometry::Vec2 along = b - a;
+  const double length2 = geometry::Dot(along, along);
   const double inverse_length2 = length2 > 0 ? 1 / length2 : 0;
   const int x_begin = first_cell(std::min(a.x, b.x));
   const int x_end = last_cell(std::max(a.x, b.x));
@@ -103,12 +105,13 @@ void SurfaceGrid::DrawPiece(const Piece& piece) {
        y <= last_cell(std::max(a.y, b.y)); ++y) {
     const size_t row = static_cast<size_t>(y) * static_cast<size_t>(width_);
     for (int x = x_begin; x <= x_end; ++x) {
-      const Vec2 from_a =
-          Vec2{static_cast<double>(x), static_cast<double>(y)} - a;
+      const geometry::Vec2 from_a =
+          geometry::Vec2{static_cast<double>(x), static_cast<double>(y)} - a;
       const double t =
-          std::clamp(Dot(from_a, along) * inverse_length2, 0.0, 1.0);
-      const Vec2 off = from_a - t * along;
-      const auto step = static_cast<size_t>(Dot(off, off) * kStepsPerCell2);
+          std::clamp(geometry::Dot(from_a, along) * inverse_length2, 0.0, 1.0);
+      const geometry::Vec2 off = from_a - t * along;
+      const auto step =
+          static_cast<size_t>(geometry::Dot(off, off) * kStepsPerCell2);
       if (step >= table_.size()) continue;
       const size_t cell = row + static_cast<size_t>(x);
       if (table_[step] > levels_[0][cell]) {
@@ -146,7 +149,7 @@ void SurfaceGrid::BuildPyramid(int levels) {
 }
 
 const SurfaceGrid::Piece* SurfaceGrid::NearestPiece(
-    Vec2 point_in_target) const {
+    geometry::Vec2 point_in_target) const {
   const double x = std::floor((point_in_target.x - origin_.x) / cell_m_);
   const double y = std::floor((point_in_target.y - origin_.y) / cell_m_);
   if (!(x >= 0) || !(y >= 0) || !(x < width_) || !(y < width_)) return nullptr;
@@ -156,4 +159,4 @@ const SurfaceGrid::Piece* SurfaceGrid::NearestPiece(
   return index < 0 ? nullptr : &pieces_[static_cast<size_t>(index)];
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -10,12 +10,12 @@
 #include "common/geometry/rigid2.h"
 #include "nav_agent/mapping/scan_outline.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 // A scan at its place in the frame that it is a reference in.
 struct PlacedScan {
   const ScanOutline* scan = nullptr;
-  Rigid2 target_from_scan;
+  geometry::Rigid2 target_from_scan;
 };
 
 // A lookup grid: each cell holds exp(-d^2 / (2 sigma^2)), scaled to 255, for
@@ -32,13 +32,13 @@ class SurfaceGrid {
   static constexpr double kReach = 3.0;
 
   struct Piece {
-    Vec2 begin;
-    Vec2 end;
+    geometry::Vec2 begin;
+    geometry::Vec2 end;
   };
 
   // Square, axes as the target's, 2 * half_extent_m wide about the centre.
-  SurfaceGrid(Vec2 center_in_target, double half_extent_m, double cell_m,
-              double sigma_m);
+  SurfaceGrid(geometry::Vec2 center_in_target, double half_extent_m,
+              double cell_m, double sigma_m);
 
   void Draw(const PlacedScan& scan);
   // After all drawing: levels 0 to `levels` - 1.
@@ -47,13 +47,13 @@ class SurfaceGrid {
   int width() const { return width_; }
   double cell_m() const { return cell_m_; }
   double sigma_m() const { return sigma_m_; }
-  Vec2 origin() const { return origin_; }  // the lower left corner
+  geometry::Vec2 origin() const { return origin_; }  // the lower left corner
   int levels() const { return static_cast<int>(levels_.size()); }
   const uint8_t* level(int h) const {
     return levels_[static_cast<size_t>(h)].data();
   }
   // The nearest piece to a place, or nothing if none is in reach.
-  const Piece* NearestPiece(Vec2 point_in_target) const;
+  const Piece* NearestPiece(geometry::Vec2 point_in_target) const;
 
  private:
   void DrawPiece(const Piece& piece);
@@ -61,7 +61,7 @@ class SurfaceGrid {
   double cell_m_;
   double sigma_m_;
   int width_;
-  Vec2 origin_;
+  geometry::Vec2 origin_;
   std::vector<std::vector<uint8_t>> levels_;
   std::vector<int32_t> nearest_;
   std::vector<Piece> pieces_;
@@ -69,6 +69,6 @@ class SurfaceGrid {
   std::vector<uint8_t> table_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_SURFACE_GRID_H_

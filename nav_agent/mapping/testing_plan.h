@@ -12,14 +12,15 @@
 #include "common/geometry/rigid2.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 struct TestWall {
-  Vec2 begin;
-  Vec2 end;
+  geometry::Vec2 begin;
+  geometry::Vec2 end;
 };
 
-inline void AddBox(Vec2 low, Vec2 high, std::vector<TestWall>* walls) {
+inline void AddBox(geometry::Vec2 low, geometry::Vec2 high,
+                   std::vector<TestWall>* walls) {
   walls->push_back({{low.x, low.y}, {high.x, low.y}});
   walls->push_back({{high.x, low.y}, {high.x, high.y}});
   walls->push_back({{high.x, high.y}, {low.x, high.y}});
@@ -27,7 +28,7 @@ inline void AddBox(Vec2 low, Vec2 high, std::vector<TestWall>* walls) {
 }
 
 // 180 degrees ahead, a beam a degree, up to max_m.
-inline RangeSensorInfo TestLaser(double max_m) {
+inline core::RangeSensorInfo TestLaser(double max_m) {
   return {.angle_min_rad = -std::numbers::pi / 2,
           .angle_increment_rad = std::numbers::pi / 180,
           .beams = 181,
@@ -38,32 +39,32 @@ inline RangeSensorInfo TestLaser(double max_m) {
 // What the laser sees, with Gaussian noise of sigma_m; draws are of stream
 // `stream`.
 inline std::vector<float> CastScan(const std::vector<TestWall>& walls,
-                                   const Rigid2& map_from_laser,
-                                   const RangeSensorInfo& laser, double sigma_m,
-                                   uint64_t stream) {
-  Random random(7, stream);
+                                   const geometry::Rigid2& map_from_laser,
+                                   const core::RangeSensorInfo& laser,
+                                   double sigma_m, uint64_t stream) {
+  base::Random random(7, stream);
   std::vector<float> ranges_m;
-  const Vec2 o = map_from_laser.translation;
+  const geometry::Vec2 o = map_from_laser.translation;
   for (int beam = 0; beam < laser.beams; ++beam) {
     const double angle_rad = map_from_laser.yaw_rad + laser.AngleOf_rad(beam);
-    const Vec2 d = {std::cos(angle_rad), std::sin(angle_rad)};
+    const geometry::Vec2 d = {std::cos(angle_rad), std::sin(angle_rad)};
     double nearest_m = laser.range_max_m;
     for (const TestWall& wall : walls) {
-      const Vec2 along = wall.end - wall.begin;
-      const double det = Cross(d, along);
+      const geometry::Vec2 along = wall.end - wall.begin;
+      const double det = geometry::Cross(d, along);
       if (std::abs(det) < 1e-12) continue;
-      const double t = Cross(wall.begin - o, along) / det;
-      const double u = Cross(wall.begin - o, d) / det;
+      const double t = geometry::Cross(wall.begin - o, along) / det;
+      const double u = geometry::Cross(wall.begin - o, d) / det;
       if (t > 0 && u >= 0 && u <= 1) nearest_m = std::min(nearest_m, t);
     }
     const double noise_m = sigma_m * random.NextGaussian();
     ranges_m.push_back(nearest_m < laser.range_max_m
                            ? static_cast<float>(nearest_m + noise_m)
-                           : kNoReturn);
+                           : core::kNoReturn);
   }
   return ranges_m;
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_TESTING_PLAN_H_

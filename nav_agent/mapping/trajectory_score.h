@@ -11,7 +11,7 @@
 #include "nav_agent/mapping/laser_slam.h"
 #include "nav_agent/recording/relations.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 struct RelationScoreOptions {
   // Poses between two of the trajectory are interpolated. Relations of which a
@@ -25,15 +25,15 @@ struct RelationScoreOptions {
 struct RelationScore {
   int used = 0;
   int left_out = 0;
-  ErrorSummary translation_m;
-  ErrorSummary rotation_rad;
+  base::ErrorSummary translation_m;
+  base::ErrorSummary rotation_rad;
 };
 
 // The pose at `time`, interpolated between its neighbours in `trajectory`
 // (ordered by time); nothing outside of it, or of the options' limits.
-std::optional<Rigid2> PoseAt(std::span<const TrajectoryPose> trajectory,
-                             RecordingTime time,
-                             const RelationScoreOptions& options = {});
+std::optional<geometry::Rigid2> PoseAt(
+    std::span<const TrajectoryPose> trajectory, recording::RecordingTime time,
+    const RelationScoreOptions& options = {});
 
 // The SLAM benchmarking metric (Kuemmerle et al., "On Measuring the Accuracy of
 // SLAM Algorithms", Autonomous Robots 27, 2009): over reference relations d*
@@ -42,9 +42,9 @@ std::optional<Rigid2> PoseAt(std::span<const TrajectoryPose> trajectory,
 // the run an error was made. INVALID_ARGUMENT if no relation can be used.
 absl::StatusOr<RelationScore> ScoreRelations(
     std::span<const TrajectoryPose> trajectory,
-    std::span<const PoseRelation> relations,
+    std::span<const recording::PoseRelation> relations,
     const RelationScoreOptions& options = {});
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_TRAJECTORY_SCORE_H_

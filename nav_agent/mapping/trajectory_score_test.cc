@@ -7,11 +7,11 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
-RecordingTime At(int time_ms) {
-  return RecordingTime(std::chrono::milliseconds(time_ms));
+recording::RecordingTime At(int time_ms) {
+  return recording::RecordingTime(std::chrono::milliseconds(time_ms));
 }
 
 // 1 m a second along x, then a quarter turn.
@@ -22,7 +22,7 @@ std::vector<TrajectoryPose> Way() {
 }
 
 TEST(TrajectoryScore, IsTheErrorOfRelativePoses) {
-  const std::vector<PoseRelation> relations = {
+  const std::vector<recording::PoseRelation> relations = {
       {At(0), At(1000), {{1.0, 0.03}, 0.01}},
       {At(1000), At(2000), {{0.04, 0}, std::numbers::pi / 2}}};
   const auto score = ScoreRelations(Way(), relations);
@@ -35,11 +35,11 @@ TEST(TrajectoryScore, IsTheErrorOfRelativePoses) {
 }
 
 TEST(TrajectoryScore, DoesNotDependOnTheFrame) {
-  const std::vector<PoseRelation> relations = {
+  const std::vector<recording::PoseRelation> relations = {
       {At(0), At(2000), {{1, 0.2}, 1.5}}};
   std::vector<TrajectoryPose> moved = Way();
   for (TrajectoryPose& pose : moved) {
-    pose.map_from_base = Rigid2{{5, -3}, 2.0} * pose.map_from_base;
+    pose.map_from_base = geometry::Rigid2{{5, -3}, 2.0} * pose.map_from_base;
   }
   EXPECT_NEAR(ScoreRelations(Way(), relations)->translation_m.mean,
               ScoreRelations(moved, relations)->translation_m.mean, 1e-12);
@@ -53,11 +53,11 @@ TEST(TrajectoryScore, InterpolatesWithinLimits) {
   EXPECT_FALSE(PoseAt(Way(), At(250), {.max_step_m = 0.5}).has_value());
   EXPECT_TRUE(PoseAt(Way(), At(1000), {.max_gap_s = 0}).has_value());
   EXPECT_FALSE(PoseAt(Way(), At(2001)).has_value());
-  const std::vector<PoseRelation> relations = {{At(0), At(9000), {}},
-                                               {At(0), At(1000), {}}};
+  const std::vector<recording::PoseRelation> relations = {
+      {At(0), At(9000), {}}, {At(0), At(1000), {}}};
   EXPECT_EQ(ScoreRelations(Way(), relations)->left_out, 1);
   EXPECT_FALSE(ScoreRelations({}, relations).ok());
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -8,30 +8,32 @@
 
 #include "common/dataset/tum.h"
 
-namespace treeline {
+namespace treeline::mapping {
 namespace {
 
-constexpr Time_ns kMaxGap = 100'000'000;
+constexpr dataset::Time_ns kMaxGap = 100'000'000;
 
 struct Pair {
-  Rigid3 estimated;
-  Rigid3 truth;
+  geometry::Rigid3 estimated;
+  geometry::Rigid3 truth;
 };
 
-double HeadingOf(const Rotation3& rotation) {
-  const Vec3 ahead = rotation * Vec3{1, 0, 0};
+double HeadingOf(const geometry::Rotation3& rotation) {
+  const geometry::Vec3 ahead = rotation * geometry::Vec3{1, 0, 0};
   return std::atan2(ahead.y, ahead.x);
 }
 
 // By a turn about z that leaves the point `from` at `to`.
-Rigid3 TurnedAbout(double yaw_rad, Vec3 from, Vec3 to) {
-  const Rotation3 turn = Rotation3::FromAxisAngle({0, 0, yaw_rad});
+geometry::Rigid3 TurnedAbout(double yaw_rad, geometry::Vec3 from,
+                             geometry::Vec3 to) {
+  const geometry::Rotation3 turn =
+      geometry::Rotation3::FromAxisAngle({0, 0, yaw_rad});
   return {.rotation = turn, .translation = to - turn * from};
 }
 
-Rigid3 AlignRigidly(const std::vector<Pair>& pairs) {
-  Vec3 estimated_mean;
-  Vec3 true_mean;
+geometry::Rigid3 AlignRigidly(const std::vector<Pair>& pairs) {
+  geometry::Vec3 estimated_mean;
+  geometry::Vec3 true_mean;
   const double part = 1.0 / static_cast<double>(pairs.size());
   for (const Pair& pair : pairs) {
     estimated_mean = estimated_mean + part * pair.estimated.translation;
@@ -40,8 +42,8 @@ Rigid3 AlignRigidly(const std::vector<Pair>& pairs) {
   double sine = 0;
   double cosine = 0;
   for (const Pair& pair : pairs) {
-    const Vec3 a = pair.estimated.translation - estimated_mean;
-    const Vec3 b = pair.truth.translation - true_mean;
+    const geometry::Vec3 a = pair.estimated.translation - estimated_mean;
+    const geometry::Vec3 b = pair.truth.translation - true_mean;
     cosine += a.x * b.x + a.y * b.y;
     sine += a.x * b.y - a.y * b.x;
   }
@@ -51,12 +53,12 @@ Rigid3 AlignRigidly(const std::vector<Pair>& pairs) {
 }  // namespace
 
 absl::StatusOr<TruthScore> ScoreAgainstTruth(
-    std::span<const TimedPose> estimate, std::span<const TimedPose> truth,
-    TruthAlignment alignment) {
+    std::span<const dataset::TimedPose> estimate,
+    std::span<const dataset::TimedPose> truth, TruthAlignment alignment) {
   std::vector<Pair> pairs;
-  for (const TimedPose& pose : estimate) {
-    const std::optional<Rigid3> true_pose =
-        InterpolatePose(truth, pose.time, kMaxGap);
+  for (const dataset::TimedPose& pose : estimate) {
+    const std::optional<geometry::Rigid3> true_pose =
+        dataset::InterpolatePose(truth, pose.time, kMaxGap);
     if (!true_pose.has_value()) continue;
     pairs.push_back({.estimated = pose.world_from_camera, .truth = *true_pose});
   }
@@ -64,7 +66,7 @@ absl::StatusOr<TruthScore> ScoreAgainstTruth(
     return absl::InvalidArgumentError("the truth covers no pose");
   }
   const Pair& first = pairs.front();
-  const Rigid3 true_from_estimated =
+  const geometry::Rigid3 true_from_estimated =
       alignment == TruthAlignment::kRigid
           ? AlignRigidly(pairs)
           : TurnedAbout(HeadingOf(first.truth.rotation) -
@@ -76,14 +78,14 @@ absl::StatusOr<TruthScore> ScoreAgainstTruth(
   double height = 0;
   double rotation = 0;
   for (const Pair& pair : pairs) {
-    const Rigid3 aligned = true_from_estimated * pair.estimated;
-    const Vec3 off = aligned.translation - pair.truth.translation;
+    const geometry::Rigid3 aligned = true_from_estimated * pair.estimated;
+    const geometry::Vec3 off = aligned.translation - pair.truth.translation;
     const double planar2 = off.x * off.x + off.y * off.y;
     planar += planar2;
     height += off.z * off.z;
     score.max_m = std::max(score.max_m, std::sqrt(planar2 + off.z * off.z));
     const double angle_rad =
-        AngleBetween_rad(aligned.rotation, pair.truth.rotation);
+        geometry::AngleBetween_rad(aligned.rotation, pair.truth.rotation);
     rotation += angle_rad * angle_rad;
   }
   const auto count = static_cast<double>(pairs.size());
@@ -94,4 +96,4 @@ absl::StatusOr<TruthScore> ScoreAgainstTruth(
   return score;
 }
 
-}  // namespace treeline
+}  // namespace treeline::mapping

@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "common/dataset/text_formats.h"
 
-namespace treeline {
+namespace treeline::mapping {
 
 // Both have z up: they are laid upon each other by a turn about it and a
 // translation.
@@ -34,9 +34,9 @@ struct TruthScore {
 // does not cover to 0.1 s are left out. Both ascend in time. INVALID_ARGUMENT
 // if no pose is left.
 absl::StatusOr<TruthScore> ScoreAgainstTruth(
-    std::span<const TimedPose> estimate, std::span<const TimedPose> truth,
-    TruthAlignment alignment);
+    std::span<const dataset::TimedPose> estimate,
+    std::span<const dataset::TimedPose> truth, TruthAlignment alignment);
 
-}  // namespace treeline
+}  // namespace treeline::mapping
 
 #endif  // NAV_AGENT_MAPPING_TRUTH_SCORE_H_

@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
-namespace treeline {
+namespace treeline::octree {
 namespace {
 
 constexpr int kDepth = 16;      // of OctoMap's trees
@@ -155,4 +155,4 @@ absl::StatusOr<std::string> FormatLogOddsOt(double resolution_m,
       "\ndata\n", writer.bytes());
 }
 
-}  // namespace treeline
+}  // namespace treeline::octree

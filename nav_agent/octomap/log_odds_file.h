@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "nav_agent/octomap/voxel_map.h"
 
-namespace treeline {
+namespace treeline::octree {
 
 // 8 x 8 x 8 voxels; voxel (x, y, z) of block (X, Y, Z) is voxel (8 X + x, 8 Y +
 // y, 8 Z + z) of a VoxelMap whose lowest() is 0.
@@ -32,6 +32,6 @@ absl::StatusOr<std::string> FormatLogOddsOt(
     double resolution_m, VoxelIndex lowest, VoxelIndex end,
     const std::function<std::optional<LogOddsBlock>(VoxelIndex)>& find);
 
-}  // namespace treeline
+}  // namespace treeline::octree
 
 #endif  // NAV_AGENT_OCTOMAP_LOG_ODDS_FILE_H_

@@ -15,7 +15,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::octree {
 namespace {
 
 constexpr int kDepth = 16;  // of OctoMap's trees: 2^16 voxels each way
@@ -429,7 +429,7 @@ absl::StatusOr<VoxelMap> ParseOctree(absl::string_view bytes,
   absl::StatusOr<VoxelMap> map = VoxelMap::Make(
       head.resolution_m, lowest,
       {high.x - low.x, high.y - low.y, high.z - low.z}, options.max_bytes);
-  if (!map.ok()) return Annotate(map.status(), name);
+  if (!map.ok()) return base::Annotate(map.status(), name);
   LeafPainter painter(*map, low);
   TL_RETURN_IF_ERROR(
       TreeReader(rest, name, head, options.occupied_threshold, painter).Read());
@@ -438,7 +438,7 @@ absl::StatusOr<VoxelMap> ParseOctree(absl::string_view bytes,
 
 absl::StatusOr<VoxelMap> ReadOctree(const std::string& path,
                                     const OctreeReadOptions& options) {
-  TL_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path));
+  TL_ASSIGN_OR_RETURN(const std::string bytes, base::ReadFile(path));
   return ParseOctree(bytes, path, options);
 }
 
@@ -457,7 +457,7 @@ absl::Status WriteOctree(const VoxelMap& map, const std::string& path) {
         absl::StrCat("an OctoMap's name ends in .bt or .ot; got ", path));
   }
   TL_ASSIGN_OR_RETURN(const std::string bytes, Format(map, binary));
-  return WriteFileAtomically(path, bytes);
+  return base::WriteFileAtomically(path, bytes);
 }
 
-}  // namespace treeline
+}  // namespace treeline::octree

@@ -15,7 +15,7 @@
 #include "absl/strings/string_view.h"
 #include "nav_agent/octomap/voxel_map.h"
 
-namespace treeline {
+namespace treeline::octree {
 
 struct OctreeReadOptions {
   // A leaf of an .ot file is occupied from this probability on, in (0, 1), and
@@ -48,6 +48,6 @@ absl::StatusOr<std::string> FormatOt(const VoxelMap& map);
 // atomically.
 absl::Status WriteOctree(const VoxelMap& map, const std::string& path);
 
-}  // namespace treeline
+}  // namespace treeline::octree
 
 #endif  // NAV_AGENT_OCTOMAP_OCTREE_FILE_H_

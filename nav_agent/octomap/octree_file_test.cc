@@ -13,7 +13,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::octree {
 namespace {
 
 using testing::HasSubstr;
@@ -22,7 +22,7 @@ using testing::HasSubstr;
 VoxelMap RandomMap(uint64_t seed) {
   VoxelMap map =
       *VoxelMap::Make(0.1, {.x = -13, .y = 5, .z = -70}, {21, 30, 130});
-  Random random(seed, 0);
+  base::Random random(seed, 0);
   for (int i = 0; i < 60; ++i) {
     const auto below = [&random](int bound) {
       return static_cast<int>(random.NextBelow(static_cast<uint32_t>(bound)));
@@ -42,7 +42,7 @@ VoxelMap RandomMap(uint64_t seed) {
 }
 
 octomap::point3d PointOf(const VoxelMap& map, VoxelIndex v) {
-  const Vec3 center = map.CenterOf(v);
+  const geometry::Vec3 center = map.CenterOf(v);
   return {static_cast<float>(center.x), static_cast<float>(center.y),
           static_cast<float>(center.z)};
 }
@@ -242,4 +242,4 @@ TEST(OctreeFile, MapsTooFarFromTheOriginAreNotWritten) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::octree

@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::octree {
 namespace {
 
 constexpr int kWordBits = 64;
@@ -95,7 +95,7 @@ int64_t VoxelMap::CountFree() const {
   return count - CountOccupied();
 }
 
-VoxelIndex VoxelMap::IndexOf(Vec3 point_in_map) const {
+VoxelIndex VoxelMap::IndexOf(geometry::Vec3 point_in_map) const {
   const auto index = [this](double value, int lowest) {
     // Clamped, so that far points do not overflow.
     const double voxel = std::floor(value / resolution_m_) - lowest;
@@ -105,9 +105,10 @@ VoxelIndex VoxelMap::IndexOf(Vec3 point_in_map) const {
           index(point_in_map.z, lowest_.z)};
 }
 
-Vec3 VoxelMap::CenterOf(VoxelIndex v) const {
-  return resolution_m_ * Vec3{v.x + lowest_.x + 0.5, v.y + lowest_.y + 0.5,
-                              v.z + lowest_.z + 0.5};
+geometry::Vec3 VoxelMap::CenterOf(VoxelIndex v) const {
+  return resolution_m_ * geometry::Vec3{v.x + lowest_.x + 0.5,
+                                        v.y + lowest_.y + 0.5,
+                                        v.z + lowest_.z + 0.5};
 }
 
-}  // namespace treeline
+}  // namespace treeline::octree

@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "common/geometry/vector3.h"
 
-namespace treeline {
+namespace treeline::octree {
 
 enum class Voxel : uint8_t { kUnknown, kFree, kOccupied };
 
@@ -68,8 +68,8 @@ class VoxelMap {
   int64_t CountFree() const;
 
   // The voxel a point lies in; it may be outside.
-  VoxelIndex IndexOf(Vec3 point_in_map) const;
-  Vec3 CenterOf(VoxelIndex v) const;
+  VoxelIndex IndexOf(geometry::Vec3 point_in_map) const;
+  geometry::Vec3 CenterOf(VoxelIndex v) const;
 
  private:
   size_t Offset(int x, int y) const {
@@ -86,6 +86,6 @@ class VoxelMap {
   std::vector<uint64_t> known_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::octree
 
 #endif  // NAV_AGENT_OCTOMAP_VOXEL_MAP_H_

@@ -1,6 +1,6 @@
 #include "nav_agent/planning/areas.h"
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 constexpr int32_t kClosed = -1;
@@ -16,12 +16,12 @@ Areas::Areas(const DriveSpace& space)
   const auto width = static_cast<size_t>(ground.width());
   const auto cell_of = [&ground, width](size_t number) {
     const size_t cell = number % ground.cells();
-    return CellIndex{static_cast<int>(cell % width),
-                     static_cast<int>(cell / width)};
+    return core::CellIndex{static_cast<int>(cell % width),
+                           static_cast<int>(cell / width)};
   };
   for (size_t number = 0; number < areas_.size(); ++number) {
     const int level = static_cast<int>(number / ground.cells());
-    const CellIndex cell = cell_of(number);
+    const core::CellIndex cell = cell_of(number);
     if (ground.map().IsFree(level, cell) &&
         space.MayHoldDisc({ground.CenterOf(cell), level})) {
       areas_[number] = kOpen;
@@ -34,9 +34,9 @@ Areas::Areas(const DriveSpace& space)
     areas_[first] = area;
     for (size_t i = 0; i < found.size(); ++i) {
       const int level = static_cast<int>(found[i] / ground.cells());
-      const CellIndex from = cell_of(found[i]);
+      const core::CellIndex from = cell_of(found[i]);
       for (int k = 0; k < 9; ++k) {
-        const CellIndex next = {from.x + k % 3 - 1, from.y + k / 3 - 1};
+        const core::CellIndex next = {from.x + k % 3 - 1, from.y + k / 3 - 1};
         const int to = ground.LevelAfter(level, from, next);
         if (to < 0) continue;
         const size_t number =
@@ -51,10 +51,10 @@ Areas::Areas(const DriveSpace& space)
 }
 
 int Areas::Of(const GroundIndex& ground, const Spot& spot) const {
-  const CellIndex cell = ground.CellOf(spot.at);
+  const core::CellIndex cell = ground.CellOf(spot.at);
   if (!ground.Contains(cell)) return kClosed;
   return areas_[static_cast<size_t>(spot.level) * ground.cells() +
                 ground.IndexOf(cell)];
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

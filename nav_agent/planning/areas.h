@@ -7,7 +7,7 @@
 
 #include "nav_agent/planning/drive_space.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 // Cells that the footprint's inscribed disc may stand in, in areas that are
 // connected over levels. There is no way from one area to another; within one
@@ -31,6 +31,6 @@ class Areas {
   std::vector<std::vector<uint32_t>> cells_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_AREAS_H_

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 // Between headings that are checked in a turn the furthest corner moves by at
@@ -20,7 +20,7 @@ constexpr double kSlopeCost = 2.0;
 constexpr double kCostStep_m = 0.1;
 
 bool DiscTouches(const Disc& disc, const OrientedBox& box) {
-  const Vec2 from_origin = disc.center - box.origin;
+  const geometry::Vec2 from_origin = disc.center - box.origin;
   const double x = box.cos_yaw * from_origin.x + box.sin_yaw * from_origin.y;
   const double y = -box.sin_yaw * from_origin.x + box.cos_yaw * from_origin.y;
   const double dx = x - std::clamp(x, box.back_m, box.front_m);
@@ -30,7 +30,7 @@ bool DiscTouches(const Disc& disc, const OrientedBox& box) {
 
 }  // namespace
 
-Footprint Footprint::Of(const RobotModel& robot, double margin_m) {
+Footprint Footprint::Of(const core::RobotModel& robot, double margin_m) {
   const double front_m = robot.front_m + margin_m;
   const double rear_m = robot.rear_m + margin_m;
   const double half_width_m = robot.half_width_m + margin_m;
@@ -47,7 +47,7 @@ DriveSpace::DriveSpace(std::shared_ptr<const GroundIndex> ground,
       footprint_(footprint),
       discs_(std::move(discs)) {}
 
-OrientedBox DriveSpace::BoxAt(Vec2 at, double yaw_rad) const {
+OrientedBox DriveSpace::BoxAt(geometry::Vec2 at, double yaw_rad) const {
   return {.origin = at,
           .cos_yaw = std::cos(yaw_rad),
           .sin_yaw = std::sin(yaw_rad),
@@ -64,28 +64,29 @@ bool DriveSpace::BoxIsFree(int level, const OrientedBox& box) const {
 }
 
 double DriveSpace::RoomAtLeast_m(const Spot& spot) const {
-  const CellIndex cell = ground_->CellOf(spot.at);
+  const core::CellIndex cell = ground_->CellOf(spot.at);
   // From the centre to the spot, and from the middle of what is blocked to its
   // corner.
   double room_m = ground_->Clearance_m(spot.level, cell) -
-                  Norm(spot.at - ground_->CenterOf(cell)) -
+                  geometry::Norm(spot.at - ground_->CenterOf(cell)) -
                   ground_->resolution_m() * std::numbers::sqrt2 / 2;
   for (const Disc& disc : discs_) {
     if (disc.level != spot.level) continue;
-    room_m = std::min(room_m, Norm(spot.at - disc.center) - disc.radius_m);
+    room_m =
+        std::min(room_m, geometry::Norm(spot.at - disc.center) - disc.radius_m);
   }
   return std::max(0.0, room_m);
 }
 
 bool DriveSpace::Fits(const Spot& spot, double yaw_rad) const {
-  const CellIndex cell = ground_->CellOf(spot.at);
+  const core::CellIndex cell = ground_->CellOf(spot.at);
   if (!ground_->Contains(cell) || !ground_->map().IsFree(spot.level, cell)) {
     return false;
   }
   if (RoomAtLeast_m(spot) >= footprint_.circumradius_m) return true;
   // The nearest blocked centre lies within the inscribed disc.
   if (ground_->Clearance_m(spot.level, cell) +
-          Norm(spot.at - ground_->CenterOf(cell)) <
+          geometry::Norm(spot.at - ground_->CenterOf(cell)) <
       footprint_.inscribed_m) {
     return false;
   }
@@ -93,7 +94,7 @@ bool DriveSpace::Fits(const Spot& spot, double yaw_rad) const {
 }
 
 bool DriveSpace::FitsTurning(const Spot& spot) const {
-  const CellIndex cell = ground_->CellOf(spot.at);
+  const core::CellIndex cell = ground_->CellOf(spot.at);
   if (spot.level < 0 || spot.level >= ground_->levels() ||
       !ground_->Contains(cell) || !ground_->map().IsFree(spot.level, cell)) {
     return false;
@@ -102,7 +103,7 @@ bool DriveSpace::FitsTurning(const Spot& spot) const {
   if (RoomAtLeast_m(spot) >= radius_m) return true;
   for (const Disc& disc : discs_) {
     if (disc.level == spot.level &&
-        Norm(disc.center - spot.at) < disc.radius_m + radius_m) {
+        geometry::Norm(disc.center - spot.at) < disc.radius_m + radius_m) {
       return false;
     }
   }
@@ -110,24 +111,25 @@ bool DriveSpace::FitsTurning(const Spot& spot) const {
 }
 
 bool DriveSpace::MayHoldDisc(const Spot& spot) const {
-  const CellIndex cell = ground_->CellOf(spot.at);
+  const core::CellIndex cell = ground_->CellOf(spot.at);
   if (!ground_->Contains(cell) ||
       ground_->Clearance_m(spot.level, cell) <
           ground_->NeededClearance_m(footprint_.inscribed_m)) {
     return false;
   }
-  const Vec2 center = ground_->CenterOf(cell);
+  const geometry::Vec2 center = ground_->CenterOf(cell);
   const double diagonal_m = ground_->resolution_m() * std::numbers::sqrt2;
   return std::ranges::none_of(discs_, [&](const Disc& disc) {
     return disc.level == spot.level &&
-           Norm(center - disc.center) + diagonal_m / 2 <
+           geometry::Norm(center - disc.center) + diagonal_m / 2 <
                disc.radius_m + footprint_.inscribed_m;
   });
 }
 
 bool DriveSpace::CanTurn(const Spot& spot, double from_yaw_rad,
                          double to_yaw_rad) const {
-  const double turn_rad = NormalizedAngle_rad(to_yaw_rad - from_yaw_rad);
+  const double turn_rad =
+      geometry::NormalizedAngle_rad(to_yaw_rad - from_yaw_rad);
   if (std::abs(turn_rad) < 1e-9) return true;
   if (RoomAtLeast_m(spot) >= footprint_.circumradius_m) return true;
   const int steps = static_cast<int>(
@@ -146,10 +148,10 @@ bool DriveSpace::CanTurn(const Spot& spot, double from_yaw_rad,
   return true;
 }
 
-std::optional<Spot> DriveSpace::Drive(const Spot& from, Vec2 to,
+std::optional<Spot> DriveSpace::Drive(const Spot& from, geometry::Vec2 to,
                                       bool looks_back) const {
-  const Vec2 way = to - from.at;
-  const double length_m = Norm(way);
+  const geometry::Vec2 way = to - from.at;
+  const double length_m = geometry::Norm(way);
   if (!(length_m > 1e-9)) return from;
   const double behind_m = looks_back ? footprint_.front_m : footprint_.rear_m;
   const double before_m = looks_back ? footprint_.rear_m : footprint_.front_m;
@@ -159,7 +161,7 @@ std::optional<Spot> DriveSpace::Drive(const Spot& from, Vec2 to,
                      .back_m = -behind_m,
                      .front_m = length_m + before_m,
                      .half_width_m = footprint_.half_width_m};
-  CellIndex cell = ground_->CellOf(from.at);
+  core::CellIndex cell = ground_->CellOf(from.at);
   if (!ground_->Contains(cell) || !ground_->map().IsFree(from.level, cell)) {
     return std::nullopt;
   }
@@ -174,7 +176,7 @@ std::optional<Spot> DriveSpace::Drive(const Spot& from, Vec2 to,
       static_cast<int>(std::ceil(length_m / (0.5 * ground_->resolution_m()))));
   for (int i = 1; i <= steps; ++i) {
     const double along_m = length_m * i / steps;
-    const CellIndex next =
+    const core::CellIndex next =
         ground_->CellOf(from.at + (along_m / length_m) * way);
     if (next == cell) continue;
     const int level = ground_->LevelAfter(at.level, cell, next);
@@ -193,16 +195,17 @@ std::optional<Spot> DriveSpace::Drive(const Spot& from, Vec2 to,
   return at;
 }
 
-std::optional<Spot> DriveSpace::Follow(const Spot& from, Vec2 to) const {
+std::optional<Spot> DriveSpace::Follow(const Spot& from,
+                                       geometry::Vec2 to) const {
   Spot at = {to, from.level};
   if (ground_->levels() == 1) return at;
-  const Vec2 way = to - from.at;
-  const int steps = std::max(
-      1,
-      static_cast<int>(std::ceil(Norm(way) / (0.5 * ground_->resolution_m()))));
-  CellIndex cell = ground_->CellOf(from.at);
+  const geometry::Vec2 way = to - from.at;
+  const int steps =
+      std::max(1, static_cast<int>(std::ceil(geometry::Norm(way) /
+                                             (0.5 * ground_->resolution_m()))));
+  core::CellIndex cell = ground_->CellOf(from.at);
   for (int i = 1; i <= steps; ++i) {
-    const CellIndex next =
+    const core::CellIndex next =
         ground_->CellOf(from.at + (static_cast<double>(i) / steps) * way);
     if (next == cell) continue;
     at.level = ground_->LevelAfter(at.level, cell, next);
@@ -213,11 +216,12 @@ std::optional<Spot> DriveSpace::Follow(const Spot& from, Vec2 to) const {
 }
 
 double DriveSpace::CostPerMetre(const Spot& spot) const {
-  const CellIndex cell = ground_->CellOf(spot.at);
+  const core::CellIndex cell = ground_->CellOf(spot.at);
   double room_m = ground_->Clearance_m(spot.level, cell);
   for (const Disc& disc : discs_) {
     if (disc.level != spot.level) continue;
-    room_m = std::min(room_m, Norm(spot.at - disc.center) - disc.radius_m);
+    room_m =
+        std::min(room_m, geometry::Norm(spot.at - disc.center) - disc.radius_m);
   }
   const double comfort_m = footprint_.circumradius_m + kComfort_m;
   const double lack = std::clamp(
@@ -227,17 +231,17 @@ double DriveSpace::CostPerMetre(const Spot& spot) const {
 }
 
 double DriveSpace::LineCost_m(const Spot& from, const Spot& to) const {
-  const Vec2 way = to.at - from.at;
-  const double length_m = Norm(way);
+  const geometry::Vec2 way = to.at - from.at;
+  const double length_m = geometry::Norm(way);
   const int steps =
       std::max(1, static_cast<int>(std::ceil(length_m / kCostStep_m)));
   Spot at = from;
-  CellIndex cell = ground_->CellOf(from.at);
+  core::CellIndex cell = ground_->CellOf(from.at);
   double sum = 0;
   for (int i = 0; i < steps; ++i) {
     at.at = from.at + ((i + 0.5) / steps) * way;
     if (ground_->levels() > 1) {
-      const CellIndex next = ground_->CellOf(at.at);
+      const core::CellIndex next = ground_->CellOf(at.at);
       const int level = ground_->LevelAfter(at.level, cell, next);
       at.level = level < 0 ? to.level : level;
       cell = next;
@@ -247,4 +251,4 @@ double DriveSpace::LineCost_m(const Spot& from, const Spot& to) const {
   return sum * length_m / steps;
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

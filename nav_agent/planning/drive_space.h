@@ -9,7 +9,7 @@
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/planning/ground_index.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 // The footprint with room on all sides, about the middle of the axle.
 struct Footprint {
@@ -20,12 +20,12 @@ struct Footprint {
   // Of the largest disc about the origin within.
   double inscribed_m = 0;
 
-  static Footprint Of(const RobotModel& robot, double margin_m);
+  static Footprint Of(const core::RobotModel& robot, double margin_m);
 };
 
 // A disc that nothing may touch, in the grids' frame.
 struct Disc {
-  Vec2 center;
+  geometry::Vec2 center;
   double radius_m = 0;
   int level = 0;
 };
@@ -59,10 +59,10 @@ class DriveSpace {
   // (`looks_back`) the other way. The end with its level; nullopt if something
   // is in the way or the ground ends. A line of no length: `from`, whatever is
   // there.
-  std::optional<Spot> Drive(const Spot& from, Vec2 to,
+  std::optional<Spot> Drive(const Spot& from, geometry::Vec2 to,
                             bool looks_back = false) const;
   // The same of a point without a footprint: which level the line ends on.
-  std::optional<Spot> Follow(const Spot& from, Vec2 to) const;
+  std::optional<Spot> Follow(const Spot& from, geometry::Vec2 to) const;
   // The cost of a line that can be driven (m): its length, and more where it is
   // near to things or on slopes.
   double LineCost_m(const Spot& from, const Spot& to) const;
@@ -71,13 +71,13 @@ class DriveSpace {
 
  private:
   bool BoxIsFree(int level, const OrientedBox& box) const;
-  OrientedBox BoxAt(Vec2 at, double yaw_rad) const;
+  OrientedBox BoxAt(geometry::Vec2 at, double yaw_rad) const;
 
   std::shared_ptr<const GroundIndex> ground_;
   Footprint footprint_;
   std::vector<Disc> discs_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_DRIVE_SPACE_H_

@@ -8,7 +8,7 @@
 #include "nav_agent/planning/plan_frame.h"
 #include "nav_agent/planning/variable_rrt_planner.h"
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 constexpr char kPlanners[] =
@@ -30,8 +30,8 @@ absl::Status GlobalPlannerOptions::Validate() const {
 }
 
 absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakeGlobalPlanner(
-    std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-    const GlobalPlannerOptions& options) {
+    std::shared_ptr<const traversability::NavigationMap> map,
+    const core::RobotModel& robot, const GlobalPlannerOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(robot.Validate());
   auto ground = std::make_shared<const PlanGround>(std::move(map), robot,
@@ -49,4 +49,4 @@ absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakeGlobalPlanner(
       "there is no planner '", options.planner, "'; there are: ", kPlanners));
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

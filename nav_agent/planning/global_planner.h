@@ -16,19 +16,19 @@
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/traversability/navigation_map.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 // A disc that must not be driven through: something stood there that the map
 // does not have.
 struct Blockage {
-  Vec2 center;
+  geometry::Vec2 center;
   double radius_m = 0;
   int level = 0;
 };
 
 struct PlanRequest {
-  LevelPose start;
-  LevelPose goal;
+  core::LevelPose start;
+  core::LevelPose goal;
   std::vector<Blockage> blockages = {};
   uint64_t seed = 0;
 };
@@ -44,12 +44,12 @@ struct PlanBudget {
 
 struct PlanResult {
   // kNone: there is a path.
-  NavigationCause failure = NavigationCause::kNone;
+  core::NavigationCause failure = core::NavigationCause::kNone;
   // Of a failure: what is where, for people.
   std::string why;
   // From start to goal, poses the robot can stand at, dense enough to be drawn
   // as lines; headings are along the path, and the goal's at its end.
-  std::vector<LevelPose> path;
+  std::vector<core::LevelPose> path;
   double length_m = 0;
   // How far start and goal were moved to where the robot has room (m); also
   // where it cannot turn at the start and only get away backwards, or only come
@@ -62,7 +62,7 @@ struct PlanResult {
   double total_s = 0;
   // Pairs of points: the edges of both trees as they were when the first path
   // was found, for pictures.
-  std::vector<Vec2> tree_edges;
+  std::vector<geometry::Vec2> tree_edges;
   // How many of the points are of the start's tree; the goal's follow.
   size_t start_tree_points = 0;
 };
@@ -95,9 +95,9 @@ class GlobalPlanner {
 // INVALID_ARGUMENT for bad options, and for planners there are not, with those
 // there are.
 absl::StatusOr<std::unique_ptr<GlobalPlanner>> MakeGlobalPlanner(
-    std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-    const GlobalPlannerOptions& options);
+    std::shared_ptr<const traversability::NavigationMap> map,
+    const core::RobotModel& robot, const GlobalPlannerOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_GLOBAL_PLANNER_H_

@@ -13,20 +13,20 @@
 #include "nav_agent/planning/plan_frame.h"
 #include "nav_agent/planning/testing_maps.h"
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 
 std::unique_ptr<GlobalPlanner> Planner(
-    std::shared_ptr<const NavigationMap> map,
+    std::shared_ptr<const traversability::NavigationMap> map,
     const GlobalPlannerOptions& options = {}) {
-  auto planner = MakeGlobalPlanner(std::move(map), RobotModel(), options);
+  auto planner = MakeGlobalPlanner(std::move(map), core::RobotModel(), options);
   EXPECT_TRUE(planner.ok()) << planner.status();
   return *std::move(planner);
 }
 
-LevelPose At(double x, double y, double yaw_rad = 0, int level = 0) {
+core::LevelPose At(double x, double y, double yaw_rad = 0, int level = 0) {
   return {.map_from_base = {.translation = {x, y}, .yaw_rad = yaw_rad},
           .place = {.level = level, .height_m = 0}};
 }
@@ -40,17 +40,19 @@ PlanResult PlanOf(const GlobalPlanner& planner, const PlanRequest& request,
 
 // Whether the real footprint is clear of all blocked cells at every pose, and
 // in between, in steps of a few millimetres.
-void ExpectClear(const NavigationMap& map, const PlanResult& result) {
+void ExpectClear(const traversability::NavigationMap& map,
+                 const PlanResult& result) {
   const auto ground = std::make_shared<const GroundIndex>(
-      std::make_shared<const NavigationMap>(map));
-  const DriveSpace space(ground, Footprint::Of(RobotModel(), 0.0), {});
-  const Rigid2 grid_from_map = map.grid(0).map_from_grid.Inverse();
+      std::make_shared<const traversability::NavigationMap>(map));
+  const DriveSpace space(ground, Footprint::Of(core::RobotModel(), 0.0), {});
+  const geometry::Rigid2 grid_from_map = map.grid(0).map_from_grid.Inverse();
   for (size_t i = 1; i < result.path.size(); ++i) {
-    const Rigid2 from = grid_from_map * result.path[i - 1].map_from_base;
-    const Rigid2 to = grid_from_map * result.path[i].map_from_base;
+    const geometry::Rigid2 from =
+        grid_from_map * result.path[i - 1].map_from_base;
+    const geometry::Rigid2 to = grid_from_map * result.path[i].map_from_base;
     for (int k = 0; k <= 20; ++k) {
       const double t = k / 20.0;
-      const Vec2 at =
+      const geometry::Vec2 at =
           from.translation + t * (to.translation - from.translation);
       const std::optional<Spot> spot =
           space.Follow({from.translation, result.path[i - 1].place.level}, at);
@@ -63,7 +65,7 @@ void ExpectClear(const NavigationMap& map, const PlanResult& result) {
   }
 }
 
-std::shared_ptr<const NavigationMap> TwoRooms(int width_dm) {
+std::shared_ptr<const traversability::NavigationMap> TwoRooms(int width_dm) {
   return DrawnMap(TwoRoomsRows(width_dm));
 }
 
@@ -71,7 +73,7 @@ TEST(GlobalPlannerTest, StraightWayInAnEmptyRoomIsStraight) {
   const auto map = DrawnMap(RoomRows(60, 40));
   const PlanResult result =
       PlanOf(*Planner(map), {.start = At(1, 2), .goal = At(5, 2, kPi / 2)});
-  ASSERT_EQ(result.failure, NavigationCause::kNone) << result.why;
+  ASSERT_EQ(result.failure, core::NavigationCause::kNone) << result.why;
   EXPECT_NEAR(result.length_m, 4, 0.001);
   EXPECT_EQ(result.path.front().map_from_base, At(1, 2).map_from_base);
   // The surface is half a voxel above the layer.
@@ -89,7 +91,7 @@ TEST(GlobalPlannerTest, PassesDoorsThatTheFootprintJustFits) {
                                                   .goal = At(7, 4, -kPi / 2),
                                                   .blockages = {},
                                                   .seed = seed});
-      ASSERT_EQ(result.failure, NavigationCause::kNone) << result.why;
+      ASSERT_EQ(result.failure, core::NavigationCause::kNone) << result.why;
       ExpectClear(*map, result);
       EXPECT_LT(result.length_m, 9.0);
     }
@@ -104,7 +106,7 @@ TEST(GlobalPlannerTest, PassesDoorsThatLeaveLessRoomThanTheMargin) {
   const auto map = DrawnMap(rows, 1);
   const PlanResult result = PlanOf(
       *Planner(map), {.start = At(1, 4, kPi / 2), .goal = At(7, 4, -kPi / 2)});
-  ASSERT_EQ(result.failure, NavigationCause::kNone) << result.why;
+  ASSERT_EQ(result.failure, core::NavigationCause::kNone) << result.why;
   ExpectClear(*map, result);
   EXPECT_LT(result.length_m, 9.0);
 }
@@ -113,13 +115,13 @@ TEST(GlobalPlannerTest, SaysThatThereIsNoWayThroughATooNarrowDoor) {
   const PlanRequest request = {.start = At(1, 4), .goal = At(7, 4)};
   // No disc of the robot's length gets through.
   const PlanResult none = PlanOf(*Planner(TwoRooms(5)), request);
-  EXPECT_EQ(none.failure, NavigationCause::kNoPath);
+  EXPECT_EQ(none.failure, core::NavigationCause::kNoPath);
   EXPECT_THAT(none.why, testing::HasSubstr("no free ground"));
   EXPECT_TRUE(none.path.empty());
   EXPECT_EQ(none.iterations, 0);
   // One does, but the robot is 2 cm wider.
   const PlanResult narrow = PlanOf(*Planner(TwoRooms(6)), request);
-  EXPECT_EQ(narrow.failure, NavigationCause::kNoPath);
+  EXPECT_EQ(narrow.failure, core::NavigationCause::kNoPath);
   EXPECT_THAT(narrow.why, testing::HasSubstr("too narrow"));
   EXPECT_TRUE(narrow.path.empty());
 }
@@ -128,18 +130,25 @@ TEST(GlobalPlannerTest, NamesGoalsThatAreOutsideOrHaveNoRoom) {
   std::vector<std::string> rows = RoomRows(60, 60);
   Fill(rows, 30, 55, 30, 55, '#');
   const auto planner = Planner(DrawnMap(rows));
-  const auto failure = [&](const LevelPose& start, const LevelPose& goal) {
+  const auto failure = [&](const core::LevelPose& start,
+                           const core::LevelPose& goal) {
     const PlanResult result = PlanOf(*planner, {.start = start, .goal = goal});
-    EXPECT_EQ(result.why.empty(), result.failure == NavigationCause::kNone);
+    EXPECT_EQ(result.why.empty(),
+              result.failure == core::NavigationCause::kNone);
     return result.failure;
   };
-  EXPECT_EQ(failure(At(1, 1), At(9, 1)), NavigationCause::kGoalOutside);
-  EXPECT_EQ(failure(At(1, 1), At(1, 1, 0, 3)), NavigationCause::kGoalOutside);
-  EXPECT_EQ(failure(At(1, 1), At(1, 1, 0, -1)), NavigationCause::kGoalOutside);
-  EXPECT_EQ(failure(At(1, 1), At(1e300, 1)), NavigationCause::kGoalOutside);
-  EXPECT_EQ(failure(At(1, 1), At(4.2, 4.2)), NavigationCause::kGoalBlocked);
-  EXPECT_EQ(failure(At(4.2, 4.2), At(1, 1)), NavigationCause::kStartBlocked);
-  EXPECT_EQ(failure(At(-3, 0), At(1, 1)), NavigationCause::kStartBlocked);
+  EXPECT_EQ(failure(At(1, 1), At(9, 1)), core::NavigationCause::kGoalOutside);
+  EXPECT_EQ(failure(At(1, 1), At(1, 1, 0, 3)),
+            core::NavigationCause::kGoalOutside);
+  EXPECT_EQ(failure(At(1, 1), At(1, 1, 0, -1)),
+            core::NavigationCause::kGoalOutside);
+  EXPECT_EQ(failure(At(1, 1), At(1e300, 1)),
+            core::NavigationCause::kGoalOutside);
+  EXPECT_EQ(failure(At(1, 1), At(4.2, 4.2)),
+            core::NavigationCause::kGoalBlocked);
+  EXPECT_EQ(failure(At(4.2, 4.2), At(1, 1)),
+            core::NavigationCause::kStartBlocked);
+  EXPECT_EQ(failure(At(-3, 0), At(1, 1)), core::NavigationCause::kStartBlocked);
 }
 
 TEST(GlobalPlannerTest, PosesThatAreNotFiniteAreRefused) {
@@ -163,7 +172,7 @@ TEST(GlobalPlannerTest, GoalInATableIsMovedToTheNearestRoom) {
   // 0.25 m inside of the table's left side: the robot's front must be out.
   const PlanResult result =
       PlanOf(*Planner(map), {.start = At(1, 2), .goal = At(4.1, 2)});
-  ASSERT_EQ(result.failure, NavigationCause::kNone) << result.why;
+  ASSERT_EQ(result.failure, core::NavigationCause::kNone) << result.why;
   // To 0.33 m before it: 0.43 m, and at most a cell more.
   EXPECT_GE(result.moved_goal_m, 0.43 - 1e-9);
   EXPECT_LE(result.moved_goal_m, 0.43 + 0.075);
@@ -176,7 +185,7 @@ TEST(GlobalPlannerTest, RobotThatStandsTooNearToAWallGetsOut) {
   // 5 cm of the robot's side are where the map says that the wall is.
   const PlanResult result =
       PlanOf(*Planner(map), {.start = At(2, 0.36), .goal = At(5, 3, kPi / 2)});
-  ASSERT_EQ(result.failure, NavigationCause::kNone) << result.why;
+  ASSERT_EQ(result.failure, core::NavigationCause::kNone) << result.why;
   EXPECT_GT(result.moved_start_m, 0.07);
   EXPECT_LT(result.moved_start_m, 0.15);
   ExpectClear(*map, result);
@@ -191,12 +200,12 @@ TEST(GlobalPlannerTest, NoseInANicheNeedsAStraightWayIn) {
   const auto planner = Planner(map);
   const PlanResult in =
       PlanOf(*planner, {.start = At(1, 1, kPi), .goal = At(5.1, 2, 0)});
-  ASSERT_EQ(in.failure, NavigationCause::kNone) << in.why;
+  ASSERT_EQ(in.failure, core::NavigationCause::kNone) << in.why;
   ExpectClear(*map, in);
   EXPECT_NEAR(in.path[in.path.size() - 2].map_from_base.yaw_rad, 0, 0.2);
   const PlanResult out =
       PlanOf(*planner, {.start = At(5.1, 2, kPi), .goal = At(1, 1, 0)});
-  ASSERT_EQ(out.failure, NavigationCause::kNone) << out.why;
+  ASSERT_EQ(out.failure, core::NavigationCause::kNone) << out.why;
   ExpectClear(*map, out);
 }
 
@@ -205,7 +214,7 @@ TEST(GlobalPlannerTest, RobotWithItsNoseToAWallIsPlannedFromBehind) {
   // Its front is 1 cm further from the wall than the margin: it cannot turn.
   const PlanResult result = PlanOf(
       *Planner(map), {.start = At(5.56, 2, 0), .goal = At(1, 1, kPi / 2)});
-  ASSERT_EQ(result.failure, NavigationCause::kNone) << result.why;
+  ASSERT_EQ(result.failure, core::NavigationCause::kNone) << result.why;
   EXPECT_NEAR(result.moved_start_m, 0.2, 0.11);
   EXPECT_NEAR(result.path.front().map_from_base.translation.y, 2, 1e-9);
   ExpectClear(*map, result);
@@ -217,11 +226,11 @@ TEST(GlobalPlannerTest, GoesAroundBlockages) {
   const PlanResult result = PlanOf(
       *Planner(map),
       {.start = At(1, 2.5), .goal = At(7, 2.5), .blockages = {blockage}});
-  ASSERT_EQ(result.failure, NavigationCause::kNone) << result.why;
-  for (const LevelPose& pose : result.path) {
+  ASSERT_EQ(result.failure, core::NavigationCause::kNone) << result.why;
+  for (const core::LevelPose& pose : result.path) {
     const double away_m =
-        Norm(pose.map_from_base.translation - blockage.center);
-    EXPECT_GE(away_m, 0.6 + RobotModel().front_m);
+        geometry::Norm(pose.map_from_base.translation - blockage.center);
+    EXPECT_GE(away_m, 0.6 + core::RobotModel().front_m);
   }
   EXPECT_LT(result.length_m, 6.7);
 }
@@ -232,7 +241,7 @@ TEST(GlobalPlannerTest, ABlockedDoorIsNoWay) {
       {.start = At(1, 4),
        .goal = At(7, 4),
        .blockages = {{.center = {4.1, 2.4}, .radius_m = 0.3, .level = 0}}});
-  EXPECT_EQ(result.failure, NavigationCause::kNoPath);
+  EXPECT_EQ(result.failure, core::NavigationCause::kNoPath);
 }
 
 TEST(GlobalPlannerTest, UnknownGroundIsNotDrivenOnUnlessAllowed) {
@@ -240,14 +249,14 @@ TEST(GlobalPlannerTest, UnknownGroundIsNotDrivenOnUnlessAllowed) {
   Fill(rows, 38, 44, 1, 49, '?');
   const PlanRequest request = {.start = At(1, 2), .goal = At(7, 2)};
   EXPECT_EQ(PlanOf(*Planner(DrawnMap(rows)), request).failure,
-            NavigationCause::kNoPath);
+            core::NavigationCause::kNoPath);
   EXPECT_EQ(
       PlanOf(*Planner(DrawnMap(
                  rows, 2, {},
                  {.reach_m = 3, .max_rise_m = 0.3, .allow_unknown = true})),
              request)
           .failure,
-      NavigationCause::kNone);
+      core::NavigationCause::kNone);
 }
 
 TEST(GlobalPlannerTest, KeepsAwayFromWallsWhereThereIsRoom) {
@@ -257,9 +266,9 @@ TEST(GlobalPlannerTest, KeepsAwayFromWallsWhereThereIsRoom) {
   const auto map = DrawnMap(rows);
   const PlanResult result =
       PlanOf(*Planner(map), {.start = At(1.5, 2.4), .goal = At(6.5, 2.4)});
-  ASSERT_EQ(result.failure, NavigationCause::kNone) << result.why;
+  ASSERT_EQ(result.failure, core::NavigationCause::kNone) << result.why;
   double nearest_m = 10;
-  for (const LevelPose& pose : result.path) {
+  for (const core::LevelPose& pose : result.path) {
     nearest_m = std::min(nearest_m,
                          map->Clearance_m(0, pose.map_from_base.translation));
   }
@@ -279,22 +288,22 @@ TEST(GlobalPlannerTest, SameSeedSamePathOtherwiseTurnedMap) {
   EXPECT_EQ(once.path, again.path);
   EXPECT_EQ(once.iterations, again.iterations);
   // The same map and request in a turned frame.
-  const Rigid2 turned = {.translation = {10, -3}, .yaw_rad = 0.7};
+  const geometry::Rigid2 turned = {.translation = {10, -3}, .yaw_rad = 0.7};
   PlanRequest there = request;
   there.start.map_from_base = turned * request.start.map_from_base;
   there.goal.map_from_base = turned * request.goal.map_from_base;
   there.blockages[0].center = turned * request.blockages[0].center;
   const PlanResult other = PlanOf(*Planner(DrawnMap(rows, 2, turned)), there);
-  ASSERT_EQ(other.failure, NavigationCause::kNone) << other.why;
+  ASSERT_EQ(other.failure, core::NavigationCause::kNone) << other.why;
   EXPECT_NEAR(other.length_m, once.length_m, 0.1);
-  EXPECT_NEAR(Norm(other.path.back().map_from_base.translation -
-                   there.goal.map_from_base.translation),
+  EXPECT_NEAR(geometry::Norm(other.path.back().map_from_base.translation -
+                             there.goal.map_from_base.translation),
               0, 1e-9);
 }
 
 // Two floors of 6 x 4 m, the upper one to the right and 0.1 m higher, joined in
 // a strip 1.4 m wide.
-std::shared_ptr<const NavigationMap> TwoLevels() {
+std::shared_ptr<const traversability::NavigationMap> TwoLevels() {
   std::vector<std::string> lower = RoomRows(120, 40);
   std::vector<std::string> upper = RoomRows(120, 40);
   Fill(lower, 60, 120, 0, 40, '?');
@@ -303,11 +312,11 @@ std::shared_ptr<const NavigationMap> TwoLevels() {
   Fill(lower, 58, 60, 27, 39, '#');
   Fill(upper, 60, 62, 1, 13, '#');
   Fill(upper, 60, 62, 27, 39, '#');
-  TraversableMap map;
+  traversability::TraversableMap map;
   map.levels = {DrawnLevel(lower, 2, 0.0F), DrawnLevel(upper, 2, 0.1F)};
   map.joins = {{.lower_level = 0, .upper_level = 1, .cells = {{119, 40}}}};
-  return std::make_shared<const NavigationMap>(
-      *NavigationMap::Make(std::move(map)));
+  return std::make_shared<const traversability::NavigationMap>(
+      *traversability::NavigationMap::Make(std::move(map)));
 }
 
 TEST(GlobalPlannerTest, GoesOverAJoinToAnotherLevelAndBack) {
@@ -315,16 +324,16 @@ TEST(GlobalPlannerTest, GoesOverAJoinToAnotherLevelAndBack) {
   const auto planner = Planner(map);
   const PlanResult up =
       PlanOf(*planner, {.start = At(1, 1), .goal = At(11, 3, 0, 1)});
-  ASSERT_EQ(up.failure, NavigationCause::kNone) << up.why;
+  ASSERT_EQ(up.failure, core::NavigationCause::kNone) << up.why;
   ExpectClear(*map, up);
-  for (const LevelPose& pose : up.path) {
+  for (const core::LevelPose& pose : up.path) {
     const bool is_lower = pose.map_from_base.translation.x < 6;
     EXPECT_EQ(pose.place.level, is_lower ? 0 : 1);
     EXPECT_NEAR(pose.place.height_m, is_lower ? 0.025 : 0.125, 1e-6);
   }
   const PlanResult down =
       PlanOf(*planner, {.start = At(11, 3, 0, 1), .goal = At(1, 1, 0, 0)});
-  ASSERT_EQ(down.failure, NavigationCause::kNone) << down.why;
+  ASSERT_EQ(down.failure, core::NavigationCause::kNone) << down.why;
   EXPECT_EQ(down.path.back().place.level, 0);
 }
 
@@ -341,14 +350,14 @@ TEST(GlobalPlannerTest, PlannersThatThereAreNotAreNamed) {
   const auto map = DrawnMap(RoomRows(40, 40));
   GlobalPlannerOptions options;
   options.planner = "rtt-connect";
-  const auto made = MakeGlobalPlanner(map, RobotModel(), options);
+  const auto made = MakeGlobalPlanner(map, core::RobotModel(), options);
   EXPECT_EQ(made.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(made.status().message()),
               testing::AllOf(testing::HasSubstr("rtt-connect"),
                              testing::HasSubstr("bit-star")));
   options = {};
   options.margin_m = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(MakeGlobalPlanner(map, RobotModel(), options).ok());
+  EXPECT_FALSE(MakeGlobalPlanner(map, core::RobotModel(), options).ok());
 }
 
 class OmplPlannersTest : public testing::TestWithParam<const char*> {};
@@ -360,7 +369,7 @@ TEST_P(OmplPlannersTest, FindWaysThatCanBeDrivenOverBothLevels) {
   const auto planner = Planner(map, options);
   const PlanRequest request = {.start = At(1, 1, 1), .goal = At(11, 3, 2, 1)};
   const PlanResult result = PlanOf(*planner, request, 2000);
-  ASSERT_EQ(result.failure, NavigationCause::kNone) << result.why;
+  ASSERT_EQ(result.failure, core::NavigationCause::kNone) << result.why;
   ExpectClear(*map, result);
   EXPECT_EQ(result.path.back().place.level, 1);
   // The straight line is 10.2 m.
@@ -376,7 +385,7 @@ TEST_P(OmplPlannersTest, PassDoors) {
   const PlanResult result =
       PlanOf(*Planner(map, options),
              {.start = At(1, 4, kPi / 2), .goal = At(7, 4)}, 2500);
-  ASSERT_EQ(result.failure, NavigationCause::kNone) << result.why;
+  ASSERT_EQ(result.failure, core::NavigationCause::kNone) << result.why;
   ExpectClear(*map, result);
 }
 
@@ -386,4 +395,4 @@ INSTANTIATE_TEST_SUITE_P(All, OmplPlannersTest,
                                          "ompl-variable-rrt"));
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::planning

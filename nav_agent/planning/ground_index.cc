@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 // What touches only does not overlap.
@@ -58,7 +58,8 @@ double SideAt(const Corner& lowest, const Corner& turn, const Corner& highest,
 
 }  // namespace
 
-GroundIndex::GroundIndex(std::shared_ptr<const NavigationMap> map)
+GroundIndex::GroundIndex(
+    std::shared_ptr<const traversability::NavigationMap> map)
     : map_(std::move(map)),
       width_(map_->grid(0).width),
       height_(map_->grid(0).height),
@@ -90,7 +91,7 @@ GroundIndex::GroundIndex(std::shared_ptr<const NavigationMap> map)
   }
 }
 
-CellIndex GroundIndex::CellOf(Vec2 at) const {
+core::CellIndex GroundIndex::CellOf(geometry::Vec2 at) const {
   const double x = std::floor(at.x / resolution_m_);
   const double y = std::floor(at.y / resolution_m_);
   if (!(std::abs(x) < 1e9 && std::abs(y) < 1e9)) return {-1, -1};
@@ -132,7 +133,8 @@ bool GroundIndex::IsClearInRow(const NextInRow& next, int row, double from_x,
   return from > to || next[IndexOf({from, row})] > to;
 }
 
-bool GroundIndex::IsFreeDisc(int level, Vec2 center, double radius_m) const {
+bool GroundIndex::IsFreeDisc(int level, geometry::Vec2 center,
+                             double radius_m) const {
   const double x = center.x / resolution_m_;
   const double y = center.y / resolution_m_;
   const double radius = radius_m / resolution_m_;
@@ -156,11 +158,13 @@ bool GroundIndex::IsFreeDisc(int level, Vec2 center, double radius_m) const {
   return true;
 }
 
-int GroundIndex::LevelAfter(int level, CellIndex cell, CellIndex next) const {
+int GroundIndex::LevelAfter(int level, core::CellIndex cell,
+                            core::CellIndex next) const {
   if (!Contains(cell) || !Contains(next)) return -1;
   if (map_->IsFree(level, next)) return level;
   if (levels() == 1) return -1;
-  const std::vector<TraversableLevel>& all = map_->traversable().levels;
+  const std::vector<traversability::TraversableLevel>& all =
+      map_->traversable().levels;
   const float height_m =
       all[static_cast<size_t>(level)].height_m[IndexOf(cell)];
   int best = -1;
@@ -177,4 +181,4 @@ int GroundIndex::LevelAfter(int level, CellIndex cell, CellIndex next) const {
   return best;
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

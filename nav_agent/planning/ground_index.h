@@ -9,11 +9,11 @@
 
 #include "nav_agent/traversability/navigation_map.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 // A place of a level, in the frame of the grids (m). All levels share it.
 struct Spot {
-  Vec2 at;
+  geometry::Vec2 at;
   int level = 0;
 
   constexpr bool operator==(const Spot&) const = default;
@@ -22,7 +22,7 @@ struct Spot {
 // A rectangle: from `origin`, in the direction (cos_yaw, sin_yaw), from back_m
 // (below 0: behind) to front_m, and half_width_m to each side.
 struct OrientedBox {
-  Vec2 origin;
+  geometry::Vec2 origin;
   double cos_yaw = 1;
   double sin_yaw = 0;
   double back_m = 0;
@@ -34,9 +34,10 @@ struct OrientedBox {
 // NavigationMap's clearance there is 0, or it lies outside.
 class GroundIndex {
  public:
-  explicit GroundIndex(std::shared_ptr<const NavigationMap> map);
+  explicit GroundIndex(
+      std::shared_ptr<const traversability::NavigationMap> map);
 
-  const NavigationMap& map() const { return *map_; }
+  const traversability::NavigationMap& map() const { return *map_; }
   int levels() const { return map_->levels(); }
   int width() const { return width_; }
   int height() const { return height_; }
@@ -45,25 +46,25 @@ class GroundIndex {
     return static_cast<size_t>(width_) * static_cast<size_t>(height_);
   }
 
-  CellIndex CellOf(Vec2 at) const;
-  Vec2 CenterOf(CellIndex cell) const {
+  core::CellIndex CellOf(geometry::Vec2 at) const;
+  geometry::Vec2 CenterOf(core::CellIndex cell) const {
     return {(cell.x + 0.5) * resolution_m_, (cell.y + 0.5) * resolution_m_};
   }
-  bool Contains(CellIndex cell) const {
+  bool Contains(core::CellIndex cell) const {
     return cell.x >= 0 && cell.y >= 0 && cell.x < width_ && cell.y < height_;
   }
-  size_t IndexOf(CellIndex cell) const {
+  size_t IndexOf(core::CellIndex cell) const {
     return static_cast<size_t>(cell.y) * static_cast<size_t>(width_) +
            static_cast<size_t>(cell.x);
   }
 
   // From the cell's centre to that of the nearest blocked one; 0 if blocked.
-  double Clearance_m(int level, CellIndex cell) const {
+  double Clearance_m(int level, core::CellIndex cell) const {
     if (!Contains(cell)) return 0;
     return clearance_m_[static_cast<size_t>(level)][IndexOf(cell)];
   }
   // Of the ground's inclination, as a share of a right angle's: the sine.
-  double SlopeSine(int level, CellIndex cell) const {
+  double SlopeSine(int level, core::CellIndex cell) const {
     if (!Contains(cell)) return 0;
     return slope_sine_[static_cast<size_t>(level)][IndexOf(cell)];
   }
@@ -79,12 +80,12 @@ class GroundIndex {
            IsClear(next_beyond_[static_cast<size_t>(level)], box);
   }
   // The same for a disc.
-  bool IsFreeDisc(int level, Vec2 center, double radius_m) const;
+  bool IsFreeDisc(int level, geometry::Vec2 center, double radius_m) const;
 
   // The level that somebody on the ground of `cell` is on after a step to
   // `next`, a neighbour or the same: this one where it is free ground, or
   // another one whose free ground continues it; -1: there is none.
-  int LevelAfter(int level, CellIndex cell, CellIndex next) const;
+  int LevelAfter(int level, core::CellIndex cell, core::CellIndex next) const;
 
   // What Clearance_m is at least where a disc of radius_m might stand in the
   // cell: a point of a cell is at most half a diagonal from its centre, and a
@@ -99,7 +100,7 @@ class GroundIndex {
   bool IsClearInRow(const NextInRow& next, int row, double from_x,
                     double to_x) const;
 
-  std::shared_ptr<const NavigationMap> map_;
+  std::shared_ptr<const traversability::NavigationMap> map_;
   int width_;
   int height_;
   double resolution_m_;
@@ -113,6 +114,6 @@ class GroundIndex {
   std::vector<NextInRow> next_beyond_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_GROUND_INDEX_H_

@@ -9,27 +9,27 @@
 #include "nav_agent/planning/open_nodes.h"
 #include "nav_agent/planning/path_improver.h"
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 constexpr int kStopEvery = 1024;
 constexpr float kFar = std::numeric_limits<float>::infinity();
-constexpr std::array<CellIndex, 16> kSteps = {{{1, 0},
-                                               {0, 1},
-                                               {-1, 0},
-                                               {0, -1},
-                                               {1, 1},
-                                               {-1, 1},
-                                               {-1, -1},
-                                               {1, -1},
-                                               {2, 1},
-                                               {1, 2},
-                                               {-1, 2},
-                                               {-2, 1},
-                                               {-2, -1},
-                                               {-1, -2},
-                                               {1, -2},
-                                               {2, -1}}};
+constexpr std::array<core::CellIndex, 16> kSteps = {{{1, 0},
+                                                     {0, 1},
+                                                     {-1, 0},
+                                                     {0, -1},
+                                                     {1, 1},
+                                                     {-1, 1},
+                                                     {-1, -1},
+                                                     {1, -1},
+                                                     {2, 1},
+                                                     {1, 2},
+                                                     {-1, 2},
+                                                     {-2, 1},
+                                                     {-2, -1},
+                                                     {-1, -2},
+                                                     {1, -2},
+                                                     {2, -1}}};
 // Lines are tried over at most so many points.
 constexpr size_t kMostAhead = 40;
 
@@ -71,11 +71,11 @@ class GuideSearch {
   }
 
  private:
-  uint32_t NumberOf(int level, CellIndex cell) const {
+  uint32_t NumberOf(int level, core::CellIndex cell) const {
     return static_cast<uint32_t>(static_cast<size_t>(level) * ground_->cells() +
                                  ground_->IndexOf(cell));
   }
-  CellIndex CellOf(uint32_t number) const {
+  core::CellIndex CellOf(uint32_t number) const {
     const auto cell = static_cast<int>(number % ground_->cells());
     return {cell % ground_->width(), cell / ground_->width()};
   }
@@ -84,18 +84,18 @@ class GuideSearch {
             .level = static_cast<int>(number / ground_->cells())};
   }
   float Estimate_m(uint32_t number) const {
-    const Vec2 way = ground_->CenterOf(CellOf(number)) - goal_.at;
-    return static_cast<float>(std::sqrt(Dot(way, way)));
+    const geometry::Vec2 way = ground_->CenterOf(CellOf(number)) - goal_.at;
+    return static_cast<float>(std::sqrt(geometry::Dot(way, way)));
   }
 
   void Expand(uint32_t from) {
     const int from_level = static_cast<int>(from / ground_->cells());
-    const CellIndex cell = CellOf(from);
+    const core::CellIndex cell = CellOf(from);
     // The start's own cell may have less room.
     const float from_price = std::max(1.0F, PriceAt(from));
     const float from_cost_m = cost_m_[from];
     for (size_t i = 0; i < kSteps.size(); ++i) {
-      const CellIndex next = {cell.x + kSteps[i].x, cell.y + kSteps[i].y};
+      const core::CellIndex next = {cell.x + kSteps[i].x, cell.y + kSteps[i].y};
       const int level = ground_->LevelAfter(from_level, cell, next);
       if (level < 0) continue;
       const uint32_t number = NumberOf(level, next);
@@ -149,18 +149,18 @@ Polyline Thinned(const DriveSpace& space, const Polyline& points,
   Polyline thin = {points.front()};
   double left_m = spacing_m;
   for (size_t i = 1; i < points.size(); ++i) {
-    const Vec2 line = points[i].at - points[i - 1].at;
-    const double length_m = Norm(line);
+    const geometry::Vec2 line = points[i].at - points[i - 1].at;
+    const double length_m = geometry::Norm(line);
     double along_m = left_m;
     Spot at = points[i - 1];
     for (; along_m < length_m; along_m += spacing_m) {
-      const Vec2 to = points[i - 1].at + (along_m / length_m) * line;
+      const geometry::Vec2 to = points[i - 1].at + (along_m / length_m) * line;
       at = space.Follow(at, to).value_or(Spot{to, points[i].level});
       thin.push_back(at);
     }
     left_m = along_m - length_m;
   }
-  if (Norm(thin.back().at - points.back().at) < spacing_m / 2 &&
+  if (geometry::Norm(thin.back().at - points.back().at) < spacing_m / 2 &&
       thin.size() > 1) {
     thin.pop_back();
   }
@@ -193,8 +193,8 @@ Polyline PullTight(const DriveSpace& space, double start_yaw_rad,
   for (size_t i = 0; i + 1 < thin.size(); ++i) {
     if (!std::isfinite(best[i].cost_m)) continue;
     for (size_t k = std::min(thin.size() - 1, i + kMostAhead); k > i; --k) {
-      const Vec2 line = thin[k].at - thin[i].at;
-      const double length_m = Norm(line);
+      const geometry::Vec2 line = thin[k].at - thin[i].at;
+      const double length_m = geometry::Norm(line);
       if (!(length_m > 1e-6)) continue;
       // A line costs no less than its length.
       if (best[i].cost_m + length_m >= best[k].cost_m) continue;
@@ -225,4 +225,4 @@ Polyline PullTight(const DriveSpace& space, double start_yaw_rad,
   return way;
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

@@ -7,7 +7,7 @@
 #include "nav_agent/planning/drive_space.h"
 #include "nav_agent/planning/variable_rrt.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 // The cheapest way over cells (A*, steps to 16 neighbours: lengths are at most
 // 2.7 % above the shortest) for a disc as wide as the footprint's narrowest
@@ -26,6 +26,6 @@ Polyline PullTight(const DriveSpace& space, double start_yaw_rad,
                    double goal_yaw_rad, const Polyline& points,
                    double spacing_m);
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_GUIDE_H_

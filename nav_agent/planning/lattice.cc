@@ -11,27 +11,27 @@
 #include "nav_agent/planning/open_nodes.h"
 #include "nav_agent/planning/path_improver.h"
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 constexpr int kHeadings = 16;
 // By angle.
-constexpr std::array<CellIndex, kHeadings> kSteps = {{{1, 0},
-                                                      {2, 1},
-                                                      {1, 1},
-                                                      {1, 2},
-                                                      {0, 1},
-                                                      {-1, 2},
-                                                      {-1, 1},
-                                                      {-2, 1},
-                                                      {-1, 0},
-                                                      {-2, -1},
-                                                      {-1, -1},
-                                                      {-1, -2},
-                                                      {0, -1},
-                                                      {1, -2},
-                                                      {1, -1},
-                                                      {2, -1}}};
+constexpr std::array<core::CellIndex, kHeadings> kSteps = {{{1, 0},
+                                                            {2, 1},
+                                                            {1, 1},
+                                                            {1, 2},
+                                                            {0, 1},
+                                                            {-1, 2},
+                                                            {-1, 1},
+                                                            {-2, 1},
+                                                            {-1, 0},
+                                                            {-2, -1},
+                                                            {-1, -1},
+                                                            {-1, -2},
+                                                            {0, -1},
+                                                            {1, -2},
+                                                            {1, -1},
+                                                            {2, -1}}};
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 constexpr int kStopEvery = 256;
@@ -49,7 +49,7 @@ constexpr float kDetour_m = 3.0F;
 constexpr size_t kNowhere = std::numeric_limits<size_t>::max();
 
 double YawOf(int heading) {
-  const CellIndex& step = kSteps[static_cast<size_t>(heading)];
+  const core::CellIndex& step = kSteps[static_cast<size_t>(heading)];
   return std::atan2(step.y, step.x);
 }
 
@@ -108,11 +108,11 @@ class Lattice {
   static constexpr uint8_t kCannot = 2;
   static constexpr float kUnknownRoom = -1;
 
-  size_t PlaceOf(int level, CellIndex cell) const {
+  size_t PlaceOf(int level, core::CellIndex cell) const {
     return static_cast<size_t>(level) * ground_->cells() +
            ground_->IndexOf(cell);
   }
-  CellIndex CellOf(size_t place) const {
+  core::CellIndex CellOf(size_t place) const {
     const size_t cell = place % ground_->cells();
     const auto width = static_cast<size_t>(ground_->width());
     return {static_cast<int>(cell % width), static_cast<int>(cell / width)};
@@ -152,7 +152,7 @@ class Lattice {
       }
     }
     is_end_.assign(places_ * kHeadings, false);
-    const CellIndex middle = ground_->CellOf(goal_.spot.at);
+    const core::CellIndex middle = ground_->CellOf(goal_.spot.at);
     const int reach =
         static_cast<int>(kLastLine_m / ground_->resolution_m()) + 1;
     for (int y = middle.y - reach; y <= middle.y + reach; ++y) {
@@ -167,8 +167,8 @@ class Lattice {
 
   void FindEndsAt(size_t place) {
     const Spot spot = SpotOf(place);
-    const Vec2 line = goal_.spot.at - spot.at;
-    const double length_m = Norm(line);
+    const geometry::Vec2 line = goal_.spot.at - spot.at;
+    const double length_m = geometry::Norm(line);
     if (length_m > kLastLine_m ||
         !space_->MayHoldDisc({ground_->CenterOf(CellOf(place)), spot.level})) {
       return;
@@ -182,7 +182,7 @@ class Lattice {
     }
     for (int heading = 0; heading < kHeadings; ++heading) {
       const double turn_rad =
-          std::abs(NormalizedAngle_rad(line_rad - YawOf(heading)));
+          std::abs(geometry::NormalizedAngle_rad(line_rad - YawOf(heading)));
       if ((!is_there && turn_rad > kLastTurn_rad) ||
           !space_->CanTurn(spot, YawOf(heading), line_rad)) {
         continue;
@@ -220,9 +220,9 @@ class Lattice {
       const int right = (heading + kHeadings - 1) % kHeadings;
       if (CanTurnLeft(place, heading)) add(NumberOf(place, left));
       if (CanTurnLeft(place, right)) add(NumberOf(place, right));
-      const CellIndex& step = kSteps[static_cast<size_t>(heading)];
-      const CellIndex cell = CellOf(place);
-      const CellIndex before = {cell.x - step.x, cell.y - step.y};
+      const core::CellIndex& step = kSteps[static_cast<size_t>(heading)];
+      const core::CellIndex cell = CellOf(place);
+      const core::CellIndex before = {cell.x - step.x, cell.y - step.y};
       for (int level = 0; level < ground_->levels(); ++level) {
         if (!ground_->map().IsFree(level, before)) continue;
         const size_t from = PlaceOf(level, before);
@@ -254,9 +254,9 @@ class Lattice {
       if (next.estimate_m > furthest_m) break;
       if (next.estimate_m > estimate_m_[next.number]) continue;
       if (next.number == start) furthest_m = next.estimate_m + kDetour_m;
-      const CellIndex cell = CellOf(next.number);
+      const core::CellIndex cell = CellOf(next.number);
       for (size_t i = 0; i < kHeadings; ++i) {
-        const CellIndex to = {cell.x + kSteps[i].x, cell.y + kSteps[i].y};
+        const core::CellIndex to = {cell.x + kSteps[i].x, cell.y + kSteps[i].y};
         const int level = ground_->LevelAfter(LevelOf(next.number), cell, to);
         if (level < 0) continue;
         const float cost_m = next.estimate_m + step_m_[i];
@@ -298,9 +298,9 @@ class Lattice {
 
   // Where a step along a heading leads; kNowhere: off the ground.
   size_t PlaceAhead(size_t place, int heading) const {
-    const CellIndex& step = kSteps[static_cast<size_t>(heading)];
-    const CellIndex cell = CellOf(place);
-    const CellIndex next = {cell.x + step.x, cell.y + step.y};
+    const core::CellIndex& step = kSteps[static_cast<size_t>(heading)];
+    const core::CellIndex cell = CellOf(place);
+    const core::CellIndex next = {cell.x + step.x, cell.y + step.y};
     const int level = ground_->LevelAfter(LevelOf(place), cell, next);
     return level < 0 ? kNowhere : PlaceOf(level, next);
   }
@@ -376,7 +376,7 @@ class Lattice {
     }
     const size_t end = last / kHeadings;
     if (end != nodes.front() / kHeadings) way.push_back(SpotOf(end));
-    if (Norm(SpotOf(end).at - goal_.spot.at) > 1e-6) {
+    if (geometry::Norm(SpotOf(end).at - goal_.spot.at) > 1e-6) {
       way.push_back(goal_.spot);
     }
     return way;
@@ -388,7 +388,7 @@ class Lattice {
   Stand start_;
   Stand goal_;
   // From cells' centres to the places: one of them is the start.
-  Vec2 offset_;
+  geometry::Vec2 offset_;
   std::array<float, kHeadings> step_m_ = {};
   size_t places_;
   std::vector<uint32_t> starts_;
@@ -413,4 +413,4 @@ Polyline SearchLattice(const DriveSpace& space, const Stand& start,
   return Lattice(space, start, goal, is_over).Run();
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

@@ -7,7 +7,7 @@
 #include "nav_agent/planning/drive_space.h"
 #include "nav_agent/planning/variable_rrt.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 // A way that can be driven, over points one cell apart and 16 headings, with
 // the footprint itself: weighted A*, guided by the way of the inscribed disc
@@ -16,6 +16,6 @@ namespace treeline {
 Polyline SearchLattice(const DriveSpace& space, const Stand& start,
                        const Stand& goal, const std::function<bool()>& is_over);
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_LATTICE_H_

@@ -7,14 +7,14 @@
 #include "nav_agent/planning/path_improver.h"
 #include "nav_agent/planning/testing_maps.h"
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 
 DriveSpace SpaceOf(const std::vector<std::string>& rows, int scale = 2) {
   return {std::make_shared<const GroundIndex>(DrawnMap(rows, scale)),
-          Footprint::Of(RobotModel(), 0.0),
+          Footprint::Of(core::RobotModel(), 0.0),
           {}};
 }
 
@@ -102,4 +102,4 @@ TEST(LatticeTest, IsAtTheGoalAlready) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::planning

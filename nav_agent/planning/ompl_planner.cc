@@ -26,7 +26,7 @@
 #include "ompl/util/Console.h"
 #include "ompl/util/RandomNumbers.h"
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 namespace ob = ompl::base;
@@ -46,8 +46,8 @@ constexpr int kLeavingSteps = 20;
 // Held while OMPL's generator of seeds is used.
 ABSL_CONST_INIT absl::Mutex ompl_mutex(absl::kConstInit);
 
-double SecondsSince(MonotonicTime start) {
-  return MillisecondsBetween(start, SteadyClock().Now()) / 1000;
+double SecondsSince(base::MonotonicTime start) {
+  return base::MillisecondsBetween(start, base::SteadyClock().Now()) / 1000;
 }
 
 Spot SpotOf(const ob::State* state) {
@@ -81,7 +81,7 @@ class LevelSpace final : public ob::RealVectorStateSpace {
   void interpolate(const ob::State* from, const ob::State* to, double t,
                    ob::State* state) const override {
     const Spot begin = SpotOf(from);
-    const Vec2 at = begin.at + t * (SpotOf(to).at - begin.at);
+    const geometry::Vec2 at = begin.at + t * (SpotOf(to).at - begin.at);
     SetState(space_->Follow(begin, at).value_or(Spot{at, begin.level}), state);
   }
 
@@ -151,7 +151,8 @@ ob::PlannerPtr MakePlanner(const std::string& name,
 Polyline Leave(const DriveSpace& space, const Stand& stand, int direction) {
   Polyline way = {stand.spot};
   if (space.FitsTurning(stand.spot)) return way;
-  const Vec2 ahead = {std::cos(stand.yaw_rad), std::sin(stand.yaw_rad)};
+  const geometry::Vec2 ahead = {std::cos(stand.yaw_rad),
+                                std::sin(stand.yaw_rad)};
   for (int i = 1; i <= kLeavingSteps; ++i) {
     const std::optional<Spot> spot = space.Drive(
         stand.spot, stand.spot.at + (direction * i * kLeavingStep_m) * ahead,
@@ -190,7 +191,7 @@ struct Search {
   uint64_t seed = 0;
   PlanBudget budget;
   const std::stop_token& stop;
-  MonotonicTime begin;
+  base::MonotonicTime begin;
 };
 
 // Between two places where the robot can turn. Throws what OMPL throws.
@@ -199,7 +200,7 @@ Polyline Solve(const Search& search, const Spot& from, const Spot& to,
   ompl::msg::noOutputHandler();
   // 0 stands for none.
   ompl::RNG::setSeed(
-      1 + static_cast<std::uint_fast32_t>(MixBits(search.seed) >> 33));
+      1 + static_cast<std::uint_fast32_t>(base::MixBits(search.seed) >> 33));
   auto space = std::make_shared<LevelSpace>(search.drive);
   auto info = std::make_shared<ob::SpaceInformation>(space);
   info->setStateValidityChecker(std::make_shared<CanStand>(info, search.drive));
@@ -259,7 +260,7 @@ OmplPlanner::OmplPlanner(std::shared_ptr<const PlanGround> ground,
 absl::StatusOr<PlanResult> OmplPlanner::Plan(
     const PlanRequest& request, const PlanBudget& budget,
     const std::stop_token& stop) const {
-  const MonotonicTime begin = SteadyClock().Now();
+  const base::MonotonicTime begin = base::SteadyClock().Now();
   TL_RETURN_IF_ERROR(CheckRequest(request));
   PlanResult result;
   const std::optional<PlanTask> task =
@@ -271,7 +272,7 @@ absl::StatusOr<PlanResult> OmplPlanner::Plan(
   Polyline way = Leave(task->space, task->start, 1);
   Polyline end = Leave(task->space, task->goal, -1);
   if (way.empty() || end.empty()) {
-    result.failure = NavigationCause::kNoPath;
+    result.failure = core::NavigationCause::kNoPath;
     result.why = absl::StrCat(
         "the robot cannot turn at the ", way.empty() ? "start" : "goal",
         ", nor anywhere straight ", way.empty() ? "ahead" : "before it",
@@ -298,11 +299,12 @@ absl::StatusOr<PlanResult> OmplPlanner::Plan(
   }
   if (stop.stop_requested())
     return absl::CancelledError("planning was stopped");
-  const Rigid2& map_from_grid = ground_->index->map().grid(0).map_from_grid;
-  for (Vec2& point : result.tree_edges) point = map_from_grid * point;
+  const geometry::Rigid2& map_from_grid =
+      ground_->index->map().grid(0).map_from_grid;
+  for (geometry::Vec2& point : result.tree_edges) point = map_from_grid * point;
   if (way.empty() ||
       !CanBeDriven(task->space, task->start.yaw_rad, task->goal.yaw_rad, way)) {
-    result.failure = NavigationCause::kPlanTimeout;
+    result.failure = core::NavigationCause::kPlanTimeout;
     result.why = absl::StrFormat("%s found no way in %.3f s", name_,
                                  SecondsSince(begin));
     result.total_s = SecondsSince(begin);
@@ -316,7 +318,7 @@ absl::StatusOr<PlanResult> OmplPlanner::Plan(
         (stop.stop_requested() || SecondsSince(begin) >= budget.max_time_s)) {
       break;
     }
-    Random random(request.seed, static_cast<uint64_t>(i));
+    base::Random random(request.seed, static_cast<uint64_t>(i));
     idle = improver.Try(random) ? 0 : idle + 1;
   }
   WriteWay(*task, improver.way(), result);
@@ -324,4 +326,4 @@ absl::StatusOr<PlanResult> OmplPlanner::Plan(
   return result;
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

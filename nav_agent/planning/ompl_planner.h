@@ -8,7 +8,7 @@
 #include "nav_agent/planning/global_planner.h"
 #include "nav_agent/planning/plan_frame.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 // Whether there is such a planner: "rrt-connect", "rrt-star", "bit-star",
 // "informed-rrt-star", "ompl-variable-rrt".
@@ -38,6 +38,6 @@ class OmplPlanner final : public GlobalPlanner {
   double max_move_m_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_OMPL_PLANNER_H_

@@ -5,7 +5,7 @@
 #include "ompl/base/goals/GoalSampleableRegion.h"
 #include "ompl/geometric/PathGeometric.h"
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 namespace ob = ompl::base;
@@ -162,4 +162,4 @@ void OmplVariableRrt::getPlannerData(ob::PlannerData& data) const {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

@@ -11,7 +11,7 @@
 #include "ompl/base/StateSampler.h"
 #include "ompl/datastructures/NearestNeighborsLinear.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 // Bidirectional, like RRTConnect; but a step from a state is as long as the
 // validity checker's clearance of it, so there is no range to set. Works in
@@ -46,6 +46,6 @@ class OmplVariableRrt final : public ompl::base::Planner {
   ompl::base::State* scratch_ = nullptr;
 };
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_OMPL_VARIABLE_RRT_H_

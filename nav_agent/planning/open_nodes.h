@@ -6,7 +6,7 @@
 #include <queue>
 #include <vector>
 
-namespace treeline {
+namespace treeline::planning {
 
 struct OpenNode {
   float estimate_m = 0;
@@ -26,6 +26,6 @@ struct IsWorseNode {
 using OpenNodes =
     std::priority_queue<OpenNode, std::vector<OpenNode>, IsWorseNode>;
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_OPEN_NODES_H_

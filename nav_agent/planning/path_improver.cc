@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 // Turning by a radian costs as much as driving this (m).
@@ -14,20 +14,21 @@ constexpr double kLeastGain_m = 1e-4;
 constexpr double kLeastLine_m = 0.02;
 
 double YawOf(const Spot& from, const Spot& to) {
-  const Vec2 way = to.at - from.at;
+  const geometry::Vec2 way = to.at - from.at;
   return std::atan2(way.y, way.x);
 }
 
 }  // namespace
 
 double TurnCost_m(double from_yaw_rad, double to_yaw_rad) {
-  return kTurnCost_m * std::abs(NormalizedAngle_rad(to_yaw_rad - from_yaw_rad));
+  return kTurnCost_m *
+         std::abs(geometry::NormalizedAngle_rad(to_yaw_rad - from_yaw_rad));
 }
 
 double WayLength_m(const Polyline& way) {
   double length_m = 0;
   for (size_t i = 1; i < way.size(); ++i) {
-    length_m += Norm(way[i].at - way[i - 1].at);
+    length_m += geometry::Norm(way[i].at - way[i - 1].at);
   }
   return length_m;
 }
@@ -77,7 +78,8 @@ void PathImprover::SumUp() {
   along_m_.assign(1, 0.0);
   cost_m_ = 0;
   for (size_t i = 0; i + 1 < way_.size(); ++i) {
-    along_m_.push_back(along_m_.back() + Norm(way_[i + 1].at - way_[i].at));
+    along_m_.push_back(along_m_.back() +
+                       geometry::Norm(way_[i + 1].at - way_[i].at));
     cost_m_ += line_cost_m_[i] + TurnCost_m(YawInto(i), YawOutOf(i));
   }
   cost_m_ += TurnCost_m(YawInto(way_.size() - 1), goal_yaw_rad_);
@@ -92,12 +94,12 @@ double PathImprover::YawOutOf(size_t point) const {
                                   : YawOf(way_[point], way_[point + 1]);
 }
 
-bool PathImprover::Try(Random& random) {
+bool PathImprover::Try(base::Random& random) {
   if (way_.size() < 2) return false;
   return random.NextBelow(3) == 0 ? TryMove(random) : TryShortcut(random);
 }
 
-bool PathImprover::TryShortcut(Random& random) {
+bool PathImprover::TryShortcut(base::Random& random) {
   double from_m = random.NextUniform(0, along_m_.back());
   double to_m = random.NextUniform(0, along_m_.back());
   if (from_m > to_m) std::swap(from_m, to_m);
@@ -131,15 +133,16 @@ bool PathImprover::TryShortcut(Random& random) {
   return Replace(from_line, to_line + 1, between);
 }
 
-bool PathImprover::TryMove(Random& random) {
+bool PathImprover::TryMove(base::Random& random) {
   if (way_.size() < 3) return false;
   const size_t point =
       1 + random.NextBelow(static_cast<uint32_t>(way_.size() - 2));
   if (random.NextBelow(4) == 0) return Replace(point - 1, point + 1, {});
   // From a whole stride down to a hair.
   const double reach_m = 0.5 * std::pow(0.02, random.NextUnit());
-  const Vec2 moved = way_[point].at + Vec2{reach_m * random.NextGaussian(),
-                                           reach_m * random.NextGaussian()};
+  const geometry::Vec2 moved =
+      way_[point].at + geometry::Vec2{reach_m * random.NextGaussian(),
+                                      reach_m * random.NextGaussian()};
   const std::optional<Spot> spot = space_->Drive(way_[point - 1], moved);
   if (!spot.has_value()) return false;
   return Replace(point - 1, point + 1, {*spot});
@@ -160,7 +163,7 @@ bool PathImprover::Replace(size_t first, size_t last, const Polyline& between) {
   double new_cost_m = 0;
   double yaw_rad = yaw_into_rad;
   for (size_t i = 1; i < chain.size(); ++i) {
-    if (!(Norm(chain[i].at - chain[i - 1].at) > kLeastLine_m / 2)) {
+    if (!(geometry::Norm(chain[i].at - chain[i - 1].at) > kLeastLine_m / 2)) {
       return false;
     }
     const double next_rad = YawOf(chain[i - 1], chain[i]);
@@ -184,4 +187,4 @@ bool PathImprover::Replace(size_t first, size_t last, const Polyline& between) {
   return true;
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

@@ -8,7 +8,7 @@
 #include "nav_agent/planning/drive_space.h"
 #include "nav_agent/planning/variable_rrt.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 // Of a way between two headings.
 class PathImprover {
@@ -19,7 +19,7 @@ class PathImprover {
 
   // One attempt at random: cuts a corner, or moves or leaves out a point. True
   // if the way costs less now.
-  bool Try(Random& random);
+  bool Try(base::Random& random);
 
   const Polyline& way() const { return way_; }
   double cost_m() const { return cost_m_; }
@@ -28,8 +28,8 @@ class PathImprover {
   // Puts `between` between the points `first` and `last`, if that can be driven
   // and costs less.
   bool Replace(size_t first, size_t last, const Polyline& between);
-  bool TryShortcut(Random& random);
-  bool TryMove(Random& random);
+  bool TryShortcut(base::Random& random);
+  bool TryMove(base::Random& random);
   double YawInto(size_t point) const;
   double YawOutOf(size_t point) const;
   void SumUp();
@@ -54,6 +54,6 @@ double WayLength_m(const Polyline& way);
 bool CanBeDriven(const DriveSpace& space, double start_yaw_rad,
                  double goal_yaw_rad, const Polyline& way);
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_PATH_IMPROVER_H_

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 // Headings that are tried, to both sides.
@@ -13,23 +13,23 @@ constexpr int kHeadings = 12;
 
 bool IsBlocked(const DriveSpace& space, const Spot& spot) {
   const GroundIndex& ground = space.ground();
-  const CellIndex cell = ground.CellOf(spot.at);
+  const core::CellIndex cell = ground.CellOf(spot.at);
   if (!(ground.Clearance_m(spot.level, cell) > 0)) return true;
   return std::ranges::any_of(space.discs(), [&spot](const Disc& disc) {
     return disc.level == spot.level &&
-           Norm(disc.center - spot.at) < disc.radius_m;
+           geometry::Norm(disc.center - spot.at) < disc.radius_m;
   });
 }
 
 // Whether the line, once it is on free ground, stays there.
-bool LeadsOut(const DriveSpace& space, const Spot& from, Vec2 to) {
-  const Vec2 way = to - from.at;
+bool LeadsOut(const DriveSpace& space, const Spot& from, geometry::Vec2 to) {
+  const geometry::Vec2 way = to - from.at;
   const int steps = std::max(
-      1, static_cast<int>(
-             std::ceil(Norm(way) / (0.5 * space.ground().resolution_m()))));
+      1, static_cast<int>(std::ceil(geometry::Norm(way) /
+                                    (0.5 * space.ground().resolution_m()))));
   bool is_out = false;
   for (int i = 0; i <= steps; ++i) {
-    const Vec2 at = from.at + (static_cast<double>(i) / steps) * way;
+    const geometry::Vec2 at = from.at + (static_cast<double>(i) / steps) * way;
     const bool is_blocked = IsBlocked(space, {at, from.level});
     if (is_out && is_blocked) return false;
     is_out = is_out || !is_blocked;
@@ -45,13 +45,13 @@ struct Candidate {
 std::vector<Candidate> CellsAround(const DriveSpace& space, const Spot& middle,
                                    double reach_m) {
   const GroundIndex& ground = space.ground();
-  const CellIndex cell = ground.CellOf(middle.at);
+  const core::CellIndex cell = ground.CellOf(middle.at);
   const int reach = static_cast<int>(reach_m / ground.resolution_m()) + 1;
   std::vector<Candidate> cells;
   for (int y = cell.y - reach; y <= cell.y + reach; ++y) {
     for (int x = cell.x - reach; x <= cell.x + reach; ++x) {
-      const Vec2 at = ground.CenterOf({x, y});
-      const double distance_m = Norm(at - middle.at);
+      const geometry::Vec2 at = ground.CenterOf({x, y});
+      const double distance_m = geometry::Norm(at - middle.at);
       if (distance_m > reach_m || !ground.Contains({x, y})) continue;
       cells.push_back({{at, middle.level}, distance_m});
     }
@@ -74,7 +74,7 @@ std::optional<MovedStand> NearestStand(
     for (const Candidate& cell : cells) {
       if (!is_allowed(cell.spot)) continue;
       for (const int side : {1, -1}) {
-        const double yaw_rad = NormalizedAngle_rad(
+        const double yaw_rad = geometry::NormalizedAngle_rad(
             wanted.yaw_rad + side * turn * std::numbers::pi / kHeadings);
         if (!space.Fits(cell.spot, yaw_rad) ||
             !LeadsOut(space, wanted.spot, cell.spot.at)) {
@@ -88,4 +88,4 @@ std::optional<MovedStand> NearestStand(
   return std::nullopt;
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

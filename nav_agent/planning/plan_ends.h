@@ -8,7 +8,7 @@
 #include "nav_agent/planning/drive_space.h"
 #include "nav_agent/planning/variable_rrt.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 struct MovedStand {
   Stand stand;
@@ -24,6 +24,6 @@ std::optional<MovedStand> NearestStand(
     const DriveSpace& space, const Stand& wanted, double max_move_m,
     const std::function<bool(const Spot&)>& is_allowed);
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_PLAN_ENDS_H_

@@ -11,16 +11,18 @@
 #include "nav_agent/planning/path_improver.h"
 #include "nav_agent/planning/plan_ends.h"
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 constexpr double kPathStep_m = 0.1;
 constexpr double kLeavingStep_m = 0.1;
 constexpr int kLeavingSteps = 5;
 
-bool IsFinite(Vec2 at) { return std::isfinite(at.x) && std::isfinite(at.y); }
+bool IsFinite(geometry::Vec2 at) {
+  return std::isfinite(at.x) && std::isfinite(at.y);
+}
 
-absl::Status CheckPose(const LevelPose& pose, const char* name) {
+absl::Status CheckPose(const core::LevelPose& pose, const char* name) {
   if (IsFinite(pose.map_from_base.translation) &&
       std::isfinite(pose.map_from_base.yaw_rad)) {
     return absl::OkStatus();
@@ -31,14 +33,15 @@ absl::Status CheckPose(const LevelPose& pose, const char* name) {
       pose.map_from_base.yaw_rad));
 }
 
-Stand StandOf(const GroundIndex& ground, const LevelPose& pose) {
-  const Rigid2 grid_from_map = ground.map().grid(0).map_from_grid.Inverse();
-  const Rigid2 grid_from_base = grid_from_map * pose.map_from_base;
+Stand StandOf(const GroundIndex& ground, const core::LevelPose& pose) {
+  const geometry::Rigid2 grid_from_map =
+      ground.map().grid(0).map_from_grid.Inverse();
+  const geometry::Rigid2 grid_from_base = grid_from_map * pose.map_from_base;
   return {.spot = {grid_from_base.translation, pose.place.level},
           .yaw_rad = grid_from_base.yaw_rad};
 }
 
-std::string Text(const LevelPose& pose) {
+std::string Text(const core::LevelPose& pose) {
   return absl::StrFormat("(%.2f, %.2f, %.2f rad) on level %d",
                          pose.map_from_base.translation.x,
                          pose.map_from_base.translation.y,
@@ -56,7 +59,8 @@ bool IsOnMap(const GroundIndex& ground, const Stand& stand) {
 std::optional<Spot> LeaveStraight(const DriveSpace& space, const Stand& stand,
                                   int direction) {
   if (space.FitsTurning(stand.spot)) return stand.spot;
-  const Vec2 ahead = {std::cos(stand.yaw_rad), std::sin(stand.yaw_rad)};
+  const geometry::Vec2 ahead = {std::cos(stand.yaw_rad),
+                                std::sin(stand.yaw_rad)};
   std::optional<Spot> spot;
   for (int i = 1; i <= kLeavingSteps; ++i) {
     spot = space.Drive(stand.spot,
@@ -78,7 +82,7 @@ void MoveToTurn(const DriveSpace& space, double max_move_m, bool is_goal,
   if (!is_goal) {
     const std::optional<Spot> behind = LeaveStraight(space, end.stand, -1);
     if (behind.has_value()) {
-      end.moved_m += Norm(behind->at - end.stand.spot.at);
+      end.moved_m += geometry::Norm(behind->at - end.stand.spot.at);
       end.stand.spot = *behind;
       return;
     }
@@ -92,7 +96,7 @@ void MoveToTurn(const DriveSpace& space, double max_move_m, bool is_goal,
   end.moved_m += moved->moved_m;
 }
 
-std::nullopt_t Fail(PlanResult& result, NavigationCause cause,
+std::nullopt_t Fail(PlanResult& result, core::NavigationCause cause,
                     std::string why) {
   result.failure = cause;
   result.why = std::move(why);
@@ -101,13 +105,13 @@ std::nullopt_t Fail(PlanResult& result, NavigationCause cause,
 
 }  // namespace
 
-PlanGround::PlanGround(std::shared_ptr<const NavigationMap> map,
-                       const RobotModel& robot, double margin_m)
+PlanGround::PlanGround(std::shared_ptr<const traversability::NavigationMap> map,
+                       const core::RobotModel& robot, double margin_m)
     : PlanGround(std::make_shared<const GroundIndex>(std::move(map)), robot,
                  margin_m) {}
 
 PlanGround::PlanGround(std::shared_ptr<const GroundIndex> index_of,
-                       const RobotModel& robot, double margin_m)
+                       const core::RobotModel& robot, double margin_m)
     : index(std::move(index_of)),
       footprint(Footprint::Of(robot, margin_m)),
       areas(std::make_shared<const Areas>(DriveSpace(index, footprint, {}))) {}
@@ -137,15 +141,15 @@ std::optional<PlanTask> MakeTask(const PlanGround& ground,
   const Stand goal = StandOf(*ground.index, request.goal);
   if (!IsOnMap(*ground.index, goal)) {
     return Fail(
-        result, NavigationCause::kGoalOutside,
+        result, core::NavigationCause::kGoalOutside,
         absl::StrCat("the goal ", Text(request.goal), " is not on the map"));
   }
   if (!IsOnMap(*ground.index, start)) {
-    return Fail(result, NavigationCause::kStartBlocked,
+    return Fail(result, core::NavigationCause::kStartBlocked,
                 absl::StrCat("the robot, at ", Text(request.start),
                              ", is not on the map"));
   }
-  const Rigid2 grid_from_map =
+  const geometry::Rigid2 grid_from_map =
       ground.index->map().grid(0).map_from_grid.Inverse();
   std::vector<Disc> discs;
   for (const Blockage& blockage : request.blockages) {
@@ -168,13 +172,13 @@ std::optional<PlanTask> MakeTask(const PlanGround& ground,
   std::optional<MovedStand> to = nearest(goal, -1);
   if (!from.has_value()) {
     return Fail(
-        result, NavigationCause::kStartBlocked,
+        result, core::NavigationCause::kStartBlocked,
         absl::StrFormat("the robot has no room at %s, nor within %.2f m of it",
                         Text(request.start), max_move_m));
   }
   if (!to.has_value()) {
     return Fail(
-        result, NavigationCause::kGoalBlocked,
+        result, core::NavigationCause::kGoalBlocked,
         absl::StrFormat("the robot has no room at the goal %s, nor within "
                         "%.2f m of it",
                         Text(request.goal), max_move_m));
@@ -189,7 +193,7 @@ std::optional<PlanTask> MakeTask(const PlanGround& ground,
     if (!from.has_value()) from = nearest(start, -1);
   }
   if (area_of(from) != area_of(to)) {
-    return Fail(result, NavigationCause::kNoPath,
+    return Fail(result, core::NavigationCause::kNoPath,
                 absl::StrCat("no free ground as wide as the robot leads from ",
                              Text(request.start), " to ", Text(request.goal)));
   }
@@ -210,14 +214,15 @@ std::optional<PlanTask> MakeTask(const PlanGround& ground,
 
 void WriteWay(const PlanTask& task, const Polyline& way, PlanResult& result) {
   const GroundIndex& ground = task.space.ground();
-  const NavigationMap& map = ground.map();
-  const Rigid2& map_from_grid = map.grid(0).map_from_grid;
+  const traversability::NavigationMap& map = ground.map();
+  const geometry::Rigid2& map_from_grid = map.grid(0).map_from_grid;
   result.path.clear();
   result.length_m = WayLength_m(way);
   const auto add = [&](const Spot& spot, double yaw_rad) {
-    LevelPose pose = {.map_from_base = map_from_grid * Rigid2{spot.at, yaw_rad},
-                      .place = {.level = spot.level, .height_m = 0}};
-    const std::optional<LevelPlace> place =
+    core::LevelPose pose = {
+        .map_from_base = map_from_grid * geometry::Rigid2{spot.at, yaw_rad},
+        .place = {.level = spot.level, .height_m = 0}};
+    const std::optional<core::LevelPlace> place =
         map.GroundOf(pose.map_from_base.translation, spot.level);
     if (place.has_value()) {
       pose.place = *place;
@@ -227,13 +232,14 @@ void WriteWay(const PlanTask& task, const Polyline& way, PlanResult& result) {
     result.path.push_back(pose);
   };
   for (size_t i = 0; i + 1 < way.size(); ++i) {
-    const Vec2 line = way[i + 1].at - way[i].at;
+    const geometry::Vec2 line = way[i + 1].at - way[i].at;
     const double yaw_rad = std::atan2(line.y, line.x);
-    const int steps =
-        std::max(1, static_cast<int>(std::ceil(Norm(line) / kPathStep_m)));
+    const int steps = std::max(
+        1, static_cast<int>(std::ceil(geometry::Norm(line) / kPathStep_m)));
     Spot spot = way[i];
     for (int k = 0; k < steps; ++k) {
-      const Vec2 at = way[i].at + (static_cast<double>(k) / steps) * line;
+      const geometry::Vec2 at =
+          way[i].at + (static_cast<double>(k) / steps) * line;
       // Steps of half a cell, as Drive's.
       spot = task.space.Drive(spot, at).value_or(Spot{at, spot.level});
       add(spot, yaw_rad);
@@ -243,4 +249,4 @@ void WriteWay(const PlanTask& task, const Polyline& way, PlanResult& result) {
   if (!result.path.empty()) add(way.back(), task.goal.yaw_rad);
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

@@ -12,14 +12,14 @@
 #include "nav_agent/planning/global_planner.h"
 #include "nav_agent/planning/variable_rrt.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 // What all planners share of a map and a robot.
 struct PlanGround {
-  PlanGround(std::shared_ptr<const NavigationMap> map, const RobotModel& robot,
-             double margin_m);
+  PlanGround(std::shared_ptr<const traversability::NavigationMap> map,
+             const core::RobotModel& robot, double margin_m);
   PlanGround(std::shared_ptr<const GroundIndex> index_of,
-             const RobotModel& robot, double margin_m);
+             const core::RobotModel& robot, double margin_m);
 
   std::shared_ptr<const GroundIndex> index;
   Footprint footprint;
@@ -49,6 +49,6 @@ std::optional<PlanTask> MakeTask(const PlanGround& ground,
 // Writes the way into the result: poses at most 0.1 m from one another.
 void WriteWay(const PlanTask& task, const Polyline& way, PlanResult& result);
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_PLAN_FRAME_H_

@@ -9,18 +9,18 @@
 
 #include "nav_agent/traversability/navigation_map.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 // One level of flat ground. Rows from the top, each character a square of
 // `scale` x `scale` cells of 0.05 m: '#' occupied, '?' unknown, else free.
-inline TraversableLevel DrawnLevel(const std::vector<std::string>& rows,
-                                   int scale, float height_m,
-                                   const Rigid2& map_from_grid = {}) {
+inline traversability::TraversableLevel DrawnLevel(
+    const std::vector<std::string>& rows, int scale, float height_m,
+    const geometry::Rigid2& map_from_grid = {}) {
   const int height = scale * static_cast<int>(rows.size());
   const int width = scale * static_cast<int>(rows[0].size());
-  TraversableLevel level;
-  level.grid = OccupancyGrid::Filled(width, height, 0.05, map_from_grid,
-                                     Occupancy::kFree);
+  traversability::TraversableLevel level;
+  level.grid = core::OccupancyGrid::Filled(width, height, 0.05, map_from_grid,
+                                           core::Occupancy::kFree);
   level.height_m.assign(level.grid.cells.size(), height_m);
   level.slope_rad.assign(level.grid.cells.size(), 0);
   level.clearance_m.assign(level.grid.cells.size(), 2.5F);
@@ -29,9 +29,9 @@ inline TraversableLevel DrawnLevel(const std::vector<std::string>& rows,
       const char drawn = rows[static_cast<size_t>((height - 1 - y) / scale)]
                              [static_cast<size_t>(x / scale)];
       const size_t at = level.grid.IndexOf({x, y});
-      if (drawn == '#') level.grid.cells[at] = Occupancy::kOccupied;
+      if (drawn == '#') level.grid.cells[at] = core::Occupancy::kOccupied;
       if (drawn != '?') continue;
-      level.grid.cells[at] = Occupancy::kUnknown;
+      level.grid.cells[at] = core::Occupancy::kUnknown;
       level.height_m[at] = std::numeric_limits<float>::quiet_NaN();
       level.slope_rad[at] = std::numeric_limits<float>::quiet_NaN();
     }
@@ -39,14 +39,14 @@ inline TraversableLevel DrawnLevel(const std::vector<std::string>& rows,
   return level;
 }
 
-inline std::shared_ptr<const NavigationMap> DrawnMap(
+inline std::shared_ptr<const traversability::NavigationMap> DrawnMap(
     const std::vector<std::string>& rows, int scale = 2,
-    const Rigid2& map_from_grid = {},
-    const NavigationMapOptions& options = {}) {
-  TraversableMap map;
+    const geometry::Rigid2& map_from_grid = {},
+    const traversability::NavigationMapOptions& options = {}) {
+  traversability::TraversableMap map;
   map.levels.push_back(DrawnLevel(rows, scale, 0.0F, map_from_grid));
-  return std::make_shared<const NavigationMap>(
-      *NavigationMap::Make(std::move(map), options));
+  return std::make_shared<const traversability::NavigationMap>(
+      *traversability::NavigationMap::Make(std::move(map), options));
 }
 
 // A room of size_x x size_y m with walls of 0.1 m around it, in characters of
@@ -83,6 +83,6 @@ inline std::vector<std::string> TwoRoomsRows(int width_dm) {
   return rows;
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_TESTING_MAPS_H_

@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 // Steps are no shorter than this, to get away from walls that are touched, and
@@ -20,7 +20,7 @@ constexpr int kLeavingSteps = 6;
 constexpr double kLeavingStep_m = 0.2;
 constexpr int kStopEvery = 32;
 
-double YawOf(Vec2 way) { return std::atan2(way.y, way.x); }
+double YawOf(geometry::Vec2 way) { return std::atan2(way.y, way.x); }
 
 struct Node {
   Spot spot;
@@ -34,7 +34,7 @@ struct Node {
 // can be one: the robot turns there.
 bool AreOne(const DriveSpace& space, const Node& from, const Node& to) {
   return from.spot.level == to.spot.level &&
-         Norm(from.spot.at - to.spot.at) < 1e-6 &&
+         geometry::Norm(from.spot.at - to.spot.at) < 1e-6 &&
          space.CanTurn(from.spot, from.yaw_rad, to.yaw_rad);
 }
 
@@ -57,8 +57,8 @@ class VariableRrt::Tree {
     int nearest = 0;
     double nearest_squared = std::numeric_limits<double>::infinity();
     for (int i = 0; i < size(); ++i) {
-      const Vec2 way = node(i).spot.at - to.at;
-      double squared = Dot(way, way);
+      const geometry::Vec2 way = node(i).spot.at - to.at;
+      double squared = geometry::Dot(way, way);
       if (node(i).spot.level != to.level) {
         squared += kLevelDistance_m * kLevelDistance_m;
       }
@@ -71,10 +71,10 @@ class VariableRrt::Tree {
   }
 
   // A step from a node; the new one, or -1.
-  int Step(int from, Vec2 towards) {
+  int Step(int from, geometry::Vec2 towards) {
     const Spot& spot = node(from).spot;
-    const Vec2 way = towards - spot.at;
-    const double length_m = Norm(way);
+    const geometry::Vec2 way = towards - spot.at;
+    const double length_m = geometry::Norm(way);
     if (!(length_m > 1e-6)) return -1;
     const double step_m =
         std::clamp(space_->RoomAtLeast_m(spot), kLeastStep_m, kMostStep_m);
@@ -83,9 +83,9 @@ class VariableRrt::Tree {
   }
 
   // The new node at `to`, or -1 if it cannot be driven to.
-  int Add(int from, Vec2 to) {
+  int Add(int from, geometry::Vec2 to) {
     const Node& parent = node(from);
-    const Vec2 way = to - parent.spot.at;
+    const geometry::Vec2 way = to - parent.spot.at;
     const double yaw_rad = YawOf(is_of_goal_ ? -1 * way : way);
     if (!space_->CanTurn(parent.spot, parent.yaw_rad, yaw_rad)) return -1;
     const std::optional<Spot> end = space_->Drive(parent.spot, to, is_of_goal_);
@@ -101,8 +101,8 @@ class VariableRrt::Tree {
     return way;
   }
 
-  std::vector<Vec2> Edges() const {
-    std::vector<Vec2> edges;
+  std::vector<geometry::Vec2> Edges() const {
+    std::vector<geometry::Vec2> edges;
     for (const Node& child : nodes_) {
       if (child.parent < 0) continue;
       edges.push_back(node(child.parent).spot.at);
@@ -114,8 +114,8 @@ class VariableRrt::Tree {
  private:
   // Straight ahead from the start, straight back from the goal.
   void Leave() {
-    const Vec2 ahead = {std::cos(nodes_[0].yaw_rad),
-                        std::sin(nodes_[0].yaw_rad)};
+    const geometry::Vec2 ahead = {std::cos(nodes_[0].yaw_rad),
+                                  std::sin(nodes_[0].yaw_rad)};
     int from = 0;
     for (int i = 0; i < kLeavingSteps && from >= 0; ++i) {
       from = Add(from,
@@ -169,9 +169,13 @@ bool VariableRrt::Grow(int iterations,
   return met_[0] >= 0;
 }
 
-std::vector<Vec2> VariableRrt::Edges() const { return trees_[0]->Edges(); }
+std::vector<geometry::Vec2> VariableRrt::Edges() const {
+  return trees_[0]->Edges();
+}
 
-std::vector<Vec2> VariableRrt::GoalEdges() const { return trees_[1]->Edges(); }
+std::vector<geometry::Vec2> VariableRrt::GoalEdges() const {
+  return trees_[1]->Edges();
+}
 
 Polyline VariableRrt::Way() const {
   if (met_[0] < 0) return {};
@@ -182,4 +186,4 @@ Polyline VariableRrt::Way() const {
   return way;
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

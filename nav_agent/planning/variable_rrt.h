@@ -11,7 +11,7 @@
 
 #include "nav_agent/planning/drive_space.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 // A place with a heading, in the frame of the grids.
 struct Stand {
@@ -47,9 +47,9 @@ class VariableRrt {
   // From the start to the goal; empty until the trees meet.
   Polyline Way() const;
   // Pairs of points: the start's tree.
-  std::vector<Vec2> Edges() const;
+  std::vector<geometry::Vec2> Edges() const;
   // And the goal's.
-  std::vector<Vec2> GoalEdges() const;
+  std::vector<geometry::Vec2> GoalEdges() const;
 
  private:
   class Tree;
@@ -63,6 +63,6 @@ class VariableRrt {
   int iterations_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_VARIABLE_RRT_H_

@@ -12,7 +12,7 @@
 #include "nav_agent/planning/lattice.h"
 #include "nav_agent/planning/path_improver.h"
 
-namespace treeline {
+namespace treeline::planning {
 namespace {
 
 // Streams of random numbers; restarts follow.
@@ -36,15 +36,15 @@ constexpr double kGuideSpacing_m = 0.15;
 // Trees that have not met after so many do not meet soon.
 constexpr int kEasyIterations = 1000;
 
-double SecondsSince(MonotonicTime start) {
-  return MillisecondsBetween(start, SteadyClock().Now()) / 1000;
+double SecondsSince(base::MonotonicTime start) {
+  return base::MillisecondsBetween(start, base::SteadyClock().Now()) / 1000;
 }
 
 // The work on one request.
 class Planning {
  public:
   Planning(const PlanTask& task, uint64_t seed, const PlanBudget& budget,
-           const std::stop_token& stop, MonotonicTime begin)
+           const std::stop_token& stop, base::MonotonicTime begin)
       : task_(&task),
         seed_(seed),
         budget_(budget),
@@ -75,13 +75,13 @@ class Planning {
   uint64_t seed_;
   PlanBudget budget_;
   const std::stop_token* stop_;
-  MonotonicTime begin_;
+  base::MonotonicTime begin_;
   std::optional<Polyline> guide_;
   Polyline way_;
 };
 
 Spot Planning::SampleOf(uint64_t stream, uint64_t iteration) const {
-  Random random(seed_ + (stream << 32), iteration);
+  base::Random random(seed_ + (stream << 32), iteration);
   if (random.NextBelow(kGoalEvery) == 0) {
     return iteration % 2 == 0 ? task_->goal.spot : task_->start.spot;
   }
@@ -89,8 +89,9 @@ Spot Planning::SampleOf(uint64_t stream, uint64_t iteration) const {
     Spot near =
         (*guide_)[random.NextBelow(static_cast<uint32_t>(guide_->size()))];
     if (random.NextBelow(2) == 0) {
-      near.at = near.at + Vec2{kGuideSpread_m * random.NextGaussian(),
-                               kGuideSpread_m * random.NextGaussian()};
+      near.at =
+          near.at + geometry::Vec2{kGuideSpread_m * random.NextGaussian(),
+                                   kGuideSpread_m * random.NextGaussian()};
     }
     return near;
   }
@@ -102,7 +103,7 @@ Spot Planning::SampleOf(uint64_t stream, uint64_t iteration) const {
   const auto width = static_cast<size_t>(ground.width());
   const double x = static_cast<double>(cell % width) + random.NextUnit();
   const double y = static_cast<double>(cell / width) + random.NextUnit();
-  return {.at = ground.resolution_m() * Vec2{x, y},
+  return {.at = ground.resolution_m() * geometry::Vec2{x, y},
           .level = static_cast<int>(number / ground.cells())};
 }
 
@@ -122,7 +123,7 @@ void Planning::FindFirst(PlanResult& result) {
   if (!is_found && !IsOver()) {
     LookForGuide();
     if (guide_->empty() && !IsOver()) {
-      result.failure = NavigationCause::kNoPath;
+      result.failure = core::NavigationCause::kNoPath;
       result.why = "no free ground as wide as the robot leads to the goal";
       return;
     }
@@ -138,13 +139,13 @@ void Planning::FindFirst(PlanResult& result) {
   result.iterations = trees.iterations();
   result.tree_edges = trees.Edges();
   result.start_tree_points = result.tree_edges.size();
-  const std::vector<Vec2> goal_edges = trees.GoalEdges();
+  const std::vector<geometry::Vec2> goal_edges = trees.GoalEdges();
   result.tree_edges.insert(result.tree_edges.end(), goal_edges.begin(),
                            goal_edges.end());
   if (way_.empty()) way_ = trees.Way();
   result.first_path_s = SecondsSince(begin_);
   if (is_found) return;
-  result.failure = NavigationCause::kPlanTimeout;
+  result.failure = core::NavigationCause::kPlanTimeout;
   result.why = absl::StrFormat(
       "no way was found in %d iterations and %.3f s: places on it may be too "
       "narrow to turn in",
@@ -163,8 +164,8 @@ void Planning::FindThoroughly(PlanResult& result) {
   }
   result.first_path_s = SecondsSince(begin_);
   if (!way_.empty()) return;
-  result.failure =
-      IsOver() ? NavigationCause::kPlanTimeout : NavigationCause::kNoPath;
+  result.failure = IsOver() ? core::NavigationCause::kPlanTimeout
+                            : core::NavigationCause::kNoPath;
   result.why = absl::StrFormat(
       "no way was found in %.3f s: places on it are too narrow to turn in",
       SecondsSince(begin_));
@@ -175,8 +176,8 @@ void Planning::Polish(PathImprover& improver, PlanResult& result) const {
        idle < kIdleAttempts && result.iterations < budget_.max_iterations;
        ++result.iterations) {
     if (result.iterations % kStopEvery == 0 && IsOver()) return;
-    Random random(seed_ + (kImprovements << 32),
-                  static_cast<uint64_t>(result.iterations));
+    base::Random random(seed_ + (kImprovements << 32),
+                        static_cast<uint64_t>(result.iterations));
     idle = improver.Try(random) ? 0 : idle + 1;
   }
 }
@@ -184,14 +185,16 @@ void Planning::Polish(PathImprover& improver, PlanResult& result) const {
 Polyline Planning::Restart(uint64_t stream, double bound_m,
                            PlanResult& result) const {
   VariableRrt trees(task_->space, task_->start, task_->goal);
-  const Vec2 start = task_->start.spot.at;
-  const Vec2 goal = task_->goal.spot.at;
+  const geometry::Vec2 start = task_->start.spot.at;
+  const geometry::Vec2 goal = task_->goal.spot.at;
   // Informed: a way over a place outside of the ellipse would be longer.
   const auto sample = [&](uint64_t iteration) {
     Spot spot;
     for (uint64_t i = 0; i < 8; ++i) {
       spot = SampleOf(stream, 8 * iteration + i);
-      if (Norm(spot.at - start) + Norm(spot.at - goal) < bound_m) break;
+      if (geometry::Norm(spot.at - start) + geometry::Norm(spot.at - goal) <
+          bound_m)
+        break;
     }
     return spot;
   };
@@ -221,7 +224,7 @@ void Planning::Improve(PlanResult& result) {
                           kGuideSpacing_m);
       }
     } else if (restart % 2 == 1) {
-      Random random(seed_ + (kImprovements << 32), restart << 32);
+      base::Random random(seed_ + (kImprovements << 32), restart << 32);
       other = PullTight(task_->space, start_yaw_rad, goal_yaw_rad, best.way(),
                         random.NextUniform(0.1, 0.3));
     } else {
@@ -251,12 +254,13 @@ VariableRrtPlanner::VariableRrtPlanner(std::shared_ptr<const PlanGround> ground,
 absl::StatusOr<PlanResult> VariableRrtPlanner::Plan(
     const PlanRequest& request, const PlanBudget& budget,
     const std::stop_token& stop) const {
-  const MonotonicTime begin = SteadyClock().Now();
+  const base::MonotonicTime begin = base::SteadyClock().Now();
   TL_RETURN_IF_ERROR(CheckRequest(request));
   PlanResult result;
-  const Rigid2& map_from_grid = ground_->index->map().grid(0).map_from_grid;
+  const geometry::Rigid2& map_from_grid =
+      ground_->index->map().grid(0).map_from_grid;
   for (const bool is_tight : {false, true}) {
-    result.failure = NavigationCause::kNone;
+    result.failure = core::NavigationCause::kNone;
     result.why.clear();
     const std::optional<PlanTask> task =
         MakeTask(is_tight ? *tight_ : *ground_, request, max_move_m_, result);
@@ -266,19 +270,19 @@ absl::StatusOr<PlanResult> VariableRrtPlanner::Plan(
       planning.FindThoroughly(result);
     } else {
       planning.FindFirst(result);
-      for (Vec2& end : result.tree_edges) end = map_from_grid * end;
+      for (geometry::Vec2& end : result.tree_edges) end = map_from_grid * end;
     }
-    if (result.failure == NavigationCause::kNone) {
+    if (result.failure == core::NavigationCause::kNone) {
       if (budget.improves) planning.Improve(result);
       WriteWay(*task, planning.way(), result);
     }
     if (stop.stop_requested()) {
       return absl::CancelledError("planning was stopped");
     }
-    if (result.failure == NavigationCause::kNone) break;
+    if (result.failure == core::NavigationCause::kNone) break;
   }
   result.total_s = SecondsSince(begin);
   return result;
 }
 
-}  // namespace treeline
+}  // namespace treeline::planning

@@ -7,7 +7,7 @@
 #include "nav_agent/planning/global_planner.h"
 #include "nav_agent/planning/plan_frame.h"
 
-namespace treeline {
+namespace treeline::planning {
 
 class VariableRrtPlanner final : public GlobalPlanner {
  public:
@@ -27,6 +27,6 @@ class VariableRrtPlanner final : public GlobalPlanner {
   double max_move_m_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::planning
 
 #endif  // NAV_AGENT_PLANNING_VARIABLE_RRT_PLANNER_H_

@@ -14,7 +14,7 @@
 #include "common/image/decode.h"
 #include "nav_agent/recording/log_payload.h"
 
-namespace treeline {
+namespace treeline::recording {
 namespace {
 
 constexpr absl::string_view kMagic = "TREELOG\n";
@@ -107,36 +107,37 @@ std::string EncodeLogRecord(const LogEntry& entry) {
   return record;
 }
 
-absl::StatusOr<LogFrame> EncodeLogFrame(const RgbdFrame& frame,
+absl::StatusOr<LogFrame> EncodeLogFrame(const core::RgbdFrame& frame,
                                         int jpeg_quality) {
   LogFrame encoded = {.stamp = frame.stamp, .sequence = frame.sequence};
   if (jpeg_quality < 1) {
-    TL_ASSIGN_OR_RETURN(encoded.color, EncodePng(frame.frame.color));
+    TL_ASSIGN_OR_RETURN(encoded.color, image::EncodePng(frame.frame.color));
   } else {
     TL_ASSIGN_OR_RETURN(encoded.color,
-                        EncodeJpeg(frame.frame.color, jpeg_quality));
+                        image::EncodeJpeg(frame.frame.color, jpeg_quality));
   }
   if (frame.frame.depth.has_value()) {
     encoded.depth_unit_m = frame.frame.depth->unit_m;
-    TL_ASSIGN_OR_RETURN(encoded.depth, EncodeDepthPng(*frame.frame.depth));
+    TL_ASSIGN_OR_RETURN(encoded.depth,
+                        image::EncodeDepthPng(*frame.frame.depth));
   }
   return encoded;
 }
 
-absl::StatusOr<RgbdFrame> DecodeLogFrame(const LogFrame& frame) {
-  RgbdFrame decoded;
+absl::StatusOr<core::RgbdFrame> DecodeLogFrame(const LogFrame& frame) {
+  core::RgbdFrame decoded;
   decoded.stamp = frame.stamp;
   decoded.sequence = frame.sequence;
-  TL_ASSIGN_OR_RETURN(decoded.frame.color, DecodeColor(frame.color));
+  TL_ASSIGN_OR_RETURN(decoded.frame.color, image::DecodeColor(frame.color));
   if (!frame.depth.empty()) {
     TL_ASSIGN_OR_RETURN(decoded.frame.depth,
-                        DecodeDepthPng(frame.depth, frame.depth_unit_m));
+                        image::DecodeDepthPng(frame.depth, frame.depth_unit_m));
   }
   return decoded;
 }
 
 absl::StatusOr<std::unique_ptr<AgentLogWriter>> AgentLogWriter::Open(
-    const std::string& path, bool append, const Clock& clock) {
+    const std::string& path, bool append, const base::Clock& clock) {
   size_t end = 0;
   bool is_new = true;
   if (append && access(path.c_str(), F_OK) == 0) {
@@ -161,7 +162,8 @@ absl::StatusOr<std::unique_ptr<AgentLogWriter>> AgentLogWriter::Open(
   return writer;
 }
 
-AgentLogWriter::AgentLogWriter(int fd, std::string path, const Clock& clock)
+AgentLogWriter::AgentLogWriter(int fd, std::string path,
+                               const base::Clock& clock)
     : fd_(fd),
       path_(std::move(path)),
       clock_(&clock),
@@ -208,12 +210,12 @@ bool IsAgentLog(absl::string_view bytes) {
 }
 
 absl::StatusOr<AgentLogReader> AgentLogReader::Open(const std::string& path) {
-  TL_ASSIGN_OR_RETURN(MappedFile file, MappedFile::Open(path));
-  auto shared = std::make_shared<const MappedFile>(std::move(file));
+  TL_ASSIGN_OR_RETURN(base::MappedFile file, base::MappedFile::Open(path));
+  auto shared = std::make_shared<const base::MappedFile>(std::move(file));
   const absl::string_view bytes(reinterpret_cast<const char*>(shared->data()),
                                 static_cast<size_t>(shared->size()));
   auto reader = Parse(bytes);
-  if (!reader.ok()) return Annotate(reader.status(), path);
+  if (!reader.ok()) return base::Annotate(reader.status(), path);
   reader->file_ = std::move(shared);
   return reader;
 }
@@ -263,4 +265,4 @@ std::optional<LogEntry> AgentLogReader::Next() {
   return std::nullopt;
 }
 
-}  // namespace treeline
+}  // namespace treeline::recording

@@ -19,7 +19,7 @@
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::recording {
 
 inline constexpr uint32_t kAgentLogVersion = 1;
 // Longer payloads are refused.
@@ -34,7 +34,7 @@ struct LogInformation {
 // An RGB-D frame as files: colour as JPEG or PNG, depth as 16-bit PNG in
 // depth_unit_m, or empty.
 struct LogFrame {
-  MonotonicTime stamp;
+  base::MonotonicTime stamp;
   int64_t sequence = 0;
   double depth_unit_m = 0.001;
   std::string color{};
@@ -43,32 +43,33 @@ struct LogFrame {
 
 // Where the robot truly was. Only simulators know.
 struct LogTruePose {
-  MonotonicTime stamp;
-  Rigid3 world_from_base;
+  base::MonotonicTime stamp;
+  geometry::Rigid3 world_from_base;
 };
 
 // Something that happened, as text.
 struct LogEvent {
-  MonotonicTime stamp;
+  base::MonotonicTime stamp;
   std::string text;
 };
 
 // What the base was asked to do.
 struct LogCommand {
-  MonotonicTime stamp;
-  VelocityCommand command;
+  base::MonotonicTime stamp;
+  core::VelocityCommand command;
 };
 
 // RangeSensorInfo, RgbdCalibration and RobotModel hold for what follows them.
-using LogEntry = std::variant<LogInformation, RangeSensorInfo, RgbdCalibration,
-                              RobotModel, LaserScan, BaseReading, LogFrame,
-                              LogTruePose, LogEvent, LogCommand>;
+using LogEntry =
+    std::variant<LogInformation, core::RangeSensorInfo, camera::RgbdCalibration,
+                 core::RobotModel, core::LaserScan, core::BaseReading, LogFrame,
+                 LogTruePose, LogEvent, LogCommand>;
 
 // Frames to files and back. jpeg_quality < 1: colour as PNG, without loss.
-absl::StatusOr<LogFrame> EncodeLogFrame(const RgbdFrame& frame,
+absl::StatusOr<LogFrame> EncodeLogFrame(const core::RgbdFrame& frame,
                                         int jpeg_quality);
 // The frame's calibration is left empty.
-absl::StatusOr<RgbdFrame> DecodeLogFrame(const LogFrame& frame);
+absl::StatusOr<core::RgbdFrame> DecodeLogFrame(const LogFrame& frame);
 
 // Appends entries to a file. What was written is in the file after a second at
 // the latest, if entries keep coming, so that a program that is killed loses no
@@ -80,7 +81,7 @@ class AgentLogWriter {
   // there is a file and `append` is false; DATA_LOSS if it is no log.
   // clock must outlive the writer.
   static absl::StatusOr<std::unique_ptr<AgentLogWriter>> Open(
-      const std::string& path, bool append, const Clock& clock);
+      const std::string& path, bool append, const base::Clock& clock);
   ~AgentLogWriter();
 
   // UNAVAILABLE with the system's reason: a full disk. RESOURCE_EXHAUSTED: the
@@ -93,13 +94,13 @@ class AgentLogWriter {
   int64_t bytes_written() const { return bytes_; }
 
  private:
-  AgentLogWriter(int fd, std::string path, const Clock& clock);
+  AgentLogWriter(int fd, std::string path, const base::Clock& clock);
 
   const int fd_;
   const std::string path_;
-  const Clock* clock_;
+  const base::Clock* clock_;
   std::string buffer_;
-  MonotonicTime last_flush_;
+  base::MonotonicTime last_flush_;
   int64_t bytes_ = 0;
 };
 
@@ -133,7 +134,7 @@ class AgentLogReader {
   AgentLogReader() = default;
 
   // Behind `bytes_`, if it was opened as a file.
-  std::shared_ptr<const MappedFile> file_;
+  std::shared_ptr<const base::MappedFile> file_;
   absl::string_view bytes_;
   size_t at_ = 0;
   size_t end_of_last_ = 0;
@@ -149,6 +150,6 @@ std::string EncodeLogRecord(const LogEntry& entry);
 // What stands before the first.
 std::string AgentLogHeader();
 
-}  // namespace treeline
+}  // namespace treeline::recording
 
 #endif  // NAV_AGENT_RECORDING_AGENT_LOG_H_

@@ -11,48 +11,48 @@
 #include "common/base/file.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::recording {
 namespace {
 
 using std::chrono::milliseconds;
 
-class FakeClock final : public Clock {
+class FakeClock final : public base::Clock {
  public:
-  MonotonicTime Now() const override { return now; }
-  MonotonicTime now{};
+  base::MonotonicTime Now() const override { return now; }
+  base::MonotonicTime now{};
 };
 
-MonotonicTime StampAt(int milliseconds_since) {
-  return MonotonicTime(milliseconds(milliseconds_since));
+base::MonotonicTime StampAt(int milliseconds_since) {
+  return base::MonotonicTime(milliseconds(milliseconds_since));
 }
 
 // One of each kind.
 std::vector<LogEntry> AllKinds() {
-  RgbdCalibration calibration;
+  camera::RgbdCalibration calibration;
   calibration.color =
-      *Camera::Parse("OPENCV,525,526,320,240,0.1,0,0,0.01", 640, 480);
+      *camera::Camera::Parse("OPENCV,525,526,320,240,0.1,0,0,0.01", 640, 480);
   calibration.color_from_depth.translation = {0.025, 0, 0};
-  calibration.pose_sensor = RgbdSensor::kDepth;
-  RobotModel robot;
+  calibration.pose_sensor = camera::RgbdSensor::kDepth;
+  core::RobotModel robot;
   robot.height_m = 0.75;
   return {LogInformation{"a test"},
-          RangeSensorInfo{.angle_min_rad = -2,
-                          .angle_increment_rad = 0.004,
-                          .beams = 3,
-                          .range_min_m = 0.1,
-                          .range_max_m = 30,
-                          .beam_interval_s = 1e-5,
-                          .scan_interval_s = 0.025},
+          core::RangeSensorInfo{.angle_min_rad = -2,
+                                .angle_increment_rad = 0.004,
+                                .beams = 3,
+                                .range_min_m = 0.1,
+                                .range_max_m = 30,
+                                .beam_interval_s = 1e-5,
+                                .scan_interval_s = 0.025},
           calibration,
           robot,
-          LaserScan{.stamp = StampAt(25),
-                    .ranges_m = {1.5f, kNoReturn, kTooNear},
-                    .intensities = {100, 0, 7}},
-          BaseReading{.stamp = StampAt(30),
-                      .left_wheel_m = 1.25,
-                      .right_wheel_m = -2,
-                      .pitch_rad = 0.05,
-                      .motors_enabled = false},
+          core::LaserScan{.stamp = StampAt(25),
+                          .ranges_m = {1.5f, core::kNoReturn, core::kTooNear},
+                          .intensities = {100, 0, 7}},
+          core::BaseReading{.stamp = StampAt(30),
+                            .left_wheel_m = 1.25,
+                            .right_wheel_m = -2,
+                            .pitch_rad = 0.05,
+                            .motors_enabled = false},
           LogFrame{.stamp = StampAt(33),
                    .sequence = 4,
                    .depth_unit_m = 0.0002,
@@ -98,14 +98,15 @@ TEST(AgentLog, KeepsValuesAndRanges) {
   auto reader = AgentLogReader::Parse(bytes);
   std::vector<LogEntry> entries;
   while (auto entry = reader->Next()) entries.push_back(*std::move(entry));
-  const auto& calibration = std::get<RgbdCalibration>(entries[2]);
-  EXPECT_EQ(calibration, std::get<RgbdCalibration>(AllKinds()[2]));
-  EXPECT_EQ(std::get<RobotModel>(entries[3]).height_m, 0.75);
-  const auto& scan = std::get<LaserScan>(entries[4]);
+  const auto& calibration = std::get<camera::RgbdCalibration>(entries[2]);
+  EXPECT_EQ(calibration, std::get<camera::RgbdCalibration>(AllKinds()[2]));
+  EXPECT_EQ(std::get<core::RobotModel>(entries[3]).height_m, 0.75);
+  const auto& scan = std::get<core::LaserScan>(entries[4]);
   EXPECT_EQ(scan.stamp, StampAt(25));
-  EXPECT_EQ(scan.ranges_m, (std::vector<float>{1.5f, kNoReturn, kTooNear}));
+  EXPECT_EQ(scan.ranges_m,
+            (std::vector<float>{1.5f, core::kNoReturn, core::kTooNear}));
   EXPECT_EQ(scan.intensities, (std::vector<uint16_t>{100, 0, 7}));
-  const auto& reading = std::get<BaseReading>(entries[5]);
+  const auto& reading = std::get<core::BaseReading>(entries[5]);
   EXPECT_EQ(reading.right_wheel_m, -2);
   EXPECT_FALSE(reading.motors_enabled);
   EXPECT_EQ(std::get<LogFrame>(entries[6]).color, "jpeg");
@@ -181,7 +182,7 @@ TEST(AgentLog, GoesOnBehindTheLastWholeEntry) {
   const std::string path = TemporaryPath("append");
   const std::string bytes = FileOf(AllKinds());
   ASSERT_TRUE(
-      WriteFileAtomically(path, bytes.substr(0, bytes.size() - 3)).ok());
+      base::WriteFileAtomically(path, bytes.substr(0, bytes.size() - 3)).ok());
   EXPECT_EQ(AgentLogWriter::Open(path, false, clock).status().code(),
             absl::StatusCode::kAlreadyExists);
   {
@@ -200,11 +201,12 @@ TEST(AgentLog, GoesOnBehindTheLastWholeEntry) {
 }
 
 TEST(AgentLog, FramesComeBackAsTheyWere) {
-  RgbdFrame frame;
+  core::RgbdFrame frame;
   frame.stamp = StampAt(5);
   frame.sequence = 3;
   frame.frame.color = {4, 2, std::vector<uint8_t>(24, 77)};
-  frame.frame.depth = DepthImage{4, 2, std::vector<uint16_t>(8, 1234), 0.001};
+  frame.frame.depth =
+      image::DepthImage{4, 2, std::vector<uint16_t>(8, 1234), 0.001};
   const auto encoded = EncodeLogFrame(frame, 0);
   ASSERT_TRUE(encoded.ok());
   const auto decoded = DecodeLogFrame(*encoded);
@@ -215,4 +217,4 @@ TEST(AgentLog, FramesComeBackAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::recording

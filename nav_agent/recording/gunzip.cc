@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::recording {
 namespace {
 
 // Ends the stream when it goes out of scope.
@@ -70,4 +70,4 @@ absl::StatusOr<std::string> Gunzip(absl::string_view bytes, size_t max_bytes) {
   return out;
 }
 
-}  // namespace treeline
+}  // namespace treeline::recording

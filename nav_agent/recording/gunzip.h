@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::recording {
 
 bool IsGzip(absl::string_view bytes);
 
@@ -16,6 +16,6 @@ bool IsGzip(absl::string_view bytes);
 // RESOURCE_EXHAUSTED if there is more than max_bytes.
 absl::StatusOr<std::string> Gunzip(absl::string_view bytes, size_t max_bytes);
 
-}  // namespace treeline
+}  // namespace treeline::recording
 
 #endif  // NAV_AGENT_RECORDING_GUNZIP_H_

@@ -19,7 +19,7 @@
 #include "nav_agent/recording/laser_log_json.h"
 #include "nav_agent/recording/log_builder.h"
 
-namespace treeline {
+namespace treeline::recording {
 namespace {
 
 using Words = std::vector<absl::string_view>;
@@ -32,7 +32,7 @@ class LineReader {
       : name_(name), line_(line), words_(words) {}
 
   absl::Status Error(absl::string_view what) const {
-    return LineError(name_, line_, what);
+    return dataset::LineError(name_, line_, what);
   }
   absl::Status Need(size_t count) const {
     if (words_.size() >= count) return absl::OkStatus();
@@ -41,14 +41,15 @@ class LineReader {
   }
   absl::Status Numbers(std::span<double> numbers) {
     TL_RETURN_IF_ERROR(Need(numbers.size()));
-    TL_RETURN_IF_ERROR(ParseNumbers(words_, name_, line_, numbers));
+    TL_RETURN_IF_ERROR(dataset::ParseNumbers(words_, name_, line_, numbers));
     words_ = words_.subspan(numbers.size());
     return absl::OkStatus();
   }
-  absl::StatusOr<Rigid2> Pose(double unit_m) {
+  absl::StatusOr<geometry::Rigid2> Pose(double unit_m) {
     double numbers[3] = {};
     TL_RETURN_IF_ERROR(Numbers(numbers));
-    return Rigid2{{numbers[0] * unit_m, numbers[1] * unit_m}, numbers[2]};
+    return geometry::Rigid2{{numbers[0] * unit_m, numbers[1] * unit_m},
+                            numbers[2]};
   }
   absl::StatusOr<int> Count() {
     TL_RETURN_IF_ERROR(Need(1));
@@ -89,8 +90,8 @@ class LineReader {
 absl::Status AddFrontLaser(int line, LineReader reader, LogBuilder* builder) {
   TL_ASSIGN_OR_RETURN(const int count, reader.Count());
   TL_ASSIGN_OR_RETURN(std::vector<float> ranges_m, reader.Ranges(count, 1.0));
-  TL_ASSIGN_OR_RETURN(const Rigid2 odom_from_laser, reader.Pose(1.0));
-  TL_ASSIGN_OR_RETURN(const Rigid2 odom_from_base, reader.Pose(1.0));
+  TL_ASSIGN_OR_RETURN(const geometry::Rigid2 odom_from_laser, reader.Pose(1.0));
+  TL_ASSIGN_OR_RETURN(const geometry::Rigid2 odom_from_base, reader.Pose(1.0));
   TL_ASSIGN_OR_RETURN(const RecordingTime stamp, reader.Stamp());
   builder->AddMount(odom_from_base.Inverse() * odom_from_laser);
   return builder->AddScan(line, stamp, odom_from_base, SickGeometry(count),
@@ -107,15 +108,15 @@ absl::Status AddRobotLaser(int line, LineReader reader, LogBuilder* builder) {
   TL_ASSIGN_OR_RETURN(std::vector<float> ranges_m, reader.Ranges(count, 1.0));
   TL_ASSIGN_OR_RETURN(const int remissions, reader.Count());
   TL_RETURN_IF_ERROR(reader.Ranges(remissions, 1.0).status());
-  TL_ASSIGN_OR_RETURN(const Rigid2 odom_from_laser, reader.Pose(1.0));
-  TL_ASSIGN_OR_RETURN(const Rigid2 odom_from_base, reader.Pose(1.0));
+  TL_ASSIGN_OR_RETURN(const geometry::Rigid2 odom_from_laser, reader.Pose(1.0));
+  TL_ASSIGN_OR_RETURN(const geometry::Rigid2 odom_from_base, reader.Pose(1.0));
   double motion[5] = {};
   TL_RETURN_IF_ERROR(reader.Numbers(motion));
   TL_ASSIGN_OR_RETURN(const RecordingTime stamp, reader.Stamp());
   const double max_range_m = head[4];
   if (max_range_m > 0) {
     for (float& range_m : ranges_m) {
-      if (range_m >= static_cast<float>(max_range_m)) range_m = kNoReturn;
+      if (range_m >= static_cast<float>(max_range_m)) range_m = core::kNoReturn;
     }
   }
   if (!(std::abs(head[1]) <= 2 * std::numbers::pi) || !(head[3] > 0) ||
@@ -132,7 +133,7 @@ absl::Status AddRobotLaser(int line, LineReader reader, LogBuilder* builder) {
 
 // ODOM x y theta tv rv accel stamp host logged
 absl::Status AddOdometryLine(int line, LineReader reader, LogBuilder* builder) {
-  TL_ASSIGN_OR_RETURN(const Rigid2 odom_from_base, reader.Pose(1.0));
+  TL_ASSIGN_OR_RETURN(const geometry::Rigid2 odom_from_base, reader.Pose(1.0));
   double motion[3] = {};
   TL_RETURN_IF_ERROR(reader.Numbers(motion));
   TL_ASSIGN_OR_RETURN(const RecordingTime stamp, reader.Stamp());
@@ -143,14 +144,14 @@ absl::Status AddOdometryLine(int line, LineReader reader, LogBuilder* builder) {
 absl::Status AddWeanLine(int line, bool has_scan, LineReader reader,
                          LogBuilder* builder) {
   constexpr double kMetresPerCentimetre = 0.01;
-  TL_ASSIGN_OR_RETURN(const Rigid2 odom_from_base,
+  TL_ASSIGN_OR_RETURN(const geometry::Rigid2 odom_from_base,
                       reader.Pose(kMetresPerCentimetre));
   if (!has_scan) {
     TL_ASSIGN_OR_RETURN(const RecordingTime stamp, reader.Stamp());
     if (reader.left() > 0) return reader.Error("an O line with too many words");
     return builder->AddOdometry(line, stamp, odom_from_base);
   }
-  TL_ASSIGN_OR_RETURN(const Rigid2 odom_from_laser,
+  TL_ASSIGN_OR_RETURN(const geometry::Rigid2 odom_from_laser,
                       reader.Pose(kMetresPerCentimetre));
   if (reader.left() < 2 ||
       reader.left() - 1 > static_cast<size_t>(kMaxLogBeams)) {
@@ -220,7 +221,7 @@ absl::StatusOr<LaserLog> ParseLaserLog(absl::string_view bytes,
   std::string unpacked;
   if (IsGzip(bytes)) {
     auto plain = Gunzip(bytes, kMaxLogBytes);
-    if (!plain.ok()) return Annotate(plain.status(), name);
+    if (!plain.ok()) return base::Annotate(plain.status(), name);
     unpacked = *std::move(plain);
     bytes = unpacked;
   }
@@ -233,12 +234,13 @@ absl::StatusOr<LaserLog> ParseLaserLog(absl::string_view bytes,
 
 absl::StatusOr<LaserLog> ReadLaserLog(const std::string& path,
                                       const LaserLogOptions& options) {
-  TL_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path, kMaxLogBytes));
+  TL_ASSIGN_OR_RETURN(const std::string bytes,
+                      base::ReadFile(path, kMaxLogBytes));
   return ParseLaserLog(bytes, path, options);
 }
 
 std::string FormatCarmenLog(const LaserLog& log) {
-  const auto pose = [](const Rigid2& p) {
+  const auto pose = [](const geometry::Rigid2& p) {
     return absl::StrFormat("%.9g %.9g %.9g", p.translation.x, p.translation.y,
                            p.yaw_rad);
   };
@@ -262,7 +264,7 @@ std::string FormatCarmenLog(const LaserLog& log) {
         log.laser.angle_increment_rad * std::max(0, log.laser.beams - 1),
         log.laser.angle_increment_rad, log.laser.range_max_m, log.laser.beams);
     for (const float range_m : scan.ranges_m) {
-      const bool none = range_m == kNoReturn;
+      const bool none = range_m == core::kNoReturn;
       absl::StrAppendFormat(&text, " %.6g",
                             none                     ? log.laser.range_max_m
                             : std::isfinite(range_m) ? range_m
@@ -278,4 +280,4 @@ std::string FormatCarmenLog(const LaserLog& log) {
   return text;
 }
 
-}  // namespace treeline
+}  // namespace treeline::recording

@@ -12,17 +12,17 @@
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/recording/recording_time.h"
 
-namespace treeline {
+namespace treeline::recording {
 
 struct RecordedOdometry {
   RecordingTime stamp;
-  Rigid2 odom_from_base;
+  geometry::Rigid2 odom_from_base;
 };
 
 struct RecordedScan {
   RecordingTime stamp;
   // Where wheels say that the robot was at that time.
-  Rigid2 odom_from_base;
+  geometry::Rigid2 odom_from_base;
   // One for each beam (m), kNoReturn or kInvalidRange; see LaserLogOptions.
   std::vector<float> ranges_m;
 };
@@ -30,8 +30,8 @@ struct RecordedScan {
 struct LaserLog {
   // Geometry of all scans. No log says when each beam was measured:
   // beam_interval_s is 0.
-  RangeSensorInfo laser;
-  Rigid2 base_from_laser;
+  core::RangeSensorInfo laser;
+  geometry::Rigid2 base_from_laser;
   // In the order of time; stamps never decrease.
   std::vector<RecordedScan> scans;
   // Readings of odometry that came without a scan, in the order of time.
@@ -81,6 +81,6 @@ absl::StatusOr<LaserLog> ParseLaserLog(absl::string_view bytes,
 // for stamps below a microsecond and range_min_m.
 std::string FormatCarmenLog(const LaserLog& log);
 
-}  // namespace treeline
+}  // namespace treeline::recording
 
 #endif  // NAV_AGENT_RECORDING_LASER_LOG_H_

@@ -15,7 +15,7 @@
 #include "common/dataset/text_lines.h"
 #include "nav_agent/recording/log_builder.h"
 
-namespace treeline {
+namespace treeline::recording {
 namespace {
 
 using Json = nlohmann::json;
@@ -125,7 +125,7 @@ class Handler {
 
  private:
   bool Fail(absl::string_view what) {
-    if (status_.ok()) status_ = LineError(name_, *line_, what);
+    if (status_.ok()) status_ = dataset::LineError(name_, *line_, what);
     return false;
   }
   bool Number(double value) {
@@ -170,20 +170,21 @@ absl::StatusOr<LaserLog> ParseLaserLogJson(absl::string_view text,
       CountingIterator(text.data(), &line),
       CountingIterator(text.data() + text.size(), &end_line), &handler);
   if (!read || !handler.status().ok()) {
-    return handler.status().ok() ? LineError(name, line, "not JSON")
+    return handler.status().ok() ? dataset::LineError(name, line, "not JSON")
                                  : handler.status();
   }
   std::vector<std::pair<RecordingTime, ScanFields>> scans;
   for (ScanFields& scan : handler.scans()) {
     const std::optional<RecordingTime> stamp = ParseRecordingTime(scan.stamp);
     if (!stamp.has_value()) {
-      return LineError(
+      return dataset::LineError(
           name, scan.line,
           absl::StrCat("'", absl::CHexEscape(scan.stamp.substr(0, 40)),
                        "' is not a time stamp in seconds"));
     }
     if (!scan.x_m || !scan.y_m || !scan.theta_rad || !scan.has_ranges) {
-      return LineError(name, scan.line, "a scan needs range, x, y and theta");
+      return dataset::LineError(name, scan.line,
+                                "a scan needs range, x, y and theta");
     }
     scans.emplace_back(*stamp, std::move(scan));
   }
@@ -193,7 +194,7 @@ absl::StatusOr<LaserLog> ParseLaserLogJson(absl::string_view text,
       [](const auto& a, const auto& b) { return a.first < b.first; });
   LogBuilder builder(name, options);
   for (auto& [stamp, scan] : scans) {
-    const RangeSensorInfo laser =
+    const core::RangeSensorInfo laser =
         SickGeometry(static_cast<int>(scan.ranges_m.size()));
     const absl::Status added = builder.AddScan(
         scan.line, stamp, {{*scan.x_m, *scan.y_m}, *scan.theta_rad}, laser,
@@ -203,4 +204,4 @@ absl::StatusOr<LaserLog> ParseLaserLogJson(absl::string_view text,
   return builder.Build();
 }
 
-}  // namespace treeline
+}  // namespace treeline::recording

@@ -8,12 +8,12 @@
 #include "absl/strings/string_view.h"
 #include "nav_agent/recording/laser_log.h"
 
-namespace treeline {
+namespace treeline::recording {
 
 absl::StatusOr<LaserLog> ParseLaserLogJson(absl::string_view text,
                                            const std::string& name,
                                            const LaserLogOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::recording
 
 #endif  // NAV_AGENT_RECORDING_LASER_LOG_JSON_H_

@@ -15,7 +15,7 @@
 #include "nav_agent/recording/gunzip.h"
 #include "nav_agent/recording/relations.h"
 
-namespace treeline {
+namespace treeline::recording {
 namespace {
 
 using ::testing::HasSubstr;
@@ -61,13 +61,13 @@ TEST(LaserLog, ReadsJsonInTheOrderOfTime) {
   ASSERT_THAT(log->scans, SizeIs(2));
   EXPECT_EQ(log->scans[0].stamp,
             RecordingTime(std::chrono::milliseconds(3250)));
-  EXPECT_EQ(log->scans[1].odom_from_base, (Rigid2{{1, -2}, 0.5}));
+  EXPECT_EQ(log->scans[1].odom_from_base, (geometry::Rigid2{{1, -2}, 0.5}));
   EXPECT_FLOAT_EQ(log->scans[1].ranges_m[1], 3.5F);
-  EXPECT_EQ(log->scans[1].ranges_m[2], kNoReturn);
+  EXPECT_EQ(log->scans[1].ranges_m[2], core::kNoReturn);
   EXPECT_TRUE(std::isnan(log->scans[0].ranges_m[1]));
   EXPECT_EQ(log->laser.beams, 3);
   EXPECT_NEAR(log->laser.AngleOf_rad(2), std::numbers::pi / 2, 1e-12);
-  EXPECT_EQ(log->base_from_laser, Rigid2{});
+  EXPECT_EQ(log->base_from_laser, geometry::Rigid2{});
 }
 
 TEST(LaserLog, SaysWhereJsonIsWrong) {
@@ -105,8 +105,8 @@ TEST(LaserLog, ReadsCarmensOldScans) {
   EXPECT_NEAR(log->base_from_laser.translation.x, 0.25, 1e-9);
   EXPECT_EQ(log->scans[0].stamp,
             RecordingTime(std::chrono::microseconds(11000001)));
-  EXPECT_EQ(log->scans[0].odom_from_base, (Rigid2{{1, 2}, 0}));
-  EXPECT_EQ(log->scans[0].ranges_m[1], kNoReturn);
+  EXPECT_EQ(log->scans[0].odom_from_base, (geometry::Rigid2{{1, 2}, 0}));
+  EXPECT_EQ(log->scans[0].ranges_m[1], core::kNoReturn);
   EXPECT_EQ(log->odometry[0].odom_from_base.translation.x, 0.5);
 }
 
@@ -116,7 +116,7 @@ TEST(LaserLog, TakesCorrectedPosesForNoMount) {
       "FLASER 1 1.5 2.9 2 0 2 2 0 12 host 1\n",
       "a.log");
   ASSERT_TRUE(log.ok()) << log.status();
-  EXPECT_EQ(log->base_from_laser, Rigid2{});
+  EXPECT_EQ(log->base_from_laser, geometry::Rigid2{});
 }
 
 TEST(LaserLog, ReadsWeanHallsScans) {
@@ -174,7 +174,7 @@ TEST(LaserLog, SurvivesARoundTripThroughCarmensFormat) {
     log.scans.push_back(
         {.stamp = RecordingTime(std::chrono::milliseconds(1000 + 500 * i)),
          .odom_from_base = {{0.5 * i, -1.25}, 0.3 * i},
-         .ranges_m = {1.5F, kNoReturn, 2.25F, 29.5F}});
+         .ranges_m = {1.5F, core::kNoReturn, 2.25F, 29.5F}});
   }
   const auto back =
       ParseLaserLog(FormatCarmenLog(log), "a.log", {.range_max_m = 30});
@@ -234,7 +234,7 @@ TEST(Relations, AreRead) {
   ASSERT_TRUE(relations.ok()) << relations.status();
   ASSERT_THAT(*relations, SizeIs(1));
   EXPECT_EQ((*relations)[0].from_base_from_to_base,
-            (Rigid2{{-0.05, -0.12}, -1.68}));
+            (geometry::Rigid2{{-0.05, -0.12}, -1.68}));
   const auto message = [](absl::string_view text) {
     return std::string(ParseRelations(text, "r").status().message());
   };
@@ -245,4 +245,4 @@ TEST(Relations, AreRead) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::recording

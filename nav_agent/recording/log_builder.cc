@@ -10,7 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "common/dataset/text_lines.h"
 
-namespace treeline {
+namespace treeline::recording {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
@@ -29,7 +29,7 @@ bool IsEarlierReading(const RecordedOdometry& a, const RecordedOdometry& b) {
 
 }  // namespace
 
-RangeSensorInfo SickGeometry(int beams) {
+core::RangeSensorInfo SickGeometry(int beams) {
   double increment_deg = 180.0 / std::max(1, beams - 1);
   if (beams == 180 || beams == 181) increment_deg = 1;
   if (beams == 360 || beams == 361) increment_deg = 0.5;
@@ -41,7 +41,7 @@ RangeSensorInfo SickGeometry(int beams) {
 absl::Status LogBuilder::CheckClock(int line, RecordingTime stamp,
                                     RecordingTime* newest, bool first) const {
   if (!first && SecondsBetween(stamp, *newest) > options_.reorder_s) {
-    return LineError(
+    return dataset::LineError(
         name_, line,
         absl::StrFormat("the clock jumps back by %.3f s, from %s to %s",
                         SecondsBetween(stamp, *newest),
@@ -53,10 +53,11 @@ absl::Status LogBuilder::CheckClock(int line, RecordingTime stamp,
 }
 
 absl::Status LogBuilder::AddScan(int line, RecordingTime stamp,
-                                 const Rigid2& odom_from_base,
-                                 const RangeSensorInfo& laser,
+                                 const geometry::Rigid2& odom_from_base,
+                                 const core::RangeSensorInfo& laser,
                                  std::vector<float> ranges_m) {
-  if (ranges_m.empty()) return LineError(name_, line, "a scan without beams");
+  if (ranges_m.empty())
+    return dataset::LineError(name_, line, "a scan without beams");
   if (log_.scans.empty()) {
     log_.laser = laser;
     log_.laser.range_min_m = options_.range_min_m;
@@ -64,20 +65,22 @@ absl::Status LogBuilder::AddScan(int line, RecordingTime stamp,
   }
   if (laser.beams != log_.laser.beams ||
       static_cast<int>(ranges_m.size()) != log_.laser.beams) {
-    return LineError(name_, line,
-                     absl::StrCat("a scan of ", ranges_m.size(),
-                                  " beams, after scans of ", log_.laser.beams));
+    return dataset::LineError(
+        name_, line,
+        absl::StrCat("a scan of ", ranges_m.size(), " beams, after scans of ",
+                     log_.laser.beams));
   }
   if (std::abs(laser.angle_min_rad - log_.laser.angle_min_rad) > 1e-5 ||
       std::abs(laser.angle_increment_rad - log_.laser.angle_increment_rad) >
           1e-7) {
-    return LineError(name_, line, "a scan with other angles than those before");
+    return dataset::LineError(name_, line,
+                              "a scan with other angles than those before");
   }
   for (float& range_m : ranges_m) {
     if (range_m >= static_cast<float>(options_.range_max_m)) {
-      range_m = kNoReturn;
+      range_m = core::kNoReturn;
     } else if (!(range_m > static_cast<float>(options_.range_min_m))) {
-      range_m = kInvalidRange;
+      range_m = core::kInvalidRange;
     }
   }
   const absl::Status clock =
@@ -90,7 +93,7 @@ absl::Status LogBuilder::AddScan(int line, RecordingTime stamp,
 }
 
 absl::Status LogBuilder::AddOdometry(int line, RecordingTime stamp,
-                                     const Rigid2& odom_from_base) {
+                                     const geometry::Rigid2& odom_from_base) {
   const absl::Status clock =
       CheckClock(line, stamp, &newest_odometry_, log_.odometry.empty());
   if (!clock.ok()) return clock;
@@ -98,15 +101,16 @@ absl::Status LogBuilder::AddOdometry(int line, RecordingTime stamp,
   return absl::OkStatus();
 }
 
-Rigid2 LogBuilder::CommonMount() const {
+geometry::Rigid2 LogBuilder::CommonMount() const {
   if (mounts_.empty()) return {};
-  const Rigid2& first = mounts_.front();
-  for (const Rigid2& mount : mounts_) {
+  const geometry::Rigid2& first = mounts_.front();
+  for (const geometry::Rigid2& mount : mounts_) {
     const bool same =
-        Norm(mount.translation - first.translation) <= kMountTolerance_m &&
-        std::abs(NormalizedAngle_rad(mount.yaw_rad - first.yaw_rad)) <=
-            kMountTolerance_rad;
-    if (!same || Norm(mount.translation) > kMaxMount_m) return {};
+        geometry::Norm(mount.translation - first.translation) <=
+            kMountTolerance_m &&
+        std::abs(geometry::NormalizedAngle_rad(
+            mount.yaw_rad - first.yaw_rad)) <= kMountTolerance_rad;
+    if (!same || geometry::Norm(mount.translation) > kMaxMount_m) return {};
   }
   return first;
 }
@@ -136,4 +140,4 @@ absl::StatusOr<LaserLog> LogBuilder::Build() {
   return std::move(log_);
 }
 
-}  // namespace treeline
+}  // namespace treeline::recording

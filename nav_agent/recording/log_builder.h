@@ -9,10 +9,10 @@
 #include "absl/status/statusor.h"
 #include "nav_agent/recording/laser_log.h"
 
-namespace treeline {
+namespace treeline::recording {
 
 // Where the beams of a scanner are, of which only their number is known.
-RangeSensorInfo SickGeometry(int beams);
+core::RangeSensorInfo SickGeometry(int beams);
 
 // Puts a log together from its lines. Errors are LineErrors.
 class LogBuilder {
@@ -22,13 +22,13 @@ class LogBuilder {
 
   // `laser` may differ between scans in nothing. ranges_m are as in the file.
   absl::Status AddScan(int line, RecordingTime stamp,
-                       const Rigid2& odom_from_base,
-                       const RangeSensorInfo& laser,
+                       const geometry::Rigid2& odom_from_base,
+                       const core::RangeSensorInfo& laser,
                        std::vector<float> ranges_m);
   absl::Status AddOdometry(int line, RecordingTime stamp,
-                           const Rigid2& odom_from_base);
+                           const geometry::Rigid2& odom_from_base);
   // Where the file says that the laser is. Call for every scan, or never.
-  void AddMount(const Rigid2& base_from_laser) {
+  void AddMount(const geometry::Rigid2& base_from_laser) {
     mounts_.push_back(base_from_laser);
   }
   // Sorts; fails if there are no scans.
@@ -37,18 +37,18 @@ class LogBuilder {
  private:
   // The mount that all scans agree on; else none: some programs write a
   // corrected pose of the robot where the laser's belongs.
-  Rigid2 CommonMount() const;
+  geometry::Rigid2 CommonMount() const;
   absl::Status CheckClock(int line, RecordingTime stamp, RecordingTime* newest,
                           bool first) const;
 
   const std::string name_;
   const LaserLogOptions options_;
   LaserLog log_;
-  std::vector<Rigid2> mounts_;
+  std::vector<geometry::Rigid2> mounts_;
   RecordingTime newest_scan_;
   RecordingTime newest_odometry_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::recording
 
 #endif  // NAV_AGENT_RECORDING_LOG_BUILDER_H_

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace treeline {
+namespace treeline::recording {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -27,14 +27,15 @@ enum Kind : uint16_t {
   kCommand = 21
 };
 
-int64_t NanosecondsOf(MonotonicTime stamp) {
+int64_t NanosecondsOf(base::MonotonicTime stamp) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              stamp.time_since_epoch())
       .count();
 }
-MonotonicTime StampOf(int64_t stamp_ns) {
-  return MonotonicTime(std::chrono::duration_cast<MonotonicTime::duration>(
-      std::chrono::nanoseconds(stamp_ns)));
+base::MonotonicTime StampOf(int64_t stamp_ns) {
+  return base::MonotonicTime(
+      std::chrono::duration_cast<base::MonotonicTime::duration>(
+          std::chrono::nanoseconds(stamp_ns)));
 }
 
 class Writer {
@@ -53,7 +54,7 @@ class Writer {
     Number(static_cast<uint32_t>(text.size()));
     bytes.append(text.data(), text.size());
   }
-  void Rigid(const Rigid3& a) {
+  void Rigid(const geometry::Rigid3& a) {
     for (const double value :
          {a.rotation.w, a.rotation.x, a.rotation.y, a.rotation.z,
           a.translation.x, a.translation.y, a.translation.z}) {
@@ -101,14 +102,14 @@ class Reader {
     rest_.remove_prefix(size);
     return text;
   }
-  Rigid3 Rigid() {
-    Rigid3 a;
+  geometry::Rigid3 Rigid() {
+    geometry::Rigid3 a;
     for (double* value :
          {&a.rotation.w, &a.rotation.x, &a.rotation.y, &a.rotation.z,
           &a.translation.x, &a.translation.y, &a.translation.z}) {
       *value = Number<double>();
     }
-    if (!IsFinite(a)) is_good_ = false;
+    if (!geometry::IsFinite(a)) is_good_ = false;
     return a;
   }
   bool is_good() const { return is_good_; }
@@ -160,7 +161,7 @@ struct Encoder {
   LogPayload operator()(const LogInformation& a) const {
     return {kInformation, 0, a.text};
   }
-  LogPayload operator()(const RangeSensorInfo& a) const {
+  LogPayload operator()(const core::RangeSensorInfo& a) const {
     Writer out;
     out.Number(a.angle_min_rad);
     out.Number(a.angle_increment_rad);
@@ -171,12 +172,12 @@ struct Encoder {
     out.Number(a.scan_interval_s);
     return {kRangeSensorInfo, 0, std::move(out.bytes)};
   }
-  LogPayload operator()(const RgbdCalibration& a) const {
+  LogPayload operator()(const camera::RgbdCalibration& a) const {
     Writer out;
-    for (const Camera* camera : {&a.color, &a.depth}) {
+    for (const camera::Camera* camera : {&a.color, &a.depth}) {
       out.Number(static_cast<int32_t>(camera->width()));
       out.Number(static_cast<int32_t>(camera->height()));
-      out.Text(CameraModelName(camera->model()));
+      out.Text(camera::CameraModelName(camera->model()));
       for (const double value : camera->parameters()) out.Number(value);
     }
     out.Rigid(a.color_from_depth);
@@ -184,20 +185,20 @@ struct Encoder {
     out.Number(static_cast<uint8_t>(a.pose_sensor));
     return {kCalibration, 0, std::move(out.bytes)};
   }
-  LogPayload operator()(const RobotModel& a) const {
+  LogPayload operator()(const core::RobotModel& a) const {
     Writer out;
     for (const double* value : NumbersOf(a)) out.Number(*value);
     out.Rigid(a.base_from_laser);
     out.Rigid(a.base_from_camera);
     return {kRobotModel, 0, std::move(out.bytes)};
   }
-  LogPayload operator()(const LaserScan& a) const {
+  LogPayload operator()(const core::LaserScan& a) const {
     Writer out;
     out.Array(a.ranges_m);
     out.Array(a.intensities);
     return {kScan, NanosecondsOf(a.stamp), std::move(out.bytes)};
   }
-  LogPayload operator()(const BaseReading& a) const {
+  LogPayload operator()(const core::BaseReading& a) const {
     Writer out;
     for (const double* value : NumbersOfReading(a)) out.Number(*value);
     out.Number(static_cast<uint8_t>(a.motors_enabled ? 1 : 0));
@@ -227,8 +228,8 @@ struct Encoder {
   }
 };
 
-RangeSensorInfo ReadRangeSensorInfo(Reader& in) {
-  RangeSensorInfo info;
+core::RangeSensorInfo ReadRangeSensorInfo(Reader& in) {
+  core::RangeSensorInfo info;
   info.angle_min_rad = in.Number<double>();
   info.angle_increment_rad = in.Number<double>();
   info.beams = in.Number<int32_t>();
@@ -239,16 +240,17 @@ RangeSensorInfo ReadRangeSensorInfo(Reader& in) {
   return info;
 }
 
-std::optional<Camera> ReadCamera(Reader& in) {
+std::optional<camera::Camera> ReadCamera(Reader& in) {
   const int width = in.Number<int32_t>();
   const int height = in.Number<int32_t>();
   const std::string name = in.Text();
-  std::array<double, Camera::kMaxParameters> parameters{};
+  std::array<double, camera::Camera::kMaxParameters> parameters{};
   for (double& value : parameters) value = in.Number<double>();
-  const auto model = ParseCameraModel(name);
+  const auto model = camera::ParseCameraModel(name);
   if (!in.is_good() || !model.ok()) return std::nullopt;
-  const auto camera = Camera::Create(*model, width, height, parameters.data(),
-                                     CameraParameterCount(*model));
+  const auto camera =
+      camera::Camera::Create(*model, width, height, parameters.data(),
+                             camera::CameraParameterCount(*model));
   return camera.ok() ? std::optional(*camera) : std::nullopt;
 }
 
@@ -256,35 +258,35 @@ std::optional<LogEntry> ReadCalibration(Reader& in) {
   const auto color = ReadCamera(in);
   const auto depth = ReadCamera(in);
   if (!color.has_value() || !depth.has_value()) return std::nullopt;
-  RgbdCalibration calibration;
+  camera::RgbdCalibration calibration;
   calibration.color = *color;
   calibration.depth = *depth;
   calibration.color_from_depth = in.Rigid();
   calibration.depth_scale = in.Number<double>();
   const uint8_t sensor = in.Number<uint8_t>();
   if (sensor > 1) return std::nullopt;
-  calibration.pose_sensor = static_cast<RgbdSensor>(sensor);
+  calibration.pose_sensor = static_cast<camera::RgbdSensor>(sensor);
   return calibration;
 }
 
-RobotModel ReadRobotModel(Reader& in) {
-  RobotModel robot;
+core::RobotModel ReadRobotModel(Reader& in) {
+  core::RobotModel robot;
   for (double* value : NumbersOf(robot)) *value = in.Number<double>();
   robot.base_from_laser = in.Rigid();
   robot.base_from_camera = in.Rigid();
   return robot;
 }
 
-LaserScan ReadScan(Reader& in, int64_t stamp_ns) {
-  LaserScan scan;
+core::LaserScan ReadScan(Reader& in, int64_t stamp_ns) {
+  core::LaserScan scan;
   scan.stamp = StampOf(stamp_ns);
   scan.ranges_m = in.Array<float>();
   scan.intensities = in.Array<uint16_t>();
   return scan;
 }
 
-BaseReading ReadBaseReading(Reader& in, int64_t stamp_ns) {
-  BaseReading reading;
+core::BaseReading ReadBaseReading(Reader& in, int64_t stamp_ns) {
+  core::BaseReading reading;
   reading.stamp = StampOf(stamp_ns);
   for (double* value : NumbersOfReading(reading)) *value = in.Number<double>();
   reading.motors_enabled = in.Number<uint8_t>() != 0;
@@ -341,4 +343,4 @@ std::optional<LogEntry> DecodeLogPayload(uint16_t kind, int64_t stamp_ns,
   return in.is_good() ? entry : std::nullopt;
 }
 
-}  // namespace treeline
+}  // namespace treeline::recording

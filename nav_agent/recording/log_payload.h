@@ -9,7 +9,7 @@
 #include "absl/strings/string_view.h"
 #include "nav_agent/recording/agent_log.h"
 
-namespace treeline {
+namespace treeline::recording {
 
 struct LogPayload {
   uint16_t kind = 0;
@@ -23,6 +23,6 @@ LogPayload EncodeLogPayload(const LogEntry& entry);
 std::optional<LogEntry> DecodeLogPayload(uint16_t kind, int64_t stamp_ns,
                                          absl::string_view bytes);
 
-}  // namespace treeline
+}  // namespace treeline::recording
 
 #endif  // NAV_AGENT_RECORDING_LOG_PAYLOAD_H_

@@ -5,7 +5,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_format.h"
 
-namespace treeline {
+namespace treeline::recording {
 
 std::optional<RecordingTime> ParseRecordingTime(absl::string_view text) {
   constexpr int64_t kNanosecondsPerSecond = 1'000'000'000;
@@ -43,4 +43,4 @@ std::string FormatRecordingTime(RecordingTime time) {
                          microseconds % 1'000'000);
 }
 
-}  // namespace treeline
+}  // namespace treeline::recording

@@ -8,7 +8,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::recording {
 
 // Since the recording's own epoch: that of Unix where the recorder knew the
 // date, or when it was switched on.
@@ -26,6 +26,6 @@ inline double SecondsBetween(RecordingTime earlier, RecordingTime later) {
   return std::chrono::duration<double>(later - earlier).count();
 }
 
-}  // namespace treeline
+}  // namespace treeline::recording
 
 #endif  // NAV_AGENT_RECORDING_RECORDING_TIME_H_

@@ -9,7 +9,7 @@
 #include "nav_agent/recording/laser_log.h"
 #include "nav_agent/recording/relations.h"
 
-namespace treeline {
+namespace treeline::recording {
 namespace {
 
 using ::testing::SizeIs;
@@ -33,7 +33,8 @@ TEST(LaserRecordings, IntelResearchLab) {
   EXPECT_FLOAT_EQ(log->scans[0].ranges_m[1], 1.08F);
   int none = 0;
   for (const RecordedScan& scan : log->scans) {
-    for (const float range_m : scan.ranges_m) none += range_m == kNoReturn;
+    for (const float range_m : scan.ranges_m)
+      none += range_m == core::kNoReturn;
   }
   EXPECT_EQ(none, 4172);
   const auto relations = ReadRelations(folder + "/intel.relations");
@@ -59,4 +60,4 @@ TEST(LaserRecordings, WeanHall) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::recording

@@ -9,7 +9,7 @@
 #include "common/base/status_macros.h"
 #include "common/dataset/text_lines.h"
 
-namespace treeline {
+namespace treeline::recording {
 
 absl::StatusOr<std::vector<PoseRelation>> ParseRelations(
     absl::string_view text, const std::string& name) {
@@ -22,19 +22,19 @@ absl::StatusOr<std::vector<PoseRelation>> ParseRelations(
     const std::vector<absl::string_view> words =
         absl::StrSplit(line, absl::ByAnyChar(" \t"), absl::SkipEmpty());
     if (words.size() != 8) {
-      return LineError(
+      return dataset::LineError(
           name, line_number,
           absl::StrCat("8 numbers belong here, not ", words.size()));
     }
     const auto from = ParseRecordingTime(words[0]);
     const auto to = ParseRecordingTime(words[1]);
     if (!from.has_value() || !to.has_value()) {
-      return LineError(name, line_number, "no time stamp in seconds");
+      return dataset::LineError(name, line_number, "no time stamp in seconds");
     }
     double numbers[6] = {};
-    TL_RETURN_IF_ERROR(
-        ParseNumbers(std::span<const absl::string_view>(words).subspan(2), name,
-                     line_number, numbers));
+    TL_RETURN_IF_ERROR(dataset::ParseNumbers(
+        std::span<const absl::string_view>(words).subspan(2), name, line_number,
+        numbers));
     relations.push_back(
         {.from = *from,
          .to = *to,
@@ -48,8 +48,8 @@ absl::StatusOr<std::vector<PoseRelation>> ParseRelations(
 
 absl::StatusOr<std::vector<PoseRelation>> ReadRelations(
     const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
+  TL_ASSIGN_OR_RETURN(const std::string text, base::ReadFile(path));
   return ParseRelations(text, path);
 }
 
-}  // namespace treeline
+}  // namespace treeline::recording

@@ -10,7 +10,7 @@
 #include "common/geometry/rigid2.h"
 #include "nav_agent/recording/recording_time.h"
 
-namespace treeline {
+namespace treeline::recording {
 
 // Where the robot was at `to`, as seen from where it was at `from`. Height,
 // roll and pitch of the files are read over: they are 0 in those of robots on
@@ -18,7 +18,7 @@ namespace treeline {
 struct PoseRelation {
   RecordingTime from;
   RecordingTime to;
-  Rigid2 from_base_from_to_base;
+  geometry::Rigid2 from_base_from_to_base;
 };
 
 // Lines "t1 t2 x y z roll pitch yaw" (s, m, rad), as R. Kuemmerle and others
@@ -29,6 +29,6 @@ absl::StatusOr<std::vector<PoseRelation>> ParseRelations(
 absl::StatusOr<std::vector<PoseRelation>> ReadRelations(
     const std::string& path);
 
-}  // namespace treeline
+}  // namespace treeline::recording
 
 #endif  // NAV_AGENT_RECORDING_RELATIONS_H_

@@ -11,7 +11,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/recording/gunzip.h"
 
-namespace treeline {
+namespace treeline::recording {
 namespace {
 
 constexpr size_t kMaxMapBytes = size_t{1} << 28;
@@ -44,8 +44,8 @@ absl::Status Error(const std::string& name, absl::string_view what) {
 }
 
 // What comes before the cells. Leaves `text` at the first of them.
-absl::StatusOr<OccupancyGrid> ParseHead(absl::string_view& text,
-                                        const std::string& name) {
+absl::StatusOr<core::OccupancyGrid> ParseHead(absl::string_view& text,
+                                              const std::string& name) {
   double resolution_cm = 10;
   while (!text.empty()) {
     absl::string_view line = NextLine(text);
@@ -65,8 +65,8 @@ absl::StatusOr<OccupancyGrid> ParseHead(absl::string_view& text,
               text.size()) {
         return Error(name, "its size is missing, or more than what follows");
       }
-      return OccupancyGrid::Filled(rows, columns, resolution_cm / 100, {},
-                                   Occupancy::kUnknown);
+      return core::OccupancyGrid::Filled(rows, columns, resolution_cm / 100, {},
+                                         core::Occupancy::kUnknown);
     }
   }
   return Error(name, absl::StrCat("there is no line '", kMap, "'"));
@@ -74,14 +74,14 @@ absl::StatusOr<OccupancyGrid> ParseHead(absl::string_view& text,
 
 }  // namespace
 
-absl::StatusOr<OccupancyGrid> ParseWeanMap(absl::string_view bytes,
-                                           const std::string& name) {
+absl::StatusOr<core::OccupancyGrid> ParseWeanMap(absl::string_view bytes,
+                                                 const std::string& name) {
   if (IsGzip(bytes)) {
     TL_ASSIGN_OR_RETURN(const std::string text, Gunzip(bytes, kMaxMapBytes));
     return ParseWeanMap(text, name);
   }
   absl::string_view rest = bytes;
-  TL_ASSIGN_OR_RETURN(OccupancyGrid map, ParseHead(rest, name));
+  TL_ASSIGN_OR_RETURN(core::OccupancyGrid map, ParseHead(rest, name));
   for (int x = 0; x < map.width; ++x) {
     for (int y = 0; y < map.height; ++y) {
       double free = 0;
@@ -90,18 +90,19 @@ absl::StatusOr<OccupancyGrid> ParseWeanMap(absl::string_view bytes,
         return Error(name, absl::StrCat("cell ", x, ", ", y,
                                         " is missing or not in -1..1"));
       }
-      if (free > kFreeAbove) map.Set({x, y}, Occupancy::kFree);
+      if (free > kFreeAbove) map.Set({x, y}, core::Occupancy::kFree);
       if (free >= 0 && free < kOccupiedBelow) {
-        map.Set({x, y}, Occupancy::kOccupied);
+        map.Set({x, y}, core::Occupancy::kOccupied);
       }
     }
   }
   return map;
 }
 
-absl::StatusOr<OccupancyGrid> ReadWeanMap(const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path, kMaxMapBytes));
+absl::StatusOr<core::OccupancyGrid> ReadWeanMap(const std::string& path) {
+  TL_ASSIGN_OR_RETURN(const std::string bytes,
+                      base::ReadFile(path, kMaxMapBytes));
   return ParseWeanMap(bytes, path);
 }
 
-}  // namespace treeline
+}  // namespace treeline::recording

@@ -8,7 +8,7 @@
 #include "absl/strings/string_view.h"
 #include "nav_agent/core/occupancy_grid.h"
 
-namespace treeline {
+namespace treeline::recording {
 
 // Reads "global_map[0]: ROWS COLUMNS" and as many numbers; the lines before it
 // may state "robot_specifications->resolution" (cm; 10 where they do not). Rows
@@ -18,11 +18,11 @@ namespace treeline {
 // occupied, the rest unknown. May be compressed (gzip).
 //
 // The errors of ReadFile, or INVALID_ARGUMENT with what is wrong.
-absl::StatusOr<OccupancyGrid> ReadWeanMap(const std::string& path);
+absl::StatusOr<core::OccupancyGrid> ReadWeanMap(const std::string& path);
 // The same for bytes in memory, called `name` in errors. Safe on any bytes.
-absl::StatusOr<OccupancyGrid> ParseWeanMap(absl::string_view bytes,
-                                           const std::string& name);
+absl::StatusOr<core::OccupancyGrid> ParseWeanMap(absl::string_view bytes,
+                                                 const std::string& name);
 
-}  // namespace treeline
+}  // namespace treeline::recording
 
 #endif  // NAV_AGENT_RECORDING_WEAN_MAP_H_

@@ -3,13 +3,13 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::recording {
 namespace {
 
 using testing::HasSubstr;
 
 TEST(WeanMap, RowsRunAlongXAndHighNumbersAreFree) {
-  const absl::StatusOr<OccupancyGrid> map = ParseWeanMap(
+  const absl::StatusOr<core::OccupancyGrid> map = ParseWeanMap(
       "robot_specifications->resolution     20\n\nglobal_map[0]: 3 2\n"
       "-1.0 0.0 \n0.95 0.5 \n1.0 -1.0\n",
       "m");
@@ -17,11 +17,11 @@ TEST(WeanMap, RowsRunAlongXAndHighNumbersAreFree) {
   EXPECT_EQ(map->width, 3);
   EXPECT_EQ(map->height, 2);
   EXPECT_DOUBLE_EQ(map->resolution_m, 0.2);
-  EXPECT_EQ(map->At({0, 0}), Occupancy::kUnknown);
-  EXPECT_EQ(map->At({0, 1}), Occupancy::kOccupied);
-  EXPECT_EQ(map->At({1, 0}), Occupancy::kFree);
-  EXPECT_EQ(map->At({1, 1}), Occupancy::kUnknown);
-  EXPECT_EQ(map->At({2, 0}), Occupancy::kFree);
+  EXPECT_EQ(map->At({0, 0}), core::Occupancy::kUnknown);
+  EXPECT_EQ(map->At({0, 1}), core::Occupancy::kOccupied);
+  EXPECT_EQ(map->At({1, 0}), core::Occupancy::kFree);
+  EXPECT_EQ(map->At({1, 1}), core::Occupancy::kUnknown);
+  EXPECT_EQ(map->At({2, 0}), core::Occupancy::kFree);
 }
 
 TEST(WeanMap, SaysWhatIsWrong) {
@@ -40,4 +40,4 @@ TEST(WeanMap, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::recording

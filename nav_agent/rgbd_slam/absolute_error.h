@@ -10,7 +10,7 @@
 #include "common/base/sample_statistics.h"
 #include "common/dataset/text_formats.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 
 struct TrajectoryScoreOptions {
   // The reference is interpolated at the times of the estimate, between poses
@@ -30,24 +30,25 @@ struct TrajectoryScore {
   int associated = 0;
   // Takes the estimate onto the reference: rigid, without scale (Umeyama
   // 1991).
-  Rigid3 reference_from_estimate;
+  geometry::Rigid3 reference_from_estimate;
   // Absolute trajectory error: distances of the aligned positions, and angles
   // of the aligned rotations.
-  ErrorSummary absolute_m;
-  ErrorSummary absolute_rad;
+  base::ErrorSummary absolute_m;
+  base::ErrorSummary absolute_rad;
   // Relative pose error: of motions over interval_s (pairs of associated poses
   // whose times are that far apart to within less than a tenth of it).
   int pairs = 0;
-  ErrorSummary relative_m;
-  ErrorSummary relative_rad;
+  base::ErrorSummary relative_m;
+  base::ErrorSummary relative_rad;
 };
 
 // Both in order of time. INVALID_ARGUMENT if fewer than three poses of the
 // estimate have a reference.
 absl::StatusOr<TrajectoryScore> ScoreTrajectory(
-    std::span<const TimedPose> estimate, std::span<const TimedPose> reference,
+    std::span<const dataset::TimedPose> estimate,
+    std::span<const dataset::TimedPose> reference,
     const TrajectoryScoreOptions& options = {});
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam
 
 #endif  // NAV_AGENT_RGBD_SLAM_ABSOLUTE_ERROR_H_

@@ -17,7 +17,7 @@
 #include "common/base/status_macros.h"
 #include "common/image/depth_registration.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
 constexpr double kCell_px = 20;
@@ -117,18 +117,18 @@ std::vector<Corner> Spread(std::vector<Corner> corners, int width, int count) {
 }
 
 // Whether a picture has a camera's size, and as many values as it should.
-bool Fits(const ColorImage& image, const Camera& camera) {
+bool Fits(const image::ColorImage& image, const camera::Camera& camera) {
   return image.width == camera.width() && image.height == camera.height() &&
          image.rgb.size() == 3 * static_cast<size_t>(image.width) *
                                  static_cast<size_t>(image.height);
 }
-bool Fits(const DepthImage& image, const Camera& camera) {
+bool Fits(const image::DepthImage& image, const camera::Camera& camera) {
   return image.width == camera.width() && image.height == camera.height() &&
          image.values.size() == static_cast<size_t>(image.width) *
                                     static_cast<size_t>(image.height);
 }
 
-std::vector<cv::Mat> MakePyramid(const ColorImage& color) {
+std::vector<cv::Mat> MakePyramid(const image::ColorImage& color) {
   const cv::Mat rgb(color.height, color.width, CV_8UC3,
                     const_cast<uint8_t*>(color.rgb.data()));
   std::vector<cv::Mat> pyramid(1);
@@ -163,7 +163,7 @@ std::vector<cv::KeyPoint> ToKeypoints(const std::vector<Corner>& corners,
 
 // Depth that is registered already: the nearest measured within 1 px, unless
 // it jumps there.
-double RegisteredDepth_m(const DepthImage& depth, Pixel pixel) {
+double RegisteredDepth_m(const image::DepthImage& depth, camera::Pixel pixel) {
   const int x0 = static_cast<int>(std::lround(pixel.x));
   const int y0 = static_cast<int>(std::lround(pixel.y));
   int nearest = 65535;
@@ -177,7 +177,7 @@ double RegisteredDepth_m(const DepthImage& depth, Pixel pixel) {
       const uint16_t value = depth.values[static_cast<size_t>(y) *
                                               static_cast<size_t>(depth.width) +
                                           static_cast<size_t>(x)];
-      if (!IsMeasured(value)) continue;
+      if (!image::IsMeasured(value)) continue;
       nearest = std::min<int>(nearest, value);
       furthest = std::max<int>(furthest, value);
       const int distance = std::abs(x - x0) + std::abs(y - y0);
@@ -244,12 +244,12 @@ int FeatureSet::Row(double y) const {
   return std::clamp(static_cast<int>(std::floor(y / kCell_px)), 0, rows_ - 1);
 }
 
-bool FeatureSet::Contains(Pixel pixel) const {
+bool FeatureSet::Contains(camera::Pixel pixel) const {
   return pixel.x > -0.5 && pixel.x < width_ - 0.5 && pixel.y > -0.5 &&
          pixel.y < height_ - 0.5;
 }
 
-void FeatureSet::Near(Pixel pixel, double radius_px,
+void FeatureSet::Near(camera::Pixel pixel, double radius_px,
                       std::vector<int>* found) const {
   found->clear();
   const int last_column = Column(pixel.x + radius_px);
@@ -260,7 +260,7 @@ void FeatureSet::Near(Pixel pixel, double radius_px,
       const auto cell = static_cast<size_t>(row * columns_ + column);
       for (int k = begin_[cell]; k < begin_[cell + 1]; ++k) {
         const int i = order_[static_cast<size_t>(k)];
-        const Pixel at = features_[static_cast<size_t>(i)].pixel;
+        const camera::Pixel at = features_[static_cast<size_t>(i)].pixel;
         if (std::abs(at.x - pixel.x) <= radius_px &&
             std::abs(at.y - pixel.y) <= radius_px) {
           found->push_back(i);
@@ -271,36 +271,38 @@ void FeatureSet::Near(Pixel pixel, double radius_px,
 }
 
 absl::Status FeatureOptions::Validate() const {
-  TL_RETURN_IF_ERROR(CheckRange("features.count", count, 50, 5000));
-  TL_RETURN_IF_ERROR(CheckRange("features.contrast", contrast, 1, 100));
-  return CheckRange("features.max_depth_m", max_depth_m, 0.5, 50);
+  TL_RETURN_IF_ERROR(base::CheckRange("features.count", count, 50, 5000));
+  TL_RETURN_IF_ERROR(base::CheckRange("features.contrast", contrast, 1, 100));
+  return base::CheckRange("features.max_depth_m", max_depth_m, 0.5, 50);
 }
 
 struct FeatureExtractor::Detector {
-  Detector(const RgbdCalibration& calibration, const FeatureOptions& options)
+  Detector(const camera::RgbdCalibration& calibration,
+           const FeatureOptions& options)
       : orb(cv::ORB::create(options.count, static_cast<float>(kPyramidScale),
                             kPyramidLevels, kBorder_px)),
         registration(calibration) {}
 
   cv::Ptr<cv::ORB> orb;
-  DepthRegistration registration;
+  image::DepthRegistration registration;
 };
 
-FeatureExtractor::FeatureExtractor(const RgbdCalibration& calibration,
+FeatureExtractor::FeatureExtractor(const camera::RgbdCalibration& calibration,
                                    const FeatureOptions& options)
     : calibration_(calibration),
       options_(options),
       pinhole_{calibration.color.fx(), calibration.color.fy(),
                calibration.color.cx(), calibration.color.cy()},
       is_registered_(calibration.color == calibration.depth &&
-                     calibration.color_from_depth == Rigid3()),
+                     calibration.color_from_depth == geometry::Rigid3()),
       detector_(std::make_unique<Detector>(calibration, options)) {}
 
 FeatureExtractor::~FeatureExtractor() = default;
 
-absl::StatusOr<FeatureSet> FeatureExtractor::Extract(const Frame& frame) {
-  const Camera& camera = calibration_.color;
-  const ColorImage& color = frame.color;
+absl::StatusOr<FeatureSet> FeatureExtractor::Extract(
+    const image::Frame& frame) {
+  const camera::Camera& camera = calibration_.color;
+  const image::ColorImage& color = frame.color;
   const bool has_depth = frame.depth && Fits(*frame.depth, calibration_.depth);
   if (!Fits(color, camera) || !has_depth) {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -316,7 +318,7 @@ absl::StatusOr<FeatureSet> FeatureExtractor::Extract(const Frame& frame) {
   cv::Mat descriptors;
   detector_->orb->compute(pyramid[0], keypoints, descriptors);
 
-  std::vector<Vec3> points;
+  std::vector<geometry::Vec3> points;
   if (!is_registered_) {
     points = detector_->registration.PointsInColor(*frame.depth);
   }
@@ -326,14 +328,14 @@ absl::StatusOr<FeatureSet> FeatureExtractor::Extract(const Frame& frame) {
     // ORB counts in pixels of the level; a level's pixel (0, 0) covers more
     // than the picture's, and its centre is not the centre of that one.
     const double shift_px = 0.5 * OctaveScale(keypoints[i].octave) - 0.5;
-    const Pixel seen{keypoints[i].pt.x + shift_px,
-                     keypoints[i].pt.y + shift_px};
+    const camera::Pixel seen{keypoints[i].pt.x + shift_px,
+                             keypoints[i].pt.y + shift_px};
     ImageFeature feature{
         .pixel = seen,
         .octave = keypoints[i].octave,
         .angle_rad = keypoints[i].angle * std::numbers::pi / 180};
     if (camera.has_distortion()) {
-      const std::optional<Pixel> ray = camera.Unproject(seen);
+      const std::optional<camera::Pixel> ray = camera.Unproject(seen);
       if (!ray) continue;
       feature.pixel = {pinhole_.fx * ray->x + pinhole_.cx,
                        pinhole_.fy * ray->y + pinhole_.cy};
@@ -354,4 +356,4 @@ absl::StatusOr<FeatureSet> FeatureExtractor::Extract(const Frame& frame) {
   return FeatureSet(color.width, color.height, std::move(features));
 }
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

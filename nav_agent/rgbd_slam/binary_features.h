@@ -11,7 +11,7 @@
 #include "common/camera/rgbd_calibration.h"
 #include "common/image/frame.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 
 // 256 bits: the signs of brightness differences about a corner, turned to its
 // orientation (ORB: Rublee, Rabaud, Konolige, Bradski, ICCV 2011).
@@ -29,7 +29,7 @@ double OctaveScale(int octave);
 struct ImageFeature {
   // Where an ideal pinhole with the colour camera's fx, fy, cx, cy sees it:
   // distortion is taken out.
-  Pixel pixel;
+  camera::Pixel pixel;
   // Level of the pyramid that it was found in, 0 the finest.
   int octave = 0;
   double angle_rad = 0;
@@ -45,11 +45,11 @@ struct Pinhole {
   double cx = 320;
   double cy = 240;
 
-  Pixel Project(Vec3 point_in_camera) const {
+  camera::Pixel Project(geometry::Vec3 point_in_camera) const {
     return {fx * point_in_camera.x / point_in_camera.z + cx,
             fy * point_in_camera.y / point_in_camera.z + cy};
   }
-  Vec3 PointAt(Pixel pixel, double depth_m) const {
+  geometry::Vec3 PointAt(camera::Pixel pixel, double depth_m) const {
     return {depth_m * (pixel.x - cx) / fx, depth_m * (pixel.y - cy) / fy,
             depth_m};
   }
@@ -68,10 +68,11 @@ class FeatureSet {
   }
   const std::vector<ImageFeature>& all() const { return features_; }
   // Whether an undistorted position is in the picture.
-  bool Contains(Pixel pixel) const;
+  bool Contains(camera::Pixel pixel) const;
   // Indices of the features within radius_px of `pixel` (a square), into
   // `found`, which is cleared first.
-  void Near(Pixel pixel, double radius_px, std::vector<int>* found) const;
+  void Near(camera::Pixel pixel, double radius_px,
+            std::vector<int>* found) const;
 
  private:
   int Column(double x) const;
@@ -103,19 +104,19 @@ struct FeatureOptions {
 // enough. Deterministic. Not thread-safe (it keeps its buffers).
 class FeatureExtractor {
  public:
-  FeatureExtractor(const RgbdCalibration& calibration,
+  FeatureExtractor(const camera::RgbdCalibration& calibration,
                    const FeatureOptions& options);
   ~FeatureExtractor();
 
   const Pinhole& pinhole() const { return pinhole_; }
 
   // INVALID_ARGUMENT if sizes are not those of the calibration.
-  absl::StatusOr<FeatureSet> Extract(const Frame& frame);
+  absl::StatusOr<FeatureSet> Extract(const image::Frame& frame);
 
  private:
   struct Detector;
 
-  RgbdCalibration calibration_;
+  camera::RgbdCalibration calibration_;
   FeatureOptions options_;
   Pinhole pinhole_;
   // Whether depth needs to be moved into the colour camera.
@@ -123,6 +124,6 @@ class FeatureExtractor {
   std::unique_ptr<Detector> detector_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam
 
 #endif  // NAV_AGENT_RGBD_SLAM_BINARY_FEATURES_H_

@@ -16,7 +16,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/rgbd_slam/pose_block.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
 // How a point in a camera's frame differs from a sighting of it.
@@ -60,7 +60,7 @@ class MovingCameraError {
 class FixedCameraError {
  public:
   FixedCameraError(const PointSighting& sighting, const Pinhole& pinhole,
-                   const Rigid3& camera_from_map)
+                   const geometry::Rigid3& camera_from_map)
       : sighting_(sighting),
         pinhole_(pinhole),
         rotation_(camera_from_map.rotation.Matrix()),
@@ -80,8 +80,8 @@ class FixedCameraError {
  private:
   const PointSighting sighting_;
   const Pinhole pinhole_;
-  const Mat3 rotation_;
-  const Vec3 translation_;
+  const geometry::Mat3 rotation_;
+  const geometry::Vec3 translation_;
 };
 
 // Which keyframes move, which hold, and by which landmarks.
@@ -124,7 +124,7 @@ class Bundle {
       fixed_[k] = map->keyframe(k).map_from_camera.Inverse();
     }
     for (const int l : selection.landmarks) {
-      const Vec3 p = map->landmark(l).point_in_map;
+      const geometry::Vec3 p = map->landmark(l).point_in_map;
       points_.push_back({p.x, p.y, p.z});
     }
   }
@@ -162,8 +162,8 @@ class Bundle {
                                selection_.landmarks.end());
     for (size_t i = 0; i < cameras_.size(); ++i) {
       const int k = selection_.moving[i];
-      const Rigid3 map_from_camera = FromBlock(cameras_[i]).Inverse();
-      const Rigid3 new_from_old =
+      const geometry::Rigid3 map_from_camera = FromBlock(cameras_[i]).Inverse();
+      const geometry::Rigid3 new_from_old =
           map_from_camera * map_.keyframe(k).map_from_camera.Inverse();
       map_.keyframe(k).map_from_camera = map_from_camera;
       // Those beyond the limit follow the keyframe that made them.
@@ -220,7 +220,7 @@ class Bundle {
   const Selection& selection_;
   SlamMap& map_;
   std::unordered_map<int, size_t> camera_of_;
-  std::unordered_map<int, Rigid3> fixed_;
+  std::unordered_map<int, geometry::Rigid3> fixed_;
   std::vector<PoseBlock> cameras_;
   std::vector<std::array<double, 3>> points_;
 };
@@ -274,10 +274,11 @@ class RelativePoseError {
 }  // namespace
 
 absl::Status BundleOptions::Validate() const {
-  TL_RETURN_IF_ERROR(CheckRange("bundle.window", window, 1, 100));
-  TL_RETURN_IF_ERROR(CheckRange("bundle.fixed", fixed, 1, 100));
-  TL_RETURN_IF_ERROR(CheckRange("bundle.landmarks", landmarks, 10, 100000));
-  return CheckRange("bundle.iterations", iterations, 1, 100);
+  TL_RETURN_IF_ERROR(base::CheckRange("bundle.window", window, 1, 100));
+  TL_RETURN_IF_ERROR(base::CheckRange("bundle.fixed", fixed, 1, 100));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("bundle.landmarks", landmarks, 10, 100000));
+  return base::CheckRange("bundle.iterations", iterations, 1, 100);
 }
 
 void AdjustLocally(int keyframe, const BundleOptions& options, SlamMap* map) {
@@ -361,7 +362,7 @@ void OptimizeKeyframes(std::span<const KeyframeEdge> edges,
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   if (!summary.IsSolutionUsable()) return;
-  std::vector<Rigid3> poses(count);
+  std::vector<geometry::Rigid3> poses(count);
   for (size_t k = 0; k < count; ++k) {
     poses[k] = problem.HasParameterBlock(cameras[k].data())
                    ? FromBlock(cameras[k]).Inverse()
@@ -370,4 +371,4 @@ void OptimizeKeyframes(std::span<const KeyframeEdge> edges,
   map->MoveKeyframes(poses);
 }
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

@@ -7,7 +7,7 @@
 
 #include "nav_agent/rgbd_slam/slam_map.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 
 struct BundleOptions {
   // Keyframes that move, in [1, 100], and that hold them, in [1, 100].
@@ -42,6 +42,6 @@ void OptimizeKeyframes(std::span<const KeyframeEdge> edges,
                        std::span<const KeyframeEdge> loops, int submap,
                        int max_iterations, SlamMap* map);
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam
 
 #endif  // NAV_AGENT_RGBD_SLAM_BUNDLE_ADJUSTMENT_H_

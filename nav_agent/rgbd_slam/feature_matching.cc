@@ -8,7 +8,7 @@
 
 #include "nav_agent/rgbd_slam/slam_map.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
 constexpr int kNoDistance = 257;
@@ -74,17 +74,18 @@ class TurnVote {
 }  // namespace
 
 bool Expect(const Landmark& landmark, const Pinhole& pinhole,
-            const FeatureSet& features, const Rigid3& camera_from_map,
-            Vec3 camera_in_map, ExpectedSighting* expected) {
+            const FeatureSet& features, const geometry::Rigid3& camera_from_map,
+            geometry::Vec3 camera_in_map, ExpectedSighting* expected) {
   constexpr double kMinCosine = 0.5;
-  const Vec3 p = camera_from_map * landmark.point_in_map;
+  const geometry::Vec3 p = camera_from_map * landmark.point_in_map;
   if (p.z < 0.1) return false;
   expected->pixel = pinhole.Project(p);
   if (!features.Contains(expected->pixel)) return false;
   expected->depth_m = p.z;
-  const Vec3 to_camera = camera_in_map - landmark.point_in_map;
-  const double distance_m = Norm(to_camera);
-  if (Dot(to_camera, landmark.direction_in_map) < kMinCosine * distance_m) {
+  const geometry::Vec3 to_camera = camera_in_map - landmark.point_in_map;
+  const double distance_m = geometry::Norm(to_camera);
+  if (geometry::Dot(to_camera, landmark.direction_in_map) <
+      kMinCosine * distance_m) {
     return false;
   }
   const double ratio = landmark.finest_distance_m / distance_m;
@@ -95,13 +96,11 @@ bool Expect(const Landmark& landmark, const Pinhole& pinhole,
   return true;
 }
 
-std::vector<FeatureMatch> MatchByProjection(const SlamMap& map,
-                                            std::span<const int> landmarks,
-                                            const FeatureSet& features,
-                                            const Rigid3& camera_from_map,
-                                            const ProjectionSearch& search,
-                                            std::vector<int>* visible) {
-  const Vec3 camera_in_map = camera_from_map.Inverse().translation;
+std::vector<FeatureMatch> MatchByProjection(
+    const SlamMap& map, std::span<const int> landmarks,
+    const FeatureSet& features, const geometry::Rigid3& camera_from_map,
+    const ProjectionSearch& search, std::vector<int>* visible) {
+  const geometry::Vec3 camera_in_map = camera_from_map.Inverse().translation;
   // For each feature, the landmark that it fits best.
   struct Claim {
     int landmark = kNoLandmark;
@@ -187,4 +186,4 @@ std::vector<FeatureMatch> MatchByDescriptor(const SlamMap& map, int k,
   return matches;
 }
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

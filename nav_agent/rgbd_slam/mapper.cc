@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
 constexpr int kNeighbours = 6;
@@ -122,7 +122,7 @@ std::optional<Mapper::Meeting> Mapper::Meet(int k,
 }
 
 void Mapper::Close(int k, const Meeting& meeting) {
-  const Rigid3 map_from_k = meeting.place.camera_from_map.Inverse();
+  const geometry::Rigid3 map_from_k = meeting.place.camera_from_map.Inverse();
   const int here = map_.keyframe(k).submap;
   const int there = map_.keyframe(meeting.from).submap;
   loop_edges_.push_back(
@@ -138,7 +138,7 @@ void Mapper::Close(int k, const Meeting& meeting) {
                       here, kIterations, &map_);
   } else {
     ++joined_submaps_;
-    const Rigid3 there_from_here =
+    const geometry::Rigid3 there_from_here =
         map_from_k * map_.keyframe(k).map_from_camera.Inverse();
     if (there < here) {
       map_.JoinSubmap(here, there, there_from_here);
@@ -191,4 +191,4 @@ void Mapper::Connect(int submap) {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

@@ -12,7 +12,7 @@
 #include "nav_agent/rgbd_slam/tracker.h"
 #include "nav_agent/rgbd_slam/word_index.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 
 class Mapper {
  public:
@@ -62,6 +62,6 @@ class Mapper {
   int joined_submaps_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam
 
 #endif  // NAV_AGENT_RGBD_SLAM_MAPPER_H_

@@ -11,7 +11,7 @@
 #include "common/base/random.h"
 #include "common/geometry/kabsch.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -30,9 +30,9 @@ struct NormalEquations {
 // Derivatives by (translation, rotation) of a motion of the camera's frame:
 // point <- Exp(rotation) * point + translation.
 void AddSighting(const PointSighting& sighting, const Pinhole& pinhole,
-                 const Mat3& rotation, Vec3 translation,
+                 const geometry::Mat3& rotation, geometry::Vec3 translation,
                  NormalEquations& equations) {
-  const Vec3 p = rotation * sighting.point_in_map + translation;
+  const geometry::Vec3 p = rotation * sighting.point_in_map + translation;
   if (p.z <= 0.05) return;
   const double inverse_z = 1 / p.z;
   const double x = p.x * inverse_z;
@@ -73,9 +73,9 @@ void AddSighting(const PointSighting& sighting, const Pinhole& pinhole,
 // One Gauss-Newton step; false if it moved next to nothing or cannot be made.
 bool Step(std::span<const PointSighting> sightings,
           const std::vector<bool>& is_used, const Pinhole& pinhole,
-          Rigid3& camera_from_map) {
+          geometry::Rigid3& camera_from_map) {
   NormalEquations equations;
-  const Mat3 rotation = camera_from_map.rotation.Matrix();
+  const geometry::Mat3 rotation = camera_from_map.rotation.Matrix();
   for (size_t i = 0; i < sightings.size(); ++i) {
     if (!is_used[i]) continue;
     AddSighting(sightings[i], pinhole, rotation, camera_from_map.translation,
@@ -85,16 +85,18 @@ bool Step(std::span<const PointSighting> sightings,
   const Eigen::LDLT<Matrix6, Eigen::Lower> factor(equations.hessian);
   const Vector6 step = factor.solve(-equations.gradient);
   if (factor.info() != Eigen::Success || !step.allFinite()) return false;
-  const Rigid3 motion = {
-      .rotation = Rotation3::FromAxisAngle({step[3], step[4], step[5]}),
+  const geometry::Rigid3 motion = {
+      .rotation =
+          geometry::Rotation3::FromAxisAngle({step[3], step[4], step[5]}),
       .translation = {step[0], step[1], step[2]}};
   camera_from_map = motion * camera_from_map;
-  camera_from_map.rotation = Normalized(camera_from_map.rotation);
+  camera_from_map.rotation = geometry::Normalized(camera_from_map.rotation);
   return step.head<3>().norm() > 1e-5 || step.tail<3>().norm() > 1e-5;
 }
 
 int CountExplained(std::span<const PointSighting> sightings,
-                   const Pinhole& pinhole, const Rigid3& camera_from_map,
+                   const Pinhole& pinhole,
+                   const geometry::Rigid3& camera_from_map,
                    std::vector<bool>& is_inlier) {
   int count = 0;
   for (size_t i = 0; i < sightings.size(); ++i) {
@@ -106,20 +108,20 @@ int CountExplained(std::span<const PointSighting> sightings,
 
 // For hypotheses of three noisy points: three times the usual deviations.
 bool IsNear(const PointSighting& sighting, const Pinhole& pinhole,
-            Vec3 point_in_camera) {
+            geometry::Vec3 point_in_camera) {
   if (point_in_camera.z <= 0.05) return false;
-  const Pixel seen = pinhole.Project(point_in_camera);
+  const camera::Pixel seen = pinhole.Project(point_in_camera);
   const double limit_px = 3 * 2.45 * sighting.sigma_px;
   return std::abs(seen.x - sighting.pixel.x) <= limit_px &&
          std::abs(seen.y - sighting.pixel.y) <= limit_px;
 }
 
 int CountNear(std::span<const PointSighting> sightings, const Pinhole& pinhole,
-              const Rigid3& camera_from_map) {
-  const Mat3 rotation = camera_from_map.rotation.Matrix();
+              const geometry::Rigid3& camera_from_map) {
+  const geometry::Mat3 rotation = camera_from_map.rotation.Matrix();
   int count = 0;
   for (const PointSighting& sighting : sightings) {
-    const Vec3 p =
+    const geometry::Vec3 p =
         rotation * sighting.point_in_map + camera_from_map.translation;
     count += IsNear(sighting, pinhole, p) ? 1 : 0;
   }
@@ -133,10 +135,10 @@ double FeatureDepthSigma_m(double depth_m) {
 }
 
 double SquaredError(const PointSighting& sighting, const Pinhole& pinhole,
-                    const Rigid3& camera_from_map) {
-  const Vec3 p = camera_from_map * sighting.point_in_map;
+                    const geometry::Rigid3& camera_from_map) {
+  const geometry::Vec3 p = camera_from_map * sighting.point_in_map;
   if (p.z <= 0.05) return std::numeric_limits<double>::infinity();
-  const Pixel seen = pinhole.Project(p);
+  const camera::Pixel seen = pinhole.Project(p);
   const double u = (seen.x - sighting.pixel.x) / sighting.sigma_px;
   const double v = (seen.y - sighting.pixel.y) / sighting.sigma_px;
   double squared = u * u + v * v;
@@ -149,14 +151,14 @@ double SquaredError(const PointSighting& sighting, const Pinhole& pinhole,
 }
 
 bool IsExplained(const PointSighting& sighting, const Pinhole& pinhole,
-                 const Rigid3& camera_from_map) {
+                 const geometry::Rigid3& camera_from_map) {
   return SquaredError(sighting, pinhole, camera_from_map) <=
          (sighting.depth_m > 0 ? kMaxSquaredError3 : kMaxSquaredError2);
 }
 
 SolvedPose SolvePose(std::span<const PointSighting> sightings,
                      const Pinhole& pinhole,
-                     const Rigid3& initial_camera_from_map) {
+                     const geometry::Rigid3& initial_camera_from_map) {
   constexpr int kRounds = 3;
   constexpr int kSteps = 6;
   constexpr size_t kMinSightings = 6;
@@ -191,14 +193,14 @@ std::optional<SolvedPose> FindPose(std::span<const PointSighting> sightings,
       static_cast<int>(sightings.size()) < min_inliers) {
     return std::nullopt;
   }
-  Random random(seed, stream);
-  Rigid3 best;
+  base::Random random(seed, stream);
+  geometry::Rigid3 best;
   int best_count = 0;
   int hypotheses = kHypotheses;
   for (int h = 0; h < hypotheses; ++h) {
-    Kabsch kabsch;
-    std::array<Vec3, 3> in_camera;
-    std::array<Vec3, 3> in_map;
+    geometry::Kabsch kabsch;
+    std::array<geometry::Vec3, 3> in_camera;
+    std::array<geometry::Vec3, 3> in_map;
     for (size_t k = 0; k < 3; ++k) {
       const PointSighting& sighting = sightings[with_depth[random.NextBelow(
           static_cast<uint32_t>(with_depth.size()))]];
@@ -209,12 +211,12 @@ std::optional<SolvedPose> FindPose(std::span<const PointSighting> sightings,
     // Three points that keep their distances, to a tenth, are worth a look.
     bool is_rigid = true;
     for (size_t k = 0; k < 3; ++k) {
-      const double a = Norm(in_camera[k] - in_camera[(k + 1) % 3]);
-      const double b = Norm(in_map[k] - in_map[(k + 1) % 3]);
+      const double a = geometry::Norm(in_camera[k] - in_camera[(k + 1) % 3]);
+      const double b = geometry::Norm(in_map[k] - in_map[(k + 1) % 3]);
       if (a < 0.05 || std::abs(a - b) > 0.05 + 0.1 * b) is_rigid = false;
     }
     if (!is_rigid) continue;
-    const std::optional<Rigid3> pose = kabsch.Solve();
+    const std::optional<geometry::Rigid3> pose = kabsch.Solve();
     if (!pose) continue;
     const int count = CountNear(sightings, pinhole, *pose);
     if (count <= best_count) continue;
@@ -244,4 +246,4 @@ std::optional<SolvedPose> FindPose(std::span<const PointSighting> sightings,
   return solved;
 }
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

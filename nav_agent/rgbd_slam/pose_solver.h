@@ -10,12 +10,12 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/rgbd_slam/binary_features.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 
 // A point of the map and how it was measured.
 struct PointSighting {
-  Vec3 point_in_map;
-  Pixel pixel;
+  geometry::Vec3 point_in_map;
+  camera::Pixel pixel;
   // Along the optical axis (m); 0: not measured.
   double depth_m = 0;
   // Standard deviation of the pixel.
@@ -35,12 +35,12 @@ constexpr double kMaxSquaredError3 = 7.815;
 // Squared errors over variances: of pixel, and of depth where it was measured.
 // Infinite for points behind the camera.
 double SquaredError(const PointSighting& sighting, const Pinhole& pinhole,
-                    const Rigid3& camera_from_map);
+                    const geometry::Rigid3& camera_from_map);
 bool IsExplained(const PointSighting& sighting, const Pinhole& pinhole,
-                 const Rigid3& camera_from_map);
+                 const geometry::Rigid3& camera_from_map);
 
 struct SolvedPose {
-  Rigid3 camera_from_map;
+  geometry::Rigid3 camera_from_map;
   // For each sighting, whether it agrees with the pose.
   std::vector<bool> is_inlier;
   int inliers = 0;
@@ -51,7 +51,7 @@ struct SolvedPose {
 // wrong. With fewer than 6 sightings, none is taken for an inlier.
 SolvedPose SolvePose(std::span<const PointSighting> sightings,
                      const Pinhole& pinhole,
-                     const Rigid3& initial_camera_from_map);
+                     const geometry::Rigid3& initial_camera_from_map);
 
 // The pose from sightings of which most may be wrong: rigid transforms (Horn)
 // of three sightings with depth at a time (RANSAC), then SolvePose. nullopt if
@@ -60,6 +60,6 @@ std::optional<SolvedPose> FindPose(std::span<const PointSighting> sightings,
                                    const Pinhole& pinhole, int min_inliers,
                                    uint64_t seed, uint64_t stream);
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam
 
 #endif  // NAV_AGENT_RGBD_SLAM_POSE_SOLVER_H_

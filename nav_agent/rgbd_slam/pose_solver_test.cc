@@ -5,14 +5,14 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
 const Pinhole kPinhole = {.fx = 500, .fy = 500, .cx = 320, .cy = 240};
-constexpr Rigid3 kNothing;
+constexpr geometry::Rigid3 kNothing;
 
-Rigid3 TrueCameraFromMap() {
-  return {.rotation = Rotation3::FromAxisAngle({0.2, -0.5, 0.1}),
+geometry::Rigid3 TrueCameraFromMap() {
+  return {.rotation = geometry::Rotation3::FromAxisAngle({0.2, -0.5, 0.1}),
           .translation = {0.3, -0.2, 0.5}};
 }
 
@@ -20,10 +20,11 @@ Rigid3 TrueCameraFromMap() {
 // `wrong` of them are of some other point.
 std::vector<PointSighting> Sightings(int count, int wrong, uint64_t seed) {
   std::vector<PointSighting> sightings;
-  const Rigid3 map_from_camera = TrueCameraFromMap().Inverse();
-  Random random(seed, 1);
+  const geometry::Rigid3 map_from_camera = TrueCameraFromMap().Inverse();
+  base::Random random(seed, 1);
   for (int i = 0; i < count; ++i) {
-    const Pixel pixel{random.NextUniform(0, 640), random.NextUniform(0, 480)};
+    const camera::Pixel pixel{random.NextUniform(0, 640),
+                              random.NextUniform(0, 480)};
     const double depth_m = random.NextUniform(0.8, 4);
     PointSighting sighting{
         .point_in_map = map_from_camera * kPinhole.PointAt(pixel, depth_m),
@@ -41,13 +42,14 @@ std::vector<PointSighting> Sightings(int count, int wrong, uint64_t seed) {
 }
 
 TEST(SolvePose, FindsThePoseFromNearby) {
-  const Rigid3 start =
-      Rigid3{.rotation = Rotation3::FromAxisAngle({0.05, 0, 0}),
-             .translation = {0.05, 0.02, -0.04}} *
+  const geometry::Rigid3 start =
+      geometry::Rigid3{
+          .rotation = geometry::Rotation3::FromAxisAngle({0.05, 0, 0}),
+          .translation = {0.05, 0.02, -0.04}} *
       TrueCameraFromMap();
   const SolvedPose solved = SolvePose(Sightings(200, 40, 1), kPinhole, start);
-  const PoseError error =
-      ErrorBetween(solved.camera_from_map, TrueCameraFromMap());
+  const geometry::PoseError error =
+      geometry::ErrorBetween(solved.camera_from_map, TrueCameraFromMap());
   // 160 sightings of 1 px at 500 px and about 2 m: 4 mm / sqrt(160), and some
   // for the geometry; a turn of a pixel.
   EXPECT_LT(error.translation_m, 0.003);
@@ -69,9 +71,9 @@ TEST(FindPose, FindsThePoseAmongMostlyWrongSightings) {
   const std::vector<PointSighting> sightings = Sightings(150, 100, 3);
   const auto solved = FindPose(sightings, kPinhole, 30, 7, 1);
   ASSERT_TRUE(solved);
-  EXPECT_LT(
-      ErrorBetween(solved->camera_from_map, TrueCameraFromMap()).translation_m,
-      0.006);
+  EXPECT_LT(geometry::ErrorBetween(solved->camera_from_map, TrueCameraFromMap())
+                .translation_m,
+            0.006);
   EXPECT_GE(solved->inliers, 40);
   // The same draws, the same answer.
   const auto again = FindPose(sightings, kPinhole, 30, 7, 1);
@@ -94,4 +96,4 @@ TEST(SquaredError, IsInfiniteBehindTheCamera) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

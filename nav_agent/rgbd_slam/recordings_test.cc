@@ -11,7 +11,7 @@
 #include "nav_agent/rgbd_slam/absolute_error.h"
 #include "nav_agent/rgbd_slam/run_rgbd_slam.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
 // "" if it is not there.
@@ -22,11 +22,11 @@ std::string Folder(const std::string& name) {
   return std::filesystem::is_directory(folder) ? folder : "";
 }
 
-TrajectoryScore Score(const char* name, const Dataset& dataset) {
+TrajectoryScore Score(const char* name, const dataset::Dataset& dataset) {
   const auto result = RunRgbdSlam(dataset, {});
   EXPECT_TRUE(result.ok()) << result.status();
   if (!result.ok()) return {};
-  std::vector<TimedPose> reference;
+  std::vector<dataset::TimedPose> reference;
   for (int i = 0; i < dataset.size(); ++i) {
     if (!dataset.frame(i).world_from_camera) continue;
     reference.push_back({result->times[static_cast<size_t>(i)],
@@ -50,7 +50,7 @@ TEST(RgbdSlamOnRecordings, FollowsFr1Rpy) {
   for (const char* part : {"train", "test"}) {
     const std::string folder = Folder(std::string("tum-fr1-rpy/") + part);
     if (folder.empty()) GTEST_SKIP() << "no tum-fr1-rpy; set TREELINE_DATA";
-    const auto dataset = Dataset::Open({.uri = "tum:" + folder});
+    const auto dataset = dataset::Dataset::Open({.uri = "tum:" + folder});
     ASSERT_TRUE(dataset.ok()) << dataset.status();
     // About 0.02 m is published for ORB-SLAM2 on the whole of it.
     EXPECT_LT(Score(part, *dataset).absolute_m.rmse, 0.03);
@@ -60,7 +60,7 @@ TEST(RgbdSlamOnRecordings, FollowsFr1Rpy) {
 TEST(RgbdSlamOnRecordings, FollowsTheFirstFramesOfRedKitchen) {
   const std::string folder = Folder("7scenes-redkitchen");
   if (folder.empty()) GTEST_SKIP() << "no 7scenes-redkitchen";
-  const auto dataset = Dataset::Open(
+  const auto dataset = dataset::Dataset::Open(
       {.uri = "7scenes:" + folder, .pose_file = folder + "/poses-sfm.txt"});
   ASSERT_TRUE(dataset.ok()) << dataset.status();
   // Frames 0 to 99, a gap of 20, 120 to 179, every other one.
@@ -70,4 +70,4 @@ TEST(RgbdSlamOnRecordings, FollowsTheFirstFramesOfRedKitchen) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

@@ -14,13 +14,13 @@
 #include "nav_agent/rgbd_slam/slam_map.h"
 #include "nav_agent/rgbd_slam/tracker.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
 // A frame's place relative to a keyframe, so that it follows corrections.
 struct FramePlace {
   int keyframe = -1;  // -1: lost
-  Rigid3 keyframe_from_camera;
+  geometry::Rigid3 keyframe_from_camera;
 };
 
 FeatureOptions FeatureOptionsOf(const RgbdSlamOptions& options) {
@@ -54,28 +54,32 @@ const char* RgbdTrackingName(RgbdTracking tracking) {
 }
 
 absl::Status RgbdSlamOptions::Validate() const {
-  TL_RETURN_IF_ERROR(CheckRange("features", features, 50, 5000));
-  TL_RETURN_IF_ERROR(CheckRange("contrast", contrast, 1, 100));
-  TL_RETURN_IF_ERROR(CheckRange("max_depth_m", max_depth_m, 0.5, 50));
-  TL_RETURN_IF_ERROR(CheckRange("min_inliers", min_inliers, 6, 1000));
+  TL_RETURN_IF_ERROR(base::CheckRange("features", features, 50, 5000));
+  TL_RETURN_IF_ERROR(base::CheckRange("contrast", contrast, 1, 100));
+  TL_RETURN_IF_ERROR(base::CheckRange("max_depth_m", max_depth_m, 0.5, 50));
+  TL_RETURN_IF_ERROR(base::CheckRange("min_inliers", min_inliers, 6, 1000));
   TL_RETURN_IF_ERROR(
-      CheckRange("keyframe_distance_m", keyframe_distance_m, 0.001, 10));
+      base::CheckRange("keyframe_distance_m", keyframe_distance_m, 0.001, 10));
   TL_RETURN_IF_ERROR(
-      CheckRange("keyframe_angle_rad", keyframe_angle_rad, 0.001, 3.14));
-  TL_RETURN_IF_ERROR(CheckRange("keyframe_frames", keyframe_frames, 1, 100000));
-  TL_RETURN_IF_ERROR(CheckRange("keyframe_share", keyframe_share, 0, 1));
-  TL_RETURN_IF_ERROR(CheckRange("min_shared", min_shared, 5, 1000));
-  TL_RETURN_IF_ERROR(CheckRange("local_keyframes", local_keyframes, 1, 100));
+      base::CheckRange("keyframe_angle_rad", keyframe_angle_rad, 0.001, 3.14));
   TL_RETURN_IF_ERROR(
-      CheckRange("local_landmarks", local_landmarks, 10, 100000));
-  TL_RETURN_IF_ERROR(CheckRange("local_iterations", local_iterations, 1, 100));
-  TL_RETURN_IF_ERROR(CheckRange("lost_frames", lost_frames, 1, 10000));
-  TL_RETURN_IF_ERROR(CheckRange("final_iterations", final_iterations, 0, 100));
-  return CheckRange("final_landmarks", final_landmarks, 10, 100000);
+      base::CheckRange("keyframe_frames", keyframe_frames, 1, 100000));
+  TL_RETURN_IF_ERROR(base::CheckRange("keyframe_share", keyframe_share, 0, 1));
+  TL_RETURN_IF_ERROR(base::CheckRange("min_shared", min_shared, 5, 1000));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("local_keyframes", local_keyframes, 1, 100));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("local_landmarks", local_landmarks, 10, 100000));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("local_iterations", local_iterations, 1, 100));
+  TL_RETURN_IF_ERROR(base::CheckRange("lost_frames", lost_frames, 1, 10000));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("final_iterations", final_iterations, 0, 100));
+  return base::CheckRange("final_landmarks", final_landmarks, 10, 100000);
 }
 
 struct RgbdSlam::State {
-  State(const RgbdSlamOptions& given, const RgbdCalibration& rig)
+  State(const RgbdSlamOptions& given, const camera::RgbdCalibration& rig)
       : options(given),
         calibration(rig),
         extractor(rig, FeatureOptionsOf(given)),
@@ -83,28 +87,28 @@ struct RgbdSlam::State {
         tracker(options, &map),
         mapper(options, &tracker, &map) {}
 
-  RgbdTrackResult Place(FeatureSet features, Time_ns time);
-  RgbdTrackResult Lose(FeatureSet features, Time_ns time);
-  RgbdTrackResult Follow(FeatureSet features, Time_ns time,
+  RgbdTrackResult Place(FeatureSet features, dataset::Time_ns time);
+  RgbdTrackResult Lose(FeatureSet features, dataset::Time_ns time);
+  RgbdTrackResult Follow(FeatureSet features, dataset::Time_ns time,
                          const TrackedFrame& tracked);
   bool NeedsKeyframe(const TrackedFrame& tracked) const;
-  void MakeKeyframe(FeatureSet features, Time_ns time,
+  void MakeKeyframe(FeatureSet features, dataset::Time_ns time,
                     const TrackedFrame& tracked, int submap);
-  Rigid3 PoseOf(const FramePlace& place) const;
+  geometry::Rigid3 PoseOf(const FramePlace& place) const;
   // The submap with the most frames, and its first frame.
   int LargestSubmap() const;
   // Pose-sensor poses in the frame of the submap's first frame.
-  std::optional<Rigid3> MapFromColor(int submap) const;
+  std::optional<geometry::Rigid3> MapFromColor(int submap) const;
 
   const RgbdSlamOptions options;
-  const RgbdCalibration calibration;
-  const SteadyClock clock{};
+  const camera::RgbdCalibration calibration;
+  const base::SteadyClock clock{};
   FeatureExtractor extractor;
   SlamMap map;
   Tracker tracker;
   Mapper mapper;
   std::vector<FramePlace> places;
-  std::optional<Time_ns> last_time;
+  std::optional<dataset::Time_ns> last_time;
   int lost_in_a_row = 0;
   int frames_since_keyframe = 0;
   int reference_inliers = 0;
@@ -113,28 +117,28 @@ struct RgbdSlam::State {
   RgbdSlamStatistics statistics;
 };
 
-Rigid3 RgbdSlam::State::PoseOf(const FramePlace& place) const {
+geometry::Rigid3 RgbdSlam::State::PoseOf(const FramePlace& place) const {
   return map.keyframe(place.keyframe).map_from_camera *
          place.keyframe_from_camera;
 }
 
 bool RgbdSlam::State::NeedsKeyframe(const TrackedFrame& tracked) const {
-  const Rigid3 keyframe_from_camera =
+  const geometry::Rigid3 keyframe_from_camera =
       (tracked.camera_from_map *
        map.keyframe(tracker.keyframe()).map_from_camera)
           .Inverse();
   const auto inliers = static_cast<double>(tracked.matches.size());
-  return Norm(keyframe_from_camera.translation) >=
+  return geometry::Norm(keyframe_from_camera.translation) >=
              options.keyframe_distance_m ||
-         AngleBetween_rad(keyframe_from_camera.rotation, {}) >=
+         geometry::AngleBetween_rad(keyframe_from_camera.rotation, {}) >=
              options.keyframe_angle_rad ||
          frames_since_keyframe >= options.keyframe_frames ||
          inliers < options.keyframe_share * reference_inliers;
 }
 
-void RgbdSlam::State::MakeKeyframe(FeatureSet features, Time_ns time,
+void RgbdSlam::State::MakeKeyframe(FeatureSet features, dataset::Time_ns time,
                                    const TrackedFrame& tracked, int submap) {
-  const MonotonicTime start = clock.Now();
+  const base::MonotonicTime start = clock.Now();
   MapKeyframe keyframe{.frame = static_cast<int>(places.size()),
                        .time = time,
                        .submap = submap,
@@ -146,7 +150,7 @@ void RgbdSlam::State::MakeKeyframe(FeatureSet features, Time_ns time,
   for (const FeatureMatch& match : tracked.matches) {
     keyframe.landmarks[static_cast<size_t>(match.feature)] = match.landmark;
   }
-  const Rigid3 old_map_from_camera = keyframe.map_from_camera;
+  const geometry::Rigid3 old_map_from_camera = keyframe.map_from_camera;
   const int k = mapper.Insert(std::move(keyframe));
   TrackedFrame place = tracked;
   place.matches.clear();
@@ -163,11 +167,12 @@ void RgbdSlam::State::MakeKeyframe(FeatureSet features, Time_ns time,
   reference_inliers = std::max(static_cast<int>(tracked.matches.size()),
                                static_cast<int>(place.matches.size()) / 3);
   places.push_back({.keyframe = k, .keyframe_from_camera = {}});
-  mapping_ms = MillisecondsBetween(start, clock.Now());
+  mapping_ms = base::MillisecondsBetween(start, clock.Now());
   statistics.mapping_ms.push_back(mapping_ms);
 }
 
-RgbdTrackResult RgbdSlam::State::Follow(FeatureSet features, Time_ns time,
+RgbdTrackResult RgbdSlam::State::Follow(FeatureSet features,
+                                        dataset::Time_ns time,
                                         const TrackedFrame& tracked) {
   RgbdTrackResult result{.tracking = tracked.is_relocalized
                                          ? RgbdTracking::kRelocalized
@@ -194,7 +199,8 @@ RgbdTrackResult RgbdSlam::State::Follow(FeatureSet features, Time_ns time,
   return result;
 }
 
-RgbdTrackResult RgbdSlam::State::Lose(FeatureSet features, Time_ns time) {
+RgbdTrackResult RgbdSlam::State::Lose(FeatureSet features,
+                                      dataset::Time_ns time) {
   constexpr int kMinFeatures = 50;
   const bool has_few = CountWithDepth(features) < kMinFeatures;
   RgbdTrackResult result;
@@ -221,7 +227,8 @@ RgbdTrackResult RgbdSlam::State::Lose(FeatureSet features, Time_ns time) {
   return result;
 }
 
-RgbdTrackResult RgbdSlam::State::Place(FeatureSet features, Time_ns time) {
+RgbdTrackResult RgbdSlam::State::Place(FeatureSet features,
+                                       dataset::Time_ns time) {
   std::optional<TrackedFrame> tracked = tracker.Track(features);
   if (!tracked && map.keyframe_count() > 0) {
     tracked = tracker.Relocalize(features, mapper.index(),
@@ -244,13 +251,14 @@ int RgbdSlam::State::LargestSubmap() const {
                           frames.begin());
 }
 
-std::optional<Rigid3> RgbdSlam::State::MapFromColor(int submap) const {
+std::optional<geometry::Rigid3> RgbdSlam::State::MapFromColor(
+    int submap) const {
   for (const FramePlace& place : places) {
     if (place.keyframe < 0 || map.keyframe(place.keyframe).submap != submap) {
       continue;
     }
-    return PoseOfSensor(PoseOf(place), RgbdSensor::kColor,
-                        calibration.pose_sensor, calibration)
+    return camera::PoseOfSensor(PoseOf(place), camera::RgbdSensor::kColor,
+                                calibration.pose_sensor, calibration)
         .Inverse();
   }
   return std::nullopt;
@@ -260,14 +268,15 @@ RgbdSlam::RgbdSlam(std::unique_ptr<State> state) : state_(std::move(state)) {}
 RgbdSlam::~RgbdSlam() = default;
 
 absl::StatusOr<std::unique_ptr<RgbdSlam>> RgbdSlam::Create(
-    const RgbdSlamOptions& options, const RgbdCalibration& calibration) {
+    const RgbdSlamOptions& options,
+    const camera::RgbdCalibration& calibration) {
   TL_RETURN_IF_ERROR(options.Validate());
   return std::unique_ptr<RgbdSlam>(
       new RgbdSlam(std::make_unique<State>(options, calibration)));
 }
 
-absl::StatusOr<RgbdTrackResult> RgbdSlam::AddFrame(const Frame& frame,
-                                                   Time_ns time) {
+absl::StatusOr<RgbdTrackResult> RgbdSlam::AddFrame(const image::Frame& frame,
+                                                   dataset::Time_ns time) {
   State& state = *state_;
   if (state.is_finished) {
     return absl::FailedPreconditionError("a frame after Finish");
@@ -276,22 +285,22 @@ absl::StatusOr<RgbdTrackResult> RgbdSlam::AddFrame(const Frame& frame,
     return absl::InvalidArgumentError(absl::StrCat(
         "a frame at ", time, " ns after one at ", *state.last_time, " ns"));
   }
-  const MonotonicTime start = state.clock.Now();
+  const base::MonotonicTime start = state.clock.Now();
   TL_ASSIGN_OR_RETURN(FeatureSet features, state.extractor.Extract(frame));
   state.last_time = time;
   ++state.statistics.frames;
   state.mapping_ms = 0;
   RgbdTrackResult result = state.Place(std::move(features), time);
   state.statistics.tracking_ms.push_back(
-      MillisecondsBetween(start, state.clock.Now()) - state.mapping_ms);
+      base::MillisecondsBetween(start, state.clock.Now()) - state.mapping_ms);
   const FramePlace& place = state.places.back();
   if (place.keyframe >= 0) {
-    const std::optional<Rigid3> origin =
+    const std::optional<geometry::Rigid3> origin =
         state.MapFromColor(state.map.keyframe(place.keyframe).submap);
     result.map_from_camera =
-        *origin * PoseOfSensor(state.PoseOf(place), RgbdSensor::kColor,
-                               state.calibration.pose_sensor,
-                               state.calibration);
+        *origin *
+        camera::PoseOfSensor(state.PoseOf(place), camera::RgbdSensor::kColor,
+                             state.calibration.pose_sensor, state.calibration);
   }
   return result;
 }
@@ -311,11 +320,11 @@ void RgbdSlam::Finish() {
   }
 }
 
-std::vector<std::optional<Rigid3>> RgbdSlam::Trajectory() const {
+std::vector<std::optional<geometry::Rigid3>> RgbdSlam::Trajectory() const {
   const State& state = *state_;
-  std::vector<std::optional<Rigid3>> poses(state.places.size());
+  std::vector<std::optional<geometry::Rigid3>> poses(state.places.size());
   const int submap = state.LargestSubmap();
-  const std::optional<Rigid3> origin = state.MapFromColor(submap);
+  const std::optional<geometry::Rigid3> origin = state.MapFromColor(submap);
   if (!origin) return poses;
   for (size_t i = 0; i < poses.size(); ++i) {
     const FramePlace& place = state.places[i];
@@ -323,9 +332,9 @@ std::vector<std::optional<Rigid3>> RgbdSlam::Trajectory() const {
         state.map.keyframe(place.keyframe).submap != submap) {
       continue;
     }
-    poses[i] = *origin * PoseOfSensor(state.PoseOf(place), RgbdSensor::kColor,
-                                      state.calibration.pose_sensor,
-                                      state.calibration);
+    poses[i] = *origin * camera::PoseOfSensor(
+                             state.PoseOf(place), camera::RgbdSensor::kColor,
+                             state.calibration.pose_sensor, state.calibration);
   }
   return poses;
 }
@@ -333,10 +342,10 @@ std::vector<std::optional<Rigid3>> RgbdSlam::Trajectory() const {
 std::vector<RgbdKeyframe> RgbdSlam::Keyframes() const {
   const State& state = *state_;
   std::vector<RgbdKeyframe> keyframes;
-  const std::vector<std::optional<Rigid3>> poses = Trajectory();
+  const std::vector<std::optional<geometry::Rigid3>> poses = Trajectory();
   for (int k = 0; k < state.map.keyframe_count(); ++k) {
     const MapKeyframe& keyframe = state.map.keyframe(k);
-    const std::optional<Rigid3>& pose =
+    const std::optional<geometry::Rigid3>& pose =
         poses[static_cast<size_t>(keyframe.frame)];
     if (pose) keyframes.push_back({keyframe.frame, keyframe.time, *pose});
   }
@@ -354,4 +363,4 @@ RgbdSlamStatistics RgbdSlam::Statistics() const {
   return statistics;
 }
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

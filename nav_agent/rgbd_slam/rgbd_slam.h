@@ -15,7 +15,7 @@
 #include "common/dataset/text_formats.h"
 #include "common/image/frame.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 
 struct RgbdSlamOptions {
   // Features of a picture, in [50, 5000].
@@ -77,14 +77,14 @@ struct RgbdTrackResult {
   bool is_keyframe = false;
   // In the submap's frame as it is now; Trajectory() has the corrected ones.
   // nullopt if lost.
-  std::optional<Rigid3> map_from_camera;
+  std::optional<geometry::Rigid3> map_from_camera;
 };
 
 struct RgbdKeyframe {
   // As counted by AddFrame, from 0.
   int frame = 0;
-  Time_ns time = 0;
-  Rigid3 map_from_camera;
+  dataset::Time_ns time = 0;
+  geometry::Rigid3 map_from_camera;
 };
 
 struct RgbdSlamStatistics {
@@ -115,7 +115,8 @@ class RgbdSlam {
  public:
   // INVALID_ARGUMENT for options out of range.
   static absl::StatusOr<std::unique_ptr<RgbdSlam>> Create(
-      const RgbdSlamOptions& options, const RgbdCalibration& calibration);
+      const RgbdSlamOptions& options,
+      const camera::RgbdCalibration& calibration);
   ~RgbdSlam();
   RgbdSlam(const RgbdSlam&) = delete;
   RgbdSlam& operator=(const RgbdSlam&) = delete;
@@ -124,7 +125,8 @@ class RgbdSlam {
   // calibration's, or that is not later than the last one; it is then as if it
   // had not been added. FAILED_PRECONDITION after Finish. A lost camera is a
   // result, not an error.
-  absl::StatusOr<RgbdTrackResult> AddFrame(const Frame& frame, Time_ns time);
+  absl::StatusOr<RgbdTrackResult> AddFrame(const image::Frame& frame,
+                                           dataset::Time_ns time);
 
   // Adjusts the whole map. AddFrame must not be called afterwards.
   void Finish();
@@ -132,7 +134,7 @@ class RgbdSlam {
   // For each frame that was added its pose with all corrections made since;
   // nullopt for lost ones and those of submaps that are not connected to the
   // largest.
-  std::vector<std::optional<Rigid3>> Trajectory() const;
+  std::vector<std::optional<geometry::Rigid3>> Trajectory() const;
 
   // The keyframes of the largest connected submap, in order of time.
   std::vector<RgbdKeyframe> Keyframes() const;
@@ -146,6 +148,6 @@ class RgbdSlam {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam
 
 #endif  // NAV_AGENT_RGBD_SLAM_RGBD_SLAM_H_

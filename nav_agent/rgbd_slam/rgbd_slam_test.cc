@@ -11,10 +11,10 @@
 #include "nav_agent/rgbd_slam/absolute_error.h"
 #include "nav_agent/rgbd_slam/testing_room.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
-constexpr Time_ns kPeriod = 66'000'000;
+constexpr dataset::Time_ns kPeriod = 66'000'000;
 
 // Small, so that the tests are quick under sanitizers too.
 RgbdSlamOptions SmallOptions() {
@@ -31,16 +31,17 @@ RgbdSlamOptions SmallOptions() {
 }
 
 // A walk along an arc: place and heading at step i.
-Rigid3 ArcPose(int i) {
+geometry::Rigid3 ArcPose(int i) {
   const double angle_rad = 0.05 * i;
   return TestingPose(0.5 * std::sin(angle_rad), 0.5 - 0.5 * std::cos(angle_rad),
                      angle_rad);
 }
 
-Frame Dark() {
-  Frame frame;
+image::Frame Dark() {
+  image::Frame frame;
   frame.color = {320, 240, std::vector<uint8_t>(320 * 240 * 3, 7)};
-  frame.depth = DepthImage{320, 240, std::vector<uint16_t>(320 * 240), 0.001};
+  frame.depth =
+      image::DepthImage{320, 240, std::vector<uint16_t>(320 * 240), 0.001};
   return frame;
 }
 
@@ -49,7 +50,7 @@ struct Walker {
   explicit Walker(const RgbdSlamOptions& options)
       : slam(RgbdSlam::Create(options, TestingCalibration()).value()) {}
 
-  RgbdTrackResult See(const Rigid3& world_from_camera) {
+  RgbdTrackResult See(const geometry::Rigid3& world_from_camera) {
     const int i = static_cast<int>(truth.size());
     truth.push_back({i * kPeriod, world_from_camera});
     return slam
@@ -65,8 +66,9 @@ struct Walker {
   }
   // RMSE of the positions (m); infinite if too few frames have a pose.
   double Error_m() const {
-    std::vector<TimedPose> estimate;
-    const std::vector<std::optional<Rigid3>> poses = slam->Trajectory();
+    std::vector<dataset::TimedPose> estimate;
+    const std::vector<std::optional<geometry::Rigid3>> poses =
+        slam->Trajectory();
     for (size_t i = 0; i < poses.size(); ++i) {
       if (poses[i]) estimate.push_back({truth[i].time, *poses[i]});
     }
@@ -76,7 +78,7 @@ struct Walker {
   }
 
   std::unique_ptr<RgbdSlam> slam;
-  std::vector<TimedPose> truth;
+  std::vector<dataset::TimedPose> truth;
 };
 
 TEST(RgbdSlam, FollowsAWalk) {
@@ -90,10 +92,11 @@ TEST(RgbdSlam, FollowsAWalk) {
   // Depth is right to 3 mm at 2 m, corners to a pixel (8 mm there), over
   // about 200 features.
   EXPECT_LT(run.Error_m(), 0.01);
-  const std::vector<std::optional<Rigid3>> poses = run.slam->Trajectory();
+  const std::vector<std::optional<geometry::Rigid3>> poses =
+      run.slam->Trajectory();
   ASSERT_EQ(poses.size(), 30u);
   // The first frame is the map's frame.
-  EXPECT_LT(ErrorBetween(poses[0].value(), {}).translation_m, 1e-9);
+  EXPECT_LT(geometry::ErrorBetween(poses[0].value(), {}).translation_m, 1e-9);
   const RgbdSlamStatistics statistics = run.slam->Statistics();
   EXPECT_EQ(statistics.frames, 30);
   EXPECT_EQ(statistics.tracked, 30);
@@ -111,7 +114,7 @@ TEST(RgbdSlam, FollowsAWalk) {
 }
 
 TEST(RgbdSlam, IsTheSameInEveryRun) {
-  std::vector<std::optional<Rigid3>> first;
+  std::vector<std::optional<geometry::Rigid3>> first;
   for (int repeat = 0; repeat < 2; ++repeat) {
     Walker run(SmallOptions());
     for (int i = 0; i < 12; ++i) run.See(ArcPose(i));
@@ -131,8 +134,9 @@ TEST(RgbdSlam, FindsItselfAgainAfterTheCameraWasCovered) {
   const RgbdTrackResult found = run.See(ArcPose(1));
   EXPECT_EQ(found.tracking, RgbdTracking::kRelocalized);
   ASSERT_TRUE(found.map_from_camera);
-  const Rigid3 truth = ArcPose(0).Inverse() * ArcPose(1);
-  EXPECT_LT(ErrorBetween(*found.map_from_camera, truth).translation_m, 0.03);
+  const geometry::Rigid3 truth = ArcPose(0).Inverse() * ArcPose(1);
+  EXPECT_LT(geometry::ErrorBetween(*found.map_from_camera, truth).translation_m,
+            0.03);
   run.slam->Finish();
   EXPECT_FALSE(run.slam->Trajectory()[24]);
   EXPECT_EQ(run.slam->Statistics().relocalized, 1);
@@ -157,7 +161,8 @@ TEST(RgbdSlam, JoinsASecondMapToTheFirst) {
   }
   run.slam->Finish();
   EXPECT_EQ(run.slam->Statistics().joined_submaps, 1);
-  const std::vector<std::optional<Rigid3>> poses = run.slam->Trajectory();
+  const std::vector<std::optional<geometry::Rigid3>> poses =
+      run.slam->Trajectory();
   for (size_t i = 0; i < poses.size(); ++i) {
     EXPECT_EQ(poses[i].has_value(), i != 8) << i;
   }
@@ -189,20 +194,20 @@ TEST(RgbdSlam, ClosesTheLoopOfAFullTurn) {
 TEST(RgbdSlam, RefusesWhatIsNoFrame) {
   Walker run(SmallOptions());
   run.See(ArcPose(0));
-  Frame frame = SeeTestingRoom(TestingCalibration(), ArcPose(1), 1);
+  image::Frame frame = SeeTestingRoom(TestingCalibration(), ArcPose(1), 1);
   EXPECT_EQ(run.slam->AddFrame(frame, 0).status().code(),
             absl::StatusCode::kInvalidArgument);
-  Frame flat = frame;
+  image::Frame flat = frame;
   flat.depth.reset();
   EXPECT_EQ(run.slam->AddFrame(flat, kPeriod).status().code(),
             absl::StatusCode::kInvalidArgument);
-  Frame small = frame;
+  image::Frame small = frame;
   small.color.width = 10;
   EXPECT_FALSE(run.slam->AddFrame(small, kPeriod).ok());
-  Frame cut = frame;
+  image::Frame cut = frame;
   cut.color.rgb.resize(100);
   EXPECT_FALSE(run.slam->AddFrame(cut, kPeriod).ok());
-  Frame shallow = frame;
+  image::Frame shallow = frame;
   shallow.depth->values.resize(100);
   EXPECT_FALSE(run.slam->AddFrame(shallow, kPeriod).ok());
   // None of them was added.
@@ -237,4 +242,4 @@ TEST(RgbdSlam, OptionsAreChecked) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

@@ -15,10 +15,10 @@
 #include "common/base/sample_statistics.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
-constexpr Time_ns kFramePeriod_ns = 33'333'333;
+constexpr dataset::Time_ns kFramePeriod_ns = 33'333'333;
 
 // The number at a stem's end: "seq-01/frame-000123" -> 123.
 std::optional<int64_t> NumberOf(absl::string_view stem) {
@@ -33,8 +33,9 @@ std::optional<int64_t> NumberOf(absl::string_view stem) {
   return number;
 }
 
-Time_ns TimeOf(const std::string& stem, int index) {
-  if (const absl::StatusOr<Time_ns> time = ParseTime_ns(stem); time.ok()) {
+dataset::Time_ns TimeOf(const std::string& stem, int index) {
+  if (const absl::StatusOr<dataset::Time_ns> time = dataset::ParseTime_ns(stem);
+      time.ok()) {
     return *time;
   }
   return kFramePeriod_ns * NumberOf(stem).value_or(index);
@@ -42,10 +43,10 @@ Time_ns TimeOf(const std::string& stem, int index) {
 
 }  // namespace
 
-std::vector<Time_ns> FrameTimes(const Dataset& dataset) {
-  std::vector<Time_ns> times;
+std::vector<dataset::Time_ns> FrameTimes(const dataset::Dataset& dataset) {
+  std::vector<dataset::Time_ns> times;
   for (int i = 0; i < dataset.size(); ++i) {
-    const Time_ns time = TimeOf(dataset.frame(i).stem, i);
+    const dataset::Time_ns time = TimeOf(dataset.frame(i).stem, i);
     times.push_back(times.empty()
                         ? time
                         : std::max(time, times.back() + kFramePeriod_ns / 100));
@@ -53,10 +54,10 @@ std::vector<Time_ns> FrameTimes(const Dataset& dataset) {
   return times;
 }
 
-absl::StatusOr<RgbdSlamResult> RunRgbdSlam(const Dataset& dataset,
+absl::StatusOr<RgbdSlamResult> RunRgbdSlam(const dataset::Dataset& dataset,
                                            const RunRgbdSlamOptions& options) {
-  const SteadyClock clock;
-  const MonotonicTime start = clock.Now();
+  const base::SteadyClock clock;
+  const base::MonotonicTime start = clock.Now();
   for (int i = 0; i < dataset.size(); ++i) {
     if (dataset.frame(i).depth_path.empty() || dataset.frame(i).color_camera) {
       return absl::InvalidArgumentError(absl::StrCat(
@@ -75,12 +76,12 @@ absl::StatusOr<RgbdSlamResult> RunRgbdSlam(const Dataset& dataset,
     if (options.stop.stop_requested()) {
       return absl::CancelledError("stopped while mapping");
     }
-    TL_ASSIGN_OR_RETURN(const Frame frame, dataset.Load(i));
+    TL_ASSIGN_OR_RETURN(const image::Frame frame, dataset.Load(i));
     const auto place =
         slam->AddFrame(frame, result.times[static_cast<size_t>(i)]);
     if (!place.ok()) {
-      return Annotate(place.status(),
-                      absl::StrCat("frame ", dataset.frame(i).stem));
+      return base::Annotate(place.status(),
+                            absl::StrCat("frame ", dataset.frame(i).stem));
     }
     if (options.progress) options.progress(i + 1);
   }
@@ -88,16 +89,16 @@ absl::StatusOr<RgbdSlamResult> RunRgbdSlam(const Dataset& dataset,
   result.map_from_cameras = slam->Trajectory();
   result.keyframes = slam->Keyframes();
   result.statistics = slam->Statistics();
-  result.tracking_p50_ms = Quantile(result.statistics.tracking_ms, 0.50);
-  result.tracking_p99_ms = Quantile(result.statistics.tracking_ms, 0.99);
-  result.mapping_p50_ms = Quantile(result.statistics.mapping_ms, 0.50);
-  result.mapping_p99_ms = Quantile(result.statistics.mapping_ms, 0.99);
-  result.total_s = MillisecondsBetween(start, clock.Now()) / 1000;
+  result.tracking_p50_ms = base::Quantile(result.statistics.tracking_ms, 0.50);
+  result.tracking_p99_ms = base::Quantile(result.statistics.tracking_ms, 0.99);
+  result.mapping_p50_ms = base::Quantile(result.statistics.mapping_ms, 0.50);
+  result.mapping_p99_ms = base::Quantile(result.statistics.mapping_ms, 0.99);
+  result.total_s = base::MillisecondsBetween(start, clock.Now()) / 1000;
   return result;
 }
 
-std::vector<TimedPose> TrajectoryOf(const RgbdSlamResult& result) {
-  std::vector<TimedPose> poses;
+std::vector<dataset::TimedPose> TrajectoryOf(const RgbdSlamResult& result) {
+  std::vector<dataset::TimedPose> poses;
   for (size_t i = 0; i < result.map_from_cameras.size(); ++i) {
     if (!result.map_from_cameras[i]) continue;
     poses.push_back({result.times[i], *result.map_from_cameras[i]});
@@ -105,4 +106,4 @@ std::vector<TimedPose> TrajectoryOf(const RgbdSlamResult& result) {
   return poses;
 }
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

@@ -11,19 +11,19 @@
 #include "common/dataset/dataset.h"
 #include "nav_agent/rgbd_slam/rgbd_slam.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 
 // When each frame was taken: its stem where that is a time stamp (TUM), else
 // the number in its name at 30 Hz, or its place in the recording. They ascend;
 // those of several sequences in one recording, which do not, follow one
 // another.
-std::vector<Time_ns> FrameTimes(const Dataset& dataset);
+std::vector<dataset::Time_ns> FrameTimes(const dataset::Dataset& dataset);
 
 struct RunRgbdSlamOptions {
   RgbdSlamOptions slam;
   // Replaces the data set's calibration; color_from_depth is not known to the
   // formats themselves.
-  std::optional<RgbdCalibration> calibration;
+  std::optional<camera::RgbdCalibration> calibration;
   // Called after each frame with how many are done; may be empty.
   std::function<void(int)> progress;
   // Ends the run with CANCELLED.
@@ -33,9 +33,9 @@ struct RunRgbdSlamOptions {
 struct RgbdSlamResult {
   // Of the calibration's pose sensor, for each frame of the data set; see
   // RgbdSlam::Trajectory.
-  std::vector<std::optional<Rigid3>> map_from_cameras;
+  std::vector<std::optional<geometry::Rigid3>> map_from_cameras;
   // FrameTimes of the data set.
-  std::vector<Time_ns> times;
+  std::vector<dataset::Time_ns> times;
   std::vector<RgbdKeyframe> keyframes;
   RgbdSlamStatistics statistics;
   // Of the tracking of a frame and of the mapping of a keyframe (ms).
@@ -50,12 +50,12 @@ struct RgbdSlamResult {
 // Deterministic but for the times. INVALID_ARGUMENT for a data set with frames
 // without depth, or with cameras of their own; errors of reading as
 // Dataset::Load has them.
-absl::StatusOr<RgbdSlamResult> RunRgbdSlam(const Dataset& dataset,
+absl::StatusOr<RgbdSlamResult> RunRgbdSlam(const dataset::Dataset& dataset,
                                            const RunRgbdSlamOptions& options);
 
 // The frames with a pose, in order of time: a trajectory to write or to score.
-std::vector<TimedPose> TrajectoryOf(const RgbdSlamResult& result);
+std::vector<dataset::TimedPose> TrajectoryOf(const RgbdSlamResult& result);
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam
 
 #endif  // NAV_AGENT_RGBD_SLAM_RUN_RGBD_SLAM_H_

@@ -6,7 +6,7 @@
 #include <unordered_set>
 #include <utility>
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
 std::vector<Covisible> Ranked(const std::vector<int>& shared, int min_shared) {
@@ -31,7 +31,8 @@ int SlamMap::AddKeyframe(MapKeyframe keyframe) {
                             kNoLandmark);
   keyframes_.push_back(std::move(keyframe));
   const size_t count = keyframes_.back().landmarks.size();
-  const Vec3 camera_in_map = keyframes_.back().map_from_camera.translation;
+  const geometry::Vec3 camera_in_map =
+      keyframes_.back().map_from_camera.translation;
   for (size_t f = 0; f < count; ++f) {
     MapKeyframe& added = keyframes_.back();
     const ImageFeature& feature = added.features[static_cast<int>(f)];
@@ -39,10 +40,11 @@ int SlamMap::AddKeyframe(MapKeyframe keyframe) {
     if (landmark == kNoLandmark) {
       if (feature.depth_m <= 0) continue;
       landmark = landmark_count();
-      const Vec3 point = added.map_from_camera *
-                         pinhole_.PointAt(feature.pixel, feature.depth_m);
-      const Vec3 to_camera = camera_in_map - point;
-      const double distance_m = Norm(to_camera);
+      const geometry::Vec3 point =
+          added.map_from_camera *
+          pinhole_.PointAt(feature.pixel, feature.depth_m);
+      const geometry::Vec3 to_camera = camera_in_map - point;
+      const double distance_m = geometry::Norm(to_camera);
       Landmark made;
       made.point_in_map = point;
       made.reference = index;
@@ -168,12 +170,14 @@ std::vector<int> SlamMap::LandmarksOf(std::span<const Covisible> keyframes,
   return collected;
 }
 
-void SlamMap::MoveKeyframes(std::span<const Rigid3> map_from_cameras) {
+void SlamMap::MoveKeyframes(
+    std::span<const geometry::Rigid3> map_from_cameras) {
   for (Landmark& moved : landmarks_) {
     if (moved.is_erased) continue;
     const auto reference = static_cast<size_t>(moved.reference);
-    const Rigid3 correction = map_from_cameras[reference] *
-                              keyframes_[reference].map_from_camera.Inverse();
+    const geometry::Rigid3 correction =
+        map_from_cameras[reference] *
+        keyframes_[reference].map_from_camera.Inverse();
     moved.point_in_map = correction * moved.point_in_map;
     moved.direction_in_map = correction.rotation * moved.direction_in_map;
   }
@@ -182,8 +186,9 @@ void SlamMap::MoveKeyframes(std::span<const Rigid3> map_from_cameras) {
   }
 }
 
-void SlamMap::JoinSubmap(int from, int into, const Rigid3& into_from_from) {
-  std::vector<Rigid3> poses;
+void SlamMap::JoinSubmap(int from, int into,
+                         const geometry::Rigid3& into_from_from) {
+  std::vector<geometry::Rigid3> poses;
   poses.reserve(keyframes_.size());
   for (MapKeyframe& moved : keyframes_) {
     const bool is_joined = moved.submap == from;
@@ -219,4 +224,4 @@ int SlamMap::FuseInto(int k, std::span<const int> landmarks, double radius_px) {
   return static_cast<int>(matches.size());
 }
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

@@ -10,7 +10,7 @@
 #include "nav_agent/rgbd_slam/binary_features.h"
 #include "nav_agent/rgbd_slam/pose_solver.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 
 constexpr int kNoLandmark = -1;
 
@@ -21,7 +21,7 @@ struct Sighting {
 
 // A point of the map.
 struct Landmark {
-  Vec3 point_in_map;
+  geometry::Vec3 point_in_map;
   // As its latest keyframe sees it.
   BinaryDescriptor descriptor{};
   // The keyframe that made it; it moves with it.
@@ -29,7 +29,7 @@ struct Landmark {
   // At this distance a feature of octave 0 would see it (m).
   double finest_distance_m = 0;
   // Where it was seen from first, as a unit vector from the landmark.
-  Vec3 direction_in_map;
+  geometry::Vec3 direction_in_map;
   std::vector<Sighting> sightings;
   // Number of frames whose view it was in, and in which it was found.
   int visible = 0;
@@ -39,11 +39,11 @@ struct Landmark {
 
 struct MapKeyframe {
   int frame = 0;
-  Time_ns time = 0;
+  dataset::Time_ns time = 0;
   // Maps that are not connected yet have frames of their own.
   int submap = 0;
   // Of the colour camera.
-  Rigid3 map_from_camera;
+  geometry::Rigid3 map_from_camera;
   FeatureSet features;
   // For each feature its landmark, or kNoLandmark.
   std::vector<int> landmarks;
@@ -59,7 +59,7 @@ struct Covisible {
 struct KeyframeEdge {
   int from = 0;
   int to = 0;
-  Rigid3 from_from_to;
+  geometry::Rigid3 from_from_to;
   // Landmarks that speak for it.
   int shared = 0;
 };
@@ -107,9 +107,9 @@ class SlamMap {
                                size_t limit) const;
 
   // Moves keyframes to new poses, landmarks with their references.
-  void MoveKeyframes(std::span<const Rigid3> map_from_cameras);
+  void MoveKeyframes(std::span<const geometry::Rigid3> map_from_cameras);
   // Moves all of a submap into another one's frame.
-  void JoinSubmap(int from, int into, const Rigid3& into_from_from);
+  void JoinSubmap(int from, int into, const geometry::Rigid3& into_from_from);
 
   // Looks for landmarks (of one list, each once) in a keyframe: where one is
   // near a feature without, it is seen there; where the feature has another,
@@ -125,13 +125,13 @@ class SlamMap {
 // Where a landmark should be seen, if the camera has it in view at a scale and
 // from a side that it can be known from.
 struct ExpectedSighting {
-  Pixel pixel;
+  camera::Pixel pixel;
   double depth_m = 0;
   int octave = 0;
 };
 bool Expect(const Landmark& landmark, const Pinhole& pinhole,
-            const FeatureSet& features, const Rigid3& camera_from_map,
-            Vec3 camera_in_map, ExpectedSighting* expected);
+            const FeatureSet& features, const geometry::Rigid3& camera_from_map,
+            geometry::Vec3 camera_in_map, ExpectedSighting* expected);
 
 struct FeatureMatch {
   int feature = 0;
@@ -148,18 +148,16 @@ struct ProjectionSearch {
 
 // Landmarks found where they should be, each feature and landmark once.
 // Counts what is visible in `visible` (landmark indices), if not null.
-std::vector<FeatureMatch> MatchByProjection(const SlamMap& map,
-                                            std::span<const int> landmarks,
-                                            const FeatureSet& features,
-                                            const Rigid3& camera_from_map,
-                                            const ProjectionSearch& search,
-                                            std::vector<int>* visible);
+std::vector<FeatureMatch> MatchByProjection(
+    const SlamMap& map, std::span<const int> landmarks,
+    const FeatureSet& features, const geometry::Rigid3& camera_from_map,
+    const ProjectionSearch& search, std::vector<int>* visible);
 
 // Features of a picture and landmarks of a keyframe with like descriptors,
 // wherever they are.
 std::vector<FeatureMatch> MatchByDescriptor(const SlamMap& map, int keyframe,
                                             const FeatureSet& features);
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam
 
 #endif  // NAV_AGENT_RGBD_SLAM_SLAM_MAP_H_

@@ -11,7 +11,7 @@
 #include "nav_agent/rgbd_slam/testing_room.h"
 #include "nav_agent/rgbd_slam/word_index.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
 using ::testing::Each;
@@ -20,7 +20,7 @@ using ::testing::SizeIs;
 const Pinhole kPinhole = {.fx = 500, .fy = 500, .cx = 320, .cy = 240};
 
 BinaryDescriptor DescriptorOf(uint64_t number) {
-  Random random(number, 9);
+  base::Random random(number, 9);
   return {random.NextBits(), random.NextBits(), random.NextBits(),
           random.NextBits()};
 }
@@ -32,9 +32,9 @@ ImageFeature Like(const BinaryDescriptor& descriptor) {
 }
 
 // Points of a wall 2 m before the origin.
-std::vector<Vec3> Wall(int count) {
-  std::vector<Vec3> points;
-  Random random(3, 1);
+std::vector<geometry::Vec3> Wall(int count) {
+  std::vector<geometry::Vec3> points;
+  base::Random random(3, 1);
   for (int i = 0; i < count; ++i) {
     points.push_back({random.NextUniform(-1, 1), random.NextUniform(-0.7, 0.7),
                       random.NextUniform(1.8, 2.2)});
@@ -43,13 +43,13 @@ std::vector<Vec3> Wall(int count) {
 }
 
 // A keyframe that sees all of them, with noise of so many pixels.
-MapKeyframe See(const std::vector<Vec3>& points, const Rigid3& map_from_camera,
-                double noise_px = 0) {
+MapKeyframe See(const std::vector<geometry::Vec3>& points,
+                const geometry::Rigid3& map_from_camera, double noise_px = 0) {
   std::vector<ImageFeature> features;
-  Random random(4, 1);
+  base::Random random(4, 1);
   for (size_t i = 0; i < points.size(); ++i) {
-    const Vec3 p = map_from_camera.Inverse() * points[i];
-    Pixel pixel = kPinhole.Project(p);
+    const geometry::Vec3 p = map_from_camera.Inverse() * points[i];
+    camera::Pixel pixel = kPinhole.Project(p);
     pixel.x += noise_px * random.NextGaussian();
     pixel.y += noise_px * random.NextGaussian();
     features.push_back(
@@ -61,13 +61,14 @@ MapKeyframe See(const std::vector<Vec3>& points, const Rigid3& map_from_camera,
   return keyframe;
 }
 
-Rigid3 Shifted(double x_m) {
+geometry::Rigid3 Shifted(double x_m) {
   return {.rotation = {}, .translation = {x_m, 0, 0}};
 }
 
 // As See, but each feature is a sighting of the landmark of that number.
-MapKeyframe SeeAgain(const std::vector<Vec3>& points,
-                     const Rigid3& map_from_camera, double noise_px = 0) {
+MapKeyframe SeeAgain(const std::vector<geometry::Vec3>& points,
+                     const geometry::Rigid3& map_from_camera,
+                     double noise_px = 0) {
   MapKeyframe keyframe = See(points, map_from_camera, noise_px);
   for (int i = 0; i < static_cast<int>(points.size()); ++i) {
     keyframe.landmarks.push_back(i);
@@ -76,7 +77,7 @@ MapKeyframe SeeAgain(const std::vector<Vec3>& points,
 }
 
 TEST(SlamMap, MakesLandmarksOfWhatIsNewAndCountsWhatIsShared) {
-  const std::vector<Vec3> wall = Wall(50);
+  const std::vector<geometry::Vec3> wall = Wall(50);
   SlamMap map(kPinhole);
   map.AddKeyframe(See(wall, {}));
   EXPECT_EQ(map.landmark_count(), 50);
@@ -91,13 +92,13 @@ TEST(SlamMap, MakesLandmarksOfWhatIsNewAndCountsWhatIsShared) {
   ASSERT_THAT(edges, SizeIs(1));
   EXPECT_NEAR(edges[0].from_from_to.translation.x, 0.1, 1e-12);
   for (int l = 0; l < 80; ++l) {
-    const Vec3 truth = wall[static_cast<size_t>(l < 50 ? l : l - 30)];
-    EXPECT_LT(Norm(map.landmark(l).point_in_map - truth), 1e-9);
+    const geometry::Vec3 truth = wall[static_cast<size_t>(l < 50 ? l : l - 30)];
+    EXPECT_LT(geometry::Norm(map.landmark(l).point_in_map - truth), 1e-9);
   }
 }
 
 TEST(SlamMap, FusingMakesDuplicatesOne) {
-  const std::vector<Vec3> wall = Wall(50);
+  const std::vector<geometry::Vec3> wall = Wall(50);
   SlamMap map(kPinhole);
   map.AddKeyframe(See(wall, {}));
   map.AddKeyframe(See(wall, Shifted(0.1)));
@@ -113,7 +114,7 @@ TEST(SlamMap, FusingMakesDuplicatesOne) {
 }
 
 TEST(SlamMap, ErasedLandmarksAreSeenByNobody) {
-  const std::vector<Vec3> wall = Wall(10);
+  const std::vector<geometry::Vec3> wall = Wall(10);
   SlamMap map(kPinhole);
   map.AddKeyframe(See(wall, {}));
   map.AddKeyframe(SeeAgain(wall, Shifted(0.1)));
@@ -124,7 +125,7 @@ TEST(SlamMap, ErasedLandmarksAreSeenByNobody) {
 }
 
 TEST(SlamMap, LandmarksMoveWithTheirSubmap) {
-  const std::vector<Vec3> wall = Wall(10);
+  const std::vector<geometry::Vec3> wall = Wall(10);
   SlamMap map(kPinhole);
   map.AddKeyframe(See(wall, {}));
   MapKeyframe other = See(wall, Shifted(5));
@@ -132,14 +133,15 @@ TEST(SlamMap, LandmarksMoveWithTheirSubmap) {
   map.AddKeyframe(std::move(other));
   map.JoinSubmap(1, 0, Shifted(-5));
   EXPECT_EQ(map.keyframe(1).submap, 0);
-  EXPECT_LT(Norm(map.keyframe(1).map_from_camera.translation), 1e-12);
-  EXPECT_LT(Norm(map.landmark(0).point_in_map - wall[0]), 1e-12);
-  EXPECT_LT(Norm(map.landmark(10).point_in_map - (wall[0] - Vec3{5, 0, 0})),
+  EXPECT_LT(geometry::Norm(map.keyframe(1).map_from_camera.translation), 1e-12);
+  EXPECT_LT(geometry::Norm(map.landmark(0).point_in_map - wall[0]), 1e-12);
+  EXPECT_LT(geometry::Norm(map.landmark(10).point_in_map -
+                           (wall[0] - geometry::Vec3{5, 0, 0})),
             1e-12);
 }
 
 TEST(BundleAdjustment, BringsAKeyframeBack) {
-  const std::vector<Vec3> wall = Wall(100);
+  const std::vector<geometry::Vec3> wall = Wall(100);
   SlamMap map(kPinhole);
   map.AddKeyframe(See(wall, {}));
   for (int k = 1; k < 5; ++k) {
@@ -147,27 +149,28 @@ TEST(BundleAdjustment, BringsAKeyframeBack) {
   }
   map.keyframe(4).map_from_camera.translation.y += 0.02;
   map.keyframe(4).map_from_camera.rotation =
-      Rotation3::FromAxisAngle({0, 0.01, 0});
+      geometry::Rotation3::FromAxisAngle({0, 0.01, 0});
   AdjustLocally(4, {.window = 2, .iterations = 10}, &map);
-  const PoseError error =
-      ErrorBetween(map.keyframe(4).map_from_camera, Shifted(0.4));
+  const geometry::PoseError error =
+      geometry::ErrorBetween(map.keyframe(4).map_from_camera, Shifted(0.4));
   EXPECT_LT(error.translation_m, 1e-4);
   EXPECT_LT(error.rotation_rad, 1e-4);
 }
 
 TEST(BundleAdjustment, ForgetsWhatDoesNotAgree) {
-  const std::vector<Vec3> wall = Wall(100);
+  const std::vector<geometry::Vec3> wall = Wall(100);
   SlamMap map(kPinhole);
   map.AddKeyframe(See(wall, {}));
   map.AddKeyframe(SeeAgain(wall, Shifted(0.1)));
-  std::vector<Vec3> wrong = wall;
+  std::vector<geometry::Vec3> wrong = wall;
   wrong[7].x += 0.3;
   map.AddKeyframe(SeeAgain(wrong, Shifted(0.2)));
   AdjustLocally(2, {.iterations = 10}, &map);
   EXPECT_EQ(map.keyframe(2).landmarks[7], kNoLandmark);
   EXPECT_EQ(map.keyframe(2).landmarks[8], 8);
   EXPECT_LT(
-      ErrorBetween(map.keyframe(2).map_from_camera, Shifted(0.2)).translation_m,
+      geometry::ErrorBetween(map.keyframe(2).map_from_camera, Shifted(0.2))
+          .translation_m,
       1e-3);
 }
 
@@ -214,7 +217,7 @@ TEST(WordIndex, FindsThePictureThatLooksLikeIt) {
     index.Add(FeatureSet(640, 480, std::move(features)));
   }
   std::vector<ImageFeature> again;
-  Random random(6, 1);
+  base::Random random(6, 1);
   for (uint64_t i = 0; i < 100; ++i) {
     BinaryDescriptor descriptor = DescriptorOf(4000 + i);
     for (uint64_t& part : descriptor) {
@@ -254,8 +257,9 @@ TEST(FeatureSet, FindsWhatIsNear) {
 }
 
 TEST(FeatureExtractor, SpreadsCornersAndGivesThemDepth) {
-  const RgbdCalibration calibration = TestingCalibration();
-  const Frame frame = SeeTestingRoom(calibration, TestingPose(0, 0, 0.2), 1);
+  const camera::RgbdCalibration calibration = TestingCalibration();
+  const image::Frame frame =
+      SeeTestingRoom(calibration, TestingPose(0, 0, 0.2), 1);
   FeatureExtractor extractor(calibration, {.count = 300});
   const auto features = extractor.Extract(frame);
   ASSERT_TRUE(features.ok()) << features.status();
@@ -272,9 +276,9 @@ TEST(FeatureExtractor, SpreadsCornersAndGivesThemDepth) {
 }
 
 TEST(FeatureExtractor, RefusesFramesOfAnotherSize) {
-  const RgbdCalibration calibration = TestingCalibration();
+  const camera::RgbdCalibration calibration = TestingCalibration();
   FeatureExtractor extractor(calibration, {});
-  Frame frame = SeeTestingRoom(calibration, TestingPose(0, 0, 0), 1);
+  image::Frame frame = SeeTestingRoom(calibration, TestingPose(0, 0, 0), 1);
   frame.depth.reset();
   EXPECT_EQ(extractor.Extract(frame).status().code(),
             absl::StatusCode::kInvalidArgument);
@@ -282,4 +286,4 @@ TEST(FeatureExtractor, RefusesFramesOfAnotherSize) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

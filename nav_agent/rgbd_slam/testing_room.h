@@ -16,13 +16,13 @@
 #include "common/camera/rgbd_calibration.h"
 #include "common/image/frame.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 
 // Depth is registered to colour.
-inline RgbdCalibration TestingCalibration() {
-  RgbdCalibration calibration;
+inline camera::RgbdCalibration TestingCalibration() {
+  camera::RgbdCalibration calibration;
   calibration.color =
-      Camera::Parse("PINHOLE,260,260,159.5,119.5", 320, 240).value();
+      camera::Camera::Parse("PINHOLE,260,260,159.5,119.5", 320, 240).value();
   calibration.depth = calibration.color;
   return calibration;
 }
@@ -34,10 +34,11 @@ inline double TestingPattern(int wall, double u, double v) {
   for (size_t i = 0; i < kTiles_m.size(); ++i) {
     const auto column = static_cast<int64_t>(std::floor(u / kTiles_m[i]));
     const auto row = static_cast<int64_t>(std::floor(v / kTiles_m[i]));
-    const uint64_t key = MixBits(static_cast<uint64_t>(column + 100000) << 32 |
-                                 static_cast<uint64_t>(row + 100000)) +
-                         static_cast<uint64_t>(wall) * 3 + i;
-    sum += static_cast<double>(MixBits(key) >> 56) / 255;
+    const uint64_t key =
+        base::MixBits(static_cast<uint64_t>(column + 100000) << 32 |
+                      static_cast<uint64_t>(row + 100000)) +
+        static_cast<uint64_t>(wall) * 3 + i;
+    sum += static_cast<double>(base::MixBits(key) >> 56) / 255;
   }
   return 40 + 175 * sum / 3;
 }
@@ -49,7 +50,7 @@ struct WallSample {
 };
 
 // What a ray meets in the box |x| < 2.5, |y| < 2, |z| < 1.25 (m).
-inline WallSample LookAtWall(Vec3 from, Vec3 ray) {
+inline WallSample LookAtWall(geometry::Vec3 from, geometry::Vec3 ray) {
   constexpr std::array<double, 3> kHalf_m = {2.5, 2, 1.25};
   double depth_m = std::numeric_limits<double>::infinity();
   int axis = 0;
@@ -61,7 +62,7 @@ inline WallSample LookAtWall(Vec3 from, Vec3 ray) {
       axis = a;
     }
   }
-  const Vec3 hit = from + depth_m * ray;
+  const geometry::Vec3 hit = from + depth_m * ray;
   return {TestingPattern(2 * axis + (ray[axis] > 0 ? 1 : 0),
                          hit[(axis + 1) % 3], hit[(axis + 2) % 3]),
           depth_m};
@@ -70,28 +71,29 @@ inline WallSample LookAtWall(Vec3 from, Vec3 ray) {
 // What the colour camera of `calibration` sees from inside of that box. Depth
 // in millimetres, with the noise of a Kinect (Nguyen, Izadi, Lovell 2012) drawn
 // from `noise_seed`.
-inline Frame SeeTestingRoom(const RgbdCalibration& calibration,
-                            const Rigid3& world_from_camera,
-                            uint64_t noise_seed) {
-  const Camera& camera = calibration.color;
+inline image::Frame SeeTestingRoom(const camera::RgbdCalibration& calibration,
+                                   const geometry::Rigid3& world_from_camera,
+                                   uint64_t noise_seed) {
+  const camera::Camera& camera = calibration.color;
   const auto pixels = static_cast<size_t>(camera.width()) *
                       static_cast<size_t>(camera.height());
-  Frame frame;
+  image::Frame frame;
   frame.color = {camera.width(), camera.height(),
                  std::vector<uint8_t>(3 * pixels)};
-  frame.depth = DepthImage{camera.width(), camera.height(),
-                           std::vector<uint16_t>(pixels), 0.001};
-  const Mat3 rotation = world_from_camera.rotation.Matrix();
-  const Vec3 from = world_from_camera.translation;
-  Random random(noise_seed, 0);
+  frame.depth = image::DepthImage{camera.width(), camera.height(),
+                                  std::vector<uint16_t>(pixels), 0.001};
+  const geometry::Mat3 rotation = world_from_camera.rotation.Matrix();
+  const geometry::Vec3 from = world_from_camera.translation;
+  base::Random random(noise_seed, 0);
   const auto width = static_cast<size_t>(camera.width());
   for (size_t i = 0; i < pixels; ++i) {
     const auto x = static_cast<double>(i % width);
     const auto y = static_cast<double>(i / width);
     const auto look = [&](double dx, double dy) {
       return LookAtWall(
-          from, rotation * Vec3{(x + dx - camera.cx()) / camera.fx(),
-                                (y + dy - camera.cy()) / camera.fy(), 1});
+          from,
+          rotation * geometry::Vec3{(x + dx - camera.cx()) / camera.fx(),
+                                    (y + dy - camera.cy()) / camera.fy(), 1});
     };
     // The mean of four rays, so that edges are smooth.
     double sum = 0;
@@ -112,15 +114,15 @@ inline Frame SeeTestingRoom(const RgbdCalibration& calibration,
 }
 
 // Level, `yaw_rad` to the left of the world's x axis.
-inline Rigid3 TestingPose(double x_m, double y_m, double yaw_rad) {
+inline geometry::Rigid3 TestingPose(double x_m, double y_m, double yaw_rad) {
   // The camera's axes in the world: x right, y down, z forward.
   const double c = std::cos(yaw_rad);
   const double s = std::sin(yaw_rad);
-  const Mat3 axes{{s, 0, c, -c, 0, s, 0, -1, 0}};
-  return {.rotation = Rotation3::FromMatrix(axes),
+  const geometry::Mat3 axes{{s, 0, c, -c, 0, s, 0, -1, 0}};
+  return {.rotation = geometry::Rotation3::FromMatrix(axes),
           .translation = {x_m, y_m, 0.05}};
 }
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam
 
 #endif  // NAV_AGENT_RGBD_SLAM_TESTING_ROOM_H_

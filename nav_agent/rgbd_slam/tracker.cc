@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 namespace {
 
 constexpr size_t kLocalLandmarks = 4000;
@@ -56,11 +56,10 @@ std::vector<int> Tracker::LocalLandmarks(
   return map_.LandmarksOf(keyframes, kLocalLandmarks);
 }
 
-std::optional<TrackedFrame> Tracker::Refine(std::span<const int> landmarks,
-                                            const FeatureSet& features,
-                                            const Rigid3& camera_from_map,
-                                            double radius_px, double ratio,
-                                            int min_inliers) const {
+std::optional<TrackedFrame> Tracker::Refine(
+    std::span<const int> landmarks, const FeatureSet& features,
+    const geometry::Rigid3& camera_from_map, double radius_px, double ratio,
+    int min_inliers) const {
   const std::vector<FeatureMatch> matches = MatchByProjection(
       map_, landmarks, features, camera_from_map,
       {.radius_px = radius_px, .max_distance = 80, .ratio = ratio}, nullptr);
@@ -97,7 +96,7 @@ std::optional<TrackedFrame> Tracker::FindFrom(int keyframe,
 
 std::optional<TrackedFrame> Tracker::Track(const FeatureSet& features) {
   if (keyframe_ < 0) return std::nullopt;
-  const Rigid3 predicted =
+  const geometry::Rigid3 predicted =
       velocity_ ? *velocity_ * camera_from_map_ : camera_from_map_;
   const std::vector<int> about = LocalLandmarks(last_matches_);
   const int min = options_.min_inliers;
@@ -165,8 +164,8 @@ void Tracker::SetLost() {
   last_matches_.clear();
 }
 
-void Tracker::Correct(const Rigid3& new_from_old) {
+void Tracker::Correct(const geometry::Rigid3& new_from_old) {
   camera_from_map_ = camera_from_map_ * new_from_old.Inverse();
 }
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

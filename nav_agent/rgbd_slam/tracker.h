@@ -9,11 +9,11 @@
 #include "nav_agent/rgbd_slam/slam_map.h"
 #include "nav_agent/rgbd_slam/word_index.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 
 // A frame's place in the map.
 struct TrackedFrame {
-  Rigid3 camera_from_map;
+  geometry::Rigid3 camera_from_map;
   // Landmarks that agree, each with its feature.
   std::vector<FeatureMatch> matches;
   bool is_relocalized = false;
@@ -44,7 +44,7 @@ class Tracker {
   void SetKeyframe(int keyframe) { keyframe_ = keyframe; }
   void SetLost();
   // Follows the map: its poses changed as keyframe `keyframe`'s did.
-  void Correct(const Rigid3& new_from_old);
+  void Correct(const geometry::Rigid3& new_from_old);
 
   int keyframe() const { return keyframe_; }
 
@@ -53,7 +53,7 @@ class Tracker {
   // `camera_from_map`.
   std::optional<TrackedFrame> Refine(std::span<const int> landmarks,
                                      const FeatureSet& features,
-                                     const Rigid3& camera_from_map,
+                                     const geometry::Rigid3& camera_from_map,
                                      double radius_px, double ratio,
                                      int min_inliers) const;
   // The landmarks about a frame that sees these.
@@ -63,10 +63,10 @@ class Tracker {
   SlamMap& map_;
   int keyframe_ = -1;
   std::vector<FeatureMatch> last_matches_;
-  Rigid3 camera_from_map_;
-  std::optional<Rigid3> velocity_;
+  geometry::Rigid3 camera_from_map_;
+  std::optional<geometry::Rigid3> velocity_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam
 
 #endif  // NAV_AGENT_RGBD_SLAM_TRACKER_H_

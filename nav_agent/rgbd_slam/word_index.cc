@@ -5,12 +5,12 @@
 
 #include "common/base/random.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 
 WordIndex::WordIndex(uint64_t seed)
     : keyframes_(static_cast<size_t>(kTables) << kBits) {
   constexpr uint64_t kStream = 0x776f726473;
-  Random random(seed, kStream);
+  base::Random random(seed, kStream);
   for (auto& table : bits_) {
     for (uint8_t& bit : table) {
       bit = static_cast<uint8_t>(random.NextBelow(256));
@@ -58,4 +58,4 @@ std::vector<double> WordIndex::Score(const FeatureSet& features) const {
   return scores;
 }
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam

@@ -8,7 +8,7 @@
 
 #include "nav_agent/rgbd_slam/binary_features.h"
 
-namespace treeline {
+namespace treeline::rgbd_slam {
 
 // An inverted index without a vocabulary to train: each descriptor gives a
 // few words, each of them some of its bits, drawn by seed (locality-sensitive
@@ -38,6 +38,6 @@ class WordIndex {
   int count_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::rgbd_slam
 
 #endif  // NAV_AGENT_RGBD_SLAM_WORD_INDEX_H_

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 // No building is larger (m).
@@ -16,17 +16,17 @@ constexpr double kFarthest_m = 1e5;
 constexpr double kNearGround_m = 1.0;
 
 // The ground's height nearest to a point; nullopt: none is near.
-std::optional<double> HeightNear(const TraversableLevel& level,
-                                 Vec2 point_in_map) {
-  const OccupancyGrid& grid = level.grid;
-  const CellIndex middle = grid.CellOf(point_in_map);
+std::optional<double> HeightNear(const traversability::TraversableLevel& level,
+                                 geometry::Vec2 point_in_map) {
+  const core::OccupancyGrid& grid = level.grid;
+  const core::CellIndex middle = grid.CellOf(point_in_map);
   const int reach =
       static_cast<int>(std::ceil(kNearGround_m / grid.resolution_m));
   std::optional<double> height;
   int64_t nearest = std::numeric_limits<int64_t>::max();
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {
-      const CellIndex cell{middle.x + dx, middle.y + dy};
+      const core::CellIndex cell{middle.x + dx, middle.y + dy};
       const int64_t distance = int64_t{dx} * dx + int64_t{dy} * dy;
       if (distance >= nearest || !grid.Contains(cell)) continue;
       const float found = level.height_m[grid.IndexOf(cell)];
@@ -38,7 +38,7 @@ std::optional<double> HeightNear(const TraversableLevel& level,
   return height;
 }
 
-double LowestOf(const TraversableLevel& level) {
+double LowestOf(const traversability::TraversableLevel& level) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const float height : level.height_m) {
     if (height < lowest) lowest = height;
@@ -48,7 +48,7 @@ double LowestOf(const TraversableLevel& level) {
 
 }  // namespace
 
-absl::StatusOr<LevelPose> AgentCommands::OnLevel(
+absl::StatusOr<core::LevelPose> AgentCommands::OnLevel(
     const PoseWish& pose, const std::string& what) const {
   if (!std::isfinite(pose.x_m) || !std::isfinite(pose.y_m) ||
       !std::isfinite(pose.yaw_rad)) {
@@ -65,20 +65,23 @@ absl::StatusOr<LevelPose> AgentCommands::OnLevel(
         absl::StrCat(what, " is on level ", pose.level, "; the map has 0..",
                      levels.size() - 1));
   }
-  const TraversableLevel& level = levels[static_cast<size_t>(pose.level)];
-  const Vec2 position{pose.x_m, pose.y_m};
+  const traversability::TraversableLevel& level =
+      levels[static_cast<size_t>(pose.level)];
+  const geometry::Vec2 position{pose.x_m, pose.y_m};
   const std::optional<double> height_m = HeightNear(level, position);
-  return LevelPose{
-      .map_from_base = {position, NormalizedAngle_rad(pose.yaw_rad)},
+  return core::LevelPose{
+      .map_from_base = {position, geometry::NormalizedAngle_rad(pose.yaw_rad)},
       .place = {pose.level,
                 height_m.has_value() ? *height_m : LowestOf(level)}};
 }
 
-LevelPose AgentCommands::NearestLevel(const Rigid3& map_from_base) const {
-  const Vec3 ahead = map_from_base.rotation * Vec3{1, 0, 0};
-  const Vec3& at = map_from_base.translation;
-  LevelPose pose{.map_from_base = {{at.x, at.y}, std::atan2(ahead.y, ahead.x)},
-                 .place = {0, at.z}};
+core::LevelPose AgentCommands::NearestLevel(
+    const geometry::Rigid3& map_from_base) const {
+  const geometry::Vec3 ahead = map_from_base.rotation * geometry::Vec3{1, 0, 0};
+  const geometry::Vec3& at = map_from_base.translation;
+  core::LevelPose pose{
+      .map_from_base = {{at.x, at.y}, std::atan2(ahead.y, ahead.x)},
+      .place = {0, at.z}};
   const auto& levels = info_.map->levels.levels;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < levels.size(); ++i) {
@@ -92,7 +95,7 @@ LevelPose AgentCommands::NearestLevel(const Rigid3& map_from_base) const {
 }
 
 absl::StatusOr<uint64_t> AgentCommands::SetGoalNow(
-    Navigator& navigator, const std::vector<PoseWish>& poses) {
+    behavior::Navigator& navigator, const std::vector<PoseWish>& poses) {
   if (poses.empty()) {
     return absl::InvalidArgumentError("a goal needs a pose at least");
   }
@@ -100,9 +103,9 @@ absl::StatusOr<uint64_t> AgentCommands::SetGoalNow(
     return absl::InvalidArgumentError(absl::StrCat(
         "the goal has ", poses.size(), " poses; at most ", kMaxGoalPoses));
   }
-  NavigationGoal goal;
+  behavior::NavigationGoal goal;
   for (size_t i = 0; i < poses.size(); ++i) {
-    TL_ASSIGN_OR_RETURN(LevelPose pose,
+    TL_ASSIGN_OR_RETURN(core::LevelPose pose,
                         OnLevel(poses[i], absl::StrCat("poses[", i, "]")));
     goal.poses.push_back(pose);
   }
@@ -116,41 +119,43 @@ absl::StatusOr<uint64_t> AgentCommands::SetGoalNow(
 absl::StatusOr<uint64_t> AgentCommands::SetGoal(
     const std::vector<PoseWish>& poses) {
   uint64_t id = 0;
-  TL_RETURN_IF_ERROR(hub_.Do([&](Navigator& navigator) -> absl::Status {
-    TL_ASSIGN_OR_RETURN(id, SetGoalNow(navigator, poses));
-    return absl::OkStatus();
-  }));
+  TL_RETURN_IF_ERROR(
+      hub_.Do([&](behavior::Navigator& navigator) -> absl::Status {
+        TL_ASSIGN_OR_RETURN(id, SetGoalNow(navigator, poses));
+        return absl::OkStatus();
+      }));
   return id;
 }
 
-std::vector<LevelPose> AgentCommands::PosesOf(uint64_t goal_id) const {
+std::vector<core::LevelPose> AgentCommands::PosesOf(uint64_t goal_id) const {
   const absl::MutexLock lock(&mutex_);
   if (goal_id != goal_id_) return {};
   return goal_poses_;
 }
 
 absl::Status AgentCommands::Cancel(uint64_t goal_id) {
-  return hub_.Do(
-      [&](Navigator& navigator) { return navigator.CancelGoal(goal_id); });
+  return hub_.Do([&](behavior::Navigator& navigator) {
+    return navigator.CancelGoal(goal_id);
+  });
 }
 
 absl::Status AgentCommands::Pause() {
-  return hub_.Do([](Navigator& navigator) {
+  return hub_.Do([](behavior::Navigator& navigator) {
     navigator.Pause();
     return absl::OkStatus();
   });
 }
 
 absl::Status AgentCommands::Resume() {
-  return hub_.Do([](Navigator& navigator) {
+  return hub_.Do([](behavior::Navigator& navigator) {
     navigator.Resume();
     return absl::OkStatus();
   });
 }
 
-absl::Status AgentCommands::SetPoseNow(Navigator& navigator,
-                                       const LevelPose& pose, double std_m,
-                                       double std_rad) {
+absl::Status AgentCommands::SetPoseNow(behavior::Navigator& navigator,
+                                       const core::LevelPose& pose,
+                                       double std_m, double std_rad) {
   constexpr double kMost = 100;
   if (!(std_m > 0) || !(std_rad > 0) || !(std_m <= kMost) ||
       !(std_rad <= kMost)) {
@@ -158,7 +163,7 @@ absl::Status AgentCommands::SetPoseNow(Navigator& navigator,
         absl::StrCat("standard deviations are ", std_m, " m and ", std_rad,
                      " rad; they must be above 0 and at most ", kMost));
   }
-  PoseCovariance2 covariance{};
+  localization::PoseCovariance2 covariance{};
   covariance[0] = std_m * std_m;
   covariance[4] = std_m * std_m;
   covariance[8] = std_rad * std_rad;
@@ -167,14 +172,15 @@ absl::Status AgentCommands::SetPoseNow(Navigator& navigator,
 
 absl::Status AgentCommands::SetPose(const PoseWish& pose, double std_m,
                                     double std_rad) {
-  TL_ASSIGN_OR_RETURN(const LevelPose on_level, OnLevel(pose, "the pose"));
-  return hub_.Do([&](Navigator& navigator) {
+  TL_ASSIGN_OR_RETURN(const core::LevelPose on_level,
+                      OnLevel(pose, "the pose"));
+  return hub_.Do([&](behavior::Navigator& navigator) {
     return SetPoseNow(navigator, on_level, std_m, std_rad);
   });
 }
 
 absl::Status AgentCommands::FindYourself() {
-  return hub_.Do([](Navigator& navigator) {
+  return hub_.Do([](behavior::Navigator& navigator) {
     navigator.FindYourself();
     return absl::OkStatus();
   });
@@ -187,31 +193,35 @@ absl::Status AgentCommands::CheckSimulated() const {
       "kidnapped, and its world changed");
 }
 
-absl::StatusOr<Rigid3> AgentCommands::DoKidnap(
-    const std::function<absl::StatusOr<Rigid3>(SimulationControl&)>& kidnap) {
+absl::StatusOr<geometry::Rigid3> AgentCommands::DoKidnap(
+    const std::function<absl::StatusOr<geometry::Rigid3>(SimulationControl&)>&
+        kidnap) {
   TL_RETURN_IF_ERROR(CheckSimulated());
-  Rigid3 map_from_base;
-  TL_RETURN_IF_ERROR(hub_.Do([&](Navigator& /*navigator*/) -> absl::Status {
-    TL_ASSIGN_OR_RETURN(map_from_base, kidnap(*simulation_));
-    return absl::OkStatus();
-  }));
+  geometry::Rigid3 map_from_base;
+  TL_RETURN_IF_ERROR(
+      hub_.Do([&](behavior::Navigator& /*navigator*/) -> absl::Status {
+        TL_ASSIGN_OR_RETURN(map_from_base, kidnap(*simulation_));
+        return absl::OkStatus();
+      }));
   return map_from_base;
 }
 
-absl::StatusOr<Rigid3> AgentCommands::Kidnap(const PoseWish& pose) {
-  TL_ASSIGN_OR_RETURN(const LevelPose on_level, OnLevel(pose, "the pose"));
+absl::StatusOr<geometry::Rigid3> AgentCommands::Kidnap(const PoseWish& pose) {
+  TL_ASSIGN_OR_RETURN(const core::LevelPose on_level,
+                      OnLevel(pose, "the pose"));
   return DoKidnap([&](SimulationControl& simulation) {
     return simulation.Kidnap(on_level);
   });
 }
 
-absl::StatusOr<Rigid3> AgentCommands::KidnapTo(const std::string& place) {
+absl::StatusOr<geometry::Rigid3> AgentCommands::KidnapTo(
+    const std::string& place) {
   return DoKidnap([&](SimulationControl& simulation) {
     return simulation.KidnapTo(place);
   });
 }
 
-absl::StatusOr<Rigid3> AgentCommands::KidnapAnywhere() {
+absl::StatusOr<geometry::Rigid3> AgentCommands::KidnapAnywhere() {
   return DoKidnap([](SimulationControl& simulation) {
     return simulation.KidnapAnywhere();
   });
@@ -224,27 +234,29 @@ absl::StatusOr<std::string> AgentCommands::AddObstacle(const PoseWish& pose,
     return absl::InvalidArgumentError(
         absl::StrCat("the obstacle is ", size_m, " m wide; it must be 0.1..3"));
   }
-  TL_ASSIGN_OR_RETURN(const LevelPose on_level, OnLevel(pose, "the obstacle"));
+  TL_ASSIGN_OR_RETURN(const core::LevelPose on_level,
+                      OnLevel(pose, "the obstacle"));
   std::string name;
-  TL_RETURN_IF_ERROR(hub_.Do([&](Navigator& /*navigator*/) -> absl::Status {
-    TL_ASSIGN_OR_RETURN(name, simulation_->AddObstacle(on_level, size_m));
-    return absl::OkStatus();
-  }));
+  TL_RETURN_IF_ERROR(
+      hub_.Do([&](behavior::Navigator& /*navigator*/) -> absl::Status {
+        TL_ASSIGN_OR_RETURN(name, simulation_->AddObstacle(on_level, size_m));
+        return absl::OkStatus();
+      }));
   return name;
 }
 
 absl::Status AgentCommands::RemoveObstacle(const std::string& name) {
   TL_RETURN_IF_ERROR(CheckSimulated());
-  return hub_.Do([&](Navigator& /*navigator*/) {
+  return hub_.Do([&](behavior::Navigator& /*navigator*/) {
     return simulation_->RemoveObstacle(name);
   });
 }
 
 absl::Status AgentCommands::InjectFault(const FaultWish& fault) {
   TL_RETURN_IF_ERROR(CheckSimulated());
-  return hub_.Do([&](Navigator& /*navigator*/) {
+  return hub_.Do([&](behavior::Navigator& /*navigator*/) {
     return simulation_->InjectFault(fault);
   });
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

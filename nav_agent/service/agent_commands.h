@@ -15,7 +15,7 @@
 #include "nav_agent/service/agent_info.h"
 #include "nav_agent/service/simulation_control.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 // A pose as people give it.
 struct PoseWish {
@@ -48,34 +48,36 @@ class AgentCommands {
   absl::Status FindYourself();
 
   // UNIMPLEMENTED: the robot is real.
-  absl::StatusOr<Rigid3> Kidnap(const PoseWish& pose);
-  absl::StatusOr<Rigid3> KidnapTo(const std::string& place);
-  absl::StatusOr<Rigid3> KidnapAnywhere();
+  absl::StatusOr<geometry::Rigid3> Kidnap(const PoseWish& pose);
+  absl::StatusOr<geometry::Rigid3> KidnapTo(const std::string& place);
+  absl::StatusOr<geometry::Rigid3> KidnapAnywhere();
   // size_m: in [0.1, 3].
   absl::StatusOr<std::string> AddObstacle(const PoseWish& pose, double size_m);
   absl::Status RemoveObstacle(const std::string& name);
   absl::Status InjectFault(const FaultWish& fault);
 
   // For the stepping thread, and before anything steps: as SetGoal and SetPose.
-  absl::StatusOr<uint64_t> SetGoalNow(Navigator& navigator,
+  absl::StatusOr<uint64_t> SetGoalNow(behavior::Navigator& navigator,
                                       const std::vector<PoseWish>& poses);
-  static absl::Status SetPoseNow(Navigator& navigator, const LevelPose& pose,
-                                 double std_m, double std_rad);
+  static absl::Status SetPoseNow(behavior::Navigator& navigator,
+                                 const core::LevelPose& pose, double std_m,
+                                 double std_rad);
   // On the ground of its level; `what` names it in errors.
-  absl::StatusOr<LevelPose> OnLevel(const PoseWish& pose,
-                                    const std::string& what) const;
+  absl::StatusOr<core::LevelPose> OnLevel(const PoseWish& pose,
+                                          const std::string& what) const;
   // On the ground that is nearest in height.
-  LevelPose NearestLevel(const Rigid3& map_from_base) const;
+  core::LevelPose NearestLevel(const geometry::Rigid3& map_from_base) const;
   // The poses of a goal that was set here; none if it is long ago.
-  std::vector<LevelPose> PosesOf(uint64_t goal_id) const;
+  std::vector<core::LevelPose> PosesOf(uint64_t goal_id) const;
 
   const AgentInfo& info() const { return info_; }
   AgentHub& hub() { return hub_; }
   bool is_simulated() const { return simulation_ != nullptr; }
 
  private:
-  absl::StatusOr<Rigid3> DoKidnap(
-      const std::function<absl::StatusOr<Rigid3>(SimulationControl&)>& kidnap);
+  absl::StatusOr<geometry::Rigid3> DoKidnap(
+      const std::function<absl::StatusOr<geometry::Rigid3>(SimulationControl&)>&
+          kidnap);
   absl::Status CheckSimulated() const;
 
   AgentHub& hub_;
@@ -84,9 +86,9 @@ class AgentCommands {
   mutable absl::Mutex mutex_;
   // The newest goal.
   uint64_t goal_id_ ABSL_GUARDED_BY(mutex_) = 0;
-  std::vector<LevelPose> goal_poses_ ABSL_GUARDED_BY(mutex_);
+  std::vector<core::LevelPose> goal_poses_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_AGENT_COMMANDS_H_

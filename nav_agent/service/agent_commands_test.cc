@@ -8,7 +8,7 @@
 
 #include "nav_agent/service/testing_navigator.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 using ::testing::ElementsAre;
@@ -19,9 +19,9 @@ TEST(AgentCommands, AGoalGetsTheGroundOfItsLevel) {
   const auto id = agent.commands.SetGoal(
       {{.x_m = 0.5, .y_m = 0.5, .yaw_rad = 7, .level = 1}});
   ASSERT_TRUE(id.ok()) << id.status();
-  const std::vector<LevelPose> poses = agent.commands.PosesOf(*id);
+  const std::vector<core::LevelPose> poses = agent.commands.PosesOf(*id);
   ASSERT_EQ(poses.size(), 1U);
-  EXPECT_EQ(poses[0].place, (LevelPlace{1, 1.0}));
+  EXPECT_EQ(poses[0].place, (core::LevelPlace{1, 1.0}));
   EXPECT_NEAR(poses[0].map_from_base.yaw_rad, 7 - 2 * std::numbers::pi, 1e-12);
   EXPECT_TRUE(agent.commands.PosesOf(*id + 1).empty());
 }
@@ -90,4 +90,4 @@ TEST(AgentCommands, ASimulatedOneCan) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::agent_service

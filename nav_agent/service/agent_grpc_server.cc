@@ -14,7 +14,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/service/grpc_services.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 // A peer that is silent is asked whether it lives, and cut off if it does not
@@ -31,8 +31,9 @@ constexpr auto kGrace = std::chrono::seconds(1);
 }  // namespace
 
 absl::Status AgentGrpcOptions::Validate() const {
-  TL_ASSIGN_OR_RETURN(const ListenAddress address, ParseListenAddress(listen));
-  if (!insecure_any_address && !IsLoopback(address)) {
+  TL_ASSIGN_OR_RETURN(const base::ListenAddress address,
+                      base::ParseListenAddress(listen));
+  if (!insecure_any_address && !base::IsLoopback(address)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "refusing to listen on ", address.ToString(),
         ", which other machines may reach: whoever does drives the robot. "
@@ -68,10 +69,10 @@ AgentGrpcServer::~AgentGrpcServer() {
 absl::StatusOr<std::unique_ptr<AgentGrpcServer>> AgentGrpcServer::Start(
     AgentCommands& commands, const AgentGrpcOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
-  TL_ASSIGN_OR_RETURN(ListenAddress address,
-                      ParseListenAddress(options.listen));
+  TL_ASSIGN_OR_RETURN(base::ListenAddress address,
+                      base::ParseListenAddress(options.listen));
   // gRPC would fail too, but keep the reason to itself.
-  TL_RETURN_IF_ERROR(TryBind(address));
+  TL_RETURN_IF_ERROR(base::TryBind(address));
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   auto parts = std::make_unique<Parts>(commands, options.max_streams);
@@ -108,4 +109,4 @@ absl::StatusOr<std::unique_ptr<AgentGrpcServer>> AgentGrpcServer::Start(
 
 const std::string& AgentGrpcServer::address() const { return parts_->address; }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "nav_agent/service/agent_commands.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 struct AgentGrpcOptions {
   // "HOST:PORT"; port 0 takes any that is free.
@@ -43,6 +43,6 @@ class AgentGrpcServer {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_AGENT_GRPC_SERVER_H_

@@ -9,7 +9,7 @@
 #include "nav_agent/service/testing_navigator.h"
 #include "treeline/v1/navigation.grpc.pb.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 using ::testing::HasSubstr;
@@ -47,7 +47,7 @@ class AgentGrpcTest : public ::testing::Test {
       if (state == nullptr) return false;
       seen = state->number;
       if (state->snapshot.goal.has_value() &&
-          state->snapshot.goal->state == GoalState::kCancelled) {
+          state->snapshot.goal->state == behavior::GoalState::kCancelled) {
         return true;
       }
     }
@@ -119,7 +119,7 @@ TEST_F(AgentGrpcTest, AGoalStaysIfItShould) {
   // Stopped before the agent: its calls have ended.
   server_.reset();
   agent_->Close();
-  EXPECT_EQ(agent_->navigator.goal()->state, GoalState::kActive);
+  EXPECT_EQ(agent_->navigator.goal()->state, behavior::GoalState::kActive);
 }
 
 TEST_F(AgentGrpcTest, AnotherGoalTakesItsPlace) {
@@ -223,7 +223,7 @@ TEST_F(AgentGrpcTest, TakesPosesAndSmallCommands) {
   agent_->Close();
   EXPECT_EQ(agent_->navigator.snapshot.pose->pose.map_from_base.translation.x,
             0.5);
-  EXPECT_EQ(agent_->navigator.mode(), NavigatorMode::kRelocalizing);
+  EXPECT_EQ(agent_->navigator.mode(), behavior::NavigatorMode::kRelocalizing);
 }
 
 TEST_F(AgentGrpcTest, TheSimulationIsThereForSimulatedRobotsAlone) {
@@ -263,4 +263,4 @@ TEST(AgentGrpcOptions, DoNotOpenTheRobotToEverybody) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::agent_service

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 absl::Status ClosedError() {
@@ -64,7 +64,7 @@ absl::Status AgentHub::Do(Command command) {
   return waiting->result;
 }
 
-void AgentHub::RunCommands(Navigator& navigator) {
+void AgentHub::RunCommands(behavior::Navigator& navigator) {
   for (int i = 0; i < options_.commands_in_step; ++i) {
     std::shared_ptr<Waiting> next;
     {
@@ -147,4 +147,4 @@ bool AgentHub::is_closed() const {
   return is_closed_;
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

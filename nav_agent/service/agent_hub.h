@@ -18,7 +18,7 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/behavior/navigator.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 struct DeviceReport {
   // "laser", "odometry", "base", "camera", "server".
@@ -34,7 +34,7 @@ struct DeviceReport {
 // Something that was put into a simulated world, in the map (m).
 struct ObstacleReport {
   std::string name;
-  Vec2 center_in_map;
+  geometry::Vec2 center_in_map;
 };
 
 // The robot at one moment. Immutable once it is published.
@@ -43,12 +43,12 @@ struct AgentState {
   uint64_t number = 0;
   // Since the agent's start (s).
   double time_s = 0;
-  NavigatorSnapshot snapshot = {};
+  behavior::NavigatorSnapshot snapshot = {};
   // Of snapshot.goal.
-  std::vector<LevelPose> goal_poses = {};
+  std::vector<core::LevelPose> goal_poses = {};
   std::vector<DeviceReport> devices = {};
   // Simulation only: where it truly is.
-  std::optional<Rigid3> true_map_from_base = std::nullopt;
+  std::optional<geometry::Rigid3> true_map_from_base = std::nullopt;
   std::vector<ObstacleReport> obstacles = {};
   int64_t missed_deadlines = 0;
 };
@@ -69,7 +69,7 @@ struct AgentHubOptions {
 // Thread-safe. RunCommands, Publish and AddEvents by the stepping thread.
 class AgentHub {
  public:
-  using Command = std::function<absl::Status(Navigator&)>;
+  using Command = std::function<absl::Status(behavior::Navigator&)>;
 
   // `options` must be valid.
   explicit AgentHub(const AgentHubOptions& options) : options_(options) {}
@@ -105,7 +105,7 @@ class AgentHub {
 
   // ---- the thread that steps ----
   // Runs what waits. Never waits itself, but for the lock.
-  void RunCommands(Navigator& navigator);
+  void RunCommands(behavior::Navigator& navigator);
   // state.number is set here.
   void Publish(AgentState state);
   // Numbers are set here.
@@ -133,6 +133,6 @@ class AgentHub {
   bool is_closed_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_AGENT_HUB_H_

@@ -10,7 +10,7 @@
 #include "absl/synchronization/notification.h"
 #include "nav_agent/service/testing_navigator.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 using ::testing::ElementsAre;
@@ -21,7 +21,7 @@ absl::Time Later() { return absl::Now() + absl::Seconds(60); }
 TEST(AgentHub, RunsCommandsInTheSteppingThreadAndTellsTheirResults) {
   SteppingAgent agent;
   std::thread::id ran_in;
-  const absl::Status result = agent.hub.Do([&](Navigator&) {
+  const absl::Status result = agent.hub.Do([&](behavior::Navigator&) {
     ran_in = std::this_thread::get_id();
     return absl::NotFoundError("so it says");
   });
@@ -33,7 +33,7 @@ TEST(AgentHub, RunsCommandsInTheSteppingThreadAndTellsTheirResults) {
 TEST(AgentHub, ACommandThatNobodyTakesIsNotRunLater) {
   AgentHub hub({.patience = absl::Milliseconds(5)});
   bool ran = false;
-  EXPECT_EQ(hub.Do([&](Navigator&) {
+  EXPECT_EQ(hub.Do([&](behavior::Navigator&) {
                  ran = true;
                  return absl::OkStatus();
                })
@@ -49,7 +49,7 @@ TEST(AgentHub, ACommandThatIsRunIsWaitedForWhateverItTakes) {
   absl::Notification started;
   std::atomic<bool> done = false;
   std::jthread caller([&] {
-    EXPECT_TRUE(hub.Do([&](Navigator&) {
+    EXPECT_TRUE(hub.Do([&](behavior::Navigator&) {
                      started.Notify();
                      absl::SleepFor(absl::Milliseconds(20));
                      done = true;
@@ -75,7 +75,7 @@ TEST(AgentHub, TheQueueIsBounded) {
     std::vector<std::jthread> callers;
     for (absl::Status& result : results) {
       callers.emplace_back([&hub, &result] {
-        result = hub.Do([](Navigator&) { return absl::OkStatus(); });
+        result = hub.Do([](behavior::Navigator&) { return absl::OkStatus(); });
         // The one that found no room lets the others go.
         if (absl::IsResourceExhausted(result)) hub.Close();
       });
@@ -97,7 +97,7 @@ TEST(AgentHub, AStepRunsAFewCommandsAtMost) {
   callers.reserve(3);
   for (int i = 0; i < 3; ++i) {
     callers.emplace_back([&] {
-      EXPECT_TRUE(hub.Do([&](Navigator&) {
+      EXPECT_TRUE(hub.Do([&](behavior::Navigator&) {
                        ++run;
                        return absl::OkStatus();
                      })
@@ -133,7 +133,7 @@ TEST(AgentHub, ClosingWakesWhoeverWaits) {
       [&] { EXPECT_EQ(hub.WaitForNewer(0, Later()), nullptr); });
   std::jthread caller([&] {
     EXPECT_TRUE(absl::IsUnavailable(
-        hub.Do([](Navigator&) { return absl::OkStatus(); })));
+        hub.Do([](behavior::Navigator&) { return absl::OkStatus(); })));
   });
   hub.Close();
   EXPECT_TRUE(hub.is_closed());
@@ -163,4 +163,4 @@ TEST(AgentHubOptions, AreChecked) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::agent_service

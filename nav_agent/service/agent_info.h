@@ -9,14 +9,14 @@
 #include "nav_agent/behavior/navigator.h"
 #include "nav_agent/core/robot_model.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 struct AgentInfo {
   std::string version;
-  RobotModel robot;
+  core::RobotModel robot;
   std::string map_name;
   // Never null.
-  std::shared_ptr<const NavigatorMap> map;
+  std::shared_ptr<const behavior::NavigatorMap> map;
   // In simulation: the world, and its places.
   bool is_simulated = false;
   std::string world;
@@ -25,6 +25,6 @@ struct AgentInfo {
   std::string server;
 };
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_AGENT_INFO_H_

@@ -6,15 +6,15 @@
 #include "common/base/version.h"
 #include "nav_agent/service/api_json.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
-constexpr std::array<NavigatorMode, 9> kModes = {
-    NavigatorMode::kIdle,     NavigatorMode::kPlanning,
-    NavigatorMode::kDriving,  NavigatorMode::kRecovering,
-    NavigatorMode::kLost,     NavigatorMode::kRelocalizing,
-    NavigatorMode::kPaused,   NavigatorMode::kSafeStop,
-    NavigatorMode::kNeedHelp,
+constexpr std::array<behavior::NavigatorMode, 9> kModes = {
+    behavior::NavigatorMode::kIdle,     behavior::NavigatorMode::kPlanning,
+    behavior::NavigatorMode::kDriving,  behavior::NavigatorMode::kRecovering,
+    behavior::NavigatorMode::kLost,     behavior::NavigatorMode::kRelocalizing,
+    behavior::NavigatorMode::kPaused,   behavior::NavigatorMode::kSafeStop,
+    behavior::NavigatorMode::kNeedHelp,
 };
 
 // About the 25 ms of the control loop (s).
@@ -28,9 +28,10 @@ std::vector<double> StepBuckets() {
           0.012,  0.018, 0.025, 0.05,  0.1,   0.3};
 }
 
-bool IsOver(GoalState state) {
-  return state == GoalState::kSucceeded || state == GoalState::kFailed ||
-         state == GoalState::kCancelled;
+bool IsOver(behavior::GoalState state) {
+  return state == behavior::GoalState::kSucceeded ||
+         state == behavior::GoalState::kFailed ||
+         state == behavior::GoalState::kCancelled;
 }
 
 }  // namespace
@@ -89,11 +90,11 @@ AgentMetrics::AgentMetrics()
                        .AddHistogram("treeline_agent_fix_round_trip_seconds",
                                      "From a question to the server to its "
                                      "answer",
-                                     {}, LatencyBuckets())
+                                     {}, metrics::LatencyBuckets())
                        .With({})) {
   registry_
       .AddGauge("treeline_agent_info", "1; the version is a label", {"version"})
-      .With({Version()})
+      .With({base::Version()})
       .Set(1);
 }
 
@@ -103,24 +104,27 @@ void AgentMetrics::ObserveStep(std::optional<double> period_s, double step_s) {
 }
 
 void AgentMetrics::ObserveState(const AgentState& state) {
-  const NavigatorSnapshot& snapshot = state.snapshot;
+  const behavior::NavigatorSnapshot& snapshot = state.snapshot;
   for (const DeviceReport& device : state.devices) {
     devices_->With({device.name}).Set(device.state == "running" ? 1 : 0);
   }
-  for (const NavigatorMode mode : kModes) {
-    modes_->With({NavigatorModeName(mode)}).Set(mode == snapshot.mode ? 1 : 0);
+  for (const behavior::NavigatorMode mode : kModes) {
+    modes_->With({behavior::NavigatorModeName(mode)})
+        .Set(mode == snapshot.mode ? 1 : 0);
   }
   lost_probability_->Set(snapshot.verdict.probability);
-  const bool is_lost = snapshot.mode == NavigatorMode::kLost ||
-                       snapshot.mode == NavigatorMode::kRelocalizing ||
-                       snapshot.mode == NavigatorMode::kNeedHelp;
+  const bool is_lost =
+      snapshot.mode == behavior::NavigatorMode::kLost ||
+      snapshot.mode == behavior::NavigatorMode::kRelocalizing ||
+      snapshot.mode == behavior::NavigatorMode::kNeedHelp;
   if (is_lost && !was_lost_) lost_->Add();
   was_lost_ = is_lost;
   ObserveGoal(snapshot.goal);
   ObserveFix(snapshot);
 }
 
-void AgentMetrics::ObserveGoal(const std::optional<GoalStatus>& goal) {
+void AgentMetrics::ObserveGoal(
+    const std::optional<behavior::GoalStatus>& goal) {
   if (!goal.has_value()) return;
   if (goal->id != goal_) {
     driven_before_m_ += goal_driven_m_;
@@ -141,12 +145,14 @@ void AgentMetrics::ObserveGoal(const std::optional<GoalStatus>& goal) {
   driven_->Set(driven_before_m_ + goal_driven_m_);
   if (IsOver(goal->state) && goal->id != counted_goal_) {
     counted_goal_ = goal->id;
-    goals_->With({GoalStateName(goal->state), NavigationCauseName(goal->cause)})
+    goals_
+        ->With({GoalStateName(goal->state),
+                core::NavigationCauseName(goal->cause)})
         .Add();
   }
 }
 
-void AgentMetrics::ObserveFix(const NavigatorSnapshot& snapshot) {
+void AgentMetrics::ObserveFix(const behavior::NavigatorSnapshot& snapshot) {
   if (!snapshot.fix.has_value() || snapshot.fix_verdict.empty()) return;
   const bool is_new = counted_fix_ != snapshot.fix->stamp;
   if (!is_new && counted_verdict_ == snapshot.fix_verdict) return;
@@ -158,4 +164,4 @@ void AgentMetrics::ObserveFix(const NavigatorSnapshot& snapshot) {
       .Add();
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

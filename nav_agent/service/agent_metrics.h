@@ -9,7 +9,7 @@
 #include "common/metrics/registry.h"
 #include "nav_agent/service/agent_hub.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 // Observe... by the stepping thread; the rest is thread-safe.
 class AgentMetrics {
@@ -26,27 +26,27 @@ class AgentMetrics {
   void ObserveState(const AgentState& state);
 
   std::string Expose() const { return registry_.Expose(); }
-  Registry& registry() { return registry_; }
+  metrics::Registry& registry() { return registry_; }
 
  private:
-  void ObserveGoal(const std::optional<GoalStatus>& goal);
-  void ObserveFix(const NavigatorSnapshot& snapshot);
+  void ObserveGoal(const std::optional<behavior::GoalStatus>& goal);
+  void ObserveFix(const behavior::NavigatorSnapshot& snapshot);
 
-  Registry registry_;
-  MetricFamily<Counter>* goals_;
-  MetricFamily<Counter>* events_;
-  MetricFamily<Counter>* fixes_;
-  MetricFamily<Gauge>* devices_;
-  MetricFamily<Gauge>* modes_;
-  Counter* recoveries_;
-  Counter* replans_;
-  Counter* lost_;
-  Counter* missed_;
-  Gauge* lost_probability_;
-  Gauge* driven_;
-  Histogram* period_;
-  Histogram* step_;
-  Histogram* round_trip_;
+  metrics::Registry registry_;
+  metrics::MetricFamily<metrics::Counter>* goals_;
+  metrics::MetricFamily<metrics::Counter>* events_;
+  metrics::MetricFamily<metrics::Counter>* fixes_;
+  metrics::MetricFamily<metrics::Gauge>* devices_;
+  metrics::MetricFamily<metrics::Gauge>* modes_;
+  metrics::Counter* recoveries_;
+  metrics::Counter* replans_;
+  metrics::Counter* lost_;
+  metrics::Counter* missed_;
+  metrics::Gauge* lost_probability_;
+  metrics::Gauge* driven_;
+  metrics::Histogram* period_;
+  metrics::Histogram* step_;
+  metrics::Histogram* round_trip_;
   // ---- the stepping thread's ----
   uint64_t counted_goal_ = 0;
   // Of the goal that is watched.
@@ -56,10 +56,10 @@ class AgentMetrics {
   double driven_before_m_ = 0;
   double goal_driven_m_ = 0;
   bool was_lost_ = false;
-  std::optional<MonotonicTime> counted_fix_;
+  std::optional<base::MonotonicTime> counted_fix_;
   std::string counted_verdict_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_AGENT_METRICS_H_

@@ -5,15 +5,15 @@
 
 #include "nav_agent/service/testing_navigator.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-GoalStatus GoalOf(uint64_t id, GoalState state, double driven_m,
-                  int recoveries) {
-  GoalStatus goal;
+behavior::GoalStatus GoalOf(uint64_t id, behavior::GoalState state,
+                            double driven_m, int recoveries) {
+  behavior::GoalStatus goal;
   goal.id = id;
   goal.state = state;
   goal.driven_m = driven_m;
@@ -24,15 +24,15 @@ GoalStatus GoalOf(uint64_t id, GoalState state, double driven_m,
 TEST(AgentMetrics, CountsAGoalOnce) {
   AgentMetrics metrics;
   AgentState state;
-  state.snapshot.goal = GoalOf(1, GoalState::kActive, 2, 1);
+  state.snapshot.goal = GoalOf(1, behavior::GoalState::kActive, 2, 1);
   metrics.ObserveState(state);
   EXPECT_THAT(metrics.Expose(), Not(HasSubstr("agent_goals_total{")));
-  state.snapshot.goal->state = GoalState::kSucceeded;
+  state.snapshot.goal->state = behavior::GoalState::kSucceeded;
   state.snapshot.goal->recoveries = 3;
   metrics.ObserveState(state);
   metrics.ObserveState(state);
-  state.snapshot.goal = GoalOf(2, GoalState::kFailed, 0.5, 1);
-  state.snapshot.goal->cause = NavigationCause::kNoPath;
+  state.snapshot.goal = GoalOf(2, behavior::GoalState::kFailed, 0.5, 1);
+  state.snapshot.goal->cause = core::NavigationCause::kNoPath;
   metrics.ObserveState(state);
   const std::string text = metrics.Expose();
   EXPECT_THAT(text,
@@ -47,10 +47,10 @@ TEST(AgentMetrics, CountsAGoalOnce) {
 TEST(AgentMetrics, CountsTimesLostAndFixes) {
   AgentMetrics metrics;
   AgentState state;
-  for (const NavigatorMode mode :
-       {NavigatorMode::kDriving, NavigatorMode::kLost,
-        NavigatorMode::kRelocalizing, NavigatorMode::kDriving,
-        NavigatorMode::kLost}) {
+  for (const behavior::NavigatorMode mode :
+       {behavior::NavigatorMode::kDriving, behavior::NavigatorMode::kLost,
+        behavior::NavigatorMode::kRelocalizing,
+        behavior::NavigatorMode::kDriving, behavior::NavigatorMode::kLost}) {
     state.snapshot.mode = mode;
     metrics.ObserveState(state);
   }
@@ -89,4 +89,4 @@ TEST(AgentMetrics, TellsStepsAndDevices) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::agent_service

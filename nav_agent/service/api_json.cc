@@ -8,7 +8,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -29,7 +29,7 @@ std::string Text(const Json& json) {
                    Json::error_handler_t::replace);
 }
 
-Json PoseJson(const LevelPose& pose) {
+Json PoseJson(const core::LevelPose& pose) {
   return {{"x", Rounded(pose.map_from_base.translation.x)},
           {"y", Rounded(pose.map_from_base.translation.y)},
           {"yaw", Rounded(pose.map_from_base.yaw_rad)},
@@ -37,12 +37,12 @@ Json PoseJson(const LevelPose& pose) {
 }
 
 // Seen from above: where a transform of space takes the x axis.
-double YawOf(const Rigid3& map_from_base) {
-  const Vec3 ahead = map_from_base.rotation * Vec3{1, 0, 0};
+double YawOf(const geometry::Rigid3& map_from_base) {
+  const geometry::Vec3 ahead = map_from_base.rotation * geometry::Vec3{1, 0, 0};
   return std::atan2(ahead.y, ahead.x);
 }
 
-Json TrackedJson(const std::optional<TrackedPose>& tracked) {
+Json TrackedJson(const std::optional<localization::TrackedPose>& tracked) {
   if (!tracked.has_value()) return nullptr;
   Json json = PoseJson(tracked->pose);
   json["height_m"] = Rounded(tracked->pose.place.height_m);
@@ -57,25 +57,27 @@ Json TrackedJson(const std::optional<TrackedPose>& tracked) {
   return json;
 }
 
-Json GoalJson(const std::optional<GoalStatus>& goal,
-              const std::vector<LevelPose>& poses) {
+Json GoalJson(const std::optional<behavior::GoalStatus>& goal,
+              const std::vector<core::LevelPose>& poses) {
   if (!goal.has_value()) return nullptr;
   Json json = {{"id", goal->id},
                {"state", GoalStateName(goal->state)},
-               {"cause", NavigationCauseName(goal->cause)},
+               {"cause", core::NavigationCauseName(goal->cause)},
                {"why", goal->why},
                {"to_go_m", Rounded(goal->to_go_m)},
                {"driven_m", Rounded(goal->driven_m)},
                {"replans", goal->replans},
                {"recoveries", goal->recoveries},
                {"poses", Json::array()}};
-  for (const LevelPose& pose : poses) json["poses"].push_back(PoseJson(pose));
+  for (const core::LevelPose& pose : poses)
+    json["poses"].push_back(PoseJson(pose));
   return json;
 }
 
-Json FixJson(const AgentInfo& info, const NavigatorSnapshot& snapshot) {
+Json FixJson(const AgentInfo& info,
+             const behavior::NavigatorSnapshot& snapshot) {
   if (!snapshot.fix.has_value()) return nullptr;
-  const RelocalizationAnswer& fix = *snapshot.fix;
+  const core::RelocalizationAnswer& fix = *snapshot.fix;
   Json json = {{"localized", fix.localized},
                {"confidence", Rounded(fix.confidence)},
                {"inliers", fix.inliers},
@@ -88,7 +90,7 @@ Json FixJson(const AgentInfo& info, const NavigatorSnapshot& snapshot) {
                {"y", nullptr},
                {"yaw", nullptr}};
   if (fix.localized) {
-    const Rigid3 map_from_base =
+    const geometry::Rigid3 map_from_base =
         fix.map_from_camera * info.robot.base_from_camera.Inverse();
     json["x"] = Rounded(map_from_base.translation.x);
     json["y"] = Rounded(map_from_base.translation.y);
@@ -97,7 +99,7 @@ Json FixJson(const AgentInfo& info, const NavigatorSnapshot& snapshot) {
   return json;
 }
 
-Json CostmapJson(const CostmapView& costmap, double height_m) {
+Json CostmapJson(const control::CostmapView& costmap, double height_m) {
   const auto cells =
       static_cast<size_t>(costmap.width) * static_cast<size_t>(costmap.height);
   if (costmap.cells.empty() || costmap.cells.size() != cells) return nullptr;
@@ -113,21 +115,22 @@ Json CostmapJson(const CostmapView& costmap, double height_m) {
                     costmap.cells.size()))}};
 }
 
-Json FlatPoints(const std::vector<Vec2>& points) {
+Json FlatPoints(const std::vector<geometry::Vec2>& points) {
   Json flat = Json::array();
-  for (const Vec2& point : points) {
+  for (const geometry::Vec2& point : points) {
     flat.push_back(Rounded(point.x));
     flat.push_back(Rounded(point.y));
   }
   return flat;
 }
 
-Json ParticlesJson(const std::vector<Particle>& particles) {
+Json ParticlesJson(const std::vector<localization::Particle>& particles) {
   Json flat = Json::array();
   const size_t count = std::min(particles.size(), kMostParticles);
   for (size_t i = 0; i < count; ++i) {
     // Evenly over all of them.
-    const Rigid2& pose = particles[i * particles.size() / count].map_from_base;
+    const geometry::Rigid2& pose =
+        particles[i * particles.size() / count].map_from_base;
     flat.push_back(Rounded(pose.translation.x));
     flat.push_back(Rounded(pose.translation.y));
     flat.push_back(Rounded(pose.yaw_rad));
@@ -136,7 +139,8 @@ Json ParticlesJson(const std::vector<Particle>& particles) {
 }
 
 // From the middle of the lowest ground to that of the highest.
-std::pair<double, double> HeightsOf(const TraversableLevel& level) {
+std::pair<double, double> HeightsOf(
+    const traversability::TraversableLevel& level) {
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -lowest;
   for (const float height : level.height_m) {
@@ -149,17 +153,17 @@ std::pair<double, double> HeightsOf(const TraversableLevel& level) {
 
 }  // namespace
 
-const char* GoalStateName(GoalState state) {
+const char* GoalStateName(behavior::GoalState state) {
   switch (state) {
-    case GoalState::kAccepted:
+    case behavior::GoalState::kAccepted:
       return "accepted";
-    case GoalState::kActive:
+    case behavior::GoalState::kActive:
       return "active";
-    case GoalState::kSucceeded:
+    case behavior::GoalState::kSucceeded:
       return "succeeded";
-    case GoalState::kFailed:
+    case behavior::GoalState::kFailed:
       return "failed";
-    case GoalState::kCancelled:
+    case behavior::GoalState::kCancelled:
       return "cancelled";
   }
   return "unknown";
@@ -168,8 +172,8 @@ const char* GoalStateName(GoalState state) {
 std::string InfoJson(const AgentInfo& info) {
   Json levels = Json::array();
   for (size_t i = 0; i < info.map->levels.levels.size(); ++i) {
-    const TraversableLevel& level = info.map->levels.levels[i];
-    const Rigid2& origin = level.grid.map_from_grid;
+    const traversability::TraversableLevel& level = info.map->levels.levels[i];
+    const geometry::Rigid2& origin = level.grid.map_from_grid;
     const auto [lowest, highest] = HeightsOf(level);
     levels.push_back(
         {{"index", i},
@@ -194,8 +198,8 @@ std::string InfoJson(const AgentInfo& info) {
 }
 
 std::string StateJson(const AgentInfo& info, const AgentState& state) {
-  const NavigatorSnapshot& snapshot = state.snapshot;
-  const bool has_cause = snapshot.cause != NavigationCause::kNone;
+  const behavior::NavigatorSnapshot& snapshot = state.snapshot;
+  const bool has_cause = snapshot.cause != core::NavigationCause::kNone;
   Json devices = Json::array();
   for (const DeviceReport& device : state.devices) {
     devices.push_back({{"name", device.name},
@@ -204,7 +208,7 @@ std::string StateJson(const AgentInfo& info, const AgentState& state) {
   }
   Json truth = nullptr;
   if (state.true_map_from_base.has_value()) {
-    const Vec3& at = state.true_map_from_base->translation;
+    const geometry::Vec3& at = state.true_map_from_base->translation;
     truth = {{"x", Rounded(at.x)},
              {"y", Rounded(at.y)},
              {"yaw", Rounded(YawOf(*state.true_map_from_base))},
@@ -212,15 +216,15 @@ std::string StateJson(const AgentInfo& info, const AgentState& state) {
   }
   return Text(
       {{"time_s", Rounded(state.time_s)},
-       {"mode", NavigatorModeName(snapshot.mode)},
-       {"cause", NavigationCauseName(snapshot.cause)},
+       {"mode", behavior::NavigatorModeName(snapshot.mode)},
+       {"cause", core::NavigationCauseName(snapshot.cause)},
        {"cause_text", snapshot.cause_text},
-       {"advice", has_cause ? NavigationCauseAdvice(snapshot.cause) : ""},
+       {"advice", has_cause ? core::NavigationCauseAdvice(snapshot.cause) : ""},
        {"pose", TrackedJson(snapshot.pose)},
        {"lost",
         {{"probability", Rounded(snapshot.verdict.probability)},
-         {"state", LostStateName(snapshot.verdict.state)},
-         {"reason", LostReasonName(snapshot.verdict.reason)}}},
+         {"state", localization::LostStateName(snapshot.verdict.state)},
+         {"reason", localization::LostReasonName(snapshot.verdict.reason)}}},
        {"command",
         {{"forward_mps", Rounded(snapshot.command.forward_mps)},
          {"yaw_rate_radps", Rounded(snapshot.command.yaw_rate_radps)}}},
@@ -233,24 +237,24 @@ std::string StateJson(const AgentInfo& info, const AgentState& state) {
 }
 
 std::string SceneJson(const AgentState& state) {
-  const NavigatorSnapshot& snapshot = state.snapshot;
+  const behavior::NavigatorSnapshot& snapshot = state.snapshot;
   const double height_m =
       snapshot.pose.has_value() ? snapshot.pose->pose.place.height_m : 0;
   Json path = Json::array();
-  for (const LevelPose& pose : snapshot.path) {
+  for (const core::LevelPose& pose : snapshot.path) {
     path.push_back({Rounded(pose.map_from_base.translation.x),
                     Rounded(pose.map_from_base.translation.y),
                     Rounded(pose.place.height_m),
                     Rounded(pose.map_from_base.yaw_rad)});
   }
   Json bubbles = Json::array();
-  for (const Bubble& bubble : snapshot.bubbles) {
+  for (const control::Bubble& bubble : snapshot.bubbles) {
     bubbles.push_back({Rounded(bubble.center_in_map.x),
                        Rounded(bubble.center_in_map.y), Rounded(height_m),
                        Rounded(bubble.radius_m)});
   }
   Json blockages = Json::array();
-  for (const Blockage& blockage : snapshot.blockages) {
+  for (const planning::Blockage& blockage : snapshot.blockages) {
     blockages.push_back({Rounded(blockage.center.x), Rounded(blockage.center.y),
                          Rounded(blockage.radius_m), blockage.level});
   }
@@ -289,4 +293,4 @@ std::string ErrorJson(const std::string& code, const std::string& message) {
   return Text({{"error", {{"code", code}, {"message", message}}}});
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

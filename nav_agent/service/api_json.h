@@ -8,7 +8,7 @@
 #include "nav_agent/service/agent_hub.h"
 #include "nav_agent/service/agent_info.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 // Numbers are rounded to what a picture needs (0.1 mm, 0.1 mrad); what is not
 // finite becomes null, and text that is not UTF-8 gets U+FFFD.
@@ -31,8 +31,8 @@ std::string ErrorJson(const std::string& code, const std::string& message);
 std::string CodeText(absl::StatusCode code);
 
 // "accepted", "active", "succeeded", "failed", "cancelled".
-const char* GoalStateName(GoalState state);
+const char* GoalStateName(behavior::GoalState state);
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_API_JSON_H_

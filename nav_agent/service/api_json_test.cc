@@ -9,7 +9,7 @@
 
 #include "nav_agent/service/testing_navigator.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 using Json = nlohmann::json;
@@ -18,35 +18,35 @@ AgentState FullState() {
   AgentState state;
   state.time_s = 12.34567;
   state.missed_deadlines = 2;
-  NavigatorSnapshot& snapshot = state.snapshot;
-  snapshot.mode = NavigatorMode::kSafeStop;
-  snapshot.cause = NavigationCause::kLaserLost;
+  behavior::NavigatorSnapshot& snapshot = state.snapshot;
+  snapshot.mode = behavior::NavigatorMode::kSafeStop;
+  snapshot.cause = core::NavigationCause::kLaserLost;
   snapshot.cause_text = "no scan for 0.4 s";
   snapshot.steps = 77;
-  TrackedPose pose;
+  localization::TrackedPose pose;
   pose.pose = {.map_from_base = {{1.00004, 2}, 0.5}, .place = {1, 0.75}};
   // Its longer axis lies along x + y: 0.05 + 0.03.
   pose.covariance = {0.05, 0.03, 0, 0.03, 0.05, 0, 0, 0, 0.04};
   snapshot.pose = pose;
   snapshot.goal.emplace();
   snapshot.goal->id = 3;
-  snapshot.goal->state = GoalState::kActive;
+  snapshot.goal->state = behavior::GoalState::kActive;
   snapshot.goal->to_go_m = 4.5;
   snapshot.goal->driven_m = 1;
   snapshot.goal->replans = 1;
   snapshot.goal->recoveries = 2;
   state.goal_poses = {{.map_from_base = {{9, 8}, 0}, .place = {0, 0}}};
   snapshot.command = {.forward_mps = 0.25, .yaw_rate_radps = -0.5};
-  RelocalizationAnswer fix;
+  core::RelocalizationAnswer fix;
   fix.localized = true;
   fix.confidence = 0.9;
   fix.inliers = 40;
   fix.samples = 50;
   fix.scene = "house";
-  const Rigid3 map_from_base = {
-      .rotation = Rotation3::FromAxisAngle({0, 0, 0.7}),
+  const geometry::Rigid3 map_from_base = {
+      .rotation = geometry::Rotation3::FromAxisAngle({0, 0, 0.7}),
       .translation = {3, 4, 0}};
-  fix.map_from_camera = map_from_base * RobotModel().base_from_camera;
+  fix.map_from_camera = map_from_base * core::RobotModel().base_from_camera;
   snapshot.fix = fix;
   snapshot.fix_verdict = "accepted";
   snapshot.path = {{.map_from_base = {{1, 2}, 0.1}, .place = {0, 0.5}}};
@@ -70,7 +70,7 @@ AgentState FullState() {
 TEST(ApiJson, InfoDescribesRobotAndLevels) {
   const Json json = Json::parse(InfoJson(TestInfo()));
   EXPECT_EQ(json["version"], "1.2.3");
-  EXPECT_EQ(json["robot"]["front_m"], RobotModel().front_m);
+  EXPECT_EQ(json["robot"]["front_m"], core::RobotModel().front_m);
   EXPECT_EQ(json["map"]["name"], "house");
   ASSERT_EQ(json["map"]["levels"].size(), 2U);
   EXPECT_EQ(json["map"]["levels"][1],
@@ -165,4 +165,4 @@ TEST(ApiJson, ErrorsHaveACode) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::agent_service

@@ -10,7 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 using Json = nlohmann::json;
@@ -187,4 +187,4 @@ absl::StatusOr<FaultWish> ParseFaultRequest(absl::string_view body) {
   return fault;
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

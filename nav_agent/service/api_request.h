@@ -11,7 +11,7 @@
 #include "absl/strings/string_view.h"
 #include "nav_agent/service/agent_commands.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 // All: INVALID_ARGUMENT names the field: not JSON, not an object, a field that
 // is missing, of another type, not finite, or not known (and those that are).
@@ -51,6 +51,6 @@ absl::StatusOr<std::string> ParseNameRequest(absl::string_view body);
 // {"target","kind","duration_s","amount"}.
 absl::StatusOr<FaultWish> ParseFaultRequest(absl::string_view body);
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_API_REQUEST_H_

@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 using ::testing::HasSubstr;
@@ -90,4 +90,4 @@ TEST(ApiRequest, ReadsTheOthers) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::agent_service

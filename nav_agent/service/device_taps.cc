@@ -10,7 +10,7 @@
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 constexpr int kJpegQuality = 80;
@@ -18,7 +18,7 @@ constexpr std::array<uint8_t, 3> kDotColor = {60, 220, 90};
 constexpr int kDotRadius_px = 1;
 
 // A small square around a pixel; none if that is outside, or is no number.
-void DrawDot(const Vec2& pixel, ColorImage& image) {
+void DrawDot(const geometry::Vec2& pixel, image::ColorImage& image) {
   if (!(pixel.x >= 0 && pixel.x < image.width && pixel.y >= 0 &&
         pixel.y < image.height)) {
     return;
@@ -37,7 +37,7 @@ void DrawDot(const Vec2& pixel, ColorImage& image) {
 
 }  // namespace
 
-void PictureKeeper::Keep(const RgbdFrame& frame) {
+void PictureKeeper::Keep(const core::RgbdFrame& frame) {
   if (frame.frame.color.rgb.empty()) return;
   {
     const absl::MutexLock lock(&mutex_);
@@ -47,22 +47,23 @@ void PictureKeeper::Keep(const RgbdFrame& frame) {
       return;
     }
   }
-  auto image = std::make_shared<const ColorImage>(frame.frame.color);
+  auto image = std::make_shared<const image::ColorImage>(frame.frame.color);
   const absl::MutexLock lock(&mutex_);
   image_ = std::move(image);
   stamp_ = frame.stamp;
   jpeg_ = nullptr;
 }
 
-void PictureKeeper::Mark(MonotonicTime stamp, std::span<const Vec2> pixels) {
-  std::shared_ptr<const ColorImage> plain;
+void PictureKeeper::Mark(base::MonotonicTime stamp,
+                         std::span<const geometry::Vec2> pixels) {
+  std::shared_ptr<const image::ColorImage> plain;
   {
     const absl::MutexLock lock(&mutex_);
     if (image_ == nullptr || stamp_ != stamp) return;
     plain = image_;
   }
-  auto marked = std::make_shared<ColorImage>(*plain);
-  for (const Vec2& pixel : pixels) DrawDot(pixel, *marked);
+  auto marked = std::make_shared<image::ColorImage>(*plain);
+  for (const geometry::Vec2& pixel : pixels) DrawDot(pixel, *marked);
   const absl::MutexLock lock(&mutex_);
   if (image_ != plain) return;
   image_ = std::move(marked);
@@ -70,7 +71,7 @@ void PictureKeeper::Mark(MonotonicTime stamp, std::span<const Vec2> pixels) {
 }
 
 absl::StatusOr<std::shared_ptr<const std::string>> PictureKeeper::Jpeg() const {
-  std::shared_ptr<const ColorImage> image;
+  std::shared_ptr<const image::ColorImage> image;
   {
     const absl::MutexLock lock(&mutex_);
     if (image_ == nullptr) {
@@ -79,7 +80,8 @@ absl::StatusOr<std::shared_ptr<const std::string>> PictureKeeper::Jpeg() const {
     if (jpeg_ != nullptr) return jpeg_;
     image = image_;
   }
-  TL_ASSIGN_OR_RETURN(std::string bytes, EncodeJpeg(*image, kJpegQuality));
+  TL_ASSIGN_OR_RETURN(std::string bytes,
+                      image::EncodeJpeg(*image, kJpegQuality));
   auto jpeg = std::make_shared<const std::string>(std::move(bytes));
   const absl::MutexLock lock(&mutex_);
   if (image == image_) jpeg_ = jpeg;
@@ -87,7 +89,8 @@ absl::StatusOr<std::shared_ptr<const std::string>> PictureKeeper::Jpeg() const {
 }
 
 BackgroundCamera::BackgroundCamera(
-    RgbdCamera& camera, std::function<void(const RgbdFrame&)> on_frame)
+    core::RgbdCamera& camera,
+    std::function<void(const core::RgbdFrame&)> on_frame)
     : camera_(camera),
       on_frame_(std::move(on_frame)),
       thread_([this](const std::stop_token& stop) { Run(stop); }) {}
@@ -95,8 +98,8 @@ BackgroundCamera::BackgroundCamera(
 void BackgroundCamera::Run(const std::stop_token& stop) {
   constexpr auto kLookUp = std::chrono::milliseconds(10);
   while (!stop.stop_requested()) {
-    std::vector<RgbdFrame> taken = camera_.TakeFrames();
-    for (RgbdFrame& frame : taken) {
+    std::vector<core::RgbdFrame> taken = camera_.TakeFrames();
+    for (core::RgbdFrame& frame : taken) {
       on_frame_(frame);
       const absl::MutexLock lock(&mutex_);
       frames_.push_back(std::move(frame));
@@ -106,26 +109,26 @@ void BackgroundCamera::Run(const std::stop_token& stop) {
   }
 }
 
-std::vector<RgbdFrame> BackgroundCamera::TakeFrames() {
+std::vector<core::RgbdFrame> BackgroundCamera::TakeFrames() {
   const absl::MutexLock lock(&mutex_);
-  std::vector<RgbdFrame> taken(std::make_move_iterator(frames_.begin()),
-                               std::make_move_iterator(frames_.end()));
+  std::vector<core::RgbdFrame> taken(std::make_move_iterator(frames_.begin()),
+                                     std::make_move_iterator(frames_.end()));
   frames_.clear();
   return taken;
 }
 
-void WatchedServer::Ask(const RgbdFrame& frame, double timeout_s) {
+void WatchedServer::Ask(const core::RgbdFrame& frame, double timeout_s) {
   keeper_.Keep(frame);
   port_.Ask(frame, timeout_s);
 }
 
-std::optional<absl::StatusOr<RelocalizationAnswer>>
+std::optional<absl::StatusOr<core::RelocalizationAnswer>>
 WatchedServer::TakeAnswer() {
   auto answer = port_.TakeAnswer();
   if (!answer.has_value()) return answer;
   if (answer->ok()) {
     // Nobody behind this one draws.
-    const std::vector<Vec2> pixels =
+    const std::vector<geometry::Vec2> pixels =
         std::exchange((*answer)->inlier_pixels, {});
     keeper_.Mark((*answer)->stamp, pixels);
   }
@@ -139,4 +142,4 @@ absl::Status WatchedServer::last_error() const {
   return last_error_;
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

@@ -20,7 +20,7 @@
 #include "nav_agent/core/devices.h"
 #include "nav_agent/core/relocalization.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 // The newest colour picture of somebody's frames, as JPEG when it is asked for.
 // Thread-safe.
@@ -28,21 +28,21 @@ class PictureKeeper {
  public:
   // Copies the colour of every picture that is at least this much newer than
   // the last one.
-  explicit PictureKeeper(MonotonicTime::duration interval)
+  explicit PictureKeeper(base::MonotonicTime::duration interval)
       : interval_(interval) {}
 
-  void Keep(const RgbdFrame& frame);
+  void Keep(const core::RgbdFrame& frame);
   // Draws a dot at each of these pixels into the picture of that stamp, if it
   // is still the newest. What lies outside is left out.
-  void Mark(MonotonicTime stamp, std::span<const Vec2> pixels);
+  void Mark(base::MonotonicTime stamp, std::span<const geometry::Vec2> pixels);
   // NOT_FOUND: there is none yet.
   absl::StatusOr<std::shared_ptr<const std::string>> Jpeg() const;
 
  private:
-  const MonotonicTime::duration interval_;
+  const base::MonotonicTime::duration interval_;
   mutable absl::Mutex mutex_;
-  std::shared_ptr<const ColorImage> image_ ABSL_GUARDED_BY(mutex_);
-  std::optional<MonotonicTime> stamp_ ABSL_GUARDED_BY(mutex_);
+  std::shared_ptr<const image::ColorImage> image_ ABSL_GUARDED_BY(mutex_);
+  std::optional<base::MonotonicTime> stamp_ ABSL_GUARDED_BY(mutex_);
   // Of image_; null until somebody asks.
   mutable std::shared_ptr<const std::string> jpeg_ ABSL_GUARDED_BY(mutex_);
 };
@@ -50,39 +50,42 @@ class PictureKeeper {
 // A camera whose frames are taken by a thread of its own: rendering, decoding
 // and recording them makes nobody else wait. The newest few are kept for who
 // takes them.
-class BackgroundCamera final : public RgbdCamera {
+class BackgroundCamera final : public core::RgbdCamera {
  public:
   // on_frame: called by that thread for every frame. All must outlive it.
-  BackgroundCamera(RgbdCamera& camera,
-                   std::function<void(const RgbdFrame&)> on_frame);
+  BackgroundCamera(core::RgbdCamera& camera,
+                   std::function<void(const core::RgbdFrame&)> on_frame);
   ~BackgroundCamera() override = default;
 
-  RgbdCalibration Calibration() const override { return camera_.Calibration(); }
-  std::vector<RgbdFrame> TakeFrames() override;
-  DeviceHealth Health() const override { return camera_.Health(); }
+  camera::RgbdCalibration Calibration() const override {
+    return camera_.Calibration();
+  }
+  std::vector<core::RgbdFrame> TakeFrames() override;
+  core::DeviceHealth Health() const override { return camera_.Health(); }
 
  private:
   static constexpr size_t kKept = 4;
 
   void Run(const std::stop_token& stop);
 
-  RgbdCamera& camera_;
-  const std::function<void(const RgbdFrame&)> on_frame_;
+  core::RgbdCamera& camera_;
+  const std::function<void(const core::RgbdFrame&)> on_frame_;
   absl::Mutex mutex_;
-  std::deque<RgbdFrame> frames_ ABSL_GUARDED_BY(mutex_);
+  std::deque<core::RgbdFrame> frames_ ABSL_GUARDED_BY(mutex_);
   // The last member: it uses all of them.
   std::jthread thread_;
 };
 
 // A relocalization server whose questions are kept, with the pixels that
 // support the answer drawn in. Both must outlive it.
-class WatchedServer final : public RelocalizationPort {
+class WatchedServer final : public core::RelocalizationPort {
  public:
-  WatchedServer(RelocalizationPort& port, PictureKeeper& keeper)
+  WatchedServer(core::RelocalizationPort& port, PictureKeeper& keeper)
       : port_(port), keeper_(keeper) {}
 
-  void Ask(const RgbdFrame& frame, double timeout_s) override;
-  std::optional<absl::StatusOr<RelocalizationAnswer>> TakeAnswer() override;
+  void Ask(const core::RgbdFrame& frame, double timeout_s) override;
+  std::optional<absl::StatusOr<core::RelocalizationAnswer>> TakeAnswer()
+      override;
   bool IsAsking() const override { return port_.IsAsking(); }
   void Cancel() override { port_.Cancel(); }
 
@@ -90,12 +93,12 @@ class WatchedServer final : public RelocalizationPort {
   absl::Status last_error() const;
 
  private:
-  RelocalizationPort& port_;
+  core::RelocalizationPort& port_;
   PictureKeeper& keeper_;
   mutable absl::Mutex mutex_;
   absl::Status last_error_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_DEVICE_TAPS_H_

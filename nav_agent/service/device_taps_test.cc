@@ -12,14 +12,14 @@
 
 #include "common/image/decode.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 using std::chrono::milliseconds;
 
-RgbdFrame FrameAt(int ms, uint8_t shade) {
-  RgbdFrame frame;
-  frame.stamp = MonotonicTime(milliseconds(ms));
+core::RgbdFrame FrameAt(int ms, uint8_t shade) {
+  core::RgbdFrame frame;
+  frame.stamp = base::MonotonicTime(milliseconds(ms));
   frame.frame.color = {.width = 16,
                        .height = 16,
                        .rgb = std::vector<uint8_t>(16 * 16 * 3, shade)};
@@ -29,7 +29,7 @@ RgbdFrame FrameAt(int ms, uint8_t shade) {
 uint8_t ShadeOf(const PictureKeeper& keeper) {
   const auto jpeg = keeper.Jpeg();
   EXPECT_TRUE(jpeg.ok()) << jpeg.status();
-  return DecodeColor(**jpeg, {})->rgb[0];
+  return image::DecodeColor(**jpeg, {})->rgb[0];
 }
 
 TEST(PictureKeeper, KeepsTheNewestOfEveryInterval) {
@@ -46,28 +46,30 @@ TEST(PictureKeeper, KeepsTheNewestOfEveryInterval) {
   keeper.Keep(FrameAt(10, 250));
   EXPECT_NEAR(ShadeOf(keeper), 250, 2);
   // Without colour there is nothing to show.
-  RgbdFrame dark;
-  dark.stamp = MonotonicTime(milliseconds(9000));
+  core::RgbdFrame dark;
+  dark.stamp = base::MonotonicTime(milliseconds(9000));
   keeper.Keep(dark);
   EXPECT_NEAR(ShadeOf(keeper), 250, 2);
 }
 
 TEST(PictureKeeper, MarksThePixelsOfItsPictureOnly) {
   PictureKeeper keeper(milliseconds(0));
-  const auto picture = [&keeper] { return *DecodeColor(**keeper.Jpeg(), {}); };
-  const auto is_marked = [](const ColorImage& image, int x, int y) {
+  const auto picture = [&keeper] {
+    return *image::DecodeColor(**keeper.Jpeg(), {});
+  };
+  const auto is_marked = [](const image::ColorImage& image, int x, int y) {
     const size_t index = (static_cast<size_t>(y) * 16 + x) * 3;
     return image.rgb[index + 1] > image.rgb[index] + 60;
   };
   // No picture yet.
-  keeper.Mark(FrameAt(1000, 50).stamp, std::vector<Vec2>{{4, 4}});
+  keeper.Mark(FrameAt(1000, 50).stamp, std::vector<geometry::Vec2>{{4, 4}});
   keeper.Keep(FrameAt(1000, 50));
   // Another one's.
-  keeper.Mark(FrameAt(900, 50).stamp, std::vector<Vec2>{{4, 4}});
+  keeper.Mark(FrameAt(900, 50).stamp, std::vector<geometry::Vec2>{{4, 4}});
   EXPECT_FALSE(is_marked(picture(), 4, 4));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   keeper.Mark(FrameAt(1000, 50).stamp,
-              std::vector<Vec2>{
+              std::vector<geometry::Vec2>{
                   {4.5, 4.5}, {15, 0}, {-1, 3}, {3, 16}, {nan, 3}, {1e30, 3}});
   EXPECT_TRUE(is_marked(picture(), 4, 4));
   EXPECT_TRUE(is_marked(picture(), 15, 0));
@@ -77,21 +79,21 @@ TEST(PictureKeeper, MarksThePixelsOfItsPictureOnly) {
 }
 
 // Has so many frames, once.
-class FewFramesCamera final : public RgbdCamera {
+class FewFramesCamera final : public core::RgbdCamera {
  public:
   explicit FewFramesCamera(int frames) : frames_(frames) {}
 
-  RgbdCalibration Calibration() const override { return {}; }
-  std::vector<RgbdFrame> TakeFrames() override {
-    std::vector<RgbdFrame> taken;
+  camera::RgbdCalibration Calibration() const override { return {}; }
+  std::vector<core::RgbdFrame> TakeFrames() override {
+    std::vector<core::RgbdFrame> taken;
     const int count = std::exchange(frames_, 0);
     for (int i = 0; i < count; ++i) {
       taken.push_back(FrameAt(i, static_cast<uint8_t>(10 * i)));
     }
     return taken;
   }
-  DeviceHealth Health() const override {
-    DeviceHealth health;
+  core::DeviceHealth Health() const override {
+    core::DeviceHealth health;
     health.received = 7;
     return health;
   }
@@ -103,13 +105,13 @@ class FewFramesCamera final : public RgbdCamera {
 TEST(BackgroundCamera, KeepsTheNewestFewAndShowsAll) {
   FewFramesCamera camera(10);
   std::atomic<int> shown = 0;
-  BackgroundCamera background(camera, [&](const RgbdFrame&) { ++shown; });
+  BackgroundCamera background(camera, [&](const core::RgbdFrame&) { ++shown; });
   while (shown < 10) std::this_thread::yield();
   EXPECT_EQ(background.Health().received, 7);
-  std::vector<RgbdFrame> taken;
+  std::vector<core::RgbdFrame> taken;
   // The last one is handed over just after it was shown.
   while (taken.empty() || taken.back().stamp != FrameAt(9, 0).stamp) {
-    for (RgbdFrame& frame : background.TakeFrames()) {
+    for (core::RgbdFrame& frame : background.TakeFrames()) {
       taken.push_back(std::move(frame));
     }
   }
@@ -117,13 +119,14 @@ TEST(BackgroundCamera, KeepsTheNewestFewAndShowsAll) {
   EXPECT_TRUE(background.TakeFrames().empty());
 }
 
-class DeadServer final : public RelocalizationPort {
+class DeadServer final : public core::RelocalizationPort {
  public:
-  void Ask(const RgbdFrame& /*frame*/, double timeout_s) override {
+  void Ask(const core::RgbdFrame& /*frame*/, double timeout_s) override {
     timeout = timeout_s;
   }
-  std::optional<absl::StatusOr<RelocalizationAnswer>> TakeAnswer() override {
-    return absl::StatusOr<RelocalizationAnswer>(
+  std::optional<absl::StatusOr<core::RelocalizationAnswer>> TakeAnswer()
+      override {
+    return absl::StatusOr<core::RelocalizationAnswer>(
         absl::UnavailableError("nobody there"));
   }
   bool IsAsking() const override { return timeout > 0; }
@@ -148,4 +151,4 @@ TEST(WatchedServer, KeepsTheQuestionAndTheError) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::agent_service

@@ -8,15 +8,16 @@
 #include "nav_agent/service/navigation_wire.h"
 #include "nav_agent/service/stream_slot.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 // A call that was cancelled is noticed after this at most.
 constexpr absl::Duration kLookUp = absl::Milliseconds(50);
 
-bool IsOver(GoalState state) {
-  return state == GoalState::kSucceeded || state == GoalState::kFailed ||
-         state == GoalState::kCancelled;
+bool IsOver(behavior::GoalState state) {
+  return state == behavior::GoalState::kSucceeded ||
+         state == behavior::GoalState::kFailed ||
+         state == behavior::GoalState::kCancelled;
 }
 
 // What a goal's caller is told of it.
@@ -28,7 +29,7 @@ struct Feedback {
 
 // nullopt: the state is older than the goal.
 std::optional<Feedback> FeedbackOf(const AgentState& state, uint64_t goal_id) {
-  const std::optional<GoalStatus>& goal = state.snapshot.goal;
+  const std::optional<behavior::GoalStatus>& goal = state.snapshot.goal;
   if (!goal.has_value() || goal->id < goal_id) return std::nullopt;
   Feedback feedback{.message = FeedbackToProto(state)};
   if (goal->id == goal_id) {
@@ -77,36 +78,37 @@ grpc::Status NavigationGrpcService::Navigate(
     grpc::ServerWriter<v1::NavigateResponse>* writer) {
   const StreamSlot slot(streams_, max_streams_);
   if (!slot.is_taken()) {
-    return ToGrpc(absl::ResourceExhaustedError("too many streams are open"));
+    return wire::ToGrpc(
+        absl::ResourceExhaustedError("too many streams are open"));
   }
   const absl::StatusOr<uint64_t> goal_id =
       commands_.SetGoal(FromProto(request->poses()));
-  if (!goal_id.ok()) return ToGrpc(goal_id.status());
+  if (!goal_id.ok()) return wire::ToGrpc(goal_id.status());
   const absl::Status followed =
       Follow(commands_.hub(), *goal_id, *context, *writer);
   if (absl::IsCancelled(followed) && !request->keep_when_call_ends()) {
     // NOT_FOUND where it is over by now, or another took its place.
     commands_.Cancel(*goal_id).IgnoreError();
   }
-  return ToGrpc(followed);
+  return wire::ToGrpc(followed);
 }
 
 grpc::Status NavigationGrpcService::Cancel(grpc::ServerContext* /*context*/,
                                            const v1::CancelRequest* request,
                                            v1::CancelResponse* /*response*/) {
-  return ToGrpc(commands_.Cancel(request->goal_id()));
+  return wire::ToGrpc(commands_.Cancel(request->goal_id()));
 }
 
 grpc::Status NavigationGrpcService::Pause(grpc::ServerContext* /*context*/,
                                           const v1::PauseRequest* /*request*/,
                                           v1::PauseResponse* /*response*/) {
-  return ToGrpc(commands_.Pause());
+  return wire::ToGrpc(commands_.Pause());
 }
 
 grpc::Status NavigationGrpcService::Resume(grpc::ServerContext* /*context*/,
                                            const v1::ResumeRequest* /*request*/,
                                            v1::ResumeResponse* /*response*/) {
-  return ToGrpc(commands_.Resume());
+  return wire::ToGrpc(commands_.Resume());
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

@@ -7,7 +7,7 @@
 #include "nav_agent/service/agent_commands.h"
 #include "treeline/v1/navigation.grpc.pb.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 // Each call has a thread. Streams are bounded, and end with the hub.
 class NavigationGrpcService final : public v1::NavigationService::Service {
@@ -74,6 +74,6 @@ class SimulationGrpcService final : public v1::SimulationService::Service {
   AgentCommands& commands_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_GRPC_SERVICES_H_

@@ -4,7 +4,7 @@
 #include "nav_agent/service/grpc_services.h"
 #include "nav_agent/service/navigation_wire.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 constexpr double kSize_m = 0.5;
@@ -14,7 +14,7 @@ constexpr double kSize_m = 0.5;
 grpc::Status SimulationGrpcService::Kidnap(grpc::ServerContext* /*context*/,
                                            const v1::KidnapRequest* request,
                                            v1::KidnapResponse* response) {
-  absl::StatusOr<Rigid3> map_from_base;
+  absl::StatusOr<geometry::Rigid3> map_from_base;
   switch (request->to_case()) {
     case v1::KidnapRequest::kPlace:
       map_from_base = commands_.KidnapTo(request->place());
@@ -25,7 +25,7 @@ grpc::Status SimulationGrpcService::Kidnap(grpc::ServerContext* /*context*/,
     default:
       map_from_base = commands_.KidnapAnywhere();
   }
-  if (!map_from_base.ok()) return ToGrpc(map_from_base.status());
+  if (!map_from_base.ok()) return wire::ToGrpc(map_from_base.status());
   *response->mutable_map_from_base() = PlanarToProto(*map_from_base);
   return grpc::Status::OK;
 }
@@ -36,7 +36,7 @@ grpc::Status SimulationGrpcService::AddObstacle(
   const absl::StatusOr<std::string> name = commands_.AddObstacle(
       {.x_m = request->x_m(), .y_m = request->y_m(), .level = request->level()},
       request->size_m() == 0 ? kSize_m : request->size_m());
-  if (!name.ok()) return ToGrpc(name.status());
+  if (!name.ok()) return wire::ToGrpc(name.status());
   response->set_name(*name);
   return grpc::Status::OK;
 }
@@ -44,20 +44,20 @@ grpc::Status SimulationGrpcService::AddObstacle(
 grpc::Status SimulationGrpcService::RemoveObstacle(
     grpc::ServerContext* /*context*/, const v1::RemoveObstacleRequest* request,
     v1::RemoveObstacleResponse* /*response*/) {
-  return ToGrpc(commands_.RemoveObstacle(request->name()));
+  return wire::ToGrpc(commands_.RemoveObstacle(request->name()));
 }
 
 grpc::Status SimulationGrpcService::InjectFault(
     grpc::ServerContext* /*context*/, const v1::InjectFaultRequest* request,
     v1::InjectFaultResponse* /*response*/) {
   if (!(request->duration_s() >= 0 && request->duration_s() <= 1e6)) {
-    return ToGrpc(FieldError("duration_s", "must be 0..1000000"));
+    return wire::ToGrpc(wire::FieldError("duration_s", "must be 0..1000000"));
   }
-  return ToGrpc(commands_.InjectFault(
+  return wire::ToGrpc(commands_.InjectFault(
       {.target = request->target(),
        .kind = request->kind(),
        .duration_s = request->duration_s(),
        .amount = request->has_amount() ? request->amount() : 1}));
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

@@ -8,7 +8,7 @@
 #include "nav_agent/service/navigation_wire.h"
 #include "nav_agent/service/stream_slot.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 constexpr absl::Duration kLookUp = absl::Milliseconds(50);
@@ -23,12 +23,13 @@ grpc::Status NavigationGrpcService::StreamState(
     grpc::ServerWriter<v1::StreamStateResponse>* writer) {
   const double rate_hz = request->rate_hz() == 0 ? kMostHz : request->rate_hz();
   if (!(rate_hz >= kLeastHz && rate_hz <= kMostHz)) {
-    return ToGrpc(FieldError(
+    return wire::ToGrpc(wire::FieldError(
         "rate_hz", absl::StrCat("is ", rate_hz, "; it must be 0.1..10")));
   }
   const StreamSlot slot(streams_, max_streams_);
   if (!slot.is_taken()) {
-    return ToGrpc(absl::ResourceExhaustedError("too many streams are open"));
+    return wire::ToGrpc(
+        absl::ResourceExhaustedError("too many streams are open"));
   }
   const AgentHub& hub = commands_.hub();
   // States come at kMostHz: a little less than the interval, so that none of
@@ -40,7 +41,7 @@ grpc::Status NavigationGrpcService::StreamState(
   uint64_t event = hub.last_event();
   while (!context->IsCancelled()) {
     if (hub.is_closed()) {
-      return ToGrpc(absl::UnavailableError("the agent is stopping"));
+      return wire::ToGrpc(absl::UnavailableError("the agent is stopping"));
     }
     const auto state = hub.WaitForNewer(seen, absl::Now() + kLookUp);
     if (state == nullptr) continue;
@@ -56,7 +57,7 @@ grpc::Status NavigationGrpcService::StreamState(
     }
     if (!writer->Write(message)) break;
   }
-  return ToGrpc(absl::CancelledError("the caller has gone"));
+  return wire::ToGrpc(absl::CancelledError("the caller has gone"));
 }
 
 grpc::Status NavigationGrpcService::GetMaps(grpc::ServerContext* /*context*/,
@@ -70,17 +71,17 @@ grpc::Status NavigationGrpcService::GetMaps(grpc::ServerContext* /*context*/,
   }
   for (const int index : request->picture_levels()) {
     if (index < 0 || static_cast<size_t>(index) >= levels.size()) {
-      return ToGrpc(FieldError(
+      return wire::ToGrpc(wire::FieldError(
           "picture_levels",
           absl::StrCat("has ", index, "; the map has 0..", levels.size() - 1)));
     }
     v1::MapLevel& level = *response->mutable_levels(index);
     if (!level.png().empty()) continue;
     auto png = LevelPng(levels[static_cast<size_t>(index)].grid);
-    if (!png.ok()) return ToGrpc(png.status());
+    if (!png.ok()) return wire::ToGrpc(png.status());
     level.set_png(*std::move(png));
   }
   return grpc::Status::OK;
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

@@ -14,7 +14,7 @@
 #include "nav_agent/service/api_request.h"
 #include "nav_agent/service/map_pictures.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 constexpr char kJson[] = "application/json";
@@ -25,24 +25,25 @@ constexpr char kNoPage[] =
     "docs/agent.md)."
     "\nTo build the page: scripts/build-page, or give --page-dir DIR.\n";
 
-HttpResponse Failure(const absl::Status& status) {
+http::HttpResponse Failure(const absl::Status& status) {
   return {.status = HttpStatusOfCode(status.code()),
           .content_type = kJson,
           .body = ErrorJson(status)};
 }
 
-HttpResponse Failure(int http_status, const std::string& code,
-                     const std::string& message) {
+http::HttpResponse Failure(int http_status, const std::string& code,
+                           const std::string& message) {
   return {.status = http_status,
           .content_type = kJson,
           .body = ErrorJson(code, message)};
 }
 
-HttpResponse JsonAnswer(std::string body) {
+http::HttpResponse JsonAnswer(std::string body) {
   return {.content_type = kJson, .body = std::move(body)};
 }
 
-HttpResponse PictureAnswer(const PictureKeeper* keeper, const char* what) {
+http::HttpResponse PictureAnswer(const PictureKeeper* keeper,
+                                 const char* what) {
   if (keeper == nullptr) {
     return Failure(404, "not_found",
                    absl::StrCat("no ", what, ": the robot has no camera"));
@@ -135,11 +136,11 @@ void HttpApi::AddGets() {
     return PictureAnswer(query_, "picture that was sent to the server");
   };
   gets_["/metrics"] = [this] {
-    return HttpResponse{.content_type = kExpositionContentType,
-                        .body = metrics_.Expose()};
+    return http::HttpResponse{.content_type = metrics::kExpositionContentType,
+                              .body = metrics_.Expose()};
   };
   gets_["/healthz"] = [] {
-    return HttpResponse{.content_type = "text/plain", .body = "ok\n"};
+    return http::HttpResponse{.content_type = "text/plain", .body = "ok\n"};
   };
   gets_["/readyz"] = [this] { return GetReady(); };
 }
@@ -184,7 +185,7 @@ void HttpApi::AddSimulationPosts() {
   posts_["/api/sim/kidnap"] =
       [this](absl::string_view body) -> absl::StatusOr<std::string> {
     TL_ASSIGN_OR_RETURN(const KidnapRequest request, ParseKidnapRequest(body));
-    absl::StatusOr<Rigid3> result;
+    absl::StatusOr<geometry::Rigid3> result;
     if (request.place.has_value()) {
       result = commands_.KidnapTo(*request.place);
     } else if (request.pose.has_value()) {
@@ -219,7 +220,8 @@ void HttpApi::AddSimulationPosts() {
   };
 }
 
-std::optional<HttpResponse> HttpApi::CheckHead(const HttpRequest& request) {
+std::optional<http::HttpResponse> HttpApi::CheckHead(
+    const http::HttpRequest& request) {
   if (request.method == "GET" || request.method == "HEAD") return std::nullopt;
   if (request.method != "POST") {
     // Preflights too: pages of other origins have no business here.
@@ -246,7 +248,7 @@ std::optional<HttpResponse> HttpApi::CheckHead(const HttpRequest& request) {
   return std::nullopt;
 }
 
-HttpResponse HttpApi::Handle(const HttpRequest& request) {
+http::HttpResponse HttpApi::Handle(const http::HttpRequest& request) {
   if (request.method == "POST") {
     const auto post = posts_.find(request.path);
     if (post == posts_.end()) return Error(404);
@@ -261,7 +263,7 @@ HttpResponse HttpApi::Handle(const HttpRequest& request) {
   return GetFile(request.path);
 }
 
-HttpResponse HttpApi::Error(int status) {
+http::HttpResponse HttpApi::Error(int status) {
   const char* message = "the request cannot be understood";
   if (status == 404) message = "there is no such page";
   if (status == 408) message = "the request took too long";
@@ -274,7 +276,7 @@ HttpResponse HttpApi::Error(int status) {
 }
 
 std::vector<std::pair<std::string, std::string>> HttpApi::CommonHeaders(
-    const HttpRequest& /*request*/) {
+    const http::HttpRequest& /*request*/) {
   return {{"Cache-Control", "no-cache"},
           {"X-Content-Type-Options", "nosniff"},
           {"X-Frame-Options", "DENY"},
@@ -284,7 +286,7 @@ std::vector<std::pair<std::string, std::string>> HttpApi::CommonHeaders(
            "object-src 'none'; base-uri 'none'; frame-ancestors 'none'"}};
 }
 
-HttpResponse HttpApi::GetState(bool scene) {
+http::HttpResponse HttpApi::GetState(bool scene) {
   const auto state = commands_.hub().Latest();
   if (state == nullptr) {
     return Failure(absl::UnavailableError("the robot has not begun to step"));
@@ -293,7 +295,7 @@ HttpResponse HttpApi::GetState(bool scene) {
   return JsonAnswer(scene ? texts->scene : texts->state);
 }
 
-HttpResponse HttpApi::GetReady() const {
+http::HttpResponse HttpApi::GetReady() const {
   AgentHub& hub = commands_.hub();
   const auto before = hub.Latest();
   // A robot that steps publishes while one waits.
@@ -307,7 +309,7 @@ HttpResponse HttpApi::GetReady() const {
           .body = hub.is_closed() ? "stopping\n" : "the robot does not step\n"};
 }
 
-HttpResponse HttpApi::GetLevel(absl::string_view path) {
+http::HttpResponse HttpApi::GetLevel(absl::string_view path) {
   absl::ConsumePrefix(&path, "/api/levels/");
   const auto& levels = commands_.info().map->levels.levels;
   const bool is_heights = absl::ConsumeSuffix(&path, ".heights");
@@ -325,7 +327,7 @@ HttpResponse HttpApi::GetLevel(absl::string_view path) {
           .body = LevelHeights(levels[static_cast<size_t>(*level)])};
 }
 
-HttpResponse HttpApi::GetLevelPicture(int level) {
+http::HttpResponse HttpApi::GetLevelPicture(int level) {
   const absl::MutexLock lock(&mutex_);
   const auto known = levels_.find(level);
   if (known != levels_.end()) {
@@ -338,13 +340,13 @@ HttpResponse HttpApi::GetLevelPicture(int level) {
   return {.content_type = "image/png", .body = *std::move(png)};
 }
 
-HttpResponse HttpApi::GetOctomap() {
+http::HttpResponse HttpApi::GetOctomap() {
   const absl::MutexLock lock(&mutex_);
   if (octomap_.empty()) octomap_ = OctomapBytes(commands_.info().map->voxels);
   return {.content_type = "application/octet-stream", .body = octomap_};
 }
 
-HttpResponse HttpApi::GetFile(const std::string& path) const {
+http::HttpResponse HttpApi::GetFile(const std::string& path) const {
   if (path == "/" && !files_.HasPage()) {
     return {.content_type = "text/plain; charset=utf-8", .body = kNoPage};
   }
@@ -368,4 +370,4 @@ std::shared_ptr<const HttpApi::Texts> HttpApi::TextsOf(
   return texts;
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

@@ -20,7 +20,7 @@
 #include "nav_agent/service/device_taps.h"
 #include "nav_agent/service/static_files.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 struct HttpApiOptions {
   // Streams at a time, 1..1000.
@@ -36,7 +36,7 @@ struct HttpApiOptions {
 };
 
 // Thread-safe.
-class HttpApi final : public HttpHandler {
+class HttpApi final : public http::HttpHandler {
  public:
   // camera, query: null if there is no camera. All must outlive it, and
   // commands' hub be closed before the HTTP server is stopped: streams end with
@@ -45,14 +45,15 @@ class HttpApi final : public HttpHandler {
           const PictureKeeper* camera, const PictureKeeper* query,
           const HttpApiOptions& options);
 
-  std::optional<HttpResponse> CheckHead(const HttpRequest& request) override;
-  HttpResponse Handle(const HttpRequest& request) override;
-  HttpResponse Error(int status) override;
+  std::optional<http::HttpResponse> CheckHead(
+      const http::HttpRequest& request) override;
+  http::HttpResponse Handle(const http::HttpRequest& request) override;
+  http::HttpResponse Error(int status) override;
   std::vector<std::pair<std::string, std::string>> CommonHeaders(
-      const HttpRequest& request) override;
+      const http::HttpRequest& request) override;
 
  private:
-  using Get = std::function<HttpResponse()>;
+  using Get = std::function<http::HttpResponse()>;
   // The JSON of the answer.
   using Post =
       std::function<absl::StatusOr<std::string>(absl::string_view body)>;
@@ -66,14 +67,14 @@ class HttpApi final : public HttpHandler {
   void AddGets();
   void AddPosts();
   void AddSimulationPosts();
-  HttpResponse GetState(bool scene);
-  HttpResponse GetReady() const;
-  HttpResponse GetLevel(absl::string_view path);
-  HttpResponse GetLevelPicture(int level);
-  HttpResponse GetOctomap();
-  HttpResponse GetFile(const std::string& path) const;
-  HttpResponse OpenStream();
-  void RunStream(HttpBodyWriter& writer);
+  http::HttpResponse GetState(bool scene);
+  http::HttpResponse GetReady() const;
+  http::HttpResponse GetLevel(absl::string_view path);
+  http::HttpResponse GetLevelPicture(int level);
+  http::HttpResponse GetOctomap();
+  http::HttpResponse GetFile(const std::string& path) const;
+  http::HttpResponse OpenStream();
+  void RunStream(http::HttpBodyWriter& writer);
   // Made once for all streams.
   std::shared_ptr<const Texts> TextsOf(const AgentState& state);
 
@@ -96,6 +97,6 @@ class HttpApi final : public HttpHandler {
 // What HTTP calls an error: INVALID_ARGUMENT is 400, and so on.
 int HttpStatusOfCode(absl::StatusCode code);
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_HTTP_API_H_

@@ -5,7 +5,7 @@
 #include "nav_agent/service/api_json.h"
 #include "nav_agent/service/http_api.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 // Every so many states, the heavy parts too: 10 Hz and 5 Hz.
@@ -33,7 +33,7 @@ class StreamTicket {
 
 }  // namespace
 
-HttpResponse HttpApi::OpenStream() {
+http::HttpResponse HttpApi::OpenStream() {
   if (++streams_ > options_.max_streams) {
     --streams_;
     return {.status = 503,
@@ -43,12 +43,13 @@ HttpResponse HttpApi::OpenStream() {
             .headers = {{"Retry-After", "5"}}};
   }
   const auto ticket = std::make_shared<StreamTicket>(streams_);
-  return {
-      .content_type = "text/event-stream",
-      .stream = [this, ticket](HttpBodyWriter& writer) { RunStream(writer); }};
+  return {.content_type = "text/event-stream",
+          .stream = [this, ticket](http::HttpBodyWriter& writer) {
+            RunStream(writer);
+          }};
 }
 
-void HttpApi::RunStream(HttpBodyWriter& writer) {
+void HttpApi::RunStream(http::HttpBodyWriter& writer) {
   const AgentHub& hub = commands_.hub();
   uint64_t seen = 0;
   uint64_t sent = 0;
@@ -77,4 +78,4 @@ void HttpApi::RunStream(HttpBodyWriter& writer) {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

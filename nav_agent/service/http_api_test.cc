@@ -15,7 +15,7 @@
 #include "nav_agent/service/map_pictures.h"
 #include "nav_agent/service/testing_navigator.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 using ::testing::ElementsAre;
@@ -31,7 +31,7 @@ class HttpApiTest : public ::testing::Test {
     agent_ = std::make_unique<SteppingAgent>(is_simulated);
     api_ = std::make_unique<HttpApi>(agent_->commands, metrics_, &camera_,
                                      nullptr, options_);
-    auto server = HttpServer::Start(
+    auto server = http::HttpServer::Start(
         {.listen = "127.0.0.1:0", .max_body_mib = 1}, *api_, clock_);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
@@ -46,13 +46,13 @@ class HttpApiTest : public ::testing::Test {
     return Client().Post(path, kOurs, body, "application/json");
   }
 
-  const SteadyClock clock_{};
+  const base::SteadyClock clock_{};
   AgentMetrics metrics_;
   PictureKeeper camera_{std::chrono::milliseconds(0)};
   HttpApiOptions options_;
   std::unique_ptr<SteppingAgent> agent_;
   std::unique_ptr<HttpApi> api_;
-  std::unique_ptr<HttpServer> server_;
+  std::unique_ptr<http::HttpServer> server_;
 };
 
 TEST_F(HttpApiTest, AGoalIsDrivenTo) {
@@ -191,7 +191,7 @@ TEST_F(HttpApiTest, ServesPicturesOfTheCamera) {
   Start();
   EXPECT_EQ(Client().Get("/api/camera.jpg")->status, 404);
   EXPECT_EQ(Client().Get("/api/query.jpg")->status, 404);
-  RgbdFrame frame;
+  core::RgbdFrame frame;
   frame.frame.color = {
       .width = 8, .height = 8, .rgb = std::vector<uint8_t>(192, 9)};
   camera_.Keep(frame);
@@ -257,7 +257,7 @@ TEST_F(HttpApiTest, CommandsReachRobotAndSimulation) {
                 ->status,
             200);
   agent_->Close();
-  EXPECT_EQ(agent_->navigator.mode(), NavigatorMode::kRelocalizing);
+  EXPECT_EQ(agent_->navigator.mode(), behavior::NavigatorMode::kRelocalizing);
   EXPECT_EQ(agent_->navigator.snapshot.pose->pose.map_from_base.yaw_rad, 0.1);
   EXPECT_THAT(agent_->simulation.calls,
               ElementsAre("kidnap anywhere", "obstacle of 0.4 on 0",
@@ -288,7 +288,7 @@ TEST_F(HttpApiTest, ServesThePage) {
       std::filesystem::path(testing::TempDir()) / "http_api_page";
   std::filesystem::create_directories(folder);
   ASSERT_TRUE(
-      WriteFileAtomically((folder / "index.html").string(), "<p>").ok());
+      base::WriteFileAtomically((folder / "index.html").string(), "<p>").ok());
   options_.page_folder = folder.string();
   Start();
   const auto page = Client().Get("/");
@@ -310,4 +310,4 @@ TEST_F(HttpApiTest, WithoutAPageItSaysSo) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::agent_service

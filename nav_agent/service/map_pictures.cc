@@ -9,7 +9,7 @@
 
 #include "common/image/decode.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 void AppendU32(std::string& bytes, uint32_t value) {
@@ -22,41 +22,43 @@ void AppendFloat(std::string& bytes, double value) {
   AppendU32(bytes, std::bit_cast<uint32_t>(static_cast<float>(value)));
 }
 
-uint8_t ShadeOf(Occupancy occupancy) {
+uint8_t ShadeOf(core::Occupancy occupancy) {
   switch (occupancy) {
-    case Occupancy::kFree:
+    case core::Occupancy::kFree:
       return 255;
-    case Occupancy::kOccupied:
+    case core::Occupancy::kOccupied:
       return 0;
-    case Occupancy::kUnknown:
+    case core::Occupancy::kUnknown:
       break;
   }
   return 160;
 }
 
-bool IsEnclosed(const VoxelMap& voxels, VoxelIndex v) {
-  constexpr std::array<VoxelIndex, 6> kSteps = {
+bool IsEnclosed(const octree::VoxelMap& voxels, octree::VoxelIndex v) {
+  constexpr std::array<octree::VoxelIndex, 6> kSteps = {
       {{-1, 0, 0}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}}};
-  return std::all_of(kSteps.begin(), kSteps.end(), [&](const VoxelIndex& step) {
-    return voxels.At({v.x + step.x, v.y + step.y, v.z + step.z}) ==
-           Voxel::kOccupied;
-  });
+  return std::all_of(
+      kSteps.begin(), kSteps.end(), [&](const octree::VoxelIndex& step) {
+        return voxels.At({v.x + step.x, v.y + step.y, v.z + step.z}) ==
+               octree::Voxel::kOccupied;
+      });
 }
 
 }  // namespace
 
-absl::StatusOr<std::string> LevelPng(const OccupancyGrid& grid) {
-  ColorImage image{.width = grid.width, .height = grid.height, .rgb = {}};
+absl::StatusOr<std::string> LevelPng(const core::OccupancyGrid& grid) {
+  image::ColorImage image{
+      .width = grid.width, .height = grid.height, .rgb = {}};
   image.rgb.reserve(grid.cells.size() * 3);
   for (int row = grid.height - 1; row >= 0; --row) {
     for (int x = 0; x < grid.width; ++x) {
       image.rgb.insert(image.rgb.end(), 3, ShadeOf(grid.At({x, row})));
     }
   }
-  return EncodePng(image);
+  return image::EncodePng(image);
 }
 
-std::string LevelHeights(const TraversableLevel& level) {
+std::string LevelHeights(const traversability::TraversableLevel& level) {
   std::string bytes = "TLVH";
   bytes.reserve(12 + 4 * level.height_m.size());
   AppendU32(bytes, static_cast<uint32_t>(level.grid.width));
@@ -70,16 +72,17 @@ std::string LevelHeights(const TraversableLevel& level) {
   return bytes;
 }
 
-std::string OctomapBytes(const VoxelMap& voxels) {
+std::string OctomapBytes(const octree::VoxelMap& voxels) {
   std::string points;
   uint32_t count = 0;
-  const VoxelIndex size = voxels.size();
+  const octree::VoxelIndex size = voxels.size();
   for (int x = 0; x < size.x; ++x) {
     for (int y = 0; y < size.y; ++y) {
       for (int z = 0; z < size.z; ++z) {
-        const VoxelIndex v{x, y, z};
-        if (voxels.At(v) != Voxel::kOccupied || IsEnclosed(voxels, v)) continue;
-        const Vec3 center = voxels.CenterOf(v);
+        const octree::VoxelIndex v{x, y, z};
+        if (voxels.At(v) != octree::Voxel::kOccupied || IsEnclosed(voxels, v))
+          continue;
+        const geometry::Vec3 center = voxels.CenterOf(v);
         AppendFloat(points, center.x);
         AppendFloat(points, center.y);
         AppendFloat(points, center.z);
@@ -94,4 +97,4 @@ std::string OctomapBytes(const VoxelMap& voxels) {
   return bytes;
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

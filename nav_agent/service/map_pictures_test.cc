@@ -10,7 +10,7 @@
 #include "nav_agent/service/testing_navigator.h"
 #include "nav_agent/traversability/navigation_map.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 float FloatAt(const std::string& bytes, size_t offset) {
@@ -28,12 +28,13 @@ uint32_t NumberAt(const std::string& bytes, size_t offset) {
 uint32_t CountOf(const std::string& bytes) { return NumberAt(bytes, 4); }
 
 TEST(MapPictures, TheTopRowIsTheNorth) {
-  OccupancyGrid grid = OccupancyGrid::Filled(3, 2, 0.05, {}, Occupancy::kFree);
-  grid.Set({0, 1}, Occupancy::kOccupied);
-  grid.Set({2, 0}, Occupancy::kUnknown);
+  core::OccupancyGrid grid =
+      core::OccupancyGrid::Filled(3, 2, 0.05, {}, core::Occupancy::kFree);
+  grid.Set({0, 1}, core::Occupancy::kOccupied);
+  grid.Set({2, 0}, core::Occupancy::kUnknown);
   const auto png = LevelPng(grid);
   ASSERT_TRUE(png.ok());
-  const auto image = DecodeColor(*png, {});
+  const auto image = image::DecodeColor(*png, {});
   ASSERT_TRUE(image.ok()) << image.status();
   ASSERT_EQ(image->width, 3);
   ASSERT_EQ(image->height, 2);
@@ -43,8 +44,9 @@ TEST(MapPictures, TheTopRowIsTheNorth) {
 }
 
 TEST(MapPictures, HeightsAreOfTheSurfaceFromTheBottomRowOn) {
-  TraversableLevel level;
-  level.grid = OccupancyGrid::Filled(3, 2, 0.1, {}, Occupancy::kFree);
+  traversability::TraversableLevel level;
+  level.grid =
+      core::OccupancyGrid::Filled(3, 2, 0.1, {}, core::Occupancy::kFree);
   level.height_m = {0, 1, 2, -0.5F, std::numeric_limits<float>::quiet_NaN(), 4};
   const std::string bytes = LevelHeights(level);
   ASSERT_EQ(bytes.size(), 12U + 6 * 4U);
@@ -60,7 +62,8 @@ TEST(MapPictures, HeightsAreOfTheSurfaceFromTheBottomRowOn) {
 
 TEST(MapPictures, HeightsAreThoseThatPosesHave) {
   const auto map = TwoLevelMap();
-  const NavigationMap places = NavigationMap::Make(map->levels).value();
+  const traversability::NavigationMap places =
+      traversability::NavigationMap::Make(map->levels).value();
   const std::string bytes = LevelHeights(map->levels.levels[1]);
   const auto place = places.GroundOf({-0.8, -0.7}, 1);
   ASSERT_TRUE(place.has_value());
@@ -74,19 +77,20 @@ TEST(MapPictures, WritesCentresOfVoxels) {
   EXPECT_EQ(bytes.substr(0, 4), "TLVX");
   EXPECT_EQ(CountOf(bytes), 2U);
   EXPECT_EQ(FloatAt(bytes, 8), 0.5F);
-  const Vec3 first = map->voxels.CenterOf({0, 0, 0});
+  const geometry::Vec3 first = map->voxels.CenterOf({0, 0, 0});
   EXPECT_EQ(FloatAt(bytes, 12), static_cast<float>(first.x));
   EXPECT_EQ(FloatAt(bytes, 16), static_cast<float>(first.y));
   EXPECT_EQ(FloatAt(bytes, 20), static_cast<float>(first.z));
 }
 
 TEST(MapPictures, LeavesOutWhatNobodySees) {
-  VoxelMap voxels = VoxelMap::Make(1, {}, {3, 3, 3}).value();
+  octree::VoxelMap voxels = octree::VoxelMap::Make(1, {}, {3, 3, 3}).value();
   for (int x = 0; x < 3; ++x) {
-    for (int y = 0; y < 3; ++y) voxels.SetRun(x, y, 0, 3, Voxel::kOccupied);
+    for (int y = 0; y < 3; ++y)
+      voxels.SetRun(x, y, 0, 3, octree::Voxel::kOccupied);
   }
   EXPECT_EQ(CountOf(OctomapBytes(voxels)), 26U);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::agent_service

@@ -6,7 +6,7 @@
 
 #include "common/wire/geometry.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 PoseWish FromProto(const v1::LevelPose& proto) {
   return {.x_m = proto.x_m(),
@@ -23,7 +23,7 @@ std::vector<PoseWish> FromProto(
   return poses;
 }
 
-v1::LevelPose ToProto(const LevelPose& pose) {
+v1::LevelPose ToProto(const core::LevelPose& pose) {
   v1::LevelPose proto;
   proto.set_x_m(pose.map_from_base.translation.x);
   proto.set_y_m(pose.map_from_base.translation.y);
@@ -33,8 +33,8 @@ v1::LevelPose ToProto(const LevelPose& pose) {
   return proto;
 }
 
-v1::LevelPose PlanarToProto(const Rigid3& map_from_base) {
-  const Vec3 ahead = map_from_base.rotation * Vec3{1, 0, 0};
+v1::LevelPose PlanarToProto(const geometry::Rigid3& map_from_base) {
+  const geometry::Vec3 ahead = map_from_base.rotation * geometry::Vec3{1, 0, 0};
   v1::LevelPose proto;
   proto.set_x_m(map_from_base.translation.x);
   proto.set_y_m(map_from_base.translation.y);
@@ -43,16 +43,16 @@ v1::LevelPose PlanarToProto(const Rigid3& map_from_base) {
   return proto;
 }
 
-v1::NavigatorMode ToProto(NavigatorMode mode) {
+v1::NavigatorMode ToProto(behavior::NavigatorMode mode) {
   // Numbers of the proto are one higher: 0 is "unspecified" there.
   return static_cast<v1::NavigatorMode>(static_cast<int>(mode) + 1);
 }
 
-v1::NavigationCause ToProto(NavigationCause cause) {
+v1::NavigationCause ToProto(core::NavigationCause cause) {
   return static_cast<v1::NavigationCause>(cause);
 }
 
-v1::GoalStatus ToProto(const GoalStatus& goal) {
+v1::GoalStatus ToProto(const behavior::GoalStatus& goal) {
   v1::GoalStatus proto;
   proto.set_id(goal.id);
   proto.set_state(static_cast<v1::GoalState>(static_cast<int>(goal.state) + 1));
@@ -67,14 +67,14 @@ v1::GoalStatus ToProto(const GoalStatus& goal) {
 }
 
 v1::RobotState ToProto(const AgentState& state) {
-  const NavigatorSnapshot& snapshot = state.snapshot;
+  const behavior::NavigatorSnapshot& snapshot = state.snapshot;
   v1::RobotState proto;
   proto.set_time_s(state.time_s);
   proto.set_mode(ToProto(snapshot.mode));
   proto.set_cause(ToProto(snapshot.cause));
   proto.set_cause_text(snapshot.cause_text);
-  if (snapshot.cause != NavigationCause::kNone) {
-    proto.set_advice(NavigationCauseAdvice(snapshot.cause));
+  if (snapshot.cause != core::NavigationCause::kNone) {
+    proto.set_advice(core::NavigationCauseAdvice(snapshot.cause));
   }
   if (snapshot.pose.has_value()) {
     *proto.mutable_map_from_base() = ToProto(snapshot.pose->pose);
@@ -82,8 +82,8 @@ v1::RobotState ToProto(const AgentState& state) {
                                     snapshot.pose->covariance.end());
   }
   proto.set_lost_probability(snapshot.verdict.probability);
-  proto.set_lost_state(LostStateName(snapshot.verdict.state));
-  proto.set_lost_reason(LostReasonName(snapshot.verdict.reason));
+  proto.set_lost_state(localization::LostStateName(snapshot.verdict.state));
+  proto.set_lost_reason(localization::LostReasonName(snapshot.verdict.reason));
   proto.set_forward_mps(snapshot.command.forward_mps);
   proto.set_yaw_rate_radps(snapshot.command.yaw_rate_radps);
   if (snapshot.goal.has_value())
@@ -101,7 +101,7 @@ v1::RobotState ToProto(const AgentState& state) {
   proto.set_steps(snapshot.steps);
   proto.set_missed_deadlines(state.missed_deadlines);
   if (snapshot.fix.has_value()) {
-    const RelocalizationAnswer& answer = *snapshot.fix;
+    const core::RelocalizationAnswer& answer = *snapshot.fix;
     v1::RelocalizationFix& fix = *proto.mutable_fix();
     fix.set_localized(answer.localized);
     fix.set_verdict(snapshot.fix_verdict);
@@ -127,7 +127,7 @@ v1::RobotEvent ToProto(const AgentHub::Event& event) {
 }
 
 v1::NavigateResponse FeedbackToProto(const AgentState& state) {
-  const NavigatorSnapshot& snapshot = state.snapshot;
+  const behavior::NavigatorSnapshot& snapshot = state.snapshot;
   v1::NavigateResponse proto;
   if (snapshot.goal.has_value())
     *proto.mutable_goal() = ToProto(*snapshot.goal);
@@ -140,8 +140,8 @@ v1::NavigateResponse FeedbackToProto(const AgentState& state) {
   return proto;
 }
 
-v1::MapLevel ToProto(const TraversableLevel& level, int index) {
-  const OccupancyGrid& grid = level.grid;
+v1::MapLevel ToProto(const traversability::TraversableLevel& level, int index) {
+  const core::OccupancyGrid& grid = level.grid;
   v1::MapLevel proto;
   proto.set_index(index);
   proto.set_width(grid.width);
@@ -162,8 +162,8 @@ v1::MapLevel ToProto(const TraversableLevel& level, int index) {
     proto.set_max_height_m(highest);
   }
   proto.set_free_cells(
-      std::count(grid.cells.begin(), grid.cells.end(), Occupancy::kFree));
+      std::count(grid.cells.begin(), grid.cells.end(), core::Occupancy::kFree));
   return proto;
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

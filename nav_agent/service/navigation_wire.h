@@ -10,24 +10,24 @@
 #include "nav_agent/service/agent_hub.h"
 #include "treeline/v1/navigation.pb.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 PoseWish FromProto(const v1::LevelPose& proto);
 std::vector<PoseWish> FromProto(
     const google::protobuf::RepeatedPtrField<v1::LevelPose>& proto);
 
-v1::LevelPose ToProto(const LevelPose& pose);
+v1::LevelPose ToProto(const core::LevelPose& pose);
 // As it is seen from above; without a level.
-v1::LevelPose PlanarToProto(const Rigid3& map_from_base);
-v1::NavigatorMode ToProto(NavigatorMode mode);
-v1::NavigationCause ToProto(NavigationCause cause);
-v1::GoalStatus ToProto(const GoalStatus& goal);
+v1::LevelPose PlanarToProto(const geometry::Rigid3& map_from_base);
+v1::NavigatorMode ToProto(behavior::NavigatorMode mode);
+v1::NavigationCause ToProto(core::NavigationCause cause);
+v1::GoalStatus ToProto(const behavior::GoalStatus& goal);
 v1::RobotState ToProto(const AgentState& state);
 v1::RobotEvent ToProto(const AgentHub::Event& event);
 v1::NavigateResponse FeedbackToProto(const AgentState& state);
 // Without its picture.
-v1::MapLevel ToProto(const TraversableLevel& level, int index);
+v1::MapLevel ToProto(const traversability::TraversableLevel& level, int index);
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_NAVIGATION_WIRE_H_

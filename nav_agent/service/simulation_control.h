@@ -9,7 +9,7 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/core/level_pose.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 struct FaultWish {
   std::string target;
@@ -27,16 +27,18 @@ class SimulationControl {
 
   // Takes the robot to `pose`. Both return where it stands then. NOT_FOUND: no
   // ground, no such place; FAILED_PRECONDITION: no room.
-  virtual absl::StatusOr<Rigid3> Kidnap(const LevelPose& pose) = 0;
-  virtual absl::StatusOr<Rigid3> KidnapTo(const std::string& place) = 0;
-  virtual absl::StatusOr<Rigid3> KidnapAnywhere() = 0;
+  virtual absl::StatusOr<geometry::Rigid3> Kidnap(
+      const core::LevelPose& pose) = 0;
+  virtual absl::StatusOr<geometry::Rigid3> KidnapTo(
+      const std::string& place) = 0;
+  virtual absl::StatusOr<geometry::Rigid3> KidnapAnywhere() = 0;
   // A box with sides of size_m. Returns its name.
-  virtual absl::StatusOr<std::string> AddObstacle(const LevelPose& pose,
+  virtual absl::StatusOr<std::string> AddObstacle(const core::LevelPose& pose,
                                                   double size_m) = 0;
   virtual absl::Status RemoveObstacle(const std::string& name) = 0;
   virtual absl::Status InjectFault(const FaultWish& fault) = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_SIMULATION_CONTROL_H_

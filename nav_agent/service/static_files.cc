@@ -12,7 +12,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 namespace fs = std::filesystem;
@@ -90,7 +90,7 @@ absl::StatusOr<StaticFile> StaticFiles::Get(absl::string_view url_path) const {
     return NoSuchFile();
   }
   TL_ASSIGN_OR_RETURN(std::string bytes,
-                      ReadFile(real.string(), kMaxFileBytes));
+                      base::ReadFile(real.string(), kMaxFileBytes));
   return StaticFile{ContentTypeOf(path.string()), std::move(bytes)};
 }
 
@@ -115,4 +115,4 @@ std::string DefaultPageFolder() {
   return "";
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

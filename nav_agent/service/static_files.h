@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 struct StaticFile {
   std::string content_type;
@@ -41,6 +41,6 @@ std::string ContentTypeOf(absl::string_view path);
 // it was built from.
 std::string DefaultPageFolder();
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_STATIC_FILES_H_

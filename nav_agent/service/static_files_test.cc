@@ -7,7 +7,7 @@
 
 #include "common/base/file.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,7 +27,7 @@ class StaticFilesTest : public ::testing::Test {
   ~StaticFilesTest() override { fs::remove_all(root_); }
 
   void Put(const std::string& name, const std::string& bytes) const {
-    ASSERT_TRUE(WriteNewFile((root_ / name).string(), bytes).ok());
+    ASSERT_TRUE(base::WriteNewFile((root_ / name).string(), bytes).ok());
   }
   StaticFiles Files() const { return StaticFiles((root_ / "page").string()); }
 
@@ -70,4 +70,4 @@ TEST_F(StaticFilesTest, WithoutAPageThereIsNone) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::agent_service

@@ -4,7 +4,7 @@
 
 #include <atomic>
 
-namespace treeline {
+namespace treeline::agent_service {
 
 // Taken while it lives, if there was one.
 class StreamSlot {
@@ -22,6 +22,6 @@ class StreamSlot {
   const bool is_taken_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_STREAM_SLOT_H_

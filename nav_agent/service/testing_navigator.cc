@@ -7,39 +7,40 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 void FakeNavigator::Step() {
   ++snapshot.steps;
   if (!snapshot.goal.has_value() ||
-      snapshot.goal->state != GoalState::kActive ||
-      snapshot.mode == NavigatorMode::kPaused) {
+      snapshot.goal->state != behavior::GoalState::kActive ||
+      snapshot.mode == behavior::NavigatorMode::kPaused) {
     return;
   }
-  if (!snapshot.pose.has_value()) snapshot.pose = TrackedPose{};
-  GoalStatus& goal = *snapshot.goal;
-  const LevelPose& target = last_goal.poses.back();
-  Vec2& at = snapshot.pose->pose.map_from_base.translation;
-  const Vec2 way = target.map_from_base.translation - at;
-  goal.to_go_m = Norm(way);
+  if (!snapshot.pose.has_value()) snapshot.pose = localization::TrackedPose{};
+  behavior::GoalStatus& goal = *snapshot.goal;
+  const core::LevelPose& target = last_goal.poses.back();
+  geometry::Vec2& at = snapshot.pose->pose.map_from_base.translation;
+  const geometry::Vec2 way = target.map_from_base.translation - at;
+  goal.to_go_m = geometry::Norm(way);
   constexpr double kStride_m = 0.1;
   if (goal.to_go_m <= kStride_m) {
     snapshot.pose->pose = target;
     goal.to_go_m = 0;
-    goal.state = GoalState::kSucceeded;
-    snapshot.mode = NavigatorMode::kIdle;
+    goal.state = behavior::GoalState::kSucceeded;
+    snapshot.mode = behavior::NavigatorMode::kIdle;
     return;
   }
-  snapshot.mode = NavigatorMode::kDriving;
+  snapshot.mode = behavior::NavigatorMode::kDriving;
   at = at + (kStride_m / goal.to_go_m) * way;
   goal.driven_m += kStride_m;
 }
 
-absl::StatusOr<uint64_t> FakeNavigator::SetGoal(const NavigationGoal& goal) {
+absl::StatusOr<uint64_t> FakeNavigator::SetGoal(
+    const behavior::NavigationGoal& goal) {
   last_goal = goal;
-  GoalStatus status;
+  behavior::GoalStatus status;
   status.id = ++goals_;
-  status.state = GoalState::kActive;
+  status.state = behavior::GoalState::kActive;
   snapshot.goal = status;
   return goals_;
 }
@@ -48,41 +49,44 @@ absl::Status FakeNavigator::CancelGoal(uint64_t id) {
   if (!snapshot.goal.has_value() || (id != 0 && id != snapshot.goal->id)) {
     return absl::NotFoundError(absl::StrCat("goal ", id, " is not driven to"));
   }
-  snapshot.goal->state = GoalState::kCancelled;
-  snapshot.goal->cause = NavigationCause::kCancelled;
+  snapshot.goal->state = behavior::GoalState::kCancelled;
+  snapshot.goal->cause = core::NavigationCause::kCancelled;
   return absl::OkStatus();
 }
 
-absl::Status FakeNavigator::SetPose(const LevelPose& pose,
-                                    const PoseCovariance2& covariance) {
+absl::Status FakeNavigator::SetPose(
+    const core::LevelPose& pose,
+    const localization::PoseCovariance2& covariance) {
   snapshot.pose.emplace();
   snapshot.pose->pose = pose;
   snapshot.pose->covariance = covariance;
   return absl::OkStatus();
 }
 
-absl::StatusOr<Rigid3> FakeSimulation::Kidnap(const LevelPose& pose) {
-  const Vec2& at = pose.map_from_base.translation;
+absl::StatusOr<geometry::Rigid3> FakeSimulation::Kidnap(
+    const core::LevelPose& pose) {
+  const geometry::Vec2& at = pose.map_from_base.translation;
   calls.push_back(absl::StrCat("kidnap ", at.x, " ", at.y, " on ",
                                pose.place.level, " at ", pose.place.height_m));
-  return Rigid3{.rotation = {}, .translation = {at.x, at.y, 0}};
+  return geometry::Rigid3{.rotation = {}, .translation = {at.x, at.y, 0}};
 }
 
-absl::StatusOr<Rigid3> FakeSimulation::KidnapTo(const std::string& place) {
+absl::StatusOr<geometry::Rigid3> FakeSimulation::KidnapTo(
+    const std::string& place) {
   if (place != "kitchen") {
     return absl::NotFoundError("no such place; there are: kitchen");
   }
   calls.push_back("kidnap to " + place);
-  return Rigid3{.rotation = {}, .translation = {3, 2, 0}};
+  return geometry::Rigid3{.rotation = {}, .translation = {3, 2, 0}};
 }
 
-absl::StatusOr<Rigid3> FakeSimulation::KidnapAnywhere() {
+absl::StatusOr<geometry::Rigid3> FakeSimulation::KidnapAnywhere() {
   calls.emplace_back("kidnap anywhere");
-  return Rigid3{};
+  return geometry::Rigid3{};
 }
 
-absl::StatusOr<std::string> FakeSimulation::AddObstacle(const LevelPose& pose,
-                                                        double size_m) {
+absl::StatusOr<std::string> FakeSimulation::AddObstacle(
+    const core::LevelPose& pose, double size_m) {
   calls.push_back(
       absl::StrCat("obstacle of ", size_m, " on ", pose.place.level));
   return "box-1";
@@ -100,26 +104,26 @@ absl::Status FakeSimulation::InjectFault(const FaultWish& fault) {
   return absl::OkStatus();
 }
 
-std::shared_ptr<const NavigatorMap> TwoLevelMap() {
+std::shared_ptr<const behavior::NavigatorMap> TwoLevelMap() {
   constexpr int kWidth = 8;
   constexpr int kHeight = 6;
-  auto map = std::make_shared<NavigatorMap>();
+  auto map = std::make_shared<behavior::NavigatorMap>();
   for (int i = 0; i < 2; ++i) {
-    TraversableLevel level;
-    level.grid = OccupancyGrid::Filled(kWidth, kHeight, 0.5, {{-1, -1}, 0},
-                                       Occupancy::kFree);
+    traversability::TraversableLevel level;
+    level.grid = core::OccupancyGrid::Filled(
+        kWidth, kHeight, 0.5, {{-1, -1}, 0}, core::Occupancy::kFree);
     const auto cells = static_cast<size_t>(kWidth * kHeight);
     level.height_m.assign(cells, static_cast<float>(i));
     level.slope_rad.assign(cells, 0);
     level.clearance_m.assign(cells, 2);
     map->levels.levels.push_back(std::move(level));
   }
-  TraversableLevel& lower = map->levels.levels[0];
+  traversability::TraversableLevel& lower = map->levels.levels[0];
   for (int y = 0; y < kHeight; ++y)
-    lower.grid.Set({4, y}, Occupancy::kOccupied);
-  map->voxels = VoxelMap::Make(0.5, {-2, -2, 0}, {8, 6, 3}).value();
-  map->voxels.Set({0, 0, 0}, Voxel::kOccupied);
-  map->voxels.Set({7, 5, 2}, Voxel::kOccupied);
+    lower.grid.Set({4, y}, core::Occupancy::kOccupied);
+  map->voxels = octree::VoxelMap::Make(0.5, {-2, -2, 0}, {8, 6, 3}).value();
+  map->voxels.Set({0, 0, 0}, octree::Voxel::kOccupied);
+  map->voxels.Set({7, 5, 2}, octree::Voxel::kOccupied);
   return map;
 }
 
@@ -160,4 +164,4 @@ void SteppingAgent::Close() {
   if (thread_.joinable()) thread_.join();
 }
 
-}  // namespace treeline
+}  // namespace treeline::agent_service

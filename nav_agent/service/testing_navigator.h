@@ -11,27 +11,33 @@
 #include "nav_agent/behavior/navigator.h"
 #include "nav_agent/service/agent_commands.h"
 
-namespace treeline {
+namespace treeline::agent_service {
 
 // Drives straight to its goal, 0.1 m a step. Snapshots are of what was set.
-class FakeNavigator final : public Navigator {
+class FakeNavigator final : public behavior::Navigator {
  public:
   void Step() override;
-  absl::StatusOr<uint64_t> SetGoal(const NavigationGoal& goal) override;
+  absl::StatusOr<uint64_t> SetGoal(
+      const behavior::NavigationGoal& goal) override;
   absl::Status CancelGoal(uint64_t id) override;
-  void Pause() override { snapshot.mode = NavigatorMode::kPaused; }
-  void Resume() override { snapshot.mode = NavigatorMode::kIdle; }
-  absl::Status SetPose(const LevelPose& pose,
-                       const PoseCovariance2& covariance) override;
-  void FindYourself() override { snapshot.mode = NavigatorMode::kRelocalizing; }
+  void Pause() override { snapshot.mode = behavior::NavigatorMode::kPaused; }
+  void Resume() override { snapshot.mode = behavior::NavigatorMode::kIdle; }
+  absl::Status SetPose(
+      const core::LevelPose& pose,
+      const localization::PoseCovariance2& covariance) override;
+  void FindYourself() override {
+    snapshot.mode = behavior::NavigatorMode::kRelocalizing;
+  }
   void Halt() override { halted = true; }
-  NavigatorMode mode() const override { return snapshot.mode; }
-  std::optional<GoalStatus> goal() const override { return snapshot.goal; }
-  NavigatorSnapshot Snapshot() const override { return snapshot; }
-  std::vector<NavigatorEvent> TakeEvents() override { return {}; }
+  behavior::NavigatorMode mode() const override { return snapshot.mode; }
+  std::optional<behavior::GoalStatus> goal() const override {
+    return snapshot.goal;
+  }
+  behavior::NavigatorSnapshot Snapshot() const override { return snapshot; }
+  std::vector<behavior::NavigatorEvent> TakeEvents() override { return {}; }
 
-  NavigatorSnapshot snapshot;
-  NavigationGoal last_goal;
+  behavior::NavigatorSnapshot snapshot;
+  behavior::NavigationGoal last_goal;
   bool halted = false;
 
  private:
@@ -41,10 +47,10 @@ class FakeNavigator final : public Navigator {
 // A simulation that remembers what it was told.
 class FakeSimulation final : public SimulationControl {
  public:
-  absl::StatusOr<Rigid3> Kidnap(const LevelPose& pose) override;
-  absl::StatusOr<Rigid3> KidnapTo(const std::string& place) override;
-  absl::StatusOr<Rigid3> KidnapAnywhere() override;
-  absl::StatusOr<std::string> AddObstacle(const LevelPose& pose,
+  absl::StatusOr<geometry::Rigid3> Kidnap(const core::LevelPose& pose) override;
+  absl::StatusOr<geometry::Rigid3> KidnapTo(const std::string& place) override;
+  absl::StatusOr<geometry::Rigid3> KidnapAnywhere() override;
+  absl::StatusOr<std::string> AddObstacle(const core::LevelPose& pose,
                                           double size_m) override;
   absl::Status RemoveObstacle(const std::string& name) override;
   absl::Status InjectFault(const FaultWish& fault) override;
@@ -54,7 +60,7 @@ class FakeSimulation final : public SimulationControl {
 
 // Two levels of 4 x 3 m: the lower at 0 m with a wall in its middle column, the
 // upper at 1 m.
-std::shared_ptr<const NavigatorMap> TwoLevelMap();
+std::shared_ptr<const behavior::NavigatorMap> TwoLevelMap();
 AgentInfo TestInfo();
 
 // An agent that steps in a thread of its own, as fast as it is looked at.
@@ -77,6 +83,6 @@ class SteppingAgent {
   std::jthread thread_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::agent_service
 
 #endif  // NAV_AGENT_SERVICE_TESTING_NAVIGATOR_H_

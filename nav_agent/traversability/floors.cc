@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
-namespace treeline {
+namespace treeline::traversability {
 namespace {
 
 // The part of a surface's border that must be drops for it to be furniture.
@@ -270,4 +270,4 @@ NodeFacts FindFacts(const GroundColumns& ground,
   return facts;
 }
 
-}  // namespace treeline
+}  // namespace treeline::traversability

@@ -8,7 +8,7 @@
 #include "nav_agent/traversability/ground.h"
 #include "nav_agent/traversability/traversability_options.h"
 
-namespace treeline {
+namespace treeline::traversability {
 
 inline constexpr uint32_t kNoNode = 0xffffffff;
 inline constexpr uint8_t kSmallFloor = 1;
@@ -27,6 +27,6 @@ struct NodeFacts {
 NodeFacts FindFacts(const GroundColumns& ground,
                     const TraversabilityOptions& options, double resolution_m);
 
-}  // namespace treeline
+}  // namespace treeline::traversability
 
 #endif  // NAV_AGENT_TRAVERSABILITY_FLOORS_H_

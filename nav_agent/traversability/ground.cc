@@ -5,7 +5,7 @@
 
 #include "nav_agent/traversability/ground_stages.h"
 
-namespace treeline {
+namespace treeline::traversability {
 namespace {
 
 // Whole voxels in a length; a length that is a multiple of the voxel but for
@@ -97,7 +97,7 @@ constexpr int kGradientReach = 24;
 // And whether it is narrow: erosion and dilation.
 int NarrowReach(const VoxelLimits& limits) { return 2 * limits.erosion + 1; }
 
-ColumnRect BoundsOf(const VoxelMap& voxels) {
+ColumnRect BoundsOf(const octree::VoxelMap& voxels) {
   return {.begin_x = 0,
           .begin_y = 0,
           .end_x = voxels.size().x,
@@ -105,7 +105,7 @@ ColumnRect BoundsOf(const VoxelMap& voxels) {
 }
 
 // The ground of `rect`, linked; no more is known of it.
-GroundColumns FindLinkedGround(const VoxelMap& voxels,
+GroundColumns FindLinkedGround(const octree::VoxelMap& voxels,
                                const VoxelLimits& limits, bool needs_sight,
                                const ColumnRect& rect) {
   const ColumnRect window = rect.Grown(kLinkReach, BoundsOf(voxels));
@@ -136,8 +136,8 @@ void ForSameNodes(const GroundColumns& part, const ColumnRect& rect,
 
 }  // namespace
 
-GroundColumns FindGround(const VoxelMap& voxels, const VoxelLimits& limits,
-                         bool needs_sight) {
+GroundColumns FindGround(const octree::VoxelMap& voxels,
+                         const VoxelLimits& limits, bool needs_sight) {
   GroundColumns ground =
       FindLinkedGround(voxels, limits, needs_sight, BoundsOf(voxels));
   MeasureGradients(ground);
@@ -145,7 +145,7 @@ GroundColumns FindGround(const VoxelMap& voxels, const VoxelLimits& limits,
   return ground;
 }
 
-void UpdateGround(const VoxelMap& voxels, const VoxelLimits& limits,
+void UpdateGround(const octree::VoxelMap& voxels, const VoxelLimits& limits,
                   bool needs_sight, const ColumnRect& changed,
                   GroundColumns& ground) {
   const ColumnRect bounds = BoundsOf(voxels);
@@ -172,4 +172,4 @@ void UpdateGround(const VoxelMap& voxels, const VoxelLimits& limits,
       [](const GroundNode& from, GroundNode& to) { to.narrow = from.narrow; });
 }
 
-}  // namespace treeline
+}  // namespace treeline::traversability

@@ -11,7 +11,7 @@
 #include "nav_agent/octomap/voxel_map.h"
 #include "nav_agent/traversability/traversability_options.h"
 
-namespace treeline {
+namespace treeline::traversability {
 
 // The options in voxels.
 struct VoxelLimits {
@@ -92,15 +92,15 @@ struct GroundColumns {
 
 // All ground of `voxels`. `needs_sight`: whether only surfaces that were seen
 // from above are `seen`; a map without free voxels cannot say.
-GroundColumns FindGround(const VoxelMap& voxels, const VoxelLimits& limits,
-                         bool needs_sight);
+GroundColumns FindGround(const octree::VoxelMap& voxels,
+                         const VoxelLimits& limits, bool needs_sight);
 
 // Makes of the ground before only columns of `changed` did what FindGround
 // gives now, bit by bit. The map's size has not changed.
-void UpdateGround(const VoxelMap& voxels, const VoxelLimits& limits,
+void UpdateGround(const octree::VoxelMap& voxels, const VoxelLimits& limits,
                   bool needs_sight, const ColumnRect& changed,
                   GroundColumns& ground);
 
-}  // namespace treeline
+}  // namespace treeline::traversability
 
 #endif  // NAV_AGENT_TRAVERSABILITY_GROUND_H_

@@ -6,7 +6,7 @@
 
 #include "nav_agent/traversability/ground_stages.h"
 
-namespace treeline {
+namespace treeline::traversability {
 namespace {
 
 constexpr size_t kEast = 0;
@@ -325,4 +325,4 @@ void FindNarrowGround(const VoxelLimits& limits, GroundColumns& ground) {
   for (size_t i = 0; i < set.size(); ++i) ground.nodes[i].narrow = set[i] == 0;
 }
 
-}  // namespace treeline
+}  // namespace treeline::traversability

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <utility>
 
-namespace treeline {
+namespace treeline::traversability {
 namespace {
 
 constexpr int kWordBits = 64;
@@ -149,7 +149,8 @@ GroundColumns WithHolesClosed(const GroundColumns& ground,
 
 }  // namespace
 
-CleanColumns::CleanColumns(const VoxelMap& voxels, const ColumnRect& rect)
+CleanColumns::CleanColumns(const octree::VoxelMap& voxels,
+                           const ColumnRect& rect)
     : voxels_(voxels), rect_(rect), words_(voxels.words()) {
   const auto words = static_cast<size_t>(words_);
   occupied_.reserve(words * static_cast<size_t>(rect.width()) *
@@ -182,7 +183,7 @@ bool CleanColumns::IsOccupied(int x, int y, int z) const {
 }
 
 bool CleanColumns::IsFree(int x, int y, int z) const {
-  return voxels_.At({x, y, z}) == Voxel::kFree;
+  return voxels_.At({x, y, z}) == octree::Voxel::kFree;
 }
 
 bool CleanColumns::AnyFree(int x, int y, int begin_z, int end_z) const {
@@ -310,4 +311,4 @@ void LevelSpikes(GroundColumns& ground) {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::traversability

@@ -8,13 +8,13 @@
 #include "nav_agent/octomap/voxel_map.h"
 #include "nav_agent/traversability/ground.h"
 
-namespace treeline {
+namespace treeline::traversability {
 
 // The voxels of a rectangle without occupied ones that have no occupied
 // neighbour among the 26: measuring errors, in nearly all maps.
 class CleanColumns {
  public:
-  CleanColumns(const VoxelMap& voxels, const ColumnRect& rect);
+  CleanColumns(const octree::VoxelMap& voxels, const ColumnRect& rect);
 
   const ColumnRect& rect() const { return rect_; }
   bool IsOccupied(int x, int y, int z) const;
@@ -37,7 +37,7 @@ class CleanColumns {
                                    static_cast<size_t>(x - rect_.begin_x));
   }
 
-  const VoxelMap& voxels_;
+  const octree::VoxelMap& voxels_;
   ColumnRect rect_;
   int words_ = 0;
   std::vector<uint64_t> occupied_;
@@ -56,6 +56,6 @@ void LinkGround(const CleanColumns& columns, const VoxelLimits& limits,
 void MeasureGradients(GroundColumns& ground);
 void FindNarrowGround(const VoxelLimits& limits, GroundColumns& ground);
 
-}  // namespace treeline
+}  // namespace treeline::traversability
 
 #endif  // NAV_AGENT_TRAVERSABILITY_GROUND_STAGES_H_

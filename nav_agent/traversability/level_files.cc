@@ -14,7 +14,7 @@
 #include "nav_agent/core/map_file.h"
 #include "nav_agent/octomap/octree_file.h"
 
-namespace treeline {
+namespace treeline::traversability {
 namespace {
 
 using Color = std::array<uint8_t, 3>;
@@ -30,13 +30,13 @@ struct LayerScale {
 };
 constexpr int kLayerMax = 65535;
 
-GreyPicture PictureOfLayer(const OccupancyGrid& grid,
-                           const std::vector<float>& values,
-                           const LayerScale& scale) {
-  GreyPicture picture{.width = grid.width,
-                      .height = grid.height,
-                      .max_value = kLayerMax,
-                      .values = {}};
+core::GreyPicture PictureOfLayer(const core::OccupancyGrid& grid,
+                                 const std::vector<float>& values,
+                                 const LayerScale& scale) {
+  core::GreyPicture picture{.width = grid.width,
+                            .height = grid.height,
+                            .max_value = kLayerMax,
+                            .values = {}};
   picture.values.reserve(values.size());
   for (int y = grid.height - 1; y >= 0; --y) {
     for (int x = 0; x < grid.width; ++x) {
@@ -65,11 +65,11 @@ Color FreeColor(double slope_rad, double max_slope_rad) {
 Color CellColor(const TraversableLevel& level, size_t cell,
                 double max_slope_rad) {
   switch (level.grid.cells[cell]) {
-    case Occupancy::kFree:
+    case core::Occupancy::kFree:
       return FreeColor(level.slope_rad[cell], max_slope_rad);
-    case Occupancy::kOccupied:
+    case core::Occupancy::kOccupied:
       return level.slope_rad[cell] > 1.57F ? kEdgeColor : kOccupiedColor;
-    case Occupancy::kUnknown:
+    case core::Occupancy::kUnknown:
       break;
   }
   return kUnknownColor;
@@ -121,7 +121,7 @@ std::string DescribeLayers(const TraversableMap& map, double lowest_m) {
   if (map.joins.empty()) text += " []";
   text += "\n";
   for (const LevelJoin& join : map.joins) {
-    const CellIndex middle = join.cells[join.cells.size() / 2];
+    const core::CellIndex middle = join.cells[join.cells.size() / 2];
     absl::StrAppendFormat(
         &text, "  - {lower: %d, upper: %d, cell: [%d, %d], cells: %d}\n",
         join.lower_level, join.upper_level, middle.x, middle.y,
@@ -133,30 +133,32 @@ std::string DescribeLayers(const TraversableMap& map, double lowest_m) {
 absl::Status WriteLevel(const TraversableMap& map, int index, double lowest_m,
                         double max_slope_rad, const std::string& stem) {
   const TraversableLevel& level = map.levels[static_cast<size_t>(index)];
-  TL_RETURN_IF_ERROR(WriteMap(level.grid, stem + ".yaml"));
+  TL_RETURN_IF_ERROR(core::WriteMap(level.grid, stem + ".yaml"));
   for (const Layer& layer : LayersFrom(lowest_m)) {
-    TL_RETURN_IF_ERROR(WriteFileAtomically(
+    TL_RETURN_IF_ERROR(base::WriteFileAtomically(
         absl::StrCat(stem, "-", layer.name, ".pgm"),
-        FormatPgm(
+        core::FormatPgm(
             PictureOfLayer(level.grid, level.*layer.values, layer.scale))));
   }
-  TL_ASSIGN_OR_RETURN(const std::string png,
-                      EncodePng(PictureOfLevel(map, index, max_slope_rad)));
-  return WriteFileAtomically(stem + ".png", png);
+  TL_ASSIGN_OR_RETURN(const std::string png, image::EncodePng(PictureOfLevel(
+                                                 map, index, max_slope_rad)));
+  return base::WriteFileAtomically(stem + ".png", png);
 }
 
 }  // namespace
 
-ColorImage PictureOfLevel(const TraversableMap& map, int level,
-                          double max_slope_rad) {
+image::ColorImage PictureOfLevel(const TraversableMap& map, int level,
+                                 double max_slope_rad) {
   const TraversableLevel& shown = map.levels[static_cast<size_t>(level)];
-  const OccupancyGrid& grid = shown.grid;
+  const core::OccupancyGrid& grid = shown.grid;
   std::vector<uint8_t> joined(grid.cells.size());
   for (const LevelJoin& join : map.joins) {
     if (join.lower_level != level && join.upper_level != level) continue;
-    for (const CellIndex cell : join.cells) joined[grid.IndexOf(cell)] = 1;
+    for (const core::CellIndex cell : join.cells)
+      joined[grid.IndexOf(cell)] = 1;
   }
-  ColorImage picture{.width = grid.width, .height = grid.height, .rgb = {}};
+  image::ColorImage picture{
+      .width = grid.width, .height = grid.height, .rgb = {}};
   picture.rgb.reserve(3 * grid.cells.size());
   for (int y = grid.height - 1; y >= 0; --y) {
     for (int x = 0; x < grid.width; ++x) {
@@ -174,7 +176,7 @@ absl::Status WriteTraversableMap(const TraversableMap& map,
                                  double max_slope_rad,
                                  const std::string& folder) {
   const std::string layers = folder + "/layers.yaml";
-  TL_RETURN_IF_ERROR(MakeParentFolder(layers));
+  TL_RETURN_IF_ERROR(base::MakeParentFolder(layers));
   const double lowest_m = LowestHeight_m(map);
   for (size_t level = 0; level < map.levels.size(); ++level) {
     TL_RETURN_IF_ERROR(WriteLevel(map, static_cast<int>(level), lowest_m,
@@ -182,7 +184,7 @@ absl::Status WriteTraversableMap(const TraversableMap& map,
                                   absl::StrCat(folder, "/level-", level)));
   }
   // Last, so that it stands for a complete folder.
-  return WriteFileAtomically(layers, DescribeLayers(map, lowest_m));
+  return base::WriteFileAtomically(layers, DescribeLayers(map, lowest_m));
 }
 
 absl::Status TraversabilityCommand::Validate() const {
@@ -192,7 +194,7 @@ absl::Status TraversabilityCommand::Validate() const {
   if (output_folder.empty()) {
     return absl::InvalidArgumentError("no output folder is named");
   }
-  OctreeReadOptions reading;
+  octree::OctreeReadOptions reading;
   reading.occupied_threshold = occupied_threshold;
   TL_RETURN_IF_ERROR(reading.Validate());
   return options.Validate();
@@ -202,14 +204,14 @@ absl::StatusOr<TraversabilitySummary> RunTraversability(
     const TraversabilityCommand& command) {
   TL_RETURN_IF_ERROR(command.Validate());
   TL_ASSIGN_OR_RETURN(
-      const VoxelMap voxels,
-      ReadOctree(command.octomap_path,
-                 {.occupied_threshold = command.occupied_threshold,
-                  .max_bytes = VoxelMap::kDefaultMaxBytes}));
+      const octree::VoxelMap voxels,
+      octree::ReadOctree(command.octomap_path,
+                         {.occupied_threshold = command.occupied_threshold,
+                          .max_bytes = octree::VoxelMap::kDefaultMaxBytes}));
   const auto begin = std::chrono::steady_clock::now();
   const absl::StatusOr<TraversableMap> map =
       ExtractTraversableMap(voxels, command.options);
-  if (!map.ok()) return Annotate(map.status(), command.octomap_path);
+  if (!map.ok()) return base::Annotate(map.status(), command.octomap_path);
   TraversabilitySummary summary{
       .levels = static_cast<int>(map->levels.size()),
       .joins = static_cast<int>(map->joins.size()),
@@ -219,16 +221,16 @@ absl::StatusOr<TraversabilitySummary> RunTraversability(
                            std::chrono::steady_clock::now() - begin)
                            .count()};
   for (const TraversableLevel& level : map->levels) {
-    const auto count = [&level](Occupancy value) {
+    const auto count = [&level](core::Occupancy value) {
       return std::count(level.grid.cells.begin(), level.grid.cells.end(),
                         value);
     };
-    summary.free_cells += count(Occupancy::kFree);
-    summary.occupied_cells += count(Occupancy::kOccupied);
+    summary.free_cells += count(core::Occupancy::kFree);
+    summary.occupied_cells += count(core::Occupancy::kOccupied);
   }
   TL_RETURN_IF_ERROR(WriteTraversableMap(*map, command.options.max_slope_rad,
                                          command.output_folder));
   return summary;
 }
 
-}  // namespace treeline
+}  // namespace treeline::traversability

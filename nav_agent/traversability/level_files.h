@@ -9,13 +9,13 @@
 #include "common/image/image.h"
 #include "nav_agent/traversability/traversability.h"
 
-namespace treeline {
+namespace treeline::traversability {
 
 // A picture for people, rows from the top: free cells are white and, with
 // growing slope up to max_slope_rad, green to yellow; occupied ones black,
 // the edges of drops red, unknown ones grey; joins to other levels blue.
-ColorImage PictureOfLevel(const TraversableMap& map, int level,
-                          double max_slope_rad);
+image::ColorImage PictureOfLevel(const TraversableMap& map, int level,
+                                 double max_slope_rad);
 
 // Writes into `folder`, which is made, for each level N from 0:
 //   level-N.yaml, level-N.pgm   the map (map_server)
@@ -49,6 +49,6 @@ struct TraversabilitySummary {
 absl::StatusOr<TraversabilitySummary> RunTraversability(
     const TraversabilityCommand& command);
 
-}  // namespace treeline
+}  // namespace treeline::traversability
 
 #endif  // NAV_AGENT_TRAVERSABILITY_LEVEL_FILES_H_

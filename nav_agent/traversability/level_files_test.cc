@@ -11,7 +11,7 @@
 #include "nav_agent/octomap/octree_file.h"
 #include "nav_agent/traversability/testing_scene.h"
 
-namespace treeline {
+namespace treeline::traversability {
 namespace {
 
 using testing::HasSubstr;
@@ -38,8 +38,8 @@ Scene MakeStep() {
 }
 
 TEST_F(LevelFilesTest, ACommandWritesMapsLayersAndPictures) {
-  const VoxelMap voxels = Voxelize(MakeStep());
-  ASSERT_TRUE(WriteOctree(voxels, Path("map.bt")).ok());
+  const octree::VoxelMap voxels = Voxelize(MakeStep());
+  ASSERT_TRUE(octree::WriteOctree(voxels, Path("map.bt")).ok());
   TraversabilityCommand command;
   command.octomap_path = Path("map.bt");
   command.output_folder = Path("out");
@@ -49,29 +49,31 @@ TEST_F(LevelFilesTest, ACommandWritesMapsLayersAndPictures) {
   EXPECT_EQ(summary->levels, 1);
   EXPECT_GT(summary->free_cells, 4000);
 
-  const absl::StatusOr<OccupancyGrid> grid = ReadMap(Path("out/level-0.yaml"));
+  const absl::StatusOr<core::OccupancyGrid> grid =
+      core::ReadMap(Path("out/level-0.yaml"));
   ASSERT_TRUE(grid.ok()) << grid.status();
   const absl::StatusOr<TraversableMap> map = ExtractTraversableMap(voxels);
   EXPECT_EQ(grid->cells, map->levels[0].grid.cells);
 
   const auto layer = [this](const std::string& name) {
-    return *ParsePgm(*ReadFile(Path("out/level-0-" + name + ".pgm")), name);
+    return *core::ParsePgm(
+        *base::ReadFile(Path("out/level-0-" + name + ".pgm")), name);
   };
   // Rows from the top: the left column's middle is floor, the right one's
   // 0.5 m higher (in mm), level, and open above.
   const size_t left = 30 * 80 + 10;
   const size_t right = 30 * 80 + 70;
-  const GreyPicture height = layer("height");
+  const core::GreyPicture height = layer("height");
   EXPECT_EQ(height.max_value, 65535);
   EXPECT_EQ(height.values[left], 1);
   EXPECT_NEAR(height.values[right], 501, 1);
   EXPECT_EQ(layer("slope").values[left], 1);
   EXPECT_EQ(layer("slope").values[30 * 80 + 40], 15709);  // pi/2
   EXPECT_EQ(layer("clearance").values[left], 65535);
-  EXPECT_THAT(*ReadFile(Path("out/layers.yaml")),
+  EXPECT_THAT(*base::ReadFile(Path("out/layers.yaml")),
               HasSubstr("slope: {unit: 0.0001, offset: 0, quantity: rad}"));
-  const absl::StatusOr<ColorImage> picture =
-      DecodeColor(*ReadFile(Path("out/level-0.png")));
+  const absl::StatusOr<image::ColorImage> picture =
+      image::DecodeColor(*base::ReadFile(Path("out/level-0.png")));
   ASSERT_TRUE(picture.ok());
   EXPECT_EQ(picture->width, 80);
   EXPECT_EQ(picture->rgb[3 * left], 255);  // white
@@ -85,8 +87,9 @@ TEST_F(LevelFilesTest, CommandsWithoutGroundOrWithBadFilesSayWhy) {
   command.output_folder = Path("out");
   EXPECT_EQ(RunTraversability(command).status().code(),
             absl::StatusCode::kNotFound);
-  ASSERT_TRUE(
-      WriteOctree(*VoxelMap::Make(0.05, {}, {}), command.octomap_path).ok());
+  ASSERT_TRUE(octree::WriteOctree(*octree::VoxelMap::Make(0.05, {}, {}),
+                                  command.octomap_path)
+                  .ok());
   EXPECT_THAT(std::string(RunTraversability(command).status().message()),
               HasSubstr("empty.bt: the OctoMap has no occupied voxel"));
   command.occupied_threshold = 1;
@@ -95,4 +98,4 @@ TEST_F(LevelFilesTest, CommandsWithoutGroundOrWithBadFilesSayWhy) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::traversability

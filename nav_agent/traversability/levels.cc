@@ -10,7 +10,7 @@
 
 #include "nav_agent/traversability/floors.h"
 
-namespace treeline {
+namespace treeline::traversability {
 namespace {
 
 // Levels are cut apart only for ground that lies above other ground on at
@@ -120,7 +120,7 @@ std::vector<int> FindCuts(const GroundColumns& ground, const NodeFacts& facts,
 
 class LevelMaker {
  public:
-  LevelMaker(const VoxelMap& voxels, const GroundColumns& ground,
+  LevelMaker(const octree::VoxelMap& voxels, const GroundColumns& ground,
              const NodeFacts& facts, const VoxelLimits& limits)
       : voxels_(voxels), ground_(ground), facts_(facts), limits_(limits) {}
 
@@ -132,11 +132,11 @@ class LevelMaker {
     const int height = voxels_.size().y;
     const double r = voxels_.resolution_m();
     TraversableLevel level;
-    level.grid = OccupancyGrid::Filled(
+    level.grid = core::OccupancyGrid::Filled(
         width, height, r,
         {.translation = {voxels_.lowest().x * r, voxels_.lowest().y * r},
          .yaw_rad = 0},
-        Occupancy::kUnknown);
+        core::Occupancy::kUnknown);
     const size_t cells = level.grid.cells.size();
     constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
     level.height_m.assign(cells, kNan);
@@ -180,7 +180,8 @@ class LevelMaker {
     const double r = voxels_.resolution_m();
     const bool free =
         facts_.floor[i] != 0 && node.clearance >= limits_.robot_height;
-    level.grid.cells[cell] = free ? Occupancy::kFree : Occupancy::kOccupied;
+    level.grid.cells[cell] =
+        free ? core::Occupancy::kFree : core::Occupancy::kOccupied;
     level.height_m[cell] =
         static_cast<float>((voxels_.lowest().z + node.z + 0.5) * r);
     level.slope_rad[cell] = facts_.slope_rad[i];
@@ -193,7 +194,7 @@ class LevelMaker {
   // next to it, and unknown otherwise.
   void MarkWalls(const std::vector<uint32_t>& chosen,
                  TraversableLevel& level) const {
-    const OccupancyGrid& grid = level.grid;
+    const core::OccupancyGrid& grid = level.grid;
     std::vector<int> height(chosen.size(), -1);
     std::vector<size_t> front;
     for (size_t i = 0; i < chosen.size(); ++i) {
@@ -207,11 +208,11 @@ class LevelMaker {
       next.clear();
       for (const size_t i : front) {
         const auto width = static_cast<size_t>(grid.width);
-        const CellIndex cell{static_cast<int>(i % width),
-                             static_cast<int>(i / width)};
+        const core::CellIndex cell{static_cast<int>(i % width),
+                                   static_cast<int>(i / width)};
         for (size_t d = 0; d < 8; d += 2) {
-          const CellIndex to{cell.x + kNeighbors[d].x,
-                             cell.y + kNeighbors[d].y};
+          const core::CellIndex to{cell.x + kNeighbors[d].x,
+                                   cell.y + kNeighbors[d].y};
           if (!grid.Contains(to) || height[grid.IndexOf(to)] >= 0) continue;
           height[grid.IndexOf(to)] = height[i];
           next.push_back(grid.IndexOf(to));
@@ -226,39 +227,40 @@ class LevelMaker {
   // leads from cell to cell: the upper one's last cells are occupied.
   void CloseSeams(const std::vector<uint32_t>& chosen,
                   TraversableLevel& level) const {
-    OccupancyGrid& grid = level.grid;
+    core::OccupancyGrid& grid = level.grid;
     for (int y = 0; y < grid.height; ++y) {
       for (int x = 0; x < grid.width; ++x) {
         const size_t cell = grid.IndexOf({x, y});
-        if (grid.cells[cell] != Occupancy::kFree) continue;
+        if (grid.cells[cell] != core::Occupancy::kFree) continue;
         const GroundNode& node = ground_.nodes[chosen[cell]];
         for (size_t d = 0; d < kNeighbors.size(); ++d) {
-          const CellIndex to{x + kNeighbors[d].x, y + kNeighbors[d].y};
+          const core::CellIndex to{x + kNeighbors[d].x, y + kNeighbors[d].y};
           if (!grid.Contains(to) || chosen[grid.IndexOf(to)] == kNoNode)
             continue;
           const size_t beyond = grid.IndexOf(to);
           if (facts_.floor[chosen[beyond]] == 0) continue;
           const int drop = node.z - ground_.nodes[chosen[beyond]].z;
-          if (drop > limits_.step) grid.cells[cell] = Occupancy::kOccupied;
+          if (drop > limits_.step)
+            grid.cells[cell] = core::Occupancy::kOccupied;
         }
       }
     }
   }
 
-  void MarkWall(CellIndex cell, int floor_z,
+  void MarkWall(core::CellIndex cell, int floor_z,
                 const std::vector<uint32_t>& chosen,
                 TraversableLevel& level) const {
     if (chosen[level.grid.IndexOf(cell)] != kNoNode) return;
     for (int z = floor_z + limits_.step + 1;
          z <= floor_z + limits_.robot_height; ++z) {
-      if (voxels_.At({cell.x, cell.y, z}) == Voxel::kOccupied) {
-        level.grid.Set(cell, Occupancy::kOccupied);
+      if (voxels_.At({cell.x, cell.y, z}) == octree::Voxel::kOccupied) {
+        level.grid.Set(cell, core::Occupancy::kOccupied);
         return;
       }
     }
   }
 
-  const VoxelMap& voxels_;
+  const octree::VoxelMap& voxels_;
   const GroundColumns& ground_;
   const NodeFacts& facts_;
   const VoxelLimits& limits_;
@@ -269,12 +271,12 @@ class LevelMaker {
 std::vector<LevelJoin> FindJoins(const TraversableMap& map, int lower,
                                  const std::vector<uint32_t>& lower_chosen,
                                  const std::vector<uint32_t>& upper_chosen) {
-  const OccupancyGrid& grid = map.levels[static_cast<size_t>(lower)].grid;
+  const core::OccupancyGrid& grid = map.levels[static_cast<size_t>(lower)].grid;
   std::vector<uint8_t> shared(lower_chosen.size());
   for (size_t i = 0; i < shared.size(); ++i) {
     shared[i] = lower_chosen[i] != kNoNode &&
                         lower_chosen[i] == upper_chosen[i] &&
-                        grid.cells[i] == Occupancy::kFree
+                        grid.cells[i] == core::Occupancy::kFree
                     ? 1
                     : 0;
   }
@@ -286,9 +288,9 @@ std::vector<LevelJoin> FindJoins(const TraversableMap& map, int lower,
           .lower_level = lower, .upper_level = lower + 1, .cells = {{x, y}}};
       shared[grid.IndexOf({x, y})] = 0;
       for (size_t i = 0; i < join.cells.size(); ++i) {
-        const CellIndex cell = join.cells[i];
+        const core::CellIndex cell = join.cells[i];
         for (const GridStep& step : kNeighbors) {
-          const CellIndex to{cell.x + step.x, cell.y + step.y};
+          const core::CellIndex to{cell.x + step.x, cell.y + step.y};
           if (!grid.Contains(to) || shared[grid.IndexOf(to)] == 0) continue;
           shared[grid.IndexOf(to)] = 0;
           join.cells.push_back(to);
@@ -302,7 +304,8 @@ std::vector<LevelJoin> FindJoins(const TraversableMap& map, int lower,
 
 }  // namespace
 
-TraversableMap MakeLevels(const VoxelMap& voxels, const GroundColumns& ground,
+TraversableMap MakeLevels(const octree::VoxelMap& voxels,
+                          const GroundColumns& ground,
                           const TraversabilityOptions& options) {
   const double r = voxels.resolution_m();
   const VoxelLimits limits(options, r);
@@ -330,4 +333,4 @@ TraversableMap MakeLevels(const VoxelMap& voxels, const GroundColumns& ground,
   return map;
 }
 
-}  // namespace treeline
+}  // namespace treeline::traversability

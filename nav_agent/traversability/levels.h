@@ -6,12 +6,13 @@
 #include "nav_agent/traversability/ground.h"
 #include "nav_agent/traversability/traversability.h"
 
-namespace treeline {
+namespace treeline::traversability {
 
 // `ground` is that of all columns of `voxels`.
-TraversableMap MakeLevels(const VoxelMap& voxels, const GroundColumns& ground,
+TraversableMap MakeLevels(const octree::VoxelMap& voxels,
+                          const GroundColumns& ground,
                           const TraversabilityOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::traversability
 
 #endif  // NAV_AGENT_TRAVERSABILITY_LEVELS_H_

@@ -10,20 +10,20 @@
 #include "nav_agent/core/distance_field.h"
 #include "nav_agent/traversability/ramp_edges.h"
 
-namespace treeline {
+namespace treeline::traversability {
 namespace {
 
 // As far as a robot's footprint reaches over a join, and there is room to tell.
 constexpr double kBeyond_m = 1.5;
 
-bool IsFreeValue(Occupancy value, bool allow_unknown) {
-  return value == Occupancy::kFree ||
-         (allow_unknown && value == Occupancy::kUnknown);
+bool IsFreeValue(core::Occupancy value, bool allow_unknown) {
+  return value == core::Occupancy::kFree ||
+         (allow_unknown && value == core::Occupancy::kUnknown);
 }
 
 // Exact distances from each cell to what is not free, and to what lies outside:
 // the grid with one more cell around it.
-std::vector<float> Clearances(const OccupancyGrid& grid,
+std::vector<float> Clearances(const core::OccupancyGrid& grid,
                               const std::vector<uint8_t>& is_free,
                               double reach_m) {
   const int width = grid.width + 2;
@@ -37,7 +37,8 @@ std::vector<float> Clearances(const OccupancyGrid& grid,
           is_free[grid.IndexOf({x, y})] != 0 ? 0 : 1;
     }
   }
-  const std::vector<int32_t> squared = SquaredDistances(width, height, blocked);
+  const std::vector<int32_t> squared =
+      core::SquaredDistances(width, height, blocked);
   std::vector<float> distances(grid.cells.size());
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
@@ -71,7 +72,7 @@ absl::StatusOr<NavigationMap> NavigationMap::Make(
   const bool has_free = std::ranges::any_of(
       map.levels, [&options](const TraversableLevel& level) {
         return std::ranges::any_of(
-            level.grid.cells, [&options](Occupancy value) {
+            level.grid.cells, [&options](core::Occupancy value) {
               return IsFreeValue(value, options.allow_unknown);
             });
       });
@@ -88,11 +89,11 @@ NavigationMap::NavigationMap(TraversableMap map,
   for (TraversableLevel& level : map_.levels) {
     const std::vector<uint8_t> edges = RampSideEdges(level);
     for (size_t i = 0; i < edges.size(); ++i) {
-      if (edges[i] != 0) level.grid.cells[i] = Occupancy::kOccupied;
+      if (edges[i] != 0) level.grid.cells[i] = core::Occupancy::kOccupied;
     }
   }
   for (int level = 0; level < levels(); ++level) {
-    const OccupancyGrid& own = grid(level);
+    const core::OccupancyGrid& own = grid(level);
     std::vector<uint8_t> is_free(own.cells.size());
     for (size_t i = 0; i < is_free.size(); ++i) {
       is_free[i] = IsFreeValue(own.cells[i], options_.allow_unknown) ? 1 : 0;
@@ -110,17 +111,17 @@ NavigationMap::NavigationMap(TraversableMap map,
 
 void NavigationMap::AddGroundBeyond(int level, int other,
                                     std::vector<uint8_t>& is_free) const {
-  const OccupancyGrid& own = grid(level);
+  const core::OccupancyGrid& own = grid(level);
   const std::vector<float>& own_m =
       map_.levels[static_cast<size_t>(level)].height_m;
   const std::vector<float>& other_m =
       map_.levels[static_cast<size_t>(other)].height_m;
-  const auto is_beyond = [&](CellIndex cell) {
-    return own.Contains(cell) && own.At(cell) == Occupancy::kUnknown &&
+  const auto is_beyond = [&](core::CellIndex cell) {
+    return own.Contains(cell) && own.At(cell) == core::Occupancy::kUnknown &&
            std::isnan(own_m[own.IndexOf(cell)]) && IsFree(other, cell);
   };
   // In rings: own ground first.
-  std::vector<CellIndex> ring;
+  std::vector<core::CellIndex> ring;
   for (int y = 0; y < own.height; ++y) {
     for (int x = 0; x < own.width; ++x) {
       if (IsFree(level, {x, y})) ring.push_back({x, y});
@@ -128,13 +129,14 @@ void NavigationMap::AddGroundBeyond(int level, int other,
   }
   const int rings = static_cast<int>(kBeyond_m / own.resolution_m);
   for (int i = 0; i < rings && !ring.empty(); ++i) {
-    std::vector<CellIndex> next;
-    for (const CellIndex& from : ring) {
+    std::vector<core::CellIndex> next;
+    for (const core::CellIndex& from : ring) {
       const float from_m =
           i == 0 ? own_m[own.IndexOf(from)] : other_m[own.IndexOf(from)];
-      for (const CellIndex& to :
-           {CellIndex{from.x + 1, from.y}, CellIndex{from.x - 1, from.y},
-            CellIndex{from.x, from.y + 1}, CellIndex{from.x, from.y - 1}}) {
+      for (const core::CellIndex& to : {core::CellIndex{from.x + 1, from.y},
+                                        core::CellIndex{from.x - 1, from.y},
+                                        core::CellIndex{from.x, from.y + 1},
+                                        core::CellIndex{from.x, from.y - 1}}) {
         if (!is_beyond(to) || is_free[own.IndexOf(to)] != 0) continue;
         // Also false for ground without a height.
         if (!(std::abs(other_m[own.IndexOf(to)] - from_m) <=
@@ -149,19 +151,20 @@ void NavigationMap::AddGroundBeyond(int level, int other,
   }
 }
 
-bool NavigationMap::IsFree(int level, CellIndex cell) const {
+bool NavigationMap::IsFree(int level, core::CellIndex cell) const {
   return grid(level).Contains(cell) &&
          IsFreeValue(grid(level).At(cell), options_.allow_unknown);
 }
 
-float NavigationMap::ClearanceAt_m(int level, CellIndex cell) const {
+float NavigationMap::ClearanceAt_m(int level, core::CellIndex cell) const {
   if (!grid(level).Contains(cell)) return 0;
   return clearance_m_[static_cast<size_t>(level)][grid(level).IndexOf(cell)];
 }
 
-double NavigationMap::Clearance_m(int level, Vec2 point_in_map) const {
-  const OccupancyGrid& own = grid(level);
-  const Vec2 point = own.map_from_grid.Inverse() * point_in_map;
+double NavigationMap::Clearance_m(int level,
+                                  geometry::Vec2 point_in_map) const {
+  const core::OccupancyGrid& own = grid(level);
+  const geometry::Vec2 point = own.map_from_grid.Inverse() * point_in_map;
   const double x = point.x / own.resolution_m - 0.5;
   const double y = point.y / own.resolution_m - 0.5;
   if (!(std::abs(x) < 1e8 && std::abs(y) < 1e8)) return 0;
@@ -177,23 +180,24 @@ double NavigationMap::Clearance_m(int level, Vec2 point_in_map) const {
               right_part * ClearanceAt_m(level, {left + 1, below + 1}));
 }
 
-std::optional<LevelPlace> NavigationMap::GroundOf(Vec2 point_in_map,
-                                                  int level) const {
-  const CellIndex cell = grid(level).CellOf(point_in_map);
+std::optional<core::LevelPlace> NavigationMap::GroundOf(
+    geometry::Vec2 point_in_map, int level) const {
+  const core::CellIndex cell = grid(level).CellOf(point_in_map);
   if (!grid(level).Contains(cell)) return std::nullopt;
   const double height_m = map_.levels[static_cast<size_t>(level)]
                               .height_m[grid(level).IndexOf(cell)];
   if (std::isnan(height_m)) return std::nullopt;
-  return LevelPlace{.level = level, .height_m = height_m + resolution_m() / 2};
+  return core::LevelPlace{.level = level,
+                          .height_m = height_m + resolution_m() / 2};
 }
 
-std::optional<LevelPlace> NavigationMap::GroundNear(Vec2 point_in_map,
-                                                    double height_m) const {
-  std::optional<LevelPlace> nearest;
+std::optional<core::LevelPlace> NavigationMap::GroundNear(
+    geometry::Vec2 point_in_map, double height_m) const {
+  std::optional<core::LevelPlace> nearest;
   double nearest_rise_m = options_.max_rise_m;
   bool nearest_is_free = false;
   for (int level = 0; level < levels(); ++level) {
-    const std::optional<LevelPlace> place = GroundOf(point_in_map, level);
+    const std::optional<core::LevelPlace> place = GroundOf(point_in_map, level);
     if (!place.has_value()) continue;
     const double rise_m = std::abs(place->height_m - height_m);
     if (rise_m > options_.max_rise_m) continue;
@@ -208,12 +212,13 @@ std::optional<LevelPlace> NavigationMap::GroundNear(Vec2 point_in_map,
   return nearest;
 }
 
-double NavigationMap::SlopeAt_rad(int level, Vec2 point_in_map) const {
-  const CellIndex cell = grid(level).CellOf(point_in_map);
+double NavigationMap::SlopeAt_rad(int level,
+                                  geometry::Vec2 point_in_map) const {
+  const core::CellIndex cell = grid(level).CellOf(point_in_map);
   if (!grid(level).Contains(cell)) return 0;
   const float slope_rad = map_.levels[static_cast<size_t>(level)]
                               .slope_rad[grid(level).IndexOf(cell)];
   return std::isnan(slope_rad) ? 0 : slope_rad;
 }
 
-}  // namespace treeline
+}  // namespace treeline::traversability

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <optional>
 
-namespace treeline {
+namespace treeline::traversability {
 namespace {
 
 // A ramp of 1:24 has a step within it.
@@ -23,7 +23,7 @@ constexpr double kHighStep_cells = 1.5;
 // degrees, where a step of the ramp meets its side.
 constexpr double kAcross = 0.5;
 constexpr double kAcrossBeside = 0.8;
-constexpr std::array<CellIndex, 4> kNeighbours = {
+constexpr std::array<core::CellIndex, 4> kNeighbours = {
     {{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 
 class EdgeFinder {
@@ -33,41 +33,42 @@ class EdgeFinder {
 
   // Whether the mean of the steps within `reach` cells runs across the slope:
   // the cosine between them is below `across`.
-  bool IsEdge(CellIndex cell, int reach, double across) const {
+  bool IsEdge(core::CellIndex cell, int reach, double across) const {
     if (!IsGround(cell) || !IsStepDown(cell) || !HasSlopeNear(cell)) {
       return false;
     }
-    const std::optional<Vec2> uphill = Uphill(cell);
+    const std::optional<geometry::Vec2> uphill = Uphill(cell);
     if (!uphill.has_value()) return false;
-    const Vec2 step = StepDirection(cell, reach);
-    return Norm(step) > 0 &&
-           std::abs(Dot(step, *uphill)) < across * Norm(step) * Norm(*uphill);
+    const geometry::Vec2 step = StepDirection(cell, reach);
+    return geometry::Norm(step) > 0 &&
+           std::abs(geometry::Dot(step, *uphill)) <
+               across * geometry::Norm(step) * geometry::Norm(*uphill);
   }
 
  private:
-  bool IsGround(CellIndex cell) const {
-    return grid_->Contains(cell) && grid_->At(cell) == Occupancy::kFree &&
+  bool IsGround(core::CellIndex cell) const {
+    return grid_->Contains(cell) && grid_->At(cell) == core::Occupancy::kFree &&
            !std::isnan(level_->height_m[grid_->IndexOf(cell)]);
   }
-  bool IsSloped(CellIndex cell) const {
+  bool IsSloped(core::CellIndex cell) const {
     return IsGround(cell) &&
            level_->slope_rad[grid_->IndexOf(cell)] > kSloped_rad;
   }
   // By how many voxels `to` is lower; 0 if it is no ground.
-  double DropTo(CellIndex from, CellIndex to) const {
+  double DropTo(core::CellIndex from, core::CellIndex to) const {
     if (!IsGround(to)) return 0;
     return (level_->height_m[grid_->IndexOf(from)] -
             level_->height_m[grid_->IndexOf(to)]) /
            grid_->resolution_m;
   }
-  bool IsStepDown(CellIndex cell) const {
-    for (const CellIndex& way : kNeighbours) {
+  bool IsStepDown(core::CellIndex cell) const {
+    for (const core::CellIndex& way : kNeighbours) {
       const double drop = DropTo(cell, {cell.x + way.x, cell.y + way.y});
       if (drop > 0.5 && drop < kHighStep_cells) return true;
     }
     return false;
   }
-  bool HasSlopeNear(CellIndex cell) const {
+  bool HasSlopeNear(core::CellIndex cell) const {
     for (int y = -kStepReach; y <= kStepReach; ++y) {
       for (int x = -kStepReach; x <= kStepReach; ++x) {
         if (IsSloped({cell.x + x, cell.y + y})) return true;
@@ -77,13 +78,13 @@ class EdgeFinder {
   }
 
   // Whether the line between two cells stays on ground without high steps.
-  bool IsInSight(CellIndex from, CellIndex to) const {
+  bool IsInSight(core::CellIndex from, core::CellIndex to) const {
     const int steps =
         std::max(std::abs(to.x - from.x), std::abs(to.y - from.y));
-    CellIndex at = from;
+    core::CellIndex at = from;
     for (int i = 1; i <= steps; ++i) {
       const double part = static_cast<double>(i) / steps;
-      const CellIndex next = {
+      const core::CellIndex next = {
           from.x + static_cast<int>(std::lround(part * (to.x - from.x))),
           from.y + static_cast<int>(std::lround(part * (to.y - from.y)))};
       if (!IsGround(next) || std::abs(DropTo(at, next)) > kHighStep_cells) {
@@ -96,8 +97,9 @@ class EdgeFinder {
 
   // The slope's direction where the ramp is on the higher side of a step, else
   // where it is on the lower one: its upper end, beside the floor it leads to.
-  std::optional<Vec2> Uphill(CellIndex middle) const {
-    const std::optional<Vec2> above = Uphill(middle, -0.5, kPlaneReach_cells);
+  std::optional<geometry::Vec2> Uphill(core::CellIndex middle) const {
+    const std::optional<geometry::Vec2> above =
+        Uphill(middle, -0.5, kPlaneReach_cells);
     return above.has_value() ? above : Uphill(middle, -kPlaneReach_cells, -0.5);
   }
 
@@ -105,12 +107,12 @@ class EdgeFinder {
   // middle's (voxels), in the grid's axes; its length is the slope. What is
   // lower than a ramp's cell is the floor beside it, what is three voxels
   // higher is of other storeys, and what is out of sight of other ramps.
-  std::optional<Vec2> Uphill(CellIndex middle, double lowest,
-                             double highest) const {
+  std::optional<geometry::Vec2> Uphill(core::CellIndex middle, double lowest,
+                                       double highest) const {
     const int reach = static_cast<int>(kPlaneRadius_m / grid_->resolution_m);
     const float middle_m = level_->height_m[grid_->IndexOf(middle)];
     double n = 0;
-    Vec2 sum;
+    geometry::Vec2 sum;
     double sum_h = 0;
     double xx = 0;
     double xy = 0;
@@ -119,13 +121,14 @@ class EdgeFinder {
     double yh = 0;
     for (int y = -reach; y <= reach; ++y) {
       for (int x = -reach; x <= reach; ++x) {
-        const CellIndex cell = {middle.x + x, middle.y + y};
+        const core::CellIndex cell = {middle.x + x, middle.y + y};
         if (x * x + y * y > reach * reach || !IsSloped(cell)) continue;
         const double h = (level_->height_m[grid_->IndexOf(cell)] - middle_m) /
                          grid_->resolution_m;
         if (h < lowest || h > highest || !IsInSight(middle, cell)) continue;
         n += 1;
-        sum = sum + Vec2{static_cast<double>(x), static_cast<double>(y)};
+        sum = sum +
+              geometry::Vec2{static_cast<double>(x), static_cast<double>(y)};
         sum_h += h;
         xx += x * x;
         xy += x * y;
@@ -142,24 +145,24 @@ class EdgeFinder {
     yh -= sum.y * sum_h / n;
     const double determinant = xx * yy - xy * xy;
     if (!(determinant > 1e-6 * xx * yy)) return std::nullopt;
-    const Vec2 uphill = {(yy * xh - xy * yh) / determinant,
-                         (xx * yh - xy * xh) / determinant};
-    if (!(Norm(uphill) > kSloped_rad)) return std::nullopt;
+    const geometry::Vec2 uphill = {(yy * xh - xy * yh) / determinant,
+                                   (xx * yh - xy * xh) / determinant};
+    if (!(geometry::Norm(uphill) > kSloped_rad)) return std::nullopt;
     return uphill;
   }
 
   // The mean direction, upwards, of the steps around.
-  Vec2 StepDirection(CellIndex middle, int reach) const {
-    Vec2 sum;
+  geometry::Vec2 StepDirection(core::CellIndex middle, int reach) const {
+    geometry::Vec2 sum;
     for (int y = -reach; y <= reach; ++y) {
       for (int x = -reach; x <= reach; ++x) {
-        const CellIndex cell = {middle.x + x, middle.y + y};
+        const core::CellIndex cell = {middle.x + x, middle.y + y};
         if (!IsGround(cell)) continue;
-        for (const CellIndex& way : kNeighbours) {
+        for (const core::CellIndex& way : kNeighbours) {
           const double drop = DropTo(cell, {cell.x + way.x, cell.y + way.y});
           if (drop < 0.5) continue;
-          sum = sum -
-                Vec2{static_cast<double>(way.x), static_cast<double>(way.y)};
+          sum = sum - geometry::Vec2{static_cast<double>(way.x),
+                                     static_cast<double>(way.y)};
         }
       }
     }
@@ -167,16 +170,16 @@ class EdgeFinder {
   }
 
   const TraversableLevel* level_;
-  const OccupancyGrid* grid_;
+  const core::OccupancyGrid* grid_;
 };
 
 }  // namespace
 
 std::vector<uint8_t> RampSideEdges(const TraversableLevel& level) {
-  const OccupancyGrid& grid = level.grid;
+  const core::OccupancyGrid& grid = level.grid;
   const EdgeFinder finder(level);
   std::vector<uint8_t> edges(grid.cells.size(), 0);
-  std::vector<CellIndex> found;
+  std::vector<core::CellIndex> found;
   for (int y = 0; y < grid.height; ++y) {
     for (int x = 0; x < grid.width; ++x) {
       if (!finder.IsEdge({x, y}, kStepReach, kAcross)) continue;
@@ -184,7 +187,7 @@ std::vector<uint8_t> RampSideEdges(const TraversableLevel& level) {
       found.push_back({x, y});
     }
   }
-  for (const CellIndex& edge : found) {
+  for (const core::CellIndex& edge : found) {
     for (int y = edge.y - kStepReach; y <= edge.y + kStepReach; ++y) {
       for (int x = edge.x - kStepReach; x <= edge.x + kStepReach; ++x) {
         if (!grid.Contains({x, y}) || edges[grid.IndexOf({x, y})] != 0) {
@@ -199,4 +202,4 @@ std::vector<uint8_t> RampSideEdges(const TraversableLevel& level) {
   return edges;
 }
 
-}  // namespace treeline
+}  // namespace treeline::traversability

@@ -7,7 +7,7 @@
 
 #include "nav_agent/traversability/traversability.h"
 
-namespace treeline {
+namespace treeline::traversability {
 
 // 1 for free cells of sloped ground that end in a step of one voxel downwards
 // across the slope: beside a ramp's first half metre the floor is less than two
@@ -19,6 +19,6 @@ namespace treeline {
 // One value a cell, in the grid's order.
 std::vector<uint8_t> RampSideEdges(const TraversableLevel& level);
 
-}  // namespace treeline
+}  // namespace treeline::traversability
 
 #endif  // NAV_AGENT_TRAVERSABILITY_RAMP_EDGES_H_

@@ -6,7 +6,7 @@
 
 #include "common/base/random.h"
 
-namespace treeline {
+namespace treeline::traversability {
 namespace {
 
 constexpr int kSamples = 3;  // of a cell, each way
@@ -27,10 +27,10 @@ struct Solid {
   BlockKind kind = BlockKind::kGround;
 };
 
-std::vector<Solid> SolidsAt(const Scene& scene, Vec2 point) {
+std::vector<Solid> SolidsAt(const Scene& scene, geometry::Vec2 point) {
   std::vector<Solid> solids;
   for (const Block& block : scene.blocks) {
-    const Vec2 offset = point - block.scene_from_block.translation;
+    const geometry::Vec2 offset = point - block.scene_from_block.translation;
     const double reach_m = block.half_x_m + block.half_y_m;
     // Cheaper than the block's own frame, and rules out most.
     if (std::abs(offset.x) > reach_m || std::abs(offset.y) > reach_m) continue;
@@ -88,8 +88,8 @@ struct TruthSpan {
 
 }  // namespace
 
-std::optional<double> Block::TopAt(Vec2 point) const {
-  const Vec2 local = scene_from_block.Inverse() * point;
+std::optional<double> Block::TopAt(geometry::Vec2 point) const {
+  const geometry::Vec2 local = scene_from_block.Inverse() * point;
   if (std::abs(local.x) > half_x_m || std::abs(local.y) > half_y_m) {
     return std::nullopt;
   }
@@ -104,8 +104,8 @@ Scene Scene::WithFloor(double size_x_m, double size_y_m) {
   return scene;
 }
 
-void Scene::AddBox(BlockKind kind, Vec2 low, Vec2 high, double box_top_m,
-                   double thickness_m) {
+void Scene::AddBox(BlockKind kind, geometry::Vec2 low, geometry::Vec2 high,
+                   double box_top_m, double thickness_m) {
   blocks.push_back(
       {.kind = kind,
        .scene_from_block = {.translation = 0.5 * (low + high), .yaw_rad = 0},
@@ -116,25 +116,26 @@ void Scene::AddBox(BlockKind kind, Vec2 low, Vec2 high, double box_top_m,
        .thickness_m = thickness_m});
 }
 
-VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise,
-                  double resolution_m) {
+octree::VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise,
+                          double resolution_m) {
   const double r = resolution_m;
   const auto cells = [r](double length_m) {
     return static_cast<int>(std::lround(length_m / r));
   };
   constexpr int kBelow = 4;
   const int size_z = cells(scene.top_m) + kBelow;
-  VoxelMap map =
-      *VoxelMap::Make(r, {.x = 0, .y = 0, .z = -kBelow},
-                      {cells(scene.size_x_m), cells(scene.size_y_m), size_z});
+  octree::VoxelMap map = *octree::VoxelMap::Make(
+      r, {.x = 0, .y = 0, .z = -kBelow},
+      {cells(scene.size_x_m), cells(scene.size_y_m), size_z});
   const auto height = static_cast<size_t>(size_z);
   for (int y = 0; y < map.size().y; ++y) {
     for (int x = 0; x < map.size().x; ++x) {
       std::vector<int> inside(height);   // samples that are all solid
       std::vector<int> touched(height);  // samples that are partly solid
       for (int sample = 0; sample < kSamples * kSamples; ++sample) {
-        const Vec2 point{(x + (sample % kSamples + 0.5) / kSamples) * r,
-                         (y + (sample / kSamples + 0.5) / kSamples) * r};
+        const geometry::Vec2 point{
+            (x + (sample % kSamples + 0.5) / kSamples) * r,
+            (y + (sample / kSamples + 0.5) / kSamples) * r};
         std::vector<uint8_t> solid_here(height);
         for (const Solid& solid : SolidsAt(scene, point)) {
           const double begin = solid.bottom_m / r + kBelow;
@@ -153,10 +154,10 @@ VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise,
       }
       for (int z = 0; z < size_z; ++z) {
         const auto i = static_cast<size_t>(z);
-        const Voxel value = touched[i] == 0 ? Voxel::kFree
-                            : inside[i] == kSamples * kSamples
-                                ? Voxel::kUnknown
-                                : Voxel::kOccupied;
+        const octree::Voxel value = touched[i] == 0 ? octree::Voxel::kFree
+                                    : inside[i] == kSamples * kSamples
+                                        ? octree::Voxel::kUnknown
+                                        : octree::Voxel::kOccupied;
         map.Set({x, y, z}, value);
       }
     }
@@ -164,26 +165,28 @@ VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise,
   return WithNoise(map, noise);
 }
 
-VoxelMap WithNoise(const VoxelMap& exact, const VoxelNoise& noise) {
-  VoxelMap map = exact;
+octree::VoxelMap WithNoise(const octree::VoxelMap& exact,
+                           const VoxelNoise& noise) {
+  octree::VoxelMap map = exact;
   if (noise.dropped == 0 && noise.near == 0 && noise.far == 0) return map;
-  Random random(noise.seed, 0);
+  base::Random random(noise.seed, 0);
   for (int y = 0; y < map.size().y; ++y) {
     for (int x = 0; x < map.size().x; ++x) {
       for (int z = 0; z < map.size().z; ++z) {
         const double draw = random.NextUnit();
-        const Voxel value = exact.At({x, y, z});
-        if (value == Voxel::kOccupied && draw < noise.dropped) {
-          map.Set({x, y, z},
-                  draw < noise.dropped / 2 ? Voxel::kFree : Voxel::kUnknown);
-        } else if (value == Voxel::kFree &&
+        const octree::Voxel value = exact.At({x, y, z});
+        if (value == octree::Voxel::kOccupied && draw < noise.dropped) {
+          map.Set({x, y, z}, draw < noise.dropped / 2
+                                 ? octree::Voxel::kFree
+                                 : octree::Voxel::kUnknown);
+        } else if (value == octree::Voxel::kFree &&
                    draw < std::max(noise.near, noise.far)) {
           bool near = false;
           for (int dz = -2; dz <= 2; ++dz) {
-            near = near || exact.At({x, y, z + dz}) == Voxel::kOccupied;
+            near = near || exact.At({x, y, z + dz}) == octree::Voxel::kOccupied;
           }
           if (draw < (near ? noise.near : noise.far)) {
-            map.Set({x, y, z}, Voxel::kOccupied);
+            map.Set({x, y, z}, octree::Voxel::kOccupied);
           }
         }
       }
@@ -194,7 +197,7 @@ VoxelMap WithNoise(const VoxelMap& exact, const VoxelNoise& noise) {
 
 Score ScoreLevel(const Scene& scene, const TraversableLevel& level,
                  double robot_height_m, double begin_z_m, double end_z_m) {
-  const OccupancyGrid& grid = level.grid;
+  const core::OccupancyGrid& grid = level.grid;
   const double sample_m = grid.resolution_m / kSamples;
   const int width = grid.width * kSamples;
   const int height = grid.height * kSamples;
@@ -224,8 +227,8 @@ Score ScoreLevel(const Scene& scene, const TraversableLevel& level,
         }
       }
       if (own.lowest_m < 0) continue;  // the level ends here
-      const bool free = grid.At({x, y}) == Occupancy::kFree;
-      const bool occupied = grid.At({x, y}) == Occupancy::kOccupied;
+      const bool free = grid.At({x, y}) == core::Occupancy::kFree;
+      const bool occupied = grid.At({x, y}) == core::Occupancy::kOccupied;
       const bool boundary = near.all_free != near.any_free ||
                             near.highest_m - near.lowest_m > 0.085;
       const bool right = boundary ? occupied || (free && own.any_free)
@@ -239,20 +242,22 @@ Score ScoreLevel(const Scene& scene, const TraversableLevel& level,
   return score;
 }
 
-bool AreConnected(const OccupancyGrid& grid, Vec2 from, Vec2 to) {
-  const CellIndex begin = grid.CellOf(from);
-  const CellIndex end = grid.CellOf(to);
-  if (grid.AtOrUnknown(begin) != Occupancy::kFree) return false;
+bool AreConnected(const core::OccupancyGrid& grid, geometry::Vec2 from,
+                  geometry::Vec2 to) {
+  const core::CellIndex begin = grid.CellOf(from);
+  const core::CellIndex end = grid.CellOf(to);
+  if (grid.AtOrUnknown(begin) != core::Occupancy::kFree) return false;
   std::vector<uint8_t> reached(grid.cells.size());
-  std::vector<CellIndex> front = {begin};
+  std::vector<core::CellIndex> front = {begin};
   reached[grid.IndexOf(begin)] = 1;
   while (!front.empty()) {
-    const CellIndex cell = front.back();
+    const core::CellIndex cell = front.back();
     front.pop_back();
     if (cell == end) return true;
     for (size_t d = 0; d < kNeighbors.size(); d += 2) {
-      const CellIndex next{cell.x + kNeighbors[d].x, cell.y + kNeighbors[d].y};
-      if (grid.AtOrUnknown(next) != Occupancy::kFree ||
+      const core::CellIndex next{cell.x + kNeighbors[d].x,
+                                 cell.y + kNeighbors[d].y};
+      if (grid.AtOrUnknown(next) != core::Occupancy::kFree ||
           reached[grid.IndexOf(next)] != 0) {
         continue;
       }
@@ -263,4 +268,4 @@ bool AreConnected(const OccupancyGrid& grid, Vec2 from, Vec2 to) {
   return false;
 }
 
-}  // namespace treeline
+}  // namespace treeline::traversability

@@ -11,7 +11,7 @@
 #include "nav_agent/octomap/voxel_map.h"
 #include "nav_agent/traversability/traversability.h"
 
-namespace treeline {
+namespace treeline::traversability {
 
 enum class BlockKind : uint8_t { kGround, kStairs, kObstacle };
 
@@ -19,7 +19,7 @@ enum class BlockKind : uint8_t { kGround, kStairs, kObstacle };
 // top rises linearly from top_begin_m at -half_x to top_end_m at half_x.
 struct Block {
   BlockKind kind = BlockKind::kGround;
-  Rigid2 scene_from_block;
+  geometry::Rigid2 scene_from_block;
   double half_x_m = 1;
   double half_y_m = 1;
   double top_begin_m = 0;
@@ -27,7 +27,7 @@ struct Block {
   // Below the top; huge for what stands on the ground.
   double thickness_m = 100;
 
-  std::optional<double> TopAt(Vec2 point) const;
+  std::optional<double> TopAt(geometry::Vec2 point) const;
 };
 
 struct VoxelNoise {
@@ -49,14 +49,15 @@ struct Scene {
   static constexpr double kFloor_m = 0.013;
 
   // From corner to corner, straight along the axes.
-  void AddBox(BlockKind kind, Vec2 low, Vec2 high, double top_m,
-              double thickness_m = 100);
+  void AddBox(BlockKind kind, geometry::Vec2 low, geometry::Vec2 high,
+              double top_m, double thickness_m = 100);
 };
 
 // Surfaces one voxel thick; free space outside of blocks, unknown inside.
-VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise = {},
-                  double resolution_m = 0.05);
-VoxelMap WithNoise(const VoxelMap& exact, const VoxelNoise& noise);
+octree::VoxelMap Voxelize(const Scene& scene, const VoxelNoise& noise = {},
+                          double resolution_m = 0.05);
+octree::VoxelMap WithNoise(const octree::VoxelMap& exact,
+                           const VoxelNoise& noise);
 
 struct Score {
   int64_t cells = 0;
@@ -80,8 +81,9 @@ Score ScoreLevel(const Scene& scene, const TraversableLevel& level,
                  double end_z_m = 100);
 
 // Whether free cells of `level` connect the cells that hold two points.
-bool AreConnected(const OccupancyGrid& grid, Vec2 from, Vec2 to);
+bool AreConnected(const core::OccupancyGrid& grid, geometry::Vec2 from,
+                  geometry::Vec2 to);
 
-}  // namespace treeline
+}  // namespace treeline::traversability
 
 #endif  // NAV_AGENT_TRAVERSABILITY_TESTING_SCENE_H_

@@ -3,7 +3,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/traversability/levels.h"
 
-namespace treeline {
+namespace treeline::traversability {
 
 absl::StatusOr<TraversabilityMapper> TraversabilityMapper::Make(
     const TraversabilityOptions& options) {
@@ -11,7 +11,7 @@ absl::StatusOr<TraversabilityMapper> TraversabilityMapper::Make(
   return TraversabilityMapper(options);
 }
 
-absl::Status TraversabilityMapper::Rebuild(const VoxelMap& voxels) {
+absl::Status TraversabilityMapper::Rebuild(const octree::VoxelMap& voxels) {
   if (voxels.CountOccupied() == 0) {
     return absl::InvalidArgumentError(
         "the OctoMap has no occupied voxel: there is no ground in it");
@@ -26,7 +26,7 @@ absl::Status TraversabilityMapper::Rebuild(const VoxelMap& voxels) {
   return absl::OkStatus();
 }
 
-absl::Status TraversabilityMapper::Update(const VoxelMap& voxels,
+absl::Status TraversabilityMapper::Update(const octree::VoxelMap& voxels,
                                           const ColumnRect& changed) {
   if (voxels.resolution_m() != resolution_m_ || voxels.lowest() != lowest_ ||
       voxels.size() != size_ || needs_sight_ != (voxels.CountFree() > 0)) {
@@ -41,11 +41,11 @@ absl::Status TraversabilityMapper::Update(const VoxelMap& voxels,
 }
 
 absl::StatusOr<TraversableMap> ExtractTraversableMap(
-    const VoxelMap& voxels, const TraversabilityOptions& options) {
+    const octree::VoxelMap& voxels, const TraversabilityOptions& options) {
   TL_ASSIGN_OR_RETURN(TraversabilityMapper mapper,
                       TraversabilityMapper::Make(options));
   TL_RETURN_IF_ERROR(mapper.Rebuild(voxels));
   return mapper.map();
 }
 
-}  // namespace treeline
+}  // namespace treeline::traversability

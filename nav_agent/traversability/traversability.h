@@ -11,12 +11,12 @@
 #include "nav_agent/traversability/ground.h"
 #include "nav_agent/traversability/traversability_options.h"
 
-namespace treeline {
+namespace treeline::traversability {
 
 // One level: at most one ground in each cell. Layers have a value for each
 // cell of the grid, in its order; NaN where the level has no ground.
 struct TraversableLevel {
-  OccupancyGrid grid;
+  core::OccupancyGrid grid;
   // The ground's height in the map: the middle of its highest voxel.
   std::vector<float> height_m;
   // Eq. 6.2's gradient, in [0, pi/2]; pi/2 at the edges of drops.
@@ -30,7 +30,7 @@ struct TraversableLevel {
 struct LevelJoin {
   int lower_level = 0;
   int upper_level = 0;
-  std::vector<CellIndex> cells;
+  std::vector<core::CellIndex> cells;
 };
 
 // Levels from the bottom up; their grids cover the same cells.
@@ -47,10 +47,11 @@ class TraversabilityMapper {
       const TraversabilityOptions& options);
 
   // Of all of `voxels`. INVALID_ARGUMENT if no voxel is occupied.
-  absl::Status Rebuild(const VoxelMap& voxels);
+  absl::Status Rebuild(const octree::VoxelMap& voxels);
   // After only columns of `changed` have changed since the last call. Rebuilds
   // if the map's box, resolution, or whether it knows free space, changed.
-  absl::Status Update(const VoxelMap& voxels, const ColumnRect& changed);
+  absl::Status Update(const octree::VoxelMap& voxels,
+                      const ColumnRect& changed);
 
   const TraversableMap& map() const { return map_; }
 
@@ -60,16 +61,16 @@ class TraversabilityMapper {
 
   TraversabilityOptions options_;
   double resolution_m_ = 0;
-  VoxelIndex lowest_;
-  VoxelIndex size_;
+  octree::VoxelIndex lowest_;
+  octree::VoxelIndex size_;
   bool needs_sight_ = true;
   GroundColumns ground_;
   TraversableMap map_;
 };
 
 absl::StatusOr<TraversableMap> ExtractTraversableMap(
-    const VoxelMap& voxels, const TraversabilityOptions& options = {});
+    const octree::VoxelMap& voxels, const TraversabilityOptions& options = {});
 
-}  // namespace treeline
+}  // namespace treeline::traversability
 
 #endif  // NAV_AGENT_TRAVERSABILITY_TRAVERSABILITY_H_

@@ -4,12 +4,12 @@
 #include "nav_agent/traversability/testing_scene.h"
 #include "nav_agent/traversability/traversability.h"
 
-namespace treeline {
+namespace treeline::traversability {
 namespace {
 
 // 13 x 10 x 3 m with walls, a platform with ramp and stairs, and tables; with
 // the noise of the tests.
-VoxelMap MakeHall() {
+octree::VoxelMap MakeHall() {
   Scene scene = Scene::WithFloor(13, 10);
   for (const double x : {0.0, 12.88}) {
     scene.AddBox(BlockKind::kObstacle, {x, 0}, {x + 0.12, 10}, 2.9);
@@ -30,21 +30,22 @@ VoxelMap MakeHall() {
                  0.15 * (i + 1));
   }
   for (int i = 0; i < 12; ++i) {
-    const Vec2 corner{1.0 + 1.7 * (i % 4), 1.0 + 1.6 * static_cast<int>(i / 4)};
-    scene.AddBox(BlockKind::kObstacle, corner, corner + Vec2{0.8, 0.8}, 0.74,
-                 0.04);
+    const geometry::Vec2 corner{1.0 + 1.7 * (i % 4),
+                                1.0 + 1.6 * static_cast<int>(i / 4)};
+    scene.AddBox(BlockKind::kObstacle, corner,
+                 corner + geometry::Vec2{0.8, 0.8}, 0.74, 0.04);
   }
   return Voxelize(scene,
                   {.seed = 1, .dropped = 0.05, .near = 0.005, .far = 1e-4});
 }
 
-const VoxelMap& Hall() {
-  static const VoxelMap hall = MakeHall();
+const octree::VoxelMap& Hall() {
+  static const octree::VoxelMap hall = MakeHall();
   return hall;
 }
 
 void BM_FullExtraction(benchmark::State& state) {
-  const VoxelMap& hall = Hall();
+  const octree::VoxelMap& hall = Hall();
   for (auto _ : state) {
     benchmark::DoNotOptimize(ExtractTraversableMap(hall)->levels.size());
   }
@@ -53,7 +54,7 @@ BENCHMARK(BM_FullExtraction)->Unit(benchmark::kMillisecond);
 
 // 1 x 1 m in the middle of the floor.
 void BM_IncrementalUpdate(benchmark::State& state) {
-  const VoxelMap& hall = Hall();
+  const octree::VoxelMap& hall = Hall();
   absl::StatusOr<TraversabilityMapper> mapper =
       TraversabilityMapper::Make(TraversabilityOptions());
   if (!mapper->Rebuild(hall).ok()) state.SkipWithError("no map");
@@ -66,20 +67,21 @@ void BM_IncrementalUpdate(benchmark::State& state) {
 BENCHMARK(BM_IncrementalUpdate)->Unit(benchmark::kMillisecond);
 
 void BM_ReadBt(benchmark::State& state) {
-  const std::string bytes = *FormatBt(Hall());
+  const std::string bytes = *octree::FormatBt(Hall());
   for (auto _ : state) {
-    benchmark::DoNotOptimize(ParseOctree(bytes, "hall.bt")->CountOccupied());
+    benchmark::DoNotOptimize(
+        octree::ParseOctree(bytes, "hall.bt")->CountOccupied());
   }
 }
 BENCHMARK(BM_ReadBt)->Unit(benchmark::kMillisecond);
 
 void BM_WriteBt(benchmark::State& state) {
-  const VoxelMap& hall = Hall();
-  for (auto _ : state) benchmark::DoNotOptimize(FormatBt(hall)->size());
+  const octree::VoxelMap& hall = Hall();
+  for (auto _ : state) benchmark::DoNotOptimize(octree::FormatBt(hall)->size());
 }
 BENCHMARK(BM_WriteBt)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::traversability
 
 BENCHMARK_MAIN();

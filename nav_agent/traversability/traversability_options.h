@@ -5,7 +5,7 @@
 #include "absl/status/status.h"
 #include "nav_agent/core/robot_model.h"
 
-namespace treeline {
+namespace treeline::traversability {
 
 struct TraversabilityOptions {
   // Eq. 6.1's theta: ground from this slope on is untraversable (rad), in
@@ -33,7 +33,7 @@ struct TraversabilityOptions {
   // INVALID_ARGUMENT names the field.
   absl::Status Validate() const;
 
-  static TraversabilityOptions For(const RobotModel& robot) {
+  static TraversabilityOptions For(const core::RobotModel& robot) {
     TraversabilityOptions options;
     options.max_slope_rad = robot.max_slope_rad;
     options.max_step_m = robot.max_step_m;
@@ -49,6 +49,6 @@ struct TraversabilityOptions {
 double LayerGradient_rad(double layer_distance_m, double resolution_m,
                          double run_voxels);
 
-}  // namespace treeline
+}  // namespace treeline::traversability
 
 #endif  // NAV_AGENT_TRAVERSABILITY_TRAVERSABILITY_OPTIONS_H_

@@ -11,7 +11,7 @@
 #include "gtest/gtest.h"
 #include "nav_agent/traversability/testing_scene.h"
 
-namespace treeline {
+namespace treeline::traversability {
 namespace {
 
 using testing::HasSubstr;
@@ -22,7 +22,7 @@ constexpr double kRobotHeight_m = 1.25;
 constexpr VoxelNoise kNoise{
     .seed = 3, .dropped = 0.05, .near = 0.005, .far = 1e-4};
 
-TraversableMap Extract(const VoxelMap& voxels) {
+TraversableMap Extract(const octree::VoxelMap& voxels) {
   absl::StatusOr<TraversableMap> map = ExtractTraversableMap(voxels);
   EXPECT_TRUE(map.ok()) << map.status();
   return *std::move(map);
@@ -43,10 +43,12 @@ void ExpectSafe(const Scene& scene, const TraversableLevel& level,
 // platform, turned by yaw_rad about the middle.
 struct Climb {
   Scene scene = Scene::WithFloor(7, 7);
-  Rigid2 scene_from_climb;
+  geometry::Rigid2 scene_from_climb;
   double height_m = 0;
 
-  Vec2 At(double x, double y) const { return scene_from_climb * Vec2{x, y}; }
+  geometry::Vec2 At(double x, double y) const {
+    return scene_from_climb * geometry::Vec2{x, y};
+  }
   void Add(BlockKind kind, double begin_x, double end_x, double top_begin_m,
            double top_end_m, double half_width_m = 0.75) {
     Block block{
@@ -171,14 +173,15 @@ TEST(Traversability, SteepRampsAreOccupied) {
       SCOPED_TRACE(absl::StrCat(slope_deg, " deg, turned by ", yaw_deg));
       const Climb climb = MakeRamp(slope_deg, yaw_deg);
       const TraversableMap map = Extract(Voxelize(climb.scene, kNoise));
-      const OccupancyGrid& grid = map.levels[0].grid;
+      const core::OccupancyGrid& grid = map.levels[0].grid;
       EXPECT_FALSE(AreConnected(grid, climb.At(-2.5, 0), climb.At(1.2, 0)));
       int free = 0;
       int cells = 0;
       for (double x = -1.6; x <= 0.1; x += 0.05) {
         for (double y = -0.6; y <= 0.6; y += 0.05) {
           ++cells;
-          if (grid.At(grid.CellOf(climb.At(x, y))) == Occupancy::kFree) ++free;
+          if (grid.At(grid.CellOf(climb.At(x, y))) == core::Occupancy::kFree)
+            ++free;
         }
       }
       EXPECT_LE(free, 0.01 * cells);
@@ -211,10 +214,10 @@ TEST(Traversability, TheEdgesOfPlatformsAreSteepestOfAll) {
   const TraversableLevel& level = map.levels[0];
   ExpectSafe(scene, level);
   const size_t edge = level.grid.IndexOf({40, 60});
-  EXPECT_EQ(level.grid.cells[edge], Occupancy::kOccupied);
+  EXPECT_EQ(level.grid.cells[edge], core::Occupancy::kOccupied);
   EXPECT_NEAR(level.slope_rad[edge], std::numbers::pi / 2, 1e-6);
-  EXPECT_EQ(level.grid.At({42, 60}), Occupancy::kFree);
-  EXPECT_EQ(level.grid.At({38, 60}), Occupancy::kFree);
+  EXPECT_EQ(level.grid.At({42, 60}), core::Occupancy::kFree);
+  EXPECT_EQ(level.grid.At({38, 60}), core::Occupancy::kFree);
 }
 
 // A table, walls, a pillar, a door's threshold and a low beam.
@@ -224,8 +227,10 @@ Scene MakeRoom() {
   scene.AddBox(BlockKind::kObstacle, {0, 0}, {0.12, 6}, 2.5);
   scene.AddBox(BlockKind::kObstacle, {3.5, 3.5}, {3.83, 3.83}, 2.5);
   scene.AddBox(BlockKind::kObstacle, {1, 1}, {2.4, 1.8}, 0.74, 0.04);
-  for (const Vec2 leg : {Vec2{1, 1}, {2.35, 1}, {1, 1.75}, {2.35, 1.75}}) {
-    scene.AddBox(BlockKind::kObstacle, leg, leg + Vec2{0.05, 0.05}, 0.72);
+  for (const geometry::Vec2 leg :
+       {geometry::Vec2{1, 1}, {2.35, 1}, {1, 1.75}, {2.35, 1.75}}) {
+    scene.AddBox(BlockKind::kObstacle, leg, leg + geometry::Vec2{0.05, 0.05},
+                 0.72);
   }
   scene.AddBox(BlockKind::kGround, {4, 0.12}, {4.1, 6}, Scene::kFloor_m + 0.02);
   scene.AddBox(BlockKind::kObstacle, {4.6, 1}, {4.8, 5}, 1.3, 0.2);
@@ -240,9 +245,9 @@ TEST(Traversability, FurnitureAndLowBeamsAreOccupiedAndThresholdsFree) {
     ASSERT_EQ(map.levels.size(), 1u);
     const TraversableLevel& level = map.levels[0];
     ExpectSafe(scene, level);
-    const OccupancyGrid& grid = level.grid;
+    const core::OccupancyGrid& grid = level.grid;
     const size_t under_table = grid.IndexOf(grid.CellOf({1.7, 1.4}));
-    EXPECT_EQ(grid.cells[under_table], Occupancy::kOccupied);
+    EXPECT_EQ(grid.cells[under_table], core::Occupancy::kOccupied);
     EXPECT_NEAR(level.height_m[under_table], 0.025, 0.051);
     EXPECT_NEAR(level.clearance_m[under_table], 0.65, 0.051);
     // Under the beam at 1.5 m, and over the threshold.
@@ -255,14 +260,14 @@ TEST(Traversability, LowerRobotsPassUnderTables) {
   options.robot_height_m = 0.5;
   const TraversableMap map =
       *ExtractTraversableMap(Voxelize(MakeRoom()), options);
-  const OccupancyGrid& grid = map.levels[0].grid;
-  EXPECT_EQ(grid.At(grid.CellOf({1.7, 1.4})), Occupancy::kFree);
+  const core::OccupancyGrid& grid = map.levels[0].grid;
+  EXPECT_EQ(grid.At(grid.CellOf({1.7, 1.4})), core::Occupancy::kFree);
 }
 
 TEST(Traversability, HigherStepsMayBeAllowed) {
   Scene scene = Scene::WithFloor(4, 4);
   scene.AddBox(BlockKind::kGround, {2, 0}, {4, 4}, Scene::kFloor_m + 0.1);
-  const VoxelMap voxels = Voxelize(scene);
+  const octree::VoxelMap voxels = Voxelize(scene);
   TraversabilityOptions options;
   EXPECT_FALSE(AreConnected(
       ExtractTraversableMap(voxels, options)->levels[0].grid, {1, 2}, {3, 2}));
@@ -297,7 +302,7 @@ constexpr double kHalf_m = 0.025;
 double LowestFree_m(const TraversableLevel& level) {
   double lowest_m = 1e9;
   for (size_t i = 0; i < level.grid.cells.size(); ++i) {
-    if (level.grid.cells[i] != Occupancy::kFree) continue;
+    if (level.grid.cells[i] != core::Occupancy::kFree) continue;
     lowest_m = std::min<double>(lowest_m, level.height_m[i]);
   }
   return lowest_m;
@@ -306,7 +311,7 @@ double LowestFree_m(const TraversableLevel& level) {
 double HighestFree_m(const TraversableLevel& level) {
   double highest_m = -1e9;
   for (size_t i = 0; i < level.grid.cells.size(); ++i) {
-    if (level.grid.cells[i] != Occupancy::kFree) continue;
+    if (level.grid.cells[i] != core::Occupancy::kFree) continue;
     highest_m = std::max<double>(highest_m, level.height_m[i]);
   }
   return highest_m;
@@ -328,8 +333,8 @@ TEST(Traversability, FloorsThatOverlapAreLevelsJoinedByTheirRamp) {
                           [](const LevelJoin& a, const LevelJoin& b) {
                             return a.cells.size() < b.cells.size();
                           });
-    const CellIndex join = ramp.cells[ramp.cells.size() / 2];
-    const Vec2 door = map.levels[0].grid.CenterInMap(join);
+    const core::CellIndex join = ramp.cells[ramp.cells.size() / 2];
+    const geometry::Vec2 door = map.levels[0].grid.CenterInMap(join);
     EXPECT_TRUE(AreConnected(map.levels[0].grid, {1, 4}, door));
     EXPECT_TRUE(AreConnected(map.levels[1].grid, door, {2, 4}));
     EXPECT_NEAR(map.levels[1].height_m[map.levels[1].grid.IndexOf({20, 80})],
@@ -347,22 +352,22 @@ TEST(Traversability, FloorsWithoutARampAreLevelsWithoutAJoin) {
 }
 
 TEST(Traversability, WhatNobodySawIsUnknown) {
-  VoxelMap voxels = Voxelize(Scene::WithFloor(4, 4));
+  octree::VoxelMap voxels = Voxelize(Scene::WithFloor(4, 4));
   for (int y = 0; y < 80; ++y) {
     for (int x = 40; x < 80; ++x) {
-      voxels.SetRun(x, y, 0, voxels.size().z, Voxel::kUnknown);
+      voxels.SetRun(x, y, 0, voxels.size().z, octree::Voxel::kUnknown);
     }
   }
   // The underside of a ceiling is no floor from above.
   for (int x = 0; x < 40; ++x) {
-    voxels.Set({x, 10, 55}, Voxel::kOccupied);
-    voxels.SetRun(x, 10, 56, voxels.size().z, Voxel::kUnknown);
+    voxels.Set({x, 10, 55}, octree::Voxel::kOccupied);
+    voxels.SetRun(x, 10, 56, voxels.size().z, octree::Voxel::kUnknown);
   }
-  const OccupancyGrid grid = Extract(voxels).levels[0].grid;
-  EXPECT_EQ(grid.At({60, 40}), Occupancy::kUnknown);
+  const core::OccupancyGrid grid = Extract(voxels).levels[0].grid;
+  EXPECT_EQ(grid.At({60, 40}), core::Occupancy::kUnknown);
   // Ground that ends where the view did is no edge.
-  EXPECT_EQ(grid.At({39, 40}), Occupancy::kFree);
-  EXPECT_EQ(grid.At({20, 10}), Occupancy::kFree);
+  EXPECT_EQ(grid.At({39, 40}), core::Occupancy::kFree);
+  EXPECT_EQ(grid.At({20, 10}), core::Occupancy::kFree);
 }
 
 bool SameValues(const std::vector<float>& a, const std::vector<float>& b) {
@@ -387,12 +392,12 @@ void ExpectSame(const TraversableMap& a, const TraversableMap& b) {
 }
 
 TEST(Traversability, UpdatesGiveExactlyWhatANewExtractionGives) {
-  VoxelMap voxels = Voxelize(MakeTwoFloors(), kNoise);
+  octree::VoxelMap voxels = Voxelize(MakeTwoFloors(), kNoise);
   absl::StatusOr<TraversabilityMapper> mapper =
       TraversabilityMapper::Make(TraversabilityOptions());
   ASSERT_TRUE(mapper.ok());
   ASSERT_TRUE(mapper->Rebuild(voxels).ok());
-  Random random(9, 0);
+  base::Random random(9, 0);
   for (int change = 0; change < 12; ++change) {
     SCOPED_TRACE(change);
     const auto below = [&random](int bound) {
@@ -403,7 +408,7 @@ TEST(Traversability, UpdatesGiveExactlyWhatANewExtractionGives) {
     const int y = change % 3 == 0 ? 0 : below(voxels.size().y - 20);
     const int z = below(voxels.size().z - 12);
     const int width = 1 + below(20);
-    const auto value = static_cast<Voxel>(below(3));
+    const auto value = static_cast<octree::Voxel>(below(3));
     for (int dy = 0; dy < width; ++dy) {
       for (int dx = 0; dx < width; ++dx) {
         voxels.SetRun(x + dx, y + dy, z, z + 1 + below(12), value);
@@ -418,16 +423,16 @@ TEST(Traversability, AMapThatGrowsIsRebuilt) {
   absl::StatusOr<TraversabilityMapper> mapper =
       TraversabilityMapper::Make(TraversabilityOptions());
   ASSERT_TRUE(mapper->Rebuild(Voxelize(Scene::WithFloor(3, 3))).ok());
-  const VoxelMap larger = Voxelize(Scene::WithFloor(4, 3));
+  const octree::VoxelMap larger = Voxelize(Scene::WithFloor(4, 3));
   ASSERT_TRUE(mapper->Update(larger, {0, 0, 1, 1}).ok());
   ExpectSame(mapper->map(), Extract(larger));
 }
 
 TEST(Traversability, EmptyMapsAreErrors) {
-  EXPECT_EQ(ExtractTraversableMap(VoxelMap()).status().code(),
+  EXPECT_EQ(ExtractTraversableMap(octree::VoxelMap()).status().code(),
             absl::StatusCode::kInvalidArgument);
-  VoxelMap free = *VoxelMap::Make(0.05, {}, {10, 10, 10});
-  free.SetRun(0, 0, 0, 10, Voxel::kFree);
+  octree::VoxelMap free = *octree::VoxelMap::Make(0.05, {}, {10, 10, 10});
+  free.SetRun(0, 0, 0, 10, octree::Voxel::kFree);
   EXPECT_THAT(std::string(ExtractTraversableMap(free).status().message()),
               HasSubstr("no occupied voxel"));
 }
@@ -435,7 +440,7 @@ TEST(Traversability, EmptyMapsAreErrors) {
 TEST(Traversability, OptionsOutOfRangeAreNamed) {
   TraversabilityOptions options;
   EXPECT_TRUE(options.Validate().ok());
-  EXPECT_TRUE(TraversabilityOptions::For(RobotModel()).Validate().ok());
+  EXPECT_TRUE(TraversabilityOptions::For(core::RobotModel()).Validate().ok());
   options.max_slope_rad = std::nan("");
   EXPECT_THAT(std::string(options.Validate().message()),
               HasSubstr("max_slope_rad is"));
@@ -446,4 +451,4 @@ TEST(Traversability, OptionsOutOfRangeAreNamed) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::traversability

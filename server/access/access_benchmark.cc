@@ -14,7 +14,7 @@
 #include "server/access/token_access.h"
 #include "server/access/token_maker.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 constexpr char kClaims[] =
@@ -55,8 +55,9 @@ void AdmitKnownToken(benchmark::State& state) {
   const std::string key = MakeEcPrivateKey();
   const std::string path = absl::StrCat(
       std::filesystem::temp_directory_path().string(), "/jwks-", getpid());
-  if (!WriteFileAtomically(path, Jwks({EcJwk(key, "k")})).ok()) std::abort();
-  const SteadyClock clock;
+  if (!base::WriteFileAtomically(path, Jwks({EcJwk(key, "k")})).ok())
+    std::abort();
+  const base::SteadyClock clock;
   const SystemWallClock wall;
   const auto keys = KeyStore::Open({.path = path}, clock, nullptr);
   if (!keys.ok()) std::abort();
@@ -64,17 +65,17 @@ void AdmitKnownToken(benchmark::State& state) {
   TokenAccess tokens({}, &verifier);
   RateLimitedAccess access(tokens, {.rate_per_s = 1e6, .burst = 1000000},
                            clock);
-  CallInfo call;
+  service::CallInfo call;
   call.credentials.bearer_token =
       MakeToken(JwtAlgorithm::kEs256, key, "k", kClaims);
   for (auto _ : state) {
-    if (!access.Admit(call, Scope::kLocalize).ok()) std::abort();
+    if (!access.Admit(call, service::Scope::kLocalize).ok()) std::abort();
   }
   std::filesystem::remove(path);
 }
 BENCHMARK(AdmitKnownToken);
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::access
 
 BENCHMARK_MAIN();

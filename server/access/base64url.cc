@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 constexpr char kAlphabet[] =
@@ -57,4 +57,4 @@ std::optional<std::string> DecodeBase64Url(absl::string_view text) {
   return bytes;
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

@@ -8,7 +8,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::access {
 
 std::string EncodeBase64Url(absl::string_view bytes);
 
@@ -17,6 +17,6 @@ std::string EncodeBase64Url(absl::string_view bytes);
 // not zero.
 std::optional<std::string> DecodeBase64Url(absl::string_view text);
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_BASE64URL_H_

@@ -5,7 +5,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 TEST(Base64Url, EncodesTheVectorsOfTheStandard) {
@@ -45,4 +45,4 @@ TEST(Base64Url, RefusesASecondTextForTheSameBytes) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::access

@@ -9,7 +9,7 @@
 
 #include "server/access/openssl.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 void Require(bool condition) {
@@ -87,4 +87,4 @@ MadeCertificate MakeCertificate(const MadeCertificate& authority,
   return ToPem(certificate.get(), key.get());
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace treeline {
+namespace treeline::access {
 
 struct MadeCertificate {
   // Both as PEM.
@@ -30,6 +30,6 @@ MadeCertificate MakeAuthority(const std::string& common_name);
 MadeCertificate MakeCertificate(const MadeCertificate& authority,
                                 const CertificateSpec& spec);
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_CERTIFICATE_MAKER_H_

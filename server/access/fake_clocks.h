@@ -9,12 +9,12 @@
 #include "common/base/clock.h"
 #include "server/access/wall_clock.h"
 
-namespace treeline {
+namespace treeline::access {
 
-class FakeClock final : public Clock {
+class FakeClock final : public base::Clock {
  public:
-  MonotonicTime Now() const override {
-    return MonotonicTime(std::chrono::nanoseconds(now_ns_.load()));
+  base::MonotonicTime Now() const override {
+    return base::MonotonicTime(std::chrono::nanoseconds(now_ns_.load()));
   }
   void Advance(std::chrono::nanoseconds by) { now_ns_ += by.count(); }
 
@@ -32,6 +32,6 @@ class FakeWallClock final : public WallClock {
   std::atomic<int64_t> unix_s_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_FAKE_CLOCKS_H_

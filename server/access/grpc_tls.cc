@@ -6,7 +6,7 @@
 
 #include "server/access/openssl.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 // Called by gRPC before each handshake, by one thread of a listener at a time.
@@ -81,4 +81,4 @@ std::vector<std::string> CertificateNames(const grpc::AuthContext& context) {
   return NamesIn(*certificates.front());
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

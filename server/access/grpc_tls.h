@@ -13,7 +13,7 @@ class AuthContext;
 class ServerCredentials;
 }  // namespace grpc
 
-namespace treeline {
+namespace treeline::access {
 
 // TLS 1.2 or newer with the files' certificate; every connection is made with
 // what the files held at most one poll interval before, and established ones
@@ -27,6 +27,6 @@ std::shared_ptr<grpc::ServerCredentials> MakeServerCredentials(
 // one. TLS has verified it.
 std::vector<std::string> CertificateNames(const grpc::AuthContext& context);
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_GRPC_TLS_H_

@@ -4,7 +4,7 @@
 
 #include "server/access/openssl.h"
 
-namespace treeline {
+namespace treeline::access {
 
 // Immutable; shared by the connections that are being made.
 struct HttpTls::Parsed {
@@ -90,4 +90,4 @@ std::vector<std::string> CertificateNames(const ssl_st& connection) {
   return NamesIn(*certificate);
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

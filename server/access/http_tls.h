@@ -14,7 +14,7 @@
 struct ssl_ctx_st;
 struct ssl_st;
 
-namespace treeline {
+namespace treeline::access {
 
 // Sets up an SSL_CTX so that every connection is made with what the files held
 // at most one poll interval before:
@@ -51,6 +51,6 @@ class HttpTls {
 // the connection.
 std::vector<std::string> CertificateNames(const ssl_st& connection);
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_HTTP_TLS_H_

@@ -14,7 +14,7 @@
 #include "common/base/status_macros.h"
 #include "server/access/base64url.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 using Json = nlohmann::json;
@@ -27,7 +27,7 @@ struct FreeText {
 };
 
 absl::Status Invalid(absl::string_view what) {
-  return WithReason(
+  return base::WithReason(
       absl::UnauthenticatedError(absl::StrCat("the token is invalid: ", what)),
       "TOKEN_INVALID");
 }
@@ -106,4 +106,4 @@ absl::StatusOr<std::string> VerifyJwtSignature(absl::string_view token,
   return std::string(claims.get());
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

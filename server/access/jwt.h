@@ -8,7 +8,7 @@
 #include "absl/strings/string_view.h"
 #include "server/access/jwt_keys.h"
 
-namespace treeline {
+namespace treeline::access {
 
 // Longer tokens are refused before anything looks into them.
 inline constexpr size_t kLongestToken = 8 * 1024;  // bytes
@@ -21,6 +21,6 @@ inline constexpr size_t kLongestToken = 8 * 1024;  // bytes
 absl::StatusOr<std::string> VerifyJwtSignature(absl::string_view token,
                                                const JwtKeySet& keys);
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_JWT_H_

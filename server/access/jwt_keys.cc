@@ -13,7 +13,7 @@
 #include "server/access/base64url.h"
 #include "server/access/openssl.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 using Json = nlohmann::json;
@@ -257,7 +257,7 @@ absl::StatusOr<JwtKeySet> ParseJwks(absl::string_view json,
       continue;
     }
     auto key = ParseJwk(jwk, *algorithm);
-    if (!key.ok()) return Annotate(key.status(), where);
+    if (!key.ok()) return base::Annotate(key.status(), where);
     keys.push_back(*std::move(key));
   }
   if (keys.empty() && index > 0) {
@@ -286,4 +286,4 @@ absl::StatusOr<JwtKey> ParsePemJwtKey(absl::string_view id,
   return ToJwtKey(id, *key);
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::access {
 
 // RFC 7518, section 3.1. There is no kNone, and there shall not be.
 enum class JwtAlgorithm { kRs256, kEs256, kHs256 };
@@ -60,6 +60,6 @@ absl::StatusOr<JwtKeySet> ParseJwks(absl::string_view json,
 absl::StatusOr<JwtKey> ParsePemJwtKey(absl::string_view id,
                                       absl::string_view pem);
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_JWT_KEYS_H_

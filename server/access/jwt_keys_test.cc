@@ -7,7 +7,7 @@
 #include "server/access/base64url.h"
 #include "server/access/token_maker.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 const std::vector<JwtAlgorithm> kAll = {
@@ -124,4 +124,4 @@ TEST(ParsePemJwtKey, TakesPublicKeysOnly) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::access

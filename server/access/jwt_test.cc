@@ -10,7 +10,7 @@
 #include "server/access/base64url.h"
 #include "server/access/token_maker.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 using testing::HasSubstr;
@@ -33,7 +33,7 @@ class JwtTest : public testing::Test {
     const auto claims = VerifyJwtSignature(token, keys_);
     if (claims.ok()) return "OK";
     EXPECT_EQ(claims.status().code(), absl::StatusCode::kUnauthenticated);
-    EXPECT_EQ(ErrorInfoOf(claims.status()).reason, "TOKEN_INVALID");
+    EXPECT_EQ(base::ErrorInfoOf(claims.status()).reason, "TOKEN_INVALID");
     return std::string(claims.status().message());
   }
 
@@ -178,4 +178,4 @@ TEST_F(JwtTest, RefusesLongTokensUnread) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::access

@@ -10,7 +10,7 @@
 #include "common/base/status_macros.h"
 #include "server/access/secret_file.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 constexpr uint64_t kMostBytes = 1 << 20;
@@ -41,7 +41,7 @@ absl::Status KeyStoreOptions::Validate() const {
   return absl::OkStatus();
 }
 
-KeyStore::KeyStore(const KeyStoreOptions& options, const Clock& clock,
+KeyStore::KeyStore(const KeyStoreOptions& options, const base::Clock& clock,
                    TrustLog log)
     : options_(options),
       clock_(clock),
@@ -49,7 +49,7 @@ KeyStore::KeyStore(const KeyStoreOptions& options, const Clock& clock,
       gate_(clock.Now(), options.poll_interval) {}
 
 absl::StatusOr<std::unique_ptr<KeyStore>> KeyStore::Open(
-    const KeyStoreOptions& options, const Clock& clock, TrustLog log) {
+    const KeyStoreOptions& options, const base::Clock& clock, TrustLog log) {
   TL_RETURN_IF_ERROR(options.Validate());
   std::unique_ptr<KeyStore> store(new KeyStore(options, clock, std::move(log)));
   TL_RETURN_IF_ERROR(store->Load().status());
@@ -61,7 +61,8 @@ absl::StatusOr<KeyStore::Files> KeyStore::ReadFiles() const {
   Files files;
   std::error_code error;
   if (!fs::is_directory(options_.path, error)) {
-    TL_ASSIGN_OR_RETURN(std::string bytes, ReadFile(options_.path, kMostBytes));
+    TL_ASSIGN_OR_RETURN(std::string bytes,
+                        base::ReadFile(options_.path, kMostBytes));
     files.emplace_back("", std::move(bytes));
     return files;
   }
@@ -73,7 +74,8 @@ absl::StatusOr<KeyStore::Files> KeyStore::ReadFiles() const {
       return absl::InvalidArgumentError(
           absl::StrCat(options_.path, ": more than ", kMostFiles, " keys"));
     }
-    TL_ASSIGN_OR_RETURN(std::string bytes, ReadFile(path.string(), kMostBytes));
+    TL_ASSIGN_OR_RETURN(std::string bytes,
+                        base::ReadFile(path.string(), kMostBytes));
     files.emplace_back(path.stem().string(), std::move(bytes));
   }
   if (error) {
@@ -87,14 +89,14 @@ absl::StatusOr<KeyStore::Files> KeyStore::ReadFiles() const {
 absl::StatusOr<JwtKeySet> KeyStore::Parse(const Files& files) const {
   if (files.size() == 1 && files.front().first.empty()) {
     auto keys = ParseJwks(files.front().second, options_.algorithms);
-    if (!keys.ok()) return Annotate(keys.status(), options_.path);
+    if (!keys.ok()) return base::Annotate(keys.status(), options_.path);
     return keys;
   }
   std::vector<JwtKey> keys;
   for (const auto& [id, pem] : files) {
     const std::string path = absl::StrCat(options_.path, "/", id, ".pem");
     auto key = ParsePemJwtKey(id, pem);
-    if (!key.ok()) return Annotate(key.status(), path);
+    if (!key.ok()) return base::Annotate(key.status(), path);
     if (IsAllowed(key->algorithm, options_.algorithms)) {
       keys.push_back(*std::move(key));
     }
@@ -142,4 +144,4 @@ KeyStore::Snapshot KeyStore::Current() {
   return snapshot_;
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

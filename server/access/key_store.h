@@ -19,7 +19,7 @@
 #include "server/access/poll_gate.h"
 #include "server/access/trust_log.h"
 
-namespace treeline {
+namespace treeline::access {
 
 struct KeyStoreOptions {
   // A JSON Web Key Set, or a folder of public keys <kid>.pem.
@@ -46,7 +46,7 @@ class KeyStore {
   // INVALID_ARGUMENT, NOT_FOUND, PERMISSION_DENIED...: the keys cannot be used;
   // the message names the file. `clock` must outlive the store.
   static absl::StatusOr<std::unique_ptr<KeyStore>> Open(
-      const KeyStoreOptions& options, const Clock& clock, TrustLog log);
+      const KeyStoreOptions& options, const base::Clock& clock, TrustLog log);
 
   // The keys as they are now. At most once in an interval the caller's thread
   // looks whether the files have other contents: contents that cannot be used
@@ -54,7 +54,8 @@ class KeyStore {
   Snapshot Current();
 
  private:
-  KeyStore(const KeyStoreOptions& options, const Clock& clock, TrustLog log);
+  KeyStore(const KeyStoreOptions& options, const base::Clock& clock,
+           TrustLog log);
 
   // Names and bytes of the files; one without a name: it is a key set.
   using Files = std::vector<std::pair<std::string, std::string>>;
@@ -66,7 +67,7 @@ class KeyStore {
   void Poll();
 
   const KeyStoreOptions options_;
-  const Clock& clock_;
+  const base::Clock& clock_;
   const TrustLog log_;
   PollGate gate_;
   // Touched only by the thread that the gate let in.
@@ -77,6 +78,6 @@ class KeyStore {
   Snapshot snapshot_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_KEY_STORE_H_

@@ -13,7 +13,7 @@
 #include "server/access/fake_clocks.h"
 #include "server/access/token_maker.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 using std::chrono::milliseconds;
@@ -34,7 +34,7 @@ class KeyStoreTest : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   void Put(const std::string& path, const std::string& bytes) {
-    ASSERT_TRUE(WriteFileAtomically(path, bytes).ok());
+    ASSERT_TRUE(base::WriteFileAtomically(path, bytes).ok());
   }
 
   absl::StatusOr<std::unique_ptr<KeyStore>> Open(const std::string& path) {
@@ -173,4 +173,4 @@ TEST(KeyStoreOptions, NameWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::access

@@ -9,7 +9,7 @@
 
 #include "absl/container/flat_hash_map.h"
 
-namespace treeline {
+namespace treeline::access {
 
 // Not thread-safe.
 template <typename Value>
@@ -56,6 +56,6 @@ class LruMap {
   absl::flat_hash_map<std::string, typename Entries::iterator> by_key_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_LRU_MAP_H_

@@ -3,7 +3,7 @@
 #include <openssl/err.h>
 #include <openssl/pem.h>
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 // In the place of OpenSSL's own, which asks on the terminal.
@@ -93,4 +93,4 @@ std::vector<std::string> NamesIn(const X509& certificate) {
   return names;
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

@@ -16,7 +16,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::access {
 
 template <auto kFree>
 struct OpenSslFree {
@@ -59,6 +59,6 @@ PkeyPtr ReadPrivateKey(absl::string_view pem);
 // its common name. A name with a NUL inside is left out.
 std::vector<std::string> NamesIn(const X509& certificate);
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_OPENSSL_H_

@@ -9,17 +9,17 @@
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
 
-namespace treeline {
+namespace treeline::access {
 
 // Thread-safe.
 class PollGate {
  public:
   // The first poll is due one interval after `now`.
-  PollGate(MonotonicTime now, std::chrono::milliseconds interval)
+  PollGate(base::MonotonicTime now, std::chrono::milliseconds interval)
       : interval_(interval), next_(now + interval) {}
 
   // Whether the caller shall poll now; if so it calls Done() afterwards.
-  bool Enter(MonotonicTime now) {
+  bool Enter(base::MonotonicTime now) {
     const absl::MutexLock lock(&mutex_);
     if (polling_ || now < next_) return false;
     polling_ = true;
@@ -34,10 +34,10 @@ class PollGate {
  private:
   const std::chrono::milliseconds interval_ = {};
   absl::Mutex mutex_;
-  MonotonicTime next_ ABSL_GUARDED_BY(mutex_);
+  base::MonotonicTime next_ ABSL_GUARDED_BY(mutex_);
   bool polling_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_POLL_GATE_H_

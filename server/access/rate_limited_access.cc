@@ -17,7 +17,7 @@
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::access {
 
 absl::Status RateLimitOptions::Validate() const {
   if (rate_per_s != 0 && !(rate_per_s >= 0.001 && rate_per_s <= 1e6)) {
@@ -36,22 +36,22 @@ absl::Status RateLimitOptions::Validate() const {
   return absl::OkStatus();
 }
 
-RateLimitedAccess::RateLimitedAccess(AccessPolicy& inner,
+RateLimitedAccess::RateLimitedAccess(service::AccessPolicy& inner,
                                      const RateLimitOptions& options,
-                                     const Clock& clock)
+                                     const base::Clock& clock)
     : inner_(inner),
       options_(options),
       clock_(clock),
       limiter_(options.max_clients) {}
 
-absl::StatusOr<Client> RateLimitedAccess::Admit(const CallInfo& call,
-                                                Scope scope) {
-  TL_ASSIGN_OR_RETURN(Client client, inner_.Admit(call, scope));
-  if (scope != Scope::kAdmin) TL_RETURN_IF_ERROR(Charge(client));
+absl::StatusOr<service::Client> RateLimitedAccess::Admit(
+    const service::CallInfo& call, service::Scope scope) {
+  TL_ASSIGN_OR_RETURN(service::Client client, inner_.Admit(call, scope));
+  if (scope != service::Scope::kAdmin) TL_RETURN_IF_ERROR(Charge(client));
   return client;
 }
 
-absl::Status RateLimitedAccess::Charge(const Client& client) {
+absl::Status RateLimitedAccess::Charge(const service::Client& client) {
   double rate = options_.rate_per_s;
   double burst = options_.burst;
   if (client.max_rate_per_s > 0 &&
@@ -65,10 +65,10 @@ absl::Status RateLimitedAccess::Charge(const Client& client) {
       limiter_.Take(RateKeyOf(client.id), clock_.Now(), rate,
                     std::max<int64_t>(1, std::llround(std::min(burst, 1e6))));
   if (!wait) return absl::OkStatus();
-  return WithRetryAfter(
-      WithReason(absl::ResourceExhaustedError(
-                     absl::StrCat("more than ", rate, " requests per second")),
-                 "RATE_LIMITED", {{"rate_per_s", absl::StrCat(rate)}}),
+  return base::WithRetryAfter(
+      base::WithReason(absl::ResourceExhaustedError(absl::StrCat(
+                           "more than ", rate, " requests per second")),
+                       "RATE_LIMITED", {{"rate_per_s", absl::StrCat(rate)}}),
       std::chrono::ceil<std::chrono::milliseconds>(*wait));
 }
 
@@ -92,4 +92,4 @@ std::string RateKeyOf(const std::string& client_id) {
       "ipv6/64:", absl::BytesToHexString(absl::string_view(bytes.data(), 8)));
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

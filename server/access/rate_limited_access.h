@@ -11,7 +11,7 @@
 #include "server/access/rate_limiter.h"
 #include "server/service/access_policy.h"
 
-namespace treeline {
+namespace treeline::access {
 
 struct RateLimitOptions {
   // Of one client, 0.001..1000000; 0: no limit but what its token says.
@@ -26,20 +26,21 @@ struct RateLimitOptions {
 
 // Operators (Scope::kAdmin) are not limited. Of a client with a rate of its own
 // the lesser holds, with a burst that is less in proportion.
-class RateLimitedAccess final : public AccessPolicy {
+class RateLimitedAccess final : public service::AccessPolicy {
  public:
   // `options` are valid; the references must outlive the policy.
-  RateLimitedAccess(AccessPolicy& inner, const RateLimitOptions& options,
-                    const Clock& clock);
+  RateLimitedAccess(service::AccessPolicy& inner,
+                    const RateLimitOptions& options, const base::Clock& clock);
 
-  absl::StatusOr<Client> Admit(const CallInfo& call, Scope scope) override;
+  absl::StatusOr<service::Client> Admit(const service::CallInfo& call,
+                                        service::Scope scope) override;
 
  private:
-  absl::Status Charge(const Client& client);
+  absl::Status Charge(const service::Client& client);
 
-  AccessPolicy& inner_;
+  service::AccessPolicy& inner_;
   const RateLimitOptions options_;
-  const Clock& clock_;
+  const base::Clock& clock_;
   RateLimiter limiter_;
 };
 
@@ -47,6 +48,6 @@ class RateLimitedAccess final : public AccessPolicy {
 // addresses by their first 64 bits, since who has one has all that share them.
 std::string RateKeyOf(const std::string& client_id);
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_RATE_LIMITED_ACCESS_H_

@@ -7,24 +7,25 @@
 #include "gtest/gtest.h"
 #include "server/access/fake_clocks.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 using std::chrono::milliseconds;
 
-class FakeAccess final : public AccessPolicy {
+class FakeAccess final : public service::AccessPolicy {
  public:
-  absl::StatusOr<Client> Admit(const CallInfo& /*call*/,
-                               Scope /*scope*/) override {
+  absl::StatusOr<service::Client> Admit(const service::CallInfo& /*call*/,
+                                        service::Scope /*scope*/) override {
     return answer;
   }
-  absl::StatusOr<Client> answer = Client{.id = "robot-7"};
+  absl::StatusOr<service::Client> answer = service::Client{.id = "robot-7"};
 };
 
 class RateLimitedAccessTest : public testing::Test {
  protected:
   // Calls that are let in before one is not, up to 1000.
-  int Admitted(AccessPolicy& access, Scope scope = Scope::kLocalize) {
+  int Admitted(service::AccessPolicy& access,
+               service::Scope scope = service::Scope::kLocalize) {
     int admitted = 0;
     while (admitted < 1000 && access.Admit({}, scope).ok()) ++admitted;
     return admitted;
@@ -37,11 +38,12 @@ class RateLimitedAccessTest : public testing::Test {
 TEST_F(RateLimitedAccessTest, RefusesWithReasonAndTheTimeToTryAgain) {
   RateLimitedAccess access(inner_, {.rate_per_s = 3, .burst = 2}, clock_);
   EXPECT_EQ(Admitted(access), 2);
-  const absl::Status refused = access.Admit({}, Scope::kLocalize).status();
+  const absl::Status refused =
+      access.Admit({}, service::Scope::kLocalize).status();
   EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
-  EXPECT_EQ(ErrorInfoOf(refused).reason, "RATE_LIMITED");
+  EXPECT_EQ(base::ErrorInfoOf(refused).reason, "RATE_LIMITED");
   // A third of a second, rounded up, so that it is not too early.
-  ASSERT_EQ(RetryAfterOf(refused), milliseconds(334));
+  ASSERT_EQ(base::RetryAfterOf(refused), milliseconds(334));
   clock_.Advance(milliseconds(334));
   EXPECT_EQ(Admitted(access), 1);
 }
@@ -49,19 +51,19 @@ TEST_F(RateLimitedAccessTest, RefusesWithReasonAndTheTimeToTryAgain) {
 TEST_F(RateLimitedAccessTest, CountsClientsAndAddressesApart) {
   RateLimitedAccess access(inner_, {.rate_per_s = 1, .burst = 2}, clock_);
   EXPECT_EQ(Admitted(access), 2);
-  inner_.answer = Client{.id = "ipv4:10.0.0.7"};
+  inner_.answer = service::Client{.id = "ipv4:10.0.0.7"};
   EXPECT_EQ(Admitted(access), 2);
-  inner_.answer = Client{.id = "ipv4:10.0.0.8"};
+  inner_.answer = service::Client{.id = "ipv4:10.0.0.8"};
   EXPECT_EQ(Admitted(access), 2);
 }
 
 TEST_F(RateLimitedAccessTest, CountsTheAddressesOfOneIpv6NetworkTogether) {
   RateLimitedAccess access(inner_, {.rate_per_s = 1, .burst = 2}, clock_);
-  inner_.answer = Client{.id = "ipv6:%5B2001:db8::1%5D"};
+  inner_.answer = service::Client{.id = "ipv6:%5B2001:db8::1%5D"};
   EXPECT_EQ(Admitted(access), 2);
-  inner_.answer = Client{.id = "ipv6:%5B2001:db8::ffff:2%5D"};
+  inner_.answer = service::Client{.id = "ipv6:%5B2001:db8::ffff:2%5D"};
   EXPECT_EQ(Admitted(access), 0);
-  inner_.answer = Client{.id = "ipv6:[2001:db8:0:1::1]"};
+  inner_.answer = service::Client{.id = "ipv6:[2001:db8:0:1::1]"};
   EXPECT_EQ(Admitted(access), 2);
 }
 
@@ -76,7 +78,7 @@ TEST(RateKeyOf, KeepsTheIpv4AddressesOfADualStackListenerApart) {
 
 TEST_F(RateLimitedAccessTest, LetsOperatorsIn) {
   RateLimitedAccess access(inner_, {.rate_per_s = 1, .burst = 2}, clock_);
-  EXPECT_EQ(Admitted(access, Scope::kAdmin), 1000);
+  EXPECT_EQ(Admitted(access, service::Scope::kAdmin), 1000);
   EXPECT_EQ(Admitted(access), 2);
 }
 
@@ -89,20 +91,21 @@ TEST_F(RateLimitedAccessTest, WithoutARateLimitsNobodyWhoseTokenSaysNothing) {
 
 TEST_F(RateLimitedAccessTest, TakesTheLesserOfTheTokensRateAndItsOwn) {
   RateLimitedAccess access(inner_, {.rate_per_s = 100, .burst = 50}, clock_);
-  inner_.answer = Client{.id = "slow", .max_rate_per_s = 10};
+  inner_.answer = service::Client{.id = "slow", .max_rate_per_s = 10};
   EXPECT_EQ(Admitted(access), 5);
   clock_.Advance(milliseconds(100));
   EXPECT_EQ(Admitted(access), 1);
-  inner_.answer = Client{.id = "greedy", .max_rate_per_s = 1e9};
+  inner_.answer = service::Client{.id = "greedy", .max_rate_per_s = 1e9};
   EXPECT_EQ(Admitted(access), 50);
-  inner_.answer = Client{.id = "slowest", .max_rate_per_s = 0.5};
+  inner_.answer = service::Client{.id = "slowest", .max_rate_per_s = 0.5};
   EXPECT_EQ(Admitted(access), 1);
 }
 
 TEST_F(RateLimitedAccessTest, PassesOnWhatTheOtherPolicyRefuses) {
   RateLimitedAccess access(inner_, {.rate_per_s = 1}, clock_);
-  inner_.answer = WithReason(absl::UnauthenticatedError("no"), "TOKEN_MISSING");
-  EXPECT_EQ(access.Admit({}, Scope::kLocalize).status(),
+  inner_.answer =
+      base::WithReason(absl::UnauthenticatedError("no"), "TOKEN_MISSING");
+  EXPECT_EQ(access.Admit({}, service::Scope::kLocalize).status(),
             inner_.answer.status());
 }
 
@@ -116,4 +119,4 @@ TEST(RateLimitOptions, NameWhatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::access

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-namespace treeline {
+namespace treeline::access {
 
 std::optional<std::chrono::nanoseconds> RateBucket::Take(
-    MonotonicTime now, std::chrono::nanoseconds period, int64_t burst) {
-  const MonotonicTime full = std::max(full_, now);
+    base::MonotonicTime now, std::chrono::nanoseconds period, int64_t burst) {
+  const base::MonotonicTime full = std::max(full_, now);
   const std::chrono::nanoseconds wait = full - now - period * (burst - 1);
   if (wait.count() > 0) return wait;
   full_ = full + period;
@@ -16,7 +16,7 @@ std::optional<std::chrono::nanoseconds> RateBucket::Take(
 RateLimiter::RateLimiter(size_t capacity) : buckets_(capacity) {}
 
 std::optional<std::chrono::nanoseconds> RateLimiter::Take(
-    const std::string& caller, MonotonicTime now, double rate_per_s,
+    const std::string& caller, base::MonotonicTime now, double rate_per_s,
     int64_t burst) {
   const double rate = std::clamp(rate_per_s, 1e-6, 1e9);
   const std::chrono::nanoseconds period(static_cast<int64_t>(1e9 / rate));
@@ -39,4 +39,4 @@ size_t RateLimiter::size() const {
   return buckets_.size();
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

@@ -14,7 +14,7 @@
 #include "common/base/clock.h"
 #include "server/access/lru_map.h"
 
-namespace treeline {
+namespace treeline::access {
 
 // The bucket of one caller, as one point in time (the "generic cell rate
 // algorithm"): when it would be full. In any window of length t, at most
@@ -25,12 +25,12 @@ class RateBucket {
   // Takes one request, of which one comes back every `period`, and the bucket
   // holds `burst` (1 or more). nullopt: taken. Else it is not, and would be
   // after what is returned.
-  std::optional<std::chrono::nanoseconds> Take(MonotonicTime now,
+  std::optional<std::chrono::nanoseconds> Take(base::MonotonicTime now,
                                                std::chrono::nanoseconds period,
                                                int64_t burst);
 
  private:
-  MonotonicTime full_ = MonotonicTime::min();
+  base::MonotonicTime full_ = base::MonotonicTime::min();
 };
 
 // Thread-safe.
@@ -42,7 +42,7 @@ class RateLimiter {
 
   // See RateBucket. `rate_per_s` is 1e-6 to 1e9.
   std::optional<std::chrono::nanoseconds> Take(const std::string& caller,
-                                               MonotonicTime now,
+                                               base::MonotonicTime now,
                                                double rate_per_s,
                                                int64_t burst);
 
@@ -53,6 +53,6 @@ class RateLimiter {
   LruMap<RateBucket> buckets_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_RATE_LIMITER_H_

@@ -9,13 +9,13 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
-constexpr MonotonicTime kStart{std::chrono::hours(5)};
+constexpr base::MonotonicTime kStart{std::chrono::hours(5)};
 
 TEST(RateBucket, LetsABurstInAndThenOneEachPeriod) {
   RateBucket bucket;
@@ -35,7 +35,7 @@ TEST(RateBucket, IsFullAgainAfterAPauseAndNoFuller) {
   RateBucket bucket;
   while (!bucket.Take(kStart, milliseconds(10), 5)) {
   }
-  const MonotonicTime later = kStart + std::chrono::hours(1);
+  const base::MonotonicTime later = kStart + std::chrono::hours(1);
   int taken = 0;
   while (!bucket.Take(later, milliseconds(10), 5)) ++taken;
   EXPECT_EQ(taken, 5);
@@ -44,12 +44,12 @@ TEST(RateBucket, IsFullAgainAfterAPauseAndNoFuller) {
 // Arrivals at random; the promises hold for every window between two of them.
 TEST(RateBucket, NeverLetsInMoreThanBurstAndRateAllowAndNeverNeedlesslyLess) {
   for (uint64_t seed = 0; seed < 40; ++seed) {
-    Random random(seed, 0);
+    base::Random random(seed, 0);
     const nanoseconds period(1 + random.NextBelow(1000));
     const int64_t burst = 1 + random.NextBelow(8);
     RateBucket bucket;
-    std::vector<MonotonicTime> admitted;
-    MonotonicTime now = kStart;
+    std::vector<base::MonotonicTime> admitted;
+    base::MonotonicTime now = kStart;
     for (int i = 0; i < 400; ++i) {
       now += nanoseconds(
           random.NextBelow(static_cast<uint32_t>(2 * period.count()) / 3 + 1));
@@ -113,4 +113,4 @@ TEST(RateLimiter, TakesAnyRateAndBurst) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::access

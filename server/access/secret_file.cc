@@ -5,12 +5,12 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/file.h"
 
-namespace treeline {
+namespace treeline::access {
 
 absl::StatusOr<std::string> ReadSecretFile(const std::string& path,
                                            const TrustLog& log) {
   WarnIfOthersMayRead(path, log);
-  return ReadFile(path, /*max_bytes=*/1 << 20);
+  return base::ReadFile(path, /*max_bytes=*/1 << 20);
 }
 
 void WarnIfOthersMayRead(const std::string& path, const TrustLog& log) {
@@ -23,4 +23,4 @@ void WarnIfOthersMayRead(const std::string& path, const TrustLog& log) {
                    "read; chmod 600 it"));
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "server/access/trust_log.h"
 
-namespace treeline {
+namespace treeline::access {
 
 // The bytes of a file, at most 1 MiB (errors of ReadFile). Warns if
 // everyone on the machine may read it.
@@ -17,6 +17,6 @@ absl::StatusOr<std::string> ReadSecretFile(const std::string& path,
 // The warning of ReadSecretFile alone.
 void WarnIfOthersMayRead(const std::string& path, const TrustLog& log);
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_SECRET_FILE_H_

@@ -8,13 +8,13 @@
 #include "common/base/file.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 class SecretFileTest : public testing::Test {
  protected:
   SecretFileTest() : path_(testing::TempDir() + "/secret") {
-    EXPECT_TRUE(WriteFileAtomically(path_, "hush").ok());
+    EXPECT_TRUE(base::WriteFileAtomically(path_, "hush").ok());
   }
 
   std::string path_;
@@ -47,4 +47,4 @@ TEST_F(SecretFileTest, ReportsOneThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::access

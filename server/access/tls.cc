@@ -10,7 +10,7 @@
 #include "server/access/openssl.h"
 #include "server/access/secret_file.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 constexpr uint64_t kMostBytes = 1 << 20;
@@ -31,8 +31,9 @@ int64_t ToUnixSeconds(const ASN1_TIME* time) {
 absl::StatusOr<TlsMaterial> ReadMaterial(const TlsOptions& options) {
   TlsMaterial material;
   TL_ASSIGN_OR_RETURN(material.certificate,
-                      ReadFile(options.certificate_file, kMostBytes));
-  TL_ASSIGN_OR_RETURN(material.key, ReadFile(options.key_file, kMostBytes));
+                      base::ReadFile(options.certificate_file, kMostBytes));
+  TL_ASSIGN_OR_RETURN(material.key,
+                      base::ReadFile(options.key_file, kMostBytes));
   const std::vector<X509Ptr> chain = ReadCertificates(material.certificate);
   if (chain.empty()) {
     return Bad(options.certificate_file, "no certificate in PEM");
@@ -51,7 +52,7 @@ absl::StatusOr<TlsMaterial> ReadMaterial(const TlsOptions& options) {
       ToUnixSeconds(X509_get0_notAfter(chain.front().get()));
   if (!options.client_ca_file.empty()) {
     TL_ASSIGN_OR_RETURN(material.client_ca,
-                        ReadFile(options.client_ca_file, kMostBytes));
+                        base::ReadFile(options.client_ca_file, kMostBytes));
     if (ReadCertificates(material.client_ca).empty()) {
       return Bad(options.client_ca_file, "no certificate in PEM");
     }
@@ -84,8 +85,8 @@ absl::Status TlsOptions::Validate() const {
 }
 
 CertificateFiles::CertificateFiles(const TlsOptions& options,
-                                   const Clock& clock, const WallClock& wall,
-                                   TrustLog log)
+                                   const base::Clock& clock,
+                                   const WallClock& wall, TrustLog log)
     : options_(options),
       clock_(clock),
       wall_(wall),
@@ -93,7 +94,7 @@ CertificateFiles::CertificateFiles(const TlsOptions& options,
       gate_(clock.Now(), options.poll_interval) {}
 
 absl::StatusOr<std::unique_ptr<CertificateFiles>> CertificateFiles::Open(
-    const TlsOptions& options, const Clock& clock, const WallClock& wall,
+    const TlsOptions& options, const base::Clock& clock, const WallClock& wall,
     TrustLog log) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_ASSIGN_OR_RETURN(TlsMaterial material, ReadMaterial(options));
@@ -196,4 +197,4 @@ CertificateFiles::Reader& CertificateFiles::NewReader() {
   return readers_.emplace_back(*this);
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

@@ -18,7 +18,7 @@
 #include "server/access/trust_log.h"
 #include "server/access/wall_clock.h"
 
-namespace treeline {
+namespace treeline::access {
 
 struct TlsOptions {
   // The certificate chain as PEM, the server's own certificate first.
@@ -56,8 +56,8 @@ class CertificateFiles {
   // within 14 days, is taken and logged; so are a key that everyone may read,
   // and later every new certificate. The clocks must outlive the files.
   static absl::StatusOr<std::unique_ptr<CertificateFiles>> Open(
-      const TlsOptions& options, const Clock& clock, const WallClock& wall,
-      TrustLog log);
+      const TlsOptions& options, const base::Clock& clock,
+      const WallClock& wall, TrustLog log);
 
   // At most once in an interval, the caller's thread looks whether the files
   // have other contents. Contents that are not consistent (a key that is not
@@ -84,7 +84,7 @@ class CertificateFiles {
   const TlsOptions& options() const { return options_; }
 
  private:
-  CertificateFiles(const TlsOptions& options, const Clock& clock,
+  CertificateFiles(const TlsOptions& options, const base::Clock& clock,
                    const WallClock& wall, TrustLog log);
 
   absl::Status CheckReplacement(const TlsMaterial& next) const;
@@ -93,7 +93,7 @@ class CertificateFiles {
   void Log(TrustSeverity severity, const std::string& message) const;
 
   const TlsOptions options_;
-  const Clock& clock_;
+  const base::Clock& clock_;
   const WallClock& wall_;
   const TrustLog log_;
   PollGate gate_;
@@ -106,6 +106,6 @@ class CertificateFiles {
   std::deque<Reader> readers_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_TLS_H_

@@ -13,7 +13,7 @@
 #include "server/access/certificate_maker.h"
 #include "server/access/fake_clocks.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 using testing::ElementsAre;
@@ -35,7 +35,7 @@ class CertificateFilesTest : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   void Put(const std::string& path, const std::string& bytes) {
-    ASSERT_TRUE(WriteFileAtomically(path, bytes).ok());
+    ASSERT_TRUE(base::WriteFileAtomically(path, bytes).ok());
     ASSERT_EQ(chmod(path.c_str(), 0600), 0);
   }
   void Put(const MadeCertificate& made) {
@@ -175,4 +175,4 @@ TEST_F(CertificateFilesTest, SayWhatIsWrongBeforeTheServerStarts) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::access

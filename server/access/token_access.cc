@@ -7,20 +7,20 @@
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
-const char* NameOf(Scope scope) {
-  return scope == Scope::kAdmin ? "admin" : "localize";
+const char* NameOf(service::Scope scope) {
+  return scope == service::Scope::kAdmin ? "admin" : "localize";
 }
 
-absl::Status ScopeMissing(Scope scope) {
-  return WithReason(absl::PermissionDeniedError(absl::StrCat(
-                        "this needs the scope '", NameOf(scope), "'")),
-                    "SCOPE_MISSING", {{"scope", NameOf(scope)}});
+absl::Status ScopeMissing(service::Scope scope) {
+  return base::WithReason(absl::PermissionDeniedError(absl::StrCat(
+                              "this needs the scope '", NameOf(scope), "'")),
+                          "SCOPE_MISSING", {{"scope", NameOf(scope)}});
 }
 
-bool Holds(const std::vector<Scope>& scopes, Scope scope) {
+bool Holds(const std::vector<service::Scope>& scopes, service::Scope scope) {
   return std::find(scopes.begin(), scopes.end(), scope) != scopes.end();
 }
 
@@ -30,15 +30,16 @@ TokenAccess::TokenAccess(const TokenAccessOptions& options,
                          TokenVerifier* verifier)
     : options_(options), verifier_(verifier) {}
 
-absl::StatusOr<Client> TokenAccess::Admit(const CallInfo& call, Scope scope) {
-  if (scope == Scope::kAdmin) {
+absl::StatusOr<service::Client> TokenAccess::Admit(
+    const service::CallInfo& call, service::Scope scope) {
+  if (scope == service::Scope::kAdmin) {
     if (!call.admin_listener && !options_.admin_on_public_listener) {
-      return WithReason(
+      return base::WithReason(
           absl::PermissionDeniedError("operators call the admin listener"),
           "ADMIN_LISTENER_ONLY");
     }
     if (call.admin_listener && options_.open_admin_listener) {
-      return Client{.id = PeerWithoutPort(call.peer)};
+      return service::Client{.id = service::PeerWithoutPort(call.peer)};
     }
   }
   if (!call.credentials.bearer_token.empty()) {
@@ -47,22 +48,23 @@ absl::StatusOr<Client> TokenAccess::Admit(const CallInfo& call, Scope scope) {
   return ByCertificate(call, scope);
 }
 
-absl::StatusOr<Client> TokenAccess::ByToken(const std::string& token,
-                                            Scope scope) const {
+absl::StatusOr<service::Client> TokenAccess::ByToken(
+    const std::string& token, service::Scope scope) const {
   if (verifier_ == nullptr) {
-    return WithReason(absl::UnauthenticatedError("this server takes no tokens"),
-                      "TOKEN_INVALID");
+    return base::WithReason(
+        absl::UnauthenticatedError("this server takes no tokens"),
+        "TOKEN_INVALID");
   }
   TL_ASSIGN_OR_RETURN(TokenClaims claims, verifier_->Verify(token));
-  const bool allowed =
-      scope == Scope::kAdmin ? claims.may_administer : claims.may_localize;
+  const bool allowed = scope == service::Scope::kAdmin ? claims.may_administer
+                                                       : claims.may_localize;
   if (!allowed) return ScopeMissing(scope);
-  return Client{.id = std::move(claims.subject),
-                .max_rate_per_s = claims.rate_per_s};
+  return service::Client{.id = std::move(claims.subject),
+                         .max_rate_per_s = claims.rate_per_s};
 }
 
-absl::StatusOr<Client> TokenAccess::ByCertificate(const CallInfo& call,
-                                                  Scope scope) const {
+absl::StatusOr<service::Client> TokenAccess::ByCertificate(
+    const service::CallInfo& call, service::Scope scope) const {
   const std::vector<std::string>& names = call.credentials.certificate_names;
   const auto end = options_.certificate_scopes.end();
   bool known = false;
@@ -70,15 +72,15 @@ absl::StatusOr<Client> TokenAccess::ByCertificate(const CallInfo& call,
     const auto entry = options_.certificate_scopes.find(name);
     if (entry == end) continue;
     known = true;
-    if (Holds(entry->second, scope)) return Client{.id = name};
+    if (Holds(entry->second, scope)) return service::Client{.id = name};
   }
   const auto any = options_.certificate_scopes.find("*");
   if (!known && any != end && !names.empty()) {
     known = true;
-    if (Holds(any->second, scope)) return Client{.id = names.front()};
+    if (Holds(any->second, scope)) return service::Client{.id = names.front()};
   }
   if (known) return ScopeMissing(scope);
-  return WithReason(
+  return base::WithReason(
       absl::UnauthenticatedError(
           names.empty() ? "this needs a token ('authorization: Bearer ...')"
                         : "nothing is known about the client's certificate, "
@@ -86,4 +88,4 @@ absl::StatusOr<Client> TokenAccess::ByCertificate(const CallInfo& call,
       "TOKEN_MISSING");
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

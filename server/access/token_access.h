@@ -10,7 +10,7 @@
 #include "server/access/token_verifier.h"
 #include "server/service/access_policy.h"
 
-namespace treeline {
+namespace treeline::access {
 
 struct TokenAccessOptions {
   // Whether operators may also come in where clients do, with scope `admin`.
@@ -21,26 +21,29 @@ struct TokenAccessOptions {
   // What the holder of a certificate with this name may do, without a token;
   // "*": of any certificate that TLS has verified and none of whose names is
   // here.
-  std::map<std::string, std::vector<Scope>> certificate_scopes = {};
+  std::map<std::string, std::vector<service::Scope>> certificate_scopes = {};
 };
 
 // A call that brings a token is judged by it alone; else by its certificate.
-class TokenAccess final : public AccessPolicy {
+class TokenAccess final : public service::AccessPolicy {
  public:
   // `verifier` may be nullptr: there are no tokens, then every one is invalid.
   // It must outlive the policy.
   TokenAccess(const TokenAccessOptions& options, TokenVerifier* verifier);
 
-  absl::StatusOr<Client> Admit(const CallInfo& call, Scope scope) override;
+  absl::StatusOr<service::Client> Admit(const service::CallInfo& call,
+                                        service::Scope scope) override;
 
  private:
-  absl::StatusOr<Client> ByToken(const std::string& token, Scope scope) const;
-  absl::StatusOr<Client> ByCertificate(const CallInfo& call, Scope scope) const;
+  absl::StatusOr<service::Client> ByToken(const std::string& token,
+                                          service::Scope scope) const;
+  absl::StatusOr<service::Client> ByCertificate(const service::CallInfo& call,
+                                                service::Scope scope) const;
 
   const TokenAccessOptions options_;
   TokenVerifier* const verifier_ = nullptr;
 };
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_TOKEN_ACCESS_H_

@@ -11,7 +11,7 @@
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 using Json = nlohmann::json;
@@ -21,7 +21,7 @@ constexpr size_t kLongestSubject = 256;
 constexpr double kLatestTime = 1e12;
 
 absl::Status Invalid(absl::string_view what) {
-  return WithReason(
+  return base::WithReason(
       absl::UnauthenticatedError(absl::StrCat("the token is invalid: ", what)),
       "TOKEN_INVALID");
 }
@@ -118,8 +118,8 @@ absl::Status ClaimRules::Validate() const {
 absl::Status CheckExpiry(int64_t expires_unix_s, const ClaimRules& rules,
                          int64_t now_unix_s) {
   if (now_unix_s < expires_unix_s + rules.leeway_s) return absl::OkStatus();
-  return WithReason(absl::UnauthenticatedError("the token has expired"),
-                    "TOKEN_EXPIRED");
+  return base::WithReason(absl::UnauthenticatedError("the token has expired"),
+                          "TOKEN_EXPIRED");
 }
 
 absl::StatusOr<TokenClaims> ParseTokenClaims(absl::string_view json,
@@ -150,4 +150,4 @@ absl::StatusOr<TokenClaims> ParseTokenClaims(absl::string_view json,
   return result;
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

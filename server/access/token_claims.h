@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::access {
 
 struct ClaimRules {
   // "iss" must be this; empty: any issuer whose key we have.
@@ -46,6 +46,6 @@ absl::StatusOr<TokenClaims> ParseTokenClaims(absl::string_view json,
 absl::Status CheckExpiry(int64_t expires_unix_s, const ClaimRules& rules,
                          int64_t now_unix_s);
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_TOKEN_CLAIMS_H_

@@ -5,7 +5,7 @@
 #include "common/base/error_info.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 constexpr int64_t kNow = 1'800'000'000;
@@ -15,7 +15,7 @@ std::string ReasonFor(const std::string& json, const ClaimRules& rules = {},
   const auto claims = ParseTokenClaims(json, rules, now);
   if (claims.ok()) return "OK";
   EXPECT_EQ(claims.status().code(), absl::StatusCode::kUnauthenticated);
-  return ErrorInfoOf(claims.status()).reason;
+  return base::ErrorInfoOf(claims.status()).reason;
 }
 
 // Claims that are fine but for `more`, which may say a member again: the last
@@ -141,4 +141,4 @@ TEST(ClaimRules, NeedAnAudienceAndASmallLeeway) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::access

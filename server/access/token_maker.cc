@@ -14,7 +14,7 @@
 #include "server/access/base64url.h"
 #include "server/access/openssl.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 void Require(bool condition) {
@@ -126,4 +126,4 @@ std::string MakeHmacToken(absl::string_view header, absl::string_view claims,
   return absl::StrCat(text, ".", EncodeBase64Url(mac));
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

@@ -8,7 +8,7 @@
 #include "absl/strings/string_view.h"
 #include "server/access/jwt_keys.h"
 
-namespace treeline {
+namespace treeline::access {
 
 // A private key as PEM. Each dies on failure.
 std::string MakeRsaPrivateKey(int bits = 2048);
@@ -36,6 +36,6 @@ std::string JoinToken(absl::string_view header, absl::string_view claims,
 std::string MakeHmacToken(absl::string_view header, absl::string_view claims,
                           absl::string_view secret);
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_TOKEN_MAKER_H_

@@ -9,7 +9,7 @@
 #include "common/base/status_macros.h"
 #include "server/access/jwt.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 std::string DigestOf(absl::string_view token) {
@@ -61,7 +61,7 @@ std::optional<absl::StatusOr<TokenClaims>> TokenVerifier::Remembered(
 
 absl::StatusOr<TokenClaims> TokenVerifier::Verify(absl::string_view token) {
   if (token.size() > kLongestToken) {
-    return WithReason(
+    return base::WithReason(
         absl::UnauthenticatedError(
             absl::StrCat("the token is longer than ", kLongestToken, " bytes")),
         "TOKEN_INVALID");
@@ -91,4 +91,4 @@ int64_t TokenVerifier::signatures_checked() const {
   return signatures_checked_;
 }
 
-}  // namespace treeline
+}  // namespace treeline::access

@@ -17,7 +17,7 @@
 #include "server/access/token_claims.h"
 #include "server/access/wall_clock.h"
 
-namespace treeline {
+namespace treeline::access {
 
 struct TokenVerifierOptions {
   ClaimRules rules = {};
@@ -62,6 +62,6 @@ class TokenVerifier {
   int64_t signatures_checked_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_TOKEN_VERIFIER_H_

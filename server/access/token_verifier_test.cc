@@ -14,7 +14,7 @@
 #include "server/access/jwt.h"
 #include "server/access/token_maker.h"
 
-namespace treeline {
+namespace treeline::access {
 namespace {
 
 constexpr int64_t kNow = 1'800'000'000;
@@ -32,7 +32,7 @@ class TokenVerifierTest : public testing::Test {
   void TearDown() override { std::filesystem::remove(path_); }
 
   void PutKeys(const std::vector<std::string>& keys) {
-    ASSERT_TRUE(WriteFileAtomically(path_, Jwks(keys)).ok());
+    ASSERT_TRUE(base::WriteFileAtomically(path_, Jwks(keys)).ok());
   }
 
   std::string Token(const std::string& subject, int64_t lifetime_s = 100) {
@@ -43,7 +43,7 @@ class TokenVerifierTest : public testing::Test {
   }
 
   static std::string ReasonOf(const absl::StatusOr<TokenClaims>& claims) {
-    return claims.ok() ? "OK" : ErrorInfoOf(claims.status()).reason;
+    return claims.ok() ? "OK" : base::ErrorInfoOf(claims.status()).reason;
   }
 
   const std::string ec_ = MakeEcPrivateKey();
@@ -169,4 +169,4 @@ TEST_F(TokenVerifierTest, AnswersManyThreadsWhileKeysChange) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::access

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-namespace treeline {
+namespace treeline::access {
 
 enum class TrustSeverity { kInfo, kWarning };
 
@@ -14,6 +14,6 @@ enum class TrustSeverity { kInfo, kWarning };
 using TrustLog =
     std::function<void(TrustSeverity severity, const std::string& message)>;
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_TRUST_LOG_H_

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace treeline {
+namespace treeline::access {
 
 class WallClock {
  public:
@@ -23,6 +23,6 @@ class SystemWallClock final : public WallClock {
   }
 };
 
-}  // namespace treeline
+}  // namespace treeline::access
 
 #endif  // SERVER_ACCESS_WALL_CLOCK_H_

@@ -31,18 +31,19 @@
 #include "server/service/grpc_server.h"
 #include "server/service/service_dispatcher.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 // Another policy can take over while calls come in.
-class LiveAccess final : public AccessPolicy {
+class LiveAccess final : public service::AccessPolicy {
  public:
-  void Set(std::shared_ptr<AccessPolicy> policy) {
+  void Set(std::shared_ptr<service::AccessPolicy> policy) {
     absl::MutexLock lock(&mutex_);
     policy_ = std::move(policy);
   }
-  absl::StatusOr<Client> Admit(const CallInfo& call, Scope scope) override {
-    std::shared_ptr<AccessPolicy> policy;
+  absl::StatusOr<service::Client> Admit(const service::CallInfo& call,
+                                        service::Scope scope) override {
+    std::shared_ptr<service::AccessPolicy> policy;
     {
       absl::MutexLock lock(&mutex_);
       policy = policy_;
@@ -52,44 +53,45 @@ class LiveAccess final : public AccessPolicy {
 
  private:
   absl::Mutex mutex_;
-  std::shared_ptr<AccessPolicy> policy_ ABSL_GUARDED_BY(mutex_);
+  std::shared_ptr<service::AccessPolicy> policy_ ABSL_GUARDED_BY(mutex_);
 };
 
-TlsOptions TlsOptionsOf(const ServerConfig& config) {
+access::TlsOptions TlsOptionsOf(const ServerConfig& config) {
   return {.certificate_file = config.tls_cert,
           .key_file = config.tls_key,
           .client_ca_file = config.tls_client_ca,
           .require_client_certificate = config.tls_require_client_cert};
 }
 
-absl::StatusOr<TokenAccessOptions> TokenAccessOptionsOf(
+absl::StatusOr<access::TokenAccessOptions> TokenAccessOptionsOf(
     const ServerConfig& config) {
-  TokenAccessOptions options;
+  access::TokenAccessOptions options;
   options.admin_on_public_listener = config.admin_listen.empty();
   if (!config.admin_listen.empty()) {
-    TL_ASSIGN_OR_RETURN(const ListenAddress admin,
-                        ParseListenAddress(config.admin_listen));
+    TL_ASSIGN_OR_RETURN(const base::ListenAddress admin,
+                        base::ParseListenAddress(config.admin_listen));
     // Whoever is on this machine could read the keys as well.
-    options.open_admin_listener = IsLoopback(admin);
+    options.open_admin_listener = base::IsLoopback(admin);
   }
   if (!config.tls_client_ca.empty()) {
-    options.certificate_scopes["*"] = {Scope::kLocalize};
+    options.certificate_scopes["*"] = {service::Scope::kLocalize};
     for (const std::string& name : config.tls_admin_name) {
-      options.certificate_scopes[name] = {Scope::kLocalize, Scope::kAdmin};
+      options.certificate_scopes[name] = {service::Scope::kLocalize,
+                                          service::Scope::kAdmin};
     }
   }
   return options;
 }
 
-RateLimitOptions RateLimitOf(const ServerConfig& config) {
+access::RateLimitOptions RateLimitOf(const ServerConfig& config) {
   return {.rate_per_s = config.rate_limit,
           .burst = static_cast<int>(config.rate_burst)};
 }
 
-RepositoryFigures FiguresOf(const SceneRepository& repository) {
-  const RepositoryStats stats = repository.Stats();
+RepositoryFigures FiguresOf(const repository::SceneRepository& repository) {
+  const repository::RepositoryStats stats = repository.Stats();
   RepositoryFigures figures;
-  for (const SceneStats& scene : stats.scenes) {
+  for (const repository::SceneStats& scene : stats.scenes) {
     figures.scenes.push_back({.scene = scene.name,
                               .state = scene.state,
                               .resident_bytes = scene.resident_bytes,
@@ -97,9 +99,9 @@ RepositoryFigures FiguresOf(const SceneRepository& repository) {
                               .load_failures = scene.counts.load_failures,
                               .evictions = scene.counts.evictions});
   }
-  HistogramCounts times;
-  times.upper_bounds.assign(LoadTimes::kUpperBounds_s.begin(),
-                            LoadTimes::kUpperBounds_s.end());
+  metrics::HistogramCounts times;
+  times.upper_bounds.assign(repository::LoadTimes::kUpperBounds_s.begin(),
+                            repository::LoadTimes::kUpperBounds_s.end());
   times.counts.assign(stats.load_times.counts.begin(),
                       stats.load_times.counts.end());
   times.sum = stats.load_times.sum_s;
@@ -111,7 +113,7 @@ RepositoryFigures FiguresOf(const SceneRepository& repository) {
 
 // Destroyed from the last to the first: what calls before what it calls.
 struct Application::Parts {
-  Parts(ProgramLog& server_log, const Clock& used_clock)
+  Parts(logging::ProgramLog& server_log, const base::Clock& used_clock)
       : log(server_log),
         clock(used_clock),
         metrics(registry),
@@ -126,63 +128,65 @@ struct Application::Parts {
   void AddMetrics();
   void SetRateLimit(const ServerConfig& config);
 
-  ProgramLog& log;
-  const Clock& clock;
-  const SystemWallClock wall_clock;
-  Registry registry;
+  logging::ProgramLog& log;
+  const base::Clock& clock;
+  const access::SystemWallClock wall_clock;
+  metrics::Registry registry;
   ServiceMetrics metrics;
   CallLog call_log;
   CallObservers observers{{&metrics, &call_log}};
   std::stop_source stop_downloads;
-  std::unique_ptr<SceneRepository> repository;
-  std::unique_ptr<CertificateFiles> certificates;
-  std::unique_ptr<HttpTls> http_tls;
-  std::unique_ptr<KeyStore> keys;
-  std::unique_ptr<TokenVerifier> tokens;
-  std::unique_ptr<AccessPolicy> identity;
+  std::unique_ptr<repository::SceneRepository> repository;
+  std::unique_ptr<access::CertificateFiles> certificates;
+  std::unique_ptr<access::HttpTls> http_tls;
+  std::unique_ptr<access::KeyStore> keys;
+  std::unique_ptr<access::TokenVerifier> tokens;
+  std::unique_ptr<service::AccessPolicy> identity;
   LiveAccess access;
   std::unique_ptr<FailedQueryRecorder> recorder;
-  std::unique_ptr<ServiceDispatcher> service;
+  std::unique_ptr<service::ServiceDispatcher> service;
   std::unique_ptr<RecordingDispatcher> recording;
   // The one of the two that the listeners call.
-  Dispatcher* dispatcher = nullptr;
-  std::unique_ptr<GrpcServer> grpc;
-  std::unique_ptr<GrpcServer> admin;
-  std::unique_ptr<Gateway> gateway;
+  service::Dispatcher* dispatcher = nullptr;
+  std::unique_ptr<service::GrpcServer> grpc;
+  std::unique_ptr<service::GrpcServer> admin;
+  std::unique_ptr<gateway::Gateway> gateway;
   std::vector<std::string> announcements;
   std::atomic<bool> draining = false;
 };
 
 absl::Status Application::Parts::OpenAccessPolicy(const ServerConfig& config) {
-  const TrustLog trust_log = [this](TrustSeverity severity,
-                                    const std::string& message) {
-    log.Say(
-        severity == TrustSeverity::kWarning ? LogLevel::kWarn : LogLevel::kInfo,
-        message);
+  const access::TrustLog trust_log = [this](access::TrustSeverity severity,
+                                            const std::string& message) {
+    log.Say(severity == access::TrustSeverity::kWarning
+                ? logging::LogLevel::kWarn
+                : logging::LogLevel::kInfo,
+            message);
   };
   if (!config.tls_cert.empty()) {
-    TL_ASSIGN_OR_RETURN(certificates,
-                        CertificateFiles::Open(TlsOptionsOf(config), clock,
-                                               wall_clock, trust_log));
-    http_tls = std::make_unique<HttpTls>(*certificates);
+    TL_ASSIGN_OR_RETURN(
+        certificates, access::CertificateFiles::Open(
+                          TlsOptionsOf(config), clock, wall_clock, trust_log));
+    http_tls = std::make_unique<access::HttpTls>(*certificates);
   }
   if (!config.auth_keys.empty()) {
-    TL_ASSIGN_OR_RETURN(
-        keys, KeyStore::Open({.path = config.auth_keys}, clock, trust_log));
-    TokenVerifierOptions options;
+    TL_ASSIGN_OR_RETURN(keys, access::KeyStore::Open({.path = config.auth_keys},
+                                                     clock, trust_log));
+    access::TokenVerifierOptions options;
     options.rules.issuer = config.auth_issuer;
     if (!config.auth_audience.empty()) {
       options.rules.audience = config.auth_audience;
     }
     TL_RETURN_IF_ERROR(options.Validate());
-    tokens = std::make_unique<TokenVerifier>(options, *keys, wall_clock);
+    tokens =
+        std::make_unique<access::TokenVerifier>(options, *keys, wall_clock);
   }
   if (config.auth_keys.empty() && config.tls_client_ca.empty()) {
-    identity = std::make_unique<OpenAccess>();
+    identity = std::make_unique<service::OpenAccess>();
   } else {
-    TL_ASSIGN_OR_RETURN(const TokenAccessOptions options,
+    TL_ASSIGN_OR_RETURN(const access::TokenAccessOptions options,
                         TokenAccessOptionsOf(config));
-    identity = std::make_unique<TokenAccess>(options, tokens.get());
+    identity = std::make_unique<access::TokenAccess>(options, tokens.get());
   }
   TL_RETURN_IF_ERROR(RateLimitOf(config).Validate());
   SetRateLimit(config);
@@ -190,8 +194,8 @@ absl::Status Application::Parts::OpenAccessPolicy(const ServerConfig& config) {
 }
 
 void Application::Parts::SetRateLimit(const ServerConfig& config) {
-  access.Set(std::make_shared<RateLimitedAccess>(*identity, RateLimitOf(config),
-                                                 clock));
+  access.Set(std::make_shared<access::RateLimitedAccess>(
+      *identity, RateLimitOf(config), clock));
 }
 
 absl::Status Application::Parts::StartRecorder(const ServerConfig& config) {
@@ -205,7 +209,8 @@ absl::Status Application::Parts::StartRecorder(const ServerConfig& config) {
       FailedQueryRecorder::Start(
           std::move(options), [] { return std::chrono::system_clock::now(); },
           [this](const absl::Status& health) {
-            log.Say(health.ok() ? LogLevel::kInfo : LogLevel::kWarn,
+            log.Say(health.ok() ? logging::LogLevel::kInfo
+                                : logging::LogLevel::kWarn,
                     health.ok() ? "failed queries are kept again"
                                 : absl::StrCat("failed queries are not kept: ",
                                                health.ToString()));
@@ -216,57 +221,60 @@ absl::Status Application::Parts::StartRecorder(const ServerConfig& config) {
 }
 
 absl::Status Application::Parts::StartListeners(const ServerConfig& config) {
-  GrpcServerOptions options = GrpcOptionsOf(config);
+  service::GrpcServerOptions options = GrpcOptionsOf(config);
   if (certificates != nullptr) {
-    options.credentials = MakeServerCredentials(*certificates);
+    options.credentials = access::MakeServerCredentials(*certificates);
     options.certificate_names = [](const grpc::AuthContext& context) {
-      return CertificateNames(context);
+      return access::CertificateNames(context);
     };
   }
-  TL_ASSIGN_OR_RETURN(
-      grpc, GrpcServer::Start(*dispatcher, *repository, options, clock));
+  TL_ASSIGN_OR_RETURN(grpc, service::GrpcServer::Start(*dispatcher, *repository,
+                                                       options, clock));
   announcements.push_back(absl::StrCat("listening on ", grpc->address()));
   if (config.admin_listen.empty()) return absl::OkStatus();
-  options.kind = ListenerKind::kAdmin;
+  options.kind = service::ListenerKind::kAdmin;
   options.listen = config.admin_listen;
-  TL_ASSIGN_OR_RETURN(
-      admin, GrpcServer::Start(*dispatcher, *repository, options, clock));
+  TL_ASSIGN_OR_RETURN(admin, service::GrpcServer::Start(
+                                 *dispatcher, *repository, options, clock));
   announcements.push_back(absl::StrCat("admin on ", admin->address()));
   return absl::OkStatus();
 }
 
 absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
   if (config.http_listen.empty()) return absl::OkStatus();
-  GatewayOptions options;
+  gateway::GatewayOptions options;
   options.http.listen = config.http_listen;
   options.http.insecure_any_address = config.insecure_any_address;
   options.http.max_body_mib = config.max_message_mib;
   options.allowed_origins = config.cors_origin;
   if (http_tls != nullptr) {
-    options.http.tls = ServerTls{
+    options.http.tls = http::ServerTls{
         .configure =
             [this](SSL_CTX& context) { return http_tls->Configure(context); },
         .client_names =
-            [](SSL* connection) { return CertificateNames(*connection); }};
+            [](SSL* connection) {
+              return access::CertificateNames(*connection);
+            }};
   }
-  GatewayHooks hooks;
+  gateway::GatewayHooks hooks;
   hooks.metrics = [this] { return registry.Expose(); };
   hooks.ready = [this] { return !draining; };
   hooks.scenes = [this] {
     std::vector<v1::SceneInfo> scenes;
-    for (const SceneStatus& status : repository->List()) {
-      scenes.push_back(ToProto(status));
+    for (const repository::SceneStatus& status : repository->List()) {
+      scenes.push_back(service::ToProto(status));
     }
     return scenes;
   };
   TL_ASSIGN_OR_RETURN(
-      gateway, Gateway::Start(options, *dispatcher, std::move(hooks), clock));
+      gateway,
+      gateway::Gateway::Start(options, *dispatcher, std::move(hooks), clock));
   announcements.push_back(absl::StrCat("http on ", gateway->address()));
   return absl::OkStatus();
 }
 
 void Application::Parts::AddMetrics() {
-  AddBuildInfo(registry, Version());
+  AddBuildInfo(registry, base::Version());
   AddProcessMetrics(registry);
   AddLoadMetrics(registry, [this] { return dispatcher->load(); });
   AddSceneMetrics(registry, [this] { return FiguresOf(*repository); });
@@ -279,7 +287,8 @@ Application::Application(std::unique_ptr<Parts> parts)
 Application::~Application() { Stop(std::chrono::milliseconds(0)); }
 
 absl::StatusOr<std::unique_ptr<Application>> Application::Start(
-    const ServerConfig& config, ProgramLog& log, const Clock& clock) {
+    const ServerConfig& config, logging::ProgramLog& log,
+    const base::Clock& clock) {
   // Before the models are read: they may take a while.
   TL_RETURN_IF_ERROR(config.Validate());
   auto parts = std::make_unique<Parts>(log, clock);
@@ -287,7 +296,7 @@ absl::StatusOr<std::unique_ptr<Application>> Application::Start(
   TL_ASSIGN_OR_RETURN(
       parts->repository,
       OpenRepository(config, parts->stop_downloads.get_token(), log, clock));
-  parts->service = std::make_unique<ServiceDispatcher>(
+  parts->service = std::make_unique<service::ServiceDispatcher>(
       *parts->repository, parts->access, parts->observers, clock,
       DispatcherOptionsOf(config));
   TL_RETURN_IF_ERROR(parts->StartRecorder(config));
@@ -312,7 +321,7 @@ void Application::Drain() {
 
 void Application::Stop(std::chrono::milliseconds grace) {
   parts_->draining = true;
-  const MonotonicTime end = parts_->clock.Now() + grace;
+  const base::MonotonicTime end = parts_->clock.Now() + grace;
   const auto left = [&] {
     return std::max(std::chrono::milliseconds(0),
                     std::chrono::duration_cast<std::chrono::milliseconds>(
@@ -327,4 +336,4 @@ std::string Application::MetricsText() const {
   return parts_->registry.Expose();
 }
 
-}  // namespace treeline
+}  // namespace treeline::server_app

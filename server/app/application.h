@@ -12,7 +12,7 @@
 #include "common/log/program_log.h"
 #include "server/app/server_config.h"
 
-namespace treeline {
+namespace treeline::server_app {
 
 // In order: Start, any number of ApplyLive, Drain, Stop. Thread-safe but for
 // that order.
@@ -21,7 +21,8 @@ class Application {
   // Loads, binds and serves. INVALID_ARGUMENT: the configuration; everything
   // else: what the machine did not allow. `log` and `clock` must outlive it.
   static absl::StatusOr<std::unique_ptr<Application>> Start(
-      const ServerConfig& config, ProgramLog& log, const Clock& clock);
+      const ServerConfig& config, logging::ProgramLog& log,
+      const base::Clock& clock);
   // Stops at once, if it was not stopped.
   ~Application();
 
@@ -48,6 +49,6 @@ class Application {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::server_app
 
 #endif  // SERVER_APP_APPLICATION_H_

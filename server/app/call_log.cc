@@ -4,13 +4,13 @@
 
 #include "common/base/error_info.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 constexpr auto kWindow = std::chrono::seconds(1);
 
 // Who called for what.
-void AddCaller(const CallRecord& record, LogLine& event) {
+void AddCaller(const service::CallRecord& record, logging::LogLine& event) {
   event.Text("peer", record.peer);
   if (!record.client.empty()) event.Text("client", record.client);
   if (record.trace) {
@@ -26,11 +26,11 @@ void AddCaller(const CallRecord& record, LogLine& event) {
   }
 }
 
-void AddOutcome(const CallRecord& record, LogLine& event) {
+void AddOutcome(const service::CallRecord& record, logging::LogLine& event) {
   if (!record.outcome) return;
-  const CallTimings& t = record.timings;
-  event.Word("outcome", OutcomeName(*record.outcome))
-      .Word("reason", ReasonName(record.reason))
+  const service::CallTimings& t = record.timings;
+  event.Word("outcome", localizer::OutcomeName(*record.outcome))
+      .Word("reason", localizer::ReasonName(record.reason))
       .Integer("inliers", record.inliers)
       .Integer("samples", record.samples)
       .Number("decode_ms", t.decode_ms)
@@ -41,8 +41,9 @@ void AddOutcome(const CallRecord& record, LogLine& event) {
 
 }  // namespace
 
-LogLine EventOf(const CallRecord& record, LogFormat format) {
-  LogLine event(format);
+logging::LogLine EventOf(const service::CallRecord& record,
+                         logging::LogFormat format) {
+  logging::LogLine event(format);
   event.Word("rpc", record.rpc)
       .Word("status", absl::StatusCodeToString(record.status.code()));
   // Calls by gRPC are the rule.
@@ -54,7 +55,7 @@ LogLine EventOf(const CallRecord& record, LogFormat format) {
   event.Number("queue_ms", record.timings.queue_ms)
       .Number("total_ms", record.timings.total_ms);
   if (!record.status.ok()) {
-    const std::string reason = ErrorInfoOf(record.status).reason;
+    const std::string reason = base::ErrorInfoOf(record.status).reason;
     if (!reason.empty()) event.Text("error_reason", reason);
     event.Text("message", record.status.message());
   }
@@ -64,27 +65,28 @@ LogLine EventOf(const CallRecord& record, LogFormat format) {
   return event;
 }
 
-CallLog::CallLog(ProgramLog& log, const Clock& clock)
+CallLog::CallLog(logging::ProgramLog& log, const base::Clock& clock)
     : log_(log), clock_(clock), window_start_(clock.Now()) {}
 
-void CallLog::OnCall(const CallRecord& record) {
+void CallLog::OnCall(const service::CallRecord& record) {
   if (record.status.ok()) {
-    if (log_.Writes(LogLevel::kDebug)) {
-      log_.Write(LogLevel::kDebug, EventOf(record, log_.format()));
+    if (log_.Writes(logging::LogLevel::kDebug)) {
+      log_.Write(logging::LogLevel::kDebug, EventOf(record, log_.format()));
     }
     return;
   }
-  const LogLevel level =
-      absl::IsInternal(record.status) ? LogLevel::kError : LogLevel::kInfo;
+  const logging::LogLevel level = absl::IsInternal(record.status)
+                                      ? logging::LogLevel::kError
+                                      : logging::LogLevel::kInfo;
   int64_t suppressed = 0;
   if (!log_.Writes(level) || !Admit(suppressed)) return;
-  LogLine event = EventOf(record, log_.format());
+  logging::LogLine event = EventOf(record, log_.format());
   if (suppressed > 0) event.Integer("lines_left_out", suppressed);
   log_.Write(level, event);
 }
 
 bool CallLog::Admit(int64_t& suppressed) {
-  const MonotonicTime now = clock_.Now();
+  const base::MonotonicTime now = clock_.Now();
   absl::MutexLock lock(&mutex_);
   if (now - window_start_ >= kWindow) {
     window_start_ = now;
@@ -99,4 +101,4 @@ bool CallLog::Admit(int64_t& suppressed) {
   return true;
 }
 
-}  // namespace treeline
+}  // namespace treeline::server_app

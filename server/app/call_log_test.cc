@@ -14,16 +14,16 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-class ManualClock final : public Clock {
+class ManualClock final : public base::Clock {
  public:
-  MonotonicTime Now() const override { return now; }
-  MonotonicTime now{};
+  base::MonotonicTime Now() const override { return now; }
+  base::MonotonicTime now{};
 };
 
 class CallLogTest : public testing::Test {
@@ -31,7 +31,8 @@ class CallLogTest : public testing::Test {
   CallLogTest() {
     const auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(out_);
     logger_ = std::make_shared<spdlog::logger>("test", sink);
-    server_log_ = std::make_unique<ProgramLog>(logger_, LogFormat::kText);
+    server_log_ = std::make_unique<logging::ProgramLog>(
+        logger_, logging::LogFormat::kText);
     logger_->set_pattern("%l %v");
     log_ = std::make_unique<CallLog>(*server_log_, clock_);
   }
@@ -42,13 +43,13 @@ class CallLogTest : public testing::Test {
 
   std::ostringstream out_;
   std::shared_ptr<spdlog::logger> logger_;
-  std::unique_ptr<ProgramLog> server_log_;
+  std::unique_ptr<logging::ProgramLog> server_log_;
   ManualClock clock_;
   std::unique_ptr<CallLog> log_;
 };
 
-CallRecord Failed() {
-  CallRecord record;
+service::CallRecord Failed() {
+  service::CallRecord record;
   record.rpc = "Localize";
   record.scene = "kitchen";
   record.status = absl::InvalidArgumentError("the frame's color is missing");
@@ -56,12 +57,12 @@ CallRecord Failed() {
 }
 
 TEST_F(CallLogTest, AnsweredCallsAreForDebugging) {
-  CallRecord record;
+  service::CallRecord record;
   record.rpc = "Localize";
   record.scene = "kitchen";
   record.model_version = "3";
-  record.outcome = Outcome::kNotLocalized;
-  record.reason = NotLocalizedReason::kTooFewInliers;
+  record.outcome = localizer::Outcome::kNotLocalized;
+  record.reason = localizer::NotLocalizedReason::kTooFewInliers;
   record.inliers = 7;
   record.samples = 500;
   record.timings.queue_ms = 1.5;
@@ -86,7 +87,7 @@ TEST_F(CallLogTest, FailedCallsSayWhy) {
 }
 
 TEST_F(CallLogTest, FaultsOfTheServerAreErrorsWithTheirCause) {
-  CallRecord record = Failed();
+  service::CallRecord record = Failed();
   record.status = absl::InternalError("a fault");
   record.internal_error = "vector::_M_range_check";
   log_->OnCall(record);
@@ -95,7 +96,7 @@ TEST_F(CallLogTest, FaultsOfTheServerAreErrorsWithTheirCause) {
 }
 
 TEST_F(CallLogTest, ClientsCannotForgeLines) {
-  CallRecord record = Failed();
+  service::CallRecord record = Failed();
   record.scene = "x\" status=OK\n2026-11-21 error the house burns\x1b[31m";
   log_->OnCall(record);
   EXPECT_EQ(Lines(), 1);
@@ -115,14 +116,14 @@ TEST_F(CallLogTest, AFloodOfFailuresIsCountedNotWritten) {
   EXPECT_THAT(out_.str(), HasSubstr("lines_left_out=981"));
 }
 
-CallRecord Traced() {
-  CallRecord record = Failed();
+service::CallRecord Traced() {
+  service::CallRecord record = Failed();
   record.transport = "http";
   record.client = "robot-7";
   record.request_bytes = 300000;
   record.status =
-      WithReason(absl::UnavailableError("overloaded"), "QUEUE_FULL");
-  record.trace = ParseTraceparent(
+      base::WithReason(absl::UnavailableError("overloaded"), "QUEUE_FULL");
+  record.trace = service::ParseTraceparent(
       "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01");
   return record;
 }
@@ -138,9 +139,9 @@ TEST_F(CallLogTest, NamesTheClientTheTraceAndTheReason) {
 }
 
 TEST_F(CallLogTest, JsonIsOneObjectALineWithTheSameFields) {
-  ProgramLog json_log(logger_, LogFormat::kJson);
+  logging::ProgramLog json_log(logger_, logging::LogFormat::kJson);
   CallLog log(json_log, clock_);
-  CallRecord record = Traced();
+  service::CallRecord record = Traced();
   record.scene = "x\",\"status\":\"OK\n\xff\xe2\x80\xa8\x1b[31m";
   log.OnCall(record);
   EXPECT_EQ(Lines(), 1);
@@ -163,11 +164,11 @@ TEST_F(CallLogTest, JsonIsOneObjectALineWithTheSameFields) {
 
 TEST_F(CallLogTest, JsonTellsOfAnAnswerAllThatTextDoes) {
   logger_->set_level(spdlog::level::debug);
-  ProgramLog json_log(logger_, LogFormat::kJson);
+  logging::ProgramLog json_log(logger_, logging::LogFormat::kJson);
   CallLog log(json_log, clock_);
-  CallRecord record;
+  service::CallRecord record;
   record.rpc = "Localize";
-  record.outcome = Outcome::kLocalized;
+  record.outcome = localizer::Outcome::kLocalized;
   record.inliers = 237;
   record.samples = 500;
   record.timings.decode_ms = 7.554;
@@ -179,4 +180,4 @@ TEST_F(CallLogTest, JsonTellsOfAnAnswerAllThatTextDoes) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::server_app

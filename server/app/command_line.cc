@@ -8,7 +8,7 @@
 #include "common/config/config_flags.h"
 #include "server/app/server_config.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 constexpr const char* kDescription =
@@ -103,7 +103,7 @@ CommandLine ReadCommandLine(int argc, const char* const* argv,
                             const char* const* environment) {
   CommandLine line;
   line.sources.environment =
-      EnvironmentWith(environment, kServerEnvironmentPrefix);
+      config::EnvironmentWith(environment, kServerEnvironmentPrefix);
   line.sources.environment_prefix = kServerEnvironmentPrefix;
   const std::string file_variable =
       absl::StrCat(kServerEnvironmentPrefix, "CONFIG");
@@ -115,13 +115,13 @@ CommandLine ReadCommandLine(int argc, const char* const* argv,
   CLI::App app(kDescription, "treeline-server");
   app.footer(kFooter);
   app.set_version_flag("--version",
-                       std::string("treeline-server ") + Version());
+                       std::string("treeline-server ") + base::Version());
   app.add_option("--config", line.sources.file, "YAML file with settings")
       ->type_name("FILE");
   bool print_config = false;
   app.add_flag("--print-config", print_config,
                "Print what is in force, and where each value comes from");
-  const ConfigFlags flags(app, ServerConfigTable().settings());
+  const config::ConfigFlags flags(app, ServerConfigTable().settings());
   const CLI::App* healthcheck = AddHealthcheck(app, line.healthcheck);
   try {
     app.parse(argc, argv);
@@ -139,4 +139,4 @@ CommandLine ReadCommandLine(int argc, const char* const* argv,
   return line;
 }
 
-}  // namespace treeline
+}  // namespace treeline::server_app

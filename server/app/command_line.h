@@ -7,7 +7,7 @@
 #include "common/config/effective_config.h"
 #include "server/app/healthcheck.h"
 
-namespace treeline {
+namespace treeline::server_app {
 
 // Exit codes, as docs/operations.md states them.
 inline constexpr int kExitOk = 0;
@@ -21,7 +21,7 @@ struct CommandLine {
   std::optional<int> exit_code = {};
   Task task = Task::kServe;
   // Of kServe and kPrintConfig.
-  ConfigSources sources = {};
+  config::ConfigSources sources = {};
   // Of kHealthcheck.
   HealthcheckOptions healthcheck = {};
 };
@@ -31,6 +31,6 @@ struct CommandLine {
 CommandLine ReadCommandLine(int argc, const char* const* argv,
                             const char* const* environment);
 
-}  // namespace treeline
+}  // namespace treeline::server_app
 
 #endif  // SERVER_APP_COMMAND_LINE_H_

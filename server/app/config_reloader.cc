@@ -8,21 +8,23 @@
 #include "absl/strings/str_join.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
-absl::StatusOr<EffectiveConfig> ResolveAll(const ConfigSources& sources) {
+absl::StatusOr<config::EffectiveConfig> ResolveAll(
+    const config::ConfigSources& sources) {
   const auto& table = ServerConfigTable();
-  TL_ASSIGN_OR_RETURN(EffectiveConfig config,
-                      ResolveConfig(table.settings(), sources));
+  TL_ASSIGN_OR_RETURN(config::EffectiveConfig config,
+                      config::ResolveConfig(table.settings(), sources));
   TL_RETURN_IF_ERROR(table.Make(config).Validate());
   return config;
 }
 
 }  // namespace
 
-ConfigReloader::ConfigReloader(ConfigSources sources, EffectiveConfig initial,
-                               ProgramLog& log,
+ConfigReloader::ConfigReloader(config::ConfigSources sources,
+                               config::EffectiveConfig initial,
+                               logging::ProgramLog& log,
                                std::function<void(const ServerConfig&)> apply)
     : sources_(std::move(sources)),
       log_(log),
@@ -33,7 +35,7 @@ void ConfigReloader::Reload() {
   const auto& settings = ServerConfigTable().settings();
   const auto read = ResolveAll(sources_);
   if (!read.ok()) {
-    log_.Say(LogLevel::kError,
+    log_.Say(logging::LogLevel::kError,
              absl::StrCat("configuration not reloaded, the old one stays: ",
                           read.status().message()));
     return;
@@ -43,8 +45,8 @@ void ConfigReloader::Reload() {
   {
     absl::MutexLock lock(&mutex_);
     for (const std::string& name :
-         ChangedSettings(settings, in_force_, *read)) {
-      if (FindSetting(settings, name)->live) {
+         config::ChangedSettings(settings, in_force_, *read)) {
+      if (config::FindSetting(settings, name)->live) {
         in_force_[name] = read->at(name);
         applied.push_back(name);
       } else {
@@ -54,12 +56,13 @@ void ConfigReloader::Reload() {
   }
   apply_(config());
   log_.Say(
-      LogLevel::kInfo,
+      logging::LogLevel::kInfo,
       absl::StrCat("configuration reloaded; changed: ",
                    applied.empty() ? "nothing" : absl::StrJoin(applied, ", ")));
   if (!needs_restart.empty()) {
-    log_.Say(LogLevel::kWarn, absl::StrCat("changed, but needs a restart: ",
-                                           absl::StrJoin(needs_restart, ", ")));
+    log_.Say(logging::LogLevel::kWarn,
+             absl::StrCat("changed, but needs a restart: ",
+                          absl::StrJoin(needs_restart, ", ")));
   }
 }
 
@@ -68,4 +71,4 @@ ServerConfig ConfigReloader::config() const {
   return ServerConfigTable().Make(in_force_);
 }
 
-}  // namespace treeline
+}  // namespace treeline::server_app

@@ -10,7 +10,7 @@
 #include "common/log/program_log.h"
 #include "server/app/server_config.h"
 
-namespace treeline {
+namespace treeline::server_app {
 
 // Reads the sources again when asked to. Reload() is for one thread at a time;
 // config() for any.
@@ -19,8 +19,8 @@ class ConfigReloader {
   // `initial` is what `sources` gave at the start. `apply` gets the
   // configuration in force after each Reload() that succeeded, without a lock
   // held, whether or not anything changed.
-  ConfigReloader(ConfigSources sources, EffectiveConfig initial,
-                 ProgramLog& log,
+  ConfigReloader(config::ConfigSources sources, config::EffectiveConfig initial,
+                 logging::ProgramLog& log,
                  std::function<void(const ServerConfig&)> apply);
 
   // What can be changed live comes into force; what cannot keeps its value, and
@@ -31,13 +31,13 @@ class ConfigReloader {
   ServerConfig config() const;
 
  private:
-  const ConfigSources sources_;
-  ProgramLog& log_;
+  const config::ConfigSources sources_;
+  logging::ProgramLog& log_;
   const std::function<void(const ServerConfig&)> apply_;
   mutable absl::Mutex mutex_;
-  EffectiveConfig in_force_ ABSL_GUARDED_BY(mutex_);
+  config::EffectiveConfig in_force_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::server_app
 
 #endif  // SERVER_APP_CONFIG_RELOADER_H_

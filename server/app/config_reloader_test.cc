@@ -12,7 +12,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 using ::testing::HasSubstr;
@@ -27,7 +27,7 @@ class ConfigReloaderTest : public testing::Test {
         log_(
             std::make_shared<spdlog::logger>(
                 "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(out_)),
-            LogFormat::kText) {
+            logging::LogFormat::kText) {
     sources_.file = path_;
   }
   ~ConfigReloaderTest() override { std::remove(path_.c_str()); }
@@ -35,7 +35,8 @@ class ConfigReloaderTest : public testing::Test {
   void PutFile(const std::string& text) { std::ofstream(path_) << text; }
   void Start(const std::string& text) {
     PutFile(text);
-    auto initial = ResolveConfig(ServerConfigTable().settings(), sources_);
+    auto initial =
+        config::ResolveConfig(ServerConfigTable().settings(), sources_);
     ASSERT_TRUE(initial.ok()) << initial.status();
     reloader_ =
         std::make_unique<ConfigReloader>(sources_, *std::move(initial), log_,
@@ -47,8 +48,8 @@ class ConfigReloaderTest : public testing::Test {
 
   const std::string path_;
   std::ostringstream out_;
-  ProgramLog log_;
-  ConfigSources sources_;
+  logging::ProgramLog log_;
+  config::ConfigSources sources_;
   std::unique_ptr<ConfigReloader> reloader_;
   int applied_ = 0;
   ServerConfig last_;
@@ -111,11 +112,11 @@ TEST_F(ConfigReloaderTest, FlagsBeatTheFileAfterAReloadToo) {
   sources_.flags = {{"log_level", "error"}};
   Start("models: m\n");
   PutFile("models: m\nlog_level: debug\n");
-  log_.SetLevel(LogLevel::kDebug);
+  log_.SetLevel(logging::LogLevel::kDebug);
   reloader_->Reload();
   EXPECT_EQ(last_.log_level, "error");
   EXPECT_THAT(out_.str(), HasSubstr("changed: nothing"));
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::server_app

@@ -16,7 +16,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,7 +63,7 @@ absl::StatusOr<std::unique_ptr<FailedQueryRecorder>> FailedQueryRecorder::Start(
     return absl::ErrnoToStatus(
         errno, absl::StrCat("cannot make the folder ", options.folder));
   }
-  TL_RETURN_IF_ERROR(CheckWritable(options.folder + "/probe"));
+  TL_RETURN_IF_ERROR(base::CheckWritable(options.folder + "/probe"));
   std::unique_ptr<FailedQueryRecorder> recorder(new FailedQueryRecorder(
       std::move(options), std::move(wall_clock), std::move(on_health)));
   TL_RETURN_IF_ERROR(recorder->Adopt());
@@ -170,8 +170,9 @@ absl::Status FailedQueryRecorder::Write(const FailedQuery& query) {
   const std::string stem = NextStem(query.reason);
   const std::string path = absl::StrCat(options_.folder, "/", stem);
   // What is large comes last: where it is, everything is.
-  TL_RETURN_IF_ERROR(WriteFileAtomically(path + ".json", query.json));
-  if (absl::Status status = WriteFileAtomically(path + ".binpb", query.request);
+  TL_RETURN_IF_ERROR(base::WriteFileAtomically(path + ".json", query.json));
+  if (absl::Status status =
+          base::WriteFileAtomically(path + ".binpb", query.request);
       !status.ok()) {
     std::error_code ignored;
     fs::remove(path + ".json", ignored);
@@ -201,13 +202,13 @@ std::string FailedQueryRecorder::NextStem(const std::string& reason) {
       absl::StrFormat("%06d", next_number_++), "-", AsFileName(reason));
 }
 
-void AddRecorderMetrics(Registry& registry,
+void AddRecorderMetrics(metrics::Registry& registry,
                         const FailedQueryRecorder& recorder) {
-  registry.AddSource([&recorder](Exposition& out) {
+  registry.AddSource([&recorder](metrics::Exposition& out) {
     out.Family("treeline_recorded_queries_total",
                "Failed queries to be kept, by result: written, dropped, "
                "failed.",
-               MetricType::kCounter);
+               metrics::MetricType::kCounter);
     out.Sample({{"result", "written"}},
                static_cast<double>(recorder.written()));
     out.Sample({{"result", "dropped"}},
@@ -215,9 +216,9 @@ void AddRecorderMetrics(Registry& registry,
     out.Sample({{"result", "failed"}}, static_cast<double>(recorder.failed()));
     out.Family("treeline_recorded_bytes",
                "What the kept failed queries take on disk.",
-               MetricType::kGauge);
+               metrics::MetricType::kGauge);
     out.Sample({}, static_cast<double>(recorder.bytes_on_disk()));
   });
 }
 
-}  // namespace treeline
+}  // namespace treeline::server_app

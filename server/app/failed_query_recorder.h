@@ -18,7 +18,7 @@
 #include "absl/synchronization/mutex.h"
 #include "common/metrics/registry.h"
 
-namespace treeline {
+namespace treeline::server_app {
 
 struct RecorderOptions {
   // Made, for this user alone, if it is not there.
@@ -109,9 +109,9 @@ class FailedQueryRecorder {
 
 // treeline_recorded_queries_total and treeline_recorded_bytes. `recorder` must
 // outlive the registry's use.
-void AddRecorderMetrics(Registry& registry,
+void AddRecorderMetrics(metrics::Registry& registry,
                         const FailedQueryRecorder& recorder);
 
-}  // namespace treeline
+}  // namespace treeline::server_app
 
 #endif  // SERVER_APP_FAILED_QUERY_RECORDER_H_

@@ -16,7 +16,7 @@
 #include "server/app/recording_dispatcher.h"
 #include "treeline/v1/relocalization.pb.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -78,8 +78,8 @@ TEST_F(FailedQueryRecorderTest, AQueryIsItsBytesAndWhatIsKnownOfIt) {
   recorder_->WaitUntilIdle();
   const std::string stem = "20261121T105019.000Z-000001-TOO_FEW_INLIERS";
   EXPECT_THAT(Files(), ElementsAre(stem + ".binpb", stem + ".json"));
-  EXPECT_EQ(ReadFile(folder_ + "/" + stem + ".binpb").value(), "request");
-  EXPECT_EQ(ReadFile(folder_ + "/" + stem + ".json").value(), "{}");
+  EXPECT_EQ(base::ReadFile(folder_ + "/" + stem + ".binpb").value(), "request");
+  EXPECT_EQ(base::ReadFile(folder_ + "/" + stem + ".json").value(), "{}");
   EXPECT_EQ(recorder_->written(), 1u);
   EXPECT_EQ(recorder_->bytes_on_disk(), 9u);
 }
@@ -182,31 +182,31 @@ TEST_F(FailedQueryRecorderTest, AFolderThatCannotBeIsAnError) {
 }
 
 // Answers Localize with what it was given.
-class FakeDispatcher final : public Dispatcher {
+class FakeDispatcher final : public service::Dispatcher {
  public:
-  void Localize(CallInfo, const v1::LocalizeRequest&,
+  void Localize(service::CallInfo, const v1::LocalizeRequest&,
                 Done<v1::LocalizeResponse> done) override {
     done(answer);
   }
-  void ListScenes(CallInfo, const v1::ListScenesRequest&,
+  void ListScenes(service::CallInfo, const v1::ListScenesRequest&,
                   Done<v1::ListScenesResponse> done) override {
     done(v1::ListScenesResponse());
   }
-  void GetScene(CallInfo, const v1::GetSceneRequest&,
+  void GetScene(service::CallInfo, const v1::GetSceneRequest&,
                 Done<v1::GetSceneResponse> done) override {
     done(v1::GetSceneResponse());
   }
-  void LoadScene(CallInfo, const v1::LoadSceneRequest&,
+  void LoadScene(service::CallInfo, const v1::LoadSceneRequest&,
                  Done<v1::LoadSceneResponse> done) override {
     done(v1::LoadSceneResponse());
   }
-  void UnloadScene(CallInfo, const v1::UnloadSceneRequest&,
+  void UnloadScene(service::CallInfo, const v1::UnloadSceneRequest&,
                    Done<v1::UnloadSceneResponse> done) override {
     done(v1::UnloadSceneResponse());
   }
-  void Reject(const CallInfo&, const v1::LocalizeRequest&,
+  void Reject(const service::CallInfo&, const v1::LocalizeRequest&,
               const absl::Status&) override {}
-  Load load() const override { return {.queued = 3}; }
+  service::Load load() const override { return {.queued = 3}; }
 
   absl::StatusOr<v1::LocalizeResponse> answer = v1::LocalizeResponse();
 };
@@ -220,7 +220,7 @@ class RecordingDispatcherTest : public FailedQueryRecorderTest {
     RecordingDispatcher dispatcher(inner_, *recorder_);
     v1::LocalizeRequest request;
     request.set_scene("kitchen");
-    CallInfo call;
+    service::CallInfo call;
     call.credentials.bearer_token = "secret-token";
     call.traceparent =
         "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
@@ -234,7 +234,7 @@ class RecordingDispatcherTest : public FailedQueryRecorderTest {
     recorder_->WaitUntilIdle();
     std::string json;
     for (const std::string& name : Files()) {
-      const std::string bytes = ReadFile(folder_ + "/" + name).value();
+      const std::string bytes = base::ReadFile(folder_ + "/" + name).value();
       EXPECT_THAT(bytes, Not(HasSubstr("secret-token")));
       if (absl::EndsWith(name, ".json")) json = bytes;
       if (absl::EndsWith(name, ".binpb")) {
@@ -294,4 +294,4 @@ TEST_F(RecordingDispatcherTest, TheRestGoesThrough) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::server_app

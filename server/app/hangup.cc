@@ -6,7 +6,7 @@
 #include <stop_token>
 #include <utility>
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 sigset_t Hangup() {
@@ -40,4 +40,4 @@ HangupListener::~HangupListener() {
   pthread_kill(thread_.native_handle(), SIGHUP);
 }
 
-}  // namespace treeline
+}  // namespace treeline::server_app

@@ -5,7 +5,7 @@
 #include <functional>
 #include <thread>
 
-namespace treeline {
+namespace treeline::server_app {
 
 // Keeps SIGHUP from ending the process, and holds it back until a listener
 // takes it. Call from main() before any other thread is there.
@@ -23,6 +23,6 @@ class HangupListener {
   std::jthread thread_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::server_app
 
 #endif  // SERVER_APP_HANGUP_H_

@@ -21,7 +21,7 @@
 #include "common/wire/status.h"
 #include "server/service/scene_health.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 using google::protobuf::internal::WireFormatLite;
@@ -57,12 +57,13 @@ absl::StatusOr<Connection> ConnectionOf(const HealthcheckOptions& options) {
     return connection;
   }
   grpc::SslCredentialsOptions tls;
-  TL_ASSIGN_OR_RETURN(tls.pem_root_certs, ReadFile(options.tls_ca, 1 << 20));
+  TL_ASSIGN_OR_RETURN(tls.pem_root_certs,
+                      base::ReadFile(options.tls_ca, 1 << 20));
   if (!options.tls_cert.empty()) {
     TL_ASSIGN_OR_RETURN(tls.pem_cert_chain,
-                        ReadFile(options.tls_cert, 1 << 20));
+                        base::ReadFile(options.tls_cert, 1 << 20));
     TL_ASSIGN_OR_RETURN(tls.pem_private_key,
-                        ReadFile(options.tls_key, 1 << 20));
+                        base::ReadFile(options.tls_key, 1 << 20));
   }
   connection.credentials = grpc::SslCredentials(tls);
   if (!options.tls_name.empty()) {
@@ -90,7 +91,7 @@ absl::StatusOr<std::string> Ask(grpc::GenericStub& stub,
   void* tag = nullptr;
   bool ok = false;
   queue.Next(&tag, &ok);
-  if (!status.ok()) return FromGrpc(status);
+  if (!status.ok()) return wire::FromGrpc(status);
   std::vector<grpc::Slice> slices;
   if (!response.Dump(&slices).ok()) {
     return absl::UnavailableError("the answer cannot be read");
@@ -139,7 +140,7 @@ absl::Status CheckHealth(const HealthcheckOptions& options) {
   grpc::GenericStub stub(grpc::CreateCustomChannel(
       options.server, connection.credentials, connection.arguments));
   const std::string service =
-      options.scene.empty() ? "" : HealthServiceOf(options.scene);
+      options.scene.empty() ? "" : service::HealthServiceOf(options.scene);
   const auto answer =
       Ask(stub, EncodeHealthRequest(service), options.timeout_s);
   if (!answer.ok()) return answer.status();
@@ -149,4 +150,4 @@ absl::Status CheckHealth(const HealthcheckOptions& options) {
   return absl::UnavailableError(NameOf(*status));
 }
 
-}  // namespace treeline
+}  // namespace treeline::server_app

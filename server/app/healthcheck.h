@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::server_app {
 
 struct HealthcheckOptions {
   std::string server = "127.0.0.1:50051";
@@ -36,6 +36,6 @@ std::string EncodeHealthRequest(absl::string_view service);
 // INVALID_ARGUMENT: not such a message.
 absl::StatusOr<int> DecodeHealthResponse(absl::string_view bytes);
 
-}  // namespace treeline
+}  // namespace treeline::server_app
 
 #endif  // SERVER_APP_HEALTHCHECK_H_

@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 TEST(Healthcheck, EncodesTheServiceAsField1) {
@@ -43,4 +43,4 @@ TEST(Healthcheck, MissingFilesAreNamed) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::server_app

@@ -9,16 +9,16 @@
 #include "server/repository/folder_source.h"
 #include "server/repository/http_model_source.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
-absl::StatusOr<std::unique_ptr<ModelSource>> OpenSource(
-    const ServerConfig& config, const std::stop_token& stop, ProgramLog& log,
-    const Clock& clock) {
-  if (!IsModelUrl(config.models)) {
-    return std::make_unique<FolderSource>(config.models);
+absl::StatusOr<std::unique_ptr<repository::ModelSource>> OpenSource(
+    const ServerConfig& config, const std::stop_token& stop,
+    logging::ProgramLog& log, const base::Clock& clock) {
+  if (!repository::IsModelUrl(config.models)) {
+    return std::make_unique<repository::FolderSource>(config.models);
   }
-  HttpModelSourceOptions options;
+  repository::HttpModelSourceOptions options;
   options.url = config.models;
   options.cache.folder = config.cache;
   options.cache.limit_bytes = static_cast<uint64_t>(config.cache_mib) << 20;
@@ -26,68 +26,70 @@ absl::StatusOr<std::unique_ptr<ModelSource>> OpenSource(
   options.http.allow_plain_http = config.insecure_any_address;
   options.stop = stop;
   options.warn = [&log](absl::string_view message) {
-    log.Say(LogLevel::kWarn, message);
+    log.Say(logging::LogLevel::kWarn, message);
   };
-  return HttpModelSource::Open(std::move(options), clock);
+  return repository::HttpModelSource::Open(std::move(options), clock);
 }
 
 // What happens to scenes after the start, too.
-void LogEventOf(const RepositoryEvent& event, ProgramLog& log) {
+void LogEventOf(const repository::RepositoryEvent& event,
+                logging::ProgramLog& log) {
   const bool bad = !event.status.ok();
-  LogLine line = log.Event();
-  line.Word("event", EventName(event.kind));
+  logging::LogLine line = log.Event();
+  line.Word("event", repository::EventName(event.kind));
   if (!event.scene.empty()) line.Word("scene", event.scene);
   if (!event.version.empty()) line.Word("version", event.version);
   if (bad) line.Text("reason", event.status.ToString());
-  log.Write(bad ? LogLevel::kWarn : LogLevel::kInfo, line);
+  log.Write(bad ? logging::LogLevel::kWarn : logging::LogLevel::kInfo, line);
 }
 
-void LogScenes(const SceneRepository& repository, const std::string& models,
-               ProgramLog& log) {
-  const std::vector<SceneStatus> scenes = repository.List();
-  for (const SceneStatus& scene : scenes) {
-    for (const VersionStatus& version : scene.versions) {
-      LogLine event = log.Event();
+void LogScenes(const repository::SceneRepository& repository,
+               const std::string& models, logging::ProgramLog& log) {
+  const std::vector<repository::SceneStatus> scenes = repository.List();
+  for (const repository::SceneStatus& scene : scenes) {
+    for (const repository::VersionStatus& version : scene.versions) {
+      logging::LogLine event = log.Event();
       event.Word("scene", scene.name).Word("version", version.version);
-      if (version.state == SceneState::kFailed) {
-        log.Write(LogLevel::kWarn,
+      if (version.state == repository::SceneState::kFailed) {
+        log.Write(logging::LogLevel::kWarn,
                   event.Word("state", "FAILED")
                       .Text("reason", version.failure.ToString()));
         continue;
       }
-      const bool ready = version.state == SceneState::kReady;
-      log.Write(LogLevel::kInfo,
+      const bool ready = version.state == repository::SceneState::kReady;
+      log.Write(logging::LogLevel::kInfo,
                 event.Word("state", ready ? "READY" : "UNLOADED"));
     }
   }
   if (scenes.empty()) {
-    log.Say(LogLevel::kWarn,
-            absl::StrCat("no scenes: nothing matches ", RedactAddress(models),
+    log.Say(logging::LogLevel::kWarn,
+            absl::StrCat("no scenes: nothing matches ",
+                         config::RedactAddress(models),
                          "/<scene>/<version>/model.treeline"));
   }
 }
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<SceneRepository>> OpenRepository(
-    const ServerConfig& config, const std::stop_token& stop, ProgramLog& log,
-    const Clock& clock) {
+absl::StatusOr<std::unique_ptr<repository::SceneRepository>> OpenRepository(
+    const ServerConfig& config, const std::stop_token& stop,
+    logging::ProgramLog& log, const base::Clock& clock) {
   auto source = OpenSource(config, stop, log, clock);
-  if (!source.ok()) return Annotate(source.status(), "--models");
-  RepositoryOptions options;
+  if (!source.ok()) return base::Annotate(source.status(), "--models");
+  repository::RepositoryOptions options;
   options.memory_budget_bytes = static_cast<uint64_t>(config.memory_budget_mib)
                                 << 20;
   options.poll_interval =
       std::chrono::milliseconds(static_cast<int64_t>(config.poll_s * 1e3));
   options.load_all_at_start = config.load_all;
-  options.on_event = [&log](const RepositoryEvent& event) {
+  options.on_event = [&log](const repository::RepositoryEvent& event) {
     LogEventOf(event, log);
   };
-  auto repository = SceneRepository::Open(
+  auto repository = repository::SceneRepository::Open(
       *std::move(source),
-      [](const std::string& path) { return OpenLocalizer(path); }, options,
-      clock);
-  if (!repository.ok()) return Annotate(repository.status(), "--models");
+      [](const std::string& path) { return localizer::OpenLocalizer(path); },
+      options, clock);
+  if (!repository.ok()) return base::Annotate(repository.status(), "--models");
   if (config.load_all) {
     TL_RETURN_IF_ERROR((*repository)->WaitForLoads(stop));
   }
@@ -95,4 +97,4 @@ absl::StatusOr<std::unique_ptr<SceneRepository>> OpenRepository(
   return repository;
 }
 
-}  // namespace treeline
+}  // namespace treeline::server_app

@@ -13,7 +13,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 // /proc's files have no size: they are read to their end.
@@ -49,8 +49,8 @@ std::optional<double> OpenDescriptors() {
   return count;
 }
 
-void Write(const char* name, const char* help, MetricType type, double value,
-           Exposition& out) {
+void Write(const char* name, const char* help, metrics::MetricType type,
+           double value, metrics::Exposition& out) {
   out.Family(name, help, type);
   out.Sample({}, value);
 }
@@ -88,33 +88,35 @@ bool ParseProcessStat(absl::string_view text, ProcessStat& stat) {
   return true;
 }
 
-void AddProcessMetrics(Registry& registry) {
-  registry.AddSource([](Exposition& out) {
+void AddProcessMetrics(metrics::Registry& registry) {
+  registry.AddSource([](metrics::Exposition& out) {
     ProcessStat stat;
     if (ParseProcessStat(ReadProc("/proc/self/stat"), stat)) {
       Write("process_cpu_seconds_total", "CPU time, user and system.",
-            MetricType::kCounter, stat.cpu_s, out);
+            metrics::MetricType::kCounter, stat.cpu_s, out);
       Write("process_resident_memory_bytes", "Memory in use.",
-            MetricType::kGauge, stat.resident_bytes, out);
+            metrics::MetricType::kGauge, stat.resident_bytes, out);
       Write("process_virtual_memory_bytes", "Address space in use.",
-            MetricType::kGauge, stat.virtual_bytes, out);
-      Write("process_threads", "Threads.", MetricType::kGauge, stat.threads,
-            out);
+            metrics::MetricType::kGauge, stat.virtual_bytes, out);
+      Write("process_threads", "Threads.", metrics::MetricType::kGauge,
+            stat.threads, out);
       if (const auto boot_s = BootTime_s()) {
         Write("process_start_time_seconds", "Start, in seconds since 1970.",
-              MetricType::kGauge, *boot_s + stat.start_after_boot_s, out);
+              metrics::MetricType::kGauge, *boot_s + stat.start_after_boot_s,
+              out);
       }
     }
     if (const auto open = OpenDescriptors()) {
-      Write("process_open_fds", "File descriptors in use.", MetricType::kGauge,
-            *open, out);
+      Write("process_open_fds", "File descriptors in use.",
+            metrics::MetricType::kGauge, *open, out);
     }
     rlimit limit{};
     if (getrlimit(RLIMIT_NOFILE, &limit) == 0) {
-      Write("process_max_fds", "File descriptors allowed.", MetricType::kGauge,
-            static_cast<double>(limit.rlim_cur), out);
+      Write("process_max_fds", "File descriptors allowed.",
+            metrics::MetricType::kGauge, static_cast<double>(limit.rlim_cur),
+            out);
     }
   });
 }
 
-}  // namespace treeline
+}  // namespace treeline::server_app

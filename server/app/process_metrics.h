@@ -5,7 +5,7 @@
 #include "absl/strings/string_view.h"
 #include "common/metrics/registry.h"
 
-namespace treeline {
+namespace treeline::server_app {
 
 // What /proc/self/stat says.
 struct ProcessStat {
@@ -21,8 +21,8 @@ bool ParseProcessStat(absl::string_view text, ProcessStat& stat);
 
 // CPU time, memory, threads, file descriptors, start. What /proc does not tell
 // is left out.
-void AddProcessMetrics(Registry& registry);
+void AddProcessMetrics(metrics::Registry& registry);
 
-}  // namespace treeline
+}  // namespace treeline::server_app
 
 #endif  // SERVER_APP_PROCESS_METRICS_H_

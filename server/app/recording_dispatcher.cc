@@ -10,7 +10,7 @@
 #include "common/base/error_info.h"
 #include "server/service/trace_context.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -24,7 +24,7 @@ std::string JsonOf(const std::string& reason,
   json["reason"] = reason;
   json["status"] = Text(absl::StatusCodeToString(answer.status().code()));
   if (!answer.ok()) json["message"] = Text(answer.status().message());
-  if (const auto trace = ParseTraceparent(traceparent)) {
+  if (const auto trace = service::ParseTraceparent(traceparent)) {
     json["trace_id"] = trace->trace_id;
     json["span_id"] = trace->span_id;
   }
@@ -48,7 +48,7 @@ std::string ReasonToRecord(const absl::StatusOr<v1::LocalizeResponse>& answer) {
         !absl::IsInternal(answer.status())) {
       return "";
     }
-    const std::string reason = ErrorInfoOf(answer.status()).reason;
+    const std::string reason = base::ErrorInfoOf(answer.status()).reason;
     return reason.empty()
                ? Text(absl::StatusCodeToString(answer.status().code()))
                : reason;
@@ -70,10 +70,10 @@ void RecordingDispatcher::Record(
                    .json = std::move(json)});
 }
 
-void RecordingDispatcher::Localize(CallInfo call,
+void RecordingDispatcher::Localize(service::CallInfo call,
                                    const v1::LocalizeRequest& request,
                                    Done<v1::LocalizeResponse> done) {
-  if (call.rpc == absl::string_view(kGeoPoseRpc)) {
+  if (call.rpc == absl::string_view(service::kGeoPoseRpc)) {
     inner_.Localize(std::move(call), request, std::move(done));
     return;
   }
@@ -87,28 +87,28 @@ void RecordingDispatcher::Localize(CallInfo call,
       });
 }
 
-void RecordingDispatcher::ListScenes(CallInfo call,
+void RecordingDispatcher::ListScenes(service::CallInfo call,
                                      const v1::ListScenesRequest& request,
                                      Done<v1::ListScenesResponse> done) {
   inner_.ListScenes(std::move(call), request, std::move(done));
 }
 
-void RecordingDispatcher::GetScene(CallInfo call,
+void RecordingDispatcher::GetScene(service::CallInfo call,
                                    const v1::GetSceneRequest& request,
                                    Done<v1::GetSceneResponse> done) {
   inner_.GetScene(std::move(call), request, std::move(done));
 }
 
-void RecordingDispatcher::LoadScene(CallInfo call,
+void RecordingDispatcher::LoadScene(service::CallInfo call,
                                     const v1::LoadSceneRequest& request,
                                     Done<v1::LoadSceneResponse> done) {
   inner_.LoadScene(std::move(call), request, std::move(done));
 }
 
-void RecordingDispatcher::UnloadScene(CallInfo call,
+void RecordingDispatcher::UnloadScene(service::CallInfo call,
                                       const v1::UnloadSceneRequest& request,
                                       Done<v1::UnloadSceneResponse> done) {
   inner_.UnloadScene(std::move(call), request, std::move(done));
 }
 
-}  // namespace treeline
+}  // namespace treeline::server_app

@@ -7,7 +7,7 @@
 #include "server/app/failed_query_recorder.h"
 #include "server/service/dispatcher.h"
 
-namespace treeline {
+namespace treeline::server_app {
 
 // What a failed query is kept under: NOT_LOCALIZED's reason, or the error's,
 // for INVALID_ARGUMENT and INTERNAL. Empty: it is not kept. Never kept is what
@@ -18,36 +18,37 @@ std::string ReasonToRecord(const absl::StatusOr<v1::LocalizeResponse>& answer);
 // Everything goes to `inner`, and what failed to `recorder` too, before it is
 // answered. Nothing of the caller but its trace is kept. Both must outlive
 // this.
-class RecordingDispatcher final : public Dispatcher {
+class RecordingDispatcher final : public service::Dispatcher {
  public:
-  RecordingDispatcher(Dispatcher& inner, FailedQueryRecorder& recorder)
+  RecordingDispatcher(service::Dispatcher& inner, FailedQueryRecorder& recorder)
       : inner_(inner), recorder_(recorder) {}
 
-  void Localize(CallInfo call, const v1::LocalizeRequest& request,
+  void Localize(service::CallInfo call, const v1::LocalizeRequest& request,
                 Done<v1::LocalizeResponse> done) override;
-  void ListScenes(CallInfo call, const v1::ListScenesRequest& request,
+  void ListScenes(service::CallInfo call, const v1::ListScenesRequest& request,
                   Done<v1::ListScenesResponse> done) override;
-  void GetScene(CallInfo call, const v1::GetSceneRequest& request,
+  void GetScene(service::CallInfo call, const v1::GetSceneRequest& request,
                 Done<v1::GetSceneResponse> done) override;
-  void LoadScene(CallInfo call, const v1::LoadSceneRequest& request,
+  void LoadScene(service::CallInfo call, const v1::LoadSceneRequest& request,
                  Done<v1::LoadSceneResponse> done) override;
-  void UnloadScene(CallInfo call, const v1::UnloadSceneRequest& request,
+  void UnloadScene(service::CallInfo call,
+                   const v1::UnloadSceneRequest& request,
                    Done<v1::UnloadSceneResponse> done) override;
-  void Reject(const CallInfo& call, const v1::LocalizeRequest& request,
+  void Reject(const service::CallInfo& call, const v1::LocalizeRequest& request,
               const absl::Status& status) override {
     inner_.Reject(call, request, status);
   }
-  Load load() const override { return inner_.load(); }
+  service::Load load() const override { return inner_.load(); }
 
  private:
   void Record(const v1::LocalizeRequest& request,
               const absl::StatusOr<v1::LocalizeResponse>& answer,
               const std::string& traceparent);
 
-  Dispatcher& inner_;
+  service::Dispatcher& inner_;
   FailedQueryRecorder& recorder_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::server_app
 
 #endif  // SERVER_APP_RECORDING_DISPATCHER_H_

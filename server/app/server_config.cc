@@ -7,18 +7,18 @@
 #include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
-using Table = ConfigTable<ServerConfig>;
+using Table = config::ConfigTable<ServerConfig>;
 
-absl::Status CheckAddress(const ConfigValue& value) {
+absl::Status CheckAddress(const config::ConfigValue& value) {
   const std::string& text = std::get<std::string>(value);
   if (text.empty()) return absl::OkStatus();
-  return ParseListenAddress(text).status();
+  return base::ParseListenAddress(text).status();
 }
 
-absl::Status CheckOrigins(const ConfigValue& value) {
+absl::Status CheckOrigins(const config::ConfigValue& value) {
   for (const std::string& origin : std::get<std::vector<std::string>>(value)) {
     if (origin == "*") continue;
     const bool has_scheme = absl::StartsWith(origin, "https://") ||
@@ -42,7 +42,7 @@ void AddScenes(Table& table) {
        .value_name = "DIR|URL",
        .help = "Folder with the scenes, or the web address of their index",
        .required = true,
-       .secrecy = Secrecy::kAddress});
+       .secrecy = config::Secrecy::kAddress});
   table.Add(&ServerConfig::cache,
             {.name = "cache",
              .value_name = "DIR",
@@ -247,10 +247,10 @@ absl::Status ServerConfig::Validate() const {
   }
   if (!admin_listen.empty() && !insecure_any_address && auth_keys.empty() &&
       tls_client_ca.empty()) {
-    TL_ASSIGN_OR_RETURN(const ListenAddress admin,
-                        ParseListenAddress(admin_listen));
+    TL_ASSIGN_OR_RETURN(const base::ListenAddress admin,
+                        base::ParseListenAddress(admin_listen));
     // Encrypted or not, everyone who reaches it could unload every scene.
-    if (!IsLoopback(admin)) {
+    if (!base::IsLoopback(admin)) {
       return Needs("--admin-listen on an address that other machines reach",
                    "--auth-keys or --tls-client-ca");
     }
@@ -259,7 +259,7 @@ absl::Status ServerConfig::Validate() const {
   return GrpcOptionsOf(*this).Validate();
 }
 
-const ConfigTable<ServerConfig>& ServerConfigTable() {
+const config::ConfigTable<ServerConfig>& ServerConfigTable() {
   // Immutable; made by the first who asks.
   static const auto* const table = [] {
     auto* made = new Table;
@@ -273,8 +273,8 @@ const ConfigTable<ServerConfig>& ServerConfigTable() {
   return *table;
 }
 
-GrpcServerOptions GrpcOptionsOf(const ServerConfig& config) {
-  GrpcServerOptions options;
+service::GrpcServerOptions GrpcOptionsOf(const ServerConfig& config) {
+  service::GrpcServerOptions options;
   options.listen = config.listen;
   // The credentials are the caller's to add.
   options.insecure_any_address =
@@ -284,8 +284,8 @@ GrpcServerOptions GrpcOptionsOf(const ServerConfig& config) {
   return options;
 }
 
-DispatcherOptions DispatcherOptionsOf(const ServerConfig& config) {
-  DispatcherOptions options;
+service::DispatcherOptions DispatcherOptionsOf(const ServerConfig& config) {
+  service::DispatcherOptions options;
   options.workers = config.workers;
   options.queue = config.queue;
   options.decode_limits.max_pixels =
@@ -293,4 +293,4 @@ DispatcherOptions DispatcherOptionsOf(const ServerConfig& config) {
   return options;
 }
 
-}  // namespace treeline
+}  // namespace treeline::server_app

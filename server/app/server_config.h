@@ -10,7 +10,7 @@
 #include "server/service/grpc_server.h"
 #include "server/service/service_dispatcher.h"
 
-namespace treeline {
+namespace treeline::server_app {
 
 inline constexpr char kServerEnvironmentPrefix[] = "TREELINE_SERVER_";
 
@@ -69,12 +69,12 @@ struct ServerConfig {
 
 // Declares every setting once: for flags, environment, file, help, validation
 // and --print-config.
-const ConfigTable<ServerConfig>& ServerConfigTable();
+const config::ConfigTable<ServerConfig>& ServerConfigTable();
 
 // Of the public listener.
-GrpcServerOptions GrpcOptionsOf(const ServerConfig& config);
-DispatcherOptions DispatcherOptionsOf(const ServerConfig& config);
+service::GrpcServerOptions GrpcOptionsOf(const ServerConfig& config);
+service::DispatcherOptions DispatcherOptionsOf(const ServerConfig& config);
 
-}  // namespace treeline
+}  // namespace treeline::server_app
 
 #endif  // SERVER_APP_SERVER_CONFIG_H_

@@ -10,7 +10,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 using ::testing::HasSubstr;
@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 absl::StatusOr<ServerConfig> Made(std::map<std::string, std::string> flags) {
   flags.insert({"models", "m"});
   const auto config =
-      ResolveConfig(ServerConfigTable().settings(), {.flags = flags});
+      config::ResolveConfig(ServerConfigTable().settings(), {.flags = flags});
   if (!config.ok()) return config.status();
   ServerConfig made = ServerConfigTable().Make(*config);
   const absl::Status valid = made.Validate();
@@ -42,12 +42,12 @@ TEST(ServerConfig, DefaultsAreValid) {
 
 TEST(ServerConfig, EverySettingHasOneNameAndHelp) {
   std::set<std::string> names;
-  for (const Setting& setting : ServerConfigTable().settings()) {
+  for (const config::Setting& setting : ServerConfigTable().settings()) {
     EXPECT_TRUE(names.insert(setting.name).second) << setting.name;
     EXPECT_FALSE(setting.help.empty()) << setting.name;
     EXPECT_NE(setting.help.back(), '.') << setting.name;
     if (!setting.required) {
-      EXPECT_TRUE(CheckValue(setting, setting.default_value).ok())
+      EXPECT_TRUE(config::CheckValue(setting, setting.default_value).ok())
           << setting.name;
     }
   }
@@ -101,19 +101,19 @@ TEST(ServerConfig, OperatorsFromElsewhereMustSayWhoTheyAre) {
 TEST(ServerConfig, ReachesTheService) {
   const auto config = Made({{"queue", "3"}, {"max_megapixels", "0.5"}});
   ASSERT_TRUE(config.ok()) << config.status();
-  const DispatcherOptions options = DispatcherOptionsOf(*config);
+  const service::DispatcherOptions options = DispatcherOptionsOf(*config);
   EXPECT_EQ(options.queue, 3);
   EXPECT_EQ(options.decode_limits.max_pixels, 500000);
 }
 
 // The page and the table must not drift apart.
 TEST(ServerConfig, TheDocumentNamesEverySetting) {
-  const auto page = ReadFile(TREELINE_OPERATIONS_PAGE);
+  const auto page = base::ReadFile(TREELINE_OPERATIONS_PAGE);
   ASSERT_TRUE(page.ok()) << page.status();
-  for (const Setting& setting : ServerConfigTable().settings()) {
+  for (const config::Setting& setting : ServerConfigTable().settings()) {
     EXPECT_THAT(*page, HasSubstr(absl::StrCat("| `", setting.name, "` |")));
   }
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::server_app

@@ -5,7 +5,7 @@
 
 #include "common/base/error_info.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 constexpr double kSecondsPerMillisecond = 1e-3;
@@ -19,28 +19,29 @@ std::string OrNone(const std::string& text) {
 
 std::string ToText(absl::string_view text) { return std::string(text); }
 
-const char* StateName(SceneState state) {
+const char* StateName(repository::SceneState state) {
   switch (state) {
-    case SceneState::kUnloaded:
+    case repository::SceneState::kUnloaded:
       return "UNLOADED";
-    case SceneState::kLoading:
+    case repository::SceneState::kLoading:
       return "LOADING";
-    case SceneState::kReady:
+    case repository::SceneState::kReady:
       return "READY";
-    case SceneState::kFailed:
+    case repository::SceneState::kFailed:
       break;
   }
   return "FAILED";
 }
 
-constexpr SceneState kAllStates[] = {SceneState::kUnloaded,
-                                     SceneState::kLoading, SceneState::kReady,
-                                     SceneState::kFailed};
+constexpr repository::SceneState kAllStates[] = {
+    repository::SceneState::kUnloaded, repository::SceneState::kLoading,
+    repository::SceneState::kReady, repository::SceneState::kFailed};
 
-void WriteScenes(const std::vector<SceneFigures>& scenes, Exposition& out) {
+void WriteScenes(const std::vector<SceneFigures>& scenes,
+                 metrics::Exposition& out) {
   out.Family("treeline_scene_loads_total",
              "Loads of models by scene and result: ok, failed.",
-             MetricType::kCounter);
+             metrics::MetricType::kCounter);
   for (const SceneFigures& scene : scenes) {
     out.Sample({{"scene", scene.scene}, {"result", "ok"}},
                static_cast<double>(scene.loads));
@@ -48,27 +49,30 @@ void WriteScenes(const std::vector<SceneFigures>& scenes, Exposition& out) {
                static_cast<double>(scene.load_failures));
   }
   out.Family("treeline_scene_evictions_total",
-             "Times a scene left memory to make room.", MetricType::kCounter);
+             "Times a scene left memory to make room.",
+             metrics::MetricType::kCounter);
   for (const SceneFigures& scene : scenes) {
     out.Sample({{"scene", scene.scene}}, static_cast<double>(scene.evictions));
   }
   out.Family("treeline_scene_resident_bytes",
-             "Memory that a scene's loaded versions take.", MetricType::kGauge);
+             "Memory that a scene's loaded versions take.",
+             metrics::MetricType::kGauge);
   for (const SceneFigures& scene : scenes) {
     out.Sample({{"scene", scene.scene}},
                static_cast<double>(scene.resident_bytes));
   }
-  std::map<SceneState, int> by_state;
+  std::map<repository::SceneState, int> by_state;
   for (const SceneFigures& scene : scenes) ++by_state[scene.state];
-  out.Family("treeline_scenes", "Scenes by state.", MetricType::kGauge);
-  for (const SceneState state : kAllStates) {
+  out.Family("treeline_scenes", "Scenes by state.",
+             metrics::MetricType::kGauge);
+  for (const repository::SceneState state : kAllStates) {
     out.Sample({{"state", StateName(state)}}, by_state[state]);
   }
 }
 
 }  // namespace
 
-ServiceMetrics::ServiceMetrics(Registry& registry)
+ServiceMetrics::ServiceMetrics(metrics::Registry& registry)
     : requests_(registry.AddCounter(
           "treeline_requests_total",
           "Finished calls, each once, by RPC, transport, status code and the "
@@ -77,12 +81,12 @@ ServiceMetrics::ServiceMetrics(Registry& registry)
       request_seconds_(registry.AddHistogram(
           "treeline_request_seconds",
           "From the arrival of the whole request to its answer.", {"rpc"},
-          LatencyBuckets())),
+          metrics::LatencyBuckets())),
       stage_seconds_(registry.AddHistogram(
           "treeline_stage_seconds",
           "Time of calls in each stage that they reached: queue, decode, "
           "sample, forest, pose.",
-          {"stage", "method", "status"}, LatencyBuckets())),
+          {"stage", "method", "status"}, metrics::LatencyBuckets())),
       outcomes_(registry.AddCounter(
           "treeline_outcomes_total",
           "Answered queries by scene, outcome, and why they were not "
@@ -91,11 +95,11 @@ ServiceMetrics::ServiceMetrics(Registry& registry)
       inlier_ratio_(registry.AddHistogram(
           "treeline_inlier_ratio",
           "Part of the samples that an answer's pose explains.", {"scene"},
-          ShareBuckets())),
+          metrics::ShareBuckets())),
       confidence_(registry.AddHistogram(
           "treeline_confidence",
           "Probability that an answer's pose is right, as the model sees it.",
-          {"scene"}, ShareBuckets())),
+          {"scene"}, metrics::ShareBuckets())),
       shed_(registry.AddCounter(
           "treeline_shed_total",
           "Calls turned away for too much load before any work, by reason; "
@@ -113,8 +117,8 @@ ServiceMetrics::ServiceMetrics(Registry& registry)
                                      "Bytes of all requests.", {})
                          .With({})) {}
 
-void ServiceMetrics::OnCall(const CallRecord& record) {
-  const std::string reason = ErrorInfoOf(record.status).reason;
+void ServiceMetrics::OnCall(const service::CallRecord& record) {
+  const std::string reason = base::ErrorInfoOf(record.status).reason;
   requests_
       .With({record.rpc, record.transport,
              ToText(absl::StatusCodeToString(record.status.code())),
@@ -129,8 +133,8 @@ void ServiceMetrics::OnCall(const CallRecord& record) {
   // The scene is one of ours: a version of it has answered.
   if (!record.outcome || record.model_version.empty()) return;
   outcomes_
-      .With({record.scene, ToText(OutcomeName(*record.outcome)),
-             ToText(ReasonName(record.reason))})
+      .With({record.scene, ToText(localizer::OutcomeName(*record.outcome)),
+             ToText(localizer::ReasonName(record.reason))})
       .Add();
   if (record.samples > 0) {
     inlier_ratio_.With({record.scene})
@@ -139,8 +143,8 @@ void ServiceMetrics::OnCall(const CallRecord& record) {
   confidence_.With({record.scene}).Observe(record.confidence);
 }
 
-void ServiceMetrics::CountStages(const CallRecord& record) {
-  const CallTimings& t = record.timings;
+void ServiceMetrics::CountStages(const service::CallRecord& record) {
+  const service::CallTimings& t = record.timings;
   const std::string method = OrNone(record.method);
   const std::string status =
       ToText(absl::StatusCodeToString(record.status.code()));
@@ -157,11 +161,12 @@ void ServiceMetrics::CountStages(const CallRecord& record) {
   count("pose", t.localize.pose_ms);
 }
 
-void AddLoadMetrics(Registry& registry, std::function<Load()> load) {
-  registry.AddSource([load = std::move(load)](Exposition& out) {
-    const Load now = load();
+void AddLoadMetrics(metrics::Registry& registry,
+                    std::function<service::Load()> load) {
+  registry.AddSource([load = std::move(load)](metrics::Exposition& out) {
+    const service::Load now = load();
     const auto gauge = [&](const char* name, const char* help, int value) {
-      out.Family(name, help, MetricType::kGauge);
+      out.Family(name, help, metrics::MetricType::kGauge);
       out.Sample({}, value);
     };
     gauge("treeline_queue_depth", "Queries that wait for a worker.",
@@ -174,20 +179,20 @@ void AddLoadMetrics(Registry& registry, std::function<Load()> load) {
   });
 }
 
-void AddSceneMetrics(Registry& registry,
+void AddSceneMetrics(metrics::Registry& registry,
                      std::function<RepositoryFigures()> figures) {
-  registry.AddSource([figures = std::move(figures)](Exposition& out) {
+  registry.AddSource([figures = std::move(figures)](metrics::Exposition& out) {
     const RepositoryFigures now = figures();
     WriteScenes(now.scenes, out);
     if (!now.load_seconds) return;
     out.Family("treeline_scene_load_seconds",
                "How long loads of models took, failed ones included.",
-               MetricType::kHistogram);
+               metrics::MetricType::kHistogram);
     out.Histogram({}, *now.load_seconds);
   });
 }
 
-void AddBuildInfo(Registry& registry, const std::string& version) {
+void AddBuildInfo(metrics::Registry& registry, const std::string& version) {
   registry
       .AddGauge("treeline_build_info", "Always 1; the version is its label.",
                 {"version"})
@@ -195,4 +200,4 @@ void AddBuildInfo(Registry& registry, const std::string& version) {
       .Set(1);
 }
 
-}  // namespace treeline
+}  // namespace treeline::server_app

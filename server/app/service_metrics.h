@@ -14,35 +14,35 @@
 #include "server/service/call_observer.h"
 #include "server/service/dispatcher.h"
 
-namespace treeline {
+namespace treeline::server_app {
 
 // Counts every call exactly once in treeline_requests_total. What a client
 // chose becomes a label only where it is known to be ours: a scene, once a
 // version of it has answered. Thread-safe.
-class ServiceMetrics final : public CallObserver {
+class ServiceMetrics final : public service::CallObserver {
  public:
   // `registry` must outlive this.
-  explicit ServiceMetrics(Registry& registry);
-  void OnCall(const CallRecord& record) override;
+  explicit ServiceMetrics(metrics::Registry& registry);
+  void OnCall(const service::CallRecord& record) override;
 
  private:
-  void CountStages(const CallRecord& record);
+  void CountStages(const service::CallRecord& record);
 
-  MetricFamily<Counter>& requests_;
-  MetricFamily<Histogram>& request_seconds_;
-  MetricFamily<Histogram>& stage_seconds_;
-  MetricFamily<Counter>& outcomes_;
-  MetricFamily<Histogram>& inlier_ratio_;
-  MetricFamily<Histogram>& confidence_;
-  MetricFamily<Counter>& shed_;
-  Counter& cancelled_;
-  Counter& request_bytes_;
+  metrics::MetricFamily<metrics::Counter>& requests_;
+  metrics::MetricFamily<metrics::Histogram>& request_seconds_;
+  metrics::MetricFamily<metrics::Histogram>& stage_seconds_;
+  metrics::MetricFamily<metrics::Counter>& outcomes_;
+  metrics::MetricFamily<metrics::Histogram>& inlier_ratio_;
+  metrics::MetricFamily<metrics::Histogram>& confidence_;
+  metrics::MetricFamily<metrics::Counter>& shed_;
+  metrics::Counter& cancelled_;
+  metrics::Counter& request_bytes_;
 };
 
 // What the repository knows of one scene, for metrics.
 struct SceneFigures {
   std::string scene;
-  SceneState state = SceneState::kUnloaded;
+  repository::SceneState state = repository::SceneState::kUnloaded;
   uint64_t resident_bytes = 0;
   // Since the start.
   uint64_t loads = 0;  // that succeeded
@@ -53,30 +53,31 @@ struct SceneFigures {
 struct RepositoryFigures {
   std::vector<SceneFigures> scenes;
   // How long loads took, s; absent: not known.
-  std::optional<HistogramCounts> load_seconds;
+  std::optional<metrics::HistogramCounts> load_seconds;
 };
 
 // Asked each time the metrics are; from any thread.
-void AddLoadMetrics(Registry& registry, std::function<Load()> load);
-void AddSceneMetrics(Registry& registry,
+void AddLoadMetrics(metrics::Registry& registry,
+                    std::function<service::Load()> load);
+void AddSceneMetrics(metrics::Registry& registry,
                      std::function<RepositoryFigures()> figures);
 // treeline_build_info.
-void AddBuildInfo(Registry& registry, const std::string& version);
+void AddBuildInfo(metrics::Registry& registry, const std::string& version);
 
 // Hands each call to several.
-class CallObservers final : public CallObserver {
+class CallObservers final : public service::CallObserver {
  public:
   // They must outlive this.
-  explicit CallObservers(std::vector<CallObserver*> observers)
+  explicit CallObservers(std::vector<service::CallObserver*> observers)
       : observers_(std::move(observers)) {}
-  void OnCall(const CallRecord& record) override {
-    for (CallObserver* observer : observers_) observer->OnCall(record);
+  void OnCall(const service::CallRecord& record) override {
+    for (service::CallObserver* observer : observers_) observer->OnCall(record);
   }
 
  private:
-  const std::vector<CallObserver*> observers_;
+  const std::vector<service::CallObserver*> observers_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::server_app
 
 #endif  // SERVER_APP_SERVICE_METRICS_H_

@@ -16,16 +16,16 @@
 #include "gtest/gtest.h"
 #include "server/app/process_metrics.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-using Families = std::map<std::string, ParsedFamily>;
+using Families = std::map<std::string, metrics::ParsedFamily>;
 
-Families Parsed(const Registry& registry) {
-  auto parsed = ParseExposition(registry.Expose());
+Families Parsed(const metrics::Registry& registry) {
+  auto parsed = metrics::ParseExposition(registry.Expose());
   EXPECT_TRUE(parsed.ok()) << parsed.status();
   return parsed.value_or(Families());
 }
@@ -36,13 +36,13 @@ double Total(const Families& families, const std::string& name) {
   return total;
 }
 
-CallRecord Localized() {
-  CallRecord record;
+service::CallRecord Localized() {
+  service::CallRecord record;
   record.rpc = "Localize";
   record.scene = "kitchen";
   record.model_version = "3";
   record.method = "rgbd";
-  record.outcome = Outcome::kLocalized;
+  record.outcome = localizer::Outcome::kLocalized;
   record.inliers = 200;
   record.samples = 500;
   record.confidence = 0.97;
@@ -56,8 +56,8 @@ CallRecord Localized() {
   return record;
 }
 
-CallRecord Failed(absl::Status status) {
-  CallRecord record;
+service::CallRecord Failed(absl::Status status) {
+  service::CallRecord record;
   record.rpc = "Localize";
   record.status = std::move(status);
   return record;
@@ -65,7 +65,7 @@ CallRecord Failed(absl::Status status) {
 
 class ServiceMetricsTest : public testing::Test {
  protected:
-  Registry registry_;
+  metrics::Registry registry_;
   ServiceMetrics metrics_{registry_};
 };
 
@@ -73,7 +73,7 @@ TEST_F(ServiceMetricsTest, AnAnswerIsCountedInAllItsAspects) {
   metrics_.OnCall(Localized());
   const Families families = Parsed(registry_);
   const auto at = [&](const std::string& key) {
-    return SampleOf(families, key);
+    return metrics::SampleOf(families, key);
   };
   EXPECT_EQ(at("treeline_requests_total{reason=none,rpc=Localize,status=OK,"
                "transport=grpc}"),
@@ -98,25 +98,27 @@ TEST_F(ServiceMetricsTest, AnAnswerIsCountedInAllItsAspects) {
 }
 
 TEST_F(ServiceMetricsTest, ShedAndCancelledCallsAreCountedOnceEach) {
-  CallRecord shed =
-      Failed(WithReason(absl::UnavailableError("overloaded"), "QUEUE_FULL"));
+  service::CallRecord shed = Failed(
+      base::WithReason(absl::UnavailableError("overloaded"), "QUEUE_FULL"));
   shed.shed = true;
   metrics_.OnCall(shed);
   metrics_.OnCall(Failed(absl::CancelledError("by the client")));
   const Families families = Parsed(registry_);
-  EXPECT_EQ(SampleOf(families, "treeline_shed_total{reason=QUEUE_FULL}"), 1);
+  EXPECT_EQ(
+      metrics::SampleOf(families, "treeline_shed_total{reason=QUEUE_FULL}"), 1);
   EXPECT_EQ(Total(families, "treeline_shed_total"), 1);
-  EXPECT_EQ(SampleOf(families, "treeline_cancelled_total"), 1);
-  EXPECT_EQ(SampleOf(families,
-                     "treeline_requests_total{reason=QUEUE_FULL,rpc=Localize,"
-                     "status=UNAVAILABLE,transport=grpc}"),
+  EXPECT_EQ(metrics::SampleOf(families, "treeline_cancelled_total"), 1);
+  EXPECT_EQ(metrics::SampleOf(
+                families,
+                "treeline_requests_total{reason=QUEUE_FULL,rpc=Localize,"
+                "status=UNAVAILABLE,transport=grpc}"),
             1);
   EXPECT_EQ(Total(families, "treeline_requests_total"), 2);
 }
 
 TEST_F(ServiceMetricsTest, WhatClientsChooseIsNoLabel) {
   for (int i = 0; i < 100; ++i) {
-    CallRecord record =
+    service::CallRecord record =
         Failed(absl::NotFoundError(absl::StrCat("no scene 'evil", i, "'")));
     record.scene = absl::StrCat("evil", i);
     record.client = absl::StrCat("evil-client", i);
@@ -135,8 +137,8 @@ TEST_F(ServiceMetricsTest, EveryCallIsCountedExactlyOnce) {
   for (uint64_t t = 0; t < kThreads; ++t) {
     threads.emplace_back([this, t] {
       for (uint64_t i = 0; i < kEach; ++i) {
-        Random random(/*seed=*/t, i);
-        CallRecord record = Localized();
+        base::Random random(/*seed=*/t, i);
+        service::CallRecord record = Localized();
         if (random.NextBelow(2) == 0) {
           record = Failed(absl::Status(
               static_cast<absl::StatusCode>(1 + random.NextBelow(16)), "m"));
@@ -150,7 +152,8 @@ TEST_F(ServiceMetricsTest, EveryCallIsCountedExactlyOnce) {
   for (std::thread& thread : threads) thread.join();
   const Families families = Parsed(registry_);
   EXPECT_EQ(Total(families, "treeline_requests_total"), kThreads * kEach);
-  EXPECT_EQ(SampleOf(families, "treeline_request_seconds_count{rpc=Localize}"),
+  EXPECT_EQ(metrics::SampleOf(families,
+                              "treeline_request_seconds_count{rpc=Localize}"),
             kThreads * kEach);
   double ok = 0;
   double cancelled = 0;
@@ -160,63 +163,70 @@ TEST_F(ServiceMetricsTest, EveryCallIsCountedExactlyOnce) {
     if (absl::StrContains(key, "status=CANCELLED")) cancelled += value;
   }
   EXPECT_EQ(Total(families, "treeline_outcomes_total"), ok);
-  EXPECT_EQ(SampleOf(families, "treeline_cancelled_total"), cancelled);
+  EXPECT_EQ(metrics::SampleOf(families, "treeline_cancelled_total"), cancelled);
 }
 
 TEST(LoadMetrics, AreAskedForWhenTheMetricsAre) {
-  Registry registry;
-  Load load;
+  metrics::Registry registry;
+  service::Load load;
   AddLoadMetrics(registry, [&] { return load; });
   load = {.queued = 3, .running = 2, .workers = 4, .queue_capacity = 64};
   const Families families = Parsed(registry);
-  EXPECT_EQ(SampleOf(families, "treeline_queue_depth"), 3);
-  EXPECT_EQ(SampleOf(families, "treeline_in_flight"), 2);
-  EXPECT_EQ(SampleOf(families, "treeline_workers"), 4);
-  EXPECT_EQ(SampleOf(families, "treeline_queue_capacity"), 64);
+  EXPECT_EQ(metrics::SampleOf(families, "treeline_queue_depth"), 3);
+  EXPECT_EQ(metrics::SampleOf(families, "treeline_in_flight"), 2);
+  EXPECT_EQ(metrics::SampleOf(families, "treeline_workers"), 4);
+  EXPECT_EQ(metrics::SampleOf(families, "treeline_queue_capacity"), 64);
 }
 
 TEST(SceneMetrics, TellLoadsEvictionsMemoryAndStates) {
-  Registry registry;
+  metrics::Registry registry;
   AddSceneMetrics(registry, [] {
     RepositoryFigures figures;
-    figures.scenes = {{.scene = "kitchen",
-                       .state = SceneState::kReady,
-                       .resident_bytes = 5000,
-                       .loads = 2,
-                       .load_failures = 1,
-                       .evictions = 1},
-                      {.scene = "office", .state = SceneState::kFailed}};
-    figures.load_seconds = HistogramCounts{{0.1}, {2, 1}, 0.7};
+    figures.scenes = {
+        {.scene = "kitchen",
+         .state = repository::SceneState::kReady,
+         .resident_bytes = 5000,
+         .loads = 2,
+         .load_failures = 1,
+         .evictions = 1},
+        {.scene = "office", .state = repository::SceneState::kFailed}};
+    figures.load_seconds = metrics::HistogramCounts{{0.1}, {2, 1}, 0.7};
     return figures;
   });
   const Families families = Parsed(registry);
   EXPECT_EQ(
-      SampleOf(families, "treeline_scene_loads_total{result=ok,scene=kitchen}"),
+      metrics::SampleOf(families,
+                        "treeline_scene_loads_total{result=ok,scene=kitchen}"),
       2);
-  EXPECT_EQ(SampleOf(families,
-                     "treeline_scene_loads_total{result=failed,scene=kitchen}"),
+  EXPECT_EQ(
+      metrics::SampleOf(
+          families, "treeline_scene_loads_total{result=failed,scene=kitchen}"),
+      1);
+  EXPECT_EQ(metrics::SampleOf(families,
+                              "treeline_scene_evictions_total{scene=kitchen}"),
             1);
-  EXPECT_EQ(SampleOf(families, "treeline_scene_evictions_total{scene=kitchen}"),
-            1);
-  EXPECT_EQ(SampleOf(families, "treeline_scene_resident_bytes{scene=kitchen}"),
+  EXPECT_EQ(metrics::SampleOf(families,
+                              "treeline_scene_resident_bytes{scene=kitchen}"),
             5000);
-  EXPECT_EQ(SampleOf(families, "treeline_scenes{state=READY}"), 1);
-  EXPECT_EQ(SampleOf(families, "treeline_scenes{state=FAILED}"), 1);
-  EXPECT_EQ(SampleOf(families, "treeline_scenes{state=LOADING}"), 0);
+  EXPECT_EQ(metrics::SampleOf(families, "treeline_scenes{state=READY}"), 1);
+  EXPECT_EQ(metrics::SampleOf(families, "treeline_scenes{state=FAILED}"), 1);
+  EXPECT_EQ(metrics::SampleOf(families, "treeline_scenes{state=LOADING}"), 0);
   EXPECT_EQ(families.at("treeline_scenes").samples.size(), 4u);
-  EXPECT_EQ(SampleOf(families, "treeline_scene_load_seconds_count"), 3);
+  EXPECT_EQ(metrics::SampleOf(families, "treeline_scene_load_seconds_count"),
+            3);
 }
 
 TEST(ProcessMetrics, AreThoseOfThisProcess) {
-  Registry registry;
+  metrics::Registry registry;
   AddProcessMetrics(registry);
   AddBuildInfo(registry, "1.2.3");
   const Families families = Parsed(registry);
-  EXPECT_GT(SampleOf(families, "process_resident_memory_bytes"), 1e5);
-  EXPECT_GT(SampleOf(families, "process_open_fds"), 2);
-  EXPECT_GE(SampleOf(families, "process_threads"), 1);
-  EXPECT_GT(SampleOf(families, "process_start_time_seconds"), 1e9);
-  EXPECT_EQ(SampleOf(families, "treeline_build_info{version=1.2.3}"), 1);
+  EXPECT_GT(metrics::SampleOf(families, "process_resident_memory_bytes"), 1e5);
+  EXPECT_GT(metrics::SampleOf(families, "process_open_fds"), 2);
+  EXPECT_GE(metrics::SampleOf(families, "process_threads"), 1);
+  EXPECT_GT(metrics::SampleOf(families, "process_start_time_seconds"), 1e9);
+  EXPECT_EQ(metrics::SampleOf(families, "treeline_build_info{version=1.2.3}"),
+            1);
 }
 
 TEST(ProcessMetrics, TheNameOfTheProgramMayBeAnything) {
@@ -235,4 +245,4 @@ TEST(ProcessMetrics, TheNameOfTheProgramMayBeAnything) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::server_app

@@ -18,7 +18,7 @@
 #include "server/app/hangup.h"
 #include "server/app/healthcheck.h"
 
-namespace treeline {
+namespace treeline::server_app {
 namespace {
 
 std::chrono::milliseconds Milliseconds(double seconds) {
@@ -55,17 +55,18 @@ int RunHealthcheck(const HealthcheckOptions& options) {
   return kExitFailed;
 }
 
-int Serve(const ConfigSources& sources, const EffectiveConfig& effective,
+int Serve(const config::ConfigSources& sources,
+          const config::EffectiveConfig& effective,
           const std::stop_token& stop) {
   const ServerConfig config = ServerConfigTable().Make(effective);
-  const SteadyClock clock;
-  const auto log =
-      LogToStandardError("treeline-server", LogFormatOf(config.log_format));
-  log->SetLevel(LogLevelOf(config.log_level));
+  const base::SteadyClock clock;
+  const auto log = logging::LogToStandardError(
+      "treeline-server", logging::LogFormatOf(config.log_format));
+  log->SetLevel(logging::LogLevelOf(config.log_level));
   log->TakeGrpcMessages();
   for (const std::string& variable :
-       UnknownVariables(ServerConfigTable().settings(), sources)) {
-    log->Say(LogLevel::kWarn,
+       config::UnknownVariables(ServerConfigTable().settings(), sources)) {
+    log->Say(logging::LogLevel::kWarn,
              absl::StrCat("environment: no setting belongs to ", variable));
   }
   const auto application = Application::Start(config, *log, clock);
@@ -73,11 +74,11 @@ int Serve(const ConfigSources& sources, const EffectiveConfig& effective,
     return Fail(application.status(),
                 absl::IsInvalidArgument(application.status()));
   }
-  ConfigReloader reloader(sources, effective, *log,
-                          [&](const ServerConfig& changed) {
-                            log->SetLevel(LogLevelOf(changed.log_level));
-                            (*application)->ApplyLive(changed);
-                          });
+  ConfigReloader reloader(
+      sources, effective, *log, [&](const ServerConfig& changed) {
+        log->SetLevel(logging::LogLevelOf(changed.log_level));
+        (*application)->ApplyLive(changed);
+      });
   const HangupListener on_hangup([&] { reloader.Reload(); });
   for (const std::string& line : (*application)->announcements()) {
     std::printf("%s\n", line.c_str());
@@ -86,13 +87,13 @@ int Serve(const ConfigSources& sources, const EffectiveConfig& effective,
 
   WaitForStop(stop);
   const double drain_s = reloader.config().drain_s;
-  log->Say(LogLevel::kInfo,
+  log->Say(logging::LogLevel::kInfo,
            absl::StrCat("stopping: health is NOT_SERVING, answering for ",
                         drain_s, " s more"));
   (*application)->Drain();
   std::this_thread::sleep_for(Milliseconds(drain_s));
   (*application)->Stop(Milliseconds(reloader.config().grace_s));
-  log->Say(LogLevel::kInfo, "stopped");
+  log->Say(logging::LogLevel::kInfo, "stopped");
   return kExitOk;
 }
 
@@ -105,7 +106,7 @@ int Run(int argc, char** argv) {
     return RunHealthcheck(line.healthcheck);
   }
   const auto effective =
-      ResolveConfig(ServerConfigTable().settings(), line.sources);
+      config::ResolveConfig(ServerConfigTable().settings(), line.sources);
   if (!effective.ok()) return Fail(effective.status(), true);
   if (const absl::Status valid =
           ServerConfigTable().Make(*effective).Validate();
@@ -113,14 +114,17 @@ int Run(int argc, char** argv) {
     return Fail(valid, true);
   }
   if (line.task == CommandLine::Task::kPrintConfig) {
-    std::fputs(PrintConfig(ServerConfigTable().settings(), *effective).c_str(),
-               stdout);
+    std::fputs(
+        config::PrintConfig(ServerConfigTable().settings(), *effective).c_str(),
+        stdout);
     return std::fflush(stdout) == 0 ? kExitOk : kExitFailed;
   }
-  return Serve(line.sources, *effective, StopOnInterrupt());
+  return Serve(line.sources, *effective, base::StopOnInterrupt());
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::server_app
 
-int main(int argc, char** argv) { return treeline::Run(argc, argv); }
+int main(int argc, char** argv) {
+  return treeline::server_app::Run(argc, argv);
+}

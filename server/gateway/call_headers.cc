@@ -10,7 +10,7 @@
 #include "absl/strings/strip.h"
 #include "common/base/error_info.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 // The Connect protocol allows this many.
@@ -31,20 +31,23 @@ std::string MediaType(absl::string_view content_type) {
 }
 
 absl::Status InvalidRequest(absl::string_view message) {
-  return WithReason(absl::InvalidArgumentError(message), "INVALID_REQUEST");
+  return base::WithReason(absl::InvalidArgumentError(message),
+                          "INVALID_REQUEST");
 }
 
-absl::StatusOr<CallInfo> CallInfoOf(const HttpRequest& request, const char* rpc,
-                                    bool admin_listener) {
-  CallInfo call{.rpc = rpc,
-                .transport = "http",
-                .peer = request.peer,
-                .credentials = {.bearer_token = BearerToken(
-                                    request.Header("authorization")),
-                                .certificate_names = request.certificate_names},
-                .traceparent = std::string(request.Header("traceparent")),
-                .admin_listener = admin_listener,
-                .arrival = request.arrival};
+absl::StatusOr<service::CallInfo> CallInfoOf(const http::HttpRequest& request,
+                                             const char* rpc,
+                                             bool admin_listener) {
+  service::CallInfo call{
+      .rpc = rpc,
+      .transport = "http",
+      .peer = request.peer,
+      .credentials = {.bearer_token =
+                          BearerToken(request.Header("authorization")),
+                      .certificate_names = request.certificate_names},
+      .traceparent = std::string(request.Header("traceparent")),
+      .admin_listener = admin_listener,
+      .arrival = request.arrival};
   const absl::string_view timeout = request.Header("connect-timeout-ms");
   if (!timeout.empty()) {
     int64_t milliseconds = 0;
@@ -60,4 +63,4 @@ absl::StatusOr<CallInfo> CallInfoOf(const HttpRequest& request, const char* rpc,
   return call;
 }
 
-}  // namespace treeline
+}  // namespace treeline::gateway

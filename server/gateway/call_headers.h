@@ -10,7 +10,7 @@
 #include "common/http/http_message.h"
 #include "server/service/call.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
 // "application/json" of "Application/JSON; charset=utf-8".
 std::string MediaType(absl::string_view content_type);
@@ -21,9 +21,10 @@ absl::Status InvalidRequest(absl::string_view message);
 // Peer, credentials (a "Bearer" token of Authorization, names of the client's
 // certificate), traceparent, arrival, and the deadline of Connect-Timeout-Ms.
 // `rpc` is a literal. INVALID_ARGUMENT: a time-out that is not 1 to 10 digits.
-absl::StatusOr<CallInfo> CallInfoOf(const HttpRequest& request, const char* rpc,
-                                    bool admin_listener);
+absl::StatusOr<service::CallInfo> CallInfoOf(const http::HttpRequest& request,
+                                             const char* rpc,
+                                             bool admin_listener);
 
-}  // namespace treeline
+}  // namespace treeline::gateway
 
 #endif  // SERVER_GATEWAY_CALL_HEADERS_H_

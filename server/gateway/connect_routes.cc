@@ -13,24 +13,24 @@
 #include "server/gateway/json_message.h"
 #include "server/gateway/pending_call.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 constexpr char kJson[] = "application/json";
 constexpr char kProto[] = "application/proto";
 
-bool IsJson(const HttpRequest& request) {
+bool IsJson(const http::HttpRequest& request) {
   return MediaType(request.Header("content-type")) == kJson;
 }
 
 // What all methods need to answer a request.
 struct Context {
-  Dispatcher& dispatcher;
+  service::Dispatcher& dispatcher;
   bool admin_listener;
-  const Clock& clock;
+  const base::Clock& clock;
 };
 
-absl::Status ParseBody(const HttpRequest& request,
+absl::Status ParseBody(const http::HttpRequest& request,
                        google::protobuf::Message& message) {
   if (!IsJson(request)) {
     if (message.ParseFromString(request.body)) return absl::OkStatus();
@@ -38,30 +38,31 @@ absl::Status ParseBody(const HttpRequest& request,
                                        message.GetTypeName(),
                                        " in protobuf's binary format"));
   }
-  return WithReason(MessageFromJson(request.body, message), "INVALID_REQUEST");
+  return base::WithReason(MessageFromJson(request.body, message),
+                          "INVALID_REQUEST");
 }
 
-absl::StatusOr<HttpResponse> WriteBody(
-    const HttpRequest& request, const google::protobuf::Message& answer) {
+absl::StatusOr<http::HttpResponse> WriteBody(
+    const http::HttpRequest& request, const google::protobuf::Message& answer) {
   if (!IsJson(request)) {
-    return HttpResponse{.content_type = kProto,
-                        .body = answer.SerializeAsString()};
+    return http::HttpResponse{.content_type = kProto,
+                              .body = answer.SerializeAsString()};
   }
   TL_ASSIGN_OR_RETURN(std::string json, JsonFromMessage(answer));
-  return HttpResponse{.content_type = kJson, .body = std::move(json)};
+  return http::HttpResponse{.content_type = kJson, .body = std::move(json)};
 }
 
 template <typename Request, typename Response>
-absl::StatusOr<HttpResponse> Call(
+absl::StatusOr<http::HttpResponse> Call(
     const Context& context, const char* rpc,
-    void (Dispatcher::*method)(CallInfo, const Request&,
-                               Dispatcher::Done<Response>),
-    const HttpRequest& request) {
+    void (service::Dispatcher::*method)(service::CallInfo, const Request&,
+                                        service::Dispatcher::Done<Response>),
+    const http::HttpRequest& request) {
   const absl::string_view version = request.Header("connect-protocol-version");
   if (!version.empty() && version != "1") {
     return InvalidRequest("connect-protocol-version: only 1 is known");
   }
-  TL_ASSIGN_OR_RETURN(CallInfo call,
+  TL_ASSIGN_OR_RETURN(service::CallInfo call,
                       CallInfoOf(request, rpc, context.admin_listener));
   Request message;
   TL_RETURN_IF_ERROR(ParseBody(request, message));
@@ -74,30 +75,36 @@ absl::StatusOr<HttpResponse> Call(
 struct Route {
   absl::string_view path;
   // Null: a streaming method.
-  absl::StatusOr<HttpResponse> (*call)(const Context&, const HttpRequest&);
+  absl::StatusOr<http::HttpResponse> (*call)(const Context&,
+                                             const http::HttpRequest&);
 };
 
 constexpr std::array<Route, 6> kRoutes{{
     {"/treeline.v1.RelocalizationService/Localize",
-     [](const Context& context, const HttpRequest& request) {
-       return Call(context, "Localize", &Dispatcher::Localize, request);
+     [](const Context& context, const http::HttpRequest& request) {
+       return Call(context, "Localize", &service::Dispatcher::Localize,
+                   request);
      }},
     {"/treeline.v1.RelocalizationService/LocalizeStream", nullptr},
     {"/treeline.v1.SceneService/ListScenes",
-     [](const Context& context, const HttpRequest& request) {
-       return Call(context, "ListScenes", &Dispatcher::ListScenes, request);
+     [](const Context& context, const http::HttpRequest& request) {
+       return Call(context, "ListScenes", &service::Dispatcher::ListScenes,
+                   request);
      }},
     {"/treeline.v1.SceneService/GetScene",
-     [](const Context& context, const HttpRequest& request) {
-       return Call(context, "GetScene", &Dispatcher::GetScene, request);
+     [](const Context& context, const http::HttpRequest& request) {
+       return Call(context, "GetScene", &service::Dispatcher::GetScene,
+                   request);
      }},
     {"/treeline.v1.SceneService/LoadScene",
-     [](const Context& context, const HttpRequest& request) {
-       return Call(context, "LoadScene", &Dispatcher::LoadScene, request);
+     [](const Context& context, const http::HttpRequest& request) {
+       return Call(context, "LoadScene", &service::Dispatcher::LoadScene,
+                   request);
      }},
     {"/treeline.v1.SceneService/UnloadScene",
-     [](const Context& context, const HttpRequest& request) {
-       return Call(context, "UnloadScene", &Dispatcher::UnloadScene, request);
+     [](const Context& context, const http::HttpRequest& request) {
+       return Call(context, "UnloadScene", &service::Dispatcher::UnloadScene,
+                   request);
      }},
 }};
 
@@ -110,38 +117,39 @@ const Route* FindRoute(absl::string_view path) {
 
 }  // namespace
 
-ConnectRoutes::ConnectRoutes(Dispatcher& dispatcher, bool admin_listener,
-                             const Clock& clock)
+ConnectRoutes::ConnectRoutes(service::Dispatcher& dispatcher,
+                             bool admin_listener, const base::Clock& clock)
     : dispatcher_(dispatcher), admin_listener_(admin_listener), clock_(clock) {}
 
 bool ConnectRoutes::Owns(absl::string_view path) {
   return absl::StartsWith(path, "/treeline.v1.");
 }
 
-std::optional<HttpResponse> ConnectRoutes::CheckHead(
-    const HttpRequest& request) const {
+std::optional<http::HttpResponse> ConnectRoutes::CheckHead(
+    const http::HttpRequest& request) const {
   const Route* route = FindRoute(request.path);
   if (route == nullptr) {
-    return ErrorResponse(404,
-                         WithReason(absl::UnimplementedError("no such method"),
-                                    "METHOD_UNKNOWN"));
+    return ErrorResponse(
+        404, base::WithReason(absl::UnimplementedError("no such method"),
+                              "METHOD_UNKNOWN"));
   }
   if (request.method != "POST") {
-    HttpResponse response = ErrorResponse(
-        405, WithReason(absl::UnimplementedError("calls are made with POST"),
-                        "METHOD_UNKNOWN"));
+    http::HttpResponse response = ErrorResponse(
+        405,
+        base::WithReason(absl::UnimplementedError("calls are made with POST"),
+                         "METHOD_UNKNOWN"));
     response.headers.emplace_back("Allow", "POST");
     return response;
   }
   if (route->call == nullptr) {
-    return ErrorResponse(WithReason(
+    return ErrorResponse(base::WithReason(
         absl::UnimplementedError("LocalizeStream is served over gRPC only; "
                                  "over HTTP, call Localize for each frame"),
         "METHOD_UNKNOWN"));
   }
   const std::string type = MediaType(request.Header("content-type"));
   if (type != kJson && type != kProto) {
-    HttpResponse response = ErrorResponse(
+    http::HttpResponse response = ErrorResponse(
         415, InvalidRequest("the content-type must be application/json or "
                             "application/proto"));
     response.headers.emplace_back("Accept-Post",
@@ -151,12 +159,13 @@ std::optional<HttpResponse> ConnectRoutes::CheckHead(
   return std::nullopt;
 }
 
-HttpResponse ConnectRoutes::Handle(const HttpRequest& request) const {
+http::HttpResponse ConnectRoutes::Handle(
+    const http::HttpRequest& request) const {
   const Context context{dispatcher_, admin_listener_, clock_};
-  absl::StatusOr<HttpResponse> response =
+  absl::StatusOr<http::HttpResponse> response =
       FindRoute(request.path)->call(context, request);
   return response.ok() ? *std::move(response)
                        : ErrorResponse(response.status());
 }
 
-}  // namespace treeline
+}  // namespace treeline::gateway

@@ -10,31 +10,32 @@
 #include "common/http/http_message.h"
 #include "server/service/dispatcher.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
 // Every unary RPC of both services. Thread-safe.
 class ConnectRoutes {
  public:
   // `admin_listener`: see CallInfo. Keeps references.
-  ConnectRoutes(Dispatcher& dispatcher, bool admin_listener,
-                const Clock& clock);
+  ConnectRoutes(service::Dispatcher& dispatcher, bool admin_listener,
+                const base::Clock& clock);
 
   // Whether `path` lies in a package of ours.
   static bool Owns(absl::string_view path);
 
   // Answers unknown methods (404), streaming ones (501), what is not POST (405)
   // and unknown types (415).
-  std::optional<HttpResponse> CheckHead(const HttpRequest& request) const;
+  std::optional<http::HttpResponse> CheckHead(
+      const http::HttpRequest& request) const;
 
   // For requests that CheckHead lets through.
-  HttpResponse Handle(const HttpRequest& request) const;
+  http::HttpResponse Handle(const http::HttpRequest& request) const;
 
  private:
-  Dispatcher& dispatcher_;
+  service::Dispatcher& dispatcher_;
   const bool admin_listener_;
-  const Clock& clock_;
+  const base::Clock& clock_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::gateway
 
 #endif  // SERVER_GATEWAY_CONNECT_ROUTES_H_

@@ -9,7 +9,7 @@
 #include "common/base/error_info.h"
 #include "server/gateway/http_errors.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 // What a browser sends: lower case, no path, no more than host and port.
@@ -42,23 +42,23 @@ absl::Status CorsPolicy::Validate(const std::vector<std::string>& origins) {
 CorsPolicy::CorsPolicy(std::vector<std::string> origins)
     : origins_(std::move(origins)) {}
 
-std::optional<HttpResponse> CorsPolicy::Check(
-    const HttpRequest& request) const {
+std::optional<http::HttpResponse> CorsPolicy::Check(
+    const http::HttpRequest& request) const {
   if (request.Header("origin").empty()) return std::nullopt;
   if (!IsAllowed(request)) {
     if (request.method == "GET" || request.method == "HEAD") {
       return std::nullopt;
     }
     return ErrorResponse(
-        WithReason(absl::PermissionDeniedError(
-                       "the server does not serve pages of this origin"),
-                   "ORIGIN_REFUSED"));
+        base::WithReason(absl::PermissionDeniedError(
+                             "the server does not serve pages of this origin"),
+                         "ORIGIN_REFUSED"));
   }
   if (request.method != "OPTIONS" ||
       request.Header("access-control-request-method").empty()) {
     return std::nullopt;
   }
-  return HttpResponse{
+  return http::HttpResponse{
       .status = 204,
       .headers = {{"Access-Control-Allow-Methods", "GET, POST"},
                   {"Access-Control-Allow-Headers",
@@ -68,7 +68,7 @@ std::optional<HttpResponse> CorsPolicy::Check(
 }
 
 std::vector<std::pair<std::string, std::string>> CorsPolicy::Headers(
-    const HttpRequest& request) const {
+    const http::HttpRequest& request) const {
   if (origins_.empty()) return {};
   std::vector<std::pair<std::string, std::string>> headers{{"Vary", "Origin"}};
   if (IsAllowed(request)) {
@@ -79,9 +79,9 @@ std::vector<std::pair<std::string, std::string>> CorsPolicy::Headers(
   return headers;
 }
 
-bool CorsPolicy::IsAllowed(const HttpRequest& request) const {
+bool CorsPolicy::IsAllowed(const http::HttpRequest& request) const {
   return std::find(origins_.begin(), origins_.end(),
                    request.Header("origin")) != origins_.end();
 }
 
-}  // namespace treeline
+}  // namespace treeline::gateway

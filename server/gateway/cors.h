@@ -10,7 +10,7 @@
 #include "absl/status/status.h"
 #include "common/http/http_message.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
 // Origins that are allowed, each exactly as browsers send it: "https://HOST" or
 // "https://HOST:PORT". No patterns, and no "*": pages hold the tokens of their
@@ -26,18 +26,19 @@ class CorsPolicy {
   // comes from an origin that is not allowed, but for GET and HEAD, whose
   // answers its browser hides; nullopt: go on. Requests without an origin do
   // not come from other pages.
-  std::optional<HttpResponse> Check(const HttpRequest& request) const;
+  std::optional<http::HttpResponse> Check(
+      const http::HttpRequest& request) const;
 
   // Of every response: for allowed origins who may read it.
   std::vector<std::pair<std::string, std::string>> Headers(
-      const HttpRequest& request) const;
+      const http::HttpRequest& request) const;
 
  private:
-  bool IsAllowed(const HttpRequest& request) const;
+  bool IsAllowed(const http::HttpRequest& request) const;
 
   std::vector<std::string> origins_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::gateway
 
 #endif  // SERVER_GATEWAY_CORS_H_

@@ -11,55 +11,57 @@
 #include "server/gateway/gpp_routes.h"
 #include "server/gateway/http_errors.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 constexpr char kPlainText[] = "text/plain; charset=utf-8";
 // Prometheus' text format.
 constexpr char kMetricsText[] = "text/plain; version=0.0.4; charset=utf-8";
 
-HttpResponse Text(int status, std::string text, const char* type = kPlainText) {
+http::HttpResponse Text(int status, std::string text,
+                        const char* type = kPlainText) {
   return {.status = status, .content_type = type, .body = std::move(text)};
 }
 
 absl::Status StatusOfHttp(int http_status) {
   switch (http_status) {
     case 408:
-      return WithReason(
+      return base::WithReason(
           absl::DeadlineExceededError("the request did not arrive in time"),
           "REQUEST_TIMEOUT");
     case 411:
-      return WithReason(
+      return base::WithReason(
           absl::InvalidArgumentError("the request has no content-length"),
           "INVALID_REQUEST");
     case 413:
-      return WithReason(
+      return base::WithReason(
           absl::ResourceExhaustedError("the body is larger than the server "
                                        "accepts"),
           "REQUEST_TOO_LARGE");
     case 414:
     case 431:
-      return WithReason(
+      return base::WithReason(
           absl::ResourceExhaustedError("the headers are larger than the "
                                        "server accepts"),
           "REQUEST_TOO_LARGE");
     case 415:
-      return WithReason(
+      return base::WithReason(
           absl::InvalidArgumentError("the content-encoding must be gzip or "
                                      "identity"),
           "INVALID_REQUEST");
     case 500:
       return absl::InternalError("a fault of the server");
     default:
-      return WithReason(absl::InvalidArgumentError("not a valid HTTP request"),
-                        "INVALID_REQUEST");
+      return base::WithReason(
+          absl::InvalidArgumentError("not a valid HTTP request"),
+          "INVALID_REQUEST");
   }
 }
 
-class Handler final : public HttpHandler {
+class Handler final : public http::HttpHandler {
  public:
-  Handler(const GatewayOptions& options, Dispatcher& dispatcher,
-          GatewayHooks hooks, const Clock& clock)
+  Handler(const GatewayOptions& options, service::Dispatcher& dispatcher,
+          GatewayHooks hooks, const base::Clock& clock)
       : cors_(options.allowed_origins),
         hooks_(std::move(hooks)),
         serve_metrics_(options.serve_metrics && hooks_.metrics) {
@@ -71,7 +73,8 @@ class Handler final : public HttpHandler {
     }
   }
 
-  std::optional<HttpResponse> CheckHead(const HttpRequest& request) override {
+  std::optional<http::HttpResponse> CheckHead(
+      const http::HttpRequest& request) override {
     if (auto answer = cors_.Check(request)) return answer;
     if (connect_.has_value() && ConnectRoutes::Owns(request.path)) {
       return connect_->CheckHead(request);
@@ -80,21 +83,21 @@ class Handler final : public HttpHandler {
       return gpp_->CheckHead(request);
     }
     if (!IsPage(request.path)) {
-      return ErrorResponse(404,
-                           WithReason(absl::UnimplementedError("no such path"),
-                                      "METHOD_UNKNOWN"));
+      return ErrorResponse(
+          404, base::WithReason(absl::UnimplementedError("no such path"),
+                                "METHOD_UNKNOWN"));
     }
     if (request.method != "GET" && request.method != "HEAD") {
-      HttpResponse response = ErrorResponse(
-          405, WithReason(absl::UnimplementedError("read it with GET"),
-                          "METHOD_UNKNOWN"));
+      http::HttpResponse response = ErrorResponse(
+          405, base::WithReason(absl::UnimplementedError("read it with GET"),
+                                "METHOD_UNKNOWN"));
       response.headers.emplace_back("Allow", "GET, HEAD");
       return response;
     }
     return std::nullopt;
   }
 
-  HttpResponse Handle(const HttpRequest& request) override {
+  http::HttpResponse Handle(const http::HttpRequest& request) override {
     if (ConnectRoutes::Owns(request.path)) return connect_->Handle(request);
     if (GppRoutes::Owns(request.path)) return gpp_->Handle(request);
     if (request.path == "/metrics") {
@@ -106,12 +109,12 @@ class Handler final : public HttpHandler {
     return Text(200, "ok\n");
   }
 
-  HttpResponse Error(int status) override {
+  http::HttpResponse Error(int status) override {
     return ErrorResponse(status, StatusOfHttp(status));
   }
 
   std::vector<std::pair<std::string, std::string>> CommonHeaders(
-      const HttpRequest& request) override {
+      const http::HttpRequest& request) override {
     auto headers = cors_.Headers(request);
     headers.emplace_back("Cache-Control", "no-store");
     headers.emplace_back("X-Content-Type-Options", "nosniff");
@@ -140,12 +143,12 @@ absl::Status GatewayOptions::Validate() const {
 
 // Destroyed from the last to the first: the server before what it calls.
 struct Gateway::Parts {
-  Parts(const GatewayOptions& options, Dispatcher& dispatcher,
-        GatewayHooks hooks, const Clock& clock)
+  Parts(const GatewayOptions& options, service::Dispatcher& dispatcher,
+        GatewayHooks hooks, const base::Clock& clock)
       : handler(options, dispatcher, std::move(hooks), clock) {}
 
   Handler handler;
-  std::unique_ptr<HttpServer> server;
+  std::unique_ptr<http::HttpServer> server;
 };
 
 Gateway::Gateway(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
@@ -153,13 +156,13 @@ Gateway::Gateway(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 Gateway::~Gateway() = default;
 
 absl::StatusOr<std::unique_ptr<Gateway>> Gateway::Start(
-    const GatewayOptions& options, Dispatcher& dispatcher, GatewayHooks hooks,
-    const Clock& clock) {
+    const GatewayOptions& options, service::Dispatcher& dispatcher,
+    GatewayHooks hooks, const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
   auto parts =
       std::make_unique<Parts>(options, dispatcher, std::move(hooks), clock);
-  TL_ASSIGN_OR_RETURN(parts->server,
-                      HttpServer::Start(options.http, parts->handler, clock));
+  TL_ASSIGN_OR_RETURN(parts->server, http::HttpServer::Start(
+                                         options.http, parts->handler, clock));
   return std::unique_ptr<Gateway>(new Gateway(std::move(parts)));
 }
 
@@ -171,4 +174,4 @@ void Gateway::Stop(std::chrono::milliseconds grace) {
   parts_->server->Stop(grace);
 }
 
-}  // namespace treeline
+}  // namespace treeline::gateway

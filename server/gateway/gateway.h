@@ -16,10 +16,10 @@
 #include "server/service/dispatcher.h"
 #include "treeline/v1/scenes.pb.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
 struct GatewayOptions {
-  HttpServerOptions http = {};
+  http::HttpServerOptions http = {};
   // Origins whose pages may call; see CorsPolicy.
   std::vector<std::string> allowed_origins = {};
   // What is served; /healthz and /readyz always are. A server may have one
@@ -52,8 +52,8 @@ class Gateway {
   // INVALID_ARGUMENT: options. UNAVAILABLE: the address cannot be bound, with
   // the system's reason. `dispatcher` and `clock` must outlive the gateway.
   static absl::StatusOr<std::unique_ptr<Gateway>> Start(
-      const GatewayOptions& options, Dispatcher& dispatcher, GatewayHooks hooks,
-      const Clock& clock);
+      const GatewayOptions& options, service::Dispatcher& dispatcher,
+      GatewayHooks hooks, const base::Clock& clock);
   // Stops without waiting for calls in flight: they are cancelled.
   ~Gateway();
 
@@ -72,6 +72,6 @@ class Gateway {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::gateway
 
 #endif  // SERVER_GATEWAY_GATEWAY_H_

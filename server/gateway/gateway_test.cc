@@ -16,7 +16,7 @@
 #include "google/rpc/status.pb.h"
 #include "server/gateway/testing_dispatcher.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 using ::testing::HasSubstr;
@@ -68,7 +68,7 @@ class GatewayTest : public ::testing::Test {
     return nlohmann::json::parse(result->body)["message"];
   }
 
-  const SteadyClock clock_{};
+  const base::SteadyClock clock_{};
   TestingDispatcher dispatcher_;
   bool ready_ = true;
   std::unique_ptr<Gateway> gateway_;
@@ -126,7 +126,7 @@ TEST_F(GatewayTest, TellsTheDispatcherWhatTheHeadersSay) {
                                 {"Connect-Timeout-Ms", "2000"}});
   ASSERT_TRUE(result);
   ASSERT_THAT(dispatcher_.calls(), SizeIs(1));
-  const CallInfo call = dispatcher_.calls()[0];
+  const service::CallInfo call = dispatcher_.calls()[0];
   EXPECT_STREQ(call.rpc, "Localize");
   EXPECT_STREQ(call.transport, "http");
   EXPECT_EQ(call.credentials.bearer_token, "abc.def");
@@ -138,7 +138,7 @@ TEST_F(GatewayTest, TellsTheDispatcherWhatTheHeadersSay) {
 
 TEST_F(GatewayTest, HasNoDeadlineAndNoTokenWithoutHeaders) {
   ASSERT_TRUE(PostJson(kLocalize, "{}", {{"Authorization", "Basic abc"}}));
-  EXPECT_EQ(dispatcher_.calls()[0].deadline, MonotonicTime::max());
+  EXPECT_EQ(dispatcher_.calls()[0].deadline, base::MonotonicTime::max());
   EXPECT_THAT(dispatcher_.calls()[0].credentials.bearer_token, IsEmpty());
 }
 
@@ -178,8 +178,9 @@ TEST_F(GatewayTest, RefusesBodiesThatAreNoMessages) {
 
 TEST_F(GatewayTest, SendsErrorsAsConnectDoes) {
   dispatcher_.on_localize = [](const v1::LocalizeRequest&) {
-    return WithRetryAfter(
-        WithReason(absl::UnavailableError("the queue is full"), "QUEUE_FULL"),
+    return base::WithRetryAfter(
+        base::WithReason(absl::UnavailableError("the queue is full"),
+                         "QUEUE_FULL"),
         std::chrono::milliseconds(1200));
   };
   const auto result = PostJson(kLocalize, "{}");
@@ -341,4 +342,4 @@ TEST_F(GatewayTest, RefusesOptionsThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::gateway

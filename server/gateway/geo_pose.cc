@@ -10,7 +10,7 @@
 #include "common/base/status_macros.h"
 #include "common/wire/geometry.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
@@ -29,13 +29,14 @@ constexpr double kChiSquare3Of95 = 7.814727903251179;
 double Cube(double x) { return x * x * x; }
 
 // Columns: the axes of `device` in `camera`.
-Rotation3 CameraFromDevice() {
-  return Rotation3::FromMatrix(Mat3{{1, 0, 0, 0, 0, -1, 0, 1, 0}});
+geometry::Rotation3 CameraFromDevice() {
+  return geometry::Rotation3::FromMatrix(
+      geometry::Mat3{{1, 0, 0, 0, 0, -1, 0, 1, 0}});
 }
 
 }  // namespace
 
-Vec3 EcefFromGeodetic(const GeodeticPosition& position) {
+geometry::Vec3 EcefFromGeodetic(const GeodeticPosition& position) {
   const double latitude = position.latitude_deg * kRadPerDeg;
   const double longitude = position.longitude_deg * kRadPerDeg;
   const double sine = std::sin(latitude);
@@ -49,7 +50,7 @@ Vec3 EcefFromGeodetic(const GeodeticPosition& position) {
 
 // Bowring's method (1976) on the reduced latitude; each step squares the error,
 // and the first is already below a metre near the ellipsoid.
-GeodeticPosition GeodeticFromEcef(Vec3 point_in_ecef_m) {
+GeodeticPosition GeodeticFromEcef(geometry::Vec3 point_in_ecef_m) {
   const double from_axis_m = std::hypot(point_in_ecef_m.x, point_in_ecef_m.y);
   const double z_m = point_in_ecef_m.z;
   double reduced = std::atan2(z_m, (1 - kFlattening) * from_axis_m);
@@ -70,38 +71,38 @@ GeodeticPosition GeodeticFromEcef(Vec3 point_in_ecef_m) {
   return {latitude / kRadPerDeg, longitude / kRadPerDeg, height_m};
 }
 
-Rotation3 EcefFromEnu(const GeodeticPosition& position) {
+geometry::Rotation3 EcefFromEnu(const GeodeticPosition& position) {
   const double sin_lat = std::sin(position.latitude_deg * kRadPerDeg);
   const double cos_lat = std::cos(position.latitude_deg * kRadPerDeg);
   const double sin_lon = std::sin(position.longitude_deg * kRadPerDeg);
   const double cos_lon = std::cos(position.longitude_deg * kRadPerDeg);
-  return Rotation3::FromMatrix(
-      Mat3{{-sin_lon, -sin_lat * cos_lon, cos_lat * cos_lon,  //
-            cos_lon, -sin_lat * sin_lon, cos_lat * sin_lon,   //
-            0, cos_lat, sin_lat}});
+  return geometry::Rotation3::FromMatrix(
+      geometry::Mat3{{-sin_lon, -sin_lat * cos_lon, cos_lat * cos_lon,  //
+                      cos_lon, -sin_lat * sin_lon, cos_lat * sin_lon,   //
+                      0, cos_lat, sin_lat}});
 }
 
 double HorizontalDistance_m(const GeodeticPosition& a,
                             const GeodeticPosition& b) {
-  return Norm(EcefFromGeodetic({a.latitude_deg, a.longitude_deg, 0}) -
-              EcefFromGeodetic({b.latitude_deg, b.longitude_deg, 0}));
+  return geometry::Norm(EcefFromGeodetic({a.latitude_deg, a.longitude_deg, 0}) -
+                        EcefFromGeodetic({b.latitude_deg, b.longitude_deg, 0}));
 }
 
 absl::Status CheckPosition(const GeodeticPosition& position,
                            absl::string_view field) {
   // Written so that NaN fails.
   if (!(std::abs(position.latitude_deg) <= 90)) {
-    return FieldError(field,
-                      absl::StrCat("the latitude ", position.latitude_deg,
-                                   " is outside -90..90 degrees"));
+    return wire::FieldError(field,
+                            absl::StrCat("the latitude ", position.latitude_deg,
+                                         " is outside -90..90 degrees"));
   }
   if (!(std::abs(position.longitude_deg) <= 180)) {
-    return FieldError(field,
-                      absl::StrCat("the longitude ", position.longitude_deg,
-                                   " is outside -180..180 degrees"));
+    return wire::FieldError(
+        field, absl::StrCat("the longitude ", position.longitude_deg,
+                            " is outside -180..180 degrees"));
   }
   if (!std::isfinite(position.height_m)) {
-    return FieldError(field, "the height is not a number");
+    return wire::FieldError(field, "the height is not a number");
   }
   return absl::OkStatus();
 }
@@ -111,14 +112,14 @@ absl::StatusOr<GeoFrame> GeoFrame::Create(const v1::GeoAnchor& anchor,
   const GeodeticPosition position{anchor.latitude_deg(), anchor.longitude_deg(),
                                   anchor.height_m()};
   TL_RETURN_IF_ERROR(CheckPosition(position, field));
-  Rotation3 enu_from_world;
+  geometry::Rotation3 enu_from_world;
   if (anchor.has_enu_from_world()) {
     const v1::Quaternion& q = anchor.enu_from_world();
-    const absl::StatusOr<Rigid3> rotation =
-        RigidFromQuaternion(q.w(), q.x(), q.y(), q.z(), {});
+    const absl::StatusOr<geometry::Rigid3> rotation =
+        geometry::RigidFromQuaternion(q.w(), q.x(), q.y(), q.z(), {});
     if (!rotation.ok()) {
-      return Annotate(rotation.status(),
-                      absl::StrCat(field, ".enu_from_world"));
+      return base::Annotate(rotation.status(),
+                            absl::StrCat(field, ".enu_from_world"));
     }
     enu_from_world = rotation->rotation;
   }
@@ -126,24 +127,26 @@ absl::StatusOr<GeoFrame> GeoFrame::Create(const v1::GeoAnchor& anchor,
                              EcefFromGeodetic(position)});
 }
 
-GeoPose GeoFrame::ToGeoPose(const Rigid3& world_from_camera) const {
-  const Rigid3 ecef_from_camera = ecef_from_world_ * world_from_camera;
+GeoPose GeoFrame::ToGeoPose(const geometry::Rigid3& world_from_camera) const {
+  const geometry::Rigid3 ecef_from_camera =
+      ecef_from_world_ * world_from_camera;
   GeoPose pose;
   pose.position = GeodeticFromEcef(ecef_from_camera.translation);
   pose.enu_from_device =
-      Normalized(EcefFromEnu(pose.position).Inverse() *
-                 ecef_from_camera.rotation * CameraFromDevice());
+      geometry::Normalized(EcefFromEnu(pose.position).Inverse() *
+                           ecef_from_camera.rotation * CameraFromDevice());
   return pose;
 }
 
-Rigid3 GeoFrame::FromGeoPose(const GeoPose& pose) const {
-  const Rigid3 ecef_from_camera{EcefFromEnu(pose.position) *
-                                    pose.enu_from_device *
-                                    CameraFromDevice().Inverse(),
-                                EcefFromGeodetic(pose.position)};
+geometry::Rigid3 GeoFrame::FromGeoPose(const GeoPose& pose) const {
+  const geometry::Rigid3 ecef_from_camera{EcefFromEnu(pose.position) *
+                                              pose.enu_from_device *
+                                              CameraFromDevice().Inverse(),
+                                          EcefFromGeodetic(pose.position)};
   // Subtracts the two large translations first.
-  const Rotation3 world_from_ecef = ecef_from_world_.rotation.Inverse();
-  return {Normalized(world_from_ecef * ecef_from_camera.rotation),
+  const geometry::Rotation3 world_from_ecef =
+      ecef_from_world_.rotation.Inverse();
+  return {geometry::Normalized(world_from_ecef * ecef_from_camera.rotation),
           world_from_ecef *
               (ecef_from_camera.translation - ecef_from_world_.translation)};
 }
@@ -173,4 +176,4 @@ absl::StatusOr<GeoAccuracy> AccuracyOf(const double* covariance, int entries) {
   return accuracy;
 }
 
-}  // namespace treeline
+}  // namespace treeline::gateway

@@ -19,7 +19,7 @@
 #include "common/geometry/vector3.h"
 #include "treeline/v1/geometry.pb.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
 // On the WGS84 ellipsoid.
 struct GeodeticPosition {
@@ -37,16 +37,16 @@ struct GeodeticPosition {
 struct GeoPose {
   GeodeticPosition position;
   // Into East-North-Up at `position`.
-  Rotation3 enu_from_device;
+  geometry::Rotation3 enu_from_device;
 };
 
-Vec3 EcefFromGeodetic(const GeodeticPosition& position);
+geometry::Vec3 EcefFromGeodetic(const GeodeticPosition& position);
 // The inverse, to better than a micrometre for points within 50 km of the
 // ellipsoid. On the axis of the Earth the longitude is 0.
-GeodeticPosition GeodeticFromEcef(Vec3 point_in_ecef_m);
+GeodeticPosition GeodeticFromEcef(geometry::Vec3 point_in_ecef_m);
 
 // Columns East, North, Up at `position`.
-Rotation3 EcefFromEnu(const GeodeticPosition& position);
+geometry::Rotation3 EcefFromEnu(const GeodeticPosition& position);
 
 // Straight-line distance (m) of the feet of two positions on the ellipsoid;
 // heights do not count.
@@ -72,16 +72,17 @@ class GeoFrame {
   //                     * world_from_camera * camera_from_device
   // East, North and Up at the camera are not those at the anchor: 1 km away
   // they differ by about 0.009 degrees, and near the poles by any angle.
-  GeoPose ToGeoPose(const Rigid3& world_from_camera) const;
+  GeoPose ToGeoPose(const geometry::Rigid3& world_from_camera) const;
   // The inverse: world_from_camera.
-  Rigid3 FromGeoPose(const GeoPose& pose) const;
+  geometry::Rigid3 FromGeoPose(const GeoPose& pose) const;
 
  private:
-  GeoFrame(const GeodeticPosition& anchor, const Rigid3& ecef_from_world)
+  GeoFrame(const GeodeticPosition& anchor,
+           const geometry::Rigid3& ecef_from_world)
       : anchor_(anchor), ecef_from_world_(ecef_from_world) {}
 
   GeodeticPosition anchor_;
-  Rigid3 ecef_from_world_;
+  geometry::Rigid3 ecef_from_world_;
 };
 
 // How far the truth may be from a pose: with a probability of at least 95 %
@@ -98,6 +99,6 @@ struct GeoAccuracy {
 // 180 degrees. INTERNAL: not 36 finite entries, or not a covariance.
 absl::StatusOr<GeoAccuracy> AccuracyOf(const double* covariance, int entries);
 
-}  // namespace treeline
+}  // namespace treeline::gateway
 
 #endif  // SERVER_GATEWAY_GEO_POSE_H_

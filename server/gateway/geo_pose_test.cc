@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 using ::testing::DoubleNear;
@@ -16,7 +16,7 @@ using ::testing::DoubleNear;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 v1::GeoAnchor Anchor(double latitude_deg, double longitude_deg, double height_m,
-                     const Rotation3& enu_from_world = {}) {
+                     const geometry::Rotation3& enu_from_world = {}) {
   v1::GeoAnchor anchor;
   anchor.set_latitude_deg(latitude_deg);
   anchor.set_longitude_deg(longitude_deg);
@@ -38,8 +38,8 @@ class Draws {
   double Uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(engine_);
   }
-  Rotation3 Rotation() {
-    return Rotation3::FromAxisAngle(
+  geometry::Rotation3 Rotation() {
+    return geometry::Rotation3::FromAxisAngle(
         {Uniform(-3, 3), Uniform(-3, 3), Uniform(-3, 3)});
   }
 
@@ -64,16 +64,19 @@ TEST(Geodesy, UpIsTheNormalOfTheEllipsoid) {
   for (int i = 0; i < 1000; ++i) {
     const GeodeticPosition foot{draws.Uniform(-90, 90),
                                 draws.Uniform(-180, 180), 0};
-    const Vec3 point = EcefFromGeodetic(foot);
+    const geometry::Vec3 point = EcefFromGeodetic(foot);
     EXPECT_NEAR(
         (point.x * point.x + point.y * point.y) / a2 + point.z * point.z / b2,
         1, 1e-12);
-    const Vec3 normal =
-        Normalized(Vec3{point.x / a2, point.y / a2, point.z / b2});
-    EXPECT_LT(Norm(EcefFromEnu(foot) * Vec3{0, 0, 1} - normal), 1e-12);
+    const geometry::Vec3 normal = geometry::Normalized(
+        geometry::Vec3{point.x / a2, point.y / a2, point.z / b2});
+    EXPECT_LT(
+        geometry::Norm(EcefFromEnu(foot) * geometry::Vec3{0, 0, 1} - normal),
+        1e-12);
     GeodeticPosition above = foot;
     above.height_m = 123;
-    EXPECT_LT(Norm(EcefFromGeodetic(above) - point - 123 * normal), 1e-6);
+    EXPECT_LT(geometry::Norm(EcefFromGeodetic(above) - point - 123 * normal),
+              1e-6);
   }
 }
 
@@ -83,9 +86,9 @@ TEST(Geodesy, ComesBackFromEcefWithinAMicrometre) {
     const GeodeticPosition position{draws.Uniform(-90, 90),
                                     draws.Uniform(-180, 180),
                                     draws.Uniform(-11000, 50000)};
-    const Vec3 point = EcefFromGeodetic(position);
+    const geometry::Vec3 point = EcefFromGeodetic(position);
     const GeodeticPosition back = GeodeticFromEcef(point);
-    ASSERT_LT(Norm(EcefFromGeodetic(back) - point), 1e-6);
+    ASSERT_LT(geometry::Norm(EcefFromGeodetic(back) - point), 1e-6);
     ASSERT_NEAR(back.latitude_deg, position.latitude_deg, 1e-11);
     ASSERT_NEAR(back.height_m, position.height_m, 1e-6);
   }
@@ -93,13 +96,13 @@ TEST(Geodesy, ComesBackFromEcefWithinAMicrometre) {
 
 TEST(Geodesy, EastIsAlongTheParallelAndNorthToThePole) {
   const GeodeticPosition here{48, 11, 500};
-  const Vec3 origin = EcefFromGeodetic(here);
-  const Rotation3 enu_from_ecef = EcefFromEnu(here).Inverse();
-  const Vec3 east =
+  const geometry::Vec3 origin = EcefFromGeodetic(here);
+  const geometry::Rotation3 enu_from_ecef = EcefFromEnu(here).Inverse();
+  const geometry::Vec3 east =
       enu_from_ecef * (EcefFromGeodetic({48, 11.001, 500}) - origin);
   EXPECT_GT(east.x, 70);
   EXPECT_NEAR(east.y, 0, 1e-3);
-  const Vec3 north =
+  const geometry::Vec3 north =
       enu_from_ecef * (EcefFromGeodetic({48.001, 11, 500}) - origin);
   EXPECT_NEAR(north.x, 0, 1e-6);
   EXPECT_GT(north.y, 110);
@@ -107,11 +110,13 @@ TEST(Geodesy, EastIsAlongTheParallelAndNorthToThePole) {
 
 TEST(GeoFrame, ALevelCameraThatLooksNorthHasTheIdentity) {
   // World axes East, North, Up: camera x is East, y down, z North.
-  const Rotation3 world_from_camera =
-      Rotation3::FromMatrix(Mat3{{1, 0, 0, 0, 0, 1, 0, -1, 0}});
+  const geometry::Rotation3 world_from_camera = geometry::Rotation3::FromMatrix(
+      geometry::Mat3{{1, 0, 0, 0, 0, 1, 0, -1, 0}});
   const GeoPose pose =
       Frame(Anchor(48, 11, 500)).ToGeoPose({world_from_camera, {}});
-  EXPECT_LT(AngleBetween_rad(pose.enu_from_device, Rotation3{}), 1e-9);
+  EXPECT_LT(
+      geometry::AngleBetween_rad(pose.enu_from_device, geometry::Rotation3{}),
+      1e-9);
   EXPECT_NEAR(pose.position.latitude_deg, 48, 1e-12);
   EXPECT_NEAR(pose.position.longitude_deg, 11, 1e-12);
   EXPECT_NEAR(pose.position.height_m, 500, 1e-6);
@@ -119,18 +124,19 @@ TEST(GeoFrame, ALevelCameraThatLooksNorthHasTheIdentity) {
 
 TEST(GeoFrame, ACameraThatLooksEastIsTurnedMinus90DegreesAboutUp) {
   // Camera x is South, y down, z East.
-  const Rotation3 world_from_camera =
-      Rotation3::FromMatrix(Mat3{{0, 0, 1, -1, 0, 0, 0, -1, 0}});
+  const geometry::Rotation3 world_from_camera = geometry::Rotation3::FromMatrix(
+      geometry::Mat3{{0, 0, 1, -1, 0, 0, 0, -1, 0}});
   const GeoPose pose =
       Frame(Anchor(-33, 151, 20)).ToGeoPose({world_from_camera, {}});
-  const Rotation3 expected = Rotation3::FromAxisAngle({0, 0, -90 * kRadPerDeg});
-  EXPECT_LT(AngleBetween_rad(pose.enu_from_device, expected), 1e-9);
+  const geometry::Rotation3 expected =
+      geometry::Rotation3::FromAxisAngle({0, 0, -90 * kRadPerDeg});
+  EXPECT_LT(geometry::AngleBetween_rad(pose.enu_from_device, expected), 1e-9);
 }
 
 TEST(GeoFrame, TheAnchorsRotationTurnsTheWorld) {
   // World x points North: enu_from_world is a quarter turn about up.
-  const GeoFrame frame = Frame(
-      Anchor(10, 20, 0, Rotation3::FromAxisAngle({0, 0, 90 * kRadPerDeg})));
+  const GeoFrame frame = Frame(Anchor(
+      10, 20, 0, geometry::Rotation3::FromAxisAngle({0, 0, 90 * kRadPerDeg})));
   const GeoPose pose = frame.ToGeoPose({{}, {100, 0, 0}});
   EXPECT_GT(pose.position.latitude_deg, 10.0008);
   EXPECT_NEAR(pose.position.longitude_deg, 20, 1e-9);
@@ -139,11 +145,11 @@ TEST(GeoFrame, TheAnchorsRotationTurnsTheWorld) {
 // East at the camera is not East at the anchor: 3 km further east at latitude
 // 60 the meridians have turned by 3000 m / (radius * cot 60).
 TEST(GeoFrame, TheOrientationIsThatAtTheCamera) {
-  const Rotation3 world_from_camera =
-      Rotation3::FromMatrix(Mat3{{1, 0, 0, 0, 0, 1, 0, -1, 0}});
+  const geometry::Rotation3 world_from_camera = geometry::Rotation3::FromMatrix(
+      geometry::Mat3{{1, 0, 0, 0, 0, 1, 0, -1, 0}});
   const GeoPose pose =
       Frame(Anchor(60, 0, 0)).ToGeoPose({world_from_camera, {3000, 0, 0}});
-  const Vec3 axis_angle = ToAxisAngle(pose.enu_from_device);
+  const geometry::Vec3 axis_angle = geometry::ToAxisAngle(pose.enu_from_device);
   const double expected_rad =
       3000 / 6378137.0 / (1 / std::tan(60 * kRadPerDeg));
   EXPECT_NEAR(std::abs(axis_angle.z), expected_rad, 0.01 * expected_rad);
@@ -171,13 +177,13 @@ TEST(GeoFrame, RoundTripsWithinMicrometresEverywhere) {
       const GeoFrame frame =
           Frame(Anchor(place.latitude_deg, place.longitude_deg,
                        draws.Uniform(-100, 3000), draws.Rotation()));
-      const Rigid3 world_from_camera{
+      const geometry::Rigid3 world_from_camera{
           draws.Rotation(),
           {draws.Uniform(-4000, 4000), draws.Uniform(-4000, 4000),
            draws.Uniform(-300, 300)}};
-      const PoseError error =
-          ErrorBetween(frame.FromGeoPose(frame.ToGeoPose(world_from_camera)),
-                       world_from_camera);
+      const geometry::PoseError error = geometry::ErrorBetween(
+          frame.FromGeoPose(frame.ToGeoPose(world_from_camera)),
+          world_from_camera);
       ASSERT_LT(error.translation_m, 1e-6) << place.latitude_deg;
       ASSERT_LT(error.rotation_rad, 1e-8) << place.latitude_deg;
     }
@@ -186,17 +192,17 @@ TEST(GeoFrame, RoundTripsWithinMicrometresEverywhere) {
 
 TEST(GeoFrame, RoundTripsWhenThePositionGoesThroughText) {
   const GeoFrame frame = Frame(Anchor(51.5, -0.1, 40));
-  const Rigid3 world_from_camera{Rotation3::FromAxisAngle({0.1, 0.2, 0.3}),
-                                 {10, -20, 3}};
+  const geometry::Rigid3 world_from_camera{
+      geometry::Rotation3::FromAxisAngle({0.1, 0.2, 0.3}), {10, -20, 3}};
   GeoPose pose = frame.ToGeoPose(world_from_camera);
   // 1e-9 degree is a tenth of a millimetre.
   pose.position.latitude_deg =
       std::round(pose.position.latitude_deg * 1e9) / 1e9;
   pose.position.longitude_deg =
       std::round(pose.position.longitude_deg * 1e9) / 1e9;
-  EXPECT_LT(
-      ErrorBetween(frame.FromGeoPose(pose), world_from_camera).translation_m,
-      1e-3);
+  EXPECT_LT(geometry::ErrorBetween(frame.FromGeoPose(pose), world_from_camera)
+                .translation_m,
+            1e-3);
 }
 
 TEST(GeoFrame, CrossesTheAntimeridian) {
@@ -246,9 +252,10 @@ TEST(Accuracy, HoldsAtLeast95PercentOfTheDraws) {
     const double radius = AccuracyOf(covariance.data(), 36)->position_m;
     int inside = 0;
     for (int i = 0; i < 20000; ++i) {
-      const Vec3 error{normal(engine), std::sqrt(thin) * normal(engine),
-                       std::sqrt(thin) * normal(engine)};
-      inside += Norm(error) <= radius ? 1 : 0;
+      const geometry::Vec3 error{normal(engine),
+                                 std::sqrt(thin) * normal(engine),
+                                 std::sqrt(thin) * normal(engine)};
+      inside += geometry::Norm(error) <= radius ? 1 : 0;
     }
     // Three standard deviations of the count below 95 %.
     EXPECT_GT(inside, 19000 - 93) << thin;
@@ -265,4 +272,4 @@ TEST(Accuracy, IsNeverMoreThanHalfATurnAndNeverNegative) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::gateway

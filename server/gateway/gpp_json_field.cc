@@ -6,7 +6,7 @@
 #include "common/base/status_macros.h"
 #include "server/gateway/call_headers.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
 absl::Status JsonField::Wrong(absl::string_view problem) const {
   return InvalidRequest(path_.empty() ? std::string(problem)
@@ -78,4 +78,4 @@ absl::StatusOr<double> JsonField::NumberOr(const char* name,
   return field.has_value() ? field->AsNumber() : otherwise;
 }
 
-}  // namespace treeline
+}  // namespace treeline::gateway

@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
 // Refers to a document that must outlive it.
 class JsonField {
@@ -51,6 +51,6 @@ class JsonField {
   std::string path_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::gateway
 
 #endif  // SERVER_GATEWAY_GPP_JSON_FIELD_H_

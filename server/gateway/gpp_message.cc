@@ -18,7 +18,7 @@
 #include "server/gateway/gpp_json_field.h"
 #include "server/gateway/json_message.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 // Depth and colour of one moment.
@@ -140,23 +140,25 @@ absl::StatusOr<std::optional<v1::Camera>> ReadCamera(const JsonField& reading,
   if (!model.has_value()) return std::nullopt;
   TL_ASSIGN_OR_RETURN(const absl::string_view name, model->AsString());
   if (name == "UNKNOWN" || name == "UNKNOWN_CAMERA") return std::nullopt;
-  const absl::StatusOr<CameraModel> known =
-      ParseCameraModel(name == "THIN_PRISM" ? "THIN_PRISM_FISHEYE" : name);
+  const absl::StatusOr<camera::CameraModel> known = camera::ParseCameraModel(
+      name == "THIN_PRISM" ? "THIN_PRISM_FISHEYE" : name);
   if (!known.ok()) {
     return model->Wrong("not one of COLMAP's camera models");
   }
   TL_ASSIGN_OR_RETURN(const JsonField parameters, params->Get("modelParams"));
   TL_ASSIGN_OR_RETURN(std::vector<double> values, parameters.AsNumbers());
-  if (static_cast<int>(values.size()) != CameraParameterCount(*known)) {
-    return parameters.Wrong(absl::StrCat(CameraModelName(*known), " has ",
-                                         CameraParameterCount(*known),
+  if (static_cast<int>(values.size()) != camera::CameraParameterCount(*known)) {
+    return parameters.Wrong(absl::StrCat(camera::CameraModelName(*known),
+                                         " has ",
+                                         camera::CameraParameterCount(*known),
                                          " parameters, not ", values.size()));
   }
-  const auto cx = static_cast<size_t>(CameraPrincipalPointIndex(*known));
+  const auto cx =
+      static_cast<size_t>(camera::CameraPrincipalPointIndex(*known));
   values[cx] -= kColmapPixelCentre;
   values[cx + 1] -= kColmapPixelCentre;
   v1::Camera camera;
-  const absl::string_view model_name = CameraModelName(*known);
+  const absl::string_view model_name = camera::CameraModelName(*known);
   camera.set_model(model_name.data(), model_name.size());
   camera.set_width_px(size.width);
   camera.set_height_px(size.height);
@@ -190,7 +192,7 @@ absl::Status ReadRaw(const JsonField& reading, absl::string_view bytes,
 absl::Status ReadColor(const JsonField& reading, Size size,
                        v1::ColorImage& color) {
   TL_ASSIGN_OR_RETURN(std::string bytes, ReadBytes(reading));
-  if (SniffFormat(bytes) != ImageFormat::kUnknown) {
+  if (image::SniffFormat(bytes) != image::ImageFormat::kUnknown) {
     color.set_encoded(std::move(bytes));
     return absl::OkStatus();
   }
@@ -235,7 +237,7 @@ absl::Status ReadDepth(const JsonField& reading, Size color_size,
                                     : v1::DEPTH_REGISTRATION_SCENE_CALIBRATION);
   depth.set_unit_m(kDepthUnit_m);
   TL_ASSIGN_OR_RETURN(std::string bytes, ReadBytes(reading));
-  if (SniffFormat(bytes) == ImageFormat::kPng) {
+  if (image::SniffFormat(bytes) == image::ImageFormat::kPng) {
     depth.set_png(std::move(bytes));
     return absl::OkStatus();
   }
@@ -297,7 +299,7 @@ absl::Status ReadLocations(const JsonField& readings,
                           location.GetNumber("longitude"));
       TL_ASSIGN_OR_RETURN(const double accuracy_m,
                           location.NumberOr("accuracy", 0));
-      TL_RETURN_IF_ERROR(WithReason(
+      TL_RETURN_IF_ERROR(base::WithReason(
           CheckPosition(hint.position, location.path()), "INVALID_REQUEST"));
       hint.radius_m = RadiusFor(accuracy_m);
       hints.push_back(hint);
@@ -315,8 +317,8 @@ absl::Status ReadPriors(const JsonField& root, std::vector<GppHint>& hints) {
     GppHint hint;
     TL_ASSIGN_OR_RETURN(hint.position.latitude_deg, position.GetNumber("lat"));
     TL_ASSIGN_OR_RETURN(hint.position.longitude_deg, position.GetNumber("lon"));
-    TL_RETURN_IF_ERROR(WithReason(CheckPosition(hint.position, position.path()),
-                                  "INVALID_REQUEST"));
+    TL_RETURN_IF_ERROR(base::WithReason(
+        CheckPosition(hint.position, position.path()), "INVALID_REQUEST"));
     double accuracy_m = 0;
     TL_ASSIGN_OR_RETURN(const std::optional<JsonField> accuracy,
                         prior.Find("accuracy"));
@@ -340,7 +342,7 @@ nlohmann::json NumberJson(double value) {
 }  // namespace
 
 absl::StatusOr<GppRequest> ParseGppRequest(absl::string_view json) {
-  TL_RETURN_IF_ERROR(WithReason(CheckJsonShape(json), "INVALID_REQUEST"));
+  TL_RETURN_IF_ERROR(base::WithReason(CheckJsonShape(json), "INVALID_REQUEST"));
   const nlohmann::json document = nlohmann::json::parse(
       json.begin(), json.end(), nullptr, /*allow_exceptions=*/false);
   if (document.is_discarded()) return InvalidRequest("the body is not JSON");
@@ -363,7 +365,7 @@ absl::StatusOr<GppRequest> ParseGppRequest(absl::string_view json) {
 
 std::string GppAnswerJson(const GppRequest& request, const GeoPose& pose,
                           const GeoAccuracy& accuracy) {
-  const Rotation3& q = pose.enu_from_device;
+  const geometry::Rotation3& q = pose.enu_from_device;
   const nlohmann::json answer{
       {"id", request.id},
       {"timestamp", NumberJson(request.timestamp_ms)},
@@ -380,4 +382,4 @@ std::string GppAnswerJson(const GppRequest& request, const GeoPose& pose,
   return answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-}  // namespace treeline
+}  // namespace treeline::gateway

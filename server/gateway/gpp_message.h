@@ -11,7 +11,7 @@
 #include "server/gateway/geo_pose.h"
 #include "treeline/v1/frame.pb.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
 // Where the client believes to be.
 struct GppHint {
@@ -59,6 +59,6 @@ absl::StatusOr<GppRequest> ParseGppRequest(absl::string_view json);
 std::string GppAnswerJson(const GppRequest& request, const GeoPose& pose,
                           const GeoAccuracy& accuracy);
 
-}  // namespace treeline
+}  // namespace treeline::gateway
 
 #endif  // SERVER_GATEWAY_GPP_MESSAGE_H_

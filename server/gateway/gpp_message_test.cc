@@ -9,7 +9,7 @@
 #include "absl/strings/escaping.h"
 #include "common/base/error_info.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 using ::nlohmann::json;
@@ -44,7 +44,7 @@ absl::StatusOr<GppRequest> Parse(const json& request) {
 std::string Complaint(const json& request) {
   const auto parsed = Parse(request);
   EXPECT_EQ(parsed.status().code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(ErrorInfoOf(parsed.status()).reason, "INVALID_REQUEST");
+  EXPECT_EQ(base::ErrorInfoOf(parsed.status()).reason, "INVALID_REQUEST");
   return std::string(parsed.status().message());
 }
 
@@ -228,7 +228,7 @@ TEST(GppMessage, WritesBasicQuaternionGeoPoses) {
   request.id = "an-id";
   request.timestamp_ms = 1234567890123;
   const auto answer = json::parse(GppAnswerJson(
-      request, {{48.5, 11.5, 500.25}, Rotation3{0.5, 0.5, -0.5, 0.5}},
+      request, {{48.5, 11.5, 500.25}, geometry::Rotation3{0.5, 0.5, -0.5, 0.5}},
       {0.03, 0.4}));
   EXPECT_EQ(answer, json::parse(R"({
     "id": "an-id", "timestamp": 1234567890123, "type": "geopose",
@@ -238,4 +238,4 @@ TEST(GppMessage, WritesBasicQuaternionGeoPoses) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::gateway

@@ -15,7 +15,7 @@
 #include "server/gateway/http_errors.h"
 #include "server/gateway/pending_call.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 constexpr char kJson[] = "application/json";
@@ -29,9 +29,10 @@ double Extent_m(const v1::SceneInfo& scene) {
   if (!scene.has_model()) return kUnknownExtent_m;
   const v1::Vector3& low = scene.model().bounds_min_in_world_m();
   const v1::Vector3& high = scene.model().bounds_max_in_world_m();
-  return Norm(Vec3{std::max(std::abs(low.x()), std::abs(high.x())),
-                   std::max(std::abs(low.y()), std::abs(high.y())),
-                   std::max(std::abs(low.z()), std::abs(high.z()))});
+  return geometry::Norm(
+      geometry::Vec3{std::max(std::abs(low.x()), std::abs(high.x())),
+                     std::max(std::abs(low.y()), std::abs(high.y())),
+                     std::max(std::abs(low.z()), std::abs(high.z()))});
 }
 
 // Whether the client takes version 2 of the protocol.
@@ -50,8 +51,9 @@ bool AcceptsVersion2(absl::string_view accept) {
 
 // The protocol has no word for it, and its clients take every answer with
 // status 200 for a pose.
-HttpResponse NotLocalized(absl::string_view reason, absl::string_view message,
-                          const v1::LocalizeResponse* response) {
+http::HttpResponse NotLocalized(absl::string_view reason,
+                                absl::string_view message,
+                                const v1::LocalizeResponse* response) {
   std::map<std::string, std::string> metadata;
   if (response != nullptr) {
     metadata["inliers"] = absl::StrCat(response->inliers());
@@ -60,7 +62,7 @@ HttpResponse NotLocalized(absl::string_view reason, absl::string_view message,
     if (!response->scene().empty()) metadata["scene"] = response->scene();
   }
   return ErrorResponse(
-      422, WithReason(absl::NotFoundError(message), reason, metadata));
+      422, base::WithReason(absl::NotFoundError(message), reason, metadata));
 }
 
 }  // namespace
@@ -85,12 +87,12 @@ std::vector<std::string> ScenesNear(const std::vector<v1::SceneInfo>& scenes,
   return near;
 }
 
-absl::StatusOr<Rigid3> WorldFromPicture(const v1::LocalizeResponse& response,
-                                        const v1::SceneInfo& scene,
-                                        const v1::Frame& frame) {
+absl::StatusOr<geometry::Rigid3> WorldFromPicture(
+    const v1::LocalizeResponse& response, const v1::SceneInfo& scene,
+    const v1::Frame& frame) {
   TL_ASSIGN_OR_RETURN(
-      const Rigid3 world_from_camera,
-      FromProto(response.world_from_camera(), "world_from_camera"));
+      const geometry::Rigid3 world_from_camera,
+      wire::FromProto(response.world_from_camera(), "world_from_camera"));
   const bool one_camera =
       frame.has_depth() && frame.depth().registration() ==
                                v1::DEPTH_REGISTRATION_REGISTERED_TO_COLOR;
@@ -100,27 +102,29 @@ absl::StatusOr<Rigid3> WorldFromPicture(const v1::LocalizeResponse& response,
   if (!scene.has_model()) {
     return absl::InternalError("the scene's calibration is not known");
   }
-  TL_ASSIGN_OR_RETURN(const Rigid3 color_from_depth,
-                      FromProto(scene.model().calibration().color_from_depth(),
-                                "calibration.color_from_depth"));
+  TL_ASSIGN_OR_RETURN(
+      const geometry::Rigid3 color_from_depth,
+      wire::FromProto(scene.model().calibration().color_from_depth(),
+                      "calibration.color_from_depth"));
   return world_from_camera * color_from_depth.Inverse();
 }
 
-GppRoutes::GppRoutes(Dispatcher& dispatcher,
+GppRoutes::GppRoutes(service::Dispatcher& dispatcher,
                      std::function<std::vector<v1::SceneInfo>()> scenes,
-                     bool admin_listener, const Clock& clock)
+                     bool admin_listener, const base::Clock& clock)
     : dispatcher_(dispatcher),
       scenes_(std::move(scenes)),
       admin_listener_(admin_listener),
       clock_(clock) {}
 
-std::optional<HttpResponse> GppRoutes::CheckHead(
-    const HttpRequest& request) const {
+std::optional<http::HttpResponse> GppRoutes::CheckHead(
+    const http::HttpRequest& request) const {
   if (request.method == "GET" || request.method == "HEAD") return std::nullopt;
   if (request.method != "POST") {
-    HttpResponse response = ErrorResponse(
-        405, WithReason(absl::UnimplementedError("poses are asked with POST"),
-                        "METHOD_UNKNOWN"));
+    http::HttpResponse response = ErrorResponse(
+        405,
+        base::WithReason(absl::UnimplementedError("poses are asked with POST"),
+                         "METHOD_UNKNOWN"));
     response.headers.emplace_back("Allow", "GET, HEAD, POST");
     return response;
   }
@@ -137,19 +141,19 @@ std::optional<HttpResponse> GppRoutes::CheckHead(
   return std::nullopt;
 }
 
-HttpResponse GppRoutes::Handle(const HttpRequest& request) const {
+http::HttpResponse GppRoutes::Handle(const http::HttpRequest& request) const {
   if (request.method != "POST") {
     return {.content_type = kJson, .body = R"({"status":"running"})"};
   }
-  absl::StatusOr<HttpResponse> response = Localize(request);
+  absl::StatusOr<http::HttpResponse> response = Localize(request);
   return response.ok() ? *std::move(response)
                        : ErrorResponse(response.status());
 }
 
-absl::StatusOr<HttpResponse> GppRoutes::Localize(
-    const HttpRequest& http) const {
-  TL_ASSIGN_OR_RETURN(CallInfo call,
-                      CallInfoOf(http, kGeoPoseRpc, admin_listener_));
+absl::StatusOr<http::HttpResponse> GppRoutes::Localize(
+    const http::HttpRequest& http) const {
+  TL_ASSIGN_OR_RETURN(service::CallInfo call,
+                      CallInfoOf(http, service::kGeoPoseRpc, admin_listener_));
   TL_ASSIGN_OR_RETURN(GppRequest request, ParseGppRequest(http.body));
   std::vector<std::string> near = ScenesNear(scenes_(), request.hints);
   if (near.empty()) {
@@ -167,7 +171,7 @@ absl::StatusOr<HttpResponse> GppRoutes::Localize(
     }
   }
   TL_ASSIGN_OR_RETURN(const v1::LocalizeResponse response,
-                      CallAndWait(dispatcher_, &Dispatcher::Localize,
+                      CallAndWait(dispatcher_, &service::Dispatcher::Localize,
                                   std::move(call), query, http.socket, clock_));
   if (response.outcome() != v1::OUTCOME_LOCALIZED) {
     return NotLocalized(
@@ -178,7 +182,7 @@ absl::StatusOr<HttpResponse> GppRoutes::Localize(
   return Answer(request, response, query.frame());
 }
 
-absl::StatusOr<HttpResponse> GppRoutes::Answer(
+absl::StatusOr<http::HttpResponse> GppRoutes::Answer(
     const GppRequest& request, const v1::LocalizeResponse& response,
     const v1::Frame& frame) const {
   // Asked again: the query may have loaded the model.
@@ -192,15 +196,15 @@ absl::StatusOr<HttpResponse> GppRoutes::Answer(
   }
   TL_ASSIGN_OR_RETURN(const GeoFrame geo_frame,
                       GeoFrame::Create(scene->geo_anchor(), "geo_anchor"));
-  TL_ASSIGN_OR_RETURN(const Rigid3 world_from_camera,
+  TL_ASSIGN_OR_RETURN(const geometry::Rigid3 world_from_camera,
                       WorldFromPicture(response, *scene, frame));
   TL_ASSIGN_OR_RETURN(
       const GeoAccuracy accuracy,
       AccuracyOf(response.covariance().data(), response.covariance_size()));
-  return HttpResponse{
+  return http::HttpResponse{
       .content_type = kOscpJson2,
       .body = GppAnswerJson(request, geo_frame.ToGeoPose(world_from_camera),
                             accuracy)};
 }
 
-}  // namespace treeline
+}  // namespace treeline::gateway

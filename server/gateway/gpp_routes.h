@@ -16,7 +16,7 @@
 #include "server/service/dispatcher.h"
 #include "treeline/v1/scenes.pb.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
 // Names of the scenes that have an anchor and lie where one of `hints` may be;
 // all that have one if there are no hints. The extent of a scene is its
@@ -27,36 +27,38 @@ std::vector<std::string> ScenesNear(const std::vector<v1::SceneInfo>& scenes,
 // world_from_camera of the camera that took the picture: an answer may be the
 // pose of the depth camera. INVALID_ARGUMENT, INTERNAL: an answer that makes no
 // sense.
-absl::StatusOr<Rigid3> WorldFromPicture(const v1::LocalizeResponse& response,
-                                        const v1::SceneInfo& scene,
-                                        const v1::Frame& frame);
+absl::StatusOr<geometry::Rigid3> WorldFromPicture(
+    const v1::LocalizeResponse& response, const v1::SceneInfo& scene,
+    const v1::Frame& frame);
 
 // Thread-safe.
 class GppRoutes {
  public:
   // `scenes`: all of the server; `admin_listener`: see CallInfo. Keeps
   // references.
-  GppRoutes(Dispatcher& dispatcher,
+  GppRoutes(service::Dispatcher& dispatcher,
             std::function<std::vector<v1::SceneInfo>()> scenes,
-            bool admin_listener, const Clock& clock);
+            bool admin_listener, const base::Clock& clock);
 
   static bool Owns(absl::string_view path) { return path == "/geopose"; }
 
-  std::optional<HttpResponse> CheckHead(const HttpRequest& request) const;
-  HttpResponse Handle(const HttpRequest& request) const;
+  std::optional<http::HttpResponse> CheckHead(
+      const http::HttpRequest& request) const;
+  http::HttpResponse Handle(const http::HttpRequest& request) const;
 
  private:
-  absl::StatusOr<HttpResponse> Localize(const HttpRequest& http) const;
-  absl::StatusOr<HttpResponse> Answer(const GppRequest& request,
-                                      const v1::LocalizeResponse& response,
-                                      const v1::Frame& frame) const;
+  absl::StatusOr<http::HttpResponse> Localize(
+      const http::HttpRequest& http) const;
+  absl::StatusOr<http::HttpResponse> Answer(
+      const GppRequest& request, const v1::LocalizeResponse& response,
+      const v1::Frame& frame) const;
 
-  Dispatcher& dispatcher_;
+  service::Dispatcher& dispatcher_;
   const std::function<std::vector<v1::SceneInfo>()> scenes_;
   const bool admin_listener_;
-  const Clock& clock_;
+  const base::Clock& clock_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::gateway
 
 #endif  // SERVER_GATEWAY_GPP_ROUTES_H_

@@ -10,7 +10,7 @@
 #include "common/wire/geometry.h"
 #include "server/gateway/testing_dispatcher.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 using ::nlohmann::json;
@@ -39,7 +39,8 @@ v1::LocalizeResponse Localized(const std::string& scene) {
   response.set_outcome(v1::OUTCOME_LOCALIZED);
   response.set_scene(scene);
   response.set_pose_sensor(v1::RGBD_SENSOR_COLOR);
-  *response.mutable_world_from_camera() = ToProto(Rigid3{{}, {1, 2, 3}});
+  *response.mutable_world_from_camera() =
+      wire::ToProto(geometry::Rigid3{{}, {1, 2, 3}});
   for (int i = 0; i < 36; ++i) {
     response.add_covariance(i % 7 == 0 ? 1e-4 : 0);
   }
@@ -48,8 +49,8 @@ v1::LocalizeResponse Localized(const std::string& scene) {
 
 class GppRoutesTest : public ::testing::Test {
  protected:
-  HttpResponse Post(const std::string& body = Body()) {
-    HttpRequest request;
+  http::HttpResponse Post(const std::string& body = Body()) {
+    http::HttpRequest request;
     request.method = "POST";
     request.path = "/geopose";
     request.body = body;
@@ -57,7 +58,7 @@ class GppRoutesTest : public ::testing::Test {
     return routes_.Handle(request);
   }
 
-  const SteadyClock clock_{};
+  const base::SteadyClock clock_{};
   TestingDispatcher dispatcher_;
   v1::SceneInfo unanchored_;
   std::vector<v1::SceneInfo> scenes_{Scene("hall", 48, 11)};
@@ -69,7 +70,7 @@ TEST_F(GppRoutesTest, AnswersWithAGeoPose) {
   dispatcher_.on_localize = [](const v1::LocalizeRequest& request) {
     return Localized(request.scene());
   };
-  const HttpResponse response = Post();
+  const http::HttpResponse response = Post();
   ASSERT_EQ(response.status, 200) << response.body;
   EXPECT_EQ(response.content_type, "application/vnd.oscp+json;version=2.0");
   const json answer = json::parse(response.body);
@@ -107,7 +108,7 @@ TEST_F(GppRoutesTest, SaysWhenThereIsNoPose) {
     response.set_inliers(3);
     return response;
   };
-  const HttpResponse response = Post();
+  const http::HttpResponse response = Post();
   // Clients take every 200 for a pose.
   EXPECT_EQ(response.status, 422);
   const json answer = json::parse(response.body);
@@ -117,7 +118,7 @@ TEST_F(GppRoutesTest, SaysWhenThereIsNoPose) {
 
 TEST_F(GppRoutesTest, SaysWhenNoSceneHasAPlace) {
   scenes_[0].clear_geo_anchor();
-  const HttpResponse response = Post();
+  const http::HttpResponse response = Post();
   EXPECT_EQ(response.status, 422);
   EXPECT_EQ(json::parse(response.body)["details"][0]["debug"]["reason"],
             "NO_SCENE_NEAR");
@@ -139,7 +140,7 @@ TEST_F(GppRoutesTest, PassesErrorsOn) {
 }
 
 TEST_F(GppRoutesTest, SpeaksVersion2Only) {
-  HttpRequest request;
+  http::HttpRequest request;
   request.method = "POST";
   request.headers["content-type"] = "application/json";
   for (const char* accept :
@@ -184,7 +185,7 @@ TEST(ScenesNear, KnowsHowFarASceneReaches) {
 TEST(WorldFromPicture, IsThePoseOfTheColourCamera) {
   v1::SceneInfo scene = Scene("hall", 48, 11);
   *scene.mutable_model()->mutable_calibration()->mutable_color_from_depth() =
-      ToProto(Rigid3{{}, {0.025, 0, 0}});
+      wire::ToProto(geometry::Rigid3{{}, {0.025, 0, 0}});
   v1::LocalizeResponse response = Localized("hall");
   EXPECT_EQ(WorldFromPicture(response, scene, {})->translation.x, 1);
   response.set_pose_sensor(v1::RGBD_SENSOR_DEPTH);
@@ -198,4 +199,4 @@ TEST(WorldFromPicture, IsThePoseOfTheColourCamera) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::gateway

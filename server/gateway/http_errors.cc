@@ -14,7 +14,7 @@
 #include "common/wire/status.h"
 #include "server/gateway/json_message.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 struct CodeRow {
@@ -83,23 +83,23 @@ int HttpStatusOf(absl::StatusCode code) { return RowOf(code).http; }
 
 const char* ConnectCodeName(absl::StatusCode code) { return RowOf(code).name; }
 
-HttpResponse ErrorResponse(const absl::Status& status) {
+http::HttpResponse ErrorResponse(const absl::Status& status) {
   return ErrorResponse(HttpStatusOf(status.code()), status);
 }
 
-HttpResponse ErrorResponse(int http_status, const absl::Status& status) {
-  const google::rpc::Status proto = ToProto(status);
+http::HttpResponse ErrorResponse(int http_status, const absl::Status& status) {
+  const google::rpc::Status proto = wire::ToProto(status);
   nlohmann::json body;
   body["code"] = ConnectCodeName(status.code());
   body["message"] = proto.message();
   if (proto.details_size() > 0) body["details"] = DetailsOf(proto);
-  HttpResponse response{
+  http::HttpResponse response{
       .status = http_status,
       .content_type = "application/json",
       // Messages may quote bytes of requests.
       .body =
           body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
-  if (const auto retry_after = RetryAfterOf(status)) {
+  if (const auto retry_after = base::RetryAfterOf(status)) {
     const auto seconds = std::max<int64_t>(
         1, std::chrono::ceil<std::chrono::seconds>(*retry_after).count());
     response.headers.emplace_back("Retry-After", absl::StrCat(seconds));
@@ -110,4 +110,4 @@ HttpResponse ErrorResponse(int http_status, const absl::Status& status) {
   return response;
 }
 
-}  // namespace treeline
+}  // namespace treeline::gateway

@@ -5,7 +5,7 @@
 #include "absl/status/status.h"
 #include "common/http/http_message.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
 // The table of the Connect protocol: INVALID_ARGUMENT is 400, and so on.
 int HttpStatusOf(absl::StatusCode code);
@@ -17,11 +17,11 @@ const char* ConnectCodeName(absl::StatusCode code);
 // message and details (type, value in base64, and the same readable as
 // `debug`), and Retry-After where trying again later may help. `status` is not
 // OK.
-HttpResponse ErrorResponse(const absl::Status& status);
+http::HttpResponse ErrorResponse(const absl::Status& status);
 
 // The same for an error of HTTP itself: `http_status` with `status`'s JSON.
-HttpResponse ErrorResponse(int http_status, const absl::Status& status);
+http::HttpResponse ErrorResponse(int http_status, const absl::Status& status);
 
-}  // namespace treeline
+}  // namespace treeline::gateway
 
 #endif  // SERVER_GATEWAY_HTTP_ERRORS_H_

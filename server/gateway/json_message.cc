@@ -5,7 +5,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 // A message quotes the JSON where it goes wrong; the rest is of no use.
@@ -88,4 +88,4 @@ absl::StatusOr<std::string> JsonFromMessage(
   return json;
 }
 
-}  // namespace treeline
+}  // namespace treeline::gateway

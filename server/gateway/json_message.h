@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
 // What a body may look like before a parser builds something from it: a
 // request has few values, of which one is large.
@@ -36,6 +36,6 @@ absl::Status MessageFromJson(absl::string_view json,
 absl::StatusOr<std::string> JsonFromMessage(
     const google::protobuf::Message& message);
 
-}  // namespace treeline
+}  // namespace treeline::gateway
 
 #endif  // SERVER_GATEWAY_JSON_MESSAGE_H_

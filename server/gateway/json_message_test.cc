@@ -7,7 +7,7 @@
 
 #include "treeline/v1/relocalization.pb.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 using ::testing::HasSubstr;
@@ -58,4 +58,4 @@ TEST(JsonMessage, NamesTheFieldThatIsWrong) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::gateway

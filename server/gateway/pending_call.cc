@@ -13,12 +13,12 @@
 
 #include "common/base/error_info.h"
 
-namespace treeline {
+namespace treeline::gateway {
 namespace {
 
 // For poll(): -1 waits for ever.
-int PollTimeoutMs(MonotonicTime deadline, const Clock& clock) {
-  if (deadline == MonotonicTime::max()) return -1;
+int PollTimeoutMs(base::MonotonicTime deadline, const base::Clock& clock) {
+  if (deadline == base::MonotonicTime::max()) return -1;
   const auto left =
       std::chrono::ceil<std::chrono::milliseconds>(deadline - clock.Now());
   return static_cast<int>(std::clamp<int64_t>(left.count(), 0, INT_MAX));
@@ -38,8 +38,8 @@ void CallSignal::Notify() const {
   }
 }
 
-void CallSignal::Wait(int socket, MonotonicTime deadline, const Clock& clock,
-                      std::stop_source& stop) const {
+void CallSignal::Wait(int socket, base::MonotonicTime deadline,
+                      const base::Clock& clock, std::stop_source& stop) const {
   // poll() passes over negative descriptors.
   std::array<pollfd, 2> polled{
       {{.fd = fd_, .events = POLLIN, .revents = 0},
@@ -54,20 +54,20 @@ void CallSignal::Wait(int socket, MonotonicTime deadline, const Clock& clock,
       stop.request_stop();
     }
     if (clock.Now() >= deadline) {
-      deadline = MonotonicTime::max();
+      deadline = base::MonotonicTime::max();
       stop.request_stop();
     }
   }
 }
 
 absl::Status DeadlineInsteadOfCancelled(absl::Status status,
-                                        MonotonicTime deadline,
-                                        const Clock& clock) {
+                                        base::MonotonicTime deadline,
+                                        const base::Clock& clock) {
   if (status.code() != absl::StatusCode::kCancelled || clock.Now() < deadline) {
     return status;
   }
-  return WithReason(absl::DeadlineExceededError("the deadline passed"),
-                    "DEADLINE_EXCEEDED");
+  return base::WithReason(absl::DeadlineExceededError("the deadline passed"),
+                          "DEADLINE_EXCEEDED");
 }
 
-}  // namespace treeline
+}  // namespace treeline::gateway

@@ -15,7 +15,7 @@
 #include "server/service/call.h"
 #include "server/service/dispatcher.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
 // Wakes a waiting thread that watches a socket too.
 class CallSignal {
@@ -30,7 +30,7 @@ class CallSignal {
   void Notify() const;
   // Returns after Notify(). Requests a stop as soon as `socket` (-1: none) says
   // that its client has closed or given up, and at `deadline`.
-  void Wait(int socket, MonotonicTime deadline, const Clock& clock,
+  void Wait(int socket, base::MonotonicTime deadline, const base::Clock& clock,
             std::stop_source& stop) const;
 
  private:
@@ -39,17 +39,18 @@ class CallSignal {
 
 // CANCELLED after the deadline means that the deadline has cancelled it.
 absl::Status DeadlineInsteadOfCancelled(absl::Status status,
-                                        MonotonicTime deadline,
-                                        const Clock& clock);
+                                        base::MonotonicTime deadline,
+                                        const base::Clock& clock);
 
 // Makes a call of a Dispatcher and waits for its answer. A client that closes
 // its connection, or its half of it, has left: the call is asked to stop.
 template <typename Request, typename Response>
 absl::StatusOr<Response> CallAndWait(
-    Dispatcher& dispatcher,
-    void (Dispatcher::*method)(CallInfo, const Request&,
-                               Dispatcher::Done<Response>),
-    CallInfo call, const Request& request, int socket, const Clock& clock) {
+    service::Dispatcher& dispatcher,
+    void (service::Dispatcher::*method)(service::CallInfo, const Request&,
+                                        service::Dispatcher::Done<Response>),
+    service::CallInfo call, const Request& request, int socket,
+    const base::Clock& clock) {
   struct State {
     CallSignal signal;
     absl::Mutex mutex;
@@ -62,7 +63,7 @@ absl::StatusOr<Response> CallAndWait(
   }
   std::stop_source stop;
   call.stop = stop.get_token();
-  const MonotonicTime deadline = call.deadline;
+  const base::MonotonicTime deadline = call.deadline;
   (dispatcher.*method)(std::move(call), request,
                        [state](absl::StatusOr<Response> answer) {
                          {
@@ -79,6 +80,6 @@ absl::StatusOr<Response> CallAndWait(
   return *std::move(state->answer);
 }
 
-}  // namespace treeline
+}  // namespace treeline::gateway
 
 #endif  // SERVER_GATEWAY_PENDING_CALL_H_

@@ -14,9 +14,9 @@
 #include "absl/synchronization/mutex.h"
 #include "server/service/dispatcher.h"
 
-namespace treeline {
+namespace treeline::gateway {
 
-class TestingDispatcher final : public Dispatcher {
+class TestingDispatcher final : public service::Dispatcher {
  public:
   // Answers Localize; may be replaced before the first call. Runs in the
   // caller's thread.
@@ -29,7 +29,7 @@ class TestingDispatcher final : public Dispatcher {
   bool waits_for_stop = false;
   std::string scene_that_waits = {};
 
-  void Localize(CallInfo call, const v1::LocalizeRequest& request,
+  void Localize(service::CallInfo call, const v1::LocalizeRequest& request,
                 Done<v1::LocalizeResponse> done) override {
     Remember(call);
     {
@@ -50,40 +50,42 @@ class TestingDispatcher final : public Dispatcher {
         std::make_unique<std::stop_callback<std::function<void()>>>(
             call.stop, std::function<void()>(answer)));
   }
-  void ListScenes(CallInfo call, const v1::ListScenesRequest& /*request*/,
+  void ListScenes(service::CallInfo call,
+                  const v1::ListScenesRequest& /*request*/,
                   Done<v1::ListScenesResponse> done) override {
     Remember(call);
     v1::ListScenesResponse response;
     response.add_scenes()->set_scene("kitchen");
     done(response);
   }
-  void GetScene(CallInfo call, const v1::GetSceneRequest& request,
+  void GetScene(service::CallInfo call, const v1::GetSceneRequest& request,
                 Done<v1::GetSceneResponse> done) override {
     Remember(call);
     v1::GetSceneResponse response;
     response.mutable_scene()->set_scene(request.scene());
     done(response);
   }
-  void LoadScene(CallInfo call, const v1::LoadSceneRequest& request,
+  void LoadScene(service::CallInfo call, const v1::LoadSceneRequest& request,
                  Done<v1::LoadSceneResponse> done) override {
     Remember(call);
     v1::LoadSceneResponse response;
     response.mutable_scene()->set_scene(request.scene());
     done(response);
   }
-  void UnloadScene(CallInfo call, const v1::UnloadSceneRequest& request,
+  void UnloadScene(service::CallInfo call,
+                   const v1::UnloadSceneRequest& request,
                    Done<v1::UnloadSceneResponse> done) override {
     Remember(call);
     v1::UnloadSceneResponse response;
     response.mutable_scene()->set_scene(request.scene());
     done(response);
   }
-  void Reject(const CallInfo&, const v1::LocalizeRequest&,
+  void Reject(const service::CallInfo&, const v1::LocalizeRequest&,
               const absl::Status&) override {}
-  Load load() const override { return {}; }
+  service::Load load() const override { return {}; }
 
   // Of all calls so far.
-  std::vector<CallInfo> calls() {
+  std::vector<service::CallInfo> calls() {
     const absl::MutexLock lock(&mutex_);
     return calls_;
   }
@@ -101,18 +103,18 @@ class TestingDispatcher final : public Dispatcher {
   }
 
  private:
-  void Remember(const CallInfo& call) {
+  void Remember(const service::CallInfo& call) {
     const absl::MutexLock lock(&mutex_);
     calls_.push_back(call);
   }
 
   absl::Mutex mutex_;
-  std::vector<CallInfo> calls_ ABSL_GUARDED_BY(mutex_);
+  std::vector<service::CallInfo> calls_ ABSL_GUARDED_BY(mutex_);
   std::vector<v1::LocalizeRequest> requests_ ABSL_GUARDED_BY(mutex_);
   std::vector<std::unique_ptr<std::stop_callback<std::function<void()>>>> stops_
       ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::gateway
 
 #endif  // SERVER_GATEWAY_TESTING_DISPATCHER_H_

@@ -23,7 +23,7 @@
 #include "common/base/status_macros.h"
 #include "server/repository/retry.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,12 +36,13 @@ constexpr int64_t kNanosecondsPerSecond = 1000000000;
 
 absl::Status CacheError(absl::string_view action, const std::string& path,
                         int error) {
-  return WithReason(absl::ErrnoToStatus(error, absl::StrCat(action, " ", path)),
-                    "CACHE_FAILED");
+  return base::WithReason(
+      absl::ErrnoToStatus(error, absl::StrCat(action, " ", path)),
+      "CACHE_FAILED");
 }
 
 absl::Status CacheFull(absl::string_view why) {
-  return WithReason(
+  return base::WithReason(
       absl::ResourceExhaustedError(absl::StrCat("cache of models: ", why)),
       "CACHE_FULL");
 }
@@ -78,7 +79,8 @@ bool HasSize(const std::string& path, uint64_t bytes) {
 }
 
 absl::Status SyncFolder(const std::string& folder) {
-  const Descriptor fd(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const base::Descriptor fd(
+      open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (fd.get() < 0) return CacheError("opening", folder, errno);
   // Some file systems cannot.
   if (fsync(fd.get()) != 0 && errno != EINVAL && errno != EROFS) {
@@ -89,7 +91,7 @@ absl::Status SyncFolder(const std::string& folder) {
 
 // Deletes a part unless somebody writes it; whether it is gone.
 bool RemoveUnlessWritten(const std::string& part) {
-  const Descriptor fd(open(part.c_str(), O_RDWR | O_CLOEXEC));
+  const base::Descriptor fd(open(part.c_str(), O_RDWR | O_CLOEXEC));
   return fd.get() >= 0 && flock(fd.get(), LOCK_EX | LOCK_NB) == 0 &&
          IsSameFile(fd.get(), part) && unlink(part.c_str()) == 0;
 }
@@ -148,7 +150,7 @@ absl::Status CacheDownload::WriteError(int error) {
 
 absl::Status CacheDownload::Append(absl::string_view bytes) {
   if (bytes.size() > promised_ - size_) {
-    return WithReason(
+    return base::WithReason(
         absl::DataLossError(absl::StrCat("longer than the ", promised_,
                                          " bytes that the index promises")),
         "MODEL_CORRUPT");
@@ -171,7 +173,7 @@ absl::StatusOr<std::string> CacheDownload::Commit() {
   const std::string path = cache_.PathOf(digest_);
   if (size_ != promised_ || hash_.Finish() != digest_) {
     Discard();
-    return WithReason(
+    return base::WithReason(
         absl::DataLossError(
             size_ == promised_
                 ? "its SHA-256 is not that of the index"
@@ -193,13 +195,13 @@ absl::StatusOr<std::string> CacheDownload::Commit() {
   return path;
 }
 
-DigestCache::DigestCache(DigestCacheOptions options, const Clock& clock)
+DigestCache::DigestCache(DigestCacheOptions options, const base::Clock& clock)
     : options_(std::move(options)),
       folder_(options_.folder + "/sha256"),
       clock_(clock) {}
 
 absl::StatusOr<std::unique_ptr<DigestCache>> DigestCache::Open(
-    DigestCacheOptions options, const Clock& clock) {
+    DigestCacheOptions options, const base::Clock& clock) {
   if (!options.files_in_use) options.files_in_use = &MappedFileNames;
   std::unique_ptr<DigestCache> cache(
       new DigestCache(std::move(options), clock));
@@ -254,7 +256,7 @@ absl::StatusOr<std::string> DigestCache::Find(const std::string& digest,
 absl::Status DigestCache::Verify(const std::string& path,
                                  const std::string& digest,
                                  const std::stop_token& stop) const {
-  const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const base::Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
   const absl::StatusOr<FileDigest> read = DigestOfFile(path, stop);
   if (absl::IsCancelled(read.status())) return read.status();
   if (read.ok() && read->sha256 == digest) return absl::OkStatus();
@@ -264,7 +266,7 @@ absl::Status DigestCache::Verify(const std::string& path,
 }
 
 void DigestCache::HandOut(const std::string& digest) {
-  const MonotonicTime now = clock_.Now();
+  const base::MonotonicTime now = clock_.Now();
   absl::MutexLock lock(&mutex_);
   for (auto entry = handed_out_.begin(); entry != handed_out_.end();) {
     const bool over = now - entry->second >= options_.handed_out;
@@ -294,7 +296,7 @@ absl::StatusOr<int> DigestCache::LockPart(const std::string& digest,
                                           uint64_t bytes,
                                           const std::stop_token& stop) const {
   const std::string part = PartPathOf(digest);
-  MonotonicTime last_progress = clock_.Now();
+  base::MonotonicTime last_progress = clock_.Now();
   int64_t last_size = -1;
   while (!stop.stop_requested()) {
     if (HasSize(PathOf(digest), bytes)) return -1;
@@ -312,11 +314,11 @@ absl::StatusOr<int> DigestCache::LockPart(const std::string& digest,
     struct stat info {};
     fstat(fd, &info);
     close(fd);
-    const MonotonicTime now = clock_.Now();
+    const base::MonotonicTime now = clock_.Now();
     if (info.st_size != last_size) last_progress = now;
     last_size = info.st_size;
     if (now - last_progress > options_.patience) {
-      return WithReason(
+      return base::WithReason(
           absl::UnavailableError(absl::StrCat("another process fetches ",
                                               digest, " without progress")),
           "CACHE_BUSY");
@@ -400,4 +402,4 @@ void DigestCache::Release(const std::string& digest) {
   reserved_.erase(digest);
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -25,7 +25,7 @@
 #include "common/base/clock.h"
 #include "server/repository/sha256.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 struct DigestCacheOptions {
   // Made where missing.
@@ -95,7 +95,7 @@ class CacheDownload {
 class DigestCache {
  public:
   static absl::StatusOr<std::unique_ptr<DigestCache>> Open(
-      DigestCacheOptions options, const Clock& clock);
+      DigestCacheOptions options, const base::Clock& clock);
 
   // The path of a file that is there, and counts as used now. NOT_FOUND: it is
   // not, or was not what it should be and is gone.
@@ -118,7 +118,7 @@ class DigestCache {
     int64_t used_ns = 0;
   };
 
-  DigestCache(DigestCacheOptions options, const Clock& clock);
+  DigestCache(DigestCacheOptions options, const base::Clock& clock);
   std::string PartPathOf(const std::string& digest) const;
   void RemoveStaleParts() const;
   absl::StatusOr<int> LockPart(const std::string& digest, uint64_t bytes,
@@ -140,12 +140,13 @@ class DigestCache {
 
   const DigestCacheOptions options_;
   const std::string folder_;
-  const Clock& clock_;
+  const base::Clock& clock_;
   absl::Mutex mutex_;
   std::map<std::string, uint64_t> reserved_ ABSL_GUARDED_BY(mutex_);
-  std::map<std::string, MonotonicTime> handed_out_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, base::MonotonicTime> handed_out_
+      ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_DIGEST_CACHE_H_

@@ -16,7 +16,7 @@
 #include "common/base/file.h"
 #include "gmock/gmock.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,10 +28,10 @@ std::string DigestOf(const std::string& bytes) {
   return hash.Finish();
 }
 
-class FakeClock final : public Clock {
+class FakeClock final : public base::Clock {
  public:
-  MonotonicTime Now() const override { return now; }
-  MonotonicTime now = {};
+  base::MonotonicTime Now() const override { return now; }
+  base::MonotonicTime now = {};
 };
 
 class DigestCacheTest : public testing::Test {
@@ -110,7 +110,7 @@ TEST_F(DigestCacheTest, WhatWasPutIsFoundUnderItsDigest) {
   const auto path = Find("model");
   ASSERT_TRUE(path.ok()) << path.status();
   EXPECT_EQ(*path, folder_ + "/sha256/" + NameOf("model"));
-  EXPECT_EQ(ReadFile(*path).value(), "model");
+  EXPECT_EQ(base::ReadFile(*path).value(), "model");
   EXPECT_THAT(FileNames(), UnorderedElementsAre(NameOf("model")));
 }
 
@@ -121,7 +121,7 @@ TEST_F(DigestCacheTest, WhatIsNotAsPromisedIsRefusedAndGone) {
     ASSERT_TRUE((*download)->Append(bytes).ok());
     const auto path = (*download)->Commit();
     EXPECT_TRUE(absl::IsDataLoss(path.status())) << bytes;
-    EXPECT_EQ(ErrorInfoOf(path.status()).reason, "MODEL_CORRUPT");
+    EXPECT_EQ(base::ErrorInfoOf(path.status()).reason, "MODEL_CORRUPT");
     download->reset();
     EXPECT_TRUE(FileNames().empty());
   }
@@ -140,7 +140,7 @@ TEST_F(DigestCacheTest, AnAttemptGoesOnWhereTheLastOneEnded) {
   EXPECT_EQ((*second)->size(), 3u);
   ASSERT_TRUE((*second)->Append("el").ok());
   EXPECT_TRUE((*second)->Commit().ok());
-  EXPECT_EQ(ReadFile(Find("model").value()).value(), "model");
+  EXPECT_EQ(base::ReadFile(Find("model").value()).value(), "model");
 }
 
 TEST_F(DigestCacheTest, APartThatIsTooLongIsBegunAnew) {
@@ -159,13 +159,14 @@ TEST_F(DigestCacheTest, AFileOfAnotherSizeIsNotTrusted) {
   ASSERT_EQ(truncate(cache_->PathOf(DigestOf("model")).c_str(), 2), 0);
   EXPECT_TRUE(absl::IsNotFound(Find("model").status()));
   Put("model", 0);
-  EXPECT_EQ(ReadFile(Find("model").value()).value(), "model");
+  EXPECT_EQ(base::ReadFile(Find("model").value()).value(), "model");
 }
 
 TEST_F(DigestCacheTest, ADamagedFileIsFoundOutWhereAsked) {
   Put("model", 0);
   ASSERT_TRUE(
-      WriteFileAtomically(cache_->PathOf(DigestOf("model")), "modem").ok());
+      base::WriteFileAtomically(cache_->PathOf(DigestOf("model")), "modem")
+          .ok());
   EXPECT_TRUE(Find("model").ok());
   options_.verify = true;
   Open();
@@ -198,7 +199,7 @@ TEST_F(DigestCacheTest, WhatIsInUseOrWasJustHandedOutStays) {
   ASSERT_TRUE(Find("bbbbbbbbbb").ok());
   const auto full = Begin("cccccccccc");
   EXPECT_TRUE(absl::IsResourceExhausted(full.status()));
-  EXPECT_EQ(ErrorInfoOf(full.status()).reason, "CACHE_FULL");
+  EXPECT_EQ(base::ErrorInfoOf(full.status()).reason, "CACHE_FULL");
   EXPECT_THAT(FileNames(),
               UnorderedElementsAre(NameOf("aaaaaaaaaa"), NameOf("bbbbbbbbbb")));
   clock_.now += options_.handed_out;
@@ -214,7 +215,7 @@ TEST_F(DigestCacheTest, WhatIsMappedIsInUse) {
   Put("aaaaaaaaaa", 200);
   {
     const auto mapped =
-        MappedFile::Open(cache_->PathOf(DigestOf("aaaaaaaaaa")));
+        base::MappedFile::Open(cache_->PathOf(DigestOf("aaaaaaaaaa")));
     ASSERT_TRUE(mapped.ok()) << mapped.status();
     EXPECT_TRUE(absl::IsResourceExhausted(Begin("bbbbbbbbbb").status()));
   }
@@ -253,21 +254,21 @@ TEST_F(DigestCacheTest, WhoMakesNoProgressIsNotWaitedForForever) {
   auto first = Begin("model");
   ASSERT_TRUE((*first)->Append("m").ok());
   // A clock that goes on by itself.
-  class Ticking final : public Clock {
+  class Ticking final : public base::Clock {
    public:
-    MonotonicTime Now() const override {
+    base::MonotonicTime Now() const override {
       return ticks_ += std::chrono::milliseconds(1);
     }
 
    private:
-    mutable MonotonicTime ticks_ = {};
+    mutable base::MonotonicTime ticks_ = {};
   };
   const Ticking ticking;
   auto other = DigestCache::Open(options_, ticking);
   ASSERT_TRUE(other.ok()) << other.status();
   const auto second = (*other)->Begin(DigestOf("model"), 5, {});
   EXPECT_TRUE(absl::IsUnavailable(second.status()));
-  EXPECT_EQ(ErrorInfoOf(second.status()).reason, "CACHE_BUSY");
+  EXPECT_EQ(base::ErrorInfoOf(second.status()).reason, "CACHE_BUSY");
 }
 
 TEST_F(DigestCacheTest, WaitingForAnotherEndsWithAStop) {
@@ -294,20 +295,20 @@ TEST_F(DigestCacheTest, AFullDiskLeavesNothingHalfWritten) {
   setrlimit(RLIMIT_FSIZE, &limit);
   std::signal(SIGXFSZ, SIG_DFL);
   EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
-  EXPECT_EQ(ErrorInfoOf(status).reason, "CACHE_FULL");
+  EXPECT_EQ(base::ErrorInfoOf(status).reason, "CACHE_FULL");
   download->reset();
   EXPECT_THAT(FileNames(), UnorderedElementsAre(NameOf("small")));
   EXPECT_TRUE(Find("small").ok());
 }
 
 TEST_F(DigestCacheTest, AFolderThatCannotBeMadeIsNamed) {
-  ASSERT_TRUE(WriteFileAtomically(folder_ + "/file", "x").ok());
+  ASSERT_TRUE(base::WriteFileAtomically(folder_ + "/file", "x").ok());
   options_.folder = folder_ + "/file/cache";
   const auto cache = DigestCache::Open(options_, clock_);
-  EXPECT_EQ(ErrorInfoOf(cache.status()).reason, "CACHE_FAILED");
+  EXPECT_EQ(base::ErrorInfoOf(cache.status()).reason, "CACHE_FAILED");
   EXPECT_THAT(std::string(cache.status().message()),
               testing::HasSubstr(options_.folder));
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -14,7 +14,7 @@
 #include "server/repository/names.h"
 #include "server/repository/scene_metadata.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 namespace fs = std::filesystem;
@@ -66,7 +66,7 @@ ModelRef RefOf(const std::string& scene, const std::string& version,
 void AddMetadata(const fs::path& folder, const std::string& scene,
                  SourceListing& listing) {
   const std::string path = (folder / kMetadataFileName).string();
-  absl::StatusOr<std::string> text = ReadFile(path, kMaxSceneJsonBytes);
+  absl::StatusOr<std::string> text = base::ReadFile(path, kMaxSceneJsonBytes);
   if (text.ok()) {
     listing.scene_json[scene] = *std::move(text);
   } else if (!absl::IsNotFound(text.status())) {
@@ -113,4 +113,4 @@ absl::StatusOr<std::string> FolderSource::LocalPath(const ModelRef& model) {
   return path;
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

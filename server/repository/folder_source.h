@@ -8,7 +8,7 @@
 #include "absl/status/statusor.h"
 #include "server/repository/model_source.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 // ROOT/<scene>/<version>/model.treeline and ROOT/<scene>/scene.json. Entries
 // whose names are not valid (see names.h), such as ".2.tmp", and folders
@@ -30,6 +30,6 @@ class FolderSource final : public ModelSource {
   const std::string root_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_FOLDER_SOURCE_H_

@@ -10,7 +10,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 namespace fs = std::filesystem;
@@ -166,4 +166,4 @@ TEST_F(FolderSourceTest, FetchGivesThePathOrSaysThatItHasGone) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -16,7 +16,7 @@
 #include "common/base/version.h"
 #include "server/repository/web_url.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 constexpr double kLeastBytesPerMs = 1.024;
@@ -34,7 +34,7 @@ struct ListDeleter {
 };
 
 absl::Status Unreachable(const std::string& url, absl::string_view why) {
-  return WithReason(
+  return base::WithReason(
       absl::UnavailableError(absl::StrCat(PublicUrl(url), ": ", why)),
       "SOURCE_UNREACHABLE");
 }
@@ -54,7 +54,7 @@ std::optional<uint64_t> FirstByteOf(absl::string_view content_range) {
 class Transfer {
  public:
   Transfer(const HttpRequest& request, const HttpOptions& options,
-           const Clock& clock, HttpSink& sink)
+           const base::Clock& clock, HttpSink& sink)
       : request_(request), options_(options), clock_(clock), sink_(sink) {}
 
   absl::StatusOr<HttpResponse> Run(const std::stop_token& stop);
@@ -78,7 +78,7 @@ class Transfer {
 
   const HttpRequest& request_;
   const HttpOptions& options_;
-  const Clock& clock_;
+  const base::Clock& clock_;
   HttpSink& sink_;
   std::array<char, CURL_ERROR_SIZE> error_{};
   std::unique_ptr<curl_slist, ListDeleter> headers_;
@@ -86,7 +86,7 @@ class Transfer {
   std::unique_ptr<CURLM, MultiDeleter> multi_{curl_multi_init()};
   bool begun_ = false;
   absl::Status sink_status_;
-  MonotonicTime window_start_ = {};
+  base::MonotonicTime window_start_ = {};
   uint64_t window_bytes_ = 0;
 };
 
@@ -100,7 +100,7 @@ void Transfer::SetUp() {
   curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT_MS,
                    static_cast<long>(options_.connect_timeout.count()));
   curl_easy_setopt(easy, CURLOPT_USERAGENT,
-                   absl::StrCat("treeline/", Version()).c_str());
+                   absl::StrCat("treeline/", base::Version()).c_str());
   curl_easy_setopt(easy, CURLOPT_SSL_VERIFYPEER, 1L);
   curl_easy_setopt(easy, CURLOPT_SSL_VERIFYHOST, 2L);
   curl_easy_setopt(easy, CURLOPT_SSLVERSION, CURL_SSLVERSION_TLSv1_2);
@@ -159,8 +159,8 @@ absl::Status Transfer::Perform(const std::stop_token& stop) {
 }
 
 bool Transfer::Stalled() {
-  const MonotonicTime now = clock_.Now();
-  const double window_ms = MillisecondsBetween(window_start_, now);
+  const base::MonotonicTime now = clock_.Now();
+  const double window_ms = base::MillisecondsBetween(window_start_, now);
   if (window_ms < static_cast<double>(options_.stall_timeout.count())) {
     return false;
   }
@@ -180,9 +180,10 @@ absl::Status Transfer::ErrorOf(CURLcode code) const {
     case CURLE_SSL_CACERT_BADFILE:
     case CURLE_SSL_ISSUER_ERROR:
     case CURLE_SSL_CRL_BADFILE:
-      return WithReason(absl::FailedPreconditionError(absl::StrCat(
-                            PublicUrl(request_.url), ": ", error_.data())),
-                        "SOURCE_UNTRUSTED");
+      return base::WithReason(
+          absl::FailedPreconditionError(
+              absl::StrCat(PublicUrl(request_.url), ": ", error_.data())),
+          "SOURCE_UNTRUSTED");
     default:
       return Unreachable(request_.url, error_[0] != '\0'
                                            ? error_.data()
@@ -237,7 +238,7 @@ absl::Status Transfer::Begin(int status) {
   if (status == 200) return sink_.Begin(0);
   const std::optional<uint64_t> first = FirstByteOf(Header("content-range"));
   if (request_.offset == 0 || first != request_.offset) {
-    return WithReason(
+    return base::WithReason(
         absl::OutOfRangeError(absl::StrCat(PublicUrl(request_.url),
                                            ": answered with another range")),
         "RANGE_REFUSED");
@@ -249,16 +250,19 @@ absl::Status Transfer::StatusError(int status) const {
   const std::string message =
       absl::StrCat(PublicUrl(request_.url), ": HTTP status ", status);
   if (status == 416) {
-    return WithReason(absl::OutOfRangeError(message), "RANGE_REFUSED");
+    return base::WithReason(absl::OutOfRangeError(message), "RANGE_REFUSED");
   }
   if (status == 404 || status == 410) {
-    return WithReason(absl::NotFoundError(message), "SOURCE_FILE_MISSING");
+    return base::WithReason(absl::NotFoundError(message),
+                            "SOURCE_FILE_MISSING");
   }
   if (status == 401 || status == 403) {
-    return WithReason(absl::PermissionDeniedError(message), "SOURCE_REFUSED");
+    return base::WithReason(absl::PermissionDeniedError(message),
+                            "SOURCE_REFUSED");
   }
   if (status != 408 && status != 429 && status < 500) {
-    return WithReason(absl::FailedPreconditionError(message), "SOURCE_REFUSED");
+    return base::WithReason(absl::FailedPreconditionError(message),
+                            "SOURCE_REFUSED");
   }
   absl::Status error =
       Unreachable(request_.url, absl::StrCat("HTTP status ", status));
@@ -266,8 +270,8 @@ absl::Status Transfer::StatusError(int status) const {
   curl_easy_getinfo(easy_.get(), CURLINFO_RETRY_AFTER, &retry_after_s);
   if (retry_after_s <= 0) return error;
   constexpr curl_off_t kDay_s = 86400;
-  return WithRetryAfter(std::move(error),
-                        std::chrono::seconds(std::min(retry_after_s, kDay_s)));
+  return base::WithRetryAfter(
+      std::move(error), std::chrono::seconds(std::min(retry_after_s, kDay_s)));
 }
 
 absl::StatusOr<HttpResponse> Transfer::Finish() {
@@ -296,7 +300,7 @@ absl::Status HttpOptions::Validate() const {
 
 absl::StatusOr<HttpResponse> HttpGet(const HttpRequest& request,
                                      const HttpOptions& options,
-                                     const Clock& clock, HttpSink& sink,
+                                     const base::Clock& clock, HttpSink& sink,
                                      const std::stop_token& stop) {
   HttpRequest next = request;
   for (int redirects = 0; redirects <= options.max_redirects; ++redirects) {
@@ -306,17 +310,17 @@ absl::StatusOr<HttpResponse> HttpGet(const HttpRequest& request,
     const std::string location = transfer.Redirect();
     if (location.empty()) return response;
     if (IsHttps(next.url) && !IsHttps(location)) {
-      return WithReason(
+      return base::WithReason(
           absl::FailedPreconditionError(absl::StrCat(
               PublicUrl(next.url), ": redirects to what is not encrypted")),
           "SOURCE_UNTRUSTED");
     }
     next.url = location;
   }
-  return WithReason(absl::FailedPreconditionError(
-                        absl::StrCat(PublicUrl(request.url), ": more than ",
-                                     options.max_redirects, " redirects")),
-                    "SOURCE_REFUSED");
+  return base::WithReason(absl::FailedPreconditionError(absl::StrCat(
+                              PublicUrl(request.url), ": more than ",
+                              options.max_redirects, " redirects")),
+                          "SOURCE_REFUSED");
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -13,7 +13,7 @@
 #include "absl/strings/string_view.h"
 #include "common/base/clock.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 struct HttpOptions {
   // To reach the server and agree on keys.
@@ -70,9 +70,9 @@ class HttpSink {
 //   CANCELLED, and whatever the sink returns.
 absl::StatusOr<HttpResponse> HttpGet(const HttpRequest& request,
                                      const HttpOptions& options,
-                                     const Clock& clock, HttpSink& sink,
+                                     const base::Clock& clock, HttpSink& sink,
                                      const std::stop_token& stop);
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_HTTP_GET_H_

@@ -10,7 +10,7 @@
 #include "server/repository/sha256.h"
 #include "server/repository/web_url.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 // A body that ended well before what the index promises.
@@ -42,9 +42,10 @@ class TextSink final : public HttpSink {
   }
   absl::Status Write(absl::string_view bytes) override {
     if (text_.size() + bytes.size() > kMaxIndexBytes) {
-      return WithReason(absl::InvalidArgumentError(absl::StrCat(
-                            "index: more than ", kMaxIndexBytes, " bytes")),
-                        "INDEX_INVALID");
+      return base::WithReason(
+          absl::InvalidArgumentError(
+              absl::StrCat("index: more than ", kMaxIndexBytes, " bytes")),
+          "INDEX_INVALID");
     }
     text_.append(bytes.data(), bytes.size());
     return absl::OkStatus();
@@ -72,7 +73,7 @@ class DownloadSink final : public HttpSink {
 
 // `status` with `prefix` in front of its message, and its details.
 absl::Status Prefixed(absl::string_view prefix, const absl::Status& status) {
-  absl::Status prefixed = Annotate(status, prefix);
+  absl::Status prefixed = base::Annotate(status, prefix);
   status.ForEachPayload([&](absl::string_view type, const absl::Cord& payload) {
     prefixed.SetPayload(type, payload);
   });
@@ -99,7 +100,7 @@ absl::Status HttpModelSourceOptions::Validate() const {
 }
 
 absl::StatusOr<std::unique_ptr<HttpModelSource>> HttpModelSource::Open(
-    HttpModelSourceOptions options, const Clock& clock, Sleeper sleep) {
+    HttpModelSourceOptions options, const base::Clock& clock, Sleeper sleep) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_ASSIGN_OR_RETURN(std::string url, ResolveUrl("", options.url));
   if (absl::EndsWith(PublicUrl(url), "/")) {
@@ -112,14 +113,14 @@ absl::StatusOr<std::unique_ptr<HttpModelSource>> HttpModelSource::Open(
   std::unique_ptr<HttpModelSource> source(
       new HttpModelSource(std::move(options), std::move(url), std::move(cache),
                           clock, std::move(sleep)));
-  TL_RETURN_IF_ERROR(MakeParentFolder(source->IndexPath()));
+  TL_RETURN_IF_ERROR(base::MakeParentFolder(source->IndexPath()));
   return source;
 }
 
 HttpModelSource::HttpModelSource(HttpModelSourceOptions options,
                                  std::string index_url,
                                  std::unique_ptr<DigestCache> cache,
-                                 const Clock& clock, Sleeper sleep)
+                                 const base::Clock& clock, Sleeper sleep)
     : options_(std::move(options)),
       index_url_(std::move(index_url)),
       cache_(std::move(cache)),
@@ -139,14 +140,14 @@ std::string HttpModelSource::IndexPath() const {
 
 // A line with the ETag, and the index.
 HttpModelSource::KeptIndex HttpModelSource::ReadKeptIndex() const {
-  const auto file = ReadFile(IndexPath(), 2 * kMaxIndexBytes);
+  const auto file = base::ReadFile(IndexPath(), 2 * kMaxIndexBytes);
   const size_t line = file.ok() ? file->find('\n') : std::string::npos;
   if (line == std::string::npos) return {};
   return {.etag = file->substr(0, line), .text = file->substr(line + 1)};
 }
 
 void HttpModelSource::KeepIndex(const KeptIndex& kept) const {
-  const absl::Status status = WriteFileAtomically(
+  const absl::Status status = base::WriteFileAtomically(
       IndexPath(), absl::StrCat(kept.etag, "\n", kept.text));
   if (!status.ok()) {
     Warn(absl::StrCat("the index could not be kept: ", status.message()));
@@ -176,7 +177,7 @@ absl::StatusOr<SourceListing> HttpModelSource::List() {
   absl::StatusOr<KeptIndex> now = GetIndex(kept);
   const bool unreachable =
       absl::IsUnavailable(now.status()) ||
-      ErrorInfoOf(now.status()).reason == "SOURCE_UNTRUSTED";
+      base::ErrorInfoOf(now.status()).reason == "SOURCE_UNTRUSTED";
   if (unreachable && !kept.empty()) {
     Warn(
         absl::StrCat("going on with the last index: ", now.status().message()));
@@ -185,15 +186,15 @@ absl::StatusOr<SourceListing> HttpModelSource::List() {
   TL_RETURN_IF_ERROR(now.status());
   const auto index = ParseModelIndex(now->text);
   if (!index.ok()) {
-    return WithReason(Prefixed(PublicUrl(index_url_), index.status()),
-                      "INDEX_INVALID");
+    return base::WithReason(Prefixed(PublicUrl(index_url_), index.status()),
+                            "INDEX_INVALID");
   }
   SourceListing listing{.models = {}, .scene_json = index->scene_json};
   std::map<std::string, std::string> urls;
   for (const IndexedModel& model : index->models) {
     const auto url = ResolveUrl(index_url_, model.url);
     if (!url.ok()) {
-      return WithReason(
+      return base::WithReason(
           Prefixed(absl::StrCat(PublicUrl(index_url_), ": scene ", model.scene,
                                 ", version ", model.version),
                    url.status()),
@@ -251,8 +252,8 @@ absl::StatusOr<std::string> HttpModelSource::FetchOnce(
     auto cached = cache_->Find(model.fingerprint, model.bytes, stop);
     if (!absl::IsNotFound(cached.status())) return cached;
     if (url.empty()) {
-      return WithReason(absl::NotFoundError("no longer in the index"),
-                        "NOT_IN_INDEX");
+      return base::WithReason(absl::NotFoundError("no longer in the index"),
+                              "NOT_IN_INDEX");
     }
     TL_ASSIGN_OR_RETURN(const std::unique_ptr<CacheDownload> download,
                         cache_->Begin(model.fingerprint, model.bytes, stop));
@@ -272,7 +273,8 @@ absl::Status HttpModelSource::Download(const std::string& url,
     absl::Status got = HttpGet({.url = url, .offset = download.size()},
                                options_.http, clock_, sink, stop)
                            .status();
-    if (ErrorInfoOf(got).reason == "RANGE_REFUSED" && download.size() > 0) {
+    if (base::ErrorInfoOf(got).reason == "RANGE_REFUSED" &&
+        download.size() > 0) {
       TL_RETURN_IF_ERROR(download.Restart());
       got = HttpGet({.url = url}, options_.http, clock_, sink, stop).status();
     }
@@ -289,4 +291,4 @@ absl::Status HttpModelSource::Download(const std::string& url,
   return status;
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

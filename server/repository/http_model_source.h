@@ -20,7 +20,7 @@
 #include "server/repository/model_source.h"
 #include "server/repository/retry.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 struct HttpModelSourceOptions {
   // http or https. One that ends with / is a folder that holds index.json;
@@ -57,7 +57,7 @@ class HttpModelSource final : public ModelSource {
  public:
   // Needs no network. `clock` and `sleep` outlive it.
   static absl::StatusOr<std::unique_ptr<HttpModelSource>> Open(
-      HttpModelSourceOptions options, const Clock& clock,
+      HttpModelSourceOptions options, const base::Clock& clock,
       Sleeper sleep = &SleepUnlessStopped);
 
   absl::StatusOr<SourceListing> List() override;
@@ -74,7 +74,7 @@ class HttpModelSource final : public ModelSource {
   };
 
   HttpModelSource(HttpModelSourceOptions options, std::string index_url,
-                  std::unique_ptr<DigestCache> cache, const Clock& clock,
+                  std::unique_ptr<DigestCache> cache, const base::Clock& clock,
                   Sleeper sleep);
   std::string IndexPath() const;
   KeptIndex ReadKeptIndex() const;
@@ -92,13 +92,13 @@ class HttpModelSource final : public ModelSource {
   const HttpModelSourceOptions options_;
   const std::string index_url_;
   const std::unique_ptr<DigestCache> cache_;
-  const Clock& clock_;
+  const base::Clock& clock_;
   const Sleeper sleep_;
   absl::Mutex mutex_;
   // Of the last listing: absolute, by digest.
   std::map<std::string, std::string> urls_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_HTTP_MODEL_SOURCE_H_

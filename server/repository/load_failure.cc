@@ -7,7 +7,7 @@
 #include "common/base/status_macros.h"
 #include "server/repository/names.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 // The code and the reason of a query that failed for `failure`.
@@ -17,7 +17,7 @@ struct Verdict {
 };
 
 Verdict Judge(const absl::Status& failure) {
-  if (ErrorInfoOf(failure).reason == kMemoryBudget) {
+  if (base::ErrorInfoOf(failure).reason == kMemoryBudget) {
     return {absl::StatusCode::kResourceExhausted, kMemoryBudget};
   }
   if (absl::IsDataLoss(failure)) {
@@ -41,32 +41,34 @@ absl::Status CheckSceneAndVersion(const std::string& scene,
   if (status.ok() && !version.empty()) {
     status = CheckName("model_version", version);
   }
-  return WithReason(status, kSceneNameInvalid);
+  return base::WithReason(status, kSceneNameInvalid);
 }
 
 absl::Status NoScene(const std::string& scene) {
-  return WithReason(absl::NotFoundError(absl::StrCat("no scene '", scene, "'")),
-                    kSceneNotFound, {{"scene", scene}});
+  return base::WithReason(
+      absl::NotFoundError(absl::StrCat("no scene '", scene, "'")),
+      kSceneNotFound, {{"scene", scene}});
 }
 
 absl::Status NoVersion(const std::string& scene, const std::string& version) {
-  return WithReason(absl::NotFoundError(absl::StrCat(
-                        "scene '", scene, "' has no version '", version, "'")),
-                    kVersionNotFound, {{"scene", scene}, {"version", version}});
+  return base::WithReason(
+      absl::NotFoundError(
+          absl::StrCat("scene '", scene, "' has no version '", version, "'")),
+      kVersionNotFound, {{"scene", scene}, {"version", version}});
 }
 
 absl::Status Stopping(const std::string& scene) {
-  return WithReason(
+  return base::WithReason(
       absl::UnavailableError(absl::StrCat(
           "scene '", scene, "' is not loaded, and the server is stopping")),
       kSceneNotLoaded, {{"scene", scene}});
 }
 
 absl::Status LargerThanBudget(uint64_t bytes, uint64_t budget_bytes) {
-  return WithReason(absl::ResourceExhaustedError(absl::StrCat(
-                        "the model has ", bytes,
-                        " bytes; the memory budget is ", budget_bytes)),
-                    kMemoryBudget);
+  return base::WithReason(absl::ResourceExhaustedError(absl::StrCat(
+                              "the model has ", bytes,
+                              " bytes; the memory budget is ", budget_bytes)),
+                          kMemoryBudget);
 }
 
 bool IsTransient(const absl::Status& failure) {
@@ -78,7 +80,7 @@ bool IsTransient(const absl::Status& failure) {
     case absl::StatusCode::kNotFound:
       return true;
     case absl::StatusCode::kResourceExhausted:
-      return ErrorInfoOf(failure).reason != kMemoryBudget;
+      return base::ErrorInfoOf(failure).reason != kMemoryBudget;
     default:
       return false;
   }
@@ -88,14 +90,15 @@ absl::Status LoadError(const std::string& scene, const std::string& version,
                        const absl::Status& failure,
                        std::chrono::milliseconds retry_after) {
   const Verdict verdict = Judge(failure);
-  const std::string reason = ErrorInfoOf(failure).reason;
-  const absl::Status status = WithReason(
+  const std::string reason = base::ErrorInfoOf(failure).reason;
+  const absl::Status status = base::WithReason(
       absl::Status(verdict.code,
                    absl::StrCat("scene '", scene, "' version '", version,
                                 "' could not be loaded: ", failure.message())),
       reason.empty() ? verdict.reason : reason,
       {{"scene", scene}, {"version", version}});
-  return IsTransient(failure) ? WithRetryAfter(status, retry_after) : status;
+  return IsTransient(failure) ? base::WithRetryAfter(status, retry_after)
+                              : status;
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

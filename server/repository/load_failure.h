@@ -7,7 +7,7 @@
 
 #include "absl/status/status.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 // Reasons of the repository's errors; stable (docs/scene-repository.md).
 inline constexpr char kSceneNameInvalid[] = "SCENE_NAME_INVALID";
@@ -45,6 +45,6 @@ absl::Status LoadError(const std::string& scene, const std::string& version,
                        const absl::Status& failure,
                        std::chrono::milliseconds retry_after);
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_LOAD_FAILURE_H_

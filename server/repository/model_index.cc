@@ -12,7 +12,7 @@
 #include "server/repository/scene_metadata.h"
 #include "server/repository/sha256.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -211,4 +211,4 @@ absl::StatusOr<std::string> ModelIndexJson(const ModelIndex& index) {
   return json.dump(1) + "\n";
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

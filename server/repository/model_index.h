@@ -17,7 +17,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 inline constexpr uint64_t kMaxIndexBytes = 16u << 20;
 inline constexpr uint64_t kMaxModelBytes = uint64_t{64} << 30;
@@ -49,6 +49,6 @@ absl::StatusOr<ModelIndex> ParseModelIndex(absl::string_view text);
 // object.
 absl::StatusOr<std::string> ModelIndexJson(const ModelIndex& index);
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_MODEL_INDEX_H_

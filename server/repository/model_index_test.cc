@@ -6,7 +6,7 @@
 #include "absl/strings/str_replace.h"
 #include "gmock/gmock.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 using ::testing::HasSubstr;
@@ -122,4 +122,4 @@ TEST(ModelIndex, TooManyBytesAreRefusedUnread) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::repository

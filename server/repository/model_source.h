@@ -11,7 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 // One version of one scene's model, not read yet.
 struct ModelRef {
@@ -55,6 +55,6 @@ class ModelSource {
                                             const std::stop_token& stop) = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_MODEL_SOURCE_H_

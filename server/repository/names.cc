@@ -6,7 +6,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 // Longer names are not repeated in messages.
@@ -60,4 +60,4 @@ bool VersionIsOlder(absl::string_view a, absl::string_view b) {
   return a < b;
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

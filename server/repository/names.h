@@ -5,7 +5,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 inline constexpr size_t kLongestName = 128;
 
@@ -22,6 +22,6 @@ absl::Status CheckName(absl::string_view field, absl::string_view name);
 // ("7" and "07") compare byte by byte too, so that the order is total.
 bool VersionIsOlder(absl::string_view a, absl::string_view b);
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_NAMES_H_

@@ -7,7 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 using ::testing::ElementsAre;
@@ -73,4 +73,4 @@ TEST(Versions, OthersCompareByBytesAndAreNewerThanNumbers) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -1,6 +1,6 @@
 #include "server/repository/repository_event.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 absl::string_view EventName(RepositoryEvent::Kind kind) {
   switch (kind) {
@@ -22,4 +22,4 @@ absl::string_view EventName(RepositoryEvent::Kind kind) {
   return "UNKNOWN";
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 struct RepositoryEvent {
   enum class Kind {
@@ -36,6 +36,6 @@ absl::string_view EventName(RepositoryEvent::Kind kind);
 
 using RepositoryEventHandler = std::function<void(const RepositoryEvent&)>;
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_REPOSITORY_EVENT_H_

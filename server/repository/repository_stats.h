@@ -12,7 +12,7 @@
 #include "absl/status/status.h"
 #include "server/repository/scene.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 // How long loads took, those that failed included; s.
 struct LoadTimes {
@@ -73,6 +73,6 @@ struct RepositoryStats {
   std::vector<SceneStats> scenes;
 };
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_REPOSITORY_STATS_H_

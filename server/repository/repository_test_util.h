@@ -17,27 +17,27 @@
 #include "server/core/localizer/localizer.h"
 #include "server/repository/model_source.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 // A localizer that knows where it came from.
-class FakeLocalizer final : public Localizer {
+class FakeLocalizer final : public localizer::Localizer {
  public:
   explicit FakeLocalizer(std::string content) {
     info_.dataset = std::move(content);
   }
-  absl::StatusOr<PoseEstimate> Localize(const Frame&,
-                                        const LocalizeOptions&) const override {
-    return PoseEstimate{};
+  absl::StatusOr<localizer::PoseEstimate> Localize(
+      const image::Frame&, const localizer::LocalizeOptions&) const override {
+    return localizer::PoseEstimate{};
   }
-  const ModelInfo& info() const override { return info_; }
+  const forest::ModelInfo& info() const override { return info_; }
 
  private:
-  ModelInfo info_;
+  forest::ModelInfo info_;
 };
 
 // Opens what begins with "good"; everything else is corrupt, but for what was
 // written by a newer version, and what cannot be had now.
-inline absl::StatusOr<std::unique_ptr<Localizer>> OpenContent(
+inline absl::StatusOr<std::unique_ptr<localizer::Localizer>> OpenContent(
     const std::string& content) {
   if (content == "newer") return absl::UnimplementedError("format 99");
   if (content == "away") return absl::UnavailableError("try later");
@@ -49,9 +49,9 @@ inline absl::StatusOr<std::unique_ptr<Localizer>> OpenContent(
 }
 
 // A clock that stands still until it is set forward.
-class ManualClock final : public Clock {
+class ManualClock final : public base::Clock {
  public:
-  MonotonicTime Now() const override {
+  base::MonotonicTime Now() const override {
     absl::MutexLock lock(&mutex_);
     return now_;
   }
@@ -62,7 +62,7 @@ class ManualClock final : public Clock {
 
  private:
   mutable absl::Mutex mutex_;
-  MonotonicTime now_ ABSL_GUARDED_BY(mutex_);
+  base::MonotonicTime now_ ABSL_GUARDED_BY(mutex_);
 };
 
 // Models in memory. What Fetch returns as a path is the model's content.
@@ -136,6 +136,6 @@ class FakeSource final : public ModelSource {
   int lists_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_REPOSITORY_TEST_UTIL_H_

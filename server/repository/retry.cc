@@ -8,7 +8,7 @@
 #include "common/base/error_info.h"
 #include "common/base/random.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 constexpr uint64_t kProgressBytes = 1u << 20;
@@ -27,7 +27,7 @@ absl::Status Retry(const RetryOptions& options, uint64_t seed,
                    const Sleeper& sleep, const std::stop_token& stop,
                    const std::function<absl::Status()>& attempt,
                    const std::function<uint64_t()>& progress) {
-  Random random(seed, 0);
+  base::Random random(seed, 0);
   std::chrono::milliseconds pause = options.first_pause;
   uint64_t best = progress();
   int attempts = 0;
@@ -41,7 +41,8 @@ absl::Status Retry(const RetryOptions& options, uint64_t seed,
       pause = options.first_pause;
     }
     ++attempts;
-    const std::optional<std::chrono::milliseconds> asked = RetryAfterOf(status);
+    const std::optional<std::chrono::milliseconds> asked =
+        base::RetryAfterOf(status);
     if (attempts >= options.max_attempts ||
         (asked && *asked > options.longest_asked_pause)) {
       return status;
@@ -53,4 +54,4 @@ absl::Status Retry(const RetryOptions& options, uint64_t seed,
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 struct RetryOptions {
   // In a row without progress, the first one included; at least 1.
@@ -37,6 +37,6 @@ absl::Status Retry(const RetryOptions& options, uint64_t seed,
                    const std::function<absl::Status()>& attempt,
                    const std::function<uint64_t()>& progress);
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_RETRY_H_

@@ -5,7 +5,7 @@
 #include "common/base/error_info.h"
 #include "gmock/gmock.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 using std::chrono::milliseconds;
@@ -60,14 +60,14 @@ TEST_F(RetryTest, PausesGrowUpToTheLongestAndAreSpread) {
 TEST_F(RetryTest, TheServersWishIsHonouredUnlessItIsTooMuch) {
   EXPECT_TRUE(Run([&] {
                 return attempts_ < 2
-                           ? WithRetryAfter(absl::UnavailableError("x"),
-                                            milliseconds(5000))
+                           ? base::WithRetryAfter(absl::UnavailableError("x"),
+                                                  milliseconds(5000))
                            : absl::OkStatus();
               }).ok());
   EXPECT_THAT(pauses_, ElementsAre(milliseconds(5000)));
   EXPECT_FALSE(Run([&] {
-                 return WithRetryAfter(absl::UnavailableError("x"),
-                                       milliseconds(5001));
+                 return base::WithRetryAfter(absl::UnavailableError("x"),
+                                             milliseconds(5001));
                }).ok());
   EXPECT_EQ(pauses_.size(), 1u);
 }
@@ -89,4 +89,4 @@ TEST_F(RetryTest, AStopEndsIt) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -1,17 +1,17 @@
 #include "server/repository/scene.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 bool HasOwnCamera(const Scene& scene) {
   return scene.metadata != nullptr && scene.metadata->camera.has_value();
 }
 
-RgbdCalibration QueryCalibration(const Scene& scene) {
-  RgbdCalibration calibration = scene.localizer->info().calibration;
+camera::RgbdCalibration QueryCalibration(const Scene& scene) {
+  camera::RgbdCalibration calibration = scene.localizer->info().calibration;
   if (HasOwnCamera(scene)) {
     calibration.color = *scene.metadata->camera;
   }
   return calibration;
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -12,7 +12,7 @@
 #include "server/core/localizer/localizer.h"
 #include "server/repository/scene_metadata.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 // One loaded version of one scene. Whoever holds it can go on using it when
 // the repository has moved on to another version; its memory counts against
@@ -20,14 +20,14 @@ namespace treeline {
 struct Scene {
   std::string name;
   std::string version;
-  std::shared_ptr<const Localizer> localizer;
+  std::shared_ptr<const localizer::Localizer> localizer;
   // Of its scene.json; null if there is none, or it is not valid.
   std::shared_ptr<const SceneMetadata> metadata = {};
 };
 
 // What a query without its own calibration is taken with: the model's, with the
 // colour camera of scene.json if that gives one.
-RgbdCalibration QueryCalibration(const Scene& scene);
+camera::RgbdCalibration QueryCalibration(const Scene& scene);
 
 // Whether that is not the model's.
 bool HasOwnCamera(const Scene& scene);
@@ -67,6 +67,6 @@ struct SceneStatus {
   uint64_t resident_bytes = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_SCENE_H_

@@ -15,7 +15,7 @@
 #include "common/base/status_macros.h"
 #include "nlohmann/json.hpp"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 using Json = nlohmann::json;
@@ -84,16 +84,17 @@ absl::StatusOr<int> Size_px(const Json& object, absl::string_view parent,
   return static_cast<int>(value);
 }
 
-absl::StatusOr<Rotation3> QuaternionFromJson(const Json& json,
-                                             absl::string_view name) {
+absl::StatusOr<geometry::Rotation3> QuaternionFromJson(const Json& json,
+                                                       absl::string_view name) {
   TL_RETURN_IF_ERROR(CheckKeys(json, name, {"w", "x", "y", "z"}));
   TL_ASSIGN_OR_RETURN(const double w, Number(json, name, "w"));
   TL_ASSIGN_OR_RETURN(const double x, Number(json, name, "x"));
   TL_ASSIGN_OR_RETURN(const double y, Number(json, name, "y"));
   TL_ASSIGN_OR_RETURN(const double z, Number(json, name, "z"));
-  const absl::StatusOr<Rigid3> rotation = RigidFromQuaternion(w, x, y, z, {});
+  const absl::StatusOr<geometry::Rigid3> rotation =
+      geometry::RigidFromQuaternion(w, x, y, z, {});
   if (!rotation.ok()) return KeyError(name, rotation.status().message());
-  return Normalized(rotation->rotation);
+  return geometry::Normalized(rotation->rotation);
 }
 
 absl::StatusOr<GeoAnchor> GeoAnchorFromJson(const Json& json) {
@@ -124,7 +125,7 @@ absl::StatusOr<GeoAnchor> GeoAnchorFromJson(const Json& json) {
   return anchor;
 }
 
-absl::StatusOr<Camera> CameraFromJson(const Json& json) {
+absl::StatusOr<camera::Camera> CameraFromJson(const Json& json) {
   constexpr absl::string_view kName = "camera";
   TL_RETURN_IF_ERROR(
       CheckKeys(json, kName, {"model", "width_px", "height_px", "parameters"}));
@@ -132,7 +133,7 @@ absl::StatusOr<Camera> CameraFromJson(const Json& json) {
   if (model_name == json.end() || !model_name->is_string()) {
     return KeyError("camera.model", "must be a string, for instance PINHOLE");
   }
-  const auto model = ParseCameraModel(model_name->get<std::string>());
+  const auto model = camera::ParseCameraModel(model_name->get<std::string>());
   if (!model.ok()) {
     return KeyError(
         "camera.model",
@@ -142,17 +143,17 @@ absl::StatusOr<Camera> CameraFromJson(const Json& json) {
   TL_ASSIGN_OR_RETURN(const int height, Size_px(json, kName, "height_px"));
   const auto list = json.find("parameters");
   if (list == json.end() || !list->is_array() ||
-      list->size() > Camera::kMaxParameters ||
+      list->size() > camera::Camera::kMaxParameters ||
       !std::all_of(list->begin(), list->end(),
                    [](const Json& value) { return value.is_number(); })) {
     return KeyError("camera.parameters",
                     absl::StrCat("must be a list of at most ",
-                                 Camera::kMaxParameters, " numbers"));
+                                 camera::Camera::kMaxParameters, " numbers"));
   }
   const auto parameters = list->get<std::vector<double>>();
-  absl::StatusOr<Camera> camera =
-      Camera::Create(*model, width, height, parameters.data(),
-                     static_cast<int>(parameters.size()));
+  absl::StatusOr<camera::Camera> camera =
+      camera::Camera::Create(*model, width, height, parameters.data(),
+                             static_cast<int>(parameters.size()));
   if (!camera.ok()) return KeyError(kName, camera.status().message());
   return camera;
 }
@@ -198,9 +199,9 @@ absl::StatusOr<Json> ParseWithoutRepetition(absl::string_view text) {
 
 }  // namespace
 
-Rotation3 EnuFromWorldOfHeading(double heading_deg) {
-  return Normalized(
-      Rotation3::FromAxisAngle({0, 0, -heading_deg * std::numbers::pi / 180}));
+geometry::Rotation3 EnuFromWorldOfHeading(double heading_deg) {
+  return geometry::Normalized(geometry::Rotation3::FromAxisAngle(
+      {0, 0, -heading_deg * std::numbers::pi / 180}));
 }
 
 absl::StatusOr<SceneMetadata> ParseSceneMetadata(absl::string_view text) {
@@ -226,4 +227,4 @@ absl::StatusOr<SceneMetadata> ParseSceneMetadata(absl::string_view text) {
   return metadata;
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -11,7 +11,7 @@
 #include "common/camera/camera.h"
 #include "common/geometry/rigid3.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 inline constexpr size_t kMaxSceneJsonBytes = 64 << 10;
 inline constexpr size_t kMaxDisplayNameBytes = 256;
@@ -26,7 +26,7 @@ struct GeoAnchor {
   double longitude_deg = 0;
   // Above the WGS84 ellipsoid: -12000..100000.
   double height_m = 0;
-  Rotation3 enu_from_world;
+  geometry::Rotation3 enu_from_world;
 
   bool operator==(const GeoAnchor&) const = default;
 };
@@ -37,7 +37,7 @@ struct SceneMetadata {
   std::string display_name = {};
   std::optional<GeoAnchor> geo_anchor = {};
   // The colour camera of queries that bring none.
-  std::optional<Camera> camera = {};
+  std::optional<camera::Camera> camera = {};
 
   bool operator==(const SceneMetadata&) const = default;
 };
@@ -46,7 +46,7 @@ struct SceneMetadata {
 // `heading_deg` clockwise from North, seen from above (0 North, 90 East): a
 // rotation about z by -heading. With heading h,
 //   x_world = (cos h, -sin h, 0)   y_world = (sin h, cos h, 0)   in enu.
-Rotation3 EnuFromWorldOfHeading(double heading_deg);
+geometry::Rotation3 EnuFromWorldOfHeading(double heading_deg);
 
 // The text of a scene.json; docs/scene-repository.md specifies it.
 // INVALID_ARGUMENT, starting with "scene.json: " and the key, for what is not
@@ -54,6 +54,6 @@ Rotation3 EnuFromWorldOfHeading(double heading_deg);
 // range. Safe on hostile text.
 absl::StatusOr<SceneMetadata> ParseSceneMetadata(absl::string_view text);
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_SCENE_METADATA_H_

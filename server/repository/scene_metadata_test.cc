@@ -6,7 +6,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 using ::testing::HasSubstr;
@@ -20,8 +20,8 @@ constexpr char kWhole[] = R"({
              "parameters": [585, 586, 320, 240.5]}
 })";
 
-void ExpectNear(Vec3 actual, Vec3 expected) {
-  EXPECT_LT(Norm(actual - expected), 1e-12)
+void ExpectNear(geometry::Vec3 actual, geometry::Vec3 expected) {
+  EXPECT_LT(geometry::Norm(actual - expected), 1e-12)
       << actual.x << " " << actual.y << " " << actual.z;
 }
 
@@ -35,7 +35,7 @@ TEST(SceneMetadata, EveryFieldIsRead) {
   EXPECT_EQ(metadata->geo_anchor->height_m, 191.5);
   EXPECT_EQ(metadata->geo_anchor->enu_from_world, EnuFromWorldOfHeading(90));
   ASSERT_TRUE(metadata->camera);
-  EXPECT_EQ(metadata->camera->model(), CameraModel::kPinhole);
+  EXPECT_EQ(metadata->camera->model(), camera::CameraModel::kPinhole);
   EXPECT_EQ(metadata->camera->width(), 640);
   EXPECT_EQ(metadata->camera->height(), 480);
   EXPECT_EQ(metadata->camera->fy(), 586);
@@ -50,20 +50,20 @@ TEST(SceneMetadata, EveryFieldMayBeLeftOut) {
 
 // The worked example of docs/scene-repository.md.
 TEST(SceneMetadata, AHeadingOfNinetyTurnsTheYAxisToTheEast) {
-  const Rotation3 enu_from_world = EnuFromWorldOfHeading(90);
-  ExpectNear(enu_from_world * Vec3{0, 1, 0}, {1, 0, 0});
-  ExpectNear(enu_from_world * Vec3{1, 0, 0}, {0, -1, 0});
-  ExpectNear(enu_from_world * Vec3{0, 0, 1}, {0, 0, 1});
+  const geometry::Rotation3 enu_from_world = EnuFromWorldOfHeading(90);
+  ExpectNear(enu_from_world * geometry::Vec3{0, 1, 0}, {1, 0, 0});
+  ExpectNear(enu_from_world * geometry::Vec3{1, 0, 0}, {0, -1, 0});
+  ExpectNear(enu_from_world * geometry::Vec3{0, 0, 1}, {0, 0, 1});
   EXPECT_NEAR(enu_from_world.w, std::sqrt(0.5), 1e-15);
   EXPECT_NEAR(enu_from_world.z, -std::sqrt(0.5), 1e-15);
 }
 
 TEST(SceneMetadata, HeadingsTurnClockwiseFromNorth) {
-  ExpectNear(EnuFromWorldOfHeading(0) * Vec3{1, 2, 3}, {1, 2, 3});
-  ExpectNear(EnuFromWorldOfHeading(30) * Vec3{0, 1, 0},
+  ExpectNear(EnuFromWorldOfHeading(0) * geometry::Vec3{1, 2, 3}, {1, 2, 3});
+  ExpectNear(EnuFromWorldOfHeading(30) * geometry::Vec3{0, 1, 0},
              {0.5, std::sqrt(0.75), 0});
-  ExpectNear(EnuFromWorldOfHeading(-90) * Vec3{0, 1, 0}, {-1, 0, 0});
-  ExpectNear(EnuFromWorldOfHeading(270) * Vec3{0, 1, 0}, {-1, 0, 0});
+  ExpectNear(EnuFromWorldOfHeading(-90) * geometry::Vec3{0, 1, 0}, {-1, 0, 0});
+  ExpectNear(EnuFromWorldOfHeading(270) * geometry::Vec3{0, 1, 0}, {-1, 0, 0});
 }
 
 TEST(SceneMetadata, AQuaternionMayStandForTheHeading) {
@@ -73,7 +73,8 @@ TEST(SceneMetadata, AQuaternionMayStandForTheHeading) {
           "y": 0, "z": 0}}})");
   ASSERT_TRUE(metadata.ok()) << metadata.status();
   // Normalised; y up becomes z up.
-  ExpectNear(metadata->geo_anchor->enu_from_world * Vec3{0, 1, 0}, {0, 0, 1});
+  ExpectNear(metadata->geo_anchor->enu_from_world * geometry::Vec3{0, 1, 0},
+             {0, 0, 1});
 }
 
 struct BadText {
@@ -153,4 +154,4 @@ TEST(SceneMetadata, WhatIsWrongIsNamedWithItsKey) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::repository

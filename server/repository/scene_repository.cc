@@ -11,7 +11,7 @@
 #include "common/base/status_macros.h"
 #include "server/repository/load_failure.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 constexpr int kMaxLoaderThreads = 64;
@@ -43,7 +43,7 @@ absl::Status RepositoryOptions::Validate() const {
 
 absl::StatusOr<std::unique_ptr<SceneRepository>> SceneRepository::Open(
     std::unique_ptr<ModelSource> source, LocalizerOpener opener,
-    const RepositoryOptions& options, const Clock& clock) {
+    const RepositoryOptions& options, const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
   std::unique_ptr<SceneRepository> repository(new SceneRepository(
       std::move(source), std::move(opener), options, clock));
@@ -55,7 +55,7 @@ absl::StatusOr<std::unique_ptr<SceneRepository>> SceneRepository::Open(
 SceneRepository::SceneRepository(std::unique_ptr<ModelSource> source,
                                  LocalizerOpener opener,
                                  const RepositoryOptions& options,
-                                 const Clock& clock)
+                                 const base::Clock& clock)
     : source_(std::move(source)),
       opener_(std::move(opener)),
       options_(options),
@@ -142,27 +142,28 @@ void SceneRepository::RunLoader(const std::stop_token& stop) {
   }
 }
 
-absl::StatusOr<std::unique_ptr<Localizer>> SceneRepository::OpenModel(
-    const ModelRef& model, const std::stop_token& stop) {
+absl::StatusOr<std::unique_ptr<localizer::Localizer>>
+SceneRepository::OpenModel(const ModelRef& model, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const std::string path, source_->Fetch(model, stop));
-  absl::StatusOr<std::unique_ptr<Localizer>> localizer = opener_(path);
+  absl::StatusOr<std::unique_ptr<localizer::Localizer>> localizer =
+      opener_(path);
   if (!localizer.ok()) return WithoutPath(localizer.status(), path);
   return localizer;
 }
 
 void SceneRepository::RunJob(const SceneTable::Job& job,
                              const std::stop_token& stop) {
-  const MonotonicTime start = clock_.Now();
-  absl::StatusOr<std::unique_ptr<Localizer>> opened =
+  const base::MonotonicTime start = clock_.Now();
+  absl::StatusOr<std::unique_ptr<localizer::Localizer>> opened =
       OpenModel(job.model, stop);
-  const MonotonicTime end = clock_.Now();
-  absl::StatusOr<std::shared_ptr<const Localizer>> localizer;
+  const base::MonotonicTime end = clock_.Now();
+  absl::StatusOr<std::shared_ptr<const localizer::Localizer>> localizer;
   if (!opened.ok()) {
     localizer = opened.status();
   } else {
-    localizer = std::shared_ptr<const Localizer>(
-        opened->release(),
-        [shared = shared_, bytes = job.model.bytes](const Localizer* gone) {
+    localizer = std::shared_ptr<const localizer::Localizer>(
+        opened->release(), [shared = shared_, bytes = job.model.bytes](
+                               const localizer::Localizer* gone) {
           delete gone;
           absl::MutexLock lock(&shared->mutex);
           shared->resident_bytes -= bytes;
@@ -366,4 +367,4 @@ RepositoryStats SceneRepository::Stats() const {
   return stats;
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -23,11 +23,11 @@
 #include "server/repository/scene.h"
 #include "server/repository/scene_table.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 // Opens the model file at a path.
 using LocalizerOpener =
-    std::function<absl::StatusOr<std::unique_ptr<Localizer>>(
+    std::function<absl::StatusOr<std::unique_ptr<localizer::Localizer>>(
         const std::string& model_path)>;
 
 struct RepositoryOptions {
@@ -65,7 +65,7 @@ class SceneRepository {
   // without models is none. `clock` must outlive the repository.
   static absl::StatusOr<std::unique_ptr<SceneRepository>> Open(
       std::unique_ptr<ModelSource> source, LocalizerOpener opener,
-      const RepositoryOptions& options, const Clock& clock);
+      const RepositoryOptions& options, const base::Clock& clock);
   // Stop().
   ~SceneRepository();
 
@@ -132,13 +132,13 @@ class SceneRepository {
   };
 
   SceneRepository(std::unique_ptr<ModelSource> source, LocalizerOpener opener,
-                  const RepositoryOptions& options, const Clock& clock);
+                  const RepositoryOptions& options, const base::Clock& clock);
   void StartThreads();
 
   // What a loader does: tasks first, then loads.
   void RunLoader(const std::stop_token& stop);
   void RunJob(const SceneTable::Job& job, const std::stop_token& stop);
-  absl::StatusOr<std::unique_ptr<Localizer>> OpenModel(
+  absl::StatusOr<std::unique_ptr<localizer::Localizer>> OpenModel(
       const ModelRef& model, const std::stop_token& stop);
   void RunPoll(const std::stop_token& stop);
   void LoadNow(const std::string& name, const std::string& version,
@@ -154,7 +154,7 @@ class SceneRepository {
   const std::unique_ptr<ModelSource> source_;
   const LocalizerOpener opener_;
   const RepositoryOptions options_;
-  const Clock& clock_;
+  const base::Clock& clock_;
   const std::shared_ptr<Shared> shared_;
 
   SceneTable table_ ABSL_GUARDED_BY(shared_->mutex);
@@ -172,6 +172,6 @@ class SceneRepository {
   std::vector<std::jthread> threads_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_SCENE_REPOSITORY_H_

@@ -20,7 +20,7 @@
 #include "server/repository/load_failure.h"
 #include "server/repository/repository_test_util.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 using ::testing::HasSubstr;
@@ -96,7 +96,7 @@ TEST_F(SceneRepositoryTest, NamesThatArePathsAreRefused) {
   for (const char* name : {"", "..", "../kitchen", "kitchen/1", ".kitchen"}) {
     const auto status = repository_->Acquire(name, "").status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << name;
-    EXPECT_EQ(ErrorInfoOf(status).reason, kSceneNameInvalid) << name;
+    EXPECT_EQ(base::ErrorInfoOf(status).reason, kSceneNameInvalid) << name;
     EXPECT_EQ(repository_->Get(name).status().code(),
               absl::StatusCode::kInvalidArgument);
     EXPECT_EQ(repository_->Unload(name, "").status().code(),
@@ -111,16 +111,16 @@ TEST_F(SceneRepositoryTest, FailuresDoNotSayWhereTheModelLies) {
   source_->Put("kitchen", "1", "/srv/models/x");
   Open({},
        [](const std::string& path)
-           -> absl::StatusOr<std::unique_ptr<Localizer>> {
-         return WithReason(absl::DataLossError(path + ": checksum mismatch"),
-                           "R");
+           -> absl::StatusOr<std::unique_ptr<localizer::Localizer>> {
+         return base::WithReason(
+             absl::DataLossError(path + ": checksum mismatch"), "R");
        });
   const auto status = repository_->Acquire("kitchen", "").status();
   EXPECT_EQ(status.message(),
             "scene 'kitchen' version '1' could not be loaded: checksum "
             "mismatch");
   // Who knows more has the say.
-  EXPECT_EQ(ErrorInfoOf(status).reason, "R");
+  EXPECT_EQ(base::ErrorInfoOf(status).reason, "R");
 }
 
 TEST_F(SceneRepositoryTest, ASourceThatCannotBeListedIsAnError) {
@@ -270,7 +270,7 @@ TEST_F(SceneRepositoryTest, ThoseWhoWaitAreAnsweredWhenItStops) {
   gated.LetGo();
   stopper.join();
   EXPECT_EQ(loaded.code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(ErrorInfoOf(loaded).reason, kSceneNotLoaded);
+  EXPECT_EQ(base::ErrorInfoOf(loaded).reason, kSceneNotLoaded);
   EXPECT_EQ(repository_->Acquire("other", "").status().code(),
             absl::StatusCode::kNotFound);
 }
@@ -283,14 +283,14 @@ TEST_F(SceneRepositoryTest, ServesAFolderAndFollowsIt) {
   const auto put = [&](const std::string& version, const std::string& content) {
     fs::create_directories(root / "kitchen" / version);
     const fs::path file = root / "kitchen" / version / "model.treeline";
-    ASSERT_TRUE(WriteFileAtomically(file.string(), content).ok());
+    ASSERT_TRUE(base::WriteFileAtomically(file.string(), content).ok());
   };
   put("1", "good one");
   auto opened = SceneRepository::Open(
       std::make_unique<FolderSource>(root.string()),
       [](const std::string& path)
-          -> absl::StatusOr<std::unique_ptr<Localizer>> {
-        const auto content = ReadFile(path);
+          -> absl::StatusOr<std::unique_ptr<localizer::Localizer>> {
+        const auto content = base::ReadFile(path);
         if (!content.ok()) return content.status();
         return OpenContent(*content);
       },
@@ -346,7 +346,7 @@ TEST_F(SceneRepositoryTest, StandsEverythingAtOnce) {
   std::atomic<int> answered{0};
   std::atomic<int> wrong{0};
   const auto query = [&](uint64_t seed) {
-    Random random(seed, 1);
+    base::Random random(seed, 1);
     for (int i = 0; i < kRounds; ++i) {
       const std::string scene = name(random.NextBelow(kScenes));
       ++asked;
@@ -368,7 +368,7 @@ TEST_F(SceneRepositoryTest, StandsEverythingAtOnce) {
     }
   };
   const auto operate = [&](uint64_t seed) {
-    Random random(seed, 2);
+    base::Random random(seed, 2);
     for (int i = 0; i < kRounds; ++i) {
       const std::string scene = name(random.NextBelow(kScenes));
       switch (random.NextBelow(6)) {
@@ -416,4 +416,4 @@ TEST_F(SceneRepositoryTest, StandsEverythingAtOnce) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::repository

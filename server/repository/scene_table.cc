@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "server/repository/load_failure.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 // The answer is moved on, so that nobody but the one who asked holds the scene.
@@ -21,7 +21,7 @@ void PushAnswer(AcquireDone done,
 
 }  // namespace
 
-void SceneTable::Apply(const SourceListing& listing, MonotonicTime now,
+void SceneTable::Apply(const SourceListing& listing, base::MonotonicTime now,
                        Effects& effects) {
   for (auto& [name, entry] : scenes_) {
     for (auto& [version, state] : entry.versions) state.listed = false;
@@ -117,12 +117,12 @@ void SceneTable::Tidy(Entry& entry) {
   });
 }
 
-bool SceneTable::MayLoad(const Version& version, MonotonicTime now) {
+bool SceneTable::MayLoad(const Version& version, base::MonotonicTime now) {
   return version.failure.ok() ||
          (IsTransient(version.failure) && now >= version.retry_at);
 }
 
-SceneTable::Version* SceneTable::Target(Entry& entry, MonotonicTime now) {
+SceneTable::Version* SceneTable::Target(Entry& entry, base::MonotonicTime now) {
   for (auto& [name, version] : entry.versions) {
     if (version.listed && (version.scene != nullptr || version.loading ||
                            MayLoad(version, now))) {
@@ -145,7 +145,7 @@ std::shared_ptr<const Scene> SceneTable::Use(Version& version) {
 }
 
 SceneTable::Answer SceneTable::ResolveNamed(Entry& entry, const Waiter& waiter,
-                                            MonotonicTime now) {
+                                            base::MonotonicTime now) {
   const auto found = entry.versions.find(waiter.version);
   if (found == entry.versions.end()) {
     return NoVersion(entry.name, waiter.version);
@@ -166,7 +166,8 @@ SceneTable::Answer SceneTable::ResolveNamed(Entry& entry, const Waiter& waiter,
   return std::nullopt;
 }
 
-SceneTable::Answer SceneTable::ResolveNewest(Entry& entry, MonotonicTime now) {
+SceneTable::Answer SceneTable::ResolveNewest(Entry& entry,
+                                             base::MonotonicTime now) {
   Version* const target = Target(entry, now);
   if (target != nullptr && target->scene != nullptr) return Use(*target);
   if (target != nullptr) {
@@ -185,13 +186,14 @@ SceneTable::Answer SceneTable::ResolveNewest(Entry& entry, MonotonicTime now) {
 }
 
 absl::Status SceneTable::FailureOf(const Entry& entry, const Version& version,
-                                   MonotonicTime now) {
+                                   base::MonotonicTime now) {
   return LoadError(entry.name, version.model.version, version.failure,
                    std::chrono::ceil<std::chrono::milliseconds>(
                        std::max(version.retry_at - now, {})));
 }
 
-void SceneTable::Settle(Entry& entry, MonotonicTime now, Effects& effects) {
+void SceneTable::Settle(Entry& entry, base::MonotonicTime now,
+                        Effects& effects) {
   Version* const target = Target(entry, now);
   Version* const serving = Serving(entry);
   if (target != nullptr && target->scene != nullptr) {
@@ -210,7 +212,7 @@ void SceneTable::Settle(Entry& entry, MonotonicTime now, Effects& effects) {
   AnswerWaiters(entry, now, effects);
 }
 
-void SceneTable::AnswerWaiters(Entry& entry, MonotonicTime now,
+void SceneTable::AnswerWaiters(Entry& entry, base::MonotonicTime now,
                                Effects& effects) {
   std::vector<Waiter> still_waiting;
   for (Waiter& waiter : entry.waiters) {
@@ -224,7 +226,7 @@ void SceneTable::AnswerWaiters(Entry& entry, MonotonicTime now,
   entry.waiters = std::move(still_waiting);
 }
 
-void SceneTable::Add(Entry& entry, Waiter waiter, MonotonicTime now,
+void SceneTable::Add(Entry& entry, Waiter waiter, base::MonotonicTime now,
                      Effects& effects) {
   Answer answer = Resolve(entry, waiter, now);
   if (!answer) {
@@ -235,13 +237,13 @@ void SceneTable::Add(Entry& entry, Waiter waiter, MonotonicTime now,
 }
 
 SceneTable::Answer SceneTable::Resolve(Entry& entry, const Waiter& waiter,
-                                       MonotonicTime now) {
+                                       base::MonotonicTime now) {
   return waiter.version.empty() ? ResolveNewest(entry, now)
                                 : ResolveNamed(entry, waiter, now);
 }
 
 void SceneTable::Acquire(const std::string& name, const std::string& version,
-                         AcquireDone done, MonotonicTime now,
+                         AcquireDone done, base::MonotonicTime now,
                          Effects& effects) {
   const auto found = scenes_.find(name);
   if (found == scenes_.end()) {
@@ -255,7 +257,8 @@ void SceneTable::Acquire(const std::string& name, const std::string& version,
 }
 
 void SceneTable::Load(const std::string& name, const std::string& version,
-                      AcquireDone done, MonotonicTime now, Effects& effects) {
+                      AcquireDone done, base::MonotonicTime now,
+                      Effects& effects) {
   const auto found = scenes_.find(name);
   if (found == scenes_.end()) {
     PushAnswer(std::move(done), NoScene(name), effects);
@@ -396,4 +399,4 @@ RepositoryStats SceneTable::Stats() const {
   return stats;
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

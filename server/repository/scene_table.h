@@ -22,7 +22,7 @@
 #include "server/repository/repository_stats.h"
 #include "server/repository/scene.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 using AcquireDone =
     std::function<void(absl::StatusOr<std::shared_ptr<const Scene>>)>;
@@ -52,30 +52,32 @@ class SceneTable {
 
   // What the source has now. Queues loads of what is to take over from a
   // version that is in memory.
-  void Apply(const SourceListing& listing, MonotonicTime now, Effects& effects);
+  void Apply(const SourceListing& listing, base::MonotonicTime now,
+             Effects& effects);
 
   // Answers now, or when a load has ended. `name` and `version` are valid.
   void Acquire(const std::string& name, const std::string& version,
-               AcquireDone done, MonotonicTime now, Effects& effects);
+               AcquireDone done, base::MonotonicTime now, Effects& effects);
   // Loads a version, the newest if it is "", even if that failed before, and
   // answers when that has ended.
   void Load(const std::string& name, const std::string& version,
-            AcquireDone done, MonotonicTime now, Effects& effects);
+            AcquireDone done, base::MonotonicTime now, Effects& effects);
   // Lets go of a version, or of all of a scene.
   absl::Status Unload(const std::string& name, const std::string& version,
                       Effects& effects);
   // Queues the newest version of each scene, as far as they fit.
-  void LoadWhatFits(MonotonicTime now);
+  void LoadWhatFits(base::MonotonicTime now);
 
   // The next load that memory allows; takes others out of memory for the first
   // in the queue. `resident_bytes` is what all models take that are not
   // destroyed yet. If nothing is returned and effects.released is not empty,
   // ask again when that has been destroyed; otherwise, when something changes.
-  std::optional<Job> NextJob(uint64_t resident_bytes, MonotonicTime now,
+  std::optional<Job> NextJob(uint64_t resident_bytes, base::MonotonicTime now,
                              Effects& effects);
-  void Finish(const Job& job,
-              absl::StatusOr<std::shared_ptr<const Localizer>> localizer,
-              double seconds, MonotonicTime now, Effects& effects);
+  void Finish(
+      const Job& job,
+      absl::StatusOr<std::shared_ptr<const localizer::Localizer>> localizer,
+      double seconds, base::MonotonicTime now, Effects& effects);
   // Neither queued nor running loads.
   bool has_queued() const { return !queue_.empty(); }
   bool is_settled() const { return queue_.empty() && running_ == 0; }
@@ -107,7 +109,7 @@ class SceneTable {
     // Of the last load.
     absl::Status failure = {};
     int failures = 0;  // in a row
-    MonotonicTime retry_at = {};
+    base::MonotonicTime retry_at = {};
   };
   struct NewestFirst {
     bool operator()(const std::string& a, const std::string& b) const {
@@ -140,10 +142,10 @@ class SceneTable {
   // nullopt: wait.
   using Answer = std::optional<absl::StatusOr<std::shared_ptr<const Scene>>>;
 
-  static bool MayLoad(const Version& version, MonotonicTime now);
+  static bool MayLoad(const Version& version, base::MonotonicTime now);
   // The newest version that is listed and is, or may be, in memory; null if
   // there is none.
-  static Version* Target(Entry& entry, MonotonicTime now);
+  static Version* Target(Entry& entry, base::MonotonicTime now);
   // What answers a query without a version at once; null if nothing does.
   static const Version* Serving(const Entry& entry);
   static Version* Serving(Entry& entry) {
@@ -160,23 +162,26 @@ class SceneTable {
   // Forgets what is neither listed nor in use.
   static void Tidy(Entry& entry);
 
-  Answer Resolve(Entry& entry, const Waiter& waiter, MonotonicTime now);
-  Answer ResolveNamed(Entry& entry, const Waiter& waiter, MonotonicTime now);
-  Answer ResolveNewest(Entry& entry, MonotonicTime now);
+  Answer Resolve(Entry& entry, const Waiter& waiter, base::MonotonicTime now);
+  Answer ResolveNamed(Entry& entry, const Waiter& waiter,
+                      base::MonotonicTime now);
+  Answer ResolveNewest(Entry& entry, base::MonotonicTime now);
   static absl::Status FailureOf(const Entry& entry, const Version& version,
-                                MonotonicTime now);
+                                base::MonotonicTime now);
   std::shared_ptr<const Scene> Use(Version& version);
   void StartLoad(Version& version);
   // Lets the target take over if it is in memory, has it loaded if what serves
   // is, and answers those whom that helps.
-  void Settle(Entry& entry, MonotonicTime now, Effects& effects);
-  void AnswerWaiters(Entry& entry, MonotonicTime now, Effects& effects);
+  void Settle(Entry& entry, base::MonotonicTime now, Effects& effects);
+  void AnswerWaiters(Entry& entry, base::MonotonicTime now, Effects& effects);
   // Answers `waiter`, or lets it wait.
-  void Add(Entry& entry, Waiter waiter, MonotonicTime now, Effects& effects);
+  void Add(Entry& entry, Waiter waiter, base::MonotonicTime now,
+           Effects& effects);
   void Install(Entry& entry, Version& version, const Job& job,
-               std::shared_ptr<const Localizer> localizer, Effects& effects);
+               std::shared_ptr<const localizer::Localizer> localizer,
+               Effects& effects);
   void NoteFailure(Entry& entry, Version& version, const absl::Status& failure,
-                   MonotonicTime now, Effects& effects);
+                   base::MonotonicTime now, Effects& effects);
   void Release(Version& version, Effects& effects);
 
   bool Fits(uint64_t bytes, uint64_t resident_bytes) const {
@@ -198,6 +203,6 @@ class SceneTable {
   LoadTimes load_times_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_SCENE_TABLE_H_

@@ -13,7 +13,7 @@
 #include "server/repository/repository_test_util.h"
 #include "server/repository/scene_table.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 using ScenePtr = std::shared_ptr<const Scene>;
 
@@ -50,16 +50,16 @@ class SceneTableTest : public testing::Test {
     }
   }
   void Finish(const SceneTable::Job& job) {
-    absl::StatusOr<std::shared_ptr<const Localizer>> localizer;
+    absl::StatusOr<std::shared_ptr<const localizer::Localizer>> localizer;
     const auto content = source_.Fetch(job.model, {});
     auto opened = content.ok() ? OpenContent(*content) : content.status();
     if (!opened.ok()) {
       localizer = opened.status();
     } else {
       resident_ += job.model.bytes;
-      localizer = std::shared_ptr<const Localizer>(
+      localizer = std::shared_ptr<const localizer::Localizer>(
           opened->release(),
-          [this, bytes = job.model.bytes](const Localizer* gone) {
+          [this, bytes = job.model.bytes](const localizer::Localizer* gone) {
             delete gone;
             resident_ -= bytes;
           });
@@ -130,6 +130,6 @@ class SceneTableTest : public testing::Test {
   SceneTable table_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_SCENE_TABLE_FIXTURE_H_

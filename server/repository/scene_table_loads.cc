@@ -5,7 +5,7 @@
 #include "server/repository/load_failure.h"
 #include "server/repository/scene_table.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 // After the first failure that may pass; each further one doubles it.
@@ -26,7 +26,7 @@ void SceneTable::StartLoad(Version& version) {
   queue_.push_back({version.model.scene, version.model.version});
 }
 
-void SceneTable::LoadWhatFits(MonotonicTime now) {
+void SceneTable::LoadWhatFits(base::MonotonicTime now) {
   for (auto& [name, entry] : scenes_) {
     Version* const target = Target(entry, now);
     if (target == nullptr || target->scene != nullptr || target->loading) {
@@ -38,7 +38,7 @@ void SceneTable::LoadWhatFits(MonotonicTime now) {
 }
 
 std::optional<SceneTable::Job> SceneTable::NextJob(uint64_t resident_bytes,
-                                                   MonotonicTime now,
+                                                   base::MonotonicTime now,
                                                    Effects& effects) {
   bool is_first = true;
   // Of loads before in the queue that wait for memory.
@@ -132,8 +132,9 @@ void SceneTable::Release(Version& version, Effects& effects) {
 }
 
 void SceneTable::Finish(
-    const Job& job, absl::StatusOr<std::shared_ptr<const Localizer>> localizer,
-    double seconds, MonotonicTime now, Effects& effects) {
+    const Job& job,
+    absl::StatusOr<std::shared_ptr<const localizer::Localizer>> localizer,
+    double seconds, base::MonotonicTime now, Effects& effects) {
   const auto found = scenes_.find(job.model.scene);
   Entry& entry = found->second;
   Version& version = entry.versions.at(job.model.version);
@@ -174,7 +175,7 @@ void SceneTable::Finish(
 }
 
 void SceneTable::Install(Entry& entry, Version& version, const Job& job,
-                         std::shared_ptr<const Localizer> localizer,
+                         std::shared_ptr<const localizer::Localizer> localizer,
                          Effects& effects) {
   if (version.scene != nullptr) ++swaps_;
   const bool was_named = version.named;
@@ -192,8 +193,8 @@ void SceneTable::Install(Entry& entry, Version& version, const Job& job,
 }
 
 void SceneTable::NoteFailure(Entry& entry, Version& version,
-                             const absl::Status& failure, MonotonicTime now,
-                             Effects& effects) {
+                             const absl::Status& failure,
+                             base::MonotonicTime now, Effects& effects) {
   ++entry.counts.load_failures;
   ++counts_.load_failures;
   version.failure = failure;
@@ -206,4 +207,4 @@ void SceneTable::NoteFailure(Entry& entry, Version& version,
                             .status = failure});
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

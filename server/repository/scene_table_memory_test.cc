@@ -7,7 +7,7 @@
 #include "server/repository/load_failure.h"
 #include "server/repository/scene_table_fixture.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 using ::testing::ElementsAre;
@@ -70,8 +70,8 @@ TEST_F(BudgetTest, AModelThatIsLargerThanTheBudgetIsRefusedAndNothingGoes) {
     EXPECT_THAT(RunLoads(), ElementsAre());
     EXPECT_EQ(asked->scene.status().code(),
               absl::StatusCode::kResourceExhausted);
-    EXPECT_EQ(ErrorInfoOf(asked->scene.status()).reason, kMemoryBudget);
-    EXPECT_FALSE(RetryAfterOf(asked->scene.status()));
+    EXPECT_EQ(base::ErrorInfoOf(asked->scene.status()).reason, kMemoryBudget);
+    EXPECT_FALSE(base::RetryAfterOf(asked->scene.status()));
   }
   EXPECT_THAT(InMemory(), ElementsAre("a"));
 }
@@ -181,4 +181,4 @@ TEST_F(BudgetTest, AtTheStartNothingGoesForAnother) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::repository

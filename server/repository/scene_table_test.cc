@@ -12,7 +12,7 @@
 #include "server/repository/load_failure.h"
 #include "server/repository/scene_table_fixture.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 using ::testing::ElementsAre;
@@ -73,8 +73,8 @@ TEST_F(SceneTableTest, ACorruptNewestLeavesTheServingToTheNextOne) {
   EXPECT_EQ(StateOf("kitchen", 0), SceneState::kFailed);
   const auto status = Ask("kitchen", "2")->scene.status();
   EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
-  EXPECT_EQ(ErrorInfoOf(status).reason, kModelCorrupt);
-  EXPECT_EQ(ErrorInfoOf(status).metadata.at("version"), "2");
+  EXPECT_EQ(base::ErrorInfoOf(status).reason, kModelCorrupt);
+  EXPECT_EQ(base::ErrorInfoOf(status).metadata.at("version"), "2");
   EXPECT_THAT(std::string(status.message()), HasSubstr("not a Treeline model"));
   const auto scene = table_.Get("kitchen");
   EXPECT_EQ(scene->state, SceneState::kReady);
@@ -100,8 +100,8 @@ TEST_F(SceneTableTest, FailuresHaveTheirCodesAndReasons) {
     RunLoads();
     ASSERT_TRUE(asked->answered);
     EXPECT_EQ(asked->scene.status().code(), c.code) << c.content;
-    EXPECT_EQ(ErrorInfoOf(asked->scene.status()).reason, c.reason);
-    EXPECT_EQ(RetryAfterOf(asked->scene.status()).has_value(), c.retry);
+    EXPECT_EQ(base::ErrorInfoOf(asked->scene.status()).reason, c.reason);
+    EXPECT_EQ(base::RetryAfterOf(asked->scene.status()).has_value(), c.retry);
     EXPECT_EQ(table_.Get(c.content)->state, SceneState::kFailed);
   }
 }
@@ -111,10 +111,10 @@ TEST_F(SceneTableTest, WhatIsNotThereIsNotFound) {
   Rescan();
   const auto scene = Ask("attic")->scene.status();
   EXPECT_EQ(scene.code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(ErrorInfoOf(scene).reason, kSceneNotFound);
+  EXPECT_EQ(base::ErrorInfoOf(scene).reason, kSceneNotFound);
   const auto version = Ask("kitchen", "2")->scene.status();
   EXPECT_EQ(version.code(), absl::StatusCode::kNotFound);
-  EXPECT_EQ(ErrorInfoOf(version).reason, kVersionNotFound);
+  EXPECT_EQ(base::ErrorInfoOf(version).reason, kVersionNotFound);
   EXPECT_EQ(Load("attic")->scene.status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(table_.Get("attic").status().code(), absl::StatusCode::kNotFound);
 }
@@ -125,9 +125,9 @@ TEST_F(SceneTableTest, WhatFailsForNowIsTriedAgainLaterAndLater) {
   for (const auto wait : {1s, 2s, 4s, 8s, 16s, 32s, 64s, 64s}) {
     const auto asked = Ask("kitchen");
     EXPECT_EQ(RunLoads().size(), 1u);
-    EXPECT_EQ(RetryAfterOf(asked->scene.status()), 1000ms * wait.count());
+    EXPECT_EQ(base::RetryAfterOf(asked->scene.status()), 1000ms * wait.count());
     clock_.Advance(wait - 1ms);
-    EXPECT_EQ(RetryAfterOf(Ask("kitchen")->scene.status()), 1ms);
+    EXPECT_EQ(base::RetryAfterOf(Ask("kitchen")->scene.status()), 1ms);
     EXPECT_THAT(RunLoads(), ElementsAre());
     clock_.Advance(1ms);
   }
@@ -341,9 +341,9 @@ TEST_F(SceneTableTest, AnUnloadedSceneIsLoadedByTheNextQuery) {
   EXPECT_THAT(RunLoads(), ElementsAre());
   EXPECT_EQ(Answer("kitchen"), "1");
   SceneTable::Effects effects;
-  EXPECT_EQ(ErrorInfoOf(table_.Unload("attic", "", effects)).reason,
+  EXPECT_EQ(base::ErrorInfoOf(table_.Unload("attic", "", effects)).reason,
             kSceneNotFound);
-  EXPECT_EQ(ErrorInfoOf(table_.Unload("kitchen", "7", effects)).reason,
+  EXPECT_EQ(base::ErrorInfoOf(table_.Unload("kitchen", "7", effects)).reason,
             kVersionNotFound);
 }
 
@@ -423,7 +423,7 @@ TEST_F(SceneTableTest, ACameraOfSceneJsonReplacesTheModels) {
   Rescan();
   const auto without = Ask("kitchen");
   RunLoads();
-  const RgbdCalibration& model =
+  const camera::RgbdCalibration& model =
       (*without->scene)->localizer->info().calibration;
   EXPECT_FALSE(HasOwnCamera(**without->scene));
   EXPECT_EQ(QueryCalibration(**without->scene), model);
@@ -432,7 +432,7 @@ TEST_F(SceneTableTest, ACameraOfSceneJsonReplacesTheModels) {
   Rescan();
   const auto with = Ask("kitchen");
   ASSERT_TRUE(HasOwnCamera(**with->scene));
-  const RgbdCalibration calibration = QueryCalibration(**with->scene);
+  const camera::RgbdCalibration calibration = QueryCalibration(**with->scene);
   EXPECT_EQ(calibration.color, *(*with->scene)->metadata->camera);
   EXPECT_EQ(calibration.depth, model.depth);
 }
@@ -445,7 +445,7 @@ TEST_F(SceneTableTest, ThoseWhoWaitAreTurnedAwayWhenItStops) {
   table_.TurnAwayAll(effects);
   Carry(effects);
   EXPECT_EQ(asked->scene.status().code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(ErrorInfoOf(asked->scene.status()).reason, kSceneNotLoaded);
+  EXPECT_EQ(base::ErrorInfoOf(asked->scene.status()).reason, kSceneNotLoaded);
 }
 
 TEST_F(SceneTableTest, AtTheStartWhatIsCorruptLeavesItToTheVersionBefore) {
@@ -458,4 +458,4 @@ TEST_F(SceneTableTest, AtTheStartWhatIsCorruptLeavesItToTheVersionBefore) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -12,7 +12,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 constexpr size_t kDigestBytes = 32;
@@ -84,4 +84,4 @@ absl::StatusOr<FileDigest> DigestOfFile(
   return digest;
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

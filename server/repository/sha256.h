@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 // Hashes bytes as they come.
 class Sha256 {
@@ -44,6 +44,6 @@ absl::StatusOr<FileDigest> DigestOfFile(
     const std::string& path, const std::stop_token& stop,
     const std::function<void(uint64_t)>& progress = {});
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_SHA256_H_

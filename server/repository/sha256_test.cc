@@ -5,7 +5,7 @@
 #include "common/base/file.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 // FIPS 180-2, appendix B.1 and B.2.
@@ -32,7 +32,7 @@ TEST(Sha256, KnowsItsOwnForm) {
 
 TEST(Sha256, OfAFile) {
   const std::string path = testing::TempDir() + "/sha256_test";
-  ASSERT_TRUE(WriteFileAtomically(path, "abc").ok());
+  ASSERT_TRUE(base::WriteFileAtomically(path, "abc").ok());
   uint64_t told = 0;
   const auto digest =
       DigestOfFile(path, {}, [&](uint64_t bytes) { told += bytes; });
@@ -49,4 +49,4 @@ TEST(Sha256, OfAFile) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::repository

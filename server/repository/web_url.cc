@@ -7,7 +7,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 struct UrlDeleter {
@@ -84,4 +84,4 @@ bool IsHttps(const std::string& url) {
   return absl::StartsWithIgnoreCase(url, "https://");
 }
 
-}  // namespace treeline
+}  // namespace treeline::repository

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace treeline {
+namespace treeline::repository {
 
 // `reference`, absolute or relative to `base`, as an absolute http or https
 // address without fragment (RFC 3986). base "": reference must be absolute.
@@ -25,6 +25,6 @@ absl::Status CheckTransport(const std::string& url, bool allow_plain_http);
 
 bool IsHttps(const std::string& url);
 
-}  // namespace treeline
+}  // namespace treeline::repository
 
 #endif  // SERVER_REPOSITORY_WEB_URL_H_

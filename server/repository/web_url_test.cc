@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::repository {
 namespace {
 
 TEST(WebUrl, ResolvesAsRfc3986Says) {
@@ -44,4 +44,4 @@ TEST(WebUrl, PlainHttpIsForThisMachineUnlessAllowed) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::repository

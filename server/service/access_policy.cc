@@ -2,11 +2,11 @@
 
 #include "common/base/error_info.h"
 
-namespace treeline {
+namespace treeline::service {
 
 absl::StatusOr<Client> OpenAccess::Admit(const CallInfo& call, Scope scope) {
   if (scope == Scope::kAdmin && !call.admin_listener) {
-    return WithReason(
+    return base::WithReason(
         absl::PermissionDeniedError("operators call the admin listener"),
         "ADMIN_LISTENER_ONLY");
   }
@@ -29,4 +29,4 @@ std::string PeerWithoutPort(const std::string& peer) {
   return peer.substr(0, colon);
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

@@ -7,7 +7,7 @@
 #include "absl/status/statusor.h"
 #include "server/service/call.h"
 
-namespace treeline {
+namespace treeline::service {
 
 // What a call needs to be allowed to do.
 enum class Scope { kLocalize, kAdmin };
@@ -46,6 +46,6 @@ class OpenAccess final : public AccessPolicy {
 // "ipv6:%5B::1%5D". What has no port stays as it is: "unix:/run/treeline.sock".
 std::string PeerWithoutPort(const std::string& peer);
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_ACCESS_POLICY_H_

@@ -3,7 +3,7 @@
 #include "common/base/error_info.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 TEST(PeerWithoutPort, LeavesTheAddress) {
@@ -38,7 +38,7 @@ TEST(OpenAccess, LetsOperatorsInOnlyThroughTheirListener) {
   OpenAccess access;
   const auto refused = access.Admit({.peer = "ipv4:10.0.0.7:1"}, Scope::kAdmin);
   EXPECT_EQ(refused.status().code(), absl::StatusCode::kPermissionDenied);
-  EXPECT_EQ(ErrorInfoOf(refused.status()).reason, "ADMIN_LISTENER_ONLY");
+  EXPECT_EQ(base::ErrorInfoOf(refused.status()).reason, "ADMIN_LISTENER_ONLY");
   EXPECT_TRUE(access
                   .Admit({.peer = "ipv4:10.0.0.7:1", .admin_listener = true},
                          Scope::kAdmin)
@@ -46,4 +46,4 @@ TEST(OpenAccess, LetsOperatorsInOnlyThroughTheirListener) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::service

@@ -8,7 +8,7 @@
 
 #include "common/base/clock.h"
 
-namespace treeline {
+namespace treeline::service {
 
 // What a client shows to say who it is. Not checked yet.
 struct Credentials {
@@ -36,13 +36,13 @@ struct CallInfo {
   // Whether it came in where only operators come in.
   bool admin_listener = false;
   // When the whole request had arrived.
-  MonotonicTime arrival = {};
+  base::MonotonicTime arrival = {};
   // MonotonicTime::max(): none.
-  MonotonicTime deadline = MonotonicTime::max();
+  base::MonotonicTime deadline = base::MonotonicTime::max();
   // Requested when the client cancels or disconnects, or its deadline passes.
   std::stop_token stop = {};
 };
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_CALL_H_

@@ -10,13 +10,13 @@
 #include "server/core/localizer/localizer.h"
 #include "server/service/trace_context.h"
 
-namespace treeline {
+namespace treeline::service {
 
 // Where the time of a call went, in the order of its stages (ms).
 struct CallTimings {
   double queue_ms = 0;
   double decode_ms = 0;
-  LocalizeTimings localize;
+  localizer::LocalizeTimings localize;
   double total_ms = 0;
 };
 
@@ -53,8 +53,8 @@ struct CallRecord {
   // What went wrong inside where `status` does not tell the client.
   std::string internal_error;
   // With an OK status of Localize.
-  std::optional<Outcome> outcome;
-  NotLocalizedReason reason = NotLocalizedReason::kNone;
+  std::optional<localizer::Outcome> outcome;
+  localizer::NotLocalizedReason reason = localizer::NotLocalizedReason::kNone;
   int inliers = 0;
   int samples = 0;
   // In [0, 1].
@@ -70,6 +70,6 @@ class CallObserver {
   virtual void OnCall(const CallRecord& record) = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_CALL_OBSERVER_H_

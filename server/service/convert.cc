@@ -5,7 +5,7 @@
 #include "common/wire/camera.h"
 #include "common/wire/geometry.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 v1::LoadFailure FailureToProto(const absl::Status& failure) {
@@ -15,7 +15,8 @@ v1::LoadFailure FailureToProto(const absl::Status& failure) {
   return proto;
 }
 
-v1::Correspondence CorrespondenceToProto(const Correspondence& sample) {
+v1::Correspondence CorrespondenceToProto(
+    const localizer::Correspondence& sample) {
   v1::Correspondence proto;
   *proto.mutable_color_pixel() = ToProto(sample.color_pixel);
   *proto.mutable_point_in_camera_m() = ToProto(sample.point_in_camera);
@@ -26,29 +27,29 @@ v1::Correspondence CorrespondenceToProto(const Correspondence& sample) {
 
 }  // namespace
 
-v1::Outcome ToProto(Outcome outcome) {
+v1::Outcome ToProto(localizer::Outcome outcome) {
   switch (outcome) {
-    case Outcome::kLocalized:
+    case localizer::Outcome::kLocalized:
       return v1::OUTCOME_LOCALIZED;
-    case Outcome::kNotLocalized:
+    case localizer::Outcome::kNotLocalized:
       return v1::OUTCOME_NOT_LOCALIZED;
   }
   return v1::OUTCOME_UNSPECIFIED;
 }
 
-v1::NotLocalizedReason ToProto(NotLocalizedReason reason) {
+v1::NotLocalizedReason ToProto(localizer::NotLocalizedReason reason) {
   switch (reason) {
-    case NotLocalizedReason::kNone:
+    case localizer::NotLocalizedReason::kNone:
       return v1::NOT_LOCALIZED_REASON_NONE;
-    case NotLocalizedReason::kTooFewSamples:
+    case localizer::NotLocalizedReason::kTooFewSamples:
       return v1::NOT_LOCALIZED_REASON_TOO_FEW_SAMPLES;
-    case NotLocalizedReason::kTooFewInliers:
+    case localizer::NotLocalizedReason::kTooFewInliers:
       return v1::NOT_LOCALIZED_REASON_TOO_FEW_INLIERS;
-    case NotLocalizedReason::kPoorlyConstrained:
+    case localizer::NotLocalizedReason::kPoorlyConstrained:
       return v1::NOT_LOCALIZED_REASON_POORLY_CONSTRAINED;
-    case NotLocalizedReason::kLowConfidence:
+    case localizer::NotLocalizedReason::kLowConfidence:
       return v1::NOT_LOCALIZED_REASON_LOW_CONFIDENCE;
-    case NotLocalizedReason::kContradictsPrior:
+    case localizer::NotLocalizedReason::kContradictsPrior:
       return v1::NOT_LOCALIZED_REASON_CONTRADICTS_PRIOR;
   }
   return v1::NOT_LOCALIZED_REASON_NONE;
@@ -66,12 +67,12 @@ v1::Timings ToProto(const CallTimings& timings) {
   return proto;
 }
 
-v1::LocalizeResponse ToProto(const PoseEstimate& estimate,
-                             RgbdSensor pose_sensor) {
+v1::LocalizeResponse ToProto(const localizer::PoseEstimate& estimate,
+                             camera::RgbdSensor pose_sensor) {
   v1::LocalizeResponse proto;
   proto.set_outcome(ToProto(estimate.outcome));
   proto.set_reason(ToProto(estimate.reason));
-  if (estimate.outcome == Outcome::kLocalized) {
+  if (estimate.outcome == localizer::Outcome::kLocalized) {
     *proto.mutable_world_from_camera() = ToProto(estimate.world_from_camera);
     proto.mutable_covariance()->Add(estimate.covariance.begin(),
                                     estimate.covariance.end());
@@ -81,13 +82,13 @@ v1::LocalizeResponse ToProto(const PoseEstimate& estimate,
   proto.set_samples(estimate.samples);
   proto.set_inlier_ratio(estimate.inlier_ratio);
   proto.set_confidence(estimate.confidence);
-  for (const Correspondence& sample : estimate.correspondences) {
+  for (const localizer::Correspondence& sample : estimate.correspondences) {
     *proto.add_correspondences() = CorrespondenceToProto(sample);
   }
   return proto;
 }
 
-v1::SceneCandidate ToProto(const ConsideredScene& scene) {
+v1::SceneCandidate ToProto(const recognition::ConsideredScene& scene) {
   v1::SceneCandidate proto;
   proto.set_scene(scene.scene);
   proto.set_similarity(scene.similarity);
@@ -99,21 +100,21 @@ v1::SceneCandidate ToProto(const ConsideredScene& scene) {
   return proto;
 }
 
-v1::SceneState ToProto(SceneState state) {
+v1::SceneState ToProto(repository::SceneState state) {
   switch (state) {
-    case SceneState::kUnloaded:
+    case repository::SceneState::kUnloaded:
       return v1::SCENE_STATE_UNLOADED;
-    case SceneState::kLoading:
+    case repository::SceneState::kLoading:
       return v1::SCENE_STATE_LOADING;
-    case SceneState::kReady:
+    case repository::SceneState::kReady:
       return v1::SCENE_STATE_READY;
-    case SceneState::kFailed:
+    case repository::SceneState::kFailed:
       return v1::SCENE_STATE_FAILED;
   }
   return v1::SCENE_STATE_UNSPECIFIED;
 }
 
-v1::ModelInfo ToProto(const ModelInfo& info) {
+v1::ModelInfo ToProto(const forest::ModelInfo& info) {
   v1::ModelInfo proto;
   proto.set_format_version(info.format_version);
   proto.set_method(info.method);
@@ -140,12 +141,12 @@ v1::ModelInfo ToProto(const ModelInfo& info) {
   return proto;
 }
 
-v1::GeoAnchor ToProto(const GeoAnchor& anchor) {
+v1::GeoAnchor ToProto(const repository::GeoAnchor& anchor) {
   v1::GeoAnchor proto;
   proto.set_latitude_deg(anchor.latitude_deg);
   proto.set_longitude_deg(anchor.longitude_deg);
   proto.set_height_m(anchor.height_m);
-  const Rotation3& rotation = anchor.enu_from_world;
+  const geometry::Rotation3& rotation = anchor.enu_from_world;
   v1::Quaternion& quaternion = *proto.mutable_enu_from_world();
   quaternion.set_w(rotation.w);
   quaternion.set_x(rotation.x);
@@ -154,7 +155,7 @@ v1::GeoAnchor ToProto(const GeoAnchor& anchor) {
   return proto;
 }
 
-v1::SceneInfo ToProto(const SceneStatus& status) {
+v1::SceneInfo ToProto(const repository::SceneStatus& status) {
   v1::SceneInfo proto;
   proto.set_scene(status.name);
   proto.set_state(ToProto(status.state));
@@ -175,7 +176,7 @@ v1::SceneInfo ToProto(const SceneStatus& status) {
       *proto.mutable_default_camera() = ToProto(*status.metadata->camera);
     }
   }
-  for (const VersionStatus& version : status.versions) {
+  for (const repository::VersionStatus& version : status.versions) {
     v1::ModelVersion& entry = *proto.add_versions();
     entry.set_version(version.version);
     entry.set_state(ToProto(version.state));
@@ -186,4 +187,4 @@ v1::SceneInfo ToProto(const SceneStatus& status) {
   return proto;
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

@@ -11,23 +11,23 @@
 #include "treeline/v1/relocalization.pb.h"
 #include "treeline/v1/scenes.pb.h"
 
-namespace treeline {
+namespace treeline::service {
 
-v1::Outcome ToProto(Outcome outcome);
-v1::NotLocalizedReason ToProto(NotLocalizedReason reason);
+v1::Outcome ToProto(localizer::Outcome outcome);
+v1::NotLocalizedReason ToProto(localizer::NotLocalizedReason reason);
 v1::Timings ToProto(const CallTimings& timings);
 
 // All of the answer but for scene, version and timings. Pose and covariance
 // are left out unless the frame was localized: there is no pose to misuse.
-v1::LocalizeResponse ToProto(const PoseEstimate& estimate,
-                             RgbdSensor pose_sensor);
+v1::LocalizeResponse ToProto(const localizer::PoseEstimate& estimate,
+                             camera::RgbdSensor pose_sensor);
 
-v1::SceneCandidate ToProto(const ConsideredScene& scene);
-v1::SceneState ToProto(SceneState state);
-v1::ModelInfo ToProto(const ModelInfo& info);
-v1::GeoAnchor ToProto(const GeoAnchor& anchor);
-v1::SceneInfo ToProto(const SceneStatus& status);
+v1::SceneCandidate ToProto(const recognition::ConsideredScene& scene);
+v1::SceneState ToProto(repository::SceneState state);
+v1::ModelInfo ToProto(const forest::ModelInfo& info);
+v1::GeoAnchor ToProto(const repository::GeoAnchor& anchor);
+v1::SceneInfo ToProto(const repository::SceneStatus& status);
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_CONVERT_H_

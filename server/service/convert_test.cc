@@ -7,15 +7,16 @@
 #include "gtest/gtest.h"
 #include "server/service/service_test_util.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 TEST(Convert, ALocalizedEstimateArrivesBitForBit) {
-  const PoseEstimate estimate = LocalizedEstimate();
-  const v1::LocalizeResponse proto = ToProto(estimate, RgbdSensor::kDepth);
+  const localizer::PoseEstimate estimate = LocalizedEstimate();
+  const v1::LocalizeResponse proto =
+      ToProto(estimate, camera::RgbdSensor::kDepth);
   EXPECT_EQ(proto.outcome(), v1::OUTCOME_LOCALIZED);
   EXPECT_EQ(proto.reason(), v1::NOT_LOCALIZED_REASON_NONE);
-  const auto pose = FromProto(proto.world_from_camera(), "pose");
+  const auto pose = wire::FromProto(proto.world_from_camera(), "pose");
   ASSERT_TRUE(pose.ok()) << pose.status();
   EXPECT_EQ(*pose, estimate.world_from_camera);
   ASSERT_EQ(proto.covariance_size(), 36);
@@ -29,10 +30,11 @@ TEST(Convert, ALocalizedEstimateArrivesBitForBit) {
 }
 
 TEST(Convert, WhatIsNotLocalizedHasNoPose) {
-  PoseEstimate estimate = LocalizedEstimate();
-  estimate.outcome = Outcome::kNotLocalized;
-  estimate.reason = NotLocalizedReason::kPoorlyConstrained;
-  const v1::LocalizeResponse proto = ToProto(estimate, RgbdSensor::kColor);
+  localizer::PoseEstimate estimate = LocalizedEstimate();
+  estimate.outcome = localizer::Outcome::kNotLocalized;
+  estimate.reason = localizer::NotLocalizedReason::kPoorlyConstrained;
+  const v1::LocalizeResponse proto =
+      ToProto(estimate, camera::RgbdSensor::kColor);
   EXPECT_EQ(proto.outcome(), v1::OUTCOME_NOT_LOCALIZED);
   EXPECT_EQ(proto.reason(), v1::NOT_LOCALIZED_REASON_POORLY_CONSTRAINED);
   EXPECT_FALSE(proto.has_world_from_camera());
@@ -43,33 +45,36 @@ TEST(Convert, WhatIsNotLocalizedHasNoPose) {
 }
 
 TEST(Convert, EachReasonHasItsOwnNumber) {
-  EXPECT_EQ(ToProto(NotLocalizedReason::kNone), 0);
-  EXPECT_EQ(ToProto(NotLocalizedReason::kTooFewSamples), 1);
-  EXPECT_EQ(ToProto(NotLocalizedReason::kTooFewInliers), 2);
-  EXPECT_EQ(ToProto(NotLocalizedReason::kPoorlyConstrained), 3);
+  EXPECT_EQ(ToProto(localizer::NotLocalizedReason::kNone), 0);
+  EXPECT_EQ(ToProto(localizer::NotLocalizedReason::kTooFewSamples), 1);
+  EXPECT_EQ(ToProto(localizer::NotLocalizedReason::kTooFewInliers), 2);
+  EXPECT_EQ(ToProto(localizer::NotLocalizedReason::kPoorlyConstrained), 3);
 }
 
 TEST(Convert, CorrespondencesKeepTheirPlaces) {
-  PoseEstimate estimate = LocalizedEstimate();
+  localizer::PoseEstimate estimate = LocalizedEstimate();
   estimate.correspondences = {
       {.color_pixel = {1, 2},
        .point_in_camera = {0.1, 0.2, 0.3},
        .point_in_world = {4, 5, 6},
        .inlier = true},
       {.color_pixel = {3, 4}, .point_in_camera = {}, .point_in_world = {}}};
-  const v1::LocalizeResponse proto = ToProto(estimate, RgbdSensor::kColor);
+  const v1::LocalizeResponse proto =
+      ToProto(estimate, camera::RgbdSensor::kColor);
   ASSERT_EQ(proto.correspondences_size(), 2);
   const v1::Correspondence& first = proto.correspondences(0);
   EXPECT_EQ(first.color_pixel().x_px(), 1);
   EXPECT_EQ(first.color_pixel().y_px(), 2);
-  EXPECT_EQ(*FromProto(first.point_in_camera_m(), ""), (Vec3{0.1, 0.2, 0.3}));
-  EXPECT_EQ(*FromProto(first.point_in_world_m(), ""), (Vec3{4, 5, 6}));
+  EXPECT_EQ(*wire::FromProto(first.point_in_camera_m(), ""),
+            (geometry::Vec3{0.1, 0.2, 0.3}));
+  EXPECT_EQ(*wire::FromProto(first.point_in_world_m(), ""),
+            (geometry::Vec3{4, 5, 6}));
   EXPECT_TRUE(first.inlier());
   EXPECT_FALSE(proto.correspondences(1).inlier());
 }
 
-ModelInfo SomeInfo() {
-  ModelInfo info;
+forest::ModelInfo SomeInfo() {
+  forest::ModelInfo info;
   info.format_version = 3;
   info.method = "rgbd";
   info.software_version = "0.1.0";
@@ -102,9 +107,11 @@ TEST(Convert, ModelInfoKeepsEveryField) {
   ASSERT_EQ(proto.options_size(), 2);
   EXPECT_EQ(proto.options(0).name(), "trees");
   EXPECT_EQ(proto.options(0).value(), "5");
-  EXPECT_EQ(*FromProto(proto.calibration(), ""), TestCalibration());
-  EXPECT_EQ(*FromProto(proto.bounds_min_in_world_m(), ""), (Vec3{-1, -2, -3}));
-  EXPECT_EQ(*FromProto(proto.bounds_max_in_world_m(), ""), (Vec3{1, 2, 3.5}));
+  EXPECT_EQ(*wire::FromProto(proto.calibration(), ""), TestCalibration());
+  EXPECT_EQ(*wire::FromProto(proto.bounds_min_in_world_m(), ""),
+            (geometry::Vec3{-1, -2, -3}));
+  EXPECT_EQ(*wire::FromProto(proto.bounds_max_in_world_m(), ""),
+            (geometry::Vec3{1, 2, 3.5}));
   EXPECT_EQ(proto.training_frames(), 500);
   EXPECT_EQ(proto.training_samples(), 2'500'000'000);
   EXPECT_EQ(proto.training_s(), 41.5);
@@ -116,12 +123,13 @@ TEST(Convert, ModelInfoKeepsEveryField) {
 }
 
 TEST(Convert, ASceneThatFailedSaysWhy) {
-  SceneStatus status;
+  repository::SceneStatus status;
   status.name = "office";
-  status.state = SceneState::kFailed;
+  status.state = repository::SceneState::kFailed;
   status.failure = absl::DataLossError("checksum differs");
-  status.versions = {{"2", SceneState::kFailed, status.failure},
-                     {"1", SceneState::kUnloaded, absl::OkStatus()}};
+  status.versions = {
+      {"2", repository::SceneState::kFailed, status.failure},
+      {"1", repository::SceneState::kUnloaded, absl::OkStatus()}};
   const v1::SceneInfo proto = ToProto(status);
   EXPECT_EQ(proto.scene(), "office");
   EXPECT_EQ(proto.state(), v1::SCENE_STATE_FAILED);
@@ -137,35 +145,37 @@ TEST(Convert, ASceneThatFailedSaysWhy) {
 }
 
 TEST(Convert, WhatSceneJsonSaysIsPassedOn) {
-  SceneStatus status;
+  repository::SceneStatus status;
   status.name = "kitchen";
   status.resident_bytes = 5'000'000'000;
-  status.versions = {{"1", SceneState::kUnloaded, absl::OkStatus()}};
+  status.versions = {
+      {"1", repository::SceneState::kUnloaded, absl::OkStatus()}};
   const v1::SceneInfo without = ToProto(status);
   EXPECT_EQ(without.display_name(), "");
   EXPECT_FALSE(without.has_geo_anchor());
   EXPECT_FALSE(without.has_default_camera());
   EXPECT_EQ(without.resident_bytes(), 5'000'000'000u);
 
-  SceneMetadata metadata;
+  repository::SceneMetadata metadata;
   metadata.display_name = "Küche";
-  metadata.geo_anchor = GeoAnchor{.latitude_deg = 49.5,
-                                  .longitude_deg = -8.25,
-                                  .height_m = 191,
-                                  .enu_from_world = EnuFromWorldOfHeading(90)};
+  metadata.geo_anchor = repository::GeoAnchor{
+      .latitude_deg = 49.5,
+      .longitude_deg = -8.25,
+      .height_m = 191,
+      .enu_from_world = repository::EnuFromWorldOfHeading(90)};
   metadata.camera = TestCalibration().color;
-  status.metadata = std::make_shared<const SceneMetadata>(metadata);
+  status.metadata = std::make_shared<const repository::SceneMetadata>(metadata);
   const v1::SceneInfo proto = ToProto(status);
   EXPECT_EQ(proto.display_name(), "Küche");
   EXPECT_EQ(proto.geo_anchor().latitude_deg(), 49.5);
   EXPECT_EQ(proto.geo_anchor().longitude_deg(), -8.25);
   EXPECT_EQ(proto.geo_anchor().height_m(), 191);
-  const Rotation3 rotation = EnuFromWorldOfHeading(90);
+  const geometry::Rotation3 rotation = repository::EnuFromWorldOfHeading(90);
   EXPECT_EQ(proto.geo_anchor().enu_from_world().w(), rotation.w);
   EXPECT_EQ(proto.geo_anchor().enu_from_world().x(), rotation.x);
   EXPECT_EQ(proto.geo_anchor().enu_from_world().y(), rotation.y);
   EXPECT_EQ(proto.geo_anchor().enu_from_world().z(), rotation.z);
-  EXPECT_EQ(*FromProto(proto.default_camera(), ""), *metadata.camera);
+  EXPECT_EQ(*wire::FromProto(proto.default_camera(), ""), *metadata.camera);
 }
 
 TEST(Convert, ASceneThatServesDescribesItsModel) {
@@ -179,4 +189,4 @@ TEST(Convert, ASceneThatServesDescribesItsModel) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::service

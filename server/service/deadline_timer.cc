@@ -4,7 +4,7 @@
 
 #include "absl/time/time.h"
 
-namespace treeline {
+namespace treeline::service {
 
 DeadlineTimer::DeadlineTimer() : thread_([this] { Run(); }) {}
 
@@ -17,7 +17,7 @@ DeadlineTimer::~DeadlineTimer() {
   thread_.join();
 }
 
-DeadlineTimer::Key DeadlineTimer::Arm(MonotonicTime deadline,
+DeadlineTimer::Key DeadlineTimer::Arm(base::MonotonicTime deadline,
                                       std::function<void()> expire) {
   absl::MutexLock lock(&mutex_);
   const Key key{deadline, ++last_};
@@ -45,7 +45,7 @@ void DeadlineTimer::Run() {
     }
     const auto first = armed_.begin();
     const auto left = first->first.first - std::chrono::steady_clock::now();
-    if (left > MonotonicTime::duration::zero()) {
+    if (left > base::MonotonicTime::duration::zero()) {
       changed_.WaitWithTimeout(&mutex_, absl::FromChrono(left));
       continue;
     }
@@ -58,4 +58,4 @@ void DeadlineTimer::Run() {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

@@ -12,13 +12,13 @@
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
 
-namespace treeline {
+namespace treeline::service {
 
 // One thread for any number of deadlines, on std::chrono::steady_clock. For
 // transports that do not watch deadlines themselves. Thread-safe.
 class DeadlineTimer {
  public:
-  using Key = std::pair<MonotonicTime, uint64_t>;
+  using Key = std::pair<base::MonotonicTime, uint64_t>;
 
   DeadlineTimer();
   // Forgets what is still armed.
@@ -28,7 +28,7 @@ class DeadlineTimer {
 
   // Calls `expire`, which must be quick, on the timer's thread once `deadline`
   // has passed.
-  Key Arm(MonotonicTime deadline, std::function<void()> expire);
+  Key Arm(base::MonotonicTime deadline, std::function<void()> expire);
   // Forgets it, if it has not begun.
   void Disarm(const Key& key);
 
@@ -43,6 +43,6 @@ class DeadlineTimer {
   std::thread thread_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_DEADLINE_TIMER_H_

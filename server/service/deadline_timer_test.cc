@@ -7,7 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 using std::chrono::milliseconds;
@@ -15,7 +15,7 @@ using ::testing::ElementsAre;
 
 TEST(DeadlineTimer, ExpiresInTheOrderOfTheDeadlinesAndNotBefore) {
   DeadlineTimer timer;
-  const MonotonicTime start = std::chrono::steady_clock::now();
+  const base::MonotonicTime start = std::chrono::steady_clock::now();
   std::vector<int> order;
   absl::Notification last;
   timer.Arm(start + milliseconds(30), [&] {
@@ -32,13 +32,13 @@ TEST(DeadlineTimer, ExpiresInTheOrderOfTheDeadlinesAndNotBefore) {
 TEST(DeadlineTimer, ADeadlineThatHasPassedExpiresAtOnce) {
   DeadlineTimer timer;
   absl::Notification expired;
-  timer.Arm(MonotonicTime{}, [&] { expired.Notify(); });
+  timer.Arm(base::MonotonicTime{}, [&] { expired.Notify(); });
   expired.WaitForNotification();
 }
 
 TEST(DeadlineTimer, WhatIsDisarmedDoesNotExpire) {
   DeadlineTimer timer;
-  const MonotonicTime soon =
+  const base::MonotonicTime soon =
       std::chrono::steady_clock::now() + milliseconds(20);
   std::atomic<bool> wrong{false};
   const DeadlineTimer::Key key = timer.Arm(soon, [&] { wrong = true; });
@@ -51,4 +51,4 @@ TEST(DeadlineTimer, WhatIsDisarmedDoesNotExpire) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::service

@@ -9,7 +9,7 @@
 #include "treeline/v1/relocalization.pb.h"
 #include "treeline/v1/scenes.pb.h"
 
-namespace treeline {
+namespace treeline::service {
 
 // Calls in the service now.
 struct Load {
@@ -50,6 +50,6 @@ class Dispatcher {
   virtual Load load() const = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_DISPATCHER_H_

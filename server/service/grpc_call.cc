@@ -9,23 +9,23 @@
 #include "common/base/error_info.h"
 #include "common/wire/status.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 constexpr absl::string_view kBearer = "bearer ";
 
 // gRPC gives deadlines on the system clock; everything here is on the
 // monotonic one.
-MonotonicTime MonotonicDeadline(const grpc::CallbackServerContext& context,
-                                MonotonicTime now) {
+base::MonotonicTime MonotonicDeadline(
+    const grpc::CallbackServerContext& context, base::MonotonicTime now) {
   const auto deadline = context.deadline();
   if (deadline == std::chrono::system_clock::time_point::max()) {
-    return MonotonicTime::max();
+    return base::MonotonicTime::max();
   }
   const auto left = deadline - std::chrono::system_clock::now();
   // Far deadlines must not overflow the sum.
-  if (left > std::chrono::hours(24 * 365)) return MonotonicTime::max();
-  return now + std::chrono::duration_cast<MonotonicTime::duration>(left);
+  if (left > std::chrono::hours(24 * 365)) return base::MonotonicTime::max();
+  return now + std::chrono::duration_cast<base::MonotonicTime::duration>(left);
 }
 
 std::string MetadataOf(const grpc::CallbackServerContext& context,
@@ -61,11 +61,11 @@ CallInfo CallInfoFrom(const grpc::CallbackServerContext& context,
 
 grpc::Status FinishStatus(const absl::Status& status,
                           grpc::CallbackServerContext& context) {
-  if (const auto retry_after = RetryAfterOf(status)) {
+  if (const auto retry_after = base::RetryAfterOf(status)) {
     context.AddTrailingMetadata("grpc-retry-pushback-ms",
                                 absl::StrCat(retry_after->count()));
   }
-  return ToGrpc(status);
+  return wire::ToGrpc(status);
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

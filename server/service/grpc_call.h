@@ -13,14 +13,14 @@
 #include "common/base/clock.h"
 #include "server/service/call.h"
 
-namespace treeline {
+namespace treeline::service {
 
 using CertificateNamesOf =
     std::function<std::vector<std::string>(const grpc::AuthContext&)>;
 
 // What all calls of a listener have in common.
 struct CallSource {
-  const Clock& clock;
+  const base::Clock& clock;
   bool admin_listener = false;
   CertificateNamesOf certificate_names = {};
 };
@@ -35,6 +35,6 @@ CallInfo CallInfoFrom(const grpc::CallbackServerContext& context,
 grpc::Status FinishStatus(const absl::Status& status,
                           grpc::CallbackServerContext& context);
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_GRPC_CALL_H_

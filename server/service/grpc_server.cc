@@ -17,7 +17,7 @@
 #include "server/service/grpc_services.h"
 #include "server/service/scene_health.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 // A peer that does not finish its handshake is cut off; one that is silent is
@@ -85,8 +85,10 @@ void SetLimits(const GrpcServerOptions& options, grpc::ServerBuilder& builder) {
 }  // namespace
 
 absl::Status GrpcServerOptions::Validate() const {
-  TL_ASSIGN_OR_RETURN(const ListenAddress address, ParseListenAddress(listen));
-  if (credentials == nullptr && !insecure_any_address && !IsLoopback(address)) {
+  TL_ASSIGN_OR_RETURN(const base::ListenAddress address,
+                      base::ParseListenAddress(listen));
+  if (credentials == nullptr && !insecure_any_address &&
+      !base::IsLoopback(address)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "refusing to listen on ", address.ToString(),
         ", which other machines may reach: the connection is neither encrypted "
@@ -121,13 +123,13 @@ GrpcServer::GrpcServer(std::unique_ptr<Parts> parts)
 GrpcServer::~GrpcServer() { Stop(std::chrono::milliseconds(0)); }
 
 absl::StatusOr<std::unique_ptr<GrpcServer>> GrpcServer::Start(
-    Dispatcher& dispatcher, const SceneRepository& repository,
-    const GrpcServerOptions& options, const Clock& clock) {
+    Dispatcher& dispatcher, const repository::SceneRepository& repository,
+    const GrpcServerOptions& options, const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
-  TL_ASSIGN_OR_RETURN(ListenAddress address,
-                      ParseListenAddress(options.listen));
+  TL_ASSIGN_OR_RETURN(base::ListenAddress address,
+                      base::ParseListenAddress(options.listen));
   // gRPC would fail too, but keep the reason to itself.
-  TL_RETURN_IF_ERROR(TryBind(address));
+  TL_RETURN_IF_ERROR(base::TryBind(address));
   EnablePlugins();
   auto parts = std::make_unique<Parts>(
       dispatcher,
@@ -183,4 +185,4 @@ void GrpcServer::Stop(std::chrono::milliseconds grace) {
   parts_->server.reset();
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

@@ -15,7 +15,7 @@
 #include "server/service/dispatcher.h"
 #include "server/service/grpc_call.h"
 
-namespace treeline {
+namespace treeline::service {
 
 // Which of the services a listener has.
 enum class ListenerKind {
@@ -62,8 +62,8 @@ class GrpcServer {
   // INVALID_ARGUMENT: options. UNAVAILABLE: the address cannot be bound, with
   // the system's reason. All references must outlive the server.
   static absl::StatusOr<std::unique_ptr<GrpcServer>> Start(
-      Dispatcher& dispatcher, const SceneRepository& repository,
-      const GrpcServerOptions& options, const Clock& clock);
+      Dispatcher& dispatcher, const repository::SceneRepository& repository,
+      const GrpcServerOptions& options, const base::Clock& clock);
   // Stops without waiting for calls in flight: they are cancelled.
   ~GrpcServer();
 
@@ -86,6 +86,6 @@ class GrpcServer {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_GRPC_SERVER_H_

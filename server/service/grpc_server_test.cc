@@ -27,7 +27,7 @@
 #include "treeline/v1/relocalization.grpc.pb.h"
 #include "treeline/v1/scenes.grpc.pb.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 using ::testing::AnyOf;
@@ -50,7 +50,7 @@ class GrpcServerTest : public testing::Test {
                  {"gate", [this](auto&, auto&) { return PassGate(); }},
                  {"patient", [this](auto&, auto& o) { return WaitForStop(o); }},
                  {"throws",
-                  [](auto&, auto&) -> absl::StatusOr<PoseEstimate> {
+                  [](auto&, auto&) -> absl::StatusOr<localizer::PoseEstimate> {
                     throw std::runtime_error("secret of the house");
                   }}},
                 /*keep_files=*/true) {}
@@ -71,14 +71,15 @@ class GrpcServerTest : public testing::Test {
   }
 
   // Returns when the test opens the gate; says when it got there.
-  PoseEstimate PassGate() {
+  localizer::PoseEstimate PassGate() {
     at_gate_.Notify();
     gate_.WaitForNotification();
     return LocalizedEstimate();
   }
 
   // Returns when the call is stopped, as a real localizer does.
-  absl::StatusOr<PoseEstimate> WaitForStop(const LocalizeOptions& options) {
+  absl::StatusOr<localizer::PoseEstimate> WaitForStop(
+      const localizer::LocalizeOptions& options) {
     at_gate_.Notify();
     absl::Notification stopped;
     const std::stop_callback on_stop(options.stop, [&] { stopped.Notify(); });
@@ -119,7 +120,7 @@ class GrpcServerTest : public testing::Test {
   FakeScenes scenes_;
   RecordingObserver observer_;
   OpenAccess access_;
-  SteadyClock clock_;
+  base::SteadyClock clock_;
   std::optional<ServiceDispatcher> dispatcher_;
   std::unique_ptr<GrpcServer> server_;
   std::shared_ptr<grpc::Channel> channel_;
@@ -355,9 +356,10 @@ TEST_F(GrpcServerTest, ErrorsCarryAReasonForPrograms) {
   v1::LocalizeRequest request = TestRequest("kitchen");
   request.mutable_frame()->mutable_depth()->set_unit_m(0);
   const absl::Status status =
-      FromGrpc(stub_->Localize(&context, request, &response));
-  EXPECT_EQ(ErrorInfoOf(status).reason, "INVALID_REQUEST");
-  EXPECT_EQ(ErrorInfoOf(status).metadata.at("field"), "frame.depth.unit_m");
+      wire::FromGrpc(stub_->Localize(&context, request, &response));
+  EXPECT_EQ(base::ErrorInfoOf(status).reason, "INVALID_REQUEST");
+  EXPECT_EQ(base::ErrorInfoOf(status).metadata.at("field"),
+            "frame.depth.unit_m");
 }
 
 TEST_F(GrpcServerTest, OnlyTheAdminListenerAdministers) {
@@ -422,10 +424,11 @@ TEST_F(GrpcServerTest, StopLetsCallsInFlightFinish) {
   StartServer();
   const auto call = Begin(*stub_, "gate");
   at_gate_.WaitForNotification();
-  const ListenAddress address = *ParseListenAddress(server_->address());
+  const base::ListenAddress address =
+      *base::ParseListenAddress(server_->address());
   std::thread stopping([&] { server_->Stop(std::chrono::seconds(60)); });
   // The port is free as soon as the server has begun to stop.
-  while (!TryBind(address).ok()) std::this_thread::yield();
+  while (!base::TryBind(address).ok()) std::this_thread::yield();
   gate_.Notify();
   call->done.WaitForNotification();
   stopping.join();
@@ -460,4 +463,4 @@ TEST_F(GrpcServerTest, ReportsThePortThatItWasGiven) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::service

@@ -5,7 +5,7 @@
 
 #include "server/service/grpc_call.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 // One unary call in flight. Lives until gRPC is done with it.
@@ -93,4 +93,4 @@ grpc::ServerUnaryReactor* SceneGrpcService::UnloadScene(
                &Dispatcher::UnloadScene, "UnloadScene", source_);
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

@@ -8,7 +8,7 @@
 #include "treeline/v1/relocalization.grpc.pb.h"
 #include "treeline/v1/scenes.grpc.pb.h"
 
-namespace treeline {
+namespace treeline::service {
 
 class RelocalizationGrpcService final
     : public v1::RelocalizationService::CallbackService {
@@ -58,6 +58,6 @@ class SceneGrpcService final : public v1::SceneService::CallbackService {
   const CallSource source_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_GRPC_SERVICES_H_

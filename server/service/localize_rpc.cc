@@ -13,7 +13,7 @@
 #include "server/core/recognition/localize_among.h"
 #include "server/service/convert.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 constexpr double kLongestBudget_ms = 24 * 3600 * 1000.0;
@@ -21,7 +21,7 @@ constexpr double kLongestBudget_ms = 24 * 3600 * 1000.0;
 constexpr int kMostCandidates = 16;
 
 // Whether a call is still worth an answer at `now`.
-absl::Status CheckWanted(const CallInfo& call, MonotonicTime now,
+absl::Status CheckWanted(const CallInfo& call, base::MonotonicTime now,
                          absl::string_view where) {
   if (now >= call.deadline) {
     return absl::DeadlineExceededError(
@@ -34,16 +34,16 @@ absl::Status CheckWanted(const CallInfo& call, MonotonicTime now,
 }
 
 // The same for one that leaves the queue.
-absl::Status CheckWantedInQueue(const CallInfo& call, MonotonicTime now,
+absl::Status CheckWantedInQueue(const CallInfo& call, base::MonotonicTime now,
                                 CallRecord& record) {
   absl::Status wanted = CheckWanted(call, now, "in the queue");
   record.shed = absl::IsDeadlineExceeded(wanted);
   return wanted;
 }
 
-LocalizeOptions OptionsOf(const v1::LocalizeRequest& request,
-                          const CallInfo& call) {
-  LocalizeOptions options;
+localizer::LocalizeOptions OptionsOf(const v1::LocalizeRequest& request,
+                                     const CallInfo& call) {
+  localizer::LocalizeOptions options;
   options.seed = request.options().seed();
   options.keep_correspondences = request.options().include_correspondences();
   if (request.options().has_min_confidence()) {
@@ -53,14 +53,15 @@ LocalizeOptions OptionsOf(const v1::LocalizeRequest& request,
   return options;
 }
 
-absl::StatusOr<std::optional<PosePrior>> PriorFrom(
+absl::StatusOr<std::optional<localizer::PosePrior>> PriorFrom(
     const v1::LocalizeOptions& options) {
   if (!options.has_prior()) return std::nullopt;
   constexpr char kField[] = "options.prior";
-  PosePrior prior;
-  TL_ASSIGN_OR_RETURN(prior.world_from_camera,
-                      FromProto(options.prior().world_from_camera(),
-                                absl::StrCat(kField, ".world_from_camera")));
+  localizer::PosePrior prior;
+  TL_ASSIGN_OR_RETURN(
+      prior.world_from_camera,
+      wire::FromProto(options.prior().world_from_camera(),
+                      absl::StrCat(kField, ".world_from_camera")));
   prior.position_radius_m = options.prior().position_radius_m();
   prior.rotation_radius_rad = options.prior().rotation_radius_rad();
   if (const absl::Status valid = prior.Validate(); !valid.ok()) {
@@ -76,13 +77,14 @@ absl::Status CheckOptions(const v1::LocalizeOptions& options) {
   if (options.has_time_budget_ms() &&
       !(options.time_budget_ms() > 0 &&
         options.time_budget_ms() <= kLongestBudget_ms)) {
-    return FieldError("options.time_budget_ms",
-                      absl::StrCat(options.time_budget_ms(),
-                                   " is not a positive time up to a day"));
+    return wire::FieldError(
+        "options.time_budget_ms",
+        absl::StrCat(options.time_budget_ms(),
+                     " is not a positive time up to a day"));
   }
   if (options.has_min_confidence() &&
       !(options.min_confidence() >= 0 && options.min_confidence() <= 1)) {
-    return FieldError(
+    return wire::FieldError(
         "options.min_confidence",
         absl::StrCat(options.min_confidence(), " is no probability"));
   }
@@ -90,25 +92,27 @@ absl::Status CheckOptions(const v1::LocalizeOptions& options) {
 }
 
 absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Handle(
-    const v1::LocalizeRequest& request, const Scene& scene,
+    const v1::LocalizeRequest& request, const repository::Scene& scene,
     const CallInfo& call, CallRecord& record) const {
-  const MonotonicTime start = clock_.Now();
-  record.timings.queue_ms = MillisecondsBetween(call.arrival, start);
+  const base::MonotonicTime start = clock_.Now();
+  record.timings.queue_ms = base::MillisecondsBetween(call.arrival, start);
   record.model_version = scene.version;
   record.method = scene.localizer->info().method;
   TL_RETURN_IF_ERROR(CheckWantedInQueue(call, start, record));
 
-  TL_ASSIGN_OR_RETURN(const std::optional<PosePrior> prior,
+  TL_ASSIGN_OR_RETURN(const std::optional<localizer::PosePrior> prior,
                       PriorFrom(request.options()));
-  const RgbdCalibration calibration = QueryCalibration(scene);
+  const camera::RgbdCalibration calibration =
+      repository::QueryCalibration(scene);
   TL_ASSIGN_OR_RETURN(
-      Frame frame, FromProto(request.frame(), calibration, limits_, "frame"));
+      image::Frame frame,
+      wire::FromProto(request.frame(), calibration, limits_, "frame"));
   // The localizer itself only knows the model's.
-  if (!frame.calibration && HasOwnCamera(scene)) {
+  if (!frame.calibration && repository::HasOwnCamera(scene)) {
     frame.calibration = calibration;
   }
-  const MonotonicTime decoded = clock_.Now();
-  record.timings.decode_ms = MillisecondsBetween(start, decoded);
+  const base::MonotonicTime decoded = clock_.Now();
+  record.timings.decode_ms = base::MillisecondsBetween(start, decoded);
   TL_RETURN_IF_ERROR(CheckWanted(call, decoded, "while decoding"));
 
   return Answer(scene.localizer->Localize(frame, OptionsOf(request, call)),
@@ -119,56 +123,59 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
     const v1::LocalizeRequest& request, const SceneRecognizer& recognizer,
     const AcquireByName& acquire, const CallInfo& call,
     CallRecord& record) const {
-  const MonotonicTime start = clock_.Now();
-  record.timings.queue_ms = MillisecondsBetween(call.arrival, start);
+  const base::MonotonicTime start = clock_.Now();
+  record.timings.queue_ms = base::MillisecondsBetween(call.arrival, start);
   TL_RETURN_IF_ERROR(CheckWantedInQueue(call, start, record));
-  TL_ASSIGN_OR_RETURN(const std::optional<PosePrior> prior,
+  TL_ASSIGN_OR_RETURN(const std::optional<localizer::PosePrior> prior,
                       PriorFrom(request.options()));
-  TL_ASSIGN_OR_RETURN(Frame frame,
-                      PixelsFromProto(request.frame(), limits_, "frame"));
+  TL_ASSIGN_OR_RETURN(image::Frame frame,
+                      wire::PixelsFromProto(request.frame(), limits_, "frame"));
   const std::vector<std::string> candidates(request.candidate_scenes().begin(),
                                             request.candidate_scenes().end());
-  const std::vector<SceneScore> ranking = recognizer.Rank(frame, candidates);
-  const MonotonicTime decoded = clock_.Now();
-  record.timings.decode_ms = MillisecondsBetween(start, decoded);
+  const std::vector<recognition::SceneScore> ranking =
+      recognizer.Rank(frame, candidates);
+  const base::MonotonicTime decoded = clock_.Now();
+  record.timings.decode_ms = base::MillisecondsBetween(start, decoded);
   TL_RETURN_IF_ERROR(CheckWanted(call, decoded, "while decoding"));
   if (ranking.empty()) {
-    return WithReason(
+    return base::WithReason(
         absl::FailedPreconditionError(
             "no scene can be recognized: their models hold no descriptors, or "
             "are not here yet; name the scene"),
         "NO_SCENE_TO_RECOGNIZE");
   }
 
-  std::map<std::string, std::shared_ptr<const Scene>> used;
+  std::map<std::string, std::shared_ptr<const repository::Scene>> used;
   const auto try_scene =
-      [&](const std::string& name) -> absl::StatusOr<SceneToTry> {
-    TL_ASSIGN_OR_RETURN(std::shared_ptr<const Scene> scene, acquire(name));
-    const RgbdCalibration calibration = QueryCalibration(*scene);
-    SceneToTry to_try;
+      [&](const std::string& name) -> absl::StatusOr<recognition::SceneToTry> {
+    TL_ASSIGN_OR_RETURN(std::shared_ptr<const repository::Scene> scene,
+                        acquire(name));
+    const camera::RgbdCalibration calibration =
+        repository::QueryCalibration(*scene);
+    recognition::SceneToTry to_try;
     to_try.localizer = scene->localizer;
-    TL_ASSIGN_OR_RETURN(
-        to_try.calibration,
-        CalibrationFromProto(request.frame(), frame, calibration, "frame"));
-    if (!to_try.calibration && HasOwnCamera(*scene)) {
+    TL_ASSIGN_OR_RETURN(to_try.calibration,
+                        wire::CalibrationFromProto(request.frame(), frame,
+                                                   calibration, "frame"));
+    if (!to_try.calibration && repository::HasOwnCamera(*scene)) {
       to_try.calibration = calibration;
     }
     used[name] = std::move(scene);
     return to_try;
   };
-  absl::StatusOr<AmongResult> result =
-      LocalizeAmong(frame, ranking, try_scene, OptionsOf(request, call));
+  absl::StatusOr<recognition::AmongResult> result = recognition::LocalizeAmong(
+      frame, ranking, try_scene, OptionsOf(request, call));
   if (!result.ok()) {
-    return Answer(result.status(), prior, Scene{}, call, record);
+    return Answer(result.status(), prior, repository::Scene{}, call, record);
   }
-  const Scene& scene = *used.at(result->scene);
+  const repository::Scene& scene = *used.at(result->scene);
   record.scene = scene.name;
   record.model_version = scene.version;
   record.method = scene.localizer->info().method;
   TL_ASSIGN_OR_RETURN(
       v1::LocalizeResponse response,
       Answer(std::move(result->estimate), prior, scene, call, record));
-  for (const ConsideredScene& considered : result->considered) {
+  for (const recognition::ConsideredScene& considered : result->considered) {
     *response.add_candidates() = ToProto(considered);
     if (response.candidates_size() == kMostCandidates) break;
   }
@@ -176,10 +183,11 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
 }
 
 absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Answer(
-    absl::StatusOr<PoseEstimate> estimate,
-    const std::optional<PosePrior>& prior, const Scene& scene,
-    const CallInfo& call, CallRecord& record) const {
-  const MonotonicTime end = clock_.Now();
+    absl::StatusOr<localizer::PoseEstimate> estimate,
+    const std::optional<localizer::PosePrior>& prior,
+    const repository::Scene& scene, const CallInfo& call,
+    CallRecord& record) const {
+  const base::MonotonicTime end = clock_.Now();
   if (!estimate.ok()) {
     // The deadline stops the work in the same way as the client does.
     if (absl::IsCancelled(estimate.status())) {
@@ -187,7 +195,7 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Answer(
     }
     return estimate.status();
   }
-  if (prior) ApplyPrior(*prior, *estimate);
+  if (prior) localizer::ApplyPrior(*prior, *estimate);
   record.outcome = estimate->outcome;
   record.reason = estimate->reason;
   record.inliers = estimate->inliers;
@@ -201,11 +209,12 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Answer(
   response.set_model_version(scene.version);
   response.set_confidence_threshold(
       scene.localizer->info()
-          .confidence.value_or(ConfidenceModel::Typical())
+          .confidence.value_or(forest::ConfidenceModel::Typical())
           .threshold);
-  record.timings.total_ms = MillisecondsBetween(call.arrival, clock_.Now());
+  record.timings.total_ms =
+      base::MillisecondsBetween(call.arrival, clock_.Now());
   *response.mutable_timings() = ToProto(record.timings);
   return response;
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

@@ -18,7 +18,7 @@
 #include "server/service/scene_recognizer.h"
 #include "treeline/v1/relocalization.pb.h"
 
-namespace treeline {
+namespace treeline::service {
 
 // What can be said about options before a query waits: INVALID_ARGUMENT, naming
 // the field.
@@ -26,14 +26,14 @@ absl::Status CheckOptions(const v1::LocalizeOptions& options);
 
 class LocalizeRpc {
  public:
-  LocalizeRpc(const DecodeLimits& limits, const Clock& clock)
+  LocalizeRpc(const image::DecodeLimits& limits, const base::Clock& clock)
       : limits_(limits), clock_(clock) {}
 
   // Answers a request that names no scene: ranks scenes by what they look like,
   // and looks for a pose in the best (see LocalizeAmong). `acquire` gives a
   // scene, or says why it cannot be had.
   using AcquireByName =
-      std::function<absl::StatusOr<std::shared_ptr<const Scene>>(
+      std::function<absl::StatusOr<std::shared_ptr<const repository::Scene>>(
           const std::string& name)>;
   absl::StatusOr<v1::LocalizeResponse> HandleAmong(
       const v1::LocalizeRequest& request, const SceneRecognizer& recognizer,
@@ -45,19 +45,20 @@ class LocalizeRpc {
   // is turned away before anything is decoded. Fills what `record` says of
   // version, outcome and stages. Errors as in relocalization.proto.
   absl::StatusOr<v1::LocalizeResponse> Handle(
-      const v1::LocalizeRequest& request, const Scene& scene,
+      const v1::LocalizeRequest& request, const repository::Scene& scene,
       const CallInfo& call, CallRecord& record) const;
 
  private:
   absl::StatusOr<v1::LocalizeResponse> Answer(
-      absl::StatusOr<PoseEstimate> estimate,
-      const std::optional<PosePrior>& prior, const Scene& scene,
-      const CallInfo& call, CallRecord& record) const;
+      absl::StatusOr<localizer::PoseEstimate> estimate,
+      const std::optional<localizer::PosePrior>& prior,
+      const repository::Scene& scene, const CallInfo& call,
+      CallRecord& record) const;
 
-  const DecodeLimits limits_;
-  const Clock& clock_;
+  const image::DecodeLimits limits_;
+  const base::Clock& clock_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_LOCALIZE_RPC_H_

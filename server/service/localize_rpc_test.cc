@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "server/service/service_test_util.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 using ::testing::HasSubstr;
@@ -17,14 +17,15 @@ class LocalizeRpcTest : public testing::Test {
  protected:
   LocalizeRpcTest()
       : scenes_({{"kitchen",
-                  [this](const Frame& frame, const LocalizeOptions& options) {
+                  [this](const image::Frame& frame,
+                         const localizer::LocalizeOptions& options) {
                     frame_ = frame;
                     options_ = options;
                     if (during_localize_) during_localize_();
                     return answer_;
                   }}}),
         clock_(std::chrono::milliseconds(10)),
-        rpc_(DecodeLimits{}, clock_) {
+        rpc_(image::DecodeLimits{}, clock_) {
     call_.arrival = clock_.Now();
     call_.stop = stop_.get_token();
   }
@@ -37,10 +38,10 @@ class LocalizeRpcTest : public testing::Test {
   }
 
   // What the fake localizer was given, and what it answers.
-  std::optional<Frame> frame_;
-  std::optional<LocalizeOptions> options_;
+  std::optional<image::Frame> frame_;
+  std::optional<localizer::LocalizeOptions> options_;
   std::function<void()> during_localize_;
-  absl::StatusOr<PoseEstimate> answer_ = LocalizedEstimate();
+  absl::StatusOr<localizer::PoseEstimate> answer_ = LocalizedEstimate();
 
   FakeScenes scenes_;
   SteppingClock clock_;
@@ -54,7 +55,7 @@ TEST_F(LocalizeRpcTest, AnswersWithTheEstimateAndWhoMadeIt) {
   const auto response = Handle(TestRequest("kitchen"));
   ASSERT_TRUE(response.ok()) << response.status();
   EXPECT_EQ(response->outcome(), v1::OUTCOME_LOCALIZED);
-  EXPECT_EQ(*FromProto(response->world_from_camera(), ""),
+  EXPECT_EQ(*wire::FromProto(response->world_from_camera(), ""),
             LocalizedEstimate().world_from_camera);
   EXPECT_EQ(response->pose_sensor(), v1::RGBD_SENSOR_DEPTH);
   EXPECT_EQ(response->scene(), "kitchen");
@@ -86,8 +87,8 @@ TEST_F(LocalizeRpcTest, PassesSeedAndOptionsOn) {
 }
 
 TEST_F(LocalizeRpcTest, NotLocalizedIsAnAnswer) {
-  PoseEstimate lost;
-  lost.reason = NotLocalizedReason::kTooFewInliers;
+  localizer::PoseEstimate lost;
+  lost.reason = localizer::NotLocalizedReason::kTooFewInliers;
   lost.samples = 500;
   lost.inliers = 7;
   answer_ = lost;
@@ -96,8 +97,8 @@ TEST_F(LocalizeRpcTest, NotLocalizedIsAnAnswer) {
   EXPECT_EQ(response->outcome(), v1::OUTCOME_NOT_LOCALIZED);
   EXPECT_EQ(response->reason(), v1::NOT_LOCALIZED_REASON_TOO_FEW_INLIERS);
   EXPECT_EQ(response->inliers(), 7);
-  EXPECT_EQ(record_.outcome, Outcome::kNotLocalized);
-  EXPECT_EQ(record_.reason, NotLocalizedReason::kTooFewInliers);
+  EXPECT_EQ(record_.outcome, localizer::Outcome::kNotLocalized);
+  EXPECT_EQ(record_.reason, localizer::NotLocalizedReason::kTooFewInliers);
 }
 
 // The clock moves 10 ms at each look: at arrival, on leaving the queue, after
@@ -118,7 +119,7 @@ TEST_F(LocalizeRpcTest, SaysWhereTheTimeWent) {
 TEST_F(LocalizeRpcTest, RecordsTheCallForTheLog) {
   ASSERT_TRUE(Handle(TestRequest("kitchen")).ok());
   EXPECT_EQ(record_.model_version, "1");
-  EXPECT_EQ(record_.outcome, Outcome::kLocalized);
+  EXPECT_EQ(record_.outcome, localizer::Outcome::kLocalized);
   EXPECT_EQ(record_.inliers, 432);
   EXPECT_EQ(record_.samples, 500);
 }
@@ -178,9 +179,9 @@ TEST_F(LocalizeRpcTest, WorkStoppedByTheDeadlineSaysSo) {
 v1::LocalizeRequest WithPrior(double x, double radius_m, double radius_rad) {
   v1::LocalizeRequest request = TestRequest("kitchen");
   v1::PosePrior& prior = *request.mutable_options()->mutable_prior();
-  Rigid3 pose = LocalizedEstimate().world_from_camera;
+  geometry::Rigid3 pose = LocalizedEstimate().world_from_camera;
   pose.translation.x = x;
-  *prior.mutable_world_from_camera() = ToProto(pose);
+  *prior.mutable_world_from_camera() = wire::ToProto(pose);
   prior.set_position_radius_m(radius_m);
   prior.set_rotation_radius_rad(radius_rad);
   return request;
@@ -237,4 +238,4 @@ TEST_F(LocalizeRpcTest, WhatTheLocalizerRefusesIsPassedOn) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::service

@@ -9,7 +9,7 @@
 #include "common/wire/status.h"
 #include "server/service/grpc_call.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 constexpr int kDefaultPending = 4;
@@ -20,7 +20,7 @@ constexpr int kSideBySide = 2;
 constexpr size_t kMostUnsent = 256;
 
 absl::Status Draining() {
-  return WithReason(
+  return base::WithReason(
       absl::UnavailableError("the server is stopping; open the stream again"),
       "DRAINING");
 }
@@ -88,9 +88,9 @@ void LocalizeStreamCall::OnReadDone(bool ok) {
     }
   }
   if (dropped != nullptr) {
-    const absl::Status status =
-        WithReason(absl::AbortedError("dropped: newer frames were waiting"),
-                   "FRAME_DROPPED");
+    const absl::Status status = base::WithReason(
+        absl::AbortedError("dropped: newer frames were waiting"),
+        "FRAME_DROPPED");
     dispatcher_.Reject(dropped->call, dropped->request.localize(), status);
     absl::MutexLock lock(&mutex_);
     Answer(*dropped, status);
@@ -105,9 +105,9 @@ void LocalizeStreamCall::Accept() {
       settings_.set_max_pending(kDefaultPending);
     if (settings_.max_pending() < 1 || settings_.max_pending() > kMostPending) {
       closed_ = true;
-      final_ =
-          WithReason(FieldError("settings.max_pending", "it must be 0..64"),
-                     "INVALID_REQUEST");
+      final_ = base::WithReason(
+          wire::FieldError("settings.max_pending", "it must be 0..64"),
+          "INVALID_REQUEST");
       return;
     }
   }
@@ -258,8 +258,8 @@ void LocalizeStreamCall::Answer(Item& item,
   if (response.ok()) {
     *item.answer.mutable_response() = *std::move(response);
   } else {
-    *item.answer.mutable_error() = ToProto(response.status());
+    *item.answer.mutable_error() = wire::ToProto(response.status());
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

@@ -18,7 +18,7 @@
 #include "server/service/grpc_call.h"
 #include "treeline/v1/relocalization.pb.h"
 
-namespace treeline {
+namespace treeline::service {
 
 class LocalizeStreamCall;
 
@@ -117,6 +117,6 @@ class LocalizeStreamCall final
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_LOCALIZE_STREAM_H_

@@ -20,7 +20,7 @@
 #include "server/service/service_test_util.h"
 #include "treeline/v1/relocalization.grpc.pb.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 using ::testing::ElementsAre;
@@ -30,8 +30,8 @@ class LocalizeStreamTest : public testing::Test {
   LocalizeStreamTest()
       : scenes_({{"kitchen", [](auto&, auto&) { return LocalizedEstimate(); }},
                  {"gate",
-                  [this](auto&, const LocalizeOptions& options)
-                      -> absl::StatusOr<PoseEstimate> {
+                  [this](auto&, const localizer::LocalizeOptions& options)
+                      -> absl::StatusOr<localizer::PoseEstimate> {
                     const std::stop_callback on_stop(options.stop,
                                                      [this] { Open(); });
                     ++at_gate_;
@@ -88,7 +88,7 @@ class LocalizeStreamTest : public testing::Test {
   FakeScenes scenes_;
   RecordingObserver observer_;
   OpenAccess access_;
-  SteadyClock clock_;
+  base::SteadyClock clock_;
   ServiceDispatcher dispatcher_;
   std::unique_ptr<GrpcServer> server_;
   std::unique_ptr<v1::RelocalizationService::Stub> stub_;
@@ -120,9 +120,9 @@ TEST_F(LocalizeStreamTest, AFrameThatFailsEndsNothingButItself) {
   stream_->WritesDone();
   const auto answers = ReadAll();
   ASSERT_THAT(Ids(answers), ElementsAre(1, 2));
-  const absl::Status error = FromProto(answers[0].error());
+  const absl::Status error = wire::FromProto(answers[0].error());
   EXPECT_EQ(error.code(), absl::StatusCode::kNotFound);
-  EXPECT_NE(ErrorInfoOf(error).reason, "");
+  EXPECT_NE(base::ErrorInfoOf(error).reason, "");
   EXPECT_TRUE(answers[1].has_response());
   EXPECT_TRUE(stream_->Finish().ok());
 }
@@ -142,9 +142,9 @@ TEST_F(LocalizeStreamTest, ACamerasOldFramesAreDropped) {
   const auto answers = ReadAll();
   ASSERT_THAT(Ids(answers), ElementsAre(0, 1, 2, 3, 4, 5));
   for (size_t id = 2; id < 5; ++id) {
-    const absl::Status error = FromProto(answers[id].error());
+    const absl::Status error = wire::FromProto(answers[id].error());
     EXPECT_EQ(error.code(), absl::StatusCode::kAborted) << id;
-    EXPECT_EQ(ErrorInfoOf(error).reason, "FRAME_DROPPED") << id;
+    EXPECT_EQ(base::ErrorInfoOf(error).reason, "FRAME_DROPPED") << id;
   }
   for (const size_t id : {0u, 1u, 5u}) EXPECT_TRUE(answers[id].has_response());
   EXPECT_TRUE(stream_->Finish().ok());
@@ -192,10 +192,10 @@ TEST_F(LocalizeStreamTest, AServerThatStopsAnswersWhatItHasRead) {
   server_->AnnounceStop();
   Open();
   EXPECT_THAT(Ids(ReadAll()), ElementsAre(1));
-  const absl::Status status = FromGrpc(stream_->Finish());
+  const absl::Status status = wire::FromGrpc(stream_->Finish());
   EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(ErrorInfoOf(status).reason, "DRAINING");
+  EXPECT_EQ(base::ErrorInfoOf(status).reason, "DRAINING");
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::service

@@ -7,14 +7,14 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 constexpr auto kPeriod = std::chrono::milliseconds(500);
 
 }  // namespace
 
-SceneHealth::SceneHealth(const SceneRepository& repository,
+SceneHealth::SceneHealth(const repository::SceneRepository& repository,
                          grpc::HealthCheckServiceInterface& health)
     : repository_(repository), health_(health) {
   Update();
@@ -31,8 +31,8 @@ SceneHealth::SceneHealth(const SceneRepository& repository,
 
 void SceneHealth::Update() {
   std::map<std::string, bool> now;
-  for (const SceneStatus& scene : repository_.List()) {
-    now[scene.name] = scene.state != SceneState::kFailed;
+  for (const repository::SceneStatus& scene : repository_.List()) {
+    now[scene.name] = scene.state != repository::SceneState::kFailed;
   }
   for (const auto& [scene, serving] : now) {
     const auto told = told_.find(scene);
@@ -51,4 +51,4 @@ std::string HealthServiceOf(const std::string& scene) {
   return absl::StrCat("treeline.scene.", scene);
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

@@ -10,19 +10,19 @@
 
 #include "server/repository/scene_repository.h"
 
-namespace treeline {
+namespace treeline::service {
 
 // Tells gRPC's health service about every scene, twice a second, from
 // construction to destruction. Scenes that are gone become NOT_SERVING.
 class SceneHealth {
  public:
-  SceneHealth(const SceneRepository& repository,
+  SceneHealth(const repository::SceneRepository& repository,
               grpc::HealthCheckServiceInterface& health);
 
  private:
   void Update();
 
-  const SceneRepository& repository_;
+  const repository::SceneRepository& repository_;
   grpc::HealthCheckServiceInterface& health_;
   // What was told; of the thread.
   std::map<std::string, bool> told_;
@@ -32,6 +32,6 @@ class SceneHealth {
 // "treeline.scene.kitchen".
 std::string HealthServiceOf(const std::string& scene);
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_SCENE_HEALTH_H_

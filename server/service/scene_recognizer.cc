@@ -8,14 +8,14 @@
 #include <stop_token>
 #include <utility>
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 constexpr auto kPeriod = std::chrono::seconds(1);
 
 }  // namespace
 
-SceneRecognizer::SceneRecognizer(const SceneRepository& repository,
+SceneRecognizer::SceneRecognizer(const repository::SceneRepository& repository,
                                  DescriptorReader read)
     : repository_(repository), read_(std::move(read)) {
   Update();
@@ -32,7 +32,7 @@ SceneRecognizer::SceneRecognizer(const SceneRepository& repository,
 
 void SceneRecognizer::Update() {
   std::set<std::string> there;
-  for (const ModelRef& model : repository_.Models()) {
+  for (const repository::ModelRef& model : repository_.Models()) {
     there.insert(model.scene);
     const auto known = known_.find(model.scene);
     if (known != known_.end() && known->second == model.fingerprint) continue;
@@ -57,17 +57,18 @@ void SceneRecognizer::Update() {
   }
 }
 
-std::vector<SceneScore> SceneRecognizer::Rank(
-    const Frame& frame, std::span<const std::string> candidates) const {
+std::vector<recognition::SceneScore> SceneRecognizer::Rank(
+    const image::Frame& frame, std::span<const std::string> candidates) const {
   if (candidates.empty()) return index_.Rank(frame);
-  std::vector<SceneScore> ranking = index_.Rank(frame, candidates);
+  std::vector<recognition::SceneScore> ranking = index_.Rank(frame, candidates);
   for (const std::string& candidate : candidates) {
-    const bool ranked = std::any_of(
-        ranking.begin(), ranking.end(),
-        [&](const SceneScore& score) { return score.scene == candidate; });
+    const bool ranked = std::any_of(ranking.begin(), ranking.end(),
+                                    [&](const recognition::SceneScore& score) {
+                                      return score.scene == candidate;
+                                    });
     if (!ranked) ranking.push_back({candidate, 0});
   }
   return ranking;
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

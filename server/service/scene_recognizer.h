@@ -15,7 +15,7 @@
 #include "server/core/recognition/scene_index.h"
 #include "server/repository/scene_repository.h"
 
-namespace treeline {
+namespace treeline::service {
 
 // Reads the descriptor of each model when the model comes, loaded or not, from
 // construction to destruction; looks for new ones once a second. Scenes whose
@@ -23,31 +23,33 @@ namespace treeline {
 // Thread-safe.
 class SceneRecognizer {
  public:
-  using DescriptorReader = std::function<absl::StatusOr<SceneDescriptor>(
-      const std::string& model_path)>;
+  using DescriptorReader =
+      std::function<absl::StatusOr<recognition::SceneDescriptor>(
+          const std::string& model_path)>;
 
   // The models that are there now are known when it returns. `repository` must
   // outlive this.
-  explicit SceneRecognizer(const SceneRepository& repository,
-                           DescriptorReader read = &ReadSceneDescriptor);
+  explicit SceneRecognizer(
+      const repository::SceneRepository& repository,
+      DescriptorReader read = &recognition::ReadSceneDescriptor);
 
   // Scenes like the frame, the most alike first: of `candidates`, or of all if
   // there are none. Candidates that are not recognized come last, with
   // similarity 0.
-  std::vector<SceneScore> Rank(const Frame& frame,
-                               std::span<const std::string> candidates) const;
+  std::vector<recognition::SceneScore> Rank(
+      const image::Frame& frame, std::span<const std::string> candidates) const;
 
  private:
   void Update();
 
-  const SceneRepository& repository_;
+  const repository::SceneRepository& repository_;
   const DescriptorReader read_;
-  SceneIndex index_;
+  recognition::SceneIndex index_;
   // Scene to the fingerprint of what was read of it; of the thread.
   std::map<std::string, std::string> known_;
   std::jthread thread_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_SCENE_RECOGNIZER_H_

@@ -9,17 +9,17 @@
 #include "server/core/recognition/appearance_words.h"
 #include "server/service/service_test_util.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::Field;
 
 // A picture with corners that are those of no other seed.
-Frame Picture(uint64_t seed) {
-  Frame frame;
+image::Frame Picture(uint64_t seed) {
+  image::Frame frame;
   frame.color = {.width = 160, .height = 120, .rgb = {}};
-  Random random(seed, 0);
+  base::Random random(seed, 0);
   std::vector<uint8_t> blocks(20 * 15);
   for (uint8_t& block : blocks) {
     block = static_cast<uint8_t>(random.NextUniform(0, 256));
@@ -33,9 +33,9 @@ Frame Picture(uint64_t seed) {
   return frame;
 }
 
-SceneDescriptor DescriptorOf(const Frame& frame) {
-  AppearanceWords words;
-  SceneDescriptor descriptor;
+recognition::SceneDescriptor DescriptorOf(const image::Frame& frame) {
+  recognition::AppearanceWords words;
+  recognition::SceneDescriptor descriptor;
   descriptor.Add(words.Extract(frame.color));
   return descriptor;
 }
@@ -48,7 +48,8 @@ class SceneRecognizerTest : public testing::Test {
         recognizer_(scenes_.repository(),
                     [](const std::string& path) { return Read(path); }) {}
 
-  static absl::StatusOr<SceneDescriptor> Read(const std::string& path) {
+  static absl::StatusOr<recognition::SceneDescriptor> Read(
+      const std::string& path) {
     if (path.find("/attic/") != std::string::npos) {
       return DescriptorOf(Picture(1));
     }
@@ -64,25 +65,25 @@ class SceneRecognizerTest : public testing::Test {
 
 TEST_F(SceneRecognizerTest, TheSceneThatLooksLikeTheFrameComesFirst) {
   EXPECT_THAT(recognizer_.Rank(Picture(1), {}),
-              ElementsAre(Field(&SceneScore::scene, "attic"),
-                          Field(&SceneScore::scene, "cellar")));
+              ElementsAre(Field(&recognition::SceneScore::scene, "attic"),
+                          Field(&recognition::SceneScore::scene, "cellar")));
   EXPECT_THAT(recognizer_.Rank(Picture(2), {}),
-              ElementsAre(Field(&SceneScore::scene, "cellar"),
-                          Field(&SceneScore::scene, "attic")));
+              ElementsAre(Field(&recognition::SceneScore::scene, "cellar"),
+                          Field(&recognition::SceneScore::scene, "attic")));
 }
 
 TEST_F(SceneRecognizerTest, OnlyCandidatesAreRanked) {
   const std::string candidates[] = {"attic"};
   EXPECT_THAT(recognizer_.Rank(Picture(2), candidates),
-              ElementsAre(Field(&SceneScore::scene, "attic")));
+              ElementsAre(Field(&recognition::SceneScore::scene, "attic")));
 }
 
 TEST_F(SceneRecognizerTest, CandidatesWithoutADescriptorComeLast) {
   const std::string candidates[] = {"kitchen", "cellar"};
   EXPECT_THAT(recognizer_.Rank(Picture(2), candidates),
-              ElementsAre(Field(&SceneScore::scene, "cellar"),
-                          SceneScore{"kitchen", 0}));
+              ElementsAre(Field(&recognition::SceneScore::scene, "cellar"),
+                          recognition::SceneScore{"kitchen", 0}));
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::service

@@ -17,7 +17,7 @@
 #include "server/service/convert.h"
 #include "server/service/trace_context.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 constexpr int kMostCandidateScenes = 1000;
@@ -55,7 +55,7 @@ std::map<std::string, std::string> FieldOf(const absl::Status& status) {
 
 // Whether a call that no worker had begun was ended by too much work.
 bool IsShed(const absl::Status& status) {
-  const std::string reason = ErrorInfoOf(status).reason;
+  const std::string reason = base::ErrorInfoOf(status).reason;
   return reason == "QUEUE_FULL" || reason == "DEADLINE_UNREACHABLE" ||
          absl::IsDeadlineExceeded(status);
 }
@@ -81,7 +81,8 @@ absl::Status CheckSceneChoice(const v1::LocalizeRequest& request) {
                      " of them; at most ", kMostCandidateScenes));
   }
   for (const std::string& candidate : request.candidate_scenes()) {
-    if (const absl::Status valid = CheckName("candidate_scenes", candidate);
+    if (const absl::Status valid =
+            repository::CheckName("candidate_scenes", candidate);
         !valid.ok()) {
       return valid;
     }
@@ -90,7 +91,7 @@ absl::Status CheckSceneChoice(const v1::LocalizeRequest& request) {
 }
 
 // What ended a call before it could be answered.
-absl::Status WhyStopped(const CallInfo& call, MonotonicTime now,
+absl::Status WhyStopped(const CallInfo& call, base::MonotonicTime now,
                         absl::string_view where) {
   if (now >= call.deadline) {
     return absl::DeadlineExceededError(
@@ -125,7 +126,7 @@ class ServiceDispatcher::LocalizeCall final
         done_(std::move(done)) {
     service_.CallBegins();
     client_stop_ = std::exchange(call_.stop, stop_.get_token());
-    record_.scene = request.scene().substr(0, kLongestName);
+    record_.scene = request.scene().substr(0, repository::kLongestName);
     record_.request_bytes = request.ByteSizeLong();
   }
   ~LocalizeCall() { service_.CallEnds(); }
@@ -137,7 +138,7 @@ class ServiceDispatcher::LocalizeCall final
   enum class Stage { kWaiting, kRunning, kEnded };
 
   absl::Status Admit();
-  void UseScene(absl::StatusOr<std::shared_ptr<const Scene>> scene);
+  void UseScene(absl::StatusOr<std::shared_ptr<const repository::Scene>> scene);
   absl::Status Enqueue();
   void Work();
   void OnStop();
@@ -154,7 +155,7 @@ class ServiceDispatcher::LocalizeCall final
   Done<v1::LocalizeResponse> done_;
   CallRecord record_;
   std::string client_;
-  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const repository::Scene> scene_;
 
   std::atomic<Stage> stage_{Stage::kWaiting};
   std::atomic<bool> counted_as_waiting_{false};
@@ -176,7 +177,7 @@ void ServiceDispatcher::LocalizeCall::Start() {
   const auto on_stop = [weak] {
     if (const auto self = weak.lock()) self->OnStop();
   };
-  if (call_.deadline != MonotonicTime::max()) {
+  if (call_.deadline != base::MonotonicTime::max()) {
     absl::MutexLock lock(&mutex_);
     timer_key_ = service_.timer_.Arm(call_.deadline, on_stop);
   }
@@ -186,22 +187,23 @@ void ServiceDispatcher::LocalizeCall::Start() {
   if (service_.waiting_for_scene_.fetch_add(1) >=
       service_.workers_.capacity()) {
     service_.waiting_for_scene_.fetch_sub(1);
-    EndIfWaiting(WithRetryAfter(
-        WithReason(absl::UnavailableError("overloaded: the queue is full"),
-                   "QUEUE_FULL"),
+    EndIfWaiting(base::WithRetryAfter(
+        base::WithReason(
+            absl::UnavailableError("overloaded: the queue is full"),
+            "QUEUE_FULL"),
         std::chrono::milliseconds(100)));
     return;
   }
   counted_as_waiting_ = true;
   if (request_.scene().empty()) {
     // Which it is, is found out on a worker.
-    UseScene(std::shared_ptr<const Scene>());
+    UseScene(std::shared_ptr<const repository::Scene>());
     return;
   }
   service_.repository_.AcquireAsync(
       request_.scene(), request_.model_version(),
       [self = shared_from_this()](
-          absl::StatusOr<std::shared_ptr<const Scene>> scene) {
+          absl::StatusOr<std::shared_ptr<const repository::Scene>> scene) {
         self->UseScene(std::move(scene));
       });
 }
@@ -214,17 +216,18 @@ absl::Status ServiceDispatcher::LocalizeCall::Admit() {
   TL_RETURN_IF_ERROR(CheckOptions(request_.options()));
   TL_RETURN_IF_ERROR(CheckSceneChoice(request_));
   if (request_.options().has_time_budget_ms()) {
-    call_.deadline = std::min(
-        call_.deadline,
-        call_.arrival + std::chrono::duration_cast<MonotonicTime::duration>(
-                            std::chrono::duration<double, std::milli>(
-                                request_.options().time_budget_ms())));
+    call_.deadline =
+        std::min(call_.deadline,
+                 call_.arrival +
+                     std::chrono::duration_cast<base::MonotonicTime::duration>(
+                         std::chrono::duration<double, std::milli>(
+                             request_.options().time_budget_ms())));
   }
   return absl::OkStatus();
 }
 
 void ServiceDispatcher::LocalizeCall::UseScene(
-    absl::StatusOr<std::shared_ptr<const Scene>> scene) {
+    absl::StatusOr<std::shared_ptr<const repository::Scene>> scene) {
   if (counted_as_waiting_.exchange(false)) {
     service_.waiting_for_scene_.fetch_sub(1);
   }
@@ -245,9 +248,10 @@ absl::Status ServiceDispatcher::LocalizeCall::Enqueue() {
   task.deadline = call_.deadline;
   task.run = [self] { self->Work(); };
   const auto full = [](std::chrono::milliseconds retry_after) {
-    return WithRetryAfter(
-        WithReason(absl::UnavailableError("overloaded: the queue is full"),
-                   "QUEUE_FULL"),
+    return base::WithRetryAfter(
+        base::WithReason(
+            absl::UnavailableError("overloaded: the queue is full"),
+            "QUEUE_FULL"),
         retry_after);
   };
   task.give_way = [self, full] {
@@ -261,11 +265,11 @@ absl::Status ServiceDispatcher::LocalizeCall::Enqueue() {
     case WorkerPool::Verdict::kQueueFull:
       return full(admission.retry_after);
     case WorkerPool::Verdict::kTooLate:
-      return WithRetryAfter(
-          WithReason(absl::UnavailableError(
-                         "overloaded: the deadline would pass before the "
-                         "answer"),
-                     "DEADLINE_UNREACHABLE"),
+      return base::WithRetryAfter(
+          base::WithReason(absl::UnavailableError(
+                               "overloaded: the deadline would pass before the "
+                               "answer"),
+                           "DEADLINE_UNREACHABLE"),
           admission.retry_after);
   }
   {
@@ -319,7 +323,7 @@ void ServiceDispatcher::LocalizeCall::EndIfWaiting(const absl::Status& status) {
   }
   record_.shed = IsShed(status);
   record_.timings.queue_ms =
-      MillisecondsBetween(call_.arrival, service_.clock_.Now());
+      base::MillisecondsBetween(call_.arrival, service_.clock_.Now());
   End(status);
 }
 
@@ -341,9 +345,10 @@ void ServiceDispatcher::LocalizeCall::End(
   }
 }
 
-ServiceDispatcher::ServiceDispatcher(SceneRepository& repository,
+ServiceDispatcher::ServiceDispatcher(repository::SceneRepository& repository,
                                      AccessPolicy& access,
-                                     CallObserver& observer, const Clock& clock,
+                                     CallObserver& observer,
+                                     const base::Clock& clock,
                                      const DispatcherOptions& options)
     : repository_(repository),
       access_(access),
@@ -351,7 +356,7 @@ ServiceDispatcher::ServiceDispatcher(SceneRepository& repository,
       clock_(clock),
       localize_(options.decode_limits, clock),
       recognizer_(repository),
-      workers_(options.workers > 0 ? options.workers : HardwareThreads(),
+      workers_(options.workers > 0 ? options.workers : base::HardwareThreads(),
                options.queue, clock) {}
 
 ServiceDispatcher::~ServiceDispatcher() {
@@ -360,18 +365,20 @@ ServiceDispatcher::~ServiceDispatcher() {
       +[](int* calls) { return *calls == 0; }, &calls_));
 }
 
-absl::StatusOr<std::shared_ptr<const Scene>> ServiceDispatcher::AcquireOnWorker(
-    const std::string& name, const std::stop_token& stop) {
-  TL_ASSIGN_OR_RETURN(const SceneStatus status, repository_.Get(name));
+absl::StatusOr<std::shared_ptr<const repository::Scene>>
+ServiceDispatcher::AcquireOnWorker(const std::string& name,
+                                   const std::stop_token& stop) {
+  TL_ASSIGN_OR_RETURN(const repository::SceneStatus status,
+                      repository_.Get(name));
   if (status.serving != nullptr) return repository_.Acquire(name, "", stop);
   const int most = std::max(1, workers_.workers() / 2);
   if (waiting_workers_.fetch_add(1) >= most) {
     waiting_workers_.fetch_sub(1);
     // For the next query.
     repository_.AcquireAsync(name, "", [](const auto&) {});
-    return WithReason(absl::UnavailableError(
-                          absl::StrCat("scene '", name, "' is being loaded")),
-                      "SCENE_NOT_LOADED");
+    return base::WithReason(absl::UnavailableError(absl::StrCat(
+                                "scene '", name, "' is being loaded")),
+                            "SCENE_NOT_LOADED");
   }
   auto scene = repository_.Acquire(name, "", stop);
   waiting_workers_.fetch_sub(1);
@@ -404,8 +411,9 @@ absl::Status ServiceDispatcher::Report(const CallInfo& call,
   record.peer = call.peer;
   record.trace = ParseTraceparent(call.traceparent);
   record.status =
-      WithReason(status, ReasonOfCode(status.code()), FieldOf(status));
-  record.timings.total_ms = MillisecondsBetween(call.arrival, clock_.Now());
+      base::WithReason(status, ReasonOfCode(status.code()), FieldOf(status));
+  record.timings.total_ms =
+      base::MillisecondsBetween(call.arrival, clock_.Now());
   observer_.OnCall(record);
   return record.status;
 }
@@ -414,7 +422,7 @@ void ServiceDispatcher::Reject(const CallInfo& call,
                                const v1::LocalizeRequest& request,
                                const absl::Status& status) {
   CallRecord record;
-  record.scene = request.scene().substr(0, kLongestName);
+  record.scene = request.scene().substr(0, repository::kLongestName);
   record.shed = true;
   Report(call, status, record).IgnoreError();
 }
@@ -424,7 +432,7 @@ void ServiceDispatcher::AnswerNow(const CallInfo& call,
                                   const std::string& scene, Scope scope,
                                   const Done<Response>& done, Answer answer) {
   CallRecord record;
-  record.scene = scene.substr(0, kLongestName);
+  record.scene = scene.substr(0, repository::kLongestName);
   absl::StatusOr<Response> response = [&]() -> absl::StatusOr<Response> {
     TL_ASSIGN_OR_RETURN(const Client client, access_.Admit(call, scope));
     record.client = client.id;
@@ -444,7 +452,7 @@ void ServiceDispatcher::ListScenes(CallInfo call, const v1::ListScenesRequest&,
       call, "", Scope::kLocalize, done,
       [&]() -> absl::StatusOr<v1::ListScenesResponse> {
         v1::ListScenesResponse response;
-        for (const SceneStatus& status : repository_.List()) {
+        for (const repository::SceneStatus& status : repository_.List()) {
           *response.add_scenes() = ToProto(status);
         }
         return response;
@@ -457,7 +465,7 @@ void ServiceDispatcher::GetScene(CallInfo call,
   AnswerNow<v1::GetSceneResponse>(
       call, request.scene(), Scope::kLocalize, done,
       [&]() -> absl::StatusOr<v1::GetSceneResponse> {
-        TL_ASSIGN_OR_RETURN(const SceneStatus status,
+        TL_ASSIGN_OR_RETURN(const repository::SceneStatus status,
                             repository_.Get(request.scene()));
         v1::GetSceneResponse response;
         *response.mutable_scene() = ToProto(status);
@@ -469,7 +477,7 @@ void ServiceDispatcher::LoadScene(CallInfo call,
                                   const v1::LoadSceneRequest& request,
                                   Done<v1::LoadSceneResponse> done) {
   CallRecord record;
-  record.scene = request.scene().substr(0, kLongestName);
+  record.scene = request.scene().substr(0, repository::kLongestName);
   const absl::StatusOr<Client> client = access_.Admit(call, Scope::kAdmin);
   if (!client.ok()) {
     done(Report(call, client.status(), record));
@@ -478,20 +486,21 @@ void ServiceDispatcher::LoadScene(CallInfo call,
   record.client = client->id;
   // Nobody can take the load back; who cancels only does not learn of its end.
   CallBegins();
-  repository_.Load(
-      request.scene(), request.model_version(),
-      [this, call = std::move(call), record = std::move(record),
-       done = std::move(done)](absl::StatusOr<SceneStatus> scene) mutable {
-        const absl::Status status = Report(call, scene.status(), record);
-        if (status.ok()) {
-          v1::LoadSceneResponse response;
-          *response.mutable_scene() = ToProto(*scene);
-          done(std::move(response));
-        } else {
-          done(status);
-        }
-        CallEnds();
-      });
+  repository_.Load(request.scene(), request.model_version(),
+                   [this, call = std::move(call), record = std::move(record),
+                    done = std::move(done)](
+                       absl::StatusOr<repository::SceneStatus> scene) mutable {
+                     const absl::Status status =
+                         Report(call, scene.status(), record);
+                     if (status.ok()) {
+                       v1::LoadSceneResponse response;
+                       *response.mutable_scene() = ToProto(*scene);
+                       done(std::move(response));
+                     } else {
+                       done(status);
+                     }
+                     CallEnds();
+                   });
 }
 
 void ServiceDispatcher::UnloadScene(CallInfo call,
@@ -501,7 +510,7 @@ void ServiceDispatcher::UnloadScene(CallInfo call,
       call, request.scene(), Scope::kAdmin, done,
       [&]() -> absl::StatusOr<v1::UnloadSceneResponse> {
         TL_ASSIGN_OR_RETURN(
-            const SceneStatus status,
+            const repository::SceneStatus status,
             repository_.Unload(request.scene(), request.model_version()));
         v1::UnloadSceneResponse response;
         *response.mutable_scene() = ToProto(status);
@@ -517,4 +526,4 @@ Load ServiceDispatcher::load() const {
           .queue_capacity = workers_.capacity()};
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

@@ -18,14 +18,14 @@
 #include "server/service/scene_recognizer.h"
 #include "server/service/worker_pool.h"
 
-namespace treeline {
+namespace treeline::service {
 
 struct DispatcherOptions {
   // Queries computed at a time, 1..1024; 0: one per processor.
   int workers = 0;
   // Queries that may wait for a worker or for their scene, 1..100000.
   int queue = 64;
-  DecodeLimits decode_limits = {};
+  image::DecodeLimits decode_limits = {};
 
   absl::Status Validate() const;
 };
@@ -36,9 +36,9 @@ struct DispatcherOptions {
 class ServiceDispatcher final : public Dispatcher {
  public:
   // All must outlive it.
-  ServiceDispatcher(SceneRepository& repository, AccessPolicy& access,
-                    CallObserver& observer, const Clock& clock,
-                    const DispatcherOptions& options);
+  ServiceDispatcher(repository::SceneRepository& repository,
+                    AccessPolicy& access, CallObserver& observer,
+                    const base::Clock& clock, const DispatcherOptions& options);
   // Waits for the calls that are left.
   ~ServiceDispatcher() override;
 
@@ -61,7 +61,7 @@ class ServiceDispatcher final : public Dispatcher {
 
   // A scene for a query on a worker that names none. Waits for it to be loaded
   // as long as other workers do not wait too; then, it is tried without.
-  absl::StatusOr<std::shared_ptr<const Scene>> AcquireOnWorker(
+  absl::StatusOr<std::shared_ptr<const repository::Scene>> AcquireOnWorker(
       const std::string& name, const std::stop_token& stop);
 
   // Ends a call: gives its record what all records have, and reports it.
@@ -75,10 +75,10 @@ class ServiceDispatcher final : public Dispatcher {
   void CallBegins();
   void CallEnds();
 
-  SceneRepository& repository_;
+  repository::SceneRepository& repository_;
   AccessPolicy& access_;
   CallObserver& observer_;
-  const Clock& clock_;
+  const base::Clock& clock_;
   const LocalizeRpc localize_;
   const SceneRecognizer recognizer_;
   // Workers that wait for a scene.
@@ -92,6 +92,6 @@ class ServiceDispatcher final : public Dispatcher {
   WorkerPool workers_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_SERVICE_DISPATCHER_H_

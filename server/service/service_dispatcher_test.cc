@@ -12,7 +12,7 @@
 #include "gtest/gtest.h"
 #include "server/service/service_test_util.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 using std::chrono::milliseconds;
@@ -40,8 +40,8 @@ class ServiceDispatcherTest : public testing::Test {
                     return LocalizedEstimate();
                   }},
                  {"patient",
-                  [this](auto&, const LocalizeOptions& options)
-                      -> absl::StatusOr<PoseEstimate> {
+                  [this](auto&, const localizer::LocalizeOptions& options)
+                      -> absl::StatusOr<localizer::PoseEstimate> {
                     at_gate_.Notify();
                     absl::Notification stopped;
                     const std::stop_callback on_stop(options.stop,
@@ -58,14 +58,15 @@ class ServiceDispatcherTest : public testing::Test {
                         options);
   }
 
-  std::unique_ptr<Query> Begin(const std::string& scene,
-                               const std::string& client = "ipv4:10.0.0.1:1",
-                               MonotonicTime deadline = MonotonicTime::max()) {
+  std::unique_ptr<Query> Begin(
+      const std::string& scene, const std::string& client = "ipv4:10.0.0.1:1",
+      base::MonotonicTime deadline = base::MonotonicTime::max()) {
     return Begin(TestRequest(scene), client, deadline);
   }
-  std::unique_ptr<Query> Begin(const v1::LocalizeRequest& request,
-                               const std::string& client = "ipv4:10.0.0.1:1",
-                               MonotonicTime deadline = MonotonicTime::max()) {
+  std::unique_ptr<Query> Begin(
+      const v1::LocalizeRequest& request,
+      const std::string& client = "ipv4:10.0.0.1:1",
+      base::MonotonicTime deadline = base::MonotonicTime::max()) {
     auto query = std::make_unique<Query>();
     query->request = request;
     dispatcher_->Localize({.rpc = "Localize",
@@ -92,7 +93,7 @@ class ServiceDispatcherTest : public testing::Test {
   FakeScenes scenes_;
   RecordingObserver observer_;
   OpenAccess access_;
-  SteadyClock clock_;
+  base::SteadyClock clock_;
   std::optional<ServiceDispatcher> dispatcher_;
 };
 
@@ -114,13 +115,13 @@ TEST_F(ServiceDispatcherTest, AnswersAndReportsEveryCallOnce) {
   EXPECT_EQ(records[1].scene, "attic");
   EXPECT_EQ(records[1].model_version, "");
   for (size_t i = 1; i < 4; ++i) {
-    EXPECT_NE(ErrorInfoOf(records[i].status).reason, "") << i;
+    EXPECT_NE(base::ErrorInfoOf(records[i].status).reason, "") << i;
   }
 }
 
 TEST_F(ServiceDispatcherTest, OverlongSceneNamesAreNotRecordedWhole) {
   Ask(TestRequest(std::string(1 << 20, 'x'))).IgnoreError();
-  EXPECT_EQ(observer_.records()[0].scene.size(), kLongestName);
+  EXPECT_EQ(observer_.records()[0].scene.size(), repository::kLongestName);
 }
 
 TEST_F(ServiceDispatcherTest, AbsurdOptionsAreRefusedBeforeTheyWait) {
@@ -133,7 +134,7 @@ TEST_F(ServiceDispatcherTest, ScenesAreTriedIfNoneIsNamed) {
   v1::LocalizeRequest request = TestRequest("");
   EXPECT_EQ(Ask(request).status().code(),
             absl::StatusCode::kFailedPrecondition);
-  EXPECT_EQ(ErrorInfoOf(observer_.records()[0].status).reason,
+  EXPECT_EQ(base::ErrorInfoOf(observer_.records()[0].status).reason,
             "NO_SCENE_TO_RECOGNIZE");
   // These have no descriptors, but are named.
   request.add_candidate_scenes("broken");
@@ -179,9 +180,9 @@ TEST_F(ServiceDispatcherTest, AFullQueueSaysWhenToTryAgain) {
   ASSERT_TRUE(third->done.HasBeenNotified());
   const absl::Status status = third->response.status();
   EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
-  EXPECT_EQ(ErrorInfoOf(status).reason, "QUEUE_FULL");
-  ASSERT_TRUE(RetryAfterOf(status).has_value());
-  EXPECT_GE(*RetryAfterOf(status), milliseconds(10));
+  EXPECT_EQ(base::ErrorInfoOf(status).reason, "QUEUE_FULL");
+  ASSERT_TRUE(base::RetryAfterOf(status).has_value());
+  EXPECT_GE(*base::RetryAfterOf(status), milliseconds(10));
   gate_.Notify();
   for (const auto* query : {&working, &first, &second}) {
     (*query)->done.WaitForNotification();
@@ -197,8 +198,8 @@ TEST_F(ServiceDispatcherTest, AnotherClientGetsItsShareOfAFullQueue) {
   const auto second = Begin("kitchen");
   const auto other = Begin("kitchen", "ipv4:10.0.0.2:1");
   ASSERT_TRUE(second->done.HasBeenNotified());
-  EXPECT_EQ(ErrorInfoOf(second->response.status()).reason, "QUEUE_FULL");
-  EXPECT_TRUE(RetryAfterOf(second->response.status()).has_value());
+  EXPECT_EQ(base::ErrorInfoOf(second->response.status()).reason, "QUEUE_FULL");
+  EXPECT_TRUE(base::RetryAfterOf(second->response.status()).has_value());
   gate_.Notify();
   for (const auto* query : {&working, &first, &other}) {
     (*query)->done.WaitForNotification();
@@ -226,7 +227,7 @@ TEST_F(ServiceDispatcherTest, ACancelledQueryStopsItsWorker) {
   working->stop.request_stop();
   working->done.WaitForNotification();
   EXPECT_EQ(working->response.status().code(), absl::StatusCode::kCancelled);
-  EXPECT_EQ(ErrorInfoOf(working->response.status()).reason, "CANCELLED");
+  EXPECT_EQ(base::ErrorInfoOf(working->response.status()).reason, "CANCELLED");
 }
 
 TEST_F(ServiceDispatcherTest, OneThatWasCancelledBeforeItCameIsNotWorkedOn) {
@@ -284,8 +285,8 @@ TEST_F(ServiceDispatcherTest, ADeadlineThatHasPassedCostsNothing) {
 class NoAccess final : public AccessPolicy {
  public:
   absl::StatusOr<Client> Admit(const CallInfo&, Scope) override {
-    return WithReason(absl::UnauthenticatedError("who are you?"),
-                      "TOKEN_MISSING");
+    return base::WithReason(absl::UnauthenticatedError("who are you?"),
+                            "TOKEN_MISSING");
   }
 };
 
@@ -300,7 +301,7 @@ TEST_F(ServiceDispatcherTest, StrangersAreTurnedAwayAndReported) {
   EXPECT_EQ(status.code(), absl::StatusCode::kUnauthenticated);
   dispatcher.ListScenes({.rpc = "ListScenes"}, {},
                         [&](const auto& answer) { status = answer.status(); });
-  EXPECT_EQ(ErrorInfoOf(status).reason, "TOKEN_MISSING");
+  EXPECT_EQ(base::ErrorInfoOf(status).reason, "TOKEN_MISSING");
   EXPECT_EQ(observer_.records().size(), 2u);
 }
 
@@ -324,4 +325,4 @@ TEST_F(ServiceDispatcherTest, ScenesAreListedWithTheirState) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::service

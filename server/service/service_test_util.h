@@ -20,43 +20,45 @@
 #include "server/service/call_observer.h"
 #include "treeline/v1/relocalization.pb.h"
 
-namespace treeline {
+namespace treeline::service {
 
-using LocalizeFunction = std::function<absl::StatusOr<PoseEstimate>(
-    const Frame&, const LocalizeOptions&)>;
+using LocalizeFunction = std::function<absl::StatusOr<localizer::PoseEstimate>(
+    const image::Frame&, const localizer::LocalizeOptions&)>;
 
 inline constexpr int kTestWidth = 40;
 inline constexpr int kTestHeight = 30;
 
 // Colour and depth of 40 x 30 pixels; poses are the depth camera's.
-inline RgbdCalibration TestCalibration() {
+inline camera::RgbdCalibration TestCalibration() {
   const double parameters[] = {35, 20, 15};
-  RgbdCalibration calibration;
-  calibration.color = Camera::Create(CameraModel::kSimplePinhole, kTestWidth,
-                                     kTestHeight, parameters, 3)
-                          .value();
+  camera::RgbdCalibration calibration;
+  calibration.color =
+      camera::Camera::Create(camera::CameraModel::kSimplePinhole, kTestWidth,
+                             kTestHeight, parameters, 3)
+          .value();
   calibration.depth = calibration.color;
   calibration.color_from_depth.translation = {0.025, 0, 0};
   calibration.depth_scale = 1.01;
-  calibration.pose_sensor = RgbdSensor::kDepth;
+  calibration.pose_sensor = camera::RgbdSensor::kDepth;
   return calibration;
 }
 
-class FakeLocalizer final : public Localizer {
+class FakeLocalizer final : public localizer::Localizer {
  public:
   FakeLocalizer(std::string method, LocalizeFunction localize)
       : localize_(std::move(localize)) {
     info_.method = std::move(method);
     info_.calibration = TestCalibration();
   }
-  absl::StatusOr<PoseEstimate> Localize(
-      const Frame& frame, const LocalizeOptions& options) const override {
+  absl::StatusOr<localizer::PoseEstimate> Localize(
+      const image::Frame& frame,
+      const localizer::LocalizeOptions& options) const override {
     return localize_(frame, options);
   }
-  const ModelInfo& info() const override { return info_; }
+  const forest::ModelInfo& info() const override { return info_; }
 
  private:
-  ModelInfo info_;
+  forest::ModelInfo info_;
   LocalizeFunction localize_;
 };
 
@@ -79,10 +81,10 @@ class FakeScenes {
     put("broken");
     for (const auto& [name, localize] : scenes) put(name);
     repository_ =
-        SceneRepository::Open(
-            std::make_unique<FolderSource>(root.string()),
+        repository::SceneRepository::Open(
+            std::make_unique<repository::FolderSource>(root.string()),
             [scenes](const std::string& path)
-                -> absl::StatusOr<std::unique_ptr<Localizer>> {
+                -> absl::StatusOr<std::unique_ptr<localizer::Localizer>> {
               const std::string name =
                   fs::path(path).parent_path().parent_path().filename();
               const auto scene = scenes.find(name);
@@ -99,38 +101,40 @@ class FakeScenes {
   }
   ~FakeScenes() { std::filesystem::remove_all(root_); }
 
-  SceneRepository& repository() const { return *repository_; }
+  repository::SceneRepository& repository() const { return *repository_; }
 
  private:
-  SteadyClock clock_;
+  base::SteadyClock clock_;
   std::string root_;
-  std::unique_ptr<SceneRepository> repository_;
+  std::unique_ptr<repository::SceneRepository> repository_;
 };
 
 // A valid request: raw colour and raw depth from the scene's own cameras.
 inline v1::LocalizeRequest TestRequest(const std::string& scene) {
-  QueryFrame frame;
-  frame.color = ColorImage{
+  wire::QueryFrame frame;
+  frame.color = image::ColorImage{
       .width = kTestWidth,
       .height = kTestHeight,
       .rgb = std::vector<uint8_t>(3 * kTestWidth * kTestHeight, 100)};
-  frame.depth =
-      QueryDepth{.image = DepthImage{.width = kTestWidth,
-                                     .height = kTestHeight,
-                                     .values = std::vector<uint16_t>(
-                                         kTestWidth * kTestHeight, 1500)}};
+  frame.depth = wire::QueryDepth{
+      .image = image::DepthImage{
+          .width = kTestWidth,
+          .height = kTestHeight,
+          .values = std::vector<uint16_t>(kTestWidth * kTestHeight, 1500)}};
   v1::LocalizeRequest request;
   request.set_scene(scene);
-  *request.mutable_frame() = ToProto(frame);
+  *request.mutable_frame() = wire::ToProto(frame);
   return request;
 }
 
-inline PoseEstimate LocalizedEstimate() {
-  PoseEstimate estimate;
-  estimate.outcome = Outcome::kLocalized;
-  estimate.reason = NotLocalizedReason::kNone;
+inline localizer::PoseEstimate LocalizedEstimate() {
+  localizer::PoseEstimate estimate;
+  estimate.outcome = localizer::Outcome::kLocalized;
+  estimate.reason = localizer::NotLocalizedReason::kNone;
   estimate.world_from_camera = {
-      Normalized(Rotation3::FromAxisAngle({0.1, -0.2, 0.3})), {1.5, -0.25, 3}};
+      geometry::Normalized(
+          geometry::Rotation3::FromAxisAngle({0.1, -0.2, 0.3})),
+      {1.5, -0.25, 3}};
   for (size_t i = 0; i < estimate.covariance.size(); ++i) {
     estimate.covariance[i] = 1e-6 * static_cast<double>(i);
   }
@@ -159,10 +163,10 @@ class RecordingObserver final : public CallObserver {
 };
 
 // A clock that each look moves on.
-class SteppingClock final : public Clock {
+class SteppingClock final : public base::Clock {
  public:
   explicit SteppingClock(std::chrono::milliseconds step) : step_(step) {}
-  MonotonicTime Now() const override {
+  base::MonotonicTime Now() const override {
     absl::MutexLock lock(&mutex_);
     return now_ += step_;
   }
@@ -170,9 +174,9 @@ class SteppingClock final : public Clock {
  private:
   const std::chrono::milliseconds step_;
   mutable absl::Mutex mutex_;
-  mutable MonotonicTime now_ ABSL_GUARDED_BY(mutex_);
+  mutable base::MonotonicTime now_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_SERVICE_TEST_UTIL_H_

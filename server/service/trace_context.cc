@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 constexpr size_t kLength = 55;
@@ -42,4 +42,4 @@ std::optional<TraceContext> ParseTraceparent(absl::string_view header) {
                       (DigitOf(flags[1]) & 1) != 0};
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

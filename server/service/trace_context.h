@@ -8,7 +8,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::service {
 
 struct TraceContext {
   // 32 lower-case hexadecimal digits, not all 0.
@@ -25,6 +25,6 @@ struct TraceContext {
 // anywhere unescaped.
 std::optional<TraceContext> ParseTraceparent(absl::string_view header);
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_TRACE_CONTEXT_H_

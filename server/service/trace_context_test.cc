@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 // The standard's own example.
@@ -72,4 +72,4 @@ TEST(TraceContext, EveryPlaceTakesItsOwnBytesOnly) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::service

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 // Weight of the latest task in the averages of durations.
@@ -35,14 +35,14 @@ void Average(double value, double& average) {
   average = (1 - kNewWeight) * average + kNewWeight * bounded;
 }
 
-MonotonicTime::duration Duration(double milliseconds) {
-  return std::chrono::duration_cast<MonotonicTime::duration>(
+base::MonotonicTime::duration Duration(double milliseconds) {
+  return std::chrono::duration_cast<base::MonotonicTime::duration>(
       std::chrono::duration<double, std::milli>(milliseconds));
 }
 
 }  // namespace
 
-WorkerPool::WorkerPool(int workers, int queue, const Clock& clock)
+WorkerPool::WorkerPool(int workers, int queue, const base::Clock& clock)
     : capacity_(static_cast<size_t>(std::max(queue, 1))), clock_(clock) {
   for (int i = 0; i < std::max(workers, 1); ++i) {
     threads_.emplace_back([this] { Work(); });
@@ -136,8 +136,8 @@ WorkerPool::Task WorkerPool::TakeNext() {
 }
 
 bool WorkerPool::WouldBeLate(const Task& task, double task_ms) const {
-  if (task.deadline == MonotonicTime::max()) return false;
-  const MonotonicTime now = clock_.Now();
+  if (task.deadline == base::MonotonicTime::max()) return false;
+  const base::MonotonicTime now = clock_.Now();
   // A free worker tries, whatever is expected: else nothing would ever correct
   // an expectation that is too long.
   if (place_of_.empty() && running_ < workers()) return now >= task.deadline;
@@ -190,9 +190,9 @@ void WorkerPool::Work() {
     ++running_;
     running_ms_ += expected_ms;
     mutex_.Unlock();
-    const MonotonicTime start = clock_.Now();
+    const base::MonotonicTime start = clock_.Now();
     task.run();
-    const double task_ms = MillisecondsBetween(start, clock_.Now());
+    const double task_ms = base::MillisecondsBetween(start, clock_.Now());
     const std::string kind = std::move(task.kind);
     // What it holds may be the last reference to a call.
     task = Task();
@@ -203,4 +203,4 @@ void WorkerPool::Work() {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::service

@@ -17,7 +17,7 @@
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
 
-namespace treeline {
+namespace treeline::service {
 
 // Runs tasks: of the clients in turn, of one client in the order of their
 // submission. Never blocks the one who submits: gRPC's own threads are few, and
@@ -30,7 +30,7 @@ class WorkerPool {
     // Tasks of one kind take about the same time: the name of a scene.
     std::string kind = {};
     // When its result is worthless. MonotonicTime::max(): never.
-    MonotonicTime deadline = MonotonicTime::max();
+    base::MonotonicTime deadline = base::MonotonicTime::max();
     // Called on a worker. Must not throw.
     std::function<void()> run;
     // Called instead of `run`, from the thread that submitted another task, if
@@ -54,7 +54,7 @@ class WorkerPool {
   };
 
   // workers: threads, at least 1. queue: tasks that may wait, at least 1.
-  WorkerPool(int workers, int queue, const Clock& clock);
+  WorkerPool(int workers, int queue, const base::Clock& clock);
   // Runs what still waits, then joins.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -107,7 +107,7 @@ class WorkerPool {
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const size_t capacity_;
-  const Clock& clock_;
+  const base::Clock& clock_;
   mutable absl::Mutex mutex_;
   absl::CondVar work_or_stop_;
   // Clients with tasks, the one whose turn it is in front.
@@ -130,6 +130,6 @@ class WorkerPool {
   std::vector<std::thread> threads_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_WORKER_POOL_H_

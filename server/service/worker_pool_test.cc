@@ -12,7 +12,7 @@
 #include "gtest/gtest.h"
 #include "server/service/service_test_util.h"
 
-namespace treeline {
+namespace treeline::service {
 namespace {
 
 using std::chrono::milliseconds;
@@ -22,7 +22,7 @@ using Verdict = WorkerPool::Verdict;
 // One worker that is busy until it is let go, so that tests can fill the queue.
 class WorkerPoolTest : public testing::Test {
  protected:
-  void StartBusy(int queue, const Clock& clock) {
+  void StartBusy(int queue, const base::Clock& clock) {
     pool_ = std::make_unique<WorkerPool>(1, queue, clock);
     ASSERT_EQ(pool_
                   ->Submit({.client = "first",
@@ -52,7 +52,7 @@ class WorkerPoolTest : public testing::Test {
     pool_.reset();
   }
 
-  SteadyClock steady_;
+  base::SteadyClock steady_;
   absl::Notification started_;
   absl::Notification go_on_;
   std::vector<std::string> done_;
@@ -62,7 +62,7 @@ class WorkerPoolTest : public testing::Test {
 TEST(WorkerPool, RunsEveryTaskItTook) {
   std::atomic<int> ran{0};
   int taken = 0;
-  const SteadyClock clock;
+  const base::SteadyClock clock;
   {
     WorkerPool pool(4, 1000, clock);
     for (int i = 0; i < 1000; ++i) {
@@ -185,4 +185,4 @@ TEST(WorkerPool, AFreeWorkerTriesWhatIsExpectedToTakeTooLong) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::service

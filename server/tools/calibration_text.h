@@ -6,11 +6,11 @@
 
 #include "server/core/training/rgbd_calibrator.h"
 
-namespace treeline {
+namespace treeline::tools {
 
 // A few lines: the cameras, the offset, and what the fit improved.
-std::string CalibrationText(const CalibrationReport& report);
+std::string CalibrationText(const training::CalibrationReport& report);
 
-}  // namespace treeline
+}  // namespace treeline::tools
 
 #endif  // SERVER_TOOLS_CALIBRATION_TEXT_H_

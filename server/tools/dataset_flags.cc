@@ -2,9 +2,9 @@
 
 #include "CLI/CLI.hpp"
 
-namespace treeline {
+namespace treeline::tools {
 
-CLI::Option* AddDatasetFlags(CLI::App& app, DatasetOptions& options) {
+CLI::Option* AddDatasetFlags(CLI::App& app, dataset::DatasetOptions& options) {
   constexpr const char* kGroup = "Recording";
   CLI::Option* dataset = app.add_option(
       "--dataset", options.uri,
@@ -44,4 +44,4 @@ CLI::Option* AddDatasetFlags(CLI::App& app, DatasetOptions& options) {
   return dataset;
 }
 
-}  // namespace treeline
+}  // namespace treeline::tools

@@ -9,14 +9,14 @@ class App;
 class Option;
 }  // namespace CLI
 
-namespace treeline {
+namespace treeline::tools {
 
 // Adds --dataset (required), --frames, --poses, --color-camera,
 // --depth-camera, --depth-unit and --max-time-difference to `app`. `options`
 // must live as long as `app`.
 // Returns --dataset, which is required unless told otherwise.
-CLI::Option* AddDatasetFlags(CLI::App& app, DatasetOptions& options);
+CLI::Option* AddDatasetFlags(CLI::App& app, dataset::DatasetOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::tools
 
 #endif  // SERVER_TOOLS_DATASET_FLAGS_H_

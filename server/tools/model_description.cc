@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
-namespace treeline {
+namespace treeline::tools {
 namespace {
 
 constexpr double kDegreesPerRadian = 57.29577951308232;
@@ -18,21 +18,21 @@ std::string OrUnknown(const std::string& text) {
   return text.empty() ? "unknown" : text;
 }
 
-std::string FormatVector(Vec3 v, const char* unit) {
+std::string FormatVector(geometry::Vec3 v, const char* unit) {
   return absl::StrFormat("%.3f  %.3f  %.3f %s", v.x, v.y, v.z, unit);
 }
 
 // Six digits say all that a calibration knows.
-std::string FormatCamera(const Camera& camera) {
-  std::string text(CameraModelName(camera.model()));
-  for (int i = 0; i < CameraParameterCount(camera.model()); ++i) {
+std::string FormatCamera(const camera::Camera& camera) {
+  std::string text(camera::CameraModelName(camera.model()));
+  for (int i = 0; i < camera::CameraParameterCount(camera.model()); ++i) {
     absl::StrAppendFormat(&text, " %.6g",
                           camera.parameters()[static_cast<size_t>(i)]);
   }
   return absl::StrCat(text, ", ", camera.width(), " x ", camera.height());
 }
 
-DescriptionSection Origin(const ModelInfo& model) {
+DescriptionSection Origin(const forest::ModelInfo& model) {
   DescriptionSection section{"Origin", {}};
   section.rows = {
       {"method", OrUnknown(model.method)},
@@ -50,7 +50,7 @@ DescriptionSection Origin(const ModelInfo& model) {
   return section;
 }
 
-DescriptionSection Size(const ModelInfo& model) {
+DescriptionSection Size(const forest::ModelInfo& model) {
   DescriptionSection section{"Size", {}};
   const char* place = model.format_version > 0 ? "file" : "memory";
   section.rows.push_back({place, FormatBytes(model.file_bytes)});
@@ -59,8 +59,8 @@ DescriptionSection Size(const ModelInfo& model) {
     section.rows.push_back({"nodes", FormatCount(model.nodes)});
     section.rows.push_back({"leaves", FormatCount(model.leaves)});
   }
-  const Vec3& low = model.bounds_min_in_world;
-  const Vec3& high = model.bounds_max_in_world;
+  const geometry::Vec3& low = model.bounds_min_in_world;
+  const geometry::Vec3& high = model.bounds_max_in_world;
   section.rows.insert(
       section.rows.end(),
       {{"training frames", FormatCount(model.training_frames)},
@@ -72,11 +72,12 @@ DescriptionSection Size(const ModelInfo& model) {
   return section;
 }
 
-DescriptionSection Calibration(const RgbdCalibration& calibration) {
+DescriptionSection Calibration(const camera::RgbdCalibration& calibration) {
   DescriptionSection section{"Calibration", {}};
-  const Rigid3& color_from_depth = calibration.color_from_depth;
+  const geometry::Rigid3& color_from_depth = calibration.color_from_depth;
   const double angle_deg =
-      Norm(ToAxisAngle(color_from_depth.rotation)) * kDegreesPerRadian;
+      geometry::Norm(geometry::ToAxisAngle(color_from_depth.rotation)) *
+      kDegreesPerRadian;
   section.rows = {
       {"colour camera", FormatCamera(calibration.color)},
       {"depth camera", FormatCamera(calibration.depth)},
@@ -85,7 +86,7 @@ DescriptionSection Calibration(const RgbdCalibration& calibration) {
       {"rotation between them", FormatNumber("%.3f deg", angle_deg)},
       {"depth scale",
        FormatNumber("%.5f world units a metre", calibration.depth_scale)},
-      {"poses are of the", calibration.pose_sensor == RgbdSensor::kColor
+      {"poses are of the", calibration.pose_sensor == camera::RgbdSensor::kColor
                                ? "colour camera"
                                : "depth camera"},
   };
@@ -94,7 +95,7 @@ DescriptionSection Calibration(const RgbdCalibration& calibration) {
 
 }  // namespace
 
-std::vector<DescriptionSection> DescribeModel(const ModelInfo& model) {
+std::vector<DescriptionSection> DescribeModel(const forest::ModelInfo& model) {
   std::vector<DescriptionSection> sections{Origin(model), Size(model),
                                            Calibration(model.calibration)};
   if (!model.options.empty()) {
@@ -153,4 +154,4 @@ std::string FormatNumber(const char* format, double value) {
   return text.data();
 }
 
-}  // namespace treeline
+}  // namespace treeline::tools

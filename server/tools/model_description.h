@@ -9,7 +9,7 @@
 
 #include "server/core/forest/model_info.h"
 
-namespace treeline {
+namespace treeline::tools {
 
 // Name and value of one line.
 using DescriptionRow = std::pair<std::string, std::string>;
@@ -21,7 +21,7 @@ struct DescriptionSection {
 
 // Everything in `model`, in the order in which a person asks: where it comes
 // from, how large it is, how its cameras are calibrated, how it was trained.
-std::vector<DescriptionSection> DescribeModel(const ModelInfo& model);
+std::vector<DescriptionSection> DescribeModel(const forest::ModelInfo& model);
 
 // The sections as aligned plain text, one row a line.
 std::string DescriptionText(const std::vector<DescriptionSection>& sections);
@@ -35,6 +35,6 @@ std::string FormatCount(int64_t count);
 // "%.3f" and the like for one number; "-" if it is not finite.
 std::string FormatNumber(const char* format, double value);
 
-}  // namespace treeline
+}  // namespace treeline::tools
 
 #endif  // SERVER_TOOLS_MODEL_DESCRIPTION_H_

@@ -15,14 +15,14 @@
 #include "server/tools/run_info.h"
 #include "server/tools/training_record.h"
 
-namespace treeline {
+namespace treeline::tools {
 namespace {
 
 // "rgbd", "rgbd-balanced-levels-0": what differs from the defaults that the
 // command line can change.
 std::string ModelName(const std::string& method,
-                      const TrainingOptions& training) {
-  const TrainingOptions defaults;
+                      const training::TrainingOptions& training) {
+  const training::TrainingOptions defaults;
   std::string name = method;
   if (training.balanced_levels != defaults.balanced_levels) {
     absl::StrAppend(&name, "-balanced-levels-", training.balanced_levels);
@@ -33,7 +33,8 @@ std::string ModelName(const std::string& method,
   return name;
 }
 
-bool IsSame(const ModelInfo& info, const SceneTrainingOptions& wanted,
+bool IsSame(const forest::ModelInfo& info,
+            const training::SceneTrainingOptions& wanted,
             const std::string& dataset_uri) {
   return info.method == wanted.method &&
          info.options == wanted.recorded_options &&
@@ -57,8 +58,8 @@ absl::StatusOr<ModelStore> ModelStore::Open(const std::string& folder,
   }
   ModelStore store(folder, false, std::move(options));
   const std::string some_file = store.PathOf("model");
-  TL_RETURN_IF_ERROR(MakeParentFolder(some_file));
-  TL_RETURN_IF_ERROR(CheckWritable(some_file));
+  TL_RETURN_IF_ERROR(base::MakeParentFolder(some_file));
+  TL_RETURN_IF_ERROR(base::CheckWritable(some_file));
   return store;
 }
 
@@ -84,9 +85,9 @@ std::string ModelStore::PathOf(absl::string_view name) const {
 }
 
 absl::StatusOr<std::string> ModelStore::Train(
-    const Dataset& dataset, const std::string& method,
-    const TrainingOptions& training) const {
-  SceneTrainingOptions options;
+    const dataset::Dataset& dataset, const std::string& method,
+    const training::TrainingOptions& training) const {
+  training::SceneTrainingOptions options;
   options.method = method;
   options.calibration = options_.calibration;
   if (options.calibration) {
@@ -94,7 +95,7 @@ absl::StatusOr<std::string> ModelStore::Train(
     options.calibration->pose_sensor = dataset.calibration().pose_sensor;
   }
   options.forest = training;
-  options.software_version = Version();
+  options.software_version = base::Version();
   options.created_utc = UtcNow();
   options.recorded_options =
       method == "sift"
@@ -103,7 +104,7 @@ absl::StatusOr<std::string> ModelStore::Train(
                             training);
   std::string path = PathOf(ModelName(method, training));
   if (std::filesystem::exists(path)) {
-    const auto model = ModelFile::Open(path);
+    const auto model = forest::ModelFile::Open(path);
     if (model.ok() && IsSame((*model)->info(), options, dataset.uri())) {
       if (!options_.quiet) {
         std::fprintf(stderr, "taking the model that is there: %s\n",
@@ -115,10 +116,10 @@ absl::StatusOr<std::string> ModelStore::Train(
   if (!options_.quiet) {
     std::fprintf(stderr, "training %s\n", path.c_str());
   }
-  TL_RETURN_IF_ERROR(
-      TrainScene(dataset, options, path, options_.quiet, options_.stop)
-          .status());
+  TL_RETURN_IF_ERROR(training::TrainScene(dataset, options, path,
+                                          options_.quiet, options_.stop)
+                         .status());
   return path;
 }
 
-}  // namespace treeline
+}  // namespace treeline::tools

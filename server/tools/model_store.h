@@ -11,14 +11,14 @@
 #include "common/dataset/dataset.h"
 #include "server/core/training/scene_trainer.h"
 
-namespace treeline {
+namespace treeline::tools {
 
 // What models are trained on and how, but for the method.
 struct ModelStoreOptions {
-  DatasetOptions dataset;
+  dataset::DatasetOptions dataset;
   // As --calibration has it: "auto", or the file that `calibration` is of.
   std::string calibration_name = "auto";
-  std::optional<RgbdCalibration> calibration;
+  std::optional<camera::RgbdCalibration> calibration;
   bool quiet = false;
   std::stop_token stop;
 };
@@ -37,9 +37,9 @@ class ModelStore {
   // there if it is sound and was trained on a dataset of this name with the
   // same options by this version, else one trained now. Errors are those of
   // TrainScene.
-  absl::StatusOr<std::string> Train(const Dataset& dataset,
-                                    const std::string& method,
-                                    const TrainingOptions& training) const;
+  absl::StatusOr<std::string> Train(
+      const dataset::Dataset& dataset, const std::string& method,
+      const training::TrainingOptions& training) const;
 
   // DIR/NAME.treeline, for files of one's own.
   std::string PathOf(absl::string_view name) const;
@@ -52,6 +52,6 @@ class ModelStore {
   ModelStoreOptions options_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::tools
 
 #endif  // SERVER_TOOLS_MODEL_STORE_H_

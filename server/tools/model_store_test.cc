@@ -10,7 +10,7 @@
 #include "server/core/training/box_room_recording.h"
 #include "server/tools/testing_fixtures.h"
 
-namespace treeline {
+namespace treeline::tools {
 namespace {
 
 using ::testing::HasSubstr;
@@ -18,29 +18,32 @@ using ::testing::HasSubstr;
 class ModelStoreTest : public ::testing::Test {
  protected:
   ModelStoreTest() {
-    WriteBoxRoomRecording(folder_ / "room", BoxRoomCalibration(),
-                          BoxRoomPoses(6));
+    training::WriteBoxRoomRecording(folder_ / "room",
+                                    training::BoxRoomCalibration(),
+                                    training::BoxRoomPoses(6));
     options_.dataset = BoxRoomOptions(folder_ / "room");
     options_.calibration_name = "given";
-    options_.calibration = BoxRoomCalibration();
+    options_.calibration = training::BoxRoomCalibration();
     options_.quiet = true;
     training_.trees = 1;
     training_.samples_per_frame = 50;
   }
 
-  Dataset Recording() const { return Dataset::Open(options_.dataset).value(); }
+  dataset::Dataset Recording() const {
+    return dataset::Dataset::Open(options_.dataset).value();
+  }
   std::string Checksum(const std::string& path) const {
-    return (*ModelFile::Open(path))->info().checksum;
+    return (*forest::ModelFile::Open(path))->info().checksum;
   }
 
   const TestFolder folder_;
   ModelStoreOptions options_;
-  TrainingOptions training_;
+  training::TrainingOptions training_;
 };
 
 TEST_F(ModelStoreTest, TakesAModelThatIsThereAndFits) {
   const ModelStore store = *ModelStore::Open(folder_ / "models", options_);
-  const Dataset recording = Recording();
+  const dataset::Dataset recording = Recording();
   const auto path = store.Train(recording, "rgbd", training_);
   ASSERT_TRUE(path.ok()) << path.status();
   const auto written = std::filesystem::last_write_time(*path);
@@ -52,7 +55,7 @@ TEST_F(ModelStoreTest, TakesAModelThatIsThereAndFits) {
 
 TEST_F(ModelStoreTest, TrainsAgainForOtherOptionsAndForDamagedFiles) {
   const ModelStore store = *ModelStore::Open(folder_ / "models", options_);
-  const Dataset recording = Recording();
+  const dataset::Dataset recording = Recording();
   const std::string path = *store.Train(recording, "rgbd", training_);
   const std::string checksum = Checksum(path);
   // Not part of the name.
@@ -61,12 +64,12 @@ TEST_F(ModelStoreTest, TrainsAgainForOtherOptionsAndForDamagedFiles) {
   EXPECT_NE(Checksum(path), checksum);
   std::ofstream(path) << "no model";
   ASSERT_TRUE(store.Train(recording, "rgbd", training_).ok());
-  EXPECT_TRUE(ModelFile::Open(path).ok());
+  EXPECT_TRUE(forest::ModelFile::Open(path).ok());
 }
 
 TEST_F(ModelStoreTest, KeepsModelsOfAnAblationApart) {
   const ModelStore store = *ModelStore::Open(folder_ / "models", options_);
-  const Dataset recording = Recording();
+  const dataset::Dataset recording = Recording();
   const std::string balanced = *store.Train(recording, "rgbd", training_);
   training_.balanced_levels = 0;
   const std::string unbalanced = *store.Train(recording, "rgbd", training_);
@@ -95,4 +98,4 @@ TEST_F(ModelStoreTest, LeavesNothingWhenInterrupted) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::tools

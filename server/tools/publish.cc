@@ -12,12 +12,12 @@
 #include "server/repository/sha256.h"
 #include "server/repository/web_url.h"
 
-namespace treeline {
+namespace treeline::tools {
 namespace {
 
-bool ComesFirst(const ModelRef& a, const ModelRef& b) {
+bool ComesFirst(const repository::ModelRef& a, const repository::ModelRef& b) {
   if (a.scene != b.scene) return a.scene < b.scene;
-  return VersionIsOlder(a.version, b.version);
+  return repository::VersionIsOlder(a.version, b.version);
 }
 
 }  // namespace
@@ -27,14 +27,15 @@ absl::Status PublishOptions::Validate() const {
   if (!absl::EndsWith(base_url, "/")) {
     return absl::InvalidArgumentError("--base-url must end with /");
   }
-  return Annotate(ResolveUrl("", base_url).status(), "--base-url");
+  return base::Annotate(repository::ResolveUrl("", base_url).status(),
+                        "--base-url");
 }
 
-absl::StatusOr<ModelIndex> IndexModels(ModelSource& source,
-                                       const PublishOptions& options,
-                                       const std::stop_token& stop) {
+absl::StatusOr<repository::ModelIndex> IndexModels(
+    repository::ModelSource& source, const PublishOptions& options,
+    const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(options.Validate());
-  TL_ASSIGN_OR_RETURN(SourceListing listing, source.List());
+  TL_ASSIGN_OR_RETURN(repository::SourceListing listing, source.List());
   if (listing.models.empty()) {
     return absl::NotFoundError(
         "no models: nothing is called <scene>/<version>/model.treeline");
@@ -43,23 +44,26 @@ absl::StatusOr<ModelIndex> IndexModels(ModelSource& source,
   std::sort(listing.models.begin(), listing.models.end(), ComesFirst);
   if (!listing.scene_json_errors.empty()) {
     const auto& [scene, error] = *listing.scene_json_errors.begin();
-    return Annotate(error, absl::StrCat(scene, "/scene.json"));
+    return base::Annotate(error, absl::StrCat(scene, "/scene.json"));
   }
-  ModelIndex index;
+  repository::ModelIndex index;
   for (const auto& [scene, text] : listing.scene_json) {
-    TL_RETURN_IF_ERROR(Annotate(ParseSceneMetadata(text).status(),
-                                absl::StrCat(scene, "/scene.json")));
+    TL_RETURN_IF_ERROR(
+        base::Annotate(repository::ParseSceneMetadata(text).status(),
+                       absl::StrCat(scene, "/scene.json")));
     index.scene_json[scene] = text;
   }
   uint64_t total = 0;
-  for (const ModelRef& model : listing.models) total += model.bytes;
-  Progress progress("hashing", static_cast<int64_t>(total), options.quiet);
-  for (const ModelRef& model : listing.models) {
+  for (const repository::ModelRef& model : listing.models) total += model.bytes;
+  base::Progress progress("hashing", static_cast<int64_t>(total),
+                          options.quiet);
+  for (const repository::ModelRef& model : listing.models) {
     TL_ASSIGN_OR_RETURN(const std::string path, source.Fetch(model, stop));
-    TL_ASSIGN_OR_RETURN(FileDigest digest,
-                        DigestOfFile(path, stop, [&](uint64_t bytes) {
-                          progress.Add(static_cast<int64_t>(bytes));
-                        }));
+    TL_ASSIGN_OR_RETURN(
+        repository::FileDigest digest,
+        repository::DigestOfFile(path, stop, [&](uint64_t bytes) {
+          progress.Add(static_cast<int64_t>(bytes));
+        }));
     index.models.push_back(
         {.scene = model.scene,
          .version = model.version,
@@ -71,4 +75,4 @@ absl::StatusOr<ModelIndex> IndexModels(ModelSource& source,
   return index;
 }
 
-}  // namespace treeline
+}  // namespace treeline::tools

@@ -9,7 +9,7 @@
 #include "server/repository/model_index.h"
 #include "server/repository/model_source.h"
 
-namespace treeline {
+namespace treeline::tools {
 
 struct PublishOptions {
   // In front of <scene>/<version>/model.treeline in each url: "" where the
@@ -25,10 +25,10 @@ struct PublishOptions {
 // Hashes every model of `source`; sorts them by scene, older versions first.
 // NOT_FOUND: it has none. INVALID_ARGUMENT: a scene.json that is none.
 // CANCELLED.
-absl::StatusOr<ModelIndex> IndexModels(ModelSource& source,
-                                       const PublishOptions& options,
-                                       const std::stop_token& stop);
+absl::StatusOr<repository::ModelIndex> IndexModels(
+    repository::ModelSource& source, const PublishOptions& options,
+    const std::stop_token& stop);
 
-}  // namespace treeline
+}  // namespace treeline::tools
 
 #endif  // SERVER_TOOLS_PUBLISH_H_

@@ -10,7 +10,7 @@
 #include "gmock/gmock.h"
 #include "server/repository/folder_source.h"
 
-namespace treeline {
+namespace treeline::tools {
 namespace {
 
 using ::testing::HasSubstr;
@@ -32,12 +32,13 @@ class PublishTest : public testing::Test {
 
   void Put(const std::string& path, const std::string& contents) const {
     const std::string whole = absl::StrCat(folder_, "/", path);
-    ASSERT_TRUE(MakeParentFolder(whole).ok());
-    ASSERT_TRUE(WriteFileAtomically(whole, contents).ok());
+    ASSERT_TRUE(base::MakeParentFolder(whole).ok());
+    ASSERT_TRUE(base::WriteFileAtomically(whole, contents).ok());
   }
 
-  absl::StatusOr<ModelIndex> Index(const std::string& base_url = "") const {
-    FolderSource source(folder_);
+  absl::StatusOr<repository::ModelIndex> Index(
+      const std::string& base_url = "") const {
+    repository::FolderSource source(folder_);
     return IndexModels(source, {.base_url = base_url, .quiet = true}, {});
   }
 
@@ -58,7 +59,8 @@ TEST_F(PublishTest, NamesEveryModelWithSizeDigestAndPlace) {
   EXPECT_EQ(index->models[0].sha256, kDigestOfAbc);
   EXPECT_EQ(index->models[0].url, "hall/2/model.treeline");
   EXPECT_THAT(index->scene_json, SizeIs(1));
-  const auto again = ParseModelIndex(ModelIndexJson(*index).value());
+  const auto again =
+      repository::ParseModelIndex(repository::ModelIndexJson(*index).value());
   ASSERT_TRUE(again.ok()) << again.status();
   EXPECT_EQ(again->models[1].url, "kitchen/7/model.treeline");
 }
@@ -85,4 +87,4 @@ TEST_F(PublishTest, ASceneJsonThatIsNoneIsNamed) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::tools

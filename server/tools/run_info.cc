@@ -17,7 +17,7 @@
 #include "absl/time/time.h"
 #include "common/base/parallel_for.h"
 
-namespace treeline {
+namespace treeline::tools {
 
 std::string ShellQuoted(absl::string_view argument) {
   const auto harmless = [](char c) {
@@ -51,7 +51,7 @@ std::string CpuDescription() {
         absl::StripAsciiWhitespace(absl::string_view(line).substr(colon + 1)));
     break;
   }
-  const int processors = HardwareThreads();
+  const int processors = base::HardwareThreads();
   return absl::StrCat(name, ", ", processors,
                       processors == 1 ? " processor" : " processors");
 }
@@ -69,4 +69,4 @@ std::string UtcNow() {
                           absl::UTCTimeZone());
 }
 
-}  // namespace treeline
+}  // namespace treeline::tools

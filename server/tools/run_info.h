@@ -7,7 +7,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::tools {
 
 // This process's command line, quoted where a shell would need it. Empty if
 // the system does not tell.
@@ -31,6 +31,6 @@ void ResetPeakMemory();
 // The time now, "2026-11-21T09:30:00Z".
 std::string UtcNow();
 
-}  // namespace treeline
+}  // namespace treeline::tools
 
 #endif  // SERVER_TOOLS_RUN_INFO_H_

@@ -10,7 +10,7 @@
 #include "absl/strings/str_format.h"
 #include "common/image/decode.h"
 
-namespace treeline {
+namespace treeline::tools {
 namespace {
 
 constexpr int kWidth = 8;
@@ -22,8 +22,8 @@ void WriteBytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
 }
 
-void WritePose(const std::string& path, const Rigid3& pose) {
-  const Mat3 r = pose.rotation.Matrix();
+void WritePose(const std::string& path, const geometry::Rigid3& pose) {
+  const geometry::Mat3 r = pose.rotation.Matrix();
   std::ofstream file(path);
   file.precision(17);
   for (int row = 0; row < 3; ++row) {
@@ -35,20 +35,21 @@ void WritePose(const std::string& path, const Rigid3& pose) {
 
 }  // namespace
 
-SmallRecording::SmallRecording(int frames, const std::vector<Rigid3>& poses) {
+SmallRecording::SmallRecording(int frames,
+                               const std::vector<geometry::Rigid3>& poses) {
   std::string name =
       (std::filesystem::temp_directory_path() / "recording_XXXXXX").string();
   folder_ = mkdtemp(name.data());
   std::filesystem::create_directory(folder_ + "/seq-01");
   for (int i = 0; i < frames; ++i) {
-    ColorImage color{kWidth, kHeight, {}};
+    image::ColorImage color{kWidth, kHeight, {}};
     color.rgb.assign(3 * kWidth * kHeight, 100);
     color.rgb[0] = static_cast<uint8_t>(i);
-    WriteBytes(ColorPath(i), EncodePng(color).value());
-    DepthImage depth{kWidth, kHeight, {}, 0.001};
+    WriteBytes(ColorPath(i), image::EncodePng(color).value());
+    image::DepthImage depth{kWidth, kHeight, {}, 0.001};
     depth.values.assign(kWidth * kHeight, 2000);
     const std::string base = folder_ + "/" + Stem(i);
-    WriteBytes(base + ".depth.png", EncodeDepthPng(depth).value());
+    WriteBytes(base + ".depth.png", image::EncodeDepthPng(depth).value());
     if (static_cast<size_t>(i) < poses.size()) {
       WritePose(base + ".pose.txt", poses[static_cast<size_t>(i)]);
     }
@@ -57,16 +58,16 @@ SmallRecording::SmallRecording(int frames, const std::vector<Rigid3>& poses) {
 
 SmallRecording::~SmallRecording() { std::filesystem::remove_all(folder_); }
 
-DatasetOptions SmallRecording::options() const {
-  DatasetOptions options;
+dataset::DatasetOptions SmallRecording::options() const {
+  dataset::DatasetOptions options;
   options.uri = "7scenes:" + folder_;
   options.color_camera = "PINHOLE,10,10,4,3";
   options.depth_camera = "PINHOLE,11,11,4,3";
   return options;
 }
 
-Dataset SmallRecording::Open() const {
-  return Dataset::Open(options()).value();
+dataset::Dataset SmallRecording::Open() const {
+  return dataset::Dataset::Open(options()).value();
 }
 
 std::string SmallRecording::ColorPath(int i) const {
@@ -85,18 +86,18 @@ std::string TestFolder::operator/(const std::string& name) const {
   return path_ + "/" + name;
 }
 
-DatasetOptions BoxRoomOptions(const std::string& folder) {
-  DatasetOptions options;
+dataset::DatasetOptions BoxRoomOptions(const std::string& folder) {
+  dataset::DatasetOptions options;
   options.uri = "7scenes:" + folder;
   options.color_camera = options.depth_camera = "PINHOLE,145,145,100,75";
   options.pose_file = folder + "/poses.txt";
   return options;
 }
 
-PoseEstimate LocalizedAt(const Rigid3& world_from_camera) {
-  PoseEstimate estimate;
-  estimate.outcome = Outcome::kLocalized;
-  estimate.reason = NotLocalizedReason::kNone;
+localizer::PoseEstimate LocalizedAt(const geometry::Rigid3& world_from_camera) {
+  localizer::PoseEstimate estimate;
+  estimate.outcome = localizer::Outcome::kLocalized;
+  estimate.reason = localizer::NotLocalizedReason::kNone;
   estimate.world_from_camera = world_from_camera;
   estimate.inliers = 40;
   estimate.samples = 50;
@@ -104,4 +105,4 @@ PoseEstimate LocalizedAt(const Rigid3& world_from_camera) {
   return estimate;
 }
 
-}  // namespace treeline
+}  // namespace treeline::tools

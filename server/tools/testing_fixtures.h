@@ -11,20 +11,20 @@
 #include "common/dataset/dataset.h"
 #include "server/core/localizer/localizer.h"
 
-namespace treeline {
+namespace treeline::tools {
 
 // A 7-Scenes folder of 8 x 6 images under the test's temporary folder. The
 // first red value of frame i is i. Removed when destroyed.
 class SmallRecording {
  public:
   // poses[i] (world_from_depth) is frame i's; frames beyond have none.
-  SmallRecording(int frames, const std::vector<Rigid3>& poses);
+  SmallRecording(int frames, const std::vector<geometry::Rigid3>& poses);
   ~SmallRecording();
   SmallRecording(const SmallRecording&) = delete;
   SmallRecording& operator=(const SmallRecording&) = delete;
 
-  DatasetOptions options() const;
-  Dataset Open() const;
+  dataset::DatasetOptions options() const;
+  dataset::Dataset Open() const;
   const std::string& folder() const { return folder_; }
   std::string ColorPath(int i) const;
 
@@ -33,7 +33,7 @@ class SmallRecording {
 };
 
 // The number that SmallRecording put into a frame.
-inline int FrameNumber(const Frame& frame) { return frame.color.rgb[0]; }
+inline int FrameNumber(const image::Frame& frame) { return frame.color.rgb[0]; }
 
 // A folder of its own for a test, removed when destroyed.
 class TestFolder {
@@ -52,31 +52,32 @@ class TestFolder {
 
 // How to open what WriteBoxRoomRecording wrote to `folder` with
 // BoxRoomCalibration(). Poses are of that calibration's pose sensor.
-DatasetOptions BoxRoomOptions(const std::string& folder);
+dataset::DatasetOptions BoxRoomOptions(const std::string& folder);
 
 // Answers with what a function says.
-class FunctionLocalizer final : public Localizer {
+class FunctionLocalizer final : public localizer::Localizer {
  public:
-  using Function = std::function<absl::StatusOr<PoseEstimate>(
-      const Frame&, const LocalizeOptions&)>;
+  using Function = std::function<absl::StatusOr<localizer::PoseEstimate>(
+      const image::Frame&, const localizer::LocalizeOptions&)>;
 
-  FunctionLocalizer(ModelInfo info, Function function)
+  FunctionLocalizer(forest::ModelInfo info, Function function)
       : info_(std::move(info)), function_(std::move(function)) {}
 
-  absl::StatusOr<PoseEstimate> Localize(
-      const Frame& frame, const LocalizeOptions& options) const override {
+  absl::StatusOr<localizer::PoseEstimate> Localize(
+      const image::Frame& frame,
+      const localizer::LocalizeOptions& options) const override {
     return function_(frame, options);
   }
-  const ModelInfo& info() const override { return info_; }
+  const forest::ModelInfo& info() const override { return info_; }
 
  private:
-  const ModelInfo info_;
+  const forest::ModelInfo info_;
   const Function function_;
 };
 
 // A localized estimate at this pose, 40 of 50 samples inliers.
-PoseEstimate LocalizedAt(const Rigid3& world_from_camera);
+localizer::PoseEstimate LocalizedAt(const geometry::Rigid3& world_from_camera);
 
-}  // namespace treeline
+}  // namespace treeline::tools
 
 #endif  // SERVER_TOOLS_TESTING_FIXTURES_H_

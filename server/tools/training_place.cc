@@ -10,7 +10,7 @@
 #include "common/base/status_macros.h"
 #include "common/yaml/yaml_node.h"
 
-namespace treeline {
+namespace treeline::tools {
 
 absl::StatusOr<std::string> SceneOfMapBundle(const std::string& folder) {
   const std::string path = folder + "/bundle.yaml";
@@ -21,7 +21,8 @@ absl::StatusOr<std::string> SceneOfMapBundle(const std::string& folder) {
                      ": there is no complete map bundle (no bundle.yaml); "
                      "`treeline-agent map` makes one"));
   }
-  TL_ASSIGN_OR_RETURN(const YamlNode manifest, YamlNode::Read(path));
+  TL_ASSIGN_OR_RETURN(const yaml::YamlNode manifest,
+                      yaml::YamlNode::Read(path));
   return manifest.Text("name");
 }
 
@@ -42,8 +43,8 @@ absl::StatusOr<std::string> NextModelPath(const std::string& repository,
   }
   const std::string path =
       absl::StrCat(folder, "/", highest + 1, "/model.treeline");
-  TL_RETURN_IF_ERROR(MakeParentFolder(path));
+  TL_RETURN_IF_ERROR(base::MakeParentFolder(path));
   return path;
 }
 
-}  // namespace treeline
+}  // namespace treeline::tools

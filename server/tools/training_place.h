@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 
-namespace treeline {
+namespace treeline::tools {
 
 // What the map bundle in `folder` calls its scene (docs/map-bundle.md).
 // NOT_FOUND if no complete bundle is there, INVALID_ARGUMENT with file and line
@@ -19,6 +19,6 @@ absl::StatusOr<std::string> SceneOfMapBundle(const std::string& folder);
 absl::StatusOr<std::string> NextModelPath(const std::string& repository,
                                           const std::string& scene);
 
-}  // namespace treeline
+}  // namespace treeline::tools
 
 #endif  // SERVER_TOOLS_TRAINING_PLACE_H_

@@ -8,7 +8,7 @@
 #include "common/base/file.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::tools {
 namespace {
 
 class TrainingPlaceTest : public testing::Test {
@@ -36,12 +36,14 @@ TEST_F(TrainingPlaceTest, AMapBundleNamesItsScene) {
   EXPECT_EQ(SceneOfMapBundle(folder_).status().code(),
             absl::StatusCode::kNotFound);
   ASSERT_TRUE(
-      WriteFileAtomically(folder_ + "/bundle.yaml", "name: attic\n").ok());
+      base::WriteFileAtomically(folder_ + "/bundle.yaml", "name: attic\n")
+          .ok());
   EXPECT_EQ(*SceneOfMapBundle(folder_), "attic");
-  ASSERT_TRUE(WriteFileAtomically(folder_ + "/bundle.yaml", "scene: x\n").ok());
+  ASSERT_TRUE(
+      base::WriteFileAtomically(folder_ + "/bundle.yaml", "scene: x\n").ok());
   EXPECT_EQ(SceneOfMapBundle(folder_).status().code(),
             absl::StatusCode::kInvalidArgument);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::tools

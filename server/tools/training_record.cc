@@ -2,13 +2,13 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::tools {
 
 std::vector<std::pair<std::string, std::string>> RecordedOptions(
-    const DatasetOptions& dataset, const std::string& calibration,
-    const TrainingOptions& training, const std::string& adapt,
+    const dataset::DatasetOptions& dataset, const std::string& calibration,
+    const training::TrainingOptions& training, const std::string& adapt,
     const std::string& extend) {
-  const TrainingOptions& t = training;
+  const training::TrainingOptions& t = training;
   return {{"frames", dataset.frame_list},
           {"poses", dataset.pose_file},
           {"calibration", calibration},
@@ -27,8 +27,9 @@ std::vector<std::pair<std::string, std::string>> RecordedOptions(
 }
 
 std::vector<std::pair<std::string, std::string>> RecordedSiftOptions(
-    const DatasetOptions& dataset, const TrainingOptions& training,
-    const SiftTrainingOptions& sift) {
+    const dataset::DatasetOptions& dataset,
+    const training::TrainingOptions& training,
+    const training::SiftTrainingOptions& sift) {
   return {{"frames", dataset.frame_list},
           {"trees", absl::StrCat(training.trees)},
           {"sift-features", absl::StrCat(sift.features.max_features)},
@@ -38,4 +39,4 @@ std::vector<std::pair<std::string, std::string>> RecordedSiftOptions(
           {"sift-candidates", absl::StrCat(sift.split_candidates)}};
 }
 
-}  // namespace treeline
+}  // namespace treeline::tools

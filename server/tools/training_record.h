@@ -10,21 +10,22 @@
 #include "server/core/training/sift_trainer.h"
 #include "server/core/training/training_options.h"
 
-namespace treeline {
+namespace treeline::tools {
 
 // Each flag of `treeline train` that shapes a model, without its dashes, and
 // its value: ModelInfo::options. calibration: as --calibration has it;
 // adapt, extend: as these flags have them.
 std::vector<std::pair<std::string, std::string>> RecordedOptions(
-    const DatasetOptions& dataset, const std::string& calibration,
-    const TrainingOptions& training, const std::string& adapt = "",
+    const dataset::DatasetOptions& dataset, const std::string& calibration,
+    const training::TrainingOptions& training, const std::string& adapt = "",
     const std::string& extend = "");
 
 // The same for method sift.
 std::vector<std::pair<std::string, std::string>> RecordedSiftOptions(
-    const DatasetOptions& dataset, const TrainingOptions& training,
-    const SiftTrainingOptions& sift);
+    const dataset::DatasetOptions& dataset,
+    const training::TrainingOptions& training,
+    const training::SiftTrainingOptions& sift);
 
-}  // namespace treeline
+}  // namespace treeline::tools
 
 #endif  // SERVER_TOOLS_TRAINING_RECORD_H_

@@ -21,15 +21,15 @@ struct Flags {
   bool trace = false;
 };
 
-void PutCrates(const std::vector<LevelPose>& path, Random& random,
-               Simulator& simulator) {
+void PutCrates(const std::vector<core::LevelPose>& path, base::Random& random,
+               simulator::Simulator& simulator) {
   for (int i = 0; i < 2 && path.size() > 1; ++i) {
     const size_t leg = random.NextBelow(static_cast<uint32_t>(path.size() - 1));
-    const Vec2 a = path[leg].map_from_base.translation;
-    const Vec2 b = path[leg + 1].map_from_base.translation;
-    const Vec2 at =
-        a + random.NextUniform(0.3, 0.9) * (b - a) +
-        Vec2{random.NextUniform(-0.3, 0.3), random.NextUniform(-0.3, 0.3)};
+    const geometry::Vec2 a = path[leg].map_from_base.translation;
+    const geometry::Vec2 b = path[leg + 1].map_from_base.translation;
+    const geometry::Vec2 at = a + random.NextUniform(0.3, 0.9) * (b - a) +
+                              geometry::Vec2{random.NextUniform(-0.3, 0.3),
+                                             random.NextUniform(-0.3, 0.3)};
     // Neither on the robot nor on its goal.
     if (Norm(at - path.front().map_from_base.translation) < 1.1 ||
         Norm(at - path.back().map_from_base.translation) < 1.1) {
@@ -44,13 +44,13 @@ void PutCrates(const std::vector<LevelPose>& path, Random& random,
 
 bool RunSeed(const ControlWorld& world, const Flags& flags, uint64_t seed,
              double& seconds) {
-  Random random(seed, 1);
-  LevelPose start;
-  LevelPose goal;
-  std::vector<LevelPose> path;
-  SimulatorOptions options;
+  base::Random random(seed, 1);
+  core::LevelPose start;
+  core::LevelPose goal;
+  std::vector<core::LevelPose> path;
+  simulator::SimulatorOptions options;
   options.seed = seed;
-  std::unique_ptr<Simulator> simulator;
+  std::unique_ptr<simulator::Simulator> simulator;
   while (path.size() < 2 || simulator == nullptr) {
     start = world.AnyPlace(random, 0.5);
     goal = world.AnyPlace(random, 0.45);
@@ -62,12 +62,13 @@ bool RunSeed(const ControlWorld& world, const Flags& flags, uint64_t seed,
     options.start = {.position = start.map_from_base.translation,
                      .yaw_rad = start.map_from_base.yaw_rad,
                      .height_m = start.place.height_m};
-    auto made = Simulator::Create(world.world(), options);
+    auto made = simulator::Simulator::Create(world.world(), options);
     simulator = made.ok() ? *std::move(made) : nullptr;
   }
   if (flags.crates) PutCrates(path, random, *simulator);
-  auto controller = *LocalController::Make(
-      world.map(), RobotModel(), {.front = simulator->laser().Info()}, {});
+  auto controller =
+      *control::LocalController::Make(world.map(), core::RobotModel(),
+                                      {.front = simulator->laser().Info()}, {});
   const ControlRunResult result =
       RunControl(world, *simulator, *controller, path,
                  {.max_s = 100,

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "nav_agent/control/local_controller.h"
-#include "nav_agent/sim/simulator.h"
+#include "simulation/simulator/simulator.h"
 #include "tests/control/control_world.h"
 
 namespace treeline {
@@ -21,7 +21,7 @@ struct ControlRunOptions {
   uint64_t seed = 1;
   bool traces = false;
   // Called before each step.
-  std::function<void(Simulator& simulator)> before_step;
+  std::function<void(simulator::Simulator& simulator)> before_step;
 };
 
 struct ControlRunResult {
@@ -47,14 +47,17 @@ struct ControlRunResult {
   std::string why;
 };
 
-ControlRunResult RunControl(const ControlWorld& world, Simulator& simulator,
-                            LocalController& controller,
-                            const std::vector<LevelPose>& path,
+ControlRunResult RunControl(const ControlWorld& world,
+                            simulator::Simulator& simulator,
+                            control::LocalController& controller,
+                            const std::vector<core::LevelPose>& path,
                             const ControlRunOptions& options);
 
 // The estimate at a time: the truth.
-ControlPose TruePose(const ControlWorld& world, const Simulator& simulator,
-                     SimTime time, const BaseReading& reading);
+control::ControlPose TruePose(const ControlWorld& world,
+                              const simulator::Simulator& simulator,
+                              simulator::SimTime time,
+                              const core::BaseReading& reading);
 
 }  // namespace treeline
 

@@ -8,7 +8,7 @@
 #include <queue>
 #include <utility>
 
-#include "nav_agent/traversability/testing_world.h"
+#include "tests/traversable_worlds/testing_world.h"
 
 namespace treeline {
 namespace {
@@ -17,25 +17,27 @@ constexpr double kSameGround_m = 0.08;
 // Keep-outs do not count so near to the start: the robot is there (m).
 constexpr double kLeave_m = 0.6;
 
-std::shared_ptr<const NavigationMap> MapOf(const World& world) {
-  auto levels = ExtractTraversableMap(VoxelizeWorld(world),
-                                      TraversabilityOptions::For(RobotModel()));
-  return std::make_shared<const NavigationMap>(
-      *NavigationMap::Make(*std::move(levels)));
+std::shared_ptr<const traversability::NavigationMap> MapOf(
+    const worlds::World& world) {
+  auto levels = traversability::ExtractTraversableMap(
+      VoxelizeWorld(world),
+      traversability::TraversabilityOptions::For(core::RobotModel()));
+  return std::make_shared<const traversability::NavigationMap>(
+      *traversability::NavigationMap::Make(*std::move(levels)));
 }
 
 }  // namespace
 
 ControlWorld::ControlWorld(const std::string& name, bool with_people)
-    : ControlWorld(
-          *MakeWorld(name, {.with_people = with_people, .paint = false})) {}
+    : ControlWorld(*worlds::MakeWorld(
+          name, {.with_people = with_people, .paint = false})) {}
 
-ControlWorld::ControlWorld(World world)
+ControlWorld::ControlWorld(worlds::World world)
     : world_(std::move(world)), map_(MapOf(world_)) {}
 
-LevelPose ControlWorld::PlaceAt(Vec2 at, double yaw_rad,
-                                double world_height_m) const {
-  LevelPose pose = {
+core::LevelPose ControlWorld::PlaceAt(geometry::Vec2 at, double yaw_rad,
+                                      double world_height_m) const {
+  core::LevelPose pose = {
       .map_from_base = {.translation = at, .yaw_rad = yaw_rad},
       .place = {.level = 0, .height_m = world_height_m + kMapLift_m}};
   const auto ground = map_->GroundNear(at, pose.place.height_m);
@@ -43,12 +45,13 @@ LevelPose ControlWorld::PlaceAt(Vec2 at, double yaw_rad,
   return pose;
 }
 
-LevelPose ControlWorld::AnyPlace(Random& random, double clearance_m) const {
+core::LevelPose ControlWorld::AnyPlace(base::Random& random,
+                                       double clearance_m) const {
   for (;;) {
     const int level = static_cast<int>(
         random.NextBelow(static_cast<uint32_t>(map_->levels())));
-    const OccupancyGrid& grid = map_->grid(level);
-    const CellIndex cell = {
+    const core::OccupancyGrid& grid = map_->grid(level);
+    const core::CellIndex cell = {
         static_cast<int>(random.NextBelow(static_cast<uint32_t>(grid.width))),
         static_cast<int>(random.NextBelow(static_cast<uint32_t>(grid.height)))};
     const double yaw_rad =
@@ -57,33 +60,33 @@ LevelPose ControlWorld::AnyPlace(Random& random, double clearance_m) const {
         map_->ClearanceAt_m(level, cell) < clearance_m) {
       continue;
     }
-    const Vec2 at = grid.CenterInMap(cell);
+    const geometry::Vec2 at = grid.CenterInMap(cell);
     return {.map_from_base = {.translation = at, .yaw_rad = yaw_rad},
             .place = *map_->GroundOf(at, level)};
   }
 }
 
-bool ControlWorld::IsOpen(int level, CellIndex cell, double clearance_m,
+bool ControlWorld::IsOpen(int level, core::CellIndex cell, double clearance_m,
                           const std::vector<KeepOut>& keep_out) const {
   if (!map_->IsFree(level, cell) ||
       map_->ClearanceAt_m(level, cell) < clearance_m) {
     return false;
   }
-  const Vec2 at = map_->grid(level).CenterInMap(cell);
+  const geometry::Vec2 at = map_->grid(level).CenterInMap(cell);
   return std::ranges::none_of(keep_out, [&](const KeepOut& disc) {
     return Norm(disc.center - at) < disc.radius_m + clearance_m;
   });
 }
 
-bool ControlWorld::SeesStraight(const LevelPose& a, const LevelPose& b,
-                                double clearance_m,
+bool ControlWorld::SeesStraight(const core::LevelPose& a,
+                                const core::LevelPose& b, double clearance_m,
                                 const std::vector<KeepOut>& keep_out) const {
-  const Vec2 from = a.map_from_base.translation;
-  const Vec2 way = b.map_from_base.translation - from;
+  const geometry::Vec2 from = a.map_from_base.translation;
+  const geometry::Vec2 way = b.map_from_base.translation - from;
   const int steps = static_cast<int>(Norm(way) / 0.03) + 1;
   double height_m = a.place.height_m;
   for (int i = 0; i <= steps; ++i) {
-    const Vec2 at = from + (static_cast<double>(i) / steps) * way;
+    const geometry::Vec2 at = from + (static_cast<double>(i) / steps) * way;
     const auto ground = map_->GroundNear(at, height_m);
     if (!ground.has_value() ||
         std::abs(ground->height_m - height_m) > kSameGround_m ||
@@ -96,16 +99,16 @@ bool ControlWorld::SeesStraight(const LevelPose& a, const LevelPose& b,
   return std::abs(height_m - b.place.height_m) < kSameGround_m;
 }
 
-std::vector<LevelPose> ControlWorld::FindPath(
-    const LevelPose& start, const LevelPose& goal, double clearance_m,
-    const std::vector<KeepOut>& keep_out) const {
-  const OccupancyGrid& grid = map_->grid(0);
+std::vector<core::LevelPose> ControlWorld::FindPath(
+    const core::LevelPose& start, const core::LevelPose& goal,
+    double clearance_m, const std::vector<KeepOut>& keep_out) const {
+  const core::OccupancyGrid& grid = map_->grid(0);
   const size_t per_level = grid.cells.size();
   const size_t nodes = per_level * static_cast<size_t>(map_->levels());
   constexpr double kFar = std::numeric_limits<double>::infinity();
   std::vector<double> cost(nodes, kFar);
   std::vector<size_t> parent(nodes, nodes);
-  const auto node_of = [&](const LevelPose& pose) {
+  const auto node_of = [&](const core::LevelPose& pose) {
     return static_cast<size_t>(pose.place.level) * per_level +
            grid.IndexOf(grid.CellOf(pose.map_from_base.translation));
   };
@@ -129,7 +132,7 @@ std::vector<LevelPose> ControlWorld::FindPath(
     const int cell = static_cast<int>(node % per_level);
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
-        const CellIndex to = {cell % width + dx, cell / width + dy};
+        const core::CellIndex to = {cell % width + dx, cell / width + dy};
         if (!grid.Contains(to)) continue;
         for (int level = 0; level < map_->levels(); ++level) {
           const size_t next =
@@ -153,17 +156,17 @@ std::vector<LevelPose> ControlWorld::FindPath(
     }
   }
   if (cost[last] == kFar) return {};
-  std::vector<LevelPose> cells = {goal};
+  std::vector<core::LevelPose> cells = {goal};
   for (size_t node = parent[last]; node < nodes; node = parent[node]) {
     const int cell = static_cast<int>(node % per_level);
-    const Vec2 at = grid.CenterInMap({cell % width, cell / width});
+    const geometry::Vec2 at = grid.CenterInMap({cell % width, cell / width});
     const int level = static_cast<int>(node / per_level);
     cells.push_back({.map_from_base = {.translation = at, .yaw_rad = 0},
                      .place = *map_->GroundOf(at, level)});
   }
   cells.back().map_from_base = start.map_from_base;
   std::ranges::reverse(cells);
-  std::vector<LevelPose> path = {cells[0]};
+  std::vector<core::LevelPose> path = {cells[0]};
   for (size_t at = 0; at + 1 < cells.size();) {
     size_t next = at + 1;
     for (size_t far = std::min(cells.size() - 1, at + 200); far > next;
@@ -173,8 +176,8 @@ std::vector<LevelPose> ControlWorld::FindPath(
         break;
       }
     }
-    LevelPose pose = cells[next];
-    const Vec2 way =
+    core::LevelPose pose = cells[next];
+    const geometry::Vec2 way =
         pose.map_from_base.translation - path.back().map_from_base.translation;
     if (next + 1 < cells.size()) {
       pose.map_from_base.yaw_rad = std::atan2(way.y, way.x);

@@ -28,18 +28,19 @@ struct Worker {
   int failed = 0;
 };
 
-std::vector<v1::Frame> ReadFrames(const Dataset& dataset, int count) {
+std::vector<v1::Frame> ReadFrames(const dataset::Dataset& dataset, int count) {
   std::vector<v1::Frame> frames;
   for (int i = 0; i < std::min(count, dataset.size()); ++i) {
-    absl::StatusOr<Dataset::Encoded> encoded = dataset.ReadEncoded(i);
+    absl::StatusOr<dataset::Dataset::Encoded> encoded = dataset.ReadEncoded(i);
     if (!encoded.ok()) continue;
-    QueryFrame frame;
-    frame.color = EncodedImage{std::move(encoded->color)};
+    wire::QueryFrame frame;
+    frame.color = wire::EncodedImage{std::move(encoded->color)};
     if (!encoded->depth.empty()) {
-      frame.depth = QueryDepth{.image = EncodedImage{std::move(encoded->depth)},
-                               .unit_m = dataset.depth_unit_m()};
+      frame.depth = wire::QueryDepth{
+          .image = wire::EncodedImage{std::move(encoded->depth)},
+          .unit_m = dataset.depth_unit_m()};
     }
-    frames.push_back(ToProto(frame));
+    frames.push_back(wire::ToProto(frame));
   }
   return frames;
 }
@@ -52,17 +53,17 @@ double ProcessorSeconds() {
                                     usage.ru_stime.tv_usec);
 }
 
-Worker Work(const Localizer& localizer, const std::vector<v1::Frame>& frames,
-            MonotonicTime end) {
-  const SteadyClock clock;
+Worker Work(const localizer::Localizer& localizer,
+            const std::vector<v1::Frame>& frames, base::MonotonicTime end) {
+  const base::SteadyClock clock;
   Worker worker;
-  MonotonicTime start = clock.Now();
+  base::MonotonicTime start = clock.Now();
   for (size_t i = 0; start < end; ++i) {
-    const absl::StatusOr<Frame> frame = FromProto(
+    const absl::StatusOr<image::Frame> frame = wire::FromProto(
         frames[i % frames.size()], localizer.info().calibration, {}, "frame");
     const bool good = frame.ok() && localizer.Localize(*frame, {}).ok();
-    const MonotonicTime now = clock.Now();
-    worker.latencies_ms.push_back(MillisecondsBetween(start, now));
+    const base::MonotonicTime now = clock.Now();
+    worker.latencies_ms.push_back(base::MillisecondsBetween(start, now));
     worker.failed += !good;
     start = now;
   }
@@ -70,8 +71,9 @@ Worker Work(const Localizer& localizer, const std::vector<v1::Frame>& frames,
 }
 
 int Run(char** argv) {
-  const auto localizer = OpenLocalizer(argv[1]);
-  const auto dataset = Dataset::Open({.uri = argv[2], .frame_list = argv[3]});
+  const auto localizer = localizer::OpenLocalizer(argv[1]);
+  const auto dataset =
+      dataset::Dataset::Open({.uri = argv[2], .frame_list = argv[3]});
   if (!localizer.ok() || !dataset.ok()) {
     std::fprintf(stderr, "%s %s\n", localizer.status().ToString().c_str(),
                  dataset.status().ToString().c_str());
@@ -84,8 +86,8 @@ int Run(char** argv) {
   const double seconds = std::atof(argv[6]);
   std::vector<Worker> workers(threads);
   const double cpu_s = ProcessorSeconds();
-  const MonotonicTime end =
-      SteadyClock().Now() +
+  const base::MonotonicTime end =
+      base::SteadyClock().Now() +
       std::chrono::milliseconds(static_cast<int64_t>(seconds * 1e3));
   {
     std::vector<std::jthread> running;

@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "common/base/random.h"
-#include "common/synthetic/renderer.h"
-#include "common/synthetic/synthetic_camera.h"
 #include "gtest/gtest.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/fusion/octomap_builder.h"
+#include "simulation/renderer/renderer.h"
+#include "simulation/sensors/synthetic_camera.h"
 #include "tests/fusion/surface_truth.h"
 
 namespace treeline {
@@ -16,17 +16,19 @@ namespace {
 
 // The robot's camera along a world's tour: at each corner it looks about, three
 // views of 58 degrees to each side of the way.
-std::vector<Rigid3> CameraPoses(const World& world, size_t corners) {
-  const Rigid3 base_from_camera = RobotModel().base_from_camera;
-  std::vector<Rigid3> poses;
+std::vector<geometry::Rigid3> CameraPoses(const worlds::World& world,
+                                          size_t corners) {
+  const geometry::Rigid3 base_from_camera = core::RobotModel().base_from_camera;
+  std::vector<geometry::Rigid3> poses;
   for (size_t i = 0; i + 1 < world.tour.size() && i < corners; ++i) {
-    const Float3 at = world.tour[i];
-    const Float3 next = world.tour[i + 1];
+    const worlds::Float3 at = world.tour[i];
+    const worlds::Float3 next = world.tour[i + 1];
     const double ahead_rad =
         std::atan2(double{next.y - at.y}, double{next.x - at.x});
     for (const double turn_rad : {-0.7, 0.0, 0.7}) {
-      const Rigid3 world_from_base{
-          .rotation = Rotation3::FromAxisAngle({0, 0, ahead_rad + turn_rad}),
+      const geometry::Rigid3 world_from_base{
+          .rotation =
+              geometry::Rotation3::FromAxisAngle({0, 0, ahead_rad + turn_rad}),
           .translation = {double{at.x}, double{at.y}, double{at.z}}};
       poses.push_back(world_from_base * base_from_camera);
     }
@@ -35,27 +37,27 @@ std::vector<Rigid3> CameraPoses(const World& world, size_t corners) {
 }
 
 FusionScore ScoreWorld(const char* name, double noise_m, double noise_rad) {
-  const Camera camera =
-      *Camera::Parse("SIMPLE_PINHOLE,292.5,159.5,119.5", 320, 240);
-  const auto renderer = *Renderer::CreateUnlit(
-      *MakeWorld(name, {.with_people = false, .paint = false}));
-  const PixelRays rays(camera);
-  OctomapBuilder builder = *OctomapBuilder::Make();
+  const camera::Camera camera =
+      *camera::Camera::Parse("SIMPLE_PINHOLE,292.5,159.5,119.5", 320, 240);
+  const auto renderer = *renderer::Renderer::CreateUnlit(
+      *worlds::MakeWorld(name, {.with_people = false, .paint = false}));
+  const renderer::PixelRays rays(camera);
+  fusion::OctomapBuilder builder = *fusion::OctomapBuilder::Make();
   SurfaceTruth truth = *SurfaceTruth::Make(renderer->world(), 0.05);
-  const std::vector<Rigid3> poses = CameraPoses(renderer->world(), 8);
+  const std::vector<geometry::Rigid3> poses = CameraPoses(renderer->world(), 8);
   for (size_t i = 0; i < poses.size(); ++i) {
-    const DepthImage depth =
-        MeasureDepth(rays, renderer->RenderDepth(rays, poses[i], 1), {},
-                     /*seed=*/1, i, /*threads=*/1);
+    const image::DepthImage depth = sensors::MeasureDepth(
+        rays, renderer->RenderDepth(rays, poses[i], 1), {},
+        /*seed=*/1, i, /*threads=*/1);
     truth.Observe(depth, camera, poses[i], builder.options().max_depth_m, 2);
-    Random random(2, i);
+    base::Random random(2, i);
     const auto draw = [&random] {
-      return Vec3{random.NextGaussian(), random.NextGaussian(),
-                  random.NextGaussian()};
+      return geometry::Vec3{random.NextGaussian(), random.NextGaussian(),
+                            random.NextGaussian()};
     };
-    const Rigid3 estimated{
-        .rotation =
-            Rotation3::FromAxisAngle(noise_rad * draw()) * poses[i].rotation,
+    const geometry::Rigid3 estimated{
+        .rotation = geometry::Rotation3::FromAxisAngle(noise_rad * draw()) *
+                    poses[i].rotation,
         .translation = poses[i].translation + noise_m * draw()};
     EXPECT_TRUE(
         builder.InsertDepth(static_cast<int64_t>(i), depth, camera, estimated)

@@ -16,22 +16,23 @@
 namespace treeline {
 
 struct StampedPose {
-  MonotonicTime stamp;
-  Rigid3 world_from_base;
+  base::MonotonicTime stamp;
+  geometry::Rigid3 world_from_base;
 };
 
 // Between two of `poses`, which are ordered by time; the nearest outside.
-Rigid3 PoseAt(const std::vector<StampedPose>& poses, MonotonicTime stamp);
+geometry::Rigid3 PoseAt(const std::vector<StampedPose>& poses,
+                        base::MonotonicTime stamp);
 
 // All true poses of a log.
 absl::StatusOr<std::vector<StampedPose>> ReadTruePoses(const std::string& path);
 
 // A depth image with the camera that took it.
 struct LoggedView {
-  MonotonicTime stamp;
-  DepthImage depth;
-  Camera camera;
-  Rigid3 base_from_camera;
+  base::MonotonicTime stamp;
+  image::DepthImage depth;
+  camera::Camera camera;
+  geometry::Rigid3 base_from_camera;
 };
 
 // Calls `visit` for every `every`-th frame with depth, until it fails.

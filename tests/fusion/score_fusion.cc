@@ -28,7 +28,7 @@ struct Flags {
   int truth_step = 2;
   double noise_m = 0;
   double noise_rad = 0;
-  FusionOptions fusion;
+  fusion::FusionOptions fusion;
 };
 
 double ProcessorSeconds() {
@@ -38,60 +38,62 @@ double ProcessorSeconds() {
 // Estimated poses in the frame of the truth: both begin at the same pose.
 absl::StatusOr<std::vector<StampedPose>> ReadEstimate(
     const std::string& path, const std::vector<StampedPose>& truth) {
-  TL_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
-  TL_ASSIGN_OR_RETURN(const std::vector<TimedPose> timed,
-                      ParseTimedPoses(text, path));
+  TL_ASSIGN_OR_RETURN(const std::string text, base::ReadFile(path));
+  TL_ASSIGN_OR_RETURN(const std::vector<dataset::TimedPose> timed,
+                      dataset::ParseTimedPoses(text, path));
   if (timed.empty()) return absl::NotFoundError(path + " holds no poses");
   std::vector<StampedPose> poses;
-  const auto stamp_of = [](const TimedPose& pose) {
-    return MonotonicTime(std::chrono::nanoseconds(pose.time));
+  const auto stamp_of = [](const dataset::TimedPose& pose) {
+    return base::MonotonicTime(std::chrono::nanoseconds(pose.time));
   };
-  const Rigid3 world_from_map = PoseAt(truth, stamp_of(timed.front())) *
-                                timed.front().world_from_camera.Inverse();
+  const geometry::Rigid3 world_from_map =
+      PoseAt(truth, stamp_of(timed.front())) *
+      timed.front().world_from_camera.Inverse();
   poses.reserve(timed.size());
-  for (const TimedPose& pose : timed) {
+  for (const dataset::TimedPose& pose : timed) {
     poses.push_back({stamp_of(pose), world_from_map * pose.world_from_camera});
   }
   return poses;
 }
 
 // White noise on a pose.
-Rigid3 Disturbed(const Rigid3& pose, const Flags& flags, uint64_t index) {
+geometry::Rigid3 Disturbed(const geometry::Rigid3& pose, const Flags& flags,
+                           uint64_t index) {
   if (flags.noise_m == 0 && flags.noise_rad == 0) return pose;
-  Random random(1, index);
+  base::Random random(1, index);
   const auto draw = [&random] {
-    return Vec3{random.NextGaussian(), random.NextGaussian(),
-                random.NextGaussian()};
+    return geometry::Vec3{random.NextGaussian(), random.NextGaussian(),
+                          random.NextGaussian()};
   };
-  const Vec3 turn = flags.noise_rad * draw();
-  return {.rotation = Rotation3::FromAxisAngle(turn) * pose.rotation,
+  const geometry::Vec3 turn = flags.noise_rad * draw();
+  return {.rotation = geometry::Rotation3::FromAxisAngle(turn) * pose.rotation,
           .translation = pose.translation + flags.noise_m * draw()};
 }
 
 // "x y z" of each wrong voxel's middle (m).
-absl::Status WriteWrong(const VoxelMap& map, const SurfaceTruth& truth,
+absl::Status WriteWrong(const octree::VoxelMap& map, const SurfaceTruth& truth,
                         const std::string& path) {
   std::string text;
   for (int x = 0; x < map.size().x; ++x) {
     for (int y = 0; y < map.size().y; ++y) {
       for (int z = 0; z < map.size().z; ++z) {
-        if (map.At({x, y, z}) != Voxel::kOccupied ||
+        if (map.At({x, y, z}) != octree::Voxel::kOccupied ||
             truth.IsNearSurface(
                 {x + map.lowest().x, y + map.lowest().y, z + map.lowest().z})) {
           continue;
         }
-        const Vec3 center = map.CenterOf({x, y, z});
+        const geometry::Vec3 center = map.CenterOf({x, y, z});
         text += absl::StrCat(center.x, " ", center.y, " ", center.z, "\n");
       }
     }
   }
-  return WriteFileAtomically(path, text);
+  return base::WriteFileAtomically(path, text);
 }
 
 absl::Status Run(const Flags& flags) {
   TL_ASSIGN_OR_RETURN(
-      const World world,
-      MakeWorld(flags.world, {.with_people = false, .paint = false}));
+      const worlds::World world,
+      worlds::MakeWorld(flags.world, {.with_people = false, .paint = false}));
   TL_ASSIGN_OR_RETURN(const std::vector<StampedPose> true_poses,
                       ReadTruePoses(flags.log));
   std::vector<StampedPose> poses = true_poses;
@@ -100,14 +102,14 @@ absl::Status Run(const Flags& flags) {
   }
   TL_ASSIGN_OR_RETURN(SurfaceTruth truth,
                       SurfaceTruth::Make(world, flags.fusion.resolution_m));
-  TL_ASSIGN_OR_RETURN(OctomapBuilder builder,
-                      OctomapBuilder::Make(flags.fusion));
+  TL_ASSIGN_OR_RETURN(fusion::OctomapBuilder builder,
+                      fusion::OctomapBuilder::Make(flags.fusion));
   double fusion_s = 0;
   const auto add = [&](const LoggedView& view) {
     truth.Observe(view.depth, view.camera,
                   PoseAt(true_poses, view.stamp) * view.base_from_camera,
                   flags.fusion.max_depth_m, flags.truth_step);
-    const Rigid3 map_from_camera =
+    const geometry::Rigid3 map_from_camera =
         Disturbed(PoseAt(poses, view.stamp) * view.base_from_camera, flags,
                   static_cast<uint64_t>(builder.views()));
     const double begin_s = ProcessorSeconds();
@@ -118,7 +120,7 @@ absl::Status Run(const Flags& flags) {
   };
   TL_RETURN_IF_ERROR(ForEachView(flags.log, flags.every, add));
   const double begin_s = ProcessorSeconds();
-  TL_ASSIGN_OR_RETURN(const VoxelMap map, builder.Map());
+  TL_ASSIGN_OR_RETURN(const octree::VoxelMap map, builder.Map());
   const double map_s = ProcessorSeconds() - begin_s;
   const FusionScore score = truth.Score(map);
   std::printf("%s: precision %.4f, recall %.4f, of ground in its column %.4f\n",
@@ -128,7 +130,7 @@ absl::Status Run(const Flags& flags) {
               static_cast<long long>(score.occupied),
               static_cast<long long>(score.observed),
               static_cast<long long>(map.CountFree()));
-  const FusionMemory memory = builder.memory();
+  const fusion::FusionMemory memory = builder.memory();
   std::printf(
       "  %lld views, %.2f ms each; map %.1f MB, clouds %.1f MB, working %.1f "
       "MB; Map() %.1f ms\n",
@@ -141,7 +143,7 @@ absl::Status Run(const Flags& flags) {
     TL_RETURN_IF_ERROR(WriteWrong(map, truth, flags.wrong));
   }
   return flags.output.empty() ? absl::OkStatus()
-                              : WriteOctree(map, flags.output);
+                              : octree::WriteOctree(map, flags.output);
 }
 
 void AddOptions(CLI::App& app, Flags& flags) {
@@ -158,7 +160,7 @@ void AddOptions(CLI::App& app, Flags& flags) {
                  "Pixels from one ray of the truth to the next");
   app.add_option("--noise-m", flags.noise_m, "Disturbs the poses");
   app.add_option("--noise-rad", flags.noise_rad, "Disturbs the poses");
-  FusionOptions& fusion = flags.fusion;
+  fusion::FusionOptions& fusion = flags.fusion;
   app.add_option("--resolution", fusion.resolution_m);
   app.add_option("--max-depth", fusion.max_depth_m);
   app.add_option("--threshold", fusion.occupied_threshold);

@@ -10,9 +10,9 @@
 #include "common/camera/camera.h"
 #include "common/geometry/rigid3.h"
 #include "common/image/image.h"
-#include "common/synthetic/ray_caster.h"
-#include "common/synthetic/world.h"
 #include "nav_agent/octomap/voxel_map.h"
+#include "simulation/renderer/ray_caster.h"
+#include "simulation/worlds/world.h"
 
 namespace treeline {
 
@@ -50,35 +50,36 @@ struct FusionScore {
 class SurfaceTruth {
  public:
   // resolution_m is that of the maps. `world` must outlive it.
-  static absl::StatusOr<SurfaceTruth> Make(const World& world,
+  static absl::StatusOr<SurfaceTruth> Make(const worlds::World& world,
                                            double resolution_m);
 
   // Of every pixel_step-th pixel each way.
-  void Observe(const DepthImage& measured, const Camera& camera,
-               const Rigid3& world_from_camera, double max_depth_m,
+  void Observe(const image::DepthImage& measured, const camera::Camera& camera,
+               const geometry::Rigid3& world_from_camera, double max_depth_m,
                int pixel_step);
 
   // The map's frame must be the world's, and its resolution this one's.
-  FusionScore Score(const VoxelMap& map) const;
+  FusionScore Score(const octree::VoxelMap& map) const;
   // Whether observed surface lies within one voxel; numbered as in a map whose
   // lowest() is 0.
-  bool IsNearSurface(VoxelIndex voxel) const;
+  bool IsNearSurface(octree::VoxelIndex voxel) const;
 
  private:
-  SurfaceTruth(const World& world, RayCaster caster, VoxelMap surface)
+  SurfaceTruth(const worlds::World& world, renderer::RayCaster caster,
+               octree::VoxelMap surface)
       : world_(&world),
         caster_(std::move(caster)),
         observed_(surface),
         ground_(surface),
         surface_(std::move(surface)) {}
 
-  const World* world_;
-  RayCaster caster_;
+  const worlds::World* world_;
+  renderer::RayCaster caster_;
   // Within the range; what of it is ground; and a little beyond, which noise
   // may bring nearer.
-  VoxelMap observed_;
-  VoxelMap ground_;
-  VoxelMap surface_;
+  octree::VoxelMap observed_;
+  octree::VoxelMap ground_;
+  octree::VoxelMap surface_;
 };
 
 }  // namespace treeline

@@ -15,12 +15,13 @@ namespace treeline {
 namespace {
 
 void ReadAll(absl::string_view bytes) {
-  auto reader = AgentLogReader::Parse(bytes);
+  auto reader = recording::AgentLogReader::Parse(bytes);
   if (!reader.ok()) return;
   while (auto entry = reader->Next()) {
-    if (DecodeLogFrame(std::holds_alternative<LogFrame>(*entry)
-                           ? std::get<LogFrame>(*entry)
-                           : LogFrame{})
+    if (recording::DecodeLogFrame(
+            std::holds_alternative<recording::LogFrame>(*entry)
+                ? std::get<recording::LogFrame>(*entry)
+                : recording::LogFrame{})
             .ok()) {
       continue;
     }
@@ -33,13 +34,14 @@ void ReadAll(absl::string_view bytes) {
 }
 
 void ReadOne(uint16_t kind, absl::string_view payload) {
-  const auto entry = DecodeLogPayload(kind, 1, payload);
+  const auto entry = recording::DecodeLogPayload(kind, 1, payload);
   if (!entry.has_value()) return;
   // What was understood is written in one way only.
-  const LogPayload written = EncodeLogPayload(*entry);
-  const auto again =
-      DecodeLogPayload(written.kind, written.stamp_ns, written.bytes);
-  if (!again.has_value() || EncodeLogPayload(*again).bytes != written.bytes ||
+  const recording::LogPayload written = recording::EncodeLogPayload(*entry);
+  const auto again = recording::DecodeLogPayload(written.kind, written.stamp_ns,
+                                                 written.bytes);
+  if (!again.has_value() ||
+      recording::EncodeLogPayload(*again).bytes != written.bytes ||
       written.kind != kind) {
     std::abort();
   }

@@ -28,27 +28,27 @@ void Check(bool holds) {
 }
 
 void Use(absl::string_view bytes) {
-  if (const auto trace = ParseTraceparent(bytes)) {
+  if (const auto trace = service::ParseTraceparent(bytes)) {
     Check(trace->trace_id.size() == 32 && trace->span_id.size() == 16);
     Check(IsPlain(trace->trace_id) && IsPlain(trace->span_id));
   }
   // Any answer but 1 is "not serving".
-  DecodeHealthResponse(bytes).status().IgnoreError();
+  server_app::DecodeHealthResponse(bytes).status().IgnoreError();
 
-  LogLine json(LogFormat::kJson);
+  logging::LogLine json(logging::LogFormat::kJson);
   json.Text("scene", bytes).Message(bytes).Word("end", "x");
   Check(IsPlain(json.fields()));
   const auto object =
       nlohmann::json::parse("{" + json.fields() + "}", nullptr, false);
   Check(object.is_object() && object.size() == 3 && object["end"] == "x");
-  LogLine text(LogFormat::kText);
+  logging::LogLine text(logging::LogFormat::kText);
   text.Text("scene", bytes);
   Check(IsPlain(text.fields()));
 
-  Exposition metrics;
-  metrics.Family("m", "M.", MetricType::kGauge);
+  metrics::Exposition metrics;
+  metrics.Family("m", "M.", metrics::MetricType::kGauge);
   metrics.Sample({{"l", std::string(bytes)}}, 1);
-  const auto parsed = ParseExposition(metrics.text());
+  const auto parsed = metrics::ParseExposition(metrics.text());
   Check(parsed.ok() && parsed->at("m").samples.size() == 1);
 }
 

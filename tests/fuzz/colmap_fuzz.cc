@@ -23,40 +23,40 @@ std::string NextPart(const uint8_t* data, size_t size, size_t& at) {
   return part;
 }
 
-void CheckModel(const SfmModel& model) {
-  for (const Camera& camera : model.cameras) {
+void CheckModel(const dataset::SfmModel& model) {
+  for (const camera::Camera& camera : model.cameras) {
     if (camera.width() < 1 || !(camera.fx() > 0)) std::abort();
   }
-  for (const SfmModel::Image& image : model.images) {
+  for (const dataset::SfmModel::Image& image : model.images) {
     if (image.camera < 0 ||
         static_cast<size_t>(image.camera) >= model.cameras.size() ||
-        !IsFinite(image.camera_from_world) || image.name.empty()) {
+        !geometry::IsFinite(image.camera_from_world) || image.name.empty()) {
       std::abort();
     }
-    for (const SfmModel::Keypoint& keypoint : image.keypoints) {
+    for (const dataset::SfmModel::Keypoint& keypoint : image.keypoints) {
       if (keypoint.point < -1 ||
           keypoint.point >= static_cast<int>(model.points.size())) {
         std::abort();
       }
     }
   }
-  for (const SfmModel::Point& point : model.points) {
-    if (!IsFinite(point.position_in_world)) std::abort();
+  for (const dataset::SfmModel::Point& point : model.points) {
+    if (!geometry::IsFinite(point.position_in_world)) std::abort();
   }
 }
 
 void Parse(const uint8_t* data, size_t size) {
   if (size == 0) return;
   size_t at = 1;
-  ColmapFiles files;
-  files.cameras =
-      ColmapFile{"cameras", NextPart(data, size, at), (data[0] & 1) != 0};
+  dataset::ColmapFiles files;
+  files.cameras = dataset::ColmapFile{"cameras", NextPart(data, size, at),
+                                      (data[0] & 1) != 0};
   files.images = {"images", NextPart(data, size, at), (data[0] & 2) != 0};
-  files.points = ColmapFile{
+  files.points = dataset::ColmapFile{
       "points",
       std::string(reinterpret_cast<const char*>(data) + at, size - at),
       (data[0] & 4) != 0};
-  const auto model = ParseColmap(files);
+  const auto model = dataset::ParseColmap(files);
   if (model.ok()) CheckModel(*model);
 }
 

@@ -16,17 +16,17 @@ namespace {
 
 void Parse(absl::string_view text) {
   static const auto* const settings =
-      new std::vector<Setting>(TestTable().settings());
-  const auto values = ParseConfigFile(text, "fuzz", *settings);
+      new std::vector<config::Setting>(config::TestTable().settings());
+  const auto values = config::ParseConfigFile(text, "fuzz", *settings);
   if (!values.ok()) return;
   std::string printed;
   for (const auto& [name, entry] : *values) {
-    const Setting* setting = FindSetting(*settings, name);
+    const config::Setting* setting = config::FindSetting(*settings, name);
     if (setting == nullptr || entry.line < 1) std::abort();
-    if (!CheckValue(*setting, entry.value).ok()) std::abort();
-    absl::StrAppend(&printed, name, ": ", ToYaml(entry.value), "\n");
+    if (!config::CheckValue(*setting, entry.value).ok()) std::abort();
+    absl::StrAppend(&printed, name, ": ", config::ToYaml(entry.value), "\n");
   }
-  const auto again = ParseConfigFile(printed, "printed", *settings);
+  const auto again = config::ParseConfigFile(printed, "printed", *settings);
   if (!again.ok() || again->size() != values->size()) std::abort();
   for (const auto& [name, entry] : *values) {
     if (again->at(name).value != entry.value) std::abort();

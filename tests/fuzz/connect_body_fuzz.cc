@@ -15,7 +15,7 @@
 
 namespace {
 
-void Check(const treeline::HttpResponse& response) {
+void Check(const treeline::http::HttpResponse& response) {
   if (response.status != 200 && response.status != 400) std::abort();
   if (response.content_type.empty()) std::abort();
 }
@@ -23,10 +23,10 @@ void Check(const treeline::HttpResponse& response) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  const treeline::SteadyClock clock{};
-  treeline::TestingDispatcher dispatcher;
-  const treeline::ConnectRoutes routes(dispatcher, false, clock);
-  treeline::HttpRequest request;
+  const treeline::base::SteadyClock clock{};
+  treeline::gateway::TestingDispatcher dispatcher;
+  const treeline::gateway::ConnectRoutes routes(dispatcher, false, clock);
+  treeline::http::HttpRequest request;
   request.method = "POST";
   request.path = "/treeline.v1.RelocalizationService/Localize";
   request.body.assign(reinterpret_cast<const char*>(data), size);
@@ -35,10 +35,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     Check(routes.Handle(request));
   }
   treeline::v1::LocalizeRequest message;
-  if (!treeline::MessageFromJson(request.body, message).ok()) return 0;
-  const auto json = treeline::JsonFromMessage(message);
+  if (!treeline::gateway::MessageFromJson(request.body, message).ok()) return 0;
+  const auto json = treeline::gateway::JsonFromMessage(message);
   if (!json.ok()) return 0;
   treeline::v1::LocalizeRequest again;
-  if (!treeline::MessageFromJson(*json, again).ok()) std::abort();
+  if (!treeline::gateway::MessageFromJson(*json, again).ok()) std::abort();
   return 0;
 }

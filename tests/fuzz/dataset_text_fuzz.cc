@@ -12,28 +12,30 @@
 namespace treeline {
 namespace {
 
-void CheckRigid(const Rigid3& pose) {
-  const Rotation3& q = pose.rotation;
+void CheckRigid(const geometry::Rigid3& pose) {
+  const geometry::Rotation3& q = pose.rotation;
   const double norm = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-  if (!IsFinite(pose) || std::abs(norm - 1) > 1e-9) std::abort();
+  if (!geometry::IsFinite(pose) || std::abs(norm - 1) > 1e-9) std::abort();
 }
 
 void ParseEveryWay(absl::string_view text) {
-  if (const auto pose = ParsePoseMatrix(text, "fuzz"); pose.ok()) {
+  if (const auto pose = dataset::ParsePoseMatrix(text, "fuzz"); pose.ok()) {
     CheckRigid(*pose);
   }
-  if (const auto poses = ParseStemPoses(text, "fuzz"); poses.ok()) {
-    for (const StemPose& pose : *poses) CheckRigid(pose.world_from_camera);
+  if (const auto poses = dataset::ParseStemPoses(text, "fuzz"); poses.ok()) {
+    for (const dataset::StemPose& pose : *poses)
+      CheckRigid(pose.world_from_camera);
   }
-  if (const auto poses = ParseTimedPoses(text, "fuzz"); poses.ok()) {
-    for (const TimedPose& pose : *poses) CheckRigid(pose.world_from_camera);
+  if (const auto poses = dataset::ParseTimedPoses(text, "fuzz"); poses.ok()) {
+    for (const dataset::TimedPose& pose : *poses)
+      CheckRigid(pose.world_from_camera);
   }
-  if (const auto files = ParseTimedFiles(text, "fuzz"); files.ok()) {
+  if (const auto files = dataset::ParseTimedFiles(text, "fuzz"); files.ok()) {
     for (size_t i = 1; i < files->size(); ++i) {
       if ((*files)[i].time <= (*files)[i - 1].time) std::abort();
     }
   }
-  if (const auto stems = ParseFrameList(text, "fuzz"); stems.ok()) {
+  if (const auto stems = dataset::ParseFrameList(text, "fuzz"); stems.ok()) {
     if (stems->empty()) std::abort();
   }
 }

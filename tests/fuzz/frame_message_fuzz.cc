@@ -13,16 +13,16 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   treeline::v1::Frame message;
   if (!message.ParseFromArray(data, static_cast<int>(size))) return 0;
-  const treeline::DecodeLimits limits{
+  const treeline::image::DecodeLimits limits{
       .max_width = 1024, .max_height = 1024, .max_pixels = 1 << 19};
-  const auto frame = treeline::FromProto(message, treeline::RgbdCalibration{},
-                                         limits, "frame");
+  const auto frame = treeline::wire::FromProto(
+      message, treeline::camera::RgbdCalibration{}, limits, "frame");
   if (!frame.ok()) return 0;
-  const treeline::ColorImage& color = frame->color;
+  const treeline::image::ColorImage& color = frame->color;
   const auto pixels = static_cast<size_t>(color.width * color.height);
   if (pixels == 0 || color.rgb.size() != 3 * pixels) std::abort();
   if (frame->depth.has_value()) {
-    const treeline::DepthImage& depth = *frame->depth;
+    const treeline::image::DepthImage& depth = *frame->depth;
     const auto values = static_cast<size_t>(depth.width * depth.height);
     if (values == 0 || depth.values.size() != values) std::abort();
     if (!(depth.unit_m > 0)) std::abort();

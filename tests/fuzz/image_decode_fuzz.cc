@@ -54,7 +54,7 @@ std::string WithPngChecksums(absl::string_view bytes) {
 }
 
 bool HasSizeItSays(int width, int height, size_t values, size_t channels,
-                   const DecodeLimits& limits) {
+                   const image::DecodeLimits& limits) {
   return width >= 1 && width <= limits.max_width && height >= 1 &&
          height <= limits.max_height &&
          int64_t{width} * height <= limits.max_pixels &&
@@ -62,14 +62,14 @@ bool HasSizeItSays(int width, int height, size_t values, size_t channels,
 }
 
 void DecodeEveryWay(absl::string_view bytes) {
-  const DecodeLimits limits{
+  const image::DecodeLimits limits{
       .max_width = 512, .max_height = 512, .max_pixels = 1 << 16};
-  const auto color = DecodeColor(bytes, limits);
+  const auto color = image::DecodeColor(bytes, limits);
   if (color.ok() && !HasSizeItSays(color->width, color->height,
                                    color->rgb.size(), 3, limits)) {
     std::abort();
   }
-  const auto depth = DecodeDepthPng(bytes, /*unit_m=*/0.001, limits);
+  const auto depth = image::DecodeDepthPng(bytes, /*unit_m=*/0.001, limits);
   if (depth.ok() && !HasSizeItSays(depth->width, depth->height,
                                    depth->values.size(), 1, limits)) {
     std::abort();
@@ -82,7 +82,8 @@ void DecodeEveryWay(absl::string_view bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const absl::string_view bytes(reinterpret_cast<const char*>(data), size);
   treeline::DecodeEveryWay(bytes);
-  if (treeline::SniffFormat(bytes) == treeline::ImageFormat::kPng) {
+  if (treeline::image::SniffFormat(bytes) ==
+      treeline::image::ImageFormat::kPng) {
     treeline::DecodeEveryWay(treeline::WithPngChecksums(bytes));
   }
   return 0;

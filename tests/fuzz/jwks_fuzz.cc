@@ -10,13 +10,13 @@
 namespace treeline {
 namespace {
 
-void CheckKey(const JwtKey& key) {
-  if (key.algorithm == JwtAlgorithm::kHs256) {
+void CheckKey(const access::JwtKey& key) {
+  if (key.algorithm == access::JwtAlgorithm::kHs256) {
     if (key.material.size() < 32) std::abort();
     return;
   }
   // What was written can be read again, and is the same key.
-  const auto again = ParsePemJwtKey(key.id, key.material);
+  const auto again = access::ParsePemJwtKey(key.id, key.material);
   if (!again.ok() || again->algorithm != key.algorithm ||
       again->material != key.material) {
     std::abort();
@@ -25,14 +25,15 @@ void CheckKey(const JwtKey& key) {
 
 void Parse(absl::string_view text) {
   if (!text.empty() && text.front() == '-') {
-    const auto key = ParsePemJwtKey("k", text);
+    const auto key = access::ParsePemJwtKey("k", text);
     if (key.ok()) CheckKey(*key);
     return;
   }
-  const auto keys = ParseJwks(
-      text, {JwtAlgorithm::kRs256, JwtAlgorithm::kEs256, JwtAlgorithm::kHs256});
+  const auto keys = access::ParseJwks(
+      text, {access::JwtAlgorithm::kRs256, access::JwtAlgorithm::kEs256,
+             access::JwtAlgorithm::kHs256});
   if (!keys.ok()) return;
-  for (const JwtKey& key : keys->keys()) CheckKey(key);
+  for (const access::JwtKey& key : keys->keys()) CheckKey(key);
 }
 
 }  // namespace

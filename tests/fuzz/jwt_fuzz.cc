@@ -32,8 +32,8 @@ constexpr char kKeys[] =
 
 void CheckClaims(absl::string_view json) {
   constexpr int64_t kNow = 1'800'000'000;
-  const ClaimRules rules = {};
-  const auto claims = ParseTokenClaims(json, rules, kNow);
+  const access::ClaimRules rules = {};
+  const auto claims = access::ParseTokenClaims(json, rules, kNow);
   if (!claims.ok()) return;
   if (claims->subject.empty() || claims->subject.size() > 256 ||
       claims->expires_unix_s + rules.leeway_s <= kNow ||
@@ -43,13 +43,14 @@ void CheckClaims(absl::string_view json) {
 }
 
 void CheckToken(absl::string_view token) {
-  static const JwtKeySet* const keys = [] {
-    auto parsed = ParseJwks(kKeys, {JwtAlgorithm::kRs256, JwtAlgorithm::kEs256,
-                                    JwtAlgorithm::kHs256});
+  static const access::JwtKeySet* const keys = [] {
+    auto parsed = access::ParseJwks(
+        kKeys, {access::JwtAlgorithm::kRs256, access::JwtAlgorithm::kEs256,
+                access::JwtAlgorithm::kHs256});
     if (!parsed.ok()) std::abort();
-    return new JwtKeySet(*std::move(parsed));
+    return new access::JwtKeySet(*std::move(parsed));
   }();
-  if (VerifyJwtSignature(token, *keys).ok()) std::abort();
+  if (access::VerifyJwtSignature(token, *keys).ok()) std::abort();
 }
 
 }  // namespace

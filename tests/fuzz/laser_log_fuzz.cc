@@ -12,15 +12,15 @@
 namespace treeline {
 namespace {
 
-bool IsFinitePose(const Rigid2& pose) {
+bool IsFinitePose(const geometry::Rigid2& pose) {
   return std::isfinite(pose.translation.x) &&
          std::isfinite(pose.translation.y) && std::isfinite(pose.yaw_rad);
 }
 
-void CheckLog(const LaserLog& log) {
+void CheckLog(const recording::LaserLog& log) {
   if (log.scans.empty() || !IsFinitePose(log.base_from_laser)) std::abort();
   for (size_t i = 0; i < log.scans.size(); ++i) {
-    const RecordedScan& scan = log.scans[i];
+    const recording::RecordedScan& scan = log.scans[i];
     if (static_cast<int>(scan.ranges_m.size()) != log.laser.beams ||
         !IsFinitePose(scan.odom_from_base)) {
       std::abort();
@@ -33,13 +33,16 @@ void CheckLog(const LaserLog& log) {
 }
 
 void Parse(absl::string_view text) {
-  if (const auto log = ParseLaserLog(text, "fuzz"); log.ok()) {
+  if (const auto log = recording::ParseLaserLog(text, "fuzz"); log.ok()) {
     CheckLog(*log);
     // What is written can be read.
-    if (!ParseLaserLog(FormatCarmenLog(*log), "back").ok()) std::abort();
+    if (!recording::ParseLaserLog(recording::FormatCarmenLog(*log), "back")
+             .ok())
+      std::abort();
   }
-  if (const auto relations = ParseRelations(text, "fuzz"); relations.ok()) {
-    for (const PoseRelation& relation : *relations) {
+  if (const auto relations = recording::ParseRelations(text, "fuzz");
+      relations.ok()) {
+    for (const recording::PoseRelation& relation : *relations) {
       if (!IsFinitePose(relation.from_base_from_to_base)) std::abort();
     }
   }

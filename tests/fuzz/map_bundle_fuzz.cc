@@ -8,7 +8,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const absl::string_view bytes(reinterpret_cast<const char*>(data), size);
-  const auto manifest = treeline::ParseMapBundleManifest(bytes, "fuzz");
+  const auto manifest =
+      treeline::map_bundle::ParseMapBundleManifest(bytes, "fuzz");
   if (manifest.ok() &&
       (manifest->keyframes < 0 || !manifest->traversability.Validate().ok())) {
     std::abort();

@@ -9,14 +9,14 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const absl::string_view bytes(reinterpret_cast<const char*>(data), size);
-  const auto picture = treeline::ParsePgm(bytes, "fuzz");
+  const auto picture = treeline::core::ParsePgm(bytes, "fuzz");
   if (picture.ok()) {
     // What was read is written and read again without a change.
     const auto again =
-        treeline::ParsePgm(treeline::FormatPgm(*picture), "again");
+        treeline::core::ParsePgm(treeline::core::FormatPgm(*picture), "again");
     if (!again.ok() || again->values != picture->values) std::abort();
   }
-  const auto map = treeline::ParseWeanMap(bytes, "fuzz");
+  const auto map = treeline::recording::ParseWeanMap(bytes, "fuzz");
   if (map.ok() && map->cells.size() != static_cast<size_t>(map->width) *
                                            static_cast<size_t>(map->height)) {
     std::abort();

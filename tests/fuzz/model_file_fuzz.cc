@@ -23,7 +23,7 @@ constexpr size_t kHeader_bytes = 64;
 
 void CompleteHeader(std::string& file) {
   if (file.size() < kHeader_bytes) return;
-  const uint32_t version = kModelFormatVersion;
+  const uint32_t version = forest::kModelFormatVersion;
   const uint64_t size = file.size();
   uint64_t checksum = 0;
   std::memcpy(file.data(), "TREELINE", 8);
@@ -36,20 +36,21 @@ void CompleteHeader(std::string& file) {
   std::memcpy(file.data() + 24, &checksum, 8);
 }
 
-void PredictWith(const ForestView& forest) {
-  const PlanarImage image(ColorImage{16, 8, std::vector<uint8_t>(3 * 16 * 8)});
+void PredictWith(const forest::ForestView& forest) {
+  const features::PlanarImage image(
+      image::ColorImage{16, 8, std::vector<uint8_t>(3 * 16 * 8)});
   const std::vector<int32_t> x = {0, 15, 7};
   const std::vector<int32_t> y = {0, 7, 3};
   const std::vector<int32_t> inverse_depth = {1, 4096, 65535};
-  const std::vector<WhtDescriptor> descriptors(x.size());
-  std::vector<LeafMatch> matches(x.size() *
-                                 static_cast<size_t>(forest.trees()));
-  BacktrackingScratch scratch;
-  PredictLeaves(forest, image, {x, y, inverse_depth}, descriptors,
-                {.leaves = 5}, {}, scratch, matches);
-  for (const LeafMatch& match : matches) {
+  const std::vector<features::WhtDescriptor> descriptors(x.size());
+  std::vector<forest::LeafMatch> matches(x.size() *
+                                         static_cast<size_t>(forest.trees()));
+  forest::BacktrackingScratch scratch;
+  forest::PredictLeaves(forest, image, {x, y, inverse_depth}, descriptors,
+                        {.leaves = 5}, {}, scratch, matches);
+  for (const forest::LeafMatch& match : matches) {
     if (match.leaf >= forest.payloads.size()) std::abort();
-    if (!IsFinite(forest.LeafMean(match.leaf))) std::abort();
+    if (!geometry::IsFinite(forest.LeafMean(match.leaf))) std::abort();
   }
 }
 
@@ -61,17 +62,17 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       "/dev/shm/model_file_fuzz." + std::to_string(getpid());
   std::string file(reinterpret_cast<const char*>(data), size);
   treeline::CompleteHeader(file);
-  if (!treeline::WriteFileAtomically(path, file).ok()) std::abort();
-  const auto model = treeline::ModelFile::Open(path);
+  if (!treeline::base::WriteFileAtomically(path, file).ok()) std::abort();
+  const auto model = treeline::forest::ModelFile::Open(path);
   // One section alone, whatever the rest is.
   for (const uint32_t kind : {8u, 9u, 10u, 11u}) {
-    const auto extra = treeline::ReadModelExtra(
-        path, static_cast<treeline::ModelExtra>(kind), 1 << 20);
+    const auto extra = treeline::forest::ReadModelExtra(
+        path, static_cast<treeline::forest::ModelExtra>(kind), 1 << 20);
     if (extra.ok() && extra->size() > file.size()) std::abort();
   }
   unlink(path.c_str());
   for (size_t f = 0; model.ok() && f < (*model)->forests(); ++f) {
-    const treeline::ForestView& forest = (*model)->forest(f);
+    const treeline::forest::ForestView& forest = (*model)->forest(f);
     if (forest.trees() <= 64 && forest.sift_descriptors.empty()) {
       treeline::PredictWith(forest);
     }

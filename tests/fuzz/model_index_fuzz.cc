@@ -10,20 +10,20 @@
 #include "server/repository/sha256.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  const auto index = treeline::ParseModelIndex(
+  const auto index = treeline::repository::ParseModelIndex(
       absl::string_view(reinterpret_cast<const char*>(data), size));
   if (!index.ok()) return 0;
-  for (const treeline::IndexedModel& model : index->models) {
-    if (!treeline::IsValidName(model.scene) ||
-        !treeline::IsValidName(model.version) ||
-        !treeline::IsSha256(model.sha256) || model.bytes == 0 ||
+  for (const treeline::repository::IndexedModel& model : index->models) {
+    if (!treeline::repository::IsValidName(model.scene) ||
+        !treeline::repository::IsValidName(model.version) ||
+        !treeline::repository::IsSha256(model.sha256) || model.bytes == 0 ||
         model.bytes > treeline::kMaxModelBytes || model.url.empty()) {
       std::abort();
     }
   }
-  const auto text = treeline::ModelIndexJson(*index);
+  const auto text = treeline::repository::ModelIndexJson(*index);
   if (!text.ok()) std::abort();
-  const auto again = treeline::ParseModelIndex(*text);
+  const auto again = treeline::repository::ParseModelIndex(*text);
   if (!again.ok() || again->models.size() != index->models.size() ||
       again->scene_json != index->scene_json) {
     std::abort();

@@ -12,10 +12,10 @@
 namespace treeline {
 namespace {
 
-void CheckModel(const SfmModel& model) {
-  for (const SfmModel::Image& image : model.images) {
-    if (!IsFinite(image.camera_from_world)) std::abort();
-    for (const SfmModel::Keypoint& keypoint : image.keypoints) {
+void CheckModel(const dataset::SfmModel& model) {
+  for (const dataset::SfmModel::Image& image : model.images) {
+    if (!geometry::IsFinite(image.camera_from_world)) std::abort();
+    for (const dataset::SfmModel::Keypoint& keypoint : image.keypoints) {
       if (keypoint.point < 0 ||
           keypoint.point >= static_cast<int>(model.points.size())) {
         std::abort();
@@ -25,13 +25,14 @@ void CheckModel(const SfmModel& model) {
 }
 
 void Parse(absl::string_view text) {
-  if (const auto nvm = ParseNvm(text, "fuzz"); nvm.ok()) {
-    const std::vector<ImageSize> sizes(nvm->images.size(), {640, 480});
-    const auto model = ToSfmModel(*nvm, sizes, "fuzz");
+  if (const auto nvm = dataset::ParseNvm(text, "fuzz"); nvm.ok()) {
+    const std::vector<image::ImageSize> sizes(nvm->images.size(), {640, 480});
+    const auto model = dataset::ToSfmModel(*nvm, sizes, "fuzz");
     if (model.ok()) CheckModel(*model);
   }
-  if (const auto info = ParseTwelveScenesInfo(text, "fuzz"); info.ok()) {
-    if (!IsFinite(info->calibration.color_from_depth) ||
+  if (const auto info = dataset::ParseTwelveScenesInfo(text, "fuzz");
+      info.ok()) {
+    if (!geometry::IsFinite(info->calibration.color_from_depth) ||
         !(info->depth_unit_m > 0)) {
       std::abort();
     }

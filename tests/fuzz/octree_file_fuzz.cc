@@ -8,15 +8,15 @@
 #include "nav_agent/octomap/octree_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  treeline::OctreeReadOptions options;
+  treeline::octree::OctreeReadOptions options;
   options.max_bytes = 1 << 16;
-  const auto map = treeline::ParseOctree(
+  const auto map = treeline::octree::ParseOctree(
       absl::string_view(reinterpret_cast<const char*>(data), size), "fuzz",
       options);
   if (!map.ok()) return 0;
-  const auto bytes = treeline::FormatBt(*map);
+  const auto bytes = treeline::octree::FormatBt(*map);
   if (!bytes.ok()) std::abort();
-  const auto again = treeline::ParseOctree(*bytes, "again", options);
+  const auto again = treeline::octree::ParseOctree(*bytes, "again", options);
   if (!again.ok() || again->CountOccupied() != map->CountOccupied() ||
       again->CountFree() != map->CountFree()) {
     std::abort();

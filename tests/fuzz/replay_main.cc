@@ -27,7 +27,7 @@ void RunOn(const std::string& input) {
   LLVMFuzzerTestOneInput(copy.data(), copy.size());
 }
 
-uint32_t Below(Random& random, size_t bound) {
+uint32_t Below(base::Random& random, size_t bound) {
   return random.NextBelow(static_cast<uint32_t>(bound));
 }
 
@@ -37,7 +37,7 @@ std::string Mutated(const std::string& seed, uint64_t index) {
   static constexpr uint32_t kFieldValues[] = {
       0,      1,       0x7f,       0x80,       0xff,
       0xffff, 0x10000, 0x7fffffff, 0x80000000, 0xffffffff};
-  Random random(/*seed=*/20261121, index);
+  base::Random random(/*seed=*/20261121, index);
   std::string input = seed;
   const uint32_t changes = 1 + random.NextBelow(8);
   for (uint32_t i = 0; i < changes && !input.empty(); ++i) {
@@ -101,7 +101,7 @@ int Replay(int argc, char** argv) {
   const std::vector<std::string> paths = SeedPaths(argc, argv);
   RunOnVariantsOf(std::string(256, '\0'), 0);
   for (size_t i = 0; i < paths.size(); ++i) {
-    const auto seed = ReadFile(paths[i], kLongestSeedBytes);
+    const auto seed = base::ReadFile(paths[i], kLongestSeedBytes);
     if (!seed.ok()) {
       std::fprintf(stderr, "%s\n", seed.status().ToString().c_str());
       return 1;

@@ -6,10 +6,10 @@
 #include <variant>
 
 #include "absl/strings/string_view.h"
-#include "nav_agent/sim/scenario.h"
+#include "simulation/simulator/scenario.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  const auto scenario = treeline::ParseScenario(
+  const auto scenario = treeline::simulator::ParseScenario(
       absl::string_view(reinterpret_cast<const char*>(data), size), "fuzz");
   if (!scenario.ok()) return 0;
   if (!scenario->options.robot.Validate().ok() ||
@@ -17,11 +17,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       !scenario->options.sensors.Validate().ok()) {
     std::abort();
   }
-  treeline::SimTime last{0};
-  for (const treeline::ScenarioAction& action : scenario->actions) {
+  treeline::simulator::SimTime last{0};
+  for (const treeline::simulator::ScenarioAction& action : scenario->actions) {
     if (action.at < last) std::abort();
     last = action.at;
-    const auto* fault = std::get_if<treeline::FaultAction>(&action.what);
+    const auto* fault =
+        std::get_if<treeline::simulator::FaultAction>(&action.what);
     if (fault != nullptr && !fault->fault.Validate().ok()) std::abort();
   }
   return 0;

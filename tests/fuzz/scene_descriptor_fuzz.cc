@@ -18,11 +18,11 @@ namespace treeline {
 namespace {
 
 constexpr size_t kHeader_bytes = 16;
-constexpr size_t kBytes = kHeader_bytes + kWords / 8;
+constexpr size_t kBytes = kHeader_bytes + recognition::kWords / 8;
 
 std::string Completed(std::string bytes) {
   bytes.resize(kBytes);
-  std::memcpy(bytes.data(), &kVocabulary, 4);
+  std::memcpy(bytes.data(), &recognition::kVocabulary, 4);
   uint32_t images = 0;
   std::memcpy(&images, bytes.data() + 4, 4);
   const uint64_t checksum = XXH3_64bits_withSeed(
@@ -31,11 +31,11 @@ std::string Completed(std::string bytes) {
   return bytes;
 }
 
-void RankWith(const SceneDescriptor& descriptor) {
-  SceneIndex index;
+void RankWith(const recognition::SceneDescriptor& descriptor) {
+  recognition::SceneIndex index;
   index.Set("scene", descriptor);
-  const std::vector<uint32_t> words = {0, 1, 4711, kWords - 1, 0};
-  const std::vector<SceneScore> ranking = index.RankWords(words);
+  const std::vector<uint32_t> words = {0, 1, 4711, recognition::kWords - 1, 0};
+  const std::vector<recognition::SceneScore> ranking = index.RankWords(words);
   if (ranking.size() != 1) std::abort();
   if (!(ranking[0].similarity >= 0 && ranking[0].similarity <= 1)) std::abort();
 }
@@ -44,14 +44,14 @@ void RankWith(const SceneDescriptor& descriptor) {
 }  // namespace treeline
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using treeline::SceneDescriptor;
+  using treeline::recognition::SceneDescriptor;
   const std::string bytes(reinterpret_cast<const char*>(data), size);
-  if (const auto read = SceneDescriptor::Parse(bytes);
+  if (const auto read = recognition::SceneDescriptor::Parse(bytes);
       read.ok() && read->Serialize() != bytes) {
     std::abort();
   }
   const std::string whole = treeline::Completed(bytes);
-  const auto read = SceneDescriptor::Parse(whole);
+  const auto read = recognition::SceneDescriptor::Parse(whole);
   if (!read.ok() || read->Serialize() != whole) std::abort();
   // Ranking costs some milliseconds.
   if (size % 16 == 0) treeline::RankWith(*read);

@@ -13,7 +13,7 @@ namespace treeline {
 namespace {
 
 void Check(absl::string_view text) {
-  const auto metadata = ParseSceneMetadata(text);
+  const auto metadata = repository::ParseSceneMetadata(text);
   if (!metadata.ok()) {
     if (!absl::IsInvalidArgument(metadata.status()) ||
         !absl::StartsWith(metadata.status().message(), "scene.json: ")) {
@@ -21,10 +21,11 @@ void Check(absl::string_view text) {
     }
     return;
   }
-  if (metadata->display_name.size() > kMaxDisplayNameBytes) std::abort();
+  if (metadata->display_name.size() > repository::kMaxDisplayNameBytes)
+    std::abort();
   if (metadata->geo_anchor) {
-    const GeoAnchor& anchor = *metadata->geo_anchor;
-    const Rotation3& q = anchor.enu_from_world;
+    const repository::GeoAnchor& anchor = *metadata->geo_anchor;
+    const geometry::Rotation3& q = anchor.enu_from_world;
     const double norm =
         std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
     // Written so that NaN aborts.

@@ -19,41 +19,44 @@
 namespace treeline {
 namespace {
 
-constexpr MonotonicTime kStart = MonotonicTime() + std::chrono::hours(1);
+constexpr base::MonotonicTime kStart =
+    base::MonotonicTime() + std::chrono::hours(1);
 
-void Say(HokuyoProtocol& protocol, absl::string_view echo,
+void Say(hokuyo::HokuyoProtocol& protocol, absl::string_view echo,
          absl::string_view rest) {
-  protocol.Receive(AsBytes(absl::StrCat(echo, "\n00P\n", rest)), kStart);
+  protocol.Receive(stream::AsBytes(absl::StrCat(echo, "\n00P\n", rest)),
+                   kStart);
 }
 
 // Up to the first scan, of ten beams.
-void Greet(HokuyoProtocol& protocol) {
+void Greet(hokuyo::HokuyoProtocol& protocol) {
   Say(protocol, "QT", "\n");
-  Say(protocol, "VV", EncodeVersion({}));
-  Say(protocol, "PP", EncodeParameters({.last_step = 9, .front_step = 0}));
+  Say(protocol, "VV", hokuyo::EncodeVersion({}));
+  Say(protocol, "PP",
+      hokuyo::EncodeParameters({.last_step = 9, .front_step = 0}));
   Say(protocol, "II", "\n");
   Say(protocol, "BM", "\n");
   Say(protocol, protocol.Command().Text(), "\n");
 }
 
-std::vector<LaserScan> ScansOf(std::span<const uint8_t> bytes, bool greeted,
-                               size_t chunk) {
-  HokuyoOptions options;
+std::vector<core::LaserScan> ScansOf(std::span<const uint8_t> bytes,
+                                     bool greeted, size_t chunk) {
+  hokuyo::HokuyoOptions options;
   options.time_sync = false;
-  HokuyoProtocol protocol(options, kStart);
+  hokuyo::HokuyoProtocol protocol(options, kStart);
   if (greeted) Greet(protocol);
   while (!bytes.empty()) {
     const size_t size = std::min(chunk, bytes.size());
     protocol.Receive(bytes.first(size), kStart);
     bytes = bytes.subspan(size);
   }
-  std::vector<LaserScan> scans = protocol.TakeScans();
-  for (const LaserScan& scan : scans) {
+  std::vector<core::LaserScan> scans = protocol.TakeScans();
+  for (const core::LaserScan& scan : scans) {
     if (static_cast<int>(scan.ranges_m.size()) != protocol.Info().beams) {
       std::abort();
     }
     for (const float range_m : scan.ranges_m) {
-      if (range_m >= 60.0f && range_m != kNoReturn) std::abort();
+      if (range_m >= 60.0f && range_m != core::kNoReturn) std::abort();
     }
   }
   protocol.Tick(protocol.NextDeadline());

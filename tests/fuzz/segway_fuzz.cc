@@ -52,9 +52,10 @@ class Conversation {
 
  private:
   void CheckSent(const std::vector<uint8_t>& bytes) {
-    Require(bytes.empty() || bytes.size() == kSegwayFrameBytes);
-    for (const SegwayFrame& frame : base_.Parse(bytes)) {
-      const std::optional<SegwayMotion> motion = ToMotion(DecodeToBase(frame));
+    Require(bytes.empty() || bytes.size() == segway::kSegwayFrameBytes);
+    for (const segway::SegwayFrame& frame : base_.Parse(bytes)) {
+      const std::optional<segway::SegwayMotion> motion =
+          segway::ToMotion(segway::DecodeToBase(frame));
       Require(motion.has_value());
       Require(motion->velocity_counts >= -120 &&
               motion->velocity_counts <= 320);
@@ -65,14 +66,14 @@ class Conversation {
       if (moves) {
         Require(commanded_at_ &&
                 now_ - *commanded_at_ < milliseconds(300 + 600));
-        Require(motion->setting == SegwaySetting::kNone);
+        Require(motion->setting == segway::SegwaySetting::kNone);
       }
     }
     Require(base_.discarded_bytes() == 0);
   }
 
   void CheckReadings() {
-    for (const BaseReading& reading : protocol_.TakeReadings()) {
+    for (const core::BaseReading& reading : protocol_.TakeReadings()) {
       for (const double value :
            {reading.left_wheel_m, reading.right_wheel_m, reading.forward_mps,
             reading.yaw_rate_radps, reading.pitch_rad, reading.roll_rad,
@@ -86,11 +87,11 @@ class Conversation {
     }
   }
 
-  SegwayProtocol protocol_{SegwayOptions{}};
-  SegwayFrameParser base_{SegwayDirection::kToBase};
-  MonotonicTime now_{std::chrono::hours(1)};
-  std::optional<MonotonicTime> commanded_at_;
-  std::optional<BaseReading> last_;
+  segway::SegwayProtocol protocol_{segway::SegwayOptions{}};
+  segway::SegwayFrameParser base_{segway::SegwayDirection::kToBase};
+  base::MonotonicTime now_{std::chrono::hours(1)};
+  std::optional<base::MonotonicTime> commanded_at_;
+  std::optional<core::BaseReading> last_;
 };
 
 }  // namespace

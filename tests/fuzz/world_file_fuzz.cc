@@ -8,8 +8,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/string_view.h"
-#include "common/synthetic/building/plan_file.h"
-#include "common/synthetic/building_maker.h"
+#include "simulation/building/plan_file.h"
+#include "simulation/worlds/building_maker.h"
 
 namespace treeline {
 namespace {
@@ -18,23 +18,24 @@ void Check(bool holds) {
   if (!holds) std::abort();
 }
 
-bool IsFinite(Float3 p) {
+bool IsFinite(worlds::Float3 p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
 void Use(absl::string_view bytes) {
-  const auto plan = ParsePlan(bytes, "world");
+  const auto plan = building::ParsePlan(bytes, "world");
   if (!plan.ok()) {
     Check(absl::StartsWith(plan.status().message(), "world:"));
     return;
   }
-  const auto again = ParsePlan(PlanText(*plan), "again");
+  const auto again = building::ParsePlan(building::PlanText(*plan), "again");
   Check(again.ok());
   const auto world =
-      MakeBuilding("world", *plan, {.threads = 1, .paint = false});
+      worlds::MakeBuilding("world", *plan, {.threads = 1, .paint = false});
   if (!world.ok()) return;  // too many surfaces
-  for (const Surface& surface : world->surfaces) {
-    for (const Float3& corner : surface.corners) Check(IsFinite(corner));
+  for (const worlds::Surface& surface : world->surfaces) {
+    for (const worlds::Float3& corner : surface.corners)
+      Check(IsFinite(corner));
   }
   Check(world->places.size() == plan->places.size());
   Check(world->tour.size() == plan->tour.size());

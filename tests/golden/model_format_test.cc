@@ -20,10 +20,11 @@ std::string GoldenPath(int version) {
 }
 
 // What the golden files hold: two trees, one with a split and one without.
-Forest GoldenForest() {
-  Forest forest;
-  forest.nodes = {Node::Split({-511, 3, 2, 1}, -7, 2), Node::Leaf(0),
-                  Node::Leaf(1), Node::Leaf(2)};
+forest::Forest GoldenForest() {
+  forest::Forest forest;
+  forest.nodes = {forest::Node::Split({-511, 3, 2, 1}, -7, 2),
+                  forest::Node::Leaf(0), forest::Node::Leaf(1),
+                  forest::Node::Leaf(2)};
   forest.tree_offsets = {0, 3, 4};
   forest.descriptors.resize(3);
   forest.descriptors[0].values[0] = 127;
@@ -36,17 +37,18 @@ Forest GoldenForest() {
   return forest;
 }
 
-ModelInfo GoldenInfo() {
-  ModelInfo info;
+forest::ModelInfo GoldenInfo() {
+  forest::ModelInfo info;
   info.method = "rgbd";
   info.software_version = "0.1.0";
   info.created_utc = "2026-11-21T09:30:00Z";
   info.dataset = "7scenes:kitchen";
   info.seed = 18446744073709551615u;
   info.options = {{"trees", "2"}, {"max-depth", "25"}};
-  info.calibration.color_from_depth = {Rotation3{}, {-0.025, 0, 0.0078125}};
+  info.calibration.color_from_depth = {geometry::Rotation3{},
+                                       {-0.025, 0, 0.0078125}};
   info.calibration.depth_scale = 0.9921875;
-  info.calibration.pose_sensor = RgbdSensor::kDepth;
+  info.calibration.pose_sensor = camera::RgbdSensor::kDepth;
   info.training_frames = 500;
   info.training_samples = 2500000;
   info.training_s = 12.5;
@@ -54,9 +56,9 @@ ModelInfo GoldenInfo() {
 }
 
 TEST(ModelFormatTest, Version1IsRead) {
-  const auto model = ModelFile::Open(GoldenPath(1));
+  const auto model = forest::ModelFile::Open(GoldenPath(1));
   ASSERT_TRUE(model.ok()) << model.status();
-  const ModelInfo& info = (*model)->info();
+  const forest::ModelInfo& info = (*model)->info();
   EXPECT_EQ(info.format_version, 1u);
   EXPECT_EQ(info.trees, 2);
   EXPECT_EQ(info.leaves, 3);
@@ -65,8 +67,8 @@ TEST(ModelFormatTest, Version1IsRead) {
   EXPECT_EQ(info.calibration, GoldenInfo().calibration);
   EXPECT_EQ(info.training_samples, 2500000);
 
-  const ForestView& forest = (*model)->forest();
-  const PixelDifference feature = forest.tree(0)[0].feature();
+  const forest::ForestView& forest = (*model)->forest();
+  const features::PixelDifference feature = forest.tree(0)[0].feature();
   EXPECT_EQ(feature.dx, -511);
   EXPECT_EQ(feature.dy, 3);
   EXPECT_EQ(feature.c1, 2);
@@ -85,11 +87,12 @@ TEST(ModelFormatTest, Version1IsRead) {
 TEST(ModelFormatTest, TheCurrentVersionIsWrittenByteForByte) {
   const std::string path =
       testing::TempDir() + "/model_format_" + std::to_string(getpid());
-  ASSERT_TRUE(WriteModel(path, GoldenInfo(), {GoldenForest().View()}).ok());
-  const auto written = ReadFile(path);
+  ASSERT_TRUE(
+      forest::WriteModel(path, GoldenInfo(), {GoldenForest().View()}).ok());
+  const auto written = base::ReadFile(path);
   unlink(path.c_str());
   ASSERT_TRUE(written.ok());
-  const auto golden = ReadFile(GoldenPath(kModelFormatVersion));
+  const auto golden = base::ReadFile(GoldenPath(forest::kModelFormatVersion));
   ASSERT_TRUE(golden.ok()) << golden.status();
   EXPECT_EQ(*written, *golden);
 }

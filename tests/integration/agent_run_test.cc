@@ -18,7 +18,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "common/base/file.h"
-#include "nav_agent/app/agent_robot.h"
+#include "nav_agent/app/run/agent_robot.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/octomap/octree_file.h"
 #include "nav_agent/traversability/level_files.h"
@@ -72,28 +72,28 @@ class AgentRunTest : public testing::Test {
 
   // A bundle of the cafe's perfect map, as mapping would leave it.
   static void WriteMap(const std::string& folder) {
-    const auto map = MapOfWorld("cafe");
+    const auto map = run_app::MapOfWorld("cafe");
     ASSERT_TRUE(map.ok()) << map.status();
-    ASSERT_TRUE(BeginMapBundle(folder, /*overwrite=*/false).ok());
-    const std::string octomap = folder + "/" + kBundleOctomap;
-    ASSERT_TRUE(WriteOctree(map->voxels, octomap).ok());
+    ASSERT_TRUE(map_bundle::BeginMapBundle(folder, /*overwrite=*/false).ok());
+    const std::string octomap = folder + "/" + map_bundle::kBundleOctomap;
+    ASSERT_TRUE(octree::WriteOctree(map->voxels, octomap).ok());
     // A file ends where what is known ends, the world's voxels with the world.
-    const auto voxels = ReadOctree(octomap);
+    const auto voxels = octree::ReadOctree(octomap);
     ASSERT_TRUE(voxels.ok()) << voxels.status();
-    const auto levels = ExtractTraversableMap(*voxels);
+    const auto levels = traversability::ExtractTraversableMap(*voxels);
     ASSERT_TRUE(levels.ok()) << levels.status();
-    MapBundleManifest manifest;
+    map_bundle::MapBundleManifest manifest;
     manifest.name = "cafe";
     manifest.levels = static_cast<int>(levels->levels.size());
     manifest.resolution_m = voxels->resolution_m();
     manifest.poses = 1;
-    const std::vector<TimedPose> trajectory = {{5, {}}};
-    ASSERT_TRUE(WriteTraversableMap(*levels,
-                                    manifest.traversability.max_slope_rad,
-                                    folder + "/" + kBundleLevels)
+    const std::vector<dataset::TimedPose> trajectory = {{5, {}}};
+    ASSERT_TRUE(traversability::WriteTraversableMap(
+                    *levels, manifest.traversability.max_slope_rad,
+                    folder + "/" + map_bundle::kBundleLevels)
                     .ok());
-    ASSERT_TRUE(WriteBundleTrajectory(folder, trajectory).ok());
-    ASSERT_TRUE(FinishMapBundle(folder, manifest).ok());
+    ASSERT_TRUE(map_bundle::WriteBundleTrajectory(folder, trajectory).ok());
+    ASSERT_TRUE(map_bundle::FinishMapBundle(folder, manifest).ok());
   }
 
   // Drives there; the last that is heard of it.
@@ -185,7 +185,7 @@ TEST_F(AgentRunTest, ThroughEmulatedDevicesToItsGoal) {
       << robot.err();
   const std::string hardware = folder_ + "/robot.yaml";
   ASSERT_TRUE(
-      WriteNewFile(
+      base::WriteNewFile(
           hardware,
           absl::StrCat(
               "laser: ", absl::StripPrefix(*laser, "laser at "),
@@ -224,13 +224,14 @@ TEST_F(AgentRunTest, AFullDiskEndsTheRecordingAndNotTheDrive) {
 TEST_F(AgentRunTest, AMapWithoutFreeGroundIsNamed) {
   const std::string map = folder_ + "/map";
   ASSERT_NO_FATAL_FAILURE(WriteMap(map));
-  const std::string picture = map + "/" + kBundleLevels + "/level-0.pgm";
-  auto pixels = ReadFile(picture, size_t{1} << 26);
+  const std::string picture =
+      map + "/" + map_bundle::kBundleLevels + "/level-0.pgm";
+  auto pixels = base::ReadFile(picture, size_t{1} << 26);
   ASSERT_TRUE(pixels.ok()) << pixels.status();
   // All that is free is occupied: 254 is free, 0 is not.
   std::ranges::replace(*pixels, static_cast<char>(254), '\0');
   std::filesystem::remove(picture);
-  ASSERT_TRUE(WriteNewFile(picture, *pixels).ok());
+  ASSERT_TRUE(base::WriteNewFile(picture, *pixels).ok());
   const ProgramResult result =
       RunProgram({TREELINE_AGENT, "run", "--map", map, "--simulate", "cafe",
                   "--listen", "127.0.0.1:0", "--http-listen", "127.0.0.1:0"});
@@ -242,7 +243,7 @@ TEST_F(AgentRunTest, AMapWithoutFreeGroundIsNamed) {
 TEST_F(AgentRunTest, ATypoInTheConfigurationIsNamed) {
   const std::string config = folder_ + "/agent.yaml";
   ASSERT_TRUE(
-      WriteNewFile(config, "simulate: cafe\nmax_foward_mps: 0.4\n").ok());
+      base::WriteNewFile(config, "simulate: cafe\nmax_foward_mps: 0.4\n").ok());
   const ProgramResult result =
       RunProgram({TREELINE_AGENT, "run", "--config", config});
   EXPECT_EQ(result.exit_code, 1);

@@ -34,27 +34,27 @@ class BadRequests : public ServerTest {
 
   // The request is refused with this code and a message that names `what`, and
   // the next good one is answered by the same process.
-  void ExpectRefused(const LocalizeQuery& query, absl::StatusCode code,
-                     const char* what) {
+  void ExpectRefused(const relocalizer::LocalizeQuery& query,
+                     absl::StatusCode code, const char* what) {
     CheckRefusal(client_->Localize(query, {}).status(), code, what);
   }
   void ExpectRefused(const v1::LocalizeRequest& request, absl::StatusCode code,
                      const char* what) {
     grpc::ClientContext context;
     v1::LocalizeResponse response;
-    CheckRefusal(FromGrpc(stub_->Localize(&context, request, &response)), code,
-                 what);
+    CheckRefusal(wire::FromGrpc(stub_->Localize(&context, request, &response)),
+                 code, what);
   }
 
   v1::LocalizeRequest GoodRequest() const {
-    const LocalizeQuery query = QueryOf(frames_, 0);
+    const relocalizer::LocalizeQuery query = QueryOf(frames_, 0);
     v1::LocalizeRequest request;
     request.set_scene(query.scene);
-    *request.mutable_frame() = ToProto(query.frame);
+    *request.mutable_frame() = wire::ToProto(query.frame);
     return request;
   }
 
-  const Dataset frames_;
+  const dataset::Dataset frames_;
   std::unique_ptr<v1::RelocalizationService::Stub> stub_;
 
  private:
@@ -68,36 +68,36 @@ class BadRequests : public ServerTest {
   }
 };
 
-std::string& ColorBytes(LocalizeQuery& query) {
-  return std::get<EncodedImage>(query.frame.color).bytes;
+std::string& ColorBytes(relocalizer::LocalizeQuery& query) {
+  return std::get<wire::EncodedImage>(query.frame.color).bytes;
 }
 
-std::string& DepthBytes(LocalizeQuery& query) {
-  return std::get<EncodedImage>(query.frame.depth->image).bytes;
+std::string& DepthBytes(relocalizer::LocalizeQuery& query) {
+  return std::get<wire::EncodedImage>(query.frame.depth->image).bytes;
 }
 
 TEST_F(BadRequests, UnknownScene) {
-  LocalizeQuery query = QueryOf(frames_, 0);
+  relocalizer::LocalizeQuery query = QueryOf(frames_, 0);
   query.scene = "attic";
   ExpectRefused(query, absl::StatusCode::kNotFound, "attic");
 }
 
 TEST_F(BadRequests, UnknownVersion) {
-  LocalizeQuery query = QueryOf(frames_, 0);
+  relocalizer::LocalizeQuery query = QueryOf(frames_, 0);
   query.model_version = "2";
   ExpectRefused(query, absl::StatusCode::kNotFound, "version '2'");
 }
 
 TEST_F(BadRequests, SceneThatIsAPath) {
   for (const char* scene : {"../room", "room/1", "."}) {
-    LocalizeQuery query = QueryOf(frames_, 0);
+    relocalizer::LocalizeQuery query = QueryOf(frames_, 0);
     query.scene = scene;
     ExpectRefused(query, absl::StatusCode::kInvalidArgument, "scene");
   }
 }
 
 TEST_F(BadRequests, TruncatedImages) {
-  LocalizeQuery query = QueryOf(frames_, 0);
+  relocalizer::LocalizeQuery query = QueryOf(frames_, 0);
   ColorBytes(query).resize(ColorBytes(query).size() / 2);
   ExpectRefused(query, absl::StatusCode::kInvalidArgument,
                 "frame.color.encoded");
@@ -107,7 +107,7 @@ TEST_F(BadRequests, TruncatedImages) {
 }
 
 TEST_F(BadRequests, ImagesThatAreNone) {
-  LocalizeQuery query = QueryOf(frames_, 0);
+  relocalizer::LocalizeQuery query = QueryOf(frames_, 0);
   ColorBytes(query) = "<html>404</html>";
   ExpectRefused(query, absl::StatusCode::kInvalidArgument,
                 "frame.color.encoded");
@@ -118,33 +118,33 @@ TEST_F(BadRequests, ImagesThatAreNone) {
 
 // A JPEG file of a few hundred bytes that claims 65,500 x 65,500 pixels.
 TEST_F(BadRequests, AbsurdImageSize) {
-  const ColorImage small{
+  const image::ColorImage small{
       .width = 16, .height = 16, .rgb = std::vector<uint8_t>(16 * 16 * 3)};
-  std::string jpeg = EncodeJpeg(small, 80).value();
+  std::string jpeg = image::EncodeJpeg(small, 80).value();
   const size_t frame_header = jpeg.find("\xff\xc0");
   ASSERT_NE(frame_header, std::string::npos);
   jpeg.replace(frame_header + 5, 4, "\xff\xdc\xff\xdc");
-  LocalizeQuery query = QueryOf(frames_, 0);
+  relocalizer::LocalizeQuery query = QueryOf(frames_, 0);
   ColorBytes(query) = jpeg;
   ExpectRefused(query, absl::StatusCode::kInvalidArgument, "65500 x 65500");
 }
 
 TEST_F(BadRequests, ImageOfAnotherSizeWithoutItsCamera) {
-  LocalizeQuery query = QueryOf(frames_, 0);
-  query.frame.color = ColorImage{
+  relocalizer::LocalizeQuery query = QueryOf(frames_, 0);
+  query.frame.color = image::ColorImage{
       .width = 32, .height = 24, .rgb = std::vector<uint8_t>(32 * 24 * 3)};
   ExpectRefused(query, absl::StatusCode::kInvalidArgument, "frame.camera");
 }
 
 TEST_F(BadRequests, DepthOfAnotherSize) {
-  LocalizeQuery query = QueryOf(frames_, 0);
-  query.frame.depth->image = DepthImage{
+  relocalizer::LocalizeQuery query = QueryOf(frames_, 0);
+  query.frame.depth->image = image::DepthImage{
       .width = 32, .height = 24, .values = std::vector<uint16_t>(32 * 24)};
   ExpectRefused(query, absl::StatusCode::kInvalidArgument, "frame.depth");
 }
 
 TEST_F(BadRequests, MissingDepth) {
-  LocalizeQuery query = QueryOf(frames_, 0);
+  relocalizer::LocalizeQuery query = QueryOf(frames_, 0);
   query.frame.depth.reset();
   ExpectRefused(query, absl::StatusCode::kInvalidArgument, "depth");
 }
@@ -158,7 +158,7 @@ TEST_F(BadRequests, MissingColor) {
 TEST_F(BadRequests, IntrinsicsThatAreNotNumbers) {
   v1::LocalizeRequest request = GoodRequest();
   *request.mutable_frame()->mutable_camera() =
-      ToProto(frames_.calibration().color);
+      wire::ToProto(frames_.calibration().color);
   request.mutable_frame()->mutable_camera()->set_parameters(
       0, std::numeric_limits<double>::quiet_NaN());
   ExpectRefused(request, absl::StatusCode::kInvalidArgument, "frame.camera");

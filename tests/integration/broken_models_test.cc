@@ -14,7 +14,7 @@ class BrokenModels : public ServerTest {
  protected:
   void SetUp() override {
     ServerTest::SetUp();
-    const auto bytes = ReadFile(RoomModelPath());
+    const auto bytes = base::ReadFile(RoomModelPath());
     ASSERT_TRUE(bytes.ok()) << bytes.status();
     room_ = *bytes;
     PutRoom();
@@ -32,8 +32,8 @@ class BrokenModels : public ServerTest {
     EXPECT_FALSE(scene->model.has_value());
     EXPECT_THAT(server_->err(), HasSubstr("scene=broken"));
 
-    const Dataset frames = HeldOutFrames();
-    LocalizeQuery query = QueryOf(frames, 0);
+    const dataset::Dataset frames = HeldOutFrames();
+    relocalizer::LocalizeQuery query = QueryOf(frames, 0);
     EXPECT_TRUE(client_->Localize(query, {}).ok());
     query.scene = "broken";
     EXPECT_EQ(client_->Localize(query, {}).status().code(),
@@ -70,7 +70,7 @@ TEST_F(BrokenModels, ANewVersionThatIsBrokenLeavesTheOldOneServing) {
   EXPECT_EQ(scene->state, "READY");
   EXPECT_EQ(scene->model_version, "1");
   EXPECT_THAT(scene->versions, ::testing::ElementsAre("2", "1"));
-  const Dataset frames = HeldOutFrames();
+  const dataset::Dataset frames = HeldOutFrames();
   const auto answer = client_->Localize(QueryOf(frames, 0), {});
   ASSERT_TRUE(answer.ok()) << answer.status();
   EXPECT_EQ(answer->model_version, "1");

@@ -15,7 +15,7 @@
 
 #include "common/base/clock.h"
 #include "gtest/gtest.h"
-#include "nav_agent/app/server_relocalization.h"
+#include "nav_agent/app/relocalization/server_relocalization.h"
 #include "tests/integration/fixture.h"
 
 namespace treeline {
@@ -61,8 +61,8 @@ std::vector<int> Jumps(int frames) {
   return order;
 }
 
-std::optional<absl::StatusOr<RelocalizationAnswer>> WaitFor(
-    RelocalizationPort& port) {
+std::optional<absl::StatusOr<core::RelocalizationAnswer>> WaitFor(
+    core::RelocalizationPort& port) {
   // As the robot does, step by step; the port has a deadline of its own.
   while (port.IsAsking()) {
     if (auto answer = port.TakeAnswer(); answer.has_value()) return answer;
@@ -71,15 +71,16 @@ std::optional<absl::StatusOr<RelocalizationAnswer>> WaitFor(
   return std::nullopt;
 }
 
-Ride RideThrough(const Dataset& frames, const std::vector<int>& order,
-                 RelocalizationPort& port, const Clock& clock) {
+Ride RideThrough(const dataset::Dataset& frames, const std::vector<int>& order,
+                 core::RelocalizationPort& port, const base::Clock& clock) {
   Ride ride;
   for (const int i : order) {
     auto loaded = frames.Load(i);
     EXPECT_TRUE(loaded.ok()) << loaded.status();
-    const std::optional<Rigid3>& truth = frames.frame(i).world_from_camera;
+    const std::optional<geometry::Rigid3>& truth =
+        frames.frame(i).world_from_camera;
     if (!loaded.ok() || !truth.has_value()) continue;
-    RgbdFrame frame;
+    core::RgbdFrame frame;
     frame.stamp = clock.Now();
     frame.frame = *std::move(loaded);
     port.Ask(frame, kDeadline_s);
@@ -91,8 +92,8 @@ Ride RideThrough(const Dataset& frames, const std::vector<int>& order,
     ride.round_trips_ms.push_back(1e3 * (*answer)->round_trip_s);
     if (!(*answer)->localized) continue;
     ++ride.localized;
-    const Rigid3 off = truth->Inverse() * (*answer)->map_from_camera;
-    const double error_m = Norm(off.translation);
+    const geometry::Rigid3 off = truth->Inverse() * (*answer)->map_from_camera;
+    const double error_m = geometry::Norm(off.translation);
     const double error_deg =
         2 * std::acos(std::min(1.0, std::abs(off.rotation.w))) * 57.29578;
     const bool is_wrong = error_m > kRight_m || error_deg > kRight_deg;
@@ -121,10 +122,10 @@ void Print(const char* name, const Ride& ride) {
 
 class CameraRecording : public ServerTest {
  protected:
-  Ride Kidnap(const Dataset& frames, const std::string& scene) {
-    const SteadyClock clock;
-    auto port = MakeServerRelocalization(ConnectOptions{.server = address_},
-                                         scene, clock);
+  Ride Kidnap(const dataset::Dataset& frames, const std::string& scene) {
+    const base::SteadyClock clock;
+    auto port = relocalization::MakeServerRelocalization(
+        relocalizer::ConnectOptions{.server = address_}, scene, clock);
     EXPECT_TRUE(port.ok()) << port.status();
     return RideThrough(frames, Jumps(frames.size()), **port, clock);
   }
@@ -133,7 +134,7 @@ class CameraRecording : public ServerTest {
 TEST_F(CameraRecording, JumpsInTheRoomAreFound) {
   PutRoom();
   ASSERT_NO_FATAL_FAILURE(StartServer());
-  const Dataset frames = HeldOutFrames();
+  const dataset::Dataset frames = HeldOutFrames();
   const Ride ride = Kidnap(frames, "room");
   Print("room", ride);
   EXPECT_EQ(ride.asked, frames.size());
@@ -146,7 +147,7 @@ TEST_F(CameraRecording, JumpsInTheRoomAreFound) {
 TEST_F(CameraRecording, ASceneThatTheServerDoesNotHaveIsNotFound) {
   PutRoom();
   ASSERT_NO_FATAL_FAILURE(StartServer());
-  const Dataset frames = HeldOutFrames();
+  const dataset::Dataset frames = HeldOutFrames();
   const Ride ride = Kidnap(frames.Subset(std::vector<int>{0}), "kitchen");
   EXPECT_EQ(ride.asked, 1);
   EXPECT_EQ(ride.answered, 0);
@@ -177,9 +178,10 @@ TEST_F(RedKitchen, JumpsInTheKitchenAreFoundAndNoneIsWrong) {
     ASSERT_EQ(training.exit_code, 0) << training.err;
   }
   ASSERT_NO_FATAL_FAILURE(StartServer());
-  const auto frames = Dataset::Open({.uri = "7scenes:" + folder,
-                                     .frame_list = folder + "/test.txt",
-                                     .pose_file = folder + "/poses-sfm.txt"});
+  const auto frames =
+      dataset::Dataset::Open({.uri = "7scenes:" + folder,
+                              .frame_list = folder + "/test.txt",
+                              .pose_file = folder + "/poses-sfm.txt"});
   ASSERT_TRUE(frames.ok()) << frames.status();
   const Ride ride = Kidnap(*frames, "redkitchen");
   Print("redkitchen", ride);

@@ -36,15 +36,15 @@ class ClientProgram : public ServerTest {
 
   // A depth image in which nothing was measured.
   std::string PutBlindDepth() {
-    const Camera& camera = frames_.calibration().depth;
-    DepthImage depth{
+    const camera::Camera& camera = frames_.calibration().depth;
+    image::DepthImage depth{
         .width = camera.width(), .height = camera.height(), .values = {}};
     depth.values.resize(static_cast<size_t>(depth.width) *
                         static_cast<size_t>(depth.height));
-    return PutFile("blind.png", EncodeDepthPng(depth).value());
+    return PutFile("blind.png", image::EncodeDepthPng(depth).value());
   }
 
-  const Dataset frames_;
+  const dataset::Dataset frames_;
 };
 
 TEST_F(ClientProgram, LocalizesForPeople) {
@@ -63,11 +63,12 @@ TEST_F(ClientProgram, LocalizesForProgramsBitForBit) {
   const Json json = Json::parse(result.out);
   EXPECT_EQ(json["outcome"], "LOCALIZED");
   const Json& pose = json["world_from_camera"];
-  const Rigid3 served{{pose["qw"], pose["qx"], pose["qy"], pose["qz"]},
-                      {pose["tx"], pose["ty"], pose["tz"]}};
-  const auto localizer = OpenLocalizer(RoomModelPath());
+  const geometry::Rigid3 served{
+      {pose["qw"], pose["qx"], pose["qy"], pose["qz"]},
+      {pose["tx"], pose["ty"], pose["tz"]}};
+  const auto localizer = localizer::OpenLocalizer(RoomModelPath());
   ASSERT_TRUE(localizer.ok()) << localizer.status();
-  LocalizeOptions options;
+  localizer::LocalizeOptions options;
   options.seed = 7;
   const auto offline = (*localizer)->Localize(frames_.Load(0).value(), options);
   ASSERT_TRUE(offline.ok()) << offline.status();

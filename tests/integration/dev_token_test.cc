@@ -16,20 +16,22 @@ namespace {
 TEST(MakeDevToken, MakesATokenThatTheServerTakes) {
   const std::string folder = testing::TempDir() + "/dev-token";
   std::filesystem::create_directories(folder + "/keys");
-  const std::string key = MakeRsaPrivateKey();
-  ASSERT_TRUE(WriteFileAtomically(folder + "/mine.key", key).ok());
-  ASSERT_TRUE(
-      WriteFileAtomically(folder + "/keys/2026-11.pem", PublicKeyOf(key)).ok());
+  const std::string key = access::MakeRsaPrivateKey();
+  ASSERT_TRUE(base::WriteFileAtomically(folder + "/mine.key", key).ok());
+  ASSERT_TRUE(base::WriteFileAtomically(folder + "/keys/2026-11.pem",
+                                        access::PublicKeyOf(key))
+                  .ok());
   const ProgramResult made =
       RunProgram({TREELINE_MAKE_DEV_TOKEN, folder + "/mine.key", "2026-11",
                   "robot-7", "localize admin", "600"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
 
-  const FakeClock clock;
-  const FakeWallClock wall(std::time(nullptr));
-  const auto keys = KeyStore::Open({.path = folder + "/keys"}, clock, nullptr);
+  const access::FakeClock clock;
+  const access::FakeWallClock wall(std::time(nullptr));
+  const auto keys =
+      access::KeyStore::Open({.path = folder + "/keys"}, clock, nullptr);
   ASSERT_TRUE(keys.ok()) << keys.status();
-  TokenVerifier verifier({}, **keys, wall);
+  access::TokenVerifier verifier({}, **keys, wall);
   const auto claims = verifier.Verify(made.out.substr(0, made.out.find('\n')));
   ASSERT_TRUE(claims.ok()) << claims.status();
   EXPECT_EQ(claims->subject, "robot-7");

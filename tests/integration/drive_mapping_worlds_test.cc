@@ -12,10 +12,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "gtest/gtest.h"
-#include "nav_agent/app/simulation_run.h"
 #include "nav_agent/mapping/drive_mapping.h"
 #include "nav_agent/mapping/truth_score.h"
-#include "nav_agent/sim/scenario.h"
+#include "simulation/runs/simulation_run.h"
+#include "simulation/simulator/scenario.h"
 
 namespace treeline {
 namespace {
@@ -23,63 +23,64 @@ namespace {
 // What the issue asks for.
 constexpr double kWanted_m = 0.05;
 
-DriveMapping Mapped(const std::string& world_name,
-                    const std::string& scenario) {
-  SimulationRunOptions run;
-  run.scenario =
-      *ParseScenario(absl::StrCat("world: ", world_name,
-                                  "\nseed: 2\npeople: false\n", scenario),
-                     "test");
+mapping::DriveMapping Mapped(const std::string& world_name,
+                             const std::string& scenario) {
+  runs::SimulationRunOptions run;
+  run.scenario = *simulator::ParseScenario(
+      absl::StrCat("world: ", world_name, "\nseed: 2\npeople: false\n",
+                   scenario),
+      "test");
   run.record_path = absl::StrCat(testing::TempDir(), "/drive_", world_name, "_",
                                  getpid(), ".tlog");
   unlink(run.record_path.c_str());
-  World world = *MakeWorld(
+  worlds::World world = *worlds::MakeWorld(
       world_name, {.with_people = false, .threads = 1, .paint = false});
-  run.scenario.options.start = *StartOf(run.scenario, world);
+  run.scenario.options.start = *simulator::StartOf(run.scenario, world);
   const auto simulator =
-      *Simulator::Create(std::move(world), run.scenario.options);
-  const auto driven = RunSimulation(*simulator, run, [](double) {}, {});
+      *simulator::Simulator::Create(std::move(world), run.scenario.options);
+  const auto driven = runs::RunSimulation(*simulator, run, [](double) {}, {});
   EXPECT_TRUE(driven.ok()) << driven.status();
-  DriveMappingOptions options;
+  mapping::DriveMappingOptions options;
   options.slam.synchronous = true;
-  auto mapping = MapDrive(run.record_path, options);
+  auto mapping = mapping::MapDrive(run.record_path, options);
   unlink(run.record_path.c_str());
   EXPECT_TRUE(mapping.ok()) << mapping.status();
-  return mapping.ok() ? *std::move(mapping) : DriveMapping{};
+  return mapping.ok() ? *std::move(mapping) : mapping::DriveMapping{};
 }
 
-TruthScore Score(const DriveMapping& mapping) {
-  const auto score = ScoreAgainstTruth(mapping.map_from_base, mapping.truth,
-                                       TruthAlignment::kFirstPose);
+mapping::TruthScore Score(const mapping::DriveMapping& mapping) {
+  const auto score =
+      mapping::ScoreAgainstTruth(mapping.map_from_base, mapping.truth,
+                                 mapping::TruthAlignment::kFirstPose);
   EXPECT_TRUE(score.ok()) << score.status();
-  return score.ok() ? *score : TruthScore{};
+  return score.ok() ? *score : mapping::TruthScore{};
 }
 
 TEST(DriveMappingWorlds, CafeIsFollowedInSpace) {
-  const DriveMapping mapping =
+  const mapping::DriveMapping mapping =
       Mapped("cafe", "duration_s: 45\nactions:\n  - {at_s: 0, tour: {}}\n");
-  const TruthScore score = Score(mapping);
+  const mapping::TruthScore score = Score(mapping);
   EXPECT_GT(score.poses, 1700);
   EXPECT_LT(score.rmse_m, kWanted_m);
   EXPECT_TRUE(mapping.warnings.empty()) << mapping.warnings.front();
 }
 
 TEST(DriveMappingWorlds, LabIsFollowedInSpace) {
-  const DriveMapping mapping =
+  const mapping::DriveMapping mapping =
       Mapped("lab", "duration_s: 45\nactions:\n  - {at_s: 0, tour: {}}\n");
   EXPECT_LT(Score(mapping).rmse_m, kWanted_m);
 }
 
 TEST(DriveMappingWorlds, TwoStoreysLieAboveEachOther) {
   // From the foot of the ramp to the floor above, 2.6 m higher.
-  const DriveMapping mapping =
+  const mapping::DriveMapping mapping =
       Mapped("two-storey",
              "duration_s: 70\nstart: {at: [1.7, 9.5], yaw_deg: 90}\nactions:\n"
              "  - {at_s: 0, tour: {corners: [[1.7, 9.5, 0], [1.9, 11.2, 0], "
              "[14.6, 11.25, 1.3], [14.7, 9.75, 1.3], [2.4, 9.75, 2.6], "
              "[1.8, 7.5, 2.6]]}}\n");
   EXPECT_NEAR(mapping.truth.back().world_from_camera.translation.z, 2.6, 0.01);
-  const TruthScore score = Score(mapping);
+  const mapping::TruthScore score = Score(mapping);
   // No loop is closed on the way up: slip along the ramp, which is 1.2 % by the
   // simulator's model, and the tilt's bias are not seen by anything.
   EXPECT_LT(score.rmse_m, 2 * kWanted_m);
@@ -88,7 +89,7 @@ TEST(DriveMappingWorlds, TwoStoreysLieAboveEachOther) {
               2.6, 0.15);
 }
 
-void Print(const char* what, const TruthScore& score) {
+void Print(const char* what, const mapping::TruthScore& score) {
   std::printf("  %-22s %.4f  %.4f  %.4f  %.4f m  %.4f rad\n", what,
               score.rmse_m, score.planar_rmse_m, score.height_rmse_m,
               score.max_m, score.rotation_rmse_rad);
@@ -102,23 +103,23 @@ TEST(DriveMappingWorlds, RecordedDrivesAreFollowed) {
   for (const std::string& path :
        std::vector<std::string>(absl::StrSplit(paths, ' '))) {
     for (const bool closes_loops : {true, false}) {
-      DriveMappingOptions options;
+      mapping::DriveMappingOptions options;
       options.has_grids = false;
       options.slam.loops.enabled = closes_loops;
-      const auto mapping = MapDrive(path, options);
+      const auto mapping = mapping::MapDrive(path, options);
       ASSERT_TRUE(mapping.ok()) << mapping.status();
       std::printf(
           "%s, %s loops: %lld accepted; p50 %.3f p99 %.2f max %.2f ms\n",
           path.c_str(), closes_loops ? "with" : "without",
           static_cast<long long>(mapping->statistics.loops.accepted),
           mapping->p50_ms, mapping->p99_ms, mapping->max_ms);
-      for (const auto alignment :
-           {TruthAlignment::kFirstPose, TruthAlignment::kRigid}) {
-        const bool rigid = alignment == TruthAlignment::kRigid;
-        const auto odometry = ScoreAgainstTruth(mapping->odom_from_base,
-                                                mapping->truth, alignment);
-        const auto slam = ScoreAgainstTruth(mapping->map_from_base,
-                                            mapping->truth, alignment);
+      for (const auto alignment : {mapping::TruthAlignment::kFirstPose,
+                                   mapping::TruthAlignment::kRigid}) {
+        const bool rigid = alignment == mapping::TruthAlignment::kRigid;
+        const auto odometry = mapping::ScoreAgainstTruth(
+            mapping->odom_from_base, mapping->truth, alignment);
+        const auto slam = mapping::ScoreAgainstTruth(mapping->map_from_base,
+                                                     mapping->truth, alignment);
         ASSERT_TRUE(odometry.ok() && slam.ok());
         Print(rigid ? "odometry, rigid" : "odometry, first pose", *odometry);
         Print(rigid ? "SLAM, rigid" : "SLAM, first pose", *slam);

@@ -19,22 +19,23 @@ std::string RecordingFolder() { return std::string(kScene) + "/recording"; }
 
 std::string RoomModelPath() { return std::string(kScene) + "/room.treeline"; }
 
-Dataset HeldOutFrames() {
+dataset::Dataset HeldOutFrames() {
   const auto frames =
-      Dataset::Open({.uri = "7scenes:" + RecordingFolder(),
-                     .frame_list = RecordingFolder() + "/test.txt"});
+      dataset::Dataset::Open({.uri = "7scenes:" + RecordingFolder(),
+                              .frame_list = RecordingFolder() + "/test.txt"});
   EXPECT_TRUE(frames.ok()) << frames.status();
   return frames.value();
 }
 
-LocalizeQuery QueryOf(const Dataset& frames, int i, uint64_t seed) {
-  Dataset::Encoded encoded = frames.ReadEncoded(i).value();
-  LocalizeQuery query;
+relocalizer::LocalizeQuery QueryOf(const dataset::Dataset& frames, int i,
+                                   uint64_t seed) {
+  dataset::Dataset::Encoded encoded = frames.ReadEncoded(i).value();
+  relocalizer::LocalizeQuery query;
   query.scene = "room";
   query.seed = seed;
-  query.frame.color = EncodedImage{std::move(encoded.color)};
+  query.frame.color = wire::EncodedImage{std::move(encoded.color)};
   query.frame.depth =
-      QueryDepth{.image = EncodedImage{std::move(encoded.depth)}};
+      wire::QueryDepth{.image = wire::EncodedImage{std::move(encoded.depth)}};
   return query;
 }
 
@@ -91,7 +92,7 @@ void ServerTest::StartServer(const std::vector<std::string>& more_arguments) {
   const auto line = server_->WaitForLine(prefix);
   ASSERT_TRUE(line.has_value()) << server_->err();
   address_ = line->substr(prefix.size());
-  auto client = ConnectRelocalizer({.server = address_});
+  auto client = relocalizer::ConnectRelocalizer({.server = address_});
   ASSERT_TRUE(client.ok()) << client.status();
   client_ = *std::move(client);
 }

@@ -19,10 +19,11 @@ std::string RecordingFolder();
 std::string RoomModelPath();
 
 // The held-out frames of the recording.
-Dataset HeldOutFrames();
+dataset::Dataset HeldOutFrames();
 
 // A query for frame i, sent as the files are.
-LocalizeQuery QueryOf(const Dataset& frames, int i, uint64_t seed = 0);
+relocalizer::LocalizeQuery QueryOf(const dataset::Dataset& frames, int i,
+                                   uint64_t seed = 0);
 
 // A folder with scenes, and servers on it.
 class ServerTest : public testing::Test {
@@ -53,7 +54,7 @@ class ServerTest : public testing::Test {
   std::string models_;
   std::string address_;
   std::unique_ptr<Process> server_;
-  std::unique_ptr<Relocalizer> client_;
+  std::unique_ptr<relocalizer::Relocalizer> client_;
 };
 
 }  // namespace treeline

@@ -27,7 +27,7 @@ class EchoNames final : public v1::SceneService::Service {
                         const v1::GetSceneRequest* /*request*/,
                         v1::GetSceneResponse* response) override {
     response->mutable_scene()->set_scene(
-        absl::StrJoin(CertificateNames(*context->auth_context()), ","));
+        absl::StrJoin(access::CertificateNames(*context->auth_context()), ","));
     return grpc::Status::OK;
   }
 };
@@ -37,8 +37,8 @@ class GrpcTlsTest : public TlsTest {
   void Start(bool ask_clients = false, bool require = false) {
     Open(ask_clients, require);
     grpc::ServerBuilder builder;
-    builder.AddListeningPort("127.0.0.1:0", MakeServerCredentials(*files_),
-                             &port_);
+    builder.AddListeningPort("127.0.0.1:0",
+                             access::MakeServerCredentials(*files_), &port_);
     builder.RegisterService(&service_);
     server_ = builder.BuildAndStart();
     ASSERT_NE(server_, nullptr);
@@ -51,7 +51,8 @@ class GrpcTlsTest : public TlsTest {
 
   // A connection of its own.
   std::unique_ptr<v1::SceneService::Stub> Connect(
-      const std::string& trusted, const MadeCertificate& mine = {}) const {
+      const std::string& trusted,
+      const access::MadeCertificate& mine = {}) const {
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
     return v1::SceneService::NewStub(grpc::CreateCustomChannel(
@@ -71,7 +72,7 @@ class GrpcTlsTest : public TlsTest {
     return response.scene().scene().empty() ? "none" : response.scene().scene();
   }
   std::string AskAnew(const std::string& trusted,
-                      const MadeCertificate& mine = {}) const {
+                      const access::MadeCertificate& mine = {}) const {
     return Ask(*Connect(trusted, mine));
   }
 
@@ -131,7 +132,7 @@ TEST_F(GrpcTlsTest, ShowsNewConnectionsTheNewCertificateAndKeepsTheOldOnes) {
 }
 
 TEST_F(GrpcTlsTest, RecoversFromAnExpiredCertificateWithoutARestart) {
-  const MadeCertificate expired = ServerCertificate(authority_, -10);
+  const access::MadeCertificate expired = ServerCertificate(authority_, -10);
   PutFile("tls.crt", expired.certificate);
   PutFile("tls.key", expired.key);
   Start();
@@ -143,53 +144,56 @@ TEST_F(GrpcTlsTest, RecoversFromAnExpiredCertificateWithoutARestart) {
 TEST_F(GrpcTlsTest, TurnsAwayClientsWithoutTheCertificateThatItRequires) {
   Start(/*ask_clients=*/true, /*require=*/true);
   const std::string& trusted = authority_.certificate;
-  const CertificateSpec spec = {
+  const access::CertificateSpec spec = {
       .common_name = "ignored",
       .alternative_names =
           "DNS:robot-7.example,URI:spiffe://example/robot-7,IP:10.0.0.7"};
   EXPECT_EQ(AskAnew(trusted), "FAILED");
-  EXPECT_EQ(AskAnew(trusted, MakeCertificate(stranger_, spec)), "FAILED");
-  EXPECT_EQ(AskAnew(trusted, MakeCertificate(authority_, {.ends_s = -10})),
+  EXPECT_EQ(AskAnew(trusted, access::MakeCertificate(stranger_, spec)),
             "FAILED");
-  EXPECT_EQ(AskAnew(trusted, MakeCertificate(authority_, spec)),
-            "robot-7.example,spiffe://example/robot-7");
   EXPECT_EQ(
-      AskAnew(trusted, MakeCertificate(authority_, {.common_name = "robot"})),
-      "robot");
+      AskAnew(trusted, access::MakeCertificate(authority_, {.ends_s = -10})),
+      "FAILED");
+  EXPECT_EQ(AskAnew(trusted, access::MakeCertificate(authority_, spec)),
+            "robot-7.example,spiffe://example/robot-7");
+  EXPECT_EQ(AskAnew(trusted, access::MakeCertificate(authority_,
+                                                     {.common_name = "robot"})),
+            "robot");
 }
 
 TEST_F(GrpcTlsTest, CanLeaveTheCertificateToTheClient) {
   Start(/*ask_clients=*/true);
   const std::string& trusted = authority_.certificate;
   EXPECT_EQ(AskAnew(trusted), "none");
-  EXPECT_EQ(
-      AskAnew(trusted, MakeCertificate(authority_, {.common_name = "robot"})),
-      "robot");
+  EXPECT_EQ(AskAnew(trusted, access::MakeCertificate(authority_,
+                                                     {.common_name = "robot"})),
+            "robot");
   // A forged one is no better than it looks.
-  EXPECT_EQ(
-      AskAnew(trusted, MakeCertificate(stranger_, {.common_name = "robot"})),
-      "FAILED");
+  EXPECT_EQ(AskAnew(trusted, access::MakeCertificate(stranger_,
+                                                     {.common_name = "robot"})),
+            "FAILED");
 }
 
 TEST_F(GrpcTlsTest, TrustsANewAuthorityOfClientsWithoutARestart) {
   Start(/*ask_clients=*/true, /*require=*/true);
   const std::string& trusted = authority_.certificate;
-  const MadeCertificate mine =
-      MakeCertificate(stranger_, {.common_name = "robot"});
+  const access::MadeCertificate mine =
+      access::MakeCertificate(stranger_, {.common_name = "robot"});
   EXPECT_EQ(AskAnew(trusted, mine), "FAILED");
   PutFile("clients.crt", stranger_.certificate);
   NextPoll();
   EXPECT_EQ(AskAnew(trusted, mine), "robot");
-  EXPECT_EQ(
-      AskAnew(trusted, MakeCertificate(authority_, {.common_name = "old"})),
-      "FAILED");
+  EXPECT_EQ(AskAnew(trusted, access::MakeCertificate(authority_,
+                                                     {.common_name = "old"})),
+            "FAILED");
 }
 
 TEST_F(GrpcTlsTest, AsksNobodyWhoNeedNotShowOne) {
   Start();
-  EXPECT_EQ(AskAnew(authority_.certificate,
-                    MakeCertificate(authority_, {.common_name = "robot"})),
-            "none");
+  EXPECT_EQ(
+      AskAnew(authority_.certificate,
+              access::MakeCertificate(authority_, {.common_name = "robot"})),
+      "none");
 }
 
 }  // namespace

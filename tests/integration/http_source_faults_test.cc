@@ -32,7 +32,7 @@ class HttpSourceFaults : public HttpSourceTest {
   void ExpectFetched() {
     const auto path = Fetch();
     ASSERT_TRUE(path.ok()) << path.status();
-    EXPECT_EQ(ReadFile(*path).value(), model_);
+    EXPECT_EQ(base::ReadFile(*path).value(), model_);
     EXPECT_THAT(CachedNames(), ElementsAre(DigestOf(model_) + ".treeline"));
   }
 
@@ -80,7 +80,7 @@ TEST_F(HttpSourceFaults, OtherBytesThanPromisedAreRefused) {
     source_.reset();
     const auto path = Fetch();
     EXPECT_TRUE(absl::IsDataLoss(path.status())) << path.status();
-    EXPECT_EQ(ErrorInfoOf(path.status()).reason, "MODEL_CORRUPT");
+    EXPECT_EQ(base::ErrorInfoOf(path.status()).reason, "MODEL_CORRUPT");
     EXPECT_THAT(path.status().ToString(), HasSubstr("scene kitchen"));
     EXPECT_EQ(CachedNames().count(DigestOf(model) + ".treeline"), 0u);
   }
@@ -113,7 +113,7 @@ TEST_F(HttpSourceFaults, WhatLastsIsNotTriedAgain) {
     source_.reset();
     const auto path = Fetch();
     EXPECT_EQ(path.status().code(), code) << path.status();
-    EXPECT_EQ(ErrorInfoOf(path.status()).reason, reason);
+    EXPECT_EQ(base::ErrorInfoOf(path.status()).reason, reason);
   }
   EXPECT_THAT(pauses_, IsEmpty());
   EXPECT_THAT(CachedNames(), IsEmpty());
@@ -134,7 +134,7 @@ TEST_F(HttpSourceFaults, ALongPauseIsLeftToWhoAsked) {
   Serve(Model(1000), {{.status = 503, .headers = {{"Retry-After", "3600"}}}});
   const auto path = Fetch();
   EXPECT_TRUE(absl::IsUnavailable(path.status()));
-  EXPECT_EQ(RetryAfterOf(path.status()), milliseconds(3600000));
+  EXPECT_EQ(base::RetryAfterOf(path.status()), milliseconds(3600000));
   EXPECT_THAT(pauses_, IsEmpty());
 }
 
@@ -192,7 +192,7 @@ TEST_F(HttpSourceFaults, ThreadsThatWantTheSameFetchItOnce) {
   for (std::thread& thread : threads) thread.join();
   for (const auto& path : paths) {
     ASSERT_TRUE(path.ok()) << path.status();
-    EXPECT_EQ(ReadFile(*path).value(), model_);
+    EXPECT_EQ(base::ReadFile(*path).value(), model_);
   }
   EXPECT_THAT(server_->Requests("/model.treeline"), SizeIs(1));
 }
@@ -299,7 +299,7 @@ TEST_F(HttpSourceFullDisk, WhatWasFetchedServesAndNothingIsHalfWritten) {
   Serve(Model(1000000));
   const auto first = Fetch();
   ASSERT_TRUE(first.ok()) << first.status();
-  const auto mapped = MappedFile::Open(*first);
+  const auto mapped = base::MappedFile::Open(*first);
   const std::string first_model = model_;
 
   // Fits when it begins; then another program fills the disk.
@@ -315,21 +315,21 @@ TEST_F(HttpSourceFullDisk, WhatWasFetchedServesAndNothingIsHalfWritten) {
   ASSERT_TRUE(source_->List().ok());
   const auto second = Fetch();
   EXPECT_TRUE(absl::IsResourceExhausted(second.status())) << second.status();
-  EXPECT_EQ(ErrorInfoOf(second.status()).reason, "CACHE_FULL");
+  EXPECT_EQ(base::ErrorInfoOf(second.status()).reason, "CACHE_FULL");
   EXPECT_THAT(CachedNames(), ElementsAre(DigestOf(first_model) + ".treeline"));
-  EXPECT_EQ(ReadFile(*first).value(), first_model);
+  EXPECT_EQ(base::ReadFile(*first).value(), first_model);
 
   // And when there is space again, it is fetched. What is still being written
   // would keep it.
   filled.WaitForNotification();
   unlink((folder_ + "/other").c_str());
-  EXPECT_EQ(ReadFile(Fetch().value()).value(), model_);
+  EXPECT_EQ(base::ReadFile(Fetch().value()).value(), model_);
 }
 
 TEST_F(HttpSourceFullDisk, WhatCannotFitIsNotEvenBegun) {
   Serve(Model(5000000));
   const auto path = Fetch();
-  EXPECT_EQ(ErrorInfoOf(path.status()).reason, "CACHE_FULL");
+  EXPECT_EQ(base::ErrorInfoOf(path.status()).reason, "CACHE_FULL");
   EXPECT_THAT(server_->Requests("/model.treeline"), IsEmpty());
   EXPECT_THAT(CachedNames(), IsEmpty());
 }

@@ -34,7 +34,7 @@ void HttpSourceTest::TearDown() {
 
 std::string HttpSourceTest::Model(size_t bytes, char first) {
   std::string model(bytes, first);
-  Random random(7, static_cast<uint64_t>(first));
+  base::Random random(7, static_cast<uint64_t>(first));
   for (size_t i = 1; i < bytes; ++i) {
     model[i] = static_cast<char>(random.NextBits());
   }
@@ -42,7 +42,7 @@ std::string HttpSourceTest::Model(size_t bytes, char first) {
 }
 
 std::string HttpSourceTest::DigestOf(const std::string& bytes) {
-  Sha256 hash;
+  repository::Sha256 hash;
   hash.Update(bytes);
   return hash.Finish();
 }
@@ -51,20 +51,20 @@ void HttpSourceTest::Serve(const std::string& model,
                            std::vector<WebAnswer> answers,
                            const std::string& url) {
   model_ = model;
-  const ModelIndex index{
+  const repository::ModelIndex index{
       .models = {{.scene = "kitchen",
                   .version = "7",
                   .bytes = model.size(),
                   .sha256 = DigestOf(model),
                   .url = url}},
       .scene_json = {{"kitchen", R"({"display_name":"Kitchen"})"}}};
-  server_->Put("/index.json", ModelIndexJson(index).value());
+  server_->Put("/index.json", repository::ModelIndexJson(index).value());
   server_->Put("/" + url, model, std::move(answers));
 }
 
 void HttpSourceTest::Open() {
   source_.reset();
-  auto source = HttpModelSource::Open(
+  auto source = repository::HttpModelSource::Open(
       options_, clock_,
       [this](std::chrono::milliseconds time, const std::stop_token&) {
         pauses_.push_back(time);
@@ -73,7 +73,7 @@ void HttpSourceTest::Open() {
   source_ = *std::move(source);
 }
 
-ModelRef HttpSourceTest::RefOf(const std::string& model) const {
+repository::ModelRef HttpSourceTest::RefOf(const std::string& model) const {
   return {.scene = "kitchen",
           .version = "7",
           .bytes = model.size(),

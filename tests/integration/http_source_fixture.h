@@ -33,18 +33,18 @@ class HttpSourceTest : public testing::Test {
   absl::StatusOr<std::string> Fetch(const std::stop_token& stop = {});
   // The same, in the child of a fork; _exits with 0 if it could be fetched.
   [[noreturn]] void FetchAndExit();
-  ModelRef RefOf(const std::string& model) const;
+  repository::ModelRef RefOf(const std::string& model) const;
   // Names in the cache's folder of models.
   std::set<std::string> CachedNames() const;
 
   std::unique_ptr<WebServer> server_ = {};
   std::string folder_ = {};
-  SteadyClock clock_ = {};
+  base::SteadyClock clock_ = {};
   // Pauses that were asked for and not made.
   std::vector<std::chrono::milliseconds> pauses_ = {};
   std::vector<std::string> warnings_ = {};
-  HttpModelSourceOptions options_ = {};
-  std::unique_ptr<HttpModelSource> source_ = {};
+  repository::HttpModelSourceOptions options_ = {};
+  std::unique_ptr<repository::HttpModelSource> source_ = {};
   std::string model_ = {};
 };
 

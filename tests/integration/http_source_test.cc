@@ -31,7 +31,7 @@ TEST_F(HttpSource, ListsWhatTheIndexHoldsAndFetchesItOnce) {
   for (int i = 0; i < 2; ++i) {
     const auto path = source_->Fetch(listing->models[0], {});
     ASSERT_TRUE(path.ok()) << path.status();
-    EXPECT_EQ(ReadFile(*path).value(), model_);
+    EXPECT_EQ(base::ReadFile(*path).value(), model_);
   }
   EXPECT_THAT(server_->Requests("/model.treeline"), SizeIs(1));
   EXPECT_THAT(CachedNames(), ElementsAre(DigestOf(model_) + ".treeline"));
@@ -100,7 +100,7 @@ TEST_F(HttpSource, AChangedIndexIsSeen) {
   const auto listing = source_->List();
   ASSERT_TRUE(listing.ok()) << listing.status();
   EXPECT_EQ(listing->models[0].bytes, 200u);
-  EXPECT_EQ(ReadFile(Fetch().value()).value(), model_);
+  EXPECT_EQ(base::ReadFile(Fetch().value()).value(), model_);
 }
 
 TEST_F(HttpSource, WithoutTheServerTheLastIndexAndWhatIsCachedServe) {
@@ -113,7 +113,7 @@ TEST_F(HttpSource, WithoutTheServerTheLastIndexAndWhatIsCachedServe) {
   EXPECT_THAT(warnings_, ElementsAre(HasSubstr("going on with the last")));
   const auto path = source_->Fetch(listing->models[0], {});
   ASSERT_TRUE(path.ok()) << path.status();
-  EXPECT_EQ(ReadFile(*path).value(), model_);
+  EXPECT_EQ(base::ReadFile(*path).value(), model_);
 }
 
 TEST_F(HttpSource, WithoutTheServerAndALastIndexItSaysWhatIsWrong) {
@@ -121,7 +121,7 @@ TEST_F(HttpSource, WithoutTheServerAndALastIndexItSaysWhatIsWrong) {
   Open();
   const auto listing = source_->List();
   EXPECT_TRUE(absl::IsUnavailable(listing.status())) << listing.status();
-  EXPECT_EQ(ErrorInfoOf(listing.status()).reason, "SOURCE_UNREACHABLE");
+  EXPECT_EQ(base::ErrorInfoOf(listing.status()).reason, "SOURCE_UNREACHABLE");
   EXPECT_THAT(pauses_, SizeIs(4));
 }
 
@@ -131,12 +131,13 @@ TEST_F(HttpSource, ADamagedLastIndexIsNotAskedFor) {
   // "{" is no index; its ETag stays.
   const std::string path =
       absl::StrCat(folder_, "/index/", DigestOf(options_.url));
-  const std::string kept = ReadFile(path).value();
+  const std::string kept = base::ReadFile(path).value();
   ASSERT_TRUE(
-      WriteFileAtomically(path, kept.substr(0, kept.find('\n') + 2)).ok());
+      base::WriteFileAtomically(path, kept.substr(0, kept.find('\n') + 2))
+          .ok());
   Open();
   EXPECT_TRUE(source_->List().ok());
-  EXPECT_EQ(ReadFile(path).value(), kept);
+  EXPECT_EQ(base::ReadFile(path).value(), kept);
 }
 
 TEST_F(HttpSource, AnIndexThatIsNoneIsRefusedAndNotKept) {
@@ -145,10 +146,11 @@ TEST_F(HttpSource, AnIndexThatIsNoneIsRefusedAndNotKept) {
   server_->Put("/index.json", R"({"models":[],"x":1})");
   const auto broken = source_->List();
   EXPECT_TRUE(absl::IsInvalidArgument(broken.status()));
-  EXPECT_EQ(ErrorInfoOf(broken.status()).reason, "INDEX_INVALID");
-  server_->Put("/index.json",
-               R"({"models":[]})" + std::string(kMaxIndexBytes, ' '));
-  EXPECT_EQ(ErrorInfoOf(source_->List().status()).reason, "INDEX_INVALID");
+  EXPECT_EQ(base::ErrorInfoOf(broken.status()).reason, "INDEX_INVALID");
+  server_->Put("/index.json", R"({"models":[]})" +
+                                  std::string(repository::kMaxIndexBytes, ' '));
+  EXPECT_EQ(base::ErrorInfoOf(source_->List().status()).reason,
+            "INDEX_INVALID");
   server_->Stop();
   EXPECT_TRUE(source_->List().ok());
 }
@@ -170,7 +172,7 @@ TEST_F(HttpSource, RedirectsInACircleEnd) {
                {{.status = 302, .headers = {{"Location", "/index.json"}}}});
   Open();
   const auto listing = source_->List();
-  EXPECT_EQ(ErrorInfoOf(listing.status()).reason, "SOURCE_REFUSED");
+  EXPECT_EQ(base::ErrorInfoOf(listing.status()).reason, "SOURCE_REFUSED");
   EXPECT_THAT(server_->Requests("/index.json"), SizeIs(6));
 }
 
@@ -181,7 +183,7 @@ TEST_F(HttpSource, WhatIsNoLongerInTheIndexIsNotFetched) {
   ASSERT_TRUE(source_->List().ok());
   const auto path = Fetch();
   EXPECT_TRUE(absl::IsNotFound(path.status()));
-  EXPECT_EQ(ErrorInfoOf(path.status()).reason, "NOT_IN_INDEX");
+  EXPECT_EQ(base::ErrorInfoOf(path.status()).reason, "NOT_IN_INDEX");
   EXPECT_THAT(server_->Requests("/model.treeline"), IsEmpty());
 }
 
@@ -194,7 +196,8 @@ class HttpsSource : public HttpSourceTest {
     options_.url = server_->address() + "/";
     options_.http.ca_file = folder_ + "-ca.pem";
     ASSERT_TRUE(
-        WriteFileAtomically(options_.http.ca_file, authority.ca_pem).ok());
+        base::WriteFileAtomically(options_.http.ca_file, authority.ca_pem)
+            .ok());
     Serve(Model(100000));
   }
   void TearDown() override {
@@ -207,21 +210,22 @@ TEST_F(HttpsSource, AnAuthorityOfOnesOwnIsTrusted) {
   StartServer("127.0.0.1");
   const auto path = Fetch();
   ASSERT_TRUE(path.ok()) << path.status();
-  EXPECT_EQ(ReadFile(*path).value(), model_);
+  EXPECT_EQ(base::ReadFile(*path).value(), model_);
 }
 
 TEST_F(HttpsSource, OtherAuthoritiesAreNot) {
   StartServer("127.0.0.1");
-  ASSERT_TRUE(WriteFileAtomically(options_.http.ca_file,
-                                  MakeAuthority("127.0.0.1", "Another").ca_pem)
-                  .ok());
-  EXPECT_EQ(ErrorInfoOf(Fetch().status()).reason, "SOURCE_UNTRUSTED");
+  ASSERT_TRUE(
+      base::WriteFileAtomically(options_.http.ca_file,
+                                MakeAuthority("127.0.0.1", "Another").ca_pem)
+          .ok());
+  EXPECT_EQ(base::ErrorInfoOf(Fetch().status()).reason, "SOURCE_UNTRUSTED");
   EXPECT_THAT(server_->Requests("/"), IsEmpty());
 }
 
 TEST_F(HttpsSource, NorIsACertificateForAnotherAddress) {
   StartServer("127.0.0.2");
-  EXPECT_EQ(ErrorInfoOf(Fetch().status()).reason, "SOURCE_UNTRUSTED");
+  EXPECT_EQ(base::ErrorInfoOf(Fetch().status()).reason, "SOURCE_UNTRUSTED");
   EXPECT_THAT(server_->Requests("/"), IsEmpty());
 }
 
@@ -233,16 +237,16 @@ TEST_F(HttpsSource, RedirectsToPlainHttpAreRefused) {
       "/model.treeline", "",
       {{.status = 302, .headers = {{"Location", plain.address() + "/model"}}}});
   const auto path = Fetch();
-  EXPECT_EQ(ErrorInfoOf(path.status()).reason, "SOURCE_UNTRUSTED");
+  EXPECT_EQ(base::ErrorInfoOf(path.status()).reason, "SOURCE_UNTRUSTED");
   EXPECT_THAT(plain.Requests("/"), IsEmpty());
 }
 
 TEST_F(HttpsSource, PlainHttpToOtherMachinesIsRefusedAtTheStart) {
   options_.url = "http://models.example/";
   EXPECT_TRUE(absl::IsInvalidArgument(
-      HttpModelSource::Open(options_, clock_).status()));
+      repository::HttpModelSource::Open(options_, clock_).status()));
   options_.http.allow_plain_http = true;
-  EXPECT_TRUE(HttpModelSource::Open(options_, clock_).ok());
+  EXPECT_TRUE(repository::HttpModelSource::Open(options_, clock_).ok());
 }
 
 }  // namespace

@@ -21,14 +21,14 @@ class HttpTlsTest : public TlsTest {
  protected:
   void Start(bool ask_clients = false, bool require = false) {
     Open(ask_clients, require);
-    tls_ = std::make_unique<HttpTls>(*files_);
+    tls_ = std::make_unique<access::HttpTls>(*files_);
     server_ = std::make_unique<httplib::SSLServer>(
         [this](SSL_CTX& context) { return tls_->Configure(context); });
     ASSERT_TRUE(server_->is_valid());
     server_->Get("/names", [](const httplib::Request& request,
                               httplib::Response& response) {
       const std::string names =
-          absl::StrJoin(CertificateNames(*request.ssl), ",");
+          absl::StrJoin(access::CertificateNames(*request.ssl), ",");
       response.set_content(names.empty() ? "none" : names, "text/plain");
     });
     port_ = server_->bind_to_any_port("127.0.0.1");
@@ -44,7 +44,7 @@ class HttpTlsTest : public TlsTest {
   }
 
   // The client's names, "none", or "FAILED", over a connection of its own.
-  std::string Ask(const MadeCertificate& trusted,
+  std::string Ask(const access::MadeCertificate& trusted,
                   const std::string& certificate_path = "",
                   const std::string& key_path = "") const {
     httplib::SSLClient client("localhost", port_, certificate_path, key_path);
@@ -54,12 +54,12 @@ class HttpTlsTest : public TlsTest {
     const httplib::Result result = client.Get("/names");
     return result && result->status == 200 ? result->body : "FAILED";
   }
-  std::string AskAs(const MadeCertificate& mine) const {
+  std::string AskAs(const access::MadeCertificate& mine) const {
     return Ask(authority_, PutFile("mine.crt", mine.certificate),
                PutFile("mine.key", mine.key));
   }
 
-  std::unique_ptr<HttpTls> tls_;
+  std::unique_ptr<access::HttpTls> tls_;
   std::unique_ptr<httplib::SSLServer> server_;
   int port_ = 0;
   std::thread thread_;
@@ -104,7 +104,7 @@ TEST_F(HttpTlsTest, FailsNoRequestWhileCertificatesRotate) {
 }
 
 TEST_F(HttpTlsTest, RecoversFromAnExpiredCertificateWithoutARestart) {
-  const MadeCertificate expired = ServerCertificate(authority_, -10);
+  const access::MadeCertificate expired = ServerCertificate(authority_, -10);
   PutFile("tls.crt", expired.certificate);
   PutFile("tls.key", expired.key);
   Start();
@@ -116,22 +116,27 @@ TEST_F(HttpTlsTest, RecoversFromAnExpiredCertificateWithoutARestart) {
 TEST_F(HttpTlsTest, TurnsAwayClientsWithoutTheCertificateThatItRequires) {
   Start(/*ask_clients=*/true, /*require=*/true);
   EXPECT_EQ(Ask(authority_), "FAILED");
-  EXPECT_EQ(AskAs(MakeCertificate(stranger_, {.common_name = "x"})), "FAILED");
-  EXPECT_EQ(AskAs(MakeCertificate(
+  EXPECT_EQ(AskAs(access::MakeCertificate(stranger_, {.common_name = "x"})),
+            "FAILED");
+  EXPECT_EQ(AskAs(access::MakeCertificate(
                 authority_, {.alternative_names =
                                  "DNS:robot.example,URI:spiffe://example/r"})),
             "robot.example,spiffe://example/r");
   PutFile("clients.crt", stranger_.certificate);
   NextPoll();
-  EXPECT_EQ(AskAs(MakeCertificate(stranger_, {.common_name = "x"})), "x");
-  EXPECT_EQ(AskAs(MakeCertificate(authority_, {.common_name = "x"})), "FAILED");
+  EXPECT_EQ(AskAs(access::MakeCertificate(stranger_, {.common_name = "x"})),
+            "x");
+  EXPECT_EQ(AskAs(access::MakeCertificate(authority_, {.common_name = "x"})),
+            "FAILED");
 }
 
 TEST_F(HttpTlsTest, CanLeaveTheCertificateToTheClient) {
   Start(/*ask_clients=*/true);
   EXPECT_EQ(Ask(authority_), "none");
-  EXPECT_EQ(AskAs(MakeCertificate(authority_, {.common_name = "x"})), "x");
-  EXPECT_EQ(AskAs(MakeCertificate(stranger_, {.common_name = "x"})), "FAILED");
+  EXPECT_EQ(AskAs(access::MakeCertificate(authority_, {.common_name = "x"})),
+            "x");
+  EXPECT_EQ(AskAs(access::MakeCertificate(stranger_, {.common_name = "x"})),
+            "FAILED");
 }
 
 TEST_F(HttpTlsTest, SpeaksTls12AndNewerOnly) {

@@ -20,20 +20,21 @@ class OfflineParity : public ServerTest {
     ServerTest::SetUp();
     PutRoom();
     StartServer({"--drain-s", "0", "--workers", "3"});
-    auto localizer = OpenLocalizer(RoomModelPath());
+    auto localizer = localizer::OpenLocalizer(RoomModelPath());
     ASSERT_TRUE(localizer.ok()) << localizer.status();
     localizer_ = *std::move(localizer);
   }
 
-  PoseEstimate Offline(int i, uint64_t seed) const {
-    LocalizeOptions options;
+  localizer::PoseEstimate Offline(int i, uint64_t seed) const {
+    localizer::LocalizeOptions options;
     options.seed = seed;
     return localizer_->Localize(frames_.Load(i).value(), options).value();
   }
 
-  static void ExpectSame(const LocalizeAnswer& served,
-                         const PoseEstimate& offline) {
-    EXPECT_EQ(served.localized, offline.outcome == Outcome::kLocalized);
+  static void ExpectSame(const relocalizer::LocalizeAnswer& served,
+                         const localizer::PoseEstimate& offline) {
+    EXPECT_EQ(served.localized,
+              offline.outcome == localizer::Outcome::kLocalized);
     EXPECT_EQ(served.inliers, offline.inliers);
     EXPECT_EQ(served.samples, offline.samples);
     EXPECT_EQ(served.inlier_ratio, offline.inlier_ratio);
@@ -42,8 +43,8 @@ class OfflineParity : public ServerTest {
     EXPECT_EQ(served.covariance, offline.covariance);
   }
 
-  const Dataset frames_;
-  std::unique_ptr<Localizer> localizer_;
+  const dataset::Dataset frames_;
+  std::unique_ptr<localizer::Localizer> localizer_;
 };
 
 TEST_F(OfflineParity, EncodedFrames) {
@@ -69,11 +70,12 @@ TEST_F(OfflineParity, OtherSeedsGiveOtherPoses) {
 TEST_F(OfflineParity, RawFrames) {
   for (int i = 0; i < kFrames; ++i) {
     SCOPED_TRACE(frames_.frame(i).stem);
-    const Frame frame = frames_.Load(i).value();
-    LocalizeQuery query{.scene = "room"};
+    const image::Frame frame = frames_.Load(i).value();
+    relocalizer::LocalizeQuery query{.scene = "room"};
     query.frame.color = frame.color;
-    const DepthImage& depth = frame.depth.value();
-    query.frame.depth = QueryDepth{.image = depth, .unit_m = depth.unit_m};
+    const image::DepthImage& depth = frame.depth.value();
+    query.frame.depth =
+        wire::QueryDepth{.image = depth, .unit_m = depth.unit_m};
     const auto served = client_->Localize(query, {});
     ASSERT_TRUE(served.ok()) << served.status();
     ExpectSame(*served, Offline(i, 0));
@@ -82,10 +84,10 @@ TEST_F(OfflineParity, RawFrames) {
 
 // The scene's own calibration, stated by the client, changes nothing.
 TEST_F(OfflineParity, FramesWithTheirCalibration) {
-  const RgbdCalibration& calibration = localizer_->info().calibration;
-  LocalizeQuery query = QueryOf(frames_, 0);
+  const camera::RgbdCalibration& calibration = localizer_->info().calibration;
+  relocalizer::LocalizeQuery query = QueryOf(frames_, 0);
   query.frame.camera = calibration.color;
-  query.frame.depth->registration = DepthRegistration::kExplicit;
+  query.frame.depth->registration = wire::DepthRegistration::kExplicit;
   query.frame.depth->geometry = {calibration.depth,
                                  calibration.color_from_depth};
   query.frame.depth->depth_scale = calibration.depth_scale;
@@ -96,12 +98,13 @@ TEST_F(OfflineParity, FramesWithTheirCalibration) {
 }
 
 TEST_F(OfflineParity, ManyClientsAtOnce) {
-  std::vector<PoseEstimate> offline;
+  std::vector<localizer::PoseEstimate> offline;
   for (int i = 0; i < kFrames; ++i) offline.push_back(Offline(i, 0));
   std::vector<std::thread> clients;
   for (int c = 0; c < 4; ++c) {
     clients.emplace_back([&, c] {
-      const auto client = ConnectRelocalizer({.server = address_}).value();
+      const auto client =
+          relocalizer::ConnectRelocalizer({.server = address_}).value();
       for (int k = 0; k < 2 * kFrames; ++k) {
         const int i = (k + c) % kFrames;
         const auto served = client->Localize(QueryOf(frames_, i), {});
@@ -118,7 +121,7 @@ TEST_F(OfflineParity, TheModelDescribesItselfTheSame) {
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(scene->state, "READY");
   ASSERT_TRUE(scene->model.has_value());
-  const ModelInfo& info = localizer_->info();
+  const forest::ModelInfo& info = localizer_->info();
   EXPECT_EQ(scene->model->method, "rgbd");
   EXPECT_EQ(scene->model->checksum, info.checksum);
   EXPECT_EQ(scene->model->calibration, info.calibration);

@@ -228,21 +228,21 @@ class OperationsHttp : public Operations {
     EXPECT_EQ(response->status, expected_code) << path;
     return response->body;
   }
-  std::map<std::string, ParsedFamily> Metrics() {
-    auto metrics = ParseExposition(Get("/metrics", 200));
+  std::map<std::string, metrics::ParsedFamily> Metrics() {
+    auto metrics = metrics::ParseExposition(Get("/metrics", 200));
     EXPECT_TRUE(metrics.ok()) << metrics.status();
-    return metrics.value_or(std::map<std::string, ParsedFamily>());
+    return metrics.value_or(std::map<std::string, metrics::ParsedFamily>());
   }
 };
 
 TEST_F(OperationsHttp, MetricsCountEachCallExactlyOnce) {
   StartServer();
-  const Dataset frames = HeldOutFrames();
+  const dataset::Dataset frames = HeldOutFrames();
   constexpr int kCalls = 3;
   for (int i = 0; i < kCalls; ++i) {
     ASSERT_TRUE(client_->Localize(QueryOf(frames, 0), {}).ok());
   }
-  LocalizeQuery query = QueryOf(frames, 0);
+  relocalizer::LocalizeQuery query = QueryOf(frames, 0);
   query.scene = "attic";
   ASSERT_FALSE(client_->Localize(query, {}).ok());
   ASSERT_TRUE(client_->ListScenes({}).ok());
@@ -256,17 +256,20 @@ TEST_F(OperationsHttp, MetricsCountEachCallExactlyOnce) {
   }
   EXPECT_EQ(ok, kCalls);
   EXPECT_EQ(all, kCalls + 2);
-  EXPECT_EQ(SampleOf(metrics, "treeline_request_seconds_count{rpc=Localize}"),
+  EXPECT_EQ(metrics::SampleOf(metrics,
+                              "treeline_request_seconds_count{rpc=Localize}"),
             kCalls + 1);
-  EXPECT_EQ(SampleOf(metrics, "treeline_confidence_count{scene=room}"), kCalls);
-  EXPECT_EQ(SampleOf(metrics,
-                     "treeline_stage_seconds_count{method=rgbd,stage=forest,"
-                     "status=OK}"),
+  EXPECT_EQ(metrics::SampleOf(metrics, "treeline_confidence_count{scene=room}"),
             kCalls);
-  EXPECT_EQ(SampleOf(metrics, "treeline_scenes{state=READY}"), 1);
-  EXPECT_GE(SampleOf(metrics, "treeline_workers"), 1);
+  EXPECT_EQ(
+      metrics::SampleOf(metrics,
+                        "treeline_stage_seconds_count{method=rgbd,stage=forest,"
+                        "status=OK}"),
+      kCalls);
+  EXPECT_EQ(metrics::SampleOf(metrics, "treeline_scenes{state=READY}"), 1);
+  EXPECT_GE(metrics::SampleOf(metrics, "treeline_workers"), 1);
   // Answers are sent before their worker is free.
-  while (SampleOf(Metrics(), "treeline_in_flight") != 0) {
+  while (metrics::SampleOf(Metrics(), "treeline_in_flight") != 0) {
   }
   // Nothing that the client made up.
   EXPECT_THAT(Get("/metrics", 200), Not(HasSubstr("attic")));
@@ -287,9 +290,9 @@ TEST_F(OperationsHttp, ReadinessEndsWhenItDrainsAndLivenessDoesNot) {
 TEST_F(OperationsHttp, FailedQueriesAreKeptOnlyWhereAskedFor) {
   const std::string kept = folder_ + "/kept";
   StartServer({"--record", kept, "--drain-s", "0"});
-  LocalizeQuery query = QueryOf(HeldOutFrames(), 0);
+  relocalizer::LocalizeQuery query = QueryOf(HeldOutFrames(), 0);
   ASSERT_TRUE(client_->Localize(query, {}).ok());
-  query.frame.color = EncodedImage{"not an image"};
+  query.frame.color = wire::EncodedImage{"not an image"};
   ASSERT_TRUE(absl::IsInvalidArgument(client_->Localize(query, {}).status()));
   client_.reset();
   server_->Signal(SIGTERM);

@@ -94,8 +94,8 @@ TEST_F(ServerProcess, ASecondSignalEndsItAtOnce) {
 TEST_F(ServerProcess, CallsAreAnsweredWhileItDrains) {
   PutRoom();
   StartServer({"--drain-s", "1"});
-  const Dataset frames = HeldOutFrames();
-  const LocalizeQuery query = QueryOf(frames, 0);
+  const dataset::Dataset frames = HeldOutFrames();
+  const relocalizer::LocalizeQuery query = QueryOf(frames, 0);
   ASSERT_TRUE(client_->Localize(query, {}).ok());
   server_->Signal(SIGTERM);
   while (server_->err().find("stopping") == std::string::npos) {
@@ -110,15 +110,16 @@ TEST_F(ServerProcess, CallsAreAnsweredWhileItDrains) {
 TEST_F(ServerProcess, StopsInTimeWhileClientsKeepAsking) {
   PutRoom();
   StartServer({"--drain-s", "0", "--grace-s", "1"});
-  const Dataset frames = HeldOutFrames();
-  const LocalizeQuery query = QueryOf(frames, 0);
+  const dataset::Dataset frames = HeldOutFrames();
+  const relocalizer::LocalizeQuery query = QueryOf(frames, 0);
   constexpr int kClients = 4;
   absl::BlockingCounter asking(kClients);
   std::vector<std::thread> clients;
   for (int i = 0; i < kClients; ++i) {
     clients.emplace_back([&] {
-      const auto client =
-          ConnectRelocalizer({.server = address_, .max_attempts = 1}).value();
+      const auto client = relocalizer::ConnectRelocalizer(
+                              {.server = address_, .max_attempts = 1})
+                              .value();
       bool first = true;
       while (client->Localize(query, {}).ok()) {
         if (first) asking.DecrementCount();

@@ -17,7 +17,7 @@ void TlsTest::SetUp() {
   folder_ = testing::TempDir() + "/tls-" +
             testing::UnitTest::GetInstance()->current_test_info()->name();
   std::filesystem::create_directories(folder_);
-  const MadeCertificate first = ServerCertificate(authority_);
+  const access::MadeCertificate first = ServerCertificate(authority_);
   PutFile("tls.crt", first.certificate);
   PutFile("tls.key", first.key);
   PutFile("clients.crt", authority_.certificate);
@@ -25,9 +25,9 @@ void TlsTest::SetUp() {
 
 void TlsTest::TearDown() { std::filesystem::remove_all(folder_); }
 
-MadeCertificate TlsTest::ServerCertificate(const MadeCertificate& authority,
-                                           int64_t ends_s) {
-  return MakeCertificate(
+access::MadeCertificate TlsTest::ServerCertificate(
+    const access::MadeCertificate& authority, int64_t ends_s) {
+  return access::MakeCertificate(
       authority,
       {.alternative_names = "DNS:localhost,IP:127.0.0.1", .ends_s = ends_s});
 }
@@ -35,11 +35,11 @@ MadeCertificate TlsTest::ServerCertificate(const MadeCertificate& authority,
 std::string TlsTest::PutFile(const std::string& name,
                              const std::string& bytes) const {
   std::string path = folder_ + "/" + name;
-  EXPECT_TRUE(WriteFileAtomically(path, bytes).ok());
+  EXPECT_TRUE(base::WriteFileAtomically(path, bytes).ok());
   return path;
 }
 
-void TlsTest::Rotate(const MadeCertificate& next) {
+void TlsTest::Rotate(const access::MadeCertificate& next) {
   PutFile("tls.crt", next.certificate);
   NextPoll();
   PutFile("tls.key", next.key);
@@ -47,7 +47,7 @@ void TlsTest::Rotate(const MadeCertificate& next) {
 }
 
 void TlsTest::Open(bool ask_clients, bool require) {
-  auto files = CertificateFiles::Open(
+  auto files = access::CertificateFiles::Open(
       {.certificate_file = folder_ + "/tls.crt",
        .key_file = folder_ + "/tls.key",
        .client_ca_file = ask_clients ? folder_ + "/clients.crt" : "",

@@ -18,22 +18,22 @@ class TlsTest : public testing::Test {
   void TearDown() override;
 
   // A certificate for localhost and 127.0.0.1.
-  static MadeCertificate ServerCertificate(const MadeCertificate& authority,
-                                           int64_t ends_s = 90 * 86400);
+  static access::MadeCertificate ServerCertificate(
+      const access::MadeCertificate& authority, int64_t ends_s = 90 * 86400);
 
   std::string PutFile(const std::string& name, const std::string& bytes) const;
   // Puts the server's certificate in two steps, and lets the server look after
   // each.
-  void Rotate(const MadeCertificate& next);
+  void Rotate(const access::MadeCertificate& next);
   void Open(bool ask_clients, bool require = false);
   void NextPoll() { clock_.Advance(std::chrono::seconds(1)); }
 
   std::string folder_;
-  FakeClock clock_;
-  SystemWallClock wall_;
-  const MadeCertificate authority_ = MakeAuthority("Test CA");
-  const MadeCertificate stranger_ = MakeAuthority("Another CA");
-  std::unique_ptr<CertificateFiles> files_;
+  access::FakeClock clock_;
+  access::SystemWallClock wall_;
+  const access::MadeCertificate authority_ = access::MakeAuthority("Test CA");
+  const access::MadeCertificate stranger_ = access::MakeAuthority("Another CA");
+  std::unique_ptr<access::CertificateFiles> files_;
 };
 
 // Whether a server on 127.0.0.1:`port` makes a connection with this version of

@@ -183,7 +183,7 @@ class WebServer::Impl {
   void Send(const httplib::Request& request, const WebAnswer& answer,
             const std::string& contents, size_t number,
             httplib::Response& response) {
-    Sha256 hash;
+    repository::Sha256 hash;
     hash.Update(contents);
     const std::string etag = "\"" + hash.Finish() + "\"";
     response.set_header("ETag", etag);

@@ -33,8 +33,9 @@ v1::SceneInfo Hall() {
 absl::StatusOr<v1::LocalizeResponse> Localize(
     const v1::LocalizeRequest& request) {
   if (request.scene() != "hall") {
-    return WithRetryAfter(
-        WithReason(absl::NotFoundError("no such scene"), "SCENE_NOT_FOUND"),
+    return base::WithRetryAfter(
+        base::WithReason(absl::NotFoundError("no such scene"),
+                         "SCENE_NOT_FOUND"),
         std::chrono::seconds(3));
   }
   v1::LocalizeResponse response;
@@ -50,25 +51,26 @@ absl::StatusOr<v1::LocalizeResponse> Localize(
   response.set_outcome(v1::OUTCOME_LOCALIZED);
   response.set_inliers(400);
   response.set_pose_sensor(v1::RGBD_SENSOR_COLOR);
-  *response.mutable_world_from_camera() = ToProto(Rigid3{{}, {1, 2, 3}});
+  *response.mutable_world_from_camera() =
+      wire::ToProto(geometry::Rigid3{{}, {1, 2, 3}});
   for (int i = 0; i < 36; ++i) response.add_covariance(i % 7 == 0 ? 1e-4 : 0);
   return response;
 }
 
 int Main(const std::string& origin) {
-  const SteadyClock clock{};
-  TestingDispatcher dispatcher;
+  const base::SteadyClock clock{};
+  gateway::TestingDispatcher dispatcher;
   dispatcher.on_localize = &Localize;
   dispatcher.scene_that_waits = "slow";
-  GatewayOptions options;
+  gateway::GatewayOptions options;
   options.http.listen = "127.0.0.1:0";
   options.allowed_origins = {origin};
-  const auto gateway = Gateway::Start(
+  const auto gateway = gateway::Gateway::Start(
       options, dispatcher,
       {.metrics =
            [&] {
              int stopped = 0;
-             for (const CallInfo& call : dispatcher.calls()) {
+             for (const service::CallInfo& call : dispatcher.calls()) {
                stopped += call.stop.stop_requested() ? 1 : 0;
              }
              return absl::StrCat("stopped ", stopped, "\n");

@@ -54,7 +54,7 @@ class IncludeLintTest(FixtureTreeTest):
 
     def test_finds_tools_knowing_the_service(self):
         self.write("server/service/localize.h")
-        self.including("server/tools/train_command.cc",
+        self.including("server/tools/app/train_command.cc",
                        '#include "server/service/localize.h"')
         self.assert_one_finding("server/tools may not know server/service")
 

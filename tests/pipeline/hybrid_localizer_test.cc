@@ -29,44 +29,47 @@ class HybridLocalizerTest : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new std::string(testing::TempDir() + "/hybrid_localizer_test_" +
                               std::to_string(getpid()));
-    WriteBoxRoomRecording(*folder_, BoxRoomCalibration(),
-                          BoxRoomPoses(kFrames));
-    DatasetOptions recording;
+    training::WriteBoxRoomRecording(*folder_, training::BoxRoomCalibration(),
+                                    training::BoxRoomPoses(kFrames));
+    dataset::DatasetOptions recording;
     recording.uri = "7scenes:" + *folder_;
     recording.color_camera = "PINHOLE,145,145,100,75";
     recording.depth_camera = recording.color_camera;
-    const auto dataset = Dataset::Open(recording);
+    const auto dataset = dataset::Dataset::Open(recording);
     ASSERT_TRUE(dataset.ok()) << dataset.status();
-    TrainingOptions options;
+    training::TrainingOptions options;
     options.depth_adaptive = false;
     options.samples_per_frame = 300;
     options.trees = 3;
-    RgbdCalibration calibration = BoxRoomCalibration();
+    camera::RgbdCalibration calibration = training::BoxRoomCalibration();
     calibration.pose_sensor = dataset->calibration().pose_sensor;
-    auto trained = TrainForest(*dataset, calibration, options, true, {});
+    auto trained =
+        training::TrainForest(*dataset, calibration, options, true, {});
     ASSERT_TRUE(trained.ok()) << trained.status();
-    KeyframeOptions keyframe_options;
+    training::KeyframeOptions keyframe_options;
     keyframe_options.features = 300;
-    const auto keyframes =
-        BuildKeyframes(*dataset, calibration, keyframe_options, true, {});
+    const auto keyframes = training::BuildKeyframes(*dataset, calibration,
+                                                    keyframe_options, true, {});
     ASSERT_TRUE(keyframes.ok()) << keyframes.status();
     ASSERT_FALSE(keyframes->features.empty());
-    ModelInfo info;
+    forest::ModelInfo info;
     info.method = "hybrid";
     info.calibration = calibration;
-    info.calibration.pose_sensor = RgbdSensor::kColor;
-    const std::vector<ModelExtraBytes> extras = {
-        {ModelExtra::kKeyframes, BytesOf(keyframes->records)},
-        {ModelExtra::kKeyframePoints, BytesOf(keyframes->points)},
-        {ModelExtra::kKeyframeFeatures, BytesOf(keyframes->features)}};
+    info.calibration.pose_sensor = camera::RgbdSensor::kColor;
+    const std::vector<forest::ModelExtraBytes> extras = {
+        {forest::ModelExtra::kKeyframes, BytesOf(keyframes->records)},
+        {forest::ModelExtra::kKeyframePoints, BytesOf(keyframes->points)},
+        {forest::ModelExtra::kKeyframeFeatures, BytesOf(keyframes->features)}};
     const std::string path = *folder_ + "/model.treeline";
-    ASSERT_TRUE(WriteModel(path, info, {trained->forest.View()}, extras).ok());
-    localizer_ = OpenLocalizer(path)->release();
+    ASSERT_TRUE(
+        forest::WriteModel(path, info, {trained->forest.View()}, extras).ok());
+    localizer_ = localizer::OpenLocalizer(path)->release();
     // The forest of a room ten metres away.
     trained->forest.bounds_min_in_world.x += 10;
     trained->forest.bounds_max_in_world.x += 10;
-    ASSERT_TRUE(WriteModel(path, info, {trained->forest.View()}, extras).ok());
-    misled_ = OpenLocalizer(path)->release();
+    ASSERT_TRUE(
+        forest::WriteModel(path, info, {trained->forest.View()}, extras).ok());
+    misled_ = localizer::OpenLocalizer(path)->release();
   }
   static void TearDownTestSuite() {
     delete localizer_;
@@ -76,23 +79,26 @@ class HybridLocalizerTest : public testing::Test {
   }
 
   // A pose between those of training.
-  static Rigid3 HeldOutPose(int i) {
-    const Rigid3 a = BoxRoomPoses(2 * kFrames)[static_cast<size_t>(2 * i + 1)];
-    return {a.rotation, a.translation + Vec3{0.02, -0.01, 0.03}};
+  static geometry::Rigid3 HeldOutPose(int i) {
+    const geometry::Rigid3 a =
+        training::BoxRoomPoses(2 * kFrames)[static_cast<size_t>(2 * i + 1)];
+    return {a.rotation, a.translation + geometry::Vec3{0.02, -0.01, 0.03}};
   }
-  static Frame ColorAt(const Rigid3& pose) {
-    Frame frame = RenderBoxRoom(BoxRoomCalibration(), pose);
+  static image::Frame ColorAt(const geometry::Rigid3& pose) {
+    image::Frame frame =
+        training::RenderBoxRoom(training::BoxRoomCalibration(), pose);
     frame.depth.reset();
     return frame;
   }
-  static int CorrectOf10(const Localizer& localizer) {
+  static int CorrectOf10(const localizer::Localizer& localizer) {
     int correct = 0;
     for (int i = 0; i < 10; ++i) {
-      const Rigid3 truth = HeldOutPose(2 * i);
+      const geometry::Rigid3 truth = HeldOutPose(2 * i);
       const auto estimate = localizer.Localize(ColorAt(truth), {});
       EXPECT_TRUE(estimate.ok()) << estimate.status();
-      if (estimate->outcome != Outcome::kLocalized) continue;
-      const PoseError error = ErrorBetween(estimate->world_from_camera, truth);
+      if (estimate->outcome != localizer::Outcome::kLocalized) continue;
+      const geometry::PoseError error =
+          geometry::ErrorBetween(estimate->world_from_camera, truth);
       EXPECT_LT(error.translation_m, 0.1) << "a wrong pose passed for right";
       correct += error.translation_m < 0.05 && error.rotation_rad < 0.087;
     }
@@ -100,12 +106,12 @@ class HybridLocalizerTest : public testing::Test {
   }
 
   static std::string* folder_;
-  static Localizer* localizer_;
-  static Localizer* misled_;
+  static localizer::Localizer* localizer_;
+  static localizer::Localizer* misled_;
 };
 std::string* HybridLocalizerTest::folder_ = nullptr;
-Localizer* HybridLocalizerTest::localizer_ = nullptr;
-Localizer* HybridLocalizerTest::misled_ = nullptr;
+localizer::Localizer* HybridLocalizerTest::localizer_ = nullptr;
+localizer::Localizer* HybridLocalizerTest::misled_ = nullptr;
 
 TEST_F(HybridLocalizerTest, FindsHeldOutViewsWithoutDepth) {
   EXPECT_GE(CorrectOf10(*localizer_), 9);
@@ -116,45 +122,45 @@ TEST_F(HybridLocalizerTest, FindsThemThoughTheForestIsWrong) {
 }
 
 TEST_F(HybridLocalizerTest, TheSameSeedGivesTheSameBitsFromAnyThread) {
-  const Frame frame = ColorAt(HeldOutPose(7));
-  LocalizeOptions options;
+  const image::Frame frame = ColorAt(HeldOutPose(7));
+  localizer::LocalizeOptions options;
   options.seed = 5;
   const auto first = localizer_->Localize(frame, options);
   ASSERT_TRUE(first.ok());
-  std::vector<Rigid3> poses(4);
-  ParallelFor(4, 4, [&](int64_t i) {
+  std::vector<geometry::Rigid3> poses(4);
+  base::ParallelFor(4, 4, [&](int64_t i) {
     poses[static_cast<size_t>(i)] =
         localizer_->Localize(frame, options)->world_from_camera;
   });
-  for (const Rigid3& pose : poses) {
+  for (const geometry::Rigid3& pose : poses) {
     EXPECT_EQ(pose, first->world_from_camera);
   }
 }
 
 TEST_F(HybridLocalizerTest, ExplainsItselfOnRequest) {
-  const Frame frame = ColorAt(HeldOutPose(7));
-  LocalizeOptions options;
+  const image::Frame frame = ColorAt(HeldOutPose(7));
+  localizer::LocalizeOptions options;
   options.keep_correspondences = true;
   const auto estimate = localizer_->Localize(frame, options);
   ASSERT_TRUE(estimate.ok());
   ASSERT_EQ(estimate->correspondences.size(),
             static_cast<size_t>(estimate->samples));
   int inliers = 0;
-  for (const Correspondence& c : estimate->correspondences) {
+  for (const localizer::Correspondence& c : estimate->correspondences) {
     inliers += c.inlier;
   }
   EXPECT_EQ(inliers, estimate->inliers);
 }
 
 TEST_F(HybridLocalizerTest, DoesNotLocalizeNoise) {
-  Random random(1, 0);
-  Frame noise = ColorAt(HeldOutPose(0));
+  base::Random random(1, 0);
+  image::Frame noise = ColorAt(HeldOutPose(0));
   for (uint8_t& value : noise.color.rgb) {
     value = static_cast<uint8_t>(random.NextBelow(256));
   }
   const auto estimate = localizer_->Localize(noise, {});
   ASSERT_TRUE(estimate.ok()) << estimate.status();
-  EXPECT_EQ(estimate->outcome, Outcome::kNotLocalized);
+  EXPECT_EQ(estimate->outcome, localizer::Outcome::kNotLocalized);
 }
 
 }  // namespace

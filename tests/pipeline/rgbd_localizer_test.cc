@@ -23,22 +23,24 @@ class RgbdLocalizerTest : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new std::string(testing::TempDir() + "/rgbd_localizer_test_" +
                               std::to_string(getpid()));
-    WriteBoxRoomRecording(*folder_, Calibration(), BoxRoomPoses(kFrames));
-    DatasetOptions recording;
+    training::WriteBoxRoomRecording(*folder_, Calibration(),
+                                    training::BoxRoomPoses(kFrames));
+    dataset::DatasetOptions recording;
     recording.uri = "7scenes:" + *folder_;
     recording.color_camera = "PINHOLE,145,145,100,75";
     recording.depth_camera = recording.color_camera;
-    const auto dataset = Dataset::Open(recording);
-    TrainingOptions options;
+    const auto dataset = dataset::Dataset::Open(recording);
+    training::TrainingOptions options;
     options.samples_per_frame = 500;
-    auto trained = TrainForest(*dataset, Calibration(), options, true, {});
-    ModelInfo info;
+    auto trained =
+        training::TrainForest(*dataset, Calibration(), options, true, {});
+    forest::ModelInfo info;
     info.method = "rgbd";
     info.calibration = Calibration();
     const absl::Status written =
-        WriteModel(ModelPath(), info, {trained->forest.View()});
+        forest::WriteModel(ModelPath(), info, {trained->forest.View()});
     ASSERT_TRUE(written.ok()) << written;
-    localizer_ = OpenLocalizer(ModelPath())->release();
+    localizer_ = localizer::OpenLocalizer(ModelPath())->release();
   }
   static void TearDownTestSuite() {
     delete localizer_;
@@ -49,37 +51,39 @@ class RgbdLocalizerTest : public testing::Test {
   static std::string ModelPath() { return *folder_ + "/model.treeline"; }
 
   // Depth and colour sit apart, poses are the depth camera's.
-  static RgbdCalibration Calibration() {
-    RgbdCalibration calibration = BoxRoomCalibration();
+  static camera::RgbdCalibration Calibration() {
+    camera::RgbdCalibration calibration = training::BoxRoomCalibration();
     calibration.color_from_depth.translation = {-0.025, 0, 0};
-    calibration.pose_sensor = RgbdSensor::kDepth;
+    calibration.pose_sensor = camera::RgbdSensor::kDepth;
     return calibration;
   }
 
   // A pose between those of training.
-  static Rigid3 HeldOutPose(int i) {
-    const Rigid3 a = BoxRoomPoses(2 * kFrames)[static_cast<size_t>(2 * i + 1)];
-    return {a.rotation, a.translation + Vec3{0.02, -0.01, 0.03}};
+  static geometry::Rigid3 HeldOutPose(int i) {
+    const geometry::Rigid3 a =
+        training::BoxRoomPoses(2 * kFrames)[static_cast<size_t>(2 * i + 1)];
+    return {a.rotation, a.translation + geometry::Vec3{0.02, -0.01, 0.03}};
   }
 
   static std::string* folder_;
-  static Localizer* localizer_;
+  static localizer::Localizer* localizer_;
 };
 std::string* RgbdLocalizerTest::folder_ = nullptr;
-Localizer* RgbdLocalizerTest::localizer_ = nullptr;
+localizer::Localizer* RgbdLocalizerTest::localizer_ = nullptr;
 
 TEST_F(RgbdLocalizerTest, FindsHeldOutViews) {
   int correct = 0;
   for (int i = 0; i < 20; ++i) {
-    const Rigid3 truth = HeldOutPose(3 * i);
+    const geometry::Rigid3 truth = HeldOutPose(3 * i);
     const auto estimate =
-        localizer_->Localize(RenderBoxRoom(Calibration(), truth), {});
+        localizer_->Localize(training::RenderBoxRoom(Calibration(), truth), {});
     ASSERT_TRUE(estimate.ok()) << estimate.status();
-    if (estimate->outcome != Outcome::kLocalized) continue;
-    const PoseError error = ErrorBetween(estimate->world_from_camera, truth);
+    if (estimate->outcome != localizer::Outcome::kLocalized) continue;
+    const geometry::PoseError error =
+        geometry::ErrorBetween(estimate->world_from_camera, truth);
     EXPECT_LT(error.translation_m, 0.1) << "a wrong pose passed for right";
     correct += error.translation_m < 0.05 && error.rotation_rad < 0.087;
-    EXPECT_EQ(estimate->reason, NotLocalizedReason::kNone);
+    EXPECT_EQ(estimate->reason, localizer::NotLocalizedReason::kNone);
     EXPECT_GT(estimate->inlier_ratio, 0.1);
     EXPECT_NEAR(estimate->inlier_ratio,
                 static_cast<double>(estimate->inliers) / estimate->samples,
@@ -89,17 +93,18 @@ TEST_F(RgbdLocalizerTest, FindsHeldOutViews) {
 }
 
 TEST_F(RgbdLocalizerTest, TheSameSeedGivesTheSameBitsFromAnyThread) {
-  const Frame frame = RenderBoxRoom(Calibration(), HeldOutPose(7));
-  LocalizeOptions options;
+  const image::Frame frame =
+      training::RenderBoxRoom(Calibration(), HeldOutPose(7));
+  localizer::LocalizeOptions options;
   options.seed = 5;
   const auto first = localizer_->Localize(frame, options);
   ASSERT_TRUE(first.ok());
-  std::vector<Rigid3> poses(8);
-  ParallelFor(8, 4, [&](int64_t i) {
+  std::vector<geometry::Rigid3> poses(8);
+  base::ParallelFor(8, 4, [&](int64_t i) {
     poses[static_cast<size_t>(i)] =
         localizer_->Localize(frame, options)->world_from_camera;
   });
-  for (const Rigid3& pose : poses) {
+  for (const geometry::Rigid3& pose : poses) {
     EXPECT_EQ(pose, first->world_from_camera);
   }
   options.seed = 6;
@@ -108,39 +113,41 @@ TEST_F(RgbdLocalizerTest, TheSameSeedGivesTheSameBitsFromAnyThread) {
 }
 
 TEST_F(RgbdLocalizerTest, TheQuestionSaysHowSureAnAnswerMustBe) {
-  const Frame frame = RenderBoxRoom(Calibration(), HeldOutPose(7));
+  const image::Frame frame =
+      training::RenderBoxRoom(Calibration(), HeldOutPose(7));
   const auto usual = localizer_->Localize(frame, {});
   ASSERT_TRUE(usual.ok());
-  ASSERT_EQ(usual->outcome, Outcome::kLocalized);
+  ASSERT_EQ(usual->outcome, localizer::Outcome::kLocalized);
   ASSERT_LT(usual->confidence, 1);
   const auto asked = [&](double min_confidence) {
-    LocalizeOptions options;
+    localizer::LocalizeOptions options;
     options.min_confidence = min_confidence;
     return *localizer_->Localize(frame, options);
   };
-  EXPECT_EQ(asked(usual->confidence).outcome, Outcome::kLocalized);
-  const PoseEstimate unsure = asked(1);
-  EXPECT_EQ(unsure.outcome, Outcome::kNotLocalized);
-  EXPECT_EQ(unsure.reason, NotLocalizedReason::kLowConfidence);
+  EXPECT_EQ(asked(usual->confidence).outcome, localizer::Outcome::kLocalized);
+  const localizer::PoseEstimate unsure = asked(1);
+  EXPECT_EQ(unsure.outcome, localizer::Outcome::kNotLocalized);
+  EXPECT_EQ(unsure.reason, localizer::NotLocalizedReason::kLowConfidence);
   // What was found is the same.
   EXPECT_EQ(unsure.world_from_camera, usual->world_from_camera);
   EXPECT_EQ(unsure.confidence, usual->confidence);
 }
 
 TEST_F(RgbdLocalizerTest, ExplainsItselfOnRequest) {
-  const Frame frame = RenderBoxRoom(Calibration(), HeldOutPose(7));
-  LocalizeOptions options;
+  const image::Frame frame =
+      training::RenderBoxRoom(Calibration(), HeldOutPose(7));
+  localizer::LocalizeOptions options;
   options.keep_correspondences = true;
   const auto estimate = localizer_->Localize(frame, options);
   ASSERT_TRUE(estimate.ok());
   ASSERT_EQ(estimate->correspondences.size(),
             static_cast<size_t>(estimate->samples));
   int inliers = 0;
-  for (const Correspondence& c : estimate->correspondences) {
+  for (const localizer::Correspondence& c : estimate->correspondences) {
     inliers += c.inlier;
     if (!c.inlier) continue;
-    EXPECT_LE(Norm(estimate->world_from_camera * c.point_in_camera -
-                   c.point_in_world),
+    EXPECT_LE(geometry::Norm(estimate->world_from_camera * c.point_in_camera -
+                             c.point_in_world),
               0.0501);
   }
   EXPECT_EQ(inliers, estimate->inliers);
@@ -149,52 +156,54 @@ TEST_F(RgbdLocalizerTest, ExplainsItselfOnRequest) {
 
 TEST_F(RgbdLocalizerTest, ARequestsOwnCalibrationReplacesTheScenes) {
   // The same view through a camera pair without offset and with a longer lens.
-  RgbdCalibration own = BoxRoomCalibration();
-  own.color = *Camera::Parse("PINHOLE,180,180,100,75", 200, 150);
+  camera::RgbdCalibration own = training::BoxRoomCalibration();
+  own.color = *camera::Camera::Parse("PINHOLE,180,180,100,75", 200, 150);
   own.depth = own.color;
-  own.pose_sensor = RgbdSensor::kDepth;
-  const Rigid3 truth = HeldOutPose(7);
-  Frame frame = RenderBoxRoom(own, truth);
+  own.pose_sensor = camera::RgbdSensor::kDepth;
+  const geometry::Rigid3 truth = HeldOutPose(7);
+  image::Frame frame = training::RenderBoxRoom(own, truth);
   frame.calibration = own;
   const auto estimate = localizer_->Localize(frame, {});
   ASSERT_TRUE(estimate.ok());
-  ASSERT_EQ(estimate->outcome, Outcome::kLocalized);
-  EXPECT_LT(ErrorBetween(estimate->world_from_camera, truth).translation_m,
-            0.05);
+  ASSERT_EQ(estimate->outcome, localizer::Outcome::kLocalized);
+  EXPECT_LT(
+      geometry::ErrorBetween(estimate->world_from_camera, truth).translation_m,
+      0.05);
 }
 
 TEST_F(RgbdLocalizerTest, DoesNotLocalizeWhatItHasNotSeen) {
-  Random random(1, 0);
-  Frame noise = RenderBoxRoom(Calibration(), HeldOutPose(0));
+  base::Random random(1, 0);
+  image::Frame noise = training::RenderBoxRoom(Calibration(), HeldOutPose(0));
   for (uint8_t& value : noise.color.rgb) {
     value = static_cast<uint8_t>(random.NextBelow(256));
   }
-  EXPECT_EQ(localizer_->Localize(noise, {})->outcome, Outcome::kNotLocalized);
-  Frame black = noise;
+  EXPECT_EQ(localizer_->Localize(noise, {})->outcome,
+            localizer::Outcome::kNotLocalized);
+  image::Frame black = noise;
   std::fill(black.color.rgb.begin(), black.color.rgb.end(), uint8_t{0});
   const auto estimate = localizer_->Localize(black, {});
   ASSERT_TRUE(estimate.ok());
-  EXPECT_EQ(estimate->outcome, Outcome::kNotLocalized);
-  EXPECT_EQ(estimate->reason, NotLocalizedReason::kTooFewInliers);
-  Frame blind = noise;
+  EXPECT_EQ(estimate->outcome, localizer::Outcome::kNotLocalized);
+  EXPECT_EQ(estimate->reason, localizer::NotLocalizedReason::kTooFewInliers);
+  image::Frame blind = noise;
   std::fill(blind.depth->values.begin(), blind.depth->values.end(),
             uint16_t{0});
   EXPECT_EQ(localizer_->Localize(blind, {})->reason,
-            NotLocalizedReason::kTooFewSamples);
+            localizer::NotLocalizedReason::kTooFewSamples);
 }
 
 TEST_F(RgbdLocalizerTest, RefusesFramesItCannotUse) {
-  Frame frame = RenderBoxRoom(Calibration(), HeldOutPose(0));
-  Frame without_depth = frame;
+  image::Frame frame = training::RenderBoxRoom(Calibration(), HeldOutPose(0));
+  image::Frame without_depth = frame;
   without_depth.depth.reset();
   const absl::Status missing = localizer_->Localize(without_depth, {}).status();
   EXPECT_EQ(missing.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(missing.ToString(), HasSubstr("needs a depth image"));
-  Frame small = frame;
+  image::Frame small = frame;
   small.color = {64, 64, std::vector<uint8_t>(64 * 64 * 3)};
   EXPECT_THAT(localizer_->Localize(small, {}).status().ToString(),
               HasSubstr("64 x 64"));
-  Frame other_depth = frame;
+  image::Frame other_depth = frame;
   other_depth.depth->height = 140;
   other_depth.depth->values.resize(200 * 140);
   EXPECT_THAT(localizer_->Localize(other_depth, {}).status().ToString(),
@@ -204,23 +213,24 @@ TEST_F(RgbdLocalizerTest, RefusesFramesItCannotUse) {
 TEST_F(RgbdLocalizerTest, StopsWhenAsked) {
   std::stop_source stop;
   stop.request_stop();
-  LocalizeOptions options;
+  localizer::LocalizeOptions options;
   options.stop = stop.get_token();
   EXPECT_EQ(
       localizer_
-          ->Localize(RenderBoxRoom(Calibration(), HeldOutPose(0)), options)
+          ->Localize(training::RenderBoxRoom(Calibration(), HeldOutPose(0)),
+                     options)
           .status()
           .code(),
       absl::StatusCode::kCancelled);
 }
 
 TEST_F(RgbdLocalizerTest, OpensWithOtherQueryOptionsOrSaysWhyNot) {
-  EXPECT_TRUE(OpenLocalizer(ModelPath(), {.samples = 100}).ok());
-  EXPECT_THAT(OpenLocalizer(ModelPath(), {.backtracking_leaves = 33})
+  EXPECT_TRUE(localizer::OpenLocalizer(ModelPath(), {.samples = 100}).ok());
+  EXPECT_THAT(localizer::OpenLocalizer(ModelPath(), {.backtracking_leaves = 33})
                   .status()
                   .ToString(),
               HasSubstr("between 1 and 32"));
-  EXPECT_EQ(OpenLocalizer(*folder_ + "/none").status().code(),
+  EXPECT_EQ(localizer::OpenLocalizer(*folder_ + "/none").status().code(),
             absl::StatusCode::kNotFound);
 }
 

@@ -29,12 +29,13 @@ class SceneTrainerTest : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new std::string(testing::TempDir() + "/scene_trainer_test_" +
                               std::to_string(getpid()));
-    WriteBoxRoomRecording(*folder_, Calibration(), BoxRoomPoses(kFrames));
-    DatasetOptions recording;
+    training::WriteBoxRoomRecording(*folder_, Calibration(),
+                                    training::BoxRoomPoses(kFrames));
+    dataset::DatasetOptions recording;
     recording.uri = "7scenes:" + *folder_;
     recording.color_camera = "PINHOLE,145,145,100,75";
     recording.depth_camera = recording.color_camera;
-    dataset_ = new Dataset(*Dataset::Open(recording));
+    dataset_ = new dataset::Dataset(*dataset::Dataset::Open(recording));
   }
   static void TearDownTestSuite() {
     delete dataset_;
@@ -42,13 +43,13 @@ class SceneTrainerTest : public testing::Test {
     delete folder_;
   }
 
-  static RgbdCalibration Calibration() {
-    RgbdCalibration calibration = BoxRoomCalibration();
-    calibration.pose_sensor = RgbdSensor::kDepth;
+  static camera::RgbdCalibration Calibration() {
+    camera::RgbdCalibration calibration = training::BoxRoomCalibration();
+    calibration.pose_sensor = camera::RgbdSensor::kDepth;
     return calibration;
   }
-  static SceneTrainingOptions Options(const std::string& method) {
-    SceneTrainingOptions options;
+  static training::SceneTrainingOptions Options(const std::string& method) {
+    training::SceneTrainingOptions options;
     options.method = method;
     options.calibration = Calibration();
     options.forest.samples_per_frame = 300;
@@ -58,45 +59,47 @@ class SceneTrainerTest : public testing::Test {
   static std::string Path(const std::string& name) {
     return *folder_ + "/" + name + ".treeline";
   }
-  static absl::StatusOr<TrainedScene> Train(const Dataset& dataset,
-                                            const SceneTrainingOptions& options,
-                                            const std::string& name) {
-    return TrainScene(dataset, options, Path(name), true, {});
+  static absl::StatusOr<training::TrainedScene> Train(
+      const dataset::Dataset& dataset,
+      const training::SceneTrainingOptions& options, const std::string& name) {
+    return training::TrainScene(dataset, options, Path(name), true, {});
   }
   // A pose between those of training.
-  static Rigid3 HeldOutPose(int i) {
-    return BoxRoomPoses(2 * kFrames)[static_cast<size_t>(2 * i + 1)];
+  static geometry::Rigid3 HeldOutPose(int i) {
+    return training::BoxRoomPoses(2 * kFrames)[static_cast<size_t>(2 * i + 1)];
   }
   // Of 16 views spread over the room, those placed within 5 cm and 5 degrees.
-  static int CountRight(const Localizer& localizer, bool with_depth) {
+  static int CountRight(const localizer::Localizer& localizer,
+                        bool with_depth) {
     int right = 0;
     for (int i = 0; i < 16; ++i) {
-      const Rigid3 truth = HeldOutPose(5 * i);
-      Frame frame = RenderBoxRoom(Calibration(), truth);
+      const geometry::Rigid3 truth = HeldOutPose(5 * i);
+      image::Frame frame = training::RenderBoxRoom(Calibration(), truth);
       if (!with_depth) frame.depth.reset();
       const auto estimate = localizer.Localize(frame, {});
       EXPECT_TRUE(estimate.ok()) << estimate.status();
-      if (estimate->outcome != Outcome::kLocalized) continue;
+      if (estimate->outcome != localizer::Outcome::kLocalized) continue;
       EXPECT_GE(estimate->confidence, 0.5);
-      const PoseError error = ErrorBetween(estimate->world_from_camera, truth);
+      const geometry::PoseError error =
+          geometry::ErrorBetween(estimate->world_from_camera, truth);
       right += error.translation_m < 0.05 && error.rotation_rad < 0.087;
     }
     return right;
   }
 
   static std::string* folder_;
-  static Dataset* dataset_;
+  static dataset::Dataset* dataset_;
 };
 std::string* SceneTrainerTest::folder_ = nullptr;
-Dataset* SceneTrainerTest::dataset_ = nullptr;
+dataset::Dataset* SceneTrainerTest::dataset_ = nullptr;
 
 TEST_F(SceneTrainerTest, RgbNeedsNoDepthInQueries) {
   const auto scene = Train(*dataset_, Options("rgb"), "rgb");
   ASSERT_TRUE(scene.ok()) << scene.status();
   EXPECT_EQ(scene->info.method, "rgb");
-  EXPECT_EQ(scene->info.calibration.pose_sensor, RgbdSensor::kColor);
+  EXPECT_EQ(scene->info.calibration.pose_sensor, camera::RgbdSensor::kColor);
   EXPECT_TRUE(scene->info.confidence.has_value());
-  const auto localizer = OpenLocalizer(Path("rgb"));
+  const auto localizer = localizer::OpenLocalizer(Path("rgb"));
   ASSERT_TRUE(localizer.ok()) << localizer.status();
   EXPECT_GE(CountRight(**localizer, false), 13);
 }
@@ -104,18 +107,18 @@ TEST_F(SceneTrainerTest, RgbNeedsNoDepthInQueries) {
 TEST_F(SceneTrainerTest, AnswersNothingThatItHasNotSeen) {
   for (const std::string method : {"rgb", "rgbd"}) {
     ASSERT_TRUE(Train(*dataset_, Options(method), method).ok());
-    const auto localizer = OpenLocalizer(Path(method));
+    const auto localizer = localizer::OpenLocalizer(Path(method));
     ASSERT_TRUE(localizer.ok());
-    Frame frame = RenderBoxRoom(Calibration(), HeldOutPose(3));
+    image::Frame frame = training::RenderBoxRoom(Calibration(), HeldOutPose(3));
     std::ranges::fill(frame.color.rgb, uint8_t{90});
     EXPECT_EQ((*localizer)->Localize(frame, {})->outcome,
-              Outcome::kNotLocalized);
-    Random random(1, 2);
+              localizer::Outcome::kNotLocalized);
+    base::Random random(1, 2);
     for (uint8_t& value : frame.color.rgb) {
       value = static_cast<uint8_t>(random.NextBelow(256));
     }
     EXPECT_EQ((*localizer)->Localize(frame, {})->outcome,
-              Outcome::kNotLocalized);
+              localizer::Outcome::kNotLocalized);
   }
 }
 
@@ -123,24 +126,24 @@ TEST_F(SceneTrainerTest, AForestOfOneSceneServesAnother) {
   // The base knows another room: this one's frames with channels exchanged
   // would do, but any trees will; these were grown on a few frames.
   const std::vector<int> few = {0, 5, 10, 15, 20};
-  SceneTrainingOptions base = Options("rgbd");
+  training::SceneTrainingOptions base = Options("rgbd");
   base.splits_only = true;
   base.forest.max_depth = 10;
   const auto splits = Train(dataset_->Subset(few), base, "base");
   ASSERT_TRUE(splits.ok()) << splits.status();
   EXPECT_EQ(splits->info.leaves, 1);
-  EXPECT_EQ(ReadSceneDescriptor(Path("base")).status().code(),
+  EXPECT_EQ(recognition::ReadSceneDescriptor(Path("base")).status().code(),
             absl::StatusCode::kNotFound);
 
-  SceneTrainingOptions adapt = Options("rgbd");
+  training::SceneTrainingOptions adapt = Options("rgbd");
   adapt.base_model = Path("base");
-  adapt.refill = Refill::kAdapt;
+  adapt.refill = training::Refill::kAdapt;
   const auto adapted = Train(*dataset_, adapt, "adapted");
   ASSERT_TRUE(adapted.ok()) << adapted.status();
-  const auto localizer = OpenLocalizer(Path("adapted"));
+  const auto localizer = localizer::OpenLocalizer(Path("adapted"));
   ASSERT_TRUE(localizer.ok());
   EXPECT_GE(CountRight(**localizer, true), 13);
-  const auto descriptor = ReadSceneDescriptor(Path("adapted"));
+  const auto descriptor = recognition::ReadSceneDescriptor(Path("adapted"));
   ASSERT_TRUE(descriptor.ok()) << descriptor.status();
   EXPECT_EQ(descriptor->images(), static_cast<uint32_t>(kFrames));
 
@@ -156,12 +159,12 @@ TEST_F(SceneTrainerTest, AModelIsExtendedByMoreFrames) {
     (i < kFrames / 2 ? first : rest).push_back(i);
   }
   ASSERT_TRUE(Train(dataset_->Subset(first), Options("rgbd"), "half").ok());
-  SceneTrainingOptions extend = Options("rgbd");
+  training::SceneTrainingOptions extend = Options("rgbd");
   extend.base_model = Path("half");
-  extend.refill = Refill::kExtend;
+  extend.refill = training::Refill::kExtend;
   ASSERT_TRUE(Train(dataset_->Subset(rest), extend, "whole").ok());
-  const auto half = OpenLocalizer(Path("half"));
-  const auto whole = OpenLocalizer(Path("whole"));
+  const auto half = localizer::OpenLocalizer(Path("half"));
+  const auto whole = localizer::OpenLocalizer(Path("whole"));
   ASSERT_TRUE(half.ok() && whole.ok());
   EXPECT_EQ((*half)->info().confidence, (*whole)->info().confidence);
   const int right_before = CountRight(**half, true);
@@ -169,31 +172,33 @@ TEST_F(SceneTrainerTest, AModelIsExtendedByMoreFrames) {
   EXPECT_LE(right_before, 10);
   EXPECT_GE(right_after, 13);
   // What the scene looks like is what both looked like.
-  const auto all = BuildSceneDescriptor(*dataset_, {}, true, {});
-  const auto extended = ReadSceneDescriptor(Path("whole"));
+  const auto all = training::BuildSceneDescriptor(*dataset_, {}, true, {});
+  const auto extended = recognition::ReadSceneDescriptor(Path("whole"));
   ASSERT_TRUE(all.ok() && extended.ok());
   EXPECT_EQ(*extended, *all);
 }
 
 TEST_F(SceneTrainerTest, WhatASceneLooksLikeDoesNotDependOnThreads) {
-  const auto one = BuildSceneDescriptor(*dataset_, {.threads = 1}, true, {});
-  const auto eight = BuildSceneDescriptor(*dataset_, {.threads = 8}, true, {});
+  const auto one =
+      training::BuildSceneDescriptor(*dataset_, {.threads = 1}, true, {});
+  const auto eight =
+      training::BuildSceneDescriptor(*dataset_, {.threads = 8}, true, {});
   ASSERT_TRUE(one.ok() && eight.ok());
   EXPECT_EQ(*one, *eight);
   EXPECT_GT(one->Fill(), 0.001);
   const auto few =
-      BuildSceneDescriptor(*dataset_, {.max_images = 10}, true, {});
+      training::BuildSceneDescriptor(*dataset_, {.max_images = 10}, true, {});
   EXPECT_EQ(few->images(), 10u);
   EXPECT_LT(few->Fill(), one->Fill());
 }
 
 TEST_F(SceneTrainerTest, ASceneIsToldByWhatItLooksLike) {
-  const auto room = BuildSceneDescriptor(*dataset_, {}, true, {});
+  const auto room = training::BuildSceneDescriptor(*dataset_, {}, true, {});
   ASSERT_TRUE(room.ok());
-  SceneIndex index;
+  recognition::SceneIndex index;
   index.Set("room", *room);
   // The same words with others' numbers: a scene as rich that is another.
-  SceneDescriptor other;
+  recognition::SceneDescriptor other;
   std::vector<uint32_t> words;
   for (uint32_t entry = 0; entry < room->bits().size(); ++entry) {
     for (uint32_t bit = 0; bit < 64; ++bit) {
@@ -205,35 +210,38 @@ TEST_F(SceneTrainerTest, ASceneIsToldByWhatItLooksLike) {
   other.Add(words);
   index.Set("other", other);
   for (int i = 0; i < 16; ++i) {
-    const Frame frame = RenderBoxRoom(Calibration(), HeldOutPose(5 * i));
+    const image::Frame frame =
+        training::RenderBoxRoom(Calibration(), HeldOutPose(5 * i));
     EXPECT_EQ(index.Rank(frame)[0].scene, "room") << i;
   }
 }
 
 TEST_F(SceneTrainerTest, AlignmentPullsAPoseIn) {
   ASSERT_TRUE(Train(*dataset_, Options("rgbd"), "align").ok());
-  const auto model = ModelFile::Open(Path("align"));
+  const auto model = forest::ModelFile::Open(Path("align"));
   ASSERT_TRUE(model.ok());
-  const auto map = KeyframeMap::Read(**model);
+  const auto map = keyframes::KeyframeMap::Read(**model);
   ASSERT_TRUE(map.ok());
   ASSERT_GT(map->size(), 3u);
   int pulled_in = 0;
   for (int i = 0; i < 8; ++i) {
-    const Rigid3 truth = HeldOutPose(10 * i);
-    const Frame frame = RenderBoxRoom(Calibration(), truth);
-    GrayPyramid pyramid;
-    pyramid.Assign(PlanarImage(frame.color));
-    const Rigid3 guess{
-        truth.rotation * Rotation3::FromAxisAngle({0.01, -0.01, 0.01}),
-        truth.translation + Vec3{0.02, -0.015, 0.01}};
+    const geometry::Rigid3 truth = HeldOutPose(10 * i);
+    const image::Frame frame = training::RenderBoxRoom(Calibration(), truth);
+    features::GrayPyramid pyramid;
+    pyramid.Assign(features::PlanarImage(frame.color));
+    const geometry::Rigid3 guess{
+        truth.rotation *
+            geometry::Rotation3::FromAxisAngle({0.01, -0.01, 0.01}),
+        truth.translation + geometry::Vec3{0.02, -0.015, 0.01}};
     for (const bool with_depth : {false, true}) {
-      const auto aligned =
-          AlignToKeyframes(*map, pyramid, with_depth ? &*frame.depth : nullptr,
-                           Calibration(), guess, {});
+      const auto aligned = keyframes::AlignToKeyframes(
+          *map, pyramid, with_depth ? &*frame.depth : nullptr, Calibration(),
+          guess, {});
       ASSERT_TRUE(aligned);
       EXPECT_EQ(aligned->measured > 0, with_depth);
-      const PoseError before = ErrorBetween(guess, truth);
-      const PoseError after = ErrorBetween(aligned->world_from_camera, truth);
+      const geometry::PoseError before = geometry::ErrorBetween(guess, truth);
+      const geometry::PoseError after =
+          geometry::ErrorBetween(aligned->world_from_camera, truth);
       pulled_in += after.translation_m < 0.5 * before.translation_m &&
                    aligned->correlation > 0.8;
     }
@@ -244,17 +252,17 @@ TEST_F(SceneTrainerTest, AlignmentPullsAPoseIn) {
 TEST_F(SceneTrainerTest, ExplainsBadRequests) {
   EXPECT_EQ(Train(*dataset_, Options("magic"), "x").status().code(),
             absl::StatusCode::kInvalidArgument);
-  SceneTrainingOptions options = Options("rgbd");
+  training::SceneTrainingOptions options = Options("rgbd");
   options.base_model = Path("nowhere");
   EXPECT_EQ(Train(*dataset_, options, "x").status().code(),
             absl::StatusCode::kNotFound);
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_EQ(
-      TrainScene(*dataset_, Options("rgbd"), Path("x"), true, stop.get_token())
-          .status()
-          .code(),
-      absl::StatusCode::kCancelled);
+  EXPECT_EQ(training::TrainScene(*dataset_, Options("rgbd"), Path("x"), true,
+                                 stop.get_token())
+                .status()
+                .code(),
+            absl::StatusCode::kCancelled);
   EXPECT_FALSE(std::filesystem::exists(Path("x")));
 }
 

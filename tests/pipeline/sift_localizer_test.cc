@@ -14,13 +14,13 @@
 #include "common/base/clock.h"
 #include "common/base/random.h"
 #include "common/image/decode.h"
+#include "evaluation/accuracy/evaluation.h"
+#include "evaluation/accuracy/evaluation_table.h"
+#include "evaluation/accuracy/feature_pnp_baseline.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/training/scene_trainer.h"
 #include "server/core/training/sift_trainer.h"
-#include "server/tools/evaluation.h"
-#include "server/tools/evaluation_table.h"
-#include "server/tools/feature_pnp_baseline.h"
 
 namespace treeline {
 namespace {
@@ -36,21 +36,22 @@ class Corner {
   explicit Corner(uint64_t seed) {
     for (size_t wall = 0; wall < 2; ++wall) {
       brightness_[wall].assign(kSize * kSize, 128);
-      Random random(seed, wall);
+      base::Random random(seed, wall);
       for (int i = 0; i < 900; ++i) AddBlot(random, brightness_[wall]);
     }
   }
 
   // What a ray from `origin` meets, and how bright it is there.
   struct Hit {
-    Vec3 point;
+    geometry::Vec3 point;
     double brightness = 0;
   };
-  Hit Look(Vec3 origin, Vec3 direction) const {
+  Hit Look(geometry::Vec3 origin, geometry::Vec3 direction) const {
     const double front = (2 - origin.z) / direction.z;
     const double right = (1.2 - origin.x) / direction.x;
     const bool is_right = right > 0 && (right < front || front <= 0);
-    const Vec3 point = origin + (is_right ? right : front) * direction;
+    const geometry::Vec3 point =
+        origin + (is_right ? right : front) * direction;
     const double u = is_right ? point.z : point.x;
     return {point, Sample(brightness_[is_right ? 1 : 0], u, point.y)};
   }
@@ -59,7 +60,7 @@ class Corner {
   static constexpr int kSize = 900;
   static constexpr double kTexel = 0.006;
 
-  static void AddBlot(Random& random, std::vector<double>& texture) {
+  static void AddBlot(base::Random& random, std::vector<double>& texture) {
     const double x = random.NextUniform(0, kSize);
     const double y = random.NextUniform(0, kSize);
     const double radius = random.NextUniform(3, 14);
@@ -94,15 +95,15 @@ class Corner {
   std::vector<double> brightness_[2];
 };
 
-ColorImage Render(const Corner& corner, const Camera& camera,
-                  const Rigid3& world_from_camera) {
-  ColorImage image{camera.width(), camera.height(), {}};
+image::ColorImage Render(const Corner& corner, const camera::Camera& camera,
+                         const geometry::Rigid3& world_from_camera) {
+  image::ColorImage image{camera.width(), camera.height(), {}};
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      const Pixel ray = *camera.Unproject({double(x), double(y)});
-      const auto hit =
-          corner.Look(world_from_camera.translation,
-                      world_from_camera.rotation * Vec3{ray.x, ray.y, 1});
+      const camera::Pixel ray = *camera.Unproject({double(x), double(y)});
+      const auto hit = corner.Look(
+          world_from_camera.translation,
+          world_from_camera.rotation * geometry::Vec3{ray.x, ray.y, 1});
       const auto value = static_cast<uint8_t>(std::lround(hit.brightness));
       image.rgb.insert(image.rgb.end(), {value, value, value});
     }
@@ -120,16 +121,18 @@ class SiftLocalizerTest : public ::testing::Test {
                               std::to_string(getpid()));
     corner_ = new Corner(5);
     Record();
-    dataset_ = new Dataset(Dataset::Open({.uri = Uri()}).value());
-    SceneTrainingOptions options;
+    dataset_ =
+        new dataset::Dataset(dataset::Dataset::Open({.uri = Uri()}).value());
+    training::SceneTrainingOptions options;
     options.method = "sift";
-    const auto trained = TrainScene(*dataset_, options, ModelPath(), true, {});
+    const auto trained =
+        training::TrainScene(*dataset_, options, ModelPath(), true, {});
     ASSERT_TRUE(trained.ok()) << trained.status();
     EXPECT_EQ(trained->info.training_frames, 6);
     EXPECT_FALSE(trained->info.units_are_metres);
     // Cameras about 2 from one wall and 1.2 from the other.
     EXPECT_NEAR(trained->info.viewing_distance, 2, 0.4);
-    localizer_ = OpenLocalizer(ModelPath()).value().release();
+    localizer_ = localizer::OpenLocalizer(ModelPath()).value().release();
   }
   static void TearDownTestSuite() {
     delete localizer_;
@@ -145,8 +148,8 @@ class SiftLocalizerTest : public ::testing::Test {
   }
 
   static void Record() {
-    const Camera camera =
-        Camera::Parse("PINHOLE,280,280,159.5,119.5", 320, 240).value();
+    const camera::Camera camera =
+        camera::Camera::Parse("PINHOLE,280,280,159.5,119.5", 320, 240).value();
     fs::create_directories(*folder_ + "/model");
     fs::create_directories(*folder_ + "/images");
     std::ofstream(*folder_ + "/model/cameras.txt")
@@ -155,26 +158,29 @@ class SiftLocalizerTest : public ::testing::Test {
     std::ofstream points(*folder_ + "/model/points3D.txt");
     int point_id = 0;
     for (int i = 0; i < 6; ++i) {
-      const Rigid3 pose{Rotation3::FromAxisAngle({0, 0.1 + 0.08 * i, 0}),
-                        {0.12 * i - 0.4, 0.05 * (i % 3), 0.1 * (i % 2)}};
-      const ColorImage image = Render(*corner_, camera, pose);
+      const geometry::Rigid3 pose{
+          geometry::Rotation3::FromAxisAngle({0, 0.1 + 0.08 * i, 0}),
+          {0.12 * i - 0.4, 0.05 * (i % 3), 0.1 * (i % 2)}};
+      const image::ColorImage image = Render(*corner_, camera, pose);
       std::ofstream(absl::StrCat(*folder_, "/images/", i, ".png"),
                     std::ios::binary)
-          << EncodePng(image).value();
-      const Rigid3 inverse = pose.Inverse();
-      const Rotation3& q = inverse.rotation;
-      const Vec3& t = inverse.translation;
+          << image::EncodePng(image).value();
+      const geometry::Rigid3 inverse = pose.Inverse();
+      const geometry::Rotation3& q = inverse.rotation;
+      const geometry::Vec3& t = inverse.translation;
       images << absl::StrFormat(
           "%d %.17g %.17g %.17g %.17g %.9g %.9g %.9g 1 "
           "%d.png\n",
           i + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, i);
-      const SiftFeatures features = ExtractSift(image, {}).value();
+      const features::SiftFeatures features =
+          features::ExtractSift(image, {}).value();
       for (size_t k = 0; k < features.size(); ++k, ++point_id) {
-        const Pixel at = features.keypoints[k].pixel;
-        const Pixel ray = *camera.Unproject(at);
-        const Vec3 p =
+        const camera::Pixel at = features.keypoints[k].pixel;
+        const camera::Pixel ray = *camera.Unproject(at);
+        const geometry::Vec3 p =
             corner_
-                ->Look(pose.translation, pose.rotation * Vec3{ray.x, ray.y, 1})
+                ->Look(pose.translation,
+                       pose.rotation * geometry::Vec3{ray.x, ray.y, 1})
                 .point;
         images << absl::StrFormat("%.6f %.6f %d ", at.x + 0.5, at.y + 0.5,
                                   point_id);
@@ -187,15 +193,15 @@ class SiftLocalizerTest : public ::testing::Test {
 
   static std::string* folder_;
   static Corner* corner_;
-  static Dataset* dataset_;
-  static Localizer* localizer_;
-  const SteadyClock clock_{};
+  static dataset::Dataset* dataset_;
+  static localizer::Localizer* localizer_;
+  const base::SteadyClock clock_{};
 };
 
 std::string* SiftLocalizerTest::folder_ = nullptr;
 Corner* SiftLocalizerTest::corner_ = nullptr;
-Dataset* SiftLocalizerTest::dataset_ = nullptr;
-Localizer* SiftLocalizerTest::localizer_ = nullptr;
+dataset::Dataset* SiftLocalizerTest::dataset_ = nullptr;
+localizer::Localizer* SiftLocalizerTest::localizer_ = nullptr;
 
 // Keypoints are found to about 0.2 px at a focal length of 280 px, 2 away, and
 // there are hundreds of them.
@@ -203,27 +209,30 @@ constexpr double kTranslationBound = 0.005;
 constexpr double kRotationBound_rad = 0.003;
 
 TEST_F(SiftLocalizerTest, FindsAnotherCameraOfAnotherSizeAndModel) {
-  const Rigid3 truth{Rotation3::FromAxisAngle({0.03, 0.33, -0.06}),
-                     {-0.1, 0.08, 0.05}};
-  const Camera camera =
-      Camera::Parse("RADIAL_FISHEYE,330,199.5,149.5,-0.04,0.01", 400, 300)
+  const geometry::Rigid3 truth{
+      geometry::Rotation3::FromAxisAngle({0.03, 0.33, -0.06}),
+      {-0.1, 0.08, 0.05}};
+  const camera::Camera camera =
+      camera::Camera::Parse("RADIAL_FISHEYE,330,199.5,149.5,-0.04,0.01", 400,
+                            300)
           .value();
-  Frame frame;
+  image::Frame frame;
   frame.color = Render(*corner_, camera, truth);
   frame.calibration.emplace();
   frame.calibration->color = camera;
-  LocalizeOptions options;
+  localizer::LocalizeOptions options;
   options.keep_correspondences = true;
   const auto estimate = localizer_->Localize(frame, options);
   ASSERT_TRUE(estimate.ok()) << estimate.status();
-  ASSERT_EQ(estimate->outcome, Outcome::kLocalized);
-  const PoseError error = ErrorBetween(estimate->world_from_camera, truth);
+  ASSERT_EQ(estimate->outcome, localizer::Outcome::kLocalized);
+  const geometry::PoseError error =
+      geometry::ErrorBetween(estimate->world_from_camera, truth);
   EXPECT_LT(error.translation_m, kTranslationBound);
   EXPECT_LT(error.rotation_rad, kRotationBound_rad);
   ASSERT_EQ(estimate->correspondences.size(),
             static_cast<size_t>(estimate->samples));
   int inliers = 0;
-  for (const Correspondence& match : estimate->correspondences) {
+  for (const localizer::Correspondence& match : estimate->correspondences) {
     inliers += match.inlier;
   }
   EXPECT_EQ(inliers, estimate->inliers);
@@ -232,44 +241,46 @@ TEST_F(SiftLocalizerTest, FindsAnotherCameraOfAnotherSizeAndModel) {
 }
 
 TEST_F(SiftLocalizerTest, EvaluationTakesEachFramesCameraAndSceneUnits) {
-  EXPECT_FALSE(QueryCalibration(*dataset_, {.uri = Uri()}, {}).has_value());
-  EvaluationOptions options;
+  EXPECT_FALSE(
+      accuracy::QueryCalibration(*dataset_, {.uri = Uri()}, {}).has_value());
+  accuracy::EvaluationOptions options;
   options.quiet = true;
-  const auto results = Evaluate(*localizer_, *dataset_, options, clock_);
+  const auto results =
+      accuracy::Evaluate(*localizer_, *dataset_, options, clock_);
   ASSERT_TRUE(results.ok()) << results.status();
-  for (const FrameResult& result : *results) {
+  for (const accuracy::FrameResult& result : *results) {
     ASSERT_TRUE(result.localized()) << result.stem;
     EXPECT_LT(result.error->translation_m, kTranslationBound) << result.stem;
   }
-  EvaluatedMethod method;
+  accuracy::EvaluatedMethod method;
   method.model = localizer_->info();
   method.results = *results;
-  EXPECT_THAT(EvaluationTable(method, {}),
+  EXPECT_THAT(accuracy::EvaluationTable(method, {}),
               AllOf(HasSubstr("% of the viewing distance"),
                     testing::Not(HasSubstr("cm"))));
 }
 
 TEST_F(SiftLocalizerTest, TheBaselineKnowsTheSamePoints) {
-  FeaturePnpOptions options;
+  accuracy::FeaturePnpOptions options;
   options.quiet = true;
-  const auto baseline =
-      BuildFeaturePnpBaseline(*dataset_, dataset_->calibration(), options);
+  const auto baseline = accuracy::BuildFeaturePnpBaseline(
+      *dataset_, dataset_->calibration(), options);
   ASSERT_TRUE(baseline.ok()) << baseline.status();
   EXPECT_EQ((*baseline)->info().training_frames, 6);
   const auto frame = dataset_->Load(3);
   ASSERT_TRUE(frame.ok()) << frame.status();
   const auto estimate = (*baseline)->Localize(*frame, {});
   ASSERT_TRUE(estimate.ok()) << estimate.status();
-  ASSERT_EQ(estimate->outcome, Outcome::kLocalized);
-  EXPECT_LT(ErrorBetween(estimate->world_from_camera,
-                         *dataset_->frame(3).world_from_camera)
+  ASSERT_EQ(estimate->outcome, localizer::Outcome::kLocalized);
+  EXPECT_LT(geometry::ErrorBetween(estimate->world_from_camera,
+                                   *dataset_->frame(3).world_from_camera)
                 .translation_m,
             kTranslationBound);
 }
 
 TEST_F(SiftLocalizerTest, NoiseABlankWallAndAnotherSceneAreNotLocalized) {
-  Frame frame;
-  Random random(1, 0);
+  image::Frame frame;
+  base::Random random(1, 0);
   for (int i = 0; i < 3 * 320 * 240; ++i) {
     frame.color.rgb.push_back(static_cast<uint8_t>(random.NextBelow(256)));
   }
@@ -277,21 +288,21 @@ TEST_F(SiftLocalizerTest, NoiseABlankWallAndAnotherSceneAreNotLocalized) {
   frame.color.height = 240;
   auto estimate = localizer_->Localize(frame, {});
   ASSERT_TRUE(estimate.ok()) << estimate.status();
-  EXPECT_EQ(estimate->outcome, Outcome::kNotLocalized);
+  EXPECT_EQ(estimate->outcome, localizer::Outcome::kNotLocalized);
   frame.color.rgb.assign(frame.color.rgb.size(), 200);
   estimate = localizer_->Localize(frame, {});
   ASSERT_TRUE(estimate.ok()) << estimate.status();
-  EXPECT_EQ(estimate->outcome, Outcome::kNotLocalized);
-  EXPECT_EQ(estimate->reason, NotLocalizedReason::kTooFewSamples);
-  frame.color =
-      Render(Corner(6), localizer_->info().calibration.color, Rigid3{});
+  EXPECT_EQ(estimate->outcome, localizer::Outcome::kNotLocalized);
+  EXPECT_EQ(estimate->reason, localizer::NotLocalizedReason::kTooFewSamples);
+  frame.color = Render(Corner(6), localizer_->info().calibration.color,
+                       geometry::Rigid3{});
   estimate = localizer_->Localize(frame, {});
   ASSERT_TRUE(estimate.ok()) << estimate.status();
-  EXPECT_EQ(estimate->outcome, Outcome::kNotLocalized);
+  EXPECT_EQ(estimate->outcome, localizer::Outcome::kNotLocalized);
 }
 
 TEST_F(SiftLocalizerTest, RefusesAnImageOfAnotherSizeThanItsCamera) {
-  Frame frame;
+  image::Frame frame;
   frame.color = {10, 10, std::vector<uint8_t>(300)};
   const auto estimate = localizer_->Localize(frame, {});
   EXPECT_EQ(estimate.status().code(), absl::StatusCode::kInvalidArgument);
@@ -303,21 +314,23 @@ TEST_F(SiftLocalizerTest, RefusesAnImageOfAnotherSizeThanItsCamera) {
 TEST_F(SiftLocalizerTest, StopsWhenAsked) {
   std::stop_source stop;
   stop.request_stop();
-  Frame frame;
+  image::Frame frame;
   frame.color = Render(*corner_, localizer_->info().calibration.color, {});
   EXPECT_EQ(
       localizer_->Localize(frame, {.stop = stop.get_token()}).status().code(),
       absl::StatusCode::kCancelled);
-  EXPECT_EQ(
-      TrainSiftForest(*dataset_, {}, true, stop.get_token()).status().code(),
-      absl::StatusCode::kCancelled);
+  EXPECT_EQ(training::TrainSiftForest(*dataset_, {}, true, stop.get_token())
+                .status()
+                .code(),
+            absl::StatusCode::kCancelled);
 }
 
 TEST_F(SiftLocalizerTest, ForestsDoNotDependOnThreads) {
-  SiftTrainingOptions options{.threads = 1, .trees = 2, .images_per_tree = 4};
-  const auto one = TrainSiftForest(*dataset_, options, true, {});
+  training::SiftTrainingOptions options{
+      .threads = 1, .trees = 2, .images_per_tree = 4};
+  const auto one = training::TrainSiftForest(*dataset_, options, true, {});
   options.threads = 3;
-  const auto three = TrainSiftForest(*dataset_, options, true, {});
+  const auto three = training::TrainSiftForest(*dataset_, options, true, {});
   ASSERT_TRUE(one.ok() && three.ok());
   EXPECT_TRUE(one->forest.View().Validate().ok());
   ASSERT_EQ(one->forest.nodes.size(), three->forest.nodes.size());
@@ -334,32 +347,34 @@ TEST_F(SiftLocalizerTest, ForestsDoNotDependOnThreads) {
 }
 
 TEST_F(SiftLocalizerTest, TrainingNeedsAStructureAndSensibleOptions) {
-  EXPECT_THAT(std::string(TrainSiftForest(*dataset_, {.trees = 0}, true, {})
-                              .status()
-                              .message()),
-              HasSubstr("trees is 0"));
+  EXPECT_THAT(
+      std::string(training::TrainSiftForest(*dataset_, {.trees = 0}, true, {})
+                      .status()
+                      .message()),
+      HasSubstr("trees is 0"));
   fs::create_directories(*folder_ + "/bare");
   fs::copy_file(*folder_ + "/model/cameras.txt",
                 *folder_ + "/bare/cameras.txt");
   std::ofstream(*folder_ + "/bare/images.txt") << "1 1 0 0 0 0 0 0 1 0.png\n";
   const auto bare =
-      Dataset::Open({.uri = absl::StrCat("colmap:", *folder_, "/bare,",
-                                         *folder_, "/images")});
+      dataset::Dataset::Open({.uri = absl::StrCat("colmap:", *folder_, "/bare,",
+                                                  *folder_, "/images")});
   ASSERT_TRUE(bare.ok()) << bare.status();
-  const auto trained = TrainSiftForest(*bare, {}, true, {});
+  const auto trained = training::TrainSiftForest(*bare, {}, true, {});
   EXPECT_EQ(trained.status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(trained.status().message()), HasSubstr("keypoint"));
 }
 
 TEST(LabelFeaturesTest, TakesTheNearestKeypointWithAPoint) {
-  const std::vector<SiftKeypoint> features = {
+  const std::vector<features::SiftKeypoint> features = {
       {.pixel = {10, 10}}, {.pixel = {-3, 5}}, {.pixel = {100, 100}}};
-  const std::vector<SfmModel::Keypoint> keypoints = {{{10.5, 10}, -1},
-                                                     {{11.2, 10}, 4},
-                                                     {{10, 9}, 7},
-                                                     {{-3.9, 4}, 2},
-                                                     {{101.6, 100}, 9}};
-  EXPECT_EQ(LabelFeatures(features, keypoints, 1.5),
+  const std::vector<dataset::SfmModel::Keypoint> keypoints = {
+      {{10.5, 10}, -1},
+      {{11.2, 10}, 4},
+      {{10, 9}, 7},
+      {{-3.9, 4}, 2},
+      {{101.6, 100}, 9}};
+  EXPECT_EQ(training::LabelFeatures(features, keypoints, 1.5),
             (std::vector<int32_t>{7, 2, -1}));
 }
 

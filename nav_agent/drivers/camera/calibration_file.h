@@ -8,7 +8,7 @@
 #include "absl/strings/string_view.h"
 #include "common/camera/rgbd_calibration.h"
 
-namespace treeline {
+namespace treeline::camera_driver {
 
 // YAML:
 //   width: 640                           # of both images
@@ -20,11 +20,12 @@ namespace treeline {
 //     rotation_wxyz: [1, 0, 0, 0]
 //   depth_scale: 1.0                     # left out: 1
 // INVALID_ARGUMENT with "FILE:LINE: ".
-absl::StatusOr<RgbdCalibration> ParseCalibration(absl::string_view text,
-                                                 absl::string_view name);
+absl::StatusOr<camera::RgbdCalibration> ParseCalibration(
+    absl::string_view text, absl::string_view name);
 // NOT_FOUND and so on name the file.
-absl::StatusOr<RgbdCalibration> ReadCalibration(const std::string& path);
+absl::StatusOr<camera::RgbdCalibration> ReadCalibration(
+    const std::string& path);
 
-}  // namespace treeline
+}  // namespace treeline::camera_driver
 
 #endif  // NAV_AGENT_DRIVERS_CAMERA_CALIBRATION_FILE_H_

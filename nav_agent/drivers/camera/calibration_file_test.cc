@@ -5,7 +5,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::camera_driver {
 namespace {
 
 using ::testing::HasSubstr;
@@ -34,7 +34,7 @@ TEST(CalibrationFile, WithoutDepthItIsRegistered) {
       "width: 320\nheight: 240\ncolor: PINHOLE,262,262,160,120\n", "x.yaml");
   ASSERT_TRUE(calibration.ok()) << calibration.status();
   EXPECT_EQ(calibration->depth, calibration->color);
-  EXPECT_EQ(calibration->color_from_depth, Rigid3{});
+  EXPECT_EQ(calibration->color_from_depth, geometry::Rigid3{});
 }
 
 TEST(CalibrationFile, ErrorsSayWhere) {
@@ -65,4 +65,4 @@ TEST(CalibrationFile, ErrorsSayWhere) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::camera_driver

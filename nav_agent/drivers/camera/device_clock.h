@@ -9,7 +9,7 @@
 
 #include "common/base/clock.h"
 
-namespace treeline {
+namespace treeline::camera_driver {
 
 // Turns a device's own times into ours: device time plus the least offset of
 // the last ten to twenty seconds' arrivals, so that waiting in buffers does not
@@ -18,8 +18,8 @@ namespace treeline {
 // second against ours begins anew.
 class DeviceClock {
  public:
-  MonotonicTime StampOf(std::chrono::nanoseconds device_time,
-                        MonotonicTime arrival) {
+  base::MonotonicTime StampOf(std::chrono::nanoseconds device_time,
+                              base::MonotonicTime arrival) {
     const std::chrono::nanoseconds offset =
         arrival.time_since_epoch() - device_time;
     const bool jumped = least_ && std::chrono::abs(offset - *least_) > kMaxJump;
@@ -32,8 +32,9 @@ class DeviceClock {
       window_begin_ = arrival;
     }
     least_ = std::min(*least_, offset);
-    return MonotonicTime(std::chrono::duration_cast<MonotonicTime::duration>(
-        device_time + std::min(*least_, least_before_)));
+    return base::MonotonicTime(
+        std::chrono::duration_cast<base::MonotonicTime::duration>(
+            device_time + std::min(*least_, least_before_)));
   }
 
  private:
@@ -42,9 +43,9 @@ class DeviceClock {
 
   std::optional<std::chrono::nanoseconds> least_;
   std::chrono::nanoseconds least_before_{0};
-  MonotonicTime window_begin_;
+  base::MonotonicTime window_begin_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::camera_driver
 
 #endif  // NAV_AGENT_DRIVERS_CAMERA_DEVICE_CLOCK_H_

@@ -4,19 +4,19 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::camera_driver {
 namespace {
 
 using std::chrono::milliseconds;
 
-const MonotonicTime kStart{std::chrono::hours(3)};
+const base::MonotonicTime kStart{std::chrono::hours(3)};
 
 TEST(DeviceClock, FollowsTheQuickestArrivals) {
   DeviceClock clock;
   for (int i = 0; i < 1000; ++i) {
     const milliseconds device(33 * i);
     // From 5 to 15 ms late.
-    const MonotonicTime stamp =
+    const base::MonotonicTime stamp =
         clock.StampOf(device, kStart + device + milliseconds(5 + (i * 7) % 11));
     if (i < 11) continue;  // in which each lateness has come once
     EXPECT_EQ(stamp, kStart + device + milliseconds(5));
@@ -28,7 +28,7 @@ TEST(DeviceClock, FollowsADeviceThatRunsSlow) {
   for (int i = 0; i < 3000; ++i) {
     // 300 ppm, far more than a quartz has.
     const std::chrono::microseconds true_time(33340 * i);
-    const MonotonicTime stamp =
+    const base::MonotonicTime stamp =
         clock.StampOf(std::chrono::microseconds(33330 * i), kStart + true_time);
     EXPECT_LE(stamp, kStart + true_time);
     // Twenty seconds of it.
@@ -44,4 +44,4 @@ TEST(DeviceClock, BeginsAnewWhenTheDeviceDoes) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::camera_driver

@@ -3,11 +3,11 @@
 #include <iterator>
 #include <utility>
 
-namespace treeline {
+namespace treeline::camera_driver {
 
-void FrameQueue::Push(RgbdFrame frame) {
+void FrameQueue::Push(core::RgbdFrame frame) {
   absl::MutexLock lock(&mutex_);
-  health_.state = DeviceState::kRunning;
+  health_.state = core::DeviceState::kRunning;
   health_.cause = absl::OkStatus();
   ++health_.received;
   if (frames_.size() >= static_cast<size_t>(max_waiting_)) {
@@ -29,24 +29,24 @@ void FrameQueue::CountDropped(int64_t frames) {
 
 void FrameQueue::SetLost(const absl::Status& cause) {
   absl::MutexLock lock(&mutex_);
-  if (health_.state == DeviceState::kRunning) {
-    health_.state = DeviceState::kLost;
+  if (health_.state == core::DeviceState::kRunning) {
+    health_.state = core::DeviceState::kLost;
     ++health_.losses;
   }
   health_.cause = cause;
 }
 
-std::vector<RgbdFrame> FrameQueue::Take() {
+std::vector<core::RgbdFrame> FrameQueue::Take() {
   absl::MutexLock lock(&mutex_);
-  std::vector<RgbdFrame> frames(std::make_move_iterator(frames_.begin()),
-                                std::make_move_iterator(frames_.end()));
+  std::vector<core::RgbdFrame> frames(std::make_move_iterator(frames_.begin()),
+                                      std::make_move_iterator(frames_.end()));
   frames_.clear();
   return frames;
 }
 
-DeviceHealth FrameQueue::Health() const {
+core::DeviceHealth FrameQueue::Health() const {
   absl::MutexLock lock(&mutex_);
   return health_;
 }
 
-}  // namespace treeline
+}  // namespace treeline::camera_driver

@@ -11,7 +11,7 @@
 #include "absl/synchronization/mutex.h"
 #include "nav_agent/core/devices.h"
 
-namespace treeline {
+namespace treeline::camera_driver {
 
 // Thread-safe.
 class FrameQueue {
@@ -20,7 +20,7 @@ class FrameQueue {
   explicit FrameQueue(int max_waiting) : max_waiting_(max_waiting) {}
 
   // A good frame has come: the camera runs.
-  void Push(RgbdFrame frame);
+  void Push(core::RgbdFrame frame);
   // A frame has come broken, or only half of it has.
   void CountCorrupt(int64_t frames = 1);
   // Frames that were given up unseen.
@@ -28,16 +28,16 @@ class FrameQueue {
   // The camera is not there, or not any longer. A loss is counted if it ran.
   void SetLost(const absl::Status& cause);
 
-  std::vector<RgbdFrame> Take();
-  DeviceHealth Health() const;
+  std::vector<core::RgbdFrame> Take();
+  core::DeviceHealth Health() const;
 
  private:
   const int max_waiting_;
   mutable absl::Mutex mutex_;
-  std::deque<RgbdFrame> frames_ ABSL_GUARDED_BY(mutex_);
-  DeviceHealth health_ ABSL_GUARDED_BY(mutex_);
+  std::deque<core::RgbdFrame> frames_ ABSL_GUARDED_BY(mutex_);
+  core::DeviceHealth health_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::camera_driver
 
 #endif  // NAV_AGENT_DRIVERS_CAMERA_FRAME_QUEUE_H_

@@ -2,16 +2,16 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::camera_driver {
 namespace {
 
-RgbdFrame Numbered(int64_t sequence) {
+core::RgbdFrame Numbered(int64_t sequence) {
   return {.stamp = {}, .sequence = sequence, .frame = {}};
 }
 
 TEST(FrameQueue, HandsOverInOrderAndOnce) {
   FrameQueue queue(4);
-  EXPECT_EQ(queue.Health().state, DeviceState::kStarting);
+  EXPECT_EQ(queue.Health().state, core::DeviceState::kStarting);
   for (int i = 0; i < 3; ++i) queue.Push(Numbered(i));
   const auto frames = queue.Take();
   ASSERT_EQ(frames.size(), 3u);
@@ -19,7 +19,7 @@ TEST(FrameQueue, HandsOverInOrderAndOnce) {
     EXPECT_EQ(frames[static_cast<size_t>(i)].sequence, i);
   }
   EXPECT_TRUE(queue.Take().empty());
-  EXPECT_EQ(queue.Health().state, DeviceState::kRunning);
+  EXPECT_EQ(queue.Health().state, core::DeviceState::kRunning);
   EXPECT_EQ(queue.Health().received, 3);
 }
 
@@ -33,12 +33,12 @@ TEST(FrameQueue, KeepsTheLatest) {
 TEST(FrameQueue, ALossIsCountedOnceAndEndsWithTheNextFrame) {
   FrameQueue queue(4);
   queue.SetLost(absl::NotFoundError("none"));
-  EXPECT_EQ(queue.Health().state, DeviceState::kStarting);
+  EXPECT_EQ(queue.Health().state, core::DeviceState::kStarting);
   EXPECT_EQ(queue.Health().losses, 0);
   queue.Push(Numbered(0));
   queue.SetLost(absl::UnavailableError("unplugged"));
   queue.SetLost(absl::NotFoundError("none"));
-  EXPECT_EQ(queue.Health().state, DeviceState::kLost);
+  EXPECT_EQ(queue.Health().state, core::DeviceState::kLost);
   EXPECT_EQ(queue.Health().losses, 1);
   EXPECT_EQ(queue.Health().cause, absl::NotFoundError("none"));
   queue.Push(Numbered(1));
@@ -46,4 +46,4 @@ TEST(FrameQueue, ALossIsCountedOnceAndEndsWithTheNextFrame) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::camera_driver

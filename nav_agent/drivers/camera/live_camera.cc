@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "nav_agent/drivers/stream/byte_stream.h"
 
-namespace treeline {
+namespace treeline::camera_driver {
 namespace {
 
 constexpr std::chrono::milliseconds kReadTimeout(100);
@@ -19,16 +19,16 @@ absl::Status LiveCameraOptions::Validate() const {
     return absl::InvalidArgumentError(absl::StrCat(
         "a camera's silence_s of ", silence_s, " is outside [0.2, 60]"));
   }
-  if (max_waiting < 1 || max_waiting > kMaxWaiting) {
+  if (max_waiting < 1 || max_waiting > core::kMaxWaiting) {
     return absl::InvalidArgumentError(
         absl::StrCat("a camera's max_waiting of ", max_waiting,
-                     " is outside [1, ", kMaxWaiting, "]"));
+                     " is outside [1, ", core::kMaxWaiting, "]"));
   }
   return backoff.Validate();
 }
 
 CameraWorker::CameraWorker(const LiveCameraOptions& options,
-                           CameraOpener& opener, const Clock& clock,
+                           CameraOpener& opener, const base::Clock& clock,
                            FrameQueue& queue)
     : options_(options),
       opener_(opener),
@@ -36,14 +36,15 @@ CameraWorker::CameraWorker(const LiveCameraOptions& options,
       queue_(queue),
       backoff_(options.backoff, options.seed) {}
 
-RgbdCalibration CameraWorker::calibration() const {
+camera::RgbdCalibration CameraWorker::calibration() const {
   absl::MutexLock lock(&mutex_);
   return calibration_;
 }
 
 std::chrono::nanoseconds CameraWorker::Step() {
   if (device_ == nullptr) return Open();
-  absl::StatusOr<std::optional<RgbdFrame>> frame = device_->Read(kReadTimeout);
+  absl::StatusOr<std::optional<core::RgbdFrame>> frame =
+      device_->Read(kReadTimeout);
   if (frame.ok() && frame->has_value()) {
     Take(**std::move(frame));
     return kAtOnce;
@@ -78,7 +79,7 @@ std::chrono::nanoseconds CameraWorker::GiveUp(const absl::Status& cause) {
   return backoff_.Next();
 }
 
-void CameraWorker::Take(RgbdFrame frame) {
+void CameraWorker::Take(core::RgbdFrame frame) {
   backoff_.Reset();
   last_frame_at_ = clock_.Now();
   if (!sequence_offset_) sequence_offset_ = next_sequence_ - frame.sequence;
@@ -96,7 +97,7 @@ void CameraWorker::Take(RgbdFrame frame) {
 
 absl::StatusOr<std::unique_ptr<LiveCamera>> LiveCamera::Create(
     const LiveCameraOptions& options, std::unique_ptr<CameraOpener> opener,
-    const Clock& clock) {
+    const base::Clock& clock) {
   if (absl::Status status = options.Validate(); !status.ok()) return status;
   if (opener == nullptr) {
     return absl::InvalidArgumentError("the camera has no opener");
@@ -106,14 +107,15 @@ absl::StatusOr<std::unique_ptr<LiveCamera>> LiveCamera::Create(
 }
 
 LiveCamera::LiveCamera(const LiveCameraOptions& options,
-                       std::unique_ptr<CameraOpener> opener, const Clock& clock)
+                       std::unique_ptr<CameraOpener> opener,
+                       const base::Clock& clock)
     : opener_(std::move(opener)),
       queue_(options.max_waiting),
       worker_(options, *opener_, clock, queue_),
       thread_([this](const std::stop_token& stop) {
         while (!stop.stop_requested()) {
           const std::chrono::nanoseconds wait = worker_.Step();
-          if (wait > kAtOnce) StopRequestedWithin(wait, stop);
+          if (wait > kAtOnce) stream::StopRequestedWithin(wait, stop);
         }
       }) {}
 
@@ -122,12 +124,12 @@ LiveCamera::~LiveCamera() {
   thread_.join();
 }
 
-RgbdCalibration LiveCamera::Calibration() const {
+camera::RgbdCalibration LiveCamera::Calibration() const {
   return worker_.calibration();
 }
 
-std::vector<RgbdFrame> LiveCamera::TakeFrames() { return queue_.Take(); }
+std::vector<core::RgbdFrame> LiveCamera::TakeFrames() { return queue_.Take(); }
 
-DeviceHealth LiveCamera::Health() const { return queue_.Health(); }
+core::DeviceHealth LiveCamera::Health() const { return queue_.Health(); }
 
-}  // namespace treeline
+}  // namespace treeline::camera_driver

@@ -9,20 +9,20 @@
 #include "absl/synchronization/notification.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::camera_driver {
 namespace {
 
 using std::chrono::milliseconds;
-using Answer = absl::StatusOr<std::optional<RgbdFrame>>;
+using Answer = absl::StatusOr<std::optional<core::RgbdFrame>>;
 
-RgbdFrame Numbered(int64_t sequence) {
+core::RgbdFrame Numbered(int64_t sequence) {
   return {.stamp = {}, .sequence = sequence, .frame = {}};
 }
 
-class FakeClock final : public Clock {
+class FakeClock final : public base::Clock {
  public:
-  MonotonicTime Now() const override { return now; }
-  MonotonicTime now{std::chrono::hours(1)};
+  base::MonotonicTime Now() const override { return now; }
+  base::MonotonicTime now{std::chrono::hours(1)};
 };
 
 // What the devices of an opener answer, one after another; then nothing.
@@ -40,7 +40,7 @@ class FakeDevice final : public CameraDevice {
     ++script_.open_now;
   }
   ~FakeDevice() override { --script_.open_now; }
-  RgbdCalibration Calibration() const override {
+  camera::RgbdCalibration Calibration() const override {
     return {.color = {},
             .depth = {},
             .color_from_depth = {},
@@ -110,7 +110,7 @@ TEST_F(CameraWorkerTest, WaitsLongerEachTimeThereIsNoCamera) {
   const auto third = worker_.Step();
   EXPECT_GT(first.count(), 0);
   EXPECT_GT(third, 2 * first);
-  EXPECT_EQ(queue_.Health().state, DeviceState::kStarting);
+  EXPECT_EQ(queue_.Health().state, core::DeviceState::kStarting);
   EXPECT_EQ(queue_.Health().cause, absl::NotFoundError("no camera"));
   EXPECT_EQ(worker_.Step().count(), 0);
   EXPECT_EQ(script_.opened, 1);
@@ -123,10 +123,10 @@ TEST_F(CameraWorkerTest, IsFoundAgainAfterItWasUnplugged) {
   worker_.Step();
   EXPECT_GT(worker_.Step().count(), 0);
   EXPECT_EQ(script_.open_now, 0);
-  EXPECT_EQ(queue_.Health().state, DeviceState::kLost);
+  EXPECT_EQ(queue_.Health().state, core::DeviceState::kLost);
   EXPECT_EQ(queue_.Health().losses, 1);
   for (int i = 0; i < 3; ++i) worker_.Step();
-  EXPECT_EQ(queue_.Health().state, DeviceState::kRunning);
+  EXPECT_EQ(queue_.Health().state, core::DeviceState::kRunning);
   EXPECT_EQ(script_.opened, 2);
   const auto frames = queue_.Take();
   ASSERT_EQ(frames.size(), 3u);
@@ -141,7 +141,7 @@ TEST_F(CameraWorkerTest, ASilentCameraIsOpenedAgain) {
   worker_.Step();
   for (int i = 0; i < 19; ++i) EXPECT_EQ(worker_.Step().count(), 0) << i;
   EXPECT_GT(worker_.Step().count(), 0);
-  EXPECT_EQ(queue_.Health().state, DeviceState::kLost);
+  EXPECT_EQ(queue_.Health().state, core::DeviceState::kLost);
   EXPECT_EQ(script_.open_now, 0);
   worker_.Step();
   EXPECT_EQ(script_.opened, 2);
@@ -156,15 +156,15 @@ TEST_F(CameraWorkerTest, BrokenFramesAreCountedAndPassed) {
 
 TEST_F(CameraWorkerTest, StampsNeverRunBackwards) {
   for (const int ms : {100, 90, 120}) {
-    RgbdFrame frame = Numbered(ms);
-    frame.stamp = MonotonicTime(milliseconds(ms));
+    core::RgbdFrame frame = Numbered(ms);
+    frame.stamp = base::MonotonicTime(milliseconds(ms));
     script_.answers.emplace_back(frame);
   }
   for (int i = 0; i < 4; ++i) worker_.Step();
   const auto frames = queue_.Take();
   ASSERT_EQ(frames.size(), 3u);
-  EXPECT_EQ(frames[1].stamp, MonotonicTime(milliseconds(100)));
-  EXPECT_EQ(frames[2].stamp, MonotonicTime(milliseconds(120)));
+  EXPECT_EQ(frames[1].stamp, base::MonotonicTime(milliseconds(100)));
+  EXPECT_EQ(frames[2].stamp, base::MonotonicTime(milliseconds(120)));
 }
 
 TEST_F(CameraWorkerTest, ADeviceThatCountsAnewDoesNotRepeatNumbers) {
@@ -180,7 +180,7 @@ class OneFrameDevice final : public CameraDevice {
  public:
   explicit OneFrameDevice(absl::Notification& asked_again)
       : asked_again_(asked_again) {}
-  RgbdCalibration Calibration() const override { return {}; }
+  camera::RgbdCalibration Calibration() const override { return {}; }
   Answer Read(milliseconds) override {
     if (++reads_ == 1) return Numbered(0);
     if (reads_ == 2) asked_again_.Notify();
@@ -212,7 +212,7 @@ TEST(LiveCamera, ReadsOnAThread) {
   ASSERT_TRUE(camera.ok()) << camera.status();
   asked_again.WaitForNotification();
   EXPECT_EQ((*camera)->TakeFrames().size(), 1u);
-  EXPECT_EQ((*camera)->Health().state, DeviceState::kRunning);
+  EXPECT_EQ((*camera)->Health().state, core::DeviceState::kRunning);
 }
 
 TEST(LiveCamera, BadOptionsAreRefused) {
@@ -223,11 +223,11 @@ TEST(LiveCamera, BadOptionsAreRefused) {
                                   std::make_unique<FakeOpener>(script, clock),
                                   clock)
                    .ok());
-  EXPECT_FALSE(LiveCamera::Create({.max_waiting = kMaxWaiting + 1},
+  EXPECT_FALSE(LiveCamera::Create({.max_waiting = core::kMaxWaiting + 1},
                                   std::make_unique<FakeOpener>(script, clock),
                                   clock)
                    .ok());
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::camera_driver

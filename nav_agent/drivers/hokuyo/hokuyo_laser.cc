@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 namespace {
 
 using std::chrono::milliseconds;
@@ -22,16 +22,17 @@ constexpr milliseconds kLongestRead(50);
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<HokuyoLaser>> HokuyoLaser::Start(
-    const HokuyoOptions& options, std::unique_ptr<ByteStreamOpener> opener,
-    const Clock& clock) {
+    const HokuyoOptions& options,
+    std::unique_ptr<stream::ByteStreamOpener> opener,
+    const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
   return std::unique_ptr<HokuyoLaser>(
       new HokuyoLaser(options, std::move(opener), clock));
 }
 
 HokuyoLaser::HokuyoLaser(const HokuyoOptions& options,
-                         std::unique_ptr<ByteStreamOpener> opener,
-                         const Clock& clock)
+                         std::unique_ptr<stream::ByteStreamOpener> opener,
+                         const base::Clock& clock)
     : options_(options),
       opener_(std::move(opener)),
       clock_(clock),
@@ -40,9 +41,9 @@ HokuyoLaser::HokuyoLaser(const HokuyoOptions& options,
 
 HokuyoLaser::~HokuyoLaser() = default;
 
-RangeSensorInfo HokuyoLaser::Info() const {
+core::RangeSensorInfo HokuyoLaser::Info() const {
   const absl::MutexLock lock(&mutex_);
-  return info_.value_or(RangeSensorInfo());
+  return info_.value_or(core::RangeSensorInfo());
 }
 
 std::optional<ScipVersion> HokuyoLaser::Version() const {
@@ -50,24 +51,25 @@ std::optional<ScipVersion> HokuyoLaser::Version() const {
   return version_;
 }
 
-std::vector<LaserScan> HokuyoLaser::TakeScans() {
+std::vector<core::LaserScan> HokuyoLaser::TakeScans() {
   const absl::MutexLock lock(&mutex_);
-  std::vector<LaserScan> scans(std::make_move_iterator(waiting_.begin()),
-                               std::make_move_iterator(waiting_.end()));
+  std::vector<core::LaserScan> scans(std::make_move_iterator(waiting_.begin()),
+                                     std::make_move_iterator(waiting_.end()));
   waiting_.clear();
   return scans;
 }
 
-DeviceHealth HokuyoLaser::Health() const {
+core::DeviceHealth HokuyoLaser::Health() const {
   const absl::MutexLock lock(&mutex_);
   return health_;
 }
 
 void HokuyoLaser::SetLost(const absl::Status& cause) {
   const absl::MutexLock lock(&mutex_);
-  if (health_.state == DeviceState::kRunning) ++health_.losses;
-  health_.state = DeviceState::kLost;
-  health_.cause = Annotate(cause, absl::StrCat("laser ", opener_->Name()));
+  if (health_.state == core::DeviceState::kRunning) ++health_.losses;
+  health_.state = core::DeviceState::kLost;
+  health_.cause =
+      base::Annotate(cause, absl::StrCat("laser ", opener_->Name()));
 }
 
 void HokuyoLaser::Run(const std::stop_token& stop) {
@@ -79,11 +81,11 @@ void HokuyoLaser::Run(const std::stop_token& stop) {
     if (stream.ok()) stream->reset();
     if (stop.stop_requested()) return;
     SetLost(ended);
-    if (StopRequestedWithin(backoff_.Next(), stop)) return;
+    if (stream::StopRequestedWithin(backoff_.Next(), stop)) return;
   }
 }
 
-absl::Status HokuyoLaser::Serve(ByteStream& stream,
+absl::Status HokuyoLaser::Serve(stream::ByteStream& stream,
                                 const std::stop_token& stop) {
   HokuyoProtocol protocol(options_, clock_.Now());
   {
@@ -97,16 +99,17 @@ absl::Status HokuyoLaser::Serve(ByteStream& stream,
   // The laser need not shine when nobody looks. If this does not arrive, the
   // next session begins with it.
   if (!absl::IsUnavailable(status)) {
-    stream.Write(AsBytes("QT\n"), milliseconds(100)).IgnoreError();
+    stream.Write(stream::AsBytes("QT\n"), milliseconds(100)).IgnoreError();
   }
   return status;
 }
 
-absl::Status HokuyoLaser::Exchange(ByteStream& stream, HokuyoProtocol& protocol,
+absl::Status HokuyoLaser::Exchange(stream::ByteStream& stream,
+                                   HokuyoProtocol& protocol,
                                    const std::stop_token& stop) {
   const std::string output = protocol.TakeOutput();
   if (!output.empty()) {
-    TL_RETURN_IF_ERROR(stream.Write(AsBytes(output), kWriteTimeout));
+    TL_RETURN_IF_ERROR(stream.Write(stream::AsBytes(output), kWriteTimeout));
   }
   if (protocol.failed()) return protocol.trouble();
   const auto left =
@@ -116,7 +119,7 @@ absl::Status HokuyoLaser::Exchange(ByteStream& stream, HokuyoProtocol& protocol,
       const size_t count,
       stream.Read(buffer, std::clamp(left, milliseconds(0), kLongestRead),
                   stop));
-  const MonotonicTime now = clock_.Now();
+  const base::MonotonicTime now = clock_.Now();
   if (count > 0) {
     protocol.Receive(std::span(buffer).first(count), now);
   } else {
@@ -126,7 +129,7 @@ absl::Status HokuyoLaser::Exchange(ByteStream& stream, HokuyoProtocol& protocol,
 }
 
 absl::Status HokuyoLaser::Publish(HokuyoProtocol& protocol) {
-  std::vector<LaserScan> scans = protocol.TakeScans();
+  std::vector<core::LaserScan> scans = protocol.TakeScans();
   const absl::MutexLock lock(&mutex_);
   health_.corrupt = corrupt_before_session_ + protocol.corrupt();
   if (protocol.knows_sensor()) {
@@ -138,8 +141,8 @@ absl::Status HokuyoLaser::Publish(HokuyoProtocol& protocol) {
     }
     version_ = protocol.Version();
   }
-  for (LaserScan& scan : scans) {
-    if (waiting_.size() >= kMaxWaiting) {
+  for (core::LaserScan& scan : scans) {
+    if (waiting_.size() >= core::kMaxWaiting) {
       waiting_.pop_front();
       ++health_.dropped;
     }
@@ -147,16 +150,16 @@ absl::Status HokuyoLaser::Publish(HokuyoProtocol& protocol) {
     ++health_.received;
   }
   if (!protocol.trouble().ok()) {
-    if (health_.state == DeviceState::kRunning) ++health_.losses;
-    health_.state = DeviceState::kLost;
-    health_.cause =
-        Annotate(protocol.trouble(), absl::StrCat("laser ", opener_->Name()));
+    if (health_.state == core::DeviceState::kRunning) ++health_.losses;
+    health_.state = core::DeviceState::kLost;
+    health_.cause = base::Annotate(protocol.trouble(),
+                                   absl::StrCat("laser ", opener_->Name()));
   } else if (!scans.empty()) {
-    health_.state = DeviceState::kRunning;
+    health_.state = core::DeviceState::kRunning;
     health_.cause = absl::OkStatus();
     backoff_.Reset();
   }
   return absl::OkStatus();
 }
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 namespace {
 
 // NaN lies nowhere.
@@ -51,4 +51,4 @@ absl::Status HokuyoOptions::Validate() const {
   return backoff.Validate();
 }
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo

@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "nav_agent/drivers/stream/backoff.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 
 struct HokuyoOptions {
   // Which beams are asked for (laser frame, counter-clockwise from straight
@@ -46,12 +46,12 @@ struct HokuyoOptions {
   // minute, and sometimes helps.
   bool reboot_on_fault = false;
 
-  BackoffOptions backoff;
+  stream::BackoffOptions backoff;
   uint64_t seed = 1;  // of the back-off
 
   absl::Status Validate() const;
 };
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo
 
 #endif  // NAV_AGENT_DRIVERS_HOKUYO_HOKUYO_OPTIONS_H_

@@ -8,7 +8,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 namespace {
 
 using std::chrono::nanoseconds;
@@ -31,24 +31,25 @@ int NumberOf(absl::string_view status) {
 
 }  // namespace
 
-HokuyoProtocol::HokuyoProtocol(const HokuyoOptions& options, MonotonicTime now)
+HokuyoProtocol::HokuyoProtocol(const HokuyoOptions& options,
+                               base::MonotonicTime now)
     : options_(options), clock_(Seconds(options.assumed_delay_s)) {
   Ask(Phase::kQuieting, "QT", now);
 }
 
-void HokuyoProtocol::Await(double seconds, MonotonicTime now) {
+void HokuyoProtocol::Await(double seconds, base::MonotonicTime now) {
   deadline_ = now + Seconds(seconds);
 }
 
 void HokuyoProtocol::Ask(Phase phase, absl::string_view command,
-                         MonotonicTime now) {
+                         base::MonotonicTime now) {
   phase_ = phase;
   question_ = std::string(command);
   attempts_ = 0;
   Repeat(now);
 }
 
-void HokuyoProtocol::Repeat(MonotonicTime now) {
+void HokuyoProtocol::Repeat(base::MonotonicTime now) {
   ++attempts_;
   asked_at_ = now;
   absl::StrAppend(&output_, question_, "\n");
@@ -57,24 +58,24 @@ void HokuyoProtocol::Repeat(MonotonicTime now) {
 
 std::string HokuyoProtocol::TakeOutput() { return std::exchange(output_, {}); }
 
-std::vector<LaserScan> HokuyoProtocol::TakeScans() {
+std::vector<core::LaserScan> HokuyoProtocol::TakeScans() {
   return std::exchange(scans_, {});
 }
 
 void HokuyoProtocol::Receive(std::span<const uint8_t> bytes,
-                             MonotonicTime now) {
+                             base::MonotonicTime now) {
   parser_.Parse(bytes, [&](const ScipReply& reply) { OnReply(reply, now); });
   Tick(now);
 }
 
-void HokuyoProtocol::Tick(MonotonicTime now) {
+void HokuyoProtocol::Tick(base::MonotonicTime now) {
   if (!failed() && now >= deadline_) OnTimeout(now);
 }
 
 void HokuyoProtocol::Fail(absl::Status why) {
   phase_ = Phase::kFailed;
   trouble_ = std::move(why);
-  deadline_ = MonotonicTime::max();
+  deadline_ = base::MonotonicTime::max();
 }
 
 absl::Status HokuyoProtocol::SilenceTrouble(absl::string_view what) const {
@@ -88,7 +89,7 @@ absl::Status HokuyoProtocol::SilenceTrouble(absl::string_view what) const {
   return absl::UnavailableError(what);
 }
 
-void HokuyoProtocol::OnTimeout(MonotonicTime now) {
+void HokuyoProtocol::OnTimeout(base::MonotonicTime now) {
   switch (phase_) {
     case Phase::kFailed:
       return;
@@ -116,7 +117,7 @@ void HokuyoProtocol::OnTimeout(MonotonicTime now) {
   Fail(SilenceTrouble(absl::StrCat("no answer to ", question_)));
 }
 
-void HokuyoProtocol::OnReply(const ScipReply& reply, MonotonicTime now) {
+void HokuyoProtocol::OnReply(const ScipReply& reply, base::MonotonicTime now) {
   if (failed() || reply.echo != question_) {
     // What an earlier session asked for, or a damaged echo.
     if (phase_ == Phase::kScanning) ++corrupt_scans_;
@@ -135,7 +136,8 @@ void HokuyoProtocol::OnReply(const ScipReply& reply, MonotonicTime now) {
   }
 }
 
-void HokuyoProtocol::OnSetupReply(const ScipReply& reply, MonotonicTime now) {
+void HokuyoProtocol::OnSetupReply(const ScipReply& reply,
+                                  base::MonotonicTime now) {
   if ((phase_ == Phase::kVersion || phase_ == Phase::kParameters) &&
       reply.status != "00") {
     return Refused(reply.status);
@@ -175,7 +177,8 @@ void HokuyoProtocol::OnSetupReply(const ScipReply& reply, MonotonicTime now) {
   }
 }
 
-void HokuyoProtocol::OnParameters(const ScipReply& reply, MonotonicTime now) {
+void HokuyoProtocol::OnParameters(const ScipReply& reply,
+                                  base::MonotonicTime now) {
   auto parameters = DecodeParameters(reply);
   if (absl::IsDataLoss(parameters.status())) {
     ++corrupt_scans_;
@@ -222,7 +225,8 @@ absl::Status HokuyoProtocol::ChooseBeams() {
   return absl::OkStatus();
 }
 
-void HokuyoProtocol::OnTimeReply(const ScipReply& reply, MonotonicTime now) {
+void HokuyoProtocol::OnTimeReply(const ScipReply& reply,
+                                 base::MonotonicTime now) {
   if (phase_ == Phase::kTimeOff) return Ask(Phase::kLaserOn, "BM", now);
   if (phase_ == Phase::kTimeOn) {
     // 02: it already was. Anything else: it cannot.
@@ -241,14 +245,15 @@ void HokuyoProtocol::OnTimeReply(const ScipReply& reply, MonotonicTime now) {
   Ask(Phase::kTimeOff, "TM2", now);
 }
 
-void HokuyoProtocol::OnLaserOn(absl::string_view status, MonotonicTime now) {
+void HokuyoProtocol::OnLaserOn(absl::string_view status,
+                               base::MonotonicTime now) {
   // 02: it already was.
   if (status == "00" || status == "02") return StartScans(now);
   if (status == "01") return OnFault(status, now);
   Refused(status);
 }
 
-void HokuyoProtocol::AskForScans(MonotonicTime now) {
+void HokuyoProtocol::AskForScans(base::MonotonicTime now) {
   if (command_.continuous) {
     return Ask(Phase::kStarting, command_.Text(), now);
   }
@@ -256,12 +261,13 @@ void HokuyoProtocol::AskForScans(MonotonicTime now) {
   deadline_ = silent_at_;
 }
 
-void HokuyoProtocol::StartScans(MonotonicTime now) {
+void HokuyoProtocol::StartScans(base::MonotonicTime now) {
   silent_at_ = now + Seconds(options_.first_scan_timeout_s);
   AskForScans(now);
 }
 
-void HokuyoProtocol::OnScanReply(const ScipReply& reply, MonotonicTime now) {
+void HokuyoProtocol::OnScanReply(const ScipReply& reply,
+                                 base::MonotonicTime now) {
   if (reply.status == "99") {
     // It may be sent before what confirms it has come through undamaged.
     phase_ = Phase::kScanning;
@@ -273,13 +279,13 @@ void HokuyoProtocol::OnScanReply(const ScipReply& reply, MonotonicTime now) {
   OnScanStatus(reply.status, now);
 }
 
-void HokuyoProtocol::OnConfirmed(MonotonicTime now) {
+void HokuyoProtocol::OnConfirmed(base::MonotonicTime now) {
   if (phase_ != Phase::kStarting) return;
   phase_ = Phase::kScanning;
   Await(options_.first_scan_timeout_s, now);
 }
 
-void HokuyoProtocol::OnScan(const ScipReply& reply, MonotonicTime now) {
+void HokuyoProtocol::OnScan(const ScipReply& reply, base::MonotonicTime now) {
   if (!DecodeScan(reply, command_, scan_).ok()) {
     ++corrupt_scans_;
     if (!command_.continuous) PauseUntil(now);
@@ -298,7 +304,7 @@ void HokuyoProtocol::OnScan(const ScipReply& reply, MonotonicTime now) {
     return Fail(absl::UnavailableError(
         "the sensor's clock has jumped: it has restarted"));
   }
-  LaserScan& scan = scans_.emplace_back();
+  core::LaserScan& scan = scans_.emplace_back();
   scan.stamp = *stamp + first_beam_delay_;
   scan.ranges_m.resize(scan_.codes.size());
   std::transform(
@@ -314,13 +320,14 @@ void HokuyoProtocol::OnScan(const ScipReply& reply, MonotonicTime now) {
   }
 }
 
-void HokuyoProtocol::PauseUntil(MonotonicTime time) {
+void HokuyoProtocol::PauseUntil(base::MonotonicTime time) {
   phase_ = Phase::kPausing;
   question_.clear();
   deadline_ = time;
 }
 
-void HokuyoProtocol::OnScanStatus(absl::string_view status, MonotonicTime now) {
+void HokuyoProtocol::OnScanStatus(absl::string_view status,
+                                  base::MonotonicTime now) {
   const int number = NumberOf(status);
   // It is sending already; a scan may have come before it said so.
   if (status == "0B" && command_.continuous) return OnConfirmed(now);
@@ -348,7 +355,8 @@ void HokuyoProtocol::Refused(absl::string_view status) {
       absl::StrCat("the sensor refuses ", question_, " with status ", status)));
 }
 
-void HokuyoProtocol::OnFault(absl::string_view status, MonotonicTime now) {
+void HokuyoProtocol::OnFault(absl::string_view status,
+                             base::MonotonicTime now) {
   trouble_ = absl::FailedPreconditionError(
       absl::StrCat("the sensor reports broken hardware (status ", status,
                    " to ", question_, ")"));
@@ -356,7 +364,7 @@ void HokuyoProtocol::OnFault(absl::string_view status, MonotonicTime now) {
   Ask(Phase::kAskingWhy, "II", now);
 }
 
-void HokuyoProtocol::AfterFault(MonotonicTime now) {
+void HokuyoProtocol::AfterFault(base::MonotonicTime now) {
   if (!condition_.empty()) {
     trouble_ = absl::FailedPreconditionError(
         absl::StrCat(trouble_.message(), ": ", condition_));
@@ -366,4 +374,4 @@ void HokuyoProtocol::AfterFault(MonotonicTime now) {
   Ask(Phase::kRebooting, "RB", now);
 }
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo

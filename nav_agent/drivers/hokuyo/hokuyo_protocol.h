@@ -20,7 +20,7 @@
 #include "nav_agent/drivers/hokuyo/scip_replies.h"
 #include "nav_agent/drivers/hokuyo/sensor_clock.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 
 // One session over one connection:
 //
@@ -39,23 +39,23 @@ class HokuyoProtocol {
   static constexpr int kTimeSamples = 12;
 
   // Begins at `now`. `options` must be valid.
-  HokuyoProtocol(const HokuyoOptions& options, MonotonicTime now);
+  HokuyoProtocol(const HokuyoOptions& options, base::MonotonicTime now);
 
   // What arrived, and when.
-  void Receive(std::span<const uint8_t> bytes, MonotonicTime now);
+  void Receive(std::span<const uint8_t> bytes, base::MonotonicTime now);
   // To be called at NextDeadline() at the latest, if nothing arrived.
-  void Tick(MonotonicTime now);
-  MonotonicTime NextDeadline() const { return deadline_; }
+  void Tick(base::MonotonicTime now);
+  base::MonotonicTime NextDeadline() const { return deadline_; }
 
   // What is to be sent now; empty most of the time.
   std::string TakeOutput();
   // Good scans since the last call.
-  std::vector<LaserScan> TakeScans();
+  std::vector<core::LaserScan> TakeScans();
 
   // Whether the sensor has said what it measures; Info(), Parameters() and
   // Version() mean something from then on.
   bool knows_sensor() const { return knows_sensor_; }
-  const RangeSensorInfo& Info() const { return info_; }
+  const core::RangeSensorInfo& Info() const { return info_; }
   const ScipParameters& Parameters() const { return parameters_; }
   const ScipVersion& Version() const { return version_; }
   const ScanCommand& Command() const { return command_; }
@@ -94,40 +94,40 @@ class HokuyoProtocol {
   };
 
   // Sends `command` and awaits its echo.
-  void Ask(Phase phase, absl::string_view command, MonotonicTime now);
-  void Repeat(MonotonicTime now);
-  void OnReply(const ScipReply& reply, MonotonicTime now);
-  void OnSetupReply(const ScipReply& reply, MonotonicTime now);
-  void OnTimeReply(const ScipReply& reply, MonotonicTime now);
-  void OnParameters(const ScipReply& reply, MonotonicTime now);
-  void OnLaserOn(absl::string_view status, MonotonicTime now);
-  void OnScanReply(const ScipReply& reply, MonotonicTime now);
-  void OnConfirmed(MonotonicTime now);
-  void OnScanStatus(absl::string_view status, MonotonicTime now);
-  void OnScan(const ScipReply& reply, MonotonicTime now);
-  void PauseUntil(MonotonicTime time);
-  void OnTimeout(MonotonicTime now);
-  void StartScans(MonotonicTime now);
-  void AskForScans(MonotonicTime now);
+  void Ask(Phase phase, absl::string_view command, base::MonotonicTime now);
+  void Repeat(base::MonotonicTime now);
+  void OnReply(const ScipReply& reply, base::MonotonicTime now);
+  void OnSetupReply(const ScipReply& reply, base::MonotonicTime now);
+  void OnTimeReply(const ScipReply& reply, base::MonotonicTime now);
+  void OnParameters(const ScipReply& reply, base::MonotonicTime now);
+  void OnLaserOn(absl::string_view status, base::MonotonicTime now);
+  void OnScanReply(const ScipReply& reply, base::MonotonicTime now);
+  void OnConfirmed(base::MonotonicTime now);
+  void OnScanStatus(absl::string_view status, base::MonotonicTime now);
+  void OnScan(const ScipReply& reply, base::MonotonicTime now);
+  void PauseUntil(base::MonotonicTime time);
+  void OnTimeout(base::MonotonicTime now);
+  void StartScans(base::MonotonicTime now);
+  void AskForScans(base::MonotonicTime now);
   // The hardware is broken, as `status` says: asks why, and fails then.
-  void OnFault(absl::string_view status, MonotonicTime now);
-  void AfterFault(MonotonicTime now);
+  void OnFault(absl::string_view status, base::MonotonicTime now);
+  void AfterFault(base::MonotonicTime now);
   void Fail(absl::Status why);
   void Refused(absl::string_view status);
   absl::Status SilenceTrouble(absl::string_view what) const;
   // Which beams the options mean, of those that there are.
   absl::Status ChooseBeams();
-  void Await(double seconds, MonotonicTime now);
+  void Await(double seconds, base::MonotonicTime now);
 
   HokuyoOptions options_;
   ScipParser parser_;
   SensorClock clock_;
   Phase phase_ = Phase::kQuieting;
   absl::Status trouble_;
-  MonotonicTime deadline_;
+  base::MonotonicTime deadline_;
   // The question, as its echo will repeat it; when it was asked, how often.
   std::string question_;
-  MonotonicTime asked_at_;
+  base::MonotonicTime asked_at_;
   int attempts_ = 0;
   int time_samples_ = 0;
   std::string output_;
@@ -137,18 +137,18 @@ class HokuyoProtocol {
   ScipVersion version_;
   std::string condition_;
   ScanCommand command_;
-  RangeSensorInfo info_;
+  core::RangeSensorInfo info_;
   std::chrono::nanoseconds first_beam_delay_{0};
 
   ScipScan scan_;
   int64_t last_time_ms_ = -1;
   // When the sensor counts as silent: put off by every good scan.
-  MonotonicTime silent_at_;
+  base::MonotonicTime silent_at_;
   int64_t corrupt_scans_ = 0;
   int64_t corrupt_at_last_scan_ = 0;
-  std::vector<LaserScan> scans_;
+  std::vector<core::LaserScan> scans_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo
 
 #endif  // NAV_AGENT_DRIVERS_HOKUYO_HOKUYO_PROTOCOL_H_

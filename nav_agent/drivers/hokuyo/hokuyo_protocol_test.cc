@@ -10,7 +10,7 @@
 #include "nav_agent/drivers/hokuyo/testing_scip.h"
 #include "nav_agent/drivers/stream/byte_stream.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 namespace {
 
 using testing::HasSubstr;
@@ -23,9 +23,11 @@ class Talk {
 
   HokuyoProtocol& protocol() { return protocol_; }
   std::string Sent() { return protocol_.TakeOutput(); }
-  void Say(absl::string_view text) { protocol_.Receive(AsBytes(text), now_); }
+  void Say(absl::string_view text) {
+    protocol_.Receive(stream::AsBytes(text), now_);
+  }
   void Wait(double seconds) {
-    now_ += std::chrono::duration_cast<MonotonicTime::duration>(
+    now_ += std::chrono::duration_cast<base::MonotonicTime::duration>(
         std::chrono::duration<double>(seconds));
     protocol_.Tick(now_);
   }
@@ -67,7 +69,7 @@ class Talk {
   }
 
  private:
-  MonotonicTime now_ = MonotonicTime() + std::chrono::hours(1);
+  base::MonotonicTime now_ = base::MonotonicTime() + std::chrono::hours(1);
   HokuyoProtocol protocol_;
 };
 
@@ -122,7 +124,7 @@ TEST(HokuyoProtocolTest, GivesUpWithoutAnAnswer) {
   ASSERT_TRUE(talk.protocol().failed());
   EXPECT_TRUE(absl::IsUnavailable(talk.protocol().trouble()));
   EXPECT_EQ(talk.Trouble(), "no answer to QT");
-  EXPECT_EQ(talk.protocol().NextDeadline(), MonotonicTime::max());
+  EXPECT_EQ(talk.protocol().NextDeadline(), base::MonotonicTime::max());
 }
 
 TEST(HokuyoProtocolTest, SaysIfThereWasNothingButNoise) {
@@ -366,7 +368,7 @@ TEST(HokuyoProtocolTest, AsksForTheBeamsThatTheOptionsMean) {
   talk.Greet();
   talk.Expect("BM", "00");
   EXPECT_EQ(talk.Sent(), "ME0180072002100\n");
-  const RangeSensorInfo info = talk.protocol().Info();
+  const core::RangeSensorInfo info = talk.protocol().Info();
   EXPECT_EQ(info.beams, 271);
   EXPECT_NEAR(info.angle_min_rad, (-90 + 0.125) * std::numbers::pi / 180, 1e-9);
   EXPECT_NEAR(info.scan_interval_s, 0.05, 1e-12);
@@ -405,4 +407,4 @@ TEST(HokuyoOptionsTest, SaysWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::hokuyo

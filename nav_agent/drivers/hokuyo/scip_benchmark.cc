@@ -8,7 +8,7 @@
 #include "nav_agent/drivers/hokuyo/testing_scip.h"
 #include "nav_agent/drivers/stream/byte_stream.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 namespace {
 
 constexpr size_t kChunk = 1460;
@@ -16,7 +16,7 @@ constexpr size_t kChunk = 1460;
 void BM_ParseScan(benchmark::State& state, ScanContent content) {
   const ScanCommand command = FullScan(content);
   const std::string text = ScanText(command, ExampleScan(content));
-  const auto bytes = AsBytes(text);
+  const auto bytes = stream::AsBytes(text);
   ScipParser parser;
   ScipScan scan;
   int64_t good = 0;
@@ -40,6 +40,6 @@ BENCHMARK_CAPTURE(BM_ParseScan, me, ScanContent::kDistanceAndIntensity)
     ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::hokuyo
 
 BENCHMARK_MAIN();

@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 namespace {
 
 constexpr char kFirstCharacter = 0x30;
@@ -145,4 +145,4 @@ std::optional<ScanCommand> ParseScanCommand(absl::string_view text) {
   return command;
 }
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo

@@ -12,7 +12,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 
 // Timestamps count milliseconds in 24 bits, and begin again after 4.66 hours.
 inline constexpr int64_t kScipTimeSpan_ms = 1 << 24;
@@ -73,6 +73,6 @@ struct ScanCommand {
 // says in its status what is wrong, see docs/laser-driver.md).
 std::optional<ScanCommand> ParseScanCommand(absl::string_view text);
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo
 
 #endif  // NAV_AGENT_DRIVERS_HOKUYO_SCIP_CODEC_H_

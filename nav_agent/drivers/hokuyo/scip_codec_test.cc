@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 namespace {
 
 // The examples of the specification (SCIP 2.0, section 6).
@@ -114,4 +114,4 @@ TEST(ScanCommandTest, CountsItsSteps) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::hokuyo

@@ -5,7 +5,7 @@
 
 #include "nav_agent/drivers/hokuyo/scip_codec.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 
 ScipParser::ScipParser() {
   text_.reserve(kMaxReplyBytes);
@@ -82,4 +82,4 @@ void ScipParser::EndReply(absl::FunctionRef<void(const ScipReply&)> on_reply) {
             .lines = std::span<const absl::string_view>(lines_).subspan(2)});
 }
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo

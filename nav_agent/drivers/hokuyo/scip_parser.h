@@ -11,7 +11,7 @@
 #include "absl/functional/function_ref.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 
 // One reply. Its lines stand without their ends, but with their check sums,
 // of which only that of the status was looked at.
@@ -61,6 +61,6 @@ class ScipParser {
   int64_t corrupt_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo
 
 #endif  // NAV_AGENT_DRIVERS_HOKUYO_SCIP_PARSER_H_

@@ -9,7 +9,7 @@
 #include "nav_agent/drivers/hokuyo/testing_scip.h"
 #include "nav_agent/drivers/stream/byte_stream.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 namespace {
 
 using testing::ElementsAre;
@@ -17,7 +17,7 @@ using testing::ElementsAre;
 // Replies, each as one text.
 std::vector<std::string> Parse(ScipParser& parser, absl::string_view text) {
   std::vector<std::string> replies;
-  parser.Parse(AsBytes(text), [&](const ScipReply& reply) {
+  parser.Parse(stream::AsBytes(text), [&](const ScipReply& reply) {
     std::string all = absl::StrCat(reply.echo, "|", reply.status);
     for (const absl::string_view line : reply.lines) {
       absl::StrAppend(&all, "|", line);
@@ -91,7 +91,7 @@ std::vector<ScipScan> ScansIn(absl::string_view text,
                               const ScanCommand& command) {
   ScipParser parser;
   std::vector<ScipScan> scans;
-  parser.Parse(AsBytes(text), [&](const ScipReply& reply) {
+  parser.Parse(stream::AsBytes(text), [&](const ScipReply& reply) {
     ScipScan scan;
     if (reply.echo == command.Text() && reply.status == "99" &&
         DecodeScan(reply, command, scan).ok()) {
@@ -190,4 +190,4 @@ TEST_F(BrokenScanTest, AnyAddedByteIsFound) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::hokuyo

@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 namespace {
 
 constexpr uint32_t kNoEchoCode = 1;
@@ -212,17 +212,17 @@ std::string EncodeScan(const ScipScan& scan, ScanContent content) {
 
 float RangeOfCode(uint32_t code, const ScipParameters& parameters) {
   const auto mm = static_cast<int64_t>(code);
-  if (mm >= parameters.max_mm) return kNoReturn;
+  if (mm >= parameters.max_mm) return core::kNoReturn;
   if (mm >= parameters.min_mm) return static_cast<float>(mm) * 1e-3f;
   switch (code) {
     case 0:
     case 3:
     case kOtherErrorCode:
-      return kInvalidRange;
+      return core::kInvalidRange;
     case kNoEchoCode:
-      return kNoReturn;
+      return core::kNoReturn;
     default:
-      return kTooNear;
+      return core::kTooNear;
   }
 }
 
@@ -234,8 +234,8 @@ uint32_t CodeOfRange(float range_m, const ScipParameters& parameters) {
   return static_cast<uint32_t>(mm);
 }
 
-RangeSensorInfo InfoOf(const ScipParameters& parameters,
-                       const ScanCommand& command) {
+core::RangeSensorInfo InfoOf(const ScipParameters& parameters,
+                             const ScanCommand& command) {
   const double step_rad = 2 * std::numbers::pi / parameters.steps_per_turn;
   const double turn_s = 60.0 / parameters.turns_per_minute;
   const int cluster = std::max(command.cluster, 1);
@@ -250,4 +250,4 @@ RangeSensorInfo InfoOf(const ScipParameters& parameters,
           .scan_interval_s = turn_s * (command.skipped_scans + 1)};
 }
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo

@@ -13,7 +13,7 @@
 #include "nav_agent/drivers/hokuyo/scip_codec.h"
 #include "nav_agent/drivers/hokuyo/scip_parser.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 
 // PP: what the sensor measures. Defaults: UTM-30LX-EW.
 struct ScipParameters {
@@ -80,9 +80,9 @@ uint32_t CodeOfRange(float range_m, const ScipParameters& parameters);
 // How the scans that answer `command` lie: step s looks towards
 // (s - front_step) * 2 pi / steps_per_turn. `command` must lie within the
 // parameters.
-RangeSensorInfo InfoOf(const ScipParameters& parameters,
-                       const ScanCommand& command);
+core::RangeSensorInfo InfoOf(const ScipParameters& parameters,
+                             const ScanCommand& command);
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo
 
 #endif  // NAV_AGENT_DRIVERS_HOKUYO_SCIP_REPLIES_H_

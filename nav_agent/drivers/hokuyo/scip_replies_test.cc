@@ -11,7 +11,7 @@
 #include "nav_agent/drivers/hokuyo/testing_scip.h"
 #include "nav_agent/drivers/stream/byte_stream.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 namespace {
 
 // What `decode` makes of the one reply in `text`.
@@ -19,7 +19,7 @@ template <typename Decode>
 auto Decoded(absl::string_view text, const Decode& decode) {
   ScipParser parser;
   decltype(decode(ScipReply())) result = absl::NotFoundError("no reply");
-  parser.Parse(AsBytes(text),
+  parser.Parse(stream::AsBytes(text),
                [&](const ScipReply& reply) { result = decode(reply); });
   return result;
 }
@@ -38,7 +38,7 @@ TEST(ScipParametersTest, ReadsThoseOfAUtm30LxEw) {
 }
 
 TEST(ScipParametersTest, MeanABeamEveryQuarterDegreeAndFortyScansASecond) {
-  const RangeSensorInfo info = InfoOf({}, FullScan());
+  const core::RangeSensorInfo info = InfoOf({}, FullScan());
   EXPECT_EQ(info.beams, 1081);
   EXPECT_NEAR(info.angle_min_rad, -135 * M_PI / 180, 1e-12);
   EXPECT_NEAR(info.angle_increment_rad, 0.25 * M_PI / 180, 1e-12);
@@ -55,7 +55,7 @@ TEST(ScipParametersTest, MergedBeamsLookToTheMiddleOfTheirNeighbours) {
   command.first_step = 539;
   command.last_step = 541;
   command.cluster = 3;
-  const RangeSensorInfo info = InfoOf({}, command);
+  const core::RangeSensorInfo info = InfoOf({}, command);
   EXPECT_EQ(info.beams, 1);
   EXPECT_NEAR(info.angle_min_rad, 0, 1e-12);
   EXPECT_NEAR(info.angle_increment_rad, 0.75 * M_PI / 180, 1e-12);
@@ -166,18 +166,18 @@ TEST(ScipScanTest, RefusesAnotherNumberOfSteps) {
 
 TEST(RangeCodeTest, SaysWhyThereIsNoRange) {
   const ScipParameters sensor;
-  EXPECT_EQ(RangeOfCode(1, sensor), kNoReturn);
-  EXPECT_EQ(RangeOfCode(2, sensor), kTooNear);
+  EXPECT_EQ(RangeOfCode(1, sensor), core::kNoReturn);
+  EXPECT_EQ(RangeOfCode(2, sensor), core::kTooNear);
   EXPECT_TRUE(std::isnan(RangeOfCode(3, sensor)));
-  EXPECT_EQ(RangeOfCode(4, sensor), kTooNear);
+  EXPECT_EQ(RangeOfCode(4, sensor), core::kTooNear);
   EXPECT_TRUE(std::isnan(RangeOfCode(5, sensor)));
   EXPECT_TRUE(std::isnan(RangeOfCode(0, sensor)));
-  EXPECT_EQ(RangeOfCode(22, sensor), kTooNear);
+  EXPECT_EQ(RangeOfCode(22, sensor), core::kTooNear);
   EXPECT_FLOAT_EQ(RangeOfCode(23, sensor), 0.023f);
   EXPECT_FLOAT_EQ(RangeOfCode(12345, sensor), 12.345f);
   EXPECT_FLOAT_EQ(RangeOfCode(59999, sensor), 59.999f);
-  EXPECT_EQ(RangeOfCode(60000, sensor), kNoReturn);
-  EXPECT_EQ(RangeOfCode(65533, sensor), kNoReturn);
+  EXPECT_EQ(RangeOfCode(60000, sensor), core::kNoReturn);
+  EXPECT_EQ(RangeOfCode(65533, sensor), core::kNoReturn);
 }
 
 TEST(RangeCodeTest, EveryRangeComesBack) {
@@ -185,11 +185,13 @@ TEST(RangeCodeTest, EveryRangeComesBack) {
   for (uint32_t code = 23; code < 60000; ++code) {
     ASSERT_EQ(CodeOfRange(RangeOfCode(code, sensor), sensor), code);
   }
-  EXPECT_EQ(RangeOfCode(CodeOfRange(kNoReturn, sensor), sensor), kNoReturn);
-  EXPECT_EQ(RangeOfCode(CodeOfRange(kTooNear, sensor), sensor), kTooNear);
-  EXPECT_TRUE(
-      std::isnan(RangeOfCode(CodeOfRange(kInvalidRange, sensor), sensor)));
+  EXPECT_EQ(RangeOfCode(CodeOfRange(core::kNoReturn, sensor), sensor),
+            core::kNoReturn);
+  EXPECT_EQ(RangeOfCode(CodeOfRange(core::kTooNear, sensor), sensor),
+            core::kTooNear);
+  EXPECT_TRUE(std::isnan(
+      RangeOfCode(CodeOfRange(core::kInvalidRange, sensor), sensor)));
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::hokuyo

@@ -5,7 +5,7 @@
 
 #include "nav_agent/drivers/hokuyo/scip_codec.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 namespace {
 
 using std::chrono::milliseconds;
@@ -18,11 +18,11 @@ constexpr std::chrono::seconds kLargestLead(1);
 
 }  // namespace
 
-int64_t SensorClock::Unwrap(int64_t raw_ms, MonotonicTime at) {
+int64_t SensorClock::Unwrap(int64_t raw_ms, base::MonotonicTime at) {
   int64_t unwrapped = raw_ms;
   if (last_ms_) {
-    const double expected_ms =
-        static_cast<double>(*last_ms_) + MillisecondsBetween(last_at_, at);
+    const double expected_ms = static_cast<double>(*last_ms_) +
+                               base::MillisecondsBetween(last_at_, at);
     const double turns = (expected_ms - static_cast<double>(raw_ms)) /
                          static_cast<double>(kScipTimeSpan_ms);
     unwrapped += kScipTimeSpan_ms * std::llround(turns);
@@ -32,8 +32,8 @@ int64_t SensorClock::Unwrap(int64_t raw_ms, MonotonicTime at) {
   return unwrapped;
 }
 
-void SensorClock::AddTimeReply(int64_t raw_ms, MonotonicTime sent,
-                               MonotonicTime received) {
+void SensorClock::AddTimeReply(int64_t raw_ms, base::MonotonicTime sent,
+                               base::MonotonicTime received) {
   const milliseconds s(Unwrap(raw_ms, received));
   const Offset low = sent.time_since_epoch() - (s + milliseconds(1));
   const Offset high = received.time_since_epoch() - s;
@@ -46,7 +46,7 @@ std::optional<nanoseconds> SensorClock::SyncUncertainty() const {
   return (*sync_high_ - *sync_low_) / 2;
 }
 
-void SensorClock::AddArrival(MonotonicTime arrived, Offset offset) {
+void SensorClock::AddArrival(base::MonotonicTime arrived, Offset offset) {
   // Later and smaller: those before it will never be the minimum again.
   while (!window_.empty() && window_.back().offset >= offset) {
     window_.pop_back();
@@ -55,8 +55,8 @@ void SensorClock::AddArrival(MonotonicTime arrived, Offset offset) {
   while (window_.front().arrived < arrived - kWindow) window_.pop_front();
 }
 
-std::optional<MonotonicTime> SensorClock::HostTimeOfScan(
-    int64_t raw_ms, MonotonicTime arrived) {
+std::optional<base::MonotonicTime> SensorClock::HostTimeOfScan(
+    int64_t raw_ms, base::MonotonicTime arrived) {
   const nanoseconds s =
       milliseconds(Unwrap(raw_ms, arrived)) + kHalfMillisecond;
   const Offset offset = arrived.time_since_epoch() - s;
@@ -70,8 +70,9 @@ std::optional<MonotonicTime> SensorClock::HostTimeOfScan(
   const auto uncertainty = SyncUncertainty();
   const Offset sync =
       uncertainty ? *sync_low_ + *uncertainty : *baseline_ - assumed_delay_;
-  return MonotonicTime(std::chrono::duration_cast<MonotonicTime::duration>(
-      s + sync + (least - *baseline_)));
+  return base::MonotonicTime(
+      std::chrono::duration_cast<base::MonotonicTime::duration>(
+          s + sync + (least - *baseline_)));
 }
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo

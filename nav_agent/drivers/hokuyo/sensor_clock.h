@@ -9,7 +9,7 @@
 
 #include "common/base/clock.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 
 // A Hokuyo sensor stamps a scan with its own clock: whole milliseconds in 24
 // bits, that began at some time and run a little too fast or slow. With s the
@@ -39,14 +39,15 @@ class SensorClock {
       : assumed_delay_(assumed_delay) {}
 
   // The sensor told `raw_ms` in answer to a request that left at `sent`.
-  void AddTimeReply(int64_t raw_ms, MonotonicTime sent, MonotonicTime received);
+  void AddTimeReply(int64_t raw_ms, base::MonotonicTime sent,
+                    base::MonotonicTime received);
 
   // A scan with the stamp `raw_ms` was complete at `arrived`. Returns when
   // that stamp was; nothing if it came more than a second too early or five
   // too late: the sensor's clock has jumped, since the sensor has restarted,
   // and nothing here is of use any more.
-  std::optional<MonotonicTime> HostTimeOfScan(int64_t raw_ms,
-                                              MonotonicTime arrived);
+  std::optional<base::MonotonicTime> HostTimeOfScan(
+      int64_t raw_ms, base::MonotonicTime arrived);
 
   // Half the width that the TM samples leave; nothing without any, or where
   // they contradict each other.
@@ -55,19 +56,19 @@ class SensorClock {
  private:
   using Offset = std::chrono::nanoseconds;  // host time minus sensor time
   struct Arrival {
-    MonotonicTime arrived;
+    base::MonotonicTime arrived;
     Offset offset;
   };
 
   // The sensor's time since its clock was first seen, plus its value then:
   // the 24 bits continued by what the host's clock says has passed.
-  int64_t Unwrap(int64_t raw_ms, MonotonicTime at);
-  void AddArrival(MonotonicTime arrived, Offset offset);
+  int64_t Unwrap(int64_t raw_ms, base::MonotonicTime at);
+  void AddArrival(base::MonotonicTime arrived, Offset offset);
 
   std::chrono::nanoseconds assumed_delay_;
   // The latest unwrapped time, and when that was.
   std::optional<int64_t> last_ms_;
-  MonotonicTime last_at_;
+  base::MonotonicTime last_at_;
   // What the TM samples leave of the offset.
   std::optional<Offset> sync_low_;
   std::optional<Offset> sync_high_;
@@ -77,6 +78,6 @@ class SensorClock {
   std::optional<Offset> baseline_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo
 
 #endif  // NAV_AGENT_DRIVERS_HOKUYO_SENSOR_CLOCK_H_

@@ -8,7 +8,7 @@
 #include "gtest/gtest.h"
 #include "nav_agent/drivers/hokuyo/scip_codec.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 namespace {
 
 using std::chrono::milliseconds;
@@ -19,9 +19,9 @@ struct Sensor {
   double first_ms = 5000;
   double drift_ppm = 0;
 
-  static MonotonicTime Host(double elapsed_s) {
-    return MonotonicTime() + std::chrono::hours(24) +
-           std::chrono::duration_cast<MonotonicTime::duration>(
+  static base::MonotonicTime Host(double elapsed_s) {
+    return base::MonotonicTime() + std::chrono::hours(24) +
+           std::chrono::duration_cast<base::MonotonicTime::duration>(
                std::chrono::duration<double>(elapsed_s));
   }
   int64_t Raw_ms(double elapsed_s) const {
@@ -32,7 +32,7 @@ struct Sensor {
 
 // Twelve questions, each 0.4 to 3 ms on its way in either direction.
 void Synchronise(SensorClock& clock, const Sensor& sensor, uint64_t seed) {
-  Random random(seed, 0);
+  base::Random random(seed, 0);
   double at_s = -1;
   for (int i = 0; i < 12; ++i) {
     const double there_s = random.NextUniform(0.0004, 0.003);
@@ -55,7 +55,7 @@ Errors ErrorsOf(SensorClock& clock, const Sensor& sensor, double begin_s,
   Errors errors;
   int count = 0;
   for (int k = static_cast<int>(begin_s * 40); k < end_s * 40; ++k) {
-    Random random(seed, static_cast<uint64_t>(k));
+    base::Random random(seed, static_cast<uint64_t>(k));
     // The motor does not turn in step with the clock.
     const double start_s = k * 0.0250013;
     const double delay_s = random.NextUniform(0.019, 0.024) +
@@ -63,7 +63,8 @@ Errors ErrorsOf(SensorClock& clock, const Sensor& sensor, double begin_s,
     const auto stamp = clock.HostTimeOfScan(sensor.Raw_ms(start_s),
                                             Sensor::Host(start_s + delay_s));
     if (!stamp) return {.worst_ms = 1e9, .mean_ms = 1e9};
-    const double error_ms = MillisecondsBetween(Sensor::Host(start_s), *stamp);
+    const double error_ms =
+        base::MillisecondsBetween(Sensor::Host(start_s), *stamp);
     errors.worst_ms = std::max(errors.worst_ms, std::abs(error_ms));
     errors.mean_ms += error_ms;
     ++count;
@@ -141,7 +142,7 @@ TEST(SensorClockTest, AStalledConnectionIsNoRestart) {
   ASSERT_TRUE(clock.HostTimeOfScan(1'000'000, Sensor::Host(0)));
   const auto stamp = clock.HostTimeOfScan(1'000'025, Sensor::Host(3));
   ASSERT_TRUE(stamp);
-  EXPECT_NEAR(MillisecondsBetween(Sensor::Host(0), *stamp), 5, 1);
+  EXPECT_NEAR(base::MillisecondsBetween(Sensor::Host(0), *stamp), 5, 1);
 }
 
 TEST(SensorClockTest, IgnoresTimeRepliesThatContradictEachOther) {
@@ -151,8 +152,8 @@ TEST(SensorClockTest, IgnoresTimeRepliesThatContradictEachOther) {
   EXPECT_EQ(clock.SyncUncertainty(), std::nullopt);
   const auto stamp = clock.HostTimeOfScan(1510, Sensor::Host(0.05));
   ASSERT_TRUE(stamp);
-  EXPECT_NEAR(MillisecondsBetween(Sensor::Host(0), *stamp), 30, 1);
+  EXPECT_NEAR(base::MillisecondsBetween(Sensor::Host(0), *stamp), 30, 1);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::hokuyo

@@ -10,7 +10,7 @@
 #include "nav_agent/drivers/hokuyo/scip_codec.h"
 #include "nav_agent/drivers/hokuyo/scip_replies.h"
 
-namespace treeline {
+namespace treeline::hokuyo {
 
 // All that a UTM-30LX-EW measures.
 inline ScanCommand FullScan(ScanContent content = ScanContent::kDistance) {
@@ -42,6 +42,6 @@ inline std::string ScanText(const ScanCommand& command, const ScipScan& scan) {
                    EncodeScan(scan, command.content));
 }
 
-}  // namespace treeline
+}  // namespace treeline::hokuyo
 
 #endif  // NAV_AGENT_DRIVERS_HOKUYO_TESTING_SCIP_H_

@@ -8,7 +8,7 @@
 
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 using std::chrono::milliseconds;
@@ -26,8 +26,9 @@ absl::Status SegwayBaseOptions::Validate() const {
 }
 
 absl::StatusOr<std::unique_ptr<SegwayBase>> SegwayBase::Create(
-    const SegwayBaseOptions& options, std::unique_ptr<ByteStreamOpener> opener,
-    const Clock& clock) {
+    const SegwayBaseOptions& options,
+    std::unique_ptr<stream::ByteStreamOpener> opener,
+    const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
   if (opener == nullptr) {
     return absl::InvalidArgumentError("the base has no port");
@@ -37,8 +38,8 @@ absl::StatusOr<std::unique_ptr<SegwayBase>> SegwayBase::Create(
 }
 
 SegwayBase::SegwayBase(const SegwayBaseOptions& options,
-                       std::unique_ptr<ByteStreamOpener> opener,
-                       const Clock& clock)
+                       std::unique_ptr<stream::ByteStreamOpener> opener,
+                       const base::Clock& clock)
     : options_(options),
       opener_(std::move(opener)),
       clock_(clock),
@@ -51,7 +52,7 @@ SegwayBase::~SegwayBase() {
 }
 
 void SegwayBase::Run(const std::stop_token& stop) {
-  Backoff backoff(options_.backoff, options_.seed);
+  stream::Backoff backoff(options_.backoff, options_.seed);
   while (!stop.stop_requested()) {
     absl::Status cause;
     auto stream = opener_->Open(stop);
@@ -71,11 +72,11 @@ void SegwayBase::Run(const std::stop_token& stop) {
       was_running_ = false;
       protocol_.Disconnected(cause, clock_.Now());
     }
-    StopRequestedWithin(backoff.Next(), stop);
+    stream::StopRequestedWithin(backoff.Next(), stop);
   }
 }
 
-absl::Status SegwayBase::Converse(ByteStream& stream,
+absl::Status SegwayBase::Converse(stream::ByteStream& stream,
                                   const std::stop_token& stop) {
   std::array<uint8_t, kReadBytes> buffer;
   while (!stop.stop_requested()) {
@@ -83,7 +84,7 @@ absl::Status SegwayBase::Converse(ByteStream& stream,
     milliseconds wait(0);
     {
       absl::MutexLock lock(&mutex_);
-      const MonotonicTime now = clock_.Now();
+      const base::MonotonicTime now = clock_.Now();
       bytes = protocol_.Send(now);
       if (protocol_.ShouldReopen(now)) return protocol_.Health().cause;
       wait = std::clamp(
@@ -98,7 +99,7 @@ absl::Status SegwayBase::Converse(ByteStream& stream,
     protocol_.Receive(std::span<const uint8_t>(buffer).first(count),
                       clock_.Now());
     if (!was_running_) {
-      was_running_ = protocol_.Health().state == DeviceState::kRunning;
+      was_running_ = protocol_.Health().state == core::DeviceState::kRunning;
     }
   }
   const SegwayFrame last =
@@ -106,7 +107,7 @@ absl::Status SegwayBase::Converse(ByteStream& stream,
   return stream.Write(last, kWriteTimeout);
 }
 
-absl::Status SegwayBase::SetVelocity(const VelocityCommand& command) {
+absl::Status SegwayBase::SetVelocity(const core::VelocityCommand& command) {
   absl::MutexLock lock(&mutex_);
   return protocol_.SetVelocity(command, clock_.Now());
 }
@@ -121,12 +122,12 @@ void SegwayBase::SetEmergencyStop(bool engaged) {
   protocol_.SetEmergencyStop(engaged);
 }
 
-std::vector<BaseReading> SegwayBase::TakeReadings() {
+std::vector<core::BaseReading> SegwayBase::TakeReadings() {
   absl::MutexLock lock(&mutex_);
   return protocol_.TakeReadings();
 }
 
-DeviceHealth SegwayBase::Health() const {
+core::DeviceHealth SegwayBase::Health() const {
   absl::MutexLock lock(&mutex_);
   return protocol_.Health();
 }
@@ -136,4 +137,4 @@ SegwayStatistics SegwayBase::Statistics() const {
   return protocol_.Statistics();
 }
 
-}  // namespace treeline
+}  // namespace treeline::segway

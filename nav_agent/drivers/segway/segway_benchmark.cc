@@ -10,7 +10,7 @@
 #include "nav_agent/drivers/segway/segway_codec.h"
 #include "nav_agent/drivers/segway/segway_protocol.h"
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 std::vector<uint8_t> CycleBytes(uint16_t index) {
@@ -62,7 +62,7 @@ BENCHMARK(BM_ParseNoise);
 // A status cycle through the whole protocol, as 100 times a second.
 void BM_Cycle(benchmark::State& state) {
   SegwayProtocol protocol({});
-  MonotonicTime now{std::chrono::hours(1)};
+  base::MonotonicTime now{std::chrono::hours(1)};
   protocol.Connected(now);
   uint16_t index = 0;
   for (auto _ : state) {
@@ -75,6 +75,6 @@ void BM_Cycle(benchmark::State& state) {
 BENCHMARK(BM_Cycle);
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::segway
 
 BENCHMARK_MAIN();

@@ -6,7 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 constexpr uint8_t kStart[] = {0xF0, 0x55};
@@ -304,9 +304,9 @@ double SegwayBaseBattery_v(const SegwayCycle& cycle) {
   return cycle.base_battery / 4.0;
 }
 
-BaseReading ToReading(const SegwayCycle& cycle, const SegwayWire& wire) {
+core::BaseReading ToReading(const SegwayCycle& cycle, const SegwayWire& wire) {
   constexpr double kCount_rad = kDegree_rad / kSegwayCountsPerDegree;
-  BaseReading reading;
+  core::BaseReading reading;
   reading.forward_mps =
       0.5 * (cycle.left_velocity + cycle.right_velocity) / kSegwayCountsPerMps;
   reading.yaw_rate_radps = wire.yaw_rate_sign * cycle.yaw_rate * kCount_rad;
@@ -318,4 +318,4 @@ BaseReading ToReading(const SegwayCycle& cycle, const SegwayWire& wire) {
   return reading;
 }
 
-}  // namespace treeline
+}  // namespace treeline::segway

@@ -17,7 +17,7 @@
 #include "absl/status/status.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::segway {
 
 // ---- frames ----
 
@@ -210,8 +210,8 @@ void ReadInto(const SegwayMessage& message, SegwayCycle& cycle);
 double SegwayUiBattery_v(const SegwayCycle& cycle);
 double SegwayBaseBattery_v(const SegwayCycle& cycle);
 // But for stamp, wheels and motors_enabled, which a cycle alone does not tell.
-BaseReading ToReading(const SegwayCycle& cycle, const SegwayWire& wire);
+core::BaseReading ToReading(const SegwayCycle& cycle, const SegwayWire& wire);
 
-}  // namespace treeline
+}  // namespace treeline::segway
 
 #endif  // NAV_AGENT_DRIVERS_SEGWAY_SEGWAY_CODEC_H_

@@ -10,7 +10,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 using ::testing::ElementsAre;
@@ -133,7 +133,7 @@ TEST(SegwayCodec, CyclesSurviveTheirMessages) {
 }
 
 TEST(SegwayCodec, ReadingsAreInSiUnits) {
-  const BaseReading reading =
+  const core::BaseReading reading =
       ToReading(SomeCycle(), {.yaw_rate_sign = -1, .roll_sign = -1});
   EXPECT_DOUBLE_EQ(reading.forward_mps, -0.5);
   EXPECT_DOUBLE_EQ(reading.yaw_rate_radps, -100 * kDegree_rad);
@@ -249,7 +249,7 @@ TEST(SegwayFrameParser, EveryDroppedByteCostsItsFrameAlone) {
 }
 
 TEST(SegwayFrameParser, FindsFramesBetweenNoise) {
-  Random random(/*seed=*/5, /*stream=*/0);
+  base::Random random(/*seed=*/5, /*stream=*/0);
   const std::vector<SegwayFrame> good = FramesOf(CycleBytes(1));
   Bytes bytes;
   for (const SegwayFrame& frame : good) {
@@ -289,4 +289,4 @@ TEST(SegwayFrameParser, ResetForgetsAHalfFrame) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::segway

@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 absl::Status CheckWithin(absl::string_view name, double value, double min,
@@ -46,4 +46,4 @@ absl::Status SegwayOptions::Validate() const {
   return CheckWithin("reopen_after_s", reopen_after_s, 0.5, 60);
 }
 
-}  // namespace treeline
+}  // namespace treeline::segway

@@ -9,7 +9,7 @@
 #include "nav_agent/drivers/segway/segway_codec.h"
 #include "nav_agent/drivers/segway/velocity_limits.h"
 
-namespace treeline {
+namespace treeline::segway {
 
 struct SegwayOptions {
   SegwayWire wire{};
@@ -48,6 +48,6 @@ struct SegwayOptions {
   absl::Status Validate() const;
 };
 
-}  // namespace treeline
+}  // namespace treeline::segway
 
 #endif  // NAV_AGENT_DRIVERS_SEGWAY_SEGWAY_OPTIONS_H_

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 // Each setting is sent this often: only the mode is ever confirmed.
@@ -19,17 +19,17 @@ constexpr double kAstray_s = 1.0;
 // What an acceleration ramp takes as passed after a pause.
 constexpr double kLongestStep_s = 0.1;
 
-double SecondsBetween(MonotonicTime from, MonotonicTime to) {
+double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-MonotonicTime::duration Duration(double seconds) {
-  return std::chrono::duration_cast<MonotonicTime::duration>(
+base::MonotonicTime::duration Duration(double seconds) {
+  return std::chrono::duration_cast<base::MonotonicTime::duration>(
       std::chrono::duration<double>(seconds));
 }
 
-bool IsZero(const VelocityCommand& command) {
-  return command == VelocityCommand{};
+bool IsZero(const core::VelocityCommand& command) {
+  return command == core::VelocityCommand{};
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ SegwayProtocol::SegwayProtocol(const SegwayOptions& options)
       turn_watch_(options.wheel_track_m),
       cause_(absl::UnavailableError("the base has not been reached yet")) {}
 
-void SegwayProtocol::Connected(MonotonicTime now) {
+void SegwayProtocol::Connected(base::MonotonicTime now) {
   phase_ = Phase::kListening;
   cause_ = absl::OkStatus();
   parser_.Reset();
@@ -55,7 +55,7 @@ void SegwayProtocol::Connected(MonotonicTime now) {
 }
 
 void SegwayProtocol::Disconnected(const absl::Status& cause,
-                                  MonotonicTime now) {
+                                  base::MonotonicTime now) {
   Lose(cause);
   phase_ = Phase::kDisconnected;
   last_cycle_at_ = now;
@@ -78,7 +78,7 @@ void SegwayProtocol::ForgetCommand() {
 }
 
 void SegwayProtocol::Receive(std::span<const uint8_t> bytes,
-                             MonotonicTime now) {
+                             base::MonotonicTime now) {
   if (phase_ == Phase::kDisconnected) return;
   if (!bytes.empty()) heard_bytes_ = true;
   for (const SegwayFrame& frame : parser_.Parse(bytes)) {
@@ -88,7 +88,7 @@ void SegwayProtocol::Receive(std::span<const uint8_t> bytes,
 }
 
 void SegwayProtocol::TakeMessage(const SegwayMessage& message,
-                                 MonotonicTime now) {
+                                 base::MonotonicTime now) {
   if (options_.receive_channel &&
       message.channel != *options_.receive_channel) {
     return;
@@ -108,13 +108,14 @@ void SegwayProtocol::TakeMessage(const SegwayMessage& message,
     default:
       break;
   }
-  if (const std::optional<BaseReading> reading = reader_.Take(message, now)) {
+  if (const std::optional<core::BaseReading> reading =
+          reader_.Take(message, now)) {
     TakeReading(*reading, now);
   }
 }
 
-void SegwayProtocol::TakeReading(const BaseReading& reading,
-                                 MonotonicTime now) {
+void SegwayProtocol::TakeReading(const core::BaseReading& reading,
+                                 base::MonotonicTime now) {
   last_cycle_at_ = now;
   heard_cycle_ = true;
   if (phase_ == Phase::kListening) BeginConfiguring();
@@ -133,7 +134,7 @@ void SegwayProtocol::TakeReading(const BaseReading& reading,
   // The counters may just have been reset before the first time.
   if (!ever_ready_) return;
   turn_watch_.Take(reading, now);
-  if (readings_.size() >= kMaxWaiting) {
+  if (readings_.size() >= core::kMaxWaiting) {
     readings_.pop_front();
     ++dropped_;
   }
@@ -171,7 +172,7 @@ void SegwayProtocol::BeginConfiguring() {
   add(SegwaySetting::kMode, static_cast<uint16_t>(options_.mode));
 }
 
-void SegwayProtocol::CheckConfigured(MonotonicTime now) {
+void SegwayProtocol::CheckConfigured(base::MonotonicTime now) {
   if (!settings_.empty()) return;
   // The first cycle after the last setting may have been under way before it.
   const double passed_s = SecondsBetween(configured_at_, now);
@@ -187,7 +188,7 @@ void SegwayProtocol::CheckConfigured(MonotonicTime now) {
   }
 }
 
-void SegwayProtocol::CheckLink(MonotonicTime now) {
+void SegwayProtocol::CheckLink(base::MonotonicTime now) {
   if (phase_ == Phase::kDisconnected) return;
   if (SecondsBetween(last_cycle_at_, now) < options_.link_timeout_s) return;
   Lose(SilenceCause());
@@ -216,7 +217,7 @@ absl::Status SegwayProtocol::SilenceCause() const {
       "emergency stop");
 }
 
-bool SegwayProtocol::ShouldReopen(MonotonicTime now) const {
+bool SegwayProtocol::ShouldReopen(base::MonotonicTime now) const {
   return phase_ != Phase::kDisconnected &&
          SecondsBetween(last_cycle_at_, now) >= options_.reopen_after_s;
 }
@@ -257,8 +258,8 @@ absl::Status SegwayProtocol::Readiness() const {
                      : cause_;
 }
 
-absl::Status SegwayProtocol::SetVelocity(const VelocityCommand& command,
-                                         MonotonicTime now) {
+absl::Status SegwayProtocol::SetVelocity(const core::VelocityCommand& command,
+                                         base::MonotonicTime now) {
   if (!std::isfinite(command.forward_mps) ||
       !std::isfinite(command.yaw_rate_radps)) {
     Stop();
@@ -289,20 +290,21 @@ void SegwayProtocol::SetEmergencyStop(bool engaged) {
   ForgetCommand();
 }
 
-VelocityCommand SegwayProtocol::NextVelocity(MonotonicTime now) {
+core::VelocityCommand SegwayProtocol::NextVelocity(base::MonotonicTime now) {
   if (!Readiness().ok()) return {};
-  if (command_ &&
-      SecondsBetween(command_at_, now) >= BaseDriver::kCommandLifetime_s) {
+  if (command_ && SecondsBetween(command_at_, now) >=
+                      core::BaseDriver::kCommandLifetime_s) {
     if (!IsZero(*command_)) ++expired_;
     command_.reset();
   }
   if (!command_ && !braking_) return {};
-  const VelocityCommand target = command_.value_or(VelocityCommand{});
+  const core::VelocityCommand target =
+      command_.value_or(core::VelocityCommand{});
   return Approach(sent_, target, options_.limits,
                   std::min(SecondsBetween(last_send_, now), kLongestStep_s));
 }
 
-SegwayMotion SegwayProtocol::NextMotion(MonotonicTime now) {
+SegwayMotion SegwayProtocol::NextMotion(base::MonotonicTime now) {
   sent_ = NextVelocity(now);
   turn_watch_.Sent(sent_.yaw_rate_radps, now);
   if (braking_ && IsZero(sent_)) braking_ = false;
@@ -319,7 +321,7 @@ SegwayMotion SegwayProtocol::NextMotion(MonotonicTime now) {
   return motion;
 }
 
-std::vector<uint8_t> SegwayProtocol::Send(MonotonicTime now) {
+std::vector<uint8_t> SegwayProtocol::Send(base::MonotonicTime now) {
   CheckLink(now);
   if (phase_ == Phase::kDisconnected || now < next_send_) return {};
   const SegwayFrame frame =
@@ -329,22 +331,23 @@ std::vector<uint8_t> SegwayProtocol::Send(MonotonicTime now) {
   return {frame.begin(), frame.end()};
 }
 
-std::vector<BaseReading> SegwayProtocol::TakeReadings() {
-  std::vector<BaseReading> readings(readings_.begin(), readings_.end());
+std::vector<core::BaseReading> SegwayProtocol::TakeReadings() {
+  std::vector<core::BaseReading> readings(readings_.begin(), readings_.end());
   readings_.clear();
   return readings;
 }
 
-DeviceHealth SegwayProtocol::Health() const {
-  DeviceHealth health = {
-      .state = DeviceState::kRunning,
+core::DeviceHealth SegwayProtocol::Health() const {
+  core::DeviceHealth health = {
+      .state = core::DeviceState::kRunning,
       .cause = Readiness(),
       .received = received_,
       .corrupt = reader_.incomplete_cycles() + reader_.implausible_cycles(),
       .dropped = dropped_,
       .losses = losses_};
   if (phase_ != Phase::kReady) {
-    health.state = ever_ready_ ? DeviceState::kLost : DeviceState::kStarting;
+    health.state =
+        ever_ready_ ? core::DeviceState::kLost : core::DeviceState::kStarting;
   }
   return health;
 }
@@ -360,4 +363,4 @@ SegwayStatistics SegwayProtocol::Statistics() const {
           .channel = reader_.channel()};
 }
 
-}  // namespace treeline
+}  // namespace treeline::segway

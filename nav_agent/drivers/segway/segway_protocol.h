@@ -33,7 +33,7 @@
 #include "nav_agent/drivers/segway/status_reader.h"
 #include "nav_agent/drivers/segway/turn_watch.h"
 
-namespace treeline {
+namespace treeline::segway {
 
 // For people who look for a fault; all since the start.
 struct SegwayStatistics {
@@ -55,30 +55,31 @@ class SegwayProtocol {
   explicit SegwayProtocol(const SegwayOptions& options);
 
   // The link is there (again), or not any longer, and why.
-  void Connected(MonotonicTime now);
-  void Disconnected(const absl::Status& cause, MonotonicTime now);
+  void Connected(base::MonotonicTime now);
+  void Disconnected(const absl::Status& cause, base::MonotonicTime now);
   // Bytes have come.
-  void Receive(std::span<const uint8_t> bytes, MonotonicTime now);
+  void Receive(std::span<const uint8_t> bytes, base::MonotonicTime now);
   // What has to be written now: nothing before NextSend(). Call it at least
   // every 100 ms; it also notices silence.
-  std::vector<uint8_t> Send(MonotonicTime now);
-  MonotonicTime NextSend() const { return next_send_; }
+  std::vector<uint8_t> Send(base::MonotonicTime now);
+  base::MonotonicTime NextSend() const { return next_send_; }
   // Whether the link is of no use, so that it should be opened anew.
-  bool ShouldReopen(MonotonicTime now) const;
+  bool ShouldReopen(base::MonotonicTime now) const;
 
   // BaseDriver. INVALID_ARGUMENT for NaN and infinity; UNAVAILABLE while the
   // base is lost or not yet configured; FAILED_PRECONDITION while it is in
   // another mode, its motors are disabled, an emergency stop is engaged, or it
   // has turned the wrong way.
   // With each of these, the base is stopped.
-  absl::Status SetVelocity(const VelocityCommand& command, MonotonicTime now);
+  absl::Status SetVelocity(const core::VelocityCommand& command,
+                           base::MonotonicTime now);
   // Slows down by max_deceleration_mps2.
   void Stop();
   // Stop frames at once, and no commands until it is released.
   void SetEmergencyStop(bool engaged);
 
-  std::vector<BaseReading> TakeReadings();
-  DeviceHealth Health() const;
+  std::vector<core::BaseReading> TakeReadings();
+  core::DeviceHealth Health() const;
   SegwayStatistics Statistics() const;
 
  private:
@@ -88,18 +89,18 @@ class SegwayProtocol {
     uint16_t value;
   };
 
-  void TakeMessage(const SegwayMessage& message, MonotonicTime now);
-  void TakeReading(const BaseReading& reading, MonotonicTime now);
-  void CheckLink(MonotonicTime now);
+  void TakeMessage(const SegwayMessage& message, base::MonotonicTime now);
+  void TakeReading(const core::BaseReading& reading, base::MonotonicTime now);
+  void CheckLink(base::MonotonicTime now);
   void Lose(const absl::Status& cause);
   void BeginConfiguring();
-  void CheckConfigured(MonotonicTime now);
+  void CheckConfigured(base::MonotonicTime now);
   void ForgetCommand();
   // OK if a command would be obeyed.
   absl::Status Readiness() const;
   absl::Status SilenceCause() const;
-  VelocityCommand NextVelocity(MonotonicTime now);
-  SegwayMotion NextMotion(MonotonicTime now);
+  core::VelocityCommand NextVelocity(base::MonotonicTime now);
+  SegwayMotion NextMotion(base::MonotonicTime now);
   bool InWantedMode() const;
 
   const SegwayOptions options_;
@@ -111,8 +112,8 @@ class SegwayProtocol {
   absl::Status cause_;  // of kDisconnected, and of silence
   bool ever_ready_ = false;
   int64_t losses_ = 0;
-  MonotonicTime connected_at_;
-  MonotonicTime last_cycle_at_;
+  base::MonotonicTime connected_at_;
+  base::MonotonicTime last_cycle_at_;
   // Since the connection began.
   bool heard_bytes_ = false;
   bool heard_frames_ = false;
@@ -122,25 +123,25 @@ class SegwayProtocol {
 
   // What is still to be set, the next one first; when the last was sent.
   std::deque<Setting> settings_;
-  MonotonicTime configured_at_;
+  base::MonotonicTime configured_at_;
   int attempts_ = 0;
   // When the base was first seen in another mode than wanted while ready.
-  std::optional<MonotonicTime> astray_since_;
+  std::optional<base::MonotonicTime> astray_since_;
 
-  std::optional<VelocityCommand> command_;
-  MonotonicTime command_at_;
+  std::optional<core::VelocityCommand> command_;
+  base::MonotonicTime command_at_;
   int64_t expired_ = 0;
   bool braking_ = false;
   bool emergency_stop_ = false;
-  VelocityCommand sent_;
-  MonotonicTime last_send_;
-  MonotonicTime next_send_;
+  core::VelocityCommand sent_;
+  base::MonotonicTime last_send_;
+  base::MonotonicTime next_send_;
 
-  std::deque<BaseReading> readings_;
+  std::deque<core::BaseReading> readings_;
   int64_t received_ = 0;
   int64_t dropped_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::segway
 
 #endif  // NAV_AGENT_DRIVERS_SEGWAY_SEGWAY_PROTOCOL_H_

@@ -13,18 +13,19 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 using std::chrono::milliseconds;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr VelocityCommand kArc = {.forward_mps = 0.4, .yaw_rate_radps = 0.5};
+constexpr core::VelocityCommand kArc = {.forward_mps = 0.4,
+                                        .yaw_rate_radps = 0.5};
 constexpr uint16_t kTractor = 1;
 
 struct Sent {
-  MonotonicTime at;
+  base::MonotonicTime at;
   SegwayMotion motion;
 
   bool IsStop() const {
@@ -80,7 +81,7 @@ class SegwayProtocolTest : public ::testing::Test {
   // Starts up, and forgets what that took.
   void MakeReady() {
     Run(600);
-    ASSERT_EQ(protocol_->Health().state, DeviceState::kRunning);
+    ASSERT_EQ(protocol_->Health().state, core::DeviceState::kRunning);
     protocol_->TakeReadings();
     sent_.clear();
   }
@@ -97,7 +98,7 @@ class SegwayProtocolTest : public ::testing::Test {
 
   std::optional<SegwayProtocol> protocol_;
   SegwayFrameParser base_parser_{SegwayDirection::kToBase};
-  MonotonicTime now_{std::chrono::hours(1)};
+  base::MonotonicTime now_{std::chrono::hours(1)};
   int cycle_ms_ = 0;
   bool talking_ = true;
   bool takes_mode_ = true;
@@ -111,14 +112,14 @@ TEST_F(SegwayProtocolTest, SendsOnlyStopFramesUntilTheBaseIsHeard) {
   EXPECT_EQ(protocol_->SetVelocity(kArc, now_).code(),
             absl::StatusCode::kUnavailable);
   Run(200);
-  EXPECT_EQ(protocol_->Health().state, DeviceState::kStarting);
+  EXPECT_EQ(protocol_->Health().state, core::DeviceState::kStarting);
   EXPECT_FALSE(sent_.empty());
   for (const Sent& sent : sent_) EXPECT_EQ(sent.motion, SegwayMotion{});
 }
 
 TEST_F(SegwayProtocolTest, StartUpSetsEverythingWhileStandingStill) {
   Run(600);
-  EXPECT_EQ(protocol_->Health().state, DeviceState::kRunning);
+  EXPECT_EQ(protocol_->Health().state, core::DeviceState::kRunning);
   EXPECT_TRUE(protocol_->Health().cause.ok());
   EXPECT_TRUE(OnlyStopsSent());
   std::vector<std::pair<SegwaySetting, int>> settings;
@@ -146,7 +147,7 @@ TEST_F(SegwayProtocolTest, StartUpSetsEverythingWhileStandingStill) {
 TEST_F(SegwayProtocolTest, ABaseThatRefusesItsModeIsAskedAgainAndReported) {
   takes_mode_ = false;
   Run(4000);
-  EXPECT_EQ(protocol_->Health().state, DeviceState::kStarting);
+  EXPECT_EQ(protocol_->Health().state, core::DeviceState::kStarting);
   EXPECT_THAT(std::string(protocol_->Health().cause.message()),
               HasSubstr("stays in 'disabled'"));
   EXPECT_EQ(protocol_->SetVelocity(kArc, now_).code(),
@@ -160,7 +161,7 @@ TEST_F(SegwayProtocolTest, ABaseThatRefusesItsModeIsAskedAgainAndReported) {
   EXPECT_TRUE(OnlyStopsSent());
   takes_mode_ = true;
   Run(2000);
-  EXPECT_EQ(protocol_->Health().state, DeviceState::kRunning);
+  EXPECT_EQ(protocol_->Health().state, core::DeviceState::kRunning);
 }
 
 TEST_F(SegwayProtocolTest, FramesGoOutEveryInterval) {
@@ -179,7 +180,7 @@ TEST_F(SegwayProtocolTest, OneReadingACycleWithTheBasesValues) {
   cycle_.pitch = 78;
   cycle_.base_battery = 288;
   Run(30);
-  const std::vector<BaseReading> readings = protocol_->TakeReadings();
+  const std::vector<core::BaseReading> readings = protocol_->TakeReadings();
   ASSERT_EQ(readings.size(), 3u);
   EXPECT_NEAR(readings[0].pitch_rad, 10 * std::numbers::pi / 180, 1e-12);
   EXPECT_EQ(readings[0].battery_v, 72);
@@ -191,8 +192,8 @@ TEST_F(SegwayProtocolTest, OneReadingACycleWithTheBasesValues) {
 TEST_F(SegwayProtocolTest, ReadingsThatNobodyTakesAreDroppedAndCounted) {
   MakeReady();
   Run(1000);
-  EXPECT_EQ(protocol_->Health().dropped, 100 - kMaxWaiting);
-  EXPECT_EQ(protocol_->TakeReadings().size(), size_t{kMaxWaiting});
+  EXPECT_EQ(protocol_->Health().dropped, 100 - core::kMaxWaiting);
+  EXPECT_EQ(protocol_->TakeReadings().size(), size_t{core::kMaxWaiting});
 }
 
 TEST_F(SegwayProtocolTest, RampsUpToTheCommandAndHoldsIt) {
@@ -228,7 +229,7 @@ TEST_F(SegwayProtocolTest, ACommandEnds300msAfterItWasGiven) {
   MakeReady();
   Drive(1000);
   ASSERT_TRUE(protocol_->SetVelocity(kArc, now_).ok());
-  const MonotonicTime given = now_;
+  const base::MonotonicTime given = now_;
   sent_.clear();
   Run(2000);
   ASSERT_FALSE(sent_.empty());
@@ -258,7 +259,7 @@ TEST_F(SegwayProtocolTest, AnExpiredCommandNeverComesBack) {
   Run(100);
   protocol_->Connected(now_);
   Run(1000);
-  EXPECT_EQ(protocol_->Health().state, DeviceState::kRunning);
+  EXPECT_EQ(protocol_->Health().state, core::DeviceState::kRunning);
   EXPECT_TRUE(OnlyStopsSent());
 }
 
@@ -298,9 +299,9 @@ TEST_F(SegwayProtocolTest, NanStopsAndIsRefused) {
   for (const double bad :
        {std::nan(""), std::numeric_limits<double>::infinity(),
         -std::numeric_limits<double>::infinity()}) {
-    for (const VelocityCommand& command :
-         {VelocityCommand{.forward_mps = bad, .yaw_rate_radps = 0},
-          VelocityCommand{.forward_mps = 0, .yaw_rate_radps = bad}}) {
+    for (const core::VelocityCommand& command :
+         {core::VelocityCommand{.forward_mps = bad, .yaw_rate_radps = 0},
+          core::VelocityCommand{.forward_mps = 0, .yaw_rate_radps = bad}}) {
       MakeReady();
       Drive(500);
       EXPECT_EQ(protocol_->SetVelocity(command, now_).code(),
@@ -319,7 +320,7 @@ TEST_F(SegwayProtocolTest, SilenceStopsAndIsReported) {
   Drive(400);
   talking_ = false;
   Run(250);
-  EXPECT_EQ(protocol_->Health().state, DeviceState::kLost);
+  EXPECT_EQ(protocol_->Health().state, core::DeviceState::kLost);
   EXPECT_EQ(protocol_->Health().losses, 1);
   EXPECT_THAT(std::string(protocol_->Health().cause.message()),
               HasSubstr("fallen silent"));
@@ -340,7 +341,7 @@ TEST_F(SegwayProtocolTest, ADisconnectionIsReportedWithItsCause) {
   Drive(100);
   sent_.clear();
   protocol_->Disconnected(absl::NotFoundError("no /dev/ttyUSB0"), now_);
-  EXPECT_EQ(protocol_->Health().state, DeviceState::kLost);
+  EXPECT_EQ(protocol_->Health().state, core::DeviceState::kLost);
   EXPECT_EQ(protocol_->Health().cause, absl::NotFoundError("no /dev/ttyUSB0"));
   EXPECT_EQ(protocol_->SetVelocity(kArc, now_),
             absl::UnavailableError("no /dev/ttyUSB0"));
@@ -361,7 +362,7 @@ TEST_F(SegwayProtocolTest, AReconnectionConfiguresAgainButKeepsTheCounters) {
   sent_.clear();
   protocol_->Connected(now_);
   Run(600);
-  EXPECT_EQ(protocol_->Health().state, DeviceState::kRunning);
+  EXPECT_EQ(protocol_->Health().state, core::DeviceState::kRunning);
   int modes = 0;
   for (const Sent& sent : sent_) {
     EXPECT_NE(sent.motion.setting, SegwaySetting::kResetIntegrators);
@@ -383,7 +384,7 @@ TEST_F(SegwayProtocolTest, DisabledMotorsForgetTheCommand) {
   protocol_->TakeReadings();
   sent_.clear();
   Run(100);
-  const std::vector<BaseReading> readings = protocol_->TakeReadings();
+  const std::vector<core::BaseReading> readings = protocol_->TakeReadings();
   ASSERT_FALSE(readings.empty());
   EXPECT_FALSE(readings.back().motors_enabled);
   SendPowerStatus(true);
@@ -434,7 +435,7 @@ TEST_F(SegwayProtocolTest, AnEmergencyStopHoldsUntilItIsReleased) {
   EXPECT_EQ(protocol_->SetVelocity(kArc, now_).code(),
             absl::StatusCode::kFailedPrecondition);
   Run(500);
-  EXPECT_EQ(protocol_->Health().state, DeviceState::kRunning);
+  EXPECT_EQ(protocol_->Health().state, core::DeviceState::kRunning);
   protocol_->SetEmergencyStop(false);
   Run(100);
   EXPECT_TRUE(OnlyStopsSent());
@@ -490,7 +491,7 @@ TEST_F(SegwayProtocolTest, CorruptCyclesAreCountedAndDoNotStopTheBase) {
     Receive(ToMessages(cycle_, channel_)[3]);
     Run(20);
   }
-  EXPECT_EQ(protocol_->Health().state, DeviceState::kRunning);
+  EXPECT_EQ(protocol_->Health().state, core::DeviceState::kRunning);
   EXPECT_GT(protocol_->Statistics().discarded_bytes, 0);
   EXPECT_FALSE(OnlyStopsSent());
 }
@@ -522,4 +523,4 @@ TEST(SegwayOptions, OptionsThatAreNoneAreRefused) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::segway

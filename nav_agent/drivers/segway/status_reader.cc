@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 constexpr int64_t kFrame_ns = 10'000'000;
@@ -20,7 +20,7 @@ constexpr std::chrono::seconds kWindow(1);
 constexpr double kMaxRolled_mps = 5;
 constexpr double kMaxRolledSlack_m = 0.05;
 
-int64_t Nanoseconds(MonotonicTime time) {
+int64_t Nanoseconds(base::MonotonicTime time) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              time.time_since_epoch())
       .count();
@@ -46,8 +46,8 @@ void SegwayStatusReader::Reconnected() {
 
 void SegwayStatusReader::CountersReset() { recount_ = true; }
 
-std::optional<BaseReading> SegwayStatusReader::Take(
-    const SegwayMessage& message, MonotonicTime arrival) {
+std::optional<core::BaseReading> SegwayStatusReader::Take(
+    const SegwayMessage& message, base::MonotonicTime arrival) {
   const std::optional<SegwayCycle> cycle = Assemble(message);
   if (!cycle) return std::nullopt;
   return Accept(*cycle, arrival);
@@ -79,7 +79,8 @@ std::optional<SegwayCycle> SegwayStatusReader::Assemble(
 }
 
 std::optional<int64_t> SegwayStatusReader::FramesBetween(
-    const Timed& before, const SegwayCycle& cycle, MonotonicTime arrival) {
+    const Timed& before, const SegwayCycle& cycle,
+    base::MonotonicTime arrival) {
   const int64_t passed_ns = Nanoseconds(arrival) - Nanoseconds(before.arrival);
   const int64_t frames =
       static_cast<uint16_t>(cycle.servo_frames - before.cycle.servo_frames);
@@ -113,7 +114,7 @@ bool SegwayStatusReader::WheelsCanHaveRolled(const SegwayCycle& before,
 }
 
 void SegwayStatusReader::BeginAt(const SegwayCycle& cycle,
-                                 MonotonicTime arrival) {
+                                 base::MonotonicTime arrival) {
   last_ = {
       .cycle = cycle, .arrival = arrival, .device_frames = cycle.servo_frames};
   least_offset_ns_ = least_offset_before_ns_ =
@@ -121,7 +122,7 @@ void SegwayStatusReader::BeginAt(const SegwayCycle& cycle,
   window_begin_ = arrival;
 }
 
-MonotonicTime SegwayStatusReader::StampOf(const Timed& timed) {
+base::MonotonicTime SegwayStatusReader::StampOf(const Timed& timed) {
   const int64_t device_ns = timed.device_frames * kFrame_ns;
   const int64_t offset_ns = Nanoseconds(timed.arrival) - device_ns;
   if (timed.arrival - window_begin_ >= kWindow) {
@@ -132,15 +133,17 @@ MonotonicTime SegwayStatusReader::StampOf(const Timed& timed) {
     window_begin_ = timed.arrival;
   }
   least_offset_ns_ = std::min(least_offset_ns_, offset_ns);
-  const MonotonicTime stamp(std::chrono::duration_cast<MonotonicTime::duration>(
-      std::chrono::nanoseconds(
-          device_ns + std::min(least_offset_ns_, least_offset_before_ns_))));
+  const base::MonotonicTime stamp(
+      std::chrono::duration_cast<base::MonotonicTime::duration>(
+          std::chrono::nanoseconds(
+              device_ns +
+              std::min(least_offset_ns_, least_offset_before_ns_))));
   last_stamp_ = std::max(stamp, last_stamp_);
   return last_stamp_;
 }
 
-std::optional<BaseReading> SegwayStatusReader::Accept(const SegwayCycle& cycle,
-                                                      MonotonicTime arrival) {
+std::optional<core::BaseReading> SegwayStatusReader::Accept(
+    const SegwayCycle& cycle, base::MonotonicTime arrival) {
   if (!last_) {
     BeginAt(cycle, arrival);
   } else if (const std::optional<int64_t> frames =
@@ -168,11 +171,11 @@ std::optional<BaseReading> SegwayStatusReader::Accept(const SegwayCycle& cycle,
   recount_ = false;
   suspect_.reset();
   last_cycle_ = cycle;
-  BaseReading reading = ToReading(cycle, wire_);
+  core::BaseReading reading = ToReading(cycle, wire_);
   reading.stamp = StampOf(*last_);
   reading.left_wheel_m = static_cast<double>(left_) / kSegwayCountsPerMetre;
   reading.right_wheel_m = static_cast<double>(right_) / kSegwayCountsPerMetre;
   return reading;
 }
 
-}  // namespace treeline
+}  // namespace treeline::segway

@@ -10,7 +10,7 @@
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/drivers/segway/segway_codec.h"
 
-namespace treeline {
+namespace treeline::segway {
 
 // Assembles status cycles, stamps them and counts the wheels on.
 //
@@ -36,8 +36,8 @@ class SegwayStatusReader {
   void CountersReset();
 
   // A reading, if this message completes one. Its motors_enabled is true.
-  std::optional<BaseReading> Take(const SegwayMessage& message,
-                                  MonotonicTime arrival);
+  std::optional<core::BaseReading> Take(const SegwayMessage& message,
+                                        base::MonotonicTime arrival);
 
   // The last cycle that made a reading.
   const std::optional<SegwayCycle>& last_cycle() const { return last_cycle_; }
@@ -55,23 +55,23 @@ class SegwayStatusReader {
   };
   struct Timed {
     SegwayCycle cycle;
-    MonotonicTime arrival;
+    base::MonotonicTime arrival;
     // The base's clock, unwrapped.
     int64_t device_frames = 0;
   };
 
   std::optional<SegwayCycle> Assemble(const SegwayMessage& message);
-  std::optional<BaseReading> Accept(const SegwayCycle& cycle,
-                                    MonotonicTime arrival);
+  std::optional<core::BaseReading> Accept(const SegwayCycle& cycle,
+                                          base::MonotonicTime arrival);
   // Puts `now` after `before` on the base's clock; nullopt if it cannot come
   // after it.
   static std::optional<int64_t> FramesBetween(const Timed& before,
                                               const SegwayCycle& cycle,
-                                              MonotonicTime arrival);
+                                              base::MonotonicTime arrival);
   static bool WheelsCanHaveRolled(const SegwayCycle& before,
                                   const SegwayCycle& after, int64_t frames);
-  void BeginAt(const SegwayCycle& cycle, MonotonicTime arrival);
-  MonotonicTime StampOf(const Timed& timed);
+  void BeginAt(const SegwayCycle& cycle, base::MonotonicTime arrival);
+  base::MonotonicTime StampOf(const Timed& timed);
 
   const SegwayWire wire_;
   const std::optional<uint8_t> only_channel_;
@@ -88,13 +88,13 @@ class SegwayStatusReader {
   // window before.
   int64_t least_offset_ns_ = 0;
   int64_t least_offset_before_ns_ = 0;
-  MonotonicTime window_begin_;
-  MonotonicTime last_stamp_;
+  base::MonotonicTime window_begin_;
+  base::MonotonicTime last_stamp_;
   // Wheels (counts).
   int64_t left_ = 0;
   int64_t right_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::segway
 
 #endif  // NAV_AGENT_DRIVERS_SEGWAY_STATUS_READER_H_

@@ -7,14 +7,14 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 constexpr double kCount_m = 1 / kSegwayCountsPerMetre;
-const MonotonicTime kStart{std::chrono::hours(5)};
+const base::MonotonicTime kStart{std::chrono::hours(5)};
 
 // A base at constant speed; its cycle i is measured at 10 i ms.
 SegwayCycle CycleAt(int i) {
@@ -29,9 +29,9 @@ SegwayCycle CycleAt(int i) {
 
 class SegwayStatusReaderTest : public ::testing::Test {
  protected:
-  std::optional<BaseReading> Take(const SegwayCycle& cycle,
-                                  MonotonicTime arrival) {
-    std::optional<BaseReading> result;
+  std::optional<core::BaseReading> Take(const SegwayCycle& cycle,
+                                        base::MonotonicTime arrival) {
+    std::optional<core::BaseReading> result;
     for (const SegwayMessage& message : ToMessages(cycle, kSegwayChannelA)) {
       EXPECT_FALSE(result.has_value());
       result = reader_.Take(message, arrival);
@@ -39,7 +39,9 @@ class SegwayStatusReaderTest : public ::testing::Test {
     return result;
   }
 
-  static MonotonicTime TimeOf(int i) { return kStart + milliseconds(10 * i); }
+  static base::MonotonicTime TimeOf(int i) {
+    return kStart + milliseconds(10 * i);
+  }
 
   SegwayStatusReader reader_{{}, std::nullopt};
 };
@@ -112,9 +114,9 @@ TEST_F(SegwayStatusReaderTest, StampsFollowTheQuickestArrivals) {
 
 // A base whose clock is slow by a hundredth, which none is.
 TEST_F(SegwayStatusReaderTest, StampsFollowAClockThatDrifts) {
-  MonotonicTime before = kStart - milliseconds(1);
+  base::MonotonicTime before = kStart - milliseconds(1);
   for (int i = 0; i < 3000; ++i) {
-    const MonotonicTime arrival = kStart + microseconds(10100 * i);
+    const base::MonotonicTime arrival = kStart + microseconds(10100 * i);
     const auto reading = Take(CycleAt(i), arrival);
     ASSERT_TRUE(reading.has_value());
     EXPECT_LE(reading->stamp, arrival);
@@ -128,7 +130,7 @@ TEST_F(SegwayStatusReaderTest, StampsFollowAClockThatDrifts) {
 // The first arrival of all was late: later ones are not put before it.
 TEST_F(SegwayStatusReaderTest, StampsNeverRunBackwards) {
   Take(CycleAt(0), TimeOf(0) + milliseconds(90));
-  MonotonicTime before = TimeOf(0) + milliseconds(90);
+  base::MonotonicTime before = TimeOf(0) + milliseconds(90);
   for (int i = 1; i < 30; ++i) {
     const auto reading = Take(CycleAt(i), std::max(TimeOf(i), TimeOf(9)));
     ASSERT_TRUE(reading.has_value());
@@ -153,7 +155,7 @@ TEST_F(SegwayStatusReaderTest, WheelsGoOnWhenTheBaseWasRestarted) {
   for (int i = 0; i <= 5; ++i) Take(CycleAt(i), TimeOf(i));
   // Off for 20 s; everything counts from zero again.
   reader_.Reconnected();
-  const MonotonicTime restart = TimeOf(5) + std::chrono::seconds(20);
+  const base::MonotonicTime restart = TimeOf(5) + std::chrono::seconds(20);
   SegwayCycle cycle;
   EXPECT_FALSE(Take(cycle, restart).has_value());
   for (int i = 1; i < 10; ++i) {
@@ -220,4 +222,4 @@ TEST_F(SegwayStatusReaderTest, HeedsTheChosenChannelAlone) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::segway

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 constexpr double kSlowestTurn_radps = 0.1;
@@ -16,7 +16,7 @@ int SignOf(double yaw_rate_radps) {
 
 }  // namespace
 
-void TurnWatch::Sent(double yaw_rate_radps, MonotonicTime now) {
+void TurnWatch::Sent(double yaw_rate_radps, base::MonotonicTime now) {
   const int sign = SignOf(yaw_rate_radps);
   if (sign == sign_) return;
   sign_ = sign;
@@ -24,7 +24,8 @@ void TurnWatch::Sent(double yaw_rate_radps, MonotonicTime now) {
   difference_m_.reset();
 }
 
-void TurnWatch::Take(const BaseReading& reading, MonotonicTime now) {
+void TurnWatch::Take(const core::BaseReading& reading,
+                     base::MonotonicTime now) {
   if (verdict_ != Verdict::kUndecided || sign_ == 0) return;
   if (now - since_ < kSettled) return;
   const double difference_m = reading.right_wheel_m - reading.left_wheel_m;
@@ -35,4 +36,4 @@ void TurnWatch::Take(const BaseReading& reading, MonotonicTime now) {
   if (turned_rad <= -kDecisive_rad) verdict_ = Verdict::kWrong;
 }
 
-}  // namespace treeline
+}  // namespace treeline::segway

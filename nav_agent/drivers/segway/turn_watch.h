@@ -7,7 +7,7 @@
 #include "common/base/clock.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::segway {
 
 // Sources disagree on which way a positive turn command turns the base, and a
 // controller that is wrong about it drives in circles ever faster. So the first
@@ -22,8 +22,8 @@ class TurnWatch {
   explicit TurnWatch(double wheel_track_m) : wheel_track_m_(wheel_track_m) {}
 
   // What has been asked for, each time that it is.
-  void Sent(double yaw_rate_radps, MonotonicTime now);
-  void Take(const BaseReading& reading, MonotonicTime now);
+  void Sent(double yaw_rate_radps, base::MonotonicTime now);
+  void Take(const core::BaseReading& reading, base::MonotonicTime now);
   Verdict verdict() const { return verdict_; }
 
  private:
@@ -31,11 +31,11 @@ class TurnWatch {
   Verdict verdict_ = Verdict::kUndecided;
   // Of the turn that is being asked for: 1, -1, or 0 for none that counts.
   int sign_ = 0;
-  MonotonicTime since_;
+  base::MonotonicTime since_;
   // Right less left wheel when the turn had lasted long enough (m).
   std::optional<double> difference_m_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::segway
 
 #endif  // NAV_AGENT_DRIVERS_SEGWAY_TURN_WATCH_H_

@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 using Verdict = TurnWatch::Verdict;
@@ -24,8 +24,8 @@ class TurnWatchTest : public ::testing::Test {
   }
 
   TurnWatch watch_{kTrack_m};
-  MonotonicTime now_;
-  BaseReading reading_;
+  base::MonotonicTime now_;
+  core::BaseReading reading_;
 };
 
 TEST_F(TurnWatchTest, ATurnThatIsMadeIsRightForGood) {
@@ -59,4 +59,4 @@ TEST_F(TurnWatchTest, WhatItTakesToFollowDoesNotCount) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::segway

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 double Step(double current, double target, double max_gain, double max_loss) {
@@ -32,8 +32,8 @@ absl::Status VelocityLimits::Validate() const {
   return absl::OkStatus();
 }
 
-VelocityCommand Limited(const VelocityCommand& command,
-                        const VelocityLimits& limits) {
+core::VelocityCommand Limited(const core::VelocityCommand& command,
+                              const VelocityLimits& limits) {
   const double forward = command.forward_mps >= 0
                              ? command.forward_mps / limits.max_forward_mps
                              : -command.forward_mps / limits.max_backward_mps;
@@ -44,9 +44,10 @@ VelocityCommand Limited(const VelocityCommand& command,
           .yaw_rate_radps = command.yaw_rate_radps / excess};
 }
 
-VelocityCommand Approach(const VelocityCommand& current,
-                         const VelocityCommand& target,
-                         const VelocityLimits& limits, double interval_s) {
+core::VelocityCommand Approach(const core::VelocityCommand& current,
+                               const core::VelocityCommand& target,
+                               const VelocityLimits& limits,
+                               double interval_s) {
   const double max_turn_change =
       limits.max_yaw_acceleration_radps2 * interval_s;
   return {.forward_mps = Step(current.forward_mps, target.forward_mps,
@@ -56,4 +57,4 @@ VelocityCommand Approach(const VelocityCommand& current,
                                  max_turn_change, max_turn_change)};
 }
 
-}  // namespace treeline
+}  // namespace treeline::segway

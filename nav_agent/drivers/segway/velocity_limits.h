@@ -5,7 +5,7 @@
 #include "absl/status/status.h"
 #include "nav_agent/core/sensor_data.h"
 
-namespace treeline {
+namespace treeline::segway {
 
 // Defaults are those of RobotModel.
 struct VelocityLimits {
@@ -22,16 +22,16 @@ struct VelocityLimits {
 
 // The command, slowed down until it is within the limits, along the same arc:
 // both speeds shrink by the same factor. `command` is finite.
-VelocityCommand Limited(const VelocityCommand& command,
-                        const VelocityLimits& limits);
+core::VelocityCommand Limited(const core::VelocityCommand& command,
+                              const VelocityLimits& limits);
 
 // What to ask for `interval_s` after `current` on the way to `target`: each
 // speed changes by no more than the limits allow, and passes through zero
 // before it changes its sign.
-VelocityCommand Approach(const VelocityCommand& current,
-                         const VelocityCommand& target,
-                         const VelocityLimits& limits, double interval_s);
+core::VelocityCommand Approach(const core::VelocityCommand& current,
+                               const core::VelocityCommand& target,
+                               const VelocityLimits& limits, double interval_s);
 
-}  // namespace treeline
+}  // namespace treeline::segway
 
 #endif  // NAV_AGENT_DRIVERS_SEGWAY_VELOCITY_LIMITS_H_

@@ -5,34 +5,36 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::segway {
 namespace {
 
 constexpr VelocityLimits kLimits = {};
 
 TEST(VelocityLimits, WhatIsWithinStays) {
-  const VelocityCommand command = {.forward_mps = 0.5, .yaw_rate_radps = -1};
+  const core::VelocityCommand command = {.forward_mps = 0.5,
+                                         .yaw_rate_radps = -1};
   EXPECT_EQ(Limited(command, kLimits), command);
 }
 
 TEST(VelocityLimits, WhatIsBeyondKeepsItsArc) {
-  const VelocityCommand fast =
+  const core::VelocityCommand fast =
       Limited({.forward_mps = 1.6, .yaw_rate_radps = 1.0}, kLimits);
   EXPECT_DOUBLE_EQ(fast.forward_mps, 0.8);
   EXPECT_DOUBLE_EQ(fast.yaw_rate_radps, 0.5);
-  const VelocityCommand backward =
+  const core::VelocityCommand backward =
       Limited({.forward_mps = -0.6, .yaw_rate_radps = 1.0}, kLimits);
   EXPECT_DOUBLE_EQ(backward.forward_mps, -0.3);
   EXPECT_DOUBLE_EQ(backward.yaw_rate_radps, 0.5);
-  const VelocityCommand turning =
+  const core::VelocityCommand turning =
       Limited({.forward_mps = 0.8, .yaw_rate_radps = -3.0}, kLimits);
   EXPECT_DOUBLE_EQ(turning.forward_mps, 0.4);
   EXPECT_DOUBLE_EQ(turning.yaw_rate_radps, -1.5);
 }
 
 TEST(VelocityLimits, SpeedsUpAndSlowsDownNoFasterThanAllowed) {
-  const VelocityCommand target = {.forward_mps = 0.8, .yaw_rate_radps = 1.5};
-  VelocityCommand command;
+  const core::VelocityCommand target = {.forward_mps = 0.8,
+                                        .yaw_rate_radps = 1.5};
+  core::VelocityCommand command;
   command = Approach(command, target, kLimits, 0.1);
   EXPECT_DOUBLE_EQ(command.forward_mps, 0.08);
   EXPECT_DOUBLE_EQ(command.yaw_rate_radps, 0.3);
@@ -43,12 +45,13 @@ TEST(VelocityLimits, SpeedsUpAndSlowsDownNoFasterThanAllowed) {
   command = Approach(command, {}, kLimits, 0.1);
   EXPECT_NEAR(command.forward_mps, 0.65, 1e-12);
   for (int i = 0; i < 20; ++i) command = Approach(command, {}, kLimits, 0.1);
-  EXPECT_EQ(command, VelocityCommand{});
+  EXPECT_EQ(command, core::VelocityCommand{});
 }
 
 TEST(VelocityLimits, ReversesThroughStandstill) {
-  const VelocityCommand target = {.forward_mps = -0.3, .yaw_rate_radps = 0};
-  VelocityCommand command = {.forward_mps = 0.1, .yaw_rate_radps = 0};
+  const core::VelocityCommand target = {.forward_mps = -0.3,
+                                        .yaw_rate_radps = 0};
+  core::VelocityCommand command = {.forward_mps = 0.1, .yaw_rate_radps = 0};
   command = Approach(command, target, kLimits, 0.1);
   EXPECT_EQ(command.forward_mps, 0);
   command = Approach(command, target, kLimits, 0.1);
@@ -66,4 +69,4 @@ TEST(VelocityLimits, LimitsThatAreNoneAreRefused) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::segway

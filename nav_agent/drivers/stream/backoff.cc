@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/random.h"
 
-namespace treeline {
+namespace treeline::stream {
 
 absl::Status BackoffOptions::Validate() const {
   const auto error = [](absl::string_view message) {
@@ -28,11 +28,11 @@ std::chrono::nanoseconds Backoff::Next() {
   const double wait_s =
       std::min(options_.longest_s,
                options_.first_s * std::pow(options_.factor, failures_));
-  Random random(seed_, drawn_++);
+  base::Random random(seed_, drawn_++);
   if (failures_ < 1'000'000) ++failures_;
   const double spread = 1 + options_.jitter * random.NextUniform(-1.0, 1.0);
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::duration<double>(wait_s * spread));
 }
 
-}  // namespace treeline
+}  // namespace treeline::stream

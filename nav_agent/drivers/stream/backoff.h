@@ -7,7 +7,7 @@
 
 #include "absl/status/status.h"
 
-namespace treeline {
+namespace treeline::stream {
 
 struct BackoffOptions {
   // After the first failure; times `factor` after each further one, but never
@@ -44,6 +44,6 @@ class Backoff {
   int failures_ = 0;
 };
 
-}  // namespace treeline
+}  // namespace treeline::stream
 
 #endif  // NAV_AGENT_DRIVERS_STREAM_BACKOFF_H_

@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::stream {
 namespace {
 
 double Seconds(std::chrono::nanoseconds duration) {
@@ -64,4 +64,4 @@ TEST(BackoffTest, RefusesOptionsThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::stream

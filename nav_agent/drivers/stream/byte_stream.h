@@ -15,7 +15,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::stream {
 
 // One open connection, closed by its destructor. One thread may read while
 // another writes; several readers, or several writers, must take turns.
@@ -67,6 +67,6 @@ inline absl::string_view AsText(std::span<const uint8_t> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-}  // namespace treeline
+}  // namespace treeline::stream
 
 #endif  // NAV_AGENT_DRIVERS_STREAM_BYTE_STREAM_H_

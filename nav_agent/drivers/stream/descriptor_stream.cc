@@ -17,7 +17,7 @@
 #include "common/base/descriptor.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::stream {
 namespace {
 
 using std::chrono::milliseconds;
@@ -38,7 +38,7 @@ class DescriptorStream final : public ByteStream {
   // Of one call; -1 with errno.
   ssize_t WriteSome(std::span<const uint8_t> bytes) const;
 
-  Descriptor fd_;
+  base::Descriptor fd_;
   bool is_socket_;
   std::string name_;
 };
@@ -155,7 +155,7 @@ absl::StatusOr<WaitOutcome> WaitForDescriptor(int fd, short events,
   // A request to stop makes an event of its own, which ends poll(). Where none
   // can come, poll() is to ignore the second entry: a negative descriptor.
   const bool may_stop = stop.stop_possible();
-  const Descriptor wake(may_stop ? eventfd(0, EFD_CLOEXEC) : -1);
+  const base::Descriptor wake(may_stop ? eventfd(0, EFD_CLOEXEC) : -1);
   if (may_stop && wake.get() < 0) {
     return SystemError(absl::StatusCode::kUnavailable, "eventfd", errno);
   }
@@ -195,4 +195,4 @@ bool StopRequestedWithin(std::chrono::nanoseconds duration,
   return stop.stop_requested();
 }
 
-}  // namespace treeline
+}  // namespace treeline::stream

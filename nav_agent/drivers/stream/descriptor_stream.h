@@ -11,7 +11,7 @@
 #include "absl/strings/string_view.h"
 #include "nav_agent/drivers/stream/byte_stream.h"
 
-namespace treeline {
+namespace treeline::stream {
 
 // Owns `fd`, which is made non-blocking: a terminal or a connected socket.
 absl::StatusOr<std::unique_ptr<ByteStream>> MakeDescriptorStream(
@@ -33,6 +33,6 @@ absl::StatusOr<WaitOutcome> WaitForDescriptor(int fd, short events,
 absl::Status SystemError(absl::StatusCode code, absl::string_view message,
                          int error);
 
-}  // namespace treeline
+}  // namespace treeline::stream
 
 #endif  // NAV_AGENT_DRIVERS_STREAM_DESCRIPTOR_STREAM_H_

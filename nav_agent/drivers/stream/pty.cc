@@ -15,7 +15,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/drivers/stream/descriptor_stream.h"
 
-namespace treeline {
+namespace treeline::stream {
 namespace {
 
 absl::Status Failed(absl::string_view what) {
@@ -101,4 +101,4 @@ absl::Status Pty::Write(std::span<const uint8_t> bytes,
   return stream_->Write(bytes, timeout);
 }
 
-}  // namespace treeline
+}  // namespace treeline::stream

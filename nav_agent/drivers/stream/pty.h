@@ -10,7 +10,7 @@
 #include "common/base/descriptor.h"
 #include "nav_agent/drivers/stream/byte_stream.h"
 
-namespace treeline {
+namespace treeline::stream {
 
 // The device's end. Programs open path() as a serial port, one after another
 // as they like. Destroying it is pulling the plug: they find the port gone.
@@ -45,12 +45,12 @@ class Pty final : public ByteStream {
   std::unique_ptr<ByteStream> stream_;
   // Held open, since otherwise the first program that closes the port would
   // hang it up for good.
-  Descriptor terminal_;
+  base::Descriptor terminal_;
   std::string device_;
   std::string symlink_;
   std::string path_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::stream
 
 #endif  // NAV_AGENT_DRIVERS_STREAM_PTY_H_

@@ -19,7 +19,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/drivers/stream/descriptor_stream.h"
 
-namespace treeline {
+namespace treeline::stream {
 namespace {
 
 std::optional<speed_t> SpeedOf(int baud) {
@@ -199,4 +199,4 @@ absl::StatusOr<std::unique_ptr<ByteStream>> SerialPortOpener::Open(
   return OpenSerialPort(options_);
 }
 
-}  // namespace treeline
+}  // namespace treeline::stream

@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "nav_agent/drivers/stream/byte_stream.h"
 
-namespace treeline {
+namespace treeline::stream {
 
 struct SerialPortOptions {
   // Such as /dev/ttyACM0. Names that survive replugging lie under
@@ -48,6 +48,6 @@ class SerialPortOpener final : public ByteStreamOpener {
   SerialPortOptions options_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::stream
 
 #endif  // NAV_AGENT_DRIVERS_STREAM_SERIAL_PORT_H_

@@ -15,7 +15,7 @@
 #include "nav_agent/drivers/stream/pty.h"
 #include "nav_agent/drivers/stream/testing_streams.h"
 
-namespace treeline {
+namespace treeline::stream {
 namespace {
 
 using std::chrono::milliseconds;
@@ -60,7 +60,7 @@ TEST(SerialPortTest, CarriesEveryByteBothWaysUnchanged) {
 TEST(SerialPortTest, IsRawAtTheRateAskedFor) {
   const auto pty = OpenPty();
   const auto port = OpenPort(pty->path(), 460800);
-  const Descriptor fd(open(pty->path().c_str(), O_RDWR | O_NOCTTY));
+  const base::Descriptor fd(open(pty->path().c_str(), O_RDWR | O_NOCTTY));
   struct termios settings = {};
   ASSERT_EQ(tcgetattr(fd.get(), &settings), 0);
   EXPECT_EQ(cfgetospeed(&settings), static_cast<speed_t>(B460800));
@@ -183,4 +183,4 @@ TEST(PtyTest, ServesOneProgramAfterAnother) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::stream

@@ -11,7 +11,7 @@
 #include "nav_agent/drivers/stream/serial_port.h"
 #include "nav_agent/drivers/stream/tcp_stream.h"
 
-namespace treeline {
+namespace treeline::stream {
 namespace {
 
 absl::Status Wrong(absl::string_view text, absl::string_view why) {
@@ -69,4 +69,4 @@ absl::StatusOr<std::unique_ptr<ByteStreamOpener>> ParseStreamAddress(
   return std::make_unique<SerialPortOpener>(std::move(options));
 }
 
-}  // namespace treeline
+}  // namespace treeline::stream

@@ -8,7 +8,7 @@
 #include "absl/strings/string_view.h"
 #include "nav_agent/drivers/stream/byte_stream.h"
 
-namespace treeline {
+namespace treeline::stream {
 
 // An opener for
 //   /dev/ttyACM0                 a serial port
@@ -19,6 +19,6 @@ namespace treeline {
 absl::StatusOr<std::unique_ptr<ByteStreamOpener>> ParseStreamAddress(
     absl::string_view text, int default_baud, int default_port = 0);
 
-}  // namespace treeline
+}  // namespace treeline::stream
 
 #endif  // NAV_AGENT_DRIVERS_STREAM_STREAM_ADDRESS_H_

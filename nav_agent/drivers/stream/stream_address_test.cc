@@ -4,7 +4,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::stream {
 namespace {
 
 std::string NameOf(absl::string_view text, int default_port = 10940) {
@@ -39,4 +39,4 @@ TEST(StreamAddressTest, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::stream

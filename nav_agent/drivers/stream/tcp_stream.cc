@@ -14,7 +14,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/drivers/stream/descriptor_stream.h"
 
-namespace treeline {
+namespace treeline::stream {
 namespace {
 
 using std::chrono::milliseconds;
@@ -183,4 +183,4 @@ absl::StatusOr<std::unique_ptr<ByteStream>> TcpListener::Accept(
   return MakeDescriptorStream(fd, absl::StrCat("caller of port ", port_));
 }
 
-}  // namespace treeline
+}  // namespace treeline::stream

@@ -14,7 +14,7 @@
 #include "common/base/descriptor.h"
 #include "nav_agent/drivers/stream/byte_stream.h"
 
-namespace treeline {
+namespace treeline::stream {
 
 struct TcpStreamOptions {
   // A name or an address (IPv4, or IPv6 without brackets).
@@ -59,10 +59,10 @@ class TcpListener {
 
  private:
   TcpListener(int fd, int port) : fd_(fd), port_(port) {}
-  Descriptor fd_;
+  base::Descriptor fd_;
   int port_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::stream
 
 #endif  // NAV_AGENT_DRIVERS_STREAM_TCP_STREAM_H_

@@ -9,7 +9,7 @@
 #include "nav_agent/drivers/stream/descriptor_stream.h"
 #include "nav_agent/drivers/stream/testing_streams.h"
 
-namespace treeline {
+namespace treeline::stream {
 namespace {
 
 using std::chrono::milliseconds;
@@ -136,4 +136,4 @@ TEST(StopRequestedWithinTest, TellsAStopFromTheEndOfTheWait) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::stream

@@ -8,7 +8,7 @@
 
 #include "nav_agent/drivers/stream/byte_stream.h"
 
-namespace treeline {
+namespace treeline::stream {
 
 // Reads until `size` bytes have come, the stream has failed, or nothing more
 // came within ten seconds (of which a test that passes sees none).
@@ -25,6 +25,6 @@ inline std::string ReadExactly(ByteStream& stream, size_t size) {
   return text;
 }
 
-}  // namespace treeline
+}  // namespace treeline::stream
 
 #endif  // NAV_AGENT_DRIVERS_STREAM_TESTING_STREAMS_H_

@@ -1,6 +1,6 @@
 #include "server/core/features/gray_pyramid.h"
 
-namespace treeline {
+namespace treeline::features {
 
 void GrayPyramid::Assign(const PlanarImage& image) {
   Level& full = levels_[0];
@@ -35,4 +35,4 @@ void GrayPyramid::Assign(const PlanarImage& image) {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::features

@@ -9,7 +9,7 @@
 
 #include "server/core/features/planar_image.h"
 
-namespace treeline {
+namespace treeline::features {
 
 // Level l has (width >> l) x (height >> l) pixels, each the mean of 2 x 2 of
 // the level below: pixel (x, y) of level 0 lies at
@@ -53,6 +53,6 @@ inline float GrayPyramid::Level::At(float x, float y) const {
   return top + b * (bottom - top);
 }
 
-}  // namespace treeline
+}  // namespace treeline::features
 
 #endif  // SERVER_CORE_FEATURES_GRAY_PYRAMID_H_

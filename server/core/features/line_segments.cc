@@ -11,7 +11,7 @@
 #include "server/core/features/pixel_difference.h"
 #include "server/core/features/walsh_hadamard.h"
 
-namespace treeline {
+namespace treeline::features {
 namespace {
 
 constexpr double kLsdScale = 0.8;
@@ -40,8 +40,8 @@ constexpr uint64_t kLineStream = 0x6c696e6500000000;
 // A step along a segment: position, and depth seen from the colour camera.
 struct Step {
   double along_px = 0;
-  Pixel pixel;
-  Vec3 ray;                  // through the pixel, z = 1
+  camera::Pixel pixel;
+  geometry::Vec3 ray;        // through the pixel, z = 1
   double inverse_depth = 0;  // of the colour camera (1/m, scaled)
   double sigma = 0;          // its standard deviation
   double depth_sigma_m = 0;
@@ -57,7 +57,7 @@ struct InverseDepthLine {
 
 // Depth of the surface seen at a depth pixel (m, not scaled): where several
 // are, of the nearest. 0: none is measured.
-double SurfaceDepth_m(const DepthImage& depth, int u, int v) {
+double SurfaceDepth_m(const image::DepthImage& depth, int u, int v) {
   uint16_t window[(2 * kDepthRadius_px + 1) * (2 * kDepthRadius_px + 1)];
   size_t count = 0;
   for (int y = std::max(0, v - kDepthRadius_px);
@@ -65,7 +65,7 @@ double SurfaceDepth_m(const DepthImage& depth, int u, int v) {
     const uint16_t* row = depth.values.data() + y * depth.width;
     for (int x = std::max(0, u - kDepthRadius_px);
          x <= std::min(depth.width - 1, u + kDepthRadius_px); ++x) {
-      if (IsMeasured(row[x])) window[count++] = row[x];
+      if (image::IsMeasured(row[x])) window[count++] = row[x];
     }
   }
   if (count == 0) return 0;
@@ -81,7 +81,7 @@ double SurfaceDepth_m(const DepthImage& depth, int u, int v) {
 // Finds what a colour pixel sees in a depth image taken from beside it.
 class DepthLookup {
  public:
-  DepthLookup(const DepthGeometry& geometry, const DepthImage& depth)
+  DepthLookup(const DepthGeometry& geometry, const image::DepthImage& depth)
       : geometry_(geometry),
         depth_(depth),
         depth_from_color_(geometry.calibration().color_from_depth.Inverse()),
@@ -91,8 +91,9 @@ class DepthLookup {
   // and becomes the one found. The right depth is a fixed point of: project the
   // colour pixel at this depth into the depth image, and read it there.
   bool Find(Step& step, double& guess_m) const {
-    const RgbdCalibration& calibration = geometry_.calibration();
-    const std::optional<Pixel> ray = calibration.color.Unproject(step.pixel);
+    const camera::RgbdCalibration& calibration = geometry_.calibration();
+    const std::optional<camera::Pixel> ray =
+        calibration.color.Unproject(step.pixel);
     if (!ray) return false;
     step.ray = {ray->x, ray->y, 1};
     double z = guess_m;
@@ -100,10 +101,10 @@ class DepthLookup {
     int v = -1;
     double depth_m = 0;
     for (int i = 0; i < kLookups; ++i) {
-      const Vec3 in_depth =
+      const geometry::Vec3 in_depth =
           rotation_ * (z * step.ray) + depth_from_color_.translation;
       if (!(in_depth.z > 0)) return false;
-      const Pixel p = calibration.depth.Project(in_depth);
+      const camera::Pixel p = calibration.depth.Project(in_depth);
       if (!(p.x > -0.5 && p.y > -0.5 && p.x < depth_.width - 0.5 &&
             p.y < depth_.height - 0.5)) {
         return false;
@@ -131,9 +132,9 @@ class DepthLookup {
 
  private:
   const DepthGeometry& geometry_;
-  const DepthImage& depth_;
-  const Rigid3 depth_from_color_;
-  const Mat3 rotation_;
+  const image::DepthImage& depth_;
+  const geometry::Rigid3 depth_from_color_;
+  const geometry::Mat3 rotation_;
 };
 
 bool IsOn(const InverseDepthLine& line, const Step& step) {
@@ -162,7 +163,7 @@ InverseDepthLine Refit(const std::vector<Step>& steps,
 
 // The line that most steps lie on.
 InverseDepthLine FitInverseDepth(const std::vector<Step>& steps,
-                                 Random random) {
+                                 base::Random random) {
   const uint32_t count = static_cast<uint32_t>(steps.size());
   InverseDepthLine best;
   std::ptrdiff_t most = -1;
@@ -187,7 +188,8 @@ InverseDepthLine FitInverseDepth(const std::vector<Step>& steps,
 // Steps of a segment whose patch lies inside the image, with those that have
 // depth in `steps`; returns how many there are in all.
 int Walk(const LineSegment& segment, const DepthLookup& lookup,
-         const Camera& color, double step_px, std::vector<Step>& steps) {
+         const camera::Camera& color, double step_px,
+         std::vector<Step>& steps) {
   steps.clear();
   const double length =
       std::hypot(segment.b.x - segment.a.x, segment.b.y - segment.a.y);
@@ -217,10 +219,10 @@ int Walk(const LineSegment& segment, const DepthLookup& lookup,
 
 void Append(const DepthGeometry& geometry, const std::vector<Step>& steps,
             const InverseDepthLine& line, LinePoints& points) {
-  const RgbdCalibration& calibration = geometry.calibration();
-  const Rigid3 sensor_from_color = PoseOfSensor(
-      {}, calibration.pose_sensor, RgbdSensor::kColor, calibration);
-  const double focal_px = MeanFocal_px(calibration.color);
+  const camera::RgbdCalibration& calibration = geometry.calibration();
+  const geometry::Rigid3 sensor_from_color = camera::PoseOfSensor(
+      {}, calibration.pose_sensor, camera::RgbdSensor::kColor, calibration);
+  const double focal_px = camera::MeanFocal_px(calibration.color);
   RgbdSamples& samples = points.samples;
   const size_t first = samples.size();
   for (const Step& step : steps) {
@@ -232,8 +234,9 @@ void Append(const DepthGeometry& geometry, const std::vector<Step>& steps,
     samples.depth_sigma_m.push_back(static_cast<float>(step.depth_sigma_m));
     points.line.push_back(static_cast<int32_t>(points.lines.size()));
   }
-  const Vec3 start = samples.point[first];
-  points.lines.push_back({start, Normalized(samples.point.back() - start)});
+  const geometry::Vec3 start = samples.point[first];
+  points.lines.push_back(
+      {start, geometry::Normalized(samples.point.back() - start)});
 }
 
 }  // namespace
@@ -288,7 +291,7 @@ std::vector<LineSegment> DetectLineSegments(const GrayPyramid& pyramid,
   return segments;
 }
 
-void LiftSegments(const DepthGeometry& geometry, const DepthImage& depth,
+void LiftSegments(const DepthGeometry& geometry, const image::DepthImage& depth,
                   const std::vector<LineSegment>& segments,
                   const LineOptions& options, LinePoints& points) {
   points.clear();
@@ -301,7 +304,7 @@ void LiftSegments(const DepthGeometry& geometry, const DepthImage& depth,
         std::max<double>(options.min_points, options.min_support * inside);
     if (static_cast<double>(steps.size()) < needed) continue;
     const InverseDepthLine line = FitInverseDepth(
-        steps, Random(0, kLineStream + static_cast<uint64_t>(s)));
+        steps, base::Random(0, kLineStream + static_cast<uint64_t>(s)));
     std::erase_if(steps, [&](const Step& step) {
       return !IsOn(line, step) || line.At(step.along_px) < 1 / kMaxDepth_m;
     });
@@ -310,7 +313,7 @@ void LiftSegments(const DepthGeometry& geometry, const DepthImage& depth,
   }
 }
 
-void DrawLinePoints(const LinePoints& points, int count, Random random,
+void DrawLinePoints(const LinePoints& points, int count, base::Random random,
                     LinePoints& drawn) {
   drawn.clear();
   drawn.lines = points.lines;
@@ -332,4 +335,4 @@ void DrawLinePoints(const LinePoints& points, int count, Random random,
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::features

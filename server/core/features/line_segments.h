@@ -11,12 +11,12 @@
 #include "server/core/features/gray_pyramid.h"
 #include "server/core/features/rgbd_samples.h"
 
-namespace treeline {
+namespace treeline::features {
 
 // Where brightness jumps along a straight line, in pixels of level 0.
 struct LineSegment {
-  Pixel a;
-  Pixel b;
+  camera::Pixel a;
+  camera::Pixel b;
 };
 
 struct LineOptions {
@@ -37,8 +37,8 @@ struct LineOptions {
 
 // A line in space: point + t * direction, with a direction of length 1.
 struct SpaceLine {
-  Vec3 point;
-  Vec3 direction;
+  geometry::Vec3 point;
+  geometry::Vec3 direction;
 };
 
 // Points on lines, in the frame of RgbdSamples.
@@ -67,14 +67,14 @@ std::vector<LineSegment> DetectLineSegments(const GrayPyramid& pyramid,
 // to gaps nor to points on whatever lies behind an edge. Where surfaces meet
 // within 2 px, the nearer one owns the edge. Keeps to points whose 64 x 64
 // patch lies inside the image. The result depends on the arguments alone.
-void LiftSegments(const DepthGeometry& geometry, const DepthImage& depth,
+void LiftSegments(const DepthGeometry& geometry, const image::DepthImage& depth,
                   const std::vector<LineSegment>& segments,
                   const LineOptions& options, LinePoints& points);
 
 // Up to `count` of `points` at random, in random order, each at most once.
-void DrawLinePoints(const LinePoints& points, int count, Random random,
+void DrawLinePoints(const LinePoints& points, int count, base::Random random,
                     LinePoints& drawn);
 
-}  // namespace treeline
+}  // namespace treeline::features
 
 #endif  // SERVER_CORE_FEATURES_LINE_SEGMENTS_H_

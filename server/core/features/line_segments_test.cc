@@ -8,21 +8,21 @@
 #include "gtest/gtest.h"
 #include "server/core/features/walsh_hadamard.h"
 
-namespace treeline {
+namespace treeline::features {
 namespace {
 
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
 
 // Colour and depth side by side, of different lenses.
-RgbdCalibration Pair() {
-  RgbdCalibration calibration;
+camera::RgbdCalibration Pair() {
+  camera::RgbdCalibration calibration;
   calibration.color =
-      *Camera::Parse("PINHOLE,300,300,160,120", kWidth, kHeight);
+      *camera::Camera::Parse("PINHOLE,300,300,160,120", kWidth, kHeight);
   calibration.depth =
-      *Camera::Parse("PINHOLE,320,320,155,118", kWidth, kHeight);
-  calibration.color_from_depth = {Rotation3::FromAxisAngle({0, 0.01, 0}),
-                                  {-0.03, 0, 0}};
+      *camera::Camera::Parse("PINHOLE,320,320,155,118", kWidth, kHeight);
+  calibration.color_from_depth = {
+      geometry::Rotation3::FromAxisAngle({0, 0.01, 0}), {-0.03, 0, 0}};
   return calibration;
 }
 
@@ -33,24 +33,25 @@ struct Scene {
   double slope = 0;
   double in_front_m = 0;
 
-  bool InRectangle(Vec3 p) const {
+  bool InRectangle(geometry::Vec3 p) const {
     return std::abs(p.x) <= 0.4 && std::abs(p.y) <= 0.3;
   }
   // Where the ray from `origin` meets the scene.
-  Vec3 Hit(Vec3 origin, Vec3 direction) const {
+  geometry::Vec3 Hit(geometry::Vec3 origin, geometry::Vec3 direction) const {
     const auto meet = [&](double z0) {
       // origin.z + t dz = z0 + slope (origin.x + t dx)
       const double t = (z0 + slope * origin.x - origin.z) /
                        (direction.z - slope * direction.x);
       return origin + t * direction;
     };
-    const Vec3 front = meet(2);
+    const geometry::Vec3 front = meet(2);
     return InRectangle(front) || in_front_m == 0 ? front : meet(2 + in_front_m);
   }
 };
 
-GrayPyramid ColorOf(const Scene& scene, const RgbdCalibration& calibration) {
-  ColorImage image{kWidth, kHeight, {}};
+GrayPyramid ColorOf(const Scene& scene,
+                    const camera::RgbdCalibration& calibration) {
+  image::ColorImage image{kWidth, kHeight, {}};
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       // Four rays a pixel, as a lens would blur.
@@ -72,16 +73,17 @@ GrayPyramid ColorOf(const Scene& scene, const RgbdCalibration& calibration) {
 }
 
 // What the depth camera measures, in millimetres.
-DepthImage DepthOf(const Scene& scene, const RgbdCalibration& calibration) {
-  DepthImage depth{kWidth, kHeight, {}, 0.001};
-  const Rigid3& color_from_depth = calibration.color_from_depth;
+image::DepthImage DepthOf(const Scene& scene,
+                          const camera::RgbdCalibration& calibration) {
+  image::DepthImage depth{kWidth, kHeight, {}, 0.001};
+  const geometry::Rigid3& color_from_depth = calibration.color_from_depth;
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       const auto ray = calibration.depth.Unproject(
           {static_cast<double>(x), static_cast<double>(y)});
-      const Vec3 hit =
-          scene.Hit(color_from_depth.translation,
-                    color_from_depth.rotation * Vec3{ray->x, ray->y, 1});
+      const geometry::Vec3 hit = scene.Hit(
+          color_from_depth.translation,
+          color_from_depth.rotation * geometry::Vec3{ray->x, ray->y, 1});
       depth.values.push_back(static_cast<uint16_t>(
           std::lround(1000 * (color_from_depth.Inverse() * hit).z)));
     }
@@ -90,14 +92,14 @@ DepthImage DepthOf(const Scene& scene, const RgbdCalibration& calibration) {
 }
 
 // Distance of a point from the nearest edge of the rectangle, in x and y.
-double DistanceToEdges(Vec3 p) {
+double DistanceToEdges(geometry::Vec3 p) {
   const double dx = std::abs(std::abs(p.x) - 0.4);
   const double dy = std::abs(std::abs(p.y) - 0.3);
   return std::min(dx, dy);
 }
 
-LinePoints Lift(const Scene& scene, const RgbdCalibration& calibration,
-                const DepthImage& depth) {
+LinePoints Lift(const Scene& scene, const camera::RgbdCalibration& calibration,
+                const image::DepthImage& depth) {
   LinePoints points;
   LiftSegments(DepthGeometry(calibration), depth,
                DetectLineSegments(ColorOf(scene, calibration), {}), {}, points);
@@ -146,7 +148,7 @@ TEST(DetectLineSegmentsTest, DropsTheShortestAndWhatIsTooShort) {
 TEST(DetectLineSegmentsTest, TinyAndPlainImagesHaveNone) {
   for (const int size : {1, 8, 40}) {
     GrayPyramid pyramid;
-    pyramid.Assign(PlanarImage(ColorImage{
+    pyramid.Assign(PlanarImage(image::ColorImage{
         size, size,
         std::vector<uint8_t>(static_cast<size_t>(3 * size * size))}));
     EXPECT_TRUE(DetectLineSegments(pyramid, {}).empty());
@@ -155,27 +157,29 @@ TEST(DetectLineSegmentsTest, TinyAndPlainImagesHaveNone) {
 
 TEST(LiftSegmentsTest, PutsLinesWhereTheEdgesAre) {
   for (const double slope : {0., 0.5}) {
-    const RgbdCalibration calibration = Pair();
+    const camera::RgbdCalibration calibration = Pair();
     const Scene scene{slope, 0};
     const LinePoints points =
         Lift(scene, calibration, DepthOf(scene, calibration));
     ASSERT_EQ(points.lines.size(), 4u);
     ASSERT_GT(points.size(), 80u);
     for (const SpaceLine& line : points.lines) {
-      EXPECT_NEAR(Norm(line.direction), 1, 1e-12);
+      EXPECT_NEAR(geometry::Norm(line.direction), 1, 1e-12);
       // Upright, or level and along the slope; within 5 mm over 0.6 m.
-      const Vec3 level = Normalized(Vec3{1, 0, slope});
+      const geometry::Vec3 level =
+          geometry::Normalized(geometry::Vec3{1, 0, slope});
       EXPECT_GT(std::max(std::abs(line.direction.y),
-                         std::abs(Dot(line.direction, level))),
+                         std::abs(geometry::Dot(line.direction, level))),
                 std::cos(0.01));
     }
     for (size_t i = 0; i < points.size(); ++i) {
-      const Vec3 p = points.samples.point[i];
+      const geometry::Vec3 p = points.samples.point[i];
       // Half a pixel at 2 m and 300 px; depth is in millimetres.
       EXPECT_LT(DistanceToEdges(p), 0.0034);
       EXPECT_NEAR(p.z, 2 + slope * p.x, 0.002 + slope * 0.0034);
       const SpaceLine& line = points.lines[static_cast<size_t>(points.line[i])];
-      EXPECT_LT(Norm(Cross(p - line.point, line.direction)), 1e-9);
+      EXPECT_LT(geometry::Norm(geometry::Cross(p - line.point, line.direction)),
+                1e-9);
       EXPECT_TRUE(PatchInside(points.samples.x[i], points.samples.y[i], kWidth,
                               kHeight));
     }
@@ -183,35 +187,36 @@ TEST(LiftSegmentsTest, PutsLinesWhereTheEdgesAre) {
 }
 
 TEST(LiftSegmentsTest, AnswersInThePoseSensorsFrame) {
-  RgbdCalibration calibration = Pair();
-  const DepthImage depth = DepthOf({}, calibration);
+  camera::RgbdCalibration calibration = Pair();
+  const image::DepthImage depth = DepthOf({}, calibration);
   const LinePoints in_color = Lift({}, calibration, depth);
-  calibration.pose_sensor = RgbdSensor::kDepth;
+  calibration.pose_sensor = camera::RgbdSensor::kDepth;
   const LinePoints in_depth = Lift({}, calibration, depth);
   ASSERT_EQ(in_color.size(), in_depth.size());
   for (size_t i = 0; i < in_color.size(); ++i) {
-    EXPECT_LT(Norm(calibration.color_from_depth * in_depth.samples.point[i] -
-                   in_color.samples.point[i]),
+    EXPECT_LT(geometry::Norm(calibration.color_from_depth *
+                                 in_depth.samples.point[i] -
+                             in_color.samples.point[i]),
               1e-9);
   }
 }
 
 TEST(LiftSegmentsTest, EdgesBelongToTheSurfaceInFront) {
   const Scene scene{0, 1};
-  const RgbdCalibration calibration = Pair();
+  const camera::RgbdCalibration calibration = Pair();
   const LinePoints points =
       Lift(scene, calibration, DepthOf(scene, calibration));
   ASSERT_GE(points.lines.size(), 3u);
-  for (const Vec3& p : points.samples.point) {
+  for (const geometry::Vec3& p : points.samples.point) {
     EXPECT_NEAR(p.z, 2, 0.003);
     EXPECT_LT(DistanceToEdges(p), 0.0034);
   }
 }
 
 TEST(LiftSegmentsTest, GapsAndOutliersOfDepthAreLeftOut) {
-  const RgbdCalibration calibration = Pair();
-  DepthImage depth = DepthOf({}, calibration);
-  Random random(1, 0);
+  const camera::RgbdCalibration calibration = Pair();
+  image::DepthImage depth = DepthOf({}, calibration);
+  base::Random random(1, 0);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       uint16_t& value = depth.values[static_cast<size_t>(y * kWidth + x)];
@@ -229,16 +234,17 @@ TEST(LiftSegmentsTest, GapsAndOutliersOfDepthAreLeftOut) {
                DetectLineSegments(ColorOf({}, calibration), options), options,
                points);
   ASSERT_GE(points.lines.size(), 2u);
-  for (const Vec3& p : points.samples.point) EXPECT_NEAR(p.z, 2, 0.02);
+  for (const geometry::Vec3& p : points.samples.point)
+    EXPECT_NEAR(p.z, 2, 0.02);
 }
 
 TEST(LiftSegmentsTest, SegmentsWithoutSupportAreDropped) {
-  const RgbdCalibration calibration = Pair();
-  DepthImage none = DepthOf({}, calibration);
+  const camera::RgbdCalibration calibration = Pair();
+  image::DepthImage none = DepthOf({}, calibration);
   std::ranges::fill(none.values, uint16_t{0});
   EXPECT_EQ(Lift({}, calibration, none).size(), 0u);
-  DepthImage anything = none;
-  Random random(2, 0);
+  image::DepthImage anything = none;
+  base::Random random(2, 0);
   for (uint16_t& value : anything.values) {
     value = static_cast<uint16_t>(500 + random.NextBelow(3000));
   }
@@ -246,24 +252,25 @@ TEST(LiftSegmentsTest, SegmentsWithoutSupportAreDropped) {
 }
 
 TEST(DrawLinePointsTest, DrawsEachPointAtMostOnceInRandomOrder) {
-  const RgbdCalibration calibration = Pair();
+  const camera::RgbdCalibration calibration = Pair();
   const LinePoints all = Lift({}, calibration, DepthOf({}, calibration));
   LinePoints drawn;
-  DrawLinePoints(all, 50, Random(1, 0), drawn);
+  DrawLinePoints(all, 50, base::Random(1, 0), drawn);
   ASSERT_EQ(drawn.size(), 50u);
   std::set<std::pair<int, int>> pixels;
   for (size_t i = 0; i < drawn.size(); ++i) {
     pixels.insert({drawn.samples.x[i], drawn.samples.y[i]});
     const SpaceLine& line = drawn.lines[static_cast<size_t>(drawn.line[i])];
-    EXPECT_LT(Norm(Cross(drawn.samples.point[i] - line.point, line.direction)),
+    EXPECT_LT(geometry::Norm(geometry::Cross(
+                  drawn.samples.point[i] - line.point, line.direction)),
               1e-9);
   }
   // Corners may be on two lines.
   EXPECT_GE(pixels.size(), 46u);
   EXPECT_FALSE(std::ranges::is_sorted(drawn.line));
-  DrawLinePoints(all, 100000, Random(1, 0), drawn);
+  DrawLinePoints(all, 100000, base::Random(1, 0), drawn);
   EXPECT_EQ(drawn.size(), all.size());
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::features

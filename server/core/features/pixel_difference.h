@@ -7,7 +7,7 @@
 
 #include "server/core/features/planar_image.h"
 
-namespace treeline {
+namespace treeline::features {
 
 // f(p) = I(p, c1) - I(p + delta / D(p), c2), in [-255, 255].
 //
@@ -59,6 +59,6 @@ inline int32_t Evaluate(const PixelDifference& feature,
          data[feature.c2 * image.plane_bytes() + y2 * image.width() + x2];
 }
 
-}  // namespace treeline
+}  // namespace treeline::features
 
 #endif  // SERVER_CORE_FEATURES_PIXEL_DIFFERENCE_H_

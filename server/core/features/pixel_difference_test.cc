@@ -2,12 +2,12 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::features {
 namespace {
 
 // Pixel (x, y) has red 10 y + x, green 100 + that, blue 200.
 PlanarImage Ramp() {
-  ColorImage image{10, 8, {}};
+  image::ColorImage image{10, 8, {}};
   for (int y = 0; y < 8; ++y) {
     for (int x = 0; x < 10; ++x) {
       const int red = 10 * y + x;
@@ -62,4 +62,4 @@ TEST(PixelDifferenceTest, InverseDepthStaysInRangeForAnyDepth) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::features

@@ -6,7 +6,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace treeline::HWY_NAMESPACE {
+namespace treeline::features::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 void Deinterleave(const uint8_t* rgb, size_t pixels, uint8_t* planes) {
@@ -30,15 +30,15 @@ void Deinterleave(const uint8_t* rgb, size_t pixels, uint8_t* planes) {
   }
 }
 
-}  // namespace treeline::HWY_NAMESPACE
+}  // namespace treeline::features::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace treeline {
+namespace treeline::features {
 
 HWY_EXPORT(Deinterleave);
 
-void PlanarImage::Assign(const ColorImage& image) {
+void PlanarImage::Assign(const image::ColorImage& image) {
   width_ = image.width;
   height_ = image.height;
   const size_t pixels =
@@ -47,5 +47,5 @@ void PlanarImage::Assign(const ColorImage& image) {
   HWY_DYNAMIC_DISPATCH(Deinterleave)(image.rgb.data(), pixels, data_.data());
 }
 
-}  // namespace treeline
+}  // namespace treeline::features
 #endif  // HWY_ONCE

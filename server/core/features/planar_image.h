@@ -7,7 +7,7 @@
 
 #include "common/image/image.h"
 
-namespace treeline {
+namespace treeline::features {
 
 // Red, green and blue planes one after the other in one allocation, rows
 // without gaps. Sixty-four readable bytes follow the last plane, so that SIMD
@@ -17,10 +17,10 @@ class PlanarImage {
   static constexpr int kPadding_bytes = 64;
 
   PlanarImage() = default;
-  explicit PlanarImage(const ColorImage& image) { Assign(image); }
+  explicit PlanarImage(const image::ColorImage& image) { Assign(image); }
 
   // Replaces the contents, reusing the allocation.
-  void Assign(const ColorImage& image);
+  void Assign(const image::ColorImage& image);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -35,6 +35,6 @@ class PlanarImage {
   std::vector<uint8_t> data_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::features
 
 #endif  // SERVER_CORE_FEATURES_PLANAR_IMAGE_H_

@@ -6,7 +6,7 @@
 #include "server/core/features/pixel_difference.h"
 #include "server/core/features/walsh_hadamard.h"
 
-namespace treeline {
+namespace treeline::features {
 namespace {
 
 constexpr double kMinDepth_m = 0.2;
@@ -23,23 +23,24 @@ void RgbdSamples::clear() {
   depth_sigma_m.clear();
 }
 
-DepthGeometry::DepthGeometry(const RgbdCalibration& calibration)
+DepthGeometry::DepthGeometry(const camera::RgbdCalibration& calibration)
     : calibration_(calibration),
       color_from_depth_rotation_(
           calibration.color_from_depth.rotation.Matrix()) {}
 
 bool DepthGeometry::Lift(int u, int v, double depth_m, Lifted& out) const {
-  const std::optional<Pixel> ray = calibration_.depth.Unproject(
+  const std::optional<camera::Pixel> ray = calibration_.depth.Unproject(
       {static_cast<double>(u), static_cast<double>(v)});
   if (!ray) return false;
   const double z = calibration_.depth_scale * depth_m;
-  const Vec3 point_in_depth{ray->x * z, ray->y * z, z};
+  const geometry::Vec3 point_in_depth{ray->x * z, ray->y * z, z};
   out.point_in_color = color_from_depth_rotation_ * point_in_depth +
                        calibration_.color_from_depth.translation;
   if (!(out.point_in_color.z > 0)) return false;
-  out.point_in_pose_sensor = calibration_.pose_sensor == RgbdSensor::kColor
-                                 ? out.point_in_color
-                                 : point_in_depth;
+  out.point_in_pose_sensor =
+      calibration_.pose_sensor == camera::RgbdSensor::kColor
+          ? out.point_in_color
+          : point_in_depth;
   out.color_pixel = calibration_.color.Project(out.point_in_color);
   return true;
 }
@@ -48,17 +49,17 @@ double DepthSigma_m(double z_m) {
   return 0.0012 + 0.0019 * (z_m - 0.4) * (z_m - 0.4);
 }
 
-void DrawSamples(const DepthGeometry& geometry, const DepthImage& depth,
-                 int count, Random random, RgbdSamples& samples) {
+void DrawSamples(const DepthGeometry& geometry, const image::DepthImage& depth,
+                 int count, base::Random random, RgbdSamples& samples) {
   samples.clear();
-  const Camera& color = geometry.calibration().color;
+  const camera::Camera& color = geometry.calibration().color;
   const uint32_t pixels = static_cast<uint32_t>(depth.values.size());
-  const double focal_px = MeanFocal_px(color);
+  const double focal_px = camera::MeanFocal_px(color);
   for (int draw = 0; draw < count * kDrawsPerSample &&
                      samples.size() < static_cast<size_t>(count);
        ++draw) {
     const uint32_t i = random.NextBelow(pixels);
-    if (!IsMeasured(depth.values[i])) continue;
+    if (!image::IsMeasured(depth.values[i])) continue;
     const double depth_m = depth.values[i] * depth.unit_m;
     if (depth_m < kMinDepth_m || depth_m > kMaxDepth_m) continue;
     DepthGeometry::Lifted lifted;
@@ -67,7 +68,7 @@ void DrawSamples(const DepthGeometry& geometry, const DepthImage& depth,
       continue;
     }
     // Written so that NaN fails, and before any conversion to int.
-    const Pixel p = lifted.color_pixel;
+    const camera::Pixel p = lifted.color_pixel;
     if (!(p.x > -0.5 && p.y > -0.5 && p.x < color.width() &&
           p.y < color.height())) {
       continue;
@@ -84,7 +85,7 @@ void DrawSamples(const DepthGeometry& geometry, const DepthImage& depth,
   }
 }
 
-void DrawPixels(const Camera& color, int count, Random random,
+void DrawPixels(const camera::Camera& color, int count, base::Random random,
                 RgbdSamples& samples) {
   samples.clear();
   const int width = color.width() - 2 * kPatchRadius_px + 1;
@@ -97,15 +98,16 @@ void DrawPixels(const Camera& color, int count, Random random,
     const int y =
         kPatchRadius_px +
         static_cast<int>(random.NextBelow(static_cast<uint32_t>(height)));
-    const std::optional<Pixel> ray =
+    const std::optional<camera::Pixel> ray =
         color.Unproject({static_cast<double>(x), static_cast<double>(y)});
     if (!ray) continue;
     samples.x.push_back(x);
     samples.y.push_back(y);
-    samples.inverse_depth_q12.push_back(NoDepthQ12(MeanFocal_px(color)));
+    samples.inverse_depth_q12.push_back(
+        NoDepthQ12(camera::MeanFocal_px(color)));
     samples.point.push_back({ray->x, ray->y, 1});
     samples.depth_sigma_m.push_back(0);
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::features

@@ -9,14 +9,14 @@
 #include "common/camera/rgbd_calibration.h"
 #include "common/image/image.h"
 
-namespace treeline {
+namespace treeline::features {
 
 // Sample i in slot i of every array.
 struct RgbdSamples {
   std::vector<int32_t> x;  // nearest colour pixel
   std::vector<int32_t> y;
   std::vector<int32_t> inverse_depth_q12;  // see InverseDepthQ12
-  std::vector<Vec3> point;  // in the pose sensor's frame, m (scaled)
+  std::vector<geometry::Vec3> point;  // in the pose sensor's frame, m (scaled)
   std::vector<float> depth_sigma_m;
 
   size_t size() const { return x.size(); }
@@ -26,40 +26,40 @@ struct RgbdSamples {
 // Lifts depth pixels into space and sees them from the colour camera.
 class DepthGeometry {
  public:
-  explicit DepthGeometry(const RgbdCalibration& calibration);
+  explicit DepthGeometry(const camera::RgbdCalibration& calibration);
 
-  const RgbdCalibration& calibration() const { return calibration_; }
+  const camera::RgbdCalibration& calibration() const { return calibration_; }
 
   // A depth pixel with a measured value seen from both cameras.
   struct Lifted {
-    Vec3 point_in_color;
-    Vec3 point_in_pose_sensor;
-    Pixel color_pixel;
+    geometry::Vec3 point_in_color;
+    geometry::Vec3 point_in_pose_sensor;
+    camera::Pixel color_pixel;
   };
   // False where the depth pixel has no ray or lies behind the colour camera.
   bool Lift(int u, int v, double depth_m, Lifted& out) const;
 
  private:
-  RgbdCalibration calibration_;
-  Mat3 color_from_depth_rotation_;
+  camera::RgbdCalibration calibration_;
+  geometry::Mat3 color_from_depth_rotation_;
 };
 
 // Up to `count` samples, uniform over the depth pixels that are measured, seen
 // within [0.2, 10] m and whose 64 x 64 patch lies inside the colour image.
 // Gives up after 8 * count draws, so a frame with little depth gives fewer.
-void DrawSamples(const DepthGeometry& geometry, const DepthImage& depth,
-                 int count, Random random, RgbdSamples& samples);
+void DrawSamples(const DepthGeometry& geometry, const image::DepthImage& depth,
+                 int count, base::Random random, RgbdSamples& samples);
 
 // `count` pixels whose patch lies inside an image of the camera's size, for
 // queries without depth: inverse_depth_q12 is NoDepthQ12, and point is
 // (x/z, y/z, 1) of the pixel's ray. Fewer where rays do not exist.
-void DrawPixels(const Camera& color, int count, Random random,
+void DrawPixels(const camera::Camera& color, int count, base::Random random,
                 RgbdSamples& samples);
 
 // Standard deviation of a Kinect's depth at z metres (Nguyen, Izadi, Lovell
 // 2012, axial): 0.0012 + 0.0019 (z - 0.4)^2.
 double DepthSigma_m(double z_m);
 
-}  // namespace treeline
+}  // namespace treeline::features
 
 #endif  // SERVER_CORE_FEATURES_RGBD_SAMPLES_H_

@@ -4,23 +4,25 @@
 #include "server/core/features/pixel_difference.h"
 #include "server/core/features/walsh_hadamard.h"
 
-namespace treeline {
+namespace treeline::features {
 namespace {
 
-RgbdCalibration SideBySide() {
-  RgbdCalibration calibration;
-  calibration.color = *Camera::Parse("PINHOLE,525,525,320,240", 640, 480);
-  calibration.depth = *Camera::Parse("PINHOLE,585,585,320,240", 640, 480);
+camera::RgbdCalibration SideBySide() {
+  camera::RgbdCalibration calibration;
+  calibration.color =
+      *camera::Camera::Parse("PINHOLE,525,525,320,240", 640, 480);
+  calibration.depth =
+      *camera::Camera::Parse("PINHOLE,585,585,320,240", 640, 480);
   calibration.color_from_depth.translation = {-0.025, 0, 0};
   return calibration;
 }
 
-DepthImage Flat(uint16_t value) {
+image::DepthImage Flat(uint16_t value) {
   return {640, 480, std::vector<uint16_t>(640 * 480, value), 0.001};
 }
 
 TEST(DepthGeometryTest, LiftsAndProjectsByHand) {
-  RgbdCalibration calibration = SideBySide();
+  camera::RgbdCalibration calibration = SideBySide();
   calibration.depth_scale = 1.5;
   const DepthGeometry geometry(calibration);
   DepthGeometry::Lifted lifted;
@@ -34,18 +36,18 @@ TEST(DepthGeometryTest, LiftsAndProjectsByHand) {
 }
 
 TEST(DepthGeometryTest, GivesPointsInThePoseSensorsFrame) {
-  RgbdCalibration calibration = SideBySide();
-  calibration.pose_sensor = RgbdSensor::kDepth;
+  camera::RgbdCalibration calibration = SideBySide();
+  calibration.pose_sensor = camera::RgbdSensor::kDepth;
   const DepthGeometry geometry(calibration);
   DepthGeometry::Lifted lifted;
   ASSERT_TRUE(geometry.Lift(320, 240, 2, lifted));
-  EXPECT_EQ(lifted.point_in_pose_sensor, (Vec3{0, 0, 2}));
-  EXPECT_EQ(lifted.point_in_color, (Vec3{-0.025, 0, 2}));
+  EXPECT_EQ(lifted.point_in_pose_sensor, (geometry::Vec3{0, 0, 2}));
+  EXPECT_EQ(lifted.point_in_color, (geometry::Vec3{-0.025, 0, 2}));
 }
 
 TEST(DrawSamplesTest, GivesAsManyAsAskedWithPatchesInside) {
   RgbdSamples samples;
-  DrawSamples(DepthGeometry(SideBySide()), Flat(2000), 300, Random(1, 0),
+  DrawSamples(DepthGeometry(SideBySide()), Flat(2000), 300, base::Random(1, 0),
               samples);
   ASSERT_EQ(samples.size(), 300u);
   for (size_t i = 0; i < samples.size(); ++i) {
@@ -56,34 +58,37 @@ TEST(DrawSamplesTest, GivesAsManyAsAskedWithPatchesInside) {
 }
 
 TEST(DrawSamplesTest, TakesOnlyMeasuredDepthInRange) {
-  DepthImage depth = Flat(0);
+  image::DepthImage depth = Flat(0);
   const size_t good = 240 * 640 + 320;
   depth.values[good - 1] = 65535;  // not measured
   depth.values[good + 1] = 100;    // 0.1 m: too near
   depth.values[good + 2] = 11000;  // 11 m: too far
   depth.values[good] = 2000;
   RgbdSamples samples;
-  DrawSamples(DepthGeometry(SideBySide()), depth, 20000, Random(1, 0), samples);
-  for (const Vec3& point : samples.point) EXPECT_DOUBLE_EQ(point.z, 2);
+  DrawSamples(DepthGeometry(SideBySide()), depth, 20000, base::Random(1, 0),
+              samples);
+  for (const geometry::Vec3& point : samples.point)
+    EXPECT_DOUBLE_EQ(point.z, 2);
   EXPECT_LT(samples.size(), 20u);  // one pixel in 307,200, 160,000 draws
 }
 
 TEST(DrawSamplesTest, GivesUpOnAFrameWithoutDepth) {
   RgbdSamples samples;
-  DrawSamples(DepthGeometry(SideBySide()), Flat(0), 100, Random(1, 0), samples);
+  DrawSamples(DepthGeometry(SideBySide()), Flat(0), 100, base::Random(1, 0),
+              samples);
   EXPECT_EQ(samples.size(), 0u);
 }
 
 TEST(DrawSamplesTest, DependsOnTheSeedAlone) {
   RgbdSamples a, b, c;
   const DepthGeometry geometry(SideBySide());
-  DrawSamples(geometry, Flat(2000), 50, Random(1, 0), a);
-  DrawSamples(geometry, Flat(2000), 50, Random(1, 0), b);
-  DrawSamples(geometry, Flat(2000), 50, Random(2, 0), c);
+  DrawSamples(geometry, Flat(2000), 50, base::Random(1, 0), a);
+  DrawSamples(geometry, Flat(2000), 50, base::Random(1, 0), b);
+  DrawSamples(geometry, Flat(2000), 50, base::Random(2, 0), c);
   EXPECT_EQ(a.x, b.x);
   EXPECT_EQ(a.y, b.y);
   EXPECT_NE(a.x, c.x);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::features

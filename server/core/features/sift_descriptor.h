@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-namespace treeline {
+namespace treeline::features {
 
 // Two cache lines.
 struct alignas(64) SiftDescriptor {
@@ -13,6 +13,6 @@ struct alignas(64) SiftDescriptor {
   std::array<uint8_t, kDimensions> values{};
 };
 
-}  // namespace treeline
+}  // namespace treeline::features
 
 #endif  // SERVER_CORE_FEATURES_SIFT_DESCRIPTOR_H_

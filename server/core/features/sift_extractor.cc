@@ -10,7 +10,7 @@
 #include "opencv2/features2d.hpp"
 #include "opencv2/imgproc.hpp"
 
-namespace treeline {
+namespace treeline::features {
 namespace {
 
 constexpr float kScale = 512;
@@ -18,7 +18,7 @@ constexpr int kMinSize_px = 8;
 // What OpenCV adds to both coordinates.
 constexpr float kOpenCvShift_px = 0.25F;
 
-cv::Mat GrayOf(const ColorImage& image) {
+cv::Mat GrayOf(const image::ColorImage& image) {
   // OpenCV reads the pixels only.
   const cv::Mat color(image.height, image.width, CV_8UC3,
                       const_cast<uint8_t*>(image.rgb.data()));
@@ -45,11 +45,11 @@ void ComputeRows(cv::SIFT& sift, const cv::Mat& gray,
 }
 
 // OpenCV fails on images too small for an octave.
-bool IsTooSmall(const ColorImage& image) {
+bool IsTooSmall(const image::ColorImage& image) {
   return std::min(image.width, image.height) < kMinSize_px;
 }
 
-SiftFeatures ExtractOrThrow(const ColorImage& image,
+SiftFeatures ExtractOrThrow(const image::ColorImage& image,
                             const SiftOptions& options) {
   if (IsTooSmall(image)) return {};
   cv::setNumThreads(1);
@@ -95,7 +95,7 @@ int PackedOctave(float diameter_px) {
 }
 
 std::vector<SiftDescriptor> DescribeOrThrow(
-    const ColorImage& image, std::span<const SiftKeypoint> keypoints) {
+    const image::ColorImage& image, std::span<const SiftKeypoint> keypoints) {
   cv::setNumThreads(1);
   std::vector<cv::KeyPoint> wanted;
   wanted.reserve(keypoints.size());
@@ -119,7 +119,7 @@ std::vector<SiftDescriptor> DescribeOrThrow(
 
 }  // namespace
 
-absl::StatusOr<SiftFeatures> ExtractSift(const ColorImage& image,
+absl::StatusOr<SiftFeatures> ExtractSift(const image::ColorImage& image,
                                          const SiftOptions& options) {
   try {
     return ExtractOrThrow(image, options);
@@ -129,7 +129,7 @@ absl::StatusOr<SiftFeatures> ExtractSift(const ColorImage& image,
 }
 
 absl::StatusOr<std::vector<SiftDescriptor>> DescribeSift(
-    const ColorImage& image, std::span<const SiftKeypoint> keypoints) {
+    const image::ColorImage& image, std::span<const SiftKeypoint> keypoints) {
   try {
     return DescribeOrThrow(image, keypoints);
   } catch (const std::exception& error) {
@@ -150,4 +150,4 @@ SiftDescriptor RootSift(std::span<const float> histogram) {
   return descriptor;
 }
 
-}  // namespace treeline
+}  // namespace treeline::features

@@ -10,10 +10,10 @@
 #include "common/image/image.h"
 #include "server/core/features/sift_descriptor.h"
 
-namespace treeline {
+namespace treeline::features {
 
 struct SiftKeypoint {
-  Pixel pixel;
+  camera::Pixel pixel;
   float diameter_px = 0;  // of the region that the descriptor describes
   float angle_deg = 0;    // clockwise from x, in [0, 360)
   float response = 0;     // contrast; larger is stronger
@@ -47,7 +47,7 @@ struct SiftOptions {
 // OpenCV 4.6 gives positions that are a quarter of a pixel too large, because
 // it doubles the image about pixel corners and halves positions about pixel
 // centres. This is put right.
-absl::StatusOr<SiftFeatures> ExtractSift(const ColorImage& image,
+absl::StatusOr<SiftFeatures> ExtractSift(const image::ColorImage& image,
                                          const SiftOptions& options);
 
 // The descriptors at given keypoints, in their order; responses mean nothing.
@@ -55,11 +55,11 @@ absl::StatusOr<SiftFeatures> ExtractSift(const ColorImage& image,
 // zero for images of less than 8 pixels a side, which have no features either.
 // INTERNAL if OpenCV fails.
 absl::StatusOr<std::vector<SiftDescriptor>> DescribeSift(
-    const ColorImage& image, std::span<const SiftKeypoint> keypoints);
+    const image::ColorImage& image, std::span<const SiftKeypoint> keypoints);
 
 // RootSIFT of 128 histogram values, none negative.
 SiftDescriptor RootSift(std::span<const float> histogram);
 
-}  // namespace treeline
+}  // namespace treeline::features
 
 #endif  // SERVER_CORE_FEATURES_SIFT_EXTRACTOR_H_

@@ -8,15 +8,15 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::features {
 namespace {
 
 struct Blob {
   double x, y, sigma, height;
 };
 
-ColorImage Paint(const std::vector<Blob>& blobs, int width, int height) {
-  ColorImage image{width, height, {}};
+image::ColorImage Paint(const std::vector<Blob>& blobs, int width, int height) {
+  image::ColorImage image{width, height, {}};
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       double sum = 100;
@@ -33,9 +33,9 @@ ColorImage Paint(const std::vector<Blob>& blobs, int width, int height) {
   return image;
 }
 
-ColorImage RandomBlobs() {
+image::ColorImage RandomBlobs() {
   std::vector<Blob> blobs;
-  Random random(3, 0);
+  base::Random random(3, 0);
   for (int i = 0; i < 60; ++i) {
     blobs.push_back({random.NextUniform(10, 150), random.NextUniform(10, 110),
                      random.NextUniform(1.5, 5), random.NextUniform(-90, 90)});
@@ -61,7 +61,7 @@ TEST(SiftExtractorTest, PositionsAreThoseOfBlobsToATenthOfAPixel) {
 }
 
 TEST(SiftExtractorTest, KeepsTheLargestFeaturesInOrder) {
-  const ColorImage image = RandomBlobs();
+  const image::ColorImage image = RandomBlobs();
   const auto all = ExtractSift(image, {.max_features = 0});
   const auto some = ExtractSift(image, {.max_features = 10});
   ASSERT_TRUE(all.ok() && some.ok());
@@ -75,7 +75,7 @@ TEST(SiftExtractorTest, KeepsTheLargestFeaturesInOrder) {
 }
 
 TEST(SiftExtractorTest, DescribingFoundKeypointsGivesTheirDescriptors) {
-  const ColorImage image = RandomBlobs();
+  const image::ColorImage image = RandomBlobs();
   const auto features = ExtractSift(image, {});
   ASSERT_TRUE(features.ok());
   const auto again = DescribeSift(image, features->keypoints);
@@ -113,4 +113,4 @@ TEST(SiftExtractorTest, RootSiftHasLength512) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::features

@@ -6,7 +6,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace treeline::HWY_NAMESPACE {
+namespace treeline::features::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // References are read once for so many queries.
@@ -46,13 +46,13 @@ void Nearest(const SiftDescriptor* queries, size_t count,
   }
 }
 
-}  // namespace treeline::HWY_NAMESPACE
+}  // namespace treeline::features::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include <algorithm>
 
-namespace treeline {
+namespace treeline::features {
 namespace {
 
 HWY_EXPORT(Nearest);
@@ -67,5 +67,5 @@ void FindNearestSift(std::span<const SiftDescriptor> queries,
   (queries.data(), queries.size(), references, nearest.data());
 }
 
-}  // namespace treeline
+}  // namespace treeline::features
 #endif  // HWY_ONCE

@@ -8,7 +8,7 @@
 
 #include "server/core/features/sift_descriptor.h"
 
-namespace treeline {
+namespace treeline::features {
 
 // Descriptors inside records: descriptor i begins at data + i * stride_bytes.
 struct SiftDescriptorView {
@@ -31,6 +31,6 @@ void FindNearestSift(std::span<const SiftDescriptor> queries,
                      const SiftDescriptorView& references,
                      std::span<NearestSift> nearest);
 
-}  // namespace treeline
+}  // namespace treeline::features
 
 #endif  // SERVER_CORE_FEATURES_SIFT_MATCHING_H_

@@ -6,10 +6,11 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::features {
 namespace {
 
-std::vector<SiftDescriptor> RandomDescriptors(size_t count, Random& random) {
+std::vector<SiftDescriptor> RandomDescriptors(size_t count,
+                                              base::Random& random) {
   std::vector<SiftDescriptor> descriptors(count);
   for (SiftDescriptor& d : descriptors) {
     for (uint8_t& v : d.values) v = static_cast<uint8_t>(random.NextBelow(256));
@@ -31,7 +32,7 @@ SiftDescriptorView ViewOf(const std::vector<SiftDescriptor>& descriptors) {
 }
 
 TEST(FindNearestSiftTest, FindsTheNearestAndTheSecondDistance) {
-  Random random(1, 0);
+  base::Random random(1, 0);
   const std::vector<SiftDescriptor> queries = RandomDescriptors(23, random);
   const std::vector<SiftDescriptor> known = RandomDescriptors(57, random);
   std::vector<NearestSift> nearest(queries.size());
@@ -68,4 +69,4 @@ TEST(FindNearestSiftTest, TiesGoToTheFirst) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::features

@@ -6,7 +6,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace treeline::HWY_NAMESPACE {
+namespace treeline::features::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // sums[8 * row + column] of the 8 x 8-pixel blocks of the 64 x 64 patch whose
@@ -43,13 +43,13 @@ int32_t SquaredDistance64(const int8_t* a, const int8_t* b) {
   return hn::GetLane(hn::SumOfLanes(d32, hn::Add(even, odd)));
 }
 
-}  // namespace treeline::HWY_NAMESPACE
+}  // namespace treeline::features::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include <algorithm>
 
-namespace treeline {
+namespace treeline::features {
 
 HWY_EXPORT(SumBlocks);
 HWY_EXPORT(SquaredDistance64);
@@ -135,5 +135,5 @@ int32_t SquaredDistance(const WhtDescriptor& a, const WhtDescriptor& b) {
                                                  b.values.data());
 }
 
-}  // namespace treeline
+}  // namespace treeline::features
 #endif  // HWY_ONCE

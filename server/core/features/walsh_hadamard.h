@@ -9,7 +9,7 @@
 
 #include "server/core/features/planar_image.h"
 
-namespace treeline {
+namespace treeline::features {
 
 // Patches of 64 x 64 pixels: x - 32 .. x + 31, likewise in y.
 inline constexpr int kPatchRadius_px = 32;
@@ -51,6 +51,6 @@ void ComputeWht(const PlanarImage& image, std::span<const int32_t> x,
 // Squared Euclidean distance.
 int32_t SquaredDistance(const WhtDescriptor& a, const WhtDescriptor& b);
 
-}  // namespace treeline
+}  // namespace treeline::features
 
 #endif  // SERVER_CORE_FEATURES_WALSH_HADAMARD_H_

@@ -9,12 +9,12 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::features {
 namespace {
 
-ColorImage RandomImage(int width, int height, uint64_t seed) {
-  ColorImage image{width, height, {}};
-  Random random(seed, 0);
+image::ColorImage RandomImage(int width, int height, uint64_t seed) {
+  image::ColorImage image{width, height, {}};
+  base::Random random(seed, 0);
   image.rgb.resize(static_cast<size_t>(3 * width * height));
   for (uint8_t& value : image.rgb) {
     value = static_cast<uint8_t>(random.NextBelow(256));
@@ -42,7 +42,7 @@ int Walsh(int sign_changes, int x) {
 }
 
 // Straight from the definition in the header.
-int Projection(const ColorImage& image, int px, int py, int channel,
+int Projection(const image::ColorImage& image, int px, int py, int channel,
                WhtKernel kernel) {
   int sum = 0;
   for (int y = 0; y < 64; ++y) {
@@ -61,7 +61,7 @@ int Projection(const ColorImage& image, int px, int py, int channel,
 TEST(WalshHadamardTest, EqualsItsDefinition) {
   // Random pixels, darker to the right and greener below, so that low
   // frequencies are large too.
-  ColorImage image = RandomImage(97, 80, 1);
+  image::ColorImage image = RandomImage(97, 80, 1);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       uint8_t* pixel = &image.rgb[3 * static_cast<size_t>(y * image.width + x)];
@@ -87,7 +87,7 @@ TEST(WalshHadamardTest, EqualsItsDefinition) {
 
 TEST(WalshHadamardTest, SaturatesInsteadOfWrapping) {
   // White above, black below: kernel (0, 1) is +127.5 times full contrast.
-  ColorImage image{64, 64, std::vector<uint8_t>(3 * 64 * 64, 0)};
+  image::ColorImage image{64, 64, std::vector<uint8_t>(3 * 64 * 64, 0)};
   std::fill_n(image.rgb.begin(), 3 * 64 * 32, uint8_t{255});
   const std::vector<int32_t> at = {32};
   std::vector<WhtDescriptor> descriptor(1);
@@ -109,7 +109,7 @@ TEST(WalshHadamardTest, KernelsAreDistinctAndOrderedBySignChanges) {
 }
 
 TEST(WalshHadamardTest, SquaredDistanceIsExact) {
-  Random random(3, 0);
+  base::Random random(3, 0);
   WhtDescriptor a;
   WhtDescriptor b;
   int expected = 0;
@@ -134,7 +134,8 @@ TEST(PatchInsideTest, TouchesEveryBorderExactly) {
 }
 
 TEST(PlanarImageTest, SeparatesChannels) {
-  const ColorImage image = RandomImage(37, 5, 2);  // not a multiple of lanes
+  const image::ColorImage image =
+      RandomImage(37, 5, 2);  // not a multiple of lanes
   const PlanarImage planar(image);
   for (int i = 0; i < 37 * 5; ++i) {
     for (int c = 0; c < 3; ++c) {
@@ -145,4 +146,4 @@ TEST(PlanarImageTest, SeparatesChannels) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::features

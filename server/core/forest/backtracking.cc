@@ -15,7 +15,7 @@
 // maxima without a branch.
 
 HWY_BEFORE_NAMESPACE();
-namespace treeline::HWY_NAMESPACE {
+namespace treeline::forest::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int kNodeBits = 23;
@@ -52,16 +52,16 @@ HWY_INLINE VI Feature(const Walk& walk, VI lo, VI x, VI y, VI inverse_depth,
                       VI center) {
   const DI d;
   const VI three = hn::Set(d, 3);
-  const VI half = hn::Set(d, 1 << (kOffsetShift - 1));
+  const VI half = hn::Set(d, 1 << (features::kOffsetShift - 1));
   const VI zero = hn::Zero(d);
   const VI dx = hn::ShiftRight<22>(hn::ShiftLeft<22>(lo));
   const VI dy = hn::ShiftRight<22>(hn::ShiftLeft<12>(lo));
   const VI c1 = hn::And(hn::ShiftRight<20>(lo), three);
   const VI c2 = hn::And(hn::ShiftRight<22>(lo), three);
-  const VI offset_x =
-      hn::ShiftRight<kOffsetShift>(hn::Add(hn::Mul(dx, inverse_depth), half));
-  const VI offset_y =
-      hn::ShiftRight<kOffsetShift>(hn::Add(hn::Mul(dy, inverse_depth), half));
+  const VI offset_x = hn::ShiftRight<features::kOffsetShift>(
+      hn::Add(hn::Mul(dx, inverse_depth), half));
+  const VI offset_y = hn::ShiftRight<features::kOffsetShift>(
+      hn::Add(hn::Mul(dy, inverse_depth), half));
   const VI x2 =
       hn::Min(hn::Max(hn::Add(x, offset_x), zero), hn::Set(d, walk.width - 1));
   const VI y2 =
@@ -268,13 +268,13 @@ void NearestOfRuns(const int8_t* descriptor, const int8_t* leaf_descriptors,
   }
 }
 
-}  // namespace treeline::HWY_NAMESPACE
+}  // namespace treeline::forest::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include <algorithm>
 
-namespace treeline {
+namespace treeline::forest {
 namespace {
 
 HWY_EXPORT(VisitLeavesOfTree);
@@ -288,7 +288,7 @@ constexpr size_t kChunk = 1024;
 
 }  // namespace
 
-void VisitLeaves(std::span<const Node> tree, const PlanarImage& image,
+void VisitLeaves(std::span<const Node> tree, const features::PlanarImage& image,
                  const SampleView& samples, int leaves_per_sample,
                  std::span<uint32_t> out) {
   if (samples.size() == 0) return;
@@ -301,9 +301,9 @@ void VisitLeaves(std::span<const Node> tree, const PlanarImage& image,
 namespace {
 
 // The same number of leaves for every sample.
-void PredictAlike(const ForestView& forest, const PlanarImage& image,
+void PredictAlike(const ForestView& forest, const features::PlanarImage& image,
                   const SampleView& samples,
-                  std::span<const WhtDescriptor> descriptors,
+                  std::span<const features::WhtDescriptor> descriptors,
                   int leaves_per_sample, const std::stop_token& stop,
                   std::vector<uint32_t>& scratch,
                   std::span<LeafMatch> matches) {
@@ -350,9 +350,9 @@ void PredictAlike(const ForestView& forest, const PlanarImage& image,
 
 }  // namespace
 
-void PredictLeaves(const ForestView& forest, const PlanarImage& image,
+void PredictLeaves(const ForestView& forest, const features::PlanarImage& image,
                    const SampleView& samples,
-                   std::span<const WhtDescriptor> descriptors,
+                   std::span<const features::WhtDescriptor> descriptors,
                    const BacktrackingOptions& options,
                    const std::stop_token& stop, BacktrackingScratch& scratch,
                    std::span<LeafMatch> matches) {
@@ -386,5 +386,5 @@ void PredictLeaves(const ForestView& forest, const PlanarImage& image,
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::forest
 #endif  // HWY_ONCE

@@ -11,7 +11,7 @@
 #include "server/core/features/walsh_hadamard.h"
 #include "server/core/forest/forest.h"
 
-namespace treeline {
+namespace treeline::forest {
 
 // N_max of Algorithm 3 is at most this.
 inline constexpr int kMaxBacktrackingLeaves = 32;
@@ -32,7 +32,7 @@ struct SampleView {
 // to the node nearest the root's left edge). out[i * leaves_per_sample + k] is
 // the lo of the k-th leaf of sample i (see Node::FirstMode and Node::Modes), or
 // kNoLeaf where the tree has fewer.
-void VisitLeaves(std::span<const Node> tree, const PlanarImage& image,
+void VisitLeaves(std::span<const Node> tree, const features::PlanarImage& image,
                  const SampleView& samples, int leaves_per_sample,
                  std::span<uint32_t> out);
 
@@ -63,7 +63,7 @@ struct BacktrackingScratch {
   std::vector<int32_t> x;
   std::vector<int32_t> y;
   std::vector<int32_t> inverse_depth_q12;
-  std::vector<WhtDescriptor> descriptors;
+  std::vector<features::WhtDescriptor> descriptors;
   std::vector<LeafMatch> matches;
 };
 
@@ -71,13 +71,13 @@ struct BacktrackingScratch {
 // sorted by distance within a sample (ties by tree): matches[i * trees] is
 // Algorithm 3's answer over the whole forest. Returns early, with the rest of
 // `matches` unset, once `stop` is requested.
-void PredictLeaves(const ForestView& forest, const PlanarImage& image,
+void PredictLeaves(const ForestView& forest, const features::PlanarImage& image,
                    const SampleView& samples,
-                   std::span<const WhtDescriptor> descriptors,
+                   std::span<const features::WhtDescriptor> descriptors,
                    const BacktrackingOptions& options,
                    const std::stop_token& stop, BacktrackingScratch& scratch,
                    std::span<LeafMatch> matches);
 
-}  // namespace treeline
+}  // namespace treeline::forest
 
 #endif  // SERVER_CORE_FOREST_BACKTRACKING_H_

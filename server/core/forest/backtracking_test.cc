@@ -9,12 +9,12 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::forest {
 namespace {
 
-ColorImage RandomImage(int width, int height, uint64_t seed) {
-  ColorImage image{width, height, {}};
-  Random random(seed, 0);
+image::ColorImage RandomImage(int width, int height, uint64_t seed) {
+  image::ColorImage image{width, height, {}};
+  base::Random random(seed, 0);
   image.rgb.resize(static_cast<size_t>(3 * width * height));
   for (uint8_t& value : image.rgb) {
     value = static_cast<uint8_t>(random.NextBelow(256));
@@ -23,7 +23,8 @@ ColorImage RandomImage(int width, int height, uint64_t seed) {
 }
 
 // A random tree of `leaves` leaves, numbered from first_leaf on.
-std::vector<Node> RandomTree(int leaves, uint32_t first_leaf, Random& random) {
+std::vector<Node> RandomTree(int leaves, uint32_t first_leaf,
+                             base::Random& random) {
   if (leaves == 1) return {Node::Leaf(first_leaf)};
   const int left =
       1 + static_cast<int>(random.NextBelow(static_cast<uint32_t>(leaves - 1)));
@@ -31,7 +32,7 @@ std::vector<Node> RandomTree(int leaves, uint32_t first_leaf, Random& random) {
   for (const Node& node : RandomTree(left, first_leaf, random)) {
     nodes.push_back(node);
   }
-  PixelDifference feature;
+  features::PixelDifference feature;
   feature.dx =
       static_cast<int16_t>(static_cast<int>(random.NextBelow(1023)) - 511);
   feature.dy =
@@ -52,7 +53,7 @@ struct Samples {
   SampleView View() const { return {x, y, inverse_depth}; }
 };
 
-Samples RandomSamples(int count, int width, int height, Random& random) {
+Samples RandomSamples(int count, int width, int height, base::Random& random) {
   Samples samples;
   for (int i = 0; i < count; ++i) {
     samples.x.push_back(
@@ -67,8 +68,8 @@ Samples RandomSamples(int count, int width, int height, Random& random) {
 
 // Algorithm 3 as the thesis has it, with a real priority queue.
 std::vector<uint32_t> Algorithm3(const std::vector<Node>& tree,
-                                 const PlanarImage& image, int32_t x, int32_t y,
-                                 int32_t inverse_depth, int n_max) {
+                                 const features::PlanarImage& image, int32_t x,
+                                 int32_t y, int32_t inverse_depth, int n_max) {
   using Entry = std::pair<int, size_t>;  // distance to the split, node
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   queue.push({0, 0});
@@ -78,7 +79,7 @@ std::vector<uint32_t> Algorithm3(const std::vector<Node>& tree,
     queue.pop();
     while (!tree[node].is_leaf()) {
       const int margin =
-          Evaluate(tree[node].feature(), image, x, y, inverse_depth) -
+          features::Evaluate(tree[node].feature(), image, x, y, inverse_depth) -
           tree[node].threshold();
       const size_t left = node + 1;
       const size_t right = node + tree[node].right_offset();
@@ -95,8 +96,8 @@ class VisitLeavesTest : public testing::TestWithParam<int> {};
 
 TEST_P(VisitLeavesTest, VisitsWhatAlgorithm3Visits) {
   const int n_max = GetParam();
-  Random random(5, static_cast<uint64_t>(n_max));
-  const PlanarImage image(RandomImage(80, 60, 6));
+  base::Random random(5, static_cast<uint64_t>(n_max));
+  const features::PlanarImage image(RandomImage(80, 60, 6));
   for (int leaves : {1, 2, 3, 7, 50, 400}) {
     const std::vector<Node> tree = RandomTree(leaves, 0, random);
     // More samples than lanes of any machine, and not a multiple of them.
@@ -118,8 +119,8 @@ INSTANTIATE_TEST_SUITE_P(UpToTheLimit, VisitLeavesTest,
                          testing::Values(1, 2, 3, 5, 8, 16, 31, 32));
 
 TEST(VisitLeavesTest, SeesEveryLeafOfASmallTreeOnce) {
-  Random random(7, 0);
-  const PlanarImage image(RandomImage(80, 60, 8));
+  base::Random random(7, 0);
+  const features::PlanarImage image(RandomImage(80, 60, 8));
   const std::vector<Node> tree = RandomTree(32, 0, random);
   const Samples samples = RandomSamples(20, 80, 60, random);
   std::vector<uint32_t> visited(20 * 32);
@@ -134,13 +135,13 @@ TEST(VisitLeavesTest, SeesEveryLeafOfASmallTreeOnce) {
 }
 
 TEST(VisitLeavesTest, NoSamplesIsNoWork) {
-  const PlanarImage image(RandomImage(80, 60, 8));
+  const features::PlanarImage image(RandomImage(80, 60, 8));
   const std::vector<Node> tree = {Node::Leaf(0)};
   VisitLeaves(tree, image, {}, 4, {});
 }
 
 // A forest of random trees with random leaf descriptors.
-Forest RandomForest(int trees, int leaves, Random& random) {
+Forest RandomForest(int trees, int leaves, base::Random& random) {
   Forest forest;
   for (int t = 0; t < trees; ++t) {
     for (const Node& node :
@@ -149,7 +150,7 @@ Forest RandomForest(int trees, int leaves, Random& random) {
     }
     forest.tree_offsets.push_back(static_cast<uint32_t>(forest.nodes.size()));
     for (int l = 0; l < leaves; ++l) {
-      WhtDescriptor descriptor;
+      features::WhtDescriptor descriptor;
       for (size_t k = 0; k < 60; ++k) {
         descriptor.values[k] =
             static_cast<int8_t>(static_cast<int>(random.NextBelow(255)) - 127);
@@ -162,13 +163,13 @@ Forest RandomForest(int trees, int leaves, Random& random) {
 }
 
 TEST(PredictLeavesTest, WithAllLeavesVisitedFindsTheNearestOfAll) {
-  Random random(9, 0);
-  const PlanarImage image(RandomImage(200, 150, 10));
+  base::Random random(9, 0);
+  const features::PlanarImage image(RandomImage(200, 150, 10));
   const Forest forest = RandomForest(3, 32, random);
   ASSERT_TRUE(forest.View().Validate().ok());
   const Samples samples = RandomSamples(40, 200, 150, random);
-  std::vector<WhtDescriptor> descriptors(40);
-  for (WhtDescriptor& d : descriptors) {
+  std::vector<features::WhtDescriptor> descriptors(40);
+  for (features::WhtDescriptor& d : descriptors) {
     for (size_t k = 0; k < 60; ++k) {
       d.values[k] =
           static_cast<int8_t>(static_cast<int>(random.NextBelow(255)) - 127);
@@ -182,8 +183,8 @@ TEST(PredictLeavesTest, WithAllLeavesVisitedFindsTheNearestOfAll) {
     // Exhaustive search.
     uint32_t best = 0;
     for (uint32_t leaf = 0; leaf < forest.descriptors.size(); ++leaf) {
-      if (SquaredDistance(descriptors[i], forest.descriptors[leaf]) <
-          SquaredDistance(descriptors[i], forest.descriptors[best])) {
+      if (features::SquaredDistance(descriptors[i], forest.descriptors[leaf]) <
+          features::SquaredDistance(descriptors[i], forest.descriptors[best])) {
         best = leaf;
       }
     }
@@ -191,9 +192,9 @@ TEST(PredictLeavesTest, WithAllLeavesVisitedFindsTheNearestOfAll) {
     std::set<uint32_t> of_trees;
     for (size_t t = 0; t < 3; ++t) {
       const LeafMatch& match = matches[3 * i + t];
-      EXPECT_EQ(
-          match.distance,
-          SquaredDistance(descriptors[i], forest.descriptors[match.leaf]));
+      EXPECT_EQ(match.distance,
+                features::SquaredDistance(descriptors[i],
+                                          forest.descriptors[match.leaf]));
       of_trees.insert(match.leaf / 32);
       if (t > 0) {
         EXPECT_GE(match.distance, matches[3 * i + t - 1].distance);
@@ -204,12 +205,12 @@ TEST(PredictLeavesTest, WithAllLeavesVisitedFindsTheNearestOfAll) {
 }
 
 TEST(PredictLeavesTest, LooksFurtherOnlyWhereTheFirstMatchIsPoor) {
-  Random random(13, 0);
-  const PlanarImage image(RandomImage(200, 150, 14));
+  base::Random random(13, 0);
+  const features::PlanarImage image(RandomImage(200, 150, 14));
   const Forest forest = RandomForest(2, 32, random);
   const Samples samples = RandomSamples(40, 200, 150, random);
-  std::vector<WhtDescriptor> descriptors(40);
-  for (WhtDescriptor& d : descriptors) {
+  std::vector<features::WhtDescriptor> descriptors(40);
+  for (features::WhtDescriptor& d : descriptors) {
     for (size_t k = 0; k < 60; ++k) {
       d.values[k] =
           static_cast<int8_t>(static_cast<int>(random.NextBelow(255)) - 127);
@@ -246,11 +247,11 @@ TEST(PredictLeavesTest, LooksFurtherOnlyWhereTheFirstMatchIsPoor) {
 }
 
 TEST(PredictLeavesTest, ReturnsAtOnceWhenStopped) {
-  Random random(11, 0);
-  const PlanarImage image(RandomImage(80, 60, 12));
+  base::Random random(11, 0);
+  const features::PlanarImage image(RandomImage(80, 60, 12));
   const Forest forest = RandomForest(1, 8, random);
   const Samples samples = RandomSamples(10, 80, 60, random);
-  const std::vector<WhtDescriptor> descriptors(10);
+  const std::vector<features::WhtDescriptor> descriptors(10);
   std::vector<LeafMatch> matches(10);
   BacktrackingScratch scratch;
   std::stop_source stop;
@@ -261,4 +262,4 @@ TEST(PredictLeavesTest, ReturnsAtOnceWhenStopped) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::forest

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace treeline {
+namespace treeline::forest {
 namespace {
 
 // What stands for evidence that there is none of: between that of right poses
@@ -55,4 +55,4 @@ ConfidenceModel ConfidenceModel::WithoutKeyframes() {
   return {{-9.5, 30, 0, 0, 0, 0, 0}, 0.5};
 }
 
-}  // namespace treeline
+}  // namespace treeline::forest

@@ -7,7 +7,7 @@
 
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::forest {
 
 // What speaks for a pose.
 struct PoseEvidence {
@@ -49,6 +49,6 @@ struct ConfidenceModel {
   bool operator==(const ConfidenceModel&) const = default;
 };
 
-}  // namespace treeline
+}  // namespace treeline::forest
 
 #endif  // SERVER_CORE_FOREST_CONFIDENCE_MODEL_H_

@@ -3,7 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::forest {
 namespace {
 
 absl::Status ValidateTree(std::span<const Node> tree, int t, size_t modes,
@@ -26,9 +26,10 @@ absl::Status ValidateTree(std::span<const Node> tree, int t, size_t modes,
     if (node.right_offset() < 2 || i + node.right_offset() >= tree.size()) {
       return corrupt(i, "a child lies outside the tree");
     }
-    const PixelDifference feature = node.feature();
+    const features::PixelDifference feature = node.feature();
     if (sift) {
-      if (feature.dx < 0 || feature.dx >= SiftDescriptor::kDimensions) {
+      if (feature.dx < 0 ||
+          feature.dx >= features::SiftDescriptor::kDimensions) {
         return corrupt(i, "no such descriptor dimension");
       }
       continue;
@@ -42,9 +43,9 @@ absl::Status ValidateTree(std::span<const Node> tree, int t, size_t modes,
 
 }  // namespace
 
-Vec3 ForestView::LeafMean(uint32_t leaf) const {
+geometry::Vec3 ForestView::LeafMean(uint32_t leaf) const {
   const std::array<uint16_t, 3>& mean = payloads[leaf].mean;
-  const Vec3 extent = bounds_max_in_world - bounds_min_in_world;
+  const geometry::Vec3 extent = bounds_max_in_world - bounds_min_in_world;
   return {bounds_min_in_world.x + mean[0] * (extent.x / 65535),
           bounds_min_in_world.y + mean[1] * (extent.y / 65535),
           bounds_min_in_world.z + mean[2] * (extent.z / 65535)};
@@ -62,7 +63,8 @@ absl::Status ForestView::Validate() const {
                                             " leaf descriptors but ",
                                             payloads.size(), " leaf payloads"));
   }
-  if (!IsFinite(bounds_min_in_world) || !IsFinite(bounds_max_in_world)) {
+  if (!geometry::IsFinite(bounds_min_in_world) ||
+      !geometry::IsFinite(bounds_max_in_world)) {
     return absl::DataLossError("forest: bounds are not finite");
   }
   for (size_t t = 0; t + 1 < tree_offsets.size(); ++t) {
@@ -78,4 +80,4 @@ absl::Status ForestView::Validate() const {
   return absl::OkStatus();
 }
 
-}  // namespace treeline
+}  // namespace treeline::forest

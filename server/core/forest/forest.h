@@ -15,7 +15,7 @@
 #include "server/core/features/sift_descriptor.h"
 #include "server/core/features/walsh_hadamard.h"
 
-namespace treeline {
+namespace treeline::forest {
 
 // One node in eight bytes. The nodes of a tree stand in depth-first order: the
 // left child follows its parent, the right child is `right_offset` further.
@@ -43,8 +43,8 @@ struct Node {
     return {first_mode | (modes - 1) << kModeBits, 0};
   }
   // threshold in [-256, 255].
-  static constexpr Node Split(const PixelDifference& feature, int threshold,
-                              uint32_t right_offset) {
+  static constexpr Node Split(const features::PixelDifference& feature,
+                              int threshold, uint32_t right_offset) {
     return {(static_cast<uint32_t>(feature.dx) & 1023u) |
                 (static_cast<uint32_t>(feature.dy) & 1023u) << 10 |
                 static_cast<uint32_t>(feature.c1) << 20 |
@@ -64,7 +64,7 @@ struct Node {
   }
   constexpr uint32_t right_offset() const { return hi >> 9; }
   constexpr int threshold() const { return static_cast<int>(hi & 511u) - 256; }
-  constexpr PixelDifference feature() const {
+  constexpr features::PixelDifference feature() const {
     return {static_cast<int16_t>(static_cast<int32_t>(lo << 22) >> 22),
             static_cast<int16_t>(static_cast<int32_t>(lo << 12) >> 22),
             static_cast<uint8_t>((lo >> 20) & 3u),
@@ -100,11 +100,11 @@ struct ForestView {
   std::span<const Node> nodes;             // all trees, one after the other
   std::span<const uint32_t> tree_offsets;  // trees + 1 entries into nodes
   // One per mode: those that the method has, the other empty.
-  std::span<const WhtDescriptor> descriptors;
-  std::span<const SiftDescriptor> sift_descriptors;
+  std::span<const features::WhtDescriptor> descriptors;
+  std::span<const features::SiftDescriptor> sift_descriptors;
   std::span<const LeafPayload> payloads;  // one per mode
-  Vec3 bounds_min_in_world;
-  Vec3 bounds_max_in_world;
+  geometry::Vec3 bounds_min_in_world;
+  geometry::Vec3 bounds_max_in_world;
 
   int trees() const { return static_cast<int>(tree_offsets.size()) - 1; }
   std::span<const Node> tree(int t) const {
@@ -112,7 +112,7 @@ struct ForestView {
     return nodes.subspan(begin,
                          tree_offsets[static_cast<size_t>(t) + 1] - begin);
   }
-  Vec3 LeafMean(uint32_t leaf) const;
+  geometry::Vec3 LeafMean(uint32_t leaf) const;
 
   // DATA_LOSS unless prediction is safe on it: every child lies behind its
   // parent inside the same tree, channels are 0..2 (dimensions 0..127), modes
@@ -124,11 +124,11 @@ struct ForestView {
 struct Forest {
   std::vector<Node> nodes;
   std::vector<uint32_t> tree_offsets{0};
-  std::vector<WhtDescriptor> descriptors;
-  std::vector<SiftDescriptor> sift_descriptors;
+  std::vector<features::WhtDescriptor> descriptors;
+  std::vector<features::SiftDescriptor> sift_descriptors;
   std::vector<LeafPayload> payloads;
-  Vec3 bounds_min_in_world;
-  Vec3 bounds_max_in_world;
+  geometry::Vec3 bounds_min_in_world;
+  geometry::Vec3 bounds_max_in_world;
 
   ForestView View() const {
     return {nodes,    tree_offsets,        descriptors,        sift_descriptors,
@@ -136,6 +136,6 @@ struct Forest {
   }
 };
 
-}  // namespace treeline
+}  // namespace treeline::forest
 
 #endif  // SERVER_CORE_FOREST_FOREST_H_

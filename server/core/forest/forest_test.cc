@@ -4,15 +4,15 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::forest {
 namespace {
 
 TEST(NodeTest, KeepsItsFieldsAtTheirLimits) {
   for (int delta : {-511, -1, 0, 1, 511}) {
     for (int threshold : {-256, -1, 0, 255}) {
       for (uint32_t offset : {2u, 77u, (1u << 23) - 2}) {
-        const PixelDifference feature{static_cast<int16_t>(delta),
-                                      static_cast<int16_t>(-delta), 2, 1};
+        const features::PixelDifference feature{
+            static_cast<int16_t>(delta), static_cast<int16_t>(-delta), 2, 1};
         const Node node = Node::Split(feature, threshold, offset);
         EXPECT_FALSE(node.is_leaf());
         EXPECT_EQ(node.threshold(), threshold);
@@ -53,7 +53,7 @@ Forest TwoLeaves() {
 TEST(ForestViewTest, PlacesLeavesWithinTheBounds) {
   Forest forest = TwoLeaves();
   forest.payloads[1].mean = {65535, 7, 21845};
-  EXPECT_EQ(forest.View().LeafMean(0), (Vec3{-1, 0, 2}));
+  EXPECT_EQ(forest.View().LeafMean(0), (geometry::Vec3{-1, 0, 2}));
   EXPECT_NEAR(forest.View().LeafMean(1).x, 1, 1e-12);
   EXPECT_NEAR(forest.View().LeafMean(1).y, 0, 1e-12);
   EXPECT_NEAR(forest.View().LeafMean(1).z, 3, 1e-12);
@@ -98,4 +98,4 @@ TEST(ForestViewTest, RefusesWhatPredictionWouldTripOver) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::forest

@@ -13,7 +13,7 @@
 #include "common/base/status_macros.h"
 #include "server/core/forest/model_info_json.h"
 
-namespace treeline {
+namespace treeline::forest {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -82,7 +82,7 @@ absl::Status Corrupt(absl::string_view what) {
 // The sections of a mapped file.
 class SectionReader {
  public:
-  SectionReader(const MappedFile& file, std::span<const Section> sections)
+  SectionReader(const base::MappedFile& file, std::span<const Section> sections)
       : file_(file), sections_(sections) {}
 
   bool Has(uint32_t kind, uint32_t forest) const {
@@ -116,7 +116,7 @@ class SectionReader {
     return nullptr;
   }
 
-  const MappedFile& file_;
+  const base::MappedFile& file_;
   const std::span<const Section> sections_;
 };
 
@@ -141,7 +141,7 @@ absl::Status ReadForest(const SectionReader& reader, uint32_t f,
 }
 
 // Magic, version, length, and that the section table lies inside the file.
-absl::StatusOr<Header> ReadHeader(const MappedFile& file) {
+absl::StatusOr<Header> ReadHeader(const base::MappedFile& file) {
   Header header;
   if (file.size() < sizeof(header)) {
     return Corrupt("shorter than a header; was it copied whole?");
@@ -168,13 +168,13 @@ absl::StatusOr<Header> ReadHeader(const MappedFile& file) {
   return header;
 }
 
-std::span<const Section> SectionTable(const MappedFile& file,
+std::span<const Section> SectionTable(const base::MappedFile& file,
                                       const Header& header) {
   return {reinterpret_cast<const Section*>(file.data() + sizeof(header)),
           header.sections};
 }
 
-Vec3 Least(Vec3 a, Vec3 b) {
+geometry::Vec3 Least(geometry::Vec3 a, geometry::Vec3 b) {
   return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
 }
 
@@ -186,7 +186,7 @@ absl::Status WriteModel(const std::string& path, const ModelInfo& info,
   if (forests.empty() || forests.size() > kMaxForests) {
     return absl::InvalidArgumentError("a model has 1 to 8 forests");
   }
-  TL_RETURN_IF_ERROR(CheckWritable(path));
+  TL_RETURN_IF_ERROR(base::CheckWritable(path));
   const std::string info_json = ModelInfoToJson(info);
   std::vector<Bounds> bounds;
   std::vector<Section> table{{kInfo, 0, 0, 0}};
@@ -199,8 +199,8 @@ absl::Status WriteModel(const std::string& path, const ModelInfo& info,
   for (size_t f = 0; f < forests.size(); ++f) {
     const ForestView& forest = forests[f];
     TL_RETURN_IF_ERROR(forest.Validate());
-    const Vec3& low = forest.bounds_min_in_world;
-    const Vec3& high = forest.bounds_max_in_world;
+    const geometry::Vec3& low = forest.bounds_min_in_world;
+    const geometry::Vec3& high = forest.bounds_max_in_world;
     bounds.push_back({{low.x, low.y, low.z}, {high.x, high.y, high.z}});
     add(kBounds, f, Bytes(std::span<const Bounds>(&bounds.back(), 1)));
     add(kTreeOffsets, f, Bytes(forest.tree_offsets));
@@ -237,15 +237,15 @@ absl::Status WriteModel(const std::string& path, const ModelInfo& info,
   header.checksum =
       Checksum(header, absl::string_view(file).substr(sizeof(Header)));
   std::memcpy(file.data(), &header, sizeof(header));
-  return WriteFileAtomically(path, file);
+  return base::WriteFileAtomically(path, file);
 }
 
 absl::StatusOr<std::unique_ptr<const ModelFile>> ModelFile::Open(
     const std::string& path) {
   std::unique_ptr<ModelFile> model(new ModelFile);
-  TL_ASSIGN_OR_RETURN(model->file_, MappedFile::Open(path));
+  TL_ASSIGN_OR_RETURN(model->file_, base::MappedFile::Open(path));
   if (absl::Status status = model->Parse(); !status.ok()) {
-    return Annotate(status, path);
+    return base::Annotate(status, path);
   }
   return std::unique_ptr<const ModelFile>(std::move(model));
 }
@@ -297,7 +297,8 @@ std::span<const char> ModelFile::ExtraBytes(ModelExtra kind) const {
 absl::StatusOr<std::string> ReadModelExtra(const std::string& path,
                                            ModelExtra kind,
                                            uint64_t max_bytes) {
-  TL_ASSIGN_OR_RETURN(const MappedFile file, MappedFile::Open(path));
+  TL_ASSIGN_OR_RETURN(const base::MappedFile file,
+                      base::MappedFile::Open(path));
   const auto read = [&]() -> absl::StatusOr<std::string> {
     TL_ASSIGN_OR_RETURN(const Header header, ReadHeader(file));
     const SectionReader reader(file, SectionTable(file, header));
@@ -311,8 +312,8 @@ absl::StatusOr<std::string> ReadModelExtra(const std::string& path,
     return std::string(bytes.data(), bytes.size());
   };
   absl::StatusOr<std::string> bytes = read();
-  if (!bytes.ok()) return Annotate(bytes.status(), path);
+  if (!bytes.ok()) return base::Annotate(bytes.status(), path);
   return bytes;
 }
 
-}  // namespace treeline
+}  // namespace treeline::forest

@@ -15,7 +15,7 @@
 #include "server/core/forest/forest.h"
 #include "server/core/forest/model_info.h"
 
-namespace treeline {
+namespace treeline::forest {
 
 inline constexpr uint32_t kModelFormatVersion = 1;
 
@@ -74,7 +74,7 @@ class ModelFile {
   absl::Status Parse();
   std::span<const char> ExtraBytes(ModelExtra kind) const;
 
-  MappedFile file_;
+  base::MappedFile file_;
   ModelInfo info_;
   std::vector<ForestView> forests_;
   std::map<uint32_t, std::span<const char>> extras_;
@@ -88,6 +88,6 @@ class ModelFile {
 absl::StatusOr<std::string> ReadModelExtra(const std::string& path,
                                            ModelExtra kind, uint64_t max_bytes);
 
-}  // namespace treeline
+}  // namespace treeline::forest
 
 #endif  // SERVER_CORE_FOREST_MODEL_FILE_H_

@@ -11,7 +11,7 @@
 #include "gtest/gtest.h"
 #include "server/core/forest/model_info_json.h"
 
-namespace treeline {
+namespace treeline::forest {
 namespace {
 
 using testing::HasSubstr;
@@ -38,12 +38,13 @@ class ModelFileTest : public testing::Test {
     info_.dataset = "7scenes:\"odd\" name \xff";
     info_.seed = 0xffffffffffffffffu;
     info_.options = {{"trees", "2"}, {"a", "b"}};
-    info_.calibration.color = *Camera::Parse(
+    info_.calibration.color = *camera::Camera::Parse(
         "OPENCV,526.5,525,319.1,236.2,0.1,-0.2,0.01,0.02", 640, 480);
     info_.calibration.color_from_depth = {
-        Rotation3::FromAxisAngle({0.01, -0.02, 0.03}), {-0.025, 1. / 3, 0}};
+        geometry::Rotation3::FromAxisAngle({0.01, -0.02, 0.03}),
+        {-0.025, 1. / 3, 0}};
     info_.calibration.depth_scale = 0.99612345678901234;
-    info_.calibration.pose_sensor = RgbdSensor::kDepth;
+    info_.calibration.pose_sensor = camera::RgbdSensor::kDepth;
     info_.training_frames = 3;
     info_.training_samples = 12345678901;
     info_.training_s = 12.5;
@@ -52,7 +53,7 @@ class ModelFileTest : public testing::Test {
 
   std::string Written() {
     EXPECT_TRUE(WriteModel(path_, info_, {forest_.View()}).ok());
-    return *ReadFile(path_);
+    return *base::ReadFile(path_);
   }
   absl::Status OpenBytes(const std::string& bytes) {
     std::ofstream(path_, std::ios::binary) << bytes;
@@ -82,7 +83,7 @@ TEST_F(ModelFileTest, ReadsBackWhatWasWritten) {
   EXPECT_EQ(info.options, info_.options);
   EXPECT_EQ(info.calibration.color, info_.calibration.color);
   EXPECT_EQ(info.calibration.depth_scale, info_.calibration.depth_scale);
-  EXPECT_EQ(info.calibration.pose_sensor, RgbdSensor::kDepth);
+  EXPECT_EQ(info.calibration.pose_sensor, camera::RgbdSensor::kDepth);
   EXPECT_EQ(info.calibration.color_from_depth.translation,
             info_.calibration.color_from_depth.translation);
   EXPECT_EQ(info.training_samples, 12345678901);
@@ -139,7 +140,7 @@ TEST_F(ModelFileTest, AFailedWriteLeavesTheOldFileAndNothingElse) {
   Forest broken = forest_;
   broken.nodes[1] = Node::Leaf(99);
   EXPECT_FALSE(WriteModel(path_, info_, {broken.View()}).ok());
-  EXPECT_EQ(*ReadFile(path_), good);
+  EXPECT_EQ(*base::ReadFile(path_), good);
   EXPECT_FALSE(
       WriteModel(folder_ + "/no/folder/m", info_, {forest_.View()}).ok());
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_),
@@ -148,4 +149,4 @@ TEST_F(ModelFileTest, AFailedWriteLeavesTheOldFileAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::forest

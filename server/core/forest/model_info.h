@@ -12,7 +12,7 @@
 #include "common/geometry/vector3.h"
 #include "server/core/forest/confidence_model.h"
 
-namespace treeline {
+namespace treeline::forest {
 
 // Provenance, calibration and summary of a trained scene.
 struct ModelInfo {
@@ -24,10 +24,10 @@ struct ModelInfo {
   uint64_t seed = 0;
   // Options of the trainer, name and value, in the order of its help.
   std::vector<std::pair<std::string, std::string>> options;
-  RgbdCalibration calibration;
+  camera::RgbdCalibration calibration;
   // Axis-aligned box of the training points, world frame (m).
-  Vec3 bounds_min_in_world;
-  Vec3 bounds_max_in_world;
+  geometry::Vec3 bounds_min_in_world;
+  geometry::Vec3 bounds_max_in_world;
   // Absent in models of older versions.
   std::optional<ConfidenceModel> confidence;
   // Whether the world's unit of length is the metre. Where it is not (structure
@@ -47,6 +47,6 @@ struct ModelInfo {
   std::string checksum;
 };
 
-}  // namespace treeline
+}  // namespace treeline::forest
 
 #endif  // SERVER_CORE_FOREST_MODEL_INFO_H_

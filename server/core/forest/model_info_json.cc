@@ -9,7 +9,7 @@
 #include "common/base/status_macros.h"
 #include "common/camera/calibration_json.h"
 
-namespace treeline {
+namespace treeline::forest {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -45,8 +45,8 @@ absl::StatusOr<ModelInfo> InfoFromJson(const Json& root) {
   for (const auto& [name, value] : root.at("options").items()) {
     info.options.emplace_back(name, value.get<std::string>());
   }
-  TL_ASSIGN_OR_RETURN(info.calibration,
-                      CalibrationFromJson(root.at("calibration").dump()));
+  TL_ASSIGN_OR_RETURN(info.calibration, camera::CalibrationFromJson(
+                                            root.at("calibration").dump()));
   if (root.contains("confidence")) {
     info.confidence = ConfidenceFromJson(root.at("confidence"));
   }
@@ -78,7 +78,7 @@ std::string ModelInfoToJson(const ModelInfo& info) {
       {"dataset", info.dataset},
       {"seed", info.seed},
       {"options", options},
-      {"calibration", Json::parse(CalibrationToJson(info.calibration))},
+      {"calibration", Json::parse(camera::CalibrationToJson(info.calibration))},
       {"world",
        {{"units_are_metres", info.units_are_metres},
         {"viewing_distance", info.viewing_distance}}},
@@ -103,4 +103,4 @@ absl::StatusOr<ModelInfo> ModelInfoFromJson(absl::string_view json) {
                                           parsed.status().message()));
 }
 
-}  // namespace treeline
+}  // namespace treeline::forest

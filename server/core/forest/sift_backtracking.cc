@@ -10,13 +10,13 @@
 // are computed: each mode is two cache lines somewhere in many megabytes.
 
 HWY_BEFORE_NAMESPACE();
-namespace treeline::HWY_NAMESPACE {
+namespace treeline::forest::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Squared distances of `descriptor` to `count` descriptors in a row.
 void DistancesToRun(const uint8_t* descriptor, const uint8_t* run, size_t count,
                     int32_t* distances) {
-  constexpr size_t kDimensions = SiftDescriptor::kDimensions;
+  constexpr size_t kDimensions = features::SiftDescriptor::kDimensions;
   const hn::CappedTag<int16_t, 32> d16;
   const hn::Rebind<uint8_t, decltype(d16)> d8;
   const hn::RepartitionToWide<decltype(d16)> d32;
@@ -35,7 +35,7 @@ void DistancesToRun(const uint8_t* descriptor, const uint8_t* run, size_t count,
   }
 }
 
-}  // namespace treeline::HWY_NAMESPACE
+}  // namespace treeline::forest::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -43,7 +43,7 @@ HWY_AFTER_NAMESPACE();
 #include <array>
 #include <cstdlib>
 
-namespace treeline {
+namespace treeline::forest {
 namespace {
 
 HWY_EXPORT(DistancesToRun);
@@ -77,7 +77,7 @@ class SiftMatcher {
     }
   }
 
-  void Match(std::span<const SiftDescriptor> descriptors,
+  void Match(std::span<const features::SiftDescriptor> descriptors,
              std::span<SiftMatch> matches) {
     Walk(descriptors[0], visits_[0]);
     for (size_t i = 0; i < descriptors.size(); ++i) {
@@ -89,7 +89,7 @@ class SiftMatcher {
   }
 
  private:
-  void Walk(const SiftDescriptor& descriptor, Visit& visit) {
+  void Walk(const features::SiftDescriptor& descriptor, Visit& visit) {
     visit.count = 0;
     for (int t = 0; t < forest_.trees(); ++t) {
       const size_t added = VisitSiftLeaves(
@@ -99,7 +99,7 @@ class SiftMatcher {
         const char* run = reinterpret_cast<const char*>(
             forest_.sift_descriptors.data() + Node::FirstMode(visit.leaves[k]));
         const size_t bytes =
-            Node::Modes(visit.leaves[k]) * sizeof(SiftDescriptor);
+            Node::Modes(visit.leaves[k]) * sizeof(features::SiftDescriptor);
         for (size_t b = 0; b < bytes; b += kLineBytes) {
           __builtin_prefetch(run + b);
         }
@@ -108,7 +108,8 @@ class SiftMatcher {
     }
   }
 
-  SiftMatch Nearest(const SiftDescriptor& descriptor, const Visit& visit) {
+  SiftMatch Nearest(const features::SiftDescriptor& descriptor,
+                    const Visit& visit) {
     candidates_.clear();
     SiftMatch best{.distance = SiftMatch::kNothingElsewhere,
                    .distance_elsewhere = SiftMatch::kNothingElsewhere};
@@ -129,10 +130,10 @@ class SiftMatcher {
       }
     }
     if (best.mode == kNoLeaf) return best;
-    const Vec3 place = forest_.LeafMean(best.mode);
+    const geometry::Vec3 place = forest_.LeafMean(best.mode);
     for (const Candidate& candidate : candidates_) {
       if (candidate.distance >= best.distance_elsewhere) continue;
-      if (SquaredNorm(forest_.LeafMean(candidate.mode) - place) >
+      if (geometry::SquaredNorm(forest_.LeafMean(candidate.mode) - place) >
           squared_place_) {
         best.distance_elsewhere = candidate.distance;
       }
@@ -151,7 +152,8 @@ class SiftMatcher {
 
 }  // namespace
 
-int32_t SquaredDistance(const SiftDescriptor& a, const SiftDescriptor& b) {
+int32_t SquaredDistance(const features::SiftDescriptor& a,
+                        const features::SiftDescriptor& b) {
   int32_t distance = 0;
   HWY_DYNAMIC_DISPATCH(DistancesToRun)
   (a.values.data(), b.values.data(), 1, &distance);
@@ -159,7 +161,7 @@ int32_t SquaredDistance(const SiftDescriptor& a, const SiftDescriptor& b) {
 }
 
 size_t VisitSiftLeaves(std::span<const Node> tree,
-                       const SiftDescriptor& descriptor,
+                       const features::SiftDescriptor& descriptor,
                        std::span<uint32_t> leaves) {
   // Siblings not yet visited, nearest first: |margin| << 23 | node. Of more
   // than there are leaves to go, the farthest could never be taken.
@@ -201,7 +203,7 @@ size_t VisitSiftLeaves(std::span<const Node> tree,
 }
 
 void MatchSift(const ForestView& forest,
-               std::span<const SiftDescriptor> descriptors,
+               std::span<const features::SiftDescriptor> descriptors,
                const SiftSearchOptions& options, const std::stop_token& stop,
                std::span<SiftMatch> matches) {
   SiftMatcher matcher(forest, options);
@@ -213,5 +215,5 @@ void MatchSift(const ForestView& forest,
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::forest
 #endif  // HWY_ONCE

@@ -12,7 +12,7 @@
 #include "server/core/forest/backtracking.h"
 #include "server/core/forest/forest.h"
 
-namespace treeline {
+namespace treeline::forest {
 
 struct SiftSearchOptions {
   // N_max of Algorithm 3: leaves visited in each tree, in [1, 32].
@@ -36,23 +36,24 @@ struct SiftMatch {
 };
 
 // Squared Euclidean distance.
-int32_t SquaredDistance(const SiftDescriptor& a, const SiftDescriptor& b);
+int32_t SquaredDistance(const features::SiftDescriptor& a,
+                        const features::SiftDescriptor& b);
 
 // The leaves of one tree that a descriptor reaches, in order: the first by the
 // split tests, then again and again from the unvisited sibling whose split was
 // passed most narrowly. leaves[k] is the lo of the k-th leaf (see
 // Node::FirstMode). Returns how many there are, at most leaves.size() <= 32.
 size_t VisitSiftLeaves(std::span<const Node> tree,
-                       const SiftDescriptor& descriptor,
+                       const features::SiftDescriptor& descriptor,
                        std::span<uint32_t> leaves);
 
 // matches[i] for descriptors[i]. Returns early, with the rest of `matches` as
 // it was, once `stop` is requested.
 void MatchSift(const ForestView& forest,
-               std::span<const SiftDescriptor> descriptors,
+               std::span<const features::SiftDescriptor> descriptors,
                const SiftSearchOptions& options, const std::stop_token& stop,
                std::span<SiftMatch> matches);
 
-}  // namespace treeline
+}  // namespace treeline::forest
 
 #endif  // SERVER_CORE_FOREST_SIFT_BACKTRACKING_H_

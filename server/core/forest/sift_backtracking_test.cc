@@ -9,11 +9,11 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::forest {
 namespace {
 
-SiftDescriptor RandomDescriptor(Random& random) {
-  SiftDescriptor descriptor;
+features::SiftDescriptor RandomDescriptor(base::Random& random) {
+  features::SiftDescriptor descriptor;
   for (uint8_t& value : descriptor.values) {
     value = static_cast<uint8_t>(random.NextBelow(256));
   }
@@ -21,7 +21,7 @@ SiftDescriptor RandomDescriptor(Random& random) {
 }
 
 // Appends a random subtree; its leaves have one to four modes.
-void Grow(Random& random, int depth, Forest& forest) {
+void Grow(base::Random& random, int depth, Forest& forest) {
   if (depth == 0 || random.NextBelow(8) == 0) {
     const uint32_t modes = 1 + random.NextBelow(4);
     forest.nodes.push_back(Node::Leaf(
@@ -48,7 +48,7 @@ void Grow(Random& random, int depth, Forest& forest) {
 }
 
 Forest RandomForest(int trees, int depth) {
-  Random random(7, 0);
+  base::Random random(7, 0);
   Forest forest;
   for (int t = 0; t < trees; ++t) {
     Grow(random, depth, forest);
@@ -60,9 +60,9 @@ Forest RandomForest(int trees, int depth) {
 }
 
 // Algorithm 3 word for word: an unbounded queue of (margin, node).
-std::vector<uint32_t> ReferenceLeaves(std::span<const Node> tree,
-                                      const SiftDescriptor& descriptor,
-                                      size_t count) {
+std::vector<uint32_t> ReferenceLeaves(
+    std::span<const Node> tree, const features::SiftDescriptor& descriptor,
+    size_t count) {
   std::set<std::pair<int, uint32_t>> queue = {{0, 0}};
   std::vector<uint32_t> leaves;
   while (!queue.empty() && leaves.size() < count) {
@@ -82,7 +82,8 @@ std::vector<uint32_t> ReferenceLeaves(std::span<const Node> tree,
   return leaves;
 }
 
-int32_t ReferenceDistance(const SiftDescriptor& a, const SiftDescriptor& b) {
+int32_t ReferenceDistance(const features::SiftDescriptor& a,
+                          const features::SiftDescriptor& b) {
   int32_t sum = 0;
   for (size_t k = 0; k < a.values.size(); ++k) {
     const int32_t d = a.values[k] - b.values[k];
@@ -92,23 +93,23 @@ int32_t ReferenceDistance(const SiftDescriptor& a, const SiftDescriptor& b) {
 }
 
 TEST(SiftBacktrackingTest, DistancesAreExact) {
-  Random random(1, 0);
-  SiftDescriptor zero;
-  SiftDescriptor full;
+  base::Random random(1, 0);
+  features::SiftDescriptor zero;
+  features::SiftDescriptor full;
   full.values.fill(255);
   EXPECT_EQ(SquaredDistance(zero, full), 128 * 255 * 255);
   for (int i = 0; i < 100; ++i) {
-    const SiftDescriptor a = RandomDescriptor(random);
-    const SiftDescriptor b = RandomDescriptor(random);
+    const features::SiftDescriptor a = RandomDescriptor(random);
+    const features::SiftDescriptor b = RandomDescriptor(random);
     EXPECT_EQ(SquaredDistance(a, b), ReferenceDistance(a, b));
   }
 }
 
 TEST(SiftBacktrackingTest, VisitsTheLeavesOfAlgorithm3InItsOrder) {
   const Forest forest = RandomForest(3, 8);
-  Random random(2, 0);
+  base::Random random(2, 0);
   for (int i = 0; i < 100; ++i) {
-    const SiftDescriptor descriptor = RandomDescriptor(random);
+    const features::SiftDescriptor descriptor = RandomDescriptor(random);
     for (const size_t count : {1u, 2u, 7u, 32u}) {
       for (int t = 0; t < 3; ++t) {
         const std::span<const Node> tree = forest.View().tree(t);
@@ -130,8 +131,8 @@ TEST(SiftBacktrackingTest, ATreeOfOneLeafHasOne) {
 TEST(SiftBacktrackingTest, FindsTheNearestModeAndTheNearestElsewhere) {
   const Forest forest = RandomForest(5, 7);
   const ForestView view = forest.View();
-  Random random(3, 0);
-  std::vector<SiftDescriptor> descriptors;
+  base::Random random(3, 0);
+  std::vector<features::SiftDescriptor> descriptors;
   // More than a chunk, so that its borders are crossed.
   for (int i = 0; i < 150; ++i) {
     descriptors.push_back(RandomDescriptor(random));
@@ -156,8 +157,8 @@ TEST(SiftBacktrackingTest, FindsTheNearestModeAndTheNearestElsewhere) {
     ASSERT_EQ(matches[i].mode, modes[0].second);
     EXPECT_EQ(matches[i].distance, modes[0].first);
     const auto elsewhere = std::ranges::find_if(modes, [&](const auto& mode) {
-      return Norm(view.LeafMean(mode.second) - view.LeafMean(modes[0].second)) >
-             0.4;
+      return geometry::Norm(view.LeafMean(mode.second) -
+                            view.LeafMean(modes[0].second)) > 0.4;
     });
     EXPECT_EQ(matches[i].distance_elsewhere, elsewhere == modes.end()
                                                  ? SiftMatch::kNothingElsewhere
@@ -170,10 +171,10 @@ TEST(SiftBacktrackingTest, AStopLeavesTheRestAsItWas) {
   std::stop_source stop;
   stop.request_stop();
   std::vector<SiftMatch> matches(2);
-  const std::vector<SiftDescriptor> descriptors(2);
+  const std::vector<features::SiftDescriptor> descriptors(2);
   MatchSift(forest.View(), descriptors, {}, stop.get_token(), matches);
   EXPECT_EQ(matches[0].mode, kNoLeaf);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::forest

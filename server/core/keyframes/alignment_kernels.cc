@@ -6,7 +6,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace treeline::HWY_NAMESPACE {
+namespace treeline::keyframes::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using D = hn::CappedTag<float, kAlignmentBlock>;
@@ -317,13 +317,13 @@ void Surfaces(const SurfacePoints& points, const PinholeView& view,
   partial.AddTo(sums);
 }
 
-}  // namespace treeline::HWY_NAMESPACE
+}  // namespace treeline::keyframes::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include <limits>
 
-namespace treeline {
+namespace treeline::keyframes {
 namespace {
 
 HWY_EXPORT(See);
@@ -341,7 +341,7 @@ size_t Padded(size_t size) {
 
 void AlignmentPoints::Append(const std::array<float, 3>& position_in_world,
                              const std::array<int8_t, 3>& normal_in_world,
-                             Vec3 origin) {
+                             geometry::Vec3 origin) {
   x.push_back(position_in_world[0] - static_cast<float>(origin.x));
   y.push_back(position_in_world[1] - static_cast<float>(origin.y));
   z.push_back(position_in_world[2] - static_cast<float>(origin.z));
@@ -376,8 +376,8 @@ void SurfacePoints::clear() {
   }
 }
 
-void SurfacePoints::Append(Vec3 point, Vec3 normal, Vec3 measured,
-                           double distance_variance) {
+void SurfacePoints::Append(geometry::Vec3 point, geometry::Vec3 normal,
+                           geometry::Vec3 measured, double distance_variance) {
   x.push_back(static_cast<float>(point.x));
   y.push_back(static_cast<float>(point.y));
   z.push_back(static_cast<float>(point.z));
@@ -400,14 +400,15 @@ void SurfacePoints::Pad() {
   variance.resize(padded, 1);
 }
 
-PinholeView ViewOf(const Rigid3& camera_from_world, const Camera& camera,
-                   Vec3 origin) {
+PinholeView ViewOf(const geometry::Rigid3& camera_from_world,
+                   const camera::Camera& camera, geometry::Vec3 origin) {
   PinholeView view;
-  const Mat3 r = camera_from_world.rotation.Matrix();
+  const geometry::Mat3 r = camera_from_world.rotation.Matrix();
   for (size_t i = 0; i < 9; ++i) {
     view.camera_from_world_rotation[i] = static_cast<float>(r.m[i]);
   }
-  const Vec3 position = camera_from_world.Inverse().translation - origin;
+  const geometry::Vec3 position =
+      camera_from_world.Inverse().translation - origin;
   view.position = {static_cast<float>(position.x),
                    static_cast<float>(position.y),
                    static_cast<float>(position.z)};
@@ -430,9 +431,9 @@ void SeePoints(const AlignmentPoints& points, size_t begin, size_t end,
   HWY_DYNAMIC_DISPATCH(See)(points, begin, end, view, seen);
 }
 
-void LookUpPoints(const GrayPyramid& image, int level, size_t begin, size_t end,
-                  SeenPoints& seen) {
-  const GrayPyramid::Level& l = image.level(level);
+void LookUpPoints(const features::GrayPyramid& image, int level, size_t begin,
+                  size_t end, SeenPoints& seen) {
+  const features::GrayPyramid::Level& l = image.level(level);
   HWY_DYNAMIC_DISPATCH(LookUp)
   (l.gray.data(), l.width, l.height, level, begin, end, seen);
 }
@@ -457,5 +458,5 @@ void AddSurfaces(const SurfacePoints& points, const PinholeView& view,
   HWY_DYNAMIC_DISPATCH(Surfaces)(points, view, max_distance, sums);
 }
 
-}  // namespace treeline
+}  // namespace treeline::keyframes
 #endif  // HWY_ONCE

@@ -13,7 +13,7 @@
 #include "common/geometry/rigid3.h"
 #include "server/core/features/gray_pyramid.h"
 
-namespace treeline {
+namespace treeline::keyframes {
 
 // Ranges of points begin and end at multiples of this: the widest vector.
 inline constexpr size_t kAlignmentBlock = 16;
@@ -26,12 +26,13 @@ struct AlignmentPoints {
   // Unit normals in the world; zero where they are not known.
   std::vector<float> nx, ny, nz;
   // Brightness at each level of GrayPyramid; not needed by CountSeen.
-  std::array<std::vector<float>, GrayPyramid::kLevels> gray;
+  std::array<std::vector<float>, features::GrayPyramid::kLevels> gray;
 
   size_t size() const { return x.size(); }
   // `origin` is that of the arrays, in the world.
   void Append(const std::array<float, 3>& position_in_world,
-              const std::array<int8_t, 3>& normal_in_world, Vec3 origin);
+              const std::array<int8_t, 3>& normal_in_world,
+              geometry::Vec3 origin);
   // A point that is never seen.
   void AppendNothing();
   // Up to a multiple of kAlignmentBlock.
@@ -64,7 +65,8 @@ struct SurfacePoints {
 
   size_t size() const { return x.size(); }
   void clear();
-  void Append(Vec3 point, Vec3 normal, Vec3 measured, double distance_variance);
+  void Append(geometry::Vec3 point, geometry::Vec3 normal,
+              geometry::Vec3 measured, double distance_variance);
   // Up to a multiple of kAlignmentBlock, with points that count for nothing.
   void Pad();
 };
@@ -76,8 +78,8 @@ struct PinholeView {
   float fx, fy, cx, cy;           // px
 };
 
-PinholeView ViewOf(const Rigid3& camera_from_world, const Camera& camera,
-                   Vec3 origin);
+PinholeView ViewOf(const geometry::Rigid3& camera_from_world,
+                   const camera::Camera& camera, geometry::Vec3 origin);
 
 // Sums of Gauss-Newton's normal equations: the upper triangle of H row by row,
 // and the gradient. Parameters are a step (v, w) of the camera's frame: a
@@ -106,8 +108,8 @@ void SeePoints(const AlignmentPoints& points, size_t begin, size_t end,
 
 // Brightness and gradients at the pixels, bilinear; what lies outside is not
 // seen.
-void LookUpPoints(const GrayPyramid& image, int level, size_t begin, size_t end,
-                  SeenPoints& seen);
+void LookUpPoints(const features::GrayPyramid& image, int level, size_t begin,
+                  size_t end, SeenPoints& seen);
 
 // Weights are Geman-McClure's of brightness - gain * reference - offset.
 ExposureSums SumExposure(const std::vector<float>& reference,
@@ -125,6 +127,6 @@ void AddBrightness(const std::vector<float>& reference, const SeenPoints& seen,
 void AddSurfaces(const SurfacePoints& points, const PinholeView& view,
                  float max_distance, NormalSums& sums);
 
-}  // namespace treeline
+}  // namespace treeline::keyframes
 
 #endif  // SERVER_CORE_KEYFRAMES_ALIGNMENT_KERNELS_H_

@@ -7,27 +7,27 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::keyframes {
 namespace {
 
-Camera TestCamera() {
-  return *Camera::Parse("PINHOLE,200,210,79.5,59.5", 160, 120);
+camera::Camera TestCamera() {
+  return *camera::Camera::Parse("PINHOLE,200,210,79.5,59.5", 160, 120);
 }
 
-GrayPyramid NoisePyramid() {
-  ColorImage image{160, 120, std::vector<uint8_t>(3 * 160 * 120)};
-  Random random(2, 0);
+features::GrayPyramid NoisePyramid() {
+  image::ColorImage image{160, 120, std::vector<uint8_t>(3 * 160 * 120)};
+  base::Random random(2, 0);
   for (uint8_t& v : image.rgb) v = static_cast<uint8_t>(random.NextBelow(256));
-  GrayPyramid pyramid;
-  pyramid.Assign(PlanarImage(image));
+  features::GrayPyramid pyramid;
+  pyramid.Assign(features::PlanarImage(image));
   return pyramid;
 }
 
 // Points in front of the camera, a few of which it does not see, and one that
 // faces away.
-AlignmentPoints RandomPoints(Vec3 origin) {
+AlignmentPoints RandomPoints(geometry::Vec3 origin) {
   AlignmentPoints points;
-  Random random(3, 0);
+  base::Random random(3, 0);
   const auto uniform = [&] {
     return static_cast<float>(random.NextBelow(2001)) / 1000 - 1;
   };
@@ -40,16 +40,17 @@ AlignmentPoints RandomPoints(Vec3 origin) {
   return points;
 }
 
-Rigid3 CameraFromWorld() {
-  return Rigid3{Rotation3::FromAxisAngle({0.02, -0.03, 0.05}), {10, 0, 0}}
+geometry::Rigid3 CameraFromWorld() {
+  return geometry::Rigid3{
+      geometry::Rotation3::FromAxisAngle({0.02, -0.03, 0.05}), {10, 0, 0}}
       .Inverse();
 }
 
 TEST(AlignmentKernelsTest, PointsAreSeenAsTheCameraAndThePyramidSay) {
-  const Vec3 origin{9, 1, 0};
+  const geometry::Vec3 origin{9, 1, 0};
   const AlignmentPoints points = RandomPoints(origin);
-  const Camera camera = TestCamera();
-  const GrayPyramid pyramid = NoisePyramid();
+  const camera::Camera camera = TestCamera();
+  const features::GrayPyramid pyramid = NoisePyramid();
   const PinholeView view = ViewOf(CameraFromWorld(), camera, origin);
   ASSERT_EQ(points.size() % kAlignmentBlock, 0u);
   for (const int l : {0, 1, 2}) {
@@ -57,14 +58,15 @@ TEST(AlignmentKernelsTest, PointsAreSeenAsTheCameraAndThePyramidSay) {
     seen.resize(points.size());
     SeePoints(points, 0, points.size(), view, seen);
     LookUpPoints(pyramid, l, 0, points.size(), seen);
-    const GrayPyramid::Level& level = pyramid.level(l);
+    const features::GrayPyramid::Level& level = pyramid.level(l);
     int visible = 0;
     for (size_t i = 0; i < points.size(); ++i) {
-      const Vec3 world = origin + Vec3{points.x[i], points.y[i], points.z[i]};
-      const Vec3 p = CameraFromWorld() * world;
-      const Pixel pixel = camera.Project(p);
-      const float x = AtLevel(static_cast<float>(pixel.x), l);
-      const float y = AtLevel(static_cast<float>(pixel.y), l);
+      const geometry::Vec3 world =
+          origin + geometry::Vec3{points.x[i], points.y[i], points.z[i]};
+      const geometry::Vec3 p = CameraFromWorld() * world;
+      const camera::Pixel pixel = camera.Project(p);
+      const float x = features::AtLevel(static_cast<float>(pixel.x), l);
+      const float y = features::AtLevel(static_cast<float>(pixel.y), l);
       const bool inside = x > 1.5F && y > 1.5F &&
                           x < static_cast<float>(level.width) - 2.5F &&
                           y < static_cast<float>(level.height) - 2.5F;
@@ -105,10 +107,11 @@ TEST(AlignmentKernelsTest, ExposureIsFoundAgain) {
 TEST(AlignmentKernelsTest, SurfacesPullTowardsWhatWasMeasured) {
   SurfacePoints points;
   const PinholeView view = ViewOf({}, TestCamera(), {});
-  Random random(5, 0);
+  base::Random random(5, 0);
   for (int i = 0; i < 40; ++i) {
-    const Vec3 p{0.01 * random.NextBelow(100), 0.01 * random.NextBelow(100), 2};
-    points.Append(p, {0, 0, -1}, p + Vec3{0, 0, 0.02}, 1e-4);
+    const geometry::Vec3 p{0.01 * random.NextBelow(100),
+                           0.01 * random.NextBelow(100), 2};
+    points.Append(p, {0, 0, -1}, p + geometry::Vec3{0, 0, 0.02}, 1e-4);
   }
   points.Pad();
   NormalSums sums;
@@ -123,4 +126,4 @@ TEST(AlignmentKernelsTest, SurfacesPullTowardsWhatWasMeasured) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::keyframes

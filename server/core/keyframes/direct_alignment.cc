@@ -11,7 +11,7 @@
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/keyframes/alignment_kernels.h"
 
-namespace treeline {
+namespace treeline::keyframes {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -53,8 +53,9 @@ struct Exposure {
 
 class Aligner {
  public:
-  Aligner(const KeyframeMap& map, const GrayPyramid& image,
-          const DepthImage* depth, const RgbdCalibration& calibration,
+  Aligner(const KeyframeMap& map, const features::GrayPyramid& image,
+          const image::DepthImage* depth,
+          const camera::RgbdCalibration& calibration,
           const AlignmentOptions& options)
       : map_(map),
         image_(image),
@@ -63,7 +64,7 @@ class Aligner {
         depth_from_color_(calibration.color_from_depth.Inverse()),
         options_(options) {}
 
-  std::optional<Alignment> Run(const Rigid3& world_from_color) {
+  std::optional<Alignment> Run(const geometry::Rigid3& world_from_color) {
     camera_from_world_ = world_from_color.Inverse();
     const std::vector<size_t> keyframes =
         map_.BestSeen(world_from_color, calibration_.color,
@@ -102,7 +103,7 @@ class Aligner {
   }
 
   // The keyframes' points, as the inner loops read them.
-  void Gather(const std::vector<size_t>& keyframes, Vec3 origin) {
+  void Gather(const std::vector<size_t>& keyframes, geometry::Vec3 origin) {
     origin_ = origin;
     exposures_.resize(keyframes.size());
     for (const size_t place : kPlaces) {
@@ -142,7 +143,7 @@ class Aligner {
     if (calibration_.color.has_distortion()) {
       for (size_t i = 0; i < end; ++i) {
         if (seen_.seen[i] == 0) continue;
-        const Pixel pixel =
+        const camera::Pixel pixel =
             calibration_.color.Project({seen_.x[i], seen_.y[i], seen_.z[i]});
         seen_.u[i] = static_cast<float>(pixel.x);
         seen_.v[i] = static_cast<float>(pixel.y);
@@ -240,22 +241,24 @@ class Aligner {
       return false;
     }
     const Vector6 step = -factors.solve(g);
-    const Rotation3 turn =
-        Rotation3::FromAxisAngle({step[3], step[4], step[5]});
-    camera_from_world_ = {Normalized(turn * camera_from_world_.rotation),
-                          turn * camera_from_world_.translation +
-                              Vec3{step[0], step[1], step[2]}};
+    const geometry::Rotation3 turn =
+        geometry::Rotation3::FromAxisAngle({step[3], step[4], step[5]});
+    camera_from_world_ = {
+        geometry::Normalized(turn * camera_from_world_.rotation),
+        turn * camera_from_world_.translation +
+            geometry::Vec3{step[0], step[1], step[2]}};
     step_norm_ = step.norm();
-    return IsFinite(camera_from_world_);
+    return geometry::IsFinite(camera_from_world_);
   }
 
   // The measured point where keyframe point p (in the colour camera) projects
   // into the depth image. False: nothing was measured there.
-  bool Measured(Vec3 p, Vec3& measured, double& sigma_m) const {
-    const Camera& camera = calibration_.depth;
-    const Vec3 q = depth_from_color_ * p;
+  bool Measured(geometry::Vec3 p, geometry::Vec3& measured,
+                double& sigma_m) const {
+    const camera::Camera& camera = calibration_.depth;
+    const geometry::Vec3 q = depth_from_color_ * p;
     if (!(q.z > kNearest_m)) return false;
-    const Pixel pixel = camera.Project(q);
+    const camera::Pixel pixel = camera.Project(q);
     if (!(pixel.x > 0 && pixel.y > 0 && pixel.x < camera.width() - 1 &&
           pixel.y < camera.height() - 1)) {
       return false;
@@ -266,13 +269,13 @@ class Aligner {
         depth_->values[static_cast<size_t>(y) *
                            static_cast<size_t>(depth_->width) +
                        static_cast<size_t>(x)];
-    if (!IsMeasured(value)) return false;
+    if (!image::IsMeasured(value)) return false;
     const double z = calibration_.depth_scale * depth_->unit_m * value;
     // The ray through the pixel's centre, from that through p's image.
-    const Vec3 ray{q.x / q.z + (x - pixel.x) / camera.fx(),
-                   q.y / q.z + (y - pixel.y) / camera.fy(), 1};
+    const geometry::Vec3 ray{q.x / q.z + (x - pixel.x) / camera.fx(),
+                             q.y / q.z + (y - pixel.y) / camera.fy(), 1};
     measured = calibration_.color_from_depth * (z * ray);
-    sigma_m = DepthSigma_m(z);
+    sigma_m = features::DepthSigma_m(z);
     return true;
   }
 
@@ -281,13 +284,13 @@ class Aligner {
   // its surface by less than the surface bends.
   void MeasureSurfaces() {
     surfaces_.clear();
-    const Mat3 r = camera_from_world_.rotation.Matrix();
-    const Vec3 t = camera_from_world_.translation + r * origin_;
+    const geometry::Mat3 r = camera_from_world_.rotation.Matrix();
+    const geometry::Vec3 t = camera_from_world_.translation + r * origin_;
     for (size_t i = 0; i < runs_[exposures_.size() - 1].end; ++i) {
-      const Vec3 normal{points_.nx[i], points_.ny[i], points_.nz[i]};
-      const Vec3 point{points_.x[i], points_.y[i], points_.z[i]};
-      if (normal == Vec3{} || !(seen_.seen[i] > 0)) continue;
-      Vec3 measured;
+      const geometry::Vec3 normal{points_.nx[i], points_.ny[i], points_.nz[i]};
+      const geometry::Vec3 point{points_.x[i], points_.y[i], points_.z[i]};
+      if (normal == geometry::Vec3{} || !(seen_.seen[i] > 0)) continue;
+      geometry::Vec3 measured;
       double sigma_m = 0;
       if (!Measured(r * point + t, measured, sigma_m)) continue;
       surfaces_.Append(point, normal, measured,
@@ -298,19 +301,22 @@ class Aligner {
 
   void JudgeSurfaces(Alignment& alignment) {
     MeasureSurfaces();
-    const Mat3 r = camera_from_world_.rotation.Matrix();
-    const Vec3 t = camera_from_world_.translation + r * origin_;
+    const geometry::Mat3 r = camera_from_world_.rotation.Matrix();
+    const geometry::Vec3 t = camera_from_world_.translation + r * origin_;
     int lying = 0;
     for (size_t i = 0; i < surfaces_.size(); ++i) {
-      const Vec3 normal{surfaces_.nx[i], surfaces_.ny[i], surfaces_.nz[i]};
-      if (normal == Vec3{}) continue;  // fills up a block
-      const Vec3 p =
-          r * Vec3{surfaces_.x[i], surfaces_.y[i], surfaces_.z[i]} + t;
-      const Vec3 measured{surfaces_.measured_x[i], surfaces_.measured_y[i],
-                          surfaces_.measured_z[i]};
+      const geometry::Vec3 normal{surfaces_.nx[i], surfaces_.ny[i],
+                                  surfaces_.nz[i]};
+      if (normal == geometry::Vec3{}) continue;  // fills up a block
+      const geometry::Vec3 p =
+          r * geometry::Vec3{surfaces_.x[i], surfaces_.y[i], surfaces_.z[i]} +
+          t;
+      const geometry::Vec3 measured{surfaces_.measured_x[i],
+                                    surfaces_.measured_y[i],
+                                    surfaces_.measured_z[i]};
       ++alignment.measured;
-      lying += std::abs(Dot(r * normal, p - measured)) <=
-               0.02 + 3 * DepthSigma_m(measured.z);
+      lying += std::abs(geometry::Dot(r * normal, p - measured)) <=
+               0.02 + 3 * features::DepthSigma_m(measured.z);
     }
     if (alignment.measured > 0) {
       alignment.depth_agreement =
@@ -352,7 +358,7 @@ class Aligner {
     // From a step in the camera's frame to one in the world's.
     const Matrix6 in_camera =
         kCorrelatedPoints * information_.ldlt().solve(Matrix6::Identity());
-    const Mat3 r = alignment.world_from_camera.rotation.Matrix();
+    const geometry::Mat3 r = alignment.world_from_camera.rotation.Matrix();
     Eigen::Matrix3d rotation;
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) rotation(i, j) = r(i, j);
@@ -371,17 +377,17 @@ class Aligner {
   }
 
   const KeyframeMap& map_;
-  const GrayPyramid& image_;
-  const DepthImage* depth_;
-  const RgbdCalibration& calibration_;
-  const Rigid3 depth_from_color_;
+  const features::GrayPyramid& image_;
+  const image::DepthImage* depth_;
+  const camera::RgbdCalibration& calibration_;
+  const geometry::Rigid3 depth_from_color_;
   const AlignmentOptions& options_;
   AlignmentPoints points_;
   SeenPoints seen_;
   SurfacePoints surfaces_;
   std::vector<PointRun> runs_;
-  Vec3 origin_;
-  Rigid3 camera_from_world_;
+  geometry::Vec3 origin_;
+  geometry::Rigid3 camera_from_world_;
   std::vector<Exposure> exposures_;  // one a keyframe
   bool is_exposed_ = false;          // they have been fitted
   std::vector<float> sizes_;
@@ -394,13 +400,11 @@ class Aligner {
 
 }  // namespace
 
-std::optional<Alignment> AlignToKeyframes(const KeyframeMap& map,
-                                          const GrayPyramid& image,
-                                          const DepthImage* depth,
-                                          const RgbdCalibration& calibration,
-                                          const Rigid3& world_from_color,
-                                          const AlignmentOptions& options) {
+std::optional<Alignment> AlignToKeyframes(
+    const KeyframeMap& map, const features::GrayPyramid& image,
+    const image::DepthImage* depth, const camera::RgbdCalibration& calibration,
+    const geometry::Rigid3& world_from_color, const AlignmentOptions& options) {
   return Aligner(map, image, depth, calibration, options).Run(world_from_color);
 }
 
-}  // namespace treeline
+}  // namespace treeline::keyframes

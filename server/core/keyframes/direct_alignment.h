@@ -11,7 +11,7 @@
 #include "server/core/features/gray_pyramid.h"
 #include "server/core/keyframes/keyframe_map.h"
 
-namespace treeline {
+namespace treeline::keyframes {
 
 struct AlignmentOptions {
   // Levels of GrayPyramid, from coarse to fine.
@@ -25,8 +25,8 @@ struct AlignmentOptions {
 
 struct Alignment {
   // Of the colour camera.
-  Rigid3 world_from_camera;
-  PoseCovariance covariance{};
+  geometry::Rigid3 world_from_camera;
+  geometry::PoseCovariance covariance{};
   // Keyframe points that should be seen, and the share of them whose
   // brightness agrees with the image.
   int visible = 0;
@@ -48,13 +48,11 @@ struct Alignment {
 //   (n . (measured point at project(X) - X))^2 / depth noise^2.
 // nullopt: hardly a keyframe point should be visible. Poses
 // further off than about 3 % of the image are not drawn in.
-std::optional<Alignment> AlignToKeyframes(const KeyframeMap& map,
-                                          const GrayPyramid& image,
-                                          const DepthImage* depth,
-                                          const RgbdCalibration& calibration,
-                                          const Rigid3& world_from_color,
-                                          const AlignmentOptions& options);
+std::optional<Alignment> AlignToKeyframes(
+    const KeyframeMap& map, const features::GrayPyramid& image,
+    const image::DepthImage* depth, const camera::RgbdCalibration& calibration,
+    const geometry::Rigid3& world_from_color, const AlignmentOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::keyframes
 
 #endif  // SERVER_CORE_KEYFRAMES_DIRECT_ALIGNMENT_H_

@@ -10,7 +10,7 @@
 #include "common/base/status_macros.h"
 #include "server/core/features/sift_matching.h"
 
-namespace treeline {
+namespace treeline::keyframes {
 namespace {
 
 // Sides at which images are halved (px).
@@ -30,8 +30,8 @@ constexpr size_t kMinAlike = 6;
 constexpr double kContrast = 0.02;
 
 // Every pixel is the mean of 2 x 2.
-ColorImage HalfOf(const ColorImage& image) {
-  ColorImage half;
+image::ColorImage HalfOf(const image::ColorImage& image) {
+  image::ColorImage half;
   half.width = image.width / 2;
   half.height = image.height / 2;
   half.rgb.resize(3 * static_cast<size_t>(half.width) *
@@ -58,14 +58,14 @@ struct Pair {
 };
 
 // In the order of the keyframe's features.
-void FindPairs(std::span<const SiftDescriptor> queries,
+void FindPairs(std::span<const features::SiftDescriptor> queries,
                std::span<const KeyframeFeature> known, double max_ratio,
                std::vector<Pair>& pairs) {
   constexpr uint32_t kNobody = std::numeric_limits<uint32_t>::max();
   pairs.clear();
   if (known.empty()) return;
-  std::vector<NearestSift> nearest(queries.size());
-  FindNearestSift(
+  std::vector<features::NearestSift> nearest(queries.size());
+  features::FindNearestSift(
       queries,
       {known[0].descriptor.data(), sizeof(KeyframeFeature), known.size()},
       nearest);
@@ -80,7 +80,7 @@ void FindPairs(std::span<const SiftDescriptor> queries,
   }
   for (uint32_t j = 0; j < known.size(); ++j) {
     if (back[j] == kNobody) continue;
-    const NearestSift& match = nearest[back[j]];
+    const features::NearestSift& match = nearest[back[j]];
     const double ratio = std::sqrt(static_cast<double>(match.squared_distance) /
                                    std::max(1, match.second_squared_distance));
     if (ratio <= max_ratio) pairs.push_back({back[j], j, ratio});
@@ -94,7 +94,7 @@ std::span<const T> AtMost(std::span<const T> values, size_t count) {
 
 // Of these keyframes the `count` that share most features with a frame, and at
 // least `least` of them; most first.
-std::vector<size_t> MostPairs(const SiftFeatures& features,
+std::vector<size_t> MostPairs(const features::SiftFeatures& features,
                               const KeyframeMap& map,
                               std::span<const size_t> keyframes,
                               const Compared& compared, size_t count,
@@ -120,26 +120,25 @@ std::vector<size_t> MostPairs(const SiftFeatures& features,
 
 }  // namespace
 
-absl::StatusOr<SiftFeatures> ExtractKeyframeSift(const ColorImage& image,
-                                                 int max_features) {
-  const SiftOptions options{.max_features = max_features,
-                            .contrast = kContrast};
+absl::StatusOr<features::SiftFeatures> ExtractKeyframeSift(
+    const image::ColorImage& image, int max_features) {
+  const features::SiftOptions options{.max_features = max_features,
+                                      .contrast = kContrast};
   if (std::max(image.width, image.height) < kHalvedSide_px) {
-    return ExtractSift(image, options);
+    return features::ExtractSift(image, options);
   }
-  TL_ASSIGN_OR_RETURN(SiftFeatures features,
-                      ExtractSift(HalfOf(image), options));
-  for (SiftKeypoint& keypoint : features.keypoints) {
+  TL_ASSIGN_OR_RETURN(features::SiftFeatures features,
+                      features::ExtractSift(HalfOf(image), options));
+  for (features::SiftKeypoint& keypoint : features.keypoints) {
     keypoint.pixel = {2 * keypoint.pixel.x + 0.5, 2 * keypoint.pixel.y + 0.5};
     keypoint.diameter_px *= 2;
   }
   return features;
 }
 
-std::vector<KeyframeMatch> MatchKeyframes(const SiftFeatures& features,
-                                          const KeyframeMap& map,
-                                          std::span<const size_t> keyframes,
-                                          double max_ratio) {
+std::vector<KeyframeMatch> MatchKeyframes(
+    const features::SiftFeatures& features, const KeyframeMap& map,
+    std::span<const size_t> keyframes, double max_ratio) {
   std::vector<KeyframeMatch> matches;
   std::vector<Pair> pairs;
   for (const size_t k : keyframes) {
@@ -147,15 +146,15 @@ std::vector<KeyframeMatch> MatchKeyframes(const SiftFeatures& features,
     FindPairs(features.descriptors, known, max_ratio, pairs);
     for (const Pair& pair : pairs) {
       const auto& [x, y, z] = known[pair.known].position_in_world;
-      matches.push_back(
-          {features.keypoints[pair.query].pixel, Vec3{x, y, z}, pair.ratio});
+      matches.push_back({features.keypoints[pair.query].pixel,
+                         geometry::Vec3{x, y, z}, pair.ratio});
     }
   }
   std::ranges::stable_sort(matches, {}, &KeyframeMatch::ratio);
   return matches;
 }
 
-std::vector<size_t> MostAlike(const SiftFeatures& features,
+std::vector<size_t> MostAlike(const features::SiftFeatures& features,
                               const KeyframeMap& map, size_t count,
                               double max_ratio) {
   std::vector<size_t> all(map.size());
@@ -166,4 +165,4 @@ std::vector<size_t> MostAlike(const SiftFeatures& features,
       kCompared, count, kMinAlike, max_ratio);
 }
 
-}  // namespace treeline
+}  // namespace treeline::keyframes

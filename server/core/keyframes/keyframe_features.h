@@ -13,20 +13,20 @@
 #include "server/core/features/sift_extractor.h"
 #include "server/core/keyframes/keyframe_map.h"
 
-namespace treeline {
+namespace treeline::keyframes {
 
 // Up to max_features SIFT features of an image, largest regions first, at
 // pixels of the image. Images of 512 pixels and more a side are looked at in
 // half their size: that is four times as fast, and the small features that it
 // misses are the least stable ones. INTERNAL if OpenCV fails.
-absl::StatusOr<SiftFeatures> ExtractKeyframeSift(const ColorImage& image,
-                                                 int max_features);
+absl::StatusOr<features::SiftFeatures> ExtractKeyframeSift(
+    const image::ColorImage& image, int max_features);
 
 // A pixel of a frame, and the point that a keyframe's feature like it stands
 // on.
 struct KeyframeMatch {
-  Pixel pixel;
-  Vec3 point_in_world;
+  camera::Pixel pixel;
+  geometry::Vec3 point_in_world;
   // Of the distances to the nearest and the second nearest feature, in [0, 1]:
   // small is sure.
   double ratio = 1;
@@ -34,18 +34,17 @@ struct KeyframeMatch {
 
 // Matches of a frame's features with each of the keyframes, surest first: pairs
 // that are each other's nearest, with a ratio of at most max_ratio (Lowe 2004).
-std::vector<KeyframeMatch> MatchKeyframes(const SiftFeatures& features,
-                                          const KeyframeMap& map,
-                                          std::span<const size_t> keyframes,
-                                          double max_ratio);
+std::vector<KeyframeMatch> MatchKeyframes(
+    const features::SiftFeatures& features, const KeyframeMap& map,
+    std::span<const size_t> keyframes, double max_ratio);
 
 // Up to `count` keyframes that share most features with a frame, most first,
 // whatever its pose: the largest of its features are matched with all
 // keyframes.
-std::vector<size_t> MostAlike(const SiftFeatures& features,
+std::vector<size_t> MostAlike(const features::SiftFeatures& features,
                               const KeyframeMap& map, size_t count,
                               double max_ratio);
 
-}  // namespace treeline
+}  // namespace treeline::keyframes
 
 #endif  // SERVER_CORE_KEYFRAMES_KEYFRAME_FEATURES_H_

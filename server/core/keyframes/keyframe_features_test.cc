@@ -11,7 +11,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::keyframes {
 namespace {
 
 using testing::ElementsAre;
@@ -21,7 +21,7 @@ using testing::ElementsAre;
 class KeyframeFeaturesTest : public testing::Test {
  protected:
   KeyframeFeaturesTest() {
-    Random random(1, 0);
+    base::Random random(1, 0);
     for (uint32_t i = 0; i < 40; ++i) {
       KeyframeFeature feature;
       feature.keyframe = i < 25 ? 0 : 2;
@@ -36,8 +36,8 @@ class KeyframeFeaturesTest : public testing::Test {
   ~KeyframeFeaturesTest() override { std::filesystem::remove(path_); }
 
   absl::StatusOr<KeyframeMap> Read() {
-    Forest forest;
-    forest.nodes = {Node::Leaf(0)};
+    forest::Forest forest;
+    forest.nodes = {forest::Node::Leaf(0)};
     forest.tree_offsets = {0, 1};
     forest.descriptors.resize(1);
     forest.payloads.resize(1);
@@ -45,23 +45,23 @@ class KeyframeFeaturesTest : public testing::Test {
       return absl::string_view(reinterpret_cast<const char*>(values.data()),
                                values.size() * sizeof(values[0]));
     };
-    const std::vector<ModelExtraBytes> extras = {
-        {ModelExtra::kKeyframes, bytes(records_)},
-        {ModelExtra::kKeyframeFeatures, bytes(features_)}};
+    const std::vector<forest::ModelExtraBytes> extras = {
+        {forest::ModelExtra::kKeyframes, bytes(records_)},
+        {forest::ModelExtra::kKeyframeFeatures, bytes(features_)}};
     const absl::Status written =
-        WriteModel(path_, ModelInfo{}, {forest.View()}, extras);
+        forest::WriteModel(path_, forest::ModelInfo{}, {forest.View()}, extras);
     if (!written.ok()) return written;
-    auto model = ModelFile::Open(path_);
+    auto model = forest::ModelFile::Open(path_);
     if (!model.ok()) return model.status();
     model_ = std::move(*model);
     return KeyframeMap::Read(*model_);
   }
 
   // What a frame would show of some of the features, a little changed.
-  SiftFeatures FrameWith(const std::vector<size_t>& shown) const {
-    SiftFeatures frame;
+  features::SiftFeatures FrameWith(const std::vector<size_t>& shown) const {
+    features::SiftFeatures frame;
     for (const size_t i : shown) {
-      SiftDescriptor descriptor;
+      features::SiftDescriptor descriptor;
       descriptor.values = features_[i].descriptor;
       ++descriptor.values[i];
       frame.keypoints.push_back({{static_cast<double>(i), 7}, 1, 0, 0});
@@ -74,7 +74,7 @@ class KeyframeFeaturesTest : public testing::Test {
                             std::to_string(getpid());
   std::vector<KeyframeRecord> records_;
   std::vector<KeyframeFeature> features_;
-  std::unique_ptr<const ModelFile> model_;
+  std::unique_ptr<const forest::ModelFile> model_;
 };
 
 TEST_F(KeyframeFeaturesTest, EachKeyframeHasItsOwn) {
@@ -107,7 +107,7 @@ TEST_F(KeyframeFeaturesTest, MatchesCarryThePointAndThePixel) {
 TEST_F(KeyframeFeaturesTest, TheKeyframesMostAlikeStandFirst) {
   const auto map = Read();
   ASSERT_TRUE(map.ok()) << map.status();
-  const SiftFeatures frame =
+  const features::SiftFeatures frame =
       FrameWith({0, 1, 2, 3, 4, 5, 26, 27, 28, 29, 30, 31, 32});
   EXPECT_THAT(MostAlike(frame, *map, 3, 0.5), ElementsAre(2, 0));
   EXPECT_THAT(MostAlike(frame, *map, 1, 0.5), ElementsAre(2));
@@ -124,4 +124,4 @@ TEST_F(KeyframeFeaturesTest, BrokenFeaturesAreDataLoss) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::keyframes

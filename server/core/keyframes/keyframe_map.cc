@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::keyframes {
 namespace {
 
 // Points of a keyframe that decide whether it is chosen.
@@ -23,16 +23,17 @@ bool IsFinite(const std::array<float, 3>& position) {
 
 }  // namespace
 
-absl::StatusOr<KeyframeMap> KeyframeMap::Read(const ModelFile& model) {
+absl::StatusOr<KeyframeMap> KeyframeMap::Read(const forest::ModelFile& model) {
   KeyframeMap map;
-  TL_ASSIGN_OR_RETURN(map.records_,
-                      model.Extra<KeyframeRecord>(ModelExtra::kKeyframes));
-  TL_ASSIGN_OR_RETURN(map.points_,
-                      model.Extra<KeyframePoint>(ModelExtra::kKeyframePoints));
+  TL_ASSIGN_OR_RETURN(map.records_, model.Extra<KeyframeRecord>(
+                                        forest::ModelExtra::kKeyframes));
+  TL_ASSIGN_OR_RETURN(map.points_, model.Extra<KeyframePoint>(
+                                       forest::ModelExtra::kKeyframePoints));
   for (const KeyframeRecord& record : map.records_) {
     const auto& [w, x, y, z] = record.rotation;
     const auto& [tx, ty, tz] = record.position_in_world;
-    absl::StatusOr<Rigid3> pose = RigidFromQuaternion(w, x, y, z, {tx, ty, tz});
+    absl::StatusOr<geometry::Rigid3> pose =
+        geometry::RigidFromQuaternion(w, x, y, z, {tx, ty, tz});
     if (!pose.ok() || record.first_point > map.points_.size() ||
         record.points > map.points_.size() - record.first_point) {
       return absl::DataLossError(
@@ -56,8 +57,9 @@ absl::StatusOr<KeyframeMap> KeyframeMap::Read(const ModelFile& model) {
       map.glance_.Append(point.position_in_world, point.normal_in_world, {});
     }
   }
-  TL_ASSIGN_OR_RETURN(map.features_, model.Extra<KeyframeFeature>(
-                                         ModelExtra::kKeyframeFeatures));
+  TL_ASSIGN_OR_RETURN(
+      map.features_,
+      model.Extra<KeyframeFeature>(forest::ModelExtra::kKeyframeFeatures));
   uint32_t last = 0;
   for (size_t i = 0; i < map.features_.size(); ++i) {
     const KeyframeFeature& feature = map.features_[i];
@@ -72,20 +74,23 @@ absl::StatusOr<KeyframeMap> KeyframeMap::Read(const ModelFile& model) {
   return map;
 }
 
-std::vector<size_t> KeyframeMap::BestSeen(const Rigid3& world_from_camera,
-                                          const Camera& camera,
-                                          size_t count) const {
+std::vector<size_t> KeyframeMap::BestSeen(
+    const geometry::Rigid3& world_from_camera, const camera::Camera& camera,
+    size_t count) const {
   std::vector<float> seen(size());
   CountSeen(glance_, kGlance, ViewOf(world_from_camera.Inverse(), camera, {}),
             camera.width(), camera.height(), seen);
-  const Vec3 axis = world_from_camera.rotation * Vec3{0, 0, 1};
+  const geometry::Vec3 axis =
+      world_from_camera.rotation * geometry::Vec3{0, 0, 1};
   std::vector<std::pair<double, size_t>> order;  // the best score is least
   for (size_t k = 0; k < seen.size(); ++k) {
     if (!(seen[k] > 0)) continue;
     const double turn =
-        kViewDistance_m * Norm(poses_[k].rotation * Vec3{0, 0, 1} - axis);
+        kViewDistance_m *
+        geometry::Norm(poses_[k].rotation * geometry::Vec3{0, 0, 1} - axis);
     const double distance2 =
-        SquaredNorm(poses_[k].translation - world_from_camera.translation) +
+        geometry::SquaredNorm(poses_[k].translation -
+                              world_from_camera.translation) +
         turn * turn;
     order.emplace_back(-static_cast<double>(seen[k]) /
                            (1 + distance2 / (kSameView_m * kSameView_m)),
@@ -100,23 +105,23 @@ std::vector<size_t> KeyframeMap::BestSeen(const Rigid3& world_from_camera,
   return result;
 }
 
-double MaxKeyframeAngle_rad(const Camera& camera) {
+double MaxKeyframeAngle_rad(const camera::Camera& camera) {
   return std::max(0.35, 0.5 * std::atan(0.5 * camera.width() / camera.fx()));
 }
 
-std::vector<size_t> KeyframeMap::Nearest(const Rigid3& world_from_camera,
-                                         double max_angle_rad,
-                                         size_t count) const {
+std::vector<size_t> KeyframeMap::Nearest(
+    const geometry::Rigid3& world_from_camera, double max_angle_rad,
+    size_t count) const {
   std::vector<std::pair<double, size_t>> near;
   for (size_t i = 0; i < poses_.size(); ++i) {
-    const double angle =
-        AngleBetween_rad(poses_[i].rotation, world_from_camera.rotation);
+    const double angle = geometry::AngleBetween_rad(poses_[i].rotation,
+                                                    world_from_camera.rotation);
     if (angle > max_angle_rad) continue;
     const double turn = kViewDistance_m * angle;
-    near.emplace_back(
-        SquaredNorm(poses_[i].translation - world_from_camera.translation) +
-            turn * turn,
-        i);
+    near.emplace_back(geometry::SquaredNorm(poses_[i].translation -
+                                            world_from_camera.translation) +
+                          turn * turn,
+                      i);
   }
   const size_t kept = std::min(count, near.size());
   std::partial_sort(near.begin(),
@@ -127,4 +132,4 @@ std::vector<size_t> KeyframeMap::Nearest(const Rigid3& world_from_camera,
   return result;
 }
 
-}  // namespace treeline
+}  // namespace treeline::keyframes

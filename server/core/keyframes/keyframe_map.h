@@ -16,7 +16,7 @@
 #include "server/core/forest/model_file.h"
 #include "server/core/keyframes/alignment_kernels.h"
 
-namespace treeline {
+namespace treeline::keyframes {
 
 // As the file has it.
 struct KeyframeRecord {
@@ -44,7 +44,7 @@ struct KeyframeFeature {
   std::array<float, 3> position_in_world{};
   uint32_t keyframe = 0;
   // See SiftDescriptor.
-  std::array<uint8_t, SiftDescriptor::kDimensions> descriptor{};
+  std::array<uint8_t, features::SiftDescriptor::kDimensions> descriptor{};
 };
 static_assert(sizeof(KeyframeFeature) == 144);
 
@@ -56,12 +56,14 @@ class KeyframeMap {
   // Empty if the model has none. DATA_LOSS for poses that are not rigid, points
   // that are not there, points and features that are not finite, and features
   // that are out of order or of no keyframe.
-  static absl::StatusOr<KeyframeMap> Read(const ModelFile& model);
+  static absl::StatusOr<KeyframeMap> Read(const forest::ModelFile& model);
 
   size_t size() const { return poses_.size(); }
   bool empty() const { return poses_.empty(); }
   // Of the colour camera.
-  const Rigid3& world_from_camera(size_t i) const { return poses_[i]; }
+  const geometry::Rigid3& world_from_camera(size_t i) const {
+    return poses_[i];
+  }
   std::span<const KeyframePoint> points(size_t i) const {
     return points_.subspan(records_[i].first_point, records_[i].points);
   }
@@ -75,21 +77,22 @@ class KeyframeMap {
   // Up to `count` keyframes near a pose, nearest first: by
   // |position|^2 + (kViewDistance_m * angle)^2, none turned further than
   // max_angle_rad (thesis 3.2.3: a quarter of the field of view).
-  std::vector<size_t> Nearest(const Rigid3& world_from_camera,
+  std::vector<size_t> Nearest(const geometry::Rigid3& world_from_camera,
                               double max_angle_rad, size_t count) const;
 
   // Up to `count` keyframes of which much should be seen from about the same
   // place, best first. A few points of each are looked at, as if by a lens
   // without distortion.
-  std::vector<size_t> BestSeen(const Rigid3& world_from_camera,
-                               const Camera& camera, size_t count) const;
+  std::vector<size_t> BestSeen(const geometry::Rigid3& world_from_camera,
+                               const camera::Camera& camera,
+                               size_t count) const;
 
  private:
   std::span<const KeyframeRecord> records_;
   std::span<const KeyframePoint> points_;
   std::span<const KeyframeFeature> features_;
   std::vector<size_t> first_feature_{0};  // of each keyframe, and the end
-  std::vector<Rigid3> poses_;
+  std::vector<geometry::Rigid3> poses_;
   // Some points of each keyframe, as many of each.
   AlignmentPoints glance_;
 };
@@ -99,7 +102,7 @@ class KeyframeMap {
 inline constexpr double kViewDistance_m = 1.5;
 
 // A quarter of the field of view (thesis 3.2.3), and no less than 20 degrees.
-double MaxKeyframeAngle_rad(const Camera& camera);
+double MaxKeyframeAngle_rad(const camera::Camera& camera);
 
 // What training gathers.
 struct Keyframes {
@@ -108,6 +111,6 @@ struct Keyframes {
   std::vector<KeyframeFeature> features;
 };
 
-}  // namespace treeline
+}  // namespace treeline::keyframes
 
 #endif  // SERVER_CORE_KEYFRAMES_KEYFRAME_MAP_H_

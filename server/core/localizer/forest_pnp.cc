@@ -6,7 +6,7 @@
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::localizer {
 namespace {
 
 // Random streams of a query.
@@ -22,47 +22,48 @@ constexpr double kInlier_px = 10;
 }  // namespace
 
 absl::StatusOr<ForestPnpResult> SolveForestPnp(
-    const ForestView& forest, const Camera& camera,
+    const forest::ForestView& forest, const camera::Camera& camera,
     const QueryOptions& query_options, const LocalizeOptions& options,
     ForestScratch& scratch, PoseEstimate& estimate) {
-  const SteadyClock clock;
-  const MonotonicTime start = clock.Now();
-  DrawPixels(camera, query_options.samples, Random(options.seed, kSampleStream),
-             scratch.samples);
+  const base::SteadyClock clock;
+  const base::MonotonicTime start = clock.Now();
+  features::DrawPixels(camera, query_options.samples,
+                       base::Random(options.seed, kSampleStream),
+                       scratch.samples);
   const size_t samples = scratch.samples.size();
   estimate.samples = static_cast<int>(samples);
-  estimate.timings.sample_ms = MillisecondsBetween(start, clock.Now());
+  estimate.timings.sample_ms = base::MillisecondsBetween(start, clock.Now());
   ForestPnpResult result;
   if (samples < kMinSamples) return result;
 
-  const double pixel = 1 / MeanFocal_px(camera);
-  PnpOptions ransac;
-  ransac.seed = MixBits(options.seed + kRansacStream);
+  const double pixel = 1 / camera::MeanFocal_px(camera);
+  pose::PnpOptions ransac;
+  ransac.seed = base::MixBits(options.seed + kRansacStream);
   ransac.hypotheses = query_options.hypotheses;
   ransac.inlier_distance = kRansacInlier_px * pixel;
-  PixelPredictions& scene = result.scene;
+  pose::PixelPredictions& scene = result.scene;
   scene.per_pixel = forest.trees();
   do {
-    const MonotonicTime begin = clock.Now();
+    const base::MonotonicTime begin = clock.Now();
     const SampleBatch batch = NextBatch(query_options, scene.size(), samples);
     TL_RETURN_IF_ERROR(PredictScene(forest, query_options, batch, options.stop,
                                     scratch, scene.predictions));
     for (size_t i = batch.begin; i < batch.end; ++i) {
-      const Vec3& ray = scratch.samples.point[i];
+      const geometry::Vec3& ray = scratch.samples.point[i];
       scene.ray.push_back({ray.x, ray.y});
     }
     scene.ray_sigma.assign(scene.size(), pixel);
-    estimate.timings.forest_ms += MillisecondsBetween(begin, clock.Now());
-    const std::optional<Rigid3> pose =
-        PreemptivePnp(scene, ransac, options.stop);
+    estimate.timings.forest_ms += base::MillisecondsBetween(begin, clock.Now());
+    const std::optional<geometry::Rigid3> pose =
+        pose::PreemptivePnp(scene, ransac, options.stop);
     if (options.stop.stop_requested()) {
       return absl::CancelledError("the query was cancelled");
     }
     result.pose.reset();
     if (pose) {
-      result.pose = RefinePnp(scene, *pose,
-                              {.robust_scale = kRobustScale_px * pixel,
-                               .inlier_distance = kInlier_px * pixel});
+      result.pose = pose::RefinePnp(scene, *pose,
+                                    {.robust_scale = kRobustScale_px * pixel,
+                                     .inlier_distance = kInlier_px * pixel});
     }
   } while (scene.size() < samples &&
            !(result.pose && IsSettled(query_options, result.pose->inliers)));
@@ -70,7 +71,7 @@ absl::StatusOr<ForestPnpResult> SolveForestPnp(
   return result;
 }
 
-void TakePose(const PnpResult& pose, PoseEstimate& estimate) {
+void TakePose(const pose::PnpResult& pose, PoseEstimate& estimate) {
   estimate.inliers = pose.inliers;
   estimate.inlier_ratio = static_cast<double>(pose.inliers) / estimate.samples;
   estimate.world_from_camera = pose.world_from_camera;
@@ -92,4 +93,4 @@ std::vector<Correspondence> CorrespondencesOf(const ForestPnpResult& result,
   return correspondences;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localizer

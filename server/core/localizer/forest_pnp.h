@@ -14,13 +14,13 @@
 #include "server/core/localizer/query_options.h"
 #include "server/core/pose/pnp.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 struct ForestPnpResult {
   // Sample i of `scratch`, in the same slot. Empty if there were too few.
-  PixelPredictions scene;
+  pose::PixelPredictions scene;
   // nullopt: no pose explains the predictions.
-  std::optional<PnpResult> pose;
+  std::optional<pose::PnpResult> pose;
 };
 
 // Samples pixels of scratch.image, asks the forest (trained without depth
@@ -28,18 +28,18 @@ struct ForestPnpResult {
 // Sets estimate.samples, and of its timings sample_ms and forest_ms. CANCELLED
 // after options.stop.
 absl::StatusOr<ForestPnpResult> SolveForestPnp(
-    const ForestView& forest, const Camera& camera,
+    const forest::ForestView& forest, const camera::Camera& camera,
     const QueryOptions& query_options, const LocalizeOptions& options,
     ForestScratch& scratch, PoseEstimate& estimate);
 
 // Fills inliers, their ratio, pose and covariance from a pose; supported by
 // so many of estimate.samples.
-void TakePose(const PnpResult& pose, PoseEstimate& estimate);
+void TakePose(const pose::PnpResult& pose, PoseEstimate& estimate);
 
 // The correspondences of the samples.
 std::vector<Correspondence> CorrespondencesOf(const ForestPnpResult& result,
                                               const ForestScratch& scratch);
 
-}  // namespace treeline
+}  // namespace treeline::localizer
 
 #endif  // SERVER_CORE_LOCALIZER_FOREST_PNP_H_

@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::localizer {
 namespace {
 
 // Leaves of few samples say little about their own spread: their covariance is
@@ -17,7 +17,7 @@ constexpr double kPriorSigma_m = 0.02;
 constexpr double kPriorSamples = 4;
 
 absl::Status CheckSize(absl::string_view what, int width, int height,
-                       const Camera& camera) {
+                       const camera::Camera& camera) {
   if (width == camera.width() && height == camera.height()) {
     return absl::OkStatus();
   }
@@ -29,11 +29,12 @@ absl::Status CheckSize(absl::string_view what, int width, int height,
 
 }  // namespace
 
-absl::Status CheckColor(const Frame& frame, const Camera& camera) {
+absl::Status CheckColor(const image::Frame& frame,
+                        const camera::Camera& camera) {
   return CheckSize("colour", frame.color.width, frame.color.height, camera);
 }
 
-absl::Status CheckDepth(const Frame& frame, const Camera& camera,
+absl::Status CheckDepth(const image::Frame& frame, const camera::Camera& camera,
                         absl::string_view method) {
   if (!frame.depth) {
     return absl::InvalidArgumentError(
@@ -53,48 +54,51 @@ bool IsSettled(const QueryOptions& options, int inliers) {
   return inliers >= options.settled_inliers;
 }
 
-absl::Status PredictScene(const ForestView& forest, const QueryOptions& options,
-                          const SampleBatch& batch, const std::stop_token& stop,
-                          ForestScratch& scratch,
-                          std::vector<ScenePrediction>& predictions) {
-  const RgbdSamples& all = scratch.samples;
+absl::Status PredictScene(const forest::ForestView& forest,
+                          const QueryOptions& options, const SampleBatch& batch,
+                          const std::stop_token& stop, ForestScratch& scratch,
+                          std::vector<pose::ScenePrediction>& predictions) {
+  const features::RgbdSamples& all = scratch.samples;
   const size_t count = batch.end - batch.begin;
-  const SampleView samples{
+  const forest::SampleView samples{
       std::span(all.x).subspan(batch.begin, count),
       std::span(all.y).subspan(batch.begin, count),
       std::span(all.inverse_depth_q12).subspan(batch.begin, count)};
   scratch.descriptors.resize(count);
-  ComputeWht(scratch.image, samples.x, samples.y, scratch.descriptors);
+  features::ComputeWht(scratch.image, samples.x, samples.y,
+                       scratch.descriptors);
   scratch.matches.resize(count * static_cast<size_t>(forest.trees()));
-  const BacktrackingOptions backtracking{
+  const forest::BacktrackingOptions backtracking{
       .leaves = options.backtracking_leaves,
       .first_leaves = options.first_leaves,
       .good_squared_distance = options.good_distance * options.good_distance};
-  PredictLeaves(forest, scratch.image, samples, scratch.descriptors,
-                backtracking, stop, scratch.backtracking, scratch.matches);
+  forest::PredictLeaves(forest, scratch.image, samples, scratch.descriptors,
+                        backtracking, stop, scratch.backtracking,
+                        scratch.matches);
   if (stop.stop_requested()) {
     return absl::CancelledError("the query was cancelled");
   }
   predictions.reserve(predictions.size() + scratch.matches.size());
-  for (const LeafMatch& match : scratch.matches) {
+  for (const forest::LeafMatch& match : scratch.matches) {
     predictions.push_back(PredictionOf(forest, match.leaf));
   }
   return absl::OkStatus();
 }
 
-ScenePrediction PredictionOf(const ForestView& forest, uint32_t mode) {
-  const LeafPayload& leaf = forest.payloads[mode];
-  ScenePrediction prediction;
+pose::ScenePrediction PredictionOf(const forest::ForestView& forest,
+                                   uint32_t mode) {
+  const forest::LeafPayload& leaf = forest.payloads[mode];
+  pose::ScenePrediction prediction;
   prediction.mean_in_world = forest.LeafMean(mode);
   const double total = leaf.count + kPriorSamples;
   for (size_t k = 0; k < 6; ++k) {
     prediction.covariance[k] =
         leaf.count / total *
-        static_cast<double>(FromBfloat16(leaf.covariance[k]));
+        static_cast<double>(forest::FromBfloat16(leaf.covariance[k]));
   }
   const double prior = kPriorSamples / total * kPriorSigma_m * kPriorSigma_m;
   for (const size_t k : {0u, 3u, 5u}) prediction.covariance[k] += prior;
   return prediction;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localizer

@@ -18,7 +18,7 @@
 #include "server/core/localizer/query_options.h"
 #include "server/core/pose/scene_predictions.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 // Objects that one query uses and the next one uses again.
 template <typename T>
@@ -58,18 +58,19 @@ class Pool {
 
 // Working memory of one query.
 struct ForestScratch {
-  PlanarImage image;
-  GrayPyramid pyramid;
-  RgbdSamples samples;
-  std::vector<WhtDescriptor> descriptors;
-  BacktrackingScratch backtracking;
-  std::vector<LeafMatch> matches;
+  features::PlanarImage image;
+  features::GrayPyramid pyramid;
+  features::RgbdSamples samples;
+  std::vector<features::WhtDescriptor> descriptors;
+  forest::BacktrackingScratch backtracking;
+  std::vector<forest::LeafMatch> matches;
 };
 
 // INVALID_ARGUMENT unless the colour image has the size of its camera.
-absl::Status CheckColor(const Frame& frame, const Camera& camera);
+absl::Status CheckColor(const image::Frame& frame,
+                        const camera::Camera& camera);
 // INVALID_ARGUMENT unless the frame has depth, of the size of its camera.
-absl::Status CheckDepth(const Frame& frame, const Camera& camera,
+absl::Status CheckDepth(const image::Frame& frame, const camera::Camera& camera,
                         absl::string_view method);
 
 // The next samples to predict for: those after the first `begin`, up to
@@ -88,14 +89,15 @@ bool IsSettled(const QueryOptions& options, int inliers);
 // of scratch.samples in scratch.image, for each sample the best match of every
 // tree, nearest descriptor first; leaf covariances are widened for leaves of
 // few samples. CANCELLED after `stop`.
-absl::Status PredictScene(const ForestView& forest, const QueryOptions& options,
-                          const SampleBatch& batch, const std::stop_token& stop,
-                          ForestScratch& scratch,
-                          std::vector<ScenePrediction>& predictions);
+absl::Status PredictScene(const forest::ForestView& forest,
+                          const QueryOptions& options, const SampleBatch& batch,
+                          const std::stop_token& stop, ForestScratch& scratch,
+                          std::vector<pose::ScenePrediction>& predictions);
 
 // A leaf's mode as a prediction.
-ScenePrediction PredictionOf(const ForestView& forest, uint32_t mode);
+pose::ScenePrediction PredictionOf(const forest::ForestView& forest,
+                                   uint32_t mode);
 
-}  // namespace treeline
+}  // namespace treeline::localizer
 
 #endif  // SERVER_CORE_LOCALIZER_FOREST_QUERY_H_

@@ -11,14 +11,14 @@
 #include "server/core/localizer/forest_pnp.h"
 #include "server/core/pose/pnp.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 // Matches as Perspective-n-Point reads them, where they are, and the pose that
 // they support (thesis Eq. 3.12), if enough of them do.
 struct HybridLocalizer::MatchedPose {
-  std::vector<Pixel> pixel;
-  PixelPredictions scene;
-  std::optional<PnpResult> pose;
+  std::vector<camera::Pixel> pixel;
+  pose::PixelPredictions scene;
+  std::optional<pose::PnpResult> pose;
 };
 
 namespace {
@@ -45,9 +45,10 @@ constexpr double kInlier_px = 6;
 
 std::vector<Correspondence> CorrespondencesOf(const auto& matched) {
   std::vector<Correspondence> correspondences;
-  const Rigid3 camera_from_world = matched.pose->world_from_camera.Inverse();
+  const geometry::Rigid3 camera_from_world =
+      matched.pose->world_from_camera.Inverse();
   for (size_t i = 0; i < matched.pixel.size(); ++i) {
-    const Vec3 in_world = matched.scene.at(i, 0).mean_in_world;
+    const geometry::Vec3 in_world = matched.scene.at(i, 0).mean_in_world;
     correspondences.push_back({matched.pixel[i], camera_from_world * in_world,
                                in_world, matched.pose->supported[i] >= 0});
   }
@@ -56,7 +57,7 @@ std::vector<Correspondence> CorrespondencesOf(const auto& matched) {
 
 }  // namespace
 
-HybridLocalizer::HybridLocalizer(std::unique_ptr<const ModelFile> model,
+HybridLocalizer::HybridLocalizer(std::unique_ptr<const forest::ModelFile> model,
                                  PoseVerifier verifier,
                                  const QueryOptions& options)
     : model_(std::move(model)),
@@ -64,14 +65,14 @@ HybridLocalizer::HybridLocalizer(std::unique_ptr<const ModelFile> model,
       options_(options) {}
 
 HybridLocalizer::MatchedPose HybridLocalizer::SolveKeyframes(
-    const SiftFeatures& features, std::span<const size_t> keyframes,
-    const Camera& camera, const LocalizeOptions& options) const {
+    const features::SiftFeatures& features, std::span<const size_t> keyframes,
+    const camera::Camera& camera, const LocalizeOptions& options) const {
   constexpr double kVariance = kPointSigma_m * kPointSigma_m;
   MatchedPose result;
-  PixelPredictions& scene = result.scene;
-  for (const KeyframeMatch& match :
-       MatchKeyframes(features, verifier_.keyframes(), keyframes, kMaxRatio)) {
-    const std::optional<Pixel> ray = camera.Unproject(match.pixel);
+  pose::PixelPredictions& scene = result.scene;
+  for (const keyframes::KeyframeMatch& match : keyframes::MatchKeyframes(
+           features, verifier_.keyframes(), keyframes, kMaxRatio)) {
+    const std::optional<camera::Pixel> ray = camera.Unproject(match.pixel);
     if (!ray) continue;
     result.pixel.push_back(match.pixel);
     scene.ray.push_back(*ray);
@@ -79,26 +80,28 @@ HybridLocalizer::MatchedPose HybridLocalizer::SolveKeyframes(
         {match.point_in_world, {kVariance, 0, 0, kVariance, 0, kVariance}});
   }
   if (scene.size() < kMinMatches) return result;
-  const double pixel = 1 / MeanFocal_px(camera);
+  const double pixel = 1 / camera::MeanFocal_px(camera);
   scene.ray_sigma.assign(scene.size(), kKeypointSigma_px * pixel);
-  PnpOptions ransac;
-  ransac.seed = MixBits(options.seed + kRansacStream);
+  pose::PnpOptions ransac;
+  ransac.seed = base::MixBits(options.seed + kRansacStream);
   ransac.hypotheses = options_.hypotheses;
   ransac.inlier_distance = kRansacInlier_px * pixel;
-  const std::optional<Rigid3> pose = PreemptivePnp(scene, ransac, options.stop);
+  const std::optional<geometry::Rigid3> pose =
+      pose::PreemptivePnp(scene, ransac, options.stop);
   if (!pose) return result;
-  result.pose = RefinePnp(scene, *pose,
-                          {.robust_scale = kRobustScale_px * pixel,
-                           .inlier_distance = kInlier_px * pixel});
+  result.pose = pose::RefinePnp(scene, *pose,
+                                {.robust_scale = kRobustScale_px * pixel,
+                                 .inlier_distance = kInlier_px * pixel});
   if (result.pose && result.pose->inliers < kMinInliers) result.pose.reset();
   return result;
 }
 
 absl::StatusOr<PoseEstimate> HybridLocalizer::Localize(
-    const Frame& frame, const LocalizeOptions& options) const {
-  const SteadyClock clock;
-  const MonotonicTime start = clock.Now();
-  const Camera camera = frame.calibration.value_or(info().calibration).color;
+    const image::Frame& frame, const LocalizeOptions& options) const {
+  const base::SteadyClock clock;
+  const base::MonotonicTime start = clock.Now();
+  const camera::Camera camera =
+      frame.calibration.value_or(info().calibration).color;
   TL_RETURN_IF_ERROR(CheckColor(frame, camera));
 
   Pool<ForestScratch>::Lease lease(scratch_);
@@ -111,18 +114,19 @@ absl::StatusOr<PoseEstimate> HybridLocalizer::Localize(
   if (found.scene.size() > 0) {
     estimate.reason = NotLocalizedReason::kTooFewInliers;
   }
-  const KeyframeMap& map = verifier_.keyframes();
-  TL_ASSIGN_OR_RETURN(const SiftFeatures features,
-                      ExtractKeyframeSift(frame.color, kFeatures));
+  const keyframes::KeyframeMap& map = verifier_.keyframes();
+  TL_ASSIGN_OR_RETURN(const features::SiftFeatures features,
+                      keyframes::ExtractKeyframeSift(frame.color, kFeatures));
   std::vector<size_t> keyframes;
   if (found.pose) {
-    keyframes = map.Nearest(found.pose->world_from_camera,
-                            MaxKeyframeAngle_rad(camera), kKeyframes);
+    keyframes =
+        map.Nearest(found.pose->world_from_camera,
+                    keyframes::MaxKeyframeAngle_rad(camera), kKeyframes);
   }
   MatchedPose matched = SolveKeyframes(features, keyframes, camera, options);
   if (!matched.pose) {
     // The forest was wrong, or saw nothing.
-    keyframes = MostAlike(features, map, kKeyframes, kMaxRatio);
+    keyframes = keyframes::MostAlike(features, map, kKeyframes, kMaxRatio);
     matched = SolveKeyframes(features, keyframes, camera, options);
   }
   if (options.stop.stop_requested()) {
@@ -131,7 +135,7 @@ absl::StatusOr<PoseEstimate> HybridLocalizer::Localize(
   if (matched.pose || found.pose) {
     if (matched.pose) estimate.samples = static_cast<int>(matched.pixel.size());
     TakePose(matched.pose ? *matched.pose : *found.pose, estimate);
-    RgbdCalibration calibration = info().calibration;
+    camera::RgbdCalibration calibration = info().calibration;
     calibration.color = camera;
     scratch.pyramid.Assign(scratch.image);
     verifier_.Judge(scratch.pyramid, nullptr, calibration, options, estimate);
@@ -140,8 +144,8 @@ absl::StatusOr<PoseEstimate> HybridLocalizer::Localize(
     estimate.correspondences = matched.pose ? CorrespondencesOf(matched)
                                             : CorrespondencesOf(found, scratch);
   }
-  SetTotal(MillisecondsBetween(start, clock.Now()), estimate.timings);
+  SetTotal(base::MillisecondsBetween(start, clock.Now()), estimate.timings);
   return estimate;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localizer

@@ -14,7 +14,7 @@
 #include "server/core/localizer/pose_verifier.h"
 #include "server/core/localizer/query_options.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 // Answers with the colour camera's pose. Depth in a frame is ignored. Where the
 // features of the keyframes near the forest's pose support none, those of the
@@ -22,26 +22,26 @@ namespace treeline {
 // does.
 class HybridLocalizer final : public Localizer {
  public:
-  HybridLocalizer(std::unique_ptr<const ModelFile> model, PoseVerifier verifier,
-                  const QueryOptions& options);
+  HybridLocalizer(std::unique_ptr<const forest::ModelFile> model,
+                  PoseVerifier verifier, const QueryOptions& options);
 
   absl::StatusOr<PoseEstimate> Localize(
-      const Frame& frame, const LocalizeOptions& options) const override;
-  const ModelInfo& info() const override { return model_->info(); }
+      const image::Frame& frame, const LocalizeOptions& options) const override;
+  const forest::ModelInfo& info() const override { return model_->info(); }
 
  private:
   struct MatchedPose;
-  MatchedPose SolveKeyframes(const SiftFeatures& features,
+  MatchedPose SolveKeyframes(const features::SiftFeatures& features,
                              std::span<const size_t> keyframes,
-                             const Camera& camera,
+                             const camera::Camera& camera,
                              const LocalizeOptions& options) const;
 
-  const std::unique_ptr<const ModelFile> model_;
+  const std::unique_ptr<const forest::ModelFile> model_;
   const PoseVerifier verifier_;
   const QueryOptions options_;
   mutable Pool<ForestScratch> scratch_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localizer
 
 #endif  // SERVER_CORE_LOCALIZER_HYBRID_LOCALIZER_H_

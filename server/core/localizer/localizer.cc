@@ -11,7 +11,7 @@
 #include "server/core/localizer/rgbd_localizer.h"
 #include "server/core/localizer/sift_localizer.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 absl::Status QueryOptions::Validate() const {
   const auto check = [](absl::string_view name, int value, int low, int high) {
@@ -21,11 +21,11 @@ absl::Status QueryOptions::Validate() const {
   };
   TL_RETURN_IF_ERROR(check("samples", samples, 30, 20000));
   TL_RETURN_IF_ERROR(check("backtracking leaves", backtracking_leaves, 1,
-                           kMaxBacktrackingLeaves));
+                           forest::kMaxBacktrackingLeaves));
   TL_RETURN_IF_ERROR(check("first samples", first_samples, 30, 20000));
   TL_RETURN_IF_ERROR(check("settled inliers", settled_inliers, 1, 20000));
   TL_RETURN_IF_ERROR(
-      check("first leaves", first_leaves, 1, kMaxBacktrackingLeaves));
+      check("first leaves", first_leaves, 1, forest::kMaxBacktrackingLeaves));
   TL_RETURN_IF_ERROR(check("good distance", good_distance, 0, 2000));
   TL_RETURN_IF_ERROR(check("features", features, 100, 100000));
   return check("hypotheses", hypotheses, 1, 10000);
@@ -39,8 +39,8 @@ void SetTotal(double total_ms, LocalizeTimings& timings) {
 absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
     const std::string& model_path, const QueryOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
-  TL_ASSIGN_OR_RETURN(std::unique_ptr<const ModelFile> model,
-                      ModelFile::Open(model_path));
+  TL_ASSIGN_OR_RETURN(std::unique_ptr<const forest::ModelFile> model,
+                      forest::ModelFile::Open(model_path));
   const std::string& method = model->info().method;
   TL_ASSIGN_OR_RETURN(PoseVerifier verifier, PoseVerifier::Create(*model));
   if (method == "rgbd") {
@@ -62,7 +62,7 @@ absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
   if (method == "sift") {
     absl::StatusOr<std::unique_ptr<SiftLocalizer>> localizer =
         SiftLocalizer::Create(std::move(model), options);
-    if (!localizer.ok()) return Annotate(localizer.status(), model_path);
+    if (!localizer.ok()) return base::Annotate(localizer.status(), model_path);
     return *std::move(localizer);
   }
   return absl::UnimplementedError(absl::StrCat(
@@ -91,4 +91,4 @@ absl::string_view ReasonName(NotLocalizedReason reason) {
   return "UNKNOWN";
 }
 
-}  // namespace treeline
+}  // namespace treeline::localizer

@@ -15,7 +15,7 @@
 #include "server/core/forest/model_info.h"
 #include "server/core/localizer/query_options.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 enum class Outcome { kLocalized, kNotLocalized };
 
@@ -42,9 +42,9 @@ void SetTotal(double total_ms, LocalizeTimings& timings);
 
 // One sample that supported or contradicted the answer: for pictures.
 struct Correspondence {
-  Pixel color_pixel;
-  Vec3 point_in_camera;
-  Vec3 point_in_world;  // as the forest predicted it
+  camera::Pixel color_pixel;
+  geometry::Vec3 point_in_camera;
+  geometry::Vec3 point_in_world;  // as the forest predicted it
   bool inlier = false;
 };
 
@@ -52,8 +52,8 @@ struct PoseEstimate {
   Outcome outcome = Outcome::kNotLocalized;
   NotLocalizedReason reason = NotLocalizedReason::kTooFewSamples;
   // Meaningful when localized. The pose of the scene's pose sensor.
-  Rigid3 world_from_camera;
-  PoseCovariance covariance{};
+  geometry::Rigid3 world_from_camera;
+  geometry::PoseCovariance covariance{};
   int inliers = 0;
   int samples = 0;
   // inliers / samples, in [0, 1].
@@ -63,7 +63,7 @@ struct PoseEstimate {
   // there is no pose.
   double confidence = 0;
   // What it was computed from.
-  PoseEvidence evidence;
+  forest::PoseEvidence evidence;
   LocalizeTimings timings;
   // Filled if the query asked for it.
   std::vector<Correspondence> correspondences;
@@ -91,9 +91,9 @@ class Localizer {
   // this method cannot use (no depth where depth is needed, image and camera
   // of different sizes); CANCELLED.
   virtual absl::StatusOr<PoseEstimate> Localize(
-      const Frame& frame, const LocalizeOptions& options) const = 0;
+      const image::Frame& frame, const LocalizeOptions& options) const = 0;
 
-  virtual const ModelInfo& info() const = 0;
+  virtual const forest::ModelInfo& info() const = 0;
 };
 
 // Maps, verifies and opens a model file. NOT_FOUND: no such file. DATA_LOSS:
@@ -105,6 +105,6 @@ absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
 absl::string_view OutcomeName(Outcome outcome);
 absl::string_view ReasonName(NotLocalizedReason reason);
 
-}  // namespace treeline
+}  // namespace treeline::localizer
 
 #endif  // SERVER_CORE_LOCALIZER_LOCALIZER_H_

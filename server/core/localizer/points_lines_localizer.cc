@@ -10,7 +10,7 @@
 #include "server/core/pose/preemptive_ransac.h"
 #include "server/core/pose/rigid_refinement.h"
 
-namespace treeline {
+namespace treeline::localizer {
 namespace {
 
 // Random streams of a query.
@@ -29,21 +29,22 @@ constexpr double kModelSigma_m = 0.005;
 // Steps of Levenberg-Marquardt for a hypothesis of RANSAC.
 constexpr int kHypothesisIterations = 2;
 
-RefinementOptions PointsAndLines() {
-  RefinementOptions options;
+pose::RefinementOptions PointsAndLines() {
+  pose::RefinementOptions options;
   options.likeliest_prediction = true;
   options.levenberg_marquardt = true;
   options.model_sigma_m = kModelSigma_m;
   return options;
 }
 
-RefinementOptions ForHypotheses() {
-  RefinementOptions options = PointsAndLines();
+pose::RefinementOptions ForHypotheses() {
+  pose::RefinementOptions options = PointsAndLines();
   options.iterations = kHypothesisIterations;
   return options;
 }
 
-void AppendSample(const RgbdSamples& from, size_t i, RgbdSamples& to) {
+void AppendSample(const features::RgbdSamples& from, size_t i,
+                  features::RgbdSamples& to) {
   to.x.push_back(from.x[i]);
   to.y.push_back(from.y[i]);
   to.inverse_depth_q12.push_back(from.inverse_depth_q12[i]);
@@ -54,7 +55,7 @@ void AppendSample(const RgbdSamples& from, size_t i, RgbdSamples& to) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<PointsLinesLocalizer>>
-PointsLinesLocalizer::Create(std::unique_ptr<const ModelFile> model,
+PointsLinesLocalizer::Create(std::unique_ptr<const forest::ModelFile> model,
                              PoseVerifier verifier,
                              const QueryOptions& options) {
   if (model->forests() != 2 ||
@@ -69,37 +70,39 @@ PointsLinesLocalizer::Create(std::unique_ptr<const ModelFile> model,
 }
 
 PointsLinesLocalizer::PointsLinesLocalizer(
-    std::unique_ptr<const ModelFile> model, PoseVerifier verifier,
+    std::unique_ptr<const forest::ModelFile> model, PoseVerifier verifier,
     const QueryOptions& options)
     : model_(std::move(model)),
       verifier_(std::move(verifier)),
       options_(options) {}
 
-void PointsLinesLocalizer::Sample(const Frame& frame,
-                                  const RgbdCalibration& calibration,
+void PointsLinesLocalizer::Sample(const image::Frame& frame,
+                                  const camera::RgbdCalibration& calibration,
                                   uint64_t seed, Scratch& scratch) const {
-  const DepthGeometry geometry(calibration);
-  const DepthImage& depth = *frame.depth;
-  LiftSegments(geometry, depth, DetectLineSegments(scratch.forest.pyramid, {}),
-               {}, scratch.segments);
-  DrawLinePoints(scratch.segments, options_.samples / 2,
-                 Random(seed, kLineStream), scratch.lines);
-  DrawSamples(geometry, depth,
-              options_.samples - static_cast<int>(scratch.lines.size()),
-              Random(seed, kSampleStream), scratch.forest.samples);
+  const features::DepthGeometry geometry(calibration);
+  const image::DepthImage& depth = *frame.depth;
+  features::LiftSegments(
+      geometry, depth, features::DetectLineSegments(scratch.forest.pyramid, {}),
+      {}, scratch.segments);
+  features::DrawLinePoints(scratch.segments, options_.samples / 2,
+                           base::Random(seed, kLineStream), scratch.lines);
+  features::DrawSamples(
+      geometry, depth,
+      options_.samples - static_cast<int>(scratch.lines.size()),
+      base::Random(seed, kSampleStream), scratch.forest.samples);
 }
 
-absl::StatusOr<ScenePredictions> PointsLinesLocalizer::Predict(
+absl::StatusOr<pose::ScenePredictions> PointsLinesLocalizer::Predict(
     const LocalizeOptions& options, Scratch& scratch) const {
   const size_t trees = static_cast<size_t>(model_->forest().trees());
   ForestScratch& forest = scratch.forest;
-  std::vector<ScenePrediction> general;
+  std::vector<pose::ScenePrediction> general;
   TL_RETURN_IF_ERROR(PredictScene(model_->forest(0), options_,
                                   {0, forest.samples.size()}, options.stop,
                                   forest, general));
-  RgbdSamples points = std::move(forest.samples);
+  features::RgbdSamples points = std::move(forest.samples);
   forest.samples = scratch.lines.samples;
-  std::vector<ScenePrediction> on_lines;
+  std::vector<pose::ScenePrediction> on_lines;
   TL_RETURN_IF_ERROR(PredictScene(model_->forest(1), options_,
                                   {0, forest.samples.size()}, options.stop,
                                   forest, on_lines));
@@ -107,11 +110,11 @@ absl::StatusOr<ScenePredictions> PointsLinesLocalizer::Predict(
   const size_t first_line = points.size();
   std::vector<size_t> order(first_line + scratch.lines.size());
   std::iota(order.begin(), order.end(), size_t{0});
-  Random random(options.seed, kOrderStream);
+  base::Random random(options.seed, kOrderStream);
   for (size_t i = order.size(); i > 1; --i) {
     std::swap(order[i - 1], order[random.NextBelow(static_cast<uint32_t>(i))]);
   }
-  ScenePredictions scene;
+  pose::ScenePredictions scene;
   scene.per_point = static_cast<int>(trees);
   forest.samples.clear();
   for (const size_t from : order) {
@@ -122,7 +125,7 @@ absl::StatusOr<ScenePredictions> PointsLinesLocalizer::Predict(
         is_line
             ? scratch.lines.lines[static_cast<size_t>(scratch.lines.line[i])]
                   .direction
-            : Vec3{});
+            : geometry::Vec3{});
     const auto first = (is_line ? on_lines : general).begin() +
                        static_cast<std::ptrdiff_t>(i * trees);
     scene.predictions.insert(scene.predictions.end(), first,
@@ -135,10 +138,11 @@ absl::StatusOr<ScenePredictions> PointsLinesLocalizer::Predict(
 }
 
 absl::StatusOr<PoseEstimate> PointsLinesLocalizer::Localize(
-    const Frame& frame, const LocalizeOptions& options) const {
-  const SteadyClock clock;
-  const MonotonicTime start = clock.Now();
-  RgbdCalibration calibration = frame.calibration.value_or(info().calibration);
+    const image::Frame& frame, const LocalizeOptions& options) const {
+  const base::SteadyClock clock;
+  const base::MonotonicTime start = clock.Now();
+  camera::RgbdCalibration calibration =
+      frame.calibration.value_or(info().calibration);
   calibration.pose_sensor = info().calibration.pose_sensor;
   TL_RETURN_IF_ERROR(CheckColor(frame, calibration.color));
   TL_RETURN_IF_ERROR(CheckDepth(frame, calibration.depth, info().method));
@@ -151,27 +155,29 @@ absl::StatusOr<PoseEstimate> PointsLinesLocalizer::Localize(
   PoseEstimate estimate;
   estimate.samples =
       static_cast<int>(scratch.samples.size() + lease->lines.size());
-  const MonotonicTime sampled = clock.Now();
-  estimate.timings.sample_ms = MillisecondsBetween(start, sampled);
+  const base::MonotonicTime sampled = clock.Now();
+  estimate.timings.sample_ms = base::MillisecondsBetween(start, sampled);
   estimate.timings.total_ms = estimate.timings.sample_ms;
   if (estimate.samples < kMinSamples) return estimate;
 
-  TL_ASSIGN_OR_RETURN(const ScenePredictions scene, Predict(options, *lease));
-  const MonotonicTime predicted = clock.Now();
-  estimate.timings.forest_ms = MillisecondsBetween(sampled, predicted);
+  TL_ASSIGN_OR_RETURN(const pose::ScenePredictions scene,
+                      Predict(options, *lease));
+  const base::MonotonicTime predicted = clock.Now();
+  estimate.timings.forest_ms = base::MillisecondsBetween(sampled, predicted);
 
-  RansacOptions ransac_options;
-  ransac_options.seed = MixBits(options.seed + kRansacStream);
+  pose::RansacOptions ransac_options;
+  ransac_options.seed = base::MixBits(options.seed + kRansacStream);
   ransac_options.hypotheses = options_.hypotheses;
   ransac_options.refinement = ForHypotheses();
-  const std::optional<RansacResult> ransac =
-      PreemptiveRansac(scene, ransac_options, options.stop);
+  const std::optional<pose::RansacResult> ransac =
+      pose::PreemptiveRansac(scene, ransac_options, options.stop);
   if (options.stop.stop_requested()) {
     return absl::CancelledError("the query was cancelled");
   }
-  std::optional<RefinedPose> refined;
+  std::optional<pose::RefinedPose> refined;
   if (ransac) {
-    refined = RefineRigid(scene, ransac->world_from_camera, PointsAndLines());
+    refined =
+        pose::RefineRigid(scene, ransac->world_from_camera, PointsAndLines());
   }
   estimate.reason = NotLocalizedReason::kTooFewInliers;
   if (refined) {
@@ -194,10 +200,10 @@ absl::StatusOr<PoseEstimate> PointsLinesLocalizer::Localize(
            k >= 0});
     }
   }
-  const MonotonicTime end = clock.Now();
-  estimate.timings.pose_ms = MillisecondsBetween(predicted, end);
-  estimate.timings.total_ms = MillisecondsBetween(start, end);
+  const base::MonotonicTime end = clock.Now();
+  estimate.timings.pose_ms = base::MillisecondsBetween(predicted, end);
+  estimate.timings.total_ms = base::MillisecondsBetween(start, end);
   return estimate;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localizer

@@ -14,45 +14,46 @@
 #include "server/core/localizer/pose_verifier.h"
 #include "server/core/localizer/query_options.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 class PointsLinesLocalizer final : public Localizer {
  public:
   // DATA_LOSS unless the model has two forests with as many trees each.
   static absl::StatusOr<std::unique_ptr<PointsLinesLocalizer>> Create(
-      std::unique_ptr<const ModelFile> model, PoseVerifier verifier,
+      std::unique_ptr<const forest::ModelFile> model, PoseVerifier verifier,
       const QueryOptions& options);
 
   // Without line segments in the frame, general points alone decide.
   absl::StatusOr<PoseEstimate> Localize(
-      const Frame& frame, const LocalizeOptions& options) const override;
-  const ModelInfo& info() const override { return model_->info(); }
+      const image::Frame& frame, const LocalizeOptions& options) const override;
+  const forest::ModelInfo& info() const override { return model_->info(); }
 
  private:
   // Working memory of one query.
   struct Scratch {
     ForestScratch forest;
-    LinePoints segments;  // all points on line segments
-    LinePoints lines;     // those sampled
+    features::LinePoints segments;  // all points on line segments
+    features::LinePoints lines;     // those sampled
   };
 
-  PointsLinesLocalizer(std::unique_ptr<const ModelFile> model,
+  PointsLinesLocalizer(std::unique_ptr<const forest::ModelFile> model,
                        PoseVerifier verifier, const QueryOptions& options);
 
   // Samples points on lines, at most half of all, in `lines`, and general ones
   // in forest.samples.
-  void Sample(const Frame& frame, const RgbdCalibration& calibration,
-              uint64_t seed, Scratch& scratch) const;
+  void Sample(const image::Frame& frame,
+              const camera::RgbdCalibration& calibration, uint64_t seed,
+              Scratch& scratch) const;
   // Predictions for both, shuffled together; forest.samples becomes theirs.
-  absl::StatusOr<ScenePredictions> Predict(const LocalizeOptions& options,
-                                           Scratch& scratch) const;
+  absl::StatusOr<pose::ScenePredictions> Predict(const LocalizeOptions& options,
+                                                 Scratch& scratch) const;
 
-  const std::unique_ptr<const ModelFile> model_;
+  const std::unique_ptr<const forest::ModelFile> model_;
   const PoseVerifier verifier_;
   const QueryOptions options_;
   mutable Pool<Scratch> scratch_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localizer
 
 #endif  // SERVER_CORE_LOCALIZER_POINTS_LINES_LOCALIZER_H_

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 absl::Status PosePrior::Validate() const {
   if (!(position_radius_m > 0) || !std::isfinite(position_radius_m)) {
@@ -22,11 +22,11 @@ absl::Status PosePrior::Validate() const {
 
 void ApplyPrior(const PosePrior& prior, PoseEstimate& estimate) {
   if (estimate.outcome != Outcome::kLocalized) return;
-  const Rigid3& found = estimate.world_from_camera;
+  const geometry::Rigid3& found = estimate.world_from_camera;
   const double distance_m =
-      Norm(found.translation - prior.world_from_camera.translation);
-  const double angle_rad =
-      AngleBetween_rad(found.rotation, prior.world_from_camera.rotation);
+      geometry::Norm(found.translation - prior.world_from_camera.translation);
+  const double angle_rad = geometry::AngleBetween_rad(
+      found.rotation, prior.world_from_camera.rotation);
   if (distance_m <= prior.position_radius_m &&
       angle_rad <= prior.rotation_radius_rad) {
     return;
@@ -35,4 +35,4 @@ void ApplyPrior(const PosePrior& prior, PoseEstimate& estimate) {
   estimate.reason = NotLocalizedReason::kContradictsPrior;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localizer

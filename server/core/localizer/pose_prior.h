@@ -6,12 +6,12 @@
 #include "common/geometry/rigid3.h"
 #include "server/core/localizer/localizer.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 // A pose, and how far the truth may be from it.
 struct PosePrior {
   // Of the scene's pose sensor.
-  Rigid3 world_from_camera;
+  geometry::Rigid3 world_from_camera;
   double position_radius_m = 0;    // positive
   double rotation_radius_rad = 0;  // in (0, pi]
 
@@ -23,6 +23,6 @@ struct PosePrior {
 // more probable, so that a wrong one can hide an answer but not forge one.
 void ApplyPrior(const PosePrior& prior, PoseEstimate& estimate);
 
-}  // namespace treeline
+}  // namespace treeline::localizer
 
 #endif  // SERVER_CORE_LOCALIZER_POSE_PRIOR_H_

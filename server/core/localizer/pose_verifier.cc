@@ -8,9 +8,9 @@
 #include "common/base/status_macros.h"
 #include "server/core/keyframes/direct_alignment.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
-double PositionSigma_m(const PoseCovariance& covariance) {
+double PositionSigma_m(const geometry::PoseCovariance& covariance) {
   return std::sqrt(std::max({covariance[0], covariance[7], covariance[14]}));
 }
 
@@ -25,27 +25,30 @@ constexpr double kMaxPositionSigma_m = 0.05;
 
 }  // namespace
 
-absl::StatusOr<PoseVerifier> PoseVerifier::Create(const ModelFile& model) {
+absl::StatusOr<PoseVerifier> PoseVerifier::Create(
+    const forest::ModelFile& model) {
   PoseVerifier verifier;
-  TL_ASSIGN_OR_RETURN(verifier.keyframes_, KeyframeMap::Read(model));
+  TL_ASSIGN_OR_RETURN(verifier.keyframes_, keyframes::KeyframeMap::Read(model));
   verifier.confidence_ = model.info().confidence.value_or(
-      verifier.keyframes_.empty() ? ConfidenceModel::WithoutKeyframes()
-                                  : ConfidenceModel::Typical());
+      verifier.keyframes_.empty() ? forest::ConfidenceModel::WithoutKeyframes()
+                                  : forest::ConfidenceModel::Typical());
   return verifier;
 }
 
-void PoseVerifier::Judge(const GrayPyramid& image, const DepthImage* depth,
-                         const RgbdCalibration& calibration,
+void PoseVerifier::Judge(const features::GrayPyramid& image,
+                         const image::DepthImage* depth,
+                         const camera::RgbdCalibration& calibration,
                          const LocalizeOptions& options,
                          PoseEstimate& estimate) const {
-  PoseEvidence& evidence = estimate.evidence;
+  forest::PoseEvidence& evidence = estimate.evidence;
   evidence.inlier_ratio = estimate.inlier_ratio;
   const double sigma_m = PositionSigma_m(estimate.covariance);
-  const Rigid3 world_from_color =
-      PoseOfSensor(estimate.world_from_camera, calibration.pose_sensor,
-                   RgbdSensor::kColor, calibration);
-  const std::optional<Alignment> aligned = AlignToKeyframes(
-      keyframes_, image, depth, calibration, world_from_color, {});
+  const geometry::Rigid3 world_from_color =
+      camera::PoseOfSensor(estimate.world_from_camera, calibration.pose_sensor,
+                           camera::RgbdSensor::kColor, calibration);
+  const std::optional<keyframes::Alignment> aligned =
+      keyframes::AlignToKeyframes(keyframes_, image, depth, calibration,
+                                  world_from_color, {});
   if (aligned) {
     evidence.correlation = std::max(0.0, aligned->correlation);
     evidence.agreement = aligned->agreement;
@@ -53,12 +56,12 @@ void PoseVerifier::Judge(const GrayPyramid& image, const DepthImage* depth,
     evidence.overlap = aligned->overlap;
     evidence.measured = aligned->measured;
     evidence.depth_agreement = aligned->depth_agreement;
-    evidence.moved_m = Norm(aligned->world_from_camera.translation -
-                            world_from_color.translation);
+    evidence.moved_m = geometry::Norm(aligned->world_from_camera.translation -
+                                      world_from_color.translation);
     if (aligned->overlap >= kMinOverlap) {
-      estimate.world_from_camera =
-          PoseOfSensor(aligned->world_from_camera, RgbdSensor::kColor,
-                       calibration.pose_sensor, calibration);
+      estimate.world_from_camera = camera::PoseOfSensor(
+          aligned->world_from_camera, camera::RgbdSensor::kColor,
+          calibration.pose_sensor, calibration);
       estimate.covariance = aligned->covariance;
     }
   }
@@ -79,4 +82,4 @@ void PoseVerifier::Judge(const GrayPyramid& image, const DepthImage* depth,
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::localizer

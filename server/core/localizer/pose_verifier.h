@@ -11,33 +11,33 @@
 #include "server/core/keyframes/keyframe_map.h"
 #include "server/core/localizer/localizer.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 // The largest standard deviation of the position's axes (m).
-double PositionSigma_m(const PoseCovariance& covariance);
+double PositionSigma_m(const geometry::PoseCovariance& covariance);
 
 // Immutable and thread-safe. The model must outlive it.
 class PoseVerifier {
  public:
   // DATA_LOSS for corrupt keyframes.
-  static absl::StatusOr<PoseVerifier> Create(const ModelFile& model);
+  static absl::StatusOr<PoseVerifier> Create(const forest::ModelFile& model);
 
-  const KeyframeMap& keyframes() const { return keyframes_; }
+  const keyframes::KeyframeMap& keyframes() const { return keyframes_; }
 
   // `estimate` holds the pose that the predictions support, of
   // calibration.pose_sensor, with its covariance, inliers and inlier_ratio.
   // Aligns it with the keyframes around, where there are any; then sets
   // evidence, confidence, outcome and reason. depth may be null; of `options`,
   // min_confidence counts.
-  void Judge(const GrayPyramid& image, const DepthImage* depth,
-             const RgbdCalibration& calibration, const LocalizeOptions& options,
-             PoseEstimate& estimate) const;
+  void Judge(const features::GrayPyramid& image, const image::DepthImage* depth,
+             const camera::RgbdCalibration& calibration,
+             const LocalizeOptions& options, PoseEstimate& estimate) const;
 
  private:
-  KeyframeMap keyframes_;
-  ConfidenceModel confidence_;
+  keyframes::KeyframeMap keyframes_;
+  forest::ConfidenceModel confidence_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localizer
 
 #endif  // SERVER_CORE_LOCALIZER_POSE_VERIFIER_H_

@@ -4,7 +4,7 @@
 
 #include "absl/status/status.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 // Defaults are what served best on held-out blocks of training frames of
 // 7-Scenes red kitchen; see docs/benchmarks.md.
@@ -31,6 +31,6 @@ struct QueryOptions {
   absl::Status Validate() const;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localizer
 
 #endif  // SERVER_CORE_LOCALIZER_QUERY_OPTIONS_H_

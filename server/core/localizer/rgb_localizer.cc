@@ -7,19 +7,20 @@
 #include "common/base/status_macros.h"
 #include "server/core/localizer/forest_pnp.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
-RgbLocalizer::RgbLocalizer(std::unique_ptr<const ModelFile> model,
+RgbLocalizer::RgbLocalizer(std::unique_ptr<const forest::ModelFile> model,
                            PoseVerifier verifier, const QueryOptions& options)
     : model_(std::move(model)),
       verifier_(std::move(verifier)),
       options_(options) {}
 
 absl::StatusOr<PoseEstimate> RgbLocalizer::Localize(
-    const Frame& frame, const LocalizeOptions& options) const {
-  const SteadyClock clock;
-  const MonotonicTime start = clock.Now();
-  const Camera camera = frame.calibration.value_or(info().calibration).color;
+    const image::Frame& frame, const LocalizeOptions& options) const {
+  const base::SteadyClock clock;
+  const base::MonotonicTime start = clock.Now();
+  const camera::Camera camera =
+      frame.calibration.value_or(info().calibration).color;
   TL_RETURN_IF_ERROR(CheckColor(frame, camera));
 
   Pool<ForestScratch>::Lease lease(scratch_);
@@ -34,7 +35,7 @@ absl::StatusOr<PoseEstimate> RgbLocalizer::Localize(
   }
   if (found.pose) {
     TakePose(*found.pose, estimate);
-    RgbdCalibration calibration = info().calibration;
+    camera::RgbdCalibration calibration = info().calibration;
     calibration.color = camera;
     scratch.pyramid.Assign(scratch.image);
     verifier_.Judge(scratch.pyramid, nullptr, calibration, options, estimate);
@@ -42,8 +43,8 @@ absl::StatusOr<PoseEstimate> RgbLocalizer::Localize(
   if (options.keep_correspondences) {
     estimate.correspondences = CorrespondencesOf(found, scratch);
   }
-  SetTotal(MillisecondsBetween(start, clock.Now()), estimate.timings);
+  SetTotal(base::MillisecondsBetween(start, clock.Now()), estimate.timings);
   return estimate;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localizer

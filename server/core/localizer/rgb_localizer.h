@@ -12,25 +12,25 @@
 #include "server/core/localizer/pose_verifier.h"
 #include "server/core/localizer/query_options.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 // Answers with the colour camera's pose. Depth in a frame is ignored.
 class RgbLocalizer final : public Localizer {
  public:
-  RgbLocalizer(std::unique_ptr<const ModelFile> model, PoseVerifier verifier,
-               const QueryOptions& options);
+  RgbLocalizer(std::unique_ptr<const forest::ModelFile> model,
+               PoseVerifier verifier, const QueryOptions& options);
 
   absl::StatusOr<PoseEstimate> Localize(
-      const Frame& frame, const LocalizeOptions& options) const override;
-  const ModelInfo& info() const override { return model_->info(); }
+      const image::Frame& frame, const LocalizeOptions& options) const override;
+  const forest::ModelInfo& info() const override { return model_->info(); }
 
  private:
-  const std::unique_ptr<const ModelFile> model_;
+  const std::unique_ptr<const forest::ModelFile> model_;
   const PoseVerifier verifier_;
   const QueryOptions options_;
   mutable Pool<ForestScratch> scratch_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localizer
 
 #endif  // SERVER_CORE_LOCALIZER_RGB_LOCALIZER_H_

@@ -9,7 +9,7 @@
 #include "server/core/pose/preemptive_ransac.h"
 #include "server/core/pose/rigid_refinement.h"
 
-namespace treeline {
+namespace treeline::localizer {
 namespace {
 
 // Random streams of a query.
@@ -21,17 +21,18 @@ constexpr int kMinSamples = 30;
 
 }  // namespace
 
-RgbdLocalizer::RgbdLocalizer(std::unique_ptr<const ModelFile> model,
+RgbdLocalizer::RgbdLocalizer(std::unique_ptr<const forest::ModelFile> model,
                              PoseVerifier verifier, const QueryOptions& options)
     : model_(std::move(model)),
       verifier_(std::move(verifier)),
       options_(options) {}
 
 absl::StatusOr<PoseEstimate> RgbdLocalizer::Localize(
-    const Frame& frame, const LocalizeOptions& options) const {
-  const SteadyClock clock;
-  const MonotonicTime start = clock.Now();
-  RgbdCalibration calibration = frame.calibration.value_or(info().calibration);
+    const image::Frame& frame, const LocalizeOptions& options) const {
+  const base::SteadyClock clock;
+  const base::MonotonicTime start = clock.Now();
+  camera::RgbdCalibration calibration =
+      frame.calibration.value_or(info().calibration);
   calibration.pose_sensor = info().calibration.pose_sensor;
   TL_RETURN_IF_ERROR(CheckColor(frame, calibration.color));
   TL_RETURN_IF_ERROR(CheckDepth(frame, calibration.depth, info().method));
@@ -39,24 +40,25 @@ absl::StatusOr<PoseEstimate> RgbdLocalizer::Localize(
   Pool<ForestScratch>::Lease lease(scratch_);
   ForestScratch& scratch = *lease;
   scratch.image.Assign(frame.color);
-  DrawSamples(DepthGeometry(calibration), *frame.depth, options_.samples,
-              Random(options.seed, kSampleStream), scratch.samples);
+  features::DrawSamples(
+      features::DepthGeometry(calibration), *frame.depth, options_.samples,
+      base::Random(options.seed, kSampleStream), scratch.samples);
   PoseEstimate estimate;
   estimate.samples = static_cast<int>(scratch.samples.size());
-  const MonotonicTime sampled = clock.Now();
-  estimate.timings.sample_ms = MillisecondsBetween(start, sampled);
+  const base::MonotonicTime sampled = clock.Now();
+  estimate.timings.sample_ms = base::MillisecondsBetween(start, sampled);
   estimate.timings.total_ms = estimate.timings.sample_ms;
   if (estimate.samples < kMinSamples) return estimate;
 
-  const ForestView& forest = model_->forest();
-  RansacOptions ransac_options;
-  ransac_options.seed = MixBits(options.seed + kRansacStream);
+  const forest::ForestView& forest = model_->forest();
+  pose::RansacOptions ransac_options;
+  ransac_options.seed = base::MixBits(options.seed + kRansacStream);
   ransac_options.hypotheses = options_.hypotheses;
-  ScenePredictions scene;
+  pose::ScenePredictions scene;
   scene.per_point = forest.trees();
-  std::optional<RefinedPose> refined;
+  std::optional<pose::RefinedPose> refined;
   do {
-    const MonotonicTime begin = clock.Now();
+    const base::MonotonicTime begin = clock.Now();
     const SampleBatch batch =
         NextBatch(options_, scene.size(), scratch.samples.size());
     TL_RETURN_IF_ERROR(PredictScene(forest, options_, batch, options.stop,
@@ -66,14 +68,15 @@ absl::StatusOr<PoseEstimate> RgbdLocalizer::Localize(
       scene.depth_sigma_m.push_back(
           static_cast<double>(scratch.samples.depth_sigma_m[i]));
     }
-    estimate.timings.forest_ms += MillisecondsBetween(begin, clock.Now());
-    const std::optional<RansacResult> ransac =
-        PreemptiveRansac(scene, ransac_options, options.stop);
+    estimate.timings.forest_ms += base::MillisecondsBetween(begin, clock.Now());
+    const std::optional<pose::RansacResult> ransac =
+        pose::PreemptiveRansac(scene, ransac_options, options.stop);
     if (options.stop.stop_requested()) {
       return absl::CancelledError("the query was cancelled");
     }
     refined.reset();
-    if (ransac) refined = RefineRigid(scene, ransac->world_from_camera, {});
+    if (ransac)
+      refined = pose::RefineRigid(scene, ransac->world_from_camera, {});
   } while (scene.size() < scratch.samples.size() &&
            !(refined && IsSettled(options_, refined->inliers)));
   estimate.samples = static_cast<int>(scene.size());
@@ -99,8 +102,8 @@ absl::StatusOr<PoseEstimate> RgbdLocalizer::Localize(
            k >= 0});
     }
   }
-  SetTotal(MillisecondsBetween(start, clock.Now()), estimate.timings);
+  SetTotal(base::MillisecondsBetween(start, clock.Now()), estimate.timings);
   return estimate;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localizer

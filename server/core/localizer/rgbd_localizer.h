@@ -11,24 +11,24 @@
 #include "server/core/localizer/pose_verifier.h"
 #include "server/core/localizer/query_options.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 class RgbdLocalizer final : public Localizer {
  public:
-  RgbdLocalizer(std::unique_ptr<const ModelFile> model, PoseVerifier verifier,
-                const QueryOptions& options);
+  RgbdLocalizer(std::unique_ptr<const forest::ModelFile> model,
+                PoseVerifier verifier, const QueryOptions& options);
 
   absl::StatusOr<PoseEstimate> Localize(
-      const Frame& frame, const LocalizeOptions& options) const override;
-  const ModelInfo& info() const override { return model_->info(); }
+      const image::Frame& frame, const LocalizeOptions& options) const override;
+  const forest::ModelInfo& info() const override { return model_->info(); }
 
  private:
-  const std::unique_ptr<const ModelFile> model_;
+  const std::unique_ptr<const forest::ModelFile> model_;
   const PoseVerifier verifier_;
   const QueryOptions options_;
   mutable Pool<ForestScratch> scratch_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localizer
 
 #endif  // SERVER_CORE_LOCALIZER_RGBD_LOCALIZER_H_

@@ -15,7 +15,7 @@
 #include "server/core/localizer/forest_query.h"
 #include "server/core/localizer/pose_verifier.h"
 
-namespace treeline {
+namespace treeline::localizer {
 namespace {
 
 // The random stream of a query.
@@ -42,12 +42,13 @@ constexpr double kInlier_px = 4;
 }  // namespace
 
 struct SiftLocalizer::Matches {
-  std::vector<Pixel> pixel;
-  PixelPredictions scene;
+  std::vector<camera::Pixel> pixel;
+  pose::PixelPredictions scene;
 };
 
 absl::StatusOr<std::unique_ptr<SiftLocalizer>> SiftLocalizer::Create(
-    std::unique_ptr<const ModelFile> model, const QueryOptions& options) {
+    std::unique_ptr<const forest::ModelFile> model,
+    const QueryOptions& options) {
   if (model->forest().sift_descriptors.empty() ||
       !(model->info().viewing_distance > 0)) {
     return absl::DataLossError(
@@ -57,32 +58,32 @@ absl::StatusOr<std::unique_ptr<SiftLocalizer>> SiftLocalizer::Create(
   return absl::WrapUnique(new SiftLocalizer(std::move(model), options));
 }
 
-SiftLocalizer::SiftLocalizer(std::unique_ptr<const ModelFile> model,
+SiftLocalizer::SiftLocalizer(std::unique_ptr<const forest::ModelFile> model,
                              const QueryOptions& options)
     : model_(std::move(model)), options_(options) {}
 
 absl::StatusOr<SiftLocalizer::Matches> SiftLocalizer::Match(
-    const SiftFeatures& features, const Camera& camera,
+    const features::SiftFeatures& features, const camera::Camera& camera,
     const std::stop_token& stop) const {
-  const ForestView& forest = model_->forest();
-  std::vector<SiftMatch> found(features.size());
-  MatchSift(forest, features.descriptors,
-            {.leaves_per_tree = options_.backtracking_leaves,
-             .same_place = kSamePlace * info().viewing_distance},
-            stop, found);
+  const forest::ForestView& forest = model_->forest();
+  std::vector<forest::SiftMatch> found(features.size());
+  forest::MatchSift(forest, features.descriptors,
+                    {.leaves_per_tree = options_.backtracking_leaves,
+                     .same_place = kSamePlace * info().viewing_distance},
+                    stop, found);
   if (stop.stop_requested()) {
     return absl::CancelledError("the query was cancelled");
   }
   // Squared ratios of distances: what is least like anything else is surest.
   std::vector<double> ratio(found.size());
   std::vector<size_t> kept;
-  std::vector<Pixel> rays(found.size());
+  std::vector<camera::Pixel> rays(found.size());
   for (size_t i = 0; i < found.size(); ++i) {
-    if (found[i].mode == kNoLeaf) continue;
+    if (found[i].mode == forest::kNoLeaf) continue;
     ratio[i] = static_cast<double>(found[i].distance) /
                std::max(1, found[i].distance_elsewhere);
     if (!(ratio[i] < kMatchRatio * kMatchRatio)) continue;
-    const std::optional<Pixel> ray =
+    const std::optional<camera::Pixel> ray =
         camera.Unproject(features.keypoints[i].pixel);
     if (!ray) continue;
     rays[i] = *ray;
@@ -100,29 +101,30 @@ absl::StatusOr<SiftLocalizer::Matches> SiftLocalizer::Match(
     matches.scene.predictions.push_back(
         {.mean_in_world = forest.LeafMean(found[i].mode), .covariance = {}});
   }
-  matches.scene.ray_sigma.assign(kept.size(),
-                                 kKeypointSigma_px / MeanFocal_px(camera));
+  matches.scene.ray_sigma.assign(
+      kept.size(), kKeypointSigma_px / camera::MeanFocal_px(camera));
   return matches;
 }
 
-absl::Status SiftLocalizer::Solve(const Matches& matches, const Camera& camera,
+absl::Status SiftLocalizer::Solve(const Matches& matches,
+                                  const camera::Camera& camera,
                                   const LocalizeOptions& options,
                                   PoseEstimate& estimate) const {
-  const double pixel = 1 / MeanFocal_px(camera);
-  PnpOptions ransac;
-  ransac.seed = MixBits(options.seed + kRansacStream);
+  const double pixel = 1 / camera::MeanFocal_px(camera);
+  pose::PnpOptions ransac;
+  ransac.seed = base::MixBits(options.seed + kRansacStream);
   ransac.hypotheses = options_.hypotheses;
   ransac.inlier_distance = kRansacInlier_px * pixel;
-  const std::optional<Rigid3> pose =
-      PreemptivePnp(matches.scene, ransac, options.stop);
+  const std::optional<geometry::Rigid3> pose =
+      pose::PreemptivePnp(matches.scene, ransac, options.stop);
   if (options.stop.stop_requested()) {
     return absl::CancelledError("the query was cancelled");
   }
-  std::optional<PnpResult> refined;
+  std::optional<pose::PnpResult> refined;
   if (pose) {
-    refined = RefinePnp(matches.scene, *pose,
-                        {.robust_scale = kRobustScale_px * pixel,
-                         .inlier_distance = kInlier_px * pixel});
+    refined = pose::RefinePnp(matches.scene, *pose,
+                              {.robust_scale = kRobustScale_px * pixel,
+                               .inlier_distance = kInlier_px * pixel});
   }
   estimate.reason = NotLocalizedReason::kTooFewInliers;
   if (refined) {
@@ -134,8 +136,8 @@ absl::Status SiftLocalizer::Solve(const Matches& matches, const Camera& camera,
     // A share of few matches means little.
     estimate.evidence.inlier_ratio = static_cast<double>(refined->inliers) /
                                      (estimate.samples + kFewMatches);
-    const ConfidenceModel confidence =
-        info().confidence.value_or(ConfidenceModel::WithoutKeyframes());
+    const forest::ConfidenceModel confidence =
+        info().confidence.value_or(forest::ConfidenceModel::WithoutKeyframes());
     estimate.confidence = confidence.Probability(estimate.evidence);
     if (estimate.inliers >= kMinInliers) {
       const bool is_determined = PositionSigma_m(refined->covariance) <=
@@ -152,40 +154,43 @@ absl::Status SiftLocalizer::Solve(const Matches& matches, const Camera& camera,
     }
   }
   if (!options.keep_correspondences) return absl::OkStatus();
-  const Rigid3 camera_from_world = estimate.world_from_camera.Inverse();
+  const geometry::Rigid3 camera_from_world =
+      estimate.world_from_camera.Inverse();
   for (size_t i = 0; i < matches.pixel.size(); ++i) {
-    const Vec3 in_world = matches.scene.at(i, 0).mean_in_world;
+    const geometry::Vec3 in_world = matches.scene.at(i, 0).mean_in_world;
     estimate.correspondences.push_back(
-        {matches.pixel[i], refined ? camera_from_world * in_world : Vec3{},
-         in_world, refined && refined->supported[i] >= 0});
+        {matches.pixel[i],
+         refined ? camera_from_world * in_world : geometry::Vec3{}, in_world,
+         refined && refined->supported[i] >= 0});
   }
   return absl::OkStatus();
 }
 
 absl::StatusOr<PoseEstimate> SiftLocalizer::Localize(
-    const Frame& frame, const LocalizeOptions& options) const {
-  const SteadyClock clock;
-  const MonotonicTime start = clock.Now();
-  const Camera camera = frame.calibration.value_or(info().calibration).color;
+    const image::Frame& frame, const LocalizeOptions& options) const {
+  const base::SteadyClock clock;
+  const base::MonotonicTime start = clock.Now();
+  const camera::Camera camera =
+      frame.calibration.value_or(info().calibration).color;
   TL_RETURN_IF_ERROR(CheckColor(frame, camera));
   TL_ASSIGN_OR_RETURN(
-      const SiftFeatures features,
-      ExtractSift(frame.color, {.max_features = options_.features}));
+      const features::SiftFeatures features,
+      features::ExtractSift(frame.color, {.max_features = options_.features}));
   PoseEstimate estimate;
-  const MonotonicTime extracted = clock.Now();
-  estimate.timings.sample_ms = MillisecondsBetween(start, extracted);
+  const base::MonotonicTime extracted = clock.Now();
+  estimate.timings.sample_ms = base::MillisecondsBetween(start, extracted);
   TL_ASSIGN_OR_RETURN(const Matches matches,
                       Match(features, camera, options.stop));
-  const MonotonicTime matched = clock.Now();
-  estimate.timings.forest_ms = MillisecondsBetween(extracted, matched);
+  const base::MonotonicTime matched = clock.Now();
+  estimate.timings.forest_ms = base::MillisecondsBetween(extracted, matched);
   estimate.samples = static_cast<int>(matches.pixel.size());
   if (estimate.samples >= kMinMatches) {
     TL_RETURN_IF_ERROR(Solve(matches, camera, options, estimate));
   }
-  const MonotonicTime end = clock.Now();
-  estimate.timings.pose_ms = MillisecondsBetween(matched, end);
-  estimate.timings.total_ms = MillisecondsBetween(start, end);
+  const base::MonotonicTime end = clock.Now();
+  estimate.timings.pose_ms = base::MillisecondsBetween(matched, end);
+  estimate.timings.total_ms = base::MillisecondsBetween(start, end);
   return estimate;
 }
 
-}  // namespace treeline
+}  // namespace treeline::localizer

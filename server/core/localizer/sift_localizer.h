@@ -14,7 +14,7 @@
 #include "server/core/localizer/query_options.h"
 #include "server/core/pose/pnp.h"
 
-namespace treeline {
+namespace treeline::localizer {
 
 // Answers with the colour camera's pose, in the scene's units. Any camera and
 // image size will do: features become rays through the frame's own camera.
@@ -24,30 +24,31 @@ class SiftLocalizer final : public Localizer {
   // DATA_LOSS for a model without SIFT descriptors or without a viewing
   // distance.
   static absl::StatusOr<std::unique_ptr<SiftLocalizer>> Create(
-      std::unique_ptr<const ModelFile> model, const QueryOptions& options);
+      std::unique_ptr<const forest::ModelFile> model,
+      const QueryOptions& options);
 
   absl::StatusOr<PoseEstimate> Localize(
-      const Frame& frame, const LocalizeOptions& options) const override;
-  const ModelInfo& info() const override { return model_->info(); }
+      const image::Frame& frame, const LocalizeOptions& options) const override;
+  const forest::ModelInfo& info() const override { return model_->info(); }
 
  private:
   // Features with a place in the scene, surest first.
   struct Matches;
 
-  SiftLocalizer(std::unique_ptr<const ModelFile> model,
+  SiftLocalizer(std::unique_ptr<const forest::ModelFile> model,
                 const QueryOptions& options);
-  absl::StatusOr<Matches> Match(const SiftFeatures& features,
-                                const Camera& camera,
+  absl::StatusOr<Matches> Match(const features::SiftFeatures& features,
+                                const camera::Camera& camera,
                                 const std::stop_token& stop) const;
   // Fills in all but the timings.
-  absl::Status Solve(const Matches& matches, const Camera& camera,
+  absl::Status Solve(const Matches& matches, const camera::Camera& camera,
                      const LocalizeOptions& options,
                      PoseEstimate& estimate) const;
 
-  const std::unique_ptr<const ModelFile> model_;
+  const std::unique_ptr<const forest::ModelFile> model_;
   const QueryOptions options_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::localizer
 
 #endif  // SERVER_CORE_LOCALIZER_SIFT_LOCALIZER_H_

@@ -3,7 +3,7 @@
 
 #include "server/core/pose/pnp.h"
 
-namespace treeline {
+namespace treeline::pose {
 namespace {
 
 constexpr double kTiny = 1e-12;
@@ -74,51 +74,53 @@ int RealQuarticRoots(const std::array<double, 5>& k,
 
 // The rotation whose columns are the axes of a triangle's own frame.
 struct Triad {
-  Vec3 x;
-  Vec3 y;
-  Vec3 z;
+  geometry::Vec3 x;
+  geometry::Vec3 y;
+  geometry::Vec3 z;
 };
-Triad TriadOf(Vec3 a, Vec3 b, Vec3 c) {
+Triad TriadOf(geometry::Vec3 a, geometry::Vec3 b, geometry::Vec3 c) {
   Triad t;
-  t.x = Normalized(b - a);
-  t.z = Normalized(Cross(t.x, c - a));
-  t.y = Cross(t.z, t.x);
+  t.x = geometry::Normalized(b - a);
+  t.z = geometry::Normalized(geometry::Cross(t.x, c - a));
+  t.y = geometry::Cross(t.z, t.x);
   return t;
 }
 
-Rigid3 Align(const std::array<Vec3, 3>& in_camera,
-             const std::array<Vec3, 3>& in_world) {
+geometry::Rigid3 Align(const std::array<geometry::Vec3, 3>& in_camera,
+                       const std::array<geometry::Vec3, 3>& in_world) {
   const Triad c = TriadOf(in_camera[0], in_camera[1], in_camera[2]);
   const Triad w = TriadOf(in_world[0], in_world[1], in_world[2]);
-  Mat3 rotation;
+  geometry::Mat3 rotation;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       rotation(i, j) = c.x[i] * w.x[j] + c.y[i] * w.y[j] + c.z[i] * w.z[j];
     }
   }
-  const Rotation3 camera_from_world = Rotation3::FromMatrix(rotation);
+  const geometry::Rotation3 camera_from_world =
+      geometry::Rotation3::FromMatrix(rotation);
   return {camera_from_world, in_camera[0] - camera_from_world * in_world[0]};
 }
 
 }  // namespace
 
-P3pSolutions SolveP3p(const std::array<Pixel, 3>& rays,
-                      const std::array<Vec3, 3>& points_in_world) {
+P3pSolutions SolveP3p(const std::array<camera::Pixel, 3>& rays,
+                      const std::array<geometry::Vec3, 3>& points_in_world) {
   P3pSolutions solutions;
-  std::array<Vec3, 3> j;
+  std::array<geometry::Vec3, 3> j;
   for (size_t i = 0; i < 3; ++i) {
-    j[i] = Normalized(Vec3{rays[i].x, rays[i].y, 1});
+    j[i] = geometry::Normalized(geometry::Vec3{rays[i].x, rays[i].y, 1});
   }
   const auto& p = points_in_world;
-  const double a2 = SquaredNorm(p[1] - p[2]);
-  const double b2 = SquaredNorm(p[0] - p[2]);
-  const double c2 = SquaredNorm(p[0] - p[1]);
-  if (!(b2 > 0) || !(SquaredNorm(Cross(p[1] - p[0], p[2] - p[0])) > 0)) {
+  const double a2 = geometry::SquaredNorm(p[1] - p[2]);
+  const double b2 = geometry::SquaredNorm(p[0] - p[2]);
+  const double c2 = geometry::SquaredNorm(p[0] - p[1]);
+  if (!(b2 > 0) ||
+      !(geometry::SquaredNorm(geometry::Cross(p[1] - p[0], p[2] - p[0])) > 0)) {
     return solutions;
   }
-  const double cos_a = Dot(j[1], j[2]);
-  const double cos_b = Dot(j[0], j[2]);
-  const double cos_c = Dot(j[0], j[1]);
+  const double cos_a = geometry::Dot(j[1], j[2]);
+  const double cos_b = geometry::Dot(j[0], j[2]);
+  const double cos_c = geometry::Dot(j[0], j[1]);
   // Distances s1, u s1, v s1 along the rays; a quartic in v is left.
   const double m = (a2 - c2) / b2;
   const double n = (a2 + c2) / b2;
@@ -144,11 +146,12 @@ P3pSolutions SolveP3p(const std::array<Pixel, 3>& rays,
         ((m - 1) * v * v - 2 * m * cos_b * v + 1 + m) / denominator;
     if (!(u > 0)) continue;
     const double s = std::sqrt(s2);
-    const Rigid3 pose = Align({s * j[0], (u * s) * j[1], (v * s) * j[2]}, p);
-    if (!IsFinite(pose)) continue;
+    const geometry::Rigid3 pose =
+        Align({s * j[0], (u * s) * j[1], (v * s) * j[2]}, p);
+    if (!geometry::IsFinite(pose)) continue;
     solutions.camera_from_world[static_cast<size_t>(solutions.count++)] = pose;
   }
   return solutions;
 }
 
-}  // namespace treeline
+}  // namespace treeline::pose

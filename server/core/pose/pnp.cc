@@ -8,7 +8,7 @@
 #include "Eigen/Core"
 #include "common/base/random.h"
 
-namespace treeline {
+namespace treeline::pose {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -22,7 +22,7 @@ constexpr double kInitialScale = 3;
 constexpr double kMinDepth = 1e-6;
 
 struct Hypothesis {
-  Rigid3 camera_from_world;
+  geometry::Rigid3 camera_from_world;
   double energy = 0;
 };
 
@@ -33,7 +33,7 @@ struct PackedPixels {
     const size_t n = scene.size();
     for (std::vector<float>* v : {&u, &v_, &x, &y, &z}) v->resize(n);
     for (size_t i = 0; i < n; ++i) {
-      const Vec3& world = scene.at(i, 0).mean_in_world;
+      const geometry::Vec3& world = scene.at(i, 0).mean_in_world;
       u[i] = static_cast<float>(scene.ray[i].x);
       v_[i] = static_cast<float>(scene.ray[i].y);
       x[i] = static_cast<float>(world.x);
@@ -45,9 +45,10 @@ struct PackedPixels {
 };
 
 // Sum over pixels [begin, end) of min(1, |error|^2 / inlier_distance^2).
-double TruncatedEnergy(const PackedPixels& p, const Rigid3& camera_from_world,
+double TruncatedEnergy(const PackedPixels& p,
+                       const geometry::Rigid3& camera_from_world,
                        double inlier_distance, size_t begin, size_t end) {
-  const Mat3 r = camera_from_world.rotation.Matrix();
+  const geometry::Mat3 r = camera_from_world.rotation.Matrix();
   float m[9];
   for (size_t i = 0; i < 9; ++i) m[i] = static_cast<float>(r.m[i]);
   const float tx = static_cast<float>(camera_from_world.translation.x);
@@ -78,33 +79,33 @@ double TruncatedEnergy(const PackedPixels& p, const Rigid3& camera_from_world,
 
 // A rigid transform as its matrix: faster than quaternions for many points.
 struct CameraFromWorld {
-  explicit CameraFromWorld(const Rigid3& pose)
+  explicit CameraFromWorld(const geometry::Rigid3& pose)
       : r(pose.rotation.Matrix()), t(pose.translation) {}
-  Vec3 operator*(Vec3 point) const { return r * point + t; }
+  geometry::Vec3 operator*(geometry::Vec3 point) const { return r * point + t; }
 
-  Mat3 r;
-  Vec3 t;
+  geometry::Mat3 r;
+  geometry::Vec3 t;
 };
 
-double SquaredError(const CameraFromWorld& camera_from_world, Vec3 point,
-                    Pixel ray) {
-  const Vec3 p = camera_from_world * point;
+double SquaredError(const CameraFromWorld& camera_from_world,
+                    geometry::Vec3 point, camera::Pixel ray) {
+  const geometry::Vec3 p = camera_from_world * point;
   if (p.z < kMinDepth) return std::numeric_limits<double>::infinity();
   const double du = p.x / p.z - ray.x;
   const double dv = p.y / p.z - ray.y;
   return du * du + dv * dv;
 }
 
-std::optional<Rigid3> DrawHypothesis(const PixelPredictions& scene,
-                                     const PnpOptions& options,
-                                     uint64_t index) {
-  Random random(options.seed, 0x706e700000000000 + index);
+std::optional<geometry::Rigid3> DrawHypothesis(const PixelPredictions& scene,
+                                               const PnpOptions& options,
+                                               uint64_t index) {
+  base::Random random(options.seed, 0x706e700000000000 + index);
   const uint32_t n = static_cast<uint32_t>(scene.size());
   // Rays closer than this make a badly conditioned triangle.
   const double min_side = 3 * options.inlier_distance;
   for (int draw = 0; draw < options.draws; ++draw) {
-    std::array<Pixel, 4> ray;
-    std::array<Vec3, 4> point;
+    std::array<camera::Pixel, 4> ray;
+    std::array<geometry::Vec3, 4> point;
     for (size_t k = 0; k < 4; ++k) {
       const size_t i = random.NextBelow(n);
       ray[k] = scene.ray[i];
@@ -112,17 +113,17 @@ std::optional<Rigid3> DrawHypothesis(const PixelPredictions& scene,
     }
     bool spread = true;
     for (size_t a = 0; a < 3; ++a) {
-      const Pixel& p = ray[a];
-      const Pixel& q = ray[(a + 1) % 3];
+      const camera::Pixel& p = ray[a];
+      const camera::Pixel& q = ray[(a + 1) % 3];
       spread = spread && std::hypot(p.x - q.x, p.y - q.y) >= min_side;
     }
     if (!spread) continue;
     const P3pSolutions solutions =
         SolveP3p({ray[0], ray[1], ray[2]}, {point[0], point[1], point[2]});
     double best = options.inlier_distance * options.inlier_distance;
-    std::optional<Rigid3> pose;
+    std::optional<geometry::Rigid3> pose;
     for (int s = 0; s < solutions.count; ++s) {
-      const Rigid3& candidate =
+      const geometry::Rigid3& candidate =
           solutions.camera_from_world[static_cast<size_t>(s)];
       const double error =
           SquaredError(CameraFromWorld(candidate), point[3], ray[3]);
@@ -165,39 +166,40 @@ struct NormalEquations {
 //   camera_from_world * X = R^T (X - t),  R' = Exp(w) R,  t' = t + d
 // with respect to (d, w), both in the world frame.
 void Accumulate(const PixelPredictions& scene, size_t i, int k,
-                const CameraFromWorld& camera_from_world, Vec3 position,
-                double robust, NormalEquations& n) {
+                const CameraFromWorld& camera_from_world,
+                geometry::Vec3 position, double robust, NormalEquations& n) {
   const ScenePrediction& prediction = scene.at(i, k);
-  const Vec3 p = camera_from_world * prediction.mean_in_world;
+  const geometry::Vec3 p = camera_from_world * prediction.mean_in_world;
   const double iz = 1 / p.z;
   const double x = p.x * iz;
   const double y = p.y * iz;
   const double residual[2] = {x - scene.ray[i].x, y - scene.ray[i].y};
   // Derivatives of the projection with respect to the point in the world.
-  const Mat3& r = camera_from_world.r;
-  const Vec3 a[2] = {{iz * (r.m[0] - x * r.m[6]), iz * (r.m[1] - x * r.m[7]),
-                      iz * (r.m[2] - x * r.m[8])},
-                     {iz * (r.m[3] - y * r.m[6]), iz * (r.m[4] - y * r.m[7]),
-                      iz * (r.m[5] - y * r.m[8])}};
+  const geometry::Mat3& r = camera_from_world.r;
+  const geometry::Vec3 a[2] = {
+      {iz * (r.m[0] - x * r.m[6]), iz * (r.m[1] - x * r.m[7]),
+       iz * (r.m[2] - x * r.m[8])},
+      {iz * (r.m[3] - y * r.m[6]), iz * (r.m[4] - y * r.m[7]),
+       iz * (r.m[5] - y * r.m[8])}};
   const auto& c = prediction.covariance;
-  const auto spread = [&](Vec3 v) {
-    return Vec3{c[0] * v.x + c[1] * v.y + c[2] * v.z,
-                c[1] * v.x + c[3] * v.y + c[4] * v.z,
-                c[2] * v.x + c[4] * v.y + c[5] * v.z};
+  const auto spread = [&](geometry::Vec3 v) {
+    return geometry::Vec3{c[0] * v.x + c[1] * v.y + c[2] * v.z,
+                          c[1] * v.x + c[3] * v.y + c[4] * v.z,
+                          c[2] * v.x + c[4] * v.y + c[5] * v.z};
   };
-  const Vec3 spread_x = spread(a[0]);
+  const geometry::Vec3 spread_x = spread(a[0]);
   const double noise = scene.ray_sigma[i] * scene.ray_sigma[i];
-  const double xx = Dot(a[0], spread_x) + noise;
-  const double xy = Dot(a[1], spread_x);
-  const double yy = Dot(a[1], spread(a[1])) + noise;
+  const double xx = geometry::Dot(a[0], spread_x) + noise;
+  const double xy = geometry::Dot(a[1], spread_x);
+  const double yy = geometry::Dot(a[1], spread(a[1])) + noise;
   const double scale = robust / (xx * yy - xy * xy);
   const double weight[2][2] = {{scale * yy, -scale * xy},
                                {-scale * xy, scale * xx}};
   // X - t.
-  const Vec3 q = prediction.mean_in_world - position;
+  const geometry::Vec3 q = prediction.mean_in_world - position;
   double jacobian[2][6];
   for (size_t row = 0; row < 2; ++row) {
-    const Vec3 turn = Cross(a[row], q);
+    const geometry::Vec3 turn = geometry::Cross(a[row], q);
     const double values[6] = {-a[row].x, -a[row].y, -a[row].z,
                               turn.x,    turn.y,    turn.z};
     std::copy(values, values + 6, jacobian[row]);
@@ -221,7 +223,7 @@ void Accumulate(const PixelPredictions& scene, size_t i, int k,
 // One Gauss-Newton step on the pixels within three robust scales; false if
 // they do not determine a pose.
 bool Step(const PixelPredictions& scene, double scale, int per_pixel,
-          Rigid3& world_from_camera, NormalEquations& n) {
+          geometry::Rigid3& world_from_camera, NormalEquations& n) {
   n = NormalEquations{};
   const CameraFromWorld camera_from_world(world_from_camera.Inverse());
   const double scale2 = scale * scale;
@@ -241,18 +243,18 @@ bool Step(const PixelPredictions& scene, double scale, int per_pixel,
   }
   const Vector6 step = -factors.solve(n.g);
   world_from_camera.translation =
-      world_from_camera.translation + Vec3{step[0], step[1], step[2]};
-  world_from_camera.rotation =
-      Normalized(Rotation3::FromAxisAngle({step[3], step[4], step[5]}) *
-                 world_from_camera.rotation);
-  return IsFinite(world_from_camera);
+      world_from_camera.translation + geometry::Vec3{step[0], step[1], step[2]};
+  world_from_camera.rotation = geometry::Normalized(
+      geometry::Rotation3::FromAxisAngle({step[3], step[4], step[5]}) *
+      world_from_camera.rotation);
+  return geometry::IsFinite(world_from_camera);
 }
 
 }  // namespace
 
-std::optional<Rigid3> PreemptivePnp(const PixelPredictions& scene,
-                                    const PnpOptions& options,
-                                    const std::stop_token& stop) {
+std::optional<geometry::Rigid3> PreemptivePnp(const PixelPredictions& scene,
+                                              const PnpOptions& options,
+                                              const std::stop_token& stop) {
   if (scene.size() < 4) return std::nullopt;
   std::vector<Hypothesis> alive;
   for (int h = 0; h < options.hypotheses; ++h) {
@@ -280,14 +282,14 @@ std::optional<Rigid3> PreemptivePnp(const PixelPredictions& scene,
     alive.resize((alive.size() + 1) / 2);
     if (alive.size() > kRefinedSurvivors) continue;
     for (Hypothesis& h : alive) {
-      Rigid3 refined = h.camera_from_world.Inverse();
+      geometry::Rigid3 refined = h.camera_from_world.Inverse();
       NormalEquations equations;
       bool solved = true;
       for (int k = 0; k < kLocalIterations && solved; ++k) {
         solved = Step(scene, options.inlier_distance, 1, refined, equations);
       }
       if (!solved) continue;
-      const Rigid3 camera_from_world = refined.Inverse();
+      const geometry::Rigid3 camera_from_world = refined.Inverse();
       const double energy = TruncatedEnergy(pixels, camera_from_world,
                                             options.inlier_distance, 0, seen);
       if (energy < h.energy) h = {camera_from_world, energy};
@@ -298,9 +300,9 @@ std::optional<Rigid3> PreemptivePnp(const PixelPredictions& scene,
 }
 
 std::optional<PnpResult> RefinePnp(const PixelPredictions& scene,
-                                   const Rigid3& world_from_camera,
+                                   const geometry::Rigid3& world_from_camera,
                                    const PnpRefinementOptions& options) {
-  Rigid3 pose = world_from_camera;
+  geometry::Rigid3 pose = world_from_camera;
   NormalEquations equations;
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     const double progress = std::min(
@@ -338,4 +340,4 @@ std::optional<PnpResult> RefinePnp(const PixelPredictions& scene,
   return result;
 }
 
-}  // namespace treeline
+}  // namespace treeline::pose

@@ -15,13 +15,13 @@
 #include "common/geometry/rigid3.h"
 #include "server/core/pose/scene_predictions.h"
 
-namespace treeline {
+namespace treeline::pose {
 
 // Rays of a camera and, for each, the same number of predictions, best first.
 struct PixelPredictions {
   int per_pixel = 1;
   // (x/z, y/z) of the ray through the observed pixel: Camera::Unproject.
-  std::vector<Pixel> ray;
+  std::vector<camera::Pixel> ray;
   // Standard deviation of the observed position, in units of the ray.
   std::vector<double> ray_sigma;
   // Prediction k of pixel i is predictions[i * per_pixel + k].
@@ -38,11 +38,11 @@ struct PixelPredictions {
 // Grunert 1841, as in Haralick et al. 1994). Points and rays must not be
 // collinear.
 struct P3pSolutions {
-  std::array<Rigid3, 4> camera_from_world;
+  std::array<geometry::Rigid3, 4> camera_from_world;
   int count = 0;
 };
-P3pSolutions SolveP3p(const std::array<Pixel, 3>& rays,
-                      const std::array<Vec3, 3>& points_in_world);
+P3pSolutions SolveP3p(const std::array<camera::Pixel, 3>& rays,
+                      const std::array<geometry::Vec3, 3>& points_in_world);
 
 struct PnpOptions {
   uint64_t seed = 0;
@@ -58,8 +58,8 @@ struct PnpOptions {
 };
 
 struct PnpResult {
-  Rigid3 world_from_camera;
-  PoseCovariance covariance{};
+  geometry::Rigid3 world_from_camera;
+  geometry::PoseCovariance covariance{};
   int inliers = 0;
   // Which prediction each pixel supports; -1: none (an outlier).
   std::vector<int8_t> supported;
@@ -69,9 +69,9 @@ struct PnpResult {
 // are refined locally between prunings (LO-RANSAC, Chum 2003). Pixels must be
 // in random order, or in order of confidence. nullopt: nothing was consistent.
 // The same input gives the same result.
-std::optional<Rigid3> PreemptivePnp(const PixelPredictions& scene,
-                                    const PnpOptions& options,
-                                    const std::stop_token& stop);
+std::optional<geometry::Rigid3> PreemptivePnp(const PixelPredictions& scene,
+                                              const PnpOptions& options,
+                                              const std::stop_token& stop);
 
 struct PnpRefinementOptions {
   int iterations = 10;
@@ -87,9 +87,9 @@ struct PnpRefinementOptions {
 // seen from the camera; every pixel picks its nearest prediction anew in each
 // iteration. nullopt: the inliers do not determine a pose.
 std::optional<PnpResult> RefinePnp(const PixelPredictions& scene,
-                                   const Rigid3& world_from_camera,
+                                   const geometry::Rigid3& world_from_camera,
                                    const PnpRefinementOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::pose
 
 #endif  // SERVER_CORE_POSE_PNP_H_

@@ -5,34 +5,34 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::pose {
 namespace {
 
-Vec3 RandomVector(Random& random, double size) {
+geometry::Vec3 RandomVector(base::Random& random, double size) {
   return {random.NextUniform(-size, size), random.NextUniform(-size, size),
           random.NextUniform(-size, size)};
 }
 
-Rigid3 RandomPose(Random& random) {
-  return {Rotation3::FromAxisAngle(RandomVector(random, 2)),
+geometry::Rigid3 RandomPose(base::Random& random) {
+  return {geometry::Rotation3::FromAxisAngle(RandomVector(random, 2)),
           RandomVector(random, 3)};
 }
 
-Vec3 PointInView(Random& random) {
+geometry::Vec3 PointInView(base::Random& random) {
   const double z = random.NextUniform(1, 4);
   return {z * random.NextUniform(-0.6, 0.6),
           z * random.NextUniform(-0.45, 0.45), z};
 }
 
 TEST(P3pTest, FindsThePoseOfExactPoints) {
-  Random random(1, 2);
+  base::Random random(1, 2);
   int found = 0;
   for (int trial = 0; trial < 2000; ++trial) {
-    const Rigid3 world_from_camera = RandomPose(random);
-    std::array<Pixel, 3> rays;
-    std::array<Vec3, 3> points;
+    const geometry::Rigid3 world_from_camera = RandomPose(random);
+    std::array<camera::Pixel, 3> rays;
+    std::array<geometry::Vec3, 3> points;
     for (size_t k = 0; k < 3; ++k) {
-      const Vec3 p = PointInView(random);
+      const geometry::Vec3 p = PointInView(random);
       rays[k] = {p.x / p.z, p.y / p.z};
       points[k] = world_from_camera * p;
     }
@@ -40,14 +40,16 @@ TEST(P3pTest, FindsThePoseOfExactPoints) {
     ASSERT_LE(solutions.count, 4);
     double best = 1e9;
     for (int s = 0; s < solutions.count; ++s) {
-      const Rigid3& pose = solutions.camera_from_world[static_cast<size_t>(s)];
+      const geometry::Rigid3& pose =
+          solutions.camera_from_world[static_cast<size_t>(s)];
       // Each is a solution, if not the one that was meant.
       for (size_t k = 0; k < 3; ++k) {
-        const Vec3 p = pose * points[k];
+        const geometry::Vec3 p = pose * points[k];
         EXPECT_NEAR(p.x / p.z, rays[k].x, 1e-3);
         EXPECT_NEAR(p.y / p.z, rays[k].y, 1e-3);
       }
-      const PoseError error = ErrorBetween(pose.Inverse(), world_from_camera);
+      const geometry::PoseError error =
+          geometry::ErrorBetween(pose.Inverse(), world_from_camera);
       best = std::min(best, error.translation_m + error.rotation_rad);
     }
     found += best < 1e-4;
@@ -65,16 +67,16 @@ TEST(P3pTest, GivesNothingForPointsOnALine) {
 
 // Pixels of a random pose, some of whose predictions are wrong.
 struct Problem {
-  Rigid3 world_from_camera;
+  geometry::Rigid3 world_from_camera;
   PixelPredictions scene;
 };
 Problem MakeProblem(uint64_t seed, int count, double outliers, double sigma_m) {
-  Random random(seed, 3);
+  base::Random random(seed, 3);
   Problem problem;
   problem.world_from_camera = RandomPose(random);
   problem.scene.per_pixel = 2;
   for (int i = 0; i < count; ++i) {
-    const Vec3 p = PointInView(random);
+    const geometry::Vec3 p = PointInView(random);
     problem.scene.ray.push_back({p.x / p.z, p.y / p.z});
     problem.scene.ray_sigma.push_back(0.5 / 525);
     for (int k = 0; k < 2; ++k) {
@@ -101,8 +103,8 @@ TEST(PnpTest, FindsThePoseAmongOutliers) {
     ASSERT_TRUE(pose) << seed;
     const auto refined = RefinePnp(problem.scene, *pose, {});
     ASSERT_TRUE(refined) << seed;
-    const PoseError error =
-        ErrorBetween(refined->world_from_camera, problem.world_from_camera);
+    const geometry::PoseError error = geometry::ErrorBetween(
+        refined->world_from_camera, problem.world_from_camera);
     EXPECT_LT(error.translation_m, 0.015) << seed;
     EXPECT_LT(error.rotation_rad, 0.01) << seed;
     EXPECT_GT(refined->inliers, 100) << seed;
@@ -118,11 +120,11 @@ TEST(PnpTest, CovarianceIsOfTheSizeOfTheError) {
     const auto refined =
         RefinePnp(problem.scene, problem.world_from_camera, {});
     ASSERT_TRUE(refined);
-    const Vec3 t = refined->world_from_camera.translation -
-                   problem.world_from_camera.translation;
+    const geometry::Vec3 t = refined->world_from_camera.translation -
+                             problem.world_from_camera.translation;
     const double variance = refined->covariance[0] + refined->covariance[7] +
                             refined->covariance[14];
-    normalised += SquaredNorm(t) / variance / kTrials;
+    normalised += geometry::SquaredNorm(t) / variance / kTrials;
   }
   EXPECT_GT(normalised, 0.3);
   EXPECT_LT(normalised, 3);
@@ -133,9 +135,9 @@ TEST(PnpTest, HasNoAnswerWithoutSupport) {
   EXPECT_FALSE(PreemptivePnp(noise.scene, {}, {}));
   // Behind the camera.
   const Problem problem = MakeProblem(8, 100, 0, 0.01);
-  Rigid3 turned = problem.world_from_camera;
+  geometry::Rigid3 turned = problem.world_from_camera;
   turned.rotation =
-      turned.rotation * Rotation3::FromAxisAngle({0, 3.14159265, 0});
+      turned.rotation * geometry::Rotation3::FromAxisAngle({0, 3.14159265, 0});
   EXPECT_FALSE(RefinePnp(problem.scene, turned, {}));
   std::stop_source stop;
   stop.request_stop();
@@ -143,4 +145,4 @@ TEST(PnpTest, HasNoAnswerWithoutSupport) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::pose

@@ -9,36 +9,36 @@
 #include "server/core/pose/preemptive_ransac.h"
 #include "server/core/pose/rigid_refinement.h"
 
-namespace treeline {
+namespace treeline::pose {
 namespace {
 
-Vec3 RandomVector(Random& random, double scale) {
+geometry::Vec3 RandomVector(base::Random& random, double scale) {
   return {random.NextUniform(-scale, scale), random.NextUniform(-scale, scale),
           random.NextUniform(-scale, scale)};
 }
 
-Vec3 Noise(Random& random, double sigma) {
+geometry::Vec3 Noise(base::Random& random, double sigma) {
   return {sigma * random.NextGaussian(), sigma * random.NextGaussian(),
           sigma * random.NextGaussian()};
 }
 
-Rigid3 RandomPose(Random& random) {
-  return {Rotation3::FromAxisAngle(RandomVector(random, 1.8)),
+geometry::Rigid3 RandomPose(base::Random& random) {
+  return {geometry::Rotation3::FromAxisAngle(RandomVector(random, 1.8)),
           RandomVector(random, 3)};
 }
 
 TEST(KabschTest, RecoversAnExactTransform) {
-  Random random(1, 0);
+  base::Random random(1, 0);
   for (int trial = 0; trial < 100; ++trial) {
-    const Rigid3 truth = RandomPose(random);
-    Kabsch kabsch;
+    const geometry::Rigid3 truth = RandomPose(random);
+    geometry::Kabsch kabsch;
     for (int i = 0; i < 3 + trial % 5; ++i) {
-      const Vec3 b = RandomVector(random, 2);
+      const geometry::Vec3 b = RandomVector(random, 2);
       kabsch.Add(truth * b, b, random.NextUniform(0.5, 2));
     }
     const auto solved = kabsch.Solve();
     ASSERT_TRUE(solved.has_value());
-    const PoseError error = ErrorBetween(*solved, truth);
+    const geometry::PoseError error = geometry::ErrorBetween(*solved, truth);
     EXPECT_LT(error.translation_m, 1e-9);
     EXPECT_LT(error.rotation_rad, 1e-9);
   }
@@ -46,46 +46,47 @@ TEST(KabschTest, RecoversAnExactTransform) {
 
 TEST(KabschTest, NeverReflects) {
   // Points in a plane with noise out of it: a reflection would fit better.
-  Random random(2, 0);
-  Kabsch kabsch;
+  base::Random random(2, 0);
+  geometry::Kabsch kabsch;
   for (int i = 0; i < 20; ++i) {
-    const Vec3 b{random.NextUniform(-1, 1), random.NextUniform(-1, 1),
-                 0.01 * random.NextGaussian()};
+    const geometry::Vec3 b{random.NextUniform(-1, 1), random.NextUniform(-1, 1),
+                           0.01 * random.NextGaussian()};
     kabsch.Add({b.x, b.y, -b.z}, b);
   }
   const auto solved = kabsch.Solve();
   ASSERT_TRUE(solved.has_value());
-  const Mat3 r = solved->rotation.Matrix();
-  EXPECT_NEAR(
-      Dot(Cross({r(0, 0), r(1, 0), r(2, 0)}, {r(0, 1), r(1, 1), r(2, 1)}),
-          {r(0, 2), r(1, 2), r(2, 2)}),
-      1, 1e-12);
+  const geometry::Mat3 r = solved->rotation.Matrix();
+  EXPECT_NEAR(geometry::Dot(geometry::Cross({r(0, 0), r(1, 0), r(2, 0)},
+                                            {r(0, 1), r(1, 1), r(2, 1)}),
+                            {r(0, 2), r(1, 2), r(2, 2)}),
+              1, 1e-12);
 }
 
 TEST(KabschTest, AveragesNoiseDown) {
   // 1000 points of 2 cm noise in a 2 m cube: translation to about
   // 0.02 / sqrt(1000) = 0.6 mm a component; four times that never happens.
-  Random random(3, 0);
-  const Rigid3 truth = RandomPose(random);
-  Kabsch kabsch;
+  base::Random random(3, 0);
+  const geometry::Rigid3 truth = RandomPose(random);
+  geometry::Kabsch kabsch;
   for (int i = 0; i < 1000; ++i) {
-    const Vec3 b = RandomVector(random, 1);
+    const geometry::Vec3 b = RandomVector(random, 1);
     kabsch.Add(truth * b + Noise(random, 0.02), b);
   }
-  const PoseError error = ErrorBetween(*kabsch.Solve(), truth);
+  const geometry::PoseError error =
+      geometry::ErrorBetween(*kabsch.Solve(), truth);
   EXPECT_LT(error.translation_m, 0.0045);
   EXPECT_LT(error.rotation_rad, 0.0045);
 }
 
 TEST(KabschTest, RefusesPointsThatDetermineNothing) {
-  Kabsch two;
+  geometry::Kabsch two;
   two.Add({0, 0, 0}, {0, 0, 0});
   two.Add({1, 0, 0}, {1, 0, 0});
   EXPECT_FALSE(two.Solve().has_value());
-  Kabsch line;
+  geometry::Kabsch line;
   for (double x : {0., 1., 2., 5.}) line.Add({x, 0, 0}, {0, x, 0});
   EXPECT_FALSE(line.Solve().has_value());
-  Kabsch same;
+  geometry::Kabsch same;
   for (int i = 0; i < 5; ++i) same.Add({1, 2, 3}, {3, 2, 1});
   EXPECT_FALSE(same.Solve().has_value());
 }
@@ -93,13 +94,13 @@ TEST(KabschTest, RefusesPointsThatDetermineNothing) {
 // Points 1 to 3 m in front of a camera and what a forest might say of them: a
 // share of outliers anywhere in the room, the rest with Gaussian noise of
 // `sigma_m`. Each point has one prediction.
-ScenePredictions Scene(const Rigid3& world_from_camera, int points,
-                       double outliers, double sigma_m, Random& random) {
+ScenePredictions Scene(const geometry::Rigid3& world_from_camera, int points,
+                       double outliers, double sigma_m, base::Random& random) {
   ScenePredictions scene;
   for (int i = 0; i < points; ++i) {
     const double z = random.NextUniform(1, 3);
-    const Vec3 point{z * random.NextUniform(-0.5, 0.5),
-                     z * random.NextUniform(-0.4, 0.4), z};
+    const geometry::Vec3 point{z * random.NextUniform(-0.5, 0.5),
+                               z * random.NextUniform(-0.4, 0.4), z};
     ScenePrediction prediction;
     prediction.mean_in_world =
         random.NextUnit() < outliers
@@ -115,9 +116,9 @@ ScenePredictions Scene(const Rigid3& world_from_camera, int points,
 }
 
 TEST(PreemptiveRansacTest, FindsThePoseAmongSixtyPerCentOutliers) {
-  Random random(4, 0);
+  base::Random random(4, 0);
   for (int trial = 0; trial < 20; ++trial) {
-    const Rigid3 truth = RandomPose(random);
+    const geometry::Rigid3 truth = RandomPose(random);
     const ScenePredictions scene = Scene(truth, 500, 0.6, 0.02, random);
     RansacOptions options;
     options.seed = static_cast<uint64_t>(trial);
@@ -125,7 +126,8 @@ TEST(PreemptiveRansacTest, FindsThePoseAmongSixtyPerCentOutliers) {
     ASSERT_TRUE(result.has_value());
     // 200 inliers of 2 cm a component: about 0.02 * sqrt(3 / 200) = 2.4 mm,
     // and the lever arm of 2 m turns rotation into as much again.
-    const PoseError error = ErrorBetween(result->world_from_camera, truth);
+    const geometry::PoseError error =
+        geometry::ErrorBetween(result->world_from_camera, truth);
     EXPECT_LT(error.translation_m, 0.02) << "trial " << trial;
     EXPECT_LT(error.rotation_rad, 0.01) << "trial " << trial;
     EXPECT_NEAR(result->inliers, 200, 40);
@@ -133,7 +135,7 @@ TEST(PreemptiveRansacTest, FindsThePoseAmongSixtyPerCentOutliers) {
 }
 
 TEST(PreemptiveRansacTest, TheSameSeedGivesTheSameBits) {
-  Random random(5, 0);
+  base::Random random(5, 0);
   const ScenePredictions scene =
       Scene(RandomPose(random), 300, 0.5, 0.02, random);
   RansacOptions options;
@@ -145,14 +147,14 @@ TEST(PreemptiveRansacTest, TheSameSeedGivesTheSameBits) {
 }
 
 TEST(PreemptiveRansacTest, PureNoiseHasHardlyAnInlier) {
-  Random random(6, 0);
+  base::Random random(6, 0);
   const ScenePredictions scene = Scene({}, 500, 1.0, 0.02, random);
   const auto result = PreemptiveRansac(scene, {}, {});
   EXPECT_LT(result ? result->inliers : 0, 25);
 }
 
 TEST(PreemptiveRansacTest, TooFewPointsAndStopsGiveNothing) {
-  Random random(7, 0);
+  base::Random random(7, 0);
   EXPECT_FALSE(PreemptiveRansac(Scene({}, 2, 0, 0.01, random), {}, {}));
   EXPECT_FALSE(PreemptiveRansac({}, {}, {}));
   std::stop_source stop;
@@ -162,16 +164,17 @@ TEST(PreemptiveRansacTest, TooFewPointsAndStopsGiveNothing) {
 }
 
 TEST(RefineRigidTest, ConvergesOnExactData) {
-  Random random(8, 0);
-  const Rigid3 truth = RandomPose(random);
+  base::Random random(8, 0);
+  const geometry::Rigid3 truth = RandomPose(random);
   const ScenePredictions scene = Scene(truth, 100, 0, 0, random);
-  Rigid3 start = truth;
-  start.translation = start.translation + Vec3{0.03, -0.02, 0.01};
+  geometry::Rigid3 start = truth;
+  start.translation = start.translation + geometry::Vec3{0.03, -0.02, 0.01};
   start.rotation =
-      Rotation3::FromAxisAngle({0.01, 0.01, -0.02}) * start.rotation;
+      geometry::Rotation3::FromAxisAngle({0.01, 0.01, -0.02}) * start.rotation;
   const auto refined = RefineRigid(scene, start, {});
   ASSERT_TRUE(refined.has_value());
-  const PoseError error = ErrorBetween(refined->world_from_camera, truth);
+  const geometry::PoseError error =
+      geometry::ErrorBetween(refined->world_from_camera, truth);
   EXPECT_LT(error.translation_m, 1e-6);
   EXPECT_LT(error.rotation_rad, 1e-6);
   EXPECT_EQ(refined->inliers, 100);
@@ -180,11 +183,11 @@ TEST(RefineRigidTest, ConvergesOnExactData) {
 // The normalised estimation error squared e^T C^-1 e of a correct covariance
 // C has mean 6 (its dimension).
 TEST(RefineRigidTest, CovarianceMatchesTheErrors) {
-  Random random(9, 0);
+  base::Random random(9, 0);
   double nees = 0;
   constexpr int kTrials = 200;
   for (int trial = 0; trial < kTrials; ++trial) {
-    const Rigid3 truth = RandomPose(random);
+    const geometry::Rigid3 truth = RandomPose(random);
     // The noise is small against the robust scale, so that all points count,
     // and the model's own floor is part of it.
     RefinementOptions options;
@@ -192,9 +195,10 @@ TEST(RefineRigidTest, CovarianceMatchesTheErrors) {
     const ScenePredictions scene = Scene(truth, 200, 0, 0.005, random);
     const auto refined = RefineRigid(scene, truth, options);
     ASSERT_TRUE(refined.has_value());
-    const Vec3 dt = truth.translation - refined->world_from_camera.translation;
-    const Vec3 dr = ToAxisAngle(truth.rotation *
-                                refined->world_from_camera.rotation.Inverse());
+    const geometry::Vec3 dt =
+        truth.translation - refined->world_from_camera.translation;
+    const geometry::Vec3 dr = geometry::ToAxisAngle(
+        truth.rotation * refined->world_from_camera.rotation.Inverse());
     Eigen::Matrix<double, 6, 1> e;
     e << dt.x, dt.y, dt.z, dr.x, dr.y, dr.z;
     const Eigen::Map<const Eigen::Matrix<double, 6, 6>> c(
@@ -207,15 +211,15 @@ TEST(RefineRigidTest, CovarianceMatchesTheErrors) {
 }
 
 TEST(RefineRigidTest, PicksTheSupportingPredictionOfEachPoint) {
-  Random random(10, 0);
-  const Rigid3 truth = RandomPose(random);
+  base::Random random(10, 0);
+  const geometry::Rigid3 truth = RandomPose(random);
   const ScenePredictions one = Scene(truth, 120, 0, 0.002, random);
   ScenePredictions two = one;
   two.per_point = 2;
   two.predictions.clear();
   for (size_t i = 0; i < one.size(); ++i) {
     ScenePrediction wrong = one.at(i, 0);
-    wrong.mean_in_world = wrong.mean_in_world + Vec3{0.5, 0.4, 0.3};
+    wrong.mean_in_world = wrong.mean_in_world + geometry::Vec3{0.5, 0.4, 0.3};
     const bool first = i % 2 == 0;
     two.predictions.push_back(first ? one.at(i, 0) : wrong);
     two.predictions.push_back(first ? wrong : one.at(i, 0));
@@ -230,8 +234,8 @@ TEST(RefineRigidTest, PicksTheSupportingPredictionOfEachPoint) {
 TEST(RefineRigidTest, WeightsByTheLeavesCovariance) {
   // Half the predictions are honest about being poor: they must not spoil the
   // precise half. 60 precise points of 1 mm: about 0.3 mm.
-  Random random(11, 0);
-  const Rigid3 truth = RandomPose(random);
+  base::Random random(11, 0);
+  const geometry::Rigid3 truth = RandomPose(random);
   ScenePredictions scene = Scene(truth, 60, 0, 0.001, random);
   const ScenePredictions poor = Scene(truth, 60, 0, 0.03, random);
   for (size_t i = 0; i < poor.size(); ++i) {
@@ -243,18 +247,19 @@ TEST(RefineRigidTest, WeightsByTheLeavesCovariance) {
   options.model_sigma_m = 0.0005;
   const auto refined = RefineRigid(scene, truth, options);
   ASSERT_TRUE(refined.has_value());
-  EXPECT_LT(ErrorBetween(refined->world_from_camera, truth).translation_m,
-            0.0015);
+  EXPECT_LT(
+      geometry::ErrorBetween(refined->world_from_camera, truth).translation_m,
+      0.0015);
 }
 
 TEST(RefineRigidTest, NoInliersIsNoPose) {
-  Random random(12, 0);
+  base::Random random(12, 0);
   ScenePredictions scene = Scene({}, 50, 0, 0.01, random);
   for (ScenePrediction& p : scene.predictions) {
-    p.mean_in_world = p.mean_in_world + Vec3{100, 0, 0};
+    p.mean_in_world = p.mean_in_world + geometry::Vec3{100, 0, 0};
   }
   EXPECT_FALSE(RefineRigid(scene, {}, {}).has_value());
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::pose

@@ -7,7 +7,7 @@
 #include "common/base/random.h"
 #include "common/geometry/kabsch.h"
 
-namespace treeline {
+namespace treeline::pose {
 namespace {
 
 // Refits to all points' inliers once one hypothesis is left.
@@ -23,8 +23,8 @@ struct PackedPoints {
     const size_t n = scene.size();
     for (std::vector<float>* v : {&cx, &cy, &cz, &wx, &wy, &wz}) v->resize(n);
     for (size_t i = 0; i < n; ++i) {
-      const Vec3& c = scene.point_in_camera[i];
-      const Vec3& w = scene.at(i, 0).mean_in_world;
+      const geometry::Vec3& c = scene.point_in_camera[i];
+      const geometry::Vec3& w = scene.at(i, 0).mean_in_world;
       cx[i] = static_cast<float>(c.x);
       cy[i] = static_cast<float>(c.y);
       cz[i] = static_cast<float>(c.z);
@@ -35,7 +35,7 @@ struct PackedPoints {
     if (!scene.has_lines()) return;
     for (std::vector<float>* v : {&dx, &dy, &dz}) v->resize(n);
     for (size_t i = 0; i < n; ++i) {
-      const Vec3& d = scene.line_direction_in_camera[i];
+      const geometry::Vec3& d = scene.line_direction_in_camera[i];
       dx[i] = static_cast<float>(d.x);
       dy[i] = static_cast<float>(d.y);
       dz[i] = static_cast<float>(d.z);
@@ -47,16 +47,16 @@ struct PackedPoints {
 };
 
 struct Hypothesis {
-  Rigid3 world_from_camera;
+  geometry::Rigid3 world_from_camera;
   double energy = 0;
 };
 
 // Sum over points [begin, end) of min(1, |residual|^2 / inlier_distance^2),
 // where of points on lines the residual across the line counts.
 template <bool kLines>
-double TruncatedSum(const PackedPoints& p, const Rigid3& pose,
+double TruncatedSum(const PackedPoints& p, const geometry::Rigid3& pose,
                     double inlier_distance_m, size_t begin, size_t end) {
-  const Mat3 r = pose.rotation.Matrix();
+  const geometry::Mat3 r = pose.rotation.Matrix();
   float m[9];
   for (size_t i = 0; i < 9; ++i) m[i] = static_cast<float>(r.m[i]);
   const float tx = static_cast<float>(pose.translation.x);
@@ -96,17 +96,17 @@ double TruncatedSum(const PackedPoints& p, const Rigid3& pose,
   return energy;
 }
 
-double TruncatedEnergy(const PackedPoints& points, const Rigid3& pose,
+double TruncatedEnergy(const PackedPoints& points, const geometry::Rigid3& pose,
                        double inlier_distance_m, size_t begin, size_t end) {
   return points.dx.empty()
              ? TruncatedSum<false>(points, pose, inlier_distance_m, begin, end)
              : TruncatedSum<true>(points, pose, inlier_distance_m, begin, end);
 }
 
-std::optional<Rigid3> DrawHypothesis(const ScenePredictions& scene,
-                                     const RansacOptions& options,
-                                     uint64_t index) {
-  Random random(options.seed, 0x7270000000000000 + index);
+std::optional<geometry::Rigid3> DrawHypothesis(const ScenePredictions& scene,
+                                               const RansacOptions& options,
+                                               uint64_t index) {
+  base::Random random(options.seed, 0x7270000000000000 + index);
   const uint32_t n = static_cast<uint32_t>(scene.size());
   for (int draw = 0; draw < options.draws; ++draw) {
     size_t corner[3];
@@ -116,35 +116,35 @@ std::optional<Rigid3> DrawHypothesis(const ScenePredictions& scene,
       const size_t i = corner[a];
       const size_t j = corner[(a + 1) % 3];
       const double side =
-          Norm(scene.point_in_camera[i] - scene.point_in_camera[j]);
+          geometry::Norm(scene.point_in_camera[i] - scene.point_in_camera[j]);
       if (side < options.min_side_m) {
         consistent = false;
         break;
       }
-      const double predicted =
-          Norm(scene.at(i, 0).mean_in_world - scene.at(j, 0).mean_in_world);
+      const double predicted = geometry::Norm(scene.at(i, 0).mean_in_world -
+                                              scene.at(j, 0).mean_in_world);
       consistent = std::abs(side - predicted) <= options.side_tolerance_m;
     }
     if (!consistent) continue;
-    Kabsch kabsch;
+    geometry::Kabsch kabsch;
     for (size_t c : corner) {
       kabsch.Add(scene.at(c, 0).mean_in_world, scene.point_in_camera[c]);
     }
-    if (std::optional<Rigid3> pose = kabsch.Solve()) return pose;
+    if (std::optional<geometry::Rigid3> pose = kabsch.Solve()) return pose;
   }
   return std::nullopt;
 }
 
 // Kabsch on the inliers among points [0, end); the pose as it was if that has
 // no solution.
-RansacResult Refit(const ScenePredictions& scene, const Rigid3& pose,
+RansacResult Refit(const ScenePredictions& scene, const geometry::Rigid3& pose,
                    double inlier_distance_m, size_t end) {
-  Kabsch kabsch;
+  geometry::Kabsch kabsch;
   int inliers = 0;
   for (size_t i = 0; i < end; ++i) {
-    const Vec3& world = scene.at(i, 0).mean_in_world;
-    const Vec3& camera = scene.point_in_camera[i];
-    if (SquaredNorm(pose * camera - world) <=
+    const geometry::Vec3& world = scene.at(i, 0).mean_in_world;
+    const geometry::Vec3& camera = scene.point_in_camera[i];
+    if (geometry::SquaredNorm(pose * camera - world) <=
         inlier_distance_m * inlier_distance_m) {
       kabsch.Add(world, camera);
       ++inliers;
@@ -154,8 +154,10 @@ RansacResult Refit(const ScenePredictions& scene, const Rigid3& pose,
 }
 
 // A survivor of a pruning, fitted to points [0, end).
-Rigid3 Refitted(const ScenePredictions& scene, const Rigid3& pose,
-                const RansacOptions& options, size_t end, size_t alive) {
+geometry::Rigid3 Refitted(const ScenePredictions& scene,
+                          const geometry::Rigid3& pose,
+                          const RansacOptions& options, size_t end,
+                          size_t alive) {
   if (options.refinement && alive <= static_cast<size_t>(options.refined)) {
     RefinementOptions refinement = *options.refinement;
     refinement.max_points = end;
@@ -225,4 +227,4 @@ std::optional<RansacResult> PreemptiveRansac(const ScenePredictions& scene,
   return result;
 }
 
-}  // namespace treeline
+}  // namespace treeline::pose

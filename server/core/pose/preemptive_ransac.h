@@ -10,7 +10,7 @@
 #include "server/core/pose/rigid_refinement.h"
 #include "server/core/pose/scene_predictions.h"
 
-namespace treeline {
+namespace treeline::pose {
 
 struct RansacOptions {
   uint64_t seed = 0;
@@ -34,7 +34,7 @@ struct RansacOptions {
 };
 
 struct RansacResult {
-  Rigid3 world_from_camera;
+  geometry::Rigid3 world_from_camera;
   // Points whose best prediction lies within inlier_distance_m.
   int inliers = 0;
 };
@@ -49,6 +49,6 @@ std::optional<RansacResult> PreemptiveRansac(const ScenePredictions& scene,
                                              const RansacOptions& options,
                                              const std::stop_token& stop);
 
-}  // namespace treeline
+}  // namespace treeline::pose
 
 #endif  // SERVER_CORE_POSE_PREEMPTIVE_RANSAC_H_

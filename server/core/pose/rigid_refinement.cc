@@ -8,7 +8,7 @@
 #include "Eigen/Core"
 #include "server/core/pose/rigid_terms.h"
 
-namespace treeline {
+namespace treeline::pose {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -26,19 +26,19 @@ struct NearestPrediction {
 };
 
 NearestPrediction Nearest(const ScenePredictions& scene, size_t i,
-                          Vec3 point_in_world) {
+                          geometry::Vec3 point_in_world) {
   NearestPrediction nearest;
   nearest.squared_distance = std::numeric_limits<double>::infinity();
   for (int k = 0; k < scene.per_point; ++k) {
     const double distance =
-        SquaredNorm(point_in_world - scene.at(i, k).mean_in_world);
+        geometry::SquaredNorm(point_in_world - scene.at(i, k).mean_in_world);
     if (distance < nearest.squared_distance) nearest = {k, distance};
   }
   return nearest;
 }
 
 // S + s^2 v v^T + model^2 I with v a unit vector in the world.
-Symmetric3 Covariance(const ScenePrediction& prediction, Vec3 ray,
+Symmetric3 Covariance(const ScenePrediction& prediction, geometry::Vec3 ray,
                       double depth_sigma_m, double model_sigma_m) {
   Symmetric3 c = prediction.covariance;
   const double s = depth_sigma_m * depth_sigma_m;
@@ -56,7 +56,7 @@ Symmetric3 Covariance(const ScenePrediction& prediction, Vec3 ray,
 // weight of it, were chosen.
 struct Term {
   size_t point = 0;
-  Vec3 mean_in_world;
+  geometry::Vec3 mean_in_world;
   Symmetric3 information{};  // weighted
 };
 
@@ -73,7 +73,7 @@ struct WeightedSum {
 class SumAt {
  public:
   SumAt(const ScenePredictions& scene, const RefinementOptions& options,
-        const Rigid3& pose, double scale2)
+        const geometry::Rigid3& pose, double scale2)
       : scene_(scene), options_(options), pose_(pose), scale2_(scale2) {}
 
   WeightedSum Compute() const {
@@ -91,32 +91,34 @@ class SumAt {
     Symmetric3 information{};
   };
 
-  double SquaredDistance(Vec3 residual, Vec3 direction) const {
-    const double squared = SquaredNorm(residual);
-    if (direction == Vec3{}) return squared;
-    const double slide = Dot(residual, direction);
+  double SquaredDistance(geometry::Vec3 residual,
+                         geometry::Vec3 direction) const {
+    const double squared = geometry::SquaredNorm(residual);
+    if (direction == geometry::Vec3{}) return squared;
+    const double slide = geometry::Dot(residual, direction);
     return std::abs(slide) <= options_.max_slide_m
                ? squared - slide * slide
                : std::numeric_limits<double>::infinity();
   }
 
-  Symmetric3 InformationOf(size_t i, int k, Vec3 rotated) const {
-    return Inverse(Covariance(scene_.at(i, k), Normalized(rotated),
+  Symmetric3 InformationOf(size_t i, int k, geometry::Vec3 rotated) const {
+    return Inverse(Covariance(scene_.at(i, k), geometry::Normalized(rotated),
                               scene_.depth_sigma_m[i], options_.model_sigma_m));
   }
 
   // direction is zero, or that of the point's line in the world.
-  Match MatchOf(size_t i, Vec3 rotated, Vec3 direction) const {
+  Match MatchOf(size_t i, geometry::Vec3 rotated,
+                geometry::Vec3 direction) const {
     Match best;
     for (int k = 0; k < scene_.per_point; ++k) {
-      const Vec3 residual =
+      const geometry::Vec3 residual =
           rotated + pose_.translation - scene_.at(i, k).mean_in_world;
       Match match{k, SquaredDistance(residual, direction), 0, {}};
       if (match.squared_distance > 9 * scale2_) continue;
       match.score = match.squared_distance;
       if (options_.likeliest_prediction) {
         match.information = InformationOf(i, k, rotated);
-        const Symmetric3 known = direction == Vec3{}
+        const Symmetric3 known = direction == geometry::Vec3{}
                                      ? match.information
                                      : AcrossLine(match.information, direction);
         match.score = QuadraticForm(known, residual) -
@@ -131,10 +133,11 @@ class SumAt {
   }
 
   void AddPoint(size_t i, WeightedSum& sum) const {
-    const Vec3 rotated = pose_.rotation * scene_.point_in_camera[i];
+    const geometry::Vec3 rotated = pose_.rotation * scene_.point_in_camera[i];
     const bool on_line = scene_.is_on_line(i);
-    const Vec3 direction =
-        on_line ? pose_.rotation * scene_.line_direction_in_camera[i] : Vec3{};
+    const geometry::Vec3 direction =
+        on_line ? pose_.rotation * scene_.line_direction_in_camera[i]
+                : geometry::Vec3{};
     const Match match = MatchOf(i, rotated, direction);
     if (match.k < 0) return;
     const double robust = scale2_ * scale2_ /
@@ -142,12 +145,13 @@ class SumAt {
                            (scale2_ + match.squared_distance));
     Symmetric3 w = match.information;
     for (double& entry : w) entry *= robust;
-    const Vec3 mean = scene_.at(i, match.k).mean_in_world;
-    Vec3 x = rotated;
-    Vec3 residual = rotated + pose_.translation - mean;
+    const geometry::Vec3 mean = scene_.at(i, match.k).mean_in_world;
+    geometry::Vec3 x = rotated;
+    geometry::Vec3 residual = rotated + pose_.translation - mean;
     if (options_.levenberg_marquardt) sum.terms.push_back({i, mean, w});
     if (on_line) {
-      const Vec3 along = ClosestOnLine(w, residual, direction) * direction;
+      const geometry::Vec3 along =
+          ClosestOnLine(w, residual, direction) * direction;
       x = x + along;
       residual = residual + along;
       w = AcrossLine(w, direction);
@@ -160,16 +164,16 @@ class SumAt {
 
   const ScenePredictions& scene_;
   const RefinementOptions& options_;
-  const Rigid3& pose_;
+  const geometry::Rigid3& pose_;
   const double scale2_;
 };
 
 // The sum of terms as they are, at another pose.
 double ValueAt(const ScenePredictions& scene, const std::vector<Term>& terms,
-               const Rigid3& pose) {
+               const geometry::Rigid3& pose) {
   double value = 0;
   for (const Term& term : terms) {
-    const Vec3 residual =
+    const geometry::Vec3 residual =
         pose * scene.point_in_camera[term.point] - term.mean_in_world;
     value += QuadraticForm(
         scene.is_on_line(term.point)
@@ -182,10 +186,11 @@ double ValueAt(const ScenePredictions& scene, const std::vector<Term>& terms,
   return value;
 }
 
-Rigid3 Moved(const Rigid3& pose, const Vector6& step) {
-  return {Normalized(Rotation3::FromAxisAngle({step[3], step[4], step[5]}) *
-                     pose.rotation),
-          pose.translation + Vec3{step[0], step[1], step[2]}};
+geometry::Rigid3 Moved(const geometry::Rigid3& pose, const Vector6& step) {
+  return {geometry::Normalized(
+              geometry::Rotation3::FromAxisAngle({step[3], step[4], step[5]}) *
+              pose.rotation),
+          pose.translation + geometry::Vec3{step[0], step[1], step[2]}};
 }
 
 Matrix6 Hessian(const NormalEquations& equations) {
@@ -197,10 +202,11 @@ Matrix6 Hessian(const NormalEquations& equations) {
 
 // One step from `pose`; damping carries over to the next one. nullopt: the
 // equations are singular.
-std::optional<Rigid3> Step(const ScenePredictions& scene,
-                           const WeightedSum& sum, const Matrix6& h,
-                           bool levenberg_marquardt, const Rigid3& pose,
-                           double& damping) {
+std::optional<geometry::Rigid3> Step(const ScenePredictions& scene,
+                                     const WeightedSum& sum, const Matrix6& h,
+                                     bool levenberg_marquardt,
+                                     const geometry::Rigid3& pose,
+                                     double& damping) {
   const Eigen::Map<const Vector6> g(sum.equations.gradient.data());
   if (sum.weights < 3) return std::nullopt;
   for (int attempt = 0; attempt < kDampedTries; ++attempt) {
@@ -210,7 +216,7 @@ std::optional<Rigid3> Step(const ScenePredictions& scene,
     if (factors.info() != Eigen::Success || !(factors.rcond() > 1e-12)) {
       return std::nullopt;
     }
-    const Rigid3 moved = Moved(pose, -factors.solve(g));
+    const geometry::Rigid3 moved = Moved(pose, -factors.solve(g));
     if (!levenberg_marquardt) return moved;
     if (ValueAt(scene, sum.terms, moved) <= sum.value) {
       damping = std::max(kLeastDamping, damping / kDampingFactor);
@@ -223,11 +229,11 @@ std::optional<Rigid3> Step(const ScenePredictions& scene,
 
 }  // namespace
 
-std::optional<RefinedPose> RefineRigid(const ScenePredictions& scene,
-                                       const Rigid3& world_from_camera,
-                                       const RefinementOptions& options) {
+std::optional<RefinedPose> RefineRigid(
+    const ScenePredictions& scene, const geometry::Rigid3& world_from_camera,
+    const RefinementOptions& options) {
   RefinedPose refined;
-  Rigid3 pose = world_from_camera;
+  geometry::Rigid3 pose = world_from_camera;
   Matrix6 h;
   WeightedSum sum;
   double damping = kLeastDamping;
@@ -238,7 +244,7 @@ std::optional<RefinedPose> RefineRigid(const ScenePredictions& scene,
         options.robust_scale_m * std::pow(kInitialScale, 1 - progress);
     sum = SumAt(scene, options, pose, scale * scale).Compute();
     h = Hessian(sum.equations);
-    const std::optional<Rigid3> next =
+    const std::optional<geometry::Rigid3> next =
         Step(scene, sum, h, options.levenberg_marquardt, pose, damping);
     if (!next) return std::nullopt;
     pose = *next;
@@ -266,8 +272,8 @@ std::optional<RefinedPose> RefineRigid(const ScenePredictions& scene,
       ++refined.inliers;
     }
   }
-  if (!IsFinite(pose)) return std::nullopt;
+  if (!geometry::IsFinite(pose)) return std::nullopt;
   return refined;
 }
 
-}  // namespace treeline
+}  // namespace treeline::pose

@@ -11,7 +11,7 @@
 #include "common/geometry/rigid3.h"
 #include "server/core/pose/scene_predictions.h"
 
-namespace treeline {
+namespace treeline::pose {
 
 struct RefinementOptions {
   int iterations = 8;
@@ -37,8 +37,8 @@ struct RefinementOptions {
 };
 
 struct RefinedPose {
-  Rigid3 world_from_camera;
-  PoseCovariance covariance{};
+  geometry::Rigid3 world_from_camera;
+  geometry::PoseCovariance covariance{};
   int inliers = 0;
   // Which prediction each point supports; -1: none (an outlier).
   std::vector<int8_t> supported;
@@ -52,10 +52,10 @@ struct RefinedPose {
 // to m_ik (thesis Eq. 5.8), and the distance from which rho weighs is that to
 // the line. Each point picks its prediction, and each line its point, anew in
 // every iteration. nullopt: the inliers do not determine a pose.
-std::optional<RefinedPose> RefineRigid(const ScenePredictions& scene,
-                                       const Rigid3& world_from_camera,
-                                       const RefinementOptions& options);
+std::optional<RefinedPose> RefineRigid(
+    const ScenePredictions& scene, const geometry::Rigid3& world_from_camera,
+    const RefinementOptions& options);
 
-}  // namespace treeline
+}  // namespace treeline::pose
 
 #endif  // SERVER_CORE_POSE_RIGID_REFINEMENT_H_

@@ -1,9 +1,9 @@
 #include "server/core/pose/rigid_terms.h"
 
-namespace treeline {
+namespace treeline::pose {
 namespace {
 
-Vec3 Times(const Symmetric3& a, Vec3 v) {
+geometry::Vec3 Times(const Symmetric3& a, geometry::Vec3 v) {
   return {a[0] * v.x + a[1] * v.y + a[2] * v.z,
           a[1] * v.x + a[3] * v.y + a[4] * v.z,
           a[2] * v.x + a[4] * v.y + a[5] * v.z};
@@ -30,14 +30,14 @@ double Determinant(const Symmetric3& a) {
          a[2] * (a[1] * a[4] - a[2] * a[3]);
 }
 
-double QuadraticForm(const Symmetric3& a, Vec3 v) {
+double QuadraticForm(const Symmetric3& a, geometry::Vec3 v) {
   return a[0] * v.x * v.x + a[3] * v.y * v.y + a[5] * v.z * v.z +
          2 * (a[1] * v.x * v.y + a[2] * v.x * v.z + a[4] * v.y * v.z);
 }
 
-Symmetric3 AcrossLine(const Symmetric3& information, Vec3 direction) {
-  const Vec3 wd = Times(information, direction);
-  const double scale = 1 / Dot(direction, wd);
+Symmetric3 AcrossLine(const Symmetric3& information, geometry::Vec3 direction) {
+  const geometry::Vec3 wd = Times(information, direction);
+  const double scale = 1 / geometry::Dot(direction, wd);
   Symmetric3 across = information;
   across[0] -= scale * wd.x * wd.x;
   across[1] -= scale * wd.x * wd.y;
@@ -48,13 +48,14 @@ Symmetric3 AcrossLine(const Symmetric3& information, Vec3 direction) {
   return across;
 }
 
-double ClosestOnLine(const Symmetric3& information, Vec3 residual,
-                     Vec3 direction) {
-  const Vec3 wd = Times(information, direction);
-  return -Dot(wd, residual) / Dot(wd, direction);
+double ClosestOnLine(const Symmetric3& information, geometry::Vec3 residual,
+                     geometry::Vec3 direction) {
+  const geometry::Vec3 wd = Times(information, direction);
+  return -geometry::Dot(wd, residual) / geometry::Dot(wd, direction);
 }
 
-void NormalEquations::Add(const Symmetric3& w, Vec3 q, Vec3 r) {
+void NormalEquations::Add(const Symmetric3& w, geometry::Vec3 q,
+                          geometry::Vec3 r) {
   const double wm[3][3] = {
       {w[0], w[1], w[2]}, {w[1], w[3], w[4]}, {w[2], w[4], w[5]}};
   // The derivative of Exp(a) q by a is -[q]x.
@@ -82,4 +83,4 @@ void NormalEquations::Add(const Symmetric3& w, Vec3 q, Vec3 r) {
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::pose

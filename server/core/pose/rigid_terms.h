@@ -7,7 +7,7 @@
 
 #include "common/geometry/rigid3.h"
 
-namespace treeline {
+namespace treeline::pose {
 
 // A symmetric 3 x 3 matrix: xx xy xz yy yz zz.
 using Symmetric3 = std::array<double, 6>;
@@ -18,14 +18,14 @@ Symmetric3 Inverse(const Symmetric3& a);
 double Determinant(const Symmetric3& a);
 
 // v^T a v.
-double QuadraticForm(const Symmetric3& a, Vec3 v);
+double QuadraticForm(const Symmetric3& a, geometry::Vec3 v);
 
 // What `information` W knows across a direction d (any length but zero), in
 // the same frame:
 //   W - W d d^T W / (d^T W d).
 // r^T (this) r = min over t of (r - t d)^T W (r - t d): the squared
 // Mahalanobis distance of a point to a line. d is in its kernel.
-Symmetric3 AcrossLine(const Symmetric3& information, Vec3 direction);
+Symmetric3 AcrossLine(const Symmetric3& information, geometry::Vec3 direction);
 
 // Normal equations of a pose: for a change (translation, rotation) of
 // world_from_camera as in PoseCovariance, the energy E of the terms so far is
@@ -39,15 +39,16 @@ struct NormalEquations {
   // Adds r^T W r with r = world_from_camera * x - m, where rotated = R x:
   // dr/d(translation) = I, dr/d(rotation) = -[R x]x. For a point on a line W is
   // AcrossLine(W, R d), and x the line's point next to m (ClosestOnLine).
-  void Add(const Symmetric3& information, Vec3 rotated, Vec3 residual);
+  void Add(const Symmetric3& information, geometry::Vec3 rotated,
+           geometry::Vec3 residual);
 };
 
 // The t for which residual + t * direction has the least Mahalanobis norm: the
 // line's point next to the prediction is t * direction from where `residual`
 // was taken.
-double ClosestOnLine(const Symmetric3& information, Vec3 residual,
-                     Vec3 direction);
+double ClosestOnLine(const Symmetric3& information, geometry::Vec3 residual,
+                     geometry::Vec3 direction);
 
-}  // namespace treeline
+}  // namespace treeline::pose
 
 #endif  // SERVER_CORE_POSE_RIGID_TERMS_H_

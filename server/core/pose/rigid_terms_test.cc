@@ -9,24 +9,24 @@
 #include "server/core/pose/preemptive_ransac.h"
 #include "server/core/pose/rigid_refinement.h"
 
-namespace treeline {
+namespace treeline::pose {
 namespace {
 
-Vec3 RandomVector(Random& random, double scale) {
+geometry::Vec3 RandomVector(base::Random& random, double scale) {
   return {random.NextUniform(-scale, scale), random.NextUniform(-scale, scale),
           random.NextUniform(-scale, scale)};
 }
 
-Rigid3 RandomPose(Random& random) {
-  return {Rotation3::FromAxisAngle(RandomVector(random, 1.8)),
+geometry::Rigid3 RandomPose(base::Random& random) {
+  return {geometry::Rotation3::FromAxisAngle(RandomVector(random, 1.8)),
           RandomVector(random, 3)};
 }
 
 // Sum of outer products: positive definite.
-Symmetric3 RandomCovariance(Random& random) {
+Symmetric3 RandomCovariance(base::Random& random) {
   Symmetric3 c{0.1, 0, 0, 0.1, 0, 0.1};
   for (int i = 0; i < 3; ++i) {
-    const Vec3 v = RandomVector(random, 1);
+    const geometry::Vec3 v = RandomVector(random, 1);
     c = {c[0] + v.x * v.x, c[1] + v.x * v.y, c[2] + v.x * v.z,
          c[3] + v.y * v.y, c[4] + v.y * v.z, c[5] + v.z * v.z};
   }
@@ -34,55 +34,61 @@ Symmetric3 RandomCovariance(Random& random) {
 }
 
 // R c R^T.
-Symmetric3 Rotated(const Symmetric3& c, const Rotation3& rotation) {
-  const Mat3 r = rotation.Matrix();
-  const Mat3 product =
-      r * Mat3{{c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5]}} *
-      Transpose(r);
+Symmetric3 Rotated(const Symmetric3& c, const geometry::Rotation3& rotation) {
+  const geometry::Mat3 r = rotation.Matrix();
+  const geometry::Mat3 product =
+      r *
+      geometry::Mat3{{c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5]}} *
+      geometry::Transpose(r);
   return {product(0, 0), product(0, 1), product(0, 2),
           product(1, 1), product(1, 2), product(2, 2)};
 }
 
 // `pose` after a change (translation, rotation) as in PoseCovariance.
-Rigid3 Changed(const Rigid3& pose, const std::array<double, 6>& change) {
-  return {Rotation3::FromAxisAngle({change[3], change[4], change[5]}) *
-              pose.rotation,
-          pose.translation + Vec3{change[0], change[1], change[2]}};
+geometry::Rigid3 Changed(const geometry::Rigid3& pose,
+                         const std::array<double, 6>& change) {
+  return {
+      geometry::Rotation3::FromAxisAngle({change[3], change[4], change[5]}) *
+          pose.rotation,
+      pose.translation + geometry::Vec3{change[0], change[1], change[2]}};
 }
 
 // A point with its prediction, and its line if it is on one.
 struct Correspondence {
-  Vec3 point_in_camera;
-  Vec3 direction_in_camera;  // zero: no line
-  Vec3 mean_in_world;
+  geometry::Vec3 point_in_camera;
+  geometry::Vec3 direction_in_camera;  // zero: no line
+  geometry::Vec3 mean_in_world;
   Symmetric3 information{};
 
-  double Energy(const Rigid3& world_from_camera) const {
-    const Vec3 r = world_from_camera * point_in_camera - mean_in_world;
-    if (direction_in_camera == Vec3{}) return QuadraticForm(information, r);
+  double Energy(const geometry::Rigid3& world_from_camera) const {
+    const geometry::Vec3 r =
+        world_from_camera * point_in_camera - mean_in_world;
+    if (direction_in_camera == geometry::Vec3{})
+      return QuadraticForm(information, r);
     return QuadraticForm(AcrossLine(information, world_from_camera.rotation *
                                                      direction_in_camera),
                          r);
   }
 
-  NormalEquations Equations(const Rigid3& world_from_camera) const {
+  NormalEquations Equations(const geometry::Rigid3& world_from_camera) const {
     NormalEquations equations;
-    const Vec3 q = world_from_camera.rotation * point_in_camera;
-    const Vec3 r = q + world_from_camera.translation - mean_in_world;
-    if (direction_in_camera == Vec3{}) {
+    const geometry::Vec3 q = world_from_camera.rotation * point_in_camera;
+    const geometry::Vec3 r = q + world_from_camera.translation - mean_in_world;
+    if (direction_in_camera == geometry::Vec3{}) {
       equations.Add(information, q, r);
       return equations;
     }
-    const Vec3 d = world_from_camera.rotation * direction_in_camera;
-    const Vec3 along = ClosestOnLine(information, r, d) * d;
+    const geometry::Vec3 d = world_from_camera.rotation * direction_in_camera;
+    const geometry::Vec3 along = ClosestOnLine(information, r, d) * d;
     equations.Add(AcrossLine(information, d), q + along, r + along);
     return equations;
   }
 };
 
-Correspondence RandomCorrespondence(Random& random, bool on_line) {
+Correspondence RandomCorrespondence(base::Random& random, bool on_line) {
   return {RandomVector(random, 2),
-          on_line ? Normalized(RandomVector(random, 1)) : Vec3{},
+          on_line ? geometry::Normalized(RandomVector(random, 1))
+                  : geometry::Vec3{},
           RandomVector(random, 2), Inverse(RandomCovariance(random))};
 }
 
@@ -97,11 +103,11 @@ TEST(RigidTermsTest, InverseAndDeterminantByHand) {
 }
 
 TEST(RigidTermsTest, AcrossALineIsTheLeastDistanceToAnyOfItsPoints) {
-  Random random(1, 0);
+  base::Random random(1, 0);
   for (int trial = 0; trial < 50; ++trial) {
     const Symmetric3 w = Inverse(RandomCovariance(random));
-    const Vec3 d = RandomVector(random, 1);
-    const Vec3 r = RandomVector(random, 1);
+    const geometry::Vec3 d = RandomVector(random, 1);
+    const geometry::Vec3 r = RandomVector(random, 1);
     const double across = QuadraticForm(AcrossLine(w, d), r);
     const double t = ClosestOnLine(w, r, d);
     EXPECT_NEAR(across, QuadraticForm(w, r + t * d), 1e-12);
@@ -115,18 +121,19 @@ TEST(RigidTermsTest, AcrossALineIsTheLeastDistanceToAnyOfItsPoints) {
 // Eq. 5.8 with Eq. 5.9 is in the camera what AcrossLine is in the world: there
 // the line moves and the covariance stays.
 TEST(RigidTermsTest, TheCameraAndTheWorldAgreeOnTheDistance) {
-  Random random(2, 0);
+  base::Random random(2, 0);
   for (int trial = 0; trial < 50; ++trial) {
-    const Rigid3 world_from_camera = RandomPose(random);
+    const geometry::Rigid3 world_from_camera = RandomPose(random);
     const Symmetric3 covariance = RandomCovariance(random);
     Correspondence c = RandomCorrespondence(random, true);
     c.information = Inverse(covariance);
-    const Rigid3 camera_from_world = world_from_camera.Inverse();
+    const geometry::Rigid3 camera_from_world = world_from_camera.Inverse();
     const Symmetric3 in_camera =
         Inverse(Rotated(covariance, camera_from_world.rotation));
-    const Vec3 r = camera_from_world * c.mean_in_world - c.point_in_camera;
+    const geometry::Vec3 r =
+        camera_from_world * c.mean_in_world - c.point_in_camera;
     const double t = -ClosestOnLine(in_camera, r, c.direction_in_camera);
-    const Vec3 q = c.point_in_camera + t * c.direction_in_camera;
+    const geometry::Vec3 q = c.point_in_camera + t * c.direction_in_camera;
     EXPECT_NEAR(
         QuadraticForm(in_camera, camera_from_world * c.mean_in_world - q),
         c.Energy(world_from_camera), 1e-9);
@@ -134,11 +141,11 @@ TEST(RigidTermsTest, TheCameraAndTheWorldAgreeOnTheDistance) {
 }
 
 TEST(RigidTermsTest, GradientsAreThoseOfNumericDifferences) {
-  Random random(3, 0);
+  base::Random random(3, 0);
   constexpr double kStep = 1e-5;
   for (int trial = 0; trial < 50; ++trial) {
     const Correspondence c = RandomCorrespondence(random, trial % 2 == 0);
-    const Rigid3 pose = RandomPose(random);
+    const geometry::Rigid3 pose = RandomPose(random);
     const NormalEquations equations = c.Equations(pose);
     for (size_t i = 0; i < 6; ++i) {
       std::array<double, 6> change{};
@@ -158,11 +165,11 @@ TEST(RigidTermsTest, GradientsAreThoseOfNumericDifferences) {
 // Where the residual is zero, Gauss-Newton's Hessian is the Hessian: for lines
 // only if the closest point is taken to move with the pose.
 TEST(RigidTermsTest, HessiansAreThoseOfNumericDifferences) {
-  Random random(4, 0);
+  base::Random random(4, 0);
   constexpr double kStep = 1e-3;
   for (int trial = 0; trial < 20; ++trial) {
     Correspondence c = RandomCorrespondence(random, trial % 2 == 0);
-    const Rigid3 pose = RandomPose(random);
+    const geometry::Rigid3 pose = RandomPose(random);
     const double t = random.NextUniform(-1, 1);
     c.mean_in_world = pose * (c.point_in_camera + t * c.direction_in_camera);
     const NormalEquations equations = c.Equations(pose);
@@ -187,14 +194,15 @@ TEST(RigidTermsTest, HessiansAreThoseOfNumericDifferences) {
 
 // Points in front of a camera, each on a line of its own, and predictions that
 // are exact but for sliding up to `slide_m` along the lines.
-ScenePredictions LineScene(const Rigid3& world_from_camera, int points,
-                           double slide_m, Random& random) {
+ScenePredictions LineScene(const geometry::Rigid3& world_from_camera,
+                           int points, double slide_m, base::Random& random) {
   ScenePredictions scene;
   for (int i = 0; i < points; ++i) {
     const double z = random.NextUniform(1, 3);
-    const Vec3 point{z * random.NextUniform(-0.5, 0.5),
-                     z * random.NextUniform(-0.4, 0.4), z};
-    const Vec3 direction = Normalized(RandomVector(random, 1));
+    const geometry::Vec3 point{z * random.NextUniform(-0.5, 0.5),
+                               z * random.NextUniform(-0.4, 0.4), z};
+    const geometry::Vec3 direction =
+        geometry::Normalized(RandomVector(random, 1));
     ScenePrediction prediction;
     prediction.mean_in_world =
         world_from_camera *
@@ -216,15 +224,16 @@ RefinementOptions LevenbergMarquardt() {
 }
 
 TEST(PointsOnLinesTest, PredictionsThatSlideAlongLinesDoNoHarm) {
-  Random random(5, 0);
+  base::Random random(5, 0);
   for (int trial = 0; trial < 10; ++trial) {
-    const Rigid3 truth = RandomPose(random);
+    const geometry::Rigid3 truth = RandomPose(random);
     ScenePredictions scene = LineScene(truth, 60, 0.1, random);
-    const Rigid3 start =
+    const geometry::Rigid3 start =
         Changed(truth, {0.02, -0.02, 0.01, 0.005, -0.005, 0.01});
     const auto refined = RefineRigid(scene, start, LevenbergMarquardt());
     ASSERT_TRUE(refined.has_value());
-    const PoseError error = ErrorBetween(refined->world_from_camera, truth);
+    const geometry::PoseError error =
+        geometry::ErrorBetween(refined->world_from_camera, truth);
     EXPECT_LT(error.translation_m, 1e-5);
     EXPECT_LT(error.rotation_rad, 1e-5);
     // Taken for points they are 6 cm off (uniform within 10): some millimetres
@@ -232,18 +241,20 @@ TEST(PointsOnLinesTest, PredictionsThatSlideAlongLinesDoNoHarm) {
     scene.line_direction_in_camera.clear();
     const auto as_points = RefineRigid(scene, start, LevenbergMarquardt());
     ASSERT_TRUE(as_points.has_value());
-    EXPECT_GT(ErrorBetween(as_points->world_from_camera, truth).translation_m,
+    EXPECT_GT(geometry::ErrorBetween(as_points->world_from_camera, truth)
+                  .translation_m,
               1e-3);
   }
 }
 
 TEST(PointsOnLinesTest, LinesFixWhatPointsLeaveFree) {
   // Points on a spot of 2 cm fix the position of that spot, hardly a rotation.
-  Random random(6, 0);
-  const Rigid3 truth = RandomPose(random);
+  base::Random random(6, 0);
+  const geometry::Rigid3 truth = RandomPose(random);
   ScenePredictions spot;
   for (int i = 0; i < 40; ++i) {
-    const Vec3 point = Vec3{0.1, 0.2, 2} + RandomVector(random, 0.01);
+    const geometry::Vec3 point =
+        geometry::Vec3{0.1, 0.2, 2} + RandomVector(random, 0.01);
     ScenePrediction prediction;
     prediction.mean_in_world = truth * point;
     for (const size_t k : {0u, 3u, 5u}) prediction.covariance[k] = 1e-4;
@@ -273,9 +284,10 @@ TEST(PointsOnLinesTest, LinesFixWhatPointsLeaveFree) {
 }
 
 TEST(PointsOnLinesTest, ParallelLinesLeaveTheirOwnDirectionFree) {
-  Random random(7, 0);
+  base::Random random(7, 0);
   ScenePredictions scene = LineScene({}, 60, 0, random);
-  for (Vec3& direction : scene.line_direction_in_camera) direction = {1, 0, 0};
+  for (geometry::Vec3& direction : scene.line_direction_in_camera)
+    direction = {1, 0, 0};
   RefinementOptions gauss_newton;
   EXPECT_FALSE(RefineRigid(scene, {}, gauss_newton).has_value());
   // One line across them settles it.
@@ -290,9 +302,9 @@ TEST(PointsOnLinesTest, ParallelLinesLeaveTheirOwnDirectionFree) {
 
 TEST(PointsOnLinesTest, RansacScoresAndRefinesAcrossTheLines) {
   // 60 of 100 predictions lie anywhere, the others slide by up to 15 cm.
-  Random random(8, 0);
+  base::Random random(8, 0);
   for (int trial = 0; trial < 10; ++trial) {
-    const Rigid3 truth = RandomPose(random);
+    const geometry::Rigid3 truth = RandomPose(random);
     ScenePredictions scene = LineScene(truth, 500, 0.15, random);
     for (ScenePrediction& prediction : scene.predictions) {
       if (random.NextUnit() < 0.6) {
@@ -306,15 +318,17 @@ TEST(PointsOnLinesTest, RansacScoresAndRefinesAcrossTheLines) {
     const auto result = PreemptiveRansac(scene, options, {});
     ASSERT_TRUE(result.has_value());
     // A few steps have taken most of 15 cm away, ...
-    EXPECT_LT(ErrorBetween(result->world_from_camera, truth).translation_m,
-              0.03)
+    EXPECT_LT(
+        geometry::ErrorBetween(result->world_from_camera, truth).translation_m,
+        0.03)
         << "trial " << trial;
     // ... and from there the refinement does the rest. Outliers within the
     // robust scale of a line leave a few millimetres.
     const auto refined =
         RefineRigid(scene, result->world_from_camera, LevenbergMarquardt());
     ASSERT_TRUE(refined.has_value());
-    const PoseError error = ErrorBetween(refined->world_from_camera, truth);
+    const geometry::PoseError error =
+        geometry::ErrorBetween(refined->world_from_camera, truth);
     EXPECT_LT(error.translation_m, 0.01) << "trial " << trial;
     EXPECT_LT(error.rotation_rad, 0.01) << "trial " << trial;
   }
@@ -323,15 +337,15 @@ TEST(PointsOnLinesTest, RansacScoresAndRefinesAcrossTheLines) {
 TEST(PointsOnLinesTest, TakesTheLikeliestPredictionNotTheNearest) {
   // The nearer prediction is sure of itself, 6 sigma off; the other one is
   // further away, and fits.
-  Random random(9, 0);
-  const Rigid3 truth = RandomPose(random);
+  base::Random random(9, 0);
+  const geometry::Rigid3 truth = RandomPose(random);
   ScenePredictions scene = LineScene(truth, 60, 0, random);
   scene.line_direction_in_camera.clear();
   scene.per_point = 2;
   std::vector<ScenePrediction> predictions;
   for (const ScenePrediction& exact : scene.predictions) {
     ScenePrediction sure = exact;
-    sure.mean_in_world = sure.mean_in_world + Vec3{0.03, 0, 0};
+    sure.mean_in_world = sure.mean_in_world + geometry::Vec3{0.03, 0, 0};
     for (const size_t k : {0u, 3u, 5u}) sure.covariance[k] = 2.5e-5;
     ScenePrediction vague = exact;
     vague.mean_in_world = vague.mean_in_world + RandomVector(random, 0.03);
@@ -348,9 +362,10 @@ TEST(PointsOnLinesTest, TakesTheLikeliestPredictionNotTheNearest) {
   options.likeliest_prediction = false;
   const auto nearest = RefineRigid(scene, truth, options);
   ASSERT_TRUE(likeliest && nearest);
-  EXPECT_LT(ErrorBetween(likeliest->world_from_camera, truth).translation_m,
-            ErrorBetween(nearest->world_from_camera, truth).translation_m);
+  EXPECT_LT(
+      geometry::ErrorBetween(likeliest->world_from_camera, truth).translation_m,
+      geometry::ErrorBetween(nearest->world_from_camera, truth).translation_m);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::pose

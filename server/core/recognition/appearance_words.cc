@@ -5,7 +5,7 @@
 
 #include "common/base/random.h"
 
-namespace treeline {
+namespace treeline::recognition {
 namespace {
 
 constexpr uint64_t kSeed = 0x776f726473u;
@@ -19,7 +19,7 @@ constexpr int64_t kMinStrength = 20;
 }  // namespace
 
 AppearanceWords::AppearanceWords() {
-  Random random(kSeed, kVocabulary);
+  base::Random random(kSeed, kVocabulary);
   const auto offset = [&] {
     return static_cast<int>(random.NextBelow(2 * kRadius_px + 1)) - kRadius_px;
   };
@@ -41,7 +41,8 @@ AppearanceWords::AppearanceWords() {
   }
 }
 
-const std::vector<uint32_t>& AppearanceWords::Extract(const ColorImage& image) {
+const std::vector<uint32_t>& AppearanceWords::Extract(
+    const image::ColorImage& image) {
   words_.clear();
   if (image.width < 1 || image.height < 1) return words_;
   Shrink(image);
@@ -54,7 +55,7 @@ const std::vector<uint32_t>& AppearanceWords::Extract(const ColorImage& image) {
 }
 
 // Each pixel is the mean of those of the image that it covers.
-void AppearanceWords::Shrink(const ColorImage& image) {
+void AppearanceWords::Shrink(const image::ColorImage& image) {
   const int longest = std::max(image.width, image.height);
   Level& level = levels_[0];
   const auto scaled = [&](int side) {
@@ -201,10 +202,10 @@ void AppearanceWords::AddWords(const Level& level) {
         code = 2 * code + (at[first] - at[second] > threshold ? 1u : 0u);
       }
       const auto hashed =
-          static_cast<uint32_t>(MixBits(code) >> (64 - kWordBits));
+          static_cast<uint32_t>(base::MixBits(code) >> (64 - kWordBits));
       words_.push_back(fern * kWordsPerFern + hashed);
     }
   }
 }
 
-}  // namespace treeline
+}  // namespace treeline::recognition

@@ -10,7 +10,7 @@
 
 #include "common/image/image.h"
 
-namespace treeline {
+namespace treeline::recognition {
 
 // Another vocabulary is another number: words of different vocabularies have
 // nothing to do with each other. Model files hold it.
@@ -44,7 +44,7 @@ class AppearanceWords {
   // The words of an image of at least one pixel, each as often as it occurs,
   // in an order that depends on the image alone. Empty for images without
   // corners and for images of no pixels.
-  const std::vector<uint32_t>& Extract(const ColorImage& image);
+  const std::vector<uint32_t>& Extract(const image::ColorImage& image);
 
  private:
   struct Test {
@@ -63,7 +63,7 @@ class AppearanceWords {
     int index = 0;  // y * width + x
   };
 
-  void Shrink(const ColorImage& image);
+  void Shrink(const image::ColorImage& image);
   void Halve(const Level& from, Level& to);
   void FindCorners(const Level& level);
   void AddWords(const Level& level);
@@ -78,6 +78,6 @@ class AppearanceWords {
   std::vector<uint32_t> words_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::recognition
 
 #endif  // SERVER_CORE_RECOGNITION_APPEARANCE_WORDS_H_

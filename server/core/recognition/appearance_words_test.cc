@@ -7,15 +7,16 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::recognition {
 namespace {
 
 // Tiles of random colours, `tile` pixels wide.
-ColorImage Tiles(int width, int height, int tile, uint64_t seed) {
-  ColorImage image{width, height, {}};
+image::ColorImage Tiles(int width, int height, int tile, uint64_t seed) {
+  image::ColorImage image{width, height, {}};
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      Random random(seed, static_cast<uint64_t>(y / tile * 1000 + x / tile));
+      base::Random random(seed,
+                          static_cast<uint64_t>(y / tile * 1000 + x / tile));
       for (int c = 0; c < 3; ++c) {
         image.rgb.push_back(static_cast<uint8_t>(random.NextBelow(200)));
       }
@@ -24,13 +25,13 @@ ColorImage Tiles(int width, int height, int tile, uint64_t seed) {
   return image;
 }
 
-std::vector<uint32_t> WordsOf(const ColorImage& image) {
+std::vector<uint32_t> WordsOf(const image::ColorImage& image) {
   AppearanceWords words;
   return words.Extract(image);
 }
 
 // The share of the words of `a` that are among those of `b`.
-double SharedWords(const ColorImage& a, const ColorImage& b) {
+double SharedWords(const image::ColorImage& a, const image::ColorImage& b) {
   const std::vector<uint32_t> words = WordsOf(a);
   const std::vector<uint32_t> others = WordsOf(b);
   const std::set<uint32_t> known(others.begin(), others.end());
@@ -50,7 +51,7 @@ TEST(AppearanceWordsTest, AreNumbersOfTheVocabularyFernByFern) {
 
 TEST(AppearanceWordsTest, AreTheSameAgainWithTheSameScratch) {
   AppearanceWords words;
-  const ColorImage image = Tiles(640, 480, 40, 1);
+  const image::ColorImage image = Tiles(640, 480, 40, 1);
   const std::vector<uint32_t> first = words.Extract(image);
   words.Extract(Tiles(320, 200, 16, 2));
   EXPECT_EQ(words.Extract(image), first);
@@ -61,7 +62,7 @@ TEST(AppearanceWordsTest, AreTheSameAgainWithTheSameScratch) {
 TEST(AppearanceWordsTest, KeepTheirMeaning) {
   const std::vector<uint32_t> words = WordsOf(Tiles(640, 480, 40, 1));
   uint64_t hash = 0;
-  for (const uint32_t word : words) hash = MixBits(hash + word + 1);
+  for (const uint32_t word : words) hash = base::MixBits(hash + word + 1);
   EXPECT_EQ(hash, 5573438390418063884u) << "of " << words.size() << " words";
 }
 
@@ -74,8 +75,8 @@ TEST(AppearanceWordsTest, SurviveAnotherSizeOfTheImage) {
 }
 
 TEST(AppearanceWordsTest, SurviveHalfTheExposure) {
-  const ColorImage bright = Tiles(640, 480, 40, 1);
-  ColorImage dark = bright;
+  const image::ColorImage bright = Tiles(640, 480, 40, 1);
+  image::ColorImage dark = bright;
   for (uint8_t& value : dark.rgb) value = static_cast<uint8_t>(value * 4 / 5);
   EXPECT_GT(SharedWords(bright, dark), 0.2);
 }
@@ -93,4 +94,4 @@ TEST(AppearanceWordsTest, ImagesOfAnySizeAreFine) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::recognition

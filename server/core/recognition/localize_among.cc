@@ -5,7 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::recognition {
 namespace {
 
 absl::Status Validate(const AmongOptions& options) {
@@ -26,16 +26,18 @@ bool EndsEverything(const absl::Status& status) {
   return absl::IsCancelled(status) || absl::IsDeadlineExceeded(status);
 }
 
-bool IsLocalized(const PoseEstimate& estimate) {
-  return estimate.outcome == Outcome::kLocalized;
+bool IsLocalized(const localizer::PoseEstimate& estimate) {
+  return estimate.outcome == localizer::Outcome::kLocalized;
 }
 
-bool IsBetter(const PoseEstimate& a, const PoseEstimate& b) {
+bool IsBetter(const localizer::PoseEstimate& a,
+              const localizer::PoseEstimate& b) {
   if (IsLocalized(a) != IsLocalized(b)) return IsLocalized(a);
   return a.confidence > b.confidence;
 }
 
-void Add(const LocalizeTimings& more, LocalizeTimings& sums) {
+void Add(const localizer::LocalizeTimings& more,
+         localizer::LocalizeTimings& sums) {
   sums.sample_ms += more.sample_ms;
   sums.forest_ms += more.forest_ms;
   sums.pose_ms += more.pose_ms;
@@ -44,11 +46,10 @@ void Add(const LocalizeTimings& more, LocalizeTimings& sums) {
 
 }  // namespace
 
-absl::StatusOr<AmongResult> LocalizeAmong(Frame frame,
-                                          std::span<const SceneScore> ranking,
-                                          const AcquireScene& acquire,
-                                          const LocalizeOptions& localize,
-                                          const AmongOptions& options) {
+absl::StatusOr<AmongResult> LocalizeAmong(
+    image::Frame frame, std::span<const SceneScore> ranking,
+    const AcquireScene& acquire, const localizer::LocalizeOptions& localize,
+    const AmongOptions& options) {
   TL_RETURN_IF_ERROR(Validate(options));
   AmongResult result;
   for (const SceneScore& score : ranking) {
@@ -56,7 +57,7 @@ absl::StatusOr<AmongResult> LocalizeAmong(Frame frame,
         {.scene = score.scene, .similarity = score.similarity, .status = {}});
   }
   int tried = 0;
-  LocalizeTimings timings;
+  localizer::LocalizeTimings timings;
   absl::Status first_problem;
   for (ConsideredScene& considered : result.considered) {
     if (tried == options.max_tried) break;
@@ -74,7 +75,7 @@ absl::StatusOr<AmongResult> LocalizeAmong(Frame frame,
       continue;
     }
     frame.calibration = std::move(scene->calibration);
-    absl::StatusOr<PoseEstimate> estimate =
+    absl::StatusOr<localizer::PoseEstimate> estimate =
         scene->localizer->Localize(frame, localize);
     if (!estimate.ok()) {
       if (EndsEverything(estimate.status())) return estimate.status();
@@ -102,4 +103,4 @@ absl::StatusOr<AmongResult> LocalizeAmong(Frame frame,
   return result;
 }
 
-}  // namespace treeline
+}  // namespace treeline::recognition

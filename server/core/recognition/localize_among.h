@@ -16,15 +16,15 @@
 #include "server/core/localizer/localizer.h"
 #include "server/core/recognition/scene_index.h"
 
-namespace treeline {
+namespace treeline::recognition {
 
 // A scene to look for a pose in.
 struct SceneToTry {
   // Kept alive by whoever holds it.
-  std::shared_ptr<const Localizer> localizer;
+  std::shared_ptr<const localizer::Localizer> localizer;
   // Becomes Frame::calibration: what the frame was taken with if it was taken
   // there. nullopt: the calibration that is stored with the scene.
-  std::optional<RgbdCalibration> calibration;
+  std::optional<camera::RgbdCalibration> calibration;
 };
 
 // Gives a scene that was ranked; may load it, and may take its time. An error
@@ -51,7 +51,7 @@ struct ConsideredScene {
   // Not OK: it should have been tried and could not be.
   absl::Status status;
   // If it was tried:
-  Outcome outcome = Outcome::kNotLocalized;
+  localizer::Outcome outcome = localizer::Outcome::kNotLocalized;
   double confidence = 0;
   int inliers = 0;
 };
@@ -60,9 +60,9 @@ struct AmongResult {
   // The scene that answered; empty if there was none to try.
   std::string scene;
   // Its localizer; null if there was none to try.
-  std::shared_ptr<const Localizer> localizer;
+  std::shared_ptr<const localizer::Localizer> localizer;
   // Of that scene. Timings are sums over the scenes tried.
-  PoseEstimate estimate;
+  localizer::PoseEstimate estimate;
   // All of the ranking, in its order.
   std::vector<ConsideredScene> considered;
 };
@@ -80,12 +80,11 @@ struct AmongResult {
 // for bad options; CANCELLED once `localize.stop` was requested; whatever
 // `acquire` ends everything with; and if no scene could be tried although there
 // were some, the error of the first.
-absl::StatusOr<AmongResult> LocalizeAmong(Frame frame,
-                                          std::span<const SceneScore> ranking,
-                                          const AcquireScene& acquire,
-                                          const LocalizeOptions& localize,
-                                          const AmongOptions& options = {});
+absl::StatusOr<AmongResult> LocalizeAmong(
+    image::Frame frame, std::span<const SceneScore> ranking,
+    const AcquireScene& acquire, const localizer::LocalizeOptions& localize,
+    const AmongOptions& options = {});
 
-}  // namespace treeline
+}  // namespace treeline::recognition
 
 #endif  // SERVER_CORE_RECOGNITION_LOCALIZE_AMONG_H_

@@ -5,37 +5,39 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::recognition {
 namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
 
 // Answers as it was told.
-class FakeLocalizer final : public Localizer {
+class FakeLocalizer final : public localizer::Localizer {
  public:
-  explicit FakeLocalizer(absl::StatusOr<PoseEstimate> answer)
+  explicit FakeLocalizer(absl::StatusOr<localizer::PoseEstimate> answer)
       : answer_(std::move(answer)) {}
 
-  absl::StatusOr<PoseEstimate> Localize(
-      const Frame& frame, const LocalizeOptions& options) const override {
+  absl::StatusOr<localizer::PoseEstimate> Localize(
+      const image::Frame& frame,
+      const localizer::LocalizeOptions& options) const override {
     calibration = frame.calibration;
     seed = options.seed;
     return answer_;
   }
-  const ModelInfo& info() const override { return info_; }
+  const forest::ModelInfo& info() const override { return info_; }
 
-  mutable std::optional<RgbdCalibration> calibration;
+  mutable std::optional<camera::RgbdCalibration> calibration;
   mutable uint64_t seed = 0;
 
  private:
-  const absl::StatusOr<PoseEstimate> answer_;
-  const ModelInfo info_;
+  const absl::StatusOr<localizer::PoseEstimate> answer_;
+  const forest::ModelInfo info_;
 };
 
-PoseEstimate Answer(bool localized, double confidence) {
-  PoseEstimate estimate;
-  estimate.outcome = localized ? Outcome::kLocalized : Outcome::kNotLocalized;
+localizer::PoseEstimate Answer(bool localized, double confidence) {
+  localizer::PoseEstimate estimate;
+  estimate.outcome = localized ? localizer::Outcome::kLocalized
+                               : localizer::Outcome::kNotLocalized;
   estimate.confidence = confidence;
   estimate.inliers = static_cast<int>(100 * confidence);
   estimate.timings.total_ms = 1;
@@ -46,7 +48,7 @@ class LocalizeAmongTest : public testing::Test {
  protected:
   // The next in the ranking.
   FakeLocalizer& Add(const std::string& scene,
-                     absl::StatusOr<PoseEstimate> answer) {
+                     absl::StatusOr<localizer::PoseEstimate> answer) {
     auto localizer = std::make_shared<FakeLocalizer>(std::move(answer));
     ranking_.push_back({scene, 1.0 / static_cast<double>(ranking_.size() + 1)});
     scenes_[scene] = SceneToTry{localizer, std::nullopt};
@@ -67,7 +69,7 @@ class LocalizeAmongTest : public testing::Test {
         {.seed = 7, .stop = stop_.get_token()}, options);
   }
 
-  Frame frame_{};
+  image::Frame frame_{};
   std::vector<SceneScore> ranking_{};
   std::map<std::string, absl::StatusOr<SceneToTry>> scenes_{};
   std::vector<std::string> acquired_{};
@@ -87,7 +89,7 @@ TEST_F(LocalizeAmongTest, ASurePoseEndsTheSearch) {
   ASSERT_EQ(result->considered.size(), 2u);
   EXPECT_TRUE(result->considered[0].tried);
   EXPECT_EQ(result->considered[0].similarity, 1);
-  EXPECT_EQ(result->considered[0].outcome, Outcome::kLocalized);
+  EXPECT_EQ(result->considered[0].outcome, localizer::Outcome::kLocalized);
   EXPECT_EQ(result->considered[0].inliers, 99);
   EXPECT_EQ(result->considered[1].scene, "b");
   EXPECT_FALSE(result->considered[1].tried);
@@ -117,7 +119,7 @@ TEST_F(LocalizeAmongTest, ConfidenceWithoutAPoseEndsNothing) {
   Add("b", Answer(false, 0.5));
   const auto result = Run();
   EXPECT_EQ(result->scene, "a");
-  EXPECT_EQ(result->estimate.outcome, Outcome::kNotLocalized);
+  EXPECT_EQ(result->estimate.outcome, localizer::Outcome::kNotLocalized);
   EXPECT_TRUE(result->considered[1].tried);
 }
 
@@ -146,17 +148,17 @@ TEST_F(LocalizeAmongTest, NoScenesAreNotLocalized) {
   ASSERT_TRUE(result.ok());
   EXPECT_EQ(result->scene, "");
   EXPECT_EQ(result->localizer, nullptr);
-  EXPECT_EQ(result->estimate.outcome, Outcome::kNotLocalized);
+  EXPECT_EQ(result->estimate.outcome, localizer::Outcome::kNotLocalized);
   EXPECT_THAT(result->considered, IsEmpty());
 }
 
 TEST_F(LocalizeAmongTest, EverySceneGetsItsOwnCalibration) {
   const FakeLocalizer& first = Add("a", Answer(true, 0.5));
   const FakeLocalizer& second = Add("b", Answer(true, 0.5));
-  RgbdCalibration calibration;
+  camera::RgbdCalibration calibration;
   calibration.depth_scale = 0.9;
   scenes_["a"]->calibration = calibration;
-  frame_.calibration = RgbdCalibration{};
+  frame_.calibration = camera::RgbdCalibration{};
   ASSERT_TRUE(Run().ok());
   EXPECT_EQ(first.calibration, calibration);
   EXPECT_EQ(second.calibration, std::nullopt);
@@ -189,4 +191,4 @@ TEST_F(LocalizeAmongTest, BadOptionsAreInvalid) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::recognition

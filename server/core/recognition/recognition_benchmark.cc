@@ -7,16 +7,16 @@
 #include "server/core/recognition/appearance_words.h"
 #include "server/core/recognition/scene_index.h"
 
-namespace treeline {
+namespace treeline::recognition {
 namespace {
 
 // Tiles: as many corners as an image may have.
-ColorImage Picture(int width, int height) {
-  ColorImage image{width, height, {}};
+image::ColorImage Picture(int width, int height) {
+  image::ColorImage image{width, height, {}};
   const int tile = width / 40;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      Random random(1, static_cast<uint64_t>(y / tile * 1000 + x / tile));
+      base::Random random(1, static_cast<uint64_t>(y / tile * 1000 + x / tile));
       for (int c = 0; c < 3; ++c) {
         image.rgb.push_back(static_cast<uint8_t>(random.NextBelow(256)));
       }
@@ -27,7 +27,7 @@ ColorImage Picture(int width, int height) {
 
 void BM_AppearanceWords(benchmark::State& state) {
   const int width = static_cast<int>(state.range(0));
-  const ColorImage image = Picture(width, width * 3 / 4);
+  const image::ColorImage image = Picture(width, width * 3 / 4);
   AppearanceWords words;
   size_t count = 0;
   for (auto _ : state) count = words.Extract(image).size();
@@ -41,7 +41,7 @@ BENCHMARK(BM_AppearanceWords)
 
 // Scenes with a seventh of all words each, as rooms of 270 frames have.
 SceneDescriptor RandomScene(uint64_t seed) {
-  Random random(seed, 0);
+  base::Random random(seed, 0);
   std::vector<uint32_t> words(kWords / 7);
   for (uint32_t& word : words) word = random.NextBelow(kWords);
   SceneDescriptor descriptor;
@@ -70,6 +70,6 @@ void BM_SetScene(benchmark::State& state) {
 BENCHMARK(BM_SetScene)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::recognition
 
 BENCHMARK_MAIN();

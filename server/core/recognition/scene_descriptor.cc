@@ -11,7 +11,7 @@
 #include "server/core/forest/model_file.h"
 #include "server/core/recognition/appearance_words.h"
 
-namespace treeline {
+namespace treeline::recognition {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -93,10 +93,11 @@ absl::StatusOr<SceneDescriptor> ReadSceneDescriptor(
     const std::string& model_path) {
   TL_ASSIGN_OR_RETURN(
       const std::string bytes,
-      ReadModelExtra(model_path, ModelExtra::kSceneDescriptor, kBytes));
+      forest::ReadModelExtra(model_path, forest::ModelExtra::kSceneDescriptor,
+                             kBytes));
   absl::StatusOr<SceneDescriptor> descriptor = SceneDescriptor::Parse(bytes);
-  if (!descriptor.ok()) return Annotate(descriptor.status(), model_path);
+  if (!descriptor.ok()) return base::Annotate(descriptor.status(), model_path);
   return descriptor;
 }
 
-}  // namespace treeline
+}  // namespace treeline::recognition

@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline {
+namespace treeline::recognition {
 
 // The set of words (see AppearanceWords) that occur in a scene's training
 // images. A value; an empty one is a scene that no image is known of.
@@ -55,6 +55,6 @@ class SceneDescriptor {
 absl::StatusOr<SceneDescriptor> ReadSceneDescriptor(
     const std::string& model_path);
 
-}  // namespace treeline
+}  // namespace treeline::recognition
 
 #endif  // SERVER_CORE_RECOGNITION_SCENE_DESCRIPTOR_H_

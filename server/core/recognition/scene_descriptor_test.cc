@@ -11,7 +11,7 @@
 #include "server/core/forest/model_file.h"
 #include "server/core/recognition/appearance_words.h"
 
-namespace treeline {
+namespace treeline::recognition {
 namespace {
 
 using testing::HasSubstr;
@@ -73,45 +73,47 @@ TEST(SceneDescriptorTest, OtherLengthsAreDataLoss) {
 class ReadSceneDescriptorTest : public testing::Test {
  protected:
   void SetUp() override {
-    forest_.nodes = {Node::Leaf(0)};
+    forest_.nodes = {forest::Node::Leaf(0)};
     forest_.tree_offsets = {0, 1};
     forest_.descriptors.resize(1);
     forest_.payloads.resize(1);
     info_.method = "rgbd";
     info_.calibration.color =
-        *Camera::Parse("PINHOLE,525,525,320,240", 640, 480);
+        *camera::Camera::Parse("PINHOLE,525,525,320,240", 640, 480);
     info_.calibration.depth = info_.calibration.color;
   }
   void TearDown() override { std::remove(path_.c_str()); }
 
-  void Write(std::span<const ModelExtraBytes> extras) {
-    ASSERT_TRUE(WriteModel(path_, info_, {forest_.View()}, extras).ok());
+  void Write(std::span<const forest::ModelExtraBytes> extras) {
+    ASSERT_TRUE(
+        forest::WriteModel(path_, info_, {forest_.View()}, extras).ok());
   }
 
   const std::string path_ = testing::TempDir() + "/read_scene_descriptor_" +
                             std::to_string(getpid()) + ".treeline";
-  Forest forest_{};
-  ModelInfo info_{};
+  forest::Forest forest_{};
+  forest::ModelInfo info_{};
 };
 
 TEST_F(ReadSceneDescriptorTest, FindsItAmongTheSections) {
   const std::string bytes = Example().Serialize();
-  const ModelExtraBytes extras[] = {{ModelExtra::kKeyframes, ""},
-                                    {ModelExtra::kSceneDescriptor, bytes}};
+  const forest::ModelExtraBytes extras[] = {
+      {forest::ModelExtra::kKeyframes, ""},
+      {forest::ModelExtra::kSceneDescriptor, bytes}};
   Write(extras);
   const absl::StatusOr<SceneDescriptor> read = ReadSceneDescriptor(path_);
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_EQ(*read, Example());
   // What else is in the file need not be intact.
-  std::string file = *ReadFile(path_);
+  std::string file = *base::ReadFile(path_);
   const size_t info = file.find("rgbd");
   ASSERT_NE(info, std::string::npos);
   file[info] = 'x';
-  ASSERT_TRUE(WriteFileAtomically(path_, file).ok());
+  ASSERT_TRUE(base::WriteFileAtomically(path_, file).ok());
   EXPECT_TRUE(ReadSceneDescriptor(path_).ok());
   // The descriptor must be.
   file[file.find(bytes.substr(0, 16)) + 100] ^= 1;
-  ASSERT_TRUE(WriteFileAtomically(path_, file).ok());
+  ASSERT_TRUE(base::WriteFileAtomically(path_, file).ok());
   const absl::Status status = ReadSceneDescriptor(path_).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
   EXPECT_THAT(std::string(status.message()), HasSubstr(path_));
@@ -130,12 +132,13 @@ TEST_F(ReadSceneDescriptorTest, MissingFilesAreNotFound) {
 
 TEST_F(ReadSceneDescriptorTest, TruncatedFilesAreDataLoss) {
   const std::string bytes = Example().Serialize();
-  const ModelExtraBytes extra{ModelExtra::kSceneDescriptor, bytes};
+  const forest::ModelExtraBytes extra{forest::ModelExtra::kSceneDescriptor,
+                                      bytes};
   Write({&extra, 1});
-  const std::string good = *ReadFile(path_);
+  const std::string good = *base::ReadFile(path_);
   for (const size_t length :
        {size_t{0}, size_t{63}, size_t{100}, good.size() / 2, good.size() - 1}) {
-    ASSERT_TRUE(WriteFileAtomically(path_, good.substr(0, length)).ok());
+    ASSERT_TRUE(base::WriteFileAtomically(path_, good.substr(0, length)).ok());
     EXPECT_EQ(ReadSceneDescriptor(path_).status().code(),
               absl::StatusCode::kDataLoss)
         << length;
@@ -144,11 +147,12 @@ TEST_F(ReadSceneDescriptorTest, TruncatedFilesAreDataLoss) {
 
 TEST_F(ReadSceneDescriptorTest, ADescriptorTooLongIsDataLoss) {
   const std::string bytes = Example().Serialize() + "more";
-  const ModelExtraBytes extra{ModelExtra::kSceneDescriptor, bytes};
+  const forest::ModelExtraBytes extra{forest::ModelExtra::kSceneDescriptor,
+                                      bytes};
   Write({&extra, 1});
   EXPECT_EQ(ReadSceneDescriptor(path_).status().code(),
             absl::StatusCode::kDataLoss);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::recognition

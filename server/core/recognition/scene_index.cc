@@ -7,7 +7,7 @@
 
 #include "server/core/recognition/appearance_words.h"
 
-namespace treeline {
+namespace treeline::recognition {
 namespace {
 
 // Chosen on training frames; docs/scene-recognition.md.
@@ -101,7 +101,7 @@ size_t SceneIndex::size() const {
 }
 
 std::vector<SceneScore> SceneIndex::Rank(
-    const Frame& frame,
+    const image::Frame& frame,
     std::optional<std::span<const std::string>> candidates) const {
   AppearanceWords words;
   return RankWords(words.Extract(frame.color), candidates);
@@ -154,4 +154,4 @@ std::vector<SceneScore> SceneIndex::RankWords(
   return ranking;
 }
 
-}  // namespace treeline
+}  // namespace treeline::recognition

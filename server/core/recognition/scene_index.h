@@ -16,7 +16,7 @@
 #include "common/image/frame.h"
 #include "server/core/recognition/scene_descriptor.h"
 
-namespace treeline {
+namespace treeline::recognition {
 
 struct SceneScore {
   std::string scene;
@@ -54,7 +54,7 @@ class SceneIndex {
   //
   // candidates: those to rank; names that are not in the index are left out.
   // nullopt: all. Of the frame, the colour alone is looked at.
-  std::vector<SceneScore> Rank(const Frame& frame,
+  std::vector<SceneScore> Rank(const image::Frame& frame,
                                std::optional<std::span<const std::string>>
                                    candidates = std::nullopt) const;
   // The same for the words of a frame: see AppearanceWords.
@@ -83,6 +83,6 @@ class SceneIndex {
   std::vector<std::unique_ptr<Block>> blocks_ ABSL_GUARDED_BY(mutex_);
 };
 
-}  // namespace treeline
+}  // namespace treeline::recognition
 
 #endif  // SERVER_CORE_RECOGNITION_SCENE_INDEX_H_

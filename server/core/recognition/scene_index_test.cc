@@ -10,7 +10,7 @@
 #include "gtest/gtest.h"
 #include "server/core/recognition/appearance_words.h"
 
-namespace treeline {
+namespace treeline::recognition {
 namespace {
 
 using testing::ElementsAre;
@@ -18,7 +18,7 @@ using testing::IsEmpty;
 
 // `count` words that are `seed`'s.
 std::vector<uint32_t> Words(uint64_t seed, int count) {
-  Random random(seed, 0);
+  base::Random random(seed, 0);
   std::vector<uint32_t> words;
   for (int i = 0; i < count; ++i) words.push_back(random.NextBelow(kWords));
   return words;
@@ -117,7 +117,7 @@ TEST(SceneIndexTest, AFrameWithoutWordsIsLikeNoScene) {
   SceneIndex index;
   index.Set("b", Described(Words(1, 100)));
   index.Set("a", Described(Words(2, 100)));
-  Frame wall;
+  image::Frame wall;
   wall.color = {64, 48, std::vector<uint8_t>(3 * 64 * 48, 90)};
   EXPECT_THAT(index.Rank(wall),
               ElementsAre(SceneScore{"a", 0}, SceneScore{"b", 0}));
@@ -138,4 +138,4 @@ TEST(SceneIndexTest, RanksWhileScenesComeAndGo) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::recognition

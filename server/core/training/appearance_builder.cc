@@ -9,10 +9,10 @@
 #include "common/base/status_macros.h"
 #include "server/core/recognition/appearance_words.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
-std::vector<int> SelectImages(const Dataset& dataset, int max_images) {
+std::vector<int> SelectImages(const dataset::Dataset& dataset, int max_images) {
   std::vector<int> usable;
   for (int i = 0; i < dataset.size(); ++i) {
     if (dataset.frame(i).world_from_camera) usable.push_back(i);
@@ -33,35 +33,35 @@ struct ImageWords {
 
 }  // namespace
 
-absl::StatusOr<SceneDescriptor> BuildSceneDescriptor(
-    const Dataset& dataset, const AppearanceOptions& options, bool quiet,
-    const std::stop_token& stop) {
+absl::StatusOr<recognition::SceneDescriptor> BuildSceneDescriptor(
+    const dataset::Dataset& dataset, const AppearanceOptions& options,
+    bool quiet, const std::stop_token& stop) {
   if (options.max_images < 1) {
     return absl::InvalidArgumentError("max_images must be positive");
   }
   const std::vector<int> images = SelectImages(dataset, options.max_images);
   std::vector<ImageWords> parts(images.size());
   {
-    Progress progress("appearance",
-                      std::max<int64_t>(1, static_cast<int64_t>(images.size())),
-                      quiet);
-    ParallelFor(static_cast<int64_t>(images.size()), options.threads,
-                [&](int64_t i) {
-                  if (stop.stop_requested()) return;
-                  ImageWords& part = parts[static_cast<size_t>(i)];
-                  const absl::StatusOr<Frame> frame =
-                      dataset.Load(images[static_cast<size_t>(i)]);
-                  part.status = frame.status();
-                  if (!frame.ok()) return;
-                  AppearanceWords words;
-                  part.words = words.Extract(frame->color);
-                  progress.Add(1);
-                });
+    base::Progress progress(
+        "appearance", std::max<int64_t>(1, static_cast<int64_t>(images.size())),
+        quiet);
+    base::ParallelFor(static_cast<int64_t>(images.size()), options.threads,
+                      [&](int64_t i) {
+                        if (stop.stop_requested()) return;
+                        ImageWords& part = parts[static_cast<size_t>(i)];
+                        const absl::StatusOr<image::Frame> frame =
+                            dataset.Load(images[static_cast<size_t>(i)]);
+                        part.status = frame.status();
+                        if (!frame.ok()) return;
+                        recognition::AppearanceWords words;
+                        part.words = words.Extract(frame->color);
+                        progress.Add(1);
+                      });
   }
   if (stop.stop_requested()) {
     return absl::CancelledError("training was interrupted");
   }
-  SceneDescriptor descriptor;
+  recognition::SceneDescriptor descriptor;
   for (const ImageWords& part : parts) {
     TL_RETURN_IF_ERROR(part.status);
     descriptor.Add(part.words);
@@ -69,4 +69,4 @@ absl::StatusOr<SceneDescriptor> BuildSceneDescriptor(
   return descriptor;
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

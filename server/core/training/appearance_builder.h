@@ -8,7 +8,7 @@
 #include "common/dataset/dataset.h"
 #include "server/core/recognition/scene_descriptor.h"
 
-namespace treeline {
+namespace treeline::training {
 
 struct AppearanceOptions {
   // At most so many, evenly spread: the more images, the more words a scene
@@ -20,10 +20,10 @@ struct AppearanceOptions {
 
 // The words of the frames that have a pose. The result does not depend on
 // threads. CANCELLED after `stop`, and whatever reading a frame gives.
-absl::StatusOr<SceneDescriptor> BuildSceneDescriptor(
-    const Dataset& dataset, const AppearanceOptions& options, bool quiet,
-    const std::stop_token& stop);
+absl::StatusOr<recognition::SceneDescriptor> BuildSceneDescriptor(
+    const dataset::Dataset& dataset, const AppearanceOptions& options,
+    bool quiet, const std::stop_token& stop);
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_APPEARANCE_BUILDER_H_

@@ -16,10 +16,10 @@
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
-constexpr size_t kFeatures = ConfidenceModel::kFeatures;
+constexpr size_t kFeatures = forest::ConfidenceModel::kFeatures;
 using Vector = Eigen::Matrix<double, kFeatures, 1>;
 using Matrix = Eigen::Matrix<double, kFeatures, kFeatures>;
 
@@ -42,8 +42,8 @@ constexpr int kBlurRadius_px = 12;
 
 double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
 
-ColorImage Mirrored(const ColorImage& image) {
-  ColorImage out = image;
+image::ColorImage Mirrored(const image::ColorImage& image) {
+  image::ColorImage out = image;
   const size_t width = static_cast<size_t>(image.width);
   for (size_t y = 0; y < static_cast<size_t>(image.height); ++y) {
     for (size_t x = 0; x < width; ++x) {
@@ -56,8 +56,8 @@ ColorImage Mirrored(const ColorImage& image) {
   return out;
 }
 
-DepthImage Mirrored(const DepthImage& image) {
-  DepthImage out = image;
+image::DepthImage Mirrored(const image::DepthImage& image) {
+  image::DepthImage out = image;
   const size_t width = static_cast<size_t>(image.width);
   for (size_t y = 0; y < static_cast<size_t>(image.height); ++y) {
     std::reverse(
@@ -67,8 +67,8 @@ DepthImage Mirrored(const DepthImage& image) {
   return out;
 }
 
-Frame Mirrored(const Frame& frame) {
-  Frame out;
+image::Frame Mirrored(const image::Frame& frame) {
+  image::Frame out;
   out.calibration = frame.calibration;
   out.color = Mirrored(frame.color);
   if (frame.depth) out.depth = Mirrored(*frame.depth);
@@ -84,8 +84,9 @@ struct Window {
 };
 
 // `cover` but for a window of `frame`. Both have the same sizes.
-Frame Covered(const Frame& frame, const Frame& cover, const Window& window) {
-  Frame out = cover;
+image::Frame Covered(const image::Frame& frame, const image::Frame& cover,
+                     const Window& window) {
+  image::Frame out = cover;
   const auto copy = [&](int width, int height, const auto& copy_pixel) {
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
@@ -108,8 +109,8 @@ Frame Covered(const Frame& frame, const Frame& cover, const Window& window) {
 }
 
 // Smeared sideways, as by a moving camera.
-Frame Blurred(const Frame& frame) {
-  Frame out = frame;
+image::Frame Blurred(const image::Frame& frame) {
+  image::Frame out = frame;
   const int width = frame.color.width;
   for (int y = 0; y < frame.color.height; ++y) {
     for (int c = 0; c < 3; ++c) {
@@ -152,7 +153,7 @@ class TemporaryFile {
   const std::string path_;
 };
 
-bool HaveSameSizes(const Frame& a, const Frame& b) {
+bool HaveSameSizes(const image::Frame& a, const image::Frame& b) {
   return a.color.width == b.color.width && a.color.height == b.color.height &&
          a.depth.has_value() == b.depth.has_value() &&
          (!a.depth || (a.depth->width == b.depth->width &&
@@ -162,16 +163,18 @@ bool HaveSameSizes(const Frame& a, const Frame& b) {
 // The trials of one frame; `other` covers it.
 class FrameTrials {
  public:
-  FrameTrials(const Localizer& localizer, const Rigid3& truth,
-              const ConfidenceOptions& options, uint64_t seed)
+  FrameTrials(const localizer::Localizer& localizer,
+              const geometry::Rigid3& truth, const ConfidenceOptions& options,
+              uint64_t seed)
       : localizer_(localizer),
         truth_(truth),
         options_(options),
         random_(options.seed, kTrialStream + seed) {}
 
-  absl::Status Run(const Frame& frame, const Frame& other) {
+  absl::Status Run(const image::Frame& frame, const image::Frame& other) {
     // Pictures of other sizes do not fit over it.
-    const Frame cover = Mirrored(HaveSameSizes(frame, other) ? other : frame);
+    const image::Frame cover =
+        Mirrored(HaveSameSizes(frame, other) ? other : frame);
     TL_RETURN_IF_ERROR(Try(frame, true));
     for (const double size : kWindows) {
       const double left = random_.NextUniform(0, 1 - size);
@@ -187,13 +190,14 @@ class FrameTrials {
   std::vector<ConfidenceTrial>& trials() { return trials_; }
 
  private:
-  absl::Status Try(const Frame& frame, bool can_be_right) {
-    LocalizeOptions query;
+  absl::Status Try(const image::Frame& frame, bool can_be_right) {
+    localizer::LocalizeOptions query;
     query.seed = random_.NextBits();
-    TL_ASSIGN_OR_RETURN(const PoseEstimate estimate,
+    TL_ASSIGN_OR_RETURN(const localizer::PoseEstimate estimate,
                         localizer_.Localize(frame, query));
     if (estimate.inliers == 0) return absl::OkStatus();
-    const PoseError error = ErrorBetween(estimate.world_from_camera, truth_);
+    const geometry::PoseError error =
+        geometry::ErrorBetween(estimate.world_from_camera, truth_);
     trials_.push_back(
         {estimate.evidence, can_be_right &&
                                 error.translation_m < options_.translation_m &&
@@ -201,10 +205,10 @@ class FrameTrials {
     return absl::OkStatus();
   }
 
-  const Localizer& localizer_;
-  const Rigid3 truth_;
+  const localizer::Localizer& localizer_;
+  const geometry::Rigid3 truth_;
   const ConfidenceOptions& options_;
-  Random random_;
+  base::Random random_;
   std::vector<ConfidenceTrial> trials_;
 };
 
@@ -223,8 +227,8 @@ HeldOutSplit SplitForConfidence(std::span<const int> frames) {
   return split;
 }
 
-ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
-                              const ConfidenceModel& prior) {
+forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
+                                      const forest::ConfidenceModel& prior) {
   Vector weights;
   Vector centre;
   for (size_t i = 0; i < kFeatures; ++i) {
@@ -234,8 +238,8 @@ ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
   const double precision = 1 / (kPriorSigma * kPriorSigma);
   std::vector<Vector> features;
   for (const ConfidenceTrial& trial : trials) {
-    const ConfidenceModel::Features f =
-        ConfidenceModel::FeaturesOf(trial.evidence);
+    const forest::ConfidenceModel::Features f =
+        forest::ConfidenceModel::FeaturesOf(trial.evidence);
     features.push_back(Eigen::Map<const Vector>(f.data()));
   }
   const auto loss = [&](const Vector& w) {
@@ -282,7 +286,7 @@ ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
     best = reached;
     weights = candidate;
   }
-  ConfidenceModel model;
+  forest::ConfidenceModel model;
   std::copy(weights.begin(), weights.end(), model.weights.begin());
 
   std::vector<std::pair<double, bool>> answers;
@@ -304,7 +308,7 @@ ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
 }
 
 absl::StatusOr<std::vector<ConfidenceTrial>> RunConfidenceTrials(
-    const Localizer& localizer, const Dataset& held_out,
+    const localizer::Localizer& localizer, const dataset::Dataset& held_out,
     const ConfidenceOptions& options, bool quiet, const std::stop_token& stop) {
   std::vector<int> frames;
   for (int i = 0; i < held_out.size(); ++i) {
@@ -321,27 +325,29 @@ absl::StatusOr<std::vector<ConfidenceTrial>> RunConfidenceTrials(
   const auto run =
       [&](size_t k) -> absl::StatusOr<std::vector<ConfidenceTrial>> {
     const int i = chosen[k];
-    TL_ASSIGN_OR_RETURN(const Frame frame, held_out.Load(i));
+    TL_ASSIGN_OR_RETURN(const image::Frame frame, held_out.Load(i));
     // What covers it comes from elsewhere in the recording.
-    TL_ASSIGN_OR_RETURN(const Frame other,
+    TL_ASSIGN_OR_RETURN(const image::Frame other,
                         held_out.Load(chosen[(k + count / 2) % count]));
-    const RgbdCalibration& calibration = localizer.info().calibration;
-    FrameTrials trials(localizer,
-                       PoseOfSensor(*held_out.frame(i).world_from_camera,
-                                    held_out.calibration().pose_sensor,
-                                    calibration.pose_sensor, calibration),
-                       options, static_cast<uint64_t>(i));
+    const camera::RgbdCalibration& calibration = localizer.info().calibration;
+    FrameTrials trials(
+        localizer,
+        camera::PoseOfSensor(*held_out.frame(i).world_from_camera,
+                             held_out.calibration().pose_sensor,
+                             calibration.pose_sensor, calibration),
+        options, static_cast<uint64_t>(i));
     TL_RETURN_IF_ERROR(trials.Run(frame, other));
     return std::move(trials.trials());
   };
   {
-    Progress progress("calibrating confidence", static_cast<int64_t>(count),
-                      quiet);
-    ParallelFor(static_cast<int64_t>(count), options.threads, [&](int64_t k) {
-      if (stop.stop_requested()) return;
-      results[static_cast<size_t>(k)] = run(static_cast<size_t>(k));
-      progress.Add(1);
-    });
+    base::Progress progress("calibrating confidence",
+                            static_cast<int64_t>(count), quiet);
+    base::ParallelFor(
+        static_cast<int64_t>(count), options.threads, [&](int64_t k) {
+          if (stop.stop_requested()) return;
+          results[static_cast<size_t>(k)] = run(static_cast<size_t>(k));
+          progress.Add(1);
+        });
   }
   if (stop.stop_requested()) {
     return absl::CancelledError("training was interrupted");
@@ -354,18 +360,18 @@ absl::StatusOr<std::vector<ConfidenceTrial>> RunConfidenceTrials(
   return trials;
 }
 
-absl::StatusOr<ConfidenceModel> LearnConfidence(
+absl::StatusOr<forest::ConfidenceModel> LearnConfidence(
     const std::function<absl::Status(const std::string&)>& write_model,
-    const std::string& path, const Dataset& held_out,
+    const std::string& path, const dataset::Dataset& held_out,
     const ConfidenceOptions& options, bool quiet, const std::stop_token& stop) {
   const TemporaryFile file(absl::StrCat(path, ".trial-", getpid()));
   TL_RETURN_IF_ERROR(write_model(file.path()));
-  TL_ASSIGN_OR_RETURN(const std::unique_ptr<Localizer> localizer,
-                      OpenLocalizer(file.path()));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<localizer::Localizer> localizer,
+                      localizer::OpenLocalizer(file.path()));
   TL_ASSIGN_OR_RETURN(
       const std::vector<ConfidenceTrial> trials,
       RunConfidenceTrials(*localizer, held_out, options, quiet, stop));
-  return FitConfidence(trials, ConfidenceModel::Typical());
+  return FitConfidence(trials, forest::ConfidenceModel::Typical());
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

@@ -13,11 +13,11 @@
 #include "server/core/forest/confidence_model.h"
 #include "server/core/localizer/localizer.h"
 
-namespace treeline {
+namespace treeline::training {
 
 // What spoke for one pose, and whether it was right.
 struct ConfidenceTrial {
-  PoseEvidence evidence;
+  forest::PoseEvidence evidence;
   bool is_right = false;
 };
 
@@ -25,8 +25,8 @@ struct ConfidenceTrial {
 // trials of its own; weights of evidence are not negative, so that more of it
 // never counts against a pose. The threshold is the least one, from 0.5 up, at
 // which all but one in a hundred of the trials' answers are right.
-ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
-                              const ConfidenceModel& prior);
+forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
+                                      const forest::ConfidenceModel& prior);
 
 struct ConfidenceOptions {
   uint64_t seed = 0;
@@ -45,15 +45,15 @@ struct ConfidenceOptions {
 // a pose are left out. The result does not depend on threads. CANCELLED after
 // `stop`, and whatever reading a frame gives.
 absl::StatusOr<std::vector<ConfidenceTrial>> RunConfidenceTrials(
-    const Localizer& localizer, const Dataset& held_out,
+    const localizer::Localizer& localizer, const dataset::Dataset& held_out,
     const ConfidenceOptions& options, bool quiet, const std::stop_token& stop);
 
 // Writes a model beside `path`, runs the trials on it, removes it again, and
 // fits a confidence to their outcomes. Errors of write_model and
 // RunConfidenceTrials.
-absl::StatusOr<ConfidenceModel> LearnConfidence(
+absl::StatusOr<forest::ConfidenceModel> LearnConfidence(
     const std::function<absl::Status(const std::string&)>& write_model,
-    const std::string& path, const Dataset& held_out,
+    const std::string& path, const dataset::Dataset& held_out,
     const ConfidenceOptions& options, bool quiet, const std::stop_token& stop);
 
 // Parts a recording in blocks to learn from and blocks to test the result on,
@@ -65,6 +65,6 @@ struct HeldOutSplit {
 };
 HeldOutSplit SplitForConfidence(std::span<const int> frames);
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_CONFIDENCE_FITTER_H_

@@ -6,12 +6,12 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 // Poses whose chance of being right grows with their share of inliers.
 std::vector<ConfidenceTrial> MakeTrials(uint64_t seed, int count) {
-  Random random(seed, 1);
+  base::Random random(seed, 1);
   std::vector<ConfidenceTrial> trials;
   for (int i = 0; i < count; ++i) {
     ConfidenceTrial trial;
@@ -26,8 +26,8 @@ std::vector<ConfidenceTrial> MakeTrials(uint64_t seed, int count) {
 }
 
 TEST(ConfidenceFitterTest, ProbabilitiesMeanWhatTheySay) {
-  const ConfidenceModel model =
-      FitConfidence(MakeTrials(1, 2000), ConfidenceModel::Typical());
+  const forest::ConfidenceModel model =
+      FitConfidence(MakeTrials(1, 2000), forest::ConfidenceModel::Typical());
   // On other trials: of those that get about p, a share of p is right.
   constexpr int kBins = 5;
   double said[kBins] = {};
@@ -54,17 +54,18 @@ TEST(ConfidenceFitterTest, MoreEvidenceNeverCountsAgainstAPose) {
   for (ConfidenceTrial& trial : trials) {
     trial.evidence.correlation = trial.is_right ? 0.2 : 0.9;
   }
-  const ConfidenceModel model =
-      FitConfidence(trials, ConfidenceModel::Typical());
-  for (size_t i = 1; i < ConfidenceModel::kFeatures; ++i) {
-    EXPECT_GE(model.weights[i], 0) << ConfidenceModel::FeatureNames()[i];
+  const forest::ConfidenceModel model =
+      FitConfidence(trials, forest::ConfidenceModel::Typical());
+  for (size_t i = 1; i < forest::ConfidenceModel::kFeatures; ++i) {
+    EXPECT_GE(model.weights[i], 0)
+        << forest::ConfidenceModel::FeatureNames()[i];
   }
 }
 
 TEST(ConfidenceFitterTest, TheThresholdKeepsAnswersPrecise) {
   const std::vector<ConfidenceTrial> trials = MakeTrials(4, 3000);
-  const ConfidenceModel model =
-      FitConfidence(trials, ConfidenceModel::Typical());
+  const forest::ConfidenceModel model =
+      FitConfidence(trials, forest::ConfidenceModel::Typical());
   int given = 0;
   int wrong = 0;
   for (const ConfidenceTrial& trial : trials) {
@@ -78,7 +79,7 @@ TEST(ConfidenceFitterTest, TheThresholdKeepsAnswersPrecise) {
 }
 
 TEST(ConfidenceFitterTest, WithoutTrialsThePriorHolds) {
-  const ConfidenceModel prior = ConfidenceModel::Typical();
+  const forest::ConfidenceModel prior = forest::ConfidenceModel::Typical();
   EXPECT_EQ(FitConfidence({}, prior).weights, prior.weights);
 }
 
@@ -100,4 +101,4 @@ TEST(ConfidenceFitterTest, BlocksHeldOutHaveNoNeighboursAmongThoseLearnt) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::training

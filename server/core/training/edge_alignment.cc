@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 // A depth edge: the neighbour is further away by this share of the depth.
@@ -42,7 +42,8 @@ void BlurLines(std::vector<float>& image, int lines, int length,
 }
 
 // Gradient magnitude of the grey image, capped, blurred, scaled to mean 1.
-std::vector<float> EdgeStrength(const ColorImage& image, double smoothing_px) {
+std::vector<float> EdgeStrength(const image::ColorImage& image,
+                                double smoothing_px) {
   const int w = image.width;
   const int h = image.height;
   const size_t stride = static_cast<size_t>(w);
@@ -76,19 +77,19 @@ std::vector<float> EdgeStrength(const ColorImage& image, double smoothing_px) {
 
 }  // namespace
 
-EdgeAlignment::EdgeAlignment(const std::vector<Frame>& frames,
+EdgeAlignment::EdgeAlignment(const std::vector<image::Frame>& frames,
                              double smoothing_px) {
-  for (const Frame& frame : frames) {
+  for (const image::Frame& frame : frames) {
     EdgeFrame edges;
     edges.width = frame.color.width;
     edges.height = frame.color.height;
     edges.strength = EdgeStrength(frame.color, smoothing_px);
-    const DepthImage& depth = *frame.depth;
+    const image::DepthImage& depth = *frame.depth;
     const auto depth_m = [&](int u, int v) {
       const uint16_t value = depth.values[static_cast<size_t>(v) *
                                               static_cast<size_t>(depth.width) +
                                           static_cast<size_t>(u)];
-      return IsMeasured(value) ? value * depth.unit_m : 0.0;
+      return image::IsMeasured(value) ? value * depth.unit_m : 0.0;
     };
     for (int v = 2; v + 2 < depth.height; ++v) {
       for (int u = 2; u + 2 < depth.width; ++u) {
@@ -111,7 +112,8 @@ EdgeAlignment::EdgeAlignment(const std::vector<Frame>& frames,
   }
 }
 
-double EdgeAlignment::Strength(const RgbdCalibration& calibration) const {
+double EdgeAlignment::Strength(
+    const camera::RgbdCalibration& calibration) const {
   double sum = 0;
   int64_t count = 0;
   for (const EdgeFrame& frame : frames_) {
@@ -119,8 +121,9 @@ double EdgeAlignment::Strength(const RgbdCalibration& calibration) const {
       const auto ray = calibration.depth.Unproject({edge.u, edge.v});
       if (!ray) continue;
       const double z = calibration.depth_scale * edge.depth_m;
-      const Pixel p = calibration.color.Project(
-          calibration.color_from_depth * Vec3{ray->x * z, ray->y * z, z});
+      const camera::Pixel p =
+          calibration.color.Project(calibration.color_from_depth *
+                                    geometry::Vec3{ray->x * z, ray->y * z, z});
       ++count;
       if (!(p.x >= 0 && p.y >= 0 && p.x < frame.width - 1 &&
             p.y < frame.height - 1)) {
@@ -141,4 +144,4 @@ double EdgeAlignment::Strength(const RgbdCalibration& calibration) const {
   return count == 0 ? 0 : sum / static_cast<double>(count);
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

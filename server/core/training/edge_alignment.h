@@ -7,18 +7,18 @@
 #include "common/camera/rgbd_calibration.h"
 #include "common/image/frame.h"
 
-namespace treeline {
+namespace treeline::training {
 
 // Depth edges and colour edge strength of some frames.
 class EdgeAlignment {
  public:
   // smoothing_px: standard deviation of the blur of the edge strength. More
   // sees further and less sharply. Frame::depth must be present.
-  EdgeAlignment(const std::vector<Frame>& frames, double smoothing_px);
+  EdgeAlignment(const std::vector<image::Frame>& frames, double smoothing_px);
 
   // Mean colour edge strength, normalised per image to mean 1, at the depth
   // edges as `calibration` projects them; larger is better.
-  double Strength(const RgbdCalibration& calibration) const;
+  double Strength(const camera::RgbdCalibration& calibration) const;
 
  private:
   // A pixel on the near side of a depth edge: what occludes is sharp in both
@@ -37,6 +37,6 @@ class EdgeAlignment {
   std::vector<EdgeFrame> frames_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_EDGE_ALIGNMENT_H_

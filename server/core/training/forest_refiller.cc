@@ -13,7 +13,7 @@
 #include "server/core/training/frame_samples.h"
 #include "server/core/training/quantize_forest.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 // Samples within this distance of a mode's mean belong to it (m).
@@ -25,7 +25,7 @@ constexpr size_t kMaxModes = 16;
 struct RoutedSamples {
   std::vector<uint32_t> leaf;  // the leaf's node, within the tree
   std::vector<Label> point_in_world;
-  std::vector<WhtDescriptor> descriptor;
+  std::vector<features::WhtDescriptor> descriptor;
 };
 
 // Samples of a leaf that lie near each other, as sums.
@@ -34,7 +34,7 @@ class Mode {
   explicit Mode(const GrownLeaf& leaf) : count_(leaf.count) {
     const double n = leaf.count;
     sum_ = n * leaf.mean_in_world;
-    const Vec3& m = leaf.mean_in_world;
+    const geometry::Vec3& m = leaf.mean_in_world;
     const std::array<double, 6> square = Products(m);
     for (size_t k = 0; k < 6; ++k) {
       products_[k] = n * (static_cast<double>(leaf.covariance[k]) + square[k]);
@@ -44,10 +44,10 @@ class Mode {
     }
   }
 
-  Vec3 mean() const { return sum_ / count_; }
+  geometry::Vec3 mean() const { return sum_ / count_; }
   double count() const { return count_; }
 
-  void Add(Vec3 point, const WhtDescriptor& descriptor) {
+  void Add(geometry::Vec3 point, const features::WhtDescriptor& descriptor) {
     ++count_;
     sum_ = sum_ + point;
     const std::array<double, 6> square = Products(point);
@@ -78,22 +78,23 @@ class Mode {
   }
 
  private:
-  static std::array<double, 6> Products(Vec3 v) {
+  static std::array<double, 6> Products(geometry::Vec3 v) {
     return {v.x * v.x, v.x * v.y, v.x * v.z, v.y * v.y, v.y * v.z, v.z * v.z};
   }
 
   double count_ = 0;
-  Vec3 sum_;
+  geometry::Vec3 sum_;
   std::array<double, 6> products_{};
   std::array<double, 64> descriptor_{};
 };
 
-void AddToNearest(Vec3 point, const WhtDescriptor& descriptor,
+void AddToNearest(geometry::Vec3 point,
+                  const features::WhtDescriptor& descriptor,
                   std::vector<Mode>& modes) {
   double nearest = kModeRadius_m * kModeRadius_m;
   Mode* chosen = nullptr;
   for (Mode& mode : modes) {
-    const double distance = SquaredNorm(mode.mean() - point);
+    const double distance = geometry::SquaredNorm(mode.mean() - point);
     if (distance < nearest) {
       nearest = distance;
       chosen = &mode;
@@ -109,18 +110,19 @@ void AddToNearest(Vec3 point, const WhtDescriptor& descriptor,
 // Copies a tree, leaving out leaves without modes and the splits above them.
 class Pruner {
  public:
-  Pruner(std::span<const Node> nodes,
+  Pruner(std::span<const forest::Node> nodes,
          const std::vector<std::vector<Mode>>& modes)
       : nodes_(nodes), modes_(modes) {}
 
   // False: nothing is left of the subtree at `node`.
   bool Copy(size_t node, GrownTree& tree) const {
-    const Node& old = nodes_[node];
+    const forest::Node& old = nodes_[node];
     if (old.is_leaf()) {
       const std::vector<Mode>& modes = modes_[node];
       if (modes.empty()) return false;
-      tree.nodes.push_back(Node::Leaf(static_cast<uint32_t>(tree.leaves.size()),
-                                      static_cast<uint32_t>(modes.size())));
+      tree.nodes.push_back(
+          forest::Node::Leaf(static_cast<uint32_t>(tree.leaves.size()),
+                             static_cast<uint32_t>(modes.size())));
       for (const Mode& mode : modes) tree.leaves.push_back(mode.ToLeaf());
       return true;
     }
@@ -130,8 +132,8 @@ class Pruner {
     const size_t middle = tree.nodes.size();
     const bool right = Copy(node + old.right_offset(), tree);
     if (left && right) {
-      tree.nodes[self] = Node::Split(old.feature(), old.threshold(),
-                                     static_cast<uint32_t>(middle - self));
+      tree.nodes[self] = forest::Node::Split(
+          old.feature(), old.threshold(), static_cast<uint32_t>(middle - self));
       return true;
     }
     // The side that is left takes the split's place: offsets are relative.
@@ -140,18 +142,18 @@ class Pruner {
   }
 
  private:
-  const std::span<const Node> nodes_;
+  const std::span<const forest::Node> nodes_;
   const std::vector<std::vector<Mode>>& modes_;
 };
 
-GrownTree RefillTree(const ForestView& base, int t, Refill refill,
+GrownTree RefillTree(const forest::ForestView& base, int t, Refill refill,
                      const std::vector<std::vector<RoutedSamples>>& routed) {
-  const std::span<const Node> nodes = base.tree(t);
+  const std::span<const forest::Node> nodes = base.tree(t);
   std::vector<std::vector<Mode>> modes(nodes.size());
   if (refill == Refill::kExtend) {
     const GrownTree old = GrownTreeOf(base, t);
     for (size_t i = 0; i < old.nodes.size(); ++i) {
-      const Node& node = old.nodes[i];
+      const forest::Node& node = old.nodes[i];
       for (uint32_t k = 0; node.is_leaf() && k < node.modes(); ++k) {
         modes[i].emplace_back(old.leaves[node.leaf() + k]);
       }
@@ -178,12 +180,10 @@ GrownTree RefillTree(const ForestView& base, int t, Refill refill,
 
 }  // namespace
 
-absl::StatusOr<TrainedForest> RefillForest(const ForestView& base,
-                                           const Dataset& dataset,
-                                           const RgbdCalibration& calibration,
-                                           const TrainingOptions& options,
-                                           Refill refill, bool quiet,
-                                           const std::stop_token& stop) {
+absl::StatusOr<TrainedForest> RefillForest(
+    const forest::ForestView& base, const dataset::Dataset& dataset,
+    const camera::RgbdCalibration& calibration, const TrainingOptions& options,
+    Refill refill, bool quiet, const std::stop_token& stop) {
   const std::vector<int> frames = UsableFrames(dataset);
   if (frames.empty()) {
     return absl::FailedPreconditionError(
@@ -192,24 +192,25 @@ absl::StatusOr<TrainedForest> RefillForest(const ForestView& base,
                      "nothing to learn from"));
   }
   const size_t trees = static_cast<size_t>(base.trees());
-  const DepthGeometry geometry(calibration);
+  const features::DepthGeometry geometry(calibration);
   // Leaves are numbered across trees; samples want to know the node. A copy of
   // the nodes whose leaves carry their own place does that.
-  std::vector<Node> places(base.nodes.begin(), base.nodes.end());
+  std::vector<forest::Node> places(base.nodes.begin(), base.nodes.end());
   for (size_t t = 0; t < trees; ++t) {
     for (size_t i = base.tree_offsets[t]; i < base.tree_offsets[t + 1]; ++i) {
       if (!places[i].is_leaf()) continue;
-      places[i] = Node::Leaf(static_cast<uint32_t>(i - base.tree_offsets[t]));
+      places[i] =
+          forest::Node::Leaf(static_cast<uint32_t>(i - base.tree_offsets[t]));
     }
   }
   std::vector<std::vector<RoutedSamples>> routed(frames.size());
   std::vector<absl::Status> statuses(frames.size());
   const auto route = [&](size_t i) -> absl::Status {
     const int frame_index = frames[i];
-    const DatasetFrame& entry = dataset.frame(frame_index);
-    TL_ASSIGN_OR_RETURN(const Frame frame, dataset.Load(frame_index));
+    const dataset::DatasetFrame& entry = dataset.frame(frame_index);
+    TL_ASSIGN_OR_RETURN(const image::Frame frame, dataset.Load(frame_index));
     TL_RETURN_IF_ERROR(CheckSizes(entry, frame, calibration));
-    const PlanarImage image(frame.color);
+    const features::PlanarImage image(frame.color);
     const FrameSampler sampler(geometry, frame, image, *entry.world_from_camera,
                                options, frame_index);
     for (size_t t = 0; t < trees; ++t) {
@@ -218,19 +219,20 @@ absl::StatusOr<TrainedForest> RefillForest(const ForestView& base,
       const std::vector<int32_t> x(samples.x.begin(), samples.x.end());
       const std::vector<int32_t> y(samples.y.begin(), samples.y.end());
       out.leaf.resize(x.size());
-      VisitLeaves(std::span(places).subspan(
-                      base.tree_offsets[t],
-                      base.tree_offsets[t + 1] - base.tree_offsets[t]),
-                  image, {x, y, samples.inverse_depth_q12}, 1, out.leaf);
+      forest::VisitLeaves(std::span(places).subspan(
+                              base.tree_offsets[t],
+                              base.tree_offsets[t + 1] - base.tree_offsets[t]),
+                          image, {x, y, samples.inverse_depth_q12}, 1,
+                          out.leaf);
       out.point_in_world = std::move(samples.point_in_world);
       out.descriptor = std::move(samples.descriptor);
     }
     return absl::OkStatus();
   };
   {
-    Progress progress("refilling leaves", static_cast<int64_t>(frames.size()),
-                      quiet);
-    ParallelFor(
+    base::Progress progress("refilling leaves",
+                            static_cast<int64_t>(frames.size()), quiet);
+    base::ParallelFor(
         static_cast<int64_t>(frames.size()), options.threads, [&](int64_t i) {
           if (stop.stop_requested()) return;
           statuses[static_cast<size_t>(i)] = route(static_cast<size_t>(i));
@@ -242,10 +244,11 @@ absl::StatusOr<TrainedForest> RefillForest(const ForestView& base,
   }
   for (const absl::Status& status : statuses) TL_RETURN_IF_ERROR(status);
   std::vector<GrownTree> grown(trees);
-  ParallelFor(static_cast<int64_t>(trees), options.threads, [&](int64_t t) {
-    grown[static_cast<size_t>(t)] =
-        RefillTree(base, static_cast<int>(t), refill, routed);
-  });
+  base::ParallelFor(static_cast<int64_t>(trees), options.threads,
+                    [&](int64_t t) {
+                      grown[static_cast<size_t>(t)] =
+                          RefillTree(base, static_cast<int>(t), refill, routed);
+                    });
   TrainedForest result;
   result.frames = static_cast<int>(frames.size());
   for (const auto& frame : routed) {
@@ -264,4 +267,4 @@ absl::StatusOr<TrainedForest> RefillForest(const ForestView& base,
   return result;
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

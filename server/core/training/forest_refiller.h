@@ -12,7 +12,7 @@
 #include "server/core/training/forest_trainer.h"
 #include "server/core/training/training_options.h"
 
-namespace treeline {
+namespace treeline::training {
 
 enum class Refill {
   kExtend,  // leaves keep what they know: more frames of the same scene
@@ -27,13 +27,11 @@ enum class Refill {
 // Of `options`, seed, threads, samples_per_frame and depth_adaptive count. The
 // result does not depend on threads. FAILED_PRECONDITION if no frame is
 // usable, CANCELLED after `stop`, and whatever reading a frame gives.
-absl::StatusOr<TrainedForest> RefillForest(const ForestView& base,
-                                           const Dataset& dataset,
-                                           const RgbdCalibration& calibration,
-                                           const TrainingOptions& options,
-                                           Refill refill, bool quiet,
-                                           const std::stop_token& stop);
+absl::StatusOr<TrainedForest> RefillForest(
+    const forest::ForestView& base, const dataset::Dataset& dataset,
+    const camera::RgbdCalibration& calibration, const TrainingOptions& options,
+    Refill refill, bool quiet, const std::stop_token& stop);
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_FOREST_REFILLER_H_

@@ -16,14 +16,15 @@
 #include "server/core/training/quantize_forest.h"
 #include "server/core/training/tree_grower.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 // Random streams of training, apart from those of the nodes.
 constexpr uint64_t kFrameStream = 0x66726d0000000000;
 
 // `count` of `frames` at random, in ascending order (a partial shuffle).
-std::vector<int> DrawFrames(std::vector<int> frames, int count, Random random) {
+std::vector<int> DrawFrames(std::vector<int> frames, int count,
+                            base::Random random) {
   const size_t wanted = std::min(frames.size(), static_cast<size_t>(count));
   for (size_t i = 0; i < wanted; ++i) {
     const size_t j =
@@ -38,13 +39,14 @@ std::vector<int> DrawFrames(std::vector<int> frames, int count, Random random) {
 // A frame in memory, and its samples for each tree that drew it.
 struct LoadedFrame {
   absl::Status status;
-  PlanarImage image;
+  features::PlanarImage image;
   std::map<int, TreeSamples> samples;  // by tree
 };
 
 class Trainer {
  public:
-  Trainer(const Dataset& dataset, const RgbdCalibration& calibration,
+  Trainer(const dataset::Dataset& dataset,
+          const camera::RgbdCalibration& calibration,
           const TrainingOptions& options, bool quiet, std::stop_token stop)
       : dataset_(dataset),
         geometry_(calibration),
@@ -69,8 +71,8 @@ class Trainer {
                : absl::OkStatus();
   }
 
-  const Dataset& dataset_;
-  const DepthGeometry geometry_;
+  const dataset::Dataset& dataset_;
+  const features::DepthGeometry geometry_;
   const TrainingOptions& options_;
   const bool quiet_;
   const std::stop_token stop_;
@@ -91,7 +93,7 @@ absl::StatusOr<TrainedForest> Trainer::Train() {
   for (int t = 0; t < options_.trees; ++t) {
     frames_of_tree_.push_back(DrawFrames(
         usable, options_.frames_per_tree,
-        Random(options_.seed, kFrameStream + static_cast<uint64_t>(t))));
+        base::Random(options_.seed, kFrameStream + static_cast<uint64_t>(t))));
     used.insert(used.end(), frames_of_tree_.back().begin(),
                 frames_of_tree_.back().end());
   }
@@ -120,7 +122,7 @@ std::vector<int> Trainer::FramesOfGroup(int first, int last) const {
 }
 
 int Trainer::GroupEnd(int first) const {
-  const Camera& camera = geometry_.calibration().color;
+  const camera::Camera& camera = geometry_.calibration().color;
   const int64_t image_bytes = int64_t{3} * camera.width() * camera.height();
   int last = first + 1;
   while (last < options_.trees &&
@@ -134,8 +136,8 @@ int Trainer::GroupEnd(int first) const {
 
 absl::Status Trainer::LoadFrame(int frame_index, int first_tree, int last_tree,
                                 LoadedFrame& loaded) const {
-  const DatasetFrame& entry = dataset_.frame(frame_index);
-  TL_ASSIGN_OR_RETURN(const Frame frame, dataset_.Load(frame_index));
+  const dataset::DatasetFrame& entry = dataset_.frame(frame_index);
+  TL_ASSIGN_OR_RETURN(const image::Frame frame, dataset_.Load(frame_index));
   TL_RETURN_IF_ERROR(CheckSizes(entry, frame, geometry_.calibration()));
   loaded.image.Assign(frame.color);
   const FrameSampler sampler(geometry_, frame, loaded.image,
@@ -157,9 +159,9 @@ absl::Status Trainer::TrainGroup(int first, int last) {
   const std::vector<int> frames = FramesOfGroup(first, last);
   std::vector<LoadedFrame> loaded(frames.size());
   {
-    Progress progress("reading frames", static_cast<int64_t>(frames.size()),
-                      quiet_);
-    ParallelFor(
+    base::Progress progress("reading frames",
+                            static_cast<int64_t>(frames.size()), quiet_);
+    base::ParallelFor(
         static_cast<int64_t>(frames.size()), options_.threads, [&](int64_t i) {
           LoadedFrame& slot = loaded[static_cast<size_t>(i)];
           slot.status = CheckStop();
@@ -179,23 +181,24 @@ absl::Status Trainer::GrowGroup(int first, int last,
   const size_t trees = static_cast<size_t>(last - first);
   std::vector<TreeSamples> samples(trees);
   std::vector<std::unique_ptr<TreeGrower>> growers(trees);
-  ParallelFor(static_cast<int64_t>(trees), options_.threads, [&](int64_t i) {
-    const size_t g = static_cast<size_t>(i);
-    const int tree = first + static_cast<int>(i);
-    std::vector<const PlanarImage*> images;
-    for (int frame : frames_of_tree_[static_cast<size_t>(tree)]) {
-      LoadedFrame& slot = loaded[static_cast<size_t>(
-          std::lower_bound(frames.begin(), frames.end(), frame) -
-          frames.begin())];
-      images.push_back(&slot.image);
-      TreeSamples& of_frame = slot.samples[tree];
-      samples[g].Append(of_frame);
-      of_frame = TreeSamples{};
-    }
-    growers[g] = std::make_unique<TreeGrower>(options_, tree, std::move(images),
-                                              samples[g]);
-    growers[g]->GrowTop();
-  });
+  base::ParallelFor(
+      static_cast<int64_t>(trees), options_.threads, [&](int64_t i) {
+        const size_t g = static_cast<size_t>(i);
+        const int tree = first + static_cast<int>(i);
+        std::vector<const features::PlanarImage*> images;
+        for (int frame : frames_of_tree_[static_cast<size_t>(tree)]) {
+          LoadedFrame& slot = loaded[static_cast<size_t>(
+              std::lower_bound(frames.begin(), frames.end(), frame) -
+              frames.begin())];
+          images.push_back(&slot.image);
+          TreeSamples& of_frame = slot.samples[tree];
+          samples[g].Append(of_frame);
+          of_frame = TreeSamples{};
+        }
+        growers[g] = std::make_unique<TreeGrower>(
+            options_, tree, std::move(images), samples[g]);
+        growers[g]->GrowTop();
+      });
   struct Task {
     size_t grower;
     size_t node;
@@ -221,13 +224,13 @@ absl::Status Trainer::GrowGroup(int first, int last,
   std::stable_sort(
       tasks.begin(), tasks.end(),
       [](const Task& a, const Task& b) { return a.samples > b.samples; });
-  Progress progress("growing trees", total, quiet_);
-  ParallelFor(static_cast<int64_t>(tasks.size()), options_.threads,
-              [&](int64_t i) {
-                const Task& task = tasks[static_cast<size_t>(i)];
-                growers[task.grower]->GrowOpenNode(task.node, stop_);
-                progress.Add(static_cast<int64_t>(task.samples));
-              });
+  base::Progress progress("growing trees", total, quiet_);
+  base::ParallelFor(static_cast<int64_t>(tasks.size()), options_.threads,
+                    [&](int64_t i) {
+                      const Task& task = tasks[static_cast<size_t>(i)];
+                      growers[task.grower]->GrowOpenNode(task.node, stop_);
+                      progress.Add(static_cast<int64_t>(task.samples));
+                    });
   TL_RETURN_IF_ERROR(CheckStop());
   for (size_t g = 0; g < trees; ++g) {
     grown_[static_cast<size_t>(first) + g] = growers[g]->Assemble();
@@ -238,10 +241,9 @@ absl::Status Trainer::GrowGroup(int first, int last,
 
 }  // namespace
 
-absl::StatusOr<TrainedForest> TrainForest(const Dataset& dataset,
-                                          const RgbdCalibration& calibration,
-                                          const TrainingOptions& options,
-                                          bool quiet, std::stop_token stop) {
+absl::StatusOr<TrainedForest> TrainForest(
+    const dataset::Dataset& dataset, const camera::RgbdCalibration& calibration,
+    const TrainingOptions& options, bool quiet, std::stop_token stop) {
   TL_RETURN_IF_ERROR(options.Validate());
   if (calibration.pose_sensor != dataset.calibration().pose_sensor) {
     return absl::InvalidArgumentError(
@@ -250,4 +252,4 @@ absl::StatusOr<TrainedForest> TrainForest(const Dataset& dataset,
   return Trainer(dataset, calibration, options, quiet, std::move(stop)).Train();
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

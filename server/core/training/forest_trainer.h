@@ -11,10 +11,10 @@
 #include "server/core/forest/forest.h"
 #include "server/core/training/training_options.h"
 
-namespace treeline {
+namespace treeline::training {
 
 struct TrainedForest {
-  Forest forest;
+  forest::Forest forest;
   int frames = 0;       // distinct frames that were used
   int64_t samples = 0;  // over all trees
 };
@@ -27,11 +27,10 @@ struct TrainedForest {
 //
 // Errors: INVALID_ARGUMENT for bad options, FAILED_PRECONDITION if no frame is
 // usable, CANCELLED after `stop`, and whatever reading a frame gives.
-absl::StatusOr<TrainedForest> TrainForest(const Dataset& dataset,
-                                          const RgbdCalibration& calibration,
-                                          const TrainingOptions& options,
-                                          bool quiet, std::stop_token stop);
+absl::StatusOr<TrainedForest> TrainForest(
+    const dataset::Dataset& dataset, const camera::RgbdCalibration& calibration,
+    const TrainingOptions& options, bool quiet, std::stop_token stop);
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_FOREST_TRAINER_H_

@@ -9,7 +9,7 @@
 #include "gtest/gtest.h"
 #include "server/core/training/box_room_recording.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 class ForestTrainerTest : public testing::Test {
@@ -17,8 +17,8 @@ class ForestTrainerTest : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new std::string(testing::TempDir() + "/forest_trainer_test_" +
                               std::to_string(getpid()));
-    RgbdCalibration calibration = BoxRoomCalibration();
-    calibration.pose_sensor = RgbdSensor::kDepth;
+    camera::RgbdCalibration calibration = BoxRoomCalibration();
+    calibration.pose_sensor = camera::RgbdSensor::kDepth;
     WriteBoxRoomRecording(*folder_, calibration, BoxRoomPoses(12));
   }
   static void TearDownTestSuite() {
@@ -26,8 +26,8 @@ class ForestTrainerTest : public testing::Test {
     delete folder_;
   }
 
-  static DatasetOptions Recording() {
-    DatasetOptions options;
+  static dataset::DatasetOptions Recording() {
+    dataset::DatasetOptions options;
     options.uri = "7scenes:" + *folder_;
     options.color_camera = "PINHOLE,145,145,100,75";
     options.depth_camera = options.color_camera;
@@ -41,7 +41,7 @@ class ForestTrainerTest : public testing::Test {
     return options;
   }
   static absl::StatusOr<TrainedForest> Train(const TrainingOptions& options) {
-    const auto dataset = Dataset::Open(Recording());
+    const auto dataset = dataset::Dataset::Open(Recording());
     if (!dataset.ok()) return dataset.status();
     return TrainForest(*dataset, dataset->calibration(), options, true, {});
   }
@@ -50,7 +50,7 @@ class ForestTrainerTest : public testing::Test {
 };
 std::string* ForestTrainerTest::folder_ = nullptr;
 
-bool SameBytes(const Forest& a, const Forest& b) {
+bool SameBytes(const forest::Forest& a, const forest::Forest& b) {
   const auto same = [](const auto& x, const auto& y) {
     return x.size() == y.size() &&
            std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
@@ -66,7 +66,7 @@ TEST_F(ForestTrainerTest, GrowsASoundForestWithinTheRoom) {
   ASSERT_TRUE(trained.ok()) << trained.status();
   EXPECT_EQ(trained->frames, 12);
   EXPECT_EQ(trained->samples, 3 * 12 * 200);
-  const ForestView forest = trained->forest.View();
+  const forest::ForestView forest = trained->forest.View();
   EXPECT_TRUE(forest.Validate().ok()) << forest.Validate();
   EXPECT_EQ(forest.trees(), 3);
   // All samples lie on walls of the 4 x 2.5 x 3 m room, and so within a
@@ -76,7 +76,7 @@ TEST_F(ForestTrainerTest, GrowsASoundForestWithinTheRoom) {
   EXPECT_GE(forest.bounds_min_in_world.z, -1.502);
   EXPECT_LE(forest.bounds_max_in_world.z, 1.502);
   int64_t counted = 0;
-  for (const LeafPayload& leaf : forest.payloads) {
+  for (const forest::LeafPayload& leaf : forest.payloads) {
     EXPECT_GE(leaf.count, 1);
     counted += leaf.count;
   }
@@ -135,7 +135,7 @@ TEST_F(ForestTrainerTest, BalancedLevelsSplitEvenly) {
   // 2400 samples over 8 leaves: with 200 candidates a node each split is
   // within a few per cent of even.
   ASSERT_EQ(trained->forest.payloads.size(), 8u);
-  for (const LeafPayload& leaf : trained->forest.payloads) {
+  for (const forest::LeafPayload& leaf : trained->forest.payloads) {
     EXPECT_NEAR(leaf.count, 300, 60);
   }
 }
@@ -149,11 +149,11 @@ TEST_F(ForestTrainerTest, LeavesHaveModesOfSamplesThatLieTogether) {
   options.threads = 1;
   const auto trained = Train(options);
   ASSERT_TRUE(trained.ok()) << trained.status();
-  const ForestView forest = trained->forest.View();
+  const forest::ForestView forest = trained->forest.View();
   EXPECT_TRUE(forest.Validate().ok()) << forest.Validate();
   uint32_t most = 0;
   size_t modes = 0;
-  for (const Node& node : forest.nodes) {
+  for (const forest::Node& node : forest.nodes) {
     if (!node.is_leaf()) continue;
     EXPECT_EQ(node.leaf(), modes) << "modes stand in the order of the leaves";
     modes += node.modes();
@@ -161,11 +161,11 @@ TEST_F(ForestTrainerTest, LeavesHaveModesOfSamplesThatLieTogether) {
   }
   EXPECT_EQ(modes, forest.payloads.size());
   EXPECT_GT(most, 3u);
-  for (const LeafPayload& mode : forest.payloads) {
+  for (const forest::LeafPayload& mode : forest.payloads) {
     // Samples of a mode lie within about the bandwidth of its mean.
-    EXPECT_LT(FromBfloat16(mode.covariance[0]) +
-                  FromBfloat16(mode.covariance[3]) +
-                  FromBfloat16(mode.covariance[5]),
+    EXPECT_LT(forest::FromBfloat16(mode.covariance[0]) +
+                  forest::FromBfloat16(mode.covariance[3]) +
+                  forest::FromBfloat16(mode.covariance[5]),
               0.2f * 0.2f);
   }
   options.threads = 8;
@@ -175,7 +175,7 @@ TEST_F(ForestTrainerTest, LeavesHaveModesOfSamplesThatLieTogether) {
 }
 
 TEST_F(ForestTrainerTest, StopsWhenAsked) {
-  const auto dataset = Dataset::Open(Recording());
+  const auto dataset = dataset::Dataset::Open(Recording());
   ASSERT_TRUE(dataset.ok());
   std::stop_source stop;
   stop.request_stop();
@@ -192,7 +192,7 @@ TEST_F(ForestTrainerTest, SaysWhatIsWrong) {
   EXPECT_THAT(Train(options).status().ToString(),
               testing::HasSubstr("trees is 0"));
   // A frame that vanishes after the index was read.
-  const auto dataset = Dataset::Open(Recording());
+  const auto dataset = dataset::Dataset::Open(Recording());
   ASSERT_TRUE(dataset.ok());
   const std::string path = dataset->frame(5).color_path;
   std::filesystem::rename(path, path + ".away");
@@ -202,11 +202,11 @@ TEST_F(ForestTrainerTest, SaysWhatIsWrong) {
   EXPECT_EQ(status.code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(status.ToString(), testing::HasSubstr(path));
   // A calibration for images of another size.
-  RgbdCalibration other = dataset->calibration();
-  other.color = *Camera::Parse("PINHOLE,525,525,320,240", 640, 480);
+  camera::RgbdCalibration other = dataset->calibration();
+  other.color = *camera::Camera::Parse("PINHOLE,525,525,320,240", 640, 480);
   EXPECT_EQ(TrainForest(*dataset, other, Small(), true, {}).status().code(),
             absl::StatusCode::kInvalidArgument);
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::training

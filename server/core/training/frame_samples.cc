@@ -7,7 +7,7 @@
 #include "common/base/random.h"
 #include "server/core/features/gray_pyramid.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 // Apart from the random streams of frames and nodes.
@@ -15,10 +15,10 @@ constexpr uint64_t kSampleStream = 0x736d700000000000;
 
 }  // namespace
 
-std::vector<int> UsableFrames(const Dataset& dataset) {
+std::vector<int> UsableFrames(const dataset::Dataset& dataset) {
   std::vector<int> usable;
   for (int i = 0; i < dataset.size(); ++i) {
-    const DatasetFrame& frame = dataset.frame(i);
+    const dataset::DatasetFrame& frame = dataset.frame(i);
     if (frame.world_from_camera && !frame.depth_path.empty()) {
       usable.push_back(i);
     }
@@ -26,8 +26,9 @@ std::vector<int> UsableFrames(const Dataset& dataset) {
   return usable;
 }
 
-absl::Status CheckSizes(const DatasetFrame& entry, const Frame& frame,
-                        const RgbdCalibration& calibration) {
+absl::Status CheckSizes(const dataset::DatasetFrame& entry,
+                        const image::Frame& frame,
+                        const camera::RgbdCalibration& calibration) {
   if (frame.color.width == calibration.color.width() &&
       frame.color.height == calibration.color.height() &&
       frame.depth->width == calibration.depth.width() &&
@@ -42,9 +43,10 @@ absl::Status CheckSizes(const DatasetFrame& entry, const Frame& frame,
       calibration.depth.width(), " x ", calibration.depth.height()));
 }
 
-FrameSampler::FrameSampler(const DepthGeometry& geometry, const Frame& frame,
-                           const PlanarImage& image,
-                           const Rigid3& world_from_camera,
+FrameSampler::FrameSampler(const features::DepthGeometry& geometry,
+                           const image::Frame& frame,
+                           const features::PlanarImage& image,
+                           const geometry::Rigid3& world_from_camera,
                            const TrainingOptions& options, int frame_index)
     : geometry_(geometry),
       frame_(frame),
@@ -53,24 +55,25 @@ FrameSampler::FrameSampler(const DepthGeometry& geometry, const Frame& frame,
       options_(options),
       frame_index_(frame_index) {
   if (!options.line_points) return;
-  GrayPyramid pyramid;
+  features::GrayPyramid pyramid;
   pyramid.Assign(image);
-  LiftSegments(geometry, *frame.depth, DetectLineSegments(pyramid, {}), {},
-               lines_);
+  features::LiftSegments(geometry, *frame.depth,
+                         features::DetectLineSegments(pyramid, {}), {}, lines_);
 }
 
 TreeSamples FrameSampler::Draw(int tree) const {
-  const Random random(options_.seed, kSampleStream +
-                                         (static_cast<uint64_t>(tree) << 32) +
-                                         static_cast<uint64_t>(frame_index_));
-  RgbdSamples drawn;
+  const base::Random random(
+      options_.seed, kSampleStream + (static_cast<uint64_t>(tree) << 32) +
+                         static_cast<uint64_t>(frame_index_));
+  features::RgbdSamples drawn;
   if (options_.line_points) {
-    LinePoints on_lines;
-    DrawLinePoints(lines_, options_.samples_per_frame, random, on_lines);
+    features::LinePoints on_lines;
+    features::DrawLinePoints(lines_, options_.samples_per_frame, random,
+                             on_lines);
     drawn = std::move(on_lines.samples);
   } else {
-    DrawSamples(geometry_, *frame_.depth, options_.samples_per_frame, random,
-                drawn);
+    features::DrawSamples(geometry_, *frame_.depth, options_.samples_per_frame,
+                          random, drawn);
   }
   TreeSamples samples;
   samples.x.assign(drawn.x.begin(), drawn.x.end());
@@ -78,17 +81,18 @@ TreeSamples FrameSampler::Draw(int tree) const {
   samples.inverse_depth_q12 = drawn.inverse_depth_q12;
   if (!options_.depth_adaptive) {
     std::ranges::fill(samples.inverse_depth_q12,
-                      NoDepthQ12(MeanFocal_px(geometry_.calibration().color)));
+                      features::NoDepthQ12(
+                          camera::MeanFocal_px(geometry_.calibration().color)));
   }
-  for (const Vec3& point : drawn.point) {
-    const Vec3 in_world = world_from_camera_ * point;
+  for (const geometry::Vec3& point : drawn.point) {
+    const geometry::Vec3 in_world = world_from_camera_ * point;
     samples.point_in_world.push_back({static_cast<float>(in_world.x),
                                       static_cast<float>(in_world.y),
                                       static_cast<float>(in_world.z)});
   }
   samples.descriptor.resize(drawn.size());
-  ComputeWht(image_, drawn.x, drawn.y, samples.descriptor);
+  features::ComputeWht(image_, drawn.x, drawn.y, samples.descriptor);
   return samples;
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

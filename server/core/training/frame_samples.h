@@ -13,23 +13,25 @@
 #include "server/core/training/training_options.h"
 #include "server/core/training/tree_grower.h"
 
-namespace treeline {
+namespace treeline::training {
 
 // Frames that have a pose and depth, in ascending order.
-std::vector<int> UsableFrames(const Dataset& dataset);
+std::vector<int> UsableFrames(const dataset::Dataset& dataset);
 
 // INVALID_ARGUMENT, naming the file, unless the images have the sizes that the
 // calibration is for.
-absl::Status CheckSizes(const DatasetFrame& entry, const Frame& frame,
-                        const RgbdCalibration& calibration);
+absl::Status CheckSizes(const dataset::DatasetFrame& entry,
+                        const image::Frame& frame,
+                        const camera::RgbdCalibration& calibration);
 
 // Draws samples of frame number `frame_index`, of which `image` is the colour:
 // from all of it, or with options.line_points from its line segments, which are
 // looked for once. All arguments must outlive it.
 class FrameSampler {
  public:
-  FrameSampler(const DepthGeometry& geometry, const Frame& frame,
-               const PlanarImage& image, const Rigid3& world_from_camera,
+  FrameSampler(const features::DepthGeometry& geometry,
+               const image::Frame& frame, const features::PlanarImage& image,
+               const geometry::Rigid3& world_from_camera,
                const TrainingOptions& options, int frame_index);
 
   // The samples that `tree` draws; TreeSamples::frame is left empty. Depends on
@@ -37,15 +39,15 @@ class FrameSampler {
   TreeSamples Draw(int tree) const;
 
  private:
-  const DepthGeometry& geometry_;
-  const Frame& frame_;
-  const PlanarImage& image_;
-  const Rigid3& world_from_camera_;
+  const features::DepthGeometry& geometry_;
+  const image::Frame& frame_;
+  const features::PlanarImage& image_;
+  const geometry::Rigid3& world_from_camera_;
   const TrainingOptions& options_;
   const int frame_index_;
-  LinePoints lines_;
+  features::LinePoints lines_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_FRAME_SAMPLES_H_

@@ -14,7 +14,7 @@
 #include "server/core/features/planar_image.h"
 #include "server/core/keyframes/keyframe_features.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 // Points keep this far from the border (px).
@@ -27,26 +27,27 @@ constexpr double kMaxJump = 0.03;
 
 struct SelectedFrame {
   int frame = 0;
-  Rigid3 world_from_color;
+  geometry::Rigid3 world_from_color;
 };
 
-std::vector<SelectedFrame> SelectFrames(const Dataset& dataset,
-                                        const RgbdCalibration& calibration,
-                                        const KeyframeOptions& options) {
+std::vector<SelectedFrame> SelectFrames(
+    const dataset::Dataset& dataset, const camera::RgbdCalibration& calibration,
+    const KeyframeOptions& options) {
   std::vector<SelectedFrame> selected;
   for (int i = 0; i < dataset.size(); ++i) {
-    const DatasetFrame& frame = dataset.frame(i);
+    const dataset::DatasetFrame& frame = dataset.frame(i);
     if (!frame.world_from_camera || frame.depth_path.empty()) continue;
-    const Rigid3 pose = PoseOfSensor(*frame.world_from_camera,
-                                     dataset.calibration().pose_sensor,
-                                     RgbdSensor::kColor, calibration);
+    const geometry::Rigid3 pose = camera::PoseOfSensor(
+        *frame.world_from_camera, dataset.calibration().pose_sensor,
+        camera::RgbdSensor::kColor, calibration);
     const bool is_far =
         std::ranges::all_of(selected, [&](const SelectedFrame& other) {
           const double turn =
-              kViewDistance_m *
-              AngleBetween_rad(other.world_from_color.rotation, pose.rotation);
-          return SquaredNorm(other.world_from_color.translation -
-                             pose.translation) +
+              keyframes::kViewDistance_m *
+              geometry::AngleBetween_rad(other.world_from_color.rotation,
+                                         pose.rotation);
+          return geometry::SquaredNorm(other.world_from_color.translation -
+                                       pose.translation) +
                      turn * turn >
                  options.spacing_m * options.spacing_m;
         });
@@ -63,8 +64,9 @@ std::vector<SelectedFrame> SelectFrames(const Dataset& dataset,
 
 // The normal of the surface at (x, y), towards the camera; nullopt where depth
 // is missing or jumps.
-std::optional<Vec3> NormalAt(const DepthRegistration& registration,
-                             const std::vector<Vec3>& points, int x, int y) {
+std::optional<geometry::Vec3> NormalAt(
+    const image::DepthRegistration& registration,
+    const std::vector<geometry::Vec3>& points, int x, int y) {
   const auto at = [&](int dx, int dy) {
     return registration.PointAt(
         points, {static_cast<double>(x + dx), static_cast<double>(y + dy)});
@@ -78,24 +80,24 @@ std::optional<Vec3> NormalAt(const DepthRegistration& registration,
   for (const auto& p : {right, up, down}) {
     if (std::abs(p->z - depth) > kMaxJump * depth) return std::nullopt;
   }
-  const Vec3 normal = Cross(*down - *up, *right - *left);
-  const double norm = Norm(normal);
+  const geometry::Vec3 normal = geometry::Cross(*down - *up, *right - *left);
+  const double norm = geometry::Norm(normal);
   if (!(norm > 0)) return std::nullopt;
-  const Vec3 unit = normal / norm;
-  return Dot(unit, *left) < 0 ? unit : -unit;
+  const geometry::Vec3 unit = normal / norm;
+  return geometry::Dot(unit, *left) < 0 ? unit : -unit;
 }
 
-std::vector<KeyframePoint> SelectPoints(const Frame& frame,
-                                        const Rigid3& world_from_color,
-                                        const DepthRegistration& registration,
-                                        int count) {
-  GrayPyramid pyramid;
-  pyramid.Assign(PlanarImage(frame.color));
-  const GrayPyramid::Level& gray = pyramid.level(1);
-  const std::vector<Vec3> in_color = registration.PointsInColor(*frame.depth);
+std::vector<keyframes::KeyframePoint> SelectPoints(
+    const image::Frame& frame, const geometry::Rigid3& world_from_color,
+    const image::DepthRegistration& registration, int count) {
+  features::GrayPyramid pyramid;
+  pyramid.Assign(features::PlanarImage(frame.color));
+  const features::GrayPyramid::Level& gray = pyramid.level(1);
+  const std::vector<geometry::Vec3> in_color =
+      registration.PointsInColor(*frame.depth);
   const int cell = std::max(
       2, static_cast<int>(std::sqrt(1.0 * gray.width * gray.height / count)));
-  std::vector<KeyframePoint> points;
+  std::vector<keyframes::KeyframePoint> points;
   for (int top = kBorder_px / 2; top + cell <= gray.height - kBorder_px / 2;
        top += cell) {
     for (int left = kBorder_px / 2; left + cell <= gray.width - kBorder_px / 2;
@@ -117,25 +119,26 @@ std::vector<KeyframePoint> SelectPoints(const Frame& frame,
       if (best_x < 0) continue;
       const double x = 2 * best_x + 0.5;
       const double y = 2 * best_y + 0.5;
-      const std::optional<Vec3> point = registration.PointAt(in_color, {x, y});
+      const std::optional<geometry::Vec3> point =
+          registration.PointAt(in_color, {x, y});
       if (!point) continue;
-      KeyframePoint kept;
-      const Vec3 world = world_from_color * *point;
+      keyframes::KeyframePoint kept;
+      const geometry::Vec3 world = world_from_color * *point;
       kept.position_in_world = {static_cast<float>(world.x),
                                 static_cast<float>(world.y),
                                 static_cast<float>(world.z)};
       if (const auto normal =
               NormalAt(registration, in_color, 2 * best_x, 2 * best_y)) {
-        const Vec3 n = 127 * (world_from_color.rotation * *normal);
+        const geometry::Vec3 n = 127 * (world_from_color.rotation * *normal);
         kept.normal_in_world = {static_cast<int8_t>(std::lround(n.x)),
                                 static_cast<int8_t>(std::lround(n.y)),
                                 static_cast<int8_t>(std::lround(n.z))};
       }
       bool inside = true;
-      for (int l = 0; l < GrayPyramid::kLevels; ++l) {
-        const GrayPyramid::Level& level = pyramid.level(l);
-        const float u = AtLevel(static_cast<float>(x), l);
-        const float v = AtLevel(static_cast<float>(y), l);
+      for (int l = 0; l < features::GrayPyramid::kLevels; ++l) {
+        const features::GrayPyramid::Level& level = pyramid.level(l);
+        const float u = features::AtLevel(static_cast<float>(x), l);
+        const float v = features::AtLevel(static_cast<float>(y), l);
         inside = inside && u >= 0 && v >= 0 &&
                  u < static_cast<float>(level.width - 1) &&
                  v < static_cast<float>(level.height - 1);
@@ -151,22 +154,23 @@ std::vector<KeyframePoint> SelectPoints(const Frame& frame,
 }
 
 // The SIFT features that stand where depth was measured.
-absl::StatusOr<std::vector<KeyframeFeature>> SelectFeatures(
-    const Frame& frame, const Rigid3& world_from_color,
-    const DepthRegistration& registration, int count) {
-  std::vector<KeyframeFeature> features;
+absl::StatusOr<std::vector<keyframes::KeyframeFeature>> SelectFeatures(
+    const image::Frame& frame, const geometry::Rigid3& world_from_color,
+    const image::DepthRegistration& registration, int count) {
+  std::vector<keyframes::KeyframeFeature> features;
   if (count == 0) return features;
   // Some stand where no depth is.
-  TL_ASSIGN_OR_RETURN(const SiftFeatures found,
-                      ExtractKeyframeSift(frame.color, 2 * count));
-  const std::vector<Vec3> in_color = registration.PointsInColor(*frame.depth);
+  TL_ASSIGN_OR_RETURN(const features::SiftFeatures found,
+                      keyframes::ExtractKeyframeSift(frame.color, 2 * count));
+  const std::vector<geometry::Vec3> in_color =
+      registration.PointsInColor(*frame.depth);
   for (size_t i = 0; i < found.size(); ++i) {
     if (features.size() == static_cast<size_t>(count)) break;
-    const std::optional<Vec3> point =
+    const std::optional<geometry::Vec3> point =
         registration.PointAt(in_color, found.keypoints[i].pixel);
     if (!point) continue;
-    const Vec3 world = world_from_color * *point;
-    KeyframeFeature feature;
+    const geometry::Vec3 world = world_from_color * *point;
+    keyframes::KeyframeFeature feature;
     feature.position_in_world = {static_cast<float>(world.x),
                                  static_cast<float>(world.y),
                                  static_cast<float>(world.z)};
@@ -179,14 +183,15 @@ absl::StatusOr<std::vector<KeyframeFeature>> SelectFeatures(
 // What is kept of one frame.
 struct SelectedParts {
   absl::Status status;
-  std::vector<KeyframePoint> points;
-  std::vector<KeyframeFeature> features;
+  std::vector<keyframes::KeyframePoint> points;
+  std::vector<keyframes::KeyframeFeature> features;
 };
 
-absl::Status Select(const Dataset& dataset, const SelectedFrame& selected,
-                    const DepthRegistration& registration,
+absl::Status Select(const dataset::Dataset& dataset,
+                    const SelectedFrame& selected,
+                    const image::DepthRegistration& registration,
                     const KeyframeOptions& options, SelectedParts& parts) {
-  TL_ASSIGN_OR_RETURN(const Frame frame, dataset.Load(selected.frame));
+  TL_ASSIGN_OR_RETURN(const image::Frame frame, dataset.Load(selected.frame));
   parts.points = SelectPoints(frame, selected.world_from_color, registration,
                               options.points);
   TL_ASSIGN_OR_RETURN(parts.features,
@@ -197,43 +202,41 @@ absl::Status Select(const Dataset& dataset, const SelectedFrame& selected,
 
 }  // namespace
 
-absl::StatusOr<Keyframes> BuildKeyframes(const Dataset& dataset,
-                                         const RgbdCalibration& calibration,
-                                         const KeyframeOptions& options,
-                                         bool quiet,
-                                         const std::stop_token& stop) {
+absl::StatusOr<keyframes::Keyframes> BuildKeyframes(
+    const dataset::Dataset& dataset, const camera::RgbdCalibration& calibration,
+    const KeyframeOptions& options, bool quiet, const std::stop_token& stop) {
   const std::vector<SelectedFrame> selected =
       SelectFrames(dataset, calibration, options);
-  const DepthRegistration registration(calibration);
+  const image::DepthRegistration registration(calibration);
   std::vector<SelectedParts> parts(selected.size());
   {
-    Progress progress("keyframes", static_cast<int64_t>(selected.size()),
-                      quiet);
-    ParallelFor(static_cast<int64_t>(selected.size()), options.threads,
-                [&](int64_t i) {
-                  if (stop.stop_requested()) return;
-                  SelectedParts& out = parts[static_cast<size_t>(i)];
-                  out.status = Select(dataset, selected[static_cast<size_t>(i)],
-                                      registration, options, out);
-                  progress.Add(1);
-                });
+    base::Progress progress("keyframes", static_cast<int64_t>(selected.size()),
+                            quiet);
+    base::ParallelFor(
+        static_cast<int64_t>(selected.size()), options.threads, [&](int64_t i) {
+          if (stop.stop_requested()) return;
+          SelectedParts& out = parts[static_cast<size_t>(i)];
+          out.status = Select(dataset, selected[static_cast<size_t>(i)],
+                              registration, options, out);
+          progress.Add(1);
+        });
   }
   if (stop.stop_requested()) {
     return absl::CancelledError("training was interrupted");
   }
-  Keyframes keyframes;
+  keyframes::Keyframes keyframes;
   for (size_t i = 0; i < selected.size(); ++i) {
     TL_RETURN_IF_ERROR(parts[i].status);
-    const std::vector<KeyframePoint>& points = parts[i].points;
-    KeyframeRecord record;
-    const Rigid3& pose = selected[i].world_from_color;
+    const std::vector<keyframes::KeyframePoint>& points = parts[i].points;
+    keyframes::KeyframeRecord record;
+    const geometry::Rigid3& pose = selected[i].world_from_color;
     record.rotation = {pose.rotation.w, pose.rotation.x, pose.rotation.y,
                        pose.rotation.z};
     record.position_in_world = {pose.translation.x, pose.translation.y,
                                 pose.translation.z};
     record.first_point = static_cast<uint32_t>(keyframes.points.size());
     record.points = static_cast<uint32_t>(points.size());
-    for (KeyframeFeature& feature : parts[i].features) {
+    for (keyframes::KeyframeFeature& feature : parts[i].features) {
       feature.keyframe = static_cast<uint32_t>(keyframes.records.size());
       keyframes.features.push_back(feature);
     }
@@ -244,4 +247,4 @@ absl::StatusOr<Keyframes> BuildKeyframes(const Dataset& dataset,
   return keyframes;
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

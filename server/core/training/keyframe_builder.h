@@ -9,7 +9,7 @@
 #include "common/dataset/dataset.h"
 #include "server/core/keyframes/keyframe_map.h"
 
-namespace treeline {
+namespace treeline::training {
 
 struct KeyframeOptions {
   // A frame is kept if every kept one is further away than this, in the
@@ -30,12 +30,10 @@ struct KeyframeOptions {
 // strongest edges of each cell of a grid, where depth is measured and smooth.
 // The result does not depend on threads. CANCELLED after `stop`, and whatever
 // reading a frame gives.
-absl::StatusOr<Keyframes> BuildKeyframes(const Dataset& dataset,
-                                         const RgbdCalibration& calibration,
-                                         const KeyframeOptions& options,
-                                         bool quiet,
-                                         const std::stop_token& stop);
+absl::StatusOr<keyframes::Keyframes> BuildKeyframes(
+    const dataset::Dataset& dataset, const camera::RgbdCalibration& calibration,
+    const KeyframeOptions& options, bool quiet, const std::stop_token& stop);
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_KEYFRAME_BUILDER_H_

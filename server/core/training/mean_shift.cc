@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 // Shifts start from at most so many points, evenly chosen; the others go to
@@ -89,4 +89,4 @@ std::vector<std::vector<size_t>> MeanShiftModes(std::span<const Label> points,
   return modes;
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

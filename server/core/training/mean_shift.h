@@ -8,7 +8,7 @@
 
 #include "server/core/training/split_objective.h"
 
-namespace treeline {
+namespace treeline::training {
 
 // Mean shift with a flat kernel (Comaniciu, Meer, "Mean Shift", 2002): from
 // each point, step to the mean of all points within bandwidth_m until nothing
@@ -21,6 +21,6 @@ std::vector<std::vector<size_t>> MeanShiftModes(std::span<const Label> points,
                                                 double bandwidth_m,
                                                 size_t max_modes);
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_MEAN_SHIFT_H_

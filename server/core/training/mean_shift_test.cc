@@ -6,7 +6,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 using testing::ElementsAre;
@@ -34,7 +34,7 @@ TEST(MeanShiftTest, OneAndNoPoint) {
 TEST(MeanShiftTest, FindsTheClustersThatPointsWereDrawnFrom) {
   // Three clusters of 2 cm a component around corners 40 cm apart, more points
   // than shifts are started from. 10 cm are five standard deviations.
-  Random random(1, 0);
+  base::Random random(1, 0);
   std::vector<Label> points;
   for (int i = 0; i < 900; ++i) {
     const double x = 0.4 * (i % 3);
@@ -53,4 +53,4 @@ TEST(MeanShiftTest, FindsTheClustersThatPointsWereDrawnFrom) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::training

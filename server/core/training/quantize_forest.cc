@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 uint16_t Quantized(double value, double low, double high) {
@@ -15,19 +15,19 @@ uint16_t Quantized(double value, double low, double high) {
 
 }  // namespace
 
-Forest QuantizeForest(std::vector<GrownTree> trees) {
+forest::Forest QuantizeForest(std::vector<GrownTree> trees) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Vec3 low{kInfinity, kInfinity, kInfinity};
-  Vec3 high = -low;
+  geometry::Vec3 low{kInfinity, kInfinity, kInfinity};
+  geometry::Vec3 high = -low;
   for (const GrownTree& tree : trees) {
     for (const GrownLeaf& leaf : tree.leaves) {
-      const Vec3& m = leaf.mean_in_world;
+      const geometry::Vec3& m = leaf.mean_in_world;
       low = {std::min(low.x, m.x), std::min(low.y, m.y), std::min(low.z, m.z)};
       high = {std::max(high.x, m.x), std::max(high.y, m.y),
               std::max(high.z, m.z)};
     }
   }
-  Forest forest;
+  forest::Forest forest;
   forest.bounds_min_in_world = low;
   forest.bounds_max_in_world = high;
   for (GrownTree& tree : trees) {
@@ -35,12 +35,12 @@ Forest QuantizeForest(std::vector<GrownTree> trees) {
                 forest.nodes);
     forest.tree_offsets.push_back(static_cast<uint32_t>(forest.nodes.size()));
     for (const GrownLeaf& leaf : tree.leaves) {
-      LeafPayload payload;
+      forest::LeafPayload payload;
       payload.mean = {Quantized(leaf.mean_in_world.x, low.x, high.x),
                       Quantized(leaf.mean_in_world.y, low.y, high.y),
                       Quantized(leaf.mean_in_world.z, low.z, high.z)};
       for (size_t k = 0; k < 6; ++k) {
-        payload.covariance[k] = ToBfloat16(leaf.covariance[k]);
+        payload.covariance[k] = forest::ToBfloat16(leaf.covariance[k]);
       }
       payload.count =
           static_cast<uint16_t>(std::min<uint32_t>(leaf.count, 65535));
@@ -52,35 +52,35 @@ Forest QuantizeForest(std::vector<GrownTree> trees) {
   return forest;
 }
 
-GrownTree GrownTreeOf(const ForestView& forest, int t) {
+GrownTree GrownTreeOf(const forest::ForestView& forest, int t) {
   GrownTree tree;
-  for (Node node : forest.tree(t)) {
+  for (forest::Node node : forest.tree(t)) {
     if (node.is_leaf()) {
       const uint32_t first = static_cast<uint32_t>(tree.leaves.size());
       for (uint32_t k = 0; k < node.modes(); ++k) {
         const uint32_t mode = node.leaf() + k;
-        const LeafPayload& payload = forest.payloads[mode];
+        const forest::LeafPayload& payload = forest.payloads[mode];
         GrownLeaf leaf;
         leaf.mean_in_world = forest.LeafMean(mode);
         for (size_t c = 0; c < 6; ++c) {
-          leaf.covariance[c] = FromBfloat16(payload.covariance[c]);
+          leaf.covariance[c] = forest::FromBfloat16(payload.covariance[c]);
         }
         leaf.count = payload.count;
         leaf.descriptor = forest.descriptors[mode];
         tree.leaves.push_back(leaf);
       }
-      node = Node::Leaf(first, node.modes());
+      node = forest::Node::Leaf(first, node.modes());
     }
     tree.nodes.push_back(node);
   }
   return tree;
 }
 
-Forest SplitsOf(const ForestView& forest) {
-  Forest splits;
+forest::Forest SplitsOf(const forest::ForestView& forest) {
+  forest::Forest splits;
   splits.nodes.assign(forest.nodes.begin(), forest.nodes.end());
-  for (Node& node : splits.nodes) {
-    if (node.is_leaf()) node = Node::Leaf(0);
+  for (forest::Node& node : splits.nodes) {
+    if (node.is_leaf()) node = forest::Node::Leaf(0);
   }
   splits.tree_offsets.assign(forest.tree_offsets.begin(),
                              forest.tree_offsets.end());
@@ -91,4 +91,4 @@ Forest SplitsOf(const ForestView& forest) {
   return splits;
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

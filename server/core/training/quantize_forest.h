@@ -7,19 +7,19 @@
 #include "server/core/forest/forest.h"
 #include "server/core/training/tree_grower.h"
 
-namespace treeline {
+namespace treeline::training {
 
 // Appends all trees to one forest, positions relative to their bounds.
-Forest QuantizeForest(std::vector<GrownTree> trees);
+forest::Forest QuantizeForest(std::vector<GrownTree> trees);
 
 // The inverse, as far as that goes: tree t of `forest`, its leaves' modes as
 // GrownLeaf.
-GrownTree GrownTreeOf(const ForestView& forest, int t);
+GrownTree GrownTreeOf(const forest::ForestView& forest, int t);
 
 // The splits of a forest alone, all leaves one and the same: what a base for
 // Refill::kAdapt needs, in a fraction of the bytes.
-Forest SplitsOf(const ForestView& forest);
+forest::Forest SplitsOf(const forest::ForestView& forest);
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_QUANTIZE_FOREST_H_

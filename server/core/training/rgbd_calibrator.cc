@@ -15,7 +15,7 @@
 #include "server/core/training/edge_alignment.h"
 #include "server/core/training/surface_consistency.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 // The unknowns, as changes of the nominal calibration. Focal lengths and the
@@ -65,9 +65,9 @@ constexpr std::array<double, 2> kSmoothing_px = {3.0, 1.5};
 
 // `camera` with focal lengths scaled and principal point moved. radial != 0
 // makes it an OPENCV camera; otherwise the model is kept.
-Camera Adjusted(const Camera& camera, double focal_factor, double dx_px,
-                double dy_px, double radial) {
-  absl::StatusOr<Camera> adjusted = camera;
+camera::Camera Adjusted(const camera::Camera& camera, double focal_factor,
+                        double dx_px, double dy_px, double radial) {
+  absl::StatusOr<camera::Camera> adjusted = camera;
   if (radial != 0) {
     const double p[8] = {camera.fx() * focal_factor,
                          camera.fy() * focal_factor,
@@ -77,29 +77,32 @@ Camera Adjusted(const Camera& camera, double focal_factor, double dx_px,
                          0,
                          0,
                          0};
-    adjusted = Camera::Create(CameraModel::kOpenCv, camera.width(),
-                              camera.height(), p, 8);
+    adjusted = camera::Camera::Create(camera::CameraModel::kOpenCv,
+                                      camera.width(), camera.height(), p, 8);
   } else {
-    std::array<double, Camera::kMaxParameters> p = camera.parameters();
-    const bool one_focal = camera.model() == CameraModel::kSimplePinhole ||
-                           camera.model() == CameraModel::kSimpleRadial ||
-                           camera.model() == CameraModel::kRadial;
+    std::array<double, camera::Camera::kMaxParameters> p = camera.parameters();
+    const bool one_focal =
+        camera.model() == camera::CameraModel::kSimplePinhole ||
+        camera.model() == camera::CameraModel::kSimpleRadial ||
+        camera.model() == camera::CameraModel::kRadial;
     const size_t focals = one_focal ? 1 : 2;
     for (size_t i = 0; i < focals; ++i) p[i] *= focal_factor;
     p[focals] += dx_px;
     p[focals + 1] += dy_px;
-    adjusted = Camera::Create(camera.model(), camera.width(), camera.height(),
-                              p.data(), CameraParameterCount(camera.model()));
+    adjusted = camera::Camera::Create(
+        camera.model(), camera.width(), camera.height(), p.data(),
+        camera::CameraParameterCount(camera.model()));
   }
   return adjusted.value_or(camera);
 }
 
-RgbdCalibration Apply(const RgbdCalibration& nominal, const Values& x) {
-  RgbdCalibration calibration = nominal;
+camera::RgbdCalibration Apply(const camera::RgbdCalibration& nominal,
+                              const Values& x) {
+  camera::RgbdCalibration calibration = nominal;
   calibration.color_from_depth =
-      Rigid3{Rotation3::FromAxisAngle(
-                 {x[kRotationX], x[kRotationY], x[kRotationZ]}),
-             {x[kTranslationX], x[kTranslationY], x[kTranslationZ]}} *
+      geometry::Rigid3{geometry::Rotation3::FromAxisAngle(
+                           {x[kRotationX], x[kRotationY], x[kRotationZ]}),
+                       {x[kTranslationX], x[kTranslationY], x[kTranslationZ]}} *
       nominal.color_from_depth;
   calibration.depth_scale = nominal.depth_scale * std::exp(x[kScale]);
   calibration.depth = Adjusted(nominal.depth, std::exp(x[kDepthFocal]),
@@ -112,15 +115,17 @@ RgbdCalibration Apply(const RgbdCalibration& nominal, const Values& x) {
 // Gauss-Newton with Tukey's loss on the surface residuals and the priors.
 class SurfaceFit {
  public:
-  SurfaceFit(SurfaceConsistency& surfaces, const RgbdCalibration& nominal,
-             const Choice& unknowns, int threads)
+  SurfaceFit(SurfaceConsistency& surfaces,
+             const camera::RgbdCalibration& nominal, const Choice& unknowns,
+             int threads)
       : surfaces_(surfaces), nominal_(nominal), threads_(threads) {
     for (size_t u = 0; u < kUnknowns; ++u) {
       if (unknowns[u]) unknowns_.push_back(u);
     }
   }
 
-  absl::Status Run(Values& x, Progress& progress, const std::stop_token& stop) {
+  absl::Status Run(Values& x, base::Progress& progress,
+                   const std::stop_token& stop) {
     for (int i = 0; i < kIterations; ++i) {
       if (stop.stop_requested()) {
         return absl::CancelledError("calibration was interrupted");
@@ -139,7 +144,7 @@ class SurfaceFit {
     surfaces_.Residuals(Apply(nominal_, x), residuals);
     // Columns of the Jacobian by central differences, two evaluations each.
     std::vector<std::vector<double>> shifted(2 * n);
-    ParallelFor(static_cast<int64_t>(2 * n), threads_, [&](int64_t i) {
+    base::ParallelFor(static_cast<int64_t>(2 * n), threads_, [&](int64_t i) {
       const size_t u = unknowns_[static_cast<size_t>(i) / 2];
       Values y = x;
       y[u] += (i % 2 == 0 ? 1 : -1) * kStep[u];
@@ -179,16 +184,17 @@ class SurfaceFit {
   }
 
   SurfaceConsistency& surfaces_;
-  const RgbdCalibration& nominal_;
+  const camera::RgbdCalibration& nominal_;
   const int threads_;
   std::vector<size_t> unknowns_;
 };
 
 // Climbs the edge strength along one unknown after the other, halving the
 // steps when none helps.
-void ClimbEdges(const EdgeAlignment& edges, const RgbdCalibration& nominal,
-                const Choice& unknowns, double step_scale, Values& x,
-                Progress& progress, const std::stop_token& stop) {
+void ClimbEdges(const EdgeAlignment& edges,
+                const camera::RgbdCalibration& nominal, const Choice& unknowns,
+                double step_scale, Values& x, base::Progress& progress,
+                const std::stop_token& stop) {
   constexpr int kSweeps = 12;
   double best = edges.Strength(Apply(nominal, x));
   double scale = step_scale;
@@ -222,11 +228,11 @@ Choice Choose(std::initializer_list<Unknown> unknowns) {
 }
 
 struct LoadedFrames {
-  std::vector<Frame> frames;
+  std::vector<image::Frame> frames;
   std::vector<PosedDepth> depths;
 };
 
-absl::StatusOr<LoadedFrames> LoadFrames(const Dataset& dataset,
+absl::StatusOr<LoadedFrames> LoadFrames(const dataset::Dataset& dataset,
                                         const CalibratorOptions& options,
                                         bool quiet,
                                         const std::stop_token& stop) {
@@ -246,19 +252,20 @@ absl::StatusOr<LoadedFrames> LoadFrames(const Dataset& dataset,
   }
   const size_t count =
       std::min(usable.size(), static_cast<size_t>(options.frames));
-  std::vector<absl::StatusOr<Frame>> loaded(count,
-                                            absl::UnknownError("not read"));
+  std::vector<absl::StatusOr<image::Frame>> loaded(
+      count, absl::UnknownError("not read"));
   const auto index = [&](size_t i) {
     return usable[i * usable.size() / count];
   };
-  Progress progress("reading frames", static_cast<int64_t>(count), quiet);
-  ParallelFor(static_cast<int64_t>(count), options.threads, [&](int64_t i) {
-    if (!stop.stop_requested()) {
-      loaded[static_cast<size_t>(i)] =
-          dataset.Load(index(static_cast<size_t>(i)));
-    }
-    progress.Add(1);
-  });
+  base::Progress progress("reading frames", static_cast<int64_t>(count), quiet);
+  base::ParallelFor(static_cast<int64_t>(count), options.threads,
+                    [&](int64_t i) {
+                      if (!stop.stop_requested()) {
+                        loaded[static_cast<size_t>(i)] =
+                            dataset.Load(index(static_cast<size_t>(i)));
+                      }
+                      progress.Add(1);
+                    });
   if (stop.stop_requested()) {
     return absl::CancelledError("calibration was interrupted");
   }
@@ -273,8 +280,8 @@ absl::StatusOr<LoadedFrames> LoadFrames(const Dataset& dataset,
 }
 
 absl::Status CheckSizes(const LoadedFrames& loaded,
-                        const RgbdCalibration& nominal) {
-  for (const Frame& frame : loaded.frames) {
+                        const camera::RgbdCalibration& nominal) {
+  for (const image::Frame& frame : loaded.frames) {
     if (frame.color.width != nominal.color.width() ||
         frame.color.height != nominal.color.height() ||
         frame.depth->width != nominal.depth.width() ||
@@ -293,13 +300,13 @@ absl::Status CheckSizes(const LoadedFrames& loaded,
 }  // namespace
 
 absl::StatusOr<CalibrationReport> CalibrateRgbd(
-    const Dataset& dataset, const CalibratorOptions& options, bool quiet,
-    const std::stop_token& stop) {
+    const dataset::Dataset& dataset, const CalibratorOptions& options,
+    bool quiet, const std::stop_token& stop) {
   if (options.frames < 2 || options.frames > 1000) {
     return absl::InvalidArgumentError(absl::StrCat(
         "calibration frames is ", options.frames, "; it must be 2 to 1000"));
   }
-  const RgbdCalibration nominal = dataset.calibration();
+  const camera::RgbdCalibration nominal = dataset.calibration();
   TL_ASSIGN_OR_RETURN(const LoadedFrames loaded,
                       LoadFrames(dataset, options, quiet, stop));
   TL_RETURN_IF_ERROR(CheckSizes(loaded, nominal));
@@ -309,7 +316,7 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
   Choice by_surfaces = Choose({kScale});
   Choice by_edges{};
   if (!dataset.depth_is_registered()) {
-    if (nominal.pose_sensor == RgbdSensor::kColor) {
+    if (nominal.pose_sensor == camera::RgbdSensor::kColor) {
       by_surfaces = Choose({kRotationX, kRotationY, kRotationZ, kTranslationX,
                             kTranslationY, kTranslationZ, kScale, kDepthFocal,
                             kDepthCx, kDepthCy, kDepthRadial});
@@ -322,9 +329,9 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
     if (nominal.depth.has_distortion()) by_surfaces[kDepthRadial] = false;
   }
 
-  Progress progress("calibrating",
-                    kIterations + (dataset.depth_is_registered() ? 0 : 24),
-                    quiet);
+  base::Progress progress(
+      "calibrating", kIterations + (dataset.depth_is_registered() ? 0 : 24),
+      quiet);
   Values x{};
   SurfaceConsistency surfaces(loaded.depths, nominal);
   report.pairs = surfaces.pairs();
@@ -365,4 +372,4 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
   return report;
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

@@ -8,7 +8,7 @@
 #include "common/camera/rgbd_calibration.h"
 #include "common/dataset/dataset.h"
 
-namespace treeline {
+namespace treeline::training {
 
 struct CalibratorOptions {
   // Frames looked at, spread evenly over the sequence, in [2, 1000].
@@ -19,7 +19,7 @@ struct CalibratorOptions {
 
 // What the calibration explains better than the nominal one did.
 struct CalibrationReport {
-  RgbdCalibration calibration;
+  camera::RgbdCalibration calibration;
   int frames = 0;
   // Surfaces seen from two frames: root mean square distance (m) between them
   // along the surface normal, over overlapping pairs, before and after.
@@ -45,9 +45,9 @@ struct CalibrationReport {
 // FAILED_PRECONDITION: fewer than two frames with depth and pose, or no two
 // that see the same surfaces. CANCELLED after `stop`.
 absl::StatusOr<CalibrationReport> CalibrateRgbd(
-    const Dataset& dataset, const CalibratorOptions& options, bool quiet,
-    const std::stop_token& stop);
+    const dataset::Dataset& dataset, const CalibratorOptions& options,
+    bool quiet, const std::stop_token& stop);
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_RGBD_CALIBRATOR_H_

@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "server/core/training/box_room_recording.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 class RgbdCalibratorTest : public testing::Test {
@@ -18,16 +18,17 @@ class RgbdCalibratorTest : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  absl::StatusOr<Dataset> Record(const RgbdCalibration& truth, int frames) {
+  absl::StatusOr<dataset::Dataset> Record(const camera::RgbdCalibration& truth,
+                                          int frames) {
     WriteBoxRoomRecording(folder_, truth, BoxRoomPoses(frames));
-    DatasetOptions options;
+    dataset::DatasetOptions options;
     options.uri = "7scenes:" + folder_;
     options.color_camera = "PINHOLE,145,145,100,75";
     options.depth_camera = "PINHOLE,145,145,100,75";
-    if (truth.pose_sensor == RgbdSensor::kColor) {
+    if (truth.pose_sensor == camera::RgbdSensor::kColor) {
       options.pose_file = folder_ + "/poses.txt";
     }
-    return Dataset::Open(options);
+    return dataset::Dataset::Open(options);
   }
 
   std::string folder_;
@@ -38,9 +39,10 @@ class RgbdCalibratorTest : public testing::Test {
 // points the offset comes out within a millimetre or two, unless the fit
 // trades it for one of its other unknowns.
 TEST_F(RgbdCalibratorTest, FindsOffsetAndScaleFromColorPoses) {
-  RgbdCalibration truth = BoxRoomCalibration();
-  truth.color_from_depth = {Rotation3::FromAxisAngle({0.01, -0.015, 0.005}),
-                            {-0.03, 0.01, 0.005}};
+  camera::RgbdCalibration truth = BoxRoomCalibration();
+  truth.color_from_depth = {
+      geometry::Rotation3::FromAxisAngle({0.01, -0.015, 0.005}),
+      {-0.03, 0.01, 0.005}};
   truth.depth_scale = 0.99;
   const auto dataset = Record(truth, 24);
   ASSERT_TRUE(dataset.ok()) << dataset.status();
@@ -49,24 +51,25 @@ TEST_F(RgbdCalibratorTest, FindsOffsetAndScaleFromColorPoses) {
   EXPECT_GT(report->surface_rms_before_m, 0.015);
   EXPECT_LT(report->surface_rms_after_m, 0.005);
   EXPECT_NEAR(report->calibration.depth_scale, 0.99, 0.003);
-  const Vec3 t = report->calibration.color_from_depth.translation;
+  const geometry::Vec3 t = report->calibration.color_from_depth.translation;
   EXPECT_NEAR(t.x, -0.03, 0.006);
   EXPECT_NEAR(t.y, 0.01, 0.006);
   EXPECT_NEAR(t.z, 0.005, 0.006);
 }
 
 TEST_F(RgbdCalibratorTest, LeavesATrueCalibrationAlone) {
-  const RgbdCalibration truth = BoxRoomCalibration();
+  const camera::RgbdCalibration truth = BoxRoomCalibration();
   const auto dataset = Record(truth, 24);
   ASSERT_TRUE(dataset.ok());
   const auto report = CalibrateRgbd(*dataset, {.frames = 24}, true, {});
   ASSERT_TRUE(report.ok()) << report.status();
   EXPECT_NEAR(report->calibration.depth_scale, 1, 0.002);
-  EXPECT_LT(Norm(report->calibration.color_from_depth.translation), 0.004);
+  EXPECT_LT(geometry::Norm(report->calibration.color_from_depth.translation),
+            0.004);
 }
 
 TEST_F(RgbdCalibratorTest, DoesNotDependOnTheNumberOfThreads) {
-  RgbdCalibration truth = BoxRoomCalibration();
+  camera::RgbdCalibration truth = BoxRoomCalibration();
   truth.color_from_depth.translation = {-0.03, 0, 0};
   const auto dataset = Record(truth, 12);
   ASSERT_TRUE(dataset.ok());
@@ -92,4 +95,4 @@ TEST_F(RgbdCalibratorTest, SaysWhenThereIsTooLittleToGoBy) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::training

@@ -19,7 +19,7 @@
 #include "server/core/training/quantize_forest.h"
 #include "server/core/training/sift_scene_trainer.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 constexpr MethodDescription kMethods[] = {
@@ -77,7 +77,8 @@ absl::string_view BytesOf(const std::vector<T>& values) {
 
 class SceneTrainer {
  public:
-  SceneTrainer(const Dataset& dataset, const SceneTrainingOptions& options,
+  SceneTrainer(const dataset::Dataset& dataset,
+               const SceneTrainingOptions& options,
                const std::string& output_path, bool quiet,
                const std::stop_token& stop)
       : dataset_(dataset),
@@ -119,7 +120,7 @@ class SceneTrainer {
  private:
   struct Learned {
     std::vector<TrainedForest> forests;
-    Keyframes keyframes;
+    keyframes::Keyframes keyframes;
   };
 
   absl::Status Calibrate() {
@@ -147,7 +148,7 @@ class SceneTrainer {
 
   absl::Status OpenBase() {
     if (options_.base_model.empty()) return absl::OkStatus();
-    TL_ASSIGN_OR_RETURN(base_, ModelFile::Open(options_.base_model));
+    TL_ASSIGN_OR_RETURN(base_, forest::ModelFile::Open(options_.base_model));
     if (base_->info().method != options_.method ||
         base_->forests() != forests_.size() ||
         base_->forest().descriptors.empty()) {
@@ -167,11 +168,12 @@ class SceneTrainer {
     info_.options = options_.recorded_options;
     info_.calibration = calibration_;
     if (SeesColorAlone(options_.method)) {
-      info_.calibration.pose_sensor = RgbdSensor::kColor;
+      info_.calibration.pose_sensor = camera::RgbdSensor::kColor;
     }
   }
 
-  absl::StatusOr<Keyframes> MakeKeyframes(const Dataset& dataset) const {
+  absl::StatusOr<keyframes::Keyframes> MakeKeyframes(
+      const dataset::Dataset& dataset) const {
     KeyframeOptions keyframes;
     keyframes.threads = options_.forest.threads;
     if (options_.method == "hybrid") keyframes.features = kKeyframeFeatures;
@@ -179,7 +181,7 @@ class SceneTrainer {
   }
 
   absl::StatusOr<std::vector<TrainedForest>> LearnForests(
-      const Dataset& dataset) const {
+      const dataset::Dataset& dataset) const {
     std::vector<TrainedForest> learned;
     for (size_t f = 0; f < forests_.size(); ++f) {
       TL_ASSIGN_OR_RETURN(
@@ -193,7 +195,7 @@ class SceneTrainer {
     return learned;
   }
 
-  absl::StatusOr<Learned> Learn(const Dataset& dataset) const {
+  absl::StatusOr<Learned> Learn(const dataset::Dataset& dataset) const {
     Learned learned;
     TL_ASSIGN_OR_RETURN(learned.forests, LearnForests(dataset));
     TL_ASSIGN_OR_RETURN(learned.keyframes, MakeKeyframes(dataset));
@@ -202,21 +204,24 @@ class SceneTrainer {
   }
 
   // Puts those of the base before the new ones.
-  absl::Status KeepKeyframes(Keyframes& keyframes) const {
-    TL_ASSIGN_OR_RETURN(const std::span<const KeyframeRecord> records,
-                        base_->Extra<KeyframeRecord>(ModelExtra::kKeyframes));
+  absl::Status KeepKeyframes(keyframes::Keyframes& keyframes) const {
     TL_ASSIGN_OR_RETURN(
-        const std::span<const KeyframePoint> points,
-        base_->Extra<KeyframePoint>(ModelExtra::kKeyframePoints));
+        const std::span<const keyframes::KeyframeRecord> records,
+        base_->Extra<keyframes::KeyframeRecord>(
+            forest::ModelExtra::kKeyframes));
+    TL_ASSIGN_OR_RETURN(const std::span<const keyframes::KeyframePoint> points,
+                        base_->Extra<keyframes::KeyframePoint>(
+                            forest::ModelExtra::kKeyframePoints));
     TL_ASSIGN_OR_RETURN(
-        const std::span<const KeyframeFeature> features,
-        base_->Extra<KeyframeFeature>(ModelExtra::kKeyframeFeatures));
-    for (KeyframeFeature& feature : keyframes.features) {
+        const std::span<const keyframes::KeyframeFeature> features,
+        base_->Extra<keyframes::KeyframeFeature>(
+            forest::ModelExtra::kKeyframeFeatures));
+    for (keyframes::KeyframeFeature& feature : keyframes.features) {
       feature.keyframe += static_cast<uint32_t>(records.size());
     }
     keyframes.features.insert(keyframes.features.begin(), features.begin(),
                               features.end());
-    for (KeyframeRecord& record : keyframes.records) {
+    for (keyframes::KeyframeRecord& record : keyframes.records) {
       record.first_point += static_cast<uint32_t>(points.size());
     }
     keyframes.records.insert(keyframes.records.begin(), records.begin(),
@@ -227,25 +232,26 @@ class SceneTrainer {
   }
 
   absl::Status Write(const Learned& learned, const std::string& path) const {
-    std::vector<ModelExtraBytes> extras = {
-        {ModelExtra::kKeyframes, BytesOf(learned.keyframes.records)},
-        {ModelExtra::kKeyframePoints, BytesOf(learned.keyframes.points)}};
+    std::vector<forest::ModelExtraBytes> extras = {
+        {forest::ModelExtra::kKeyframes, BytesOf(learned.keyframes.records)},
+        {forest::ModelExtra::kKeyframePoints,
+         BytesOf(learned.keyframes.points)}};
     if (!learned.keyframes.features.empty()) {
-      extras.push_back(
-          {ModelExtra::kKeyframeFeatures, BytesOf(learned.keyframes.features)});
+      extras.push_back({forest::ModelExtra::kKeyframeFeatures,
+                        BytesOf(learned.keyframes.features)});
     }
     if (!descriptor_.empty()) {
-      extras.push_back({ModelExtra::kSceneDescriptor, descriptor_});
+      extras.push_back({forest::ModelExtra::kSceneDescriptor, descriptor_});
     }
-    std::vector<ForestView> forests;
+    std::vector<forest::ForestView> forests;
     for (const TrainedForest& f : learned.forests) {
       forests.push_back(f.forest.View());
     }
-    return WriteModel(path, info_, forests, extras);
+    return forest::WriteModel(path, info_, forests, extras);
   }
 
   absl::Status FitConfidenceOn(const Learned& learned,
-                               const Dataset& held_out) {
+                               const dataset::Dataset& held_out) {
     ConfidenceOptions confidence;
     confidence.seed = options_.forest.seed;
     confidence.threads = options_.forest.threads;
@@ -262,14 +268,15 @@ class SceneTrainer {
     AppearanceOptions appearance;
     appearance.threads = options_.forest.threads;
     TL_ASSIGN_OR_RETURN(
-        SceneDescriptor descriptor,
+        recognition::SceneDescriptor descriptor,
         BuildSceneDescriptor(dataset_, appearance, quiet_, stop_));
     if (is_extending()) {
-      TL_ASSIGN_OR_RETURN(const std::span<const char> bytes,
-                          base_->Extra<char>(ModelExtra::kSceneDescriptor));
+      TL_ASSIGN_OR_RETURN(
+          const std::span<const char> bytes,
+          base_->Extra<char>(forest::ModelExtra::kSceneDescriptor));
       // Models of other versions have none, or one of other words.
-      const absl::StatusOr<SceneDescriptor> old =
-          SceneDescriptor::Parse({bytes.data(), bytes.size()});
+      const absl::StatusOr<recognition::SceneDescriptor> old =
+          recognition::SceneDescriptor::Parse({bytes.data(), bytes.size()});
       if (old.ok()) descriptor.Merge(*old);
     }
     descriptor_ = descriptor.Serialize();
@@ -282,25 +289,25 @@ class SceneTrainer {
       info_.training_frames = std::max(info_.training_frames, f.frames);
       info_.training_samples += f.samples;
     }
-    info_.training_s = MillisecondsBetween(start_, clock_.Now()) / 1e3;
+    info_.training_s = base::MillisecondsBetween(start_, clock_.Now()) / 1e3;
     TL_RETURN_IF_ERROR(Write(learned, output_path_));
-    TL_ASSIGN_OR_RETURN(const std::unique_ptr<const ModelFile> model,
-                        ModelFile::Open(output_path_));
+    TL_ASSIGN_OR_RETURN(const std::unique_ptr<const forest::ModelFile> model,
+                        forest::ModelFile::Open(output_path_));
     scene_.info = model->info();
     return std::move(scene_);
   }
 
-  const Dataset& dataset_;
+  const dataset::Dataset& dataset_;
   const SceneTrainingOptions& options_;
   const std::string& output_path_;
   const bool quiet_;
   const std::stop_token& stop_;
-  const SteadyClock clock_;
-  const MonotonicTime start_ = clock_.Now();
+  const base::SteadyClock clock_;
+  const base::MonotonicTime start_ = clock_.Now();
   const std::vector<TrainingOptions> forests_;
-  RgbdCalibration calibration_;
-  std::unique_ptr<const ModelFile> base_;
-  ModelInfo info_;
+  camera::RgbdCalibration calibration_;
+  std::unique_ptr<const forest::ModelFile> base_;
+  forest::ModelInfo info_;
   std::string descriptor_;  // as the file has it; empty: none
   TrainedScene scene_;
 };
@@ -309,7 +316,7 @@ class SceneTrainer {
 
 std::span<const MethodDescription> TrainableMethods() { return kMethods; }
 
-absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
+absl::StatusOr<TrainedScene> TrainScene(const dataset::Dataset& dataset,
                                         const SceneTrainingOptions& options,
                                         const std::string& output_path,
                                         bool quiet,
@@ -322,9 +329,9 @@ absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
     return TrainSiftScene(dataset, options, output_path, quiet, stop);
   }
   TL_RETURN_IF_ERROR(options.forest.Validate());
-  TL_RETURN_IF_ERROR(MakeParentFolder(output_path));
-  TL_RETURN_IF_ERROR(CheckWritable(output_path));
+  TL_RETURN_IF_ERROR(base::MakeParentFolder(output_path));
+  TL_RETURN_IF_ERROR(base::CheckWritable(output_path));
   return SceneTrainer(dataset, options, output_path, quiet, stop).Train();
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

@@ -19,7 +19,7 @@
 #include "server/core/training/sift_trainer.h"
 #include "server/core/training/training_options.h"
 
-namespace treeline {
+namespace treeline::training {
 
 // The methods that can be trained, in the order of the documentation.
 struct MethodDescription {
@@ -31,7 +31,7 @@ std::span<const MethodDescription> TrainableMethods();
 struct SceneTrainingOptions {
   std::string method = "rgbd";
   // How depth and colour fit together: nullopt estimates it from the frames.
-  std::optional<RgbdCalibration> calibration;
+  std::optional<camera::RgbdCalibration> calibration;
   // Called with the estimate before learning begins; may be empty.
   std::function<void(const CalibrationReport&)> on_calibrated;
   TrainingOptions forest;
@@ -51,19 +51,19 @@ struct SceneTrainingOptions {
 };
 
 struct TrainedScene {
-  ModelInfo info;  // as read back from the file
+  forest::ModelInfo info;  // as read back from the file
 };
 
 // Trains `dataset` with a method and writes the model to output_path,
 // atomically; the file is read back as a server will. INVALID_ARGUMENT: an
 // unknown method or bad options; FAILED_PRECONDITION: the dataset lacks what
 // the method needs; CANCELLED after `stop`; and whatever reading a frame gives.
-absl::StatusOr<TrainedScene> TrainScene(const Dataset& dataset,
+absl::StatusOr<TrainedScene> TrainScene(const dataset::Dataset& dataset,
                                         const SceneTrainingOptions& options,
                                         const std::string& output_path,
                                         bool quiet,
                                         const std::stop_token& stop);
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_SCENE_TRAINER_H_

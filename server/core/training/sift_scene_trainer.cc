@@ -13,7 +13,7 @@
 #include "server/core/training/confidence_fitter.h"
 #include "server/core/training/sift_trainer.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 // What confidence is the probability of: an error below this share of the
@@ -21,7 +21,7 @@ namespace {
 constexpr double kRightPosition = 0.01;
 constexpr double kRightRotation_rad = 0.017453292519943295;
 
-std::vector<int> FramesWithPoses(const Dataset& dataset) {
+std::vector<int> FramesWithPoses(const dataset::Dataset& dataset) {
   std::vector<int> frames;
   for (int i = 0; i < dataset.size(); ++i) {
     if (dataset.frame(i).world_from_camera) frames.push_back(i);
@@ -31,7 +31,7 @@ std::vector<int> FramesWithPoses(const Dataset& dataset) {
 
 }  // namespace
 
-absl::StatusOr<TrainedScene> TrainSiftScene(const Dataset& dataset,
+absl::StatusOr<TrainedScene> TrainSiftScene(const dataset::Dataset& dataset,
                                             const SceneTrainingOptions& options,
                                             const std::string& output_path,
                                             bool quiet,
@@ -41,12 +41,12 @@ absl::StatusOr<TrainedScene> TrainSiftScene(const Dataset& dataset,
   sift.threads = options.forest.threads;
   sift.trees = options.forest.trees;
   TL_RETURN_IF_ERROR(sift.Validate());
-  TL_RETURN_IF_ERROR(MakeParentFolder(output_path));
-  TL_RETURN_IF_ERROR(CheckWritable(output_path));
-  const SteadyClock clock;
-  const MonotonicTime start = clock.Now();
+  TL_RETURN_IF_ERROR(base::MakeParentFolder(output_path));
+  TL_RETURN_IF_ERROR(base::CheckWritable(output_path));
+  const base::SteadyClock clock;
+  const base::MonotonicTime start = clock.Now();
   TrainedScene scene;
-  ModelInfo& info = scene.info;
+  forest::ModelInfo& info = scene.info;
   info.method = options.method;
   info.software_version = options.software_version;
   info.created_utc = options.created_utc;
@@ -71,7 +71,7 @@ absl::StatusOr<TrainedScene> TrainSiftScene(const Dataset& dataset,
         info.confidence,
         LearnConfidence(
             [&](const std::string& path) {
-              return WriteModel(path, info, {part.forest.View()});
+              return forest::WriteModel(path, info, {part.forest.View()});
             },
             output_path, dataset.Subset(split.held_out), confidence, quiet,
             stop));
@@ -81,19 +81,20 @@ absl::StatusOr<TrainedScene> TrainSiftScene(const Dataset& dataset,
   info.viewing_distance = trained.viewing_distance;
   info.training_frames = trained.images;
   info.training_samples = trained.samples;
-  info.training_s = MillisecondsBetween(start, clock.Now()) / 1e3;
+  info.training_s = base::MillisecondsBetween(start, clock.Now()) / 1e3;
   AppearanceOptions appearance;
   appearance.threads = sift.threads;
-  TL_ASSIGN_OR_RETURN(const SceneDescriptor descriptor,
+  TL_ASSIGN_OR_RETURN(const recognition::SceneDescriptor descriptor,
                       BuildSceneDescriptor(dataset, appearance, quiet, stop));
   const std::string bytes = descriptor.Serialize();
-  const ModelExtraBytes extra{ModelExtra::kSceneDescriptor, bytes};
-  TL_RETURN_IF_ERROR(WriteModel(output_path, info, {trained.forest.View()},
-                                std::span(&extra, 1)));
-  TL_ASSIGN_OR_RETURN(const std::unique_ptr<const ModelFile> model,
-                      ModelFile::Open(output_path));
+  const forest::ModelExtraBytes extra{forest::ModelExtra::kSceneDescriptor,
+                                      bytes};
+  TL_RETURN_IF_ERROR(forest::WriteModel(
+      output_path, info, {trained.forest.View()}, std::span(&extra, 1)));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<const forest::ModelFile> model,
+                      forest::ModelFile::Open(output_path));
   info = model->info();
   return scene;
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

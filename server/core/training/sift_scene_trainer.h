@@ -9,16 +9,16 @@
 #include "common/dataset/dataset.h"
 #include "server/core/training/scene_trainer.h"
 
-namespace treeline {
+namespace treeline::training {
 
 // TrainScene for method sift: options.sift, and of options.forest seed,
 // threads and trees. Errors as TrainScene and TrainSiftForest.
-absl::StatusOr<TrainedScene> TrainSiftScene(const Dataset& dataset,
+absl::StatusOr<TrainedScene> TrainSiftScene(const dataset::Dataset& dataset,
                                             const SceneTrainingOptions& options,
                                             const std::string& output_path,
                                             bool quiet,
                                             const std::stop_token& stop);
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_SIFT_SCENE_TRAINER_H_

@@ -17,7 +17,7 @@
 #include "common/base/status_macros.h"
 #include "server/core/training/sift_tree_grower.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 constexpr uint64_t kImageStream = 0x736966745f696d67;
@@ -39,7 +39,7 @@ double Quantile(std::vector<double> values, double q) {
 class PointInformation {
  public:
   // A ray of unit length in the world, seen from `distance` away.
-  void Add(Vec3 ray, double distance, double focal_px) {
+  void Add(geometry::Vec3 ray, double distance, double focal_px) {
     const double sigma = kPixelSigma_px / focal_px * distance;
     const Eigen::Vector3d v(ray.x, ray.y, ray.z);
     information_ +=
@@ -69,8 +69,9 @@ struct ImageSamples {
 
 class SiftTrainer {
  public:
-  SiftTrainer(const Dataset& dataset, const SiftTrainingOptions& options,
-              bool quiet, const std::stop_token& stop)
+  SiftTrainer(const dataset::Dataset& dataset,
+              const SiftTrainingOptions& options, bool quiet,
+              const std::stop_token& stop)
       : dataset_(dataset), options_(options), quiet_(quiet), stop_(stop) {}
 
   absl::StatusOr<TrainedSiftForest> Train() {
@@ -97,20 +98,21 @@ class SiftTrainer {
 
   // Uncertainties, viewing distance, and which points are near the others.
   void MeasureScene() {
-    const SfmModel& model = *dataset_.structure();
+    const dataset::SfmModel& model = *dataset_.structure();
     information_.resize(model.points.size());
     std::vector<double> distances;
     std::array<std::vector<double>, 3> coordinates;
     for (int i = 0; i < dataset_.size(); ++i) {
-      const SfmModel::Image& image = ImageOf(i);
-      const Vec3 center = image.camera_from_world.Inverse().translation;
-      const double focal_px =
-          MeanFocal_px(model.cameras[static_cast<size_t>(image.camera)]);
-      for (const SfmModel::Keypoint& keypoint : image.keypoints) {
+      const dataset::SfmModel::Image& image = ImageOf(i);
+      const geometry::Vec3 center =
+          image.camera_from_world.Inverse().translation;
+      const double focal_px = camera::MeanFocal_px(
+          model.cameras[static_cast<size_t>(image.camera)]);
+      for (const dataset::SfmModel::Keypoint& keypoint : image.keypoints) {
         if (keypoint.point < 0) continue;
         const size_t p = static_cast<size_t>(keypoint.point);
-        const Vec3 ray = model.points[p].position_in_world - center;
-        const double distance = Norm(ray);
+        const geometry::Vec3 ray = model.points[p].position_in_world - center;
+        const double distance = geometry::Norm(ray);
         if (!(distance > 0)) continue;
         information_[p].Add(ray / distance, distance, focal_px);
         distances.push_back(distance);
@@ -135,17 +137,18 @@ class SiftTrainer {
     }
   }
 
-  const SfmModel::Image& ImageOf(int frame) const {
+  const dataset::SfmModel::Image& ImageOf(int frame) const {
     return dataset_.structure()
         ->images[static_cast<size_t>(dataset_.frame(frame).structure_image)];
   }
 
   absl::Status ReadImage(int frame, SiftSamples& samples) const {
-    TL_ASSIGN_OR_RETURN(const Frame loaded, dataset_.Load(frame));
-    const absl::StatusOr<SiftFeatures> features =
-        ExtractSift(loaded.color, options_.features);
+    TL_ASSIGN_OR_RETURN(const image::Frame loaded, dataset_.Load(frame));
+    const absl::StatusOr<features::SiftFeatures> features =
+        features::ExtractSift(loaded.color, options_.features);
     if (!features.ok()) {
-      return Annotate(features.status(), dataset_.frame(frame).color_path);
+      return base::Annotate(features.status(),
+                            dataset_.frame(frame).color_path);
     }
     const std::vector<int32_t> points =
         LabelFeatures(features->keypoints, ImageOf(frame).keypoints,
@@ -161,8 +164,8 @@ class SiftTrainer {
   absl::Status ReadImages() {
     std::vector<ImageSamples> images(static_cast<size_t>(dataset_.size()));
     {
-      Progress progress("features", dataset_.size(), quiet_);
-      ParallelFor(dataset_.size(), options_.threads, [&](int64_t i) {
+      base::Progress progress("features", dataset_.size(), quiet_);
+      base::ParallelFor(dataset_.size(), options_.threads, [&](int64_t i) {
         ImageSamples& image = images[static_cast<size_t>(i)];
         image.status = CheckStop();
         if (!image.status.ok()) return;
@@ -193,7 +196,8 @@ class SiftTrainer {
     std::iota(images.begin(), images.end(), size_t{0});
     const size_t wanted =
         std::min(images.size(), static_cast<size_t>(options_.images_per_tree));
-    Random random(options_.seed, kImageStream + static_cast<uint64_t>(tree));
+    base::Random random(options_.seed,
+                        kImageStream + static_cast<uint64_t>(tree));
     for (size_t i = 0; i < wanted; ++i) {
       const size_t left = images.size() - i;
       std::swap(images[i],
@@ -212,10 +216,10 @@ class SiftTrainer {
   }
 
   void GrowTrees() {
-    const SfmModel& model = *dataset_.structure();
+    const dataset::SfmModel& model = *dataset_.structure();
     std::vector<Label> position;
-    for (const SfmModel::Point& point : model.points) {
-      const Vec3& p = point.position_in_world;
+    for (const dataset::SfmModel::Point& point : model.points) {
+      const geometry::Vec3& p = point.position_in_world;
       position.push_back({static_cast<float>(p.x), static_cast<float>(p.y),
                           static_cast<float>(p.z)});
     }
@@ -227,8 +231,8 @@ class SiftTrainer {
     }
     result_.images = static_cast<int>(std::ranges::count(used, true));
     grown_.resize(chosen.size());
-    Progress progress("growing trees", options_.trees, quiet_);
-    ParallelFor(options_.trees, options_.threads, [&](int64_t t) {
+    base::Progress progress("growing trees", options_.trees, quiet_);
+    base::ParallelFor(options_.trees, options_.threads, [&](int64_t t) {
       const size_t tree = static_cast<size_t>(t);
       grown_[tree] = GrowSiftTree(samples_, position, std::move(chosen[tree]),
                                   options_, static_cast<int>(t), stop_);
@@ -239,24 +243,24 @@ class SiftTrainer {
   // One forest of all trees, positions relative to its bounds.
   void Assemble() {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const SfmModel& model = *dataset_.structure();
-    Vec3 low{kInfinity, kInfinity, kInfinity};
-    Vec3 high = -low;
+    const dataset::SfmModel& model = *dataset_.structure();
+    geometry::Vec3 low{kInfinity, kInfinity, kInfinity};
+    geometry::Vec3 high = -low;
     for (const int32_t point : samples_.point) {
-      const Vec3& p =
+      const geometry::Vec3& p =
           model.points[static_cast<size_t>(point)].position_in_world;
       low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
       high = {std::max(high.x, p.x), std::max(high.y, p.y),
               std::max(high.z, p.z)};
     }
-    Forest& forest = result_.forest;
+    forest::Forest& forest = result_.forest;
     forest.bounds_min_in_world = low;
     forest.bounds_max_in_world = high;
     for (const GrownSiftTree& tree : grown_) {
       const uint32_t base = static_cast<uint32_t>(forest.payloads.size());
-      for (Node node : tree.nodes) {
+      for (forest::Node node : tree.nodes) {
         if (node.is_leaf()) {
-          node = Node::Leaf(node.leaf() + base, node.modes());
+          node = forest::Node::Leaf(node.leaf() + base, node.modes());
         }
         forest.nodes.push_back(node);
       }
@@ -268,13 +272,13 @@ class SiftTrainer {
     }
   }
 
-  LeafPayload PayloadOf(const GrownSiftTree::Mode& mode) const {
+  forest::LeafPayload PayloadOf(const GrownSiftTree::Mode& mode) const {
     const size_t point = static_cast<size_t>(mode.point);
-    const Vec3& position =
+    const geometry::Vec3& position =
         dataset_.structure()->points[point].position_in_world;
-    const Vec3& low = result_.forest.bounds_min_in_world;
-    const Vec3& high = result_.forest.bounds_max_in_world;
-    LeafPayload payload;
+    const geometry::Vec3& low = result_.forest.bounds_min_in_world;
+    const geometry::Vec3& high = result_.forest.bounds_max_in_world;
+    forest::LeafPayload payload;
     for (int k = 0; k < 3; ++k) {
       const double range = high[k] - low[k];
       const double share = range > 0 ? (position[k] - low[k]) / range : 0;
@@ -284,14 +288,14 @@ class SiftTrainer {
     const std::array<float, 6> covariance =
         information_[point].Covariance(result_.viewing_distance);
     for (size_t k = 0; k < 6; ++k) {
-      payload.covariance[k] = ToBfloat16(covariance[k]);
+      payload.covariance[k] = forest::ToBfloat16(covariance[k]);
     }
     payload.count =
         static_cast<uint16_t>(std::min<uint32_t>(mode.count, 65535));
     return payload;
   }
 
-  const Dataset& dataset_;
+  const dataset::Dataset& dataset_;
   const SiftTrainingOptions& options_;
   const bool quiet_;
   const std::stop_token stop_;
@@ -317,7 +321,7 @@ absl::Status SiftTrainingOptions::Validate() const {
   TL_RETURN_IF_ERROR(check("balanced levels", balanced_levels, 0, 40));
   TL_RETURN_IF_ERROR(check("maximum depth", max_depth, 1, 40));
   TL_RETURN_IF_ERROR(
-      check("samples of a leaf", leaf_samples, 1, Node::kMaxModes));
+      check("samples of a leaf", leaf_samples, 1, forest::Node::kMaxModes));
   TL_RETURN_IF_ERROR(check("split candidates", split_candidates, 1, 1000));
   if (!(label_radius_px > 0 && label_radius_px <= 10)) {
     return absl::InvalidArgumentError(
@@ -328,15 +332,15 @@ absl::Status SiftTrainingOptions::Validate() const {
 }
 
 absl::StatusOr<TrainedSiftForest> TrainSiftForest(
-    const Dataset& dataset, const SiftTrainingOptions& options, bool quiet,
-    const std::stop_token& stop) {
+    const dataset::Dataset& dataset, const SiftTrainingOptions& options,
+    bool quiet, const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(options.Validate());
   return SiftTrainer(dataset, options, quiet, stop).Train();
 }
 
 std::vector<int32_t> LabelFeatures(
-    std::span<const SiftKeypoint> features,
-    std::span<const SfmModel::Keypoint> keypoints, double radius_px) {
+    std::span<const features::SiftKeypoint> features,
+    std::span<const dataset::SfmModel::Keypoint> keypoints, double radius_px) {
   // Keypoints by cells of the radius: a feature's neighbours lie in nine.
   const auto cell = [&](double x) {
     return static_cast<int64_t>(std::floor(x / radius_px));
@@ -347,7 +351,7 @@ std::vector<int32_t> LabelFeatures(
   };
   std::unordered_map<uint64_t, std::vector<size_t>> in_cell;
   for (size_t i = 0; i < keypoints.size(); ++i) {
-    const Pixel& p = keypoints[i].pixel;
+    const camera::Pixel& p = keypoints[i].pixel;
     // Written so that no wild number is converted.
     if (keypoints[i].point < 0 || !(std::abs(p.x) < 1e6) ||
         !(std::abs(p.y) < 1e6)) {
@@ -357,7 +361,7 @@ std::vector<int32_t> LabelFeatures(
   }
   std::vector<int32_t> points(features.size(), -1);
   for (size_t f = 0; f < features.size(); ++f) {
-    const Pixel& at = features[f].pixel;
+    const camera::Pixel& at = features[f].pixel;
     double best = radius_px;
     size_t best_keypoint = keypoints.size();
     for (int64_t dy = -1; dy <= 1; ++dy) {
@@ -365,7 +369,7 @@ std::vector<int32_t> LabelFeatures(
         const auto found = in_cell.find(key(cell(at.x) + dx, cell(at.y) + dy));
         if (found == in_cell.end()) continue;
         for (const size_t i : found->second) {
-          const Pixel& p = keypoints[i].pixel;
+          const camera::Pixel& p = keypoints[i].pixel;
           const double distance = std::hypot(p.x - at.x, p.y - at.y);
           if (distance < best || (distance == best && i < best_keypoint)) {
             best = distance;
@@ -379,4 +383,4 @@ std::vector<int32_t> LabelFeatures(
   return points;
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

@@ -14,7 +14,7 @@
 #include "server/core/features/sift_extractor.h"
 #include "server/core/forest/forest.h"
 
-namespace treeline {
+namespace treeline::training {
 
 // Defaults are what served best on every eighth training image of South
 // Building; see docs/structure-from-motion.md.
@@ -27,7 +27,7 @@ struct SiftTrainingOptions {
   // Images drawn at random for each tree, in [1, 65535].
   int images_per_tree = 300;
   // What is taken for a feature; a query should take the same.
-  SiftOptions features{.max_features = 4000};
+  features::SiftOptions features{.max_features = 4000};
   // A feature within this distance of a keypoint of the model shows that
   // keypoint's point (px), in (0, 10].
   double label_radius_px = 1.5;
@@ -45,7 +45,7 @@ struct SiftTrainingOptions {
 };
 
 struct TrainedSiftForest {
-  Forest forest;
+  forest::Forest forest;
   int images = 0;       // distinct images that were used
   int64_t samples = 0;  // over all trees
   // Median distance from a training camera to a point it observes (world
@@ -67,15 +67,15 @@ struct TrainedSiftForest {
 // structure, or if no feature lies on a keypoint; CANCELLED after `stop`; and
 // whatever reading an image gives.
 absl::StatusOr<TrainedSiftForest> TrainSiftForest(
-    const Dataset& dataset, const SiftTrainingOptions& options, bool quiet,
-    const std::stop_token& stop);
+    const dataset::Dataset& dataset, const SiftTrainingOptions& options,
+    bool quiet, const std::stop_token& stop);
 
 // For each feature, the point of the nearest keypoint that has one within
 // radius_px; -1: none. Ties go to the earlier keypoint.
 std::vector<int32_t> LabelFeatures(
-    std::span<const SiftKeypoint> features,
-    std::span<const SfmModel::Keypoint> keypoints, double radius_px);
+    std::span<const features::SiftKeypoint> features,
+    std::span<const dataset::SfmModel::Keypoint> keypoints, double radius_px);
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_SIFT_TRAINER_H_

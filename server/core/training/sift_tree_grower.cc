@@ -9,7 +9,7 @@
 
 #include "common/base/random.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 // Objectives are computed on at most so many samples of a node.
@@ -57,7 +57,7 @@ class Grower {
     const size_t self = grown_.nodes.size();
     grown_.nodes.emplace_back();
     Grow(begin, right, depth + 1, path * 2);
-    grown_.nodes[self] = Node::Split(
+    grown_.nodes[self] = forest::Node::Split(
         {.dx = static_cast<int16_t>(split.dimension)}, split.threshold,
         static_cast<uint32_t>(grown_.nodes.size() - self));
     Grow(right, end, depth + 1, path * 2 + 1);
@@ -94,13 +94,13 @@ class Grower {
           position_[static_cast<size_t>(samples_.point[subset_[i]])];
       labels_[i] = {p.x - origin.x, p.y - origin.y, p.z - origin.z};
     }
-    Random random(options_.seed,
-                  MixBits(static_cast<uint64_t>(tree_) + 1) ^ path);
+    base::Random random(options_.seed,
+                        base::MixBits(static_cast<uint64_t>(tree_) + 1) ^ path);
     bool found = false;
     double best = 0;
     for (int c = 0; c < options_.split_candidates; ++c) {
-      const int dimension =
-          static_cast<int>(random.NextBelow(SiftDescriptor::kDimensions));
+      const int dimension = static_cast<int>(
+          random.NextBelow(features::SiftDescriptor::kDimensions));
       for (size_t i = 0; i < used; ++i) {
         values_[i] = ValueOf(subset_[i], dimension);
       }
@@ -161,12 +161,13 @@ class Grower {
     std::ranges::stable_sort(points, [](const auto& a, const auto& b) {
       return a.second.size() > b.second.size();
     });
-    if (points.size() > Node::kMaxModes) points.resize(Node::kMaxModes);
+    if (points.size() > forest::Node::kMaxModes)
+      points.resize(forest::Node::kMaxModes);
     grown_.nodes.push_back(
-        Node::Leaf(static_cast<uint32_t>(grown_.modes.size()),
-                   static_cast<uint32_t>(points.size())));
+        forest::Node::Leaf(static_cast<uint32_t>(grown_.modes.size()),
+                           static_cast<uint32_t>(points.size())));
     for (const auto& [point, samples] : points) {
-      std::array<uint32_t, SiftDescriptor::kDimensions> sum{};
+      std::array<uint32_t, features::SiftDescriptor::kDimensions> sum{};
       for (const uint32_t s : samples) {
         const auto& values = samples_.descriptor[s].values;
         for (size_t k = 0; k < sum.size(); ++k) sum[k] += values[k];
@@ -207,4 +208,4 @@ GrownSiftTree GrowSiftTree(const SiftSamples& samples,
       .Grow();
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

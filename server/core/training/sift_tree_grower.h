@@ -11,11 +11,11 @@
 #include "server/core/training/sift_trainer.h"
 #include "server/core/training/split_objective.h"
 
-namespace treeline {
+namespace treeline::training {
 
 // Labelled features; slot i of both arrays belongs to sample i.
 struct SiftSamples {
-  std::vector<SiftDescriptor> descriptor;
+  std::vector<features::SiftDescriptor> descriptor;
   std::vector<int32_t> point;
 };
 
@@ -24,9 +24,9 @@ struct GrownSiftTree {
   struct Mode {
     int32_t point = 0;
     uint32_t count = 0;
-    SiftDescriptor descriptor;  // mean of the samples'
+    features::SiftDescriptor descriptor;  // mean of the samples'
   };
-  std::vector<Node> nodes;
+  std::vector<forest::Node> nodes;
   std::vector<Mode> modes;
 };
 
@@ -39,6 +39,6 @@ GrownSiftTree GrowSiftTree(const SiftSamples& samples,
                            const SiftTrainingOptions& options, int tree,
                            const std::stop_token& stop);
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_SIFT_TREE_GROWER_H_

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <limits>
 
-namespace treeline {
+namespace treeline::training {
 
 double BalanceObjective(std::span<const int16_t> values, int threshold) {
   if (values.empty()) return 1;
@@ -186,4 +186,4 @@ ThresholdChoice EntropySplitter::Best(std::span<const int16_t> values,
   return best;
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

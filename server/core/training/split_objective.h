@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace treeline {
+namespace treeline::training {
 
 // A label: scene coordinates relative to anything near (m).
 struct Label {
@@ -87,6 +87,6 @@ class EntropySplitter {
   std::vector<Moments> bins_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_SPLIT_OBJECTIVE_H_

@@ -7,7 +7,7 @@
 #include "common/base/random.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 TEST(BalanceObjectiveTest, ByHand) {
@@ -53,7 +53,7 @@ TEST(VarianceSplitterTest, EqualValuesCannotBeSplit) {
 
 // Against Eq. 3.8 computed straight from its definition.
 TEST(VarianceSplitterTest, FindsTheBestOfAllThresholds) {
-  Random random(1, 0);
+  base::Random random(1, 0);
   VarianceSplitter splitter;
   for (int trial = 0; trial < 30; ++trial) {
     std::vector<int16_t> values;
@@ -137,7 +137,7 @@ double EntropyGain(const std::vector<int16_t>& values,
 }
 
 TEST(EntropySplitterTest, FindsTheBestOfAllThresholds) {
-  Random random(2, 0);
+  base::Random random(2, 0);
   EntropySplitter splitter;
   for (int trial = 0; trial < 30; ++trial) {
     std::vector<int16_t> values;
@@ -168,7 +168,7 @@ TEST(EntropySplitterTest, FindsTheBestOfAllThresholds) {
 TEST(EntropySplitterTest, ManyThresholdsLoseLittle) {
   // 400 different values: 24 of the thresholds are tried. The labels are in
   // two clusters that the feature tells apart at about 0.
-  Random random(3, 0);
+  base::Random random(3, 0);
   std::vector<int16_t> values;
   std::vector<Label> labels;
   for (int i = 0; i < 2000; ++i) {
@@ -189,7 +189,7 @@ TEST(EntropySplitterTest, ManyThresholdsLoseLittle) {
 TEST(EntropySplitterTest, PrefersWhatFlattensToWhatShortens) {
   // Samples fill two planes, 30 cm apart, each 2 m wide. Cutting the width in
   // half would reduce the variance most, telling the planes apart the entropy.
-  Random random(4, 0);
+  base::Random random(4, 0);
   std::vector<int16_t> plane_feature;
   std::vector<int16_t> width_feature;
   std::vector<Label> labels;
@@ -224,4 +224,4 @@ TEST(EntropySplitterTest, EqualValuesAndSmallSidesCannotBeSplit) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::training

@@ -8,7 +8,7 @@
 #include "common/base/random.h"
 #include "server/core/features/rgbd_samples.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 // Pairs are compared whose viewing directions differ by this much (rad): less
@@ -27,40 +27,40 @@ constexpr double kOverlapDistance_m = 0.15;
 constexpr int kNormalStep_px = 4;
 constexpr double kMaxJump = 0.03;
 
-Rigid3 WorldFromDepth(const PosedDepth& frame,
-                      const RgbdCalibration& calibration) {
-  return calibration.pose_sensor == RgbdSensor::kColor
+geometry::Rigid3 WorldFromDepth(const PosedDepth& frame,
+                                const camera::RgbdCalibration& calibration) {
+  return calibration.pose_sensor == camera::RgbdSensor::kColor
              ? frame.world_from_sensor * calibration.color_from_depth
              : frame.world_from_sensor;
 }
 
-std::optional<Vec3> DepthPoint(const PosedDepth& frame,
-                               const RgbdCalibration& calibration, int u,
-                               int v) {
-  const DepthImage& depth = frame.depth;
+std::optional<geometry::Vec3> DepthPoint(
+    const PosedDepth& frame, const camera::RgbdCalibration& calibration, int u,
+    int v) {
+  const image::DepthImage& depth = frame.depth;
   if (u < 0 || v < 0 || u >= depth.width || v >= depth.height) {
     return std::nullopt;
   }
   const uint16_t value =
       depth.values[static_cast<size_t>(v) * static_cast<size_t>(depth.width) +
                    static_cast<size_t>(u)];
-  if (!IsMeasured(value)) return std::nullopt;
+  if (!image::IsMeasured(value)) return std::nullopt;
   const double z = value * depth.unit_m * calibration.depth_scale;
   const auto ray = calibration.depth.Unproject(
       {static_cast<double>(u), static_cast<double>(v)});
   if (!ray) return std::nullopt;
-  return Vec3{ray->x * z, ray->y * z, z};
+  return geometry::Vec3{ray->x * z, ray->y * z, z};
 }
 
 struct SurfacePoint {
-  Vec3 point;
-  Vec3 normal;
+  geometry::Vec3 point;
+  geometry::Vec3 normal;
 };
 
 // The surface at a depth pixel, from its neighbours right, left, below, above.
-std::optional<SurfacePoint> SurfaceAt(const PosedDepth& frame,
-                                      const RgbdCalibration& calibration, int u,
-                                      int v) {
+std::optional<SurfacePoint> SurfaceAt(
+    const PosedDepth& frame, const camera::RgbdCalibration& calibration, int u,
+    int v) {
   const auto at = [&](int du, int dv) {
     return DepthPoint(frame, calibration, u + du, v + dv);
   };
@@ -75,8 +75,9 @@ std::optional<SurfacePoint> SurfaceAt(const PosedDepth& frame,
       return std::nullopt;
     }
   }
-  const Vec3 normal = Cross(*right - *left, *below - *above);
-  const double norm = Norm(normal);
+  const geometry::Vec3 normal =
+      geometry::Cross(*right - *left, *below - *above);
+  const double norm = geometry::Norm(normal);
   if (!(norm > 0)) return std::nullopt;
   return SurfacePoint{*center, normal / norm};
 }
@@ -84,22 +85,22 @@ std::optional<SurfacePoint> SurfaceAt(const PosedDepth& frame,
 }  // namespace
 
 SurfaceConsistency::SurfaceConsistency(const std::vector<PosedDepth>& frames,
-                                       const RgbdCalibration& nominal)
+                                       const camera::RgbdCalibration& nominal)
     : frames_(frames) {
-  std::vector<Rigid3> world_from_depth;
+  std::vector<geometry::Rigid3> world_from_depth;
   for (const PosedDepth& frame : frames) {
     world_from_depth.push_back(WorldFromDepth(frame, nominal));
   }
   for (size_t i = 0; i < frames.size(); ++i) {
-    Random random(0, i);
+    base::Random random(0, i);
     int found = 0;
     const uint32_t n = static_cast<uint32_t>(frames.size());
     for (int attempt = 0; attempt < 60 && found < kPairsPerFrame; ++attempt) {
       const size_t j = random.NextBelow(n);
-      const double angle = AngleBetween_rad(world_from_depth[i].rotation,
-                                            world_from_depth[j].rotation);
+      const double angle = geometry::AngleBetween_rad(
+          world_from_depth[i].rotation, world_from_depth[j].rotation);
       if (i == j || angle < kMinAngle_rad || angle > kMaxAngle_rad) continue;
-      const Rigid3 to_from =
+      const geometry::Rigid3 to_from =
           world_from_depth[j].Inverse() * world_from_depth[i];
       Pair pair{i, j, {}, {}};
       int overlap = 0;
@@ -113,9 +114,9 @@ SurfaceConsistency::SurfaceConsistency(const std::vector<PosedDepth>& frames,
                       static_cast<int>(pixel) / width);
         if (!from) continue;
         pair.pixels.push_back(pixel);
-        const Vec3 moved = to_from * from->point;
+        const geometry::Vec3 moved = to_from * from->point;
         if (moved.z <= 0.1) continue;
-        const Pixel p = nominal.depth.Project(moved);
+        const camera::Pixel p = nominal.depth.Project(moved);
         if (!(std::abs(p.x) < 1e5 && std::abs(p.y) < 1e5)) continue;
         const auto to =
             DepthPoint(frames[j], nominal, static_cast<int>(std::lround(p.x)),
@@ -129,21 +130,21 @@ SurfaceConsistency::SurfaceConsistency(const std::vector<PosedDepth>& frames,
   }
 }
 
-void SurfaceConsistency::Associate(const RgbdCalibration& calibration) {
+void SurfaceConsistency::Associate(const camera::RgbdCalibration& calibration) {
   for (Pair& pair : pairs_) {
     const PosedDepth& from = frames_[pair.from];
     const PosedDepth& to = frames_[pair.to];
-    const Rigid3 to_from = WorldFromDepth(to, calibration).Inverse() *
-                           WorldFromDepth(from, calibration);
+    const geometry::Rigid3 to_from = WorldFromDepth(to, calibration).Inverse() *
+                                     WorldFromDepth(from, calibration);
     pair.partners.assign(pair.pixels.size(), Partner{});
     for (size_t i = 0; i < pair.pixels.size(); ++i) {
       const int pixel = static_cast<int>(pair.pixels[i]);
       const auto point = DepthPoint(from, calibration, pixel % from.depth.width,
                                     pixel / from.depth.width);
       if (!point) continue;
-      const Vec3 moved = to_from * *point;
+      const geometry::Vec3 moved = to_from * *point;
       if (moved.z <= 0.1) continue;
-      const Pixel p = calibration.depth.Project(moved);
+      const camera::Pixel p = calibration.depth.Project(moved);
       if (!(std::abs(p.x) < 1e5 && std::abs(p.y) < 1e5)) continue;
       const int u = static_cast<int>(std::lround(p.x));
       const int v = static_cast<int>(std::lround(p.y));
@@ -155,14 +156,14 @@ void SurfaceConsistency::Associate(const RgbdCalibration& calibration) {
 }
 
 template <typename Visit>
-void SurfaceConsistency::VisitPoints(const RgbdCalibration& calibration,
+void SurfaceConsistency::VisitPoints(const camera::RgbdCalibration& calibration,
                                      const Visit& visit) const {
   size_t slot = 0;
   for (const Pair& pair : pairs_) {
     const PosedDepth& from = frames_[pair.from];
     const PosedDepth& to = frames_[pair.to];
-    const Rigid3 to_from = WorldFromDepth(to, calibration).Inverse() *
-                           WorldFromDepth(from, calibration);
+    const geometry::Rigid3 to_from = WorldFromDepth(to, calibration).Inverse() *
+                                     WorldFromDepth(from, calibration);
     for (size_t i = 0; i < pair.pixels.size(); ++i) {
       const size_t this_slot = slot++;
       const Partner& partner = pair.partners[i];
@@ -176,17 +177,18 @@ void SurfaceConsistency::VisitPoints(const RgbdCalibration& calibration,
       if (!point || !surface) continue;
       // In measured units: a larger scale must not look better (or worse) for
       // its own sake, as it would where the camera only turns.
-      const double distance = Dot(partner.normal, to_from * *point - *surface) /
-                              calibration.depth_scale;
-      const double sigma =
-          std::hypot(DepthSigma_m(point->z / calibration.depth_scale),
-                     DepthSigma_m(surface->z / calibration.depth_scale));
+      const double distance =
+          geometry::Dot(partner.normal, to_from * *point - *surface) /
+          calibration.depth_scale;
+      const double sigma = std::hypot(
+          features::DepthSigma_m(point->z / calibration.depth_scale),
+          features::DepthSigma_m(surface->z / calibration.depth_scale));
       visit(this_slot, distance, sigma);
     }
   }
 }
 
-void SurfaceConsistency::Residuals(const RgbdCalibration& calibration,
+void SurfaceConsistency::Residuals(const camera::RgbdCalibration& calibration,
                                    std::vector<double>& residuals) const {
   size_t slots = 0;
   for (const Pair& pair : pairs_) slots += pair.pixels.size();
@@ -196,7 +198,7 @@ void SurfaceConsistency::Residuals(const RgbdCalibration& calibration,
   });
 }
 
-double SurfaceConsistency::Rms_m(const RgbdCalibration& calibration,
+double SurfaceConsistency::Rms_m(const camera::RgbdCalibration& calibration,
                                  double cutoff_m) const {
   double squares = 0;
   int64_t count = 0;
@@ -208,4 +210,4 @@ double SurfaceConsistency::Rms_m(const RgbdCalibration& calibration,
   return count == 0 ? 0 : std::sqrt(squares / static_cast<double>(count));
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

@@ -9,12 +9,12 @@
 #include "common/camera/rgbd_calibration.h"
 #include "common/image/image.h"
 
-namespace treeline {
+namespace treeline::training {
 
 // A depth frame with the pose of the calibration's pose sensor.
 struct PosedDepth {
-  DepthImage depth;
-  Rigid3 world_from_sensor;
+  image::DepthImage depth;
+  geometry::Rigid3 world_from_sensor;
 };
 
 // Pairs of frames that see the same surfaces, and points to compare.
@@ -22,29 +22,30 @@ class SurfaceConsistency {
  public:
   // `nominal` decides which frames overlap; frames must outlive this object.
   SurfaceConsistency(const std::vector<PosedDepth>& frames,
-                     const RgbdCalibration& nominal);
+                     const camera::RgbdCalibration& nominal);
 
   int pairs() const { return static_cast<int>(pairs_.size()); }
 
   // Finds, for each point to compare, the depth pixel of the other frame that
   // it falls on. Kept until the next call.
-  void Associate(const RgbdCalibration& calibration);
+  void Associate(const camera::RgbdCalibration& calibration);
 
   // Distances along the surface normal between each point and the surface at
   // its associated pixel (m), in units of the depth noise expected there; a
   // smooth function of the calibration. Slot i always belongs to the same
   // point; 0 where it falls on no surface.
-  void Residuals(const RgbdCalibration& calibration,
+  void Residuals(const camera::RgbdCalibration& calibration,
                  std::vector<double>& residuals) const;
   // Root mean square of the distances (m) that are below cutoff_m.
-  double Rms_m(const RgbdCalibration& calibration, double cutoff_m) const;
+  double Rms_m(const camera::RgbdCalibration& calibration,
+               double cutoff_m) const;
 
  private:
   // A depth pixel of the other frame, and its surface's normal in the depth
   // camera's frame, as the calibration had it when they were associated.
   struct Partner {
     int32_t pixel = -1;  // -1: none
-    Vec3 normal;
+    geometry::Vec3 normal;
   };
   struct Pair {
     size_t from = 0;
@@ -54,13 +55,13 @@ class SurfaceConsistency {
   };
 
   template <typename Visit>
-  void VisitPoints(const RgbdCalibration& calibration,
+  void VisitPoints(const camera::RgbdCalibration& calibration,
                    const Visit& visit) const;
 
   const std::vector<PosedDepth>& frames_;
   std::vector<Pair> pairs_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_SURFACE_CONSISTENCY_H_

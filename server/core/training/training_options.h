@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 
-namespace treeline {
+namespace treeline::training {
 
 // What splits below the balanced levels are chosen by.
 enum class SplitObjective {
@@ -61,6 +61,6 @@ struct TrainingOptions {
   absl::Status Validate() const;
 };
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_TRAINING_OPTIONS_H_

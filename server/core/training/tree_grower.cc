@@ -8,7 +8,7 @@
 #include "common/base/random.h"
 #include "server/core/training/mean_shift.h"
 
-namespace treeline {
+namespace treeline::training {
 namespace {
 
 // Open nodes become tasks of their own below this share of the tree's samples.
@@ -34,11 +34,11 @@ void TreeSamples::Append(const TreeSamples& other) {
   AppendTo(descriptor, other.descriptor);
 }
 
-void AppendNodes(const std::vector<Node>& subtree, uint32_t mode_base,
-                 std::vector<Node>& nodes) {
-  for (Node node : subtree) {
+void AppendNodes(const std::vector<forest::Node>& subtree, uint32_t mode_base,
+                 std::vector<forest::Node>& nodes) {
+  for (forest::Node node : subtree) {
     if (node.is_leaf()) {
-      node = Node::Leaf(node.leaf() + mode_base, node.modes());
+      node = forest::Node::Leaf(node.leaf() + mode_base, node.modes());
     }
     nodes.push_back(node);
   }
@@ -54,7 +54,7 @@ struct TreeGrower::Workspace {
 };
 
 TreeGrower::TreeGrower(const TrainingOptions& options, int tree,
-                       std::vector<const PlanarImage*> images,
+                       std::vector<const features::PlanarImage*> images,
                        const TreeSamples& samples)
     : options_(options),
       tree_(tree),
@@ -109,8 +109,8 @@ void TreeGrower::Grow(const OpenNode& node, Workspace& work,
   Grow({node.begin, middle, node.depth + 1, node.path * 2, {}}, work, stop,
        grown);
   grown.nodes[self] =
-      Node::Split(split.feature, split.threshold,
-                  static_cast<uint32_t>(grown.nodes.size() - self));
+      forest::Node::Split(split.feature, split.threshold,
+                          static_cast<uint32_t>(grown.nodes.size() - self));
   Grow({middle, node.end, node.depth + 1, node.path * 2 + 1, {}}, work, stop,
        grown);
 }
@@ -121,17 +121,17 @@ bool TreeGrower::IsLeaf(const OpenNode& node) const {
       count < 2 * static_cast<size_t>(options_.min_leaf_samples)) {
     return true;
   }
-  Vec3 sum;
+  geometry::Vec3 sum;
   double squares = 0;
   const Label origin = samples_.point_in_world[order_[node.begin]];
   for (size_t i = node.begin; i < node.end; ++i) {
     const Label& p = samples_.point_in_world[order_[i]];
-    const Vec3 v{p.x - origin.x, p.y - origin.y, p.z - origin.z};
+    const geometry::Vec3 v{p.x - origin.x, p.y - origin.y, p.z - origin.z};
     sum = sum + v;
-    squares += SquaredNorm(v);
+    squares += geometry::SquaredNorm(v);
   }
   const double n = static_cast<double>(count);
-  const double variance = squares / n - SquaredNorm(sum / n);
+  const double variance = squares / n - geometry::SquaredNorm(sum / n);
   return variance <= options_.min_spread_m * options_.min_spread_m;
 }
 
@@ -150,8 +150,9 @@ bool TreeGrower::FindSplit(const OpenNode& node, Workspace& work,
     work.subset[i] = sample;
     work.labels[i] = {p.x - origin.x, p.y - origin.y, p.z - origin.z};
   }
-  Random random(options_.seed,
-                MixBits(static_cast<uint64_t>(tree_) + 1) ^ node.path);
+  base::Random random(
+      options_.seed,
+      base::MixBits(static_cast<uint64_t>(tree_) + 1) ^ node.path);
   const bool balanced = node.depth < options_.balanced_levels;
   const int max_delta = static_cast<int>(4 * options_.max_offset_px_m);
   const auto draw_delta = [&] {
@@ -162,7 +163,7 @@ bool TreeGrower::FindSplit(const OpenNode& node, Workspace& work,
   bool found = false;
   double best = 0;
   for (int c = 0; c < options_.split_candidates; ++c) {
-    PixelDifference feature;
+    features::PixelDifference feature;
     feature.dx = draw_delta();
     feature.dy = draw_delta();
     feature.c1 = static_cast<uint8_t>(random.NextBelow(3));
@@ -192,7 +193,7 @@ bool TreeGrower::FindSplit(const OpenNode& node, Workspace& work,
   return found;
 }
 
-void TreeGrower::EvaluateFeature(const PixelDifference& feature,
+void TreeGrower::EvaluateFeature(const features::PixelDifference& feature,
                                  std::span<const uint32_t> samples,
                                  std::span<int16_t> values) const {
   const uint8_t* first[kLookupsInFlight];
@@ -201,14 +202,14 @@ void TreeGrower::EvaluateFeature(const PixelDifference& feature,
     const size_t count = std::min(kLookupsInFlight, samples.size() - begin);
     for (size_t i = 0; i < count; ++i) {
       const uint32_t s = samples[begin + i];
-      const PlanarImage& image = *images_[samples_.frame[s]];
+      const features::PlanarImage& image = *images_[samples_.frame[s]];
       const int32_t q = samples_.inverse_depth_q12[s];
       const int32_t x = samples_.x[s];
       const int32_t y = samples_.y[s];
-      const int32_t x2 =
-          std::clamp(x + OffsetPixels(feature.dx, q), 0, image.width() - 1);
-      const int32_t y2 =
-          std::clamp(y + OffsetPixels(feature.dy, q), 0, image.height() - 1);
+      const int32_t x2 = std::clamp(x + features::OffsetPixels(feature.dx, q),
+                                    0, image.width() - 1);
+      const int32_t y2 = std::clamp(y + features::OffsetPixels(feature.dy, q),
+                                    0, image.height() - 1);
       first[i] = image.data() + feature.c1 * image.plane_bytes() +
                  y * image.width() + x;
       second[i] = image.data() + feature.c2 * image.plane_bytes() +
@@ -249,8 +250,8 @@ void TreeGrower::MakeLeaf(const OpenNode& node, GrownTree& grown) const {
   if (options_.mode_bandwidth_m > 0 && !samples.empty()) {
     std::vector<Label> points;
     for (uint32_t s : samples) points.push_back(samples_.point_in_world[s]);
-    for (const std::vector<size_t>& mode :
-         MeanShiftModes(points, options_.mode_bandwidth_m, Node::kMaxModes)) {
+    for (const std::vector<size_t>& mode : MeanShiftModes(
+             points, options_.mode_bandwidth_m, forest::Node::kMaxModes)) {
       std::vector<uint32_t> of_mode;
       for (size_t i : mode) of_mode.push_back(samples[i]);
       grown.leaves.push_back(MakeMode(of_mode));
@@ -258,8 +259,8 @@ void TreeGrower::MakeLeaf(const OpenNode& node, GrownTree& grown) const {
   } else {
     grown.leaves.push_back(MakeMode(samples));
   }
-  grown.nodes.push_back(
-      Node::Leaf(first, static_cast<uint32_t>(grown.leaves.size()) - first));
+  grown.nodes.push_back(forest::Node::Leaf(
+      first, static_cast<uint32_t>(grown.leaves.size()) - first));
 }
 
 GrownLeaf TreeGrower::MakeMode(std::span<const uint32_t> samples) const {
@@ -269,8 +270,8 @@ GrownLeaf TreeGrower::MakeMode(std::span<const uint32_t> samples) const {
   std::array<int64_t, 64> descriptor{};
   for (uint32_t s : samples) {
     const Label& p = samples_.point_in_world[s];
-    mode.mean_in_world = mode.mean_in_world + Vec3{p.x, p.y, p.z};
-    const WhtDescriptor& d = samples_.descriptor[s];
+    mode.mean_in_world = mode.mean_in_world + geometry::Vec3{p.x, p.y, p.z};
+    const features::WhtDescriptor& d = samples_.descriptor[s];
     for (size_t k = 0; k < d.values.size(); ++k) descriptor[k] += d.values[k];
   }
   if (mode.count == 0) return mode;
@@ -278,7 +279,7 @@ GrownLeaf TreeGrower::MakeMode(std::span<const uint32_t> samples) const {
   std::array<double, 6> covariance{};
   for (uint32_t s : samples) {
     const Label& p = samples_.point_in_world[s];
-    const Vec3 v = Vec3{p.x, p.y, p.z} - mode.mean_in_world;
+    const geometry::Vec3 v = geometry::Vec3{p.x, p.y, p.z} - mode.mean_in_world;
     const std::array<double, 6> products = {v.x * v.x, v.x * v.y, v.x * v.z,
                                             v.y * v.y, v.y * v.z, v.z * v.z};
     for (size_t k = 0; k < 6; ++k) covariance[k] += products[k];
@@ -313,9 +314,9 @@ void TreeGrower::Emit(size_t top_index, GrownTree& tree) {
   tree.nodes.emplace_back();
   Emit(top.left, tree);
   tree.nodes[self] =
-      Node::Split(top.split.feature, top.split.threshold,
-                  static_cast<uint32_t>(tree.nodes.size() - self));
+      forest::Node::Split(top.split.feature, top.split.threshold,
+                          static_cast<uint32_t>(tree.nodes.size() - self));
   Emit(top.right, tree);
 }
 
-}  // namespace treeline
+}  // namespace treeline::training

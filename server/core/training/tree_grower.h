@@ -13,7 +13,7 @@
 #include "server/core/training/split_objective.h"
 #include "server/core/training/training_options.h"
 
-namespace treeline {
+namespace treeline::training {
 
 // The samples of one tree; slot i of each array belongs to sample i.
 struct TreeSamples {
@@ -22,7 +22,7 @@ struct TreeSamples {
   std::vector<int16_t> y;
   std::vector<int32_t> inverse_depth_q12;
   std::vector<Label> point_in_world;
-  std::vector<WhtDescriptor> descriptor;
+  std::vector<features::WhtDescriptor> descriptor;
 
   size_t size() const { return frame.size(); }
   void Append(const TreeSamples& other);
@@ -30,23 +30,23 @@ struct TreeSamples {
 
 // A mode of a leaf before quantisation.
 struct GrownLeaf {
-  Vec3 mean_in_world;
+  geometry::Vec3 mean_in_world;
   std::array<float, 6> covariance{};  // xx xy xz yy yz zz, m^2
   uint32_t count = 0;
-  WhtDescriptor descriptor;
+  features::WhtDescriptor descriptor;
 };
 
 // A subtree in depth-first order. Modes (`leaves`, since most leaves have one)
 // count from 0 within it.
 struct GrownTree {
-  std::vector<Node> nodes;
+  std::vector<forest::Node> nodes;
   std::vector<GrownLeaf> leaves;
 };
 
 // Appends the nodes of a subtree whose modes will stand behind mode_base
 // others.
-void AppendNodes(const std::vector<Node>& subtree, uint32_t mode_base,
-                 std::vector<Node>& nodes);
+void AppendNodes(const std::vector<forest::Node>& subtree, uint32_t mode_base,
+                 std::vector<forest::Node>& nodes);
 
 // Grows one tree in two steps, so that many trees share the processors evenly:
 // GrowTop splits the largest nodes one after the other, then each open node
@@ -57,7 +57,7 @@ class TreeGrower {
  public:
   // images[f] is the frame f of samples.frame; all must outlive the grower.
   TreeGrower(const TrainingOptions& options, int tree,
-             std::vector<const PlanarImage*> images,
+             std::vector<const features::PlanarImage*> images,
              const TreeSamples& samples);
 
   void GrowTop();
@@ -71,7 +71,7 @@ class TreeGrower {
 
  private:
   struct Split {
-    PixelDifference feature;
+    features::PixelDifference feature;
     int threshold = 0;
   };
   // A node that waits to be split: samples order_[begin, end).
@@ -93,7 +93,7 @@ class TreeGrower {
 
   bool IsLeaf(const OpenNode& node) const;
   bool FindSplit(const OpenNode& node, Workspace& work, Split& split) const;
-  void EvaluateFeature(const PixelDifference& feature,
+  void EvaluateFeature(const features::PixelDifference& feature,
                        std::span<const uint32_t> samples,
                        std::span<int16_t> values) const;
   // Reorders order_[begin, end) stably; returns where the right side begins.
@@ -107,13 +107,13 @@ class TreeGrower {
 
   const TrainingOptions& options_;
   const int tree_;
-  const std::vector<const PlanarImage*> images_;
+  const std::vector<const features::PlanarImage*> images_;
   const TreeSamples& samples_;
   std::vector<uint32_t> order_;
   std::vector<TopNode> top_;
   std::vector<OpenNode> open_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::training
 
 #endif  // SERVER_CORE_TRAINING_TREE_GROWER_H_

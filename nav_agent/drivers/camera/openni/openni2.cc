@@ -13,7 +13,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/drivers/camera/openni/openni_device.h"
 
-namespace treeline {
+namespace treeline::openni_camera {
 namespace {
 
 constexpr double kMillimetre_m = 0.001;
@@ -63,7 +63,7 @@ void CopyRows(const openni::VideoFrameRef& frame, size_t values_per_row,
 
 class Device final : public OpenNiDevice {
  public:
-  explicit Device(const Clock& clock) : clock_(clock) {}
+  explicit Device(const base::Clock& clock) : clock_(clock) {}
   ~Device() override {
     for (openni::VideoStream* stream : {&color_, &depth_}) {
       stream->stop();
@@ -165,7 +165,7 @@ class Device final : public OpenNiDevice {
     image.index = frame.getFrameIndex();
     const auto width = static_cast<size_t>(frame.getWidth());
     if (frame.getSensorType() == openni::SENSOR_DEPTH) {
-      DepthImage depth;
+      image::DepthImage depth;
       depth.width = frame.getWidth();
       depth.height = frame.getHeight();
       depth.unit_m = frame.getVideoMode().getPixelFormat() ==
@@ -175,7 +175,7 @@ class Device final : public OpenNiDevice {
       CopyRows(frame, width, depth.values);
       image.image = std::move(depth);
     } else {
-      ColorImage color;
+      image::ColorImage color;
       color.width = frame.getWidth();
       color.height = frame.getHeight();
       CopyRows(frame, 3 * width, color.rgb);
@@ -184,7 +184,7 @@ class Device final : public OpenNiDevice {
     return image;
   }
 
-  const Clock& clock_;
+  const base::Clock& clock_;
   openni::Device device_;
   openni::VideoStream color_;
   openni::VideoStream depth_;
@@ -194,7 +194,7 @@ class Device final : public OpenNiDevice {
 
 class System final : public OpenNiSystem {
  public:
-  explicit System(const Clock& clock) : clock_(clock) {}
+  explicit System(const base::Clock& clock) : clock_(clock) {}
   ~System() override {
     if (initialized_) openni::OpenNI::shutdown();
   }
@@ -212,14 +212,14 @@ class System final : public OpenNiSystem {
   }
 
  private:
-  const Clock& clock_;
+  const base::Clock& clock_;
   bool initialized_ = false;
 };
 
 }  // namespace
 
-std::unique_ptr<OpenNiSystem> MakeOpenNi2(const Clock& clock) {
+std::unique_ptr<OpenNiSystem> MakeOpenNi2(const base::Clock& clock) {
   return std::make_unique<System>(clock);
 }
 
-}  // namespace treeline
+}  // namespace treeline::openni_camera

@@ -3,11 +3,11 @@
 #include "gtest/gtest.h"
 #include "nav_agent/drivers/camera/openni/openni_device.h"
 
-namespace treeline {
+namespace treeline::openni_camera {
 namespace {
 
 TEST(OpenNi2, ACameraThatIsNotThereIsReported) {
-  SteadyClock clock;
+  base::SteadyClock clock;
   const auto system = MakeOpenNi2(clock);
   const auto device = system->Open({.uri = "no/such/device"});
   ASSERT_FALSE(device.ok());
@@ -16,4 +16,4 @@ TEST(OpenNi2, ACameraThatIsNotThereIsReported) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::openni_camera

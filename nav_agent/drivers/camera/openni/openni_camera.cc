@@ -6,18 +6,18 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 
-namespace treeline {
+namespace treeline::openni_camera {
 namespace {
 
 constexpr double kXtionBaseline_m = 0.025;
 
-class Opener final : public CameraOpener {
+class Opener final : public camera_driver::CameraOpener {
  public:
   Opener(const OpenNiCameraOptions& options,
          std::unique_ptr<OpenNiSystem> system)
       : options_(options), system_(std::move(system)) {}
 
-  absl::StatusOr<std::unique_ptr<CameraDevice>> Open() override {
+  absl::StatusOr<std::unique_ptr<camera_driver::CameraDevice>> Open() override {
     TL_ASSIGN_OR_RETURN(std::unique_ptr<OpenNiDevice> device,
                         system_->Open(options_.mode));
     OpenNiCameraOptions options = options_;
@@ -33,8 +33,10 @@ class Opener final : public CameraOpener {
   }
 
  private:
-  absl::Status CheckCalibration(const RgbdCalibration& calibration) const {
-    for (const Camera* camera : {&calibration.color, &calibration.depth}) {
+  absl::Status CheckCalibration(
+      const camera::RgbdCalibration& calibration) const {
+    for (const camera::Camera* camera :
+         {&calibration.color, &calibration.depth}) {
       if (camera->width() == options_.mode.width &&
           camera->height() == options_.mode.height) {
         continue;
@@ -51,14 +53,14 @@ class Opener final : public CameraOpener {
   const std::unique_ptr<OpenNiSystem> system_;
 };
 
-absl::StatusOr<Camera> PinholeOf(const OpenNiFieldOfView& view) {
+absl::StatusOr<camera::Camera> PinholeOf(const OpenNiFieldOfView& view) {
   const double focal_lengths_px[] = {
       0.5 * view.width / std::tan(0.5 * view.horizontal_rad),
       0.5 * view.height / std::tan(0.5 * view.vertical_rad)};
   const double parameters[] = {focal_lengths_px[0], focal_lengths_px[1],
                                0.5 * (view.width - 1), 0.5 * (view.height - 1)};
-  return Camera::Create(CameraModel::kPinhole, view.width, view.height,
-                        parameters, 4);
+  return camera::Camera::Create(camera::CameraModel::kPinhole, view.width,
+                                view.height, parameters, 4);
 }
 
 }  // namespace
@@ -81,10 +83,10 @@ absl::Status OpenNiCameraOptions::Validate() const {
   return live.Validate();
 }
 
-absl::StatusOr<RgbdCalibration> CalibrationByFieldOfView(
+absl::StatusOr<camera::RgbdCalibration> CalibrationByFieldOfView(
     const OpenNiFieldOfView& color, const OpenNiFieldOfView& depth,
     bool registered) {
-  RgbdCalibration calibration;
+  camera::RgbdCalibration calibration;
   TL_ASSIGN_OR_RETURN(calibration.color, PinholeOf(color));
   if (registered) {
     calibration.depth = calibration.color;
@@ -100,16 +102,16 @@ OpenNiCameraDevice::OpenNiCameraDevice(const OpenNiCameraOptions& options,
                                        std::unique_ptr<OpenNiDevice> device)
     : options_(options),
       device_(std::move(device)),
-      calibration_(options.calibration.value_or(RgbdCalibration{})) {}
+      calibration_(options.calibration.value_or(camera::RgbdCalibration{})) {}
 
-absl::StatusOr<std::optional<RgbdFrame>> OpenNiCameraDevice::Read(
+absl::StatusOr<std::optional<core::RgbdFrame>> OpenNiCameraDevice::Read(
     std::chrono::milliseconds timeout) {
   TL_ASSIGN_OR_RETURN(std::optional<OpenNiImage> image, device_->Read(timeout));
   if (!image) return std::nullopt;
   return Pair(*std::move(image));
 }
 
-absl::StatusOr<std::optional<RgbdFrame>> OpenNiCameraDevice::Pair(
+absl::StatusOr<std::optional<core::RgbdFrame>> OpenNiCameraDevice::Pair(
     OpenNiImage image) {
   if (!waiting_) {
     waiting_ = std::move(image);
@@ -125,27 +127,27 @@ absl::StatusOr<std::optional<RgbdFrame>> OpenNiCameraDevice::Pair(
   }
   OpenNiImage& color = image.is_depth() ? *waiting_ : image;
   OpenNiImage& depth = image.is_depth() ? image : *waiting_;
-  RgbdFrame frame;
+  core::RgbdFrame frame;
   frame.stamp = clock_.StampOf(color.device_time, color.arrival) -
-                std::chrono::duration_cast<MonotonicTime::duration>(
+                std::chrono::duration_cast<base::MonotonicTime::duration>(
                     std::chrono::duration<double>(options_.latency_s));
   frame.sequence = color.index;
-  frame.frame.color = std::get<ColorImage>(std::move(color.image));
-  frame.frame.depth = std::get<DepthImage>(std::move(depth.image));
+  frame.frame.color = std::get<image::ColorImage>(std::move(color.image));
+  frame.frame.depth = std::get<image::DepthImage>(std::move(depth.image));
   waiting_.reset();
   return frame;
 }
 
-absl::StatusOr<std::unique_ptr<RgbdCamera>> MakeOpenNiCamera(
+absl::StatusOr<std::unique_ptr<core::RgbdCamera>> MakeOpenNiCamera(
     const OpenNiCameraOptions& options, std::unique_ptr<OpenNiSystem> system,
-    const Clock& clock) {
+    const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
   if (system == nullptr) {
     return absl::InvalidArgumentError("the camera has no OpenNI");
   }
-  return LiveCamera::Create(
+  return camera_driver::LiveCamera::Create(
       options.live, std::make_unique<Opener>(options, std::move(system)),
       clock);
 }
 
-}  // namespace treeline
+}  // namespace treeline::openni_camera

@@ -14,14 +14,14 @@
 #include "nav_agent/drivers/camera/live_camera.h"
 #include "nav_agent/drivers/camera/openni/openni_device.h"
 
-namespace treeline {
+namespace treeline::openni_camera {
 
 struct OpenNiCameraOptions {
   OpenNiMode mode{};
   // nullopt: pinholes after the device's field of view, and for depth that is
   // not registered 25 mm between the cameras, as the Xtion has them. Good to a
   // few pixels; measure your own for more.
-  std::optional<RgbdCalibration> calibration{};
+  std::optional<camera::RgbdCalibration> calibration{};
   // Colour and depth that were taken further apart do not belong together; half
   // a frame interval, where they are not synchronized. (0, 0.1]
 
@@ -29,45 +29,45 @@ struct OpenNiCameraOptions {
   // From the middle of the exposure to the quickest arrival. [0, 1]. Not known
   // to us for any device; see docs/cameras.md.
   double latency_s = 0.0;
-  LiveCameraOptions live{};
+  camera_driver::LiveCameraOptions live{};
 
   absl::Status Validate() const;
 };
 
 // Puts colour and depth together.
-class OpenNiCameraDevice final : public CameraDevice {
+class OpenNiCameraDevice final : public camera_driver::CameraDevice {
  public:
   // Valid options.
   OpenNiCameraDevice(const OpenNiCameraOptions& options,
                      std::unique_ptr<OpenNiDevice> device);
 
-  RgbdCalibration Calibration() const override { return calibration_; }
+  camera::RgbdCalibration Calibration() const override { return calibration_; }
   // DATA_LOSS for an image that found no partner.
-  absl::StatusOr<std::optional<RgbdFrame>> Read(
+  absl::StatusOr<std::optional<core::RgbdFrame>> Read(
       std::chrono::milliseconds timeout) override;
 
  private:
-  absl::StatusOr<std::optional<RgbdFrame>> Pair(OpenNiImage image);
+  absl::StatusOr<std::optional<core::RgbdFrame>> Pair(OpenNiImage image);
 
   const OpenNiCameraOptions options_;
   const std::unique_ptr<OpenNiDevice> device_;
-  const RgbdCalibration calibration_;
-  DeviceClock clock_;
+  const camera::RgbdCalibration calibration_;
+  camera_driver::DeviceClock clock_;
   // Waits for its partner.
   std::optional<OpenNiImage> waiting_;
 };
 
 // The calibration of a device that nobody has calibrated: see
 // OpenNiCameraOptions.
-absl::StatusOr<RgbdCalibration> CalibrationByFieldOfView(
+absl::StatusOr<camera::RgbdCalibration> CalibrationByFieldOfView(
     const OpenNiFieldOfView& color, const OpenNiFieldOfView& depth,
     bool registered);
 
 // Begins to look for the device. `system` is OpenNI2 (MakeOpenNi2) or a fake.
-absl::StatusOr<std::unique_ptr<RgbdCamera>> MakeOpenNiCamera(
+absl::StatusOr<std::unique_ptr<core::RgbdCamera>> MakeOpenNiCamera(
     const OpenNiCameraOptions& options, std::unique_ptr<OpenNiSystem> system,
-    const Clock& clock);
+    const base::Clock& clock);
 
-}  // namespace treeline
+}  // namespace treeline::openni_camera
 
 #endif  // NAV_AGENT_DRIVERS_CAMERA_OPENNI_OPENNI_CAMERA_H_

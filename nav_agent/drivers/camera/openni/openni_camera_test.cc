@@ -11,13 +11,13 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::openni_camera {
 namespace {
 
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-const MonotonicTime kStart{std::chrono::hours(1)};
+const base::MonotonicTime kStart{std::chrono::hours(1)};
 constexpr double kDegree_rad = std::numbers::pi / 180;
 // The Xtion's, as OpenNI2 tells them.
 constexpr OpenNiFieldOfView kColorView = {.width = 640,
@@ -31,10 +31,10 @@ OpenNiImage Image(bool depth, int index, microseconds device_time) {
   image.arrival = kStart + device_time + milliseconds(20);
   image.index = index;
   if (depth) {
-    image.image = DepthImage{
+    image.image = image::DepthImage{
         .width = 1, .height = 1, .values = {static_cast<uint16_t>(index)}};
   } else {
-    image.image = ColorImage{
+    image.image = image::ColorImage{
         .width = 1, .height = 1, .rgb = {static_cast<uint8_t>(index), 0, 0}};
   }
   return image;
@@ -60,7 +60,7 @@ class FakeDevice final : public OpenNiDevice {
 };
 
 struct Outcome {
-  std::vector<RgbdFrame> frames;
+  std::vector<core::RgbdFrame> frames;
   int unpaired = 0;
 };
 
@@ -80,8 +80,10 @@ Outcome ReadAll(std::deque<OpenNiImage> images,
   }
 }
 
-int ColorOf(const RgbdFrame& frame) { return frame.frame.color.rgb[0]; }
-int DepthOf(const RgbdFrame& frame) { return frame.frame.depth->values[0]; }
+int ColorOf(const core::RgbdFrame& frame) { return frame.frame.color.rgb[0]; }
+int DepthOf(const core::RgbdFrame& frame) {
+  return frame.frame.depth->values[0];
+}
 
 TEST(OpenNiCamera, PairsColorAndDepthWhicheverComesFirst) {
   std::deque<OpenNiImage> images;
@@ -94,7 +96,7 @@ TEST(OpenNiCamera, PairsColorAndDepthWhicheverComesFirst) {
   ASSERT_EQ(outcome.frames.size(), 10u);
   EXPECT_EQ(outcome.unpaired, 0);
   for (int i = 0; i < 10; ++i) {
-    const RgbdFrame& frame = outcome.frames[static_cast<size_t>(i)];
+    const core::RgbdFrame& frame = outcome.frames[static_cast<size_t>(i)];
     EXPECT_EQ(ColorOf(frame), i);
     EXPECT_EQ(DepthOf(frame), i);
     EXPECT_EQ(frame.sequence, i);
@@ -113,7 +115,7 @@ TEST(OpenNiCamera, ALostImageCostsItsPartnerAlone) {
     const Outcome outcome = ReadAll(images);
     EXPECT_EQ(outcome.frames.size(), 5u);
     EXPECT_EQ(outcome.unpaired, 1);
-    for (const RgbdFrame& frame : outcome.frames) {
+    for (const core::RgbdFrame& frame : outcome.frames) {
       EXPECT_EQ(ColorOf(frame), DepthOf(frame));
       EXPECT_NE(ColorOf(frame), 3);
     }
@@ -150,7 +152,7 @@ TEST(OpenNiCamera, FieldsOfViewGiveAPinhole) {
               1e-9);
   EXPECT_EQ(calibration->color.cx(), 319.5);
   EXPECT_EQ(calibration->depth, calibration->color);
-  EXPECT_EQ(calibration->color_from_depth, Rigid3{});
+  EXPECT_EQ(calibration->color_from_depth, geometry::Rigid3{});
   // The left edge of the image is half the field of view away.
   EXPECT_NEAR(std::atan(calibration->color.Unproject({.x = -0.5, .y = 0})->x),
               -29 * kDegree_rad, 1e-9);
@@ -162,8 +164,8 @@ TEST(OpenNiCamera, UnregisteredDepthHasABaseline) {
   const auto calibration =
       CalibrationByFieldOfView(kColorView, kColorView, /*registered=*/false);
   ASSERT_TRUE(calibration.ok());
-  const Vec3 in_color =
-      calibration->color_from_depth * Vec3{.x = 0, .y = 0, .z = 1};
+  const geometry::Vec3 in_color =
+      calibration->color_from_depth * geometry::Vec3{.x = 0, .y = 0, .z = 1};
   EXPECT_EQ(in_color.x, -0.025);
 }
 
@@ -176,7 +178,7 @@ class FakeSystem final : public OpenNiSystem {
 };
 
 TEST(OpenNiCamera, BadOptionsAreRefused) {
-  SteadyClock clock;
+  base::SteadyClock clock;
   const OpenNiCameraOptions bad[] = {
       {.mode = {.width = 0}},
       {.max_pair_difference_s = 0},
@@ -193,4 +195,4 @@ TEST(OpenNiCamera, BadOptionsAreRefused) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::openni_camera

@@ -14,18 +14,20 @@
 #include "common/base/clock.h"
 #include "common/image/image.h"
 
-namespace treeline {
+namespace treeline::openni_camera {
 
 // One image of one stream.
 struct OpenNiImage {
   // By the device's clock, which both streams share.
   std::chrono::microseconds device_time{0};
-  MonotonicTime arrival;
+  base::MonotonicTime arrival;
   // Counts the images of its stream.
   int64_t index = 0;
-  std::variant<ColorImage, DepthImage> image;
+  std::variant<image::ColorImage, image::DepthImage> image;
 
-  bool is_depth() const { return std::holds_alternative<DepthImage>(image); }
+  bool is_depth() const {
+    return std::holds_alternative<image::DepthImage>(image);
+  }
 };
 
 // What a device says of one of its cameras.
@@ -72,8 +74,8 @@ class OpenNiSystem {
 };
 
 // OpenNI2 itself, loaded when the first device is opened. `clock` outlives it.
-std::unique_ptr<OpenNiSystem> MakeOpenNi2(const Clock& clock);
+std::unique_ptr<OpenNiSystem> MakeOpenNi2(const base::Clock& clock);
 
-}  // namespace treeline
+}  // namespace treeline::openni_camera
 
 #endif  // NAV_AGENT_DRIVERS_CAMERA_OPENNI_OPENNI_DEVICE_H_

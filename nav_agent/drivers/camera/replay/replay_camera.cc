@@ -12,7 +12,7 @@
 #include "common/base/status_macros.h"
 #include "common/dataset/text_formats.h"
 
-namespace treeline {
+namespace treeline::replay_camera {
 namespace {
 
 constexpr double kFrameInterval_s = 1.0 / 30;
@@ -59,15 +59,16 @@ absl::Status ReplayCameraOptions::Validate() const {
     return absl::InvalidArgumentError(
         absl::StrCat("a replay cannot begin at ", begin_s, " s"));
   }
-  if (decode_ahead < 1 || decode_ahead > kMaxWaiting) {
+  if (decode_ahead < 1 || decode_ahead > core::kMaxWaiting) {
     return absl::InvalidArgumentError(
         absl::StrCat("a replay's decode_ahead of ", decode_ahead,
-                     " is outside [1, ", kMaxWaiting, "]"));
+                     " is outside [1, ", core::kMaxWaiting, "]"));
   }
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<double>> RecordingTimes_s(const Dataset& dataset) {
+absl::StatusOr<std::vector<double>> RecordingTimes_s(
+    const dataset::Dataset& dataset) {
   std::vector<double> times_s;
   if (!absl::StartsWith(dataset.uri(), "tum:")) {
     for (int i = 0; i < dataset.size(); ++i) {
@@ -78,10 +79,10 @@ absl::StatusOr<std::vector<double>> RecordingTimes_s(const Dataset& dataset) {
     }
     return times_s;
   }
-  Time_ns first = 0;
+  dataset::Time_ns first = 0;
   for (int i = 0; i < dataset.size(); ++i) {
-    TL_ASSIGN_OR_RETURN(const Time_ns time,
-                        ParseTime_ns(dataset.frame(i).stem));
+    TL_ASSIGN_OR_RETURN(const dataset::Time_ns time,
+                        dataset::ParseTime_ns(dataset.frame(i).stem));
     if (i == 0) first = time;
     times_s.push_back(static_cast<double>(time - first) * 1e-9);
   }
@@ -89,7 +90,8 @@ absl::StatusOr<std::vector<double>> RecordingTimes_s(const Dataset& dataset) {
 }
 
 absl::StatusOr<std::unique_ptr<ReplayCamera>> ReplayCamera::Create(
-    const ReplayCameraOptions& options, Dataset dataset, const Clock& clock) {
+    const ReplayCameraOptions& options, dataset::Dataset dataset,
+    const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
   if (dataset.size() == 0) {
     return absl::InvalidArgumentError(
@@ -109,8 +111,10 @@ absl::StatusOr<std::unique_ptr<ReplayCamera>> ReplayCamera::Create(
       new ReplayCamera(options, std::move(dataset), std::move(times_s), clock));
 }
 
-ReplayCamera::ReplayCamera(const ReplayCameraOptions& options, Dataset dataset,
-                           std::vector<double> times_s, const Clock& clock)
+ReplayCamera::ReplayCamera(const ReplayCameraOptions& options,
+                           dataset::Dataset dataset,
+                           std::vector<double> times_s,
+                           const base::Clock& clock)
     : options_(options),
       dataset_(std::move(dataset)),
       times_s_(std::move(times_s)),
@@ -153,13 +157,14 @@ bool ReplayCamera::Exists(const Run& run, int64_t sequence) const {
          run.first_frame + sequence - run.first_sequence < dataset_.size();
 }
 
-MonotonicTime ReplayCamera::StampOf(const Run& run, int64_t sequence) const {
+base::MonotonicTime ReplayCamera::StampOf(const Run& run,
+                                          int64_t sequence) const {
   const int64_t rounds =
       (run.first_frame + sequence - run.first_sequence) / dataset_.size();
   const double time_s =
       times_s_[static_cast<size_t>(FrameOf(run, sequence))] +
       static_cast<double>(rounds) * (times_s_.back() + round_gap_s_);
-  return run.start + std::chrono::duration_cast<MonotonicTime::duration>(
+  return run.start + std::chrono::duration_cast<base::MonotonicTime::duration>(
                          std::chrono::duration<double>((time_s - run.begin_s) /
                                                        options_.rate));
 }
@@ -179,7 +184,7 @@ void ReplayCamera::DecodeAhead(const std::stop_token& stop) {
     const int64_t jumps = jumps_;
     const int index = FrameOf(runs_.back(), sequence);
     mutex_.Unlock();
-    absl::StatusOr<Frame> frame = dataset_.Load(index);
+    absl::StatusOr<image::Frame> frame = dataset_.Load(index);
     mutex_.Lock();
     if (jumps != jumps_) continue;
     ahead_.push_back({.sequence = sequence, .frame = std::move(frame)});
@@ -199,32 +204,33 @@ void ReplayCamera::SkipTo(int64_t sequence) {
   }
 }
 
-void ReplayCamera::HandOver(Decoded decoded, std::vector<RgbdFrame>& frames) {
+void ReplayCamera::HandOver(Decoded decoded,
+                            std::vector<core::RgbdFrame>& frames) {
   if (!decoded.frame.ok()) {
     ++health_.corrupt;
     health_.cause = decoded.frame.status();
     return;
   }
-  health_.state = DeviceState::kRunning;
+  health_.state = core::DeviceState::kRunning;
   health_.cause = absl::OkStatus();
   ++health_.received;
-  RgbdFrame frame = {.stamp = StampOf(runs_.back(), decoded.sequence),
-                     .sequence = decoded.sequence,
-                     .frame = *std::move(decoded.frame)};
+  core::RgbdFrame frame = {.stamp = StampOf(runs_.back(), decoded.sequence),
+                           .sequence = decoded.sequence,
+                           .frame = *std::move(decoded.frame)};
   if (!frame.frame.calibration) {
     frame.frame.calibration = dataset_.calibration();
   }
   frames.push_back(std::move(frame));
 }
 
-std::vector<RgbdFrame> ReplayCamera::TakeFrames() {
+std::vector<core::RgbdFrame> ReplayCamera::TakeFrames() {
   absl::MutexLock take_lock(&take_mutex_);
   absl::MutexLock lock(&mutex_);
-  const MonotonicTime now = clock_.Now();
+  const base::MonotonicTime now = clock_.Now();
   int64_t end = next_;
   while (Exists(runs_.back(), end) && StampOf(runs_.back(), end) <= now) ++end;
-  if (end - next_ > kMaxWaiting) SkipTo(end - kMaxWaiting);
-  std::vector<RgbdFrame> frames;
+  if (end - next_ > core::kMaxWaiting) SkipTo(end - core::kMaxWaiting);
+  std::vector<core::RgbdFrame> frames;
   while (next_ < end) {
     mutex_.Await(absl::Condition(
         +[](std::deque<Decoded>* ahead) { return !ahead->empty(); }, &ahead_));
@@ -233,9 +239,10 @@ std::vector<RgbdFrame> ReplayCamera::TakeFrames() {
     next_ = decoded.sequence + 1;
     HandOver(std::move(decoded), frames);
   }
-  if (!Exists(runs_.back(), next_) && health_.state == DeviceState::kRunning &&
-      end == next_ && frames.empty()) {
-    health_.state = DeviceState::kLost;
+  if (!Exists(runs_.back(), next_) &&
+      health_.state == core::DeviceState::kRunning && end == next_ &&
+      frames.empty()) {
+    health_.state = core::DeviceState::kLost;
     ++health_.losses;
     health_.cause = absl::OutOfRangeError(
         absl::StrCat(dataset_.uri(), ": the recording has ended"));
@@ -254,11 +261,11 @@ absl::Status ReplayCamera::Seek(double position_s) {
   return absl::OkStatus();
 }
 
-RgbdCalibration ReplayCamera::Calibration() const {
+camera::RgbdCalibration ReplayCamera::Calibration() const {
   return dataset_.calibration();
 }
 
-DeviceHealth ReplayCamera::Health() const {
+core::DeviceHealth ReplayCamera::Health() const {
   absl::MutexLock lock(&mutex_);
   return health_;
 }
@@ -272,4 +279,4 @@ int ReplayCamera::DatasetFrameOf(int64_t sequence) const {
   return -1;
 }
 
-}  // namespace treeline
+}  // namespace treeline::replay_camera

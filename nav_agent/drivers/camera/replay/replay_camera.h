@@ -19,7 +19,7 @@
 #include "common/dataset/dataset.h"
 #include "nav_agent/core/devices.h"
 
-namespace treeline {
+namespace treeline::replay_camera {
 
 struct ReplayCameraOptions {
   // 2: twice as fast as it was recorded. (0, 1000]
@@ -38,7 +38,8 @@ struct ReplayCameraOptions {
 // stamps of TUM; for all others by their numbers, 30 a second, and where the
 // numbers do not go on (the next sequence), a thirtieth of a second later.
 // INVALID_ARGUMENT for stems of TUM that are no time stamps.
-absl::StatusOr<std::vector<double>> RecordingTimes_s(const Dataset& dataset);
+absl::StatusOr<std::vector<double>> RecordingTimes_s(
+    const dataset::Dataset& dataset);
 
 // Frame k is handed over once the clock says that it is due:
 //   stamp = start + (time of frame k - begin_s) / rate
@@ -49,22 +50,23 @@ absl::StatusOr<std::vector<double>> RecordingTimes_s(const Dataset& dataset);
 // that what is returned depends on the clock alone. Frames that cannot be read
 // are left out and counted as corrupt. A recording that has ended is a camera
 // that was lost, with OUT_OF_RANGE as its cause. Thread-safe.
-class ReplayCamera final : public RgbdCamera {
+class ReplayCamera final : public core::RgbdCamera {
  public:
   static absl::StatusOr<std::unique_ptr<ReplayCamera>> Create(
-      const ReplayCameraOptions& options, Dataset dataset, const Clock& clock);
+      const ReplayCameraOptions& options, dataset::Dataset dataset,
+      const base::Clock& clock);
   ~ReplayCamera() override;
 
-  RgbdCalibration Calibration() const override;
-  std::vector<RgbdFrame> TakeFrames() override;
-  DeviceHealth Health() const override;
+  camera::RgbdCalibration Calibration() const override;
+  std::vector<core::RgbdFrame> TakeFrames() override;
+  core::DeviceHealth Health() const override;
 
   // From here on, as if the recording had been begun at `position_s` now.
   // Sequence numbers go on. INVALID_ARGUMENT outside [0, duration].
   absl::Status Seek(double position_s);
   // From the first frame to the last, at the recording's own speed.
   double duration_s() const { return times_s_.back(); }
-  const Dataset& dataset() const { return dataset_; }
+  const dataset::Dataset& dataset() const { return dataset_; }
   // Which frame of the data set was exposure `sequence`: its name and its true
   // pose are in dataset().frame(). -1 for numbers that were not handed over.
   int DatasetFrameOf(int64_t sequence) const;
@@ -75,35 +77,35 @@ class ReplayCamera final : public RgbdCamera {
     int64_t first_sequence = 0;
     int first_frame = 0;
     double begin_s = 0;
-    MonotonicTime start;
+    base::MonotonicTime start;
   };
   struct Decoded {
     int64_t sequence = 0;
-    absl::StatusOr<Frame> frame;
+    absl::StatusOr<image::Frame> frame;
   };
 
-  ReplayCamera(const ReplayCameraOptions& options, Dataset dataset,
-               std::vector<double> times_s, const Clock& clock);
+  ReplayCamera(const ReplayCameraOptions& options, dataset::Dataset dataset,
+               std::vector<double> times_s, const base::Clock& clock);
 
   void DecodeAhead(const std::stop_token& stop);
   void Begin(double position_s, int64_t sequence)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Of frame `sequence` of the latest run.
   int FrameOf(const Run& run, int64_t sequence) const;
-  MonotonicTime StampOf(const Run& run, int64_t sequence) const;
+  base::MonotonicTime StampOf(const Run& run, int64_t sequence) const;
   // Whether the latest run has such a frame.
   bool Exists(const Run& run, int64_t sequence) const;
   bool MayDecode() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SkipTo(int64_t sequence) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void HandOver(Decoded decoded, std::vector<RgbdFrame>& frames)
+  void HandOver(Decoded decoded, std::vector<core::RgbdFrame>& frames)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const ReplayCameraOptions options_;
-  const Dataset dataset_;
+  const dataset::Dataset dataset_;
   const std::vector<double> times_s_;
   // From the last frame to the first of the next round.
   const double round_gap_s_;
-  const Clock& clock_;
+  const base::Clock& clock_;
 
   // Held by those who change what is to be handed over next.
   absl::Mutex take_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
@@ -116,10 +118,10 @@ class ReplayCamera final : public RgbdCamera {
   // Counts jumps, so that what was being decoded meanwhile is thrown away.
   int64_t jumps_ ABSL_GUARDED_BY(mutex_) = 0;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
-  DeviceHealth health_ ABSL_GUARDED_BY(mutex_);
+  core::DeviceHealth health_ ABSL_GUARDED_BY(mutex_);
   std::jthread thread_;
 };
 
-}  // namespace treeline
+}  // namespace treeline::replay_camera
 
 #endif  // NAV_AGENT_DRIVERS_CAMERA_REPLAY_REPLAY_CAMERA_H_

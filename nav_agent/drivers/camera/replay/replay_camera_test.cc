@@ -17,7 +17,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::replay_camera {
 namespace {
 
 using std::chrono::microseconds;
@@ -25,9 +25,9 @@ using std::chrono::milliseconds;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-class FakeClock final : public Clock {
+class FakeClock final : public base::Clock {
  public:
-  MonotonicTime Now() const override {
+  base::MonotonicTime Now() const override {
     absl::MutexLock lock(&mutex_);
     return now_;
   }
@@ -38,7 +38,7 @@ class FakeClock final : public Clock {
 
  private:
   mutable absl::Mutex mutex_;
-  MonotonicTime now_ ABSL_GUARDED_BY(mutex_){std::chrono::hours(1)};
+  base::MonotonicTime now_ ABSL_GUARDED_BY(mutex_){std::chrono::hours(1)};
 };
 
 // The recordings' frames are 16 x 8 pixels of a grey that counts them.
@@ -52,18 +52,18 @@ class ReplayCameraTest : public ::testing::Test {
 
   void Write(const std::string& name, const std::string& contents) const {
     const std::string path = folder_ + "/" + name;
-    ASSERT_TRUE(MakeParentFolder(path).ok());
-    ASSERT_TRUE(WriteFileAtomically(path, contents).ok());
+    ASSERT_TRUE(base::MakeParentFolder(path).ok());
+    ASSERT_TRUE(base::WriteFileAtomically(path, contents).ok());
   }
   static std::string Color(int grey) {
-    ColorImage image = {.width = 16, .height = 8, .rgb = {}};
+    image::ColorImage image = {.width = 16, .height = 8, .rgb = {}};
     image.rgb.assign(3 * 16 * 8, static_cast<uint8_t>(grey));
-    return *EncodePng(image);
+    return *image::EncodePng(image);
   }
   static std::string Depth(int value) {
-    DepthImage image = {.width = 16, .height = 8, .values = {}};
+    image::DepthImage image = {.width = 16, .height = 8, .values = {}};
     image.values.assign(16 * 8, static_cast<uint16_t>(value));
-    return *EncodeDepthPng(image);
+    return *image::EncodeDepthPng(image);
   }
   void WriteSevenScenesFrame(const std::string& sequence, int number,
                              int grey) const {
@@ -74,18 +74,19 @@ class ReplayCameraTest : public ::testing::Test {
           absl::StrFormat("1 0 0 %d\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", grey));
   }
   // `count` frames, 30 a second.
-  Dataset SevenScenes(int count) const {
+  dataset::Dataset SevenScenes(int count) const {
     for (int i = 0; i < count; ++i) WriteSevenScenesFrame("seq-01", i, i);
     return OpenSevenScenes();
   }
-  Dataset OpenSevenScenes() const {
-    auto dataset = Dataset::Open({.uri = "7scenes:" + folder_,
-                                  .color_camera = "PINHOLE,20,20,7.5,3.5",
-                                  .depth_camera = "PINHOLE,20,20,7.5,3.5"});
+  dataset::Dataset OpenSevenScenes() const {
+    auto dataset =
+        dataset::Dataset::Open({.uri = "7scenes:" + folder_,
+                                .color_camera = "PINHOLE,20,20,7.5,3.5",
+                                .depth_camera = "PINHOLE,20,20,7.5,3.5"});
     EXPECT_TRUE(dataset.ok()) << dataset.status();
     return *std::move(dataset);
   }
-  Dataset Tum(const std::vector<std::string>& times) const {
+  dataset::Dataset Tum(const std::vector<std::string>& times) const {
     std::string rgb;
     std::string depth;
     std::string poses;
@@ -100,20 +101,20 @@ class ReplayCameraTest : public ::testing::Test {
     Write("rgb.txt", rgb);
     Write("depth.txt", depth);
     Write("groundtruth.txt", poses);
-    auto dataset = Dataset::Open(
+    auto dataset = dataset::Dataset::Open(
         {.uri = "tum:" + folder_, .color_camera = "PINHOLE,20,20,7.5,3.5"});
     EXPECT_TRUE(dataset.ok()) << dataset.status();
     return *std::move(dataset);
   }
   std::unique_ptr<ReplayCamera> Replay(
-      Dataset dataset, const ReplayCameraOptions& options = {}) {
+      dataset::Dataset dataset, const ReplayCameraOptions& options = {}) {
     auto camera = ReplayCamera::Create(options, std::move(dataset), clock_);
     EXPECT_TRUE(camera.ok()) << camera.status();
     return *std::move(camera);
   }
-  static std::vector<int> Greys(const std::vector<RgbdFrame>& frames) {
+  static std::vector<int> Greys(const std::vector<core::RgbdFrame>& frames) {
     std::vector<int> greys;
-    for (const RgbdFrame& frame : frames) {
+    for (const core::RgbdFrame& frame : frames) {
       greys.push_back(frame.frame.color.rgb[0]);
     }
     return greys;
@@ -125,7 +126,7 @@ class ReplayCameraTest : public ::testing::Test {
 
 TEST_F(ReplayCameraTest, FramesComeWhenTheyAreDue) {
   const auto camera = Replay(SevenScenes(5));
-  const MonotonicTime start = clock_.Now();
+  const base::MonotonicTime start = clock_.Now();
   const auto first = camera->TakeFrames();
   EXPECT_THAT(Greys(first), ElementsAre(0));
   EXPECT_EQ(first[0].stamp, start);
@@ -138,9 +139,9 @@ TEST_F(ReplayCameraTest, FramesComeWhenTheyAreDue) {
   const auto two = camera->TakeFrames();
   EXPECT_THAT(Greys(two), ElementsAre(2, 3));
   EXPECT_EQ(two[1].sequence, 3);
-  EXPECT_NEAR(MillisecondsBetween(start, two[1].stamp), 100, 1e-5);
+  EXPECT_NEAR(base::MillisecondsBetween(start, two[1].stamp), 100, 1e-5);
   EXPECT_EQ(camera->Health().received, 4);
-  EXPECT_EQ(camera->Health().state, DeviceState::kRunning);
+  EXPECT_EQ(camera->Health().state, core::DeviceState::kRunning);
 }
 
 TEST_F(ReplayCameraTest, FramesCarryDepthAndCalibration) {
@@ -156,13 +157,13 @@ TEST_F(ReplayCameraTest, FramesCarryDepthAndCalibration) {
 TEST_F(ReplayCameraTest, TumKeepsItsTimeStamps) {
   const auto camera = Replay(Tum({"1305031910.765238", "1305031910.797230",
                                   "1305031911.000000", "1305031915.250000"}));
-  const MonotonicTime start = clock_.Now();
+  const base::MonotonicTime start = clock_.Now();
   clock_.Advance(std::chrono::seconds(5));
   const auto frames = camera->TakeFrames();
   ASSERT_EQ(frames.size(), 4u);
   // To a microsecond, as they are written.
-  EXPECT_NEAR(MillisecondsBetween(start, frames[1].stamp), 31.992, 1e-3);
-  EXPECT_NEAR(MillisecondsBetween(start, frames[2].stamp), 234.762, 1e-3);
+  EXPECT_NEAR(base::MillisecondsBetween(start, frames[1].stamp), 31.992, 1e-3);
+  EXPECT_NEAR(base::MillisecondsBetween(start, frames[2].stamp), 234.762, 1e-3);
   EXPECT_NEAR(camera->duration_s(), 4.484762, 1e-6);
 }
 
@@ -184,36 +185,37 @@ TEST_F(ReplayCameraTest, SevenScenesKeepsItsGaps) {
 
 TEST_F(ReplayCameraTest, RateSpeedsUp) {
   const auto camera = Replay(SevenScenes(9), {.rate = 4});
-  const MonotonicTime start = clock_.Now();
+  const base::MonotonicTime start = clock_.Now();
   clock_.Advance(microseconds(33334));
   const auto frames = camera->TakeFrames();
   EXPECT_THAT(Greys(frames), ElementsAre(0, 1, 2, 3, 4));
-  EXPECT_NEAR(MillisecondsBetween(start, frames[4].stamp), 1000.0 / 30, 1e-5);
+  EXPECT_NEAR(base::MillisecondsBetween(start, frames[4].stamp), 1000.0 / 30,
+              1e-5);
 }
 
 TEST_F(ReplayCameraTest, TheEndIsALoss) {
   const auto camera = Replay(SevenScenes(2));
   clock_.Advance(std::chrono::seconds(1));
   EXPECT_EQ(camera->TakeFrames().size(), 2u);
-  EXPECT_EQ(camera->Health().state, DeviceState::kRunning);
+  EXPECT_EQ(camera->Health().state, core::DeviceState::kRunning);
   EXPECT_THAT(camera->TakeFrames(), IsEmpty());
-  EXPECT_EQ(camera->Health().state, DeviceState::kLost);
+  EXPECT_EQ(camera->Health().state, core::DeviceState::kLost);
   EXPECT_EQ(camera->Health().cause.code(), absl::StatusCode::kOutOfRange);
   EXPECT_EQ(camera->Health().losses, 1);
   // Seeking revives it.
   ASSERT_TRUE(camera->Seek(0).ok());
   EXPECT_EQ(camera->TakeFrames().size(), 1u);
-  EXPECT_EQ(camera->Health().state, DeviceState::kRunning);
+  EXPECT_EQ(camera->Health().state, core::DeviceState::kRunning);
 }
 
 TEST_F(ReplayCameraTest, ALoopGoesOnAFrameLater) {
   const auto camera = Replay(SevenScenes(3), {.loop = true});
-  const MonotonicTime start = clock_.Now();
+  const base::MonotonicTime start = clock_.Now();
   clock_.Advance(milliseconds(234));
   const auto frames = camera->TakeFrames();
   EXPECT_THAT(Greys(frames), ElementsAre(0, 1, 2, 0, 1, 2, 0, 1));
   for (size_t i = 0; i < frames.size(); ++i) {
-    EXPECT_NEAR(MillisecondsBetween(start, frames[i].stamp),
+    EXPECT_NEAR(base::MillisecondsBetween(start, frames[i].stamp),
                 static_cast<double>(i) * 1000 / 30, 1e-5);
     EXPECT_EQ(frames[i].sequence, static_cast<int64_t>(i));
     EXPECT_EQ(camera->DatasetFrameOf(frames[i].sequence),
@@ -247,7 +249,7 @@ TEST_F(ReplayCameraTest, SeekingAndBeginningLater) {
 TEST_F(ReplayCameraTest, TruePosesLieBeside) {
   const auto camera = Replay(SevenScenes(3));
   clock_.Advance(milliseconds(100));
-  for (const RgbdFrame& frame : camera->TakeFrames()) {
+  for (const core::RgbdFrame& frame : camera->TakeFrames()) {
     const int index = camera->DatasetFrameOf(frame.sequence);
     EXPECT_EQ(camera->dataset().frame(index).world_from_camera->translation.x,
               frame.frame.color.rgb[0]);
@@ -258,15 +260,15 @@ TEST_F(ReplayCameraTest, WhoComesLateGetsTheLatest) {
   const auto camera = Replay(SevenScenes(100));
   clock_.Advance(std::chrono::seconds(10));
   const auto frames = camera->TakeFrames();
-  ASSERT_EQ(frames.size(), size_t{kMaxWaiting});
-  EXPECT_EQ(frames.front().sequence, 100 - kMaxWaiting);
-  EXPECT_EQ(Greys(frames).front(), 100 - kMaxWaiting);
+  ASSERT_EQ(frames.size(), size_t{core::kMaxWaiting});
+  EXPECT_EQ(frames.front().sequence, 100 - core::kMaxWaiting);
+  EXPECT_EQ(Greys(frames).front(), 100 - core::kMaxWaiting);
   EXPECT_EQ(frames.back().sequence, 99);
-  EXPECT_EQ(camera->Health().dropped, 100 - kMaxWaiting);
+  EXPECT_EQ(camera->Health().dropped, 100 - core::kMaxWaiting);
 }
 
 TEST_F(ReplayCameraTest, FilesThatAreBrokenAreLeftOut) {
-  const Dataset dataset = SevenScenes(4);
+  const dataset::Dataset dataset = SevenScenes(4);
   Write("seq-01/frame-000001.color.png", "broken");
   std::filesystem::remove(folder_ + "/seq-01/frame-000002.depth.png");
   const auto camera = Replay(dataset);
@@ -277,7 +279,7 @@ TEST_F(ReplayCameraTest, FilesThatAreBrokenAreLeftOut) {
 
 // Whatever the thread does meanwhile, the clock alone decides.
 TEST_F(ReplayCameraTest, TheSameClockGivesTheSameFrames) {
-  const Dataset dataset = SevenScenes(60);
+  const dataset::Dataset dataset = SevenScenes(60);
   std::vector<std::vector<int>> runs;
   for (const int ahead : {1, 3, 64}) {
     const auto camera = Replay(dataset, {.loop = true, .decode_ahead = ahead});
@@ -293,7 +295,7 @@ TEST_F(ReplayCameraTest, TheSameClockGivesTheSameFrames) {
 }
 
 TEST_F(ReplayCameraTest, BadOptionsAreRefused) {
-  const Dataset dataset = SevenScenes(2);
+  const dataset::Dataset dataset = SevenScenes(2);
   const ReplayCameraOptions bad[] = {{.rate = 0},
                                      {.rate = std::nan("")},
                                      {.begin_s = -1},
@@ -306,4 +308,4 @@ TEST_F(ReplayCameraTest, BadOptionsAreRefused) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::replay_camera

@@ -10,13 +10,13 @@
 #include "gtest/gtest.h"
 #include "nav_agent/drivers/camera/replay/replay_camera.h"
 
-namespace treeline {
+namespace treeline::replay_camera {
 namespace {
 
-class FakeClock final : public Clock {
+class FakeClock final : public base::Clock {
  public:
-  MonotonicTime Now() const override { return now; }
-  MonotonicTime now{std::chrono::hours(1)};
+  base::MonotonicTime Now() const override { return now; }
+  base::MonotonicTime now{std::chrono::hours(1)};
 };
 
 // Empty if the recording is not there.
@@ -27,9 +27,9 @@ std::string Folder(const std::string& name) {
   return std::filesystem::is_directory(folder) ? folder : "";
 }
 
-std::unique_ptr<ReplayCamera> Open(const DatasetOptions& options,
-                                   const Clock& clock) {
-  auto dataset = Dataset::Open(options);
+std::unique_ptr<ReplayCamera> Open(const dataset::DatasetOptions& options,
+                                   const base::Clock& clock) {
+  auto dataset = dataset::Dataset::Open(options);
   EXPECT_TRUE(dataset.ok()) << dataset.status();
   auto camera = ReplayCamera::Create({}, *std::move(dataset), clock);
   EXPECT_TRUE(camera.ok()) << camera.status();
@@ -43,10 +43,10 @@ TEST(ReplayRecordingsTest, TumPlaysInItsOwnTime) {
   const auto camera = Open({.uri = "tum:" + folder}, clock);
   const int size = camera->dataset().size();
   ASSERT_GT(size, 50);
-  const MonotonicTime start = clock.now;
-  std::vector<RgbdFrame> frames;
-  while (camera->Health().state != DeviceState::kLost) {
-    for (RgbdFrame& frame : camera->TakeFrames()) {
+  const base::MonotonicTime start = clock.now;
+  std::vector<core::RgbdFrame> frames;
+  while (camera->Health().state != core::DeviceState::kLost) {
+    for (core::RgbdFrame& frame : camera->TakeFrames()) {
       EXPECT_LE(frame.stamp, clock.now);
       EXPECT_GT(frame.stamp, clock.now - std::chrono::milliseconds(10));
       // A real view: of the size of the calibration, with depth.
@@ -60,14 +60,15 @@ TEST(ReplayRecordingsTest, TumPlaysInItsOwnTime) {
   EXPECT_EQ(frames.size(), static_cast<size_t>(size));
   EXPECT_EQ(camera->Health().corrupt, 0);
   EXPECT_EQ(camera->Health().dropped, 0);
-  EXPECT_NEAR(MillisecondsBetween(start, frames.back().stamp),
+  EXPECT_NEAR(base::MillisecondsBetween(start, frames.back().stamp),
               1000 * camera->duration_s(), 1e-3);
   // A Kinect takes 30 frames a second; nobody recorded faster.
   for (size_t i = 1; i < frames.size(); ++i) {
-    EXPECT_GT(MillisecondsBetween(frames[i - 1].stamp, frames[i].stamp), 15);
+    EXPECT_GT(base::MillisecondsBetween(frames[i - 1].stamp, frames[i].stamp),
+              15);
   }
   int known = 0;
-  for (const RgbdFrame& frame : frames) {
+  for (const core::RgbdFrame& frame : frames) {
     const int index = camera->DatasetFrameOf(frame.sequence);
     known += camera->dataset().frame(index).world_from_camera ? 1 : 0;
   }
@@ -99,4 +100,4 @@ TEST(ReplayRecordingsTest, SevenScenesPlaysAt30Hz) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::replay_camera

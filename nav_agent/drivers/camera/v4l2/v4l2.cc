@@ -20,7 +20,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/drivers/camera/v4l2/v4l2_device.h"
 
-namespace treeline {
+namespace treeline::v4l2_camera {
 namespace {
 
 constexpr uint32_t kBuffers = 4;
@@ -185,16 +185,16 @@ class Device final : public V4l2Device {
     const bool monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) ==
                            V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
     // The steady clock is CLOCK_MONOTONIC on Linux.
-    image.stamp =
-        monotonic
-            ? MonotonicTime(std::chrono::seconds(buffer.timestamp.tv_sec) +
+    image.stamp = monotonic
+                      ? base::MonotonicTime(
+                            std::chrono::seconds(buffer.timestamp.tv_sec) +
                             std::chrono::microseconds(buffer.timestamp.tv_usec))
-            : std::chrono::steady_clock::now();
+                      : std::chrono::steady_clock::now();
     return image;
   }
 
   const V4l2Mode mode_;
-  const Descriptor fd_;
+  const base::Descriptor fd_;
   int stride_bytes_ = 0;
   std::vector<Mapping> mapped_;
 };
@@ -217,4 +217,4 @@ class System final : public V4l2System {
 
 std::unique_ptr<V4l2System> MakeV4l2() { return std::make_unique<System>(); }
 
-}  // namespace treeline
+}  // namespace treeline::v4l2_camera

@@ -9,7 +9,7 @@
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
 
-namespace treeline {
+namespace treeline::v4l2_camera {
 namespace {
 
 uint8_t Byte(double value) {
@@ -23,23 +23,25 @@ void PutRgb(double y, double cb, double cr, uint8_t* rgb) {
   rgb[2] = Byte(y + 1.772 * cb);
 }
 
-class Device final : public CameraDevice {
+class Device final : public camera_driver::CameraDevice {
  public:
   Device(const V4l2CameraOptions& options, std::unique_ptr<V4l2Device> device)
       : options_(options), device_(std::move(device)) {}
 
-  RgbdCalibration Calibration() const override { return options_.calibration; }
+  camera::RgbdCalibration Calibration() const override {
+    return options_.calibration;
+  }
 
-  absl::StatusOr<std::optional<RgbdFrame>> Read(
+  absl::StatusOr<std::optional<core::RgbdFrame>> Read(
       std::chrono::milliseconds timeout) override {
     TL_ASSIGN_OR_RETURN(const std::optional<V4l2Image> image,
                         device_->Read(timeout));
     if (!image) return std::nullopt;
-    RgbdFrame frame;
+    core::RgbdFrame frame;
     TL_ASSIGN_OR_RETURN(frame.frame.color, DecodeV4l2(*image));
-    frame.stamp =
-        image->stamp - std::chrono::duration_cast<MonotonicTime::duration>(
-                           std::chrono::duration<double>(options_.latency_s));
+    frame.stamp = image->stamp -
+                  std::chrono::duration_cast<base::MonotonicTime::duration>(
+                      std::chrono::duration<double>(options_.latency_s));
     frame.sequence = image->sequence;
     return frame;
   }
@@ -49,12 +51,12 @@ class Device final : public CameraDevice {
   const std::unique_ptr<V4l2Device> device_;
 };
 
-class Opener final : public CameraOpener {
+class Opener final : public camera_driver::CameraOpener {
  public:
   Opener(const V4l2CameraOptions& options, std::unique_ptr<V4l2System> system)
       : options_(options), system_(std::move(system)) {}
 
-  absl::StatusOr<std::unique_ptr<CameraDevice>> Open() override {
+  absl::StatusOr<std::unique_ptr<camera_driver::CameraDevice>> Open() override {
     TL_ASSIGN_OR_RETURN(std::unique_ptr<V4l2Device> device,
                         system_->Open(options_.mode));
     return std::make_unique<Device>(options_, std::move(device));
@@ -87,7 +89,7 @@ absl::Status V4l2CameraOptions::Validate() const {
   return live.Validate();
 }
 
-absl::StatusOr<ColorImage> ColorFromYuyv(const V4l2Image& image) {
+absl::StatusOr<image::ColorImage> ColorFromYuyv(const V4l2Image& image) {
   const auto width = static_cast<size_t>(std::max(0, image.width));
   const auto height = static_cast<size_t>(std::max(0, image.height));
   const auto stride = static_cast<size_t>(std::max(0, image.stride_bytes));
@@ -97,7 +99,8 @@ absl::StatusOr<ColorImage> ColorFromYuyv(const V4l2Image& image) {
         absl::StrCat(image.bytes.size(), " bytes are no YUYV image of ", width,
                      " x ", height, " in rows of ", stride));
   }
-  ColorImage color = {.width = image.width, .height = image.height, .rgb = {}};
+  image::ColorImage color = {
+      .width = image.width, .height = image.height, .rgb = {}};
   color.rgb.resize(3 * width * height);
   for (size_t y = 0; y < height; ++y) {
     const auto* from =
@@ -113,13 +116,13 @@ absl::StatusOr<ColorImage> ColorFromYuyv(const V4l2Image& image) {
   return color;
 }
 
-absl::StatusOr<ColorImage> DecodeV4l2(const V4l2Image& image) {
+absl::StatusOr<image::ColorImage> DecodeV4l2(const V4l2Image& image) {
   if (image.corrupt) {
     return absl::DataLossError("the camera has sent an incomplete image");
   }
-  absl::StatusOr<ColorImage> color = image.format == V4l2Format::kYuyv
-                                         ? ColorFromYuyv(image)
-                                         : DecodeColor(image.bytes);
+  absl::StatusOr<image::ColorImage> color =
+      image.format == V4l2Format::kYuyv ? ColorFromYuyv(image)
+                                        : image::DecodeColor(image.bytes);
   if (!color.ok()) return absl::DataLossError(color.status().message());
   if (color->width != image.width || color->height != image.height) {
     return absl::DataLossError(absl::StrCat("an image of ", color->width, " x ",
@@ -129,16 +132,16 @@ absl::StatusOr<ColorImage> DecodeV4l2(const V4l2Image& image) {
   return color;
 }
 
-absl::StatusOr<std::unique_ptr<RgbdCamera>> MakeV4l2Camera(
+absl::StatusOr<std::unique_ptr<core::RgbdCamera>> MakeV4l2Camera(
     const V4l2CameraOptions& options, std::unique_ptr<V4l2System> system,
-    const Clock& clock) {
+    const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
   if (system == nullptr) {
     return absl::InvalidArgumentError("the camera has no video system");
   }
-  return LiveCamera::Create(
+  return camera_driver::LiveCamera::Create(
       options.live, std::make_unique<Opener>(options, std::move(system)),
       clock);
 }
 
-}  // namespace treeline
+}  // namespace treeline::v4l2_camera

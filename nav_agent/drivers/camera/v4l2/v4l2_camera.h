@@ -19,16 +19,16 @@
 #include "nav_agent/drivers/camera/live_camera.h"
 #include "nav_agent/drivers/camera/v4l2/v4l2_device.h"
 
-namespace treeline {
+namespace treeline::v4l2_camera {
 
 struct V4l2CameraOptions {
   V4l2Mode mode{};
   // Of `color`, for images of this mode's size. There is no useful default for
   // a camera that nobody knows.
-  RgbdCalibration calibration{};
+  camera::RgbdCalibration calibration{};
   // From the middle of the exposure to the kernel's stamp. [0, 1]
   double latency_s = 0.0;
-  LiveCameraOptions live{};
+  camera_driver::LiveCameraOptions live{};
 
   absl::Status Validate() const;
 };
@@ -36,15 +36,15 @@ struct V4l2CameraOptions {
 // YCbCr 4:2:2 in the order Y0 Cb Y1 Cr, full range (JFIF, as USB cameras
 // send). INVALID_ARGUMENT if the bytes are fewer than the size says, or the
 // width is odd.
-absl::StatusOr<ColorImage> ColorFromYuyv(const V4l2Image& image);
+absl::StatusOr<image::ColorImage> ColorFromYuyv(const V4l2Image& image);
 // Of either format. DATA_LOSS for what is corrupt.
-absl::StatusOr<ColorImage> DecodeV4l2(const V4l2Image& image);
+absl::StatusOr<image::ColorImage> DecodeV4l2(const V4l2Image& image);
 
 // Begins to look for the camera. Its frames have no depth.
-absl::StatusOr<std::unique_ptr<RgbdCamera>> MakeV4l2Camera(
+absl::StatusOr<std::unique_ptr<core::RgbdCamera>> MakeV4l2Camera(
     const V4l2CameraOptions& options, std::unique_ptr<V4l2System> system,
-    const Clock& clock);
+    const base::Clock& clock);
 
-}  // namespace treeline
+}  // namespace treeline::v4l2_camera
 
 #endif  // NAV_AGENT_DRIVERS_CAMERA_V4L2_V4L2_CAMERA_H_

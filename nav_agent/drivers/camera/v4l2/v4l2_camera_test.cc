@@ -10,7 +10,7 @@
 #include "common/image/decode.h"
 #include "gtest/gtest.h"
 
-namespace treeline {
+namespace treeline::v4l2_camera {
 namespace {
 
 using std::chrono::milliseconds;
@@ -26,12 +26,12 @@ V4l2Image Yuyv(int width, int height, std::string bytes) {
 }
 
 V4l2Image Jpeg(int width, int height) {
-  ColorImage color = {.width = width, .height = height, .rgb = {}};
+  image::ColorImage color = {.width = width, .height = height, .rgb = {}};
   color.rgb.assign(static_cast<size_t>(3 * width * height), 100);
   V4l2Image image;
   image.width = width;
   image.height = height;
-  image.bytes = *EncodeJpeg(color, 95);
+  image.bytes = *image::EncodeJpeg(color, 95);
   return image;
 }
 
@@ -88,7 +88,7 @@ class OneImageDevice final : public V4l2Device {
     if (reads_ == 2) asked_again_.Notify();
     if (reads_ > 1) return std::nullopt;
     V4l2Image image = Jpeg(16, 8);
-    image.stamp = MonotonicTime(std::chrono::seconds(100));
+    image.stamp = base::MonotonicTime(std::chrono::seconds(100));
     return image;
   }
 
@@ -112,13 +112,14 @@ class OneImageSystem final : public V4l2System {
 V4l2CameraOptions SmallCamera() {
   V4l2CameraOptions options = {.mode = {.width = 16, .height = 8},
                                .latency_s = 0.02};
-  options.calibration.color = *Camera::Parse("PINHOLE,20,20,7.5,3.5", 16, 8);
+  options.calibration.color =
+      *camera::Camera::Parse("PINHOLE,20,20,7.5,3.5", 16, 8);
   return options;
 }
 
 TEST(V4l2Camera, FramesHaveColorAndNoDepth) {
   absl::Notification asked_again;
-  SteadyClock clock;
+  base::SteadyClock clock;
   const auto camera = MakeV4l2Camera(
       SmallCamera(), std::make_unique<OneImageSystem>(asked_again), clock);
   ASSERT_TRUE(camera.ok()) << camera.status();
@@ -129,12 +130,12 @@ TEST(V4l2Camera, FramesHaveColorAndNoDepth) {
   EXPECT_EQ(frames[0].frame.color.width, 16);
   EXPECT_EQ(frames[0].frame.calibration->color.fx(), 20);
   EXPECT_EQ(frames[0].stamp,
-            MonotonicTime(std::chrono::seconds(100)) - milliseconds(20));
+            base::MonotonicTime(std::chrono::seconds(100)) - milliseconds(20));
 }
 
 TEST(V4l2Camera, BadOptionsAreRefused) {
   absl::Notification asked_again;
-  SteadyClock clock;
+  base::SteadyClock clock;
   V4l2CameraOptions wrong_size = SmallCamera();
   wrong_size.mode.width = 32;
   V4l2CameraOptions early = SmallCamera();
@@ -157,4 +158,4 @@ TEST(V4l2, WhatIsNoCameraIsReported) {
 }
 
 }  // namespace
-}  // namespace treeline
+}  // namespace treeline::v4l2_camera

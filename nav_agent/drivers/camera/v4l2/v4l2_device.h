@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
 
-namespace treeline {
+namespace treeline::v4l2_camera {
 
 enum class V4l2Format { kMjpeg, kYuyv };
 
@@ -35,7 +35,7 @@ struct V4l2Image {
   std::string bytes;
   // By the kernel, when the first byte or the last was received; which, and
   // whether by the monotonic clock, depends on the driver.
-  MonotonicTime stamp;
+  base::MonotonicTime stamp;
   int64_t sequence = 0;
   // The device itself says that something is missing.
   bool corrupt = false;
@@ -63,6 +63,6 @@ class V4l2System {
 // The kernel's Video4Linux2, with buffers mapped into memory.
 std::unique_ptr<V4l2System> MakeV4l2();
 
-}  // namespace treeline
+}  // namespace treeline::v4l2_camera
 
 #endif  // NAV_AGENT_DRIVERS_CAMERA_V4L2_V4L2_DEVICE_H_

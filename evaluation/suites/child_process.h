@@ -1,0 +1,55 @@
+// A program that runs beside this one.
+#ifndef EVALUATION_SUITES_CHILD_PROCESS_H_
+#define EVALUATION_SUITES_CHILD_PROCESS_H_
+
+#include <sys/types.h>
+
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace treeline::suites {
+
+// Killed, and waited for, when destroyed. Not thread-safe.
+class ChildProcess {
+ public:
+  // argv[0] is the program's path. What it writes goes to `log`, which is
+  // replaced. NOT_FOUND if there is no such program.
+  static absl::StatusOr<std::unique_ptr<ChildProcess>> Start(
+      const std::vector<std::string>& argv, const std::string& log);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  // SIGKILL, SIGSTOP, ... Nothing once it has ended.
+  void Signal(int signal);
+  // Its exit code, or minus the signal that ended it; nullopt while it runs.
+  std::optional<int> ExitCode();
+  // Waits until it has ended. UNKNOWN, with the end of its log, if its exit
+  // code is not 0; CANCELLED, and it is killed, if `stop` is requested.
+  absl::Status Wait(const std::stop_token& stop);
+  // What it has written so far.
+  std::string Log() const;
+
+ private:
+  ChildProcess(pid_t pid, std::string name, std::string log)
+      : pid_(pid), name_(std::move(name)), log_(std::move(log)) {}
+
+  pid_t pid_;
+  std::string name_;
+  std::string log_;
+  std::optional<int> exit_code_;
+};
+
+// The path of a program that lies beside this one: "treeline-server".
+// NOT_FOUND, with what to do, if it is not there.
+absl::StatusOr<std::string> SiblingProgram(const std::string& name);
+
+}  // namespace treeline::suites
+
+#endif  // EVALUATION_SUITES_CHILD_PROCESS_H_

@@ -1,0 +1,306 @@
+#include "nav_agent/app/localize/localize_command.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "CLI/CLI.hpp"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/file.h"
+#include "common/base/progress.h"
+#include "common/base/status_macros.h"
+#include "common/image/decode.h"
+#include "nav_agent/app/localize/localization_run.h"
+#include "nav_agent/core/map_file.h"
+#include "nav_agent/localization/laser_level_map.h"
+#include "nav_agent/map_bundle/map_bundle.h"
+#include "nav_agent/octomap/octree_file.h"
+#include "nav_agent/recording/wean_map.h"
+#include "nav_agent/traversability/traversability.h"
+#include "simulation/runs/localize_world.h"
+#include "simulation/worlds/world.h"
+
+namespace treeline::localize_app {
+namespace {
+
+constexpr const char* kFooter = R"(
+Maps: map_server's YAML and PGM, or a map of Wean Hall (.dat, .dat.gz): one flat
+level. Or an OctoMap (.bt, .ot), or a synthetic world's name: all of its levels
+and slopes. Logs: an agent log; JSON as of the Intel Research Lab, CARMEN, or
+Wean Hall's, each of which may be compressed. docs/localization.md says more.
+
+Examples:
+  treeline-agent localize --map wean.dat.gz --log robotdata1.log.gz --global \
+      --json out.json --picture out.png
+  treeline-agent localize --map level-0.yaml --log drive.log --initial 1,2,0.5
+  treeline-agent localize --map house --log drive.tlog --global
+  treeline-agent localize --world two-storey --log drive.tlog --initial-truth)";
+
+constexpr double kDegPerRad = 180 / std::numbers::pi;
+
+struct LocalizeFlags {
+  std::string map;
+  std::string octomap;
+  std::string world;
+  double resolution_m = 0.05;
+  bool flat = false;
+  std::string log;
+  std::vector<double> initial;
+  bool initial_truth = false;
+  bool global = false;
+  bool no_tilt = false;
+  uint64_t seed = 0;
+  std::string json;
+  std::string picture;
+  bool quiet = false;
+};
+
+// All levels of a voxel map; or, for comparison, the lowest one as a laser
+// would see it if there were no slopes.
+absl::StatusOr<LocalizationMap> LevelsOf(const octree::VoxelMap& voxels,
+                                         double laser_height_m, bool flat) {
+  TL_ASSIGN_OR_RETURN(const traversability::TraversableMap levels,
+                      traversability::ExtractTraversableMap(voxels));
+  LocalizationMap map;
+  for (const traversability::TraversableLevel& level : levels.levels) {
+    map.grids.push_back(
+        localization::LaserSlice(voxels, level, laser_height_m));
+  }
+  if (flat) {
+    map.grids.resize(1);
+    return map;
+  }
+  TL_ASSIGN_OR_RETURN(localization::LaserLevelMap made,
+                      localization::LaserLevelMap::Make(voxels, levels));
+  map.levels =
+      std::make_shared<const localization::LaserLevelMap>(std::move(made));
+  return map;
+}
+
+absl::StatusOr<LocalizationMap> MapOf(const LocalizeFlags& flags,
+                                      const RecordedDrive& drive) {
+  const double laser_height_m = drive.base_from_laser.translation.z;
+  if (!flags.map.empty()) {
+    TL_ASSIGN_OR_RETURN(
+        core::OccupancyGrid grid,
+        absl::EndsWith(flags.map, ".yaml") || absl::EndsWith(flags.map, ".yml")
+            ? core::ReadMap(flags.map)
+            : recording::ReadWeanMap(flags.map));
+    LocalizationMap map;
+    map.grids.push_back(std::move(grid));
+    return map;
+  }
+  if (!drive.has_tilt) {
+    return absl::InvalidArgumentError(
+        "levels need an agent log: others do not tell the laser's height and "
+        "the robot's tilt; give --map");
+  }
+  if (!flags.octomap.empty()) {
+    TL_ASSIGN_OR_RETURN(const octree::VoxelMap voxels,
+                        octree::ReadOctree(flags.octomap));
+    auto map = LevelsOf(voxels, laser_height_m, flags.flat);
+    if (!map.ok()) return base::Annotate(map.status(), flags.octomap);
+    return map;
+  }
+  TL_ASSIGN_OR_RETURN(
+      const worlds::World world,
+      worlds::MakeWorld(flags.world, {.with_people = false, .paint = false}));
+  TL_ASSIGN_OR_RETURN(const octree::VoxelMap voxels,
+                      runs::VoxelsOfWorld(world, flags.resolution_m));
+  return LevelsOf(voxels, laser_height_m, flags.flat);
+}
+
+void PrintSummary(const RecordedDrive& drive, const LocalizationMap& map,
+                  const LocalizationResult& result) {
+  std::string converged = "never sure of one place for good";
+  if (result.converged_after_m.has_value()) {
+    converged = absl::StrFormat("sure of its place after %.1f m",
+                                *result.converged_after_m);
+  }
+  if (drive.refused_scans + drive.refused_readings + drive.damaged_bytes > 0) {
+    std::printf(
+        "Left out of the log: %lld scans, %lld wheel readings, %lld bytes\n",
+        static_cast<long long>(drive.refused_scans),
+        static_cast<long long>(drive.refused_readings),
+        static_cast<long long>(drive.damaged_bytes));
+  }
+  std::printf(
+      "%zu scans; %s\n%.1f %% of the beams end within %.1f m of the map's "
+      "obstacles\nan update takes %.2f ms (median), %.2f ms (p99) of processor "
+      "time\n",
+      result.scans.size(), converged.c_str(), 100 * result.agreement,
+      kAgreement_m, result.median_update_ms, result.p99_update_ms);
+  if (!result.errors.has_value()) return;
+  const LocalizationErrors& errors = *result.errors;
+  std::printf(
+      "Against the truth, from there on (%zu scans): position RMSE %.3f m, p95 "
+      "%.3f m, max %.3f m; heading RMSE %.2f, p95 %.2f, max %.2f degrees\n",
+      errors.scans, errors.position_m.rmse, errors.position_m.p95,
+      errors.position_m.max, kDegPerRad * errors.heading_rad.rmse,
+      kDegPerRad * errors.heading_rad.p95, kDegPerRad * errors.heading_rad.max);
+  if (errors.aligned_m.has_value()) {
+    std::printf(
+        "With the frames of map and truth aligned: position RMSE %.3f m, p95 "
+        "%.3f m, max %.3f m\n",
+        errors.aligned_m->rmse, errors.aligned_m->p95, errors.aligned_m->max);
+  }
+  if (map.levels != nullptr) {
+    std::printf("%d levels; on the right one %.1f %% of the time\n",
+                map.levels->levels(), 100 * errors.right_level);
+  }
+}
+
+// A map bundle is its OctoMap, or, of a laser alone, its lowest level.
+void ResolveBundle(LocalizeFlags& flags) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(flags.map, error)) return;
+  const absl::StatusOr<map_bundle::MapBundleManifest> manifest =
+      map_bundle::ReadMapBundleManifest(flags.map);
+  if (manifest.ok() && !manifest->planar_heights_m.empty()) {
+    flags.map += absl::StrCat("/", map_bundle::kBundleLevels, "/level-0.yaml");
+    return;
+  }
+  flags.octomap = absl::StrCat(flags.map, "/", map_bundle::kBundleOctomap);
+  flags.map.clear();
+}
+
+absl::Status CheckFlags(const LocalizeFlags& flags) {
+  if (static_cast<int>(flags.global) + static_cast<int>(flags.initial_truth) +
+          static_cast<int>(!flags.initial.empty()) !=
+      1) {
+    return absl::InvalidArgumentError(
+        "where does it begin? Give one of --initial X,Y,YAW[,HEIGHT], "
+        "--initial-truth and --global");
+  }
+  if (static_cast<int>(!flags.map.empty()) +
+          static_cast<int>(!flags.octomap.empty()) +
+          static_cast<int>(!flags.world.empty()) !=
+      1) {
+    return absl::InvalidArgumentError(
+        "in what? Give one of --map, --octomap and --world");
+  }
+  for (const std::string* path : {&flags.json, &flags.picture}) {
+    if (!path->empty()) TL_RETURN_IF_ERROR(base::CheckWritable(*path));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<LocalizationRunOptions> OptionsOf(const LocalizeFlags& flags,
+                                                 const RecordedDrive& drive) {
+  LocalizationRunOptions options;
+  options.seed = flags.seed;
+  options.use_tilt = !flags.no_tilt;
+  if (!flags.initial.empty()) {
+    options.initial_map_from_base =
+        geometry::Rigid2{.translation = {flags.initial[0], flags.initial[1]},
+                         .yaw_rad = flags.initial[2]};
+    if (flags.initial.size() > 3) options.initial_height_m = flags.initial[3];
+  }
+  if (flags.initial_truth) {
+    const std::optional<geometry::Rigid3>& truth =
+        drive.scans.front().world_from_base;
+    if (!truth.has_value()) {
+      return absl::FailedPreconditionError(
+          absl::StrCat(flags.log, " does not tell the truth"));
+    }
+    const geometry::Vec3 ahead = truth->rotation * geometry::Vec3{1, 0, 0};
+    options.initial_map_from_base = geometry::Rigid2{
+        .translation = {truth->translation.x, truth->translation.y},
+        .yaw_rad = std::atan2(ahead.y, ahead.x)};
+    options.initial_height_m = truth->translation.z;
+  }
+  return options;
+}
+
+absl::Status Localize(LocalizeFlags& flags, const std::stop_token& stop) {
+  ResolveBundle(flags);
+  TL_RETURN_IF_ERROR(CheckFlags(flags));
+  TL_ASSIGN_OR_RETURN(const RecordedDrive drive, ReadDrive(flags.log));
+  TL_ASSIGN_OR_RETURN(const LocalizationMap map, MapOf(flags, drive));
+  TL_ASSIGN_OR_RETURN(const LocalizationRunOptions options,
+                      OptionsOf(flags, drive));
+  absl::StatusOr<LocalizationResult> result;
+  {
+    base::Progress progress(
+        "localizing", static_cast<int64_t>(drive.scans.size()), flags.quiet);
+    result = LocalizeDrive(
+        map, drive, options, [&progress] { progress.Add(1); }, stop);
+  }
+  TL_RETURN_IF_ERROR(result.status());
+  PrintSummary(drive, map, *result);
+  if (!flags.json.empty()) {
+    TL_RETURN_IF_ERROR(
+        base::WriteFileAtomically(flags.json, LocalizationJson(*result)));
+  }
+  if (flags.picture.empty()) return absl::OkStatus();
+  TL_ASSIGN_OR_RETURN(const std::string png,
+                      image::EncodePng(DrawLocalization(map, drive, *result)));
+  return base::WriteFileAtomically(flags.picture, png);
+}
+
+}  // namespace
+
+cli::Command AddLocalizeCommand(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("localize", "Follow a recorded drive on a map (AMCL)");
+  command->footer(kFooter);
+  auto flags = std::make_shared<LocalizeFlags>();
+  command
+      ->add_option("--map", flags->map,
+                   "The level's map; or a map bundle, with all levels")
+      ->type_name("YAML");
+  command
+      ->add_option("--octomap", flags->octomap,
+                   "An OctoMap: all levels, with slopes")
+      ->type_name("FILE");
+  command
+      ->add_option("--world", flags->world,
+                   "A synthetic world as a perfect OctoMap")
+      ->type_name("NAME");
+  command
+      ->add_option("--resolution", flags->resolution_m,
+                   "Of the OctoMap of --world")
+      ->type_name("M")
+      ->capture_default_str();
+  command->add_flag("--flat", flags->flat,
+                    "Only the lowest level of an OctoMap, as if it had no "
+                    "slopes: to compare");
+  command->add_option("--log", flags->log, "Scans and odometry")
+      ->type_name("FILE")
+      ->required();
+  command
+      ->add_option("--initial", flags->initial,
+                   "Where the drive begins, in m and rad; within half a metre")
+      ->type_name("X,Y,YAW[,HEIGHT]")
+      ->delimiter(',')
+      ->expected(3, 4);
+  command->add_flag("--initial-truth", flags->initial_truth,
+                    "It begins about where the log's truth says");
+  command->add_flag("--global", flags->global, "It may begin anywhere");
+  command->add_flag("--no-tilt", flags->no_tilt,
+                    "Take the robot to stand level always: to compare");
+  command->add_option("--seed", flags->seed, "Of the particles")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--json", flags->json, "Write all estimates")
+      ->type_name("FILE");
+  command
+      ->add_option("--picture", flags->picture,
+                   "Write the map with the way that was taken")
+      ->type_name("FILE.png");
+  command->add_flag("--quiet", flags->quiet, "Show no progress");
+  return {command, [flags](const std::stop_token& stop) {
+            return Localize(*flags, stop);
+          }};
+}
+
+}  // namespace treeline::localize_app

@@ -1,0 +1,338 @@
+#include "nav_agent/app/map/map_command.h"
+
+#include <cstdio>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/file.h"
+#include "common/base/progress.h"
+#include "common/base/status_macros.h"
+#include "common/camera/calibration_json.h"
+#include "common/dataset/dataset.h"
+#include "nav_agent/app/map/map_live.h"
+#include "nav_agent/app/map/map_log.h"
+#include "nav_agent/app/map/map_rgbd.h"
+
+namespace treeline::map_app {
+namespace {
+
+constexpr const char* kFooter = R"(
+Logs: agent logs of this program (docs/agent-log.md), JSON as of the Intel
+Research Lab, CARMEN. A log with RGB-D frames gives a map in space and keyframes
+to train on; a laser alone gives a plan. With --rgbd a camera alone makes the
+map; its floor, or the largest level surface, says where up is.
+
+With --live the drive is recorded, and mapped when it ends; BUNDLE/live.png shows
+it meanwhile. The robot is pushed, or driven by its own remote control. Killed,
+the recording lacks a second at most: map it with --log. Addresses are
+/dev/ttyACM0, /dev/ttyUSB0@460800 or tcp:HOST:PORT.
+
+BUNDLE then holds octomap.bt, levels/level-N.yaml and .pgm (where a robot may
+drive), keyframes (a recording in the layout of 7-Scenes), trajectory.txt (TUM)
+and map.png to look at; docs/map-bundle.md. From it, the scene's model:
+
+  treeline train --map BUNDLE --repository MODELS
+
+Examples:
+  treeline-agent simulate --world cafe --drive tour --camera-hz 5 \
+      --record drive.tlog
+  treeline-agent map --log drive.tlog --output cafe
+  treeline-agent map --log intel.json --output intel --resolution 0.1
+  treeline-agent map --live --laser tcp:192.168.0.10 --base /dev/ttyUSB0 \
+      --camera openni --output house
+  treeline-agent map --rgbd tum:rgbd_dataset_freiburg1_room --output room)";
+
+constexpr double kDegPerRad = 180 / std::numbers::pi;
+
+struct MapFlags {
+  std::string log;
+  bool is_live = false;
+  LiveDriveOptions live;
+  dataset::DatasetOptions rgbd;
+  std::string calibration;
+  MapOptions map;
+  double max_slope_deg = map.traversability.max_slope_rad * kDegPerRad;
+  bool no_loops = false;
+  bool quiet = false;
+};
+
+// One progress line for each phase.
+class PhaseLine {
+ public:
+  explicit PhaseLine(bool quiet) : quiet_(quiet) {}
+
+  void Show(const std::string& phase, double part) {
+    if (phase != phase_) {
+      line_.emplace(phase, kUnits, quiet_);
+      phase_ = phase;
+      shown_ = 0;
+    }
+    const auto now = static_cast<int64_t>(part * kUnits);
+    if (now > shown_) line_->Add(now - shown_);
+    shown_ = std::max(shown_, now);
+  }
+
+ private:
+  static constexpr int64_t kUnits = 1000;
+
+  bool quiet_;
+  std::string phase_;
+  int64_t shown_ = 0;
+  std::optional<base::Progress> line_;
+};
+
+void PrintSummary(const MapLogResult& result) {
+  const mapping::DriveMapping& drive = result.drive;
+  std::printf(
+      "%lld scans, %lld of them keyscans; %lld loops closed; the front end "
+      "takes %.2f ms a scan (median), %.2f ms (p99)\n",
+      static_cast<long long>(drive.statistics.scans),
+      static_cast<long long>(drive.statistics.keyscans),
+      static_cast<long long>(drive.statistics.loops.accepted), drive.p50_ms,
+      drive.p99_ms);
+  if (result.rmse_m.has_value()) {
+    std::printf("%.3f m from the simulator's truth (RMSE of positions)\n",
+                *result.rmse_m);
+  }
+  for (const std::string& warning : result.warnings) {
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  }
+  if (result.frames_left_out > 0) {
+    std::fprintf(stderr, "warning: %lld frames were left out\n",
+                 static_cast<long long>(result.frames_left_out));
+  }
+}
+
+void PrintSummary(const MapSummary& summary) {
+  std::printf(
+      "%lld voxels occupied, %lld free; %d levels, %d joins, %lld free cells; "
+      "%d keyframes; under the wheels %d columns without ground, put to their "
+      "height\nWritten to %s\n",
+      static_cast<long long>(summary.occupied_voxels),
+      static_cast<long long>(summary.free_voxels), summary.levels,
+      summary.joins, static_cast<long long>(summary.free_cells),
+      summary.keyframes, summary.driven_holes, summary.folder.c_str());
+}
+
+absl::Status RunLog(const MapFlags& flags, const std::stop_token& stop) {
+  MapLogOptions options;
+  options.map = flags.map;
+  options.drive.slam.synchronous = true;
+  options.drive.slam.loops.enabled = !flags.no_loops;
+  options.stop = stop;
+  absl::StatusOr<MapLogResult> result;
+  {
+    PhaseLine line(flags.quiet);
+    options.progress = [&line](const char* phase, double part) {
+      line.Show(phase, part);
+    };
+    result = MapLog(flags.log, options);
+  }
+  TL_RETURN_IF_ERROR(result.status());
+  PrintSummary(*result);
+  PrintSummary(result->summary);
+  return absl::OkStatus();
+}
+
+void PrintSummary(const MapRgbdResult& result) {
+  const rgbd_slam::RgbdSlamStatistics& slam = result.slam.statistics;
+  std::printf(
+      "%d frames: %d tracked, %d lost, found again %d times; %d loops closed, "
+      "%d of %d parts joined; tracking takes %.1f ms a frame (median), %.1f ms "
+      "(p99)\n",
+      slam.frames, slam.tracked, slam.lost, slam.relocalized, slam.loops,
+      slam.joined_submaps, slam.submaps, result.slam.tracking_p50_ms,
+      result.slam.tracking_p99_ms);
+  if (!result.upright.has_surface) {
+    std::fprintf(stderr,
+                 "warning: there is no large level surface; up is where most "
+                 "pictures have it\n");
+  }
+}
+
+absl::Status RunRgbd(const MapFlags& flags, const std::stop_token& stop) {
+  TL_ASSIGN_OR_RETURN(const dataset::Dataset dataset,
+                      dataset::Dataset::Open(flags.rgbd));
+  MapRgbdOptions options;
+  options.map = flags.map;
+  options.slam.slam.seed = flags.map.seed;
+  options.slam.slam.closes_loops = !flags.no_loops;
+  options.stop = stop;
+  if (!flags.calibration.empty()) {
+    TL_ASSIGN_OR_RETURN(const std::string json,
+                        base::ReadFile(flags.calibration));
+    absl::StatusOr<camera::RgbdCalibration> calibration =
+        camera::CalibrationFromJson(json);
+    if (!calibration.ok()) {
+      return base::Annotate(calibration.status(), flags.calibration);
+    }
+    calibration->pose_sensor = dataset.calibration().pose_sensor;
+    options.slam.calibration = *calibration;
+  }
+  absl::StatusOr<MapRgbdResult> result;
+  {
+    PhaseLine line(flags.quiet);
+    options.progress = [&line](const char* phase, double part) {
+      line.Show(phase, part);
+    };
+    result = MapRgbd(dataset, options);
+  }
+  TL_RETURN_IF_ERROR(result.status());
+  PrintSummary(*result);
+  PrintSummary(result->summary);
+  return absl::OkStatus();
+}
+
+void PrintStatus(const LiveMapStatus& status) {
+  std::string line = absl::StrFormat(
+      "%d scans, %d frames, %.1f MB", status.scans, status.frames,
+      static_cast<double>(status.log_bytes) / 1e6);
+  if (status.map_from_base.has_value()) {
+    const geometry::Vec3 at =
+        status.map_from_base->world_from_camera.translation;
+    absl::StrAppendFormat(&line, "; at (%.1f, %.1f), height %.2f m", at.x, at.y,
+                          at.z);
+  }
+  if (!status.silent.empty()) absl::StrAppend(&line, "; ", status.silent);
+  std::fprintf(stderr, "%s\n", line.c_str());
+}
+
+// Records a drive into the bundle's folder, and makes the map of it.
+absl::Status RunLive(MapFlags& flags, const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(flags.live.Validate());
+  TL_RETURN_IF_ERROR(flags.map.Validate());
+  TL_RETURN_IF_ERROR(
+      map_bundle::BeginMapBundle(flags.map.folder, flags.map.overwrite));
+  LiveMapOptions& live = flags.live.map;
+  if (live.log_path.empty()) live.log_path = flags.map.folder + "/drive.tlog";
+  live.picture_path = flags.map.folder + "/live.png";
+  live.drive.slam.loops.enabled = !flags.no_loops;
+  flags.live.seed = flags.map.seed;
+  if (!flags.quiet) {
+    flags.live.status = PrintStatus;
+    std::fprintf(stderr,
+                 "Drive; Ctrl-C ends the drive and makes the map. To watch: "
+                 "%s\n",
+                 live.picture_path.c_str());
+  }
+  TL_RETURN_IF_ERROR(RecordLiveDrive(flags.live, stop));
+  std::fprintf(stderr, "Recorded in %s\n", live.log_path.c_str());
+  flags.log = live.log_path;
+  // The stop that ended the drive is not meant for the map.
+  return RunLog(flags, {});
+}
+
+absl::Status Run(MapFlags& flags, const std::stop_token& stop) {
+  const int sources = static_cast<int>(!flags.log.empty()) +
+                      static_cast<int>(!flags.rgbd.uri.empty()) +
+                      static_cast<int>(flags.is_live);
+  if (sources != 1) {
+    return absl::InvalidArgumentError(
+        "of what is the map made? Give one of --log FILE, --rgbd URI and "
+        "--live");
+  }
+  flags.map.traversability.max_slope_rad = flags.max_slope_deg / kDegPerRad;
+  if (flags.is_live) return RunLive(flags, stop);
+  return flags.log.empty() ? RunRgbd(flags, stop) : RunLog(flags, stop);
+}
+
+}  // namespace
+
+cli::Command AddMapCommand(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("map", "Make a map of a drive: where a robot may go");
+  command->footer(kFooter);
+  auto flags = std::make_shared<MapFlags>();
+  command->add_option("--log", flags->log, "A recorded drive")
+      ->type_name("FILE");
+  command
+      ->add_option(
+          "--rgbd", flags->rgbd.uri,
+          "Or: a recording of an RGB-D camera, 7scenes:DIR or tum:DIR; "
+          "its poses are not looked at")
+      ->type_name("URI");
+  command
+      ->add_option("--color-camera", flags->rgbd.color_camera,
+                   "Its colour camera, as MODEL,p1,p2,... with COLMAP's names")
+      ->type_name("CAMERA");
+  command
+      ->add_option("--depth-camera", flags->rgbd.depth_camera,
+                   "Its depth camera, in the same form (7scenes)")
+      ->type_name("CAMERA");
+  command
+      ->add_option("--calibration", flags->calibration,
+                   "How its depth and colour fit together: a file of `treeline "
+                   "calibrate`")
+      ->type_name("FILE");
+  command->add_flag("--live", flags->is_live,
+                    "Or: while the robot is driven; see below");
+  command
+      ->add_option("--simulate", flags->live.simulate,
+                   "--live: a simulated robot drives through this world")
+      ->type_name("WORLD");
+  command
+      ->add_option("--pace", flags->live.pace,
+                   "--simulate: simulated seconds in a real one")
+      ->capture_default_str();
+  command->add_option("--laser", flags->live.laser, "--live: a Hokuyo laser")
+      ->type_name("ADDRESS");
+  command->add_option("--base", flags->live.base, "--live: a Segway RMP100")
+      ->type_name("ADDRESS");
+  command
+      ->add_option("--camera", flags->live.camera,
+                   "--live: none, openni, or, with --simulate, simulated")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      ->add_option("--seconds", flags->live.seconds,
+                   "--live: ends the drive; otherwise Ctrl-C does, or the end "
+                   "of the simulated tour")
+      ->type_name("N");
+  command
+      ->add_option("--record", flags->live.map.log_path,
+                   "--live: where the drive is recorded (default: drive.tlog "
+                   "in the bundle)")
+      ->type_name("FILE");
+  command->add_option("--output", flags->map.folder, "The map bundle's folder")
+      ->type_name("BUNDLE")
+      ->required();
+  command->add_flag("--overwrite", flags->map.overwrite,
+                    "Replace the map that is there");
+  command
+      ->add_option("--name", flags->map.name,
+                   "What the scene is called (default: as the folder)")
+      ->type_name("NAME");
+  const auto add = [command](const char* name, double& value,
+                             const char* description, const char* unit) {
+    command->add_option(name, value, description)
+        ->type_name(unit)
+        ->capture_default_str();
+  };
+  add("--resolution", flags->map.fusion.resolution_m, "Of voxels and cells",
+      "M");
+  add("--max-depth", flags->map.fusion.max_depth_m,
+      "Depth beyond says only what is free", "M");
+  add("--keyframe-distance", flags->map.keyframe_m,
+      "A frame is kept when the camera has moved so far", "M");
+  add("--max-slope-deg", flags->max_slope_deg,
+      "Ground this steep is not driven on", "DEG");
+  add("--max-step", flags->map.traversability.max_step_m,
+      "The highest step driven over", "M");
+  add("--robot-height", flags->map.traversability.robot_height_m,
+      "Room that is needed", "M");
+  command->add_option("--seed", flags->map.seed, "Of all that is drawn")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_flag("--no-loops", flags->no_loops,
+                    "Close no loops, to see what they are good for");
+  command->add_flag("--quiet", flags->quiet, "Show no progress");
+  return {command,
+          [flags](const std::stop_token& stop) { return Run(*flags, stop); }};
+}
+
+}  // namespace treeline::map_app

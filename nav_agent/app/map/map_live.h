@@ -1,0 +1,45 @@
+// treeline-agent map --live: which sensors, and until when.
+#ifndef NAV_AGENT_APP_MAP_MAP_LIVE_H_
+#define NAV_AGENT_APP_MAP_MAP_LIVE_H_
+
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+#include <string>
+
+#include "absl/status/status.h"
+#include "nav_agent/app/map/live_map.h"
+
+namespace treeline::map_app {
+
+struct LiveDriveOptions {
+  // A world for a simulated robot that drives its tour by itself; empty: real
+  // sensors.
+  std::string simulate;
+  double speed_mps = 0.5;
+  // Simulated seconds in a real one; infinity: as many as can be.
+  double pace = 1;
+  uint64_t seed = 0;
+  // Where real devices are (ParseStreamAddress). camera: "openni" or "none".
+  std::string laser;
+  std::string base;
+  std::string camera = "none";
+  core::RobotModel robot;
+  // Ends the drive; 0: at the end of the tour, or when a stop is requested.
+  double seconds = 0;
+  LiveMapOptions map;
+  // Called about once a second.
+  std::function<void(const LiveMapStatus&)> status;
+
+  absl::Status Validate() const;
+};
+
+// Records a drive until it ends or `stop` is requested, which is no error.
+// INVALID_ARGUMENT for options; FAILED_PRECONDITION for worlds without a tour;
+// the errors of the devices and of LiveMapper.
+absl::Status RecordLiveDrive(const LiveDriveOptions& options,
+                             const std::stop_token& stop);
+
+}  // namespace treeline::map_app
+
+#endif  // NAV_AGENT_APP_MAP_MAP_LIVE_H_

@@ -1,0 +1,229 @@
+#include "nav_agent/app/run/agent_config.h"
+
+#include <cmath>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "common/base/status_macros.h"
+
+namespace treeline::run_app {
+namespace {
+
+using Table = config::ConfigTable<AgentConfig>;
+
+void AddRobot(Table& table) {
+  table.Add(&AgentConfig::simulate,
+            {.name = "simulate",
+             .value_name = "WORLD",
+             .help = "A simulated robot: cafe, lab, two-storey, office-floor, "
+                     "seed:N, or a world's file"});
+  table.Add(&AgentConfig::hardware,
+            {.name = "hardware",
+             .value_name = "FILE",
+             .help = "A real robot: YAML with laser, base, camera and measures "
+                     "(docs/agent.md)"});
+  table.Add(&AgentConfig::speed, {.name = "speed",
+                                  .value_name = "FACTOR",
+                                  .help = "Simulated seconds in a real one",
+                                  .min = 0.01,
+                                  .max = 1000});
+  table.Add(&AgentConfig::people,
+            {.name = "people",
+             .help = "Whether people walk about in the simulation"});
+  table.Add(&AgentConfig::camera_hz,
+            {.name = "camera_hz",
+             .help = "Frames a second of the simulated camera; 0: none",
+             .min = 0,
+             .max = 30});
+  table.Add(
+      &AgentConfig::rear_laser,
+      {.name = "rear_laser",
+       .help = "Whether the simulated robot has a laser that looks back"});
+  table.Add(&AgentConfig::record,
+            {.name = "record",
+             .value_name = "FILE",
+             .help = "Keep what the sensors say in an agent log"});
+}
+
+void AddPlace(Table& table) {
+  table.Add(&AgentConfig::map,
+            {.name = "map",
+             .value_name = "BUNDLE",
+             .help = "Map bundle of `treeline-agent map`; with simulate, "
+                     "without: the world's own perfect map"});
+  table.Add(&AgentConfig::start_at,
+            {.name = "start_at",
+             .value_name = "X,Y,YAW[,LEVEL]",
+             .help = "Where the robot stands at the start, in the map (m, "
+                     "rad)"});
+  table.Add(&AgentConfig::find_yourself,
+            {.name = "find_yourself",
+             .help = "The robot does not know where it stands: it asks the "
+                     "server, and looks around"});
+  table.Add(&AgentConfig::goal, {.name = "goal",
+                                 .value_name = "X,Y,YAW[,LEVEL]",
+                                 .help = "Drive there first (m, rad)"});
+}
+
+void AddServer(Table& table) {
+  table.Add(&AgentConfig::server,
+            {.name = "server",
+             .value_name = "HOST:PORT",
+             .help = "Relocalization server that a lost robot asks; several "
+                     "replicas with commas between them in quotes"});
+  table.Add(&AgentConfig::scene,
+            {.name = "scene",
+             .value_name = "NAME",
+             .help = "The map's scene on the server; without: the bundle's "
+                     "name"});
+  table.Add(&AgentConfig::tls_ca,
+            {.name = "tls_ca",
+             .value_name = "FILE",
+             .help = "Ask over TLS; authorities that vouch for the server, "
+                     "PEM"});
+  table.Add(&AgentConfig::token_file,
+            {.name = "token_file",
+             .value_name = "FILE",
+             .help = "The bearer token to show to the server"});
+}
+
+void AddListening(Table& table) {
+  table.Add(&AgentConfig::listen,
+            {.name = "listen",
+             .value_name = "HOST:PORT",
+             .help = "Where gRPC is answered; '': nowhere"});
+  table.Add(&AgentConfig::http_listen,
+            {.name = "http_listen",
+             .value_name = "HOST:PORT",
+             .help = "Where the operator's page is served; '': nowhere"});
+  table.Add(&AgentConfig::insecure_any_address,
+            {.name = "insecure_any_address",
+             .help = "Listen where other machines reach it: whoever does "
+                     "drives the robot"});
+  table.Add(&AgentConfig::page_dir,
+            {.name = "page_dir",
+             .value_name = "DIR",
+             .help = "The page's files; without: where they were built or "
+                     "installed"});
+  table.Add(&AgentConfig::max_streams,
+            {.name = "max_streams",
+             .help = "Pages that may watch at a time, and as many callers of "
+                     "gRPC streams",
+             .min = 1,
+             .max = 1000});
+}
+
+void AddDriving(Table& table) {
+  table.Add(&AgentConfig::planner,
+            {.name = "planner", .help = "Planner of ways (docs/planning.md)"});
+  table.Add(&AgentConfig::max_forward_mps, {.name = "max_forward_mps",
+                                            .help = "Its highest speed, m/s",
+                                            .min = 0.05,
+                                            .max = 3});
+  table.Add(&AgentConfig::inflation_m,
+            {.name = "inflation_m",
+             .help = "Room beside the robot that it keeps where there is room, "
+                     "m",
+             .min = 0.05,
+             .max = 2});
+  table.Add(&AgentConfig::goal_tolerance_m,
+            {.name = "goal_tolerance_m",
+             .help = "So near to its goal it is there, m",
+             .min = 0.02,
+             .max = 1});
+  table.Add(&AgentConfig::goal_tolerance_rad,
+            {.name = "goal_tolerance_rad",
+             .help = "The same for its heading, rad",
+             .min = 0.02,
+             .max = 3.2});
+  table.Add(&AgentConfig::laser_timeout_s,
+            {.name = "laser_timeout_s",
+             .help = "A laser that is silent for longer is lost, s",
+             .min = 0.05,
+             .max = 5});
+  table.Add(&AgentConfig::odometry_timeout_s,
+            {.name = "odometry_timeout_s",
+             .help = "The same for the base's readings, s",
+             .min = 0.05,
+             .max = 5});
+}
+
+void AddProgram(Table& table) {
+  table.Add(&AgentConfig::duration,
+            {.name = "duration",
+             .value_name = "SECONDS",
+             .help = "End after so much of the robot's time; 0: when told to",
+             .min = 0,
+             .max = 1e7});
+  table.Add(
+      &AgentConfig::seed,
+      {.name = "seed", .help = "Of everything random", .min = 0, .max = 1e15});
+  table.Add(&AgentConfig::log_level,
+            {.name = "log_level",
+             .help = "What of the log is shown",
+             .choices = {"debug", "info", "warn", "error", "off"}});
+  table.Add(&AgentConfig::log_format,
+            {.name = "log_format",
+             .help = "Lines of key=value, or one JSON object a line",
+             .choices = {"text", "json"}});
+}
+
+}  // namespace
+
+const config::ConfigTable<AgentConfig>& AgentConfigTable() {
+  // Immutable; made by the first who asks.
+  static const auto* const table = [] {
+    auto* made = new Table;
+    AddRobot(*made);
+    AddPlace(*made);
+    AddServer(*made);
+    AddListening(*made);
+    AddDriving(*made);
+    AddProgram(*made);
+    return made;
+  }();
+  return *table;
+}
+
+absl::StatusOr<std::optional<agent_service::PoseWish>> ParsePoseWish(
+    const std::vector<std::string>& numbers, absl::string_view flag) {
+  if (numbers.empty()) return std::nullopt;
+  agent_service::PoseWish pose;
+  const bool is_read =
+      (numbers.size() == 3 || numbers.size() == 4) &&
+      absl::SimpleAtod(numbers[0], &pose.x_m) &&
+      absl::SimpleAtod(numbers[1], &pose.y_m) &&
+      absl::SimpleAtod(numbers[2], &pose.yaw_rad) &&
+      (numbers.size() == 3 || absl::SimpleAtoi(numbers[3], &pose.level));
+  if (!is_read || !std::isfinite(pose.x_m) || !std::isfinite(pose.y_m) ||
+      !std::isfinite(pose.yaw_rad)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        flag, " ", absl::StrJoin(numbers, ","),
+        " is no pose; give X,Y,YAW or X,Y,YAW,LEVEL in m and rad"));
+  }
+  return pose;
+}
+
+absl::Status AgentConfig::Validate() const {
+  if (simulate.empty() == hardware.empty()) {
+    return absl::InvalidArgumentError(
+        "which robot? Give --simulate WORLD or --hardware FILE, one of them");
+  }
+  if (map.empty() && !hardware.empty()) {
+    return absl::InvalidArgumentError(
+        "a real robot needs --map BUNDLE (treeline-agent map makes one)");
+  }
+  if (!hardware.empty() && speed != 1) {
+    return absl::InvalidArgumentError(
+        "--speed is for simulations: a real robot has its own time");
+  }
+  if (find_yourself && !start_at.empty()) {
+    return absl::InvalidArgumentError(
+        "give either --start-at or --find-yourself");
+  }
+  TL_RETURN_IF_ERROR(ParsePoseWish(start_at, "--start-at").status());
+  return ParsePoseWish(goal, "--goal").status();
+}
+
+}  // namespace treeline::run_app

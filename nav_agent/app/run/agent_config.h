@@ -1,0 +1,74 @@
+// Everything that can be set on `treeline-agent run`.
+#ifndef NAV_AGENT_APP_RUN_AGENT_CONFIG_H_
+#define NAV_AGENT_APP_RUN_AGENT_CONFIG_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
+#include "common/config/config_table.h"
+#include "nav_agent/service/agent_commands.h"
+
+namespace treeline::run_app {
+
+// What environment variables of the agent start with.
+inline constexpr char kAgentPrefix[] = "TREELINE_AGENT_";
+
+struct AgentConfig {
+  // ---- the robot ----
+  std::string simulate;
+  std::string hardware;
+  double speed = 1;
+  bool people = true;
+  double camera_hz = 5;
+  bool rear_laser = true;
+  std::string record;
+  // ---- where it is ----
+  std::string map;
+  std::vector<std::string> start_at;
+  bool find_yourself = false;
+  std::vector<std::string> goal;
+  // ---- who helps it ----
+  std::string server;
+  std::string scene;
+  std::string tls_ca;
+  std::string token_file;
+  // ---- who watches it ----
+  std::string listen = "127.0.0.1:50061";
+  std::string http_listen = "127.0.0.1:8081";
+  bool insecure_any_address = false;
+  std::string page_dir;
+  int max_streams = 16;
+  // ---- how it drives ----
+  std::string planner = "variable-rrt";
+  double max_forward_mps = 0.6;
+  double inflation_m = 0.5;
+  double goal_tolerance_m = 0.10;
+  double goal_tolerance_rad = 0.15;
+  double laser_timeout_s = 0.3;
+  double odometry_timeout_s = 0.2;
+  // ---- the program ----
+  double duration = 0;
+  int64_t seed = 0;
+  std::string log_level = "info";
+  std::string log_format = "text";
+
+  // What a single setting cannot know. INVALID_ARGUMENT.
+  absl::Status Validate() const;
+};
+
+// The settings; immutable.
+const config::ConfigTable<AgentConfig>& AgentConfigTable();
+
+// X,Y,YAW or X,Y,YAW,LEVEL in m and rad. nullopt: `numbers` is empty.
+// INVALID_ARGUMENT names `flag`.
+absl::StatusOr<std::optional<agent_service::PoseWish>> ParsePoseWish(
+    const std::vector<std::string>& numbers, absl::string_view flag);
+
+}  // namespace treeline::run_app
+
+#endif  // NAV_AGENT_APP_RUN_AGENT_CONFIG_H_

@@ -1,0 +1,272 @@
+#include "nav_agent/app/run/agent_robot.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/random.h"
+#include "common/base/status_macros.h"
+#include "simulation/runs/localize_world.h"
+#include "simulation/runs/lost_suite_world.h"
+#include "simulation/simulator/scenario.h"
+#include "simulation/simulator/simulator.h"
+
+namespace treeline::run_app {
+namespace {
+
+class RealRobot final : public AgentRobot {
+ public:
+  static absl::StatusOr<std::unique_ptr<AgentRobot>> Open(
+      const hardware::HardwareConfig& config) {
+    auto robot = std::make_unique<RealRobot>();
+    robot->model_ = config.robot;
+    TL_ASSIGN_OR_RETURN(robot->hardware_,
+                        hardware::RobotHardware::Open(config, robot->clock_));
+    return robot;
+  }
+
+  behavior::NavigatorDevices Devices() override {
+    return {.laser = hardware_->laser(),
+            .odometry = hardware_->base(),
+            .base = hardware_->base(),
+            .rear_laser = hardware_->rear_laser(),
+            .camera = hardware_->camera()};
+  }
+  const base::Clock& clock() const override { return clock_; }
+  const core::RobotModel& model() const override { return model_; }
+  void Advance(std::chrono::nanoseconds /*duration*/) override {}
+
+ private:
+  base::SteadyClock clock_;
+  core::RobotModel model_;
+  std::unique_ptr<hardware::RobotHardware> hardware_;
+};
+
+// A camera that a slow machine may fall behind of: it leaves pictures out, and
+// what it gives is never old.
+class NewestPictures final : public core::RgbdCamera {
+ public:
+  explicit NewestPictures(simulator::SimulatedCamera& camera)
+      : camera_(camera) {}
+
+  camera::RgbdCalibration Calibration() const override {
+    return camera_.Calibration();
+  }
+  std::vector<core::RgbdFrame> TakeFrames() override {
+    return camera_.TakeNewest();
+  }
+  core::DeviceHealth Health() const override { return camera_.Health(); }
+
+ private:
+  simulator::SimulatedCamera& camera_;
+};
+
+// Its body is called so in every world.
+constexpr char kCrate[] = "crate";
+constexpr int kKidnapTries = 500;
+
+class SimulatedAgentRobot final : public AgentRobot,
+                                  public agent_service::SimulationControl {
+ public:
+  SimulatedAgentRobot(std::string world,
+                      std::unique_ptr<simulator::Simulator> simulator,
+                      runs::SuiteWorld places,
+                      const geometry::Rigid3& map_from_world, uint64_t seed)
+      : world_(std::move(world)),
+        simulator_(std::move(simulator)),
+        camera_(simulator_->camera()),
+        places_(std::move(places)),
+        map_from_world_(map_from_world),
+        random_(seed, kKidnapStream) {}
+
+  behavior::NavigatorDevices Devices() override {
+    return {.laser = simulator_->laser(),
+            .odometry = simulator_->odometry(),
+            .base = simulator_->base(),
+            .rear_laser = simulator_->rear_laser(),
+            .camera = simulator_->options().sensors.camera_hz > 0 ? &camera_
+                                                                  : nullptr};
+  }
+  const base::Clock& clock() const override { return simulator_->clock(); }
+  const core::RobotModel& model() const override {
+    return simulator_->options().robot;
+  }
+  void Advance(std::chrono::nanoseconds duration) override {
+    simulator_->Step(duration);
+  }
+
+  agent_service::SimulationControl* simulation() override { return this; }
+  std::string world() const override { return world_; }
+  std::vector<std::string> places() const override {
+    std::vector<std::string> names;
+    for (const worlds::NamedPlace& place : simulator_->world().places) {
+      names.push_back(place.name);
+    }
+    return names;
+  }
+  std::optional<geometry::Rigid3> TrueMapFromBase() const override {
+    return MapFromBase();
+  }
+  std::vector<agent_service::ObstacleReport> Obstacles() const override {
+    std::vector<agent_service::ObstacleReport> reports;
+    for (const auto& [name, center] : obstacles_) {
+      reports.push_back({name, center});
+    }
+    return reports;
+  }
+  std::vector<std::string> TakeIncidents() override {
+    std::vector<std::string> incidents;
+    for (const simulator::SimEvent& event : simulator_->TakeEvents()) {
+      incidents.push_back(absl::StrCat(simulator::SimEventName(event.kind),
+                                       event.what.empty() ? "" : ": ",
+                                       event.what));
+    }
+    return incidents;
+  }
+
+  absl::StatusOr<geometry::Rigid3> Kidnap(
+      const core::LevelPose& pose) override {
+    TL_RETURN_IF_ERROR(simulator_->Kidnap(InWorld(pose)));
+    return MapFromBase();
+  }
+  absl::StatusOr<geometry::Rigid3> KidnapTo(const std::string& place) override {
+    TL_RETURN_IF_ERROR(simulator_->KidnapTo(place));
+    return MapFromBase();
+  }
+  absl::StatusOr<geometry::Rigid3> KidnapAnywhere() override {
+    absl::Status status =
+        absl::FailedPreconditionError("there is no room anywhere");
+    for (int i = 0; i < kKidnapTries; ++i) {
+      status = simulator_->Kidnap(places_.AnyPlace(random_));
+      if (status.ok()) return MapFromBase();
+    }
+    return status;
+  }
+  absl::StatusOr<std::string> AddObstacle(const core::LevelPose& pose,
+                                          double size_m) override;
+  absl::Status RemoveObstacle(const std::string& name) override {
+    TL_RETURN_IF_ERROR(simulator_->RemoveObstacle(name));
+    obstacles_.erase(name);
+    return absl::OkStatus();
+  }
+  absl::Status InjectFault(const agent_service::FaultWish& wish) override {
+    simulator::Fault fault;
+    TL_ASSIGN_OR_RETURN(fault.target, simulator::ParseFaultTarget(wish.target));
+    TL_ASSIGN_OR_RETURN(fault.kind, simulator::ParseFaultKind(wish.kind));
+    if (wish.duration_s > 0)
+      fault.duration = simulator::FromSeconds(wish.duration_s);
+    fault.amount = wish.amount;
+    return simulator_->Inject(fault);
+  }
+
+ private:
+  static constexpr uint64_t kKidnapStream = 0x51;
+
+  geometry::Rigid3 MapFromBase() const {
+    return map_from_world_ * simulator_->state().world_from_base;
+  }
+  simulator::RobotPlacement InWorld(const core::LevelPose& pose) const {
+    const geometry::Rigid2& map_from_base = pose.map_from_base;
+    const geometry::Rigid3 world_from_base =
+        map_from_world_.Inverse() *
+        geometry::Rigid3{
+            .rotation = geometry::Rotation3::FromAxisAngle(
+                {0, 0, map_from_base.yaw_rad}),
+            .translation = {map_from_base.translation.x,
+                            map_from_base.translation.y, pose.place.height_m}};
+    const geometry::Vec3 forward =
+        world_from_base.rotation * geometry::Vec3{1, 0, 0};
+    return {.position = {world_from_base.translation.x,
+                         world_from_base.translation.y},
+            .yaw_rad = std::atan2(forward.y, forward.x),
+            .height_m = world_from_base.translation.z};
+  }
+
+  const std::string world_;
+  const std::unique_ptr<simulator::Simulator> simulator_;
+  NewestPictures camera_;
+  const runs::SuiteWorld places_;
+  const geometry::Rigid3 map_from_world_;
+  base::Random random_;
+  int next_obstacle_ = 1;
+  std::map<std::string, geometry::Vec2> obstacles_;
+};
+
+absl::StatusOr<std::string> SimulatedAgentRobot::AddObstacle(
+    const core::LevelPose& pose, double size_m) {
+  // The sides of a crate of scale 1, from the circle that holds it.
+  double side_m = 1;
+  for (const worlds::Body& body : simulator_->world().bodies) {
+    if (body.name == kCrate) {
+      side_m = std::numbers::sqrt2 * static_cast<double>(body.radius_m);
+    }
+  }
+  const auto scale = static_cast<float>(size_m / side_m);
+  const std::string name = absl::StrCat("obstacle-", next_obstacle_);
+  const geometry::Vec2 center = pose.map_from_base.translation;
+  TL_RETURN_IF_ERROR(
+      simulator_->AddObstacle(name, kCrate, InWorld(pose), {scale, scale, 1}));
+  ++next_obstacle_;
+  obstacles_[name] = center;
+  return name;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<AgentRobot>> MakeRealRobot(
+    const hardware::HardwareConfig& config) {
+  return RealRobot::Open(config);
+}
+
+absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
+    const SimulatedRobotOptions& options) {
+  simulator::Scenario scenario;
+  scenario.world = options.world;
+  scenario.world_options.with_people = options.with_people;
+  scenario.world_options.paint = options.camera_hz > 0;
+  scenario.options.seed = options.seed;
+  scenario.options.sensors.camera_hz = options.camera_hz;
+  scenario.options.sensors.has_rear_laser = options.has_rear_laser;
+  TL_ASSIGN_OR_RETURN(
+      worlds::World world,
+      worlds::MakeWorld(scenario.world, scenario.world_options));
+  TL_ASSIGN_OR_RETURN(scenario.options.start,
+                      simulator::StartOf(scenario, world));
+  TL_ASSIGN_OR_RETURN(
+      runs::SuiteWorld places,
+      runs::SuiteWorld::Create(
+          world, scenario.options.robot.base_from_laser.translation.z));
+  TL_ASSIGN_OR_RETURN(
+      std::unique_ptr<simulator::Simulator> simulator,
+      simulator::Simulator::Create(std::move(world), scenario.options));
+  geometry::Rigid3 map_from_world;
+  if (options.map_begins_at_start) {
+    // The map's frame is level, whatever the ground is like at the start.
+    const simulator::RobotPlacement& start = scenario.options.start;
+    map_from_world =
+        geometry::Rigid3{
+            .rotation =
+                geometry::Rotation3::FromAxisAngle({0, 0, start.yaw_rad}),
+            .translation = simulator->state().world_from_base.translation}
+            .Inverse();
+  }
+  return std::make_unique<SimulatedAgentRobot>(
+      options.world, std::move(simulator), std::move(places), map_from_world,
+      options.seed);
+}
+
+absl::StatusOr<behavior::NavigatorMap> MapOfWorld(const std::string& name) {
+  TL_ASSIGN_OR_RETURN(
+      const worlds::World world,
+      worlds::MakeWorld(name, {.with_people = false, .paint = false}));
+  constexpr double kResolution_m = 0.05;
+  behavior::NavigatorMap map;
+  TL_ASSIGN_OR_RETURN(map.voxels, runs::VoxelsOfWorld(world, kResolution_m));
+  TL_ASSIGN_OR_RETURN(map.levels,
+                      traversability::ExtractTraversableMap(map.voxels));
+  return map;
+}
+
+}  // namespace treeline::run_app

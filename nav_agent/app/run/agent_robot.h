@@ -1,0 +1,71 @@
+// The robot that an agent drives: real, or simulated.
+#ifndef NAV_AGENT_APP_RUN_AGENT_ROBOT_H_
+#define NAV_AGENT_APP_RUN_AGENT_ROBOT_H_
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "nav_agent/app/hardware/robot_hardware.h"
+#include "nav_agent/behavior/navigator.h"
+#include "nav_agent/service/agent_hub.h"
+#include "nav_agent/service/simulation_control.h"
+
+namespace treeline::run_app {
+
+// Everything by one thread, but for what the devices say of themselves.
+class AgentRobot {
+ public:
+  virtual ~AgentRobot() = default;
+
+  // Without a server. Valid for as long as this is.
+  virtual behavior::NavigatorDevices Devices() = 0;
+  // What the devices' stamps are of.
+  virtual const base::Clock& clock() const = 0;
+  virtual const core::RobotModel& model() const = 0;
+  // Lets simulated time pass; a real robot's passes by itself.
+  virtual void Advance(std::chrono::nanoseconds duration) = 0;
+
+  // ---- of a simulated robot ----
+  virtual agent_service::SimulationControl* simulation() { return nullptr; }
+  virtual std::string world() const { return ""; }
+  virtual std::vector<std::string> places() const { return {}; }
+  virtual std::optional<geometry::Rigid3> TrueMapFromBase() const {
+    return std::nullopt;
+  }
+  virtual std::vector<agent_service::ObstacleReport> Obstacles() const {
+    return {};
+  }
+  // What happened to it since the last call, for the log: "collision: chair".
+  virtual std::vector<std::string> TakeIncidents() { return {}; }
+};
+
+absl::StatusOr<std::unique_ptr<AgentRobot>> MakeRealRobot(
+    const hardware::HardwareConfig& config);
+
+struct SimulatedRobotOptions {
+  // World's name or file.
+  std::string world;
+  uint64_t seed = 0;
+  // Frames in a second; 0: no camera, [0, 60].
+  double camera_hz = 5;
+  // Whether a laser looks back.
+  bool has_rear_laser = true;
+  bool with_people = true;
+  // The map was made by a drive that began where this robot starts: its frame
+  // is the base's there. Else it is the world's.
+  bool map_begins_at_start = false;
+};
+// Errors as MakeWorld and Simulator::Create.
+absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
+    const SimulatedRobotOptions& options);
+
+// The perfect map of a world, for robots that have driven through none.
+absl::StatusOr<behavior::NavigatorMap> MapOfWorld(const std::string& world);
+
+}  // namespace treeline::run_app
+
+#endif  // NAV_AGENT_APP_RUN_AGENT_ROBOT_H_

@@ -1,0 +1,348 @@
+#include "nav_agent/app/run/agent_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+#include "common/base/version.h"
+#include "common/http/http_server.h"
+#include "nav_agent/app/relocalization/server_relocalization.h"
+#include "nav_agent/app/run/agent_loop.h"
+#include "nav_agent/app/run/agent_recorder.h"
+#include "nav_agent/app/run/agent_robot.h"
+#include "nav_agent/map_bundle/map_bundle.h"
+#include "nav_agent/service/agent_grpc_server.h"
+#include "nav_agent/service/agent_info.h"
+#include "nav_agent/service/http_api.h"
+
+namespace treeline::run_app {
+namespace {
+
+constexpr double kControlHz = 40;
+// Pictures for people.
+constexpr auto kPictureInterval = std::chrono::milliseconds(200);
+// A pose that somebody gives is about right.
+constexpr double kStartStd_m = 0.25;
+constexpr double kStartStd_rad = 0.2;
+// While the laser has not said how it scans.
+constexpr auto kLaserLookUp = std::chrono::milliseconds(50);
+constexpr auto kLaserReport = std::chrono::seconds(5);
+
+bool HasSpoken(const core::RangeSensor& laser) {
+  return laser.Info().beams > 0 ||
+         laser.Health().state == core::DeviceState::kRunning;
+}
+
+class AgentProgram {
+ public:
+  AgentProgram(const AgentConfig& config, logging::ProgramLog& log,
+               const std::function<void(const std::string& line)>& announce)
+      : config_(config), log_(log), announce_(announce) {}
+  ~AgentProgram() { hub_.Close(); }
+
+  absl::Status Run(const std::stop_token& stop);
+
+ private:
+  absl::Status LoadMap();
+  absl::Status MakeRobot();
+  absl::Status WatchDevices();
+  absl::Status ConnectServer();
+  absl::Status Listen();
+  // False: a stop was requested meanwhile.
+  bool WaitForLasers(const std::stop_token& stop);
+  absl::Status MakeNavigator();
+  absl::Status GiveOrders();
+
+  const AgentConfig& config_;
+  logging::ProgramLog& log_;
+  const std::function<void(const std::string& line)>& announce_;
+  const base::SteadyClock real_clock_;
+  std::shared_ptr<const behavior::NavigatorMap> map_;
+  agent_service::AgentInfo info_;
+  std::unique_ptr<AgentRobot> robot_;
+  // ---- around the devices ----
+  agent_service::PictureKeeper camera_picture_{kPictureInterval};
+  agent_service::PictureKeeper query_picture_{std::chrono::milliseconds(0)};
+  std::unique_ptr<AgentRecorder> recorder_;
+  std::unique_ptr<RecordedLaser> laser_;
+  std::unique_ptr<RecordedOdometry> odometry_;
+  std::unique_ptr<agent_service::BackgroundCamera> camera_;
+  std::unique_ptr<core::RelocalizationPort> port_;
+  std::unique_ptr<agent_service::WatchedServer> server_;
+  // ---- around the navigator; what listens goes first ----
+  agent_service::AgentHub hub_{agent_service::AgentHubOptions()};
+  agent_service::AgentMetrics metrics_;
+  std::unique_ptr<agent_service::AgentCommands> commands_;
+  std::unique_ptr<behavior::Navigator> navigator_;
+  std::unique_ptr<agent_service::HttpApi> api_;
+  std::unique_ptr<agent_service::AgentGrpcServer> grpc_;
+  std::unique_ptr<http::HttpServer> http_;
+};
+
+absl::Status AgentProgram::LoadMap() {
+  auto map = std::make_shared<behavior::NavigatorMap>();
+  if (config_.map.empty()) {
+    TL_ASSIGN_OR_RETURN(*map, MapOfWorld(config_.simulate));
+    info_.map_name = config_.simulate;
+  } else {
+    TL_ASSIGN_OR_RETURN(map_bundle::MapBundle bundle,
+                        map_bundle::LoadMapBundle(config_.map));
+    info_.map_name = bundle.manifest.name;
+    map->voxels = std::move(bundle.voxels);
+    map->levels = std::move(bundle.levels);
+  }
+  map_ = std::move(map);
+  return absl::OkStatus();
+}
+
+absl::Status AgentProgram::MakeRobot() {
+  if (config_.hardware.empty()) {
+    TL_ASSIGN_OR_RETURN(
+        robot_,
+        MakeSimulatedRobot({.world = config_.simulate,
+                            .seed = static_cast<uint64_t>(config_.seed),
+                            .camera_hz = config_.camera_hz,
+                            .has_rear_laser = config_.rear_laser,
+                            .with_people = config_.people,
+                            .map_begins_at_start = !config_.map.empty()}));
+    return absl::OkStatus();
+  }
+  TL_ASSIGN_OR_RETURN(const hardware::HardwareConfig hardware,
+                      hardware::ReadHardwareConfig(config_.hardware));
+  TL_ASSIGN_OR_RETURN(robot_, MakeRealRobot(hardware));
+  return absl::OkStatus();
+}
+
+absl::Status AgentProgram::WatchDevices() {
+  if (!config_.record.empty()) {
+    TL_ASSIGN_OR_RETURN(
+        recorder_,
+        AgentRecorder::Open(config_.record, robot_->model(), real_clock_,
+                            [this](const absl::Status& status) {
+                              log_.Say(logging::LogLevel::kError,
+                                       absl::StrCat("the recording ends: ",
+                                                    status.message()));
+                            }));
+    laser_ =
+        std::make_unique<RecordedLaser>(robot_->Devices().laser, *recorder_);
+    odometry_ = std::make_unique<RecordedOdometry>(robot_->Devices().odometry,
+                                                   *recorder_);
+  }
+  core::RgbdCamera* camera = robot_->Devices().camera;
+  if (camera == nullptr) return absl::OkStatus();
+  camera_ = std::make_unique<agent_service::BackgroundCamera>(
+      *camera, [this, camera](const core::RgbdFrame& frame) {
+        camera_picture_.Keep(frame);
+        if (recorder_ != nullptr) recorder_->Add(camera->Calibration(), frame);
+      });
+  return absl::OkStatus();
+}
+
+absl::Status AgentProgram::ConnectServer() {
+  if (config_.server.empty()) return absl::OkStatus();
+  if (camera_ == nullptr) {
+    log_.Say(logging::LogLevel::kWarn,
+             "there is no camera: the server cannot be asked anything");
+    return absl::OkStatus();
+  }
+  relocalizer::ConnectOptions connect;
+  connect.server = config_.server;
+  connect.tls.ca_file = config_.tls_ca;
+  connect.token_file = config_.token_file;
+  TL_ASSIGN_OR_RETURN(
+      port_,
+      relocalization::MakeServerRelocalization(
+          connect, config_.scene.empty() ? info_.map_name : config_.scene,
+          robot_->clock()));
+  server_ =
+      std::make_unique<agent_service::WatchedServer>(*port_, query_picture_);
+  return absl::OkStatus();
+}
+
+absl::Status AgentProgram::Listen() {
+  info_.version = base::Version();
+  info_.robot = robot_->model();
+  info_.map = map_;
+  info_.is_simulated = robot_->simulation() != nullptr;
+  info_.world = robot_->world();
+  info_.places = robot_->places();
+  info_.server = config_.server;
+  commands_ = std::make_unique<agent_service::AgentCommands>(
+      hub_, info_, robot_->simulation());
+  if (!config_.listen.empty()) {
+    TL_ASSIGN_OR_RETURN(
+        grpc_,
+        agent_service::AgentGrpcServer::Start(
+            *commands_, {.listen = config_.listen,
+                         .insecure_any_address = config_.insecure_any_address,
+                         .max_streams = config_.max_streams}));
+    announce_("grpc on " + grpc_->address());
+  }
+  if (config_.http_listen.empty()) return absl::OkStatus();
+  agent_service::HttpApiOptions options;
+  options.max_streams = config_.max_streams;
+  options.page_folder = config_.page_dir.empty()
+                            ? agent_service::DefaultPageFolder()
+                            : config_.page_dir;
+  TL_RETURN_IF_ERROR(options.Validate());
+  const agent_service::PictureKeeper* camera =
+      camera_ == nullptr ? nullptr : &camera_picture_;
+  const agent_service::PictureKeeper* query =
+      server_ == nullptr ? nullptr : &query_picture_;
+  api_ = std::make_unique<agent_service::HttpApi>(*commands_, metrics_, camera,
+                                                  query, options);
+  http::HttpServerOptions http;
+  http.listen = config_.http_listen;
+  http.insecure_any_address = config_.insecure_any_address;
+  http.max_body_mib = 1;
+  // Streams, and a few more for each.
+  http.max_connections = 8 * config_.max_streams;
+  TL_ASSIGN_OR_RETURN(http_, http::HttpServer::Start(http, *api_, real_clock_));
+  announce_(absl::StrCat("page on http://", http_->address(), "/"));
+  if (options.page_folder.empty()) {
+    log_.Say(logging::LogLevel::kWarn,
+             "the operator's page is not built; its API answers");
+  }
+  return absl::OkStatus();
+}
+
+bool AgentProgram::WaitForLasers(const std::stop_token& stop) {
+  const behavior::NavigatorDevices devices = robot_->Devices();
+  base::MonotonicTime next_report = real_clock_.Now() + kLaserReport;
+  while (!stop.stop_requested()) {
+    const bool knows_front = HasSpoken(devices.laser);
+    const core::RangeSensor* rear = devices.rear_laser;
+    if (knows_front && (rear == nullptr || HasSpoken(*rear))) return true;
+    if (real_clock_.Now() >= next_report) {
+      next_report += kLaserReport;
+      const absl::Status cause =
+          (knows_front ? *rear : devices.laser).Health().cause;
+      log_.Say(
+          logging::LogLevel::kWarn,
+          absl::StrCat(
+              "waiting for the ", knows_front ? "rear " : "", "laser: ",
+              cause.ok() ? "nothing has been heard of it" : cause.message()));
+    }
+    // A simulated one begins with its time.
+    robot_->Advance(std::chrono::milliseconds(25));
+    std::this_thread::sleep_for(kLaserLookUp);
+  }
+  return false;
+}
+
+absl::Status AgentProgram::MakeNavigator() {
+  behavior::NavigatorOptions options;
+  options.control_hz = kControlHz;
+  options.plans_in_background = true;
+  options.planner.planner = config_.planner;
+  options.first_plan_budget.max_time_s = 0.5;
+  options.plan_budget.max_time_s = 0.5;
+  options.control.max_forward_mps = config_.max_forward_mps;
+  options.control.inflation_m = config_.inflation_m;
+  options.control.goal_tolerance_m = config_.goal_tolerance_m;
+  options.control.goal_tolerance_rad = config_.goal_tolerance_rad;
+  options.laser_timeout_s = config_.laser_timeout_s;
+  options.odometry_timeout_s = config_.odometry_timeout_s;
+  options.finds_itself_at_start = config_.find_yourself;
+  options.seed = static_cast<uint64_t>(config_.seed);
+  const behavior::NavigatorDevices raw = robot_->Devices();
+  const behavior::NavigatorDevices devices = {
+      .laser = laser_ == nullptr ? raw.laser : *laser_,
+      .odometry = odometry_ == nullptr ? raw.odometry : *odometry_,
+      .base = raw.base,
+      .rear_laser = raw.rear_laser,
+      .camera = camera_.get(),
+      .server = server_.get()};
+  absl::StatusOr<std::unique_ptr<behavior::Navigator>> navigator =
+      behavior::Navigator::Create(*map_, robot_->model(), devices, options,
+                                  robot_->clock());
+  if (!navigator.ok()) {
+    return base::Annotate(navigator.status(),
+                          config_.map.empty() ? config_.simulate : config_.map);
+  }
+  navigator_ = *std::move(navigator);
+  return absl::OkStatus();
+}
+
+absl::Status AgentProgram::GiveOrders() {
+  TL_ASSIGN_OR_RETURN(std::optional<agent_service::PoseWish> start,
+                      ParsePoseWish(config_.start_at, "--start-at"));
+  const std::optional<geometry::Rigid3> truth = robot_->TrueMapFromBase();
+  if (start.has_value()) {
+    TL_ASSIGN_OR_RETURN(const core::LevelPose pose,
+                        commands_->OnLevel(*start, "--start-at"));
+    TL_RETURN_IF_ERROR(agent_service::AgentCommands::SetPoseNow(
+        *navigator_, pose, kStartStd_m, kStartStd_rad));
+  } else if (truth.has_value() && !config_.find_yourself) {
+    // A simulated robot begins where everybody knows.
+    TL_RETURN_IF_ERROR(agent_service::AgentCommands::SetPoseNow(
+        *navigator_, commands_->NearestLevel(*truth), kStartStd_m,
+        kStartStd_rad));
+  } else if (!config_.find_yourself) {
+    log_.Say(logging::LogLevel::kInfo,
+             "the robot waits to be told where it is: give --start-at, "
+             "--find-yourself, or an initial pose on the page");
+  }
+  TL_ASSIGN_OR_RETURN(const std::optional<agent_service::PoseWish> goal,
+                      ParsePoseWish(config_.goal, "--goal"));
+  if (!goal.has_value()) return absl::OkStatus();
+  return commands_->SetGoalNow(*navigator_, {*goal}).status();
+}
+
+absl::Status AgentProgram::Run(const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(LoadMap());
+  log_.Write(
+      logging::LogLevel::kInfo,
+      log_.Event()
+          .Word("event", "map")
+          .Text("name", info_.map_name)
+          .Integer("levels", static_cast<int64_t>(map_->levels.levels.size()))
+          .Integer("voxels", map_->voxels.CountOccupied()));
+  TL_RETURN_IF_ERROR(MakeRobot());
+  TL_RETURN_IF_ERROR(WatchDevices());
+  TL_RETURN_IF_ERROR(ConnectServer());
+  TL_RETURN_IF_ERROR(Listen());
+  if (!WaitForLasers(stop)) return absl::OkStatus();
+  TL_RETURN_IF_ERROR(MakeNavigator());
+  TL_RETURN_IF_ERROR(GiveOrders());
+  AgentLoop loop(
+      *robot_, *navigator_, *commands_, metrics_,
+      {.camera = camera_.get(), .server = server_.get()},
+      {.control_hz = kControlHz,
+       .speed = config_.speed,
+       .duration_s = config_.duration},
+      real_clock_, [this](const std::string& kind, const std::string& text) {
+        log_.Write(logging::LogLevel::kInfo,
+                   log_.Event().Word("event", kind).Text("text", text));
+      });
+  announce_("driving");
+  loop.Run(stop);
+  // Whoever watches is told before the drivers end.
+  hub_.Close();
+  if (recorder_ != nullptr) TL_RETURN_IF_ERROR(recorder_->Flush());
+  log_.Write(logging::LogLevel::kInfo,
+             log_.Event()
+                 .Word("event", "stopped")
+                 .Integer("steps", loop.steps())
+                 .Integer("missed_deadlines", loop.missed_deadlines()));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status RunAgent(
+    const AgentConfig& config, logging::ProgramLog& log,
+    const std::function<void(const std::string& line)>& announce,
+    const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(config.Validate());
+  AgentProgram program(config, log, announce);
+  return program.Run(stop);
+}
+
+}  // namespace treeline::run_app

@@ -1,0 +1,274 @@
+#include "server/tools/app/train_command.h"
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "CLI/CLI.hpp"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/file.h"
+#include "common/base/status_macros.h"
+#include "common/base/version.h"
+#include "common/camera/calibration_json.h"
+#include "server/core/training/scene_trainer.h"
+#include "server/tools/calibration_text.h"
+#include "server/tools/dataset_flags.h"
+#include "server/tools/run_info.h"
+#include "server/tools/training_place.h"
+#include "server/tools/training_record.h"
+
+namespace treeline::tools_app {
+namespace {
+
+constexpr const char* kFooter = R"(
+A server loads DIR/<scene>/<version>/model.treeline, so give such a name to
+--output. The file appears when it is complete, or not at all.
+
+Examples:
+  treeline train --dataset 7scenes:kitchen --frames train.txt --method rgbd \
+      --output models/kitchen/1/model.treeline
+  treeline train --dataset tum:rgbd_dataset_freiburg1_desk \
+      --output desk.treeline --trees 8 --seed 7
+  treeline train --map cafe-map --repository models)";
+
+struct TrainFlags {
+  dataset::DatasetOptions dataset;
+  std::string map;
+  std::string repository;
+  std::string scene;
+  std::string method = "rgbd";
+  std::string output_path;
+  std::string calibration;
+  std::string adapt_path;
+  std::string extend_path;
+  bool splits_only = false;
+  training::TrainingOptions training;
+  training::SiftTrainingOptions sift;
+  bool quiet = false;
+};
+
+absl::StatusOr<camera::RgbdCalibration> ReadCalibration(
+    const std::string& path) {
+  TL_ASSIGN_OR_RETURN(const std::string json, base::ReadFile(path));
+  absl::StatusOr<camera::RgbdCalibration> calibration =
+      camera::CalibrationFromJson(json);
+  if (!calibration.ok()) return base::Annotate(calibration.status(), path);
+  return calibration;
+}
+
+// Wrong usage, as CLI11 has it.
+void CheckUsage(const TrainFlags& flags) {
+  if (flags.map.empty() == flags.dataset.uri.empty()) {
+    throw CLI::ValidationError(
+        "of what is the scene learned? Give --dataset URI or --map BUNDLE");
+  }
+  if (flags.repository.empty() == flags.output_path.empty()) {
+    throw CLI::ValidationError(
+        "where shall the model go? Give --output FILE or --repository DIR");
+  }
+}
+
+// Fills in what the other flags imply.
+absl::Status Complete(TrainFlags& flags) {
+  if (!flags.map.empty()) {
+    TL_ASSIGN_OR_RETURN(const std::string scene,
+                        tools::SceneOfMapBundle(flags.map));
+    if (flags.scene.empty()) flags.scene = scene;
+    const std::string keyframes = flags.map + "/keyframes";
+    flags.dataset.uri = "7scenes:" + keyframes;
+    const std::string calibration_path = keyframes + "/calibration.json";
+    TL_ASSIGN_OR_RETURN(const camera::RgbdCalibration calibration,
+                        ReadCalibration(calibration_path));
+    flags.dataset.color_camera = calibration.color.ToString();
+    flags.dataset.depth_camera = calibration.depth.ToString();
+    if (flags.calibration.empty()) flags.calibration = calibration_path;
+  }
+  if (flags.calibration.empty()) flags.calibration = "auto";
+  if (flags.repository.empty()) return absl::OkStatus();
+  TL_ASSIGN_OR_RETURN(flags.output_path,
+                      tools::NextModelPath(flags.repository, flags.scene));
+  return absl::OkStatus();
+}
+
+// nullopt: to be estimated.
+absl::StatusOr<std::optional<camera::RgbdCalibration>> GivenCalibration(
+    const TrainFlags& flags, const dataset::Dataset& dataset) {
+  if (flags.calibration == "auto") return std::nullopt;
+  if (flags.calibration == "nominal") return dataset.calibration();
+  TL_ASSIGN_OR_RETURN(camera::RgbdCalibration calibration,
+                      ReadCalibration(flags.calibration));
+  // The cameras are the file's; whose poses these are, the recording knows.
+  calibration.pose_sensor = dataset.calibration().pose_sensor;
+  return calibration;
+}
+
+absl::Status Train(TrainFlags& flags, const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(Complete(flags));
+  TL_ASSIGN_OR_RETURN(const dataset::Dataset dataset,
+                      dataset::Dataset::Open(flags.dataset));
+  training::SceneTrainingOptions options;
+  options.method = flags.method;
+  TL_ASSIGN_OR_RETURN(options.calibration, GivenCalibration(flags, dataset));
+  options.on_calibrated = [](const training::CalibrationReport& report) {
+    std::fputs(tools::CalibrationText(report).c_str(), stdout);
+    std::fflush(stdout);  // growing the forest takes a while
+  };
+  options.forest = flags.training;
+  options.base_model =
+      flags.adapt_path.empty() ? flags.extend_path : flags.adapt_path;
+  options.refill = flags.adapt_path.empty() ? training::Refill::kExtend
+                                            : training::Refill::kAdapt;
+  options.splits_only = flags.splits_only;
+  options.sift = flags.sift;
+  options.software_version = base::Version();
+  options.created_utc = tools::UtcNow();
+  options.recorded_options =
+      flags.method == "sift"
+          ? tools::RecordedSiftOptions(flags.dataset, flags.training,
+                                       flags.sift)
+          : tools::RecordedOptions(flags.dataset, flags.calibration,
+                                   flags.training, flags.adapt_path,
+                                   flags.extend_path);
+  TL_ASSIGN_OR_RETURN(const training::TrainedScene scene,
+                      training::TrainScene(dataset, options, flags.output_path,
+                                           flags.quiet, stop));
+  const forest::ModelInfo& info = scene.info;
+  std::printf(
+      "%s: %d trees, %d leaves, %.1f MB, from %d frames in %.1f s (peak "
+      "memory %.0f MiB)\n",
+      flags.output_path.c_str(), info.trees, static_cast<int>(info.leaves),
+      static_cast<double>(info.file_bytes) / 1e6, info.training_frames,
+      info.training_s,
+      static_cast<double>(tools::PeakMemoryBytes()) / (1 << 20));
+  return absl::OkStatus();
+}
+
+std::string MethodsHelp() {
+  std::string help = "\nMethods:\n";
+  for (const training::MethodDescription& method :
+       training::TrainableMethods()) {
+    absl::StrAppendFormat(&help, "  %-13s%s\n", method.name, method.summary);
+  }
+  return help;
+}
+
+void AddForestFlags(CLI::App& command, training::TrainingOptions& options) {
+  constexpr const char* kGroup = "Forest";
+  const auto add = [&](const char* name, auto& value, const char* help,
+                       const char* type) {
+    command.add_option(name, value, help)
+        ->type_name(type)
+        ->capture_default_str()
+        ->group(kGroup);
+  };
+  add("--seed", options.seed,
+      "The same seed gives the same forest, whatever the threads", "N");
+  add("--trees", options.trees, "Trees", "N");
+  add("--frames-per-tree", options.frames_per_tree,
+      "Frames drawn at random for each tree", "N");
+  add("--samples-per-frame", options.samples_per_frame,
+      "Pixels drawn at random from each of them", "N");
+  add("--balanced-levels", options.balanced_levels,
+      "Levels split by the sample-balanced objective before spatial variance "
+      "takes over (L_max)",
+      "N");
+  add("--max-depth", options.max_depth, "Depth of the deepest leaf", "N");
+  add("--min-leaf-samples", options.min_leaf_samples,
+      "Samples a leaf has at least", "N");
+  add("--min-spread", options.min_spread_m,
+      "Samples that lie this close together make a leaf", "M");
+  add("--split-candidates", options.split_candidates,
+      "Random features tried at a node", "N");
+  add("--max-offset", options.max_offset_px_m,
+      "Features look this far, at one metre's distance", "PX");
+  add("--split-samples", options.max_split_samples,
+      "Samples of a node that objectives are computed on, at most", "N");
+}
+
+void AddSiftFlags(CLI::App& command, training::SiftTrainingOptions& options) {
+  constexpr const char* kGroup = "Method sift";
+  const auto add = [&](const char* name, auto& value, const char* help,
+                       const char* type) {
+    command.add_option(name, value, help)
+        ->type_name(type)
+        ->capture_default_str()
+        ->group(kGroup);
+  };
+  add("--sift-features", options.features.max_features,
+      "Features taken from an image, the largest ones", "N");
+  add("--sift-label-radius", options.label_radius_px,
+      "A feature this near to a keypoint of the model shows its point", "PX");
+  add("--sift-balanced-levels", options.balanced_levels,
+      "Levels split by the sample-balanced objective", "N");
+  add("--sift-leaf-samples", options.leaf_samples, "Samples a leaf has at most",
+      "N");
+  add("--sift-candidates", options.split_candidates,
+      "Random dimensions tried at a node", "N");
+}
+
+}  // namespace
+
+cli::Command AddTrainCommand(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("train", "Learn a scene from recorded frames");
+  command->footer(absl::StrCat(MethodsHelp(), kFooter));
+  auto flags = std::make_shared<TrainFlags>();
+  tools::AddDatasetFlags(*command, flags->dataset)->required(false);
+  command
+      ->add_option("--map", flags->map,
+                   "Learn from the keyframes of this map bundle, of "
+                   "`treeline-agent map`, instead of a recording")
+      ->type_name("BUNDLE");
+  command->add_option("--method", flags->method, "Method, see below")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_option("--output", flags->output_path, "Model file to write")
+      ->type_name("FILE");
+  command
+      ->add_option("--repository", flags->repository,
+                   "Or: the server's folder of models. It becomes the scene's "
+                   "next version, which running servers then take")
+      ->type_name("DIR");
+  command
+      ->add_option("--scene", flags->scene,
+                   "The scene's name in the repository (default: the map's)")
+      ->type_name("NAME");
+  command
+      ->add_option(
+          "--calibration", flags->calibration,
+          "How depth and colour fit together: auto estimates it from "
+          "the frames, nominal takes the recording's cameras as they "
+          "are, FILE is from `treeline calibrate` (default: auto; with "
+          "--map, the map's own)")
+      ->type_name("auto|nominal|FILE");
+  CLI::Option* adapt =
+      command
+          ->add_option("--adapt", flags->adapt_path,
+                       "Keep the trees of this model, of any scene, and refill "
+                       "their leaves: seconds instead of minutes")
+          ->type_name("MODEL");
+  command
+      ->add_option("--extend", flags->extend_path,
+                   "Add the frames to this model of the same scene, in the "
+                   "same world frame, without growing it anew")
+      ->type_name("MODEL")
+      ->excludes(adapt);
+  command->add_flag("--splits-only", flags->splits_only,
+                    "Write a base for --adapt: the trees' splits, without what "
+                    "their leaves learnt");
+  command
+      ->add_option("--threads", flags->training.threads,
+                   "Threads; 0: one a processor")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_flag("--quiet", flags->quiet, "Show no progress");
+  AddForestFlags(*command, flags->training);
+  AddSiftFlags(*command, flags->sift);
+  command->final_callback([flags] { CheckUsage(*flags); });
+  return {command,
+          [flags](const std::stop_token& stop) { return Train(*flags, stop); }};
+}
+
+}  // namespace treeline::tools_app

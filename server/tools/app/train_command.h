@@ -1,0 +1,13 @@
+// treeline train: recorded frames in, one model file out.
+#ifndef SERVER_TOOLS_APP_TRAIN_COMMAND_H_
+#define SERVER_TOOLS_APP_TRAIN_COMMAND_H_
+
+#include "common/cli/program.h"
+
+namespace treeline::tools_app {
+
+cli::Command AddTrainCommand(CLI::App& app);
+
+}  // namespace treeline::tools_app
+
+#endif  // SERVER_TOOLS_APP_TRAIN_COMMAND_H_

@@ -1,0 +1,72 @@
+// Parts of a world's file that occur in many places. Errors name file and line.
+#ifndef SIMULATION_BUILDING_READ_VALUES_H_
+#define SIMULATION_BUILDING_READ_VALUES_H_
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "common/yaml/yaml_node.h"
+#include "simulation/building/building_plan.h"
+
+namespace treeline::building {
+
+// How many of each thing a file may have, and how far things may be.
+inline constexpr size_t kMaxThings = 500;
+inline constexpr double kMaxSize_m = 200;
+
+// The maps of the list `key`, each with no keys but the known ones.
+absl::StatusOr<std::vector<yaml::YamlNode>> ReadList(
+    const yaml::YamlNode& file, absl::string_view key,
+    std::initializer_list<absl::string_view> known);
+
+// A name of letters, digits, '-' and '_', at most 40.
+absl::StatusOr<std::string> ReadName(const yaml::YamlNode& node);
+
+// [x, y] or [x, y, z], within the building's size.
+absl::StatusOr<PlanPoint> ReadPoint(const yaml::YamlNode& node,
+                                    const BuildingPlan& plan);
+absl::StatusOr<PlanPoint> ReadPointAt(const yaml::YamlNode& node,
+                                      absl::string_view key,
+                                      const BuildingPlan& plan);
+// The same, where there is ground; otherwise an error.
+absl::StatusOr<PlanPoint> ReadGroundPoint(const yaml::YamlNode& node,
+                                          const BuildingPlan& plan);
+// `at` and `facing`.
+absl::StatusOr<PlanStand> ReadStand(const yaml::YamlNode& node,
+                                    const BuildingPlan& plan);
+// [x0, y0, x1, y1], at least 0.3 m each way and within the building's size.
+absl::StatusOr<PlanArea> ReadArea(const yaml::YamlNode& node,
+                                  const BuildingPlan& plan);
+// A material or a finish of the file's.
+absl::StatusOr<std::string> ReadFinish(const yaml::YamlNode& node,
+                                       absl::string_view key,
+                                       absl::string_view otherwise,
+                                       const BuildingPlan& plan);
+absl::Status CheckFinish(const yaml::YamlNode& node, absl::string_view finish,
+                         const BuildingPlan& plan);
+absl::StatusOr<PlanLamps> ReadLamps(const yaml::YamlNode& node);
+// The direction in degrees, or as east, north, west, south.
+absl::StatusOr<double> ReadFacing(const yaml::YamlNode& node,
+                                  double otherwise_deg);
+
+// Sections of a file, in the order in which they have to be read.
+absl::Status ReadFinishes(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadRooms(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadPlatforms(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadRamps(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadStairs(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadWalls(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadPillars(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadDoors(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadWindows(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadPosters(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadFurniture(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadMovers(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadPlaces(const yaml::YamlNode& file, BuildingPlan& plan);
+absl::Status ReadTour(const yaml::YamlNode& file, BuildingPlan& plan);
+
+}  // namespace treeline::building
+
+#endif  // SIMULATION_BUILDING_READ_VALUES_H_

@@ -1,0 +1,39 @@
+// A world from above, with the way that a robot took.
+#ifndef SIMULATION_RUNS_PLAN_PICTURE_H_
+#define SIMULATION_RUNS_PLAN_PICTURE_H_
+
+#include <optional>
+#include <vector>
+
+#include "common/geometry/rigid2.h"
+#include "common/image/image.h"
+#include "simulation/runs/simulation_run.h"
+#include "simulation/simulator/terrain.h"
+#include "simulation/worlds/world.h"
+
+namespace treeline::runs {
+
+// What else a plan shows, in the world's frame.
+struct PlanMarks {
+  // Where it was to go: a green arrow.
+  std::optional<geometry::Rigid2> goal = std::nullopt;
+  // What the robot had planned: a thin magenta line.
+  std::vector<geometry::Vec3> path = {};
+  // Where the robot is, as it believes: a red arrow; and really: a blue one.
+  std::optional<geometry::Rigid2> believed = std::nullopt;
+  std::optional<geometry::Rigid2> really = std::nullopt;
+};
+
+// North (+y) is up. Ground is grey, lighter where it is higher; ramps are
+// ochre, stairs brown, furniture dark, walls black, glass blue. The tour is a
+// thin grey line, the track blue from a green start; collisions are red where
+// the robot caused them and orange where not, falls are purple. Of floors over
+// one another the highest shows.
+image::ColorImage DrawPlan(const worlds::World& world,
+                           const simulator::Terrain& terrain,
+                           const SimulationResult& result,
+                           const PlanMarks& marks = {});
+
+}  // namespace treeline::runs
+
+#endif  // SIMULATION_RUNS_PLAN_PICTURE_H_

@@ -1,0 +1,445 @@
+// Doors, windows, furniture and people of a building.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "absl/strings/str_cat.h"
+#include "simulation/building/catalogue.h"
+#include "simulation/worlds/building_maker.h"
+#include "simulation/worlds/noise.h"
+#include "simulation/worlds/paint.h"
+#include "simulation/worlds/paint_building.h"
+
+namespace treeline::worlds {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kFrame_m = 0.06f;
+constexpr float kLeaf_m = 0.04f;
+constexpr double kSwing_s = 2;
+constexpr double kTurn_s = 0.8;
+// More would take minutes to light.
+constexpr size_t kMaxSurfaces = 40000;
+
+float F(double value) { return static_cast<float>(value); }
+
+}  // namespace
+
+BuildingMaker::BuildingMaker(const building::BuildingPlan& plan,
+                             const WorldOptions& options)
+    : plan_(plan), options_(options), furniture_(builder_, plan.seed) {
+  builder_.set_paint(options.paint);
+  white_ = Painted(
+      [] {
+        return PaintPlain({0.90f, 0.89f, 0.86f}, 0.06f, 1);
+      },
+      0.4f);
+  metal_ = Painted(
+      [] {
+        return PaintPlain({0.45f, 0.46f, 0.48f}, 0.12f, 2);
+      },
+      0.4f);
+  shine_ = Painted([] { return Canvas(4, 4, {1, 0.97f, 0.92f}); }, 0, 3);
+}
+
+Finish BuildingMaker::Painted(std::function<Canvas()> paint, float tile_m,
+                              float emission) {
+  return {.texture = builder_.AddTexture(std::move(paint)),
+          .tile_m = tile_m,
+          .emission = emission};
+}
+
+float BuildingMaker::GroundHeight(const building::PlanPoint& point) const {
+  return F(building::GroundAt(plan_, point).value_or(point.z_m.value_or(0)));
+}
+
+Placement BuildingMaker::StandAt(const building::PlanStand& stand) const {
+  return {{F(stand.at.x_m), F(stand.at.y_m), GroundHeight(stand.at)},
+          F(stand.facing_deg * std::numbers::pi / 180)};
+}
+
+Placement BuildingMaker::OnWall(const building::PlanOnWall& place,
+                                double at_m) const {
+  const building::WallRef ref =
+      building::FindWall(plan_, place.wall).value_or(building::WallRef());
+  const building::WallFrame at = building::FrameOnWall(plan_, ref, at_m);
+  return {{F(at.x_m), F(at.y_m), F(ref.base_m)}, F(at.yaw_rad)};
+}
+
+void BuildingMaker::AddReveal(const Placement& frame, const Opening& opening,
+                              float thickness_m, const std::string& floor) {
+  const float t = thickness_m;
+  const auto& [s0, s1, z0, z1] = opening;
+  builder_.set_kind(SurfaceKind::kWall);
+  builder_.AddPanel(frame, {s0, 0, z1}, {0, -t, 0}, {0, 0, z0 - z1}, white_);
+  builder_.AddPanel(frame, {s1, -t, z1}, {0, t, 0}, {0, 0, z0 - z1}, white_);
+  builder_.AddPanel(frame, {s0, -t, z1}, {s1 - s0, 0, 0}, {0, t, 0}, white_);
+  if (z0 > 0) {
+    builder_.AddPanel(frame, {s0, 0, z0}, {s1 - s0, 0, 0}, {0, -t, 0}, white_);
+  } else if (!floor.empty()) {
+    builder_.set_kind(SurfaceKind::kFloor);
+    AddSheet(frame, {s0, 0, 0}, {s1 - s0, 0, 0}, {0, -t, 0}, floor);
+  }
+  // Architraves on both faces.
+  builder_.set_kind(SurfaceKind::kOther);
+  for (const bool is_front : {true, false}) {
+    const float y0 = is_front ? 0 : -t - 0.015f;
+    const float y1 = is_front ? 0.015f : -t;
+    for (const float s : {s0 - kFrame_m, s1}) {
+      builder_.AddBox(frame, {s, y0, z0}, {s + kFrame_m, y1, z1 + kFrame_m},
+                      {.sides = white_});
+    }
+    builder_.AddBox(frame, {s0, y0 + 0.001f, z1}, {s1, y1 - 0.001f, z1 + 0.06f},
+                    {.sides = white_, .has_bottom = true});
+  }
+}
+
+void BuildingMaker::AddDoor(const building::PlanDoor& door, int index) {
+  const auto ref = building::FindWall(plan_, door.place.wall);
+  if (!ref) return;
+  const double half = door.width_m / 2;
+  const auto behind = building::WallBehind(plan_, *ref, door.place.at_m - half,
+                                           door.place.at_m + half);
+  const Placement frame = OnWall(door.place, door.place.at_m);
+  if (ref->room >= 0 && !behind) return AddOutsideDoor(frame, door);
+  const bool is_in_wall = ref->wall >= 0;
+  const building::PlanWall* wall =
+      is_in_wall ? &plan_.walls[static_cast<size_t>(ref->wall)] : nullptr;
+  const float thick = F(is_in_wall ? wall->thickness_m : building::kRoomWall_m);
+  const Opening opening = {F(-half), F(half), 0, F(door.height_m)};
+  if (!is_in_wall) {
+    AddReveal(frame, opening, thick,
+              plan_.rooms[static_cast<size_t>(ref->room)].floor);
+  } else if (!wall->is_glass) {
+    AddReveal(frame, opening, thick, "");
+  }
+  const Placement hinge = frame.At({opening.s0 + 0.005f, -thick / 2, 0});
+  switch (door.leaf) {
+    case building::DoorLeaf::kNone:
+      return;
+    case building::DoorLeaf::kOpen:
+      // A little more than at right angles, into the room.
+      return AddLeaf(frame.At({opening.s0 - 0.03f, 0.04f, 0}, 1.68f), door,
+                     index);
+    case building::DoorLeaf::kClosed:
+      return AddLeaf(hinge, door, index);
+    case building::DoorLeaf::kMoving:
+      return AddDoorBody(hinge, door, index);
+  }
+}
+
+void BuildingMaker::AddLeaf(const Placement& hinge,
+                            const building::PlanDoor& door, int index) {
+  const float width = F(door.width_m) - 0.01f;
+  const uint64_t seed =
+      base::MixBits(plan_.seed + static_cast<uint64_t>(index));
+  const Float3 color = Hsv({CellNoise(index, 1, seed), 0.3f, 0.7f});
+  const Finish front = Painted([=] { return PaintDoor(color, seed); });
+  builder_.set_kind(SurfaceKind::kOther);
+  builder_.AddBox(hinge, {0, -kLeaf_m / 2, 0.008f},
+                  {width, kLeaf_m / 2, F(door.height_m) - 0.01f},
+                  {.sides = white_, .front = front, .has_bottom = true});
+  builder_.AddPanel(hinge, {0, -kLeaf_m / 2 - 0.001f, F(door.height_m) - 0.01f},
+                    {width, 0, 0}, {0, 0, 0.018f - F(door.height_m)}, front);
+  for (const float y : {kLeaf_m / 2, -kLeaf_m / 2 - 0.05f}) {
+    builder_.AddBox(hinge, {width - 0.16f, y, 1.02f},
+                    {width - 0.04f, y + 0.05f, 1.045f},
+                    {.sides = metal_, .has_bottom = true});
+  }
+}
+
+void BuildingMaker::AddDoorBody(const Placement& hinge,
+                                const building::PlanDoor& door, int index) {
+  builder_.BeginBody();
+  AddLeaf({}, door, index);
+  Motion motion;
+  const auto key = [&](double time_s, float turn_rad) {
+    motion.keys.push_back(
+        {.time_s = time_s, .world_from_body = hinge.At({0, 0, 0}, turn_rad)});
+  };
+  const double closed_s = door.period_s - door.open_s - 2 * kSwing_s;
+  key(0, 0);
+  key(closed_s, 0);
+  key(closed_s + kSwing_s, 1.5f);
+  key(closed_s + kSwing_s + door.open_s, 1.5f);
+  motion.period_s = door.period_s;
+  builder_.EndBody(absl::StrCat("door-", index + 1), F(door.width_m),
+                   F(door.height_m), std::move(motion));
+}
+
+void BuildingMaker::AddOutsideDoor(const Placement& frame,
+                                   const building::PlanDoor& door) {
+  const float half = F(door.width_m / 2);
+  const float high = F(door.height_m);
+  const uint64_t seed = furniture_.NextSeed();
+  const Float3 color = Hsv({CellNoise(3, 1, seed), 0.35f, 0.65f});
+  builder_.set_kind(SurfaceKind::kOther);
+  builder_.AddBox(frame, {-half, 0, 0}, {half, 0.025f, high},
+                  {.sides = white_,
+                   .front = Painted([=] { return PaintDoor(color, seed); })});
+  for (const float s : {-half - kFrame_m, half}) {
+    builder_.AddBox(frame, {s, 0, 0}, {s + kFrame_m, 0.045f, high + kFrame_m},
+                    {.sides = white_});
+  }
+  builder_.AddBox(frame, {-half, 0, high}, {half, 0.044f, high + kFrame_m},
+                  {.sides = white_, .has_bottom = true});
+  builder_.AddBox(frame, {half - 0.18f, 0.026f, 1.02f},
+                  {half - 0.06f, 0.075f, 1.045f},
+                  {.sides = metal_, .has_bottom = true});
+}
+
+void BuildingMaker::AddWindow(const building::PlanWindow& window) {
+  const auto ref = building::FindWall(plan_, window.place.wall);
+  if (!ref) return;
+  const double half = window.width_m / 2;
+  const Placement frame = OnWall(window.place, window.place.at_m);
+  const auto behind = building::WallBehind(
+      plan_, *ref, window.place.at_m - half, window.place.at_m + half);
+  if (ref->room >= 0 && !behind) return AddView(frame, window);
+  const float thick =
+      F(ref->wall >= 0 ? plan_.walls[static_cast<size_t>(ref->wall)].thickness_m
+                       : building::kRoomWall_m);
+  const Opening opening = {F(-half), F(half), F(window.low_m),
+                           F(window.high_m)};
+  AddReveal(frame, opening, thick, "");
+  builder_.set_kind(SurfaceKind::kGlass);
+  builder_.AddPanel(frame, {opening.s1, -thick / 2, opening.z1},
+                    {opening.s0 - opening.s1, 0, 0},
+                    {0, 0, opening.z0 - opening.z1}, white_);
+}
+
+void BuildingMaker::AddView(const Placement& frame,
+                            const building::PlanWindow& window) {
+  const float half = F(window.width_m / 2);
+  const float low = F(window.low_m);
+  const float high = F(window.high_m);
+  const uint64_t seed = furniture_.NextSeed();
+  builder_.set_kind(SurfaceKind::kOther);
+  builder_.AddPanel(frame, {half, 0.004f, high}, {-2 * half, 0, 0},
+                    {0, 0, low - high},
+                    Painted([=] { return PaintWindowView(seed); }, 0, 1.9f));
+  const int bars = std::max(2, static_cast<int>(std::lround(half / 0.45f)) + 1);
+  for (int i = 0; i <= bars; ++i) {
+    const float s = -half + 2 * half * F(i) / F(bars);
+    builder_.AddBox(frame, {s - 0.03f, 0, low}, {s + 0.03f, 0.04f, high},
+                    {.sides = white_});
+  }
+  for (const float z : {low - 0.05f, high - 0.01f}) {
+    builder_.AddBox(frame, {-half - 0.05f, 0, z},
+                    {half + 0.05f, 0.041f, z + 0.06f},
+                    {.sides = white_, .has_bottom = true});
+  }
+  builder_.AddBox(frame, {-half - 0.1f, 0, low - 0.08f},
+                  {half + 0.1f, 0.14f, low - 0.051f},
+                  {.sides = white_, .has_bottom = true});
+  builder_.AddLight({.corner = frame.Point({half, 0.045f, high}),
+                     .edge_u = frame.Direction({-2 * half, 0, 0}),
+                     .edge_v = {0, 0, low - high},
+                     .radiance = {1.5f, 1.75f, 2.1f}});
+}
+
+void BuildingMaker::AddPoster(const building::PlanPoster& poster) {
+  const double at = options_.after_moves
+                        ? poster.moved_to_m.value_or(poster.place.at_m)
+                        : poster.place.at_m;
+  const Placement frame = OnWall(poster.place, at);
+  builder_.set_kind(SurfaceKind::kOther);
+  furniture_.Picture(frame.At({F(-poster.width_m / 2), 0,
+                               F(poster.middle_m - poster.height_m / 2)}),
+                     F(poster.width_m), F(poster.height_m));
+}
+
+void BuildingMaker::MakePiece(const building::PlanFurniture& piece) {
+  const building::FurnitureKind* kind = building::FindFurniture(piece.kind);
+  if (kind == nullptr) return;
+  const float width = F(piece.width_m);
+  // Pieces face +x of their stand, and have their front towards y.
+  const Placement middle = {{0, 0, 0}, -kPi / 2};
+  const Placement at = kind->is_centred
+                           ? middle
+                           : middle.At({-width / 2, F(-kind->depth_m / 2), 0});
+  furniture_.ByName(piece.kind, at, width);
+}
+
+void BuildingMaker::AddFurniture(const building::PlanFurniture& piece) {
+  const building::PlanStand& stand =
+      options_.after_moves && piece.moved_to.has_value() ? *piece.moved_to
+                                                         : piece.stand;
+  builder_.set_kind(SurfaceKind::kOther);
+  const auto make = [&] {
+    builder_.BeginGroup();
+    MakePiece(piece);
+    return builder_.EndGroup();
+  };
+  if (piece.variant == 0) return builder_.AddGroup(make(), StandAt(stand));
+  const auto key = std::tuple(
+      piece.kind, static_cast<int>(std::lround(piece.width_m * 1000)),
+      piece.variant);
+  auto known = pieces_.find(key);
+  if (known == pieces_.end()) known = pieces_.emplace(key, make()).first;
+  builder_.AddGroup(known->second, StandAt(stand));
+}
+
+void BuildingMaker::AddPerson() {
+  using ProfilePoint = WorldBuilder::ProfilePoint;
+  const uint64_t seed = furniture_.NextSeed();
+  const auto clothes = [&](float hue, uint64_t salt) {
+    return Painted([=] { return PaintClothes(hue, seed + salt); });
+  };
+  const Finish shirt = clothes(furniture_.Uniform(0, 1), 1);
+  const Finish trousers = clothes(furniture_.Uniform(0.5f, 0.8f), 2);
+  const Finish skin = Painted(
+      [seed] {
+        return PaintPlain({0.80f, 0.60f, 0.48f}, 0.1f, seed);
+      },
+      0.4f);
+  const Finish hair = Painted(
+      [seed] {
+        return PaintPlain({0.25f, 0.17f, 0.11f}, 0.3f, seed);
+      },
+      0.4f);
+  const ProfilePoint leg[] = {{0.055f, 0}, {0.06f, 0.45f}, {0.085f, 0.86f}};
+  builder_.AddTurned({}, {0.04f, 0.1f, 0}, leg, 10, trousers);
+  builder_.AddTurned({}, {-0.04f, -0.1f, 0}, leg, 10, trousers);
+  const ProfilePoint trunk[] = {{0.17f, 0.82f},
+                                {0.16f, 1.05f},
+                                {0.19f, 1.35f},
+                                {0.13f, 1.46f},
+                                {0.05f, 1.50f}};
+  builder_.AddTurned({}, {0, 0, 0}, trunk, 14, shirt);
+  for (const float y : {-0.23f, 0.23f}) {
+    const ProfilePoint arm[] = {
+        {0.035f, 0.75f}, {0.05f, 1.1f}, {0.06f, 1.42f}, {0.001f, 1.45f}};
+    builder_.AddTurned({}, {0, y, 0}, arm, 8, shirt);
+  }
+  const ProfilePoint head[] = {
+      {0.05f, 1.47f}, {0.06f, 1.52f}, {0.10f, 1.62f}, {0.105f, 1.68f}};
+  builder_.AddTurned({}, {0, 0, 0}, head, 12, skin);
+  const ProfilePoint crown[] = {
+      {0.107f, 1.67f}, {0.10f, 1.74f}, {0.06f, 1.79f}, {0.001f, 1.80f}};
+  builder_.AddTurned({}, {0, 0, 0}, crown, 12, hair);
+}
+
+void BuildingMaker::AddCart() {
+  const uint64_t seed = furniture_.NextSeed();
+  const Finish load = Painted([seed] { return PaintCardboard(seed); });
+  for (const float x : {-0.4f, 0.34f}) {
+    for (const float y : {-0.25f, 0.19f}) {
+      builder_.AddBox({}, {x, y, 0}, {x + 0.06f, y + 0.06f, 0.9f},
+                      {.sides = metal_});
+    }
+  }
+  for (const float z : {0.18f, 0.6f}) {
+    builder_.AddBox({}, {-0.41f, -0.26f, z}, {0.41f, 0.26f, z + 0.03f},
+                    {.sides = metal_, .has_bottom = true});
+    builder_.AddBox({}, {-0.3f, -0.2f, z + 0.031f}, {0.25f, 0.2f, z + 0.3f},
+                    {.sides = load, .front = load, .top = load});
+  }
+  builder_.AddBox({}, {-0.45f, -0.25f, 0.9f}, {-0.41f, 0.25f, 0.94f},
+                  {.sides = white_, .has_bottom = true});
+}
+
+Motion BuildingMaker::MotionOf(const building::PlanMover& mover) const {
+  Motion motion;
+  double time_s = 0;
+  const size_t count = mover.path.size();
+  const auto point = [&](size_t i) {
+    const building::PlanPoint& at = mover.path[i % count].at;
+    return Float3{F(at.x_m), F(at.y_m), GroundHeight(at)};
+  };
+  const auto heading = [&](size_t i) {
+    const Float3 way = point(i + 1) - point(i);
+    return std::atan2(way.y, way.x);
+  };
+  for (size_t i = 0; i < count; ++i) {
+    const float before = heading(i + count - 1);
+    const auto key = [&](float yaw) {
+      motion.keys.push_back(
+          {.time_s = time_s, .world_from_body = {point(i), yaw}});
+    };
+    key(before);
+    if (mover.path[i].pause_s > 0) {
+      time_s += mover.path[i].pause_s;
+      key(before);
+    }
+    time_s += kTurn_s;
+    key(heading(i));
+    time_s += Norm(point(i + 1) - point(i)) / mover.speed_mps;
+  }
+  motion.period_s = time_s;
+  return motion;
+}
+
+void BuildingMaker::AddMover(const building::PlanMover& mover) {
+  builder_.set_kind(SurfaceKind::kOther);
+  builder_.BeginBody();
+  if (mover.is_cart) {
+    AddCart();
+  } else {
+    AddPerson();
+  }
+  builder_.EndBody(mover.name, mover.is_cart ? 0.52f : 0.3f,
+                   mover.is_cart ? 0.94f : 1.8f, MotionOf(mover));
+}
+
+void BuildingMaker::AddCrate() {
+  builder_.set_kind(SurfaceKind::kOther);
+  const Finish face =
+      Painted([seed = plan_.seed] { return PaintCardboard(seed + 77); });
+  builder_.BeginBody();
+  builder_.AddBox({}, {-0.5f, -0.5f, 0}, {0.5f, 0.5f, 1},
+                  {.sides = face, .front = face, .top = face});
+  builder_.EndBody("crate", 0.7072f, 1, std::nullopt);
+}
+
+absl::StatusOr<World> BuildingMaker::Make(std::string name) {
+  const auto number = [](size_t i) { return static_cast<int>(i); };
+  for (size_t i = 0; i < plan_.rooms.size(); ++i) {
+    AddRoom(plan_.rooms[i], number(i));
+  }
+  for (const building::PlanPlatform& platform : plan_.platforms)
+    AddPlatform(platform);
+  for (const building::PlanRamp& ramp : plan_.ramps) AddRamp(ramp);
+  for (const building::PlanStairs& stairs : plan_.stairs) AddStairs(stairs);
+  for (size_t i = 0; i < plan_.walls.size(); ++i) {
+    AddWall(plan_.walls[i], number(i));
+  }
+  for (const building::PlanPillar& pillar : plan_.pillars) AddPillar(pillar);
+  for (size_t i = 0; i < plan_.doors.size(); ++i) {
+    AddDoor(plan_.doors[i], number(i));
+  }
+  for (const building::PlanWindow& window : plan_.windows) AddWindow(window);
+  for (const building::PlanPoster& poster : plan_.posters) AddPoster(poster);
+  for (const building::PlanFurniture& piece : plan_.furniture) {
+    AddFurniture(piece);
+    if (builder_.surface_count() > kMaxSurfaces) break;
+  }
+  if (builder_.surface_count() > kMaxSurfaces) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "world '", name, "' has more than ", kMaxSurfaces, " surfaces"));
+  }
+  if (options_.with_people) {
+    for (const building::PlanMover& mover : plan_.movers) AddMover(mover);
+  }
+  AddCrate();
+  World world = builder_.Build(
+      std::move(name),
+      {F(plan_.size_m[0]), F(plan_.size_m[1]), F(plan_.size_m[2])}, {},
+      options_.threads);
+  for (const building::PlanPlace& place : plan_.places) {
+    world.places.push_back(
+        {.name = place.name, .placement = StandAt(place.stand)});
+  }
+  for (const building::PlanPoint& corner : plan_.tour) {
+    world.tour.push_back({F(corner.x_m), F(corner.y_m), GroundHeight(corner)});
+  }
+  return world;
+}
+
+absl::StatusOr<World> MakeBuilding(std::string name,
+                                   const building::BuildingPlan& plan,
+                                   const WorldOptions& options) {
+  return BuildingMaker(plan, options).Make(std::move(name));
+}
+
+}  // namespace treeline::worlds
