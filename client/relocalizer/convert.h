@@ -4,10 +4,16 @@
 
 #include "absl/status/statusor.h"
 #include "client/relocalizer/relocalizer.h"
+#include "common/wire/camera.h"
+#include "common/wire/frame.h"
+#include "common/wire/geometry.h"
 #include "treeline/v1/relocalization.pb.h"
 #include "treeline/v1/scenes.pb.h"
 
 namespace treeline::relocalizer {
+
+using wire::FromProto;
+using wire::ToProto;
 
 v1::LocalizeRequest ToProto(const LocalizeQuery& query);
 

@@ -93,7 +93,7 @@ class GrpcLocalizeStream final : public LocalizeStream {
       case v1::LocalizeStreamResponse::kResponse:
         return FromProto(response.response());
       case v1::LocalizeStreamResponse::kError: {
-        const absl::Status error = FromProto(response.error());
+        const absl::Status error = wire::FromProto(response.error());
         if (!error.ok()) return error;
         break;
       }

@@ -237,7 +237,7 @@ std::string NearestName(const std::vector<Setting>& settings,
   std::vector<absl::string_view> names;
   names.reserve(settings.size());
   for (const Setting& setting : settings) names.push_back(setting.name);
-  return NearestName(unknown, names);
+  return base::NearestName(unknown, names);
 }
 
 }  // namespace treeline::config

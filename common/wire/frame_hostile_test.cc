@@ -138,7 +138,7 @@ TEST(HostileFrame, RawColorOverTheLimits) {
                   .ok());
 }
 
-TEST(HostileFrame, camera::Camera) {
+TEST(HostileFrame, Camera) {
   ExpectRefused("frame.camera",
                 [](auto& f) { f.mutable_camera()->set_parameters(0, kNan); });
   ExpectRefused("frame.camera",

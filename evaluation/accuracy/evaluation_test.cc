@@ -422,7 +422,7 @@ TEST(Evaluate, ConvertsTheTruthToTheModelsPoseSensor) {
   EXPECT_NEAR((*results)[0].error->translation_m, 0, 1e-12);
 }
 
-TEST(camera::PoseOfSensor, ConvertsBothWaysWithARotationBetweenTheCameras) {
+TEST(PoseOfSensor, ConvertsBothWaysWithARotationBetweenTheCameras) {
   camera::RgbdCalibration calibration;
   calibration.color_from_depth = {
       geometry::Rotation3::FromAxisAngle({0, 0, 90 * kDegree}), {0.1, 0, 0}};

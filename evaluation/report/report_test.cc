@@ -351,7 +351,7 @@ TEST(SplitRatioMap, SaysHowManySplitsHaveWhichShare) {
   EXPECT_EQ(SplitRatioMap({}), "");
 }
 
-TEST(accuracy::ChoosePictures, TakesWorstMedianAndBestOfFramesThatCanBeShown) {
+TEST(ChoosePictures, TakesWorstMedianAndBestOfFramesThatCanBeShown) {
   // Errors grow with the index; neighbours look alike and are not taken
   // together while others remain.
   std::vector<accuracy::FrameResult> results;
@@ -367,20 +367,20 @@ TEST(accuracy::ChoosePictures, TakesWorstMedianAndBestOfFramesThatCanBeShown) {
   EXPECT_THAT(frames, ElementsAre(39, 35, 19, 0));
 }
 
-TEST(accuracy::ChoosePictures, PutsLostFramesFirst) {
+TEST(ChoosePictures, PutsLostFramesFirst) {
   const std::vector<accuracy::PictureChoice> choices =
       accuracy::ChoosePictures({Localized("far", 9), Lost("lost")}, 1, 0, 0);
   EXPECT_THAT(choices, ElementsAre(Field(&accuracy::PictureChoice::frame, 1)));
 }
 
-TEST(accuracy::ChoosePictures, NeverShowsAFrameTwice) {
+TEST(ChoosePictures, NeverShowsAFrameTwice) {
   EXPECT_THAT(accuracy::ChoosePictures({Localized("only", 0.01)}, 3, 3, 3),
               ElementsAre(Field(&accuracy::PictureChoice::kind,
                                 accuracy::PictureKind::kWorst)));
   EXPECT_THAT(accuracy::ChoosePictures({}, 3, 3, 3), IsEmpty());
 }
 
-TEST(accuracy::TakePictures, AsksForCorrespondencesWithTheSeedOfTheEvaluation) {
+TEST(TakePictures, AsksForCorrespondencesWithTheSeedOfTheEvaluation) {
   const tools::SmallRecording recording(2, {});
   accuracy::EvaluationOptions options;
   options.seed = 5;
@@ -410,7 +410,7 @@ TEST(accuracy::TakePictures, AsksForCorrespondencesWithTheSeedOfTheEvaluation) {
   EXPECT_EQ(pictures[0].jpeg.substr(0, 2), "\xff\xd8");
 }
 
-TEST(accuracy::DistanceToTraining, WeighsATurnLikeTheMoveOfWhatIsSeen) {
+TEST(DistanceToTraining, WeighsATurnLikeTheMoveOfWhatIsSeen) {
   // 10 cm away, or turned by 4 degrees: 1.5 m * 0.0698 rad = 10.5 cm.
   const geometry::Rigid3 moved{{}, {0.1, 0, 0}};
   const geometry::Rigid3 turned{
@@ -498,7 +498,7 @@ TEST(RoundTicks, StepsByOneTwoOrFive) {
   EXPECT_THAT(RoundTicks(180, 6), ElementsAre(0, 50, 100, 150));
 }
 
-TEST(tools::DescribeModel, ShowsWhatAPersonAsksFor) {
+TEST(DescribeModel, ShowsWhatAPersonAsksFor) {
   forest::ModelInfo model;
   model.method = "rgbd";
   model.format_version = 1;
@@ -525,7 +525,7 @@ TEST(Format, WritesCountsBytesAndOddNumbers) {
   EXPECT_EQ(tools::FormatNumber("%.1f", std::nan("")), "-");
 }
 
-TEST(tools::ShellQuoted, QuotesOnlyWhatAShellWouldChange) {
+TEST(ShellQuoted, QuotesOnlyWhatAShellWouldChange) {
   EXPECT_EQ(tools::ShellQuoted("--model=a/b_c-1.treeline"),
             "--model=a/b_c-1.treeline");
   EXPECT_EQ(tools::ShellQuoted("7scenes:dir"), "7scenes:dir");

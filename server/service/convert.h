@@ -8,10 +8,14 @@
 #include "server/core/recognition/localize_among.h"
 #include "server/repository/scene.h"
 #include "server/service/call_observer.h"
+#include "common/wire/camera.h"
+#include "common/wire/geometry.h"
 #include "treeline/v1/relocalization.pb.h"
 #include "treeline/v1/scenes.pb.h"
 
 namespace treeline::service {
+
+using wire::ToProto;
 
 v1::Outcome ToProto(localizer::Outcome outcome);
 v1::NotLocalizedReason ToProto(localizer::NotLocalizedReason reason);

@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(base::ListenAddress, ParsesAndPrints) {
+TEST(ListenAddress, ParsesAndPrints) {
   for (const char* text :
        {"127.0.0.1:50051", "localhost:0", "[::1]:65535", "0.0.0.0:80"}) {
     const auto address = base::ParseListenAddress(text);
@@ -26,7 +26,7 @@ TEST(base::ListenAddress, ParsesAndPrints) {
   EXPECT_EQ(base::ParseListenAddress("[::1]:7")->port, 7);
 }
 
-TEST(base::ListenAddress, RefusesWhatIsNone) {
+TEST(ListenAddress, RefusesWhatIsNone) {
   for (const char* text :
        {"", "127.0.0.1", ":50051", "127.0.0.1:", "127.0.0.1:x",
         "127.0.0.1:65536", "127.0.0.1:-1", "::1:50051", "[::1:50051"}) {
@@ -39,7 +39,7 @@ TEST(base::ListenAddress, RefusesWhatIsNone) {
   }
 }
 
-TEST(base::ListenAddress, KnowsWhatOnlyThisMachineReaches) {
+TEST(ListenAddress, KnowsWhatOnlyThisMachineReaches) {
   for (const char* text :
        {"127.0.0.1:1", "127.8.9.10:1", "[::1]:1", "localhost:1"}) {
     EXPECT_TRUE(base::IsLoopback(*base::ParseListenAddress(text))) << text;
@@ -50,7 +50,7 @@ TEST(base::ListenAddress, KnowsWhatOnlyThisMachineReaches) {
   }
 }
 
-TEST(base::ListenAddress, OtherMachinesOnlyIfAskedFor) {
+TEST(ListenAddress, OtherMachinesOnlyIfAskedFor) {
   GrpcServerOptions options{.listen = "0.0.0.0:50051"};
   EXPECT_EQ(options.Validate().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(options.Validate().message()),
@@ -59,7 +59,7 @@ TEST(base::ListenAddress, OtherMachinesOnlyIfAskedFor) {
   EXPECT_TRUE(options.Validate().ok());
 }
 
-TEST(base::ListenAddress, OptionsOutOfRangeAreRefused) {
+TEST(ListenAddress, OptionsOutOfRangeAreRefused) {
   for (const GrpcServerOptions& bad :
        {GrpcServerOptions{.listen = "x"},
         GrpcServerOptions{.max_message_mib = 0},
@@ -72,7 +72,7 @@ TEST(base::ListenAddress, OptionsOutOfRangeAreRefused) {
   EXPECT_TRUE(GrpcServerOptions{}.Validate().ok());
 }
 
-TEST(base::ListenAddress, SaysWhyAPortCannotBeBound) {
+TEST(ListenAddress, SaysWhyAPortCannotBeBound) {
   const int fd = socket(AF_INET, SOCK_STREAM, 0);
   ASSERT_GE(fd, 0);
   sockaddr_in any{};

@@ -95,7 +95,7 @@ TEST(WorldSnapshot, ManyRaysAreAsOneByOne) {
   EXPECT_GT(moving, 2);
 }
 
-TEST(worlds::Motion, GoesFromKeyToKeyAndBegins) {
+TEST(Motion, GoesFromKeyToKeyAndBegins) {
   const worlds::Motion motion = {
       .keys = {{.time_s = 1, .world_from_body = {{0, 0, 0}, 3}},
                {.time_s = 3, .world_from_body = {{4, 0, 0}, -3}}},

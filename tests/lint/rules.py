@@ -21,6 +21,7 @@ class Rules:
         self.only = []  # (pattern, folders)
         self.not_in_headers = []  # (pattern, folders)
         self.never = []  # (folder, dependants)
+        self.namespaces = {}  # folder -> its namespace below treeline
         for number, line in enumerate(text.splitlines(), 1):
             line = line.split("#", 1)[0].strip()
             if line:
@@ -34,6 +35,8 @@ class Rules:
             self.not_in_headers.append((match[1], match[2].split()))
         elif match := re.fullmatch(r"only (\S+):(.*)", line):
             self.only.append((match[1], match[2].split()))
+        elif match := re.fullmatch(r"namespace (\S+): (\w+)", line):
+            self.namespaces[match[1]] = match[2]
         elif match := re.fullmatch(r"never (\S+) <- (.+)", line):
             self.never.append((match[1], match[2].split()))
         elif match := re.fullmatch(r"(\S+):(.*)", line):

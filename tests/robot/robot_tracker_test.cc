@@ -107,7 +107,7 @@ const Place& TheLab() {
   return place;
 }
 
-TEST(localization::RobotTracker, FollowsATourOnSlopesWithinATenthOfAMetre) {
+TEST(RobotTracker, FollowsATourOnSlopesWithinATenthOfAMetre) {
   Tracked robot("lab", TheLab(), 1001);
   robot.TellTruth();
   robot.player().DriveTour({});
@@ -134,7 +134,7 @@ TEST(localization::RobotTracker, FollowsATourOnSlopesWithinATenthOfAMetre) {
   EXPECT_GT(robot.tracker().Candidates(3).at(0).share, 0.9);
 }
 
-TEST(localization::RobotTracker,
+TEST(RobotTracker,
      GoesOverARampToAnotherLevelWithoutAFalseAlarm) {
   const Place place = MakePlace("two-storey");
   Tracked robot("two-storey", place, 1002);
@@ -179,7 +179,7 @@ TEST(localization::RobotTracker,
   EXPECT_LT(highest, 0.5);
 }
 
-TEST(localization::RobotTracker, DeclaresAKidnapWithinThreeSeconds) {
+TEST(RobotTracker, DeclaresAKidnapWithinThreeSeconds) {
   Tracked robot("lab", TheLab(), 1003);
   robot.TellTruth();
   for (int i = 0; i < 40 * 3; ++i) robot.Step();
@@ -203,7 +203,7 @@ TEST(localization::RobotTracker, DeclaresAKidnapWithinThreeSeconds) {
   EXPECT_LT(robot.tracker().verdict().probability, 0.1);
 }
 
-TEST(localization::RobotTracker,
+TEST(RobotTracker,
      KnowsWhereItWasAndDropsWhatIsOlderThanItWasTold) {
   Tracked robot("lab", TheLab(), 1004);
   EXPECT_FALSE(robot.tracker().Pose().has_value());

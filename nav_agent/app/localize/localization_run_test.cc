@@ -72,7 +72,7 @@ LocalizationRunOptions FromTruth() {
   return options;
 }
 
-TEST(runs::VoxelsOfWorld, IsOccupiedWhereSurfacesAreAndFreeOnTheTour) {
+TEST(VoxelsOfWorld, IsOccupiedWhereSurfacesAreAndFreeOnTheTour) {
   const octree::VoxelMap& voxels = TheLab().voxels;
   const worlds::World world = *worlds::MakeWorld(
       "lab", {.with_people = false, .threads = 1, .paint = false});

@@ -16,7 +16,7 @@
 #include "simulation/worlds/world.h"
 #include "tests/traversable_worlds/testing_world.h"
 
-namespace treeline::benchmarks {
+namespace treeline {
 namespace {
 
 // Not among the seeds that suites are judged by.
@@ -214,6 +214,6 @@ BENCHMARK_CAPTURE(BM_LengthAfter100ms, cafe, "cafe")
 BENCHMARK(BM_MakePlanner)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace treeline::benchmarks
+}  // namespace treeline
 
 BENCHMARK_MAIN();
