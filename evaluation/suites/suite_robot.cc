@@ -67,8 +67,7 @@ double StepTimes::Percentile_ms(double share) const {
 // Renders when the navigator takes a frame.
 class SuiteRobot::Camera final : public core::RgbdCamera {
  public:
-  explicit camera::Camera(simulator::SimulatedCamera& camera)
-      : camera_(&camera) {}
+  explicit Camera(simulator::SimulatedCamera& camera) : camera_(&camera) {}
 
   camera::RgbdCalibration Calibration() const override {
     return camera_->Calibration();
@@ -118,7 +117,7 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
                                         .camera = nullptr,
                                         .server = robot->server_.get()};
   if (options.camera_hz > 0) {
-    robot->camera_ = std::make_unique<camera::Camera>(simulator.camera());
+    robot->camera_ = std::make_unique<Camera>(simulator.camera());
     devices.camera = robot->camera_.get();
   }
   behavior::NavigatorOptions navigator = options.navigator;

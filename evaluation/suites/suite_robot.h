@@ -93,13 +93,13 @@ class SuiteRobot {
   int CollisionsOfRobot() const { return record_.CollisionsOfRobot(); }
 
  private:
-  class camera::Camera;
+  class Camera;
   explicit SuiteRobot(const SuitePlace& place);
   void Record();
 
   const SuitePlace* place_;
   std::unique_ptr<simulator::Simulator> simulator_;
-  std::unique_ptr<camera::Camera> camera_;
+  std::unique_ptr<Camera> camera_;
   std::unique_ptr<core::RelocalizationPort> server_;
   std::unique_ptr<behavior::Navigator> navigator_;
   runs::SimulationResult record_;

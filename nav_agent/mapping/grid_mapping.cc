@@ -139,7 +139,7 @@ absl::StatusOr<core::OccupancyGrid> MapGrid(std::span<const GridScan> scans,
       std::ceil((size.x + 2 * options.border_m) / options.resolution_m) + 1;
   const double height =
       std::ceil((size.y + 2 * options.border_m) / options.resolution_m) + 1;
-  if (width * height > static_cast<double>(kMaxMapCells)) {
+  if (width * height > static_cast<double>(core::kMaxMapCells)) {
     return absl::ResourceExhaustedError(
         absl::StrCat("a map of ", width, " x ", height, " cells"));
   }

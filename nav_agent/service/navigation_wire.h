@@ -5,12 +5,15 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "common/wire/geometry.h"
 #include "google/protobuf/repeated_ptr_field.h"
 #include "nav_agent/service/agent_commands.h"
 #include "nav_agent/service/agent_hub.h"
 #include "treeline/v1/navigation.pb.h"
 
 namespace treeline::agent_service {
+
+using wire::ToProto;
 
 PoseWish FromProto(const v1::LevelPose& proto);
 std::vector<PoseWish> FromProto(

@@ -68,8 +68,8 @@ void Smooth(int u_count, int v_count, const worlds::Float3* in,
 }
 
 // Calls body(i) for each i below `count`, in parallel, some hundred at a time.
-template <typename worlds::Body>
-void ForAll(size_t count, int threads, const worlds::Body& body) {
+template <typename Body>
+void ForAll(size_t count, int threads, const Body& body) {
   constexpr size_t kChunk = 256;
   const size_t chunks = (count + kChunk - 1) / kChunk;
   base::ParallelFor(static_cast<int64_t>(chunks), threads, [&](int64_t chunk) {

@@ -55,8 +55,8 @@ class PlaceBuilder {
     return *this;
   }
   // A post of 0.4 x 0.4 x 1.7 m.
-  PlaceBuilder& worlds::Body(const std::string& name,
-                             std::optional<worlds::Motion> motion) {
+  PlaceBuilder& Body(const std::string& name,
+                     std::optional<worlds::Motion> motion) {
     builder_.set_kind(worlds::SurfaceKind::kOther);
     builder_.BeginBody();
     builder_.AddBox({}, {-0.2f, -0.2f, 0}, {0.2f, 0.2f, 1.7f},

@@ -163,11 +163,11 @@ BuildingMaker::Face BuildingMaker::RoomFace(const building::PlanRoom& room,
   building::WallRef ref;
   ref.room = room_index;
   ref.side = side;
-  const bool is_along_x = side == kSouth || side == kNorth;
+  const bool is_along_x = side == building::kSouth || side == building::kNorth;
   const double low = is_along_x ? room.area.x0_m : room.area.y0_m;
   const double high = is_along_x ? room.area.x1_m : room.area.y1_m;
   // The frame's x goes up on southern and eastern sides, down on the others.
-  const bool is_rising = side == kSouth || side == kEast;
+  const bool is_rising = side == building::kSouth || side == building::kEast;
   const building::WallFrame at = building::FrameOnWall(
       plan_, ref, is_rising ? low + kHalfWall_m : high - kHalfWall_m);
   return {.frame = {{F(at.x_m), F(at.y_m), F(room.base_m)}, F(at.yaw_rad)},
@@ -259,7 +259,8 @@ void BuildingMaker::AddRoom(const building::PlanRoom& room, int index) {
   AddFloor(inside, base, room.floor);
   builder_.set_kind(SurfaceKind::kCeiling);
   AddCeiling(inside, base + F(room.height_m), room.ceiling);
-  for (const building::PlanSide side : {kSouth, kEast, kNorth, kWest}) {
+  for (const building::PlanSide side :
+       {building::kSouth, building::kEast, building::kNorth, building::kWest}) {
     const Face face = RoomFace(room, index, side);
     building::WallRef ref;
     ref.room = index;
