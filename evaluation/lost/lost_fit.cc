@@ -21,7 +21,7 @@ constexpr double kRidge = 1e-4;
 
 struct Row {
   bool is_lost = false;
-  std::array<double, kLostFeatures> values{};
+  std::array<double, localization::kLostFeatures> values{};
 };
 
 absl::StatusOr<std::vector<Row>> ReadRows(const std::string& table) {
@@ -32,10 +32,10 @@ absl::StatusOr<std::vector<Row>> ReadRows(const std::string& table) {
     if (number == 1 || line.empty()) continue;
     const std::vector<absl::string_view> fields = absl::StrSplit(line, ',');
     Row row;
-    bool is_good = fields.size() == kLostFeatures + 2 &&
+    bool is_good = fields.size() == localization::kLostFeatures + 2 &&
                    (fields[0] == "0" || fields[0] == "1");
     if (is_good) row.is_lost = fields[0] == "1";
-    for (size_t i = 0; is_good && i < kLostFeatures; ++i) {
+    for (size_t i = 0; is_good && i < localization::kLostFeatures; ++i) {
       is_good = absl::SimpleAtod(fields[i + 2], &row.values[i]) &&
                 std::isfinite(row.values[i]);
     }
@@ -62,18 +62,18 @@ absl::StatusOr<localization::LostModel> FitLostModel(const std::string& table) {
   localization::LostModel model;
   for (int step = 0; step < kSteps; ++step) {
     double bias_slope = 0;
-    std::array<double, kLostFeatures> slopes{};
+    std::array<double, localization::kLostFeatures> slopes{};
     for (const Row& row : *rows) {
       const double p = 1 / (1 + std::exp(-model.LogRatio(row.values)));
       const double error = row.is_lost ? (p - 1) / static_cast<double>(lost)
                                        : p / static_cast<double>(others);
       bias_slope += error / 2;
-      for (size_t i = 0; i < kLostFeatures; ++i) {
+      for (size_t i = 0; i < localization::kLostFeatures; ++i) {
         slopes[i] += error / 2 * row.values[i];
       }
     }
     model.bias -= kRate * bias_slope;
-    for (size_t i = 0; i < kLostFeatures; ++i) {
+    for (size_t i = 0; i < localization::kLostFeatures; ++i) {
       model.weights[i] =
           std::max(0.0, model.weights[i] -
                             kRate * (slopes[i] + kRidge * model.weights[i]));

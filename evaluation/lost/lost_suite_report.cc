@@ -20,7 +20,7 @@ constexpr double kRocFrom = -8;
 constexpr double kRocTo = 8;
 constexpr double kRocStep = 0.1;
 constexpr int kTableEvery = 5;
-constexpr std::array<const char*, kLostFeatures> kNames = {
+constexpr std::array<const char*, localization::kLostFeatures> kNames = {
     "long_share", "residual", "changed_share", "deficit",
     "slide",      "spread",   "elsewhere"};
 
@@ -244,7 +244,7 @@ std::string LostReport::Json() const {
                                     {"error_m", alarm.sample.error_m},
                                     {"error_deg", alarm.sample.error_deg},
                                     {"jump", alarm.sample.features.jump}};
-    for (size_t i = 0; i < kLostFeatures; ++i) {
+    for (size_t i = 0; i < localization::kLostFeatures; ++i) {
       entry[kNames[i]] = alarm.sample.features.values[i];
     }
     alarms.push_back(std::move(entry));

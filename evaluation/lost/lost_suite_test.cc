@@ -129,8 +129,8 @@ TEST(LostFitTest, FindsWhatTellsAndNeverWeighsBackwards) {
   }
   const auto model = FitLostModel(table);
   ASSERT_TRUE(model.ok()) << model.status();
-  EXPECT_GT(model->weights[kLongShare], 3);
-  EXPECT_EQ(model->weights[kResidual], 0);
+  EXPECT_GT(model->weights[localization::kLongShare], 3);
+  EXPECT_EQ(model->weights[localization::kResidual], 0);
 }
 
 TEST(LostFitTest, RefusesOtherTables) {

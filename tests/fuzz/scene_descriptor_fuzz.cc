@@ -31,7 +31,7 @@ std::string Completed(std::string bytes) {
   return bytes;
 }
 
-void RankWith(const recognition::SceneDescriptor& descriptor) {
+void RankWith(const treeline::recognition::SceneDescriptor& descriptor) {
   recognition::SceneIndex index;
   index.Set("scene", descriptor);
   const std::vector<uint32_t> words = {0, 1, 4711, recognition::kWords - 1, 0};
@@ -46,12 +46,12 @@ void RankWith(const recognition::SceneDescriptor& descriptor) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using treeline::recognition::SceneDescriptor;
   const std::string bytes(reinterpret_cast<const char*>(data), size);
-  if (const auto read = recognition::SceneDescriptor::Parse(bytes);
+  if (const auto read = treeline::recognition::SceneDescriptor::Parse(bytes);
       read.ok() && read->Serialize() != bytes) {
     std::abort();
   }
   const std::string whole = treeline::Completed(bytes);
-  const auto read = recognition::SceneDescriptor::Parse(whole);
+  const auto read = treeline::recognition::SceneDescriptor::Parse(whole);
   if (!read.ok() || read->Serialize() != whole) std::abort();
   // Ranking costs some milliseconds.
   if (size % 16 == 0) treeline::RankWith(*read);
