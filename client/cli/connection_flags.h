@@ -16,7 +16,7 @@ namespace treeline::client_cli {
 
 struct ConnectionFlags {
   std::string server;
-  relocalizer::TlsOptions tls;
+  relocalizer::ClientTlsOptions tls;
   std::string token_file;
   int max_message_mib = 32;
   double timeout_s = 10;

@@ -69,7 +69,7 @@ absl::Status SetPrior(LocalizeFlags& flags) {
   const absl::StatusOr<geometry::Rigid3> pose =
       geometry::RigidFromQuaternion(p[0], p[1], p[2], p[3], {p[4], p[5], p[6]});
   if (!pose.ok()) return base::Annotate(pose.status(), "--prior");
-  flags.query.prior = relocalizer::PosePrior{
+  flags.query.prior = geometry::PosePrior{
       .world_from_camera = *pose,
       .position_radius_m = flags.prior_radius_m,
       .rotation_radius_rad = flags.prior_radius_deg * std::numbers::pi / 180};

@@ -63,7 +63,7 @@ absl::Status CheckPem(const std::string& path, absl::string_view what) {
 }
 
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> TlsCredentialsOf(
-    const TlsOptions& tls) {
+    const ClientTlsOptions& tls) {
   TL_RETURN_IF_ERROR(CheckPem(tls.ca_file, "certificate"));
   TL_RETURN_IF_ERROR(CheckPem(tls.certificate_file, "certificate"));
   TL_RETURN_IF_ERROR(CheckPem(tls.key_file, "key"));

@@ -14,7 +14,7 @@ namespace treeline::relocalizer {
 // TLS, and for mutual TLS the client's own certificate. Files are PEM and are
 // read again when they change, at most a second later; new connections use the
 // new ones.
-struct TlsOptions {
+struct ClientTlsOptions {
   // Certificates that are trusted to sign the server's. Empty: no TLS.
   std::string ca_file = {};
   // The client's certificate chain and its private key: both or neither.
@@ -36,7 +36,7 @@ struct ConnectOptions {
   int max_attempts = 4;
   // Largest request and answer (MiB), 1..1024.
   int max_message_mib = 32;
-  TlsOptions tls = {};
+  ClientTlsOptions tls = {};
   // A file that holds the bearer token, read again when it changes; or an
   // environment variable, read once. At most one of them; empty: none.
   std::string token_file = {};

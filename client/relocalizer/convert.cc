@@ -121,8 +121,11 @@ absl::StatusOr<LocalizeAnswer> FromProto(const v1::LocalizeResponse& response) {
     default:
       return BrokenContract(wire::FieldError("outcome", "is neither"));
   }
-  answer.reason = ShortName(v1::NotLocalizedReason_Name(response.reason()),
-                            "NOT_LOCALIZED_REASON_", response.reason());
+  answer.reason =
+      response.reason() == v1::NOT_LOCALIZED_REASON_UNSPECIFIED
+          ? "NONE"
+          : ShortName(v1::NotLocalizedReason_Name(response.reason()),
+                      "NOT_LOCALIZED_REASON_", response.reason());
   answer.inliers = response.inliers();
   answer.samples = response.samples();
   answer.inlier_ratio = response.inlier_ratio();

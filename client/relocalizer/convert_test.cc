@@ -145,9 +145,9 @@ TEST(ClientConvert, QueriesKeepEveryField) {
   query.time_budget_ms = 250;
   query.min_confidence = 0.4;
   query.wants_inlier_pixels = true;
-  query.prior = PosePrior{.world_from_camera = SomePose(),
-                          .position_radius_m = 4,
-                          .rotation_radius_rad = 0.5};
+  query.prior = geometry::PosePrior{.world_from_camera = SomePose(),
+                                    .position_radius_m = 4,
+                                    .rotation_radius_rad = 0.5};
   query.frame.color = wire::EncodedImage{"jpeg"};
   query.frame.camera = camera::Camera();
   query.frame.depth =

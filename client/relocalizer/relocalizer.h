@@ -13,19 +13,12 @@
 #include "absl/status/statusor.h"
 #include "client/relocalizer/connect_options.h"
 #include "common/camera/rgbd_calibration.h"
+#include "common/geometry/pose_prior.h"
 #include "common/geometry/rigid2.h"
 #include "common/geometry/rigid3.h"
 #include "common/wire/query_frame.h"
 
 namespace treeline::relocalizer {
-
-// A pose that the client believes in, and how far the truth may be from it.
-struct PosePrior {
-  // Of the scene's pose sensor.
-  geometry::Rigid3 world_from_camera;
-  double position_radius_m = 0;    // positive
-  double rotation_radius_rad = 0;  // in (0, pi]
-};
 
 struct LocalizeQuery {
   // Empty: the server finds out which scene it is.
@@ -45,7 +38,7 @@ struct LocalizeQuery {
   // checked by other means.
   std::optional<double> min_confidence = std::nullopt;
   // Decides whether an answer is believed, not what is found.
-  std::optional<PosePrior> prior = std::nullopt;
+  std::optional<geometry::PosePrior> prior = std::nullopt;
   // Whether the answer says which pixels support it, for pictures: some tens of
   // kilobytes more.
   bool wants_inlier_pixels = false;

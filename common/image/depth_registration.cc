@@ -12,7 +12,7 @@ constexpr int kDepthRadius_px = 2;
 
 }  // namespace
 
-DepthRegistration::DepthRegistration(const camera::RgbdCalibration& calibration)
+DepthRegistrar::DepthRegistrar(const camera::RgbdCalibration& calibration)
     : calibration_(calibration) {
   const camera::Camera& depth = calibration.depth;
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -25,7 +25,7 @@ DepthRegistration::DepthRegistration(const camera::RgbdCalibration& calibration)
   }
 }
 
-std::vector<geometry::Vec3> DepthRegistration::PointsInColor(
+std::vector<geometry::Vec3> DepthRegistrar::PointsInColor(
     const DepthImage& depth) const {
   const camera::Camera& color = calibration_.color;
   std::vector<geometry::Vec3> points(static_cast<size_t>(color.width()) *
@@ -52,7 +52,7 @@ std::vector<geometry::Vec3> DepthRegistration::PointsInColor(
   return points;
 }
 
-std::optional<geometry::Vec3> DepthRegistration::PointAt(
+std::optional<geometry::Vec3> DepthRegistrar::PointAt(
     const std::vector<geometry::Vec3>& points_in_color,
     camera::Pixel pixel) const {
   const camera::Camera& color = calibration_.color;

@@ -13,9 +13,9 @@ namespace treeline::image {
 // Depth seen from the colour camera: for each colour pixel, row by row, the
 // nearest measured point that falls on it, in the colour camera's frame (world
 // units); z is 0 where there is none.
-class DepthRegistration {
+class DepthRegistrar {
  public:
-  explicit DepthRegistration(const camera::RgbdCalibration& calibration);
+  explicit DepthRegistrar(const camera::RgbdCalibration& calibration);
 
   std::vector<geometry::Vec3> PointsInColor(const DepthImage& depth) const;
 

@@ -30,13 +30,13 @@ void SetDepth(DepthImage& depth, int x, int y, uint16_t value) {
   depth.values[static_cast<size_t>(y * depth.width + x)] = value;
 }
 
-TEST(DepthRegistration, PutsAPointWhereTheColourCameraSeesIt) {
+TEST(DepthRegistrar, PutsAPointWhereTheColourCameraSeesIt) {
   // Depth pixel (180, 120), 20 px right of the centre at f 200, 2 m away: the
   // point (0.2, 0, 2). The colour camera sits 0.1 m to the right of it, so
   // that the point is (0.1, 0, 2) there, at 160 + 300 * 0.05 = 175.
   const camera::RgbdCalibration calibration =
       Pair("PINHOLE,300,300,160,120", "PINHOLE,200,200,160,120", {-0.1, 0, 0});
-  const DepthRegistration registration(calibration);
+  const DepthRegistrar registration(calibration);
   DepthImage depth = NoDepth();
   SetDepth(depth, 180, 120, 2000);
   const std::vector<geometry::Vec3> points = registration.PointsInColor(depth);
@@ -50,11 +50,11 @@ TEST(DepthRegistration, PutsAPointWhereTheColourCameraSeesIt) {
   EXPECT_FALSE(registration.PointAt(points, {180, 120}).has_value());
 }
 
-TEST(DepthRegistration, AppliesTheDepthScale) {
+TEST(DepthRegistrar, AppliesTheDepthScale) {
   camera::RgbdCalibration calibration =
       Pair("PINHOLE,300,300,160,120", "PINHOLE,300,300,160,120", {});
   calibration.depth_scale = 0.99;
-  const DepthRegistration registration(calibration);
+  const DepthRegistrar registration(calibration);
   DepthImage depth = NoDepth();
   SetDepth(depth, 160, 120, 2000);
   const auto point =
@@ -63,11 +63,11 @@ TEST(DepthRegistration, AppliesTheDepthScale) {
   EXPECT_NEAR(point->z, 1.98, 1e-12);
 }
 
-TEST(DepthRegistration, KeepsTheNearerOfTwoPointsOnOnePixel) {
+TEST(DepthRegistrar, KeepsTheNearerOfTwoPointsOnOnePixel) {
   // Half the focal length in colour: depth pixels 160 and 161 share a pixel.
   const camera::RgbdCalibration calibration =
       Pair("PINHOLE,100,100,160,120", "PINHOLE,400,400,160,120", {});
-  const DepthRegistration registration(calibration);
+  const DepthRegistrar registration(calibration);
   DepthImage depth = NoDepth();
   SetDepth(depth, 160, 120, 2040);
   SetDepth(depth, 161, 120, 2000);
@@ -77,10 +77,10 @@ TEST(DepthRegistration, KeepsTheNearerOfTwoPointsOnOnePixel) {
   EXPECT_NEAR(point->z, 2, 1e-12);
 }
 
-TEST(DepthRegistration, RefusesPointsAtDepthEdges) {
+TEST(DepthRegistrar, RefusesPointsAtDepthEdges) {
   const camera::RgbdCalibration calibration =
       Pair("PINHOLE,300,300,160,120", "PINHOLE,300,300,160,120", {});
-  const DepthRegistration registration(calibration);
+  const DepthRegistrar registration(calibration);
   DepthImage depth = NoDepth();
   SetDepth(depth, 160, 120, 2000);
   SetDepth(depth, 161, 120, 2080);
@@ -93,10 +93,10 @@ TEST(DepthRegistration, RefusesPointsAtDepthEdges) {
           .has_value());
 }
 
-TEST(DepthRegistration, IgnoresWhatWasNotMeasured) {
+TEST(DepthRegistrar, IgnoresWhatWasNotMeasured) {
   const camera::RgbdCalibration calibration =
       Pair("PINHOLE,300,300,160,120", "PINHOLE,300,300,160,120", {});
-  const DepthRegistration registration(calibration);
+  const DepthRegistrar registration(calibration);
   DepthImage depth = NoDepth();
   SetDepth(depth, 160, 120, 65535);
   EXPECT_FALSE(

@@ -375,7 +375,7 @@ class KeyframeCollector {
   const dataset::Dataset& training_;
   const camera::RgbdCalibration calibration_;
   const FeaturePnpOptions& options_;
-  const image::DepthRegistration registration_;
+  const image::DepthRegistrar registration_;
   int frames_ = 0;
   cv::Mat descriptors_;
   std::vector<geometry::Vec3> points_in_world_;

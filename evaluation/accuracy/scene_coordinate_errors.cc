@@ -74,7 +74,7 @@ class TruthChecker {
   const dataset::Dataset& dataset_;
   const EvaluationOptions& options_;
   const camera::RgbdCalibration calibration_;
-  const image::DepthRegistration registration_;
+  const image::DepthRegistrar registration_;
 };
 
 std::array<double, 3> HeatRgb(double fraction) {

@@ -284,7 +284,7 @@ struct FeatureExtractor::Detector {
         registration(calibration) {}
 
   cv::Ptr<cv::ORB> orb;
-  image::DepthRegistration registration;
+  image::DepthRegistrar registration;
 };
 
 FeatureExtractor::FeatureExtractor(const camera::RgbdCalibration& calibration,

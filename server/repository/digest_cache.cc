@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -49,19 +48,6 @@ absl::Status CacheFull(absl::string_view why) {
 
 int64_t Nanoseconds(const timespec& time) {
   return time.tv_sec * kNanosecondsPerSecond + time.tv_nsec;
-}
-
-// The file names of what this process has mapped.
-std::set<std::string> MappedFileNames() {
-  std::set<std::string> names;
-  std::ifstream maps("/proc/self/maps");
-  for (std::string line; std::getline(maps, line);) {
-    const size_t slash = line.rfind('/');
-    if (slash == std::string::npos) continue;
-    names.insert(
-        std::string(absl::StripSuffix(line.substr(slash + 1), " (deleted)")));
-  }
-  return names;
 }
 
 // Whether `path` is still the file that `fd` has open.
@@ -202,7 +188,6 @@ DigestCache::DigestCache(DigestCacheOptions options, const base::Clock& clock)
 
 absl::StatusOr<std::unique_ptr<DigestCache>> DigestCache::Open(
     DigestCacheOptions options, const base::Clock& clock) {
-  if (!options.files_in_use) options.files_in_use = &MappedFileNames;
   std::unique_ptr<DigestCache> cache(
       new DigestCache(std::move(options), clock));
   std::error_code error;
@@ -357,9 +342,21 @@ bool DigestCache::Fits(uint64_t used, uint64_t to_write) const {
   return uint64_t{disk.f_bavail} * disk.f_frsize >= to_write;
 }
 
-bool DigestCache::MayGo(const std::string& name,
-                        const std::set<std::string>& in_use) const {
-  if (in_use.count(name) > 0) return false;
+std::shared_ptr<const void> DigestCache::Keep(const std::string& digest) {
+  absl::MutexLock lock(&mutex_);
+  std::erase_if(kept_, [](const auto& item) { return item.second.expired(); });
+  std::weak_ptr<const void>& kept = kept_[digest + kFileSuffix];
+  std::shared_ptr<const void> hold = kept.lock();
+  if (hold == nullptr) {
+    hold = std::make_shared<const char>();
+    kept = hold;
+  }
+  return hold;
+}
+
+bool DigestCache::MayGo(const std::string& name) const {
+  const auto kept = kept_.find(name);
+  if (kept != kept_.end() && !kept->second.expired()) return false;
   const auto handed_out = handed_out_.find(name);
   return handed_out == handed_out_.end() ||
          clock_.Now() - handed_out->second >= options_.handed_out;
@@ -367,7 +364,6 @@ bool DigestCache::MayGo(const std::string& name,
 
 absl::Status DigestCache::Reserve(const std::string& digest, uint64_t bytes,
                                   uint64_t there) {
-  const std::set<std::string> in_use = options_.files_in_use();
   absl::MutexLock lock(&mutex_);
   std::map<std::string, uint64_t> reserved = reserved_;
   reserved[digest] = bytes;
@@ -379,10 +375,9 @@ absl::Status DigestCache::Reserve(const std::string& digest, uint64_t bytes,
   for (const CachedFile& file : files) {
     if (Fits(used, to_write)) break;
     const std::string path = absl::StrCat(folder_, "/", file.name);
-    const bool gone =
-        absl::EndsWith(file.name, kPartSuffix)
-            ? RemoveUnlessWritten(path)
-            : MayGo(file.name, in_use) && unlink(path.c_str()) == 0;
+    const bool gone = absl::EndsWith(file.name, kPartSuffix)
+                          ? RemoveUnlessWritten(path)
+                          : MayGo(file.name) && unlink(path.c_str()) == 0;
     if (gone) used -= file.bytes;
   }
   if (!Fits(used, to_write)) {

@@ -9,10 +9,8 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
-#include <set>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -31,9 +29,9 @@ struct DigestCacheOptions {
   // Made where missing.
   std::string folder;
   // Of all files together; 0: as much as the disk holds. What was used longest
-  // ago makes room, but not what this process has mapped or was handed within
-  // `handed_out`. Another process may lose a file that it uses: its mapping
-  // stays valid, and it fetches the file again when it opens it again.
+  // ago makes room, but not what this process keeps (Keep) or was handed within
+  // `handed_out`. Another process may lose a file that it keeps: it fetches the
+  // file again when it opens it again.
   uint64_t limit_bytes = 0;
   std::chrono::milliseconds handed_out{60000};
   // Parts that nobody writes and that nobody went on with for so long go when
@@ -44,9 +42,6 @@ struct DigestCacheOptions {
   // For how long another process may leave a part as it is before those who
   // wait for it give up.
   std::chrono::milliseconds patience{60000};
-  // The names of the files that this process uses, without folders. Default:
-  // those that it has mapped.
-  std::function<std::set<std::string>()> files_in_use = {};
 };
 
 class DigestCache;
@@ -108,6 +103,11 @@ class DigestCache {
   absl::StatusOr<std::unique_ptr<CacheDownload>> Begin(
       const std::string& digest, uint64_t bytes, const std::stop_token& stop);
 
+  // While what is returned lives, the file is not deleted to make room for
+  // others. It need not be there yet.
+  std::shared_ptr<const void> Keep(const std::string& digest)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+
   std::string PathOf(const std::string& digest) const;
 
  private:
@@ -135,7 +135,7 @@ class DigestCache {
       const std::map<std::string, uint64_t>& reserved) const;
   // Whether `used` is within the limit, and the disk holds `to_write` more.
   bool Fits(uint64_t used, uint64_t to_write) const;
-  bool MayGo(const std::string& name, const std::set<std::string>& in_use) const
+  bool MayGo(const std::string& name) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const DigestCacheOptions options_;
@@ -143,7 +143,10 @@ class DigestCache {
   const base::Clock& clock_;
   absl::Mutex mutex_;
   std::map<std::string, uint64_t> reserved_ ABSL_GUARDED_BY(mutex_);
+  // By file name, as the next.
   std::map<std::string, base::MonotonicTime> handed_out_
+      ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, std::weak_ptr<const void>> kept_
       ABSL_GUARDED_BY(mutex_);
 };
 

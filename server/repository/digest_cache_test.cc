@@ -42,7 +42,6 @@ class DigestCacheTest : public testing::Test {
         testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(folder_);
     options_.folder = folder_;
-    options_.files_in_use = [this] { return in_use_; };
     Open();
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -99,7 +98,6 @@ class DigestCacheTest : public testing::Test {
 
   DigestCacheOptions options_ = {};
   FakeClock clock_ = {};
-  std::set<std::string> in_use_ = {};
   std::string folder_ = {};
   std::unique_ptr<DigestCache> cache_ = {};
 };
@@ -190,12 +188,12 @@ TEST_F(DigestCacheTest, WhatWasUsedLongestAgoMakesRoom) {
                                    NameOf("dddddddddd")));
 }
 
-TEST_F(DigestCacheTest, WhatIsInUseOrWasJustHandedOutStays) {
+TEST_F(DigestCacheTest, WhatIsKeptOrWasJustHandedOutStays) {
   options_.limit_bytes = 20;
   Open();
   Put("aaaaaaaaaa", 200);
   Put("bbbbbbbbbb", 100);
-  in_use_ = {NameOf("aaaaaaaaaa")};
+  const auto kept = cache_->Keep(DigestOf("aaaaaaaaaa"));
   ASSERT_TRUE(Find("bbbbbbbbbb").ok());
   const auto full = Begin("cccccccccc");
   EXPECT_TRUE(absl::IsResourceExhausted(full.status()));
@@ -208,17 +206,15 @@ TEST_F(DigestCacheTest, WhatIsInUseOrWasJustHandedOutStays) {
               UnorderedElementsAre(NameOf("aaaaaaaaaa"), NameOf("cccccccccc")));
 }
 
-TEST_F(DigestCacheTest, WhatIsMappedIsInUse) {
+TEST_F(DigestCacheTest, WhatIsKeptStaysUntilTheLastLetsGo) {
   options_.limit_bytes = 10;
-  options_.files_in_use = {};
   Open();
   Put("aaaaaaaaaa", 200);
-  {
-    const auto mapped =
-        base::MappedFile::Open(cache_->PathOf(DigestOf("aaaaaaaaaa")));
-    ASSERT_TRUE(mapped.ok()) << mapped.status();
-    EXPECT_TRUE(absl::IsResourceExhausted(Begin("bbbbbbbbbb").status()));
-  }
+  auto one = cache_->Keep(DigestOf("aaaaaaaaaa"));
+  auto other = cache_->Keep(DigestOf("aaaaaaaaaa"));
+  one.reset();
+  EXPECT_TRUE(absl::IsResourceExhausted(Begin("bbbbbbbbbb").status()));
+  other.reset();
   EXPECT_TRUE(Begin("bbbbbbbbbb").ok());
   EXPECT_TRUE(FileNames().empty());
 }

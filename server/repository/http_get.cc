@@ -53,11 +53,11 @@ std::optional<uint64_t> FirstByteOf(absl::string_view content_range) {
 // One request and its answer, without following redirects.
 class Transfer {
  public:
-  Transfer(const HttpRequest& request, const HttpOptions& options,
+  Transfer(const HttpGetRequest& request, const HttpOptions& options,
            const base::Clock& clock, HttpSink& sink)
       : request_(request), options_(options), clock_(clock), sink_(sink) {}
 
-  absl::StatusOr<HttpResponse> Run(const std::stop_token& stop);
+  absl::StatusOr<HttpGetResponse> Run(const std::stop_token& stop);
   // Where to look instead; empty: this is the answer.
   std::string Redirect() const;
 
@@ -67,7 +67,7 @@ class Transfer {
   bool Stalled();
   absl::Status ErrorOf(CURLcode code) const;
   absl::Status StatusError(int status) const;
-  absl::StatusOr<HttpResponse> Finish();
+  absl::StatusOr<HttpGetResponse> Finish();
 
   absl::Status Begin(int status);
   static size_t OnBody(char* data, size_t size, size_t count, void* self);
@@ -76,7 +76,7 @@ class Transfer {
   int StatusCode() const;
   std::string Header(const char* name) const;
 
-  const HttpRequest& request_;
+  const HttpGetRequest& request_;
   const HttpOptions& options_;
   const base::Clock& clock_;
   HttpSink& sink_;
@@ -122,7 +122,7 @@ void Transfer::SetUp() {
   curl_multi_add_handle(multi_.get(), easy);
 }
 
-absl::StatusOr<HttpResponse> Transfer::Run(const std::stop_token& stop) {
+absl::StatusOr<HttpGetResponse> Transfer::Run(const std::stop_token& stop) {
   SetUp();
   const absl::Status performed = Perform(stop);
   if (performed.code() == absl::StatusCode::kCancelled) {
@@ -274,8 +274,8 @@ absl::Status Transfer::StatusError(int status) const {
       std::move(error), std::chrono::seconds(std::min(retry_after_s, kDay_s)));
 }
 
-absl::StatusOr<HttpResponse> Transfer::Finish() {
-  HttpResponse response{.status = StatusCode(), .etag = Header("etag")};
+absl::StatusOr<HttpGetResponse> Transfer::Finish() {
+  HttpGetResponse response{.status = StatusCode(), .etag = Header("etag")};
   const bool not_modified = response.status == 304 && !request_.etag.empty();
   if (not_modified || !Redirect().empty()) return response;
   if (response.status != 200 && response.status != 206) {
@@ -298,15 +298,16 @@ absl::Status HttpOptions::Validate() const {
   return absl::OkStatus();
 }
 
-absl::StatusOr<HttpResponse> HttpGet(const HttpRequest& request,
-                                     const HttpOptions& options,
-                                     const base::Clock& clock, HttpSink& sink,
-                                     const std::stop_token& stop) {
-  HttpRequest next = request;
+absl::StatusOr<HttpGetResponse> HttpGet(const HttpGetRequest& request,
+                                        const HttpOptions& options,
+                                        const base::Clock& clock,
+                                        HttpSink& sink,
+                                        const std::stop_token& stop) {
+  HttpGetRequest next = request;
   for (int redirects = 0; redirects <= options.max_redirects; ++redirects) {
     TL_RETURN_IF_ERROR(CheckTransport(next.url, options.allow_plain_http));
     Transfer transfer(next, options, clock, sink);
-    TL_ASSIGN_OR_RETURN(HttpResponse response, transfer.Run(stop));
+    TL_ASSIGN_OR_RETURN(HttpGetResponse response, transfer.Run(stop));
     const std::string location = transfer.Redirect();
     if (location.empty()) return response;
     if (IsHttps(next.url) && !IsHttps(location)) {

@@ -30,7 +30,7 @@ struct HttpOptions {
   absl::Status Validate() const;
 };
 
-struct HttpRequest {
+struct HttpGetRequest {
   // Absolute, http or https.
   std::string url;
   // Not empty: answer 304 without a body where it is still this one.
@@ -39,7 +39,7 @@ struct HttpRequest {
   uint64_t offset = 0;
 };
 
-struct HttpResponse {
+struct HttpGetResponse {
   // 200, 206 or 304.
   int status = 0;
   // Empty: none.
@@ -68,10 +68,11 @@ class HttpSink {
 //   FAILED_PRECONDITION  SOURCE_UNTRUSTED: its certificate, a redirect to
 //                        http; SOURCE_REFUSED: any other answer
 //   CANCELLED, and whatever the sink returns.
-absl::StatusOr<HttpResponse> HttpGet(const HttpRequest& request,
-                                     const HttpOptions& options,
-                                     const base::Clock& clock, HttpSink& sink,
-                                     const std::stop_token& stop);
+absl::StatusOr<HttpGetResponse> HttpGet(const HttpGetRequest& request,
+                                        const HttpOptions& options,
+                                        const base::Clock& clock,
+                                        HttpSink& sink,
+                                        const std::stop_token& stop);
 
 }  // namespace treeline::repository
 

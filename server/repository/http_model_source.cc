@@ -157,7 +157,7 @@ void HttpModelSource::KeepIndex(const KeptIndex& kept) const {
 absl::StatusOr<HttpModelSource::KeptIndex> HttpModelSource::GetIndex(
     const KeptIndex& kept) const {
   TextSink sink;
-  absl::StatusOr<HttpResponse> response;
+  absl::StatusOr<HttpGetResponse> response;
   TL_RETURN_IF_ERROR(Retry(
       options_.retry, options_.seed, sleep_, options_.stop,
       [&] {
@@ -243,6 +243,10 @@ absl::StatusOr<std::string> HttpModelSource::Fetch(
   return Prefixed(
       absl::StrCat("scene ", model.scene, ", version ", model.version),
       path.status());
+}
+
+std::shared_ptr<const void> HttpModelSource::Keep(const ModelRef& model) {
+  return cache_->Keep(model.fingerprint);
 }
 
 absl::StatusOr<std::string> HttpModelSource::FetchOnce(

@@ -64,6 +64,7 @@ class HttpModelSource final : public ModelSource {
   absl::StatusOr<std::string> LocalPath(const ModelRef& model) override;
   absl::StatusOr<std::string> Fetch(const ModelRef& model,
                                     const std::stop_token& stop) override;
+  std::shared_ptr<const void> Keep(const ModelRef& model) override;
 
  private:
   // An index as it was read, and what the server calls it.

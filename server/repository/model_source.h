@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -22,8 +23,8 @@ struct ModelRef {
   // change and its size, or its digest.
   std::string fingerprint;
   // Empty where the source cannot say. Otherwise: another fingerprint with the
-  // same id means that the very file that may be mapped into memory was written
-  // over, so that what was read of it is no longer what was verified.
+  // same id means that the very file was written over, and another id that
+  // another file was put in its place.
   std::string file_id = {};
 };
 
@@ -53,6 +54,12 @@ class ModelSource {
   // Blocks. DATA_LOSS: what came is not what was promised. CANCELLED.
   virtual absl::StatusOr<std::string> Fetch(const ModelRef& model,
                                             const std::stop_token& stop) = 0;
+
+  // While what is returned lives, the source does not delete the model's file
+  // on this machine to make room for others. Null where it never does.
+  virtual std::shared_ptr<const void> Keep(const ModelRef& /*model*/) {
+    return nullptr;
+  }
 };
 
 }  // namespace treeline::repository

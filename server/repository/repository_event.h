@@ -18,7 +18,9 @@ struct RepositoryEvent {
     kTookOver,    // the version that queries without one get from now on
     kEvicted,     // let go for another; with bytes
     kUnloaded,    // let go because somebody asked for it; with bytes
-    // Its file was written over while it was mapped: it was let go.
+    // The file of a version in memory was written over rather than replaced by
+    // another. What is in memory serves on until the file is found to be good;
+    // but who reads it halfway gets DATA_LOSS, so say it to who publishes.
     kOverwritten,
     kBadMetadata,  // scene.json, with status; no version
   };

@@ -154,6 +154,9 @@ SceneRepository::OpenModel(const ModelRef& model, const std::stop_token& stop) {
 void SceneRepository::RunJob(const SceneTable::Job& job,
                              const std::stop_token& stop) {
   const base::MonotonicTime start = clock_.Now();
+  // For as long as the model is in memory, so that it can be loaded again, also
+  // by another process, when the source is out of reach.
+  std::shared_ptr<const void> kept = source_->Keep(job.model);
   absl::StatusOr<std::unique_ptr<localizer::Localizer>> opened =
       OpenModel(job.model, stop);
   const base::MonotonicTime end = clock_.Now();
@@ -162,8 +165,9 @@ void SceneRepository::RunJob(const SceneTable::Job& job,
     localizer = opened.status();
   } else {
     localizer = std::shared_ptr<const localizer::Localizer>(
-        opened->release(), [shared = shared_, bytes = job.model.bytes](
-                               const localizer::Localizer* gone) {
+        opened->release(),
+        [shared = shared_, bytes = job.model.bytes,
+         kept = std::move(kept)](const localizer::Localizer* gone) {
           delete gone;
           absl::MutexLock lock(&shared->mutex);
           shared->resident_bytes -= bytes;

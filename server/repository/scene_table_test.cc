@@ -302,19 +302,35 @@ TEST_F(SceneTableTest, ACorruptFileRenamedIntoPlaceIsRefusedAndReported) {
   EXPECT_THAT(RunLoads(), ElementsAre());
 }
 
-// What is mapped has changed under the server: it must not answer any more.
-TEST_F(SceneTableTest, AFileWrittenOverIsTakenOutOfServiceAtOnce) {
+// What is in memory is a copy that was verified.
+TEST_F(SceneTableTest, AFileWrittenOverServesFromMemoryUntilTheNewOneIsGood) {
   source_.Put("kitchen", "1", "good old");
   Rescan();
   EXPECT_EQ(Answer("kitchen"), "1");
   source_.Overwrite("kitchen", "1", "half");
   Rescan();
-  EXPECT_EQ(StateOf("kitchen", 0), SceneState::kLoading);
-  EXPECT_EQ(resident_, 0u);
-  const auto asked = Ask("kitchen");
-  EXPECT_FALSE(asked->answered);
-  RunLoads();
-  EXPECT_EQ(asked->scene.status().code(), absl::StatusCode::kDataLoss);
+  EXPECT_THAT(RunLoads(), ElementsAre("kitchen/1"));
+  EXPECT_EQ((*Ask("kitchen")->scene)->localizer->info().dataset, "good old");
+  EXPECT_EQ(table_.Get("kitchen")->versions.at(0).failure.code(),
+            absl::StatusCode::kDataLoss);
+  source_.Overwrite("kitchen", "1", "good new");
+  Rescan();
+  EXPECT_THAT(RunLoads(), ElementsAre("kitchen/1"));
+  EXPECT_EQ((*Ask("kitchen")->scene)->localizer->info().dataset, "good new");
+  EXPECT_EQ(resident_, 1u);
+}
+
+TEST_F(SceneTableTest, AFileWrittenOverFailsItsSceneOnceItIsOutOfMemory) {
+  source_.Put("kitchen", "1", "good old");
+  source_.Put("office", "1", "good");
+  Rescan();
+  EXPECT_EQ(Answer("kitchen"), "1");
+  source_.Overwrite("kitchen", "1", "half");
+  Unload("kitchen");
+  Rescan();
+  EXPECT_THAT(Answer("kitchen"), HasSubstr("DATA_LOSS"));
+  EXPECT_EQ(StateOf("kitchen", 0), SceneState::kFailed);
+  EXPECT_EQ(Answer("office"), "1");
 }
 
 TEST_F(SceneTableTest, AFileWrittenOverWhileItIsReadIsReadAgain) {
@@ -324,7 +340,25 @@ TEST_F(SceneTableTest, AFileWrittenOverWhileItIsReadIsReadAgain) {
   const auto job = Next();
   source_.Overwrite("kitchen", "1", "good new");
   Rescan();
+  // What was read had the checksum of its header: it serves until then.
   Finish(*job);
+  EXPECT_TRUE(asked->answered);
+  EXPECT_THAT(RunLoads(), ElementsAre("kitchen/1"));
+  EXPECT_EQ((*Ask("kitchen")->scene)->localizer->info().dataset, "good new");
+}
+
+TEST_F(SceneTableTest, AFileHalfWrittenWhileItIsReadIsReadAgain) {
+  source_.Put("kitchen", "1", "half");
+  Rescan();
+  const auto asked = Ask("kitchen");
+  const auto job = Next();
+  source_.Overwrite("kitchen", "1", "good new");
+  // Between the listing and the read, as it were.
+  const SceneTable::Job read = *job;
+  SceneTable::Effects effects;
+  table_.Apply(*source_.List(), clock_.Now(), effects);
+  table_.Finish(read, absl::DataLossError("half"), 0, clock_.Now(), effects);
+  Carry(effects);
   EXPECT_FALSE(asked->answered);
   RunLoads();
   EXPECT_EQ((*asked->scene)->localizer->info().dataset, "good new");

@@ -40,7 +40,7 @@ v1::Outcome ToProto(localizer::Outcome outcome) {
 v1::NotLocalizedReason ToProto(localizer::NotLocalizedReason reason) {
   switch (reason) {
     case localizer::NotLocalizedReason::kNone:
-      return v1::NOT_LOCALIZED_REASON_NONE;
+      return v1::NOT_LOCALIZED_REASON_UNSPECIFIED;
     case localizer::NotLocalizedReason::kTooFewSamples:
       return v1::NOT_LOCALIZED_REASON_TOO_FEW_SAMPLES;
     case localizer::NotLocalizedReason::kTooFewInliers:
@@ -52,7 +52,7 @@ v1::NotLocalizedReason ToProto(localizer::NotLocalizedReason reason) {
     case localizer::NotLocalizedReason::kContradictsPrior:
       return v1::NOT_LOCALIZED_REASON_CONTRADICTS_PRIOR;
   }
-  return v1::NOT_LOCALIZED_REASON_NONE;
+  return v1::NOT_LOCALIZED_REASON_UNSPECIFIED;
 }
 
 v1::Timings ToProto(const CallTimings& timings) {

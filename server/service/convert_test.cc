@@ -15,7 +15,7 @@ TEST(Convert, ALocalizedEstimateArrivesBitForBit) {
   const v1::LocalizeResponse proto =
       ToProto(estimate, camera::RgbdSensor::kDepth);
   EXPECT_EQ(proto.outcome(), v1::OUTCOME_LOCALIZED);
-  EXPECT_EQ(proto.reason(), v1::NOT_LOCALIZED_REASON_NONE);
+  EXPECT_EQ(proto.reason(), v1::NOT_LOCALIZED_REASON_UNSPECIFIED);
   const auto pose = wire::FromProto(proto.world_from_camera(), "pose");
   ASSERT_TRUE(pose.ok()) << pose.status();
   EXPECT_EQ(*pose, estimate.world_from_camera);

@@ -53,11 +53,11 @@ localizer::LocalizeOptions OptionsOf(const v1::LocalizeRequest& request,
   return options;
 }
 
-absl::StatusOr<std::optional<localizer::PosePrior>> PriorFrom(
+absl::StatusOr<std::optional<geometry::PosePrior>> PriorFrom(
     const v1::LocalizeOptions& options) {
   if (!options.has_prior()) return std::nullopt;
   constexpr char kField[] = "options.prior";
-  localizer::PosePrior prior;
+  geometry::PosePrior prior;
   TL_ASSIGN_OR_RETURN(
       prior.world_from_camera,
       wire::FromProto(options.prior().world_from_camera(),
@@ -100,7 +100,7 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Handle(
   record.method = scene.localizer->info().method;
   TL_RETURN_IF_ERROR(CheckWantedInQueue(call, start, record));
 
-  TL_ASSIGN_OR_RETURN(const std::optional<localizer::PosePrior> prior,
+  TL_ASSIGN_OR_RETURN(const std::optional<geometry::PosePrior> prior,
                       PriorFrom(request.options()));
   const camera::RgbdCalibration calibration =
       repository::QueryCalibration(scene);
@@ -126,7 +126,7 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
   const base::MonotonicTime start = clock_.Now();
   record.timings.queue_ms = base::MillisecondsBetween(call.arrival, start);
   TL_RETURN_IF_ERROR(CheckWantedInQueue(call, start, record));
-  TL_ASSIGN_OR_RETURN(const std::optional<localizer::PosePrior> prior,
+  TL_ASSIGN_OR_RETURN(const std::optional<geometry::PosePrior> prior,
                       PriorFrom(request.options()));
   TL_ASSIGN_OR_RETURN(image::Frame frame,
                       wire::PixelsFromProto(request.frame(), limits_, "frame"));
@@ -184,7 +184,7 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
 
 absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Answer(
     absl::StatusOr<localizer::PoseEstimate> estimate,
-    const std::optional<localizer::PosePrior>& prior,
+    const std::optional<geometry::PosePrior>& prior,
     const repository::Scene& scene, const CallInfo& call,
     CallRecord& record) const {
   const base::MonotonicTime end = clock_.Now();

@@ -51,7 +51,7 @@ class LocalizeRpc {
  private:
   absl::StatusOr<v1::LocalizeResponse> Answer(
       absl::StatusOr<localizer::PoseEstimate> estimate,
-      const std::optional<localizer::PosePrior>& prior,
+      const std::optional<geometry::PosePrior>& prior,
       const repository::Scene& scene, const CallInfo& call,
       CallRecord& record) const;
 

@@ -23,16 +23,14 @@ constexpr milliseconds kWriteTimeout(50);
 
 }  // namespace
 
-absl::StatusOr<ListenAddress> ParseListenAddress(absl::string_view text) {
-  ListenAddress address;
+absl::StatusOr<DeviceAddress> ParseDeviceAddress(absl::string_view text) {
   absl::string_view rest = text;
-  if (rest == "pty") return address;
+  if (rest == "pty") return PtyAddress{};
   if (absl::ConsumePrefix(&rest, "pty:") && !rest.empty()) {
-    address.symlink = std::string(rest);
-    return address;
+    return PtyAddress{.symlink = std::string(rest)};
   }
   if (absl::ConsumePrefix(&rest, "tcp:")) {
-    address.pty = false;
+    base::ListenAddress address{.host = "127.0.0.1"};
     const size_t colon = rest.rfind(':');
     if (colon != absl::string_view::npos) {
       address.host = std::string(rest.substr(0, colon));
@@ -94,18 +92,19 @@ ActiveFaults EmulatorServer::Faults(base::MonotonicTime now) const {
 
 absl::Status EmulatorServer::Plug() {
   std::string address;
-  if (listen_.pty) {
-    TL_ASSIGN_OR_RETURN(pty_, stream::Pty::Open(listen_.symlink));
+  if (const auto* pty = std::get_if<PtyAddress>(&listen_)) {
+    TL_ASSIGN_OR_RETURN(pty_, stream::Pty::Open(pty->symlink));
     address = pty_->path();
     device_.Connect(clock_.Now());
   } else {
-    TL_ASSIGN_OR_RETURN(
-        listener_, stream::TcpListener::Listen(listen_.port, listen_.host));
+    auto& tcp = std::get<base::ListenAddress>(listen_);
+    TL_ASSIGN_OR_RETURN(listener_,
+                        stream::TcpListener::Listen(tcp.port, tcp.host));
     // The same again after it was replugged.
-    listen_.port = listener_->port();
-    const bool everywhere = listen_.host == "0.0.0.0" || listen_.host == "::";
-    address = absl::StrCat("tcp:", everywhere ? "127.0.0.1" : listen_.host, ":",
-                           listen_.port);
+    tcp.port = listener_->port();
+    const bool everywhere = tcp.host == "0.0.0.0" || tcp.host == "::";
+    address = absl::StrCat("tcp:", everywhere ? "127.0.0.1" : tcp.host, ":",
+                           tcp.port);
   }
   const absl::MutexLock lock(&mutex_);
   address_ = address;

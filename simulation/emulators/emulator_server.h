@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <variant>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -14,6 +15,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/synchronization/mutex.h"
 #include "common/base/clock.h"
+#include "common/base/listen_address.h"
 #include "nav_agent/drivers/stream/byte_stream.h"
 #include "nav_agent/drivers/stream/pty.h"
 #include "nav_agent/drivers/stream/tcp_stream.h"
@@ -23,19 +25,18 @@
 
 namespace treeline::emulators {
 
-// Where drivers find a device.
-struct ListenAddress {
-  bool pty = true;
-  std::string symlink;             // of a pseudo terminal; or empty
-  std::string host = "127.0.0.1";  // TCP: which of this machine's addresses
-  int port = 0;                    // TCP; 0: any that is free
+// A pseudo terminal; `symlink`, unless empty, leads to it.
+struct PtyAddress {
+  std::string symlink = {};
 };
-// "pty", "pty:/tmp/ttyLaser", "tcp:10940" or "tcp:0.0.0.0:10940".
-// INVALID_ARGUMENT says what is wrong.
-absl::StatusOr<ListenAddress> ParseListenAddress(absl::string_view text);
+// Where drivers find a device. TCP: port 0 is any that is free.
+using DeviceAddress = std::variant<PtyAddress, base::ListenAddress>;
+// "pty", "pty:/tmp/ttyLaser", "tcp:10940" (of 127.0.0.1) or
+// "tcp:0.0.0.0:10940". INVALID_ARGUMENT says what is wrong.
+absl::StatusOr<DeviceAddress> ParseDeviceAddress(absl::string_view text);
 
 struct EmulatorServerOptions {
-  ListenAddress listen;
+  DeviceAddress listen = PtyAddress{};
   DeviceFaultPlan faults;
   uint64_t seed = 1;
 };
@@ -86,7 +87,7 @@ class EmulatorServer {
   ActiveFaults Faults(base::MonotonicTime now) const;
 
   // Of the thread alone, once it runs.
-  ListenAddress listen_;
+  DeviceAddress listen_;
   EmulatedDevice& device_;
   const base::Clock& clock_;
   ByteFaults byte_faults_;

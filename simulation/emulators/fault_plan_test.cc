@@ -86,14 +86,21 @@ TEST(ByteFaultsTest, SplitsAndMergesWithoutLoss) {
       "abc");
 }
 
-TEST(ListenAddressTest, UnderstandsWhatItSays) {
-  EXPECT_TRUE(ParseListenAddress("pty")->pty);
-  EXPECT_EQ(ParseListenAddress("pty:/tmp/ttyLaser")->symlink, "/tmp/ttyLaser");
-  EXPECT_EQ(ParseListenAddress("tcp:10940")->port, 10940);
-  EXPECT_EQ(ParseListenAddress("tcp:0.0.0.0:10940")->host, "0.0.0.0");
+TEST(DeviceAddressTest, UnderstandsWhatItSays) {
+  const auto symlink = [](const char* text) {
+    return std::get<PtyAddress>(ParseDeviceAddress(text).value()).symlink;
+  };
+  EXPECT_EQ(symlink("pty"), "");
+  EXPECT_EQ(symlink("pty:/tmp/ttyLaser"), "/tmp/ttyLaser");
+  const auto tcp = [](const char* text) {
+    return std::get<base::ListenAddress>(ParseDeviceAddress(text).value())
+        .ToString();
+  };
+  EXPECT_EQ(tcp("tcp:10940"), "127.0.0.1:10940");
+  EXPECT_EQ(tcp("tcp:0.0.0.0:10940"), "0.0.0.0:10940");
   for (const char* text :
        {"", "pty:", "tcp:", "tcp:x", "tcp::1", "tcp:65536", "udp:1", "10940"}) {
-    EXPECT_TRUE(absl::IsInvalidArgument(ParseListenAddress(text).status()))
+    EXPECT_TRUE(absl::IsInvalidArgument(ParseDeviceAddress(text).status()))
         << text;
   }
 }

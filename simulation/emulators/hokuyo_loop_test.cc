@@ -57,7 +57,7 @@ class Loop {
   void StartSensor(const std::vector<std::string>& faults = {}) {
     emulator_ =
         std::make_unique<HokuyoEmulator>(sensor_options_, room_, clock_.Now());
-    auto listen = ParseListenAddress(listen_);
+    auto listen = ParseDeviceAddress(listen_);
     ASSERT_TRUE(listen.ok()) << listen.status();
     auto server = EmulatorServer::Start(
         {.listen = *listen, .faults = Plan(faults), .seed = 3}, *emulator_,
@@ -65,7 +65,9 @@ class Loop {
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
     // The same port again, should it be started anew.
-    if (!listen->pty) listen_ = "tcp:" + server_->address().substr(14);
+    if (std::holds_alternative<base::ListenAddress>(*listen)) {
+      listen_ = "tcp:" + server_->address().substr(14);
+    }
   }
   void StopSensor() { server_.reset(); }
   void ReplaceSensor(const HokuyoEmulatorOptions& sensor) {

@@ -27,7 +27,7 @@ class PluggableBase {
   PluggableBase(const std::string& link, const base::Clock& clock)
       : device_({}, plant_, clock.Now()) {
     EmulatorServerOptions options;
-    options.listen.symlink = link;
+    options.listen = PtyAddress{.symlink = link};
     auto server = EmulatorServer::Start(options, device_, clock);
     EXPECT_TRUE(server.ok()) << server.status();
     if (server.ok()) server_ = *std::move(server);

@@ -41,10 +41,10 @@ class DrivenRobot {
     base_device_ =
         std::make_unique<SegwayDevice>(SegwayEmulatorOptions(), *robot_, start);
     laser_server_ = *EmulatorServer::Start(
-        {.listen = *ParseListenAddress("tcp:0"), .faults = {}, .seed = 1},
+        {.listen = *ParseDeviceAddress("tcp:0"), .faults = {}, .seed = 1},
         *laser_device_, clock_);
     base_server_ = *EmulatorServer::Start(
-        {.listen = *ParseListenAddress("pty"), .faults = {}, .seed = 1},
+        {.listen = *ParseDeviceAddress("pty"), .faults = {}, .seed = 1},
         *base_device_, clock_);
     laser_ = *hokuyo::HokuyoLaser::Start(
         {}, *stream::ParseStreamAddress(laser_server_->address(), 115200),

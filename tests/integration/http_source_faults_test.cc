@@ -299,8 +299,8 @@ TEST_F(HttpSourceFullDisk, WhatWasFetchedServesAndNothingIsHalfWritten) {
   Serve(Model(1000000));
   const auto first = Fetch();
   ASSERT_TRUE(first.ok()) << first.status();
-  const auto mapped = base::MappedFile::Open(*first);
   const std::string first_model = model_;
+  const auto kept = source_->Keep(RefOf(first_model));
 
   // Fits when it begins; then another program fills the disk.
   absl::Notification filled;

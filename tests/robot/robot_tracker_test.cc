@@ -134,8 +134,7 @@ TEST(RobotTracker, FollowsATourOnSlopesWithinATenthOfAMetre) {
   EXPECT_GT(robot.tracker().Candidates(3).at(0).share, 0.9);
 }
 
-TEST(RobotTracker,
-     GoesOverARampToAnotherLevelWithoutAFalseAlarm) {
+TEST(RobotTracker, GoesOverARampToAnotherLevelWithoutAFalseAlarm) {
   const Place place = MakePlace("two-storey");
   Tracked robot("two-storey", place, 1002);
   // On the last metres of the ramp to the upper floor.
@@ -203,8 +202,7 @@ TEST(RobotTracker, DeclaresAKidnapWithinThreeSeconds) {
   EXPECT_LT(robot.tracker().verdict().probability, 0.1);
 }
 
-TEST(RobotTracker,
-     KnowsWhereItWasAndDropsWhatIsOlderThanItWasTold) {
+TEST(RobotTracker, KnowsWhereItWasAndDropsWhatIsOlderThanItWasTold) {
   Tracked robot("lab", TheLab(), 1004);
   EXPECT_FALSE(robot.tracker().Pose().has_value());
   robot.Step();

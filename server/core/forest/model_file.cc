@@ -10,6 +10,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/file.h"
+#include "common/base/input_file.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/model_info_json.h"
 
@@ -21,13 +23,16 @@ static_assert(std::endian::native == std::endian::little,
 
 constexpr char kMagic[8] = {'T', 'R', 'E', 'E', 'L', 'I', 'N', 'E'};
 constexpr uint64_t kAlignment = 64;
+// Read and hashed at a time: what was read is still in the processor's cache
+// when it is hashed.
+constexpr uint64_t kReadStep_bytes = 256u << 10;
 
 struct Header {
   char magic[8];
   uint32_t version;
   uint32_t sections;
   uint64_t file_bytes;
-  uint64_t checksum;  // see Checksum
+  uint64_t checksum;  // see ChecksumSeed
   uint8_t reserved[32];
 };
 static_assert(sizeof(Header) == 64);
@@ -67,41 +72,61 @@ absl::string_view Bytes(std::span<const T> values) {
   return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
 }
 
-// XXH3-64 of all bytes behind the header, seeded with the XXH3-64 of the header
-// in which the checksum is zero: covers every byte of the file.
-uint64_t Checksum(Header header, absl::string_view behind_header) {
+// The checksum is the XXH3-64 of all bytes behind the header with this seed,
+// the XXH3-64 of the header in which the checksum is zero: so it covers every
+// byte of the file.
+uint64_t ChecksumSeed(Header header) {
   header.checksum = 0;
-  return XXH3_64bits_withSeed(behind_header.data(), behind_header.size(),
-                              XXH3_64bits(&header, sizeof(header)));
+  return XXH3_64bits(&header, sizeof(header));
 }
 
 absl::Status Corrupt(absl::string_view what) {
   return absl::DataLossError(absl::StrCat("corrupt model: ", what));
 }
 
-// The sections of a mapped file.
+// Null if there is none.
+const Section* FindSection(std::span<const Section> sections, uint32_t kind,
+                           uint32_t forest) {
+  const auto found =
+      std::ranges::find_if(sections, [&](const Section& section) {
+        return section.kind == kind && section.forest == forest;
+      });
+  return found == sections.end() ? nullptr : &*found;
+}
+
+// That it lies in a file of that length, where values can be aligned.
+absl::Status CheckPlace(const Section& section, uint64_t file_bytes) {
+  if (section.offset % kAlignment == 0 && section.offset <= file_bytes &&
+      section.bytes <= file_bytes - section.offset) {
+    return absl::OkStatus();
+  }
+  return Corrupt(
+      absl::StrCat("section ", section.kind, " lies outside the file"));
+}
+
+// The sections of a file in memory.
 class SectionReader {
  public:
-  SectionReader(const base::MappedFile& file, std::span<const Section> sections)
+  SectionReader(std::span<const uint8_t> file,
+                std::span<const Section> sections)
       : file_(file), sections_(sections) {}
 
   bool Has(uint32_t kind, uint32_t forest) const {
-    return Find(kind, forest) != nullptr;
+    return FindSection(sections_, kind, forest) != nullptr;
   }
 
   // The section's bytes as values of type T. Offsets are aligned to 64 bytes
-  // and the mapping to a page, so the values are aligned too.
+  // and the memory to a page, so the values are aligned too.
   template <typename T>
   absl::Status Read(uint32_t kind, uint32_t forest,
                     std::span<const T>& out) const {
-    const Section* section = Find(kind, forest);
+    const Section* section = FindSection(sections_, kind, forest);
     if (section == nullptr) {
       return Corrupt(absl::StrCat("section ", kind, " is missing"));
     }
-    if (section->offset % kAlignment != 0 || section->offset > file_.size() ||
-        section->bytes > file_.size() - section->offset ||
-        section->bytes % sizeof(T) != 0) {
-      return Corrupt(absl::StrCat("section ", kind, " lies outside the file"));
+    TL_RETURN_IF_ERROR(CheckPlace(*section, file_.size()));
+    if (section->bytes % sizeof(T) != 0) {
+      return Corrupt(absl::StrCat("section ", kind, " has an odd length"));
     }
     out = {reinterpret_cast<const T*>(file_.data() + section->offset),
            section->bytes / sizeof(T)};
@@ -109,14 +134,7 @@ class SectionReader {
   }
 
  private:
-  const Section* Find(uint32_t kind, uint32_t forest) const {
-    for (const Section& section : sections_) {
-      if (section.kind == kind && section.forest == forest) return &section;
-    }
-    return nullptr;
-  }
-
-  const base::MappedFile& file_;
+  const std::span<const uint8_t> file_;
   const std::span<const Section> sections_;
 };
 
@@ -140,13 +158,19 @@ absl::Status ReadForest(const SectionReader& reader, uint32_t f,
   return forest.Validate();
 }
 
+template <typename T>
+std::span<uint8_t> WritableBytes(std::span<T> values) {
+  return {reinterpret_cast<uint8_t*>(values.data()), values.size_bytes()};
+}
+
 // Magic, version, length, and that the section table lies inside the file.
-absl::StatusOr<Header> ReadHeader(const base::MappedFile& file) {
+absl::StatusOr<Header> ReadHeader(const base::InputFile& file) {
   Header header;
   if (file.size() < sizeof(header)) {
     return Corrupt("shorter than a header; was it copied whole?");
   }
-  std::memcpy(&header, file.data(), sizeof(header));
+  TL_RETURN_IF_ERROR(
+      file.ReadAt(0, WritableBytes(std::span<Header>(&header, 1))));
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) {
     return absl::DataLossError("not a Treeline model file");
   }
@@ -168,10 +192,30 @@ absl::StatusOr<Header> ReadHeader(const base::MappedFile& file) {
   return header;
 }
 
-std::span<const Section> SectionTable(const base::MappedFile& file,
-                                      const Header& header) {
-  return {reinterpret_cast<const Section*>(file.data() + sizeof(header)),
-          header.sections};
+// All bytes of the file behind `header`, which was read from it, at their
+// places; their checksum is that of the header.
+absl::StatusOr<ModelMemory> ReadVerified(const base::InputFile& file,
+                                         const Header& header) {
+  TL_ASSIGN_OR_RETURN(ModelMemory memory, ModelMemory::Allocate(file.size()));
+  const std::span<uint8_t> bytes = memory.writable();
+  std::memcpy(bytes.data(), &header, sizeof(header));
+  file.Prefetch();
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> hash(
+      XXH3_createState(), &XXH3_freeState);
+  if (hash == nullptr) return absl::ResourceExhaustedError("no memory");
+  XXH3_64bits_reset_withSeed(hash.get(), ChecksumSeed(header));
+  for (uint64_t at = sizeof(header); at < bytes.size();) {
+    const std::span<uint8_t> step =
+        bytes.subspan(at, std::min(kReadStep_bytes, bytes.size() - at));
+    TL_RETURN_IF_ERROR(file.ReadAt(at, step));
+    XXH3_64bits_update(hash.get(), step.data(), step.size());
+    at += step.size();
+  }
+  if (XXH3_64bits_digest(hash.get()) != header.checksum) {
+    return Corrupt("checksum mismatch");
+  }
+  memory.Seal();
+  return memory;
 }
 
 geometry::Vec3 Least(geometry::Vec3 a, geometry::Vec3 b) {
@@ -235,30 +279,30 @@ absl::Status WriteModel(const std::string& path, const ModelInfo& info,
   header.sections = static_cast<uint32_t>(table.size());
   header.file_bytes = end;
   header.checksum =
-      Checksum(header, absl::string_view(file).substr(sizeof(Header)));
+      XXH3_64bits_withSeed(file.data() + sizeof(header),
+                           file.size() - sizeof(header), ChecksumSeed(header));
   std::memcpy(file.data(), &header, sizeof(header));
   return base::WriteFileAtomically(path, file);
 }
 
 absl::StatusOr<std::unique_ptr<const ModelFile>> ModelFile::Open(
     const std::string& path) {
+  TL_ASSIGN_OR_RETURN(const base::InputFile file, base::InputFile::Open(path));
   std::unique_ptr<ModelFile> model(new ModelFile);
-  TL_ASSIGN_OR_RETURN(model->file_, base::MappedFile::Open(path));
-  if (absl::Status status = model->Parse(); !status.ok()) {
+  if (absl::Status status = model->Read(file); !status.ok()) {
     return base::Annotate(status, path);
   }
   return std::unique_ptr<const ModelFile>(std::move(model));
 }
 
-absl::Status ModelFile::Parse() {
-  TL_ASSIGN_OR_RETURN(const Header header, ReadHeader(file_));
-  file_.Prefetch();  // while the checksum goes through it
-  const uint64_t checksum = Checksum(
-      header, {reinterpret_cast<const char*>(file_.data()) + sizeof(header),
-               file_.size() - sizeof(header)});
-  if (checksum != header.checksum) return Corrupt("checksum mismatch");
-  const std::span<const Section> sections = SectionTable(file_, header);
-  const SectionReader reader(file_, sections);
+absl::Status ModelFile::Read(const base::InputFile& file) {
+  TL_ASSIGN_OR_RETURN(const Header header, ReadHeader(file));
+  TL_ASSIGN_OR_RETURN(memory_, ReadVerified(file, header));
+  const std::span<const uint8_t> bytes = memory_.bytes();
+  const std::span<const Section> sections = {
+      reinterpret_cast<const Section*>(bytes.data() + sizeof(header)),
+      header.sections};
+  const SectionReader reader(bytes, sections);
   std::span<const char> info_json;
   TL_RETURN_IF_ERROR(reader.Read(kInfo, 0, info_json));
   TL_ASSIGN_OR_RETURN(info_,
@@ -284,8 +328,8 @@ absl::Status ModelFile::Parse() {
     info_.nodes += static_cast<int64_t>(forest.nodes.size());
     info_.leaves += static_cast<int64_t>(forest.payloads.size());
   }
-  info_.file_bytes = file_.size();
-  info_.checksum = absl::StrFormat("%016x", checksum);
+  info_.file_bytes = bytes.size();
+  info_.checksum = absl::StrFormat("%016x", header.checksum);
   return absl::OkStatus();
 }
 
@@ -297,19 +341,24 @@ std::span<const char> ModelFile::ExtraBytes(ModelExtra kind) const {
 absl::StatusOr<std::string> ReadModelExtra(const std::string& path,
                                            ModelExtra kind,
                                            uint64_t max_bytes) {
-  TL_ASSIGN_OR_RETURN(const base::MappedFile file,
-                      base::MappedFile::Open(path));
+  TL_ASSIGN_OR_RETURN(const base::InputFile file, base::InputFile::Open(path));
   const auto read = [&]() -> absl::StatusOr<std::string> {
     TL_ASSIGN_OR_RETURN(const Header header, ReadHeader(file));
-    const SectionReader reader(file, SectionTable(file, header));
-    if (!reader.Has(static_cast<uint32_t>(kind), 0)) {
+    std::vector<Section> sections(header.sections);
+    TL_RETURN_IF_ERROR(
+        file.ReadAt(sizeof(header), WritableBytes(std::span(sections))));
+    const Section* section =
+        FindSection(sections, static_cast<uint32_t>(kind), 0);
+    if (section == nullptr) {
       return absl::NotFoundError(absl::StrCat("the model has no section ",
                                               static_cast<uint32_t>(kind)));
     }
-    std::span<const char> bytes;
-    TL_RETURN_IF_ERROR(reader.Read(static_cast<uint32_t>(kind), 0, bytes));
-    if (bytes.size() > max_bytes) return Corrupt("a section is too long");
-    return std::string(bytes.data(), bytes.size());
+    TL_RETURN_IF_ERROR(CheckPlace(*section, file.size()));
+    if (section->bytes > max_bytes) return Corrupt("a section is too long");
+    std::string bytes(section->bytes, '\0');
+    TL_RETURN_IF_ERROR(
+        file.ReadAt(section->offset, WritableBytes(std::span<char>(bytes))));
+    return bytes;
   };
   absl::StatusOr<std::string> bytes = read();
   if (!bytes.ok()) return base::Annotate(bytes.status(), path);

@@ -11,9 +11,13 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "common/base/file.h"
 #include "server/core/forest/forest.h"
 #include "server/core/forest/model_info.h"
+#include "server/core/forest/model_memory.h"
+
+namespace treeline::base {
+class InputFile;
+}  // namespace treeline::base
 
 namespace treeline::forest {
 
@@ -40,19 +44,22 @@ absl::Status WriteModel(const std::string& path, const ModelInfo& info,
                         const std::vector<ForestView>& forests,
                         std::span<const ModelExtraBytes> extras = {});
 
-// A model file mapped into memory, verified: magic, version, lengths, checksum
-// over all bytes, and ForestView::Validate. Immutable and thread-safe.
+// A model file read into memory of its own and verified there: magic, version,
+// lengths, checksum over all bytes, and ForestView::Validate. What happens to
+// the file afterwards does not matter to it. Immutable and thread-safe.
 class ModelFile {
  public:
   // NOT_FOUND, PERMISSION_DENIED; DATA_LOSS with the reason for a file that is
-  // truncated, corrupt or no model; UNIMPLEMENTED for a newer version. Safe on
-  // hostile files.
+  // truncated, corrupt or no model; UNIMPLEMENTED for a newer version;
+  // RESOURCE_EXHAUSTED without memory for it; UNAVAILABLE if it cannot be read.
+  // Safe on hostile files, and on files that somebody writes to or truncates
+  // meanwhile.
   static absl::StatusOr<std::unique_ptr<const ModelFile>> Open(
       const std::string& path);
 
   const ModelInfo& info() const { return info_; }
-  // Points into the mapping: valid while this object lives. All methods have
-  // forest 0; points-lines has its line points in forest 1.
+  // Points into this object: valid while it lives. All methods have forest 0;
+  // points-lines has its line points in forest 1.
   const ForestView& forest(size_t i = 0) const { return forests_[i]; }
   size_t forests() const { return forests_.size(); }
 
@@ -71,10 +78,10 @@ class ModelFile {
 
  private:
   ModelFile() = default;
-  absl::Status Parse();
+  absl::Status Read(const base::InputFile& file);
   std::span<const char> ExtraBytes(ModelExtra kind) const;
 
-  base::MappedFile file_;
+  ModelMemory memory_;
   ModelInfo info_;
   std::vector<ForestView> forests_;
   std::map<uint32_t, std::span<const char>> extras_;

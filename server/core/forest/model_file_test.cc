@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/base/file.h"
 #include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -115,6 +116,45 @@ TEST_F(ModelFileTest, EveryTruncationIsDataLoss) {
         << length;
   }
   EXPECT_EQ(OpenBytes(good + "x").code(), absl::StatusCode::kDataLoss);
+}
+
+// The file is only read: what others write to it afterwards changes nothing.
+// (A mapping would show other bytes, or end the process with SIGBUS.)
+TEST_F(ModelFileTest, AnOpenModelOutlivesWhatHappensToItsFile) {
+  const std::string good = Written();
+  const auto model = ModelFile::Open(path_);
+  ASSERT_TRUE(model.ok()) << model.status();
+  const auto expect_unchanged = [&](const char* after) {
+    const ForestView& forest = (*model)->forest();
+    EXPECT_TRUE(forest.Validate().ok()) << after;
+    EXPECT_EQ(std::memcmp(forest.nodes.data(), forest_.nodes.data(),
+                          forest.nodes.size_bytes()),
+              0)
+        << after;
+    EXPECT_EQ(forest.payloads[2].covariance[5], 9) << after;
+  };
+  std::ofstream(path_, std::ios::binary) << std::string(good.size(), 'x');
+  expect_unchanged("written over");
+  std::filesystem::resize_file(path_, 0);
+  expect_unchanged("truncated");
+  std::filesystem::remove(path_);
+  expect_unchanged("deleted");
+}
+
+TEST_F(ModelFileTest, ReadsOneSectionAlone) {
+  ASSERT_TRUE(WriteModel(path_, info_, {forest_.View()},
+                         std::vector<ModelExtraBytes>{
+                             {ModelExtra::kSceneDescriptor, "descriptor"}})
+                  .ok());
+  const auto read = [&](ModelExtra kind, uint64_t max_bytes) {
+    return ReadModelExtra(path_, kind, max_bytes);
+  };
+  EXPECT_EQ(read(ModelExtra::kSceneDescriptor, 10).value(), "descriptor");
+  EXPECT_TRUE(absl::IsDataLoss(read(ModelExtra::kSceneDescriptor, 9).status()));
+  EXPECT_TRUE(absl::IsNotFound(read(ModelExtra::kKeyframes, 10).status()));
+  std::filesystem::resize_file(path_, 100);
+  EXPECT_TRUE(
+      absl::IsDataLoss(read(ModelExtra::kSceneDescriptor, 10).status()));
 }
 
 TEST_F(ModelFileTest, NamesTheFileAndTheReason) {

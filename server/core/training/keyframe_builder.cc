@@ -65,7 +65,7 @@ std::vector<SelectedFrame> SelectFrames(
 // The normal of the surface at (x, y), towards the camera; nullopt where depth
 // is missing or jumps.
 std::optional<geometry::Vec3> NormalAt(
-    const image::DepthRegistration& registration,
+    const image::DepthRegistrar& registration,
     const std::vector<geometry::Vec3>& points, int x, int y) {
   const auto at = [&](int dx, int dy) {
     return registration.PointAt(
@@ -89,7 +89,7 @@ std::optional<geometry::Vec3> NormalAt(
 
 std::vector<keyframes::KeyframePoint> SelectPoints(
     const image::Frame& frame, const geometry::Rigid3& world_from_color,
-    const image::DepthRegistration& registration, int count) {
+    const image::DepthRegistrar& registration, int count) {
   features::GrayPyramid pyramid;
   pyramid.Assign(features::PlanarImage(frame.color));
   const features::GrayPyramid::Level& gray = pyramid.level(1);
@@ -156,7 +156,7 @@ std::vector<keyframes::KeyframePoint> SelectPoints(
 // The SIFT features that stand where depth was measured.
 absl::StatusOr<std::vector<keyframes::KeyframeFeature>> SelectFeatures(
     const image::Frame& frame, const geometry::Rigid3& world_from_color,
-    const image::DepthRegistration& registration, int count) {
+    const image::DepthRegistrar& registration, int count) {
   std::vector<keyframes::KeyframeFeature> features;
   if (count == 0) return features;
   // Some stand where no depth is.
@@ -189,7 +189,7 @@ struct SelectedParts {
 
 absl::Status Select(const dataset::Dataset& dataset,
                     const SelectedFrame& selected,
-                    const image::DepthRegistration& registration,
+                    const image::DepthRegistrar& registration,
                     const KeyframeOptions& options, SelectedParts& parts) {
   TL_ASSIGN_OR_RETURN(const image::Frame frame, dataset.Load(selected.frame));
   parts.points = SelectPoints(frame, selected.world_from_color, registration,
@@ -207,7 +207,7 @@ absl::StatusOr<keyframes::Keyframes> BuildKeyframes(
     const KeyframeOptions& options, bool quiet, const std::stop_token& stop) {
   const std::vector<SelectedFrame> selected =
       SelectFrames(dataset, calibration, options);
-  const image::DepthRegistration registration(calibration);
+  const image::DepthRegistrar registration(calibration);
   std::vector<SelectedParts> parts(selected.size());
   {
     base::Progress progress("keyframes", static_cast<int64_t>(selected.size()),

@@ -95,7 +95,7 @@ absl::Status Serve(const BaseFlags& flags, const std::stop_token& stop) {
   emulators::EmulatorServerOptions options = {
       .listen = {}, .faults = {}, .seed = flags.seed};
   TL_ASSIGN_OR_RETURN(options.listen,
-                      emulators::ParseListenAddress(flags.listen));
+                      emulators::ParseDeviceAddress(flags.listen));
   for (const std::string& fault : flags.faults) {
     TL_RETURN_IF_ERROR(options.faults.Add(fault));
   }

@@ -57,7 +57,7 @@ absl::StatusOr<emulators::EmulatorServerOptions> ServerOf(
     uint64_t seed) {
   emulators::EmulatorServerOptions options = {
       .listen = {}, .faults = {}, .seed = seed};
-  TL_ASSIGN_OR_RETURN(options.listen, emulators::ParseListenAddress(listen));
+  TL_ASSIGN_OR_RETURN(options.listen, emulators::ParseDeviceAddress(listen));
   for (const std::string& fault : faults) {
     TL_RETURN_IF_ERROR(options.faults.Add(fault));
   }
