@@ -3,13 +3,13 @@
 #ifndef SERVER_SERVICE_CONVERT_H_
 #define SERVER_SERVICE_CONVERT_H_
 
+#include "common/wire/camera.h"
+#include "common/wire/geometry.h"
 #include "server/core/forest/model_info.h"
 #include "server/core/localizer/localizer.h"
 #include "server/core/recognition/localize_among.h"
 #include "server/repository/scene.h"
 #include "server/service/call_observer.h"
-#include "common/wire/camera.h"
-#include "common/wire/geometry.h"
 #include "treeline/v1/relocalization.pb.h"
 #include "treeline/v1/scenes.pb.h"
 

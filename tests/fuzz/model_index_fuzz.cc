@@ -17,7 +17,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (!treeline::repository::IsValidName(model.scene) ||
         !treeline::repository::IsValidName(model.version) ||
         !treeline::repository::IsSha256(model.sha256) || model.bytes == 0 ||
-        model.bytes > treeline::repository::kMaxModelBytes || model.url.empty()) {
+        model.bytes > treeline::repository::kMaxModelBytes ||
+        model.url.empty()) {
       std::abort();
     }
   }
