@@ -30,8 +30,9 @@
 #include "server/core/forest/backtracking.h"
 #include "server/core/forest/model_file.h"
 #include "server/core/localizer/localizer.h"
+#include "server/core/pose/point_refinement.h"
+#include "server/core/pose/point_solver.h"
 #include "server/core/pose/preemptive_ransac.h"
-#include "server/core/pose/rigid_refinement.h"
 
 namespace treeline::benchmarks {
 namespace {
@@ -307,7 +308,7 @@ BENCHMARK(BM_PredictLeaves)
 
 // A room of 4 m, seen in 500 points of which `inlier_percent` per cent have one
 // good prediction (2 cm of noise) among five, and the others none.
-pose::ScenePredictions MakePredictions(int inlier_percent) {
+pose::PointPredictions MakePredictions(int inlier_percent) {
   base::Random random(1, 1);
   const geometry::Rigid3 world_from_camera{
       geometry::Rotation3::FromAxisAngle({0.3, 0.4, -0.2}), {1, 0.5, -0.3}};
@@ -315,8 +316,8 @@ pose::ScenePredictions MakePredictions(int inlier_percent) {
     return geometry::Vec3{random.NextUniform(-2, 2), random.NextUniform(-2, 2),
                           random.NextUniform(0.5, 4)};
   };
-  pose::ScenePredictions scene;
-  scene.per_point = 5;
+  pose::PointPredictions scene;
+  scene.per_sample = 5;
   for (int i = 0; i < localizer::QueryOptions().samples; ++i) {
     const geometry::Vec3 in_camera = anywhere();
     scene.point_in_camera.push_back(in_camera);
@@ -324,8 +325,8 @@ pose::ScenePredictions MakePredictions(int inlier_percent) {
     const bool inlier =
         random.NextBelow(100) < static_cast<uint32_t>(inlier_percent);
     const int good =
-        inlier ? static_cast<int>(random.NextBelow(5)) : scene.per_point;
-    for (int k = 0; k < scene.per_point; ++k) {
+        inlier ? static_cast<int>(random.NextBelow(5)) : scene.per_sample;
+    for (int k = 0; k < scene.per_sample; ++k) {
       const geometry::Vec3 noise{0.02 * random.NextGaussian(),
                                  0.02 * random.NextGaussian(),
                                  0.02 * random.NextGaussian()};
@@ -338,12 +339,13 @@ pose::ScenePredictions MakePredictions(int inlier_percent) {
 }
 
 void BM_PreemptiveRansac(benchmark::State& state) {
-  const pose::ScenePredictions scene =
+  const pose::PointPredictions scene =
       MakePredictions(static_cast<int>(state.range(0)));
   pose::RansacOptions options;
   options.hypotheses = localizer::QueryOptions().hypotheses;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(pose::PreemptiveRansac(scene, options, {}));
+    benchmark::DoNotOptimize(
+        pose::PreemptiveRansac(pose::PointSolver(scene, {}), options, {}));
     ++options.seed;
   }
 }
@@ -353,19 +355,19 @@ BENCHMARK(BM_PreemptiveRansac)
     ->Arg(60)
     ->Unit(benchmark::kMicrosecond);
 
-void BM_RefineRigid(benchmark::State& state) {
-  const pose::ScenePredictions scene =
+void BM_RefinePoints(benchmark::State& state) {
+  const pose::PointPredictions scene =
       MakePredictions(static_cast<int>(state.range(0)));
   pose::RansacOptions options;
   options.hypotheses = localizer::QueryOptions().hypotheses;
-  const auto start = pose::PreemptiveRansac(scene, options, {});
+  const auto start =
+      pose::PreemptiveRansac(pose::PointSolver(scene, {}), options, {});
   if (!start) return state.SkipWithError("no hypothesis");
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        pose::RefineRigid(scene, start->world_from_camera, {}));
+    benchmark::DoNotOptimize(pose::RefinePoints(scene, *start, {}));
   }
 }
-BENCHMARK(BM_RefineRigid)
+BENCHMARK(BM_RefinePoints)
     ->ArgName("inlier_percent")
     ->Arg(60)
     ->Unit(benchmark::kMicrosecond);

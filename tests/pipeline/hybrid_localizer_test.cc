@@ -1,5 +1,3 @@
-#include "server/core/localizer/hybrid_localizer.h"
-
 #include <unistd.h>
 
 #include <filesystem>
@@ -7,6 +5,7 @@
 #include "common/base/parallel_for.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "server/core/localizer/localizer.h"
 #include "server/core/training/box_room_recording.h"
 #include "server/core/training/forest_trainer.h"
 #include "server/core/training/keyframe_builder.h"
@@ -153,7 +152,7 @@ TEST_F(HybridLocalizerTest, ExplainsItselfOnRequest) {
 }
 
 TEST_F(HybridLocalizerTest, DoesNotLocalizeNoise) {
-  base::Random random(1, 0);
+  Random random(1, 0);
   image::Frame noise = ColorAt(HeldOutPose(0));
   for (uint8_t& value : noise.color.rgb) {
     value = static_cast<uint8_t>(random.NextBelow(256));

@@ -1,5 +1,3 @@
-#include "server/core/localizer/rgbd_localizer.h"
-
 #include <unistd.h>
 
 #include <filesystem>
@@ -7,6 +5,7 @@
 #include "common/base/parallel_for.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "server/core/localizer/localizer.h"
 #include "server/core/training/box_room_recording.h"
 #include "server/core/training/forest_trainer.h"
 
@@ -38,7 +37,7 @@ class RgbdLocalizerTest : public testing::Test {
     info.method = "rgbd";
     info.calibration = Calibration();
     const absl::Status written =
-        forest::WriteModel(ModelPath(), info, {trained->forest.View()});
+        WriteModel(ModelPath(), info, {trained->forest.View()});
     ASSERT_TRUE(written.ok()) << written;
     localizer_ = localizer::OpenLocalizer(ModelPath())->release();
   }
@@ -172,7 +171,7 @@ TEST_F(RgbdLocalizerTest, ARequestsOwnCalibrationReplacesTheScenes) {
 }
 
 TEST_F(RgbdLocalizerTest, DoesNotLocalizeWhatItHasNotSeen) {
-  base::Random random(1, 0);
+  Random random(1, 0);
   image::Frame noise = training::RenderBoxRoom(Calibration(), HeldOutPose(0));
   for (uint8_t& value : noise.color.rgb) {
     value = static_cast<uint8_t>(random.NextBelow(256));

@@ -1,5 +1,3 @@
-#include "server/core/localizer/sift_localizer.h"
-
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,6 +17,7 @@
 #include "evaluation/accuracy/feature_pnp_baseline.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "server/core/localizer/localizer.h"
 #include "server/core/training/scene_trainer.h"
 #include "server/core/training/sift_trainer.h"
 

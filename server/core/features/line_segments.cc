@@ -8,33 +8,13 @@
 
 #include "opencv2/core.hpp"
 #include "opencv2/imgproc.hpp"
+#include "server/core/features/parameters.h"
 #include "server/core/features/pixel_difference.h"
 #include "server/core/features/walsh_hadamard.h"
 
 namespace treeline::features {
 namespace {
 
-constexpr double kLsdScale = 0.8;
-// LSD's regions need a few pixels; OpenCV's fails on less.
-constexpr int kMinSide_px = 8;
-
-// Depth is looked up in a window of this radius, ...
-constexpr int kDepthRadius_px = 2;
-// ... and of what is measured there, what lies within this share behind the
-// nearest belongs to its surface.
-constexpr double kSurfaceDepth = 0.03;
-constexpr double kFirstGuess_m = 2;
-constexpr int kLookups = 5;
-// A depth pixel is the right one if its point is seen this close (px).
-constexpr double kMaxMiss_px = 2;
-constexpr double kMinDepth_m = 0.2;
-constexpr double kMaxDepth_m = 10;
-
-// Pairs of points that a line is tried through.
-constexpr int kLineHypotheses = 24;
-// Points lie on a line within so many standard deviations of their depth.
-constexpr double kMaxDeviation = 3;
-constexpr int kLeastSquaresRounds = 2;
 constexpr uint64_t kLineStream = 0x6c696e6500000000;
 
 // A step along a segment: position, and depth seen from the colour camera.
@@ -70,7 +50,7 @@ double SurfaceDepth_m(const image::DepthImage& depth, int u, int v) {
   }
   if (count == 0) return 0;
   const double limit =
-      (1 + kSurfaceDepth) * *std::min_element(window, window + count);
+      (1 + kMaxSurfaceGap) * *std::min_element(window, window + count);
   const auto end = std::remove_if(window, window + count,
                                   [&](uint16_t d) { return d > limit; });
   const auto middle = window + (end - window) / 2;
@@ -100,7 +80,7 @@ class DepthLookup {
     int u = -1;
     int v = -1;
     double depth_m = 0;
-    for (int i = 0; i < kLookups; ++i) {
+    for (int i = 0; i < kDepthLookups; ++i) {
       const geometry::Vec3 in_depth =
           rotation_ * (z * step.ray) + depth_from_color_.translation;
       if (!(in_depth.z > 0)) return false;
@@ -121,7 +101,7 @@ class DepthLookup {
       z = lifted.point_in_color.z;
       const double miss = std::hypot(lifted.color_pixel.x - step.pixel.x,
                                      lifted.color_pixel.y - step.pixel.y);
-      if (i + 1 == kLookups && !(miss <= kMaxMiss_px)) return false;
+      if (i + 1 == kDepthLookups && !(miss <= kMaxDepthMiss_px)) return false;
     }
     guess_m = z;
     step.inverse_depth = 1 / z;
@@ -139,7 +119,7 @@ class DepthLookup {
 
 bool IsOn(const InverseDepthLine& line, const Step& step) {
   return std::abs(line.At(step.along_px) - step.inverse_depth) <=
-         kMaxDeviation * step.sigma;
+         kMaxLineDeviation * step.sigma;
 }
 
 // Weighted least squares on the steps that lie on `line`.
@@ -181,7 +161,7 @@ InverseDepthLine FitInverseDepth(const std::vector<Step>& steps,
       best = line;
     }
   }
-  for (int i = 0; i < kLeastSquaresRounds; ++i) best = Refit(steps, best);
+  for (int i = 0; i < kLineFitRounds; ++i) best = Refit(steps, best);
   return best;
 }
 
@@ -194,7 +174,7 @@ int Walk(const LineSegment& segment, const DepthLookup& lookup,
   const double length =
       std::hypot(segment.b.x - segment.a.x, segment.b.y - segment.a.y);
   const int intervals = std::max(1, static_cast<int>(length / step_px));
-  double guess_m = kFirstGuess_m;
+  double guess_m = kFirstDepth_m;
   int inside = 0;
   for (int i = 0; i <= intervals; ++i) {
     const double t = static_cast<double>(i) / intervals;
@@ -211,7 +191,7 @@ int Walk(const LineSegment& segment, const DepthLookup& lookup,
     if (lookup.Find(step, guess_m)) {
       steps.push_back(step);
     } else {
-      guess_m = kFirstGuess_m;
+      guess_m = kFirstDepth_m;
     }
   }
   return inside;
@@ -251,7 +231,7 @@ std::vector<LineSegment> DetectLineSegments(const GrayPyramid& pyramid,
                                             const LineOptions& options) {
   const GrayPyramid::Level& level = pyramid.level(options.level);
   std::vector<LineSegment> segments;
-  if (std::min(level.width, level.height) < kMinSide_px) return segments;
+  if (std::min(level.width, level.height) < kMinLsdSide_px) return segments;
   std::vector<cv::Vec4f> found;
   try {
     // OpenCV takes no constant data, but does not write to it.

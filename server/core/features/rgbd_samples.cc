@@ -3,18 +3,11 @@
 #include <cmath>
 #include <optional>
 
+#include "server/core/features/parameters.h"
 #include "server/core/features/pixel_difference.h"
 #include "server/core/features/walsh_hadamard.h"
 
 namespace treeline::features {
-namespace {
-
-constexpr double kMinDepth_m = 0.2;
-constexpr double kMaxDepth_m = 10;
-constexpr int kDrawsPerSample = 8;
-
-}  // namespace
-
 void RgbdSamples::clear() {
   x.clear();
   y.clear();
@@ -55,7 +48,7 @@ void DrawSamples(const DepthGeometry& geometry, const image::DepthImage& depth,
   const camera::Camera& color = geometry.calibration().color;
   const uint32_t pixels = static_cast<uint32_t>(depth.values.size());
   const double focal_px = camera::MeanFocal_px(color);
-  for (int draw = 0; draw < count * kDrawsPerSample &&
+  for (int draw = 0; draw < count * kMaxDrawsPerSample &&
                      samples.size() < static_cast<size_t>(count);
        ++draw) {
     const uint32_t i = random.NextBelow(pixels);

@@ -4,6 +4,7 @@
 
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
+#include "server/core/keyframes/parameters.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace treeline::keyframes::HWY_NAMESPACE {
@@ -13,9 +14,9 @@ using D = hn::CappedTag<float, kAlignmentBlock>;
 using V = hn::Vec<D>;
 using DI = hn::RebindToSigned<D>;
 
-constexpr float kNearest_m = 0.05f;
-// Surfaces seen at a grazing angle hide what lies behind: squared cosine.
-constexpr float kMinFacing2 = 0.15f * 0.15f;
+constexpr float kNearest_m = static_cast<float>(kMinPointDepth_m);
+// A squared cosine.
+constexpr float kMinFacing2 = kMinFacing * kMinFacing;
 
 struct V3 {
   V x, y, z;

@@ -10,6 +10,7 @@
 #include "Eigen/Core"
 #include "server/core/features/rgbd_samples.h"
 #include "server/core/keyframes/alignment_kernels.h"
+#include "server/core/keyframes/parameters.h"
 
 namespace treeline::keyframes {
 namespace {
@@ -17,22 +18,6 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr int kMinVisible = 60;
-constexpr double kNearest_m = 0.05;
-// Brightness (grey levels): least noise, and what agrees at the end.
-constexpr double kMinNoise = 3;
-constexpr double kMaxNoise = 25;
-constexpr float kAgreeing = 15;
-// Neighbouring points err alike, and depth and calibration err for all of them
-// together: the covariance is widened by this, so that it is of the size of
-// errors on frames held out of training.
-constexpr double kCorrelatedPoints = 64;
-// Distances to measured surfaces (m): noise beside the sensor's own, and what
-// is no longer the same surface.
-constexpr double kSurfaceNoise_m = 0.01;
-constexpr float kMaxSurfaceDistance_m = 0.15F;
-// Levels from this one down use measured surfaces, at a quarter of the points.
-constexpr int kSurfaceLevel = 1;
 // Scales of the robust fit of exposure (grey levels), one after the other;
 // where an earlier fit is at hand, only the last.
 constexpr std::array<float, 3> kExposureScales = {1e9F, 30, 15};
@@ -208,8 +193,8 @@ class Aligner {
     const auto middle =
         sizes_.begin() + static_cast<std::ptrdiff_t>(sizes_.size() / 2);
     std::nth_element(sizes_.begin(), middle, sizes_.end());
-    noise_ =
-        std::clamp(1.5 * static_cast<double>(*middle), kMinNoise, kMaxNoise);
+    noise_ = std::clamp<double>(1.5 * static_cast<double>(*middle),
+                                kMinBrightnessNoise, kMaxBrightnessNoise);
   }
 
   // One Gauss-Newton step. False: the pose is not determined.
@@ -257,7 +242,7 @@ class Aligner {
                 double& sigma_m) const {
     const camera::Camera& camera = calibration_.depth;
     const geometry::Vec3 q = depth_from_color_ * p;
-    if (!(q.z > kNearest_m)) return false;
+    if (!(q.z > kMinPointDepth_m)) return false;
     const camera::Pixel pixel = camera.Project(q);
     if (!(pixel.x > 0 && pixel.y > 0 && pixel.x < camera.width() - 1 &&
           pixel.y < camera.height() - 1)) {
@@ -336,7 +321,7 @@ class Aligner {
       for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
         if (seen_.seen[i] == 0) continue;
         const float residual = Residual(options_.last_level, run, i);
-        agreeing += std::abs(residual) <= kAgreeing;
+        agreeing += std::abs(residual) <= kAgreeingBrightness;
         // Against what the keyframe, exposed alike, would have shown.
         const double b = seen_.brightness[i];
         const double a = b - residual;
@@ -394,7 +379,7 @@ class Aligner {
   int total_points_ = 0;
   int visible_ = 0;
   Matrix6 information_ = Matrix6::Zero();
-  double noise_ = kMaxNoise;
+  double noise_ = kMaxBrightnessNoise;
   double step_norm_ = 0;
 };
 

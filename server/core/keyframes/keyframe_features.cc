@@ -9,25 +9,21 @@
 
 #include "common/base/status_macros.h"
 #include "server/core/features/sift_matching.h"
+#include "server/core/keyframes/parameters.h"
 
 namespace treeline::keyframes {
 namespace {
 
-// Sides at which images are halved (px).
-constexpr int kHalvedSide_px = 512;
 // Of a frame and of a keyframe, so many features are compared.
 struct Compared {
   size_t of_frame = 0;
   size_t of_keyframe = 0;
 };
-// At a glance, all keyframes; then the most alike of them.
-constexpr Compared kGlance = {.of_frame = 120, .of_keyframe = 150};
-constexpr size_t kShortlist = 32;
-constexpr Compared kCompared = {.of_frame = 300, .of_keyframe = 500};
-// Keyframes are alike from so many matches on.
-constexpr size_t kMinAlike = 6;
-// OpenCV's contrast threshold.
-constexpr double kContrast = 0.02;
+// All keyframes; then the most alike of them.
+constexpr Compared kCoarse = {.of_frame = kCoarseFrameFeatures,
+                              .of_keyframe = kCoarseKeyframeFeatures};
+constexpr Compared kFine = {.of_frame = kFrameFeatures,
+                            .of_keyframe = kMaxKeyframeFeatures};
 
 // Every pixel is the mean of 2 x 2.
 image::ColorImage HalfOf(const image::ColorImage& image) {
@@ -123,7 +119,7 @@ std::vector<size_t> MostPairs(const features::SiftFeatures& features,
 absl::StatusOr<features::SiftFeatures> ExtractKeyframeSift(
     const image::ColorImage& image, int max_features) {
   const features::SiftOptions options{.max_features = max_features,
-                                      .contrast = kContrast};
+                                      .contrast = kSiftContrast};
   if (std::max(image.width, image.height) < kHalvedSide_px) {
     return features::ExtractSift(image, options);
   }
@@ -161,8 +157,8 @@ std::vector<size_t> MostAlike(const features::SiftFeatures& features,
   std::iota(all.begin(), all.end(), size_t{0});
   return MostPairs(
       features, map,
-      MostPairs(features, map, all, kGlance, kShortlist, 1, max_ratio),
-      kCompared, count, kMinAlike, max_ratio);
+      MostPairs(features, map, all, kCoarse, kShortlist, 1, max_ratio), kFine,
+      count, kMinSharedFeatures, max_ratio);
 }
 
 }  // namespace treeline::keyframes

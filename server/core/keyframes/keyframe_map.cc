@@ -6,15 +6,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "server/core/keyframes/parameters.h"
 
 namespace treeline::keyframes {
 namespace {
 
-// Points of a keyframe that decide whether it is chosen.
-constexpr size_t kGlance = 64;
-// From this far away (as Nearest has it, m) a keyframe counts half.
-constexpr double kSameView_m = 0.25;
-static_assert(kGlance % kAlignmentBlock == 0);
+static_assert(kCoarsePoints % kAlignmentBlock == 0);
 
 bool IsFinite(const std::array<float, 3>& position) {
   return std::ranges::all_of(position,
@@ -48,12 +45,12 @@ absl::StatusOr<KeyframeMap> KeyframeMap::Read(const forest::ModelFile& model) {
   }
   for (size_t k = 0; k < map.size(); ++k) {
     const std::span<const KeyframePoint> points = map.points(k);
-    for (size_t i = 0; i < kGlance; ++i) {
+    for (size_t i = 0; i < kCoarsePoints; ++i) {
       if (points.empty()) {
         map.glance_.AppendNothing();
         continue;
       }
-      const KeyframePoint& point = points[i * points.size() / kGlance];
+      const KeyframePoint& point = points[i * points.size() / kCoarsePoints];
       map.glance_.Append(point.position_in_world, point.normal_in_world, {});
     }
   }
@@ -78,8 +75,9 @@ std::vector<size_t> KeyframeMap::BestSeen(
     const geometry::Rigid3& world_from_camera, const camera::Camera& camera,
     size_t count) const {
   std::vector<float> seen(size());
-  CountSeen(glance_, kGlance, ViewOf(world_from_camera.Inverse(), camera, {}),
-            camera.width(), camera.height(), seen);
+  CountSeen(glance_, kCoarsePoints,
+            ViewOf(world_from_camera.Inverse(), camera, {}), camera.width(),
+            camera.height(), seen);
   const geometry::Vec3 axis =
       world_from_camera.rotation * geometry::Vec3{0, 0, 1};
   std::vector<std::pair<double, size_t>> order;  // the best score is least

@@ -97,10 +97,6 @@ class KeyframeMap {
   AlignmentPoints glance_;
 };
 
-// Roughly how far away what a camera sees is (m): a turn by one radian moves it
-// as much as a step of this length.
-inline constexpr double kViewDistance_m = 1.5;
-
 // A quarter of the field of view (thesis 3.2.3), and no less than 20 degrees.
 double MaxKeyframeAngle_rad(const camera::Camera& camera);
 

@@ -5,11 +5,9 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/backtracking.h"
-#include "server/core/localizer/hybrid_localizer.h"
-#include "server/core/localizer/points_lines_localizer.h"
-#include "server/core/localizer/rgb_localizer.h"
-#include "server/core/localizer/rgbd_localizer.h"
-#include "server/core/localizer/sift_localizer.h"
+#include "server/core/forest/model_file.h"
+#include "server/core/localizer/methods.h"
+#include "server/core/localizer/pipeline.h"
 
 namespace treeline::localizer {
 
@@ -41,32 +39,9 @@ absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
   TL_RETURN_IF_ERROR(options.Validate());
   TL_ASSIGN_OR_RETURN(std::unique_ptr<const forest::ModelFile> model,
                       forest::ModelFile::Open(model_path));
-  const std::string& method = model->info().method;
-  TL_ASSIGN_OR_RETURN(PoseVerifier verifier, PoseVerifier::Create(*model));
-  if (method == "rgbd") {
-    return std::make_unique<RgbdLocalizer>(std::move(model),
-                                           std::move(verifier), options);
-  }
-  if (method == "rgb") {
-    return std::make_unique<RgbLocalizer>(std::move(model), std::move(verifier),
-                                          options);
-  }
-  if (method == "hybrid") {
-    return std::make_unique<HybridLocalizer>(std::move(model),
-                                             std::move(verifier), options);
-  }
-  if (method == "points-lines") {
-    return PointsLinesLocalizer::Create(std::move(model), std::move(verifier),
-                                        options);
-  }
-  if (method == "sift") {
-    absl::StatusOr<std::unique_ptr<SiftLocalizer>> localizer =
-        SiftLocalizer::Create(std::move(model), options);
-    if (!localizer.ok()) return base::Annotate(localizer.status(), model_path);
-    return *std::move(localizer);
-  }
-  return absl::UnimplementedError(absl::StrCat(
-      model_path, ": method \"", method, "\" is not known to this version"));
+  absl::StatusOr<Method> method = MakeMethod(*model, options);
+  if (!method.ok()) return base::Annotate(method.status(), model_path);
+  return std::make_unique<Pipeline>(std::move(model), *std::move(method));
 }
 
 absl::string_view OutcomeName(Outcome outcome) {

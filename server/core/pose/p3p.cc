@@ -1,7 +1,7 @@
+#include "server/core/pose/p3p.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "server/core/pose/pnp.h"
 
 namespace treeline::pose {
 namespace {

@@ -1,4 +1,4 @@
-// Kabsch, RANSAC and refinement against poses that are known.
+// Kabsch, RANSAC on points and refinement against poses that are known.
 #include <cmath>
 
 #include "Eigen/Cholesky"
@@ -6,8 +6,9 @@
 #include "common/base/random.h"
 #include "common/geometry/kabsch.h"
 #include "gtest/gtest.h"
+#include "server/core/pose/point_refinement.h"
+#include "server/core/pose/point_solver.h"
 #include "server/core/pose/preemptive_ransac.h"
-#include "server/core/pose/rigid_refinement.h"
 
 namespace treeline::pose {
 namespace {
@@ -94,9 +95,9 @@ TEST(KabschTest, RefusesPointsThatDetermineNothing) {
 // Points 1 to 3 m in front of a camera and what a forest might say of them: a
 // share of outliers anywhere in the room, the rest with Gaussian noise of
 // `sigma_m`. Each point has one prediction.
-ScenePredictions Scene(const geometry::Rigid3& world_from_camera, int points,
+PointPredictions Scene(const geometry::Rigid3& world_from_camera, int points,
                        double outliers, double sigma_m, base::Random& random) {
-  ScenePredictions scene;
+  PointPredictions scene;
   for (int i = 0; i < points; ++i) {
     const double z = random.NextUniform(1, 3);
     const geometry::Vec3 point{z * random.NextUniform(-0.5, 0.5),
@@ -115,63 +116,75 @@ ScenePredictions Scene(const geometry::Rigid3& world_from_camera, int points,
   return scene;
 }
 
-TEST(PreemptiveRansacTest, FindsThePoseAmongSixtyPerCentOutliers) {
+std::optional<geometry::Rigid3> Ransac(const PointPredictions& scene,
+                                       uint64_t seed,
+                                       const std::stop_token& stop = {}) {
+  return PreemptiveRansac(PointSolver(scene, {}), {.seed = seed}, stop);
+}
+
+// Points whose prediction lies within the solver's inlier distance.
+int InliersOf(const PointPredictions& scene, const geometry::Rigid3& pose) {
+  int inliers = 0;
+  for (size_t i = 0; i < scene.size(); ++i) {
+    const geometry::Vec3 residual =
+        pose * scene.point_in_camera[i] - scene.at(i, 0).mean_in_world;
+    inliers +=
+        geometry::Norm(residual) <= PointSolverOptions().inlier_distance_m;
+  }
+  return inliers;
+}
+
+TEST(PointSolverTest, FindsThePoseAmongSixtyPerCentOutliers) {
   base::Random random(4, 0);
   for (int trial = 0; trial < 20; ++trial) {
     const geometry::Rigid3 truth = RandomPose(random);
-    const ScenePredictions scene = Scene(truth, 500, 0.6, 0.02, random);
-    RansacOptions options;
-    options.seed = static_cast<uint64_t>(trial);
-    const auto result = PreemptiveRansac(scene, options, {});
-    ASSERT_TRUE(result.has_value());
+    const PointPredictions scene = Scene(truth, 500, 0.6, 0.02, random);
+    const auto pose = Ransac(scene, static_cast<uint64_t>(trial));
+    ASSERT_TRUE(pose.has_value());
     // 200 inliers of 2 cm a component: about 0.02 * sqrt(3 / 200) = 2.4 mm,
     // and the lever arm of 2 m turns rotation into as much again.
-    const geometry::PoseError error =
-        geometry::ErrorBetween(result->world_from_camera, truth);
+    const geometry::PoseError error = geometry::ErrorBetween(*pose, truth);
     EXPECT_LT(error.translation_m, 0.02) << "trial " << trial;
     EXPECT_LT(error.rotation_rad, 0.01) << "trial " << trial;
-    EXPECT_NEAR(result->inliers, 200, 40);
+    EXPECT_NEAR(InliersOf(scene, *pose), 200, 40);
   }
 }
 
-TEST(PreemptiveRansacTest, TheSameSeedGivesTheSameBits) {
+TEST(PointSolverTest, TheSameSeedGivesTheSameBits) {
   base::Random random(5, 0);
-  const ScenePredictions scene =
+  const PointPredictions scene =
       Scene(RandomPose(random), 300, 0.5, 0.02, random);
-  RansacOptions options;
-  options.seed = 1;
-  const auto a = PreemptiveRansac(scene, options, {});
-  const auto b = PreemptiveRansac(scene, options, {});
+  const auto a = Ransac(scene, 1);
+  const auto b = Ransac(scene, 1);
   ASSERT_TRUE(a && b);
-  EXPECT_EQ(a->world_from_camera, b->world_from_camera);
+  EXPECT_EQ(*a, *b);
 }
 
-TEST(PreemptiveRansacTest, PureNoiseHasHardlyAnInlier) {
+TEST(PointSolverTest, PureNoiseHasHardlyAnInlier) {
   base::Random random(6, 0);
-  const ScenePredictions scene = Scene({}, 500, 1.0, 0.02, random);
-  const auto result = PreemptiveRansac(scene, {}, {});
-  EXPECT_LT(result ? result->inliers : 0, 25);
+  const PointPredictions scene = Scene({}, 500, 1.0, 0.02, random);
+  const auto pose = Ransac(scene, 0);
+  EXPECT_LT(pose ? InliersOf(scene, *pose) : 0, 25);
 }
 
-TEST(PreemptiveRansacTest, TooFewPointsAndStopsGiveNothing) {
+TEST(PointSolverTest, TooFewPointsAndStopsGiveNothing) {
   base::Random random(7, 0);
-  EXPECT_FALSE(PreemptiveRansac(Scene({}, 2, 0, 0.01, random), {}, {}));
-  EXPECT_FALSE(PreemptiveRansac({}, {}, {}));
+  EXPECT_FALSE(Ransac(Scene({}, 2, 0, 0.01, random), 0));
+  EXPECT_FALSE(Ransac({}, 0));
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_FALSE(
-      PreemptiveRansac(Scene({}, 300, 0, 0.01, random), {}, stop.get_token()));
+  EXPECT_FALSE(Ransac(Scene({}, 300, 0, 0.01, random), 0, stop.get_token()));
 }
 
-TEST(RefineRigidTest, ConvergesOnExactData) {
+TEST(RefinePointsTest, ConvergesOnExactData) {
   base::Random random(8, 0);
   const geometry::Rigid3 truth = RandomPose(random);
-  const ScenePredictions scene = Scene(truth, 100, 0, 0, random);
+  const PointPredictions scene = Scene(truth, 100, 0, 0, random);
   geometry::Rigid3 start = truth;
   start.translation = start.translation + geometry::Vec3{0.03, -0.02, 0.01};
   start.rotation =
       geometry::Rotation3::FromAxisAngle({0.01, 0.01, -0.02}) * start.rotation;
-  const auto refined = RefineRigid(scene, start, {});
+  const auto refined = RefinePoints(scene, start, {});
   ASSERT_TRUE(refined.has_value());
   const geometry::PoseError error =
       geometry::ErrorBetween(refined->world_from_camera, truth);
@@ -182,7 +195,7 @@ TEST(RefineRigidTest, ConvergesOnExactData) {
 
 // The normalised estimation error squared e^T C^-1 e of a correct covariance
 // C has mean 6 (its dimension).
-TEST(RefineRigidTest, CovarianceMatchesTheErrors) {
+TEST(RefinePointsTest, CovarianceMatchesTheErrors) {
   base::Random random(9, 0);
   double nees = 0;
   constexpr int kTrials = 200;
@@ -190,10 +203,10 @@ TEST(RefineRigidTest, CovarianceMatchesTheErrors) {
     const geometry::Rigid3 truth = RandomPose(random);
     // The noise is small against the robust scale, so that all points count,
     // and the model's own floor is part of it.
-    RefinementOptions options;
+    PointRefinementOptions options;
     options.model_sigma_m = 1e-6;
-    const ScenePredictions scene = Scene(truth, 200, 0, 0.005, random);
-    const auto refined = RefineRigid(scene, truth, options);
+    const PointPredictions scene = Scene(truth, 200, 0, 0.005, random);
+    const auto refined = RefinePoints(scene, truth, options);
     ASSERT_TRUE(refined.has_value());
     const geometry::Vec3 dt =
         truth.translation - refined->world_from_camera.translation;
@@ -210,12 +223,12 @@ TEST(RefineRigidTest, CovarianceMatchesTheErrors) {
   EXPECT_NEAR(nees / kTrials, 6, 1.0);
 }
 
-TEST(RefineRigidTest, PicksTheSupportingPredictionOfEachPoint) {
+TEST(RefinePointsTest, PicksTheSupportingPredictionOfEachPoint) {
   base::Random random(10, 0);
   const geometry::Rigid3 truth = RandomPose(random);
-  const ScenePredictions one = Scene(truth, 120, 0, 0.002, random);
-  ScenePredictions two = one;
-  two.per_point = 2;
+  const PointPredictions one = Scene(truth, 120, 0, 0.002, random);
+  PointPredictions two = one;
+  two.per_sample = 2;
   two.predictions.clear();
   for (size_t i = 0; i < one.size(); ++i) {
     ScenePrediction wrong = one.at(i, 0);
@@ -224,41 +237,41 @@ TEST(RefineRigidTest, PicksTheSupportingPredictionOfEachPoint) {
     two.predictions.push_back(first ? one.at(i, 0) : wrong);
     two.predictions.push_back(first ? wrong : one.at(i, 0));
   }
-  const auto refined = RefineRigid(two, truth, {});
+  const auto refined = RefinePoints(two, truth, {});
   ASSERT_TRUE(refined.has_value());
   for (size_t i = 0; i < two.size(); ++i) {
     EXPECT_EQ(refined->supported[i], i % 2 == 0 ? 0 : 1);
   }
 }
 
-TEST(RefineRigidTest, WeightsByTheLeavesCovariance) {
+TEST(RefinePointsTest, WeightsByTheLeavesCovariance) {
   // Half the predictions are honest about being poor: they must not spoil the
   // precise half. 60 precise points of 1 mm: about 0.3 mm.
   base::Random random(11, 0);
   const geometry::Rigid3 truth = RandomPose(random);
-  ScenePredictions scene = Scene(truth, 60, 0, 0.001, random);
-  const ScenePredictions poor = Scene(truth, 60, 0, 0.03, random);
+  PointPredictions scene = Scene(truth, 60, 0, 0.001, random);
+  const PointPredictions poor = Scene(truth, 60, 0, 0.03, random);
   for (size_t i = 0; i < poor.size(); ++i) {
     scene.point_in_camera.push_back(poor.point_in_camera[i]);
     scene.depth_sigma_m.push_back(0);
     scene.predictions.push_back(poor.predictions[i]);
   }
-  RefinementOptions options;
+  PointRefinementOptions options;
   options.model_sigma_m = 0.0005;
-  const auto refined = RefineRigid(scene, truth, options);
+  const auto refined = RefinePoints(scene, truth, options);
   ASSERT_TRUE(refined.has_value());
   EXPECT_LT(
       geometry::ErrorBetween(refined->world_from_camera, truth).translation_m,
       0.0015);
 }
 
-TEST(RefineRigidTest, NoInliersIsNoPose) {
+TEST(RefinePointsTest, NoInliersIsNoPose) {
   base::Random random(12, 0);
-  ScenePredictions scene = Scene({}, 50, 0, 0.01, random);
+  PointPredictions scene = Scene({}, 50, 0, 0.01, random);
   for (ScenePrediction& p : scene.predictions) {
     p.mean_in_world = p.mean_in_world + geometry::Vec3{100, 0, 0};
   }
-  EXPECT_FALSE(RefineRigid(scene, {}, {}).has_value());
+  EXPECT_FALSE(RefinePoints(scene, {}, {}).has_value());
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "server/core/features/gray_pyramid.h"
 #include "server/core/features/planar_image.h"
 #include "server/core/keyframes/keyframe_features.h"
+#include "server/core/keyframes/parameters.h"
 
 namespace treeline::training {
 namespace {

@@ -9,6 +9,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "server/core/forest/model_file.h"
+#include "server/core/keyframes/parameters.h"
 #include "server/core/recognition/scene_descriptor.h"
 #include "server/core/training/appearance_builder.h"
 #include "server/core/training/confidence_fitter.h"
@@ -39,9 +40,6 @@ constexpr MethodDescription kMethods[] = {
      "like rgbd, with a second forest for points on line segments, which hold "
      "the pose across their lines"},
 };
-
-// SIFT features of a keyframe, where the method has any.
-constexpr int kKeyframeFeatures = 500;
 
 bool IsKnown(absl::string_view method) {
   return std::ranges::any_of(
@@ -176,7 +174,9 @@ class SceneTrainer {
       const dataset::Dataset& dataset) const {
     KeyframeOptions keyframes;
     keyframes.threads = options_.forest.threads;
-    if (options_.method == "hybrid") keyframes.features = kKeyframeFeatures;
+    if (options_.method == "hybrid") {
+      keyframes.features = keyframes::kMaxKeyframeFeatures;
+    }
     return BuildKeyframes(dataset, calibration_, keyframes, quiet_, stop_);
   }
 

@@ -1,0 +1,166 @@
+// The tuned constants of keyframes: which are chosen, how poses are aligned
+// with them, and how features are matched. Where the origin is "tuned", it was
+// on held-out blocks of training frames.
+#ifndef SERVER_CORE_KEYFRAMES_PARAMETERS_H_
+#define SERVER_CORE_KEYFRAMES_PARAMETERS_H_
+
+#include <cstddef>
+#include <vector>
+
+#include "common/base/parameter.h"
+
+namespace treeline::keyframes {
+
+// Choosing keyframes.
+inline constexpr base::Parameter<double> kViewDistance_m{
+    .name = "view_distance",
+    .value = 1.5,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why =
+        "roughly how far away what a camera sees is: a turn by one "
+        "radian moves it as much as a step of this length"};
+inline constexpr base::Parameter<size_t> kCoarsePoints{
+    .name = "coarse_points",
+    .value = 64,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "points of a keyframe that decide whether it is chosen"};
+inline constexpr base::Parameter<double> kSameView_m{
+    .name = "same_view",
+    .value = 0.25,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "from this far away, turns included, a keyframe counts half"};
+
+// Alignment.
+inline constexpr base::Parameter<double> kMinPointDepth_m{
+    .name = "min_point_depth",
+    .value = 0.05,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why = "points nearer than this are not in front of the camera"};
+inline constexpr base::Parameter<float> kMinFacing{
+    .name = "min_facing",
+    .value = 0.15F,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "cosine of the angle of view to a normal: surfaces seen "
+        "more grazingly hide what lies behind"};
+inline constexpr base::Parameter<int> kMinVisible{
+    .name = "min_visible",
+    .value = 60,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "with fewer visible points there is no alignment"};
+inline constexpr base::Parameter<double> kMinBrightnessNoise{
+    .name = "min_brightness_noise",
+    .value = 3,
+    .unit = "grey level",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "noise of the brightness is taken to be no less"};
+inline constexpr base::Parameter<double> kMaxBrightnessNoise{
+    .name = "max_brightness_noise",
+    .value = 25,
+    .unit = "grey level",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... and no more; what alignment starts with"};
+inline constexpr base::Parameter<float> kAgreeingBrightness{
+    .name = "agreeing_brightness",
+    .value = 15,
+    .unit = "grey level",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "points whose brightness differs by no more agree with the "
+        "frame"};
+inline constexpr base::Parameter<double> kCorrelatedPoints{
+    .name = "correlated_points",
+    .value = 64,
+    .unit = "",
+    .origin = base::ParameterOrigin::kMeasured,
+    .why =
+        "neighbouring points' errors go together: the covariance is "
+        "widened by this, to the size of errors on frames held out "
+        "of training"};
+inline constexpr base::Parameter<double> kSurfaceNoise_m{
+    .name = "surface_noise",
+    .value = 0.01,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "noise of a measured surface beside the sensor's own"};
+inline constexpr base::Parameter<float> kMaxSurfaceDistance_m{
+    .name = "max_surface_distance",
+    .value = 0.15F,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "further away is no longer the same surface"};
+inline constexpr base::Parameter<int> kSurfaceLevel{
+    .name = "surface_level",
+    .value = 1,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "pyramid levels from this one down use measured surfaces"};
+
+// Features.
+inline constexpr base::Parameter<int> kHalvedSide_px{
+    .name = "halved_side",
+    .value = 512,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "images of this side or more are searched for features in "
+        "half their size"};
+inline constexpr base::Parameter<double> kSiftContrast{
+    .name = "sift_contrast",
+    .value = 0.02,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "OpenCV's contrast threshold"};
+inline constexpr base::Parameter<size_t> kCoarseFrameFeatures{
+    .name = "coarse_frame_features",
+    .value = 120,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "features of a frame that are matched with all keyframes, "
+        "..."};
+inline constexpr base::Parameter<size_t> kCoarseKeyframeFeatures{
+    .name = "coarse_keyframe_features",
+    .value = 150,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... of which so many of each are looked at"};
+inline constexpr base::Parameter<size_t> kShortlist{
+    .name = "shortlist",
+    .value = 32,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "keyframes with most matches that are compared more closely"};
+inline constexpr base::Parameter<size_t> kFrameFeatures{
+    .name = "frame_features",
+    .value = 300,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "features of a frame that are matched with those, ..."};
+inline constexpr base::Parameter<int> kMaxKeyframeFeatures{
+    .name = "max_keyframe_features",
+    .value = 500,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... of which so many of each are looked at: all that a "
+        "model keeps"};
+inline constexpr base::Parameter<size_t> kMinSharedFeatures{
+    .name = "min_shared_features",
+    .value = 6,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "keyframes are alike from so many matches on"};
+
+// All of them, in this order.
+std::vector<base::ParameterRow> KeyframeParameters();
+
+}  // namespace treeline::keyframes
+
+#endif  // SERVER_CORE_KEYFRAMES_PARAMETERS_H_

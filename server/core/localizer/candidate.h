@@ -1,0 +1,46 @@
+// A pose that may be the answer, and who proposes such.
+#ifndef SERVER_CORE_LOCALIZER_CANDIDATE_H_
+#define SERVER_CORE_LOCALIZER_CANDIDATE_H_
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/core/localizer/localizer.h"
+#include "server/core/localizer/query.h"
+#include "server/core/pose/robust_refinement.h"
+
+namespace treeline::localizer {
+
+struct Candidate {
+  // Of the scene's pose sensor. nullopt: nothing explains what was seen.
+  std::optional<pose::RefinedPose> pose;
+  // Why there is none.
+  NotLocalizedReason reason = NotLocalizedReason::kTooFewSamples;
+  // What the pose was sought with.
+  int samples = 0;
+  // Filled if the query asks for it.
+  std::vector<Correspondence> correspondences;
+
+  // Share of the samples that support the pose, in [0, 1].
+  double inlier_ratio() const {
+    return pose ? static_cast<double>(pose->inliers) / samples : 0;
+  }
+};
+
+// Immutable and thread-safe; the model that it was made from must outlive it.
+class CandidateGenerator {
+ public:
+  virtual ~CandidateGenerator() = default;
+
+  // `earlier` are the candidates of the generators that were asked before, in
+  // their order. The same query gives the same candidate. To find none is OK;
+  // errors are CANCELLED, and INTERNAL where a library fails.
+  virtual absl::StatusOr<Candidate> Propose(
+      Query& query, std::span<const Candidate> earlier) const = 0;
+};
+
+}  // namespace treeline::localizer
+
+#endif  // SERVER_CORE_LOCALIZER_CANDIDATE_H_

@@ -1,0 +1,50 @@
+#include "server/core/localizer/depth_point_source.h"
+
+#include "common/base/random.h"
+#include "common/base/status_macros.h"
+#include "server/core/localizer/forest_prediction.h"
+#include "server/core/pose/point_refinement.h"
+
+namespace treeline::localizer {
+
+static_assert(PoseSource<DepthPointSource>);
+
+absl::StatusOr<size_t> DepthPointSource::Observe(
+    Query& query, std::span<const Candidate> /*earlier*/,
+    PointObservations& seen) const {
+  features::RgbdSamples& samples = query.scratch().samples;
+  if (seen.size() == 0) {
+    const StageTimer timer(query.timings().sample_ms);
+    query.image();
+    features::DrawSamples(features::DepthGeometry(query.calibration()),
+                          *query.depth(), options_.samples,
+                          base::Random(query.seed(), kSampleStream), samples);
+  }
+  if (samples.size() < static_cast<size_t>(kMinSamples)) return samples.size();
+  const StageTimer timer(query.timings().forest_ms);
+  const SampleBatch batch = NextBatch(options_, seen.size(), samples.size());
+  seen.scene.per_sample = forest_->trees();
+  TL_RETURN_IF_ERROR(PredictScene(*forest_, options_, samples, batch, query,
+                                  seen.scene.predictions));
+  for (size_t i = batch.begin; i < batch.end; ++i) {
+    seen.pixel.push_back(
+        {static_cast<double>(samples.x[i]), static_cast<double>(samples.y[i])});
+    seen.scene.point_in_camera.push_back(samples.point[i]);
+    seen.scene.depth_sigma_m.push_back(
+        static_cast<double>(samples.depth_sigma_m[i]));
+  }
+  return samples.size();
+}
+
+pose::PointSolver DepthPointSource::Solver(
+    Query& /*query*/, const PointObservations& seen) const {
+  return {seen.scene, {}};
+}
+
+std::optional<pose::RefinedPose> DepthPointSource::Refine(
+    Query& /*query*/, const PointObservations& seen,
+    const geometry::Rigid3& world_from_camera) const {
+  return pose::RefinePoints(seen.scene, world_from_camera, {});
+}
+
+}  // namespace treeline::localizer

@@ -1,0 +1,65 @@
+#include "server/core/localizer/keyframe_source.h"
+
+#include "common/base/status_macros.h"
+#include "server/core/keyframes/keyframe_features.h"
+#include "server/core/pose/ray_refinement.h"
+
+namespace treeline::localizer {
+
+static_assert(PoseSource<KeyframeSource>);
+
+std::vector<size_t> KeyframeSource::Choose(
+    Query& query, const features::SiftFeatures& features,
+    std::span<const Candidate> earlier) const {
+  const size_t count = static_cast<size_t>(kMatchedKeyframes);
+  if (choice_ == KeyframeChoice::kMostAlike) {
+    return keyframes::MostAlike(features, *map_, count, kMaxKeyframeRatio);
+  }
+  for (size_t i = earlier.size(); i > 0; --i) {
+    const std::optional<pose::RefinedPose>& pose = earlier[i - 1].pose;
+    if (!pose) continue;
+    return map_->Nearest(pose->world_from_camera,
+                         keyframes::MaxKeyframeAngle_rad(query.camera()),
+                         count);
+  }
+  return {};
+}
+
+absl::StatusOr<size_t> KeyframeSource::Observe(
+    Query& query, std::span<const Candidate> earlier,
+    RayObservations& seen) const {
+  TL_ASSIGN_OR_RETURN(const features::SiftFeatures* const features,
+                      query.keyframe_features());
+  pose::RayPredictions& scene = seen.scene;
+  const double variance = kKeyframePointSigma_m * kKeyframePointSigma_m;
+  for (const keyframes::KeyframeMatch& match : keyframes::MatchKeyframes(
+           *features, *map_, Choose(query, *features, earlier),
+           kMaxKeyframeRatio)) {
+    const std::optional<camera::Pixel> ray =
+        query.camera().Unproject(match.pixel);
+    if (!ray) continue;
+    seen.pixel.push_back(match.pixel);
+    scene.ray.push_back(*ray);
+    scene.predictions.push_back(
+        {match.point_in_world, {variance, 0, 0, variance, 0, variance}});
+  }
+  scene.ray_sigma.assign(scene.size(), kKeypointSigma_px * query.pixel());
+  return seen.size();
+}
+
+pose::RaySolver KeyframeSource::Solver(Query& query,
+                                       const RayObservations& seen) const {
+  return {seen.scene,
+          {.inlier_distance = kKeyframeRansacInlier_px * query.pixel()}};
+}
+
+std::optional<pose::RefinedPose> KeyframeSource::Refine(
+    Query& query, const RayObservations& seen,
+    const geometry::Rigid3& world_from_camera) const {
+  return pose::RefineRays(
+      seen.scene, world_from_camera,
+      {.robust_scale = kKeyframeRobustScale_px * query.pixel(),
+       .inlier_distance = kKeyframeInlier_px * query.pixel()});
+}
+
+}  // namespace treeline::localizer

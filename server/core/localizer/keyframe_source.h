@@ -1,0 +1,55 @@
+// The thesis's chapter 3 (Algorithm 1): SIFT features of a frame, and those of
+// some keyframes that they match.
+#ifndef SERVER_CORE_LOCALIZER_KEYFRAME_SOURCE_H_
+#define SERVER_CORE_LOCALIZER_KEYFRAME_SOURCE_H_
+
+#include "server/core/keyframes/keyframe_map.h"
+#include "server/core/localizer/parameters.h"
+#include "server/core/localizer/pose_source.h"
+#include "server/core/pose/ray_solver.h"
+
+namespace treeline::localizer {
+
+// Which keyframes a frame is matched with.
+enum class KeyframeChoice {
+  kNearPose,  // those near the last earlier candidate's pose; without, none
+  kMostAlike  // those that share most features with the frame
+};
+
+// A PoseSource, of the colour camera's pose.
+class KeyframeSource {
+ public:
+  using Observations = RayObservations;
+  static constexpr uint64_t kRansacStream = kKeyframeRansacStream;
+  static constexpr int kMinSamples = kMinKeyframeMatches;
+  static constexpr int kMinInliers = kMinKeyframeInliers;
+
+  KeyframeSource(const keyframes::KeyframeMap& map, KeyframeChoice choice)
+      : map_(&map), choice_(choice) {}
+
+  absl::StatusOr<size_t> Observe(Query& query,
+                                 std::span<const Candidate> earlier,
+                                 RayObservations& seen) const;
+  pose::RaySolver Solver(Query& query, const RayObservations& seen) const;
+  std::optional<pose::RefinedPose> Refine(
+      Query& query, const RayObservations& seen,
+      const geometry::Rigid3& world_from_camera) const;
+  // Points are where the keyframes say, as seen from the pose.
+  std::vector<Correspondence> Explain(
+      const RayObservations& seen,
+      const std::optional<pose::RefinedPose>& pose) const {
+    return MatchesOf(seen, pose);
+  }
+
+ private:
+  std::vector<size_t> Choose(Query& query,
+                             const features::SiftFeatures& features,
+                             std::span<const Candidate> earlier) const;
+
+  const keyframes::KeyframeMap* map_;
+  KeyframeChoice choice_;
+};
+
+}  // namespace treeline::localizer
+
+#endif  // SERVER_CORE_LOCALIZER_KEYFRAME_SOURCE_H_

@@ -1,0 +1,76 @@
+#include "server/core/localizer/keyframe_verifier.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "common/base/status_macros.h"
+#include "server/core/keyframes/direct_alignment.h"
+#include "server/core/localizer/parameters.h"
+
+namespace treeline::localizer {
+namespace {
+
+forest::PoseEvidence EvidenceOf(const keyframes::Alignment& aligned,
+                                geometry::Vec3 from) {
+  forest::PoseEvidence evidence;
+  evidence.correlation = std::max(0.0, aligned.correlation);
+  evidence.agreement = aligned.agreement;
+  evidence.visible = aligned.visible;
+  evidence.overlap = aligned.overlap;
+  evidence.measured = aligned.measured;
+  evidence.depth_agreement = aligned.depth_agreement;
+  evidence.moved_m =
+      geometry::Norm(aligned.world_from_camera.translation - from);
+  return evidence;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<const KeyframeVerifier>>
+KeyframeVerifier::Create(const forest::ModelFile& model) {
+  auto verifier = std::make_unique<KeyframeVerifier>();
+  TL_ASSIGN_OR_RETURN(verifier->keyframes_,
+                      keyframes::KeyframeMap::Read(model));
+  verifier->confidence_ = model.info().confidence.value_or(
+      verifier->keyframes_.empty() ? forest::ConfidenceModel::WithoutKeyframes()
+                                   : forest::ConfidenceModel::Typical());
+  return verifier;
+}
+
+Verdict KeyframeVerifier::Verify(Query& query,
+                                 const Candidate& candidate) const {
+  const pose::RefinedPose& pose = *candidate.pose;
+  const camera::RgbdCalibration& calibration = query.calibration();
+  Verdict verdict;
+  verdict.world_from_camera = pose.world_from_camera;
+  verdict.covariance = pose.covariance;
+  const geometry::Rigid3 world_from_color =
+      camera::PoseOfSensor(pose.world_from_camera, calibration.pose_sensor,
+                           camera::RgbdSensor::kColor, calibration);
+  const std::optional<keyframes::Alignment> aligned =
+      keyframes::AlignToKeyframes(keyframes_, query.pyramid(), query.depth(),
+                                  calibration, world_from_color, {});
+  if (aligned) {
+    verdict.evidence = EvidenceOf(*aligned, world_from_color.translation);
+    // With less overlap the candidate is surer of the pose.
+    if (aligned->overlap >= kMinKeyframeOverlap) {
+      verdict.world_from_camera = camera::PoseOfSensor(
+          aligned->world_from_camera, camera::RgbdSensor::kColor,
+          calibration.pose_sensor, calibration);
+      verdict.covariance = aligned->covariance;
+    }
+  }
+  verdict.evidence.inlier_ratio = candidate.inlier_ratio();
+  verdict.confidence = confidence_.Probability(verdict.evidence);
+  const double sigma_m = std::min(PositionSigma_m(pose.covariance),
+                                  PositionSigma_m(verdict.covariance));
+  verdict.reason =
+      ReasonAgainst({.has_enough_inliers = pose.inliers >= kMinAnswerInliers,
+                     .is_determined = sigma_m <= kMaxPositionSigma_m,
+                     .is_confident = verdict.confidence >=
+                                     query.options().min_confidence.value_or(
+                                         confidence_.threshold)});
+  return verdict;
+}
+
+}  // namespace treeline::localizer

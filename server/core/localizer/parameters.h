@@ -1,0 +1,220 @@
+// The tuned constants of the pipeline. Where the origin is "tuned", it was on
+// held-out blocks of training frames. What a caller may choose stands in
+// QueryOptions.
+#ifndef SERVER_CORE_LOCALIZER_PARAMETERS_H_
+#define SERVER_CORE_LOCALIZER_PARAMETERS_H_
+
+#include <vector>
+
+#include "common/base/parameter.h"
+
+namespace treeline::localizer {
+
+// Forests on pixel differences.
+inline constexpr base::Parameter<double> kPriorSigma_m{
+    .name = "prior_sigma",
+    .value = 0.02,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "spread that leaves of few samples, which say little of "
+        "their own, are averaged with"};
+inline constexpr base::Parameter<double> kPriorSamples{
+    .name = "prior_samples",
+    .value = 4,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... as if it came from so many samples"};
+inline constexpr base::Parameter<int> kMinForestSamples{
+    .name = "min_forest_samples",
+    .value = 30,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "with fewer samples nothing can be said"};
+inline constexpr base::Parameter<double> kForestRansacInlier_px{
+    .name = "forest_ransac_inlier",
+    .value = 12,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "leaves of a forest are some centimetres wide: 12 px are 5 "
+        "cm at 2 m"};
+inline constexpr base::Parameter<double> kForestRobustScale_px{
+    .name = "forest_robust_scale",
+    .value = 6,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "the last scale of the robust loss"};
+inline constexpr base::Parameter<double> kForestInlier_px{
+    .name = "forest_inlier",
+    .value = 10,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "predictions that reproject within it support a pose"};
+inline constexpr base::Parameter<double> kPointLineModelSigma_m{
+    .name = "point_line_model_sigma",
+    .value = 0.005,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "points on lines stand on edges, and are nearer to what "
+        "leaves say of them than others"};
+inline constexpr base::Parameter<int> kPointLineHypothesisIterations{
+    .name = "point_line_hypothesis_iterations",
+    .value = 2,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "steps of Levenberg-Marquardt for a hypothesis of RANSAC"};
+
+// Features of keyframes.
+inline constexpr base::Parameter<int> kMatchedKeyframes{
+    .name = "matched_keyframes",
+    .value = 3,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "keyframes that a frame is matched with"};
+inline constexpr base::Parameter<int> kMaxQueryFeatures{
+    .name = "max_query_features",
+    .value = 1000,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "features taken from a frame for it, the largest"};
+inline constexpr base::Parameter<double> kMaxKeyframeRatio{
+    .name = "max_keyframe_ratio",
+    .value = 0.85,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "Lowe's ratio, for matches that are each other's nearest"};
+inline constexpr base::Parameter<int> kMinKeyframeMatches{
+    .name = "min_keyframe_matches",
+    .value = 8,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "with fewer matches there is nothing to say"};
+inline constexpr base::Parameter<int> kMinKeyframeInliers{
+    .name = "min_keyframe_inliers",
+    .value = 15,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "a pose that so many matches support is preferred to the "
+        "forest's"};
+inline constexpr base::Parameter<double> kKeypointSigma_px{
+    .name = "keypoint_sigma",
+    .value = 1,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "of a SIFT keypoint in the frame"};
+inline constexpr base::Parameter<double> kKeyframePointSigma_m{
+    .name = "keyframe_point_sigma",
+    .value = 0.01,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "of a keyframe's point: its pose and its depth"};
+inline constexpr base::Parameter<double> kKeyframeRansacInlier_px{
+    .name = "keyframe_ransac_inlier",
+    .value = 8,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "keyframes' points are exact to about a centimetre"};
+inline constexpr base::Parameter<double> kKeyframeRobustScale_px{
+    .name = "keyframe_robust_scale",
+    .value = 3,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "the last scale of the robust loss"};
+inline constexpr base::Parameter<double> kKeyframeInlier_px{
+    .name = "keyframe_inlier",
+    .value = 6,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "points that reproject within it support a pose"};
+
+// Forests on SIFT descriptors.
+inline constexpr base::Parameter<double> kMaxSiftRatio{
+    .name = "max_sift_ratio",
+    .value = 0.85,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "Lowe's ratio, against the best mode elsewhere in the scene"};
+inline constexpr base::Parameter<double> kSameSiftPlace{
+    .name = "same_sift_place",
+    .value = 0.02,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "elsewhere is further than so many viewing distances"};
+inline constexpr base::Parameter<int> kMinSiftMatches{
+    .name = "min_sift_matches",
+    .value = 8,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "with fewer matches there is nothing to say"};
+inline constexpr base::Parameter<double> kSiftRansacInlier_px{
+    .name = "sift_ransac_inlier",
+    .value = 6,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "points of a structure from motion are exact"};
+inline constexpr base::Parameter<double> kSiftRobustScale_px{
+    .name = "sift_robust_scale",
+    .value = 4,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "the last scale of the robust loss"};
+inline constexpr base::Parameter<double> kSiftInlier_px{
+    .name = "sift_inlier",
+    .value = 4,
+    .unit = "px",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "points that reproject within it support a pose"};
+
+// Verification.
+inline constexpr base::Parameter<int> kMinAnswerInliers{
+    .name = "min_answer_inliers",
+    .value = 15,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "fewer are no answer, whatever else speaks for it"};
+inline constexpr base::Parameter<double> kMinKeyframeOverlap{
+    .name = "min_keyframe_overlap",
+    .value = 0.1,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "with less overlap with keyframes the forest knows the pose "
+        "better"};
+inline constexpr base::Parameter<double> kMaxPositionSigma_m{
+    .name = "max_position_sigma",
+    .value = 0.05,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "the inliers determine the position as well as an answer "
+        "must be"};
+inline constexpr base::Parameter<int> kMinSiftInliers{
+    .name = "min_sift_inliers",
+    .value = 12,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "an answer of method sift needs so many"};
+inline constexpr base::Parameter<int> kFewMatches{
+    .name = "few_matches",
+    .value = 30,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "added to the matches that a share of inliers is taken of: "
+        "a share of few means little"};
+inline constexpr base::Parameter<double> kMaxRelativePositionSigma{
+    .name = "max_relative_position_sigma",
+    .value = 0.05,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "as max_position_sigma, in viewing distances"};
+
+// All of them, in this order.
+std::vector<base::ParameterRow> LocalizerParameters();
+
+}  // namespace treeline::localizer
+
+#endif  // SERVER_CORE_LOCALIZER_PARAMETERS_H_

@@ -1,0 +1,68 @@
+// How every scene answers, whatever its method: predict, hypotheses, refine,
+// verify, report.
+#ifndef SERVER_CORE_LOCALIZER_PIPELINE_H_
+#define SERVER_CORE_LOCALIZER_PIPELINE_H_
+
+#include <memory>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/core/forest/model_file.h"
+#include "server/core/localizer/candidate.h"
+#include "server/core/localizer/localizer.h"
+#include "server/core/localizer/pool.h"
+#include "server/core/localizer/pose_verifier.h"
+#include "server/core/localizer/query.h"
+
+namespace treeline::localizer {
+
+// A generator, and what becomes of its candidate.
+struct Step {
+  std::unique_ptr<const CandidateGenerator> generator;
+  // Its candidate is a start for later steps, and verified only where none of
+  // them proposes a pose.
+  bool is_fallback = false;
+};
+
+// What makes one method differ from another.
+struct Method {
+  DepthUse depth_use = DepthUse::kIgnored;
+  // In the order in which they are asked: cheap ones first. At least one.
+  std::vector<Step> steps;
+  std::unique_ptr<const PoseVerifier> verifier;
+  // A verified candidate of at least this confidence ends the search, in
+  // [0, 1]. 0: the first one does, believed or not.
+  double sufficient_confidence = 0;
+};
+
+// What the search settled on.
+struct Selection {
+  Candidate candidate;
+  std::optional<Verdict> verdict;  // nullopt: it has no pose
+};
+
+// Asks the steps of `method` one after the other for candidates, verifies them,
+// and selects the best by the verifier's evidence; among equals, the earlier.
+// Without a pose, the first step's candidate says why. Errors of the
+// generators; CANCELLED after the query's stop.
+absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query);
+
+// A model with the method that reads it.
+class Pipeline final : public Localizer {
+ public:
+  // `method` was made from `model`.
+  Pipeline(std::unique_ptr<const forest::ModelFile> model, Method method);
+
+  absl::StatusOr<PoseEstimate> Localize(
+      const image::Frame& frame, const LocalizeOptions& options) const override;
+  const forest::ModelInfo& info() const override { return model_->info(); }
+
+ private:
+  const std::unique_ptr<const forest::ModelFile> model_;
+  const Method method_;
+  mutable Pool<QueryScratch> scratch_;
+};
+
+}  // namespace treeline::localizer
+
+#endif  // SERVER_CORE_LOCALIZER_PIPELINE_H_

@@ -1,0 +1,191 @@
+// The search for the best candidate, with generators and a verifier that say
+// what the test wants.
+#include "server/core/localizer/pipeline.h"
+
+#include <deque>
+#include <map>
+#include <utility>
+
+#include "gtest/gtest.h"
+
+namespace treeline::localizer {
+namespace {
+
+// What a generator was asked.
+struct Asked {
+  int times = 0;
+  size_t earlier = 0;
+};
+
+class FakeGenerator final : public CandidateGenerator {
+ public:
+  FakeGenerator(absl::StatusOr<Candidate> answer, Asked* asked)
+      : answer_(std::move(answer)), asked_(asked) {}
+
+  absl::StatusOr<Candidate> Propose(
+      Query& /*query*/, std::span<const Candidate> earlier) const override {
+    ++asked_->times;
+    asked_->earlier = earlier.size();
+    return answer_;
+  }
+
+ private:
+  const absl::StatusOr<Candidate> answer_;
+  Asked* const asked_;
+};
+
+// Looks its verdict up by the pose's inliers.
+class FakeVerifier final : public PoseVerifier {
+ public:
+  FakeVerifier(std::map<int, Verdict> verdicts, int* verified)
+      : verdicts_(std::move(verdicts)), verified_(verified) {}
+
+  Verdict Verify(Query& /*query*/, const Candidate& candidate) const override {
+    ++*verified_;
+    return verdicts_.at(candidate.pose->inliers);
+  }
+
+ private:
+  const std::map<int, Verdict> verdicts_;
+  int* const verified_;
+};
+
+// A candidate with the pose that the verifier knows by `number`.
+Candidate Pose(int number) {
+  Candidate candidate;
+  candidate.samples = 100;
+  candidate.pose.emplace();
+  candidate.pose->inliers = number;
+  return candidate;
+}
+
+Candidate NoPose(int samples) {
+  Candidate candidate;
+  candidate.samples = samples;
+  candidate.reason = NotLocalizedReason::kTooFewInliers;
+  return candidate;
+}
+
+Verdict Believed(double confidence) { return {.confidence = confidence}; }
+Verdict Refused(double confidence) {
+  return {.reason = NotLocalizedReason::kLowConfidence,
+          .confidence = confidence};
+}
+
+class SelectCandidateTest : public testing::Test {
+ protected:
+  Asked& AddStep(absl::StatusOr<Candidate> answer, bool is_fallback = false) {
+    Asked& asked = asked_.emplace_back();
+    method_.steps.push_back(
+        {std::make_unique<FakeGenerator>(std::move(answer), &asked),
+         is_fallback});
+    return asked;
+  }
+
+  absl::StatusOr<Selection> Select(std::map<int, Verdict> verdicts,
+                                   const LocalizeOptions& options = {}) {
+    method_.verifier =
+        std::make_unique<FakeVerifier>(std::move(verdicts), &verified_);
+    const image::Frame frame;
+    const camera::RgbdCalibration calibration;
+    QueryScratch scratch;
+    Query query(frame, calibration, method_.depth_use, options, scratch);
+    return SelectCandidate(method_, query);
+  }
+
+  Method method_;
+  std::deque<Asked> asked_;
+  int verified_ = 0;
+};
+
+TEST_F(SelectCandidateTest, TheFirstVerifiedPoseIsTheAnswerUnlessAskedForMore) {
+  AddStep(Pose(1));
+  const Asked& second = AddStep(Pose(2));
+  const auto selection = Select({{1, Refused(0.1)}, {2, Believed(0.9)}});
+  ASSERT_TRUE(selection.ok());
+  EXPECT_EQ(selection->candidate.pose->inliers, 1);
+  EXPECT_FALSE(selection->verdict->is_believed());
+  EXPECT_EQ(second.times, 0);
+}
+
+TEST_F(SelectCandidateTest, DearStepsAreAskedOnlyWhileTheVerifierIsNotContent) {
+  method_.sufficient_confidence = 0.9;
+  AddStep(Pose(1));
+  AddStep(Pose(2));
+  const Asked& dear = AddStep(Pose(3));
+  const auto selection =
+      Select({{1, Believed(0.6)}, {2, Believed(0.95)}, {3, Believed(0.99)}});
+  ASSERT_TRUE(selection.ok());
+  EXPECT_EQ(selection->candidate.pose->inliers, 2);
+  EXPECT_EQ(dear.times, 0);
+  EXPECT_EQ(verified_, 2);
+}
+
+TEST_F(SelectCandidateTest, TheBestEvidenceWinsWhateverTheOrder) {
+  method_.sufficient_confidence = 0.9;
+  AddStep(Pose(1));
+  AddStep(Pose(2));
+  AddStep(Pose(3));
+  const auto selection =
+      Select({{1, Refused(0.8)}, {2, Believed(0.7)}, {3, Believed(0.6)}});
+  ASSERT_TRUE(selection.ok());
+  EXPECT_EQ(selection->candidate.pose->inliers, 2);
+  EXPECT_EQ(selection->verdict->confidence, 0.7);
+  EXPECT_EQ(verified_, 3);
+}
+
+TEST_F(SelectCandidateTest, AmongEqualsTheEarlierWins) {
+  method_.sufficient_confidence = 0.9;
+  AddStep(Pose(1));
+  AddStep(Pose(2));
+  const auto selection = Select({{1, Believed(0.7)}, {2, Believed(0.7)}});
+  ASSERT_TRUE(selection.ok());
+  EXPECT_EQ(selection->candidate.pose->inliers, 1);
+}
+
+TEST_F(SelectCandidateTest, AFallbackIsNotVerifiedWhereAnotherStepHasAPose) {
+  AddStep(Pose(1), /*is_fallback=*/true);
+  AddStep(NoPose(5));
+  const Asked& third = AddStep(Pose(3));
+  const auto selection = Select({{3, Believed(0.6)}});
+  ASSERT_TRUE(selection.ok());
+  EXPECT_EQ(selection->candidate.pose->inliers, 3);
+  // It had the fallback to start from.
+  EXPECT_EQ(third.earlier, 2u);
+}
+
+TEST_F(SelectCandidateTest, AFallbackAnswersWhereNoOtherStepDoes) {
+  AddStep(Pose(1), /*is_fallback=*/true);
+  AddStep(NoPose(5));
+  const auto selection = Select({{1, Believed(0.6)}});
+  ASSERT_TRUE(selection.ok());
+  EXPECT_EQ(selection->candidate.pose->inliers, 1);
+  EXPECT_TRUE(selection->verdict->is_believed());
+}
+
+TEST_F(SelectCandidateTest, WithoutAPoseTheFirstStepSaysWhy) {
+  AddStep(NoPose(40), /*is_fallback=*/true);
+  AddStep(NoPose(5));
+  const auto selection = Select({});
+  ASSERT_TRUE(selection.ok());
+  EXPECT_FALSE(selection->verdict.has_value());
+  EXPECT_EQ(selection->candidate.samples, 40);
+  EXPECT_EQ(selection->candidate.reason, NotLocalizedReason::kTooFewInliers);
+}
+
+TEST_F(SelectCandidateTest, AnErrorOfAGeneratorIsTheQuerys) {
+  AddStep(absl::InternalError("the library failed"));
+  EXPECT_EQ(Select({}).status(), absl::InternalError("the library failed"));
+}
+
+TEST_F(SelectCandidateTest, AsksNothingMoreAfterAStop) {
+  const Asked& first = AddStep(Pose(1));
+  std::stop_source stop;
+  stop.request_stop();
+  const auto selection = Select({{1, Believed(1)}}, {.stop = stop.get_token()});
+  EXPECT_EQ(selection.status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(first.times, 0);
+}
+
+}  // namespace
+}  // namespace treeline::localizer

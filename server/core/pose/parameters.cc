@@ -1,0 +1,22 @@
+#include "server/core/pose/parameters.h"
+
+namespace treeline::pose {
+
+std::vector<base::ParameterRow> PoseParameters() {
+  return {base::RowOf(kInitialRobustScale),
+          base::RowOf(kRobustReach),
+          base::RowOf(kMinRobustWeights),
+          base::RowOf(kMinPointRcond),
+          base::RowOf(kMinRayRcond),
+          base::RowOf(kMinDamping),
+          base::RowOf(kDampingFactor),
+          base::RowOf(kMaxDampedSteps),
+          base::RowOf(kFinalRefits),
+          base::RowOf(kMaxScoredSlide_m),
+          base::RowOf(kMaxRefinedPointLinePoses),
+          base::RowOf(kMinRaySide),
+          base::RowOf(kMaxRefinedRayPoses),
+          base::RowOf(kLocalRayIterations)};
+}
+
+}  // namespace treeline::pose
