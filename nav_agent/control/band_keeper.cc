@@ -5,16 +5,13 @@
 #include <cstddef>
 #include <utility>
 
+#include "nav_agent/control/driving_parameters.h"
+
 namespace treeline::control {
 namespace {
 
-constexpr double kStop_m = 0.1;
-constexpr double kTrackStep_m = 0.05;
-// After a search that found nothing there is none for so many steps.
-constexpr int kRestSteps = 4;
+// Where along the path the end is reached (m).
 constexpr double kEnd_m = 1e-6;
-// So far beside the path a way past something is looked for (m).
-constexpr double kAside_m = 1.2;
 
 class CostmapSpace final : public BandSpace {
  public:
@@ -33,6 +30,15 @@ class CostmapSpace final : public BandSpace {
 
 }  // namespace
 
+BandKeeperOptions BandKeeperOptions::For(const core::RobotModel& robot,
+                                         double inflation_m) {
+  BandKeeperOptions options;
+  options.band.influence_m = std::max(kCell_m, inflation_m);
+  options.inset_m = robot.half_width_m + kPointMargin_m;
+  options.search.clearance_m = robot.half_width_m + kManoeuvreRoom_m;
+  return options;
+}
+
 void BandKeeper::SetPath(const std::vector<core::LevelPose>& path) {
   progress_.SetPath(path);
   band_.Clear();
@@ -45,8 +51,8 @@ std::vector<BandKeeper::Stop> BandKeeper::StopsAhead(
   std::vector<Stop> stops;
   const double from_m = progress_.along_m();
   const double length_m = progress_.length_m();
-  for (double ahead_m = kStop_m; ahead_m < options_.horizon_m + kStop_m;
-       ahead_m += kStop_m) {
+  for (double ahead_m = kTwoCells_m; ahead_m < options_.horizon_m + kTwoCells_m;
+       ahead_m += kTwoCells_m) {
     const bool is_end = from_m + ahead_m >= length_m - kEnd_m;
     const double along_m = is_end ? length_m : from_m + ahead_m;
     const core::LevelPose pose =
@@ -117,7 +123,8 @@ bool BandKeeper::Mend(const core::LevelPose& pose,
   const bool ends_at_goal =
       !stops.empty() && stops.back().along_m >= progress_.length_m() - kEnd_m;
   if (ends.empty() && !stops.empty() && !ends_at_goal) {
-    for (double aside_m = -kAside_m; aside_m <= kAside_m; aside_m += kStop_m) {
+    for (double aside_m = -kAsideReach_m; aside_m <= kAsideReach_m;
+         aside_m += kTwoCells_m) {
       const geometry::Vec2 end =
           stops.back().map_from_base * geometry::Vec2{0, aside_m};
       if (!costmap.Contains(end, options_.search.inset_m) ||
@@ -141,7 +148,7 @@ bool BandKeeper::Mend(const core::LevelPose& pose,
   std::vector<geometry::Rigid2> line = {pose.map_from_base};
   for (const geometry::Vec2& point : way.points_in_map) {
     if (geometry::Norm(point - line.back().translation) <
-        0.6 * options_.spacing_m) {
+        kThinShare * options_.spacing_m) {
       continue;
     }
     line.push_back({.translation = point, .yaw_rad = 0});
@@ -168,9 +175,8 @@ BandTrack BandKeeper::TrackOf(size_t whole_bubbles,
     const geometry::Vec2 to = bubbles[i].map_from_base.translation;
     const geometry::Vec2 from =
         i == 0 ? to : bubbles[i - 1].map_from_base.translation;
-    const int pieces =
-        std::max(1, static_cast<int>(
-                        std::lround(geometry::Norm(to - from) / kTrackStep_m)));
+    const int pieces = std::max(
+        1, static_cast<int>(std::lround(geometry::Norm(to - from) / kCell_m)));
     for (int piece = i == 0 ? pieces : 1; piece <= pieces; ++piece) {
       const double part = static_cast<double>(piece) / pieces;
       TrackPoint point = {.in_map = from + part * (to - from)};

@@ -7,11 +7,14 @@
 #include <optional>
 #include <vector>
 
+#include "nav_agent/control/driving_parameters.h"
 #include "nav_agent/control/elastic_band.h"
 #include "nav_agent/control/local_costmap.h"
 #include "nav_agent/control/local_search.h"
+#include "nav_agent/control/obstacle_parameters.h"
 #include "nav_agent/control/path_progress.h"
-#include "nav_agent/control/track_follower.h"
+#include "nav_agent/control/track_point.h"
+#include "nav_agent/core/robot_model.h"
 #include "nav_agent/traversability/navigation_map.h"
 
 namespace treeline::control {
@@ -20,18 +23,23 @@ struct BandKeeperOptions {
   ElasticBandOptions band;
   LocalSearchOptions search;
   // The band follows the next metres of the path, as long as they are in the
-  // costmap's window, this far from its edge (m).
-  double horizon_m = 3.0;
-  double inset_m = 0.35;
+  // costmap's window, this far from its edge: half of the robot, with what the
+  // guard keeps to what it sees (m).
+  double horizon_m = kHorizon_m;
+  double inset_m = core::RobotModel().half_width_m + kPointMargin_m;
   // New bubbles on the path are this far apart (m).
-  double spacing_m = 0.2;
+  double spacing_m = kFourCells_m;
   // A place on the path is taken if its footprint has less room (m).
-  double room_m = 0.01;
+  double room_m = kFreeRoom_m;
   // A robot that is further off has left its band (m).
-  double lost_band_m = 0.5;
+  double lost_band_m = kLostBand_m;
   // What a metre of path that is left out costs the search for a way around:
   // it may come back to the path late, but not for nothing.
-  double skip_cost = 0.3;
+  double skip_cost = kSkipCost;
+
+  // For a robot, whose band keeps inflation_m beside it where there is room.
+  static BandKeeperOptions For(const core::RobotModel& robot,
+                               double inflation_m);
 };
 
 // The line to drive along, from the robot on.

@@ -1,27 +1,12 @@
 #include "nav_agent/control/collision_guard.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 
 #include "absl/strings/str_cat.h"
 
 namespace treeline::control {
-namespace {
-
-// Parts of a command that are tried.
-constexpr std::array<double, 7> kShares = {1.0,  0.8,  0.6, 0.4,
-                                           0.25, 0.12, 0.06};
-// From one look at the footprint to the next no part of it moves further (m).
-constexpr double kLook_m = 0.02;
-constexpr int kMostLooks = 60;
-constexpr double kLeast_mps = 0.006;
-constexpr double kLeast_radps = 0.015;
-// What is nearer than its margin may come so much nearer: rounding (m).
-constexpr double kSlack_m = 2e-4;
-
-}  // namespace
 
 absl::Status CollisionGuardOptions::Validate() const {
   if (!(point_margin_m >= 0 && cell_margin_m >= 0 && margin_per_speed_s >= 0 &&
@@ -55,7 +40,8 @@ const GuardPoint* CollisionGuard::FirstHit(
     const core::VelocityCommand& command, std::span<const GuardPoint> points,
     std::span<const double> now_m) const {
   const double brake = options_.braking_share * robot_.max_deceleration_mps2;
-  const double yaw_brake = 0.9 * robot_.max_yaw_acceleration_radps2;
+  const double yaw_brake =
+      kYawBrakingShare * robot_.max_yaw_acceleration_radps2;
   const double v = command.forward_mps;
   const double w = command.yaw_rate_radps;
   // Both brake together along the arc, as long as the slower one takes.
@@ -63,8 +49,9 @@ const GuardPoint* CollisionGuard::FirstHit(
   const double total_s = options_.reaction_s + stop_s;
   const double edge_mps =
       std::abs(v) + std::abs(w) * footprint_.Circumradius_m();
-  const int looks = std::clamp(
-      static_cast<int>(std::ceil(edge_mps * total_s / kLook_m)), 2, kMostLooks);
+  const int looks =
+      std::clamp(static_cast<int>(std::ceil(edge_mps * total_s / kSweepStep_m)),
+                 2, kMaxLooks.value);
   const double extra_m = options_.margin_per_speed_s * std::abs(v);
   geometry::Vec2 at;
   double yaw_rad = 0;
@@ -96,7 +83,7 @@ const GuardPoint* CollisionGuard::FirstHit(
           point.is_of_body
               ? footprint_.OutwardSpeed_mps({share * v, share * w}, in_base,
                                             needed_m) > options_.outward_mps
-              : distance_m < now_m[i] - kSlack_m;
+              : distance_m < now_m[i] - kGuardSlack_m;
       if (is_hit) return &point;
     }
   }
@@ -116,13 +103,13 @@ GuardVerdict CollisionGuard::Check(const core::VelocityCommand& wanted,
   for (size_t i = 0; i < points.size(); ++i) {
     now_m[i] = footprint_.DistanceTo_m(points[i].in_base);
   }
-  for (const double share : kShares) {
+  for (const double share : kGuardShares.value) {
     const core::VelocityCommand command = {
         .forward_mps = share * wanted.forward_mps,
         .yaw_rate_radps = share * wanted.yaw_rate_radps};
     // What is left of a command is no motion any more.
-    if (verdict.is_limited && std::abs(command.forward_mps) < kLeast_mps &&
-        std::abs(command.yaw_rate_radps) < kLeast_radps) {
+    if (verdict.is_limited && std::abs(command.forward_mps) < kLeastSpeed_mps &&
+        std::abs(command.yaw_rate_radps) < kLeastTurn_radps) {
       break;
     }
     const GuardPoint* hit = FirstHit(command, points, now_m);

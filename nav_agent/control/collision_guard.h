@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "common/geometry/rigid2.h"
 #include "nav_agent/control/footprint.h"
+#include "nav_agent/control/obstacle_parameters.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 
@@ -17,27 +18,27 @@ namespace treeline::control {
 struct CollisionGuardOptions {
   // Room that is kept to points that were measured, and to the centres of cells
   // of the map (m).
-  double point_margin_m = 0.04;
-  double cell_margin_m = 0.045;
+  double point_margin_m = kPointMargin_m;
+  double cell_margin_m = kCellMargin_m;
   // To points on what the map does not have: people and carts are wider above
   // and below the laser's plane (m).
-  double new_margin_m = 0.15;
+  double new_margin_m = kBodyWidening_m;
   // What more is kept for each m/s of speed (s).
-  double margin_per_speed_s = 0.06;
+  double margin_per_speed_s = kMarginPerSpeed_s;
   // From a command until the base obeys it (s).
-  double reaction_s = 0.08;
+  double reaction_s = kReaction_s;
   // The share of the robot's deceleration that is counted on: slopes.
-  double braking_share = 0.75;
+  double braking_share = kBrakingShare;
   // What moves may come towards the robot so fast (m/s); room that is kept to
   // it if it is no more than what is seen, and if it is somebody who is wider
   // (m).
-  double approach_mps = 0.9;
-  double moving_margin_m = 0.20;
-  double body_margin_m = 0.25;
+  double approach_mps = kApproachSpeed_mps;
+  double moving_margin_m = kMovingMargin_m;
+  double body_margin_m = kBodyMargin_m;
   // From the middle of somebody who is not seen (m).
-  double lost_margin_m = 0.35;
+  double lost_margin_m = kLostMargin_m;
   // Where somebody may be, no edge of the robot moves outwards faster (m/s).
-  double outward_mps = 0.005;
+  double outward_mps = kOutwardSpeed_mps;
 
   absl::Status Validate() const;
 };

@@ -11,15 +11,8 @@ namespace {
 
 // Nearer neighbours have no direction (m).
 constexpr double kCoincide_m = 1e-6;
-// Over so much of a pose's surroundings gradients are taken (m).
-constexpr double kProbe_m = 0.03;
-// A bubble in something is moved as if it had this radius (m).
-constexpr double kLeastRadius_m = 0.06;
 // A bubble with less room is held to touch (m).
 constexpr double kTouch_m = 0.0;
-// So far the way out of something may lead, and come nearer to it (m).
-constexpr double kLeaving_m = 0.45;
-constexpr double kLeavingSlack_m = 0.005;
 
 geometry::Vec2 Unit(geometry::Vec2 v) {
   const double length = geometry::Norm(v);
@@ -72,12 +65,11 @@ double ElasticBand::BeginAt(const geometry::Rigid2& map_from_base) {
     return 0;
   }
   // The nearest piece within the next metre; what is before it is behind.
-  constexpr double kWithin_m = 1.0;
   const geometry::Vec2 at = map_from_base.translation;
   double best_m = geometry::Norm(At(bubbles_[0]) - at);
   size_t first_ahead = bubbles_.size() > 1 ? 1 : 0;
   double along_m = 0;
-  for (size_t i = 1; i < bubbles_.size() && along_m < kWithin_m; ++i) {
+  for (size_t i = 1; i < bubbles_.size() && along_m < kPathAhead_m; ++i) {
     const geometry::Vec2 begin = At(bubbles_[i - 1]);
     const geometry::Vec2 way = At(bubbles_[i]) - begin;
     const double square = geometry::Dot(way, way);
@@ -130,10 +122,13 @@ geometry::Vec2 ElasticBand::ForceOn(size_t i, const BandSpace& space) const {
       return space.FreeDistance_m(pose, options_.influence_m);
     };
     geometry::Vec2 gradient = {
-        (radius_at(kProbe_m, 0) - radius_at(-kProbe_m, 0)) / (2 * kProbe_m),
-        (radius_at(0, kProbe_m) - radius_at(0, -kProbe_m)) / (2 * kProbe_m)};
+        (radius_at(kGradientStep_m, 0) - radius_at(-kGradientStep_m, 0)) /
+            (2 * kGradientStep_m),
+        (radius_at(0, kGradientStep_m) - radius_at(0, -kGradientStep_m)) /
+            (2 * kGradientStep_m)};
     // Within something the footprint's distance says little.
-    if (bubble.radius_m <= kTouch_m && geometry::Norm(gradient) < 0.1) {
+    if (bubble.radius_m <= kTouch_m &&
+        geometry::Norm(gradient) < kFlatGradient) {
       gradient = space.Away(At(bubble));
     }
     const double length = geometry::Norm(gradient);
@@ -148,8 +143,10 @@ geometry::Vec2 ElasticBand::ForceOn(size_t i, const BandSpace& space) const {
 void ElasticBand::MoveBubbles(const BandSpace& space) {
   for (size_t i = 1; i + 1 < bubbles_.size(); ++i) {
     const geometry::Vec2 force = ForceOn(i, space);
+    // One in something is moved as if it had this much room.
     geometry::Vec2 move =
-        options_.gain * std::max(kLeastRadius_m, bubbles_[i].radius_m) * force;
+        options_.gain * std::max(kManoeuvreRoom_m.value, bubbles_[i].radius_m) *
+        force;
     const double length_m = geometry::Norm(move);
     if (length_m < 1e-5) continue;
     if (length_m > options_.max_move_m) {
@@ -202,11 +199,11 @@ void ElasticBand::FillAndThin(const BandSpace& space) {
       const BandBubble& last = filled.back();
       const double way_m = WayBetween_m(last, bubbles_[i]);
       const double room_m =
-          std::clamp(0.9 * (last.radius_m + bubbles_[i].radius_m),
+          std::clamp(kOverlapShare * (last.radius_m + bubbles_[i].radius_m),
                      2 * options_.min_spacing_m, options_.max_spacing_m);
       if (way_m > room_m && filled.size() + bubbles_.size() - i < most) {
-        const int pieces =
-            std::min(static_cast<int>(std::ceil(way_m / room_m)), 8);
+        const int pieces = std::min(static_cast<int>(std::ceil(way_m / room_m)),
+                                    kMaxPieces.value);
         const geometry::Vec2 begin = At(last);
         BandBubble between = Between(last, bubbles_[i]);
         for (int piece = 1; piece < pieces; ++piece) {
@@ -222,9 +219,9 @@ void ElasticBand::FillAndThin(const BandSpace& space) {
       if (is_inner) {
         const double over_m = WayBetween_m(filled.back(), bubbles_[i + 1]);
         const double limit_m = std::clamp(
-            0.9 * (filled.back().radius_m + bubbles_[i + 1].radius_m),
+            kOverlapShare * (filled.back().radius_m + bubbles_[i + 1].radius_m),
             2 * options_.min_spacing_m, options_.max_spacing_m);
-        if (over_m < 0.9 * limit_m) continue;
+        if (over_m < kOverlapShare * limit_m) continue;
       }
     }
     filled.push_back(bubbles_[i]);

@@ -9,6 +9,8 @@
 
 #include "absl/status/status.h"
 #include "common/geometry/rigid2.h"
+#include "nav_agent/control/driving_parameters.h"
+#include "nav_agent/control/setting_parameters.h"
 
 namespace treeline::control {
 
@@ -33,21 +35,21 @@ class BandSpace {
 
 struct ElasticBandOptions {
   // rho_0: obstacles further from the footprint do not push (m).
-  double influence_m = 0.5;
+  double influence_m = kInflation_m;
   // k_c and k_r (1, 1/m).
-  double contraction = 1.0;
-  double repulsion = 2.5;
+  double contraction = kContraction;
+  double repulsion = kRepulsion;
   // A bubble moves by this times its radius times the force in one go, at most
   // max_move_m.
-  double gain = 0.4;
-  double max_move_m = 0.05;
+  double gain = kBandGain;
+  double max_move_m = kCell_m;
   // Neighbours at most this far apart, and at least (m).
-  double max_spacing_m = 0.30;
-  double min_spacing_m = 0.10;
+  double max_spacing_m = kMaxSpacing_m;
+  double min_spacing_m = kTwoCells_m;
   // What a turn between neighbours takes of their room (m of way for 1 rad).
-  double turn_m_per_rad = 0.1;
-  int iterations = 3;
-  int max_bubbles = 80;
+  double turn_m_per_rad = kTurnWay;
+  int iterations = kBandIterations;
+  int max_bubbles = kMaxBubbles;
 
   absl::Status Validate() const;
 };

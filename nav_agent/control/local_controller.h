@@ -10,6 +10,8 @@
 
 #include "absl/status/statusor.h"
 #include "nav_agent/control/control_pose.h"
+#include "nav_agent/control/regulator_switches.h"
+#include "nav_agent/control/setting_parameters.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
@@ -19,14 +21,15 @@ namespace treeline::control {
 
 struct LocalControllerOptions {
   // The costmap around the robot, forward x sideways of the map's axes (m).
-  double costmap_length_m = 4.0;
-  double costmap_width_m = 4.0;
-  double costmap_resolution_m = 0.05;
+  double costmap_length_m = kCostmapSize_m;
+  double costmap_width_m = kCostmapSize_m;
+  double costmap_resolution_m = kCostmapResolution_m;
   // Room beside the footprint that the band keeps where there is room (m).
-  double inflation_m = 0.5;
-  double goal_tolerance_m = 0.10;
-  double goal_tolerance_rad = 0.15;
-  double max_forward_mps = 0.6;
+  double inflation_m = kInflation_m;
+  double goal_tolerance_m = kGoalTolerance_m;
+  double goal_tolerance_rad = kGoalToleranceAngle_rad;
+  double max_forward_mps = kMaxForward_mps;
+  VelocityRegulatorSwitches regulators;
 
   absl::Status Validate() const;
 };

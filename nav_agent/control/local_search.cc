@@ -9,35 +9,19 @@
 #include <utility>
 
 namespace treeline::control {
-namespace {
-
-// About the start cells are open that are no narrower than the start (m).
-constexpr double kStartReach_m = 0.4;
-
-}  // namespace
 
 LocalWay FindLocalWay(const LocalCostmap& costmap, geometry::Vec2 start,
                       std::span<const geometry::Vec2> ends,
                       std::span<const double> end_costs_m,
                       const LocalSearchOptions& options) {
   LocalWay way;
-  const double r = costmap.resolution_m();
-  const int width = costmap.width();
-  const int height = costmap.height();
-  const geometry::Vec2 origin = costmap.origin_in_map();
-  const auto cell_of = [&](geometry::Vec2 point) {
-    return std::pair<int, int>{
-        static_cast<int>(std::floor((point.x - origin.x) / r)),
-        static_cast<int>(std::floor((point.y - origin.y) / r))};
-  };
-  const auto [start_x, start_y] = cell_of(start);
-  if (start_x < 0 || start_y < 0 || start_x >= width || start_y >= height) {
-    return way;
-  }
-  const auto index = [width](int x, int y) {
-    return static_cast<size_t>(y) * static_cast<size_t>(width) +
-           static_cast<size_t>(x);
-  };
+  const CostmapWindow& window = costmap.window();
+  const double r = window.resolution_m();
+  const int width = window.width();
+  const int height = window.height();
+  const auto [start_x, start_y] = window.CellOf(start);
+  if (!window.IsInside(start_x, start_y)) return way;
+  const auto index = [&window](int x, int y) { return window.IndexOf(x, y); };
   const std::vector<float>& distances = costmap.distances_m();
   const double at_start_m = distances[index(start_x, start_y)];
   const int margin = static_cast<int>(options.inset_m / r);
@@ -82,8 +66,8 @@ LocalWay FindLocalWay(const LocalCostmap& costmap, geometry::Vec2 start,
   double best = kFar;
   size_t last = 0;
   for (size_t i = 0; i < ends.size(); ++i) {
-    const auto [x, y] = cell_of(ends[i]);
-    if (x < 0 || y < 0 || x >= width || y >= height) continue;
+    const auto [x, y] = window.CellOf(ends[i]);
+    if (!window.IsInside(x, y)) continue;
     const double total = cost[index(x, y)] + end_costs_m[i];
     if (total >= best) continue;
     best = total;
@@ -93,7 +77,7 @@ LocalWay FindLocalWay(const LocalCostmap& costmap, geometry::Vec2 start,
   if (best == kFar) return way;
   for (int at = static_cast<int>(last); at >= 0;
        at = parent[static_cast<size_t>(at)]) {
-    way.points_in_map.push_back(costmap.CenterInMap(at % width, at / width));
+    way.points_in_map.push_back(window.CenterInMap(at % width, at / width));
   }
   std::ranges::reverse(way.points_in_map);
   way.points_in_map.front() = start;

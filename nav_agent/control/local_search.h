@@ -6,19 +6,21 @@
 #include <vector>
 
 #include "common/geometry/rigid2.h"
+#include "nav_agent/control/driving_parameters.h"
 #include "nav_agent/control/local_costmap.h"
+#include "nav_agent/core/robot_model.h"
 
 namespace treeline::control {
 
 struct LocalSearchOptions {
   // Cells nearer to obstacles than this are closed (m, from centre to centre),
   // but for where the robot is already.
-  double clearance_m = 0.37;
+  double clearance_m = core::RobotModel().half_width_m + kManoeuvreRoom_m;
   // Cells nearer than this cost more, up to 1 + price times.
-  double wished_m = 0.7;
-  double price = 4;
+  double wished_m = kWishedRoom_m;
+  double price = kRoomPrice;
   // The search stays this far from the window's edge (m).
-  double inset_m = 0.1;
+  double inset_m = kTwoCells_m;
 };
 
 struct LocalWay {

@@ -1,17 +1,14 @@
-// Speeds: limits, the collision guard, profiles, the goal.
+// Limits, the collision guard, progress along a path, standstill.
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "gtest/gtest.h"
 #include "nav_agent/control/collision_guard.h"
-#include "nav_agent/control/escape.h"
-#include "nav_agent/control/goal_approach.h"
-#include "nav_agent/control/local_costmap.h"
+#include "nav_agent/control/footprint.h"
 #include "nav_agent/control/path_progress.h"
 #include "nav_agent/control/standstill.h"
 #include "nav_agent/control/testing_floor.h"
-#include "nav_agent/control/track_follower.h"
 #include "nav_agent/control/velocity_limits.h"
 
 namespace treeline::control {
@@ -188,37 +185,6 @@ TEST(CollisionGuard, NoEdgeMovesOutBesideWhoMoves) {
   EXPECT_FALSE(guard.Check({0, 0.5}, {{stands}}).is_limited);
 }
 
-// A bench beside its rear right corner: it may not turn left, where its track
-// leads, nor may it back up; 20 cm further ahead it may turn.
-TEST(Escape, DrivesOnToWhereItMayTurn) {
-  TestingFloor floor;
-  floor.Fill({4.5, 5.2}, {5.85, 5.65}, core::Occupancy::kOccupied);
-  absl::StatusOr<LocalCostmap> costmap =
-      LocalCostmap::Make(floor.Map(), kRobot, {.front = TestingLaser()}, {});
-  ASSERT_TRUE(costmap.ok());
-  ControlPose pose = TestingPose(6, 6);
-  costmap->MoveTo(pose);
-  costmap->Update(pose.stamp);
-  std::vector<GuardPoint> bench;
-  for (double x_m = -1; x_m < -0.16; x_m += 0.05) {
-    bench.push_back({.in_base = {x_m, -0.345}, .margin_m = 0.035});
-  }
-  std::vector<TrackPoint> track;
-  for (double s_m = 0; s_m < 1.5; s_m += 0.1) {
-    track.push_back({.in_map = {6 + 0.75 * s_m, 6 + 0.65 * s_m}});
-  }
-  const CollisionGuard guard(kRobot, {});
-  const core::VelocityCommand wanted = {.forward_mps = 0,
-                                        .yaw_rate_radps = 1.0};
-  ASSERT_TRUE(guard.Check({0, 0.35}, bench).is_limited);
-  Escape escape;
-  const std::optional<core::VelocityCommand> found =
-      escape.Find(pose, track, wanted, false, *costmap, guard, bench);
-  ASSERT_TRUE(found.has_value());
-  EXPECT_GT(found->forward_mps, 0);
-  EXPECT_FALSE(guard.Check(*found, bench).is_limited);
-}
-
 TEST(Footprint, OutwardSpeedIsOfTheEdgesNearAPoint) {
   const Footprint footprint = {
       .front_m = 0.3, .rear_m = 0.4, .half_width_m = 0.2};
@@ -241,76 +207,6 @@ TEST(CollisionGuard, NaNStops) {
       guard.Check({.forward_mps = std::nan(""), .yaw_rate_radps = 0.1}, {});
   EXPECT_TRUE(verdict.is_limited);
   EXPECT_EQ(verdict.command, core::VelocityCommand());
-}
-
-std::vector<TrackPoint> StraightTrack(double length_m, double clearance_m) {
-  std::vector<TrackPoint> track;
-  for (int i = 0; i * 0.05 <= length_m + 1e-9; ++i) {
-    track.push_back({.in_map = {0.05 * i, 0}, .clearance_m = clearance_m});
-  }
-  return track;
-}
-
-TEST(SpeedProfile, IsATrapezoidThatEndsInTime) {
-  const TrackFollowerOptions options;
-  const auto speeds = SpeedProfile(StraightTrack(2, 1), 0, kRobot, options);
-  EXPECT_EQ(speeds.front(), 0.6);
-  EXPECT_EQ(speeds.back(), 0);
-  const double brake = options.acceleration_share * 1.5;
-  for (size_t i = 1; i < speeds.size(); ++i) {
-    const double left_m = 2 - 0.05 * static_cast<double>(i);
-    EXPECT_NEAR(speeds[i], std::min(0.6, std::sqrt(2 * brake * left_m)), 1e-6);
-  }
-}
-
-TEST(SpeedProfile, IsSlowBesideObstaclesInCurvesAndOnSlopes) {
-  EXPECT_NEAR(SpeedProfile(StraightTrack(2, 0.05), 0, kRobot, {}).front(),
-              0.15 + 1.2 * 0.05, 1e-9);
-  std::vector<TrackPoint> slope = StraightTrack(2, 1);
-  for (TrackPoint& point : slope) point.slope_rad = 0.14;
-  EXPECT_NEAR(SpeedProfile(slope, 0, kRobot, {}).front(), 0.6 * 0.75, 1e-3);
-  // A right angle in the middle.
-  std::vector<TrackPoint> corner = StraightTrack(1, 1);
-  for (int i = 1; i <= 20; ++i) {
-    corner.push_back({.in_map = {1, 0.05 * i}, .clearance_m = 1});
-  }
-  const auto speeds = SpeedProfile(corner, 0, kRobot, {});
-  EXPECT_LT(speeds[20], 0.1);
-  EXPECT_EQ(speeds[0], 0.6);
-}
-
-TEST(FollowTrack, TurnsOnTheSpotTowardsALineBehindIt) {
-  FollowState state;
-  const core::VelocityCommand command =
-      FollowTrack({.translation = {0, 0}, .yaw_rad = std::numbers::pi - 0.1}, 0,
-                  StraightTrack(2, 1), 0, kRobot, {}, state);
-  EXPECT_EQ(command.forward_mps, 0);
-  EXPECT_LT(command.yaw_rate_radps, -0.5);
-  EXPECT_TRUE(state.is_turning);
-}
-
-TEST(GoalApproach, ArrivesWithinTheTolerancesFromManyPlaces) {
-  for (const double x : {-0.15, -0.05, 0.08}) {
-    for (const double y : {-0.1, 0.0, 0.15}) {
-      for (const double yaw : {-3.0, -0.5, 0.0, 1.6}) {
-        GoalApproach approach({.tolerance_m = 0.1, .tolerance_rad = 0.15});
-        const geometry::Rigid2 goal = {.translation = {0, 0}, .yaw_rad = 0.3};
-        geometry::Rigid2 at = {.translation = {x, y}, .yaw_rad = yaw};
-        core::VelocityCommand command;
-        for (int step = 0; step < 800; ++step) {
-          ASSERT_TRUE(approach.IsNear(at, goal, 0.1));
-          command = LimitedVelocity(
-              command, approach.Command(at, goal, kRobot, {}), 0.025, kRobot);
-          at = at * MotionIn(0.025, command);
-        }
-        EXPECT_TRUE(approach.is_done()) << x << " " << y << " " << yaw;
-        EXPECT_LT(geometry::Norm(at.translation), 0.1);
-        EXPECT_LT(std::abs(geometry::NormalizedAngle_rad(at.yaw_rad - 0.3)),
-                  0.15);
-        EXPECT_EQ(command, core::VelocityCommand());
-      }
-    }
-  }
 }
 
 TEST(PathProgress, StaysOnItsPartOfAPathThatComesByAgain) {

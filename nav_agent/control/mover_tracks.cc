@@ -6,17 +6,10 @@
 #include <cstddef>
 #include <utility>
 
+#include "nav_agent/control/driving_parameters.h"
+
 namespace treeline::control {
 namespace {
-
-// Scans further apart say nothing of speeds (s).
-constexpr double kLongestInterval_s = 0.25;
-// Who walks is not faster (m/s).
-constexpr double kFastest_mps = 2.0;
-// Out of sight for so long, it may have turned (s).
-constexpr double kBlink_s = 0.3;
-// A beam that ends so much nearer does not show what is behind (m).
-constexpr double kInFront_m = 0.25;
 
 struct Cluster {
   geometry::Vec2 sum;
@@ -81,7 +74,7 @@ void MoverTracks::Follow(Track& track, geometry::Vec2 in_map,
                          double interval_s) const {
   // Who comes into sight again is there, not between there and where it was
   // expected, and goes another way perhaps.
-  if (track.unseen_s > kBlink_s) track.fitted = 0;
+  if (track.unseen_s > kLately_s) track.fitted = 0;
   track.fitted = std::min(track.fitted + 1, options_.fitted_scans);
   const double n = track.fitted;
   const geometry::Vec2 surprise = in_map - track.in_map;
@@ -90,8 +83,8 @@ void MoverTracks::Follow(Track& track, geometry::Vec2 in_map,
     track.velocity_mps =
         track.velocity_mps + (6 / (n * (n + 1) * interval_s)) * surprise;
     const double speed_mps = geometry::Norm(track.velocity_mps);
-    if (speed_mps > kFastest_mps) {
-      track.velocity_mps = (kFastest_mps / speed_mps) * track.velocity_mps;
+    if (speed_mps > kFastestWalk_mps) {
+      track.velocity_mps = (kFastestWalk_mps / speed_mps) * track.velocity_mps;
     }
   }
   track.unseen_s = 0;

@@ -10,7 +10,8 @@
 
 #include "common/base/clock.h"
 #include "common/geometry/rigid3.h"
-#include "nav_agent/control/local_costmap.h"
+#include "nav_agent/control/obstacle_parameters.h"
+#include "nav_agent/control/seen_point.h"
 #include "nav_agent/core/sensor_data.h"
 
 namespace treeline::control {
@@ -18,24 +19,24 @@ namespace treeline::control {
 struct MoverTracksOptions {
   // Points so near to the middle of one are its own, legs of one person for
   // instance (m).
-  double size_m = 0.4;
+  double size_m = kLegsApart_m;
   // What is so near to the edge of the view is half out of it (m).
-  double cut_m = 0.2;
+  double cut_m = kCutAtEdge_m;
   // It is taken for the one that was expected within this (m).
-  double reach_m = 0.5;
+  double reach_m = kLegReach_m;
   // Place and speed are those of the straight line through its last so many
   // places, roughly: an alpha-beta filter whose gains are those of a least
   // squares fit to all (Benedict and Bordner's growing memory) until there are
   // so many.
-  int fitted_scans = 14;
+  int fitted_scans = kFittedScans;
   // Seen so often, it is there; not seen so often where it should be, it is
   // not.
-  int scans_to_begin = 4;
-  int scans_to_end = 6;
+  int scans_to_begin = kScansToBegin;
+  int scans_to_end = kScansToEnd;
   // Out of sight it walks on as it did, and every second may be so much further
   // from there (m). After so long it is forgotten (s).
-  double doubt_mps = 0.35;
-  double memory_s = 3.0;
+  double doubt_mps = kDoubt_mps;
+  double memory_s = kRecently_s;
 };
 
 // One that moves.

@@ -5,20 +5,9 @@
 #include <cstddef>
 #include <limits>
 
+#include "nav_agent/control/driving_parameters.h"
+
 namespace treeline::control {
-namespace {
-
-// So far back and ahead along the path the nearest point is looked for (m),
-// and on a new path.
-constexpr double kBack_m = 0.3;
-constexpr double kAhead_m = 1.0;
-constexpr double kFirst_m = 2.0;
-// The price of a metre of path that is skipped.
-constexpr double kSkip = 0.1;
-constexpr double kFloor_m = 1.0;
-
-}  // namespace
-
 void PathProgress::SetPath(const std::vector<core::LevelPose>& path) {
   path_ = path;
   starts_m_.assign(path.size(), 0);
@@ -40,14 +29,15 @@ void PathProgress::Follow(const core::LevelPose& pose) {
     }
     return;
   }
-  const double from_m = std::max(0.0, along_m_ - kBack_m);
-  const double until_m = along_m_ + (is_fresh_ ? kFirst_m : kAhead_m);
+  const double from_m = std::max(0.0, along_m_ - kPathBack_m);
+  const double until_m = along_m_ + (is_fresh_ ? 2 : 1) * kPathAhead_m;
   const geometry::Vec2 at = pose.map_from_base.translation;
   double best = std::numeric_limits<double>::infinity();
   double best_along_m = along_m_;
   for (size_t i = 1; i < path_.size(); ++i) {
     if (starts_m_[i] < from_m || starts_m_[i - 1] > until_m) continue;
-    if (std::abs(path_[i].place.height_m - pose.place.height_m) > kFloor_m) {
+    if (std::abs(path_[i].place.height_m - pose.place.height_m) >
+        kStoreyHeight_m) {
       continue;
     }
     const geometry::Vec2 begin = path_[i - 1].map_from_base.translation;
@@ -61,7 +51,7 @@ void PathProgress::Follow(const core::LevelPose& pose) {
         std::clamp(starts_m_[i - 1] + part * (starts_m_[i] - starts_m_[i - 1]),
                    from_m, until_m);
     const double off_m = geometry::Norm(begin + part * way - at);
-    const double score = off_m + kSkip * std::max(0.0, along_m - along_m_);
+    const double score = off_m + kPathSkip * std::max(0.0, along_m - along_m_);
     if (score < best) {
       best = score;
       best_along_m = along_m;

@@ -51,7 +51,7 @@ ControlState Standstill::Decide(const StandstillInput& input) {
       waiting_since_.reset();
       is_blocked_ = false;
       // An escape goes on until the robot has got away.
-      if (!is_stuck && Since_s(escaping_since_, input.stamp) > 0.8) {
+      if (!is_stuck && Since_s(escaping_since_, input.stamp) > kEscaped_s) {
         escaping_since_.reset();
         wants_escape_ = false;
       }

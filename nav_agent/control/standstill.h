@@ -6,27 +6,29 @@
 
 #include "common/base/clock.h"
 #include "common/geometry/rigid2.h"
+#include "nav_agent/control/driving_parameters.h"
 #include "nav_agent/control/local_controller.h"
+#include "nav_agent/control/manoeuvre_parameters.h"
 
 namespace treeline::control {
 
 struct StandstillOptions {
   // A break must last before it counts, and be gone before it does not (s).
-  double break_s = 0.4;
-  double mended_s = 0.3;
+  double break_s = kBreak_s;
+  double mended_s = kMended_s;
   // What has been there for less may go away by itself, and is waited for at
   // most so long (s).
-  double young_s = 2.5;
-  double patience_s = 4.0;
+  double young_s = kYoung_s;
+  double patience_s = kPatience_s;
   // Driving that gets nowhere: this far in this time (m, rad, s).
-  double progress_m = 0.05;
-  double progress_rad = 0.15;
-  double stuck_s = 1.2;
+  double progress_m = kCell_m;
+  double progress_rad = kProgressAngle_rad;
+  double stuck_s = kStuck_s;
   // Without anything seen in its way, it is held by something unseen after this
   // time (s).
-  double held_s = 3.0;
+  double held_s = kHeld_s;
   // So long other ways are tried to get on (s).
-  double escape_s = 5.0;
+  double escape_s = kEscapeTime_s;
 };
 
 struct StandstillInput {

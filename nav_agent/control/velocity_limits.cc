@@ -7,10 +7,6 @@
 namespace treeline::control {
 namespace {
 
-constexpr double kUsualInterval_s = 0.025;
-// What was measured may lag behind what was told by this time (s).
-constexpr double kLag_s = 0.1;
-
 double FiniteOr0(double value) { return std::isfinite(value) ? value : 0; }
 
 }  // namespace
@@ -75,14 +71,14 @@ CommandHistory::Start CommandHistory::StartAt(
   Start start = {
       .velocity = {.forward_mps = FiniteOr0(measured.forward_mps),
                    .yaw_rate_radps = FiniteOr0(measured.yaw_rate_radps)},
-      .interval_s = kUsualInterval_s};
+      .interval_s = kCycle_s};
   const std::optional<Entry>& before =
       last_.has_value() && last_->stamp == now ? before_ : last_;
   if (!before.has_value()) return start;
   const double since_s =
       std::chrono::duration<double>(now - before->stamp).count();
   if (since_s < 0 || since_s > kLag_s) return start;
-  start.interval_s = std::clamp(since_s, 0.005, kLag_s);
+  start.interval_s = std::clamp(since_s, kMinInterval_s.value, kLag_s);
   const double lag_s = kLag_s + start.interval_s;
   if (std::abs(before->command.forward_mps - start.velocity.forward_mps) <=
       robot.max_deceleration_mps2 * lag_s) {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/base/clock.h"
+#include "nav_agent/control/driving_parameters.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
 
@@ -37,7 +38,7 @@ class CommandHistory {
   // 0.1). Told twice in the same instant, both start from the same.
   struct Start {
     core::VelocityCommand velocity;
-    double interval_s = 0.025;
+    double interval_s = kCycle_s;
   };
   Start StartAt(base::MonotonicTime now, const core::VelocityCommand& measured,
                 const core::RobotModel& robot) const;

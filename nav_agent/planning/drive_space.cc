@@ -5,19 +5,10 @@
 #include <numbers>
 #include <utility>
 
+#include "nav_agent/planning/planner_parameters.h"
+
 namespace treeline::planning {
 namespace {
-
-// Between headings that are checked in a turn the furthest corner moves by at
-// most this part of a cell.
-constexpr double kTurnStep_cells = 0.25;
-// Nearer than this beyond the circumradius to things a metre costs more, at
-// contact this much; and on ground inclined by a sine of 1.
-constexpr double kComfort_m = 0.25;
-constexpr double kNearCost = 1.0;
-constexpr double kSlopeCost = 2.0;
-// Costs are summed up in steps of this (m).
-constexpr double kCostStep_m = 0.1;
 
 bool DiscTouches(const Disc& disc, const OrientedBox& box) {
   const geometry::Vec2 from_origin = disc.center - box.origin;
@@ -134,7 +125,7 @@ bool DriveSpace::CanTurn(const Spot& spot, double from_yaw_rad,
   if (RoomAtLeast_m(spot) >= footprint_.circumradius_m) return true;
   const int steps = static_cast<int>(
       std::ceil(std::abs(turn_rad) * footprint_.circumradius_m /
-                (kTurnStep_cells * ground_->resolution_m())));
+                (kTurnStep * ground_->resolution_m())));
   const double step_rad = turn_rad / steps;
   // What a corner moves by between the headings that are looked at.
   const double grown_m = footprint_.circumradius_m * std::abs(step_rad) / 2;
@@ -234,7 +225,7 @@ double DriveSpace::LineCost_m(const Spot& from, const Spot& to) const {
   const geometry::Vec2 way = to.at - from.at;
   const double length_m = geometry::Norm(way);
   const int steps =
-      std::max(1, static_cast<int>(std::ceil(length_m / kCostStep_m)));
+      std::max(1, static_cast<int>(std::ceil(length_m / kWayStep_m)));
   Spot at = from;
   core::CellIndex cell = ground_->CellOf(from.at);
   double sum = 0;

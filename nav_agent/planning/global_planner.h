@@ -14,6 +14,7 @@
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/core/navigation_cause.h"
 #include "nav_agent/core/robot_model.h"
+#include "nav_agent/planning/planner_parameters.h"
 #include "nav_agent/traversability/navigation_map.h"
 
 namespace treeline::planning {
@@ -36,7 +37,7 @@ struct PlanRequest {
 struct PlanBudget {
   // Both end the improving of a path; infinite time makes the result a function
   // of the request alone.
-  int max_iterations = 20000;
+  int max_iterations = kMaxIterations;
   double max_time_s = std::numeric_limits<double>::infinity();
   // false: the first path will do (of variable-rrt).
   bool improves = true;
@@ -73,9 +74,9 @@ struct GlobalPlannerOptions {
   // planner of OMPL.
   std::string planner = "variable-rrt";
   // Room beside the robot's footprint (m, 0 to 1).
-  double margin_m = 0.03;
+  double margin_m = kPlanMargin_m;
   // Start and goal are moved by at most this to where there is room (m).
-  double max_move_m = 0.6;
+  double max_move_m = kMaxMove_m;
 
   absl::Status Validate() const;
 };

@@ -8,11 +8,12 @@
 
 #include "nav_agent/planning/open_nodes.h"
 #include "nav_agent/planning/path_improver.h"
+#include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
 namespace {
 
-constexpr int kStopEvery = 1024;
+constexpr int kStopEvery = 4 * kStopEveryNode;
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr std::array<core::CellIndex, 16> kSteps = {{{1, 0},
                                                      {0, 1},
@@ -30,8 +31,6 @@ constexpr std::array<core::CellIndex, 16> kSteps = {{{1, 0},
                                                      {-1, -2},
                                                      {1, -2},
                                                      {2, -1}}};
-// Lines are tried over at most so many points.
-constexpr size_t kMostAhead = 40;
 
 // A* over level * cells + cell.
 class GuideSearch {
@@ -192,7 +191,8 @@ Polyline PullTight(const DriveSpace& space, double start_yaw_rad,
   best[0] = {.cost_m = 0, .yaw_rad = start_yaw_rad};
   for (size_t i = 0; i + 1 < thin.size(); ++i) {
     if (!std::isfinite(best[i].cost_m)) continue;
-    for (size_t k = std::min(thin.size() - 1, i + kMostAhead); k > i; --k) {
+    for (size_t k = std::min(thin.size() - 1, i + size_t{kPullAhead.value});
+         k > i; --k) {
       const geometry::Vec2 line = thin[k].at - thin[i].at;
       const double length_m = geometry::Norm(line);
       if (!(length_m > 1e-6)) continue;

@@ -10,6 +10,7 @@
 
 #include "nav_agent/planning/open_nodes.h"
 #include "nav_agent/planning/path_improver.h"
+#include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
 namespace {
@@ -34,18 +35,8 @@ constexpr std::array<core::CellIndex, kHeadings> kSteps = {{{1, 0},
                                                             {2, -1}}};
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
-constexpr int kStopEvery = 256;
-// What is left to go counts so much more than what was gone: fewer places are
-// looked at, and ways are improved anyway.
-constexpr float kGreed = 1.5F;
-// From so near (m) straight lines to the goal are tried, which need a turn of
-// at most this (rad): other headings are of other nodes.
-constexpr double kLastLine_m = 1.0;
-constexpr double kLastTurn_rad = 0.6;
-// A niche around the goal is no larger than so many nodes.
-constexpr size_t kNicheNodes = 20000;
-// Ways that are longer than the disc's by more than this (m) are guided less.
-constexpr float kDetour_m = 3.0F;
+constexpr auto kEstimateWeight = static_cast<float>(kGreed.value);
+constexpr auto kFurther_m = static_cast<float>(kDetour_m.value);
 constexpr size_t kNowhere = std::numeric_limits<size_t>::max();
 
 double YawOf(int heading) {
@@ -91,7 +82,7 @@ class Lattice {
             static_cast<float>(TurnCost_m(start_.yaw_rad, yaw_rad)));
     }
     for (int count = 0; !open_.empty(); ++count) {
-      if (count % kStopEvery == 0 && (*is_over_)()) return {};
+      if (count % kStopEveryNode == 0 && (*is_over_)()) return {};
       const OpenNode next = open_.top();
       open_.pop();
       if (is_done_[next.number]) continue;
@@ -210,7 +201,7 @@ class Lattice {
       is_found[number] = true;
     };
     for (size_t i = 0; i < found.size(); ++i) {
-      if (i > kNicheNodes ||
+      if (i > size_t{kNicheNodes.value} ||
           std::ranges::find(starts_, found[i]) != starts_.end()) {
         return true;
       }
@@ -248,12 +239,12 @@ class Lattice {
     open.push({0, static_cast<uint32_t>(goal)});
     float furthest_m = kFar;
     for (int count = 0; !open.empty(); ++count) {
-      if (count % kStopEvery == 0 && (*is_over_)()) return false;
+      if (count % kStopEveryNode == 0 && (*is_over_)()) return false;
       const OpenNode next = open.top();
       open.pop();
       if (next.estimate_m > furthest_m) break;
       if (next.estimate_m > estimate_m_[next.number]) continue;
-      if (next.number == start) furthest_m = next.estimate_m + kDetour_m;
+      if (next.number == start) furthest_m = next.estimate_m + kFurther_m;
       const core::CellIndex cell = CellOf(next.number);
       for (size_t i = 0; i < kHeadings; ++i) {
         const core::CellIndex to = {cell.x + kSteps[i].x, cell.y + kSteps[i].y};
@@ -280,7 +271,7 @@ class Lattice {
     if (cost_m >= cost_m_[number] || !std::isfinite(estimate_m)) return;
     cost_m_[number] = cost_m;
     parent_[number] = from;
-    open_.push({cost_m + kGreed * estimate_m, number});
+    open_.push({cost_m + kEstimateWeight * estimate_m, number});
   }
 
   // Whether it turns there from a heading to the next one to the left.

@@ -15,6 +15,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/planning/ompl_variable_rrt.h"
 #include "nav_agent/planning/path_improver.h"
+#include "nav_agent/planning/planner_parameters.h"
 #include "ompl/base/PlannerData.h"
 #include "ompl/base/objectives/PathLengthOptimizationObjective.h"
 #include "ompl/base/spaces/RealVectorStateSpace.h"
@@ -37,11 +38,6 @@ constexpr std::array<const char*, 5> kNames = {"rrt-connect", "rrt-star",
                                                "ompl-variable-rrt"};
 // The third coordinate is the level; so small that distances are of x and y.
 constexpr double kLevelScale = 1e-3;
-constexpr double kRange_m = 1.5;
-constexpr double kImproveShare = 0.9;
-constexpr int kIdleAttempts = 250;
-constexpr double kLeavingStep_m = 0.1;
-constexpr int kLeavingSteps = 20;
 
 // Held while OMPL's generator of seeds is used.
 ABSL_CONST_INIT absl::Mutex ompl_mutex(absl::kConstInit);
@@ -136,13 +132,13 @@ ob::PlannerPtr MakePlanner(const std::string& name,
   if (name == "bit-star") return std::make_shared<og::BITstar>(space);
   if (name == "rrt-connect") {
     auto planner = std::make_shared<og::RRTConnect>(space);
-    planner->setRange(kRange_m);
+    planner->setRange(kOmplRange_m);
     return planner;
   }
   auto planner = name == "rrt-star"
                      ? std::make_shared<og::RRTstar>(space)
                      : std::make_shared<og::InformedRRTstar>(space);
-  planner->setRange(kRange_m);
+  planner->setRange(kOmplRange_m);
   return planner;
 }
 
@@ -153,9 +149,9 @@ Polyline Leave(const DriveSpace& space, const Stand& stand, int direction) {
   if (space.FitsTurning(stand.spot)) return way;
   const geometry::Vec2 ahead = {std::cos(stand.yaw_rad),
                                 std::sin(stand.yaw_rad)};
-  for (int i = 1; i <= kLeavingSteps; ++i) {
+  for (int i = 1; i <= kLongLeavingWay; ++i) {
     const std::optional<Spot> spot = space.Drive(
-        stand.spot, stand.spot.at + (direction * i * kLeavingStep_m) * ahead,
+        stand.spot, stand.spot.at + (direction * i * kWayStep_m) * ahead,
         direction < 0);
     if (!spot.has_value()) return {};
     if (!space.FitsTurning(*spot)) continue;
@@ -228,8 +224,7 @@ Polyline Solve(const Search& search, const Spot& from, const Spot& to,
   planner->solve(ob::PlannerTerminationCondition([&] {
     return ++questions > search.budget.max_iterations ||
            search.stop.stop_requested() ||
-           SecondsSince(search.begin) >=
-               kImproveShare * search.budget.max_time_s;
+           SecondsSince(search.begin) >= kOmplShare * search.budget.max_time_s;
   }));
   result.iterations = questions;
   AddEdges(*planner, info, result);
@@ -314,7 +309,7 @@ absl::StatusOr<PlanResult> OmplPlanner::Plan(
                         std::move(way));
   for (int idle = 0, i = 0; idle < kIdleAttempts && i < budget.max_iterations;
        ++i) {
-    if (i % 16 == 0 &&
+    if (i % kStopEveryAttempt == 0 &&
         (stop.stop_requested() || SecondsSince(begin) >= budget.max_time_s)) {
       break;
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "nav_agent/planning/planner_parameters.h"
 #include "ompl/base/goals/GoalSampleableRegion.h"
 #include "ompl/geometric/PathGeometric.h"
 
@@ -11,8 +12,6 @@ namespace {
 namespace ob = ompl::base;
 
 // As in variable_rrt.cc.
-constexpr double kLeastStep_m = 0.1;
-constexpr double kMostStep_m = 2.0;
 constexpr double kReached_m = 1e-9;
 
 }  // namespace
@@ -76,7 +75,7 @@ OmplVariableRrt::Node* OmplVariableRrt::Step(size_t tree,
   if (distance_m < kReached_m) return nearest;
   const double step_m =
       std::clamp(si_->getStateValidityChecker()->clearance(nearest->state),
-                 kLeastStep_m, kMostStep_m);
+                 kMinStep_m, kMaxStep_m.value);
   si_->getStateSpace()->interpolate(
       nearest->state, towards, std::min(1.0, step_m / distance_m), scratch_);
   // The goal's tree is driven towards its root.

@@ -5,13 +5,10 @@
 #include <optional>
 #include <utility>
 
+#include "nav_agent/planning/planner_parameters.h"
+
 namespace treeline::planning {
 namespace {
-
-// Turning by a radian costs as much as driving this (m).
-constexpr double kTurnCost_m = 0.05;
-constexpr double kLeastGain_m = 1e-4;
-constexpr double kLeastLine_m = 0.02;
 
 double YawOf(const Spot& from, const Spot& to) {
   const geometry::Vec2 way = to.at - from.at;
@@ -21,7 +18,7 @@ double YawOf(const Spot& from, const Spot& to) {
 }  // namespace
 
 double TurnCost_m(double from_yaw_rad, double to_yaw_rad) {
-  return kTurnCost_m *
+  return kTurnCost *
          std::abs(geometry::NormalizedAngle_rad(to_yaw_rad - from_yaw_rad));
 }
 
@@ -96,7 +93,9 @@ double PathImprover::YawOutOf(size_t point) const {
 
 bool PathImprover::Try(base::Random& random) {
   if (way_.size() < 2) return false;
-  return random.NextBelow(3) == 0 ? TryMove(random) : TryShortcut(random);
+  return random.NextBelow(uint32_t{kMoveEvery.value}) == 0
+             ? TryMove(random)
+             : TryShortcut(random);
 }
 
 bool PathImprover::TryShortcut(base::Random& random) {
@@ -118,13 +117,13 @@ bool PathImprover::TryShortcut(base::Random& random) {
     return way_[line].at + t * (way_[line + 1].at - way_[line].at);
   };
   Polyline between;
-  if (from_m - along_m_[from_line] > kLeastLine_m) {
+  if (from_m - along_m_[from_line] > kMinLine_m) {
     const std::optional<Spot> spot =
         space_->Drive(way_[from_line], point_at(from_line, from_m));
     if (!spot.has_value()) return false;
     between.push_back(*spot);
   }
-  if (along_m_[to_line + 1] - to_m > kLeastLine_m) {
+  if (along_m_[to_line + 1] - to_m > kMinLine_m) {
     const std::optional<Spot> spot =
         space_->Drive(way_[to_line], point_at(to_line, to_m));
     if (!spot.has_value()) return false;
@@ -163,7 +162,7 @@ bool PathImprover::Replace(size_t first, size_t last, const Polyline& between) {
   double new_cost_m = 0;
   double yaw_rad = yaw_into_rad;
   for (size_t i = 1; i < chain.size(); ++i) {
-    if (!(geometry::Norm(chain[i].at - chain[i - 1].at) > kLeastLine_m / 2)) {
+    if (!(geometry::Norm(chain[i].at - chain[i - 1].at) > kMinLine_m / 2)) {
       return false;
     }
     const double next_rad = YawOf(chain[i - 1], chain[i]);
@@ -172,7 +171,7 @@ bool PathImprover::Replace(size_t first, size_t last, const Polyline& between) {
     yaw_rad = next_rad;
   }
   new_cost_m += TurnCost_m(yaw_rad, yaw_out_rad);
-  if (new_cost_m > old_cost_m - kLeastGain_m ||
+  if (new_cost_m > old_cost_m - kMinGain_m ||
       !CanBeDriven(*space_, yaw_into_rad, yaw_out_rad, chain)) {
     return false;
   }

@@ -5,11 +5,10 @@
 #include <numbers>
 #include <vector>
 
+#include "nav_agent/planning/planner_parameters.h"
+
 namespace treeline::planning {
 namespace {
-
-// Headings that are tried, to both sides.
-constexpr int kHeadings = 12;
 
 bool IsBlocked(const DriveSpace& space, const Spot& spot) {
   const GroundIndex& ground = space.ground();
@@ -70,12 +69,12 @@ std::optional<MovedStand> NearestStand(
   }
   std::vector<Candidate> cells = CellsAround(space, wanted.spot, max_move_m);
   cells.insert(cells.begin(), {.spot = wanted.spot});
-  for (int turn = 0; turn <= kHeadings; ++turn) {
+  for (int turn = 0; turn <= kEndHeadings; ++turn) {
     for (const Candidate& cell : cells) {
       if (!is_allowed(cell.spot)) continue;
       for (const int side : {1, -1}) {
         const double yaw_rad = geometry::NormalizedAngle_rad(
-            wanted.yaw_rad + side * turn * std::numbers::pi / kHeadings);
+            wanted.yaw_rad + side * turn * std::numbers::pi / kEndHeadings);
         if (!space.Fits(cell.spot, yaw_rad) ||
             !LeadsOut(space, wanted.spot, cell.spot.at)) {
           continue;

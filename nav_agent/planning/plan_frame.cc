@@ -10,13 +10,10 @@
 #include "absl/strings/str_format.h"
 #include "nav_agent/planning/path_improver.h"
 #include "nav_agent/planning/plan_ends.h"
+#include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
 namespace {
-
-constexpr double kPathStep_m = 0.1;
-constexpr double kLeavingStep_m = 0.1;
-constexpr int kLeavingSteps = 5;
 
 bool IsFinite(geometry::Vec2 at) {
   return std::isfinite(at.x) && std::isfinite(at.y);
@@ -62,9 +59,9 @@ std::optional<Spot> LeaveStraight(const DriveSpace& space, const Stand& stand,
   const geometry::Vec2 ahead = {std::cos(stand.yaw_rad),
                                 std::sin(stand.yaw_rad)};
   std::optional<Spot> spot;
-  for (int i = 1; i <= kLeavingSteps; ++i) {
+  for (int i = 1; i <= kLeavingWay; ++i) {
     spot = space.Drive(stand.spot,
-                       stand.spot.at + (direction * i * kLeavingStep_m) * ahead,
+                       stand.spot.at + (direction * i * kWayStep_m) * ahead,
                        direction < 0);
     if (!spot.has_value()) return std::nullopt;
     if (space.FitsTurning(*spot)) return spot;
@@ -235,7 +232,7 @@ void WriteWay(const PlanTask& task, const Polyline& way, PlanResult& result) {
     const geometry::Vec2 line = way[i + 1].at - way[i].at;
     const double yaw_rad = std::atan2(line.y, line.x);
     const int steps = std::max(
-        1, static_cast<int>(std::ceil(geometry::Norm(line) / kPathStep_m)));
+        1, static_cast<int>(std::ceil(geometry::Norm(line) / kWayStep_m)));
     Spot spot = way[i];
     for (int k = 0; k < steps; ++k) {
       const geometry::Vec2 at =

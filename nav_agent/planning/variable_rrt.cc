@@ -5,20 +5,10 @@
 #include <limits>
 #include <optional>
 
+#include "nav_agent/planning/planner_parameters.h"
+
 namespace treeline::planning {
 namespace {
-
-// Steps are no shorter than this, to get away from walls that are touched, and
-// no longer, to leave nodes for others to begin at.
-constexpr double kLeastStep_m = 0.1;
-constexpr double kMostStep_m = 2.0;
-// What another level is further away.
-constexpr double kLevelDistance_m = 2.0;
-// A root whose robot cannot turn leaves it along its heading: in this many
-// steps of this.
-constexpr int kLeavingSteps = 6;
-constexpr double kLeavingStep_m = 0.2;
-constexpr int kStopEvery = 32;
 
 double YawOf(geometry::Vec2 way) { return std::atan2(way.y, way.x); }
 
@@ -77,7 +67,7 @@ class VariableRrt::Tree {
     const double length_m = geometry::Norm(way);
     if (!(length_m > 1e-6)) return -1;
     const double step_m =
-        std::clamp(space_->RoomAtLeast_m(spot), kLeastStep_m, kMostStep_m);
+        std::clamp(space_->RoomAtLeast_m(spot), kMinStep_m, kMaxStep_m.value);
     return step_m >= length_m ? Add(from, towards)
                               : Add(from, spot.at + (step_m / length_m) * way);
   }
@@ -117,10 +107,9 @@ class VariableRrt::Tree {
     const geometry::Vec2 ahead = {std::cos(nodes_[0].yaw_rad),
                                   std::sin(nodes_[0].yaw_rad)};
     int from = 0;
-    for (int i = 0; i < kLeavingSteps && from >= 0; ++i) {
-      from = Add(from,
-                 node(from).spot.at +
-                     (is_of_goal_ ? -kLeavingStep_m : kLeavingStep_m) * ahead);
+    for (int i = 0; i < kRootSteps && from >= 0; ++i) {
+      from = Add(from, node(from).spot.at +
+                           (is_of_goal_ ? -kRootStep_m : +kRootStep_m) * ahead);
     }
   }
 
@@ -160,7 +149,7 @@ bool VariableRrt::Grow(int iterations,
                        const std::function<Spot(uint64_t)>& sample,
                        const std::function<bool()>& is_over) {
   for (int i = 0; i < iterations && met_[0] < 0; ++i, ++iterations_) {
-    if (i % kStopEvery == 0 && is_over()) break;
+    if (i % kStopEveryStep == 0 && is_over()) break;
     const size_t own = static_cast<size_t>(iterations_) % 2;
     const Spot to = sample(static_cast<uint64_t>(iterations_));
     const int node = trees_[own]->Step(trees_[own]->Nearest(to), to.at);

@@ -11,6 +11,7 @@
 #include "nav_agent/planning/guide.h"
 #include "nav_agent/planning/lattice.h"
 #include "nav_agent/planning/path_improver.h"
+#include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
 namespace {
@@ -18,23 +19,9 @@ namespace {
 // Streams of random numbers; restarts follow.
 constexpr uint64_t kImprovements = 1;
 constexpr uint64_t kFirstTree = 2;
-// One sample in so many is the other tree's root.
-constexpr uint32_t kGoalEvery = 16;
-constexpr int kStopEvery = 16;
-// The trees grow so long before a guide is looked for: an open room takes less.
-constexpr int kUnguidedIterations = 300;
-// One in so many samples is anywhere once there is a guide; the others lie
-// around it, by this standard deviation (m).
-constexpr uint32_t kAnywhereEvery = 4;
-constexpr double kGuideSpread_m = 0.15;
-// A way is left alone after so many attempts in a row without a gain.
-constexpr int kIdleAttempts = 250;
-constexpr int kRestartIterations = 200;
-// So many restarts without a gain end the search.
-constexpr int kIdleRestarts = 40;
-constexpr double kGuideSpacing_m = 0.15;
-// Trees that have not met after so many do not meet soon.
-constexpr int kEasyIterations = 1000;
+// Of a way's cost, that a gain leaves.
+constexpr double kKept = 1 - kRestartGain;
+constexpr uint64_t kTries{kRestartTries.value};
 
 double SecondsSince(base::MonotonicTime start) {
   return base::MillisecondsBetween(start, base::SteadyClock().Now()) / 1000;
@@ -82,16 +69,17 @@ class Planning {
 
 Spot Planning::SampleOf(uint64_t stream, uint64_t iteration) const {
   base::Random random(seed_ + (stream << 32), iteration);
-  if (random.NextBelow(kGoalEvery) == 0) {
+  if (random.NextBelow(uint32_t{kGoalEvery.value}) == 0) {
     return iteration % 2 == 0 ? task_->goal.spot : task_->start.spot;
   }
-  if (guide_.has_value() && random.NextBelow(kAnywhereEvery) != 0) {
+  if (guide_.has_value() &&
+      random.NextBelow(uint32_t{kAnywhereEvery.value}) != 0) {
     Spot near =
         (*guide_)[random.NextBelow(static_cast<uint32_t>(guide_->size()))];
     if (random.NextBelow(2) == 0) {
       near.at =
-          near.at + geometry::Vec2{kGuideSpread_m * random.NextGaussian(),
-                                   kGuideSpread_m * random.NextGaussian()};
+          near.at + geometry::Vec2{kGuideSpacing_m * random.NextGaussian(),
+                                   kGuideSpacing_m * random.NextGaussian()};
     }
     return near;
   }
@@ -118,8 +106,9 @@ void Planning::FindFirst(PlanResult& result) {
     return SampleOf(kFirstTree, iteration);
   };
   const auto is_over = [this] { return IsOver(); };
-  bool is_found = trees.Grow(
-      std::min(kUnguidedIterations, budget_.max_iterations), sample, is_over);
+  bool is_found =
+      trees.Grow(std::min(kUnguidedIterations.value, budget_.max_iterations),
+                 sample, is_over);
   if (!is_found && !IsOver()) {
     LookForGuide();
     if (guide_->empty() && !IsOver()) {
@@ -131,10 +120,10 @@ void Planning::FindFirst(PlanResult& result) {
   if (!is_found && !IsOver()) {
     way_ = PullTight(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
                      *guide_, kGuideSpacing_m);
-    is_found = !way_.empty() ||
-               trees.Grow(std::min(budget_.max_iterations, kEasyIterations) -
-                              trees.iterations(),
-                          sample, is_over);
+    is_found = !way_.empty() || trees.Grow(std::min(budget_.max_iterations,
+                                                    kEasyIterations.value) -
+                                               trees.iterations(),
+                                           sample, is_over);
   }
   result.iterations = trees.iterations();
   result.tree_edges = trees.Edges();
@@ -175,7 +164,7 @@ void Planning::Polish(PathImprover& improver, PlanResult& result) const {
   for (int idle = 0;
        idle < kIdleAttempts && result.iterations < budget_.max_iterations;
        ++result.iterations) {
-    if (result.iterations % kStopEvery == 0 && IsOver()) return;
+    if (result.iterations % kStopEveryAttempt == 0 && IsOver()) return;
     base::Random random(seed_ + (kImprovements << 32),
                         static_cast<uint64_t>(result.iterations));
     idle = improver.Try(random) ? 0 : idle + 1;
@@ -190,17 +179,17 @@ Polyline Planning::Restart(uint64_t stream, double bound_m,
   // Informed: a way over a place outside of the ellipse would be longer.
   const auto sample = [&](uint64_t iteration) {
     Spot spot;
-    for (uint64_t i = 0; i < 8; ++i) {
-      spot = SampleOf(stream, 8 * iteration + i);
+    for (uint64_t i = 0; i < kTries; ++i) {
+      spot = SampleOf(stream, kTries * iteration + i);
       if (geometry::Norm(spot.at - start) + geometry::Norm(spot.at - goal) <
           bound_m)
         break;
     }
     return spot;
   };
-  trees.Grow(
-      std::min(kRestartIterations, budget_.max_iterations - result.iterations),
-      sample, [this] { return IsOver(); });
+  trees.Grow(std::min(kRestartIterations.value,
+                      budget_.max_iterations - result.iterations),
+             sample, [this] { return IsOver(); });
   result.iterations += trees.iterations();
   return trees.Way();
 }
@@ -225,8 +214,9 @@ void Planning::Improve(PlanResult& result) {
       }
     } else if (restart % 2 == 1) {
       base::Random random(seed_ + (kImprovements << 32), restart << 32);
-      other = PullTight(task_->space, start_yaw_rad, goal_yaw_rad, best.way(),
-                        random.NextUniform(0.1, 0.3));
+      other =
+          PullTight(task_->space, start_yaw_rad, goal_yaw_rad, best.way(),
+                    random.NextUniform(kPullSpacingMin_m, kPullSpacingMax_m));
     } else {
       other = Restart(kFirstTree + restart, best.cost_m(), result);
     }
@@ -236,7 +226,7 @@ void Planning::Improve(PlanResult& result) {
     PathImprover improver(task_->space, start_yaw_rad, goal_yaw_rad,
                           std::move(other));
     Polish(improver, result);
-    if (improver.cost_m() < 0.999 * best.cost_m()) idle = 0;
+    if (improver.cost_m() < kKept * best.cost_m()) idle = 0;
     if (improver.cost_m() < best.cost_m()) best = std::move(improver);
   }
   way_ = best.way();

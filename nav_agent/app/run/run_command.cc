@@ -9,6 +9,7 @@
 #include "CLI/CLI.hpp"
 #include "common/base/status_macros.h"
 #include "common/config/config_flags.h"
+#include "nav_agent/app/parameter_tables.h"
 #include "nav_agent/app/run/agent_run.h"
 
 namespace treeline::run_app {
@@ -38,10 +39,17 @@ Examples:
 struct RunFlags {
   std::string config;
   bool print_config = false;
+  bool print_parameters = false;
   std::unique_ptr<config::ConfigFlags> settings;
 };
 
 absl::Status Run(const RunFlags& flags, const std::stop_token& stop) {
+  if (flags.print_parameters) {
+    std::printf(
+        "%s", agent_app::ParametersAsMarkdown(agent_app::AgentParameterTables())
+                  .c_str());
+    return absl::OkStatus();
+  }
   const config::ConfigTable<AgentConfig>& table = AgentConfigTable();
   const config::ConfigSources sources = {
       .file = flags.config,
@@ -51,7 +59,10 @@ absl::Status Run(const RunFlags& flags, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const config::EffectiveConfig effective,
                       config::ResolveConfig(table.settings(), sources));
   if (flags.print_config) {
-    std::printf("%s", config::PrintConfig(table.settings(), effective).c_str());
+    std::printf(
+        "%s%s", config::PrintConfig(table.settings(), effective).c_str(),
+        agent_app::ParametersAsYamlComments(agent_app::AgentParameterTables())
+            .c_str());
     return absl::OkStatus();
   }
   const AgentConfig config = table.Make(effective);
@@ -84,7 +95,11 @@ cli::Command AddRunCommand(CLI::App& app) {
       ->add_option("--config", flags->config, "Settings below those of flags")
       ->type_name("FILE");
   command->add_flag("--print-config", flags->print_config,
-                    "Show what is in force, and where it comes from");
+                    "Show what is in force, and where it comes from; and, as "
+                    "comments, the constants that no setting changes");
+  command->add_flag("--print-parameters", flags->print_parameters,
+                    "Show these constants alone, as a page in Markdown "
+                    "(docs/reference/parameters.md)");
   flags->settings = std::make_unique<config::ConfigFlags>(
       *command, AgentConfigTable().settings());
   return {command,

@@ -1,0 +1,27 @@
+// What the collision guard keeps a robot away from.
+#ifndef NAV_AGENT_CONTROL_GUARD_POINTS_H_
+#define NAV_AGENT_CONTROL_GUARD_POINTS_H_
+
+#include <span>
+#include <vector>
+
+#include "nav_agent/control/collision_guard.h"
+#include "nav_agent/control/control_pose.h"
+#include "nav_agent/control/local_costmap.h"
+#include "nav_agent/control/mover_tracks.h"
+
+namespace treeline::control {
+
+// In the robot's base at `pose`, within the guard's reach: the newest scans'
+// and, if it is not older than kDepthLifetime_s, the newest frame's points;
+// what the costmap has where no sensor looks; the map's about the place that a
+// robot which is lost supposes; and movers that are out of sight. Each with the
+// margin that the guard's options have for its kind.
+std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
+                                      const LocalCostmap& costmap,
+                                      std::span<const Mover> movers,
+                                      const CollisionGuard& guard);
+
+}  // namespace treeline::control
+
+#endif  // NAV_AGENT_CONTROL_GUARD_POINTS_H_

@@ -1,0 +1,137 @@
+#include "nav_agent/control/parameters.h"
+
+#include <array>
+#include <cstddef>
+#include <string>
+
+#include "absl/strings/str_join.h"
+#include "nav_agent/control/driving_parameters.h"
+#include "nav_agent/control/manoeuvre_parameters.h"
+#include "nav_agent/control/obstacle_parameters.h"
+#include "nav_agent/control/setting_parameters.h"
+
+namespace treeline::control {
+namespace {
+
+template <size_t N>
+base::ParameterRow ListRow(const base::Parameter<std::array<double, N>>& list) {
+  return {list.name, absl::StrJoin(list.value, ", "), list.unit, list.origin,
+          list.why};
+}
+
+std::vector<base::ParameterRow> Settings() {
+  return {
+      base::RowOf(kCostmapSize_m),          base::RowOf(kCostmapResolution_m),
+      base::RowOf(kMaxForward_mps),         base::RowOf(kGoalTolerance_m),
+      base::RowOf(kGoalToleranceAngle_rad), base::RowOf(kInflation_m)};
+}
+
+std::vector<base::ParameterRow> OfObstacles() {
+  return {base::RowOf(kCellStep),          base::RowOf(kStepVoxels),
+          base::RowOf(kClimbVoxels),       base::RowOf(kSeedReach_m),
+          ListRow(kSeedHeights_m),         base::RowOf(kGroundTolerance_m),
+          base::RowOf(kGroundPerRange),    base::RowOf(kHitsToMark),
+          base::RowOf(kMaxHits),           base::RowOf(kMissWeight),
+          base::RowOf(kNeighbourGap_m),    base::RowOf(kBodyWidening_m),
+          base::RowOf(kLegReach_m),        base::RowOf(kPointReach_m),
+          base::RowOf(kLookHeight_m),      base::RowOf(kDepthRange_m),
+          base::RowOf(kDepthColumns),      base::RowOf(kSeenNow_s),
+          base::RowOf(kLately_s),          base::RowOf(kDepthLifetime_s),
+          base::RowOf(kRecently_s),        base::RowOf(kStandingAfter_s),
+          base::RowOf(kMovingMemory_s),    base::RowOf(kStandingMemory_s),
+          base::RowOf(kLegsApart_m),       base::RowOf(kCutAtEdge_m),
+          base::RowOf(kInFront_m),         base::RowOf(kFittedScans),
+          base::RowOf(kScansToBegin),      base::RowOf(kScansToEnd),
+          base::RowOf(kDoubt_mps),         base::RowOf(kFastestWalk_mps),
+          base::RowOf(kPointMargin_m),     base::RowOf(kCellMargin_m),
+          base::RowOf(kMarginPerSpeed_s),  base::RowOf(kReaction_s),
+          base::RowOf(kBrakingShare),      base::RowOf(kYawBrakingShare),
+          base::RowOf(kApproachSpeed_mps), base::RowOf(kMovingMargin_m),
+          base::RowOf(kBodyMargin_m),      base::RowOf(kLostMargin_m),
+          base::RowOf(kOutwardSpeed_mps),  ListRow(kGuardShares),
+          base::RowOf(kSweepStep_m),       base::RowOf(kMaxLooks),
+          base::RowOf(kLeastSpeed_mps),    base::RowOf(kLeastTurn_radps),
+          base::RowOf(kGuardSlack_m),      base::RowOf(kSameBeam_m)};
+}
+
+std::vector<base::ParameterRow> OfDriving() {
+  return {base::RowOf(kCycle_s),         base::RowOf(kMinInterval_s),
+          base::RowOf(kManoeuvreRoom_m), base::RowOf(kFreeRoom_m),
+          base::RowOf(kComesNearer_m),   base::RowOf(kPathBack_m),
+          base::RowOf(kPathAhead_m),     base::RowOf(kPathSkip),
+          base::RowOf(kStoreyHeight_m),  base::RowOf(kHorizon_m),
+          base::RowOf(kLostBand_m),      base::RowOf(kSkipCost),
+          base::RowOf(kRestSteps),       base::RowOf(kAsideReach_m),
+          base::RowOf(kThinShare),       base::RowOf(kContraction),
+          base::RowOf(kRepulsion),       base::RowOf(kBandGain),
+          base::RowOf(kMaxSpacing_m),    base::RowOf(kTurnWay),
+          base::RowOf(kBandIterations),  base::RowOf(kMaxBubbles),
+          base::RowOf(kGradientStep_m),  base::RowOf(kFlatGradient),
+          base::RowOf(kOverlapShare),    base::RowOf(kMaxPieces),
+          base::RowOf(kLeaving_m),       base::RowOf(kLeavingSlack_m),
+          base::RowOf(kWishedRoom_m),    base::RowOf(kRoomPrice),
+          base::RowOf(kStartReach_m),    base::RowOf(kAccelerationShare),
+          base::RowOf(kYawShare),        base::RowOf(kLookAheadBase_m),
+          base::RowOf(kLookAheadTime_s), base::RowOf(kLookAheadMax_m),
+          base::RowOf(kSlowSpeed_mps),   base::RowOf(kNarrowGain_hz),
+          base::RowOf(kDirection_m),     base::RowOf(kCreep_mps),
+          base::RowOf(kSlopeSlowing),    base::RowOf(kTurnFrom_rad),
+          base::RowOf(kTurnUntil_rad),   base::RowOf(kMinHeadingShare),
+          base::RowOf(kTurnGain_hz),     base::RowOf(kTurned_rad)};
+}
+
+std::vector<base::ParameterRow> OfManoeuvres() {
+  return {base::RowOf(kGoalNear_m),
+          base::RowOf(kContentShare),
+          base::RowOf(kAbeamShare),
+          base::RowOf(kLeaveShare),
+          base::RowOf(kAbeam_m),
+          base::RowOf(kAlignFrom_rad),
+          base::RowOf(kAlignUntil_rad),
+          base::RowOf(kGoalBrakeShare),
+          base::RowOf(kGoalSpeed_mps),
+          base::RowOf(kGoalGain_hz),
+          base::RowOf(kGoalTurn_radps),
+          base::RowOf(kStandingSpeed_mps),
+          base::RowOf(kStandingTurn_radps),
+          base::RowOf(kBreak_s),
+          base::RowOf(kMended_s),
+          base::RowOf(kYoung_s),
+          base::RowOf(kPatience_s),
+          base::RowOf(kProgressAngle_rad),
+          base::RowOf(kStuck_s),
+          base::RowOf(kHeld_s),
+          base::RowOf(kProbeTurn_radps),
+          base::RowOf(kEscapeTime_s),
+          base::RowOf(kEscaped_s),
+          base::RowOf(kEscapeHold_s),
+          base::RowOf(kEscapeAhead_s),
+          base::RowOf(kEscapeLook_m),
+          base::RowOf(kEscapeSpeed_mps),
+          base::RowOf(kEscapeTurn_radps),
+          base::RowOf(kEscapeGain_rad),
+          base::RowOf(kHeldCost_rad),
+          base::RowOf(kRoomWorth),
+          base::RowOf(kRoomWorthMax_m),
+          base::RowOf(kQuiet_s),
+          base::RowOf(kQuietMin_s),
+          base::RowOf(kDaring),
+          base::RowOf(kGotOn_m),
+          base::RowOf(kRoundedMinTurn_radps),
+          ListRow(kRoundedAhead_s),
+          base::RowOf(kCornerSpeed_mps),
+          base::RowOf(kTurnParts)};
+}
+
+}  // namespace
+
+std::vector<base::ParameterRow> ControlParameters() {
+  std::vector<base::ParameterRow> rows;
+  for (const std::vector<base::ParameterRow>& of_one :
+       {Settings(), OfObstacles(), OfDriving(), OfManoeuvres()}) {
+    rows.insert(rows.end(), of_one.begin(), of_one.end());
+  }
+  return rows;
+}
+
+}  // namespace treeline::control

@@ -1,0 +1,30 @@
+// What a LocalController does if it is not told otherwise.
+#ifndef NAV_AGENT_CONTROL_SETTING_PARAMETERS_H_
+#define NAV_AGENT_CONTROL_SETTING_PARAMETERS_H_
+
+#include "common/base/parameter.h"
+
+namespace treeline::control {
+
+inline constexpr base::Parameter<double> kCostmapSize_m{
+    "costmap_size", 4.0, "m", base::ParameterOrigin::kGeometry,
+    "the band's horizon to either side of the robot, and room to pass"};
+inline constexpr base::Parameter<double> kCostmapResolution_m{
+    "costmap_resolution", 0.05, "m", base::ParameterOrigin::kGeometry,
+    "a voxel of the map: finer shows nothing more"};
+inline constexpr base::Parameter<double> kMaxForward_mps{
+    "max_forward", 0.6, "m/s", base::ParameterOrigin::kTuned,
+    "a walking pace among people; the agent's setting"};
+inline constexpr base::Parameter<double> kGoalTolerance_m{
+    "goal_tolerance", 0.10, "m", base::ParameterOrigin::kTuned,
+    "nearer to its goal it is there; the agent's setting"};
+inline constexpr base::Parameter<double> kGoalToleranceAngle_rad{
+    "goal_tolerance_angle", 0.15, "rad", base::ParameterOrigin::kTuned,
+    "the same of the heading"};
+inline constexpr base::Parameter<double> kInflation_m{
+    "inflation", 0.5, "m", base::ParameterOrigin::kTuned,
+    "room beside the footprint that the band keeps where there is room"};
+
+}  // namespace treeline::control
+
+#endif  // NAV_AGENT_CONTROL_SETTING_PARAMETERS_H_

@@ -1,0 +1,52 @@
+#include "nav_agent/planning/parameters.h"
+
+#include "nav_agent/planning/planner_parameters.h"
+
+namespace treeline::planning {
+
+std::vector<base::ParameterRow> PlanningParameters() {
+  return {base::RowOf(kPlanMargin_m),
+          base::RowOf(kMaxMove_m),
+          base::RowOf(kMaxIterations),
+          base::RowOf(kComfort_m),
+          base::RowOf(kNearCost),
+          base::RowOf(kSlopeCost),
+          base::RowOf(kTurnCost),
+          base::RowOf(kTurnStep),
+          base::RowOf(kWayStep_m),
+          base::RowOf(kEndHeadings),
+          base::RowOf(kLeavingWay),
+          base::RowOf(kLongLeavingWay),
+          base::RowOf(kMaxStep_m),
+          base::RowOf(kLevelDistance_m),
+          base::RowOf(kRootSteps),
+          base::RowOf(kRootStep_m),
+          base::RowOf(kGoalEvery),
+          base::RowOf(kUnguidedIterations),
+          base::RowOf(kAnywhereEvery),
+          base::RowOf(kGuideSpacing_m),
+          base::RowOf(kEasyIterations),
+          base::RowOf(kIdleAttempts),
+          base::RowOf(kMinGain_m),
+          base::RowOf(kMinLine_m),
+          base::RowOf(kMoveEvery),
+          base::RowOf(kRestartIterations),
+          base::RowOf(kIdleRestarts),
+          base::RowOf(kRestartGain),
+          base::RowOf(kRestartTries),
+          base::RowOf(kPullAhead),
+          base::RowOf(kPullSpacingMin_m),
+          base::RowOf(kPullSpacingMax_m),
+          base::RowOf(kGreed),
+          base::RowOf(kLastLine_m),
+          base::RowOf(kLastTurn_rad),
+          base::RowOf(kNicheNodes),
+          base::RowOf(kDetour_m),
+          base::RowOf(kOmplRange_m),
+          base::RowOf(kOmplShare),
+          base::RowOf(kStopEveryAttempt),
+          base::RowOf(kStopEveryStep),
+          base::RowOf(kStopEveryNode)};
+}
+
+}  // namespace treeline::planning

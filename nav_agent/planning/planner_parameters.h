@@ -1,0 +1,148 @@
+// What is tuned of planning.
+#ifndef NAV_AGENT_PLANNING_PLANNER_PARAMETERS_H_
+#define NAV_AGENT_PLANNING_PLANNER_PARAMETERS_H_
+
+#include "common/base/parameter.h"
+
+namespace treeline::planning {
+
+// ---- what is asked ----
+inline constexpr base::Parameter<double> kPlanMargin_m{
+    "plan_margin", 0.03, "m", base::ParameterOrigin::kTuned,
+    "room beside the footprint: the error of following a line"};
+inline constexpr base::Parameter<double> kMaxMove_m{
+    "max_move", 0.6, "m", base::ParameterOrigin::kGeometry,
+    "start and goal are moved by the robot's length at most"};
+inline constexpr base::Parameter<int> kMaxIterations{
+    "max_iterations", 20000, "", base::ParameterOrigin::kTuned,
+    "bounds the time of a plan that is not bounded otherwise"};
+// ---- what a way costs ----
+inline constexpr base::Parameter<double> kComfort_m{
+    "comfort", 0.25, "m", base::ParameterOrigin::kTuned,
+    "nearer than this beyond the circumradius to things a metre costs more"};
+inline constexpr base::Parameter<double> kNearCost{
+    "near_cost", 1.0, "", base::ParameterOrigin::kTuned,
+    "at contact, so much more"};
+inline constexpr base::Parameter<double> kSlopeCost{
+    "slope_cost", 2.0, "", base::ParameterOrigin::kTuned,
+    "on ground inclined by a sine of 1, so much more"};
+inline constexpr base::Parameter<double> kTurnCost{
+    "turn_cost", 0.05, "m/rad", base::ParameterOrigin::kTuned,
+    "turning costs as much as driving this"};
+// ---- how finely ways are looked at ----
+inline constexpr base::Parameter<double> kTurnStep{
+    "turn_step", 0.25, "cells", base::ParameterOrigin::kGeometry,
+    "by which the furthest corner moves between headings that are checked"};
+inline constexpr base::Parameter<double> kWayStep_m{
+    "way_step", 0.1, "m", base::ParameterOrigin::kGeometry,
+    "two cells: costs, paths and ways off a start are taken in such steps"};
+inline constexpr base::Parameter<int> kEndHeadings{
+    "end_headings", 12, "", base::ParameterOrigin::kTuned,
+    "that are tried to both sides of an end that has no room"};
+inline constexpr base::Parameter<int> kLeavingWay{
+    "leaving_way", 5, "steps", base::ParameterOrigin::kGeometry,
+    "of WayStep: a robot that cannot turn leaves by its length at most"};
+inline constexpr base::Parameter<int> kLongLeavingWay{
+    "long_leaving_way", 20, "steps", base::ParameterOrigin::kGeometry,
+    "the same for planners that only know places to turn in"};
+// ---- trees ----
+inline constexpr base::Parameter<double> kMaxStep_m{
+    "max_step", 2.0, "m", base::ParameterOrigin::kTuned,
+    "longer steps leave no nodes for others to begin at"};
+inline constexpr base::Parameter<double> kLevelDistance_m{
+    "level_distance", 2.0, "m", base::ParameterOrigin::kTuned,
+    "what another level is further away"};
+inline constexpr base::Parameter<int> kRootSteps{
+    "root_steps", 6, "steps", base::ParameterOrigin::kTuned,
+    "a root whose robot cannot turn leaves it in so many steps"};
+inline constexpr base::Parameter<double> kRootStep_m{
+    "root_step", 0.2, "m", base::ParameterOrigin::kTuned, "of this"};
+inline constexpr base::Parameter<int> kGoalEvery{
+    "goal_every", 16, "samples", base::ParameterOrigin::kTuned,
+    "one sample in so many is the other tree's root"};
+inline constexpr base::Parameter<int> kUnguidedIterations{
+    "unguided_iterations", 300, "", base::ParameterOrigin::kTuned,
+    "the trees grow so long before a guide is looked for: an open room takes "
+    "less"};
+inline constexpr base::Parameter<int> kAnywhereEvery{
+    "anywhere_every", 4, "samples", base::ParameterOrigin::kTuned,
+    "one in so many is anywhere once there is a guide"};
+inline constexpr base::Parameter<double> kGuideSpacing_m{
+    "guide_spacing", 0.15, "m", base::ParameterOrigin::kTuned,
+    "points of a guide, and the deviation of samples about them"};
+inline constexpr base::Parameter<int> kEasyIterations{
+    "easy_iterations", 1000, "", base::ParameterOrigin::kTuned,
+    "trees that have not met by then do not meet soon"};
+// ---- making a way better ----
+inline constexpr base::Parameter<int> kIdleAttempts{
+    "idle_attempts", 250, "", base::ParameterOrigin::kTuned,
+    "a way is left alone after so many in a row without a gain"};
+inline constexpr base::Parameter<double> kMinGain_m{
+    "min_gain", 1e-4, "m", base::ParameterOrigin::kTuned, "less is no gain"};
+inline constexpr base::Parameter<double> kMinLine_m{
+    "min_line", 0.02, "m", base::ParameterOrigin::kGeometry,
+    "shorter lines have no direction to speak of"};
+inline constexpr base::Parameter<int> kMoveEvery{
+    "move_every", 3, "", base::ParameterOrigin::kTuned,
+    "one attempt in so many moves a point, the others cut a corner"};
+inline constexpr base::Parameter<int> kRestartIterations{
+    "restart_iterations", 200, "", base::ParameterOrigin::kTuned,
+    "of trees that look for another way"};
+inline constexpr base::Parameter<int> kIdleRestarts{
+    "idle_restarts", 40, "", base::ParameterOrigin::kTuned,
+    "without a gain end the search"};
+inline constexpr base::Parameter<double> kRestartGain{
+    "restart_gain", 0.001, "", base::ParameterOrigin::kTuned,
+    "of the cost: less is no gain of a restart"};
+inline constexpr base::Parameter<int> kRestartTries{
+    "restart_tries", 8, "", base::ParameterOrigin::kTuned,
+    "samples that are drawn for one within the ellipse"};
+inline constexpr base::Parameter<int> kPullAhead{
+    "pull_ahead", 40, "points", base::ParameterOrigin::kTuned,
+    "lines are tried over at most so many points of a guide"};
+inline constexpr base::Parameter<double> kPullSpacingMin_m{
+    "pull_spacing_min", 0.1, "m", base::ParameterOrigin::kTuned,
+    "of the points that a way is pulled tight over again"};
+inline constexpr base::Parameter<double> kPullSpacingMax_m{
+    "pull_spacing_max", 0.3, "m", base::ParameterOrigin::kTuned, "and at most"};
+// ---- the lattice ----
+inline constexpr base::Parameter<double> kGreed{
+    "greed", 1.5, "", base::ParameterOrigin::kTuned,
+    "what is left to go counts more: fewer places, and ways are improved "
+    "anyway"};
+inline constexpr base::Parameter<double> kLastLine_m{
+    "last_line", 1.0, "m", base::ParameterOrigin::kTuned,
+    "from so near straight lines to the goal are tried"};
+inline constexpr base::Parameter<double> kLastTurn_rad{
+    "last_turn", 0.6, "rad", base::ParameterOrigin::kGeometry,
+    "that need a turn of at most this: others are of other nodes"};
+inline constexpr base::Parameter<int> kNicheNodes{
+    "niche_nodes", 20000, "nodes", base::ParameterOrigin::kTuned,
+    "a niche around the goal is no larger"};
+inline constexpr base::Parameter<double> kDetour_m{
+    "detour", 3.0, "m", base::ParameterOrigin::kTuned,
+    "longer ways than the disc's by more are guided less"};
+// ---- planners of OMPL ----
+inline constexpr base::Parameter<double> kOmplRange_m{
+    "ompl_range", 1.5, "m", base::ParameterOrigin::kTuned,
+    "the longest edge of their trees"};
+inline constexpr base::Parameter<double> kOmplShare{
+    "ompl_share", 0.9, "", base::ParameterOrigin::kTuned,
+    "of the time, for their search; the rest for making it better"};
+// ---- how often time and stop are looked at ----
+inline constexpr base::Parameter<int> kStopEveryAttempt{
+    "stop_every_attempt", 16, "", base::ParameterOrigin::kTuned,
+    "attempts and samples: a millisecond or so"};
+inline constexpr base::Parameter<int> kStopEveryStep{
+    "stop_every_step", 32, "", base::ParameterOrigin::kTuned, "steps of trees"};
+inline constexpr base::Parameter<int> kStopEveryNode{
+    "stop_every_node", 256, "nodes", base::ParameterOrigin::kTuned,
+    "nodes of a lattice; four times as many of a guide"};
+
+// ---- what follows ----
+// Steps of a tree are no shorter, to get away from walls that are touched (m).
+inline constexpr double kMinStep_m = kWayStep_m;
+
+}  // namespace treeline::planning
+
+#endif  // NAV_AGENT_PLANNING_PLANNER_PARAMETERS_H_
