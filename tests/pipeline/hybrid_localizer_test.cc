@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "common/base/parallel_for.h"
+#include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/localizer/localizer.h"
@@ -152,7 +153,7 @@ TEST_F(HybridLocalizerTest, ExplainsItselfOnRequest) {
 }
 
 TEST_F(HybridLocalizerTest, DoesNotLocalizeNoise) {
-  Random random(1, 0);
+  base::Random random(1, 0);
   image::Frame noise = ColorAt(HeldOutPose(0));
   for (uint8_t& value : noise.color.rgb) {
     value = static_cast<uint8_t>(random.NextBelow(256));

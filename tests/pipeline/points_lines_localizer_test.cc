@@ -5,8 +5,10 @@
 #include <filesystem>
 
 #include "common/base/parallel_for.h"
+#include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "server/core/forest/model_file.h"
 #include "server/core/localizer/localizer.h"
 #include "server/core/training/box_room_recording.h"
 #include "server/core/training/scene_trainer.h"
@@ -88,7 +90,7 @@ forest::ModelInfo* PointsLinesLocalizerTest::info_ = nullptr;
 localizer::Localizer* PointsLinesLocalizerTest::localizer_ = nullptr;
 
 TEST_F(PointsLinesLocalizerTest, TheModelHasAForestForEachKindOfPoint) {
-  const auto model = ModelFile::Open(ModelPath());
+  const auto model = forest::ModelFile::Open(ModelPath());
   ASSERT_TRUE(model.ok()) << model.status();
   ASSERT_EQ((*model)->forests(), 2u);
   EXPECT_EQ((*model)->forest(0).trees(), 3);
@@ -133,8 +135,8 @@ TEST_F(PointsLinesLocalizerTest, TheModelDoesNotDependOnTheNumberOfThreads) {
   const std::string path = *folder_ + "/again.treeline";
   const auto again = Train(path, 1);
   ASSERT_TRUE(again.ok());
-  const auto a = ModelFile::Open(ModelPath());
-  const auto b = ModelFile::Open(path);
+  const auto a = forest::ModelFile::Open(ModelPath());
+  const auto b = forest::ModelFile::Open(path);
   ASSERT_TRUE(a.ok() && b.ok());
   for (const size_t f : {0u, 1u}) {
     EXPECT_TRUE(
@@ -175,7 +177,7 @@ TEST_F(PointsLinesLocalizerTest, WithoutLinesPointsAloneAnswer) {
 }
 
 TEST_F(PointsLinesLocalizerTest, DoesNotLocalizeWhatItHasNotSeen) {
-  Random random(1, 0);
+  base::Random random(1, 0);
   image::Frame noise = HeldOutFrame(0);
   for (uint8_t& value : noise.color.rgb) {
     value = static_cast<uint8_t>(random.NextBelow(256));
@@ -198,10 +200,11 @@ TEST_F(PointsLinesLocalizerTest, RefusesFramesAndModelsItCannotUse) {
   without_depth.depth.reset();
   EXPECT_THAT(localizer_->Localize(without_depth, {}).status().ToString(),
               HasSubstr("needs a depth image"));
-  const auto model = ModelFile::Open(ModelPath());
+  const auto model = forest::ModelFile::Open(ModelPath());
   ASSERT_TRUE(model.ok());
   const std::string path = *folder_ + "/one.treeline";
-  ASSERT_TRUE(WriteModel(path, (*model)->info(), {(*model)->forest()}).ok());
+  ASSERT_TRUE(
+      forest::WriteModel(path, (*model)->info(), {(*model)->forest()}).ok());
   const absl::Status status = localizer::OpenLocalizer(path).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss);
   EXPECT_THAT(status.ToString(), HasSubstr("two forests"));

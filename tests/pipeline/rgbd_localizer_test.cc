@@ -3,8 +3,10 @@
 #include <filesystem>
 
 #include "common/base/parallel_for.h"
+#include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "server/core/forest/model_file.h"
 #include "server/core/localizer/localizer.h"
 #include "server/core/training/box_room_recording.h"
 #include "server/core/training/forest_trainer.h"
@@ -37,7 +39,7 @@ class RgbdLocalizerTest : public testing::Test {
     info.method = "rgbd";
     info.calibration = Calibration();
     const absl::Status written =
-        WriteModel(ModelPath(), info, {trained->forest.View()});
+        forest::WriteModel(ModelPath(), info, {trained->forest.View()});
     ASSERT_TRUE(written.ok()) << written;
     localizer_ = localizer::OpenLocalizer(ModelPath())->release();
   }
@@ -171,7 +173,7 @@ TEST_F(RgbdLocalizerTest, ARequestsOwnCalibrationReplacesTheScenes) {
 }
 
 TEST_F(RgbdLocalizerTest, DoesNotLocalizeWhatItHasNotSeen) {
-  Random random(1, 0);
+  base::Random random(1, 0);
   image::Frame noise = training::RenderBoxRoom(Calibration(), HeldOutPose(0));
   for (uint8_t& value : noise.color.rgb) {
     value = static_cast<uint8_t>(random.NextBelow(256));

@@ -77,7 +77,7 @@ concept PoseSource = requires(const S& source, Query& query,
   {
     source.Observe(query, earlier, seen)
     } -> std::same_as<absl::StatusOr<size_t>>;
-  { source.Solver(query, seen) } -> MinimalSolver;
+  { source.Solver(query, seen) } -> pose::MinimalSolver;
   {
     source.Refine(query, seen, pose)
     } -> std::same_as<std::optional<pose::RefinedPose>>;
