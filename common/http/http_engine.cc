@@ -5,8 +5,8 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "common/http/body_reader.h"
 
 namespace treeline::http {
 namespace {
@@ -17,35 +17,31 @@ constexpr std::chrono::milliseconds kLinger{1000};
 constexpr time_t kKeepAliveSeconds = 60;
 constexpr size_t kKeepAliveCount = 1'000'000;
 
-bool HasBody(const httplib::Request& request) {
-  return request.has_header("Transfer-Encoding") ||
-         (request.has_header("Content-Length") &&
-          request.get_header_value("Content-Length") != "0");
-}
-
 std::string PeerName(const std::string& ip, int port) {
   return absl::StrContains(ip, ':') ? absl::StrCat("ipv6:[", ip, "]:", port)
                                     : absl::StrCat("ipv4:", ip, ":", port);
 }
 
-// 0: the lengths are fine, as far as the head says; else the status.
-int CheckLengths(const httplib::Request& request, size_t max_body_bytes) {
-  const bool chunked = request.has_header("Transfer-Encoding");
-  const size_t lengths = request.get_header_value_count("Content-Length");
-  // Two ways to say where a request ends let it end in two places.
-  if (lengths > 1 || (chunked && lengths > 0)) return 400;
-  if (chunked) {
-    return absl::EqualsIgnoreCase(request.get_header_value("Transfer-Encoding"),
-                                  "chunked")
-               ? 0
-               : 400;
+// What httplib would give as the reason of the few statuses that are written
+// here.
+absl::string_view ReasonOf(int status) {
+  switch (status) {
+    case 400:
+      return "Bad Request";
+    case 408:
+      return "Request Timeout";
+    case 431:
+      return "Request Header Fields Too Large";
+    default:
+      return "OK";
   }
-  if (lengths == 0) return request.method == "POST" ? 411 : 0;
-  uint64_t length = 0;
-  if (!absl::SimpleAtoi(request.get_header_value("Content-Length"), &length)) {
-    return 400;
-  }
-  return length > max_body_bytes ? 413 : 0;
+}
+
+// 0: the length is fine, as far as the head says; else the status.
+int CheckLength(const RequestHead& head, size_t max_body_bytes) {
+  if (head.is_chunked) return 0;
+  if (!head.content_length.has_value()) return head.method == "POST" ? 411 : 0;
+  return *head.content_length > max_body_bytes ? 413 : 0;
 }
 
 // Chunks of RFC 9112, 7.1.
@@ -72,10 +68,9 @@ class ChunkWriter final : public HttpBodyWriter {
   bool is_open_ = true;
 };
 
-bool IsEncodingKnown(const httplib::Request& request) {
-  if (!request.has_header("Content-Encoding")) return true;
-  const std::string encoding = request.get_header_value("Content-Encoding");
-  return absl::EqualsIgnoreCase(encoding, "gzip") ||
+bool IsEncodingKnown(const HttpRequest& request) {
+  const absl::string_view encoding = request.Header("content-encoding");
+  return encoding.empty() || absl::EqualsIgnoreCase(encoding, "gzip") ||
          absl::EqualsIgnoreCase(encoding, "identity");
 }
 
@@ -96,9 +91,9 @@ HttpEngine::HttpEngine(HttpHandler& handler, HttpStream& stream,
       });
   set_expect_100_continue_handler(
       [this](const httplib::Request& request, httplib::Response& response) {
-        const std::optional<HttpResponse> early = CheckHead(request);
+        const std::optional<HttpResponse>& early = CheckHead(request);
         if (!early.has_value()) return 100;
-        Apply(Convert(request), *early, response);
+        Apply(request_, *early, response);
         return response.status;
       });
   set_exception_handler([this](const httplib::Request& request,
@@ -109,10 +104,8 @@ HttpEngine::HttpEngine(HttpHandler& handler, HttpStream& stream,
   });
   // Only paths that CheckHead has let through come here.
   Post(".*",
-       [this](const httplib::Request& request, httplib::Response& response,
-              const httplib::ContentReader& read) {
-         WithBody(request, response, read);
-       });
+       [this](const httplib::Request& /*request*/, httplib::Response& response,
+              const httplib::ContentReader& /*read*/) { WithBody(response); });
   set_error_handler(Handler(
       [this](const httplib::Request& request, httplib::Response& response) {
         OnError(request, response);
@@ -122,64 +115,94 @@ HttpEngine::HttpEngine(HttpHandler& handler, HttpStream& stream,
 bool HttpEngine::ServeOne(bool last) {
   answered_ = false;
   close_ = false;
+  is_head_checked_ = false;
+  std::string().swap(request_.body);
+  request_ = {};
   stream_.BeginHead();
+  const absl::string_view raw = stream_.ReadHead();
+  std::optional<RequestHead> head;
+  if (!raw.empty()) head = ParseRequestHead(raw);
+  if (!head.has_value()) {
+    if (stream_.failure() != StreamFailure::kClosed) RefuseHead();
+    return false;
+  }
+  head_ = *std::move(head);
   bool connection_closed = false;
   const bool written = process_request(
-      stream_, last, connection_closed, [this](httplib::Request& request) {
-        stream_.BeginBody();
+      stream_, last, connection_closed, [](httplib::Request& request) {
         request.ranges.clear();
         // Answers are small: not worth the time of compressing them.
         request.headers.erase("Accept-Encoding");
       });
   if (stream_.failure() == StreamFailure::kClosed) return false;
-  if (stream_.failure() != StreamFailure::kNone && !stream_.has_written()) {
-    // Nothing that httplib could have understood.
-    stream_.write(
-        absl::StrCat(stream_.failure() == StreamFailure::kTimedOut
-                         ? "HTTP/1.1 408 Request Timeout\r\n"
-                         : "HTTP/1.1 431 Request Header Fields Too Large\r\n",
-                     "Connection: close\r\nContent-Length: 0\r\n\r\n"));
-    close_ = true;
-  }
   if (close_) stream_.Linger(kLinger);
   return written && !close_ && !connection_closed && !last &&
          stream_.failure() == StreamFailure::kNone;
 }
 
-std::optional<HttpResponse> HttpEngine::CheckHead(
+void HttpEngine::RefuseHead() {
+  int status = 400;
+  if (stream_.failure() == StreamFailure::kTimedOut) status = 408;
+  if (stream_.failure() == StreamFailure::kHeadTooLarge) status = 431;
+  const HttpResponse error = handler_.Error(status);
+  std::string answer = absl::StrCat(
+      "HTTP/1.1 ", status, " ", ReasonOf(status),
+      "\r\nConnection: close\r\nContent-Type: ", error.content_type,
+      "\r\nContent-Length: ", error.body.size(), "\r\n");
+  for (const auto& [name, value] : handler_.CommonHeaders({})) {
+    absl::StrAppend(&answer, name, ": ", value, "\r\n");
+  }
+  absl::StrAppend(&answer, "\r\n", error.body);
+  if (stream_.write(answer.data(), answer.size()) > 0) stream_.Linger(kLinger);
+}
+
+const std::optional<HttpResponse>& HttpEngine::CheckHead(
     const httplib::Request& request) {
-  const int status = CheckLengths(request, connection_.max_body_bytes);
-  std::optional<HttpResponse> early;
-  if (status == 400) {
-    early = handler_.Error(status);
-  } else {
-    early = handler_.CheckHead(Convert(request));
-  }
-  if (!early.has_value() && status != 0) early = handler_.Error(status);
-  if (!early.has_value() && !IsEncodingKnown(request)) {
-    early = handler_.Error(415);
-  }
+  // Clients that wait for "100 Continue" bring httplib here twice.
+  if (is_head_checked_) return early_;
+  is_head_checked_ = true;
+  request_ = Convert(request);
+  early_ = Refusal();
   // Where an unread body ends, the next request would begin.
-  if (early.has_value() && (status != 0 || HasBody(request))) close_ = true;
-  return early;
+  if (early_.has_value() &&
+      (head_.has_body() ||
+       CheckLength(head_, connection_.max_body_bytes) != 0)) {
+    close_ = true;
+  }
+  return early_;
+}
+
+std::optional<HttpResponse> HttpEngine::Refusal() {
+  if (connection_.only_probes && !handler_.IsProbe(request_)) {
+    close_ = true;
+    HttpResponse busy = handler_.Error(503);
+    busy.headers.emplace_back("Retry-After", "1");
+    return busy;
+  }
+  if (auto early = handler_.CheckHead(request_)) return early;
+  const int status = CheckLength(head_, connection_.max_body_bytes);
+  if (status != 0) return handler_.Error(status);
+  if (!IsEncodingKnown(request_)) return handler_.Error(415);
+  if (request_.method != "POST") return std::nullopt;
+  return handler_.Admit(request_);
 }
 
 httplib::Server::HandlerResponse HttpEngine::BeforeBody(
     const httplib::Request& request, httplib::Response& response) {
-  const std::optional<HttpResponse> early = CheckHead(request);
+  const std::optional<HttpResponse>& early = CheckHead(request);
   if (early.has_value()) {
-    Apply(Convert(request), *early, response);
+    Apply(request_, *early, response);
     return HandlerResponse::Handled;
   }
   if (request.method == "POST") return HandlerResponse::Unhandled;
-  close_ = close_ || HasBody(request);
-  HttpRequest converted = Convert(request);
-  converted.arrival = clock_.Now();
-  const HttpResponse answer = handler_.Handle(converted);
+  close_ = close_ || head_.has_body();
+  stream_.BeginHandling();
+  request_.arrival = clock_.Now();
+  const HttpResponse answer = handler_.Handle(request_);
   if (answer.stream && request.method == "GET") {
-    Stream(converted, answer);
+    Stream(request_, answer);
   } else {
-    Apply(converted, answer, response);
+    Apply(request_, answer, response);
   }
   return HandlerResponse::Handled;
 }
@@ -208,31 +231,24 @@ void HttpEngine::Stream(const HttpRequest& request,
   stream_.Abandon();
 }
 
-void HttpEngine::WithBody(const httplib::Request& request,
-                          httplib::Response& response,
-                          const httplib::ContentReader& read) {
+void HttpEngine::WithBody(httplib::Response& response) {
   stream_.BeginBody();
-  HttpRequest converted = Convert(request);
-  bool too_large = false;
-  const bool complete = read([&](const char* data, size_t size) {
-    // What comes here is decompressed already.
-    if (size > connection_.max_body_bytes - converted.body.size()) {
-      too_large = true;
-      return false;
-    }
-    converted.body.append(data, size);
-    return true;
-  });
-  if (complete && !too_large) {
-    converted.arrival = clock_.Now();
-    Apply(converted, handler_.Handle(converted), response);
-    return;
+  base::ByteLease lease(connection_.budget);
+  BodyReader reader(stream_, {.max_bytes = connection_.max_body_bytes}, lease);
+  int status = reader.Read(head_, request_.body);
+  if (status == 0) {
+    stream_.BeginHandling();
+    request_.arrival = clock_.Now();
+    Apply(request_, handler_.Handle(request_), response);
+  } else {
+    close_ = true;
+    if (stream_.failure() == StreamFailure::kTimedOut) status = 408;
+    HttpResponse error = handler_.Error(status);
+    if (status == 503) error.headers.emplace_back("Retry-After", "1");
+    Apply(request_, error, response);
   }
-  close_ = true;
-  int status = response.status >= 400 ? response.status : 400;
-  if (too_large) status = 413;
-  if (stream_.failure() == StreamFailure::kTimedOut) status = 408;
-  Apply(converted, handler_.Error(status), response);
+  // Before the lease ends. Assigning would keep the memory.
+  std::string().swap(request_.body);
 }
 
 void HttpEngine::OnError(const httplib::Request& request,
@@ -245,16 +261,12 @@ void HttpEngine::OnError(const httplib::Request& request,
 }
 
 HttpRequest HttpEngine::Convert(const httplib::Request& request) const {
-  HttpRequest converted{
-      .method = request.method,
-      .path = request.path,
-      .peer = PeerName(request.remote_addr, request.remote_port),
-      .certificate_names = connection_.certificate_names,
-      .socket = connection_.socket};
-  for (const auto& [name, value] : request.headers) {
-    converted.headers.emplace(absl::AsciiStrToLower(name), value);
-  }
-  return converted;
+  return {.method = request.method,
+          .path = request.path,
+          .headers = head_.headers,
+          .peer = PeerName(request.remote_addr, request.remote_port),
+          .certificate_names = connection_.certificate_names,
+          .socket = connection_.socket};
 }
 
 void HttpEngine::Apply(const HttpRequest& request, const HttpResponse& from,

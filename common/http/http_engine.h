@@ -1,4 +1,6 @@
-// One connection's requests, parsed by httplib, answered by a handler.
+// One connection's requests, answered by a handler. httplib routes them and
+// writes the answers. What a request is and where it ends is read here: httplib
+// takes what others read in another way, and inflates without a bound.
 #ifndef COMMON_HTTP_HTTP_ENGINE_H_
 #define COMMON_HTTP_HTTP_ENGINE_H_
 
@@ -9,9 +11,12 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/string_view.h"
+#include "common/base/byte_budget.h"
 #include "common/base/clock.h"
 #include "common/http/http_message.h"
 #include "common/http/http_stream.h"
+#include "common/http/request_head.h"
 
 namespace treeline::http {
 
@@ -24,6 +29,10 @@ class HttpEngine final : private httplib::Server {
     int socket = -1;
     std::vector<std::string> certificate_names = {};
     size_t max_body_bytes = 0;
+    // For nothing but HttpHandler::IsProbe.
+    bool only_probes = false;
+    // What bodies are held by; nullptr: without a bound.
+    base::ByteBudget* budget = nullptr;
   };
 
   // Keeps references to `handler`, `stream` and `clock`.
@@ -35,14 +44,17 @@ class HttpEngine final : private httplib::Server {
   bool ServeOne(bool last);
 
  private:
-  // What can be said before the body is read.
-  std::optional<HttpResponse> CheckHead(const httplib::Request& request);
+  // What can be said before the body is read; asked once for a request.
+  const std::optional<HttpResponse>& CheckHead(const httplib::Request& request);
+  std::optional<HttpResponse> Refusal();
   HandlerResponse BeforeBody(const httplib::Request& request,
                              httplib::Response& response);
-  void WithBody(const httplib::Request& request, httplib::Response& response,
-                const httplib::ContentReader& read);
+  void WithBody(httplib::Response& response);
   // Answers what httplib refuses on its own.
   void OnError(const httplib::Request& request, httplib::Response& response);
+
+  // Answers what has no head of HTTP, past httplib.
+  void RefuseHead();
 
   // Writes head and body of a response that goes on, and ends the connection.
   void Stream(const HttpRequest& request, const HttpResponse& response);
@@ -56,6 +68,10 @@ class HttpEngine final : private httplib::Server {
   const Connection connection_;
   const base::Clock& clock_;
   // Of the request at hand.
+  RequestHead head_;
+  HttpRequest request_;
+  bool is_head_checked_ = false;
+  std::optional<HttpResponse> early_;
   bool answered_ = false;
   bool close_ = false;
 };

@@ -19,7 +19,8 @@ struct HttpRequest {
   std::string method = {};
   // Decoded, without the query.
   std::string path = {};
-  // Names in lower case. Of a header that came twice, the first.
+  // Names in lower case, values as they came. Of a header that came twice, the
+  // first.
   std::map<std::string, std::string> headers = {};
   std::string body = {};
   // "ipv4:127.0.0.1:41234" or "ipv6:[::1]:41234".
@@ -30,6 +31,9 @@ struct HttpRequest {
   base::MonotonicTime arrival = {};
   // The client's connection, to be watched only; -1: none.
   int socket = -1;
+  // Whom HttpHandler::Admit has taken the client for; nullopt: not asked. No
+  // header sets it.
+  std::optional<std::string> client = std::nullopt;
 
   // Empty: it has none. `lower_case_name` as it says.
   absl::string_view Header(const std::string& lower_case_name) const {
@@ -67,10 +71,20 @@ class HttpHandler {
   // it, or nullopt to go on.
   virtual std::optional<HttpResponse> CheckHead(const HttpRequest& request) = 0;
 
+  // After CheckHead, before a body is read: a refusal, or nullopt to go on. May
+  // note in `request` whom it has let in.
+  virtual std::optional<HttpResponse> Admit(HttpRequest& /*request*/) {
+    return std::nullopt;
+  }
+
+  // Whether `request` asks how the server is, which it may also where there are
+  // no more connections for others.
+  virtual bool IsProbe(const HttpRequest& /*request*/) const { return false; }
+
   virtual HttpResponse Handle(const HttpRequest& request) = 0;
 
   // A response that the server gives itself: 400, 408, 411, 413,
-  // 414, 415, 417, 431, 500.
+  // 414, 415, 417, 431, 500, 503.
   virtual HttpResponse Error(int status) = 0;
 
   // Headers that go with every response to `request`, also with errors.

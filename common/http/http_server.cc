@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -17,6 +18,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "common/base/listen_address.h"
@@ -32,6 +34,8 @@ constexpr int kBacklog = 512;
 constexpr absl::Duration kLastWords = absl::Seconds(1);
 // Before accept() is tried again when descriptors have run out.
 constexpr int kAcceptPauseMs = 10;
+// Who asks how the server is has no more to say than that.
+constexpr std::chrono::milliseconds kProbeHeadTimeout{2000};
 
 constexpr absl::string_view kBusy =
     "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\n"
@@ -95,6 +99,27 @@ absl::StatusOr<UniqueSslContext> MakeContext(const ServerTls& tls) {
   return context;
 }
 
+// The address without its port; of IPv6 the first 64 bits, for who has one has
+// all that share them.
+std::string ClientKey(const sockaddr_storage& address) {
+  if (address.ss_family == AF_INET) {
+    const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
+    return std::string(reinterpret_cast<const char*>(&v4.sin_addr), 4);
+  }
+  if (address.ss_family != AF_INET6) return "";
+  const auto& v6 = reinterpret_cast<const sockaddr_in6&>(address);
+  const auto* bytes = reinterpret_cast<const char*>(&v6.sin6_addr);
+  // What a dual-stack listener shows of an IPv4 client differs in the rest.
+  return IN6_IS_ADDR_V4MAPPED(&v6.sin6_addr) ? std::string(bytes + 12, 4)
+                                             : std::string(bytes, 8);
+}
+
+absl::Status CheckRange(absl::string_view name, int value, int low, int high) {
+  if (value >= low && value <= high) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(name, " is ", value, "; it must be ", low, "..", high));
+}
+
 absl::Status CheckPositive(absl::string_view name,
                            std::chrono::milliseconds value) {
   if (value.count() > 0 && value <= std::chrono::hours(1)) {
@@ -119,15 +144,16 @@ absl::Status HttpServerOptions::Validate() const {
   if (tls.has_value() && !tls->configure) {
     return absl::InvalidArgumentError("TLS without anything to set it up");
   }
-  if (max_body_mib < 1 || max_body_mib > 1024) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "largest HTTP body is ", max_body_mib, " MiB; it must be 1..1024"));
-  }
-  if (max_connections < 1 || max_connections > 10000) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("number of HTTP connections is ", max_connections,
-                     "; it must be 1..10000"));
-  }
+  TL_RETURN_IF_ERROR(
+      CheckRange("largest HTTP body (MiB)", max_body_mib, 1, 1024));
+  TL_RETURN_IF_ERROR(
+      CheckRange("number of HTTP connections", max_connections, 1, 10000));
+  TL_RETURN_IF_ERROR(CheckRange("number of HTTP connections of a client",
+                                max_connections_per_client, 0, 10000));
+  TL_RETURN_IF_ERROR(CheckRange("number of HTTP connections for probes",
+                                max_probe_connections, 0, 1000));
+  TL_RETURN_IF_ERROR(CheckRange("rate of HTTP bodies (B/s)",
+                                stream.min_body_bytes_per_s, 1, 1 << 30));
   if (stream.head_bytes < 1024 || stream.head_bytes > 1 << 20) {
     return absl::InvalidArgumentError(
         absl::StrCat("size of HTTP headers is ", stream.head_bytes,
@@ -137,6 +163,8 @@ absl::Status HttpServerOptions::Validate() const {
   TL_RETURN_IF_ERROR(
       CheckPositive("HTTP header time-out", stream.head_timeout));
   TL_RETURN_IF_ERROR(CheckPositive("HTTP body time-out", stream.body_timeout));
+  TL_RETURN_IF_ERROR(CheckPositive("grace of the rate of HTTP bodies",
+                                   stream.body_rate_grace));
   return CheckPositive("HTTP write time-out", stream.write_timeout);
 }
 
@@ -168,19 +196,37 @@ class HttpServer::Impl {
     // Waits for a request since then.
     bool idle = true;
     base::MonotonicTime idle_since;
+    // See ClientKey.
+    std::string client;
+    bool only_probes = false;
+    base::MonotonicTime accepted;
+    // Told to end, to make room.
+    bool is_leaving = false;
+    // While its thread serves; to ask how fast its request arrives.
+    const HttpStream* stream = nullptr;
   };
   using Connections = std::map<int64_t, Connection>;
 
   void AcceptAll();
-  void Admit(int fd);
+  void Admit(int fd, const sockaddr_storage& address);
+  // Whether there is room for one more, and for what.
+  enum class Room { kNone, kProbesOnly, kAll };
+  Room FindRoom(const std::string& client)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Runs in the connection's thread.
-  void Serve(int64_t id, int fd);
-  void ServeRequests(int64_t id, int fd);
+  void Serve(int64_t id, int fd, bool only_probes);
+  void ServeRequests(int64_t id, HttpStream& stream, int fd, bool only_probes);
+  void SetStream(int64_t id, const HttpStream* stream);
   // Marks the connection as idle or not. False: it is to be closed.
   bool SetIdle(int64_t id, bool idle);
   // Joins threads that have ended.
   void Reap();
-  bool MakeRoom() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Ends the connection that is missed least. Of `client` alone, if it is not
+  // null. False: there is none.
+  bool MakeRoom(const std::string* client)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool MakeRoomForProbe() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  static void End(Connection& connection);
   // Wakes every read of the connections, or every write too.
   void ShutDown(bool idle_only, int how) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool AllEnded() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
@@ -200,6 +246,10 @@ class HttpServer::Impl {
   std::vector<int64_t> ended_ ABSL_GUARDED_BY(mutex_);
   // Connections whose thread is at work.
   int open_ ABSL_GUARDED_BY(mutex_) = 0;
+  // Of these, the ones for probes alone.
+  int open_for_probes_ ABSL_GUARDED_BY(mutex_) = 0;
+  // The others of each client.
+  std::map<std::string, int> open_of_client_ ABSL_GUARDED_BY(mutex_);
   int64_t next_id_ ABSL_GUARDED_BY(mutex_) = 0;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
 
@@ -218,9 +268,12 @@ void HttpServer::Impl::AcceptAll() {
       if (stopping_) return;
     }
     Reap();
-    const int fd = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+    sockaddr_storage address{};
+    socklen_t length = sizeof(address);
+    const int fd = accept4(listener_, reinterpret_cast<sockaddr*>(&address),
+                           &length, SOCK_CLOEXEC);
     if (fd >= 0) {
-      Admit(fd);
+      Admit(fd, address);
     } else if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS ||
                errno == ENOMEM) {
       poll(&polled[1], 1, kAcceptPauseMs);
@@ -229,11 +282,13 @@ void HttpServer::Impl::AcceptAll() {
   }
 }
 
-void HttpServer::Impl::Admit(int fd) {
+void HttpServer::Impl::Admit(int fd, const sockaddr_storage& address) {
   const int on = 1;
   setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
+  const std::string client = ClientKey(address);
   const absl::MutexLock lock(&mutex_);
-  if (open_ >= options_.max_connections && !MakeRoom()) {
+  const Room room = FindRoom(client);
+  if (room == Room::kNone) {
     if (context_ == nullptr) {
       [[maybe_unused]] const ssize_t sent =
           send(fd, kBusy.data(), kBusy.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -242,68 +297,151 @@ void HttpServer::Impl::Admit(int fd) {
     return;
   }
   const int64_t id = next_id_++;
-  ++open_;
   Connection& connection = connections_[id];
   connection.fd = fd;
-  connection.idle_since = clock_.Now();
+  connection.client = client;
+  connection.only_probes = room == Room::kProbesOnly;
+  connection.accepted = clock_.Now();
+  connection.idle_since = connection.accepted;
   try {
-    connection.thread = std::thread([this, id, fd] { Serve(id, fd); });
+    connection.thread =
+        std::thread([this, id, fd, only_probes = connection.only_probes] {
+          Serve(id, fd, only_probes);
+        });
   } catch (const std::system_error&) {
     // No more threads: as if there were no more connections.
     connections_.erase(id);
-    --open_;
     close(fd);
+    return;
+  }
+  ++open_;
+  if (connection.only_probes) {
+    ++open_for_probes_;
+  } else {
+    ++open_of_client_[client];
   }
 }
 
-bool HttpServer::Impl::MakeRoom() {
+HttpServer::Impl::Room HttpServer::Impl::FindRoom(const std::string& client) {
+  bool is_full = open_ - open_for_probes_ >= options_.max_connections &&
+                 !MakeRoom(nullptr);
+  const auto of_client = open_of_client_.find(client);
+  if (!is_full && options_.max_connections_per_client > 0 &&
+      of_client != open_of_client_.end() &&
+      of_client->second >= options_.max_connections_per_client) {
+    is_full = !MakeRoom(&client);
+  }
+  if (!is_full) return Room::kAll;
+  if (options_.max_probe_connections == 0 ||
+      (open_for_probes_ >= options_.max_probe_connections &&
+       !MakeRoomForProbe())) {
+    return Room::kNone;
+  }
+  return Room::kProbesOnly;
+}
+
+bool HttpServer::Impl::MakeRoom(const std::string* client) {
+  const base::MonotonicTime now = clock_.Now();
+  Connection* oldest = nullptr;
+  Connection* slowest = nullptr;
+  double slowest_rate = options_.stream.min_body_bytes_per_s;
+  for (auto& [id, connection] : connections_) {
+    if (connection.fd < 0 || connection.is_leaving || connection.only_probes ||
+        (client != nullptr && connection.client != *client)) {
+      continue;
+    }
+    if (connection.idle) {
+      if (oldest == nullptr || connection.idle_since < oldest->idle_since) {
+        oldest = &connection;
+      }
+    } else if (connection.stream != nullptr) {
+      const auto rate = connection.stream->ArrivalRate(now);
+      if (rate.has_value() && *rate < slowest_rate) {
+        slowest = &connection;
+        slowest_rate = *rate;
+      }
+    }
+  }
+  Connection* const least = oldest != nullptr ? oldest : slowest;
+  if (least == nullptr) return false;
+  End(*least);
+  return true;
+}
+
+bool HttpServer::Impl::MakeRoomForProbe() {
   Connection* oldest = nullptr;
   for (auto& [id, connection] : connections_) {
-    if (connection.fd >= 0 && connection.idle &&
-        (oldest == nullptr || connection.idle_since < oldest->idle_since)) {
+    if (connection.fd < 0 || connection.is_leaving || !connection.only_probes) {
+      continue;
+    }
+    if (oldest == nullptr || connection.accepted < oldest->accepted) {
       oldest = &connection;
     }
   }
   if (oldest == nullptr) return false;
-  shutdown(oldest->fd, SHUT_RD);
-  // Not found again; its thread is about to end.
-  oldest->idle = false;
+  End(*oldest);
   return true;
 }
 
-void HttpServer::Impl::Serve(int64_t id, int fd) {
-  ServeRequests(id, fd);
-  const absl::MutexLock lock(&mutex_);
-  close(fd);
-  connections_[id].fd = -1;
-  ended_.push_back(id);
-  --open_;
+void HttpServer::Impl::End(Connection& connection) {
+  shutdown(connection.fd, SHUT_RD);
+  // Not found again; its thread is about to end.
+  connection.is_leaving = true;
 }
 
-void HttpServer::Impl::ServeRequests(int64_t id, int fd) {
+void HttpServer::Impl::Serve(int64_t id, int fd, bool only_probes) {
   UniqueSsl ssl;
-  if (context_ != nullptr) {
-    ssl.reset(SSL_new(context_.get()));
-    if (ssl == nullptr) return;
+  if (context_ != nullptr) ssl.reset(SSL_new(context_.get()));
+  if (context_ == nullptr || ssl != nullptr) {
+    StreamLimits limits = options_.stream;
+    if (only_probes) {
+      limits.head_timeout = std::min(limits.head_timeout, kProbeHeadTimeout);
+    }
+    HttpStream stream(fd, std::move(ssl), limits, clock_);
+    SetStream(id, &stream);
+    ServeRequests(id, stream, fd, only_probes);
+    SetStream(id, nullptr);
   }
-  HttpStream stream(fd, std::move(ssl), options_.stream, clock_);
+  const absl::MutexLock lock(&mutex_);
+  close(fd);
+  Connection& connection = connections_[id];
+  connection.fd = -1;
+  ended_.push_back(id);
+  --open_;
+  if (only_probes) {
+    --open_for_probes_;
+  } else if (--open_of_client_[connection.client] == 0) {
+    open_of_client_.erase(connection.client);
+  }
+}
+
+void HttpServer::Impl::SetStream(int64_t id, const HttpStream* stream) {
+  const absl::MutexLock lock(&mutex_);
+  connections_[id].stream = stream;
+}
+
+void HttpServer::Impl::ServeRequests(int64_t id, HttpStream& stream, int fd,
+                                     bool only_probes) {
   if (!stream.Handshake()) return;
   HttpEngine::Connection connection{
       .socket = fd,
-      .max_body_bytes = static_cast<size_t>(options_.max_body_mib) << 20};
+      .max_body_bytes = static_cast<size_t>(options_.max_body_mib) << 20,
+      .only_probes = only_probes,
+      .budget = options_.budget};
   if (options_.tls.has_value() && options_.tls->client_names) {
     connection.certificate_names = options_.tls->client_names(stream.ssl());
   }
   HttpEngine engine(handler_, stream, std::move(connection), clock_);
   // The first request must come as soon as its head must end.
-  auto patience = options_.stream.head_timeout;
+  auto patience =
+      only_probes ? kProbeHeadTimeout : options_.stream.head_timeout;
   do {
     if (!stream.WaitForRequest(patience)) return;
     if (!SetIdle(id, false)) return;
-    bool last = false;
+    bool last = only_probes;
     {
       const absl::MutexLock lock(&mutex_);
-      last = stopping_;
+      last = last || stopping_;
     }
     if (!engine.ServeOne(last)) return;
     patience = options_.idle_timeout;
@@ -314,6 +452,7 @@ bool HttpServer::Impl::SetIdle(int64_t id, bool idle) {
   const absl::MutexLock lock(&mutex_);
   if (stopping_ && idle) return false;
   Connection& connection = connections_[id];
+  if (connection.is_leaving) return false;
   connection.idle = idle;
   connection.idle_since = clock_.Now();
   return true;

@@ -1,6 +1,6 @@
-// A listener for HTTP/1.1: connections, threads, limits. httplib parses; the
-// sockets are ours, for its own have no limit on the time of a whole request,
-// none on the number of connections, and no way to see that a client has gone.
+// A listener for HTTP/1.1: connections, threads, limits. The sockets are ours,
+// for httplib's have no limit on the time of a whole request, none on the
+// number of connections, and no way to see that a client has gone.
 #ifndef COMMON_HTTP_HTTP_SERVER_H_
 #define COMMON_HTTP_HTTP_SERVER_H_
 
@@ -15,9 +15,10 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/base/byte_budget.h"
 #include "common/base/clock.h"
 #include "common/http/http_message.h"
-#include "common/http/http_stream.h"
+#include "common/http/stream_limits.h"
 
 namespace treeline::http {
 
@@ -42,9 +43,19 @@ struct HttpServerOptions {
   // Largest body of a request, as sent and after decompression, 1..1024.
   int max_body_mib = 32;
   // Connections at a time, each with a thread, 1..10000. At the limit the one
-  // that has been idle longest makes room; if none is idle, the new one gets
-  // 503.
+  // that has been idle longest makes room; if none is idle, the one whose
+  // request arrives slowest, below StreamLimits::min_body_bytes_per_s; if all
+  // are busy, the new one gets 503.
   int max_connections = 256;
+  // Of one address, or of one IPv6 network of 64 bits, in the same way; 0: no
+  // limit of its own.
+  int max_connections_per_client = 0;
+  // Connections beyond max_connections, for HttpHandler::IsProbe alone,
+  // 0..1000. The one that has been there longest without an answer makes room.
+  int max_probe_connections = 0;
+  // What the bodies of all requests are held by, while they arrive too;
+  // nullptr: without a bound. Must outlive the server.
+  base::ByteBudget* budget = nullptr;
   // For how long a connection may wait for its next request.
   std::chrono::milliseconds idle_timeout{60000};
   StreamLimits stream = {};

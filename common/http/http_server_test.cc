@@ -15,6 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "absl/synchronization/notification.h"
+#include "common/base/byte_budget.h"
 #include "common/http/testing_raw_client.h"
 
 namespace treeline::http {
@@ -31,8 +32,21 @@ class EchoHandler final : public HttpHandler {
     if (request.path == "/early") return HttpResponse{.status = 404};
     return std::nullopt;
   }
+  std::optional<HttpResponse> Admit(HttpRequest& request) override {
+    ++admitted;
+    if (request.path == "/denied") return HttpResponse{.status = 401};
+    request.client = "robot-7";
+    return std::nullopt;
+  }
+  bool IsProbe(const HttpRequest& request) const override {
+    return request.path == "/probe";
+  }
   HttpResponse Handle(const HttpRequest& request) override {
     ++handled;
+    if (request.path == "/client") {
+      return {.content_type = "text/plain",
+              .body = request.client.value_or("nobody")};
+    }
     if (request.path == "/wait") {
       waiting.Notify();
       go_on.WaitForNotification();
@@ -61,6 +75,7 @@ class EchoHandler final : public HttpHandler {
     return {{"X-Common", "yes"}};
   }
 
+  std::atomic<int> admitted = 0;
   std::atomic<int> handled = 0;
   std::atomic<bool> endless = false;
   absl::Notification streamed;
@@ -233,6 +248,76 @@ TEST_F(HttpServerTest, NonsenseIsRefused) {
   EXPECT_EQ(handler_.handled, 0);
 }
 
+// What a proxy in front of the server may read in another way.
+TEST_F(HttpServerTest, WhatOthersReadInAnotherWayIsRefused) {
+  Start();
+  for (const char* headers :
+       {"Content-Length: +2\r\n", "Content-Length: 2, 2\r\n",
+        "Content-Length : 2\r\n", "Transfer-Encoding : chunked\r\n",
+        "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n",
+        "Transfer-Encoding: %63hunked\r\n", "X: 1\r\n Content-Length: 2\r\n",
+        "X: 1\nContent-Length: 2\r\n", "X: \x01\r\n"}) {
+    EXPECT_THAT(
+        Exchange(absl::StrCat("POST / HTTP/1.1\r\n", headers, "\r\n0\r\n\r\n")),
+        StartsWith("HTTP/1.1 400"))
+        << headers;
+  }
+  EXPECT_THAT(
+      Exchange(absl::string_view("GET / HTTP/1.1\r\nX: \0\r\n\r\n", 25)),
+      StartsWith("HTTP/1.1 400"));
+  for (const char* chunk : {"+2", "0x2", "2 2", "-1"}) {
+    EXPECT_THAT(Exchange(absl::StrCat("POST / HTTP/1.1\r\nTransfer-Encoding: "
+                                      "chunked\r\n\r\n",
+                                      chunk, "\r\nhi\r\n0\r\n\r\n")),
+                StartsWith("HTTP/1.1 400"))
+        << chunk;
+  }
+  EXPECT_EQ(handler_.handled, 0);
+}
+
+TEST_F(HttpServerTest, WhoIsNotLetInNeedNotSendTheBody) {
+  Start();
+  const std::string head = " HTTP/1.1\r\nContent-Length: 100000\r\n";
+  EXPECT_THAT(Exchange("POST /denied" + head + "\r\n"),
+              StartsWith("HTTP/1.1 401"));
+  EXPECT_THAT(Exchange("POST /denied" + head + "Expect: 100-continue\r\n\r\n"),
+              StartsWith("HTTP/1.1 401"));
+  EXPECT_EQ(handler_.admitted, 2);
+  EXPECT_EQ(handler_.handled, 0);
+}
+
+TEST_F(HttpServerTest, IsAskedOnceWhoIsLetInAndRemembersIt) {
+  Start();
+  const RawClient client(server_->address());
+  client.Send(
+      "POST /client HTTP/1.1\r\nExpect: 100-continue\r\n"
+      "Connection: close\r\nContent-Length: 2\r\n\r\n");
+  EXPECT_THAT(client.ReadSome(), StartsWith("HTTP/1.1 100"));
+  client.Send("ok");
+  EXPECT_THAT(client.ReadAll(), HasSubstr("\r\n\r\nrobot-7"));
+  EXPECT_EQ(handler_.admitted, 1);
+}
+
+TEST_F(HttpServerTest, BodiesForWhichThereIsNoMemoryAreRefused) {
+  base::ByteBudget budget(100000);
+  base::ByteLease others(&budget);
+  ASSERT_TRUE(others.Resize(99000));
+  options_.budget = &budget;
+  Start();
+  const std::string answer =
+      Exchange("POST / HTTP/1.1\r\nContent-Length: 5000\r\n\r\n" +
+               std::string(5000, 'x'));
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 503"));
+  EXPECT_THAT(answer, HasSubstr("Retry-After: 1"));
+  EXPECT_THAT(Exchange("POST / HTTP/1.1\r\nConnection: close\r\n"
+                       "Content-Length: 500\r\n\r\n" +
+                       std::string(500, 'x')),
+              StartsWith("HTTP/1.1 200"));
+  others.Release();
+  server_.reset();
+  EXPECT_EQ(budget.used_bytes(), 0u);
+}
+
 TEST_F(HttpServerTest, ErrorsHaveTheCommonHeaders) {
   Start();
   EXPECT_THAT(Exchange("POST / HTTP/1.1\r\n\r\n"), HasSubstr("X-Common: yes"));
@@ -288,6 +373,71 @@ TEST_F(HttpServerTest, ABodyThatNeverEndsIsATimeout) {
   Start();
   EXPECT_THAT(Exchange("POST / HTTP/1.1\r\nContent-Length: 100\r\n\r\nabc"),
               StartsWith("HTTP/1.1 408"));
+}
+
+TEST_F(HttpServerTest, ABodyThatTricklesIsATimeout) {
+  options_.stream.body_rate_grace = std::chrono::milliseconds(50);
+  options_.stream.min_body_bytes_per_s = 1 << 20;
+  Start();
+  const RawClient client(server_->address());
+  client.Send("POST / HTTP/1.1\r\nContent-Length: 1000000\r\n\r\n");
+  std::string answer;
+  std::thread reader([&] { answer = client.ReadAll(); });
+  // Ends when the server has closed, long before all has come.
+  while (client.Send("x")) std::this_thread::yield();
+  reader.join();
+  EXPECT_TRUE(answer.empty() || answer.starts_with("HTTP/1.1 408")) << answer;
+  EXPECT_EQ(handler_.handled, 0);
+}
+
+TEST_F(HttpServerTest, SlowRequestsMakeRoomForNewOnes) {
+  options_.max_connections = 2;
+  Start();
+  const RawClient slow_body(server_->address());
+  slow_body.Send("POST / HTTP/1.1\r\nContent-Length: 1000000\r\n\r\nx");
+  const RawClient slow_head(server_->address());
+  slow_head.Send("GET / HTTP/1.1\r\nX: ");
+  // A second passes until it is known that they are slow.
+  std::string answer;
+  while (!absl::StartsWith(answer, "HTTP/1.1 200")) {
+    answer = Exchange("GET / HTTP/1.1\r\nConnection: close\r\n\r\n");
+  }
+  EXPECT_EQ(handler_.handled, 1);
+}
+
+TEST_F(HttpServerTest, ProbesAreAnsweredWhereAllConnectionsAreBusy) {
+  options_.max_connections = 1;
+  options_.max_probe_connections = 1;
+  Start();
+  const RawClient busy(server_->address());
+  busy.Send("GET /wait HTTP/1.1\r\nConnection: close\r\n\r\n");
+  handler_.waiting.WaitForNotification();
+  // Says nothing, and so makes room for who does.
+  const RawClient silent(server_->address());
+  for (int i = 0; i < 3; ++i) {
+    std::string answer;
+    while (!absl::StartsWith(answer, "HTTP/1.1 200")) {
+      answer = Exchange("GET /probe HTTP/1.1\r\n\r\n");
+    }
+  }
+  std::string answer;
+  while (answer.empty()) answer = Exchange("GET / HTTP/1.1\r\n\r\n");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 503"));
+  handler_.go_on.Notify();
+  EXPECT_THAT(busy.ReadAll(), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(HttpServerTest, OneClientDoesNotGetAllConnections) {
+  options_.max_connections = 100;
+  options_.max_connections_per_client = 1;
+  Start();
+  const RawClient busy(server_->address());
+  busy.Send("GET /wait HTTP/1.1\r\nConnection: close\r\n\r\n");
+  handler_.waiting.WaitForNotification();
+  EXPECT_THAT(RawClient(server_->address()).ReadAll(),
+              StartsWith("HTTP/1.1 503"));
+  handler_.go_on.Notify();
+  EXPECT_THAT(busy.ReadAll(), StartsWith("HTTP/1.1 200"));
 }
 
 TEST_F(HttpServerTest, IdleConnectionsAreClosed) {

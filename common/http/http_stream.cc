@@ -8,13 +8,20 @@
 #include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <climits>
 #include <cstring>
 #include <utility>
 
+#include "common/http/request_head.h"
+
 namespace treeline::http {
 namespace {
+
+constexpr size_t kBufferBytes = 16384;
+// Before that nothing is said about how fast a request arrives.
+constexpr std::chrono::milliseconds kTimeToJudge{1000};
 
 using NameOfEnd = int (*)(int, sockaddr*, socklen_t*);
 
@@ -41,7 +48,11 @@ void IpAndPort(int fd, NameOfEnd name_of_end, std::string& ip, int& port) {
 
 HttpStream::HttpStream(int fd, UniqueSsl ssl, const StreamLimits& limits,
                        const base::Clock& clock)
-    : fd_(fd), ssl_(std::move(ssl)), limits_(limits), clock_(clock) {
+    : fd_(fd),
+      ssl_(std::move(ssl)),
+      limits_(limits),
+      clock_(clock),
+      buffer_(kBufferBytes) {
   fcntl(fd_, F_SETFL, fcntl(fd_, F_GETFL) | O_NONBLOCK);
   if (ssl_ != nullptr) {
     SSL_set_mode(ssl_.get(), SSL_MODE_ENABLE_PARTIAL_WRITE |
@@ -72,22 +83,79 @@ bool HttpStream::WaitForRequest(std::chrono::milliseconds patience) {
   return true;
 }
 
+void HttpStream::Enter(Phase phase) {
+  phase_bytes_ = 0;
+  phase_start_ = clock_.Now();
+  phase_ = phase;
+}
+
 void HttpStream::BeginHead() {
-  phase_ = Phase::kHead;
+  Enter(Phase::kHead);
   failure_ = StreamFailure::kNone;
   has_written_ = false;
-  head_bytes_ = 0;
   deadline_ = clock_.Now() + limits_.head_timeout;
 }
 
-void HttpStream::BeginBody() {
-  phase_ = Phase::kBody;
-  deadline_ = clock_.Now() + limits_.body_timeout;
+absl::string_view HttpStream::ReadHead() {
+  // To the front, so that all of the buffer is there for it.
+  std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+  end_ -= begin_;
+  begin_ = 0;
+  HeadScanner scanner;
+  for (;;) {
+    const absl::string_view bytes(buffer_.data(), end_);
+    switch (scanner.Scan(bytes.substr(0, limits_.head_bytes))) {
+      case HeadScanner::Verdict::kComplete:
+        return bytes.substr(0, scanner.end());
+      case HeadScanner::Verdict::kMalformed:
+        failure_ = StreamFailure::kMalformed;
+        return {};
+      case HeadScanner::Verdict::kIncomplete:
+        break;
+    }
+    if (end_ >= limits_.head_bytes) {
+      failure_ = StreamFailure::kHeadTooLarge;
+      return {};
+    }
+    if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
+    const ssize_t got = Receive(buffer_.data() + end_, buffer_.size() - end_);
+    if (got <= 0) return {};
+    end_ += static_cast<size_t>(got);
+    phase_bytes_ += static_cast<size_t>(got);
+  }
 }
 
+void HttpStream::BeginBody() {
+  Enter(Phase::kBody);
+  phase_deadline_ = clock_.Now() + limits_.body_timeout;
+  ExpectNextPiece();
+}
+
+void HttpStream::ExpectNextPiece() {
+  const std::chrono::duration<double> for_bytes(
+      static_cast<double>(phase_bytes_) / limits_.min_body_bytes_per_s);
+  deadline_ = std::min(
+      phase_deadline_,
+      phase_start_.load() + limits_.body_rate_grace +
+          std::chrono::duration_cast<base::MonotonicTime::duration>(for_bytes));
+}
+
+void HttpStream::BeginHandling() { Enter(Phase::kHandling); }
+
 void HttpStream::BeginPart() {
-  phase_ = Phase::kResponse;
+  Enter(Phase::kResponse);
   deadline_ = clock_.Now() + limits_.write_timeout;
+}
+
+std::optional<double> HttpStream::ArrivalRate(base::MonotonicTime now) const {
+  const Phase phase = phase_;
+  const auto elapsed = now - phase_start_.load();
+  if ((phase != Phase::kHead && phase != Phase::kBody) ||
+      elapsed < kTimeToJudge) {
+    return std::nullopt;
+  }
+  return static_cast<double>(phase_bytes_) /
+         std::chrono::duration<double>(elapsed).count();
 }
 
 void HttpStream::Linger(std::chrono::milliseconds patience) {
@@ -107,16 +175,10 @@ void HttpStream::Linger(std::chrono::milliseconds patience) {
 
 ssize_t HttpStream::read(char* ptr, size_t size) {
   if (failure_ != StreamFailure::kNone) return -1;
-  if (phase_ == Phase::kHead) {
-    size = std::min(size, limits_.head_bytes - head_bytes_);
-    if (size == 0) {
-      failure_ = StreamFailure::kHeadTooLarge;
-      return -1;
-    }
-  }
   ssize_t got = 0;
-  if (begin_ == end_ && size >= buffer_.size()) {
+  if (begin_ == end_ && size >= kBufferBytes) {
     got = Receive(ptr, size);
+    if (got <= 0) return got;
   } else {
     if (begin_ == end_) {
       const ssize_t received = Receive(buffer_.data(), buffer_.size());
@@ -129,18 +191,16 @@ ssize_t HttpStream::read(char* ptr, size_t size) {
     begin_ += taken;
     got = static_cast<ssize_t>(taken);
   }
-  if (phase_ == Phase::kHead && got > 0) {
-    head_bytes_ += static_cast<size_t>(got);
+  if (phase_ == Phase::kBody) {
+    phase_bytes_ += static_cast<size_t>(got);
+    ExpectNextPiece();
   }
   return got;
 }
 
 ssize_t HttpStream::write(const char* ptr, size_t size) {
   if (failure_ == StreamFailure::kClosed) return -1;
-  if (phase_ != Phase::kResponse) {
-    phase_ = Phase::kResponse;
-    deadline_ = clock_.Now() + limits_.write_timeout;
-  }
+  if (phase_ != Phase::kResponse) BeginPart();
   size_t sent = 0;
   while (sent < size) {
     const ssize_t result = Send(ptr + sent, size - sent);

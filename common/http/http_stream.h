@@ -5,28 +5,28 @@
 #include <httplib.h>
 #include <openssl/ssl.h>
 
-#include <array>
+#include <atomic>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "absl/strings/string_view.h"
 #include "common/base/clock.h"
+#include "common/http/byte_source.h"
+#include "common/http/stream_limits.h"
 
 namespace treeline::http {
 
 // Why reading a request ended early.
-enum class StreamFailure { kNone, kClosed, kTimedOut, kHeadTooLarge };
-
-struct StreamLimits {
-  // Request line and headers, bytes.
-  size_t head_bytes = 16384;
-  // From the first byte of a request to the end of its headers; and for the
-  // whole TLS handshake.
-  std::chrono::milliseconds head_timeout{10000};
-  // From then to the end of its body.
-  std::chrono::milliseconds body_timeout{60000};
-  // For the whole response.
-  std::chrono::milliseconds write_timeout{30000};
+enum class StreamFailure {
+  kNone,
+  kClosed,
+  kTimedOut,
+  kHeadTooLarge,
+  // Not a head of HTTP.
+  kMalformed
 };
 
 struct SslDeleter {
@@ -37,7 +37,7 @@ using UniqueSsl = std::unique_ptr<SSL, SslDeleter>;
 // What httplib reads requests from and writes responses to. Deadlines are for
 // whole phases, not for single reads: a client that sends a byte at a time has
 // no longer than others.
-class HttpStream final : public httplib::Stream {
+class HttpStream final : public httplib::Stream, public ByteSource {
  public:
   // Owns neither `fd`, which becomes non-blocking, nor `clock`. `ssl`: null
   // for a plain connection.
@@ -52,7 +52,12 @@ class HttpStream final : public httplib::Stream {
   bool WaitForRequest(std::chrono::milliseconds patience);
   // Phases of a request. Each sets the deadline of what follows.
   void BeginHead();
+  // Waits for the whole head, which stays to be read; valid until then. Empty:
+  // see failure().
+  absl::string_view ReadHead();
   void BeginBody();
+  // All has been read; nothing is written yet.
+  void BeginHandling();
   // What is written from now on has the whole time for itself.
   void BeginPart();
   // Nothing more is read or written.
@@ -60,11 +65,18 @@ class HttpStream final : public httplib::Stream {
   StreamFailure failure() const { return failure_; }
   bool has_written() const { return has_written_; }
 
+  // Bytes per second of the head or the body that is arriving; nullopt: none
+  // is, or not for long enough to say. From any thread.
+  std::optional<double> ArrivalRate(base::MonotonicTime now) const;
+
   // Says that no more will be written, and reads what still comes for up to
   // `patience`: closing with unread bytes would take the response back.
   void Linger(std::chrono::milliseconds patience);
 
   SSL* ssl() const { return ssl_.get(); }
+
+  // ByteSource.
+  ssize_t Read(char* to, size_t size) override { return read(to, size); }
 
   // httplib::Stream.
   using httplib::Stream::write;
@@ -79,7 +91,11 @@ class HttpStream final : public httplib::Stream {
   socket_t socket() const override { return 0; }
 
  private:
-  enum class Phase { kHead, kBody, kResponse };
+  enum class Phase { kHead, kBody, kHandling, kResponse };
+
+  void Enter(Phase phase);
+  // Of bodies: when the next byte must have come.
+  void ExpectNextPiece();
 
   // Bytes from the connection, at least one; 0 closed, -1 failed.
   ssize_t Receive(char* ptr, size_t size);
@@ -93,14 +109,17 @@ class HttpStream final : public httplib::Stream {
   const UniqueSsl ssl_;
   const StreamLimits limits_;
   const base::Clock& clock_;
-  Phase phase_ = Phase::kHead;
+  // These three are read by other threads.
+  std::atomic<Phase> phase_ = Phase::kResponse;
+  std::atomic<base::MonotonicTime> phase_start_ = base::MonotonicTime();
+  std::atomic<size_t> phase_bytes_ = 0;
+  // Of the whole phase, and of the read or write at hand.
+  base::MonotonicTime phase_deadline_ = base::MonotonicTime::max();
   base::MonotonicTime deadline_ = base::MonotonicTime::max();
   StreamFailure failure_ = StreamFailure::kNone;
   bool has_written_ = false;
-  // Of the current head.
-  size_t head_bytes_ = 0;
-  // Read ahead: buffer_[begin_..end_).
-  std::array<char, 16384> buffer_;
+  // Read ahead: buffer_[begin_..end_). Grows to the largest head.
+  std::vector<char> buffer_;
   size_t begin_ = 0;
   size_t end_ = 0;
 };

@@ -34,6 +34,10 @@ class RateLimitedAccess final : public service::AccessPolicy {
 
   absl::StatusOr<service::Client> Admit(const service::CallInfo& call,
                                         service::Scope scope) override;
+  absl::StatusOr<service::Client> Identify(const service::CallInfo& call,
+                                           service::Scope scope) override {
+    return inner_.Identify(call, scope);
+  }
 
  private:
   absl::Status Charge(const service::Client& client);

@@ -35,6 +35,16 @@ class RateLimitedAccessTest : public testing::Test {
   FakeAccess inner_;
 };
 
+TEST_F(RateLimitedAccessTest, SaysWhoItIsWithoutCounting) {
+  RateLimitedAccess access(inner_, {.rate_per_s = 3, .burst = 2}, clock_);
+  for (int i = 0; i < 10; ++i) {
+    const auto client = access.Identify({}, service::Scope::kLocalize);
+    ASSERT_TRUE(client.ok());
+    EXPECT_EQ(client->id, "robot-7");
+  }
+  EXPECT_EQ(Admitted(access), 2);
+}
+
 TEST_F(RateLimitedAccessTest, RefusesWithReasonAndTheTimeToTryAgain) {
   RateLimitedAccess access(inner_, {.rate_per_s = 3, .burst = 2}, clock_);
   EXPECT_EQ(Admitted(access), 2);

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
+#include "common/base/byte_budget.h"
 #include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
@@ -34,6 +35,14 @@
 namespace treeline::server_app {
 namespace {
 
+// What requests may hold together from their arrival to their answer, on all
+// transports, counted in the largest that is accepted: each is there as bytes
+// and as a message while it is parsed.
+constexpr uint64_t kLargestRequestsHeld = 4;
+// Of 256 connections, what one address may have, and what is kept for probes.
+constexpr int kHttpConnectionsOfClient = 128;
+constexpr int kHttpConnectionsForProbes = 16;
+
 // Another policy can take over while calls come in.
 class LiveAccess final : public service::AccessPolicy {
  public:
@@ -43,15 +52,19 @@ class LiveAccess final : public service::AccessPolicy {
   }
   absl::StatusOr<service::Client> Admit(const service::CallInfo& call,
                                         service::Scope scope) override {
-    std::shared_ptr<service::AccessPolicy> policy;
-    {
-      absl::MutexLock lock(&mutex_);
-      policy = policy_;
-    }
-    return policy->Admit(call, scope);
+    return Policy()->Admit(call, scope);
+  }
+  absl::StatusOr<service::Client> Identify(const service::CallInfo& call,
+                                           service::Scope scope) override {
+    return Policy()->Identify(call, scope);
   }
 
  private:
+  std::shared_ptr<service::AccessPolicy> Policy() {
+    absl::MutexLock lock(&mutex_);
+    return policy_;
+  }
+
   absl::Mutex mutex_;
   std::shared_ptr<service::AccessPolicy> policy_ ABSL_GUARDED_BY(mutex_);
 };
@@ -113,9 +126,12 @@ RepositoryFigures FiguresOf(const repository::SceneRepository& repository) {
 
 // Destroyed from the last to the first: what calls before what it calls.
 struct Application::Parts {
-  Parts(logging::ProgramLog& server_log, const base::Clock& used_clock)
+  Parts(const ServerConfig& config, logging::ProgramLog& server_log,
+        const base::Clock& used_clock)
       : log(server_log),
         clock(used_clock),
+        budget(kLargestRequestsHeld *
+               (static_cast<uint64_t>(config.max_message_mib) << 20)),
         metrics(registry),
         call_log(server_log, used_clock) {}
   // Downloads must not outlast the rest.
@@ -131,6 +147,7 @@ struct Application::Parts {
   logging::ProgramLog& log;
   const base::Clock& clock;
   const access::SystemWallClock wall_clock;
+  base::ByteBudget budget;
   metrics::Registry registry;
   ServiceMetrics metrics;
   CallLog call_log;
@@ -222,6 +239,7 @@ absl::Status Application::Parts::StartRecorder(const ServerConfig& config) {
 
 absl::Status Application::Parts::StartListeners(const ServerConfig& config) {
   service::GrpcServerOptions options = GrpcOptionsOf(config);
+  options.budget = &budget;
   if (certificates != nullptr) {
     options.credentials = access::MakeServerCredentials(*certificates);
     options.certificate_names = [](const grpc::AuthContext& context) {
@@ -246,6 +264,9 @@ absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
   options.http.listen = config.http_listen;
   options.http.insecure_any_address = config.insecure_any_address;
   options.http.max_body_mib = config.max_message_mib;
+  options.http.max_connections_per_client = kHttpConnectionsOfClient;
+  options.http.max_probe_connections = kHttpConnectionsForProbes;
+  options.http.budget = &budget;
   options.allowed_origins = config.cors_origin;
   if (http_tls != nullptr) {
     options.http.tls = http::ServerTls{
@@ -258,6 +279,9 @@ absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
   }
   gateway::GatewayHooks hooks;
   hooks.metrics = [this] { return registry.Expose(); };
+  hooks.may_read_metrics = [this](const service::CallInfo& call) {
+    return access.Identify(call, service::Scope::kLocalize).status();
+  };
   hooks.ready = [this] { return !draining; };
   hooks.scenes = [this] {
     std::vector<v1::SceneInfo> scenes;
@@ -291,7 +315,7 @@ absl::StatusOr<std::unique_ptr<Application>> Application::Start(
     const base::Clock& clock) {
   // Before the models are read: they may take a while.
   TL_RETURN_IF_ERROR(config.Validate());
-  auto parts = std::make_unique<Parts>(log, clock);
+  auto parts = std::make_unique<Parts>(config, log, clock);
   TL_RETURN_IF_ERROR(parts->OpenAccessPolicy(config));
   TL_ASSIGN_OR_RETURN(
       parts->repository,

@@ -184,6 +184,14 @@ TEST_F(FailedQueryRecorderTest, AFolderThatCannotBeIsAnError) {
 // Answers Localize with what it was given.
 class FakeDispatcher final : public service::Dispatcher {
  public:
+  absl::StatusOr<service::Client> Admit(const service::CallInfo&,
+                                        service::Scope) override {
+    return service::Client{};
+  }
+  absl::StatusOr<service::Client> Identify(const service::CallInfo&,
+                                           service::Scope) override {
+    return service::Client{};
+  }
   void Localize(service::CallInfo, const v1::LocalizeRequest&,
                 Done<v1::LocalizeResponse> done) override {
     done(answer);

@@ -23,6 +23,14 @@ class RecordingDispatcher final : public service::Dispatcher {
   RecordingDispatcher(service::Dispatcher& inner, FailedQueryRecorder& recorder)
       : inner_(inner), recorder_(recorder) {}
 
+  absl::StatusOr<service::Client> Admit(const service::CallInfo& call,
+                                        service::Scope scope) override {
+    return inner_.Admit(call, scope);
+  }
+  absl::StatusOr<service::Client> Identify(const service::CallInfo& call,
+                                           service::Scope scope) override {
+    return inner_.Identify(call, scope);
+  }
   void Localize(service::CallInfo call, const v1::LocalizeRequest& request,
                 Done<v1::LocalizeResponse> done) override;
   void ListScenes(service::CallInfo call, const v1::ListScenesRequest& request,

@@ -3,18 +3,22 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/strip.h"
 #include "common/base/error_info.h"
+#include "server/gateway/http_errors.h"
+#include "server/service/grpc_message.h"
 
 namespace treeline::gateway {
 namespace {
 
 // The Connect protocol allows this many.
 constexpr size_t kMostTimeoutDigits = 10;
+constexpr std::chrono::milliseconds kPatienceForMemory{2000};
 
 std::string BearerToken(absl::string_view authorization) {
   constexpr absl::string_view kScheme = "bearer ";
@@ -46,6 +50,7 @@ absl::StatusOr<service::CallInfo> CallInfoOf(const http::HttpRequest& request,
                           BearerToken(request.Header("authorization")),
                       .certificate_names = request.certificate_names},
       .traceparent = std::string(request.Header("traceparent")),
+      .client = request.client,
       .admin_listener = admin_listener,
       .arrival = request.arrival};
   const absl::string_view timeout = request.Header("connect-timeout-ms");
@@ -61,6 +66,32 @@ absl::StatusOr<service::CallInfo> CallInfoOf(const http::HttpRequest& request,
     call.deadline = request.arrival + std::chrono::milliseconds(milliseconds);
   }
   return call;
+}
+
+std::optional<http::HttpResponse> AdmitRequest(
+    service::Dispatcher& dispatcher, const char* rpc, service::Scope scope,
+    bool admin_listener, const base::Clock& clock, http::HttpRequest& request) {
+  request.arrival = clock.Now();
+  const absl::StatusOr<service::CallInfo> call =
+      CallInfoOf(request, rpc, admin_listener);
+  if (!call.ok()) return ErrorResponse(call.status());
+  absl::StatusOr<service::Client> client = dispatcher.Admit(*call, scope);
+  if (!client.ok()) return ErrorResponse(client.status());
+  request.client = std::move(client->id);
+  return std::nullopt;
+}
+
+absl::StatusOr<base::ByteLease> LeaseForParsing(
+    base::ByteBudget* budget, const http::HttpRequest& request) {
+  // JSON: what base64 becomes, the message in bytes, and the message.
+  const bool is_json =
+      MediaType(request.Header("content-type")) != "application/proto";
+  base::ByteLease lease(budget);
+  if (lease.Resize((is_json ? 3 : 1) * request.body.size(),
+                   kPatienceForMemory)) {
+    return lease;
+  }
+  return service::NoMemoryForRequest();
 }
 
 }  // namespace treeline::gateway

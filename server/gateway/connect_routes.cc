@@ -12,6 +12,7 @@
 #include "server/gateway/http_errors.h"
 #include "server/gateway/json_message.h"
 #include "server/gateway/pending_call.h"
+#include "server/service/message_shape.h"
 
 namespace treeline::gateway {
 namespace {
@@ -28,16 +29,12 @@ struct Context {
   service::Dispatcher& dispatcher;
   bool admin_listener;
   const base::Clock& clock;
+  base::ByteBudget* budget;
 };
 
 absl::Status ParseBody(const http::HttpRequest& request,
                        google::protobuf::Message& message) {
-  if (!IsJson(request)) {
-    if (message.ParseFromString(request.body)) return absl::OkStatus();
-    return InvalidRequest(absl::StrCat("the body is not a ",
-                                       message.GetTypeName(),
-                                       " in protobuf's binary format"));
-  }
+  if (!IsJson(request)) return service::ParseMessage(request.body, message);
   return base::WithReason(MessageFromJson(request.body, message),
                           "INVALID_REQUEST");
 }
@@ -64,8 +61,12 @@ absl::StatusOr<http::HttpResponse> Call(
   }
   TL_ASSIGN_OR_RETURN(service::CallInfo call,
                       CallInfoOf(request, rpc, context.admin_listener));
+  TL_ASSIGN_OR_RETURN(base::ByteLease lease,
+                      LeaseForParsing(context.budget, request));
   Request message;
   TL_RETURN_IF_ERROR(ParseBody(request, message));
+  // The message alone; the body is the server's.
+  lease.Resize(request.body.size());
   TL_ASSIGN_OR_RETURN(const Response answer,
                       CallAndWait(context.dispatcher, method, std::move(call),
                                   message, request.socket, context.clock));
@@ -74,34 +75,41 @@ absl::StatusOr<http::HttpResponse> Call(
 
 struct Route {
   absl::string_view path;
+  const char* rpc;
+  service::Scope scope;
   // Null: a streaming method.
   absl::StatusOr<http::HttpResponse> (*call)(const Context&,
                                              const http::HttpRequest&);
 };
 
 constexpr std::array<Route, 6> kRoutes{{
-    {"/treeline.v1.RelocalizationService/Localize",
+    {"/treeline.v1.RelocalizationService/Localize", "Localize",
+     service::Scope::kLocalize,
      [](const Context& context, const http::HttpRequest& request) {
        return Call(context, "Localize", &service::Dispatcher::Localize,
                    request);
      }},
-    {"/treeline.v1.RelocalizationService/LocalizeStream", nullptr},
-    {"/treeline.v1.SceneService/ListScenes",
+    {"/treeline.v1.RelocalizationService/LocalizeStream", "LocalizeStream",
+     service::Scope::kLocalize, nullptr},
+    {"/treeline.v1.SceneService/ListScenes", "ListScenes",
+     service::Scope::kLocalize,
      [](const Context& context, const http::HttpRequest& request) {
        return Call(context, "ListScenes", &service::Dispatcher::ListScenes,
                    request);
      }},
-    {"/treeline.v1.SceneService/GetScene",
+    {"/treeline.v1.SceneService/GetScene", "GetScene",
+     service::Scope::kLocalize,
      [](const Context& context, const http::HttpRequest& request) {
        return Call(context, "GetScene", &service::Dispatcher::GetScene,
                    request);
      }},
-    {"/treeline.v1.SceneService/LoadScene",
+    {"/treeline.v1.SceneService/LoadScene", "LoadScene", service::Scope::kAdmin,
      [](const Context& context, const http::HttpRequest& request) {
        return Call(context, "LoadScene", &service::Dispatcher::LoadScene,
                    request);
      }},
-    {"/treeline.v1.SceneService/UnloadScene",
+    {"/treeline.v1.SceneService/UnloadScene", "UnloadScene",
+     service::Scope::kAdmin,
      [](const Context& context, const http::HttpRequest& request) {
        return Call(context, "UnloadScene", &service::Dispatcher::UnloadScene,
                    request);
@@ -118,8 +126,12 @@ const Route* FindRoute(absl::string_view path) {
 }  // namespace
 
 ConnectRoutes::ConnectRoutes(service::Dispatcher& dispatcher,
-                             bool admin_listener, const base::Clock& clock)
-    : dispatcher_(dispatcher), admin_listener_(admin_listener), clock_(clock) {}
+                             bool admin_listener, const base::Clock& clock,
+                             base::ByteBudget* budget)
+    : dispatcher_(dispatcher),
+      admin_listener_(admin_listener),
+      clock_(clock),
+      budget_(budget) {}
 
 bool ConnectRoutes::Owns(absl::string_view path) {
   return absl::StartsWith(path, "/treeline.v1.");
@@ -159,9 +171,16 @@ std::optional<http::HttpResponse> ConnectRoutes::CheckHead(
   return std::nullopt;
 }
 
+std::optional<http::HttpResponse> ConnectRoutes::Admit(
+    http::HttpRequest& request) const {
+  const Route& route = *FindRoute(request.path);
+  return AdmitRequest(dispatcher_, route.rpc, route.scope, admin_listener_,
+                      clock_, request);
+}
+
 http::HttpResponse ConnectRoutes::Handle(
     const http::HttpRequest& request) const {
-  const Context context{dispatcher_, admin_listener_, clock_};
+  const Context context{dispatcher_, admin_listener_, clock_, budget_};
   absl::StatusOr<http::HttpResponse> response =
       FindRoute(request.path)->call(context, request);
   return response.ok() ? *std::move(response)

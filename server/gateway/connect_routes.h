@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "absl/strings/string_view.h"
+#include "common/base/byte_budget.h"
 #include "common/base/clock.h"
 #include "common/http/http_message.h"
 #include "server/service/dispatcher.h"
@@ -15,9 +16,10 @@ namespace treeline::gateway {
 // Every unary RPC of both services. Thread-safe.
 class ConnectRoutes {
  public:
-  // `admin_listener`: see CallInfo. Keeps references.
+  // `admin_listener`: see CallInfo. `budget`: for requests while they are
+  // parsed; nullptr: without a bound. Keeps references.
   ConnectRoutes(service::Dispatcher& dispatcher, bool admin_listener,
-                const base::Clock& clock);
+                const base::Clock& clock, base::ByteBudget* budget = nullptr);
 
   // Whether `path` lies in a package of ours.
   static bool Owns(absl::string_view path);
@@ -27,13 +29,17 @@ class ConnectRoutes {
   std::optional<http::HttpResponse> CheckHead(
       const http::HttpRequest& request) const;
 
-  // For requests that CheckHead lets through.
+  // Of requests that CheckHead lets through: see HttpHandler::Admit.
+  std::optional<http::HttpResponse> Admit(http::HttpRequest& request) const;
+
+  // For requests that both let through.
   http::HttpResponse Handle(const http::HttpRequest& request) const;
 
  private:
   service::Dispatcher& dispatcher_;
   const bool admin_listener_;
   const base::Clock& clock_;
+  base::ByteBudget* const budget_;
 };
 
 }  // namespace treeline::gateway

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
+#include "server/gateway/call_headers.h"
 #include "server/gateway/connect_routes.h"
 #include "server/gateway/cors.h"
 #include "server/gateway/gpp_routes.h"
@@ -51,6 +52,11 @@ absl::Status StatusOfHttp(int http_status) {
           "INVALID_REQUEST");
     case 500:
       return absl::InternalError("a fault of the server");
+    case 503:
+      return base::WithReason(
+          absl::UnavailableError("overloaded: other requests take all there "
+                                 "is of connections or memory"),
+          "OVERLOADED");
     default:
       return base::WithReason(
           absl::InvalidArgumentError("not a valid HTTP request"),
@@ -64,11 +70,14 @@ class Handler final : public http::HttpHandler {
           GatewayHooks hooks, const base::Clock& clock)
       : cors_(options.allowed_origins),
         hooks_(std::move(hooks)),
+        admin_listener_(options.serve_admin),
         serve_metrics_(options.serve_metrics && hooks_.metrics) {
     if (options.serve_rpc) {
-      connect_.emplace(dispatcher, options.serve_admin, clock);
+      connect_.emplace(dispatcher, options.serve_admin, clock,
+                       options.http.budget);
       if (hooks_.scenes) {
-        gpp_.emplace(dispatcher, hooks_.scenes, options.serve_admin, clock);
+        gpp_.emplace(dispatcher, hooks_.scenes, options.serve_admin, clock,
+                     options.http.budget);
       }
     }
   }
@@ -94,7 +103,18 @@ class Handler final : public http::HttpHandler {
       response.headers.emplace_back("Allow", "GET, HEAD");
       return response;
     }
+    if (request.path == "/metrics") return CheckReaderOfMetrics(request);
     return std::nullopt;
+  }
+
+  std::optional<http::HttpResponse> Admit(http::HttpRequest& request) override {
+    if (ConnectRoutes::Owns(request.path)) return connect_->Admit(request);
+    if (GppRoutes::Owns(request.path)) return gpp_->Admit(request);
+    return std::nullopt;
+  }
+
+  bool IsProbe(const http::HttpRequest& request) const override {
+    return request.path == "/healthz" || request.path == "/readyz";
   }
 
   http::HttpResponse Handle(const http::HttpRequest& request) override {
@@ -127,8 +147,20 @@ class Handler final : public http::HttpHandler {
            (serve_metrics_ && path == "/metrics");
   }
 
+  std::optional<http::HttpResponse> CheckReaderOfMetrics(
+      const http::HttpRequest& request) const {
+    if (!hooks_.may_read_metrics) return std::nullopt;
+    const absl::StatusOr<service::CallInfo> call =
+        CallInfoOf(request, "Metrics", admin_listener_);
+    const absl::Status status =
+        call.ok() ? hooks_.may_read_metrics(*call) : call.status();
+    if (status.ok()) return std::nullopt;
+    return ErrorResponse(status);
+  }
+
   const CorsPolicy cors_;
   const GatewayHooks hooks_;
+  const bool admin_listener_;
   const bool serve_metrics_;
   std::optional<ConnectRoutes> connect_;
   std::optional<GppRoutes> gpp_;

@@ -13,6 +13,7 @@
 #include "absl/status/statusor.h"
 #include "common/base/clock.h"
 #include "common/http/http_server.h"
+#include "server/service/call.h"
 #include "server/service/dispatcher.h"
 #include "treeline/v1/scenes.pb.h"
 
@@ -39,6 +40,9 @@ struct GatewayOptions {
 struct GatewayHooks {
   // Prometheus text; empty function: there is no /metrics.
   std::function<std::string()> metrics = {};
+  // Whether who asks may read them, which name scenes; empty function: everyone
+  // may.
+  std::function<absl::Status(const service::CallInfo&)> may_read_metrics = {};
   // Whether queries are answered; empty function: always.
   std::function<bool()> ready = {};
   // All scenes, for the geo-anchors of /geopose; empty function: there is no

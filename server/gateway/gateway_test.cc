@@ -45,6 +45,13 @@ class GatewayTest : public ::testing::Test {
     auto gateway = Gateway::Start(
         options, dispatcher_,
         {.metrics = [] { return std::string("treeline_up 1\n"); },
+         .may_read_metrics =
+             [this](const service::CallInfo& call) {
+               return metrics_token_.empty() ||
+                              call.credentials.bearer_token == metrics_token_
+                          ? absl::OkStatus()
+                          : absl::UnauthenticatedError("who are you?");
+             },
          .ready = [this] { return ready_; }},
         clock_);
     ASSERT_TRUE(gateway.ok()) << gateway.status();
@@ -71,6 +78,8 @@ class GatewayTest : public ::testing::Test {
   const base::SteadyClock clock_{};
   TestingDispatcher dispatcher_;
   bool ready_ = true;
+  // Empty: everyone may read them.
+  std::string metrics_token_;
   std::unique_ptr<Gateway> gateway_;
   std::unique_ptr<httplib::Client> client_;
 };
@@ -150,6 +159,45 @@ TEST_F(GatewayTest, RefusesTimeoutsThatAreNone) {
     if (std::string(timeout) == " ") continue;  // Stripped: no header.
     EXPECT_EQ(result->status, 400) << timeout;
   }
+}
+
+TEST_F(GatewayTest, AsksWhoItIsBeforeTheBodyIsRead) {
+  dispatcher_.admission = absl::UnauthenticatedError("who are you?");
+  // Neither JSON nor a message: nobody has looked.
+  const auto result = PostJson(kLocalize, "{{{");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 401);
+  EXPECT_EQ(PostJson("/treeline.v1.SceneService/LoadScene", "{{{")->status,
+            401);
+  EXPECT_THAT(
+      dispatcher_.admitted(),
+      testing::ElementsAre(service::Scope::kLocalize, service::Scope::kAdmin));
+  EXPECT_THAT(dispatcher_.calls(), IsEmpty());
+}
+
+TEST_F(GatewayTest, TellsTheDispatcherWhoWasLetIn) {
+  ASSERT_TRUE(PostJson(kLocalize, "{}"));
+  ASSERT_THAT(dispatcher_.calls(), SizeIs(1));
+  EXPECT_EQ(dispatcher_.calls()[0].client, "tester");
+}
+
+TEST_F(GatewayTest, RefusesMessagesThatWouldBecomeLarge) {
+  v1::LocalizeRequest request;
+  for (int i = 0; i < 20001; ++i) request.add_candidate_scenes();
+  const auto result =
+      client_->Post(kLocalize, httplib::Headers{}, request.SerializeAsString(),
+                    "application/proto");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 400);
+  EXPECT_THAT(MessageOf(result), HasSubstr("fields"));
+}
+
+TEST_F(GatewayTest, MetricsAreForWhoMayReadThem) {
+  metrics_token_ = "abc";
+  EXPECT_EQ(client_->Get("/metrics")->status, 401);
+  EXPECT_EQ(client_->Get("/metrics", {{"Authorization", "Bearer abc"}})->status,
+            200);
+  EXPECT_EQ(client_->Get("/healthz")->status, 200);
 }
 
 TEST_F(GatewayTest, NamesUnknownFields) {

@@ -111,11 +111,13 @@ absl::StatusOr<geometry::Rigid3> WorldFromPicture(
 
 GppRoutes::GppRoutes(service::Dispatcher& dispatcher,
                      std::function<std::vector<v1::SceneInfo>()> scenes,
-                     bool admin_listener, const base::Clock& clock)
+                     bool admin_listener, const base::Clock& clock,
+                     base::ByteBudget* budget)
     : dispatcher_(dispatcher),
       scenes_(std::move(scenes)),
       admin_listener_(admin_listener),
-      clock_(clock) {}
+      clock_(clock),
+      budget_(budget) {}
 
 std::optional<http::HttpResponse> GppRoutes::CheckHead(
     const http::HttpRequest& request) const {
@@ -141,6 +143,13 @@ std::optional<http::HttpResponse> GppRoutes::CheckHead(
   return std::nullopt;
 }
 
+std::optional<http::HttpResponse> GppRoutes::Admit(
+    http::HttpRequest& request) const {
+  return AdmitRequest(dispatcher_, service::kGeoPoseRpc,
+                      service::Scope::kLocalize, admin_listener_, clock_,
+                      request);
+}
+
 http::HttpResponse GppRoutes::Handle(const http::HttpRequest& request) const {
   if (request.method != "POST") {
     return {.content_type = kJson, .body = R"({"status":"running"})"};
@@ -154,7 +163,10 @@ absl::StatusOr<http::HttpResponse> GppRoutes::Localize(
     const http::HttpRequest& http) const {
   TL_ASSIGN_OR_RETURN(service::CallInfo call,
                       CallInfoOf(http, service::kGeoPoseRpc, admin_listener_));
+  TL_ASSIGN_OR_RETURN(base::ByteLease lease, LeaseForParsing(budget_, http));
   TL_ASSIGN_OR_RETURN(GppRequest request, ParseGppRequest(http.body));
+  // The query alone; the body is the server's.
+  lease.Resize(http.body.size());
   std::vector<std::string> near = ScenesNear(scenes_(), request.hints);
   if (near.empty()) {
     return NotLocalized("NO_SCENE_NEAR",

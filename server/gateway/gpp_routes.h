@@ -10,6 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "common/base/byte_budget.h"
 #include "common/base/clock.h"
 #include "common/http/http_message.h"
 #include "server/gateway/gpp_message.h"
@@ -34,16 +35,19 @@ absl::StatusOr<geometry::Rigid3> WorldFromPicture(
 // Thread-safe.
 class GppRoutes {
  public:
-  // `scenes`: all of the server; `admin_listener`: see CallInfo. Keeps
-  // references.
+  // `scenes`: all of the server; `admin_listener`: see CallInfo; `budget`: for
+  // requests while they are parsed; nullptr: without a bound. Keeps references.
   GppRoutes(service::Dispatcher& dispatcher,
             std::function<std::vector<v1::SceneInfo>()> scenes,
-            bool admin_listener, const base::Clock& clock);
+            bool admin_listener, const base::Clock& clock,
+            base::ByteBudget* budget = nullptr);
 
   static bool Owns(absl::string_view path) { return path == "/geopose"; }
 
   std::optional<http::HttpResponse> CheckHead(
       const http::HttpRequest& request) const;
+  // Of requests that CheckHead lets through: see HttpHandler::Admit.
+  std::optional<http::HttpResponse> Admit(http::HttpRequest& request) const;
   http::HttpResponse Handle(const http::HttpRequest& request) const;
 
  private:
@@ -57,6 +61,7 @@ class GppRoutes {
   const std::function<std::vector<v1::SceneInfo>()> scenes_;
   const bool admin_listener_;
   const base::Clock& clock_;
+  base::ByteBudget* const budget_;
 };
 
 }  // namespace treeline::gateway

@@ -12,13 +12,14 @@ namespace {
 constexpr size_t kLongestComplaint = 300;
 
 // Where the string that begins at `quote` ends: the index behind its closing
-// quote, or the end of `json`.
+// quote, which is of the same kind, or the end of `json`.
 size_t EndOfString(absl::string_view json, size_t quote) {
+  const char ends[] = {json[quote], '\\'};
   size_t i = quote + 1;
   for (;;) {
-    i = json.find_first_of("\"\\", i);
+    i = json.find_first_of(absl::string_view(ends, sizeof(ends)), i);
     if (i == absl::string_view::npos) return json.size();
-    if (json[i] == '"') return i + 1;
+    if (json[i] == json[quote]) return i + 1;
     i += 2;
   }
 }
@@ -30,7 +31,10 @@ absl::Status CheckJsonShape(absl::string_view json, const JsonLimits& limits) {
   int values = 1;
   for (size_t i = 0; i < json.size();) {
     switch (json[i]) {
+      // protobuf's parser takes strings in either. To nlohmann's, which does
+      // not, what follows a single quote is an error, whatever it is.
       case '"':
+      case '\'':
         i = EndOfString(json, i);
         continue;
       case '{':

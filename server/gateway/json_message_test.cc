@@ -29,6 +29,32 @@ TEST(CheckJsonShape, LooksNotIntoStrings) {
   EXPECT_TRUE(CheckJsonShape(R"(")", limits).ok());
 }
 
+// protobuf's parser takes strings in single quotes.
+TEST(CheckJsonShape, KnowsBothKindsOfQuotes) {
+  const JsonLimits limits{.max_depth = 1, .max_values = 3};
+  EXPECT_FALSE(CheckJsonShape(R"(['"',[[]],'"'])", limits).ok());
+  EXPECT_FALSE(CheckJsonShape(R"(["'",[[]],"'"])", limits).ok());
+  EXPECT_TRUE(CheckJsonShape(R"(['[[[[,,,,,'])", limits).ok());
+  EXPECT_TRUE(CheckJsonShape(R"(['\'[[[[",,,,,'])", limits).ok());
+}
+
+// A quote of the one kind in a string of the other must hide nothing.
+TEST(JsonMessage, BoundsArraysBehindQuotesOfBothKinds) {
+  std::string empty_texts = "''";
+  for (int i = 0; i < 30000; ++i) empty_texts += ",''";
+  v1::LocalizeRequest request;
+  for (const char* scene : {"'a'", "'\"'", "\"'\"", "'\\''"}) {
+    const std::string json = "{'scene':" + std::string(scene) +
+                             ",'candidateScenes':[" + empty_texts + "]}";
+    const absl::Status refused = MessageFromJson(json, request);
+    EXPECT_THAT(std::string(refused.message()), HasSubstr("values")) << scene;
+    EXPECT_EQ(request.candidate_scenes_size(), 0);
+  }
+  EXPECT_TRUE(
+      MessageFromJson("{'scene':'a','candidateScenes':['b']}", request).ok());
+  EXPECT_EQ(request.scene(), "a");
+}
+
 TEST(JsonMessage, ReadsWhatItWrites) {
   v1::LocalizeRequest request;
   request.set_scene("kitchen");

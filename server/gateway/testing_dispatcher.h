@@ -29,6 +29,20 @@ class TestingDispatcher final : public service::Dispatcher {
   bool waits_for_stop = false;
   std::string scene_that_waits = {};
 
+  // What everyone is told who asks to be let in; may be replaced before the
+  // first call.
+  absl::StatusOr<service::Client> admission = service::Client{.id = "tester"};
+
+  absl::StatusOr<service::Client> Admit(const service::CallInfo& /*call*/,
+                                        service::Scope scope) override {
+    const absl::MutexLock lock(&mutex_);
+    admitted_.push_back(scope);
+    return admission;
+  }
+  absl::StatusOr<service::Client> Identify(const service::CallInfo& /*call*/,
+                                           service::Scope /*scope*/) override {
+    return admission;
+  }
   void Localize(service::CallInfo call, const v1::LocalizeRequest& request,
                 Done<v1::LocalizeResponse> done) override {
     Remember(call);
@@ -84,6 +98,11 @@ class TestingDispatcher final : public service::Dispatcher {
               const absl::Status&) override {}
   service::Load load() const override { return {}; }
 
+  // What was asked of Admit so far.
+  std::vector<service::Scope> admitted() {
+    const absl::MutexLock lock(&mutex_);
+    return admitted_;
+  }
   // Of all calls so far.
   std::vector<service::CallInfo> calls() {
     const absl::MutexLock lock(&mutex_);
@@ -109,6 +128,7 @@ class TestingDispatcher final : public service::Dispatcher {
   }
 
   absl::Mutex mutex_;
+  std::vector<service::Scope> admitted_ ABSL_GUARDED_BY(mutex_);
   std::vector<service::CallInfo> calls_ ABSL_GUARDED_BY(mutex_);
   std::vector<v1::LocalizeRequest> requests_ ABSL_GUARDED_BY(mutex_);
   std::vector<std::unique_ptr<std::stop_callback<std::function<void()>>>> stops_

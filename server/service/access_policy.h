@@ -33,6 +33,12 @@ class AccessPolicy {
   //   PERMISSION_DENIED   SCOPE_MISSING, ADMIN_LISTENER_ONLY
   //   RESOURCE_EXHAUSTED  RATE_LIMITED, with the time to try again
   virtual absl::StatusOr<Client> Admit(const CallInfo& call, Scope scope) = 0;
+
+  // The same without counting, for what is not a call yet: a stream before its
+  // first frame, a reader of metrics.
+  virtual absl::StatusOr<Client> Identify(const CallInfo& call, Scope scope) {
+    return Admit(call, scope);
+  }
 };
 
 // Without tokens: everyone may localize, and administer through the admin

@@ -2,6 +2,7 @@
 #ifndef SERVER_SERVICE_CALL_H_
 #define SERVER_SERVICE_CALL_H_
 
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -33,6 +34,9 @@ struct CallInfo {
   Credentials credentials = {};
   // The W3C header of this name as it came, not checked; empty: none.
   std::string traceparent = {};
+  // Client::id, where the transport has asked Dispatcher::Admit already; then
+  // nobody asks again.
+  std::optional<std::string> client = std::nullopt;
   // Whether it came in where only operators come in.
   bool admin_listener = false;
   // When the whole request had arrived.

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "absl/status/statusor.h"
+#include "server/service/access_policy.h"
 #include "server/service/call.h"
 #include "treeline/v1/relocalization.pb.h"
 #include "treeline/v1/scenes.pb.h"
@@ -31,6 +32,14 @@ class Dispatcher {
   using Done = std::function<void(absl::StatusOr<Response>)>;
 
   virtual ~Dispatcher() = default;
+
+  // What AccessPolicy::Admit says, for transports: to be asked before the
+  // request of `call` is read, with what is known by then. A refusal is
+  // reported as the end of the call.
+  virtual absl::StatusOr<Client> Admit(const CallInfo& call, Scope scope) = 0;
+  // The same with AccessPolicy::Identify.
+  virtual absl::StatusOr<Client> Identify(const CallInfo& call,
+                                          Scope scope) = 0;
 
   virtual void Localize(CallInfo call, const v1::LocalizeRequest& request,
                         Done<v1::LocalizeResponse> done) = 0;

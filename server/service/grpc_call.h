@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "common/base/byte_budget.h"
 #include "common/base/clock.h"
 #include "server/service/call.h"
 
@@ -21,11 +22,13 @@ using CertificateNamesOf =
 // What all calls of a listener have in common.
 struct CallSource {
   const base::Clock& clock;
+  // What requests are held by; nullptr: without a bound.
+  base::ByteBudget* budget = nullptr;
   bool admin_listener = false;
   CertificateNamesOf certificate_names = {};
 };
 
-// Of a call that has just arrived whole. rpc: a literal.
+// Of a call whose metadata, or whose request, has just arrived. rpc: a literal.
 CallInfo CallInfoFrom(const grpc::CallbackServerContext& context,
                       const char* rpc, const CallSource& source,
                       std::stop_token stop);

@@ -1,20 +1,24 @@
 #include "server/service/grpc_server.h"
 
 #include <grpcpp/ext/channelz_service_plugin.h>
-#include <grpcpp/ext/proto_server_reflection_plugin.h>
-#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/impl/server_builder_option.h>
+#include <grpcpp/impl/server_builder_plugin.h>
 #include <grpcpp/resource_quota.h>
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
 #include "server/service/grpc_services.h"
+#include "server/service/health_service.h"
+#include "server/service/reflection_service.h"
 #include "server/service/scene_health.h"
 
 namespace treeline::service {
@@ -30,7 +34,9 @@ constexpr int kMinPingInterval_ms = 5'000;
 // Calls at a time on one connection.
 constexpr int kMaxStreams = 1024;
 // Without an option for it: as many of the largest requests may arrive.
-constexpr int kLargestAtATime = 64;
+constexpr int kLargestAtATime = 4;
+// And never less than this (MiB): connections take of it too.
+constexpr int kMinBuffered_mib = 64;
 
 absl::Status CheckRange(absl::string_view name, int value, int low, int high) {
   if (value >= low && value <= high) return absl::OkStatus();
@@ -38,17 +44,7 @@ absl::Status CheckRange(absl::string_view name, int value, int low, int high) {
       absl::StrCat(name, " is ", value, "; it must be ", low, "..", high));
 }
 
-// gRPC's plugins are global: once for the process.
-void EnablePlugins() {
-  [[maybe_unused]] static const bool enabled = [] {
-    grpc::EnableDefaultHealthCheckService(true);
-    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-    return true;
-  }();
-}
-
-// Every server that is built later has channelz, which tells much about its
-// peers: build the public one first.
+// gRPC's plugins are global: every builder that is made later has this one.
 void EnableChannelz() {
   [[maybe_unused]] static const bool enabled = [] {
     grpc::channelz::experimental::InitChannelzService();
@@ -56,14 +52,30 @@ void EnableChannelz() {
   }();
 }
 
+// Channelz tells much about peers: not to everyone.
+class WithoutPlugins final : public grpc::ServerBuilderOption {
+ public:
+  void UpdateArguments(grpc::ChannelArguments* /*arguments*/) override {}
+  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>*
+                         plugins) override {
+    plugins->clear();
+  }
+};
+
 void SetLimits(const GrpcServerOptions& options, grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(options.max_message_mib << 20);
   const auto buffered_mib = static_cast<size_t>(
-      options.max_buffered_mib > 0 ? options.max_buffered_mib
-                                   : kLargestAtATime * options.max_message_mib);
+      options.max_buffered_mib > 0
+          ? options.max_buffered_mib
+          : std::max(kMinBuffered_mib,
+                     kLargestAtATime * options.max_message_mib));
   grpc::ResourceQuota quota("treeline");
   quota.Resize(buffered_mib << 20);
   builder.SetResourceQuota(quota);
+  // Clients are told, and what they compress all the same is not inflated.
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
+  builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreams);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS,
                              kHandshake_ms);
@@ -107,11 +119,17 @@ absl::Status GrpcServerOptions::Validate() const {
 
 // Destroyed from the last to the first: the server before what it calls.
 struct GrpcServer::Parts {
-  Parts(Dispatcher& dispatcher, const CallSource& source)
-      : relocalization(dispatcher, source), scenes(dispatcher, source) {}
+  Parts(Dispatcher& dispatcher, const CallSource& source,
+        std::vector<std::string> services)
+      : relocalization(dispatcher, source),
+        scenes(dispatcher, source),
+        health(dispatcher, source),
+        reflection(std::move(services)) {}
 
   RelocalizationGrpcService relocalization;
   SceneGrpcService scenes;
+  HealthGrpcService health;
+  ReflectionGrpcService reflection;
   std::string address;
   std::unique_ptr<grpc::Server> server;
   std::optional<SceneHealth> scene_health;
@@ -130,23 +148,32 @@ absl::StatusOr<std::unique_ptr<GrpcServer>> GrpcServer::Start(
                       base::ParseListenAddress(options.listen));
   // gRPC would fail too, but keep the reason to itself.
   TL_RETURN_IF_ERROR(base::TryBind(address));
-  EnablePlugins();
+  const bool is_admin = options.kind == ListenerKind::kAdmin;
+  std::vector<std::string> services = {"grpc.health.v1.Health",
+                                       "treeline.v1.SceneService"};
+  services.emplace_back(is_admin ? "grpc.channelz.v1.Channelz"
+                                 : "treeline.v1.RelocalizationService");
   auto parts = std::make_unique<Parts>(
       dispatcher,
       CallSource{.clock = clock,
-                 .admin_listener = options.kind == ListenerKind::kAdmin,
-                 .certificate_names = options.certificate_names});
+                 .budget = options.budget,
+                 .admin_listener = is_admin,
+                 .certificate_names = options.certificate_names},
+      std::move(services));
 
+  // A builder takes the plugins that there are when it is made.
+  if (is_admin) EnableChannelz();
   grpc::ServerBuilder builder;
   // Else a second server would share the port, and half the calls, in silence.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   SetLimits(options, builder);
-  if (options.kind == ListenerKind::kAdmin) {
-    EnableChannelz();
-  } else {
+  if (!is_admin) {
+    builder.SetOption(std::make_unique<WithoutPlugins>());
     builder.RegisterService(&parts->relocalization);
   }
   builder.RegisterService(&parts->scenes);
+  builder.RegisterService(&parts->health);
+  builder.RegisterService(&parts->reflection);
   int port = 0;
   builder.AddListeningPort(address.ToString(),
                            options.credentials != nullptr
@@ -160,8 +187,7 @@ absl::StatusOr<std::unique_ptr<GrpcServer>> GrpcServer::Start(
   }
   address.port = port;
   parts->address = address.ToString();
-  auto* health = parts->server->GetHealthCheckService();
-  if (health != nullptr) parts->scene_health.emplace(repository, *health);
+  parts->scene_health.emplace(repository, parts->health);
   return std::unique_ptr<GrpcServer>(new GrpcServer(std::move(parts)));
 }
 
@@ -170,9 +196,7 @@ const std::string& GrpcServer::address() const { return parts_->address; }
 void GrpcServer::AnnounceStop() {
   // Else it would tell that scenes serve.
   parts_->scene_health.reset();
-  grpc::HealthCheckServiceInterface* health =
-      parts_->server->GetHealthCheckService();
-  if (health != nullptr) health->SetServingStatus(false);
+  parts_->health.Stop();
   parts_->relocalization.DrainStreams();
 }
 
@@ -180,6 +204,8 @@ void GrpcServer::Stop(std::chrono::milliseconds grace) {
   if (parts_->server == nullptr) return;
   parts_->scene_health.reset();
   parts_->relocalization.DrainStreams();
+  // Else Watch would last as long as its clients.
+  parts_->health.Stop();
   parts_->server->Shutdown(std::chrono::system_clock::now() + grace);
   parts_->server->Wait();
   parts_->server.reset();

@@ -10,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "common/base/byte_budget.h"
 #include "common/base/clock.h"
 #include "server/repository/scene_repository.h"
 #include "server/service/dispatcher.h"
@@ -40,9 +41,12 @@ struct GrpcServerOptions {
   CertificateNamesOf certificate_names = {};
   // Largest request, 1..1024.
   int max_message_mib = 32;
-  // What requests may hold together while they arrive, 1..1048576; 0: 64 of
-  // the largest.
+  // What requests may hold together while they arrive, 1..1048576; 0: 4 of the
+  // largest. Beyond it gRPC ends calls.
   int max_buffered_mib = 0;
+  // What requests are held by from then to their answers; nullptr: without a
+  // bound. Must outlive the server.
+  base::ByteBudget* budget = nullptr;
   // After this a connection is asked to close, so that a balancer and new
   // replicas get their share; seconds, 1..1e6; 0: never. Calls on it finish;
   // streams have `connection_grace_s`.
@@ -53,10 +57,12 @@ struct GrpcServerOptions {
 };
 
 // Serves from construction to Stop(), with grpc.health.v1 and reflection.
+// Messages must not be compressed: gRPC inflates without a bound, and images
+// are compressed already.
 //
-// Health knows "", the whole server, and "treeline.scene.<name>" for each
-// scene: SERVING if the scene answers or would be loaded by its first query,
-// NOT_SERVING if it failed.
+// Health knows "", the whole server, and, for who may localize,
+// "treeline.scene.<name>" for each scene: SERVING if the scene answers or would
+// be loaded by its first query, NOT_SERVING if it failed.
 class GrpcServer {
  public:
   // INVALID_ARGUMENT: options. UNAVAILABLE: the address cannot be bound, with

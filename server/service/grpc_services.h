@@ -1,28 +1,20 @@
-// The RPCs behind gRPC's callback API: each hands its call to the dispatcher.
+// The RPCs behind gRPC's callback API. Each asks the dispatcher whether its
+// call is let in, then reads the request, and hands it over.
 #ifndef SERVER_SERVICE_GRPC_SERVICES_H_
 #define SERVER_SERVICE_GRPC_SERVICES_H_
 
+#include "server/service/deadline_timer.h"
 #include "server/service/dispatcher.h"
 #include "server/service/grpc_call.h"
 #include "server/service/localize_stream.h"
-#include "treeline/v1/relocalization.grpc.pb.h"
-#include "treeline/v1/scenes.grpc.pb.h"
+#include "server/service/raw_service.h"
 
 namespace treeline::service {
 
-class RelocalizationGrpcService final
-    : public v1::RelocalizationService::CallbackService {
+class RelocalizationGrpcService final : public RawService {
  public:
   // All must outlive the server that the service is registered with.
-  RelocalizationGrpcService(Dispatcher& dispatcher, const CallSource& source)
-      : dispatcher_(dispatcher), source_(source) {}
-
-  grpc::ServerUnaryReactor* Localize(grpc::CallbackServerContext* context,
-                                     const v1::LocalizeRequest* request,
-                                     v1::LocalizeResponse* response) override;
-  grpc::ServerBidiReactor<v1::LocalizeStreamRequest,
-                          v1::LocalizeStreamResponse>*
-  LocalizeStream(grpc::CallbackServerContext* context) override;
+  RelocalizationGrpcService(Dispatcher& dispatcher, const CallSource& source);
 
   // Ends the streams once they have answered what they read.
   void DrainStreams() { streams_.Drain(); }
@@ -30,32 +22,18 @@ class RelocalizationGrpcService final
  private:
   Dispatcher& dispatcher_;
   const CallSource source_;
+  DeadlineTimer timer_;
   LocalizeStreams streams_;
 };
 
-class SceneGrpcService final : public v1::SceneService::CallbackService {
+class SceneGrpcService final : public RawService {
  public:
-  SceneGrpcService(Dispatcher& dispatcher, const CallSource& source)
-      : dispatcher_(dispatcher), source_(source) {}
-
-  grpc::ServerUnaryReactor* ListScenes(
-      grpc::CallbackServerContext* context,
-      const v1::ListScenesRequest* request,
-      v1::ListScenesResponse* response) override;
-  grpc::ServerUnaryReactor* GetScene(grpc::CallbackServerContext* context,
-                                     const v1::GetSceneRequest* request,
-                                     v1::GetSceneResponse* response) override;
-  grpc::ServerUnaryReactor* LoadScene(grpc::CallbackServerContext* context,
-                                      const v1::LoadSceneRequest* request,
-                                      v1::LoadSceneResponse* response) override;
-  grpc::ServerUnaryReactor* UnloadScene(
-      grpc::CallbackServerContext* context,
-      const v1::UnloadSceneRequest* request,
-      v1::UnloadSceneResponse* response) override;
+  SceneGrpcService(Dispatcher& dispatcher, const CallSource& source);
 
  private:
   Dispatcher& dispatcher_;
   const CallSource source_;
+  DeadlineTimer timer_;
 };
 
 }  // namespace treeline::service

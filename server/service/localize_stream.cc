@@ -8,6 +8,7 @@
 #include "common/wire/geometry.h"
 #include "common/wire/status.h"
 #include "server/service/grpc_call.h"
+#include "server/service/grpc_message.h"
 
 namespace treeline::service {
 namespace {
@@ -27,9 +28,9 @@ absl::Status Draining() {
 
 }  // namespace
 
-grpc::ServerBidiReactor<v1::LocalizeStreamRequest, v1::LocalizeStreamResponse>*
-LocalizeStreams::Begin(grpc::CallbackServerContext& context,
-                       Dispatcher& dispatcher, const CallSource& source) {
+RawReactor* LocalizeStreams::Begin(grpc::CallbackServerContext& context,
+                                   Dispatcher& dispatcher,
+                                   const CallSource& source) {
   const auto stream =
       std::make_shared<LocalizeStreamCall>(context, dispatcher, source, *this);
   bool draining = false;
@@ -62,6 +63,15 @@ void LocalizeStreams::Remove(LocalizeStreamCall* stream) {
 
 void LocalizeStreamCall::Start() {
   self_ = shared_from_this();
+  const CallInfo call =
+      CallInfoFrom(context_, "LocalizeStream", source_, stop_.get_token());
+  const absl::StatusOr<Client> client =
+      dispatcher_.Identify(call, Scope::kLocalize);
+  if (!client.ok()) {
+    absl::MutexLock lock(&mutex_);
+    closed_ = true;
+    final_ = client.status();
+  }
   Proceed();
 }
 
@@ -76,14 +86,22 @@ void LocalizeStreamCall::Drain() {
 }
 
 void LocalizeStreamCall::OnReadDone(bool ok) {
+  auto item = std::make_shared<Item>();
+  item->lease = base::ByteLease(source_.budget);
+  absl::Status taken;
+  if (ok) taken = TakeMessage(incoming_, item->lease, item->request);
   std::shared_ptr<Item> dropped;
   {
     absl::MutexLock lock(&mutex_);
     reading_ = false;
     if (!ok) {
       closed_ = true;
+    } else if (!closed_ && !taken.ok()) {
+      // Without its id it cannot be answered by itself.
+      closed_ = true;
+      final_ = taken;
     } else if (!closed_) {
-      Accept();
+      Accept(std::move(item));
       dropped = DropOldest();
     }
   }
@@ -98,9 +116,9 @@ void LocalizeStreamCall::OnReadDone(bool ok) {
   Proceed();
 }
 
-void LocalizeStreamCall::Accept() {
+void LocalizeStreamCall::Accept(std::shared_ptr<Item> item) {
   if (std::exchange(first_, false)) {
-    settings_ = incoming_.settings();
+    settings_ = item->request.settings();
     if (settings_.max_pending() == 0)
       settings_.set_max_pending(kDefaultPending);
     if (settings_.max_pending() < 1 || settings_.max_pending() > kMostPending) {
@@ -111,10 +129,8 @@ void LocalizeStreamCall::Accept() {
       return;
     }
   }
-  auto item = std::make_shared<Item>();
   item->call =
       CallInfoFrom(context_, "LocalizeStream", source_, stop_.get_token());
-  item->request = std::move(incoming_);
   item->answer.set_id(item->request.id());
   items_.push_back(std::move(item));
 }
@@ -218,8 +234,8 @@ void LocalizeStreamCall::Proceed() {
         Dispatch(item);
         break;
       case Step::kWrite:
-        outgoing_ = std::move(item);
-        StartWrite(&outgoing_->answer);
+        outgoing_ = BytesOf(item->answer);
+        StartWrite(&outgoing_);
         break;
       case Step::kRead:
         StartRead(&incoming_);
@@ -254,7 +270,8 @@ void LocalizeStreamCall::Answer(Item& item,
                                 absl::StatusOr<v1::LocalizeResponse> response) {
   item.stage = Stage::kAnswered;
   // Its images are not needed any more.
-  item.request.Clear();
+  item.request = v1::LocalizeStreamRequest();
+  item.lease.Release();
   if (response.ok()) {
     *item.answer.mutable_response() = *std::move(response);
   } else {

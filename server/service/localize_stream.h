@@ -3,7 +3,7 @@
 #define SERVER_SERVICE_LOCALIZE_STREAM_H_
 
 #include <grpcpp/server_context.h>
-#include <grpcpp/support/server_callback.h>
+#include <grpcpp/support/byte_buffer.h>
 
 #include <deque>
 #include <memory>
@@ -16,6 +16,7 @@
 #include "absl/synchronization/mutex.h"
 #include "server/service/dispatcher.h"
 #include "server/service/grpc_call.h"
+#include "server/service/raw_service.h"
 #include "treeline/v1/relocalization.pb.h"
 
 namespace treeline::service {
@@ -28,10 +29,9 @@ class LocalizeStreams {
  public:
   // Begins a stream; gRPC owns it. A stream that is drained answers what it
   // has read, and ends with UNAVAILABLE, reason DRAINING.
-  grpc::ServerBidiReactor<v1::LocalizeStreamRequest,
-                          v1::LocalizeStreamResponse>*
-  Begin(grpc::CallbackServerContext& context, Dispatcher& dispatcher,
-        const CallSource& source);
+  // One whose client is not let in ends before anything is read.
+  RawReactor* Begin(grpc::CallbackServerContext& context,
+                    Dispatcher& dispatcher, const CallSource& source);
 
   // Drains those that are open and those that will begin.
   void Drain();
@@ -49,8 +49,7 @@ class LocalizeStreams {
 // One stream. Frames are held in the order of their arrival until they are
 // answered; each goes to the dispatcher like a call of its own.
 class LocalizeStreamCall final
-    : public grpc::ServerBidiReactor<v1::LocalizeStreamRequest,
-                                     v1::LocalizeStreamResponse>,
+    : public RawReactor,
       public std::enable_shared_from_this<LocalizeStreamCall> {
  public:
   LocalizeStreamCall(grpc::CallbackServerContext& context,
@@ -70,6 +69,8 @@ class LocalizeStreamCall final
   struct Item {
     Stage stage = Stage::kHeld;
     CallInfo call;
+    // Holds the request.
+    base::ByteLease lease;
     v1::LocalizeStreamRequest request;
     v1::LocalizeStreamResponse answer;
   };
@@ -86,7 +87,7 @@ class LocalizeStreamCall final
   Step NextStep(std::shared_ptr<Item>& item)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool MayRead() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void Accept() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Accept(std::shared_ptr<Item> item) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Drops the oldest frame that is held; null if there is no need.
   std::shared_ptr<Item> DropOldest() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Dispatch(const std::shared_ptr<Item>& item);
@@ -100,8 +101,8 @@ class LocalizeStreamCall final
   std::shared_ptr<LocalizeStreamCall> self_;
   std::stop_source stop_;
   // Owned by the read and the write that are under way.
-  v1::LocalizeStreamRequest incoming_;
-  std::shared_ptr<Item> outgoing_;
+  grpc::ByteBuffer incoming_;
+  grpc::ByteBuffer outgoing_;
 
   absl::Mutex mutex_;
   v1::StreamSettings settings_ ABSL_GUARDED_BY(mutex_);

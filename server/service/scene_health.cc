@@ -15,7 +15,7 @@ constexpr auto kPeriod = std::chrono::milliseconds(500);
 }  // namespace
 
 SceneHealth::SceneHealth(const repository::SceneRepository& repository,
-                         grpc::HealthCheckServiceInterface& health)
+                         HealthGrpcService& health)
     : repository_(repository), health_(health) {
   Update();
   thread_ = std::jthread([this](const std::stop_token& stop) {
@@ -37,11 +37,11 @@ void SceneHealth::Update() {
   for (const auto& [scene, serving] : now) {
     const auto told = told_.find(scene);
     if (told != told_.end() && told->second == serving) continue;
-    health_.SetServingStatus(HealthServiceOf(scene), serving);
+    health_.Set(HealthServiceOf(scene), serving);
   }
   for (const auto& [scene, serving] : told_) {
     if (serving && now.count(scene) == 0) {
-      health_.SetServingStatus(HealthServiceOf(scene), false);
+      health_.Set(HealthServiceOf(scene), false);
     }
   }
   told_ = std::move(now);

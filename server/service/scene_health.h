@@ -2,28 +2,27 @@
 #ifndef SERVER_SERVICE_SCENE_HEALTH_H_
 #define SERVER_SERVICE_SCENE_HEALTH_H_
 
-#include <grpcpp/health_check_service_interface.h>
-
 #include <map>
 #include <string>
 #include <thread>
 
 #include "server/repository/scene_repository.h"
+#include "server/service/health_service.h"
 
 namespace treeline::service {
 
-// Tells gRPC's health service about every scene, twice a second, from
+// Tells the health service about every scene, twice a second, from
 // construction to destruction. Scenes that are gone become NOT_SERVING.
 class SceneHealth {
  public:
   SceneHealth(const repository::SceneRepository& repository,
-              grpc::HealthCheckServiceInterface& health);
+              HealthGrpcService& health);
 
  private:
   void Update();
 
   const repository::SceneRepository& repository_;
-  grpc::HealthCheckServiceInterface& health_;
+  HealthGrpcService& health_;
   // What was told; of the thread.
   std::map<std::string, bool> told_;
   std::jthread thread_;

@@ -209,10 +209,8 @@ void ServiceDispatcher::LocalizeCall::Start() {
 }
 
 absl::Status ServiceDispatcher::LocalizeCall::Admit() {
-  TL_ASSIGN_OR_RETURN(const Client client,
-                      service_.access_.Admit(call_, Scope::kLocalize));
-  client_ = client.id;
-  record_.client = client.id;
+  TL_ASSIGN_OR_RETURN(client_, service_.ClientOf(call_, Scope::kLocalize));
+  record_.client = client_;
   TL_RETURN_IF_ERROR(CheckOptions(request_.options()));
   TL_RETURN_IF_ERROR(CheckSceneChoice(request_));
   if (request_.options().has_time_budget_ms()) {
@@ -385,6 +383,30 @@ ServiceDispatcher::AcquireOnWorker(const std::string& name,
   return scene;
 }
 
+absl::StatusOr<Client> ServiceDispatcher::Admit(const CallInfo& call,
+                                                Scope scope) {
+  return OrReport(call, access_.Admit(call, scope));
+}
+
+absl::StatusOr<Client> ServiceDispatcher::Identify(const CallInfo& call,
+                                                   Scope scope) {
+  return OrReport(call, access_.Identify(call, scope));
+}
+
+absl::StatusOr<Client> ServiceDispatcher::OrReport(
+    const CallInfo& call, absl::StatusOr<Client> client) {
+  if (client.ok()) return client;
+  CallRecord record;
+  return Report(call, client.status(), record);
+}
+
+absl::StatusOr<std::string> ServiceDispatcher::ClientOf(const CallInfo& call,
+                                                        Scope scope) {
+  if (call.client.has_value()) return *call.client;
+  TL_ASSIGN_OR_RETURN(Client client, access_.Admit(call, scope));
+  return std::move(client.id);
+}
+
 void ServiceDispatcher::CallBegins() {
   absl::MutexLock lock(&mutex_);
   ++calls_;
@@ -434,8 +456,7 @@ void ServiceDispatcher::AnswerNow(const CallInfo& call,
   CallRecord record;
   record.scene = scene.substr(0, repository::kLongestName);
   absl::StatusOr<Response> response = [&]() -> absl::StatusOr<Response> {
-    TL_ASSIGN_OR_RETURN(const Client client, access_.Admit(call, scope));
-    record.client = client.id;
+    TL_ASSIGN_OR_RETURN(record.client, ClientOf(call, scope));
     return answer();
   }();
   const absl::Status status = Report(call, response.status(), record);
@@ -478,12 +499,12 @@ void ServiceDispatcher::LoadScene(CallInfo call,
                                   Done<v1::LoadSceneResponse> done) {
   CallRecord record;
   record.scene = request.scene().substr(0, repository::kLongestName);
-  const absl::StatusOr<Client> client = access_.Admit(call, Scope::kAdmin);
+  absl::StatusOr<std::string> client = ClientOf(call, Scope::kAdmin);
   if (!client.ok()) {
     done(Report(call, client.status(), record));
     return;
   }
-  record.client = client->id;
+  record.client = *std::move(client);
   // Nobody can take the load back; who cancels only does not learn of its end.
   CallBegins();
   repository_.Load(request.scene(), request.model_version(),

@@ -42,6 +42,8 @@ class ServiceDispatcher final : public Dispatcher {
   // Waits for the calls that are left.
   ~ServiceDispatcher() override;
 
+  absl::StatusOr<Client> Admit(const CallInfo& call, Scope scope) override;
+  absl::StatusOr<Client> Identify(const CallInfo& call, Scope scope) override;
   void Localize(CallInfo call, const v1::LocalizeRequest& request,
                 Done<v1::LocalizeResponse> done) override;
   void ListScenes(CallInfo call, const v1::ListScenesRequest& request,
@@ -63,6 +65,12 @@ class ServiceDispatcher final : public Dispatcher {
   // as long as other workers do not wait too; then, it is tried without.
   absl::StatusOr<std::shared_ptr<const repository::Scene>> AcquireOnWorker(
       const std::string& name, const std::stop_token& stop);
+
+  // Of a call that has been let in already, or asks whether it is.
+  absl::StatusOr<std::string> ClientOf(const CallInfo& call, Scope scope);
+  // Reports a refusal.
+  absl::StatusOr<Client> OrReport(const CallInfo& call,
+                                  absl::StatusOr<Client> client);
 
   // Ends a call: gives its record what all records have, and reports it.
   absl::Status Report(const CallInfo& call, const absl::Status& status,

@@ -36,6 +36,7 @@ class Process {
   // after `patience`.
   std::optional<int> WaitForExit(absl::Duration patience = kPatience);
   bool IsRunning();
+  pid_t pid() const { return pid_; }
 
   void Signal(int signal);
 
