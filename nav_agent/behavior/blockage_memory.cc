@@ -4,24 +4,10 @@
 #include <cmath>
 
 #include "nav_agent/behavior/event_log.h"
+#include "nav_agent/behavior/parameters.h"
 
 namespace treeline::behavior {
 namespace {
-
-// No blockage is larger: what is, is several.
-constexpr double kMaxRadius_m = 0.6;
-// Discs that lie so near to one another are of one place.
-constexpr double kSamePlace_m = 0.1;
-constexpr double kMetAgain_s = 2;
-constexpr double kLarger_m = 0.03;
-// So many beams must pass its middle, in so many scans in a row.
-constexpr int kBeams = 4;
-constexpr int kScans = 5;
-// What is further away is not judged: few beams meet it.
-constexpr double kFar_m = 4;
-// The part of the radius that counts as its middle.
-constexpr double kMiddle = 0.7;
-constexpr double kLeastRadius_m = 0.1;
 
 enum class Beam { kBeside, kPasses, kEndsIn };
 
@@ -33,9 +19,11 @@ Beam Judge(const planning::Blockage& blockage, geometry::Vec2 laser,
   const geometry::Vec2 to_center = blockage.center - laser;
   const double along_m = geometry::Dot(to_center, way) / length_m;
   const double beside_m = std::abs(geometry::Cross(way, to_center)) / length_m;
-  const double radius_m = std::max(blockage.radius_m, kLeastRadius_m);
+  const double radius_m =
+      std::max(blockage.radius_m, kMinBlockageRadius_m.value);
   if (geometry::Norm(end - blockage.center) <= radius_m) return Beam::kEndsIn;
-  if (beside_m > kMiddle * radius_m || along_m <= 0) return Beam::kBeside;
+  if (beside_m > kBlockageMiddle * radius_m || along_m <= 0)
+    return Beam::kBeside;
   return length_m > along_m + radius_m ? Beam::kPasses : Beam::kBeside;
 }
 
@@ -44,20 +32,21 @@ Beam Judge(const planning::Blockage& blockage, geometry::Vec2 laser,
 void BlockageMemory::Add(const planning::Blockage& blockage,
                          base::MonotonicTime now) {
   planning::Blockage added = blockage;
-  added.radius_m = std::min(kMaxRadius_m, blockage.radius_m);
+  added.radius_m = std::min(kMaxBlockageRadius_m.value, blockage.radius_m);
   for (Known& known : known_) {
     planning::Blockage& old = known.blockage;
     if (old.level != added.level ||
-        geometry::Norm(old.center - added.center) > kSamePlace_m) {
+        geometry::Norm(old.center - added.center) > kSameBlockage_m) {
       continue;
     }
     old.radius_m = std::max(old.radius_m, added.radius_m);
     // The same, seen twice at once, was not met again.
-    if (SecondsBetween(known.since, now) > kMetAgain_s) {
+    if (SecondsBetween(known.since, now) > kBlockageMetAgain_s) {
       known.lasts_s = std::min(2 * known.lasts_s, limits_.longest_blockage_s);
     } else if (known.since != now) {
       // A way that was to lead around it did not: it is larger than that.
-      old.radius_m = std::min(old.radius_m + kLarger_m, kMaxRadius_m);
+      old.radius_m = std::min(old.radius_m + kBlockageGrowth_m,
+                              kMaxBlockageRadius_m.value);
     }
     known.since = now;
     known.seen_free = 0;
@@ -79,7 +68,7 @@ int BlockageMemory::SeeThrough(
   for (Known& known : known_) {
     const planning::Blockage& blockage = known.blockage;
     if (blockage.level != level ||
-        geometry::Norm(blockage.center - laser) > kFar_m) {
+        geometry::Norm(blockage.center - laser) > kMaxSeeThrough_m) {
       continue;
     }
     int passes = 0;
@@ -89,14 +78,15 @@ int BlockageMemory::SeeThrough(
       passes += beam == Beam::kPasses ? 1 : 0;
       ends_in += beam == Beam::kEndsIn ? 1 : 0;
     }
-    if (ends_in > 0 || (passes >= kBeams && is_seen(blockage))) {
+    if (ends_in > 0 || (passes >= kSeeThroughBeams && is_seen(blockage))) {
       known.seen_free = 0;
-    } else if (passes >= kBeams) {
+    } else if (passes >= kSeeThroughBeams) {
       ++known.seen_free;
     }
   }
-  return static_cast<int>(std::erase_if(
-      known_, [](const Known& known) { return known.seen_free >= kScans; }));
+  return static_cast<int>(std::erase_if(known_, [](const Known& known) {
+    return known.seen_free >= kSeeThroughScans;
+  }));
 }
 
 std::vector<planning::Blockage> BlockageMemory::All() const {

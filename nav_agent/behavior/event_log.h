@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "nav_agent/behavior/navigator.h"
+#include "nav_agent/behavior/parameters.h"
 
 namespace treeline::behavior {
 
@@ -20,9 +21,6 @@ inline double SecondsBetween(base::MonotonicTime earlier,
 
 class EventLog {
  public:
-  // Nobody took them for this long: the oldest go, and their numbers with them.
-  static constexpr size_t kMostWaiting = 10000;
-
   // Events from now on carry this stamp.
   void SetTime(base::MonotonicTime now) { now_ = now; }
   void Add(std::string kind, std::string text) {
@@ -30,7 +28,8 @@ class EventLog {
                         .number = ++number_,
                         .kind = std::move(kind),
                         .text = std::move(text)});
-    if (waiting_.size() > kMostWaiting) waiting_.pop_front();
+    // Nobody took them for long: the oldest go, and their numbers with them.
+    if (waiting_.size() > kMaxWaitingEvents) waiting_.pop_front();
   }
   std::vector<NavigatorEvent> Take() {
     std::vector<NavigatorEvent> taken(waiting_.begin(), waiting_.end());

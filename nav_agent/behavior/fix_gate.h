@@ -1,50 +1,49 @@
-// Whether a server's answer can be where the robot is: checks that have nothing
-// to do with how the server found it.
+// Whether a server's answer can be where the robot is, judged by witnesses that
+// have nothing to do with how the server found it: gravity, the map, the laser.
+// Pure functions; fix_checker.h gathers the witnesses.
 #ifndef NAV_AGENT_BEHAVIOR_FIX_GATE_H_
 #define NAV_AGENT_BEHAVIOR_FIX_GATE_H_
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "absl/status/status.h"
+#include "nav_agent/behavior/recovery_parameters.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/core/relocalization.h"
-#include "nav_agent/core/robot_model.h"
 #include "nav_agent/localization/robot_tracker.h"
-#include "nav_agent/traversability/navigation_map.h"
+#include "nav_agent/localization/scan_fit.h"
 
 namespace treeline::behavior {
 
 struct FixGateOptions {
   // The server's own probability: below the first it is refused, below the
   // second, or below the scene's own threshold, it is weak.
-  double least_confidence = 0.3;
-  double sure_confidence = 0.9;
+  double least_confidence = kMinFixConfidence;
+  double sure_confidence = kSureFixConfidence;
   // The camera's tilt and what the inertial sensor says of it (rad).
-  double most_tilt_rad = 0.07;
+  double most_tilt_rad = kMaxTiltError_rad;
   // The base stands on ground within this of where it is, up or down (m), and
   // not nearer to an obstacle than this (m).
-  double most_height_m = 0.25;
-  double least_clearance_m = 0.15;
+  double most_height_m = kMaxFixHeight_m;
+  double least_clearance_m = kMinFixClearance_m;
   // Of the newest scan at the fix: least share that the map explains and most
   // that passes through it, to be taken at all; and to be sure.
-  double least_explained = 0.5;
-  double most_contradicted = 0.25;
-  double sure_explained = 0.75;
-  double sure_contradicted = 0.08;
+  double least_explained = kMinFixExplained;
+  double most_contradicted = kMaxFixContradicted;
+  double sure_explained = kSureExplained;
+  double sure_contradicted = kSureContradicted;
   // Fewer judged beams say nothing: the fix is weak.
-  int least_judged = 25;
+  int least_judged = kMinJudgedBeams;
   // The fix may be this much off: places around it are tried for the best fit
   // (m, rad; and how finely).
-  double search_m = 0.15;
-  double search_rad = 0.06;
+  double search_m = kFixSearch_m;
+  double search_rad = kFixSearch_rad;
   // Of two fixes: how far they may differ from what the wheels say between them
   // (m, rad); more if the server says that they are not well known.
-  double pair_m = 0.3;
-  double pair_rad = 0.12;
+  double pair_m = kPairDistance_m;
+  double pair_rad = kPairAngle_rad;
 
   absl::Status Validate() const;
 };
@@ -64,58 +63,85 @@ constexpr bool IsRefused(FixVerdict verdict) {
   return verdict != FixVerdict::kSure && verdict != FixVerdict::kWeak;
 }
 
+// What the map says of a fix.
+struct GroundWitness {
+  // The base, by the fix, in the map's frame (m).
+  geometry::Vec3 base_in_map;
+  // The height (m) of the ground below or above it with room for the robot, the
+  // nearest of all levels; nullopt: there is none.
+  std::optional<double> ground_m;
+};
+
+// What the laser says of a fix.
+struct ScanWitness {
+  // The newest scan at the best place near the fix; nullopt: there is no scan.
+  std::optional<localization::ScanFit> at_fix;
+  // The same scan where the robot thought it was; nullopt: it had no idea, or
+  // that is the same place.
+  std::optional<localization::ScanFit> at_belief;
+};
+
+// A witness that is absent was not asked, and speaks neither for nor against.
+struct FixWitnesses {
+  // The angle between the fix's idea of "up" and the inertial sensor's (rad).
+  std::optional<double> tilt_error_rad;
+  std::optional<GroundWitness> ground;
+  std::optional<ScanWitness> scan;
+};
+
+struct FixJudgement {
+  FixVerdict verdict = FixVerdict::kNotLocalized;
+  // "explained 0.41 of 87 beams": for people.
+  std::string why;
+};
+
+// The witnesses in their order; the first that refuses decides. Without a scan
+// a fix is weak at best.
+FixJudgement JudgeFix(const core::RelocalizationAnswer& answer,
+                      const FixWitnesses& witnesses,
+                      const FixGateOptions& options);
+
+// For FixWitnesses; rotations of the base, in the map's frame by the fix and in
+// a level one by the inertial sensor.
+double TiltError_rad(const geometry::Rotation3& map_from_base,
+                     const geometry::Rotation3& level_from_base);
+// The server is sure: sure_confidence and the scene's threshold are reached.
+bool IsServerSure(const core::RelocalizationAnswer& answer,
+                  const FixGateOptions& options);
+// ln(p / (1 - p)) of a confidence p, which is taken as 0.01 to 0.99.
+double LogOddsOf(double confidence);
+// Of the base on the map, from the server's (Rigid3's order): variances only,
+// within what a fix can be known to.
+localization::PoseCovariance2 FixCovariance(
+    const geometry::PoseCovariance& covariance);
+
 // A fix and what the gate has to say about it.
 struct GatedFix {
   FixVerdict verdict = FixVerdict::kNotLocalized;
-  // "explained 0.41 of 87 beams": for people.
   std::string why;
   // Meaningful unless refused; of the moment of the frame.
   core::LevelPose pose;
   localization::PoseCovariance2 covariance{};
   double confidence = 0;
-  // The server is: sure_confidence and the scene's threshold are reached.
   bool is_server_sure = false;
-  // ln(p / (1 - p)) of the confidence; of views that agree, their sum.
+  // Of views that agree, their sum.
   double log_odds = 0;
-  std::optional<localization::RobotTracker::ScanFit> fit;
+  std::optional<localization::ScanFit> fit;
   // The wheels' of that moment.
   localization::TrackedMotion motion;
 };
 
-// Stateless; thread-safe as the tracker is.
-class FixGate {
- public:
-  FixGate(std::shared_ptr<const traversability::NavigationMap> map,
-          const core::RobotModel& robot, const FixGateOptions& options)
-      : map_(std::move(map)), robot_(robot), options_(options) {}
+// The verdict and why: for people.
+std::string FixText(const GatedFix& fix);
 
-  // `motion` is the wheels' of the frame's moment. The tracker's newest scan
-  // must be of about the same place: the pose is carried on by the wheels.
-  GatedFix Check(const core::RelocalizationAnswer& answer,
-                 const localization::TrackedMotion& motion,
-                 const localization::RobotTracker& tracker) const;
-
-  // Whether two fixes are related as the wheels' motion between them says.
-  bool Agree(const GatedFix& first, const GatedFix& second) const;
-
-  const FixGateOptions& options() const { return options_; }
-
- private:
-  // On ground with room; then against the scan; then against the old place.
-  GatedFix CheckPlace(const geometry::Rigid3& map_from_base,
-                      const core::RelocalizationAnswer& answer,
-                      const localization::RobotTracker& tracker,
-                      GatedFix fix) const;
-  GatedFix CheckScan(const localization::RobotTracker& tracker,
-                     GatedFix fix) const;
-  void CompareWithBefore(const localization::RobotTracker& tracker,
-                         const core::LevelPose& fitted, double score,
-                         GatedFix& fix) const;
-
-  std::shared_ptr<const traversability::NavigationMap> map_;
-  core::RobotModel robot_;
-  FixGateOptions options_;
-};
+// Whether two fixes are related as the wheels' motion between them says.
+bool FixesAgree(const GatedFix& first, const GatedFix& second,
+                const FixGateOptions& options);
+// The later of two fixes that agree, with what both say of its odds: views of
+// different things add up, doubtful views of the same thing err together.
+GatedFix CombinedFix(const GatedFix& earlier, GatedFix later);
+// The server was sure of one of the views, or all together are sure.
+bool AreViewsSure(const GatedFix& combined);
 
 }  // namespace treeline::behavior
 

@@ -7,33 +7,13 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/random.h"
+#include "nav_agent/behavior/angle_text.h"
 #include "nav_agent/behavior/obstacle_discs.h"
+#include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/pose_lists.h"
 
 namespace treeline::behavior {
 namespace {
-
-// A robot that stands (m/s, rad/s).
-constexpr double kStands_mps = 0.03;
-constexpr double kStands_radps = 0.08;
-// Beyond the controller's tolerance: what it judged was a step ago.
-constexpr double kArrivalSlack_m = 0.02;
-constexpr double kArrivalSlack_rad = 0.03;
-// A controller that says that it has arrived, and has not, gets so long.
-constexpr double kArrivalDispute_s = 2;
-// A better path must begin so near to the robot.
-constexpr double kBetterFrom_m = 0.8;
-// Heights that belong to one ground (m).
-constexpr double kSameGround_m = 0.6;
-// Of a re-route: so far before the robot, and so large.
-constexpr double kBlockAhead_m = 0.6;
-constexpr double kBlockRadius_m = 0.3;
-// A wait lasts so long at least, whatever has gone meanwhile.
-constexpr double kLeastWait_s = 1;
-// Beside a goal where something stands, it waits so long for that to go (s).
-constexpr double kGoalWait_s = 10;
-// Steps between which the robot cannot have moved further (m).
-constexpr double kJump_m = 0.3;
 
 std::string Place(const core::LevelPose& pose) {
   return absl::StrFormat("(%.2f, %.2f) on level %d",
@@ -116,8 +96,9 @@ void GoalRunner::Suspend() {
 void GoalRunner::NoteWayIsFree() { way_is_free_ = true; }
 
 bool GoalRunner::DrivesStraight() const {
-  return phase_ == GoalPhase::kDriving && control_.command.forward_mps > 0.1 &&
-         std::abs(control_.command.yaw_rate_radps) < 0.2;
+  return phase_ == GoalPhase::kDriving &&
+         control_.command.forward_mps > kStraightSpeed_mps &&
+         std::abs(control_.command.yaw_rate_radps) < kStraightYawRate_radps;
 }
 
 core::VelocityCommand GoalRunner::Step(const control::ControlPose& pose,
@@ -139,7 +120,7 @@ void GoalRunner::Measure(const control::ControlPose& pose) {
   const geometry::Vec2 here = pose.pose.map_from_base.translation;
   if (last_position_.has_value()) {
     const double way_m = geometry::Norm(here - *last_position_);
-    if (way_m < kJump_m) status_->driven_m += way_m;
+    if (way_m < kMaxStepMove_m) status_->driven_m += way_m;
   }
   last_position_ = here;
 }
@@ -168,7 +149,8 @@ void GoalRunner::Ask(PlanPurpose purpose, const core::LevelPose& from,
 void GoalRunner::StepPlanning(const control::ControlPose& pose,
                               base::MonotonicTime now) {
   // A plan that fails may ask for another one, which may be there at once.
-  for (int asked = 0; asked < 3 && phase_ == GoalPhase::kPlanning; ++asked) {
+  for (int asked = 0;
+       asked < kMaxPlanQuestions && phase_ == GoalPhase::kPlanning; ++asked) {
     std::optional<absl::StatusOr<planning::PlanResult>> result =
         planner_->Take();
     if (!result.has_value()) {
@@ -312,7 +294,7 @@ void GoalRunner::StepBackground(const control::ControlPose& pose,
     return;
   }
   const double from_m = Distance_m((*result)->path.front(), pose.pose);
-  if (from_m < kBetterFrom_m &&
+  if (from_m < kBetterPathStart_m &&
       from_m + (*result)->length_m <
           (1 - options_.limits.better_share) * control_.to_go_m) {
     TakePath(**result, had_blockages, "a shorter way");
@@ -385,7 +367,7 @@ bool GoalRunner::PassesPose(const control::ControlPose& pose) const {
   if (control_.state == control::ControlState::kArrived) return true;
   return Distance_m(pose.pose, path_.back()) <= options_.limits.through_m &&
          std::abs(pose.pose.place.height_m - path_.back().place.height_m) <
-             kSameGround_m;
+             localization::kFloorHeight_m;
 }
 
 void GoalRunner::NextLeg(const core::LevelPose& robot) {
@@ -424,8 +406,8 @@ void GoalRunner::Arrive(const control::ControlPose& pose,
   const bool is_there =
       off_m <= control.goal_tolerance_m + kArrivalSlack_m &&
       off_rad <= control.goal_tolerance_rad + kArrivalSlack_rad;
-  const bool stands = std::abs(pose.forward_mps) < kStands_mps &&
-                      std::abs(pose.yaw_rate_radps) < kStands_radps;
+  const bool stands = std::abs(pose.forward_mps) < kArrivedSpeed_mps &&
+                      std::abs(pose.yaw_rate_radps) < kArrivedYawRate_radps;
   if (!arrived_since_.has_value()) arrived_since_ = now;
   if (is_there && stands) {
     status_->to_go_m = 0;
@@ -435,7 +417,7 @@ void GoalRunner::Arrive(const control::ControlPose& pose,
     ++status_->next_pose;
     std::string where =
         absl::StrFormat("%.2f m and %.0f degrees off, after %.1f m", off_m,
-                        off_rad * 57.29578, status_->driven_m);
+                        InDegrees(off_rad), status_->driven_m);
     if (beside_goal_m_ > 0) {
       absl::StrAppendFormat(
           &where, ", at a place %.2f m beside the goal, %s", beside_goal_m_,
@@ -520,7 +502,7 @@ void GoalRunner::NextManeuver(base::MonotonicTime now) {
 core::VelocityCommand GoalRunner::StepManeuver(const control::ControlPose& pose,
                                                base::MonotonicTime now) {
   if (way_is_free_ && maneuver_->kind() == ManeuverKind::kWait &&
-      SecondsBetween(maneuver_since_, now) > kLeastWait_s) {
+      SecondsBetween(maneuver_since_, now) > kMinWait_s) {
     maneuver_.reset();
     ladder_.GiveBack();
     trouble_cause_ = core::NavigationCause::kNone;
@@ -547,8 +529,8 @@ core::VelocityCommand GoalRunner::StepManeuver(const control::ControlPose& pose,
 void GoalRunner::BlockAhead(const control::ControlPose& pose,
                             base::MonotonicTime now) {
   blockages_.Add(
-      {.center = pose.pose.map_from_base * geometry::Vec2{kBlockAhead_m, 0},
-       .radius_m = kBlockRadius_m,
+      {.center = pose.pose.map_from_base * geometry::Vec2{kRerouteAhead_m, 0},
+       .radius_m = kRerouteRadius_m,
        .level = pose.pose.place.level},
       now);
 }

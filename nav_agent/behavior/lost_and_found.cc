@@ -4,7 +4,7 @@
 
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/behavior/recovery.h"
+#include "nav_agent/behavior/relocalization_state_machine.h"
 
 namespace treeline::behavior {
 
@@ -40,6 +40,20 @@ const char* RecoveryStateName(RecoveryState state) {
       return "found";
     case RecoveryState::kNeedHelp:
       return "need help";
+  }
+  return "?";
+}
+
+const char* RecoveryCauseText(RecoveryCause cause) {
+  switch (cause) {
+    case RecoveryCause::kVerdict:
+      return "the robot is lost";
+    case RecoveryCause::kStart:
+      return "nobody has told the robot where it is";
+    case RecoveryCause::kPerson:
+      return "a person asked where the robot is";
+    case RecoveryCause::kCheck:
+      return "the server sees the robot elsewhere";
   }
   return "?";
 }
@@ -94,8 +108,8 @@ absl::StatusOr<std::unique_ptr<LostAndFound>> LostAndFound::Create(
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(robot.Validate());
   if (map == nullptr) return absl::InvalidArgumentError("lost: no map");
-  return std::make_unique<Recovery>(std::move(map), robot, tracker, server,
-                                    options);
+  return std::make_unique<RelocalizationStateMachine>(std::move(map), robot,
+                                                      tracker, server, options);
 }
 
 }  // namespace treeline::behavior

@@ -12,6 +12,7 @@
 
 #include "absl/status/statusor.h"
 #include "nav_agent/behavior/fix_gate.h"
+#include "nav_agent/behavior/recovery_parameters.h"
 #include "nav_agent/core/relocalization.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
@@ -47,45 +48,47 @@ enum class RecoveryCause : uint8_t {
   kPerson = 2,   // a person asked
   kCheck = 3     // the server's answer to a check disagrees
 };
+// "the robot is lost": for people.
+const char* RecoveryCauseText(RecoveryCause cause);
 
 struct LostAndFoundOptions {
   RecoveryMethod method = RecoveryMethod::kServer;
   FixGateOptions gate;
   // Of one question (s, 0.1 to 60).
-  double deadline_s = 3;
+  double deadline_s = kAnswerDeadline_s;
   // Questions, failed ones too, before it goes on without the server.
-  int max_questions = 30;
+  int max_questions = kMaxQuestions;
   // Failures in a row (no server, too late, no such scene) after which it does.
-  int max_failures = 2;
+  int max_failures = kMaxFailures;
   // A recovery ends after so long (s): in kNeedHelp.
-  double most_server_s = 90;
-  double most_search_s = 120;
+  double most_server_s = kMaxServerSearch_s;
+  double most_search_s = kMaxLaserSearch_s;
   // Pictures are taken so long after the wheels stood (s).
-  double settle_s = 0.3;
-  double turn_radps = 0.8;
-  double move_mps = 0.15;
+  double settle_s = kPictureSettle_s;
+  double turn_radps = kRecoveryTurn_radps;
+  double move_mps = kRecoveryMove_mps;
   // Confirming: scans that must fit in a row, and the turn (rad) meanwhile. A
   // scan fits if the map explains this share of it and contradicts at most
   // that.
-  int confirm_scans = 8;
-  double confirm_turn_rad = 0.5;
-  double most_confirm_s = 8;
-  double confirm_explained = 0.6;
-  double confirm_contradicted = 0.15;
+  int confirm_scans = kConfirmScans;
+  double confirm_turn_rad = kNewViewTurn_rad;
+  double most_confirm_s = kMaxConfirming_s;
+  double confirm_explained = kConfirmExplained;
+  double confirm_contradicted = kConfirmContradicted;
   // What AMCL finds by itself must fit better, for longer (s, rad), with so
   // much of its weight in one place this small (m), and no other place of the
   // map may fit nearly as well: by this share of the beams.
-  double search_explained = 0.75;
-  double search_contradicted = 0.12;
-  double search_hold_s = 5;
-  double search_hold_rad = 3.5;
-  double search_share = 0.95;
-  double search_std_m = 0.25;
-  double alias_margin = 0.12;
+  double search_explained = kSureExplained;
+  double search_contradicted = kSearchContradicted;
+  double search_hold_s = kSearchHold_s;
+  double search_hold_rad = kSearchHold_rad;
+  double search_share = kSearchShare;
+  double search_std_m = kSearchStd_m;
+  double alias_margin = kAliasMargin;
   // Asks this often while it drives straight and knows its place (s); 0: never.
-  double check_interval_s = 20;
+  double check_interval_s = kCheckInterval_s;
   // A robot that needs help asks this often (s); 0: never.
-  double help_interval_s = 15;
+  double help_interval_s = kAskFailedInterval_s;
 
   absl::Status Validate() const;
 };

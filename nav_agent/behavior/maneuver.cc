@@ -6,25 +6,10 @@
 #include <numbers>
 
 #include "nav_agent/behavior/event_log.h"
+#include "nav_agent/behavior/parameters.h"
 
 namespace treeline::behavior {
 namespace {
-
-// Backing up by less is not worth it.
-constexpr double kLeastBack_m = 0.08;
-// The last part of a way or a turn is not waited for.
-constexpr double kNearlyThere_m = 0.02;
-constexpr double kNearlyAround_rad = 0.1;
-// Rungs that may be had once more.
-constexpr int kMostGivenBack = 30;
-// Rungs after which it backs up among people, too.
-constexpr int kBoldFrom = 4;
-// Nobody has moved for so long: nobody is about; or not at this moment (s).
-constexpr double kQuiet_s = 8;
-constexpr double kQuietMoment_s = 1.5;
-constexpr double kSomebody_s = 0.2;
-// Ground that is level, for who turns.
-constexpr double kLevel_rad = 0.06;
 
 // Round and round while the budget lasts.
 using Order = std::array<ManeuverKind, 5>;
@@ -117,14 +102,14 @@ Maneuver::Result Maneuver::BackUp(const control::ControlPose& pose,
   // Whoever is about may come up behind it: the bold wait for a quiet moment.
   const double quiet_s = controller.QuietFor_s(now);
   if (!start_.has_value() &&
-      quiet_s < (rung_.is_bold ? kQuietMoment_s : kQuiet_s)) {
+      quiet_s < (rung_.is_bold ? kQuietMoment_s : kNobodyMovedFor_s)) {
     const bool waits =
         rung_.is_bold && SecondsBetween(begun_, now) < limits_.back_up_s;
     return {.outcome = waits ? ManeuverOutcome::kRunning
                              : ManeuverOutcome::kNotPossible,
             .command = controller.Guard(pose, {})};
   }
-  if (quiet_s < kSomebody_s) {
+  if (quiet_s < kSomebodyMoves_s) {
     return {.outcome = ManeuverOutcome::kTimedOut, .command = {}};
   }
   if (!start_.has_value()) {
@@ -132,12 +117,12 @@ Maneuver::Result Maneuver::BackUp(const control::ControlPose& pose,
     start_ = here;
     // Where nothing is known to be in the way, to a hand's breadth.
     way_m_ = controller.FreeWay_m(pose, -limits_.back_up_m);
-    if (std::abs(way_m_) < kLeastBack_m) {
+    if (std::abs(way_m_) < kMinBackUp_m) {
       return {.outcome = ManeuverOutcome::kNotPossible, .command = {}};
     }
   }
   const double done_m = geometry::Norm(here.translation - start_->translation);
-  if (done_m >= std::abs(way_m_) - kNearlyThere_m) {
+  if (done_m >= std::abs(way_m_) - kBackUpTolerance_m) {
     return {.outcome = ManeuverOutcome::kDone, .command = {}};
   }
   if (SecondsBetween(begun_, now) > limits_.back_up_s) {
@@ -157,14 +142,15 @@ Maneuver::Result Maneuver::LookAround(const control::ControlPose& pose,
     start_ = here;
     last_yaw_rad_ = here.yaw_rad;
     // Slopes have edges.
-    if (geometry::AngleBetween_rad(pose.level_from_base, {}) > kLevel_rad ||
+    if (geometry::AngleBetween_rad(pose.level_from_base, {}) >
+            kLevelGround_rad ||
         !controller.CanTurn(pose)) {
       return {.outcome = ManeuverOutcome::kNotPossible, .command = {}};
     }
   }
   turned_rad_ += geometry::NormalizedAngle_rad(here.yaw_rad - last_yaw_rad_);
   last_yaw_rad_ = here.yaw_rad;
-  if (turned_rad_ >= 2 * std::numbers::pi - kNearlyAround_rad) {
+  if (turned_rad_ >= 2 * std::numbers::pi - kTurnTolerance_rad) {
     return {.outcome = ManeuverOutcome::kDone, .command = {}};
   }
   if (elapsed_s > limits_.look_s) {
@@ -183,14 +169,14 @@ std::optional<ManeuverRung> ManeuverLadder::Next(Trouble trouble) {
   const double wait_s = std::min(
       limits_.longest_wait_s,
       limits_.first_wait_s * std::exp2(static_cast<double>(used_) / 3));
-  const bool is_bold = used_ >= kBoldFrom;
+  const bool is_bold = used_ >= kBoldAfter;
   ++used_;
   can_give_back_ = true;
   return ManeuverRung{.kind = order[at], .wait_s = wait_s, .is_bold = is_bold};
 }
 
 void ManeuverLadder::GiveBack() {
-  if (!can_give_back_ || used_ < 1 || given_back_ >= kMostGivenBack) return;
+  if (!can_give_back_ || used_ < 1 || given_back_ >= kMaxGivenBack) return;
   can_give_back_ = false;
   --used_;
   ++given_back_;

@@ -1,587 +1,73 @@
 #include "nav_agent/behavior/navigator.h"
 
-#include <algorithm>
-#include <cmath>
+#include <memory>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
+#include "absl/status/statusor.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/behavior/event_log.h"
-#include "nav_agent/behavior/goal_runner.h"
 #include "nav_agent/behavior/navigator_parts.h"
-#include "nav_agent/behavior/obstacle_discs.h"
-#include "nav_agent/behavior/safe_stop.h"
-#include "nav_agent/behavior/scan_ends.h"
-#include "nav_agent/behavior/sensor_watch.h"
+#include "nav_agent/behavior/plan_runner.h"
 
 namespace treeline::behavior {
 namespace {
 
-// An estimate that is older tells nothing (s).
-constexpr double kEstimateAge_s = 0.5;
-// Scans that are looked through for blockages: one in so many, and of them one
-// beam in so many, where they pass so high above the ground (m).
-constexpr int64_t kLookEvery = 4;
-constexpr int kBeamEvery = 2;
-constexpr double kLowestLook_m = 0.1;
-constexpr double kHighestLook_m = 0.6;
-// What is seen so near to a blockage is of it: it has one disc behind the
-// other.
-constexpr double kStillSeen_m = 0.25;
-// How far a lost robot asks for room (m).
-constexpr double kAskAhead_m = 1.0;
-// Pictures a second that a lost robot takes at least.
-constexpr double kLostPictures_hz = 10;
-constexpr size_t kShownParticles = 500;
-
-bool IsFinite(const core::LevelPose& pose) {
-  return std::isfinite(pose.map_from_base.translation.x) &&
-         std::isfinite(pose.map_from_base.translation.y) &&
-         std::isfinite(pose.map_from_base.yaw_rad) &&
-         std::isfinite(pose.place.height_m);
+std::unique_ptr<PlanRunner> RunnerOf(
+    std::unique_ptr<const planning::GlobalPlanner> planner,
+    const NavigatorOptions& options) {
+  if (options.plans_in_background) {
+    return MakeThreadPlanRunner(std::move(planner));
+  }
+  if (options.plan_steps > 0) {
+    return MakeSteppedPlanRunner(std::move(planner), options.plan_steps,
+                                 1e3 / options.control_hz);
+  }
+  return MakeInlinePlanRunner(std::move(planner));
 }
 
-std::optional<control::ControlPose> OfMotion(
-    const std::optional<localization::TrackedMotion>& motion) {
-  if (!motion.has_value()) return std::nullopt;
-  return control::ControlPose{
-      .stamp = motion->stamp,
-      .pose = {.map_from_base = motion->odom_from_base, .place = {}},
-      .level_from_base = motion->level_from_base,
-      .forward_mps = motion->forward_mps,
-      .yaw_rate_radps = motion->yaw_rate_radps,
-      .map_is_unknown = true};
-}
-
-std::optional<control::ControlPose> OfPose(
-    const std::optional<localization::TrackedPose>& pose) {
-  if (!pose.has_value()) return std::nullopt;
-  return control::ControlPose{.stamp = pose->stamp,
-                              .pose = pose->pose,
-                              .level_from_base = pose->level_from_base,
-                              .forward_mps = pose->forward_mps,
-                              .yaw_rate_radps = pose->yaw_rate_radps,
-                              .map_is_unknown = false};
-}
-
-class NavigatorOfParts final : public Navigator {
- public:
-  NavigatorOfParts(NavigatorParts parts, const core::RobotModel& robot,
-                   const NavigatorDevices& devices,
-                   const NavigatorOptions& options, const base::Clock& clock);
-
-  void Step() override;
-  absl::StatusOr<uint64_t> SetGoal(const NavigationGoal& goal) override;
-  absl::Status CancelGoal(uint64_t id) override;
-  void Pause() override;
-  void Resume() override;
-  absl::Status SetPose(
-      const core::LevelPose& pose,
-      const localization::PoseCovariance2& covariance) override;
-  void FindYourself() override;
-  void Halt() override;
-
-  NavigatorMode mode() const override { return mode_; }
-  std::optional<GoalStatus> goal() const override { return runner_.status(); }
-  NavigatorSnapshot Snapshot() const override;
-  std::vector<NavigatorEvent> TakeEvents() override { return events_.Take(); }
-
- private:
-  void FeedTracker();
-  void FeedController();
-  void FeedCamera();
-  void LookThroughBlockages(const control::ControlPose& pose,
-                            const core::LaserScan& scan,
-                            core::LaserMount mount);
-  bool IsInLasersPlane(const control::ControlPose& pose,
-                       const geometry::Rigid3& base_from_laser,
-                       const planning::Blockage& blockage) const;
-  void ChooseFrame();
-  std::vector<StopReason> FindProblems() const;
-  std::optional<control::ControlPose> PoseNow() const;
-  std::optional<control::ControlPose> PoseAt(base::MonotonicTime stamp) const;
-  core::VelocityCommand Decide();
-  core::VelocityCommand StepLost(const control::ControlPose& pose);
-  void SetMode(NavigatorMode mode, core::NavigationCause cause,
-               std::string text);
-  void Command(const core::VelocityCommand& command, bool stops_at_once);
-
-  const NavigatorParts parts_;
-  const core::RobotModel robot_;
-  const NavigatorDevices devices_;
-  const NavigatorOptions options_;
-  const base::Clock& clock_;
-
-  EventLog events_;
-  SensorWatch sensors_;
-  TiltWatch tilt_;
-  DeadlineWatch deadline_;
-  SafeStop safe_stop_;
-  GoalRunner runner_;
-
-  base::MonotonicTime now_;
-  int64_t steps_ = 0;
-  NavigatorMode mode_ = NavigatorMode::kIdle;
-  core::NavigationCause cause_ = core::NavigationCause::kNone;
-  std::string cause_text_;
-  core::VelocityCommand command_;
-  bool is_paused_ = false;
-  bool is_halted_ = false;
-  // Positions are those of the wheels: where it is on the map is not known.
-  bool is_unplaced_ = true;
-  bool has_looked_for_itself_ = false;
-  std::optional<base::MonotonicTime> last_frame_;
-  std::optional<core::LaserScan> last_scan_;
-  int64_t front_scans_ = 0;
-  int64_t rear_scans_ = 0;
-  int64_t refused_ = 0;  // by tracker or controller
-};
-
-NavigatorOfParts::NavigatorOfParts(NavigatorParts parts,
-                                   const core::RobotModel& robot,
-                                   const NavigatorDevices& devices,
-                                   const NavigatorOptions& options,
-                                   const base::Clock& clock)
-    : parts_(std::move(parts)),
-      robot_(robot),
-      devices_(devices),
-      options_(options),
-      clock_(clock),
-      sensors_(devices, {.laser_timeout_s = options.laser_timeout_s,
-                         .odometry_timeout_s = options.odometry_timeout_s}),
-      tilt_(robot, options.limits),
-      deadline_(options.control_hz, options.limits, events_),
-      safe_stop_(options.limits, events_),
-      runner_(parts_.map, *parts_.planner, *parts_.controller, options,
-              events_) {}
-
-// ---- one step ----
-
-void NavigatorOfParts::Step() {
-  now_ = clock_.Now();
-  events_.SetTime(now_);
-  ++steps_;
-  parts_.planner->BeginStep();
-  deadline_.Step(now_);
-  sensors_.Poll(now_, command_);
-  FeedTracker();
-  ChooseFrame();
-  FeedController();
-  FeedCamera();
-  if (runner_.blockages().Fade(now_) > 0) runner_.NoteWayIsFree();
-
-  const bool stood = safe_stop_.is_active();
-  safe_stop_.Update(FindProblems(), now_);
-  if (safe_stop_.is_active()) {
-    if (!stood) runner_.Suspend();
-    SetMode(NavigatorMode::kSafeStop, safe_stop_.reason().cause,
-            safe_stop_.reason().text);
-    Command({}, true);
-    return;
-  }
-  Command(Decide(), false);
-}
-
-void NavigatorOfParts::FeedTracker() {
-  // In the order of their stamps.
-  const std::vector<core::BaseReading>& readings = sensors_.readings();
-  const std::vector<core::LaserScan>& scans = sensors_.scans();
-  size_t next = 0;
-  const auto add_scans = [&](base::MonotonicTime until) {
-    for (; next < scans.size() && scans[next].stamp <= until; ++next) {
-      if (!parts_.tracker->AddScan(scans[next]).ok()) ++refused_;
-    }
-  };
-  for (const core::BaseReading& reading : readings) {
-    add_scans(reading.stamp);
-    tilt_.Add(reading);
-    if (!parts_.tracker->AddReading(reading).ok()) ++refused_;
-  }
-  add_scans(base::MonotonicTime::max());
-}
-
-void NavigatorOfParts::ChooseFrame() {
-  const bool is_unplaced =
-      parts_.lost->IsActive() || !parts_.tracker->Pose().has_value();
-  if (is_unplaced == is_unplaced_) return;
-  // What was seen is in the other frame.
-  is_unplaced_ = is_unplaced;
-  parts_.controller->ClearObstacles();
-  runner_.Suspend();
-  if (is_unplaced) runner_.blockages().Clear();
-}
-
-std::optional<control::ControlPose> NavigatorOfParts::PoseNow() const {
-  const std::optional<localization::TrackedPose> place = parts_.tracker->Pose();
-  if (!is_unplaced_) return OfPose(place);
-  std::optional<control::ControlPose> pose = OfMotion(parts_.tracker->Motion());
-  if (pose.has_value() && place.has_value() &&
-      parts_.lost->state() == RecoveryState::kConfirming) {
-    pose->supposed = place->pose;
-  }
-  return pose;
-}
-
-std::optional<control::ControlPose> NavigatorOfParts::PoseAt(
-    base::MonotonicTime stamp) const {
-  return is_unplaced_ ? OfMotion(parts_.tracker->MotionAt(stamp))
-                      : OfPose(parts_.tracker->PoseAt(stamp));
-}
-
-void NavigatorOfParts::FeedController() {
-  for (const core::LaserScan& scan : sensors_.scans()) {
-    const std::optional<control::ControlPose> pose = PoseAt(scan.stamp);
-    if (!pose.has_value()) continue;
-    if (!parts_.controller->AddScan(*pose, scan).ok()) ++refused_;
-    if (++front_scans_ % kLookEvery == 0) {
-      LookThroughBlockages(*pose, scan, core::LaserMount::kFront);
-    }
-  }
-  if (!sensors_.scans().empty()) last_scan_ = sensors_.scans().back();
-  for (const core::LaserScan& scan : sensors_.rear_scans()) {
-    const std::optional<control::ControlPose> pose = PoseAt(scan.stamp);
-    if (!pose.has_value()) continue;
-    if (!parts_.controller->AddRearScan(*pose, scan).ok()) ++refused_;
-    if (++rear_scans_ % kLookEvery == 0) {
-      LookThroughBlockages(*pose, scan, core::LaserMount::kRear);
-    }
-  }
-}
-
-void NavigatorOfParts::LookThroughBlockages(const control::ControlPose& pose,
-                                            const core::LaserScan& scan,
-                                            core::LaserMount mount) {
-  if (is_unplaced_ || runner_.blockages().empty()) return;
-  const core::RangeSensor& laser =
-      mount == core::LaserMount::kRear ? *devices_.rear_laser : devices_.laser;
-  const geometry::Rigid3& base_from_laser = robot_.BaseFrom(mount);
-  const geometry::Vec3 at = base_from_laser.translation;
-  const control::CostmapView costmap = parts_.controller->Costmap();
-  const int forgotten = runner_.blockages().SeeThrough(
-      pose.pose.place.level,
-      pose.pose.map_from_base * geometry::Vec2{at.x, at.y},
-      ScanEndsInMap(scan, laser.Info(), base_from_laser,
-                    pose.pose.map_from_base, kBeamEvery, true),
-      [&](const planning::Blockage& blockage) {
-        return !IsInLasersPlane(pose, base_from_laser, blockage) ||
-               IsSeenNear(costmap, blockage.center,
-                          blockage.radius_m + kStillSeen_m);
-      });
-  if (forgotten == 0) return;
-  events_.Add("blocked", "what stood in the way is gone");
-  runner_.NoteWayIsFree();
-}
-
-// On and before slopes the laser looks into the ground, or over what stands
-// there.
-bool NavigatorOfParts::IsInLasersPlane(
-    const control::ControlPose& pose, const geometry::Rigid3& base_from_laser,
-    const planning::Blockage& blockage) const {
-  const std::optional<core::LevelPlace> ground =
-      parts_.map->GroundOf(blockage.center, blockage.level);
-  if (!ground.has_value()) return false;
-  const geometry::Rigid3 map_from_laser =
-      control::MapFromBase3(pose) * base_from_laser;
-  const geometry::Vec3 normal =
-      map_from_laser.rotation * geometry::Vec3{0, 0, 1};
-  const geometry::Vec3 from = map_from_laser.translation;
-  const double z_m = from.z - (normal.x * (blockage.center.x - from.x) +
-                               normal.y * (blockage.center.y - from.y)) /
-                                  normal.z;
-  const double above_m = z_m - ground->height_m;
-  return above_m > kLowestLook_m && above_m < kHighestLook_m;
-}
-
-void NavigatorOfParts::FeedCamera() {
-  if (devices_.camera == nullptr) return;
-  double rate_hz = options_.depth_hz;
-  if (parts_.lost->WantsPictures(now_)) {
-    rate_hz = std::max(rate_hz, kLostPictures_hz);
-  }
-  if (rate_hz <= 0 || (last_frame_.has_value() &&
-                       SecondsBetween(*last_frame_, now_) < 1 / rate_hz)) {
-    return;
-  }
-  last_frame_ = now_;
-  const std::optional<core::RgbdFrame> frame = sensors_.TakeFrame(now_);
-  if (!frame.has_value()) return;
-  parts_.lost->AddFrame(*frame);
-  const std::optional<control::ControlPose> pose = PoseAt(frame->stamp);
-  if (options_.depth_hz <= 0 || !pose.has_value()) return;
-  if (!parts_.controller->AddDepth(*pose, *frame).ok()) ++refused_;
-}
-
-std::vector<StopReason> NavigatorOfParts::FindProblems() const {
-  std::vector<StopReason> problems;
-  if (std::optional<StopReason> tilted = tilt_.Problem()) {
-    problems.push_back(*std::move(tilted));
-  }
-  for (StopReason& lost : sensors_.Problems()) {
-    problems.push_back(std::move(lost));
-  }
-  if (std::optional<StopReason> late = deadline_.Problem()) {
-    problems.push_back(*std::move(late));
-  }
-  const std::optional<control::ControlPose> pose = PoseNow();
-  if (pose.has_value() &&
-      (!IsFinite(pose->pose) ||
-       SecondsBetween(pose->stamp, now_) > kEstimateAge_s)) {
-    problems.push_back(
-        {.cause = core::NavigationCause::kEstimateLost,
-         .text = absl::StrFormat("the estimate of its pose is %.2f s old, or "
-                                 "not finite",
-                                 SecondsBetween(pose->stamp, now_))});
-  }
-  return problems;
-}
-
-core::VelocityCommand NavigatorOfParts::Decide() {
-  const std::optional<control::ControlPose> pose = PoseNow();
-  if (is_halted_ || !pose.has_value()) {
-    SetMode(NavigatorMode::kIdle, core::NavigationCause::kNone,
-            is_halted_ ? "halted" : "waits for its sensors");
-    return {};
-  }
-  if (is_paused_) {
-    SetMode(NavigatorMode::kPaused, core::NavigationCause::kNone, "paused");
-    return parts_.controller->Guard(*pose, {});
-  }
-  const core::VelocityCommand search = StepLost(*pose);
-  if (parts_.lost->IsActive()) return search;
-  if (is_unplaced_) {
-    // The search has just ended, or nobody has told it anything yet.
-    if (!parts_.tracker->Pose().has_value()) {
-      SetMode(NavigatorMode::kNeedHelp, core::NavigationCause::kNeedHelp,
-              "nobody has told it where it is");
-    }
-    return parts_.controller->Guard(*pose, {});
-  }
-  const core::VelocityCommand command = runner_.Step(*pose, now_);
-  switch (runner_.phase()) {
-    case GoalPhase::kNone:
-      SetMode(NavigatorMode::kIdle, core::NavigationCause::kNone, "");
-      break;
-    case GoalPhase::kToPlan:
-    case GoalPhase::kPlanning:
-      SetMode(NavigatorMode::kPlanning, core::NavigationCause::kNone, "");
-      break;
-    case GoalPhase::kDriving:
-      SetMode(NavigatorMode::kDriving, core::NavigationCause::kNone, "");
-      break;
-    case GoalPhase::kRecovering:
-      SetMode(NavigatorMode::kRecovering, runner_.trouble(),
-              core::NavigationCauseAdvice(runner_.trouble()));
-      break;
-  }
-  return command;
-}
-
-core::VelocityCommand NavigatorOfParts::StepLost(
-    const control::ControlPose& pose) {
-  if (options_.finds_itself_at_start && !has_looked_for_itself_ &&
-      !parts_.tracker->Pose().has_value()) {
-    has_looked_for_itself_ = true;
-    parts_.lost->Begin(RecoveryCause::kStart, now_);
-  }
-  RecoveryInput input = {.now = now_,
-                         .drives_straight = runner_.DrivesStraight()};
-  const bool was_active = parts_.lost->IsActive();
-  if (was_active) {
-    input.can_turn = parts_.controller->CanTurn(pose);
-    input.free_ahead_m = parts_.controller->FreeWay_m(pose, kAskAhead_m);
-  }
-  const LostAndFound::Output output = parts_.lost->Step(input);
-  for (RecoveryNote& note : parts_.lost->TakeNotes()) {
-    events_.Add(std::move(note.kind), std::move(note.text));
-  }
-  if (!parts_.lost->IsActive()) return {};
-  if (!was_active) runner_.Suspend();
-  switch (output.state) {
-    case RecoveryState::kStopping:
-      SetMode(NavigatorMode::kLost, core::NavigationCause::kEstimateLost,
-              localization::LostReasonName(parts_.tracker->verdict().reason));
-      break;
-    case RecoveryState::kNeedHelp:
-      SetMode(NavigatorMode::kNeedHelp, core::NavigationCause::kNeedHelp,
-              "it is lost, and neither the server nor a search found it");
-      break;
-    default:
-      SetMode(NavigatorMode::kRelocalizing,
-              core::NavigationCause::kEstimateLost,
-              RecoveryStateName(output.state));
-  }
-  // The frame changes in the next step; until then it only slows down.
-  return parts_.controller->Guard(
-      pose, is_unplaced_ ? output.wanted : core::VelocityCommand{});
-}
-
-void NavigatorOfParts::SetMode(NavigatorMode mode, core::NavigationCause cause,
-                               std::string text) {
-  mode_ = mode;
-  cause_ = cause;
-  cause_text_ = std::move(text);
-}
-
-void NavigatorOfParts::Command(const core::VelocityCommand& command,
-                               bool stops_at_once) {
-  command_ = command;
-  if (!std::isfinite(command.forward_mps) ||
-      !std::isfinite(command.yaw_rate_radps)) {
-    command_ = {};
-    events_.Add("stop", "a velocity that is not finite (internal)");
-  }
-  if (stops_at_once) devices_.base.Stop();
-  sensors_.NoteBaseAnswer(devices_.base.SetVelocity(command_));
-}
-
-// ---- what it is told ----
-
-absl::StatusOr<uint64_t> NavigatorOfParts::SetGoal(const NavigationGoal& goal) {
-  events_.SetTime(clock_.Now());
-  if (goal.poses.empty()) {
-    return absl::InvalidArgumentError(
-        "a goal without poses; it needs one at least");
-  }
-  for (const core::LevelPose& pose : goal.poses) {
-    if (!IsFinite(pose)) {
-      return absl::InvalidArgumentError("a goal's pose is not finite");
-    }
-    if (pose.place.level < 0 || pose.place.level >= parts_.map->levels()) {
-      return absl::InvalidArgumentError(
-          absl::StrFormat("a goal on level %d; the map has levels 0 to %d",
-                          pose.place.level, parts_.map->levels() - 1));
-    }
-  }
-  return runner_.Start(goal);
-}
-
-absl::Status NavigatorOfParts::CancelGoal(uint64_t id) {
-  events_.SetTime(clock_.Now());
-  if (!runner_.is_active() || (id != 0 && runner_.status()->id != id)) {
-    return absl::NotFoundError(
-        id == 0 ? std::string("there is no goal to cancel")
-                : absl::StrCat("goal ", id, " is not the current one"));
-  }
-  runner_.End(GoalState::kCancelled, core::NavigationCause::kCancelled,
-              "somebody cancelled it");
-  return absl::OkStatus();
-}
-
-void NavigatorOfParts::Pause() {
-  events_.SetTime(clock_.Now());
-  if (is_paused_) return;
-  is_paused_ = true;
-  runner_.Suspend();
-  events_.Add("pause", "stands until it is told to go on");
-}
-
-void NavigatorOfParts::Resume() {
-  events_.SetTime(clock_.Now());
-  if (!is_paused_) return;
-  is_paused_ = false;
-  events_.Add("resume", "goes on");
-}
-
-absl::Status NavigatorOfParts::SetPose(
-    const core::LevelPose& pose,
-    const localization::PoseCovariance2& covariance) {
-  now_ = clock_.Now();
-  events_.SetTime(now_);
-  if (!IsFinite(pose)) {
-    return absl::InvalidArgumentError("the pose is not finite");
-  }
-  if (pose.place.level < 0 || pose.place.level >= parts_.map->levels()) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("a pose on level %d; the map has levels 0 to %d",
-                        pose.place.level, parts_.map->levels() - 1));
-  }
-  core::LevelPose placed = pose;
-  const std::optional<core::LevelPlace> ground =
-      parts_.map->GroundOf(pose.map_from_base.translation, pose.place.level);
-  if (ground.has_value()) placed.place = *ground;
-  TL_RETURN_IF_ERROR(parts_.tracker->SetPose(placed, covariance, now_));
-  parts_.lost->WasTold(now_);
-  has_looked_for_itself_ = true;
-  runner_.Suspend();
-  runner_.blockages().Clear();
-  parts_.controller->ClearObstacles();
-  events_.Add("pose", absl::StrFormat("told that it is at (%.2f, %.2f) on "
-                                      "level %d",
-                                      placed.map_from_base.translation.x,
-                                      placed.map_from_base.translation.y,
-                                      placed.place.level));
-  return absl::OkStatus();
-}
-
-void NavigatorOfParts::FindYourself() {
-  now_ = clock_.Now();
-  events_.SetTime(now_);
-  has_looked_for_itself_ = true;
-  parts_.lost->Begin(RecoveryCause::kPerson, now_);
-  runner_.Suspend();
-}
-
-void NavigatorOfParts::Halt() {
-  events_.SetTime(clock_.Now());
-  is_halted_ = true;
-  runner_.End(GoalState::kCancelled, core::NavigationCause::kCancelled,
-              "the robot was halted");
-  Command({}, true);
-  SetMode(NavigatorMode::kIdle, core::NavigationCause::kNone, "halted");
-  events_.Add("stop", "halted");
-}
-
-NavigatorSnapshot NavigatorOfParts::Snapshot() const {
-  NavigatorSnapshot shot;
-  shot.stamp = now_;
-  shot.mode = mode_;
-  shot.cause = cause_;
-  shot.cause_text = cause_text_;
-  shot.pose = parts_.tracker->Pose();
-  shot.verdict = parts_.tracker->verdict();
-  shot.goal = runner_.status();
-  shot.command = command_;
-  shot.path = runner_.path();
-  shot.tree_edges = runner_.tree_edges();
-  shot.bubbles = parts_.controller->Bubbles();
-  shot.blockages = runner_.blockages().All();
-  if (last_scan_.has_value()) {
-    const std::optional<localization::TrackedPose> pose =
-        parts_.tracker->PoseAt(last_scan_->stamp);
-    if (pose.has_value()) {
-      shot.scan_in_map = ScanEndsInMap(*last_scan_, devices_.laser.Info(),
-                                       robot_.base_from_laser,
-                                       pose->pose.map_from_base, 1, false);
-    }
-  }
-  shot.particles = parts_.tracker->Particles(kShownParticles);
-  shot.costmap = parts_.controller->Costmap();
-  shot.fix = parts_.lost->answer();
-  shot.fix_verdict = parts_.lost->answer_verdict();
-  shot.search = parts_.lost->state();
-  shot.query_frame = parts_.lost->QueryFrame();
-  shot.laser = sensors_.laser();
-  shot.rear_laser = sensors_.rear_laser();
-  shot.odometry = sensors_.odometry();
-  shot.camera = sensors_.camera();
-  shot.plans = parts_.planner->Tally();
-  shot.steps = steps_;
-  shot.missed_deadlines = deadline_.missed();
-  shot.longest_step_gap_s = deadline_.longest_gap_s();
-  return shot;
+core::RobotLasers LasersOf(const NavigatorDevices& devices) {
+  core::RobotLasers lasers = {.front = devices.laser.Info()};
+  if (devices.rear_laser != nullptr) lasers.rear = devices.rear_laser->Info();
+  return lasers;
 }
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<Navigator>> AssembleNavigator(
-    NavigatorParts parts, const core::RobotModel& robot,
+absl::StatusOr<std::unique_ptr<Navigator>> Navigator::Create(
+    const NavigatorMap& map, const core::RobotModel& robot,
     const NavigatorDevices& devices, const NavigatorOptions& options,
     const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_RETURN_IF_ERROR(robot.Validate());
-  return std::make_unique<NavigatorOfParts>(std::move(parts), robot, devices,
-                                            options, clock);
+  const auto is_unknown = [](const core::RangeSensor& laser) {
+    return laser.Health().state == core::DeviceState::kStarting &&
+           laser.Info().beams == 0;
+  };
+  if (is_unknown(devices.laser) ||
+      (devices.rear_laser != nullptr && is_unknown(*devices.rear_laser))) {
+    return absl::FailedPreconditionError(
+        "a laser has not said yet how it scans; wait until it runs");
+  }
+  NavigatorParts parts;
+  TL_ASSIGN_OR_RETURN(
+      traversability::NavigationMap levels,
+      traversability::NavigationMap::Make(map.levels, options.map));
+  parts.map =
+      std::make_shared<const traversability::NavigationMap>(std::move(levels));
+  TL_ASSIGN_OR_RETURN(
+      std::unique_ptr<planning::GlobalPlanner> planner,
+      planning::MakeGlobalPlanner(parts.map, robot, options.planner));
+  parts.planner = RunnerOf(std::move(planner), options);
+  const core::RangeSensorInfo laser = devices.laser.Info();
+  TL_ASSIGN_OR_RETURN(parts.controller, control::LocalController::Make(
+                                            parts.map, robot, LasersOf(devices),
+                                            options.control));
+  TL_ASSIGN_OR_RETURN(parts.tracker, localization::RobotTracker::Create(
+                                         map.voxels, map.levels, robot, laser,
+                                         options.tracker, options.seed));
+  TL_ASSIGN_OR_RETURN(parts.lost,
+                      LostAndFound::Create(parts.map, robot, *parts.tracker,
+                                           devices.server, options.lost));
+  return AssembleNavigator(std::move(parts), robot, devices, options, clock);
 }
 
 }  // namespace treeline::behavior

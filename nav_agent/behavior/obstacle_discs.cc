@@ -4,18 +4,12 @@
 #include <cmath>
 #include <cstddef>
 
+#include "nav_agent/behavior/parameters.h"
+
 namespace treeline::behavior {
 namespace {
 
 constexpr uint8_t kSeen = 2;
-// The first seen cell is this near to where the band broke, and no other is
-// further away than that.
-constexpr double kNear_m = 0.6;
-constexpr double kFar_m = 1.6;
-// Parts with less between them belong together: the robot is wider.
-constexpr double kGap_m = 0.55;
-constexpr double kSpacing_m = 0.2;
-constexpr double kBehind_m = 0.2;
 
 std::vector<geometry::Vec2> SeenNear(const control::CostmapView& costmap,
                                      geometry::Vec2 about, double reach_m) {
@@ -42,7 +36,7 @@ std::vector<planning::Blockage> DiscsOf(const control::CostmapView& costmap,
                                         geometry::Vec2 about,
                                         geometry::Vec2 eye, double radius_m,
                                         double fallback_radius_m, int level) {
-  std::vector<geometry::Vec2> seen = SeenNear(costmap, about, kFar_m);
+  std::vector<geometry::Vec2> seen = SeenNear(costmap, about, kObstacleReach_m);
   // Nearest first: what hangs together grows from there.
   std::ranges::sort(seen, [about](geometry::Vec2 a, geometry::Vec2 b) {
     return geometry::Norm(a - about) < geometry::Norm(b - about);
@@ -50,12 +44,13 @@ std::vector<planning::Blockage> DiscsOf(const control::CostmapView& costmap,
   std::vector<geometry::Vec2> centers;
   for (const geometry::Vec2 point : seen) {
     double nearest_m =
-        geometry::Norm(point - about) <= kNear_m && centers.empty() ? kSpacing_m
-                                                                    : kFar_m;
+        geometry::Norm(point - about) <= kObstacleNear_m && centers.empty()
+            ? kDiscSpacing_m
+            : kObstacleReach_m;
     for (const geometry::Vec2 center : centers) {
       nearest_m = std::min(nearest_m, geometry::Norm(point - center));
     }
-    if (nearest_m >= kSpacing_m && nearest_m <= kGap_m) {
+    if (nearest_m >= kDiscSpacing_m && nearest_m <= kObstacleGap_m) {
       centers.push_back(point);
     }
   }
@@ -67,8 +62,8 @@ std::vector<planning::Blockage> DiscsOf(const control::CostmapView& costmap,
     discs.push_back({.center = center, .radius_m = radius_m, .level = level});
     const geometry::Vec2 way = center - eye;
     const double way_m = geometry::Norm(way);
-    if (way_m < kBehind_m) continue;
-    discs.push_back({.center = center + (kBehind_m / way_m) * way,
+    if (way_m < kDiscSpacing_m) continue;
+    discs.push_back({.center = center + (kDiscSpacing_m / way_m) * way,
                      .radius_m = radius_m,
                      .level = level});
   }

@@ -2,17 +2,17 @@
 #ifndef NAV_AGENT_BEHAVIOR_RECOVERY_PARTS_H_
 #define NAV_AGENT_BEHAVIOR_RECOVERY_PARTS_H_
 
-#include <chrono>
+#include <cmath>
+#include <string>
 
+#include "absl/strings/str_format.h"
+#include "nav_agent/behavior/angle_text.h"
+#include "nav_agent/behavior/event_log.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/localization/robot_tracker.h"
 #include "nav_agent/traversability/navigation_map.h"
 
 namespace treeline::behavior {
-
-inline double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
-  return std::chrono::duration<double>(to - from).count();
-}
 
 // Where a robot that was at `pose` is after the wheels' motion.
 inline core::LevelPose CarriedOn(const core::LevelPose& pose,
@@ -28,9 +28,22 @@ inline core::LevelPose CarriedOn(const core::LevelPose& pose,
   return carried;
 }
 
-// In [-1, 1].
-inline double ScoreOf(const localization::RobotTracker::ScanFit& fit) {
-  return fit.explained - fit.contradicted;
+// As seen from above, and in height.
+inline bool AreWithin(const core::LevelPose& a, const core::LevelPose& b,
+                      double max_m, double max_rad) {
+  return geometry::Norm(a.map_from_base.translation -
+                        b.map_from_base.translation) <= max_m &&
+         std::abs(geometry::NormalizedAngle_rad(
+             a.map_from_base.yaw_rad - b.map_from_base.yaw_rad)) <= max_rad &&
+         std::abs(a.place.height_m - b.place.height_m) <= max_m;
+}
+
+// "1.20, 3.40 on level 0, 90 degrees": for people.
+inline std::string PoseText(const core::LevelPose& pose) {
+  return absl::StrFormat("%.2f, %.2f on level %d, %.0f degrees",
+                         pose.map_from_base.translation.x,
+                         pose.map_from_base.translation.y, pose.place.level,
+                         InDegrees(pose.map_from_base.yaw_rad));
 }
 
 }  // namespace treeline::behavior

@@ -6,15 +6,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "nav_agent/behavior/angle_text.h"
+#include "nav_agent/behavior/parameters.h"
 
 namespace treeline::behavior {
-namespace {
-
-// Of missed deadlines, one event in so many seconds.
-constexpr double kNoteEvery_s = 10;
-
-}  // namespace
-
 void SafeStop::Update(const std::vector<StopReason>& found,
                       base::MonotonicTime now) {
   if (!found.empty()) {
@@ -61,16 +56,16 @@ std::optional<StopReason> TiltWatch::Problem() const {
   return StopReason{
       .cause = core::NavigationCause::kTilted,
       .text = absl::StrFormat("it leans by %.0f degrees; %.0f are safe",
-                              tilt_rad_ * 57.29578, max_rad_ * 57.29578)};
+                              InDegrees(tilt_rad_), InDegrees(max_rad_))};
 }
 
 void DeadlineWatch::Step(base::MonotonicTime now) {
   gap_s_ = last_.has_value() ? SecondsBetween(*last_, now) : 0;
   last_ = now;
   longest_gap_s_ = std::max(longest_gap_s_, gap_s_);
-  if (gap_s_ <= 1.5 * period_s_) return;
+  if (gap_s_ <= kMissedDeadline * period_s_) return;
   ++missed_;
-  if (noted_.has_value() && SecondsBetween(*noted_, now) < kNoteEvery_s) {
+  if (noted_.has_value() && SecondsBetween(*noted_, now) < kDeadlineNote_s) {
     return;
   }
   noted_ = now;

@@ -8,13 +8,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "nav_agent/behavior/event_log.h"
+#include "nav_agent/behavior/parameters.h"
 
 namespace treeline::behavior {
 namespace {
-
-// Of a robot that surely moves (m or rad, m/s or rad/s).
-constexpr double kMoved = 0.02;
-constexpr double kMoves = 0.02;
 
 bool IsFinite(const core::BaseReading& reading) {
   for (const double value :
@@ -123,7 +120,7 @@ void LaserWatch::Judge(const core::LaserScan& scan) {
   tally_.repeated += is_same ? 1 : 0;
   same_ranges_.Add(is_same, scan.stamp);
   if (same_ranges_.For_s(scan.stamp) > options_->laser_timeout_s &&
-      moved_ > kMoved) {
+      moved_ > kMinMotion) {
     is_frozen_ = true;
   }
 }
@@ -183,10 +180,10 @@ void SensorWatch::PollOdometry(base::MonotonicTime now,
       continue;
     }
     const bool is_same = reading_.has_value() && SameValues(*reading_, reading);
-    const bool should_move = std::abs(command.forward_mps) > kMoves ||
-                             std::abs(command.yaw_rate_radps) > kMoves ||
-                             std::abs(reading.forward_mps) > kMoves ||
-                             std::abs(reading.yaw_rate_radps) > kMoves;
+    const bool should_move = std::abs(command.forward_mps) > kMinMotion ||
+                             std::abs(command.yaw_rate_radps) > kMinMotion ||
+                             std::abs(reading.forward_mps) > kMinMotion ||
+                             std::abs(reading.yaw_rate_radps) > kMinMotion;
     odometry_.repeated += is_same ? 1 : 0;
     same_readings_.Add(is_same && (should_move || odometry_frozen_.has_value()),
                        reading.stamp);
@@ -217,8 +214,8 @@ void SensorWatch::JudgeOdometry(const core::BaseReading& reading,
     return;
   }
   // It may only have been stuck: a standing robot's readings may be alike.
-  const bool says_it_stands = std::abs(reading.forward_mps) <= kMoves &&
-                              std::abs(reading.yaw_rate_radps) <= kMoves;
+  const bool says_it_stands = std::abs(reading.forward_mps) <= kMinMotion &&
+                              std::abs(reading.yaw_rate_radps) <= kMinMotion;
   if (says_it_stands && odometry_retries_ < options_.retries &&
       SecondsBetween(*odometry_frozen_, reading.stamp) > options_.retry_s) {
     ++odometry_retries_;
@@ -232,7 +229,8 @@ std::optional<core::RgbdFrame> SensorWatch::TakeFrame(base::MonotonicTime now) {
   std::optional<core::RgbdFrame> newest;
   for (core::RgbdFrame& frame : devices_.camera->TakeFrames()) {
     // Pictures come late; what uses them asks where the robot was then.
-    if (!AcceptStamp(frame.stamp, now, 2.0, options_, camera_stamp_, camera_)) {
+    if (!AcceptStamp(frame.stamp, now, kCameraTimeout_s, options_,
+                     camera_stamp_, camera_)) {
       continue;
     }
     camera_stamp_ = frame.stamp;

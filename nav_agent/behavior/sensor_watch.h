@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "nav_agent/behavior/navigator.h"
+#include "nav_agent/behavior/parameters.h"
 
 namespace treeline::behavior {
 
@@ -19,18 +20,18 @@ struct StopReason {
 };
 
 struct SensorWatchOptions {
-  double laser_timeout_s = 0.3;
-  double odometry_timeout_s = 0.2;
+  double laser_timeout_s = kLaserTimeout_s;
+  double odometry_timeout_s = kOdometryTimeout_s;
   // Stamps may be so far ahead of the clock (s).
-  double future_s = 0.05;
+  double future_s = kMaxFutureStamp_s;
   // A scan with ranges of fewer beams than this share tells nothing.
-  double least_ranges = 0.2;
+  double least_ranges = kMinRangeShare;
   // Readings that stay the same for so long while the base is told to move, or
   // says that it does, are a frozen device's (s).
-  double frozen_s = 0.5;
+  double frozen_s = kFrozen_s;
   // After so long of standing they are tried again, so often (s).
-  double retry_s = 2;
-  int retries = 3;
+  double retry_s = kFrozenRetry_s;
+  int retries = kFrozenRetries;
 };
 
 // Values that stay the same under new stamps. Not thread-safe.

@@ -192,7 +192,8 @@ class FakeTracker final : public localization::RobotTracker {
     return Motion();
   }
   const localization::LostVerdict& verdict() const override { return lost; }
-  std::optional<ScanFit> FitAt(const core::LevelPose& /*pose*/) const override {
+  std::optional<localization::ScanFit> FitAt(
+      const core::LevelPose& /*pose*/) const override {
     return std::nullopt;
   }
   void BeginOtherPlaces(

@@ -51,7 +51,7 @@ inline traversability::TraversableMap TwoRooms() {
 
 // A robot that turns as it is told, and knows the truth: how well scans fit
 // falls with the distance from it.
-class FakeTracker final : public localization::RobotTracker {
+class FakeTracker : public localization::RobotTracker {
  public:
   geometry::Rigid2 truth = {{2, 3}, 0.5};
   geometry::Rigid2 odom_from_base;
@@ -149,14 +149,16 @@ class FakeTracker final : public localization::RobotTracker {
   const localization::LostVerdict& verdict() const override {
     return lost_verdict;
   }
-  std::optional<ScanFit> FitAt(const core::LevelPose& pose) const override {
+  std::optional<localization::ScanFit> FitAt(
+      const core::LevelPose& pose) const override {
     double off_m = Off_m(pose.map_from_base, truth);
     if (alias.has_value()) {
       off_m = std::min(off_m, Off_m(pose.map_from_base, *alias));
     }
-    return ScanFit{.explained = std::max(0.2, best_fit - 0.5 * off_m),
-                   .contradicted = std::min(0.5, 0.01 + 0.4 * off_m),
-                   .judged = judged};
+    return localization::ScanFit{
+        .explained = std::max(0.2, best_fit - 0.5 * off_m),
+        .contradicted = std::min(0.5, 0.01 + 0.4 * off_m),
+        .judged = judged};
   }
   void BeginOtherPlaces(const std::optional<core::LevelPose>& than) override {
     looks_everywhere_ = !than.has_value();
@@ -165,7 +167,7 @@ class FakeTracker final : public localization::RobotTracker {
   }
   bool StepOtherPlaces() override { return --search_steps_left_ <= 0; }
   std::vector<OtherPlace> BestPlaces() const override {
-    const ScanFit fit = {
+    const localization::ScanFit fit = {
         .explained = best_fit, .contradicted = 0.01, .judged = judged};
     std::vector<OtherPlace> places;
     if (looks_everywhere_) {

@@ -4,19 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "nav_agent/behavior/recovery_parameters.h"
+
 namespace treeline::behavior {
 namespace {
-
-// Half of an Xtion's field of view.
-constexpr double kHalfView_rad = 0.5;
-// Of directions that the laser has not seen.
-constexpr double kUnseen = 0.35;
-// Answers of pictures this far apart have little to do with one another.
-constexpr double kShared_rad = 0.45;
-// What a radian of turning costs, in probability.
-constexpr double kTurnCost = 0.1;
-// A second view should be about this far from the first.
-constexpr double kSecondView_rad = 0.6;
 
 double DirectionOf(size_t i) {
   return 2 * std::numbers::pi * static_cast<double>(i) /
@@ -25,31 +16,37 @@ double DirectionOf(size_t i) {
 
 // How much pictures of such a distance tell, in [0, 1].
 double WorthOf(double range_m) {
-  if (range_m <= 0.6) return 0;
-  if (range_m < 1.5) return (range_m - 0.6) / 0.9;
-  if (range_m <= 6) return 1;
-  return std::max(0.3, 1 - (range_m - 6) / 10);
+  if (range_m <= kMinWorthRange_m) return 0;
+  if (range_m < kFullWorthRange_m) {
+    return (range_m - kMinWorthRange_m) /
+           (kFullWorthRange_m - kMinWorthRange_m);
+  }
+  if (range_m <= kFarWorthRange_m) return 1;
+  return std::max(kMinFarWorth.value,
+                  1 - (range_m - kFarWorthRange_m) / kWorthFadeRange_m);
 }
 
 // From what is seen in a field of view.
 double PriorOf(const std::vector<double>& ranges_m) {
-  if (ranges_m.size() < 3) return 0.15;
+  if (ranges_m.size() < kMinViewBeams) return kBlindViewPrior;
   double worth = 0;
   int steps = 0;
   for (size_t i = 0; i < ranges_m.size(); ++i) {
     worth += WorthOf(ranges_m[i]) / static_cast<double>(ranges_m.size());
-    if (i > 0 && std::abs(ranges_m[i] - ranges_m[i - 1]) > 0.3) ++steps;
+    if (i > 0 && std::abs(ranges_m[i] - ranges_m[i - 1]) > kRangeStep_m)
+      ++steps;
   }
   // Things at different distances: corners that are not only paint.
-  const double structure = std::min(1.0, steps / 6.0);
-  return 0.05 + 0.4 * worth + 0.35 * worth * structure;
+  const double structure = std::min(1.0, steps / kFullStructureSteps);
+  return kViewPriorBase + kViewPriorWorth * worth +
+         kViewPriorStructure * worth * structure;
 }
 
 }  // namespace
 
 void ViewBelief::Begin(const geometry::Rigid2& odom_from_base) {
   here_ = odom_from_base;
-  prior_.fill(kUnseen);
+  prior_.fill(kUnseenPrior);
   is_seen_.fill(false);
   promise_.fill(0);
   known_.fill(0);
@@ -75,8 +72,8 @@ void ViewBelief::AddScan(const geometry::Rigid2& odom_from_base,
     const double middle_rad =
         geometry::NormalizedAngle_rad(DirectionOf(i) - odom_from_base.yaw_rad);
     // Only what was seen whole.
-    if (middle_rad - kHalfView_rad < first_rad - 0.1 ||
-        middle_rad + kHalfView_rad > last_rad + 0.1) {
+    if (middle_rad - kHalfView_rad < first_rad - kViewEdgeSlack_rad ||
+        middle_rad + kHalfView_rad > last_rad + kViewEdgeSlack_rad) {
       continue;
     }
     std::vector<double> ranges_m;
@@ -96,7 +93,7 @@ void ViewBelief::AddAnswer(double yaw_in_odom_rad, double promise) {
   for (size_t i = 0; i < kDirections; ++i) {
     const double away =
         geometry::NormalizedAngle_rad(DirectionOf(i) - yaw_in_odom_rad) /
-        kShared_rad;
+        kSharedView_rad;
     const double share = std::exp(-0.5 * away * away);
     const double sum = known_[i] + share;
     promise_[i] = (promise_[i] * known_[i] + promise * share) / sum;
@@ -113,7 +110,7 @@ double ViewBelief::Chance(double yaw_in_odom_rad) const {
       kDirections;
   // Of what is known for sure, asking again brings nothing new.
   const double known = std::min(1.0, known_[i]);
-  return (1 - known) * prior_[i] + known * promise_[i] * 0.5;
+  return (1 - known) * prior_[i] + known * promise_[i] * kAnsweredWorth;
 }
 
 std::optional<double> ViewBelief::Next(double yaw_in_odom_rad,
@@ -128,15 +125,15 @@ std::optional<double> ViewBelief::Next(double yaw_in_odom_rad,
       const double away =
           (std::abs(geometry::NormalizedAngle_rad(direction_rad - *near_rad)) -
            kSecondView_rad) /
-          0.3;
+          kSecondViewWidth_rad;
       // Not where it has looked already.
-      chance +=
-          0.5 * (1 - std::min(1.0, known_[i])) * std::exp(-0.5 * away * away);
+      chance += kSecondViewGain * (1 - std::min(1.0, known_[i])) *
+                std::exp(-0.5 * away * away);
     }
     if (chance < least) continue;
     const double value =
-        chance - kTurnCost * std::abs(geometry::NormalizedAngle_rad(
-                                 direction_rad - yaw_in_odom_rad));
+        chance - kTurnCost_per_rad * std::abs(geometry::NormalizedAngle_rad(
+                                         direction_rad - yaw_in_odom_rad));
     if (value > best) {
       best = value;
       best_rad = geometry::NormalizedAngle_rad(direction_rad);

@@ -8,13 +8,11 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/particle_clusters.h"
 
 namespace treeline::localization {
 namespace {
-
-// Enough particles to tell whether a beam is explained.
-constexpr size_t kWitnesses = 256;
 
 bool IsFinite(const geometry::Rigid2& pose) {
   return std::isfinite(pose.translation.x) &&
@@ -335,7 +333,7 @@ ScanPoints Amcl::WithoutGround(const ScanPoints& points) const {
 
 ScanPoints Amcl::WithoutUnexplained(const ScanPoints& points) {
   // Witnesses by weight, evenly.
-  const size_t witnesses = std::min(kWitnesses, particles_.size());
+  const size_t witnesses = std::min(kWitnessParticles.value, particles_.size());
   const float explained_log = field().LogAt(options_.skip_distance_m);
   std::vector<int> explained(points.size());
   std::vector<float> logs(points.size());

@@ -15,6 +15,7 @@
 #include "nav_agent/localization/laser_level_map.h"
 #include "nav_agent/localization/likelihood_field.h"
 #include "nav_agent/localization/odometry_motion.h"
+#include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/scan_points.h"
 
 namespace treeline::localization {
@@ -25,43 +26,43 @@ using PoseCovariance2 = std::array<double, 9>;
 struct AmclOptions {
   // How many particles KLD sampling may choose; global localization begins
   // with max_global_particles and comes down as they gather.
-  int min_particles = 500;
-  int max_particles = 2000;
-  int max_global_particles = 30000;
+  int min_particles = kMinParticles;
+  int max_particles = kMaxParticles;
+  int max_global_particles = kMaxGlobalParticles;
   // KLD sampling (Fox 2003): with probability 1 - delta the error is below
   // `kld_error`; kld_z is the upper 1 - delta quantile of the normal
   // distribution. Bins of this size.
-  double kld_error = 0.05;
-  double kld_z = 2.3263478740408408;
-  double bin_m = 0.5;
-  double bin_rad = 0.17453292519943295;
+  double kld_error = kKldError;
+  double kld_z = kKldQuantile;
+  double bin_m = kBin_m;
+  double bin_rad = kBin_rad;
 
   // Scans are taken in after the robot has moved this far, or turned so.
-  double update_distance_m = 0.25;
-  double update_turn_rad = 0.2;
-  int max_beams = 60;
+  double update_distance_m = kUpdateDistance_m;
+  double update_turn_rad = kUpdateTurn_rad;
+  int max_beams = kScanBeams;
   // Neighbouring beams tell nearly the same: all of them together count as so
   // many that are independent.
-  double independent_beams = 20;
+  double independent_beams = kIndependentBeams;
   // A scan may not leave less than this share of the particles with any weight
   // to speak of: it counts for less until it does not (tempering). What is
   // right survives that; what only looks right on one scan does not win by it.
-  double min_counting_share = 0.05;
+  double min_counting_share = kMinCountingShare;
   // While the robot is looked for everywhere, particles are few for so much
   // room. So scans count for still less, and after each drawing particles are
   // spread again by these standard deviations (a regularised filter: Musso,
   // Oudjane, Le Gland, 2001), lest what is right lie between them. The search
   // ends when one cluster holds found_share of the weight and max_particles
   // are enough.
-  double searching_share = 0.3;
-  double roughen_m = 0.1;
-  double roughen_rad = 0.05;
-  double found_share = 0.95;
+  double searching_share = kSearchingShare;
+  double roughen_m = kRoughen_m;
+  double roughen_rad = kRoughen_rad;
+  double found_share = kFoundShare;
   // A beam that fewer than this share of the particles explain is left out (a
   // person, a moved chair), unless that would leave fewer than half of them.
   // "Explained": its end is within skip_distance_m of an obstacle.
-  double skip_below_share = 0.3;
-  double skip_distance_m = 0.5;
+  double skip_below_share = kSkipBelowShare;
+  double skip_distance_m = kSkipDistance_m;
 
   // Augmented MCL (Probabilistic Robotics, table 8.3): short- and long-term
   // averages of the mean likelihood of a beam. When inject_ratio times the
@@ -73,20 +74,20 @@ struct AmclOptions {
   // all estimates unsure where a map is a little out of date.
   // inject = false: never.
   bool inject = true;
-  double slow_share = 0.001;
-  double fast_share = 0.1;
-  double inject_ratio = 1.5;
-  double anew_share = 0.5;
+  double slow_share = kSlowShare;
+  double fast_share = kFastShare;
+  double inject_ratio = kInjectRatio;
+  double anew_share = kInjectedShare;
   // On levels: a particle that no ground is below, in a wall or a void, counts
   // as if it missed this share of the beams.
-  double off_ground_share = 0.5;
+  double off_ground_share = kOffGroundShare;
   // On levels: a beam that ends this near to the ground (m, and as a share of
   // its length, for the error of the tilt) is left out.
-  double ground_m = 0.1;
-  double ground_share = 0.01;
+  double ground_m = kBeamGround_m;
+  double ground_share = kBeamGroundShare;
 
   // Particles are drawn again when fewer than this share of them counts.
-  double resample_below = 0.5;
+  double resample_below = kResampleBelow;
 
   LikelihoodFieldOptions field;
   OdometryNoise odometry;

@@ -9,12 +9,10 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
 namespace {
-
-// Levels that share ground share its height, to rounding.
-constexpr double kSame_m = 1e-4;
 
 bool AnyOccupied(const octree::VoxelMap& voxels, int x, int y, int begin_z,
                  int end_z) {
@@ -209,7 +207,7 @@ std::optional<core::LevelPlace> LaserLevelMap::GroundNear(
     const double ground_m = heights_m_[i][at];
     const double away_m = std::abs(ground_m - height_m);
     // Not so for NaN.
-    if (away_m < best_m - kSame_m) {
+    if (away_m < best_m - kSameHeight_m) {
       best_m = away_m;
       nearest = {.level = static_cast<int>(i), .height_m = ground_m};
     }

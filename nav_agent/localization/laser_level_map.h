@@ -14,6 +14,7 @@
 #include "common/geometry/vector3.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/localization/likelihood_field.h"
+#include "nav_agent/localization/parameters.h"
 #include "nav_agent/octomap/voxel_map.h"
 #include "nav_agent/traversability/traversability.h"
 
@@ -23,12 +24,12 @@ struct LaserLevelOptions {
   // Heights are told apart by layers this thick (m), in [0.02, 1]. A layer
   // holds what is occupied within a voxel of it too: an end point's height is
   // not known better.
-  double layer_m = 0.1;
+  double layer_m = kLayer_m;
   // Of one field for all layers, in bytes.
-  int64_t max_bytes = int64_t{1} << 29;
+  int64_t max_bytes = kMaxFieldBytes;
   // A robot goes from one ground to another if they differ by at most this in
   // height (m), in (0, 1].
-  double max_rise_m = 0.3;
+  double max_rise_m = kMaxRise_m;
   LikelihoodFieldOptions field;
 
   // INVALID_ARGUMENT names the field.

@@ -6,6 +6,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "nav_agent/localization/lost_scan_check.h"
+#include "nav_agent/localization/parameters.h"
 #include "nav_agent/octomap/voxel_map.h"
 #include "nav_agent/traversability/traversability.h"
 
@@ -13,16 +14,16 @@ namespace treeline::localization {
 
 struct LaserViewOptions {
   // Above the ground that the robot stands on (m, 0 to 5).
-  double laser_height_m = 0.35;
+  double laser_height_m = kLaserHeight_m;
   // Rays are cast from places this far apart (m, 0.05 to 10), in so many
   // directions (8 to 3600), so far (m, 0.1 to 100).
-  double place_m = 0.5;
-  int directions = 240;
-  double range_m = 25;
+  double place_m = kViewPlace_m;
+  int directions = kViewDirections;
+  double range_m = kViewRange_m;
   // A cell is occupied if this share of the rays that get there end there, and
   // opaque from the second on (0 to 1).
-  double hit_share = 0.25;
-  double opaque_share = 0.75;
+  double hit_share = kViewHitShare;
+  double opaque_share = kViewOpaqueShare;
 
   absl::Status Validate() const;
 };

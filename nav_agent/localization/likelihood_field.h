@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "nav_agent/core/occupancy_grid.h"
+#include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/scan_points.h"
 
 namespace treeline::localization {
@@ -20,9 +21,9 @@ namespace treeline::localization {
 // beam that fits perfectly has 1 and one that does not fit at all 1 -
 // hit_share.
 struct LikelihoodFieldOptions {
-  double sigma_hit_m = 0.2;
+  double sigma_hit_m = kHitStd_m;
   // The share of beams that obstacles of the map explain.
-  double hit_share = 0.9;
+  double hit_share = kBeamHitShare;
 
   // INVALID_ARGUMENT for sigma_hit_m outside (0, 10], hit_share outside (0, 1).
   absl::Status Validate() const;
@@ -47,7 +48,7 @@ struct PoseArrays {
 // layer_m to lowest_m + (i + 1) * layer_m. All grids have the same cells.
 struct OccupancyLayers {
   double lowest_m = 0;
-  double layer_m = 0.1;
+  double layer_m = kLayer_m;
   std::vector<core::OccupancyGrid> grids;
 };
 

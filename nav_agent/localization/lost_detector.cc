@@ -6,12 +6,10 @@
 
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
 namespace {
-
-// A jump or a lift is named as the reason for so long.
-constexpr double kRecent_s = 5;
 
 double Logistic(double x) { return 1 / (1 + std::exp(-x)); }
 
@@ -200,10 +198,12 @@ absl::Status LostDetector::SetMap(const LaserMap& map) {
 }
 
 LostReason LostDetector::ReasonFor(const LostFeatures& features) const {
-  if (lifted_.has_value() && SecondsBetween(*lifted_, *last_) < kRecent_s) {
+  if (lifted_.has_value() &&
+      SecondsBetween(*lifted_, *last_) < kLostReasonMemory_s) {
     return LostReason::kLifted;
   }
-  if (jumped_.has_value() && SecondsBetween(*jumped_, *last_) < kRecent_s) {
+  if (jumped_.has_value() &&
+      SecondsBetween(*jumped_, *last_) < kLostReasonMemory_s) {
     return LostReason::kJumped;
   }
   const LostModel& model = options_.filter.model;

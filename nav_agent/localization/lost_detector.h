@@ -12,6 +12,7 @@
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/localization/lost_features.h"
 #include "nav_agent/localization/lost_scan_check.h"
+#include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
 
@@ -32,23 +33,23 @@ struct LostFilterOptions {
   LostModel model = LostModel::Trained();
   // Scans of a robot that stands still tell the same again and again: all
   // those within this time count as one (s). [0.01, 60]
-  double independent_s = 0.5;
+  double independent_s = kEvidenceInterval_s;
   // One such says at most so much, for and against. [0.1, 100]
-  double most_for = 4;
-  double most_against = 2;
+  double most_for = kMaxEvidenceFor;
+  double most_against = kMaxEvidenceAgainst;
   // On a slope (LostFeatures::is_on_slope) it says this part of it. [0, 1]
-  double slope_part = 0.4;
+  double slope_part = kSlopeEvidence;
   // How often robots get lost without anything to be seen of it (1/s). [0, 1]
-  double loss_hz = 1e-4;
+  double loss_hz = kLossRate_hz;
   // From the first jump (LostFeatures::jump) on, up to the second, a scan means
   // a kidnap with up to this probability.
-  double jump_from = 0.12;     // [0, 1]
-  double jump_to = 0.35;       // [jump_from, 1]
-  double jump_chance = 0.3;    // [0, 1)
-  double lifted_chance = 0.3;  // [0, 1)
+  double jump_from = kJumpFrom;          // [0, 1]
+  double jump_to = kJumpTo;              // [jump_from, 1]
+  double jump_chance = kKidnapChance;    // [0, 1)
+  double lifted_chance = kKidnapChance;  // [0, 1)
   // The log of the odds stays within these, so that it can change. [0.1, 100]
-  double most_sure_lost = 8;
-  double most_sure_not = 8;
+  double most_sure_lost = kMaxLogOdds;
+  double most_sure_not = kMaxLogOdds;
 
   absl::Status Validate() const;
 };
@@ -114,12 +115,12 @@ struct LostDetectorOptions {
   LostFeatureOptions features;
   LostFilterOptions filter;
   // Lost from this probability on, until it falls below the second.
-  double declare_at = 0.95;  // (0, 1)
-  double withdraw_at = 0.2;  // [0, declare_at]
+  double declare_at = kDeclareLost;    // (0, 1)
+  double withdraw_at = kWithdrawLost;  // [0, declare_at]
   // A state is named after what hides or changes this share of the beams.
-  double notable_share = 0.15;  // [0, 1]
+  double notable_share = kNotableShare;  // [0, 1]
   // Scans sooner than this after the last one are not looked at (s). [0, 10]
-  double min_interval_s = 0.07;
+  double min_interval_s = kMinScanInterval_s;
 
   absl::Status Validate() const;
 };

@@ -7,27 +7,10 @@
 
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
 namespace {
-
-// Flatter ground counts as level: what the inertial sensor says there is its
-// error.
-constexpr double kSlope_rad = 0.03;
-
-constexpr double kMemory_s = 1.2;
-// What is compared with what was seen so long ago.
-constexpr double kJumpAge_s = 0.45;
-constexpr double kIdentityAge_s = 0.95;
-// Before that there is nothing to compare with.
-constexpr double kYoungest_s = 0.08;
-// What was seen before is kept by direction.
-constexpr int kSectors = 120;
-constexpr double kSame_m = 0.15;
-constexpr double kSameShare = 0.03;
-// As far as an end counts as explained at most, for the residual.
-constexpr double kFarResidual_m = 0.25;
-constexpr double kUsualResidual = 0.2;
 
 double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
   return std::chrono::duration<double>(to - from).count();
@@ -64,7 +47,7 @@ class Panorama {
     }
     if (seen < 2) return std::nullopt;
     const double range_m = geometry::Norm(end);
-    const double tolerance_m = kSame_m + kSameShare * range_m;
+    const double tolerance_m = kSameRange_m + kSameRangeShare * range_m;
     return range_m > nearest_m - tolerance_m &&
            range_m < farthest_m + tolerance_m;
   }
@@ -72,7 +55,8 @@ class Panorama {
  private:
   static size_t SectorOf(geometry::Vec2 at) {
     const double turn =
-        (std::atan2(at.y, at.x) / (2 * std::numbers::pi) + 0.5) * kSectors;
+        (std::atan2(at.y, at.x) / (2 * std::numbers::pi) + 0.5) *
+        static_cast<double>(kSectors.value);
     return static_cast<size_t>(turn) % kSectors;
   }
 
@@ -122,7 +106,7 @@ const LostFeatureMaker::Past* LostFeatureMaker::Before(base::MonotonicTime now,
   const Past* found = nullptr;
   for (const Past& past : past_) {
     const double its_age_s = SecondsBetween(past.stamp, now);
-    if (its_age_s < kYoungest_s) break;
+    if (its_age_s < kYoungestScan_s) break;
     // The oldest there is, while none is old enough.
     if (found == nullptr || its_age_s >= age_s) found = &past;
   }
@@ -132,10 +116,10 @@ const LostFeatureMaker::Past* LostFeatureMaker::Before(base::MonotonicTime now,
 void LostFeatureMaker::WatchTilt(const LostEvidence& evidence,
                                  LostFeatures& features) const {
   features.is_on_slope = std::max(std::abs(evidence.pitch_rad),
-                                  std::abs(evidence.roll_rad)) > kSlope_rad;
+                                  std::abs(evidence.roll_rad)) > kOnSlope_rad;
   features.is_lifted =
       std::hypot(evidence.pitch_rad, evidence.roll_rad) > options_.lifted_rad;
-  const Past* before = Before(evidence.stamp, kYoungest_s);
+  const Past* before = Before(evidence.stamp, kYoungestScan_s);
   if (before == nullptr) return;
   const double interval_s = SecondsBetween(before->stamp, evidence.stamp);
   const double tilted_rad = std::hypot(evidence.pitch_rad - before->pitch_rad,
@@ -155,7 +139,7 @@ void LostFeatureMaker::Count(const std::vector<CheckedBeam>& beams,
     switch (beams[i].fit) {
       case BeamFit::kExplained:
         ++explained;
-        residual += std::min(1.0, beams[i].distance_m / kFarResidual_m);
+        residual += std::min(1.0, beams[i].distance_m / kMaxResidual_m);
         break;
       case BeamFit::kLong:
         ++passing;
@@ -253,7 +237,7 @@ LostFeatures LostFeatureMaker::Observe(const LostEvidence& evidence,
     now.ends_in_base.push_back(beam.end_in_base);
   }
   past_.push_back(std::move(now));
-  while (SecondsBetween(past_.front().stamp, evidence.stamp) > kMemory_s) {
+  while (SecondsBetween(past_.front().stamp, evidence.stamp) > kScanMemory_s) {
     past_.pop_front();
   }
   return features;

@@ -13,6 +13,7 @@
 #include "common/geometry/rigid2.h"
 #include "nav_agent/localization/amcl.h"
 #include "nav_agent/localization/lost_scan_check.h"
+#include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
 
@@ -69,15 +70,15 @@ struct LostEvidence {
 struct LostFeatureOptions {
   // What is as many beams of no evidence as this share of all beams: few beams
   // say little. [0, 1]
-  double prior_share = 0.1;
+  double prior_share = kFewBeamsPrior;
   // A robot that drives does not tilt further than this, and does not begin to
   // do so faster.
-  double lifted_rad = 0.35;       // [0.05, 1.5]
-  double lifted_radps = 1.2;      // [0.1, 20]
-  double slide_m = 0.5;           // a slide of 1; [0.01, 10]
-  double spread_m = 1.0;          // a spread of 1; [0.01, 10]
-  double history_s = 30;          // what scans are compared with; [1, 3600]
-  double usual_explained = 0.85;  // before there is any; [0, 1]
+  double lifted_rad = kLifted_rad;      // [0.05, 1.5]
+  double lifted_radps = kLifted_radps;  // [0.1, 20]
+  double slide_m = kSlide_m;            // a slide of 1; [0.01, 10]
+  double spread_m = kSpread_m;          // a spread of 1; [0.01, 10]
+  double history_s = kFitHistory_s;  // what scans are compared with; [1, 3600]
+  double usual_explained = kUsualExplained;  // before there is any; [0, 1]
 
   absl::Status Validate() const;
 };

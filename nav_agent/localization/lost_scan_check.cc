@@ -9,12 +9,10 @@
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/core/distance_field.h"
+#include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
 namespace {
-
-// Nothing is that far away that a laser of this robot measures.
-constexpr double kFarthest_m = 100;
 
 // A beam that has a return, in the frame of the base when that is level.
 struct Measured {
@@ -51,7 +49,7 @@ Leveled LevelBeams(const ScanPose& pose, const core::RangeSensorInfo& info,
                                       (2 * int64_t{count}));
     const double range_m = scan.ranges_m[static_cast<size_t>(beam)];
     if (!std::isfinite(range_m) || range_m < info.range_min_m ||
-        range_m >= std::min(info.range_max_m, kFarthest_m)) {
+        range_m >= std::min(info.range_max_m, kMaxBeamRange_m.value)) {
       continue;
     }
     const double angle_rad = info.AngleOf_rad(beam);
@@ -59,7 +57,7 @@ Leveled LevelBeams(const ScanPose& pose, const core::RangeSensorInfo& info,
         level_from_laser *
         geometry::Vec3{std::cos(angle_rad), std::sin(angle_rad), 0};
     const double level = std::hypot(along.x, along.y);
-    if (level < 0.1) continue;
+    if (level < kMinLevelShare) continue;
     leveled.beams.push_back({.beam = k,
                              .end = {leveled.origin.x + range_m * along.x,
                                      leveled.origin.y + range_m * along.y},

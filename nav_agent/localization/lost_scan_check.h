@@ -11,6 +11,7 @@
 #include "common/geometry/rigid3.h"
 #include "nav_agent/core/occupancy_grid.h"
 #include "nav_agent/core/sensor_data.h"
+#include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/scan_points.h"
 
 namespace treeline::localization {
@@ -39,21 +40,21 @@ struct CheckedBeam {
 
 struct ScanCheckOptions {
   // So many beams at most, evenly spread; [8, 2000].
-  int max_beams = 120;
+  int max_beams = kCheckedBeams;
   // A range may differ from what the map says by tolerance_m and this share of
   // it; [0.01, 2], [0, 0.5].
-  double tolerance_m = 0.2;
-  double tolerance_share = 0.02;
+  double tolerance_m = kRangeTolerance_m;
+  double tolerance_share = kRangeToleranceShare;
   // Obstacles nearer than this to the laser are not looked at; [0, 2].
-  double nearest_m = 0.3;
+  double nearest_m = kMinCheckRange_m;
   // Of the distance field; [0.1, 20].
-  double field_reach_m = 2;
+  double field_reach_m = kFieldReach_m;
   // What ends lower than this above the ground that the robot stands on, as it
   // is tilted, may be ground (m); [0, 1].
-  double ground_m = 0.15;
+  double ground_m = kGroundEnd_m;
   // Beams say nothing of what is so much higher or lower than the laser, as
   // the robot is tilted (m); [0.01, 5].
-  double height_tolerance_m = 0.2;
+  double height_tolerance_m = kHeightTolerance_m;
 
   absl::Status Validate() const;
 };

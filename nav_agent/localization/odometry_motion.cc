@@ -4,16 +4,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
-namespace {
-
-// Of a shorter way only how far it leads ahead or back means anything, its
-// direction does not.
-constexpr double kNoCourse_m = 0.01;
-
-}  // namespace
-
 absl::Status OdometryNoise::Validate() const {
   const std::pair<const char*, double> shares[] = {
       {"turn_from_turn", turn_from_turn},
@@ -34,7 +27,7 @@ OdometryMotion::OdometryMotion(const geometry::Rigid2& before_from_after,
   // Driving back is no half turn, but a way of less than nothing.
   const geometry::Vec2 way = before_from_after.translation;
   const double sign = way.x < 0 ? -1 : 1;
-  if (geometry::Norm(way) < kNoCourse_m) {
+  if (geometry::Norm(way) < kMinCourse_m) {
     drive_m_ = way.x;
   } else {
     drive_m_ = sign * geometry::Norm(way);

@@ -5,6 +5,7 @@
 #include "absl/status/status.h"
 #include "common/base/random.h"
 #include "common/geometry/rigid2.h"
+#include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
 
@@ -14,11 +15,11 @@ namespace treeline::localization {
 // differential drive on firm ground.
 struct OdometryNoise {
   // Of a turn, from turning and from driving (rad per rad, rad per m).
-  double turn_from_turn = 0.1;
-  double turn_from_drive = 0.05;
+  double turn_from_turn = kTurnFromTurn;
+  double turn_from_drive = kTurnFromDrive;
   // Of the way, from driving and from turning (m per m, m per rad).
-  double drive_from_drive = 0.08;
-  double drive_from_turn = 0.02;
+  double drive_from_drive = kDriveFromDrive;
+  double drive_from_turn = kDriveFromTurn;
 
   // INVALID_ARGUMENT for what is negative, above 10, or not a number.
   absl::Status Validate() const;

@@ -9,12 +9,10 @@
 #include <numeric>
 
 #include "common/base/random.h"
+#include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
 namespace {
-
-// Ground heights this far apart are of different floors.
-constexpr double kHeightBin_m = 0.6;
 
 // Where a bin is, whatever its heading, as one number: 22 bits each of x and y,
 // 20 of height.
@@ -116,7 +114,7 @@ class BinTable {
         .x = static_cast<int64_t>(std::floor(pose.translation.x / bin_m_)),
         .y = static_cast<int64_t>(std::floor(pose.translation.y / bin_m_)),
         .height = static_cast<int64_t>(
-            std::floor(particle.place.height_m / kHeightBin_m))};
+            std::floor(particle.place.height_m / kFloorHeight_m))};
     const double turns = pose.yaw_rad / (2 * std::numbers::pi) -
                          std::floor(pose.yaw_rad / (2 * std::numbers::pi));
     const size_t yaw =

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "nav_agent/localization/parameters.h"
+
 namespace treeline::localization {
 
 PlaceSearch::PlaceSearch(std::shared_ptr<const LaserLevelMap> map,
@@ -38,7 +40,7 @@ bool PlaceSearch::AreNear(const core::LevelPose& a,
          std::abs(geometry::NormalizedAngle_rad(a.map_from_base.yaw_rad -
                                                 b.map_from_base.yaw_rad)) <
              options_.away_rad &&
-         std::abs(a.place.height_m - b.place.height_m) < 1;
+         std::abs(a.place.height_m - b.place.height_m) < kOtherFloor_m;
 }
 
 bool PlaceSearch::IsHere(const core::LevelPose& pose) const {
@@ -78,7 +80,7 @@ void PlaceSearch::Keep(std::vector<Tried>& tried) {
   size_t looked = 0;
   for (const Tried& one : tried) {
     // The rest of a slice is of no worth.
-    if (++looked > 40 * options_.candidates) break;
+    if (++looked > kSearchKeep * options_.candidates) break;
     if (best_.size() >= options_.candidates &&
         one.log_likelihood <= best_.back().log_likelihood) {
       break;

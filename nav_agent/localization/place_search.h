@@ -9,22 +9,23 @@
 
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/localization/laser_level_map.h"
+#include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/scan_points.h"
 
 namespace treeline::localization {
 
 struct PlaceSearchOptions {
   // Poses are tried at places this far apart (m) and in so many headings.
-  double place_m = 0.25;
-  int headings = 48;
+  double place_m = kSearchGrid_m;
+  int headings = kSearchHeadings;
   // Elsewhere is further away than either of these.
-  double away_m = 0.7;
-  double away_rad = 0.6;
+  double away_m = kOtherPlace_m;
+  double away_rad = kOtherPlace_rad;
   // Of those that fit best, so many are handed over, at least away_m or
   // away_rad from one another.
-  size_t candidates = 12;
+  size_t candidates = kSearchCandidates;
   // Poses of one Step.
-  size_t slice = 8000;
+  size_t slice = kSearchSlice;
 };
 
 // Works through all poses by the likelihood field, a slice at a time.

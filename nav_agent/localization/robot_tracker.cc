@@ -1,6 +1,7 @@
 #include "nav_agent/localization/robot_tracker.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "nav_agent/core/slope_odometry.h"
 #include "nav_agent/localization/laser_level_map.h"
 #include "nav_agent/localization/laser_views.h"
+#include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/particle_clusters.h"
 #include "nav_agent/localization/place_search.h"
 #include "nav_agent/localization/scan_points.h"
@@ -19,12 +21,10 @@
 namespace treeline::localization {
 namespace {
 
-// More are moved and weighed with one scan, and drawn anew with the next.
-constexpr size_t kParticlesAtOnce = 10000;
-// Scans that wait for the wheels; a silent base must not fill the memory.
-constexpr size_t kMostWaiting = 8;
-// Beams that other places are judged by.
-constexpr int kSearchBeams = 60;
+// Half of the search's grid, then a quarter of it.
+constexpr std::array<FitStep, 2> kRefineSteps = {
+    {{.m = kRefineStep_m, .rad = kRefineTurnPerStep * kRefineStep_m},
+     {.m = kRefineStep_m / 2, .rad = kRefineTurnPerStep * kRefineStep_m / 2}}};
 
 double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
   return std::chrono::duration<double>(to - from).count();
@@ -155,7 +155,7 @@ absl::Status AmclTracker::AddScan(const core::LaserScan& scan) {
     }
   }
   last_scan_ = middle;
-  if (waiting_.size() >= kMostWaiting) {
+  if (waiting_.size() >= kMaxWaitingScans) {
     waiting_.pop_front();
     ++dropped_;
   }
@@ -305,14 +305,13 @@ std::optional<TrackedMotion> AmclTracker::MotionAt(
   return moment->motion;
 }
 
-std::optional<RobotTracker::ScanFit> AmclTracker::FitAt(
-    const core::LevelPose& pose) const {
+std::optional<ScanFit> AmclTracker::FitAt(const core::LevelPose& pose) const {
   if (!scan_.has_value()) return std::nullopt;
   return FitOf(*scan_, pose);
 }
 
-std::optional<RobotTracker::ScanFit> AmclTracker::FitOf(
-    const MovedScan& scan, const core::LevelPose& pose) const {
+std::optional<ScanFit> AmclTracker::FitOf(const MovedScan& scan,
+                                          const core::LevelPose& pose) const {
   if (pose.place.level < 0 ||
       pose.place.level >= static_cast<int>(parts_.checkers.size())) {
     return std::nullopt;
@@ -347,7 +346,7 @@ void AmclTracker::BeginOtherPlaces(const std::optional<core::LevelPose>& than) {
   if (!scan_.has_value()) return;
   const absl::StatusOr<ScanPoints> points =
       PointsInSpace(scan_->scan, laser_, base_from_laser_,
-                    scan_->moment.motion.level_from_base, kSearchBeams);
+                    scan_->moment.motion.level_from_base, kScanBeams);
   if (!points.ok()) return;
   // Beams that end on the ground fit anywhere and nowhere.
   ScanPoints upright;
@@ -367,12 +366,10 @@ bool AmclTracker::StepOtherPlaces() {
   if (candidates_.empty()) return true;
   const OtherPlace place = Refined(candidates_.back());
   candidates_.pop_back();
-  const auto score = [](const OtherPlace& one) {
-    return one.fit.explained - one.fit.contradicted;
-  };
-  const auto before = std::ranges::find_if(
-      places_,
-      [&](const OtherPlace& other) { return score(other) < score(place); });
+  const auto before =
+      std::ranges::find_if(places_, [&](const OtherPlace& other) {
+        return FitScore(other.fit) < FitScore(place.fit);
+      });
   places_.insert(before, place);
   return candidates_.empty();
 }
@@ -380,29 +377,13 @@ bool AmclTracker::StepOtherPlaces() {
 RobotTracker::OtherPlace AmclTracker::Refined(
     const core::LevelPose& tried) const {
   // The place itself is between those that were tried.
-  OtherPlace best = {.pose = tried, .fit = {}};
-  double best_score = -2;
-  for (const double step_m : {0.12, 0.06}) {
-    const core::LevelPose middle = best.pose;
-    for (int i = 0; i < 27; ++i) {
-      core::LevelPose pose = middle;
-      const double x = i % 3 - 1;
-      const double y = (i / 3) % 3 - 1;  // NOLINT(bugprone-integer-division)
-      const double turn = i / 9 - 1;     // NOLINT(bugprone-integer-division)
-      pose.map_from_base.translation = middle.map_from_base.translation +
-                                       geometry::Vec2{step_m * x, step_m * y};
-      pose.map_from_base.yaw_rad = geometry::NormalizedAngle_rad(
-          middle.map_from_base.yaw_rad + 0.5 * step_m * turn);
-      const std::optional<ScanFit> fit = FitOf(*search_scan_, pose);
-      if (!fit.has_value()) continue;
-      const double score = fit->explained - fit->contradicted;
-      if (score > best_score) {
-        best = {.pose = pose, .fit = *fit};
-        best_score = score;
-      }
-    }
-  }
-  return best;
+  const FittedPose best = RefineFit(
+      {.pose = tried, .fit = {}, .score = -2}, kRefineSteps, 0,
+      [this](const core::LevelPose& pose) {
+        return FitOf(*search_scan_, pose);
+      },
+      [](const core::LevelPose&, const ScanFit& fit) { return FitScore(fit); });
+  return {.pose = best.pose, .fit = best.fit};
 }
 
 std::optional<base::MonotonicTime> AmclTracker::ScanStamp() const {

@@ -14,6 +14,8 @@
 #include "nav_agent/core/sensor_data.h"
 #include "nav_agent/localization/amcl.h"
 #include "nav_agent/localization/lost_detector.h"
+#include "nav_agent/localization/parameters.h"
+#include "nav_agent/localization/scan_fit.h"
 #include "nav_agent/octomap/voxel_map.h"
 #include "nav_agent/traversability/traversability.h"
 
@@ -23,9 +25,9 @@ struct RobotTrackerOptions {
   AmclOptions amcl;
   LostDetectorOptions lost;
   // Scans that follow a used one sooner are left out (s).
-  double scan_interval_s = 0.09;
+  double scan_interval_s = kTrackerScanInterval_s;
   // The same while AMCL looks everywhere, with many more particles (s).
-  double searching_interval_s = 0.3;
+  double searching_interval_s = kSearchingInterval_s;
 
   absl::Status Validate() const;
 };
@@ -95,14 +97,8 @@ class RobotTracker {
       base::MonotonicTime stamp) const = 0;
 
   virtual const LostVerdict& verdict() const = 0;
-  // How well the newest scan fits the map if the robot stands there: the share
-  // of judged beams that the map explains, and of those that pass through it;
-  // for gating fixes. nullopt without a scan.
-  struct ScanFit {
-    double explained = 0;
-    double contradicted = 0;
-    int judged = 0;
-  };
+  // How well the newest scan fits the map if the robot stands there; for gating
+  // fixes. nullopt without a scan.
   virtual std::optional<ScanFit> FitAt(const core::LevelPose& pose) const = 0;
   // Looks over the whole map for places where the newest scan fits, further
   // than 0.7 m or 0.6 rad from `than`: rooms that are alike; nullopt: for all

@@ -6,17 +6,10 @@
 
 #include "common/base/status_macros.h"
 #include "common/geometry/rigid2.h"
+#include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
 namespace {
-
-// What is remembered (s).
-constexpr double kMemory_s = 2.5;
-// The noise of single readings of the inertial sensor is not tilt.
-constexpr double kTiltShare = 0.2;
-// Scans of a robot that its wheels were not heard of since are out of step by
-// at most this (s).
-constexpr double kOutOfStep_s = 0.05;
 
 double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
   return std::chrono::duration<double>(to - from).count();
@@ -48,7 +41,7 @@ WheelMoment Between(const WheelMoment& a, const WheelMoment& b, double t) {
 
 absl::Status WheelHistory::Add(const core::BaseReading& reading) {
   TL_RETURN_IF_ERROR(odometry_.Add(reading));
-  const double share = moments_.empty() ? 1 : kTiltShare;
+  const double share = moments_.empty() ? 1.0 : kTiltFilterShare.value;
   pitch_rad_ += share * (reading.pitch_rad - pitch_rad_);
   roll_rad_ += share * (reading.roll_rad - roll_rad_);
   moments_.push_back(
@@ -60,7 +53,7 @@ absl::Status WheelHistory::Add(const core::BaseReading& reading) {
        .pitch_rad = pitch_rad_,
        .roll_rad = roll_rad_});
   while (SecondsBetween(moments_.front().motion.stamp, reading.stamp) >
-         kMemory_s) {
+         kWheelMemory_s) {
     moments_.pop_front();
   }
   return absl::OkStatus();
@@ -74,7 +67,7 @@ std::optional<WheelMoment> WheelHistory::At(base::MonotonicTime stamp) const {
       moments_, stamp, {},
       [](const WheelMoment& moment) { return moment.motion.stamp; });
   if (after == moments_.end()) {
-    return SecondsBetween(newest().motion.stamp, stamp) <= kOutOfStep_s
+    return SecondsBetween(newest().motion.stamp, stamp) <= kMaxScanAhead_s
                ? std::optional(newest())
                : std::nullopt;
   }

@@ -1,0 +1,125 @@
+#include "nav_agent/behavior/fix_checker.h"
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "nav_agent/behavior/parameters.h"
+
+namespace treeline::behavior {
+namespace {
+
+bool AreSamePlace(const core::LevelPose& a, const core::LevelPose& b) {
+  return geometry::Norm(a.map_from_base.translation -
+                        b.map_from_base.translation) < kSamePlace_m &&
+         std::abs(geometry::NormalizedAngle_rad(a.map_from_base.yaw_rad -
+                                                b.map_from_base.yaw_rad)) <
+             kSamePlace_rad &&
+         std::abs(a.place.height_m - b.place.height_m) < kSamePlace_m;
+}
+
+// The fit of the newest scan where the robot thought it was, if that is
+// elsewhere.
+std::optional<localization::ScanFit> FitAtBelief(
+    const localization::RobotTracker& tracker, const core::LevelPose& fitted) {
+  const auto stamp = tracker.ScanStamp();
+  const auto belief = stamp.has_value() ? tracker.PoseAt(*stamp) : std::nullopt;
+  if (!belief.has_value() || AreSamePlace(belief->pose, fitted)) {
+    return std::nullopt;
+  }
+  return tracker.FitAt(belief->pose);
+}
+
+}  // namespace
+
+GatedFix FixChecker::Check(const core::RelocalizationAnswer& answer,
+                           const localization::TrackedMotion& motion,
+                           const localization::RobotTracker& tracker) const {
+  GatedFix fix;
+  fix.motion = motion;
+  fix.confidence = answer.confidence;
+  fix.log_odds = LogOddsOf(answer.confidence);
+  fix.is_server_sure = IsServerSure(answer, options_);
+  FixWitnesses witnesses;
+  // True if the fix is refused by what was said so far.
+  const auto is_refused = [&] {
+    FixJudgement judgement = JudgeFix(answer, witnesses, options_);
+    fix.verdict = judgement.verdict;
+    fix.why = std::move(judgement.why);
+    return IsRefused(fix.verdict);
+  };
+  if (is_refused()) return fix;
+  const geometry::Rigid3 map_from_base =
+      answer.map_from_camera * robot_.base_from_camera.Inverse();
+  witnesses.tilt_error_rad =
+      TiltError_rad(map_from_base.rotation, motion.level_from_base);
+  if (is_refused()) return fix;
+  const geometry::Vec3& at = map_from_base.translation;
+  const geometry::Vec3 ahead = map_from_base.rotation * geometry::Vec3{1, 0, 0};
+  fix.pose.map_from_base = {{at.x, at.y}, std::atan2(ahead.y, ahead.x)};
+  fix.covariance = FixCovariance(answer.covariance);
+  witnesses.ground = AskMap(at, fix);
+  if (is_refused()) return fix;
+  witnesses.scan = AskLaser(tracker, fix);
+  is_refused();
+  return fix;
+}
+
+GroundWitness FixChecker::AskMap(const geometry::Vec3& base_in_map,
+                                 GatedFix& fix) const {
+  const geometry::Vec2 at = {base_in_map.x, base_in_map.y};
+  std::optional<core::LevelPlace> ground;
+  for (int level = 0; level < map_->levels(); ++level) {
+    const auto place = map_->GroundOf(at, level);
+    if (!place.has_value() ||
+        map_->Clearance_m(level, at) < options_.least_clearance_m) {
+      continue;
+    }
+    if (!ground.has_value() || std::abs(place->height_m - base_in_map.z) <
+                                   std::abs(ground->height_m - base_in_map.z)) {
+      ground = place;
+    }
+  }
+  GroundWitness witness = {.base_in_map = base_in_map, .ground_m = {}};
+  if (ground.has_value()) {
+    witness.ground_m = ground->height_m;
+    fix.pose.place = *ground;
+  }
+  return witness;
+}
+
+ScanWitness FixChecker::AskLaser(const localization::RobotTracker& tracker,
+                                 GatedFix& fix) const {
+  // From the frame's moment to the scan's, by the wheels.
+  geometry::Rigid2 frame_from_scan;
+  if (const auto stamp = tracker.ScanStamp(); stamp.has_value()) {
+    if (const auto then = tracker.MotionAt(*stamp); then.has_value()) {
+      frame_from_scan =
+          fix.motion.odom_from_base.Inverse() * then->odom_from_base;
+    }
+  }
+  core::LevelPose begin = fix.pose;
+  begin.map_from_base = fix.pose.map_from_base * frame_from_scan;
+  const std::optional<localization::ScanFit> here = tracker.FitAt(begin);
+  if (!here.has_value()) return {};
+  const std::array<localization::FitStep, 2> passes = {
+      {{.m = options_.search_m * 2 / 3, .rad = options_.search_rad * 2 / 3},
+       {.m = options_.search_m / 3, .rad = options_.search_rad / 3}}};
+  const localization::FittedPose best = localization::RefineFit(
+      {.pose = begin, .fit = *here, .score = localization::FitScore(*here)},
+      passes, 1e-9,
+      [&tracker](const core::LevelPose& pose) { return tracker.FitAt(pose); },
+      [&begin](const core::LevelPose& pose, const localization::ScanFit& fit) {
+        const double moved_m = geometry::Norm(pose.map_from_base.translation -
+                                              begin.map_from_base.translation);
+        const double turned_rad = std::abs(geometry::NormalizedAngle_rad(
+            pose.map_from_base.yaw_rad - begin.map_from_base.yaw_rad));
+        return localization::FitScore(fit) - kFitMoveCost_per_m * moved_m -
+               kFitTurnCost_per_rad * turned_rad;
+      });
+  fix.fit = best.fit;
+  fix.pose.map_from_base = best.pose.map_from_base * frame_from_scan.Inverse();
+  return {.at_fix = best.fit, .at_belief = FitAtBelief(tracker, best.pose)};
+}
+
+}  // namespace treeline::behavior

@@ -1,0 +1,186 @@
+#include "nav_agent/behavior/laser_search.h"
+
+#include "absl/strings/str_cat.h"
+#include "nav_agent/behavior/parameters.h"
+#include "nav_agent/behavior/recovery_parts.h"
+
+namespace treeline::behavior {
+namespace {
+
+localization::PoseCovariance2 UniquePlaceCovariance() {
+  return {kUniquePlaceVariance_m2,  0, 0, 0, kUniquePlaceVariance_m2, 0, 0, 0,
+          kUniquePlaceVariance_rad2};
+}
+
+}  // namespace
+
+LaserSearch::LaserSearch(RecoveryTools& tools, base::MonotonicTime now)
+    : began_(now), last_pause_(now) {
+  BreakHold(tools);
+  tools.turns.Reset();
+  tools.search_motion.Begin(now);
+}
+
+void LaserSearch::BreakHold(RecoveryTools& tools) {
+  holds_since_.reset();
+  hold_turned_rad_ = 0;
+  tools.scans.ForgetCounts();
+  tools.unique.ForgetOthers();
+}
+
+bool LaserSearch::TryUniquePlace(const UniquePlace& place,
+                                 const localization::TrackedMotion& motion,
+                                 RecoveryTools& tools,
+                                 base::MonotonicTime now) {
+  const core::LevelPose pose =
+      CarriedOn(place.pose, place.motion, motion, *tools.map);
+  if (!tools.tracker.SetPose(pose, UniquePlaceCovariance(), now).ok()) {
+    return false;
+  }
+  has_told_amcl_ = true;
+  holds_unique_place_ = true;
+  BreakHold(tools);
+  tools.report.Note(
+      "recovery", absl::StrCat("scans fit at ", PoseText(pose),
+                               ", and nowhere else: turns to see whether that "
+                               "holds"));
+  return true;
+}
+
+void LaserSearch::LookEverywhere(RecoveryTools& tools,
+                                 base::MonotonicTime now) {
+  holds_unique_place_ = false;
+  if (tools.options.method == RecoveryMethod::kInjectionOnly &&
+      tools.tracker.Pose().has_value()) {
+    return;
+  }
+  tools.tracker.SetAnywhere(now);
+  has_told_amcl_ = true;
+  BreakHold(tools);
+}
+
+void LaserSearch::NoteRefuted(RecoveryTools& tools) {
+  has_told_amcl_ = false;
+  tools.search_motion.CountOneTurn();
+}
+
+void LaserSearch::AddTurn(const localization::TrackedMotion& motion,
+                          RecoveryTools& tools) {
+  const double turned_rad = tools.turns.Add_rad(motion.odom_from_base.yaw_rad);
+  tools.search_motion.AddTurn(turned_rad);
+  if (holds_since_.has_value()) hold_turned_rad_ += turned_rad;
+}
+
+bool LaserSearch::Holds(RecoveryTools& tools, base::MonotonicTime now) {
+  const LostAndFoundOptions& options = tools.options;
+  const ScanVerdict scan = tools.scans.Watch(
+      tools.tracker, {.min_explained = options.search_explained,
+                      .max_contradicted = options.search_contradicted,
+                      .min_judged = MinJudgedOnTrial(options)});
+  tools.scans.Count(scan);
+  const bool is_tight =
+      IsPoseTight(tools.tracker, options.search_share, options.search_std_m) &&
+      tools.tracker.verdict().state != localization::LostState::kLost;
+  const bool fits = tools.scans.bad() <=
+                    kFreeBadScans + kMaxBadScanShare * tools.scans.good();
+  if (!is_tight || !fits) {
+    BreakHold(tools);
+    return false;
+  }
+  if (!holds_since_.has_value()) {
+    if (scan != ScanVerdict::kGood) return false;
+    holds_since_ = now;
+  }
+  if (SecondsBetween(*holds_since_, now) < options.search_hold_s ||
+      hold_turned_rad_ < options.search_hold_rad ||
+      tools.tracker.verdict().probability > kMaxSearchLostProbability) {
+    return false;
+  }
+  return IsOnlyPlace(tools);
+}
+
+bool LaserSearch::IsOnlyPlace(RecoveryTools& tools) {
+  UniquePlaceSearch& unique = tools.unique;
+  switch (unique.others()) {
+    case OtherPlaces::kNotSearched:
+      unique.EndWholeMap();
+      unique.BeginOthers(tools.tracker.Pose()->pose);
+      return false;
+    case OtherPlaces::kSearching:
+      if (!unique.StepOthers()) return false;
+      others_turned_rad_ = hold_turned_rad_;
+      if (unique.others() != OtherPlaces::kNone) {
+        tools.report.Note(
+            "recovery",
+            "the laser fits another place as well: goes on looking");
+      }
+      break;
+    case OtherPlaces::kNone:
+      break;
+    case OtherPlaces::kAlike:
+    case OtherPlaces::kBetter:
+      // One scan said that it fits nowhere else, another one that it does: a
+      // third. Rooms that are alike are so in all of them.
+      if (holds_unique_place_ &&
+          hold_turned_rad_ - others_turned_rad_ > kNewViewTurn_rad) {
+        unique.ForgetOthers();
+      }
+      break;
+  }
+  return unique.others() == OtherPlaces::kNone;
+}
+
+bool LaserSearch::IsTimeToAsk(const ServerState& server,
+                              base::MonotonicTime now) const {
+  if (!server.may_be_asked || server.is_asked) return false;
+  return SecondsBetween(last_pause_, now) >
+         (server.has_failed ? kAskFailedInterval_s : kAskInterval_s);
+}
+
+LaserSearch::Outcome LaserSearch::EndTurn(const ServerState& server,
+                                          RecoveryTools& tools,
+                                          base::MonotonicTime now) {
+  const std::optional<localization::TrackedPose> pose = tools.tracker.Pose();
+  // One full turn, and what particles gathered at does not hold.
+  const bool is_wrong =
+      !holds_since_.has_value() && (!pose.has_value() || !pose->is_searching);
+  if (tools.unique.others() == OtherPlaces::kAlike ||
+      tools.unique.others() == OtherPlaces::kBetter) {
+    tools.unique.ForgetOthers();
+  }
+  if (holds_unique_place_ && is_wrong && server.may_be_asked) {
+    // It was not there: the camera's turn again.
+    tools.report.Note("recovery",
+                      "what the laser said does not hold: looks elsewhere");
+    return Outcome::kCamerasTurn;
+  }
+  if (!has_told_amcl_ || is_wrong) LookEverywhere(tools, now);
+  return Outcome::kOpen;
+}
+
+LaserSearch::Result LaserSearch::Step(const RecoveryInput& input,
+                                      const localization::TrackedMotion& motion,
+                                      const ServerState& server,
+                                      RecoveryTools& tools) {
+  if (Holds(tools, input.now))
+    return {.outcome = Outcome::kFound, .wanted = {}};
+  if (SecondsBetween(began_, input.now) > tools.options.most_search_s) {
+    return {.outcome = Outcome::kTimeIsUp, .wanted = {}};
+  }
+  if (IsTimeToAsk(server, input.now)) {
+    last_pause_ = input.now;
+    return {.outcome = Outcome::kAsks, .wanted = {}};
+  }
+  const SearchMotion::Result moved =
+      tools.search_motion.Step(motion, input,
+                               {.turn_radps = tools.options.turn_radps,
+                                .move_mps = tools.options.move_mps},
+                               tools.swing);
+  Result result = {.outcome = Outcome::kOpen, .wanted = moved.wanted};
+  if (moved.has_turned_around) {
+    result.outcome = EndTurn(server, tools, input.now);
+  }
+  return result;
+}
+
+}  // namespace treeline::behavior

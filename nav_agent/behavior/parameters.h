@@ -1,0 +1,283 @@
+// The tuned constants of the supervisor, and the table of all of the folder.
+#ifndef NAV_AGENT_BEHAVIOR_PARAMETERS_H_
+#define NAV_AGENT_BEHAVIOR_PARAMETERS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "common/base/parameter.h"
+#include "nav_agent/behavior/recovery_parameters.h"
+
+namespace treeline::behavior {
+
+// ---- The supervisor ----
+
+inline constexpr base::Parameter<double> kControlRate_hz{
+    "control_rate", 40, "1/s", base::ParameterOrigin::kPhysics,
+    "steps in a second; a command is no older than 25 ms"};
+inline constexpr base::Parameter<double> kLaserTimeout_s{
+    "laser_timeout", 0.3, "s", base::ParameterOrigin::kTuned,
+    "twelve scans of a UTM-30LX"};
+inline constexpr base::Parameter<double> kOdometryTimeout_s{
+    "odometry_timeout", 0.2, "s", base::ParameterOrigin::kTuned,
+    "twenty readings of the base"};
+inline constexpr base::Parameter<double> kDepthRate_hz{
+    "depth_rate", 5, "1/s", base::ParameterOrigin::kTuned,
+    "as much as one core takes beside the rest"};
+inline constexpr base::Parameter<int> kFirstPlanIterations{
+    "first_plan_iterations", 2000, "", base::ParameterOrigin::kTuned,
+    "until the robot sets off"};
+inline constexpr base::Parameter<int> kPlanIterations{
+    "plan_iterations", 20000, "", base::ParameterOrigin::kTuned,
+    "for the better path, and for the last try"};
+inline constexpr base::Parameter<double> kMaxEstimateAge_s{
+    "max_estimate_age", 0.5, "s", base::ParameterOrigin::kTuned,
+    "an older estimate tells nothing"};
+inline constexpr base::Parameter<int64_t> kSeeThroughEvery{
+    "see_through_every", 4, "", base::ParameterOrigin::kTuned,
+    "scans between looks through blockages"};
+inline constexpr base::Parameter<int> kSeeThroughBeamStep{
+    "see_through_beam_step", 2, "", base::ParameterOrigin::kTuned,
+    "beams between those that are looked at"};
+inline constexpr base::Parameter<double> kMinSeeThroughHeight_m{
+    "min_see_through_height", 0.1, "m", base::ParameterOrigin::kTuned,
+    "of a beam above the ground: lower ones may end there"};
+inline constexpr base::Parameter<double> kMaxSeeThroughHeight_m{
+    "max_see_through_height", 0.6, "m", base::ParameterOrigin::kTuned,
+    "higher ones pass over what stood there"};
+inline constexpr base::Parameter<double> kBlockageDepth_m{
+    "blockage_depth", 0.25, "m", base::ParameterOrigin::kTuned,
+    "what is seen this near to a blockage is of it"};
+inline constexpr base::Parameter<double> kMaxAskAhead_m{
+    "max_ask_ahead", 1.0, "m", base::ParameterOrigin::kTuned,
+    "room that a lost robot asks for"};
+inline constexpr base::Parameter<double> kLostPictureRate_hz{
+    "lost_picture_rate", 10, "1/s", base::ParameterOrigin::kTuned,
+    "at least, of a lost robot"};
+inline constexpr base::Parameter<size_t> kShownParticles{
+    "shown_particles", 500, "", base::ParameterOrigin::kPhysics,
+    "bounds a snapshot"};
+inline constexpr base::Parameter<size_t> kMaxWaitingEvents{
+    "max_waiting_events", 10000, "", base::ParameterOrigin::kPhysics,
+    "bounds the memory of events that nobody takes"};
+
+// ---- What sensors say ----
+
+inline constexpr base::Parameter<double> kMaxFutureStamp_s{
+    "max_future_stamp", 0.05, "s", base::ParameterOrigin::kTuned,
+    "clocks differ by less"};
+inline constexpr base::Parameter<double> kMinRangeShare{
+    "min_range_share", 0.2, "", base::ParameterOrigin::kTuned,
+    "a scan of fewer ranges tells nothing"};
+inline constexpr base::Parameter<double> kFrozen_s{
+    "frozen", 0.5, "s", base::ParameterOrigin::kTuned,
+    "the same readings for so long while the base moves"};
+inline constexpr base::Parameter<double> kFrozenRetry_s{
+    "frozen_retry", 2, "s", base::ParameterOrigin::kTuned,
+    "of standing, then they are tried again"};
+inline constexpr base::Parameter<int> kFrozenRetries{
+    "frozen_retries", 3, "", base::ParameterOrigin::kTuned, "so often"};
+inline constexpr base::Parameter<double> kMinMotion{
+    "min_motion", 0.02, "", base::ParameterOrigin::kTuned,
+    "slower wheels may repeat themselves (m/s and rad/s; and m or rad between "
+    "scans)"};
+inline constexpr base::Parameter<double> kCameraTimeout_s{
+    "camera_timeout", 2.0, "s", base::ParameterOrigin::kTuned,
+    "pictures come late over USB"};
+
+// ---- Goals ----
+
+inline constexpr base::Parameter<double> kPassPose_m{
+    "pass_pose", 0.3, "m", base::ParameterOrigin::kTuned,
+    "a pose that is driven through counts as reached"};
+inline constexpr base::Parameter<double> kBetterPathShare{
+    "better_path_share", 0.1, "", base::ParameterOrigin::kTuned,
+    "of what is to go: worth a new path"};
+inline constexpr base::Parameter<double> kMinProgress_m{
+    "min_progress", 0.15, "m", base::ParameterOrigin::kTuned,
+    "of the way, in kProgressTime"};
+inline constexpr base::Parameter<double> kMinProgress_rad{
+    "min_progress", 0.5, "rad", base::ParameterOrigin::kTuned, "or of a turn"};
+inline constexpr base::Parameter<double> kProgressTime_s{
+    "progress_time", 10, "s", base::ParameterOrigin::kTuned,
+    "else the robot does not get on"};
+inline constexpr base::Parameter<double> kWaitForMoving_s{
+    "wait_for_moving", 8, "s", base::ParameterOrigin::kTuned,
+    "something that moves counts as standing after that"};
+inline constexpr base::Parameter<double> kMaxPlan_s{
+    "max_plan", 10, "s", base::ParameterOrigin::kTuned,
+    "of a plan in the background"};
+inline constexpr base::Parameter<int> kMaxReplans{
+    "max_replans", 6, "", base::ParameterOrigin::kTuned,
+    "without getting on; then recoveries begin"};
+inline constexpr base::Parameter<double> kArrivedSpeed_mps{
+    "arrived_speed", 0.03, "m/s", base::ParameterOrigin::kTuned,
+    "of a robot that stands at its goal: the controller's last step"};
+inline constexpr base::Parameter<double> kArrivedYawRate_radps{
+    "arrived_yaw_rate", 0.08, "rad/s", base::ParameterOrigin::kTuned,
+    "the same, of the turn"};
+inline constexpr base::Parameter<double> kArrivalSlack_m{
+    "arrival_slack", 0.02, "m", base::ParameterOrigin::kGeometry,
+    "beyond the controller's tolerance, which is of a step ago"};
+inline constexpr base::Parameter<double> kArrivalSlack_rad{
+    "arrival_slack", 0.03, "rad", base::ParameterOrigin::kGeometry,
+    "the same, of the heading"};
+inline constexpr base::Parameter<double> kArrivalDispute_s{
+    "arrival_dispute", 2, "s", base::ParameterOrigin::kTuned,
+    "a controller that wrongly says that it has arrived gets so long"};
+inline constexpr base::Parameter<double> kBetterPathStart_m{
+    "better_path_start", 0.8, "m", base::ParameterOrigin::kTuned,
+    "a better path begins this near to the robot"};
+inline constexpr base::Parameter<double> kRerouteAhead_m{
+    "reroute_ahead", 0.6, "m", base::ParameterOrigin::kTuned,
+    "that counts as blocked when the robot re-routes"};
+inline constexpr base::Parameter<double> kRerouteRadius_m{
+    "reroute_radius", 0.3, "m", base::ParameterOrigin::kTuned, "so large"};
+inline constexpr base::Parameter<double> kMinWait_s{
+    "min_wait", 1, "s", base::ParameterOrigin::kTuned,
+    "a wait lasts so long, whatever has gone meanwhile"};
+inline constexpr base::Parameter<double> kGoalWait_s{
+    "goal_wait", 10, "s", base::ParameterOrigin::kTuned,
+    "beside a goal where something stands"};
+inline constexpr base::Parameter<double> kMaxStepMove_m{
+    "max_step_move", 0.3, "m", base::ParameterOrigin::kPhysics,
+    "further means that the estimate jumped"};
+inline constexpr base::Parameter<double> kStraightSpeed_mps{
+    "straight_speed", 0.1, "m/s", base::ParameterOrigin::kTuned,
+    "faster is more than a crawl"};
+inline constexpr base::Parameter<double> kStraightYawRate_radps{
+    "straight_yaw_rate", 0.2, "rad/s", base::ParameterOrigin::kTuned,
+    "slower is about straight ahead"};
+inline constexpr base::Parameter<int> kMaxPlanQuestions{
+    "max_plan_questions", 3, "", base::ParameterOrigin::kTuned,
+    "plans that are taken in one step"};
+
+// ---- Recoveries on the way to a goal ----
+
+inline constexpr base::Parameter<int> kMaxRecoveries{
+    "max_recoveries", 10, "", base::ParameterOrigin::kTuned,
+    "of a goal, before it fails"};
+inline constexpr base::Parameter<double> kRefillProgress_m{
+    "refill_progress", 1.0, "m", base::ParameterOrigin::kTuned,
+    "of getting on gives all of them back"};
+inline constexpr base::Parameter<double> kBackUp_m{
+    "back_up", 0.3, "m", base::ParameterOrigin::kTuned,
+    "a hand more than the robot's turning circle needs"};
+inline constexpr base::Parameter<double> kBackUp_mps{
+    "back_up", 0.12, "m/s", base::ParameterOrigin::kTuned,
+    "slow: it has no eyes behind"};
+inline constexpr base::Parameter<double> kMaxBackUp_s{
+    "max_back_up", 6, "s", base::ParameterOrigin::kTuned,
+    "twice what that takes"};
+inline constexpr base::Parameter<double> kLookAround_radps{
+    "look_around", 0.6, "rad/s", base::ParameterOrigin::kTuned,
+    "scans overlap well"};
+inline constexpr base::Parameter<double> kMaxLookAround_s{
+    "max_look_around", 16, "s", base::ParameterOrigin::kTuned,
+    "one and a half times what a full turn takes"};
+inline constexpr base::Parameter<double> kFirstWait_s{
+    "first_wait", 3, "s", base::ParameterOrigin::kTuned,
+    "doubles every third recovery"};
+inline constexpr base::Parameter<double> kLongestWait_s{
+    "longest_wait", 24, "s", base::ParameterOrigin::kTuned, "as a lift takes"};
+inline constexpr base::Parameter<double> kMinBackUp_m{
+    "min_back_up", 0.08, "m", base::ParameterOrigin::kTuned,
+    "less is not worth it"};
+inline constexpr base::Parameter<double> kBackUpTolerance_m{
+    "back_up_tolerance", 0.02, "m", base::ParameterOrigin::kTuned,
+    "the last part of the way is not waited for"};
+inline constexpr base::Parameter<int> kMaxGivenBack{
+    "max_given_back", 30, "", base::ParameterOrigin::kPhysics,
+    "bounds a goal's recoveries"};
+inline constexpr base::Parameter<int> kBoldAfter{
+    "bold_after", 4, "", base::ParameterOrigin::kTuned,
+    "recoveries; then it backs up among people, too"};
+inline constexpr base::Parameter<double> kNobodyMovedFor_s{
+    "nobody_moved_for", 8, "s", base::ParameterOrigin::kTuned,
+    "nobody has moved for so long: nobody is about"};
+inline constexpr base::Parameter<double> kQuietMoment_s{
+    "quiet_moment", 1.5, "s", base::ParameterOrigin::kTuned,
+    "nobody has moved for so long: not at this moment"};
+inline constexpr base::Parameter<double> kSomebodyMoves_s{
+    "somebody_moves", 0.2, "s", base::ParameterOrigin::kTuned,
+    "less: somebody moves right now"};
+inline constexpr base::Parameter<double> kLevelGround_rad{
+    "level_ground", 0.06, "rad", base::ParameterOrigin::kMeasured,
+    "who leans more stands on a slope"};
+
+// ---- What stands in the way is remembered ----
+
+inline constexpr base::Parameter<double> kBlockageMargin_m{
+    "blockage_margin", 0.15, "m", base::ParameterOrigin::kGeometry,
+    "as much as the local costmap widens what it sees"};
+inline constexpr base::Parameter<double> kBlockageMemory_s{
+    "blockage_memory", 30, "s", base::ParameterOrigin::kTuned,
+    "the first time; twice as long each time it is met again"};
+inline constexpr base::Parameter<double> kMaxBlockageMemory_s{
+    "max_blockage_memory", 240, "s", base::ParameterOrigin::kTuned, "at most"};
+inline constexpr base::Parameter<double> kMaxBlockageRadius_m{
+    "max_blockage_radius", 0.6, "m", base::ParameterOrigin::kTuned,
+    "what is larger is several"};
+inline constexpr base::Parameter<double> kSameBlockage_m{
+    "same_blockage", 0.1, "m", base::ParameterOrigin::kTuned,
+    "discs this near are of one place"};
+inline constexpr base::Parameter<double> kBlockageMetAgain_s{
+    "blockage_met_again", 2, "s", base::ParameterOrigin::kTuned,
+    "the same, seen twice at once, was not met again"};
+inline constexpr base::Parameter<double> kBlockageGrowth_m{
+    "blockage_growth", 0.03, "m", base::ParameterOrigin::kTuned,
+    "one that a way around it met is so much larger"};
+inline constexpr base::Parameter<int> kSeeThroughBeams{
+    "see_through_beams", 4, "", base::ParameterOrigin::kTuned,
+    "that pass its middle"};
+inline constexpr base::Parameter<int> kSeeThroughScans{
+    "see_through_scans", 5, "", base::ParameterOrigin::kTuned, "in a row"};
+inline constexpr base::Parameter<double> kMaxSeeThrough_m{
+    "max_see_through", 4, "m", base::ParameterOrigin::kTuned,
+    "few beams meet what is further away"};
+inline constexpr base::Parameter<double> kBlockageMiddle{
+    "blockage_middle", 0.7, "", base::ParameterOrigin::kTuned,
+    "part of its radius"};
+inline constexpr base::Parameter<double> kMinBlockageRadius_m{
+    "min_blockage_radius", 0.1, "m", base::ParameterOrigin::kTuned,
+    "of the disc that beams are to pass"};
+inline constexpr base::Parameter<double> kObstacleNear_m{
+    "obstacle_near", 0.6, "m", base::ParameterOrigin::kTuned,
+    "from where the band broke to the first seen cell"};
+inline constexpr base::Parameter<double> kObstacleReach_m{
+    "obstacle_reach", 1.6, "m", base::ParameterOrigin::kTuned,
+    "and to the last"};
+inline constexpr base::Parameter<double> kObstacleGap_m{
+    "obstacle_gap", 0.55, "m", base::ParameterOrigin::kGeometry,
+    "parts with less between them belong together: the robot is wider"};
+inline constexpr base::Parameter<double> kDiscSpacing_m{
+    "disc_spacing", 0.2, "m", base::ParameterOrigin::kTuned,
+    "between discs, and to the one behind each: only the front is seen"};
+
+// ---- Safe stops ----
+
+inline constexpr base::Parameter<double> kAllWell_s{
+    "all_well", 0.3, "s", base::ParameterOrigin::kTuned,
+    "before the robot goes on"};
+inline constexpr base::Parameter<double> kTiltMargin_rad{
+    "tilt_margin", 0.06, "rad", base::ParameterOrigin::kMeasured,
+    "beyond the robot's max_slope_rad: noise of the sensor while it brakes"};
+inline constexpr base::Parameter<double> kTilt_s{
+    "tilt", 0.15, "s", base::ParameterOrigin::kTuned, "for so long"};
+inline constexpr base::Parameter<double> kLateStep_s{
+    "late_step", 0.3, "s", base::ParameterOrigin::kPhysics,
+    "after that the base stops by itself"};
+inline constexpr base::Parameter<double> kMissedDeadline{
+    "missed_deadline", 1.5, "", base::ParameterOrigin::kTuned,
+    "of a period: the step came late"};
+inline constexpr base::Parameter<double> kDeadlineNote_s{
+    "deadline_note", 10, "s", base::ParameterOrigin::kTuned,
+    "one event about late steps in so long"};
+
+// All of the folder, recovery_parameters.h first.
+std::vector<base::ParameterRow> BehaviorParameters();
+
+}  // namespace treeline::behavior
+
+#endif  // NAV_AGENT_BEHAVIOR_PARAMETERS_H_

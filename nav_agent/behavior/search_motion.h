@@ -1,0 +1,71 @@
+// How a robot moves that looks for its place by laser: a full turn, then to the
+// freest side, again and again.
+#ifndef NAV_AGENT_BEHAVIOR_SEARCH_MOTION_H_
+#define NAV_AGENT_BEHAVIOR_SEARCH_MOTION_H_
+
+#include <cstdint>
+
+#include "nav_agent/behavior/lost_and_found.h"
+#include "nav_agent/behavior/swing_motion.h"
+#include "nav_agent/localization/robot_tracker.h"
+
+namespace treeline::behavior {
+
+struct SearchSpeeds {
+  double turn_radps = 0;
+  double move_mps = 0;
+};
+
+// Not thread-safe.
+class SearchMotion {
+ public:
+  struct Result {
+    core::VelocityCommand wanted;
+    // A full turn has ended in this step.
+    bool has_turned_around = false;
+  };
+
+  void Begin(base::MonotonicTime now);
+  // After something else than the search moved the robot: the leg's time begins
+  // anew.
+  void Resume(base::MonotonicTime now) { leg_since_ = now; }
+  // The place that it was at was wrong: what it passed since counts as seen.
+  void CountOneTurn() { turns_ = 1; }
+  // The robot turned by so much (rad, at least 0).
+  void AddTurn(double turned_rad) { turned_rad_ += turned_rad; }
+
+  Result Step(const localization::TrackedMotion& motion,
+              const RecoveryInput& input, const SearchSpeeds& speeds,
+              SwingMotion& swing);
+
+ private:
+  enum class Leg : uint8_t { kTurn, kFace, kMove };
+
+  void NextLeg(Leg leg, const localization::TrackedMotion& motion,
+               base::MonotonicTime now);
+  Result Turn(const localization::TrackedMotion& motion,
+              const RecoveryInput& input, const SearchSpeeds& speeds,
+              SwingMotion& swing);
+  core::VelocityCommand Face(const localization::TrackedMotion& motion,
+                             base::MonotonicTime now, double turn_radps);
+  core::VelocityCommand Move(const localization::TrackedMotion& motion,
+                             const RecoveryInput& input, double move_mps);
+  bool IsStuck(base::MonotonicTime now) const;
+
+  Leg leg_ = Leg::kTurn;
+  base::MonotonicTime leg_since_;
+  geometry::Rigid2 leg_from_;
+  // Of a move.
+  double leg_m_ = 0;
+  // Since the leg began.
+  double turned_rad_ = 0;
+  // Full turns that ended.
+  int turns_ = 0;
+  // The freest way of this turn, less where the robot came from.
+  double best_free_m_ = 0;
+  double best_free_yaw_rad_ = 0;
+};
+
+}  // namespace treeline::behavior
+
+#endif  // NAV_AGENT_BEHAVIOR_SEARCH_MOTION_H_

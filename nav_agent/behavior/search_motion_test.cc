@@ -1,0 +1,104 @@
+#include "nav_agent/behavior/search_motion.h"
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "gtest/gtest.h"
+#include "nav_agent/behavior/testing_recovery.h"
+
+namespace treeline::behavior {
+namespace {
+
+// A robot that does what it is told to, with a way ahead that depends on where
+// it looks.
+class SearchMotionTest : public testing::Test {
+ protected:
+  SearchMotionTest() { search_.Begin(At(now_s_)); }
+
+  SearchMotion::Result Step() {
+    now_s_ += kStep_s;
+    const double yaw_rad = motion_.odom_from_base.yaw_rad;
+    const SearchMotion::Result result = search_.Step(
+        motion_, {.now = At(now_s_), .free_ahead_m = free_at_(yaw_rad)},
+        {.turn_radps = 0.8, .move_mps = 0.15}, swing_);
+    core::VelocityCommand moves = result.wanted;
+    if (is_stuck_) moves = {};
+    const geometry::Rigid2 step = {{kStep_s * moves.forward_mps, 0},
+                                   kStep_s * moves.yaw_rate_radps};
+    motion_.odom_from_base = motion_.odom_from_base * step;
+    motion_.yaw_rate_radps = moves.yaw_rate_radps;
+    search_.AddTurn(std::abs(step.yaw_rad));
+    turns_ += result.has_turned_around ? 1 : 0;
+    return result;
+  }
+  void Run(double seconds) {
+    for (double s = 0; s < seconds; s += kStep_s) Step();
+  }
+
+  SearchMotion search_;
+  SwingMotion swing_;
+  localization::TrackedMotion motion_;
+  double now_s_ = 100;
+  bool is_stuck_ = false;
+  int turns_ = 0;
+  std::function<double(double)> free_at_ = [](double) { return 0.0; };
+};
+
+TEST_F(SearchMotionTest, TurnsAroundInPlaceWhereNothingIsFree) {
+  Run(7.5);
+  EXPECT_EQ(turns_, 0);
+  Run(1);
+  EXPECT_EQ(turns_, 1);
+  Run(8.5);
+  EXPECT_EQ(turns_, 2);
+  EXPECT_EQ(motion_.odom_from_base.translation, (geometry::Vec2{0, 0}));
+}
+
+TEST_F(SearchMotionTest, MovesToTheFreestSideAndNotFurtherThanIsFree) {
+  free_at_ = [](double yaw_rad) {
+    return std::abs(geometry::NormalizedAngle_rad(yaw_rad - 2)) < 0.2 ? 1.0
+                                                                      : 0.4;
+  };
+  Run(20);
+  const geometry::Vec2 at = motion_.odom_from_base.translation;
+  EXPECT_NEAR(geometry::Norm(at), 0.7, 0.02);
+  EXPECT_NEAR(std::atan2(at.y, at.x), 1.75, 0.15);
+}
+
+TEST_F(SearchMotionTest, AMoveHasItsEnd) {
+  free_at_ = [](double) { return 10.0; };
+  Run(22);
+  EXPECT_NEAR(geometry::Norm(motion_.odom_from_base.translation), 1.5, 0.02);
+}
+
+TEST_F(SearchMotionTest, DoesNotGoBackToWhereItCameFrom) {
+  // A corridor: 1.2 m ahead, and 2 m back.
+  free_at_ = [this](double yaw_rad) {
+    const bool is_first = turns_ == 0;
+    const double away_rad = std::abs(geometry::NormalizedAngle_rad(yaw_rad));
+    if (away_rad < 0.2) return 1.2;
+    return !is_first && away_rad > std::numbers::pi - 0.2 ? 2.0 : 0.4;
+  };
+  Run(40);
+  EXPECT_GT(motion_.odom_from_base.translation.x, 1.0);
+}
+
+TEST_F(SearchMotionTest, WhoIsStuckEndsTheTurnInTime) {
+  is_stuck_ = true;
+  Run(14);
+  EXPECT_EQ(turns_, 0);
+  Run(2);
+  EXPECT_EQ(turns_, 1);
+}
+
+TEST_F(SearchMotionTest, AnInterruptionDoesNotCount) {
+  is_stuck_ = true;
+  Run(14);
+  search_.Resume(At(now_s_));
+  Run(2);
+  EXPECT_EQ(turns_, 0);
+}
+
+}  // namespace
+}  // namespace treeline::behavior

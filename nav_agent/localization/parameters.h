@@ -1,0 +1,332 @@
+// The tuned constants of localization and of the lost verdict.
+#ifndef NAV_AGENT_LOCALIZATION_PARAMETERS_H_
+#define NAV_AGENT_LOCALIZATION_PARAMETERS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "common/base/parameter.h"
+
+namespace treeline::localization {
+
+// ---- AMCL ----
+
+inline constexpr base::Parameter<int> kMinParticles{
+    "min_particles", 500, "", base::ParameterOrigin::kTuned,
+    "200 m of tours in lab and two-storey"};
+inline constexpr base::Parameter<int> kMaxParticles{
+    "max_particles", 2000, "", base::ParameterOrigin::kTuned,
+    "while the place is known"};
+inline constexpr base::Parameter<int> kMaxGlobalParticles{
+    "max_global_particles", 30000, "", base::ParameterOrigin::kTuned,
+    "while it is looked for: two-storey, one in 0.1 m^2 and a heading"};
+inline constexpr base::Parameter<double> kKldError{
+    "kld_error", 0.05, "", base::ParameterOrigin::kTuned,
+    "of KLD sampling, Fox 2003"};
+inline constexpr base::Parameter<double> kKldQuantile{
+    "kld_quantile", 2.3263478740408408, "", base::ParameterOrigin::kPhysics,
+    "of the normal distribution at 0.99"};
+inline constexpr base::Parameter<double> kBin_m{
+    "bin", 0.5, "m", base::ParameterOrigin::kTuned,
+    "of KLD sampling and of clusters"};
+inline constexpr base::Parameter<double> kBin_rad{
+    "bin", 0.17453292519943295, "rad", base::ParameterOrigin::kTuned,
+    "10 degrees"};
+inline constexpr base::Parameter<double> kUpdateDistance_m{
+    "update_distance", 0.25, "m", base::ParameterOrigin::kTuned,
+    "scans nearer together tell little new"};
+inline constexpr base::Parameter<double> kUpdateTurn_rad{
+    "update_turn", 0.2, "rad", base::ParameterOrigin::kTuned,
+    "the same, of turns"};
+inline constexpr base::Parameter<int> kScanBeams{
+    "scan_beams", 60, "", base::ParameterOrigin::kTuned,
+    "of 1081, evenly: more tell nearly the same"};
+inline constexpr base::Parameter<double> kIndependentBeams{
+    "independent_beams", 20, "", base::ParameterOrigin::kTuned,
+    "those count as so many that are independent"};
+inline constexpr base::Parameter<double> kMinCountingShare{
+    "min_counting_share", 0.05, "", base::ParameterOrigin::kTuned,
+    "of particles that one scan may leave with weight (tempering)"};
+inline constexpr base::Parameter<double> kSearchingShare{
+    "searching_share", 0.3, "", base::ParameterOrigin::kTuned,
+    "of a scan's weight while particles are few for the room"};
+inline constexpr base::Parameter<double> kRoughen_m{
+    "roughen", 0.1, "m", base::ParameterOrigin::kTuned,
+    "spread after drawing (Musso, Oudjane, Le Gland, 2001)"};
+inline constexpr base::Parameter<double> kRoughen_rad{
+    "roughen", 0.05, "rad", base::ParameterOrigin::kTuned,
+    "the same, of the heading"};
+inline constexpr base::Parameter<double> kFoundShare{
+    "found_share", 0.95, "", base::ParameterOrigin::kTuned,
+    "of the weight in one cluster: the place is found"};
+inline constexpr base::Parameter<double> kSkipBelowShare{
+    "skip_below_share", 0.3, "", base::ParameterOrigin::kTuned,
+    "of the particles that explain a beam: else a person, a moved chair"};
+inline constexpr base::Parameter<double> kSkipDistance_m{
+    "skip_distance", 0.5, "m", base::ParameterOrigin::kTuned,
+    "from an obstacle: explained"};
+inline constexpr base::Parameter<double> kSlowShare{
+    "slow_share", 0.001, "", base::ParameterOrigin::kTuned,
+    "of the long-term average (Nav2's)"};
+inline constexpr base::Parameter<double> kFastShare{
+    "fast_share", 0.1, "", base::ParameterOrigin::kTuned,
+    "of the short-term average (Nav2's)"};
+inline constexpr base::Parameter<double> kInjectRatio{
+    "inject_ratio", 1.5, "", base::ParameterOrigin::kTuned,
+    "Gutmann and Fox, 2002"};
+inline constexpr base::Parameter<double> kInjectedShare{
+    "injected_share", 0.5, "", base::ParameterOrigin::kTuned,
+    "of the weight, for particles drawn anew"};
+inline constexpr base::Parameter<double> kOffGroundShare{
+    "off_ground_share", 0.5, "", base::ParameterOrigin::kTuned,
+    "of the beams, for a particle that stands on nothing"};
+inline constexpr base::Parameter<double> kBeamGround_m{
+    "beam_ground", 0.1, "m", base::ParameterOrigin::kGeometry,
+    "two voxels: beams that end there may end on the ground"};
+inline constexpr base::Parameter<double> kBeamGroundShare{
+    "beam_ground_share", 0.01, "", base::ParameterOrigin::kMeasured,
+    "of a beam's length, for the error of the tilt"};
+inline constexpr base::Parameter<double> kResampleBelow{
+    "resample_below", 0.5, "", base::ParameterOrigin::kTuned,
+    "of the particles count"};
+inline constexpr base::Parameter<size_t> kWitnessParticles{
+    "witness_particles", 256, "", base::ParameterOrigin::kTuned,
+    "enough to tell whether a beam is explained"};
+
+// ---- The likelihood field and its layers ----
+
+inline constexpr base::Parameter<double> kHitStd_m{
+    "hit_std", 0.2, "m", base::ParameterOrigin::kTuned,
+    "of a beam's end (Nav2's)"};
+inline constexpr base::Parameter<double> kBeamHitShare{
+    "beam_hit_share", 0.9, "", base::ParameterOrigin::kTuned,
+    "of beams that the map explains"};
+inline constexpr base::Parameter<double> kLayer_m{
+    "layer", 0.1, "m", base::ParameterOrigin::kGeometry, "two voxels"};
+inline constexpr base::Parameter<int64_t> kMaxFieldBytes{
+    "max_field_bytes", 536870912, "", base::ParameterOrigin::kPhysics,
+    "memory of one field"};
+inline constexpr base::Parameter<double> kMaxRise_m{
+    "max_rise", 0.3, "m", base::ParameterOrigin::kTuned,
+    "between grounds that the robot goes over"};
+inline constexpr base::Parameter<double> kSameHeight_m{
+    "same_height", 0.0001, "m", base::ParameterOrigin::kPhysics, "rounding"};
+inline constexpr base::Parameter<double> kFloorHeight_m{
+    "floor_height", 0.6, "m", base::ParameterOrigin::kGeometry,
+    "grounds further apart in height are different floors"};
+
+// ---- Odometry noise (Probabilistic Robotics, table 5.6) ----
+
+inline constexpr base::Parameter<double> kTurnFromTurn{
+    "turn_from_turn", 0.1, "", base::ParameterOrigin::kTuned,
+    "rad per rad; a differential drive on firm ground"};
+inline constexpr base::Parameter<double> kTurnFromDrive{
+    "turn_from_drive", 0.05, "", base::ParameterOrigin::kTuned, "rad per m"};
+inline constexpr base::Parameter<double> kDriveFromDrive{
+    "drive_from_drive", 0.08, "", base::ParameterOrigin::kTuned, "m per m"};
+inline constexpr base::Parameter<double> kDriveFromTurn{
+    "drive_from_turn", 0.02, "", base::ParameterOrigin::kTuned, "m per rad"};
+inline constexpr base::Parameter<double> kMinCourse_m{
+    "min_course", 0.01, "m", base::ParameterOrigin::kMeasured,
+    "the direction of a shorter way means nothing"};
+
+// ---- Where the laser sees the map ----
+
+inline constexpr base::Parameter<double> kLaserHeight_m{
+    "laser_height", 0.35, "m", base::ParameterOrigin::kGeometry,
+    "of the robot's laser"};
+inline constexpr base::Parameter<double> kViewPlace_m{
+    "view_place", 0.5, "m", base::ParameterOrigin::kTuned,
+    "between places that rays are cast from"};
+inline constexpr base::Parameter<int> kViewDirections{
+    "view_directions", 240, "", base::ParameterOrigin::kTuned, "of those rays"};
+inline constexpr base::Parameter<double> kViewRange_m{
+    "view_range", 25, "m", base::ParameterOrigin::kGeometry, "of a UTM-30LX"};
+inline constexpr base::Parameter<double> kViewHitShare{
+    "view_hit_share", 0.25, "", base::ParameterOrigin::kTuned,
+    "of the rays that get there: occupied"};
+inline constexpr base::Parameter<double> kViewOpaqueShare{
+    "view_opaque_share", 0.75, "", base::ParameterOrigin::kTuned,
+    "of the rays that get there: opaque"};
+
+// ---- The check of one scan ----
+
+inline constexpr base::Parameter<int> kCheckedBeams{
+    "checked_beams", 120, "", base::ParameterOrigin::kTuned, "evenly spread"};
+inline constexpr base::Parameter<double> kRangeTolerance_m{
+    "range_tolerance", 0.2, "m", base::ParameterOrigin::kTuned,
+    "of a range; voxels of 5 cm, and the estimate's error"};
+inline constexpr base::Parameter<double> kRangeToleranceShare{
+    "range_tolerance_share", 0.02, "", base::ParameterOrigin::kMeasured,
+    "of a range, for the heading's error"};
+inline constexpr base::Parameter<double> kMinCheckRange_m{
+    "min_check_range", 0.3, "m", base::ParameterOrigin::kGeometry,
+    "nearer is the robot itself"};
+inline constexpr base::Parameter<double> kFieldReach_m{
+    "field_reach", 2, "m", base::ParameterOrigin::kTuned,
+    "of the distance field"};
+inline constexpr base::Parameter<double> kGroundEnd_m{
+    "ground_end", 0.15, "m", base::ParameterOrigin::kTuned,
+    "ends this low may be on the ground"};
+inline constexpr base::Parameter<double> kHeightTolerance_m{
+    "height_tolerance", 0.2, "m", base::ParameterOrigin::kTuned,
+    "of what a tilted beam passes"};
+inline constexpr base::Parameter<double> kMaxBeamRange_m{
+    "max_beam_range", 100, "m", base::ParameterOrigin::kPhysics,
+    "bounds what a broken range costs"};
+inline constexpr base::Parameter<double> kMinLevelShare{
+    "min_level_share", 0.1, "", base::ParameterOrigin::kPhysics,
+    "beams steeper than this go up or down"};
+
+// ---- The lost verdict ----
+
+inline constexpr base::Parameter<double> kEvidenceInterval_s{
+    "evidence_interval", 0.5, "s", base::ParameterOrigin::kTuned,
+    "scans of a robot that stands tell the same"};
+inline constexpr base::Parameter<double> kMaxEvidenceFor{
+    "max_evidence_for", 4, "", base::ParameterOrigin::kTuned,
+    "of one scan, log of the odds"};
+inline constexpr base::Parameter<double> kMaxEvidenceAgainst{
+    "max_evidence_against", 2, "", base::ParameterOrigin::kTuned,
+    "of one scan, log of the odds"};
+inline constexpr base::Parameter<double> kSlopeEvidence{
+    "slope_evidence", 0.4, "", base::ParameterOrigin::kTuned,
+    "part of it on a slope"};
+inline constexpr base::Parameter<double> kLossRate_hz{
+    "loss_rate", 0.0001, "1/s", base::ParameterOrigin::kTuned,
+    "robots that get lost without anything to be seen"};
+inline constexpr base::Parameter<double> kJumpFrom{
+    "jump_from", 0.12, "", base::ParameterOrigin::kTuned,
+    "training worlds seed:1 to seed:12"};
+inline constexpr base::Parameter<double> kJumpTo{
+    "jump_to", 0.35, "", base::ParameterOrigin::kTuned,
+    "training worlds seed:1 to seed:12"};
+inline constexpr base::Parameter<double> kKidnapChance{
+    "kidnap_chance", 0.3, "", base::ParameterOrigin::kTuned,
+    "of a full jump, and of a robot that is lifted"};
+inline constexpr base::Parameter<double> kMaxLogOdds{
+    "max_log_odds", 8, "", base::ParameterOrigin::kTuned,
+    "to either side, so that it can change"};
+inline constexpr base::Parameter<double> kDeclareLost{
+    "declare_lost", 0.95, "", base::ParameterOrigin::kTuned, "probability"};
+inline constexpr base::Parameter<double> kWithdrawLost{
+    "withdraw_lost", 0.2, "", base::ParameterOrigin::kTuned,
+    "probability; also the most that a place found by laser may have"};
+inline constexpr base::Parameter<double> kNotableShare{
+    "notable_share", 0.15, "", base::ParameterOrigin::kTuned,
+    "of the beams: what a state is named after"};
+inline constexpr base::Parameter<double> kMinScanInterval_s{
+    "min_scan_interval", 0.07, "s", base::ParameterOrigin::kTuned,
+    "between scans that are judged"};
+inline constexpr base::Parameter<double> kLostReasonMemory_s{
+    "lost_reason_memory", 5, "s", base::ParameterOrigin::kTuned,
+    "a jump or a lift is named for so long"};
+inline constexpr base::Parameter<double> kFewBeamsPrior{
+    "few_beams_prior", 0.1, "", base::ParameterOrigin::kTuned,
+    "of all beams: few beams say little"};
+inline constexpr base::Parameter<double> kLifted_rad{
+    "lifted", 0.35, "rad", base::ParameterOrigin::kGeometry,
+    "a robot on its wheels does not tilt further"};
+inline constexpr base::Parameter<double> kLifted_radps{
+    "lifted", 1.2, "rad/s", base::ParameterOrigin::kTuned, "and not faster"};
+inline constexpr base::Parameter<double> kSlide_m{
+    "slide", 0.5, "m", base::ParameterOrigin::kTuned, "a slide of 1"};
+inline constexpr base::Parameter<double> kSpread_m{
+    "spread", 1.0, "m", base::ParameterOrigin::kTuned, "a spread of 1"};
+inline constexpr base::Parameter<double> kFitHistory_s{
+    "fit_history", 30, "s", base::ParameterOrigin::kTuned,
+    "what scans are compared with"};
+inline constexpr base::Parameter<double> kUsualExplained{
+    "usual_explained", 0.85, "", base::ParameterOrigin::kMeasured,
+    "before there is a history"};
+inline constexpr base::Parameter<double> kUsualResidual{
+    "usual_residual", 0.2, "", base::ParameterOrigin::kMeasured,
+    "before there is a history"};
+inline constexpr base::Parameter<double> kOnSlope_rad{
+    "on_slope", 0.03, "rad", base::ParameterOrigin::kMeasured,
+    "less is the sensor's error"};
+inline constexpr base::Parameter<double> kScanMemory_s{
+    "scan_memory", 1.2, "s", base::ParameterOrigin::kTuned, "of scans"};
+inline constexpr base::Parameter<double> kJumpAge_s{
+    "jump_age", 0.45, "s", base::ParameterOrigin::kTuned,
+    "a jump is against what was seen then"};
+inline constexpr base::Parameter<double> kIdentityAge_s{
+    "identity_age", 0.95, "s", base::ParameterOrigin::kTuned,
+    "what stands is what was seen then"};
+inline constexpr base::Parameter<double> kYoungestScan_s{
+    "youngest_scan", 0.08, "s", base::ParameterOrigin::kTuned,
+    "nothing younger is compared with"};
+inline constexpr base::Parameter<size_t> kSectors{"sectors", 120, "",
+                                                  base::ParameterOrigin::kTuned,
+                                                  "of what was seen before"};
+inline constexpr base::Parameter<double> kSameRange_m{
+    "same_range", 0.15, "m", base::ParameterOrigin::kTuned,
+    "the same thing, seen again"};
+inline constexpr base::Parameter<double> kSameRangeShare{
+    "same_range_share", 0.03, "", base::ParameterOrigin::kTuned,
+    "and of its range"};
+inline constexpr base::Parameter<double> kMaxResidual_m{
+    "max_residual", 0.25, "m", base::ParameterOrigin::kTuned,
+    "an end counts as explained up to here"};
+
+// ---- The tracker ----
+
+inline constexpr base::Parameter<double> kTrackerScanInterval_s{
+    "tracker_scan_interval", 0.09, "s", base::ParameterOrigin::kTuned,
+    "scans of 10 Hz and more"};
+inline constexpr base::Parameter<double> kSearchingInterval_s{
+    "searching_interval", 0.3, "s", base::ParameterOrigin::kTuned,
+    "with thirty thousand particles"};
+inline constexpr base::Parameter<size_t> kParticlesAtOnce{
+    "particles_at_once", 10000, "", base::ParameterOrigin::kTuned,
+    "more are moved with one scan and drawn with the next"};
+inline constexpr base::Parameter<size_t> kMaxWaitingScans{
+    "max_waiting_scans", 8, "", base::ParameterOrigin::kPhysics,
+    "bounds the memory while the base is silent"};
+inline constexpr base::Parameter<double> kWheelMemory_s{
+    "wheel_memory", 2.5, "s", base::ParameterOrigin::kTuned, "of the wheels"};
+inline constexpr base::Parameter<double> kTiltFilterShare{
+    "tilt_filter_share", 0.2, "", base::ParameterOrigin::kMeasured,
+    "of one reading: its noise is not tilt"};
+inline constexpr base::Parameter<double> kMaxScanAhead_s{
+    "max_scan_ahead", 0.05, "s", base::ParameterOrigin::kTuned,
+    "of a scan before the wheels are heard of"};
+
+// ---- The search over the whole map ----
+
+inline constexpr base::Parameter<double> kSearchGrid_m{
+    "search_grid", 0.25, "m", base::ParameterOrigin::kTuned, "between places"};
+inline constexpr base::Parameter<int> kSearchHeadings{
+    "search_headings", 48, "", base::ParameterOrigin::kTuned, "at each"};
+inline constexpr base::Parameter<double> kRefineStep_m{
+    "refine_step", 0.12, "m", base::ParameterOrigin::kTuned,
+    "about half of that grid; then half of it again"};
+inline constexpr base::Parameter<double> kRefineTurnPerStep{
+    "refine_turn_per_step", 0.5, "", base::ParameterOrigin::kTuned,
+    "rad per m"};
+inline constexpr base::Parameter<double> kOtherPlace_m{
+    "other_place", 0.7, "m", base::ParameterOrigin::kTuned,
+    "further away is another place"};
+inline constexpr base::Parameter<double> kOtherPlace_rad{
+    "other_place", 0.6, "rad", base::ParameterOrigin::kTuned,
+    "the same, of the heading"};
+inline constexpr base::Parameter<double> kOtherFloor_m{
+    "other_floor", 1, "m", base::ParameterOrigin::kGeometry,
+    "the same, of the height"};
+inline constexpr base::Parameter<size_t> kSearchCandidates{
+    "search_candidates", 12, "", base::ParameterOrigin::kTuned,
+    "that are refined beam by beam"};
+inline constexpr base::Parameter<size_t> kSearchSlice{
+    "search_slice", 8000, "", base::ParameterOrigin::kTuned,
+    "poses in a step: about 2 ms"};
+inline constexpr base::Parameter<size_t> kSearchKeep{
+    "search_keep", 40, "", base::ParameterOrigin::kTuned,
+    "times the candidates: the rest of a slice is of no worth"};
+
+// All of the folder, in this order.
+std::vector<base::ParameterRow> LocalizationParameters();
+
+}  // namespace treeline::localization
+
+#endif  // NAV_AGENT_LOCALIZATION_PARAMETERS_H_
