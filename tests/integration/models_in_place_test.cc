@@ -73,6 +73,17 @@ class ModelsInPlace : public ServerTest {
     PutModel("victim", "1", good_);
     path_ = models_ + "/victim/1/model.treeline";
     StartServer({"--drain-s", "0", "--poll-s", "0.02"});
+    const std::string prefix = "admin on ";
+    const auto line = server_->WaitForLine(prefix);
+    ASSERT_TRUE(line.has_value()) << server_->err();
+    auto admin = relocalizer::ConnectRelocalizer(
+        {.server = line->substr(prefix.size())});
+    ASSERT_TRUE(admin.ok()) << admin.status();
+    admin_ = *std::move(admin);
+  }
+  void TearDown() override {
+    admin_.reset();
+    ServerTest::TearDown();
   }
 
   // As `cp` does it: the same file, with other bytes from its start on.
@@ -88,9 +99,10 @@ class ModelsInPlace : public ServerTest {
     return std::make_unique<Asker>(address_, Query(scene));
   }
   absl::StatusCode LoadVictim() const {
-    return client_->LoadScene("victim", "", {}).status().code();
+    return admin_->LoadScene("victim", "", {}).status().code();
   }
 
+  std::unique_ptr<relocalizer::Relocalizer> admin_;
   std::string good_;
   std::string path_;
 };
@@ -128,7 +140,7 @@ TEST_F(ModelsInPlace, ABadFileFailsItsSceneWhenItIsReadAndAGoodOneMendsIt) {
   fs::resize_file(path_, good_.size() / 2);
   EXPECT_EQ(LoadVictim(), absl::StatusCode::kDataLoss);
   // Out of memory there is nothing left of it.
-  EXPECT_TRUE(client_->UnloadScene("victim", "", {}).ok());
+  EXPECT_TRUE(admin_->UnloadScene("victim", "", {}).ok());
   const absl::Status refused = client_->Localize(Query("victim"), {}).status();
   EXPECT_TRUE(absl::IsDataLoss(refused)) << refused;
   const auto scene = client_->GetScene("victim", {});
@@ -151,7 +163,7 @@ TEST_F(ModelsInPlace, AFileThatChangesWhileItIsReadIsLoadedOrRefused) {
     }
   });
   for (int i = 0; i < 40; ++i) {
-    EXPECT_TRUE(client_->UnloadScene("victim", "", {}).ok());
+    EXPECT_TRUE(admin_->UnloadScene("victim", "", {}).ok());
     const absl::StatusCode code = LoadVictim();
     EXPECT_TRUE(code == absl::StatusCode::kOk ||
                 code == absl::StatusCode::kDataLoss)
