@@ -1,4 +1,5 @@
 // treeline-server: answers where a camera is, over gRPC.
+#include <malloc.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -97,7 +98,16 @@ int Serve(const config::ConfigSources& sources,
   return kExitOk;
 }
 
+// glibc raises by itself the size from which memory goes back to the system
+// when it is freed, up to 32 MiB, and then each of its arenas keeps twice that:
+// what a few large requests have taken would never be seen again.
+void ReturnLargeBlocks() {
+  mallopt(M_MMAP_THRESHOLD, 8 << 20);
+  mallopt(M_TRIM_THRESHOLD, 16 << 20);
+}
+
 int Run(int argc, char** argv) {
+  ReturnLargeBlocks();
   // Before there are threads that would not know of it.
   BlockHangup();
   const CommandLine line = ReadCommandLine(argc, argv, environ);

@@ -11,7 +11,7 @@
 #include "absl/strings/strip.h"
 #include "common/base/error_info.h"
 #include "server/gateway/http_errors.h"
-#include "server/service/grpc_message.h"
+#include "server/service/message_shape.h"
 
 namespace treeline::gateway {
 namespace {

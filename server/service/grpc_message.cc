@@ -3,7 +3,6 @@
 #include <grpcpp/impl/codegen/proto_utils.h>
 #include <grpcpp/support/proto_buffer_reader.h>
 
-#include <chrono>
 #include <string>
 
 #include "absl/strings/str_cat.h"
@@ -12,11 +11,6 @@
 #include "server/service/message_shape.h"
 
 namespace treeline::service {
-namespace {
-
-constexpr std::chrono::milliseconds kRetryAfter{100};
-
-}  // namespace
 
 absl::Status TakeMessage(grpc::ByteBuffer& bytes, base::ByteLease& lease,
                          google::protobuf::Message& message) {
@@ -48,15 +42,6 @@ absl::Status TakeMessage(grpc::ByteBuffer& bytes, base::ByteLease& lease,
 grpc::ByteBuffer BytesOf(const google::protobuf::Message& message) {
   const grpc::Slice slice(message.SerializeAsString());
   return grpc::ByteBuffer(&slice, 1);
-}
-
-absl::Status NoMemoryForRequest() {
-  return base::WithRetryAfter(
-      base::WithReason(
-          absl::UnavailableError(
-              "overloaded: other requests leave no memory for this one"),
-          "OVERLOADED"),
-      kRetryAfter);
 }
 
 }  // namespace treeline::service

@@ -19,9 +19,6 @@ absl::Status TakeMessage(grpc::ByteBuffer& bytes, base::ByteLease& lease,
 
 grpc::ByteBuffer BytesOf(const google::protobuf::Message& message);
 
-// For requests that others leave no memory for.
-absl::Status NoMemoryForRequest();
-
 }  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_GRPC_MESSAGE_H_

@@ -19,6 +19,8 @@ using google::protobuf::io::CodedInputStream;
 
 // A name of a service is shorter.
 constexpr size_t kMaxRequestBytes = 1024;
+// At a time: anybody may watch the whole server.
+constexpr size_t kMaxWatchers = 1000;
 // Field 1, a varint.
 constexpr char kStatusTag = 0x08;
 // Field 1, a text.
@@ -121,8 +123,11 @@ class HealthGrpcService::Call final
   }
 
   void Watch() {
-    service_.Watch(this);
-    Tell();
+    if (service_.Watch(this)) {
+      Tell();
+    } else {
+      End(absl::ResourceExhaustedError("too many watch already"));
+    }
   }
 
   void OnWriteDone(bool ok) override {
@@ -226,9 +231,11 @@ void HealthGrpcService::Stop() {
   TellWatchers();
 }
 
-void HealthGrpcService::Watch(Call* call) {
+bool HealthGrpcService::Watch(Call* call) {
   absl::MutexLock lock(&mutex_);
+  if (watchers_.size() >= kMaxWatchers) return false;
   watchers_[call] = call->weak_from_this();
+  return true;
 }
 
 void HealthGrpcService::Unwatch(Call* call) {

@@ -40,7 +40,8 @@ class HealthGrpcService final : public RawService {
   absl::Status MayAsk(const grpc::CallbackServerContext& context,
                       const std::string& name);
   ServingStatus Get(const std::string& name);
-  void Watch(Call* call);
+  // False: too many watch already.
+  bool Watch(Call* call);
   void Unwatch(Call* call);
   void TellWatchers() ABSL_LOCKS_EXCLUDED(mutex_);
 

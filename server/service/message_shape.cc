@@ -5,6 +5,7 @@
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/wire_format_lite.h>
 
+#include <chrono>
 #include <climits>
 #include <cstdint>
 
@@ -19,6 +20,8 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedInputStream;
+
+constexpr std::chrono::milliseconds kRetryAfter{100};
 
 absl::Status Refused(const std::string& message) {
   return base::WithReason(absl::InvalidArgumentError(message),
@@ -136,6 +139,15 @@ absl::Status ParseMessage(const std::string& bytes, Message& message) {
   if (!shape.ok()) return shape;
   return message.ParseFromString(bytes) ? absl::OkStatus()
                                         : NoMessage(*message.GetDescriptor());
+}
+
+absl::Status NoMemoryForRequest() {
+  return base::WithRetryAfter(
+      base::WithReason(
+          absl::UnavailableError(
+              "overloaded: other requests leave no memory for this one"),
+          "OVERLOADED"),
+      kRetryAfter);
 }
 
 }  // namespace treeline::service

@@ -33,6 +33,9 @@ absl::Status CheckMessageShape(google::protobuf::io::ZeroCopyInputStream& bytes,
 absl::Status ParseMessage(const std::string& bytes,
                           google::protobuf::Message& message);
 
+// For requests that others leave no memory for.
+absl::Status NoMemoryForRequest();
+
 }  // namespace treeline::service
 
 #endif  // SERVER_SERVICE_MESSAGE_SHAPE_H_
