@@ -21,10 +21,10 @@ inline constexpr base::Parameter<double> kLaserTimeout_s{
     "twelve scans of a UTM-30LX"};
 inline constexpr base::Parameter<double> kOdometryTimeout_s{
     "odometry_timeout", 0.2, "s", base::ParameterOrigin::kTuned,
-    "twenty readings of the base"};
+    "a base that is silent for longer is lost"};
 inline constexpr base::Parameter<double> kDepthRate_hz{
     "depth_rate", 5, "1/s", base::ParameterOrigin::kTuned,
-    "as much as one core takes beside the rest"};
+    "pictures for obstacles that the laser does not meet"};
 inline constexpr base::Parameter<int> kFirstPlanIterations{
     "first_plan_iterations", 2000, "", base::ParameterOrigin::kTuned,
     "until the robot sets off"};
@@ -84,7 +84,7 @@ inline constexpr base::Parameter<double> kMinMotion{
     "scans)"};
 inline constexpr base::Parameter<double> kCameraTimeout_s{
     "camera_timeout", 2.0, "s", base::ParameterOrigin::kTuned,
-    "pictures come late over USB"};
+    "an older picture is of another place"};
 
 // ---- Goals ----
 
@@ -102,9 +102,6 @@ inline constexpr base::Parameter<double> kMinProgress_rad{
 inline constexpr base::Parameter<double> kProgressTime_s{
     "progress_time", 10, "s", base::ParameterOrigin::kTuned,
     "else the robot does not get on"};
-inline constexpr base::Parameter<double> kWaitForMoving_s{
-    "wait_for_moving", 8, "s", base::ParameterOrigin::kTuned,
-    "something that moves counts as standing after that"};
 inline constexpr base::Parameter<double> kMaxPlan_s{
     "max_plan", 10, "s", base::ParameterOrigin::kTuned,
     "of a plan in the background"};
@@ -162,25 +159,22 @@ inline constexpr base::Parameter<double> kRefillProgress_m{
     "refill_progress", 1.0, "m", base::ParameterOrigin::kTuned,
     "of getting on gives all of them back"};
 inline constexpr base::Parameter<double> kBackUp_m{
-    "back_up", 0.3, "m", base::ParameterOrigin::kTuned,
-    "a hand more than the robot's turning circle needs"};
+    "back_up", 0.3, "m", base::ParameterOrigin::kTuned, "of one recovery"};
 inline constexpr base::Parameter<double> kBackUp_mps{
     "back_up", 0.12, "m/s", base::ParameterOrigin::kTuned,
     "slow: it has no eyes behind"};
 inline constexpr base::Parameter<double> kMaxBackUp_s{
     "max_back_up", 6, "s", base::ParameterOrigin::kTuned,
-    "twice what that takes"};
+    "more than twice what that takes"};
 inline constexpr base::Parameter<double> kLookAround_radps{
     "look_around", 0.6, "rad/s", base::ParameterOrigin::kTuned,
-    "scans overlap well"};
+    "of one recovery"};
 inline constexpr base::Parameter<double> kMaxLookAround_s{
     "max_look_around", 16, "s", base::ParameterOrigin::kTuned,
     "one and a half times what a full turn takes"};
 inline constexpr base::Parameter<double> kFirstWait_s{
     "first_wait", 3, "s", base::ParameterOrigin::kTuned,
     "doubles every third recovery"};
-inline constexpr base::Parameter<double> kLongestWait_s{
-    "longest_wait", 24, "s", base::ParameterOrigin::kTuned, "as a lift takes"};
 inline constexpr base::Parameter<double> kMinBackUp_m{
     "min_back_up", 0.08, "m", base::ParameterOrigin::kTuned,
     "less is not worth it"};
@@ -195,16 +189,13 @@ inline constexpr base::Parameter<int> kBoldAfter{
     "recoveries; then it backs up among people, too"};
 inline constexpr base::Parameter<double> kNobodyMovedFor_s{
     "nobody_moved_for", 8, "s", base::ParameterOrigin::kTuned,
-    "nobody has moved for so long: nobody is about"};
+    "nobody has moved for so long: nobody is about, and what moved stands"};
 inline constexpr base::Parameter<double> kQuietMoment_s{
     "quiet_moment", 1.5, "s", base::ParameterOrigin::kTuned,
     "nobody has moved for so long: not at this moment"};
 inline constexpr base::Parameter<double> kSomebodyMoves_s{
     "somebody_moves", 0.2, "s", base::ParameterOrigin::kTuned,
     "less: somebody moves right now"};
-inline constexpr base::Parameter<double> kLevelGround_rad{
-    "level_ground", 0.06, "rad", base::ParameterOrigin::kMeasured,
-    "who leans more stands on a slope"};
 
 // ---- What stands in the way is remembered ----
 
@@ -214,8 +205,6 @@ inline constexpr base::Parameter<double> kBlockageMargin_m{
 inline constexpr base::Parameter<double> kBlockageMemory_s{
     "blockage_memory", 30, "s", base::ParameterOrigin::kTuned,
     "the first time; twice as long each time it is met again"};
-inline constexpr base::Parameter<double> kMaxBlockageMemory_s{
-    "max_blockage_memory", 240, "s", base::ParameterOrigin::kTuned, "at most"};
 inline constexpr base::Parameter<double> kMaxBlockageRadius_m{
     "max_blockage_radius", 0.6, "m", base::ParameterOrigin::kTuned,
     "what is larger is several"};
@@ -257,12 +246,10 @@ inline constexpr base::Parameter<double> kDiscSpacing_m{
 
 // ---- Safe stops ----
 
-inline constexpr base::Parameter<double> kAllWell_s{
-    "all_well", 0.3, "s", base::ParameterOrigin::kTuned,
-    "before the robot goes on"};
-inline constexpr base::Parameter<double> kTiltMargin_rad{
-    "tilt_margin", 0.06, "rad", base::ParameterOrigin::kMeasured,
-    "beyond the robot's max_slope_rad: noise of the sensor while it brakes"};
+inline constexpr base::Parameter<double> kTiltNoise_rad{
+    "tilt_noise", 0.06, "rad", base::ParameterOrigin::kMeasured,
+    "of the inertial sensor while the robot brakes: beyond its max_slope_rad, "
+    "or on level ground"};
 inline constexpr base::Parameter<double> kTilt_s{
     "tilt", 0.15, "s", base::ParameterOrigin::kTuned, "for so long"};
 inline constexpr base::Parameter<double> kLateStep_s{
@@ -274,6 +261,20 @@ inline constexpr base::Parameter<double> kMissedDeadline{
 inline constexpr base::Parameter<double> kDeadlineNote_s{
     "deadline_note", 10, "s", base::ParameterOrigin::kTuned,
     "one event about late steps in so long"};
+
+// ---- what follows from others ----
+
+// Something that moves counts as standing when nobody has moved for so long.
+inline constexpr double kWaitForMoving_s = kNobodyMovedFor_s;
+// Waits, and what is remembered of a blockage, double three times.
+inline constexpr double kLongestWait_s = 8 * kFirstWait_s;
+inline constexpr double kMaxBlockageMemory_s = 8 * kBlockageMemory_s;
+// Before the robot goes on, all must be well for as long as after any stop.
+inline constexpr double kAllWell_s = kSettle_s;
+// The base may lean so much more than its model says, and ground that leans
+// less is level.
+inline constexpr double kTiltMargin_rad = kTiltNoise_rad;
+inline constexpr double kLevelGround_rad = kTiltNoise_rad;
 
 // All of the folder, recovery_parameters.h first.
 std::vector<base::ParameterRow> BehaviorParameters();

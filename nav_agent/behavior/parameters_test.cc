@@ -35,6 +35,16 @@ TEST(BehaviorParameters, DerivedOnesAreAsTheyWereTuned) {
   EXPECT_EQ(kMaxConfirmDrift_m, 0.6);
   EXPECT_EQ(kMaxSearchLostProbability, 0.2);
   EXPECT_EQ(kSearchShare, 0.95);
+  EXPECT_EQ(kPictureSettle_s, 0.3);
+  EXPECT_EQ(kMinPromise, 0.06);
+  EXPECT_EQ(kCheckAgree_rad, 0.12);
+  EXPECT_EQ(kMaxDrift_rad, 0.35);
+  EXPECT_EQ(kWaitForMoving_s, 8);
+  EXPECT_EQ(kLongestWait_s, 24);
+  EXPECT_EQ(kMaxBlockageMemory_s, 240);
+  EXPECT_EQ(kAllWell_s, 0.3);
+  EXPECT_EQ(kTiltMargin_rad, 0.06);
+  EXPECT_EQ(kLevelGround_rad, 0.06);
 }
 
 }  // namespace

@@ -113,7 +113,7 @@ CheckFinding CompareWithFix(
   };
   const double agree_m =
       std::max(kCheckAgree_m.value, 3 * std::max(deviation(0), deviation(4)));
-  const double agree_rad = std::max(kCheckAgree_rad.value, 3 * deviation(8));
+  const double agree_rad = std::max(kCheckAgree_rad, 3 * deviation(8));
   const bool same_level = std::abs(finding.seen.place.height_m -
                                    pose.pose.place.height_m) < kMaxDrift_m;
   if (same_level && off_m <= agree_m && off_rad <= agree_rad) return finding;

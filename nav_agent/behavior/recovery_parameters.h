@@ -24,11 +24,11 @@ inline constexpr base::Parameter<double> kMaxTiltError_rad{
     "max_tilt_error", 0.07, "rad", base::ParameterOrigin::kMeasured,
     "4 degrees; the inertial sensor is good to half a degree"};
 inline constexpr base::Parameter<double> kMaxFixHeight_m{
-    "max_fix_height", 0.25, "m", base::ParameterOrigin::kGeometry,
-    "between two floors, well above the voxels of the map"};
+    "max_fix_height", 0.25, "m", base::ParameterOrigin::kTuned,
+    "other floors are further away, errors nearer"};
 inline constexpr base::Parameter<double> kMinFixClearance_m{
-    "min_fix_clearance", 0.15, "m", base::ParameterOrigin::kGeometry,
-    "less than the robot's half width: its centre cannot be there"};
+    "min_fix_clearance", 0.15, "m", base::ParameterOrigin::kTuned,
+    "the centre of the robot is never nearer to an obstacle"};
 inline constexpr base::Parameter<double> kMinFixExplained{
     "min_fix_explained", 0.5, "", base::ParameterOrigin::kTuned,
     "right places explain 0.86 to 0.98 of the beams, wrong ones 0.18 to 0.47 "
@@ -47,10 +47,10 @@ inline constexpr base::Parameter<int> kMinJudgedBeams{
     "min_judged_beams", 25, "", base::ParameterOrigin::kTuned,
     "of about 120: fewer beams say nothing"};
 inline constexpr base::Parameter<double> kFixSearch_m{
-    "fix_search", 0.15, "m", base::ParameterOrigin::kMeasured,
-    "error of good fixes, for the search for the best fit"};
+    "fix_search", 0.15, "m", base::ParameterOrigin::kTuned,
+    "a fix may be this much off"};
 inline constexpr base::Parameter<double> kFixSearch_rad{
-    "fix_search", 0.06, "rad", base::ParameterOrigin::kMeasured,
+    "fix_search", 0.06, "rad", base::ParameterOrigin::kTuned,
     "the same, of the heading"};
 inline constexpr base::Parameter<double> kPairDistance_m{
     "pair_distance", 0.3, "m", base::ParameterOrigin::kTuned,
@@ -59,10 +59,10 @@ inline constexpr base::Parameter<double> kPairAngle_rad{
     "pair_angle", 0.12, "rad", base::ParameterOrigin::kTuned,
     "the same, of the heading"};
 inline constexpr base::Parameter<double> kMinFixStd_m{
-    "min_fix_std", 0.08, "m", base::ParameterOrigin::kMeasured,
+    "min_fix_std", 0.08, "m", base::ParameterOrigin::kTuned,
     "a fix is never better known than this"};
 inline constexpr base::Parameter<double> kMinFixStd_rad{
-    "min_fix_std", 0.04, "rad", base::ParameterOrigin::kMeasured,
+    "min_fix_std", 0.04, "rad", base::ParameterOrigin::kTuned,
     "the same, of the heading"};
 inline constexpr base::Parameter<double> kMaxFixStd_m{
     "max_fix_std", 0.3, "m", base::ParameterOrigin::kTuned,
@@ -104,14 +104,14 @@ inline constexpr base::Parameter<size_t> kMaxWaitingFixes{
 // ---- A lost robot: when it stands, how it turns, how long it waits ----
 
 inline constexpr base::Parameter<double> kStandstillSpeed_mps{
-    "standstill_speed", 0.01, "m/s", base::ParameterOrigin::kMeasured,
-    "of a camera that is to take a sharp picture: the wheels' resolution"};
+    "standstill_speed", 0.01, "m/s", base::ParameterOrigin::kTuned,
+    "wheels that turn slower stand: the picture is sharp"};
 inline constexpr base::Parameter<double> kStandstillYawRate_radps{
-    "standstill_yaw_rate", 0.02, "rad/s", base::ParameterOrigin::kMeasured,
+    "standstill_yaw_rate", 0.02, "rad/s", base::ParameterOrigin::kTuned,
     "the same, of the turn"};
-inline constexpr base::Parameter<double> kPictureSettle_s{
-    "picture_settle", 0.3, "s", base::ParameterOrigin::kMeasured,
-    "until the mast has come to rest and the picture is of after that"};
+inline constexpr base::Parameter<double> kSettle_s{
+    "settle", 0.3, "s", base::ParameterOrigin::kTuned,
+    "after the wheels stand, or all is well, until that is believed"};
 inline constexpr base::Parameter<double> kMaxStopping_s{
     "max_stopping", 5, "s", base::ParameterOrigin::kTuned,
     "a robot that does not come to a stand looks all the same"};
@@ -120,7 +120,7 @@ inline constexpr base::Parameter<double> kMaxPictureWait_s{
     "a camera that gives no picture for so long is silent"};
 inline constexpr base::Parameter<double> kMaxPictureAge_s{
     "max_picture_age", 0.2, "s", base::ParameterOrigin::kTuned,
-    "two frames at the rate of a driving robot"};
+    "older pictures are not asked about"};
 inline constexpr base::Parameter<double> kAnswerDeadline_s{
     "answer_deadline", 3, "s", base::ParameterOrigin::kTuned,
     "of one question to the server"};
@@ -143,7 +143,7 @@ inline constexpr base::Parameter<double> kMaxLaserSearch_s{
     "then the robot needs help"};
 inline constexpr base::Parameter<double> kRecoveryTurn_radps{
     "recovery_turn", 0.8, "rad/s", base::ParameterOrigin::kTuned,
-    "scans overlap well, and people are not frightened"};
+    "of a robot that does not know its place"};
 inline constexpr base::Parameter<double> kRecoveryMove_mps{
     "recovery_move", 0.15, "m/s", base::ParameterOrigin::kTuned,
     "slow: the map is not known"};
@@ -151,14 +151,14 @@ inline constexpr base::Parameter<double> kTurnGain_per_s{
     "turn_gain", 2, "1/s", base::ParameterOrigin::kTuned,
     "slows down over the last half radian"};
 inline constexpr base::Parameter<double> kMinTurnSpeed_radps{
-    "min_turn_speed", 0.12, "rad/s", base::ParameterOrigin::kMeasured,
-    "below it the base sticks"};
+    "min_turn_speed", 0.12, "rad/s", base::ParameterOrigin::kTuned,
+    "so that a turn comes to its end"};
 inline constexpr base::Parameter<double> kTurnTolerance_rad{
     "turn_tolerance", 0.1, "rad", base::ParameterOrigin::kTuned,
     "a turn is done this near to its end"};
 inline constexpr base::Parameter<double> kMaxTurning_s{
     "max_turning", 12, "s", base::ParameterOrigin::kTuned,
-    "more than half a turn at the slowest"};
+    "a turn to the next view takes no longer"};
 inline constexpr base::Parameter<double> kTurnStart_s{
     "turn_start", 1.5, "s", base::ParameterOrigin::kTuned,
     "who has not begun to turn by then has no room"};
@@ -177,9 +177,6 @@ inline constexpr base::Parameter<double> kHeldPlace_m{
 inline constexpr base::Parameter<double> kHeldMargin_rad{
     "held_margin", 0.15, "rad", base::ParameterOrigin::kTuned,
     "it keeps so far away from that"};
-inline constexpr base::Parameter<double> kMinPromise{
-    "min_promise", 0.06, "", base::ParameterOrigin::kTuned,
-    "directions that promise less are not looked at"};
 inline constexpr base::Parameter<double> kRefusedPromise{
     "refused_promise", 0.03, "", base::ParameterOrigin::kTuned,
     "of a direction whose answer was refused"};
@@ -222,7 +219,7 @@ inline constexpr base::Parameter<double> kUniquePlaceVariance_m2{
     "the search's last step is 6 cm"};
 inline constexpr base::Parameter<double> kUniquePlaceVariance_rad2{
     "unique_place_variance", 0.0064, "rad^2", base::ParameterOrigin::kMeasured,
-    "and 2 degrees, with room for the field's blur"};
+    "and 2 degrees"};
 inline constexpr base::Parameter<double> kRestoredVariance{
     "restored_variance", 0.01, "", base::ParameterOrigin::kTuned,
     "the place before is less well known than it was (m^2, rad^2)"};
@@ -286,15 +283,9 @@ inline constexpr base::Parameter<double> kCheckToldAfter_s{
 inline constexpr base::Parameter<double> kCheckAgree_m{
     "check_agree", 0.25, "m", base::ParameterOrigin::kTuned,
     "nearer the server agrees, whatever the deviations"};
-inline constexpr base::Parameter<double> kCheckAgree_rad{
-    "check_agree", 0.12, "rad", base::ParameterOrigin::kTuned,
-    "the same, of the heading"};
 inline constexpr base::Parameter<double> kMaxDrift_m{
     "max_drift", 0.8, "m", base::ParameterOrigin::kTuned,
     "a drift; beyond, one of the two is wrong"};
-inline constexpr base::Parameter<double> kMaxDrift_rad{
-    "max_drift", 0.35, "rad", base::ParameterOrigin::kTuned,
-    "the same, of the heading"};
 inline constexpr base::Parameter<double> kMinCorrectionGain{
     "min_correction_gain", 0.03, "", base::ParameterOrigin::kTuned,
     "of the scan's score"};
@@ -314,8 +305,8 @@ inline constexpr base::Parameter<double> kFullWorthRange_m{
     "full_worth_range", 1.5, "m", base::ParameterOrigin::kTuned,
     "from here on pictures tell most"};
 inline constexpr base::Parameter<double> kFarWorthRange_m{
-    "far_worth_range", 6, "m", base::ParameterOrigin::kGeometry,
-    "the depth camera's range"};
+    "far_worth_range", 6, "m", base::ParameterOrigin::kTuned,
+    "open space beyond has no depth"};
 inline constexpr base::Parameter<double> kWorthFadeRange_m{
     "worth_fade_range", 10, "m", base::ParameterOrigin::kTuned,
     "beyond that pictures tell less and less"};
@@ -374,6 +365,13 @@ inline constexpr double kMaxConfirmDrift_m = 2 * kPairDistance_m;
 inline constexpr double kMaxSearchLostProbability = localization::kWithdrawLost;
 // AMCL's own measure of having found the place.
 inline constexpr double kSearchShare = localization::kFoundShare;
+// A picture is of after the robot has come to rest.
+inline constexpr double kPictureSettle_s = kSettle_s;
+// Twice what a direction promises whose answer was refused.
+inline constexpr double kMinPromise = 2 * kRefusedPromise;
+// A check agrees as two fixes do, and a drift is within the same place.
+inline constexpr double kCheckAgree_rad = kPairAngle_rad;
+inline constexpr double kMaxDrift_rad = kSamePlace_rad;
 
 }  // namespace treeline::behavior
 

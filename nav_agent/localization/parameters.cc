@@ -27,7 +27,6 @@ std::vector<base::ParameterRow> LocalizationParameters() {
       base::RowOf(kInjectRatio),
       base::RowOf(kInjectedShare),
       base::RowOf(kOffGroundShare),
-      base::RowOf(kBeamGround_m),
       base::RowOf(kBeamGroundShare),
       base::RowOf(kResampleBelow),
       base::RowOf(kWitnessParticles),

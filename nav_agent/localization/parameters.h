@@ -13,17 +13,15 @@ namespace treeline::localization {
 // ---- AMCL ----
 
 inline constexpr base::Parameter<int> kMinParticles{
-    "min_particles", 500, "", base::ParameterOrigin::kTuned,
-    "200 m of tours in lab and two-storey"};
+    "min_particles", 500, "", base::ParameterOrigin::kTuned, "Nav2's default"};
 inline constexpr base::Parameter<int> kMaxParticles{
-    "max_particles", 2000, "", base::ParameterOrigin::kTuned,
-    "while the place is known"};
+    "max_particles", 2000, "", base::ParameterOrigin::kTuned, "Nav2's default"};
 inline constexpr base::Parameter<int> kMaxGlobalParticles{
     "max_global_particles", 30000, "", base::ParameterOrigin::kTuned,
-    "while it is looked for: two-storey, one in 0.1 m^2 and a heading"};
+    "while the robot is looked for everywhere"};
 inline constexpr base::Parameter<double> kKldError{
     "kld_error", 0.05, "", base::ParameterOrigin::kTuned,
-    "of KLD sampling, Fox 2003"};
+    "of KLD sampling (Fox 2003); Nav2's default"};
 inline constexpr base::Parameter<double> kKldQuantile{
     "kld_quantile", 2.3263478740408408, "", base::ParameterOrigin::kPhysics,
     "of the normal distribution at 0.99"};
@@ -35,13 +33,12 @@ inline constexpr base::Parameter<double> kBin_rad{
     "10 degrees"};
 inline constexpr base::Parameter<double> kUpdateDistance_m{
     "update_distance", 0.25, "m", base::ParameterOrigin::kTuned,
-    "scans nearer together tell little new"};
+    "Nav2's default"};
 inline constexpr base::Parameter<double> kUpdateTurn_rad{
-    "update_turn", 0.2, "rad", base::ParameterOrigin::kTuned,
-    "the same, of turns"};
+    "update_turn", 0.2, "rad", base::ParameterOrigin::kTuned, "Nav2's default"};
 inline constexpr base::Parameter<int> kScanBeams{
     "scan_beams", 60, "", base::ParameterOrigin::kTuned,
-    "of 1081, evenly: more tell nearly the same"};
+    "Nav2's default; more tell nearly the same"};
 inline constexpr base::Parameter<double> kIndependentBeams{
     "independent_beams", 20, "", base::ParameterOrigin::kTuned,
     "those count as so many that are independent"};
@@ -81,11 +78,8 @@ inline constexpr base::Parameter<double> kInjectedShare{
 inline constexpr base::Parameter<double> kOffGroundShare{
     "off_ground_share", 0.5, "", base::ParameterOrigin::kTuned,
     "of the beams, for a particle that stands on nothing"};
-inline constexpr base::Parameter<double> kBeamGround_m{
-    "beam_ground", 0.1, "m", base::ParameterOrigin::kGeometry,
-    "two voxels: beams that end there may end on the ground"};
 inline constexpr base::Parameter<double> kBeamGroundShare{
-    "beam_ground_share", 0.01, "", base::ParameterOrigin::kMeasured,
+    "beam_ground_share", 0.01, "", base::ParameterOrigin::kTuned,
     "of a beam's length, for the error of the tilt"};
 inline constexpr base::Parameter<double> kResampleBelow{
     "resample_below", 0.5, "", base::ParameterOrigin::kTuned,
@@ -103,7 +97,8 @@ inline constexpr base::Parameter<double> kBeamHitShare{
     "beam_hit_share", 0.9, "", base::ParameterOrigin::kTuned,
     "of beams that the map explains"};
 inline constexpr base::Parameter<double> kLayer_m{
-    "layer", 0.1, "m", base::ParameterOrigin::kGeometry, "two voxels"};
+    "layer", 0.1, "m", base::ParameterOrigin::kGeometry,
+    "two voxels; beams that end so near to the ground may end on it"};
 inline constexpr base::Parameter<int64_t> kMaxFieldBytes{
     "max_field_bytes", 536870912, "", base::ParameterOrigin::kPhysics,
     "memory of one field"};
@@ -158,7 +153,7 @@ inline constexpr base::Parameter<double> kRangeTolerance_m{
     "range_tolerance", 0.2, "m", base::ParameterOrigin::kTuned,
     "of a range; voxels of 5 cm, and the estimate's error"};
 inline constexpr base::Parameter<double> kRangeToleranceShare{
-    "range_tolerance_share", 0.02, "", base::ParameterOrigin::kMeasured,
+    "range_tolerance_share", 0.02, "", base::ParameterOrigin::kTuned,
     "of a range, for the heading's error"};
 inline constexpr base::Parameter<double> kMinCheckRange_m{
     "min_check_range", 0.3, "m", base::ParameterOrigin::kGeometry,
@@ -198,10 +193,10 @@ inline constexpr base::Parameter<double> kLossRate_hz{
     "robots that get lost without anything to be seen"};
 inline constexpr base::Parameter<double> kJumpFrom{
     "jump_from", 0.12, "", base::ParameterOrigin::kTuned,
-    "training worlds seed:1 to seed:12"};
+    "LostFeatures::jump from which a scan may mean a kidnap"};
 inline constexpr base::Parameter<double> kJumpTo{
     "jump_to", 0.35, "", base::ParameterOrigin::kTuned,
-    "training worlds seed:1 to seed:12"};
+    "and from which it means one as surely as it can"};
 inline constexpr base::Parameter<double> kKidnapChance{
     "kidnap_chance", 0.3, "", base::ParameterOrigin::kTuned,
     "of a full jump, and of a robot that is lifted"};
@@ -238,10 +233,10 @@ inline constexpr base::Parameter<double> kFitHistory_s{
     "fit_history", 30, "s", base::ParameterOrigin::kTuned,
     "what scans are compared with"};
 inline constexpr base::Parameter<double> kUsualExplained{
-    "usual_explained", 0.85, "", base::ParameterOrigin::kMeasured,
+    "usual_explained", 0.85, "", base::ParameterOrigin::kTuned,
     "before there is a history"};
 inline constexpr base::Parameter<double> kUsualResidual{
-    "usual_residual", 0.2, "", base::ParameterOrigin::kMeasured,
+    "usual_residual", 0.2, "", base::ParameterOrigin::kTuned,
     "before there is a history"};
 inline constexpr base::Parameter<double> kOnSlope_rad{
     "on_slope", 0.03, "rad", base::ParameterOrigin::kMeasured,
@@ -287,7 +282,7 @@ inline constexpr base::Parameter<size_t> kMaxWaitingScans{
 inline constexpr base::Parameter<double> kWheelMemory_s{
     "wheel_memory", 2.5, "s", base::ParameterOrigin::kTuned, "of the wheels"};
 inline constexpr base::Parameter<double> kTiltFilterShare{
-    "tilt_filter_share", 0.2, "", base::ParameterOrigin::kMeasured,
+    "tilt_filter_share", 0.2, "", base::ParameterOrigin::kTuned,
     "of one reading: its noise is not tilt"};
 inline constexpr base::Parameter<double> kMaxScanAhead_s{
     "max_scan_ahead", 0.05, "s", base::ParameterOrigin::kTuned,
@@ -323,6 +318,11 @@ inline constexpr base::Parameter<size_t> kSearchSlice{
 inline constexpr base::Parameter<size_t> kSearchKeep{
     "search_keep", 40, "", base::ParameterOrigin::kTuned,
     "times the candidates: the rest of a slice is of no worth"};
+
+// ---- what follows from others ----
+
+// Beams that end nearer to the ground may end on it.
+inline constexpr double kBeamGround_m = kLayer_m;
 
 // All of the folder, in this order.
 std::vector<base::ParameterRow> LocalizationParameters();

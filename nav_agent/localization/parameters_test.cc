@@ -19,5 +19,9 @@ TEST(LocalizationParameters, HaveANameOfTheirOwnAndSayWhy) {
   }
 }
 
+TEST(LocalizationParameters, DerivedOnesAreAsTheyWereTuned) {
+  EXPECT_EQ(kBeamGround_m, 0.1);
+}
+
 }  // namespace
 }  // namespace treeline::localization
