@@ -12,8 +12,9 @@ namespace {
 
 constexpr char kIntroduction[] = R"(# Parameters of the robot's program
 
-Constants that no setting changes: what they are, where they come from, and
-why. Settings are those of `treeline-agent run --help`. Generated; after a change:
+The constants of the code that were tuned, measured, or follow from something
+outside of it: what they are, where they come from, and why. Some are defaults
+of settings (`treeline-agent run --help`). Generated; after a change:
 
     treeline-agent run --print-parameters > docs/reference/parameters.md
 

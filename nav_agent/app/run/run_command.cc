@@ -96,7 +96,7 @@ cli::Command AddRunCommand(CLI::App& app) {
       ->type_name("FILE");
   command->add_flag("--print-config", flags->print_config,
                     "Show what is in force, and where it comes from; and, as "
-                    "comments, the constants that no setting changes");
+                    "comments, the constants of the code");
   command->add_flag("--print-parameters", flags->print_parameters,
                     "Show these constants alone, as a page in Markdown "
                     "(docs/reference/parameters.md)");
