@@ -6,6 +6,7 @@
 #include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "server/core/forest/model_file.h"
 #include "server/core/localizer/localizer.h"
 #include "server/core/training/box_room_recording.h"
 #include "server/core/training/forest_trainer.h"
