@@ -38,10 +38,6 @@ base::MonotonicTime::duration Seconds(double seconds) {
       std::chrono::duration<double>(seconds));
 }
 
-double SecondsBetween(base::MonotonicTime start, base::MonotonicTime end) {
-  return 1e-3 * base::MillisecondsBetween(start, end);
-}
-
 double ProcessorSeconds() {
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
@@ -199,7 +195,7 @@ void LoadGenerator::Impl::Finish(
           call->context.GetServerTrailingMetadata().count(kPushback) > 0,
       .latency_ms = base::MillisecondsBetween(call->scheduled, now),
       .from_send_ms = base::MillisecondsBetween(call->sent, now),
-      .scheduled_s = SecondsBetween(measured_from_, call->scheduled)};
+      .scheduled_s = base::SecondsBetween(measured_from_, call->scheduled)};
   if (status.ok()) {
     result.status = wire::FromGrpc(
         grpc::SerializationTraits<v1::LocalizeResponse>::Deserialize(
@@ -297,11 +293,12 @@ void LoadGenerator::Impl::CountFrame(const StreamClient::Frame& frame,
                                      const absl::Status& status,
                                      const v1::LocalizeResponse* response) {
   const double took_ms = base::MillisecondsBetween(frame.sent, Now());
-  CallResult result{.status = status,
-                    .latency_ms = took_ms,
-                    .from_send_ms = took_ms,
-                    .scheduled_s = SecondsBetween(measured_from_, frame.sent),
-                    .response = response};
+  CallResult result{
+      .status = status,
+      .latency_ms = took_ms,
+      .from_send_ms = took_ms,
+      .scheduled_s = base::SecondsBetween(measured_from_, frame.sent),
+      .response = response};
   if (response != nullptr) {
     result.verdict = checker_.Check(frame.item, *response);
   }
@@ -432,7 +429,7 @@ LoadRun LoadGenerator::Impl::Run(const LoadOptions& options,
       std::unique_lock lock(mutex);
       while (!never.wait_for(lock, over, kWatchEvery,
                              [&] { return over.stop_requested(); })) {
-        watch(tally_.Look(), SecondsBetween(measured_from_, Now()));
+        watch(tally_.Look(), base::SecondsBetween(measured_from_, Now()));
       }
     });
     if (options.rate_per_s > 0) {
@@ -440,13 +437,13 @@ LoadRun LoadGenerator::Impl::Run(const LoadOptions& options,
     } else {
       RunClosedLoop(stop);
     }
-    run.measured_s =
-        std::max(0.0, SecondsBetween(measured_from_, std::min(Now(), end_)));
+    run.measured_s = std::max(
+        0.0, base::SecondsBetween(measured_from_, std::min(Now(), end_)));
     run.interrupted = stop.stop_requested();
     if (run.interrupted) Abandon();
     WaitForAll();
   }
-  run.wall_s = SecondsBetween(start, Now());
+  run.wall_s = base::SecondsBetween(start, Now());
   run.generator_cpus = (ProcessorSeconds() - cpu_s) / run.wall_s;
   run.tally = tally_.State();
   const std::lock_guard lock(mutex_);

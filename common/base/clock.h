@@ -26,6 +26,11 @@ inline double MillisecondsBetween(MonotonicTime start, MonotonicTime end) {
   return std::chrono::duration<double, std::milli>(end - start).count();
 }
 
+// Seconds from `from` to `to`.
+inline double SecondsBetween(MonotonicTime from, MonotonicTime to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
 }  // namespace treeline::base
 
 #endif  // COMMON_BASE_CLOCK_H_

@@ -167,15 +167,17 @@ Json ThresholdsJson(const std::vector<FrameResult>& results,
 }
 
 Json TrajectoryJson(const std::vector<FrameResult>& results) {
-  const auto rmse = [&](TrajectoryAlignment alignment) {
-    const auto error = AbsoluteTrajectoryError(results, alignment);
-    return error ? Number(error->rmse_m) : Json(nullptr);
+  const std::vector<dataset::PosePair> pairs = PosePairs(results);
+  const auto rmse = [&](dataset::TrajectoryAlignment alignment) {
+    const auto error = dataset::AbsoluteTrajectoryError(pairs, alignment);
+    return error ? Number(error->position_m.rmse) : Json(nullptr);
   };
-  const auto similar =
-      AbsoluteTrajectoryError(results, TrajectoryAlignment::kSimilarity);
-  return {{"rmse_m", rmse(TrajectoryAlignment::kNone)},
-          {"aligned_rmse_m", rmse(TrajectoryAlignment::kRigid)},
-          {"aligned_with_scale_rmse_m", rmse(TrajectoryAlignment::kSimilarity)},
+  const auto similar = dataset::AlignTrajectory(
+      pairs, dataset::TrajectoryAlignment::kSimilarity);
+  return {{"rmse_m", rmse(dataset::TrajectoryAlignment::kNone)},
+          {"aligned_rmse_m", rmse(dataset::TrajectoryAlignment::kRigid)},
+          {"aligned_with_scale_rmse_m",
+           rmse(dataset::TrajectoryAlignment::kSimilarity)},
           {"scale", similar ? Number(similar->scale) : Json(nullptr)}};
 }
 
@@ -310,9 +312,9 @@ std::string EvaluationJson(const EvaluatedMethod& method,
   return Serialized(json);
 }
 
-std::string ComparisonJson(const std::vector<EvaluatedMethod>& methods,
-                           const std::vector<Sweep>& sweeps,
-                           const EvaluationRun& run) {
+Json ComparisonDocument(const std::vector<EvaluatedMethod>& methods,
+                        const std::vector<Sweep>& sweeps,
+                        const EvaluationRun& run) {
   Json json = Json::object();
   AddRun(run, json);
   json["methods"] = Json::array();
@@ -327,7 +329,13 @@ std::string ComparisonJson(const std::vector<EvaluatedMethod>& methods,
     json["methods"].push_back(std::move(entry));
   }
   json["sweeps"] = SweepsJson(sweeps);
-  return Serialized(json);
+  return json;
+}
+
+std::string ComparisonJson(const std::vector<EvaluatedMethod>& methods,
+                           const std::vector<Sweep>& sweeps,
+                           const EvaluationRun& run) {
+  return Serialized(ComparisonDocument(methods, sweeps, run));
 }
 
 std::string ModelInfoJson(const forest::ModelInfo& model) {

@@ -8,6 +8,7 @@
 #include "evaluation/accuracy/evaluated_method.h"
 #include "evaluation/accuracy/evaluation_run.h"
 #include "evaluation/accuracy/sweep.h"
+#include "nlohmann/json_fwd.hpp"
 #include "server/core/forest/model_info.h"
 
 namespace treeline::accuracy {
@@ -23,6 +24,11 @@ std::string EvaluationJson(const EvaluatedMethod& method,
 std::string ComparisonJson(const std::vector<EvaluatedMethod>& methods,
                            const std::vector<Sweep>& sweeps,
                            const EvaluationRun& run);
+
+// The object that ComparisonJson writes, for those who add to it.
+nlohmann::ordered_json ComparisonDocument(
+    const std::vector<EvaluatedMethod>& methods,
+    const std::vector<Sweep>& sweeps, const EvaluationRun& run);
 
 // What a model file says about itself, as one JSON object with a trailing
 // newline.

@@ -29,12 +29,12 @@ std::string Range(const std::optional<Percentiles>& ms) {
                          ms->p99);
 }
 
-std::string LengthText(const std::optional<TrajectoryError>& error,
+std::string LengthText(const std::optional<dataset::TrajectoryError>& error,
                        const forest::ModelInfo& model) {
   if (!error) return "-";
   return model.units_are_metres
-             ? absl::StrFormat("%.2f cm", 100 * error->rmse_m)
-             : absl::StrFormat("%.5f units", error->rmse_m);
+             ? absl::StrFormat("%.2f cm", 100 * error->position_m.rmse)
+             : absl::StrFormat("%.5f units", error->position_m.rmse);
 }
 
 // Where the world's unit is arbitrary, it and the scale of the scene.
@@ -115,16 +115,18 @@ std::string EvaluationTable(const EvaluatedMethod& method,
                             request.rotation_deg),
             threshold ? Percent(CorrectShare(results, *threshold)) : "-"));
   }
-  const auto trajectory = [&](TrajectoryAlignment alignment) {
-    return LengthText(AbsoluteTrajectoryError(results, alignment),
-                      method.model);
+  const auto trajectory = [&](dataset::TrajectoryAlignment alignment) {
+    return LengthText(
+        dataset::AbsoluteTrajectoryError(PosePairs(results), alignment),
+        method.model);
   };
   absl::StrAppend(
       &table, Row("median error", MediansText(s, method.model)),
       Row("trajectory RMSE",
-          absl::StrCat(trajectory(TrajectoryAlignment::kNone), ", aligned ",
-                       trajectory(TrajectoryAlignment::kRigid), ", with scale ",
-                       trajectory(TrajectoryAlignment::kSimilarity))),
+          absl::StrCat(
+              trajectory(dataset::TrajectoryAlignment::kNone), ", aligned ",
+              trajectory(dataset::TrajectoryAlignment::kRigid), ", with scale ",
+              trajectory(dataset::TrajectoryAlignment::kSimilarity))),
       Row("confidence", ConfidenceText(AssessConfidence(
                             results, {}, run.confidence_threshold))));
   if (!method.foreign.empty()) {

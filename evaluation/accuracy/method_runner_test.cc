@@ -90,7 +90,7 @@ TEST_F(MethodRunnerTest, ComparesForestsAblationsAndBaselines) {
             (*sweeps)[1].lines[0].points[1].model_bytes);
 
   const std::string html =
-      report::ReportHtml({.run = {}, .methods = *methods, .sweeps = *sweeps});
+      ReportHtml({.run = {}, .methods = *methods, .sweeps = *sweeps});
   EXPECT_THAT(html, HasSubstr("Side by side"));
   EXPECT_THAT(html, HasSubstr("/no/such/model"));
   EXPECT_THAT(html, HasSubstr("leaves visited in each tree"));

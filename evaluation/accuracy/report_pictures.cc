@@ -1,18 +1,13 @@
 #include "evaluation/accuracy/report_pictures.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "absl/strings/escaping.h"
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "common/image/decode.h"
-#include "evaluation/report/report_svg.h"
 
 namespace treeline::accuracy {
 namespace {
@@ -59,111 +54,7 @@ image::ColorImage Shrunk(const image::ColorImage& image, int factor) {
   return small;
 }
 
-std::string Dots(const std::vector<localizer::Correspondence>& correspondences,
-                 bool inlier) {
-  std::string path;
-  for (const localizer::Correspondence& c : correspondences) {
-    if (c.inlier != inlier) continue;
-    absl::StrAppendFormat(&path, "M%.0f %.0fh0", c.color_pixel.x,
-                          c.color_pixel.y);
-  }
-  return path;
-}
-
-const char* KindName(PictureKind kind) {
-  switch (kind) {
-    case PictureKind::kWorst:
-      return "among the worst";
-    case PictureKind::kMedian:
-      return "about the median";
-    case PictureKind::kBest:
-      return "among the best";
-  }
-  return "";
-}
-
-// "8.3 cm and 1.20°".
-std::string ErrorText(const geometry::PoseError& error) {
-  return absl::StrFormat("%.1f cm and %.2f°", 100 * error.translation_m,
-                         error.rotation_rad * kDegreesPerRadian);
-}
-
-double MedianInlierRatio(const std::vector<FrameResult>& results) {
-  std::vector<double> ratios;
-  for (const FrameResult& result : results) {
-    if (result.status.ok()) ratios.push_back(result.estimate.inlier_ratio);
-  }
-  return Percentile(std::move(ratios), 50).value_or(0);
-}
-
-// Along which axis of the camera a position error lies, where one stands out.
-std::string DirectionText(const FrameResult& result) {
-  const geometry::Rigid3& truth = *result.true_world_from_camera;
-  const geometry::Vec3 error =
-      truth.rotation.Inverse() *
-      (result.estimate.world_from_camera.translation - truth.translation);
-  const double share_of_depth = std::abs(error.z) / geometry::Norm(error);
-  if (share_of_depth > 0.85) return ", mostly along the viewing direction";
-  if (share_of_depth < 0.4) return ", mostly sideways";
-  return "";
-}
-
-std::string Explanation(const FrameResult& result,
-                        const std::vector<FrameResult>& results,
-                        const std::vector<geometry::Rigid3>& training_poses) {
-  const localizer::PoseEstimate& estimate = result.estimate;
-  std::string text;
-  if (!result.localized()) {
-    text = absl::StrCat("Not localized: ", ReasonText(estimate.reason), ". ");
-  } else if (result.error) {
-    text = absl::StrCat("Off by ", ErrorText(*result.error),
-                        DirectionText(result), ". ");
-  }
-  absl::StrAppendFormat(
-      &text,
-      "%d of %d predictions agree (%.0f %%; the median frame has %.0f "
-      "%%).",
-      estimate.inliers, estimate.samples, 100 * estimate.inlier_ratio,
-      100 * MedianInlierRatio(results));
-  if (result.localized()) {
-    const geometry::PoseCovariance& c = estimate.covariance;
-    const double sigma_m = std::sqrt(c[0] + c[7] + c[14]);
-    if (sigma_m > 0) {
-      absl::StrAppendFormat(&text, " It claims a deviation of %.1f cm.",
-                            100 * sigma_m);
-    }
-  }
-  if (result.true_world_from_camera) {
-    const auto nearest =
-        DistanceToTraining(*result.true_world_from_camera, training_poses);
-    if (nearest) {
-      absl::StrAppendFormat(
-          &text, " The nearest training camera is %.0f cm and %.0f° away.",
-          100 * nearest->translation_m, nearest->rotation_deg);
-    }
-  }
-  return text;
-}
-
 }  // namespace
-
-const char* ReasonText(localizer::NotLocalizedReason reason) {
-  switch (reason) {
-    case localizer::NotLocalizedReason::kNone:
-      return "no reason given";
-    case localizer::NotLocalizedReason::kTooFewSamples:
-      return "too few samples";
-    case localizer::NotLocalizedReason::kTooFewInliers:
-      return "too few inliers";
-    case localizer::NotLocalizedReason::kPoorlyConstrained:
-      return "poorly constrained";
-    case localizer::NotLocalizedReason::kLowConfidence:
-      return "low confidence";
-    case localizer::NotLocalizedReason::kContradictsPrior:
-      return "contradicts the prior";
-  }
-  return "unknown";
-}
 
 std::vector<PictureChoice> ChoosePictures(
     const std::vector<FrameResult>& results, int worst, int median, int best) {
@@ -223,43 +114,6 @@ std::vector<ReportPicture> TakePictures(
                         std::move(estimate->correspondences)});
   }
   return pictures;
-}
-
-std::optional<TrainingDistance> DistanceToTraining(
-    const geometry::Rigid3& world_from_camera,
-    const std::vector<geometry::Rigid3>& training_poses) {
-  std::optional<TrainingDistance> nearest;
-  for (const geometry::Rigid3& pose : training_poses) {
-    const geometry::PoseError error =
-        geometry::ErrorBetween(world_from_camera, pose);
-    const double combined_m =
-        std::hypot(error.translation_m, kViewDistance_m * error.rotation_rad);
-    if (nearest && nearest->combined_m <= combined_m) continue;
-    nearest = {error.translation_m, error.rotation_rad * kDegreesPerRadian,
-               combined_m};
-  }
-  return nearest;
-}
-
-std::string PictureHtml(const ReportPicture& picture,
-                        const std::vector<FrameResult>& results,
-                        const std::vector<geometry::Rigid3>& training_poses) {
-  const FrameResult& result =
-      results[static_cast<size_t>(picture.choice.frame)];
-  const double radius = picture.width / 640.0;
-  return absl::StrFormat(
-      "<figure><svg viewBox=\"0 0 %d %d\" class=\"photo\" role=\"img\" "
-      "aria-label=\"%s\" style=\"--dot:%.2f\">"
-      "<image width=\"%d\" height=\"%d\" "
-      "href=\"data:image/jpeg;base64,%s\"/>"
-      "<path d=\"%s\" class=\"outlier\"/><path d=\"%s\" class=\"inlier\"/>"
-      "</svg>\n<figcaption><b>%s</b> <span>%s</span><br>%s</figcaption>"
-      "</figure>\n",
-      picture.width, picture.height, report::EscapeHtml(result.stem), radius,
-      picture.width, picture.height, absl::Base64Escape(picture.jpeg),
-      Dots(picture.correspondences, false), Dots(picture.correspondences, true),
-      report::EscapeHtml(result.stem), KindName(picture.choice.kind),
-      report::EscapeHtml(Explanation(result, results, training_poses)));
 }
 
 }  // namespace treeline::accuracy

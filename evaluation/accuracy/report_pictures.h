@@ -1,9 +1,8 @@
-// Pictures of single frames for the evaluation's page: what the localizer saw,
-// which of its predictions agreed, and what is known about why it failed.
+// Pictures of single frames for a report: what the localizer saw, and which of
+// its predictions agreed.
 #ifndef EVALUATION_ACCURACY_REPORT_PICTURES_H_
 #define EVALUATION_ACCURACY_REPORT_PICTURES_H_
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,30 +43,6 @@ std::vector<ReportPicture> TakePictures(
     const localizer::Localizer& localizer, const dataset::Dataset& dataset,
     const std::vector<PictureChoice>& choices,
     const EvaluationOptions& options);
-
-// How far a camera is from the nearest one of the training set.
-struct TrainingDistance {
-  double translation_m = 0;
-  double rotation_deg = 0;
-  // sqrt(translation^2 + (kViewDistance_m * rotation in rad)^2): roughly how
-  // far what the camera sees has moved, at a usual distance.
-  double combined_m = 0;
-};
-inline constexpr double kViewDistance_m = 1.5;
-
-// To the training camera of the least combined distance. nullopt: there is no
-// training pose.
-std::optional<TrainingDistance> DistanceToTraining(
-    const geometry::Rigid3& world_from_camera,
-    const std::vector<geometry::Rigid3>& training_poses);
-
-// "too few inliers" and so on, for people.
-const char* ReasonText(localizer::NotLocalizedReason reason);
-
-// One picture with its dots, caption and explanation, as HTML.
-std::string PictureHtml(const ReportPicture& picture,
-                        const std::vector<FrameResult>& results,
-                        const std::vector<geometry::Rigid3>& training_poses);
 
 }  // namespace treeline::accuracy
 

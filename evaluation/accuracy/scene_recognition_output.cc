@@ -1,12 +1,7 @@
 #include "evaluation/accuracy/scene_recognition_output.h"
 
-#include <algorithm>
-#include <map>
-#include <optional>
-
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_replace.h"
 #include "evaluation/accuracy/evaluation.h"
 #include "nlohmann/json.hpp"
 
@@ -70,44 +65,50 @@ Json TimesJson(const std::vector<RecognizedFrame>& frames,
           {"p95", PercentileOf(frames, member, 95)}};
 }
 
-std::string Escaped(absl::string_view text) {
-  return absl::StrReplaceAll(
-      text, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}});
-}
-
-// What a frame is counted as in the matrix.
-std::string AnswerOf(const RecognizedFrame& frame, bool rank_only) {
-  if (!frame.status.ok()) return "";
-  if (rank_only) return frame.first;
-  return frame.localized ? frame.answer : "";
-}
-
-std::string MatrixRow(const RecognitionTally& tally,
-                      const RecognitionRun& run) {
-  std::map<std::string, int> counts;
-  for (const RecognizedFrame& frame : tally.frames) {
-    ++counts[AnswerOf(frame, run.options.rank_only)];
-  }
-  std::string row = absl::StrCat(
-      "<tr><th>", Escaped(tally.scene.empty() ? tally.source : tally.scene),
-      "</th>");
-  const auto add = [&](const std::string& scene, bool is_right) {
-    const int count = counts[scene];
-    const double share = Share(count, tally.frames.size());
-    if (count == 0) {
-      absl::StrAppend(&row, "<td></td>");
-      return;
+Json Document(const std::vector<RecognitionTally>& tallies,
+              const RecognitionRun& run) {
+  Json json = {{"command", run.command},
+               {"cpu", run.cpu},
+               {"software_version", run.software_version},
+               {"started_utc", run.started_utc},
+               {"scenes", run.scenes},
+               {"read_descriptors_ms", run.read_ms},
+               {"rank_only", run.options.rank_only},
+               {"max_tried", run.options.among.max_tried},
+               {"sure_confidence", run.options.among.sure_confidence},
+               {"threads", run.options.threads}};
+  const RecognitionTally known = Sum(tallies, false);
+  json["words_ms"] = TimesJson(known.frames, &RecognizedFrame::words_ms);
+  json["rank_ms"] = TimesJson(known.frames, &RecognizedFrame::rank_ms);
+  json["pose_ms"] = TimesJson(known.frames, &RecognizedFrame::pose_ms);
+  json["queries"] = Json::array();
+  for (const RecognitionTally& t : tallies) {
+    Json query = {{"scene", t.scene.empty() ? Json(nullptr) : Json(t.scene)},
+                  {"source", t.source},
+                  {"frames", t.frames.size()},
+                  {"ranked_first", t.first_in_ranking()},
+                  {"ranked_in_three", t.among_first(3)},
+                  {"right_scene", t.right_scene()},
+                  {"right_localized", t.right_localized()},
+                  {"wrong_localized", t.wrong_localized()},
+                  {"mean_tried", MeanTried(t.frames)},
+                  {"errors", t.errors()}};
+    query["results"] = Json::array();
+    for (const RecognizedFrame& f : t.frames) {
+      query["results"].push_back(
+          {{"stem", f.stem},
+           {"rank", f.rank},
+           {"first", f.first},
+           {"answer", f.answer},
+           {"localized", f.localized},
+           {"confidence", f.confidence},
+           {"tried", f.tried},
+           {"error", f.status.ok() ? Json(nullptr)
+                                   : Json(std::string(f.status.message()))}});
     }
-    absl::StrAppendFormat(
-        &row, "<td style=\"background:%s%.2f)\">%d</td>",
-        is_right ? "rgba(40,140,70,"
-                 : (scene.empty() ? "rgba(120,120,120," : "rgba(200,40,40,"),
-        0.15 + 0.65 * share, count);
-  };
-  for (const std::string& scene : run.scenes) add(scene, scene == tally.scene);
-  add("", false);
-  absl::StrAppend(&row, "</tr>\n");
-  return row;
+    json["queries"].push_back(std::move(query));
+  }
+  return json;
 }
 
 }  // namespace
@@ -154,74 +155,16 @@ std::string RecognitionTable(const std::vector<RecognitionTally>& tallies,
 
 std::string RecognitionJson(const std::vector<RecognitionTally>& tallies,
                             const RecognitionRun& run) {
-  Json json = {{"command", run.command},
-               {"cpu", run.cpu},
-               {"software_version", run.software_version},
-               {"started_utc", run.started_utc},
-               {"scenes", run.scenes},
-               {"read_descriptors_ms", run.read_ms},
-               {"rank_only", run.options.rank_only},
-               {"max_tried", run.options.among.max_tried},
-               {"sure_confidence", run.options.among.sure_confidence},
-               {"threads", run.options.threads}};
-  const RecognitionTally known = Sum(tallies, false);
-  json["words_ms"] = TimesJson(known.frames, &RecognizedFrame::words_ms);
-  json["rank_ms"] = TimesJson(known.frames, &RecognizedFrame::rank_ms);
-  json["pose_ms"] = TimesJson(known.frames, &RecognizedFrame::pose_ms);
-  json["queries"] = Json::array();
-  for (const RecognitionTally& t : tallies) {
-    Json query = {{"scene", t.scene.empty() ? Json(nullptr) : Json(t.scene)},
-                  {"source", t.source},
-                  {"frames", t.frames.size()},
-                  {"ranked_first", t.first_in_ranking()},
-                  {"ranked_in_three", t.among_first(3)},
-                  {"right_scene", t.right_scene()},
-                  {"right_localized", t.right_localized()},
-                  {"wrong_localized", t.wrong_localized()},
-                  {"mean_tried", MeanTried(t.frames)},
-                  {"errors", t.errors()}};
-    query["results"] = Json::array();
-    for (const RecognizedFrame& f : t.frames) {
-      query["results"].push_back(
-          {{"stem", f.stem},
-           {"rank", f.rank},
-           {"first", f.first},
-           {"answer", f.answer},
-           {"localized", f.localized},
-           {"confidence", f.confidence},
-           {"tried", f.tried},
-           {"error", f.status.ok() ? Json(nullptr)
-                                   : Json(std::string(f.status.message()))}});
-    }
-    json["queries"].push_back(std::move(query));
-  }
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return Document(tallies, run)
+             .dump(1, ' ', false, Json::error_handler_t::replace) +
+         "\n";
 }
 
-std::string RecognitionHtml(const std::vector<RecognitionTally>& tallies,
-                            const RecognitionRun& run) {
-  std::string html = absl::StrCat(
-      "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\">"
-      "<title>Scene recognition</title><style>"
-      "body{font:14px sans-serif;margin:2em}table{border-collapse:collapse}"
-      "td{border:1px solid #ddd;text-align:right;padding:3px 6px;min-width:2em}"
-      "th{text-align:left;padding:3px 6px;font-weight:normal}"
-      "thead th{writing-mode:vertical-rl}"
-      "pre{background:#f4f4f4;padding:1em;white-space:pre-wrap}"
-      "</style><h1>Scene recognition</h1><p>Frames by true scene (down) and ",
-      run.options.rank_only ? "first in the ranking"
-                            : "the scene that answered with a pose",
-      " (across).</p><table><thead><tr><th></th>");
-  for (const std::string& scene : run.scenes) {
-    absl::StrAppend(&html, "<th>", Escaped(scene), "</th>");
-  }
-  absl::StrAppend(&html, "<th>not localized</th></tr></thead>\n");
-  for (const RecognitionTally& tally : tallies) html += MatrixRow(tally, run);
-  absl::StrAppend(
-      &html, "</table><pre>", Escaped(RecognitionTable(tallies, run)), "\n",
-      Escaped(run.command), "\n", Escaped(run.cpu), ", version ",
-      Escaped(run.software_version), ", ", run.started_utc, "</pre></html>\n");
-  return html;
+std::string RecognitionReportJson(const std::vector<RecognitionTally>& tallies,
+                                  const RecognitionRun& run) {
+  Json json = {{"kind", "recognition"}};
+  json.update(Document(tallies, run));
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace treeline::accuracy

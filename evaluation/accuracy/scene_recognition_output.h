@@ -25,9 +25,9 @@ std::string RecognitionTable(const std::vector<RecognitionTally>& tallies,
 // docs/scene-recognition.md has its keys.
 std::string RecognitionJson(const std::vector<RecognitionTally>& tallies,
                             const RecognitionRun& run);
-// A page with the confusion matrix: true scenes down, answers across.
-std::string RecognitionHtml(const std::vector<RecognitionTally>& tallies,
-                            const RecognitionRun& run);
+// The data of a report: the same keys, and "kind", "recognition".
+std::string RecognitionReportJson(const std::vector<RecognitionTally>& tallies,
+                                  const RecognitionRun& run);
 
 }  // namespace treeline::accuracy
 

@@ -14,7 +14,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 TEST(ParseRecognitionQuery, TakesASceneAndARecording) {
   const auto query = ParseRecognitionQuery("kitchen=7scenes:/a,/b.txt");
@@ -108,13 +107,6 @@ TEST(RecognitionOutput, TheJsonHasEveryFrame) {
   EXPECT_EQ(json["queries"][0]["right_scene"], 2);
   EXPECT_EQ(json["queries"][0]["results"][3]["error"], "<bad>");
   EXPECT_EQ(json["queries"][1]["scene"], nullptr);
-}
-
-TEST(RecognitionOutput, ThePageHasTheMatrix) {
-  const std::string html = RecognitionHtml(SomeTallies(), SomeRun());
-  EXPECT_THAT(html, HasSubstr("<th>a</th>"));
-  EXPECT_THAT(html, HasSubstr("<th>builtin</th>"));
-  EXPECT_THAT(html, Not(HasSubstr("<bad>")));
 }
 
 // A model of one leaf, which localizes nothing.

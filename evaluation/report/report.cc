@@ -1,118 +1,269 @@
 #include "evaluation/report/report.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
-#include "evaluation/report/report_comparison.h"
-#include "evaluation/report/report_distance.h"
-#include "evaluation/report/report_method.h"
-#include "evaluation/report/report_parts.h"
-#include "evaluation/report/report_scene_coordinates.h"
-#include "evaluation/report/report_style.h"
-#include "evaluation/report/report_svg.h"
-#include "evaluation/report/report_trust.h"
+#include "evaluation/accuracy/evaluation_json.h"
+#include "evaluation/accuracy/method_spec.h"
+#include "evaluation/accuracy/published_results.h"
+#include "nlohmann/json.hpp"
 #include "server/tools/model_description.h"
+#include "server/tools/training_distance.h"
+#include "server/tools/view_axes.h"
 
 namespace treeline::report {
 namespace {
 
-std::string Title(const ReportContents& contents) {
-  return absl::StrCat("<p class=\"eyebrow\">Treeline evaluation</p>\n<h1>",
-                      EscapeHtml(DatasetName(contents.run.dataset_uri)),
-                      "</h1>\n<p class=\"lede\">");
+using Json = nlohmann::ordered_json;
+
+constexpr int kRampColors = 12;
+// The curve of scene-coordinate errors ends at 40 cm, in steps of 2 mm.
+constexpr int kSceneErrorSteps = 200;
+constexpr double kSceneErrorStep_m = 0.002;
+
+Json Number(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
 }
 
-std::string ModelCards(const accuracy::EvaluatedMethod& method) {
-  std::string html;
-  for (const tools::DescriptionSection& section :
-       tools::DescribeModel(method.model)) {
-    absl::StrAppend(&html, Card(absl::StrCat("Model: ", section.title),
-                                RowsTable(section.rows)));
+Json Vector(geometry::Vec3 v) {
+  return {Number(v.x), Number(v.y), Number(v.z)};
+}
+
+Json ImageUri(const std::string& jpeg) {
+  return absl::StrCat("data:image/jpeg;base64,", absl::Base64Escape(jpeg));
+}
+
+const char* KindName(accuracy::PictureKind kind) {
+  switch (kind) {
+    case accuracy::PictureKind::kWorst:
+      return "worst";
+    case accuracy::PictureKind::kMedian:
+      return "median";
+    case accuracy::PictureKind::kBest:
+      return "best";
   }
-  return html;
+  return "";
 }
 
-std::string RunCard(const accuracy::EvaluationRun& run,
-                    const std::vector<accuracy::EvaluatedMethod>& methods) {
-  std::vector<tools::DescriptionRow> rows{
-      {"dataset", run.dataset_uri},
-      {"frames", run.frame_list.empty() ? "all" : run.frame_list},
-      {"ground truth",
-       run.pose_file.empty() ? "the recording's own" : run.pose_file}};
-  for (const accuracy::EvaluatedMethod& method : methods) {
-    rows.emplace_back(
-        methods.size() == 1 ? "model" : absl::StrCat("model of ", method.name),
-        method.model_path.empty() ? "none: a baseline" : method.model_path);
+// Along which axis of the camera a position error lies, where one stands out.
+Json ErrorDirection(const accuracy::FrameResult& result) {
+  if (!result.error) return nullptr;
+  const geometry::Rigid3& truth = *result.true_world_from_camera;
+  const geometry::Vec3 error =
+      truth.rotation.Inverse() *
+      (result.estimate.world_from_camera.translation - truth.translation);
+  const double share_of_depth = std::abs(error.z) / geometry::Norm(error);
+  if (share_of_depth > 0.85) return "depth";
+  if (share_of_depth < 0.4) return "sideways";
+  return nullptr;
+}
+
+// The standard deviation of the position that the answer states.
+Json ClaimedDeviation(const accuracy::FrameResult& result) {
+  if (!result.localized()) return nullptr;
+  const geometry::PoseCovariance& c = result.estimate.covariance;
+  const double deviation_m = std::sqrt(c[0] + c[7] + c[14]);
+  return deviation_m > 0 ? Number(deviation_m) : Json(nullptr);
+}
+
+Json Pixels(const std::vector<localizer::Correspondence>& correspondences,
+            bool inlier) {
+  Json pixels = Json::array();
+  for (const localizer::Correspondence& c : correspondences) {
+    if (c.inlier != inlier) continue;
+    pixels.push_back(std::lround(c.color_pixel.x));
+    pixels.push_back(std::lround(c.color_pixel.y));
   }
-  rows.insert(rows.end(),
-              {{"seed", absl::StrCat(run.seed)},
-               {"threads", absl::StrCat(run.threads)},
-               {"machine", run.cpu},
-               {"peak memory", tools::FormatBytes(run.peak_memory_bytes)},
-               {"software", absl::StrCat("treeline ", run.software_version)},
-               {"started", run.started_utc}});
-  return Card("Evaluation", RowsTable(rows));
+  return pixels;
 }
 
-std::string ProvenanceSection(const ReportContents& contents) {
-  const bool single = contents.methods.size() == 1;
-  return absl::StrCat(
-      Heading("Where this comes from",
-              "What was measured, with what, and how the model came about."),
-      "<div class=\"cards\">", RunCard(contents.run, contents.methods),
-      single ? ModelCards(contents.methods.front()) : "",
-      "</div>\n<h3 style=\"margin-top:26px\">Command</h3><pre>",
-      EscapeHtml(contents.run.command), "</pre>\n");
-}
-
-std::string OneMethod(const ReportContents& contents) {
-  const accuracy::EvaluatedMethod& method = contents.methods.front();
-  return absl::StrCat(
-      Title(contents), MethodVerdict(method), "</p>\n", MethodTiles(method),
-      MethodSections(method, contents.run, "m0"),
-      SceneCoordinatesSection(contents.methods), SweepSection(contents.sweeps),
-      TrustSection(contents.methods, contents.run),
-      PublishedSection(contents.methods, contents.run));
-}
-
-std::string ManyMethods(const ReportContents& contents) {
-  std::string html = absl::StrCat(
-      Title(contents), ComparisonVerdict(contents.methods), "</p>\n",
-      ComparisonSection(contents.methods, contents.run),
-      DistanceSection(contents.methods),
-      SceneCoordinatesSection(contents.methods), SweepSection(contents.sweeps),
-      TrustSection(contents.methods, contents.run),
-      PublishedSection(contents.methods, contents.run),
-      Heading("Method by method",
-              "Unfold a method to see its frames, pictures and trajectory."));
-  for (size_t i = 0; i < contents.methods.size(); ++i) {
-    const accuracy::EvaluatedMethod& method = contents.methods[i];
-    if (!method.status.ok()) continue;
-    absl::StrAppend(
-        &html, "<details class=\"method\"><summary><b>",
-        EscapeHtml(method.name), "</b> <span>", MethodVerdict(method),
-        "</span></summary>\n", MethodTiles(method),
-        MethodSections(method, contents.run, absl::StrCat("m", i)),
-        Heading("The model", "What its file says about itself."),
-        "<div class=\"cards\">", ModelCards(method), "</div></details>\n");
+Json PicturesJson(const accuracy::EvaluatedMethod& method) {
+  Json json = Json::array();
+  for (const accuracy::ReportPicture& picture : method.pictures) {
+    const accuracy::FrameResult& result =
+        method.results[static_cast<size_t>(picture.choice.frame)];
+    json.push_back({{"frame", picture.choice.frame},
+                    {"kind", KindName(picture.choice.kind)},
+                    {"width", picture.width},
+                    {"height", picture.height},
+                    {"photo", ImageUri(picture.jpeg)},
+                    {"inliers", Pixels(picture.correspondences, true)},
+                    {"outliers", Pixels(picture.correspondences, false)},
+                    {"error_direction", ErrorDirection(result)},
+                    {"claimed_deviation_m", ClaimedDeviation(result)}});
   }
-  return html;
+  return json;
+}
+
+Json HeatMapsJson(const std::vector<accuracy::ErrorHeatMap>& maps) {
+  Json json = Json::array();
+  for (const accuracy::ErrorHeatMap& map : maps) {
+    json.push_back({{"stem", map.stem},
+                    {"width", map.width},
+                    {"height", map.height},
+                    {"photo", ImageUri(map.photo_jpeg)},
+                    {"map", ImageUri(map.map_jpeg)},
+                    {"predictions", map.predictions},
+                    {"median_error_m", Number(map.median_error_m)}});
+  }
+  return json;
+}
+
+// Of ascending errors.
+Json SceneErrorCurve(const std::vector<double>& errors_m) {
+  Json json = Json::array();
+  for (int step = 0; step <= kSceneErrorSteps && !errors_m.empty(); ++step) {
+    const double within_m = kSceneErrorStep_m * step;
+    const auto end = std::ranges::upper_bound(errors_m, within_m);
+    json.push_back({within_m, static_cast<double>(end - errors_m.begin()) /
+                                  static_cast<double>(errors_m.size())});
+  }
+  return json;
+}
+
+Json ModelDescription(const forest::ModelInfo& model) {
+  Json json = Json::array();
+  for (const tools::DescriptionSection& section : tools::DescribeModel(model)) {
+    Json rows = Json::array();
+    for (const auto& [name, value] : section.rows) {
+      rows.push_back(Json::array({name, value}));
+    }
+    json.push_back({{"title", section.title}, {"rows", std::move(rows)}});
+  }
+  return json;
+}
+
+Json AxesJson(const std::vector<accuracy::FrameResult>& results) {
+  std::vector<geometry::Rigid3> poses;
+  for (const accuracy::FrameResult& result : results) {
+    if (result.true_world_from_camera) {
+      poses.push_back(*result.true_world_from_camera);
+    }
+  }
+  const tools::ViewAxes axes = tools::AxesOfCameras(poses);
+  return {{"right", Vector(axes.right_in_world)},
+          {"forward", Vector(axes.forward_in_world)},
+          {"up", Vector(axes.up_in_world)}};
+}
+
+Json DistanceGroupsJson(const accuracy::EvaluatedMethod& method) {
+  Json json = Json::array();
+  for (const tools::DistanceGroup& group :
+       tools::GroupByTrainingDistance(method.results, method.training_poses)) {
+    json.push_back(
+        {{"frames", group.frames},
+         {"distance_m", group.distance_m},
+         {"correct", group.correct},
+         {"median_translation_m", Number(group.median_translation_m)}});
+  }
+  return json;
+}
+
+Json PageJson(const accuracy::EvaluatedMethod& method) {
+  Json json = Json::object();
+  const accuracy::MethodInputs inputs =
+      accuracy::InputsOfMethod(method.model.method);
+  json["inputs"] = inputs.query.empty() ? Json(nullptr)
+                                        : Json{{"training", inputs.training},
+                                               {"query", inputs.query}};
+  json["model_description"] = ModelDescription(method.model);
+  json["axes"] = AxesJson(method.results);
+  json["training_positions"] = Json::array();
+  for (const geometry::Rigid3& pose : method.training_poses) {
+    json["training_positions"].push_back(Vector(pose.translation));
+  }
+  json["distance_groups"] = DistanceGroupsJson(method);
+  json["pictures"] = PicturesJson(method);
+  json["heat_maps"] = HeatMapsJson(method.heat_maps);
+  json["splits"] = Json::array();
+  for (const accuracy::LevelSplits& level : method.splits) {
+    json["splits"].push_back(
+        {{"splits", level.splits}, {"by_left_share", level.by_left_share}});
+  }
+  json["scene_error_curve"] = SceneErrorCurve(method.scene_errors_m);
+  return json;
+}
+
+Json TrainingDistanceJson(const accuracy::FrameResult& result,
+                          const std::vector<geometry::Rigid3>& training_poses) {
+  if (!result.true_world_from_camera) return nullptr;
+  const auto nearest =
+      tools::DistanceToTraining(*result.true_world_from_camera, training_poses);
+  if (!nearest) return nullptr;
+  return {{"translation_m", nearest->translation_m},
+          {"rotation_deg", nearest->rotation_deg},
+          {"combined_m", nearest->combined_m}};
+}
+
+Json ResultsJson(const std::vector<accuracy::PublishedResult>& results) {
+  Json json = Json::array();
+  for (const accuracy::PublishedResult& result : results) {
+    json.push_back({{"method", result.method},
+                    {"training", result.training},
+                    {"query", result.query},
+                    {"source", result.source},
+                    {"note", result.note},
+                    {"correct_percent", Number(result.correct_percent)},
+                    {"median_cm", Number(result.median_cm)},
+                    {"median_deg", Number(result.median_deg)}});
+  }
+  return json;
+}
+
+Json PublishedJson(const std::string& dataset_uri) {
+  const std::optional<accuracy::PublishedTable> table =
+      accuracy::PublishedFor(dataset_uri);
+  if (!table) return nullptr;
+  const std::string scene = accuracy::SceneOf(*table, dataset_uri);
+  return {{"dataset", table->dataset},
+          {"protocol", table->protocol},
+          {"scene", scene.empty() ? Json(nullptr) : Json(scene)},
+          {"scene_results",
+           scene.empty() ? Json::array()
+                         : ResultsJson(accuracy::ResultsFor(*table, scene))},
+          {"average_results",
+           ResultsJson(accuracy::ResultsFor(*table, "average"))}};
+}
+
+Json HeatMapScale() {
+  Json colors = Json::array();
+  for (int k = 0; k < kRampColors; ++k) {
+    colors.push_back(accuracy::HeatColor((k + 0.5) / kRampColors));
+  }
+  return {{"max_m", accuracy::kHeatMapMax_m}, {"colors", std::move(colors)}};
 }
 
 }  // namespace
 
-std::string ReportHtml(const ReportContents& contents) {
-  return absl::StrCat(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, "
-      "initial-scale=1\">\n<title>",
-      EscapeHtml(DatasetName(contents.run.dataset_uri)),
-      " – Treeline evaluation</title>\n<style>", ReportStyle(),
-      "</style>\n</head>\n<body>\n<main>\n",
-      contents.methods.size() == 1 ? OneMethod(contents)
-                                   : ManyMethods(contents),
-      ProvenanceSection(contents), "<footer>treeline ",
-      EscapeHtml(contents.run.software_version), ", ",
-      EscapeHtml(contents.run.started_utc),
-      "</footer>\n</main>\n</body>\n</html>\n");
+std::string ReportJson(const ReportContents& contents) {
+  Json json{{"kind", "evaluation"}};
+  json.update(accuracy::ComparisonDocument(contents.methods, contents.sweeps,
+                                           contents.run));
+  for (size_t i = 0; i < contents.methods.size(); ++i) {
+    const accuracy::EvaluatedMethod& method = contents.methods[i];
+    if (!method.status.ok()) continue;
+    Json& entry = json["methods"][i];
+    for (size_t frame = 0; frame < method.results.size(); ++frame) {
+      entry["per_frame"][frame]["training_distance"] =
+          TrainingDistanceJson(method.results[frame], method.training_poses);
+    }
+    entry["page"] = PageJson(method);
+  }
+  size_t line = 0;
+  for (const accuracy::Sweep& sweep : contents.sweeps) {
+    for (size_t i = 0; i < sweep.lines.size(); ++i) {
+      json["sweeps"][line++]["axis"] = accuracy::SweepAxis(sweep.variable);
+    }
+  }
+  json["published"] = PublishedJson(contents.run.dataset_uri);
+  json["heat_map_scale"] = HeatMapScale();
+  // Names from files may hold any bytes; JSON holds UTF-8 alone.
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace treeline::report

@@ -1,5 +1,5 @@
-// One self-contained page about an evaluation: no script, no other file, no
-// other host.
+// The data of an evaluation's report, from which a page is made (see
+// report_page.h and evaluation/report).
 #ifndef EVALUATION_REPORT_REPORT_H_
 #define EVALUATION_REPORT_REPORT_H_
 
@@ -18,13 +18,20 @@ struct ReportContents {
   std::vector<accuracy::Sweep> sweeps;
 };
 
-// The page. Of one method: headline figures, cumulative errors, errors frame by
-// frame and against the distance from training, trajectory, latency, pictures
-// with inliers and outliers, the worst frames. Of several: them side by side,
-// and the same of each in a part that unfolds. Of both: scene-coordinate
-// errors, sweeps, confidence and foreign pictures, published figures,
-// provenance, command line.
-std::string ReportHtml(const ReportContents& contents);
+// One JSON object: what ComparisonJson has, of one method too, and
+//   kind            "evaluation"
+//   heat_map_scale  max_m, and colours from 0 to it
+//   published       figures of others for this kind of recording, or null
+//   sweeps[].axis   what is swept, in words
+//   methods[].per_frame[].training_distance
+//                   to the nearest training camera, or null
+//   methods[].page  what only a page shows: inputs, model_description, axes
+//                   (unit vectors in the world), training_positions (m),
+//                   distance_groups, pictures and heat_maps (images as data
+//                   URIs, pixels as x, y, x, y, ...), splits (by level),
+//                   scene_error_curve (m, share)
+// The keys with their types: evaluation/report/src/model/report_data.ts.
+std::string ReportJson(const ReportContents& contents);
 
 }  // namespace treeline::report
 

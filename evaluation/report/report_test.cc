@@ -1,55 +1,61 @@
 #include "evaluation/report/report.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
-#include "absl/strings/ascii.h"
-#include "evaluation/report/report_charts.h"
-#include "evaluation/report/report_distance.h"
-#include "evaluation/report/report_line_charts.h"
-#include "evaluation/report/report_svg.h"
-#include "evaluation/report/report_trajectory.h"
-#include "evaluation/report/report_turntable.h"
+#include "absl/strings/escaping.h"
+#include "absl/strings/str_cat.h"
+#include "common/base/file.h"
+#include "evaluation/accuracy/scene_recognition_output.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "server/tools/model_description.h"
-#include "server/tools/run_info.h"
+#include "nlohmann/json.hpp"
 #include "server/tools/testing_fixtures.h"
 
 namespace treeline::report {
 namespace {
 
-using ::testing::DoubleEq;
+using Json = nlohmann::ordered_json;
 using ::testing::ElementsAre;
-using ::testing::Field;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::Not;
-
-// A page is too long to be printed where it lacks something.
-bool Has(const std::string& html, const std::string& text) {
-  return html.find(text) != std::string::npos;
-}
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
-accuracy::FrameResult Localized(const std::string& stem, double translation_m) {
+// One white pixel.
+constexpr const char* kPixelJpeg =
+    "/9j/4AAQSkZJRgABAQEASABIAAD/2wBDAP////////////////////////////////////////"
+    "//////////////////////////////////////////////wgALCAABAAEBAREA/8QAFBABAAAA"
+    "AAAAAAAAAAAAAAAAAP/aAAgBAQABPxA=";
+
+std::string PixelJpeg() {
+  std::string bytes;
+  absl::Base64Unescape(kPixelJpeg, &bytes);
+  return bytes;
+}
+
+accuracy::FrameResult Localized(const std::string& stem,
+                                const geometry::Rigid3& truth, double error_m) {
   accuracy::FrameResult result;
   result.stem = stem;
-  result.estimate = tools::LocalizedAt({{}, {translation_m, 0, 0}});
-  result.true_world_from_camera = geometry::Rigid3{};
-  result.error = geometry::PoseError{translation_m, 0.5 * kDegree};
-  result.latency_ms = 3;
+  const geometry::Rigid3 estimate{
+      truth.rotation, truth.translation + geometry::Vec3{error_m, 0, 0}};
+  result.estimate = tools::LocalizedAt(estimate);
+  result.estimate.timings = {.sample_ms = 0.5, .forest_ms = 1, .pose_ms = 1.5};
+  result.true_world_from_camera = truth;
+  result.error = geometry::PoseError{error_m, 10 * error_m * kDegree};
+  result.latency_ms = 3 + 10 * error_m;
+  result.cpu_ms = 3;
   result.decode_ms = 4;
   return result;
 }
 
-accuracy::FrameResult Lost(const std::string& stem) {
+accuracy::FrameResult Lost(const std::string& stem,
+                           const geometry::Rigid3& truth) {
   accuracy::FrameResult result;
   result.stem = stem;
   result.estimate.reason = localizer::NotLocalizedReason::kTooFewInliers;
-  result.true_world_from_camera = geometry::Rigid3{};
+  result.true_world_from_camera = truth;
   result.latency_ms = 3;
   return result;
 }
@@ -57,489 +63,306 @@ accuracy::FrameResult Lost(const std::string& stem) {
 accuracy::FrameResult Failed(const std::string& stem) {
   accuracy::FrameResult result;
   result.stem = stem;
-  result.status = absl::NotFoundError("no such file");
+  result.status = absl::NotFoundError("no <such> file");
   return result;
 }
 
+// A camera on an arc of 2 m about the origin, which it looks at.
+geometry::Rigid3 OnArc(double angle_rad) {
+  geometry::Mat3 rotation;
+  rotation(0, 0) = 1;
+  rotation(2, 1) = -1;
+  rotation(1, 2) = 1;
+  const geometry::Rotation3 turn =
+      geometry::Rotation3::FromAxisAngle({0, 0, angle_rad});
+  return {turn * geometry::Rotation3::FromMatrix(rotation),
+          turn * geometry::Vec3{0, -2, 1 + 0.2 * std::sin(3 * angle_rad)}};
+}
+
+accuracy::EvaluatedMethod SomeMethod() {
+  accuracy::EvaluatedMethod method;
+  method.name = "rgbd";
+  method.model_path = "kitchen.treeline";
+  method.model.method = "rgbd";
+  method.model.trees = 5;
+  method.model.file_bytes = 2000000;
+  method.model.training_s = 31.5;
+  method.model.checksum = "1234";
+  for (int i = 0; i < 30; ++i) {
+    method.results.push_back(Localized(absl::StrCat("seq-01/frame-", i),
+                                       OnArc(0.05 * i), 0.002 * (i + 1)));
+    method.results.back().estimate.confidence = i < 25 ? 0.95 : 0.35;
+    method.training_poses.push_back(OnArc(0.05 * i + 0.02));
+  }
+  method.results.push_back(Localized("wild", OnArc(1.6), 50));
+  method.results.push_back(Lost("<b>&\"'", OnArc(1.7)));
+  method.results.push_back(Failed("failed"));
+  const auto picture = [&](int frame, accuracy::PictureKind kind) {
+    method.pictures.push_back(
+        {{frame, kind},
+         PixelJpeg(),
+         640,
+         480,
+         {{{10.4, 20}, {}, {}, true}, {{30, 39.6}, {}, {}, false}}});
+  };
+  picture(31, accuracy::PictureKind::kWorst);
+  picture(14, accuracy::PictureKind::kMedian);
+  picture(0, accuracy::PictureKind::kBest);
+  method.scene_errors_m = {0.01, 0.02, 0.05, 0.5};
+  method.heat_maps = {{.stem = "<i>seq-01/frame-3",
+                       .width = 8,
+                       .height = 6,
+                       .photo_jpeg = PixelJpeg(),
+                       .map_jpeg = PixelJpeg(),
+                       .predictions = 3,
+                       .median_error_m = 0.02}};
+  method.splits.resize(3);
+  for (accuracy::LevelSplits& level : method.splits) {
+    level.splits = 4;
+    level.by_left_share[10] = 3;
+    level.by_left_share[19] = 1;
+  }
+  method.foreign = {{.source = "tum:/data/desk",
+                     .with_depth = true,
+                     .images = 9,
+                     .accepted = 2,
+                     .not_localized = 7,
+                     .accepted_names = {"a<b"}},
+                    {.source = "tum:/data/desk", .images = 9, .refused = 9}};
+  return method;
+}
+
+accuracy::Sweep SomeSweep() {
+  accuracy::SweepLine line{.method = "rgbd", .points = {}};
+  for (int value : {1, 4, 8}) {
+    accuracy::SweepPoint point{.value = value, .summary = {}};
+    point.summary.correct_5cm_5deg = 0.6 + 0.04 * value;
+    point.summary.correct_2cm_2deg = 0.2 + 0.02 * value;
+    point.summary.median_translation_m = 0.03 / value;
+    point.summary.cpu_ms =
+        accuracy::Percentiles{1.5 * value, 2.0 * value, 3.0 * value};
+    line.points.push_back(point);
+  }
+  return {accuracy::SweepVariable::kBacktracking, {line}};
+}
+
+// Something of all that a report may hold, hostile names among it.
 ReportContents SomeContents() {
   ReportContents contents;
-  contents.run.dataset_uri = "7scenes:/data/kitchen";
-  contents.run.command = "treeline evaluate --model 'a b'";
+  contents.run.dataset_uri = "7scenes:/data/redkitchen";
+  contents.run.command = "treeline evaluate --model '</script>'";
   contents.run.cpu = "a processor";
-  accuracy::EvaluatedMethod& method = contents.methods.emplace_back();
-  method.name = "rgbd";
-  method.model.method = "rgbd";
-  method.model.file_bytes = 2000000;
-  method.results = {Localized("f0", 0.01), Localized("f1", 0.03),
-                    Localized("f2", 0.30), Lost("f3"), Failed("f4")};
-  method.training_poses = {geometry::Rigid3{{}, {0.2, 0, 0}}};
-  method.pictures = {{{2, accuracy::PictureKind::kWorst},
-                      "\xff\xd8jpeg",
-                      640,
-                      480,
-                      {{{10, 20}, {}, {}, true}, {{30, 40}, {}, {}, false}}}};
-  return contents;
-}
-
-// A page must not say "nan" or "inf" where a number belongs.
-void ExpectNoBadNumbers(const std::string& html) {
-  const std::string lower = absl::AsciiStrToLower(html);
-  for (const char* bad : {">nan", ">-nan", ">inf", "\"nan", "\"inf", " nan",
-                          " inf ", "mnan", "-nan"}) {
-    EXPECT_FALSE(Has(lower, bad)) << bad;
-  }
-}
-
-TEST(ReportHtml, NeedsNothingFromElsewhere) {
-  const std::string html = ReportHtml(SomeContents());
-  EXPECT_FALSE(Has(html, "http:"));
-  EXPECT_FALSE(Has(html, "https:"));
-  EXPECT_FALSE(Has(html, "<script"));
-  EXPECT_FALSE(Has(html, "<link"));
-  EXPECT_FALSE(Has(html, "@import"));
-  EXPECT_TRUE(Has(html, "data:image/jpeg;base64,/9hqcGVn"));
-}
-
-TEST(ReportHtml, LeadsWithTheFigures) {
-  const std::string html = ReportHtml(SomeContents());
-  EXPECT_TRUE(Has(html, "<h1>kitchen</h1>"));
-  EXPECT_TRUE(Has(html, "2 of 4 frames were placed within 5 cm"));
-  EXPECT_TRUE(Has(html, "One was given up as not localized."));
-  EXPECT_TRUE(Has(html, "1 could not be read or used."));
-  EXPECT_TRUE(Has(html, "<b>50.0 %</b><span>within 5 cm and 5°"));
-  EXPECT_TRUE(Has(html, "<b>25.0 %</b><span>within 2 cm and 2°"));
-  EXPECT_TRUE(Has(html, "<b>3.00 <small>cm</small></b>"));
-}
-
-TEST(ReportHtml, NeverRoundsALostFrameAway) {
-  ReportContents contents = SomeContents();
-  contents.methods[0].results.assign(4000, Localized("f", 0.01));
-  contents.methods[0].results.push_back(Lost("lost"));
-  const std::string html = ReportHtml(contents);
-  EXPECT_TRUE(Has(html, "<b>99.9 %</b><span>within 5 cm and 5°"));
-}
-
-TEST(ReportHtml, DrawsInliersAndOutliersWhereTheyWere) {
-  const std::string html = ReportHtml(SomeContents());
-  EXPECT_TRUE(Has(html, "<path d=\"M10 20h0\" class=\"inlier\"/>"));
-  EXPECT_TRUE(Has(html, "<path d=\"M30 40h0\" class=\"outlier\"/>"));
-  EXPECT_TRUE(Has(html, "Off by 30.0 cm and 0.50°"));
-  EXPECT_TRUE(Has(html, "The nearest training camera is 20 cm and 0° away."));
-}
-
-TEST(ReportHtml, SaysInWordsWhyAFrameWasNotLocalized) {
-  ReportContents contents = SomeContents();
-  contents.methods[0].pictures[0].choice.frame = 3;
-  const std::string html = ReportHtml(contents);
-  EXPECT_TRUE(Has(html, "Not localized: too few inliers."));
-  EXPECT_FALSE(Has(html, "TOO_FEW_INLIERS"));
-}
-
-TEST(ReportHtml, EscapesNamesAndCommands) {
-  ReportContents contents = SomeContents();
-  contents.methods[0].results[3].stem = "<b>&\"'";
-  contents.run.command = "treeline <evil>";
-  const std::string html = ReportHtml(contents);
-  EXPECT_FALSE(Has(html, "<evil>"));
-  EXPECT_TRUE(Has(html, "treeline &lt;evil&gt;"));
-  EXPECT_TRUE(Has(html, "&lt;b&gt;&amp;&quot;&#39;"));
-}
-
-TEST(ReportHtml, ListsErrorsAndLostFramesBeforeLargeErrors) {
-  const std::string html = ReportHtml(SomeContents());
-  const size_t table = html.find("The hardest frames");
-  ASSERT_NE(table, std::string::npos);
-  const size_t failed = html.find("<td>f4</td>", table);
-  const size_t lost = html.find("<td>f3</td>", table);
-  const size_t far = html.find("<td>f2</td>", table);
-  ASSERT_NE(far, std::string::npos);
-  EXPECT_LT(failed, lost);
-  EXPECT_LT(lost, far);
-}
-
-TEST(ReportHtml, IsWholeForEveryKindOfRun) {
-  accuracy::FrameResult unknown = Localized("u", 0.01);
-  unknown.true_world_from_camera.reset();
-  unknown.error.reset();
-  const std::vector<std::vector<accuracy::FrameResult>> runs = {
-      {},
-      {Localized("one", 0)},
-      {Lost("lost")},
-      {Failed("failed")},
-      {unknown, unknown},
-      {Localized("wild", 1e6), Localized("fine", 0.01)},
-  };
-  for (const std::vector<accuracy::FrameResult>& results : runs) {
-    ReportContents contents;
-    contents.methods.emplace_back().results = results;
-    const std::string html = ReportHtml(contents);
-    EXPECT_TRUE(Has(html, "</html>"));
-    ExpectNoBadNumbers(html);
-  }
-}
-
-TEST(ReportHtml, SaysSoWhereThereIsNoGroundTruth) {
-  ReportContents contents = SomeContents();
-  for (accuracy::FrameResult& result : contents.methods[0].results) {
-    result.true_world_from_camera.reset();
-    result.error.reset();
-  }
-  EXPECT_TRUE(Has(ReportHtml(contents), "no ground truth to score"));
-}
-
-ReportContents ThreeMethods() {
-  ReportContents contents = SomeContents();
-  accuracy::EvaluatedMethod other = contents.methods[0];
-  other.name = "<other>";
-  other.results = {Localized("f0", 0.01), Localized("f1", 0.01),
-                   Localized("f2", 0.01), Localized("f3", 0.01),
-                   Localized("f4", 0.01)};
-  contents.methods.push_back(other);
+  contents.run.software_version = "1.2.3";
+  contents.run.started_utc = "2026-11-21T09:30:00Z";
+  contents.run.peak_memory_bytes = 123456789;
+  contents.methods.push_back(SomeMethod());
+  accuracy::EvaluatedMethod other = SomeMethod();
+  other.name = "</script><script>alert('x')</script>";
+  other.model.method = "orb-pnp";
+  other.model_path.clear();
+  other.model.file_bytes = 0;
+  other.splits.clear();
+  other.heat_maps.clear();
+  other.results.resize(20);
+  other.pictures.resize(2);
+  other.pictures[0].choice.frame = 19;
+  contents.methods.push_back(std::move(other));
   accuracy::EvaluatedMethod& failed = contents.methods.emplace_back();
   failed.name = "failed";
   failed.status = absl::NotFoundError("no <model>");
+  contents.sweeps.push_back(SomeSweep());
   return contents;
 }
 
-TEST(ReportHtml, PutsSeveralMethodsSideBySide) {
-  const std::string html = ReportHtml(ThreeMethods());
-  EXPECT_TRUE(Has(html,
-                  "3 methods side by side. Most accurate: "
-                  "&lt;other&gt;, with 100 % of 5 frames"));
-  EXPECT_TRUE(Has(html, "1 could not be evaluated."));
-  EXPECT_TRUE(Has(html, "no &lt;model&gt;</td>"));
-  EXPECT_TRUE(Has(html, "<td class=\"n best\">100 %</td>"));
-  EXPECT_TRUE(Has(html, "<td class=\"n\">50.0 %</td>"));
-  EXPECT_TRUE(Has(html, "<summary><b>rgbd</b>"));
-  EXPECT_FALSE(Has(html, "<summary><b>failed</b>"));
-  EXPECT_FALSE(Has(html, "<script"));
-  ExpectNoBadNumbers(html);
+Json Parsed(const ReportContents& contents) {
+  return Json::parse(ReportJson(contents));
 }
 
-TEST(ReportHtml, IsWholeWhereEveryMethodFailed) {
-  ReportContents contents;
-  contents.methods.resize(2);
-  for (accuracy::EvaluatedMethod& method : contents.methods) {
-    method.status = absl::NotFoundError("gone");
+// The same keys in the same order, and the same values but for the last digits
+// of numbers, which compilers differ in.
+void ExpectSame(const Json& a, const Json& b, const std::string& where) {
+  if (a.is_number() && b.is_number()) {
+    EXPECT_NEAR(a.get<double>(), b.get<double>(),
+                1e-6 * (1 + std::abs(b.get<double>())))
+        << where;
+    return;
   }
-  const std::string html = ReportHtml(contents);
-  EXPECT_TRUE(Has(html, "</html>"));
-  ExpectNoBadNumbers(html);
-}
-
-TEST(ReportHtml, SetsPublishedFiguresApart) {
-  ReportContents contents = SomeContents();
-  contents.run.dataset_uri = "7scenes:/data/redkitchen";
-  const std::string html = ReportHtml(contents);
-  EXPECT_TRUE(Has(html, "published: thesis, Table 5.2"));
-  EXPECT_TRUE(Has(html, "published, Red Kitchen"));
-  EXPECT_TRUE(Has(html, "measured here"));
-  EXPECT_TRUE(Has(html, "cannot be ranked against the others"));
-  contents.run.dataset_uri = "elsewhere:/data";
-  EXPECT_FALSE(Has(ReportHtml(contents), "What others published"));
-}
-
-TEST(ReportHtml, ShowsConfidenceWhereItIsStated) {
-  ReportContents contents = SomeContents();
-  EXPECT_FALSE(Has(ReportHtml(contents), "Can it be believed"));
-  contents.methods[0].results[0].estimate.confidence = 0.95;
-  contents.methods[0].results[2].estimate.confidence = 0.15;
-  const std::string html = ReportHtml(contents);
-  EXPECT_TRUE(Has(html, "Can it be believed"));
-  EXPECT_TRUE(Has(html, "At 0.50 and above: 1 answer, 100 % of them correct"));
-  EXPECT_TRUE(Has(html, "stated 95 %, correct 100 % of 1 frames"));
-}
-
-TEST(ReportHtml, CountsFalseAccepts) {
-  ReportContents contents = SomeContents();
-  accuracy::ForeignTally with{.source = "tum:/data/desk",
-                              .with_depth = true,
-                              .images = 9,
-                              .accepted = 2,
-                              .not_localized = 7,
-                              .accepted_names = {"a<b"}};
-  accuracy::ForeignTally without{
-      .source = "tum:/data/desk", .images = 9, .refused = 9};
-  contents.methods[0].foreign = {with, without};
-  const std::string html = ReportHtml(contents);
-  EXPECT_TRUE(Has(html, "<td class=\"n bad\">2 of 9</td>"));
-  EXPECT_TRUE(Has(html, "0 of 9 (9 refused)"));
-  EXPECT_TRUE(Has(html, "a&lt;b"));
-}
-
-TEST(ReportHtml, ShowsSceneCoordinateErrorsAndHeatMaps) {
-  ReportContents contents = SomeContents();
-  EXPECT_FALSE(Has(ReportHtml(contents), "Before the pose"));
-  contents.methods[0].scene_errors_m = {0.01, 0.02, 0.5};
-  contents.methods[0].heat_maps = {{.stem = "f<2",
-                                    .width = 8,
-                                    .height = 6,
-                                    .photo_jpeg = "photo",
-                                    .map_jpeg = "map",
-                                    .predictions = 3,
-                                    .median_error_m = 0.02}};
-  const std::string html = ReportHtml(contents);
-  EXPECT_TRUE(Has(html, "Predictions within a distance of the truth"));
-  EXPECT_TRUE(Has(html, "median 2.0 cm of 3 predictions"));
-  EXPECT_TRUE(Has(html, "f&lt;2"));
-}
-
-TEST(DistanceSection, GroupsFramesByTheirDistanceFromTraining) {
-  accuracy::EvaluatedMethod method;
-  method.name = "rgbd";
-  method.training_poses = {geometry::Rigid3{}};
-  for (int i = 0; i < 10; ++i) {
-    // The nearer half is right.
-    accuracy::FrameResult result = Localized("f", i < 5 ? 0.01 : 0.2);
-    result.true_world_from_camera->translation = {0.1 * i, 0, 0};
-    method.results.push_back(result);
+  ASSERT_EQ(a.type(), b.type()) << where;
+  if (!a.is_structured()) {
+    EXPECT_EQ(a, b) << where;
+    return;
   }
-  const std::string html = DistanceSection({method});
-  EXPECT_TRUE(Has(html, "rgbd: 100.0 % of 2 frames about 5 cm away"));
-  EXPECT_TRUE(Has(html, "rgbd: 50.0 % of 2 frames about 45 cm away"));
-  EXPECT_TRUE(Has(html, "rgbd: 0.0 % of 2 frames about 85 cm away"));
-  EXPECT_TRUE(Has(html, "rgbd: median 1.00 cm about 25 cm away"));
-  method.training_poses.clear();
-  EXPECT_EQ(DistanceSection({method}), "");
-}
-
-TEST(TurntableChart, HasAButtonForEveryView) {
-  const std::string html =
-      TurntableChart({Localized("f", 0.01)}, {geometry::Rigid3{}}, "m7");
-  const auto count = [&](const std::string& text) {
-    int found = 0;
-    for (size_t at = html.find(text); at != std::string::npos;
-         at = html.find(text, at + 1)) {
-      ++found;
+  ASSERT_EQ(a.size(), b.size()) << where;
+  auto other = b.begin();
+  for (auto it = a.begin(); it != a.end(); ++it, ++other) {
+    std::string name = where + "[]";
+    if (a.is_object()) {
+      ASSERT_EQ(it.key(), other.key()) << where;
+      name = absl::StrCat(where, ".", it.key());
     }
-    return found;
-  };
-  EXPECT_EQ(count("<input type=\"radio\" name=\"turn-m7\""), 12);
-  EXPECT_EQ(count("<svg"), 12);
-  EXPECT_EQ(count(" checked"), 1);
-  EXPECT_EQ(TurntableChart({Failed("f")}, {}, "m"), "");
-}
-
-TEST(CumulativeCurves, CountWhatHasNoValueInTheTotal) {
-  const std::string svg = CumulativeCurves({{"a", {1.0, 2.0}, 4}, {"b", {}, 0}},
-                                           10, "cm", {{5, "5 cm"}});
-  // Half of the height of 214 px above the base at 230.
-  EXPECT_THAT(svg, HasSubstr("V123.0"));
-  EXPECT_THAT(svg, HasSubstr("class=\"series s1\""));
-  ExpectNoBadNumbers(svg);
-}
-
-TEST(LineChart, KeepsItsLimitAndSurvivesASinglePoint) {
-  const std::string svg =
-      LineChart({{"a", {{1, 100, "at one"}}}}, "x", "%", 100);
-  EXPECT_THAT(svg, HasSubstr("at one"));
-  EXPECT_THAT(svg, HasSubstr(">100</text>"));
-  EXPECT_THAT(svg, Not(HasSubstr(">102</text>")));
-  ExpectNoBadNumbers(svg);
-  ExpectNoBadNumbers(LineChart({}, "x", "y"));
-  ExpectNoBadNumbers(LineChart({{"a", {{0, 0, ""}}}}, "x", "y"));
-}
-
-TEST(SplitRatioMap, SaysHowManySplitsHaveWhichShare) {
-  accuracy::LevelSplits level;
-  level.splits = 4;
-  level.by_left_share[10] = 3;
-  level.by_left_share[19] = 1;
-  EXPECT_THAT(SplitRatioMap({level}),
-              HasSubstr("level 0: 75.0 % of 4 splits send 50 to 55 % to the "
-                        "left"));
-  EXPECT_EQ(SplitRatioMap({}), "");
-}
-
-TEST(ChoosePictures, TakesWorstMedianAndBestOfFramesThatCanBeShown) {
-  // Errors grow with the index; neighbours look alike and are not taken
-  // together while others remain.
-  std::vector<accuracy::FrameResult> results;
-  for (int i = 0; i < 40; ++i) {
-    results.push_back(Localized("f", 0.001 * (i + 1)));
-  }
-  results.push_back(Failed("failed"));
-  const std::vector<accuracy::PictureChoice> choices =
-      accuracy::ChoosePictures(results, 2, 1, 1);
-  std::vector<int> frames;
-  for (const accuracy::PictureChoice& choice : choices)
-    frames.push_back(choice.frame);
-  EXPECT_THAT(frames, ElementsAre(39, 35, 19, 0));
-}
-
-TEST(ChoosePictures, PutsLostFramesFirst) {
-  const std::vector<accuracy::PictureChoice> choices =
-      accuracy::ChoosePictures({Localized("far", 9), Lost("lost")}, 1, 0, 0);
-  EXPECT_THAT(choices, ElementsAre(Field(&accuracy::PictureChoice::frame, 1)));
-}
-
-TEST(ChoosePictures, NeverShowsAFrameTwice) {
-  EXPECT_THAT(accuracy::ChoosePictures({Localized("only", 0.01)}, 3, 3, 3),
-              ElementsAre(Field(&accuracy::PictureChoice::kind,
-                                accuracy::PictureKind::kWorst)));
-  EXPECT_THAT(accuracy::ChoosePictures({}, 3, 3, 3), IsEmpty());
-}
-
-TEST(TakePictures, AsksForCorrespondencesWithTheSeedOfTheEvaluation) {
-  const tools::SmallRecording recording(2, {});
-  accuracy::EvaluationOptions options;
-  options.seed = 5;
-  const tools::FunctionLocalizer localizer(
-      {},
-      [](const image::Frame& frame, const localizer::LocalizeOptions& query) {
-        localizer::PoseEstimate estimate = tools::LocalizedAt({});
-        if (query.keep_correspondences) {
-          estimate.correspondences.push_back(
-              {{static_cast<double>(tools::FrameNumber(frame)),
-                static_cast<double>(query.seed)},
-               {},
-               {},
-               true});
-        }
-        return estimate;
-      });
-  const std::vector<accuracy::ReportPicture> pictures =
-      accuracy::TakePictures(localizer, recording.Open(),
-                             {{1, accuracy::PictureKind::kBest}}, options);
-  ASSERT_EQ(pictures.size(), 1u);
-  EXPECT_EQ(pictures[0].width, 8);
-  EXPECT_EQ(pictures[0].height, 6);
-  ASSERT_EQ(pictures[0].correspondences.size(), 1u);
-  EXPECT_EQ(pictures[0].correspondences[0].color_pixel.x, 1);
-  EXPECT_EQ(pictures[0].correspondences[0].color_pixel.y, 5);
-  EXPECT_EQ(pictures[0].jpeg.substr(0, 2), "\xff\xd8");
-}
-
-TEST(DistanceToTraining, WeighsATurnLikeTheMoveOfWhatIsSeen) {
-  // 10 cm away, or turned by 4 degrees: 1.5 m * 0.0698 rad = 10.5 cm.
-  const geometry::Rigid3 moved{{}, {0.1, 0, 0}};
-  const geometry::Rigid3 turned{
-      geometry::Rotation3::FromAxisAngle({0, 4 * kDegree, 0}), {}};
-  const auto nearest = accuracy::DistanceToTraining({}, {turned, moved});
-  ASSERT_TRUE(nearest.has_value());
-  EXPECT_NEAR(nearest->translation_m, 0.1, 1e-12);
-  EXPECT_NEAR(nearest->rotation_deg, 0, 1e-12);
-  EXPECT_NEAR(nearest->combined_m, 0.1, 1e-12);
-  EXPECT_NEAR(accuracy::DistanceToTraining({}, {turned})->combined_m, 0.10472,
-              1e-5);
-  EXPECT_FALSE(accuracy::DistanceToTraining({}, {}).has_value());
-}
-
-TEST(AxesOfCameras, FindsUpAndForwardOfACameraInAZUpWorld) {
-  // Camera looking along world y, its y axis down along -z.
-  geometry::Mat3 rotation;
-  rotation(0, 0) = 1;   // camera x -> world x
-  rotation(2, 1) = -1;  // camera y -> world -z
-  rotation(1, 2) = 1;   // camera z -> world y
-  const ViewAxes axes = AxesOfCameras(
-      {geometry::Rigid3{geometry::Rotation3::FromMatrix(rotation), {5, 6, 7}}});
-  EXPECT_NEAR(axes.up_in_world.z, 1, 1e-12);
-  EXPECT_NEAR(axes.forward_in_world.y, 1, 1e-12);
-  EXPECT_NEAR(axes.right_in_world.x, 1, 1e-12);
-}
-
-TEST(AxesOfCameras, StaysOrthonormalWhereDirectionsVanish) {
-  // Looking straight down and, in the second pair, in opposite directions.
-  const geometry::Rotation3 down =
-      geometry::Rotation3::FromAxisAngle({90 * kDegree, 0, 0});
-  const geometry::Rotation3 flipped =
-      geometry::Rotation3::FromAxisAngle({180 * kDegree, 0, 0});
-  for (const std::vector<geometry::Rigid3>& cameras :
-       {std::vector<geometry::Rigid3>{{down, {}}},
-        std::vector<geometry::Rigid3>{{{}, {}}, {flipped, {}}},
-        std::vector<geometry::Rigid3>{}}) {
-    const ViewAxes axes = AxesOfCameras(cameras);
-    EXPECT_NEAR(geometry::Norm(axes.up_in_world), 1, 1e-12);
-    EXPECT_NEAR(geometry::Norm(axes.forward_in_world), 1, 1e-12);
-    EXPECT_NEAR(geometry::Dot(axes.up_in_world, axes.forward_in_world), 0,
-                1e-12);
-    EXPECT_NEAR(geometry::Norm(geometry::Cross(axes.right_in_world,
-                                               axes.forward_in_world) -
-                               axes.up_in_world),
-                0, 1e-12);
+    ExpectSame(*it, *other, name);
   }
 }
 
-TEST(TrajectoryChart, CountsEstimatesThatLieOutside) {
-  std::vector<accuracy::FrameResult> results;
+// The template's own tests read these files, so that both sides keep to one
+// contract. TREELINE_WRITE_FIXTURES=1 writes them anew.
+void ExpectFixture(const std::string& name, const std::string& json) {
+  const std::string path =
+      absl::StrCat(TREELINE_REPORT_FIXTURES, "/", name, ".json");
+  if (std::getenv("TREELINE_WRITE_FIXTURES") != nullptr) {
+    ASSERT_TRUE(
+        base::WriteFileAtomically(path, Json::parse(json).dump(1) + "\n").ok());
+  }
+  const auto kept = base::ReadFile(path);
+  ASSERT_TRUE(kept.ok()) << kept.status();
+  ExpectSame(Json::parse(json), Json::parse(*kept), name);
+}
+
+TEST(ReportJson, IsWhatTheTemplateIsTestedWith) {
+  ExpectFixture("evaluation", ReportJson(SomeContents()));
+}
+
+TEST(RecognitionReportJson, IsWhatTheTemplateIsTestedWith) {
+  accuracy::RecognitionRun run;
+  run.command = "treeline recognize";
+  run.cpu = "a processor";
+  run.software_version = "1.2.3";
+  run.started_utc = "2026-11-21T09:30:00Z";
+  run.scenes = {"kitchen", "<b>desk"};
+  accuracy::RecognitionTally tally{"kitchen", "7scenes:kitchen", {}};
+  tally.frames = {{.stem = "0",
+                   .status = {},
+                   .rank = 1,
+                   .first = "kitchen",
+                   .answer = "kitchen",
+                   .localized = true,
+                   .tried = 1},
+                  {.stem = "1",
+                   .status = {},
+                   .rank = 2,
+                   .first = "<b>desk",
+                   .answer = "<b>desk",
+                   .localized = true,
+                   .tried = 2},
+                  {.stem = "2",
+                   .status = {},
+                   .rank = 1,
+                   .first = "kitchen",
+                   .answer = "kitchen",
+                   .localized = false,
+                   .tried = 2},
+                  {.stem = "3",
+                   .status = absl::DataLossError("<bad>"),
+                   .first = "",
+                   .answer = ""}};
+  accuracy::RecognitionTally foreign{"", "builtin", {}};
+  foreign.frames = {
+      {.stem = "0", .status = {}, .first = "kitchen", .answer = ""}};
+  const std::string json =
+      accuracy::RecognitionReportJson({tally, foreign}, run);
+  EXPECT_EQ(Json::parse(json)["kind"], "recognition");
+  ExpectFixture("recognition", json);
+}
+
+TEST(ReportJson, SaysForEachFrameHowFarTrainingIs) {
+  const Json frames = Parsed(SomeContents())["methods"][0]["per_frame"];
+  // 0.02 rad along an arc of 2 m, turned by as much: hypot(0.04, 1.5 * 0.02).
+  const Json& nearest = frames[0]["training_distance"];
+  EXPECT_NEAR(nearest["translation_m"].get<double>(), 0.0417, 1e-3);
+  EXPECT_NEAR(nearest["rotation_deg"].get<double>(), 0.02 / kDegree, 1e-6);
+  EXPECT_NEAR(nearest["combined_m"].get<double>(), 0.0514, 1e-3);
+  EXPECT_TRUE(frames[32]["training_distance"].is_null());
+}
+
+TEST(ReportJson, PutsPixelsWhereTheyWere) {
+  const Json pictures =
+      Parsed(SomeContents())["methods"][0]["page"]["pictures"];
+  ASSERT_EQ(pictures.size(), 3u);
+  EXPECT_EQ(pictures[0]["frame"], 31);
+  EXPECT_EQ(pictures[0]["kind"], "worst");
+  EXPECT_EQ(pictures[0]["inliers"], Json::array({10, 20}));
+  EXPECT_EQ(pictures[0]["outliers"], Json::array({30, 40}));
+  EXPECT_EQ(pictures[0]["photo"],
+            absl::StrCat("data:image/jpeg;base64,", kPixelJpeg));
+}
+
+TEST(ReportJson, SaysInWhichDirectionAnErrorLies) {
+  ReportContents contents = SomeContents();
+  contents.methods.resize(1);
+  accuracy::EvaluatedMethod& method = contents.methods[0];
+  // Cameras at the origin, looking along z.
+  method.results = {Localized("sideways", {}, 0.1), Localized("depth", {}, 0.1),
+                    Localized("both", {}, 0.1), Localized("none", {}, 0),
+                    Lost("lost", {})};
+  method.results[1].estimate.world_from_camera.translation = {0, 0, 0.1};
+  method.results[2].estimate.world_from_camera.translation = {0.1, 0, 0.1};
+  method.results[2].estimate.covariance[0] = 0.0009;
+  method.pictures.clear();
   for (int i = 0; i < 5; ++i) {
-    accuracy::FrameResult result = Localized("f", 0);
-    result.true_world_from_camera->translation = {0.1 * i, 0, 0};
-    result.estimate.world_from_camera = *result.true_world_from_camera;
-    results.push_back(result);
+    method.pictures.push_back(
+        {{i, accuracy::PictureKind::kWorst}, "", 4, 3, {}});
   }
-  EXPECT_THAT(TrajectoryChart(results, {}), Not(HasSubstr("outside")));
-  results[2].estimate.world_from_camera.translation.y = 50;
-  results[2].error->translation_m = 50;
-  EXPECT_THAT(TrajectoryChart(results, {}),
-              HasSubstr("1 estimate lies outside"));
+  const Json pictures = Parsed(contents)["methods"][0]["page"]["pictures"];
+  EXPECT_EQ(pictures[0]["error_direction"], "sideways");
+  EXPECT_EQ(pictures[1]["error_direction"], "depth");
+  EXPECT_TRUE(pictures[2]["error_direction"].is_null());
+  EXPECT_TRUE(pictures[3]["error_direction"].is_null());
+  EXPECT_TRUE(pictures[4]["error_direction"].is_null());
+  EXPECT_NEAR(pictures[2]["claimed_deviation_m"].get<double>(), 0.03, 1e-12);
+  EXPECT_TRUE(pictures[0]["claimed_deviation_m"].is_null());
+  EXPECT_TRUE(pictures[4]["claimed_deviation_m"].is_null());
 }
 
-TEST(CumulativeChart, CountsFramesWithoutAValueInTheTotal) {
-  // Two of four frames have errors below 2 cm.
-  const std::string svg =
-      CumulativeChart({1.0, 1.5, 7.0}, 4, 10, "cm", {{2, "2 cm"}});
-  EXPECT_THAT(svg, HasSubstr(">50.0 %</text>"));
+TEST(ReportJson, HasTheCurveOfSceneCoordinateErrors) {
+  const Json curve =
+      Parsed(SomeContents())["methods"][0]["page"]["scene_error_curve"];
+  ASSERT_EQ(curve.size(), 201u);
+  EXPECT_EQ(curve[0], Json::array({0.0, 0.0}));
+  EXPECT_EQ(curve[4][1], 0.0);   // 8 mm
+  EXPECT_EQ(curve[6][1], 0.25);  // 12 mm
+  EXPECT_EQ(curve[200][1], 0.75);
 }
 
-TEST(HistogramChart, CountsWhatLiesBeyondItsLastBin) {
-  std::vector<double> values(1000, 1.0);
-  values.push_back(500);
-  const std::string svg = HistogramChart(values, "ms", {});
-  EXPECT_THAT(svg, HasSubstr(">1 beyond</text>"));
-  EXPECT_THAT(svg, HasSubstr("1000 frames"));
-  EXPECT_EQ(HistogramChart({}, "ms", {}), "");
+TEST(ReportJson, SetsPublishedFiguresApart) {
+  ReportContents contents = SomeContents();
+  Json published = Parsed(contents)["published"];
+  EXPECT_EQ(published["scene"], "Red Kitchen");
+  EXPECT_FALSE(published["scene_results"].empty());
+  EXPECT_FALSE(published["average_results"].empty());
+  contents.run.dataset_uri = "7scenes:/data/my-desk";
+  published = Parsed(contents)["published"];
+  EXPECT_TRUE(published["scene"].is_null());
+  EXPECT_TRUE(published["scene_results"].empty());
+  EXPECT_FALSE(published["average_results"].empty());
+  contents.run.dataset_uri = "elsewhere:/data";
+  EXPECT_TRUE(Parsed(contents)["published"].is_null());
 }
 
-TEST(RoundTicks, StepsByOneTwoOrFive) {
-  EXPECT_THAT(RoundTicks(10, 5), ElementsAre(0, 2, 4, 6, 8, 10));
-  EXPECT_THAT(RoundTicks(0.3, 3), ElementsAre(DoubleEq(0), DoubleEq(0.1),
-                                              DoubleEq(0.2), DoubleEq(0.3)));
-  EXPECT_THAT(RoundTicks(180, 6), ElementsAre(0, 50, 100, 150));
+TEST(ReportJson, NamesTheMethodsThatFailed) {
+  const Json failed = Parsed(SomeContents())["methods"][2];
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : failed.items()) keys.push_back(key);
+  EXPECT_THAT(keys, ElementsAre("name", "error"));
 }
 
-TEST(DescribeModel, ShowsWhatAPersonAsksFor) {
-  forest::ModelInfo model;
-  model.method = "rgbd";
-  model.format_version = 1;
-  model.trees = 5;
-  model.leaves = 482025;
-  model.file_bytes = 48200000;
-  model.options = {{"trees", "5"}, {"poses", ""}};
-  model.calibration.color_from_depth.translation = {-0.0235, 0.005, 0};
-  const std::string text = tools::DescriptionText(tools::DescribeModel(model));
-  EXPECT_THAT(text, HasSubstr("482,025"));
-  EXPECT_THAT(text, HasSubstr("48.2 MB"));
-  EXPECT_THAT(text, HasSubstr("-2.350  0.500  0.000 cm"));
-  EXPECT_THAT(text, HasSubstr("PINHOLE 585 585 320 240, 640 x 480"));
-}
-
-TEST(Format, WritesCountsBytesAndOddNumbers) {
-  EXPECT_EQ(tools::FormatCount(0), "0");
-  EXPECT_EQ(tools::FormatCount(999), "999");
-  EXPECT_EQ(tools::FormatCount(1000), "1,000");
-  EXPECT_EQ(tools::FormatCount(-1234567), "-1,234,567");
-  EXPECT_EQ(tools::FormatBytes(999), "999 B");
-  EXPECT_EQ(tools::FormatBytes(1000), "1.0 kB");
-  EXPECT_EQ(tools::FormatBytes(34200000), "34.2 MB");
-  EXPECT_EQ(tools::FormatNumber("%.1f", std::nan("")), "-");
-}
-
-TEST(ShellQuoted, QuotesOnlyWhatAShellWouldChange) {
-  EXPECT_EQ(tools::ShellQuoted("--model=a/b_c-1.treeline"),
-            "--model=a/b_c-1.treeline");
-  EXPECT_EQ(tools::ShellQuoted("7scenes:dir"), "7scenes:dir");
-  EXPECT_EQ(tools::ShellQuoted("a b"), "'a b'");
-  EXPECT_EQ(tools::ShellQuoted("it's"), "'it'\\''s'");
-  EXPECT_EQ(tools::ShellQuoted("$HOME"), "'$HOME'");
-  EXPECT_EQ(tools::ShellQuoted(""), "''");
-}
-
-TEST(RunInfo, TellsAboutThisProcess) {
-  EXPECT_THAT(tools::CommandLine(), HasSubstr("report_test"));
-  EXPECT_GT(tools::PeakMemoryBytes(), 1u << 20);
-  EXPECT_THAT(tools::CpuDescription(), HasSubstr("processor"));
-  EXPECT_EQ(tools::UtcNow().size(), std::string("2026-11-21T09:30:00Z").size());
+TEST(ReportJson, IsWholeForEveryKindOfRun) {
+  accuracy::FrameResult unknown = Localized("u", {}, 0.01);
+  unknown.true_world_from_camera.reset();
+  unknown.error.reset();
+  for (const std::vector<accuracy::FrameResult>& results :
+       std::vector<std::vector<accuracy::FrameResult>>{
+           {},
+           {Localized("one", {}, 0)},
+           {Lost("lost", {})},
+           {Failed("\xff not UTF-8")},
+           {unknown, unknown},
+           {Localized("wild", {}, 1e6)}}) {
+    ReportContents contents;
+    contents.methods.emplace_back().results = results;
+    const Json json = Parsed(contents);
+    EXPECT_EQ(json["methods"][0]["per_frame"].size(), results.size());
+    EXPECT_TRUE(json["methods"][0]["page"]["axes"]["up"][2].is_number());
+  }
 }
 
 }  // namespace

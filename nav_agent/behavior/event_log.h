@@ -2,22 +2,17 @@
 #ifndef NAV_AGENT_BEHAVIOR_EVENT_LOG_H_
 #define NAV_AGENT_BEHAVIOR_EVENT_LOG_H_
 
-#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "common/base/clock.h"
 #include "nav_agent/behavior/navigator.h"
 #include "nav_agent/behavior/parameters.h"
 
 namespace treeline::behavior {
-
-inline double SecondsBetween(base::MonotonicTime earlier,
-                             base::MonotonicTime later) {
-  return std::chrono::duration<double>(later - earlier).count();
-}
 
 class EventLog {
  public:

@@ -75,7 +75,7 @@ Maneuver::Maneuver(const ManeuverRung& rung, const NavigatorLimits& limits,
 Maneuver::Result Maneuver::Step(const control::ControlPose& pose,
                                 base::MonotonicTime now,
                                 control::LocalController& controller) {
-  const double elapsed_s = SecondsBetween(begun_, now);
+  const double elapsed_s = base::SecondsBetween(begun_, now);
   switch (rung_.kind) {
     case ManeuverKind::kClearCostmap:
       controller.ClearObstacles();
@@ -104,7 +104,7 @@ Maneuver::Result Maneuver::BackUp(const control::ControlPose& pose,
   if (!start_.has_value() &&
       quiet_s < (rung_.is_bold ? kQuietMoment_s : kNobodyMovedFor_s)) {
     const bool waits =
-        rung_.is_bold && SecondsBetween(begun_, now) < limits_.back_up_s;
+        rung_.is_bold && base::SecondsBetween(begun_, now) < limits_.back_up_s;
     return {.outcome = waits ? ManeuverOutcome::kRunning
                              : ManeuverOutcome::kNotPossible,
             .command = controller.Guard(pose, {})};
@@ -125,7 +125,7 @@ Maneuver::Result Maneuver::BackUp(const control::ControlPose& pose,
   if (done_m >= std::abs(way_m_) - kBackUpTolerance_m) {
     return {.outcome = ManeuverOutcome::kDone, .command = {}};
   }
-  if (SecondsBetween(begun_, now) > limits_.back_up_s) {
+  if (base::SecondsBetween(begun_, now) > limits_.back_up_s) {
     return {.outcome = ManeuverOutcome::kTimedOut, .command = {}};
   }
   return {

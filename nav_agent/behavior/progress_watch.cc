@@ -37,7 +37,7 @@ bool ProgressWatch::Observe(base::MonotonicTime now, size_t leg, double to_go_m,
     yaw_rad_ = yaw_rad;
     return true;
   }
-  return SecondsBetween(*since_, now) < limits_.progress_s;
+  return base::SecondsBetween(*since_, now) < limits_.progress_s;
 }
 
 bool ProgressWatch::TakeRefill() { return std::exchange(refill_, false); }

@@ -65,18 +65,18 @@ std::string Silence(const char* device, double silent_s,
 }  // namespace
 
 double SameAgain::For_s(base::MonotonicTime stamp) const {
-  return since_.has_value() ? SecondsBetween(*since_, stamp) : 0;
+  return since_.has_value() ? base::SecondsBetween(*since_, stamp) : 0;
 }
 
 bool AcceptStamp(base::MonotonicTime stamp, base::MonotonicTime now,
                  double timeout_s, const SensorWatchOptions& options,
                  std::optional<base::MonotonicTime> newest,
                  SensorTally& tally) {
-  if (SecondsBetween(now, stamp) > options.future_s) {
+  if (base::SecondsBetween(now, stamp) > options.future_s) {
     ++tally.future;
     return false;
   }
-  if (SecondsBetween(stamp, now) > timeout_s) {
+  if (base::SecondsBetween(stamp, now) > timeout_s) {
     ++tally.late;
     return false;
   }
@@ -131,7 +131,7 @@ std::optional<std::string> LaserWatch::Problem(base::MonotonicTime begun,
   if (health.state == core::DeviceState::kLost) {
     return absl::StrCat("the ", name_, " is lost: ", health.cause.message());
   }
-  const double silent_s = SecondsBetween(stamp_.value_or(begun), now);
+  const double silent_s = base::SecondsBetween(stamp_.value_or(begun), now);
   if (silent_s > options_->laser_timeout_s) {
     return Silence(name_, silent_s, tally_, tally_then_);
   }
@@ -217,7 +217,8 @@ void SensorWatch::JudgeOdometry(const core::BaseReading& reading,
   const bool says_it_stands = std::abs(reading.forward_mps) <= kMinMotion &&
                               std::abs(reading.yaw_rate_radps) <= kMinMotion;
   if (says_it_stands && odometry_retries_ < options_.retries &&
-      SecondsBetween(*odometry_frozen_, reading.stamp) > options_.retry_s) {
+      base::SecondsBetween(*odometry_frozen_, reading.stamp) >
+          options_.retry_s) {
     ++odometry_retries_;
     odometry_frozen_.reset();
     same_readings_.Restart();
@@ -250,7 +251,7 @@ std::optional<std::string> SensorWatch::OdometryProblem() const {
     return absl::StrCat("the odometry is lost: ", health.cause.message());
   }
   const double silent_s =
-      SecondsBetween(odometry_stamp_.value_or(*begun_), now_);
+      base::SecondsBetween(odometry_stamp_.value_or(*begun_), now_);
   if (silent_s > options_.odometry_timeout_s) {
     return Silence("odometry", silent_s, odometry_, odometry_then_);
   }

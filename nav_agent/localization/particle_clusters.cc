@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
-#include <numeric>
 
+#include "common/base/disjoint_sets.h"
 #include "common/base/random.h"
 #include "nav_agent/localization/parameters.h"
 
@@ -35,32 +35,6 @@ struct ColumnPlace {
     };
     return {.x = value(42, 22), .y = value(20, 22), .height = value(0, 20)};
   }
-};
-
-// Which set each of some numbers is in (Tarjan).
-class DisjointSets {
- public:
-  explicit DisjointSets(int count) : parents_(static_cast<size_t>(count)) {
-    std::iota(parents_.begin(), parents_.end(), 0);
-  }
-  int Find(int i) {
-    while (parents_[static_cast<size_t>(i)] != i) {
-      int& parent = parents_[static_cast<size_t>(i)];
-      parent = parents_[static_cast<size_t>(parent)];
-      i = parent;
-    }
-    return i;
-  }
-  // The smaller number names the set.
-  void Join(int a, int b) {
-    const int root_a = Find(a);
-    const int root_b = Find(b);
-    parents_[static_cast<size_t>(std::max(root_a, root_b))] =
-        std::min(root_a, root_b);
-  }
-
- private:
-  std::vector<int> parents_;
 };
 
 // Numbers keys in the order in which they come: a hash table with open
@@ -132,7 +106,7 @@ class BinTable {
 
   // Bins that are neighbours, in any of the four directions and diagonally, are
   // of one set.
-  void JoinNeighbors(DisjointSets& sets) const {
+  void JoinNeighbors(base::DisjointSets& sets) const {
     for (size_t column = 0; column < columns_.keys().size(); ++column) {
       const ColumnPlace place = ColumnPlace::Of(columns_.keys()[column]);
       // The half of them that the others' turns leave out.
@@ -153,14 +127,16 @@ class BinTable {
 
  private:
   // Bins of two columns whose headings are neighbours.
-  void Join(size_t column, size_t other, DisjointSets& sets) const {
+  void Join(size_t column, size_t other, base::DisjointSets& sets) const {
     const int* const bins = &bins_[column * yaw_bins_];
     const int* const others = &bins_[other * yaw_bins_];
     for (size_t yaw = 0; yaw < yaw_bins_; ++yaw) {
       if (bins[yaw] < 0) continue;
       for (const size_t near :
            {yaw, (yaw + 1) % yaw_bins_, (yaw + yaw_bins_ - 1) % yaw_bins_}) {
-        if (others[near] >= 0) sets.Join(bins[yaw], others[near]);
+        if (others[near] < 0) continue;
+        sets.Join(static_cast<uint32_t>(bins[yaw]),
+                  static_cast<uint32_t>(others[near]));
       }
     }
   }
@@ -184,12 +160,12 @@ PoseBins BinParticles(const std::vector<Particle>& particles, double bin_m,
     result.bin_of_particle.push_back(bins.FindOrAdd(particle));
   }
   result.count = bins.count();
-  DisjointSets sets(result.count);
+  base::DisjointSets sets(static_cast<size_t>(result.count));
   bins.JoinNeighbors(sets);
   result.cluster_of_bin.resize(static_cast<size_t>(result.count));
   for (int bin = 0; bin < result.count; ++bin) {
     // A set is named by its first bin, which has its number already.
-    const int root = sets.Find(bin);
+    const int root = static_cast<int>(sets.Find(static_cast<uint32_t>(bin)));
     result.cluster_of_bin[static_cast<size_t>(bin)] =
         root == bin ? result.clusters++
                     : result.cluster_of_bin[static_cast<size_t>(root)];

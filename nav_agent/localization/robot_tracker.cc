@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/check_range.h"
+#include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/core/slope_odometry.h"
 #include "nav_agent/localization/laser_level_map.h"
@@ -25,10 +26,6 @@ namespace {
 constexpr std::array<FitStep, 2> kRefineSteps = {
     {{.m = kRefineStep_m, .rad = kRefineTurnPerStep * kRefineStep_m},
      {.m = kRefineStep_m / 2, .rad = kRefineTurnPerStep * kRefineStep_m / 2}}};
-
-double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
-  return std::chrono::duration<double>(to - from).count();
-}
 
 // What a tracker is made of.
 struct TrackerParts {
@@ -149,7 +146,7 @@ absl::Status AmclTracker::AddScan(const core::LaserScan& scan) {
     }
     // Thirty thousand particles are moved with each scan: less often then.
     const bool searches = estimate_.has_value() && estimate_->is_searching;
-    if (SecondsBetween(*last_scan_, middle) <
+    if (base::SecondsBetween(*last_scan_, middle) <
         (searches ? options_.searching_interval_s : options_.scan_interval_s)) {
       return absl::OkStatus();
     }

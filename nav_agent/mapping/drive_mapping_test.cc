@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "common/dataset/trajectory_error.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "nav_agent/mapping/testing_plan.h"
-#include "nav_agent/mapping/truth_score.h"
 #include "nav_agent/recording/agent_log.h"
 #include "nav_agent/recording/laser_log.h"
 
@@ -127,11 +127,15 @@ absl::StatusOr<DriveMapping> Map(const std::string& bytes,
 // The scans' noise of 1 cm is averaged over 180 beams; a cell is 4 cm.
 constexpr double kGood_m = 0.03;
 
-TruthScore Score(const DriveMapping& mapping) {
-  const auto score = ScoreAgainstTruth(mapping.map_from_base, mapping.truth,
-                                       TruthAlignment::kFirstPose);
+constexpr dataset::TrajectoryScoreOptions kFromTheFirstPose = {
+    .max_difference_s = 0,
+    .alignment = dataset::TrajectoryAlignment::kFirstPoseUpright};
+
+dataset::TrajectoryError Score(const DriveMapping& mapping) {
+  const auto score = dataset::ScoreTrajectory(mapping.map_from_base,
+                                              mapping.truth, kFromTheFirstPose);
   EXPECT_TRUE(score.ok()) << score.status();
-  return score.ok() ? *score : TruthScore{};
+  return score.ok() ? score->absolute : dataset::TrajectoryError{};
 }
 
 TEST(MapDrive, FollowsTheTruthBetterThanWheels) {
@@ -151,11 +155,11 @@ TEST(MapDrive, FollowsTheTruthBetterThanWheels) {
   EXPECT_TRUE(mapping->robot.has_value());
   EXPECT_THAT(mapping->warnings, IsEmpty());
   EXPECT_GT(told, 0);
-  const auto wheels = ScoreAgainstTruth(mapping->odom_from_base, mapping->truth,
-                                        TruthAlignment::kFirstPose);
+  const auto wheels = dataset::ScoreTrajectory(
+      mapping->odom_from_base, mapping->truth, kFromTheFirstPose);
   ASSERT_TRUE(wheels.ok());
-  EXPECT_GT(wheels->rmse_m, 2 * kGood_m);
-  EXPECT_LT(Score(*mapping).rmse_m, kGood_m);
+  EXPECT_GT(wheels->absolute.position_m.rmse, 2 * kGood_m);
+  EXPECT_LT(Score(*mapping).position_m.rmse, kGood_m);
   // All of it on one floor.
   ASSERT_THAT(mapping->floors, SizeIs(1));
   EXPECT_EQ(mapping->floors[0].height_m, 0);
@@ -195,7 +199,7 @@ TEST(MapDrive, LeavesOutWhatIsBrokenAndSaysSo) {
   EXPECT_THAT(mapping->warnings, Contains(HasSubstr("another laser")));
   EXPECT_THAT(mapping->warnings, Contains(HasSubstr("damaged")));
   EXPECT_GE(mapping->map_from_base.size(), kScans - 2u);
-  EXPECT_LT(Score(*mapping).rmse_m, kGood_m);
+  EXPECT_LT(Score(*mapping).position_m.rmse, kGood_m);
 }
 
 TEST(MapDrive, GivesUpScansThatTheWheelsDoNotCover) {

@@ -43,7 +43,7 @@ constexpr double kLevelScale = 1e-3;
 ABSL_CONST_INIT absl::Mutex ompl_mutex(absl::kConstInit);
 
 double SecondsSince(base::MonotonicTime start) {
-  return base::MillisecondsBetween(start, base::SteadyClock().Now()) / 1000;
+  return base::SecondsBetween(start, base::SteadyClock().Now());
 }
 
 Spot SpotOf(const ob::State* state) {

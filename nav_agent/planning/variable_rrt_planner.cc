@@ -24,7 +24,7 @@ constexpr double kKept = 1 - kRestartGain;
 constexpr uint64_t kTries{kRestartTries.value};
 
 double SecondsSince(base::MonotonicTime start) {
-  return base::MillisecondsBetween(start, base::SteadyClock().Now()) / 1000;
+  return base::SecondsBetween(start, base::SteadyClock().Now());
 }
 
 // The work on one request.

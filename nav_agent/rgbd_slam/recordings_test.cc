@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/dataset/dataset.h"
+#include "common/dataset/trajectory_error.h"
 #include "gtest/gtest.h"
-#include "nav_agent/rgbd_slam/absolute_error.h"
 #include "nav_agent/rgbd_slam/run_rgbd_slam.h"
 
 namespace treeline::rgbd_slam {
@@ -22,7 +22,8 @@ std::string Folder(const std::string& name) {
   return std::filesystem::is_directory(folder) ? folder : "";
 }
 
-TrajectoryScore Score(const char* name, const dataset::Dataset& dataset) {
+dataset::TrajectoryScore Score(const char* name,
+                               const dataset::Dataset& dataset) {
   const auto result = RunRgbdSlam(dataset, {});
   EXPECT_TRUE(result.ok()) << result.status();
   if (!result.ok()) return {};
@@ -32,7 +33,7 @@ TrajectoryScore Score(const char* name, const dataset::Dataset& dataset) {
     reference.push_back({result->times[static_cast<size_t>(i)],
                          *dataset.frame(i).world_from_camera});
   }
-  const auto score = ScoreTrajectory(TrajectoryOf(*result), reference);
+  const auto score = dataset::ScoreTrajectory(TrajectoryOf(*result), reference);
   EXPECT_TRUE(score.ok()) << score.status();
   if (!score.ok()) return {};
   const RgbdSlamStatistics& statistics = result->statistics;
@@ -40,7 +41,7 @@ TrajectoryScore Score(const char* name, const dataset::Dataset& dataset) {
       "%s: %d of %d tracked, %d relocalized, %d loops, %d keyframes; ATE %.4f "
       "m, RPE %.4f m/s; tracking %.1f ms (p99 %.1f)\n",
       name, statistics.tracked, statistics.frames, statistics.relocalized,
-      statistics.loops, statistics.keyframes, score->absolute_m.rmse,
+      statistics.loops, statistics.keyframes, score->absolute.position_m.rmse,
       score->relative_m.rmse, result->tracking_p50_ms, result->tracking_p99_ms);
   EXPECT_EQ(statistics.lost, 0);
   return *score;
@@ -53,7 +54,7 @@ TEST(RgbdSlamOnRecordings, FollowsFr1Rpy) {
     const auto dataset = dataset::Dataset::Open({.uri = "tum:" + folder});
     ASSERT_TRUE(dataset.ok()) << dataset.status();
     // About 0.02 m is published for ORB-SLAM2 on the whole of it.
-    EXPECT_LT(Score(part, *dataset).absolute_m.rmse, 0.03);
+    EXPECT_LT(Score(part, *dataset).absolute.position_m.rmse, 0.03);
   }
 }
 
@@ -66,7 +67,9 @@ TEST(RgbdSlamOnRecordings, FollowsTheFirstFramesOfRedKitchen) {
   // Frames 0 to 99, a gap of 20, 120 to 179, every other one.
   std::vector<int> frames;
   for (int i = 0; i < 160; i += 2) frames.push_back(i);
-  EXPECT_LT(Score("redkitchen", dataset->Subset(frames)).absolute_m.rmse, 0.03);
+  EXPECT_LT(
+      Score("redkitchen", dataset->Subset(frames)).absolute.position_m.rmse,
+      0.03);
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "common/dataset/trajectory_error.h"
 #include "gtest/gtest.h"
-#include "nav_agent/rgbd_slam/absolute_error.h"
 #include "nav_agent/rgbd_slam/testing_room.h"
 
 namespace treeline::rgbd_slam {
@@ -72,8 +72,8 @@ struct Walker {
     for (size_t i = 0; i < poses.size(); ++i) {
       if (poses[i]) estimate.push_back({truth[i].time, *poses[i]});
     }
-    const auto score = ScoreTrajectory(estimate, truth);
-    return score.ok() ? score->absolute_m.rmse
+    const auto score = dataset::ScoreTrajectory(estimate, truth);
+    return score.ok() ? score->absolute.position_m.rmse
                       : std::numeric_limits<double>::infinity();
   }
 

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "common/base/disjoint_sets.h"
+
 namespace treeline::traversability {
 namespace {
 
@@ -45,30 +47,6 @@ double Slope_rad(const GroundNode& node, double resolution_m) {
 
 // ---- which ground is part of a floor ----
 
-// Sets that are merged (Tarjan's union by index, with path halving).
-class DisjointSets {
- public:
-  explicit DisjointSets(size_t count) : parents_(count) {
-    for (size_t i = 0; i < count; ++i) parents_[i] = static_cast<uint32_t>(i);
-  }
-  uint32_t Find(uint32_t i) {
-    while (parents_[i] != i) {
-      parents_[i] = parents_[parents_[i]];
-      i = parents_[i];
-    }
-    return i;
-  }
-  // The lower index stays, so that names do not depend on the order.
-  void Merge(uint32_t a, uint32_t b) {
-    a = Find(a);
-    b = Find(b);
-    parents_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<uint32_t> parents_;
-};
-
 // A connected patch of ground, named after its first node.
 struct Patch {
   uint32_t nodes = 0;
@@ -77,12 +55,13 @@ struct Patch {
 };
 
 std::vector<Patch> MeasurePatches(const GroundColumns& ground,
-                                  const NodeFacts& facts, DisjointSets& sets) {
+                                  const NodeFacts& facts,
+                                  base::DisjointSets& sets) {
   ForEachNode(ground, [&](int x, int y, uint32_t i) {
     if (facts.good[i] == 0) return;
     for (const size_t d : {size_t{0}, size_t{2}}) {
       const uint32_t other = LinkedNode(ground, x, y, i, d);
-      if (other != kNoNode && facts.good[other] != 0) sets.Merge(i, other);
+      if (other != kNoNode && facts.good[other] != 0) sets.Join(i, other);
     }
   });
   std::vector<Patch> patches(ground.nodes.size());
@@ -228,7 +207,7 @@ NodeFacts FindFacts(const GroundColumns& ground,
                              ? 1
                              : 0);
   }
-  DisjointSets sets(ground.nodes.size());
+  base::DisjointSets sets(ground.nodes.size());
   const std::vector<Patch> patches = MeasurePatches(ground, facts, sets);
   const auto is_large = [&](const Patch& patch) {
     return patch.nodes * resolution_m * resolution_m >=

@@ -11,9 +11,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "common/dataset/trajectory_error.h"
 #include "gtest/gtest.h"
 #include "nav_agent/mapping/drive_mapping.h"
-#include "nav_agent/mapping/truth_score.h"
 #include "simulation/runs/simulation_run.h"
 #include "simulation/simulator/scenario.h"
 
@@ -48,27 +48,30 @@ mapping::DriveMapping Mapped(const std::string& world_name,
   return mapping.ok() ? *std::move(mapping) : mapping::DriveMapping{};
 }
 
-mapping::TruthScore Score(const mapping::DriveMapping& mapping) {
-  const auto score =
-      mapping::ScoreAgainstTruth(mapping.map_from_base, mapping.truth,
-                                 mapping::TruthAlignment::kFirstPose);
+constexpr dataset::TrajectoryScoreOptions kFromTheFirstPose = {
+    .max_difference_s = 0,
+    .alignment = dataset::TrajectoryAlignment::kFirstPoseUpright};
+
+dataset::TrajectoryError Score(const mapping::DriveMapping& mapping) {
+  const auto score = dataset::ScoreTrajectory(mapping.map_from_base,
+                                              mapping.truth, kFromTheFirstPose);
   EXPECT_TRUE(score.ok()) << score.status();
-  return score.ok() ? *score : mapping::TruthScore{};
+  return score.ok() ? score->absolute : dataset::TrajectoryError{};
 }
 
 TEST(DriveMappingWorlds, CafeIsFollowedInSpace) {
   const mapping::DriveMapping mapping =
       Mapped("cafe", "duration_s: 45\nactions:\n  - {at_s: 0, tour: {}}\n");
-  const mapping::TruthScore score = Score(mapping);
+  const dataset::TrajectoryError score = Score(mapping);
   EXPECT_GT(score.poses, 1700);
-  EXPECT_LT(score.rmse_m, kWanted_m);
+  EXPECT_LT(score.position_m.rmse, kWanted_m);
   EXPECT_TRUE(mapping.warnings.empty()) << mapping.warnings.front();
 }
 
 TEST(DriveMappingWorlds, LabIsFollowedInSpace) {
   const mapping::DriveMapping mapping =
       Mapped("lab", "duration_s: 45\nactions:\n  - {at_s: 0, tour: {}}\n");
-  EXPECT_LT(Score(mapping).rmse_m, kWanted_m);
+  EXPECT_LT(Score(mapping).position_m.rmse, kWanted_m);
 }
 
 TEST(DriveMappingWorlds, TwoStoreysLieAboveEachOther) {
@@ -80,19 +83,19 @@ TEST(DriveMappingWorlds, TwoStoreysLieAboveEachOther) {
              "[14.6, 11.25, 1.3], [14.7, 9.75, 1.3], [2.4, 9.75, 2.6], "
              "[1.8, 7.5, 2.6]]}}\n");
   EXPECT_NEAR(mapping.truth.back().world_from_camera.translation.z, 2.6, 0.01);
-  const mapping::TruthScore score = Score(mapping);
+  const dataset::TrajectoryError score = Score(mapping);
   // No loop is closed on the way up: slip along the ramp, which is 1.2 % by the
   // simulator's model, and the tilt's bias are not seen by anything.
-  EXPECT_LT(score.rmse_m, 2 * kWanted_m);
+  EXPECT_LT(score.position_m.rmse, 2 * kWanted_m);
   ASSERT_GE(mapping.floors.size(), 2U);
   EXPECT_NEAR(mapping.floors.back().height_m - mapping.floors.front().height_m,
               2.6, 0.15);
 }
 
-void Print(const char* what, const mapping::TruthScore& score) {
+void Print(const char* what, const dataset::TrajectoryError& score) {
   std::printf("  %-22s %.4f  %.4f  %.4f  %.4f m  %.4f rad\n", what,
-              score.rmse_m, score.planar_rmse_m, score.height_rmse_m,
-              score.max_m, score.rotation_rmse_rad);
+              score.position_m.rmse, score.planar_m.rmse, score.height_m.rmse,
+              score.position_m.max, score.rotation_rad.rmse);
 }
 
 // The figures of the documentation, of drives that somebody has recorded.
@@ -113,17 +116,22 @@ TEST(DriveMappingWorlds, RecordedDrivesAreFollowed) {
           path.c_str(), closes_loops ? "with" : "without",
           static_cast<long long>(mapping->statistics.loops.accepted),
           mapping->p50_ms, mapping->p99_ms, mapping->max_ms);
-      for (const auto alignment : {mapping::TruthAlignment::kFirstPose,
-                                   mapping::TruthAlignment::kRigid}) {
-        const bool rigid = alignment == mapping::TruthAlignment::kRigid;
-        const auto odometry = mapping::ScoreAgainstTruth(
-            mapping->odom_from_base, mapping->truth, alignment);
-        const auto slam = mapping::ScoreAgainstTruth(mapping->map_from_base,
-                                                     mapping->truth, alignment);
+      for (const auto alignment :
+           {dataset::TrajectoryAlignment::kFirstPoseUpright,
+            dataset::TrajectoryAlignment::kUpright}) {
+        const bool rigid = alignment == dataset::TrajectoryAlignment::kUpright;
+        dataset::TrajectoryScoreOptions scoring = kFromTheFirstPose;
+        scoring.alignment = alignment;
+        const auto odometry = dataset::ScoreTrajectory(mapping->odom_from_base,
+                                                       mapping->truth, scoring);
+        const auto slam = dataset::ScoreTrajectory(mapping->map_from_base,
+                                                   mapping->truth, scoring);
         ASSERT_TRUE(odometry.ok() && slam.ok());
-        Print(rigid ? "odometry, rigid" : "odometry, first pose", *odometry);
-        Print(rigid ? "SLAM, rigid" : "SLAM, first pose", *slam);
-        EXPECT_LT(slam->rmse_m, closes_loops ? kWanted_m : 1.0);
+        Print(rigid ? "odometry, rigid" : "odometry, first pose",
+              odometry->absolute);
+        Print(rigid ? "SLAM, rigid" : "SLAM, first pose", slam->absolute);
+        EXPECT_LT(slam->absolute.position_m.rmse,
+                  closes_loops ? kWanted_m : 1.0);
       }
     }
   }

@@ -23,7 +23,8 @@ if sys.argv[1] == "train":
     pathlib.Path(arguments["--output"]).write_text("model")
     sys.exit(int(os.environ.get("TRAIN_STATUS", "0")))
 if sys.argv[1] == "evaluate":
-    pathlib.Path(arguments["--report"]).write_text("<html>")
+    if "NO_TEMPLATE" not in os.environ:
+        pathlib.Path(arguments["--report"]).write_text("<html>")
     pathlib.Path(arguments["--json"]).write_text(os.environ["OFFLINE"])
 """
 
@@ -68,7 +69,8 @@ class DemoTest(ScriptTest):
     def setUp(self):
         super().setUp()
         self.calls = self.root / "calls"
-        self.write_program(self.root / "scripts/install-deps", "#!/bin/sh\n")
+        for name in ("install-deps", "build-report"):
+            self.write_program(self.root / "scripts" / name, "#!/bin/sh\n")
         self.write_program(
             self.root / "scripts/build",
             f'#!/bin/sh\necho "build $*" >>{self.calls}\n')
@@ -116,6 +118,18 @@ class DemoTest(ScriptTest):
         self.assertEqual(stop, "server stopped")
         self.assertIn("bit for bit", done.stdout)
         self.assertIn(f"Pictures: {out}/report.html", done.stdout)
+
+    def test_names_the_data_where_no_report_page_can_be_made(self):
+        self.assertEqual(self.demo().returncode, 0)
+        self.write_program(self.root / "scripts/build-report",
+                           "#!/bin/sh\necho no node >&2\nexit 77\n")
+        # Not the page of the run before.
+        done = self.demo(NO_TEMPLATE="1")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("no node", done.stderr)
+        self.assertIn(f"data: {self.root}/out/demo/report.data.json",
+                      done.stdout)
+        self.assertNotIn("report.html", done.stdout)
 
     def test_runs_twice_and_from_any_folder(self):
         self.assertEqual(self.demo(cwd="/").returncode, 0)

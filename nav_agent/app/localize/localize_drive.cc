@@ -19,10 +19,6 @@ struct OdometrySample {
   geometry::Rotation3 level_from_base;
 };
 
-double Seconds(base::MonotonicTime from, base::MonotonicTime to) {
-  return std::chrono::duration<double>(to - from).count();
-}
-
 base::MonotonicTime Later(base::MonotonicTime time, double seconds) {
   return time + std::chrono::duration_cast<base::MonotonicTime::duration>(
                     std::chrono::duration<double>(seconds));
@@ -105,8 +101,8 @@ class DriveBuilder {
       return;
     }
     last_scan_ = scan.stamp;
-    if (!scans_.empty() &&
-        Seconds(scans_.back().stamp, scan.stamp) < options_.min_interval_s) {
+    if (!scans_.empty() && SecondsBetween(scans_.back().stamp, scan.stamp) <
+                               options_.min_interval_s) {
       return;
     }
     scan.intensities.clear();
@@ -121,13 +117,13 @@ class DriveBuilder {
     const auto after =
         std::ranges::lower_bound(samples_, middle, {}, &OdometrySample::stamp);
     if (after == samples_.begin() || after == samples_.end() ||
-        Seconds((after - 1)->stamp, after->stamp) > options_.max_gap_s) {
+        SecondsBetween((after - 1)->stamp, after->stamp) > options_.max_gap_s) {
       ++drive_.refused_scans;
       return;
     }
     const OdometrySample& before = *(after - 1);
-    const double t =
-        Seconds(before.stamp, middle) / Seconds(before.stamp, after->stamp);
+    const double t = SecondsBetween(before.stamp, middle) /
+                     SecondsBetween(before.stamp, after->stamp);
     drive_.scans.push_back(
         {.stamp = recording::RecordingTime(
              std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -145,9 +141,9 @@ class DriveBuilder {
                                                 &recording::LogTruePose::stamp);
     if (after == truth_.begin() || after == truth_.end()) return std::nullopt;
     const recording::LogTruePose& before = *(after - 1);
-    const double gap_s = Seconds(before.stamp, after->stamp);
+    const double gap_s = SecondsBetween(before.stamp, after->stamp);
     if (!(gap_s > 0) || gap_s > options_.max_gap_s) return std::nullopt;
-    const double t = Seconds(before.stamp, time) / gap_s;
+    const double t = SecondsBetween(before.stamp, time) / gap_s;
     const geometry::Vec3& a = before.world_from_base.translation;
     const geometry::Vec3& b = after->world_from_base.translation;
     return geometry::Rigid3{

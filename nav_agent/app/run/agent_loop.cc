@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/clock.h"
 
 namespace treeline::run_app {
 namespace {
@@ -18,10 +19,6 @@ constexpr auto kLongestSleep = std::chrono::milliseconds(20);
 base::MonotonicTime::duration FromSeconds(double seconds) {
   return std::chrono::duration_cast<base::MonotonicTime::duration>(
       std::chrono::duration<double>(seconds));
-}
-
-double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
-  return std::chrono::duration<double>(to - from).count();
 }
 
 base::MonotonicTime::duration PeriodOf(const AgentLoopOptions& options) {
@@ -116,7 +113,8 @@ void AgentLoop::Run(const std::stop_token& stop) {
   StepTimer timer(PeriodOf(options_));
   while (!stop.stop_requested()) {
     if (options_.duration_s > 0 &&
-        SecondsBetween(start_, robot_.clock().Now()) >= options_.duration_s) {
+        base::SecondsBetween(start_, robot_.clock().Now()) >=
+            options_.duration_s) {
       break;
     }
     const base::MonotonicTime now = clock_.Now();
@@ -137,14 +135,15 @@ void AgentLoop::Run(const std::stop_token& stop) {
 
 void AgentLoop::Step(base::MonotonicTime began) {
   std::optional<double> period_s;
-  if (last_began_.has_value()) period_s = SecondsBetween(*last_began_, began);
+  if (last_began_.has_value())
+    period_s = base::SecondsBetween(*last_began_, began);
   last_began_ = began;
   robot_.Advance(FromSeconds(1 / options_.control_hz));
   // What the simulation costs is not the robot's.
   const base::MonotonicTime thinks = clock_.Now();
   commands_.hub().RunCommands(navigator_);
   navigator_.Step();
-  metrics_.ObserveStep(period_s, SecondsBetween(thinks, clock_.Now()));
+  metrics_.ObserveStep(period_s, base::SecondsBetween(thinks, clock_.Now()));
   ++steps_;
   TakeEvents();
   const auto every = std::max<int64_t>(
@@ -155,12 +154,12 @@ void AgentLoop::Step(base::MonotonicTime began) {
 void AgentLoop::TakeEvents() {
   for (const behavior::NavigatorEvent& event : navigator_.TakeEvents()) {
     metrics_.CountEvent(event.kind);
-    commands_.hub().AddEvent(SecondsBetween(start_, event.stamp), event.kind,
-                             event.text);
+    commands_.hub().AddEvent(base::SecondsBetween(start_, event.stamp),
+                             event.kind, event.text);
     on_event_(event.kind, event.text);
   }
   for (const std::string& incident : robot_.TakeIncidents()) {
-    commands_.hub().AddEvent(SecondsBetween(start_, robot_.clock().Now()),
+    commands_.hub().AddEvent(base::SecondsBetween(start_, robot_.clock().Now()),
                              "simulation", incident);
     on_event_("simulation", incident);
   }
@@ -169,7 +168,7 @@ void AgentLoop::TakeEvents() {
 void AgentLoop::Publish() {
   agent_service::AgentState state;
   state.snapshot = navigator_.Snapshot();
-  state.time_s = SecondsBetween(start_, robot_.clock().Now());
+  state.time_s = base::SecondsBetween(start_, robot_.clock().Now());
   if (state.snapshot.goal.has_value()) {
     state.goal_poses = commands_.PosesOf(state.snapshot.goal->id);
   }

@@ -11,10 +11,10 @@
 #include "absl/strings/str_format.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
+#include "common/dataset/trajectory_error.h"
 #include "nav_agent/app/map/trajectory_files.h"
 #include "nav_agent/mapping/trajectory_score.h"
 #include "nav_agent/recording/relations.h"
-#include "nav_agent/rgbd_slam/absolute_error.h"
 
 namespace treeline::score_app {
 namespace {
@@ -71,19 +71,19 @@ absl::StatusOr<Report> AgainstReference(
   TL_ASSIGN_OR_RETURN(const std::vector<dataset::TimedPose> reference,
                       map_app::ReadTrajectory(flags.reference, flags.poses));
   TL_ASSIGN_OR_RETURN(
-      const rgbd_slam::TrajectoryScore error,
-      rgbd_slam::ScoreTrajectory(estimate, reference,
-                                 {.max_gap_s = flags.max_gap_s,
-                                  .max_difference_s = 0.02,
-                                  .interval_s = flags.interval_s}));
+      const dataset::TrajectoryScore error,
+      dataset::ScoreTrajectory(estimate, reference,
+                               {.max_gap_s = flags.max_gap_s,
+                                .max_difference_s = 0.02,
+                                .interval_s = flags.interval_s}));
   Report report;
   report.text = absl::StrFormat("%d poses, %d of them with a reference\n",
-                                error.poses, error.associated);
+                                error.poses, error.absolute.poses);
   report.json = absl::StrFormat(
       "{\n  \"poses\": %d,\n  \"associated\": %d,\n  \"pairs\": %d",
-      error.poses, error.associated, error.pairs);
-  Add("absolute", "m", 1, error.absolute_m, report.text, report.json);
-  Add("absolute", "deg", kDegPerRad, error.absolute_rad, report.text,
+      error.poses, error.absolute.poses, error.pairs);
+  Add("absolute", "m", 1, error.absolute.position_m, report.text, report.json);
+  Add("absolute", "deg", kDegPerRad, error.absolute.rotation_rad, report.text,
       report.json);
   Add("relative", "m", 1, error.relative_m, report.text, report.json);
   Add("relative", "deg", kDegPerRad, error.relative_rad, report.text,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/clock.h"
 
 namespace treeline::segway {
 namespace {
@@ -18,10 +19,6 @@ constexpr double kConfirmTimeout_s = 1.0;
 constexpr double kAstray_s = 1.0;
 // What an acceleration ramp takes as passed after a pause.
 constexpr double kLongestStep_s = 0.1;
-
-double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
-  return std::chrono::duration<double>(to - from).count();
-}
 
 base::MonotonicTime::duration Duration(double seconds) {
   return std::chrono::duration_cast<base::MonotonicTime::duration>(
@@ -127,7 +124,7 @@ void SegwayProtocol::TakeReading(const core::BaseReading& reading,
       astray_since_ = now;
       ForgetCommand();
     } else if (options_.restore_mode &&
-               SecondsBetween(*astray_since_, now) >= kAstray_s) {
+               base::SecondsBetween(*astray_since_, now) >= kAstray_s) {
       BeginConfiguring();
     }
   }
@@ -175,7 +172,7 @@ void SegwayProtocol::BeginConfiguring() {
 void SegwayProtocol::CheckConfigured(base::MonotonicTime now) {
   if (!settings_.empty()) return;
   // The first cycle after the last setting may have been under way before it.
-  const double passed_s = SecondsBetween(configured_at_, now);
+  const double passed_s = base::SecondsBetween(configured_at_, now);
   if (InWantedMode() && passed_s >= 2 * options_.command_interval_s) {
     phase_ = Phase::kReady;
     cause_ = absl::OkStatus();
@@ -190,7 +187,8 @@ void SegwayProtocol::CheckConfigured(base::MonotonicTime now) {
 
 void SegwayProtocol::CheckLink(base::MonotonicTime now) {
   if (phase_ == Phase::kDisconnected) return;
-  if (SecondsBetween(last_cycle_at_, now) < options_.link_timeout_s) return;
+  if (base::SecondsBetween(last_cycle_at_, now) < options_.link_timeout_s)
+    return;
   Lose(SilenceCause());
 }
 
@@ -219,7 +217,7 @@ absl::Status SegwayProtocol::SilenceCause() const {
 
 bool SegwayProtocol::ShouldReopen(base::MonotonicTime now) const {
   return phase_ != Phase::kDisconnected &&
-         SecondsBetween(last_cycle_at_, now) >= options_.reopen_after_s;
+         base::SecondsBetween(last_cycle_at_, now) >= options_.reopen_after_s;
 }
 
 absl::Status SegwayProtocol::Readiness() const {
@@ -292,7 +290,7 @@ void SegwayProtocol::SetEmergencyStop(bool engaged) {
 
 core::VelocityCommand SegwayProtocol::NextVelocity(base::MonotonicTime now) {
   if (!Readiness().ok()) return {};
-  if (command_ && SecondsBetween(command_at_, now) >=
+  if (command_ && base::SecondsBetween(command_at_, now) >=
                       core::BaseDriver::kCommandLifetime_s) {
     if (!IsZero(*command_)) ++expired_;
     command_.reset();
@@ -300,8 +298,9 @@ core::VelocityCommand SegwayProtocol::NextVelocity(base::MonotonicTime now) {
   if (!command_ && !braking_) return {};
   const core::VelocityCommand target =
       command_.value_or(core::VelocityCommand{});
-  return Approach(sent_, target, options_.limits,
-                  std::min(SecondsBetween(last_send_, now), kLongestStep_s));
+  return Approach(
+      sent_, target, options_.limits,
+      std::min(base::SecondsBetween(last_send_, now), kLongestStep_s));
 }
 
 SegwayMotion SegwayProtocol::NextMotion(base::MonotonicTime now) {

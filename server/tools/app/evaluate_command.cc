@@ -18,6 +18,7 @@
 #include "evaluation/accuracy/evaluation_table.h"
 #include "evaluation/accuracy/method_runner.h"
 #include "evaluation/report/report.h"
+#include "evaluation/report/report_page.h"
 #include "server/tools/run_info.h"
 
 namespace treeline::tools_app {
@@ -58,7 +59,8 @@ accuracy::EvaluationRun DescribeRun(const accuracy::EvaluateFlags& flags) {
 }
 
 absl::Status WriteOutputs(const accuracy::EvaluateFlags& flags,
-                          report::ReportContents contents) {
+                          const report::ReportContents& contents,
+                          const std::string& report_template) {
   const accuracy::EvaluationRun& run = contents.run;
   if (!flags.json_path.empty()) {
     TL_RETURN_IF_ERROR(base::WriteFileAtomically(
@@ -73,8 +75,8 @@ absl::Status WriteOutputs(const accuracy::EvaluateFlags& flags,
         flags.csv_path, accuracy::EvaluationCsv(contents.methods)));
   }
   if (flags.report_path.empty()) return absl::OkStatus();
-  return base::WriteFileAtomically(flags.report_path,
-                                   report::ReportHtml(contents));
+  return report::WriteReport(flags.report_path, report::ReportJson(contents),
+                             report_template);
 }
 
 absl::Status RunEvaluate(const accuracy::EvaluateFlags& flags,
@@ -82,6 +84,11 @@ absl::Status RunEvaluate(const accuracy::EvaluateFlags& flags,
   for (const std::string& path :
        {flags.json_path, flags.csv_path, flags.report_path}) {
     if (!path.empty()) TL_RETURN_IF_ERROR(base::CheckWritable(path));
+  }
+  // Said before the work, not after it.
+  const std::string report_template = report::FindReportTemplate();
+  if (!flags.report_path.empty() && report_template.empty()) {
+    std::fputs(report::NoTemplateNotice(flags.report_path).c_str(), stderr);
   }
   report::ReportContents contents;
   contents.run = DescribeRun(flags);
@@ -107,7 +114,7 @@ absl::Status RunEvaluate(const accuracy::EvaluateFlags& flags,
                 .c_str(),
       stdout);
   std::fputs(accuracy::SweepTable(contents.sweeps).c_str(), stdout);
-  TL_RETURN_IF_ERROR(WriteOutputs(flags, std::move(contents)));
+  TL_RETURN_IF_ERROR(WriteOutputs(flags, contents, report_template));
   if (problems.empty()) return absl::OkStatus();
   for (size_t i = 1; i < problems.size(); ++i) {
     std::fprintf(stderr, "%s\n", problems[i].c_str());

@@ -12,6 +12,7 @@
 #include "common/base/version.h"
 #include "evaluation/accuracy/scene_recognition.h"
 #include "evaluation/accuracy/scene_recognition_output.h"
+#include "evaluation/report/report_page.h"
 #include "server/tools/run_info.h"
 
 namespace treeline::tools_app {
@@ -76,6 +77,10 @@ absl::Status RunRecognize(const RecognizeFlags& flags,
   for (const std::string& path : {flags.json_path, flags.report_path}) {
     if (!path.empty()) TL_RETURN_IF_ERROR(base::CheckWritable(path));
   }
+  const std::string report_template = report::FindReportTemplate();
+  if (!flags.report_path.empty() && report_template.empty()) {
+    std::fputs(report::NoTemplateNotice(flags.report_path).c_str(), stderr);
+  }
   TL_ASSIGN_OR_RETURN(const std::vector<accuracy::RecognitionQuery> queries,
                       Queries(flags));
   accuracy::RecognitionRun run;
@@ -98,8 +103,9 @@ absl::Status RunRecognize(const RecognizeFlags& flags,
         flags.json_path, accuracy::RecognitionJson(tallies, run)));
   }
   if (flags.report_path.empty()) return absl::OkStatus();
-  return base::WriteFileAtomically(flags.report_path,
-                                   accuracy::RecognitionHtml(tallies, run));
+  return report::WriteReport(flags.report_path,
+                             accuracy::RecognitionReportJson(tallies, run),
+                             report_template);
 }
 
 void AddFlags(CLI::App& app, RecognizeFlags& flags) {

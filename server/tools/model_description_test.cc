@@ -1,0 +1,41 @@
+#include "server/tools/model_description.h"
+
+#include <cmath>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace treeline::tools {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(DescribeModel, ShowsWhatAPersonAsksFor) {
+  forest::ModelInfo model;
+  model.method = "rgbd";
+  model.format_version = 1;
+  model.trees = 5;
+  model.leaves = 482025;
+  model.file_bytes = 48200000;
+  model.options = {{"trees", "5"}, {"poses", ""}};
+  model.calibration.color_from_depth.translation = {-0.0235, 0.005, 0};
+  const std::string text = DescriptionText(DescribeModel(model));
+  EXPECT_THAT(text, HasSubstr("482,025"));
+  EXPECT_THAT(text, HasSubstr("48.2 MB"));
+  EXPECT_THAT(text, HasSubstr("-2.350  0.500  0.000 cm"));
+  EXPECT_THAT(text, HasSubstr("PINHOLE 585 585 320 240, 640 x 480"));
+}
+
+TEST(Format, WritesCountsBytesAndOddNumbers) {
+  EXPECT_EQ(FormatCount(0), "0");
+  EXPECT_EQ(FormatCount(999), "999");
+  EXPECT_EQ(FormatCount(1000), "1,000");
+  EXPECT_EQ(FormatCount(-1234567), "-1,234,567");
+  EXPECT_EQ(FormatBytes(999), "999 B");
+  EXPECT_EQ(FormatBytes(1000), "1.0 kB");
+  EXPECT_EQ(FormatBytes(34200000), "34.2 MB");
+  EXPECT_EQ(FormatNumber("%.1f", std::nan("")), "-");
+}
+
+}  // namespace
+}  // namespace treeline::tools
