@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/clock.h"
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/parameters.h"
 
@@ -41,7 +42,7 @@ void BlockageMemory::Add(const planning::Blockage& blockage,
     }
     old.radius_m = std::max(old.radius_m, added.radius_m);
     // The same, seen twice at once, was not met again.
-    if (SecondsBetween(known.since, now) > kBlockageMetAgain_s) {
+    if (base::SecondsBetween(known.since, now) > kBlockageMetAgain_s) {
       known.lasts_s = std::min(2 * known.lasts_s, limits_.longest_blockage_s);
     } else if (known.since != now) {
       // A way that was to lead around it did not: it is larger than that.
@@ -58,7 +59,7 @@ void BlockageMemory::Add(const planning::Blockage& blockage,
 
 int BlockageMemory::Fade(base::MonotonicTime now) {
   return static_cast<int>(std::erase_if(known_, [now](const Known& known) {
-    return SecondsBetween(known.since, now) > known.lasts_s;
+    return base::SecondsBetween(known.since, now) > known.lasts_s;
   }));
 }
 

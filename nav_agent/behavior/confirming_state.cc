@@ -1,5 +1,6 @@
 #include "nav_agent/behavior/confirming_state.h"
 
+#include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/recovery_parts.h"
 
@@ -41,7 +42,7 @@ const char* ConfirmingState::Against(const localization::TrackedMotion& motion,
   if (tools.unique.others() == OtherPlaces::kBetter) {
     return "scans fit better elsewhere";
   }
-  if (SecondsBetween(since_, now) > tools.options.most_confirm_s) {
+  if (base::SecondsBetween(since_, now) > tools.options.most_confirm_s) {
     return "it was not confirmed in time";
   }
   if (drift_m > kMaxConfirmDrift_m) return "localization went elsewhere";
@@ -89,8 +90,9 @@ ConfirmingState::Result ConfirmingState::Step(const RecoveryInput& input,
               .wanted = {}};
     }
   }
-  const bool has_no_room = fits && !input.can_turn &&
-                           SecondsBetween(since_, input.now) > kConfirmNoRoom_s;
+  const bool has_no_room =
+      fits && !input.can_turn &&
+      base::SecondsBetween(since_, input.now) > kConfirmNoRoom_s;
   if (has_no_room && others == OtherPlaces::kNone) {
     if (seen_twice_) {
       return {.outcome = Outcome::kFound,

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/clock.h"
 #include "common/base/random.h"
 #include "nav_agent/behavior/angle_text.h"
 #include "nav_agent/behavior/obstacle_discs.h"
@@ -154,7 +155,8 @@ void GoalRunner::StepPlanning(const control::ControlPose& pose,
     std::optional<absl::StatusOr<planning::PlanResult>> result =
         planner_->Take();
     if (!result.has_value()) {
-      if (SecondsBetween(asked_->since, now) < options_.limits.plan_s) return;
+      if (base::SecondsBetween(asked_->since, now) < options_.limits.plan_s)
+        return;
       planner_->Cancel();
       planning::PlanResult late;
       late.failure = core::NavigationCause::kPlanTimeout;
@@ -336,7 +338,7 @@ core::VelocityCommand GoalRunner::StepDriving(const control::ControlPose& pose,
         events_->Add("blocked", "waits for something that moves");
       }
       progress_.Restart();
-      if (SecondsBetween(*waiting_since_, now) >
+      if (base::SecondsBetween(*waiting_since_, now) >
           options_.limits.wait_for_moving_s) {
         MeetObstacle(pose, control_, "what moved does not go away", now);
       }
@@ -411,7 +413,8 @@ void GoalRunner::Arrive(const control::ControlPose& pose,
   if (!arrived_since_.has_value()) arrived_since_ = now;
   if (is_there && stands) {
     status_->to_go_m = 0;
-    if (goal_is_taken_ && SecondsBetween(*arrived_since_, now) < kGoalWait_s) {
+    if (goal_is_taken_ &&
+        base::SecondsBetween(*arrived_since_, now) < kGoalWait_s) {
       return;
     }
     ++status_->next_pose;
@@ -426,7 +429,7 @@ void GoalRunner::Arrive(const control::ControlPose& pose,
     End(GoalState::kSucceeded, core::NavigationCause::kNone, where);
     return;
   }
-  if (SecondsBetween(*arrived_since_, now) > kArrivalDispute_s) {
+  if (base::SecondsBetween(*arrived_since_, now) > kArrivalDispute_s) {
     arrived_since_.reset();
     if (++replans_ > options_.limits.max_replans) {
       BeginTrouble(Trouble::kStuck, core::NavigationCause::kNoProgress,
@@ -502,7 +505,7 @@ void GoalRunner::NextManeuver(base::MonotonicTime now) {
 core::VelocityCommand GoalRunner::StepManeuver(const control::ControlPose& pose,
                                                base::MonotonicTime now) {
   if (way_is_free_ && maneuver_->kind() == ManeuverKind::kWait &&
-      SecondsBetween(maneuver_since_, now) > kMinWait_s) {
+      base::SecondsBetween(maneuver_since_, now) > kMinWait_s) {
     maneuver_.reset();
     ladder_.GiveBack();
     trouble_cause_ = core::NavigationCause::kNone;

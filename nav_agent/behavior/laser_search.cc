@@ -1,6 +1,7 @@
 #include "nav_agent/behavior/laser_search.h"
 
 #include "absl/strings/str_cat.h"
+#include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/recovery_parts.h"
 
@@ -91,7 +92,7 @@ bool LaserSearch::Holds(RecoveryTools& tools, base::MonotonicTime now) {
     if (scan != ScanVerdict::kGood) return false;
     holds_since_ = now;
   }
-  if (SecondsBetween(*holds_since_, now) < options.search_hold_s ||
+  if (base::SecondsBetween(*holds_since_, now) < options.search_hold_s ||
       hold_turned_rad_ < options.search_hold_rad ||
       tools.tracker.verdict().probability > kMaxSearchLostProbability) {
     return false;
@@ -133,7 +134,7 @@ bool LaserSearch::IsOnlyPlace(RecoveryTools& tools) {
 bool LaserSearch::IsTimeToAsk(const ServerState& server,
                               base::MonotonicTime now) const {
   if (!server.may_be_asked || server.is_asked) return false;
-  return SecondsBetween(last_pause_, now) >
+  return base::SecondsBetween(last_pause_, now) >
          (server.has_failed ? kAskFailedInterval_s : kAskInterval_s);
 }
 
@@ -164,7 +165,7 @@ LaserSearch::Result LaserSearch::Step(const RecoveryInput& input,
                                       RecoveryTools& tools) {
   if (Holds(tools, input.now))
     return {.outcome = Outcome::kFound, .wanted = {}};
-  if (SecondsBetween(began_, input.now) > tools.options.most_search_s) {
+  if (base::SecondsBetween(began_, input.now) > tools.options.most_search_s) {
     return {.outcome = Outcome::kTimeIsUp, .wanted = {}};
   }
   if (IsTimeToAsk(server, input.now)) {

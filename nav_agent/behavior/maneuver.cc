@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/base/clock.h"
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/parameters.h"
 

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/goal_runner.h"
@@ -282,8 +283,9 @@ void NavigatorOfParts::FeedCamera() {
   if (parts_.lost->WantsPictures(now_)) {
     rate_hz = std::max(rate_hz, kLostPictureRate_hz.value);
   }
-  if (rate_hz <= 0 || (last_frame_.has_value() &&
-                       SecondsBetween(*last_frame_, now_) < 1 / rate_hz)) {
+  if (rate_hz <= 0 ||
+      (last_frame_.has_value() &&
+       base::SecondsBetween(*last_frame_, now_) < 1 / rate_hz)) {
     return;
   }
   last_frame_ = now_;
@@ -309,12 +311,12 @@ std::vector<StopReason> NavigatorOfParts::FindProblems() const {
   const std::optional<control::ControlPose> pose = PoseNow();
   if (pose.has_value() &&
       (!IsFinite(pose->pose) ||
-       SecondsBetween(pose->stamp, now_) > kMaxEstimateAge_s)) {
+       base::SecondsBetween(pose->stamp, now_) > kMaxEstimateAge_s)) {
     problems.push_back(
         {.cause = core::NavigationCause::kEstimateLost,
          .text = absl::StrFormat("the estimate of its pose is %.2f s old, or "
                                  "not finite",
-                                 SecondsBetween(pose->stamp, now_))});
+                                 base::SecondsBetween(pose->stamp, now_))});
   }
   return problems;
 }

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/recovery_parts.h"
 #include "nav_agent/behavior/recovery_states.h"
@@ -74,7 +75,7 @@ bool PlaceCheck::IsElsewhere(const core::RelocalizationAnswer& answer,
 
 bool PlaceCheck::IsDue(base::MonotonicTime now) const {
   return interval_s_ > 0 && last_.has_value() &&
-         SecondsBetween(*last_, now) >= interval_s_;
+         base::SecondsBetween(*last_, now) >= interval_s_;
 }
 
 bool PlaceCheck::IsTime(const RecoveryInput& input,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/base/clock.h"
 #include "nav_agent/behavior/event_log.h"
 
 namespace treeline::behavior {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/base/clock.h"
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/swing_motion.h"
@@ -20,20 +21,22 @@ bool StoppingState::Step(
   } else if (!standing_since_.has_value()) {
     standing_since_ = now;
   }
-  const bool has_settled = standing_since_.has_value() &&
-                           SecondsBetween(*standing_since_, now) >= settle_s;
-  return has_settled || SecondsBetween(since_, now) >= kMaxStopping_s;
+  const bool has_settled =
+      standing_since_.has_value() &&
+      base::SecondsBetween(*standing_since_, now) >= settle_s;
+  return has_settled || base::SecondsBetween(since_, now) >= kMaxStopping_s;
 }
 
 LookingState::Outcome LookingState::Step(const core::RgbdFrame* frame,
                                          base::MonotonicTime now) const {
   if (frame != nullptr && frame->stamp >= since_) return Outcome::kHasPicture;
-  return SecondsBetween(since_, now) > kMaxPictureWait_s ? Outcome::kNoPictures
-                                                         : Outcome::kWaiting;
+  return base::SecondsBetween(since_, now) > kMaxPictureWait_s
+             ? Outcome::kNoPictures
+             : Outcome::kWaiting;
 }
 
 bool AskingState::HasPatience(base::MonotonicTime now) const {
-  return SecondsBetween(since_, now) <= kAnswerPatience_s;
+  return base::SecondsBetween(since_, now) <= kAnswerPatience_s;
 }
 
 TurningState::Result TurningState::Step(
@@ -41,7 +44,7 @@ TurningState::Result TurningState::Step(
     base::MonotonicTime now) const {
   const double left_rad = geometry::NormalizedAngle_rad(
       target_rad_ - motion.odom_from_base.yaw_rad);
-  const double took_s = SecondsBetween(since_, now);
+  const double took_s = base::SecondsBetween(since_, now);
   if (std::abs(left_rad) < kTurnTolerance_rad || took_s > kMaxTurning_s) {
     return {.outcome = Outcome::kThere, .wanted = {}};
   }
@@ -54,11 +57,11 @@ TurningState::Result TurningState::Step(
 }
 
 bool HelpWait::IsTimeToAsk(double interval_s, base::MonotonicTime now) const {
-  return interval_s > 0 && SecondsBetween(last_asked_, now) >= interval_s;
+  return interval_s > 0 && base::SecondsBetween(last_asked_, now) >= interval_s;
 }
 
 bool IsFresh(const core::RgbdFrame& frame, base::MonotonicTime now) {
-  return SecondsBetween(frame.stamp, now) <= kMaxPictureAge_s;
+  return base::SecondsBetween(frame.stamp, now) <= kMaxPictureAge_s;
 }
 
 }  // namespace treeline::behavior

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/recovery_parts.h"
 
@@ -395,7 +396,7 @@ void RelocalizationStateMachine::TurnToNextView(base::MonotonicTime now) {
   const std::optional<localization::TrackedMotion> motion =
       tools_.tracker.Motion();
   const bool has_time =
-      SecondsBetween(episode_.began, now) < tools_.options.most_server_s;
+      base::SecondsBetween(episode_.began, now) < tools_.options.most_server_s;
   if (!MayAsk() || !has_time || !motion.has_value()) {
     GiveUpServer("no answer of the server could be believed", now);
     return;
@@ -463,12 +464,12 @@ void RelocalizationStateMachine::Found(const std::string& how,
   const std::optional<localization::TrackedPose> pose = tools_.tracker.Pose();
   tools_.report.Note(
       "resume",
-      absl::StrFormat("found after %.1f s and %d questions (%s): %.2f, %.2f "
-                      "on level %d",
-                      SecondsBetween(episode_.began, now), episode_.questions,
-                      how, pose->pose.map_from_base.translation.x,
-                      pose->pose.map_from_base.translation.y,
-                      pose->pose.place.level));
+      absl::StrFormat(
+          "found after %.1f s and %d questions (%s): %.2f, %.2f "
+          "on level %d",
+          base::SecondsBetween(episode_.began, now), episode_.questions, how,
+          pose->pose.map_from_base.translation.x,
+          pose->pose.map_from_base.translation.y, pose->pose.place.level));
   question_.Cancel();
   tools_.unique.EndWholeMap();
   check_.NoteDone(now);

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/clock.h"
 #include "nav_agent/behavior/angle_text.h"
 #include "nav_agent/behavior/parameters.h"
 
@@ -27,12 +28,12 @@ void SafeStop::Update(const std::vector<StopReason>& found,
     return;
   }
   if (!reason_.has_value() ||
-      SecondsBetween(last_found_, now) < limits_.settle_s) {
+      base::SecondsBetween(last_found_, now) < limits_.settle_s) {
     return;
   }
   events_->Add("resume",
                absl::StrFormat("all is well again after %.1f s (%s)",
-                               SecondsBetween(begun_, now),
+                               base::SecondsBetween(begun_, now),
                                core::NavigationCauseName(reason_->cause)));
   reason_.reset();
 }
@@ -50,7 +51,7 @@ void TiltWatch::Add(const core::BaseReading& reading) {
 }
 
 std::optional<StopReason> TiltWatch::Problem() const {
-  if (!since_.has_value() || SecondsBetween(*since_, stamp_) < for_s_) {
+  if (!since_.has_value() || base::SecondsBetween(*since_, stamp_) < for_s_) {
     return std::nullopt;
   }
   return StopReason{
@@ -60,12 +61,13 @@ std::optional<StopReason> TiltWatch::Problem() const {
 }
 
 void DeadlineWatch::Step(base::MonotonicTime now) {
-  gap_s_ = last_.has_value() ? SecondsBetween(*last_, now) : 0;
+  gap_s_ = last_.has_value() ? base::SecondsBetween(*last_, now) : 0;
   last_ = now;
   longest_gap_s_ = std::max(longest_gap_s_, gap_s_);
   if (gap_s_ <= kMissedDeadline * period_s_) return;
   ++missed_;
-  if (noted_.has_value() && SecondsBetween(*noted_, now) < kDeadlineNote_s) {
+  if (noted_.has_value() &&
+      base::SecondsBetween(*noted_, now) < kDeadlineNote_s) {
     return;
   }
   noted_ = now;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/recovery_parts.h"
 
@@ -26,7 +27,7 @@ void SearchMotion::NextLeg(Leg leg, const localization::TrackedMotion& motion,
 }
 
 bool SearchMotion::IsStuck(base::MonotonicTime now) const {
-  return SecondsBetween(leg_since_, now) > kMaxSearchLeg_s;
+  return base::SecondsBetween(leg_since_, now) > kMaxSearchLeg_s;
 }
 
 SearchMotion::Result SearchMotion::Step(

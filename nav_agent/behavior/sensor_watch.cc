@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/clock.h"
 #include "nav_agent/behavior/event_log.h"
 #include "nav_agent/behavior/parameters.h"
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/recovery_parts.h"
 
@@ -21,7 +22,7 @@ std::optional<ServerQuestion::Answer> ServerQuestion::Take(
     base::MonotonicTime now) {
   std::optional<Answer> answer = server_->TakeAnswer();
   if (!answer.has_value() &&
-      SecondsBetween(asked_, now) > deadline_s_ + kAnswerGrace_s) {
+      base::SecondsBetween(asked_, now) > deadline_s_ + kAnswerGrace_s) {
     server_->Cancel();
     answer = Answer(absl::DeadlineExceededError("no answer in time"));
   }

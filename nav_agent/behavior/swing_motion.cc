@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/recovery_parts.h"
 
@@ -31,7 +32,8 @@ core::VelocityCommand SwingMotion::Step(
     sides_blocked_ = 0;
   } else if (!blocked_since_.has_value()) {
     blocked_since_ = input.now;
-  } else if (SecondsBetween(*blocked_since_, input.now) > kSwingBlocked_s) {
+  } else if (base::SecondsBetween(*blocked_since_, input.now) >
+             kSwingBlocked_s) {
     held_on_this_side() = motion.odom_from_base;
     side_ = -side_;
     blocked_since_.reset();

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/control/band_keeper.h"
 #include "nav_agent/control/collision_guard.h"
@@ -24,10 +25,6 @@
 
 namespace treeline::control {
 namespace {
-
-double SecondsBetween(base::MonotonicTime from, base::MonotonicTime until) {
-  return std::chrono::duration<double>(until - from).count();
-}
 
 bool IsFinitePose(const ControlPose& pose) {
   return geometry::IsFinite(MapFromBase3(pose)) &&
@@ -87,7 +84,7 @@ class BandController final : public LocalController {
   }
   double QuietFor_s(base::MonotonicTime now) const override {
     return movers_.last_seen().has_value() && !lasers_.rear.has_value()
-               ? SecondsBetween(*movers_.last_seen(), now)
+               ? base::SecondsBetween(*movers_.last_seen(), now)
                : std::numeric_limits<double>::infinity();
   }
   std::vector<Bubble> Bubbles() const override;
@@ -155,7 +152,7 @@ void BandController::FollowMovers(const ControlPose& pose,
   }
   std::vector<LaserLook> looks = {LookOf(core::LaserMount::kFront, pose, scan)};
   if (behind_.has_value() &&
-      SecondsBetween(behind_->scan.stamp, scan.stamp) < kLag_s) {
+      base::SecondsBetween(behind_->scan.stamp, scan.stamp) < kLag_s) {
     looks.push_back(*behind_);
   }
   movers_.AddLooks(scan.stamp, looks);
@@ -164,7 +161,7 @@ void BandController::FollowMovers(const ControlPose& pose,
 bool BandController::Sees(base::MonotonicTime now) const {
   const auto sees = [&](core::LaserMount mount) {
     const std::optional<base::MonotonicTime> last = costmap_.last_scan(mount);
-    return last.has_value() && SecondsBetween(*last, now) < kLately_s;
+    return last.has_value() && base::SecondsBetween(*last, now) < kLately_s;
   };
   return sees(core::LaserMount::kFront) &&
          (!lasers_.rear.has_value() || sees(core::LaserMount::kRear));
@@ -226,7 +223,7 @@ void BandController::NoteProgress(const ControlPose& pose) {
 }
 
 bool BandController::MayBackUp(const ControlPose& pose) const {
-  const double stood_s = SecondsBetween(got_on_->second, pose.stamp);
+  const double stood_s = base::SecondsBetween(got_on_->second, pose.stamp);
   return QuietFor_s(pose.stamp) >=
          std::max(kQuietMin_s.value, kQuiet_s - kDaring * stood_s);
 }

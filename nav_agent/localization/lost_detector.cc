@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/check_range.h"
+#include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/localization/parameters.h"
 
@@ -26,10 +27,6 @@ bool IsFinite(const LostEvidence& evidence) {
          std::isfinite(estimate.covariance[4]) &&
          std::isfinite(estimate.share) && std::isfinite(evidence.pitch_rad) &&
          std::isfinite(evidence.roll_rad);
-}
-
-double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
-  return std::chrono::duration<double>(to - from).count();
 }
 
 }  // namespace
@@ -199,11 +196,11 @@ absl::Status LostDetector::SetMap(const LaserMap& map) {
 
 LostReason LostDetector::ReasonFor(const LostFeatures& features) const {
   if (lifted_.has_value() &&
-      SecondsBetween(*lifted_, *last_) < kLostReasonMemory_s) {
+      base::SecondsBetween(*lifted_, *last_) < kLostReasonMemory_s) {
     return LostReason::kLifted;
   }
   if (jumped_.has_value() &&
-      SecondsBetween(*jumped_, *last_) < kLostReasonMemory_s) {
+      base::SecondsBetween(*jumped_, *last_) < kLostReasonMemory_s) {
     return LostReason::kJumped;
   }
   const LostModel& model = options_.filter.model;
@@ -238,7 +235,7 @@ absl::StatusOr<LostVerdict> LostDetector::Observe(const LostEvidence& evidence,
   }
   double interval_s = 0;
   if (last_.has_value()) {
-    interval_s = SecondsBetween(*last_, evidence.stamp);
+    interval_s = base::SecondsBetween(*last_, evidence.stamp);
     if (interval_s < 0) {
       return absl::InvalidArgumentError("lost: the clock went back");
     }

@@ -6,15 +6,12 @@
 #include <numbers>
 
 #include "common/base/check_range.h"
+#include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
 namespace {
-
-double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
-  return std::chrono::duration<double>(to - from).count();
-}
 
 // What one saw in each direction: from the nearest to the farthest.
 class Panorama {
@@ -105,7 +102,7 @@ const LostFeatureMaker::Past* LostFeatureMaker::Before(base::MonotonicTime now,
                                                        double age_s) const {
   const Past* found = nullptr;
   for (const Past& past : past_) {
-    const double its_age_s = SecondsBetween(past.stamp, now);
+    const double its_age_s = base::SecondsBetween(past.stamp, now);
     if (its_age_s < kYoungestScan_s) break;
     // The oldest there is, while none is old enough.
     if (found == nullptr || its_age_s >= age_s) found = &past;
@@ -121,7 +118,7 @@ void LostFeatureMaker::WatchTilt(const LostEvidence& evidence,
       std::hypot(evidence.pitch_rad, evidence.roll_rad) > options_.lifted_rad;
   const Past* before = Before(evidence.stamp, kYoungestScan_s);
   if (before == nullptr) return;
-  const double interval_s = SecondsBetween(before->stamp, evidence.stamp);
+  const double interval_s = base::SecondsBetween(before->stamp, evidence.stamp);
   const double tilted_rad = std::hypot(evidence.pitch_rad - before->pitch_rad,
                                        evidence.roll_rad - before->roll_rad);
   features.is_lifted |= tilted_rad > options_.lifted_radps * interval_s;
@@ -183,7 +180,7 @@ LostFeatures LostFeatureMaker::Observe(const LostEvidence& evidence,
   std::vector<bool> was_there(beams.size(), true);
   double interval_s = 0;
   if (!past_.empty()) {
-    interval_s = SecondsBetween(past_.back().stamp, evidence.stamp);
+    interval_s = base::SecondsBetween(past_.back().stamp, evidence.stamp);
   }
   if (const Past* past = Before(evidence.stamp, kJumpAge_s)) {
     const geometry::Rigid2 now_from_before =
@@ -237,7 +234,8 @@ LostFeatures LostFeatureMaker::Observe(const LostEvidence& evidence,
     now.ends_in_base.push_back(beam.end_in_base);
   }
   past_.push_back(std::move(now));
-  while (SecondsBetween(past_.front().stamp, evidence.stamp) > kScanMemory_s) {
+  while (base::SecondsBetween(past_.front().stamp, evidence.stamp) >
+         kScanMemory_s) {
     past_.pop_front();
   }
   return features;

@@ -4,16 +4,13 @@
 #include <chrono>
 #include <iterator>
 
+#include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/rigid2.h"
 #include "nav_agent/localization/parameters.h"
 
 namespace treeline::localization {
 namespace {
-
-double SecondsBetween(base::MonotonicTime from, base::MonotonicTime to) {
-  return std::chrono::duration<double>(to - from).count();
-}
 
 WheelMoment Between(const WheelMoment& a, const WheelMoment& b, double t) {
   const auto mix = [t](double from, double to) {
@@ -52,7 +49,7 @@ absl::Status WheelHistory::Add(const core::BaseReading& reading) {
                   .yaw_rate_radps = reading.yaw_rate_radps},
        .pitch_rad = pitch_rad_,
        .roll_rad = roll_rad_});
-  while (SecondsBetween(moments_.front().motion.stamp, reading.stamp) >
+  while (base::SecondsBetween(moments_.front().motion.stamp, reading.stamp) >
          kWheelMemory_s) {
     moments_.pop_front();
   }
@@ -67,16 +64,16 @@ std::optional<WheelMoment> WheelHistory::At(base::MonotonicTime stamp) const {
       moments_, stamp, {},
       [](const WheelMoment& moment) { return moment.motion.stamp; });
   if (after == moments_.end()) {
-    return SecondsBetween(newest().motion.stamp, stamp) <= kMaxScanAhead_s
+    return base::SecondsBetween(newest().motion.stamp, stamp) <= kMaxScanAhead_s
                ? std::optional(newest())
                : std::nullopt;
   }
   if (after == moments_.begin()) return *after;
   const auto before = std::prev(after);
   const double way_s =
-      SecondsBetween(before->motion.stamp, after->motion.stamp);
+      base::SecondsBetween(before->motion.stamp, after->motion.stamp);
   const double t =
-      way_s > 0 ? SecondsBetween(before->motion.stamp, stamp) / way_s : 1;
+      way_s > 0 ? base::SecondsBetween(before->motion.stamp, stamp) / way_s : 1;
   WheelMoment moment = Between(*before, *after, t);
   moment.motion.stamp = stamp;
   return moment;
