@@ -198,13 +198,17 @@ httplib::Server::HandlerResponse HttpEngine::BeforeBody(
   close_ = close_ || head_.has_body();
   stream_.BeginHandling();
   request_.arrival = clock_.Now();
-  const HttpResponse answer = handler_.Handle(request_);
-  if (answer.stream && request.method == "GET") {
+  Send(handler_.Handle(request_), response);
+  return HandlerResponse::Handled;
+}
+
+void HttpEngine::Send(const HttpResponse& answer, httplib::Response& response) {
+  if (answer.stream &&
+      (request_.method == "GET" || request_.method == "POST")) {
     Stream(request_, answer);
   } else {
     Apply(request_, answer, response);
   }
-  return HandlerResponse::Handled;
 }
 
 void HttpEngine::Stream(const HttpRequest& request,
@@ -232,23 +236,29 @@ void HttpEngine::Stream(const HttpRequest& request,
 }
 
 void HttpEngine::WithBody(httplib::Response& response) {
+  // The body's memory is given back before an answer that goes on.
+  Send(AnswerToBody(), response);
+}
+
+HttpResponse HttpEngine::AnswerToBody() {
   stream_.BeginBody();
   base::ByteLease lease(connection_.budget);
   BodyReader reader(stream_, {.max_bytes = connection_.max_body_bytes}, lease);
   int status = reader.Read(head_, request_.body);
+  HttpResponse answer;
   if (status == 0) {
     stream_.BeginHandling();
     request_.arrival = clock_.Now();
-    Apply(request_, handler_.Handle(request_), response);
+    answer = handler_.Handle(request_);
   } else {
     close_ = true;
     if (stream_.failure() == StreamFailure::kTimedOut) status = 408;
-    HttpResponse error = handler_.Error(status);
-    if (status == 503) error.headers.emplace_back("Retry-After", "1");
-    Apply(request_, error, response);
+    answer = handler_.Error(status);
+    if (status == 503) answer.headers.emplace_back("Retry-After", "1");
   }
   // Before the lease ends. Assigning would keep the memory.
   std::string().swap(request_.body);
+  return answer;
 }
 
 void HttpEngine::OnError(const httplib::Request& request,

@@ -56,6 +56,10 @@ class HttpEngine final : private httplib::Server {
   // Answers what has no head of HTTP, past httplib.
   void RefuseHead();
 
+  // Reads the body and has the handler answer; the body is let go again.
+  HttpResponse AnswerToBody();
+  // Sends an answer, streamed where it goes on.
+  void Send(const HttpResponse& answer, httplib::Response& response);
   // Writes head and body of a response that goes on, and ends the connection.
   void Stream(const HttpRequest& request, const HttpResponse& response);
 

@@ -57,8 +57,8 @@ struct HttpResponse {
   std::string content_type = {};
   std::string body = {};
   std::vector<std::pair<std::string, std::string>> headers = {};
-  // Instead of `body`, of GET requests alone: called in the connection's
-  // thread, and the connection closes when it returns.
+  // Instead of `body`, of GET and POST requests alone: called in the
+  // connection's thread, and the connection closes when it returns.
   std::function<void(HttpBodyWriter&)> stream = {};
 };
 

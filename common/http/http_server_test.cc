@@ -143,6 +143,16 @@ TEST_F(HttpServerTest, StreamsInChunksAndCloses) {
                                 "7\r\npart 2\n\r\n0\r\n\r\n"));
 }
 
+TEST_F(HttpServerTest, APostIsAnsweredByAStreamAfterItsBody) {
+  Start();
+  const std::string answer = Exchange(
+      "POST /stream HTTP/1.1\r\nContent-Length: 2\r\n\r\nhi"
+      "GET / HTTP/1.1\r\n\r\n");
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 OK\r\n"));
+  // It ends the connection: what came after it is not answered.
+  EXPECT_TRUE(answer.ends_with("part 2\n\r\n0\r\n\r\n")) << answer;
+}
+
 TEST_F(HttpServerTest, AStreamEndsWithItsReader) {
   handler_.endless = true;
   Start();

@@ -43,13 +43,18 @@ camera::Pixel FromProto(const v1::Pixel& proto) {
   return {proto.x_px(), proto.y_px()};
 }
 
+v1::Quaternion ToProto(const geometry::Rotation3& target_from_source) {
+  v1::Quaternion proto;
+  proto.set_w(target_from_source.w);
+  proto.set_x(target_from_source.x);
+  proto.set_y(target_from_source.y);
+  proto.set_z(target_from_source.z);
+  return proto;
+}
+
 v1::Pose ToProto(const geometry::Rigid3& target_from_source) {
   v1::Pose proto;
-  const geometry::Rotation3& q = target_from_source.rotation;
-  proto.mutable_rotation()->set_w(q.w);
-  proto.mutable_rotation()->set_x(q.x);
-  proto.mutable_rotation()->set_y(q.y);
-  proto.mutable_rotation()->set_z(q.z);
+  *proto.mutable_rotation() = ToProto(target_from_source.rotation);
   *proto.mutable_translation_m() = ToProto(target_from_source.translation);
   return proto;
 }

@@ -22,6 +22,7 @@ absl::StatusOr<geometry::Vec3> FromProto(const v1::Vector3& proto,
 v1::Pixel ToProto(camera::Pixel pixel);
 camera::Pixel FromProto(const v1::Pixel& proto);
 
+v1::Quaternion ToProto(const geometry::Rotation3& target_from_source);
 v1::Pose ToProto(const geometry::Rigid3& target_from_source);
 // A quaternion that is unit to rounding is kept bit for bit, so that a pose
 // survives the wire unchanged; one within 0.01 of unit is normalised.

@@ -1,28 +1,20 @@
 #include "nav_agent/service/agent_grpc_server.h"
 
-#include <grpcpp/ext/proto_server_reflection_plugin.h>
-#include <grpcpp/health_check_service_interface.h>
-#include <grpcpp/resource_quota.h>
-#include <grpcpp/server.h>
-#include <grpcpp/server_builder.h>
-
 #include <chrono>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
+#include "common/grpc_server/grpc_listener.h"
 #include "nav_agent/service/grpc_services.h"
 
 namespace treeline::agent_service {
 namespace {
 
-// A peer that is silent is asked whether it lives, and cut off if it does not
-// say so: a stream to it must not wait for ever.
+// A goal should not outlive by much the one who gave it.
 constexpr int kKeepaliveTime_ms = 10'000;
 constexpr int kKeepaliveTimeout_ms = 5'000;
-constexpr int kMinPingInterval_ms = 5'000;
-constexpr int kHandshake_ms = 10'000;
 constexpr int kMaxMessageBytes = 1 << 20;
 // Beside those of streams.
 constexpr int kMoreThreads = 16;
@@ -54,59 +46,40 @@ struct AgentGrpcServer::Parts {
 
   NavigationGrpcService navigation;
   SimulationGrpcService simulation;
-  std::string address;
-  std::unique_ptr<grpc::Server> server;
+  grpc_server::GrpcListener listener;
 };
 
 AgentGrpcServer::AgentGrpcServer(std::unique_ptr<Parts> parts)
     : parts_(std::move(parts)) {}
 
 AgentGrpcServer::~AgentGrpcServer() {
-  parts_->server->Shutdown(std::chrono::system_clock::now() + kGrace);
-  parts_->server->Wait();
+  parts_->listener.server->Shutdown(std::chrono::system_clock::now() + kGrace);
+  parts_->listener.server->Wait();
 }
 
 absl::StatusOr<std::unique_ptr<AgentGrpcServer>> AgentGrpcServer::Start(
     AgentCommands& commands, const AgentGrpcOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
-  TL_ASSIGN_OR_RETURN(base::ListenAddress address,
-                      base::ParseListenAddress(options.listen));
-  // gRPC would fail too, but keep the reason to itself.
-  TL_RETURN_IF_ERROR(base::TryBind(address));
-  grpc::EnableDefaultHealthCheckService(true);
-  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   auto parts = std::make_unique<Parts>(commands, options.max_streams);
-  grpc::ServerBuilder builder;
-  // Else a second agent would share the port, and half the calls, in silence.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS,
-                             kHandshake_ms);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS,
-                             kKeepaliveTimeout_ms);
-  builder.AddChannelArgument(
-      GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
-      kMinPingInterval_ms);
-  builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
-  grpc::ResourceQuota quota("treeline-agent");
-  quota.SetMaxThreads(options.max_streams + kMoreThreads);
-  builder.SetResourceQuota(quota);
-  builder.RegisterService(&parts->navigation);
-  if (commands.is_simulated()) builder.RegisterService(&parts->simulation);
-  int port = 0;
-  builder.AddListeningPort(address.ToString(),
-                           grpc::InsecureServerCredentials(), &port);
-  parts->server = builder.BuildAndStart();
-  if (parts->server == nullptr || port == 0) {
-    return absl::UnavailableError(
-        absl::StrCat("cannot listen on ", address.ToString()));
-  }
-  address.port = port;
-  parts->address = address.ToString();
+  TL_ASSIGN_OR_RETURN(parts->listener,
+                      grpc_server::StartGrpcListener(
+                          {.listen = options.listen,
+                           .max_message_bytes = kMaxMessageBytes,
+                           .max_threads = options.max_streams + kMoreThreads,
+                           .keepalive_time_ms = kKeepaliveTime_ms,
+                           .keepalive_timeout_ms = kKeepaliveTimeout_ms},
+                          [&](grpc::ServerBuilder& builder) {
+                            builder.RegisterService(&parts->navigation);
+                            if (commands.is_simulated()) {
+                              builder.RegisterService(&parts->simulation);
+                            }
+                          }));
   return std::unique_ptr<AgentGrpcServer>(
       new AgentGrpcServer(std::move(parts)));
 }
 
-const std::string& AgentGrpcServer::address() const { return parts_->address; }
+const std::string& AgentGrpcServer::address() const {
+  return parts_->listener.address;
+}
 
 }  // namespace treeline::agent_service

@@ -1,26 +1,28 @@
-// The robot as JSON, for the operator's page. docs/agent.md has the fields.
+// The robot as JSON, for scripts. docs/agent.md has the fields.
 #ifndef NAV_AGENT_SERVICE_API_JSON_H_
 #define NAV_AGENT_SERVICE_API_JSON_H_
 
 #include <string>
 
 #include "absl/status/status.h"
-#include "nav_agent/service/agent_hub.h"
-#include "nav_agent/service/agent_info.h"
+#include "nav_agent/behavior/navigator.h"
+#include "treeline/v1/navigation.pb.h"
 
 namespace treeline::agent_service {
 
 // Numbers are rounded to what a picture needs (0.1 mm, 0.1 mrad); what is not
 // finite becomes null, and text that is not UTF-8 gets U+FFFD.
 
+// All are other words for the messages of navigation.proto, which say more.
+
 // /api/info.
-std::string InfoJson(const AgentInfo& info);
-// /api/state.
-std::string StateJson(const AgentInfo& info, const AgentState& state);
-// /api/scene; at most 500 particles.
-std::string SceneJson(const AgentState& state);
+std::string InfoJson(const v1::GetInfoResponse& info);
+// /api/state. Enumerators must be known ones.
+std::string StateJson(const v1::RobotState& state);
+// /api/scene.
+std::string SceneJson(const v1::RobotScene& scene);
 // Of the stream.
-std::string EventJson(const AgentHub::Event& event);
+std::string EventJson(const v1::RobotEvent& event);
 // {"error":{"code","message"}}; code: "invalid_argument" and so on. `status` is
 // not OK.
 std::string ErrorJson(const absl::Status& status);

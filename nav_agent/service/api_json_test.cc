@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "nav_agent/service/navigation_wire.h"
 #include "nav_agent/service/testing_navigator.h"
 
 namespace treeline::agent_service {
@@ -68,7 +69,7 @@ AgentState FullState() {
 }
 
 TEST(ApiJson, InfoDescribesRobotAndLevels) {
-  const Json json = Json::parse(InfoJson(TestInfo()));
+  const Json json = Json::parse(InfoJson(InfoToProto(TestInfo())));
   EXPECT_EQ(json["version"], "1.2.3");
   EXPECT_EQ(json["robot"]["front_m"], core::RobotModel().front_m);
   EXPECT_EQ(json["map"]["name"], "house");
@@ -83,7 +84,8 @@ TEST(ApiJson, InfoDescribesRobotAndLevels) {
 }
 
 TEST(ApiJson, StateHasEveryField) {
-  const Json json = Json::parse(StateJson(TestInfo(), FullState()));
+  const Json json =
+      Json::parse(StateJson(StateToProto(TestInfo(), FullState())));
   EXPECT_EQ(json["time_s"], 12.3457);
   EXPECT_EQ(json["mode"], "safe_stop");
   EXPECT_EQ(json["cause"], "laser_lost");
@@ -111,7 +113,8 @@ TEST(ApiJson, StateHasEveryField) {
 }
 
 TEST(ApiJson, WhatIsNotThereIsNull) {
-  const Json json = Json::parse(StateJson(TestInfo(), AgentState()));
+  const Json json =
+      Json::parse(StateJson(StateToProto(TestInfo(), AgentState())));
   for (const char* name : {"pose", "goal", "fix", "truth"}) {
     EXPECT_TRUE(json.contains(name) && json[name].is_null()) << name;
   }
@@ -121,7 +124,7 @@ TEST(ApiJson, WhatIsNotThereIsNull) {
 }
 
 TEST(ApiJson, SceneHasEveryField) {
-  const Json json = Json::parse(SceneJson(FullState()));
+  const Json json = Json::parse(SceneJson(SceneToProto(FullState())));
   EXPECT_EQ(json["path"], Json::parse("[[1.0,2.0,0.5,0.1]]"));
   EXPECT_EQ(json["bubbles"], Json::parse("[[1.0,2.0,0.75,0.4]]"));
   EXPECT_EQ(json["tree"], Json::parse("[0.0,0.0,1.0,1.0]"));
@@ -139,7 +142,8 @@ TEST(ApiJson, ShowsAtMost500ParticlesOfAllOfThem) {
     state.snapshot.particles.push_back(
         {.map_from_base = {{static_cast<double>(i), 0}, 0}, .weight = 1});
   }
-  const Json particles = Json::parse(SceneJson(state))["particles"];
+  const Json particles =
+      Json::parse(SceneJson(SceneToProto(state)))["particles"];
   ASSERT_EQ(particles.size(), 1500U);
   EXPECT_EQ(particles[0], 0.0);
   EXPECT_EQ(particles[1497], 1996.0);
@@ -150,7 +154,7 @@ TEST(ApiJson, StaysJsonWhateverIsInIt) {
   state.time_s = std::numeric_limits<double>::quiet_NaN();
   state.snapshot.cause_text = "\xff\"\n<script>";
   state.snapshot.command.forward_mps = std::numeric_limits<double>::infinity();
-  const std::string text = StateJson(TestInfo(), state);
+  const std::string text = StateJson(StateToProto(TestInfo(), state));
   const Json json = Json::parse(text);
   EXPECT_TRUE(json["time_s"].is_null());
   EXPECT_TRUE(json["command"]["forward_mps"].is_null());

@@ -1,10 +1,9 @@
-// NavigationService and SimulationService over the commands of an agent.
+// NavigationService and SimulationService over gRPC.
 #ifndef NAV_AGENT_SERVICE_GRPC_SERVICES_H_
 #define NAV_AGENT_SERVICE_GRPC_SERVICES_H_
 
-#include <atomic>
-
-#include "nav_agent/service/agent_commands.h"
+#include "nav_agent/service/navigation_calls.h"
+#include "nav_agent/service/simulation_calls.h"
 #include "treeline/v1/navigation.grpc.pb.h"
 
 namespace treeline::agent_service {
@@ -14,9 +13,8 @@ class NavigationGrpcService final : public v1::NavigationService::Service {
  public:
   // `commands` must outlive the server that this is registered with.
   NavigationGrpcService(AgentCommands& commands, int max_streams)
-      : commands_(commands), max_streams_(max_streams) {}
+      : calls_(commands, max_streams) {}
 
-  // ---- grpc_navigate.cc ----
   grpc::Status Navigate(
       grpc::ServerContext* context, const v1::NavigateRequest* request,
       grpc::ServerWriter<v1::NavigateResponse>* writer) override;
@@ -29,16 +27,15 @@ class NavigationGrpcService final : public v1::NavigationService::Service {
   grpc::Status Resume(grpc::ServerContext* context,
                       const v1::ResumeRequest* request,
                       v1::ResumeResponse* response) override;
-
-  // ---- grpc_state.cc ----
   grpc::Status StreamState(
       grpc::ServerContext* context, const v1::StreamStateRequest* request,
       grpc::ServerWriter<v1::StreamStateResponse>* writer) override;
+  grpc::Status GetInfo(grpc::ServerContext* context,
+                       const v1::GetInfoRequest* request,
+                       v1::GetInfoResponse* response) override;
   grpc::Status GetMaps(grpc::ServerContext* context,
                        const v1::GetMapsRequest* request,
                        v1::GetMapsResponse* response) override;
-
-  // ---- grpc_pose.cc ----
   grpc::Status SetInitialPose(grpc::ServerContext* context,
                               const v1::SetInitialPoseRequest* request,
                               v1::SetInitialPoseResponse* response) override;
@@ -47,15 +44,12 @@ class NavigationGrpcService final : public v1::NavigationService::Service {
                             v1::FindYourselfResponse* response) override;
 
  private:
-  AgentCommands& commands_;
-  const int max_streams_;
-  std::atomic<int> streams_ = 0;
+  NavigationCalls calls_;
 };
 
 class SimulationGrpcService final : public v1::SimulationService::Service {
  public:
-  explicit SimulationGrpcService(AgentCommands& commands)
-      : commands_(commands) {}
+  explicit SimulationGrpcService(AgentCommands& commands) : calls_(commands) {}
 
   grpc::Status Kidnap(grpc::ServerContext* context,
                       const v1::KidnapRequest* request,
@@ -71,7 +65,7 @@ class SimulationGrpcService final : public v1::SimulationService::Service {
                            v1::InjectFaultResponse* response) override;
 
  private:
-  AgentCommands& commands_;
+  SimulationCalls calls_;
 };
 
 }  // namespace treeline::agent_service

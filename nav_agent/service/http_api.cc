@@ -12,7 +12,10 @@
 #include "common/metrics/exposition.h"
 #include "nav_agent/service/api_json.h"
 #include "nav_agent/service/api_request.h"
+#include "nav_agent/service/connect_services.h"
 #include "nav_agent/service/map_pictures.h"
+#include "nav_agent/service/navigation_wire.h"
+#include "nav_agent/service/stream_slot.h"
 
 namespace treeline::agent_service {
 namespace {
@@ -107,22 +110,30 @@ absl::Status HttpApiOptions::Validate() const {
 
 HttpApi::HttpApi(AgentCommands& commands, AgentMetrics& metrics,
                  const PictureKeeper* camera, const PictureKeeper* query,
-                 const HttpApiOptions& options)
+                 const HttpApiOptions& options, const base::Clock& clock)
     : commands_(commands),
       metrics_(metrics),
       camera_(camera),
       query_(query),
       options_(options),
-      files_(options.page_folder) {
+      files_(options.page_folder),
+      navigation_(commands, options.max_streams),
+      simulation_(commands),
+      connect_(clock,
+               {.require_protocol_version = true,
+                .heartbeat = absl::ToChronoMilliseconds(options.heartbeat)}) {
   AddGets();
   AddPosts();
-  if (commands_.is_simulated()) AddSimulationPosts();
+  AddNavigationCalls(navigation_, connect_);
+  if (!commands_.is_simulated()) return;
+  AddSimulationPosts();
+  AddSimulationCalls(simulation_, connect_);
 }
 
 void HttpApi::AddGets() {
   gets_["/api/info"] = [this] {
     const absl::MutexLock lock(&mutex_);
-    if (info_.empty()) info_ = InfoJson(commands_.info());
+    if (info_.empty()) info_ = InfoJson(InfoToProto(commands_.info()));
     return JsonAnswer(info_);
   };
   gets_["/api/state"] = [this] { return GetState(/*scene=*/false); };
@@ -227,6 +238,8 @@ std::optional<http::HttpResponse> HttpApi::CheckHead(
     // Preflights too: pages of other origins have no business here.
     return Failure(405, "unimplemented", "GET and POST alone are answered");
   }
+  if (connect_rpc::ConnectRouter::Owns(request.path))
+    return connect_.CheckHead(request);
   if (posts_.find(request.path) == posts_.end()) {
     if (absl::StartsWith(request.path, "/api/sim/")) {
       return Failure(404, "not_found",
@@ -250,6 +263,8 @@ std::optional<http::HttpResponse> HttpApi::CheckHead(
 
 http::HttpResponse HttpApi::Handle(const http::HttpRequest& request) {
   if (request.method == "POST") {
+    if (connect_rpc::ConnectRouter::Owns(request.path))
+      return connect_.Handle(request);
     const auto post = posts_.find(request.path);
     if (post == posts_.end()) return Error(404);
     const auto answer = post->second(request.body);
@@ -346,6 +361,25 @@ http::HttpResponse HttpApi::GetOctomap() {
   return {.content_type = "application/octet-stream", .body = octomap_};
 }
 
+http::HttpResponse HttpApi::OpenStream() {
+  const auto slot =
+      std::make_shared<StreamSlot>(streams_, options_.max_streams);
+  if (!slot->is_taken()) {
+    return {.status = 503,
+            .content_type = kJson,
+            .body = ErrorJson("resource_exhausted",
+                              "too many pages watch already; close one"),
+            .headers = {{"Retry-After", "5"}}};
+  }
+  return {.content_type = "text/event-stream",
+          .stream = [this, slot](http::HttpBodyWriter& writer) {
+            RunEventStream(
+                commands_.hub(),
+                [this](const AgentState& state) { return TextsOf(state); },
+                options_.heartbeat, writer);
+          }};
+}
+
 http::HttpResponse HttpApi::GetFile(const std::string& path) const {
   if (path == "/" && !files_.HasPage()) {
     return {.content_type = "text/plain; charset=utf-8", .body = kNoPage};
@@ -355,16 +389,15 @@ http::HttpResponse HttpApi::GetFile(const std::string& path) const {
   return {.content_type = file->content_type, .body = std::move(file->bytes)};
 }
 
-std::shared_ptr<const HttpApi::Texts> HttpApi::TextsOf(
-    const AgentState& state) {
+std::shared_ptr<const StateTexts> HttpApi::TextsOf(const AgentState& state) {
   {
     const absl::MutexLock lock(&mutex_);
     if (texts_ != nullptr && texts_->number == state.number) return texts_;
   }
-  auto texts = std::make_shared<Texts>();
+  auto texts = std::make_shared<StateTexts>();
   texts->number = state.number;
-  texts->state = StateJson(commands_.info(), state);
-  texts->scene = SceneJson(state);
+  texts->state = StateJson(StateToProto(commands_.info(), state));
+  texts->scene = SceneJson(SceneToProto(state));
   const absl::MutexLock lock(&mutex_);
   if (texts_ == nullptr || texts_->number < texts->number) texts_ = texts;
   return texts;

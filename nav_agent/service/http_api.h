@@ -1,4 +1,6 @@
-// The operator's page and what it asks, over HTTP. docs/agent.md specifies it.
+// What the agent answers over HTTP: the operator's page, pictures and maps,
+// navigation.proto's services over Connect, and JSON for scripts. docs/agent.md
+// specifies it.
 #ifndef NAV_AGENT_SERVICE_HTTP_API_H_
 #define NAV_AGENT_SERVICE_HTTP_API_H_
 
@@ -14,18 +16,23 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "common/base/clock.h"
+#include "common/connect_rpc/connect_router.h"
 #include "common/http/http_message.h"
 #include "nav_agent/service/agent_commands.h"
 #include "nav_agent/service/agent_metrics.h"
 #include "nav_agent/service/device_taps.h"
+#include "nav_agent/service/event_stream.h"
+#include "nav_agent/service/navigation_calls.h"
+#include "nav_agent/service/simulation_calls.h"
 #include "nav_agent/service/static_files.h"
 
 namespace treeline::agent_service {
 
 struct HttpApiOptions {
-  // Streams at a time, 1..1000.
+  // Streams at a time, 1..1000: of server-sent events, and of Connect.
   int max_streams = 16;
-  // No stream is silent for longer: a comment is sent.
+  // No stream is silent for longer: a comment, or an empty message, is sent.
   absl::Duration heartbeat = absl::Seconds(5);
   // A robot whose newest state is older is not ready.
   absl::Duration ready_within = absl::Seconds(2);
@@ -43,7 +50,7 @@ class HttpApi final : public http::HttpHandler {
   // it. `options` must be valid.
   HttpApi(AgentCommands& commands, AgentMetrics& metrics,
           const PictureKeeper* camera, const PictureKeeper* query,
-          const HttpApiOptions& options);
+          const HttpApiOptions& options, const base::Clock& clock);
 
   std::optional<http::HttpResponse> CheckHead(
       const http::HttpRequest& request) override;
@@ -57,12 +64,6 @@ class HttpApi final : public http::HttpHandler {
   // The JSON of the answer.
   using Post =
       std::function<absl::StatusOr<std::string>(absl::string_view body)>;
-  // What was published last, as text.
-  struct Texts {
-    uint64_t number = 0;
-    std::string state;
-    std::string scene;
-  };
 
   void AddGets();
   void AddPosts();
@@ -74,9 +75,8 @@ class HttpApi final : public http::HttpHandler {
   http::HttpResponse GetOctomap();
   http::HttpResponse GetFile(const std::string& path) const;
   http::HttpResponse OpenStream();
-  void RunStream(http::HttpBodyWriter& writer);
   // Made once for all streams.
-  std::shared_ptr<const Texts> TextsOf(const AgentState& state);
+  std::shared_ptr<const StateTexts> TextsOf(const AgentState& state);
 
   AgentCommands& commands_;
   AgentMetrics& metrics_;
@@ -84,11 +84,14 @@ class HttpApi final : public http::HttpHandler {
   const PictureKeeper* const query_;
   const HttpApiOptions options_;
   const StaticFiles files_;
+  NavigationCalls navigation_;
+  SimulationCalls simulation_;
+  connect_rpc::ConnectRouter connect_;
   std::map<std::string, Get> gets_;
   std::map<std::string, Post> posts_;
   std::atomic<int> streams_ = 0;
   absl::Mutex mutex_;
-  std::shared_ptr<const Texts> texts_ ABSL_GUARDED_BY(mutex_);
+  std::shared_ptr<const StateTexts> texts_ ABSL_GUARDED_BY(mutex_);
   std::string info_ ABSL_GUARDED_BY(mutex_);
   std::string octomap_ ABSL_GUARDED_BY(mutex_);
   std::map<int, std::string> levels_ ABSL_GUARDED_BY(mutex_);

@@ -30,7 +30,7 @@ class HttpApiTest : public ::testing::Test {
   void Start(bool is_simulated = true) {
     agent_ = std::make_unique<SteppingAgent>(is_simulated);
     api_ = std::make_unique<HttpApi>(agent_->commands, metrics_, &camera_,
-                                     nullptr, options_);
+                                     nullptr, options_, clock_);
     auto server = http::HttpServer::Start(
         {.listen = "127.0.0.1:0", .max_body_mib = 1}, *api_, clock_);
     ASSERT_TRUE(server.ok()) << server.status();

@@ -1,4 +1,5 @@
-// The robot's state and wishes, proto <-> C++.
+// The robot's state and wishes, proto <-> C++. Text that is not UTF-8, which a
+// message must be, gets U+FFFD.
 #ifndef NAV_AGENT_SERVICE_NAVIGATION_WIRE_H_
 #define NAV_AGENT_SERVICE_NAVIGATION_WIRE_H_
 
@@ -9,6 +10,7 @@
 #include "google/protobuf/repeated_ptr_field.h"
 #include "nav_agent/service/agent_commands.h"
 #include "nav_agent/service/agent_hub.h"
+#include "nav_agent/service/agent_info.h"
 #include "treeline/v1/navigation.pb.h"
 
 namespace treeline::agent_service {
@@ -18,18 +20,25 @@ using wire::ToProto;
 PoseWish FromProto(const v1::LevelPose& proto);
 std::vector<PoseWish> FromProto(
     const google::protobuf::RepeatedPtrField<v1::LevelPose>& proto);
+// `proto` must be one of those that ToProto makes.
+behavior::NavigatorMode FromProto(v1::NavigatorMode proto);
+core::NavigationCause FromProto(v1::NavigationCause proto);
+behavior::GoalState FromProto(v1::GoalState proto);
 
 v1::LevelPose ToProto(const core::LevelPose& pose);
 // As it is seen from above; without a level.
 v1::LevelPose PlanarToProto(const geometry::Rigid3& map_from_base);
 v1::NavigatorMode ToProto(behavior::NavigatorMode mode);
 v1::NavigationCause ToProto(core::NavigationCause cause);
+v1::GoalState ToProto(behavior::GoalState state);
 v1::GoalStatus ToProto(const behavior::GoalStatus& goal);
-v1::RobotState ToProto(const AgentState& state);
 v1::RobotEvent ToProto(const AgentHub::Event& event);
 v1::NavigateResponse FeedbackToProto(const AgentState& state);
 // Without its picture.
 v1::MapLevel ToProto(const traversability::TraversableLevel& level, int index);
+v1::GetInfoResponse InfoToProto(const AgentInfo& info);
+v1::RobotState StateToProto(const AgentInfo& info, const AgentState& state);
+v1::RobotScene SceneToProto(const AgentState& state);
 
 }  // namespace treeline::agent_service
 

@@ -2,6 +2,8 @@
 // Content-Security-Policy: no inline script or style, nothing inlined as data.
 import { defineConfig } from 'vite';
 
+const AGENT = process.env.TREELINE_AGENT ?? 'http://127.0.0.1:8090';
+
 export default defineConfig({
   base: './',
   build: {
@@ -12,13 +14,17 @@ export default defineConfig({
     chunkSizeWarningLimit: 800,
     rollupOptions: {
       output: {
-        // three.js changes seldom: browsers keep it.
-        manualChunks: { three: ['three'] },
+        // Libraries change seldom: browsers keep them.
+        manualChunks: {
+          three: ['three'],
+          connect: ['@bufbuild/protobuf', '@connectrpc/connect',
+            '@connectrpc/connect-web'],
+        },
       },
     },
   },
   server: {
     // `npx vite` beside a running agent, for work on the page.
-    proxy: { '/api': process.env.TREELINE_AGENT ?? 'http://127.0.0.1:8090' },
+    proxy: { '/api': AGENT, '^/treeline[.]v1[.]': AGENT },
   },
 });

@@ -146,12 +146,7 @@ v1::GeoAnchor ToProto(const repository::GeoAnchor& anchor) {
   proto.set_latitude_deg(anchor.latitude_deg);
   proto.set_longitude_deg(anchor.longitude_deg);
   proto.set_height_m(anchor.height_m);
-  const geometry::Rotation3& rotation = anchor.enu_from_world;
-  v1::Quaternion& quaternion = *proto.mutable_enu_from_world();
-  quaternion.set_w(rotation.w);
-  quaternion.set_x(rotation.x);
-  quaternion.set_y(rotation.y);
-  quaternion.set_z(rotation.z);
+  *proto.mutable_enu_from_world() = ToProto(anchor.enu_from_world);
   return proto;
 }
 

@@ -7,6 +7,7 @@ import { after, before, test } from 'node:test';
 
 import { Agent } from './agent.js';
 import { dragOnMap, launchServer, openPage, windowOf } from './browser.js';
+import { connect, messages, node } from './packages.js';
 
 // A click is as exact as a pixel, 2 to 3 cm on the map here, and a cell, 5 cm.
 const CLICK_M = 0.12;
@@ -105,6 +106,31 @@ test('the robot is kidnapped, and a box is put in its way', async () => {
   assert.deepEqual(wrongs, []);
   await close();
 });
+
+for (const format of ['binary', 'JSON']) {
+  test(`others speak Connect in ${format}`, async () => {
+    const client = connect.createClient(messages.NavigationService,
+        node.createConnectTransport({ baseUrl: agent.url, httpVersion: '1.1',
+          useBinaryFormat: format === 'binary' }));
+    const info = await client.getInfo({});
+    assert.equal(info.world, 'cafe');
+    assert.equal(info.levels.length, 1);
+    await client.pause({});
+    let seen = 0;
+    for await (const { state } of client.streamState({ withScene: true })) {
+      if (state?.mode === messages.NavigatorMode.PAUSED) break;
+      assert.ok(++seen < 100, 'it does not pause');
+    }
+    await client.resume({});
+    await assert.rejects(client.cancel({ goalId: 999n }), (error) =>
+      error instanceof connect.ConnectError &&
+      error.code === connect.Code.NotFound);
+    const far = client.navigate({ poses: [{ xM: 0, yM: 0, level: 99 }] });
+    await assert.rejects(far[Symbol.asyncIterator]().next(), (error) =>
+      error.code === connect.Code.InvalidArgument &&
+      error.rawMessage.includes('level'));
+  });
+}
 
 test('the agent ends as it should after all that', async () => {
   assert.equal(await agent.stop(), 0, agent.log);

@@ -168,6 +168,6 @@ export function costmapAround(x, y, z, seen) {
       cells[row * side + column] = isBox ? 2 : isFree(cx, cy) ? 0 : 1;
     }
   }
-  return { origin, resolution_m: resolution, width: side, height: side, z,
-    cells: cells.toString('base64') };
+  return { originXM: origin[0], originYM: origin[1], resolutionM: resolution,
+    width: side, height: side, heightM: z, cells };
 }

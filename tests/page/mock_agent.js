@@ -1,7 +1,7 @@
-// An agent that a test plays: it speaks the HTTP interface of treeline-agent
-// over a canned world, moves its robot along straight lines, and remembers what
-// it was asked. As a program, `node mock_agent.js PAGE PORT`, for work on the
-// page.
+// An agent that a test plays: it speaks treeline-agent's Connect and HTTP over a
+// canned world, moves its robot along straight lines, and remembers what it was
+// asked. As a program, `node mock_agent.js PAGE PORT`, for work on the page.
+// TREELINE_PAGE_WORK: where `scripts/build-page --check` has worked.
 
 import fs from 'node:fs';
 import http from 'node:http';
@@ -9,6 +9,7 @@ import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 import * as world from './canned_world.js';
+import { connect, messages, node } from './packages.js';
 
 // What treeline-agent sends with every answer.
 export const HEADERS = {
@@ -26,21 +27,45 @@ const TYPES = {
 
 const SPEED_MPS = 0.8;
 
+// What is still to be said on one stream.
+class Queue {
+  constructor(signal) {
+    this.signal = signal;
+    this.waiting = [];
+    this.wake = () => {};
+    signal.addEventListener('abort', () => this.wake());
+  }
+
+  push(message) {
+    this.waiting.push(message);
+    this.wake();
+  }
+
+  async* [Symbol.asyncIterator]() {
+    while (!this.signal.aborted) {
+      if (this.waiting.length > 0) yield this.waiting.shift();
+      else await new Promise((resolve) => { this.wake = resolve; });
+    }
+  }
+}
+
 export class MockAgent {
   constructor({ pageFolder, picture = null, simulated = true }) {
     this.pageFolder = path.resolve(pageFolder);
     this.picture = picture;
     this.simulated = simulated;
-    // What was asked: {path, body}.
+    // What was asked: {method, body}.
     this.asked = [];
-    // Path -> status and message with which it is answered.
+    // Method -> the message with which it is refused.
     this.refusals = new Map();
     this.pose = { x: 2.0, y: 4.9, yaw: 0 };
     this.mode = 'idle';
-    this.cause = 'none';
+    this.cause = 'unspecified';
+    this.causeText = '';
     this.advice = '';
     this.lost = { probability: 0.04, state: 'localized', reason: 'none' };
     this.goal = null;
+    this.goalPoses = [];
     this.path = [];
     this.driven = 0;
     this.obstacles = [];
@@ -50,14 +75,24 @@ export class MockAgent {
     this.devices = ['laser', 'odometry', 'base', 'camera', 'server'].map(
         (name) => ({ name, state: 'running', cause: '' }));
     this.streams = new Set();
+    this.isSilent = false;
     this.octomap = world.octomap();
     this.level = world.levelPicture();
     this.heights = world.heights();
   }
 
   async listen(port = 0) {
-    this.server = http.createServer((request, response) =>
-      this.answer(request, response));
+    const rpc = node.connectNodeAdapter({
+      requireConnectProtocolHeader: true,
+      routes: ({ service }) => this.addRoutes(service),
+      fallback: (request, response) => this.answer(request, response),
+    });
+    this.server = http.createServer((request, response) => {
+      for (const [name, value] of Object.entries(HEADERS)) {
+        response.setHeader(name, value);
+      }
+      rpc(request, response);
+    });
     await new Promise((resolve, reject) => {
       this.server.once('error', reject);
       this.server.listen(port, '127.0.0.1', resolve);
@@ -76,30 +111,31 @@ export class MockAgent {
     await closed;
   }
 
-  // The connection stays, and nothing comes any more.
+  // Connections stay, and nothing comes any more.
   fallSilent() {
     clearInterval(this.timer);
+    this.isSilent = true;
   }
 
-  // The last body that was sent to `path`.
-  lastAsked(path) {
-    return this.asked.filter((entry) => entry.path === path).at(-1)?.body;
+  // The last message that was sent to `method`.
+  lastAsked(method) {
+    return this.asked.filter((entry) => entry.method === method).at(-1)?.body;
   }
 
   // ---- the robot ----
 
   say(kind, text) {
-    const event = { number: this.events.length + 1, time_s: this.time, kind,
-      text };
+    const event = { number: BigInt(this.events.length + 1), timeS: this.time,
+      kind, text };
     this.events.push(event);
-    this.send('event', event);
+    this.send({ state: this.state(), events: [event] });
   }
 
   tick(seconds) {
     this.time += seconds;
     if (this.mode === 'driving') this.drive(seconds);
-    this.send('state', this.state());
-    if (Math.round(this.time * 10) % 3 === 0) this.send('scene', this.scene());
+    const hasScene = Math.round(this.time * 10) % 3 === 0;
+    this.send({ state: this.state(), ...hasScene && { scene: this.scene() } });
   }
 
   drive(seconds) {
@@ -115,8 +151,8 @@ export class MockAgent {
     }
     if (step >= distance) this.path.shift();
     if (this.path.length === 0) {
-      this.pose.yaw = this.goal.poses.at(-1).yaw;
-      this.goal.state = 'succeeded';
+      this.pose.yaw = this.goalPoses.at(-1).yawRad;
+      this.goal.state = messages.GoalState.SUCCEEDED;
       this.mode = 'idle';
       this.say('goal', 'Arrived.');
     }
@@ -159,21 +195,24 @@ export class MockAgent {
 
   state() {
     const { x, y, yaw } = this.pose;
-    const height_m = world.groundAt(x, y);
+    const heightM = world.groundAt(x, y);
     return {
-      time_s: this.time, mode: this.mode, cause: this.cause, cause_text: '',
-      advice: this.advice,
-      pose: { x, y, yaw, level: 0, height_m, std_m: 0.06, std_rad: 0.03 },
-      lost: this.lost,
-      command: { forward_mps: this.mode === 'driving' ? 0.58 : 0,
-        yaw_rate_radps: 0 },
-      goal: this.goal === null ? null : {
-        ...this.goal, cause: 'none', why: '', to_go_m: this.toGo(),
-        driven_m: this.driven, replans: 1, recoveries: 0 },
-      fix: this.fix, devices: this.devices,
-      truth: this.simulated ?
-        { x: x + 0.05, y: y - 0.04, yaw: yaw + 0.03, height_m } : null,
-      missed_deadlines: 0, steps: Math.round(this.time * 40),
+      timeS: this.time,
+      mode: messages.NavigatorMode[this.mode.toUpperCase()],
+      cause: messages.NavigationCause[this.cause.toUpperCase()] ?? 0,
+      causeText: this.causeText, advice: this.advice,
+      mapFromBase: { xM: x, yM: y, yawRad: yaw, heightM },
+      // 6 cm, 0.03 rad.
+      covariance: [0.0036, 0, 0, 0, 0.0036, 0, 0, 0, 0.0009],
+      lostProbability: this.lost.probability, lostState: this.lost.state,
+      lostReason: this.lost.reason,
+      forwardMps: this.mode === 'driving' ? 0.58 : 0,
+      ...this.goal && { goal: { ...this.goal, toGoM: this.toGo(),
+        drivenM: this.driven, replans: 1 }, goalPoses: this.goalPoses },
+      ...this.fix && { fix: this.fix }, devices: this.devices,
+      ...this.simulated && { trueMapFromBase: {
+        xM: x + 0.05, yM: y - 0.04, yawRad: yaw + 0.03, heightM } },
+      steps: BigInt(Math.round(this.time * 40)),
     };
   }
 
@@ -187,15 +226,18 @@ export class MockAgent {
           this.pose.yaw + 0.12 * Math.sin(3 * i));
     }
     return {
-      path: route,
+      path: route.map(([xM, yM, heightM, yawRad]) =>
+        ({ xM, yM, heightM, yawRad })),
       bubbles: route.slice(2, 26).filter((_, i) => i % 3 === 0)
-          .map(([bx, by, bz]) => [bx, by, bz, 0.42]),
-      tree: route.length === 0 ? [] : this.tree(),
-      scan: world.scanFrom(x, y), particles,
-      blockages: this.obstacles.map((box) => [box.x, box.y, 0.45, 0]),
+          .map(([xM, yM, heightM]) => ({ xM, yM, heightM, radiusM: 0.42 })),
+      treeEdgesM: route.length === 0 ? [] : this.tree(),
+      scanM: world.scanFrom(x, y), particles,
+      blockages: this.obstacles.map(
+          (box) => ({ xM: box.x, yM: box.y, radiusM: 0.45 })),
       costmap: world.costmapAround(
           x, y, world.groundAt(x, y), this.obstacles),
-      obstacles: this.obstacles,
+      obstacles: this.obstacles.map(
+          (box) => ({ name: box.name, xM: box.x, yM: box.y })),
     };
   }
 
@@ -214,22 +256,79 @@ export class MockAgent {
     return edges;
   }
 
-  // ---- HTTP ----
+  // ---- Connect ----
 
-  send(type, data) {
-    for (const response of this.streams) {
-      response.write(`event: ${type}\ndata: ${JSON.stringify(data)}\n\n`);
+  send(message) {
+    for (const stream of this.streams) stream.push(message);
+  }
+
+  addRoutes(service) {
+    const { NavigationService, SimulationService } = messages;
+    // A method that answers with `give`, if it is not refused.
+    const method = (name, give) => (body) => {
+      this.asked.push({ method: name, body });
+      const refusal = this.refusals.get(name);
+      if (refusal !== undefined) {
+        throw new connect.ConnectError(
+            refusal, connect.Code.InvalidArgument);
+      }
+      return give(body) ?? {};
+    };
+    const obey = (name) => method(name, (body) => this.obey(name, body));
+    const navigate = method('Navigate', (body) => {
+      this.obey('Navigate', body);
+      return { goal: { ...this.goal } };
+    });
+    service(NavigationService, {
+      async* navigate(request, { signal }) {
+        yield navigate(request);
+        // The page listens no longer than that.
+        await new Promise((end) => { signal.addEventListener('abort', end); });
+      },
+      getInfo: () => this.info(),
+      streamState: (_request, { signal }) => this.stream(signal),
+      cancel: obey('Cancel'), pause: obey('Pause'), resume: obey('Resume'),
+      setInitialPose: obey('SetInitialPose'),
+      findYourself: obey('FindYourself'),
+    });
+    if (!this.simulated) return;
+    service(SimulationService, {
+      kidnap: obey('Kidnap'), addObstacle: obey('AddObstacle'),
+      removeObstacle: obey('RemoveObstacle'), injectFault: obey('InjectFault'),
+    });
+  }
+
+  info() {
+    return {
+      version: '0.1.0', robot: { frontM: 0.3, rearM: 0.3, halfWidthM: 0.31 },
+      mapName: 'cafe', levels: [{ width: world.WIDTH, height: world.DEPTH,
+        resolutionM: world.RESOLUTION_M, maxHeightM: 0.5 }],
+      simulated: this.simulated, world: this.simulated ? 'cafe' : '',
+      places: this.simulated ? ['terrace', 'entrance', 'kitchen'] : [],
+      server: '127.0.0.1:50051',
+    };
+  }
+
+  async* stream(signal) {
+    const queue = new Queue(signal);
+    if (!this.isSilent) this.streams.add(queue);
+    try {
+      if (!this.isSilent) yield { state: this.state(), scene: this.scene(),
+        events: [...this.events] };
+      yield* queue;
+    } finally {
+      this.streams.delete(queue);
     }
   }
 
+  // ---- HTTP ----
+
   answer(request, response) {
-    const url = new URL(request.url, 'http://agent');
-    for (const [name, value] of Object.entries(HEADERS)) {
-      response.setHeader(name, value);
-    }
-    if (request.method === 'POST') this.command(url.pathname, request, response);
-    else if (url.pathname.startsWith('/api/')) this.give(url.pathname, response);
-    else this.file(url.pathname, response);
+    const url = new URL(request.url, 'http://agent').pathname;
+    if (request.method !== 'GET') {
+      this.refuse(response, 405, 'unimplemented', 'GET alone');
+    } else if (url.startsWith('/api/')) this.give(url, response);
+    else this.file(url, response);
   }
 
   reply(response, status, body, type = 'application/json') {
@@ -241,45 +340,17 @@ export class MockAgent {
     this.reply(response, status, { error: { code, message } });
   }
 
-  info() {
-    return {
-      version: '0.1.0', robot: { front_m: 0.3, rear_m: 0.3, half_width_m: 0.31 },
-      map: { name: 'cafe', levels: [{ index: 0, width: world.WIDTH,
-        height: world.DEPTH, resolution_m: world.RESOLUTION_M,
-        origin: [0, 0, 0], min_height_m: 0, max_height_m: 0.5 }] },
-      simulated: this.simulated, world: this.simulated ? 'cafe' : '',
-      places: this.simulated ? ['terrace', 'entrance', 'kitchen'] : [],
-      server: '127.0.0.1:50051',
-    };
-  }
-
   give(url, response) {
     const picture = { 'api/camera.jpg': this.picture,
       'api/query.jpg': this.fix && this.picture }[url.slice(1)];
-    if (url === '/api/info') this.reply(response, 200, this.info());
-    else if (url === '/api/state') this.reply(response, 200, this.state());
-    else if (url === '/api/scene') this.reply(response, 200, this.scene());
-    else if (url === '/api/octomap') {
+    if (url === '/api/octomap') {
       this.reply(response, 200, this.octomap, 'application/octet-stream');
     } else if (url === '/api/levels/0.png') {
       this.reply(response, 200, this.level, 'image/png');
     } else if (url === '/api/levels/0.heights') {
       this.reply(response, 200, this.heights, 'application/octet-stream');
-    } else if (url === '/api/stream') this.stream(response);
-    else if (picture) this.reply(response, 200, picture, 'image/jpeg');
+    } else if (picture) this.reply(response, 200, picture, 'image/jpeg');
     else this.refuse(response, 404, 'not_found', 'there is no such thing');
-  }
-
-  stream(response) {
-    response.writeHead(200, { 'Content-Type': 'text/event-stream',
-      'Cache-Control': 'no-store' });
-    this.streams.add(response);
-    response.on('close', () => this.streams.delete(response));
-    for (const event of this.events) {
-      response.write(`event: event\ndata: ${JSON.stringify(event)}\n\n`);
-    }
-    response.write(`event: state\ndata: ${JSON.stringify(this.state())}\n\n`);
-    response.write(`event: scene\ndata: ${JSON.stringify(this.scene())}\n\n`);
   }
 
   file(url, response) {
@@ -293,52 +364,39 @@ export class MockAgent {
         TYPES[path.extname(name)] ?? 'application/octet-stream');
   }
 
-  async command(url, request, response) {
-    let text = '';
-    for await (const part of request) text += part;
-    if (request.headers['x-treeline'] !== '1' ||
-        request.headers['content-type'] !== 'application/json') {
-      this.refuse(response, 403, 'permission_denied', 'not from the page');
-      return;
-    }
-    const body = JSON.parse(text);
-    this.asked.push({ path: url, body });
-    const refusal = this.refusals.get(url);
-    if (refusal !== undefined) {
-      this.refuse(response, refusal.status, 'refused', refusal.message);
-      return;
-    }
-    this.reply(response, 200, { ok: true, ...this.obey(url, body) });
-  }
-
-  obey(url, body) {
-    switch (url) {
-      case '/api/goal':
-        this.goal = { id: (this.goal?.id ?? 0) + 1, state: 'active',
-          poses: body.poses };
-        this.path = this.wayTo(body.poses.at(-1));
+  obey(method, body) {
+    switch (method) {
+      case 'Navigate': {
+        const to = body.poses.at(-1);
+        this.goal = { id: (this.goal?.id ?? 0n) + 1n,
+          state: messages.GoalState.ACTIVE };
+        this.goalPoses = body.poses;
+        this.path = this.wayTo({ x: to.xM, y: to.yM });
         this.driven = 0;
         this.mode = 'driving';
         this.say('goal', `Goal ${this.goal.id} accepted.`);
         this.say('plan', `A way of ${this.toGo().toFixed(1)} m in 3 ms.`);
-        return { id: this.goal.id };
-      case '/api/cancel':
-        if (this.goal) this.goal.state = 'cancelled';
+        return {};
+      }
+      case 'Cancel':
+        if (this.goal) this.goal.state = messages.GoalState.CANCELLED;
         this.path = [];
         this.mode = 'idle';
         return {};
-      case '/api/pause': this.mode = 'paused'; return {};
-      case '/api/resume':
+      case 'Pause': this.mode = 'paused'; return {};
+      case 'Resume':
         this.mode = this.path.length > 0 ? 'driving' : 'idle';
         return {};
-      case '/api/initial-pose':
-        this.pose = { x: body.x, y: body.y, yaw: body.yaw };
+      case 'SetInitialPose': {
+        const { xM, yM, yawRad } = body.mapFromBase;
+        this.pose = { x: xM, y: yM, yaw: yawRad };
         return {};
-      case '/api/sim/obstacle':
+      }
+      case 'AddObstacle':
         this.obstacles.push({ name: `box-${this.obstacles.length + 1}`,
-          x: body.x, y: body.y });
+          x: body.xM, y: body.yM });
         return { name: this.obstacles.at(-1).name };
-      case '/api/sim/remove-obstacle':
+      case 'RemoveObstacle':
         this.obstacles =
             this.obstacles.filter((box) => box.name !== body.name);
         return {};

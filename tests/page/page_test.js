@@ -37,14 +37,14 @@ function near(actual, wanted, by = NEAR_M) {
 }
 
 // Waits for the agent, not for a time.
-async function asked(path) {
+async function asked(method) {
   for (let i = 0; i < 1500; ++i) {
-    const body = agent.lastAsked(path);
+    const body = agent.lastAsked(method);
     if (body !== undefined) return body;
     await new Promise((resolve) => { setTimeout(resolve, 20); });
   }
-  assert.fail(`${path} was not asked; only ` +
-      JSON.stringify(agent.asked.map((entry) => entry.path)));
+  assert.fail(`${method} was not asked; only ` +
+      JSON.stringify(agent.asked.map((entry) => entry.method)));
   return undefined;
 }
 
@@ -57,11 +57,11 @@ test('a goal is sent by a drag and followed to its end', async () => {
   await text(page, '#mode', 'Ready');
   await page.click('#tool-goal');
   await dragOnMap(page, [3.5, 4.9, 0], [3.5, 6.4, 0]);
-  const { poses } = await asked('/api/goal');
+  const { poses } = await asked('Navigate');
   assert.equal(poses.length, 1);
-  near(poses[0].x, 3.5);
-  near(poses[0].y, 4.9);
-  near(poses[0].yaw, Math.PI / 2, 0.1);
+  near(poses[0].xM, 3.5);
+  near(poses[0].yM, 4.9);
+  near(poses[0].yawRad, Math.PI / 2, 0.1);
   assert.equal(poses[0].level, 0);
   await text(page, '#mode', 'Driving');
   await text(page, '#goal', 'to go');
@@ -76,11 +76,11 @@ test('a click on the terrace hits its ground, not what is behind', async () => {
   const { page, close } = await openPage(browser, url);
   await page.click('#tool-goal');
   await dragOnMap(page, [11.2, 6.2, 0.5]);
-  const { poses } = await asked('/api/goal');
-  near(poses[0].x, 11.2);
-  near(poses[0].y, 6.2);
+  const { poses } = await asked('Navigate');
+  near(poses[0].xM, 11.2);
+  near(poses[0].yM, 6.2);
   // A click alone: on from the robot.
-  near(poses[0].yaw, Math.atan2(6.2 - 4.9, 11.2 - 2), 0.05);
+  near(poses[0].yawRad, Math.atan2(6.2 - 4.9, 11.2 - 2), 0.05);
   await close();
 });
 
@@ -88,26 +88,26 @@ test('the robot is told where it is', async () => {
   const { page, close } = await openPage(browser, url);
   await page.click('#tool-pose');
   await dragOnMap(page, [6.2, 6.2, 0], [4.9, 6.2, 0]);
-  const pose = await asked('/api/initial-pose');
-  near(pose.x, 6.2);
-  near(pose.y, 6.2);
-  near(Math.abs(pose.yaw), Math.PI, 0.1);
+  const { mapFromBase: pose } = await asked('SetInitialPose');
+  near(pose.xM, 6.2);
+  near(pose.yM, 6.2);
+  near(Math.abs(pose.yawRad), Math.PI, 0.1);
   await close();
 });
 
 test('buttons ask for what they say', async () => {
   const { page, wrongs, close } = await openPage(browser, url);
   assert.equal(await page.isDisabled('#cancel'), true);
-  agent.obey('/api/goal', { poses: [{ x: 12, y: 1, yaw: 0, level: 0 }] });
+  agent.obey('Navigate', { poses: [{ xM: 12, yM: 1, yawRad: 0, level: 0 }] });
   await page.click('#pause');
-  await asked('/api/pause');
+  await asked('Pause');
   await text(page, '#pause', 'Resume');
   await page.click('#pause');
-  await asked('/api/resume');
+  await asked('Resume');
   await page.click('#find-yourself');
-  await asked('/api/find-yourself');
+  await asked('FindYourself');
   await page.click('#cancel:enabled');
-  assert.deepEqual(await asked('/api/cancel'), {});
+  assert.equal((await asked('Cancel')).goalId, 0n);
   await text(page, '#goal', 'Cancelled');
   assert.deepEqual(wrongs, []);
   await close();
@@ -116,7 +116,7 @@ test('buttons ask for what they say', async () => {
 test('in simulation the robot is kidnapped and hindered', async () => {
   const { page, wrongs, close } = await openPage(browser, url);
   await page.click('#kidnap-anywhere');
-  assert.deepEqual(await asked('/api/sim/kidnap'), {});
+  assert.equal((await asked('Kidnap')).to.case, undefined);
   await page.selectOption('#place', 'kitchen');
   await page.click('#kidnap-place');
   await page.click('#tool-kidnap');
@@ -124,22 +124,22 @@ test('in simulation the robot is kidnapped and hindered', async () => {
   for (let i = 0; i < 1500 && agent.asked.length < 3; ++i) {
     await page.waitForTimeout(20);
   }
-  const kidnaps = agent.asked.map(({ body }) => body);
-  assert.deepEqual(kidnaps[1], { place: 'kitchen' });
-  near(kidnaps[2].x, 10.4);
-  near(kidnaps[2].y, 4.2);
+  const kidnaps = agent.asked.map(({ body }) => body.to.value);
+  assert.equal(kidnaps[1], 'kitchen');
+  near(kidnaps[2].xM, 10.4);
+  near(kidnaps[2].yM, 4.2);
   await page.click('#tool-obstacle');
   await dragOnMap(page, [3, 3.4, 0]);
-  const box = await asked('/api/sim/obstacle');
-  near(box.x, 3);
-  near(box.y, 3.4);
-  assert.equal(box.size_m, 0.5);
+  const box = await asked('AddObstacle');
+  near(box.xM, 3);
+  near(box.yM, 3.4);
+  assert.equal(box.sizeM, 0.5);
   await page.click('text=Remove');
-  assert.deepEqual(await asked('/api/sim/remove-obstacle'), { name: 'box-1' });
+  assert.equal((await asked('RemoveObstacle')).name, 'box-1');
   await page.selectOption('#fault', { label: 'Laser silent' });
   await page.click('#fault-start');
-  assert.deepEqual(await asked('/api/sim/fault'),
-      { target: 'laser', kind: 'silent', duration_s: 5 });
+  const { target, kind, durationS } = await asked('InjectFault');
+  assert.deepEqual([target, kind, durationS], ['laser', 'silent', 5]);
   assert.deepEqual(wrongs, []);
   await close();
 });
@@ -158,12 +158,28 @@ test('a real robot cannot be kidnapped from the page', async () => {
 });
 
 test('what the agent refuses is said in its words', async () => {
-  agent.refusals.set('/api/goal', { status: 400,
-    message: 'The goal is not on the map.' });
-  const { page, close } = await openPage(browser, url, {}, /400/);
+  agent.refusals.set('Navigate', 'The goal is not on the map.');
+  const { page, close } = await openPage(browser, url);
   await page.click('#tool-goal');
   await dragOnMap(page, [3, 4, 0]);
   await text(page, '#toasts', 'The goal is not on the map.');
+  await close();
+});
+
+test('a robot that is lost is nowhere said to be on its way', async () => {
+  agent.lost = { probability: 0.69, state: 'localized', reason: 'none' };
+  const { page, wrongs, close } = await openPage(browser, url);
+  agent.obey('Navigate', { poses: [{ xM: 12, yM: 1, yawRad: 0, level: 0 }] });
+  await text(page, '#lost', '69 %');
+  await text(page, '#lost', 'Is not sure of its place');
+  await text(page, '#goal', 'On the way');
+  agent.mode = 'relocalizing';
+  await text(page, '#mode', 'Finding its place');
+  await text(page, '#lost', 'Looks for its place');
+  await text(page, '#goal', 'Waits until the robot knows its place.');
+  const side = await page.textContent('.side');
+  assert.doesNotMatch(side, /[Oo]n the way|Knows its place|m to go/);
+  assert.deepEqual(wrongs, []);
   await close();
 });
 
@@ -183,11 +199,12 @@ test('a stop is explained with what to do about it', async () => {
 });
 
 test('markup that comes from the agent stays text', async () => {
-  agent.mode = '<img src=x onerror=alert(1)>';
+  agent.causeText = '<img src=x onerror=alert(1)>';
   agent.say('<b>', '<script>alert(1)</script>');
   const { page, wrongs, close } = await openPage(browser, url);
   await text(page, '#events', '<script>alert(1)</script>');
-  assert.equal(await page.locator('#events script, #mode img').count(), 0);
+  await text(page, '#cause', 'onerror=alert(1)');
+  assert.equal(await page.locator('#events script, #cause img').count(), 0);
   assert.deepEqual(wrongs, []);
   await close();
 });
@@ -246,9 +263,9 @@ test('a phone shows everything without scrolling sideways', async () => {
   await page.tap('#tool-goal');
   const at = await windowOf(page, 6, 6, 0);
   await page.touchscreen.tap(at.x, at.y);
-  const { poses } = await asked('/api/goal');
-  near(poses[0].x, 6, 0.2);
-  near(poses[0].y, 6, 0.2);
+  const { poses } = await asked('Navigate');
+  near(poses[0].xM, 6, 0.2);
+  near(poses[0].yM, 6, 0.2);
   assert.deepEqual(wrongs, []);
   await close();
 });
@@ -260,9 +277,9 @@ test('the keyboard alone sends a goal', async () => {
   assert.equal(await page.getAttribute('#tool-goal', 'aria-pressed'), 'true');
   await page.focus('.map-canvas');
   await page.keyboard.press('Enter');
-  const { poses } = await asked('/api/goal');
+  const { poses } = await asked('Navigate');
   // Under the cross, which is in the middle of the canvas.
-  const at = await windowOf(page, poses[0].x, poses[0].y, 0);
+  const at = await windowOf(page, poses[0].xM, poses[0].yM, 0);
   const box = await page.locator('.map-canvas').boundingBox();
   near(at.x, box.x + box.width / 2, 3);
   near(at.y, box.y + box.height / 2, 3);
@@ -290,11 +307,11 @@ test('keys do what the help says', async () => {
   await page.keyboard.press('f');
   assert.equal(await page.getAttribute('#follow', 'aria-pressed'), 'true');
   await page.keyboard.press('Space');
-  await asked('/api/pause');
+  await asked('Pause');
   // It is the button's own there.
   await page.focus('#find-yourself');
   await page.keyboard.press('Space');
-  await asked('/api/find-yourself');
+  await asked('FindYourself');
   assert.equal(agent.asked.length, 2);
   assert.deepEqual(wrongs, []);
   await close();

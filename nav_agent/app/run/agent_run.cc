@@ -196,7 +196,7 @@ absl::Status AgentProgram::Listen() {
   const agent_service::PictureKeeper* query =
       server_ == nullptr ? nullptr : &query_picture_;
   api_ = std::make_unique<agent_service::HttpApi>(*commands_, metrics_, camera,
-                                                  query, options);
+                                                  query, options, real_clock_);
   http::HttpServerOptions http;
   http.listen = config_.http_listen;
   http.insecure_any_address = config_.insecure_any_address;

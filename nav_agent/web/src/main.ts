@@ -1,6 +1,8 @@
 // Wires the page: what the agent says goes to map and panels, what a person
 // does goes to the agent.
 
+import { createConnectTransport } from '@connectrpc/connect-web';
+
 import { AgentClient } from './api/client.js';
 import { AgentStream, type Link } from './api/stream.js';
 import type { AgentInfo, RobotState } from './api/types.js';
@@ -20,10 +22,17 @@ import { MapView } from './view/map_view.js';
 import { Placing, type Placed } from './view/placing.js';
 
 const OBSTACLE_SIZE_M = 0.5;
+// A map that could not be fetched is fetched again after this.
+const MAP_RETRY_MS = 3000;
 
 class Page {
-  private readonly client =
-      new AgentClient((url, init) => fetch(url, init));
+  private readonly client = new AgentClient(
+      createConnectTransport({
+        // Beside the page, wherever that is.
+        baseUrl: new URL('.', document.baseURI).href,
+        useBinaryFormat: true,
+      }),
+      (url, init) => fetch(url, init));
   private readonly stream: AgentStream;
   private readonly toasts = new Toasts();
   private readonly head = new HeadLine();
@@ -78,7 +87,7 @@ class Page {
         this.ask(client.findYourself(), 'The robot looks for its place.'),
     });
     this.simulation = new SimulationPanel({
-      kidnapAnywhere: () => this.ask(client.kidnapTo({}), 'Kidnapped.'),
+      kidnapAnywhere: () => this.ask(client.kidnapTo(null), 'Kidnapped.'),
       kidnapTo: (place) => this.ask(client.kidnapTo({ place }), 'Kidnapped.'),
       removeObstacle: (name) =>
         this.ask(client.removeObstacle(name), 'Box removed.'),
@@ -87,9 +96,8 @@ class Page {
           `${target} ${kind} for ${seconds} s.`),
     });
     this.simulation.element.hidden = true;
-    this.stream = new AgentStream('api/stream', {
-      open: (url) => new EventSource(url),
-      now: () => Date.now(),
+    this.stream = new AgentStream({
+      watch: (signal) => client.watch(signal),
       later: (work, ms) => window.setTimeout(work, ms),
       forget: (timer) => window.clearTimeout(timer),
     }, {
@@ -191,6 +199,10 @@ class Page {
       }
     } catch (error) {
       this.tell(error);
+      // A slow network or a busy robot: the map is there all the same.
+      window.setTimeout(() => {
+        if (this.stream.link === 'live') void this.loadMap();
+      }, MAP_RETRY_MS);
     } finally {
       this.isLoading = false;
     }

@@ -1,62 +1,110 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
+import { Code, ConnectError, createRouterTransport,
+  type ServiceImpl } from '@connectrpc/connect';
+
+import { NavigationService, type NavigateRequest } from
+  '../gen/treeline/v1/navigation_pb.js';
 import { AgentClient, ApiError } from './client.js';
 
-function answering(status: number, body: string) {
-  const asked: { url: string; init: RequestInit | undefined }[] = [];
-  const client = new AgentClient(async (url, init) => {
-    asked.push({ url, init });
-    return new Response(body, { status });
-  });
-  return { client, asked };
+const noFetch = async () => {
+  throw new Error('nothing is fetched here');
+};
+
+function answering(
+    service: Partial<ServiceImpl<typeof NavigationService>>, timeoutMs = 8000) {
+  return new AgentClient(createRouterTransport(
+      ({ service: add }) => void add(NavigationService, service)),
+  noFetch, timeoutMs);
 }
 
-test('commands carry what a page of another origin cannot send', async () => {
-  const { client, asked } = answering(200, '{"ok":true,"id":3}');
-  await client.sendGoal([{ x: 1, y: 2, yaw: 3, level: 0 }]);
-  const headers = asked[0].init?.headers as Record<string, string>;
-  assert.equal(asked[0].url, 'api/goal');
-  assert.equal(asked[0].init?.method, 'POST');
-  assert.equal(headers['X-Treeline'], '1');
-  assert.equal(headers['Content-Type'], 'application/json');
-  assert.deepEqual(JSON.parse(String(asked[0].init?.body)),
-      { poses: [{ x: 1, y: 2, yaw: 3, level: 0 }] });
+function fetching(status: number, body: string) {
+  const none = createRouterTransport(() => {});
+  return new AgentClient(none, async () => new Response(body, { status }));
+}
+
+const isApiError = (code: string, message?: RegExp) => (error: unknown) =>
+  error instanceof ApiError && error.code === code &&
+  (message === undefined || message.test(error.message));
+
+test('a goal stays when the page stops to listen', async () => {
+  const asked: NavigateRequest[] = [];
+  let hungUp: (() => void) | undefined;
+  const isOver = new Promise<void>((resolve) => { hungUp = resolve; });
+  await answering({
+    async* navigate(request, { signal }) {
+      asked.push(request);
+      signal.addEventListener('abort', () => hungUp?.());
+      yield {};
+      await isOver;
+    },
+  }).sendGoal([{ x: 1, y: 2, yaw: 3, level: 0 }]);
+  assert.equal(asked[0].keepWhenCallEnds, true);
+  assert.equal(asked[0].poses[0].xM, 1);
+  assert.equal(asked[0].poses[0].yawRad, 3);
+  // Else this waits for ever.
+  await isOver;
 });
 
 test('a refusal is told in the agent\'s own words', async () => {
-  const { client } = answering(
-      400, '{"error":{"code":"goal_outside","message":"Not on the map."}}');
-  await assert.rejects(client.cancel(), (error) =>
-    error instanceof ApiError && error.code === 'goal_outside' &&
-    error.message === 'Not on the map.');
+  const refusing = answering({
+    cancel() {
+      throw new ConnectError('Not on the map.', Code.InvalidArgument);
+    },
+    async* navigate() {
+      throw new ConnectError('No pose.', Code.InvalidArgument);
+    },
+    pause() {
+      throw new ConnectError('', Code.FailedPrecondition);
+    },
+  });
+  await assert.rejects(
+      refusing.cancel(), isApiError('invalid_argument', /^Not on the map.$/));
+  await assert.rejects(
+      refusing.sendGoal([]), isApiError('invalid_argument', /^No pose.$/));
+  await assert.rejects(refusing.pause(),
+      isApiError('failed_precondition', /"failed precondition"/));
+});
+
+test('an agent that is not there is told as such', async () => {
+  const gone = answering({
+    resume() {
+      throw new TypeError('Failed to fetch');
+    },
+  });
+  await assert.rejects(gone.resume(), ApiError);
+  const away = new AgentClient(createRouterTransport(() => {}), async () => {
+    throw new TypeError('Failed to fetch');
+  });
+  await assert.rejects(away.bytes('api/octomap'), isApiError('unreachable'));
+});
+
+test('an agent that does not answer is given up', async () => {
+  await assert.rejects(
+      answering({ findYourself: () => new Promise(() => {}) }, 1)
+          .findYourself(), isApiError('timeout'));
+  const silent = new AgentClient(createRouterTransport(() => {}),
+      (_url, init) => new Promise((_resolve, reject) => {
+        init?.signal?.addEventListener(
+            'abort', () => reject(new Error('abort')));
+      }), 1);
+  await assert.rejects(silent.picture('api/camera.jpg'), isApiError('timeout'));
+});
+
+test('a method that the agent does not have is told', async () => {
+  await assert.rejects(answering({}).info(), isApiError('unimplemented'));
+});
+
+test('a file that is refused is told in the agent\'s own words', async () => {
+  await assert.rejects(
+      fetching(404, '{"error":{"code":"not_found","message":"No level."}}')
+          .bytes('api/levels/9.heights'), isApiError('not_found', /No level/));
 });
 
 test('a refusal without words is told by its status', async () => {
   for (const body of ['', '<html>', '{}', '{"error":{"message":7}}', 'null']) {
-    const { client } = answering(502, body);
-    await assert.rejects(client.pause(), /status 502/);
+    await assert.rejects(
+        fetching(502, body).picture('api/camera.jpg'), /status 502/);
   }
-});
-
-test('an agent that is not there is told as such', async () => {
-  const client = new AgentClient(async () => {
-    throw new TypeError('Failed to fetch');
-  });
-  await assert.rejects(client.resume(), (error) =>
-    error instanceof ApiError && error.code === 'unreachable');
-});
-
-test('an agent that does not answer is given up', async () => {
-  const client = new AgentClient((_url, init) =>
-    new Promise((_resolve, reject) => {
-      init?.signal?.addEventListener('abort', () => reject(new Error('abort')));
-    }), 1);
-  await assert.rejects(client.findYourself(), (error) =>
-    error instanceof ApiError && error.code === 'timeout');
-});
-
-test('what is not JSON is no information', async () => {
-  const { client } = answering(200, 'hello');
-  await assert.rejects(client.info(), /not JSON/);
 });

@@ -1,6 +1,13 @@
-// Commands to the agent, and what is fetched from it once.
+// Commands to the agent, and what is fetched from it once. Commands go over
+// Connect; maps and pictures are files.
 
-import { decodeInfo } from './decode.js';
+import { Code, ConnectError, createClient, type CallOptions, type Client,
+  type Transport } from '@connectrpc/connect';
+
+import {
+  NavigationService, SimulationService, type StreamStateResponse,
+} from '../gen/treeline/v1/navigation_pb.js';
+import { infoOf } from './from_proto.js';
 import type { AgentInfo, Pose } from './types.js';
 
 // What the agent answered, or why there is no answer, for people.
@@ -13,13 +20,81 @@ export class ApiError extends Error {
 
 export type Fetch = (url: string, init?: RequestInit) => Promise<Response>;
 
-export class AgentClient {
-  constructor(
-      private readonly fetch: Fetch, private readonly timeoutMs = 8000) {}
+// Of what happened before the page came.
+const PAST_EVENTS = 50;
 
-  async info(): Promise<AgentInfo> {
-    const response = await this.get('api/info');
-    return decodeInfo(await jsonOf(response));
+const levelPose = ({ x, y, yaw, level }: Pose) =>
+  ({ xM: x, yM: y, yawRad: yaw, level });
+
+export class AgentClient {
+  private readonly navigation: Client<typeof NavigationService>;
+  private readonly simulation: Client<typeof SimulationService>;
+
+  constructor(
+      transport: Transport, private readonly fetch: Fetch,
+      private readonly timeoutMs = 8000) {
+    this.navigation = createClient(NavigationService, transport);
+    this.simulation = createClient(SimulationService, transport);
+  }
+
+  info(): Promise<AgentInfo> {
+    return this.call(async (options) =>
+      infoOf(await this.navigation.getInfo({}, options)));
+  }
+
+  watch(signal: AbortSignal): AsyncIterable<StreamStateResponse> {
+    return this.navigation.streamState(
+        { pastEvents: PAST_EVENTS, withScene: true }, { signal });
+  }
+
+  sendGoal(poses: Pose[]): Promise<void> {
+    return this.call(async (options) => {
+      const feedback = this.navigation.navigate(
+          { poses: poses.map(levelPose), keepWhenCallEnds: true }, options);
+      // From its first answer on the goal is the robot's own: the stream of
+      // states tells the rest.
+      for await (const _ of feedback) return;
+    });
+  }
+
+  setPose(pose: Pose): Promise<void> {
+    return this.call((options) => this.navigation.setInitialPose(
+        { mapFromBase: levelPose(pose) }, options)).then(() => {});
+  }
+
+  cancel = (): Promise<void> =>
+    this.call((options) => this.navigation.cancel({}, options)).then(() => {});
+  pause = (): Promise<void> =>
+    this.call((options) => this.navigation.pause({}, options)).then(() => {});
+  resume = (): Promise<void> =>
+    this.call((options) => this.navigation.resume({}, options)).then(() => {});
+  findYourself = (): Promise<void> =>
+    this.call((options) => this.navigation.findYourself({}, options))
+        .then(() => {});
+
+  // To a pose, to a place of the world, or anywhere.
+  kidnapTo(target: Pose | { place: string } | null): Promise<void> {
+    const to = target === null ? { case: undefined } : 'place' in target ?
+      { case: 'place' as const, value: target.place } :
+      { case: 'mapFromBase' as const, value: levelPose(target) };
+    return this.call((options) => this.simulation.kidnap({ to }, options))
+        .then(() => {});
+  }
+
+  addObstacle(x: number, y: number, level: number, sizeM: number):
+      Promise<void> {
+    return this.call((options) => this.simulation.addObstacle(
+        { xM: x, yM: y, level, sizeM }, options)).then(() => {});
+  }
+
+  removeObstacle(name: string): Promise<void> {
+    return this.call((options) => this.simulation.removeObstacle(
+        { name }, options)).then(() => {});
+  }
+
+  injectFault(target: string, kind: string, durationS: number): Promise<void> {
+    return this.call((options) => this.simulation.injectFault(
+        { target, kind, durationS }, options)).then(() => {});
   }
 
   async bytes(path: string): Promise<ArrayBuffer> {
@@ -30,82 +105,64 @@ export class AgentClient {
     return (await this.get(path)).blob();
   }
 
-  async sendGoal(poses: Pose[]): Promise<void> {
-    await this.post('api/goal', { poses });
-  }
-
-  async setPose(pose: Pose): Promise<void> {
-    await this.post('api/initial-pose', pose);
-  }
-
-  cancel = (): Promise<void> => this.post('api/cancel', {});
-  pause = (): Promise<void> => this.post('api/pause', {});
-  resume = (): Promise<void> => this.post('api/resume', {});
-  findYourself = (): Promise<void> => this.post('api/find-yourself', {});
-
-  kidnapTo(target: Pose | { place: string } | Record<string, never>):
-      Promise<void> {
-    return this.post('api/sim/kidnap', target);
-  }
-
-  addObstacle(x: number, y: number, level: number, sizeM: number):
-      Promise<void> {
-    return this.post('api/sim/obstacle', { x, y, level, size_m: sizeM });
-  }
-
-  removeObstacle(name: string): Promise<void> {
-    return this.post('api/sim/remove-obstacle', { name });
-  }
-
-  injectFault(target: string, kind: string, durationS: number): Promise<void> {
-    return this.post(
-        'api/sim/fault', { target, kind, duration_s: durationS });
-  }
-
-  private get(path: string): Promise<Response> {
-    return this.ask(path, { cache: 'no-cache' });
-  }
-
-  private async post(path: string, body: object): Promise<void> {
-    const response = await this.ask(path, {
-      method: 'POST',
-      // A page of another origin cannot send this header unasked.
-      headers: { 'Content-Type': 'application/json', 'X-Treeline': '1' },
-      body: JSON.stringify(body),
-    });
-    await response.text();
+  // What a call gives, or an ApiError. Nothing of the call stays open.
+  private async call<T>(ask: (options: CallOptions) => Promise<T>): Promise<T> {
+    const abort = new AbortController();
+    try {
+      return await ask({ signal: abort.signal, timeoutMs: this.timeoutMs });
+    } catch (error) {
+      throw apiErrorOf(error);
+    } finally {
+      abort.abort();
+    }
   }
 
   // A response with a good status, or an ApiError.
-  private async ask(path: string, init: RequestInit): Promise<Response> {
+  private async get(path: string): Promise<Response> {
     const abort = new AbortController();
     const timer = setTimeout(() => abort.abort(), this.timeoutMs);
     try {
-      const response =
-          await this.fetch(path, { ...init, signal: abort.signal });
-      if (!response.ok) throw await errorOf(response);
+      const response = await this.fetch(
+          path, { cache: 'no-cache', signal: abort.signal });
+      if (!response.ok) throw await refusalOf(response);
       return response;
     } catch (error) {
       if (error instanceof ApiError) throw error;
-      throw abort.signal.aborted ?
-          new ApiError('timeout', 'The agent did not answer in time.') :
-          new ApiError('unreachable', 'The agent cannot be reached.');
+      throw abort.signal.aborted ? timeout() : unreachable();
     } finally {
       clearTimeout(timer);
     }
   }
 }
 
-async function jsonOf(response: Response): Promise<unknown> {
-  try {
-    return await response.json();
-  } catch {
-    throw new ApiError('garbled', 'The agent\'s answer is not JSON.');
+const timeout = (): ApiError =>
+  new ApiError('timeout', 'The agent did not answer in time.');
+const unreachable = (): ApiError =>
+  new ApiError('unreachable', 'The agent cannot be reached.');
+
+// What Connect itself says of a call that took too long; the agent has words of
+// its own.
+const TIMED_OUT = 'the operation timed out';
+
+// "invalid_argument" of InvalidArgument.
+const nameOf = (code: Code): string =>
+  Code[code].replace(/(?!^)[A-Z]/g, '_$&').toLowerCase();
+
+function apiErrorOf(error: unknown): Error {
+  const connect = ConnectError.from(error);
+  if (connect.cause instanceof TypeError) return unreachable();
+  if (connect.rawMessage === TIMED_OUT) return timeout();
+  // Not of the agent: a defect of the page, or an answer that makes no sense.
+  if (!(error instanceof ConnectError)) {
+    return error instanceof Error ? error : connect;
   }
+  const name = nameOf(connect.code);
+  return new ApiError(name, connect.rawMessage === '' ?
+    `The agent answered "${name.replace(/_/g, ' ')}".` : connect.rawMessage);
 }
 
 // {"error":{"code","message"}}; anything else is told by its status.
-async function errorOf(response: Response): Promise<ApiError> {
+async function refusalOf(response: Response): Promise<ApiError> {
   const status = `The agent answered with status ${response.status}.`;
   try {
     const body = await response.json() as

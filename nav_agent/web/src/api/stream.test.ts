@@ -1,40 +1,59 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { AgentStream, PATIENCE_MS, SILENCE_MS, type Source } from './stream.js';
+import { create, type MessageInitShape } from '@bufbuild/protobuf';
 
-class FakeSource implements Source {
-  isClosed = false;
-  private listeners = new Map<string, (event: { data?: unknown }) => void>();
+import { StreamStateResponseSchema, type StreamStateResponse } from
+  '../gen/treeline/v1/navigation_pb.js';
+import { AgentStream, PATIENCE_MS, SILENCE_MS } from './stream.js';
 
-  addEventListener(
-      type: string, listener: (event: { data?: unknown }) => void): void {
-    this.listeners.set(type, listener);
+// Whatever waits for what was said has heard it then.
+const settle = () => new Promise<void>((resolve) => { setImmediate(resolve); });
+
+// A stream that says what a test has it say.
+class FakeStream implements AsyncIterable<StreamStateResponse> {
+  private said: (StreamStateResponse | Error)[] = [];
+  private wake = (): void => {};
+
+  constructor(readonly signal: AbortSignal) {}
+
+  async emit(
+      fields: MessageInitShape<typeof StreamStateResponseSchema>):
+      Promise<void> {
+    this.said.push(create(StreamStateResponseSchema, fields));
+    this.wake();
+    await settle();
   }
 
-  close(): void {
-    this.isClosed = true;
+  async fail(): Promise<void> {
+    this.said.push(new Error('gone'));
+    this.wake();
+    await settle();
   }
 
-  emit(type: string, data?: unknown): void {
-    this.listeners.get(type)?.({ data: JSON.stringify(data) });
+  async* [Symbol.asyncIterator](): AsyncIterator<StreamStateResponse> {
+    for (;;) {
+      const next = this.said.shift();
+      if (next instanceof Error) throw next;
+      if (next !== undefined) yield next;
+      else await new Promise<void>((resolve) => { this.wake = resolve; });
+    }
   }
 }
 
 // A clock that a test turns, and what the stream told.
 function setUp() {
-  const sources: FakeSource[] = [];
+  const sources: FakeStream[] = [];
   const told: string[] = [];
   const timers = new Map<number, { at: number; work: () => void }>();
   let now = 0;
   let next = 1;
-  const stream = new AgentStream('stream', {
-    open: () => {
-      const source = new FakeSource();
+  const stream = new AgentStream({
+    watch: (signal) => {
+      const source = new FakeStream(signal);
       sources.push(source);
       return source;
     },
-    now: () => now,
     later: (work, ms) => {
       timers.set(next, { at: now + ms, work });
       return next++;
@@ -63,34 +82,42 @@ function setUp() {
   return { stream, sources, told, pass };
 }
 
-test('the first message makes the connection live', () => {
+test('the first message makes the connection live', async () => {
   const { sources, told } = setUp();
-  sources[0].emit('state', { time_s: 1 });
-  sources[0].emit('event', { number: 1, text: 'hello' });
-  assert.deepEqual(told, ['live', 'state 1', 'event hello']);
+  await sources[0].emit({ state: { timeS: 1 }, scene: {},
+    events: [{ number: 1n, text: 'hello' }] });
+  assert.deepEqual(told, ['live', 'state 1', 'scene', 'event hello']);
 });
 
-test('an error is a lost connection at once', () => {
-  const { sources, told } = setUp();
-  sources[0].emit('state', { time_s: 1 });
-  sources[0].emit('error');
-  assert.equal(told.at(-1), 'lost 500');
-  assert.equal(sources[0].isClosed, true);
-});
-
-test('silence is a lost connection, too', () => {
+test('a message without a state is no news', async () => {
   const { sources, told, pass } = setUp();
-  sources[0].emit('state', { time_s: 1 });
+  await sources[0].emit({});
+  assert.deepEqual(told, []);
+  pass(PATIENCE_MS);
+  assert.deepEqual(told, ['lost 500']);
+});
+
+test('an error is a lost connection at once', async () => {
+  const { sources, told } = setUp();
+  await sources[0].emit({ state: { timeS: 1 } });
+  await sources[0].fail();
+  assert.equal(told.at(-1), 'lost 500');
+  assert.equal(sources[0].signal.aborted, true);
+});
+
+test('silence is a lost connection, too', async () => {
+  const { sources, told, pass } = setUp();
+  await sources[0].emit({ state: { timeS: 1 } });
   pass(SILENCE_MS - 1);
   assert.equal(told.at(-1), 'state 1');
   pass(1);
   assert.equal(told.at(-1), 'lost 500');
 });
 
-test('it comes back by itself, and waits longer each time', () => {
+test('it comes back by itself, and waits longer each time', async () => {
   const { sources, told, pass } = setUp();
   for (const wait of [500, 1000, 2000, 4000, 4000]) {
-    sources.at(-1)?.emit('error');
+    await sources.at(-1)?.fail();
     assert.equal(told.at(-1), `lost ${wait}`);
     const attempts = sources.length;
     pass(wait - 1);
@@ -98,43 +125,43 @@ test('it comes back by itself, and waits longer each time', () => {
     pass(1);
     assert.equal(sources.length, attempts + 1);
   }
-  sources.at(-1)?.emit('state', { time_s: 9 });
+  await sources.at(-1)?.emit({ state: { timeS: 9 } });
   assert.deepEqual(told.slice(-2), ['live', 'state 9']);
-  sources.at(-1)?.emit('error');
+  await sources.at(-1)?.fail();
   assert.equal(told.at(-1), 'lost 500');
 });
 
-test('an agent that accepts and says nothing is given up', () => {
+test('an agent that accepts and says nothing is given up', async () => {
   const { sources, told, pass } = setUp();
   pass(PATIENCE_MS);
   assert.deepEqual(told, ['lost 500']);
-  assert.equal(sources[0].isClosed, true);
+  assert.equal(sources[0].signal.aborted, true);
 });
 
-test('what an old connection still says is not heard', () => {
+test('what an old connection still says is not heard', async () => {
   const { sources, told, pass } = setUp();
-  sources[0].emit('error');
+  await sources[0].fail();
   pass(500);
-  sources[0].emit('state', { time_s: 1 });
-  sources[0].emit('error');
+  await sources[0].emit({ state: { timeS: 1 } });
+  await sources[0].fail();
   assert.deepEqual(told, ['lost 500']);
 });
 
-test('somebody who looks again does not wait', () => {
+test('somebody who looks again does not wait', async () => {
   const { stream, sources, pass } = setUp();
   stream.retryNow();
   assert.equal(sources.length, 1);
-  sources[0].emit('error');
+  await sources[0].fail();
   stream.retryNow();
   assert.equal(sources.length, 2);
-  sources[1].emit('state', { time_s: 1 });
+  await sources[1].emit({ state: { timeS: 1 } });
   pass(1000);
   assert.equal(sources.length, 2);
 });
 
-test('a garbled message is told, and the next one heard', () => {
+test('a garbled message is told, and the next one heard', async () => {
   const { sources, told } = setUp();
-  sources[0].emit('state', { mode: 'idle' });
-  sources[0].emit('state', { time_s: 2 });
-  assert.deepEqual(told, ['live', 'garbled DecodeError', 'state 2']);
+  await sources[0].emit({ state: { timeS: NaN } });
+  await sources[0].emit({ state: { timeS: 2 } });
+  assert.deepEqual(told, ['live', 'garbled ProtoError', 'state 2']);
 });

@@ -1,14 +1,8 @@
 // The agent's stream: reconnects, and tells at once when it is silent.
 
-import { decodeEvent, decodeScene, decodeState } from './decode.js';
+import type { StreamStateResponse } from '../gen/treeline/v1/navigation_pb.js';
+import { eventOf, sceneOf, stateOf } from './from_proto.js';
 import type { RobotEvent, RobotScene, RobotState } from './types.js';
-
-// What of EventSource is used.
-export interface Source {
-  addEventListener(
-      type: string, listener: (event: { data?: unknown }) => void): void;
-  close(): void;
-}
 
 export type Link = 'connecting' | 'live' | 'lost';
 
@@ -18,13 +12,13 @@ export interface StreamListener {
   event(event: RobotEvent): void;
   // `retryInMs`: when the next attempt begins, if lost.
   link(link: Link, retryInMs: number): void;
-  // A message could not be read.
+  // A message made no sense.
   garbled(error: Error): void;
 }
 
 export interface StreamTools {
-  open(url: string): Source;
-  now(): number;
+  // NavigationService.StreamState, until `signal`.
+  watch(signal: AbortSignal): AsyncIterable<StreamStateResponse>;
   later(work: () => void, ms: number): number;
   forget(timer: number): void;
 }
@@ -37,13 +31,13 @@ const FIRST_RETRY_MS = 500;
 const LONGEST_RETRY_MS = 4000;
 
 export class AgentStream {
-  private source: Source | null = null;
+  private call: AbortController | null = null;
   private timer = 0;
   private failures = 0;
   private current: Link = 'connecting';
 
   constructor(
-      private readonly url: string, private readonly tools: StreamTools,
+      private readonly tools: StreamTools,
       private readonly listener: StreamListener) {}
 
   get link(): Link {
@@ -56,8 +50,8 @@ export class AgentStream {
 
   stop(): void {
     this.tools.forget(this.timer);
-    this.source?.close();
-    this.source = null;
+    this.call?.abort();
+    this.call = null;
   }
 
   // Now rather than when the next attempt is due: the network is back, or
@@ -68,29 +62,45 @@ export class AgentStream {
 
   private connect(): void {
     this.stop();
-    const source = this.tools.open(this.url);
-    this.source = source;
-    const hear = <T>(type: string, decode: (value: unknown) => T,
-                     tell: (value: T) => void): void => {
-      source.addEventListener(type, (message) => {
-        if (this.source !== source) return;
-        this.heard();
-        try {
-          tell(decode(JSON.parse(String(message.data))));
-        } catch (error) {
-          this.listener.garbled(
-              error instanceof Error ? error : new Error(String(error)));
-        }
-      });
-    };
-    hear('state', decodeState, (state) => this.listener.state(state));
-    hear('scene', decodeScene, (scene) => this.listener.scene(scene));
-    hear('event', decodeEvent, (event) => this.listener.event(event));
-    source.addEventListener('error', () => {
-      if (this.source === source) this.lose();
-    });
-    this.tools.forget(this.timer);
+    this.call = new AbortController();
     this.timer = this.tools.later(() => this.lose(), PATIENCE_MS);
+    void this.listen(this.call);
+  }
+
+  // Until the stream ends, whatever ends it, or another takes its place.
+  private async listen(call: AbortController): Promise<void> {
+    try {
+      for await (const message of this.tools.watch(call.signal)) {
+        if (this.call !== call) return;
+        // One without a state says that there is nothing new.
+        if (message.state !== undefined) this.hear(message);
+      }
+    } catch {
+      // The agent has gone, or refuses: it is asked again later.
+    }
+    if (this.call === call) this.lose();
+  }
+
+  private hear({ state, scene, events }: StreamStateResponse): void {
+    this.heard();
+    if (state !== undefined) {
+      this.tell(() => this.listener.state(stateOf(state)));
+    }
+    if (scene !== undefined) {
+      this.tell(() => this.listener.scene(sceneOf(scene)));
+    }
+    for (const event of events) {
+      this.tell(() => this.listener.event(eventOf(event)));
+    }
+  }
+
+  private tell(work: () => void): void {
+    try {
+      work();
+    } catch (error) {
+      this.listener.garbled(
+          error instanceof Error ? error : new Error(String(error)));
+    }
   }
 
   private heard(): void {

@@ -1,14 +1,29 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { decodeState } from '../api/decode.js';
+import type { Goal, RobotState } from '../api/types.js';
 import { headingOf, headingTowards, turnBetween } from './gesture.js';
 import { cutHeight, NO_CUT_M, shownLevel } from './levels.js';
 import {
-  clockOf, degrees, isPaused, metres, percent, plain, sayFix, sayLost, sayState, signed,
+  clockOf, degrees, isPaused, knowsPlace, metres, percent, plain, sayDoubt,
+  sayFix, sayGoal, sayState, signed,
 } from './words.js';
 
-const stateOf = (fields: object) => decodeState({ time_s: 0, ...fields });
+const stateOf = (fields: Partial<RobotState>): RobotState => ({
+  time: 0, mode: '', cause: 'none', causeText: '', advice: '', pose: null,
+  lost: { probability: 0, state: 'localized', reason: 'none' },
+  command: { forward: 0, yawRate: 0 }, goal: null, fix: null, devices: [],
+  truth: null, missedDeadlines: 0, steps: 0, ...fields,
+});
+
+const goalOf = (fields: Partial<Goal>): Goal => ({
+  id: 1, state: 'active', cause: 'none', why: '', toGo: 3.2, driven: 1,
+  replans: 0, recoveries: 0, poses: [], ...fields,
+});
+
+const doubtOf = (
+    probability: number, state: string, mode = 'driving', reason = 'none') =>
+  sayDoubt(stateOf({ mode, lost: { probability, state, reason } }));
 
 test('modes have plain words, whatever their spelling', () => {
   assert.equal(sayState(stateOf({ mode: 'safe_stop' })).title, 'Safe stop');
@@ -24,11 +39,11 @@ test('a mode that is not known is still named', () => {
 
 test('the cause is what is said, if there is one', () => {
   assert.equal(sayState(stateOf({ mode: 'safe_stop', cause: 'laser_lost',
-    cause_text: 'No scan for 0.4 s.' })).text, 'No scan for 0.4 s.');
+    causeText: 'No scan for 0.4 s.' })).text, 'No scan for 0.4 s.');
   assert.equal(sayState(stateOf({ mode: 'safe_stop', cause: 'laser_lost' }))
       .text, 'Laser lost.');
   assert.equal(sayState(stateOf({ mode: 'relocalizing',
-    cause: 'estimate_lost', cause_text: 'searching' })).text, 'Searching.');
+    cause: 'estimate_lost', causeText: 'searching' })).text, 'Searching.');
   assert.equal(sayState(stateOf({ mode: 'idle', cause: 'none' })).text,
       'Waiting for a goal.');
 });
@@ -48,12 +63,68 @@ test('numbers are short', () => {
 });
 
 test('being lost is said with its reason', () => {
-  assert.equal(
-      sayLost({ probability: 1, state: 'lost', reason: 'scans do not fit' }),
+  assert.equal(doubtOf(1, 'lost', 'lost', 'scans do not fit').text,
       'Does not know its place: scans do not fit');
-  assert.equal(
-      sayLost({ probability: 0, state: 'localized', reason: 'none' }),
-      'Knows its place');
+  assert.equal(doubtOf(0, 'localized').text, 'Knows its place');
+  assert.equal(doubtOf(0.1, 'people nearby').text,
+      'Knows its place; people are nearby');
+});
+
+test('a robot that is probably lost does not "know its place"', () => {
+  for (const verdict of ['localized', 'map changed here', 'people nearby']) {
+    const doubt = doubtOf(0.69, verdict);
+    assert.equal(doubt.title, '69 %');
+    assert.equal(doubt.text, 'Is not sure of its place');
+    assert.equal(doubt.tone, 'warn');
+  }
+  assert.equal(doubtOf(0.8, 'localized').tone, 'bad');
+  assert.equal(doubtOf(0.29, 'localized').text, 'Knows its place');
+});
+
+test('a robot that looks for its place does not know it either', () => {
+  // The verdict begins anew with each place that is tried.
+  const doubt = doubtOf(0.04, 'localized', 'relocalizing');
+  assert.deepEqual(doubt,
+      { title: 'Yes', text: 'Looks for its place', tone: 'bad', share: 1 });
+  assert.equal(doubtOf(0.85, 'lost', 'safe_stop').title, '85 %');
+  assert.equal(doubtOf(0.1, 'localized', 'need_help').text,
+      'Does not know its place');
+});
+
+test('a pose that the robot does not believe is not its place', () => {
+  const pose = { x: 1, y: 2, yaw: 0, level: 0, height: 0, std: 0.06,
+    stdYaw: 0.03 };
+  const lost = { probability: 0.9, state: 'lost', reason: 'none' };
+  assert.equal(knowsPlace(stateOf({ mode: 'driving', pose })), true);
+  assert.equal(knowsPlace(stateOf({ mode: 'driving' })), false);
+  assert.equal(knowsPlace(stateOf({ mode: 'driving', pose, lost })), false);
+  for (const mode of ['lost', 'relocalizing', 'need_help']) {
+    assert.equal(knowsPlace(stateOf({ mode, pose })), false);
+  }
+});
+
+test('a robot that drives is on the way, with how far it is', () => {
+  const line = (mode: string, fields: Partial<Goal> = {}) =>
+    sayGoal(goalOf(fields), stateOf({ mode }));
+  assert.equal(line('driving').title, 'On the way: 3.2 m to go');
+  assert.equal(line('recovering').title, 'On the way: 3.2 m to go');
+  assert.equal(line('idle', { state: 'accepted', toGo: 0 }).title,
+      'Goal accepted.');
+  assert.equal(line('idle', { state: 'failed', why: 'no way' }).title,
+      'Not reached.');
+});
+
+test('a goal is not "on the way" while the robot stands', () => {
+  const line = (mode: string) => sayGoal(goalOf({}), stateOf({ mode }));
+  for (const mode of ['lost', 'relocalizing', 'need_help']) {
+    // How far it is nobody knows.
+    assert.equal(line(mode).title, 'Waits until the robot knows its place.');
+    assert.equal(line(mode).tone, 'warn');
+  }
+  assert.equal(line('paused').title, 'Waits for Resume: 3.2 m to go');
+  assert.equal(line('safe stop').title,
+      'Waits until the robot may drive: 3.2 m to go');
+  assert.equal(line('planning').title, 'Looking for a way.');
 });
 
 test('an answer of the server is said with what became of it', () => {

@@ -87,8 +87,40 @@ const GOALS: Record<Goal['state'], { title: string; tone: Tone }> = {
   unknown: { title: 'Goal', tone: 'calm' },
 };
 
-export function sayGoal(goal: Goal): Saying {
-  return { ...GOALS[goal.state], text: goal.why };
+// What a goal does that is not over, where the robot does not drive to it.
+const WAITS: Record<string, string> = {
+  planning: 'Looking for a way',
+  lost: 'Waits until the robot knows its place',
+  relocalizing: 'Waits until the robot knows its place',
+  need_help: 'Waits until the robot knows its place',
+  paused: 'Waits for Resume',
+  safe_stop: 'Waits until the robot may drive',
+};
+
+// Whether it stopped because it does not know its place.
+export function isSearching(state: RobotState): boolean {
+  return ['lost', 'relocalizing', 'need_help'].includes(keyOf(state.mode));
+}
+
+// A pose that the robot itself does not believe is not shown as its place.
+export function knowsPlace(state: RobotState): boolean {
+  return state.pose !== null && keyOf(state.lost.state) !== 'lost' &&
+      !isSearching(state);
+}
+
+// The goal in one line, with how far it is where that is known.
+export function sayGoal(goal: Goal, state: RobotState): Saying {
+  const { title, tone } = GOALS[goal.state];
+  const isOver: boolean = !isUnderWay(goal);
+  if (isOver) return { title: `${title}.`, tone, text: goal.why };
+  const mode = keyOf(state.mode);
+  const waits = WAITS[mode];
+  const isFar = goal.toGo > 0 && mode !== 'planning' && !isSearching(state);
+  return {
+    title: (waits ?? title) + (isFar ? `: ${metres(goal.toGo)} to go` : '.'),
+    tone: waits === undefined || mode === 'planning' ? tone : 'warn',
+    text: goal.why,
+  };
 }
 
 export function metres(value: number): string {
@@ -123,13 +155,41 @@ const LOST_STATES: Record<string, string> = {
   localized: 'Knows its place',
   map_changed_here: 'Knows its place; things here have moved',
   people_nearby: 'Knows its place; people are nearby',
-  lost: 'Does not know its place',
 };
 
-export function sayLost(lost: RobotState['lost']): string {
-  const state = LOST_STATES[keyOf(lost.state)] ?? plain(lost.state);
+// From here on the robot is not sure, and from there on it hardly can be.
+const UNSURE = 0.3;
+const DOUBTFUL = 0.7;
+
+export interface Doubt extends Saying {
+  // Of a meter, in [0, 1].
+  share: number;
+}
+
+// Whether the robot knows its place: title and meter never say the opposite of
+// the text. The verdict lags behind its probability, on purpose, and a robot
+// that looks for its place has none that could be judged.
+export function sayDoubt(state: RobotState): Doubt {
+  const { lost } = state;
+  const verdict = keyOf(lost.state);
   const hasReason = lost.reason !== '' && lost.reason !== 'none';
-  return hasReason ? `${state}: ${lost.reason.replace(/_/g, ' ')}` : state;
+  const because = hasReason ? `: ${lost.reason.replace(/_/g, ' ')}` : '';
+  const says = (text: string, tone: Tone): Doubt => ({
+    title: percent(lost.probability), text: text + because, tone,
+    share: lost.probability,
+  });
+  if (verdict === 'lost' || isSearching(state)) {
+    const text = keyOf(state.mode) === 'relocalizing' ?
+      'Looks for its place' : 'Does not know its place';
+    const doubt = says(text, 'bad');
+    return lost.probability >= DOUBTFUL ? doubt :
+      { ...doubt, title: 'Yes', share: 1 };
+  }
+  if (lost.probability >= UNSURE) {
+    return says('Is not sure of its place',
+        lost.probability >= DOUBTFUL ? 'bad' : 'warn');
+  }
+  return says(LOST_STATES[verdict] ?? plain(lost.state), 'calm');
 }
 
 // What the server said of the last picture, and what became of that.

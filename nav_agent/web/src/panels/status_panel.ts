@@ -2,7 +2,8 @@
 
 import type { RobotState } from '../api/types.js';
 import {
-  degrees, isPaused, isUnderWay, metres, percent, sayGoal, sayLost, sayState, signed,
+  degrees, isPaused, isUnderWay, knowsPlace, metres, sayDoubt, sayGoal,
+  sayState, signed,
 } from '../model/words.js';
 import { button, card, el, Meter, setData, setShown, setText } from './dom.js';
 
@@ -74,7 +75,8 @@ export class StatusPanel {
     setText(this.pause, this.isPaused ? 'Resume' : 'Pause');
     this.pause.classList.toggle('primary', this.isPaused);
     this.cancel.disabled = !isUnderWay(state.goal);
-    const { pose, command } = state;
+    const { command } = state;
+    const pose = knowsPlace(state) ? state.pose : null;
     setText(this.speed, `${signed(command.forward, 2)} m/s`);
     setText(this.place, pose === null ? 'unknown' :
         `${pose.x.toFixed(2)}, ${pose.y.toFixed(2)} m · ${degrees(pose.yaw)}`);
@@ -84,17 +86,17 @@ export class StatusPanel {
         (pose.stdYaw === null ? '' : ` · ${degrees(pose.stdYaw)}`));
   }
 
-  private updateGoal({ goal }: RobotState): void {
+  private updateGoal(state: RobotState): void {
+    const { goal } = state;
     setShown(this.goalMeter.element, isUnderWay(goal));
     if (goal === null) {
       setText(this.goalLine, 'No goal yet.');
       setText(this.goalWhy, '');
       return;
     }
-    const saying = sayGoal(goal);
+    const saying = sayGoal(goal, state);
     const all = goal.driven + goal.toGo;
-    setText(this.goalLine, isUnderWay(goal) ?
-        `${saying.title}: ${metres(goal.toGo)} to go` : `${saying.title}.`);
+    setText(this.goalLine, saying.title);
     setData(this.goalLine, 'tone', saying.tone);
     this.goalMeter.set(all > 0 ? goal.driven / all : 0, 'busy');
     // Of a goal that was reached the agent says itself how far it was.
@@ -120,11 +122,10 @@ export class LostPanel {
         this.text);
   }
 
-  update({ lost }: RobotState): void {
-    const tone = lost.probability < 0.3 ? 'calm' :
-      lost.probability < 0.7 ? 'warn' : 'bad';
-    this.meter.set(lost.probability, tone);
-    setText(this.value, percent(lost.probability));
-    setText(this.text, sayLost(lost));
+  update(state: RobotState): void {
+    const doubt = sayDoubt(state);
+    this.meter.set(doubt.share, doubt.tone);
+    setText(this.value, doubt.title);
+    setText(this.text, doubt.text);
   }
 }

@@ -1,0 +1,95 @@
+#include "common/grpc_server/grpc_listener.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/listen_address.h"
+#include "common/base/status_macros.h"
+
+namespace treeline::grpc_server {
+namespace {
+
+// A peer that does not finish its handshake is cut off.
+constexpr int kHandshake_ms = 10'000;
+// Clients may ask as often as this themselves whether the server lives.
+constexpr int kMinPingInterval_ms = 5'000;
+
+// gRPC's plugins are global: once for the process.
+void EnablePlugins() {
+  [[maybe_unused]] static const bool enabled = [] {
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    return true;
+  }();
+}
+
+void SetSizes(const GrpcListenerOptions& options,
+              grpc::ServerBuilder& builder) {
+  builder.SetMaxReceiveMessageSize(options.max_message_bytes);
+  grpc::ResourceQuota quota("treeline");
+  if (options.max_buffered_bytes > 0) quota.Resize(options.max_buffered_bytes);
+  if (options.max_threads > 0) quota.SetMaxThreads(options.max_threads);
+  builder.SetResourceQuota(quota);
+  if (options.max_calls_of_connection > 0) {
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
+                               options.max_calls_of_connection);
+  }
+}
+
+void SetTimes(const GrpcListenerOptions& options,
+              grpc::ServerBuilder& builder) {
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS,
+                             kHandshake_ms);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS,
+                             options.keepalive_time_ms);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS,
+                             options.keepalive_timeout_ms);
+  builder.AddChannelArgument(
+      GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
+      kMinPingInterval_ms);
+  if (options.keepalive_without_calls) {
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  }
+  if (options.max_connection_age_s > 0) {
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS,
+                               options.max_connection_age_s * 1000);
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS,
+                               options.connection_grace_s * 1000);
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<GrpcListener> StartGrpcListener(
+    const GrpcListenerOptions& options,
+    const std::function<void(grpc::ServerBuilder&)>& add_services) {
+  TL_ASSIGN_OR_RETURN(base::ListenAddress address,
+                      base::ParseListenAddress(options.listen));
+  // gRPC would fail too, but keep the reason to itself.
+  TL_RETURN_IF_ERROR(base::TryBind(address));
+  EnablePlugins();
+  grpc::ServerBuilder builder;
+  // Else a second server would share the port, and half the calls, in silence.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  SetSizes(options, builder);
+  SetTimes(options, builder);
+  add_services(builder);
+  int port = 0;
+  builder.AddListeningPort(address.ToString(),
+                           options.credentials != nullptr
+                               ? options.credentials
+                               : grpc::InsecureServerCredentials(),
+                           &port);
+  GrpcListener listener{.address = {}, .server = builder.BuildAndStart()};
+  if (listener.server == nullptr || port == 0) {
+    return absl::UnavailableError(
+        absl::StrCat("cannot listen on ", address.ToString()));
+  }
+  address.port = port;
+  listener.address = address.ToString();
+  return listener;
+}
+
+}  // namespace treeline::grpc_server

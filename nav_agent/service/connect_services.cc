@@ -1,0 +1,85 @@
+#include "nav_agent/service/connect_services.h"
+
+#include <string>
+
+#include "absl/strings/str_cat.h"
+
+namespace treeline::agent_service {
+namespace {
+
+template <typename Message>
+class ConnectSink final : public MessageSink<Message> {
+ public:
+  explicit ConnectSink(connect_rpc::ConnectStream& stream) : stream_(stream) {}
+
+  bool Write(const Message& message) override { return stream_.Write(message); }
+  bool IsGone() override { return stream_.IsGone(); }
+
+ private:
+  connect_rpc::ConnectStream& stream_;
+};
+
+// `method`: a pointer to a member of Calls, const or not, that takes a Request.
+template <typename Request, typename Calls, typename Method>
+void AddUnary(absl::string_view service, absl::string_view name, Calls& calls,
+              Method method, connect_rpc::ConnectRouter& router) {
+  router.AddUnary<Request>(
+      absl::StrCat("/treeline.v1.", service, "/", name),
+      [&calls, method](const connect_rpc::ConnectCall& /*call*/,
+                       const Request& request) {
+        return (calls.*method)(request);
+      });
+}
+
+template <typename Request, typename Response>
+void AddStream(absl::string_view name, NavigationCalls& calls,
+               absl::Status (NavigationCalls::*method)(const Request&,
+                                                       MessageSink<Response>&),
+               connect_rpc::ConnectRouter& router) {
+  router.AddStream<Request, Response>(
+      absl::StrCat("/treeline.v1.NavigationService/", name),
+      [&calls, method](const Request& request,
+                       connect_rpc::ConnectStream& stream) {
+        ConnectSink<Response> sink(stream);
+        return (calls.*method)(request, sink);
+      });
+}
+
+}  // namespace
+
+void AddNavigationCalls(NavigationCalls& calls,
+                        connect_rpc::ConnectRouter& router) {
+  using Calls = NavigationCalls;
+  constexpr char kService[] = "NavigationService";
+  AddStream("Navigate", calls, &Calls::Navigate, router);
+  AddStream("StreamState", calls, &Calls::StreamState, router);
+  AddUnary<v1::CancelRequest>(kService, "Cancel", calls, &Calls::Cancel,
+                              router);
+  AddUnary<v1::PauseRequest>(kService, "Pause", calls, &Calls::Pause, router);
+  AddUnary<v1::ResumeRequest>(kService, "Resume", calls, &Calls::Resume,
+                              router);
+  AddUnary<v1::GetInfoRequest>(kService, "GetInfo", calls, &Calls::GetInfo,
+                               router);
+  AddUnary<v1::GetMapsRequest>(kService, "GetMaps", calls, &Calls::GetMaps,
+                               router);
+  AddUnary<v1::SetInitialPoseRequest>(kService, "SetInitialPose", calls,
+                                      &Calls::SetInitialPose, router);
+  AddUnary<v1::FindYourselfRequest>(kService, "FindYourself", calls,
+                                    &Calls::FindYourself, router);
+}
+
+void AddSimulationCalls(SimulationCalls& calls,
+                        connect_rpc::ConnectRouter& router) {
+  using Calls = SimulationCalls;
+  constexpr char kService[] = "SimulationService";
+  AddUnary<v1::KidnapRequest>(kService, "Kidnap", calls, &Calls::Kidnap,
+                              router);
+  AddUnary<v1::AddObstacleRequest>(kService, "AddObstacle", calls,
+                                   &Calls::AddObstacle, router);
+  AddUnary<v1::RemoveObstacleRequest>(kService, "RemoveObstacle", calls,
+                                      &Calls::RemoveObstacle, router);
+  AddUnary<v1::InjectFaultRequest>(kService, "InjectFault", calls,
+                                   &Calls::InjectFault, router);
+}
+
+}  // namespace treeline::agent_service

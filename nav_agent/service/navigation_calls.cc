@@ -1,0 +1,105 @@
+#include "nav_agent/service/navigation_calls.h"
+
+#include "absl/strings/str_cat.h"
+#include "common/base/status_macros.h"
+#include "common/wire/geometry.h"
+#include "nav_agent/service/follow_goal.h"
+#include "nav_agent/service/map_pictures.h"
+#include "nav_agent/service/navigation_wire.h"
+#include "nav_agent/service/stream_slot.h"
+#include "nav_agent/service/watch_robot.h"
+
+namespace treeline::agent_service {
+namespace {
+
+// How far off a person is who tells the robot where it is, if they do not say.
+constexpr double kStd_m = 0.25;
+constexpr double kStd_rad = 0.2;
+
+absl::Status TooManyStreams() {
+  return absl::ResourceExhaustedError("too many streams are open");
+}
+
+}  // namespace
+
+absl::Status NavigationCalls::Navigate(
+    const v1::NavigateRequest& request,
+    MessageSink<v1::NavigateResponse>& sink) {
+  const StreamSlot slot(streams_, max_streams_);
+  if (!slot.is_taken()) return TooManyStreams();
+  return FollowGoal(commands_, request, sink);
+}
+
+absl::Status NavigationCalls::StreamState(
+    const v1::StreamStateRequest& request,
+    MessageSink<v1::StreamStateResponse>& sink) {
+  const StreamSlot slot(streams_, max_streams_);
+  if (!slot.is_taken()) return TooManyStreams();
+  return WatchRobot(commands_.info(), commands_.hub(), request, sink);
+}
+
+absl::StatusOr<v1::CancelResponse> NavigationCalls::Cancel(
+    const v1::CancelRequest& request) {
+  TL_RETURN_IF_ERROR(commands_.Cancel(request.goal_id()));
+  return v1::CancelResponse();
+}
+
+absl::StatusOr<v1::PauseResponse> NavigationCalls::Pause(
+    const v1::PauseRequest& /*request*/) {
+  TL_RETURN_IF_ERROR(commands_.Pause());
+  return v1::PauseResponse();
+}
+
+absl::StatusOr<v1::ResumeResponse> NavigationCalls::Resume(
+    const v1::ResumeRequest& /*request*/) {
+  TL_RETURN_IF_ERROR(commands_.Resume());
+  return v1::ResumeResponse();
+}
+
+absl::StatusOr<v1::GetInfoResponse> NavigationCalls::GetInfo(
+    const v1::GetInfoRequest& /*request*/) const {
+  return InfoToProto(commands_.info());
+}
+
+absl::StatusOr<v1::GetMapsResponse> NavigationCalls::GetMaps(
+    const v1::GetMapsRequest& request) const {
+  const AgentInfo& info = commands_.info();
+  const auto& levels = info.map->levels.levels;
+  v1::GetMapsResponse response;
+  response.set_name(info.map_name);
+  for (size_t i = 0; i < levels.size(); ++i) {
+    *response.add_levels() = ToProto(levels[i], static_cast<int>(i));
+  }
+  for (const int index : request.picture_levels()) {
+    if (index < 0 || static_cast<size_t>(index) >= levels.size()) {
+      return wire::FieldError(
+          "picture_levels",
+          absl::StrCat("has ", index, "; the map has 0..", levels.size() - 1));
+    }
+    v1::MapLevel& level = *response.mutable_levels(index);
+    if (!level.png().empty()) continue;
+    TL_ASSIGN_OR_RETURN(*level.mutable_png(),
+                        LevelPng(levels[static_cast<size_t>(index)].grid));
+  }
+  return response;
+}
+
+absl::StatusOr<v1::SetInitialPoseResponse> NavigationCalls::SetInitialPose(
+    const v1::SetInitialPoseRequest& request) {
+  if (!request.has_map_from_base()) {
+    return wire::FieldError("map_from_base", "is missing");
+  }
+  TL_RETURN_IF_ERROR(
+      commands_.SetPose(FromProto(request.map_from_base()),
+                        request.std_m() == 0 ? kStd_m : request.std_m(),
+                        request.std_rad() == 0 ? kStd_rad : request.std_rad()));
+  return v1::SetInitialPoseResponse();
+}
+
+absl::StatusOr<v1::FindYourselfResponse> NavigationCalls::FindYourself(
+    const v1::FindYourselfRequest& /*request*/) {
+  TL_RETURN_IF_ERROR(commands_.FindYourself());
+  return v1::FindYourselfResponse();
+}
+
+}  // namespace treeline::agent_service
