@@ -1,5 +1,5 @@
 # Images of Treeline. The last stage, `server`, is what is built without
-# --target; docker-compose.yml uses the others too (docs/deployment.md).
+# --target; docker-compose.yml uses the others too (docs/how-to/deploy.md).
 #
 #   docker build -t treeline-server .
 #   docker build -t treeline-tools --target tools .

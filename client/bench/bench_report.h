@@ -37,7 +37,7 @@ struct BenchReport {
   std::map<OutcomeKey, int64_t> all_calls;
 };
 
-// docs/load-and-faults.md has the keys.
+// docs/reference/load-and-faults.md has the keys.
 std::string BenchJson(const BenchReport& report);
 std::string BenchText(const BenchReport& report);
 

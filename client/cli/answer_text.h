@@ -11,9 +11,9 @@
 
 namespace treeline::client_cli {
 
-// One JSON object in one line, without the new line: docs/service.md has its
-// keys. A query that failed has the outcome ERROR, `code`, `reason` (the
-// message) and, where the server gave them, `error_reason` and
+// One JSON object in one line, without the new line: docs/reference/client.md
+// has its keys. A query that failed has the outcome ERROR, `code`, `reason`
+// (the message) and, where the server gave them, `error_reason` and
 // `error_metadata`. Numbers are written so that reading them back gives the
 // same doubles.
 std::string AnswerJson(

@@ -11,7 +11,7 @@ class App;
 
 namespace treeline::client_cli {
 
-// Exit codes, as docs/service.md states them.
+// Exit codes, as docs/reference/client.md states them.
 enum ExitCode {
   kExitLocalized = 0,
   kExitFailed = 1,

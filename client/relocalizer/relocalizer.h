@@ -86,7 +86,8 @@ struct LocalizeAnswer {
   // If asked for: the inliers' pixels in the colour image (x right, y down; as
   // the server says, unchecked).
   std::vector<geometry::Vec2> inlier_pixels;
-  // Probability that the pose is right, in [0, 1]: see docs/service.md.
+  // Probability that the pose is right, in [0, 1]: see
+  // docs/reference/service.md.
   double confidence = 0;
   // The scene's: of answers that reach it, 99 of 100 were right in training.
   double confidence_threshold = 0;

@@ -13,7 +13,7 @@
 namespace treeline::base {
 
 // A stable reason and details, as google.rpc.ErrorInfo carries them; messages
-// may change, these do not. docs/service.md lists the reasons.
+// may change, these do not. docs/reference/service.md lists the reasons.
 struct ErrorInfo {
   // UPPER_SNAKE_CASE; empty: none is known.
   std::string reason = {};

@@ -19,7 +19,7 @@ namespace treeline::dataset {
 // (The braces let designated initialisers leave members out without a warning.)
 struct DatasetOptions {
   // "7scenes:DIR", "12scenes:DIR" or "tum:DIR"; "colmap:MODEL_DIR,IMAGES_DIR"
-  // or "nvm:FILE" (docs/structure-from-motion.md).
+  // or "nvm:FILE" (docs/explanation/structure-from-motion.md).
   std::string uri{};
   // File with one frame stem a line ('#' starts a comment). Empty: all frames.
   std::string frame_list{};

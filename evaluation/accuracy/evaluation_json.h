@@ -1,4 +1,5 @@
-// Results as JSON: the contract others script against (docs/evaluation.md).
+// Results as JSON: the contract others script against
+// (docs/reference/evaluation.md).
 #ifndef EVALUATION_ACCURACY_EVALUATION_JSON_H_
 #define EVALUATION_ACCURACY_EVALUATION_JSON_H_
 

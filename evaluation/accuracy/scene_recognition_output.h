@@ -22,7 +22,7 @@ struct RecognitionRun {
 
 std::string RecognitionTable(const std::vector<RecognitionTally>& tallies,
                              const RecognitionRun& run);
-// docs/scene-recognition.md has its keys.
+// docs/explanation/scene-recognition.md has its keys.
 std::string RecognitionJson(const std::vector<RecognitionTally>& tallies,
                             const RecognitionRun& run);
 // The data of a report: the same keys, and "kind", "recognition".

@@ -1,6 +1,6 @@
 // Kidnaps in simulated worlds: a robot that drives to its goal is carried
 // somewhere else, or is told a wrong place as it begins. Does it notice, find
-// its place, and go on? docs/suites.md.
+// its place, and go on? docs/reference/suites.md.
 #ifndef EVALUATION_KIDNAPS_KIDNAP_SUITE_H_
 #define EVALUATION_KIDNAPS_KIDNAP_SUITE_H_
 

@@ -1,5 +1,5 @@
 // Missions in simulated worlds: a robot is told where it is and where to go,
-// and what becomes of it is counted. docs/suites.md.
+// and what becomes of it is counted. docs/reference/suites.md.
 #ifndef EVALUATION_MISSIONS_MISSION_SUITE_H_
 #define EVALUATION_MISSIONS_MISSION_SUITE_H_
 

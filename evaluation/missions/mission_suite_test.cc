@@ -120,7 +120,7 @@ TEST(RunMissionTest, TheThesisScenesEndWhereTheyShould) {
         continue;
       }
       // The cafe's waiter minds nobody, and walks into a robot that has all but
-      // stopped. docs/suites.md counts that against the robot, too.
+      // stopped. docs/reference/suites.md counts that against the robot, too.
       EXPECT_EQ(event.what, "waiter");
       EXPECT_LT(event.robot_approach_mps, 0.05);
     }

@@ -18,7 +18,7 @@ std::string JsonQuoted(absl::string_view text);
 // For people: one line a world, then the sum, then what failed and with which
 // seeds. What is missing of `expected` runs was not run.
 std::string MissionSummary(const std::vector<MissionRun>& runs, int expected);
-// docs/suites.md describes it.
+// docs/reference/suites.md describes it.
 std::string MissionJson(const std::vector<MissionRun>& runs, int expected,
                         bool people);
 // Of all runs, those that are good (0 to 1).

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 // Of a lost robot's picture the camera measures the depth of what is nearer
 // than 4.5 m, which often is floor alone; the posters that say where it is hang
-// beyond (docs/suites.md).
+// beyond (docs/reference/suites.md).
 constexpr const char* kMethod = "hybrid";
 // A quarter of what `treeline train` takes by itself: minutes rather than a
 // quarter of an hour for the five worlds.

@@ -98,7 +98,7 @@ absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::Make(
     return absl::FailedPreconditionError(absl::StrCat(
         "world ", place->world_.name,
         " has no tour with room for the robot to begin at; a world file needs "
-        "'tour' (docs/world-files.md)"));
+        "'tour' (docs/reference/world-files.md)"));
   }
   return place;
 }

@@ -17,7 +17,8 @@
 
 namespace treeline::behavior {
 
-// What it does about its goal. docs/navigator.md draws the transitions.
+// What it does about its goal. docs/explanation/navigator.md draws the
+// transitions.
 enum class GoalPhase : uint8_t {
   kNone,      // no goal is active
   kToPlan,    // a plan from where the robot is, in the next step

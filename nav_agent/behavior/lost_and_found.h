@@ -1,6 +1,6 @@
 // How a lost robot finds its place again: it stops, asks a server, does not
 // believe the answer, looks again, and goes on when it is sure. What it does is
-// drawn in docs/kidnap-recovery.md.
+// drawn in docs/explanation/kidnap-recovery.md.
 #ifndef NAV_AGENT_BEHAVIOR_LOST_AND_FOUND_H_
 #define NAV_AGENT_BEHAVIOR_LOST_AND_FOUND_H_
 

@@ -1,4 +1,4 @@
-// The cost of fusion; figures: docs/octomap-fusion.md.
+// The cost of fusion; figures: docs/research/octomap-fusion.md.
 #include "benchmark/benchmark.h"
 #include "nav_agent/fusion/octomap_builder.h"
 #include "nav_agent/fusion/testing_views.h"

@@ -1,5 +1,6 @@
-// Whether a robot is lost: a verdict from scan to scan. docs/lost-verdict.md
-// says how it was calibrated and how good it is.
+// Whether a robot is lost: a verdict from scan to scan.
+// docs/explanation/lost-detection.md says how it was calibrated and how good it
+// is.
 #ifndef NAV_AGENT_LOCALIZATION_LOST_DETECTOR_H_
 #define NAV_AGENT_LOCALIZATION_LOST_DETECTOR_H_
 

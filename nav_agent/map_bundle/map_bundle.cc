@@ -50,7 +50,8 @@ std::string Quoted(absl::string_view text) {
 std::string FormatManifest(const MapBundleManifest& manifest) {
   const traversability::TraversabilityOptions& t = manifest.traversability;
   std::string text = absl::StrFormat(
-      "# A Treeline map bundle (docs/map-bundle.md). Written last: a folder\n"
+      "# A Treeline map bundle (docs/reference/map-bundle.md). Written last: a "
+      "folder\n"
       "# without this file is not complete.\n"
       "version: %d\nname: %s\nsource: %s\nmethod: %s\n",
       kVersion, manifest.name, Quoted(manifest.source),

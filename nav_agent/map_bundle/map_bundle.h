@@ -1,6 +1,6 @@
 // A map bundle: what one drive leaves behind. Where a robot may go (OctoMap and
 // traversable levels), and where it is (keyframes that a scene's forest is
-// trained on). docs/map-bundle.md specifies the folder.
+// trained on). docs/reference/map-bundle.md specifies the folder.
 #ifndef NAV_AGENT_MAP_BUNDLE_MAP_BUNDLE_H_
 #define NAV_AGENT_MAP_BUNDLE_MAP_BUNDLE_H_
 

@@ -23,7 +23,7 @@
 namespace treeline::mapping {
 
 enum class DriveFormat : uint8_t {
-  kAgentLog,  // docs/agent-log.md
+  kAgentLog,  // docs/reference/agent-log.md
   kLaserLog   // a public log: nav_agent/recording/laser_log.h
 };
 

@@ -1,6 +1,6 @@
 // Laser SLAM on real recordings (TREELINE_DATA), beside raw odometry and what
-// others made of them. Prints the table of docs/laser-slam.md; writes the maps
-// into the folder TREELINE_MAPS if that is set.
+// others made of them. Prints the table of docs/research/laser-slam.md; writes
+// the maps into the folder TREELINE_MAPS if that is set.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // What a robot measured, in one file: scans, wheel readings, frames, and the
-// truth where it is known. docs/agent-log.md specifies the format.
+// truth where it is known. docs/reference/agent-log.md specifies the format.
 #ifndef NAV_AGENT_RECORDING_AGENT_LOG_H_
 #define NAV_AGENT_RECORDING_AGENT_LOG_H_
 

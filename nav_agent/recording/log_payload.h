@@ -1,4 +1,5 @@
-// The payloads of an agent log's records; docs/agent-log.md specifies them.
+// The payloads of an agent log's records; docs/reference/agent-log.md specifies
+// them.
 #ifndef NAV_AGENT_RECORDING_LOG_PAYLOAD_H_
 #define NAV_AGENT_RECORDING_LOG_PAYLOAD_H_
 

@@ -1,5 +1,5 @@
 // RGB-D SLAM on real recordings (TREELINE_DATA). Prints the lines of
-// docs/rgbd-slam.md.
+// docs/research/rgbd-slam.md.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>

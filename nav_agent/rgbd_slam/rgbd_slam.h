@@ -1,6 +1,6 @@
 // Simultaneous localization and mapping from an RGB-D camera alone: the job of
 // ORB-SLAM in the thesis (section 6.3.1; Mur-Artal, Tardos, "ORB-SLAM2",
-// IEEE T-RO 2017). See docs/rgbd-slam.md.
+// IEEE T-RO 2017). See docs/explanation/rgbd-slam.md.
 #ifndef NAV_AGENT_RGBD_SLAM_RGBD_SLAM_H_
 #define NAV_AGENT_RGBD_SLAM_RGBD_SLAM_H_
 

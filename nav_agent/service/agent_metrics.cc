@@ -38,25 +38,25 @@ bool IsOver(behavior::GoalState state) {
 
 AgentMetrics::AgentMetrics()
     : goals_(&registry_.AddCounter("treeline_agent_goals_total",
-                                   "Goals that ended, by what became of them",
+                                   "Finished goals, by outcome and cause",
                                    {"outcome", "cause"})),
       events_(&registry_.AddCounter("treeline_agent_events_total",
                                     "Events of the navigator", {"kind"})),
       fixes_(&registry_.AddCounter(
           "treeline_agent_fixes_total",
-          "Answers of the relocalization server, by what became of them",
+          "Answers of the relocalization server, by the gate's verdict",
           {"verdict"})),
       devices_(&registry_.AddGauge("treeline_agent_device_up",
                                    "1 while the device runs", {"device"})),
       modes_(&registry_.AddGauge("treeline_agent_mode",
-                                 "1 for what the robot is doing", {"mode"})),
+                                 "1 for the robot's present mode", {"mode"})),
       recoveries_(&registry_
                        .AddCounter("treeline_agent_recoveries_total",
-                                   "Recoveries that goals took", {})
+                                   "Recovery behaviours that were run", {})
                        .With({})),
       replans_(&registry_
                     .AddCounter("treeline_agent_replans_total",
-                                "Plans that replaced others", {})
+                                "Plans that replaced another one", {})
                     .With({})),
       lost_(&registry_
                  .AddCounter("treeline_agent_lost_total",
@@ -64,36 +64,37 @@ AgentMetrics::AgentMetrics()
                  .With({})),
       missed_(&registry_
                    .AddCounter("treeline_agent_missed_deadlines_total",
-                               "Control steps that came too late", {})
+                               "Control steps that began a period late", {})
                    .With({})),
       lost_probability_(
           &registry_
                .AddGauge("treeline_agent_lost_probability",
-                         "That the robot is not where it believes", {})
+                         "Probability that the robot's estimated pose is wrong",
+                         {})
                .With({})),
       driven_(&registry_
                    .AddGauge("treeline_agent_driven_meters",
-                             "Driven for goals since the start", {})
+                             "Distance driven for goals since the start, m", {})
                    .With({})),
       period_(&registry_
                    .AddHistogram("treeline_agent_control_period_seconds",
-                                 "From the begin of one control step to the "
-                                 "next",
+                                 "From the start of one control step to the "
+                                 "start of the next",
                                  {}, PeriodBuckets())
                    .With({})),
       step_(&registry_
                  .AddHistogram("treeline_agent_step_seconds",
-                               "How long a control step takes", {},
-                               StepBuckets())
+                               "Duration of the robot's part of a control step",
+                               {}, StepBuckets())
                  .With({})),
       round_trip_(&registry_
                        .AddHistogram("treeline_agent_fix_round_trip_seconds",
-                                     "From a question to the server to its "
-                                     "answer",
+                                     "From a query to the server to its answer",
                                      {}, metrics::LatencyBuckets())
                        .With({})) {
   registry_
-      .AddGauge("treeline_agent_info", "1; the version is a label", {"version"})
+      .AddGauge("treeline_agent_info", "Always 1; the version is its label",
+                {"version"})
       .With({base::Version()})
       .Set(1);
 }

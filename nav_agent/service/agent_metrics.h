@@ -1,4 +1,5 @@
-// What an agent counts, for Prometheus. docs/agent.md lists the figures.
+// What an agent counts, for Prometheus. docs/reference/agent.md lists the
+// figures.
 #ifndef NAV_AGENT_SERVICE_AGENT_METRICS_H_
 #define NAV_AGENT_SERVICE_AGENT_METRICS_H_
 

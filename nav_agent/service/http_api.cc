@@ -25,7 +25,7 @@ constexpr char kOk[] = "{\"ok\":true}";
 constexpr char kNoPage[] =
     "The operator's page is not built.\n\n"
     "The robot runs without it; its API is here (GET /api/state, "
-    "docs/agent.md)."
+    "docs/reference/agent.md)."
     "\nTo build the page: scripts/build-page, or give --page-dir DIR.\n";
 
 http::HttpResponse Failure(const absl::Status& status) {

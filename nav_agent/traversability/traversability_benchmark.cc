@@ -1,4 +1,5 @@
-// The cost of traversable maps. scripts and figures: docs/traversability.md.
+// The cost of traversable maps. scripts and figures:
+// docs/research/traversability.md.
 #include "benchmark/benchmark.h"
 #include "nav_agent/octomap/octree_file.h"
 #include "nav_agent/traversability/testing_scene.h"

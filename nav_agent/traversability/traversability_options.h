@@ -13,7 +13,7 @@ struct TraversabilityOptions {
   double max_slope_rad = 0.28;
   // The highest step that may be driven over (m), in [0, 0.3]. A voxel map
   // cannot tell a step from the rounding of a height below two voxels: rises of
-  // one voxel are always let pass (see docs/traversability.md).
+  // one voxel are always let pass (see docs/explanation/traversability.md).
   double max_step_m = 0.02;
   // The robot's height (m), in [0.1, 5]: lower room is occupied.
   double robot_height_m = 1.25;

@@ -1,7 +1,8 @@
 """Gives a running treeline-agent a goal, carries it away, and tells the story.
 
-Speaks the agent's HTTP interface (docs/agent.md). Writes summary.html and
-summary.json. Exit status 0 if the robot arrived and believed no wrong place.
+Speaks the agent's HTTP interface (docs/reference/agent.md). Writes
+summary.html and summary.json. Exit status 0 if the robot arrived and accepted
+no wrong place.
 """
 
 import argparse

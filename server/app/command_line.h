@@ -9,7 +9,7 @@
 
 namespace treeline::server_app {
 
-// Exit codes, as docs/operations.md states them.
+// Exit codes, as docs/reference/operations.md states them.
 inline constexpr int kExitOk = 0;
 inline constexpr int kExitFailed = 1;
 inline constexpr int kExitUsage = 2;

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
+#include "server/gateway/cors.h"
 
 namespace treeline::server_app {
 namespace {
@@ -19,20 +20,8 @@ absl::Status CheckAddress(const config::ConfigValue& value) {
 }
 
 absl::Status CheckOrigins(const config::ConfigValue& value) {
-  for (const std::string& origin : std::get<std::vector<std::string>>(value)) {
-    if (origin == "*") continue;
-    const bool has_scheme = absl::StartsWith(origin, "https://") ||
-                            absl::StartsWith(origin, "http://");
-    const size_t host = origin.find("://") + 3;
-    if (!has_scheme || host >= origin.size() ||
-        origin.find_first_of("/?#@ *", host) != std::string::npos) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("'", origin,
-                       "' is not an origin: https://HOST, with :PORT where it "
-                       "is not the usual one and no path, or * for all"));
-    }
-  }
-  return absl::OkStatus();
+  return gateway::CorsPolicy::Validate(
+      std::get<std::vector<std::string>>(value));
 }
 
 void AddScenes(Table& table) {
@@ -46,11 +35,11 @@ void AddScenes(Table& table) {
   table.Add(&ServerConfig::cache,
             {.name = "cache",
              .value_name = "DIR",
-             .help = "Where models from a web address are kept"});
+             .help = "Folder for models that are fetched from a web address"});
   table.Add(&ServerConfig::cache_mib,
             {.name = "cache_mib",
-             .help = "Most that they may take, MiB; the longest unused are "
-                     "deleted; 0: no bound",
+             .help = "Maximum size of the fetched models, MiB; the least "
+                     "recently used are deleted; 0: no limit",
              .min = 0,
              .max = 1 << 24});
   table.Add(&ServerConfig::models_ca,
@@ -60,40 +49,43 @@ void AddScenes(Table& table) {
                      "PEM, instead of the system's"});
   table.Add(&ServerConfig::memory_budget_mib,
             {.name = "memory_budget_mib",
-             .help = "Memory for loaded scenes, MiB; the longest unused make "
-                     "room; 0: no bound",
+             .help = "Memory for loaded scenes, MiB; the least recently used "
+                     "make room; 0: no limit",
              .min = 0,
              .max = 1 << 24});
-  table.Add(&ServerConfig::poll_s,
-            {.name = "poll_s",
-             .value_name = "SECONDS",
-             .help = "How often to look for new scenes and versions; 0: never",
-             .min = 0,
-             .max = 86400});
-  table.Add(&ServerConfig::load_all,
-            {.name = "load_all",
-             .help = "Load all scenes at the start, rather than with the first "
-                     "query"});
+  table.Add(
+      &ServerConfig::poll_s,
+      {.name = "poll_s",
+       .value_name = "SECONDS",
+       .help =
+           "Interval at which new scenes and versions are looked for; 0: never",
+       .min = 0,
+       .max = 86400});
+  table.Add(
+      &ServerConfig::load_all,
+      {.name = "load_all",
+       .help =
+           "Load all scenes at the start instead of with their first query"});
 }
 
 void AddListening(Table& table) {
   table.Add(&ServerConfig::listen,
             {.name = "listen",
              .value_name = "HOST:PORT",
-             .help = "Where gRPC is served; port 0 takes a free one",
+             .help = "Address of the gRPC listener; port 0 takes a free one",
              .check = CheckAddress,
              .required = true});
   table.Add(&ServerConfig::admin_listen,
             {.name = "admin_listen",
              .value_name = "HOST:PORT",
-             .help = "Where LoadScene and UnloadScene need no token; '': "
-                     "nowhere",
+             .help = "Address of the admin listener, where LoadScene and "
+                     "UnloadScene need no token on loopback; '': none",
              .check = CheckAddress});
   table.Add(&ServerConfig::http_listen,
             {.name = "http_listen",
              .value_name = "HOST:PORT",
-             .help = "Where HTTP, /metrics, /healthz and /readyz are served; "
-                     "'': nowhere",
+             .help = "Address of the HTTP listener: calls, /metrics, /healthz, "
+                     "/readyz; '': none",
              .check = CheckAddress});
   table.Add(&ServerConfig::insecure_any_address,
             {.name = "insecure_any_address",
@@ -102,85 +94,90 @@ void AddListening(Table& table) {
   table.Add(&ServerConfig::cors_origin,
             {.name = "cors_origin",
              .value_name = "ORIGIN,...",
-             .help = "Web pages that may ask over HTTP: https://HOST, or * for "
-                     "all",
+             .help = "Origins of web pages that may call over HTTP, as "
+                     "browsers send them: https://HOST or https://HOST:PORT",
              .check = CheckOrigins});
   table.Add(&ServerConfig::max_connection_age_s,
             {.name = "max_connection_age_s",
              .value_name = "SECONDS",
-             .help = "Clients are asked to connect anew after this, so that "
+             .help = "Age at which clients are asked to reconnect, so that "
                      "balancers can balance; 0: never",
              .min = 0,
              .max = 86400});
 }
 
 void AddTrust(Table& table) {
-  table.Add(&ServerConfig::tls_cert,
-            {.name = "tls_cert",
+  table.Add(
+      &ServerConfig::tls_cert,
+      {.name = "tls_cert",
+       .value_name = "FILE",
+       .help = "Certificate chain, PEM; read again when the file changes"});
+  table.Add(&ServerConfig::tls_key,
+            {.name = "tls_key",
              .value_name = "FILE",
-             .help = "Certificate chain, PEM; the file is read again when it "
-                     "changes"});
-  table.Add(&ServerConfig::tls_key, {.name = "tls_key",
-                                     .value_name = "FILE",
-                                     .help = "Its private key, PEM"});
+             .help = "Private key of the certificate, PEM"});
   table.Add(&ServerConfig::tls_client_ca,
             {.name = "tls_client_ca",
              .value_name = "FILE",
-             .help = "Authorities whose client certificates are believed, "
-                     "PEM"});
+             .help = "Authorities that may sign client certificates, PEM"});
   table.Add(&ServerConfig::tls_require_client_cert,
             {.name = "tls_require_client_cert",
-             .help = "Turn away clients without a certificate"});
-  table.Add(&ServerConfig::tls_admin_name,
-            {.name = "tls_admin_name",
-             .value_name = "NAME,...",
-             .help = "Names in client certificates whose holders may "
-                     "administer"});
+             .help = "Refuse clients without a certificate"});
+  table.Add(
+      &ServerConfig::tls_admin_name,
+      {.name = "tls_admin_name",
+       .value_name = "NAME,...",
+       .help = "Names in client certificates whose holders may administer"});
   table.Add(&ServerConfig::auth_keys,
             {.name = "auth_keys",
              .value_name = "FILE",
-             .help = "Keys that bearer tokens are verified with; with it, "
-                     "tokens are required"});
-  table.Add(&ServerConfig::auth_issuer,
-            {.name = "auth_issuer", .help = "Who must have issued tokens"});
+             .help = "Keys that bearer tokens are verified with: a folder of "
+                     "<kid>.pem, or a JWKS file; tokens are required then"});
+  table.Add(
+      &ServerConfig::auth_issuer,
+      {.name = "auth_issuer", .help = "Required issuer ('iss') of tokens"});
   table.Add(
       &ServerConfig::auth_audience,
-      {.name = "auth_audience", .help = "Whom tokens must be made out to"});
+      {.name = "auth_audience", .help = "Required audience ('aud') of tokens"});
   table.Add(&ServerConfig::rate_limit,
             {.name = "rate_limit",
              .value_name = "PER_SECOND",
-             .help = "Calls a second that one client may make; 0: no bound",
+             .help = "Calls a second that one client may make; 0: no limit",
              .min = 0,
              .max = 1e6,
              .live = true});
   table.Add(&ServerConfig::rate_burst,
             {.name = "rate_burst",
              .value_name = "CALLS",
-             .help = "Calls that a client that was quiet may make at once",
+             .help = "Calls that one client may make at once after a pause",
              .min = 1,
              .max = 1e6,
              .live = true});
 }
 
 void AddCapacity(Table& table) {
-  table.Add(&ServerConfig::workers,
-            {.name = "workers",
-             .help = "Queries computed at a time; 0: one per processor",
-             .min = 0,
-             .max = 1024});
+  table.Add(
+      &ServerConfig::workers,
+      {.name = "workers",
+       .help =
+           "Queries that are computed at the same time; 0: one per processor",
+       .min = 0,
+       .max = 1024});
   table.Add(&ServerConfig::queue,
             {.name = "queue",
-             .help = "Queries that may wait; more are turned away with "
+             .help = "Queries that may wait; further ones are refused with "
                      "UNAVAILABLE and a time to retry",
              .min = 1,
              .max = 100000});
-  table.Add(&ServerConfig::max_message_mib, {.name = "max_message_mib",
-                                             .help = "Largest request, MiB",
-                                             .min = 1,
-                                             .max = 1024});
+  table.Add(&ServerConfig::max_message_mib,
+            {.name = "max_message_mib",
+             .help = "Maximum size of a request, MiB",
+             .min = 1,
+             .max = 1024});
   table.Add(&ServerConfig::max_megapixels,
             {.name = "max_megapixels",
-             .help = "Largest image, millions of pixels",
+             .help = "Maximum size of an image, millions of pixels; more than "
+                     "8192 a side is always refused",
              .min = 0.01,
              .max = 1000});
 }
@@ -189,31 +186,32 @@ void AddLife(Table& table) {
   table.Add(&ServerConfig::drain_s,
             {.name = "drain_s",
              .value_name = "SECONDS",
-             .help = "How long to go on answering after a stop was asked for, "
-                     "so that balancers notice",
+             .help = "Time for which calls are still answered after a stop was "
+                     "requested, so that balancers notice",
              .min = 0,
              .max = 3600,
              .live = true});
   table.Add(&ServerConfig::grace_s,
             {.name = "grace_s",
              .value_name = "SECONDS",
-             .help = "How long calls in flight get after that",
+             .help = "Time that calls in flight get after that",
              .min = 0,
              .max = 3600,
              .live = true});
   table.Add(&ServerConfig::record,
             {.name = "record",
              .value_name = "DIR",
-             .help = "Keep queries that failed, images included, for "
-                     "debugging; '': keep nothing"});
-  table.Add(&ServerConfig::record_mib,
-            {.name = "record_mib",
-             .help = "Most that they may take, MiB; the oldest are deleted",
-             .min = 1,
-             .max = 1 << 24});
+             .help = "Folder to keep failed queries in for debugging, images "
+                     "included; '': keep nothing"});
+  table.Add(
+      &ServerConfig::record_mib,
+      {.name = "record_mib",
+       .help = "Maximum size of the kept queries, MiB; the oldest are deleted",
+       .min = 1,
+       .max = 1 << 24});
   table.Add(&ServerConfig::log_level,
             {.name = "log_level",
-             .help = "debug logs every call, info those that failed",
+             .help = "debug logs every call, info only failed ones",
              .choices = {"debug", "info", "warn", "error", "off"},
              .live = true});
   table.Add(&ServerConfig::log_format,

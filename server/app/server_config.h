@@ -15,7 +15,7 @@ namespace treeline::server_app {
 inline constexpr char kServerEnvironmentPrefix[] = "TREELINE_SERVER_";
 
 // Each field is a setting of the same name; ServerConfigTable() has their help
-// and bounds, and docs/operations.md the table.
+// and bounds; docs/reference/server-settings.md is generated from both.
 struct ServerConfig {
   // Scenes.
   std::string models;

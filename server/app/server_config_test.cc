@@ -14,6 +14,7 @@ namespace treeline::server_app {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 absl::StatusOr<ServerConfig> Made(std::map<std::string, std::string> flags) {
   flags.insert({"models", "m"});
@@ -77,11 +78,20 @@ TEST(ServerConfig, AddressesAreChecked) {
 }
 
 TEST(ServerConfig, OriginsHaveNoPath) {
-  EXPECT_TRUE(Made({{"cors_origin", "https://a,http://b:8080,*"}}).ok());
+  EXPECT_TRUE(Made({{"cors_origin", "https://a,http://b:8080"}}).ok());
   for (const char* origin : {"a", "https://", "https://a/", "ftp://a",
                              "https://a b", "https://*.a", "https://u@a"}) {
     EXPECT_THAT(ErrorOf({{"cors_origin", origin}}), HasSubstr("an origin"))
         << origin;
+  }
+}
+
+// What --help offers and what the start accepts must not differ.
+TEST(ServerConfig, AllOriginsAreNeitherOfferedNorTaken) {
+  EXPECT_THAT(ErrorOf({{"cors_origin", "*"}}), HasSubstr("no * for all"));
+  for (const config::Setting& setting : ServerConfigTable().settings()) {
+    if (setting.name != "cors_origin") continue;
+    EXPECT_THAT(setting.help, Not(HasSubstr("*")));
   }
 }
 
@@ -108,7 +118,7 @@ TEST(ServerConfig, ReachesTheService) {
 
 // The page and the table must not drift apart.
 TEST(ServerConfig, TheDocumentNamesEverySetting) {
-  const auto page = base::ReadFile(TREELINE_OPERATIONS_PAGE);
+  const auto page = base::ReadFile(TREELINE_SETTINGS_PAGE);
   ASSERT_TRUE(page.ok()) << page.status();
   for (const config::Setting& setting : ServerConfigTable().settings()) {
     EXPECT_THAT(*page, HasSubstr(absl::StrCat("| `", setting.name, "` |")));

@@ -55,7 +55,7 @@ void WriteScenes(const std::vector<SceneFigures>& scenes,
     out.Sample({{"scene", scene.scene}}, static_cast<double>(scene.evictions));
   }
   out.Family("treeline_scene_resident_bytes",
-             "Memory that a scene's loaded versions take.",
+             "Memory of a scene's loaded versions.",
              metrics::MetricType::kGauge);
   for (const SceneFigures& scene : scenes) {
     out.Sample({{"scene", scene.scene}},
@@ -63,7 +63,8 @@ void WriteScenes(const std::vector<SceneFigures>& scenes,
   }
   std::map<repository::SceneState, int> by_state;
   for (const SceneFigures& scene : scenes) ++by_state[scene.state];
-  out.Family("treeline_scenes", "Scenes by state.",
+  out.Family("treeline_scenes",
+             "Scenes by state: UNLOADED, LOADING, READY, FAILED.",
              metrics::MetricType::kGauge);
   for (const repository::SceneState state : kAllStates) {
     out.Sample({{"state", StateName(state)}}, by_state[state]);
@@ -80,7 +81,7 @@ ServiceMetrics::ServiceMetrics(metrics::Registry& registry)
           {"rpc", "transport", "status", "reason"})),
       request_seconds_(registry.AddHistogram(
           "treeline_request_seconds",
-          "From the arrival of the whole request to its answer.", {"rpc"},
+          "Time from the arrival of the whole request to its answer.", {"rpc"},
           metrics::LatencyBuckets())),
       stage_seconds_(registry.AddHistogram(
           "treeline_stage_seconds",
@@ -94,12 +95,12 @@ ServiceMetrics::ServiceMetrics(metrics::Registry& registry)
           {"scene", "outcome", "reason"})),
       inlier_ratio_(registry.AddHistogram(
           "treeline_inlier_ratio",
-          "Part of the samples that an answer's pose explains.", {"scene"},
+          "Share of the samples that agree with an answer's pose.", {"scene"},
           metrics::ShareBuckets())),
-      confidence_(registry.AddHistogram(
-          "treeline_confidence",
-          "Probability that an answer's pose is right, as the model sees it.",
-          {"scene"}, metrics::ShareBuckets())),
+      confidence_(registry.AddHistogram("treeline_confidence",
+                                        "Confidence of answers: calibrated "
+                                        "probability that the pose is right.",
+                                        {"scene"}, metrics::ShareBuckets())),
       shed_(registry.AddCounter(
           "treeline_shed_total",
           "Calls turned away for too much load before any work, by reason; "
@@ -171,10 +172,11 @@ void AddLoadMetrics(metrics::Registry& registry,
     };
     gauge("treeline_queue_depth", "Queries that wait for a worker.",
           now.queued);
-    gauge("treeline_queue_capacity", "Queries that may wait.",
+    gauge("treeline_queue_capacity", "Maximum number of queries that may wait.",
           now.queue_capacity);
-    gauge("treeline_in_flight", "Queries that are computed now.", now.running);
-    gauge("treeline_workers", "Queries that can be computed at a time.",
+    gauge("treeline_in_flight", "Queries that are being computed.",
+          now.running);
+    gauge("treeline_workers", "Queries that can be computed at the same time.",
           now.workers);
   });
 }
@@ -186,7 +188,7 @@ void AddSceneMetrics(metrics::Registry& registry,
     WriteScenes(now.scenes, out);
     if (!now.load_seconds) return;
     out.Family("treeline_scene_load_seconds",
-               "How long loads of models took, failed ones included.",
+               "Duration of model loads, failed ones included.",
                metrics::MetricType::kHistogram);
     out.Histogram({}, *now.load_seconds);
   });

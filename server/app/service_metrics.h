@@ -1,4 +1,5 @@
-// Calls, load and scenes as metrics. docs/operations.md explains each of them.
+// Calls, load and scenes as metrics. docs/reference/operations.md explains each
+// of them.
 #ifndef SERVER_APP_SERVICE_METRICS_H_
 #define SERVER_APP_SERVICE_METRICS_H_
 

@@ -33,7 +33,8 @@ absl::Status CorsPolicy::Validate(const std::vector<std::string>& origins) {
       return absl::InvalidArgumentError(
           absl::StrCat("'", origin,
                        "' is not an origin; give http(s)://HOST[:PORT] in "
-                       "lower case, for instance https://example.com"));
+                       "lower case, for instance https://example.com. There "
+                       "are no patterns and no * for all"));
     }
   }
   return absl::OkStatus();

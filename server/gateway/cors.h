@@ -13,8 +13,9 @@
 namespace treeline::gateway {
 
 // Origins that are allowed, each exactly as browsers send it: "https://HOST" or
-// "https://HOST:PORT". No patterns, and no "*": pages hold the tokens of their
-// users. Immutable.
+// "https://HOST:PORT". There are no patterns and there is no "*": any page that
+// a user happens to open could then use the user's network and call a server
+// that has no other protection than its address. Immutable.
 class CorsPolicy {
  public:
   // INVALID_ARGUMENT: an origin that no browser would send.

@@ -1,5 +1,5 @@
 // The service over HTTP: the Connect protocol, GeoPose Protocol, health and
-// metrics. docs/http.md describes it to clients.
+// metrics. docs/reference/http.md describes it to clients.
 #ifndef SERVER_GATEWAY_GATEWAY_H_
 #define SERVER_GATEWAY_GATEWAY_H_
 

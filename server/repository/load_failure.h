@@ -9,7 +9,8 @@
 
 namespace treeline::repository {
 
-// Reasons of the repository's errors; stable (docs/scene-repository.md).
+// Reasons of the repository's errors; stable
+// (docs/reference/scene-repository.md).
 inline constexpr char kSceneNameInvalid[] = "SCENE_NAME_INVALID";
 inline constexpr char kSceneNotFound[] = "SCENE_NOT_FOUND";
 inline constexpr char kVersionNotFound[] = "VERSION_NOT_FOUND";

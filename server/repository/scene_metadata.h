@@ -48,7 +48,7 @@ struct SceneMetadata {
 //   x_world = (cos h, -sin h, 0)   y_world = (sin h, cos h, 0)   in enu.
 geometry::Rotation3 EnuFromWorldOfHeading(double heading_deg);
 
-// The text of a scene.json; docs/scene-repository.md specifies it.
+// The text of a scene.json; docs/reference/scene-repository.md specifies it.
 // INVALID_ARGUMENT, starting with "scene.json: " and the key, for what is not
 // JSON, for unknown and repeated keys, for values of another type or out of
 // range. Safe on hostile text.

@@ -48,7 +48,7 @@ TEST(SceneMetadata, EveryFieldMayBeLeftOut) {
   EXPECT_EQ(*metadata, SceneMetadata{});
 }
 
-// The worked example of docs/scene-repository.md.
+// The worked example of docs/reference/scene-repository.md.
 TEST(SceneMetadata, AHeadingOfNinetyTurnsTheYAxisToTheEast) {
   const geometry::Rotation3 enu_from_world = EnuFromWorldOfHeading(90);
   ExpectNear(enu_from_world * geometry::Vec3{0, 1, 0}, {1, 0, 0});

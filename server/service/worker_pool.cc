@@ -21,7 +21,7 @@ constexpr double kLargestSurprise = 8;
 
 // What is expected is a mean; a promise must hold for nearly all, and the
 // answer has a way to go. Measured at twice the capacity
-// (docs/load-and-faults.md): without these, one in ten accepted queries ended
+// (docs/research/service.md): without these, one in ten accepted queries ended
 // after its deadline.
 constexpr double kWaitMargin = 1.25;
 constexpr double kTaskMargin = 2;

@@ -8,9 +8,9 @@
 
 namespace treeline::tools {
 
-// What the map bundle in `folder` calls its scene (docs/map-bundle.md).
-// NOT_FOUND if no complete bundle is there, INVALID_ARGUMENT with file and line
-// if its bundle.yaml names none.
+// What the map bundle in `folder` calls its scene
+// (docs/reference/map-bundle.md). NOT_FOUND if no complete bundle is there,
+// INVALID_ARGUMENT with file and line if its bundle.yaml names none.
 absl::StatusOr<std::string> SceneOfMapBundle(const std::string& folder);
 
 // REPOSITORY/SCENE/VERSION/model.treeline, one version above all that are

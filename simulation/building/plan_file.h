@@ -1,5 +1,5 @@
-// World files: buildings as YAML that people write. docs/world-files.md is the
-// language's description.
+// World files: buildings as YAML that people write.
+// docs/reference/world-files.md is the language's description.
 #ifndef SIMULATION_BUILDING_PLAN_FILE_H_
 #define SIMULATION_BUILDING_PLAN_FILE_H_
 

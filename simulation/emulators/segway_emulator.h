@@ -1,6 +1,6 @@
 // The base's side of the conversation with a Segway RMP100, byte for byte, with
-// faults on request. What a real base does beyond what docs/base-driver.md
-// lists as known is not played.
+// faults on request. What a real base does beyond what
+// docs/reference/base-driver.md lists as known is not played.
 #ifndef SIMULATION_EMULATORS_SEGWAY_EMULATOR_H_
 #define SIMULATION_EMULATORS_SEGWAY_EMULATOR_H_
 

@@ -20,7 +20,8 @@ struct SimulationRunOptions {
   // Drives along the world's tour from the beginning; without a duration, to
   // its end.
   std::optional<simulator::TourAction> tour;
-  // An agent log is written there; empty: none. See docs/agent-log.md.
+  // An agent log is written there; empty: none. See
+  // docs/reference/agent-log.md.
   std::string record_path;
   int jpeg_quality = 92;
 };

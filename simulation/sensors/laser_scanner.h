@@ -15,7 +15,7 @@ namespace treeline::sensors {
 
 // Defaults: Hokuyo UTM-30LX (data sheet C-42-3615): 1081 beams over 270
 // degrees, 40 Hz, a mirror that turns once in 25 ms, sigma < 10 mm up to 10 m
-// and < 30 mm up to 30 m. docs/synthetic-sensors.md has the model.
+// and < 30 mm up to 30 m. docs/reference/synthetic-sensors.md has the model.
 struct LaserScannerOptions {
   int beams = 1081;  // [2, 100000]
   // Of the first beam, and from one to the next, counter-clockwise in the

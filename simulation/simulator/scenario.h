@@ -1,5 +1,5 @@
 // What happens in a simulation, written down: the world, the robot, and what
-// is done to it when. docs/simulator.md describes the files.
+// is done to it when. docs/reference/simulator.md describes the files.
 #ifndef SIMULATION_SIMULATOR_SCENARIO_H_
 #define SIMULATION_SIMULATOR_SCENARIO_H_
 

@@ -1,5 +1,5 @@
 // A robot in a synthetic world, in simulated time, behind the same ports as
-// the real one. docs/simulator.md describes the model.
+// the real one. docs/reference/simulator.md describes the model.
 #ifndef SIMULATION_SIMULATOR_SIMULATOR_H_
 #define SIMULATION_SIMULATOR_SIMULATOR_H_
 

@@ -151,7 +151,7 @@ struct WorldOptions {
 //                 buildings that every program carries (worlds/*.yaml)
 //   seed:N        a building of the generator's, for each whole number N
 //   FILE          a world file of your own: ends in .yaml or contains a '/';
-//                 see docs/world-files.md
+//                 see docs/reference/world-files.md
 // INVALID_ARGUMENT for other names, and for files with mistakes, "FILE:LINE:
 // reason"; NOT_FOUND and so on for files that cannot be read.
 absl::StatusOr<World> MakeWorld(absl::string_view name,

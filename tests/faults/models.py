@@ -63,8 +63,8 @@ def broken_models(data):
     yield "one byte more", data + b"\0"
     yield "not a model", os.urandom(4096)
     yield "zeros behind the half", data[:middle] + bytes(len(data) - middle)
-    # Byte 9 is of the format's version, docs/model-format.md: it looks newer
-    # than it is.
+    # Byte 9 is of the format's version (docs/reference/model-format.md): it
+    # looks newer than it is.
     for name, at in (("version", 9), ("header", 20), ("quarter", len(data) // 4),
                      ("middle", middle), ("end", len(data) - 5)):
         flipped = bytearray(data)

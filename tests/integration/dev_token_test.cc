@@ -1,4 +1,4 @@
-// scripts/make-dev-token, as docs/security.md shows it.
+// scripts/make-dev-token, as docs/reference/security.md shows it.
 #include <ctime>
 #include <filesystem>
 #include <string>

@@ -1,6 +1,6 @@
 // Drives through synthetic worlds, recorded as agent logs and mapped: how far
-// the trajectory is from the truth. docs/laser-slam.md has the figures of whole
-// tours; these are parts of them.
+// the trajectory is from the truth. docs/research/laser-slam.md has the figures
+// of whole tours; these are parts of them.
 #include <unistd.h>
 
 #include <cstdio>

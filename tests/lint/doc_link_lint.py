@@ -2,7 +2,9 @@
 
 Usage: doc_link_lint.py [TREE]. A link to a file must name one that exists in
 the tree; a link with #heading must name a heading of that page, as GitHub
-spells its anchor.
+spells its anchor. A path below docs/ that a comment, a message or a text
+mentions must exist, too, and so must the sources that a page names in `code`
+(docs/research and docs/adr speak of their own time).
 """
 
 import os
@@ -15,6 +17,11 @@ import lint_common
 LINK = re.compile(r"!?\[[^\]]*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
 HTML_SOURCE = re.compile(r"<(?:img|a)\b[^>]*?\b(?:src|href)=\"([^\"]+)\"")
 FENCE = re.compile(r"^ {0,3}(```|~~~)")
+MENTION = re.compile(r"(?<![\w./-])docs/[\w./-]*\.(?:md|yaml|svg|png|jpg)\b")
+MENTIONING = (".md", ".h", ".cc", ".proto", ".py", ".js", ".mjs", ".ts", ".sh",
+              ".yaml", ".yml", ".cmake", ".txt", "Dockerfile")
+SOURCE = re.compile(r"`([\w./-]+\.(?:cc|h|proto|py))`")
+OF_THEIR_TIME = ("docs/research/", "docs/adr/", "CHANGELOG.md")
 HEADING = re.compile(r"^ {0,3}#{1,6}\s+(.*?)\s*#*\s*$")
 
 
@@ -58,6 +65,38 @@ def objection_to(root, page, target):
     return None
 
 
+def mentions_without_page(root):
+    """A finding for each path below docs/ that does not exist."""
+    findings = []
+    for path in lint_common.files_of(root, MENTIONING):
+        if path.endswith("_test.py"):  # their fixtures name pages
+            continue
+        lines = lint_common.read(root, path).splitlines()
+        for number, line in enumerate(lines, 1):
+            for page in MENTION.findall(line):
+                if not pathlib.Path(root, page).exists():
+                    findings.append(f"{path}:{number}: {page}: there is no "
+                                    "such page")
+    return findings
+
+
+def missing_sources(root, pages):
+    """A finding for each source that a page names and that does not exist."""
+    paths = set(lint_common.files_of(root, (".cc", ".h", ".proto", ".py")))
+    names = {os.path.basename(path) for path in paths}
+    findings = []
+    for page in pages:
+        if page.startswith(OF_THEIR_TIME):
+            continue
+        for number, line in prose_lines(lint_common.read(root, page)):
+            for source in SOURCE.findall(line):
+                known = paths if "/" in source else names
+                if source not in known:
+                    findings.append(f"{page}:{number}: {source}: there is no "
+                                    "such source")
+    return findings
+
+
 def findings_in(root):
     """(findings, number of pages looked at)."""
     findings = []
@@ -69,6 +108,7 @@ def findings_in(root):
                 reason = objection_to(root, page, target)
                 if reason:
                     findings.append(f"{page}:{number}: {target}: {reason}")
+    findings += mentions_without_page(root) + missing_sources(root, pages)
     return findings, len(pages)
 
 

@@ -67,6 +67,21 @@ class DocLinkLintTest(FixtureTreeTest):
         self.write("a.md", '<img alt="x" src="docs/x.svg">\n')
         self.assertIn("docs/x.svg", self.findings()[0])
 
+    def test_finds_a_page_that_only_a_comment_mentions(self):
+        self.write("a.cc", "// See docs/b.md.\n// https://x.org/docs/c.md\n")
+        self.assertEqual(self.findings(),
+                         ["a.cc:1: docs/b.md: there is no such page"])
+        self.write("docs/b.md")
+        self.assertEqual(self.findings(), [])
+
+    def test_finds_a_source_that_a_page_names_and_nobody_has(self):
+        self.write("a/x.cc")
+        self.write("b.md", "`a/x.cc`, `x.cc`, `a/y.cc`, `z.h`\n")
+        self.write("docs/research/c.md", "`a/gone.cc`\n")
+        self.assertEqual(self.findings(),
+                         ["b.md:1: a/y.cc: there is no such source",
+                          "b.md:1: z.h: there is no such source"])
+
     def test_leaves_code_alone(self):
         self.write("a.md", "`[x](y.md)`\n```\n[x](z.md)\n```\n")
         self.assertEqual(self.findings(), [])

@@ -1,5 +1,5 @@
 // Traversable maps of synthetic buildings, scored against the truth: the long
-// form of traversability_world_test. Figures: docs/traversability.md.
+// form of traversability_world_test. Figures: docs/research/traversability.md.
 //
 //   traversability_worlds MAP OUTPUT WORLD...
 //     MAP     exact (all surfaces), noise (voxels missed and too many) or scan

@@ -79,9 +79,10 @@ const char* VerdictName(Verdict verdict) {
 
 std::vector<Finding> JudgeLaser(const HeardLaser& heard) {
   if (heard.scans.empty()) {
-    return {Silent(heard.name, heard.health,
-                   "check its power and its address; docs/laser-driver.md has "
-                   "the causes")};
+    return {Silent(
+        heard.name, heard.health,
+        "check its power and its address; docs/reference/laser-driver.md has "
+        "the causes")};
   }
   const double hz = static_cast<double>(heard.scans.size()) / heard.seconds;
   std::vector<Finding> findings = {
@@ -124,9 +125,10 @@ std::vector<Finding> JudgeLaser(const HeardLaser& heard) {
 
 std::vector<Finding> JudgeBase(const HeardBase& heard) {
   if (heard.readings.empty()) {
-    return {Silent("base", heard.health,
-                   "switch it on and check its address; docs/base-driver.md "
-                   "has the causes")};
+    return {Silent(
+        "base", heard.health,
+        "switch it on and check its address; docs/reference/base-driver.md "
+        "has the causes")};
   }
   const double hz = static_cast<double>(heard.readings.size()) / heard.seconds;
   std::vector<Finding> findings = {Rate("base", hz, kBaseHz, heard.health)};
@@ -157,9 +159,10 @@ std::vector<Finding> JudgeBase(const HeardBase& heard) {
 
 std::vector<Finding> JudgeCamera(const HeardCamera& heard) {
   if (heard.frames == 0) {
-    return {Silent("camera", heard.health,
-                   "plug it in at a USB port of its own; docs/cameras.md "
-                   "has the causes")};
+    return {
+        Silent("camera", heard.health,
+               "plug it in at a USB port of its own; docs/reference/cameras.md "
+               "has the causes")};
   }
   Finding finding{.what = "camera",
                   .verdict = Verdict::kOk,

@@ -79,10 +79,11 @@ absl::Status ExamineHardware(const std::string& path, double listen_s,
   const absl::StatusOr<hardware::HardwareConfig> config =
       hardware::ReadHardwareConfig(path);
   if (!config.ok()) {
-    findings.push_back({.what = "hardware",
-                        .verdict = Verdict::kFail,
-                        .found = std::string(config.status().message()),
-                        .mend = "mend the file; docs/agent.md has the keys"});
+    findings.push_back(
+        {.what = "hardware",
+         .verdict = Verdict::kFail,
+         .found = std::string(config.status().message()),
+         .mend = "mend the file; docs/reference/agent.md has the keys"});
     return absl::OkStatus();
   }
   const base::SteadyClock clock;

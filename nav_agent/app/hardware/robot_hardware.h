@@ -31,8 +31,8 @@ struct HardwareConfig {
 };
 
 // A YAML file: laser, base, rear_laser, camera, and the robot's measures where
-// they are not the default robot's (docs/agent.md). INVALID_ARGUMENT names
-// file, line and the key that was probably meant.
+// they are not the default robot's (docs/reference/agent.md). INVALID_ARGUMENT
+// names file, line and the key that was probably meant.
 absl::StatusOr<HardwareConfig> ReadHardwareConfig(const std::string& path);
 
 // The drivers, at work. They look for their devices by themselves: whether

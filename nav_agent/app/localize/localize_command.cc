@@ -36,7 +36,8 @@ constexpr const char* kFooter = R"(
 Maps: map_server's YAML and PGM, or a map of Wean Hall (.dat, .dat.gz): one flat
 level. Or an OctoMap (.bt, .ot), or a synthetic world's name: all of its levels
 and slopes. Logs: an agent log; JSON as of the Intel Research Lab, CARMEN, or
-Wean Hall's, each of which may be compressed. docs/localization.md says more.
+Wean Hall's, each of which may be compressed.
+docs/explanation/localization.md says more.
 
 Examples:
   treeline-agent localize --map wean.dat.gz --log robotdata1.log.gz --global \

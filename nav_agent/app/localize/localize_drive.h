@@ -49,11 +49,11 @@ struct DriveReadOptions {
   double max_gap_s = 0.25;
 };
 
-// An agent log (docs/agent-log.md), or what ReadLaserLog reads. Pictures are
-// not decoded. Of an agent log, readings whose clock jumps back, that are not
-// finite or lean too far, scans whose clock jumps back or with other numbers of
-// beams than the laser has, and scans without odometry near are left out and
-// counted.
+// An agent log (docs/reference/agent-log.md), or what ReadLaserLog reads.
+// Pictures are not decoded. Of an agent log, readings whose clock jumps back,
+// that are not finite or lean too far, scans whose clock jumps back or with
+// other numbers of beams than the laser has, and scans without odometry near
+// are left out and counted.
 //
 // The errors of ReadLaserLog; FAILED_PRECONDITION if an agent log has no laser
 // scanner, no usable scan, or no usable wheel reading.

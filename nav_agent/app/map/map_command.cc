@@ -22,10 +22,10 @@ namespace treeline::map_app {
 namespace {
 
 constexpr const char* kFooter = R"(
-Logs: agent logs of this program (docs/agent-log.md), JSON as of the Intel
-Research Lab, CARMEN. A log with RGB-D frames gives a map in space and keyframes
-to train on; a laser alone gives a plan. With --rgbd a camera alone makes the
-map; its floor, or the largest level surface, says where up is.
+Logs: agent logs of this program (docs/reference/agent-log.md), JSON as of the
+Intel Research Lab, CARMEN. A log with RGB-D frames gives a map in space and
+keyframes to train on; a laser alone gives a plan. With --rgbd a camera alone
+makes the map; its floor, or the largest level surface, says where up is.
 
 With --live the drive is recorded, and mapped when it ends; BUNDLE/live.png shows
 it meanwhile. The robot is pushed, or driven by its own remote control. Killed,
@@ -34,7 +34,8 @@ the recording lacks a second at most: map it with --log. Addresses are
 
 BUNDLE then holds octomap.bt, levels/level-N.yaml and .pgm (where a robot may
 drive), keyframes (a recording in the layout of 7-Scenes), trajectory.txt (TUM)
-and map.png to look at; docs/map-bundle.md. From it, the scene's model:
+and map.png to look at; see docs/reference/map-bundle.md. From it, the scene's
+model:
 
   treeline train --map BUNDLE --repository MODELS
 

@@ -21,8 +21,8 @@ Draws the plan beside the JSON file (or where --picture says): the trees as they
 were when the first path was found in blue and green, the path in red, the
 footprint where it starts and ends. That there is no path is a result with a
 cause: start_blocked, goal_blocked, goal_outside, no_path or plan_timeout; the
-files are written all the same, and the exit code is 1. docs/planning.md
-describes the method.
+files are written all the same, and the exit code is 1.
+docs/explanation/planning.md describes the method.
 
 Examples:
   treeline-agent plan --world cafe --start 1,1,0 --goal 11,8,1.57 \

@@ -16,152 +16,157 @@ void AddRobot(Table& table) {
   table.Add(&AgentConfig::simulate,
             {.name = "simulate",
              .value_name = "WORLD",
-             .help = "A simulated robot: cafe, lab, two-storey, office-floor, "
-                     "seed:N, or a world's file"});
+             .help = "Simulated robot in this world: cafe, lab, two-storey, "
+                     "office-floor, seed:N, or a world file"});
   table.Add(&AgentConfig::hardware,
             {.name = "hardware",
              .value_name = "FILE",
-             .help = "A real robot: YAML with laser, base, camera and measures "
-                     "(docs/agent.md)"});
-  table.Add(&AgentConfig::speed, {.name = "speed",
-                                  .value_name = "FACTOR",
-                                  .help = "Simulated seconds in a real one",
-                                  .min = 0.01,
-                                  .max = 1000});
+             .help = "Real robot: YAML file with laser, base, camera and "
+                     "measures (docs/reference/agent.md)"});
+  table.Add(&AgentConfig::speed,
+            {.name = "speed",
+             .value_name = "FACTOR",
+             .help = "Simulated seconds for each real second",
+             .min = 0.01,
+             .max = 1000});
   table.Add(&AgentConfig::people,
-            {.name = "people",
-             .help = "Whether people walk about in the simulation"});
+            {.name = "people", .help = "People walk about in the simulation"});
   table.Add(&AgentConfig::camera_hz,
             {.name = "camera_hz",
-             .help = "Frames a second of the simulated camera; 0: none",
+             .help = "Frames a second of the simulated camera; 0: no camera",
              .min = 0,
              .max = 30});
-  table.Add(
-      &AgentConfig::rear_laser,
-      {.name = "rear_laser",
-       .help = "Whether the simulated robot has a laser that looks back"});
+  table.Add(&AgentConfig::rear_laser,
+            {.name = "rear_laser",
+             .help = "The simulated robot has a second laser that looks back"});
   table.Add(&AgentConfig::record,
             {.name = "record",
              .value_name = "FILE",
-             .help = "Keep what the sensors say in an agent log"});
+             .help = "Agent log to record the sensors into"});
 }
 
 void AddPlace(Table& table) {
   table.Add(&AgentConfig::map,
             {.name = "map",
              .value_name = "BUNDLE",
-             .help = "Map bundle of `treeline-agent map`; with simulate, "
-                     "without: the world's own perfect map"});
+             .help = "Map bundle of `treeline-agent map`; with simulate and "
+                     "without map: the world's own perfect map"});
   table.Add(&AgentConfig::start_at,
             {.name = "start_at",
              .value_name = "X,Y,YAW[,LEVEL]",
-             .help = "Where the robot stands at the start, in the map (m, "
-                     "rad)"});
-  table.Add(&AgentConfig::find_yourself,
-            {.name = "find_yourself",
-             .help = "The robot does not know where it stands: it asks the "
-                     "server, and looks around"});
+             .help = "Start pose of the robot in the map (m, rad)"});
+  table.Add(
+      &AgentConfig::find_yourself,
+      {.name = "find_yourself",
+       .help =
+           "The start pose is unknown: find it with the server and the laser"});
   table.Add(&AgentConfig::goal, {.name = "goal",
                                  .value_name = "X,Y,YAW[,LEVEL]",
-                                 .help = "Drive there first (m, rad)"});
+                                 .help = "First goal (m, rad)"});
 }
 
 void AddServer(Table& table) {
   table.Add(&AgentConfig::server,
             {.name = "server",
              .value_name = "HOST:PORT",
-             .help = "Relocalization server that a lost robot asks; several "
-                     "replicas with commas between them in quotes"});
+             .help = "Relocalization server for a lost robot; several replicas "
+                     "separated by commas, in quotes"});
   table.Add(&AgentConfig::scene,
             {.name = "scene",
              .value_name = "NAME",
-             .help = "The map's scene on the server; without: the bundle's "
-                     "name"});
-  table.Add(&AgentConfig::tls_ca,
-            {.name = "tls_ca",
-             .value_name = "FILE",
-             .help = "Ask over TLS; authorities that vouch for the server, "
-                     "PEM"});
+             .help = "Name of the map's scene on the server; default: the "
+                     "bundle's name"});
+  table.Add(
+      &AgentConfig::tls_ca,
+      {.name = "tls_ca",
+       .value_name = "FILE",
+       .help = "Use TLS for the server and trust these authorities, PEM"});
   table.Add(&AgentConfig::token_file,
             {.name = "token_file",
              .value_name = "FILE",
-             .help = "The bearer token to show to the server"});
+             .help = "File with the bearer token for the server"});
 }
 
 void AddListening(Table& table) {
   table.Add(&AgentConfig::listen,
             {.name = "listen",
              .value_name = "HOST:PORT",
-             .help = "Where gRPC is answered; '': nowhere"});
+             .help = "Address of the gRPC listener; '': none"});
   table.Add(&AgentConfig::http_listen,
             {.name = "http_listen",
              .value_name = "HOST:PORT",
-             .help = "Where the operator's page is served; '': nowhere"});
+             .help = "Address of the operator's page and its API; '': none"});
   table.Add(&AgentConfig::insecure_any_address,
             {.name = "insecure_any_address",
-             .help = "Listen where other machines reach it: whoever does "
-                     "drives the robot"});
+             .help = "Allow addresses that other machines reach; anybody who "
+                     "reaches them can drive the robot"});
   table.Add(&AgentConfig::page_dir,
             {.name = "page_dir",
              .value_name = "DIR",
-             .help = "The page's files; without: where they were built or "
-                     "installed"});
-  table.Add(&AgentConfig::max_streams,
-            {.name = "max_streams",
-             .help = "Pages that may watch at a time, and as many callers of "
-                     "gRPC streams",
-             .min = 1,
-             .max = 1000});
+             .help = "Folder of the page's files; default: where they were "
+                     "built or installed"});
+  table.Add(
+      &AgentConfig::max_streams,
+      {.name = "max_streams",
+       .help =
+           "Maximum number of pages that watch at a time, and of gRPC streams",
+       .min = 1,
+       .max = 1000});
 }
 
 void AddDriving(Table& table) {
   table.Add(&AgentConfig::planner,
-            {.name = "planner", .help = "Planner of ways (docs/planning.md)"});
-  table.Add(&AgentConfig::max_forward_mps, {.name = "max_forward_mps",
-                                            .help = "Its highest speed, m/s",
-                                            .min = 0.05,
-                                            .max = 3});
-  table.Add(&AgentConfig::inflation_m,
-            {.name = "inflation_m",
-             .help = "Room beside the robot that it keeps where there is room, "
-                     "m",
+            {.name = "planner",
+             .help = "Global planner (docs/explanation/planning.md)"});
+  table.Add(&AgentConfig::max_forward_mps,
+            {.name = "max_forward_mps",
+             .help = "Maximum forward speed, m/s",
              .min = 0.05,
-             .max = 2});
+             .max = 3});
+  table.Add(
+      &AgentConfig::inflation_m,
+      {.name = "inflation_m",
+       .help =
+           "Clearance beside the robot that it keeps where there is room, m",
+       .min = 0.05,
+       .max = 2});
   table.Add(&AgentConfig::goal_tolerance_m,
             {.name = "goal_tolerance_m",
-             .help = "So near to its goal it is there, m",
+             .help = "Distance to the goal at which it counts as reached, m",
              .min = 0.02,
              .max = 1});
   table.Add(&AgentConfig::goal_tolerance_rad,
             {.name = "goal_tolerance_rad",
-             .help = "The same for its heading, rad",
+             .help = "Heading error at which the goal counts as reached, rad",
              .min = 0.02,
              .max = 3.2});
   table.Add(&AgentConfig::laser_timeout_s,
             {.name = "laser_timeout_s",
-             .help = "A laser that is silent for longer is lost, s",
+             .help = "Silence after which a laser counts as lost, s",
              .min = 0.05,
              .max = 5});
   table.Add(&AgentConfig::odometry_timeout_s,
             {.name = "odometry_timeout_s",
-             .help = "The same for the base's readings, s",
+             .help = "Silence after which odometry counts as lost, s",
              .min = 0.05,
              .max = 5});
 }
 
 void AddProgram(Table& table) {
-  table.Add(&AgentConfig::duration,
-            {.name = "duration",
-             .value_name = "SECONDS",
-             .help = "End after so much of the robot's time; 0: when told to",
-             .min = 0,
-             .max = 1e7});
   table.Add(
-      &AgentConfig::seed,
-      {.name = "seed", .help = "Of everything random", .min = 0, .max = 1e15});
+      &AgentConfig::duration,
+      {.name = "duration",
+       .value_name = "SECONDS",
+       .help = "End after this much of the robot's time; 0: run until stopped",
+       .min = 0,
+       .max = 1e7});
+  table.Add(&AgentConfig::seed, {.name = "seed",
+                                 .help = "Seed of all random numbers",
+                                 .min = 0,
+                                 .max = 1e15});
   table.Add(&AgentConfig::log_level,
             {.name = "log_level",
-             .help = "What of the log is shown",
+             .help = "Lowest level that is logged",
              .choices = {"debug", "info", "warn", "error", "off"}});
   table.Add(&AgentConfig::log_format,
             {.name = "log_format",

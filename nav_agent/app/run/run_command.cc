@@ -19,7 +19,7 @@ constexpr const char* kFooter = R"(
 Every flag but --config can stand in the file that --config names, as a line
 `max_forward_mps: 0.4`, and in the environment, as
 TREELINE_AGENT_MAX_FORWARD_MPS. Flags beat the environment, and that beats the
-file. docs/agent.md describes the settings, the API and the metrics.
+file. docs/reference/agent.md describes the settings, the API and the metrics.
 
 When it drives, it prints on standard output, for scripts to wait for:
   grpc on 127.0.0.1:50061

@@ -18,9 +18,9 @@ namespace treeline::simulate_app {
 namespace {
 
 constexpr const char* kFooter = R"(
-Runs as fast as it can, which is much faster than real time. docs/simulator.md
-describes the robot, the scenario files, and what is recorded as an event;
-docs/agent-log.md the file that --record writes.
+Runs as fast as it can, which is much faster than real time.
+docs/reference/simulator.md describes the robot, the scenario files, and what is
+recorded as an event; docs/reference/agent-log.md the file that --record writes.
 
 Examples:
   treeline-agent simulate --world cafe --drive tour --picture tour.png

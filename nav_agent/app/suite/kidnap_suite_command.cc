@@ -29,7 +29,8 @@ Each world and seed is one kidnap. Of odd seeds it is warm: a robot that drives
 to a goal is carried to another place. Of even ones it is cold: the robot is
 told a wrong place as it begins. Good is who drives to the goal again within 20
 simulated seconds, knows where it is to 0.5 m and 20 degrees, and has touched
-nothing. Who goes on with a wrong pose is counted apart. docs/suites.md.
+nothing. Who goes on with a wrong pose is counted apart. See
+docs/reference/suites.md.
 
 Each world is mapped by a simulated drive, and its scene's forest is trained by
 the program `treeline`, once: minutes, kept in --cache. --spawn-server starts

@@ -22,8 +22,8 @@ namespace {
 
 constexpr const char* kFooter = R"(
 Each world and seed is one simulation: a drive along the tour among people, with
-furniture moved since the map was made, then kidnaps. docs/lost-verdict.md says
-how they are counted.
+furniture moved since the map was made, then kidnaps.
+docs/research/lost-detection.md says how they are counted.
 
 Examples:
   treeline-agent suite lost --seeds 1-4 --json lost.json --picture lost.png

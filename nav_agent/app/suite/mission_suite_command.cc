@@ -25,8 +25,8 @@ constexpr const char* kFooter = R"(
 Each world and seed is one mission: the robot is told where it is, and drives
 from there to a place at least 4 m away. A mission is good if it says that it
 has arrived, stands within 0.5 m and 20 degrees of the goal, and has neither run
-into anything, nor got onto stairs, nor fallen. docs/suites.md describes the
-missions and the JSON file.
+into anything, nor got onto stairs, nor fallen. docs/reference/suites.md
+describes the missions and the JSON file.
 
 Failed missions are data: the exit code is 0 if all were run. With --require
 0.99 it is 1 if fewer than that share were good. Interrupted, the suite writes

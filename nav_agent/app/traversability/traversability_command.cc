@@ -15,7 +15,7 @@ constexpr const char* kFooter = R"(
 Writes for each level N, from the bottom up: level-N.yaml and level-N.pgm (a map
 as map_server reads it), level-N-height.pgm, -slope.pgm and -clearance.pgm (16
 bits; layers.yaml says of what), and level-N.png to look at.
-docs/traversability.md describes the method and its limits.
+docs/explanation/traversability.md describes the method and its limits.
 
 Example:
   treeline-agent traversability --octomap house.bt --output house \

@@ -30,7 +30,8 @@ namespace treeline::hokuyo {
 // else and is plugged in later is refused (FAILED_PRECONDITION in Health()),
 // since nobody would notice that the meaning of the scans has changed.
 //
-// Health().cause says what is wrong; docs/laser-driver.md what to do about it.
+// Health().cause says what is wrong; docs/reference/laser-driver.md what to do
+// about it.
 class HokuyoLaser final : public core::RangeSensor {
  public:
   // INVALID_ARGUMENT for bad options. `clock` must outlive the driver. Returns

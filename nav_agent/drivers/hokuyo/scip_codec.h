@@ -70,7 +70,7 @@ struct ScanCommand {
   bool operator==(const ScanCommand&) const = default;
 };
 // What ScanCommand::Text() says; nothing if it is not made like one (a sensor
-// says in its status what is wrong, see docs/laser-driver.md).
+// says in its status what is wrong, see docs/reference/laser-driver.md).
 std::optional<ScanCommand> ParseScanCommand(absl::string_view text);
 
 }  // namespace treeline::hokuyo

@@ -3,7 +3,8 @@
 // input or output, no clock.
 //
 // Source: what public drivers of the RMP100 agree on, gathered in
-// docs/base-driver.md; where they disagree, SegwayWire says which one is meant.
+// docs/reference/base-driver.md; where they disagree, SegwayWire says which one
+// is meant.
 #ifndef NAV_AGENT_DRIVERS_SEGWAY_SEGWAY_CODEC_H_
 #define NAV_AGENT_DRIVERS_SEGWAY_SEGWAY_CODEC_H_
 
@@ -112,7 +113,8 @@ const char* SegwayModeName(SegwayMode mode);
 // What kResetIntegrators takes: left, right, yaw, fore and aft.
 inline constexpr uint16_t kSegwayAllIntegrators = 1 | 2 | 4 | 8;
 
-// What sources disagree about; docs/base-driver.md tells how to find out.
+// What sources disagree about; docs/reference/base-driver.md tells how to find
+// out.
 struct SegwayWire {
   enum class TurnScale {
     kPerDegree,   // 7.8 counts are 1 deg/s

@@ -228,7 +228,8 @@ absl::Status SegwayProtocol::Readiness() const {
   if (turn_watch_.verdict() == TurnWatch::Verdict::kWrong) {
     return absl::FailedPreconditionError(
         "the base turns right when it is to turn left: change turn_sign, or "
-        "if that is right, the wheels' cables; see docs/base-driver.md");
+        "if that is right, the wheels' cables; see "
+        "docs/reference/base-driver.md");
   }
   if (phase_ == Phase::kReady) {
     if (!motors_enabled_) {

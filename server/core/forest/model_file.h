@@ -1,4 +1,4 @@
-// The model file: docs/model-format.md specifies it byte by byte.
+// The model file: docs/reference/model-format.md specifies it byte by byte.
 #ifndef SERVER_CORE_FOREST_MODEL_FILE_H_
 #define SERVER_CORE_FOREST_MODEL_FILE_H_
 

@@ -7,7 +7,7 @@
 namespace treeline::localizer {
 
 // Defaults are what served best on held-out blocks of training frames of
-// 7-Scenes red kitchen; see docs/benchmarks.md.
+// 7-Scenes red kitchen; see docs/research/benchmarks.md.
 struct QueryOptions {
   // Pixels sampled from a frame, in [30, 20000].
   int samples = 500;

@@ -34,7 +34,7 @@ class SceneDescriptor {
   // Share of all words that occur, in [0, 1].
   double Fill() const;
 
-  // As the model file holds it: docs/model-format.md.
+  // As the model file holds it: docs/reference/model-format.md.
   std::string Serialize() const;
   // DATA_LOSS: not what Serialize gives. UNIMPLEMENTED: of another vocabulary,
   // that is of another version. Safe on hostile bytes.

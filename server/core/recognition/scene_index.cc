@@ -10,7 +10,7 @@
 namespace treeline::recognition {
 namespace {
 
-// Chosen on training frames; docs/scene-recognition.md.
+// Chosen on training frames; docs/research/scene-recognition.md.
 constexpr double kLeastFill = 0.02;
 constexpr double kFillPower = 0.5;
 // Votes are fixed-point numbers: so many are an idf of 1.

@@ -17,7 +17,7 @@
 namespace treeline::training {
 
 // Defaults are what served best on every eighth training image of South
-// Building; see docs/structure-from-motion.md.
+// Building; see docs/research/structure-from-motion.md.
 struct SiftTrainingOptions {
   uint64_t seed = 0;
   // 0: one a processor.

@@ -15,7 +15,7 @@ enum class SplitObjective {
 };
 
 // Defaults are what served best on held-out blocks of training frames of
-// 7-Scenes red kitchen; see docs/benchmarks.md.
+// 7-Scenes red kitchen; see docs/research/benchmarks.md.
 struct TrainingOptions {
   uint64_t seed = 0;
   // 0: one a processor.

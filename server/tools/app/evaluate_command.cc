@@ -28,8 +28,8 @@ constexpr const char* kDescription =
     "Localize every frame of a recording and compare with its ground truth";
 
 constexpr const char* kFooter = R"(
-The JSON and what its numbers mean: docs/evaluation.md. correct_* are fractions
-of all frames with ground truth; latency is the localizer alone.
+The JSON and what its numbers mean: docs/reference/evaluation.md. correct_* are
+fractions of all frames with ground truth; latency is the localizer alone.
 
 Examples:
   treeline evaluate --model kitchen.treeline --dataset 7scenes:data/kitchen \

@@ -29,7 +29,7 @@ std::vector<cli::Command> AddCommands(CLI::App& app) {
 }  // namespace
 }  // namespace treeline::tools_app
 
-// Exit codes are as docs/evaluation.md states them.
+// Exit codes are as docs/reference/evaluation.md states them.
 int main(int argc, char** argv) {
   return treeline::cli::RunProgram(
       {"treeline", treeline::tools_app::kDescription},

@@ -43,7 +43,7 @@ Faults: KIND[:VALUE][@START[+DURATION]], times in seconds, as many as you like:
                       2 its left wheel is stuck, 4 its right wheel is stuck
 
 Sources disagree on three things about the real base; this one is as you say:
-  --turn-scale, --turn-sign, --channel (docs/base-driver.md)
+  --turn-scale, --turn-sign, --channel (docs/reference/base-driver.md)
 
 Examples:
   treeline-emulator base --listen pty:/tmp/ttySegway

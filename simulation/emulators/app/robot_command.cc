@@ -29,8 +29,8 @@ constexpr const char* kDescription =
 
 constexpr const char* kFooter = R"(
 Worlds: cafe, lab, office-floor, two-storey, seed:N, or a file of yours
-(docs/worlds.md). Where devices are found, and faults, are as for `laser` and
-`base`; --laser-fault and --base-fault may be repeated.
+(docs/reference/worlds.md). Where devices are found, and faults, are as for
+`laser` and `base`; --laser-fault and --base-fault may be repeated.
 
 Examples:
   treeline-emulator robot --world cafe \

@@ -27,7 +27,7 @@ struct OpenNiCameraOptions {
 
   double max_pair_difference_s = 0.017;
   // From the middle of the exposure to the quickest arrival. [0, 1]. Not known
-  // to us for any device; see docs/cameras.md.
+  // to us for any device; see docs/reference/cameras.md.
   double latency_s = 0.0;
   camera_driver::LiveCameraOptions live{};
 

@@ -1,5 +1,6 @@
-// What the agent says and takes. docs/agent.md has the fields. Lengths in m,
-// angles in rad, times in s, in the map's frame (x forward, y left, z up).
+// What the agent says and takes. docs/reference/agent.md has the fields.
+// Lengths in m, angles in rad, times in s, in the map's frame (x forward, y
+// left, z up).
 
 export interface Pose {
   x: number;
