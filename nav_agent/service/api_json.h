@@ -1,4 +1,4 @@
-// The robot as JSON, for scripts. docs/agent.md has the fields.
+// The robot as JSON, for scripts. docs/reference/agent.md has the fields.
 #ifndef NAV_AGENT_SERVICE_API_JSON_H_
 #define NAV_AGENT_SERVICE_API_JSON_H_
 

@@ -34,7 +34,7 @@ void SiftSource::Append(const features::SiftFeatures& features,
     seen.scene.ray.push_back(rays[i]);
     // The points' uncertainties are left out: points and poses were fitted to
     // each other by plain reprojection errors, and answers that weigh them
-    // otherwise agree less with it (docs/structure-from-motion.md).
+    // otherwise agree less with it (docs/explanation/structure-from-motion.md).
     seen.scene.predictions.push_back(
         {.mean_in_world = forest_->LeafMean(matches[i].mode),
          .covariance = {}});

@@ -1,5 +1,5 @@
 // The terms that a pose is refined with: points on points, and points on
-// lines (thesis 5.5). docs/points-and-lines.md derives them.
+// lines (thesis 5.5). docs/explanation/points-and-lines.md derives them.
 #ifndef SERVER_CORE_POSE_NORMAL_EQUATIONS_H_
 #define SERVER_CORE_POSE_NORMAL_EQUATIONS_H_
 

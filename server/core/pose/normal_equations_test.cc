@@ -1,4 +1,4 @@
-// The algebra of docs/points-and-lines.md against numeric differences, and what
+// The algebra of docs/explanation/points-and-lines.md against numeric differences, and what
 // lines do to a pose.
 #include "server/core/pose/normal_equations.h"
 

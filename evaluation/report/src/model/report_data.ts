@@ -1,4 +1,4 @@
-// What a report is made of: the JSON of treeline evaluate (docs/evaluation.md)
+// What a report is made of: the JSON of treeline evaluate (docs/reference/evaluation.md)
 // with what the page needs beside it, and that of treeline recognize. Lengths
 // in metres, angles in degrees, shares in [0, 1]; null: nothing to say.
 
