@@ -1,7 +1,8 @@
 // A tuned or derived constant with what a reader must know of it.
-#pragma once
+#ifndef COMMON_BASE_PARAMETER_H_
+#define COMMON_BASE_PARAMETER_H_
 
-#include <span>
+#include <charconv>
 #include <string>
 #include <string_view>
 
@@ -44,15 +45,16 @@ struct ParameterRow {
   std::string_view why;
 };
 
+// The value as short as it can be without changing when it is read again.
 template <typename T>
 ParameterRow RowOf(const Parameter<T>& parameter) {
-  std::string value = std::to_string(parameter.value);
-  if (value.find('.') != std::string::npos) {
-    value.erase(value.find_last_not_of('0') + 1);
-    if (value.back() == '.') value.pop_back();
-  }
-  return {parameter.name, value, parameter.unit, parameter.origin,
-          parameter.why};
+  char digits[32];
+  const std::to_chars_result end =
+      std::to_chars(digits, digits + sizeof(digits), parameter.value);
+  return {parameter.name, std::string(digits, end.ptr), parameter.unit,
+          parameter.origin, parameter.why};
 }
 
 }  // namespace treeline::base
+
+#endif  // COMMON_BASE_PARAMETER_H_

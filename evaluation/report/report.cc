@@ -13,8 +13,8 @@
 #include "evaluation/accuracy/published_results.h"
 #include "nlohmann/json.hpp"
 #include "server/tools/model_description.h"
-#include "server/tools/training_distance.h"
-#include "server/tools/view_axes.h"
+#include "evaluation/accuracy/training_distance.h"
+#include "evaluation/report/view_axes.h"
 
 namespace treeline::report {
 namespace {
@@ -145,7 +145,7 @@ Json AxesJson(const std::vector<accuracy::FrameResult>& results) {
       poses.push_back(*result.true_world_from_camera);
     }
   }
-  const tools::ViewAxes axes = tools::AxesOfCameras(poses);
+  const ViewAxes axes = AxesOfCameras(poses);
   return {{"right", Vector(axes.right_in_world)},
           {"forward", Vector(axes.forward_in_world)},
           {"up", Vector(axes.up_in_world)}};
@@ -153,8 +153,8 @@ Json AxesJson(const std::vector<accuracy::FrameResult>& results) {
 
 Json DistanceGroupsJson(const accuracy::EvaluatedMethod& method) {
   Json json = Json::array();
-  for (const tools::DistanceGroup& group :
-       tools::GroupByTrainingDistance(method.results, method.training_poses)) {
+  for (const accuracy::DistanceGroup& group :
+       accuracy::GroupByTrainingDistance(method.results, method.training_poses)) {
     json.push_back(
         {{"frames", group.frames},
          {"distance_m", group.distance_m},
@@ -193,7 +193,7 @@ Json TrainingDistanceJson(const accuracy::FrameResult& result,
                           const std::vector<geometry::Rigid3>& training_poses) {
   if (!result.true_world_from_camera) return nullptr;
   const auto nearest =
-      tools::DistanceToTraining(*result.true_world_from_camera, training_poses);
+      accuracy::DistanceToTraining(*result.true_world_from_camera, training_poses);
   if (!nearest) return nullptr;
   return {{"translation_m", nearest->translation_m},
           {"rotation_deg", nearest->rotation_deg},

@@ -26,10 +26,10 @@ inline constexpr base::Parameter<double> kKldQuantile{
     "kld_quantile", 2.3263478740408408, "", base::ParameterOrigin::kPhysics,
     "of the normal distribution at 0.99"};
 inline constexpr base::Parameter<double> kBin_m{
-    "bin", 0.5, "m", base::ParameterOrigin::kTuned,
+    "bin_size", 0.5, "m", base::ParameterOrigin::kTuned,
     "of KLD sampling and of clusters"};
 inline constexpr base::Parameter<double> kBin_rad{
-    "bin", 0.17453292519943295, "rad", base::ParameterOrigin::kTuned,
+    "bin_angle", 0.17453292519943295, "rad", base::ParameterOrigin::kTuned,
     "10 degrees"};
 inline constexpr base::Parameter<double> kUpdateDistance_m{
     "update_distance", 0.25, "m", base::ParameterOrigin::kTuned,

@@ -9,7 +9,7 @@
 #include "CLI/CLI.hpp"
 #include "common/base/status_macros.h"
 #include "common/config/config_flags.h"
-#include "nav_agent/app/parameter_tables.h"
+#include "nav_agent/app/run/parameter_tables.h"
 #include "nav_agent/app/run/agent_run.h"
 
 namespace treeline::run_app {
@@ -46,7 +46,7 @@ struct RunFlags {
 absl::Status Run(const RunFlags& flags, const std::stop_token& stop) {
   if (flags.print_parameters) {
     std::printf(
-        "%s", agent_app::ParametersAsMarkdown(agent_app::AgentParameterTables())
+        "%s", ParametersAsMarkdown(AgentParameterTables())
                   .c_str());
     return absl::OkStatus();
   }
@@ -61,7 +61,7 @@ absl::Status Run(const RunFlags& flags, const std::stop_token& stop) {
   if (flags.print_config) {
     std::printf(
         "%s%s", config::PrintConfig(table.settings(), effective).c_str(),
-        agent_app::ParametersAsYamlComments(agent_app::AgentParameterTables())
+        ParametersAsYamlComments(AgentParameterTables())
             .c_str());
     return absl::OkStatus();
   }

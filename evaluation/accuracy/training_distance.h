@@ -1,7 +1,7 @@
 // How far cameras are from those that a model was trained with, and how
 // accuracy falls with it.
-#ifndef SERVER_TOOLS_TRAINING_DISTANCE_H_
-#define SERVER_TOOLS_TRAINING_DISTANCE_H_
+#ifndef EVALUATION_ACCURACY_TRAINING_DISTANCE_H_
+#define EVALUATION_ACCURACY_TRAINING_DISTANCE_H_
 
 #include <optional>
 #include <vector>
@@ -9,7 +9,7 @@
 #include "common/geometry/rigid3.h"
 #include "evaluation/accuracy/evaluation.h"
 
-namespace treeline::tools {
+namespace treeline::accuracy {
 
 // How far a camera is from the nearest one of the training set.
 struct TrainingDistance {
@@ -40,9 +40,9 @@ struct DistanceGroup {
 // those nearest to a training camera to those farthest away. Empty if there is
 // no training pose or no ground truth.
 std::vector<DistanceGroup> GroupByTrainingDistance(
-    const std::vector<accuracy::FrameResult>& results,
+    const std::vector<FrameResult>& results,
     const std::vector<geometry::Rigid3>& training_poses);
 
-}  // namespace treeline::tools
+}  // namespace treeline::accuracy
 
-#endif  // SERVER_TOOLS_TRAINING_DISTANCE_H_
+#endif  // EVALUATION_ACCURACY_TRAINING_DISTANCE_H_

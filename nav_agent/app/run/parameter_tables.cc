@@ -1,13 +1,15 @@
-#include "nav_agent/app/parameter_tables.h"
+#include "nav_agent/app/run/parameter_tables.h"
 
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "nav_agent/behavior/parameters.h"
 #include "nav_agent/control/parameters.h"
+#include "nav_agent/localization/parameters.h"
 #include "nav_agent/planning/parameters.h"
 
-namespace treeline::agent_app {
+namespace treeline::run_app {
 namespace {
 
 constexpr char kIntroduction[] = R"(# Parameters of the robot's program
@@ -58,7 +60,10 @@ std::string Cell(std::string_view text) {
 
 std::vector<ParameterTable> AgentParameterTables() {
   return {
+      {.folder = "nav_agent/behavior", .rows = behavior::BehaviorParameters()},
       {.folder = "nav_agent/control", .rows = control::ControlParameters()},
+      {.folder = "nav_agent/localization",
+       .rows = localization::LocalizationParameters()},
       {.folder = "nav_agent/planning", .rows = planning::PlanningParameters()}};
 }
 
@@ -91,4 +96,4 @@ std::string ParametersAsMarkdown(std::span<const ParameterTable> tables) {
   return text;
 }
 
-}  // namespace treeline::agent_app
+}  // namespace treeline::run_app

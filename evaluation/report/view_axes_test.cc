@@ -1,10 +1,10 @@
-#include "server/tools/view_axes.h"
+#include "evaluation/report/view_axes.h"
 
 #include <vector>
 
 #include "gtest/gtest.h"
 
-namespace treeline::tools {
+namespace treeline::report {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
@@ -45,4 +45,4 @@ TEST(AxesOfCameras, StaysOrthonormalWhereDirectionsVanish) {
 }
 
 }  // namespace
-}  // namespace treeline::tools
+}  // namespace treeline::report

@@ -1,11 +1,11 @@
-#include "server/tools/training_distance.h"
+#include "evaluation/accuracy/training_distance.h"
 
 #include <vector>
 
 #include "gtest/gtest.h"
 #include "server/tools/testing_fixtures.h"
 
-namespace treeline::tools {
+namespace treeline::accuracy {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
@@ -24,8 +24,8 @@ TEST(DistanceToTraining, WeighsATurnLikeTheMoveOfWhatIsSeen) {
   EXPECT_FALSE(DistanceToTraining({}, {}).has_value());
 }
 
-accuracy::FrameResult FrameAt(double x_m, double error_m) {
-  accuracy::FrameResult result;
+FrameResult FrameAt(double x_m, double error_m) {
+  FrameResult result;
   result.estimate = LocalizedAt({{}, {x_m + error_m, 0, 0}});
   result.true_world_from_camera = geometry::Rigid3{{}, {x_m, 0, 0}};
   result.error = geometry::PoseError{error_m, 0};
@@ -33,7 +33,7 @@ accuracy::FrameResult FrameAt(double x_m, double error_m) {
 }
 
 TEST(GroupByTrainingDistance, PutsAsManyFramesIntoEachFromNearToFar) {
-  std::vector<accuracy::FrameResult> results;
+  std::vector<FrameResult> results;
   for (int i = 9; i >= 0; --i) {
     // The nearer half is right.
     results.push_back(FrameAt(0.1 * i, i < 5 ? 0.01 : 0.2));
@@ -51,7 +51,7 @@ TEST(GroupByTrainingDistance, PutsAsManyFramesIntoEachFromNearToFar) {
 }
 
 TEST(GroupByTrainingDistance, NeedsTrainingCamerasAndGroundTruth) {
-  accuracy::FrameResult unknown = FrameAt(0, 0);
+  FrameResult unknown = FrameAt(0, 0);
   unknown.true_world_from_camera.reset();
   unknown.error.reset();
   EXPECT_TRUE(GroupByTrainingDistance({FrameAt(0, 0)}, {}).empty());
@@ -62,7 +62,7 @@ TEST(GroupByTrainingDistance, NeedsTrainingCamerasAndGroundTruth) {
 }
 
 TEST(GroupByTrainingDistance, HasNoMedianWhereNothingWasLocalized) {
-  accuracy::FrameResult lost = FrameAt(0, 0);
+  FrameResult lost = FrameAt(0, 0);
   lost.estimate.outcome = localizer::Outcome::kNotLocalized;
   lost.error.reset();
   const std::vector<DistanceGroup> groups =
@@ -73,4 +73,4 @@ TEST(GroupByTrainingDistance, HasNoMedianWhereNothingWasLocalized) {
 }
 
 }  // namespace
-}  // namespace treeline::tools
+}  // namespace treeline::accuracy

@@ -1,6 +1,6 @@
 // The tuned constants of the robot's program, for people.
-#ifndef NAV_AGENT_APP_PARAMETER_TABLES_H_
-#define NAV_AGENT_APP_PARAMETER_TABLES_H_
+#ifndef NAV_AGENT_APP_RUN_PARAMETER_TABLES_H_
+#define NAV_AGENT_APP_RUN_PARAMETER_TABLES_H_
 
 #include <span>
 #include <string>
@@ -8,7 +8,7 @@
 
 #include "common/base/parameter.h"
 
-namespace treeline::agent_app {
+namespace treeline::run_app {
 
 // The constants of one folder.
 struct ParameterTable {
@@ -26,6 +26,6 @@ std::string ParametersAsYamlComments(std::span<const ParameterTable> tables);
 // The page docs/reference/parameters.md.
 std::string ParametersAsMarkdown(std::span<const ParameterTable> tables);
 
-}  // namespace treeline::agent_app
+}  // namespace treeline::run_app
 
-#endif  // NAV_AGENT_APP_PARAMETER_TABLES_H_
+#endif  // NAV_AGENT_APP_RUN_PARAMETER_TABLES_H_

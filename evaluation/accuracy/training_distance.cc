@@ -1,11 +1,11 @@
-#include "server/tools/training_distance.h"
+#include "evaluation/accuracy/training_distance.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
 
-namespace treeline::tools {
+namespace treeline::accuracy {
 namespace {
 
 constexpr double kDegreesPerRadian = 57.29577951308232;
@@ -13,15 +13,15 @@ constexpr size_t kGroups = 5;
 
 struct FrameAtDistance {
   double distance_m = 0;
-  const accuracy::FrameResult* result = nullptr;
+  const FrameResult* result = nullptr;
 };
 
 // Scored frames, nearest to a training camera first.
 std::vector<FrameAtDistance> ByDistance(
-    const std::vector<accuracy::FrameResult>& results,
+    const std::vector<FrameResult>& results,
     const std::vector<geometry::Rigid3>& training_poses) {
   std::vector<FrameAtDistance> frames;
-  for (const accuracy::FrameResult& result : results) {
+  for (const FrameResult& result : results) {
     if (!result.true_world_from_camera) continue;
     const auto nearest =
         DistanceToTraining(*result.true_world_from_camera, training_poses);
@@ -50,7 +50,7 @@ std::optional<TrainingDistance> DistanceToTraining(
 }
 
 std::vector<DistanceGroup> GroupByTrainingDistance(
-    const std::vector<accuracy::FrameResult>& results,
+    const std::vector<FrameResult>& results,
     const std::vector<geometry::Rigid3>& training_poses) {
   const std::vector<FrameAtDistance> frames =
       ByDistance(results, training_poses);
@@ -64,16 +64,16 @@ std::vector<DistanceGroup> GroupByTrainingDistance(
     int correct = 0;
     std::vector<double> errors_m;
     for (size_t i = begin; i < end; ++i) {
-      const accuracy::FrameResult& result = *frames[i].result;
+      const FrameResult& result = *frames[i].result;
       group.distance_m += frames[i].distance_m / group.frames;
-      correct += accuracy::IsWithin(result, accuracy::PoseThreshold{});
+      correct += IsWithin(result, PoseThreshold{});
       if (result.error) errors_m.push_back(result.error->translation_m);
     }
     group.correct = static_cast<double>(correct) / group.frames;
-    group.median_translation_m = accuracy::Percentile(std::move(errors_m), 50);
+    group.median_translation_m = Percentile(std::move(errors_m), 50);
     groups.push_back(group);
   }
   return groups;
 }
 
-}  // namespace treeline::tools
+}  // namespace treeline::accuracy

@@ -1,8 +1,8 @@
-#include "server/tools/view_axes.h"
+#include "evaluation/report/view_axes.h"
 
 #include <cmath>
 
-namespace treeline::tools {
+namespace treeline::report {
 namespace {
 
 // `v`, or `fallback` where v has no direction to speak of.
@@ -36,4 +36,4 @@ ViewAxes AxesOfCameras(const std::vector<geometry::Rigid3>& world_from_camera) {
   return axes;
 }
 
-}  // namespace treeline::tools
+}  // namespace treeline::report

@@ -1,4 +1,4 @@
-#include "nav_agent/app/parameter_tables.h"
+#include "nav_agent/app/run/parameter_tables.h"
 
 #include <fstream>
 #include <iterator>
@@ -8,7 +8,7 @@
 
 #include "gtest/gtest.h"
 
-namespace treeline::agent_app {
+namespace treeline::run_app {
 namespace {
 
 TEST(ParameterTables, ThePageIsWhatTheProgramPrints) {
@@ -52,4 +52,4 @@ TEST(ParameterTables, BesideSettingsTheyAreComments) {
 }
 
 }  // namespace
-}  // namespace treeline::agent_app
+}  // namespace treeline::run_app

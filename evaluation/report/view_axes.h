@@ -1,12 +1,12 @@
 // The axes along which a recording's cameras are drawn.
-#ifndef SERVER_TOOLS_VIEW_AXES_H_
-#define SERVER_TOOLS_VIEW_AXES_H_
+#ifndef EVALUATION_REPORT_VIEW_AXES_H_
+#define EVALUATION_REPORT_VIEW_AXES_H_
 
 #include <vector>
 
 #include "common/geometry/rigid3.h"
 
-namespace treeline::tools {
+namespace treeline::report {
 
 // Unit vectors expressed in the world frame.
 struct ViewAxes {
@@ -22,6 +22,6 @@ struct ViewAxes {
 // right x forward = up.
 ViewAxes AxesOfCameras(const std::vector<geometry::Rigid3>& world_from_camera);
 
-}  // namespace treeline::tools
+}  // namespace treeline::report
 
-#endif  // SERVER_TOOLS_VIEW_AXES_H_
+#endif  // EVALUATION_REPORT_VIEW_AXES_H_
