@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "common/camera/calibration_json.h"
-#include "evaluation/report/report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/training/box_room_recording.h"

@@ -16,6 +16,10 @@ import rules as rules_module
 
 OPENING = re.compile(r"^namespace treeline(?:::(\w+))?(?:::\w+)* \{",
                      re.MULTILINE)
+# Names of another folder that are declared and not defined.
+DECLARATIONS = re.compile(r"^namespace treeline::\w+ \{\n"
+                          r"(?:(?:class|struct) \w+;\n)+\}[^\n]*\n",
+                          re.MULTILINE)
 FREE = ("tests", "proto")
 
 
@@ -30,9 +34,11 @@ def is_free(path):
 def wrong_namespaces(root, rules, paths):
     for path in paths:
         wanted = namespace_of(rules, os.path.dirname(path))
-        for match in OPENING.finditer(lint_common.read(root, path)):
+        text = DECLARATIONS.sub(lambda found: "\n" * found[0].count("\n"),
+                                lint_common.read(root, path))
+        for match in OPENING.finditer(text):
             if match[1] != wanted:
-                line = lint_common.read(root, path)[:match.start()].count("\n")
+                line = text[:match.start()].count("\n")
                 yield (f"{path}:{line + 1}: opens {match[0][10:-2]}, but its "
                        f"folder's is treeline::{wanted}")
 

@@ -30,6 +30,12 @@ class NamespaceLintTest(FixtureTreeTest):
         self.assertIn("common/base/a.h:2", self.findings()[0])
         self.assertIn("treeline::base", self.findings()[0])
 
+    def test_accepts_a_declaration_of_anothers_class(self):
+        self.write("common/base/a.h", "namespace treeline::image {\nclass A;\n"
+                   "}  // namespace treeline::image\n\n"
+                   "namespace treeline::base {\n}\n")
+        self.assertEqual(self.findings(), [])
+
     def test_finds_none(self):
         self.write("common/base/a.h", "namespace treeline {\n}\n")
         self.assertEqual(len(self.findings()), 1)
