@@ -10,7 +10,7 @@ namespace treeline::bench {
 namespace {
 
 // A run of a day has so many seconds.
-constexpr size_t kMostIntervals = 24 * 3600;
+constexpr size_t kMaxIntervals = 24 * 3600;
 
 void AddSplit(const CallResult& result, ServerSplit& server) {
   const v1::Timings& timings = result.response->timings();
@@ -106,9 +106,8 @@ void Tally::Add(const CallResult& result) {
     state_.messages.try_emplace(key, result.status.message().data(),
                                 result.status.message().size());
   }
-  const size_t at =
-      std::min(static_cast<size_t>(result.scheduled_s / interval_s_),
-               kMostIntervals - 1);
+  const size_t at = std::min(
+      static_cast<size_t>(result.scheduled_s / interval_s_), kMaxIntervals - 1);
   if (at >= state_.intervals.size()) state_.intervals.resize(at + 1);
   ++state_.intervals[at].counts[kind];
   if (result.status.ok()) {

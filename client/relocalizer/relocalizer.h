@@ -37,7 +37,7 @@ struct LocalizeQuery {
   // scene's threshold, above which 99 of 100 are right. Lower only if poses are
   // checked by other means.
   std::optional<double> min_confidence = std::nullopt;
-  // Decides whether an answer is believed, not what is found.
+  // Decides whether an answer is accepted, not what is found.
   std::optional<geometry::PosePrior> prior = std::nullopt;
   // Whether the answer says which pixels support it, for pictures: some tens of
   // kilobytes more.

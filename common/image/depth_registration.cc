@@ -61,7 +61,7 @@ std::optional<geometry::Vec3> DepthRegistrar::PointAt(
   double depth_m = 0;
   double best_distance_px = std::numeric_limits<double>::infinity();
   double nearest_m = std::numeric_limits<double>::infinity();
-  double furthest_m = 0;
+  double max_reach_m = 0;
   for (int y = std::max(0, y0 - kDepthRadius_px);
        y <= std::min(color.height() - 1, y0 + kDepthRadius_px); ++y) {
     for (int x = std::max(0, x0 - kDepthRadius_px);
@@ -72,7 +72,7 @@ std::optional<geometry::Vec3> DepthRegistrar::PointAt(
                           static_cast<size_t>(x)];
       if (point.z == 0) continue;
       nearest_m = std::min(nearest_m, point.z);
-      furthest_m = std::max(furthest_m, point.z);
+      max_reach_m = std::max(max_reach_m, point.z);
       const double distance_px = std::hypot(x - pixel.x, y - pixel.y);
       if (distance_px < best_distance_px) {
         best_distance_px = distance_px;
@@ -80,7 +80,7 @@ std::optional<geometry::Vec3> DepthRegistrar::PointAt(
       }
     }
   }
-  if (furthest_m == 0 || furthest_m > (1 + kMaxDepthJump) * nearest_m) {
+  if (max_reach_m == 0 || max_reach_m > (1 + kMaxDepthJump) * nearest_m) {
     return std::nullopt;
   }
   const std::optional<camera::Pixel> ray = color.Unproject(pixel);

@@ -17,7 +17,7 @@ void AddModelFlags(CLI::App& app, EvaluateFlags& flags) {
       ->type_name("FILE")
       ->group(kGroup);
   app.add_option("--baseline", flags.baseline,
-                 "A yardstick instead of a model: sift-pnp or orb-pnp "
+                 "A baseline instead of a model: sift-pnp or orb-pnp "
                  "(features of training keyframes with depth, and PnP; needs "
                  "--training-dataset)")
       ->type_name("NAME")

@@ -39,7 +39,7 @@ struct EvaluateFlags {
   std::string sweep_methods_text;
   std::vector<MethodSpec> methods;           // of --compare, or the only one
   std::vector<ThresholdRequest> thresholds;  // the standard ones first
-  std::vector<ForeignSource> foreign;
+  std::vector<NegativeSource> foreign;
   std::vector<SweepRequest> sweeps;
   std::vector<MethodSpec> sweep_methods;
   double confidence_threshold = kPublishedConfidence;

@@ -28,7 +28,7 @@ struct EvaluatedMethod {
   uint64_t peak_memory_bytes = 0;
   // What follows is empty where it was not asked for or cannot be known.
   std::vector<double> scene_errors_m;  // ascending; see SceneCoordinateErrors
-  std::vector<ForeignTally> foreign;
+  std::vector<NegativeTally> foreign;
   std::vector<LevelSplits> splits;
   std::vector<ReportPicture> pictures;
   std::vector<ErrorHeatMap> heat_maps;

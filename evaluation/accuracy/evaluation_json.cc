@@ -201,9 +201,9 @@ Json ConfidenceJson(const std::vector<FrameResult>& results, double threshold) {
       {"bins", std::move(bins)}};
 }
 
-Json ForeignJson(const std::vector<ForeignTally>& tallies) {
+Json ForeignJson(const std::vector<NegativeTally>& tallies) {
   Json json = Json::array();
-  for (const ForeignTally& tally : tallies) {
+  for (const NegativeTally& tally : tallies) {
     Json names = Json::array();
     for (const std::string& name : tally.accepted_names) {
       names.push_back(Text(name));

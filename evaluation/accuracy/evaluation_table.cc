@@ -56,10 +56,10 @@ std::string MediansText(const EvaluationSummary& s,
 }
 
 // Over all sources, with depth and without.
-std::string ForeignText(const std::vector<ForeignTally>& tallies) {
+std::string ForeignText(const std::vector<NegativeTally>& tallies) {
   int images = 0;
   int accepted = 0;
-  for (const ForeignTally& tally : tallies) {
+  for (const NegativeTally& tally : tallies) {
     images += tally.images;
     accepted += tally.accepted;
   }

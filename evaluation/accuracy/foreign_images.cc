@@ -171,7 +171,7 @@ class ForeignAsker {
         confidence_threshold_(confidence_threshold),
         options_(options) {}
 
-  absl::StatusOr<std::vector<ForeignTally>> Ask(const ForeignSource& source) {
+  absl::StatusOr<std::vector<NegativeTally>> Ask(const NegativeSource& source) {
     std::optional<dataset::Dataset> dataset;
     std::optional<camera::RgbdCalibration> calibration;
     if (!source.builtin) {
@@ -199,9 +199,9 @@ class ForeignAsker {
     if (options_.stop.stop_requested()) {
       return absl::CancelledError("evaluation was interrupted");
     }
-    std::vector<ForeignTally> tallies(2);
+    std::vector<NegativeTally> tallies(2);
     for (const bool with_depth : {true, false}) {
-      ForeignTally& tally = tallies[with_depth ? 0 : 1];
+      NegativeTally& tally = tallies[with_depth ? 0 : 1];
       tally.source = source.name;
       tally.with_depth = with_depth;
       for (int i = 0; i < count; ++i) {
@@ -243,7 +243,7 @@ class ForeignAsker {
   }
 
   void Count(const Answer& answer, const std::string& name,
-             ForeignTally& tally) const {
+             NegativeTally& tally) const {
     if (!answer.asked) return;
     ++tally.images;
     if (!answer.estimate.ok()) {
@@ -271,8 +271,8 @@ class ForeignAsker {
 
 }  // namespace
 
-absl::StatusOr<ForeignSource> ParseForeignSource(absl::string_view text) {
-  ForeignSource source;
+absl::StatusOr<NegativeSource> ParseForeignSource(absl::string_view text) {
+  NegativeSource source;
   source.name = std::string(text);
   absl::string_view rest = text;
   if (absl::ConsumePrefix(&rest, "builtin")) {
@@ -335,14 +335,14 @@ image::Frame BuiltinForeignFrame(const camera::RgbdCalibration& calibration,
   return frame;
 }
 
-absl::StatusOr<std::vector<ForeignTally>> AskForeign(
+absl::StatusOr<std::vector<NegativeTally>> AskForeign(
     const localizer::Localizer& localizer,
-    const std::vector<ForeignSource>& sources, double confidence_threshold,
+    const std::vector<NegativeSource>& sources, double confidence_threshold,
     const EvaluationOptions& options) {
   ForeignAsker asker(localizer, confidence_threshold, options);
-  std::vector<ForeignTally> tallies;
-  for (const ForeignSource& source : sources) {
-    TL_ASSIGN_OR_RETURN(const std::vector<ForeignTally> of_source,
+  std::vector<NegativeTally> tallies;
+  for (const NegativeSource& source : sources) {
+    TL_ASSIGN_OR_RETURN(const std::vector<NegativeTally> of_source,
                         asker.Ask(source));
     tallies.insert(tallies.end(), of_source.begin(), of_source.end());
   }

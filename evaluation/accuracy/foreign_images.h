@@ -18,7 +18,7 @@
 namespace treeline::accuracy {
 
 // Where foreign pictures come from, as the command line says it.
-struct ForeignSource {
+struct NegativeSource {
   std::string name;  // as given
   // Made by BuiltinForeignFrame if true, else frames of a recording.
   bool builtin = false;
@@ -32,7 +32,7 @@ inline constexpr int kBuiltinForeignImages = 280;
 
 // "builtin", "builtin,N", "URI" or "URI,FRAMES" with a frame list.
 // INVALID_ARGUMENT for anything else.
-absl::StatusOr<ForeignSource> ParseForeignSource(absl::string_view text);
+absl::StatusOr<NegativeSource> ParseForeignSource(absl::string_view text);
 
 // Picture `index` of an endless series, of the sizes of `calibration`, with
 // depth: noise of several grains, walls of one colour with and without sensor
@@ -49,7 +49,7 @@ std::optional<camera::RgbdCalibration> ForeignCalibration(
     const camera::RgbdCalibration& scene);
 
 // What became of a source's pictures.
-struct ForeignTally {
+struct NegativeTally {
   std::string source;
   bool with_depth = false;
   int images = 0;
@@ -70,9 +70,9 @@ struct ForeignTally {
 // scene's in size or are known; see QueryCalibration. A picture that cannot be
 // read is counted and the rest goes on. Errors are those of opening a
 // recording; CANCELLED.
-absl::StatusOr<std::vector<ForeignTally>> AskForeign(
+absl::StatusOr<std::vector<NegativeTally>> AskForeign(
     const localizer::Localizer& localizer,
-    const std::vector<ForeignSource>& sources, double confidence_threshold,
+    const std::vector<NegativeSource>& sources, double confidence_threshold,
     const EvaluationOptions& options);
 
 }  // namespace treeline::accuracy

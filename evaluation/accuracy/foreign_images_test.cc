@@ -35,12 +35,12 @@ TEST(ParseForeignSource, TakesBuiltinPicturesAndRecordings) {
   EXPECT_EQ(ParseForeignSource("builtin")->builtin_count,
             kBuiltinForeignImages);
   EXPECT_EQ(ParseForeignSource("builtin,7")->builtin_count, 7);
-  const ForeignSource recording = *ParseForeignSource("tum:/a/b,/c/d.txt");
+  const NegativeSource recording = *ParseForeignSource("tum:/a/b,/c/d.txt");
   EXPECT_FALSE(recording.builtin);
   EXPECT_EQ(recording.dataset.uri, "tum:/a/b");
   EXPECT_EQ(recording.dataset.frame_list, "/c/d.txt");
   EXPECT_EQ(ParseForeignSource("7scenes:/a")->dataset.frame_list, "");
-  const ForeignSource colmap = *ParseForeignSource("colmap:/m,/i,/list");
+  const NegativeSource colmap = *ParseForeignSource("colmap:/m,/i,/list");
   EXPECT_EQ(colmap.dataset.uri, "colmap:/m,/i");
   EXPECT_EQ(colmap.dataset.frame_list, "/list");
   for (const char* text : {"", "elsewhere", "builtin,0", "builtin,x", ":a"}) {
@@ -96,11 +96,11 @@ TEST(AskForeign, CountsWhatBecameOfPicturesWithAndWithoutDepth) {
         }
         return estimate;
       });
-  ForeignSource source{.name = "elsewhere", .dataset = recording.options()};
+  NegativeSource source{.name = "elsewhere", .dataset = recording.options()};
   const auto tallies = AskForeign(localizer, {source}, 0.9, Quiet());
   ASSERT_TRUE(tallies.ok()) << tallies.status();
   ASSERT_EQ(tallies->size(), 2u);
-  const ForeignTally& with = (*tallies)[0];
+  const NegativeTally& with = (*tallies)[0];
   EXPECT_TRUE(with.with_depth);
   EXPECT_EQ(with.images, 4);
   EXPECT_EQ(with.accepted, 2);
@@ -108,7 +108,7 @@ TEST(AskForeign, CountsWhatBecameOfPicturesWithAndWithoutDepth) {
   EXPECT_EQ(with.not_localized, 2);
   EXPECT_THAT(with.accepted_names,
               ElementsAre("seq-01/frame-000001", "seq-01/frame-000003"));
-  const ForeignTally& without = (*tallies)[1];
+  const NegativeTally& without = (*tallies)[1];
   EXPECT_FALSE(without.with_depth);
   EXPECT_EQ(without.images, 4);
   EXPECT_EQ(without.refused, 4);

@@ -65,7 +65,7 @@ absl::StatusOr<MethodRunner> MethodRunner::Open(const EvaluateFlags& flags,
     TL_ASSIGN_OR_RETURN(training, dataset::Dataset::Open(training_options));
   }
   // Better now than when the work is done.
-  for (const ForeignSource& source : flags.foreign) {
+  for (const NegativeSource& source : flags.foreign) {
     if (source.builtin) continue;
     TL_RETURN_IF_ERROR(dataset::Dataset::Open(source.dataset).status());
   }

@@ -25,7 +25,7 @@ namespace treeline::accuracy {
 // Frames of a recording, and the scene that they were taken in.
 struct RecognitionQuery {
   std::string scene;  // empty: none of them, every answer is wrong
-  ForeignSource source;
+  NegativeSource source;
 };
 
 // "SCENE=URI" or "SCENE=URI,FRAMES" with a frame list. INVALID_ARGUMENT for

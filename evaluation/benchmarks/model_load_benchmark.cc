@@ -52,14 +52,14 @@ void TimeLoads(benchmark::State& state, bool is_cold, const Load& load) {
   }
   const base::SteadyClock clock;
   if (!is_cold) load(path);
-  double least_ms = std::numeric_limits<double>::infinity();
+  double min_ms = std::numeric_limits<double>::infinity();
   for (auto _ : state) {
     if (is_cold) DropFromPageCache(path);
     const base::MonotonicTime start = clock.Now();
     const uint64_t bytes = load(path);
     const double took_ms = base::MillisecondsBetween(start, clock.Now());
     state.SetIterationTime(1e-3 * took_ms);
-    least_ms = std::min(least_ms, took_ms);
+    min_ms = std::min(min_ms, took_ms);
     if (bytes == 0) {
       state.SkipWithError("the model cannot be loaded");
       return;
@@ -67,7 +67,7 @@ void TimeLoads(benchmark::State& state, bool is_cold, const Load& load) {
     state.counters["MB"] = static_cast<double>(bytes) / 1e6;
   }
   // The mean suffers from whatever else the machine does.
-  state.counters["least_ms"] = least_ms;
+  state.counters["least_ms"] = min_ms;
 }
 
 // What the storage, or the page cache, can do at best.

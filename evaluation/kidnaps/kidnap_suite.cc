@@ -24,7 +24,7 @@ constexpr double kMinWay_m = 6;
 // A kidnap comes when so much of the way is driven.
 constexpr double kFromShare = 0.1;
 constexpr double kToShare = 0.6;
-constexpr double kMostBefore_s = 120;
+constexpr double kMaxBefore_s = 120;
 // The judge looks every fourth step.
 constexpr int kLookEvery = 4;
 constexpr double kArrivalPatience_s = 40;
@@ -169,7 +169,7 @@ class Kidnapping {
     TL_RETURN_IF_ERROR(Begin(run_.start));
     const double share = random_.NextUniform(kFromShare, kToShare);
     while (robot_->record().final_state.distance_m < share * mission_.way_m &&
-           robot_->now_s() < kMostBefore_s) {
+           robot_->now_s() < kMaxBefore_s) {
       if (stop_.stop_requested()) return absl::CancelledError("interrupted");
       robot_->Step();
     }

@@ -242,7 +242,7 @@ void SuiteRobot::TellNothing() {
   is_first_ = true;
   told_at_ = simulator_->clock().Now();
   detector_.Reset();
-  filters_[static_cast<size_t>(level_)].SetAnywhere();
+  filters_[static_cast<size_t>(level_)].StartGlobalLocalization();
 }
 
 absl::Status SuiteRobot::FollowLevel() {

@@ -13,7 +13,7 @@ namespace {
 constexpr int kWidth = 900;
 constexpr int kHeight = 400;
 constexpr double kFewest = 0.05;
-constexpr double kMost = 500;
+constexpr double kMax = 500;
 const cv::Scalar kBlack(30, 30, 30);
 const cv::Scalar kGrey(215, 215, 215);
 const cv::Scalar kBlue(30, 90, 220);
@@ -62,7 +62,7 @@ class Diagram {
 
 double LogShare(double per_h) {
   return std::clamp(
-      std::log(std::max(per_h, kFewest) / kFewest) / std::log(kMost / kFewest),
+      std::log(std::max(per_h, kFewest) / kFewest) / std::log(kMax / kFewest),
       0.0, 1.0);
 }
 

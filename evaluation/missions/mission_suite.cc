@@ -60,7 +60,7 @@ absl::StatusOr<Mission> MakeNamed(const suites::SuitePlace& place,
                        .goal = named.goal,
                        .surprise = named.surprise,
                        .surprise_share = 0.3};
-    const auto way_m = place.WayLength_m(mission.start, mission.goal);
+    const auto way_m = place.PathLength_m(mission.start, mission.goal);
     if (!way_m.has_value()) {
       return absl::FailedPreconditionError(absl::StrCat(
           "scene ", scene, " is of the cafe; in ", place.world().name,
@@ -225,7 +225,7 @@ absl::StatusOr<Mission> MakeMission(const suites::SuitePlace& place,
       continue;
     }
     if (IsTaken(place.world(), mission.start)) continue;
-    const auto way_m = place.WayLength_m(mission.start, mission.goal);
+    const auto way_m = place.PathLength_m(mission.start, mission.goal);
     if (!way_m.has_value() || *way_m < options.min_way_m) continue;
     mission.way_m = *way_m;
     if (options.people) {
@@ -264,11 +264,11 @@ absl::StatusOr<MissionRun> RunMission(const suites::SuitePlace& place,
                                   .camera_scale = kCameraScale,
                                   .camera_is_lit = false,
                                   .navigator = options.navigator}));
-  MissionTrouble trouble({.surprise = mission.surprise,
-                          .at_share = mission.surprise_share,
-                          .way_m = mission.way_m,
-                          .goal = mission.goal,
-                          .seed = options.seed});
+  MissionDisturbance trouble({.surprise = mission.surprise,
+                              .at_share = mission.surprise_share,
+                              .way_m = mission.way_m,
+                              .goal = mission.goal,
+                              .seed = options.seed});
   TL_RETURN_IF_ERROR(robot->Tell(start));
   TL_RETURN_IF_ERROR(robot->navigator().SetGoal({.poses = {goal}}).status());
   const bool is_hard =

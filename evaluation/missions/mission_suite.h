@@ -74,7 +74,7 @@ struct MissionRun {
   suites::PoseMiss goal_error;
   int replans = 0;
   int recoveries = 0;
-  // How often it believed to be lost, though nobody carried it away.
+  // How often it declared itself lost although it was not kidnapped.
   int false_losses = 0;
   suites::StepTimes times;
   // For the picture and the log of a run that failed.

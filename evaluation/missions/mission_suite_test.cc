@@ -39,15 +39,15 @@ TEST(SuitePlaceTest, KnowsWaysOverTheSlopeAndAroundBarriers) {
   const simulator::RobotPlacement below = {.position = {1.6, 3.8}};
   const simulator::RobotPlacement above = {.position = {10.4, 1.4},
                                            .height_m = 0.51};
-  const auto way_m = place->WayLength_m(below, above);
+  const auto way_m = place->PathLength_m(below, above);
   ASSERT_TRUE(way_m.has_value());
   // Down to the slope's foot at (2.9, 0.8) and up to the terrace.
   EXPECT_GT(*way_m, 10.0);
   EXPECT_LT(*way_m, 13.0);
   // The slope is 1.5 m wide: a crate in its middle leaves no room.
   EXPECT_FALSE(place
-                   ->WayLength_m(below, above,
-                                 {{.center = {5, 0.8, 0.2}, .radius_m = 0.3}})
+                   ->PathLength_m(below, above,
+                                  {{.center = {5, 0.8, 0.2}, .radius_m = 0.3}})
                    .has_value());
   const auto pose = place->InMap(above);
   ASSERT_TRUE(pose.ok()) << pose.status();

@@ -133,7 +133,7 @@ int AddPassers(const suites::SuitePlace& place,
   return added;
 }
 
-std::optional<geometry::Vec3> MissionTrouble::PointAhead(
+std::optional<geometry::Vec3> MissionDisturbance::PointAhead(
     const suites::SuiteRobot& robot,
     const behavior::NavigatorSnapshot& snapshot) const {
   const std::vector<core::LevelPose>& path = snapshot.path;
@@ -167,7 +167,7 @@ std::optional<geometry::Vec3> MissionTrouble::PointAhead(
   return best;
 }
 
-bool MissionTrouble::Place(suites::SuiteRobot& robot, geometry::Vec3 at) {
+bool MissionDisturbance::Place(suites::SuiteRobot& robot, geometry::Vec3 at) {
   simulator::Simulator& simulator = robot.simulator();
   const bool is_person = options_.surprise == Surprise::kPerson;
   std::string body = "crate";
@@ -187,9 +187,9 @@ bool MissionTrouble::Place(suites::SuiteRobot& robot, geometry::Vec3 at) {
   const bool stays =
       !is_person &&
       robot.place()
-          .WayLength_m(suites::PlacementOf(simulator.state().world_from_base),
-                       options_.goal,
-                       {{.center = at, .radius_m = kCrateRadius_m}})
+          .PathLength_m(suites::PlacementOf(simulator.state().world_from_base),
+                        options_.goal,
+                        {{.center = at, .radius_m = kCrateRadius_m}})
           .has_value();
   if (!stays) leaves_at_s_ = robot.now_s() + kSurpriseStays_s;
   what_ = absl::StrFormat("%s at (%.2f, %.2f) after %.1f s%s",
@@ -198,7 +198,7 @@ bool MissionTrouble::Place(suites::SuiteRobot& robot, geometry::Vec3 at) {
   return true;
 }
 
-void MissionTrouble::Step(suites::SuiteRobot& robot) {
+void MissionDisturbance::Step(suites::SuiteRobot& robot) {
   if (leaves_at_s_.has_value() && robot.now_s() >= *leaves_at_s_) {
     robot.simulator().RemoveObstacle(kSurpriseObject).IgnoreError();
     leaves_at_s_.reset();

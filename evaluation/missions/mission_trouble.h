@@ -38,13 +38,14 @@ struct TroubleOptions {
 // Puts one thing into a robot's way. A crate stays where there is a way around
 // it, with room for a round robot that holds the real one; otherwise, like a
 // person, it is taken away again after kSurpriseStays_s.
-class MissionTrouble {
+class MissionDisturbance {
  public:
   static constexpr double kSurpriseStays_s = 8;
   // Nothing appears nearer to the robot's middle than this.
   static constexpr double kNearest_m = 1.2;
 
-  explicit MissionTrouble(const TroubleOptions& options) : options_(options) {}
+  explicit MissionDisturbance(const TroubleOptions& options)
+      : options_(options) {}
 
   // After each step of the robot.
   void Step(suites::SuiteRobot& robot);

@@ -11,10 +11,10 @@
 #include "evaluation/accuracy/evaluation_json.h"
 #include "evaluation/accuracy/method_spec.h"
 #include "evaluation/accuracy/published_results.h"
-#include "nlohmann/json.hpp"
-#include "server/tools/model_description.h"
 #include "evaluation/accuracy/training_distance.h"
 #include "evaluation/report/view_axes.h"
+#include "nlohmann/json.hpp"
+#include "server/tools/model_description.h"
 
 namespace treeline::report {
 namespace {
@@ -153,8 +153,8 @@ Json AxesJson(const std::vector<accuracy::FrameResult>& results) {
 
 Json DistanceGroupsJson(const accuracy::EvaluatedMethod& method) {
   Json json = Json::array();
-  for (const accuracy::DistanceGroup& group :
-       accuracy::GroupByTrainingDistance(method.results, method.training_poses)) {
+  for (const accuracy::DistanceGroup& group : accuracy::GroupByTrainingDistance(
+           method.results, method.training_poses)) {
     json.push_back(
         {{"frames", group.frames},
          {"distance_m", group.distance_m},
@@ -192,8 +192,8 @@ Json PageJson(const accuracy::EvaluatedMethod& method) {
 Json TrainingDistanceJson(const accuracy::FrameResult& result,
                           const std::vector<geometry::Rigid3>& training_poses) {
   if (!result.true_world_from_camera) return nullptr;
-  const auto nearest =
-      accuracy::DistanceToTraining(*result.true_world_from_camera, training_poses);
+  const auto nearest = accuracy::DistanceToTraining(
+      *result.true_world_from_camera, training_poses);
   if (!nearest) return nullptr;
   return {{"translation_m", nearest->translation_m},
           {"rotation_deg", nearest->rotation_deg},

@@ -11,7 +11,7 @@
 namespace treeline::suites {
 namespace {
 
-constexpr size_t kMostSeeds = 10000;
+constexpr size_t kMaxSeeds = 10000;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ absl::StatusOr<std::vector<uint64_t>> ParseSeedList(absl::string_view text) {
     if (ends.empty() || ends.size() > 2 ||
         !absl::SimpleAtoi(ends.front(), &first) ||
         !absl::SimpleAtoi(ends.back(), &last) || last < first ||
-        last - first >= kMostSeeds - seeds.size()) {
+        last - first >= kMaxSeeds - seeds.size()) {
       return wrong;
     }
     for (uint64_t seed = first; seed <= last; ++seed) seeds.push_back(seed);

@@ -11,7 +11,7 @@
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
 #include "evaluation/suites/child_process.h"
-#include "nav_agent/app/map/map_log.h"
+#include "nav_agent/app/map/map_from_log.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "simulation/runs/simulation_run.h"
 

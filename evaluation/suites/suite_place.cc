@@ -256,7 +256,7 @@ int SuitePlace::NeighbourOf(int node, int dx, int dy) const {
   return -1;
 }
 
-std::optional<double> SuitePlace::WayLength_m(
+std::optional<double> SuitePlace::PathLength_m(
     const simulator::RobotPlacement& from, const simulator::RobotPlacement& to,
     const std::vector<Barrier>& barriers) const {
   const auto node_of = [this](const simulator::RobotPlacement& placement) {

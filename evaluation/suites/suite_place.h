@@ -75,7 +75,7 @@ class SuitePlace {
   // The shortest way for a round robot that holds the real one, over all
   // levels, around barriers (m); nullopt: there is none. Along a grid, so up to
   // 8 % longer than it really is.
-  std::optional<double> WayLength_m(
+  std::optional<double> PathLength_m(
       const simulator::RobotPlacement& from,
       const simulator::RobotPlacement& to,
       const std::vector<Barrier>& barriers = {}) const;

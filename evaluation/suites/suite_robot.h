@@ -83,8 +83,8 @@ class SuiteRobot {
   // Track and events, for the plan.
   const runs::SimulationResult& record() const { return record_; }
   // What the navigator thought it did (world's frame).
-  const std::vector<geometry::Vec3>& believed_track() const {
-    return believed_;
+  const std::vector<geometry::Vec3>& estimated_track() const {
+    return estimated_;
   }
   const std::vector<behavior::NavigatorEvent>& navigator_events() const {
     return navigator_events_;
@@ -103,7 +103,7 @@ class SuiteRobot {
   std::unique_ptr<core::RelocalizationPort> server_;
   std::unique_ptr<behavior::Navigator> navigator_;
   runs::SimulationResult record_;
-  std::vector<geometry::Vec3> believed_;
+  std::vector<geometry::Vec3> estimated_;
   std::vector<behavior::NavigatorEvent> navigator_events_;
   StepTimes times_;
 };

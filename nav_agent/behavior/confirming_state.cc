@@ -2,12 +2,13 @@
 
 #include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
-#include "nav_agent/behavior/recovery_parts.h"
+#include "nav_agent/behavior/relocalization_parts.h"
 
 namespace treeline::behavior {
 
 ConfirmingState::ConfirmingState(const GatedFix& seed, bool seen_twice,
-                                 RecoveryTools& tools, base::MonotonicTime now)
+                                 RelocalizationTools& tools,
+                                 base::MonotonicTime now)
     : seed_(seed), seen_twice_(seen_twice), since_(now) {
   tools.scans.ForgetCounts();
   tools.scans.SkipNewest(tools.tracker);
@@ -17,7 +18,7 @@ ConfirmingState::ConfirmingState(const GatedFix& seed, bool seen_twice,
 }
 
 void ConfirmingState::TakeScan(const localization::TrackedPose& pose,
-                               RecoveryTools& tools) {
+                               RelocalizationTools& tools) {
   tools.scans.CountInRow(tools.scans.Watch(
       tools.tracker, {.min_explained = tools.options.confirm_explained,
                       .max_contradicted = tools.options.confirm_contradicted,
@@ -33,16 +34,16 @@ void ConfirmingState::TakeScan(const localization::TrackedPose& pose,
 
 const char* ConfirmingState::Against(const localization::TrackedMotion& motion,
                                      const localization::TrackedPose& pose,
-                                     const RecoveryTools& tools,
+                                     const RelocalizationTools& tools,
                                      base::MonotonicTime now) const {
   const core::LevelPose expected =
-      CarriedOn(seed_.pose, seed_.motion, motion, *tools.map);
+      PropagatedByOdometry(seed_.pose, seed_.motion, motion, *tools.map);
   const double drift_m = geometry::Norm(expected.map_from_base.translation -
                                         pose.pose.map_from_base.translation);
   if (tools.unique.others() == OtherPlaces::kBetter) {
     return "scans fit better elsewhere";
   }
-  if (base::SecondsBetween(since_, now) > tools.options.most_confirm_s) {
+  if (base::SecondsBetween(since_, now) > tools.options.max_confirm_s) {
     return "it was not confirmed in time";
   }
   if (drift_m > kMaxConfirmDrift_m) return "localization went elsewhere";
@@ -53,8 +54,8 @@ const char* ConfirmingState::Against(const localization::TrackedMotion& motion,
   return nullptr;
 }
 
-ConfirmingState::Result ConfirmingState::Step(const RecoveryInput& input,
-                                              RecoveryTools& tools) {
+ConfirmingState::Result ConfirmingState::Step(const RelocalizationInput& input,
+                                              RelocalizationTools& tools) {
   const std::optional<localization::TrackedMotion> motion =
       tools.tracker.Motion();
   const std::optional<localization::TrackedPose> pose = tools.tracker.Pose();
@@ -64,7 +65,7 @@ ConfirmingState::Result ConfirmingState::Step(const RecoveryInput& input,
   if (const char* why = Against(*motion, *pose, tools, input.now)) {
     return {.outcome = Outcome::kRefuted, .why = why, .wanted = {}};
   }
-  const LostAndFoundOptions& options = tools.options;
+  const RelocalizationBehaviorOptions& options = tools.options;
   const OtherPlaces others = tools.unique.others();
   const bool fits =
       tools.scans.good() >= options.confirm_scans &&

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "nav_agent/behavior/fix_gate.h"
-#include "nav_agent/behavior/recovery_tools.h"
+#include "nav_agent/behavior/relocalization_tools.h"
 
 namespace treeline::behavior {
 
@@ -13,8 +13,8 @@ class ConfirmingState {
  public:
   // The tracker has just been told the fix. seen_twice: two views agreed, and
   // are sure together. Begins the trial of the place: counts nothing yet.
-  ConfirmingState(const GatedFix& seed, bool seen_twice, RecoveryTools& tools,
-                  base::MonotonicTime now);
+  ConfirmingState(const GatedFix& seed, bool seen_twice,
+                  RelocalizationTools& tools, base::MonotonicTime now);
 
   enum class Outcome : uint8_t {
     kOpen,
@@ -28,18 +28,18 @@ class ConfirmingState {
     const char* why = "";
     core::VelocityCommand wanted;
   };
-  Result Step(const RecoveryInput& input, RecoveryTools& tools);
+  Result Step(const RelocalizationInput& input, RelocalizationTools& tools);
 
   const GatedFix& seed() const { return seed_; }
 
  private:
   // What the newest scan says, here and elsewhere.
   static void TakeScan(const localization::TrackedPose& pose,
-                       RecoveryTools& tools);
+                       RelocalizationTools& tools);
   // Why it cannot be there; null: nothing against it.
   const char* Against(const localization::TrackedMotion& motion,
                       const localization::TrackedPose& pose,
-                      const RecoveryTools& tools,
+                      const RelocalizationTools& tools,
                       base::MonotonicTime now) const;
 
   GatedFix seed_;

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "gtest/gtest.h"
-#include "nav_agent/behavior/testing_recovery.h"
+#include "nav_agent/behavior/testing_relocalization.h"
 
 namespace treeline::behavior {
 namespace {
@@ -44,10 +44,11 @@ class ConfirmingStateTest : public testing::Test {
   }
 
   FakeTracker tracker_;
-  LostAndFoundOptions options_;
-  RecoveryTools tools_{std::make_shared<const traversability::NavigationMap>(
-                           *traversability::NavigationMap::Make(TwoRooms())),
-                       tracker_, options_};
+  RelocalizationBehaviorOptions options_;
+  RelocalizationTools tools_{
+      std::make_shared<const traversability::NavigationMap>(
+          *traversability::NavigationMap::Make(TwoRooms())),
+      tracker_, options_};
   std::optional<ConfirmingState> confirming_;
   bool can_turn_ = true;
   std::string why_;

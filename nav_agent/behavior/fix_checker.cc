@@ -40,10 +40,10 @@ GatedFix FixChecker::Check(const core::RelocalizationAnswer& answer,
   fix.confidence = answer.confidence;
   fix.log_odds = LogOddsOf(answer.confidence);
   fix.is_server_sure = IsServerSure(answer, options_);
-  FixWitnesses witnesses;
+  FixWitnesses judging_particles;
   // True if the fix is refused by what was said so far.
   const auto is_refused = [&] {
-    FixJudgement judgement = JudgeFix(answer, witnesses, options_);
+    FixJudgement judgement = JudgeFix(answer, judging_particles, options_);
     fix.verdict = judgement.verdict;
     fix.why = std::move(judgement.why);
     return IsRefused(fix.verdict);
@@ -51,16 +51,16 @@ GatedFix FixChecker::Check(const core::RelocalizationAnswer& answer,
   if (is_refused()) return fix;
   const geometry::Rigid3 map_from_base =
       answer.map_from_camera * robot_.base_from_camera.Inverse();
-  witnesses.tilt_error_rad =
+  judging_particles.tilt_error_rad =
       TiltError_rad(map_from_base.rotation, motion.level_from_base);
   if (is_refused()) return fix;
   const geometry::Vec3& at = map_from_base.translation;
   const geometry::Vec3 ahead = map_from_base.rotation * geometry::Vec3{1, 0, 0};
   fix.pose.map_from_base = {{at.x, at.y}, std::atan2(ahead.y, ahead.x)};
   fix.covariance = FixCovariance(answer.covariance);
-  witnesses.ground = AskMap(at, fix);
+  judging_particles.ground = AskMap(at, fix);
   if (is_refused()) return fix;
-  witnesses.scan = AskLaser(tracker, fix);
+  judging_particles.scan = AskLaser(tracker, fix);
   is_refused();
   return fix;
 }
@@ -72,7 +72,7 @@ GroundWitness FixChecker::AskMap(const geometry::Vec3& base_in_map,
   for (int level = 0; level < map_->levels(); ++level) {
     const auto place = map_->GroundOf(at, level);
     if (!place.has_value() ||
-        map_->Clearance_m(level, at) < options_.least_clearance_m) {
+        map_->Clearance_m(level, at) < options_.min_clearance_m) {
       continue;
     }
     if (!ground.has_value() || std::abs(place->height_m - base_in_map.z) <

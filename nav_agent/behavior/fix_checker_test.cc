@@ -1,7 +1,7 @@
 #include "nav_agent/behavior/fix_checker.h"
 
 #include "gtest/gtest.h"
-#include "nav_agent/behavior/testing_lost_and_found.h"
+#include "nav_agent/behavior/testing_relocalization_behavior.h"
 
 namespace treeline::behavior {
 namespace {

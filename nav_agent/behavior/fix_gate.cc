@@ -43,10 +43,10 @@ std::optional<FixJudgement> RefusalByAnswer(
     return Refusal(FixVerdict::kBroken,
                    "pose, covariance or confidence are not what they may be");
   }
-  if (answer.confidence < options.least_confidence) {
+  if (answer.confidence < options.min_confidence) {
     return Refusal(FixVerdict::kLowConfidence,
                    absl::StrFormat("%.2f, needs %.2f", answer.confidence,
-                                   options.least_confidence));
+                                   options.min_confidence));
   }
   return std::nullopt;
 }
@@ -54,7 +54,7 @@ std::optional<FixJudgement> RefusalByAnswer(
 std::optional<FixJudgement> RefusalByGravity(double tilt_error_rad,
                                              const FixGateOptions& options) {
   // Not a number is refused, too.
-  if (tilt_error_rad <= options.most_tilt_rad) return std::nullopt;
+  if (tilt_error_rad <= options.max_tilt_rad) return std::nullopt;
   return Refusal(FixVerdict::kAgainstGravity,
                  absl::StrFormat("leans %.1f degrees otherwise than the "
                                  "inertial sensor says",
@@ -70,7 +70,7 @@ std::optional<FixJudgement> RefusalByMap(const GroundWitness& witness,
         absl::StrFormat("no room for the robot at %.2f, %.2f", at.x, at.y));
   }
   const double above_m = at.z - *witness.ground_m;
-  if (std::abs(above_m) <= options.most_height_m) return std::nullopt;
+  if (std::abs(above_m) <= options.max_height_error_m) return std::nullopt;
   return Refusal(FixVerdict::kNotOnGround,
                  absl::StrFormat("%.2f m %s the ground", std::abs(above_m),
                                  above_m > 0 ? "above" : "below"));
@@ -90,9 +90,9 @@ FixJudgement JudgeByScan(const core::RelocalizationAnswer& answer,
                              "contradicts %.2f of %d beams",
                              answer.confidence, fit.explained, fit.contradicted,
                              fit.judged)};
-  if (fit.judged < options.least_judged) return judgement;
-  if (fit.explained < options.least_explained ||
-      fit.contradicted > options.most_contradicted) {
+  if (fit.judged < options.min_judged_beams) return judgement;
+  if (fit.explained < options.min_explained ||
+      fit.contradicted > options.max_contradicted) {
     judgement.verdict = FixVerdict::kAgainstScan;
     return judgement;
   }
@@ -101,7 +101,7 @@ FixJudgement JudgeByScan(const core::RelocalizationAnswer& answer,
                        fit.contradicted <= options.sure_contradicted;
   if (is_sure) judgement.verdict = FixVerdict::kSure;
   if (!witness.at_belief.has_value() ||
-      witness.at_belief->judged < options.least_judged) {
+      witness.at_belief->judged < options.min_judged_beams) {
     return judgement;
   }
   const double worse =
@@ -119,25 +119,25 @@ FixJudgement JudgeByScan(const core::RelocalizationAnswer& answer,
 
 absl::Status FixGateOptions::Validate() const {
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: least_confidence", least_confidence, 0, 1));
+      base::CheckRange("gate: least_confidence", min_confidence, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("gate: sure_confidence", sure_confidence,
-                                      least_confidence, 1));
+                                      min_confidence, 1));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: most_tilt_rad", most_tilt_rad, 0, 1));
+      base::CheckRange("gate: most_tilt_rad", max_tilt_rad, 0, 1));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: most_height_m", most_height_m, 0, 2));
+      base::CheckRange("gate: most_height_m", max_height_error_m, 0, 2));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: least_clearance_m", least_clearance_m, 0, 2));
+      base::CheckRange("gate: least_clearance_m", min_clearance_m, 0, 2));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: least_explained", least_explained, 0, 1));
+      base::CheckRange("gate: least_explained", min_explained, 0, 1));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: most_contradicted", most_contradicted, 0, 1));
+      base::CheckRange("gate: most_contradicted", max_contradicted, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("gate: sure_explained", sure_explained,
-                                      least_explained, 1));
+                                      min_explained, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("gate: sure_contradicted",
-                                      sure_contradicted, 0, most_contradicted));
+                                      sure_contradicted, 0, max_contradicted));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("gate: least_judged", least_judged, 0, 10000));
+      base::CheckRange("gate: least_judged", min_judged_beams, 0, 10000));
   TL_RETURN_IF_ERROR(base::CheckRange("gate: search_m", search_m, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("gate: search_rad", search_rad, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("gate: pair_m", pair_m, 0, 2));
@@ -167,23 +167,24 @@ const char* FixVerdictName(FixVerdict verdict) {
 }
 
 FixJudgement JudgeFix(const core::RelocalizationAnswer& answer,
-                      const FixWitnesses& witnesses,
+                      const FixWitnesses& judging_particles,
                       const FixGateOptions& options) {
   if (auto refusal = RefusalByAnswer(answer, options)) return *refusal;
-  if (witnesses.tilt_error_rad.has_value()) {
-    if (auto refusal = RefusalByGravity(*witnesses.tilt_error_rad, options)) {
+  if (judging_particles.tilt_error_rad.has_value()) {
+    if (auto refusal =
+            RefusalByGravity(*judging_particles.tilt_error_rad, options)) {
       return *refusal;
     }
   }
-  if (witnesses.ground.has_value()) {
-    if (auto refusal = RefusalByMap(*witnesses.ground, options)) {
+  if (judging_particles.ground.has_value()) {
+    if (auto refusal = RefusalByMap(*judging_particles.ground, options)) {
       return *refusal;
     }
   }
-  if (!witnesses.scan.has_value()) {
+  if (!judging_particles.scan.has_value()) {
     return {.verdict = FixVerdict::kWeak, .why = "no scan was compared"};
   }
-  return JudgeByScan(answer, *witnesses.scan, options);
+  return JudgeByScan(answer, *judging_particles.scan, options);
 }
 
 double TiltError_rad(const geometry::Rotation3& map_from_base,

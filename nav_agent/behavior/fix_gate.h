@@ -1,6 +1,7 @@
-// Whether a server's answer can be where the robot is, judged by witnesses that
-// have nothing to do with how the server found it: gravity, the map, the laser.
-// Pure functions; fix_checker.h gathers the witnesses.
+// Whether a server's answer can be where the robot is, judged by
+// judging_particles that have nothing to do with how the server found it:
+// gravity, the map, the laser. Pure functions; fix_checker.h gathers the
+// judging_particles.
 #ifndef NAV_AGENT_BEHAVIOR_FIX_GATE_H_
 #define NAV_AGENT_BEHAVIOR_FIX_GATE_H_
 
@@ -9,7 +10,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "nav_agent/behavior/recovery_parameters.h"
+#include "nav_agent/behavior/relocalization_parameters.h"
 #include "nav_agent/core/level_pose.h"
 #include "nav_agent/core/relocalization.h"
 #include "nav_agent/localization/robot_tracker.h"
@@ -20,22 +21,22 @@ namespace treeline::behavior {
 struct FixGateOptions {
   // The server's own probability: below the first it is refused, below the
   // second, or below the scene's own threshold, it is weak.
-  double least_confidence = kMinFixConfidence;
+  double min_confidence = kMinFixConfidence;
   double sure_confidence = kSureFixConfidence;
   // The camera's tilt and what the inertial sensor says of it (rad).
-  double most_tilt_rad = kMaxTiltError_rad;
+  double max_tilt_rad = kMaxTiltError_rad;
   // The base stands on ground within this of where it is, up or down (m), and
   // not nearer to an obstacle than this (m).
-  double most_height_m = kMaxFixHeight_m;
-  double least_clearance_m = kMinFixClearance_m;
+  double max_height_error_m = kMaxFixHeight_m;
+  double min_clearance_m = kMinFixClearance_m;
   // Of the newest scan at the fix: least share that the map explains and most
   // that passes through it, to be taken at all; and to be sure.
-  double least_explained = kMinFixExplained;
-  double most_contradicted = kMaxFixContradicted;
+  double min_explained = kMinFixExplained;
+  double max_contradicted = kMaxFixContradicted;
   double sure_explained = kSureExplained;
   double sure_contradicted = kSureContradicted;
   // Fewer judged beams say nothing: the fix is weak.
-  int least_judged = kMinJudgedBeams;
+  int min_judged_beams = kMinJudgedBeams;
   // The fix may be this much off: places around it are tried for the best fit
   // (m, rad; and how finely).
   double search_m = kFixSearch_m;
@@ -95,10 +96,10 @@ struct FixJudgement {
   std::string why;
 };
 
-// The witnesses in their order; the first that refuses decides. Without a scan
-// a fix is weak at best.
+// The judging_particles in their order; the first that refuses decides. Without
+// a scan a fix is weak at best.
 FixJudgement JudgeFix(const core::RelocalizationAnswer& answer,
-                      const FixWitnesses& witnesses,
+                      const FixWitnesses& judging_particles,
                       const FixGateOptions& options);
 
 // For FixWitnesses; rotations of the base, in the map's frame by the fix and in
@@ -138,7 +139,7 @@ std::string FixText(const GatedFix& fix);
 bool FixesAgree(const GatedFix& first, const GatedFix& second,
                 const FixGateOptions& options);
 // The later of two fixes that agree, with what both say of its odds: views of
-// different things add up, doubtful views of the same thing err together.
+// different things add up, loose_search views of the same thing err together.
 GatedFix CombinedFix(const GatedFix& earlier, GatedFix later);
 // The server was sure of one of the views, or all together are sure.
 bool AreViewsSure(const GatedFix& combined);

@@ -19,10 +19,10 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // A fix that nothing speaks against.
 struct Testimony {
   core::RelocalizationAnswer answer;
-  FixWitnesses witnesses;
+  FixWitnesses judging_particles;
   FixGateOptions options;
 
-  localization::ScanFit& AtFix() { return *witnesses.scan->at_fix; }
+  localization::ScanFit& AtFix() { return *judging_particles.scan->at_fix; }
 };
 
 Testimony Sure() {
@@ -30,17 +30,18 @@ Testimony Sure() {
   sure.answer.localized = true;
   sure.answer.confidence = 0.97;
   for (size_t i = 0; i < 36; i += 7) sure.answer.covariance[i] = 1e-4;
-  sure.witnesses.tilt_error_rad = 0.01;
-  sure.witnesses.ground = {.base_in_map = {2, 3, 0.02}, .ground_m = 0};
-  sure.witnesses.scan = {.at_fix = localization::ScanFit{.explained = 0.95,
-                                                         .contradicted = 0.01,
-                                                         .judged = 100},
-                         .at_belief = {}};
+  sure.judging_particles.tilt_error_rad = 0.01;
+  sure.judging_particles.ground = {.base_in_map = {2, 3, 0.02}, .ground_m = 0};
+  sure.judging_particles.scan = {
+      .at_fix =
+          localization::ScanFit{
+              .explained = 0.95, .contradicted = 0.01, .judged = 100},
+      .at_belief = {}};
   return sure;
 }
 
 FixJudgement Judge(const Testimony& told) {
-  return JudgeFix(told.answer, told.witnesses, told.options);
+  return JudgeFix(told.answer, told.judging_particles, told.options);
 }
 
 struct GateCase {
@@ -97,13 +98,12 @@ INSTANTIATE_TEST_SUITE_P(
                  FixVerdict::kBroken},
         GateCase{"LeastConfidence",
                  [](Testimony& told) {
-                   told.answer.confidence = told.options.least_confidence;
+                   told.answer.confidence = told.options.min_confidence;
                  },
                  FixVerdict::kWeak},
         GateCase{"BelowLeastConfidence",
                  [](Testimony& told) {
-                   told.answer.confidence =
-                       told.options.least_confidence - 1e-9;
+                   told.answer.confidence = told.options.min_confidence - 1e-9;
                  },
                  FixVerdict::kLowConfidence},
         GateCase{"SureConfidence",
@@ -130,26 +130,26 @@ INSTANTIATE_TEST_SUITE_P(
     Gravity, FixGateTable,
     testing::Values(GateCase{"LeansAsMuchAsItMay",
                              [](Testimony& told) {
-                               told.witnesses.tilt_error_rad =
-                                   told.options.most_tilt_rad;
+                               told.judging_particles.tilt_error_rad =
+                                   told.options.max_tilt_rad;
                              },
                              FixVerdict::kSure},
                     GateCase{"LeansMore",
                              [](Testimony& told) {
-                               told.witnesses.tilt_error_rad =
-                                   told.options.most_tilt_rad + 1e-9;
+                               told.judging_particles.tilt_error_rad =
+                                   told.options.max_tilt_rad + 1e-9;
                              },
                              FixVerdict::kAgainstGravity},
                     GateCase{"LeanIsNoNumber",
                              [](Testimony& told) {
-                               told.witnesses.tilt_error_rad = kNan;
+                               told.judging_particles.tilt_error_rad = kNan;
                              },
                              FixVerdict::kAgainstGravity},
                     // Of two that refuse, gravity speaks first.
                     GateCase{"LeansInAWall",
                              [](Testimony& told) {
-                               told.witnesses.tilt_error_rad = 1;
-                               told.witnesses.ground->ground_m.reset();
+                               told.judging_particles.tilt_error_rad = 1;
+                               told.judging_particles.ground->ground_m.reset();
                              },
                              FixVerdict::kAgainstGravity}),
     NameOf);
@@ -158,25 +158,25 @@ INSTANTIATE_TEST_SUITE_P(
     Map, FixGateTable,
     testing::Values(GateCase{"NoRoom",
                              [](Testimony& told) {
-                               told.witnesses.ground->ground_m.reset();
+                               told.judging_particles.ground->ground_m.reset();
                              },
                              FixVerdict::kNotOnGround},
                     GateCase{"AsHighAsItMay",
                              [](Testimony& told) {
-                               told.witnesses.ground->base_in_map.z =
-                                   told.options.most_height_m;
+                               told.judging_particles.ground->base_in_map.z =
+                                   told.options.max_height_error_m;
                              },
                              FixVerdict::kSure},
                     GateCase{"InTheAir",
                              [](Testimony& told) {
-                               told.witnesses.ground->base_in_map.z =
-                                   told.options.most_height_m + 1e-9;
+                               told.judging_particles.ground->base_in_map.z =
+                                   told.options.max_height_error_m + 1e-9;
                              },
                              FixVerdict::kNotOnGround},
                     GateCase{"BelowTheFloor",
                              [](Testimony& told) {
-                               told.witnesses.ground->base_in_map.z =
-                                   -told.options.most_height_m - 1e-9;
+                               told.judging_particles.ground->base_in_map.z =
+                                   -told.options.max_height_error_m - 1e-9;
                              },
                              FixVerdict::kNotOnGround}),
     NameOf);
@@ -185,19 +185,21 @@ INSTANTIATE_TEST_SUITE_P(
     Laser, FixGateTable,
     testing::Values(
         GateCase{"NoScan",
-                 [](Testimony& told) { told.witnesses.scan->at_fix.reset(); },
+                 [](Testimony& told) {
+                   told.judging_particles.scan->at_fix.reset();
+                 },
                  FixVerdict::kWeak},
         GateCase{"NobodyAskedTheLaser",
-                 [](Testimony& told) { told.witnesses.scan.reset(); },
+                 [](Testimony& told) { told.judging_particles.scan.reset(); },
                  FixVerdict::kWeak},
         GateCase{"EnoughBeams",
                  [](Testimony& told) {
-                   told.AtFix().judged = told.options.least_judged;
+                   told.AtFix().judged = told.options.min_judged_beams;
                  },
                  FixVerdict::kSure},
         GateCase{"TooFewBeams",
                  [](Testimony& told) {
-                   told.AtFix().judged = told.options.least_judged - 1;
+                   told.AtFix().judged = told.options.min_judged_beams - 1;
                  },
                  FixVerdict::kWeak},
         // Few beams do not speak against it either.
@@ -205,7 +207,7 @@ INSTANTIATE_TEST_SUITE_P(
                  [](Testimony& told) {
                    told.AtFix() = {.explained = 0.1,
                                    .contradicted = 0.9,
-                                   .judged = told.options.least_judged - 1};
+                                   .judged = told.options.min_judged_beams - 1};
                  },
                  FixVerdict::kWeak},
         GateCase{"ExplainsEnoughToBeSure",
@@ -220,12 +222,12 @@ INSTANTIATE_TEST_SUITE_P(
                  FixVerdict::kWeak},
         GateCase{"ExplainsJustEnough",
                  [](Testimony& told) {
-                   told.AtFix().explained = told.options.least_explained;
+                   told.AtFix().explained = told.options.min_explained;
                  },
                  FixVerdict::kWeak},
         GateCase{"ExplainsTooLittle",
                  [](Testimony& told) {
-                   told.AtFix().explained = told.options.least_explained - 1e-9;
+                   told.AtFix().explained = told.options.min_explained - 1e-9;
                  },
                  FixVerdict::kAgainstScan},
         GateCase{"ContradictsLittleEnoughToBeSure",
@@ -241,16 +243,16 @@ INSTANTIATE_TEST_SUITE_P(
                  FixVerdict::kWeak},
         GateCase{"ContradictsAsMuchAsItMay",
                  [](Testimony& told) {
-                   told.AtFix().contradicted = told.options.most_contradicted;
+                   told.AtFix().contradicted = told.options.max_contradicted;
                  },
                  FixVerdict::kWeak},
         GateCase{"ContradictsTooMuch",
                  [](Testimony& told) {
                    told.AtFix().contradicted =
-                       told.options.most_contradicted + 1e-9;
+                       told.options.max_contradicted + 1e-9;
                  },
                  FixVerdict::kAgainstScan},
-        // A good scan does not make a doubtful answer sure.
+        // A good scan does not make a loose_search answer sure.
         GateCase{"DoubtfulAnswerThatFits",
                  [](Testimony& told) { told.answer.confidence = 0.6; },
                  FixVerdict::kWeak},
@@ -265,7 +267,7 @@ INSTANTIATE_TEST_SUITE_P(
 // The scan's score at the fix is 0.80 - 0.05 = 0.75.
 void FitsLess(Testimony& told, double explained_at_belief) {
   told.AtFix() = {.explained = 0.80, .contradicted = 0.05, .judged = 100};
-  told.witnesses.scan->at_belief = localization::ScanFit{
+  told.judging_particles.scan->at_belief = localization::ScanFit{
       .explained = explained_at_belief, .contradicted = 0, .judged = 100};
 }
 
@@ -295,8 +297,8 @@ INSTANTIATE_TEST_SUITE_P(
                                FitsLess(told, 0.99);
                                told.AtFix().explained = 0.75;
                                told.AtFix().contradicted = 0.08;
-                               told.witnesses.scan->at_belief->judged =
-                                   told.options.least_judged - 1;
+                               told.judging_particles.scan->at_belief->judged =
+                                   told.options.min_judged_beams - 1;
                              },
                              FixVerdict::kSure}),
     NameOf);
@@ -304,11 +306,11 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(FixGate, SaysWhy) {
   Testimony told = Sure();
   EXPECT_THAT(Judge(told).why, HasSubstr("explains 0.95 and contradicts 0.01"));
-  told.witnesses.ground->base_in_map.z = -0.5;
+  told.judging_particles.ground->base_in_map.z = -0.5;
   EXPECT_EQ(Judge(told).why, "0.50 m below the ground");
-  told.witnesses.ground->ground_m.reset();
+  told.judging_particles.ground->ground_m.reset();
   EXPECT_EQ(Judge(told).why, "no room for the robot at 2.00, 3.00");
-  told.witnesses.tilt_error_rad = 0.5;
+  told.judging_particles.tilt_error_rad = 0.5;
   EXPECT_THAT(Judge(told).why, HasSubstr("leans 28.6 degrees"));
   told.answer.confidence = 0.1;
   EXPECT_EQ(Judge(told).why, "0.10, needs 0.30");
@@ -395,11 +397,11 @@ TEST(FixPairs, ViewsOfOtherThingsAddUp) {
   EXPECT_FALSE(AreViewsSure(CombinedFix(View(0), View(0))));
   EXPECT_FALSE(AreViewsSure(CombinedFix(View(0), View(0.29))));
   EXPECT_FALSE(AreViewsSure(CombinedFix(View(0), View(0.6))));
-  GatedFix doubtful = View(-0.6);
-  doubtful.log_odds = LogOddsOf(0.6);
+  GatedFix loose_search = View(-0.6);
+  loose_search.log_odds = LogOddsOf(0.6);
   // 2.2 + 2.2 + 0.4 from three directions.
   EXPECT_TRUE(
-      AreViewsSure(CombinedFix(doubtful, CombinedFix(View(0), View(0.6)))));
+      AreViewsSure(CombinedFix(loose_search, CombinedFix(View(0), View(0.6)))));
 }
 
 TEST(FixPairs, AViewThatTheServerIsSureOfIsSure) {

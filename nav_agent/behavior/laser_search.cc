@@ -3,7 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
-#include "nav_agent/behavior/recovery_parts.h"
+#include "nav_agent/behavior/relocalization_parts.h"
 
 namespace treeline::behavior {
 namespace {
@@ -15,14 +15,14 @@ localization::PoseCovariance2 UniquePlaceCovariance() {
 
 }  // namespace
 
-LaserSearch::LaserSearch(RecoveryTools& tools, base::MonotonicTime now)
+LaserSearch::LaserSearch(RelocalizationTools& tools, base::MonotonicTime now)
     : began_(now), last_pause_(now) {
   BreakHold(tools);
   tools.turns.Reset();
   tools.search_motion.Begin(now);
 }
 
-void LaserSearch::BreakHold(RecoveryTools& tools) {
+void LaserSearch::BreakHold(RelocalizationTools& tools) {
   holds_since_.reset();
   hold_turned_rad_ = 0;
   tools.scans.ForgetCounts();
@@ -31,10 +31,10 @@ void LaserSearch::BreakHold(RecoveryTools& tools) {
 
 bool LaserSearch::TryUniquePlace(const UniquePlace& place,
                                  const localization::TrackedMotion& motion,
-                                 RecoveryTools& tools,
+                                 RelocalizationTools& tools,
                                  base::MonotonicTime now) {
   const core::LevelPose pose =
-      CarriedOn(place.pose, place.motion, motion, *tools.map);
+      PropagatedByOdometry(place.pose, place.motion, motion, *tools.map);
   if (!tools.tracker.SetPose(pose, UniquePlaceCovariance(), now).ok()) {
     return false;
   }
@@ -48,32 +48,32 @@ bool LaserSearch::TryUniquePlace(const UniquePlace& place,
   return true;
 }
 
-void LaserSearch::LookEverywhere(RecoveryTools& tools,
+void LaserSearch::LookEverywhere(RelocalizationTools& tools,
                                  base::MonotonicTime now) {
   holds_unique_place_ = false;
-  if (tools.options.method == RecoveryMethod::kInjectionOnly &&
+  if (tools.options.method == RelocalizationMethod::kInjectionOnly &&
       tools.tracker.Pose().has_value()) {
     return;
   }
-  tools.tracker.SetAnywhere(now);
+  tools.tracker.StartGlobalLocalization(now);
   has_told_amcl_ = true;
   BreakHold(tools);
 }
 
-void LaserSearch::NoteRefuted(RecoveryTools& tools) {
+void LaserSearch::NoteRefuted(RelocalizationTools& tools) {
   has_told_amcl_ = false;
   tools.search_motion.CountOneTurn();
 }
 
 void LaserSearch::AddTurn(const localization::TrackedMotion& motion,
-                          RecoveryTools& tools) {
+                          RelocalizationTools& tools) {
   const double turned_rad = tools.turns.Add_rad(motion.odom_from_base.yaw_rad);
   tools.search_motion.AddTurn(turned_rad);
   if (holds_since_.has_value()) hold_turned_rad_ += turned_rad;
 }
 
-bool LaserSearch::Holds(RecoveryTools& tools, base::MonotonicTime now) {
-  const LostAndFoundOptions& options = tools.options;
+bool LaserSearch::Holds(RelocalizationTools& tools, base::MonotonicTime now) {
+  const RelocalizationBehaviorOptions& options = tools.options;
   const ScanVerdict scan = tools.scans.Watch(
       tools.tracker, {.min_explained = options.search_explained,
                       .max_contradicted = options.search_contradicted,
@@ -100,7 +100,7 @@ bool LaserSearch::Holds(RecoveryTools& tools, base::MonotonicTime now) {
   return IsOnlyPlace(tools);
 }
 
-bool LaserSearch::IsOnlyPlace(RecoveryTools& tools) {
+bool LaserSearch::IsOnlyPlace(RelocalizationTools& tools) {
   UniquePlaceSearch& unique = tools.unique;
   switch (unique.others()) {
     case OtherPlaces::kNotSearched:
@@ -139,7 +139,7 @@ bool LaserSearch::IsTimeToAsk(const ServerState& server,
 }
 
 LaserSearch::Outcome LaserSearch::EndTurn(const ServerState& server,
-                                          RecoveryTools& tools,
+                                          RelocalizationTools& tools,
                                           base::MonotonicTime now) {
   const std::optional<localization::TrackedPose> pose = tools.tracker.Pose();
   // One full turn, and what particles gathered at does not hold.
@@ -159,13 +159,13 @@ LaserSearch::Outcome LaserSearch::EndTurn(const ServerState& server,
   return Outcome::kOpen;
 }
 
-LaserSearch::Result LaserSearch::Step(const RecoveryInput& input,
+LaserSearch::Result LaserSearch::Step(const RelocalizationInput& input,
                                       const localization::TrackedMotion& motion,
                                       const ServerState& server,
-                                      RecoveryTools& tools) {
+                                      RelocalizationTools& tools) {
   if (Holds(tools, input.now))
     return {.outcome = Outcome::kFound, .wanted = {}};
-  if (base::SecondsBetween(began_, input.now) > tools.options.most_search_s) {
+  if (base::SecondsBetween(began_, input.now) > tools.options.max_search_s) {
     return {.outcome = Outcome::kTimeIsUp, .wanted = {}};
   }
   if (IsTimeToAsk(server, input.now)) {

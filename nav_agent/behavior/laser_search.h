@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "nav_agent/behavior/recovery_tools.h"
+#include "nav_agent/behavior/relocalization_tools.h"
 
 namespace treeline::behavior {
 
@@ -15,24 +15,25 @@ namespace treeline::behavior {
 // thread-safe.
 class LaserSearch {
  public:
-  LaserSearch(RecoveryTools& tools, base::MonotonicTime now);
+  LaserSearch(RelocalizationTools& tools, base::MonotonicTime now);
 
   // Gives AMCL the place where alone the scan fits; false: it refused that.
   bool TryUniquePlace(const UniquePlace& place,
                       const localization::TrackedMotion& motion,
-                      RecoveryTools& tools, base::MonotonicTime now);
+                      RelocalizationTools& tools, base::MonotonicTime now);
   // AMCL looks everywhere, unless the method leaves that to its own injection.
-  void LookEverywhere(RecoveryTools& tools, base::MonotonicTime now);
+  void LookEverywhere(RelocalizationTools& tools, base::MonotonicTime now);
   // After a question: the robot stands where it stood.
-  static void Resume(RecoveryTools& tools, base::MonotonicTime now) {
+  static void Resume(RelocalizationTools& tools, base::MonotonicTime now) {
     tools.search_motion.Resume(now);
   }
   // What was believed meanwhile did not hold: AMCL is to look everywhere after
   // the next turn.
-  void NoteRefuted(RecoveryTools& tools);
+  void NoteRefuted(RelocalizationTools& tools);
 
   // Before Step.
-  void AddTurn(const localization::TrackedMotion& motion, RecoveryTools& tools);
+  void AddTurn(const localization::TrackedMotion& motion,
+               RelocalizationTools& tools);
 
   struct ServerState {
     bool may_be_asked = false;
@@ -50,18 +51,18 @@ class LaserSearch {
     Outcome outcome = Outcome::kOpen;
     core::VelocityCommand wanted;
   };
-  Result Step(const RecoveryInput& input,
+  Result Step(const RelocalizationInput& input,
               const localization::TrackedMotion& motion,
-              const ServerState& server, RecoveryTools& tools);
+              const ServerState& server, RelocalizationTools& tools);
 
  private:
-  void BreakHold(RecoveryTools& tools);
+  void BreakHold(RelocalizationTools& tools);
   // Whether what AMCL has may be believed now.
-  bool Holds(RecoveryTools& tools, base::MonotonicTime now);
+  bool Holds(RelocalizationTools& tools, base::MonotonicTime now);
   // AMCL's place has held for long enough: whether there are others like it.
-  bool IsOnlyPlace(RecoveryTools& tools);
+  bool IsOnlyPlace(RelocalizationTools& tools);
   bool IsTimeToAsk(const ServerState& server, base::MonotonicTime now) const;
-  Outcome EndTurn(const ServerState& server, RecoveryTools& tools,
+  Outcome EndTurn(const ServerState& server, RelocalizationTools& tools,
                   base::MonotonicTime now);
 
   base::MonotonicTime began_;

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "gtest/gtest.h"
-#include "nav_agent/behavior/testing_recovery.h"
+#include "nav_agent/behavior/testing_relocalization.h"
 
 namespace treeline::behavior {
 namespace {
@@ -17,8 +17,8 @@ class LaserSearchTest : public testing::Test {
     tracker_.believed =
         core::LevelPose{.map_from_base = tracker_.truth, .place = {}};
   }
-  void Begin(RecoveryMethod method = RecoveryMethod::kAmclOnly) {
-    LostAndFoundOptions options;
+  void Begin(RelocalizationMethod method = RelocalizationMethod::kAmclOnly) {
+    RelocalizationBehaviorOptions options;
     options.method = method;
     tools_.emplace(map_, tracker_, options);
     search_.emplace(*tools_, tracker_.now);
@@ -52,7 +52,7 @@ class LaserSearchTest : public testing::Test {
       std::make_shared<const traversability::NavigationMap>(
           *traversability::NavigationMap::Make(TwoRooms()));
   FakeTracker tracker_;
-  std::optional<RecoveryTools> tools_;
+  std::optional<RelocalizationTools> tools_;
   std::optional<LaserSearch> search_;
   LaserSearch::ServerState server_;
   double took_s_ = 0;
@@ -114,7 +114,7 @@ TEST_F(LaserSearchTest, AWrongPlaceIsSpreadAfterATurn) {
 }
 
 TEST_F(LaserSearchTest, InjectionAloneSpreadsNothingThatHasAPlace) {
-  Begin(RecoveryMethod::kInjectionOnly);
+  Begin(RelocalizationMethod::kInjectionOnly);
   search_->LookEverywhere(*tools_, tracker_.now);
   EXPECT_EQ(tracker_.spread, 0);
   tracker_.believed.reset();
@@ -136,7 +136,7 @@ TEST_F(LaserSearchTest, AUniquePlaceIsGivenToAmclCarriedOnByTheWheels) {
 }
 
 TEST_F(LaserSearchTest, AUniquePlaceThatDoesNotHoldIsTheCamerasTurn) {
-  Begin(RecoveryMethod::kServer);
+  Begin(RelocalizationMethod::kServer);
   EXPECT_TRUE(Try({{10, 4}, 1}));
   server_ = {.may_be_asked = true, .is_asked = true};
   EXPECT_EQ(Run(20), Outcome::kCamerasTurn);
@@ -144,14 +144,14 @@ TEST_F(LaserSearchTest, AUniquePlaceThatDoesNotHoldIsTheCamerasTurn) {
 }
 
 TEST_F(LaserSearchTest, WithoutAServerParticlesAreSpreadInstead) {
-  Begin(RecoveryMethod::kServer);
+  Begin(RelocalizationMethod::kServer);
   EXPECT_TRUE(Try({{10, 4}, 1}));
   EXPECT_EQ(Run(10), Outcome::kOpen);
   EXPECT_EQ(tracker_.spread, 1);
 }
 
 TEST_F(LaserSearchTest, AsksNowAndThen) {
-  Begin(RecoveryMethod::kServer);
+  Begin(RelocalizationMethod::kServer);
   tracker_.best_fit = 0.3;
   server_.may_be_asked = true;
   EXPECT_EQ(Run(10), Outcome::kAsks);

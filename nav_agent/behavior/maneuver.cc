@@ -13,17 +13,20 @@ namespace treeline::behavior {
 namespace {
 
 // Round and round while the budget lasts.
-using Order = std::array<ManeuverKind, 5>;
+using Order = std::array<RecoveryBehaviorKind, 5>;
 // Who turns among people may turn into one: what was seen is waited for.
-constexpr Order kNoWayOrder = {ManeuverKind::kWait, ManeuverKind::kBackUp,
-                               ManeuverKind::kClearCostmap, ManeuverKind::kWait,
-                               ManeuverKind::kBackUp};
-constexpr Order kStuckOrder = {ManeuverKind::kClearCostmap,
-                               ManeuverKind::kBackUp, ManeuverKind::kReroute,
-                               ManeuverKind::kLookAround, ManeuverKind::kWait};
+constexpr Order kNoWayOrder = {
+    RecoveryBehaviorKind::kWait, RecoveryBehaviorKind::kBackUp,
+    RecoveryBehaviorKind::kClearCostmap, RecoveryBehaviorKind::kWait,
+    RecoveryBehaviorKind::kBackUp};
+constexpr Order kStuckOrder = {
+    RecoveryBehaviorKind::kClearCostmap, RecoveryBehaviorKind::kBackUp,
+    RecoveryBehaviorKind::kReroute, RecoveryBehaviorKind::kLookAround,
+    RecoveryBehaviorKind::kWait};
 constexpr Order kEnclosedOrder = {
-    ManeuverKind::kClearCostmap, ManeuverKind::kWait, ManeuverKind::kBackUp,
-    ManeuverKind::kLookAround, ManeuverKind::kWait};
+    RecoveryBehaviorKind::kClearCostmap, RecoveryBehaviorKind::kWait,
+    RecoveryBehaviorKind::kBackUp, RecoveryBehaviorKind::kLookAround,
+    RecoveryBehaviorKind::kWait};
 
 const Order& OrderFor(Trouble trouble) {
   switch (trouble) {
@@ -39,66 +42,68 @@ const Order& OrderFor(Trouble trouble) {
 
 }  // namespace
 
-const char* ManeuverName(ManeuverKind kind) {
+const char* RecoveryBehaviorName(RecoveryBehaviorKind kind) {
   switch (kind) {
-    case ManeuverKind::kClearCostmap:
+    case RecoveryBehaviorKind::kClearCostmap:
       return "clear costmap";
-    case ManeuverKind::kBackUp:
+    case RecoveryBehaviorKind::kBackUp:
       return "back up";
-    case ManeuverKind::kLookAround:
+    case RecoveryBehaviorKind::kLookAround:
       return "look around";
-    case ManeuverKind::kWait:
+    case RecoveryBehaviorKind::kWait:
       return "wait";
-    case ManeuverKind::kReroute:
+    case RecoveryBehaviorKind::kReroute:
       return "re-route";
   }
   return "unknown";
 }
 
-const char* ManeuverOutcomeName(ManeuverOutcome outcome) {
+const char* RecoveryBehaviorOutcomeName(RecoveryBehaviorOutcome outcome) {
   switch (outcome) {
-    case ManeuverOutcome::kRunning:
+    case RecoveryBehaviorOutcome::kRunning:
       return "running";
-    case ManeuverOutcome::kDone:
+    case RecoveryBehaviorOutcome::kDone:
       return "done";
-    case ManeuverOutcome::kNotPossible:
+    case RecoveryBehaviorOutcome::kNotPossible:
       return "not possible";
-    case ManeuverOutcome::kTimedOut:
+    case RecoveryBehaviorOutcome::kTimedOut:
       return "timed out";
   }
   return "unknown";
 }
 
-Maneuver::Maneuver(const ManeuverRung& rung, const NavigatorLimits& limits,
-                   base::MonotonicTime now)
+RecoveryBehavior::RecoveryBehavior(const RecoverySequenceStep& rung,
+                                   const NavigatorLimits& limits,
+                                   base::MonotonicTime now)
     : rung_(rung), limits_(limits), begun_(now) {}
 
-Maneuver::Result Maneuver::Step(const control::ControlPose& pose,
-                                base::MonotonicTime now,
-                                control::LocalController& controller) {
+RecoveryBehavior::Result RecoveryBehavior::Step(
+    const control::ControlPose& pose, base::MonotonicTime now,
+    control::LocalController& controller) {
   const double elapsed_s = base::SecondsBetween(begun_, now);
   switch (rung_.kind) {
-    case ManeuverKind::kClearCostmap:
+    case RecoveryBehaviorKind::kClearCostmap:
       controller.ClearObstacles();
-      return {.outcome = ManeuverOutcome::kDone, .command = {}};
-    case ManeuverKind::kBackUp:
+      return {.outcome = RecoveryBehaviorOutcome::kDone, .command = {}};
+    case RecoveryBehaviorKind::kBackUp:
       return BackUp(pose, now, controller);
-    case ManeuverKind::kLookAround:
+    case RecoveryBehaviorKind::kLookAround:
       return LookAround(pose, elapsed_s, controller);
-    case ManeuverKind::kWait:
-      return {.outcome = elapsed_s >= rung_.wait_s ? ManeuverOutcome::kDone
-                                                   : ManeuverOutcome::kRunning,
+    case RecoveryBehaviorKind::kWait:
+      return {.outcome = elapsed_s >= rung_.wait_s
+                             ? RecoveryBehaviorOutcome::kDone
+                             : RecoveryBehaviorOutcome::kRunning,
               .command = {}};
-    case ManeuverKind::kReroute:
+    case RecoveryBehaviorKind::kReroute:
       break;
   }
   // Who began it knows what is ahead.
-  return {.outcome = ManeuverOutcome::kDone, .command = {}};
+  return {.outcome = RecoveryBehaviorOutcome::kDone, .command = {}};
 }
 
-Maneuver::Result Maneuver::BackUp(const control::ControlPose& pose,
-                                  base::MonotonicTime now,
-                                  control::LocalController& controller) {
+RecoveryBehavior::Result RecoveryBehavior::BackUp(
+    const control::ControlPose& pose, base::MonotonicTime now,
+    control::LocalController& controller) {
   const geometry::Rigid2& here = pose.pose.map_from_base;
   // Whoever is about may come up behind it: the bold wait for a quiet moment.
   const double quiet_s = controller.QuietFor_s(now);
@@ -106,12 +111,12 @@ Maneuver::Result Maneuver::BackUp(const control::ControlPose& pose,
       quiet_s < (rung_.is_bold ? kQuietMoment_s : kNobodyMovedFor_s)) {
     const bool waits =
         rung_.is_bold && base::SecondsBetween(begun_, now) < limits_.back_up_s;
-    return {.outcome = waits ? ManeuverOutcome::kRunning
-                             : ManeuverOutcome::kNotPossible,
+    return {.outcome = waits ? RecoveryBehaviorOutcome::kRunning
+                             : RecoveryBehaviorOutcome::kNotPossible,
             .command = controller.Guard(pose, {})};
   }
   if (quiet_s < kSomebodyMoves_s) {
-    return {.outcome = ManeuverOutcome::kTimedOut, .command = {}};
+    return {.outcome = RecoveryBehaviorOutcome::kTimedOut, .command = {}};
   }
   if (!start_.has_value()) {
     begun_ = now;
@@ -119,25 +124,25 @@ Maneuver::Result Maneuver::BackUp(const control::ControlPose& pose,
     // Where nothing is known to be in the way, to a hand's breadth.
     way_m_ = controller.FreeWay_m(pose, -limits_.back_up_m);
     if (std::abs(way_m_) < kMinBackUp_m) {
-      return {.outcome = ManeuverOutcome::kNotPossible, .command = {}};
+      return {.outcome = RecoveryBehaviorOutcome::kNotPossible, .command = {}};
     }
   }
   const double done_m = geometry::Norm(here.translation - start_->translation);
   if (done_m >= std::abs(way_m_) - kBackUpTolerance_m) {
-    return {.outcome = ManeuverOutcome::kDone, .command = {}};
+    return {.outcome = RecoveryBehaviorOutcome::kDone, .command = {}};
   }
   if (base::SecondsBetween(begun_, now) > limits_.back_up_s) {
-    return {.outcome = ManeuverOutcome::kTimedOut, .command = {}};
+    return {.outcome = RecoveryBehaviorOutcome::kTimedOut, .command = {}};
   }
   return {
-      .outcome = ManeuverOutcome::kRunning,
+      .outcome = RecoveryBehaviorOutcome::kRunning,
       .command = controller.Guard(
           pose, {.forward_mps = -limits_.back_up_mps, .yaw_rate_radps = 0})};
 }
 
-Maneuver::Result Maneuver::LookAround(const control::ControlPose& pose,
-                                      double elapsed_s,
-                                      control::LocalController& controller) {
+RecoveryBehavior::Result RecoveryBehavior::LookAround(
+    const control::ControlPose& pose, double elapsed_s,
+    control::LocalController& controller) {
   const geometry::Rigid2& here = pose.pose.map_from_base;
   if (!start_.has_value()) {
     start_ = here;
@@ -146,23 +151,23 @@ Maneuver::Result Maneuver::LookAround(const control::ControlPose& pose,
     if (geometry::AngleBetween_rad(pose.level_from_base, {}) >
             kLevelGround_rad ||
         !controller.CanTurn(pose)) {
-      return {.outcome = ManeuverOutcome::kNotPossible, .command = {}};
+      return {.outcome = RecoveryBehaviorOutcome::kNotPossible, .command = {}};
     }
   }
   turned_rad_ += geometry::NormalizedAngle_rad(here.yaw_rad - last_yaw_rad_);
   last_yaw_rad_ = here.yaw_rad;
   if (turned_rad_ >= 2 * std::numbers::pi - kTurnTolerance_rad) {
-    return {.outcome = ManeuverOutcome::kDone, .command = {}};
+    return {.outcome = RecoveryBehaviorOutcome::kDone, .command = {}};
   }
   if (elapsed_s > limits_.look_s) {
-    return {.outcome = ManeuverOutcome::kTimedOut, .command = {}};
+    return {.outcome = RecoveryBehaviorOutcome::kTimedOut, .command = {}};
   }
-  return {.outcome = ManeuverOutcome::kRunning,
+  return {.outcome = RecoveryBehaviorOutcome::kRunning,
           .command = controller.Guard(
               pose, {.forward_mps = 0, .yaw_rate_radps = limits_.look_radps})};
 }
 
-std::optional<ManeuverRung> ManeuverLadder::Next(Trouble trouble) {
+std::optional<RecoverySequenceStep> RecoverySequence::Next(Trouble trouble) {
   if (used_ >= limits_.max_recoveries) return std::nullopt;
   const Order& order = OrderFor(trouble);
   const size_t at = static_cast<size_t>(used_) % order.size();
@@ -173,10 +178,11 @@ std::optional<ManeuverRung> ManeuverLadder::Next(Trouble trouble) {
   const bool is_bold = used_ >= kBoldAfter;
   ++used_;
   can_give_back_ = true;
-  return ManeuverRung{.kind = order[at], .wait_s = wait_s, .is_bold = is_bold};
+  return RecoverySequenceStep{
+      .kind = order[at], .wait_s = wait_s, .is_bold = is_bold};
 }
 
-void ManeuverLadder::GiveBack() {
+void RecoverySequence::GiveBack() {
   if (!can_give_back_ || used_ < 1 || given_back_ >= kMaxGivenBack) return;
   can_give_back_ = false;
   --used_;

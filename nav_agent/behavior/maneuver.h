@@ -11,7 +11,7 @@
 
 namespace treeline::behavior {
 
-enum class ManeuverKind : uint8_t {
+enum class RecoveryBehaviorKind : uint8_t {
   kClearCostmap,  // forgets what was seen; the next scans tell anew
   kBackUp,        // as far as there is room, where nobody is about
   kLookAround,    // a full turn, if there is room
@@ -19,18 +19,18 @@ enum class ManeuverKind : uint8_t {
   kReroute        // what is ahead counts as blocked
 };
 // "clear costmap" and so on.
-const char* ManeuverName(ManeuverKind kind);
+const char* RecoveryBehaviorName(RecoveryBehaviorKind kind);
 
-enum class ManeuverOutcome : uint8_t {
+enum class RecoveryBehaviorOutcome : uint8_t {
   kRunning,
   kDone,
   kNotPossible,  // there is no room, or somebody about
   kTimedOut      // it took too long; something held the robot
 };
-const char* ManeuverOutcomeName(ManeuverOutcome outcome);
+const char* RecoveryBehaviorOutcomeName(RecoveryBehaviorOutcome outcome);
 
-struct ManeuverRung {
-  ManeuverKind kind = ManeuverKind::kWait;
+struct RecoverySequenceStep {
+  RecoveryBehaviorKind kind = RecoveryBehaviorKind::kWait;
   // Of kWait.
   double wait_s = 0;
   // Little else is left to try: it backs up where people are about, too.
@@ -38,19 +38,19 @@ struct ManeuverRung {
 };
 
 // One, from its beginning to its end. Not thread-safe.
-class Maneuver {
+class RecoveryBehavior {
  public:
-  Maneuver(const ManeuverRung& rung, const NavigatorLimits& limits,
-           base::MonotonicTime now);
+  RecoveryBehavior(const RecoverySequenceStep& rung,
+                   const NavigatorLimits& limits, base::MonotonicTime now);
 
   struct Result {
-    ManeuverOutcome outcome = ManeuverOutcome::kRunning;
+    RecoveryBehaviorOutcome outcome = RecoveryBehaviorOutcome::kRunning;
     core::VelocityCommand command;
   };
   // The command has been through the controller's guard.
   Result Step(const control::ControlPose& pose, base::MonotonicTime now,
               control::LocalController& controller);
-  ManeuverKind kind() const { return rung_.kind; }
+  RecoveryBehaviorKind kind() const { return rung_.kind; }
 
  private:
   Result BackUp(const control::ControlPose& pose, base::MonotonicTime now,
@@ -58,7 +58,7 @@ class Maneuver {
   Result LookAround(const control::ControlPose& pose, double elapsed_s,
                     control::LocalController& controller);
 
-  ManeuverRung rung_;
+  RecoverySequenceStep rung_;
   NavigatorLimits limits_;
   base::MonotonicTime begun_;
   std::optional<geometry::Rigid2> start_;
@@ -76,14 +76,14 @@ enum class Trouble : uint8_t {
 
 // Which maneuver is next: each kind of trouble has its own order, and all share
 // one budget. Not thread-safe.
-class ManeuverLadder {
+class RecoverySequence {
  public:
-  explicit ManeuverLadder(const NavigatorLimits& limits) : limits_(limits) {}
+  explicit RecoverySequence(const NavigatorLimits& limits) : limits_(limits) {}
 
   // nullopt: the budget is used up.
-  std::optional<ManeuverRung> Next(Trouble trouble);
+  std::optional<RecoverySequenceStep> Next(Trouble trouble);
   // The robot got on; all of the budget is there again.
-  void Refill() { *this = ManeuverLadder(limits_); }
+  void Refill() { *this = RecoverySequence(limits_); }
   // The last maneuver ended before its time, as something changed: it does not
   // count. Only so often until the budget is refilled.
   void GiveBack();

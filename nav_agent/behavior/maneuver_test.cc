@@ -1,7 +1,7 @@
 #include "nav_agent/behavior/maneuver.h"
 
 #include "gtest/gtest.h"
-#include "nav_agent/behavior/progress_watch.h"
+#include "nav_agent/behavior/progress_checker.h"
 #include "nav_agent/behavior/testing_devices.h"
 #include "nav_agent/behavior/testing_parts.h"
 
@@ -14,14 +14,17 @@ constexpr double kStep_s = 0.025;
 class ManeuverTest : public testing::Test {
  protected:
   // Until it ends, with the robot doing what it is told, or `share` of it.
-  ManeuverOutcome Run(ManeuverKind kind, double share = 1, double wait_s = 3) {
-    Maneuver maneuver({.kind = kind, .wait_s = wait_s, .is_bold = is_bold},
-                      kLimits, clock.Now());
+  RecoveryBehaviorOutcome Run(RecoveryBehaviorKind kind, double share = 1,
+                              double wait_s = 3) {
+    RecoveryBehavior maneuver(
+        {.kind = kind, .wait_s = wait_s, .is_bold = is_bold}, kLimits,
+        clock.Now());
     begun = clock.Now();
     while (true) {
-      const Maneuver::Result result =
+      const RecoveryBehavior::Result result =
           maneuver.Step(pose, clock.Now(), controller);
-      if (result.outcome != ManeuverOutcome::kRunning) return result.outcome;
+      if (result.outcome != RecoveryBehaviorOutcome::kRunning)
+        return result.outcome;
       geometry::Rigid2& here = pose.pose.map_from_base;
       here = here *
              geometry::Rigid2{{share * kStep_s * result.command.forward_mps, 0},
@@ -43,76 +46,88 @@ class ManeuverTest : public testing::Test {
 // Behind the robot no sensor looks.
 TEST_F(ManeuverTest, BacksUpAmongPeopleOnlyIfLittleElseIsLeft) {
   controller.quiet_s = 3;
-  EXPECT_EQ(Run(ManeuverKind::kBackUp), ManeuverOutcome::kNotPossible);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kBackUp),
+            RecoveryBehaviorOutcome::kNotPossible);
   EXPECT_LT(Took_s(), 0.1);
   EXPECT_EQ(pose.pose.map_from_base.translation.x, 0);
   is_bold = true;
-  EXPECT_EQ(Run(ManeuverKind::kBackUp), ManeuverOutcome::kDone);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kBackUp), RecoveryBehaviorOutcome::kDone);
   EXPECT_LT(pose.pose.map_from_base.translation.x, -0.2);
 }
 
 TEST_F(ManeuverTest, TheBoldWaitForAQuietMomentAndStandWhenSomebodyComes) {
   is_bold = true;
   controller.quiet_s = 0.5;
-  EXPECT_EQ(Run(ManeuverKind::kBackUp), ManeuverOutcome::kNotPossible);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kBackUp),
+            RecoveryBehaviorOutcome::kNotPossible);
   EXPECT_NEAR(Took_s(), kLimits.back_up_s, 0.1);
   EXPECT_EQ(pose.pose.map_from_base.translation.x, 0);
 
   controller.quiet_s = 2;
-  Maneuver maneuver({.kind = ManeuverKind::kBackUp, .is_bold = true}, kLimits,
-                    clock.Now());
+  RecoveryBehavior maneuver(
+      {.kind = RecoveryBehaviorKind::kBackUp, .is_bold = true}, kLimits,
+      clock.Now());
   EXPECT_LT(maneuver.Step(pose, clock.Now(), controller).command.forward_mps,
             0);
   controller.quiet_s = 0;
   EXPECT_EQ(maneuver.Step(pose, clock.Now(), controller).outcome,
-            ManeuverOutcome::kTimedOut);
+            RecoveryBehaviorOutcome::kTimedOut);
 }
 
 TEST_F(ManeuverTest, BacksUpAsFarAsItMay) {
-  EXPECT_EQ(Run(ManeuverKind::kBackUp), ManeuverOutcome::kDone);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kBackUp), RecoveryBehaviorOutcome::kDone);
   EXPECT_NEAR(pose.pose.map_from_base.translation.x, -kLimits.back_up_m, 0.03);
 }
 
 TEST_F(ManeuverTest, BacksUpAsFarAsThereIsRoom) {
   controller.free_m = 0.15;
-  EXPECT_EQ(Run(ManeuverKind::kBackUp), ManeuverOutcome::kDone);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kBackUp), RecoveryBehaviorOutcome::kDone);
   EXPECT_GT(pose.pose.map_from_base.translation.x, -0.15);
   controller.free_m = 0.05;
-  EXPECT_EQ(Run(ManeuverKind::kBackUp), ManeuverOutcome::kNotPossible);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kBackUp),
+            RecoveryBehaviorOutcome::kNotPossible);
 }
 
 TEST_F(ManeuverTest, BackingUpEndsWhenSomethingHoldsTheRobot) {
-  EXPECT_EQ(Run(ManeuverKind::kBackUp, 0.1), ManeuverOutcome::kTimedOut);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kBackUp, 0.1),
+            RecoveryBehaviorOutcome::kTimedOut);
   EXPECT_LT(Took_s(), kLimits.back_up_s + 0.1);
 }
 
 TEST_F(ManeuverTest, LooksAllAround) {
-  EXPECT_EQ(Run(ManeuverKind::kLookAround), ManeuverOutcome::kDone);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kLookAround),
+            RecoveryBehaviorOutcome::kDone);
   EXPECT_LT(Took_s(), 2 * M_PI / kLimits.look_radps + 0.1);
   EXPECT_GT(Took_s(), 0.9 * 2 * M_PI / kLimits.look_radps);
-  EXPECT_EQ(Run(ManeuverKind::kLookAround, 0.3), ManeuverOutcome::kTimedOut);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kLookAround, 0.3),
+            RecoveryBehaviorOutcome::kTimedOut);
   controller.can_turn = false;
-  EXPECT_EQ(Run(ManeuverKind::kLookAround), ManeuverOutcome::kNotPossible);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kLookAround),
+            RecoveryBehaviorOutcome::kNotPossible);
 }
 
 // Slopes have edges.
 TEST_F(ManeuverTest, DoesNotTurnOnASlope) {
   pose.level_from_base = geometry::Rotation3::FromAxisAngle({0, 0.1, 0});
-  EXPECT_EQ(Run(ManeuverKind::kLookAround), ManeuverOutcome::kNotPossible);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kLookAround),
+            RecoveryBehaviorOutcome::kNotPossible);
 }
 
 TEST_F(ManeuverTest, WaitsAndClears) {
-  EXPECT_EQ(Run(ManeuverKind::kWait, 1, 5), ManeuverOutcome::kDone);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kWait, 1, 5),
+            RecoveryBehaviorOutcome::kDone);
   EXPECT_NEAR(Took_s(), 5, 0.05);
-  EXPECT_EQ(Run(ManeuverKind::kClearCostmap), ManeuverOutcome::kDone);
+  EXPECT_EQ(Run(RecoveryBehaviorKind::kClearCostmap),
+            RecoveryBehaviorOutcome::kDone);
   EXPECT_EQ(controller.clears, 1);
 }
 
-TEST(ManeuverLadder, EndsAndIsRefilled) {
-  ManeuverLadder ladder(kLimits);
+TEST(RecoverySequence, EndsAndIsRefilled) {
+  RecoverySequence ladder(kLimits);
   double last_wait_s = 0;
   for (int i = 0; i < kLimits.max_recoveries; ++i) {
-    const std::optional<ManeuverRung> rung = ladder.Next(Trouble::kNoWay);
+    const std::optional<RecoverySequenceStep> rung =
+        ladder.Next(Trouble::kNoWay);
     ASSERT_TRUE(rung.has_value());
     EXPECT_GE(rung->wait_s, last_wait_s);
     EXPECT_LE(rung->wait_s, kLimits.longest_wait_s);
@@ -124,9 +139,9 @@ TEST(ManeuverLadder, EndsAndIsRefilled) {
   EXPECT_TRUE(ladder.Next(Trouble::kStuck).has_value());
 }
 
-TEST(ProgressWatch, WantsLessToGoInTime) {
+TEST(ProgressChecker, WantsLessToGoInTime) {
   ManualClock clock;
-  ProgressWatch watch(kLimits);
+  ProgressChecker watch(kLimits);
   EXPECT_TRUE(watch.Observe(clock.Now(), 0, 5, 0));
   clock.Advance_s(kLimits.progress_s - 0.1);
   EXPECT_TRUE(watch.Observe(clock.Now(), 0, 5 - kLimits.progress_m, 0));
@@ -136,9 +151,9 @@ TEST(ProgressWatch, WantsLessToGoInTime) {
   EXPECT_FALSE(watch.Observe(clock.Now(), 0, 4.8, 0));
 }
 
-TEST(ProgressWatch, ATurnCountsOnceAndToAndFroDoesNot) {
+TEST(ProgressChecker, ATurnCountsOnceAndToAndFroDoesNot) {
   ManualClock clock;
-  ProgressWatch watch(kLimits);
+  ProgressChecker watch(kLimits);
   EXPECT_TRUE(watch.Observe(clock.Now(), 0, 5, 0));
   bool gets_on = true;
   double seconds = 0;
@@ -153,9 +168,9 @@ TEST(ProgressWatch, ATurnCountsOnceAndToAndFroDoesNot) {
 }
 
 // Going away and coming back refills nothing.
-TEST(ProgressWatch, RefillsOnlyNearerThanEver) {
+TEST(ProgressChecker, RefillsOnlyNearerThanEver) {
   ManualClock clock;
-  ProgressWatch watch(kLimits);
+  ProgressChecker watch(kLimits);
   int refills = 0;
   for (int round = 0; round < 5; ++round) {
     for (double to_go_m = 10; to_go_m > 5; to_go_m -= 0.1) {

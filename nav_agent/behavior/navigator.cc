@@ -6,22 +6,22 @@
 #include "absl/status/statusor.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/behavior/navigator_parts.h"
-#include "nav_agent/behavior/plan_runner.h"
+#include "nav_agent/behavior/planner_worker.h"
 
 namespace treeline::behavior {
 namespace {
 
-std::unique_ptr<PlanRunner> RunnerOf(
+std::unique_ptr<PlannerWorker> RunnerOf(
     std::unique_ptr<const planning::GlobalPlanner> planner,
     const NavigatorOptions& options) {
   if (options.plans_in_background) {
-    return MakeThreadPlanRunner(std::move(planner));
+    return MakeThreadPlannerWorker(std::move(planner));
   }
   if (options.plan_steps > 0) {
-    return MakeSteppedPlanRunner(std::move(planner), options.plan_steps,
-                                 1e3 / options.control_hz);
+    return MakeSteppedPlannerWorker(std::move(planner), options.plan_steps,
+                                    1e3 / options.control_hz);
   }
-  return MakeInlinePlanRunner(std::move(planner));
+  return MakeInlinePlannerWorker(std::move(planner));
 }
 
 core::RobotLasers LasersOf(const NavigatorDevices& devices) {
@@ -64,9 +64,9 @@ absl::StatusOr<std::unique_ptr<Navigator>> Navigator::Create(
   TL_ASSIGN_OR_RETURN(parts.tracker, localization::RobotTracker::Create(
                                          map.voxels, map.levels, robot, laser,
                                          options.tracker, options.seed));
-  TL_ASSIGN_OR_RETURN(parts.lost,
-                      LostAndFound::Create(parts.map, robot, *parts.tracker,
-                                           devices.server, options.lost));
+  TL_ASSIGN_OR_RETURN(parts.lost, RelocalizationBehavior::Create(
+                                      parts.map, robot, *parts.tracker,
+                                      devices.server, options.lost));
   return AssembleNavigator(std::move(parts), robot, devices, options, clock);
 }
 

@@ -16,7 +16,7 @@ absl::Status CheckWay(const char* name, double value_m) {
 }  // namespace
 
 absl::Status NavigatorLimits::Validate() const {
-  TL_RETURN_IF_ERROR(CheckWay("through_m", through_m));
+  TL_RETURN_IF_ERROR(CheckWay("through_m", waypoint_tolerance_m));
   TL_RETURN_IF_ERROR(base::CheckRange("better_share", better_share, 0, 1));
   TL_RETURN_IF_ERROR(CheckWay("progress_m", progress_m));
   TL_RETURN_IF_ERROR(base::CheckRange("progress_rad", progress_rad, 0.01, 3.1));
@@ -26,7 +26,7 @@ absl::Status NavigatorLimits::Validate() const {
   TL_RETURN_IF_ERROR(base::CheckRange("max_replans", max_replans, 0, 1000));
   TL_RETURN_IF_ERROR(
       base::CheckRange("max_recoveries", max_recoveries, 0, 1000));
-  TL_RETURN_IF_ERROR(CheckWay("refill_m", refill_m));
+  TL_RETURN_IF_ERROR(CheckWay("refill_m", recovery_reset_m));
   TL_RETURN_IF_ERROR(CheckWay("back_up_m", back_up_m));
   TL_RETURN_IF_ERROR(base::CheckRange("back_up_mps", back_up_mps, 0.01, 2));
   TL_RETURN_IF_ERROR(CheckTime("back_up_s", back_up_s));

@@ -11,7 +11,7 @@ namespace treeline::behavior {
 struct NavigatorLimits {
   // ---- waypoints ----
   // A pose that is driven through counts as reached from here.
-  double through_m = kPassPose_m;
+  double waypoint_tolerance_m = kPassPose_m;
   // A better path is taken if it is shorter by this share of what is to go.
   double better_share = kBetterPathShare;
 
@@ -25,14 +25,14 @@ struct NavigatorLimits {
   // A plan takes this long at most (background).
   double plan_s = kMaxPlan_s;
   // Ways around what stands in the way that are tried without getting on by
-  // refill_m; then recoveries begin.
+  // recovery_reset_m; then recoveries begin.
   int max_replans = kMaxReplans;
 
   // ---- recoveries ----
   // So many a goal, before it fails; all of them again after getting on by so
   // much further than ever.
   int max_recoveries = kMaxRecoveries;
-  double refill_m = kRefillProgress_m;
+  double recovery_reset_m = kRefillProgress_m;
   double back_up_m = kBackUp_m;
   double back_up_mps = kBackUp_mps;
   double back_up_s = kMaxBackUp_s;

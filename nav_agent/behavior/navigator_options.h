@@ -5,9 +5,9 @@
 #include <cstdint>
 
 #include "absl/status/status.h"
-#include "nav_agent/behavior/lost_and_found.h"
 #include "nav_agent/behavior/navigator_limits.h"
 #include "nav_agent/behavior/parameters.h"
+#include "nav_agent/behavior/relocalization_behavior.h"
 #include "nav_agent/control/local_controller.h"
 #include "nav_agent/localization/robot_tracker.h"
 #include "nav_agent/planning/global_planner.h"
@@ -32,7 +32,7 @@ struct NavigatorOptions {
   int plan_steps = 0;
   control::LocalControllerOptions control;
   localization::RobotTrackerOptions tracker;
-  LostAndFoundOptions lost;
+  RelocalizationBehaviorOptions lost;
   NavigatorLimits limits;
   // Steps in a second (10 to 200).
   double control_hz = kControlRate_hz;

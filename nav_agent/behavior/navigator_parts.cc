@@ -9,12 +9,12 @@
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/behavior/event_log.h"
-#include "nav_agent/behavior/goal_runner.h"
+#include "nav_agent/behavior/goal_executor.h"
 #include "nav_agent/behavior/obstacle_discs.h"
 #include "nav_agent/behavior/parameters.h"
 #include "nav_agent/behavior/safe_stop.h"
 #include "nav_agent/behavior/scan_ends.h"
-#include "nav_agent/behavior/sensor_watch.h"
+#include "nav_agent/behavior/sensor_monitor.h"
 
 namespace treeline::behavior {
 namespace {
@@ -98,11 +98,11 @@ class NavigatorOfParts final : public Navigator {
   const base::Clock& clock_;
 
   EventLog events_;
-  SensorWatch sensors_;
-  TiltWatch tilt_;
-  DeadlineWatch deadline_;
+  SensorMonitor sensors_;
+  TiltMonitor tilt_;
+  DeadlineMonitor deadline_;
   SafeStop safe_stop_;
-  GoalRunner runner_;
+  GoalExecutor runner_;
 
   base::MonotonicTime now_;
   int64_t steps_ = 0;
@@ -201,7 +201,7 @@ std::optional<control::ControlPose> NavigatorOfParts::PoseNow() const {
   if (!is_unplaced_) return OfPose(place);
   std::optional<control::ControlPose> pose = OfMotion(parts_.tracker->Motion());
   if (pose.has_value() && place.has_value() &&
-      parts_.lost->state() == RecoveryState::kConfirming) {
+      parts_.lost->state() == RelocalizationState::kConfirming) {
     pose->supposed = place->pose;
   }
   return pose;
@@ -253,7 +253,7 @@ void NavigatorOfParts::LookThroughBlockages(const control::ControlPose& pose,
                           blockage.radius_m + kBlockageDepth_m);
       });
   if (forgotten == 0) return;
-  events_.Add("blocked", "what stood in the way is gone");
+  events_.Add("blocked", "the obstacle in the way is gone");
   runner_.NoteWayIsFree();
 }
 
@@ -325,7 +325,7 @@ core::VelocityCommand NavigatorOfParts::Decide() {
   const std::optional<control::ControlPose> pose = PoseNow();
   if (is_halted_ || !pose.has_value()) {
     SetMode(NavigatorMode::kIdle, core::NavigationCause::kNone,
-            is_halted_ ? "halted" : "waits for its sensors");
+            is_halted_ ? "halted" : "waiting for sensors");
     return {};
   }
   if (is_paused_) {
@@ -338,7 +338,7 @@ core::VelocityCommand NavigatorOfParts::Decide() {
     // The search has just ended, or nobody has told it anything yet.
     if (!parts_.tracker->Pose().has_value()) {
       SetMode(NavigatorMode::kNeedHelp, core::NavigationCause::kNeedHelp,
-              "nobody has told it where it is");
+              "no start pose was given");
     }
     return parts_.controller->Guard(*pose, {});
   }
@@ -367,34 +367,34 @@ core::VelocityCommand NavigatorOfParts::StepLost(
   if (options_.finds_itself_at_start && !has_looked_for_itself_ &&
       !parts_.tracker->Pose().has_value()) {
     has_looked_for_itself_ = true;
-    parts_.lost->Begin(RecoveryCause::kStart, now_);
+    parts_.lost->Begin(RelocalizationCause::kStart, now_);
   }
-  RecoveryInput input = {.now = now_,
-                         .drives_straight = runner_.DrivesStraight()};
+  RelocalizationInput input = {.now = now_,
+                               .drives_straight = runner_.DrivesStraight()};
   const bool was_active = parts_.lost->IsActive();
   if (was_active) {
     input.can_turn = parts_.controller->CanTurn(pose);
     input.free_ahead_m = parts_.controller->FreeWay_m(pose, kMaxAskAhead_m);
   }
-  const LostAndFound::Output output = parts_.lost->Step(input);
-  for (RecoveryNote& note : parts_.lost->TakeNotes()) {
+  const RelocalizationBehavior::Output output = parts_.lost->Step(input);
+  for (RelocalizationNote& note : parts_.lost->TakeNotes()) {
     events_.Add(std::move(note.kind), std::move(note.text));
   }
   if (!parts_.lost->IsActive()) return {};
   if (!was_active) runner_.Suspend();
   switch (output.state) {
-    case RecoveryState::kStopping:
+    case RelocalizationState::kStopping:
       SetMode(NavigatorMode::kLost, core::NavigationCause::kEstimateLost,
               localization::LostReasonName(parts_.tracker->verdict().reason));
       break;
-    case RecoveryState::kNeedHelp:
+    case RelocalizationState::kNeedHelp:
       SetMode(NavigatorMode::kNeedHelp, core::NavigationCause::kNeedHelp,
-              "it is lost, and neither the server nor a search found it");
+              "it is lost; neither the server nor a search found its pose");
       break;
     default:
       SetMode(NavigatorMode::kRelocalizing,
               core::NavigationCause::kEstimateLost,
-              RecoveryStateName(output.state));
+              RelocalizationStateName(output.state));
   }
   // The frame changes in the next step; until then it only slows down.
   return parts_.controller->Guard(
@@ -486,7 +486,7 @@ absl::Status NavigatorOfParts::SetPose(
       parts_.map->GroundOf(pose.map_from_base.translation, pose.place.level);
   if (ground.has_value()) placed.place = *ground;
   TL_RETURN_IF_ERROR(parts_.tracker->SetPose(placed, covariance, now_));
-  parts_.lost->WasTold(now_);
+  parts_.lost->NotePoseWasSet(now_);
   has_looked_for_itself_ = true;
   runner_.Suspend();
   runner_.blockages().Clear();
@@ -503,7 +503,7 @@ void NavigatorOfParts::FindYourself() {
   now_ = clock_.Now();
   events_.SetTime(now_);
   has_looked_for_itself_ = true;
-  parts_.lost->Begin(RecoveryCause::kPerson, now_);
+  parts_.lost->Begin(RelocalizationCause::kPerson, now_);
   runner_.Suspend();
 }
 

@@ -6,17 +6,17 @@
 
 #include "absl/status/statusor.h"
 #include "nav_agent/behavior/navigator.h"
-#include "nav_agent/behavior/plan_runner.h"
+#include "nav_agent/behavior/planner_worker.h"
 
 namespace treeline::behavior {
 
 struct NavigatorParts {
   std::shared_ptr<const traversability::NavigationMap> map;
-  std::unique_ptr<PlanRunner> planner;
+  std::unique_ptr<PlannerWorker> planner;
   std::unique_ptr<control::LocalController> controller;
   std::unique_ptr<localization::RobotTracker> tracker;
   // Knows the tracker.
-  std::unique_ptr<LostAndFound> lost;
+  std::unique_ptr<RelocalizationBehavior> lost;
 };
 
 // As Navigator::Create, which makes the parts.

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "nav_agent/behavior/lost_and_found.h"
-#include "nav_agent/behavior/plan_runner.h"
+#include "nav_agent/behavior/planner_worker.h"
+#include "nav_agent/behavior/relocalization_behavior.h"
 #include "nav_agent/control/local_controller.h"
 #include "nav_agent/core/navigation_cause.h"
 #include "nav_agent/core/relocalization.h"
@@ -56,7 +56,8 @@ struct NavigatorEvent {
   // From 1 upwards, without gaps.
   uint64_t number = 0;
   // "goal", "plan", "blocked", "recovery", "lost", "fix", "stop", "resume",
-  // "pose", "pause", "sensor", "deadline"; LostAndFound's "help", "check".
+  // "pose", "pause", "sensor", "deadline"; RelocalizationBehavior's "help",
+  // "check".
   std::string kind;
   std::string text;
 };
@@ -98,7 +99,7 @@ struct NavigatorSnapshot {
   std::optional<core::RelocalizationAnswer> fix;
   std::string fix_verdict;
   // What the search for the robot's place does.
-  RecoveryState search = RecoveryState::kIdle;
+  RelocalizationState search = RelocalizationState::kIdle;
   // The last frame that was sent to the server; null: none.
   std::shared_ptr<const core::RgbdFrame> query_frame;
   SensorTally laser;

@@ -33,7 +33,7 @@ TEST_F(NavigatorTest, LooksForItselfAtStartIfItMay) {
   Make(options);
   Run(0.1);
   ASSERT_EQ(lost->begun.size(), 1u);
-  EXPECT_EQ(lost->begun[0], RecoveryCause::kStart);
+  EXPECT_EQ(lost->begun[0], RelocalizationCause::kStart);
   EXPECT_EQ(mode(), NavigatorMode::kLost);
 }
 
@@ -94,7 +94,7 @@ class TakenGoalTest : public NavigatorFixture {
     controller->result.obstacle_in_map = {5, 2};
     controller->result.obstacle_radius_m = 0.2;
     planning::PlanResult beside =
-        FakePlanRunner::Straight(PoseAtPoint(2, 2), PoseAtPoint(4.4, 2));
+        FakePlannerWorker::Straight(PoseAtPoint(2, 2), PoseAtPoint(4.4, 2));
     beside.moved_goal_m = 0.6;
     // Better ways that are looked for meanwhile, too.
     planner->answers.assign(5, beside);
@@ -127,7 +127,7 @@ TEST_F(TakenGoalTest, IsDrivenToWhenItIsFree) {
   // The laser looks through what stood there.
   laser_range_m = 3;
   Run(2);
-  EXPECT_EQ(Count("blocked", "what stood in the way is gone"), 1);
+  EXPECT_EQ(Count("blocked", "the obstacle in the way is gone"), 1);
   ASSERT_GT(planner->requests.size(), asked);
   EXPECT_EQ(planner->requests.back().goal.map_from_base.translation.x, 5);
   EXPECT_TRUE(planner->requests.back().blockages.empty());
@@ -230,7 +230,7 @@ TEST_F(NavigatorTest, PosesAreDrivenThroughAndTheWayOnIsKnownBefore) {
 TEST_F(NavigatorTest, ABetterPathIsTakenOnlyIfItIsNotablyShorter) {
   MakePlaced();
   planning::PlanResult detour =
-      FakePlanRunner::Straight(PoseAtPoint(2, 2), PoseAtPoint(7, 2));
+      FakePlannerWorker::Straight(PoseAtPoint(2, 2), PoseAtPoint(7, 2));
   detour.path.insert(detour.path.begin() + 1, PoseAtPoint(4, 6));
   detour.length_m = 9.5;
   controller->result.to_go_m = 9.5;
@@ -254,7 +254,8 @@ TEST_F(NavigatorTest, PlanFailuresEndTheGoalWithTheirCause) {
   for (const core::NavigationCause cause :
        {core::NavigationCause::kGoalBlocked,
         core::NavigationCause::kGoalOutside, core::NavigationCause::kNoPath}) {
-    planner->answers.emplace_back(FakePlanRunner::Failure(cause, "so it is"));
+    planner->answers.emplace_back(
+        FakePlannerWorker::Failure(cause, "so it is"));
     Send({PoseAtPoint(5, 2)});
     Run(0.1);
     EXPECT_EQ(Goal().state, GoalState::kFailed);
@@ -273,7 +274,7 @@ TEST_F(NavigatorTest, WithoutAWayOnFromWhereItDroveItRecovers) {
   Send({PoseAtPoint(7, 2)});
   Run(0.1);
   controller->result.state = control::ControlState::kIdle;
-  planner->answers.emplace_back(FakePlanRunner::Failure(
+  planner->answers.emplace_back(FakePlannerWorker::Failure(
       core::NavigationCause::kNoPath, "too narrow to turn in"));
   Run(0.05);
   EXPECT_EQ(Goal().state, GoalState::kActive);
@@ -286,8 +287,8 @@ TEST_F(NavigatorTest, WithoutAWayOnFromWhereItDroveItRecovers) {
 
 TEST_F(NavigatorTest, APlanThatTakesTooLongIsAskedForWithMoreTime) {
   MakePlaced();
-  planner->answers.emplace_back(
-      FakePlanRunner::Failure(core::NavigationCause::kPlanTimeout, "too hard"));
+  planner->answers.emplace_back(FakePlannerWorker::Failure(
+      core::NavigationCause::kPlanTimeout, "too hard"));
   Send({PoseAtPoint(5, 2)});
   Run(0.1);
   EXPECT_EQ(mode(), NavigatorMode::kDriving);
@@ -332,10 +333,10 @@ TEST_F(NavigatorTest, RecoveriesEscalateAndEnd) {
     // No way around it, and one without it.
     planner->answers.clear();
     for (int k = 0; k < 4; ++k) {
-      planner->answers.emplace_back(FakePlanRunner::Failure(
+      planner->answers.emplace_back(FakePlannerWorker::Failure(
           core::NavigationCause::kNoPath, "walls everywhere"));
       planner->answers.emplace_back(
-          FakePlanRunner::Straight(PoseAtPoint(2, 2), PoseAtPoint(7, 2)));
+          FakePlannerWorker::Straight(PoseAtPoint(2, 2), PoseAtPoint(7, 2)));
     }
     if (!planner->requests.empty() && !blocked(planner->requests.back())) {
       planner->answers.pop_front();
@@ -386,29 +387,29 @@ TEST_F(NavigatorTest, LostMeansThatTheSearchDrives) {
   MakePlaced();
   Send({PoseAtPoint(7, 2)});
   Run(0.1);
-  lost->now_state = RecoveryState::kStopping;
+  lost->now_state = RelocalizationState::kStopping;
   lost->wanted = {.forward_mps = 0, .yaw_rate_radps = 0.3};
   Run(0.025);
   EXPECT_EQ(mode(), NavigatorMode::kLost);
   EXPECT_EQ(navigator->Snapshot().cause, core::NavigationCause::kEstimateLost);
   Run(0.05);
-  // Its place on the map is not believed any more, only what its wheels say.
+  // Its pose on the map is not used any more, only odometry.
   EXPECT_TRUE(controller->last_guarded->map_is_unknown);
   EXPECT_TRUE(controller->last_scan_pose->map_is_unknown);
-  lost->now_state = RecoveryState::kAsking;
+  lost->now_state = RelocalizationState::kAsking;
   Run(0.05);
   EXPECT_EQ(mode(), NavigatorMode::kRelocalizing);
   EXPECT_EQ(Last().yaw_rate_radps, 0.3);
   EXPECT_EQ(Goal().state, GoalState::kActive);
-  lost->now_state = RecoveryState::kNeedHelp;
+  lost->now_state = RelocalizationState::kNeedHelp;
   Run(0.05);
   EXPECT_EQ(mode(), NavigatorMode::kNeedHelp);
   EXPECT_EQ(navigator->Snapshot().cause, core::NavigationCause::kNeedHelp);
   // Found: the goal goes on from where it is.
   tracker->pose = PoseAtPoint(8, 8);
-  lost->now_state = RecoveryState::kFound;
+  lost->now_state = RelocalizationState::kFound;
   Run(0.025);
-  lost->now_state = RecoveryState::kIdle;
+  lost->now_state = RelocalizationState::kIdle;
   Run(0.05);
   EXPECT_EQ(mode(), NavigatorMode::kDriving);
   EXPECT_EQ(controller->path.front().map_from_base.translation.x, 8);
@@ -420,7 +421,7 @@ TEST_F(NavigatorTest, APersonMayAskItToFindItself) {
   navigator->FindYourself();
   Run(0.05);
   ASSERT_EQ(lost->begun.size(), 1u);
-  EXPECT_EQ(lost->begun[0], RecoveryCause::kPerson);
+  EXPECT_EQ(lost->begun[0], RelocalizationCause::kPerson);
   EXPECT_EQ(mode(), NavigatorMode::kLost);
 }
 

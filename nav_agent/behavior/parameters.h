@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/base/parameter.h"
-#include "nav_agent/behavior/recovery_parameters.h"
+#include "nav_agent/behavior/relocalization_parameters.h"
 
 namespace treeline::behavior {
 
@@ -276,7 +276,7 @@ inline constexpr double kAllWell_s = kSettle_s;
 inline constexpr double kTiltMargin_rad = kTiltNoise_rad;
 inline constexpr double kLevelGround_rad = kTiltNoise_rad;
 
-// All of the folder, recovery_parameters.h first.
+// All of the folder, relocalization_parameters.h first.
 std::vector<base::ParameterRow> BehaviorParameters();
 
 }  // namespace treeline::behavior

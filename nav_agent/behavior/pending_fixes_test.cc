@@ -60,7 +60,7 @@ TEST_F(PendingFixesTest, ASureOneThatASureOneDisputesWaits) {
   pending_.Reset(ServerSure(Fix(FixVerdict::kSure, 5)));
   EXPECT_EQ(Add(ServerSure(Fix(FixVerdict::kSure, 1))), FixDecision::kLookOn);
   EXPECT_EQ(pending_.size(), 2u);
-  // A doubtful one disputes nothing.
+  // A loose_search one disputes nothing.
   pending_.Reset(Fix(FixVerdict::kWeak, 5));
   EXPECT_EQ(Add(ServerSure(Fix(FixVerdict::kSure, 1))), FixDecision::kTake);
 }

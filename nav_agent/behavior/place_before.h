@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "nav_agent/behavior/parameters.h"
-#include "nav_agent/behavior/recovery_parts.h"
+#include "nav_agent/behavior/relocalization_parts.h"
 #include "nav_agent/localization/robot_tracker.h"
 #include "nav_agent/traversability/navigation_map.h"
 
@@ -39,8 +39,8 @@ class PlaceBefore {
       covariance[i] += kRestoredVariance;
     }
     tracker
-        .SetPose(CarriedOn(pose_->pose, *motion_, *motion, map), covariance,
-                 now)
+        .SetPose(PropagatedByOdometry(pose_->pose, *motion_, *motion, map),
+                 covariance, now)
         .IgnoreError();
   }
 

@@ -8,8 +8,8 @@
 #include "absl/strings/str_format.h"
 #include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
-#include "nav_agent/behavior/recovery_parts.h"
-#include "nav_agent/behavior/recovery_states.h"
+#include "nav_agent/behavior/relocalization_parts.h"
+#include "nav_agent/behavior/relocalization_states.h"
 
 namespace treeline::behavior {
 namespace {
@@ -20,10 +20,10 @@ double ScoreOrZero(const std::optional<localization::ScanFit>& fit) {
 
 }  // namespace
 
-bool PlaceCheck::Step(const RecoveryInput& input,
+bool PlaceCheck::Step(const RelocalizationInput& input,
                       const std::shared_ptr<const core::RgbdFrame>& frame,
                       const FixChecker& checker, ServerQuestion& question,
-                      RecoveryTools& tools) {
+                      RelocalizationTools& tools) {
   if (!question.has_server() || interval_s_ <= 0) return false;
   if (question.is_open()) {
     const auto answer = question.Take(input.now);
@@ -42,7 +42,7 @@ bool PlaceCheck::Step(const RecoveryInput& input,
 bool PlaceCheck::IsElsewhere(const core::RelocalizationAnswer& answer,
                              const localization::TrackedMotion& asked_motion,
                              base::MonotonicTime now, const FixChecker& checker,
-                             RecoveryTools& tools) {
+                             RelocalizationTools& tools) {
   const std::optional<localization::TrackedPose> pose = tools.tracker.Pose();
   const std::optional<localization::TrackedMotion> motion =
       tools.tracker.Motion();
@@ -78,7 +78,7 @@ bool PlaceCheck::IsDue(base::MonotonicTime now) const {
          base::SecondsBetween(*last_, now) >= interval_s_;
 }
 
-bool PlaceCheck::IsTime(const RecoveryInput& input,
+bool PlaceCheck::IsTime(const RelocalizationInput& input,
                         const std::optional<localization::TrackedPose>& pose,
                         const core::RgbdFrame* frame) {
   if (!last_.has_value()) last_ = input.now;

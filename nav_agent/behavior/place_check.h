@@ -9,7 +9,7 @@
 #include <string>
 
 #include "nav_agent/behavior/fix_checker.h"
-#include "nav_agent/behavior/recovery_tools.h"
+#include "nav_agent/behavior/relocalization_tools.h"
 #include "nav_agent/behavior/server_question.h"
 
 namespace treeline::behavior {
@@ -23,10 +23,10 @@ class PlaceCheck {
   // A step of a robot that knows its place: takes the answer if a question is
   // open, or asks if it is time to. A drift is corrected, and told. True: the
   // robot is to look for its place anew.
-  bool Step(const RecoveryInput& input,
+  bool Step(const RelocalizationInput& input,
             const std::shared_ptr<const core::RgbdFrame>& frame,
             const FixChecker& checker, ServerQuestion& question,
-            RecoveryTools& tools);
+            RelocalizationTools& tools);
 
   // The time has come; before the first NoteDone or Step it has not.
   bool IsDue(base::MonotonicTime now) const;
@@ -36,13 +36,13 @@ class PlaceCheck {
   void Soon(base::MonotonicTime now);
 
  private:
-  bool IsTime(const RecoveryInput& input,
+  bool IsTime(const RelocalizationInput& input,
               const std::optional<localization::TrackedPose>& pose,
               const core::RgbdFrame* frame);
   static bool IsElsewhere(const core::RelocalizationAnswer& answer,
                           const localization::TrackedMotion& asked_motion,
                           base::MonotonicTime now, const FixChecker& checker,
-                          RecoveryTools& tools);
+                          RelocalizationTools& tools);
 
   double interval_s_;
   std::optional<base::MonotonicTime> last_;

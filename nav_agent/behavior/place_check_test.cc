@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "gtest/gtest.h"
-#include "nav_agent/behavior/testing_recovery.h"
+#include "nav_agent/behavior/testing_relocalization.h"
 
 namespace treeline::behavior {
 namespace {
@@ -112,8 +112,8 @@ class PlaceCheckTest : public testing::Test {
   std::shared_ptr<const traversability::NavigationMap> map_ =
       std::make_shared<const traversability::NavigationMap>(
           *traversability::NavigationMap::Make(TwoRooms()));
-  LostAndFoundOptions options_;
-  RecoveryTools tools_{map_, tracker_, options_};
+  RelocalizationBehaviorOptions options_;
+  RelocalizationTools tools_{map_, tracker_, options_};
   FixChecker checker_{map_, core::RobotModel(), options_.gate};
   ServerQuestion question_{&server_, 3};
   PlaceCheck check_{20};

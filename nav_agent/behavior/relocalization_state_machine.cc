@@ -9,25 +9,27 @@
 #include "absl/strings/str_format.h"
 #include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
-#include "nav_agent/behavior/recovery_parts.h"
+#include "nav_agent/behavior/relocalization_parts.h"
 
 namespace treeline::behavior {
 RelocalizationStateMachine::RelocalizationStateMachine(
     std::shared_ptr<const traversability::NavigationMap> map,
     const core::RobotModel& robot, localization::RobotTracker& tracker,
-    core::RelocalizationPort* server, const LostAndFoundOptions& options)
+    core::RelocalizationPort* server,
+    const RelocalizationBehaviorOptions& options)
     : tools_(map, tracker, options),
       checker_(std::move(map), robot, options.gate),
-      question_(options.method == RecoveryMethod::kServer ? server : nullptr,
-                options.deadline_s),
+      question_(
+          options.method == RelocalizationMethod::kServer ? server : nullptr,
+          options.deadline_s),
       check_(options.check_interval_s) {}
 
-RecoveryState RelocalizationStateMachine::state() const {
-  static_assert(
-      std::is_same_v<std::variant_alternative_t<
-                         static_cast<size_t>(RecoveryState::kNeedHelp), State>,
-                     NeedHelpState>);
-  return static_cast<RecoveryState>(state_.index());
+RelocalizationState RelocalizationStateMachine::state() const {
+  static_assert(std::is_same_v<
+                std::variant_alternative_t<
+                    static_cast<size_t>(RelocalizationState::kNeedHelp), State>,
+                NeedHelpState>);
+  return static_cast<RelocalizationState>(state_.index());
 }
 
 void RelocalizationStateMachine::AddFrame(const core::RgbdFrame& frame) {
@@ -35,9 +37,9 @@ void RelocalizationStateMachine::AddFrame(const core::RgbdFrame& frame) {
 }
 
 bool RelocalizationStateMachine::WantsPictures(base::MonotonicTime now) const {
-  if (state() == RecoveryState::kLooking) return true;
+  if (state() == RelocalizationState::kLooking) return true;
   if (!question_.has_server() || question_.is_open()) return false;
-  if (state() == RecoveryState::kNeedHelp) {
+  if (state() == RelocalizationState::kNeedHelp) {
     return std::get<HelpWait>(phase_).IsTimeToAsk(
         tools_.options.help_interval_s, now);
   }
@@ -46,7 +48,7 @@ bool RelocalizationStateMachine::WantsPictures(base::MonotonicTime now) const {
 
 // ---- from outside ----
 
-void RelocalizationStateMachine::Begin(RecoveryCause cause,
+void RelocalizationStateMachine::Begin(RelocalizationCause cause,
                                        base::MonotonicTime now) {
   question_.Cancel();
   tools_.swing.ForgetHeld();
@@ -57,8 +59,8 @@ void RelocalizationStateMachine::Begin(RecoveryCause cause,
   episode_.began = now;
   episode_.before = PlaceBefore(tools_.tracker);
   phase_ = CameraPhase();
-  std::string text = RecoveryCauseText(cause);
-  if (cause == RecoveryCause::kVerdict) {
+  std::string text = RelocalizationCauseText(cause);
+  if (cause == RelocalizationCause::kVerdict) {
     absl::StrAppend(
         &text, ": ",
         localization::LostReasonName(tools_.tracker.verdict().reason));
@@ -67,7 +69,7 @@ void RelocalizationStateMachine::Begin(RecoveryCause cause,
   state_ = StoppingState(now);
 }
 
-void RelocalizationStateMachine::WasTold(base::MonotonicTime now) {
+void RelocalizationStateMachine::NotePoseWasSet(base::MonotonicTime now) {
   question_.Cancel();
   tools_.unique.EndWholeMap();
   if (IsActive()) tools_.report.Note("recovery", "it was told where it is");
@@ -76,36 +78,36 @@ void RelocalizationStateMachine::WasTold(base::MonotonicTime now) {
   state_ = IdleState();
 }
 
-LostAndFound::Output RelocalizationStateMachine::Step(
-    const RecoveryInput& input) {
+RelocalizationBehavior::Output RelocalizationStateMachine::Step(
+    const RelocalizationInput& input) {
   const base::MonotonicTime now = input.now;
-  if (state() == RecoveryState::kFound) state_ = IdleState();
-  if (state() == RecoveryState::kIdle) StepIdle(input);
+  if (state() == RelocalizationState::kFound) state_ = IdleState();
+  if (state() == RelocalizationState::kIdle) StepIdle(input);
   StepWholeMap(now);
   core::VelocityCommand wanted;
   switch (state()) {
-    case RecoveryState::kIdle:
-    case RecoveryState::kFound:
+    case RelocalizationState::kIdle:
+    case RelocalizationState::kFound:
       break;
-    case RecoveryState::kNeedHelp:
+    case RelocalizationState::kNeedHelp:
       StepNeedHelp(now);
       break;
-    case RecoveryState::kStopping:
+    case RelocalizationState::kStopping:
       StepStopping(now);
       break;
-    case RecoveryState::kLooking:
+    case RelocalizationState::kLooking:
       StepLooking(now);
       break;
-    case RecoveryState::kAsking:
+    case RelocalizationState::kAsking:
       StepAsking(now);
       break;
-    case RecoveryState::kTurning:
+    case RelocalizationState::kTurning:
       wanted = StepTurning(input);
       break;
-    case RecoveryState::kConfirming:
+    case RelocalizationState::kConfirming:
       wanted = StepConfirming(input);
       break;
-    case RecoveryState::kSearching:
+    case RelocalizationState::kSearching:
       wanted = StepSearching(input);
       break;
   }
@@ -114,13 +116,13 @@ LostAndFound::Output RelocalizationStateMachine::Step(
 
 // ---- what each state does ----
 
-void RelocalizationStateMachine::StepIdle(const RecoveryInput& input) {
+void RelocalizationStateMachine::StepIdle(const RelocalizationInput& input) {
   if (tools_.tracker.verdict().state == localization::LostState::kLost) {
-    Begin(RecoveryCause::kVerdict, input.now);
+    Begin(RelocalizationCause::kVerdict, input.now);
     return;
   }
   if (check_.Step(input, frame_, checker_, question_, tools_)) {
-    Begin(RecoveryCause::kCheck, input.now);
+    Begin(RelocalizationCause::kCheck, input.now);
   }
 }
 
@@ -178,7 +180,7 @@ void RelocalizationStateMachine::StepAsking(base::MonotonicTime now) {
 }
 
 core::VelocityCommand RelocalizationStateMachine::StepTurning(
-    const RecoveryInput& input) {
+    const RelocalizationInput& input) {
   const std::optional<localization::TrackedMotion> motion =
       tools_.tracker.Motion();
   if (!motion.has_value()) return {};
@@ -204,7 +206,7 @@ core::VelocityCommand RelocalizationStateMachine::StepTurning(
 }
 
 core::VelocityCommand RelocalizationStateMachine::StepConfirming(
-    const RecoveryInput& input) {
+    const RelocalizationInput& input) {
   const ConfirmingState::Result result =
       std::get<ConfirmingState>(state_).Step(input, tools_);
   switch (result.outcome) {
@@ -224,7 +226,7 @@ core::VelocityCommand RelocalizationStateMachine::StepConfirming(
 }
 
 core::VelocityCommand RelocalizationStateMachine::StepSearching(
-    const RecoveryInput& input) {
+    const RelocalizationInput& input) {
   const std::optional<localization::TrackedMotion> motion =
       tools_.tracker.Motion();
   if (!motion.has_value()) return {};
@@ -234,7 +236,7 @@ core::VelocityCommand RelocalizationStateMachine::StepSearching(
     // Of a question that was open when the search began.
     const auto answer = question_.Take(input.now);
     if (answer.has_value()) TakeAnswer(*answer, input.now);
-    if (state() != RecoveryState::kSearching) return {};
+    if (state() != RelocalizationState::kSearching) return {};
   }
   const LaserSearch::Result result =
       search.Step(input, *motion,
@@ -338,7 +340,7 @@ void RelocalizationStateMachine::Judge(const core::RelocalizationAnswer& answer,
                             says_nothing ? kRefusedPromise : fix.confidence);
   // What the check found is not believed for one more view.
   const PendingFixes::Result result = episode_.pending.Add(
-      fix, checker_.options(), episode_.cause != RecoveryCause::kCheck,
+      fix, checker_.options(), episode_.cause != RelocalizationCause::kCheck,
       IsUniquePlace(fix));
   switch (result.decision) {
     case FixDecision::kLookOn:
@@ -364,7 +366,7 @@ bool RelocalizationStateMachine::ReturnToPhase(base::MonotonicTime now) {
     return true;
   }
   if (!std::holds_alternative<LaserSearch>(phase_)) return false;
-  if (state() != RecoveryState::kSearching) {
+  if (state() != RelocalizationState::kSearching) {
     LaserSearch::Resume(tools_, now);
     state_ = SearchingState();
   }
@@ -383,7 +385,7 @@ void RelocalizationStateMachine::LookElsewhere(base::MonotonicTime now) {
 
 bool RelocalizationStateMachine::SeedWaitingUniquePlace(
     base::MonotonicTime now) {
-  if (episode_.cause == RecoveryCause::kCheck) return false;
+  if (episode_.cause == RelocalizationCause::kCheck) return false;
   const std::optional<GatedFix> fix = episode_.pending.TakeFirst(
       [this](const GatedFix& waiting) { return IsUniquePlace(waiting); });
   if (!fix.has_value()) return false;
@@ -396,9 +398,9 @@ void RelocalizationStateMachine::TurnToNextView(base::MonotonicTime now) {
   const std::optional<localization::TrackedMotion> motion =
       tools_.tracker.Motion();
   const bool has_time =
-      base::SecondsBetween(episode_.began, now) < tools_.options.most_server_s;
+      base::SecondsBetween(episode_.began, now) < tools_.options.max_server_s;
   if (!MayAsk() || !has_time || !motion.has_value()) {
-    GiveUpServer("no answer of the server could be believed", now);
+    GiveUpServer("no answer of the server passed the checks", now);
     return;
   }
   const std::optional<double> next_rad =
@@ -419,7 +421,7 @@ void RelocalizationStateMachine::Seed(const GatedFix& fix, bool was_seen_twice,
       tools_.tracker.Motion();
   if (!motion.has_value()) return;
   const core::LevelPose pose =
-      CarriedOn(fix.pose, fix.motion, *motion, *tools_.map);
+      PropagatedByOdometry(fix.pose, fix.motion, *motion, *tools_.map);
   const absl::Status told = tools_.tracker.SetPose(pose, fix.covariance, now);
   if (!told.ok()) {
     tools_.report.Note("fix", absl::StrCat("the fix could not be taken: ",
@@ -482,7 +484,7 @@ void RelocalizationStateMachine::GiveUpServer(const std::string& why,
   question_.Cancel();
   if (ReturnToPhase(now)) return;
   episode_.before.Restore(tools_.tracker, *tools_.map, now);
-  if (episode_.cause == RecoveryCause::kCheck) {
+  if (episode_.cause == RelocalizationCause::kCheck) {
     // Nobody said so but one picture: it stays where it was.
     tools_.report.Note("check",
                        absl::StrCat("it stays where it thought it was: ", why));
@@ -521,7 +523,7 @@ void RelocalizationStateMachine::BeginSearch(base::MonotonicTime now) {
 }
 
 void RelocalizationStateMachine::BeginWholeMap() {
-  if (tools_.options.method != RecoveryMethod::kServer ||
+  if (tools_.options.method != RelocalizationMethod::kServer ||
       episode_.has_tried_unique_place) {
     return;
   }
@@ -530,8 +532,8 @@ void RelocalizationStateMachine::BeginWholeMap() {
 
 void RelocalizationStateMachine::StepWholeMap(base::MonotonicTime now) {
   // Too late for a search that began without it?
-  if (tools_.unique.StepWholeMap() && state() == RecoveryState::kSearching &&
-      MayTryUniquePlace()) {
+  if (tools_.unique.StepWholeMap() &&
+      state() == RelocalizationState::kSearching && MayTryUniquePlace()) {
     TryUniquePlace(now);
   }
 }
@@ -540,7 +542,7 @@ bool RelocalizationStateMachine::MayTryUniquePlace() const {
   return tools_.unique.place().has_value() &&
          !episode_.has_tried_unique_place &&
          !std::holds_alternative<HelpWait>(phase_) &&
-         episode_.cause != RecoveryCause::kCheck;
+         episode_.cause != RelocalizationCause::kCheck;
 }
 
 bool RelocalizationStateMachine::IsLasersTurn() const {
@@ -565,7 +567,7 @@ bool RelocalizationStateMachine::IsUniquePlace(const GatedFix& fix) const {
   const std::optional<UniquePlace>& place = tools_.unique.place();
   if (!place.has_value()) return false;
   const core::LevelPose expected =
-      CarriedOn(place->pose, place->motion, fix.motion, *tools_.map);
+      PropagatedByOdometry(place->pose, place->motion, fix.motion, *tools_.map);
   return AreWithin(expected, fix.pose, checker_.options().pair_m,
                    checker_.options().pair_rad);
 }

@@ -1,5 +1,6 @@
-// LostAndFound as it is: which state follows which. What a state does is in a
-// class of its own: recovery_states.h, confirming_state.h, laser_search.h.
+// RelocalizationBehavior as it is: which state follows which. What a state does
+// is in a class of its own: relocalization_states.h, confirming_state.h,
+// laser_search.h.
 #ifndef NAV_AGENT_BEHAVIOR_RELOCALIZATION_STATE_MACHINE_H_
 #define NAV_AGENT_BEHAVIOR_RELOCALIZATION_STATE_MACHINE_H_
 
@@ -12,31 +13,32 @@
 #include "nav_agent/behavior/confirming_state.h"
 #include "nav_agent/behavior/fix_checker.h"
 #include "nav_agent/behavior/laser_search.h"
-#include "nav_agent/behavior/lost_and_found.h"
+#include "nav_agent/behavior/next_best_view.h"
 #include "nav_agent/behavior/pending_fixes.h"
 #include "nav_agent/behavior/place_before.h"
 #include "nav_agent/behavior/place_check.h"
-#include "nav_agent/behavior/recovery_states.h"
-#include "nav_agent/behavior/recovery_tools.h"
+#include "nav_agent/behavior/relocalization_behavior.h"
+#include "nav_agent/behavior/relocalization_states.h"
+#include "nav_agent/behavior/relocalization_tools.h"
 #include "nav_agent/behavior/server_question.h"
-#include "nav_agent/behavior/view_belief.h"
 
 namespace treeline::behavior {
 
-class RelocalizationStateMachine final : public LostAndFound {
+class RelocalizationStateMachine final : public RelocalizationBehavior {
  public:
   RelocalizationStateMachine(
       std::shared_ptr<const traversability::NavigationMap> map,
       const core::RobotModel& robot, localization::RobotTracker& tracker,
-      core::RelocalizationPort* server, const LostAndFoundOptions& options);
+      core::RelocalizationPort* server,
+      const RelocalizationBehaviorOptions& options);
 
   void AddFrame(const core::RgbdFrame& frame) override;
-  void Begin(RecoveryCause cause, base::MonotonicTime now) override;
-  void WasTold(base::MonotonicTime now) override;
-  Output Step(const RecoveryInput& input) override;
-  RecoveryState state() const override;
+  void Begin(RelocalizationCause cause, base::MonotonicTime now) override;
+  void NotePoseWasSet(base::MonotonicTime now) override;
+  Output Step(const RelocalizationInput& input) override;
+  RelocalizationState state() const override;
   bool WantsPictures(base::MonotonicTime now) const override;
-  std::vector<RecoveryNote> TakeNotes() override {
+  std::vector<RelocalizationNote> TakeNotes() override {
     return tools_.report.TakeNotes();
   }
   const std::optional<core::RelocalizationAnswer>& answer() const override {
@@ -50,7 +52,7 @@ class RelocalizationStateMachine final : public LostAndFound {
   }
 
  private:
-  // In RecoveryState's order.
+  // In RelocalizationState's order.
   using State = std::variant<IdleState, StoppingState, LookingState,
                              AskingState, TurningState, ConfirmingState,
                              SearchingState, FoundState, NeedHelpState>;
@@ -62,7 +64,7 @@ class RelocalizationStateMachine final : public LostAndFound {
 
   // One recovery, from its beginning to its end.
   struct Episode {
-    RecoveryCause cause = RecoveryCause::kVerdict;
+    RelocalizationCause cause = RelocalizationCause::kVerdict;
     base::MonotonicTime began;
     int questions = 0;
     // Questions in a row without an answer.
@@ -71,20 +73,20 @@ class RelocalizationStateMachine final : public LostAndFound {
     PendingFixes pending;
     PlaceBefore before;
     bool has_tried_unique_place = false;
-    ViewBelief belief;
+    NextBestView belief;
   };
 
   bool MayAsk() const;
   void Ask(const localization::TrackedMotion& motion, base::MonotonicTime now);
 
   // What each state does.
-  void StepIdle(const RecoveryInput& input);
+  void StepIdle(const RelocalizationInput& input);
   void StepStopping(base::MonotonicTime now);
   void StepLooking(base::MonotonicTime now);
   void StepAsking(base::MonotonicTime now);
-  core::VelocityCommand StepTurning(const RecoveryInput& input);
-  core::VelocityCommand StepConfirming(const RecoveryInput& input);
-  core::VelocityCommand StepSearching(const RecoveryInput& input);
+  core::VelocityCommand StepTurning(const RelocalizationInput& input);
+  core::VelocityCommand StepConfirming(const RelocalizationInput& input);
+  core::VelocityCommand StepSearching(const RelocalizationInput& input);
   void StepNeedHelp(base::MonotonicTime now);
 
   // The laser's own search over the whole map, with one scan, while the server
@@ -117,7 +119,7 @@ class RelocalizationStateMachine final : public LostAndFound {
   // Where the phase goes on, if it is not the camera's.
   bool ReturnToPhase(base::MonotonicTime now);
 
-  RecoveryTools tools_;
+  RelocalizationTools tools_;
   FixChecker checker_;
   ServerQuestion question_;
   PlaceCheck check_;

@@ -38,7 +38,7 @@ void SafeStop::Update(const std::vector<StopReason>& found,
   reason_.reset();
 }
 
-void TiltWatch::Add(const core::BaseReading& reading) {
+void TiltMonitor::Add(const core::BaseReading& reading) {
   // The angle of the base's z axis to the vertical.
   tilt_rad_ = std::acos(std::clamp(
       std::cos(reading.pitch_rad) * std::cos(reading.roll_rad), -1.0, 1.0));
@@ -50,7 +50,7 @@ void TiltWatch::Add(const core::BaseReading& reading) {
   }
 }
 
-std::optional<StopReason> TiltWatch::Problem() const {
+std::optional<StopReason> TiltMonitor::Problem() const {
   if (!since_.has_value() || base::SecondsBetween(*since_, stamp_) < for_s_) {
     return std::nullopt;
   }
@@ -60,7 +60,7 @@ std::optional<StopReason> TiltWatch::Problem() const {
                               InDegrees(tilt_rad_), InDegrees(max_rad_))};
 }
 
-void DeadlineWatch::Step(base::MonotonicTime now) {
+void DeadlineMonitor::Step(base::MonotonicTime now) {
   gap_s_ = last_.has_value() ? base::SecondsBetween(*last_, now) : 0;
   last_ = now;
   longest_gap_s_ = std::max(longest_gap_s_, gap_s_);
@@ -77,7 +77,7 @@ void DeadlineWatch::Step(base::MonotonicTime now) {
                                1e3 * gap_s_, 1e3 * period_s_, missed_));
 }
 
-std::optional<StopReason> DeadlineWatch::Problem() const {
+std::optional<StopReason> DeadlineMonitor::Problem() const {
   if (gap_s_ < late_s_) return std::nullopt;
   return StopReason{.cause = core::NavigationCause::kControlLate,
                     .text = absl::StrFormat(

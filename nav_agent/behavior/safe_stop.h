@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "nav_agent/behavior/event_log.h"
-#include "nav_agent/behavior/sensor_watch.h"
+#include "nav_agent/behavior/sensor_monitor.h"
 
 namespace treeline::behavior {
 
@@ -33,9 +33,9 @@ class SafeStop {
 };
 
 // Tilt that a robot of this model must not stand at. Not thread-safe.
-class TiltWatch {
+class TiltMonitor {
  public:
-  TiltWatch(const core::RobotModel& robot, const NavigatorLimits& limits)
+  TiltMonitor(const core::RobotModel& robot, const NavigatorLimits& limits)
       : max_rad_(robot.max_slope_rad + limits.tilt_margin_rad),
         for_s_(limits.tilt_s) {}
 
@@ -51,10 +51,10 @@ class TiltWatch {
 };
 
 // Whether Step is called in time. Not thread-safe.
-class DeadlineWatch {
+class DeadlineMonitor {
  public:
-  DeadlineWatch(double control_hz, const NavigatorLimits& limits,
-                EventLog& events)
+  DeadlineMonitor(double control_hz, const NavigatorLimits& limits,
+                  EventLog& events)
       : period_s_(1 / control_hz), late_s_(limits.late_s), events_(&events) {}
 
   void Step(base::MonotonicTime now);

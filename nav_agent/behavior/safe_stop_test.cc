@@ -234,7 +234,7 @@ TEST_F(SafeStopTest, LateStepsAreCounted) {
 // than goals.
 TEST_F(SafeStopTest, ComesBeforeEverythingElse) {
   Drive();
-  lost->now_state = RecoveryState::kSearching;
+  lost->now_state = RelocalizationState::kSearching;
   lost->wanted.yaw_rate_radps = 0.5;
   Run(0.1);
   EXPECT_EQ(mode(), NavigatorMode::kRelocalizing);

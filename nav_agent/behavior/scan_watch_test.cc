@@ -1,7 +1,7 @@
 #include "nav_agent/behavior/scan_watch.h"
 
 #include "gtest/gtest.h"
-#include "nav_agent/behavior/testing_recovery.h"
+#include "nav_agent/behavior/testing_relocalization.h"
 
 namespace treeline::behavior {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
-#include "nav_agent/behavior/recovery_parts.h"
+#include "nav_agent/behavior/relocalization_parts.h"
 
 namespace treeline::behavior {
 
@@ -31,7 +31,7 @@ bool SearchMotion::IsStuck(base::MonotonicTime now) const {
 }
 
 SearchMotion::Result SearchMotion::Step(
-    const localization::TrackedMotion& motion, const RecoveryInput& input,
+    const localization::TrackedMotion& motion, const RelocalizationInput& input,
     const SearchSpeeds& speeds, SwingMotion& swing) {
   switch (leg_) {
     case Leg::kTurn:
@@ -45,7 +45,7 @@ SearchMotion::Result SearchMotion::Step(
 }
 
 SearchMotion::Result SearchMotion::Turn(
-    const localization::TrackedMotion& motion, const RecoveryInput& input,
+    const localization::TrackedMotion& motion, const RelocalizationInput& input,
     const SearchSpeeds& speeds, SwingMotion& swing) {
   const double yaw_rad = motion.odom_from_base.yaw_rad;
   const double back_rad = geometry::NormalizedAngle_rad(
@@ -84,7 +84,7 @@ core::VelocityCommand SearchMotion::Face(
 }
 
 core::VelocityCommand SearchMotion::Move(
-    const localization::TrackedMotion& motion, const RecoveryInput& input,
+    const localization::TrackedMotion& motion, const RelocalizationInput& input,
     double move_mps) {
   const double moved_m =
       geometry::Norm(motion.odom_from_base.translation - leg_from_.translation);

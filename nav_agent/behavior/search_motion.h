@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "nav_agent/behavior/lost_and_found.h"
+#include "nav_agent/behavior/relocalization_behavior.h"
 #include "nav_agent/behavior/swing_motion.h"
 #include "nav_agent/localization/robot_tracker.h"
 
@@ -35,7 +35,7 @@ class SearchMotion {
   void AddTurn(double turned_rad) { turned_rad_ += turned_rad; }
 
   Result Step(const localization::TrackedMotion& motion,
-              const RecoveryInput& input, const SearchSpeeds& speeds,
+              const RelocalizationInput& input, const SearchSpeeds& speeds,
               SwingMotion& swing);
 
  private:
@@ -44,12 +44,12 @@ class SearchMotion {
   void NextLeg(Leg leg, const localization::TrackedMotion& motion,
                base::MonotonicTime now);
   Result Turn(const localization::TrackedMotion& motion,
-              const RecoveryInput& input, const SearchSpeeds& speeds,
+              const RelocalizationInput& input, const SearchSpeeds& speeds,
               SwingMotion& swing);
   core::VelocityCommand Face(const localization::TrackedMotion& motion,
                              base::MonotonicTime now, double turn_radps);
   core::VelocityCommand Move(const localization::TrackedMotion& motion,
-                             const RecoveryInput& input, double move_mps);
+                             const RelocalizationInput& input, double move_mps);
   bool IsStuck(base::MonotonicTime now) const;
 
   Leg leg_ = Leg::kTurn;

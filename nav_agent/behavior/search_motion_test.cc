@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "gtest/gtest.h"
-#include "nav_agent/behavior/testing_recovery.h"
+#include "nav_agent/behavior/testing_relocalization.h"
 
 namespace treeline::behavior {
 namespace {

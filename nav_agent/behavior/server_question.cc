@@ -4,7 +4,7 @@
 
 #include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
-#include "nav_agent/behavior/recovery_parts.h"
+#include "nav_agent/behavior/relocalization_parts.h"
 
 namespace treeline::behavior {
 

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "gtest/gtest.h"
-#include "nav_agent/behavior/testing_recovery.h"
+#include "nav_agent/behavior/testing_relocalization.h"
 
 namespace treeline::behavior {
 namespace {

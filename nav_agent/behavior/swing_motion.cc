@@ -5,7 +5,7 @@
 
 #include "common/base/clock.h"
 #include "nav_agent/behavior/parameters.h"
-#include "nav_agent/behavior/recovery_parts.h"
+#include "nav_agent/behavior/relocalization_parts.h"
 
 namespace treeline::behavior {
 
@@ -21,7 +21,7 @@ core::VelocityCommand TurnTowards(double yaw_in_odom_rad,
 }
 
 core::VelocityCommand SwingMotion::Step(
-    const localization::TrackedMotion& motion, const RecoveryInput& input,
+    const localization::TrackedMotion& motion, const RelocalizationInput& input,
     double turn_radps, double move_mps) {
   const auto held_on_this_side = [this]() -> std::optional<geometry::Rigid2>& {
     return held_at_[side_ > 0 ? 1 : 0];

@@ -6,7 +6,7 @@
 #include <array>
 #include <optional>
 
-#include "nav_agent/behavior/lost_and_found.h"
+#include "nav_agent/behavior/relocalization_behavior.h"
 #include "nav_agent/localization/robot_tracker.h"
 
 namespace treeline::behavior {
@@ -25,8 +25,8 @@ class SwingMotion {
   void ForgetHeld() { held_at_ = {}; }
 
   core::VelocityCommand Step(const localization::TrackedMotion& motion,
-                             const RecoveryInput& input, double turn_radps,
-                             double move_mps);
+                             const RelocalizationInput& input,
+                             double turn_radps, double move_mps);
 
  private:
   // 1: to the left, -1: to the right.

@@ -21,7 +21,7 @@ class NavigatorFixture : public testing::Test {
   void Make(const NavigatorOptions& options = {}) {
     NavigatorParts parts;
     parts.map = OpenMap();
-    auto planner_part = std::make_unique<FakePlanRunner>();
+    auto planner_part = std::make_unique<FakePlannerWorker>();
     auto controller_part = std::make_unique<FakeController>();
     auto tracker_part = std::make_unique<FakeTracker>();
     auto lost_part = std::make_unique<FakeLost>();
@@ -110,7 +110,7 @@ class NavigatorFixture : public testing::Test {
   FakeOdometry odometry;
   FakeBase base;
   FakeCamera camera;
-  FakePlanRunner* planner = nullptr;
+  FakePlannerWorker* planner = nullptr;
   FakeController* controller = nullptr;
   FakeTracker* tracker = nullptr;
   FakeLost* lost = nullptr;

@@ -37,7 +37,7 @@ inline core::LevelPose PoseAtPoint(double x_m, double y_m, double yaw_rad = 0,
 }
 
 // Answers what a test put into it, in order; then straight ways.
-class FakePlanRunner final : public PlanRunner {
+class FakePlannerWorker final : public PlannerWorker {
  public:
   void Start(const planning::PlanRequest& request,
              const planning::PlanBudget& budget) override {
@@ -121,9 +121,10 @@ class FakeController final : public control::LocalController {
     return quiet_s;
   }
   double FreeWay_m(const control::ControlPose& /*pose*/,
-                   double at_most_m) const override {
-    return std::abs(at_most_m) > free_m ? std::copysign(free_m, at_most_m)
-                                        : at_most_m;
+                   double max_distance_m) const override {
+    return std::abs(max_distance_m) > free_m
+               ? std::copysign(free_m, max_distance_m)
+               : max_distance_m;
   }
   std::vector<control::Bubble> Bubbles() const override { return {}; }
   control::CostmapView Costmap() const override { return {}; }
@@ -167,7 +168,7 @@ class FakeTracker final : public localization::RobotTracker {
     pose = told;
     return absl::OkStatus();
   }
-  void SetAnywhere(base::MonotonicTime /*now*/) override {}
+  void StartGlobalLocalization(base::MonotonicTime /*now*/) override {}
   std::optional<localization::TrackedPose> Pose() const override {
     if (!pose.has_value() || readings == 0) return std::nullopt;
     localization::TrackedPose tracked;
@@ -222,27 +223,27 @@ class FakeTracker final : public localization::RobotTracker {
   int scans = 0;
 };
 
-class FakeLost final : public LostAndFound {
+class FakeLost final : public RelocalizationBehavior {
  public:
   bool WantsPictures(base::MonotonicTime /*now*/) const override {
     return wants_pictures;
   }
   void AddFrame(const core::RgbdFrame& /*frame*/) override { ++frames; }
-  void Begin(RecoveryCause cause, base::MonotonicTime /*now*/) override {
+  void Begin(RelocalizationCause cause, base::MonotonicTime /*now*/) override {
     begun.push_back(cause);
-    now_state = RecoveryState::kStopping;
+    now_state = RelocalizationState::kStopping;
   }
-  void WasTold(base::MonotonicTime /*now*/) override {
+  void NotePoseWasSet(base::MonotonicTime /*now*/) override {
     ++told;
-    now_state = RecoveryState::kIdle;
+    now_state = RelocalizationState::kIdle;
   }
-  Output Step(const RecoveryInput& input) override {
+  Output Step(const RelocalizationInput& input) override {
     ++steps;
     last_input = input;
     return {.state = now_state, .wanted = wanted};
   }
-  RecoveryState state() const override { return now_state; }
-  std::vector<RecoveryNote> TakeNotes() override {
+  RelocalizationState state() const override { return now_state; }
+  std::vector<RelocalizationNote> TakeNotes() override {
     return std::exchange(notes, {});
   }
   const std::optional<core::RelocalizationAnswer>& answer() const override {
@@ -254,13 +255,13 @@ class FakeLost final : public LostAndFound {
   }
 
   bool wants_pictures = false;
-  RecoveryState now_state = RecoveryState::kIdle;
+  RelocalizationState now_state = RelocalizationState::kIdle;
   core::VelocityCommand wanted;
-  std::vector<RecoveryCause> begun;
-  std::vector<RecoveryNote> notes;
+  std::vector<RelocalizationCause> begun;
+  std::vector<RelocalizationNote> notes;
   std::optional<core::RelocalizationAnswer> fix;
   std::string verdict;
-  RecoveryInput last_input;
+  RelocalizationInput last_input;
   int frames = 0;
   int told = 0;
   int steps = 0;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "nav_agent/behavior/recovery_parameters.h"
+#include "nav_agent/behavior/relocalization_parameters.h"
 #include "nav_agent/localization/robot_tracker.h"
 
 namespace treeline::behavior {

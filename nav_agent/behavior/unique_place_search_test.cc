@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "nav_agent/behavior/testing_recovery.h"
+#include "nav_agent/behavior/testing_relocalization.h"
 
 namespace treeline::behavior {
 namespace {

@@ -41,7 +41,7 @@ core::VelocityCommand ApproachRegulator::MoveTo(geometry::Vec2 goal_in_base) {
   if (std::abs(off_rad) < kAlignUntil_rad) aligns_ = false;
   if (aligns_) {
     return {.forward_mps = 0,
-            .yaw_rate_radps = TurnRate_radps(off_rad, robot_)};
+            .yaw_rate_radps = TurnOnSpotRate_radps(off_rad, robot_)};
   }
   const double brake = kGoalBrakeShare * robot_.max_deceleration_mps2;
   const double speed =
@@ -81,7 +81,8 @@ core::VelocityCommand ApproachRegulator::Command(
     phase_ = Phase::kTurn;
   }
   if (phase_ == Phase::kDone) return {};
-  return {.forward_mps = 0, .yaw_rate_radps = TurnRate_radps(turn_rad, robot_)};
+  return {.forward_mps = 0,
+          .yaw_rate_radps = TurnOnSpotRate_radps(turn_rad, robot_)};
 }
 
 }  // namespace treeline::control

@@ -108,8 +108,8 @@ GuardVerdict CollisionGuard::Check(const core::VelocityCommand& wanted,
         .forward_mps = share * wanted.forward_mps,
         .yaw_rate_radps = share * wanted.yaw_rate_radps};
     // What is left of a command is no motion any more.
-    if (verdict.is_limited && std::abs(command.forward_mps) < kLeastSpeed_mps &&
-        std::abs(command.yaw_rate_radps) < kLeastTurn_radps) {
+    if (verdict.is_limited && std::abs(command.forward_mps) < kMinSpeed_mps &&
+        std::abs(command.yaw_rate_radps) < kMinTurn_radps) {
       break;
     }
     const GuardPoint* hit = FirstHit(command, points, now_m);

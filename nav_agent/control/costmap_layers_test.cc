@@ -6,12 +6,12 @@
 
 #include "gtest/gtest.h"
 #include "nav_agent/control/costmap_window.h"
-#include "nav_agent/control/depth_sight.h"
+#include "nav_agent/control/depth_observer.h"
 #include "nav_agent/control/distance_layer.h"
 #include "nav_agent/control/ground_layer.h"
-#include "nav_agent/control/laser_sight.h"
+#include "nav_agent/control/laser_observer.h"
+#include "nav_agent/control/observed_obstacles.h"
 #include "nav_agent/control/obstacle_layer.h"
-#include "nav_agent/control/seen_obstacles.h"
 #include "nav_agent/control/testing_floor.h"
 
 namespace treeline::control {
@@ -206,11 +206,12 @@ TEST(ObstacleLayer, WhatIsNewIsWidenedAndWhatIsNearTheMapIsNot) {
   EXPECT_EQ(is_obstacle[IndexAt(window, {6.775, 6.025})], 0);
 }
 
-TEST(LaserSight, ABeamAloneIsAnEcho) {
+TEST(LaserObserver, ABeamAloneIsAnEcho) {
   const CostmapWindow window = WindowAt6();
   const GroundLayer ground = GroundOf(TestingFloor(), window);
   ObstacleLayer obstacles(window.cells(), false);
-  LaserSight laser(TestingLaser(), kRobot.base_from_laser, kRobot.height_m, 8);
+  LaserObserver laser(TestingLaser(), kRobot.base_from_laser, kRobot.height_m,
+                      8);
   const ControlPose pose = TestingPose(6, 6);
   core::LaserScan scan = TestingScan(pose, NothingThere);
   EXPECT_TRUE(laser.Check(scan).ok());
@@ -227,8 +228,8 @@ TEST(LaserSight, ABeamAloneIsAnEcho) {
   EXPECT_EQ(laser.Check(scan).code(), absl::StatusCode::kInvalidArgument);
 }
 
-TEST(DepthSight, AFrameWithoutDepthIsRefused) {
-  EXPECT_EQ(DepthSight::Check(core::RgbdFrame()).code(),
+TEST(DepthObserver, AFrameWithoutDepthIsRefused) {
+  EXPECT_EQ(DepthObserver::Check(core::RgbdFrame()).code(),
             absl::StatusCode::kInvalidArgument);
 }
 
@@ -258,14 +259,14 @@ TEST(SeenObstacles, HangTogetherOverGapsOfACell) {
                                      IndexAt(window, {7.125, 6.025}),
                                      IndexAt(window, {7.325, 6.025})};
   for (int i = 0; i < 3; ++i) Look(obstacles, cells, 1000 + 25 * i);
-  const SeenObstacle seen =
-      SeenObstacleNear(window, ground, obstacles, {7, 6}, 0.5, 3000);
+  const ObservedObstacle seen =
+      ObservedObstacleNear(window, ground, obstacles, {7, 6}, 0.5, 3000);
   EXPECT_NEAR(seen.center_in_map.x, 7.075, 1e-9);
   EXPECT_NEAR(seen.radius_m, 0.075, 1e-9);
   EXPECT_NEAR(seen.age_s, 2, 1e-9);
-  EXPECT_EQ(
-      SeenObstacleNear(window, ground, obstacles, {5, 6}, 0.5, 3000).radius_m,
-      0);
+  EXPECT_EQ(ObservedObstacleNear(window, ground, obstacles, {5, 6}, 0.5, 3000)
+                .radius_m,
+            0);
   // No sensor shows them any more.
   EXPECT_TRUE(UnseenObstaclesNear(window, ground, obstacles, {7, 6}, 0.5, 1100)
                   .empty());

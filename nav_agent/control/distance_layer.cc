@@ -72,29 +72,29 @@ bool DistanceLayer::IsObstacle(geometry::Vec2 point_in_map) const {
 }
 
 double DistanceLayer::FootprintDistance_m(const geometry::Rigid2& map_from_base,
-                                          double at_most_m) const {
+                                          double max_distance_m) const {
   const double from_center_m = Distance_m(map_from_base.translation);
   const double circumradius_m = footprint_.Circumradius_m();
-  if (from_center_m > circumradius_m + at_most_m) return at_most_m;
+  if (from_center_m > circumradius_m + max_distance_m) return max_distance_m;
   const double c = std::cos(map_from_base.yaw_rad);
   const double s = std::sin(map_from_base.yaw_rad);
   const geometry::Vec2 at = map_from_base.translation;
   const auto in_map = [&](geometry::Vec2 p) {
     return geometry::Vec2{at.x + c * p.x - s * p.y, at.y + s * p.x + c * p.y};
   };
-  double least_m = at_most_m;
+  double min_distance_m = max_distance_m;
   for (const geometry::Vec2& point : edge_in_base_) {
-    least_m = std::min(least_m, Distance_m(in_map(point)));
+    min_distance_m = std::min(min_distance_m, Distance_m(in_map(point)));
   }
   // Something small may stand within.
-  if (least_m > 0 && from_center_m < circumradius_m) {
+  if (min_distance_m > 0 && from_center_m < circumradius_m) {
     for (const geometry::Vec2& point : area_in_base_) {
       if (!IsObstacle(in_map(point))) continue;
       return std::min(-window_.resolution_m(),
                       -footprint_.Inradius_m() + from_center_m);
     }
   }
-  return least_m;
+  return min_distance_m;
 }
 
 }  // namespace treeline::control

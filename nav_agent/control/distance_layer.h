@@ -34,9 +34,9 @@ class DistanceLayer {
   geometry::Vec2 Away(geometry::Vec2 point_in_map) const;
   // The free distance of the footprint at a pose; negative if it touches
   // something. Exact up to the grid: the least Distance_m along its edge.
-  // Never more than at_most_m.
+  // Never more than max_distance_m.
   double FootprintDistance_m(const geometry::Rigid2& map_from_base,
-                             double at_most_m) const;
+                             double max_distance_m) const;
 
  private:
   bool IsObstacle(geometry::Vec2 point_in_map) const;

@@ -21,7 +21,7 @@ inline constexpr base::Parameter<double> kManoeuvreRoom_m{
 inline constexpr base::Parameter<double> kFreeRoom_m{
     "free_room", 0.01, "m", base::ParameterOrigin::kTuned,
     "a footprint with less room touches"};
-inline constexpr base::Parameter<double> kComesNearer_m{
+inline constexpr base::Parameter<double> kMaxApproach_m{
     "comes_nearer", 0.003, "m", base::ParameterOrigin::kTuned,
     "by which a move may come nearer to what is too near already"};
 // ---- the path ----

@@ -25,10 +25,10 @@ struct BandBubble {
 class BandSpace {
  public:
   virtual ~BandSpace() = default;
-  // The free distance of the footprint at this pose, at most at_most_m;
+  // The free distance of the footprint at this pose, at most max_distance_m;
   // negative where it touches something, and where nothing is known (m).
   virtual double FreeDistance_m(const geometry::Rigid2& map_from_base,
-                                double at_most_m) const = 0;
+                                double max_distance_m) const = 0;
   // Unit vector from the nearest obstacle; 0 if there is none.
   virtual geometry::Vec2 Away(geometry::Vec2 point_in_map) const = 0;
 };

@@ -19,13 +19,14 @@ class Posts final : public BandSpace {
   explicit Posts(std::vector<geometry::Vec2> posts, Footprint body = kBody)
       : posts_(std::move(posts)), body_(body) {}
   double FreeDistance_m(const geometry::Rigid2& map_from_base,
-                        double at_most_m) const override {
+                        double max_distance_m) const override {
     const geometry::Rigid2 base_from_map = map_from_base.Inverse();
-    double least_m = at_most_m;
+    double min_distance_m = max_distance_m;
     for (const geometry::Vec2& post : posts_) {
-      least_m = std::min(least_m, body_.DistanceTo_m(base_from_map * post));
+      min_distance_m =
+          std::min(min_distance_m, body_.DistanceTo_m(base_from_map * post));
     }
-    return least_m;
+    return min_distance_m;
   }
   geometry::Vec2 Away(geometry::Vec2 point) const override {
     geometry::Vec2 nearest = {1e9, 1e9};
@@ -85,11 +86,11 @@ TEST(ElasticBand, KeepsItsDistanceWhereThereIsRoom) {
   band.Set(Line({0, 0}, {3, 0}, 16));
   Settle(band, space);
   EXPECT_FALSE(band.FirstBreak(space).has_value());
-  double least_m = 1;
+  double min_distance_m = 1;
   for (const BandBubble& bubble : band.bubbles()) {
-    least_m = std::min(least_m, bubble.radius_m);
+    min_distance_m = std::min(min_distance_m, bubble.radius_m);
   }
-  EXPECT_GT(least_m, 0.2);
+  EXPECT_GT(min_distance_m, 0.2);
   EXPECT_LT(LengthOf(band), 3.15);
 }
 

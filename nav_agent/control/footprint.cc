@@ -31,23 +31,24 @@ double Footprint::OutwardSpeed_mps(const core::VelocityCommand& motion,
   const double v = motion.forward_mps;
   const double w = motion.yaw_rate_radps;
   const auto [x, y] = point_in_base;
-  double fastest_mps = 0;
+  double max_edge_speed_mps = 0;
   // Front and rear: v - w y outwards and inwards; sides: w x. Along a side
   // both are fastest at an end.
   for (const double sign : {1.0, -1.0}) {
     const double end_x = sign > 0 ? front_m : -rear_m;
     if (const auto part =
             PartNear(-half_width_m, half_width_m, y, x - end_x, reach_m)) {
-      fastest_mps = std::max({fastest_mps, sign * (v - w * part->first),
-                              sign * (v - w * part->second)});
+      max_edge_speed_mps =
+          std::max({max_edge_speed_mps, sign * (v - w * part->first),
+                    sign * (v - w * part->second)});
     }
     if (const auto part =
             PartNear(-rear_m, front_m, x, y - sign * half_width_m, reach_m)) {
-      fastest_mps = std::max(
-          {fastest_mps, sign * w * part->first, sign * w * part->second});
+      max_edge_speed_mps = std::max({max_edge_speed_mps, sign * w * part->first,
+                                     sign * w * part->second});
     }
   }
-  return fastest_mps;
+  return max_edge_speed_mps;
 }
 
 std::vector<geometry::Vec2> Footprint::Edge(double spacing_m) const {

@@ -9,12 +9,13 @@ namespace treeline::control {
 
 // Whether the footprint can turn fully with kFreeRoom_m beside it. Where it
 // stands too near to something already, it must not get nearer by more than
-// kComesNearer_m.
+// kMaxApproach_m.
 bool CanTurnAt(const geometry::Rigid2& map_from_base,
                const LocalCostmap& costmap);
 
-// How far it can move straight ahead so, at_most_m or less (negative: back).
-double FreeWayAt_m(const geometry::Rigid2& map_from_base, double at_most_m,
+// How far it can move straight ahead so, max_distance_m or less (negative:
+// back).
+double FreeWayAt_m(const geometry::Rigid2& map_from_base, double max_distance_m,
                    const LocalCostmap& costmap);
 
 }  // namespace treeline::control

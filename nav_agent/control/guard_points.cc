@@ -7,7 +7,7 @@
 namespace treeline::control {
 namespace {
 
-double MarginOf_m(const SeenPoint& point, bool knows_movers,
+double MarginOf_m(const ObservedPoint& point, bool knows_movers,
                   const CollisionGuardOptions& options) {
   if (point.is_moving) {
     return knows_movers ? options.body_margin_m : options.moving_margin_m;
@@ -17,12 +17,12 @@ double MarginOf_m(const SeenPoint& point, bool knows_movers,
 
 // Those of one sensor, beam after beam.
 void AddSeen(const geometry::Rigid2& base_from_map,
-             std::span<const SeenPoint> seen, bool knows_movers,
+             std::span<const ObservedPoint> seen, bool knows_movers,
              const CollisionGuard& guard, std::vector<GuardPoint>& points) {
   const double reach_m = guard.Reach_m();
   const CollisionGuardOptions& options = guard.options();
   geometry::Vec2 last = {1e9, 1e9};
-  for (const SeenPoint& point : seen) {
+  for (const ObservedPoint& point : seen) {
     const geometry::Vec2 in_base = base_from_map * point.in_map;
     // Neighbouring beams that end side by side say the same.
     if (geometry::Norm(in_base) > reach_m ||
@@ -41,7 +41,7 @@ void AddSeen(const geometry::Rigid2& base_from_map,
 
 std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
                                       const LocalCostmap& costmap,
-                                      std::span<const Mover> movers,
+                                      std::span<const DynamicObstacle> movers,
                                       const CollisionGuard& guard) {
   const geometry::Rigid2 base_from_map = pose.pose.map_from_base.Inverse();
   const double reach_m = guard.Reach_m();
@@ -49,7 +49,7 @@ std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
   // Walls seem to move to a robot that turns and does not know the map.
   const bool knows_movers = !pose.map_is_unknown;
   std::vector<GuardPoint> points;
-  const auto add_seen = [&](std::span<const SeenPoint> seen) {
+  const auto add_seen = [&](std::span<const ObservedPoint> seen) {
     AddSeen(base_from_map, seen, knows_movers, guard, points);
   };
   add_seen(costmap.scan_points(core::LaserMount::kFront));
@@ -59,7 +59,7 @@ std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
               .count() < kDepthLifetime_s) {
     add_seen(costmap.depth_points());
   }
-  for (const UnseenObstacle& unseen : costmap.UnseenObstacles(
+  for (const RememberedObstacle& unseen : costmap.UnseenObstacles(
            pose.pose.map_from_base.translation, reach_m, pose.stamp)) {
     points.push_back({.in_base = base_from_map * unseen.in_map,
                       .margin_m = unseen.is_new ? options.new_margin_m
@@ -75,14 +75,16 @@ std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
     }
   }
   // Somebody who went out of sight behind the robot is still about.
-  for (const Mover& mover : movers) {
+  for (const DynamicObstacle& mover : movers) {
     if (mover.unseen_s == 0) continue;
     const geometry::Vec2 in_base = base_from_map * mover.in_map;
-    if (geometry::Norm(in_base) > reach_m + mover.doubt_m) continue;
-    points.push_back({.in_base = in_base,
-                      .margin_m = options.lost_margin_m + mover.doubt_m,
-                      .approach_mps = options.approach_mps,
-                      .is_of_body = true});
+    if (geometry::Norm(in_base) > reach_m + mover.position_uncertainty_m)
+      continue;
+    points.push_back(
+        {.in_base = in_base,
+         .margin_m = options.lost_margin_m + mover.position_uncertainty_m,
+         .approach_mps = options.approach_mps,
+         .is_of_body = true});
   }
   return points;
 }

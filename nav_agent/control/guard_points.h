@@ -7,8 +7,8 @@
 
 #include "nav_agent/control/collision_guard.h"
 #include "nav_agent/control/control_pose.h"
+#include "nav_agent/control/dynamic_obstacle_tracker.h"
 #include "nav_agent/control/local_costmap.h"
-#include "nav_agent/control/mover_tracks.h"
 
 namespace treeline::control {
 
@@ -19,7 +19,7 @@ namespace treeline::control {
 // margin that the guard's options have for its kind.
 std::vector<GuardPoint> GuardPointsOf(const ControlPose& pose,
                                       const LocalCostmap& costmap,
-                                      std::span<const Mover> movers,
+                                      std::span<const DynamicObstacle> movers,
                                       const CollisionGuard& guard);
 
 }  // namespace treeline::control

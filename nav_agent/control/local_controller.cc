@@ -10,16 +10,16 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/control/band_keeper.h"
+#include "nav_agent/control/band_follower.h"
 #include "nav_agent/control/collision_guard.h"
 #include "nav_agent/control/driving_parameters.h"
+#include "nav_agent/control/dynamic_obstacle_tracker.h"
 #include "nav_agent/control/free_room.h"
 #include "nav_agent/control/guard_points.h"
 #include "nav_agent/control/local_costmap.h"
 #include "nav_agent/control/manoeuvre_parameters.h"
-#include "nav_agent/control/mover_tracks.h"
 #include "nav_agent/control/obstacle_parameters.h"
-#include "nav_agent/control/standstill.h"
+#include "nav_agent/control/stuck_detector.h"
 #include "nav_agent/control/velocity_limits.h"
 #include "nav_agent/control/velocity_regulators.h"
 
@@ -39,10 +39,10 @@ class BandController final : public LocalController {
       : robot_(robot),
         lasers_(lasers),
         costmap_(std::move(costmap)),
-        movers_({}),
+        dynamic_obstacles_({}),
         guard_(robot, CollisionGuardOptions()),
         keeper_(std::move(map),
-                BandKeeperOptions::For(robot, options.inflation_m)),
+                BandFollowerOptions::For(robot, options.inflation_m)),
         regulators_(robot,
                     {.approach = {.tolerance_m = options.goal_tolerance_m,
                                   .tolerance_rad = options.goal_tolerance_rad},
@@ -52,7 +52,7 @@ class BandController final : public LocalController {
   absl::Status AddScan(const ControlPose& pose,
                        const core::LaserScan& scan) override {
     TL_RETURN_IF_ERROR(costmap_.AddScan(pose, scan));
-    FollowMovers(pose, scan);
+    TrackDynamicObstacles(pose, scan);
     return absl::OkStatus();
   }
   absl::Status AddRearScan(const ControlPose& pose,
@@ -67,7 +67,7 @@ class BandController final : public LocalController {
   }
   void ClearObstacles() override {
     costmap_.ClearObstacles();
-    movers_.Clear();
+    dynamic_obstacles_.Clear();
     behind_.reset();
     standstill_.Reset();
   }
@@ -79,21 +79,24 @@ class BandController final : public LocalController {
   bool CanTurn(const ControlPose& pose) const override {
     return CanTurnAt(pose.pose.map_from_base, costmap_);
   }
-  double FreeWay_m(const ControlPose& pose, double at_most_m) const override {
-    return FreeWayAt_m(pose.pose.map_from_base, at_most_m, costmap_);
+  double FreeWay_m(const ControlPose& pose,
+                   double max_distance_m) const override {
+    return FreeWayAt_m(pose.pose.map_from_base, max_distance_m, costmap_);
   }
   double QuietFor_s(base::MonotonicTime now) const override {
-    return movers_.last_seen().has_value() && !lasers_.rear.has_value()
-               ? base::SecondsBetween(*movers_.last_seen(), now)
+    return dynamic_obstacles_.last_seen().has_value() &&
+                   !lasers_.rear.has_value()
+               ? base::SecondsBetween(*dynamic_obstacles_.last_seen(), now)
                : std::numeric_limits<double>::infinity();
   }
   std::vector<Bubble> Bubbles() const override;
   CostmapView Costmap() const override;
 
  private:
-  LaserLook LookOf(core::LaserMount mount, const ControlPose& pose,
-                   const core::LaserScan& scan) const;
-  void FollowMovers(const ControlPose& pose, const core::LaserScan& scan);
+  TrackedScan LookOf(core::LaserMount mount, const ControlPose& pose,
+                     const core::LaserScan& scan) const;
+  void TrackDynamicObstacles(const ControlPose& pose,
+                             const core::LaserScan& scan);
   // Each laser has shown something lately.
   bool Sees(base::MonotonicTime now) const;
   // What all commands have in common; those of a path come with more.
@@ -107,25 +110,25 @@ class BandController final : public LocalController {
                           std::span<const GuardPoint> points);
   void NoteProgress(const ControlPose& pose);
   bool MayBackUp(const ControlPose& pose) const;
-  StandstillInput StandstillInputOf(const ControlPose& pose,
-                                    const BandTrack& track,
-                                    const RegulatedVelocity& regulated) const;
+  StuckDetectorInput StandstillInputOf(
+      const ControlPose& pose, const BandTrack& track,
+      const RegulatedVelocity& regulated) const;
   void JudgeProgress(const ControlPose& pose, const BandTrack& track,
                      const RegulatedVelocity& regulated, ControlResult& result);
 
   core::RobotModel robot_;
   core::RobotLasers lasers_;
   LocalCostmap costmap_;
-  MoverTracks movers_;
+  DynamicObstacleTracker dynamic_obstacles_;
   // The newest scan of what is behind.
-  std::optional<LaserLook> behind_;
+  std::optional<TrackedScan> behind_;
   CollisionGuard guard_;
-  CommandHistory history_;
-  BandKeeper keeper_;
+  LastCommands history_;
+  BandFollower keeper_;
   VelocityRegulators regulators_;
   // Where the robot got on last, and when.
   std::optional<std::pair<geometry::Vec2, base::MonotonicTime>> got_on_;
-  Standstill standstill_;
+  StuckDetector standstill_;
 };
 
 void BandController::SetPath(const std::vector<core::LevelPose>& path) {
@@ -134,9 +137,9 @@ void BandController::SetPath(const std::vector<core::LevelPose>& path) {
   standstill_.Reset();
 }
 
-LaserLook BandController::LookOf(core::LaserMount mount,
-                                 const ControlPose& pose,
-                                 const core::LaserScan& scan) const {
+TrackedScan BandController::LookOf(core::LaserMount mount,
+                                   const ControlPose& pose,
+                                   const core::LaserScan& scan) const {
   return {
       .laser = mount == core::LaserMount::kRear ? *lasers_.rear : lasers_.front,
       .map_from_laser = MapFromBase3(pose) * robot_.BaseFrom(mount),
@@ -144,18 +147,19 @@ LaserLook BandController::LookOf(core::LaserMount mount,
       .points = costmap_.scan_points(mount)};
 }
 
-void BandController::FollowMovers(const ControlPose& pose,
-                                  const core::LaserScan& scan) {
+void BandController::TrackDynamicObstacles(const ControlPose& pose,
+                                           const core::LaserScan& scan) {
   if (pose.map_is_unknown) {
-    movers_.Clear();
+    dynamic_obstacles_.Clear();
     return;
   }
-  std::vector<LaserLook> looks = {LookOf(core::LaserMount::kFront, pose, scan)};
+  std::vector<TrackedScan> looks = {
+      LookOf(core::LaserMount::kFront, pose, scan)};
   if (behind_.has_value() &&
       base::SecondsBetween(behind_->scan.stamp, scan.stamp) < kLag_s) {
     looks.push_back(*behind_);
   }
-  movers_.AddLooks(scan.stamp, looks);
+  dynamic_obstacles_.AddLooks(scan.stamp, looks);
 }
 
 bool BandController::Sees(base::MonotonicTime now) const {
@@ -209,8 +213,8 @@ core::VelocityCommand BandController::Guard(
   if (!IsFinitePose(pose)) return Allow(pose, wanted, {}).velocity;
   costmap_.MoveTo(pose);
   costmap_.Update(pose.stamp);
-  const std::vector<GuardPoint> points =
-      GuardPointsOf(pose, costmap_, movers_.Movers(), guard_);
+  const std::vector<GuardPoint> points = GuardPointsOf(
+      pose, costmap_, dynamic_obstacles_.DynamicObstacles(), guard_);
   return Allow(pose, wanted, points).velocity;
 }
 
@@ -225,7 +229,7 @@ void BandController::NoteProgress(const ControlPose& pose) {
 bool BandController::MayBackUp(const ControlPose& pose) const {
   const double stood_s = base::SecondsBetween(got_on_->second, pose.stamp);
   return QuietFor_s(pose.stamp) >=
-         std::max(kQuietMin_s.value, kQuiet_s - kDaring * stood_s);
+         std::max(kQuietMin_s.value, kQuiet_s - kImpatience * stood_s);
 }
 
 ControlResult BandController::Step(const ControlPose& pose) {
@@ -238,8 +242,8 @@ ControlResult BandController::Step(const ControlPose& pose) {
   costmap_.MoveTo(pose);
   costmap_.Update(pose.stamp);
   NoteProgress(pose);
-  const std::vector<GuardPoint> points =
-      GuardPointsOf(pose, costmap_, movers_.Movers(), guard_);
+  const std::vector<GuardPoint> points = GuardPointsOf(
+      pose, costmap_, dynamic_obstacles_.DynamicObstacles(), guard_);
   if (!keeper_.progress().has_path()) {
     result.command = Allow(pose, {}, points).velocity;
     return result;
@@ -264,17 +268,17 @@ ControlResult BandController::Step(const ControlPose& pose) {
 
 // What hinders the robot: where its band breaks just ahead, else what the
 // guard keeps it from.
-StandstillInput BandController::StandstillInputOf(
+StuckDetectorInput BandController::StandstillInputOf(
     const ControlPose& pose, const BandTrack& track,
     const RegulatedVelocity& regulated) const {
-  StandstillInput input = {
+  StuckDetectorInput input = {
       .stamp = pose.stamp,
       .at = pose.pose.map_from_base,
       .wants_to_move = regulated.wanted.forward_mps != 0 ||
                        regulated.wanted.yaw_rate_radps != 0};
   const auto look_at = [&](geometry::Vec2 in_map, double reach_m) {
     input.obstacle_in_map = in_map;
-    const SeenObstacle seen =
+    const ObservedObstacle seen =
         costmap_.ObstacleNear(in_map, reach_m, pose.stamp);
     if (seen.radius_m > 0) {
       input.obstacle_in_map = seen.center_in_map;
@@ -305,7 +309,7 @@ void BandController::JudgeProgress(const ControlPose& pose,
                                    const BandTrack& track,
                                    const RegulatedVelocity& regulated,
                                    ControlResult& result) {
-  const StandstillInput input = StandstillInputOf(pose, track, regulated);
+  const StuckDetectorInput input = StandstillInputOf(pose, track, regulated);
   result.state = standstill_.Judge(input);
   if (result.state == ControlState::kBlocked ||
       result.state == ControlState::kWaiting) {

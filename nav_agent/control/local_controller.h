@@ -106,7 +106,8 @@ class LocalController {
   // Whether the footprint can turn fully, or move so far ahead (negative:
   // back), without touching what is known.
   virtual bool CanTurn(const ControlPose& pose) const = 0;
-  virtual double FreeWay_m(const ControlPose& pose, double at_most_m) const = 0;
+  virtual double FreeWay_m(const ControlPose& pose,
+                           double max_distance_m) const = 0;
   // For how long nobody has been seen to move nearby (s): where people are
   // about, one may come up behind the robot, where no sensor looks. Infinity
   // for a robot with a laser there.

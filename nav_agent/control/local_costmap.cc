@@ -62,7 +62,7 @@ LocalCostmap::LocalCostmap(
   }
 }
 
-const LaserSight* LocalCostmap::SightOf(core::LaserMount mount) const {
+const LaserObserver* LocalCostmap::SightOf(core::LaserMount mount) const {
   if (mount == core::LaserMount::kFront) return &front_;
   return rear_.has_value() ? &*rear_ : nullptr;
 }
@@ -111,7 +111,7 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
   if (mount == core::LaserMount::kRear && !rear_.has_value()) {
     return absl::InvalidArgumentError("there is no laser that looks back");
   }
-  LaserSight& sight = mount == core::LaserMount::kRear ? *rear_ : front_;
+  LaserObserver& sight = mount == core::LaserMount::kRear ? *rear_ : front_;
   TL_RETURN_IF_ERROR(sight.Check(scan));
   if (!geometry::IsFinite(MapFromBase3(pose))) {
     return absl::InvalidArgumentError("the pose of a scan is not finite");
@@ -125,7 +125,7 @@ absl::Status LocalCostmap::AddScan(const ControlPose& pose,
 
 absl::Status LocalCostmap::AddDepth(const ControlPose& pose,
                                     const core::RgbdFrame& frame) {
-  TL_RETURN_IF_ERROR(DepthSight::Check(frame));
+  TL_RETURN_IF_ERROR(DepthObserver::Check(frame));
   if (!geometry::IsFinite(MapFromBase3(pose))) {
     return absl::InvalidArgumentError("the pose of a frame is not finite");
   }
@@ -178,30 +178,30 @@ std::optional<core::LevelPlace> LocalCostmap::GroundAt(
   return ground_.PlaceAt(window_.IndexOf(cell.x, cell.y));
 }
 
-std::vector<UnseenObstacle> LocalCostmap::UnseenObstacles(
+std::vector<RememberedObstacle> LocalCostmap::UnseenObstacles(
     geometry::Vec2 at, double radius_m, base::MonotonicTime now) const {
   if (!epoch_.has_value()) return {};
   return UnseenObstaclesNear(window_, ground_, obstacles_, at, radius_m,
                              SinceEpoch_ms(now));
 }
 
-SeenObstacle LocalCostmap::ObstacleNear(geometry::Vec2 point_in_map,
-                                        double reach_m,
-                                        base::MonotonicTime now) const {
+ObservedObstacle LocalCostmap::ObstacleNear(geometry::Vec2 point_in_map,
+                                            double reach_m,
+                                            base::MonotonicTime now) const {
   if (!epoch_.has_value()) return {};
-  return SeenObstacleNear(window_, ground_, obstacles_, point_in_map, reach_m,
-                          SinceEpoch_ms(now));
+  return ObservedObstacleNear(window_, ground_, obstacles_, point_in_map,
+                              reach_m, SinceEpoch_ms(now));
 }
 
-std::span<const SeenPoint> LocalCostmap::scan_points(
+std::span<const ObservedPoint> LocalCostmap::scan_points(
     core::LaserMount mount) const {
-  const LaserSight* sight = SightOf(mount);
-  return sight == nullptr ? std::span<const SeenPoint>() : sight->points();
+  const LaserObserver* sight = SightOf(mount);
+  return sight == nullptr ? std::span<const ObservedPoint>() : sight->points();
 }
 
 std::optional<base::MonotonicTime> LocalCostmap::last_scan(
     core::LaserMount mount) const {
-  const LaserSight* sight = SightOf(mount);
+  const LaserObserver* sight = SightOf(mount);
   return sight == nullptr ? std::nullopt : sight->last_scan();
 }
 

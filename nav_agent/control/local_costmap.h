@@ -12,13 +12,13 @@
 #include "absl/status/statusor.h"
 #include "nav_agent/control/control_pose.h"
 #include "nav_agent/control/costmap_window.h"
-#include "nav_agent/control/depth_sight.h"
+#include "nav_agent/control/depth_observer.h"
 #include "nav_agent/control/distance_layer.h"
 #include "nav_agent/control/ground_layer.h"
-#include "nav_agent/control/laser_sight.h"
+#include "nav_agent/control/laser_observer.h"
+#include "nav_agent/control/observed_obstacles.h"
+#include "nav_agent/control/observed_point.h"
 #include "nav_agent/control/obstacle_layer.h"
-#include "nav_agent/control/seen_obstacles.h"
-#include "nav_agent/control/seen_point.h"
 #include "nav_agent/control/setting_parameters.h"
 #include "nav_agent/core/robot_model.h"
 #include "nav_agent/core/sensor_data.h"
@@ -42,8 +42,8 @@ enum class LocalCell : uint8_t { kFree = 0, kMapObstacle = 1, kSeen = 2 };
 //
 //   GroundLayer     the map's ground that continues the robot's own
 //   ObstacleLayer   what sensors have hit and passed
-//   LaserSight,     from scans and frames into the ObstacleLayer
-//   DepthSight
+//   LaserObserver,     from scans and frames into the ObstacleLayer
+//   DepthObserver
 //   DistanceLayer   distances to what either layer has
 //
 // This class gives them all the same window, pose and time. Sensors' data may
@@ -89,18 +89,17 @@ class LocalCostmap {
     return distances_.Away(point_in_map);
   }
   double FootprintDistance_m(const geometry::Rigid2& map_from_base,
-                             double at_most_m) const {
-    return distances_.FootprintDistance_m(map_from_base, at_most_m);
+                             double max_distance_m) const {
+    return distances_.FootprintDistance_m(map_from_base, max_distance_m);
   }
   // The ground there, if it continues the robot's.
   std::optional<core::LevelPlace> GroundAt(geometry::Vec2 point_in_map) const;
 
-  // As the functions of seen_obstacles.h, and GroundLayer's.
-  SeenObstacle ObstacleNear(geometry::Vec2 point_in_map, double reach_m,
-                            base::MonotonicTime now) const;
-  std::vector<UnseenObstacle> UnseenObstacles(geometry::Vec2 at,
-                                              double radius_m,
-                                              base::MonotonicTime now) const;
+  // As the functions of observed_obstacles.h, and GroundLayer's.
+  ObservedObstacle ObstacleNear(geometry::Vec2 point_in_map, double reach_m,
+                                base::MonotonicTime now) const;
+  std::vector<RememberedObstacle> UnseenObstacles(
+      geometry::Vec2 at, double radius_m, base::MonotonicTime now) const;
   std::vector<geometry::Vec2> MapObstacles(const core::LevelPose& pose,
                                            double radius_m) const {
     return ground_.MapObstacles(pose, radius_m);
@@ -108,9 +107,11 @@ class LocalCostmap {
 
   // The newest scan's and the newest frame's points on obstacles, the map's
   // included, near the robot. Of a laser that is not there: none.
-  std::span<const SeenPoint> scan_points(
+  std::span<const ObservedPoint> scan_points(
       core::LaserMount mount = core::LaserMount::kFront) const;
-  std::span<const SeenPoint> depth_points() const { return depth_.points(); }
+  std::span<const ObservedPoint> depth_points() const {
+    return depth_.points();
+  }
   std::optional<base::MonotonicTime> last_scan(
       core::LaserMount mount = core::LaserMount::kFront) const;
   std::optional<base::MonotonicTime> last_depth() const {
@@ -123,7 +124,7 @@ class LocalCostmap {
                const LocalCostmapOptions& options);
 
   // nullptr: there is none.
-  const LaserSight* SightOf(core::LaserMount mount) const;
+  const LaserObserver* SightOf(core::LaserMount mount) const;
   // Since the first time that it was told; 0 if it was told none.
   int64_t SinceEpoch_ms(base::MonotonicTime time) const;
   int64_t BeginEpoch_ms(base::MonotonicTime time);
@@ -136,9 +137,9 @@ class LocalCostmap {
   std::optional<core::LevelPose> placed_at_;
   GroundLayer ground_;
   ObstacleLayer obstacles_;
-  LaserSight front_;
-  std::optional<LaserSight> rear_;
-  DepthSight depth_;
+  LaserObserver front_;
+  std::optional<LaserObserver> rear_;
+  DepthObserver depth_;
   // As of the last Update.
   std::vector<LocalCell> cells_;
   DistanceLayer distances_;

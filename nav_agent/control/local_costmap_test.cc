@@ -128,7 +128,8 @@ TEST(LocalCostmap, WhatComesWhereItWasFreeMoves) {
   LocalCostmap costmap = MakeCostmap(TestingFloor());
   const ControlPose pose = TestingPose(6, 6);
   const auto moving_points = [&costmap] {
-    return std::ranges::count_if(costmap.scan_points(), &SeenPoint::is_moving);
+    return std::ranges::count_if(costmap.scan_points(),
+                                 &ObservedPoint::is_moving);
   };
   const auto crate = TestingBox({7, 5.8}, {7.4, 6.2});
   // There from the first scan on: it stands.
@@ -296,7 +297,7 @@ TEST(LocalCostmap, WhoComesToWhereTheCameraSawSomethingMoves) {
   Look(costmap, TestingPose(6, 6), 20, NothingThere, 2.5);
   Look(costmap, TestingPose(6, 6), 3, TestingBox({6.9, 5.8}, {7.3, 6.2}), 3.0);
   const auto moving =
-      std::ranges::count_if(costmap.scan_points(), &SeenPoint::is_moving);
+      std::ranges::count_if(costmap.scan_points(), &ObservedPoint::is_moving);
   EXPECT_GT(moving, 10);
   EXPECT_EQ(static_cast<size_t>(moving), costmap.scan_points().size());
 }

@@ -53,7 +53,7 @@ LocalWay FindLocalWay(const LocalCostmap& costmap, geometry::Vec2 start,
                                     : options.clearance_m;
         if (room_m < needed_m || room_m <= 0) continue;
         const double lack =
-            std::max(0.0, 1 - room_m / std::max(1e-6, options.wished_m));
+            std::max(0.0, 1 - room_m / std::max(1e-6, options.desired_m));
         const double price = so_far + r * std::hypot(x - at_x, y - at_y) *
                                           (1 + options.price * lack * lack);
         if (price >= cost[next]) continue;

@@ -17,7 +17,7 @@ struct LocalSearchOptions {
   // but for where the robot is already.
   double clearance_m = core::RobotModel().half_width_m + kManoeuvreRoom_m;
   // Cells nearer than this cost more, up to 1 + price times.
-  double wished_m = kWishedRoom_m;
+  double desired_m = kWishedRoom_m;
   double price = kRoomPrice;
   // The search stays this far from the window's edge (m).
   double inset_m = kTwoCells_m;

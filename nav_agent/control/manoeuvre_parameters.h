@@ -114,7 +114,7 @@ inline constexpr base::Parameter<double> kQuiet_s{
 inline constexpr base::Parameter<double> kQuietMin_s{
     "quiet_min", 1.5, "s", base::ParameterOrigin::kTuned,
     "the least, for a robot that has stood for long"};
-inline constexpr base::Parameter<double> kDaring{
+inline constexpr base::Parameter<double> kImpatience{
     "daring", 0.5, "s/s", base::ParameterOrigin::kTuned,
     "so much less for each second that it has not got on"};
 inline constexpr base::Parameter<double> kGotOn_m{

@@ -1,4 +1,4 @@
-// Limits, the collision guard, progress along a path, standstill.
+// Limits, the collision guard, progress along a path, stuck_detector.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -7,7 +7,7 @@
 #include "nav_agent/control/collision_guard.h"
 #include "nav_agent/control/footprint.h"
 #include "nav_agent/control/path_progress.h"
-#include "nav_agent/control/standstill.h"
+#include "nav_agent/control/stuck_detector.h"
 #include "nav_agent/control/testing_floor.h"
 #include "nav_agent/control/velocity_limits.h"
 
@@ -74,8 +74,8 @@ TEST(VelocityLimits, WhatBrakesTogetherStaysOnItsArc) {
             core::VelocityCommand());
 }
 
-TEST(CommandHistory, LateMeasurementsDoNotHalveTheAcceleration) {
-  CommandHistory history;
+TEST(LastCommands, LateMeasurementsDoNotHalveTheAcceleration) {
+  LastCommands history;
   core::VelocityCommand command;
   // The base says what it did 50 ms ago.
   std::vector<core::VelocityCommand> told(2);
@@ -94,7 +94,7 @@ TEST(CommandHistory, LateMeasurementsDoNotHalveTheAcceleration) {
   const auto again = history.StartAt(TestingTime(time_s - 0.025),
                                      told[told.size() - 3], kRobot);
   EXPECT_LT(again.velocity.forward_mps, command.forward_mps);
-  // What does not fit what was measured is not believed.
+  // What contradicts the measurement is not used.
   const auto pushed = history.StartAt(TestingTime(time_s), {}, kRobot);
   EXPECT_EQ(pushed.velocity.forward_mps, 0);
 }
@@ -228,22 +228,22 @@ TEST(PathProgress, StaysOnItsPartOfAPathThatComesByAgain) {
   EXPECT_NEAR(progress.At(5).map_from_base.translation.x, 3.4, 1e-9);
 }
 
-StandstillInput StandingAt(double time_s) {
-  StandstillInput input;
+StuckDetectorInput StandingAt(double time_s) {
+  StuckDetectorInput input;
   input.stamp = TestingTime(time_s);
   input.wants_to_move = true;
   return input;
 }
 
-TEST(Standstill, WaitsForWhatMovesButNotForever) {
-  Standstill standstill;
+TEST(StuckDetector, WaitsForWhatMovesButNotForever) {
+  StuckDetector stuck_detector;
   bool waited = false;
   double blocked_s = 0;
   for (double time_s = 0; time_s < 10 && blocked_s == 0; time_s += 0.025) {
-    StandstillInput input = StandingAt(time_s);
+    StuckDetectorInput input = StandingAt(time_s);
     input.is_broken = true;
     input.obstacle_age_s = 0.1;
-    const ControlState state = standstill.Judge(input);
+    const ControlState state = stuck_detector.Judge(input);
     waited |= state == ControlState::kWaiting;
     if (state == ControlState::kBlocked) blocked_s = time_s;
   }
@@ -251,18 +251,19 @@ TEST(Standstill, WaitsForWhatMovesButNotForever) {
   EXPECT_NEAR(blocked_s, 4.4, 0.2);
 }
 
-TEST(Standstill, WhatStandsBlocksAtOnceAndFlickeringDoesNot) {
-  Standstill standstill;
+TEST(StuckDetector, WhatStandsBlocksAtOnceAndFlickeringDoesNot) {
+  StuckDetector stuck_detector;
   double blocked_s = 0;
   for (double time_s = 0; time_s < 2 && blocked_s == 0; time_s += 0.025) {
-    StandstillInput input = StandingAt(time_s);
+    StuckDetectorInput input = StandingAt(time_s);
     input.is_broken = true;
-    if (standstill.Judge(input) == ControlState::kBlocked) blocked_s = time_s;
+    if (stuck_detector.Judge(input) == ControlState::kBlocked)
+      blocked_s = time_s;
   }
   EXPECT_NEAR(blocked_s, 0.4, 0.05);
-  Standstill flickers;
+  StuckDetector flickers;
   for (int i = 0; i < 200; ++i) {
-    StandstillInput input = StandingAt(0.025 * i);
+    StuckDetectorInput input = StandingAt(0.025 * i);
     // The robot gets on meanwhile.
     input.at.translation.x = 0.01 * i;
     input.is_broken = i % 20 < 2;
@@ -271,11 +272,11 @@ TEST(Standstill, WhatStandsBlocksAtOnceAndFlickeringDoesNot) {
   }
 }
 
-TEST(Standstill, WhatHoldsItUnseenIsSaidInTheEnd) {
-  Standstill standstill;
+TEST(StuckDetector, WhatHoldsItUnseenIsSaidInTheEnd) {
+  StuckDetector stuck_detector;
   ControlState state = ControlState::kDriving;
   for (double time_s = 0; time_s < 12; time_s += 0.025) {
-    state = standstill.Judge(StandingAt(time_s));
+    state = stuck_detector.Judge(StandingAt(time_s));
   }
   EXPECT_EQ(state, ControlState::kBlocked);
 }

@@ -108,10 +108,10 @@ inline constexpr base::Parameter<int> kScansToBegin{
 inline constexpr base::Parameter<int> kScansToEnd{
     "scans_to_end", 6, "scans", base::ParameterOrigin::kTuned,
     "in a row where somebody should be seen: he is not there"};
-inline constexpr base::Parameter<double> kDoubt_mps{
+inline constexpr base::Parameter<double> kPositionUncertainty_mps{
     "doubt", 0.35, "m/s", base::ParameterOrigin::kTuned,
     "out of sight, somebody may be so much further off every second"};
-inline constexpr base::Parameter<double> kFastestWalk_mps{
+inline constexpr base::Parameter<double> kMaxWalkingSpeed_mps{
     "fastest_walk", 2.0, "m/s", base::ParameterOrigin::kPhysics,
     "who walks is not faster"};
 // ---- the collision guard ----
@@ -160,10 +160,10 @@ inline constexpr base::Parameter<double> kSweepStep_m{
 inline constexpr base::Parameter<int> kMaxLooks{
     "max_looks", 60, "looks", base::ParameterOrigin::kTuned,
     "bounds the time that a check takes"};
-inline constexpr base::Parameter<double> kLeastSpeed_mps{
+inline constexpr base::Parameter<double> kMinSpeed_mps{
     "least_speed", 0.006, "m/s", base::ParameterOrigin::kTuned,
     "what is left of a command is no motion any more"};
-inline constexpr base::Parameter<double> kLeastTurn_radps{
+inline constexpr base::Parameter<double> kMinTurn_radps{
     "least_turn", 0.015, "rad/s", base::ParameterOrigin::kTuned,
     "the same of turning"};
 inline constexpr base::Parameter<double> kGuardSlack_m{

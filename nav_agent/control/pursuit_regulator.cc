@@ -29,7 +29,7 @@ core::VelocityCommand PursuitRegulator::Command(
   if (off_rad < kTurnUntil_rad) is_turning_ = false;
   if (is_turning_) {
     return {.forward_mps = 0,
-            .yaw_rate_radps = TurnRate_radps(bearing_rad, robot_)};
+            .yaw_rate_radps = TurnOnSpotRate_radps(bearing_rad, robot_)};
   }
   const double distance_m = std::max(kCell_m, geometry::Norm(target));
   const double curvature = 2 * target.y / (distance_m * distance_m);

@@ -7,7 +7,7 @@
 
 namespace treeline::control {
 
-double TurnRate_radps(double angle_rad, const core::RobotModel& robot) {
+double TurnOnSpotRate_radps(double angle_rad, const core::RobotModel& robot) {
   const double left_rad = std::abs(angle_rad);
   if (left_rad < kTurned_rad) return 0;
   const double brake =

@@ -8,7 +8,7 @@ namespace treeline::control {
 
 // Turning on the spot by an angle, to stand after it: the yaw rate from which
 // the robot can brake in time, at most kYawShare of its own limit.
-double TurnRate_radps(double angle_rad, const core::RobotModel& robot);
+double TurnOnSpotRate_radps(double angle_rad, const core::RobotModel& robot);
 
 }  // namespace treeline::control
 

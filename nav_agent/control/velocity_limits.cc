@@ -65,9 +65,9 @@ core::VelocityCommand LimitedTogether(const core::VelocityCommand& present,
       .yaw_rate_radps = between(present.yaw_rate_radps, wanted.yaw_rate_radps)};
 }
 
-CommandHistory::Start CommandHistory::StartAt(
-    base::MonotonicTime now, const core::VelocityCommand& measured,
-    const core::RobotModel& robot) const {
+LastCommands::Start LastCommands::StartAt(base::MonotonicTime now,
+                                          const core::VelocityCommand& measured,
+                                          const core::RobotModel& robot) const {
   Start start = {
       .velocity = {.forward_mps = FiniteOr0(measured.forward_mps),
                    .yaw_rate_radps = FiniteOr0(measured.yaw_rate_radps)},
@@ -92,8 +92,8 @@ CommandHistory::Start CommandHistory::StartAt(
   return start;
 }
 
-void CommandHistory::Told(base::MonotonicTime now,
-                          const core::VelocityCommand& command) {
+void LastCommands::Told(base::MonotonicTime now,
+                        const core::VelocityCommand& command) {
   if (!last_.has_value() || last_->stamp != now) before_ = last_;
   last_ = Entry{.stamp = now, .command = command};
 }

@@ -32,7 +32,7 @@ core::VelocityCommand LimitedTogether(const core::VelocityCommand& present,
 // From how the base moves and what it was told last: what its next command
 // starts from. What a base says of its speed is late by one or two cycles: with
 // it alone, a base would accelerate at half of what it may.
-class CommandHistory {
+class LastCommands {
  public:
   // What limits start from at `now`, and the time since then (s, 0.005 to
   // 0.1). Told twice in the same instant, both start from the same.

@@ -30,7 +30,7 @@ struct RegulatorInput {
   // What the guard keeps away from.
   std::span<const GuardPoint> points;
   // What limits of acceleration start from.
-  CommandHistory::Start start;
+  LastCommands::Start start;
   // The pose is finite, and each laser has shown something lately.
   bool sees = false;
 

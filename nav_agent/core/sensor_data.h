@@ -21,7 +21,7 @@ struct RangeSensorInfo {
   double angle_min_rad = 0;
   double angle_increment_rad = 0;
   int beams = 0;
-  // Measurements outside are not to be believed.
+  // Measurements outside are invalid.
   double range_min_m = 0;
   double range_max_m = 0;
   // From one beam to the next, and from one scan to the next.

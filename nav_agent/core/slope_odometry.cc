@@ -92,8 +92,8 @@ absl::Status SlopeOdometry::Add(const BaseReading& reading) {
   }
   double left_m = reading.left_wheel_m - last_.left_wheel_m;
   double right_m = reading.right_wheel_m - last_.right_wheel_m;
-  const double most_m = options_.max_speed_mps * interval_s + kJump_m;
-  if (std::abs(left_m) > most_m || std::abs(right_m) > most_m) {
+  const double max_m = options_.max_speed_mps * interval_s + kJump_m;
+  if (std::abs(left_m) > max_m || std::abs(right_m) > max_m) {
     ++resets_;
     left_m = 0;
     right_m = 0;

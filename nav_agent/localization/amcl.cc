@@ -50,8 +50,9 @@ absl::Status AmclOptions::Validate() const {
       base::CheckRange("amcl: min_particles", min_particles, 1, 1e6));
   TL_RETURN_IF_ERROR(base::CheckRange("amcl: max_particles", max_particles,
                                       min_particles, 1e6));
-  TL_RETURN_IF_ERROR(base::CheckRange(
-      "amcl: max_global_particles", max_global_particles, max_particles, 1e6));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: max_global_particles",
+                                      max_global_localization_particles,
+                                      max_particles, 1e6));
   TL_RETURN_IF_ERROR(base::CheckRange("amcl: kld_error", kld_error, 1e-4, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("amcl: kld_z", kld_z, 0, 10));
   TL_RETURN_IF_ERROR(base::CheckRange("amcl: bin_m", bin_m, 0.01, 100));
@@ -68,19 +69,22 @@ absl::Status AmclOptions::Validate() const {
       base::CheckRange("amcl: min_counting_share", min_counting_share, 0, 1));
   TL_RETURN_IF_ERROR(
       base::CheckRange("amcl: searching_share", searching_share, 0, 1));
-  TL_RETURN_IF_ERROR(base::CheckRange("amcl: roughen_m", roughen_m, 0, 10));
-  TL_RETURN_IF_ERROR(base::CheckRange("amcl: roughen_rad", roughen_rad, 0, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("amcl: roughen_m", regularization_m, 0, 10));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("amcl: roughen_rad", regularization_rad, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("amcl: found_share", found_share, 0, 1));
   TL_RETURN_IF_ERROR(
       base::CheckRange("amcl: inject_ratio", inject_ratio, 1, 1e6));
-  TL_RETURN_IF_ERROR(base::CheckRange("amcl: anew_share", anew_share, 0, 1));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("amcl: skip_below_share", skip_below_share, 0, 1));
+      base::CheckRange("amcl: anew_share", injected_share, 0, 1));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("amcl: skip_distance_m", skip_distance_m, 0, 100));
-  TL_RETURN_IF_ERROR(base::CheckRange("amcl: slow_share", slow_share, 0, 1));
+      base::CheckRange("amcl: skip_below_share", beam_skip_threshold, 0, 1));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("amcl: fast_share", fast_share, slow_share, 1));
+      base::CheckRange("amcl: skip_distance_m", beam_skip_distance_m, 0, 100));
+  TL_RETURN_IF_ERROR(base::CheckRange("amcl: slow_share", alpha_slow, 0, 1));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("amcl: fast_share", alpha_fast, alpha_slow, 1));
   TL_RETURN_IF_ERROR(
       base::CheckRange("amcl: off_ground_share", off_ground_share, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("amcl: ground_m", ground_m, 0, 1));
@@ -240,8 +244,8 @@ absl::Status Amcl::PlaceAbout(const geometry::Rigid2& map_from_base,
   return absl::OkStatus();
 }
 
-void Amcl::SetAnywhere() {
-  max_particles_now_ = options_.max_global_particles;
+void Amcl::StartGlobalLocalization() {
+  max_particles_now_ = options_.max_global_localization_particles;
   is_searching_ = true;
   particles_.assign(static_cast<size_t>(max_particles_now_), {});
   ++draws_;
@@ -333,16 +337,17 @@ ScanPoints Amcl::WithoutGround(const ScanPoints& points) const {
 
 ScanPoints Amcl::WithoutUnexplained(const ScanPoints& points) {
   // Witnesses by weight, evenly.
-  const size_t witnesses = std::min(kWitnessParticles.value, particles_.size());
-  const float explained_log = field().LogAt(options_.skip_distance_m);
+  const size_t judging_particles =
+      std::min(kWitnessParticles.value, particles_.size());
+  const float explained_log = field().LogAt(options_.beam_skip_distance_m);
   std::vector<int> explained(points.size());
   std::vector<float> logs(points.size());
   double reached = 0;
   size_t particle = 0;
   double fit = 0;
-  for (size_t k = 0; k < witnesses; ++k) {
+  for (size_t k = 0; k < judging_particles; ++k) {
     const double at =
-        (static_cast<double>(k) + 0.5) / static_cast<double>(witnesses);
+        (static_cast<double>(k) + 0.5) / static_cast<double>(judging_particles);
     while (particle + 1 < particles_.size() &&
            reached + particles_[particle].weight < at) {
       reached += particles_[particle++].weight;
@@ -357,10 +362,10 @@ ScanPoints Amcl::WithoutUnexplained(const ScanPoints& points) {
     fit += std::exp(sum / static_cast<double>(points.size()));
   }
   // Of all beams: those that are left out are what a lost robot sees.
-  UpdateFit(fit / static_cast<double>(witnesses));
+  UpdateFit(fit / static_cast<double>(judging_particles));
   ScanPoints kept;
   const double needed =
-      options_.skip_below_share * static_cast<double>(witnesses);
+      options_.beam_skip_threshold * static_cast<double>(judging_particles);
   for (size_t i = 0; i < points.size(); ++i) {
     if (explained[i] < needed) continue;
     kept.Add(points, i);
@@ -433,8 +438,8 @@ void Amcl::UpdateFit(double fit) {
   // share of a thousandth back for thousands of scans.
   ++fits_;
   const double new_share = 1.0 / static_cast<double>(fits_);
-  slow_fit_ += std::max(options_.slow_share, new_share) * (fit - slow_fit_);
-  fast_fit_ += std::max(options_.fast_share, new_share) * (fit - fast_fit_);
+  w_slow_ += std::max(options_.alpha_slow, new_share) * (fit - w_slow_);
+  w_fast_ += std::max(options_.alpha_fast, new_share) * (fit - w_fast_);
 }
 
 void Amcl::Resample() {
@@ -442,7 +447,7 @@ void Amcl::Resample() {
   for (const Particle& p : particles_) squares += p.weight * p.weight;
   const double counting = 1 / squares;
   const bool inject = options_.inject && !is_searching_ &&
-                      options_.inject_ratio * fast_fit_ < slow_fit_;
+                      options_.inject_ratio * w_fast_ < w_slow_;
   const double size = static_cast<double>(particles_.size());
   if (counting >= options_.resample_below * size && !inject) return;
 
@@ -487,20 +492,21 @@ void Amcl::Resample() {
 
 void Amcl::SearchEverywhere() {
   const size_t known = particles_.size();
-  const size_t anew = static_cast<size_t>(options_.max_global_particles);
-  for (Particle& p : particles_) p.weight *= 1 - options_.anew_share;
+  const size_t anew =
+      static_cast<size_t>(options_.max_global_localization_particles);
+  for (Particle& p : particles_) p.weight *= 1 - options_.injected_share;
   particles_.resize(known + anew);
   ++draws_;
   for (size_t i = 0; i < anew; ++i) {
     base::Random random(seed_ + draws_, i);
     particles_[known + i] = AnyParticle(random);
     particles_[known + i].weight =
-        options_.anew_share / static_cast<double>(anew);
+        options_.injected_share / static_cast<double>(anew);
   }
-  max_particles_now_ = options_.max_global_particles;
+  max_particles_now_ = options_.max_global_localization_particles;
   is_searching_ = true;
   // As if all were well: the search gets its time before the next.
-  fast_fit_ = slow_fit_;
+  w_fast_ = w_slow_;
 }
 
 void Amcl::Roughen(std::vector<Particle>& particles) {
@@ -511,9 +517,9 @@ void Amcl::Roughen(std::vector<Particle>& particles) {
     const double x = random.NextGaussian();
     const double y = random.NextGaussian();
     pose.translation =
-        pose.translation + options_.roughen_m * geometry::Vec2{x, y};
+        pose.translation + options_.regularization_m * geometry::Vec2{x, y};
     pose.yaw_rad = geometry::NormalizedAngle_rad(
-        pose.yaw_rad + options_.roughen_rad * random.NextGaussian());
+        pose.yaw_rad + options_.regularization_rad * random.NextGaussian());
   }
 }
 

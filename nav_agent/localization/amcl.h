@@ -25,10 +25,10 @@ using PoseCovariance2 = std::array<double, 9>;
 
 struct AmclOptions {
   // How many particles KLD sampling may choose; global localization begins
-  // with max_global_particles and comes down as they gather.
+  // with max_global_localization_particles and comes down as they gather.
   int min_particles = kMinParticles;
   int max_particles = kMaxParticles;
-  int max_global_particles = kMaxGlobalParticles;
+  int max_global_localization_particles = kMaxGlobalParticles;
   // KLD sampling (Fox 2003): with probability 1 - delta the error is below
   // `kld_error`; kld_z is the upper 1 - delta quantile of the normal
   // distribution. Bins of this size.
@@ -55,29 +55,29 @@ struct AmclOptions {
   // ends when one cluster holds found_share of the weight and max_particles
   // are enough.
   double searching_share = kSearchingShare;
-  double roughen_m = kRoughen_m;
-  double roughen_rad = kRoughen_rad;
+  double regularization_m = kRegularization_m;
+  double regularization_rad = kRegularization_rad;
   double found_share = kFoundShare;
   // A beam that fewer than this share of the particles explain is left out (a
   // person, a moved chair), unless that would leave fewer than half of them.
-  // "Explained": its end is within skip_distance_m of an obstacle.
-  double skip_below_share = kSkipBelowShare;
-  double skip_distance_m = kSkipDistance_m;
+  // "Explained": its end is within beam_skip_distance_m of an obstacle.
+  double beam_skip_threshold = kBeamSkipThreshold;
+  double beam_skip_distance_m = kBeamSkipDistance_m;
 
   // Augmented MCL (Probabilistic Robotics, table 8.3): short- and long-term
   // averages of the mean likelihood of a beam. When inject_ratio times the
   // short one falls below the long one (Gutmann and Fox, "An experimental
   // comparison of localization methods continued", 2002), the robot is looked
-  // for everywhere: max_global_particles are drawn anew from all free ground,
-  // with anew_share of the weight, beside those that there are. A trickle of
-  // new particles hardly ever hits a pose in a building, but keeps
-  // all estimates unsure where a map is a little out of date.
-  // inject = false: never.
+  // for everywhere: max_global_localization_particles are drawn anew from all
+  // free ground, with injected_share of the weight, beside those that there
+  // are. A trickle of new particles hardly ever hits a pose in a building, but
+  // keeps all estimates unsure where a map is a little out of date. inject =
+  // false: never.
   bool inject = true;
-  double slow_share = kSlowShare;
-  double fast_share = kFastShare;
+  double alpha_slow = kAlphaSlow;
+  double alpha_fast = kAlphaFast;
   double inject_ratio = kInjectRatio;
-  double anew_share = kInjectedShare;
+  double injected_share = kInjectedShare;
   // On levels: a particle that no ground is below, in a wall or a void, counts
   // as if it missed this share of the beams.
   double off_ground_share = kOffGroundShare;
@@ -151,12 +151,13 @@ class Amcl {
                               double height_m,
                               const PoseCovariance2& covariance);
   // The robot may be anywhere on free ground.
-  void SetAnywhere();
+  void StartGlobalLocalization();
 
   // Moves the particles along with the odometry, and, if the robot has moved
   // far enough since the last scan that was taken in, weighs them by this one.
   // The estimate is of this moment either way; nullopt before SetPose or
-  // SetAnywhere. INVALID_ARGUMENT for an odometry that is not finite.
+  // StartGlobalLocalization. INVALID_ARGUMENT for an odometry that is not
+  // finite.
   absl::StatusOr<std::optional<PlanarEstimate>> Update(
       const geometry::Rigid2& odom_from_base, const ScanPoints& points);
   // Update in two parts of about the same length, for whom thirty thousand
@@ -221,8 +222,8 @@ class Amcl {
   bool is_weighed_ = false;
   // How many fits the averages hold since the particles were placed.
   int64_t fits_ = 0;
-  double slow_fit_ = 0;
-  double fast_fit_ = 0;
+  double w_slow_ = 0;
+  double w_fast_ = 0;
   PlanarEstimate estimate_;
 };
 

@@ -19,7 +19,7 @@ void BM_Update(benchmark::State& state) {
   AmclOptions options;
   options.min_particles = particles;
   options.max_particles = particles;
-  options.max_global_particles = particles;
+  options.max_global_localization_particles = particles;
   options.max_beams = static_cast<int>(state.range(1));
   options.update_distance_m = 0;
   options.update_turn_rad = 0;

@@ -102,7 +102,7 @@ TEST(Amcl, FindsItsPlaceFromNothing) {
   for (uint64_t seed = 0; seed < 4; ++seed) {
     Drive drive(seed);
     absl::StatusOr<Amcl> amcl = Amcl::Create(drive.map(), {}, seed);
-    amcl->SetAnywhere();
+    amcl->StartGlobalLocalization();
     std::optional<PlanarEstimate> estimate;
     for (int i = 0; i < 100; ++i) {
       drive.Step();
@@ -122,7 +122,7 @@ TEST(Amcl, IsDeterministic) {
   const auto run = [] {
     Drive drive(3);
     absl::StatusOr<Amcl> amcl = Amcl::Create(drive.map(), {}, 9);
-    amcl->SetAnywhere();
+    amcl->StartGlobalLocalization();
     for (int i = 0; i < 30; ++i) {
       drive.Step();
       EXPECT_TRUE(amcl->Update(drive.odometry(), drive.Points()).ok());
@@ -140,8 +140,8 @@ TEST(Amcl, InTwoPartsItComesToTheSame) {
   Drive drive(1);
   Amcl whole = *Amcl::Create(drive.map(), {}, 5);
   Amcl parts = *Amcl::Create(drive.map(), {}, 5);
-  whole.SetAnywhere();
-  parts.SetAnywhere();
+  whole.StartGlobalLocalization();
+  parts.StartGlobalLocalization();
   for (int step = 0; step < 30; ++step) {
     drive.Step();
     const ScanPoints points = drive.Points();

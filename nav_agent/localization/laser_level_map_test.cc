@@ -132,7 +132,7 @@ struct Climb {
   double worst_height_m = 0;
   int first_level = -1;
   int last_level = -1;
-  int most_on_ground = 0;
+  int max_on_ground = 0;
 };
 
 // From the lower floor up the ramp to the upper one, and there to the end.
@@ -143,7 +143,7 @@ Climb DriveUp(bool global, bool use_tilt) {
   Climb climb;
   geometry::Rigid2 odom_from_base;
   if (global) {
-    amcl.SetAnywhere();
+    amcl.StartGlobalLocalization();
   } else {
     EXPECT_TRUE(amcl.SetPoseOnLevel({{1, 1.3}, 0}, 0,
                                     {0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.005})
@@ -168,8 +168,8 @@ Climb DriveUp(bool global, bool use_tilt) {
             .yaw_rad = 0.003 * random.NextGaussian()};
     if (climb.first_level < 0) climb.first_level = estimate->place.level;
     climb.last_level = estimate->place.level;
-    climb.most_on_ground =
-        std::max(climb.most_on_ground, estimate->beams_on_ground);
+    climb.max_on_ground =
+        std::max(climb.max_on_ground, estimate->beams_on_ground);
     if (global && x_m < 12) continue;
     climb.worst_m = std::max(
         climb.worst_m, geometry::Norm(estimate->map_from_base.translation -
@@ -311,7 +311,7 @@ TEST(AmclOnLevels, FollowsARobotUpTheRampToTheNextLevel) {
   EXPECT_LT(climb.worst_height_m, 0.1);
   // From below it looks at the ramp, from above over it; on it the beams to its
   // sides and behind end on the ground.
-  EXPECT_GT(climb.most_on_ground, 5);
+  EXPECT_GT(climb.max_on_ground, 5);
 }
 
 TEST(AmclOnLevels, TiltMattersOnTheRamp) {

@@ -59,9 +59,10 @@ absl::Status LostFilterOptions::Validate() const {
   TL_RETURN_IF_ERROR(base::CheckRange("lost: bias", model.bias, -1000, 1000));
   TL_RETURN_IF_ERROR(
       base::CheckRange("lost: independent_s", independent_s, 0.01, 60));
-  TL_RETURN_IF_ERROR(base::CheckRange("lost: most_for", most_for, 0.1, 100));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("lost: most_against", most_against, 0.1, 100));
+      base::CheckRange("lost: most_for", max_log_odds_for, 0.1, 100));
+  TL_RETURN_IF_ERROR(
+      base::CheckRange("lost: most_against", max_log_odds_against, 0.1, 100));
   TL_RETURN_IF_ERROR(base::CheckRange("lost: slope_part", slope_part, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("lost: loss_hz", loss_hz, 0, 1));
   TL_RETURN_IF_ERROR(base::CheckRange("lost: jump_from", jump_from, 0, 1));
@@ -71,18 +72,19 @@ absl::Status LostFilterOptions::Validate() const {
   TL_RETURN_IF_ERROR(
       base::CheckRange("lost: lifted_chance", lifted_chance, 0, 0.999));
   TL_RETURN_IF_ERROR(
-      base::CheckRange("lost: most_sure_lost", most_sure_lost, 0.1, 100));
-  return base::CheckRange("lost: most_sure_not", most_sure_not, 0.1, 100);
+      base::CheckRange("lost: most_sure_lost", max_log_odds_lost, 0.1, 100));
+  return base::CheckRange("lost: most_sure_not", max_log_odds_not_lost, 0.1,
+                          100);
 }
 
 LostFilter::LostFilter(const LostFilterOptions& options)
-    : options_(options), log_odds_(-options.most_sure_not) {
+    : options_(options), log_odds_(-options.max_log_odds_not_lost) {
   Reset();
 }
 
 void LostFilter::Reset() {
   // Put somewhere, it is most likely there; a scan or two say whether.
-  log_odds_ = -options_.most_sure_not / 2;
+  log_odds_ = -options_.max_log_odds_not_lost / 2;
   log_ratio_ = 0;
 }
 
@@ -100,13 +102,15 @@ double LostFilter::Observe(const LostFeatures& features, double interval_s) {
   const double now_lost = lost + (1 - lost) * chance;
   log_odds_ = std::log(now_lost / (1 - now_lost));
   // What the scan says.
-  log_ratio_ = std::clamp(options_.model.LogRatio(features.values),
-                          -options_.most_against, options_.most_for);
+  log_ratio_ =
+      std::clamp(options_.model.LogRatio(features.values),
+                 -options_.max_log_odds_against, options_.max_log_odds_for);
   if (features.is_on_slope) log_ratio_ *= options_.slope_part;
   const double share =
       std::clamp(interval_s / options_.independent_s, 0.0, 1.0);
-  log_odds_ = std::clamp(log_odds_ + share * log_ratio_,
-                         -options_.most_sure_not, options_.most_sure_lost);
+  log_odds_ =
+      std::clamp(log_odds_ + share * log_ratio_,
+                 -options_.max_log_odds_not_lost, options_.max_log_odds_lost);
   return Probability();
 }
 

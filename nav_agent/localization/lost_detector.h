@@ -36,8 +36,8 @@ struct LostFilterOptions {
   // those within this time count as one (s). [0.01, 60]
   double independent_s = kEvidenceInterval_s;
   // One such says at most so much, for and against. [0.1, 100]
-  double most_for = kMaxEvidenceFor;
-  double most_against = kMaxEvidenceAgainst;
+  double max_log_odds_for = kMaxEvidenceFor;
+  double max_log_odds_against = kMaxEvidenceAgainst;
   // On a slope (LostFeatures::is_on_slope) it says this part of it. [0, 1]
   double slope_part = kSlopeEvidence;
   // How often robots get lost without anything to be seen of it (1/s). [0, 1]
@@ -49,8 +49,8 @@ struct LostFilterOptions {
   double jump_chance = kKidnapChance;    // [0, 1)
   double lifted_chance = kKidnapChance;  // [0, 1)
   // The log of the odds stays within these, so that it can change. [0.1, 100]
-  double most_sure_lost = kMaxLogOdds;
-  double most_sure_not = kMaxLogOdds;
+  double max_log_odds_lost = kMaxLogOdds;
+  double max_log_odds_not_lost = kMaxLogOdds;
 
   absl::Status Validate() const;
 };

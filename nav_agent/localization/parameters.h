@@ -48,25 +48,25 @@ inline constexpr base::Parameter<double> kMinCountingShare{
 inline constexpr base::Parameter<double> kSearchingShare{
     "searching_share", 0.3, "", base::ParameterOrigin::kTuned,
     "of a scan's weight while particles are few for the room"};
-inline constexpr base::Parameter<double> kRoughen_m{
+inline constexpr base::Parameter<double> kRegularization_m{
     "roughen", 0.1, "m", base::ParameterOrigin::kTuned,
     "spread after drawing (Musso, Oudjane, Le Gland, 2001)"};
-inline constexpr base::Parameter<double> kRoughen_rad{
+inline constexpr base::Parameter<double> kRegularization_rad{
     "roughen", 0.05, "rad", base::ParameterOrigin::kTuned,
     "the same, of the heading"};
 inline constexpr base::Parameter<double> kFoundShare{
     "found_share", 0.95, "", base::ParameterOrigin::kTuned,
     "of the weight in one cluster: the place is found"};
-inline constexpr base::Parameter<double> kSkipBelowShare{
+inline constexpr base::Parameter<double> kBeamSkipThreshold{
     "skip_below_share", 0.3, "", base::ParameterOrigin::kTuned,
     "of the particles that explain a beam: else a person, a moved chair"};
-inline constexpr base::Parameter<double> kSkipDistance_m{
+inline constexpr base::Parameter<double> kBeamSkipDistance_m{
     "skip_distance", 0.5, "m", base::ParameterOrigin::kTuned,
     "from an obstacle: explained"};
-inline constexpr base::Parameter<double> kSlowShare{
+inline constexpr base::Parameter<double> kAlphaSlow{
     "slow_share", 0.001, "", base::ParameterOrigin::kTuned,
     "of the long-term average (Nav2's)"};
-inline constexpr base::Parameter<double> kFastShare{
+inline constexpr base::Parameter<double> kAlphaFast{
     "fast_share", 0.1, "", base::ParameterOrigin::kTuned,
     "of the short-term average (Nav2's)"};
 inline constexpr base::Parameter<double> kInjectRatio{

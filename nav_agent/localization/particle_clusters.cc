@@ -76,11 +76,11 @@ class KeyTable {
 // cloud has thousands of columns, and tens of thousands of bins.
 class BinTable {
  public:
-  BinTable(double bin_m, double bin_rad, size_t most_columns)
+  BinTable(double bin_m, double bin_rad, size_t max_columns)
       : bin_m_(bin_m),
         yaw_bins_(static_cast<size_t>(std::max<int64_t>(
             1, std::llround(2 * std::numbers::pi / bin_rad)))),
-        columns_(most_columns) {}
+        columns_(max_columns) {}
 
   int FindOrAdd(const Particle& particle) {
     const geometry::Rigid2& pose = particle.map_from_base;

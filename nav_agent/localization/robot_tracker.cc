@@ -11,13 +11,13 @@
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/core/slope_odometry.h"
+#include "nav_agent/localization/global_pose_search.h"
 #include "nav_agent/localization/laser_level_map.h"
 #include "nav_agent/localization/laser_views.h"
+#include "nav_agent/localization/odometry_buffer.h"
 #include "nav_agent/localization/parameters.h"
 #include "nav_agent/localization/particle_clusters.h"
-#include "nav_agent/localization/place_search.h"
 #include "nav_agent/localization/scan_points.h"
-#include "nav_agent/localization/wheel_history.h"
 
 namespace treeline::localization {
 namespace {
@@ -34,7 +34,7 @@ struct TrackerParts {
   LostDetector detector;
   // One a level.
   std::vector<ScanChecker> checkers;
-  WheelHistory wheels;
+  OdometryBuffer wheels;
 };
 
 class AmclTracker final : public RobotTracker {
@@ -52,7 +52,7 @@ class AmclTracker final : public RobotTracker {
   absl::Status SetPose(const core::LevelPose& pose,
                        const PoseCovariance2& covariance,
                        base::MonotonicTime now) override;
-  void SetAnywhere(base::MonotonicTime now) override;
+  void StartGlobalLocalization(base::MonotonicTime now) override;
   std::optional<TrackedPose> Pose() const override;
   std::optional<TrackedPose> PoseAt(base::MonotonicTime stamp) const override;
   std::optional<TrackedMotion> Motion() const override;
@@ -75,7 +75,7 @@ class AmclTracker final : public RobotTracker {
   // A scan and where the wheels were in the middle of it.
   struct MovedScan {
     core::LaserScan scan;
-    WheelMoment moment;
+    BufferedOdometry moment;
   };
 
   base::MonotonicTime MiddleOf(const core::LaserScan& scan) const {
@@ -84,7 +84,7 @@ class AmclTracker final : public RobotTracker {
                std::chrono::duration<double>(0.5 * laser_.beam_interval_s *
                                              (laser_.beams - 1)));
   }
-  TrackedPose PoseFor(const WheelMoment& moment) const;
+  TrackedPose PoseFor(const BufferedOdometry& moment) const;
   std::optional<ScanFit> FitOf(const MovedScan& scan,
                                const core::LevelPose& pose) const;
   // The best fit of the search's scan within a few steps of a pose.
@@ -111,7 +111,7 @@ class AmclTracker final : public RobotTracker {
   int map_level_ = 0;
   int64_t dropped_ = 0;
   // For other places: the search, its scan, and what of its best is looked at.
-  std::optional<PlaceSearch> search_;
+  std::optional<GlobalPoseSearch> search_;
   std::optional<MovedScan> search_scan_;
   std::vector<core::LevelPose> candidates_;
   std::vector<OtherPlace> places_;
@@ -167,7 +167,7 @@ absl::Status AmclTracker::TakeWaiting() {
     if (middle > parts_.wheels.newest().motion.stamp) break;
     core::LaserScan scan = std::move(waiting_.front());
     waiting_.pop_front();
-    std::optional<WheelMoment> moment = parts_.wheels.At(middle);
+    std::optional<BufferedOdometry> moment = parts_.wheels.At(middle);
     if (!moment.has_value()) {
       // From before all that is remembered of the wheels.
       ++dropped_;
@@ -252,13 +252,13 @@ absl::Status AmclTracker::SetPose(const core::LevelPose& pose,
   return absl::OkStatus();
 }
 
-void AmclTracker::SetAnywhere(base::MonotonicTime now) {
+void AmclTracker::StartGlobalLocalization(base::MonotonicTime now) {
   CatchUp();
-  parts_.amcl.SetAnywhere();
+  parts_.amcl.StartGlobalLocalization();
   Forget(now);
 }
 
-TrackedPose AmclTracker::PoseFor(const WheelMoment& moment) const {
+TrackedPose AmclTracker::PoseFor(const BufferedOdometry& moment) const {
   TrackedPose tracked;
   tracked.stamp = moment.motion.stamp;
   tracked.pose.map_from_base =
@@ -285,7 +285,7 @@ std::optional<TrackedPose> AmclTracker::Pose() const {
 std::optional<TrackedPose> AmclTracker::PoseAt(
     base::MonotonicTime stamp) const {
   if (!estimate_.has_value()) return std::nullopt;
-  const std::optional<WheelMoment> moment = parts_.wheels.At(stamp);
+  const std::optional<BufferedOdometry> moment = parts_.wheels.At(stamp);
   if (!moment.has_value()) return std::nullopt;
   return PoseFor(*moment);
 }
@@ -297,7 +297,7 @@ std::optional<TrackedMotion> AmclTracker::Motion() const {
 
 std::optional<TrackedMotion> AmclTracker::MotionAt(
     base::MonotonicTime stamp) const {
-  const std::optional<WheelMoment> moment = parts_.wheels.At(stamp);
+  const std::optional<BufferedOdometry> moment = parts_.wheels.At(stamp);
   if (!moment.has_value()) return std::nullopt;
   return moment->motion;
 }
@@ -498,7 +498,7 @@ absl::StatusOr<std::unique_ptr<RobotTracker>> RobotTracker::Create(
                    .amcl = std::move(amcl),
                    .detector = *std::move(detector),
                    .checkers = std::move(checkers),
-                   .wheels = WheelHistory(odometry)},
+                   .wheels = OdometryBuffer(odometry)},
       robot, laser, options);
 }
 

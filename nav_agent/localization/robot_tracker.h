@@ -82,7 +82,7 @@ class RobotTracker {
                                const PoseCovariance2& covariance,
                                base::MonotonicTime now) = 0;
   // AMCL looks for the robot everywhere.
-  virtual void SetAnywhere(base::MonotonicTime now) = 0;
+  virtual void StartGlobalLocalization(base::MonotonicTime now) = 0;
 
   // AMCL's newest estimate, carried on with the wheels to the newest reading;
   // nullopt before anything was told.

@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int64_t kVersion = 1;
-constexpr int64_t kMostParts = 10'000'000;
+constexpr int64_t kMaxParts = 10'000'000;
 constexpr std::array<const char*, 6> kParts = {
     kBundleManifest,  kBundleOctomap,    kBundleLevels,
     kBundleKeyframes, kBundleTrajectory, kBundlePicture};
@@ -208,13 +208,13 @@ absl::StatusOr<MapBundleManifest> ParseMapBundleManifest(
                       root.Number("resolution_m", 0.001, 10));
   TL_ASSIGN_OR_RETURN(const int64_t levels, root.Integer("levels", 0, 1000));
   TL_ASSIGN_OR_RETURN(const int64_t keyframes,
-                      root.Integer("keyframes", 0, kMostParts));
+                      root.Integer("keyframes", 0, kMaxParts));
   TL_ASSIGN_OR_RETURN(const yaml::YamlNode trajectory, root.Get("trajectory"));
   TL_RETURN_IF_ERROR(trajectory.CheckKeys({"of", "poses"}));
   TL_ASSIGN_OR_RETURN(const int of,
                       trajectory.Choice("of", {"base", "camera"}));
   TL_ASSIGN_OR_RETURN(const int64_t poses,
-                      trajectory.Integer("poses", 0, kMostParts));
+                      trajectory.Integer("poses", 0, kMaxParts));
   manifest.levels = static_cast<int>(levels);
   manifest.keyframes = static_cast<int>(keyframes);
   manifest.trajectory_of = of == 0 ? "base" : "camera";

@@ -14,14 +14,14 @@ namespace treeline::map_bundle {
 namespace {
 
 constexpr int kTrials = 400;
-constexpr double kMostTilt_rad = 0.6;
+constexpr double kMaxTilt_rad = 0.6;
 constexpr int kRefinements = 3;
 // Where a wall crosses the plane, most points of a cell are above or below it.
 constexpr double kCell_m = 0.1;
 constexpr double kBand_m = 0.15;
 constexpr double kOnPlane_m = 0.03;
 // Smaller planes say nothing.
-constexpr double kLeastShare = 0.05;
+constexpr double kMinShare = 0.05;
 // Below a floor there are reflections at most.
 constexpr double kBelowFloor = 0.02;
 constexpr double kFarBelow_m = 0.1;
@@ -68,7 +68,7 @@ Plane LargestPlane(std::span<const geometry::Vec3> points, geometry::Vec3 up,
     if (geometry::SquaredNorm(normal) < 1e-6) continue;
     normal = geometry::Normalized(normal);
     if (geometry::Dot(normal, up) < 0) normal = -normal;
-    if (geometry::Dot(normal, up) < std::cos(kMostTilt_rad)) continue;
+    if (geometry::Dot(normal, up) < std::cos(kMaxTilt_rad)) continue;
     const size_t on = CountOn(points, normal, geometry::Dot(normal, a));
     if (on > best.points) best = {normal, geometry::Dot(normal, a), on};
   }
@@ -149,7 +149,7 @@ UprightMap FindUpright(std::span<const geometry::Vec3> points_in_map,
   }
   Plane plane = LargestPlane(points_in_map, up, seed);
   const auto all = static_cast<double>(points_in_map.size());
-  upright.has_surface = static_cast<double>(plane.points) >= kLeastShare * all;
+  upright.has_surface = static_cast<double>(plane.points) >= kMinShare * all;
   if (upright.has_surface) {
     for (int round = 0; round < kRefinements; ++round) {
       plane = Refined(points_in_map, plane);

@@ -9,9 +9,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/mapping/driven_ground.h"
 #include "nav_agent/mapping/loop_worker.h"
 #include "nav_agent/mapping/scan_plane.h"
+#include "nav_agent/mapping/traversed_ground.h"
 
 namespace treeline::mapping {
 namespace {
@@ -33,8 +33,8 @@ constexpr double kLevel_rad = 1e-4;
 constexpr double kTurnAsWay_m = 0.3;
 // Climbs follow the matched way within these factors, and once the way is long
 // enough.
-constexpr double kLeastOfWay = 0.5;
-constexpr double kMostOfWay = 1.5;
+constexpr double kMinShareOfWay = 0.5;
+constexpr double kMaxShareOfWay = 1.5;
 constexpr double kTellingWay_m = 0.03;
 
 double ThreadTime_ms() {
@@ -44,8 +44,8 @@ double ThreadTime_ms() {
          1e-6 * static_cast<double>(time.tv_nsec);
 }
 
-// See Match: by how much more odometry is doubted, and what is gained then.
-constexpr double kDoubtful = 10;
+// See Match: factor on odometry noise, and the gain that it must bring.
+constexpr double kLooseOdometryFactor = 10;
 constexpr double kClearlyBetter = 0.02;
 
 bool IsTilted(const geometry::Rotation3& level_from_base) {
@@ -159,7 +159,7 @@ class LaserSlamOnThread final : public LaserSlam {
   geometry::Rigid2 odom_from_last_;
   geometry::Rigid2 odom_from_matched_;
   geometry::Rigid2 odom_from_keyscan_;
-  DrivenGround ground_;
+  TraversedGround ground_;
   const bool leaves_out_ground_;
   LaserSlamStatistics statistics_;
   LoopWorker worker_;
@@ -215,7 +215,7 @@ MatchSearch LaserSlamOnThread::SearchAfter(
     const geometry::Rigid2& motion) const {
   const double moved_m = geometry::Norm(motion.translation);
   const double turned_rad = std::abs(motion.yaw_rad);
-  const OdometryDoubt& doubt = options_.odometry;
+  const OdometryUncertainty& doubt = options_.odometry;
   const double sigma_m =
       doubt.m + doubt.m_per_m * moved_m + doubt.m_per_rad * turned_rad;
   const double sigma_rad =
@@ -270,12 +270,12 @@ bool LaserSlamOnThread::Match(const ScanOutline& scan, geometry::Vec2 slope,
       MakeSurfaceGrid(window.references, scan, guess, search, options_.matcher);
   ScanMatch match = MatchScan(grid, scan, guess, search, options_.matcher);
   // Doubt is about small errors. Wheels that spin are wrong by far more: what
-  // then fits clearly better with hardly any odometry is believed.
-  MatchSearch doubtful = search;
-  doubtful.guess_sigma_m *= kDoubtful;
-  doubtful.guess_sigma_rad *= kDoubtful;
+  // then fits clearly better with hardly any odometry is accepted.
+  MatchSearch loose_search = search;
+  loose_search.guess_sigma_m *= kLooseOdometryFactor;
+  loose_search.guess_sigma_rad *= kLooseOdometryFactor;
   const ScanMatch other = RefineMatch(grid, scan, match.target_from_scan, guess,
-                                      doubtful, options_.matcher);
+                                      loose_search, options_.matcher);
   if (other.response > match.response + kClearlyBetter) match = other;
   if (match.response < options_.min_response) return false;
   map_from_base_ = match.target_from_scan;
@@ -366,7 +366,7 @@ void LaserSlamOnThread::FollowWay(const geometry::Rigid2& map_from_predicted) {
   if (length_m > kTellingWay_m) {
     const double factor =
         std::clamp(geometry::Dot(matched, predicted) / (length_m * length_m),
-                   kLeastOfWay, kMostOfWay);
+                   kMinShareOfWay, kMaxShareOfWay);
     height_m_ += (factor - 1) * climb_since_match_m_;
   }
 }

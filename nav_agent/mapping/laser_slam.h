@@ -25,7 +25,7 @@ namespace treeline::mapping {
 // per radian; what matching searches is search_sigmas of it, but at least
 // min_search, and at most what LaserSlamOptions say. Defaults suit wheels alone
 // that tell their turns too.
-struct OdometryDoubt {
+struct OdometryUncertainty {
   double m = 0.02;
   double m_per_m = 0.10;
   double m_per_rad = 0.03;
@@ -38,7 +38,7 @@ struct OdometryDoubt {
   // Of wheels with a gyroscope, looked at every few centimetres. More doubt
   // costs: between parallel walls a scan fits best a little behind of where it
   // was taken, since ahead it shows what the window has not seen.
-  static OdometryDoubt WithGyroscope() {
+  static OdometryUncertainty WithGyroscope() {
     return {.m = 0.003,
             .m_per_m = 0.02,
             .m_per_rad = 0.004,
@@ -81,11 +81,11 @@ struct LaserSlamOptions {
   double ground_reach_m = 0.6;
   // The running window: the scans that the next one is matched against.
   int window = 15;
-  OdometryDoubt odometry;
+  OdometryUncertainty odometry;
   double search_sigmas = 3.0;
   double max_search_m = 1.0;
   double max_search_rad = 0.7;
-  // Below this response, or with fewer points, odometry is believed instead.
+  // Below this response, or with fewer points, odometry is used instead.
   double min_response = 0.35;
   int min_points = 20;
   // Loops are closed within AddScan, instead of on a thread of their own: slow

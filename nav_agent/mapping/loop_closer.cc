@@ -22,7 +22,7 @@ constexpr double kGroundTilt_rad = 0.01;
 // What odometry's climb is off: a bias of tilts that was not seen, and slip.
 constexpr double kClimb_m_per_m = 0.005;
 constexpr double kClimb_m_per_climb_m = 0.03;
-constexpr double kLeastClimb_m = 0.0005;
+constexpr double kMinClimb_m = 0.0005;
 // A loop is at least this many times as long as the laser's overlap.
 constexpr double kLoopWay = 3.0;
 constexpr double kLargestDrift = 0.05;
@@ -142,10 +142,10 @@ std::vector<LoopCloser::Reach> LoopCloser::ReachFrom(int keyscan) const {
 MatchSearch LoopCloser::SearchFor(const Reach& reach) const {
   // No drift is larger than this part of the way: without that, a corridor in
   // which nothing is known along it matches with its own beginning.
-  const double most_m = kLargestDrift * reach.way_m;
+  const double max_m = kLargestDrift * reach.way_m;
   return {.half_extent_m =
-              std::clamp(std::min(most_m, options_.search_sigmas *
-                                              std::sqrt(reach.variance_m2)) +
+              std::clamp(std::min(max_m, options_.search_sigmas *
+                                             std::sqrt(reach.variance_m2)) +
                              options_.search_of_way * reach.way_m,
                          options_.min_search_m, options_.max_search_m),
           .half_angle_rad = std::clamp(
@@ -165,12 +165,12 @@ bool LoopCloser::SeesTheSame(int a, int b) const {
   if (!climbs_) return true;
   const double way_m =
       std::abs(way_m_[static_cast<size_t>(a)] - way_m_[static_cast<size_t>(b)]);
-  const double most_m =
+  const double max_m =
       std::min(options_.max_gap_m + options_.max_gap_m_per_m * way_m,
                options_.largest_gap_m);
   const ScanPlane plane_a = PlaneOf(a);
   const ScanPlane plane_b = PlaneOf(b);
-  return Gap_m(plane_a, plane_b) <= most_m &&
+  return Gap_m(plane_a, plane_b) <= max_m &&
          TiltBetween(plane_a, plane_b) <= options_.max_tilt;
 }
 
@@ -365,7 +365,7 @@ bool LoopCloser::Add(const NewKeyscan& added) {
        .from_from_to = added.previous_from_this,
        .covariance = added.covariance,
        .climb_m = added.climb_m,
-       .climb_sigma_m = kLeastClimb_m + kClimb_m_per_m * length_m +
+       .climb_sigma_m = kMinClimb_m + kClimb_m_per_m * length_m +
                         kClimb_m_per_climb_m * std::abs(added.climb_m)});
   if (!options_.enabled || keyscan <= options_.recent) return false;
   const std::vector<Reach> reach = ReachFrom(keyscan);

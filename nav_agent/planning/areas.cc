@@ -8,7 +8,7 @@ constexpr int32_t kOpen = -2;
 
 }  // namespace
 
-Areas::Areas(const DriveSpace& space)
+Areas::Areas(const ConfigurationSpace& space)
     : areas_(
           space.ground().cells() * static_cast<size_t>(space.ground().levels()),
           kClosed) {

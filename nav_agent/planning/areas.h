@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "nav_agent/planning/drive_space.h"
+#include "nav_agent/planning/configuration_space.h"
 
 namespace treeline::planning {
 
@@ -15,7 +15,7 @@ namespace treeline::planning {
 class Areas {
  public:
   // Flood fill: linear in the cells.
-  explicit Areas(const DriveSpace& space);
+  explicit Areas(const ConfigurationSpace& space);
 
   int count() const { return static_cast<int>(cells_.size()); }
   // From 0; -1 if the cell is in none.

@@ -44,7 +44,8 @@ void ExpectClear(const traversability::NavigationMap& map,
                  const PlanResult& result) {
   const auto ground = std::make_shared<const GroundIndex>(
       std::make_shared<const traversability::NavigationMap>(map));
-  const DriveSpace space(ground, Footprint::Of(core::RobotModel(), 0.0), {});
+  const ConfigurationSpace space(ground, Footprint::Of(core::RobotModel(), 0.0),
+                                 {});
   const geometry::Rigid2 grid_from_map = map.grid(0).map_from_grid.Inverse();
   for (size_t i = 1; i < result.path.size(); ++i) {
     const geometry::Rigid2 from =

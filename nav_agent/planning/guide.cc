@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "nav_agent/planning/open_nodes.h"
-#include "nav_agent/planning/path_improver.h"
+#include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
@@ -35,7 +35,8 @@ constexpr std::array<core::CellIndex, 16> kSteps = {{{1, 0},
 // A* over level * cells + cell.
 class GuideSearch {
  public:
-  GuideSearch(const DriveSpace& space, const Spot& start, const Spot& goal)
+  GuideSearch(const ConfigurationSpace& space, const Spot& start,
+              const Spot& goal)
       : space_(&space),
         ground_(&space.ground()),
         start_(start),
@@ -131,7 +132,7 @@ class GuideSearch {
     return way;
   }
 
-  const DriveSpace* space_;
+  const ConfigurationSpace* space_;
   const GroundIndex* ground_;
   Spot start_;
   Spot goal_;
@@ -143,7 +144,7 @@ class GuideSearch {
 };
 
 // The first, the last, and between them one every spacing_m.
-Polyline Thinned(const DriveSpace& space, const Polyline& points,
+Polyline Thinned(const ConfigurationSpace& space, const Polyline& points,
                  double spacing_m) {
   Polyline thin = {points.front()};
   double left_m = spacing_m;
@@ -169,8 +170,8 @@ Polyline Thinned(const DriveSpace& space, const Polyline& points,
 
 }  // namespace
 
-Polyline FindGuide(const DriveSpace& space, const Spot& start, const Spot& goal,
-                   const std::function<bool()>& is_over) {
+Polyline FindGridPath(const ConfigurationSpace& space, const Spot& start,
+                      const Spot& goal, const std::function<bool()>& is_over) {
   if (start.level == goal.level &&
       space.ground().CellOf(start.at) == space.ground().CellOf(goal.at)) {
     return {start, goal};
@@ -178,9 +179,9 @@ Polyline FindGuide(const DriveSpace& space, const Spot& start, const Spot& goal,
   return GuideSearch(space, start, goal).Run(is_over);
 }
 
-Polyline PullTight(const DriveSpace& space, double start_yaw_rad,
-                   double goal_yaw_rad, const Polyline& points,
-                   double spacing_m) {
+Polyline ShortcutPolyline(const ConfigurationSpace& space, double start_yaw_rad,
+                          double goal_yaw_rad, const Polyline& points,
+                          double spacing_m) {
   const Polyline thin = Thinned(space, points, spacing_m);
   struct Best {
     double cost_m = std::numeric_limits<double>::infinity();

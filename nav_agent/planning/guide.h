@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "nav_agent/planning/drive_space.h"
+#include "nav_agent/planning/configuration_space.h"
 #include "nav_agent/planning/variable_rrt.h"
 
 namespace treeline::planning {
@@ -15,16 +15,16 @@ namespace treeline::planning {
 // one that can be driven; but where there is none there is no way at all. From
 // `start` to `goal`, with cells' centres between; empty: none, or `is_over`
 // said so.
-Polyline FindGuide(const DriveSpace& space, const Spot& start, const Spot& goal,
-                   const std::function<bool()>& is_over);
+Polyline FindGridPath(const ConfigurationSpace& space, const Spot& start,
+                      const Spot& goal, const std::function<bool()>& is_over);
 
 // The cheapest way over some of `points`, in their order, from the first to the
 // last, whose lines and turns can be driven: by dynamic programming over points
 // spacing_m apart (m), each with the heading of the best way to it. Empty if
 // there is none.
-Polyline PullTight(const DriveSpace& space, double start_yaw_rad,
-                   double goal_yaw_rad, const Polyline& points,
-                   double spacing_m);
+Polyline ShortcutPolyline(const ConfigurationSpace& space, double start_yaw_rad,
+                          double goal_yaw_rad, const Polyline& points,
+                          double spacing_m);
 
 }  // namespace treeline::planning
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "nav_agent/planning/open_nodes.h"
-#include "nav_agent/planning/path_improver.h"
+#include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
@@ -49,8 +49,8 @@ double YawOf(int heading) {
 // and turns to the next heading.
 class Lattice {
  public:
-  Lattice(const DriveSpace& space, const Stand& start, const Stand& goal,
-          const std::function<bool()>& is_over)
+  Lattice(const ConfigurationSpace& space, const Stand& start,
+          const Stand& goal, const std::function<bool()>& is_over)
       : space_(&space),
         ground_(&space.ground()),
         is_over_(&is_over),
@@ -122,7 +122,7 @@ class Lattice {
                                  static_cast<size_t>(heading));
   }
 
-  // DriveSpace's, asked once.
+  // ConfigurationSpace's, asked once.
   double RoomAt_m(size_t place) {
     float& room_m = room_m_[place];
     if (room_m == kUnknownRoom) {
@@ -237,14 +237,14 @@ class Lattice {
     const size_t start = starts_.front() / kHeadings;
     estimate_m_[goal] = 0;
     open.push({0, static_cast<uint32_t>(goal)});
-    float furthest_m = kFar;
+    float max_reach_m = kFar;
     for (int count = 0; !open.empty(); ++count) {
       if (count % kStopEveryNode == 0 && (*is_over_)()) return false;
       const OpenNode next = open.top();
       open.pop();
-      if (next.estimate_m > furthest_m) break;
+      if (next.estimate_m > max_reach_m) break;
       if (next.estimate_m > estimate_m_[next.number]) continue;
-      if (next.number == start) furthest_m = next.estimate_m + kFurther_m;
+      if (next.number == start) max_reach_m = next.estimate_m + kFurther_m;
       const core::CellIndex cell = CellOf(next.number);
       for (size_t i = 0; i < kHeadings; ++i) {
         const core::CellIndex to = {cell.x + kSteps[i].x, cell.y + kSteps[i].y};
@@ -261,7 +261,7 @@ class Lattice {
       }
     }
     for (float& estimate_m : estimate_m_) {
-      estimate_m = std::min(estimate_m, furthest_m);
+      estimate_m = std::min(estimate_m, max_reach_m);
     }
     return true;
   }
@@ -373,7 +373,7 @@ class Lattice {
     return way;
   }
 
-  const DriveSpace* space_;
+  const ConfigurationSpace* space_;
   const GroundIndex* ground_;
   const std::function<bool()>* is_over_;
   Stand start_;
@@ -398,7 +398,7 @@ class Lattice {
 
 }  // namespace
 
-Polyline SearchLattice(const DriveSpace& space, const Stand& start,
+Polyline SearchLattice(const ConfigurationSpace& space, const Stand& start,
                        const Stand& goal,
                        const std::function<bool()>& is_over) {
   return Lattice(space, start, goal, is_over).Run();

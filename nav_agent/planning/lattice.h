@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "nav_agent/planning/drive_space.h"
+#include "nav_agent/planning/configuration_space.h"
 #include "nav_agent/planning/variable_rrt.h"
 
 namespace treeline::planning {
@@ -13,7 +13,7 @@ namespace treeline::planning {
 // the footprint itself: weighted A*, guided by the way of the inscribed disc
 // from everywhere to the goal. Empty if there is none in that grid, or if
 // `is_over`.
-Polyline SearchLattice(const DriveSpace& space, const Stand& start,
+Polyline SearchLattice(const ConfigurationSpace& space, const Stand& start,
                        const Stand& goal, const std::function<bool()>& is_over);
 
 }  // namespace treeline::planning

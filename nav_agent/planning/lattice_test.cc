@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "gtest/gtest.h"
-#include "nav_agent/planning/path_improver.h"
+#include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/testing_maps.h"
 
 namespace treeline::planning {
@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-DriveSpace SpaceOf(const std::vector<std::string>& rows, int scale = 2) {
+ConfigurationSpace SpaceOf(const std::vector<std::string>& rows,
+                           int scale = 2) {
   return {std::make_shared<const GroundIndex>(DrawnMap(rows, scale)),
           Footprint::Of(core::RobotModel(), 0.0),
           {}};
@@ -37,7 +38,7 @@ TEST(LatticeTest, FindsAWayThroughADoorThatItJustFits) {
   std::vector<std::string> rows = RoomRows(160, 100);
   Fill(rows, 80, 84, 1, 99, '#');
   Fill(rows, 80, 84, 40, 53, '.');
-  const DriveSpace space = SpaceOf(rows, 1);
+  const ConfigurationSpace space = SpaceOf(rows, 1);
   const Stand start = At(1.01, 4.02, 2.0);
   const Stand goal = At(7.03, 3.98, -1.0);
   const Polyline way = SearchLattice(space, start, goal, Never);
@@ -46,11 +47,11 @@ TEST(LatticeTest, FindsAWayThroughADoorThatItJustFits) {
   EXPECT_EQ(way.back(), goal.spot);
   EXPECT_TRUE(CanBeDriven(space, start.yaw_rad, goal.yaw_rad, way));
   // Straight lines over the door's middle are 7.0 m.
-  EXPECT_LT(WayLength_m(way), 8.0);
+  EXPECT_LT(PathLength_m(way), 8.0);
 }
 
 TEST(LatticeTest, DrivesIntoANicheAhead) {
-  const DriveSpace space = SpaceOf(NicheRows(), 1);
+  const ConfigurationSpace space = SpaceOf(NicheRows(), 1);
   const Stand start = At(1, 1, kPi);
   const Stand goal = At(5.1, 2.0, 0);
   const Polyline way = SearchLattice(space, start, goal, Never);
@@ -75,7 +76,7 @@ TEST(LatticeTest, FindsNothingThroughADoorThatIsNarrowerThanTheRobot) {
 }
 
 TEST(LatticeTest, EndsWhenItIsOver) {
-  const DriveSpace space = SpaceOf(TwoRoomsRows(9));
+  const ConfigurationSpace space = SpaceOf(TwoRoomsRows(9));
   const Stand start = At(1, 4, 0);
   const Stand goal = At(7, 4, 0);
   int asked = 0;
@@ -93,11 +94,11 @@ TEST(LatticeTest, EndsWhenItIsOver) {
 }
 
 TEST(LatticeTest, IsAtTheGoalAlready) {
-  const DriveSpace space = SpaceOf(RoomRows(60, 40));
+  const ConfigurationSpace space = SpaceOf(RoomRows(60, 40));
   const Stand start = At(2, 2, 0);
   const Polyline way = SearchLattice(space, start, At(2, 2, kPi), Never);
   EXPECT_TRUE(CanBeDriven(space, 0, kPi, way));
-  EXPECT_EQ(WayLength_m(way), 0);
+  EXPECT_EQ(PathLength_m(way), 0);
   EXPECT_FALSE(way.empty());
 }
 

@@ -14,7 +14,7 @@
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/planning/ompl_variable_rrt.h"
-#include "nav_agent/planning/path_improver.h"
+#include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/planner_parameters.h"
 #include "ompl/base/PlannerData.h"
 #include "ompl/base/objectives/PathLengthOptimizationObjective.h"
@@ -62,7 +62,7 @@ void SetState(const Spot& spot, ob::State* state) {
 
 class LevelSpace final : public ob::RealVectorStateSpace {
  public:
-  explicit LevelSpace(const DriveSpace& space)
+  explicit LevelSpace(const ConfigurationSpace& space)
       : RealVectorStateSpace(3), space_(&space) {
     const GroundIndex& ground = space.ground();
     ob::RealVectorBounds bounds(3);
@@ -82,12 +82,13 @@ class LevelSpace final : public ob::RealVectorStateSpace {
   }
 
  private:
-  const DriveSpace* space_;
+  const ConfigurationSpace* space_;
 };
 
 class CanStand final : public ob::StateValidityChecker {
  public:
-  CanStand(const ob::SpaceInformationPtr& space, const DriveSpace& drive)
+  CanStand(const ob::SpaceInformationPtr& space,
+           const ConfigurationSpace& drive)
       : StateValidityChecker(space), drive_(&drive) {
     specs_.clearanceComputationType =
         ob::StateValidityCheckerSpecs::BOUNDED_APPROXIMATE;
@@ -100,12 +101,13 @@ class CanStand final : public ob::StateValidityChecker {
   }
 
  private:
-  const DriveSpace* drive_;
+  const ConfigurationSpace* drive_;
 };
 
 class CanDrive final : public ob::MotionValidator {
  public:
-  CanDrive(const ob::SpaceInformationPtr& space, const DriveSpace& drive)
+  CanDrive(const ob::SpaceInformationPtr& space,
+           const ConfigurationSpace& drive)
       : MotionValidator(space), drive_(&drive) {}
   bool checkMotion(const ob::State* from, const ob::State* to) const override {
     const Spot end = SpotOf(to);
@@ -121,7 +123,7 @@ class CanDrive final : public ob::MotionValidator {
   }
 
  private:
-  const DriveSpace* drive_;
+  const ConfigurationSpace* drive_;
 };
 
 ob::PlannerPtr MakePlanner(const std::string& name,
@@ -144,7 +146,8 @@ ob::PlannerPtr MakePlanner(const std::string& name,
 
 // From where the robot stands, straight ahead (`direction` 1) or back (-1), to
 // where it can turn right round; empty if it cannot.
-Polyline Leave(const DriveSpace& space, const Stand& stand, int direction) {
+Polyline Leave(const ConfigurationSpace& space, const Stand& stand,
+               int direction) {
   Polyline way = {stand.spot};
   if (space.FitsTurning(stand.spot)) return way;
   const geometry::Vec2 ahead = {std::cos(stand.yaw_rad),
@@ -183,7 +186,7 @@ void AddEdges(const ob::Planner& planner, const ob::SpaceInformationPtr& space,
 
 struct Search {
   const std::string& name;
-  const DriveSpace& drive;
+  const ConfigurationSpace& drive;
   uint64_t seed = 0;
   PlanBudget budget;
   const std::stop_token& stop;
@@ -305,7 +308,7 @@ absl::StatusOr<PlanResult> OmplPlanner::Plan(
     result.total_s = SecondsSince(begin);
     return result;
   }
-  PathImprover improver(task->space, task->start.yaw_rad, task->goal.yaw_rad,
+  PathSmoother improver(task->space, task->start.yaw_rad, task->goal.yaw_rad,
                         std::move(way));
   for (int idle = 0, i = 0; idle < kIdleAttempts && i < budget.max_iterations;
        ++i) {

@@ -8,8 +8,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "nav_agent/planning/path_improver.h"
-#include "nav_agent/planning/plan_ends.h"
+#include "nav_agent/planning/endpoint_search.h"
+#include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
@@ -53,8 +53,8 @@ bool IsOnMap(const GroundIndex& ground, const Stand& stand) {
 // Where a robot that cannot turn at `stand` gets to straight ahead
 // (`direction` 1) or back (-1) until it can, or for half a metre; nullopt if
 // something is in the way.
-std::optional<Spot> LeaveStraight(const DriveSpace& space, const Stand& stand,
-                                  int direction) {
+std::optional<Spot> LeaveStraight(const ConfigurationSpace& space,
+                                  const Stand& stand, int direction) {
   if (space.FitsTurning(stand.spot)) return stand.spot;
   const geometry::Vec2 ahead = {std::cos(stand.yaw_rad),
                                 std::sin(stand.yaw_rad)};
@@ -72,7 +72,8 @@ std::optional<Spot> LeaveStraight(const DriveSpace& space, const Stand& stand,
 // Ends that the robot cannot leave (or come to) driving ahead are moved to
 // where it can turn: the start straight back, if that is free; else to the
 // nearest such place, if there is one.
-void MoveToTurn(const DriveSpace& space, double max_move_m, bool is_goal,
+void MoveToTurn(const ConfigurationSpace& space, double max_move_m,
+                bool is_goal,
                 const std::function<bool(const Spot&)>& is_allowed,
                 MovedStand& end) {
   if (LeaveStraight(space, end.stand, is_goal ? -1 : 1).has_value()) return;
@@ -111,7 +112,8 @@ PlanGround::PlanGround(std::shared_ptr<const GroundIndex> index_of,
                        const core::RobotModel& robot, double margin_m)
     : index(std::move(index_of)),
       footprint(Footprint::Of(robot, margin_m)),
-      areas(std::make_shared<const Areas>(DriveSpace(index, footprint, {}))) {}
+      areas(std::make_shared<const Areas>(
+          ConfigurationSpace(index, footprint, {}))) {}
 
 absl::Status CheckRequest(const PlanRequest& request) {
   if (absl::Status status = CheckPose(request.start, "start"); !status.ok()) {
@@ -154,7 +156,7 @@ std::optional<PlanTask> MakeTask(const PlanGround& ground,
                      .radius_m = blockage.radius_m,
                      .level = blockage.level});
   }
-  DriveSpace space(ground.index, ground.footprint, std::move(discs));
+  ConfigurationSpace space(ground.index, ground.footprint, std::move(discs));
   std::shared_ptr<const Areas> areas = ground.areas;
   if (!space.discs().empty()) areas = std::make_shared<const Areas>(space);
   const auto area_of = [&](const std::optional<MovedStand>& end) {
@@ -214,7 +216,7 @@ void WriteWay(const PlanTask& task, const Polyline& way, PlanResult& result) {
   const traversability::NavigationMap& map = ground.map();
   const geometry::Rigid2& map_from_grid = map.grid(0).map_from_grid;
   result.path.clear();
-  result.length_m = WayLength_m(way);
+  result.length_m = PathLength_m(way);
   const auto add = [&](const Spot& spot, double yaw_rad) {
     core::LevelPose pose = {
         .map_from_base = map_from_grid * geometry::Rigid2{spot.at, yaw_rad},

@@ -8,7 +8,7 @@
 
 #include "absl/status/status.h"
 #include "nav_agent/planning/areas.h"
-#include "nav_agent/planning/drive_space.h"
+#include "nav_agent/planning/configuration_space.h"
 #include "nav_agent/planning/global_planner.h"
 #include "nav_agent/planning/variable_rrt.h"
 
@@ -29,7 +29,7 @@ struct PlanGround {
 
 // A request that has a start and a goal with room, in the grids' frame.
 struct PlanTask {
-  DriveSpace space;
+  ConfigurationSpace space;
   Stand start;
   Stand goal;
   std::shared_ptr<const Areas> areas;

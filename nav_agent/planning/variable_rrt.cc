@@ -22,7 +22,7 @@ struct Node {
 
 // Whether a node of the start's tree and one of the goal's at the same place
 // can be one: the robot turns there.
-bool AreOne(const DriveSpace& space, const Node& from, const Node& to) {
+bool AreOne(const ConfigurationSpace& space, const Node& from, const Node& to) {
   return from.spot.level == to.spot.level &&
          geometry::Norm(from.spot.at - to.spot.at) < 1e-6 &&
          space.CanTurn(from.spot, from.yaw_rad, to.yaw_rad);
@@ -32,7 +32,7 @@ bool AreOne(const DriveSpace& space, const Node& from, const Node& to) {
 
 class VariableRrt::Tree {
  public:
-  Tree(const DriveSpace& space, const Stand& root, bool is_of_goal)
+  Tree(const ConfigurationSpace& space, const Stand& root, bool is_of_goal)
       : space_(&space), is_of_goal_(is_of_goal) {
     nodes_.push_back({.spot = root.spot, .yaw_rad = root.yaw_rad});
     if (!space.FitsTurning(root.spot)) Leave();
@@ -113,12 +113,12 @@ class VariableRrt::Tree {
     }
   }
 
-  const DriveSpace* space_;
+  const ConfigurationSpace* space_;
   bool is_of_goal_;
   std::vector<Node> nodes_;
 };
 
-VariableRrt::VariableRrt(const DriveSpace& space, const Stand& start,
+VariableRrt::VariableRrt(const ConfigurationSpace& space, const Stand& start,
                          const Stand& goal)
     : space_(&space),
       trees_{std::make_unique<Tree>(space, start, false),

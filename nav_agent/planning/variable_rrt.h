@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "nav_agent/planning/drive_space.h"
+#include "nav_agent/planning/configuration_space.h"
 
 namespace treeline::planning {
 
@@ -32,7 +32,8 @@ using Polyline = std::vector<Spot>;
 // the turns between them, are checked with the footprint.
 class VariableRrt {
  public:
-  VariableRrt(const DriveSpace& space, const Stand& start, const Stand& goal);
+  VariableRrt(const ConfigurationSpace& space, const Stand& start,
+              const Stand& goal);
   ~VariableRrt();
   VariableRrt(const VariableRrt&) = delete;
   VariableRrt& operator=(const VariableRrt&) = delete;
@@ -55,7 +56,7 @@ class VariableRrt {
   class Tree;
   void Connect(size_t own, int node);
 
-  const DriveSpace* space_;
+  const ConfigurationSpace* space_;
   // The start's and the goal's.
   std::array<std::unique_ptr<Tree>, 2> trees_;
   // Their nodes that met; -1 until then.

@@ -10,7 +10,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/planning/guide.h"
 #include "nav_agent/planning/lattice.h"
-#include "nav_agent/planning/path_improver.h"
+#include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
@@ -54,7 +54,7 @@ class Planning {
   Spot SampleOf(uint64_t stream, uint64_t iteration) const;
   void LookForGuide();
   // Cuts and moves until nothing more is gained.
-  void Polish(PathImprover& improver, PlanResult& result) const;
+  void Polish(PathSmoother& improver, PlanResult& result) const;
   // A way of another tree, of those that might be shorter.
   Polyline Restart(uint64_t stream, double bound_m, PlanResult& result) const;
 
@@ -96,8 +96,8 @@ Spot Planning::SampleOf(uint64_t stream, uint64_t iteration) const {
 }
 
 void Planning::LookForGuide() {
-  guide_ = FindGuide(task_->space, task_->start.spot, task_->goal.spot,
-                     [this] { return IsOver(); });
+  guide_ = FindGridPath(task_->space, task_->start.spot, task_->goal.spot,
+                        [this] { return IsOver(); });
 }
 
 void Planning::FindFirst(PlanResult& result) {
@@ -118,8 +118,8 @@ void Planning::FindFirst(PlanResult& result) {
     }
   }
   if (!is_found && !IsOver()) {
-    way_ = PullTight(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
-                     *guide_, kGuideSpacing_m);
+    way_ = ShortcutPolyline(task_->space, task_->start.yaw_rad,
+                            task_->goal.yaw_rad, *guide_, kGuideSpacing_m);
     is_found = !way_.empty() || trees.Grow(std::min(budget_.max_iterations,
                                                     kEasyIterations.value) -
                                                trees.iterations(),
@@ -145,8 +145,8 @@ void Planning::FindThoroughly(PlanResult& result) {
   const auto is_over = [this] { return IsOver(); };
   LookForGuide();
   if (!IsOver() && !guide_->empty()) {
-    way_ = PullTight(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
-                     *guide_, kGuideSpacing_m);
+    way_ = ShortcutPolyline(task_->space, task_->start.yaw_rad,
+                            task_->goal.yaw_rad, *guide_, kGuideSpacing_m);
   }
   if (way_.empty() && !IsOver()) {
     way_ = SearchLattice(task_->space, task_->start, task_->goal, is_over);
@@ -160,7 +160,7 @@ void Planning::FindThoroughly(PlanResult& result) {
       SecondsSince(begin_));
 }
 
-void Planning::Polish(PathImprover& improver, PlanResult& result) const {
+void Planning::Polish(PathSmoother& improver, PlanResult& result) const {
   for (int idle = 0;
        idle < kIdleAttempts && result.iterations < budget_.max_iterations;
        ++result.iterations) {
@@ -197,7 +197,7 @@ Polyline Planning::Restart(uint64_t stream, double bound_m,
 void Planning::Improve(PlanResult& result) {
   const double start_yaw_rad = task_->start.yaw_rad;
   const double goal_yaw_rad = task_->goal.yaw_rad;
-  PathImprover best(task_->space, start_yaw_rad, goal_yaw_rad, std::move(way_));
+  PathSmoother best(task_->space, start_yaw_rad, goal_yaw_rad, std::move(way_));
   Polish(best, result);
   int idle = 0;
   for (uint64_t restart = 0;
@@ -209,21 +209,21 @@ void Planning::Improve(PlanResult& result) {
       if (!guide_.has_value()) LookForGuide();
       if (guide_->empty()) guide_.reset();
       if (guide_.has_value()) {
-        other = PullTight(task_->space, start_yaw_rad, goal_yaw_rad, *guide_,
-                          kGuideSpacing_m);
+        other = ShortcutPolyline(task_->space, start_yaw_rad, goal_yaw_rad,
+                                 *guide_, kGuideSpacing_m);
       }
     } else if (restart % 2 == 1) {
       base::Random random(seed_ + (kImprovements << 32), restart << 32);
-      other =
-          PullTight(task_->space, start_yaw_rad, goal_yaw_rad, best.way(),
-                    random.NextUniform(kPullSpacingMin_m, kPullSpacingMax_m));
+      other = ShortcutPolyline(
+          task_->space, start_yaw_rad, goal_yaw_rad, best.way(),
+          random.NextUniform(kPullSpacingMin_m, kPullSpacingMax_m));
     } else {
       other = Restart(kFirstTree + restart, best.cost_m(), result);
     }
     ++idle;
     ++result.iterations;
     if (other.empty()) continue;
-    PathImprover improver(task_->space, start_yaw_rad, goal_yaw_rad,
+    PathSmoother improver(task_->space, start_yaw_rad, goal_yaw_rad,
                           std::move(other));
     Polish(improver, result);
     if (improver.cost_m() < kKept * best.cost_m()) idle = 0;

@@ -49,7 +49,7 @@ double LowestOf(const traversability::TraversableLevel& level) {
 }  // namespace
 
 absl::StatusOr<core::LevelPose> AgentCommands::OnLevel(
-    const PoseWish& pose, const std::string& what) const {
+    const RequestedPose& pose, const std::string& what) const {
   if (!std::isfinite(pose.x_m) || !std::isfinite(pose.y_m) ||
       !std::isfinite(pose.yaw_rad)) {
     return absl::InvalidArgumentError(
@@ -95,7 +95,7 @@ core::LevelPose AgentCommands::NearestLevel(
 }
 
 absl::StatusOr<uint64_t> AgentCommands::SetGoalNow(
-    behavior::Navigator& navigator, const std::vector<PoseWish>& poses) {
+    behavior::Navigator& navigator, const std::vector<RequestedPose>& poses) {
   if (poses.empty()) {
     return absl::InvalidArgumentError("a goal needs a pose at least");
   }
@@ -117,7 +117,7 @@ absl::StatusOr<uint64_t> AgentCommands::SetGoalNow(
 }
 
 absl::StatusOr<uint64_t> AgentCommands::SetGoal(
-    const std::vector<PoseWish>& poses) {
+    const std::vector<RequestedPose>& poses) {
   uint64_t id = 0;
   TL_RETURN_IF_ERROR(
       hub_.Do([&](behavior::Navigator& navigator) -> absl::Status {
@@ -156,12 +156,12 @@ absl::Status AgentCommands::Resume() {
 absl::Status AgentCommands::SetPoseNow(behavior::Navigator& navigator,
                                        const core::LevelPose& pose,
                                        double std_m, double std_rad) {
-  constexpr double kMost = 100;
-  if (!(std_m > 0) || !(std_rad > 0) || !(std_m <= kMost) ||
-      !(std_rad <= kMost)) {
+  constexpr double kMax = 100;
+  if (!(std_m > 0) || !(std_rad > 0) || !(std_m <= kMax) ||
+      !(std_rad <= kMax)) {
     return absl::InvalidArgumentError(
         absl::StrCat("standard deviations are ", std_m, " m and ", std_rad,
-                     " rad; they must be above 0 and at most ", kMost));
+                     " rad; they must be above 0 and at most ", kMax));
   }
   localization::PoseCovariance2 covariance{};
   covariance[0] = std_m * std_m;
@@ -170,7 +170,7 @@ absl::Status AgentCommands::SetPoseNow(behavior::Navigator& navigator,
   return navigator.SetPose(pose, covariance);
 }
 
-absl::Status AgentCommands::SetPose(const PoseWish& pose, double std_m,
+absl::Status AgentCommands::SetPose(const RequestedPose& pose, double std_m,
                                     double std_rad) {
   TL_ASSIGN_OR_RETURN(const core::LevelPose on_level,
                       OnLevel(pose, "the pose"));
@@ -206,7 +206,8 @@ absl::StatusOr<geometry::Rigid3> AgentCommands::DoKidnap(
   return map_from_base;
 }
 
-absl::StatusOr<geometry::Rigid3> AgentCommands::Kidnap(const PoseWish& pose) {
+absl::StatusOr<geometry::Rigid3> AgentCommands::Kidnap(
+    const RequestedPose& pose) {
   TL_ASSIGN_OR_RETURN(const core::LevelPose on_level,
                       OnLevel(pose, "the pose"));
   return DoKidnap([&](SimulationControl& simulation) {
@@ -227,8 +228,8 @@ absl::StatusOr<geometry::Rigid3> AgentCommands::KidnapAnywhere() {
   });
 }
 
-absl::StatusOr<std::string> AgentCommands::AddObstacle(const PoseWish& pose,
-                                                       double size_m) {
+absl::StatusOr<std::string> AgentCommands::AddObstacle(
+    const RequestedPose& pose, double size_m) {
   TL_RETURN_IF_ERROR(CheckSimulated());
   if (!(size_m >= 0.1 && size_m <= 3)) {
     return absl::InvalidArgumentError(
@@ -252,7 +253,7 @@ absl::Status AgentCommands::RemoveObstacle(const std::string& name) {
   });
 }
 
-absl::Status AgentCommands::InjectFault(const FaultWish& fault) {
+absl::Status AgentCommands::InjectFault(const RequestedFault& fault) {
   TL_RETURN_IF_ERROR(CheckSimulated());
   return hub_.Do([&](behavior::Navigator& /*navigator*/) {
     return simulation_->InjectFault(fault);

@@ -18,7 +18,7 @@
 namespace treeline::agent_service {
 
 // A pose as people give it.
-struct PoseWish {
+struct RequestedPose {
   // In the map (m, rad).
   double x_m = 0;
   double y_m = 0;
@@ -39,31 +39,32 @@ class AgentCommands {
 
   // Any thread. INVALID_ARGUMENT: none or too many, not finite, absurdly far,
   // or no such level, and which there are.
-  absl::StatusOr<uint64_t> SetGoal(const std::vector<PoseWish>& poses);
+  absl::StatusOr<uint64_t> SetGoal(const std::vector<RequestedPose>& poses);
   absl::Status Cancel(uint64_t goal_id);
   absl::Status Pause();
   absl::Status Resume();
   // Standard deviations (m, rad), in (0, 100]; INVALID_ARGUMENT otherwise.
-  absl::Status SetPose(const PoseWish& pose, double std_m, double std_rad);
+  absl::Status SetPose(const RequestedPose& pose, double std_m, double std_rad);
   absl::Status FindYourself();
 
   // UNIMPLEMENTED: the robot is real.
-  absl::StatusOr<geometry::Rigid3> Kidnap(const PoseWish& pose);
+  absl::StatusOr<geometry::Rigid3> Kidnap(const RequestedPose& pose);
   absl::StatusOr<geometry::Rigid3> KidnapTo(const std::string& place);
   absl::StatusOr<geometry::Rigid3> KidnapAnywhere();
   // size_m: in [0.1, 3].
-  absl::StatusOr<std::string> AddObstacle(const PoseWish& pose, double size_m);
+  absl::StatusOr<std::string> AddObstacle(const RequestedPose& pose,
+                                          double size_m);
   absl::Status RemoveObstacle(const std::string& name);
-  absl::Status InjectFault(const FaultWish& fault);
+  absl::Status InjectFault(const RequestedFault& fault);
 
   // For the stepping thread, and before anything steps: as SetGoal and SetPose.
   absl::StatusOr<uint64_t> SetGoalNow(behavior::Navigator& navigator,
-                                      const std::vector<PoseWish>& poses);
+                                      const std::vector<RequestedPose>& poses);
   static absl::Status SetPoseNow(behavior::Navigator& navigator,
                                  const core::LevelPose& pose, double std_m,
                                  double std_rad);
   // On the ground of its level; `what` names it in errors.
-  absl::StatusOr<core::LevelPose> OnLevel(const PoseWish& pose,
+  absl::StatusOr<core::LevelPose> OnLevel(const RequestedPose& pose,
                                           const std::string& what) const;
   // On the ground that is nearest in height.
   core::LevelPose NearestLevel(const geometry::Rigid3& map_from_base) const;

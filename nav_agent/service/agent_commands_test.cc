@@ -39,9 +39,10 @@ TEST(AgentCommands, RefusesGoalsThatAreNone) {
               HasSubstr("level -1"));
   EXPECT_THAT(agent.commands.SetGoal({{.x_m = 1e6}}).status().message(),
               HasSubstr("no map reaches that far"));
-  EXPECT_THAT(
-      agent.commands.SetGoal(std::vector<PoseWish>(101)).status().message(),
-      HasSubstr("101 poses"));
+  EXPECT_THAT(agent.commands.SetGoal(std::vector<RequestedPose>(101))
+                  .status()
+                  .message(),
+              HasSubstr("101 poses"));
   for (const auto& bad : {agent.commands.SetGoal({{.level = 2}})}) {
     EXPECT_TRUE(absl::IsInvalidArgument(bad.status()));
   }

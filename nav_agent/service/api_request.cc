@@ -90,9 +90,9 @@ absl::Status Need(const Json& object, const char* name,
   return Bad(where + name, "is missing");
 }
 
-absl::StatusOr<PoseWish> ReadPose(const Json& object,
-                                  const std::string& where) {
-  PoseWish pose;
+absl::StatusOr<RequestedPose> ReadPose(const Json& object,
+                                       const std::string& where) {
+  RequestedPose pose;
   TL_RETURN_IF_ERROR(Need(object, "x", where));
   TL_RETURN_IF_ERROR(Need(object, "y", where));
   TL_RETURN_IF_ERROR(ReadNumber(object, "x", where, pose.x_m));
@@ -104,7 +104,8 @@ absl::StatusOr<PoseWish> ReadPose(const Json& object,
 
 }  // namespace
 
-absl::StatusOr<std::vector<PoseWish>> ParseGoalRequest(absl::string_view body) {
+absl::StatusOr<std::vector<RequestedPose>> ParseGoalRequest(
+    absl::string_view body) {
   TL_ASSIGN_OR_RETURN(const Json json, ParseObject(body, {"poses"}));
   TL_RETURN_IF_ERROR(Need(json, "poses", ""));
   const Json& list = json["poses"];
@@ -113,11 +114,12 @@ absl::StatusOr<std::vector<PoseWish>> ParseGoalRequest(absl::string_view body) {
   if (list.size() > kMaxGoalPoses) {
     return Bad("poses", absl::StrCat("has more than ", kMaxGoalPoses));
   }
-  std::vector<PoseWish> poses;
+  std::vector<RequestedPose> poses;
   for (size_t i = 0; i < list.size(); ++i) {
     const std::string where = absl::StrCat("poses[", i, "]");
     TL_RETURN_IF_ERROR(CheckFields(list[i], where, {"x", "y", "yaw", "level"}));
-    TL_ASSIGN_OR_RETURN(const PoseWish pose, ReadPose(list[i], where + "."));
+    TL_ASSIGN_OR_RETURN(const RequestedPose pose,
+                        ReadPose(list[i], where + "."));
     poses.push_back(pose);
   }
   return poses;
@@ -170,13 +172,13 @@ absl::StatusOr<std::string> ParseNameRequest(absl::string_view body) {
   return name;
 }
 
-absl::StatusOr<FaultWish> ParseFaultRequest(absl::string_view body) {
+absl::StatusOr<RequestedFault> ParseFaultRequest(absl::string_view body) {
   TL_ASSIGN_OR_RETURN(
       const Json json,
       ParseObject(body, {"target", "kind", "duration_s", "amount"}));
   TL_RETURN_IF_ERROR(Need(json, "target", ""));
   TL_RETURN_IF_ERROR(Need(json, "kind", ""));
-  FaultWish fault;
+  RequestedFault fault;
   TL_RETURN_IF_ERROR(ReadText(json, "target", fault.target));
   TL_RETURN_IF_ERROR(ReadText(json, "kind", fault.kind));
   TL_RETURN_IF_ERROR(ReadNumber(json, "duration_s", "", fault.duration_s));

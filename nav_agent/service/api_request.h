@@ -17,14 +17,15 @@ namespace treeline::agent_service {
 // is missing, of another type, not finite, or not known (and those that are).
 
 // {"poses":[{"x","y","yaw","level"}]}; yaw and level are 0 if they are missing.
-absl::StatusOr<std::vector<PoseWish>> ParseGoalRequest(absl::string_view body);
+absl::StatusOr<std::vector<RequestedPose>> ParseGoalRequest(
+    absl::string_view body);
 
 // {} or an empty body.
 absl::Status ParseEmptyRequest(absl::string_view body);
 
 // {"x","y","yaw","level"} and {"std_m","std_rad"}, which have defaults.
 struct InitialPoseRequest {
-  PoseWish pose;
+  RequestedPose pose;
   double std_m = 0.25;
   double std_rad = 0.2;
 };
@@ -33,14 +34,14 @@ absl::StatusOr<InitialPoseRequest> ParseInitialPoseRequest(
 
 // {"x","y","yaw","level"}, {"place"}, or {}: anywhere.
 struct KidnapRequest {
-  std::optional<PoseWish> pose;
+  std::optional<RequestedPose> pose;
   std::optional<std::string> place;
 };
 absl::StatusOr<KidnapRequest> ParseKidnapRequest(absl::string_view body);
 
 // {"x","y","level","size_m"}.
 struct ObstacleRequest {
-  PoseWish pose;
+  RequestedPose pose;
   double size_m = 0.5;
 };
 absl::StatusOr<ObstacleRequest> ParseObstacleRequest(absl::string_view body);
@@ -49,7 +50,7 @@ absl::StatusOr<ObstacleRequest> ParseObstacleRequest(absl::string_view body);
 absl::StatusOr<std::string> ParseNameRequest(absl::string_view body);
 
 // {"target","kind","duration_s","amount"}.
-absl::StatusOr<FaultWish> ParseFaultRequest(absl::string_view body);
+absl::StatusOr<RequestedFault> ParseFaultRequest(absl::string_view body);
 
 }  // namespace treeline::agent_service
 

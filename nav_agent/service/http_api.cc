@@ -58,9 +58,9 @@ http::HttpResponse PictureAnswer(const PictureKeeper* keeper,
 
 // Digits alone name a level: no sign, no space, and not too many of them.
 std::optional<int> LevelCalled(absl::string_view name, size_t levels) {
-  constexpr size_t kMostDigits = 4;
+  constexpr size_t kMaxDigits = 4;
   int level = 0;
-  if (name.size() > kMostDigits ||
+  if (name.size() > kMaxDigits ||
       !std::all_of(name.begin(), name.end(), absl::ascii_isdigit) ||
       !absl::SimpleAtoi(name, &level) || static_cast<size_t>(level) >= levels) {
     return std::nullopt;
@@ -177,7 +177,7 @@ void HttpApi::AddPosts() {
             commands_);
   posts_["/api/goal"] =
       [this](absl::string_view body) -> absl::StatusOr<std::string> {
-    TL_ASSIGN_OR_RETURN(const std::vector<PoseWish> poses,
+    TL_ASSIGN_OR_RETURN(const std::vector<RequestedPose> poses,
                         ParseGoalRequest(body));
     TL_ASSIGN_OR_RETURN(const uint64_t id, commands_.SetGoal(poses));
     return absl::StrCat("{\"ok\":true,\"id\":", id, "}");
@@ -225,7 +225,7 @@ void HttpApi::AddSimulationPosts() {
   };
   posts_["/api/sim/fault"] =
       [this](absl::string_view body) -> absl::StatusOr<std::string> {
-    TL_ASSIGN_OR_RETURN(const FaultWish fault, ParseFaultRequest(body));
+    TL_ASSIGN_OR_RETURN(const RequestedFault fault, ParseFaultRequest(body));
     TL_RETURN_IF_ERROR(commands_.InjectFault(fault));
     return kOk;
   };

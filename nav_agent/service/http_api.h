@@ -1,6 +1,6 @@
 // What the agent answers over HTTP: the operator's page, pictures and maps,
-// navigation.proto's services over Connect, and JSON for scripts. docs/reference/agent.md
-// specifies it.
+// navigation.proto's services over Connect, and JSON for scripts.
+// docs/reference/agent.md specifies it.
 #ifndef NAV_AGENT_SERVICE_HTTP_API_H_
 #define NAV_AGENT_SERVICE_HTTP_API_H_
 

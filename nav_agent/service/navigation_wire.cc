@@ -82,16 +82,16 @@ void AppendParticles(const std::vector<localization::Particle>& particles,
 
 }  // namespace
 
-PoseWish FromProto(const v1::LevelPose& proto) {
+RequestedPose FromProto(const v1::LevelPose& proto) {
   return {.x_m = proto.x_m(),
           .y_m = proto.y_m(),
           .yaw_rad = proto.yaw_rad(),
           .level = proto.level()};
 }
 
-std::vector<PoseWish> FromProto(
+std::vector<RequestedPose> FromProto(
     const google::protobuf::RepeatedPtrField<v1::LevelPose>& proto) {
-  std::vector<PoseWish> poses;
+  std::vector<RequestedPose> poses;
   poses.reserve(static_cast<size_t>(proto.size()));
   for (const v1::LevelPose& pose : proto) poses.push_back(FromProto(pose));
   return poses;

@@ -17,8 +17,8 @@ namespace treeline::agent_service {
 
 using wire::ToProto;
 
-PoseWish FromProto(const v1::LevelPose& proto);
-std::vector<PoseWish> FromProto(
+RequestedPose FromProto(const v1::LevelPose& proto);
+std::vector<RequestedPose> FromProto(
     const google::protobuf::RepeatedPtrField<v1::LevelPose>& proto);
 // `proto` must be one of those that ToProto makes.
 behavior::NavigatorMode FromProto(v1::NavigatorMode proto);

@@ -11,7 +11,7 @@
 
 namespace treeline::agent_service {
 
-struct FaultWish {
+struct RequestedFault {
   std::string target;
   std::string kind;
   // 0: until the end (s).
@@ -36,7 +36,7 @@ class SimulationControl {
   virtual absl::StatusOr<std::string> AddObstacle(const core::LevelPose& pose,
                                                   double size_m) = 0;
   virtual absl::Status RemoveObstacle(const std::string& name) = 0;
-  virtual absl::Status InjectFault(const FaultWish& fault) = 0;
+  virtual absl::Status InjectFault(const RequestedFault& fault) = 0;
 };
 
 }  // namespace treeline::agent_service

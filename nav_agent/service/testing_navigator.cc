@@ -98,7 +98,7 @@ absl::Status FakeSimulation::RemoveObstacle(const std::string& name) {
   return absl::OkStatus();
 }
 
-absl::Status FakeSimulation::InjectFault(const FaultWish& fault) {
+absl::Status FakeSimulation::InjectFault(const RequestedFault& fault) {
   calls.push_back(absl::StrCat("fault ", fault.target, " ", fault.kind, " ",
                                fault.duration_s, " ", fault.amount));
   return absl::OkStatus();

@@ -53,7 +53,7 @@ class FakeSimulation final : public SimulationControl {
   absl::StatusOr<std::string> AddObstacle(const core::LevelPose& pose,
                                           double size_m) override;
   absl::Status RemoveObstacle(const std::string& name) override;
-  absl::Status InjectFault(const FaultWish& fault) override;
+  absl::Status InjectFault(const RequestedFault& fault) override;
 
   std::vector<std::string> calls;
 };

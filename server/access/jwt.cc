@@ -61,7 +61,7 @@ absl::StatusOr<const JwtKey*> KeyFor(const std::string& header_json,
     id = header["kid"].get<std::string>();
   }
   const JwtKey* key = keys.Find(id, *algorithm);
-  if (key == nullptr) return Invalid("no key that it could be signed with");
+  if (key == nullptr) return Invalid("no known key could have signed it");
   return key;
 }
 
@@ -91,7 +91,7 @@ absl::StatusOr<std::string> VerifyJwtSignature(absl::string_view token,
                  static_cast<int>(key->material.size()));
   const std::unique_ptr<jwt_t, FreeJwt> jwt(decoded);
   if (error != 0 || jwt == nullptr) {
-    return Invalid("its signature does not fit, or it holds no claims");
+    return Invalid("its signature is wrong, or it has no claims");
   }
   // libjwt chose the algorithm by the token. That it was the key's is what
   // keeps a public key from being used as an HMAC secret.

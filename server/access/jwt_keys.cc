@@ -18,10 +18,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr size_t kMostKeys = 64;
+constexpr size_t kMaxKeys = 64;
 constexpr size_t kShortestSecret = 32;  // bytes: RFC 7518, section 3.2
 constexpr int kFewestRsaBits = 2048;
-constexpr int kMostRsaBits = 8192;
+constexpr int kMaxRsaBits = 8192;
 constexpr size_t kLongestExponent = 8;  // bytes
 
 absl::Status Bad(absl::string_view what) {
@@ -66,7 +66,7 @@ PkeyPtr MakePublicKey(const char* type, OSSL_PARAM_BLD* builder) {
 
 absl::StatusOr<PkeyPtr> RsaKey(const Json& jwk) {
   TL_ASSIGN_OR_RETURN(const std::string modulus,
-                      Bytes(jwk, "n", kMostRsaBits / 8));
+                      Bytes(jwk, "n", kMaxRsaBits / 8));
   TL_ASSIGN_OR_RETURN(const std::string exponent,
                       Bytes(jwk, "e", kLongestExponent));
   const BignumPtr n = ToBignum(modulus);
@@ -98,9 +98,9 @@ absl::StatusOr<PkeyPtr> P256Key(const Json& jwk) {
 
 absl::Status CheckRsa(const EVP_PKEY& key) {
   const int bits = EVP_PKEY_get_bits(&key);
-  if (bits < kFewestRsaBits || bits > kMostRsaBits) {
+  if (bits < kFewestRsaBits || bits > kMaxRsaBits) {
     return Bad(absl::StrCat("RSA of ", bits, " bits; it must have ",
-                            kFewestRsaBits, " to ", kMostRsaBits));
+                            kFewestRsaBits, " to ", kMaxRsaBits));
   }
   BIGNUM* modulus = nullptr;
   BIGNUM* exponent = nullptr;
@@ -208,8 +208,8 @@ absl::StatusOr<JwtAlgorithm> ParseJwtAlgorithm(absl::string_view name) {
 }
 
 absl::StatusOr<JwtKeySet> JwtKeySet::Make(std::vector<JwtKey> keys) {
-  if (keys.size() > kMostKeys) {
-    return Bad(absl::StrCat(keys.size(), " keys; at most ", kMostKeys));
+  if (keys.size() > kMaxKeys) {
+    return Bad(absl::StrCat(keys.size(), " keys; at most ", kMaxKeys));
   }
   for (size_t i = 0; i < keys.size(); ++i) {
     for (size_t j = 0; j < i; ++j) {
@@ -249,7 +249,7 @@ absl::StatusOr<JwtKeySet> ParseJwks(absl::string_view json,
   size_t index = 0;
   for (const Json& jwk : set["keys"]) {
     const std::string where = absl::StrCat("keys[", index++, "]");
-    if (index > kMostKeys) return Bad("too many keys");
+    if (index > kMaxKeys) return Bad("too many keys");
     if (!jwk.is_object()) return Bad(absl::StrCat(where, ": not an object"));
     const std::optional<JwtAlgorithm> algorithm = AlgorithmOf(jwk);
     if (!algorithm || std::find(allowed.begin(), allowed.end(), *algorithm) ==

@@ -13,8 +13,8 @@
 namespace treeline::access {
 namespace {
 
-constexpr uint64_t kMostBytes = 1 << 20;
-constexpr size_t kMostFiles = 64;
+constexpr uint64_t kMaxBytes = 1 << 20;
+constexpr size_t kMaxFiles = 64;
 
 bool HoldsSecrets(const JwtKeySet& keys) {
   return std::any_of(
@@ -62,7 +62,7 @@ absl::StatusOr<KeyStore::Files> KeyStore::ReadFiles() const {
   std::error_code error;
   if (!fs::is_directory(options_.path, error)) {
     TL_ASSIGN_OR_RETURN(std::string bytes,
-                        base::ReadFile(options_.path, kMostBytes));
+                        base::ReadFile(options_.path, kMaxBytes));
     files.emplace_back("", std::move(bytes));
     return files;
   }
@@ -70,12 +70,12 @@ absl::StatusOr<KeyStore::Files> KeyStore::ReadFiles() const {
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
     const fs::path path = entry->path();
     if (path.extension() != ".pem") continue;
-    if (files.size() == kMostFiles) {
+    if (files.size() == kMaxFiles) {
       return absl::InvalidArgumentError(
-          absl::StrCat(options_.path, ": more than ", kMostFiles, " keys"));
+          absl::StrCat(options_.path, ": more than ", kMaxFiles, " keys"));
     }
     TL_ASSIGN_OR_RETURN(std::string bytes,
-                        base::ReadFile(path.string(), kMostBytes));
+                        base::ReadFile(path.string(), kMaxBytes));
     files.emplace_back(path.stem().string(), std::move(bytes));
   }
   if (error) {

@@ -13,7 +13,7 @@
 namespace treeline::access {
 namespace {
 
-constexpr uint64_t kMostBytes = 1 << 20;
+constexpr uint64_t kMaxBytes = 1 << 20;
 constexpr int64_t kSecondsPerDay = 86400;
 // Below each of these an operator hears of it once more.
 constexpr int64_t kWarningDays[] = {0, 1, 3, 7, 14};
@@ -31,9 +31,9 @@ int64_t ToUnixSeconds(const ASN1_TIME* time) {
 absl::StatusOr<TlsMaterial> ReadMaterial(const TlsOptions& options) {
   TlsMaterial material;
   TL_ASSIGN_OR_RETURN(material.certificate,
-                      base::ReadFile(options.certificate_file, kMostBytes));
+                      base::ReadFile(options.certificate_file, kMaxBytes));
   TL_ASSIGN_OR_RETURN(material.key,
-                      base::ReadFile(options.key_file, kMostBytes));
+                      base::ReadFile(options.key_file, kMaxBytes));
   const std::vector<X509Ptr> chain = ReadCertificates(material.certificate);
   if (chain.empty()) {
     return Bad(options.certificate_file, "no certificate in PEM");
@@ -52,7 +52,7 @@ absl::StatusOr<TlsMaterial> ReadMaterial(const TlsOptions& options) {
       ToUnixSeconds(X509_get0_notAfter(chain.front().get()));
   if (!options.client_ca_file.empty()) {
     TL_ASSIGN_OR_RETURN(material.client_ca,
-                        base::ReadFile(options.client_ca_file, kMostBytes));
+                        base::ReadFile(options.client_ca_file, kMaxBytes));
     if (ReadCertificates(material.client_ca).empty()) {
       return Bad(options.client_ca_file, "no certificate in PEM");
     }

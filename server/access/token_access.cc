@@ -52,7 +52,7 @@ absl::StatusOr<service::Client> TokenAccess::ByToken(
     const std::string& token, service::Scope scope) const {
   if (verifier_ == nullptr) {
     return base::WithReason(
-        absl::UnauthenticatedError("this server takes no tokens"),
+        absl::UnauthenticatedError("this server is not configured for tokens"),
         "TOKEN_INVALID");
   }
   TL_ASSIGN_OR_RETURN(TokenClaims claims, verifier_->Verify(token));

@@ -17,7 +17,7 @@ namespace treeline::gateway {
 namespace {
 
 // The Connect protocol allows this many.
-constexpr size_t kMostTimeoutDigits = 10;
+constexpr size_t kMaxTimeoutDigits = 10;
 constexpr std::chrono::milliseconds kPatienceForMemory{2000};
 
 std::string BearerToken(absl::string_view authorization) {
@@ -56,7 +56,7 @@ absl::StatusOr<service::CallInfo> CallInfoOf(const http::HttpRequest& request,
   const absl::string_view timeout = request.Header("connect-timeout-ms");
   if (!timeout.empty()) {
     int64_t milliseconds = 0;
-    if (timeout.size() > kMostTimeoutDigits ||
+    if (timeout.size() > kMaxTimeoutDigits ||
         !std::all_of(timeout.begin(), timeout.end(), absl::ascii_isdigit) ||
         !absl::SimpleAtoi(timeout, &milliseconds)) {
       return InvalidRequest(

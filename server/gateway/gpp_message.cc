@@ -28,8 +28,8 @@ constexpr double kDepthUnit_m = 0.001;
 constexpr double kColmapPixelCentre = 0.5;
 // A geolocation is given with one sigma; this many of them are believed.
 constexpr double kSigmas = 3;
-// Satellites see little of a room: nobody is believed to be more exact.
-constexpr double kLeastRadius_m = 50;
+// Satellite positions are poor indoors: no client is taken to be more exact.
+constexpr double kMinRadius_m = 50;
 // Where nothing is said.
 constexpr double kUnknownRadius_m = 1000;
 
@@ -282,7 +282,7 @@ absl::Status ReadFrame(const std::vector<Reading>& readings,
 
 double RadiusFor(double accuracy_m) {
   if (!(accuracy_m > 0)) return kUnknownRadius_m;
-  return std::max(kSigmas * accuracy_m, kLeastRadius_m);
+  return std::max(kSigmas * accuracy_m, kMinRadius_m);
 }
 
 absl::Status ReadLocations(const JsonField& readings,

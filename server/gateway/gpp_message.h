@@ -13,7 +13,7 @@
 
 namespace treeline::gateway {
 
-// Where the client believes to be.
+// Where the client assumes to be.
 struct GppHint {
   GeodeticPosition position;
   // How far that may be from the truth.

@@ -203,8 +203,7 @@ absl::StatusOr<http::HttpResponse> GppRoutes::Answer(
       scenes.begin(), scenes.end(),
       [&](const auto& each) { return each.scene() == response.scene(); });
   if (scene == scenes.end() || !scene->has_geo_anchor()) {
-    return absl::InternalError(
-        "the scene that answered has no place on the Earth");
+    return absl::InternalError("the scene that answered has no geo_anchor");
   }
   TL_ASSIGN_OR_RETURN(const GeoFrame geo_frame,
                       GeoFrame::Create(scene->geo_anchor(), "geo_anchor"));

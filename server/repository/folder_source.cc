@@ -108,7 +108,7 @@ absl::StatusOr<std::string> FolderSource::LocalPath(const ModelRef& model) {
   std::string path =
       (fs::path(root_) / model.scene / model.version / kModelFileName).string();
   if (!LookAtFile(path)) {
-    return absl::NotFoundError("the model file has gone");
+    return absl::NotFoundError("the model file was removed");
   }
   return path;
 }

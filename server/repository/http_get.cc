@@ -19,7 +19,7 @@
 namespace treeline::repository {
 namespace {
 
-constexpr double kLeastBytesPerMs = 1.024;
+constexpr double kMinBytesPerMs = 1.024;
 // So long at most between two looks at whether the transfer stalls.
 constexpr std::chrono::milliseconds kLongestPoll{500};
 
@@ -165,7 +165,7 @@ bool Transfer::Stalled() {
     return false;
   }
   const bool stalled =
-      static_cast<double>(window_bytes_) < kLeastBytesPerMs * window_ms;
+      static_cast<double>(window_bytes_) < kMinBytesPerMs * window_ms;
   window_start_ = now;
   window_bytes_ = 0;
   return stalled;

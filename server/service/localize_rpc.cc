@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kLongestBudget_ms = 24 * 3600 * 1000.0;
 // Of a ranking of hundreds, as many are told.
-constexpr int kMostCandidates = 16;
+constexpr int kMaxCandidates = 16;
 
 // Whether a call is still worth an answer at `now`.
 absl::Status CheckWanted(const CallInfo& call, base::MonotonicTime now,
@@ -86,7 +86,7 @@ absl::Status CheckOptions(const v1::LocalizeOptions& options) {
       !(options.min_confidence() >= 0 && options.min_confidence() <= 1)) {
     return wire::FieldError(
         "options.min_confidence",
-        absl::StrCat(options.min_confidence(), " is no probability"));
+        absl::StrCat(options.min_confidence(), " is not a probability"));
   }
   return PriorFrom(options).status();
 }
@@ -177,7 +177,7 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
       Answer(std::move(result->estimate), prior, scene, call, record));
   for (const recognition::ConsideredScene& considered : result->considered) {
     *response.add_candidates() = ToProto(considered);
-    if (response.candidates_size() == kMostCandidates) break;
+    if (response.candidates_size() == kMaxCandidates) break;
   }
   return response;
 }

@@ -14,11 +14,11 @@ namespace treeline::service {
 namespace {
 
 constexpr int kDefaultPending = 4;
-constexpr int kMostPending = 64;
+constexpr int kMaxPending = 64;
 // Of a stream that drops frames: one computed while the next is decoded.
 constexpr int kSideBySide = 2;
 // Answers that the client has not taken; beyond them nothing is read.
-constexpr size_t kMostUnsent = 256;
+constexpr size_t kMaxUnsent = 256;
 
 absl::Status Draining() {
   return base::WithReason(
@@ -121,7 +121,7 @@ void LocalizeStreamCall::Accept(std::shared_ptr<Item> item) {
     settings_ = item->request.settings();
     if (settings_.max_pending() == 0)
       settings_.set_max_pending(kDefaultPending);
-    if (settings_.max_pending() < 1 || settings_.max_pending() > kMostPending) {
+    if (settings_.max_pending() < 1 || settings_.max_pending() > kMaxPending) {
       closed_ = true;
       final_ = base::WithReason(
           wire::FieldError("settings.max_pending", "it must be 0..64"),
@@ -178,7 +178,7 @@ void LocalizeStreamCall::OnDone() {
 
 bool LocalizeStreamCall::MayRead() const {
   if (reading_ || closed_) return false;
-  if (items_.size() >= kMostUnsent) return false;
+  if (items_.size() >= kMaxUnsent) return false;
   return first_ || settings_.drop_oldest() ||
          items_.size() < static_cast<size_t>(settings_.max_pending());
 }

@@ -20,7 +20,7 @@
 namespace treeline::service {
 namespace {
 
-constexpr int kMostCandidateScenes = 1000;
+constexpr int kMaxCandidateScenes = 1000;
 
 constexpr char kInternalFault[] =
     "a fault of the server; its log has the details";
@@ -75,10 +75,10 @@ absl::Status CheckSceneChoice(const v1::LocalizeRequest& request) {
     return absl::InvalidArgumentError(
         "candidate_scenes: are for requests that name no scene");
   }
-  if (request.candidate_scenes_size() > kMostCandidateScenes) {
+  if (request.candidate_scenes_size() > kMaxCandidateScenes) {
     return absl::InvalidArgumentError(
         absl::StrCat("candidate_scenes: ", request.candidate_scenes_size(),
-                     " of them; at most ", kMostCandidateScenes));
+                     " of them; at most ", kMaxCandidateScenes));
   }
   for (const std::string& candidate : request.candidate_scenes()) {
     if (const absl::Status valid =

@@ -9,7 +9,7 @@ namespace {
 // Weight of the latest task in the averages of durations.
 constexpr double kNewWeight = 0.1;
 // Kinds whose averages are kept; scenes are hundreds, not millions.
-constexpr size_t kMostKinds = 4096;
+constexpr size_t kMaxKinds = 4096;
 // Bounds of what a client that is turned away is told to wait (ms).
 constexpr double kMinRetry_ms = 10;
 constexpr double kMaxRetry_ms = 2000;
@@ -168,7 +168,7 @@ double WorkerPool::Expected_ms(const std::string& kind) const {
 
 void WorkerPool::Learn(const std::string& kind, double task_ms) {
   Average(task_ms, any_ms_);
-  if (kind_ms_.size() < kMostKinds || kind_ms_.count(kind) > 0) {
+  if (kind_ms_.size() < kMaxKinds || kind_ms_.count(kind) > 0) {
     Average(task_ms, kind_ms_[kind]);
   }
 }

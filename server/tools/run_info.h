@@ -1,4 +1,4 @@
-// What a result needs beside it to be believed: machine, command, memory.
+// What a result must state to be reproducible: machine, command, memory.
 #ifndef SERVER_TOOLS_RUN_INFO_H_
 #define SERVER_TOOLS_RUN_INFO_H_
 

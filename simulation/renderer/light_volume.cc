@@ -15,7 +15,7 @@ constexpr size_t kRays = 96;
 constexpr float kPi = 3.14159265f;
 // Of a probe's rays, as many may meet the backs of surfaces before it counts
 // as inside of something.
-constexpr float kMostBacks = 0.3f;
+constexpr float kMaxBacks = 0.3f;
 
 constexpr std::array<worlds::Float3, 6> kSides = {worlds::Float3{1, 0, 0},
                                                   {-1, 0, 0},
@@ -163,7 +163,7 @@ LightVolume LightVolume::Bake(const worlds::World& world,
               world, caster, light_map, point,
               static_cast<float>(random.NextUniform(0, 2.0 * kPi)),
               probe.sides);
-          probe.weight = backs > kMostBacks ? 0 : 1;
+          probe.weight = backs > kMaxBacks ? 0 : 1;
         }
       });
   return volume;

@@ -25,7 +25,7 @@ constexpr Rgb kNotByRobot = {240, 150, 20};
 constexpr Rgb kFall = {150, 30, 180};
 
 constexpr double kMargin_m = 0.3;
-constexpr double kMost_px = 1600;
+constexpr double kMax_px = 1600;
 constexpr double kFinest_m = 0.01;
 // What is higher above the ground is not shown.
 constexpr double kOverhead_m = 2.0;
@@ -37,7 +37,7 @@ class Plan {
       : low_{bounds.low.x - kMargin_m, bounds.low.y - kMargin_m} {
     const double width_m = bounds.high.x - bounds.low.x + 2 * kMargin_m;
     const double height_m = bounds.high.y - bounds.low.y + 2 * kMargin_m;
-    pixel_m_ = std::max(kFinest_m, std::max(width_m, height_m) / kMost_px);
+    pixel_m_ = std::max(kFinest_m, std::max(width_m, height_m) / kMax_px);
     image.width = static_cast<int>(std::ceil(width_m / pixel_m_));
     image.height = static_cast<int>(std::ceil(height_m / pixel_m_));
     image.rgb.assign(static_cast<size_t>(3 * image.width * image.height), 255);

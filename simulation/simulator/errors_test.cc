@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "simulation/simulator/drive_train.h"
+#include "simulation/simulator/differential_drive.h"
 #include "simulation/simulator/testing_simulator.h"
 
 namespace treeline::simulator {
@@ -35,12 +35,13 @@ struct Result {
   core::BaseReading counters;
 };
 
-Result DriveFor(const DriveErrors& errors, uint64_t seed,
+Result DriveFor(const WheelOdometryErrors& errors, uint64_t seed,
                 const core::VelocityCommand& command, double duration_s,
                 double pitch_rad = 0) {
-  DriveTrain drive(core::RobotModel(), errors, seed);
+  DifferentialDrive drive(core::RobotModel(), errors, seed);
   Result run;
-  const auto steps = static_cast<int64_t>(duration_s / DriveTrain::kStep_s);
+  const auto steps =
+      static_cast<int64_t>(duration_s / DifferentialDrive::kStep_s);
   for (int64_t step = 0; step < steps; ++step) {
     const PlanarMotion motion = drive.Advance(
         command, pitch_rad, std::abs(pitch_rad), WheelFaults{}, step);
@@ -52,8 +53,9 @@ Result DriveFor(const DriveErrors& errors, uint64_t seed,
   return run;
 }
 
-TEST(DriveErrors, NoneMeansNone) {
-  const Result run = DriveFor(DriveErrors::None(), 3, {0.5, 0.3}, 10, -0.1);
+TEST(WheelOdometryErrors, NoneMeansNone) {
+  const Result run =
+      DriveFor(WheelOdometryErrors::None(), 3, {0.5, 0.3}, 10, -0.1);
   EXPECT_NEAR(0.5 * (run.counters.left_wheel_m + run.counters.right_wheel_m),
               run.true_m, 1e-9);
   EXPECT_NEAR((run.counters.right_wheel_m - run.counters.left_wheel_m) /
@@ -61,8 +63,8 @@ TEST(DriveErrors, NoneMeansNone) {
               run.true_rad, 1e-9);
 }
 
-TEST(DriveErrors, CountersSpreadWithTheSquareRootOfTheWay) {
-  DriveErrors errors = DriveErrors::None();
+TEST(WheelOdometryErrors, CountersSpreadWithTheSquareRootOfTheWay) {
+  WheelOdometryErrors errors = WheelOdometryErrors::None();
   errors.distance_m_per_sqrt_m = 0.02;
   for (const double duration_s : {5.0, 20.0}) {
     std::vector<double> left_off;
@@ -81,8 +83,8 @@ TEST(DriveErrors, CountersSpreadWithTheSquareRootOfTheWay) {
   }
 }
 
-TEST(DriveErrors, TurningSpreadsThemToo) {
-  DriveErrors errors = DriveErrors::None();
+TEST(WheelOdometryErrors, TurningSpreadsThemToo) {
+  WheelOdometryErrors errors = WheelOdometryErrors::None();
   errors.turn_m_per_sqrt_rad = 0.01;
   std::vector<double> off_rad;
   double turned_rad = 0;
@@ -99,8 +101,8 @@ TEST(DriveErrors, TurningSpreadsThemToo) {
   EXPECT_NEAR(SpreadOf(off_rad).deviation, expected_rad, 0.142 * expected_rad);
 }
 
-TEST(DriveErrors, RadiiAndTrackAreDrawnOnceForASeed) {
-  DriveErrors errors = DriveErrors::None();
+TEST(WheelOdometryErrors, RadiiAndTrackAreDrawnOnceForASeed) {
+  WheelOdometryErrors errors = WheelOdometryErrors::None();
   errors.wheel_radius = 0.01;
   errors.track = 0.02;
   std::vector<double> scale;
@@ -122,8 +124,8 @@ TEST(DriveErrors, RadiiAndTrackAreDrawnOnceForASeed) {
               0.15 * expected_turn);
 }
 
-TEST(DriveErrors, SlopesSlip) {
-  DriveErrors errors = DriveErrors::None();
+TEST(WheelOdometryErrors, SlopesSlip) {
+  WheelOdometryErrors errors = WheelOdometryErrors::None();
   errors.slope_slip = 0.1;
   const double slope_rad = 0.1;
   const double share = 0.1 * std::sin(slope_rad);
@@ -135,8 +137,8 @@ TEST(DriveErrors, SlopesSlip) {
   EXPECT_NEAR(back_up.true_m / back_up.counters.left_wheel_m, 1 - share, 1e-9);
 }
 
-TEST(DriveErrors, BurstsOfSlipComeOnSlopesOnlyAndAsOftenAsTheyShould) {
-  DriveErrors errors = DriveErrors::None();
+TEST(WheelOdometryErrors, BurstsOfSlipComeOnSlopesOnlyAndAsOftenAsTheyShould) {
+  WheelOdometryErrors errors = WheelOdometryErrors::None();
   errors.slip_bursts_hz = 0.5;
   const Result level = DriveFor(errors, 0, {0.5, 0}, 100);
   EXPECT_NEAR(level.true_m, level.counters.left_wheel_m, 1e-9);
@@ -153,8 +155,8 @@ TEST(DriveErrors, BurstsOfSlipComeOnSlopesOnlyAndAsOftenAsTheyShould) {
   EXPECT_GT(spread.deviation, 0.0005);
 }
 
-TEST(DriveErrors, CountersStepAsTheEncodersDo) {
-  DriveErrors errors = DriveErrors::None();
+TEST(WheelOdometryErrors, CountersStepAsTheEncodersDo) {
+  WheelOdometryErrors errors = WheelOdometryErrors::None();
   errors.counts_per_m = 100;
   const Result run = DriveFor(errors, 0, {0.5, 0}, 3);
   const double counts = run.counters.left_wheel_m * 100;
@@ -163,8 +165,8 @@ TEST(DriveErrors, CountersStepAsTheEncodersDo) {
   EXPECT_LT(run.true_m, run.counters.left_wheel_m + 0.01);
 }
 
-TEST(DriveErrors, TiltsAreNoisyAndBiased) {
-  DriveErrors errors = DriveErrors::None();
+TEST(WheelOdometryErrors, TiltsAreNoisyAndBiased) {
+  WheelOdometryErrors errors = WheelOdometryErrors::None();
   errors.tilt_noise_rad = 0.003;
   errors.tilt_bias_rad = 0.01;
   std::vector<double> biases;
@@ -184,9 +186,9 @@ TEST(DriveErrors, TiltsAreNoisyAndBiased) {
   EXPECT_NEAR(SpreadOf(noises).mean, 0.003, 0.0003);
 }
 
-TEST(DriveErrors, AreRefusedOutOfRange) {
-  EXPECT_TRUE(DriveErrors().Validate().ok());
-  DriveErrors errors;
+TEST(WheelOdometryErrors, AreRefusedOutOfRange) {
+  EXPECT_TRUE(WheelOdometryErrors().Validate().ok());
+  WheelOdometryErrors errors;
   errors.track = -0.1;
   EXPECT_FALSE(errors.Validate().ok());
   errors.track = std::nan("");

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "simulation/simulator/drive_train.h"
+#include "simulation/simulator/differential_drive.h"
 
 namespace treeline::simulator {
 

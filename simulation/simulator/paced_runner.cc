@@ -21,18 +21,18 @@ SimTime Pace::Due(base::MonotonicTime now) {
     last_ = now;
     return SimTime(0);
   }
-  if (std::isinf(factor_)) return kMostAtOnce;
+  if (std::isinf(factor_)) return kMaxAtOnce;
   const SimTime due = FromSeconds(
       factor_ * std::chrono::duration<double>(now - *last_).count());
-  if (due < kLeast) return SimTime(0);
+  if (due < kMin) return SimTime(0);
   last_ = now;
-  return std::min(due, kMostAtOnce);
+  return std::min(due, kMaxAtOnce);
 }
 
 SimTime Pace::Wait(base::MonotonicTime now) const {
   if (!last_.has_value() || std::isinf(factor_)) return SimTime(0);
   const double passed_s = std::chrono::duration<double>(now - *last_).count();
-  return FromSeconds(std::max(0.0, Seconds(kLeast) / factor_ - passed_s));
+  return FromSeconds(std::max(0.0, Seconds(kMin) / factor_ - passed_s));
 }
 
 PacedRunner::PacedRunner(std::function<void(SimTime)> step, double factor,

@@ -20,15 +20,15 @@ class Pace {
   // factor: simulated seconds in a real one; infinity: as many as can be.
   explicit Pace(double factor) : factor_(factor) {}
 
-  // Simulated time that should pass now, at most kMostAtOnce.
+  // Simulated time that should pass now, at most kMaxAtOnce.
   SimTime Due(base::MonotonicTime now);
   // Real time until something is due. Zero while it is.
   SimTime Wait(base::MonotonicTime now) const;
   // Nothing is due for the real time until now: somebody had paused it.
   void Skip(base::MonotonicTime now) { last_ = now; }
 
-  static constexpr SimTime kMostAtOnce = std::chrono::milliseconds(100);
-  static constexpr SimTime kLeast = std::chrono::milliseconds(5);
+  static constexpr SimTime kMaxAtOnce = std::chrono::milliseconds(100);
+  static constexpr SimTime kMin = std::chrono::milliseconds(5);
 
  private:
   double factor_;

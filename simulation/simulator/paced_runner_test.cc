@@ -36,14 +36,14 @@ TEST(Pace, FollowsRealTimeTimesItsFactor) {
 TEST(Pace, FallsBehindRatherThanHurrying) {
   Pace pace(1);
   pace.Due(At(0));
-  EXPECT_EQ(pace.Due(At(5000)), Pace::kMostAtOnce);
+  EXPECT_EQ(pace.Due(At(5000)), Pace::kMaxAtOnce);
   EXPECT_EQ(pace.Due(At(5001)), SimTime(0));
 }
 
 TEST(Pace, WithoutLimitThereIsAlwaysSomethingDue) {
   Pace pace(std::numeric_limits<double>::infinity());
   pace.Due(At(0));
-  EXPECT_EQ(pace.Due(At(0)), Pace::kMostAtOnce);
+  EXPECT_EQ(pace.Due(At(0)), Pace::kMaxAtOnce);
   EXPECT_EQ(pace.Wait(At(0)), SimTime(0));
 }
 

@@ -28,8 +28,8 @@ geometry::Vec3 Turned(geometry::Vec3 v, geometry::Vec3 axis, double angle_rad) {
 }  // namespace
 
 RobotBody::RobotBody(const Terrain& terrain, const Stage& stage,
-                     const core::RobotModel& robot, const DriveErrors& errors,
-                     uint64_t seed)
+                     const core::RobotModel& robot,
+                     const WheelOdometryErrors& errors, uint64_t seed)
     : stage_(&stage),
       robot_(robot),
       footing_(terrain, robot),
@@ -121,7 +121,7 @@ double RobotBody::ApproachOfBody_mps(const Contact& contact,
                                      const std::vector<Actor>& actors,
                                      SimTime now,
                                      geometry::Vec2 outward) const {
-  const double step_s = DriveTrain::kStep_s;
+  const double step_s = DifferentialDrive::kStep_s;
   const Actor& actor = actors[static_cast<size_t>(contact.actor)];
   for (const Actor& before : stage_->ActorsAt(Seconds(now) - step_s)) {
     if (before.name != actor.name) continue;
@@ -185,7 +185,7 @@ bool RobotBody::Meet(const Contact& contact, const PlanarMotion& motion,
                                   std::sin(stance_.yaw_rad)};
   const geometry::Vec2 moved = motion.forward_m * heading +
                                motion.turn_rad * geometry::Vec2{-arm.y, arm.x};
-  const double robot_mps = Dot(moved, outward) / DriveTrain::kStep_s;
+  const double robot_mps = Dot(moved, outward) / DifferentialDrive::kStep_s;
   const bool is_fixed = contact.actor < 0;
   const double body_mps =
       is_fixed ? 0 : ApproachOfBody_mps(contact, actors, now, outward);
@@ -265,8 +265,8 @@ void RobotBody::Step(const core::VelocityCommand& command,
   drive_.Commit();
   distance_m_ += std::abs(motion.forward_m);
   turned_rad_ += std::abs(motion.turn_rad);
-  forward_mps_ = motion.forward_m / DriveTrain::kStep_s;
-  yaw_rate_radps_ = motion.turn_rad / DriveTrain::kStep_s;
+  forward_mps_ = motion.forward_m / DifferentialDrive::kStep_s;
+  yaw_rate_radps_ = motion.turn_rad / DifferentialDrive::kStep_s;
   WatchSlope(now, events);
 }
 

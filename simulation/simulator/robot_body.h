@@ -9,7 +9,7 @@
 
 #include "absl/status/status.h"
 #include "simulation/simulator/collider.h"
-#include "simulation/simulator/drive_train.h"
+#include "simulation/simulator/differential_drive.h"
 #include "simulation/simulator/footing.h"
 #include "simulation/simulator/sim_event.h"
 
@@ -22,7 +22,7 @@ inline constexpr double kTippingFactor = 1.5;
 class RobotBody {
  public:
   RobotBody(const Terrain& terrain, const Stage& stage,
-            const core::RobotModel& robot, const DriveErrors& errors,
+            const core::RobotModel& robot, const WheelOdometryErrors& errors,
             uint64_t seed);
 
   // Puts the robot down on the ground nearest to height_m, standing. NOT_FOUND:
@@ -31,14 +31,14 @@ class RobotBody {
   absl::Status PutDown(geometry::Vec2 position, double yaw_rad, double height_m,
                        SimTime now);
 
-  // One step of DriveTrain::kStep_s, the `step`th, that ends at `now`. Adds
-  // what happened to `events`.
+  // One step of DifferentialDrive::kStep_s, the `step`th, that ends at `now`.
+  // Adds what happened to `events`.
   void Step(const core::VelocityCommand& command, const WheelFaults& faults,
             int64_t step, SimTime now, std::vector<SimEvent>& events);
 
   const Stance& stance() const { return stance_; }
-  DriveTrain& drive() { return drive_; }
-  const DriveTrain& drive() const { return drive_; }
+  DifferentialDrive& drive() { return drive_; }
+  const DifferentialDrive& drive() const { return drive_; }
   bool is_fallen() const { return is_fallen_; }
   // Whether the last step was stopped by something.
   bool is_blocked() const { return is_blocked_; }
@@ -88,7 +88,7 @@ class RobotBody {
   core::RobotModel robot_;
   Footing footing_;
   Collider collider_;
-  DriveTrain drive_;
+  DifferentialDrive drive_;
   Stance stance_;
   bool is_fallen_ = false;
   bool is_blocked_ = false;

@@ -10,19 +10,20 @@
 namespace treeline::simulator {
 namespace {
 
-constexpr double kMost_m = 10000;
-constexpr double kMost_s = 1e6;
+constexpr double kMaxLength_m = 10000;
+constexpr double kMaxTime_s = 1e6;
 
 double Radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 // {at: [x, y], yaw_deg: 0, height_m: 0}, other keys left to the caller.
 absl::StatusOr<RobotPlacement> ReadPlacement(const yaml::YamlNode& node) {
   TL_ASSIGN_OR_RETURN(const std::vector<double> at,
-                      node.Numbers("at", 2, -kMost_m, kMost_m));
+                      node.Numbers("at", 2, -kMaxLength_m, kMaxLength_m));
   TL_ASSIGN_OR_RETURN(const double yaw_deg,
                       node.NumberOr("yaw_deg", 0, -360, 360));
-  TL_ASSIGN_OR_RETURN(const double height_m,
-                      node.NumberOr("height_m", 0, -kMost_m, kMost_m));
+  TL_ASSIGN_OR_RETURN(
+      const double height_m,
+      node.NumberOr("height_m", 0, -kMaxLength_m, kMaxLength_m));
   return RobotPlacement{.position = {at[0], at[1]},
                         .yaw_rad = Radians(yaw_deg),
                         .height_m = height_m};
@@ -53,7 +54,7 @@ absl::StatusOr<Action> ReadDrive(const yaml::YamlNode& node) {
                       node.NumberOr("forward_mps", 0, -10, 10));
   TL_ASSIGN_OR_RETURN(drive.command.yaw_rate_radps,
                       node.NumberOr("yaw_rate_radps", 0, -10, 10));
-  TL_ASSIGN_OR_RETURN(const double for_s, node.Number("for_s", 0, kMost_s));
+  TL_ASSIGN_OR_RETURN(const double for_s, node.Number("for_s", 0, kMaxTime_s));
   drive.duration = FromSeconds(for_s);
   return drive;
 }
@@ -68,7 +69,7 @@ absl::StatusOr<Action> ReadTour(const yaml::YamlNode& node) {
                       node.Items("corners"));
   for (const yaml::YamlNode& corner : corners) {
     TL_ASSIGN_OR_RETURN(const std::vector<double> at,
-                        corner.AsNumbers(3, -kMost_m, kMost_m));
+                        corner.AsNumbers(3, -kMaxLength_m, kMaxLength_m));
     tour.corners.push_back({at[0], at[1], at[2]});
   }
   return tour;
@@ -87,7 +88,8 @@ absl::StatusOr<Action> ReadFault(const yaml::YamlNode& node) {
   fault.target = *parsed_target;
   fault.kind = *parsed_kind;
   if (node.Has("for_s")) {
-    TL_ASSIGN_OR_RETURN(const double for_s, node.Number("for_s", 0, kMost_s));
+    TL_ASSIGN_OR_RETURN(const double for_s,
+                        node.Number("for_s", 0, kMaxTime_s));
     fault.duration = FromSeconds(for_s);
   }
   const bool in_seconds =
@@ -176,7 +178,7 @@ absl::StatusOr<ScenarioAction> ReadAction(const yaml::YamlNode& node) {
   TL_RETURN_IF_ERROR(node.CheckKeys(
       {"at_s", "drive", "tour", "stop", "kidnap", "fault", "reset_odometry",
        "add_obstacle", "remove_obstacle", "move", "door", "release"}));
-  TL_ASSIGN_OR_RETURN(const double at_s, node.Number("at_s", 0, kMost_s));
+  TL_ASSIGN_OR_RETURN(const double at_s, node.Number("at_s", 0, kMaxTime_s));
   const auto stands_there = [&](const char* key) { return node.Has(key); };
   if (std::count_if(std::begin(kActions), std::end(kActions), stands_there) !=
       1) {
@@ -189,7 +191,8 @@ absl::StatusOr<ScenarioAction> ReadAction(const yaml::YamlNode& node) {
   return action;
 }
 
-absl::Status ReadErrors(const yaml::YamlNode& node, DriveErrors& errors) {
+absl::Status ReadErrors(const yaml::YamlNode& node,
+                        WheelOdometryErrors& errors) {
   const std::pair<const char*, double*> fields[] = {
       {"wheel_radius", &errors.wheel_radius},
       {"track", &errors.track},
@@ -275,7 +278,7 @@ absl::Status ReadRobotAndSensors(const yaml::YamlNode& root,
   TL_ASSIGN_OR_RETURN(const yaml::YamlNode node, root.Get("errors"));
   if (!node.IsMap()) {
     TL_ASSIGN_OR_RETURN(const bool has_errors, root.Boolean("errors"));
-    if (!has_errors) options.errors = DriveErrors::None();
+    if (!has_errors) options.errors = WheelOdometryErrors::None();
     return absl::OkStatus();
   }
   return ReadErrors(node, options.errors);
@@ -295,7 +298,7 @@ absl::StatusOr<Scenario> ReadRoot(const yaml::YamlNode& root) {
   TL_ASSIGN_OR_RETURN(scenario.world_options.after_moves,
                       root.BooleanOr("after_moves", false));
   TL_ASSIGN_OR_RETURN(const double duration_s,
-                      root.NumberOr("duration_s", 0, 0, kMost_s));
+                      root.NumberOr("duration_s", 0, 0, kMaxTime_s));
   scenario.duration = FromSeconds(duration_s);
   if (root.Has("start")) {
     TL_ASSIGN_OR_RETURN(const yaml::YamlNode start, root.Get("start"));

@@ -173,7 +173,7 @@ TEST(TourDriver, FollowsALineWithoutLeavingIt) {
   Scenario scenario;
   ScenarioPlayer player(scenario, *simulator);
   player.DriveTour({.options = {.speed_mps = 0.5}, .corners = corners});
-  double furthest_m = 0;
+  double max_reach_m = 0;
   for (int i = 0; i < 1000 && !player.is_tour_done(); ++i) {
     player.Step(milliseconds(100));
     const geometry::Vec3 at = simulator->state().world_from_base.translation;
@@ -184,11 +184,11 @@ TEST(TourDriver, FollowsALineWithoutLeavingIt) {
           Dot(at - corners[c - 1], way) / geometry::SquaredNorm(way), 0.0, 1.0);
       nearest_m = std::min(nearest_m, Norm(corners[c - 1] + t * way - at));
     }
-    furthest_m = std::max(furthest_m, nearest_m);
+    max_reach_m = std::max(max_reach_m, nearest_m);
   }
   EXPECT_TRUE(player.is_tour_done());
   // Corners are cut by less than the 0.5 m that it looks ahead.
-  EXPECT_LT(furthest_m, 0.4);
+  EXPECT_LT(max_reach_m, 0.4);
   EXPECT_TRUE(simulator->TakeEvents().empty());
 }
 

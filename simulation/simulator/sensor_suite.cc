@@ -110,7 +110,7 @@ geometry::Rigid3 PoseHistory::At(SimTime time) const {
 
 absl::StatusOr<std::unique_ptr<SensorSuite>> SensorSuite::Create(
     const worlds::World& world, const renderer::RayCaster& caster,
-    const core::RobotModel& robot, const DriveErrors& errors,
+    const core::RobotModel& robot, const WheelOdometryErrors& errors,
     const SensorOptions& options, uint64_t seed, const SimClock& clock,
     std::shared_ptr<const Imager> imager) {
   TL_RETURN_IF_ERROR(options.Validate());
@@ -137,7 +137,7 @@ absl::StatusOr<std::unique_ptr<SensorSuite>> SensorSuite::Create(
 
 SensorSuite::SensorSuite(const core::RobotModel& robot,
                          const renderer::RayCaster& caster,
-                         const DriveErrors& errors,
+                         const WheelOdometryErrors& errors,
                          const SensorOptions& options, uint64_t seed,
                          const SimClock& clock,
                          std::shared_ptr<const Imager> imager)

@@ -65,7 +65,7 @@ class SensorSuite {
   // What is given must outlive it, but for the imager.
   static absl::StatusOr<std::unique_ptr<SensorSuite>> Create(
       const worlds::World& world, const renderer::RayCaster& caster,
-      const core::RobotModel& robot, const DriveErrors& errors,
+      const core::RobotModel& robot, const WheelOdometryErrors& errors,
       const SensorOptions& options, uint64_t seed, const SimClock& clock,
       std::shared_ptr<const Imager> imager);
 
@@ -99,7 +99,7 @@ class SensorSuite {
   };
 
   SensorSuite(const core::RobotModel& robot, const renderer::RayCaster& caster,
-              const DriveErrors& errors, const SensorOptions& options,
+              const WheelOdometryErrors& errors, const SensorOptions& options,
               uint64_t seed, const SimClock& clock,
               std::shared_ptr<const Imager> imager);
   void MeasureOdometry(const RobotBody& body, const FaultPlan& faults,

@@ -23,7 +23,7 @@ void Append(std::string& bytes, const std::vector<T>& values) {
 std::string DriveBytes(uint64_t seed, int threads, SimTime part,
                        double camera_hz) {
   SimulatorOptions options = StartAt(10, 10);
-  options.errors = DriveErrors();
+  options.errors = WheelOdometryErrors();
   options.sensors.has_laser = true;
   options.sensors.camera_hz = camera_hz;
   options.seed = seed;

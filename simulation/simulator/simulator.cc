@@ -12,7 +12,8 @@ namespace treeline::simulator {
 namespace {
 
 constexpr SimTime kStep = std::chrono::milliseconds(5);
-static_assert(kStep.count() == static_cast<int64_t>(DriveTrain::kStep_s * 1e9));
+static_assert(kStep.count() ==
+              static_cast<int64_t>(DifferentialDrive::kStep_s * 1e9));
 
 }  // namespace
 

@@ -30,7 +30,7 @@ struct RobotPlacement {
 
 struct SimulatorOptions {
   core::RobotModel robot;
-  DriveErrors errors;
+  WheelOdometryErrors errors;
   SensorOptions sensors;
   RobotPlacement start;
   // Of everything random: wheels, slip, noise, lost beams.

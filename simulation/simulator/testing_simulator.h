@@ -16,7 +16,7 @@ namespace treeline::simulator {
 inline SimulatorOptions StartAt(double x_m, double y_m, double yaw_rad = 0,
                                 double height_m = 0) {
   SimulatorOptions options;
-  options.errors = DriveErrors::None();
+  options.errors = WheelOdometryErrors::None();
   options.sensors.has_laser = false;
   options.start = {
       .position = {x_m, y_m}, .yaw_rad = yaw_rad, .height_m = height_m};

@@ -14,7 +14,7 @@ void Check(bool holds) {
   if (!holds) std::abort();
 }
 
-void CheckPose(const treeline::agent_service::PoseWish& pose) {
+void CheckPose(const treeline::agent_service::RequestedPose& pose) {
   Check(std::isfinite(pose.x_m) && std::isfinite(pose.y_m) &&
         std::isfinite(pose.yaw_rad) && pose.level >= 0);
 }
@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       poses.ok()) {
     Check(!poses->empty() &&
           poses->size() <= treeline::agent_service::kMaxGoalPoses);
-    for (const treeline::agent_service::PoseWish& pose : *poses)
+    for (const treeline::agent_service::RequestedPose& pose : *poses)
       CheckPose(pose);
   } else {
     CheckRefusal(poses.status());

@@ -13,7 +13,7 @@
 namespace {
 
 // All files of ours.
-constexpr size_t kMostBytes = 1 << 20;
+constexpr size_t kMaxBytes = 1 << 20;
 
 }  // namespace
 
@@ -25,6 +25,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::vector<std::string> services = {"a.B"};
   const std::string answer =
       treeline::service::AnswerReflection(bytes, services);
-  if (answer.empty() || answer.size() > size + kMostBytes) std::abort();
+  if (answer.empty() || answer.size() > size + kMaxBytes) std::abort();
   return 0;
 }

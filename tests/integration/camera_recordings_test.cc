@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As LostAndFoundOptions has it.
+// As RelocalizationBehaviorOptions has it.
 constexpr double kDeadline_s = 3;
 // What a robot may be told wrong and still drive on.
 constexpr double kRight_m = 0.5;

@@ -96,7 +96,7 @@ async function assertWhole(page) {
 const OF_A_METHOD = ['How far off', 'Frame by frame',
   'Away from the training frames', 'Pictures', 'Where the camera was',
   'How fast', 'The hardest frames'];
-const OF_ALL = ['Before the pose', 'What options buy', 'Can it be believed',
+const OF_ALL = ['Before the pose', 'What options buy', 'Is the confidence calibrated',
   'Pictures from elsewhere', 'What others published'];
 
 function single() {

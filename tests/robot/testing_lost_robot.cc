@@ -43,14 +43,14 @@ const LostPlace& LostPlaceOf(const std::string& world) {
   return places.emplace(world, std::move(place)).first->second;
 }
 
-void MadeUpServer::Ask(const core::RgbdFrame& frame, double timeout_s) {
+void ScriptedServer::Ask(const core::RgbdFrame& frame, double timeout_s) {
   frame_ = frame;
   timeout_s_ = timeout_s;
   asked_at_ = clock_.Now();
   ++asked;
 }
 
-std::optional<MadeUpServer::Answer> MadeUpServer::TakeAnswer() {
+std::optional<ScriptedServer::Answer> ScriptedServer::TakeAnswer() {
   if (!frame_.has_value()) return std::nullopt;
   const double waited_s =
       std::chrono::duration<double>(clock_.Now() - asked_at_).count();
@@ -65,7 +65,7 @@ std::optional<MadeUpServer::Answer> MadeUpServer::TakeAnswer() {
 }
 
 LostRobot::LostRobot(const LostPlace& place, uint64_t seed, bool with_people,
-                     const behavior::LostAndFoundOptions& options,
+                     const behavior::RelocalizationBehaviorOptions& options,
                      bool with_server)
     : place_(place), random_(seed, 5) {
   simulator::Scenario scenario;
@@ -80,11 +80,11 @@ LostRobot::LostRobot(const LostPlace& place, uint64_t seed, bool with_people,
   tracker_ = *localization::RobotTracker::Create(
       place.voxels, place.levels, simulator_->options().robot,
       simulator_->laser().Info(), {}, seed);
-  server_ = std::make_unique<MadeUpServer>(simulator_->clock());
+  server_ = std::make_unique<ScriptedServer>(simulator_->clock());
   server_->answers = [this](const core::RgbdFrame& frame) {
     return TrueAnswer(frame, 0.97);
   };
-  lost_ = *behavior::LostAndFound::Create(
+  lost_ = *behavior::RelocalizationBehavior::Create(
       place.map, simulator_->options().robot, *tracker_,
       with_server ? server_.get() : nullptr, options);
 }
@@ -177,7 +177,7 @@ bool LostRobot::CarryAway(uint64_t seed) {
   return false;
 }
 
-behavior::LostAndFound::Output LostRobot::Step(
+behavior::RelocalizationBehavior::Output LostRobot::Step(
     const core::VelocityCommand& drives) {
   simulator_->Step(kStep);
   Feed();
@@ -190,7 +190,7 @@ behavior::LostAndFound::Output LostRobot::Step(
   }
   const std::vector<geometry::Vec2> ends = tracker_->ScanInBase();
   const core::RobotModel& robot = simulator_->options().robot;
-  behavior::RecoveryInput input;
+  behavior::RelocalizationInput input;
   input.now = Now();
   input.drives_straight = drives.forward_mps > 0;
   input.free_ahead_m = FreeAhead_m(ends, robot);
@@ -198,8 +198,8 @@ behavior::LostAndFound::Output LostRobot::Step(
   input.can_turn = std::ranges::none_of(
       ends,
       [round_m](const geometry::Vec2& end) { return Norm(end) < round_m; });
-  const behavior::LostAndFound::Output output = lost_->Step(input);
-  for (behavior::RecoveryNote& note : lost_->TakeNotes())
+  const behavior::RelocalizationBehavior::Output output = lost_->Step(input);
+  for (behavior::RelocalizationNote& note : lost_->TakeNotes())
     notes.push_back(std::move(note));
   const core::VelocityCommand command =
       lost_->IsActive() ? output.wanted : drives;
@@ -207,11 +207,11 @@ behavior::LostAndFound::Output LostRobot::Step(
   return output;
 }
 
-behavior::RecoveryState LostRobot::StepUntilDone(double at_most_s) {
+behavior::RelocalizationState LostRobot::StepUntilDone(double at_most_s) {
   for (int i = 0; i < 40 * at_most_s; ++i) {
-    const behavior::RecoveryState state = Step().state;
-    if (state == behavior::RecoveryState::kFound ||
-        state == behavior::RecoveryState::kNeedHelp) {
+    const behavior::RelocalizationState state = Step().state;
+    if (state == behavior::RelocalizationState::kFound ||
+        state == behavior::RelocalizationState::kNeedHelp) {
       return state;
     }
   }

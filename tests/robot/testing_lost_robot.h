@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "nav_agent/behavior/lost_and_found.h"
+#include "nav_agent/behavior/relocalization_behavior.h"
 #include "nav_agent/localization/robot_tracker.h"
 #include "nav_agent/traversability/navigation_map.h"
 #include "simulation/simulator/scenario.h"
@@ -28,10 +28,10 @@ struct LostPlace {
 const LostPlace& LostPlaceOf(const std::string& world);
 
 // Answers as it is told, so long after the question.
-class MadeUpServer final : public core::RelocalizationPort {
+class ScriptedServer final : public core::RelocalizationPort {
  public:
   using Answer = absl::StatusOr<core::RelocalizationAnswer>;
-  explicit MadeUpServer(const base::Clock& clock) : clock_(clock) {}
+  explicit ScriptedServer(const base::Clock& clock) : clock_(clock) {}
 
   // Called with the frame that was asked about.
   std::function<Answer(const core::RgbdFrame&)> answers;
@@ -53,13 +53,13 @@ class MadeUpServer final : public core::RelocalizationPort {
 class LostRobot {
  public:
   LostRobot(const LostPlace& place, uint64_t seed, bool with_people,
-            const behavior::LostAndFoundOptions& options,
+            const behavior::RelocalizationBehaviorOptions& options,
             bool with_server = true);
 
   simulator::Simulator& simulator() { return *simulator_; }
   localization::RobotTracker& tracker() { return *tracker_; }
-  behavior::LostAndFound& lost() { return *lost_; }
-  MadeUpServer& server() { return *server_; }
+  behavior::RelocalizationBehavior& lost() { return *lost_; }
+  ScriptedServer& server() { return *server_; }
   base::MonotonicTime Now() const { return simulator_->clock().Now(); }
 
   core::LevelPose Truth() const;
@@ -75,14 +75,15 @@ class LostRobot {
   bool CarryAway(uint64_t seed);
 
   // 25 ms: senses, thinks, moves. `drives` what a robot does that is not lost.
-  behavior::LostAndFound::Output Step(const core::VelocityCommand& drives = {});
+  behavior::RelocalizationBehavior::Output Step(
+      const core::VelocityCommand& drives = {});
   // Until it is found or needs help, or for so long (s). The state then.
-  behavior::RecoveryState StepUntilDone(double at_most_s);
+  behavior::RelocalizationState StepUntilDone(double at_most_s);
   double Error_m() const;
   double Error_rad() const;
   bool IsRight() const;
 
-  std::vector<behavior::RecoveryNote> notes;
+  std::vector<behavior::RelocalizationNote> notes;
 
  private:
   void Feed();
@@ -90,8 +91,8 @@ class LostRobot {
   const LostPlace& place_;
   std::unique_ptr<simulator::Simulator> simulator_;
   std::unique_ptr<localization::RobotTracker> tracker_;
-  std::unique_ptr<MadeUpServer> server_;
-  std::unique_ptr<behavior::LostAndFound> lost_;
+  std::unique_ptr<ScriptedServer> server_;
+  std::unique_ptr<behavior::RelocalizationBehavior> lost_;
   base::Random random_;
   int64_t steps_ = 0;
 };

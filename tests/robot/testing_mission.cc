@@ -39,7 +39,7 @@ core::DeviceHealth BlankCamera::Health() const {
 
 void TestMission::MakeServer() {
   camera_ = std::make_unique<BlankCamera>(simulator_->clock());
-  server_ = std::make_unique<MadeUpServer>(simulator_->clock());
+  server_ = std::make_unique<ScriptedServer>(simulator_->clock());
   server_->answers = [this](const core::RgbdFrame& frame) {
     core::RelocalizationAnswer answer;
     answer.stamp = frame.stamp;
@@ -55,7 +55,7 @@ void TestMission::MakeServer() {
     for (size_t i = 0; i < 36; i += 7) {
       answer.covariance[i] = i < 21 ? 9e-4 : 2e-4;
     }
-    return MadeUpServer::Answer(answer);
+    return ScriptedServer::Answer(answer);
   };
 }
 
@@ -153,9 +153,9 @@ void TestMission::Run(double seconds, const std::function<void()>& each) {
   }
 }
 
-bool TestMission::RunUntil(const std::function<bool()>& done, double most_s) {
+bool TestMission::RunUntil(const std::function<bool()>& done, double max_s) {
   const simulator::SimTime end =
-      simulator_->now() + simulator::FromSeconds(most_s);
+      simulator_->now() + simulator::FromSeconds(max_s);
   while (simulator_->now() < end) {
     if (done()) return true;
     Run(0.025);
@@ -163,10 +163,10 @@ bool TestMission::RunUntil(const std::function<bool()>& done, double most_s) {
   return done();
 }
 
-behavior::GoalStatus TestMission::RunToEnd(double most_s,
+behavior::GoalStatus TestMission::RunToEnd(double max_s,
                                            const std::function<void()>& each) {
   const simulator::SimTime end =
-      simulator_->now() + simulator::FromSeconds(most_s);
+      simulator_->now() + simulator::FromSeconds(max_s);
   while (simulator_->now() < end) {
     Run(0.025, each);
     const std::optional<behavior::GoalStatus> goal = navigator_->goal();

@@ -20,7 +20,7 @@ struct TestMissionOptions {
   geometry::Vec2 start = {1.6, 7.9};
   double yaw_rad = 0;
   uint64_t seed = 1000;
-  simulator::DriveErrors errors = {};
+  simulator::WheelOdometryErrors errors = {};
   behavior::NavigatorOptions navigator = {};
   bool is_told_its_pose = true;
   // Whether it has a camera, whose pictures nobody looks at, and a server that
@@ -50,10 +50,10 @@ class TestMission {
   // Simulated time passes; `each`, if given, is called after each step.
   void Run(double seconds, const std::function<void()>& each = nullptr);
   // Until the goal has ended, or so much time has passed.
-  behavior::GoalStatus RunToEnd(double most_s,
+  behavior::GoalStatus RunToEnd(double max_s,
                                 const std::function<void()>& each = nullptr);
   // Until `done`; whether it came to be.
-  bool RunUntil(const std::function<bool()>& done, double most_s);
+  bool RunUntil(const std::function<bool()>& done, double max_s);
 
   uint64_t Send(std::vector<core::LevelPose> poses);
   core::LevelPose At(double x_m, double y_m, double yaw_rad = 0,
@@ -65,7 +65,7 @@ class TestMission {
   simulator::Simulator& simulator() { return *simulator_; }
   behavior::Navigator& navigator() { return *navigator_; }
   // With has_server.
-  MadeUpServer& server() { return *server_; }
+  ScriptedServer& server() { return *server_; }
   const traversability::NavigationMap& map() const { return *map_; }
   geometry::Rigid2 Truth() const;
   // How far the estimate is from the truth (m).
@@ -87,7 +87,7 @@ class TestMission {
   std::shared_ptr<const traversability::NavigationMap> map_;
   std::unique_ptr<simulator::Simulator> simulator_;
   std::unique_ptr<BlankCamera> camera_;
-  std::unique_ptr<MadeUpServer> server_;
+  std::unique_ptr<ScriptedServer> server_;
   std::unique_ptr<behavior::Navigator> navigator_;
   std::vector<behavior::NavigatorEvent> events_;
   std::vector<simulator::SimEvent> mishaps_;

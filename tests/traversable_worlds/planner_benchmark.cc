@@ -58,7 +58,7 @@ std::vector<planning::PlanRequest> Requests(
     int count) {
   const planning::PlanGround ground(map, core::RobotModel(),
                                     planning::GlobalPlannerOptions().margin_m);
-  const planning::DriveSpace space(ground.index, ground.footprint, {});
+  const planning::ConfigurationSpace space(ground.index, ground.footprint, {});
   int largest = 0;
   for (int area = 1; area < ground.areas->count(); ++area) {
     if (ground.areas->CellsOf(area).size() >

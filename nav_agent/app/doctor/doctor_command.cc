@@ -232,7 +232,7 @@ absl::Status Examine(DoctorFlags flags, const std::stop_token& stop) {
       flags.json ? FindingsJson(findings) + "\n" : FindingsText(findings);
   std::printf("%s", text.c_str());
   if (WorstOf(findings) != Verdict::kFail) return absl::OkStatus();
-  return absl::FailedPreconditionError("the robot is not fit to drive");
+  return absl::FailedPreconditionError("the robot is not ready to drive");
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ absl::StatusOr<localization::Amcl> BeginAmcl(
           : localization::Amcl::CreateOnLevels(map.levels, options.amcl,
                                                options.seed));
   if (!options.initial_map_from_base.has_value()) {
-    amcl.SetAnywhere();
+    amcl.StartGlobalLocalization();
   } else if (options.initial_height_m.has_value() && map.levels != nullptr) {
     TL_RETURN_IF_ERROR(amcl.SetPoseOnLevel(*options.initial_map_from_base,
                                            *options.initial_height_m,

@@ -187,7 +187,7 @@ absl::Status CheckFlags(const LocalizeFlags& flags) {
           static_cast<int>(!flags.world.empty()) !=
       1) {
     return absl::InvalidArgumentError(
-        "in what? Give one of --map, --octomap and --world");
+        "give one of --map, --octomap and --world");
   }
   for (const std::string* path : {&flags.json, &flags.picture}) {
     if (!path->empty()) TL_RETURN_IF_ERROR(base::CheckWritable(*path));

@@ -63,7 +63,7 @@ absl::Status LiveMapper::TakeScans() {
       laser_ = info;
     }
     if (mapper_ == nullptr) {
-      TL_ASSIGN_OR_RETURN(mapper_, mapping::DriveMapper::Create(
+      TL_ASSIGN_OR_RETURN(mapper_, mapping::OnlineMapper::Create(
                                        info, sensors_.robot, options_.drive));
     }
     TL_RETURN_IF_ERROR(log_->Write(scan));

@@ -14,7 +14,7 @@
 #include "common/image/image.h"
 #include "nav_agent/core/devices.h"
 #include "nav_agent/core/robot_model.h"
-#include "nav_agent/mapping/drive_mapper.h"
+#include "nav_agent/mapping/online_mapper.h"
 #include "nav_agent/recording/agent_log.h"
 
 namespace treeline::map_app {
@@ -36,7 +36,7 @@ struct LiveMapOptions {
   // Frames that are nearer in time to the last one are not recorded (s).
   double frame_interval_s = 0.1;
   int jpeg_quality = 92;
-  mapping::DriveMappingOptions drive;
+  mapping::RecordingMapOptions drive;
 };
 
 struct LiveMapStatus {
@@ -79,7 +79,7 @@ class LiveMapper {
   const base::Clock* clock_;
   std::unique_ptr<recording::AgentLogWriter> log_;
   // There is one once the laser has told what it is.
-  std::unique_ptr<mapping::DriveMapper> mapper_;
+  std::unique_ptr<mapping::OnlineMapper> mapper_;
   std::optional<core::RangeSensorInfo> laser_;
   std::optional<camera::RgbdCalibration> camera_;
   std::optional<base::MonotonicTime> last_frame_;

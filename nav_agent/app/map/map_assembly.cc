@@ -10,7 +10,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
-#include "nav_agent/fusion/driven_strip.h"
+#include "nav_agent/fusion/wheel_strip.h"
 #include "nav_agent/octomap/octree_file.h"
 #include "nav_agent/traversability/level_files.h"
 
@@ -138,7 +138,7 @@ absl::StatusOr<MapSummary> MapAssembly::Finish(
       map_from_base.push_back(pose.world_from_camera);
     }
     driven_holes =
-        fusion::KeepDrivenStrip(map_from_base, *provenance.half_width_m, whole);
+        fusion::FillWheelStrip(map_from_base, *provenance.half_width_m, whole);
   }
   // As whoever loads the bundle will read it: the box of what is known.
   TL_ASSIGN_OR_RETURN(const std::string octomap, octree::FormatBt(whole));

@@ -14,9 +14,9 @@
 #include "common/base/status_macros.h"
 #include "common/camera/calibration_json.h"
 #include "common/dataset/dataset.h"
+#include "nav_agent/app/map/map_from_log.h"
+#include "nav_agent/app/map/map_from_rgbd.h"
 #include "nav_agent/app/map/map_live.h"
-#include "nav_agent/app/map/map_log.h"
-#include "nav_agent/app/map/map_rgbd.h"
 
 namespace treeline::map_app {
 namespace {
@@ -53,7 +53,7 @@ constexpr double kDegPerRad = 180 / std::numbers::pi;
 struct MapFlags {
   std::string log;
   bool is_live = false;
-  LiveDriveOptions live;
+  LiveMappingOptions live;
   dataset::DatasetOptions rgbd;
   std::string calibration;
   MapOptions map;
@@ -88,7 +88,7 @@ class PhaseLine {
 };
 
 void PrintSummary(const MapLogResult& result) {
-  const mapping::DriveMapping& drive = result.drive;
+  const mapping::RecordingMap& drive = result.drive;
   std::printf(
       "%lld scans, %lld of them keyscans; %lld loops closed; the front end "
       "takes %.2f ms a scan (median), %.2f ms (p99)\n",

@@ -32,7 +32,7 @@ class Drive {
 class RealDrive final : public Drive {
  public:
   static absl::StatusOr<std::unique_ptr<Drive>> Open(
-      const LiveDriveOptions& options) {
+      const LiveMappingOptions& options) {
     auto drive = std::make_unique<RealDrive>();
     drive->robot_ = options.robot;
     if (options.seconds > 0) {
@@ -71,7 +71,7 @@ class RealDrive final : public Drive {
 class SimulatedDrive final : public Drive {
  public:
   static absl::StatusOr<std::unique_ptr<Drive>> Open(
-      const LiveDriveOptions& options) {
+      const LiveMappingOptions& options) {
     simulator::Scenario scenario;
     scenario.world = options.simulate;
     scenario.options.seed = options.seed;
@@ -97,7 +97,7 @@ class SimulatedDrive final : public Drive {
   SimulatedDrive(const simulator::Scenario& scenario,
                  std::unique_ptr<simulator::Simulator> simulator,
                  const simulator::TourAction& tour,
-                 const LiveDriveOptions& options)
+                 const LiveMappingOptions& options)
       : simulator_(std::move(simulator)),
         player_(scenario, *simulator_),
         pace_(options.pace),
@@ -136,7 +136,7 @@ class SimulatedDrive final : public Drive {
 
 }  // namespace
 
-absl::Status LiveDriveOptions::Validate() const {
+absl::Status LiveMappingOptions::Validate() const {
   if (simulate.empty() && (laser.empty() || base.empty())) {
     return absl::InvalidArgumentError(
         "who drives? Give --simulate WORLD, or the laser and the base of a "
@@ -158,7 +158,7 @@ absl::Status LiveDriveOptions::Validate() const {
   return absl::OkStatus();
 }
 
-absl::Status RecordLiveDrive(const LiveDriveOptions& options,
+absl::Status RecordLiveDrive(const LiveMappingOptions& options,
                              const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(options.Validate());
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<Drive> drive,

@@ -12,7 +12,7 @@
 
 namespace treeline::map_app {
 
-struct LiveDriveOptions {
+struct LiveMappingOptions {
   // A world for a simulated robot that drives its tour by itself; empty: real
   // sensors.
   std::string simulate;
@@ -37,7 +37,7 @@ struct LiveDriveOptions {
 // Records a drive until it ends or `stop` is requested, which is no error.
 // INVALID_ARGUMENT for options; FAILED_PRECONDITION for worlds without a tour;
 // the errors of the devices and of LiveMapper.
-absl::Status RecordLiveDrive(const LiveDriveOptions& options,
+absl::Status RecordLiveDrive(const LiveMappingOptions& options,
                              const std::stop_token& stop);
 
 }  // namespace treeline::map_app

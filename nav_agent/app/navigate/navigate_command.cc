@@ -75,8 +75,8 @@ absl::StatusOr<v1::NavigateRequest> RequestOf(const NavigateFlags& flags) {
   v1::NavigateRequest request;
   for (const std::string& text : flags.poses) {
     TL_ASSIGN_OR_RETURN(
-        const std::optional<agent_service::PoseWish> wish,
-        run_app::ParsePoseWish(absl::StrSplit(text, ','), "POSE"));
+        const std::optional<agent_service::RequestedPose> wish,
+        run_app::ParseRequestedPose(absl::StrSplit(text, ','), "POSE"));
     v1::LevelPose& pose = *request.add_poses();
     pose.set_x_m(wish->x_m);
     pose.set_y_m(wish->y_m);

@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kLegend_px = 96;
 constexpr int kGap_px = 12;
-constexpr int kLeastWidth_px = 900;
-constexpr double kMost_px = 1400;
+constexpr int kMinWidth_px = 900;
+constexpr double kMax_px = 1400;
 constexpr double kSteepest_rad = 0.28;
 const cv::Scalar kBlack(30, 30, 30);
 const cv::Scalar kStartTree(60, 110, 230);
@@ -196,13 +196,12 @@ image::ColorImage DrawPlanReport(const traversability::NavigationMap& map,
   const core::OccupancyGrid& grid = map.grid(0);
   const double width_m = grid.width * grid.resolution_m;
   const double height_m = grid.height * grid.resolution_m;
-  const double px_per_m =
-      std::min(80.0, kMost_px / std::max(width_m, height_m));
+  const double px_per_m = std::min(80.0, kMax_px / std::max(width_m, height_m));
   const int panel_px = static_cast<int>(std::lround(width_m * px_per_m));
   const int height_px = static_cast<int>(std::lround(height_m * px_per_m));
   const int panels = static_cast<int>(levels.size());
   const int width_px =
-      std::max(kLeastWidth_px, panels * panel_px + (panels - 1) * kGap_px);
+      std::max(kMinWidth_px, panels * panel_px + (panels - 1) * kGap_px);
   cv::Mat image(height_px + kLegend_px, width_px, CV_8UC3,
                 cv::Scalar(255, 255, 255));
   for (int i = 0; i < panels; ++i) {

@@ -34,9 +34,9 @@ struct Numbers {
 // What was given, for a message: not all of it if it is long, and nothing that
 // a terminal obeys.
 std::string Shown(const std::string& text) {
-  constexpr size_t kMost = 60;
-  return absl::CHexEscape(text.substr(0, kMost)) +
-         (text.size() > kMost ? "..." : "");
+  constexpr size_t kMax = 60;
+  return absl::CHexEscape(text.substr(0, kMax)) +
+         (text.size() > kMax ? "..." : "");
 }
 
 absl::StatusOr<Numbers> ParseNumbers(const std::string& text,

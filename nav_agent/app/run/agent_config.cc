@@ -191,10 +191,10 @@ const config::ConfigTable<AgentConfig>& AgentConfigTable() {
   return *table;
 }
 
-absl::StatusOr<std::optional<agent_service::PoseWish>> ParsePoseWish(
+absl::StatusOr<std::optional<agent_service::RequestedPose>> ParseRequestedPose(
     const std::vector<std::string>& numbers, absl::string_view flag) {
   if (numbers.empty()) return std::nullopt;
-  agent_service::PoseWish pose;
+  agent_service::RequestedPose pose;
   const bool is_read =
       (numbers.size() == 3 || numbers.size() == 4) &&
       absl::SimpleAtod(numbers[0], &pose.x_m) &&
@@ -205,7 +205,7 @@ absl::StatusOr<std::optional<agent_service::PoseWish>> ParsePoseWish(
       !std::isfinite(pose.yaw_rad)) {
     return absl::InvalidArgumentError(absl::StrCat(
         flag, " ", absl::StrJoin(numbers, ","),
-        " is no pose; give X,Y,YAW or X,Y,YAW,LEVEL in m and rad"));
+        " is not a pose; give X,Y,YAW or X,Y,YAW,LEVEL in m and rad"));
   }
   return pose;
 }
@@ -213,7 +213,7 @@ absl::StatusOr<std::optional<agent_service::PoseWish>> ParsePoseWish(
 absl::Status AgentConfig::Validate() const {
   if (simulate.empty() == hardware.empty()) {
     return absl::InvalidArgumentError(
-        "which robot? Give --simulate WORLD or --hardware FILE, one of them");
+        "give either --simulate WORLD or --hardware FILE");
   }
   if (map.empty() && !hardware.empty()) {
     return absl::InvalidArgumentError(
@@ -227,8 +227,8 @@ absl::Status AgentConfig::Validate() const {
     return absl::InvalidArgumentError(
         "give either --start-at or --find-yourself");
   }
-  TL_RETURN_IF_ERROR(ParsePoseWish(start_at, "--start-at").status());
-  return ParsePoseWish(goal, "--goal").status();
+  TL_RETURN_IF_ERROR(ParseRequestedPose(start_at, "--start-at").status());
+  return ParseRequestedPose(goal, "--goal").status();
 }
 
 }  // namespace treeline::run_app

@@ -66,7 +66,7 @@ const config::ConfigTable<AgentConfig>& AgentConfigTable();
 
 // X,Y,YAW or X,Y,YAW,LEVEL in m and rad. nullopt: `numbers` is empty.
 // INVALID_ARGUMENT names `flag`.
-absl::StatusOr<std::optional<agent_service::PoseWish>> ParsePoseWish(
+absl::StatusOr<std::optional<agent_service::RequestedPose>> ParseRequestedPose(
     const std::vector<std::string>& numbers, absl::string_view flag);
 
 }  // namespace treeline::run_app

@@ -151,7 +151,7 @@ class SimulatedAgentRobot final : public AgentRobot,
     obstacles_.erase(name);
     return absl::OkStatus();
   }
-  absl::Status InjectFault(const agent_service::FaultWish& wish) override {
+  absl::Status InjectFault(const agent_service::RequestedFault& wish) override {
     simulator::Fault fault;
     TL_ASSIGN_OR_RETURN(fault.target, simulator::ParseFaultTarget(wish.target));
     TL_ASSIGN_OR_RETURN(fault.kind, simulator::ParseFaultKind(wish.kind));

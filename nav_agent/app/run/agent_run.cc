@@ -271,8 +271,8 @@ absl::Status AgentProgram::MakeNavigator() {
 }
 
 absl::Status AgentProgram::GiveOrders() {
-  TL_ASSIGN_OR_RETURN(std::optional<agent_service::PoseWish> start,
-                      ParsePoseWish(config_.start_at, "--start-at"));
+  TL_ASSIGN_OR_RETURN(std::optional<agent_service::RequestedPose> start,
+                      ParseRequestedPose(config_.start_at, "--start-at"));
   const std::optional<geometry::Rigid3> truth = robot_->TrueMapFromBase();
   if (start.has_value()) {
     TL_ASSIGN_OR_RETURN(const core::LevelPose pose,
@@ -289,8 +289,8 @@ absl::Status AgentProgram::GiveOrders() {
              "the robot waits to be told where it is: give --start-at, "
              "--find-yourself, or an initial pose on the page");
   }
-  TL_ASSIGN_OR_RETURN(const std::optional<agent_service::PoseWish> goal,
-                      ParsePoseWish(config_.goal, "--goal"));
+  TL_ASSIGN_OR_RETURN(const std::optional<agent_service::RequestedPose> goal,
+                      ParseRequestedPose(config_.goal, "--goal"));
   if (!goal.has_value()) return absl::OkStatus();
   return commands_->SetGoalNow(*navigator_, {*goal}).status();
 }

@@ -65,18 +65,18 @@ TEST(AgentConfig, SaysWhatDoesNotFit) {
 }
 
 TEST(AgentConfig, ReadsPoses) {
-  const auto pose = ParsePoseWish({"1", "-2.5", "0.5", "1"}, "--goal");
+  const auto pose = ParseRequestedPose({"1", "-2.5", "0.5", "1"}, "--goal");
   ASSERT_TRUE(pose.ok() && pose->has_value());
   EXPECT_EQ((*pose)->y_m, -2.5);
   EXPECT_EQ((*pose)->level, 1);
-  EXPECT_FALSE(ParsePoseWish({}, "--goal")->has_value());
+  EXPECT_FALSE(ParseRequestedPose({}, "--goal")->has_value());
   for (const auto& bad :
        std::vector<std::vector<std::string>>{{"1", "2"},
                                              {"1", "2", "x"},
                                              {"1", "2", "nan"},
                                              {"1", "2", "3", "0.5"},
                                              {"1", "2", "3", "4", "5"}}) {
-    EXPECT_THAT(ParsePoseWish(bad, "--goal").status().message(),
+    EXPECT_THAT(ParseRequestedPose(bad, "--goal").status().message(),
                 HasSubstr("--goal"));
   }
 }

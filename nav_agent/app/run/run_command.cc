@@ -9,8 +9,8 @@
 #include "CLI/CLI.hpp"
 #include "common/base/status_macros.h"
 #include "common/config/config_flags.h"
-#include "nav_agent/app/run/parameter_tables.h"
 #include "nav_agent/app/run/agent_run.h"
+#include "nav_agent/app/run/parameter_tables.h"
 
 namespace treeline::run_app {
 namespace {
@@ -45,9 +45,7 @@ struct RunFlags {
 
 absl::Status Run(const RunFlags& flags, const std::stop_token& stop) {
   if (flags.print_parameters) {
-    std::printf(
-        "%s", ParametersAsMarkdown(AgentParameterTables())
-                  .c_str());
+    std::printf("%s", ParametersAsMarkdown(AgentParameterTables()).c_str());
     return absl::OkStatus();
   }
   const config::ConfigTable<AgentConfig>& table = AgentConfigTable();
@@ -59,10 +57,9 @@ absl::Status Run(const RunFlags& flags, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const config::EffectiveConfig effective,
                       config::ResolveConfig(table.settings(), sources));
   if (flags.print_config) {
-    std::printf(
-        "%s%s", config::PrintConfig(table.settings(), effective).c_str(),
-        ParametersAsYamlComments(AgentParameterTables())
-            .c_str());
+    std::printf("%s%s",
+                config::PrintConfig(table.settings(), effective).c_str(),
+                ParametersAsYamlComments(AgentParameterTables()).c_str());
     return absl::OkStatus();
   }
   const AgentConfig config = table.Make(effective);

@@ -141,7 +141,7 @@ absl::StatusOr<Report> AgainstRelations(
 absl::Status Score(const ScoreFlags& flags) {
   if (flags.reference.empty() == flags.relations.empty()) {
     return absl::InvalidArgumentError(
-        "compared with what? Give --reference FILE or --relations FILE");
+        "give --reference FILE or --relations FILE");
   }
   if (!flags.json.empty()) TL_RETURN_IF_ERROR(base::CheckWritable(flags.json));
   TL_ASSIGN_OR_RETURN(const std::vector<dataset::TimedPose> estimate,

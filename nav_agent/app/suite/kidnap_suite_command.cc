@@ -70,10 +70,11 @@ struct Asked {
   std::shared_ptr<relocalizer::Relocalizer> connection;
 };
 
-absl::StatusOr<behavior::RecoveryMethod> MethodOf(const KidnapFlags& flags) {
-  if (flags.method == "amcl") return behavior::RecoveryMethod::kAmclOnly;
+absl::StatusOr<behavior::RelocalizationMethod> MethodOf(
+    const KidnapFlags& flags) {
+  if (flags.method == "amcl") return behavior::RelocalizationMethod::kAmclOnly;
   if (flags.method == "injection")
-    return behavior::RecoveryMethod::kInjectionOnly;
+    return behavior::RelocalizationMethod::kInjectionOnly;
   if (flags.server.empty() && !flags.spawns_server) {
     return absl::InvalidArgumentError(
         "whom shall lost robots ask? Give --spawn-server, or --server "
@@ -84,7 +85,7 @@ absl::StatusOr<behavior::RecoveryMethod> MethodOf(const KidnapFlags& flags) {
         "--server-fault breaks a server of the suite's own: it needs "
         "--spawn-server");
   }
-  return behavior::RecoveryMethod::kServer;
+  return behavior::RelocalizationMethod::kServer;
 }
 
 suites::SuiteMapOptions MapOptionsOf(const KidnapFlags& flags,

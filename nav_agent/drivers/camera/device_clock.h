@@ -22,27 +22,27 @@ class DeviceClock {
                               base::MonotonicTime arrival) {
     const std::chrono::nanoseconds offset =
         arrival.time_since_epoch() - device_time;
-    const bool jumped = least_ && std::chrono::abs(offset - *least_) > kMaxJump;
-    if (!least_ || jumped) {
-      least_ = least_before_ = offset;
+    const bool jumped = min_ && std::chrono::abs(offset - *min_) > kMaxJump;
+    if (!min_ || jumped) {
+      min_ = min_before_ = offset;
       window_begin_ = arrival;
     } else if (arrival - window_begin_ >= kWindow) {
-      least_before_ = *least_;
-      least_ = offset;
+      min_before_ = *min_;
+      min_ = offset;
       window_begin_ = arrival;
     }
-    least_ = std::min(*least_, offset);
+    min_ = std::min(*min_, offset);
     return base::MonotonicTime(
         std::chrono::duration_cast<base::MonotonicTime::duration>(
-            device_time + std::min(*least_, least_before_)));
+            device_time + std::min(*min_, min_before_)));
   }
 
  private:
   static constexpr std::chrono::seconds kWindow{10};
   static constexpr std::chrono::seconds kMaxJump{1};
 
-  std::optional<std::chrono::nanoseconds> least_;
-  std::chrono::nanoseconds least_before_{0};
+  std::optional<std::chrono::nanoseconds> min_;
+  std::chrono::nanoseconds min_before_{0};
   base::MonotonicTime window_begin_;
 };
 

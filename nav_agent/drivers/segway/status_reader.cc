@@ -117,7 +117,7 @@ void SegwayStatusReader::BeginAt(const SegwayCycle& cycle,
                                  base::MonotonicTime arrival) {
   last_ = {
       .cycle = cycle, .arrival = arrival, .device_frames = cycle.servo_frames};
-  least_offset_ns_ = least_offset_before_ns_ =
+  min_offset_ns_ = min_offset_before_ns_ =
       Nanoseconds(arrival) - last_->device_frames * kFrame_ns;
   window_begin_ = arrival;
 }
@@ -128,16 +128,15 @@ base::MonotonicTime SegwayStatusReader::StampOf(const Timed& timed) {
   if (timed.arrival - window_begin_ >= kWindow) {
     // After a gap the window before has nothing to say either.
     const bool gap = timed.arrival - window_begin_ >= 3 * kWindow;
-    least_offset_before_ns_ = gap ? offset_ns : least_offset_ns_;
-    least_offset_ns_ = offset_ns;
+    min_offset_before_ns_ = gap ? offset_ns : min_offset_ns_;
+    min_offset_ns_ = offset_ns;
     window_begin_ = timed.arrival;
   }
-  least_offset_ns_ = std::min(least_offset_ns_, offset_ns);
+  min_offset_ns_ = std::min(min_offset_ns_, offset_ns);
   const base::MonotonicTime stamp(
       std::chrono::duration_cast<base::MonotonicTime::duration>(
           std::chrono::nanoseconds(
-              device_ns +
-              std::min(least_offset_ns_, least_offset_before_ns_))));
+              device_ns + std::min(min_offset_ns_, min_offset_before_ns_))));
   last_stamp_ = std::max(stamp, last_stamp_);
   return last_stamp_;
 }

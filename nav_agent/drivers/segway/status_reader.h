@@ -86,8 +86,8 @@ class SegwayStatusReader {
   bool recount_ = false;
   // Our clock less the base's (ns): the least since window_begin_, and of the
   // window before.
-  int64_t least_offset_ns_ = 0;
-  int64_t least_offset_before_ns_ = 0;
+  int64_t min_offset_ns_ = 0;
+  int64_t min_offset_before_ns_ = 0;
   base::MonotonicTime window_begin_;
   base::MonotonicTime last_stamp_;
   // Wheels (counts).

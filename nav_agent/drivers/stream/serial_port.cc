@@ -159,8 +159,8 @@ absl::Status SerialPortOptions::Validate() const {
     return absl::InvalidArgumentError("the serial port has no path");
   }
   if (!SpeedOf(baud)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        baud, " baud is none of the usual rates (9600 to 4000000)"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(baud, " baud is not a usual rate (9600 to 4000000)"));
   }
   return absl::OkStatus();
 }

@@ -16,7 +16,7 @@ namespace {
 
 absl::Status Wrong(absl::string_view text, absl::string_view why) {
   return absl::InvalidArgumentError(absl::StrCat(
-      "\"", text, "\" is no device address: ", why,
+      "\"", text, "\" is not a device address: ", why,
       " (/dev/ttyACM0, /dev/ttyUSB0@460800 or tcp:192.168.0.10:10940)"));
 }
 
@@ -37,7 +37,7 @@ absl::StatusOr<std::unique_ptr<ByteStreamOpener>> ParseTcp(
   }
   if (!port.empty() && (!absl::ConsumePrefix(&port, ":") ||
                         !absl::SimpleAtoi(port, &options.port))) {
-    return Wrong(text, "the port is no number");
+    return Wrong(text, "the port is not a number");
   }
   const absl::Status valid = options.Validate();
   if (!valid.ok()) return Wrong(text, valid.message());

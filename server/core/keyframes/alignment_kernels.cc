@@ -70,7 +70,7 @@ HWY_INLINE hn::Mask<D> Faces(const V3& q, const V3& p, const V3& n) {
 }
 
 void See(const AlignmentPoints& points, size_t begin, size_t end,
-         const PinholeView& view, SeenPoints& seen) {
+         const PinholeView& view, VisiblePoints& seen) {
   const D d;
   const V one = hn::Set(d, 1);
   for (size_t i = begin; i < end; i += hn::Lanes(d)) {
@@ -155,7 +155,7 @@ HWY_INLINE V Between(V top, V middle, V bottom, V f) {
 }
 
 void LookUp(const uint8_t* gray, int width, int height, int level, size_t begin,
-            size_t end, SeenPoints& seen) {
+            size_t end, VisiblePoints& seen) {
   const D d;
   const DI di;
   const V half = hn::Set(d, 0.5f);
@@ -206,7 +206,7 @@ void LookUp(const uint8_t* gray, int width, int height, int level, size_t begin,
   }
 }
 
-ExposureSums Exposure(const float* reference, const SeenPoints& seen,
+ExposureSums Exposure(const float* reference, const VisiblePoints& seen,
                       size_t begin, size_t end, float gain, float offset,
                       float scale) {
   const D d;
@@ -267,7 +267,7 @@ struct Partial {
   }
 };
 
-void Brightness(const float* reference, const SeenPoints& seen, size_t begin,
+void Brightness(const float* reference, const VisiblePoints& seen, size_t begin,
                 size_t end, const PinholeView& view, float gain, float offset,
                 float scale, float weight, NormalSums& sums) {
   const D d;
@@ -363,7 +363,7 @@ void AlignmentPoints::Pad() {
   for (std::vector<float>& level : gray) level.resize(size(), 0);
 }
 
-void SeenPoints::resize(size_t points) {
+void VisiblePoints::resize(size_t points) {
   for (std::vector<float>* array :
        {&x, &y, &z, &u, &v, &brightness, &gradient_x, &gradient_y, &seen}) {
     array->resize(points);
@@ -420,36 +420,36 @@ PinholeView ViewOf(const geometry::Rigid3& camera_from_world,
   return view;
 }
 
-void CountSeen(const AlignmentPoints& points, size_t group,
-               const PinholeView& view, int width, int height,
-               std::span<float> counts) {
+void CountVisible(const AlignmentPoints& points, size_t group,
+                  const PinholeView& view, int width, int height,
+                  std::span<float> counts) {
   HWY_DYNAMIC_DISPATCH(Count)
   (points, group, view, width, height, counts.data());
 }
 
-void SeePoints(const AlignmentPoints& points, size_t begin, size_t end,
-               const PinholeView& view, SeenPoints& seen) {
+void ProjectPoints(const AlignmentPoints& points, size_t begin, size_t end,
+                   const PinholeView& view, VisiblePoints& seen) {
   HWY_DYNAMIC_DISPATCH(See)(points, begin, end, view, seen);
 }
 
-void LookUpPoints(const features::GrayPyramid& image, int level, size_t begin,
-                  size_t end, SeenPoints& seen) {
+void SampleBrightness(const features::GrayPyramid& image, int level,
+                      size_t begin, size_t end, VisiblePoints& seen) {
   const features::GrayPyramid::Level& l = image.level(level);
   HWY_DYNAMIC_DISPATCH(LookUp)
   (l.gray.data(), l.width, l.height, level, begin, end, seen);
 }
 
 ExposureSums SumExposure(const std::vector<float>& reference,
-                         const SeenPoints& seen, size_t begin, size_t end,
+                         const VisiblePoints& seen, size_t begin, size_t end,
                          float gain, float offset, float scale) {
   return HWY_DYNAMIC_DISPATCH(Exposure)(reference.data(), seen, begin, end,
                                         gain, offset, scale);
 }
 
-void AddBrightness(const std::vector<float>& reference, const SeenPoints& seen,
-                   size_t begin, size_t end, const PinholeView& view,
-                   float gain, float offset, float scale, float weight,
-                   NormalSums& sums) {
+void AddBrightness(const std::vector<float>& reference,
+                   const VisiblePoints& seen, size_t begin, size_t end,
+                   const PinholeView& view, float gain, float offset,
+                   float scale, float weight, NormalSums& sums) {
   HWY_DYNAMIC_DISPATCH(Brightness)
   (reference.data(), seen, begin, end, view, gain, offset, scale, weight, sums);
 }

@@ -25,7 +25,7 @@ struct AlignmentPoints {
   std::vector<float> x, y, z;
   // Unit normals in the world; zero where they are not known.
   std::vector<float> nx, ny, nz;
-  // Brightness at each level of GrayPyramid; not needed by CountSeen.
+  // Brightness at each level of GrayPyramid; not needed by CountVisible.
   std::array<std::vector<float>, features::GrayPyramid::kLevels> gray;
 
   size_t size() const { return x.size(); }
@@ -40,7 +40,7 @@ struct AlignmentPoints {
 };
 
 // Those points as a camera sees them, in the same slots.
-struct SeenPoints {
+struct VisiblePoints {
   // In the camera (m); where the point is not seen (0, 0, 1).
   std::vector<float> x, y, z;
   // The pixel, at level 0.
@@ -96,31 +96,31 @@ struct ExposureSums {
 
 // Of the points of each group of `group` (a multiple of kAlignmentBlock), one
 // after the other, how many are seen inside an image of this size.
-void CountSeen(const AlignmentPoints& points, size_t group,
-               const PinholeView& view, int width, int height,
-               std::span<float> counts);
+void CountVisible(const AlignmentPoints& points, size_t group,
+                  const PinholeView& view, int width, int height,
+                  std::span<float> counts);
 
 // All below work on points [begin, end).
 
 // Positions, pixels and `seen`: in front of the camera and facing it.
-void SeePoints(const AlignmentPoints& points, size_t begin, size_t end,
-               const PinholeView& view, SeenPoints& seen);
+void ProjectPoints(const AlignmentPoints& points, size_t begin, size_t end,
+                   const PinholeView& view, VisiblePoints& seen);
 
 // Brightness and gradients at the pixels, bilinear; what lies outside is not
 // seen.
-void LookUpPoints(const features::GrayPyramid& image, int level, size_t begin,
-                  size_t end, SeenPoints& seen);
+void SampleBrightness(const features::GrayPyramid& image, int level,
+                      size_t begin, size_t end, VisiblePoints& seen);
 
 // Weights are Geman-McClure's of brightness - gain * reference - offset.
 ExposureSums SumExposure(const std::vector<float>& reference,
-                         const SeenPoints& seen, size_t begin, size_t end,
+                         const VisiblePoints& seen, size_t begin, size_t end,
                          float gain, float offset, float scale);
 
 // Adds the same residuals, with these weights times `weight`.
-void AddBrightness(const std::vector<float>& reference, const SeenPoints& seen,
-                   size_t begin, size_t end, const PinholeView& view,
-                   float gain, float offset, float scale, float weight,
-                   NormalSums& sums);
+void AddBrightness(const std::vector<float>& reference,
+                   const VisiblePoints& seen, size_t begin, size_t end,
+                   const PinholeView& view, float gain, float offset,
+                   float scale, float weight, NormalSums& sums);
 
 // Adds the distances from measured points to the tangent planes, as far as they
 // are below max_distance (m), with Geman-McClure's weights over their variance.

@@ -54,10 +54,10 @@ TEST(AlignmentKernelsTest, PointsAreSeenAsTheCameraAndThePyramidSay) {
   const PinholeView view = ViewOf(CameraFromWorld(), camera, origin);
   ASSERT_EQ(points.size() % kAlignmentBlock, 0u);
   for (const int l : {0, 1, 2}) {
-    SeenPoints seen;
+    VisiblePoints seen;
     seen.resize(points.size());
-    SeePoints(points, 0, points.size(), view, seen);
-    LookUpPoints(pyramid, l, 0, points.size(), seen);
+    ProjectPoints(points, 0, points.size(), view, seen);
+    SampleBrightness(pyramid, l, 0, points.size(), seen);
     const features::GrayPyramid::Level& level = pyramid.level(l);
     int visible = 0;
     for (size_t i = 0; i < points.size(); ++i) {
@@ -91,7 +91,7 @@ TEST(AlignmentKernelsTest, PointsAreSeenAsTheCameraAndThePyramidSay) {
 TEST(AlignmentKernelsTest, ExposureIsFoundAgain) {
   constexpr size_t kPoints = 64;
   std::vector<float> reference;
-  SeenPoints seen;
+  VisiblePoints seen;
   seen.resize(kPoints);
   for (size_t i = 0; i < kPoints; ++i) {
     reference.push_back(static_cast<float>(3 * i + 10));

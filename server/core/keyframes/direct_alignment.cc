@@ -52,8 +52,8 @@ class Aligner {
   std::optional<Alignment> Run(const geometry::Rigid3& world_from_color) {
     camera_from_world_ = world_from_color.Inverse();
     const std::vector<size_t> keyframes =
-        map_.BestSeen(world_from_color, calibration_.color,
-                      static_cast<size_t>(options_.keyframes));
+        map_.MostVisible(world_from_color, calibration_.color,
+                         static_cast<size_t>(options_.keyframes));
     if (keyframes.empty()) return std::nullopt;
     Gather(keyframes, world_from_color.translation);
     for (int level = options_.first_level; level >= options_.last_level;
@@ -124,7 +124,7 @@ class Aligner {
   void See(int level, bool is_first) {
     const std::span<const PointRun> runs = ActiveRuns(level);
     const size_t end = runs.back().end;
-    SeePoints(points_, 0, end, View(), seen_);
+    ProjectPoints(points_, 0, end, View(), seen_);
     if (calibration_.color.has_distortion()) {
       for (size_t i = 0; i < end; ++i) {
         if (seen_.seen[i] == 0) continue;
@@ -134,7 +134,7 @@ class Aligner {
         seen_.v[i] = static_cast<float>(pixel.y);
       }
     }
-    LookUpPoints(image_, level, 0, end, seen_);
+    SampleBrightness(image_, level, 0, end, seen_);
     float visible = 0;
     for (size_t i = 0; i < end; ++i) visible += seen_.seen[i];
     visible_ = static_cast<int>(visible);
@@ -368,7 +368,7 @@ class Aligner {
   const geometry::Rigid3 depth_from_color_;
   const AlignmentOptions& options_;
   AlignmentPoints points_;
-  SeenPoints seen_;
+  VisiblePoints seen_;
   SurfacePoints surfaces_;
   std::vector<PointRun> runs_;
   geometry::Vec3 origin_;

@@ -90,11 +90,11 @@ std::span<const T> AtMost(std::span<const T> values, size_t count) {
 
 // Of these keyframes the `count` that share most features with a frame, and at
 // least `least` of them; most first.
-std::vector<size_t> MostPairs(const features::SiftFeatures& features,
-                              const KeyframeMap& map,
-                              std::span<const size_t> keyframes,
-                              const Compared& compared, size_t count,
-                              size_t least, double max_ratio) {
+std::vector<size_t> WithMostMatches(const features::SiftFeatures& features,
+                                    const KeyframeMap& map,
+                                    std::span<const size_t> keyframes,
+                                    const Compared& compared, size_t count,
+                                    size_t least, double max_ratio) {
   const auto queries =
       AtMost(std::span(std::as_const(features.descriptors)), compared.of_frame);
   std::vector<std::pair<size_t, size_t>> alike;  // pairs, keyframe
@@ -150,15 +150,15 @@ std::vector<KeyframeMatch> MatchKeyframes(
   return matches;
 }
 
-std::vector<size_t> MostAlike(const features::SiftFeatures& features,
-                              const KeyframeMap& map, size_t count,
-                              double max_ratio) {
+std::vector<size_t> MostSimilarKeyframes(const features::SiftFeatures& features,
+                                         const KeyframeMap& map, size_t count,
+                                         double max_ratio) {
   std::vector<size_t> all(map.size());
   std::iota(all.begin(), all.end(), size_t{0});
-  return MostPairs(
+  return WithMostMatches(
       features, map,
-      MostPairs(features, map, all, kCoarse, kShortlist, 1, max_ratio), kFine,
-      count, kMinSharedFeatures, max_ratio);
+      WithMostMatches(features, map, all, kCoarse, kShortlist, 1, max_ratio),
+      kFine, count, kMinSharedFeatures, max_ratio);
 }
 
 }  // namespace treeline::keyframes

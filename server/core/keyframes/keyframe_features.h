@@ -41,9 +41,9 @@ std::vector<KeyframeMatch> MatchKeyframes(
 // Up to `count` keyframes that share most features with a frame, most first,
 // whatever its pose: the largest of its features are matched with all
 // keyframes.
-std::vector<size_t> MostAlike(const features::SiftFeatures& features,
-                              const KeyframeMap& map, size_t count,
-                              double max_ratio);
+std::vector<size_t> MostSimilarKeyframes(const features::SiftFeatures& features,
+                                         const KeyframeMap& map, size_t count,
+                                         double max_ratio);
 
 }  // namespace treeline::keyframes
 

@@ -109,8 +109,8 @@ TEST_F(KeyframeFeaturesTest, TheKeyframesMostAlikeStandFirst) {
   ASSERT_TRUE(map.ok()) << map.status();
   const features::SiftFeatures frame =
       FrameWith({0, 1, 2, 3, 4, 5, 26, 27, 28, 29, 30, 31, 32});
-  EXPECT_THAT(MostAlike(frame, *map, 3, 0.5), ElementsAre(2, 0));
-  EXPECT_THAT(MostAlike(frame, *map, 1, 0.5), ElementsAre(2));
+  EXPECT_THAT(MostSimilarKeyframes(frame, *map, 3, 0.5), ElementsAre(2, 0));
+  EXPECT_THAT(MostSimilarKeyframes(frame, *map, 1, 0.5), ElementsAre(2));
 }
 
 TEST_F(KeyframeFeaturesTest, BrokenFeaturesAreDataLoss) {

@@ -47,11 +47,12 @@ absl::StatusOr<KeyframeMap> KeyframeMap::Read(const forest::ModelFile& model) {
     const std::span<const KeyframePoint> points = map.points(k);
     for (size_t i = 0; i < kCoarsePoints; ++i) {
       if (points.empty()) {
-        map.glance_.AppendNothing();
+        map.coarse_points_.AppendNothing();
         continue;
       }
       const KeyframePoint& point = points[i * points.size() / kCoarsePoints];
-      map.glance_.Append(point.position_in_world, point.normal_in_world, {});
+      map.coarse_points_.Append(point.position_in_world, point.normal_in_world,
+                                {});
     }
   }
   TL_ASSIGN_OR_RETURN(
@@ -71,13 +72,13 @@ absl::StatusOr<KeyframeMap> KeyframeMap::Read(const forest::ModelFile& model) {
   return map;
 }
 
-std::vector<size_t> KeyframeMap::BestSeen(
+std::vector<size_t> KeyframeMap::MostVisible(
     const geometry::Rigid3& world_from_camera, const camera::Camera& camera,
     size_t count) const {
   std::vector<float> seen(size());
-  CountSeen(glance_, kCoarsePoints,
-            ViewOf(world_from_camera.Inverse(), camera, {}), camera.width(),
-            camera.height(), seen);
+  CountVisible(coarse_points_, kCoarsePoints,
+               ViewOf(world_from_camera.Inverse(), camera, {}), camera.width(),
+               camera.height(), seen);
   const geometry::Vec3 axis =
       world_from_camera.rotation * geometry::Vec3{0, 0, 1};
   std::vector<std::pair<double, size_t>> order;  // the best score is least

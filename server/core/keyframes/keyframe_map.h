@@ -83,9 +83,9 @@ class KeyframeMap {
   // Up to `count` keyframes of which much should be seen from about the same
   // place, best first. A few points of each are looked at, as if by a lens
   // without distortion.
-  std::vector<size_t> BestSeen(const geometry::Rigid3& world_from_camera,
-                               const camera::Camera& camera,
-                               size_t count) const;
+  std::vector<size_t> MostVisible(const geometry::Rigid3& world_from_camera,
+                                  const camera::Camera& camera,
+                                  size_t count) const;
 
  private:
   std::span<const KeyframeRecord> records_;
@@ -94,7 +94,7 @@ class KeyframeMap {
   std::vector<size_t> first_feature_{0};  // of each keyframe, and the end
   std::vector<geometry::Rigid3> poses_;
   // Some points of each keyframe, as many of each.
-  AlignmentPoints glance_;
+  AlignmentPoints coarse_points_;
 };
 
 // A quarter of the field of view (thesis 3.2.3), and no less than 20 degrees.

@@ -12,8 +12,9 @@ std::vector<size_t> KeyframeSource::Choose(
     Query& query, const features::SiftFeatures& features,
     std::span<const Candidate> earlier) const {
   const size_t count = static_cast<size_t>(kMatchedKeyframes);
-  if (choice_ == KeyframeChoice::kMostAlike) {
-    return keyframes::MostAlike(features, *map_, count, kMaxKeyframeRatio);
+  if (choice_ == KeyframeChoice::kMostSimilar) {
+    return keyframes::MostSimilarKeyframes(features, *map_, count,
+                                           kMaxKeyframeRatio);
   }
   for (size_t i = earlier.size(); i > 0; --i) {
     const std::optional<pose::RefinedPose>& pose = earlier[i - 1].pose;

@@ -62,7 +62,7 @@ void AddHybridSteps(const forest::ModelFile& model,
       {From(ColorRaySource(model.forest(), options), options),
        /*is_fallback=*/true});
   for (const KeyframeChoice choice :
-       {KeyframeChoice::kNearPose, KeyframeChoice::kMostAlike}) {
+       {KeyframeChoice::kNearPose, KeyframeChoice::kMostSimilar}) {
     method.steps.push_back({From(KeyframeSource(keyframes, choice), options)});
   }
 }

@@ -9,7 +9,8 @@
 
 namespace treeline::localizer {
 
-// The method of `model`, which must outlive it; docs/explanation/methods.md describes them.
+// The method of `model`, which must outlive it; docs/explanation/methods.md
+// describes them.
 //
 //   method        steps, in order              depth     verified by
 //   rgbd          points with depth            required  keyframes

@@ -1,5 +1,5 @@
-// The algebra of docs/explanation/points-and-lines.md against numeric differences, and what
-// lines do to a pose.
+// The algebra of docs/explanation/points-and-lines.md against numeric
+// differences, and what lines do to a pose.
 #include "server/core/pose/normal_equations.h"
 
 #include <cmath>

@@ -11,7 +11,7 @@ namespace treeline::recognition {
 namespace {
 
 // Chosen on training frames; docs/research/scene-recognition.md.
-constexpr double kLeastFill = 0.02;
+constexpr double kMinFill = 0.02;
 constexpr double kFillPower = 0.5;
 // Votes are fixed-point numbers: so many are an idf of 1.
 constexpr double kVoteUnit = 1024;
@@ -41,8 +41,8 @@ SceneIndex::Block::Block() : scenes_of_word(kWords, 0) {}
 
 void SceneIndex::Set(const std::string& scene,
                      const SceneDescriptor& descriptor) {
-  const double chance = std::pow(
-      kLeastFill / std::max(kLeastFill, descriptor.Fill()), kFillPower);
+  const double chance =
+      std::pow(kMinFill / std::max(kMinFill, descriptor.Fill()), kFillPower);
   absl::MutexLock lock(&mutex_);
   const auto [found, is_new] = slots_.try_emplace(scene);
   Slot& slot = found->second;

@@ -47,9 +47,9 @@ class SceneIndex {
   // Scenes, the most alike first and by name among equals. The similarity of
   // scene s to a frame of words W is
   //   sum of idf(w) over w in W that occur in s
-  //   / sum of idf(w) over w in W * (kLeastFill / fill(s)) ^ kFillPower
+  //   / sum of idf(w) over w in W * (kMinFill / fill(s)) ^ kFillPower
   // with idf(w) = log((N + 1) / (n(w) + 1/2)), n(w) of the N scenes having w,
-  // and fill(s), at least kLeastFill, the share of all words that s has: a
+  // and fill(s), at least kMinFill, the share of all words that s has: a
   // scene of many words has some of any frame's by chance.
   //
   // candidates: those to rank; names that are not in the index are left out.
@@ -72,7 +72,7 @@ class SceneIndex {
   };
   struct Slot {
     size_t number = 0;
-    double chance = 1;  // (kLeastFill / fill) ^ kFillPower
+    double chance = 1;  // (kMinFill / fill) ^ kFillPower
   };
 
   void Clear(size_t slot) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

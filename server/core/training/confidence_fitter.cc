@@ -26,7 +26,7 @@ using Matrix = Eigen::Matrix<double, kFeatures, kFeatures>;
 constexpr uint64_t kTrialStream = 0x636f6e6600000000;
 // The prior's weights count as if known with this standard deviation.
 constexpr double kPriorSigma = 3;
-constexpr double kWantedPrecision = 0.99;
+constexpr double kTargetPrecision = 0.99;
 
 // One period of the split: frames to learn from, a gap, frames held out, and a
 // gap again.
@@ -34,7 +34,7 @@ constexpr size_t kLearnt = 40;
 constexpr size_t kGap = 8;
 constexpr size_t kHeldOut = 20;
 constexpr size_t kPeriod = kLearnt + 2 * kGap + kHeldOut;
-constexpr size_t kLeastFrames = 60;
+constexpr size_t kMinFrames = 60;
 
 // Windows that are left of a frame, as shares of its width and height.
 constexpr double kWindows[] = {0.85, 0.7, 0.55, 0.4};
@@ -218,7 +218,7 @@ HeldOutSplit SplitForConfidence(std::span<const int> frames) {
   HeldOutSplit split;
   for (size_t i = 0; i < frames.size(); ++i) {
     const size_t phase = i % kPeriod;
-    if (frames.size() < kLeastFrames || phase < kLearnt) {
+    if (frames.size() < kMinFrames || phase < kLearnt) {
       split.train.push_back(frames[i]);
     } else if (phase >= kLearnt + kGap && phase < kPeriod - kGap) {
       split.held_out.push_back(frames[i]);
@@ -296,14 +296,14 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
   std::ranges::sort(answers, std::greater<>());
   // The longest run of the surest answers that is precise enough.
   double wrong = 0;
-  double surest_left = answers.empty() ? 0 : answers.front().first;
+  double highest_left = answers.empty() ? 0 : answers.front().first;
   for (size_t i = 0; i < answers.size(); ++i) {
     wrong += !answers[i].second;
-    if (wrong <= (1 - kWantedPrecision) * static_cast<double>(i + 1)) {
-      surest_left = i + 1 < answers.size() ? answers[i + 1].first : 0;
+    if (wrong <= (1 - kTargetPrecision) * static_cast<double>(i + 1)) {
+      highest_left = i + 1 < answers.size() ? answers[i + 1].first : 0;
     }
   }
-  model.threshold = std::clamp(surest_left + 1e-6, 0.5, 0.99);
+  model.threshold = std::clamp(highest_left + 1e-6, 0.5, 0.99);
   return model;
 }
 

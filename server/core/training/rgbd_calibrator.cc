@@ -41,7 +41,7 @@ enum Unknown : size_t {
 using Values = std::array<double, kUnknowns>;
 using Choice = std::array<bool, kUnknowns>;
 
-// Standard deviations of what is believed beforehand about consumer RGB-D
+// Standard deviations of the prior knowledge about consumer RGB-D
 // cameras, in rad, m, 1, 1, px, 1, 1, px.
 constexpr Values kPriorSigma = {0.03, 0.03, 0.03, 0.05, 0.05, 0.05, 0.03,
                                 0.01, 5,    5,    0.1,  0.01, 5,    5};
@@ -56,8 +56,8 @@ constexpr Values kSearchStep = {0.004, 0.004, 0.004, 0.004, 0.004, 0.004, 0.004,
 constexpr double kPointsPerObservation = 20;
 constexpr int kIterations = 12;
 // Residuals above this many standard deviations are no match; wider at first.
-constexpr double kCutoff = 4;
-constexpr double kFirstCutoff = 10;
+constexpr double kMaxResidualSigmas = 4;
+constexpr double kMaxInitialResidualSigmas = 10;
 constexpr double kReportCutoff_m = 0.1;
 // The surface fit is kept if it lowers their distance by this share.
 constexpr double kMinImprovement = 0.03;
@@ -130,7 +130,8 @@ class SurfaceFit {
       if (stop.stop_requested()) {
         return absl::CancelledError("calibration was interrupted");
       }
-      Step(x, i < kIterations / 3 ? kFirstCutoff : kCutoff);
+      Step(x, i < kIterations / 3 ? kMaxInitialResidualSigmas
+                                  : kMaxResidualSigmas);
       progress.Add(1);
     }
     return absl::OkStatus();

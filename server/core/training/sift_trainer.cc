@@ -22,8 +22,8 @@ namespace {
 
 constexpr uint64_t kImageStream = 0x736966745f696d67;
 // Points this many times the range of the middle 99 % beyond it are left out.
-constexpr double kFarRange = 0.5;
-constexpr double kFarQuantile = 0.005;
+constexpr double kOutlierRange = 0.5;
+constexpr double kOutlierQuantile = 0.005;
 // Nobody measures a keypoint better than this (px).
 constexpr double kPixelSigma_px = 1;
 
@@ -127,9 +127,9 @@ class SiftTrainer {
     result_.viewing_distance = Quantile(std::move(distances), 0.5);
     for (int k = 0; k < 3; ++k) {
       std::vector<double>& values = coordinates[static_cast<size_t>(k)];
-      const double low = Quantile(values, kFarQuantile);
-      const double high = Quantile(values, 1 - kFarQuantile);
-      const double margin = kFarRange * (high - low) + 1e-9;
+      const double low = Quantile(values, kOutlierQuantile);
+      const double high = Quantile(values, 1 - kOutlierQuantile);
+      const double margin = kOutlierRange * (high - low) + 1e-9;
       for (size_t p = 0; p < model.points.size(); ++p) {
         const double x = model.points[p].position_in_world[k];
         if (x < low - margin || x > high + margin) is_near_[p] = false;

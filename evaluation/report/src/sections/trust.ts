@@ -24,7 +24,7 @@ function confidenceCard(method: Method): HTMLElement {
 function confidences(methods: Method[]): HTMLElement | null {
   const stated = methods.filter((method) => method.confidence.stated);
   if (stated.length === 0) return null;
-  return section('Can it be believed',
+  return section('Is the confidence calibrated',
       'The share of answers within 5 cm and 5°, by the confidence they came ' +
       'with. Bars on the dashed diagonal keep their word; the number above a ' +
       'bar is that of its frames.',

@@ -65,9 +65,9 @@ test('numbers are short', () => {
 test('being lost is said with its reason', () => {
   assert.equal(doubtOf(1, 'lost', 'lost', 'scans do not fit').text,
       'Does not know its place: scans do not fit');
-  assert.equal(doubtOf(0, 'localized').text, 'Knows its place');
+  assert.equal(doubtOf(0, 'localized').text, 'Localized');
   assert.equal(doubtOf(0.1, 'people nearby').text,
-      'Knows its place; people are nearby');
+      'Localized; people are nearby');
 });
 
 test('a robot that is probably lost does not "know its place"', () => {
@@ -78,7 +78,7 @@ test('a robot that is probably lost does not "know its place"', () => {
     assert.equal(doubt.tone, 'warn');
   }
   assert.equal(doubtOf(0.8, 'localized').tone, 'bad');
-  assert.equal(doubtOf(0.29, 'localized').text, 'Knows its place');
+  assert.equal(doubtOf(0.29, 'localized').text, 'Localized');
 });
 
 test('a robot that looks for its place does not know it either', () => {

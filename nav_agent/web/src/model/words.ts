@@ -152,9 +152,9 @@ export function clockOf(seconds: number): string {
 }
 
 const LOST_STATES: Record<string, string> = {
-  localized: 'Knows its place',
-  map_changed_here: 'Knows its place; things here have moved',
-  people_nearby: 'Knows its place; people are nearby',
+  localized: 'Localized',
+  map_changed_here: 'Localized; things here have moved',
+  people_nearby: 'Localized; people are nearby',
 };
 
 // From here on the robot is not sure, and from there on it hardly can be.

@@ -9,8 +9,8 @@ const MOST_SCALE_PX = 110;
 
 // Beside those of the layers: what is always shown.
 const MARKS: readonly [mark: string, label: string, simulated?: true][] = [
-  ['robot', 'Robot, as it believes'],
-  ['doubt', 'How sure it is (2 σ)'],
+  ['robot', 'Robot, estimated pose'],
+  ['doubt', 'Uncertainty (2 σ)'],
   ['truth', 'Where it truly is', true],
   ['goal', 'Goal, or chosen place'],
   ['path', 'Path'],

@@ -1,4 +1,4 @@
-// The robot as it believes to stand, how sure it is, and, in simulation, where
+// The robot's estimated pose, its uncertainty, and, in simulation, where
 // it truly is.
 
 import {
@@ -64,12 +64,12 @@ export class RobotLayer {
   private readonly truthFill = new MeshBasicMaterial({
     transparent: true, opacity: 0.28, depthWrite: false,
   });
-  private readonly doubtColour = new MeshBasicMaterial({
+  private readonly uncertaintyColour = new MeshBasicMaterial({
     transparent: true, opacity: 0.35, side: DoubleSide, depthWrite: false,
   });
 
   constructor() {
-    this.doubt = new Mesh(new RingGeometry(0.9, 1, 64), this.doubtColour);
+    this.doubt = new Mesh(new RingGeometry(0.9, 1, 64), this.uncertaintyColour);
     this.robot.visible = this.truth.visible = this.doubt.visible = false;
   }
 
@@ -114,7 +114,7 @@ export class RobotLayer {
     this.edgeColour.color.set(theme.robotTop);
     this.truthLines.color.set(theme.truth);
     this.truthFill.color.set(theme.truth);
-    this.doubtColour.color.set(theme.robot);
+    this.uncertaintyColour.color.set(theme.robot);
   }
 
   place(group: Group, at: Stand | null): void {

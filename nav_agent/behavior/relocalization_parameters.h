@@ -1,0 +1,378 @@
+// The tuned constants of lost robots. parameters.h has those of the supervisor,
+// and the table of all.
+#ifndef NAV_AGENT_BEHAVIOR_RELOCALIZATION_PARAMETERS_H_
+#define NAV_AGENT_BEHAVIOR_RELOCALIZATION_PARAMETERS_H_
+
+#include <cstddef>
+#include <cstdint>
+
+#include "common/base/parameter.h"
+#include "nav_agent/localization/parameters.h"
+
+namespace treeline::behavior {
+
+// ---- Fix gate: whether a server's answer can be where the robot is ----
+
+inline constexpr base::Parameter<double> kMinFixConfidence{
+    "min_fix_confidence", 0.3, "", base::ParameterOrigin::kTuned,
+    "the server's own probability below which a fix is refused; kidnaps in "
+    "lab"};
+inline constexpr base::Parameter<double> kSureFixConfidence{
+    "sure_fix_confidence", 0.9, "", base::ParameterOrigin::kTuned,
+    "from here on the server counts as sure; kidnaps in lab"};
+inline constexpr base::Parameter<double> kMaxTiltError_rad{
+    "max_tilt_error", 0.07, "rad", base::ParameterOrigin::kMeasured,
+    "4 degrees; the inertial sensor is good to half a degree"};
+inline constexpr base::Parameter<double> kMaxFixHeight_m{
+    "max_fix_height", 0.25, "m", base::ParameterOrigin::kTuned,
+    "other floors are further away, errors nearer"};
+inline constexpr base::Parameter<double> kMinFixClearance_m{
+    "min_fix_clearance", 0.15, "m", base::ParameterOrigin::kTuned,
+    "the centre of the robot is never nearer to an obstacle"};
+inline constexpr base::Parameter<double> kMinFixExplained{
+    "min_fix_explained", 0.5, "", base::ParameterOrigin::kTuned,
+    "right places explain 0.86 to 0.98 of the beams, wrong ones 0.18 to 0.47 "
+    "(lab)"};
+inline constexpr base::Parameter<double> kMaxFixContradicted{
+    "max_fix_contradicted", 0.25, "", base::ParameterOrigin::kTuned,
+    "right places contradict at most 0.07 of the beams, wrong ones 0.11 to "
+    "0.51 (lab)"};
+inline constexpr base::Parameter<double> kSureExplained{
+    "sure_explained", 0.75, "", base::ParameterOrigin::kTuned,
+    "below all right places in lab; also for what the laser finds alone"};
+inline constexpr base::Parameter<double> kSureContradicted{
+    "sure_contradicted", 0.08, "", base::ParameterOrigin::kTuned,
+    "just above all right places in lab"};
+inline constexpr base::Parameter<int> kMinJudgedBeams{
+    "min_judged_beams", 25, "", base::ParameterOrigin::kTuned,
+    "of about 120: fewer beams say nothing"};
+inline constexpr base::Parameter<double> kFixSearch_m{
+    "fix_search", 0.15, "m", base::ParameterOrigin::kTuned,
+    "a fix may be this much off"};
+inline constexpr base::Parameter<double> kFixSearch_rad{
+    "fix_search", 0.06, "rad", base::ParameterOrigin::kTuned,
+    "the same, of the heading"};
+inline constexpr base::Parameter<double> kPairDistance_m{
+    "pair_distance", 0.3, "m", base::ParameterOrigin::kTuned,
+    "two fixes that agree, over the wheels' way between them"};
+inline constexpr base::Parameter<double> kPairAngle_rad{
+    "pair_angle", 0.12, "rad", base::ParameterOrigin::kTuned,
+    "the same, of the heading"};
+inline constexpr base::Parameter<double> kMinFixStd_m{
+    "min_fix_std", 0.08, "m", base::ParameterOrigin::kTuned,
+    "a fix is never better known than this"};
+inline constexpr base::Parameter<double> kMinFixStd_rad{
+    "min_fix_std", 0.04, "rad", base::ParameterOrigin::kTuned,
+    "the same, of the heading"};
+inline constexpr base::Parameter<double> kMaxFixStd_m{
+    "max_fix_std", 0.3, "m", base::ParameterOrigin::kTuned,
+    "a covariance that says more is not believed"};
+inline constexpr base::Parameter<double> kMaxFixStd_rad{
+    "max_fix_std", 0.15, "rad", base::ParameterOrigin::kTuned,
+    "the same, of the heading"};
+inline constexpr base::Parameter<double> kSamePlace_m{
+    "same_place", 0.5, "m", base::ParameterOrigin::kTuned,
+    "nearer places are the same one"};
+inline constexpr base::Parameter<double> kSamePlace_rad{
+    "same_place", 0.35, "rad", base::ParameterOrigin::kTuned,
+    "the same, of the heading"};
+inline constexpr base::Parameter<double> kRefusedWorseThanBelief{
+    "refused_worse_than_belief", 0.25, "", base::ParameterOrigin::kTuned,
+    "scan score that a fix may lose to where the robot thought it was"};
+inline constexpr base::Parameter<double> kMaxWorseThanBelief{
+    "max_worse_than_belief", 0.08, "", base::ParameterOrigin::kTuned,
+    "from here on a fix that loses to that is weak"};
+inline constexpr base::Parameter<double> kFitMoveCost_per_m{
+    "fit_move_cost", 0.2, "1/m", base::ParameterOrigin::kTuned,
+    "score that moving a fix must gain"};
+inline constexpr base::Parameter<double> kFitTurnCost_per_rad{
+    "fit_turn_cost", 0.5, "1/rad", base::ParameterOrigin::kTuned,
+    "score that turning a fix must gain"};
+inline constexpr base::Parameter<double> kOtherView_rad{
+    "other_view", 0.3, "rad", base::ParameterOrigin::kTuned,
+    "views turned by more show something else, so their odds add up"};
+inline constexpr base::Parameter<double> kSureLogOdds{
+    "sure_log_odds", 4.6, "", base::ParameterOrigin::kTuned,
+    "99 of 100: more than one view of 0.99 has"};
+inline constexpr base::Parameter<int> kMaxRefusedFixes{
+    "max_refused_fixes", 3, "", base::ParameterOrigin::kTuned,
+    "sure fixes refused in a row: the server knows another place"};
+inline constexpr base::Parameter<size_t> kMaxWaitingFixes{
+    "max_waiting_fixes", 8, "", base::ParameterOrigin::kPhysics,
+    "bounds the memory of fixes that wait for a second one"};
+
+// ---- A lost robot: when it stands, how it turns, how long it waits ----
+
+inline constexpr base::Parameter<double> kStandstillSpeed_mps{
+    "standstill_speed", 0.01, "m/s", base::ParameterOrigin::kTuned,
+    "wheels that turn slower stand: the picture is sharp"};
+inline constexpr base::Parameter<double> kStandstillYawRate_radps{
+    "standstill_yaw_rate", 0.02, "rad/s", base::ParameterOrigin::kTuned,
+    "the same, of the turn"};
+inline constexpr base::Parameter<double> kSettle_s{
+    "settle", 0.3, "s", base::ParameterOrigin::kTuned,
+    "after the wheels stand, or all is well, until that is believed"};
+inline constexpr base::Parameter<double> kMaxStopping_s{
+    "max_stopping", 5, "s", base::ParameterOrigin::kTuned,
+    "a robot that does not come to a stand looks all the same"};
+inline constexpr base::Parameter<double> kMaxPictureWait_s{
+    "max_picture_wait", 2.5, "s", base::ParameterOrigin::kTuned,
+    "a camera that gives no picture for so long is silent"};
+inline constexpr base::Parameter<double> kMaxPictureAge_s{
+    "max_picture_age", 0.2, "s", base::ParameterOrigin::kTuned,
+    "older pictures are not asked about"};
+inline constexpr base::Parameter<double> kAnswerDeadline_s{
+    "answer_deadline", 3, "s", base::ParameterOrigin::kTuned,
+    "of one question to the server"};
+inline constexpr base::Parameter<double> kAnswerGrace_s{
+    "answer_grace", 0.5, "s", base::ParameterOrigin::kTuned,
+    "what the port may be late by"};
+inline constexpr base::Parameter<double> kAnswerPatience_s{
+    "answer_patience", 1, "s", base::ParameterOrigin::kTuned,
+    "so long the robot stands and does nothing but wait"};
+inline constexpr base::Parameter<int> kMaxQuestions{
+    "max_questions", 30, "", base::ParameterOrigin::kTuned, "of one recovery"};
+inline constexpr base::Parameter<int> kMaxFailures{
+    "max_failures", 2, "", base::ParameterOrigin::kTuned,
+    "questions in a row without an answer"};
+inline constexpr base::Parameter<double> kMaxServerSearch_s{
+    "max_server_search", 90, "s", base::ParameterOrigin::kTuned,
+    "then the laser looks alone"};
+inline constexpr base::Parameter<double> kMaxLaserSearch_s{
+    "max_laser_search", 120, "s", base::ParameterOrigin::kTuned,
+    "then the robot needs help"};
+inline constexpr base::Parameter<double> kRecoveryTurn_radps{
+    "recovery_turn", 0.8, "rad/s", base::ParameterOrigin::kTuned,
+    "of a robot that does not know its place"};
+inline constexpr base::Parameter<double> kRecoveryMove_mps{
+    "recovery_move", 0.15, "m/s", base::ParameterOrigin::kTuned,
+    "slow: the map is not known"};
+inline constexpr base::Parameter<double> kTurnGain_per_s{
+    "turn_gain", 2, "1/s", base::ParameterOrigin::kTuned,
+    "slows down over the last half radian"};
+inline constexpr base::Parameter<double> kMinTurnSpeed_radps{
+    "min_turn_speed", 0.12, "rad/s", base::ParameterOrigin::kTuned,
+    "so that a turn comes to its end"};
+inline constexpr base::Parameter<double> kTurnTolerance_rad{
+    "turn_tolerance", 0.1, "rad", base::ParameterOrigin::kTuned,
+    "a turn is done this near to its end"};
+inline constexpr base::Parameter<double> kMaxTurning_s{
+    "max_turning", 12, "s", base::ParameterOrigin::kTuned,
+    "a turn to the next view takes no longer"};
+inline constexpr base::Parameter<double> kTurnStart_s{
+    "turn_start", 1.5, "s", base::ParameterOrigin::kTuned,
+    "who has not begun to turn by then has no room"};
+inline constexpr base::Parameter<double> kSwingBlocked_s{
+    "swing_blocked", 0.6, "s", base::ParameterOrigin::kTuned,
+    "who has not turned for so long swings back"};
+inline constexpr base::Parameter<double> kMinFreeAhead_m{
+    "min_free_ahead", 0.25, "m", base::ParameterOrigin::kTuned,
+    "room for a little way ahead"};
+inline constexpr base::Parameter<int> kMaxSidesBlocked{
+    "max_sides_blocked", 8, "", base::ParameterOrigin::kTuned,
+    "tries to go ahead"};
+inline constexpr base::Parameter<double> kHeldPlace_m{
+    "held_place", 0.15, "m", base::ParameterOrigin::kTuned,
+    "what held the robot counts from the same place only"};
+inline constexpr base::Parameter<double> kHeldMargin_rad{
+    "held_margin", 0.15, "rad", base::ParameterOrigin::kTuned,
+    "it keeps so far away from that"};
+inline constexpr base::Parameter<double> kRefusedPromise{
+    "refused_promise", 0.03, "", base::ParameterOrigin::kTuned,
+    "of a direction whose answer was refused"};
+
+// ---- Confirming a fix ----
+
+inline constexpr base::Parameter<int> kConfirmScans{
+    "confirm_scans", 8, "", base::ParameterOrigin::kTuned, "scans in a row"};
+inline constexpr base::Parameter<double> kNewViewTurn_rad{
+    "new_view_turn", 0.5, "rad", base::ParameterOrigin::kTuned,
+    "scans that far apart are of something else"};
+inline constexpr base::Parameter<double> kMaxConfirming_s{
+    "max_confirming", 8, "s", base::ParameterOrigin::kTuned,
+    "more than such a turn takes"};
+inline constexpr base::Parameter<double> kConfirmExplained{
+    "confirm_explained", 0.6, "", base::ParameterOrigin::kTuned,
+    "less than a sure fix: people walk by"};
+inline constexpr base::Parameter<double> kConfirmContradicted{
+    "confirm_contradicted", 0.15, "", base::ParameterOrigin::kTuned,
+    "the same"};
+inline constexpr base::Parameter<int> kMaxBadScans{
+    "max_bad_scans", 12, "", base::ParameterOrigin::kTuned, "more end it"};
+inline constexpr base::Parameter<double> kConfirmNoRoom_s{
+    "confirm_no_room", 4, "s", base::ParameterOrigin::kTuned,
+    "what has not turned enough by then has no room"};
+inline constexpr base::Parameter<double> kConfirmTurnShare{
+    "confirm_turn_share", 0.6, "", base::ParameterOrigin::kTuned,
+    "of the turning speed: AMCL follows better"};
+inline constexpr base::Parameter<double> kKnownShare{
+    "known_share", 0.8, "", base::ParameterOrigin::kTuned,
+    "of AMCL's weight in one place: it knows its place"};
+inline constexpr base::Parameter<double> kMaxConfirmLostProbability{
+    "max_confirm_lost_probability", 0.3, "", base::ParameterOrigin::kTuned,
+    "of the lost verdict, which began anew"};
+inline constexpr base::Parameter<int> kQuestionsBeforeLaser{
+    "questions_before_laser", 4, "", base::ParameterOrigin::kTuned,
+    "then the laser's own place is tried before a second view"};
+inline constexpr base::Parameter<double> kUniquePlaceVariance_m2{
+    "unique_place_variance", 0.01, "m^2", base::ParameterOrigin::kMeasured,
+    "the search's last step is 6 cm"};
+inline constexpr base::Parameter<double> kUniquePlaceVariance_rad2{
+    "unique_place_variance", 0.0064, "rad^2", base::ParameterOrigin::kMeasured,
+    "and 2 degrees"};
+inline constexpr base::Parameter<double> kRestoredVariance{
+    "restored_variance", 0.01, "", base::ParameterOrigin::kTuned,
+    "the place before is less well known than it was (m^2, rad^2)"};
+
+// ---- Searching by laser ----
+
+inline constexpr base::Parameter<double> kSearchContradicted{
+    "search_contradicted", 0.12, "", base::ParameterOrigin::kTuned,
+    "thin legs are thicker in voxels: right places contradict up to 0.1"};
+inline constexpr base::Parameter<double> kSearchHold_s{
+    "search_hold", 5, "s", base::ParameterOrigin::kTuned,
+    "a place must hold for so long"};
+inline constexpr base::Parameter<double> kSearchHold_rad{
+    "search_hold", 3.5, "rad", base::ParameterOrigin::kTuned,
+    "200 degrees: it has seen all around"};
+inline constexpr base::Parameter<double> kSearchStd_m{
+    "search_std", 0.25, "m", base::ParameterOrigin::kTuned,
+    "with AMCL's weight this near together"};
+inline constexpr base::Parameter<double> kAliasMargin{
+    "alias_margin", 0.12, "", base::ParameterOrigin::kTuned,
+    "scores closer than this are alike (rows of windows, equal offices)"};
+inline constexpr base::Parameter<double> kMinSearchMove_m{
+    "min_search_move", 0.3, "m", base::ParameterOrigin::kTuned,
+    "shorter moves show nothing new"};
+inline constexpr base::Parameter<double> kMaxSearchMove_m{
+    "max_search_move", 1.5, "m", base::ParameterOrigin::kTuned,
+    "longer ones leave what was seen"};
+inline constexpr base::Parameter<double> kSearchMoveMargin_m{
+    "search_move_margin", 0.3, "m", base::ParameterOrigin::kTuned,
+    "kept free ahead"};
+inline constexpr base::Parameter<double> kMaxSearchLeg_s{
+    "max_search_leg", 15, "s", base::ParameterOrigin::kTuned,
+    "something holds the robot"};
+inline constexpr base::Parameter<double> kAskInterval_s{
+    "ask_interval", 4, "s", base::ParameterOrigin::kTuned,
+    "between pictures while it searches"};
+inline constexpr base::Parameter<double> kAskFailedInterval_s{
+    "ask_failed_interval", 15, "s", base::ParameterOrigin::kTuned,
+    "between questions to a server that may have come back"};
+inline constexpr base::Parameter<double> kMaxBadScanShare{
+    "max_bad_scan_share", 0.2, "", base::ParameterOrigin::kTuned,
+    "of the scans while a place holds: somebody walks by"};
+inline constexpr base::Parameter<int> kFreeBadScans{
+    "free_bad_scans", 2, "", base::ParameterOrigin::kTuned,
+    "that do not count"};
+inline constexpr base::Parameter<double> kCameFromWorth{
+    "came_from_worth", 0.5, "", base::ParameterOrigin::kTuned,
+    "of free way where the robot came from"};
+inline constexpr base::Parameter<double> kCameFrom_rad{
+    "came_from", 0.8, "rad", base::ParameterOrigin::kTuned,
+    "around straight back"};
+
+// ---- The check while driving ----
+
+inline constexpr base::Parameter<double> kCheckInterval_s{
+    "check_interval", 20, "s", base::ParameterOrigin::kTuned,
+    "between two checks"};
+inline constexpr base::Parameter<double> kCheckToldAfter_s{
+    "check_told_after", 2, "s", base::ParameterOrigin::kTuned,
+    "what a person says is checked soon"};
+inline constexpr base::Parameter<double> kCheckAgree_m{
+    "check_agree", 0.25, "m", base::ParameterOrigin::kTuned,
+    "nearer the server agrees, whatever the deviations"};
+inline constexpr base::Parameter<double> kMaxDrift_m{
+    "max_drift", 0.8, "m", base::ParameterOrigin::kTuned,
+    "a drift; beyond, one of the two is wrong"};
+inline constexpr base::Parameter<double> kMinCorrectionGain{
+    "min_correction_gain", 0.03, "", base::ParameterOrigin::kTuned,
+    "of the scan's score"};
+
+// ---- Where to look next ----
+
+inline constexpr base::Parameter<double> kHalfView_rad{
+    "half_view", 0.5, "rad", base::ParameterOrigin::kGeometry,
+    "half of the field of view of an Xtion"};
+inline constexpr base::Parameter<double> kUnseenPrior{
+    "unseen_prior", 0.35, "", base::ParameterOrigin::kTuned,
+    "chance of a direction that the laser has not seen"};
+inline constexpr base::Parameter<double> kMinWorthRange_m{
+    "min_worth_range", 0.6, "m", base::ParameterOrigin::kTuned,
+    "nearer walls fill the picture"};
+inline constexpr base::Parameter<double> kFullWorthRange_m{
+    "full_worth_range", 1.5, "m", base::ParameterOrigin::kTuned,
+    "from here on pictures tell most"};
+inline constexpr base::Parameter<double> kFarWorthRange_m{
+    "far_worth_range", 6, "m", base::ParameterOrigin::kTuned,
+    "open space beyond has no depth"};
+inline constexpr base::Parameter<double> kWorthFadeRange_m{
+    "worth_fade_range", 10, "m", base::ParameterOrigin::kTuned,
+    "beyond that pictures tell less and less"};
+inline constexpr base::Parameter<double> kMinFarWorth{
+    "min_far_worth", 0.3, "", base::ParameterOrigin::kTuned,
+    "but never less than this"};
+inline constexpr base::Parameter<size_t> kMinViewBeams{
+    "min_view_beams", 3, "", base::ParameterOrigin::kTuned,
+    "fewer beams in view say nothing"};
+inline constexpr base::Parameter<double> kBlindViewPrior{
+    "blind_view_prior", 0.15, "", base::ParameterOrigin::kTuned,
+    "chance of such a view"};
+inline constexpr base::Parameter<double> kRangeStep_m{
+    "range_step", 0.3, "m", base::ParameterOrigin::kTuned,
+    "between beams: an edge"};
+inline constexpr base::Parameter<double> kFullStructureSteps{
+    "full_structure_steps", 6, "", base::ParameterOrigin::kTuned,
+    "so many edges are all that counts"};
+inline constexpr base::Parameter<double> kViewPriorBase{
+    "view_prior_base", 0.05, "", base::ParameterOrigin::kTuned,
+    "chance of a view of nothing"};
+inline constexpr base::Parameter<double> kViewPriorWorth{
+    "view_prior_worth", 0.4, "", base::ParameterOrigin::kTuned,
+    "and what its distances add"};
+inline constexpr base::Parameter<double> kViewPriorStructure{
+    "view_prior_structure", 0.35, "", base::ParameterOrigin::kTuned,
+    "and its edges"};
+inline constexpr base::Parameter<double> kViewEdgeSlack_rad{
+    "view_edge_slack", 0.1, "rad", base::ParameterOrigin::kTuned,
+    "of a view that the laser saw whole"};
+inline constexpr base::Parameter<double> kSharedView_rad{
+    "shared_view", 0.45, "rad", base::ParameterOrigin::kTuned,
+    "standard deviation over which answers tell of neighbours"};
+inline constexpr base::Parameter<double> kAnsweredWorth{
+    "answered_worth", 0.5, "", base::ParameterOrigin::kTuned,
+    "asking again tells half as much"};
+inline constexpr base::Parameter<double> kTurnCost_per_rad{
+    "turn_cost", 0.1, "1/rad", base::ParameterOrigin::kTuned, "in probability"};
+inline constexpr base::Parameter<double> kSecondView_rad{
+    "second_view", 0.6, "rad", base::ParameterOrigin::kTuned,
+    "from the first view: shares some of it, not most"};
+inline constexpr base::Parameter<double> kSecondViewWidth_rad{
+    "second_view_width", 0.3, "rad", base::ParameterOrigin::kTuned,
+    "standard deviation around that"};
+inline constexpr base::Parameter<double> kSecondViewGain{
+    "second_view_gain", 0.5, "", base::ParameterOrigin::kTuned,
+    "of such a direction"};
+
+// ---- what follows from others ----
+
+// A place that was taken is as well known as the worst of fixes.
+inline constexpr double kMaxConfirmStd_m = kMaxFixStd_m;
+// Two fixes in a row, each as far off as two may differ.
+inline constexpr double kMaxConfirmDrift_m = 2 * kPairDistance_m;
+// What has been found is not lost any more.
+inline constexpr double kMaxSearchLostProbability = localization::kWithdrawLost;
+// AMCL's own measure of having found the place.
+inline constexpr double kSearchShare = localization::kFoundShare;
+// A picture is of after the robot has come to rest.
+inline constexpr double kPictureSettle_s = kSettle_s;
+// Twice what a direction promises whose answer was refused.
+inline constexpr double kMinPromise = 2 * kRefusedPromise;
+// A check agrees as two fixes do, and a drift is within the same place.
+inline constexpr double kCheckAgree_rad = kPairAngle_rad;
+inline constexpr double kMaxDrift_rad = kSamePlace_rad;
+
+}  // namespace treeline::behavior
+
+#endif  // NAV_AGENT_BEHAVIOR_RELOCALIZATION_PARAMETERS_H_
