@@ -20,6 +20,16 @@ RUN scripts/build release treeline treeline-server treeline-client && \
     deploy/collect-programs build/release/bin /out
 
 # -----------------------------------------------------------------------------
+# The template of report pages. Without npm's registry there is none, and reports
+# are data alone.
+FROM build AS report
+RUN apt-get update -q && \
+    DEBIAN_FRONTEND=noninteractive \
+      apt-get install -q -y --no-install-recommends nodejs npm && \
+    rm -rf /var/lib/apt/lists/*
+RUN scripts/build-report --out /out/report || mkdir -p /out/report
+
+# -----------------------------------------------------------------------------
 # A user without rights, the same number in all images, so that they can share
 # volumes; and what runs as it.
 FROM ${DEBIAN} AS base
@@ -45,6 +55,7 @@ RUN apt-get update -q && \
     rm -rf /var/lib/apt/lists/*
 COPY --from=build /src/server/models /usr/share/treeline/models
 COPY --from=build /out/treeline /out/treeline-client /usr/local/bin/
+COPY --from=report /out/report/ /usr/local/share/treeline/
 COPY deploy/make-demo deploy/ask-demo /usr/local/bin/
 USER 10001:10001
 ENTRYPOINT ["treeline"]
