@@ -1,4 +1,4 @@
-// The world files of common/synthetic/worlds, which every program carries.
+// The world files of simulation/worlds/shipped, which every program carries.
 #ifndef SIMULATION_BUILDING_SHIPPED_WORLDS_H_
 #define SIMULATION_BUILDING_SHIPPED_WORLDS_H_
 

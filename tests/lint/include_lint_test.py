@@ -56,13 +56,14 @@ class IncludeLintTest(FixtureTreeTest):
         self.write("server/service/localize.h")
         self.including("server/tools/app/train_command.cc",
                        '#include "server/service/localize.h"')
-        self.assert_one_finding("server/tools may not know server/service")
+        self.assert_one_finding("server/tools/app may not know server/service")
 
     def test_finds_drivers_knowing_the_simulation(self):
-        self.write("nav_agent/sim/world.h")
+        self.write("simulation/simulator/world.h")
         self.including("nav_agent/drivers/hokuyo.cc",
-                       '#include "nav_agent/sim/world.h"')
-        self.assert_one_finding("nav_agent/drivers may not know nav_agent/sim")
+                       '#include "simulation/simulator/world.h"')
+        self.assert_one_finding("nav_agent/drivers may not know "
+                                "simulation/simulator")
 
     def test_finds_protobuf_in_the_core(self):
         self.including("server/core/pose/kabsch.cc",
