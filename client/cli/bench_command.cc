@@ -1,4 +1,5 @@
-// treeline-client bench: how much a server takes, and whether it stays right.
+#include "client/cli/bench_command.h"
+
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,8 +16,8 @@
 #include "client/bench/bench_report.h"
 #include "client/bench/load_generator.h"
 #include "client/bench/workload.h"
-#include "client/cli/commands.h"
 #include "client/cli/connection_flags.h"
+#include "client/relocalizer/connect_options.h"
 #include "common/base/status_macros.h"
 
 namespace treeline::client_cli {

@@ -8,7 +8,8 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "client/cli/commands.h"
+#include "client/cli/client_command.h"
+#include "client/relocalizer/connect_options.h"
 #include "common/base/error_info.h"
 
 namespace treeline::client_cli {

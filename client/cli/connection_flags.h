@@ -6,6 +6,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "client/relocalizer/connect_options.h"
 #include "client/relocalizer/relocalizer.h"
 
 namespace CLI {

@@ -1,4 +1,5 @@
-// treeline-client localize: where was this taken?
+#include "client/cli/localize_command.h"
+
 #include <unistd.h>
 
 #include <cstdio>
@@ -11,9 +12,9 @@
 
 #include "CLI/CLI.hpp"
 #include "client/cli/answer_text.h"
-#include "client/cli/commands.h"
 #include "client/cli/connection_flags.h"
 #include "client/relocalizer/frame_files.h"
+#include "client/relocalizer/grpc_relocalizer.h"
 #include "client/relocalizer/relocalizer.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"

@@ -1,4 +1,5 @@
-// treeline-client scenes: what a server has.
+#include "client/cli/scenes_command.h"
+
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -7,8 +8,8 @@
 
 #include "CLI/CLI.hpp"
 #include "client/cli/answer_text.h"
-#include "client/cli/commands.h"
 #include "client/cli/connection_flags.h"
+#include "client/relocalizer/grpc_relocalizer.h"
 #include "client/relocalizer/relocalizer.h"
 
 namespace treeline::client_cli {

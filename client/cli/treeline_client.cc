@@ -3,7 +3,10 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
-#include "client/cli/commands.h"
+#include "client/cli/bench_command.h"
+#include "client/cli/client_command.h"
+#include "client/cli/localize_command.h"
+#include "client/cli/scenes_command.h"
 #include "common/base/interrupt.h"
 #include "common/base/version.h"
 

@@ -11,6 +11,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/relocalizer/connect_options.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 

@@ -1,5 +1,6 @@
 #include "client/relocalizer/connect_options.h"
 
+#include "client/relocalizer/grpc_relocalizer.h"
 #include "client/relocalizer/relocalizer.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

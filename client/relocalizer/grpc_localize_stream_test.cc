@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "absl/synchronization/notification.h"
+#include "client/relocalizer/grpc_relocalizer.h"
 #include "client/relocalizer/relocalizer.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

@@ -1,4 +1,5 @@
-// Relocalizer over gRPC.
+#include "client/relocalizer/grpc_relocalizer.h"
+
 #include <grpcpp/client_context.h>
 
 #include <memory>

@@ -1,4 +1,6 @@
 // The client against a server that misbehaves on demand.
+#include "client/relocalizer/grpc_relocalizer.h"
+
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
 

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "client/relocalizer/connect_options.h"
 #include "common/camera/rgbd_calibration.h"
 #include "common/geometry/pose_prior.h"
 #include "common/geometry/rigid2.h"
@@ -179,7 +178,8 @@ class LocalizeStream {
   virtual absl::Status Finish() = 0;
 };
 
-// Answers queries; implemented by the connection below and by fakes in tests.
+// Answers queries; implemented by a connection
+// (grpc_relocalizer.h) and by fakes in tests.
 // Thread-safe. All methods block.
 //
 // Errors are those of relocalization.proto and scenes.proto. UNAVAILABLE also
@@ -207,12 +207,6 @@ class Relocalizer {
   virtual std::unique_ptr<LocalizeStream> OpenStream(
       const StreamOptions& options) = 0;
 };
-
-// A connection, made when it is first needed and again whenever it breaks; so
-// that the server is not there yet is no error here. INVALID_ARGUMENT: options;
-// otherwise what is wrong with a file of a certificate or a token.
-absl::StatusOr<std::unique_ptr<Relocalizer>> ConnectRelocalizer(
-    const ConnectOptions& options);
 
 }  // namespace treeline::relocalizer
 

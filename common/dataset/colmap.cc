@@ -12,7 +12,9 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
+#include "common/dataset/colmap_binary.h"
 #include "common/dataset/colmap_builder.h"
+#include "common/dataset/colmap_text.h"
 #include "common/dataset/text_lines.h"
 
 namespace treeline::dataset {

@@ -1,5 +1,5 @@
-// cameras.bin, images.bin and points3D.bin of COLMAP: little-endian, no
-// padding.
+#include "common/dataset/colmap_binary.h"
+
 #include <array>
 #include <bit>
 #include <cstdint>

@@ -73,14 +73,6 @@ class ColmapBuilder {
   std::vector<Track> tracks_;  // one a point
 };
 
-// The two encodings of each file.
-absl::Status ReadCamerasText(const ColmapFile& file, ColmapBuilder& builder);
-absl::Status ReadImagesText(const ColmapFile& file, ColmapBuilder& builder);
-absl::Status ReadPointsText(const ColmapFile& file, ColmapBuilder& builder);
-absl::Status ReadCamerasBinary(const ColmapFile& file, ColmapBuilder& builder);
-absl::Status ReadImagesBinary(const ColmapFile& file, ColmapBuilder& builder);
-absl::Status ReadPointsBinary(const ColmapFile& file, ColmapBuilder& builder);
-
 }  // namespace treeline::dataset
 
 #endif  // COMMON_DATASET_COLMAP_BUILDER_H_

@@ -1,4 +1,5 @@
-// cameras.txt, images.txt and points3D.txt of COLMAP.
+#include "common/dataset/colmap_text.h"
+
 #include <array>
 #include <cstdint>
 #include <string>

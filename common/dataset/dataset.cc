@@ -13,6 +13,10 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/dataset/dataset_index.h"
+#include "common/dataset/seven_scenes.h"
+#include "common/dataset/sfm_datasets.h"
+#include "common/dataset/tum.h"
+#include "common/dataset/twelve_scenes.h"
 #include "common/image/decode.h"
 
 namespace treeline::dataset {

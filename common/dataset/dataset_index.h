@@ -47,25 +47,6 @@ struct IndexRequest {
   std::string color_camera;
 };
 
-// 7-Scenes: DIR/seq-XX/frame-NNNNNN.{color.png|color.jpg,depth.png,pose.txt}.
-// A frame without .depth.png has no depth, one without .pose.txt no pose.
-absl::StatusOr<DatasetIndex> IndexSevenScenes(const IndexRequest& request);
-
-// TUM RGB-D: DIR/{rgb,depth,groundtruth}.txt. Colour images without a depth
-// image in time have no depth; without ground truth in time, no pose.
-absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request);
-
-// Stanford 4-Scenes: DIR/info.txt and
-// DIR/data/frame-NNNNNN.{color.jpg|color.png,depth.png,pose.txt}. Poses with
-// infinite entries are none.
-absl::StatusOr<DatasetIndex> IndexTwelveScenes(const IndexRequest& request);
-
-// A COLMAP model in `folder` with its pictures in `images`; see ReadColmap.
-absl::StatusOr<DatasetIndex> IndexColmap(const IndexRequest& request);
-
-// VisualSFM's file `folder`, pictures relative to the folder it is in.
-absl::StatusOr<DatasetIndex> IndexNvm(const IndexRequest& request);
-
 // "FILE:LINE: no frame 'STEM' in ..." for a stem of the list.
 absl::Status StemNotFound(const IndexRequest& request, const ListedStem& stem,
                           const std::string& where);

@@ -1,3 +1,5 @@
+#include "common/dataset/seven_scenes.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <system_error>

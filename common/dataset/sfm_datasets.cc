@@ -1,4 +1,5 @@
-// COLMAP's and VisualSFM's models as data sets.
+#include "common/dataset/sfm_datasets.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <system_error>

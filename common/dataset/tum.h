@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/statusor.h"
+#include "common/dataset/dataset_index.h"
 #include "common/dataset/text_formats.h"
 
 namespace treeline::dataset {
@@ -28,6 +30,10 @@ std::optional<geometry::Rigid3> InterpolatePose(
 // names from the right that contains freiburg1/fr1, freiburg2/fr2 or
 // freiburg3/fr3; TUM's recommended default (ROS) if none does.
 std::string TumColorCamera(const std::string& folder);
+
+// TUM RGB-D: DIR/{rgb,depth,groundtruth}.txt. Colour images without a depth
+// image in time have no depth; without ground truth in time, no pose.
+absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request);
 
 }  // namespace treeline::dataset
 

@@ -7,6 +7,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "common/camera/rgbd_calibration.h"
+#include "common/dataset/dataset_index.h"
 
 namespace treeline::dataset {
 
@@ -23,6 +24,11 @@ struct TwelveScenesInfo {
 // ignored. INVALID_ARGUMENT, with `file`, for what is missing or no number.
 absl::StatusOr<TwelveScenesInfo> ParseTwelveScenesInfo(absl::string_view text,
                                                        const std::string& file);
+
+// Stanford 4-Scenes: DIR/info.txt and
+// DIR/data/frame-NNNNNN.{color.jpg|color.png,depth.png,pose.txt}. Poses with
+// infinite entries are none.
+absl::StatusOr<DatasetIndex> IndexTwelveScenes(const IndexRequest& request);
 
 }  // namespace treeline::dataset
 

@@ -1,5 +1,5 @@
-// Logistic regression with weights of at least 0, by projected gradient
-// descent.
+#include "evaluation/lost/lost_fit.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +9,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
-#include "evaluation/lost/lost_suite_report.h"
 
 namespace treeline::lost {
 namespace {

@@ -12,6 +12,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/localization/scan_points.h"
 #include "simulation/simulator/scenario.h"
+#include "simulation/simulator/scenario_player.h"
 
 namespace treeline::lost {
 namespace {

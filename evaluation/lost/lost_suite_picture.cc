@@ -1,10 +1,10 @@
-// The curves of the lost suite.
+#include "evaluation/lost/lost_suite_picture.h"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "absl/strings/str_format.h"
-#include "evaluation/lost/lost_suite_report.h"
 #include "opencv2/imgproc.hpp"
 
 namespace treeline::lost {
@@ -68,7 +68,8 @@ double LogShare(double per_h) {
 
 }  // namespace
 
-image::ColorImage LostReport::Picture() const {
+image::ColorImage DrawLostReport(const LostReport& report) {
+  const double threshold = report.threshold_log_odds();
   cv::Mat image(kHeight, kWidth, CV_8UC3, cv::Scalar(255, 255, 255));
   Diagram roc(image, 60, "kidnaps declared within 3 s");
   for (const double per_h : {0.1, 1.0, 10.0, 100.0}) {
@@ -76,19 +77,19 @@ image::ColorImage LostReport::Picture() const {
   }
   roc.NameX("false alarms per hour (left edge: none)");
   cv::Point last = roc.At(1, 1);
-  for (const RocPoint& point : Roc()) {
+  for (const RocPoint& point : report.Roc()) {
     const cv::Point next =
         roc.At(LogShare(point.false_alarms_per_h), point.detection);
     roc.Line(last, next, kBlue);
     last = next;
   }
-  const double hours = std::max(1e-9, Hours(""));
-  cv::circle(
-      image,
-      roc.At(LogShare(static_cast<double>(FalseAlarms(threshold_, "").size()) /
-                      hours),
-             Kidnaps(threshold_, "").Share()),
-      5, kRed, cv::FILLED, cv::LINE_AA);
+  const double hours = std::max(1e-9, report.Hours(""));
+  cv::circle(image,
+             roc.At(LogShare(static_cast<double>(
+                                 report.FalseAlarms(threshold, "").size()) /
+                             hours),
+                    report.Kidnaps(threshold, "").Share()),
+             5, kRed, cv::FILLED, cv::LINE_AA);
 
   Diagram delay(image, 520, "declared after (s): warm blue, cold red");
   for (int s = 0; s <= 3; ++s) {
@@ -96,8 +97,8 @@ image::ColorImage LostReport::Picture() const {
   }
   delay.NameX("seconds since the kidnap");
   for (const KidnapStart start : {KidnapStart::kWarm, KidnapStart::kCold}) {
-    KidnapTally tally = KidnapsOf(threshold_, start, true);
-    const KidnapTally standing = KidnapsOf(threshold_, start, false);
+    KidnapTally tally = report.KidnapsOf(threshold, start, true);
+    const KidnapTally standing = report.KidnapsOf(threshold, start, false);
     tally.kidnaps += standing.kidnaps;
     tally.delays_s.insert(tally.delays_s.end(), standing.delays_s.begin(),
                           standing.delays_s.end());

@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "absl/status/statusor.h"
-#include "common/image/image.h"
 #include "evaluation/lost/lost_suite.h"
 
 namespace treeline::lost {
@@ -49,6 +47,7 @@ class LostReport {
       : runs_(std::move(runs)), threshold_(threshold_log_odds) {}
 
   const std::vector<LostRun>& runs() const { return runs_; }
+  double threshold_log_odds() const { return threshold_; }
   // Warm and cold kidnaps; `world` empty: of all.
   KidnapTally Kidnaps(double threshold, const std::string& world) const;
   KidnapTally KidnapsOf(double threshold, KidnapStart start, bool drives) const;
@@ -61,10 +60,6 @@ class LostReport {
   // For people and for programs.
   std::string Summary() const;
   std::string Json() const;
-  // Detection (0 to 1) against false alarms an hour (0.05 to 500, logarithmic),
-  // and the shares of kidnaps declared after so many seconds.
-  image::ColorImage Picture() const;
-
   // "lost,jump,FEATURE..." and one line a scan, for LostFit: every fifth scan
   // of drives, all of the three seconds after kidnaps.
   std::string FeatureTable() const;
@@ -75,14 +70,6 @@ class LostReport {
   std::vector<LostRun> runs_;
   double threshold_;
 };
-
-// The model that tells the rows of feature tables best: logistic regression,
-// both kinds of rows counting the same in total, weights at least 0.
-// INVALID_ARGUMENT for other tables and for those with rows of one kind only.
-absl::StatusOr<localization::LostModel> FitLostModel(const std::string& table);
-
-// As C++ and with its mean log loss on `table`.
-std::string LostModelText(const localization::LostModel& model);
 
 }  // namespace treeline::lost
 

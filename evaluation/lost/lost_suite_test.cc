@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/random.h"
+#include "evaluation/lost/lost_fit.h"
 #include "evaluation/lost/lost_suite_report.h"
 #include "gtest/gtest.h"
 

@@ -14,6 +14,7 @@
 #include "nav_agent/app/map/map_from_log.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "simulation/runs/simulation_run.h"
+#include "simulation/simulator/scenario_player.h"
 
 namespace treeline::suites {
 namespace {

@@ -1,15 +1,8 @@
+#include "nav_agent/mapping/laser_slam_options.h"
+
 #include "common/base/status_macros.h"
-#include "nav_agent/mapping/laser_slam.h"
 
 namespace treeline::mapping {
-
-geometry::Rigid3 MapFromBase(const TrajectoryPose& pose) {
-  const geometry::Vec2 at = pose.map_from_base.translation;
-  return {.rotation = geometry::Rotation3::FromAxisAngle(
-                          {0, 0, pose.map_from_base.yaw_rad}) *
-                      pose.level_from_base,
-          .translation = {at.x, at.y, pose.height_m}};
-}
 
 absl::Status LaserSlamOptions::Validate() const {
   TL_RETURN_IF_ERROR(points.Validate());

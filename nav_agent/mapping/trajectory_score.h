@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/base/sample_statistics.h"
-#include "nav_agent/mapping/laser_slam.h"
+#include "nav_agent/mapping/trajectory_pose.h"
 #include "nav_agent/recording/relations.h"
 
 namespace treeline::mapping {

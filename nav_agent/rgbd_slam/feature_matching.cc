@@ -1,12 +1,11 @@
-// The searches of slam_map.h.
+#include "nav_agent/rgbd_slam/feature_matching.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numbers>
-
-#include "nav_agent/rgbd_slam/slam_map.h"
 
 namespace treeline::rgbd_slam {
 namespace {

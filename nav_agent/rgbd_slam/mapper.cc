@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "nav_agent/rgbd_slam/feature_matching.h"
+
 namespace treeline::rgbd_slam {
 namespace {
 

@@ -10,6 +10,7 @@
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/rgbd_slam/binary_features.h"
+#include "nav_agent/rgbd_slam/feature_matching.h"
 #include "nav_agent/rgbd_slam/mapper.h"
 #include "nav_agent/rgbd_slam/slam_map.h"
 #include "nav_agent/rgbd_slam/tracker.h"

@@ -6,6 +6,8 @@
 #include <unordered_set>
 #include <utility>
 
+#include "nav_agent/rgbd_slam/feature_matching.h"
+
 namespace treeline::rgbd_slam {
 namespace {
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "nav_agent/rgbd_slam/feature_matching.h"
 #include "nav_agent/rgbd_slam/rgbd_slam.h"
 #include "nav_agent/rgbd_slam/slam_map.h"
 #include "nav_agent/rgbd_slam/word_index.h"

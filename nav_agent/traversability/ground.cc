@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nav_agent/traversability/ground_links.h"
 #include "nav_agent/traversability/ground_stages.h"
 
 namespace treeline::traversability {

@@ -1,10 +1,10 @@
+#include "nav_agent/traversability/ground_links.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <utility>
 #include <vector>
-
-#include "nav_agent/traversability/ground_stages.h"
 
 namespace treeline::traversability {
 namespace {

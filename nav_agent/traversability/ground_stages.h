@@ -1,4 +1,5 @@
-// The steps by which FindGround works. Each fills what the next one needs.
+// The steps by which FindGround finds the ground's voxels. Each fills what the
+// next one needs; ground_links.h goes on from there.
 #ifndef NAV_AGENT_TRAVERSABILITY_GROUND_STAGES_H_
 #define NAV_AGENT_TRAVERSABILITY_GROUND_STAGES_H_
 
@@ -50,12 +51,6 @@ GroundColumns FindTops(const CleanColumns& columns, bool needs_sight);
 GroundColumns FillHoles(const CleanColumns& columns, GroundColumns ground);
 // Takes back single voxels that stick out of, or lack in, the ground around.
 void LevelSpikes(GroundColumns& ground);
-// Links continuous ground, and finds where it ends.
-void LinkGround(const CleanColumns& columns, const VoxelLimits& limits,
-                GroundColumns& ground);
-void MeasureGradients(GroundColumns& ground);
-void FindNarrowGround(const VoxelLimits& limits, GroundColumns& ground);
-
 }  // namespace treeline::traversability
 
 #endif  // NAV_AGENT_TRAVERSABILITY_GROUND_STAGES_H_

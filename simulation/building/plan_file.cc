@@ -7,6 +7,8 @@
 #include "absl/strings/str_join.h"
 #include "common/base/status_macros.h"
 #include "simulation/building/catalogue.h"
+#include "simulation/building/read_structure.h"
+#include "simulation/building/read_things.h"
 #include "simulation/building/read_values.h"
 
 namespace treeline::building {

@@ -1,4 +1,5 @@
-// Finishes, rooms, and what is built into them.
+#include "simulation/building/read_structure.h"
+
 #include <array>
 #include <cmath>
 

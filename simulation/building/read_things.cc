@@ -1,4 +1,5 @@
-// What is on walls and on floors, and what moves.
+#include "simulation/building/read_things.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -51,22 +51,6 @@ absl::StatusOr<PlanLamps> ReadLamps(const yaml::YamlNode& node);
 absl::StatusOr<double> ReadFacing(const yaml::YamlNode& node,
                                   double otherwise_deg);
 
-// Sections of a file, in the order in which they have to be read.
-absl::Status ReadFinishes(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadRooms(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadPlatforms(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadRamps(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadStairs(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadWalls(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadPillars(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadDoors(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadWindows(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadPosters(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadFurniture(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadMovers(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadPlaces(const yaml::YamlNode& file, BuildingPlan& plan);
-absl::Status ReadTour(const yaml::YamlNode& file, BuildingPlan& plan);
-
 }  // namespace treeline::building
 
 #endif  // SIMULATION_BUILDING_READ_VALUES_H_

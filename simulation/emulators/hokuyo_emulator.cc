@@ -8,6 +8,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "simulation/simulator/scenario_player.h"
 
 namespace treeline::emulators {
 namespace {

@@ -12,6 +12,7 @@
 #include "nav_agent/drivers/hokuyo/scip_replies.h"
 #include "simulation/emulators/emulated_device.h"
 #include "simulation/emulators/laser_source.h"
+#include "simulation/simulator/scenario_player.h"
 
 namespace treeline::emulators {
 

@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/recording/agent_log.h"
+#include "simulation/simulator/scenario_player.h"
 
 namespace treeline::runs {
 namespace {

@@ -11,6 +11,8 @@
 #include "gtest/gtest.h"
 #include "nav_agent/recording/agent_log.h"
 #include "simulation/runs/plan_picture.h"
+#include "simulation/simulator/scenario_player.h"
+#include "simulation/simulator/scenario_reader.h"
 
 namespace treeline::runs {
 namespace {

@@ -1,10 +1,11 @@
+#include "simulation/simulator/scenario_player.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "simulation/simulator/scenario.h"
 
 namespace treeline::simulator {
 namespace {

@@ -1,3 +1,5 @@
+#include "simulation/simulator/scenario_reader.h"
+
 #include <algorithm>
 #include <numbers>
 #include <utility>
@@ -5,7 +7,6 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "common/yaml/yaml_node.h"
-#include "simulation/simulator/scenario.h"
 
 namespace treeline::simulator {
 namespace {

@@ -5,6 +5,8 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "simulation/simulator/scenario_player.h"
+#include "simulation/simulator/scenario_reader.h"
 #include "simulation/simulator/testing_places.h"
 
 namespace treeline::simulator {

@@ -5,6 +5,7 @@
 
 #include "benchmark/benchmark.h"
 #include "simulation/simulator/scenario.h"
+#include "simulation/simulator/scenario_player.h"
 #include "simulation/simulator/simulator.h"
 
 namespace treeline::simulator {

@@ -4,6 +4,8 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "simulation/simulator/scenario.h"
+#include "simulation/simulator/scenario_player.h"
+#include "simulation/simulator/scenario_reader.h"
 
 namespace treeline::simulator {
 namespace {

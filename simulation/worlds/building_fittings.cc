@@ -1,14 +1,16 @@
-// Doors, windows, furniture and people of a building.
+#include "simulation/worlds/building_fittings.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "simulation/building/catalogue.h"
-#include "simulation/worlds/building_maker.h"
 #include "simulation/worlds/noise.h"
-#include "simulation/worlds/paint.h"
 #include "simulation/worlds/paint_building.h"
+#include "simulation/worlds/paint_fronts.h"
+#include "simulation/worlds/paint_materials.h"
+#include "simulation/worlds/paint_prints.h"
 
 namespace treeline::worlds {
 namespace {
@@ -18,67 +20,47 @@ constexpr float kFrame_m = 0.06f;
 constexpr float kLeaf_m = 0.04f;
 constexpr double kSwing_s = 2;
 constexpr double kTurn_s = 0.8;
-// More would take minutes to light.
-constexpr size_t kMaxSurfaces = 40000;
 
 float F(double value) { return static_cast<float>(value); }
 
 }  // namespace
 
-BuildingMaker::BuildingMaker(const building::BuildingPlan& plan,
-                             const WorldOptions& options)
-    : plan_(plan), options_(options), furniture_(builder_, plan.seed) {
-  builder_.set_paint(options.paint);
-  white_ = Painted(
-      [] {
-        return PaintPlain({0.90f, 0.89f, 0.86f}, 0.06f, 1);
-      },
-      0.4f);
-  metal_ = Painted(
-      [] {
-        return PaintPlain({0.45f, 0.46f, 0.48f}, 0.12f, 2);
-      },
-      0.4f);
-  shine_ = Painted([] { return Canvas(4, 4, {1, 0.97f, 0.92f}); }, 0, 3);
+Finish BuildingFittings::Painted(std::function<Canvas()> paint, float tile_m,
+                                 float emission) {
+  return PaintedFinish(builder_, std::move(paint), tile_m, emission);
 }
 
-Finish BuildingMaker::Painted(std::function<Canvas()> paint, float tile_m,
-                              float emission) {
-  return {.texture = builder_.AddTexture(std::move(paint)),
-          .tile_m = tile_m,
-          .emission = emission};
-}
-
-float BuildingMaker::GroundHeight(const building::PlanPoint& point) const {
-  return F(building::GroundAt(plan_, point).value_or(point.z_m.value_or(0)));
-}
-
-Placement BuildingMaker::StandAt(const building::PlanStand& stand) const {
-  return {{F(stand.at.x_m), F(stand.at.y_m), GroundHeight(stand.at)},
+Placement BuildingFittings::StandAt(const building::PlanStand& stand) const {
+  return {{F(stand.at.x_m), F(stand.at.y_m), GroundHeight(plan_, stand.at)},
           F(stand.facing_deg * std::numbers::pi / 180)};
 }
 
-Placement BuildingMaker::OnWall(const building::PlanOnWall& place,
-                                double at_m) const {
+Placement BuildingFittings::OnWall(const building::PlanOnWall& place,
+                                   double at_m) const {
   const building::WallRef ref =
       building::FindWall(plan_, place.wall).value_or(building::WallRef());
   const building::WallFrame at = building::FrameOnWall(plan_, ref, at_m);
   return {{F(at.x_m), F(at.y_m), F(ref.base_m)}, F(at.yaw_rad)};
 }
 
-void BuildingMaker::AddReveal(const Placement& frame, const Opening& opening,
-                              float thickness_m, const std::string& floor) {
+void BuildingFittings::AddReveal(const Placement& frame,
+                                 const WallOpening& opening, float thickness_m,
+                                 const std::string& floor) {
   const float t = thickness_m;
   const auto& [s0, s1, z0, z1] = opening;
   builder_.set_kind(SurfaceKind::kWall);
-  builder_.AddPanel(frame, {s0, 0, z1}, {0, -t, 0}, {0, 0, z0 - z1}, white_);
-  builder_.AddPanel(frame, {s1, -t, z1}, {0, t, 0}, {0, 0, z0 - z1}, white_);
-  builder_.AddPanel(frame, {s0, -t, z1}, {s1 - s0, 0, 0}, {0, t, 0}, white_);
+  builder_.AddPanel(frame, {s0, 0, z1}, {0, -t, 0}, {0, 0, z0 - z1},
+                    trim_.white);
+  builder_.AddPanel(frame, {s1, -t, z1}, {0, t, 0}, {0, 0, z0 - z1},
+                    trim_.white);
+  builder_.AddPanel(frame, {s0, -t, z1}, {s1 - s0, 0, 0}, {0, t, 0},
+                    trim_.white);
   if (z0 > 0) {
-    builder_.AddPanel(frame, {s0, 0, z0}, {s1 - s0, 0, 0}, {0, -t, 0}, white_);
+    builder_.AddPanel(frame, {s0, 0, z0}, {s1 - s0, 0, 0}, {0, -t, 0},
+                      trim_.white);
   } else if (!floor.empty()) {
     builder_.set_kind(SurfaceKind::kFloor);
-    AddSheet(frame, {s0, 0, 0}, {s1 - s0, 0, 0}, {0, -t, 0}, floor);
+    shell_.AddSheet(frame, {s0, 0, 0}, {s1 - s0, 0, 0}, {0, -t, 0}, floor);
   }
   // Architraves on both faces.
   builder_.set_kind(SurfaceKind::kOther);
@@ -87,14 +69,14 @@ void BuildingMaker::AddReveal(const Placement& frame, const Opening& opening,
     const float y1 = is_front ? 0.015f : -t;
     for (const float s : {s0 - kFrame_m, s1}) {
       builder_.AddBox(frame, {s, y0, z0}, {s + kFrame_m, y1, z1 + kFrame_m},
-                      {.sides = white_});
+                      {.sides = trim_.white});
     }
     builder_.AddBox(frame, {s0, y0 + 0.001f, z1}, {s1, y1 - 0.001f, z1 + 0.06f},
-                    {.sides = white_, .has_bottom = true});
+                    {.sides = trim_.white, .has_bottom = true});
   }
 }
 
-void BuildingMaker::AddDoor(const building::PlanDoor& door, int index) {
+void BuildingFittings::AddDoor(const building::PlanDoor& door, int index) {
   const auto ref = building::FindWall(plan_, door.place.wall);
   if (!ref) return;
   const double half = door.width_m / 2;
@@ -106,7 +88,7 @@ void BuildingMaker::AddDoor(const building::PlanDoor& door, int index) {
   const building::PlanWall* wall =
       is_in_wall ? &plan_.walls[static_cast<size_t>(ref->wall)] : nullptr;
   const float thick = F(is_in_wall ? wall->thickness_m : building::kRoomWall_m);
-  const Opening opening = {F(-half), F(half), 0, F(door.height_m)};
+  const WallOpening opening = {F(-half), F(half), 0, F(door.height_m)};
   if (!is_in_wall) {
     AddReveal(frame, opening, thick,
               plan_.rooms[static_cast<size_t>(ref->room)].floor);
@@ -128,8 +110,8 @@ void BuildingMaker::AddDoor(const building::PlanDoor& door, int index) {
   }
 }
 
-void BuildingMaker::AddLeaf(const Placement& hinge,
-                            const building::PlanDoor& door, int index) {
+void BuildingFittings::AddLeaf(const Placement& hinge,
+                               const building::PlanDoor& door, int index) {
   const float width = F(door.width_m) - 0.01f;
   const uint64_t seed =
       base::MixBits(plan_.seed + static_cast<uint64_t>(index));
@@ -138,18 +120,18 @@ void BuildingMaker::AddLeaf(const Placement& hinge,
   builder_.set_kind(SurfaceKind::kOther);
   builder_.AddBox(hinge, {0, -kLeaf_m / 2, 0.008f},
                   {width, kLeaf_m / 2, F(door.height_m) - 0.01f},
-                  {.sides = white_, .front = front, .has_bottom = true});
+                  {.sides = trim_.white, .front = front, .has_bottom = true});
   builder_.AddPanel(hinge, {0, -kLeaf_m / 2 - 0.001f, F(door.height_m) - 0.01f},
                     {width, 0, 0}, {0, 0, 0.018f - F(door.height_m)}, front);
   for (const float y : {kLeaf_m / 2, -kLeaf_m / 2 - 0.05f}) {
     builder_.AddBox(hinge, {width - 0.16f, y, 1.02f},
                     {width - 0.04f, y + 0.05f, 1.045f},
-                    {.sides = metal_, .has_bottom = true});
+                    {.sides = trim_.metal, .has_bottom = true});
   }
 }
 
-void BuildingMaker::AddDoorBody(const Placement& hinge,
-                                const building::PlanDoor& door, int index) {
+void BuildingFittings::AddDoorBody(const Placement& hinge,
+                                   const building::PlanDoor& door, int index) {
   builder_.BeginBody();
   AddLeaf({}, door, index);
   Motion motion;
@@ -167,28 +149,28 @@ void BuildingMaker::AddDoorBody(const Placement& hinge,
                    F(door.height_m), std::move(motion));
 }
 
-void BuildingMaker::AddOutsideDoor(const Placement& frame,
-                                   const building::PlanDoor& door) {
+void BuildingFittings::AddOutsideDoor(const Placement& frame,
+                                      const building::PlanDoor& door) {
   const float half = F(door.width_m / 2);
   const float high = F(door.height_m);
   const uint64_t seed = furniture_.NextSeed();
   const Float3 color = Hsv({CellNoise(3, 1, seed), 0.35f, 0.65f});
   builder_.set_kind(SurfaceKind::kOther);
   builder_.AddBox(frame, {-half, 0, 0}, {half, 0.025f, high},
-                  {.sides = white_,
+                  {.sides = trim_.white,
                    .front = Painted([=] { return PaintDoor(color, seed); })});
   for (const float s : {-half - kFrame_m, half}) {
     builder_.AddBox(frame, {s, 0, 0}, {s + kFrame_m, 0.045f, high + kFrame_m},
-                    {.sides = white_});
+                    {.sides = trim_.white});
   }
   builder_.AddBox(frame, {-half, 0, high}, {half, 0.044f, high + kFrame_m},
-                  {.sides = white_, .has_bottom = true});
+                  {.sides = trim_.white, .has_bottom = true});
   builder_.AddBox(frame, {half - 0.18f, 0.026f, 1.02f},
                   {half - 0.06f, 0.075f, 1.045f},
-                  {.sides = metal_, .has_bottom = true});
+                  {.sides = trim_.metal, .has_bottom = true});
 }
 
-void BuildingMaker::AddWindow(const building::PlanWindow& window) {
+void BuildingFittings::AddWindow(const building::PlanWindow& window) {
   const auto ref = building::FindWall(plan_, window.place.wall);
   if (!ref) return;
   const double half = window.width_m / 2;
@@ -199,17 +181,17 @@ void BuildingMaker::AddWindow(const building::PlanWindow& window) {
   const float thick =
       F(ref->wall >= 0 ? plan_.walls[static_cast<size_t>(ref->wall)].thickness_m
                        : building::kRoomWall_m);
-  const Opening opening = {F(-half), F(half), F(window.low_m),
-                           F(window.high_m)};
+  const WallOpening opening = {F(-half), F(half), F(window.low_m),
+                               F(window.high_m)};
   AddReveal(frame, opening, thick, "");
   builder_.set_kind(SurfaceKind::kGlass);
   builder_.AddPanel(frame, {opening.s1, -thick / 2, opening.z1},
                     {opening.s0 - opening.s1, 0, 0},
-                    {0, 0, opening.z0 - opening.z1}, white_);
+                    {0, 0, opening.z0 - opening.z1}, trim_.white);
 }
 
-void BuildingMaker::AddView(const Placement& frame,
-                            const building::PlanWindow& window) {
+void BuildingFittings::AddView(const Placement& frame,
+                               const building::PlanWindow& window) {
   const float half = F(window.width_m / 2);
   const float low = F(window.low_m);
   const float high = F(window.high_m);
@@ -222,34 +204,35 @@ void BuildingMaker::AddView(const Placement& frame,
   for (int i = 0; i <= bars; ++i) {
     const float s = -half + 2 * half * F(i) / F(bars);
     builder_.AddBox(frame, {s - 0.03f, 0, low}, {s + 0.03f, 0.04f, high},
-                    {.sides = white_});
+                    {.sides = trim_.white});
   }
   for (const float z : {low - 0.05f, high - 0.01f}) {
     builder_.AddBox(frame, {-half - 0.05f, 0, z},
                     {half + 0.05f, 0.041f, z + 0.06f},
-                    {.sides = white_, .has_bottom = true});
+                    {.sides = trim_.white, .has_bottom = true});
   }
   builder_.AddBox(frame, {-half - 0.1f, 0, low - 0.08f},
                   {half + 0.1f, 0.14f, low - 0.051f},
-                  {.sides = white_, .has_bottom = true});
+                  {.sides = trim_.white, .has_bottom = true});
   builder_.AddLight({.corner = frame.Point({half, 0.045f, high}),
                      .edge_u = frame.Direction({-2 * half, 0, 0}),
                      .edge_v = {0, 0, low - high},
                      .radiance = {1.5f, 1.75f, 2.1f}});
 }
 
-void BuildingMaker::AddPoster(const building::PlanPoster& poster) {
+void BuildingFittings::AddPoster(const building::PlanPoster& poster) {
   const double at = options_.after_moves
                         ? poster.moved_to_m.value_or(poster.place.at_m)
                         : poster.place.at_m;
   const Placement frame = OnWall(poster.place, at);
   builder_.set_kind(SurfaceKind::kOther);
-  furniture_.Picture(frame.At({F(-poster.width_m / 2), 0,
-                               F(poster.middle_m - poster.height_m / 2)}),
-                     F(poster.width_m), F(poster.height_m));
+  furniture_.things().Picture(
+      frame.At({F(-poster.width_m / 2), 0,
+                F(poster.middle_m - poster.height_m / 2)}),
+      F(poster.width_m), F(poster.height_m));
 }
 
-void BuildingMaker::MakePiece(const building::PlanFurniture& piece) {
+void BuildingFittings::MakePiece(const building::PlanFurniture& piece) {
   const building::FurnitureKind* kind = building::FindFurniture(piece.kind);
   if (kind == nullptr) return;
   const float width = F(piece.width_m);
@@ -261,7 +244,7 @@ void BuildingMaker::MakePiece(const building::PlanFurniture& piece) {
   furniture_.ByName(piece.kind, at, width);
 }
 
-void BuildingMaker::AddFurniture(const building::PlanFurniture& piece) {
+void BuildingFittings::AddFurniture(const building::PlanFurniture& piece) {
   const building::PlanStand& stand =
       options_.after_moves && piece.moved_to.has_value() ? *piece.moved_to
                                                          : piece.stand;
@@ -280,7 +263,7 @@ void BuildingMaker::AddFurniture(const building::PlanFurniture& piece) {
   builder_.AddGroup(known->second, StandAt(stand));
 }
 
-void BuildingMaker::AddPerson() {
+void BuildingFittings::AddPerson() {
   using ProfilePoint = WorldBuilder::ProfilePoint;
   const uint64_t seed = furniture_.NextSeed();
   const auto clothes = [&](float hue, uint64_t salt) {
@@ -320,32 +303,32 @@ void BuildingMaker::AddPerson() {
   builder_.AddTurned({}, {0, 0, 0}, crown, 12, hair);
 }
 
-void BuildingMaker::AddCart() {
+void BuildingFittings::AddCart() {
   const uint64_t seed = furniture_.NextSeed();
   const Finish load = Painted([seed] { return PaintCardboard(seed); });
   for (const float x : {-0.4f, 0.34f}) {
     for (const float y : {-0.25f, 0.19f}) {
       builder_.AddBox({}, {x, y, 0}, {x + 0.06f, y + 0.06f, 0.9f},
-                      {.sides = metal_});
+                      {.sides = trim_.metal});
     }
   }
   for (const float z : {0.18f, 0.6f}) {
     builder_.AddBox({}, {-0.41f, -0.26f, z}, {0.41f, 0.26f, z + 0.03f},
-                    {.sides = metal_, .has_bottom = true});
+                    {.sides = trim_.metal, .has_bottom = true});
     builder_.AddBox({}, {-0.3f, -0.2f, z + 0.031f}, {0.25f, 0.2f, z + 0.3f},
                     {.sides = load, .front = load, .top = load});
   }
   builder_.AddBox({}, {-0.45f, -0.25f, 0.9f}, {-0.41f, 0.25f, 0.94f},
-                  {.sides = white_, .has_bottom = true});
+                  {.sides = trim_.white, .has_bottom = true});
 }
 
-Motion BuildingMaker::MotionOf(const building::PlanMover& mover) const {
+Motion BuildingFittings::MotionOf(const building::PlanMover& mover) const {
   Motion motion;
   double time_s = 0;
   const size_t count = mover.path.size();
   const auto point = [&](size_t i) {
     const building::PlanPoint& at = mover.path[i % count].at;
-    return Float3{F(at.x_m), F(at.y_m), GroundHeight(at)};
+    return Float3{F(at.x_m), F(at.y_m), GroundHeight(plan_, at)};
   };
   const auto heading = [&](size_t i) {
     const Float3 way = point(i + 1) - point(i);
@@ -370,7 +353,7 @@ Motion BuildingMaker::MotionOf(const building::PlanMover& mover) const {
   return motion;
 }
 
-void BuildingMaker::AddMover(const building::PlanMover& mover) {
+void BuildingFittings::AddMover(const building::PlanMover& mover) {
   builder_.set_kind(SurfaceKind::kOther);
   builder_.BeginBody();
   if (mover.is_cart) {
@@ -382,7 +365,7 @@ void BuildingMaker::AddMover(const building::PlanMover& mover) {
                    mover.is_cart ? 0.94f : 1.8f, MotionOf(mover));
 }
 
-void BuildingMaker::AddCrate() {
+void BuildingFittings::AddCrate() {
   builder_.set_kind(SurfaceKind::kOther);
   const Finish face =
       Painted([seed = plan_.seed] { return PaintCardboard(seed + 77); });
@@ -390,56 +373,6 @@ void BuildingMaker::AddCrate() {
   builder_.AddBox({}, {-0.5f, -0.5f, 0}, {0.5f, 0.5f, 1},
                   {.sides = face, .front = face, .top = face});
   builder_.EndBody("crate", 0.7072f, 1, std::nullopt);
-}
-
-absl::StatusOr<World> BuildingMaker::Make(std::string name) {
-  const auto number = [](size_t i) { return static_cast<int>(i); };
-  for (size_t i = 0; i < plan_.rooms.size(); ++i) {
-    AddRoom(plan_.rooms[i], number(i));
-  }
-  for (const building::PlanPlatform& platform : plan_.platforms)
-    AddPlatform(platform);
-  for (const building::PlanRamp& ramp : plan_.ramps) AddRamp(ramp);
-  for (const building::PlanStairs& stairs : plan_.stairs) AddStairs(stairs);
-  for (size_t i = 0; i < plan_.walls.size(); ++i) {
-    AddWall(plan_.walls[i], number(i));
-  }
-  for (const building::PlanPillar& pillar : plan_.pillars) AddPillar(pillar);
-  for (size_t i = 0; i < plan_.doors.size(); ++i) {
-    AddDoor(plan_.doors[i], number(i));
-  }
-  for (const building::PlanWindow& window : plan_.windows) AddWindow(window);
-  for (const building::PlanPoster& poster : plan_.posters) AddPoster(poster);
-  for (const building::PlanFurniture& piece : plan_.furniture) {
-    AddFurniture(piece);
-    if (builder_.surface_count() > kMaxSurfaces) break;
-  }
-  if (builder_.surface_count() > kMaxSurfaces) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "world '", name, "' has more than ", kMaxSurfaces, " surfaces"));
-  }
-  if (options_.with_people) {
-    for (const building::PlanMover& mover : plan_.movers) AddMover(mover);
-  }
-  AddCrate();
-  World world = builder_.Build(
-      std::move(name),
-      {F(plan_.size_m[0]), F(plan_.size_m[1]), F(plan_.size_m[2])}, {},
-      options_.threads);
-  for (const building::PlanPlace& place : plan_.places) {
-    world.places.push_back(
-        {.name = place.name, .placement = StandAt(place.stand)});
-  }
-  for (const building::PlanPoint& corner : plan_.tour) {
-    world.tour.push_back({F(corner.x_m), F(corner.y_m), GroundHeight(corner)});
-  }
-  return world;
-}
-
-absl::StatusOr<World> MakeBuilding(std::string name,
-                                   const building::BuildingPlan& plan,
-                                   const WorldOptions& options) {
-  return BuildingMaker(plan, options).Make(std::move(name));
 }
 
 }  // namespace treeline::worlds

@@ -1,11 +1,12 @@
-// Floors, walls, ramps, stairs: what a building is without its contents.
+#include "simulation/worlds/building_shell.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "simulation/worlds/building_maker.h"
-#include "simulation/worlds/paint.h"
+#include "common/base/random.h"
 #include "simulation/worlds/paint_building.h"
+#include "simulation/worlds/paint_materials.h"
 
 namespace treeline::worlds {
 namespace {
@@ -61,7 +62,12 @@ bool IsWallMaterial(const std::string& material) {
 
 }  // namespace
 
-const BuildingMaker::Material& BuildingMaker::MaterialOf(
+float GroundHeight(const building::BuildingPlan& plan,
+                   const building::PlanPoint& point) {
+  return F(building::GroundAt(plan, point).value_or(point.z_m.value_or(0)));
+}
+
+const BuildingShell::Material& BuildingShell::MaterialOf(
     const std::string& finish) {
   const auto known = materials_.find(finish);
   if (known != materials_.end()) return known->second;
@@ -91,7 +97,7 @@ const BuildingMaker::Material& BuildingMaker::MaterialOf(
   return materials_.emplace(finish, made).first->second;
 }
 
-void BuildingMaker::AddSheet(const Placement& frame, Float3 top_left,
+void BuildingShell::AddSheet(const Placement& frame, Float3 top_left,
                              Float3 right, Float3 down,
                              const std::string& finish) {
   const Material& material = MaterialOf(finish);
@@ -120,24 +126,25 @@ void BuildingMaker::AddSheet(const Placement& frame, Float3 top_left,
   }
 }
 
-void BuildingMaker::AddFloor(const building::PlanArea& area, float z,
+void BuildingShell::AddFloor(const building::PlanArea& area, float z,
                              const std::string& finish) {
   const float w = F(area.x1_m - area.x0_m);
   const float d = F(area.y1_m - area.y0_m);
   AddSheet({}, {F(area.x0_m), F(area.y1_m), z}, {w, 0, 0}, {0, -d, 0}, finish);
 }
 
-void BuildingMaker::AddCeiling(const building::PlanArea& area, float z,
+void BuildingShell::AddCeiling(const building::PlanArea& area, float z,
                                const std::string& finish) {
   const float w = F(area.x1_m - area.x0_m);
   const float d = F(area.y1_m - area.y0_m);
   AddSheet({}, {F(area.x0_m), F(area.y0_m), z}, {w, 0, 0}, {0, d, 0}, finish);
 }
 
-void BuildingMaker::AddFace(const Face& face, std::vector<Opening> openings,
+void BuildingShell::AddFace(const Face& face, std::vector<WallOpening> openings,
                             const std::string& finish, bool has_skirting) {
-  std::sort(openings.begin(), openings.end(),
-            [](const Opening& a, const Opening& b) { return a.s0 < b.s0; });
+  std::sort(
+      openings.begin(), openings.end(),
+      [](const WallOpening& a, const WallOpening& b) { return a.s0 < b.s0; });
   const auto part = [&](float s0, float s1, float z0, float z1) {
     if (s1 - s0 < 0.001f || z1 - z0 < 0.001f) return;
     builder_.set_kind(SurfaceKind::kWall);
@@ -145,10 +152,10 @@ void BuildingMaker::AddFace(const Face& face, std::vector<Opening> openings,
     if (!has_skirting || z0 > 0 || z1 < 3 * kSkirting_m) return;
     builder_.set_kind(SurfaceKind::kOther);
     builder_.AddBox(face.frame, {s0, 0, 0}, {s1, kSkirtingThick_m, kSkirting_m},
-                    {.sides = white_});
+                    {.sides = trim_.white});
   };
   float s = 0;
-  for (const Opening& opening : openings) {
+  for (const WallOpening& opening : openings) {
     part(s, opening.s0, 0, face.height_m);
     part(opening.s0, opening.s1, opening.z1, face.height_m);
     part(opening.s0, opening.s1, 0, opening.z0);
@@ -157,7 +164,7 @@ void BuildingMaker::AddFace(const Face& face, std::vector<Opening> openings,
   part(s, face.length_m, 0, face.height_m);
 }
 
-BuildingMaker::Face BuildingMaker::RoomFace(const building::PlanRoom& room,
+BuildingShell::Face BuildingShell::RoomFace(const building::PlanRoom& room,
                                             int room_index,
                                             building::PlanSide side) const {
   building::WallRef ref;
@@ -175,7 +182,7 @@ BuildingMaker::Face BuildingMaker::RoomFace(const building::PlanRoom& room,
           .height_m = F(room.height_m)};
 }
 
-BuildingMaker::Face BuildingMaker::WallFace(const building::PlanWall& wall,
+BuildingShell::Face BuildingShell::WallFace(const building::PlanWall& wall,
                                             int wall_index,
                                             bool is_left) const {
   building::WallRef ref;
@@ -191,9 +198,9 @@ BuildingMaker::Face BuildingMaker::WallFace(const building::PlanWall& wall,
           .height_m = F(wall.height_m)};
 }
 
-std::vector<BuildingMaker::Opening> BuildingMaker::OpeningsOf(
-    const building::WallRef& ref, const Face& face) const {
-  std::vector<Opening> openings;
+std::vector<WallOpening> BuildingShell::OpeningsOf(const building::WallRef& ref,
+                                                   const Face& face) const {
+  std::vector<WallOpening> openings;
   const auto add = [&](const building::PlanOnWall& place, double width_m,
                        double low_m, double high_m) {
     const auto own = building::FindWall(plan_, place.wall);
@@ -220,7 +227,7 @@ std::vector<BuildingMaker::Opening> BuildingMaker::OpeningsOf(
   return openings;
 }
 
-void BuildingMaker::AddLamps(const building::PlanArea& area, float ceiling_m,
+void BuildingShell::AddLamps(const building::PlanArea& area, float ceiling_m,
                              const building::PlanLamps& lamps) {
   const int count = lamps.along_x * lamps.along_y;
   if (count == 0) return;
@@ -239,9 +246,9 @@ void BuildingMaker::AddLamps(const building::PlanArea& area, float ceiling_m,
       builder_.set_kind(SurfaceKind::kCeiling);
       builder_.AddBox(at, {-0.02f, -0.02f, 0},
                       {kLamp_m + 0.02f, kLamp_m + 0.02f, 0.059f},
-                      {.sides = metal_});
+                      {.sides = trim_.metal});
       builder_.AddPanel(at, {-0.02f, -0.02f, 0}, {kLamp_m + 0.04f, 0, 0},
-                        {0, kLamp_m + 0.04f, 0}, shine_);
+                        {0, kLamp_m + 0.04f, 0}, trim_.shine);
       builder_.AddLight({.corner = corner - Float3{0, 0, 0.01f},
                          .edge_u = {kLamp_m, 0, 0},
                          .edge_v = {0, kLamp_m, 0},
@@ -250,7 +257,7 @@ void BuildingMaker::AddLamps(const building::PlanArea& area, float ceiling_m,
   }
 }
 
-void BuildingMaker::AddRoom(const building::PlanRoom& room, int index) {
+void BuildingShell::AddRoom(const building::PlanRoom& room, int index) {
   const float base = F(room.base_m);
   const building::PlanArea inside = {
       room.area.x0_m + kHalfWall_m, room.area.y0_m + kHalfWall_m,
@@ -270,7 +277,7 @@ void BuildingMaker::AddRoom(const building::PlanRoom& room, int index) {
   AddLamps(inside, base + F(room.height_m), room.lamps);
 }
 
-void BuildingMaker::AddPlatform(const building::PlanPlatform& platform) {
+void BuildingShell::AddPlatform(const building::PlanPlatform& platform) {
   const building::PlanArea& area = platform.area;
   const float top = F(platform.height_m);
   const float bottom =
@@ -295,7 +302,7 @@ void BuildingMaker::AddPlatform(const building::PlanPlatform& platform) {
   AddSheet({}, {x0, y0 + d, top}, {0, -d, 0}, down, platform.sides);
 }
 
-void BuildingMaker::AddRamp(const building::PlanRamp& ramp) {
+void BuildingShell::AddRamp(const building::PlanRamp& ramp) {
   const float dx = F(ramp.to.x_m - ramp.from.x_m);
   const float dy = F(ramp.to.y_m - ramp.from.y_m);
   const float run = std::hypot(dx, dy);
@@ -337,7 +344,7 @@ void BuildingMaker::AddRamp(const building::PlanRamp& ramp) {
   if (ramp.right_wall_m > 0) AddRampWall(ramp, false, F(ramp.right_wall_m));
 }
 
-void BuildingMaker::AddRampWall(const building::PlanRamp& ramp, bool is_left,
+void BuildingShell::AddRampWall(const building::PlanRamp& ramp, bool is_left,
                                 float height_m) {
   constexpr float kThick = 0.06f;
   const float dx = F(ramp.to.x_m - ramp.from.x_m);
@@ -375,14 +382,14 @@ void BuildingMaker::AddRampWall(const building::PlanRamp& ramp, bool is_left,
                     {run, left, top1},
                     {run, right, top1},
                     {0, right, top0}},
-                   white_);
+                   trim_.white);
   AddSheet(frame, {0, left, top0}, {0, -kThick, 0}, {0, 0, base - top0},
            ramp.sides);
   AddSheet(frame, {run, right, top1}, {0, kThick, 0}, {0, 0, base - top1},
            ramp.sides);
 }
 
-void BuildingMaker::AddStairs(const building::PlanStairs& stairs) {
+void BuildingShell::AddStairs(const building::PlanStairs& stairs) {
   const Placement frame = {
       {F(stairs.from.x_m), F(stairs.from.y_m), F(stairs.base_m)},
       F(stairs.facing_deg * std::numbers::pi / 180)};
@@ -403,19 +410,19 @@ void BuildingMaker::AddStairs(const building::PlanStairs& stairs) {
     // The edge that shows where to step.
     const float lift = z + 0.001f;
     builder_.AddPanel(frame, {x + 0.005f, half, lift}, {0.04f, 0, 0},
-                      {0, -2 * half, 0}, metal_);
+                      {0, -2 * half, 0}, trim_.metal);
   }
   const float end = run * F(stairs.count);
   AddSheet(frame, {end, -half, rise * F(stairs.count)}, {0, 2 * half, 0},
            {0, 0, -rise * F(stairs.count)}, stairs.finish);
 }
 
-void BuildingMaker::AddWall(const building::PlanWall& wall, int index) {
+void BuildingShell::AddWall(const building::PlanWall& wall, int index) {
   if (wall.is_glass) return AddGlassWall(wall, index);
   building::WallRef ref;
   ref.wall = index;
   const float thick = F(wall.thickness_m);
-  std::vector<Opening> openings;
+  std::vector<WallOpening> openings;
   Face left;
   for (const bool is_left : {false, true}) {
     const Face face = WallFace(wall, index, is_left);
@@ -433,22 +440,23 @@ void BuildingMaker::AddWall(const building::PlanWall& wall, int index) {
   AddSheet(left.frame, {length, -thick, height}, {0, thick, 0}, {0, 0, -height},
            wall.finish);
   builder_.AddPanel(left.frame, {0, 0, height}, {length, 0, 0}, {0, -thick, 0},
-                    white_);
+                    trim_.white);
 }
 
-void BuildingMaker::AddGlassWall(const building::PlanWall& wall, int index) {
+void BuildingShell::AddGlassWall(const building::PlanWall& wall, int index) {
   const float thick = F(wall.thickness_m);
   building::WallRef ref;
   ref.wall = index;
   const Face left = WallFace(wall, index, true);
-  std::vector<Opening> openings = OpeningsOf(ref, left);
-  std::sort(openings.begin(), openings.end(),
-            [](const Opening& a, const Opening& b) { return a.s0 < b.s0; });
+  std::vector<WallOpening> openings = OpeningsOf(ref, left);
+  std::sort(
+      openings.begin(), openings.end(),
+      [](const WallOpening& a, const WallOpening& b) { return a.s0 < b.s0; });
   const float height = left.height_m;
   const auto post = [&](float s) {
     builder_.set_kind(SurfaceKind::kOther);
     builder_.AddBox(left.frame, {s, -thick, 0}, {s + 0.04f, 0, height},
-                    {.sides = metal_});
+                    {.sides = trim_.metal});
   };
   const auto pane = [&](float s0, float s1, float z0, float z1) {
     if (s1 - s0 < 0.1f || z1 - z0 < 0.1f) return;
@@ -456,11 +464,11 @@ void BuildingMaker::AddGlassWall(const building::PlanWall& wall, int index) {
     for (const float z : {z0, z1 - 0.04f}) {
       builder_.AddBox(left.frame, {s0, -thick + 0.001f, z},
                       {s1, -0.001f, z + 0.04f},
-                      {.sides = metal_, .has_bottom = z > 0});
+                      {.sides = trim_.metal, .has_bottom = z > 0});
     }
     builder_.set_kind(SurfaceKind::kGlass);
     builder_.AddPanel(left.frame, {s1, -thick / 2, z1 - 0.04f}, {s0 - s1, 0, 0},
-                      {0, 0, z0 - z1 + 0.08f}, white_);
+                      {0, 0, z0 - z1 + 0.08f}, trim_.white);
   };
   float s = 0;
   const auto panes = [&](float end, float z0) {
@@ -474,7 +482,7 @@ void BuildingMaker::AddGlassWall(const building::PlanWall& wall, int index) {
     }
     s = end;
   };
-  for (const Opening& opening : openings) {
+  for (const WallOpening& opening : openings) {
     panes(opening.s0, 0);
     post(opening.s0 - 0.04f);
     panes(opening.s1, opening.z1);
@@ -483,9 +491,9 @@ void BuildingMaker::AddGlassWall(const building::PlanWall& wall, int index) {
   post(s);
 }
 
-void BuildingMaker::AddPillar(const building::PlanPillar& pillar) {
+void BuildingShell::AddPillar(const building::PlanPillar& pillar) {
   const Placement frame = {
-      {F(pillar.at.x_m), F(pillar.at.y_m), GroundHeight(pillar.at)}, 0};
+      {F(pillar.at.x_m), F(pillar.at.y_m), GroundHeight(plan_, pillar.at)}, 0};
   const float half = F(pillar.width_m / 2);
   const float height = F(pillar.height_m);
   builder_.set_kind(SurfaceKind::kWall);

@@ -4,7 +4,6 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "simulation/worlds/paint.h"
 #include "simulation/worlds/world_builder.h"
 
 namespace treeline::worlds {

@@ -5,7 +5,7 @@
 
 #include "common/base/random.h"
 #include "simulation/worlds/noise.h"
-#include "simulation/worlds/paint.h"
+#include "simulation/worlds/paint_materials.h"
 
 namespace treeline::worlds {
 namespace {

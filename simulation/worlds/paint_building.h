@@ -1,5 +1,5 @@
 // Painters of materials for large surfaces: pictures without a seam, which
-// repeat after as many metres as stated. See paint.h.
+// repeat after as many metres as stated. See paint_materials.h.
 #ifndef SIMULATION_WORLDS_PAINT_BUILDING_H_
 #define SIMULATION_WORLDS_PAINT_BUILDING_H_
 

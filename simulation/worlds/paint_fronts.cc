@@ -1,9 +1,10 @@
-// Fronts of furniture and things that lie about.
+#include "simulation/worlds/paint_fronts.h"
+
 #include <cmath>
 
 #include "common/base/random.h"
 #include "simulation/worlds/noise.h"
-#include "simulation/worlds/paint.h"
+#include "simulation/worlds/paint_materials.h"
 
 namespace treeline::worlds {
 namespace {

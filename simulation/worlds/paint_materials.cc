@@ -1,9 +1,10 @@
+#include "simulation/worlds/paint_materials.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "common/base/random.h"
 #include "simulation/worlds/noise.h"
-#include "simulation/worlds/paint.h"
 
 namespace treeline::worlds {
 namespace {

@@ -1,9 +1,11 @@
+#include "simulation/worlds/paint_prints.h"
+
 #include <array>
 #include <cmath>
 
 #include "common/base/random.h"
 #include "simulation/worlds/noise.h"
-#include "simulation/worlds/paint.h"
+#include "simulation/worlds/paint_materials.h"
 
 namespace treeline::worlds {
 namespace {

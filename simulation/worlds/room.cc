@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "simulation/worlds/furniture.h"
-#include "simulation/worlds/paint.h"
+#include "simulation/worlds/paint_fronts.h"
+#include "simulation/worlds/paint_materials.h"
+#include "simulation/worlds/paint_prints.h"
 #include "simulation/worlds/world.h"
 #include "simulation/worlds/world_builder.h"
 
@@ -206,7 +208,7 @@ class RoomMaker {
       const float height = width * Uniform(0.75f, 1.35f);
       if (x + width > x1) return;
       const float z = 1.62f + Uniform(-0.08f, 0.08f) - height / 2;
-      furniture_.Picture(wall.At({x, 0, z}), width, height);
+      furniture_.things().Picture(wall.At({x, 0, z}), width, height);
       x += width + Uniform(0.08f, 0.3f);
     }
   }
@@ -214,25 +216,25 @@ class RoomMaker {
   void FurnishSeatWall(int wall) {
     const Placement at = Wall(wall);
     const float x = kCorner_m + Uniform(0.0f, 0.15f);
-    furniture_.Plant(at.At({x, 0.03f, 0}), Uniform(1.0f, 1.35f));
-    furniture_.Sofa(at.At({x + 0.55f, 0.02f, 0}));
-    furniture_.FloorLamp(at.At({x + 2.6f, 0.1f, 0}));
+    furniture_.things().Plant(at.At({x, 0.03f, 0}), Uniform(1.0f, 1.35f));
+    furniture_.home().Sofa(at.At({x + 0.55f, 0.02f, 0}));
+    furniture_.things().FloorLamp(at.At({x + 2.6f, 0.1f, 0}));
     HangPictures(at, x + 0.4f, x + 2.6f);
-    furniture_.Clock(at.At({x + 2.75f, 0, 1.95f}));
+    furniture_.things().Clock(at.At({x + 2.75f, 0, 1.95f}));
     const float rest = WallLength(wall) - (x + 3.1f);
     if (rest > 0.55f) {
-      furniture_.BoxStack(at.At({x + 3.1f, 0.03f, 0}));
+      furniture_.things().BoxStack(at.At({x + 3.1f, 0.03f, 0}));
     }
   }
 
   void FurnishBookWall(int wall) {
     const Placement at = Wall(wall);
     float x = kCorner_m + Uniform(0.0f, 0.2f);
-    furniture_.Bookcase(at.At({x, 0, 0}), 0.9f);
-    furniture_.Bookcase(at.At({x + 0.91f, 0, 0}), 0.9f);
+    furniture_.home().Bookcase(at.At({x, 0, 0}), 0.9f);
+    furniture_.home().Bookcase(at.At({x + 0.91f, 0, 0}), 0.9f);
     x += 1.9f + Uniform(0, 0.15f);
     const float width = std::min(1.9f, WallLength(wall) - x - 0.1f);
-    furniture_.Sideboard(at.At({x, 0, 0}), width);
+    furniture_.home().Sideboard(at.At({x, 0, 0}), width);
     HangPictures(at, x + 0.05f, x + width);
   }
 
@@ -240,10 +242,11 @@ class RoomMaker {
     const Placement at = Wall(wall);
     const float x = 1.38f + Uniform(0.0f, 0.1f);
     AddWindow(at, x);
-    furniture_.Desk(at.At({x + 0.05f, 0.12f, 0}));
-    furniture_.Chair(at.At({x + 0.75f, 1.08f, 0}, kPi + Uniform(-0.4f, 0.4f)));
-    furniture_.Plant(at.At({WallLength(wall) - 0.55f, 0.1f, 0}),
-                     Uniform(0.6f, 0.9f));
+    furniture_.home().Desk(at.At({x + 0.05f, 0.12f, 0}));
+    furniture_.home().Chair(
+        at.At({x + 0.75f, 1.08f, 0}, kPi + Uniform(-0.4f, 0.4f)));
+    furniture_.things().Plant(at.At({WallLength(wall) - 0.55f, 0.1f, 0}),
+                              Uniform(0.6f, 0.9f));
     HangPictures(at, 0.05f, x - 0.45f);
   }
 
@@ -251,11 +254,11 @@ class RoomMaker {
     const Placement at = Wall(wall);
     const float x = kCorner_m + Uniform(0.1f, 0.25f);
     AddDoor(at, x + 0.1f);
-    furniture_.Wardrobe(at.At({WallLength(wall) - 1.05f, 0, 0}));
+    furniture_.home().Wardrobe(at.At({WallLength(wall) - 1.05f, 0, 0}));
     const float free = WallLength(wall) - 1.1f;
-    furniture_.WallShelf(at.At({x + 1.18f, 0, 1.45f}),
-                         std::max(0.5f, free - x - 1.25f));
-    furniture_.BoxStack(at.At({x + 1.2f, 0.02f, 0}));
+    furniture_.things().WallShelf(at.At({x + 1.18f, 0, 1.45f}),
+                                  std::max(0.5f, free - x - 1.25f));
+    furniture_.things().BoxStack(at.At({x + 1.2f, 0.02f, 0}));
     HangPictures(at, 0.05f, x - 0.1f);
   }
 
@@ -268,8 +271,9 @@ class RoomMaker {
                     {.sides = white_,
                      .top = Textured([=] { return PaintRug(hue, seed); })});
     const Placement rug = middle.At({0, 0, 0.0085f});
-    furniture_.CoffeeTable(rug.At({0.05f, 0, 0}, Uniform(-0.1f, 0.1f)));
-    furniture_.Chair(rug.At({-0.82f, 0.25f, 0}, 1.3f + Uniform(-0.3f, 0.3f)));
+    furniture_.home().CoffeeTable(rug.At({0.05f, 0, 0}, Uniform(-0.1f, 0.1f)));
+    furniture_.home().Chair(
+        rug.At({-0.82f, 0.25f, 0}, 1.3f + Uniform(-0.3f, 0.3f)));
   }
 
   WorldBuilder builder_;

@@ -2,7 +2,6 @@
 #ifndef SIMULATION_WORLDS_TESTING_WORLD_H_
 #define SIMULATION_WORLDS_TESTING_WORLD_H_
 
-#include "simulation/worlds/paint.h"
 #include "simulation/worlds/world_builder.h"
 
 namespace treeline::worlds {

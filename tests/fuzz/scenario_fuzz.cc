@@ -7,6 +7,7 @@
 
 #include "absl/strings/string_view.h"
 #include "simulation/simulator/scenario.h"
+#include "simulation/simulator/scenario_reader.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const auto scenario = treeline::simulator::ParseScenario(

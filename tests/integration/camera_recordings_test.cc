@@ -13,6 +13,7 @@
 #include <thread>
 #include <vector>
 
+#include "client/relocalizer/connect_options.h"
 #include "common/base/clock.h"
 #include "gtest/gtest.h"
 #include "nav_agent/app/relocalization/server_relocalization.h"

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <utility>
 
+#include "client/relocalizer/grpc_relocalizer.h"
+
 namespace treeline {
 namespace {
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "absl/synchronization/mutex.h"
+#include "client/relocalizer/grpc_relocalizer.h"
 #include "common/base/file.h"
 #include "gmock/gmock.h"
 #include "tests/integration/fixture.h"

@@ -3,6 +3,7 @@
 #include <thread>
 #include <vector>
 
+#include "client/relocalizer/grpc_relocalizer.h"
 #include "gmock/gmock.h"
 #include "server/core/localizer/localizer.h"
 #include "tests/integration/fixture.h"

@@ -16,6 +16,8 @@
 #include "nav_agent/mapping/recording_mapper.h"
 #include "simulation/runs/simulation_run.h"
 #include "simulation/simulator/scenario.h"
+#include "simulation/simulator/scenario_player.h"
+#include "simulation/simulator/scenario_reader.h"
 
 namespace treeline {
 namespace {

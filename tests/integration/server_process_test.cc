@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/synchronization/blocking_counter.h"
+#include "client/relocalizer/grpc_relocalizer.h"
 #include "gmock/gmock.h"
 #include "tests/integration/fixture.h"
 

@@ -13,6 +13,7 @@
 #include "gtest/gtest.h"
 #include "simulation/runs/localize_world.h"
 #include "simulation/simulator/scenario.h"
+#include "simulation/simulator/scenario_player.h"
 #include "simulation/simulator/simulator.h"
 #include "simulation/worlds/world.h"
 

@@ -7,6 +7,7 @@
 
 #include "gtest/gtest.h"
 #include "simulation/runs/localize_world.h"
+#include "simulation/simulator/scenario_player.h"
 #include "simulation/worlds/world.h"
 
 namespace treeline {

@@ -14,6 +14,7 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
+#include "client/relocalizer/grpc_relocalizer.h"
 #include "common/base/interrupt.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"

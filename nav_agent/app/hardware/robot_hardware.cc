@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
 #include "common/config/config_table.h"
+#include "nav_agent/drivers/camera/openni/openni2.h"
 #include "nav_agent/drivers/camera/openni/openni_camera.h"
 #include "nav_agent/drivers/camera/openni/openni_device.h"
 #include "nav_agent/drivers/stream/stream_address.h"

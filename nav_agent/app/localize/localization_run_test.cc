@@ -13,6 +13,8 @@
 #include "nlohmann/json.hpp"
 #include "simulation/runs/localize_world.h"
 #include "simulation/runs/simulation_run.h"
+#include "simulation/simulator/scenario_player.h"
+#include "simulation/simulator/scenario_reader.h"
 
 namespace treeline::localize_app {
 namespace {

@@ -13,6 +13,7 @@
 #include "nav_agent/app/hardware/robot_hardware.h"
 #include "simulation/simulator/paced_runner.h"
 #include "simulation/simulator/scenario.h"
+#include "simulation/simulator/scenario_player.h"
 
 namespace treeline::map_app {
 namespace {

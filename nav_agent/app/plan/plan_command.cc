@@ -11,6 +11,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
+#include "nav_agent/app/plan/plan_drawing.h"
 #include "nav_agent/app/plan/plan_run.h"
 
 namespace treeline::plan_app {

@@ -1,4 +1,5 @@
-// The picture of a plan.
+#include "nav_agent/app/plan/plan_drawing.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,7 +8,6 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
-#include "nav_agent/app/plan/plan_run.h"
 #include "nav_agent/traversability/level_files.h"
 #include "opencv2/imgproc.hpp"
 

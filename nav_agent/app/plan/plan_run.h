@@ -6,7 +6,6 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "common/image/image.h"
 #include "nav_agent/planning/global_planner.h"
 
 namespace treeline::plan_app {
@@ -33,14 +32,6 @@ struct PlanReport {
   planning::PlanResult result;
 };
 
-// All levels that the plan has to do with, side by side: free ground white,
-// sloped ground green to yellow, occupied black, unknown grey; the start's tree
-// blue, the goal's green, the path red; footprints where it starts (blue) and
-// ends (green), dashed grey where they were asked for if that was moved;
-// blockages orange. Below: what the colours mean, a scale, and the figures.
-image::ColorImage DrawPlanReport(const traversability::NavigationMap& map,
-                                 const core::RobotModel& robot,
-                                 const PlanReport& report);
 std::string PlanJson(const PlanReport& report);
 std::string PlanSummary(const PlanReport& report);
 

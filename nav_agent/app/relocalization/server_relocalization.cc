@@ -9,6 +9,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
+#include "client/relocalizer/grpc_relocalizer.h"
 #include "common/base/check_range.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "client/relocalizer/connect_options.h"
 #include "client/relocalizer/relocalizer.h"
 #include "common/base/clock.h"
 #include "common/wire/query_frame.h"

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "absl/synchronization/notification.h"
+#include "client/relocalizer/connect_options.h"
 #include "common/image/decode.h"
 #include "gtest/gtest.h"
 

@@ -11,6 +11,7 @@
 #include "simulation/runs/localize_world.h"
 #include "simulation/runs/lost_suite_world.h"
 #include "simulation/simulator/scenario.h"
+#include "simulation/simulator/scenario_player.h"
 #include "simulation/simulator/simulator.h"
 
 namespace treeline::run_app {

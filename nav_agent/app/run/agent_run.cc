@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/relocalizer/connect_options.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
 #include "common/http/http_server.h"

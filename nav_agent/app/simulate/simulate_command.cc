@@ -13,6 +13,8 @@
 #include "common/image/decode.h"
 #include "simulation/runs/plan_picture.h"
 #include "simulation/runs/simulation_run.h"
+#include "simulation/simulator/scenario_player.h"
+#include "simulation/simulator/scenario_reader.h"
 
 namespace treeline::simulate_app {
 namespace {

@@ -11,6 +11,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client/relocalizer/grpc_relocalizer.h"
 #include "client/relocalizer/relocalizer.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"

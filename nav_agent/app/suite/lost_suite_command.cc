@@ -13,7 +13,9 @@
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
+#include "evaluation/lost/lost_fit.h"
 #include "evaluation/lost/lost_suite.h"
+#include "evaluation/lost/lost_suite_picture.h"
 #include "evaluation/lost/lost_suite_report.h"
 #include "evaluation/suites/suite_jobs.h"
 
@@ -104,7 +106,7 @@ absl::Status RunLost(const LostFlags& flags, const std::stop_token& stop) {
   }
   if (flags.picture.empty()) return absl::OkStatus();
   TL_ASSIGN_OR_RETURN(const std::string png,
-                      image::EncodePng(report.Picture()));
+                      image::EncodePng(lost::DrawLostReport(report)));
   return base::WriteFileAtomically(flags.picture, png);
 }
 

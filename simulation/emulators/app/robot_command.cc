@@ -17,6 +17,7 @@
 #include "simulation/emulators/segway_device.h"
 #include "simulation/emulators/simulated_robot.h"
 #include "simulation/simulator/scenario.h"
+#include "simulation/simulator/scenario_player.h"
 
 namespace treeline::emulator_app {
 namespace {

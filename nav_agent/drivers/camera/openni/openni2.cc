@@ -1,4 +1,5 @@
-// The only file that knows OpenNI2.
+#include "nav_agent/drivers/camera/openni/openni2.h"
+
 #include <OpenNI.h>
 
 #include <atomic>
@@ -11,7 +12,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/drivers/camera/openni/openni_device.h"
 
 namespace treeline::openni_camera {
 namespace {

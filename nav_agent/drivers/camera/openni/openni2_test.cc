@@ -1,5 +1,7 @@
 // OpenNI2 itself, as far as it goes without a camera: it is loaded, and says
 // that there is none.
+#include "nav_agent/drivers/camera/openni/openni2.h"
+
 #include "gtest/gtest.h"
 #include "nav_agent/drivers/camera/openni/openni_device.h"
 

@@ -73,9 +73,6 @@ class OpenNiSystem {
       const OpenNiMode& mode) = 0;
 };
 
-// OpenNI2 itself, loaded when the first device is opened. `clock` outlives it.
-std::unique_ptr<OpenNiSystem> MakeOpenNi2(const base::Clock& clock);
-
 }  // namespace treeline::openni_camera
 
 #endif  // NAV_AGENT_DRIVERS_CAMERA_OPENNI_OPENNI_DEVICE_H_

@@ -1,4 +1,5 @@
-// The only file that talks to Video4Linux2.
+#include "nav_agent/drivers/camera/v4l2/v4l2.h"
+
 #include <fcntl.h>
 #include <linux/videodev2.h>
 #include <poll.h>
@@ -18,7 +19,6 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/descriptor.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/drivers/camera/v4l2/v4l2_device.h"
 
 namespace treeline::v4l2_camera {
 namespace {

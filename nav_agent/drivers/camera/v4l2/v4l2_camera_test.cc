@@ -9,6 +9,7 @@
 #include "absl/synchronization/notification.h"
 #include "common/image/decode.h"
 #include "gtest/gtest.h"
+#include "nav_agent/drivers/camera/v4l2/v4l2.h"
 
 namespace treeline::v4l2_camera {
 namespace {

@@ -60,9 +60,6 @@ class V4l2System {
       const V4l2Mode& mode) = 0;
 };
 
-// The kernel's Video4Linux2, with buffers mapped into memory.
-std::unique_ptr<V4l2System> MakeV4l2();
-
 }  // namespace treeline::v4l2_camera
 
 #endif  // NAV_AGENT_DRIVERS_CAMERA_V4L2_V4L2_DEVICE_H_

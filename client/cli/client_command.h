@@ -1,6 +1,6 @@
-// The subcommands of `treeline-client`, one per file.
-#ifndef CLIENT_CLI_COMMANDS_H_
-#define CLIENT_CLI_COMMANDS_H_
+// What the subcommands of `treeline-client` have in common.
+#ifndef CLIENT_CLI_CLIENT_COMMAND_H_
+#define CLIENT_CLI_CLIENT_COMMAND_H_
 
 #include <functional>
 #include <stop_token>
@@ -27,10 +27,6 @@ struct ClientCommand {
   std::function<int(std::stop_token stop)> run;
 };
 
-ClientCommand AddBenchCommand(CLI::App& app);
-ClientCommand AddLocalizeCommand(CLI::App& app);
-ClientCommand AddScenesCommand(CLI::App& app);
-
 }  // namespace treeline::client_cli
 
-#endif  // CLIENT_CLI_COMMANDS_H_
+#endif  // CLIENT_CLI_CLIENT_COMMAND_H_

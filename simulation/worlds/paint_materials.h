@@ -1,8 +1,8 @@
-// Painters of materials and prints. Each returns a picture whose sides are
+// Painters of materials. Each returns a picture whose sides are
 // powers of two, as Texture needs them, and which depends on its arguments
 // alone.
-#ifndef SIMULATION_WORLDS_PAINT_H_
-#define SIMULATION_WORLDS_PAINT_H_
+#ifndef SIMULATION_WORLDS_PAINT_MATERIALS_H_
+#define SIMULATION_WORLDS_PAINT_MATERIALS_H_
 
 #include <cstdint>
 
@@ -20,8 +20,6 @@ struct HsvColor {
   float value = 0;
 };
 Float3 Hsv(HsvColor color);
-
-// ---- materials (paint_materials.cc) ----
 
 // Almost flat colour with grain. Tiles.
 Canvas PaintPlain(Float3 color, float grain, uint64_t seed);
@@ -46,32 +44,6 @@ Canvas PaintRadiator(uint64_t seed);
 // A leaf of a house plant.
 Canvas PaintLeaf(uint64_t seed);
 
-// ---- prints and fronts (paint_prints.cc, paint_fronts.cc) ----
-
-// A framed picture: landscape, abstract, poster, plan or photograph by turns
-// of `kind`.
-Canvas PaintPicture(int kind, uint64_t seed);
-// What is outside the window.
-Canvas PaintWindowView(uint64_t seed);
-// Spines of books: kSpineColumns x kSpineRows of them, each a tile.
-inline constexpr int kSpineColumns = 16;
-inline constexpr int kSpineRows = 4;
-Canvas PaintBookSpines(uint64_t seed);
-// A cardboard box with tape, label and print.
-Canvas PaintCardboard(uint64_t seed);
-// A panelled door.
-Canvas PaintDoor(Float3 color, uint64_t seed);
-// The front of a cupboard with columns x rows of doors or drawers.
-Canvas PaintCupboard(Float3 tone, int columns, int rows, uint64_t seed);
-// A computer's screen, its keyboard, and a printed page.
-Canvas PaintScreen(uint64_t seed);
-Canvas PaintKeyboard(uint64_t seed);
-Canvas PaintPage(uint64_t seed);
-// A cushion, a magazine's title page, and a clock's face.
-Canvas PaintCushion(float hue, uint64_t seed);
-Canvas PaintMagazine(uint64_t seed);
-Canvas PaintClock(uint64_t seed);
-
 }  // namespace treeline::worlds
 
-#endif  // SIMULATION_WORLDS_PAINT_H_
+#endif  // SIMULATION_WORLDS_PAINT_MATERIALS_H_
