@@ -16,11 +16,11 @@ struct Verdict {
   // What speaks against the pose; kNone: it is believed.
   NotLocalizedReason reason = NotLocalizedReason::kNone;
   // The candidate's, or a better one near it.
-  geometry::Rigid3 world_from_camera;
+  geometry::Rigid3 world_from_camera = {};
   geometry::PoseCovariance covariance{};
   // See PoseEstimate.
   double confidence = 0;
-  forest::PoseEvidence evidence;
+  forest::PoseEvidence evidence = {};
 
   bool is_believed() const { return reason == NotLocalizedReason::kNone; }
 };
