@@ -178,9 +178,9 @@ absl::Status LaserSlamOnThread::Check(const LaserSlamScan& scan) const {
     return absl::InvalidArgumentError("a scan at a pose that is not finite");
   }
   if (!places_.empty() && scan.stamp < places_.back().stamp) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("the clock jumped back by %.3f s",
-                        SecondsBetween(scan.stamp, places_.back().stamp)));
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "the clock jumped back by %.3f s",
+        recording::SecondsBetween(scan.stamp, places_.back().stamp)));
   }
   return absl::OkStatus();
 }

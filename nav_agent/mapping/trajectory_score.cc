@@ -16,15 +16,15 @@ std::optional<geometry::Rigid2> PoseAt(
         return pose.stamp < t;
       });
   if (after != trajectory.end() &&
-      SecondsBetween(time, after->stamp) <= kSame_s) {
+      recording::SecondsBetween(time, after->stamp) <= kSame_s) {
     return after->map_from_base;
   }
   if (after == trajectory.begin()) return std::nullopt;
   const auto before = after - 1;
-  const double since_s = SecondsBetween(before->stamp, time);
+  const double since_s = recording::SecondsBetween(before->stamp, time);
   if (since_s <= kSame_s) return before->map_from_base;
   if (after == trajectory.end()) return std::nullopt;
-  const double until_s = SecondsBetween(time, after->stamp);
+  const double until_s = recording::SecondsBetween(time, after->stamp);
   const geometry::Rigid2 step =
       before->map_from_base.Inverse() * after->map_from_base;
   if (std::min(since_s, until_s) > options.max_gap_s ||
