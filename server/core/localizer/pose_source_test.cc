@@ -118,7 +118,9 @@ TEST(SourceGeneratorTest, APoseOfTooFewInliersIsNotProposed) {
 TEST(SourceGeneratorTest, ExplainsItselfOnRequest) {
   const FakeSource<0> source(150, 150);
   EXPECT_TRUE(Propose(source, 100)->correspondences.empty());
-  const auto candidate = Propose(source, 100, {.keep_correspondences = true});
+  LocalizeOptions options;
+  options.keep_correspondences = true;
+  const auto candidate = Propose(source, 100, options);
   ASSERT_EQ(candidate->correspondences.size(), 150u);
   for (size_t i = 0; i < 150; ++i) {
     EXPECT_EQ(candidate->correspondences[i].inlier, i % 3 != 0);
