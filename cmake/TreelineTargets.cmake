@@ -2,6 +2,8 @@ include(GoogleTest)
 
 # `cmake --build ... --target unit_tests`: what the sanitizers are run on.
 add_custom_target(unit_tests)
+# Those of what reads bytes from outside: what .ci/run runs the sanitizers on.
+add_custom_target(decoder_tests)
 # `cmake --build ... --target fuzzers`, in the preset `fuzz`.
 add_custom_target(fuzzers)
 add_custom_target(benchmarks)
@@ -34,11 +36,12 @@ function(treeline_binary name)
     RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 endfunction()
 
-# treeline_test(NAME SRCS file... DEPS target... [LABELS label...])
+# treeline_test(NAME [DECODES] SRCS file... DEPS target... [LABELS label...])
+# DECODES: it tests what reads bytes from outside.
 # One program a folder and label, and one entry of ctest a program: starting a
 # process for each case took longer than the cases.
 function(treeline_test name)
-  cmake_parse_arguments(ARG "" "" "SRCS;DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "DECODES" "" "SRCS;DEPS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SRCS})
   target_link_libraries(${name} PRIVATE treeline_options ${ARG_DEPS}
     GTest::gmock GTest::gtest_main)
@@ -48,6 +51,10 @@ function(treeline_test name)
   endif()
   if("unit" IN_LIST labels)
     add_dependencies(unit_tests ${name})
+  endif()
+  if(ARG_DECODES)
+    add_dependencies(decoder_tests ${name})
+    list(APPEND labels decoder)
   endif()
   add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
   set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT 1500)
@@ -83,8 +90,10 @@ function(treeline_fuzzer name)
       SRCS ${ARG_SRCS} ${CMAKE_SOURCE_DIR}/tests/fuzz/replay_main.cc
       DEPS ${ARG_DEPS} treeline_base)
     add_dependencies(unit_tests ${name})
+    add_dependencies(decoder_tests ${name})
     add_test(NAME ${name}.replay COMMAND ${name} ${seeds})
-    set_tests_properties(${name}.replay PROPERTIES LABELS unit TIMEOUT 300)
+    set_tests_properties(${name}.replay PROPERTIES
+      LABELS "unit;decoder" TIMEOUT 300)
   endif()
 endfunction()
 
