@@ -26,7 +26,7 @@ TEST(DistanceToTraining, WeighsATurnLikeTheMoveOfWhatIsSeen) {
 
 FrameResult FrameAt(double x_m, double error_m) {
   FrameResult result;
-  result.estimate = LocalizedAt({{}, {x_m + error_m, 0, 0}});
+  result.estimate = tools::LocalizedAt({{}, {x_m + error_m, 0, 0}});
   result.true_world_from_camera = geometry::Rigid3{{}, {x_m, 0, 0}};
   result.error = geometry::PoseError{error_m, 0};
   return result;
