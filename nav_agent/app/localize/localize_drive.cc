@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/core/slope_odometry.h"
 #include "nav_agent/recording/agent_log.h"
@@ -101,7 +102,7 @@ class DriveBuilder {
       return;
     }
     last_scan_ = scan.stamp;
-    if (!scans_.empty() && recording::SecondsBetween(scans_.back().stamp, scan.stamp) <
+    if (!scans_.empty() && base::SecondsBetween(scans_.back().stamp, scan.stamp) <
                                options_.min_interval_s) {
       return;
     }
@@ -117,13 +118,13 @@ class DriveBuilder {
     const auto after =
         std::ranges::lower_bound(samples_, middle, {}, &OdometrySample::stamp);
     if (after == samples_.begin() || after == samples_.end() ||
-        recording::SecondsBetween((after - 1)->stamp, after->stamp) > options_.max_gap_s) {
+        base::SecondsBetween((after - 1)->stamp, after->stamp) > options_.max_gap_s) {
       ++drive_.refused_scans;
       return;
     }
     const OdometrySample& before = *(after - 1);
-    const double t = recording::SecondsBetween(before.stamp, middle) /
-                     recording::SecondsBetween(before.stamp, after->stamp);
+    const double t = base::SecondsBetween(before.stamp, middle) /
+                     base::SecondsBetween(before.stamp, after->stamp);
     drive_.scans.push_back(
         {.stamp = recording::RecordingTime(
              std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -141,9 +142,9 @@ class DriveBuilder {
                                                 &recording::LogTruePose::stamp);
     if (after == truth_.begin() || after == truth_.end()) return std::nullopt;
     const recording::LogTruePose& before = *(after - 1);
-    const double gap_s = recording::SecondsBetween(before.stamp, after->stamp);
+    const double gap_s = base::SecondsBetween(before.stamp, after->stamp);
     if (!(gap_s > 0) || gap_s > options_.max_gap_s) return std::nullopt;
-    const double t = recording::SecondsBetween(before.stamp, time) / gap_s;
+    const double t = base::SecondsBetween(before.stamp, time) / gap_s;
     const geometry::Vec3& a = before.world_from_base.translation;
     const geometry::Vec3& b = after->world_from_base.translation;
     return geometry::Rigid3{

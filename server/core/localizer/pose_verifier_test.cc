@@ -42,7 +42,8 @@ class SupportVerifierTest : public testing::Test {
     info.viewing_distance = 2;
     const image::Frame frame;
     const camera::RgbdCalibration calibration;
-    const LocalizeOptions options{.min_confidence = min_confidence};
+    LocalizeOptions options;
+    options.min_confidence = min_confidence;
     QueryScratch scratch;
     Query query(frame, calibration, DepthUse::kIgnored, options, scratch);
     return SupportVerifier(info).Verify(query, candidate);
