@@ -43,7 +43,7 @@ class ConfirmingStateTest : public testing::Test {
     return Outcome::kOpen;
   }
 
-  FakeTracker tracker_;
+  ScriptedTracker tracker_;
   RelocalizationBehaviorOptions options_;
   RelocalizationTools tools_{
       std::make_shared<const traversability::NavigationMap>(

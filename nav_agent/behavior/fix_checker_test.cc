@@ -19,7 +19,7 @@ class FixCheckerTest : public testing::Test {
   }
 
   core::RobotModel robot_;
-  FakeTracker tracker_;
+  ScriptedTracker tracker_;
   FixChecker checker_{std::make_shared<const traversability::NavigationMap>(
                           *traversability::NavigationMap::Make(TwoRooms())),
                       robot_, FixGateOptions()};

@@ -51,7 +51,7 @@ class LaserSearchTest : public testing::Test {
   std::shared_ptr<const traversability::NavigationMap> map_ =
       std::make_shared<const traversability::NavigationMap>(
           *traversability::NavigationMap::Make(TwoRooms()));
-  FakeTracker tracker_;
+  ScriptedTracker tracker_;
   std::optional<RelocalizationTools> tools_;
   std::optional<LaserSearch> search_;
   LaserSearch::ServerState server_;

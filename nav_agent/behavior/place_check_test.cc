@@ -107,7 +107,7 @@ class PlaceCheckTest : public testing::Test {
         checker_, question_, tools_);
   }
 
-  FakeTracker tracker_;
+  ScriptedTracker tracker_;
   FakeServer server_{tracker_};
   std::shared_ptr<const traversability::NavigationMap> map_ =
       std::make_shared<const traversability::NavigationMap>(

@@ -22,7 +22,7 @@ class ScanWatchTest : public testing::Test {
     return watch_.Watch(tracker_, kLimits);
   }
 
-  FakeTracker tracker_;
+  ScriptedTracker tracker_;
   ScanWatch watch_;
 };
 

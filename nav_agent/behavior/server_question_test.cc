@@ -23,7 +23,7 @@ class ServerQuestionTest : public testing::Test {
     return question_.Take(tracker_.now);
   }
 
-  FakeTracker tracker_;
+  ScriptedTracker tracker_;
   FakeServer server_{tracker_};
   ServerQuestion question_{&server_, 3};
 };

@@ -51,7 +51,7 @@ inline traversability::TraversableMap TwoRooms() {
 
 // A robot that turns as it is told, and knows the truth: how well scans fit
 // falls with the distance from it.
-class FakeTracker : public localization::RobotTracker {
+class ScriptedTracker : public localization::RobotTracker {
  public:
   geometry::Rigid2 truth = {{2, 3}, 0.5};
   geometry::Rigid2 odom_from_base;
@@ -220,7 +220,7 @@ class FakeTracker : public localization::RobotTracker {
 class FakeServer final : public core::RelocalizationPort {
  public:
   using Answer = absl::StatusOr<core::RelocalizationAnswer>;
-  explicit FakeServer(FakeTracker& tracker) : tracker_(tracker) {}
+  explicit FakeServer(ScriptedTracker& tracker) : tracker_(tracker) {}
 
   std::vector<std::function<Answer()>> answers;
   double delay_s = 0.2;
@@ -251,7 +251,7 @@ class FakeServer final : public core::RelocalizationPort {
   void Cancel() override { is_asking_ = false; }
 
  private:
-  FakeTracker& tracker_;
+  ScriptedTracker& tracker_;
   bool is_asking_ = false;
   double timeout_s_ = 0;
   base::MonotonicTime asked_at_;

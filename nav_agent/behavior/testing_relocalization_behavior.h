@@ -91,7 +91,7 @@ class RelocalizationBehaviorTest : public testing::Test {
   std::shared_ptr<const traversability::NavigationMap> map_ =
       std::make_shared<const traversability::NavigationMap>(
           *traversability::NavigationMap::Make(TwoRooms()));
-  FakeTracker tracker_;
+  ScriptedTracker tracker_;
   FakeServer server_{tracker_};
   RelocalizationBehaviorOptions options_;
   std::unique_ptr<RelocalizationBehavior> lost_;

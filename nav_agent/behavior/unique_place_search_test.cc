@@ -12,7 +12,7 @@ namespace {
 // A tracker whose search finds what the test says.
 class UniquePlaceSearchTest : public testing::Test {
  protected:
-  class Tracker final : public FakeTracker {
+  class Tracker final : public ScriptedTracker {
    public:
     std::vector<OtherPlace> finds_places;
     int begun = 0;
@@ -21,7 +21,7 @@ class UniquePlaceSearchTest : public testing::Test {
     void BeginOtherPlaces(const std::optional<core::LevelPose>& than) override {
       ++begun;
       begun_for_others = than.has_value();
-      FakeTracker::BeginOtherPlaces(than);
+      ScriptedTracker::BeginOtherPlaces(than);
     }
     std::vector<OtherPlace> BestPlaces() const override { return finds_places; }
   };

@@ -22,7 +22,7 @@ inline constexpr base::Parameter<double> kFreeRoom_m{
     "free_room", 0.01, "m", base::ParameterOrigin::kTuned,
     "a footprint with less room touches"};
 inline constexpr base::Parameter<double> kMaxApproach_m{
-    "comes_nearer", 0.003, "m", base::ParameterOrigin::kTuned,
+    "max_approach", 0.003, "m", base::ParameterOrigin::kTuned,
     "by which a move may come nearer to what is too near already"};
 // ---- the path ----
 inline constexpr base::Parameter<double> kPathBack_m{
@@ -70,7 +70,7 @@ inline constexpr base::Parameter<double> kMaxSpacing_m{
     "max_spacing", 0.30, "m", base::ParameterOrigin::kGeometry,
     "half of the robot's length"};
 inline constexpr base::Parameter<double> kTurnWay{
-    "turn_way", 0.1, "m/rad", base::ParameterOrigin::kGeometry,
+    "turn_path", 0.1, "m/rad", base::ParameterOrigin::kGeometry,
     "what a turn between neighbours takes of their room"};
 inline constexpr base::Parameter<int> kBandIterations{
     "band_iterations", 3, "", base::ParameterOrigin::kTuned,
@@ -98,7 +98,7 @@ inline constexpr base::Parameter<double> kLeavingSlack_m{
     "by which that way may come nearer to it"};
 // ---- the search ----
 inline constexpr base::Parameter<double> kWishedRoom_m{
-    "wished_room", 0.7, "m", base::ParameterOrigin::kTuned,
+    "desired_clearance", 0.7, "m", base::ParameterOrigin::kTuned,
     "cells nearer to obstacles cost more"};
 inline constexpr base::Parameter<double> kRoomPrice{
     "room_price", 4.0, "", base::ParameterOrigin::kTuned,

@@ -13,7 +13,7 @@ inline constexpr base::Parameter<double> kGoalNear_m{
     "goal_near", 0.25, "m", base::ParameterOrigin::kTuned,
     "the approach begins here, along the path and in a line"};
 inline constexpr base::Parameter<double> kContentShare{
-    "content_share", 0.35, "", base::ParameterOrigin::kTuned,
+    "goal_deadband_share", 0.35, "", base::ParameterOrigin::kTuned,
     "of the tolerances, within which it goes no further"};
 inline constexpr base::Parameter<double> kAbeamShare{
     "abeam_share", 0.75, "", base::ParameterOrigin::kTuned,
@@ -115,7 +115,7 @@ inline constexpr base::Parameter<double> kQuietMin_s{
     "quiet_min", 1.5, "s", base::ParameterOrigin::kTuned,
     "the least, for a robot that has stood for long"};
 inline constexpr base::Parameter<double> kImpatience{
-    "daring", 0.5, "s/s", base::ParameterOrigin::kTuned,
+    "impatience", 0.5, "s/s", base::ParameterOrigin::kTuned,
     "so much less for each second that it has not got on"};
 inline constexpr base::Parameter<double> kGotOn_m{
     "got_on", 0.15, "m", base::ParameterOrigin::kTuned,

@@ -109,10 +109,10 @@ inline constexpr base::Parameter<int> kScansToEnd{
     "scans_to_end", 6, "scans", base::ParameterOrigin::kTuned,
     "in a row where somebody should be seen: he is not there"};
 inline constexpr base::Parameter<double> kPositionUncertainty_mps{
-    "doubt", 0.35, "m/s", base::ParameterOrigin::kTuned,
+    "position_uncertainty", 0.35, "m/s", base::ParameterOrigin::kTuned,
     "out of sight, somebody may be so much further off every second"};
 inline constexpr base::Parameter<double> kMaxWalkingSpeed_mps{
-    "fastest_walk", 2.0, "m/s", base::ParameterOrigin::kPhysics,
+    "max_walking_speed", 2.0, "m/s", base::ParameterOrigin::kPhysics,
     "who walks is not faster"};
 // ---- the collision guard ----
 inline constexpr base::Parameter<double> kPointMargin_m{
@@ -161,10 +161,10 @@ inline constexpr base::Parameter<int> kMaxLooks{
     "max_looks", 60, "looks", base::ParameterOrigin::kTuned,
     "bounds the time that a check takes"};
 inline constexpr base::Parameter<double> kMinSpeed_mps{
-    "least_speed", 0.006, "m/s", base::ParameterOrigin::kTuned,
+    "min_speed", 0.006, "m/s", base::ParameterOrigin::kTuned,
     "what is left of a command is no motion any more"};
 inline constexpr base::Parameter<double> kMinTurn_radps{
-    "least_turn", 0.015, "rad/s", base::ParameterOrigin::kTuned,
+    "min_turn", 0.015, "rad/s", base::ParameterOrigin::kTuned,
     "the same of turning"};
 inline constexpr base::Parameter<double> kGuardSlack_m{
     "guard_slack", 2e-4, "m", base::ParameterOrigin::kPhysics,

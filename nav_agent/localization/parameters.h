@@ -49,10 +49,10 @@ inline constexpr base::Parameter<double> kSearchingShare{
     "searching_share", 0.3, "", base::ParameterOrigin::kTuned,
     "of a scan's weight while particles are few for the room"};
 inline constexpr base::Parameter<double> kRegularization_m{
-    "roughen", 0.1, "m", base::ParameterOrigin::kTuned,
+    "regularization", 0.1, "m", base::ParameterOrigin::kTuned,
     "spread after drawing (Musso, Oudjane, Le Gland, 2001)"};
 inline constexpr base::Parameter<double> kRegularization_rad{
-    "roughen", 0.05, "rad", base::ParameterOrigin::kTuned,
+    "regularization", 0.05, "rad", base::ParameterOrigin::kTuned,
     "the same, of the heading"};
 inline constexpr base::Parameter<double> kFoundShare{
     "found_share", 0.95, "", base::ParameterOrigin::kTuned,
@@ -85,7 +85,7 @@ inline constexpr base::Parameter<double> kResampleBelow{
     "resample_below", 0.5, "", base::ParameterOrigin::kTuned,
     "of the particles count"};
 inline constexpr base::Parameter<size_t> kWitnessParticles{
-    "witness_particles", 256, "", base::ParameterOrigin::kTuned,
+    "judging_particles", 256, "", base::ParameterOrigin::kTuned,
     "enough to tell whether a beam is explained"};
 
 // ---- The likelihood field and its layers ----

@@ -107,7 +107,7 @@ inline constexpr base::Parameter<double> kPullSpacingMax_m{
     "pull_spacing_max", 0.3, "m", base::ParameterOrigin::kTuned, "and at most"};
 // ---- the lattice ----
 inline constexpr base::Parameter<double> kGreed{
-    "greed", 1.5, "", base::ParameterOrigin::kTuned,
+    "heuristic_weight", 1.5, "", base::ParameterOrigin::kTuned,
     "what is left to go counts more: fewer places, and ways are improved "
     "anyway"};
 inline constexpr base::Parameter<double> kLastLine_m{

@@ -97,7 +97,7 @@ TEST_F(JwtTest, DoesNotTakeAPublicKeyForASecret) {
   const std::string pem = PublicKeyOf(*rsa_);
   EXPECT_THAT(
       ErrorOf(MakeHmacToken(R"({"alg":"HS256","kid":"r"})", kClaims, pem)),
-      HasSubstr("no key"));
+      HasSubstr("no known key"));
   // Without a name it is tried with the secret, and does not fit.
   EXPECT_THAT(ErrorOf(MakeHmacToken(R"({"alg":"HS256"})", kClaims, pem)),
               HasSubstr("signature"));
@@ -125,7 +125,7 @@ TEST_F(JwtTest, RefusesAnotherKeysSignature) {
               HasSubstr("signature"));
   EXPECT_THAT(
       ErrorOf(MakeToken(JwtAlgorithm::kRs256, *rsa_, "unknown", kClaims)),
-      HasSubstr("no key"));
+      HasSubstr("no known key"));
 }
 
 TEST_F(JwtTest, RefusesClaimsThatWereChanged) {

@@ -21,7 +21,7 @@ TEST(ShellQuoted, QuotesOnlyWhatAShellWouldChange) {
 }
 
 TEST(RunInfo, TellsAboutThisProcess) {
-  EXPECT_THAT(CommandLine(), HasSubstr("report_test"));
+  EXPECT_THAT(CommandLine(), HasSubstr("tools_test"));
   EXPECT_GT(PeakMemoryBytes(), 1u << 20);
   EXPECT_THAT(CpuDescription(), HasSubstr("processor"));
   EXPECT_EQ(UtcNow().size(), std::string("2026-11-21T09:30:00Z").size());

@@ -47,11 +47,11 @@ TEST(StepTimer, WithoutAPeriodNothingIsLate) {
 
 TEST(AgentConfig, SaysWhatDoesNotFit) {
   AgentConfig config;
-  EXPECT_THAT(config.Validate().message(), HasSubstr("which robot?"));
+  EXPECT_THAT(config.Validate().message(), HasSubstr("--simulate WORLD or"));
   config.simulate = "cafe";
   EXPECT_TRUE(config.Validate().ok());
   config.hardware = "robot.yaml";
-  EXPECT_THAT(config.Validate().message(), HasSubstr("which robot?"));
+  EXPECT_THAT(config.Validate().message(), HasSubstr("--simulate WORLD or"));
   config.simulate.clear();
   EXPECT_THAT(config.Validate().message(), HasSubstr("--map"));
   config.map = "house";

@@ -21,9 +21,9 @@ TEST(ParameterTables, ThePageIsWhatTheProgramPrints) {
 
 TEST(ParameterTables, EachConstantHasAnOwnNameAndAReason) {
   for (const ParameterTable& table : AgentParameterTables()) {
-    std::set<std::string_view> names;
+    std::set<std::pair<std::string_view, std::string_view>> names;
     for (const base::ParameterRow& row : table.rows) {
-      EXPECT_TRUE(names.insert(row.name).second)
+      EXPECT_TRUE(names.emplace(row.name, row.unit).second)
           << table.folder << " " << row.name;
       EXPECT_FALSE(row.value.empty()) << row.name;
       EXPECT_FALSE(row.why.empty()) << row.name;
