@@ -18,8 +18,8 @@ TEST(DisjointSets, AreNamedByTheirLeastNumberWhateverTheOrder) {
   down.Join(5, 3);
   down.Join(3, 1);
   for (DisjointSets* sets : {&up, &down}) {
-    for (uint32_t i : {1, 3, 5}) EXPECT_EQ(sets->Find(i), 1u);
-    for (uint32_t i : {0, 2, 4}) EXPECT_EQ(sets->Find(i), i);
+    for (uint32_t i : {1u, 3u, 5u}) EXPECT_EQ(sets->Find(i), 1u);
+    for (uint32_t i : {0u, 2u, 4u}) EXPECT_EQ(sets->Find(i), i);
   }
 }
 
