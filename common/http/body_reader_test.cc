@@ -102,7 +102,7 @@ TEST_F(BodyReaderTest, RefusesChunksThatProxiesReadInAnotherWay) {
         "0\r\nA: b\n\r\n\r\n"}) {
     EXPECT_EQ(ReadChunked(bytes), 400) << bytes;
   }
-  EXPECT_EQ(ReadChunked(std::string("3\0\r\nabc\r\n0\r\n\r\n", 17)), 400);
+  EXPECT_EQ(ReadChunked(std::string("3\0\r\nabc\r\n0\r\n\r\n", 14)), 400);
   EXPECT_EQ(ReadChunked("3;" + std::string(1000, 'x') + "\r\n"), 400);
   EXPECT_EQ(ReadChunked("200000\r\n"), 413);
 }
