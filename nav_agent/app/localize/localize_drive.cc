@@ -102,8 +102,9 @@ class DriveBuilder {
       return;
     }
     last_scan_ = scan.stamp;
-    if (!scans_.empty() && base::SecondsBetween(scans_.back().stamp, scan.stamp) <
-                               options_.min_interval_s) {
+    if (!scans_.empty() &&
+        base::SecondsBetween(scans_.back().stamp, scan.stamp) <
+            options_.min_interval_s) {
       return;
     }
     scan.intensities.clear();
@@ -118,7 +119,8 @@ class DriveBuilder {
     const auto after =
         std::ranges::lower_bound(samples_, middle, {}, &OdometrySample::stamp);
     if (after == samples_.begin() || after == samples_.end() ||
-        base::SecondsBetween((after - 1)->stamp, after->stamp) > options_.max_gap_s) {
+        base::SecondsBetween((after - 1)->stamp, after->stamp) >
+            options_.max_gap_s) {
       ++drive_.refused_scans;
       return;
     }
