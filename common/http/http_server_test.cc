@@ -388,9 +388,10 @@ TEST_F(HttpServerTest, ABodyThatNeverEndsIsATimeout) {
 TEST_F(HttpServerTest, ABodyThatTricklesIsATimeout) {
   options_.stream.body_rate_grace = std::chrono::milliseconds(50);
   options_.stream.min_body_bytes_per_s = 1 << 20;
+  options_.max_body_mib = 32;
   Start();
   const RawClient client(server_->address());
-  client.Send("POST / HTTP/1.1\r\nContent-Length: 1000000\r\n\r\n");
+  client.Send("POST / HTTP/1.1\r\nContent-Length: 30000000\r\n\r\n");
   std::string answer;
   std::thread reader([&] { answer = client.ReadAll(); });
   // Ends when the server has closed, long before all has come.
