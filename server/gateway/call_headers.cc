@@ -10,7 +10,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/strip.h"
 #include "common/base/error_info.h"
-#include "server/gateway/http_errors.h"
+#include "common/connect_rpc/connect_error.h"
 #include "server/service/message_shape.h"
 
 namespace treeline::gateway {
@@ -74,9 +74,9 @@ std::optional<http::HttpResponse> AdmitRequest(
   request.arrival = clock.Now();
   const absl::StatusOr<service::CallInfo> call =
       CallInfoOf(request, rpc, admin_listener);
-  if (!call.ok()) return ErrorResponse(call.status());
+  if (!call.ok()) return connect_rpc::ConnectErrorResponse(call.status());
   absl::StatusOr<service::Client> client = dispatcher.Admit(*call, scope);
-  if (!client.ok()) return ErrorResponse(client.status());
+  if (!client.ok()) return connect_rpc::ConnectErrorResponse(client.status());
   request.client = std::move(client->id);
   return std::nullopt;
 }

@@ -8,8 +8,8 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
+#include "common/connect_rpc/connect_error.h"
 #include "server/gateway/call_headers.h"
-#include "server/gateway/http_errors.h"
 #include "server/gateway/json_message.h"
 #include "server/gateway/pending_call.h"
 #include "server/service/message_shape.h"
@@ -141,12 +141,12 @@ std::optional<http::HttpResponse> ConnectRoutes::CheckHead(
     const http::HttpRequest& request) const {
   const Route* route = FindRoute(request.path);
   if (route == nullptr) {
-    return ErrorResponse(
+    return connect_rpc::ConnectErrorResponse(
         404, base::WithReason(absl::UnimplementedError("no such method"),
                               "METHOD_UNKNOWN"));
   }
   if (request.method != "POST") {
-    http::HttpResponse response = ErrorResponse(
+    http::HttpResponse response = connect_rpc::ConnectErrorResponse(
         405,
         base::WithReason(absl::UnimplementedError("calls are made with POST"),
                          "METHOD_UNKNOWN"));
@@ -154,14 +154,14 @@ std::optional<http::HttpResponse> ConnectRoutes::CheckHead(
     return response;
   }
   if (route->call == nullptr) {
-    return ErrorResponse(base::WithReason(
+    return connect_rpc::ConnectErrorResponse(base::WithReason(
         absl::UnimplementedError("LocalizeStream is served over gRPC only; "
                                  "over HTTP, call Localize for each frame"),
         "METHOD_UNKNOWN"));
   }
   const std::string type = MediaType(request.Header("content-type"));
   if (type != kJson && type != kProto) {
-    http::HttpResponse response = ErrorResponse(
+    http::HttpResponse response = connect_rpc::ConnectErrorResponse(
         415, InvalidRequest("the content-type must be application/json or "
                             "application/proto"));
     response.headers.emplace_back("Accept-Post",
@@ -184,7 +184,7 @@ http::HttpResponse ConnectRoutes::Handle(
   absl::StatusOr<http::HttpResponse> response =
       FindRoute(request.path)->call(context, request);
   return response.ok() ? *std::move(response)
-                       : ErrorResponse(response.status());
+                       : connect_rpc::ConnectErrorResponse(response.status());
 }
 
 }  // namespace treeline::gateway

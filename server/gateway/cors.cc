@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "common/base/error_info.h"
-#include "server/gateway/http_errors.h"
+#include "common/connect_rpc/connect_error.h"
 
 namespace treeline::gateway {
 namespace {
@@ -50,7 +50,7 @@ std::optional<http::HttpResponse> CorsPolicy::Check(
     if (request.method == "GET" || request.method == "HEAD") {
       return std::nullopt;
     }
-    return ErrorResponse(
+    return connect_rpc::ConnectErrorResponse(
         base::WithReason(absl::PermissionDeniedError(
                              "the server does not serve pages of this origin"),
                          "ORIGIN_REFUSED"));

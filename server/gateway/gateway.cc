@@ -6,11 +6,11 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
+#include "common/connect_rpc/connect_error.h"
 #include "server/gateway/call_headers.h"
 #include "server/gateway/connect_routes.h"
 #include "server/gateway/cors.h"
 #include "server/gateway/gpp_routes.h"
-#include "server/gateway/http_errors.h"
 
 namespace treeline::gateway {
 namespace {
@@ -92,12 +92,12 @@ class Handler final : public http::HttpHandler {
       return gpp_->CheckHead(request);
     }
     if (!IsPage(request.path)) {
-      return ErrorResponse(
+      return connect_rpc::ConnectErrorResponse(
           404, base::WithReason(absl::UnimplementedError("no such path"),
                                 "METHOD_UNKNOWN"));
     }
     if (request.method != "GET" && request.method != "HEAD") {
-      http::HttpResponse response = ErrorResponse(
+      http::HttpResponse response = connect_rpc::ConnectErrorResponse(
           405, base::WithReason(absl::UnimplementedError("read it with GET"),
                                 "METHOD_UNKNOWN"));
       response.headers.emplace_back("Allow", "GET, HEAD");
@@ -130,7 +130,7 @@ class Handler final : public http::HttpHandler {
   }
 
   http::HttpResponse Error(int status) override {
-    return ErrorResponse(status, StatusOfHttp(status));
+    return connect_rpc::ConnectErrorResponse(status, StatusOfHttp(status));
   }
 
   std::vector<std::pair<std::string, std::string>> CommonHeaders(
@@ -155,7 +155,7 @@ class Handler final : public http::HttpHandler {
     const absl::Status status =
         call.ok() ? hooks_.may_read_metrics(*call) : call.status();
     if (status.ok()) return std::nullopt;
-    return ErrorResponse(status);
+    return connect_rpc::ConnectErrorResponse(status);
   }
 
   const CorsPolicy cors_;

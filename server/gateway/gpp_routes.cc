@@ -9,10 +9,10 @@
 #include "absl/strings/strip.h"
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
+#include "common/connect_rpc/connect_error.h"
 #include "common/wire/camera.h"
 #include "common/wire/geometry.h"
 #include "server/gateway/call_headers.h"
-#include "server/gateway/http_errors.h"
 #include "server/gateway/pending_call.h"
 
 namespace treeline::gateway {
@@ -61,7 +61,7 @@ http::HttpResponse NotLocalized(absl::string_view reason,
     metadata["confidence"] = absl::StrCat(response->confidence());
     if (!response->scene().empty()) metadata["scene"] = response->scene();
   }
-  return ErrorResponse(
+  return connect_rpc::ConnectErrorResponse(
       422, base::WithReason(absl::NotFoundError(message), reason, metadata));
 }
 
@@ -123,7 +123,7 @@ std::optional<http::HttpResponse> GppRoutes::CheckHead(
     const http::HttpRequest& request) const {
   if (request.method == "GET" || request.method == "HEAD") return std::nullopt;
   if (request.method != "POST") {
-    http::HttpResponse response = ErrorResponse(
+    http::HttpResponse response = connect_rpc::ConnectErrorResponse(
         405,
         base::WithReason(absl::UnimplementedError("poses are asked with POST"),
                          "METHOD_UNKNOWN"));
@@ -132,11 +132,11 @@ std::optional<http::HttpResponse> GppRoutes::CheckHead(
   }
   const std::string type = MediaType(request.Header("content-type"));
   if (type != kJson && type != kOscpJson) {
-    return ErrorResponse(
+    return connect_rpc::ConnectErrorResponse(
         415, InvalidRequest("the content-type must be application/json"));
   }
   if (!AcceptsVersion2(request.Header("accept"))) {
-    return ErrorResponse(
+    return connect_rpc::ConnectErrorResponse(
         406, InvalidRequest("only version 2.0 of the GeoPose Protocol is "
                             "spoken: application/vnd.oscp+json;version=2.0"));
   }
@@ -156,7 +156,7 @@ http::HttpResponse GppRoutes::Handle(const http::HttpRequest& request) const {
   }
   absl::StatusOr<http::HttpResponse> response = Localize(request);
   return response.ok() ? *std::move(response)
-                       : ErrorResponse(response.status());
+                       : connect_rpc::ConnectErrorResponse(response.status());
 }
 
 absl::StatusOr<http::HttpResponse> GppRoutes::Localize(
