@@ -75,7 +75,9 @@ void AddEstimate(const FrameResult& result, Json& json) {
                         {"visible", evidence.visible},
                         {"overlap", Number(evidence.overlap)},
                         {"depth_agreement", Number(evidence.depth_agreement)},
-                        {"moved_m", Number(evidence.moved_m)}};
+                        {"moved_m", Number(evidence.moved_m)},
+                        {"matches", evidence.matches},
+                        {"sigma_m", Number(evidence.sigma_m)}};
   }
   json["world_from_camera"] =
       result.localized() ? Pose(estimate.world_from_camera) : Json(nullptr);

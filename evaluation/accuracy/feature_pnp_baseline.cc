@@ -201,6 +201,9 @@ class FeaturePnpBaseline final : public localizer::Localizer {
   }
 
   const forest::ModelInfo& info() const override { return info_; }
+  localizer::DepthUse depth_use() const override {
+    return localizer::DepthUse::kIgnored;
+  }
 
  private:
   absl::StatusOr<localizer::PoseEstimate> LocalizeOrThrow(

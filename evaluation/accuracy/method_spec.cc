@@ -91,6 +91,7 @@ localizer::QueryOptions QueriesFor(const MethodSpec& spec,
 
 MethodInputs InputsOfMethod(absl::string_view method) {
   if (method == "rgbd" || method == "points-lines") return {"RGB-D", "RGB-D"};
+  if (method == "universal") return {"RGB-D", "RGB-D or RGB"};
   if (method == "rgb" || method == "hybrid") return {"RGB-D", "RGB"};
   if (method == "sift") return {"RGB", "RGB"};
   if (BaselineOfName(method)) return {"RGB-D", "RGB"};

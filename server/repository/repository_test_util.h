@@ -30,6 +30,9 @@ class FakeLocalizer final : public localizer::Localizer {
     return localizer::PoseEstimate{};
   }
   const forest::ModelInfo& info() const override { return info_; }
+  localizer::DepthUse depth_use() const override {
+    return localizer::DepthUse::kIgnored;
+  }
 
  private:
   forest::ModelInfo info_;

@@ -56,6 +56,9 @@ class FakeLocalizer final : public localizer::Localizer {
     return localize_(frame, options);
   }
   const forest::ModelInfo& info() const override { return info_; }
+  localizer::DepthUse depth_use() const override {
+    return localizer::DepthUse::kIgnored;
+  }
 
  private:
   forest::ModelInfo info_;

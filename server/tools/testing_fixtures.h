@@ -69,6 +69,9 @@ class FunctionLocalizer final : public localizer::Localizer {
     return function_(frame, options);
   }
   const forest::ModelInfo& info() const override { return info_; }
+  localizer::DepthUse depth_use() const override {
+    return localizer::DepthUse::kIgnored;
+  }
 
  private:
   const forest::ModelInfo info_;

@@ -16,6 +16,7 @@
 #include "server/core/recognition/scene_index.h"
 #include "server/core/training/appearance_builder.h"
 #include "server/core/training/box_room_recording.h"
+#include "server/core/training/trial_views.h"
 
 namespace treeline {
 namespace {
@@ -104,8 +105,40 @@ TEST_F(SceneTrainerTest, RgbNeedsNoDepthInQueries) {
   EXPECT_GE(CountRight(**localizer, false), 13);
 }
 
+TEST_F(SceneTrainerTest, UniversalAnswersWithDepthAndWithout) {
+  const auto scene = Train(*dataset_, Options("universal"), "universal");
+  ASSERT_TRUE(scene.ok()) << scene.status();
+  EXPECT_EQ(scene->info.calibration.pose_sensor, camera::RgbdSensor::kColor);
+  const auto localizer = localizer::OpenLocalizer(Path("universal"));
+  ASSERT_TRUE(localizer.ok()) << localizer.status();
+  EXPECT_EQ((*localizer)->depth_use(), localizer::DepthUse::kWhereGiven);
+  EXPECT_GE(CountRight(**localizer, true), 14);
+  EXPECT_GE(CountRight(**localizer, false), 14);
+}
+
+TEST_F(SceneTrainerTest, UniversalAnswersInAnotherLight) {
+  ASSERT_TRUE(Train(*dataset_, Options("universal"), "universal").ok());
+  const auto localizer = localizer::OpenLocalizer(Path("universal"));
+  ASSERT_TRUE(localizer.ok());
+  int right = 0;
+  for (int i = 0; i < 16; ++i) {
+    const geometry::Rigid3 truth = HeldOutPose(5 * i);
+    const image::Frame dim =
+        training::Relit(training::RenderBoxRoom(Calibration(), truth),
+                        {.gain = {0.45, 0.4, 0.35}});
+    const auto estimate = (*localizer)->Localize(dim, {});
+    ASSERT_TRUE(estimate.ok());
+    if (estimate->outcome != localizer::Outcome::kLocalized) continue;
+    const geometry::PoseError error =
+        geometry::ErrorBetween(estimate->world_from_camera, truth);
+    EXPECT_LT(error.translation_m, 0.1) << "a wrong pose passed for right";
+    right += error.translation_m < 0.05 && error.rotation_rad < 0.087;
+  }
+  EXPECT_GE(right, 12);
+}
+
 TEST_F(SceneTrainerTest, AnswersNothingThatItHasNotSeen) {
-  for (const std::string method : {"rgb", "rgbd"}) {
+  for (const std::string method : {"rgb", "rgbd", "universal"}) {
     ASSERT_TRUE(Train(*dataset_, Options(method), method).ok());
     const auto localizer = localizer::OpenLocalizer(Path(method));
     ASSERT_TRUE(localizer.ok());

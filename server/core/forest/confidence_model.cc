@@ -13,13 +13,19 @@ constexpr double kUnknownAgreement = 0.4;
 constexpr double kUnknownDepthAgreement = 0.6;
 constexpr double kUnknownSteadiness = 0.6;
 
+// 0 at 5 cm and more, 1 at 5 mm and less.
+double Sharpness(double sigma_m) {
+  if (!(sigma_m > 0)) return 0;
+  return std::clamp(-std::log10(sigma_m / 0.05), 0.0, 1.0);
+}
+
 }  // namespace
 
 const std::array<absl::string_view, ConfidenceModel::kFeatures>&
 ConfidenceModel::FeatureNames() {
   static constexpr std::array<absl::string_view, kFeatures> kNames = {
-      "constant",        "inlier_ratio", "correlation", "agreement",
-      "depth_agreement", "steady",       "overlap"};
+      "constant", "inlier_ratio", "correlation", "agreement", "depth_agreement",
+      "steady",   "overlap",      "is_matched",  "matches",   "sharpness"};
   return kNames;
 }
 
@@ -36,7 +42,10 @@ ConfidenceModel::Features ConfidenceModel::FeaturesOf(
       // 1: alignment left the pose where it was.
       is_aligned ? 1 - std::min(1.0, evidence.moved_m / 0.1)
                  : kUnknownSteadiness,
-      evidence.overlap};
+      evidence.overlap, evidence.matches > 0 ? 1.0 : 0.0,
+      // 0 to 100 of them: from 0 to 1; the first ones decide.
+      std::min(1.0, std::log1p(evidence.matches) / std::log1p(100)),
+      Sharpness(evidence.sigma_m)};
 }
 
 double ConfidenceModel::Probability(const PoseEvidence& evidence) const {

@@ -22,12 +22,18 @@ struct PoseEvidence {
   double depth_agreement = 0;  // in [0, 1]
   // How far alignment moved the pose (m).
   double moved_m = 0;
+  // Features of keyframes that support the pose, each with one of the frame's;
+  // 0: it comes from a forest.
+  int matches = 0;
+  // Standard deviation of the position by the pose's covariance (m); 0: not
+  // known.
+  double sigma_m = 0;
 };
 
 // Logistic regression on features of the evidence. Fitted by the trainer on
 // frames that the model had not seen; see training/confidence_fitter.h.
 struct ConfidenceModel {
-  static constexpr size_t kFeatures = 7;
+  static constexpr size_t kFeatures = 10;
   using Features = std::array<double, kFeatures>;
 
   // Of feature i; the first is the constant's.

@@ -27,10 +27,9 @@ ConfidenceModel ConfidenceFromJson(const Json& json) {
   ConfidenceModel confidence;
   confidence.threshold = json.at("threshold").get<double>();
   for (size_t i = 0; i < ConfidenceModel::kFeatures; ++i) {
-    confidence.weights[i] =
-        json.at("weights")
-            .at(std::string(ConfidenceModel::FeatureNames()[i]))
-            .get<double>();
+    // Earlier versions knew fewer kinds of evidence.
+    confidence.weights[i] = json.at("weights").value(
+        std::string(ConfidenceModel::FeatureNames()[i]), 0.0);
   }
   return confidence;
 }

@@ -163,8 +163,8 @@ class Aligner {
       if (!(s.w > 0)) return;
       const float variance = s.xx - s.x * s.x / s.w;
       exposure.gain = std::clamp(
-          variance > s.w ? (s.xy - s.x * s.y / s.w) / variance : 1.0F, 0.5F,
-          2.0F);
+          variance > s.w ? (s.xy - s.x * s.y / s.w) / variance : 1.0F,
+          1 / kMaxGain.value, kMaxGain.value);
       // From values less 128 to values.
       exposure.offset =
           (s.y - exposure.gain * s.x) / s.w + 128 * (1 - exposure.gain);
@@ -321,7 +321,9 @@ class Aligner {
       for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
         if (seen_.seen[i] == 0) continue;
         const float residual = Residual(options_.last_level, run, i);
-        agreeing += std::abs(residual) <= kAgreeingBrightness;
+        // A dim image differs by less.
+        agreeing += std::abs(residual) <=
+                    kAgreeingBrightness * std::min(1.0F, ExposureOf(run).gain);
         // Against what the keyframe, exposed alike, would have shown.
         const double b = seen_.brightness[i];
         const double a = b - residual;

@@ -12,6 +12,7 @@ std::vector<base::ParameterRow> KeyframeParameters() {
           base::RowOf(kMinBrightnessNoise),
           base::RowOf(kMaxBrightnessNoise),
           base::RowOf(kAgreeingBrightness),
+          base::RowOf(kMaxGain),
           base::RowOf(kCorrelatedPoints),
           base::RowOf(kSurfaceNoise_m),
           base::RowOf(kMaxSurfaceDistance_m),

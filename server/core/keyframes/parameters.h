@@ -74,6 +74,14 @@ inline constexpr base::Parameter<float> kAgreeingBrightness{
     .why =
         "points whose brightness differs by no more agree with the "
         "frame"};
+inline constexpr base::Parameter<float> kMaxGain{
+    .name = "max_gain",
+    .value = 5,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "a frame is at most so many times as bright as a keyframe, or "
+        "as dim"};
 inline constexpr base::Parameter<double> kCorrelatedPoints{
     .name = "correlated_points",
     .value = 64,

@@ -20,6 +20,8 @@ struct Candidate {
   NotLocalizedReason reason = NotLocalizedReason::kTooFewSamples;
   // What the pose was sought with.
   int samples = 0;
+  // They are features matched with keyframes, not predictions of a forest.
+  bool is_matched = false;
   // Filled if the query asks for it.
   std::vector<Correspondence> correspondences;
 

@@ -17,6 +17,7 @@ class ColorRaySource {
   static constexpr uint64_t kRansacStream = kForestRansacStream;
   static constexpr int kMinSamples = kMinForestSamples;
   static constexpr int kMinInliers = 0;
+  static constexpr bool kIsMatched = false;
 
   // `forest` was grown without depth adaptation.
   ColorRaySource(const forest::ForestView& forest, const QueryOptions& options)

@@ -12,6 +12,7 @@ static_assert(PoseSource<DepthPointSource>);
 absl::StatusOr<size_t> DepthPointSource::Observe(
     Query& query, std::span<const Candidate> /*earlier*/,
     PointObservations& seen) const {
+  if (query.depth() == nullptr) return 0;
   features::RgbdSamples& samples = query.scratch().samples;
   if (seen.size() == 0) {
     const StageTimer timer(query.timings().sample_ms);

@@ -17,6 +17,7 @@ class DepthPointSource {
   static constexpr uint64_t kRansacStream = kForestRansacStream;
   static constexpr int kMinSamples = kMinForestSamples;
   static constexpr int kMinInliers = 0;
+  static constexpr bool kIsMatched = false;
 
   DepthPointSource(const forest::ForestView& forest,
                    const QueryOptions& options)

@@ -23,6 +23,7 @@ class KeyframeSource {
   static constexpr uint64_t kRansacStream = kKeyframeRansacStream;
   static constexpr int kMinSamples = kMinKeyframeMatches;
   static constexpr int kMinInliers = kMinKeyframeInliers;
+  static constexpr bool kIsMatched = true;
 
   KeyframeSource(const keyframes::KeyframeMap& map, KeyframeChoice choice)
       : map_(&map), choice_(choice) {}

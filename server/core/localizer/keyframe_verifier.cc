@@ -60,10 +60,12 @@ Verdict KeyframeVerifier::Verify(Query& query,
       verdict.covariance = aligned->covariance;
     }
   }
-  verdict.evidence.inlier_ratio = candidate.inlier_ratio();
-  verdict.confidence = confidence_.Probability(verdict.evidence);
   const double sigma_m = std::min(PositionSigma_m(pose.covariance),
                                   PositionSigma_m(verdict.covariance));
+  verdict.evidence.inlier_ratio = candidate.inlier_ratio();
+  verdict.evidence.matches = candidate.is_matched ? pose.inliers : 0;
+  verdict.evidence.sigma_m = sigma_m;
+  verdict.confidence = confidence_.Probability(verdict.evidence);
   verdict.reason =
       ReasonAgainst({.has_enough_inliers = pose.inliers >= kMinAnswerInliers,
                      .is_determined = sigma_m <= kMaxPositionSigma_m,

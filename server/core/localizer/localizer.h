@@ -17,6 +17,10 @@
 
 namespace treeline::localizer {
 
+// What a method does with a frame's depth. kWhereGiven: it answers with and
+// without.
+enum class DepthUse { kIgnored, kRequired, kWhereGiven };
+
 enum class Outcome { kLocalized, kNotLocalized };
 
 // Why a frame was not localized. Stable: they appear in the wire contract.
@@ -94,6 +98,7 @@ class Localizer {
       const image::Frame& frame, const LocalizeOptions& options) const = 0;
 
   virtual const forest::ModelInfo& info() const = 0;
+  virtual DepthUse depth_use() const = 0;
 };
 
 // Maps, verifies and opens a model file. NOT_FOUND: no such file. DATA_LOSS:

@@ -10,6 +10,7 @@
 #include "server/core/localizer/depth_point_source.h"
 #include "server/core/localizer/keyframe_source.h"
 #include "server/core/localizer/keyframe_verifier.h"
+#include "server/core/localizer/parameters.h"
 #include "server/core/localizer/point_line_source.h"
 #include "server/core/localizer/sift_source.h"
 #include "server/core/localizer/support_verifier.h"
@@ -67,6 +68,20 @@ void AddHybridSteps(const forest::ModelFile& model,
   }
 }
 
+// The cheap one first: a forest, where there is depth.
+void AddUniversalSteps(const forest::ModelFile& model,
+                       const keyframes::KeyframeMap& keyframes,
+                       const QueryOptions& options, Method& method) {
+  method.depth_use = DepthUse::kWhereGiven;
+  method.sufficient_confidence = kSufficientConfidence;
+  method.steps.push_back(
+      {From(DepthPointSource(model.forest(), options), options)});
+  for (const KeyframeChoice choice :
+       {KeyframeChoice::kMostSimilar, KeyframeChoice::kNearPose}) {
+    method.steps.push_back({From(KeyframeSource(keyframes, choice), options)});
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<Method> MakeMethod(const forest::ModelFile& model,
@@ -90,6 +105,8 @@ absl::StatusOr<Method> MakeMethod(const forest::ModelFile& model,
   } else if (name == "rgb") {
     method.steps.push_back(
         {From(ColorRaySource(model.forest(), options), options)});
+  } else if (name == "universal") {
+    AddUniversalSteps(model, keyframes, options, method);
   } else if (name == "hybrid") {
     AddHybridSteps(model, keyframes, options, method);
   } else {

@@ -20,6 +20,11 @@ namespace treeline::localizer {
 //                 of the keyframes near their
 //                 pose, features of those most
 //                 like the frame
+//   universal     points with depth, features   where     keyframes
+//                 of the keyframes most like    given
+//                 the frame, those near their
+//                 pose: each only where the
+//                 earlier do not suffice
 //   sift          SIFT features                ignored   inliers alone
 //
 // DATA_LOSS for a model that lacks what its method needs, or with corrupt

@@ -27,6 +27,7 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kSiftRansacInlier_px),
           base::RowOf(kSiftRobustScale_px),
           base::RowOf(kSiftInlier_px),
+          base::RowOf(kSufficientConfidence),
           base::RowOf(kMinAnswerInliers),
           base::RowOf(kMinKeyframeOverlap),
           base::RowOf(kMaxPositionSigma_m),

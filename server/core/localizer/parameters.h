@@ -169,6 +169,12 @@ inline constexpr base::Parameter<double> kSiftInlier_px{
     .why = "points that reproject within it support a pose"};
 
 // Verification.
+inline constexpr base::Parameter<double> kSufficientConfidence{
+    .name = "sufficient_confidence",
+    .value = 0.9,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "a pose as sure as this needs no dearer generator"};
 inline constexpr base::Parameter<int> kMinAnswerInliers{
     .name = "min_answer_inliers",
     .value = 15,

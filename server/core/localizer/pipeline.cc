@@ -37,9 +37,20 @@ class Search {
   bool IsSatisfied(double sufficient_confidence) const {
     return verdict_ && verdict_->confidence >= sufficient_confidence;
   }
-  Selection Take() && { return {std::move(candidates_[best_]), verdict_}; }
+  Selection Take() && {
+    if (!verdict_) best_ = MostTelling();
+    return {std::move(candidates_[best_]), verdict_};
+  }
 
  private:
+  // The first that had enough to look at; else the first.
+  size_t MostTelling() const {
+    for (size_t i = 0; i < candidates_.size(); ++i) {
+      if (candidates_[i].reason != NotLocalizedReason::kTooFewSamples) return i;
+    }
+    return 0;
+  }
+
   const PoseVerifier& verifier_;
   Query& query_;
   std::vector<Candidate> candidates_;

@@ -43,7 +43,8 @@ struct Selection {
 
 // Asks the steps of `method` one after the other for candidates, verifies them,
 // and selects the best by the verifier's evidence; among equals, the earlier.
-// Without a pose, the first step's candidate says why. Errors of the
+// Without a pose, the first candidate that had enough to look at
+// says why. Errors of the
 // generators; CANCELLED after the query's stop.
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query);
 
@@ -56,6 +57,7 @@ class Pipeline final : public Localizer {
   absl::StatusOr<PoseEstimate> Localize(
       const image::Frame& frame, const LocalizeOptions& options) const override;
   const forest::ModelInfo& info() const override { return model_->info(); }
+  DepthUse depth_use() const override { return method_.depth_use; }
 
  private:
   const std::unique_ptr<const forest::ModelFile> model_;

@@ -19,6 +19,7 @@ class PointLineSource {
   static constexpr uint64_t kRansacStream = kForestRansacStream;
   static constexpr int kMinSamples = kMinForestSamples;
   static constexpr int kMinInliers = 0;
+  static constexpr bool kIsMatched = false;
 
   // Forests of as many trees each.
   PointLineSource(const forest::ForestView& points,

@@ -59,6 +59,7 @@ std::vector<Correspondence> MatchesOf(
 //   kRansacStream  Stream of RANSAC's seed.
 //   kMinSamples    Fewer say nothing.
 //   kMinInliers    A pose that fewer support is not proposed.
+//   kIsMatched     See Candidate::is_matched.
 //   Observe        Stage "predict": appends the next samples with their
 //                  predictions. Returns how many samples the frame gives in
 //                  all; nothing is appended where those are too few.
@@ -74,6 +75,7 @@ concept PoseSource = requires(const S& source, Query& query,
   { S::kRansacStream } -> std::convertible_to<uint64_t>;
   { S::kMinSamples } -> std::convertible_to<int>;
   { S::kMinInliers } -> std::convertible_to<int>;
+  { S::kIsMatched } -> std::convertible_to<bool>;
   {
     source.Observe(query, earlier, seen)
     } -> std::same_as<absl::StatusOr<size_t>>;
@@ -96,6 +98,7 @@ class SourceGenerator final : public CandidateGenerator {
   absl::StatusOr<Candidate> Propose(
       Query& query, std::span<const Candidate> earlier) const override {
     Candidate candidate;
+    candidate.is_matched = Source::kIsMatched;
     typename Source::Observations seen;
     size_t available = 0;
     do {

@@ -21,6 +21,10 @@ absl::Status CheckSize(absl::string_view what, int width, int height,
                    " x ", camera.height()));
 }
 
+bool UsesDepth(const image::Frame& frame, DepthUse depth_use) {
+  return depth_use != DepthUse::kIgnored && frame.depth.has_value();
+}
+
 }  // namespace
 
 camera::RgbdCalibration QueryCalibration(const image::Frame& frame,
@@ -28,7 +32,7 @@ camera::RgbdCalibration QueryCalibration(const image::Frame& frame,
                                          DepthUse depth_use) {
   camera::RgbdCalibration calibration = info.calibration;
   if (!frame.calibration) return calibration;
-  if (depth_use == DepthUse::kIgnored) {
+  if (!UsesDepth(frame, depth_use)) {
     calibration.color = frame.calibration->color;
   } else {
     calibration = *frame.calibration;
@@ -42,12 +46,12 @@ absl::Status CheckFrame(const image::Frame& frame,
                         DepthUse depth_use, absl::string_view method) {
   TL_RETURN_IF_ERROR(CheckSize("colour", frame.color.width, frame.color.height,
                                calibration.color));
-  if (depth_use == DepthUse::kIgnored) return absl::OkStatus();
-  if (!frame.depth) {
+  if (depth_use == DepthUse::kRequired && !frame.depth) {
     return absl::InvalidArgumentError(
         absl::StrCat("this scene's method (", method,
                      ") needs a depth image, and the frame has none"));
   }
+  if (!UsesDepth(frame, depth_use)) return absl::OkStatus();
   return CheckSize("depth", frame.depth->width, frame.depth->height,
                    calibration.depth);
 }
@@ -57,7 +61,7 @@ Query::Query(const image::Frame& frame,
              const LocalizeOptions& options, QueryScratch& scratch)
     : frame_(frame),
       calibration_(calibration),
-      depth_(depth_use == DepthUse::kRequired ? &*frame.depth : nullptr),
+      depth_(UsesDepth(frame, depth_use) ? &*frame.depth : nullptr),
       options_(options),
       pixel_(1 / camera::MeanFocal_px(calibration.color)),
       scratch_(scratch) {}

@@ -31,9 +31,6 @@ inline constexpr uint64_t kOrderStream = 4;
 inline constexpr uint64_t kForestRansacStream = 2;
 inline constexpr uint64_t kKeyframeRansacStream = 3;
 
-// What a method does with a frame's depth.
-enum class DepthUse { kIgnored, kRequired };
-
 // Working memory of one query.
 struct QueryScratch {
   features::PlanarImage image;
@@ -47,8 +44,8 @@ struct QueryScratch {
 };
 
 // The cameras of a frame: its own where it has some, else the scene's. Poses
-// are of the scene's pose sensor; where depth is ignored, of all that a frame
-// has of its own its colour camera counts.
+// are of the scene's pose sensor. Without depth that is used, of all that a
+// frame has of its own its colour camera counts.
 camera::RgbdCalibration QueryCalibration(const image::Frame& frame,
                                          const forest::ModelInfo& info,
                                          DepthUse depth_use);
@@ -69,7 +66,7 @@ class Query {
         QueryScratch& scratch);
 
   const image::ColorImage& color() const { return frame_.color; }
-  // Null where the method ignores it.
+  // Null where there is none or the method ignores it.
   const image::DepthImage* depth() const { return depth_; }
   const camera::RgbdCalibration& calibration() const { return calibration_; }
   const camera::Camera& camera() const { return calibration_.color; }

@@ -19,6 +19,7 @@ class SiftSource {
   static constexpr uint64_t kRansacStream = kForestRansacStream;
   static constexpr int kMinSamples = kMinSiftMatches;
   static constexpr int kMinInliers = 0;
+  static constexpr bool kIsMatched = false;
 
   // `viewing_distance` is ModelInfo's.
   SiftSource(const forest::ForestView& forest, double viewing_distance,

@@ -25,6 +25,9 @@ class FakeLocalizer final : public localizer::Localizer {
     return answer_;
   }
   const forest::ModelInfo& info() const override { return info_; }
+  localizer::DepthUse depth_use() const override {
+    return localizer::DepthUse::kIgnored;
+  }
 
   mutable std::optional<camera::RgbdCalibration> calibration;
   mutable uint64_t seed = 0;

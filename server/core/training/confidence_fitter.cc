@@ -15,6 +15,7 @@
 #include "common/base/progress.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
+#include "server/core/training/trial_views.h"
 
 namespace treeline::training {
 namespace {
@@ -28,114 +29,39 @@ constexpr uint64_t kTrialStream = 0x636f6e6600000000;
 constexpr double kPriorSigma = 3;
 constexpr double kTargetPrecision = 0.99;
 
-// One period of the split: frames to learn from, a gap, frames held out, and a
-// gap again.
+// The split repeats: frames to learn from, a gap, frames held out, a gap; and
+// again with more of them held out, of which those in the middle look where
+// nothing was learnt.
 constexpr size_t kLearnt = 40;
 constexpr size_t kGap = 8;
-constexpr size_t kHeldOut = 20;
-constexpr size_t kPeriod = kLearnt + 2 * kGap + kHeldOut;
+constexpr size_t kNearHeldOut = 20;
+constexpr size_t kFarHeldOut = 60;
+constexpr size_t kNearPeriod = kLearnt + 2 * kGap + kNearHeldOut;
+constexpr size_t kPeriod = kNearPeriod + kLearnt + 2 * kGap + kFarHeldOut;
 constexpr size_t kMinFrames = 60;
 
+bool IsLearnt(size_t phase) {
+  return phase < kLearnt ||
+         (phase >= kNearPeriod && phase < kNearPeriod + kLearnt);
+}
+bool IsHeldOut(size_t phase) {
+  const auto in_gap = [phase](size_t learnt, size_t period_end) {
+    return phase >= learnt &&
+           (phase < learnt + kGap || phase >= period_end - kGap);
+  };
+  return !IsLearnt(phase) &&
+         !(phase < kNearPeriod ? in_gap(kLearnt, kNearPeriod)
+                               : in_gap(kNearPeriod + kLearnt, kPeriod));
+}
+
 // Windows that are left of a frame, as shares of its width and height.
-constexpr double kWindows[] = {0.85, 0.7, 0.55, 0.4};
-constexpr int kBlurRadius_px = 12;
+constexpr double kWindows[] = {0.75, 0.5};
+constexpr int kBlurRadius_px = 8;
+// Light: factors of a channel, and exponents of its brightness.
+constexpr double kMinGain = 0.35;
+constexpr double kMaxGamma = 2;
 
 double Sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
-
-image::ColorImage Mirrored(const image::ColorImage& image) {
-  image::ColorImage out = image;
-  const size_t width = static_cast<size_t>(image.width);
-  for (size_t y = 0; y < static_cast<size_t>(image.height); ++y) {
-    for (size_t x = 0; x < width; ++x) {
-      for (size_t c = 0; c < 3; ++c) {
-        out.rgb[3 * (y * width + x) + c] =
-            image.rgb[3 * (y * width + width - 1 - x) + c];
-      }
-    }
-  }
-  return out;
-}
-
-image::DepthImage Mirrored(const image::DepthImage& image) {
-  image::DepthImage out = image;
-  const size_t width = static_cast<size_t>(image.width);
-  for (size_t y = 0; y < static_cast<size_t>(image.height); ++y) {
-    std::reverse(
-        out.values.begin() + static_cast<std::ptrdiff_t>(y * width),
-        out.values.begin() + static_cast<std::ptrdiff_t>((y + 1) * width));
-  }
-  return out;
-}
-
-image::Frame Mirrored(const image::Frame& frame) {
-  image::Frame out;
-  out.calibration = frame.calibration;
-  out.color = Mirrored(frame.color);
-  if (frame.depth) out.depth = Mirrored(*frame.depth);
-  return out;
-}
-
-// A window given as shares of an image's size.
-struct Window {
-  double left, top, right, bottom;
-  bool Contains(double x, double y) const {
-    return x >= left && x < right && y >= top && y < bottom;
-  }
-};
-
-// `cover` but for a window of `frame`. Both have the same sizes.
-image::Frame Covered(const image::Frame& frame, const image::Frame& cover,
-                     const Window& window) {
-  image::Frame out = cover;
-  const auto copy = [&](int width, int height, const auto& copy_pixel) {
-    for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
-        if (window.Contains((x + 0.5) / width, (y + 0.5) / height)) {
-          copy_pixel(static_cast<size_t>(y * width + x));
-        }
-      }
-    }
-  };
-  copy(frame.color.width, frame.color.height, [&](size_t i) {
-    for (size_t c = 0; c < 3; ++c) {
-      out.color.rgb[3 * i + c] = frame.color.rgb[3 * i + c];
-    }
-  });
-  if (frame.depth && out.depth) {
-    copy(frame.depth->width, frame.depth->height,
-         [&](size_t i) { out.depth->values[i] = frame.depth->values[i]; });
-  }
-  return out;
-}
-
-// Smeared sideways, as by a moving camera.
-image::Frame Blurred(const image::Frame& frame) {
-  image::Frame out = frame;
-  const int width = frame.color.width;
-  for (int y = 0; y < frame.color.height; ++y) {
-    for (int c = 0; c < 3; ++c) {
-      const auto at = [&](int x) {
-        return static_cast<size_t>(3 * (y * width + x) + c);
-      };
-      int sum = 0;
-      int count = 0;
-      for (int x = -kBlurRadius_px; x < width; ++x) {
-        const int enters = x + kBlurRadius_px;
-        if (enters < width) {
-          sum += frame.color.rgb[at(enters)];
-          ++count;
-        }
-        const int leaves = x - kBlurRadius_px - 1;
-        if (leaves >= 0) {
-          sum -= frame.color.rgb[at(leaves)];
-          --count;
-        }
-        if (x >= 0) out.color.rgb[at(x)] = static_cast<uint8_t>(sum / count);
-      }
-    }
-  }
-  return out;
-}
 
 // Removes a file when it goes out of scope.
 class TemporaryFile {
@@ -153,13 +79,6 @@ class TemporaryFile {
   const std::string path_;
 };
 
-bool HaveSameSizes(const image::Frame& a, const image::Frame& b) {
-  return a.color.width == b.color.width && a.color.height == b.color.height &&
-         a.depth.has_value() == b.depth.has_value() &&
-         (!a.depth || (a.depth->width == b.depth->width &&
-                       a.depth->height == b.depth->height));
-}
-
 // The trials of one frame; `other` covers it.
 class FrameTrials {
  public:
@@ -171,26 +90,40 @@ class FrameTrials {
         options_(options),
         random_(options.seed, kTrialStream + seed) {}
 
-  absl::Status Run(const image::Frame& frame, const image::Frame& other) {
+  // `without_depth`: also as frames of colour alone.
+  absl::Status Run(const image::Frame& frame, const image::Frame& other,
+                   bool without_depth) {
     // Pictures of other sizes do not fit over it.
     const image::Frame cover =
         Mirrored(HaveSameSizes(frame, other) ? other : frame);
-    TL_RETURN_IF_ERROR(Try(frame, true));
+    TL_RETURN_IF_ERROR(Try("whole", frame, true));
+    if (without_depth) {
+      TL_RETURN_IF_ERROR(Try("whole", WithoutDepth(frame), true));
+    }
+    const auto try_either = [&](const char* name, const image::Frame& view,
+                                bool can_be_right) {
+      const bool drops_depth = without_depth && random_.NextUnit() < 0.5;
+      return Try(name, drops_depth ? WithoutDepth(view) : view, can_be_right);
+    };
     for (const double size : kWindows) {
       const double left = random_.NextUniform(0, 1 - size);
       const double top = random_.NextUniform(0, 1 - size);
-      TL_RETURN_IF_ERROR(Try(
+      TL_RETURN_IF_ERROR(try_either(
+          "covered",
           Covered(frame, cover, {left, top, left + size, top + size}), true));
     }
-    TL_RETURN_IF_ERROR(Try(Blurred(frame), true));
-    TL_RETURN_IF_ERROR(Try(Mirrored(frame), false));
-    return Try(cover, false);
+    TL_RETURN_IF_ERROR(
+        try_either("blurred", Blurred(frame, kBlurRadius_px), true));
+    TL_RETURN_IF_ERROR(try_either("relit", Relit(frame, RandomLight()), true));
+    TL_RETURN_IF_ERROR(try_either("mirrored", Mirrored(frame), false));
+    return try_either("mirrored", cover, false);
   }
 
   std::vector<ConfidenceTrial>& trials() { return trials_; }
 
  private:
-  absl::Status Try(const image::Frame& frame, bool can_be_right) {
+  absl::Status Try(const char* view, const image::Frame& frame,
+                   bool can_be_right) {
     localizer::LocalizeOptions query;
     query.seed = random_.NextBits();
     TL_ASSIGN_OR_RETURN(const localizer::PoseEstimate estimate,
@@ -199,10 +132,24 @@ class FrameTrials {
     const geometry::PoseError error =
         geometry::ErrorBetween(estimate.world_from_camera, truth_);
     trials_.push_back(
-        {estimate.evidence, can_be_right &&
-                                error.translation_m < options_.translation_m &&
-                                error.rotation_rad < options_.rotation_rad});
+        {.evidence = estimate.evidence,
+         .is_right = can_be_right &&
+                     error.translation_m < options_.translation_m &&
+                     error.rotation_rad < options_.rotation_rad,
+         .view = view,
+         .error = error});
     return absl::OkStatus();
+  }
+
+  Light RandomLight() {
+    Light light;
+    const double exposure = random_.NextUniform(kMinGain, 1.2);
+    for (double& gain : light.gain) {
+      gain = exposure * random_.NextUniform(0.8, 1.2);
+    }
+    light.gamma = std::pow(kMaxGamma, random_.NextUniform(-1, 1));
+    light.is_gray = random_.NextUnit() < 0.25;
+    return light;
   }
 
   const localizer::Localizer& localizer_;
@@ -218,9 +165,9 @@ HeldOutSplit SplitForConfidence(std::span<const int> frames) {
   HeldOutSplit split;
   for (size_t i = 0; i < frames.size(); ++i) {
     const size_t phase = i % kPeriod;
-    if (frames.size() < kMinFrames || phase < kLearnt) {
+    if (frames.size() < kMinFrames || IsLearnt(phase)) {
       split.train.push_back(frames[i]);
-    } else if (phase >= kLearnt + kGap && phase < kPeriod - kGap) {
+    } else if (IsHeldOut(phase)) {
       split.held_out.push_back(frames[i]);
     }
   }
@@ -336,7 +283,9 @@ absl::StatusOr<std::vector<ConfidenceTrial>> RunConfidenceTrials(
                              held_out.calibration().pose_sensor,
                              calibration.pose_sensor, calibration),
         options, static_cast<uint64_t>(i));
-    TL_RETURN_IF_ERROR(trials.Run(frame, other));
+    TL_RETURN_IF_ERROR(
+        trials.Run(frame, other,
+                   localizer.depth_use() == localizer::DepthUse::kWhereGiven));
     return std::move(trials.trials());
   };
   {
@@ -371,6 +320,7 @@ absl::StatusOr<forest::ConfidenceModel> LearnConfidence(
   TL_ASSIGN_OR_RETURN(
       const std::vector<ConfidenceTrial> trials,
       RunConfidenceTrials(*localizer, held_out, options, quiet, stop));
+  if (options.on_trials) options.on_trials(trials);
   return FitConfidence(trials, forest::ConfidenceModel::Typical());
 }
 

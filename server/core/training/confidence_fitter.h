@@ -10,6 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "common/dataset/dataset.h"
+#include "common/geometry/rigid3.h"
 #include "server/core/forest/confidence_model.h"
 #include "server/core/localizer/localizer.h"
 
@@ -19,6 +20,8 @@ namespace treeline::training {
 struct ConfidenceTrial {
   forest::PoseEvidence evidence;
   bool is_right = false;
+  const char* view = "";  // what was asked about: "whole", "covered", ...
+  geometry::PoseError error{};
 };
 
 // Logistic regression on the trials, drawn towards `prior` as if by a few
@@ -37,11 +40,14 @@ struct ConfidenceOptions {
   // A pose is right within these bounds (m, rad).
   double translation_m = 0.05;
   double rotation_rad = 5 * 0.017453292519943295;
+  // Called with the trials that a confidence is fitted to; may be empty.
+  std::function<void(std::span<const ConfidenceTrial>)> on_trials = {};
 };
 
 // Lets `localizer` answer frames that it was not trained on, whole and spoilt:
 // covered but for a window with what another frame shows in a mirror, blurred,
-// or mirrored as a whole, which no camera in the scene can see. Frames without
+// in another light, without depth where that is answered, too; or mirrored as a
+// whole, which no camera in the scene can see. Frames without
 // a pose are left out. The result does not depend on threads. CANCELLED after
 // `stop`, and whatever reading a frame gives.
 absl::StatusOr<std::vector<ConfidenceTrial>> RunConfidenceTrials(

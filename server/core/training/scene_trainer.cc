@@ -24,6 +24,9 @@ namespace treeline::training {
 namespace {
 
 constexpr MethodDescription kMethods[] = {
+    {"universal",
+     "colour and depth in training; queries with depth or without: the forest "
+     "of rgbd, and features of keyframes where it does not suffice"},
     {"rgbd",
      "colour and depth, in training and in queries: a backtracking regression "
      "forest on depth-adaptive colour differences"},
@@ -49,6 +52,27 @@ bool IsKnown(absl::string_view method) {
 // Methods whose queries have no depth answer with the colour camera's pose.
 bool SeesColorAlone(absl::string_view method) {
   return method == "rgb" || method == "hybrid";
+}
+
+// Methods that match features of keyframes.
+bool MatchesFeatures(absl::string_view method) {
+  return method == "universal" || method == "hybrid";
+}
+
+// Methods that answer with the colour camera's pose, whatever the recording's
+// poses are of.
+bool AnswersForColor(absl::string_view method) {
+  return method == "universal" || SeesColorAlone(method);
+}
+
+// Methods whose forests are of one kind may be each other's base.
+bool HaveForestsAlike(absl::string_view a, absl::string_view b) {
+  const auto kind = [](absl::string_view method) -> absl::string_view {
+    if (method == "universal") return "rgbd";
+    if (method == "hybrid") return "rgb";
+    return method;
+  };
+  return kind(a) == kind(b);
 }
 
 // points-lines: leaves have modes with this bandwidth (m).
@@ -147,7 +171,7 @@ class SceneTrainer {
   absl::Status OpenBase() {
     if (options_.base_model.empty()) return absl::OkStatus();
     TL_ASSIGN_OR_RETURN(base_, forest::ModelFile::Open(options_.base_model));
-    if (base_->info().method != options_.method ||
+    if (!HaveForestsAlike(base_->info().method, options_.method) ||
         base_->forests() != forests_.size() ||
         base_->forest().descriptors.empty()) {
       return absl::InvalidArgumentError(absl::StrCat(
@@ -165,7 +189,7 @@ class SceneTrainer {
     info_.seed = options_.forest.seed;
     info_.options = options_.recorded_options;
     info_.calibration = calibration_;
-    if (SeesColorAlone(options_.method)) {
+    if (AnswersForColor(options_.method)) {
       info_.calibration.pose_sensor = camera::RgbdSensor::kColor;
     }
   }
@@ -174,7 +198,7 @@ class SceneTrainer {
       const dataset::Dataset& dataset) const {
     KeyframeOptions keyframes;
     keyframes.threads = options_.forest.threads;
-    if (options_.method == "hybrid") {
+    if (MatchesFeatures(options_.method)) {
       keyframes.features = keyframes::kMaxKeyframeFeatures;
     }
     return BuildKeyframes(dataset, calibration_, keyframes, quiet_, stop_);
@@ -255,6 +279,7 @@ class SceneTrainer {
     ConfidenceOptions confidence;
     confidence.seed = options_.forest.seed;
     confidence.threads = options_.forest.threads;
+    confidence.on_trials = options_.on_trials;
     TL_ASSIGN_OR_RETURN(
         info_.confidence,
         LearnConfidence(

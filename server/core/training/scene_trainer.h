@@ -14,6 +14,7 @@
 #include "absl/strings/string_view.h"
 #include "common/dataset/dataset.h"
 #include "server/core/forest/model_info.h"
+#include "server/core/training/confidence_fitter.h"
 #include "server/core/training/forest_refiller.h"
 #include "server/core/training/rgbd_calibrator.h"
 #include "server/core/training/sift_trainer.h"
@@ -44,6 +45,8 @@ struct SceneTrainingOptions {
   bool splits_only = false;
   // Of method sift; seed, threads and trees are those of `forest`.
   SiftTrainingOptions sift;
+  // See ConfidenceOptions; may be empty.
+  std::function<void(std::span<const ConfidenceTrial>)> on_trials;
   // What the model records about where it came from; see ModelInfo.
   std::string software_version;
   std::string created_utc;

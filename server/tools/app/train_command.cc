@@ -43,6 +43,7 @@ struct TrainFlags {
   std::string calibration;
   std::string adapt_path;
   std::string extend_path;
+  std::string trials_path;
   bool splits_only = false;
   training::TrainingOptions training;
   training::SiftTrainingOptions sift;
@@ -104,6 +105,26 @@ absl::StatusOr<std::optional<camera::RgbdCalibration>> GivenCalibration(
   return calibration;
 }
 
+// A line a trial, with a header.
+std::string TrialsCsv(std::span<const training::ConfidenceTrial> trials) {
+  std::string csv =
+      "view,is_right,translation_error_m,rotation_error_rad,inlier_ratio,"
+      "correlation,agreement,visible,overlap,measured,depth_agreement,moved_m,"
+      "matches,sigma_m\n";
+  for (const training::ConfidenceTrial& trial : trials) {
+    const forest::PoseEvidence& e = trial.evidence;
+    absl::StrAppendFormat(&csv,
+                          "%s,%d,%.5f,%.5f,%.5f,%.5f,%.5f,%d,%.5f,%d,%.5f,"
+                          "%.5f,%d,%.6f\n",
+                          trial.view, trial.is_right ? 1 : 0,
+                          trial.error.translation_m, trial.error.rotation_rad,
+                          e.inlier_ratio, e.correlation, e.agreement, e.visible,
+                          e.overlap, e.measured, e.depth_agreement, e.moved_m,
+                          e.matches, e.sigma_m);
+  }
+  return csv;
+}
+
 absl::Status Train(TrainFlags& flags, const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(Complete(flags));
   TL_ASSIGN_OR_RETURN(const dataset::Dataset dataset,
@@ -121,6 +142,12 @@ absl::Status Train(TrainFlags& flags, const std::stop_token& stop) {
   options.refill = flags.adapt_path.empty() ? training::Refill::kExtend
                                             : training::Refill::kAdapt;
   options.splits_only = flags.splits_only;
+  absl::Status written;
+  if (!flags.trials_path.empty()) {
+    options.on_trials = [&](std::span<const training::ConfidenceTrial> trials) {
+      written = base::WriteFileAtomically(flags.trials_path, TrialsCsv(trials));
+    };
+  }
   options.sift = flags.sift;
   options.software_version = base::Version();
   options.created_utc = tools::UtcNow();
@@ -134,6 +161,7 @@ absl::Status Train(TrainFlags& flags, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const training::TrainedScene scene,
                       training::TrainScene(dataset, options, flags.output_path,
                                            flags.quiet, stop));
+  TL_RETURN_IF_ERROR(written);
   const forest::ModelInfo& info = scene.info;
   std::printf(
       "%s: %d trees, %d leaves, %.1f MB, from %d frames in %.1f s (peak "
@@ -255,6 +283,11 @@ cli::Command AddTrainCommand(CLI::App& app) {
                    "same world frame, without growing it anew")
       ->type_name("MODEL")
       ->excludes(adapt);
+  command
+      ->add_option("--trials", flags->trials_path,
+                   "Write what the confidence was learnt from: evidence and "
+                   "error of each trial, as CSV")
+      ->type_name("FILE");
   command->add_flag("--splits-only", flags->splits_only,
                     "Write a base for --adapt: the trees' splits, without what "
                     "their leaves learnt");
