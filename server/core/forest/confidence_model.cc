@@ -56,7 +56,7 @@ double ConfidenceModel::Probability(const PoseEvidence& evidence) const {
 }
 
 ConfidenceModel ConfidenceModel::Typical() {
-  return {{-16, 18, 5, 3, 3, 1, 3}, 0.5};
+  return {{-9.77, 2.21, 6, 0.52, 0, 4.26, 0, 0, 1.83, 3.35}, 0.6};
 }
 
 ConfidenceModel ConfidenceModel::WithoutKeyframes() {

@@ -48,7 +48,8 @@ struct ConfidenceModel {
   // In [0, 1].
   double Probability(const PoseEvidence& evidence) const;
 
-  // For models that were stored without one.
+  // Learnt over scenes of many kinds, see docs/research/confidence.md: what a
+  // scene's own begins with, and what serves models that have none.
   static ConfidenceModel Typical();
   static ConfidenceModel WithoutKeyframes();
 

@@ -11,7 +11,7 @@ static_assert(PoseSource<KeyframeSource>);
 std::vector<size_t> KeyframeSource::Choose(
     Query& query, const features::SiftFeatures& features,
     std::span<const Candidate> earlier) const {
-  const size_t count = static_cast<size_t>(kMatchedKeyframes);
+  const size_t count = static_cast<size_t>(count_);
   if (choice_ == KeyframeChoice::kMostSimilar) {
     return keyframes::MostSimilarKeyframes(features, *map_, count,
                                            kMaxKeyframeRatio);

@@ -25,8 +25,10 @@ class KeyframeSource {
   static constexpr int kMinInliers = kMinKeyframeInliers;
   static constexpr bool kIsMatched = true;
 
-  KeyframeSource(const keyframes::KeyframeMap& map, KeyframeChoice choice)
-      : map_(&map), choice_(choice) {}
+  // A frame is matched with up to `count` keyframes.
+  KeyframeSource(const keyframes::KeyframeMap& map, KeyframeChoice choice,
+                 int count)
+      : map_(&map), choice_(choice), count_(count) {}
 
   absl::StatusOr<size_t> Observe(Query& query,
                                  std::span<const Candidate> earlier,
@@ -49,6 +51,7 @@ class KeyframeSource {
 
   const keyframes::KeyframeMap* map_;
   KeyframeChoice choice_;
+  int count_;
 };
 
 }  // namespace treeline::localizer

@@ -27,14 +27,24 @@ forest::PoseEvidence EvidenceOf(const keyframes::Alignment& aligned,
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<const KeyframeVerifier>>
-KeyframeVerifier::Create(const forest::ModelFile& model) {
+KeyframeVerifier::Create(const forest::ModelFile& model, AlignmentUse use) {
   auto verifier = std::make_unique<KeyframeVerifier>();
   TL_ASSIGN_OR_RETURN(verifier->keyframes_,
                       keyframes::KeyframeMap::Read(model));
+  verifier->use_ = use;
   verifier->confidence_ = model.info().confidence.value_or(
       verifier->keyframes_.empty() ? forest::ConfidenceModel::WithoutKeyframes()
                                    : forest::ConfidenceModel::Typical());
   return verifier;
+}
+
+pose::PoseWithCovariance KeyframeVerifier::Answer(
+    const pose::RefinedPose& candidate,
+    const pose::PoseWithCovariance& aligned) const {
+  if (use_ == AlignmentUse::kReplaces) return aligned;
+  return pose::FusePoses({candidate.world_from_camera, candidate.covariance},
+                         aligned)
+      .value_or(aligned);
 }
 
 Verdict KeyframeVerifier::Verify(Query& query,
@@ -54,10 +64,13 @@ Verdict KeyframeVerifier::Verify(Query& query,
     verdict.evidence = EvidenceOf(*aligned, world_from_color.translation);
     // With less overlap the candidate is surer of the pose.
     if (aligned->overlap >= kMinKeyframeOverlap) {
-      verdict.world_from_camera = camera::PoseOfSensor(
-          aligned->world_from_camera, camera::RgbdSensor::kColor,
-          calibration.pose_sensor, calibration);
-      verdict.covariance = aligned->covariance;
+      const pose::PoseWithCovariance answer = Answer(
+          pose, {camera::PoseOfSensor(aligned->world_from_camera,
+                                      camera::RgbdSensor::kColor,
+                                      calibration.pose_sensor, calibration),
+                 aligned->covariance});
+      verdict.world_from_camera = answer.world_from_camera;
+      verdict.covariance = answer.covariance;
     }
   }
   const double sigma_m = std::min(PositionSigma_m(pose.covariance),

@@ -9,14 +9,21 @@
 #include "server/core/forest/model_file.h"
 #include "server/core/keyframes/keyframe_map.h"
 #include "server/core/localizer/pose_verifier.h"
+#include "server/core/pose/pose_fusion.h"
 
 namespace treeline::localizer {
+
+// What becomes of a candidate whose pose alignment with keyframes made exact.
+enum class AlignmentUse {
+  kReplaces,  // the aligned pose is the answer
+  kFuses      // both are estimates of it, as sure as their covariances say
+};
 
 class KeyframeVerifier final : public PoseVerifier {
  public:
   // DATA_LOSS for corrupt keyframes.
   static absl::StatusOr<std::unique_ptr<const KeyframeVerifier>> Create(
-      const forest::ModelFile& model);
+      const forest::ModelFile& model, AlignmentUse use);
 
   // Aligns the pose with the keyframes around, where there are any, by colour
   // and, if the query has it, by depth.
@@ -25,6 +32,11 @@ class KeyframeVerifier final : public PoseVerifier {
   const keyframes::KeyframeMap& keyframes() const { return keyframes_; }
 
  private:
+  pose::PoseWithCovariance Answer(
+      const pose::RefinedPose& candidate,
+      const pose::PoseWithCovariance& aligned) const;
+
+  AlignmentUse use_ = AlignmentUse::kReplaces;
   keyframes::KeyframeMap keyframes_;
   forest::ConfidenceModel confidence_;
 };

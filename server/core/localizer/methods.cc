@@ -64,7 +64,8 @@ void AddHybridSteps(const forest::ModelFile& model,
        /*is_fallback=*/true});
   for (const KeyframeChoice choice :
        {KeyframeChoice::kNearPose, KeyframeChoice::kMostSimilar}) {
-    method.steps.push_back({From(KeyframeSource(keyframes, choice), options)});
+    method.steps.push_back(
+        {From(KeyframeSource(keyframes, choice, kMatchedKeyframes), options)});
   }
 }
 
@@ -78,7 +79,8 @@ void AddUniversalSteps(const forest::ModelFile& model,
       {From(DepthPointSource(model.forest(), options), options)});
   for (const KeyframeChoice choice :
        {KeyframeChoice::kMostSimilar, KeyframeChoice::kNearPose}) {
-    method.steps.push_back({From(KeyframeSource(keyframes, choice), options)});
+    method.steps.push_back({From(
+        KeyframeSource(keyframes, choice, kMatchedLikeKeyframes), options)});
   }
 }
 
@@ -88,8 +90,11 @@ absl::StatusOr<Method> MakeMethod(const forest::ModelFile& model,
                                   const QueryOptions& options) {
   const std::string& name = model.info().method;
   if (name == "sift") return MakeSift(model, options);
-  TL_ASSIGN_OR_RETURN(std::unique_ptr<const KeyframeVerifier> verifier,
-                      KeyframeVerifier::Create(model));
+  TL_ASSIGN_OR_RETURN(
+      std::unique_ptr<const KeyframeVerifier> verifier,
+      KeyframeVerifier::Create(model, name == "universal"
+                                          ? AlignmentUse::kFuses
+                                          : AlignmentUse::kReplaces));
   const keyframes::KeyframeMap& keyframes = verifier->keyframes();
   Method method;
   method.verifier = std::move(verifier);

@@ -12,6 +12,7 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kPointLineModelSigma_m),
           base::RowOf(kPointLineHypothesisIterations),
           base::RowOf(kMatchedKeyframes),
+          base::RowOf(kMatchedLikeKeyframes),
           base::RowOf(kMaxQueryFeatures),
           base::RowOf(kMaxKeyframeRatio),
           base::RowOf(kMinKeyframeMatches),

@@ -72,7 +72,13 @@ inline constexpr base::Parameter<int> kMatchedKeyframes{
     .value = 3,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
-    .why = "keyframes that a frame is matched with"};
+    .why = "keyframes that a frame is matched with by method hybrid"};
+inline constexpr base::Parameter<int> kMatchedLikeKeyframes{
+    .name = "matched_like_keyframes",
+    .value = 8,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... and by method universal: far views share little with each"};
 inline constexpr base::Parameter<int> kMaxQueryFeatures{
     .name = "max_query_features",
     .value = 1000,

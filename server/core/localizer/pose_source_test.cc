@@ -16,6 +16,7 @@ class FakeSource {
   static constexpr uint64_t kRansacStream = 1;
   static constexpr int kMinSamples = 30;
   static constexpr int kMinInliers = kWantedInliers;
+  static constexpr bool kIsMatched = false;
 
   FakeSource(size_t available, size_t first)
       : available_(available), first_(first) {}

@@ -22,7 +22,8 @@ absl::Status CheckSize(absl::string_view what, int width, int height,
 }
 
 bool UsesDepth(const image::Frame& frame, DepthUse depth_use) {
-  return depth_use != DepthUse::kIgnored && frame.depth.has_value();
+  return depth_use == DepthUse::kRequired ||
+         (depth_use == DepthUse::kWhereGiven && frame.depth.has_value());
 }
 
 }  // namespace

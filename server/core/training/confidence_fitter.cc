@@ -26,7 +26,7 @@ using Matrix = Eigen::Matrix<double, kFeatures, kFeatures>;
 
 constexpr uint64_t kTrialStream = 0x636f6e6600000000;
 // The prior's weights count as if known with this standard deviation.
-constexpr double kPriorSigma = 3;
+constexpr double kPriorSigma = 1;
 constexpr double kTargetPrecision = 0.99;
 
 // The split repeats: frames to learn from, a gap, frames held out, a gap; and
@@ -55,7 +55,7 @@ bool IsHeldOut(size_t phase) {
 }
 
 // Windows that are left of a frame, as shares of its width and height.
-constexpr double kWindows[] = {0.75, 0.5};
+constexpr double kWindows[] = {0.8, 0.6};
 constexpr int kBlurRadius_px = 8;
 // Light: factors of a channel, and exponents of its brightness.
 constexpr double kMinGain = 0.35;
@@ -175,7 +175,8 @@ HeldOutSplit SplitForConfidence(std::span<const int> frames) {
 }
 
 forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
-                                      const forest::ConfidenceModel& prior) {
+                                      const forest::ConfidenceModel& prior,
+                                      const ConfidenceFit& fit) {
   Vector weights;
   Vector centre;
   for (size_t i = 0; i < kFeatures; ++i) {
@@ -183,6 +184,9 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
   }
   weights = centre;
   const double precision = 1 / (kPriorSigma * kPriorSigma);
+  const double weight = std::min(
+      1.0, fit.independent_trials /
+               std::max<double>(1, static_cast<double>(trials.size())));
   std::vector<Vector> features;
   for (const ConfidenceTrial& trial : trials) {
     const forest::ConfidenceModel::Features f =
@@ -193,8 +197,9 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
     double sum = 0.5 * precision * (w - centre).squaredNorm();
     for (size_t i = 0; i < trials.size(); ++i) {
       const double z = w.dot(features[i]);
-      sum += std::log1p(std::exp(-std::abs(z))) +
-             (trials[i].is_right ? std::max(-z, 0.0) : std::max(z, 0.0));
+      sum += weight *
+             (std::log1p(std::exp(-std::abs(z))) +
+              (trials[i].is_right ? std::max(-z, 0.0) : std::max(z, 0.0)));
     }
     return sum;
   };
@@ -206,8 +211,8 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
     Matrix hessian = precision * Matrix::Identity();
     for (size_t i = 0; i < trials.size(); ++i) {
       const double p = Sigmoid(weights.dot(features[i]));
-      gradient += (p - (trials[i].is_right ? 1 : 0)) * features[i];
-      hessian += p * (1 - p) * features[i] * features[i].transpose();
+      gradient += weight * (p - (trials[i].is_right ? 1 : 0)) * features[i];
+      hessian += weight * p * (1 - p) * features[i] * features[i].transpose();
     }
     // A weight that rests on its bound and is pushed against it stays there.
     for (Eigen::Index k = 1; k < gradient.size(); ++k) {
@@ -250,7 +255,7 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
       highest_left = i + 1 < answers.size() ? answers[i + 1].first : 0;
     }
   }
-  model.threshold = std::clamp(highest_left + 1e-6, 0.5, 0.99);
+  model.threshold = std::clamp(highest_left + 1e-6, 0.5, fit.max_threshold);
   return model;
 }
 
@@ -321,7 +326,7 @@ absl::StatusOr<forest::ConfidenceModel> LearnConfidence(
       const std::vector<ConfidenceTrial> trials,
       RunConfidenceTrials(*localizer, held_out, options, quiet, stop));
   if (options.on_trials) options.on_trials(trials);
-  return FitConfidence(trials, forest::ConfidenceModel::Typical());
+  return FitConfidence(trials, options.prior);
 }
 
 }  // namespace treeline::training

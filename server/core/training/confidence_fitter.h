@@ -24,12 +24,21 @@ struct ConfidenceTrial {
   geometry::PoseError error{};
 };
 
+struct ConfidenceFit {
+  // The trials, which are of a few places alone, count as no more than so many.
+  double independent_trials = 200;
+  // Trials are spoilt more than queries will be: a higher threshold would
+  // refuse what is right.
+  double max_threshold = 0.8;
+};
+
 // Logistic regression on the trials, drawn towards `prior` as if by a few
 // trials of its own; weights of evidence are not negative, so that more of it
-// never counts against a pose. The threshold is the least one, from 0.5 up, at
-// which all but one in a hundred of the trials' answers are right.
+// never counts against a pose. The threshold is the least one, from 0.5 to the
+// highest, at which all but one in a hundred of the trials' answers are right.
 forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
-                                      const forest::ConfidenceModel& prior);
+                                      const forest::ConfidenceModel& prior,
+                                      const ConfidenceFit& fit = {});
 
 struct ConfidenceOptions {
   uint64_t seed = 0;
@@ -40,6 +49,8 @@ struct ConfidenceOptions {
   // A pose is right within these bounds (m, rad).
   double translation_m = 0.05;
   double rotation_rad = 5 * 0.017453292519943295;
+  // What the fit is drawn towards.
+  forest::ConfidenceModel prior = forest::ConfidenceModel::Typical();
   // Called with the trials that a confidence is fitted to; may be empty.
   std::function<void(std::span<const ConfidenceTrial>)> on_trials = {};
 };

@@ -9,6 +9,10 @@
 namespace treeline::training {
 namespace {
 
+// Every trial counts.
+constexpr ConfidenceFit kAll = {.independent_trials = 1e9,
+                                .max_threshold = 0.99};
+
 // Poses whose chance of being right grows with their share of inliers.
 std::vector<ConfidenceTrial> MakeTrials(uint64_t seed, int count) {
   base::Random random(seed, 1);
@@ -26,8 +30,8 @@ std::vector<ConfidenceTrial> MakeTrials(uint64_t seed, int count) {
 }
 
 TEST(ConfidenceFitterTest, ProbabilitiesMeanWhatTheySay) {
-  const forest::ConfidenceModel model =
-      FitConfidence(MakeTrials(1, 2000), forest::ConfidenceModel::Typical());
+  const forest::ConfidenceModel model = FitConfidence(
+      MakeTrials(1, 2000), forest::ConfidenceModel::Typical(), kAll);
   // On other trials: of those that get about p, a share of p is right.
   constexpr int kBins = 5;
   double said[kBins] = {};
@@ -65,7 +69,7 @@ TEST(ConfidenceFitterTest, MoreEvidenceNeverCountsAgainstAPose) {
 TEST(ConfidenceFitterTest, TheThresholdKeepsAnswersPrecise) {
   const std::vector<ConfidenceTrial> trials = MakeTrials(4, 3000);
   const forest::ConfidenceModel model =
-      FitConfidence(trials, forest::ConfidenceModel::Typical());
+      FitConfidence(trials, forest::ConfidenceModel::Typical(), kAll);
   int given = 0;
   int wrong = 0;
   for (const ConfidenceTrial& trial : trials) {
@@ -76,6 +80,22 @@ TEST(ConfidenceFitterTest, TheThresholdKeepsAnswersPrecise) {
   EXPECT_GT(given, 500);
   EXPECT_LE(wrong, 0.011 * given);
   EXPECT_GE(model.threshold, 0.5);
+}
+
+TEST(ConfidenceFitterTest, ManyTrialsOfOneSceneMoveThePriorByAFewAlone) {
+  const forest::ConfidenceModel prior = forest::ConfidenceModel::Typical();
+  const std::vector<ConfidenceTrial> trials = MakeTrials(5, 3000);
+  const auto moved = [&](const ConfidenceFit& fit) {
+    const forest::ConfidenceModel model = FitConfidence(trials, prior, fit);
+    double sum = 0;
+    for (size_t i = 0; i < model.weights.size(); ++i) {
+      sum += std::abs(model.weights[i] - prior.weights[i]);
+    }
+    return sum;
+  };
+  EXPECT_LT(moved({}), 0.8 * moved(kAll));
+  EXPECT_LE(FitConfidence(trials, prior, {.max_threshold = 0.6}).threshold,
+            0.6);
 }
 
 TEST(ConfidenceFitterTest, WithoutTrialsThePriorHolds) {
