@@ -25,8 +25,6 @@ using Vector = Eigen::Matrix<double, kFeatures, 1>;
 using Matrix = Eigen::Matrix<double, kFeatures, kFeatures>;
 
 constexpr uint64_t kTrialStream = 0x636f6e6600000000;
-// The prior's weights count as if known with this standard deviation.
-constexpr double kPriorSigma = 1;
 constexpr double kTargetPrecision = 0.99;
 
 // The split repeats: frames to learn from, a gap, frames held out, a gap; and
@@ -183,7 +181,7 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
     centre[static_cast<Eigen::Index>(i)] = prior.weights[i];
   }
   weights = centre;
-  const double precision = 1 / (kPriorSigma * kPriorSigma);
+  const double precision = 1 / (fit.prior_sigma * fit.prior_sigma);
   const double weight = std::min(
       1.0, fit.independent_trials /
                std::max<double>(1, static_cast<double>(trials.size())));

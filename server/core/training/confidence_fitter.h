@@ -25,6 +25,8 @@ struct ConfidenceTrial {
 };
 
 struct ConfidenceFit {
+  // The prior's weights count as if known with this standard deviation.
+  double prior_sigma = 1;
   // The trials, which are of a few places alone, count as no more than so many.
   double independent_trials = 200;
   // Trials are spoilt more than queries will be: a higher threshold would

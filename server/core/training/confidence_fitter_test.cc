@@ -10,8 +10,8 @@ namespace treeline::training {
 namespace {
 
 // Every trial counts.
-constexpr ConfidenceFit kAll = {.independent_trials = 1e9,
-                                .max_threshold = 0.99};
+constexpr ConfidenceFit kAll = {
+    .prior_sigma = 3, .independent_trials = 1e9, .max_threshold = 0.99};
 
 // Poses whose chance of being right grows with their share of inliers.
 std::vector<ConfidenceTrial> MakeTrials(uint64_t seed, int count) {
