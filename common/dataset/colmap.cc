@@ -1,9 +1,7 @@
 #include "common/dataset/colmap.h"
 
 #include <cmath>
-#include <filesystem>
 #include <initializer_list>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -20,8 +18,6 @@
 namespace treeline::dataset {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr uint64_t kMaxModelBytes = uint64_t{4} << 30;
 constexpr double kPixelShift_px = 0.5;
 constexpr uint64_t kLargestSize_px = 1u << 20;  // Camera::Create knows better.
@@ -32,8 +28,7 @@ absl::StatusOr<std::optional<ColmapFile>> FindFile(const std::string& folder,
   for (const bool binary : {true, false}) {
     std::string path =
         absl::StrCat(folder, "/", name, binary ? ".bin" : ".txt");
-    std::error_code error;
-    if (!fs::is_regular_file(path, error)) continue;
+    if (!base::IsFile(path)) continue;
     TL_ASSIGN_OR_RETURN(std::string bytes,
                         base::ReadFile(path, kMaxModelBytes));
     return ColmapFile{std::move(path), std::move(bytes), binary};
