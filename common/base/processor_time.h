@@ -6,13 +6,13 @@
 
 namespace treeline::base {
 
-// Processor time that the calling thread has used so far (s). Time in which
+// Processor time that the calling thread has used so far (ms). Time in which
 // others had the processor does not count.
-inline double ThreadProcessorTime_s() {
+inline double ThreadProcessorTime_ms() {
   timespec time = {};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) +
-         1e-9 * static_cast<double>(time.tv_nsec);
+  return 1e3 * static_cast<double>(time.tv_sec) +
+         1e-6 * static_cast<double>(time.tv_nsec);
 }
 
 }  // namespace treeline::base

@@ -20,7 +20,7 @@ namespace treeline::base {
 // nor do two processes that run the same test.
 class TestingFolder {
  public:
-  TestingFolder() : path_(absl::StrCat(testing::TempDir(), Name())) {
+  TestingFolder() : path_(absl::StrCat(::testing::TempDir(), Name())) {
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }
@@ -37,8 +37,7 @@ class TestingFolder {
     return absl::StrCat(path_, "/", name);
   }
   // Writes a file, and the folders that it lies in; returns its path.
-  std::string Write(const std::string& name,
-                    absl::string_view contents) const {
+  std::string Write(const std::string& name, absl::string_view contents) const {
     std::string path = Path(name);
     EXPECT_TRUE(MakeParentFolder(path).ok()) << path;
     EXPECT_TRUE(WriteFileAtomically(path, contents).ok()) << path;
@@ -47,7 +46,7 @@ class TestingFolder {
 
  private:
   static std::string Name() {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
     // Names of tests with parameters have slashes.
     return absl::StrReplaceAll(
         absl::StrCat("treeline-", getpid(), "-", test->test_suite_name(), "-",

@@ -249,11 +249,9 @@ Dataset Dataset::Subset(std::span<const int> frames) const {
 absl::StatusOr<Dataset::Encoded> Dataset::ReadEncoded(int i) const {
   Encoded encoded;
   encoded.color_camera = frame(i).color_camera;
-  TL_ASSIGN_OR_RETURN(encoded.color,
-                      ReadPicture(frame(i).color_path));
+  TL_ASSIGN_OR_RETURN(encoded.color, ReadPicture(frame(i).color_path));
   if (!frame(i).depth_path.empty()) {
-    TL_ASSIGN_OR_RETURN(encoded.depth,
-                        ReadPicture(frame(i).depth_path));
+    TL_ASSIGN_OR_RETURN(encoded.depth, ReadPicture(frame(i).depth_path));
   }
   return encoded;
 }

@@ -23,11 +23,10 @@ absl::StatusOr<camera::Camera> ChooseCamera(absl::string_view name,
                                             const std::string& uri) {
   if (option.empty() &&
       size != image::ImageSize{defaults.width, defaults.height}) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(uri, ": images are ", size.width, " x ", size.height,
-                     " pixels, but the default ", name, " camera is for ",
-                     defaults.width, " x ", defaults.height,
-                     "; give the ", name, " camera"));
+    return absl::InvalidArgumentError(absl::StrCat(
+        uri, ": images are ", size.width, " x ", size.height,
+        " pixels, but the default ", name, " camera is for ", defaults.width,
+        " x ", defaults.height, "; give the ", name, " camera"));
   }
   return camera::Camera::Parse(option.empty() ? default_camera : option,
                                size.width, size.height);
@@ -71,10 +70,9 @@ absl::StatusOr<camera::Camera> DepthCamera(const DatasetOptions& options,
         ": depth is registered to colour in this format and "
         "takes the colour camera; a depth camera cannot be given"));
   }
-  const auto with_depth =
-      std::ranges::find_if(index.frames, [](const DatasetFrame& frame) {
-        return !frame.depth_path.empty();
-      });
+  const auto with_depth = std::ranges::find_if(
+      index.frames,
+      [](const DatasetFrame& frame) { return !frame.depth_path.empty(); });
   image::ImageSize size{defaults.width, defaults.height};
   if (with_depth != index.frames.end()) {
     TL_ASSIGN_OR_RETURN(size, ReadPictureSize(with_depth->depth_path));
@@ -100,9 +98,8 @@ absl::StatusOr<camera::RgbdCalibration> DefaultCalibration(
   calibration.pose_sensor = options.pose_file.empty()
                                 ? defaults.pose_sensor
                                 : camera::RgbdSensor::kColor;
-  TL_ASSIGN_OR_RETURN(
-      calibration.depth,
-      DepthCamera(options, index, defaults, calibration.color));
+  TL_ASSIGN_OR_RETURN(calibration.depth,
+                      DepthCamera(options, index, defaults, calibration.color));
   return calibration;
 }
 
@@ -120,9 +117,8 @@ absl::StatusOr<camera::RgbdCalibration> ChooseCalibration(
   // The readers of structure from motion have put the option's camera there.
   if (recorded != nullptr && index.structure != nullptr) return *recorded;
   if (recorded != nullptr) return RecordedCalibration(options, *recorded);
-  return DefaultCalibration(options, index,
-                            std::get<DefaultCameras>(index.cameras),
-                            focal_length_px);
+  return DefaultCalibration(
+      options, index, std::get<DefaultCameras>(index.cameras), focal_length_px);
 }
 
 }  // namespace treeline::dataset

@@ -30,10 +30,9 @@ absl::StatusOr<DatasetIndex> IndexSevenScenes(const IndexRequest& request) {
   DatasetIndex index;
   // The usual values for the Kinect of 7-Scenes; its authors gave only the
   // depth camera's.
-  index.cameras =
-      DefaultCameras{.color = "PINHOLE,525,525,320,240",
-                     .depth = "PINHOLE,585,585,320,240",
-                     .pose_sensor = camera::RgbdSensor::kDepth};
+  index.cameras = DefaultCameras{.color = "PINHOLE,525,525,320,240",
+                                 .depth = "PINHOLE,585,585,320,240",
+                                 .pose_sensor = camera::RgbdSensor::kDepth};
   index.depth_unit_m = 0.001;
   const std::vector<ListedStem> stems =
       request.stems.empty() ? ScanStems(request.path) : request.stems;
@@ -45,9 +44,8 @@ absl::StatusOr<DatasetIndex> IndexSevenScenes(const IndexRequest& request) {
   }
   index.frames.reserve(stems.size());
   for (const ListedStem& listed : stems) {
-    TL_ASSIGN_OR_RETURN(
-        DatasetFrame frame,
-        IndexFrameFiles(request, request.path, kFiles, listed));
+    TL_ASSIGN_OR_RETURN(DatasetFrame frame,
+                        IndexFrameFiles(request, request.path, kFiles, listed));
     index.frames.push_back(std::move(frame));
   }
   return index;

@@ -92,9 +92,8 @@ absl::StatusOr<DatasetIndex> IndexColmap(const IndexRequest& request) {
     // The size is that of the first picture there is.
     TL_ASSIGN_OR_RETURN(const SfmModel named,
                         ReadColmap(request.path, camera::Camera()));
-    TL_ASSIGN_OR_RETURN(
-        const std::vector<int32_t> selected,
-        SelectImages(request, named.images, request.path));
+    TL_ASSIGN_OR_RETURN(const std::vector<int32_t> selected,
+                        SelectImages(request, named.images, request.path));
     if (!selected.empty()) {
       TL_ASSIGN_OR_RETURN(
           const std::string path,
@@ -108,9 +107,8 @@ absl::StatusOr<DatasetIndex> IndexColmap(const IndexRequest& request) {
   }
   TL_ASSIGN_OR_RETURN(SfmModel model, ReadColmap(request.path, camera));
   auto shared = std::make_shared<const SfmModel>(std::move(model));
-  TL_ASSIGN_OR_RETURN(
-      const std::vector<int32_t> selected,
-      SelectImages(request, shared->images, request.path));
+  TL_ASSIGN_OR_RETURN(const std::vector<int32_t> selected,
+                      SelectImages(request, shared->images, request.path));
   return IndexOf(std::move(shared), selected, request.image_folder);
 }
 

@@ -9,11 +9,10 @@ namespace {
 
 TEST(PlanarPoseTest, LeavesOutHeightAndTilt) {
   const double yaw_rad = 2.5;
-  const Rigid3 tilted = {
-      Rotation3::FromAxisAngle({0, 0, yaw_rad}) *
-          Rotation3::FromAxisAngle({0, 0.3, 0}) *
-          Rotation3::FromAxisAngle({-0.2, 0, 0}),
-      {1, 2, 3}};
+  const Rigid3 tilted = {Rotation3::FromAxisAngle({0, 0, yaw_rad}) *
+                             Rotation3::FromAxisAngle({0, 0.3, 0}) *
+                             Rotation3::FromAxisAngle({-0.2, 0, 0}),
+                         {1, 2, 3}};
   const Rigid2 planar = PlanarPose(tilted);
   EXPECT_EQ(planar.translation, (Vec2{1, 2}));
   // Rounding alone.

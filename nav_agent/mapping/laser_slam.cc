@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/processor_time.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/mapping/loop_worker.h"
 #include "nav_agent/mapping/scan_plane.h"
@@ -36,13 +36,6 @@ constexpr double kTurnAsWay_m = 0.3;
 constexpr double kMinShareOfWay = 0.5;
 constexpr double kMaxShareOfWay = 1.5;
 constexpr double kTellingWay_m = 0.03;
-
-double ThreadTime_ms() {
-  timespec time = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) +
-         1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 // See Match: factor on odometry noise, and the gain that it must bring.
 constexpr double kLooseOdometryFactor = 10;
@@ -444,7 +437,7 @@ void LaserSlamOnThread::AddPlace(const LaserSlamScan& scan) {
 absl::StatusOr<geometry::Rigid2> LaserSlamOnThread::AddScan(
     const LaserSlamScan& scan) {
   TL_RETURN_IF_ERROR(Check(scan));
-  const double start_ms = ThreadTime_ms();
+  const double start_ms = base::ThreadProcessorTime_ms();
   ApplyCorrection();
   Predict(scan);
   std::shared_ptr<const ScanOutline> outline;
@@ -463,7 +456,7 @@ absl::StatusOr<geometry::Rigid2> LaserSlamOnThread::AddScan(
       covariance = Locate(*outline, scan);
     }
   }
-  statistics_.front_end_ms.push_back(ThreadTime_ms() - start_ms);
+  statistics_.front_end_ms.push_back(base::ThreadProcessorTime_ms() - start_ms);
   if (is_keyscan) AddKeyscan(std::move(outline), scan, covariance);
   AddPlace(scan);
   ++statistics_.scans;
