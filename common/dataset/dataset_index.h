@@ -19,7 +19,7 @@ namespace treeline::dataset {
 // as Camera::Parse reads them. They hold for pictures of this size only.
 struct DefaultCameras {
   std::string color;
-  std::string depth;  // empty: depth is registered to colour
+  std::string depth{};  // empty: depth is registered to colour
   int width = 640;
   int height = 480;
   camera::RgbdSensor pose_sensor = camera::RgbdSensor::kColor;
