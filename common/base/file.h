@@ -4,19 +4,12 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
 namespace treeline::base {
-
-// Whether there is a file of that name: no folder, and nothing special.
-bool IsFile(const std::string& path);
-
-// The names in `folder`, sorted. A folder that cannot be read has none.
-std::vector<std::string> SortedNamesIn(const std::string& folder);
 
 // The bytes of `path`. NOT_FOUND, PERMISSION_DENIED or UNAVAILABLE name the
 // path and the system's reason; RESOURCE_EXHAUSTED if it is longer than

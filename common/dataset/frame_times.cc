@@ -28,30 +28,32 @@ std::optional<NumberedStem> SplitStem(absl::string_view stem) {
   return result;
 }
 
-Time_ns PeriodBetween_ns(absl::string_view before, absl::string_view after) {
+// How many periods lie between two frames.
+int64_t PeriodsBetween(absl::string_view before, absl::string_view after) {
   const std::optional<NumberedStem> a = SplitStem(before);
   const std::optional<NumberedStem> b = SplitStem(after);
-  if (!a || !b || a->prefix != b->prefix || b->number <= a->number) {
-    return kFramePeriod_ns;
-  }
-  return (b->number - a->number) * kFramePeriod_ns;
+  if (!a || !b || a->prefix != b->prefix || b->number <= a->number) return 1;
+  return b->number - a->number;
 }
 
 }  // namespace
 
 std::vector<Time_ns> FrameTimes(const Dataset& dataset) {
   std::vector<Time_ns> times;
+  int64_t periods = 0;
   for (int i = 0; i < dataset.size(); ++i) {
     const std::string& stem = dataset.frame(i).stem;
     if (const absl::StatusOr<Time_ns> time = ParseTime_ns(stem); time.ok()) {
       times.push_back(*time);
-    } else if (i == 0) {
-      const std::optional<NumberedStem> first = SplitStem(stem);
-      times.push_back(first ? first->number * kFramePeriod_ns : 0);
-    } else {
-      times.push_back(times.back() +
-                      PeriodBetween_ns(dataset.frame(i - 1).stem, stem));
+      continue;
     }
+    if (i == 0) {
+      const std::optional<NumberedStem> first = SplitStem(stem);
+      if (first) periods = first->number;
+    } else {
+      periods += PeriodsBetween(dataset.frame(i - 1).stem, stem);
+    }
+    times.push_back(periods * 1'000'000'000 / kFrameRate_hz);
   }
   return times;
 }

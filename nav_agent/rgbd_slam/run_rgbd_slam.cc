@@ -13,12 +13,14 @@
 namespace treeline::rgbd_slam {
 namespace {
 
+// Between two frames of a trajectory.
+constexpr dataset::Time_ns kLeastGap_ns = 333'333;
+
 std::vector<dataset::Time_ns> AscendingFrameTimes(
     const dataset::Dataset& dataset) {
   std::vector<dataset::Time_ns> times = dataset::FrameTimes(dataset);
   for (size_t i = 1; i < times.size(); ++i) {
-    times[i] =
-        std::max(times[i], times[i - 1] + dataset::kFramePeriod_ns / 100);
+    times[i] = std::max(times[i], times[i - 1] + kLeastGap_ns);
   }
   return times;
 }

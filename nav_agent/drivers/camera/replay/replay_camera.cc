@@ -24,7 +24,7 @@ std::vector<double> TimesAfterFirst_s(const dataset::Dataset& dataset) {
 
 double MeanInterval_s(const std::vector<double>& times_s) {
   return times_s.size() < 2
-             ? static_cast<double>(dataset::kFramePeriod_ns) * 1e-9
+             ? 1.0 / dataset::kFrameRate_hz
              : times_s.back() / static_cast<double>(times_s.size() - 1);
 }
 
