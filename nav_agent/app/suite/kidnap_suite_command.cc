@@ -143,8 +143,9 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
   options.has_rear_laser = !flags.suite.no_rear_laser;
   options.camera_hz = flags.method == "server" ? flags.camera_hz : 0;
   if (flags.fault == "slow") options.real_timeout_s = 1;
-  suites::Suite<kidnaps::KidnapRun> suite = {
-      .name = "kidnaps", .jobs = suites::JobsOf(flags.suite.worlds, seeds)};
+  suites::Suite<kidnaps::KidnapRun> suite;
+  suite.name = "kidnaps";
+  suite.jobs = suites::JobsOf(flags.suite.worlds, seeds);
   TL_ASSIGN_OR_RETURN(const suites::SuitePlaces places,
                       suites::PrepareSuite(
                           suite.jobs, flags.suite,

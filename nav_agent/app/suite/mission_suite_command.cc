@@ -93,7 +93,8 @@ absl::Status RunMissions(const MissionFlags& flags,
                          const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const missions::MissionOptions options,
                       MissionOptionsOf(flags));
-  suites::Suite<missions::MissionRun> suite = {.name = "missions"};
+  suites::Suite<missions::MissionRun> suite;
+  suite.name = "missions";
   TL_ASSIGN_OR_RETURN(suite.jobs, JobsOf(flags));
   const auto map_options = [&flags](const std::string& world) {
     suites::SuiteMapOptions map = flags.suite.MapOptions(world);
