@@ -208,17 +208,17 @@ MatchSearch LaserSlamOnThread::SearchAfter(
     const geometry::Rigid2& motion) const {
   const double moved_m = geometry::Norm(motion.translation);
   const double turned_rad = std::abs(motion.yaw_rad);
-  const OdometryUncertainty& doubt = options_.odometry;
+  const OdometryNoise& noise = options_.odometry;
   const double sigma_m =
-      doubt.m + doubt.m_per_m * moved_m + doubt.m_per_rad * turned_rad;
+      noise.m + noise.m_per_m * moved_m + noise.m_per_rad * turned_rad;
   const double sigma_rad =
-      doubt.rad + doubt.rad_per_rad * turned_rad + doubt.rad_per_m * moved_m;
+      noise.rad + noise.rad_per_rad * turned_rad + noise.rad_per_m * moved_m;
   return {
       .half_extent_m = std::min(
-          std::max(options_.search_sigmas * sigma_m, doubt.min_search_m),
+          std::max(options_.search_sigmas * sigma_m, noise.min_search_m),
           options_.max_search_m),
       .half_angle_rad = std::min(
-          std::max(options_.search_sigmas * sigma_rad, doubt.min_search_rad),
+          std::max(options_.search_sigmas * sigma_rad, noise.min_search_rad),
           options_.max_search_rad),
       .guess_sigma_m = sigma_m,
       .guess_sigma_rad = sigma_rad};
@@ -262,7 +262,7 @@ bool LaserSlamOnThread::Match(const ScanOutline& scan, geometry::Vec2 slope,
   const SurfaceGrid grid =
       MakeSurfaceGrid(window.references, scan, guess, search, options_.matcher);
   ScanMatch match = MatchScan(grid, scan, guess, search, options_.matcher);
-  // Doubt is about small errors. Wheels that spin are wrong by far more: what
+  // Noise stands for small errors. Wheels that spin are wrong by far more: what
   // then fits clearly better with hardly any odometry is accepted.
   MatchSearch loose_search = search;
   loose_search.guess_sigma_m *= kLooseOdometryFactor;

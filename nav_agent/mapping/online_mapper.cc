@@ -49,7 +49,7 @@ absl::StatusOr<std::unique_ptr<OnlineMapper>> OnlineMapper::Create(
   TL_ASSIGN_OR_RETURN(core::SlopeOdometry odometry,
                       core::SlopeOdometry::Create(odometry_options));
   LaserSlamOptions slam_options = options.slam;
-  slam_options.odometry = options.doubt;
+  slam_options.odometry = options.odometry_noise;
   TL_ASSIGN_OR_RETURN(
       std::unique_ptr<LaserSlam> slam,
       LaserSlam::Create(laser, robot.base_from_laser, slam_options));

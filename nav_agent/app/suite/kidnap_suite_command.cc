@@ -201,7 +201,7 @@ void AddServerFlags(CLI::App& command, KidnapFlags& flags) {
 
 cli::Command AddKidnapSuite(CLI::App& suite) {
   CLI::App* command = suite.add_subcommand(
-      "kidnaps", "Robots that are carried away: who finds itself again");
+      "kidnaps", "Robots that are kidnapped: how many recover");
   command->footer(kFooter);
   auto flags = std::make_shared<KidnapFlags>();
   AddSuiteFlags(*command, "kidnap", flags->suite);

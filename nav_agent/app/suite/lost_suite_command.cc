@@ -133,7 +133,7 @@ absl::Status RunFit(const std::vector<std::string>& paths) {
 
 cli::Command AddLostSuite(CLI::App& suite) {
   CLI::App* command = suite.add_subcommand(
-      "lost", "Kidnaps and false alarms of the lost verdict");
+      "lost", "Kidnaps and false alarms of the lost detector");
   command->footer(kFooter);
   auto flags = std::make_shared<LostFlags>();
   AddWorldFlags(*command, "run", flags->worlds, flags->seeds);
@@ -160,8 +160,8 @@ cli::Command AddLostSuite(CLI::App& suite) {
 }
 
 cli::Command AddLostFit(CLI::App& suite) {
-  CLI::App* command = suite.add_subcommand(
-      "lost-fit", "Weigh the evidence of the lost verdict anew");
+  CLI::App* command =
+      suite.add_subcommand("lost-fit", "Fit the weights of the lost detector");
   auto paths = std::make_shared<std::vector<std::string>>();
   command->add_option("--features", *paths, "What suite lost wrote")
       ->type_name("FILE.csv")
