@@ -8,6 +8,7 @@
 
 #include "evaluation/missions/mission_report.h"
 #include "evaluation/suites/suite_jobs.h"
+#include "evaluation/suites/suite_report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
