@@ -123,10 +123,6 @@ class Handler final : public http::HttpHandler {
     return std::nullopt;
   }
 
-  bool IsProbe(const http::HttpRequest& request) const override {
-    return request.path == "/healthz" || request.path == "/readyz";
-  }
-
   http::HttpResponse Handle(const http::HttpRequest& request) override {
     if (ConnectRouter::Owns(request.path)) return connect_->Handle(request);
     if (GppRoutes::Owns(request.path)) return gpp_->Handle(request);
