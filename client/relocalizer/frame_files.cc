@@ -1,12 +1,12 @@
 #include "client/relocalizer/frame_files.h"
 
-#include <filesystem>
 #include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "common/base/file.h"
+#include "common/base/folder.h"
 #include "common/base/status_macros.h"
 #include "common/image/decode.h"
 
@@ -16,22 +16,17 @@ namespace {
 // Far more than a server takes.
 constexpr uint64_t kMaxFileBytes = 256 << 20;
 
-bool IsFile(const std::string& path) {
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(path, ignored);
-}
-
 absl::StatusOr<FrameFiles> FilesOf(const std::string& stem,
                                    const std::string& root) {
   const std::string base = absl::StrCat(root, "/", stem);
   FrameFiles files{
       .stem = stem, .color = base + ".color.jpg", .depth = base + ".depth.png"};
-  if (!IsFile(files.color)) files.color = base + ".color.png";
-  if (!IsFile(files.color)) {
+  if (!base::IsFile(files.color)) files.color = base + ".color.png";
+  if (!base::IsFile(files.color)) {
     return absl::NotFoundError(absl::StrCat("neither ", base, ".color.jpg nor ",
                                             base, ".color.png is there"));
   }
-  if (!IsFile(files.depth)) files.depth.clear();
+  if (!base::IsFile(files.depth)) files.depth.clear();
   return files;
 }
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/time/time.h"
+#include "common/base/error_info.h"
 
 namespace treeline::base {
 namespace {
@@ -62,6 +63,15 @@ bool ByteLease::Resize(uint64_t bytes, std::chrono::milliseconds patience) {
   }
   bytes_ = bytes;
   return true;
+}
+
+absl::Status NoMemoryForRequest() {
+  constexpr std::chrono::milliseconds kRetryAfter{100};
+  return WithRetryAfter(
+      WithReason(absl::UnavailableError(
+                     "overloaded: other requests leave no memory for this one"),
+                 "OVERLOADED"),
+      kRetryAfter);
 }
 
 }  // namespace treeline::base

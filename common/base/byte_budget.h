@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 
 namespace treeline::base {
@@ -61,6 +62,10 @@ class ByteLease {
   ByteBudget* budget_ = nullptr;
   uint64_t bytes_ = 0;
 };
+
+// What a request is told that gets no lease: UNAVAILABLE with reason OVERLOADED
+// and a time to retry.
+absl::Status NoMemoryForRequest();
 
 }  // namespace treeline::base
 

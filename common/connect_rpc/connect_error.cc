@@ -84,6 +84,11 @@ nlohmann::json DetailsOf(const google::rpc::Status& status) {
 
 }  // namespace
 
+absl::Status InvalidRequest(absl::string_view message) {
+  return base::WithReason(absl::InvalidArgumentError(message),
+                          "INVALID_REQUEST");
+}
+
 int ConnectHttpStatus(absl::StatusCode code) { return RowOf(code).http; }
 
 const char* ConnectCode(absl::StatusCode code) { return RowOf(code).name; }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "absl/strings/string_view.h"
 #include "common/http/http_message.h"
 
 namespace treeline::connect_rpc {
@@ -15,6 +16,9 @@ int ConnectHttpStatus(absl::StatusCode code);
 
 // The protocol's names: "invalid_argument", "canceled".
 const char* ConnectCode(absl::StatusCode code);
+
+// INVALID_ARGUMENT with reason INVALID_REQUEST.
+absl::Status InvalidRequest(absl::string_view message);
 
 // A JSON object of code, message and details (type, value in unpadded base64,
 // and the same readable as `debug`). One line; bytes that are not UTF-8 become

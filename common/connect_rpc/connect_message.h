@@ -5,12 +5,14 @@
 
 #include <google/protobuf/message.h>
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "common/base/byte_budget.h"
 
 namespace treeline::connect_rpc {
 
@@ -25,17 +27,23 @@ struct ConnectFormat {
   bool operator==(const ConnectFormat&) const = default;
 };
 
-// nullopt: none of the protocol's. Parameters ("; charset=utf-8") and upper
-// case are passed over.
+// "application/json" of "Application/JSON; charset=utf-8".
+std::string MediaType(absl::string_view content_type);
+
+// nullopt: none of the protocol's.
 std::optional<ConnectFormat> ConnectFormatOf(absl::string_view content_type);
 
-// A request has few values: objects, arrays, and what is in them.
-inline constexpr int kMaxJsonValues = 20'000;
+// Memory for what is made of a body while it is parsed: waits for a while.
+// UNAVAILABLE with reason OVERLOADED. nullptr: without a bound.
+absl::StatusOr<base::ByteLease> LeaseForParsing(base::ByteBudget* budget,
+                                                bool is_json,
+                                                size_t body_bytes);
 
 // `bytes` without an envelope. Clears `message` first. INVALID_ARGUMENT with
 // reason INVALID_REQUEST: not JSON or not protobuf's binary format, unknown
-// fields or values of another type (of JSON, naming the field), more than
-// kMaxJsonValues values. The latter is found before anything is built.
+// fields or values of another type (of JSON, naming the field), or beyond
+// JsonLimits or wire::MessageLimits. The latter is found before anything is
+// built.
 absl::Status ParseConnectMessage(bool is_json, absl::string_view bytes,
                                  google::protobuf::Message& message);
 

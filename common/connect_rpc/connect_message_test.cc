@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "common/connect_rpc/json_message.h"
 #include "treeline/v1/navigation.pb.h"
 
 namespace treeline::connect_rpc {
@@ -52,7 +53,7 @@ TEST(ConnectMessage, RefusesOtherBytesAndNamesTheField) {
 TEST(ConnectMessage, RefusesMoreValuesThanARequestHasInAnyQuotes) {
   for (const char* key : {R"("poses")", "'poses'", R"('poses"')"}) {
     std::string json = std::string("{") + key + ":[";
-    for (int i = 0; i < kMaxJsonValues; ++i) json += "{},";
+    for (int i = 0; i < JsonLimits().max_values; ++i) json += "{},";
     json += "{}]}";
     v1::NavigateRequest request;
     const absl::Status status =

@@ -23,19 +23,16 @@ absl::Status NoMethod(absl::string_view message) {
   return base::WithReason(absl::UnimplementedError(message), "METHOD_UNKNOWN");
 }
 
-absl::Status InvalidRequest(absl::string_view message) {
-  return base::WithReason(absl::InvalidArgumentError(message),
-                          "INVALID_REQUEST");
-}
-
 http::HttpResponse WrongType(bool is_stream) {
-  const char* types =
-      is_stream ? "application/connect+json, application/connect+proto"
-                : "application/json, application/proto";
+  const ConnectFormat json{.is_json = true, .is_stream = is_stream};
+  const ConnectFormat proto{.is_json = false, .is_stream = is_stream};
   http::HttpResponse response = ConnectErrorResponse(
-      415,
-      InvalidRequest(absl::StrCat("the content-type must be one of ", types)));
-  response.headers.emplace_back("Accept-Post", types);
+      415, InvalidRequest(absl::StrCat("the content-type must be ",
+                                       json.ContentType(), " or ",
+                                       proto.ContentType())));
+  response.headers.emplace_back(
+      "Accept-Post",
+      absl::StrCat(json.ContentType(), ", ", proto.ContentType()));
   return response;
 }
 
@@ -55,6 +52,11 @@ absl::StatusOr<base::MonotonicTime> ConnectDeadline(
   return request.arrival + std::chrono::milliseconds(milliseconds);
 }
 
+void ConnectRouter::AddUnimplemented(const std::string& path,
+                                     absl::string_view why) {
+  methods_[path].refusal = NoMethod(why);
+}
+
 bool ConnectRouter::Owns(absl::string_view path) {
   return absl::StartsWith(path, "/treeline.v1.");
 }
@@ -71,6 +73,9 @@ std::optional<http::HttpResponse> ConnectRouter::CheckHead(
     response.headers.emplace_back("Allow", "POST");
     return response;
   }
+  if (!method->second.refusal.ok()) {
+    return ConnectErrorResponse(method->second.refusal);
+  }
   const bool is_stream = method->second.response != nullptr;
   const auto format = ConnectFormatOf(request.Header("content-type"));
   if (!format.has_value() || format->is_stream != is_stream) {
@@ -78,10 +83,20 @@ std::optional<http::HttpResponse> ConnectRouter::CheckHead(
   }
   const absl::string_view version = request.Header("connect-protocol-version");
   if (version.empty() ? options_.require_protocol_version : version != "1") {
-    return ConnectErrorResponse(
-        InvalidRequest("the header 'Connect-Protocol-Version: 1' is missing"));
+    return ConnectErrorResponse(InvalidRequest(
+        version.empty() ? "the header 'Connect-Protocol-Version: 1' is missing"
+                        : "connect-protocol-version: only 1 is known"));
   }
   return std::nullopt;
+}
+
+std::optional<http::HttpResponse> ConnectRouter::Admit(
+    http::HttpRequest& request) const {
+  const AdmitCall& admit = methods_.at(request.path).admit;
+  if (admit == nullptr) return std::nullopt;
+  const absl::Status admitted = admit(request);
+  if (admitted.ok()) return std::nullopt;
+  return ConnectErrorResponse(admitted);
 }
 
 http::HttpResponse ConnectRouter::Handle(
@@ -101,17 +116,28 @@ http::HttpResponse ConnectRouter::Handle(
                        : ConnectErrorResponse(response.status());
 }
 
+absl::StatusOr<ConnectRouter::Parsed> ConnectRouter::Parse(
+    const Method& method, bool is_json, absl::string_view bytes) const {
+  Parsed parsed;
+  TL_ASSIGN_OR_RETURN(parsed.lease,
+                      LeaseForParsing(options_.budget, is_json, bytes.size()));
+  parsed.message.reset(method.request->New());
+  TL_RETURN_IF_ERROR(ParseConnectMessage(is_json, bytes, *parsed.message));
+  // The message alone; the body is the server's.
+  parsed.lease.Resize(bytes.size());
+  return parsed;
+}
+
 absl::StatusOr<http::HttpResponse> ConnectRouter::Unary(
     const Method& method, const http::HttpRequest& request) const {
   const ConnectFormat format = *ConnectFormatOf(request.Header("content-type"));
   TL_ASSIGN_OR_RETURN(const base::MonotonicTime deadline,
                       ConnectDeadline(request));
-  const std::unique_ptr<Message> message(method.request->New());
-  TL_RETURN_IF_ERROR(
-      ParseConnectMessage(format.is_json, request.body, *message));
-  TL_ASSIGN_OR_RETURN(
-      const std::unique_ptr<Message> answer,
-      method.unary({.request = request, .deadline = deadline}, *message));
+  TL_ASSIGN_OR_RETURN(const Parsed parsed,
+                      Parse(method, format.is_json, request.body));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<Message> answer,
+                      method.unary({.request = request, .deadline = deadline},
+                                   *parsed.message));
   TL_ASSIGN_OR_RETURN(std::string body,
                       WriteConnectMessage(format.is_json, *answer));
   return http::HttpResponse{.content_type = format.ContentType(),
@@ -124,23 +150,25 @@ http::HttpResponse ConnectRouter::Stream(
   ConnectStream::Options options{.is_json = format.is_json,
                                  .socket = request.socket,
                                  .heartbeat = options_.heartbeat};
-  const std::shared_ptr<Message> message(method.request->New());
-  const absl::Status parsed = [&] {
+  // Shared, for std::function copies what it calls.
+  const auto parsed = std::make_shared<Parsed>();
+  const absl::Status status = [&] {
     TL_ASSIGN_OR_RETURN(options.deadline, ConnectDeadline(request));
     TL_ASSIGN_OR_RETURN(const absl::string_view bytes,
                         OutOfEnvelope(request.body));
-    return ParseConnectMessage(format.is_json, bytes, *message);
+    TL_ASSIGN_OR_RETURN(*parsed, Parse(method, format.is_json, bytes));
+    return absl::OkStatus();
   }();
   http::HttpResponse response{.content_type = format.ContentType()};
-  if (!parsed.ok()) {
+  if (!status.ok()) {
     // A stream's errors stand in its last envelope, whatever they are.
-    response.body = EndOfConnectStream(parsed);
+    response.body = EndOfConnectStream(status);
     return response;
   }
   response.stream = [this, &method, options,
-                     message](http::HttpBodyWriter& writer) {
-    writer.Write(
-        EndOfConnectStream(RunStream(method, *message, options, writer)));
+                     parsed](http::HttpBodyWriter& writer) {
+    writer.Write(EndOfConnectStream(
+        RunStream(method, *parsed->message, options, writer)));
   };
   return response;
 }

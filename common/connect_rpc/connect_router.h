@@ -18,6 +18,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "common/base/byte_budget.h"
 #include "common/base/clock.h"
 #include "common/connect_rpc/connect_stream.h"
 #include "common/http/http_message.h"
@@ -32,6 +33,10 @@ struct ConnectRouterOptions {
   // Larger bodies are refused before anything is built from them: a byte of a
   // body may become a hundred of a message.
   size_t max_request_bytes = size_t{64} << 10;
+  // What messages are held by while they are parsed, and then until they are
+  // answered, beside the body; nullptr: without a bound. Must outlive the
+  // router.
+  base::ByteBudget* budget = nullptr;
   // See ConnectStream.
   std::chrono::milliseconds heartbeat{5000};
 };
@@ -43,6 +48,9 @@ struct ConnectCall {
   base::MonotonicTime deadline = base::MonotonicTime::max();
 };
 
+// Whether a call is let in, by its head alone. May note in `request` who calls.
+using AdmitCall = std::function<absl::Status(http::HttpRequest& request)>;
+
 // Methods are added before it serves; then it is thread-safe.
 class ConnectRouter {
  public:
@@ -53,10 +61,12 @@ class ConnectRouter {
       : clock_(clock), options_(options) {}
 
   // path: "/treeline.v1.NavigationService/Pause". `call` as
-  // absl::StatusOr<Response>(const ConnectCall&, const Request&).
+  // absl::StatusOr<Response>(const ConnectCall&, const Request&). `admit`:
+  // null: everyone is let in.
   template <typename Request, typename Call>
-  void AddUnary(const std::string& path, Call call) {
+  void AddUnary(const std::string& path, Call call, AdmitCall admit = nullptr) {
     Method& method = NewMethod<Request>(path);
+    method.admit = std::move(admit);
     method.unary = [call = std::move(call)](const ConnectCall& about,
                                             const Message& request)
         -> absl::StatusOr<std::unique_ptr<Message>> {
@@ -78,21 +88,31 @@ class ConnectRouter {
     };
   }
 
+  // A method that is not served here: `why`.
+  void AddUnimplemented(const std::string& path, absl::string_view why);
+
   // Whether `path` is one of a package of ours.
   static bool Owns(absl::string_view path);
 
-  // Answers unknown methods (404), what is not POST (405), other types (415)
-  // and other versions (400).
+  // Answers unknown methods (404), what is not POST (405), methods that are not
+  // served here (501), other types (415) and other versions (400).
   std::optional<http::HttpResponse> CheckHead(
       const http::HttpRequest& request) const;
 
-  // For requests that CheckHead lets through. Bodies that are too large get
-  // 413; other errors as the protocol has them.
+  // For requests that CheckHead lets through, before the body is read: see
+  // HttpHandler::Admit.
+  std::optional<http::HttpResponse> Admit(http::HttpRequest& request) const;
+
+  // For requests that both let through. Bodies that are too large get 413;
+  // other errors as the protocol has them.
   http::HttpResponse Handle(const http::HttpRequest& request) const;
 
  private:
   struct Method {
+    // Null of one that is not served here; `refusal` says why.
     std::unique_ptr<const Message> request;
+    absl::Status refusal;
+    AdmitCall admit;
     std::function<absl::StatusOr<std::unique_ptr<Message>>(const ConnectCall&,
                                                            const Message&)>
         unary;
@@ -101,12 +121,20 @@ class ConnectRouter {
     std::function<absl::Status(const Message&, ConnectStream&)> stream;
   };
 
+  // A request's message, and what it takes of the budget.
+  struct Parsed {
+    base::ByteLease lease;
+    std::unique_ptr<Message> message;
+  };
+
   template <typename Request>
   Method& NewMethod(const std::string& path) {
     Method& method = methods_[path];
     method.request = std::make_unique<Request>();
     return method;
   }
+  absl::StatusOr<Parsed> Parse(const Method& method, bool is_json,
+                               absl::string_view bytes) const;
   absl::StatusOr<http::HttpResponse> Unary(
       const Method& method, const http::HttpRequest& request) const;
   http::HttpResponse Stream(const Method& method,

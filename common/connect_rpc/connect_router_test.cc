@@ -119,6 +119,84 @@ TEST_F(ConnectRouterTest, BodiesAreBounded) {
   }
 }
 
+TEST_F(ConnectRouterTest, MessagesTakeOfTheBudgetUntilTheyAreAnswered) {
+  base::ByteBudget budget(1000);
+  ConnectRouter router(clock_, {.budget = &budget});
+  uint64_t held = 0;
+  router.AddUnary<v1::CancelRequest>(
+      kUnary, [&](const ConnectCall&, const v1::CancelRequest&) {
+        held = budget.used_bytes();
+        return absl::StatusOr<v1::CancelResponse>(v1::CancelResponse());
+      });
+  router.AddStream<v1::StreamStateRequest, v1::StreamStateResponse>(
+      kStream, [&](const v1::StreamStateRequest&, ConnectStream&) {
+        held = budget.used_bytes();
+        return absl::OkStatus();
+      });
+  const http::HttpRequest unary =
+      Request(kUnary, "application/json", R"({"goalId":"3"})");
+  EXPECT_EQ(router.Handle(unary).status, 200);
+  EXPECT_EQ(held, unary.body.size());
+  router
+      .Handle(Request(kStream, "application/connect+json",
+                      InEnvelope(R"({"rateHz":2})")))
+      .stream(writer_);
+  EXPECT_EQ(held, 12u);
+  EXPECT_EQ(budget.used_bytes(), 0u);
+}
+
+TEST_F(ConnectRouterTest, NothingIsParsedWhereThereIsNoMemory) {
+  base::ByteBudget budget(1000);
+  base::ByteLease others(&budget);
+  ASSERT_TRUE(others.Resize(999));
+  ConnectRouter router(clock_, {.budget = &budget});
+  router.AddUnary<v1::CancelRequest>(
+      kUnary,
+      [](const ConnectCall&,
+         const v1::CancelRequest&) -> absl::StatusOr<v1::CancelResponse> {
+        ADD_FAILURE() << "called";
+        return v1::CancelResponse();
+      });
+  const http::HttpResponse response =
+      router.Handle(Request(kUnary, "application/json", R"({"goalId":"3"})"));
+  EXPECT_EQ(response.status, 503);
+  EXPECT_THAT(response.body, HasSubstr("OVERLOADED"));
+}
+
+TEST_F(ConnectRouterTest, AsksWhoIsLetInByTheHead) {
+  ConnectRouter router(clock_);
+  absl::Status admission;
+  router.AddUnary<v1::CancelRequest>(
+      kUnary,
+      [](const ConnectCall& call, const v1::CancelRequest&) {
+        EXPECT_EQ(call.request.client, "tester");
+        return absl::StatusOr<v1::CancelResponse>(v1::CancelResponse());
+      },
+      [&](http::HttpRequest& request) {
+        request.client = "tester";
+        return admission;
+      });
+  http::HttpRequest request = Request(kUnary, "application/json", "{}");
+  EXPECT_FALSE(router.Admit(request).has_value());
+  EXPECT_EQ(router.Handle(request).status, 200);
+  admission = absl::UnauthenticatedError("who are you?");
+  EXPECT_EQ(router.Admit(request).value().status, 401);
+  // Of one that says nothing about it.
+  request.path = kUnary;
+  EXPECT_FALSE(router_.Admit(request).has_value());
+}
+
+TEST_F(ConnectRouterTest, SaysWhatIsServedElsewhere) {
+  router_.AddUnimplemented("/treeline.v1.Test/Other", "over gRPC only");
+  for (const char* type : {"application/json", "application/connect+json"}) {
+    const auto answer =
+        router_.CheckHead(Request("/treeline.v1.Test/Other", type, ""));
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_EQ(answer->status, 501);
+    EXPECT_THAT(answer->body, HasSubstr("over gRPC only"));
+  }
+}
+
 TEST_F(ConnectRouterTest, DeadlinesCountFromTheArrival) {
   http::HttpRequest request = Request(kUnary, "application/proto", "\x08\x03");
   router_.Handle(request);

@@ -1,9 +1,7 @@
 #include "common/dataset/colmap.h"
 
 #include <cmath>
-#include <filesystem>
 #include <initializer_list>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -11,6 +9,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/file.h"
+#include "common/base/folder.h"
 #include "common/base/status_macros.h"
 #include "common/dataset/colmap_binary.h"
 #include "common/dataset/colmap_builder.h"
@@ -19,8 +18,6 @@
 
 namespace treeline::dataset {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxModelBytes = uint64_t{4} << 30;
 constexpr double kPixelShift_px = 0.5;
@@ -32,8 +29,7 @@ absl::StatusOr<std::optional<ColmapFile>> FindFile(const std::string& folder,
   for (const bool binary : {true, false}) {
     std::string path =
         absl::StrCat(folder, "/", name, binary ? ".bin" : ".txt");
-    std::error_code error;
-    if (!fs::is_regular_file(path, error)) continue;
+    if (!base::IsFile(path)) continue;
     TL_ASSIGN_OR_RETURN(std::string bytes,
                         base::ReadFile(path, kMaxModelBytes));
     return ColmapFile{std::move(path), std::move(bytes), binary};

@@ -12,7 +12,9 @@
 #include "absl/strings/strip.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
+#include "common/dataset/dataset_cameras.h"
 #include "common/dataset/dataset_index.h"
+#include "common/dataset/picture_files.h"
 #include "common/dataset/seven_scenes.h"
 #include "common/dataset/sfm_datasets.h"
 #include "common/dataset/tum.h"
@@ -23,24 +25,8 @@ namespace treeline::dataset {
 namespace {
 
 constexpr uint64_t kMaxTextBytes = 256u << 20;
-constexpr uint64_t kMaxImageBytes = 128u << 20;
 // Focal lengths of one camera vary by less from frame to frame.
 constexpr double kMaxFocalSpread = 0.01;
-
-// A format's name in URIs, and its reader.
-struct Format {
-  const char* prefix;
-  const char* arguments;
-  absl::StatusOr<DatasetIndex> (*index)(const IndexRequest& request);
-};
-
-constexpr Format kFormats[] = {
-    {"7scenes:", "DIR", IndexSevenScenes},
-    {"12scenes:", "DIR", IndexTwelveScenes},
-    {"tum:", "DIR", IndexTum},
-    {"colmap:", "MODEL_DIR,IMAGES_DIR", IndexColmap},
-    {"nvm:", "FILE", IndexNvm},
-};
 
 absl::StatusOr<std::string> ExistingFolder(const std::string& uri,
                                            absl::string_view name) {
@@ -58,6 +44,61 @@ absl::StatusOr<std::string> ExistingFolder(const std::string& uri,
   return folder;
 }
 
+// What follows a format's name in a URI, and how it gets into a request.
+struct Arguments {
+  const char* text;
+  absl::Status (*parse)(const std::string& uri, absl::string_view arguments,
+                        IndexRequest& request);
+};
+
+absl::Status ParseFolder(const std::string& uri, absl::string_view arguments,
+                         IndexRequest& request) {
+  TL_ASSIGN_OR_RETURN(request.path, ExistingFolder(uri, arguments));
+  return absl::OkStatus();
+}
+
+// Its reader says if there is no such file.
+absl::Status ParseFile(const std::string& /*uri*/, absl::string_view arguments,
+                       IndexRequest& request) {
+  request.path = std::string(arguments);
+  return absl::OkStatus();
+}
+
+constexpr const char* kTwoFoldersText = "MODEL_DIR,IMAGES_DIR";
+
+absl::Status ParseTwoFolders(const std::string& uri,
+                             absl::string_view arguments,
+                             IndexRequest& request) {
+  const size_t comma = arguments.rfind(',');
+  if (comma == absl::string_view::npos) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("data set '", uri, "' is not of the form ",
+                     uri.substr(0, uri.find(':') + 1), kTwoFoldersText));
+  }
+  TL_ASSIGN_OR_RETURN(request.image_folder,
+                      ExistingFolder(uri, arguments.substr(comma + 1)));
+  return ParseFolder(uri, arguments.substr(0, comma), request);
+}
+
+constexpr Arguments kFolder = {"DIR", ParseFolder};
+constexpr Arguments kFile = {"FILE", ParseFile};
+constexpr Arguments kTwoFolders = {kTwoFoldersText, ParseTwoFolders};
+
+// A format's name in URIs, and its reader.
+struct Format {
+  const char* prefix;
+  Arguments arguments;
+  absl::StatusOr<DatasetIndex> (*index)(const IndexRequest& request);
+};
+
+constexpr Format kFormats[] = {
+    {"7scenes:", kFolder, IndexSevenScenes},
+    {"12scenes:", kFolder, IndexTwelveScenes},
+    {"tum:", kFolder, IndexTum},
+    {"colmap:", kTwoFolders, IndexColmap},
+    {"nvm:", kFile, IndexNvm},
+};
+
 // "7scenes:DIR" -> the format, and DIR in `request`.
 absl::StatusOr<const Format*> ParseUri(const std::string& uri,
                                        IndexRequest& request) {
@@ -69,25 +110,10 @@ absl::StatusOr<const Format*> ParseUri(const std::string& uri,
     return absl::InvalidArgumentError(absl::StrCat(
         "data set '", uri, "' is none of ",
         absl::StrJoin(kFormats, ", ", [](std::string* out, const Format& f) {
-          absl::StrAppend(out, f.prefix, f.arguments);
+          absl::StrAppend(out, f.prefix, f.arguments.text);
         })));
   }
-  if (format->index == IndexNvm) {
-    request.folder = std::string(rest);
-    return format;
-  }
-  if (format->index == IndexColmap) {
-    const size_t comma = rest.rfind(',');
-    if (comma == absl::string_view::npos) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("data set '", uri, "' is not of the form ",
-                       format->prefix, format->arguments));
-    }
-    TL_ASSIGN_OR_RETURN(request.images,
-                        ExistingFolder(uri, rest.substr(comma + 1)));
-    rest = rest.substr(0, comma);
-  }
-  TL_ASSIGN_OR_RETURN(request.folder, ExistingFolder(uri, rest));
+  TL_RETURN_IF_ERROR(format->arguments.parse(uri, rest, request));
   return format;
 }
 
@@ -144,105 +170,6 @@ absl::StatusOr<std::optional<double>> ApplyPoseFile(
   return median_px;
 }
 
-absl::StatusOr<image::ImageSize> ReadSizeOf(const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const std::string bytes,
-                      base::ReadFile(path, kMaxImageBytes));
-  const absl::StatusOr<image::ImageSize> size = image::ReadImageSize(bytes);
-  if (!size.ok()) return base::Annotate(size.status(), path);
-  return size;
-}
-
-// The camera from `option`, or the format's default, which holds for one image
-// size only.
-absl::StatusOr<camera::Camera> ChooseCamera(absl::string_view name,
-                                            const std::string& option,
-                                            const std::string& default_camera,
-                                            const DatasetIndex& index,
-                                            image::ImageSize size,
-                                            const std::string& uri) {
-  if (option.empty() &&
-      size != image::ImageSize{index.default_width, index.default_height}) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(uri, ": images are ", size.width, " x ", size.height,
-                     " pixels, but the default ", name, " camera is for ",
-                     index.default_width, " x ", index.default_height,
-                     "; give the ", name, " camera"));
-  }
-  return camera::Camera::Parse(option.empty() ? default_camera : option,
-                               size.width, size.height);
-}
-
-absl::StatusOr<camera::Camera> WithFocalLength(const camera::Camera& camera,
-                                               double focal_px) {
-  std::array<double, camera::Camera::kMaxParameters> parameters =
-      camera.parameters();
-  parameters[0] = focal_px;
-  parameters[1] = focal_px;  // The defaults all have fx and fy.
-  return camera::Camera::Create(camera.model(), camera.width(), camera.height(),
-                                parameters.data(),
-                                camera::CameraParameterCount(camera.model()));
-}
-
-// That of a format which knows its cameras, with what the options replace.
-absl::StatusOr<camera::RgbdCalibration> GivenCalibration(
-    const DatasetOptions& options, const DatasetIndex& index) {
-  camera::RgbdCalibration calibration = *index.calibration;
-  if (index.structure != nullptr) return calibration;
-  if (!options.pose_file.empty()) {
-    calibration.pose_sensor = camera::RgbdSensor::kColor;
-  }
-  for (auto [option, camera] :
-       {std::pair(&options.color_camera, &calibration.color),
-        std::pair(&options.depth_camera, &calibration.depth)}) {
-    if (option->empty()) continue;
-    TL_ASSIGN_OR_RETURN(*camera, camera::Camera::Parse(*option, camera->width(),
-                                                       camera->height()));
-  }
-  return calibration;
-}
-
-absl::StatusOr<camera::RgbdCalibration> ChooseCalibration(
-    const DatasetOptions& options, const DatasetIndex& index,
-    std::optional<double> focal_length_px) {
-  if (index.calibration) return GivenCalibration(options, index);
-  camera::RgbdCalibration calibration;
-  TL_ASSIGN_OR_RETURN(const image::ImageSize color_size,
-                      ReadSizeOf(index.frames[0].color_path));
-  TL_ASSIGN_OR_RETURN(
-      calibration.color,
-      ChooseCamera("colour", options.color_camera, index.color_camera, index,
-                   color_size, options.uri));
-  if (options.color_camera.empty() && focal_length_px.has_value()) {
-    TL_ASSIGN_OR_RETURN(calibration.color,
-                        WithFocalLength(calibration.color, *focal_length_px));
-  }
-  calibration.pose_sensor = options.pose_file.empty()
-                                ? index.pose_sensor
-                                : camera::RgbdSensor::kColor;
-  if (index.depth_camera.empty()) {
-    if (!options.depth_camera.empty()) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          options.uri,
-          ": depth is registered to colour in this format and "
-          "takes the colour camera; a depth camera cannot be given"));
-    }
-    calibration.depth = calibration.color;
-    return calibration;
-  }
-  const auto with_depth = std::find_if(
-      index.frames.begin(), index.frames.end(),
-      [](const DatasetFrame& frame) { return !frame.depth_path.empty(); });
-  image::ImageSize depth_size{index.default_width, index.default_height};
-  if (with_depth != index.frames.end()) {
-    TL_ASSIGN_OR_RETURN(depth_size, ReadSizeOf(with_depth->depth_path));
-  }
-  TL_ASSIGN_OR_RETURN(
-      calibration.depth,
-      ChooseCamera("depth", options.depth_camera, index.depth_camera, index,
-                   depth_size, options.uri));
-  return calibration;
-}
-
 absl::Status CheckSameSize(absl::string_view name, int width, int height,
                            const camera::Camera& camera) {
   if (width == camera.width() && height == camera.height()) {
@@ -271,15 +198,6 @@ absl::StatusOr<image::DepthImage> DecodeDepthOf(const camera::Camera& camera,
 }
 
 }  // namespace
-
-absl::Status StemNotFound(const IndexRequest& request, const ListedStem& stem,
-                          const std::string& where) {
-  std::string message = absl::StrCat("no frame '", stem.stem, "' in ", where);
-  if (!request.frame_list.empty()) {
-    message = absl::StrCat(request.frame_list, ":", stem.line, ": ", message);
-  }
-  return absl::NotFoundError(message);
-}
 
 absl::StatusOr<Dataset> Dataset::Open(const DatasetOptions& options) {
   TL_RETURN_IF_ERROR(CheckNumbers(options));
@@ -313,8 +231,7 @@ absl::StatusOr<Dataset> Dataset::Open(const DatasetOptions& options) {
                       ChooseCalibration(options, index, focal_length_px));
   dataset.uri_ = options.uri;
   dataset.frames_ = std::move(index.frames);
-  dataset.depth_is_registered_ =
-      !index.calibration && index.depth_camera.empty();
+  dataset.depth_is_registered_ = DepthIsRegistered(index);
   dataset.units_are_metres_ = index.units_are_metres;
   dataset.structure_ = std::move(index.structure);
   dataset.depth_unit_m_ =
@@ -332,11 +249,9 @@ Dataset Dataset::Subset(std::span<const int> frames) const {
 absl::StatusOr<Dataset::Encoded> Dataset::ReadEncoded(int i) const {
   Encoded encoded;
   encoded.color_camera = frame(i).color_camera;
-  TL_ASSIGN_OR_RETURN(encoded.color,
-                      base::ReadFile(frame(i).color_path, kMaxImageBytes));
+  TL_ASSIGN_OR_RETURN(encoded.color, ReadPicture(frame(i).color_path));
   if (!frame(i).depth_path.empty()) {
-    TL_ASSIGN_OR_RETURN(encoded.depth,
-                        base::ReadFile(frame(i).depth_path, kMaxImageBytes));
+    TL_ASSIGN_OR_RETURN(encoded.depth, ReadPicture(frame(i).depth_path));
   }
   return encoded;
 }

@@ -2,9 +2,11 @@
 #ifndef COMMON_DATASET_DATASET_INDEX_H_
 #define COMMON_DATASET_DATASET_INDEX_H_
 
+#include <cstdint>
 #include <memory>
-#include <optional>
+#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -13,28 +15,31 @@
 
 namespace treeline::dataset {
 
+// The usual cameras of a format whose recordings do not say what theirs are,
+// as Camera::Parse reads them. They hold for pictures of this size only.
+struct DefaultCameras {
+  std::string color;
+  std::string depth{};  // empty: depth is registered to colour
+  int width = 640;
+  int height = 480;
+  camera::RgbdSensor pose_sensor = camera::RgbdSensor::kColor;
+};
+
 struct DatasetIndex {
   std::vector<DatasetFrame> frames;
-  // The format's defaults, for the image size below.
-  std::string color_camera;
-  std::string depth_camera;  // empty: depth is registered to colour
-  int default_width = 640;
-  int default_height = 480;
+  // A calibration where the recording itself has one.
+  std::variant<DefaultCameras, camera::RgbdCalibration> cameras;
   double depth_unit_m = 0.001;
-  camera::RgbdSensor pose_sensor = camera::RgbdSensor::kColor;
-  // Where the format knows its cameras itself: in place of all of the above
-  // but the depth unit.
-  std::optional<camera::RgbdCalibration> calibration;
   bool units_are_metres = true;
   std::shared_ptr<const SfmModel> structure;
 };
 
 // Which part of a sequence to index.
 struct IndexRequest {
-  // What the URI names: a folder, of VisualSFM the file.
-  std::string folder;
-  // The second folder of colmap:.
-  std::string images;
+  // What the URI names: a folder; of nvm: the file.
+  std::string path;
+  // Of colmap: the folder of the pictures.
+  std::string image_folder;
   // Empty: all frames.
   std::vector<ListedStem> stems;
   // The list's file name, for errors.
@@ -50,6 +55,12 @@ struct IndexRequest {
 // "FILE:LINE: no frame 'STEM' in ..." for a stem of the list.
 absl::Status StemNotFound(const IndexRequest& request, const ListedStem& stem,
                           const std::string& where);
+
+// The frames to read, as indices into `stems`: those of the request's list in
+// its order, or all of them. StemNotFound for one that is not there.
+absl::StatusOr<std::vector<int32_t>> SelectFrames(
+    const IndexRequest& request, std::span<const std::string> stems,
+    const std::string& where);
 
 }  // namespace treeline::dataset
 

@@ -1,12 +1,10 @@
 #include "common/dataset/dataset.h"
 
-#include <unistd.h>
-
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/testing_folder.h"
 #include "common/image/decode.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -36,29 +34,11 @@ image::DepthImage FlatDepth(int width, int height, uint16_t value) {
                                           value)};
 }
 
-// A folder of its own for each test, removed afterwards.
 class DatasetTest : public ::testing::Test {
  protected:
-  DatasetTest()
-      : folder_(fs::temp_directory_path() /
-                absl::StrCat("treeline-dataset-", getpid(), "-",
-                             ::testing::UnitTest::GetInstance()
-                                 ->current_test_info()
-                                 ->name())) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~DatasetTest() override { fs::remove_all(folder_); }
-
-  std::string Path(const std::string& name) const {
-    return (folder_ / name).string();
-  }
-
   void Write(const std::string& name, const std::string& contents) const {
-    fs::create_directories((folder_ / name).parent_path());
-    std::ofstream(folder_ / name, std::ios::binary) << contents;
+    folder_.Write(name, contents);
   }
-
   void WriteSevenScenesFrame(const std::string& stem, double x_m,
                              uint8_t color = 100, uint16_t depth = 1500) const {
     Write(stem + ".color.png", *image::EncodePng(FlatColor(640, 480, color)));
@@ -69,10 +49,10 @@ class DatasetTest : public ::testing::Test {
   }
 
   DatasetOptions SevenScenes() const {
-    return {.uri = absl::StrCat("7scenes:", folder_.string())};
+    return {.uri = absl::StrCat("7scenes:", folder_.path())};
   }
   DatasetOptions Tum() const {
-    return {.uri = absl::StrCat("tum:", folder_.string())};
+    return {.uri = absl::StrCat("tum:", folder_.path())};
   }
 
   static std::string ErrorOf(const DatasetOptions& options,
@@ -82,7 +62,7 @@ class DatasetTest : public ::testing::Test {
     return std::string(dataset.status().message());
   }
 
-  const fs::path folder_;
+  const base::TestingFolder folder_;
 };
 
 TEST_F(DatasetTest, SevenScenesWithoutAListReadsAllSequencesInOrder) {
@@ -134,7 +114,7 @@ TEST_F(DatasetTest, ListOrderIsKeptAndJpegIsFound) {
         *image::EncodeJpeg(FlatColor(640, 480, 50), 90));
   Write("list.txt", "seq-01/frame-000001\nseq-01/frame-000000\n");
   DatasetOptions options = SevenScenes();
-  options.frame_list = Path("list.txt");
+  options.frame_list = folder_.Path("list.txt");
   const auto dataset = Dataset::Open(options);
   ASSERT_TRUE(dataset.ok()) << dataset.status();
   ASSERT_EQ(dataset->size(), 2);
@@ -151,7 +131,7 @@ TEST_F(DatasetTest, AStemThatIsNotThereIsNamedWithListLineAndFile) {
   WriteSevenScenesFrame("seq-01/frame-000000", 0);
   Write("list.txt", "seq-01/frame-000000\n# more\nseq-01/frame-000007\n");
   DatasetOptions options = SevenScenes();
-  options.frame_list = Path("list.txt");
+  options.frame_list = folder_.Path("list.txt");
   EXPECT_THAT(
       ErrorOf(options, absl::StatusCode::kNotFound),
       AllOf(HasSubstr("list.txt:3: "), HasSubstr("'seq-01/frame-000007'"),
@@ -184,7 +164,7 @@ TEST_F(DatasetTest, APoseFileReplacesPosesAndFocalLength) {
   Write("seq-01/frame-000000.pose.txt", "broken");
   Write("poses.txt", "seq-01/frame-000000 1 0 0 0 -7 0 0 526\n");
   DatasetOptions options = SevenScenes();
-  options.pose_file = Path("poses.txt");
+  options.pose_file = folder_.Path("poses.txt");
   const auto dataset = Dataset::Open(options);
   ASSERT_TRUE(dataset.ok()) << dataset.status();
   EXPECT_EQ(dataset->frame(0).world_from_camera->translation.x, 7);
@@ -201,7 +181,7 @@ TEST_F(DatasetTest, APoseFileForOtherFramesIsAnError) {
   WriteSevenScenesFrame("seq-01/frame-000000", 1);
   Write("poses.txt", "seq-02/frame-000000 1 0 0 0 0 0 0\n");
   DatasetOptions options = SevenScenes();
-  options.pose_file = Path("poses.txt");
+  options.pose_file = folder_.Path("poses.txt");
   EXPECT_THAT(ErrorOf(options, absl::StatusCode::kInvalidArgument),
               HasSubstr("'seq-01/frame-000000'"));
 }
@@ -213,7 +193,7 @@ TEST_F(DatasetTest, FocalLengthsOfDifferentCamerasAreAnError) {
         "seq-01/frame-000000 1 0 0 0 0 0 0 525\n"
         "seq-01/frame-000001 1 0 0 0 0 0 0 600\n");
   DatasetOptions options = SevenScenes();
-  options.pose_file = Path("poses.txt");
+  options.pose_file = folder_.Path("poses.txt");
   EXPECT_THAT(ErrorOf(options, absl::StatusCode::kInvalidArgument),
               HasSubstr("525 to 600"));
 }
@@ -348,7 +328,7 @@ TEST_F(TumDatasetTest, TheTimeDifferenceIsAnOption) {
 TEST_F(TumDatasetTest, TheListSelectsByTheWrittenTimeStamp) {
   Write("list.txt", "10.300\n10.000\n");
   DatasetOptions options = Tum();
-  options.frame_list = Path("list.txt");
+  options.frame_list = folder_.Path("list.txt");
   const auto dataset = Dataset::Open(options);
   ASSERT_TRUE(dataset.ok()) << dataset.status();
   ASSERT_EQ(dataset->size(), 2);
@@ -360,11 +340,11 @@ TEST_F(TumDatasetTest, TheListSelectsByTheWrittenTimeStamp) {
 }
 
 TEST_F(TumDatasetTest, AListedImageThatIsMissingIsNamed) {
-  fs::remove(folder_ / "rgb/b.png");
+  fs::remove(folder_.Path("rgb/b.png"));
   EXPECT_THAT(ErrorOf(Tum(), absl::StatusCode::kNotFound),
               AllOf(HasSubstr("rgb.txt:3: "), HasSubstr("rgb/b.png")));
   Write("rgb/b.png", *image::EncodePng(FlatColor(640, 480, 70)));
-  fs::remove(folder_ / "depth/a.png");
+  fs::remove(folder_.Path("depth/a.png"));
   EXPECT_THAT(ErrorOf(Tum(), absl::StatusCode::kNotFound),
               AllOf(HasSubstr("depth.txt:2: "), HasSubstr("depth/a.png")));
 }
@@ -373,13 +353,13 @@ TEST_F(TumDatasetTest, MissingOrEmptyIndexFilesAreNamed) {
   Write("rgb.txt", "# nothing\n");
   EXPECT_THAT(ErrorOf(Tum(), absl::StatusCode::kInvalidArgument),
               HasSubstr("rgb.txt: names no image"));
-  fs::remove(folder_ / "rgb.txt");
+  fs::remove(folder_.Path("rgb.txt"));
   EXPECT_THAT(ErrorOf(Tum(), absl::StatusCode::kNotFound),
               HasSubstr("rgb.txt"));
 }
 
 TEST_F(TumDatasetTest, WithoutGroundTruthNoFrameHasAPose) {
-  fs::remove(folder_ / "groundtruth.txt");
+  fs::remove(folder_.Path("groundtruth.txt"));
   const auto dataset = Dataset::Open(Tum());
   ASSERT_TRUE(dataset.ok()) << dataset.status();
   EXPECT_FALSE(dataset->frame(0).world_from_camera.has_value());

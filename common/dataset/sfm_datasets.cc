@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <system_error>
-#include <unordered_map>
 #include <utility>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/strip.h"
 #include "common/base/file.h"
+#include "common/base/folder.h"
 #include "common/base/status_macros.h"
 #include "common/dataset/colmap.h"
 #include "common/dataset/dataset_index.h"
 #include "common/dataset/nvm.h"
+#include "common/dataset/picture_files.h"
 #include "common/image/decode.h"
 
 namespace treeline::dataset {
@@ -22,22 +20,16 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxNvmBytes = uint64_t{4} << 30;
-constexpr uint64_t kMaxImageBytes = 128u << 20;
-
-bool IsFile(const std::string& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error);
-}
 
 // The picture of an image: by its name, or by that with the other ending,
 // since pictures are often converted after a model was computed from them.
 std::optional<std::string> FindPicture(const std::string& folder,
                                        const std::string& name) {
   const std::string path = absl::StrCat(folder, "/", name);
-  if (IsFile(path)) return path;
+  if (base::IsFile(path)) return path;
   const std::string base = path.substr(0, path.rfind('.'));
   for (const char* ending : {".jpg", ".png", ".jpeg", ".JPG", ".PNG"}) {
-    if (IsFile(base + ending)) return base + ending;
+    if (base::IsFile(base + ending)) return base + ending;
   }
   return std::nullopt;
 }
@@ -50,45 +42,21 @@ absl::StatusOr<std::string> PictureOf(const std::string& folder,
                                           name, " of an image of the model"));
 }
 
-absl::StatusOr<image::ImageSize> ReadSizeOf(const std::string& path) {
-  TL_ASSIGN_OR_RETURN(const std::string bytes,
-                      base::ReadFile(path, kMaxImageBytes));
-  const absl::StatusOr<image::ImageSize> size = image::ReadImageSize(bytes);
-  if (!size.ok()) return base::Annotate(size.status(), path);
-  return size;
-}
-
-// The images to read, as indices into `names`: those of the list, or all by
+// The images to read, as indices into `images`: those of the list, or all by
 // name.
-absl::StatusOr<std::vector<int32_t>> SelectImages(
-    const IndexRequest& request, const std::vector<std::string>& names,
-    const std::string& where) {
-  std::vector<int32_t> selected;
-  if (request.stems.empty()) {
-    for (size_t i = 0; i < names.size(); ++i) {
-      selected.push_back(static_cast<int32_t>(i));
-    }
-    std::ranges::sort(selected, {},
-                      [&](int32_t i) { return names[static_cast<size_t>(i)]; });
-    return selected;
-  }
-  std::unordered_map<std::string, int32_t> index_of;
-  for (size_t i = 0; i < names.size(); ++i) {
-    index_of[names[i]] = static_cast<int32_t>(i);
-  }
-  for (const ListedStem& listed : request.stems) {
-    const auto found = index_of.find(listed.stem);
-    if (found == index_of.end()) return StemNotFound(request, listed, where);
-    selected.push_back(found->second);
-  }
-  return selected;
-}
-
 template <typename Images>
-std::vector<std::string> NamesOf(const Images& images) {
+absl::StatusOr<std::vector<int32_t>> SelectImages(const IndexRequest& request,
+                                                  const Images& images,
+                                                  const std::string& where) {
   std::vector<std::string> names;
   for (const auto& image : images) names.push_back(image.name);
-  return names;
+  TL_ASSIGN_OR_RETURN(std::vector<int32_t> selected,
+                      SelectFrames(request, names, where));
+  if (request.stems.empty()) {
+    std::ranges::sort(selected, {},
+                      [&](int32_t i) { return names[static_cast<size_t>(i)]; });
+  }
+  return selected;
 }
 
 absl::StatusOr<DatasetIndex> IndexOf(std::shared_ptr<const SfmModel> model,
@@ -112,7 +80,7 @@ absl::StatusOr<DatasetIndex> IndexOf(std::shared_ptr<const SfmModel> model,
   }
   camera::RgbdCalibration calibration;
   calibration.color = calibration.depth = *index.frames[0].color_camera;
-  index.calibration = calibration;
+  index.cameras = calibration;
   index.structure = std::move(model);
   return index;
 }
@@ -124,36 +92,34 @@ absl::StatusOr<DatasetIndex> IndexColmap(const IndexRequest& request) {
   if (!request.color_camera.empty()) {
     // The size is that of the first picture there is.
     TL_ASSIGN_OR_RETURN(const SfmModel named,
-                        ReadColmap(request.folder, camera::Camera()));
-    TL_ASSIGN_OR_RETURN(
-        const std::vector<int32_t> selected,
-        SelectImages(request, NamesOf(named.images), request.folder));
+                        ReadColmap(request.path, camera::Camera()));
+    TL_ASSIGN_OR_RETURN(const std::vector<int32_t> selected,
+                        SelectImages(request, named.images, request.path));
     if (!selected.empty()) {
       TL_ASSIGN_OR_RETURN(
           const std::string path,
-          PictureOf(request.images,
+          PictureOf(request.image_folder,
                     named.images[static_cast<size_t>(selected.front())].name));
-      TL_ASSIGN_OR_RETURN(const image::ImageSize size, ReadSizeOf(path));
+      TL_ASSIGN_OR_RETURN(const image::ImageSize size, ReadPictureSize(path));
       TL_ASSIGN_OR_RETURN(
           camera,
           camera::Camera::Parse(request.color_camera, size.width, size.height));
     }
   }
-  TL_ASSIGN_OR_RETURN(SfmModel model, ReadColmap(request.folder, camera));
+  TL_ASSIGN_OR_RETURN(SfmModel model, ReadColmap(request.path, camera));
   auto shared = std::make_shared<const SfmModel>(std::move(model));
-  TL_ASSIGN_OR_RETURN(
-      const std::vector<int32_t> selected,
-      SelectImages(request, NamesOf(shared->images), request.folder));
-  return IndexOf(std::move(shared), selected, request.images);
+  TL_ASSIGN_OR_RETURN(const std::vector<int32_t> selected,
+                      SelectImages(request, shared->images, request.path));
+  return IndexOf(std::move(shared), selected, request.image_folder);
 }
 
 absl::StatusOr<DatasetIndex> IndexNvm(const IndexRequest& request) {
-  const std::string& file = request.folder;
+  const std::string& file = request.path;
   TL_ASSIGN_OR_RETURN(const std::string text,
                       base::ReadFile(file, kMaxNvmBytes));
   TL_ASSIGN_OR_RETURN(const NvmModel nvm, ParseNvm(text, file));
   TL_ASSIGN_OR_RETURN(const std::vector<int32_t> selected,
-                      SelectImages(request, NamesOf(nvm.images), file));
+                      SelectImages(request, nvm.images, file));
   std::string folder = fs::path(file).parent_path().string();
   if (folder.empty()) folder = ".";
   // Pictures that were not selected need not be there.
@@ -162,7 +128,7 @@ absl::StatusOr<DatasetIndex> IndexNvm(const IndexRequest& request) {
     const size_t image = static_cast<size_t>(i);
     TL_ASSIGN_OR_RETURN(const std::string path,
                         PictureOf(folder, nvm.images[image].name));
-    TL_ASSIGN_OR_RETURN(const image::ImageSize size, ReadSizeOf(path));
+    TL_ASSIGN_OR_RETURN(const image::ImageSize size, ReadPictureSize(path));
     sizes[image] = {size.width, size.height};
   }
   TL_ASSIGN_OR_RETURN(SfmModel model, ToSfmModel(nvm, sizes, file));

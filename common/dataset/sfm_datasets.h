@@ -7,10 +7,10 @@
 
 namespace treeline::dataset {
 
-// A COLMAP model in `folder` with its pictures in `images`; see ReadColmap.
+// A COLMAP model in `path` with its pictures in `image_folder`; see ReadColmap.
 absl::StatusOr<DatasetIndex> IndexColmap(const IndexRequest& request);
 
-// VisualSFM's file `folder`, pictures relative to the folder it is in.
+// VisualSFM's file `path`, pictures relative to the folder it is in.
 absl::StatusOr<DatasetIndex> IndexNvm(const IndexRequest& request);
 
 }  // namespace treeline::dataset

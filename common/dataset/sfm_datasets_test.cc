@@ -1,10 +1,8 @@
-#include <unistd.h>
-
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/testing_folder.h"
 #include "common/dataset/dataset.h"
 #include "common/dataset/twelve_scenes.h"
 #include "common/image/decode.h"
@@ -34,20 +32,8 @@ constexpr char kInfo[] =
 
 class SfmDatasetsTest : public ::testing::Test {
  protected:
-  SfmDatasetsTest()
-      : folder_(fs::temp_directory_path() /
-                absl::StrCat("treeline-sfm-", getpid(), "-",
-                             ::testing::UnitTest::GetInstance()
-                                 ->current_test_info()
-                                 ->name())) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~SfmDatasetsTest() override { fs::remove_all(folder_); }
-
   void Write(const std::string& name, const std::string& contents) const {
-    fs::create_directories((folder_ / name).parent_path());
-    std::ofstream(folder_ / name, std::ios::binary) << contents;
+    folder_.Write(name, contents);
   }
   void WritePicture(const std::string& name, int width, int height) const {
     const image::ColorImage image{
@@ -66,8 +52,8 @@ class SfmDatasetsTest : public ::testing::Test {
     WritePicture("images/b.png", 40, 20);
   }
   DatasetOptions Colmap() const {
-    return {.uri = absl::StrCat("colmap:", folder_.string(), "/model,",
-                                folder_.string(), "/images")};
+    return {.uri = absl::StrCat("colmap:", folder_.path(), "/model,",
+                                folder_.path(), "/images")};
   }
   static std::string ErrorOf(const DatasetOptions& options,
                              absl::StatusCode code) {
@@ -76,7 +62,7 @@ class SfmDatasetsTest : public ::testing::Test {
     return std::string(dataset.status().message());
   }
 
-  const fs::path folder_;
+  const base::TestingFolder folder_;
 };
 
 TEST_F(SfmDatasetsTest, ColmapFramesComeByNameWithTheirOwnCameras) {
@@ -105,7 +91,7 @@ TEST_F(SfmDatasetsTest, FrameListsNameImages) {
   WriteColmap();
   Write("list.txt", "b.png\n");
   DatasetOptions options = Colmap();
-  options.frame_list = (folder_ / "list.txt").string();
+  options.frame_list = folder_.Path("list.txt");
   const auto dataset = Dataset::Open(options);
   ASSERT_TRUE(dataset.ok()) << dataset.status();
   ASSERT_EQ(dataset->size(), 1);
@@ -117,7 +103,7 @@ TEST_F(SfmDatasetsTest, FrameListsNameImages) {
 
 TEST_F(SfmDatasetsTest, AGivenCameraReplacesTheModels) {
   WriteColmap();
-  fs::remove(folder_ / "model/cameras.txt");
+  fs::remove(folder_.Path("model/cameras.txt"));
   EXPECT_THAT(ErrorOf(Colmap(), absl::StatusCode::kNotFound),
               HasSubstr("cameras"));
   DatasetOptions options = Colmap();
@@ -137,16 +123,16 @@ TEST_F(SfmDatasetsTest, MissingPartsAndWrongOptionsAreNamed) {
   EXPECT_THAT(ErrorOf(options, absl::StatusCode::kInvalidArgument),
               HasSubstr("own poses"));
   options = Colmap();
-  options.uri = absl::StrCat("colmap:", folder_.string(), "/model");
+  options.uri = absl::StrCat("colmap:", folder_.path(), "/model");
   EXPECT_THAT(ErrorOf(options, absl::StatusCode::kInvalidArgument),
               HasSubstr("MODEL_DIR,IMAGES_DIR"));
   options.uri += ",/no/such";
   EXPECT_THAT(ErrorOf(options, absl::StatusCode::kNotFound),
               HasSubstr("/no/such"));
-  fs::remove(folder_ / "images/a.png");
+  fs::remove(folder_.Path("images/a.png"));
   EXPECT_THAT(ErrorOf(Colmap(), absl::StatusCode::kNotFound),
               HasSubstr("images/a.png"));
-  fs::remove(folder_ / "model/points3D.txt");
+  fs::remove(folder_.Path("model/points3D.txt"));
   Write("model/images.txt", "# none\n");
   EXPECT_THAT(ErrorOf(Colmap(), absl::StatusCode::kInvalidArgument),
               HasSubstr("no image"));
@@ -156,7 +142,7 @@ TEST_F(SfmDatasetsTest, AFileThatVanishesIsAnErrorOfItsFrame) {
   WriteColmap();
   const auto dataset = Dataset::Open(Colmap());
   ASSERT_TRUE(dataset.ok()) << dataset.status();
-  fs::remove(folder_ / "images/a.png");
+  fs::remove(folder_.Path("images/a.png"));
   EXPECT_THAT(std::string(dataset->Load(0).status().message()),
               HasSubstr("a.png"));
   EXPECT_TRUE(dataset->Load(1).ok());
@@ -169,7 +155,7 @@ TEST_F(SfmDatasetsTest, NvmTakesSizesFromPicturesWhateverTheirEnding) {
   WritePicture("seq/a.png", 32, 24);
   WritePicture("seq/b.png", 40, 20);
   const auto dataset =
-      Dataset::Open({.uri = absl::StrCat("nvm:", folder_.string(), "/m.nvm")});
+      Dataset::Open({.uri = absl::StrCat("nvm:", folder_.path(), "/m.nvm")});
   ASSERT_TRUE(dataset.ok()) << dataset.status();
   ASSERT_EQ(dataset->size(), 2);
   EXPECT_EQ(dataset->frame(0).stem, "seq/a.jpg");
@@ -193,7 +179,7 @@ TEST_F(SfmDatasetsTest, TwelveScenesKnowsItsCamerasAndLostFrames) {
   Write("data/frame-000001.pose.txt",
         "-inf -inf -inf -inf\n-inf -inf -inf -inf\n"
         "-inf -inf -inf -inf\n-inf -inf -inf -inf\n");
-  DatasetOptions options{.uri = absl::StrCat("12scenes:", folder_.string())};
+  DatasetOptions options{.uri = absl::StrCat("12scenes:", folder_.path())};
   const auto dataset = Dataset::Open(options);
   ASSERT_TRUE(dataset.ok()) << dataset.status();
   ASSERT_EQ(dataset->size(), 2);
@@ -209,7 +195,7 @@ TEST_F(SfmDatasetsTest, TwelveScenesKnowsItsCamerasAndLostFrames) {
   EXPECT_EQ(frame->depth->width, 20);
   options.color_camera = "PINHOLE,37,37,20,15";
   EXPECT_EQ(Dataset::Open(options)->calibration().color.fx(), 37);
-  fs::remove(folder_ / "info.txt");
+  fs::remove(folder_.Path("info.txt"));
   EXPECT_THAT(ErrorOf(options, absl::StatusCode::kNotFound),
               HasSubstr("info.txt"));
 }

@@ -11,6 +11,7 @@
 #include "common/base/status_macros.h"
 #include "common/dataset/tum.h"
 #include "common/geometry/kabsch.h"
+#include "common/geometry/planar_pose.h"
 
 namespace treeline::dataset {
 namespace {
@@ -32,11 +33,6 @@ Means MeanPositions(std::span<const PosePair> pairs) {
     means.reference = means.reference + pair.reference.translation / count;
   }
   return means;
-}
-
-double HeadingOf_rad(const geometry::Rotation3& rotation) {
-  const geometry::Vec3 ahead = rotation * geometry::Vec3{1, 0, 0};
-  return std::atan2(ahead.y, ahead.x);
 }
 
 // By a turn about z that leaves the point `from` at `to`.
@@ -159,8 +155,8 @@ std::optional<FrameAlignment> AlignTrajectory(std::span<const PosePair> pairs,
       return FrameAlignment{};
     case TrajectoryAlignment::kFirstPoseUpright:
       return FrameAlignment{
-          TurnedAbout(HeadingOf_rad(first.reference.rotation) -
-                          HeadingOf_rad(first.estimate.rotation),
+          TurnedAbout(geometry::Yaw_rad(first.reference.rotation) -
+                          geometry::Yaw_rad(first.estimate.rotation),
                       first.estimate.translation, first.reference.translation)};
     case TrajectoryAlignment::kUpright:
       return FrameAlignment{AlignUpright(pairs)};

@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <system_error>
 #include <tuple>
-#include <unordered_map>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "common/base/file.h"
+#include "common/base/folder.h"
 #include "common/base/status_macros.h"
 #include "common/dataset/dataset_index.h"
 
@@ -53,38 +53,23 @@ absl::StatusOr<std::string> ExistingPath(const std::string& folder,
                                          const std::string& list,
                                          const TimedFile& entry) {
   std::string path = absl::StrCat(folder, "/", entry.path);
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) {
+  if (!base::IsFile(path)) {
     return absl::NotFoundError(
         absl::StrCat(list, ":", entry.line, ": there is no file ", path));
   }
   return path;
 }
 
-// The entries of rgb.txt to read, as indices.
-absl::StatusOr<std::vector<size_t>> SelectFrames(
-    const IndexRequest& request, const std::vector<TimedFile>& colors,
-    const std::string& colors_path) {
-  std::vector<size_t> selected;
-  if (request.stems.empty()) {
-    for (size_t i = 0; i < colors.size(); ++i) selected.push_back(i);
-    return selected;
-  }
-  std::unordered_map<std::string, size_t> index_of;
-  for (size_t i = 0; i < colors.size(); ++i) index_of[colors[i].stem] = i;
-  for (const ListedStem& listed : request.stems) {
-    const auto found = index_of.find(listed.stem);
-    if (found == index_of.end()) {
-      return StemNotFound(request, listed, colors_path);
-    }
-    selected.push_back(found->second);
-  }
-  return selected;
+std::vector<std::string> StemsOf(const std::vector<TimedFile>& files) {
+  std::vector<std::string> stems;
+  stems.reserve(files.size());
+  for (const TimedFile& file : files) stems.push_back(file.stem);
+  return stems;
 }
 
 absl::StatusOr<std::vector<TimedPose>> ReadGroundTruth(
     const IndexRequest& request) {
-  const std::string path = request.folder + "/groundtruth.txt";
+  const std::string path = request.path + "/groundtruth.txt";
   if (!request.read_poses) return std::vector<TimedPose>();
   absl::StatusOr<std::string> text = base::ReadFile(path, kMaxTextBytes);
   // A recording without ground truth can still be localized.
@@ -153,12 +138,10 @@ std::string TumColorCamera(const std::string& folder) {
 
 absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request) {
   DatasetIndex index;
-  index.color_camera = TumColorCamera(request.folder);
-  index.depth_camera = "";
+  index.cameras = DefaultCameras{.color = TumColorCamera(request.path)};
   index.depth_unit_m = 1.0 / 5000;
-  index.pose_sensor = camera::RgbdSensor::kColor;
 
-  const std::string colors_path = request.folder + "/rgb.txt";
+  const std::string colors_path = request.path + "/rgb.txt";
   TL_ASSIGN_OR_RETURN(const std::string colors_text,
                       base::ReadFile(colors_path, kMaxTextBytes));
   TL_ASSIGN_OR_RETURN(const std::vector<TimedFile> colors,
@@ -167,7 +150,7 @@ absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request) {
     return absl::InvalidArgumentError(
         absl::StrCat(colors_path, ": names no image"));
   }
-  const std::string depths_path = request.folder + "/depth.txt";
+  const std::string depths_path = request.path + "/depth.txt";
   TL_ASSIGN_OR_RETURN(const std::string depths_text,
                       base::ReadFile(depths_path, kMaxTextBytes));
   TL_ASSIGN_OR_RETURN(const std::vector<TimedFile> depths,
@@ -178,18 +161,19 @@ absl::StatusOr<DatasetIndex> IndexTum(const IndexRequest& request) {
   const std::vector<int> depth_of = AssociateByTime(
       Times(colors), Times(depths),
       static_cast<Time_ns>(request.max_time_difference_s * 1e9));
-  TL_ASSIGN_OR_RETURN(const std::vector<size_t> selected,
-                      SelectFrames(request, colors, colors_path));
+  TL_ASSIGN_OR_RETURN(const std::vector<int32_t> selected,
+                      SelectFrames(request, StemsOf(colors), colors_path));
   index.frames.reserve(selected.size());
-  for (const size_t i : selected) {
+  for (const int32_t number : selected) {
+    const size_t i = static_cast<size_t>(number);
     DatasetFrame frame;
     frame.stem = colors[i].stem;
     TL_ASSIGN_OR_RETURN(frame.color_path,
-                        ExistingPath(request.folder, colors_path, colors[i]));
+                        ExistingPath(request.path, colors_path, colors[i]));
     if (depth_of[i] >= 0) {
       TL_ASSIGN_OR_RETURN(
           frame.depth_path,
-          ExistingPath(request.folder, depths_path,
+          ExistingPath(request.path, depths_path,
                        depths[static_cast<size_t>(depth_of[i])]));
     }
     frame.world_from_camera =

@@ -3,83 +3,31 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <map>
 #include <span>
-#include <system_error>
 #include <utility>
 #include <vector>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "absl/strings/strip.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
-#include "common/dataset/dataset_index.h"
+#include "common/dataset/frame_files.h"
 #include "common/dataset/text_lines.h"
 
 namespace treeline::dataset {
 namespace {
 
-namespace fs = std::filesystem;
+constexpr FrameFileFormat kFiles = {
+    .color_endings = {".color.jpg", ".color.png"},
+    .infinite_pose_is_none = true};
 
-constexpr const char* kColorEndings[] = {".color.jpg", ".color.png"};
-
-bool IsFile(const std::string& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error);
-}
-
-// The frames in `folder`, sorted, without their endings.
 std::vector<ListedStem> ScanStems(const std::string& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    absl::string_view stem = name;
-    if (absl::StartsWith(stem, "frame-") &&
-        (absl::ConsumeSuffix(&stem, kColorEndings[0]) ||
-         absl::ConsumeSuffix(&stem, kColorEndings[1]))) {
-      names.emplace_back(stem);
-    }
-  }
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
   std::vector<ListedStem> stems;
-  for (std::string& name : names) stems.push_back({std::move(name), 0});
+  for (std::string& name : FrameNamesIn(folder, kFiles)) {
+    stems.push_back({std::move(name), 0});
+  }
   return stems;
-}
-
-absl::StatusOr<DatasetFrame> IndexFrame(const IndexRequest& request,
-                                        const std::string& folder,
-                                        const ListedStem& listed) {
-  const std::string base = absl::StrCat(folder, "/", listed.stem);
-  DatasetFrame frame;
-  frame.stem = listed.stem;
-  for (const char* ending : kColorEndings) {
-    if (frame.color_path.empty() && IsFile(base + ending)) {
-      frame.color_path = base + ending;
-    }
-  }
-  if (frame.color_path.empty()) {
-    return StemNotFound(
-        request, listed,
-        absl::StrCat(base, kColorEndings[0], " nor ", kColorEndings[1]));
-  }
-  if (IsFile(base + ".depth.png")) frame.depth_path = base + ".depth.png";
-  const std::string pose_path = base + ".pose.txt";
-  if (request.read_poses && IsFile(pose_path)) {
-    TL_ASSIGN_OR_RETURN(const std::string text,
-                        base::ReadFile(pose_path, 1 << 16));
-    // Frames that the recorder lost have -inf throughout.
-    if (!absl::StrContains(text, "inf")) {
-      TL_ASSIGN_OR_RETURN(frame.world_from_camera,
-                          ParsePoseMatrix(text, pose_path));
-    }
-  }
-  return frame;
 }
 
 // The values of "name = values", by name.
@@ -189,15 +137,15 @@ absl::StatusOr<TwelveScenesInfo> ParseTwelveScenesInfo(
 }
 
 absl::StatusOr<DatasetIndex> IndexTwelveScenes(const IndexRequest& request) {
-  const std::string info_path = request.folder + "/info.txt";
+  const std::string info_path = request.path + "/info.txt";
   TL_ASSIGN_OR_RETURN(const std::string text,
                       base::ReadFile(info_path, 1 << 20));
   TL_ASSIGN_OR_RETURN(const TwelveScenesInfo info,
                       ParseTwelveScenesInfo(text, info_path));
   DatasetIndex index;
-  index.calibration = info.calibration;
+  index.cameras = info.calibration;
   index.depth_unit_m = info.depth_unit_m;
-  const std::string folder = request.folder + "/data";
+  const std::string folder = request.path + "/data";
   const std::vector<ListedStem> stems =
       request.stems.empty() ? ScanStems(folder) : request.stems;
   if (stems.empty()) {
@@ -206,7 +154,7 @@ absl::StatusOr<DatasetIndex> IndexTwelveScenes(const IndexRequest& request) {
   }
   for (const ListedStem& listed : stems) {
     TL_ASSIGN_OR_RETURN(DatasetFrame frame,
-                        IndexFrame(request, folder, listed));
+                        IndexFrameFiles(request, folder, kFiles, listed));
     index.frames.push_back(std::move(frame));
   }
   return index;

@@ -1,4 +1,4 @@
-// What somebody believes of a camera's pose before it is measured.
+// What is known of a camera's pose before it is measured.
 #ifndef COMMON_GEOMETRY_POSE_PRIOR_H_
 #define COMMON_GEOMETRY_POSE_PRIOR_H_
 

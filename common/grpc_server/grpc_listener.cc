@@ -1,10 +1,17 @@
 #include "common/grpc_server/grpc_listener.h"
 
-#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/ext/health_check_service_server_builder_option.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/impl/server_builder_option.h>
+#include <grpcpp/impl/server_builder_plugin.h>
 #include <grpcpp/resource_quota.h>
 
+#include <algorithm>
+#include <set>
+
+#include "absl/base/attributes.h"
 #include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
 #include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
 
@@ -16,18 +23,51 @@ constexpr int kHandshake_ms = 10'000;
 // Clients may ask as often as this themselves whether the server lives.
 constexpr int kMinPingInterval_ms = 5'000;
 
-// gRPC's plugins are global: once for the process.
-void EnablePlugins() {
-  [[maybe_unused]] static const bool enabled = [] {
+void Enable(const GrpcPlugin& plugin) {
+  ABSL_CONST_INIT static absl::Mutex mutex(absl::kConstInit);
+  static std::set<std::string>& enabled = *new std::set<std::string>;
+  const absl::MutexLock lock(&mutex);
+  if (enabled.insert(plugin.name).second) plugin.enable();
+}
+
+// Of the plugins that a builder has, leaves those with these names.
+class KeepPlugins final : public grpc::ServerBuilderOption {
+ public:
+  explicit KeepPlugins(const std::vector<GrpcPlugin>& plugins)
+      : plugins_(plugins) {}
+  void UpdateArguments(grpc::ChannelArguments* /*arguments*/) override {}
+  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>*
+                         plugins) override {
+    std::erase_if(*plugins, [this](const auto& each) {
+      return std::none_of(
+          plugins_.begin(), plugins_.end(),
+          [&](const GrpcPlugin& kept) { return kept.name == each->name(); });
+    });
+  }
+
+ private:
+  const std::vector<GrpcPlugin> plugins_;
+};
+
+void SetServices(const GrpcListenerOptions& options,
+                 grpc::ServerBuilder& builder) {
+  builder.SetOption(std::make_unique<KeepPlugins>(options.plugins));
+  if (options.default_health) {
     grpc::EnableDefaultHealthCheckService(true);
-    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-    return true;
-  }();
+  } else {
+    builder.SetOption(
+        std::make_unique<grpc::HealthCheckServiceServerBuilderOption>(nullptr));
+  }
 }
 
 void SetSizes(const GrpcListenerOptions& options,
               grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(options.max_message_bytes);
+  if (!options.allow_compression) {
+    builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
+    builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
+    builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
+  }
   grpc::ResourceQuota quota("treeline");
   if (options.max_buffered_bytes > 0) quota.Resize(options.max_buffered_bytes);
   if (options.max_threads > 0) quota.SetMaxThreads(options.max_threads);
@@ -69,10 +109,11 @@ absl::StatusOr<GrpcListener> StartGrpcListener(
                       base::ParseListenAddress(options.listen));
   // gRPC would fail too, but keep the reason to itself.
   TL_RETURN_IF_ERROR(base::TryBind(address));
-  EnablePlugins();
+  for (const GrpcPlugin& plugin : options.plugins) Enable(plugin);
   grpc::ServerBuilder builder;
   // Else a second server would share the port, and half the calls, in silence.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  SetServices(options, builder);
   SetSizes(options, builder);
   SetTimes(options, builder);
   add_services(builder);

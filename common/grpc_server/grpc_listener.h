@@ -10,10 +10,20 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 
 namespace treeline::grpc_server {
+
+// A plugin of gRPC, which brings a service along. They are global: a builder
+// has all that were enabled before it was made.
+struct GrpcPlugin {
+  // As it calls itself: "proto_server_reflection".
+  std::string name;
+  // Is called once in a process.
+  void (*enable)();
+};
 
 struct GrpcListenerOptions {
   // "HOST:PORT"; port 0 takes any that is free. Whether other machines may
@@ -21,7 +31,14 @@ struct GrpcListenerOptions {
   std::string listen;
   // Null: plain text.
   std::shared_ptr<grpc::ServerCredentials> credentials = nullptr;
+  // gRPC's own grpc.health.v1.
+  bool default_health = true;
+  // No others are served, whatever the process has enabled.
+  std::vector<GrpcPlugin> plugins = {};
   int max_message_bytes = 4 << 20;
+  // Whether messages may be compressed; gRPC inflates them without a bound. If
+  // not, clients are told, and what they compress is UNIMPLEMENTED.
+  bool allow_compression = true;
   // What requests may hold together while they arrive, bytes; 0: no limit.
   size_t max_buffered_bytes = 0;
   // Threads of gRPC; 0: no limit.
@@ -47,9 +64,9 @@ struct GrpcListener {
   std::unique_ptr<grpc::Server> server;
 };
 
-// Serves from now on what `add_services` registers, grpc.health.v1 and
-// reflection. No other program can share the port. INVALID_ARGUMENT: the
-// address. UNAVAILABLE: it cannot be bound, with the system's reason.
+// Serves from now on what `add_services` registers, and what the options add.
+// No other program can share the port. INVALID_ARGUMENT: the address.
+// UNAVAILABLE: it cannot be bound, with the system's reason.
 absl::StatusOr<GrpcListener> StartGrpcListener(
     const GrpcListenerOptions& options,
     const std::function<void(grpc::ServerBuilder&)>& add_services);

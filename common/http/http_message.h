@@ -78,8 +78,10 @@ class HttpHandler {
   }
 
   // Whether `request` asks how the server is, which it may also where there are
-  // no more connections for others.
-  virtual bool IsProbe(const HttpRequest& /*request*/) const { return false; }
+  // no more connections for others. Of all of ours: /healthz and /readyz.
+  virtual bool IsProbe(const HttpRequest& request) const {
+    return request.path == "/healthz" || request.path == "/readyz";
+  }
 
   virtual HttpResponse Handle(const HttpRequest& request) = 0;
 

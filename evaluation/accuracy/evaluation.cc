@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/parallel_for.h"
+#include "common/base/processor_time.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
 
@@ -16,14 +17,6 @@ namespace {
 
 constexpr double kDegreesPerRadian = 57.29577951308232;
 constexpr int kMaxThreads = 1024;
-
-// Processor time of the calling thread.
-double ThreadCpu_ms() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) +
-         1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 // Localizes the frames of one dataset, one call a frame.
 class FrameEvaluator {
@@ -75,12 +68,12 @@ class FrameEvaluator {
     if (options_.calibration) frame->calibration = options_.calibration;
     const localizer::LocalizeOptions query{.seed = options_.seed,
                                            .stop = options_.stop};
-    const double cpu_before_ms = ThreadCpu_ms();
+    const double cpu_before_ms = base::ThreadProcessorTime_ms();
     const base::MonotonicTime asked = clock_.Now();
     absl::StatusOr<localizer::PoseEstimate> estimate =
         localizer_.Localize(*frame, query);
     const base::MonotonicTime answered = clock_.Now();
-    const double cpu_after_ms = ThreadCpu_ms();
+    const double cpu_after_ms = base::ThreadProcessorTime_ms();
     if (!estimate.ok()) return AnnotateWithFiles(estimate.status(), i);
     result.latency_ms = base::MillisecondsBetween(asked, answered);
     result.cpu_ms = cpu_after_ms - cpu_before_ms;

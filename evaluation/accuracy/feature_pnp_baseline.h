@@ -1,4 +1,4 @@
-// Yardsticks: SIFT or ORB features of training keyframes with depth, matched
+// Baselines: SIFT or ORB features of training keyframes with depth, matched
 // against a query's, and a pose from 3D-2D matches (OpenCV throughout).
 #ifndef EVALUATION_ACCURACY_FEATURE_PNP_BASELINE_H_
 #define EVALUATION_ACCURACY_FEATURE_PNP_BASELINE_H_

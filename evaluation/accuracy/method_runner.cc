@@ -302,29 +302,17 @@ absl::StatusOr<SweepPoint> MethodRunner::RunPoint(
     const std::string& base_model) const {
   localizer::QueryOptions query = QueriesFor(spec, flags_.query);
   std::string model_path = base_model;
-  switch (request.variable) {
-    case SweepVariable::kBacktracking:
-      query.backtracking_leaves = value;
-      break;
-    case SweepVariable::kSamples:
-      query.samples = value;
-      break;
-    case SweepVariable::kHypotheses:
-      query.hypotheses = value;
-      break;
-    case SweepVariable::kTrees:
-      model_path = store_.PathOf(absl::StrCat("first-trees-", value));
-      TL_RETURN_IF_ERROR(WriteFirstTrees(base_model, value, model_path));
-      break;
-    case SweepVariable::kBalancedLevels: {
-      TL_ASSIGN_OR_RETURN(const std::unique_ptr<const forest::ModelFile> model,
-                          forest::ModelFile::Open(base_model));
-      training::TrainingOptions training = TrainingFor(spec, {});
-      training.balanced_levels = value;
-      TL_ASSIGN_OR_RETURN(
-          model_path, store_.Train(*training_, model->info().method, training));
-      break;
-    }
+  SetQueryOption(request.variable, value, query);
+  if (request.variable == SweepVariable::kTrees) {
+    model_path = store_.PathOf(absl::StrCat("first-trees-", value));
+    TL_RETURN_IF_ERROR(WriteFirstTrees(base_model, value, model_path));
+  } else if (request.variable == SweepVariable::kBalancedLevels) {
+    TL_ASSIGN_OR_RETURN(const std::unique_ptr<const forest::ModelFile> model,
+                        forest::ModelFile::Open(base_model));
+    training::TrainingOptions training = TrainingFor(spec, {});
+    training.balanced_levels = value;
+    TL_ASSIGN_OR_RETURN(
+        model_path, store_.Train(*training_, model->info().method, training));
   }
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<localizer::Localizer> localizer,
                       localizer::OpenLocalizer(model_path, query));

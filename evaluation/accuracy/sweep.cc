@@ -29,22 +29,10 @@ absl::Status BadSweep(absl::string_view text, absl::string_view reason) {
 absl::Status CheckValue(SweepVariable variable, int value) {
   localizer::QueryOptions query;
   training::TrainingOptions training;
-  switch (variable) {
-    case SweepVariable::kBacktracking:
-      query.backtracking_leaves = value;
-      break;
-    case SweepVariable::kSamples:
-      query.samples = value;
-      break;
-    case SweepVariable::kHypotheses:
-      query.hypotheses = value;
-      break;
-    case SweepVariable::kTrees:
-      training.trees = value;
-      break;
-    case SweepVariable::kBalancedLevels:
-      training.balanced_levels = value;
-      break;
+  SetQueryOption(variable, value, query);
+  if (variable == SweepVariable::kTrees) training.trees = value;
+  if (variable == SweepVariable::kBalancedLevels) {
+    training.balanced_levels = value;
   }
   TL_RETURN_IF_ERROR(query.Validate());
   return training.Validate();
@@ -116,6 +104,24 @@ const char* SweepAxis(SweepVariable variable) {
       return "levels split by the balanced objective";
   }
   return "";
+}
+
+void SetQueryOption(SweepVariable variable, int value,
+                    localizer::QueryOptions& query) {
+  switch (variable) {
+    case SweepVariable::kBacktracking:
+      query.backtracking_leaves = value;
+      break;
+    case SweepVariable::kSamples:
+      query.samples = value;
+      break;
+    case SweepVariable::kHypotheses:
+      query.hypotheses = value;
+      break;
+    case SweepVariable::kTrees:
+    case SweepVariable::kBalancedLevels:
+      break;
+  }
 }
 
 absl::StatusOr<SweepRequest> ParseSweep(absl::string_view text) {

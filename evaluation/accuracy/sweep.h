@@ -35,6 +35,10 @@ struct SweepRequest {
   std::vector<int> values;  // ascending, without repetition
 };
 
+// Sets the option of queries that the variable is, if it is one.
+void SetQueryOption(SweepVariable variable, int value,
+                    localizer::QueryOptions& query);
+
 // "NAME=LOW..HIGH", "NAME=LOW..HIGH:STEP", or "NAME=a,b,c". INVALID_ARGUMENT
 // for anything else, for more than 200 values, and for values that the option
 // does not allow.

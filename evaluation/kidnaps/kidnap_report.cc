@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "evaluation/missions/suite_report.h"
+#include "common/base/json_text.h"
+#include "evaluation/suites/suite_report.h"
 
 namespace treeline::kidnaps {
 namespace {
@@ -43,6 +43,7 @@ struct Tally {
   }
 };
 
+// To the nearest of the sorted values; base::Quantile takes the next higher.
 double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   std::ranges::sort(values);
@@ -62,68 +63,41 @@ std::string Row(const std::string& name, const Tally& tally) {
   return row;
 }
 
-std::vector<std::pair<std::string, Tally>> TalliesOf(
-    const std::vector<KidnapRun>& runs) {
-  std::vector<std::pair<std::string, Tally>> tallies;
-  const auto add = [&tallies](const std::string& name, const KidnapRun& run) {
-    auto it =
-        std::ranges::find(tallies, name, &std::pair<std::string, Tally>::first);
-    if (it == tallies.end()) {
-      it = tallies.insert(tallies.end(), {name, Tally()});
-    }
-    it->second.Add(run);
-  };
-  for (const KidnapRun& run : runs) add(run.world, run);
-  for (const KidnapRun& run : runs) add(run.is_warm ? "warm" : "cold", run);
-  for (const KidnapRun& run : runs) add("all", run);
+suites::Tallies<Tally> TalliesOf(const std::vector<KidnapRun>& runs) {
+  suites::Tallies<Tally> tallies;
+  for (const KidnapRun& run : runs) tallies.Add(run.world, run);
+  for (const KidnapRun& run : runs) {
+    tallies.Add(run.is_warm ? "warm" : "cold", run);
+  }
+  for (const KidnapRun& run : runs) tallies.Add("all", run);
   return tallies;
 }
 
 std::string RunJson(const KidnapRun& run) {
-  std::string json = absl::StrFormat(
-      "    {\"world\": %s, \"seed\": %d, \"start\": \"%s\", \"outcome\": "
-      "\"%s\", \"good\": %s, \"cause\": \"%s\", \"why\": %s,\n",
-      missions::JsonQuoted(run.world), run.seed, run.is_warm ? "warm" : "cold",
-      KidnapOutcomeName(run.outcome), IsGood(run) ? "true" : "false",
-      core::NavigationCauseName(run.cause), missions::JsonQuoted(run.why));
+  std::string json =
+      suites::RunHeadJson(run, {"start", run.is_warm ? "\"warm\"" : "\"cold\""},
+                          KidnapOutcomeName(run.outcome), run.IsGood());
   absl::StrAppendFormat(
       &json,
       "     \"real\": %s, \"goal\": %s, \"away_m\": %.3f, \"turned_deg\": "
       "%.1f, \"kidnap_s\": %.3f, \"noticed_after_s\": %.3f, "
       "\"recovery_s\": %.3f,\n",
-      missions::PlacementJson(run.real), missions::PlacementJson(run.goal),
+      suites::PlacementJson(run.real), suites::PlacementJson(run.goal),
       run.away_m, run.turned_deg, run.kidnap_s, run.noticed_after_s,
       run.back_after_s);
   absl::StrAppendFormat(
       &json,
       "     \"error_at_resumption\": %s, \"resumptions\": %d, "
       "\"wrong_resumptions\": %d, \"questions\": %d, \"arrived\": %s,\n",
-      missions::PoseMissJson(run.error_at_resumption), run.resumptions,
+      suites::PoseMissJson(run.error_at_resumption), run.resumptions,
       run.wrong_resumptions, run.questions, run.arrived ? "true" : "false");
-  absl::StrAppendFormat(
-      &json,
-      "     \"simulated_s\": %.3f, \"path_m\": %.3f, \"collisions\": %d, "
-      "\"collisions_by_robot\": %d, \"stair_entries\": %d, "
-      "\"edge_entries\": %d,\n     \"steps\": %s}",
-      run.simulated_s, run.driven_m, run.collisions, run.collisions_of_robot,
-      run.stair_entries, run.edge_entries, missions::StepTimesJson(run.times));
+  absl::StrAppendFormat(&json, "     %s,\n     \"steps\": %s}",
+                        suites::DriveJson(run),
+                        suites::StepTimesJson(run.times));
   return json;
 }
 
 }  // namespace
-
-bool IsGood(const KidnapRun& run) {
-  return run.outcome == KidnapOutcome::kBack && run.wrong_resumptions == 0 &&
-         run.collisions_of_robot == 0 && run.stair_entries == 0 &&
-         run.edge_entries == 0;
-}
-
-double GoodShare(const std::vector<KidnapRun>& runs) {
-  if (runs.empty()) return 0;
-  return static_cast<double>(std::ranges::count_if(
-             runs, [](const KidnapRun& run) { return IsGood(run); })) /
-         static_cast<double>(runs.size());
-}
 
 int WrongResumptions(const std::vector<KidnapRun>& runs) {
   int wrong = 0;
@@ -137,13 +111,11 @@ std::string KidnapSummary(const std::vector<KidnapRun>& runs, int expected) {
       "wrong        recovery (s) colli-\n"
       "                runs  back  late wrong  help noticed ching fell    "
       "back  went on arrived  p50    p95 sions\n";
-  for (const auto& [name, tally] : TalliesOf(runs)) text += Row(name, tally);
-  if (static_cast<int>(runs.size()) < expected) {
-    absl::StrAppendFormat(&text, "%d of %d kidnaps were not run.\n",
-                          expected - static_cast<int>(runs.size()), expected);
-  }
+  const suites::Tallies<Tally> tallies = TalliesOf(runs);
+  for (const auto& [name, tally] : tallies.rows()) text += Row(name, tally);
+  text += suites::NotRunText(runs.size(), expected, "kidnaps");
   for (const KidnapRun& run : runs) {
-    if (IsGood(run)) continue;
+    if (run.IsGood()) continue;
     absl::StrAppendFormat(
         &text,
         "  %s seed %d (%s): %s (%s); noticed after %.1f s, back after %.1f s, "
@@ -152,10 +124,7 @@ std::string KidnapSummary(const std::vector<KidnapRun>& runs, int expected) {
         KidnapOutcomeName(run.outcome), core::NavigationCauseName(run.cause),
         run.noticed_after_s, run.back_after_s,
         run.error_at_resumption.distance_m, run.error_at_resumption.turn_deg,
-        run.why.empty() ? "" : "; ", run.why,
-        run.collisions_of_robot > 0
-            ? absl::StrFormat("; %d collisions", run.collisions_of_robot)
-            : "");
+        run.why.empty() ? "" : "; ", run.why, suites::CollisionsText(run));
   }
   return text;
 }
@@ -166,13 +135,13 @@ std::string KidnapJson(const std::vector<KidnapRun>& runs, int expected,
   int good = 0;
   for (const KidnapRun& run : runs) {
     all.Add(run);
-    good += IsGood(run) ? 1 : 0;
+    good += run.IsGood() ? 1 : 0;
   }
   std::string json = absl::StrFormat(
       "{\n  \"suite\": \"kidnaps\",\n  \"method\": %s,\n  \"server_fault\": "
       "%s,\n  \"expected\": %d,\n  \"runs\": %d,\n  \"good\": %d,\n",
-      missions::JsonQuoted(method), missions::JsonQuoted(fault), expected,
-      all.runs, good);
+      base::JsonQuoted(method), base::JsonQuoted(fault), expected, all.runs,
+      good);
   for (size_t i = 0; i < kOutcomes.size(); ++i) {
     absl::StrAppendFormat(&json, "  \"%s\": %d,\n",
                           KidnapOutcomeName(kOutcomes[i]), all.outcomes[i]);
@@ -182,16 +151,11 @@ std::string KidnapJson(const std::vector<KidnapRun>& runs, int expected,
       "  \"wrong_resumptions\": %d,\n  \"arrived\": %d,\n"
       "  \"collisions_by_robot\": %d,\n  \"recovery_p50_s\": %.3f,\n"
       "  \"recovery_p95_s\": %.3f,\n  \"noticed_p50_s\": %.3f,\n"
-      "  \"kidnaps\": [",
+      "  \"kidnaps\": ",
       all.wrong_resumptions, all.arrived, all.collisions_of_robot,
       Quantile(all.back_s, 0.5), Quantile(all.back_s, 0.95),
       Quantile(all.noticed_s, 0.5));
-  const char* separator = "\n";
-  for (const KidnapRun& run : runs) {
-    absl::StrAppend(&json, separator, RunJson(run));
-    separator = ",\n";
-  }
-  return json + "\n  ]\n}\n";
+  return json + suites::RunsJson(runs, RunJson) + "\n}\n";
 }
 
 }  // namespace treeline::kidnaps

@@ -9,12 +9,12 @@
 
 namespace treeline::kidnaps {
 
-// Back in time, nothing hit, no stairs, no fall.
-bool IsGood(const KidnapRun& run);
-double GoodShare(const std::vector<KidnapRun>& runs);
 int WrongResumptions(const std::vector<KidnapRun>& runs);
-// As MissionSummary and MissionJson. method, fault: as the command was told.
+// For people: one line a world, warm and cold, then the sum, then what failed
+// and with which seeds. What is missing of `expected` runs was not run.
 std::string KidnapSummary(const std::vector<KidnapRun>& runs, int expected);
+// docs/reference/suites.md describes it. method, fault: as the command was
+// told.
 std::string KidnapJson(const std::vector<KidnapRun>& runs, int expected,
                        const std::string& method, const std::string& fault);
 

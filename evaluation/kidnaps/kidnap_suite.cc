@@ -9,8 +9,8 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
-#include "evaluation/missions/mission_suite.h"
 #include "evaluation/suites/suite_maps.h"
+#include "evaluation/suites/suite_route.h"
 #include "nav_agent/app/relocalization/server_relocalization.h"
 
 namespace treeline::kidnaps {
@@ -103,16 +103,11 @@ class Kidnapping {
         random_(options.seed, 300) {}
 
   absl::StatusOr<KidnapRun> Run() {
-    run_.world = place_->world().name;
-    run_.seed = options_.seed;
     run_.is_warm = options_.seed % 2 == 1;
-    missions::MissionOptions mission_options;
-    mission_options.seed = options_.seed;
-    mission_options.min_way_m = kMinWay_m;
-    TL_ASSIGN_OR_RETURN(mission_,
-                        missions::MakeMission(*place_, mission_options));
-    run_.start = mission_.start;
-    run_.goal = mission_.goal;
+    base::Random random(options_.seed, suites::kRouteStream);
+    TL_ASSIGN_OR_RETURN(
+        route_, suites::DrawRoute(*place_, options_.seed, kMinWay_m, random));
+    run_.goal = route_.goal;
     TL_RETURN_IF_ERROR(run_.is_warm ? BeginWarm() : BeginCold());
     KidnapJudge judge(run_.kidnap_s);
     TL_RETURN_IF_ERROR(Watch(judge));
@@ -123,7 +118,7 @@ class Kidnapping {
  private:
   absl::Status MakeRobot() {
     suites::SuiteRobotOptions robot;
-    robot.start = run_.start;
+    robot.start = route_.start;
     robot.seed = options_.seed;
     robot.camera_hz = options_.camera_hz;
     robot.has_rear_laser = options_.has_rear_laser;
@@ -136,7 +131,7 @@ class Kidnapping {
         auto port = std::make_unique<CountingPort>(
             *relocalization::MakeSynchronousRelocalization(
                 options_.server,
-                {.scene = suites::SuiteSceneName(run_.world),
+                {.scene = suites::SuiteSceneName(place_->world().name),
                  .seed = options_.seed},
                 clock,
                 {.latency_s = options_.latency_s,
@@ -158,17 +153,17 @@ class Kidnapping {
     return robot_->navigator().SetGoal({.poses = {goal}}).status();
   }
 
-  absl::Status Measure(const simulator::RobotPlacement& believed) {
+  absl::Status Measure(const simulator::RobotPlacement& estimate) {
     run_.kidnap_s = robot_->now_s();
-    run_.away_m = Norm(believed.position - run_.real.position);
-    run_.turned_deg = TurnBetween_deg(believed.yaw_rad, run_.real.yaw_rad);
+    run_.away_m = Norm(estimate.position - run_.real.position);
+    run_.turned_deg = TurnBetween_deg(estimate.yaw_rad, run_.real.yaw_rad);
     return absl::OkStatus();
   }
 
   absl::Status BeginWarm() {
-    TL_RETURN_IF_ERROR(Begin(run_.start));
+    TL_RETURN_IF_ERROR(Begin(route_.start));
     const double share = random_.NextUniform(kFromShare, kToShare);
-    while (robot_->record().final_state.distance_m < share * mission_.way_m &&
+    while (robot_->record().final_state.distance_m < share * route_.way_m &&
            robot_->now_s() < kMaxBefore_s) {
       if (stop_.stop_requested()) return absl::CancelledError("interrupted");
       robot_->Step();
@@ -186,9 +181,10 @@ class Kidnapping {
   }
 
   absl::Status BeginCold() {
-    run_.real = run_.start;
-    TL_ASSIGN_OR_RETURN(const simulator::RobotPlacement told,
-                        ElsewhereThan(*place_, run_.start, run_.goal, random_));
+    run_.real = route_.start;
+    TL_ASSIGN_OR_RETURN(
+        const simulator::RobotPlacement told,
+        ElsewhereThan(*place_, route_.start, run_.goal, random_));
     TL_RETURN_IF_ERROR(Begin(told));
     return Measure(told);
   }
@@ -215,7 +211,7 @@ class Kidnapping {
         was_back = true;
         if (!options_.drives_on) break;
         until_s = robot_->now_s() + kArrivalPatience_s +
-                  kArrivalPatience_spm * 2 * mission_.way_m;
+                  kArrivalPatience_spm * 2 * route_.way_m;
       }
       if (goal.has_value() &&
           (goal->state == behavior::GoalState::kFailed ||
@@ -229,26 +225,13 @@ class Kidnapping {
   }
 
   void Summarize(const KidnapJudge& judge) {
-    run_.record = robot_->record();
-    run_.events = robot_->navigator_events();
-    run_.times = robot_->step_times();
-    run_.simulated_s = run_.record.simulated_s;
-    run_.driven_m = run_.record.final_state.distance_m;
-    run_.collisions = run_.record.Count(simulator::SimEventKind::kCollision);
-    run_.collisions_of_robot = run_.record.CollisionsOfRobot();
-    run_.stair_entries = missions::StairEntries(run_.record);
-    run_.edge_entries = missions::EdgeEntries(run_.record);
-    const behavior::NavigatorSnapshot snapshot = robot_->navigator().Snapshot();
-    run_.cause = snapshot.cause;
-    run_.why = snapshot.cause_text;
-    if (snapshot.goal.has_value() &&
-        snapshot.goal->state == behavior::GoalState::kFailed) {
-      run_.cause = snapshot.goal->cause;
-      run_.why = snapshot.goal->why;
+    suites::Summarize(*robot_, run_.goal, run_);
+    const std::optional<behavior::GoalStatus> status =
+        robot_->navigator().goal();
+    if (status.has_value() && status->state == behavior::GoalState::kFailed) {
+      run_.cause = status->cause;
+      run_.why = status->why;
     }
-    run_.marks = missions::MarksOf(*place_, snapshot, run_.goal);
-    run_.marks.really =
-        suites::PlanarPoseOf(run_.record.final_state.world_from_base);
     judge.Judge(run_);
     if (port_ != nullptr) run_.questions = port_->questions();
     if (run_.record.final_state.is_fallen) run_.outcome = KidnapOutcome::kFell;
@@ -266,7 +249,7 @@ class Kidnapping {
   std::stop_token stop_;
   base::Random random_;
   KidnapRun run_;
-  missions::Mission mission_;
+  suites::Route route_;
   std::unique_ptr<suites::SuiteRobot> robot_;
   // The robot's; null: none.
   CountingPort* port_ = nullptr;

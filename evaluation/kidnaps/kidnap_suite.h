@@ -13,8 +13,7 @@
 
 #include "absl/status/statusor.h"
 #include "client/relocalizer/relocalizer.h"
-#include "evaluation/suites/suite_robot.h"
-#include "simulation/runs/plan_picture.h"
+#include "evaluation/suites/suite_run.h"
 
 namespace treeline::kidnaps {
 
@@ -57,14 +56,9 @@ struct KidnapOptions {
   behavior::NavigatorOptions navigator;
 };
 
-struct KidnapRun {
-  std::string world;
-  uint64_t seed = 0;
+struct KidnapRun : suites::SuiteRun {
   bool is_warm = false;
   KidnapOutcome outcome = KidnapOutcome::kUnnoticed;
-  core::NavigationCause cause = core::NavigationCause::kNone;
-  std::string why;
-  simulator::RobotPlacement start;
   simulator::RobotPlacement goal;
   // Where it was carried to, or where a cold robot really is, and how far that
   // is from where it thinks it is.
@@ -82,16 +76,12 @@ struct KidnapRun {
   // To the server.
   int questions = 0;
   bool arrived = false;
-  double simulated_s = 0;
-  double driven_m = 0;
-  int collisions_of_robot = 0;
-  int collisions = 0;
-  int stair_entries = 0;
-  int edge_entries = 0;
-  suites::StepTimes times;
-  runs::SimulationResult record;
-  runs::PlanMarks marks;
-  std::vector<behavior::NavigatorEvent> events;
+
+  // Back in time, nothing hit, no stairs, no fall.
+  bool IsGood() const {
+    return outcome == KidnapOutcome::kBack && wrong_resumptions == 0 &&
+           IsSafe();
+  }
 };
 
 // Odd seeds are warm, even ones cold. Deterministic if the server is, times
@@ -100,7 +90,7 @@ absl::StatusOr<KidnapRun> RunKidnap(const suites::SuitePlace& place,
                                     const KidnapOptions& options,
                                     const std::stop_token& stop);
 
-// Follows what a kidnapped robot does and believes, moment by moment.
+// Follows what a kidnapped robot does and what it estimates, step by step.
 class KidnapJudge {
  public:
   explicit KidnapJudge(double kidnap_s) : kidnap_s_(kidnap_s) {}

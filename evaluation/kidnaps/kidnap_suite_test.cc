@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "evaluation/kidnaps/kidnap_report.h"
+#include "evaluation/suites/suite_report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -100,7 +101,7 @@ TEST(KidnapReportTest, CountsWhatGoesWrong) {
   wrong.outcome = KidnapOutcome::kWrong;
   wrong.wrong_resumptions = 2;
   const std::vector<KidnapRun> runs = {back, wrong};
-  EXPECT_EQ(GoodShare(runs), 0.5);
+  EXPECT_EQ(suites::GoodShare(runs), 0.5);
   EXPECT_EQ(WrongResumptions(runs), 2);
   EXPECT_THAT(KidnapSummary(runs, 2), HasSubstr("cafe seed 2 (cold): wrong"));
   const std::string json = KidnapJson(runs, 2, "server", "none");

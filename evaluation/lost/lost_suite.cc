@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <deque>
 #include <memory>
 #include <numbers>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/base/processor_time.h"
 #include "common/base/status_macros.h"
+#include "common/geometry/planar_pose.h"
 #include "nav_agent/localization/scan_points.h"
 #include "simulation/simulator/scenario.h"
 #include "simulation/simulator/scenario_player.h"
@@ -32,20 +33,6 @@ constexpr localization::PoseCovariance2 kToldCovariance = {
     0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.0025};
 constexpr localization::PoseCovariance2 kStartCovariance = {
     0.0625, 0, 0, 0, 0.0625, 0, 0, 0, 0.02};
-
-double ProcessorTime_us() {
-  timespec time = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e6 * static_cast<double>(time.tv_sec) +
-         1e-3 * static_cast<double>(time.tv_nsec);
-}
-
-geometry::Rigid2 PlanarOf(const geometry::Rigid3& world_from_base) {
-  const geometry::Vec3 forward =
-      world_from_base.rotation * geometry::Vec3{1, 0, 0};
-  return {{world_from_base.translation.x, world_from_base.translation.y},
-          std::atan2(forward.y, forward.x)};
-}
 
 // Where wheels and the inertial sensor say that the robot is.
 class WheelOdometry {
@@ -95,9 +82,9 @@ class WheelOdometry {
 };
 
 // A simulated robot with AMCL and the detector.
-class SuiteRobot {
+class LocalizedRobot {
  public:
-  static absl::StatusOr<std::unique_ptr<SuiteRobot>> Create(
+  static absl::StatusOr<std::unique_ptr<LocalizedRobot>> Create(
       const runs::SuiteWorld& map, const LostRunOptions& options);
 
   simulator::Simulator& simulator() { return *simulator_; }
@@ -122,10 +109,10 @@ class SuiteRobot {
   int64_t observed = 0;
 
  private:
-  SuiteRobot(const runs::SuiteWorld& map, const LostRunOptions& options,
-             std::unique_ptr<simulator::Simulator> simulator,
-             std::vector<localization::Amcl> filters,
-             localization::LostDetector detector);
+  LocalizedRobot(const runs::SuiteWorld& map, const LostRunOptions& options,
+                 std::unique_ptr<simulator::Simulator> simulator,
+                 std::vector<localization::Amcl> filters,
+                 localization::LostDetector detector);
   absl::Status Place(const geometry::Rigid2& map_from_base,
                      const localization::PoseCovariance2& covariance);
   void DriveOn(Drive drive);
@@ -156,11 +143,11 @@ class SuiteRobot {
   geometry::Rigid2 map_from_base_;
 };
 
-SuiteRobot::SuiteRobot(const runs::SuiteWorld& map,
-                       const LostRunOptions& options,
-                       std::unique_ptr<simulator::Simulator> simulator,
-                       std::vector<localization::Amcl> filters,
-                       localization::LostDetector detector)
+LocalizedRobot::LocalizedRobot(const runs::SuiteWorld& map,
+                               const LostRunOptions& options,
+                               std::unique_ptr<simulator::Simulator> simulator,
+                               std::vector<localization::Amcl> filters,
+                               localization::LostDetector detector)
     : map_(&map),
       options_(options),
       simulator_(std::move(simulator)),
@@ -173,7 +160,7 @@ SuiteRobot::SuiteRobot(const runs::SuiteWorld& map,
                                                         *simulator_);
 }
 
-absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
+absl::StatusOr<std::unique_ptr<LocalizedRobot>> LocalizedRobot::Create(
     const runs::SuiteWorld& map, const LostRunOptions& options) {
   simulator::Scenario scenario;
   scenario.options.seed = options.seed;
@@ -201,19 +188,19 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
       localization::LostDetector::Create(
           map.laser_maps()[0], simulator->laser().Info(),
           simulator->options().robot.base_from_laser, options.detector));
-  return std::unique_ptr<SuiteRobot>(
-      new SuiteRobot(map, options, std::move(simulator), std::move(filters),
-                     std::move(detector)));
+  return std::unique_ptr<LocalizedRobot>(
+      new LocalizedRobot(map, options, std::move(simulator), std::move(filters),
+                         std::move(detector)));
 }
 
-int SuiteRobot::TrueLevel() const {
+int LocalizedRobot::TrueLevel() const {
   return map_->LevelAt(simulator_->state().world_from_base.translation)
       .value_or(level_);
 }
 
-absl::Status SuiteRobot::Tell(const geometry::Rigid2& map_from_base,
-                              const localization::PoseCovariance2& covariance,
-                              int level) {
+absl::Status LocalizedRobot::Tell(
+    const geometry::Rigid2& map_from_base,
+    const localization::PoseCovariance2& covariance, int level) {
   level_ = level;
   is_first_ = true;
   told_at_ = simulator_->clock().Now();
@@ -224,7 +211,7 @@ absl::Status SuiteRobot::Tell(const geometry::Rigid2& map_from_base,
   return Place(map_from_base, covariance);
 }
 
-absl::Status SuiteRobot::Place(
+absl::Status LocalizedRobot::Place(
     const geometry::Rigid2& map_from_base,
     const localization::PoseCovariance2& covariance) {
   localization::Amcl& amcl = filters_[static_cast<size_t>(level_)];
@@ -234,19 +221,19 @@ absl::Status SuiteRobot::Place(
   return amcl.SetPose(map_from_base, covariance);
 }
 
-absl::Status SuiteRobot::TellTruth() {
-  return Tell(PlanarOf(simulator_->state().world_from_base), kToldCovariance,
-              TrueLevel());
+absl::Status LocalizedRobot::TellTruth() {
+  return Tell(geometry::PlanarPose(simulator_->state().world_from_base),
+              kToldCovariance, TrueLevel());
 }
 
-void SuiteRobot::TellNothing() {
+void LocalizedRobot::TellNothing() {
   is_first_ = true;
   told_at_ = simulator_->clock().Now();
   detector_.Reset();
   filters_[static_cast<size_t>(level_)].StartGlobalLocalization();
 }
 
-absl::Status SuiteRobot::FollowLevel() {
+absl::Status LocalizedRobot::FollowLevel() {
   const int level = TrueLevel();
   if (is_lost_) follows_level_ = false;
   if (level == level_ || !follows_level_) return absl::OkStatus();
@@ -256,8 +243,8 @@ absl::Status SuiteRobot::FollowLevel() {
   return Place(map_from_base_, kToldCovariance);
 }
 
-absl::Status SuiteRobot::Observe(const core::LaserScan& scan,
-                                 std::vector<LostSample>& samples) {
+absl::Status LocalizedRobot::Observe(const core::LaserScan& scan,
+                                     std::vector<LostSample>& samples) {
   const core::RangeSensorInfo info = simulator_->laser().Info();
   const geometry::Rigid3& base_from_laser =
       simulator_->options().robot.base_from_laser;
@@ -273,7 +260,7 @@ absl::Status SuiteRobot::Observe(const core::LaserScan& scan,
       filters_[static_cast<size_t>(level_)].Update(odom_from_base, points));
   if (!estimate.has_value()) return absl::OkStatus();
   map_from_base_ = estimate->map_from_base;
-  const double before_us = ProcessorTime_us();
+  const double before_us = 1e3 * base::ThreadProcessorTime_ms();
   TL_ASSIGN_OR_RETURN(const localization::LostVerdict verdict,
                       detector_.Observe({.stamp = middle,
                                          .estimate = *estimate,
@@ -281,14 +268,14 @@ absl::Status SuiteRobot::Observe(const core::LaserScan& scan,
                                          .pitch_rad = odometry_.pitch_rad(),
                                          .roll_rad = odometry_.roll_rad()},
                                         scan));
-  const double took_us = ProcessorTime_us() - before_us;
+  const double took_us = 1e3 * base::ThreadProcessorTime_ms() - before_us;
   total_us += took_us;
   highest_us = std::max(highest_us, took_us);
   ++observed;
   const simulator::SimTime at = std::chrono::duration_cast<simulator::SimTime>(
       middle - simulator::SimClock::StampOf(simulator::SimTime(0)));
   const geometry::Rigid3 world_from_base = simulator_->WorldFromBaseAt(at);
-  const geometry::Rigid2 truth = PlanarOf(world_from_base);
+  const geometry::Rigid2 truth = geometry::PlanarPose(world_from_base);
   const double error_m = Norm(truth.translation - map_from_base_.translation);
   const double error_deg = std::abs(geometry::NormalizedAngle_rad(
                                truth.yaw_rad - map_from_base_.yaw_rad)) *
@@ -308,7 +295,7 @@ absl::Status SuiteRobot::Observe(const core::LaserScan& scan,
   return absl::OkStatus();
 }
 
-void SuiteRobot::DriveOn(Drive drive) {
+void LocalizedRobot::DriveOn(Drive drive) {
   if (drive == Drive::kTour) {
     if (drive_ != Drive::kTour) player_->DriveTour(tour_);
     player_->Step(kSlice);
@@ -327,7 +314,8 @@ void SuiteRobot::DriveOn(Drive drive) {
   ++slices_;
 }
 
-absl::Status SuiteRobot::Step(Drive drive, std::vector<LostSample>& samples) {
+absl::Status LocalizedRobot::Step(Drive drive,
+                                  std::vector<LostSample>& samples) {
   DriveOn(drive);
   for (const core::BaseReading& reading :
        simulator_->odometry().TakeReadings()) {
@@ -342,9 +330,9 @@ absl::Status SuiteRobot::Step(Drive drive, std::vector<LostSample>& samples) {
   return absl::OkStatus();
 }
 
-absl::Status SuiteRobot::StepFor(double seconds, Drive drive,
-                                 const std::stop_token& stop,
-                                 std::vector<LostSample>& samples) {
+absl::Status LocalizedRobot::StepFor(double seconds, Drive drive,
+                                     const std::stop_token& stop,
+                                     std::vector<LostSample>& samples) {
   const simulator::SimTime until =
       simulator_->now() + simulator::FromSeconds(seconds);
   while (simulator_->now() < until) {
@@ -354,7 +342,7 @@ absl::Status SuiteRobot::StepFor(double seconds, Drive drive,
   return absl::OkStatus();
 }
 
-absl::Status RunDrive(SuiteRobot& robot, const LostRunOptions& options,
+absl::Status RunDrive(LocalizedRobot& robot, const LostRunOptions& options,
                       const std::function<void(double)>& progress,
                       const std::stop_token& stop, LostRun& run) {
   TL_RETURN_IF_ERROR(robot.TellTruth());
@@ -362,7 +350,7 @@ absl::Status RunDrive(SuiteRobot& robot, const LostRunOptions& options,
   for (double time_s = 0; time_s < options.drive_s;
        time_s += simulator::Seconds(kSlice)) {
     if (stop.stop_requested()) return absl::CancelledError("stopped");
-    TL_RETURN_IF_ERROR(robot.Step(SuiteRobot::Drive::kTour, run.drive));
+    TL_RETURN_IF_ERROR(robot.Step(LocalizedRobot::Drive::kTour, run.drive));
     lost_s = robot.IsLost() ? lost_s + simulator::Seconds(kSlice) : 0;
     if (lost_s > kPatience_s) {
       ++run.losses;
@@ -388,7 +376,7 @@ KidnapTrial KindOf(int number) {
 
 absl::StatusOr<KidnapTrial> RunTrial(const runs::SuiteWorld& map, int number,
                                      uint64_t seed, const std::stop_token& stop,
-                                     SuiteRobot& robot) {
+                                     LocalizedRobot& robot) {
   KidnapTrial trial = KindOf(number);
   base::Random random(seed, 1000 + static_cast<uint64_t>(number));
   simulator::Simulator& simulator = robot.simulator();
@@ -396,11 +384,12 @@ absl::StatusOr<KidnapTrial> RunTrial(const runs::SuiteWorld& map, int number,
   // Somewhere else first, where localization follows it.
   TL_RETURN_IF_ERROR(runs::CarryAway(map, false, random, simulator));
   TL_RETURN_IF_ERROR(robot.TellTruth());
-  TL_RETURN_IF_ERROR(robot.StepFor(
-      kSettle_s,
-      trial.drives ? SuiteRobot::Drive::kWander : SuiteRobot::Drive::kStand,
-      stop, settling));
-  const geometry::Rigid2 before = PlanarOf(simulator.state().world_from_base);
+  TL_RETURN_IF_ERROR(robot.StepFor(kSettle_s,
+                                   trial.drives ? LocalizedRobot::Drive::kWander
+                                                : LocalizedRobot::Drive::kStand,
+                                   stop, settling));
+  const geometry::Rigid2 before =
+      geometry::PlanarPose(simulator.state().world_from_base);
   const int level = robot.TrueLevel();
   trial.time_s = simulator::Seconds(simulator.now());
   trial.log_odds_before = -1e9;
@@ -411,7 +400,8 @@ absl::StatusOr<KidnapTrial> RunTrial(const runs::SuiteWorld& map, int number,
     }
   }
   TL_RETURN_IF_ERROR(runs::CarryAway(map, trial.is_near, random, simulator));
-  const geometry::Rigid2 after = PlanarOf(simulator.state().world_from_base);
+  const geometry::Rigid2 after =
+      geometry::PlanarPose(simulator.state().world_from_base);
   trial.away_m = Norm(after.translation - before.translation);
   trial.turned_deg =
       std::abs(geometry::NormalizedAngle_rad(after.yaw_rad - before.yaw_rad)) *
@@ -421,10 +411,10 @@ absl::StatusOr<KidnapTrial> RunTrial(const runs::SuiteWorld& map, int number,
   } else if (trial.start == KidnapStart::kAnywhere) {
     robot.TellNothing();
   }
-  TL_RETURN_IF_ERROR(robot.StepFor(
-      kWatch_s,
-      trial.drives ? SuiteRobot::Drive::kWander : SuiteRobot::Drive::kStand,
-      stop, trial.samples));
+  TL_RETURN_IF_ERROR(robot.StepFor(kWatch_s,
+                                   trial.drives ? LocalizedRobot::Drive::kWander
+                                                : LocalizedRobot::Drive::kStand,
+                                   stop, trial.samples));
   return trial;
 }
 
@@ -453,8 +443,8 @@ absl::StatusOr<LostRun> RunLostSuite(
   LostRun run;
   run.world = options.world;
   run.seed = options.seed;
-  TL_ASSIGN_OR_RETURN(const std::unique_ptr<SuiteRobot> robot,
-                      SuiteRobot::Create(map, options));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<LocalizedRobot> robot,
+                      LocalizedRobot::Create(map, options));
   run.obstacles = runs::AddObstacles(map, options.new_obstacles, options.seed,
                                      robot->simulator());
   TL_RETURN_IF_ERROR(RunDrive(*robot, options, progress, stop, run));

@@ -1,4 +1,4 @@
-// How well the lost verdict tells kidnapped robots from those that drive among
+// How well the lost detector tells kidnapped robots from those that drive among
 // people and moved furniture: simulated drives with AMCL.
 #ifndef EVALUATION_LOST_LOST_SUITE_H_
 #define EVALUATION_LOST_LOST_SUITE_H_

@@ -16,7 +16,7 @@ struct KidnapTally {
   int declared = 0;
   // These do not count: localization found its place again before anything was
   // declared, or the robot was not taken far enough away to be lost; the
-  // verdict was lost before the kidnap.
+  // detector said lost before the kidnap.
   int not_lost = 0;
   int alarmed_before = 0;
   std::vector<double> delays_s;

@@ -13,8 +13,6 @@
 namespace treeline::missions {
 namespace {
 
-constexpr int kTries = 3000;
-constexpr double kOtherHeight_m = 0.25;
 // A mission takes as long as this at most.
 constexpr double kPatience_s = 60;
 constexpr double kPatience_spm = 8;
@@ -23,8 +21,6 @@ constexpr double kFinalSettle_s = 0.5;
 constexpr int kPassers = 2;
 // Obstacles do not need 640 x 480 pixels, which take 0.1 s to render.
 constexpr double kCameraScale = 0.25;
-// The robot's radius, a cart's, and 10 cm.
-constexpr double kClearOfOthers_m = 1.1;
 
 struct NamedMission {
   const char* name;
@@ -56,17 +52,16 @@ absl::StatusOr<Mission> MakeNamed(const suites::SuitePlace& place,
                                   const std::string& scene) {
   for (const NamedMission& named : NamedMissions()) {
     if (named.name != scene) continue;
-    Mission mission = {.start = named.start,
-                       .goal = named.goal,
+    Mission mission = {.route = {.start = named.start, .goal = named.goal},
                        .surprise = named.surprise,
                        .surprise_share = 0.3};
-    const auto way_m = place.PathLength_m(mission.start, mission.goal);
+    const auto way_m = place.PathLength_m(named.start, named.goal);
     if (!way_m.has_value()) {
       return absl::FailedPreconditionError(absl::StrCat(
           "scene ", scene, " is of the cafe; in ", place.world().name,
           " there is no way from its start to its goal"));
     }
-    mission.way_m = *way_m;
+    mission.route.way_m = *way_m;
     return mission;
   }
   return absl::NotFoundError(
@@ -80,62 +75,39 @@ Surprise SurpriseOf(base::Random& random) {
   return draw < 0.75 ? Surprise::kDoor : Surprise::kPerson;
 }
 
-int CountEvents(const runs::SimulationResult& record,
-                simulator::SimEventKind kind) {
-  return record.Count(kind);
-}
-
-bool IsOver(const behavior::GoalStatus& goal) {
-  return goal.state == behavior::GoalState::kSucceeded ||
-         goal.state == behavior::GoalState::kFailed ||
-         goal.state == behavior::GoalState::kCancelled;
-}
-
 MissionOutcome OutcomeOf(const MissionRun& run,
                          const std::optional<behavior::GoalStatus>& goal) {
   if (run.record.final_state.is_fallen || run.stair_entries > 0 ||
       run.edge_entries > 0) {
     return MissionOutcome::kFell;
   }
-  if (!goal.has_value() || !IsOver(*goal)) return MissionOutcome::kTimeout;
+  if (!goal.has_value() || !suites::IsOver(*goal))
+    return MissionOutcome::kTimeout;
   if (goal->state != behavior::GoalState::kSucceeded)
     return MissionOutcome::kFailed;
   return run.goal_error.IsRight() ? MissionOutcome::kArrived
                                   : MissionOutcome::kWrongPlace;
 }
 
-void Summarize(suites::SuiteRobot& robot, const core::LevelPose& goal_in_map,
-               MissionRun& run) {
-  run.record = robot.record();
-  run.events = robot.navigator_events();
-  run.times = robot.step_times();
-  run.simulated_s = run.record.simulated_s;
-  run.driven_m = run.record.final_state.distance_m;
-  run.collisions = CountEvents(run.record, simulator::SimEventKind::kCollision);
-  run.collisions_of_robot = run.record.CollisionsOfRobot();
-  run.stair_entries = StairEntries(run.record);
-  run.edge_entries = EdgeEntries(run.record);
+void Summarize(const suites::SuiteRobot& robot,
+               const core::LevelPose& goal_in_map, MissionRun& run) {
+  suites::Summarize(robot, run.mission.route.goal, run);
   run.false_losses = static_cast<int>(std::ranges::count(
       run.events, std::string("lost"), &behavior::NavigatorEvent::kind));
   run.estimate_error = robot.EstimateError().value_or(
       suites::PoseMiss{.distance_m = -1, .turn_deg = -1, .height_m = -1});
   run.goal_error = robot.place().ErrorOf(
       goal_in_map, run.record.final_state.world_from_base);
-  const behavior::NavigatorSnapshot snapshot = robot.navigator().Snapshot();
-  run.marks = MarksOf(robot.place(), snapshot, run.mission.goal);
-  run.marks.really =
-      suites::PlanarPoseOf(run.record.final_state.world_from_base);
-  run.cause = snapshot.cause;
-  run.why = snapshot.cause_text;
-  if (snapshot.goal.has_value()) {
-    run.replans = snapshot.goal->replans;
-    run.recoveries = snapshot.goal->recoveries;
-    if (IsOver(*snapshot.goal)) {
-      run.cause = snapshot.goal->cause;
-      run.why = snapshot.goal->why;
+  const std::optional<behavior::GoalStatus> goal = robot.navigator().goal();
+  if (goal.has_value()) {
+    run.replans = goal->replans;
+    run.recoveries = goal->recoveries;
+    if (suites::IsOver(*goal)) {
+      run.cause = goal->cause;
+      run.why = goal->why;
     }
   }
-  run.outcome = OutcomeOf(run, snapshot.goal);
+  run.outcome = OutcomeOf(run, goal);
 }
 
 }  // namespace
@@ -164,100 +136,38 @@ std::vector<std::string> MissionScenes() {
   return names;
 }
 
-int StairEntries(const runs::SimulationResult& record) {
-  return CountEvents(record, simulator::SimEventKind::kStairs);
-}
-
-int EdgeEntries(const runs::SimulationResult& record) {
-  return CountEvents(record, simulator::SimEventKind::kFall) +
-         CountEvents(record, simulator::SimEventKind::kTipped);
-}
-
-runs::PlanMarks MarksOf(const suites::SuitePlace& place,
-                        const behavior::NavigatorSnapshot& snapshot,
-                        const simulator::RobotPlacement& goal) {
-  runs::PlanMarks marks;
-  marks.goal = geometry::Rigid2{goal.position, goal.yaw_rad};
-  for (const core::LevelPose& pose : snapshot.path) {
-    marks.path.push_back(
-        place.InWorld(pose.map_from_base.translation, pose.place.height_m));
-  }
-  if (snapshot.pose.has_value()) {
-    const core::LevelPose& pose = snapshot.pose->pose;
-    const geometry::Vec3 at =
-        place.InWorld(pose.map_from_base.translation, pose.place.height_m);
-    marks.believed = geometry::Rigid2{
-        {at.x, at.y},
-        pose.map_from_base.yaw_rad -
-            suites::PlanarPoseOf(place.map_from_world()).yaw_rad};
-  }
-  return marks;
-}
-
-namespace {
-
-// Whether somebody stands there as the mission begins.
-bool IsTaken(const worlds::World& world,
-             const simulator::RobotPlacement& place) {
-  return std::ranges::any_of(
-      world.InstancesAt(0), [&](const worlds::BodyInstance& instance) {
-        const worlds::Float3& at = instance.world_from_body.origin;
-        return std::abs(at.z - place.height_m) < 1 &&
-               std::hypot(at.x - place.position.x, at.y - place.position.y) <
-                   kClearOfOthers_m;
-      });
-}
-
-}  // namespace
-
 absl::StatusOr<Mission> MakeMission(const suites::SuitePlace& place,
                                     const MissionOptions& options) {
   if (!options.scene.empty()) return MakeNamed(place, options.scene);
-  base::Random random(options.seed, 200);
-  const bool climbs = place.HasSeveralHeights() && options.seed % 3 == 0;
-  for (int i = 0; i < kTries; ++i) {
-    Mission mission = {.start = place.AnyPlace(random),
-                       .goal = place.AnyPlace(random)};
-    // Of a platform the map may have no more than the way to it.
-    if (climbs && i < kTries / 2 &&
-        std::abs(mission.start.height_m - mission.goal.height_m) <
-            kOtherHeight_m) {
-      continue;
-    }
-    if (IsTaken(place.world(), mission.start)) continue;
-    const auto way_m = place.PathLength_m(mission.start, mission.goal);
-    if (!way_m.has_value() || *way_m < options.min_way_m) continue;
-    mission.way_m = *way_m;
-    if (options.people) {
-      mission.passers = kPassers;
-      mission.surprise = SurpriseOf(random);
-      mission.surprise_share = random.NextUniform(0.15, 0.6);
-    }
-    return mission;
+  base::Random random(options.seed, suites::kRouteStream);
+  Mission mission;
+  TL_ASSIGN_OR_RETURN(
+      mission.route,
+      suites::DrawRoute(place, options.seed, options.min_way_m, random));
+  if (options.people) {
+    mission.passers = kPassers;
+    mission.surprise = SurpriseOf(random);
+    mission.surprise_share = random.NextUniform(0.15, 0.6);
   }
-  return absl::FailedPreconditionError(
-      absl::StrCat("world ", place.world().name, " has no two places ",
-                   options.min_way_m, " m apart that a robot can get to"));
+  return mission;
 }
 
 absl::StatusOr<MissionRun> RunMission(const suites::SuitePlace& place,
                                       const MissionOptions& options,
                                       const std::stop_token& stop) {
   MissionRun run;
-  run.world = place.world().name;
-  run.seed = options.seed;
   run.scene = options.scene;
   TL_ASSIGN_OR_RETURN(run.mission, MakeMission(place, options));
   const Mission& mission = run.mission;
-  TL_ASSIGN_OR_RETURN(const core::LevelPose start, place.InMap(mission.start));
-  TL_ASSIGN_OR_RETURN(const core::LevelPose goal, place.InMap(mission.goal));
+  const suites::Route& route = mission.route;
+  TL_ASSIGN_OR_RETURN(const core::LevelPose start, place.InMap(route.start));
+  TL_ASSIGN_OR_RETURN(const core::LevelPose goal, place.InMap(route.goal));
   worlds::World world = place.world();
-  AddPassers(place, mission.start, mission.goal, mission.passers, options.seed,
-             world);
+  AddPassers(place, route, mission.passers, options.seed, world);
   TL_ASSIGN_OR_RETURN(
       const std::unique_ptr<suites::SuiteRobot> robot,
       suites::SuiteRobot::Create(place, std::move(world),
-                                 {.start = mission.start,
+                                 {.start = route.start,
                                   .seed = options.seed,
                                   .camera_hz = options.camera_hz,
                                   .has_rear_laser = options.has_rear_laser,
@@ -266,14 +176,14 @@ absl::StatusOr<MissionRun> RunMission(const suites::SuitePlace& place,
                                   .navigator = options.navigator}));
   MissionDisturbance trouble({.surprise = mission.surprise,
                               .at_share = mission.surprise_share,
-                              .way_m = mission.way_m,
-                              .goal = mission.goal,
+                              .way_m = route.way_m,
+                              .goal = route.goal,
                               .seed = options.seed});
   TL_RETURN_IF_ERROR(robot->Tell(start));
   TL_RETURN_IF_ERROR(robot->navigator().SetGoal({.poses = {goal}}).status());
   const bool is_hard =
       mission.passers > 0 || mission.surprise != Surprise::kNone;
-  const double until_s = kPatience_s + kPatience_spm * mission.way_m +
+  const double until_s = kPatience_s + kPatience_spm * route.way_m +
                          (is_hard ? kMorePatience_s : 0);
   while (robot->now_s() < until_s) {
     if (stop.stop_requested()) return absl::CancelledError("interrupted");
@@ -282,7 +192,7 @@ absl::StatusOr<MissionRun> RunMission(const suites::SuitePlace& place,
     if (robot->record().final_state.is_fallen) break;
     const std::optional<behavior::GoalStatus> status =
         robot->navigator().goal();
-    if (status.has_value() && IsOver(*status)) break;
+    if (status.has_value() && suites::IsOver(*status)) break;
   }
   // Until it stands.
   for (const double end_s = robot->now_s() + kFinalSettle_s;

@@ -12,8 +12,8 @@
 
 #include "absl/status/statusor.h"
 #include "evaluation/missions/mission_trouble.h"
-#include "evaluation/suites/suite_robot.h"
-#include "simulation/runs/plan_picture.h"
+#include "evaluation/suites/suite_route.h"
+#include "evaluation/suites/suite_run.h"
 
 namespace treeline::missions {
 
@@ -45,30 +45,17 @@ struct MissionOptions {
 };
 
 struct Mission {
-  simulator::RobotPlacement start;
-  simulator::RobotPlacement goal;
-  // The shortest way of a round robot (m).
-  double way_m = 0;
+  suites::Route route;
   Surprise surprise = Surprise::kNone;
   double surprise_share = 0.4;
   int passers = 0;
 };
 
-struct MissionRun {
-  std::string world;
-  uint64_t seed = 0;
+struct MissionRun : suites::SuiteRun {
   std::string scene;
   MissionOutcome outcome = MissionOutcome::kFailed;
-  core::NavigationCause cause = core::NavigationCause::kNone;
-  std::string why;
   Mission mission;
   std::string surprise;
-  double simulated_s = 0;
-  double driven_m = 0;
-  int collisions_of_robot = 0;
-  int collisions = 0;
-  int stair_entries = 0;
-  int edge_entries = 0;
   // At the end, of its estimate, and of where it stands to where it should.
   suites::PoseMiss estimate_error;
   suites::PoseMiss goal_error;
@@ -76,16 +63,10 @@ struct MissionRun {
   int recoveries = 0;
   // How often it declared itself lost although it was not kidnapped.
   int false_losses = 0;
-  suites::StepTimes times;
-  // For the picture and the log of a run that failed.
-  runs::SimulationResult record;
-  std::vector<behavior::NavigatorEvent> events;
-  runs::PlanMarks marks;
 
   // Arrived, and nothing happened that must not.
   bool IsGood() const {
-    return outcome == MissionOutcome::kArrived && collisions_of_robot == 0 &&
-           stair_entries == 0 && edge_entries == 0;
+    return outcome == MissionOutcome::kArrived && IsSafe();
   }
 };
 
@@ -93,10 +74,8 @@ struct MissionRun {
 // (a crate on the way), "person" (steps in front).
 std::vector<std::string> MissionScenes();
 
-// What a seed stands for: start and goal anywhere on ground that can be
-// reached, min_way_m apart; every third seed's are at different heights where a
-// world has some. NOT_FOUND: no such scene; FAILED_PRECONDITION: the world is
-// too small.
+// What a seed stands for: DrawRoute, and what gets in the way. NOT_FOUND: no
+// such scene; errors of DrawRoute.
 absl::StatusOr<Mission> MakeMission(const suites::SuitePlace& place,
                                     const MissionOptions& options);
 
@@ -105,14 +84,6 @@ absl::StatusOr<Mission> MakeMission(const suites::SuitePlace& place,
 absl::StatusOr<MissionRun> RunMission(const suites::SuitePlace& place,
                                       const MissionOptions& options,
                                       const std::stop_token& stop);
-
-// Counts of what happened in a simulation.
-int StairEntries(const runs::SimulationResult& record);
-int EdgeEntries(const runs::SimulationResult& record);
-// What the robot planned and believes, in the world.
-runs::PlanMarks MarksOf(const suites::SuitePlace& place,
-                        const behavior::NavigatorSnapshot& snapshot,
-                        const simulator::RobotPlacement& goal);
 
 }  // namespace treeline::missions
 

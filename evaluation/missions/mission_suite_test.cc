@@ -6,8 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "evaluation/missions/suite_report.h"
+#include "evaluation/missions/mission_report.h"
 #include "evaluation/suites/suite_jobs.h"
+#include "evaluation/suites/suite_report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -91,13 +92,14 @@ TEST(MakeMissionTest, IsAFunctionOfTheSeedAndChangesHeights) {
   const auto first = MakeMission(*place, options);
   const auto again = MakeMission(*place, options);
   ASSERT_TRUE(first.ok()) << first.status();
-  EXPECT_EQ(first->start.position, again->start.position);
-  EXPECT_EQ(first->goal.yaw_rad, again->goal.yaw_rad);
-  EXPECT_GT(std::abs(first->start.height_m - first->goal.height_m), 0.25);
-  EXPECT_GE(first->way_m, options.min_way_m);
+  EXPECT_EQ(first->route.start.position, again->route.start.position);
+  EXPECT_EQ(first->route.goal.yaw_rad, again->route.goal.yaw_rad);
+  EXPECT_GT(std::abs(first->route.start.height_m - first->route.goal.height_m),
+            0.25);
+  EXPECT_GE(first->route.way_m, options.min_way_m);
   options.seed = 1003;
-  EXPECT_FALSE(MakeMission(*place, options)->start.position ==
-               first->start.position);
+  EXPECT_FALSE(MakeMission(*place, options)->route.start.position ==
+               first->route.start.position);
   options.scene = "moon";
   EXPECT_THAT(std::string(MakeMission(*place, options).status().message()),
               HasSubstr("slope, blocked, person"));
@@ -199,7 +201,7 @@ TEST(MissionReportTest, SaysWhatFailedWithItsSeed) {
   good.world = "cafe";
   good.seed = 1;
   good.outcome = MissionOutcome::kArrived;
-  good.mission.way_m = 5;
+  good.mission.route.way_m = 5;
   MissionRun hit = good;
   hit.seed = 2;
   hit.collisions_of_robot = 1;
@@ -210,7 +212,7 @@ TEST(MissionReportTest, SaysWhatFailedWithItsSeed) {
   lost.cause = core::NavigationCause::kNoPath;
   lost.why = "no \"way\"";
   const std::vector<MissionRun> runs = {good, hit, lost};
-  EXPECT_NEAR(GoodShare(runs), 1.0 / 3, 1e-12);
+  EXPECT_NEAR(suites::GoodShare(runs), 1.0 / 3, 1e-12);
   const std::string text = MissionSummary(runs, 4);
   EXPECT_THAT(text, HasSubstr("cafe seed 2: arrived"));
   EXPECT_THAT(text, HasSubstr("cafe seed 3: failed (no_path)"));

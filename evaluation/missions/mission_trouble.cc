@@ -103,10 +103,8 @@ const char* SurpriseName(Surprise surprise) {
   return "unknown";
 }
 
-int AddPassers(const suites::SuitePlace& place,
-               const simulator::RobotPlacement& start,
-               const simulator::RobotPlacement& goal, int count, uint64_t seed,
-               worlds::World& world) {
+int AddPassers(const suites::SuitePlace& place, const suites::Route& route,
+               int count, uint64_t seed, worlds::World& world) {
   const int person = PersonOf(world);
   if (person < 0) return 0;
   base::Random random(seed, 201);
@@ -117,10 +115,10 @@ int AddPassers(const suites::SuitePlace& place,
     const double way_m = Norm(to.position - from.position);
     if (way_m < kPasserFrom_m || way_m > kPasserTo_m ||
         std::abs(to.height_m - from.height_m) > 0.05 ||
-        DistanceToWay_m(start.position, from.position, to.position) <
+        DistanceToWay_m(route.start.position, from.position, to.position) <
             kClearOfStart_m ||
-        Norm(from.position - goal.position) < kClearOfGoal_m ||
-        Norm(to.position - goal.position) < kClearOfGoal_m ||
+        Norm(from.position - route.goal.position) < kClearOfGoal_m ||
+        Norm(to.position - route.goal.position) < kClearOfGoal_m ||
         !place.IsStraightWay(from, to)) {
       continue;
     }

@@ -7,16 +7,15 @@
 #include <string>
 
 #include "evaluation/suites/suite_robot.h"
+#include "evaluation/suites/suite_route.h"
 
 namespace treeline::missions {
 
 // Lets `count` more people walk to and fro on straight ways of 3 to 8 m, not
-// near the robot's start and without resting at its goal. They mind nobody. How
+// near the route's start and without resting at its goal. They mind nobody. How
 // many found room; none in a world that has no person.
-int AddPassers(const suites::SuitePlace& place,
-               const simulator::RobotPlacement& start,
-               const simulator::RobotPlacement& goal, int count, uint64_t seed,
-               worlds::World& world);
+int AddPassers(const suites::SuitePlace& place, const suites::Route& route,
+               int count, uint64_t seed, worlds::World& world);
 
 enum class Surprise {
   kNone,

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "common/base/status_macros.h"
+#include "common/geometry/planar_pose.h"
 #include "simulation/runs/localize_world.h"
 
 namespace treeline::suites {
@@ -30,12 +31,6 @@ worlds::Float3 GroundPoint(const simulator::RobotPlacement& placement) {
           static_cast<float>(placement.height_m)};
 }
 
-double YawOf(const geometry::Rigid3& parent_from_child) {
-  const geometry::Vec3 forward =
-      parent_from_child.rotation * geometry::Vec3{1, 0, 0};
-  return std::atan2(forward.y, forward.x);
-}
-
 geometry::Vec2 CenterOf(const worlds::GroundCellIndex& cell) {
   return {(cell.x + 0.5) * kResolution_m, (cell.y + 0.5) * kResolution_m};
 }
@@ -50,13 +45,8 @@ bool IsBarred(geometry::Vec3 point, const std::vector<Barrier>& barriers) {
 
 }  // namespace
 
-geometry::Rigid2 PlanarPoseOf(const geometry::Rigid3& world_from_base) {
-  return {{world_from_base.translation.x, world_from_base.translation.y},
-          YawOf(world_from_base)};
-}
-
 simulator::RobotPlacement PlacementOf(const geometry::Rigid3& world_from_base) {
-  const geometry::Rigid2 planar = PlanarPoseOf(world_from_base);
+  const geometry::Rigid2 planar = geometry::PlanarPose(world_from_base);
   return {.position = planar.translation,
           .yaw_rad = planar.yaw_rad,
           .height_m = world_from_base.translation.z};
@@ -320,14 +310,15 @@ absl::StatusOr<core::LevelPose> SuitePlace::InMap(
         point_in_map.x, point_in_map.y, point_in_map.z));
   }
   return core::LevelPose{{at, geometry::NormalizedAngle_rad(
-                                  placement.yaw_rad + YawOf(map_from_world_))},
+                                  placement.yaw_rad +
+                                  geometry::Yaw_rad(map_from_world_.rotation))},
                          *ground};
 }
 
 PoseMiss SuitePlace::ErrorOf(const core::LevelPose& estimate,
                              const geometry::Rigid3& world_from_base) const {
   const geometry::Rigid3 map_from_base = map_from_world_ * world_from_base;
-  const geometry::Rigid2 truth = PlanarPoseOf(map_from_base);
+  const geometry::Rigid2 truth = geometry::PlanarPose(map_from_base);
   return {.distance_m =
               Norm(truth.translation - estimate.map_from_base.translation),
           .turn_deg = std::abs(geometry::NormalizedAngle_rad(

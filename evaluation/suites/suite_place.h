@@ -136,7 +136,6 @@ class SuitePlace {
 };
 
 // Where a robot is, seen from above.
-geometry::Rigid2 PlanarPoseOf(const geometry::Rigid3& world_from_base);
 simulator::RobotPlacement PlacementOf(const geometry::Rigid3& world_from_base);
 
 }  // namespace treeline::suites

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <utility>
 
+#include "common/base/processor_time.h"
 #include "common/base/status_macros.h"
 
 namespace treeline::suites {
@@ -17,13 +17,6 @@ constexpr double kFirstBin_ms = 0.25;
 constexpr double kStep_ms = 25;
 // The laser and the wheels begin to speak.
 constexpr int kWarmUpSteps = 8;
-
-double ProcessorTime_ms() {
-  timespec time = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) +
-         1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 }  // namespace
 
@@ -73,10 +66,10 @@ class SuiteRobot::Camera final : public core::RgbdCamera {
     return camera_->Calibration();
   }
   std::vector<core::RgbdFrame> TakeFrames() override {
-    const double before_ms = ProcessorTime_ms();
+    const double before_ms = base::ThreadProcessorTime_ms();
     // Nobody looks at older ones.
     std::vector<core::RgbdFrame> frames = camera_->TakeNewest();
-    rendering_ms_ += ProcessorTime_ms() - before_ms;
+    rendering_ms_ += base::ThreadProcessorTime_ms() - before_ms;
     return frames;
   }
   core::DeviceHealth Health() const override { return camera_->Health(); }
@@ -137,9 +130,9 @@ absl::StatusOr<std::unique_ptr<SuiteRobot>> SuiteRobot::Create(
 
 void SuiteRobot::Step() {
   simulator_->Step(kSuiteStep);
-  const double before_ms = ProcessorTime_ms();
+  const double before_ms = base::ThreadProcessorTime_ms();
   navigator_->Step();
-  const double took_ms = ProcessorTime_ms() - before_ms;
+  const double took_ms = base::ThreadProcessorTime_ms() - before_ms;
   times_.Add(took_ms - (camera_ == nullptr ? 0 : camera_->TakeRendering_ms()));
   Record();
 }

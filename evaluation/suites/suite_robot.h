@@ -68,6 +68,7 @@ class SuiteRobot {
 
   simulator::Simulator& simulator() { return *simulator_; }
   behavior::Navigator& navigator() { return *navigator_; }
+  const behavior::Navigator& navigator() const { return *navigator_; }
   const SuitePlace& place() const { return *place_; }
 
   // 25 ms: the world goes on, then the navigator thinks.
@@ -82,15 +83,10 @@ class SuiteRobot {
   // ---- the record ----
   // Track and events, for the plan.
   const runs::SimulationResult& record() const { return record_; }
-  // What the navigator thought it did (world's frame).
-  const std::vector<geometry::Vec3>& estimated_track() const {
-    return estimated_;
-  }
   const std::vector<behavior::NavigatorEvent>& navigator_events() const {
     return navigator_events_;
   }
   StepTimes step_times() const;
-  int CollisionsOfRobot() const { return record_.CollisionsOfRobot(); }
 
  private:
   class Camera;
@@ -103,7 +99,6 @@ class SuiteRobot {
   std::unique_ptr<core::RelocalizationPort> server_;
   std::unique_ptr<behavior::Navigator> navigator_;
   runs::SimulationResult record_;
-  std::vector<geometry::Vec3> estimated_;
   std::vector<behavior::NavigatorEvent> navigator_events_;
   StepTimes times_;
 };

@@ -19,13 +19,13 @@ struct SlopeOdometryOptions {
   // Ground that is flatter than this counts as level: the floors of buildings
   // are, and what the inertial sensor says there is its bias. Without it a bias
   // of 0.2 degrees is 0.35 m of height on 100 m of level floor. 0: every tilt
-  // is believed (rad, 0 to 0.2).
+  // is used (rad, 0 to 0.2).
   double level_within_rad = 0.02;
   // How fast the bias follows on level ground, and how large it may be (s, rad,
   // above 0 and 0 to 0.2).
   double bias_time_s = 20;
   double max_bias_rad = 0.02;
-  // Whether the yaw rate is believed rather than the wheels, which slip; after
+  // Whether the yaw rate is used rather than the wheels, which slip; after
   // a silence of more than max_gap_s (s, above 0) the wheels are.
   bool uses_yaw_rate = true;
   double max_gap_s = 0.5;

@@ -336,7 +336,7 @@ ScanPoints Amcl::WithoutGround(const ScanPoints& points) const {
 }
 
 ScanPoints Amcl::WithoutUnexplained(const ScanPoints& points) {
-  // Witnesses by weight, evenly.
+  // Particles by weight, evenly.
   const size_t judging_particles =
       std::min(kWitnessParticles.value, particles_.size());
   const float explained_log = field().LogAt(options_.beam_skip_distance_m);

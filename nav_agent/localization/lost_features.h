@@ -58,7 +58,7 @@ struct LostFeatures {
 // One scan with all that belongs to it.
 struct LostEvidence {
   base::MonotonicTime stamp;
-  // What localization believes, of the time of the scan.
+  // The estimate of localization at the time of the scan.
   PlanarEstimate estimate;
   // What the wheels say, of the same time; drifts, but does not jump.
   geometry::Rigid2 odom_from_base;

@@ -1,4 +1,4 @@
-// Which beams of a scan a map explains, seen from a pose: what the lost verdict
+// Which beams of a scan a map explains, seen from a pose: what lost detection
 // begins with.
 #ifndef NAV_AGENT_LOCALIZATION_LOST_SCAN_CHECK_H_
 #define NAV_AGENT_LOCALIZATION_LOST_SCAN_CHECK_H_

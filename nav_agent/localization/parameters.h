@@ -1,4 +1,4 @@
-// The tuned constants of localization and of the lost verdict.
+// The tuned constants of localization and of lost detection.
 #ifndef NAV_AGENT_LOCALIZATION_PARAMETERS_H_
 #define NAV_AGENT_LOCALIZATION_PARAMETERS_H_
 
@@ -174,7 +174,7 @@ inline constexpr base::Parameter<double> kMinLevelShare{
     "min_level_share", 0.1, "", base::ParameterOrigin::kPhysics,
     "beams steeper than this go up or down"};
 
-// ---- The lost verdict ----
+// ---- Lost detection ----
 
 inline constexpr base::Parameter<double> kEvidenceInterval_s{
     "evidence_interval", 0.5, "s", base::ParameterOrigin::kTuned,

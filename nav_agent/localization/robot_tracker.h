@@ -1,5 +1,5 @@
 // Where the robot is, from moment to moment: wheels and scans in, a pose on a
-// level and the lost verdict out.
+// level and lost detection out.
 #ifndef NAV_AGENT_LOCALIZATION_ROBOT_TRACKER_H_
 #define NAV_AGENT_LOCALIZATION_ROBOT_TRACKER_H_
 

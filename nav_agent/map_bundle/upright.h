@@ -13,7 +13,7 @@ namespace treeline::map_bundle {
 struct UprightMap {
   // z up, and 0 on the floor; x and y of the map's origin are 0.
   geometry::Rigid3 level_from_map;
-  // Whether a level surface was found; else `up_guess` was believed.
+  // Whether a level surface was found; else `up_guess` was used.
   bool has_surface = false;
   // The share of the points that lie on it.
   double share = 0;

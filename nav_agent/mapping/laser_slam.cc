@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/processor_time.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/mapping/loop_worker.h"
 #include "nav_agent/mapping/scan_plane.h"
@@ -36,13 +36,6 @@ constexpr double kTurnAsWay_m = 0.3;
 constexpr double kMinShareOfWay = 0.5;
 constexpr double kMaxShareOfWay = 1.5;
 constexpr double kTellingWay_m = 0.03;
-
-double ThreadTime_ms() {
-  timespec time = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) +
-         1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 // See Match: factor on odometry noise, and the gain that it must bring.
 constexpr double kLooseOdometryFactor = 10;
@@ -215,17 +208,17 @@ MatchSearch LaserSlamOnThread::SearchAfter(
     const geometry::Rigid2& motion) const {
   const double moved_m = geometry::Norm(motion.translation);
   const double turned_rad = std::abs(motion.yaw_rad);
-  const OdometryUncertainty& doubt = options_.odometry;
+  const OdometryNoise& noise = options_.odometry;
   const double sigma_m =
-      doubt.m + doubt.m_per_m * moved_m + doubt.m_per_rad * turned_rad;
+      noise.m + noise.m_per_m * moved_m + noise.m_per_rad * turned_rad;
   const double sigma_rad =
-      doubt.rad + doubt.rad_per_rad * turned_rad + doubt.rad_per_m * moved_m;
+      noise.rad + noise.rad_per_rad * turned_rad + noise.rad_per_m * moved_m;
   return {
       .half_extent_m = std::min(
-          std::max(options_.search_sigmas * sigma_m, doubt.min_search_m),
+          std::max(options_.search_sigmas * sigma_m, noise.min_search_m),
           options_.max_search_m),
       .half_angle_rad = std::min(
-          std::max(options_.search_sigmas * sigma_rad, doubt.min_search_rad),
+          std::max(options_.search_sigmas * sigma_rad, noise.min_search_rad),
           options_.max_search_rad),
       .guess_sigma_m = sigma_m,
       .guess_sigma_rad = sigma_rad};
@@ -269,7 +262,7 @@ bool LaserSlamOnThread::Match(const ScanOutline& scan, geometry::Vec2 slope,
   const SurfaceGrid grid =
       MakeSurfaceGrid(window.references, scan, guess, search, options_.matcher);
   ScanMatch match = MatchScan(grid, scan, guess, search, options_.matcher);
-  // Doubt is about small errors. Wheels that spin are wrong by far more: what
+  // Noise stands for small errors. Wheels that spin are wrong by far more: what
   // then fits clearly better with hardly any odometry is accepted.
   MatchSearch loose_search = search;
   loose_search.guess_sigma_m *= kLooseOdometryFactor;
@@ -444,7 +437,7 @@ void LaserSlamOnThread::AddPlace(const LaserSlamScan& scan) {
 absl::StatusOr<geometry::Rigid2> LaserSlamOnThread::AddScan(
     const LaserSlamScan& scan) {
   TL_RETURN_IF_ERROR(Check(scan));
-  const double start_ms = ThreadTime_ms();
+  const double start_ms = base::ThreadProcessorTime_ms();
   ApplyCorrection();
   Predict(scan);
   std::shared_ptr<const ScanOutline> outline;
@@ -463,7 +456,7 @@ absl::StatusOr<geometry::Rigid2> LaserSlamOnThread::AddScan(
       covariance = Locate(*outline, scan);
     }
   }
-  statistics_.front_end_ms.push_back(ThreadTime_ms() - start_ms);
+  statistics_.front_end_ms.push_back(base::ThreadProcessorTime_ms() - start_ms);
   if (is_keyscan) AddKeyscan(std::move(outline), scan, covariance);
   AddPlace(scan);
   ++statistics_.scans;

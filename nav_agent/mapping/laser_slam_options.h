@@ -14,7 +14,7 @@ namespace treeline::mapping {
 // per radian; what matching searches is search_sigmas of it, but at least
 // min_search, and at most what LaserSlamOptions say. Defaults suit wheels alone
 // that tell their turns too.
-struct OdometryUncertainty {
+struct OdometryNoise {
   double m = 0.02;
   double m_per_m = 0.10;
   double m_per_rad = 0.03;
@@ -24,10 +24,10 @@ struct OdometryUncertainty {
   double min_search_m = 0;
   double min_search_rad = 0;
 
-  // Of wheels with a gyroscope, looked at every few centimetres. More doubt
-  // costs: between parallel walls a scan fits best a little behind of where it
+  // Of wheels with a gyroscope, read every few centimetres. More noise does
+  // harm: between parallel walls a scan fits best a little behind of where it
   // was taken, since ahead it shows what the window has not seen.
-  static OdometryUncertainty WithGyroscope() {
+  static OdometryNoise WithGyroscope() {
     return {.m = 0.003,
             .m_per_m = 0.02,
             .m_per_rad = 0.004,
@@ -70,7 +70,7 @@ struct LaserSlamOptions {
   double ground_reach_m = 0.6;
   // The running window: the scans that the next one is matched against.
   int window = 15;
-  OdometryUncertainty odometry;
+  OdometryNoise odometry;
   double search_sigmas = 3.0;
   double max_search_m = 1.0;
   double max_search_rad = 0.7;

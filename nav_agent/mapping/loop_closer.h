@@ -29,7 +29,7 @@ struct LoopCloserOptions {
   int max_chains = 2;
   // Two scans within this of each other see the same things (m).
   double overlap_m = 4.0;
-  // The search about where the robot is believed to be: this many standard
+  // The search about where the robot is estimated to be: this many standard
   // deviations of the graph's own estimate, and this part of the way there,
   // within the limits.
   double search_sigmas = 3.0;

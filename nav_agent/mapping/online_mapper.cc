@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/sample_statistics.h"
 #include "common/base/status_macros.h"
+#include "common/geometry/planar_pose.h"
 #include "nav_agent/mapping/grid_mapping.h"
 
 namespace treeline::mapping {
@@ -36,12 +37,6 @@ bool IsLevel(const geometry::Rotation3& level_from_base) {
   return std::hypot(level_from_base.x, level_from_base.y) < 1e-4;
 }
 
-geometry::Rigid2 Planar(const geometry::Rigid3& a) {
-  const geometry::Vec3 ahead = a.rotation * geometry::Vec3{1, 0, 0};
-  return {.translation = {a.translation.x, a.translation.y},
-          .yaw_rad = std::atan2(ahead.y, ahead.x)};
-}
-
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<OnlineMapper>> OnlineMapper::Create(
@@ -54,7 +49,7 @@ absl::StatusOr<std::unique_ptr<OnlineMapper>> OnlineMapper::Create(
   TL_ASSIGN_OR_RETURN(core::SlopeOdometry odometry,
                       core::SlopeOdometry::Create(odometry_options));
   LaserSlamOptions slam_options = options.slam;
-  slam_options.odometry = options.doubt;
+  slam_options.odometry = options.odometry_noise;
   TL_ASSIGN_OR_RETURN(
       std::unique_ptr<LaserSlam> slam,
       LaserSlam::Create(laser, robot.base_from_laser, slam_options));
@@ -230,7 +225,8 @@ absl::StatusOr<std::vector<FloorGrid>> OnlineMapper::Floors(
                    [&height_m](const KeptScan* a, const KeptScan* b) {
                      return height_m(a) < height_m(b);
                    });
-  const geometry::Rigid2 base_from_laser = Planar(robot_.base_from_laser);
+  const geometry::Rigid2 base_from_laser =
+      geometry::PlanarPose(robot_.base_from_laser);
   std::vector<FloorGrid> floors;
   size_t begin = 0;
   for (size_t i = 1; i <= by_height.size(); ++i) {

@@ -38,7 +38,7 @@ struct RecordingMapOptions {
   // slam.loops.enabled = false: without loop closing.
   LaserSlamOptions slam;
   // In agent logs, this stands for slam.odometry: they have a gyroscope.
-  OdometryUncertainty doubt = OdometryUncertainty::WithGyroscope();
+  OdometryNoise odometry_noise = OdometryNoise::WithGyroscope();
   // Of agent logs; the wheel track is that of the log's robot if it names one.
   core::SlopeOdometryOptions odometry;
   // Of agent logs without a robot.

@@ -1,58 +1,31 @@
 #include "nav_agent/rgbd_slam/run_rgbd_slam.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <memory>
-#include <string>
 
-#include "absl/strings/ascii.h"
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/string_view.h"
 #include "common/base/clock.h"
 #include "common/base/sample_statistics.h"
 #include "common/base/status_macros.h"
+#include "common/dataset/frame_times.h"
 
 namespace treeline::rgbd_slam {
 namespace {
 
-constexpr dataset::Time_ns kFramePeriod_ns = 33'333'333;
+// Between two frames of a trajectory.
+constexpr dataset::Time_ns kLeastGap_ns = 333'333;
 
-// The number at a stem's end: "seq-01/frame-000123" -> 123.
-std::optional<int64_t> NumberOf(absl::string_view stem) {
-  size_t begin = stem.size();
-  while (begin > 0 &&
-         absl::ascii_isdigit(static_cast<unsigned char>(stem[begin - 1])))
-    --begin;
-  int64_t number = 0;
-  if (!absl::SimpleAtoi(stem.substr(begin), &number) || number > 100'000'000) {
-    return std::nullopt;
-  }
-  return number;
-}
-
-dataset::Time_ns TimeOf(const std::string& stem, int index) {
-  if (const absl::StatusOr<dataset::Time_ns> time = dataset::ParseTime_ns(stem);
-      time.ok()) {
-    return *time;
-  }
-  return kFramePeriod_ns * NumberOf(stem).value_or(index);
-}
-
-}  // namespace
-
-std::vector<dataset::Time_ns> FrameTimes(const dataset::Dataset& dataset) {
-  std::vector<dataset::Time_ns> times;
-  for (int i = 0; i < dataset.size(); ++i) {
-    const dataset::Time_ns time = TimeOf(dataset.frame(i).stem, i);
-    times.push_back(times.empty()
-                        ? time
-                        : std::max(time, times.back() + kFramePeriod_ns / 100));
+std::vector<dataset::Time_ns> AscendingFrameTimes(
+    const dataset::Dataset& dataset) {
+  std::vector<dataset::Time_ns> times = dataset::FrameTimes(dataset);
+  for (size_t i = 1; i < times.size(); ++i) {
+    times[i] = std::max(times[i], times[i - 1] + kLeastGap_ns);
   }
   return times;
 }
+
+}  // namespace
 
 absl::StatusOr<RgbdSlamResult> RunRgbdSlam(const dataset::Dataset& dataset,
                                            const RunRgbdSlamOptions& options) {
@@ -71,7 +44,7 @@ absl::StatusOr<RgbdSlamResult> RunRgbdSlam(const dataset::Dataset& dataset,
       RgbdSlam::Create(options.slam,
                        options.calibration.value_or(dataset.calibration())));
   RgbdSlamResult result;
-  result.times = FrameTimes(dataset);
+  result.times = AscendingFrameTimes(dataset);
   for (int i = 0; i < dataset.size(); ++i) {
     if (options.stop.stop_requested()) {
       return absl::CancelledError("stopped while mapping");

@@ -9,15 +9,10 @@
 
 #include "absl/status/statusor.h"
 #include "common/dataset/dataset.h"
+#include "common/dataset/text_formats.h"
 #include "nav_agent/rgbd_slam/rgbd_slam.h"
 
 namespace treeline::rgbd_slam {
-
-// When each frame was taken: its stem where that is a time stamp (TUM), else
-// the number in its name at 30 Hz, or its place in the recording. They ascend;
-// those of several sequences in one recording, which do not, follow one
-// another.
-std::vector<dataset::Time_ns> FrameTimes(const dataset::Dataset& dataset);
 
 struct RunRgbdSlamOptions {
   RgbdSlamOptions slam;
@@ -34,7 +29,8 @@ struct RgbdSlamResult {
   // Of the calibration's pose sensor, for each frame of the data set; see
   // RgbdSlam::Trajectory.
   std::vector<std::optional<geometry::Rigid3>> map_from_cameras;
-  // FrameTimes of the data set.
+  // dataset::FrameTimes; where time stamps descend, a little after the one
+  // before, since a trajectory's times ascend.
   std::vector<dataset::Time_ns> times;
   std::vector<RgbdKeyframe> keyframes;
   RgbdSlamStatistics statistics;

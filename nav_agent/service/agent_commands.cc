@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "common/geometry/planar_pose.h"
 
 namespace treeline::agent_service {
 namespace {
@@ -77,11 +78,9 @@ absl::StatusOr<core::LevelPose> AgentCommands::OnLevel(
 
 core::LevelPose AgentCommands::NearestLevel(
     const geometry::Rigid3& map_from_base) const {
-  const geometry::Vec3 ahead = map_from_base.rotation * geometry::Vec3{1, 0, 0};
   const geometry::Vec3& at = map_from_base.translation;
-  core::LevelPose pose{
-      .map_from_base = {{at.x, at.y}, std::atan2(ahead.y, ahead.x)},
-      .place = {0, at.z}};
+  core::LevelPose pose{.map_from_base = geometry::PlanarPose(map_from_base),
+                       .place = {0, at.z}};
   const auto& levels = info_.map->levels.levels;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < levels.size(); ++i) {

@@ -1,5 +1,7 @@
 #include "nav_agent/service/agent_grpc_server.h"
 
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+
 #include <chrono>
 #include <utility>
 
@@ -19,6 +21,11 @@ constexpr int kMaxMessageBytes = 1 << 20;
 // Beside those of streams.
 constexpr int kMoreThreads = 16;
 constexpr auto kGrace = std::chrono::seconds(1);
+
+grpc_server::GrpcPlugin Reflection() {
+  return {"proto_server_reflection",
+          &grpc::reflection::InitProtoReflectionServerBuilderPlugin};
+}
 
 }  // namespace
 
@@ -64,6 +71,7 @@ absl::StatusOr<std::unique_ptr<AgentGrpcServer>> AgentGrpcServer::Start(
   TL_ASSIGN_OR_RETURN(parts->listener,
                       grpc_server::StartGrpcListener(
                           {.listen = options.listen,
+                           .plugins = {Reflection()},
                            .max_message_bytes = kMaxMessageBytes,
                            .max_threads = options.max_streams + kMoreThreads,
                            .keepalive_time_ms = kKeepaliveTime_ms,

@@ -1,10 +1,13 @@
 #include <gmock/gmock.h>
+#include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "absl/synchronization/notification.h"
 #include "nav_agent/service/agent_grpc_server.h"
 #include "nav_agent/service/testing_navigator.h"
 #include "treeline/v1/navigation.grpc.pb.h"
@@ -260,6 +263,31 @@ TEST(AgentGrpcOptions, DoNotOpenTheRobotToEverybody) {
           .ok());
   EXPECT_FALSE(AgentGrpcOptions{.listen = "nowhere"}.Validate().ok());
   EXPECT_FALSE(AgentGrpcOptions{.max_streams = 0}.Validate().ok());
+}
+
+TEST_F(AgentGrpcTest, TellsWhichServicesThereAre) {
+  Start();
+  grpc::GenericStub stub(grpc::CreateChannel(
+      server_->address(), grpc::InsecureChannelCredentials()));
+  grpc::ClientContext context;
+  // ServerReflectionRequest with list_services.
+  const grpc::Slice list_services(std::string("\x3a\x00", 2));
+  const grpc::ByteBuffer request(&list_services, 1);
+  grpc::ByteBuffer answer;
+  absl::Notification done;
+  stub.UnaryCall(
+      &context,
+      "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", {},
+      &request, &answer, [&](const grpc::Status& status) {
+        EXPECT_TRUE(status.ok()) << status.error_message();
+        done.Notify();
+      });
+  done.WaitForNotification();
+  grpc::Slice bytes;
+  ASSERT_TRUE(answer.DumpToSingleSlice(&bytes).ok());
+  const std::string text(bytes.begin(), bytes.end());
+  EXPECT_THAT(text, HasSubstr("treeline.v1.NavigationService"));
+  EXPECT_THAT(text, HasSubstr("grpc.health.v1.Health"));
 }
 
 }  // namespace

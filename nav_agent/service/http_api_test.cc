@@ -31,8 +31,7 @@ class HttpApiTest : public ::testing::Test {
     agent_ = std::make_unique<SteppingAgent>(is_simulated);
     api_ = std::make_unique<HttpApi>(agent_->commands, metrics_, &camera_,
                                      nullptr, options_, clock_);
-    auto server = http::HttpServer::Start(
-        {.listen = "127.0.0.1:0", .max_body_mib = 1}, *api_, clock_);
+    auto server = http::HttpServer::Start(http_, *api_, clock_);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
   }
@@ -50,6 +49,7 @@ class HttpApiTest : public ::testing::Test {
   AgentMetrics metrics_;
   PictureKeeper camera_{std::chrono::milliseconds(0)};
   HttpApiOptions options_;
+  http::HttpServerOptions http_{.listen = "127.0.0.1:0", .max_body_mib = 1};
   std::unique_ptr<SteppingAgent> agent_;
   std::unique_ptr<HttpApi> api_;
   std::unique_ptr<http::HttpServer> server_;
@@ -281,6 +281,27 @@ TEST_F(HttpApiTest, TellsHealthAndMetrics) {
   EXPECT_EQ(Client().Get("/readyz")->status, 503);
   EXPECT_EQ(Client().Get("/healthz")->status, 200);
   EXPECT_EQ(Post("/api/pause", "{}")->status, 503);
+}
+
+// Pages that hold their streams do not make a robot look dead.
+TEST_F(HttpApiTest, ProbesAreAnsweredWhereStreamsTakeAllConnections) {
+  http_.max_connections = 1;
+  http_.max_probe_connections = 1;
+  Start();
+  bool has_asked = false;
+  Client().Get("/api/stream", [&](const char* /*data*/, size_t /*size*/) {
+    for (const char* path : {"/healthz", "/readyz"}) {
+      // The connection of the last probe may not be gone yet.
+      httplib::Result answer;
+      while (!answer) answer = Client().Get(path);
+      EXPECT_EQ(answer->status, 200) << path;
+    }
+    const auto state = Client().Get("/api/state");
+    EXPECT_TRUE(!state || state->status == 503);
+    has_asked = true;
+    return false;
+  });
+  EXPECT_TRUE(has_asked);
 }
 
 TEST_F(HttpApiTest, ServesThePage) {

@@ -1,10 +1,10 @@
 #include "nav_agent/service/navigation_wire.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "common/geometry/planar_pose.h"
 #include "common/wire/geometry.h"
 
 namespace treeline::agent_service {
@@ -108,11 +108,10 @@ v1::LevelPose ToProto(const core::LevelPose& pose) {
 }
 
 v1::LevelPose PlanarToProto(const geometry::Rigid3& map_from_base) {
-  const geometry::Vec3 ahead = map_from_base.rotation * geometry::Vec3{1, 0, 0};
   v1::LevelPose proto;
   proto.set_x_m(map_from_base.translation.x);
   proto.set_y_m(map_from_base.translation.y);
-  proto.set_yaw_rad(std::atan2(ahead.y, ahead.x));
+  proto.set_yaw_rad(geometry::Yaw_rad(map_from_base.rotation));
   proto.set_height_m(map_from_base.translation.z);
   return proto;
 }

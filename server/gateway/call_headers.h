@@ -2,13 +2,8 @@
 #ifndef SERVER_GATEWAY_CALL_HEADERS_H_
 #define SERVER_GATEWAY_CALL_HEADERS_H_
 
-#include <optional>
-#include <string>
-
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "absl/strings/string_view.h"
-#include "common/base/byte_budget.h"
 #include "common/base/clock.h"
 #include "common/http/http_message.h"
 #include "server/service/access_policy.h"
@@ -16,12 +11,6 @@
 #include "server/service/dispatcher.h"
 
 namespace treeline::gateway {
-
-// "application/json" of "Application/JSON; charset=utf-8".
-std::string MediaType(absl::string_view content_type);
-
-// INVALID_ARGUMENT with reason INVALID_REQUEST.
-absl::Status InvalidRequest(absl::string_view message);
 
 // Peer, credentials (a "Bearer" token of Authorization, names of the client's
 // certificate), traceparent, arrival, and the deadline of Connect-Timeout-Ms.
@@ -31,16 +20,10 @@ absl::StatusOr<service::CallInfo> CallInfoOf(const http::HttpRequest& request,
                                              bool admin_listener);
 
 // Asks the dispatcher whether the request is let in, before its body is read,
-// and notes in it who that is. A refusal, or nullopt.
-std::optional<http::HttpResponse> AdmitRequest(
-    service::Dispatcher& dispatcher, const char* rpc, service::Scope scope,
-    bool admin_listener, const base::Clock& clock, http::HttpRequest& request);
-
-// Memory for what is made of a request of JSON or of bytes while it is parsed:
-// waits for a while. UNAVAILABLE with reason OVERLOADED. nullptr: without a
-// bound.
-absl::StatusOr<base::ByteLease> LeaseForParsing(
-    base::ByteBudget* budget, const http::HttpRequest& request);
+// and notes in it who that is.
+absl::Status AdmitRequest(service::Dispatcher& dispatcher, const char* rpc,
+                          service::Scope scope, bool admin_listener,
+                          const base::Clock& clock, http::HttpRequest& request);
 
 }  // namespace treeline::gateway
 

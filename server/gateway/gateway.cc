@@ -1,5 +1,6 @@
 #include "server/gateway/gateway.h"
 
+#include <cstddef>
 #include <optional>
 #include <utility>
 
@@ -7,13 +8,16 @@
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
 #include "common/connect_rpc/connect_error.h"
+#include "common/connect_rpc/connect_router.h"
 #include "server/gateway/call_headers.h"
-#include "server/gateway/connect_routes.h"
+#include "server/gateway/connect_services.h"
 #include "server/gateway/cors.h"
 #include "server/gateway/gpp_routes.h"
 
 namespace treeline::gateway {
 namespace {
+
+using connect_rpc::ConnectRouter;
 
 constexpr char kPlainText[] = "text/plain; charset=utf-8";
 // Prometheus' text format.
@@ -64,6 +68,12 @@ absl::Status StatusOfHttp(int http_status) {
   }
 }
 
+connect_rpc::ConnectRouterOptions ConnectOptionsOf(
+    const http::HttpServerOptions& http) {
+  return {.max_request_bytes = static_cast<size_t>(http.max_body_mib) << 20,
+          .budget = http.budget};
+}
+
 class Handler final : public http::HttpHandler {
  public:
   Handler(const GatewayOptions& options, service::Dispatcher& dispatcher,
@@ -73,8 +83,8 @@ class Handler final : public http::HttpHandler {
         admin_listener_(options.serve_admin),
         serve_metrics_(options.serve_metrics && hooks_.metrics) {
     if (options.serve_rpc) {
-      connect_.emplace(dispatcher, options.serve_admin, clock,
-                       options.http.budget);
+      connect_.emplace(clock, ConnectOptionsOf(options.http));
+      AddConnectServices(dispatcher, options.serve_admin, clock, *connect_);
       if (hooks_.scenes) {
         gpp_.emplace(dispatcher, hooks_.scenes, options.serve_admin, clock,
                      options.http.budget);
@@ -85,13 +95,13 @@ class Handler final : public http::HttpHandler {
   std::optional<http::HttpResponse> CheckHead(
       const http::HttpRequest& request) override {
     if (auto answer = cors_.Check(request)) return answer;
-    if (connect_.has_value() && ConnectRoutes::Owns(request.path)) {
+    if (connect_.has_value() && ConnectRouter::Owns(request.path)) {
       return connect_->CheckHead(request);
     }
     if (gpp_.has_value() && GppRoutes::Owns(request.path)) {
       return gpp_->CheckHead(request);
     }
-    if (!IsPage(request.path)) {
+    if (!IsPage(request)) {
       return connect_rpc::ConnectErrorResponse(
           404, base::WithReason(absl::UnimplementedError("no such path"),
                                 "METHOD_UNKNOWN"));
@@ -108,17 +118,13 @@ class Handler final : public http::HttpHandler {
   }
 
   std::optional<http::HttpResponse> Admit(http::HttpRequest& request) override {
-    if (ConnectRoutes::Owns(request.path)) return connect_->Admit(request);
+    if (ConnectRouter::Owns(request.path)) return connect_->Admit(request);
     if (GppRoutes::Owns(request.path)) return gpp_->Admit(request);
     return std::nullopt;
   }
 
-  bool IsProbe(const http::HttpRequest& request) const override {
-    return request.path == "/healthz" || request.path == "/readyz";
-  }
-
   http::HttpResponse Handle(const http::HttpRequest& request) override {
-    if (ConnectRoutes::Owns(request.path)) return connect_->Handle(request);
+    if (ConnectRouter::Owns(request.path)) return connect_->Handle(request);
     if (GppRoutes::Owns(request.path)) return gpp_->Handle(request);
     if (request.path == "/metrics") {
       return Text(200, hooks_.metrics(), kMetricsText);
@@ -142,9 +148,8 @@ class Handler final : public http::HttpHandler {
   }
 
  private:
-  bool IsPage(const std::string& path) const {
-    return path == "/healthz" || path == "/readyz" ||
-           (serve_metrics_ && path == "/metrics");
+  bool IsPage(const http::HttpRequest& request) const {
+    return IsProbe(request) || (serve_metrics_ && request.path == "/metrics");
   }
 
   std::optional<http::HttpResponse> CheckReaderOfMetrics(
@@ -162,7 +167,7 @@ class Handler final : public http::HttpHandler {
   const GatewayHooks hooks_;
   const bool admin_listener_;
   const bool serve_metrics_;
-  std::optional<ConnectRoutes> connect_;
+  std::optional<ConnectRouter> connect_;
   std::optional<GppRoutes> gpp_;
 };
 

@@ -192,6 +192,21 @@ TEST_F(GatewayTest, RefusesMessagesThatWouldBecomeLarge) {
   EXPECT_THAT(MessageOf(result), HasSubstr("fields"));
 }
 
+// The same limit as that of the listener.
+TEST_F(GatewayTest, TakesRequestsAsLargeAsTheListenerDoes) {
+  v1::LocalizeRequest request;
+  request.mutable_frame()->mutable_color()->set_encoded(
+      std::string((1 << 20) - 100, 'x'));
+  const auto result =
+      client_->Post(kLocalize, httplib::Headers{}, request.SerializeAsString(),
+                    "application/proto");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, 200);
+  ASSERT_THAT(dispatcher_.requests(), SizeIs(1));
+  EXPECT_THAT(dispatcher_.requests()[0].frame().color().encoded(),
+              SizeIs((1 << 20) - 100));
+}
+
 TEST_F(GatewayTest, MetricsAreForWhoMayReadThem) {
   metrics_token_ = "abc";
   EXPECT_EQ(client_->Get("/metrics")->status, 401);

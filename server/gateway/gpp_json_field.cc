@@ -4,13 +4,14 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
-#include "server/gateway/call_headers.h"
+#include "common/connect_rpc/connect_error.h"
 
 namespace treeline::gateway {
 
 absl::Status JsonField::Wrong(absl::string_view problem) const {
-  return InvalidRequest(path_.empty() ? std::string(problem)
-                                      : absl::StrCat(path_, ": ", problem));
+  return connect_rpc::InvalidRequest(path_.empty()
+                                         ? std::string(problem)
+                                         : absl::StrCat(path_, ": ", problem));
 }
 
 absl::StatusOr<std::optional<JsonField>> JsonField::Find(

@@ -13,13 +13,15 @@
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
 #include "common/camera/camera.h"
+#include "common/connect_rpc/connect_error.h"
+#include "common/connect_rpc/json_message.h"
 #include "common/image/decode.h"
-#include "server/gateway/call_headers.h"
 #include "server/gateway/gpp_json_field.h"
-#include "server/gateway/json_message.h"
 
 namespace treeline::gateway {
 namespace {
+
+using connect_rpc::InvalidRequest;
 
 // Depth and colour of one moment.
 constexpr double kSameMomentMs = 50;
@@ -342,7 +344,7 @@ nlohmann::json NumberJson(double value) {
 }  // namespace
 
 absl::StatusOr<GppRequest> ParseGppRequest(absl::string_view json) {
-  TL_RETURN_IF_ERROR(base::WithReason(CheckJsonShape(json), "INVALID_REQUEST"));
+  TL_RETURN_IF_ERROR(connect_rpc::CheckJsonShape(json));
   const nlohmann::json document = nlohmann::json::parse(
       json.begin(), json.end(), nullptr, /*allow_exceptions=*/false);
   if (document.is_discarded()) return InvalidRequest("the body is not JSON");

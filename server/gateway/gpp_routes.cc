@@ -10,6 +10,7 @@
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
 #include "common/connect_rpc/connect_error.h"
+#include "common/connect_rpc/connect_message.h"
 #include "common/wire/camera.h"
 #include "common/wire/geometry.h"
 #include "server/gateway/call_headers.h"
@@ -17,6 +18,9 @@
 
 namespace treeline::gateway {
 namespace {
+
+using connect_rpc::InvalidRequest;
+using connect_rpc::MediaType;
 
 constexpr char kJson[] = "application/json";
 constexpr char kOscpJson[] = "application/vnd.oscp+json";
@@ -145,9 +149,11 @@ std::optional<http::HttpResponse> GppRoutes::CheckHead(
 
 std::optional<http::HttpResponse> GppRoutes::Admit(
     http::HttpRequest& request) const {
-  return AdmitRequest(dispatcher_, service::kGeoPoseRpc,
-                      service::Scope::kLocalize, admin_listener_, clock_,
-                      request);
+  const absl::Status admitted =
+      AdmitRequest(dispatcher_, service::kGeoPoseRpc, service::Scope::kLocalize,
+                   admin_listener_, clock_, request);
+  if (admitted.ok()) return std::nullopt;
+  return connect_rpc::ConnectErrorResponse(admitted);
 }
 
 http::HttpResponse GppRoutes::Handle(const http::HttpRequest& request) const {
@@ -163,7 +169,9 @@ absl::StatusOr<http::HttpResponse> GppRoutes::Localize(
     const http::HttpRequest& http) const {
   TL_ASSIGN_OR_RETURN(service::CallInfo call,
                       CallInfoOf(http, service::kGeoPoseRpc, admin_listener_));
-  TL_ASSIGN_OR_RETURN(base::ByteLease lease, LeaseForParsing(budget_, http));
+  TL_ASSIGN_OR_RETURN(base::ByteLease lease,
+                      connect_rpc::LeaseForParsing(budget_, /*is_json=*/true,
+                                                   http.body.size()));
   TL_ASSIGN_OR_RETURN(GppRequest request, ParseGppRequest(http.body));
   // The query alone; the body is the server's.
   lease.Resize(http.body.size());

@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
-#include "server/service/message_shape.h"
+#include "common/wire/message_shape.h"
 
 namespace treeline::service {
 
@@ -16,13 +16,13 @@ absl::Status TakeMessage(grpc::ByteBuffer& bytes, base::ByteLease& lease,
                          google::protobuf::Message& message) {
   const size_t size = bytes.Length();
   message.Clear();
-  if (!lease.Resize(2 * size)) return NoMemoryForRequest();
+  if (!lease.Resize(2 * size)) return base::NoMemoryForRequest();
   grpc::ByteBuffer taken;
   taken.Swap(&bytes);
   absl::Status status;
   {
     grpc::ProtoBufferReader to_check(&taken);
-    status = CheckMessageShape(to_check, *message.GetDescriptor());
+    status = wire::CheckMessageShape(to_check, *message.GetDescriptor());
   }
   if (status.ok()) {
     grpc::ProtoBufferReader to_parse(&taken);

@@ -12,8 +12,8 @@ namespace treeline::service {
 
 // Parses what has arrived, and frees it, unless there is no memory. `lease`
 // holds both while both are there, then the message. INVALID_ARGUMENT: see
-// CheckMessageShape. UNAVAILABLE with reason OVERLOADED and a time to retry:
-// there is no memory for it.
+// wire::CheckMessageShape. UNAVAILABLE with reason OVERLOADED and a time to
+// retry: there is no memory for it.
 absl::Status TakeMessage(grpc::ByteBuffer& bytes, base::ByteLease& lease,
                          google::protobuf::Message& message);
 

@@ -1,11 +1,6 @@
 #include "server/service/grpc_server.h"
 
 #include <grpcpp/ext/channelz_service_plugin.h>
-#include <grpcpp/impl/server_builder_option.h>
-#include <grpcpp/impl/server_builder_plugin.h>
-#include <grpcpp/resource_quota.h>
-#include <grpcpp/server.h>
-#include <grpcpp/server_builder.h>
 
 #include <algorithm>
 #include <optional>
@@ -16,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
+#include "common/grpc_server/grpc_listener.h"
 #include "server/service/grpc_services.h"
 #include "server/service/health_service.h"
 #include "server/service/reflection_service.h"
@@ -24,13 +20,6 @@
 namespace treeline::service {
 namespace {
 
-// A peer that does not finish its handshake is cut off; one that is silent is
-// asked whether it lives, and cut off if it does not say so.
-constexpr int kHandshake_ms = 10'000;
-constexpr int kKeepaliveTime_ms = 60'000;
-constexpr int kKeepaliveTimeout_ms = 20'000;
-// Clients may ask as often as this themselves.
-constexpr int kMinPingInterval_ms = 5'000;
 // Calls at a time on one connection.
 constexpr int kMaxStreams = 1024;
 // Without an option for it: as many of the largest requests may arrive.
@@ -44,54 +33,31 @@ absl::Status CheckRange(absl::string_view name, int value, int low, int high) {
       absl::StrCat(name, " is ", value, "; it must be ", low, "..", high));
 }
 
-// gRPC's plugins are global: every builder that is made later has this one.
-void EnableChannelz() {
-  [[maybe_unused]] static const bool enabled = [] {
-    grpc::channelz::experimental::InitChannelzService();
-    return true;
-  }();
-}
-
-// Channelz tells much about peers: not to everyone.
-class WithoutPlugins final : public grpc::ServerBuilderOption {
- public:
-  void UpdateArguments(grpc::ChannelArguments* /*arguments*/) override {}
-  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>*
-                         plugins) override {
-    plugins->clear();
-  }
-};
-
-void SetLimits(const GrpcServerOptions& options, grpc::ServerBuilder& builder) {
-  builder.SetMaxReceiveMessageSize(options.max_message_mib << 20);
+grpc_server::GrpcListenerOptions ListenerOptionsOf(
+    const GrpcServerOptions& options) {
   const auto buffered_mib = static_cast<size_t>(
       options.max_buffered_mib > 0
           ? options.max_buffered_mib
           : std::max(kMinBuffered_mib,
                      kLargestAtATime * options.max_message_mib));
-  grpc::ResourceQuota quota("treeline");
-  quota.Resize(buffered_mib << 20);
-  builder.SetResourceQuota(quota);
-  // Clients are told, and what they compress all the same is not inflated.
-  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
-  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
-  builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreams);
-  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS,
-                             kHandshake_ms);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveTime_ms);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS,
-                             kKeepaliveTimeout_ms);
-  builder.AddChannelArgument(
-      GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
-      kMinPingInterval_ms);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  if (options.max_connection_age_s > 0) {
-    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS,
-                               options.max_connection_age_s * 1000);
-    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS,
-                               options.connection_grace_s * 1000);
+  grpc_server::GrpcListenerOptions listener{
+      .listen = options.listen,
+      .credentials = options.credentials,
+      .default_health = false,
+      .max_message_bytes = options.max_message_mib << 20,
+      .allow_compression = false,
+      .max_buffered_bytes = buffered_mib << 20,
+      .max_calls_of_connection = kMaxStreams,
+      .keepalive_without_calls = true,
+      .max_connection_age_s = options.max_connection_age_s,
+      .connection_grace_s = options.connection_grace_s};
+  // It tells much about peers: not to everyone.
+  if (options.kind == ListenerKind::kAdmin) {
+    listener.plugins.push_back(
+        {"channelz_service",
+         &grpc::channelz::experimental::InitChannelzService});
   }
+  return listener;
 }
 
 }  // namespace
@@ -130,8 +96,7 @@ struct GrpcServer::Parts {
   SceneGrpcService scenes;
   HealthGrpcService health;
   ReflectionGrpcService reflection;
-  std::string address;
-  std::unique_ptr<grpc::Server> server;
+  grpc_server::GrpcListener listener;
   std::optional<SceneHealth> scene_health;
 };
 
@@ -144,10 +109,6 @@ absl::StatusOr<std::unique_ptr<GrpcServer>> GrpcServer::Start(
     Dispatcher& dispatcher, const repository::SceneRepository& repository,
     const GrpcServerOptions& options, const base::Clock& clock) {
   TL_RETURN_IF_ERROR(options.Validate());
-  TL_ASSIGN_OR_RETURN(base::ListenAddress address,
-                      base::ParseListenAddress(options.listen));
-  // gRPC would fail too, but keep the reason to itself.
-  TL_RETURN_IF_ERROR(base::TryBind(address));
   const bool is_admin = options.kind == ListenerKind::kAdmin;
   std::vector<std::string> services = {"grpc.health.v1.Health",
                                        "treeline.v1.SceneService"};
@@ -161,37 +122,22 @@ absl::StatusOr<std::unique_ptr<GrpcServer>> GrpcServer::Start(
                  .certificate_names = options.certificate_names},
       std::move(services));
 
-  // A builder takes the plugins that there are when it is made.
-  if (is_admin) EnableChannelz();
-  grpc::ServerBuilder builder;
-  // Else a second server would share the port, and half the calls, in silence.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  SetLimits(options, builder);
-  if (!is_admin) {
-    builder.SetOption(std::make_unique<WithoutPlugins>());
-    builder.RegisterService(&parts->relocalization);
-  }
-  builder.RegisterService(&parts->scenes);
-  builder.RegisterService(&parts->health);
-  builder.RegisterService(&parts->reflection);
-  int port = 0;
-  builder.AddListeningPort(address.ToString(),
-                           options.credentials != nullptr
-                               ? options.credentials
-                               : grpc::InsecureServerCredentials(),
-                           &port);
-  parts->server = builder.BuildAndStart();
-  if (parts->server == nullptr || port == 0) {
-    return absl::UnavailableError(
-        absl::StrCat("cannot listen on ", address.ToString()));
-  }
-  address.port = port;
-  parts->address = address.ToString();
+  TL_ASSIGN_OR_RETURN(
+      parts->listener,
+      grpc_server::StartGrpcListener(
+          ListenerOptionsOf(options), [&](grpc::ServerBuilder& builder) {
+            if (!is_admin) builder.RegisterService(&parts->relocalization);
+            builder.RegisterService(&parts->scenes);
+            builder.RegisterService(&parts->health);
+            builder.RegisterService(&parts->reflection);
+          }));
   parts->scene_health.emplace(repository, parts->health);
   return std::unique_ptr<GrpcServer>(new GrpcServer(std::move(parts)));
 }
 
-const std::string& GrpcServer::address() const { return parts_->address; }
+const std::string& GrpcServer::address() const {
+  return parts_->listener.address;
+}
 
 void GrpcServer::AnnounceStop() {
   // Else it would tell that scenes serve.
@@ -201,14 +147,14 @@ void GrpcServer::AnnounceStop() {
 }
 
 void GrpcServer::Stop(std::chrono::milliseconds grace) {
-  if (parts_->server == nullptr) return;
+  if (parts_->listener.server == nullptr) return;
   parts_->scene_health.reset();
   parts_->relocalization.DrainStreams();
   // Else Watch would last as long as its clients.
   parts_->health.Stop();
-  parts_->server->Shutdown(std::chrono::system_clock::now() + grace);
-  parts_->server->Wait();
-  parts_->server.reset();
+  parts_->listener.server->Shutdown(std::chrono::system_clock::now() + grace);
+  parts_->listener.server->Wait();
+  parts_->listener.server.reset();
 }
 
 }  // namespace treeline::service

@@ -19,7 +19,7 @@
 namespace treeline::emulators {
 
 struct SegwayEmulatorOptions {
-  // As this base understands them, whatever a driver believes.
+  // As this base understands them, whatever a driver assumes.
   segway::SegwayWire wire{};
   uint8_t channel = segway::kSegwayChannelA;
   segway::SegwayMode mode = segway::SegwayMode::kDisabled;

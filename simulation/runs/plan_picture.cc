@@ -19,7 +19,7 @@ constexpr Rgb kTrack = {30, 90, 220};
 constexpr Rgb kStart = {20, 160, 60};
 constexpr Rgb kGoal = {0, 170, 60};
 constexpr Rgb kPath = {200, 0, 200};
-constexpr Rgb kBelieved = {220, 20, 20};
+constexpr Rgb kEstimate = {220, 20, 20};
 constexpr Rgb kByRobot = {220, 20, 20};
 constexpr Rgb kNotByRobot = {240, 150, 20};
 constexpr Rgb kFall = {150, 30, 180};
@@ -178,8 +178,8 @@ void DrawMarks(const PlanMarks& marks, Plan& plan) {
     plan.Line({a.x, a.y}, {b.x, b.y}, kPath, 0);
   }
   if (marks.goal.has_value()) plan.Arrow(*marks.goal, kGoal);
-  if (marks.really.has_value()) plan.Arrow(*marks.really, kTrack);
-  if (marks.believed.has_value()) plan.Arrow(*marks.believed, kBelieved);
+  if (marks.truth.has_value()) plan.Arrow(*marks.truth, kTrack);
+  if (marks.estimate.has_value()) plan.Arrow(*marks.estimate, kEstimate);
 }
 
 }  // namespace

@@ -19,9 +19,9 @@ struct PlanMarks {
   std::optional<geometry::Rigid2> goal = std::nullopt;
   // What the robot had planned: a thin magenta line.
   std::vector<geometry::Vec3> path = {};
-  // Where the robot is, as it believes: a red arrow; and really: a blue one.
-  std::optional<geometry::Rigid2> believed = std::nullopt;
-  std::optional<geometry::Rigid2> really = std::nullopt;
+  // The robot's estimate of where it is: a red arrow; the truth: a blue one.
+  std::optional<geometry::Rigid2> estimate = std::nullopt;
+  std::optional<geometry::Rigid2> truth = std::nullopt;
 };
 
 // North (+y) is up. Ground is grey, lighter where it is higher; ramps are

@@ -7,7 +7,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/json_text.h"
 #include "common/base/status_macros.h"
+#include "common/geometry/planar_pose.h"
 #include "nav_agent/recording/agent_log.h"
 #include "simulation/simulator/scenario_player.h"
 
@@ -26,12 +28,6 @@ double ProcessorSeconds() {
          1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-double YawOf(const geometry::Rigid3& world_from_base) {
-  const geometry::Vec3 forward =
-      world_from_base.rotation * geometry::Vec3{1, 0, 0};
-  return std::atan2(forward.y, forward.x);
-}
-
 std::string TextOf(const simulator::SimEvent& event) {
   const geometry::Vec3& at = event.point_in_world;
   std::string text =
@@ -45,21 +41,6 @@ std::string TextOf(const simulator::SimEvent& event) {
         &text, event.caused_by_robot ? ", by the robot" : ", not by the robot");
   }
   return text;
-}
-
-std::string JsonText(absl::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      out += '\\';
-      out += c;
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      absl::StrAppendFormat(&out, "\\u%04x", static_cast<unsigned>(c));
-    } else {
-      out += c;
-    }
-  }
-  return out + "\"";
 }
 
 // Writes what the sensors say, and the truth.
@@ -227,7 +208,7 @@ std::string SimulationJson(const SimulationResult& result) {
   std::string json = absl::StrFormat(
       "{\n  \"world\": %s,\n  \"seed\": %d,\n  \"simulated_s\": %.3f,\n"
       "  \"processor_s\": %.4f,\n  \"factor\": %.2f,\n",
-      JsonText(result.world), result.seed, result.simulated_s,
+      base::JsonQuoted(result.world), result.seed, result.simulated_s,
       result.processor_s, result.Factor());
   absl::StrAppendFormat(
       &json,
@@ -249,7 +230,7 @@ std::string SimulationJson(const SimulationResult& result) {
                         "  \"final\": {\"x_m\": %.4f, \"y_m\": %.4f, "
                         "\"z_m\": %.4f, \"yaw_rad\": %.5f},\n  \"events\": [",
                         pose.translation.x, pose.translation.y,
-                        pose.translation.z, YawOf(pose));
+                        pose.translation.z, geometry::Yaw_rad(pose.rotation));
   const char* separator = "\n";
   for (const simulator::SimEvent& event : result.events) {
     const geometry::Vec3& at = event.point_in_world;
@@ -259,9 +240,10 @@ std::string SimulationJson(const SimulationResult& result) {
         "\"y_m\": %.3f, \"z_m\": %.3f, \"by_robot\": %s, \"robot_mps\": %.3f, "
         "\"body_mps\": %.3f}",
         separator, simulator::Seconds(event.time),
-        JsonText(simulator::SimEventName(event.kind)), JsonText(event.what),
-        at.x, at.y, at.z, event.caused_by_robot ? "true" : "false",
-        event.robot_approach_mps, event.body_approach_mps);
+        base::JsonQuoted(simulator::SimEventName(event.kind)),
+        base::JsonQuoted(event.what), at.x, at.y, at.z,
+        event.caused_by_robot ? "true" : "false", event.robot_approach_mps,
+        event.body_approach_mps);
     separator = ",\n";
   }
   return json + "\n  ]\n}\n";

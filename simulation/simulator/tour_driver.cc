@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "common/geometry/planar_pose.h"
 #include "common/geometry/rigid2.h"
 
 namespace treeline::simulator {
@@ -131,9 +132,7 @@ core::VelocityCommand TourDriver::CommandAt(
     is_done_ = true;
     return {};
   }
-  const geometry::Vec3 ahead =
-      world_from_base.rotation * geometry::Vec3{1, 0, 0};
-  if (LooksAround(std::atan2(ahead.y, ahead.x))) {
+  if (LooksAround(geometry::Yaw_rad(world_from_base.rotation))) {
     return {.yaw_rate_radps = options_.look_around_radps};
   }
   const geometry::Vec3 target = PointAt(along_m_ + options_.look_ahead_m);

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <optional>
 
+#include "common/geometry/planar_pose.h"
+
 namespace treeline {
 namespace {
 
@@ -106,16 +108,14 @@ control::ControlPose TruePose(const ControlWorld& world,
                               simulator::SimTime time,
                               const core::BaseReading& reading) {
   const geometry::Rigid3 world_from_base = simulator.WorldFromBaseAt(time);
-  const geometry::Vec3 ahead =
-      world_from_base.rotation * geometry::Vec3{1, 0, 0};
-  const double yaw_rad = std::atan2(ahead.y, ahead.x);
+  const geometry::Rigid2 planar = geometry::PlanarPose(world_from_base);
   control::ControlPose pose;
   pose.stamp = simulator::SimClock::StampOf(time);
-  pose.pose = world.PlaceAt(
-      {world_from_base.translation.x, world_from_base.translation.y}, yaw_rad,
-      world_from_base.translation.z);
-  pose.level_from_base = geometry::Rotation3::FromAxisAngle({0, 0, -yaw_rad}) *
-                         world_from_base.rotation;
+  pose.pose = world.PlaceAt(planar.translation, planar.yaw_rad,
+                            world_from_base.translation.z);
+  pose.level_from_base =
+      geometry::Rotation3::FromAxisAngle({0, 0, -planar.yaw_rad}) *
+      world_from_base.rotation;
   pose.forward_mps = reading.forward_mps;
   pose.yaw_rate_radps = reading.yaw_rate_radps;
   return pose;

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "server/service/message_shape.h"
+#include "common/wire/message_shape.h"
 #include "treeline/v1/relocalization.pb.h"
 #include "treeline/v1/scenes.pb.h"
 
@@ -21,14 +21,14 @@ template <typename Message>
 void TryAs(const std::string& bytes) {
   google::protobuf::io::ArrayInputStream stream(bytes.data(),
                                                 static_cast<int>(bytes.size()));
-  const absl::Status shape = treeline::service::CheckMessageShape(
+  const absl::Status shape = treeline::wire::CheckMessageShape(
       stream, *Message::descriptor(), {.max_fields = kMaxFields});
   if (!shape.ok()) {
     if (!absl::IsInvalidArgument(shape)) std::abort();
     return;
   }
   Message message;
-  if (!treeline::service::ParseMessage(bytes, message).ok()) return;
+  if (!treeline::wire::ParseMessage(bytes, message).ok()) return;
   if (message.SpaceUsedLong() >
       4 * bytes.size() + kMostBytesOfField * (kMaxFields + 1)) {
     std::abort();

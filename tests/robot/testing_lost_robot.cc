@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 
+#include "common/geometry/planar_pose.h"
 #include "gtest/gtest.h"
 #include "simulation/runs/localize_world.h"
 #include "simulation/simulator/scenario_player.h"
@@ -98,9 +99,7 @@ geometry::Rigid3 LostRobot::TruthAt(base::MonotonicTime stamp) const {
 
 core::LevelPose LostRobot::Truth() const {
   const geometry::Rigid3 pose = simulator_->state().world_from_base;
-  const geometry::Vec3 ahead = pose.rotation * geometry::Vec3{1, 0, 0};
-  return {.map_from_base = {{pose.translation.x, pose.translation.y},
-                            std::atan2(ahead.y, ahead.x)},
+  return {.map_from_base = geometry::PlanarPose(pose),
           .place = {.level = 0, .height_m = pose.translation.z}};
 }
 

@@ -8,6 +8,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/geometry/planar_pose.h"
 #include "gtest/gtest.h"
 #include "simulation/runs/localize_world.h"
 
@@ -16,11 +17,6 @@ namespace {
 
 constexpr simulator::SimTime kStep = std::chrono::milliseconds(25);
 constexpr double kLevelGap_m = 1.0;
-
-double YawOf(const geometry::Rigid3& pose) {
-  const geometry::Vec3 ahead = pose.rotation * geometry::Vec3{1, 0, 0};
-  return std::atan2(ahead.y, ahead.x);
-}
 
 }  // namespace
 
@@ -186,8 +182,7 @@ uint64_t TestMission::Send(std::vector<core::LevelPose> poses) {
 }
 
 geometry::Rigid2 TestMission::Truth() const {
-  const geometry::Rigid3 pose = simulator_->state().world_from_base;
-  return {{pose.translation.x, pose.translation.y}, YawOf(pose)};
+  return geometry::PlanarPose(simulator_->state().world_from_base);
 }
 
 double TestMission::Error_m() const {

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "benchmark/benchmark.h"
+#include "common/base/processor_time.h"
 #include "common/base/random.h"
 #include "nav_agent/planning/global_planner.h"
 #include "nav_agent/planning/plan_frame.h"
@@ -21,14 +21,6 @@ namespace {
 
 // Not among the seeds that suites are judged by.
 constexpr uint64_t kSeed = 1000;
-
-// Of this thread: what other programs take does not count.
-double ProcessorTime_ms() {
-  timespec time = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) +
-         1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 std::shared_ptr<const traversability::NavigationMap> MapOf(
     const std::string& name) {
@@ -116,11 +108,11 @@ void BM_FirstPath(benchmark::State& state, const std::string& world,
   size_t next = 0;
   for ([[maybe_unused]] const auto _ : state) {
     const bool is_own = planner_name == "variable-rrt";
-    const double before_ms = ProcessorTime_ms();
+    const double before_ms = base::ThreadProcessorTime_ms();
     const auto result = planner->Plan(
         requests[next++ % requests.size()],
         {.max_iterations = is_own ? 2000 : 20000, .improves = !is_own}, {});
-    const double took_ms = ProcessorTime_ms() - before_ms;
+    const double took_ms = base::ThreadProcessorTime_ms() - before_ms;
     if (!result.ok() || result->failure != core::NavigationCause::kNone) {
       ++failures;
       none_ms.push_back(took_ms);

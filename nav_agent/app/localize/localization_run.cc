@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <utility>
 
+#include "common/base/processor_time.h"
 #include "common/base/sample_statistics.h"
 #include "common/base/status_macros.h"
 #include "common/geometry/kabsch.h"
+#include "common/geometry/planar_pose.h"
 #include "nav_agent/localization/scan_points.h"
 #include "nlohmann/json.hpp"
 
@@ -20,13 +21,6 @@ constexpr double kSameLevel_m = 0.5;
 // About where somebody says that the robot is.
 constexpr localization::PoseCovariance2 kInitialCovariance = {
     0.25, 0, 0, 0, 0.25, 0, 0, 0, 0.07};
-
-double ProcessorTime_ms() {
-  timespec time = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e3 * static_cast<double>(time.tv_sec) +
-         1e-6 * static_cast<double>(time.tv_nsec);
-}
 
 // Of all beams, and in one field for all.
 double Agreement(const localization::LikelihoodField& field,
@@ -94,14 +88,12 @@ absl::StatusOr<localization::Amcl> BeginAmcl(
 void CompareWithTruth(const geometry::Rigid3& world_from_base,
                       LocalizedScan& scan) {
   const geometry::Rigid2& pose = scan.estimate.map_from_base;
-  const geometry::Vec3& truth = world_from_base.translation;
-  const geometry::Vec3 ahead =
-      world_from_base.rotation * geometry::Vec3{1, 0, 0};
-  scan.error_m =
-      geometry::Norm(pose.translation - geometry::Vec2{truth.x, truth.y});
-  scan.error_rad = std::abs(geometry::NormalizedAngle_rad(
-      pose.yaw_rad - std::atan2(ahead.y, ahead.x)));
-  scan.height_error_m = std::abs(scan.estimate.place.height_m - truth.z);
+  const geometry::Rigid2 truth = geometry::PlanarPose(world_from_base);
+  scan.error_m = geometry::Norm(pose.translation - truth.translation);
+  scan.error_rad =
+      std::abs(geometry::NormalizedAngle_rad(pose.yaw_rad - truth.yaw_rad));
+  scan.height_error_m =
+      std::abs(scan.estimate.place.height_m - world_from_base.translation.z);
 }
 
 bool IsSure(const localization::PlanarEstimate& estimate) {
@@ -241,11 +233,11 @@ absl::StatusOr<LocalizationResult> LocalizeDrive(
     TL_ASSIGN_OR_RETURN(
         const localization::ScanPoints points,
         PointsFor(map, drive, recorded, options, options.amcl.max_beams));
-    const double before_ms = ProcessorTime_ms();
+    const double before_ms = base::ThreadProcessorTime_ms();
     TL_ASSIGN_OR_RETURN(
         const std::optional<localization::PlanarEstimate> estimate,
         amcl.Update(recorded.odom_from_base, points));
-    updates_ms.push_back(ProcessorTime_ms() - before_ms);
+    updates_ms.push_back(base::ThreadProcessorTime_ms() - before_ms);
     TL_ASSIGN_OR_RETURN(
         const localization::ScanPoints all,
         PointsFor(map, drive, recorded, options, drive.laser.beams));

@@ -1,6 +1,5 @@
 #include "nav_agent/app/localize/localize_command.h"
 
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -18,6 +17,7 @@
 #include "common/base/file.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
+#include "common/geometry/planar_pose.h"
 #include "common/image/decode.h"
 #include "nav_agent/app/localize/localization_run.h"
 #include "nav_agent/core/map_file.h"
@@ -213,10 +213,7 @@ absl::StatusOr<LocalizationRunOptions> OptionsOf(const LocalizeFlags& flags,
       return absl::FailedPreconditionError(
           absl::StrCat(flags.log, " does not tell the truth"));
     }
-    const geometry::Vec3 ahead = truth->rotation * geometry::Vec3{1, 0, 0};
-    options.initial_map_from_base = geometry::Rigid2{
-        .translation = {truth->translation.x, truth->translation.y},
-        .yaw_rad = std::atan2(ahead.y, ahead.x)};
+    options.initial_map_from_base = geometry::PlanarPose(*truth);
     options.initial_height_m = truth->translation.z;
   }
   return options;

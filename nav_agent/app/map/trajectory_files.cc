@@ -9,9 +9,9 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/dataset/dataset.h"
+#include "common/dataset/frame_times.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "nav_agent/recording/laser_log.h"
-#include "nav_agent/rgbd_slam/run_rgbd_slam.h"
 
 namespace treeline::map_app {
 
@@ -24,7 +24,7 @@ absl::StatusOr<std::vector<dataset::TimedPose>> PosesOfRecording(
   options.pose_file = pose_file;
   TL_ASSIGN_OR_RETURN(const dataset::Dataset dataset,
                       dataset::Dataset::Open(options));
-  const std::vector<dataset::Time_ns> times = rgbd_slam::FrameTimes(dataset);
+  const std::vector<dataset::Time_ns> times = dataset::FrameTimes(dataset);
   std::vector<dataset::TimedPose> poses;
   for (int i = 0; i < dataset.size(); ++i) {
     const auto& pose = dataset.frame(i).world_from_camera;

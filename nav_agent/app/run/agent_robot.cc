@@ -1,6 +1,5 @@
 #include "nav_agent/app/run/agent_robot.h"
 
-#include <cmath>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -8,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
+#include "common/geometry/planar_pose.h"
 #include "simulation/runs/localize_world.h"
 #include "simulation/runs/lost_suite_world.h"
 #include "simulation/simulator/scenario.h"
@@ -177,11 +177,9 @@ class SimulatedAgentRobot final : public AgentRobot,
                 {0, 0, map_from_base.yaw_rad}),
             .translation = {map_from_base.translation.x,
                             map_from_base.translation.y, pose.place.height_m}};
-    const geometry::Vec3 forward =
-        world_from_base.rotation * geometry::Vec3{1, 0, 0};
-    return {.position = {world_from_base.translation.x,
-                         world_from_base.translation.y},
-            .yaw_rad = std::atan2(forward.y, forward.x),
+    const geometry::Rigid2 planar = geometry::PlanarPose(world_from_base);
+    return {.position = planar.translation,
+            .yaw_rad = planar.yaw_rad,
             .height_m = world_from_base.translation.z};
   }
 

@@ -31,6 +31,8 @@ constexpr auto kPictureInterval = std::chrono::milliseconds(200);
 // A pose that somebody gives is about right.
 constexpr double kStartStd_m = 0.25;
 constexpr double kStartStd_rad = 0.2;
+// For /healthz and /readyz alone.
+constexpr int kHttpConnectionsForProbes = 4;
 // While the laser has not said how it scans.
 constexpr auto kLaserLookUp = std::chrono::milliseconds(50);
 constexpr auto kLaserReport = std::chrono::seconds(5);
@@ -204,6 +206,7 @@ absl::Status AgentProgram::Listen() {
   http.max_body_mib = 1;
   // Streams, and a few more for each.
   http.max_connections = 8 * config_.max_streams;
+  http.max_probe_connections = kHttpConnectionsForProbes;
   TL_ASSIGN_OR_RETURN(http_, http::HttpServer::Start(http, *api_, real_clock_));
   announce_(absl::StrCat("page on http://", http_->address(), "/"));
   if (options.page_folder.empty()) {

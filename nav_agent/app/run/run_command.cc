@@ -85,7 +85,7 @@ absl::Status Run(const RunFlags& flags, const std::stop_token& stop) {
 
 cli::Command AddRunCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "run", "Drive a robot, real or simulated: takes goals, finds itself");
+      "run", "Drive a robot, real or simulated: takes goals, relocalizes");
   command->footer(kFooter);
   auto flags = std::make_shared<RunFlags>();
   command

@@ -12,6 +12,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/dataset/trajectory_error.h"
+#include "common/geometry/planar_pose.h"
 #include "nav_agent/app/map/trajectory_files.h"
 #include "nav_agent/mapping/trajectory_score.h"
 #include "nav_agent/recording/relations.h"
@@ -96,13 +97,9 @@ std::vector<mapping::TrajectoryPose> FromAbove(
     const std::vector<dataset::TimedPose>& poses) {
   std::vector<mapping::TrajectoryPose> planar;
   for (const dataset::TimedPose& pose : poses) {
-    const geometry::Vec3 ahead =
-        pose.world_from_camera.rotation * geometry::Vec3{1, 0, 0};
-    const geometry::Vec3& at = pose.world_from_camera.translation;
     planar.push_back(
         {recording::RecordingTime(std::chrono::nanoseconds(pose.time)),
-         {.translation = {at.x, at.y},
-          .yaw_rad = std::atan2(ahead.y, ahead.x)}});
+         geometry::PlanarPose(pose.world_from_camera)});
   }
   return planar;
 }

@@ -1,8 +1,5 @@
 #include "nav_agent/app/suite/kidnap_suite_command.h"
 
-#include <algorithm>
-#include <cstdio>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -13,13 +10,11 @@
 #include "absl/strings/str_format.h"
 #include "client/relocalizer/grpc_relocalizer.h"
 #include "client/relocalizer/relocalizer.h"
-#include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "evaluation/kidnaps/kidnap_report.h"
 #include "evaluation/kidnaps/kidnap_server.h"
-#include "evaluation/missions/suite_report.h"
-#include "evaluation/suites/suite_jobs.h"
-#include "evaluation/suites/suite_maps.h"
+#include "evaluation/kidnaps/kidnap_suite.h"
+#include "evaluation/suites/suite_runner.h"
 #include "nav_agent/app/suite/suite_flags.h"
 
 namespace treeline::suite_app {
@@ -45,7 +40,7 @@ Examples:
   treeline-agent suite kidnaps --worlds cafe --method amcl)";
 
 struct KidnapFlags {
-  SuiteFlags suite = {
+  suites::SuiteOptions suite = {
       .worlds = {"cafe", "lab", "office-floor", "two-storey", "seed:17"},
       .seeds = "1-20",
       .maps = "driven",
@@ -57,13 +52,6 @@ struct KidnapFlags {
   double camera_hz = 5;
   std::string until = "goal";
 };
-
-struct Job {
-  std::string world;
-  uint64_t seed = 0;
-};
-
-using Places = std::map<std::string, std::shared_ptr<const suites::SuitePlace>>;
 
 // What answers, if anything does.
 struct Asked {
@@ -132,31 +120,18 @@ absl::StatusOr<Asked> StartServer(const KidnapFlags& flags,
   return asked;
 }
 
-absl::Status WritePictures(const std::vector<kidnaps::KidnapRun>& runs,
-                           const Places& places, const KidnapFlags& flags) {
-  int written = 0;
-  for (const kidnaps::KidnapRun& run : runs) {
-    if (!flags.suite.WantsPicture(kidnaps::IsGood(run))) continue;
-    const std::string stem =
-        absl::StrCat(flags.suite.folder, "/", suites::SuiteSceneName(run.world),
-                     "-", flags.method, "-", flags.fault, "-", run.seed);
-    TL_RETURN_IF_ERROR(missions::WriteRunPicture(
-        stem, places.at(run.world)->world(), run.record, run.marks, run.events,
-        absl::StrFormat(
-            "%s (%s) %s; kidnapped after %.2f s (%s), noticed after %.2f s "
-            "more, back after %.2f s; error when it went on %.2f m, %.0f deg",
-            kidnaps::KidnapOutcomeName(run.outcome),
-            core::NavigationCauseName(run.cause), run.why, run.kidnap_s,
-            run.is_warm ? "warm" : "cold", run.noticed_after_s,
-            run.back_after_s, run.error_at_resumption.distance_m,
-            run.error_at_resumption.turn_deg)));
-    ++written;
-  }
-  if (written > 0) {
-    std::printf("%d pictures and logs are in %s\n", written,
-                flags.suite.folder.c_str());
-  }
-  return absl::OkStatus();
+suites::RunPictureText PictureText(const kidnaps::KidnapRun& run,
+                                   const KidnapFlags& flags) {
+  return {.stem = absl::StrCat(suites::SuiteSceneName(run.world), "-",
+                               flags.method, "-", flags.fault, "-", run.seed),
+          .title = absl::StrFormat(
+              "%s (%s) %s; kidnapped after %.2f s (%s), noticed after %.2f s "
+              "more, back after %.2f s; error when it went on %.2f m, %.0f deg",
+              kidnaps::KidnapOutcomeName(run.outcome),
+              core::NavigationCauseName(run.cause), run.why, run.kidnap_s,
+              run.is_warm ? "warm" : "cold", run.noticed_after_s,
+              run.back_after_s, run.error_at_resumption.distance_m,
+              run.error_at_resumption.turn_deg)};
 }
 
 absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
@@ -168,41 +143,35 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
   options.has_rear_laser = !flags.suite.no_rear_laser;
   options.camera_hz = flags.method == "server" ? flags.camera_hz : 0;
   if (flags.fault == "slow") options.real_timeout_s = 1;
-  if (!flags.suite.json.empty()) {
-    TL_RETURN_IF_ERROR(base::CheckWritable(flags.suite.json));
-  }
-  Places places;
-  std::vector<Job> jobs;
-  for (const std::string& world : flags.suite.worlds) {
-    TL_ASSIGN_OR_RETURN(
-        places[world], suites::PlaceForSuite(MapOptionsOf(flags, world), stop));
-    for (const uint64_t seed : seeds) jobs.push_back({world, seed});
-  }
+  suites::Suite<kidnaps::KidnapRun> suite;
+  suite.name = "kidnaps";
+  suite.jobs = suites::JobsOf(flags.suite.worlds, seeds);
+  TL_ASSIGN_OR_RETURN(const suites::SuitePlaces places,
+                      suites::PrepareSuite(
+                          suite.jobs, flags.suite,
+                          [&flags](const std::string& world) {
+                            return MapOptionsOf(flags, world);
+                          },
+                          stop));
   TL_ASSIGN_OR_RETURN(const Asked asked, StartServer(flags, stop));
   options.server = asked.connection;
-  suites::JobResults<kidnaps::KidnapRun> results =
-      suites::RunJobs<kidnaps::KidnapRun>(
-          jobs.size(), flags.suite.threads, "kidnaps", flags.suite.quiet, stop,
-          [&](size_t i) -> absl::StatusOr<kidnaps::KidnapRun> {
-            kidnaps::KidnapOptions job = options;
-            job.seed = jobs[i].seed;
-            absl::StatusOr<kidnaps::KidnapRun> run =
-                kidnaps::RunKidnap(*places.at(jobs[i].world), job, stop);
-            if (run.ok()) return run;
-            return base::Annotate(
-                run.status(), absl::StrCat(jobs[i].world, ", seed ", job.seed));
-          });
-  const int expected = static_cast<int>(jobs.size());
-  std::printf("%s", kidnaps::KidnapSummary(results.done, expected).c_str());
-  if (!flags.suite.json.empty()) {
-    TL_RETURN_IF_ERROR(base::WriteFileAtomically(
-        flags.suite.json, kidnaps::KidnapJson(results.done, expected,
-                                              flags.method, flags.fault)));
-  }
-  TL_RETURN_IF_ERROR(WritePictures(results.done, places, flags));
-  return suites::SuiteStatus(results.done.size(), jobs.size(),
-                             GoodShare(results.done), flags.suite.require,
-                             results.errors, results.first_error, stop);
+  const int expected = static_cast<int>(suite.jobs.size());
+  suite.run = [&](const suites::SuiteJob& job,
+                  const suites::SuitePlace& place) {
+    kidnaps::KidnapOptions kidnap = options;
+    kidnap.seed = job.seed;
+    return kidnaps::RunKidnap(place, kidnap, stop);
+  };
+  suite.summary = [&](const std::vector<kidnaps::KidnapRun>& runs) {
+    return kidnaps::KidnapSummary(runs, expected);
+  };
+  suite.json = [&](const std::vector<kidnaps::KidnapRun>& runs) {
+    return kidnaps::KidnapJson(runs, expected, flags.method, flags.fault);
+  };
+  suite.picture = [&](const kidnaps::KidnapRun& run) {
+    return PictureText(run, flags);
+  };
+  return suites::RunSuite(suite, places, flags.suite, stop);
 }
 
 void AddServerFlags(CLI::App& command, KidnapFlags& flags) {
@@ -232,7 +201,7 @@ void AddServerFlags(CLI::App& command, KidnapFlags& flags) {
 
 cli::Command AddKidnapSuite(CLI::App& suite) {
   CLI::App* command = suite.add_subcommand(
-      "kidnaps", "Robots that are carried away: who finds itself again");
+      "kidnaps", "Robots that are kidnapped: how many recover");
   command->footer(kFooter);
   auto flags = std::make_shared<KidnapFlags>();
   AddSuiteFlags(*command, "kidnap", flags->suite);

@@ -18,6 +18,7 @@
 #include "evaluation/lost/lost_suite_picture.h"
 #include "evaluation/lost/lost_suite_report.h"
 #include "evaluation/suites/suite_jobs.h"
+#include "nav_agent/app/suite/suite_flags.h"
 
 namespace treeline::suite_app {
 namespace {
@@ -132,16 +133,10 @@ absl::Status RunFit(const std::vector<std::string>& paths) {
 
 cli::Command AddLostSuite(CLI::App& suite) {
   CLI::App* command = suite.add_subcommand(
-      "lost", "Kidnaps and false alarms of the lost verdict");
+      "lost", "Kidnaps and false alarms of the lost detector");
   command->footer(kFooter);
   auto flags = std::make_shared<LostFlags>();
-  command->add_option("--worlds", flags->worlds, "To drive in")
-      ->type_name("WORLD,...")
-      ->delimiter(',')
-      ->capture_default_str();
-  command->add_option("--seeds", flags->seeds, "One run a world and seed")
-      ->type_name("FIRST-LAST,...")
-      ->capture_default_str();
+  AddWorldFlags(*command, "run", flags->worlds, flags->seeds);
   command->add_option("--minutes", flags->minutes, "Of driving in each run")
       ->type_name("N")
       ->check(CLI::Range(0.1, 600.0))
@@ -165,8 +160,8 @@ cli::Command AddLostSuite(CLI::App& suite) {
 }
 
 cli::Command AddLostFit(CLI::App& suite) {
-  CLI::App* command = suite.add_subcommand(
-      "lost-fit", "Weigh the evidence of the lost verdict anew");
+  CLI::App* command =
+      suite.add_subcommand("lost-fit", "Fit the weights of the lost detector");
   auto paths = std::make_shared<std::vector<std::string>>();
   command->add_option("--features", *paths, "What suite lost wrote")
       ->type_name("FILE.csv")

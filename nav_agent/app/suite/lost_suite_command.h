@@ -1,4 +1,4 @@
-// treeline-agent suite lost, lost-fit: how good the lost verdict is, and its
+// treeline-agent suite lost, lost-fit: how good the lost detector is, and its
 // calibration.
 #ifndef NAV_AGENT_APP_SUITE_LOST_SUITE_COMMAND_H_
 #define NAV_AGENT_APP_SUITE_LOST_SUITE_COMMAND_H_

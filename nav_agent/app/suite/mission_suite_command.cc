@@ -1,7 +1,5 @@
 #include "nav_agent/app/suite/mission_suite_command.h"
 
-#include <cstdio>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -10,12 +8,10 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "common/base/file.h"
 #include "common/base/status_macros.h"
+#include "evaluation/missions/mission_report.h"
 #include "evaluation/missions/mission_suite.h"
-#include "evaluation/missions/suite_report.h"
-#include "evaluation/suites/suite_jobs.h"
-#include "evaluation/suites/suite_maps.h"
+#include "evaluation/suites/suite_runner.h"
 #include "nav_agent/app/suite/suite_flags.h"
 
 namespace treeline::suite_app {
@@ -42,26 +38,19 @@ Examples:
 constexpr double kPeopleCamera_hz = 5;
 
 struct MissionFlags {
-  SuiteFlags suite = {.worlds = {"cafe", "lab", "two-storey", "seed:17"},
-                      .seeds = "1-50",
-                      .maps = "perfect",
-                      .folder = "out/suite/missions"};
+  suites::SuiteOptions suite = {
+      .worlds = {"cafe", "lab", "two-storey", "seed:17"},
+      .seeds = "1-50",
+      .maps = "perfect",
+      .folder = "out/suite/missions"};
   std::vector<std::string> scenes;
   std::string planner;
   // Negative: kPeopleCamera_hz with people, otherwise none.
   double camera_hz = -1;
 };
 
-struct Job {
-  std::string world;
-  missions::MissionOptions options;
-};
-
-using Places = std::map<std::string, std::shared_ptr<const suites::SuitePlace>>;
-
-absl::StatusOr<std::vector<Job>> JobsOf(const MissionFlags& flags) {
-  TL_ASSIGN_OR_RETURN(const std::vector<uint64_t> seeds,
-                      suites::ParseSeedList(flags.suite.seeds));
+absl::StatusOr<missions::MissionOptions> MissionOptionsOf(
+    const MissionFlags& flags) {
   missions::MissionOptions options;
   options.people = flags.suite.people;
   options.camera_hz = flags.camera_hz >= 0 ? flags.camera_hz
@@ -72,96 +61,68 @@ absl::StatusOr<std::vector<Job>> JobsOf(const MissionFlags& flags) {
     options.navigator.planner.planner = flags.planner;
   }
   TL_RETURN_IF_ERROR(options.navigator.Validate());
-  std::vector<Job> jobs;
-  const auto add = [&](const std::string& world) {
-    for (const uint64_t seed : seeds) {
-      options.seed = seed;
-      jobs.push_back({world, options});
-    }
-  };
+  return options;
+}
+
+absl::StatusOr<std::vector<suites::SuiteJob>> JobsOf(
+    const MissionFlags& flags) {
+  TL_ASSIGN_OR_RETURN(const std::vector<uint64_t> seeds,
+                      suites::ParseSeedList(flags.suite.seeds));
+  if (flags.scenes.empty()) return suites::JobsOf(flags.suite.worlds, seeds);
+  std::vector<suites::SuiteJob> jobs;
   for (const std::string& scene : flags.scenes) {
-    options.scene = scene;
-    add("cafe");
-  }
-  if (flags.scenes.empty()) {
-    for (const std::string& world : flags.suite.worlds) add(world);
+    for (suites::SuiteJob& job : suites::JobsOf({"cafe"}, seeds, scene)) {
+      jobs.push_back(std::move(job));
+    }
   }
   return jobs;
 }
 
-absl::StatusOr<Places> PlacesOf(const std::vector<Job>& jobs,
-                                const MissionFlags& flags,
-                                const std::stop_token& stop) {
-  Places places;
-  for (const Job& job : jobs) {
-    auto& place = places[job.world];
-    if (place != nullptr) continue;
-    suites::SuiteMapOptions options = flags.suite.MapOptions(job.world);
-    // Somebody must be there who can step in front.
-    options.with_people |= !flags.scenes.empty();
-    TL_ASSIGN_OR_RETURN(place, suites::PlaceForSuite(options, stop));
-  }
-  return places;
-}
-
-absl::Status WritePictures(const std::vector<missions::MissionRun>& runs,
-                           const Places& places, const MissionFlags& flags) {
-  int written = 0;
-  for (const missions::MissionRun& run : runs) {
-    if (!flags.suite.WantsPicture(run.IsGood())) continue;
-    const auto place = std::ranges::find_if(places, [&run](const auto& entry) {
-      return entry.second->world().name == run.world;
-    });
-    if (place == places.end()) continue;
-    const std::string stem =
-        absl::StrCat(flags.suite.folder, "/",
-                     absl::StrReplaceAll(run.world, {{":", "-"}, {"/", "-"}}),
-                     run.scene.empty() ? "" : "-", run.scene,
-                     flags.suite.people ? "-people" : "", "-", run.seed);
-    TL_RETURN_IF_ERROR(missions::WriteRunPicture(
-        stem, place->second->world(), run.record, run.marks, run.events,
-        absl::StrCat(missions::MissionOutcomeName(run.outcome), " (",
-                     core::NavigationCauseName(run.cause), ") ", run.why, "; ",
-                     run.surprise)));
-    ++written;
-  }
-  if (written > 0) {
-    std::printf("%d pictures and logs are in %s\n", written,
-                flags.suite.folder.c_str());
-  }
-  return absl::OkStatus();
+suites::RunPictureText PictureText(const missions::MissionRun& run,
+                                   const MissionFlags& flags) {
+  return {.stem = absl::StrCat(
+              absl::StrReplaceAll(run.world, {{":", "-"}, {"/", "-"}}),
+              run.scene.empty() ? "" : "-", run.scene,
+              flags.suite.people ? "-people" : "", "-", run.seed),
+          .title = absl::StrCat(missions::MissionOutcomeName(run.outcome), " (",
+                                core::NavigationCauseName(run.cause), ") ",
+                                run.why, "; ", run.surprise)};
 }
 
 absl::Status RunMissions(const MissionFlags& flags,
                          const std::stop_token& stop) {
-  TL_ASSIGN_OR_RETURN(const std::vector<Job> jobs, JobsOf(flags));
-  if (!flags.suite.json.empty()) {
-    TL_RETURN_IF_ERROR(base::CheckWritable(flags.suite.json));
-  }
-  TL_ASSIGN_OR_RETURN(const Places places, PlacesOf(jobs, flags, stop));
-  suites::JobResults<missions::MissionRun> results =
-      suites::RunJobs<missions::MissionRun>(
-          jobs.size(), flags.suite.threads, "missions", flags.suite.quiet, stop,
-          [&](size_t i) -> absl::StatusOr<missions::MissionRun> {
-            const Job& job = jobs[i];
-            absl::StatusOr<missions::MissionRun> run =
-                missions::RunMission(*places.at(job.world), job.options, stop);
-            if (run.ok()) return run;
-            return base::Annotate(
-                run.status(),
-                absl::StrCat(job.world, ", seed ", job.options.seed));
-          });
-  const int expected = static_cast<int>(jobs.size());
-  std::printf("%s", missions::MissionSummary(results.done, expected).c_str());
-  if (!flags.suite.json.empty()) {
-    TL_RETURN_IF_ERROR(base::WriteFileAtomically(
-        flags.suite.json,
-        missions::MissionJson(results.done, expected, flags.suite.people)));
-  }
-  TL_RETURN_IF_ERROR(WritePictures(results.done, places, flags));
-  return suites::SuiteStatus(
-      results.done.size(), jobs.size(), missions::GoodShare(results.done),
-      flags.suite.require, results.errors, results.first_error, stop);
+  TL_ASSIGN_OR_RETURN(const missions::MissionOptions options,
+                      MissionOptionsOf(flags));
+  suites::Suite<missions::MissionRun> suite;
+  suite.name = "missions";
+  TL_ASSIGN_OR_RETURN(suite.jobs, JobsOf(flags));
+  const auto map_options = [&flags](const std::string& world) {
+    suites::SuiteMapOptions map = flags.suite.MapOptions(world);
+    // Somebody must be there who can step in front.
+    map.with_people |= !flags.scenes.empty();
+    return map;
+  };
+  TL_ASSIGN_OR_RETURN(
+      const suites::SuitePlaces places,
+      suites::PrepareSuite(suite.jobs, flags.suite, map_options, stop));
+  const int expected = static_cast<int>(suite.jobs.size());
+  suite.run = [&](const suites::SuiteJob& job,
+                  const suites::SuitePlace& place) {
+    missions::MissionOptions mission = options;
+    mission.seed = job.seed;
+    mission.scene = job.scene;
+    return missions::RunMission(place, mission, stop);
+  };
+  suite.summary = [&](const std::vector<missions::MissionRun>& runs) {
+    return missions::MissionSummary(runs, expected);
+  };
+  suite.json = [&](const std::vector<missions::MissionRun>& runs) {
+    return missions::MissionJson(runs, expected, flags.suite.people);
+  };
+  suite.picture = [&](const missions::MissionRun& run) {
+    return PictureText(run, flags);
+  };
+  return suites::RunSuite(suite, places, flags.suite, stop);
 }
 
 }  // namespace

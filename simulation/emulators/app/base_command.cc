@@ -1,6 +1,5 @@
 #include "simulation/emulators/app/base_command.h"
 
-#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -10,9 +9,8 @@
 #include "CLI/CLI.hpp"
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/drivers/stream/byte_stream.h"
+#include "simulation/emulators/app/device_server.h"
 #include "simulation/emulators/emulator_server.h"
-#include "simulation/emulators/fault_plan.h"
 #include "simulation/emulators/segway_device.h"
 
 namespace treeline::emulator_app {
@@ -92,13 +90,8 @@ void PrintEnd(const emulators::SegwayEmulator& base) {
 }
 
 absl::Status Serve(const BaseFlags& flags, const std::stop_token& stop) {
-  emulators::EmulatorServerOptions options = {
-      .listen = {}, .faults = {}, .seed = flags.seed};
-  TL_ASSIGN_OR_RETURN(options.listen,
-                      emulators::ParseDeviceAddress(flags.listen));
-  for (const std::string& fault : flags.faults) {
-    TL_RETURN_IF_ERROR(options.faults.Add(fault));
-  }
+  TL_ASSIGN_OR_RETURN(emulators::EmulatorServerOptions options,
+                      ServerOptionsOf(flags.listen, flags.faults, flags.seed));
   const emulators::SegwayEmulatorOptions base_options = BaseOf(flags);
   TL_RETURN_IF_ERROR(base_options.Validate());
   const base::SteadyClock clock;
@@ -108,8 +101,7 @@ absl::Status Serve(const BaseFlags& flags, const std::stop_token& stop) {
                                        std::move(options), base, clock));
   std::printf("base at %s\n", server->address().c_str());
   std::fflush(stdout);
-  while (!stream::StopRequestedWithin(std::chrono::hours(1), stop)) {
-  }
+  WaitForStop(stop);
   server.reset();
   PrintEnd(base.emulator());
   return absl::OkStatus();

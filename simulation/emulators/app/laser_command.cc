@@ -10,9 +10,8 @@
 #include "CLI/CLI.hpp"
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
-#include "nav_agent/drivers/stream/byte_stream.h"
+#include "simulation/emulators/app/device_server.h"
 #include "simulation/emulators/emulator_server.h"
-#include "simulation/emulators/fault_plan.h"
 #include "simulation/emulators/hokuyo_emulator.h"
 #include "simulation/emulators/laser_source.h"
 
@@ -90,13 +89,8 @@ emulators::HokuyoEmulatorOptions SensorOf(const LaserFlags& flags) {
 
 absl::Status Serve(const LaserFlags& flags, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const emulators::RoomOptions room, RoomOf(flags));
-  emulators::EmulatorServerOptions options = {
-      .listen = {}, .faults = {}, .seed = flags.seed};
-  TL_ASSIGN_OR_RETURN(options.listen,
-                      emulators::ParseDeviceAddress(flags.listen));
-  for (const std::string& fault : flags.faults) {
-    TL_RETURN_IF_ERROR(options.faults.Add(fault));
-  }
+  TL_ASSIGN_OR_RETURN(emulators::EmulatorServerOptions options,
+                      ServerOptionsOf(flags.listen, flags.faults, flags.seed));
   const emulators::HokuyoEmulatorOptions sensor = SensorOf(flags);
   TL_RETURN_IF_ERROR(sensor.Validate());
   const base::SteadyClock clock;
@@ -106,8 +100,7 @@ absl::Status Serve(const LaserFlags& flags, const std::stop_token& stop) {
                                              std::move(options), laser, clock));
   std::printf("laser at %s\n", server->address().c_str());
   std::fflush(stdout);
-  while (!stream::StopRequestedWithin(std::chrono::hours(1), stop)) {
-  }
+  WaitForStop(stop);
   std::printf("stopped; received %lld bytes, sent %lld\n",
               static_cast<long long>(server->received()),
               static_cast<long long>(server->sent()));

@@ -12,6 +12,7 @@
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/drivers/stream/byte_stream.h"
+#include "simulation/emulators/app/device_server.h"
 #include "simulation/emulators/emulator_server.h"
 #include "simulation/emulators/hokuyo_emulator.h"
 #include "simulation/emulators/segway_device.h"
@@ -53,18 +54,6 @@ struct RobotFlags {
   uint64_t seed = 1;
 };
 
-absl::StatusOr<emulators::EmulatorServerOptions> ServerOf(
-    const std::string& listen, const std::vector<std::string>& faults,
-    uint64_t seed) {
-  emulators::EmulatorServerOptions options = {
-      .listen = {}, .faults = {}, .seed = seed};
-  TL_ASSIGN_OR_RETURN(options.listen, emulators::ParseDeviceAddress(listen));
-  for (const std::string& fault : faults) {
-    TL_RETURN_IF_ERROR(options.faults.Add(fault));
-  }
-  return options;
-}
-
 absl::StatusOr<std::unique_ptr<simulator::Simulator>> SimulatorOf(
     const RobotFlags& flags) {
   TL_ASSIGN_OR_RETURN(
@@ -96,10 +85,12 @@ void PrintEvents(simulator::Simulator& simulator) {
 }
 
 absl::Status Serve(const RobotFlags& flags, const std::stop_token& stop) {
-  TL_ASSIGN_OR_RETURN(emulators::EmulatorServerOptions laser_server,
-                      ServerOf(flags.laser, flags.laser_faults, flags.seed));
-  TL_ASSIGN_OR_RETURN(emulators::EmulatorServerOptions base_server,
-                      ServerOf(flags.base, flags.base_faults, flags.seed));
+  TL_ASSIGN_OR_RETURN(
+      emulators::EmulatorServerOptions laser_server,
+      ServerOptionsOf(flags.laser, flags.laser_faults, flags.seed));
+  TL_ASSIGN_OR_RETURN(
+      emulators::EmulatorServerOptions base_server,
+      ServerOptionsOf(flags.base, flags.base_faults, flags.seed));
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<simulator::Simulator> simulator,
                       SimulatorOf(flags));
   const base::SteadyClock clock;
@@ -124,7 +115,7 @@ absl::Status Serve(const RobotFlags& flags, const std::stop_token& stop) {
   if (!flags.rear_laser.empty()) {
     TL_ASSIGN_OR_RETURN(
         emulators::EmulatorServerOptions rear_server,
-        ServerOf(flags.rear_laser, flags.laser_faults, flags.seed + 1));
+        ServerOptionsOf(flags.rear_laser, flags.laser_faults, flags.seed + 1));
     TL_ASSIGN_OR_RETURN(rear_laser_at,
                         emulators::EmulatorServer::Start(std::move(rear_server),
                                                          rear_laser, clock));

@@ -5,46 +5,26 @@
 #include <cmath>
 #include <utility>
 
-#include "absl/strings/match.h"
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/string_view.h"
 #include "common/base/status_macros.h"
-#include "common/dataset/text_formats.h"
+#include "common/dataset/frame_times.h"
 
 namespace treeline::replay_camera {
 namespace {
 
-constexpr double kFrameInterval_s = 1.0 / 30;
-
-// "seq-01/frame-000123": what is before the number, and the number.
-struct NumberedStem {
-  absl::string_view prefix;
-  int64_t number = 0;
-};
-
-std::optional<NumberedStem> SplitStem(absl::string_view stem) {
-  const size_t end = stem.find_last_not_of("0123456789");
-  const size_t digits = end == absl::string_view::npos ? 0 : end + 1;
-  NumberedStem result = {.prefix = stem.substr(0, digits), .number = 0};
-  if (!absl::SimpleAtoi(stem.substr(digits), &result.number)) {
-    return std::nullopt;
+// Of the frames, after the first (s).
+std::vector<double> TimesAfterFirst_s(const dataset::Dataset& dataset) {
+  const std::vector<dataset::Time_ns> times = dataset::FrameTimes(dataset);
+  std::vector<double> times_s;
+  for (const dataset::Time_ns time : times) {
+    times_s.push_back(static_cast<double>(time - times.front()) * 1e-9);
   }
-  return result;
-}
-
-double IntervalBetween_s(absl::string_view before, absl::string_view after) {
-  const std::optional<NumberedStem> a = SplitStem(before);
-  const std::optional<NumberedStem> b = SplitStem(after);
-  if (!a || !b || a->prefix != b->prefix || b->number <= a->number) {
-    return kFrameInterval_s;
-  }
-  return static_cast<double>(b->number - a->number) * kFrameInterval_s;
+  return times_s;
 }
 
 double MeanInterval_s(const std::vector<double>& times_s) {
   return times_s.size() < 2
-             ? kFrameInterval_s
+             ? 1.0 / dataset::kFrameRate_hz
              : times_s.back() / static_cast<double>(times_s.size() - 1);
 }
 
@@ -67,28 +47,6 @@ absl::Status ReplayCameraOptions::Validate() const {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<double>> RecordingTimes_s(
-    const dataset::Dataset& dataset) {
-  std::vector<double> times_s;
-  if (!absl::StartsWith(dataset.uri(), "tum:")) {
-    for (int i = 0; i < dataset.size(); ++i) {
-      times_s.push_back(
-          i == 0 ? 0
-                 : times_s.back() + IntervalBetween_s(dataset.frame(i - 1).stem,
-                                                      dataset.frame(i).stem));
-    }
-    return times_s;
-  }
-  dataset::Time_ns first = 0;
-  for (int i = 0; i < dataset.size(); ++i) {
-    TL_ASSIGN_OR_RETURN(const dataset::Time_ns time,
-                        dataset::ParseTime_ns(dataset.frame(i).stem));
-    if (i == 0) first = time;
-    times_s.push_back(static_cast<double>(time - first) * 1e-9);
-  }
-  return times_s;
-}
-
 absl::StatusOr<std::unique_ptr<ReplayCamera>> ReplayCamera::Create(
     const ReplayCameraOptions& options, dataset::Dataset dataset,
     const base::Clock& clock) {
@@ -97,7 +55,7 @@ absl::StatusOr<std::unique_ptr<ReplayCamera>> ReplayCamera::Create(
     return absl::InvalidArgumentError(
         absl::StrCat(dataset.uri(), " has no frames to replay"));
   }
-  TL_ASSIGN_OR_RETURN(std::vector<double> times_s, RecordingTimes_s(dataset));
+  std::vector<double> times_s = TimesAfterFirst_s(dataset);
   if (!std::ranges::is_sorted(times_s)) {
     return absl::InvalidArgumentError(
         absl::StrCat(dataset.uri(), ": its frames are not in order of time"));

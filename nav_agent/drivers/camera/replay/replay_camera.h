@@ -34,15 +34,9 @@ struct ReplayCameraOptions {
   absl::Status Validate() const;
 };
 
-// When the frames of a recording were taken (s after the first): by the time
-// stamps of TUM; for all others by their numbers, 30 a second, and where the
-// numbers do not go on (the next sequence), a thirtieth of a second later.
-// INVALID_ARGUMENT for stems of TUM that are no time stamps.
-absl::StatusOr<std::vector<double>> RecordingTimes_s(
-    const dataset::Dataset& dataset);
-
 // Frame k is handed over once the clock says that it is due:
 //   stamp = start + (time of frame k - begin_s) / rate
+// by dataset::FrameTimes, of which the first counts as 0.
 // No frame is late for a clock that stands still, and none missing for one
 // that is quick: TakeFrames returns exactly what has become due since it was
 // called last (of more than kMaxWaiting frames the latest). Frames are decoded

@@ -1,11 +1,12 @@
-#include "server/gateway/json_message.h"
+#include "common/connect_rpc/json_message.h"
 
 #include <google/protobuf/util/json_util.h>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "common/connect_rpc/connect_error.h"
 
-namespace treeline::gateway {
+namespace treeline::connect_rpc {
 namespace {
 
 // A message quotes the JSON where it goes wrong; the rest is of no use.
@@ -41,7 +42,7 @@ absl::Status CheckJsonShape(absl::string_view json, const JsonLimits& limits) {
       case '[':
         ++values;
         if (++depth > limits.max_depth) {
-          return absl::InvalidArgumentError(
+          return InvalidRequest(
               absl::StrCat("JSON: objects and arrays more than ",
                            limits.max_depth, " deep"));
         }
@@ -57,7 +58,7 @@ absl::Status CheckJsonShape(absl::string_view json, const JsonLimits& limits) {
         break;
     }
     if (values > limits.max_values) {
-      return absl::InvalidArgumentError(
+      return InvalidRequest(
           absl::StrCat("JSON: more than ", limits.max_values, " values"));
     }
     ++i;
@@ -76,7 +77,7 @@ absl::Status MessageFromJson(absl::string_view json,
   if (parsed.ok()) return absl::OkStatus();
   const absl::string_view complaint(parsed.message().data(),
                                     parsed.message().size());
-  return absl::InvalidArgumentError(absl::StrCat(
+  return InvalidRequest(absl::StrCat(
       "JSON: ",
       absl::Utf8SafeCHexEscape(complaint.substr(0, kLongestComplaint))));
 }
@@ -92,4 +93,4 @@ absl::StatusOr<std::string> JsonFromMessage(
   return json;
 }
 
-}  // namespace treeline::gateway
+}  // namespace treeline::connect_rpc

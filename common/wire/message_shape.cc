@@ -1,18 +1,18 @@
-#include "server/service/message_shape.h"
+#include "common/wire/message_shape.h"
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/wire_format_lite.h>
 
-#include <chrono>
 #include <climits>
 #include <cstdint>
+#include <string>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 
-namespace treeline::service {
+namespace treeline::wire {
 namespace {
 
 using google::protobuf::Descriptor;
@@ -20,8 +20,6 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedInputStream;
-
-constexpr std::chrono::milliseconds kRetryAfter{100};
 
 absl::Status Refused(const std::string& message) {
   return base::WithReason(absl::InvalidArgumentError(message),
@@ -130,24 +128,16 @@ absl::Status CheckMessageShape(google::protobuf::io::ZeroCopyInputStream& bytes,
   return Walk(bytes, limits).Fields(type, 1);
 }
 
-absl::Status ParseMessage(const std::string& bytes, Message& message) {
+absl::Status ParseMessage(absl::string_view bytes, Message& message) {
   message.Clear();
   if (bytes.size() > INT_MAX) return NoMessage(*message.GetDescriptor());
-  google::protobuf::io::ArrayInputStream stream(bytes.data(),
-                                                static_cast<int>(bytes.size()));
+  const int size = static_cast<int>(bytes.size());
+  google::protobuf::io::ArrayInputStream stream(bytes.data(), size);
   absl::Status shape = CheckMessageShape(stream, *message.GetDescriptor());
   if (!shape.ok()) return shape;
-  return message.ParseFromString(bytes) ? absl::OkStatus()
-                                        : NoMessage(*message.GetDescriptor());
+  return message.ParseFromArray(bytes.data(), size)
+             ? absl::OkStatus()
+             : NoMessage(*message.GetDescriptor());
 }
 
-absl::Status NoMemoryForRequest() {
-  return base::WithRetryAfter(
-      base::WithReason(
-          absl::UnavailableError(
-              "overloaded: other requests leave no memory for this one"),
-          "OVERLOADED"),
-      kRetryAfter);
-}
-
-}  // namespace treeline::service
+}  // namespace treeline::wire

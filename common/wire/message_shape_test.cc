@@ -1,4 +1,4 @@
-#include "server/service/message_shape.h"
+#include "common/wire/message_shape.h"
 
 #include <gmock/gmock.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
@@ -8,7 +8,7 @@
 
 #include "treeline/v1/relocalization.pb.h"
 
-namespace treeline::service {
+namespace treeline::wire {
 namespace {
 
 using ::testing::HasSubstr;
@@ -130,4 +130,4 @@ TEST(MessageShape, ParsingFailsAsProtobufDoes) {
 }
 
 }  // namespace
-}  // namespace treeline::service
+}  // namespace treeline::wire

@@ -1,15 +1,14 @@
 // What an encoded message would become, before anything is built from it.
-#ifndef SERVER_SERVICE_MESSAGE_SHAPE_H_
-#define SERVER_SERVICE_MESSAGE_SHAPE_H_
+#ifndef COMMON_WIRE_MESSAGE_SHAPE_H_
+#define COMMON_WIRE_MESSAGE_SHAPE_H_
 
 #include <google/protobuf/io/zero_copy_stream.h>
 #include <google/protobuf/message.h>
 
-#include <string>
-
 #include "absl/status/status.h"
+#include "absl/strings/string_view.h"
 
-namespace treeline::service {
+namespace treeline::wire {
 
 // A request has few fields, of which one is large. An empty text takes 2 bytes
 // of a request and 40 of memory; a message of its own, more.
@@ -30,12 +29,9 @@ absl::Status CheckMessageShape(google::protobuf::io::ZeroCopyInputStream& bytes,
                                const MessageLimits& limits = {});
 
 // The same, and then parses. Clears `message` first.
-absl::Status ParseMessage(const std::string& bytes,
+absl::Status ParseMessage(absl::string_view bytes,
                           google::protobuf::Message& message);
 
-// For requests that others leave no memory for.
-absl::Status NoMemoryForRequest();
+}  // namespace treeline::wire
 
-}  // namespace treeline::service
-
-#endif  // SERVER_SERVICE_MESSAGE_SHAPE_H_
+#endif  // COMMON_WIRE_MESSAGE_SHAPE_H_

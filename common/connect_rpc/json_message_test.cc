@@ -1,4 +1,4 @@
-#include "server/gateway/json_message.h"
+#include "common/connect_rpc/json_message.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 
 #include "treeline/v1/relocalization.pb.h"
 
-namespace treeline::gateway {
+namespace treeline::connect_rpc {
 namespace {
 
 using ::testing::HasSubstr;
@@ -84,4 +84,4 @@ TEST(JsonMessage, NamesTheFieldThatIsWrong) {
 }
 
 }  // namespace
-}  // namespace treeline::gateway
+}  // namespace treeline::connect_rpc

@@ -1,6 +1,6 @@
 // JSON <-> protobuf messages, by protobuf's JSON mapping, within limits.
-#ifndef SERVER_GATEWAY_JSON_MESSAGE_H_
-#define SERVER_GATEWAY_JSON_MESSAGE_H_
+#ifndef COMMON_CONNECT_RPC_JSON_MESSAGE_H_
+#define COMMON_CONNECT_RPC_JSON_MESSAGE_H_
 
 #include <google/protobuf/message.h>
 
@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline::gateway {
+namespace treeline::connect_rpc {
 
 // What a body may look like before a parser builds something from it: a
 // request has few values, of which one is large.
@@ -21,13 +21,13 @@ struct JsonLimits {
   int max_values = 20000;
 };
 
-// INVALID_ARGUMENT: deeper or with more values than `limits`. It does not say
-// that `json` is JSON; it costs one pass.
+// INVALID_ARGUMENT with reason INVALID_REQUEST: deeper or with more values than
+// `limits`. It does not say that `json` is JSON; it costs one pass.
 absl::Status CheckJsonShape(absl::string_view json,
                             const JsonLimits& limits = {});
 
-// Clears `message` first. INVALID_ARGUMENT, naming the field: no JSON, over the
-// limits, unknown fields, values of another type.
+// Clears `message` first. The same error: no JSON, over the limits, and, naming
+// the field, unknown fields and values of another type.
 absl::Status MessageFromJson(absl::string_view json,
                              google::protobuf::Message& message);
 
@@ -36,6 +36,6 @@ absl::Status MessageFromJson(absl::string_view json,
 absl::StatusOr<std::string> JsonFromMessage(
     const google::protobuf::Message& message);
 
-}  // namespace treeline::gateway
+}  // namespace treeline::connect_rpc
 
-#endif  // SERVER_GATEWAY_JSON_MESSAGE_H_
+#endif  // COMMON_CONNECT_RPC_JSON_MESSAGE_H_
