@@ -128,11 +128,29 @@ void AddMeasureFlags(CLI::App& app, EvaluateFlags& flags) {
               "A recording of another place, none of whose frames may be "
               "localized; builtin[,N] for noise, blank walls, black and "
               "gradients. May be repeated");
+  app.add_option("--perturb", flags.perturb_text,
+                 "Accuracy on changed frames: KIND, KIND:STRENGTH, or all, "
+                 "separated by commas; with '+' one after the other "
+                 "(no-depth+all). The kinds are listed below")
+      ->type_name("LIST")
+      ->group(kGroup);
+  app.add_option("--perturb-frames", flags.perturbed_frames,
+                 "Of the recording, evenly spread; 0: all")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("N")
+      ->capture_default_str()
+      ->group(kGroup);
   app.add_option("--confidence-threshold", flags.confidence_threshold,
                  "Confidence from which an answer is to be relied on")
       ->check(CLI::Range(0.0, 1.0))
       ->type_name("P")
       ->capture_default_str()
+      ->group(kGroup);
+  app.add_option("--min-confidence", flags.min_confidence,
+                 "Least confidence of an answer, in place of the model's; 0 "
+                 "answers with every pose that was found")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("P")
       ->group(kGroup);
   AddRepeated(app, "--sweep", flags.sweep_texts, "NAME=VALUES", kGroup,
               "Accuracy and time as an option changes: backtracking=1..32, "
@@ -189,6 +207,10 @@ void ParseTexts(EvaluateFlags& flags) {
   for (const std::string& text : flags.foreign_texts) {
     flags.foreign.push_back(
         OrUsageError("--foreign", ParseForeignSource(text)));
+  }
+  if (!flags.perturb_text.empty()) {
+    flags.perturbations =
+        OrUsageError("--perturb", ParsePerturbations(flags.perturb_text));
   }
   for (const std::string& text : flags.sweep_texts) {
     flags.sweeps.push_back(OrUsageError("--sweep", ParseSweep(text)));

@@ -3,6 +3,7 @@
 #define EVALUATION_ACCURACY_EVALUATE_FLAGS_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "evaluation/accuracy/feature_pnp_baseline.h"
 #include "evaluation/accuracy/foreign_images.h"
 #include "evaluation/accuracy/method_spec.h"
+#include "evaluation/accuracy/perturbation.h"
 #include "evaluation/accuracy/sweep.h"
 #include "evaluation/accuracy/thresholds.h"
 #include "server/core/localizer/query_options.h"
@@ -35,14 +37,18 @@ struct EvaluateFlags {
   // As given, and what they say.
   std::vector<std::string> threshold_texts;
   std::vector<std::string> foreign_texts;
+  std::string perturb_text;
   std::vector<std::string> sweep_texts;
   std::string sweep_methods_text;
   std::vector<MethodSpec> methods;           // of --compare, or the only one
   std::vector<ThresholdRequest> thresholds;  // the standard ones first
   std::vector<NegativeSource> foreign;
+  std::vector<Perturbation> perturbations;
+  int perturbed_frames = 0;  // evenly spread; 0: all
   std::vector<SweepRequest> sweeps;
   std::vector<MethodSpec> sweep_methods;
   double confidence_threshold = kPublishedConfidence;
+  std::optional<double> min_confidence;  // nullopt: the models' own
   std::string json_path;
   std::string csv_path;
   std::string report_path;

@@ -84,6 +84,21 @@ TEST(EvaluateFlags, TakeRepeatedThresholdsForeignPicturesAndSweeps) {
               HasSubstr("--sweep"));
 }
 
+TEST(EvaluateFlags, TakeAListOfPerturbations) {
+  EvaluateFlags flags;
+  EXPECT_EQ(Parse(flags, {"--model", "m", "--perturb", "gamma,no-depth+blur:5",
+                          "--perturb-frames", "40"}),
+            "");
+  ASSERT_EQ(flags.perturbations.size(), 3u);
+  EXPECT_EQ(flags.perturbations[2].Name(), "no-depth+blur:5");
+  EXPECT_EQ(flags.perturbed_frames, 40);
+  EXPECT_THAT(Problem({"--model", "m", "--perturb", "sepia"}),
+              HasSubstr("sepia"));
+  EXPECT_THAT(
+      Problem({"--model", "m", "--perturb", "all", "--perturb-frames", "-1"}),
+      HasSubstr("--perturb-frames"));
+}
+
 TEST(EvaluateFlags, SweepTheFirstForestUnlessTold) {
   EvaluateFlags flags;
   EXPECT_EQ(Parse(flags,

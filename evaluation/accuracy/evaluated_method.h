@@ -10,12 +10,19 @@
 #include "common/geometry/rigid3.h"
 #include "evaluation/accuracy/evaluation.h"
 #include "evaluation/accuracy/foreign_images.h"
+#include "evaluation/accuracy/perturbation.h"
 #include "evaluation/accuracy/report_pictures.h"
 #include "evaluation/accuracy/scene_coordinate_errors.h"
 #include "evaluation/accuracy/split_ratios.h"
 #include "server/core/forest/model_info.h"
 
 namespace treeline::accuracy {
+
+// What became of frames that were changed before they were asked about.
+struct PerturbedResults {
+  Perturbation perturbation;
+  std::vector<FrameResult> results;
+};
 
 struct EvaluatedMethod {
   std::string name;  // of --compare, else the model's method
@@ -29,6 +36,8 @@ struct EvaluatedMethod {
   // What follows is empty where it was not asked for or cannot be known.
   std::vector<double> scene_errors_m;  // ascending; see SceneCoordinateErrors
   std::vector<NegativeTally> foreign;
+  // The same frames in each, as they are first.
+  std::vector<PerturbedResults> perturbed;
   std::vector<LevelSplits> splits;
   std::vector<ReportPicture> pictures;
   std::vector<ErrorHeatMap> heat_maps;

@@ -49,14 +49,33 @@ class FrameEvaluator {
           localizer_.info().calibration.pose_sensor, calibration_);
     }
     result.status = Localize(i, result);
-    if (result.localized() && result.true_world_from_camera.has_value()) {
-      result.error = geometry::ErrorBetween(result.estimate.world_from_camera,
-                                            *result.true_world_from_camera);
+    if (result.status.ok() && result.true_world_from_camera.has_value()) {
+      AddError(result);
     }
     return result;
   }
 
  private:
+  static void AddError(FrameResult& result) {
+    if (!result.localized() && !result.refused_pose()) return;
+    (result.localized() ? result.error : result.refused_error) =
+        geometry::ErrorBetween(result.estimate.world_from_camera,
+                               *result.true_world_from_camera);
+  }
+
+  // The frame as it is asked about; `truth` follows it.
+  absl::StatusOr<image::Frame> Perturbed(
+      image::Frame frame, const std::string& stem,
+      std::optional<geometry::Rigid3>& truth) const {
+    if (!frame.calibration) frame.calibration = calibration_;
+    TL_ASSIGN_OR_RETURN(
+        PerturbedFrame perturbed,
+        Perturb(options_.perturbation, std::move(frame), options_.seed, stem));
+    if (options_.perturbation.is_foreign()) truth.reset();
+    if (truth) *truth = *truth * perturbed.turned_from_sensor.Inverse();
+    return std::move(perturbed.frame);
+  }
+
   absl::Status Localize(int i, FrameResult& result) const {
     TL_ASSIGN_OR_RETURN(const dataset::Dataset::Encoded encoded,
                         dataset_.ReadEncoded(i));
@@ -66,8 +85,12 @@ class FrameEvaluator {
     if (!frame.ok()) return AnnotateWithFiles(frame.status(), i);
     result.decode_ms = base::MillisecondsBetween(start, decoded);
     if (options_.calibration) frame->calibration = options_.calibration;
-    const localizer::LocalizeOptions query{.seed = options_.seed,
-                                           .stop = options_.stop};
+    if (!options_.perturbation.steps.empty()) {
+      frame = Perturbed(*std::move(frame), result.stem,
+                        result.true_world_from_camera);
+      if (!frame.ok()) return AnnotateWithFiles(frame.status(), i);
+    }
+    const localizer::LocalizeOptions query = options_.Query();
     const double cpu_before_ms = base::ThreadProcessorTime_ms();
     const base::MonotonicTime asked = clock_.Now();
     absl::StatusOr<localizer::PoseEstimate> estimate =
@@ -114,6 +137,10 @@ absl::Status EvaluationOptions::Validate() const {
   return absl::OkStatus();
 }
 
+localizer::LocalizeOptions EvaluationOptions::Query() const {
+  return {.seed = seed, .min_confidence = min_confidence, .stop = stop};
+}
+
 absl::StatusOr<std::vector<FrameResult>> Evaluate(
     const localizer::Localizer& localizer, const dataset::Dataset& dataset,
     const EvaluationOptions& options, const base::Clock& clock) {
@@ -135,15 +162,14 @@ absl::StatusOr<std::vector<FrameResult>> Evaluate(
   return results;
 }
 
-bool IsWithin(const FrameResult& result, double translation_m,
-              double rotation_deg) {
-  return result.error.has_value() &&
-         result.error->translation_m < translation_m &&
-         result.error->rotation_rad * kDegreesPerRadian < rotation_deg;
+bool IsWithin(const FrameResult& result, const PoseThreshold& threshold) {
+  return IsWithin(result.error, threshold);
 }
 
-bool IsWithin(const FrameResult& result, const PoseThreshold& threshold) {
-  return IsWithin(result, threshold.translation_m, threshold.rotation_deg);
+bool IsWithin(const std::optional<geometry::PoseError>& error,
+              const PoseThreshold& threshold) {
+  return error && error->translation_m < threshold.translation_m &&
+         error->rotation_rad * kDegreesPerRadian < threshold.rotation_deg;
 }
 
 std::optional<double> CorrectShare(const std::vector<FrameResult>& results,

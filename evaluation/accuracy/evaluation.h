@@ -13,6 +13,7 @@
 #include "common/camera/rgbd_calibration.h"
 #include "common/dataset/dataset.h"
 #include "common/geometry/rigid3.h"
+#include "evaluation/accuracy/perturbation.h"
 #include "server/core/localizer/localizer.h"
 
 namespace treeline::accuracy {
@@ -27,10 +28,16 @@ struct EvaluationOptions {
   // What every query is said to be taken with; see QueryCalibration. nullopt:
   // what its frame says, or else the calibration stored with the scene.
   std::optional<camera::RgbdCalibration> calibration;
+  // Least confidence of an answer, in [0, 1]; nullopt: the model's threshold.
+  std::optional<double> min_confidence;
+  // What Evaluate does to every frame before it is asked about, with `seed`.
+  Perturbation perturbation;
   bool quiet = false;  // no progress bar
   std::stop_token stop;
 
   absl::Status Validate() const;
+  // What a query is asked with.
+  localizer::LocalizeOptions Query() const;
 };
 
 // What became of one frame.
@@ -41,10 +48,14 @@ struct FrameResult {
   absl::Status status;
   // Meaningful if status is OK. Holds no correspondences.
   localizer::PoseEstimate estimate;
-  // Of the localizer's pose sensor; nullopt: not known.
+  // Of the localizer's pose sensor, in the picture as it was asked about;
+  // nullopt: not known, or there is none (see Perturbation::is_foreign).
   std::optional<geometry::Rigid3> true_world_from_camera;
   // Present where the frame was localized and the truth is known.
   std::optional<geometry::PoseError> error;
+  // The same of the pose that was refused, where the frame was not localized
+  // but one was found.
+  std::optional<geometry::PoseError> refused_error;
   // Decoding colour and depth, files already read. nullopt: it failed.
   std::optional<double> decode_ms;
   // Localizer::Localize alone. nullopt: never came to it, or it refused.
@@ -54,6 +65,10 @@ struct FrameResult {
 
   bool localized() const {
     return status.ok() && estimate.outcome == localizer::Outcome::kLocalized;
+  }
+  // Not localized, though there was a pose: it was not believed.
+  bool refused_pose() const {
+    return status.ok() && !localized() && estimate.inliers > 0;
   }
 };
 
@@ -108,10 +123,11 @@ absl::StatusOr<std::vector<FrameResult>> Evaluate(
 EvaluationSummary Summarize(const std::vector<FrameResult>& results);
 
 // Whether a frame was localized within both bounds.
-bool IsWithin(const FrameResult& result, double translation_m,
-              double rotation_deg);
-
 bool IsWithin(const FrameResult& result, const PoseThreshold& threshold);
+
+// Whether there is an error and it is within both bounds.
+bool IsWithin(const std::optional<geometry::PoseError>& error,
+              const PoseThreshold& threshold);
 
 // The fraction of the scored frames that are within the threshold. nullopt: no
 // frame is scored.

@@ -17,7 +17,7 @@ constexpr const char* kHeader =
     "method,frame,outcome,reason,confidence,inliers,samples,inlier_ratio,"
     "translation_error_m,rotation_error_deg,latency_ms,cpu_ms,decode_ms,"
     "sample_ms,forest_ms,pose_ms,qw,qx,qy,qz,tx,ty,tz,"
-    "true_qw,true_qx,true_qy,true_qz,true_tx,true_ty,true_tz\n";
+    "true_qw,true_qx,true_qy,true_qz,true_tx,true_ty,true_tz,perturbation\n";
 
 std::string Quoted(absl::string_view text) {
   if (text.find_first_of(",\"\r\n") == absl::string_view::npos) {
@@ -44,7 +44,8 @@ void AddPose(const std::optional<geometry::Rigid3>& pose,
   }
 }
 
-std::string Line(const std::string& method, const FrameResult& result) {
+std::string Line(const std::string& method, const FrameResult& result,
+                 const std::string& perturbation) {
   const localizer::PoseEstimate& estimate = result.estimate;
   const bool answered = result.status.ok();
   std::vector<std::string> fields{Quoted(method), Quoted(result.stem)};
@@ -79,6 +80,7 @@ std::string Line(const std::string& method, const FrameResult& result) {
               : std::nullopt,
           fields);
   AddPose(result.true_world_from_camera, fields);
+  fields.push_back(Quoted(perturbation));
   return absl::StrJoin(fields, ",") + "\n";
 }
 
@@ -88,7 +90,12 @@ std::string EvaluationCsv(const std::vector<EvaluatedMethod>& methods) {
   std::string csv = kHeader;
   for (const EvaluatedMethod& method : methods) {
     for (const FrameResult& result : method.results) {
-      csv += Line(method.name, result);
+      csv += Line(method.name, result, "");
+    }
+    for (const PerturbedResults& perturbed : method.perturbed) {
+      for (const FrameResult& result : perturbed.results) {
+        csv += Line(method.name, result, perturbed.perturbation.Name());
+      }
     }
   }
   return csv;

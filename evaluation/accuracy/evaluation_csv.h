@@ -11,7 +11,8 @@ namespace treeline::accuracy {
 
 // A header, then a line a frame and method (RFC 4180, lines end with \n):
 // lengths in metres, angles in degrees, times in milliseconds. What is
-// undefined, or not finite, is empty. A method that failed has no lines.
+// undefined, or not finite, is empty. A method that failed has no lines; after
+// the frames of one that did not follow those that were perturbed.
 std::string EvaluationCsv(const std::vector<EvaluatedMethod>& methods);
 
 }  // namespace treeline::accuracy

@@ -13,6 +13,7 @@
 namespace treeline::accuracy {
 namespace {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -56,6 +57,20 @@ TEST(EvaluationCsv, HasALineAFrameWithTheColumnsOfTheHeader) {
   EXPECT_THAT(lines[1], HasSubstr(",1,0,0,0,1,2,3,1,0,0,0,0,0,0"));
   EXPECT_THAT(lines[2], StartsWith("rgbd,f1,NOT_LOCALIZED,TOO_FEW_INLIERS,"));
   EXPECT_THAT(lines[3], StartsWith("rgbd,f2,ERROR,no such file,,,,,,,"));
+}
+
+TEST(EvaluationCsv, HasPerturbedFramesAfterThoseAsTheyAre) {
+  EvaluatedMethod method;
+  method.name = "rgbd";
+  method.results = {Localized()};
+  method.perturbed = {
+      {ParsePerturbations("gamma:2").value().front(), {Localized()}}};
+  const std::vector<std::string> lines =
+      absl::StrSplit(EvaluationCsv({method}), '\n');
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_THAT(lines[0], EndsWith(",perturbation"));
+  EXPECT_THAT(lines[1], EndsWith(",0,0,0,"));
+  EXPECT_THAT(lines[2], EndsWith(",0,0,0,gamma:2"));
 }
 
 TEST(EvaluationCsv, QuotesWhatWouldBreakALine) {

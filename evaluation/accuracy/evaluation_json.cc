@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "absl/strings/string_view.h"
+#include "evaluation/accuracy/answer_counts.h"
 #include "evaluation/accuracy/confidence_report.h"
+#include "evaluation/accuracy/perturbation_table.h"
 #include "evaluation/accuracy/trajectory_error.h"
 #include "nlohmann/json.hpp"
 #include "server/core/forest/model_info_json.h"
@@ -83,6 +85,21 @@ void AddEstimate(const FrameResult& result, Json& json) {
       result.localized() ? Pose(estimate.world_from_camera) : Json(nullptr);
 }
 
+void AddError(const std::optional<geometry::PoseError>& error, Json& json) {
+  json["translation_error_m"] =
+      error ? Number(error->translation_m) : Json(nullptr);
+  json["rotation_error_deg"] =
+      error ? Number(error->rotation_rad * kDegreesPerRadian) : Json(nullptr);
+}
+
+// The best pose of a frame that was not localized.
+Json Refused(const FrameResult& result) {
+  if (!result.refused_pose()) return nullptr;
+  Json json{{"world_from_camera", Pose(result.estimate.world_from_camera)}};
+  AddError(result.refused_error, json);
+  return json;
+}
+
 Json Stages(const FrameResult& result) {
   if (!result.status.ok()) return nullptr;
   const localizer::LocalizeTimings& timings = result.estimate.timings;
@@ -98,11 +115,8 @@ Json PerFrame(const FrameResult& result) {
   json["true_world_from_camera"] = result.true_world_from_camera
                                        ? Pose(*result.true_world_from_camera)
                                        : Json(nullptr);
-  json["translation_error_m"] =
-      result.error ? Number(result.error->translation_m) : Json(nullptr);
-  json["rotation_error_deg"] =
-      result.error ? Number(result.error->rotation_rad * kDegreesPerRadian)
-                   : Json(nullptr);
+  AddError(result.error, json);
+  json["refused"] = Refused(result);
   json["latency_ms"] = Number(result.latency_ms);
   json["cpu_ms"] = Number(result.cpu_ms);
   json["decode_ms"] = Number(result.decode_ms);
@@ -228,6 +242,45 @@ Json ForeignJson(const std::vector<NegativeTally>& tallies) {
   return json;
 }
 
+// Adds the counts of a group of frames, and what follows from them.
+void AddCounts(const AnswerCounts& counts, Json& json) {
+  json["frames"] = counts.frames;
+  json["answered"] = counts.answered;
+  json["right"] = counts.right;
+  json["found"] = counts.found;
+  json["relied_on"] = counts.relied_on;
+  json["wrong"] = counts.wrong;
+  json["gross"] = counts.gross;
+  json["share_right"] = Number(counts.ShareRight());
+  json["share_answered"] = Number(counts.ShareAnswered());
+  json["share_found"] = Number(counts.ShareFound());
+  json["coverage"] = Number(counts.Coverage());
+  json["precision"] = Number(counts.Precision());
+  json["calibration_error"] = Number(counts.calibration_error);
+  json["latency_ms"] = PercentilesJson(counts.latency_ms);
+  json["cpu_ms"] = PercentilesJson(counts.cpu_ms);
+}
+
+Json AnswersJson(const EvaluatedMethod& method, double threshold) {
+  Json json = Json::object();
+  AddCounts(
+      CountAnswers(method.results,
+                   RightWithin(method.results, method.model.units_are_metres),
+                   threshold),
+      json);
+  return json;
+}
+
+Json PerturbationsJson(const EvaluatedMethod& method, double threshold) {
+  Json json = Json::array();
+  for (const PerturbationRow& row : PerturbationRows(method, threshold)) {
+    Json entry{{"name", row.name}, {"is_foreign", row.is_foreign}};
+    AddCounts(row.counts, entry);
+    json.push_back(std::move(entry));
+  }
+  return json;
+}
+
 // Of ascending values.
 Json SceneErrorsJson(const std::vector<double>& errors_m) {
   Json json{{"predictions", errors_m.size()},
@@ -251,8 +304,10 @@ void AddMethod(const EvaluatedMethod& method, const EvaluationRun& run,
   AddHeadline(Summarize(results), json);
   json["thresholds"] = ThresholdsJson(results, run.thresholds);
   json["trajectory"] = TrajectoryJson(results);
+  json["answers"] = AnswersJson(method, run.confidence_threshold);
   json["confidence"] = ConfidenceJson(results, run.confidence_threshold);
   json["foreign"] = ForeignJson(method.foreign);
+  json["perturbations"] = PerturbationsJson(method, run.confidence_threshold);
   json["scene_coordinate_errors"] = SceneErrorsJson(method.scene_errors_m);
   json["model_bytes"] = method.model.file_bytes;
   json["training_s"] = Number(method.model.training_s);
@@ -265,6 +320,7 @@ void AddMethod(const EvaluatedMethod& method, const EvaluationRun& run,
 void AddRun(const EvaluationRun& run, Json& json) {
   json["seed"] = run.seed;
   json["threads"] = run.threads;
+  json["min_confidence"] = Number(run.min_confidence);
   json["cpu"] = Text(run.cpu);
   json["software_version"] = Text(run.software_version);
   json["peak_memory_bytes"] = run.peak_memory_bytes;

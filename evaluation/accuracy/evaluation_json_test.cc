@@ -182,6 +182,54 @@ TEST(EvaluationJson, GivesNoPoseForAFrameThatWasNotLocalized) {
   EXPECT_EQ(frame["latency_ms"], 1.0);
 }
 
+TEST(EvaluationJson, GivesARefusedPoseBesideWhereAnAnswerWouldStand) {
+  FrameResult refused = LostFrame();
+  refused.estimate.world_from_camera.translation = {1, 2, 3};
+  refused.refused_error = geometry::PoseError{0.25, 0.017453292519943295};
+  const Json frame = Parsed({refused})["per_frame"][0];
+  EXPECT_TRUE(frame["world_from_camera"].is_null());
+  EXPECT_TRUE(frame["translation_error_m"].is_null());
+  EXPECT_EQ(frame["refused"]["world_from_camera"]["tx"], 1.0);
+  EXPECT_EQ(frame["refused"]["translation_error_m"], 0.25);
+  EXPECT_NEAR(frame["refused"]["rotation_error_deg"].get<double>(), 1, 1e-12);
+  FrameResult without_pose = LostFrame();
+  without_pose.estimate.inliers = 0;
+  const Json frames =
+      Parsed({LocalizedFrame(), without_pose, FailedFrame()})["per_frame"];
+  for (const Json& other : frames) EXPECT_TRUE(other["refused"].is_null());
+}
+
+TEST(EvaluationJson, CountsWhatWasAnsweredAndWhatWasFound) {
+  FrameResult refused = LostFrame();
+  refused.refused_error = geometry::PoseError{0.01, 0};
+  const Json answers = Parsed({LocalizedFrame(), refused})["answers"];
+  EXPECT_EQ(answers["frames"], 2);
+  EXPECT_EQ(answers["answered"], 1);
+  EXPECT_EQ(answers["right"], 1);
+  EXPECT_EQ(answers["found"], 2);
+  EXPECT_EQ(answers["coverage"], 0.5);
+  EXPECT_EQ(answers["share_right"], 0.5);
+  EXPECT_EQ(answers["wrong"], 0);
+  EXPECT_EQ(answers["precision"], 1.0);
+}
+
+TEST(EvaluationJson, HasARowAPerturbation) {
+  EvaluatedMethod method;
+  method.results = {LocalizedFrame()};
+  method.perturbed = {
+      {{}, {LocalizedFrame()}},
+      {ParsePerturbations("mirror").value().front(), {LostFrame()}}};
+  const Json rows =
+      Json::parse(EvaluationJson(method, {}, SomeRun()))["perturbations"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0]["name"], "as it is");
+  EXPECT_EQ(rows[0]["share_right"], 1.0);
+  EXPECT_EQ(rows[0]["latency_ms"]["p50"], 2.625);
+  EXPECT_EQ(rows[1]["name"], "mirror");
+  EXPECT_TRUE(rows[1]["is_foreign"].get<bool>());
+  EXPECT_EQ(rows[1]["wrong"], 0);
+}
+
 TEST(EvaluationJson, GivesTheMessageOfAnErrorAndNothingElse) {
   const Json frame = Parsed({FailedFrame()})["per_frame"][0];
   EXPECT_EQ(frame["outcome"], "ERROR");

@@ -3,6 +3,7 @@
 #define EVALUATION_ACCURACY_EVALUATION_RUN_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct EvaluationRun {
   int threads = 1;
   std::vector<ThresholdRequest> thresholds = StandardThresholds();
   double confidence_threshold = kPublishedConfidence;
+  std::optional<double> min_confidence;  // nullopt: the models' own
   std::string command;
   std::string cpu;
   std::string software_version;

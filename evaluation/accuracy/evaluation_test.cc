@@ -180,6 +180,72 @@ TEST(Evaluate, ComparesEachFrameWithItsOwnTruth) {
   }
 }
 
+// A refused pose has its error, and the frame still counts as not localized.
+TEST(Evaluate, KeepsTheErrorOfAPoseThatWasRefused) {
+  const tools::SmallRecording recording(2, {At(0, 0, 0), At(1, 0, 0)});
+  const tools::FunctionLocalizer localizer(
+      DepthPosedModel(),
+      [](const image::Frame& frame, const localizer::LocalizeOptions&) {
+        localizer::PoseEstimate estimate;
+        estimate.inliers = tools::FrameNumber(frame) == 1 ? 9 : 0;
+        estimate.world_from_camera = At(1.5, 0, 0);
+        return estimate;
+      });
+  const auto results =
+      Evaluate(localizer, recording.Open(), Quiet(), base::SteadyClock());
+  ASSERT_TRUE(results.ok()) << results.status();
+  EXPECT_FALSE((*results)[0].refused_error.has_value());
+  ASSERT_TRUE((*results)[1].refused_error.has_value());
+  EXPECT_NEAR((*results)[1].refused_error->translation_m, 0.5, 1e-12);
+  EXPECT_FALSE((*results)[1].error.has_value());
+  EXPECT_EQ(Summarize(*results).localized, 0);
+}
+
+// The true pose is that of the picture as it is sent.
+TEST(Evaluate, TurnsTheTruthWithThePicture) {
+  const tools::SmallRecording recording(1, {At(1, 2, 3)});
+  const tools::FunctionLocalizer localizer(
+      DepthPosedModel(),
+      [](const image::Frame& frame, const localizer::LocalizeOptions&) {
+        EXPECT_EQ(frame.color.width, 6);
+        EXPECT_EQ(frame.color.height, 8);
+        EXPECT_EQ(frame.calibration->color.width(), 6);
+        return tools::LocalizedAt(At(1, 2, 3));
+      });
+  EvaluationOptions options = Quiet();
+  options.perturbation = ParsePerturbations("rotate:90").value().front();
+  // The small pictures are of another size than the model's.
+  options.calibration = recording.Open().calibration();
+  const auto results =
+      Evaluate(localizer, recording.Open(), options, base::SteadyClock());
+  ASSERT_TRUE(results.ok()) << results.status();
+  ASSERT_TRUE((*results)[0].status.ok()) << (*results)[0].status;
+  const geometry::Rigid3& truth = *(*results)[0].true_world_from_camera;
+  EXPECT_NEAR((*results)[0].error->translation_m, 0, 1e-12);
+  EXPECT_NEAR((*results)[0].error->rotation_rad, 90 * kDegree, 1e-9);
+  // What was to the right of the camera is below it in the turned picture.
+  const geometry::Vec3 right_in_world =
+      truth.rotation * geometry::Vec3{0, 1, 0};
+  EXPECT_NEAR(right_in_world.x, 1, 1e-12);
+}
+
+TEST(Evaluate, KnowsNoTruthOfAMirroredPicture) {
+  const tools::SmallRecording recording(1, {At(0, 0, 0)});
+  const tools::FunctionLocalizer localizer(
+      DepthPosedModel(),
+      [](const image::Frame&, const localizer::LocalizeOptions&) {
+        return tools::LocalizedAt(At(0, 0, 0));
+      });
+  EvaluationOptions options = Quiet();
+  options.perturbation = ParsePerturbations("mirror").value().front();
+  const auto results =
+      Evaluate(localizer, recording.Open(), options, base::SteadyClock());
+  ASSERT_TRUE(results.ok()) << results.status();
+  EXPECT_FALSE((*results)[0].true_world_from_camera.has_value());
+  EXPECT_FALSE((*results)[0].error.has_value());
+  EXPECT_TRUE((*results)[0].localized());
+}
+
 TEST(Evaluate, LocalizesFramesWithoutTruthAndDoesNotScoreThem) {
   const tools::SmallRecording recording(2, {At(0, 0, 0)});
   const tools::FunctionLocalizer localizer(

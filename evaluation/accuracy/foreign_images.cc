@@ -232,8 +232,7 @@ class ForeignAsker {
       answers.with_depth = {true, true, frame.status()};
       return answers;
     }
-    const localizer::LocalizeOptions query{.seed = options_.seed,
-                                           .stop = options_.stop};
+    const localizer::LocalizeOptions query = options_.Query();
     if (frame->depth) {
       answers.with_depth = {true, false, localizer_.Localize(*frame, query)};
       frame->depth.reset();

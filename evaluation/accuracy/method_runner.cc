@@ -41,6 +41,16 @@ std::vector<int> HeatMapFrames(int frames) {
   return chosen;
 }
 
+// Up to `count` frames, evenly spread over the recording; 0: all.
+dataset::Dataset EvenlySpread(const dataset::Dataset& dataset, int count) {
+  if (count == 0 || count >= dataset.size()) return dataset;
+  std::vector<int> frames;
+  for (int64_t k = 0; k < count; ++k) {
+    frames.push_back(static_cast<int>(k * dataset.size() / count));
+  }
+  return dataset.Subset(frames);
+}
+
 bool IsInterrupted(const absl::Status& status) {
   return status.code() == absl::StatusCode::kCancelled;
 }
@@ -126,6 +136,7 @@ absl::Status MethodRunner::Evaluate(const MethodSpec& spec,
                       treeline::accuracy::Evaluate(
                           *localizer, dataset_, options, base::SteadyClock()));
   method.peak_memory_bytes = tools::PeakMemoryBytes();
+  TL_RETURN_IF_ERROR(AddPerturbed(*localizer, options, method));
   return AddDetails(*localizer, spec, options, method);
 }
 
@@ -168,6 +179,7 @@ absl::StatusOr<EvaluationOptions> MethodRunner::Options(
     const MethodSpec& spec, const forest::ModelInfo& info) const {
   EvaluationOptions options;
   options.seed = flags_.seed;
+  options.min_confidence = flags_.min_confidence;
   options.threads = flags_.threads;
   options.quiet = flags_.quiet;
   options.stop = stop_;
@@ -176,6 +188,28 @@ absl::StatusOr<EvaluationOptions> MethodRunner::Options(
   if (calibration_ && !spec.baseline) options.calibration = calibration_;
   TL_RETURN_IF_ERROR(options.Validate());
   return options;
+}
+
+absl::Status MethodRunner::AddPerturbed(const localizer::Localizer& localizer,
+                                        EvaluationOptions options,
+                                        EvaluatedMethod& method) const {
+  if (flags_.perturbations.empty()) return absl::OkStatus();
+  const dataset::Dataset frames =
+      EvenlySpread(dataset_, flags_.perturbed_frames);
+  std::vector<Perturbation> perturbations{Perturbation{}};
+  perturbations.insert(perturbations.end(), flags_.perturbations.begin(),
+                       flags_.perturbations.end());
+  for (const Perturbation& perturbation : perturbations) {
+    if (!flags_.quiet) {
+      std::fprintf(stderr, "%s\n", perturbation.Name().c_str());
+    }
+    options.perturbation = perturbation;
+    TL_ASSIGN_OR_RETURN(std::vector<FrameResult> results,
+                        treeline::accuracy::Evaluate(localizer, frames, options,
+                                                     base::SteadyClock()));
+    method.perturbed.push_back({perturbation, std::move(results)});
+  }
+  return absl::OkStatus();
 }
 
 absl::Status MethodRunner::AddDetails(const localizer::Localizer& localizer,

@@ -50,6 +50,10 @@ class MethodRunner {
       const MethodSpec& spec, EvaluatedMethod& method);
   absl::StatusOr<EvaluationOptions> Options(
       const MethodSpec& spec, const forest::ModelInfo& info) const;
+  // Asks about the frames as they are, and with every perturbation.
+  absl::Status AddPerturbed(const localizer::Localizer& localizer,
+                            EvaluationOptions options,
+                            EvaluatedMethod& method) const;
   absl::Status AddDetails(const localizer::Localizer& localizer,
                           const MethodSpec& spec,
                           const EvaluationOptions& options,

@@ -89,6 +89,31 @@ TEST_F(MethodRunnerTest, ComparesForestsAblationsAndBaselines) {
             (*sweeps)[1].lines[0].points[1].model_bytes);
 }
 
+TEST_F(MethodRunnerTest, AsksAboutChangedFramesToo) {
+  Compare("orb-pnp");
+  flags_.perturbations = ParsePerturbations("rotate:180,exposure:0").value();
+  flags_.perturbed_frames = 3;
+  auto runner = MethodRunner::Open(flags_, {});
+  ASSERT_TRUE(runner.ok()) << runner.status();
+  const auto methods = runner->EvaluateMethods();
+  ASSERT_TRUE(methods.ok()) << methods.status();
+  const EvaluatedMethod& method = methods->front();
+  ASSERT_TRUE(method.status.ok()) << method.status;
+  ASSERT_EQ(method.perturbed.size(), 3u);
+  EXPECT_EQ(method.perturbed[0].perturbation.Name(), "as it is");
+  for (const PerturbedResults& perturbed : method.perturbed) {
+    ASSERT_EQ(perturbed.results.size(), 3u);
+  }
+  // The first, third and fifth of six.
+  EXPECT_EQ(method.perturbed[0].results[1].stem, method.results[2].stem);
+  EXPECT_EQ(Summarize(method.perturbed[0].results).correct_5cm_5deg,
+            Summarize(method.perturbed[1].results).correct_5cm_5deg)
+      << "ORB does not mind which side is up";
+  EXPECT_GT(Summarize(method.perturbed[0].results).localized, 0);
+  EXPECT_EQ(Summarize(method.perturbed[2].results).localized, 0)
+      << "a black picture shows nothing";
+}
+
 TEST_F(MethodRunnerTest, NamesFramesThatVanishAndGoesOn) {
   Compare("orb-pnp");
   auto runner = MethodRunner::Open(flags_, {});

@@ -98,9 +98,8 @@ std::vector<ReportPicture> TakePictures(
     absl::StatusOr<image::Frame> frame = dataset.Load(choice.frame);
     if (!frame.ok()) continue;
     if (options.calibration) frame->calibration = options.calibration;
-    const localizer::LocalizeOptions query{.seed = options.seed,
-                                           .keep_correspondences = true,
-                                           .stop = options.stop};
+    localizer::LocalizeOptions query = options.Query();
+    query.keep_correspondences = true;
     absl::StatusOr<localizer::PoseEstimate> estimate =
         localizer.Localize(*frame, query);
     if (!estimate.ok()) continue;

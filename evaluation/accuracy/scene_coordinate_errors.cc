@@ -50,11 +50,10 @@ class TruthChecker {
                              camera::RgbdSensor::kColor, calibration_);
     image::Frame query = frame;
     if (options_.calibration) query.calibration = options_.calibration;
-    TL_ASSIGN_OR_RETURN(
-        const localizer::PoseEstimate estimate,
-        localizer_.Localize(query, {.seed = options_.seed,
-                                    .keep_correspondences = true,
-                                    .stop = options_.stop}));
+    localizer::LocalizeOptions asked = options_.Query();
+    asked.keep_correspondences = true;
+    TL_ASSIGN_OR_RETURN(const localizer::PoseEstimate estimate,
+                        localizer_.Localize(query, asked));
     const std::vector<geometry::Vec3> points =
         registration_.PointsInColor(*frame.depth);
     std::vector<PixelError> errors;

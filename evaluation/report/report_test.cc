@@ -96,6 +96,9 @@ accuracy::EvaluatedMethod SomeMethod() {
   }
   method.results.push_back(Localized("wild", OnArc(1.6), 50));
   method.results.push_back(Lost("<b>&\"'", OnArc(1.7)));
+  method.results.back().estimate.inliers = 7;
+  method.results.back().estimate.confidence = 0.3;
+  method.results.back().refused_error = geometry::PoseError{0.02, kDegree};
   method.results.push_back(Failed("failed"));
   const auto picture = [&](int frame, accuracy::PictureKind kind) {
     method.pictures.push_back(
@@ -108,6 +111,10 @@ accuracy::EvaluatedMethod SomeMethod() {
   picture(31, accuracy::PictureKind::kWorst);
   picture(14, accuracy::PictureKind::kMedian);
   picture(0, accuracy::PictureKind::kBest);
+  const auto changes = accuracy::ParsePerturbations("gamma:2,mirror").value();
+  method.perturbed = {{{}, method.results},
+                      {changes[0], {Lost("0", OnArc(0)), method.results[20]}},
+                      {changes[1], {method.results[1]}}};
   method.scene_errors_m = {0.01, 0.02, 0.05, 0.5};
   method.heat_maps = {{.stem = "<i>seq-01/frame-3",
                        .width = 8,

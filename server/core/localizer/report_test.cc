@@ -34,8 +34,9 @@ TEST(ReportTest, SaysWhatTheVerifierMadeOfThePose) {
   EXPECT_EQ(estimate.correspondences.size(), 7u);
 }
 
-TEST(ReportTest, KeepsTheEvidenceOfAPoseThatIsNotBelieved) {
+TEST(ReportTest, KeepsAPoseThatIsNotBelievedAndItsEvidence) {
   Verdict verdict;
+  verdict.world_from_camera.translation = {1.5, 2, 3};
   verdict.reason = NotLocalizedReason::kLowConfidence;
   verdict.confidence = 0.25;
   const PoseEstimate estimate = Report(WithPose(), &verdict);
@@ -43,6 +44,7 @@ TEST(ReportTest, KeepsTheEvidenceOfAPoseThatIsNotBelieved) {
   EXPECT_EQ(estimate.reason, NotLocalizedReason::kLowConfidence);
   EXPECT_EQ(estimate.confidence, 0.25);
   EXPECT_EQ(estimate.inliers, 50);
+  EXPECT_EQ(estimate.world_from_camera, verdict.world_from_camera);
 }
 
 TEST(ReportTest, WithoutAPoseSaysWhyThereIsNone) {

@@ -17,6 +17,8 @@
 #include "evaluation/accuracy/evaluation_json.h"
 #include "evaluation/accuracy/evaluation_table.h"
 #include "evaluation/accuracy/method_runner.h"
+#include "evaluation/accuracy/perturbation.h"
+#include "evaluation/accuracy/perturbation_table.h"
 #include "evaluation/report/report.h"
 #include "evaluation/report/report_page.h"
 #include "server/tools/run_info.h"
@@ -26,6 +28,10 @@ namespace {
 
 constexpr const char* kDescription =
     "Localize every frame of a recording and compare with its ground truth";
+
+constexpr const char* kPerturbations = R"(
+Perturbations and their usual strengths s:
+)";
 
 constexpr const char* kFooter = R"(
 The JSON and what its numbers mean: docs/reference/evaluation.md. correct_* are
@@ -40,7 +46,10 @@ Examples:
       --training-dataset tum:data/rpy/train --dataset tum:data/rpy/test
   treeline evaluate --compare rgbd,brf,ubrf,sift-pnp,orb-pnp \
       --training-dataset tum:data/rpy/train --dataset tum:data/rpy/test \
-      --sweep backtracking=1..16 --foreign builtin --report rpy.html)";
+      --sweep backtracking=1..16 --foreign builtin --report rpy.html
+  treeline evaluate --compare new=rpy.treeline,sift-pnp,orb-pnp \
+      --training-dataset tum:data/rpy/train --dataset tum:data/rpy/test \
+      --perturb gamma,blur:12,no-depth+cover --perturb-frames 40)";
 
 accuracy::EvaluationRun DescribeRun(const accuracy::EvaluateFlags& flags) {
   accuracy::EvaluationRun run;
@@ -51,6 +60,7 @@ accuracy::EvaluationRun DescribeRun(const accuracy::EvaluateFlags& flags) {
   run.threads = flags.threads;
   run.thresholds = flags.thresholds;
   run.confidence_threshold = flags.confidence_threshold;
+  run.min_confidence = flags.min_confidence;
   run.command = tools::CommandLine();
   run.cpu = tools::CpuDescription();
   run.software_version = base::Version();
@@ -113,6 +123,9 @@ absl::Status RunEvaluate(const accuracy::EvaluateFlags& flags,
           : accuracy::EvaluationTable(contents.methods.front(), contents.run)
                 .c_str(),
       stdout);
+  std::fputs(
+      accuracy::PerturbationTable(contents.methods, contents.run).c_str(),
+      stdout);
   std::fputs(accuracy::SweepTable(contents.sweeps).c_str(), stdout);
   TL_RETURN_IF_ERROR(WriteOutputs(flags, contents, report_template));
   if (problems.empty()) return absl::OkStatus();
@@ -127,7 +140,8 @@ absl::Status RunEvaluate(const accuracy::EvaluateFlags& flags,
 
 cli::Command AddEvaluateCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand("evaluate", kDescription);
-  command->footer(kFooter);
+  command->footer(
+      absl::StrCat(kPerturbations, accuracy::PerturbationHelp(), kFooter));
   auto flags = std::make_shared<accuracy::EvaluateFlags>();
   accuracy::AddEvaluateFlags(*command, *flags);
   // The options refer to the flags, which the closure keeps.

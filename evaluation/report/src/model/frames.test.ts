@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { answersFrom, explanation, frameTitle, hardest, isNear, quantile,
-  reasonText } from './frames.js';
+  reasonText, refusalText } from './frames.js';
 import type { Frame, Picture } from './report_data.js';
 import { firstMethod, frameAt } from './testing_fixtures.js';
 
@@ -35,10 +35,17 @@ test('reasons are words', () => {
   assert.equal(reasonText(null), 'no reason given');
 });
 
+test('a refused pose is told with its error, where that is known', () => {
+  const frame = frameAt(firstMethod(), 31);
+  assert.match(refusalText(frame), /^too few inliers: refused .* 2\.0 cm/);
+  assert.equal(refusalText({ ...frame, refused: null }), 'too few inliers');
+});
+
 test('a picture says what is known about its frame', () => {
   const method = firstMethod();
   assert.equal(explanation(pictureOf(31), method),
-      'Not localized: too few inliers. 0 of 0 predictions agree (0 %; the ' +
+      'Not localized: too few inliers: refused a pose 2.0 cm and 1.00° off. ' +
+      '7 of 0 predictions agree (0 %; the ' +
       'median frame has 80 %). The nearest training camera is 46 cm and 13° ' +
       'away.');
   const text = explanation(pictureOf(14, { error_direction: 'depth',
@@ -62,7 +69,8 @@ test('the dot of a frame says which it is', () => {
   const method = firstMethod();
   assert.equal(frameTitle(frameAt(method, 4)),
       'seq-01/frame-4: 1.0 cm, 0.10°, 40 of 50 inliers');
-  assert.equal(frameTitle(frameAt(method, 31)), '<b>&"\': not localized');
+  assert.equal(frameTitle(frameAt(method, 31)), '<b>&"\': not localized, ' +
+    'too few inliers: refused a pose 2.0 cm and 1.00° off');
   assert.equal(frameTitle(frameAt(method, 32)), 'failed: error');
 });
 

@@ -35,11 +35,22 @@ export function reasonText(reason: string | null): string {
   return REASONS[reason] ?? reason.toLowerCase().replaceAll('_', ' ');
 }
 
+// Why a frame was not localized, and how far off the pose is that was refused.
+export function refusalText(frame: Frame): string {
+  const { refused } = frame;
+  if (refused === null || refused.translation_error_m === null) {
+    return reasonText(frame.reason);
+  }
+  return `${reasonText(frame.reason)}: refused a pose ` +
+    `${cm(refused.translation_error_m, 1)} cm and ` +
+    `${fixed(refused.rotation_error_deg, 2)}° off`;
+}
+
 // What a dot of a chart stands for.
 export function frameTitle(frame: Frame): string {
   if (frame.outcome === 'ERROR') return `${frame.stem}: error`;
   if (frame.translation_error_m === null) {
-    return `${frame.stem}: not localized`;
+    return `${frame.stem}: not localized, ${refusalText(frame)}`;
   }
   return `${frame.stem}: ${cm(frame.translation_error_m, 1)} cm, ` +
     `${fixed(frame.rotation_error_deg, 2)}°, ${frame.inliers} of ` +
@@ -81,7 +92,7 @@ export function explanation(picture: Picture, method: Method): string {
   const frame = method.per_frame[picture.frame] as Frame;
   const parts: string[] = [];
   if (frame.outcome !== 'LOCALIZED') {
-    parts.push(`Not localized: ${reasonText(frame.reason)}.`);
+    parts.push(`Not localized: ${refusalText(frame)}.`);
   } else if (frame.translation_error_m !== null) {
     const direction = picture.error_direction;
     parts.push(`Off by ${cm(frame.translation_error_m, 1)} cm and ` +

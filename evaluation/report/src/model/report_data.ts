@@ -54,6 +54,12 @@ export interface Frame {
   true_world_from_camera: Pose | null;
   translation_error_m: Maybe;
   rotation_error_deg: Maybe;
+  // The best pose of a frame that was not localized.
+  refused: {
+    world_from_camera: Pose;
+    translation_error_m: Maybe;
+    rotation_error_deg: Maybe;
+  } | null;
   latency_ms: Maybe;
   cpu_ms: Maybe;
   decode_ms: Maybe;
@@ -95,6 +101,31 @@ export interface ForeignTally {
   unreadable: number;
   accepted_names: string[];
   problems: string[];
+}
+
+// What a group of frames shows. found: right poses, answered or refused;
+// wrong, gross: of the answers that would be relied on.
+export interface AnswerCounts {
+  frames: number;
+  answered: number;
+  right: number;
+  found: number;
+  relied_on: number;
+  wrong: number;
+  gross: number;
+  share_right: Maybe;
+  share_answered: Maybe;
+  share_found: Maybe;
+  coverage: Maybe;
+  precision: Maybe;
+  calibration_error: Maybe;
+  latency_ms: Percentiles;
+}
+
+// The frames changed; the first row of a method has them as they are.
+export interface Perturbed extends AnswerCounts {
+  name: string;
+  is_foreign: boolean;
 }
 
 export interface DistanceGroup {
@@ -167,6 +198,8 @@ export interface Method extends Headline {
     scale: Maybe;
   };
   confidence: Confidence;
+  answers: AnswerCounts;
+  perturbations: Perturbed[];
   foreign: ForeignTally[];
   model_bytes: number;
   training_s: Maybe;

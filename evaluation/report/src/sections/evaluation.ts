@@ -8,6 +8,7 @@ import { el, type Child } from '../view/dom.js';
 import { card, rowsTable, section } from '../view/parts.js';
 import { comparison, distances, published, sweeps } from './comparison.js';
 import { methodSections, methodTiles, modelCards } from './method.js';
+import { robustness } from './robustness.js';
 import { sceneCoordinates } from './scene_coordinates.js';
 import { trust } from './trust.js';
 
@@ -65,8 +66,8 @@ function single(report: EvaluationReport): Method | null {
 
 export function evaluationPage(report: EvaluationReport): Child[] {
   const only = single(report);
-  const rest = [sceneCoordinates(report), sweeps(report), ...trust(report),
-    published(report)];
+  const rest = [robustness(report), sceneCoordinates(report), sweeps(report),
+    ...trust(report), published(report)];
   if (only !== null) {
     return [title(datasetName(report.dataset), EYEBROW, methodVerdict(only)),
       methodTiles(only), ...methodSections(only, report), ...rest,

@@ -2,7 +2,7 @@
 
 import { errorDots } from '../model/curves.js';
 import { bytes, cm, counted, fixed, percent } from '../model/format.js';
-import { explanation, hardest, isNear, quantile, reasonText, valuesOf }
+import { explanation, hardest, isNear, quantile, refusalText, valuesOf }
   from '../model/frames.js';
 import type { EvaluationReport, Frame, Maybe, Method, Picture, Stages }
   from '../model/report_data.js';
@@ -193,7 +193,7 @@ function hardestRow(frame: Frame): Row {
       { content: frame.reason ?? '', class: 'bad', span: 5 }] };
   }
   const errors = frame.translation_error_m === null ?
-    [{ content: reasonText(frame.reason), class: 'n bad', span: 2 }] :
+    [{ content: refusalText(frame), class: 'n bad', span: 2 }] :
     [number(`${cm(frame.translation_error_m, 1)} cm`,
         isNear(frame) ? '' : 'bad'),
     number(`${fixed(frame.rotation_error_deg, 2)}°`)];

@@ -1,0 +1,113 @@
+#include "common/camera/derived_camera.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace treeline::camera {
+namespace {
+
+using Parameters = std::array<double, Camera::kMaxParameters>;
+
+// Where the parameters stand whose meaning depends on the axes.
+constexpr size_t kTangential = 6;  // p1, p2
+constexpr size_t kThinPrism = 10;  // sx1, sy1
+
+bool HasTangential(CameraModel model) {
+  return model == CameraModel::kOpenCv || model == CameraModel::kFullOpenCv ||
+         model == CameraModel::kThinPrismFisheye;
+}
+
+bool HasThinPrism(CameraModel model) {
+  return model == CameraModel::kThinPrismFisheye;
+}
+
+size_t PrincipalPoint(const Camera& camera) {
+  return static_cast<size_t>(CameraPrincipalPointIndex(camera.model()));
+}
+
+absl::StatusOr<Camera> WithParameters(const Camera& camera, int width,
+                                      int height,
+                                      const Parameters& parameters) {
+  return Camera::Create(camera.model(), width, height, parameters.data(),
+                        CameraParameterCount(camera.model()));
+}
+
+// The ray (x, y) becomes (-y, x), and so does its distortion.
+Camera TurnedOnce(const Camera& camera) {
+  Parameters p = camera.parameters();
+  const size_t c = PrincipalPoint(camera);
+  if (c == 2) std::swap(p[0], p[1]);
+  p[c] = camera.height() - 1 - camera.cy();
+  p[c + 1] = camera.cx();
+  if (HasTangential(camera.model())) {
+    p[kTangential] = camera.parameters()[kTangential + 1];
+    p[kTangential + 1] = -camera.parameters()[kTangential];
+  }
+  if (HasThinPrism(camera.model())) {
+    p[kThinPrism] = -camera.parameters()[kThinPrism + 1];
+    p[kThinPrism + 1] = camera.parameters()[kThinPrism];
+  }
+  // What was allowed remains so.
+  return *WithParameters(camera, camera.height(), camera.width(), p);
+}
+
+int Quarters(int quarter_turns) { return (quarter_turns % 4 + 4) % 4; }
+
+}  // namespace
+
+Camera QuarterTurned(const Camera& camera, int quarter_turns) {
+  Camera turned = camera;
+  for (int i = 0; i < Quarters(quarter_turns); ++i) turned = TurnedOnce(turned);
+  return turned;
+}
+
+geometry::Rigid3 QuarterTurn(int quarter_turns) {
+  return {geometry::Rotation3::FromAxisAngle(
+              {0, 0, Quarters(quarter_turns) * std::numbers::pi / 2}),
+          {}};
+}
+
+Camera Mirrored(const Camera& camera) {
+  Parameters p = camera.parameters();
+  p[PrincipalPoint(camera)] = camera.width() - 1 - camera.cx();
+  if (HasTangential(camera.model())) p[kTangential + 1] *= -1;
+  if (HasThinPrism(camera.model())) p[kThinPrism] *= -1;
+  return *WithParameters(camera, camera.width(), camera.height(), p);
+}
+
+absl::StatusOr<Camera> Cropped(const Camera& camera, int left, int top,
+                               int width, int height) {
+  if (left < 0 || top < 0 || width < 1 || height < 1 ||
+      width > camera.width() - left || height > camera.height() - top) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a window of ", width, " x ", height, " pixels at (", left,
+                     ", ", top, ") does not lie in a picture of ",
+                     camera.width(), " x ", camera.height()));
+  }
+  Parameters p = camera.parameters();
+  const size_t c = PrincipalPoint(camera);
+  p[c] -= left;
+  p[c + 1] -= top;
+  return WithParameters(camera, width, height, p);
+}
+
+absl::StatusOr<Camera> Resized(const Camera& camera, double factor) {
+  // Camera::Create refuses sizes that are none, but they have to fit an int.
+  if (!(factor > 0) || factor * camera.width() > 1e6 ||
+      factor * camera.height() > 1e6) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a picture cannot be resized by ", factor));
+  }
+  Parameters p = camera.parameters();
+  const size_t c = PrincipalPoint(camera);
+  for (size_t i = 0; i < c; ++i) p[i] *= factor;
+  for (const size_t i : {c, c + 1}) p[i] = (p[i] + 0.5) * factor - 0.5;
+  return WithParameters(
+      camera, static_cast<int>(std::lround(factor * camera.width())),
+      static_cast<int>(std::lround(factor * camera.height())), p);
+}
+
+}  // namespace treeline::camera

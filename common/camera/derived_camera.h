@@ -1,0 +1,39 @@
+// The camera of a picture that was turned, mirrored, cropped or resized.
+//
+// Pixel centres are at integer coordinates. Each function says where a pixel
+// (x, y) of a picture of w x h pixels goes; the camera that it returns images a
+// ray there. Distortion goes with it, tangential and thin prism too.
+#ifndef COMMON_CAMERA_DERIVED_CAMERA_H_
+#define COMMON_CAMERA_DERIVED_CAMERA_H_
+
+#include "absl/status/statusor.h"
+#include "common/camera/camera.h"
+#include "common/geometry/rigid3.h"
+
+namespace treeline::camera {
+
+// After `quarter_turns` of the picture, clockwise: one takes (x, y) to
+// (h - 1 - y, x). Any number will do, negative ones turn the other way.
+Camera QuarterTurned(const Camera& camera, int quarter_turns);
+
+// turned_from_camera of the same: the camera frame follows the picture as it
+// is, x right and y down in it. The expected pose of a turned picture is
+//   world_from_turned = world_from_camera * turned_from_camera.Inverse().
+geometry::Rigid3 QuarterTurn(int quarter_turns);
+
+// After left and right were exchanged: (w - 1 - x, y).
+Camera Mirrored(const Camera& camera);
+
+// Of the window of width x height pixels whose top left pixel is (left, top):
+// (x - left, y - top). INVALID_ARGUMENT: it is empty or leaves the picture.
+absl::StatusOr<Camera> Cropped(const Camera& camera, int left, int top,
+                               int width, int height);
+
+// After resizing by `factor`: ((x + 0.5) * factor - 0.5, the same of y). Width
+// and height are rounded. INVALID_ARGUMENT: not positive, or the result has no
+// pixels or too many.
+absl::StatusOr<Camera> Resized(const Camera& camera, double factor);
+
+}  // namespace treeline::camera
+
+#endif  // COMMON_CAMERA_DERIVED_CAMERA_H_

@@ -1,0 +1,121 @@
+#include "common/camera/derived_camera.h"
+
+#include <array>
+#include <string>
+#include <tuple>
+
+#include "gtest/gtest.h"
+
+namespace treeline::camera {
+namespace {
+
+constexpr double kTolerance_px = 1e-9;
+
+// Every model, with distortion that is not symmetric where it has such.
+class DerivedCamera : public ::testing::TestWithParam<const char*> {
+ protected:
+  const Camera camera_ = Camera::Parse(GetParam(), 64, 48).value();
+};
+
+constexpr std::array<geometry::Vec3, 4> kPoints{
+    geometry::Vec3{0.1, 0.3, 1}, geometry::Vec3{-0.2, 0.1, 1},
+    geometry::Vec3{0.4, -0.3, 2}, geometry::Vec3{-0.3, -0.2, 1}};
+
+void ExpectNear(Pixel actual, Pixel expected) {
+  EXPECT_NEAR(actual.x, expected.x, kTolerance_px);
+  EXPECT_NEAR(actual.y, expected.y, kTolerance_px);
+}
+
+TEST_P(DerivedCamera, SeesPointsWhereThePictureWasTurnedTo) {
+  Pixel (*const turn[])(Pixel) = {
+      [](Pixel p) { return p; },
+      [](Pixel p) {
+        return Pixel{47 - p.y, p.x};
+      },
+      [](Pixel p) {
+        return Pixel{63 - p.x, 47 - p.y};
+      },
+      [](Pixel p) {
+        return Pixel{p.y, 63 - p.x};
+      },
+  };
+  for (const int quarters : {-1, 0, 1, 2, 3, 4, 6}) {
+    const Camera turned = QuarterTurned(camera_, quarters);
+    EXPECT_EQ(turned.width(), quarters % 2 == 0 ? 64 : 48);
+    EXPECT_EQ(turned.height(), quarters % 2 == 0 ? 48 : 64);
+    for (const geometry::Vec3& point : kPoints) {
+      ExpectNear(turned.Project(QuarterTurn(quarters) * point),
+                 turn[(quarters + 4) % 4](camera_.Project(point)));
+    }
+  }
+}
+
+TEST_P(DerivedCamera, SeesTheMirroredScene) {
+  const Camera mirrored = Mirrored(camera_);
+  for (const geometry::Vec3& point : kPoints) {
+    const Pixel pixel = camera_.Project(point);
+    ExpectNear(mirrored.Project({-point.x, point.y, point.z}),
+               {63 - pixel.x, pixel.y});
+  }
+}
+
+TEST_P(DerivedCamera, SeesTheSameThroughAWindow) {
+  const Camera cropped = Cropped(camera_, 5, 7, 40, 30).value();
+  EXPECT_EQ(cropped.width(), 40);
+  EXPECT_EQ(cropped.height(), 30);
+  for (const geometry::Vec3& point : kPoints) {
+    const Pixel pixel = camera_.Project(point);
+    ExpectNear(cropped.Project(point), {pixel.x - 5, pixel.y - 7});
+  }
+}
+
+TEST_P(DerivedCamera, KeepsTheEdgesWhenResized) {
+  const Camera half = Resized(camera_, 0.5).value();
+  EXPECT_EQ(half.width(), 32);
+  EXPECT_EQ(half.height(), 24);
+  for (const geometry::Vec3& point : kPoints) {
+    const Pixel pixel = camera_.Project(point);
+    ExpectNear(half.Project(point),
+               {(pixel.x + 0.5) / 2 - 0.5, (pixel.y + 0.5) / 2 - 0.5});
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Models, DerivedCamera,
+    ::testing::Values(
+        "SIMPLE_PINHOLE,50,31,22", "PINHOLE,50,55,31,22",
+        "SIMPLE_RADIAL,50,31,22,0.1", "RADIAL,50,31,22,0.1,-0.05",
+        "OPENCV,50,55,31,22,0.1,-0.05,0.01,0.02",
+        "FULL_OPENCV,50,55,31,22,0.1,-0.05,0.01,0.02,0.01,0.02,0.03,0.01",
+        "OPENCV_FISHEYE,50,55,31,22,0.1,0.01,0.001,0.0001",
+        "FOV,50,55,31,22,0.9", "SIMPLE_RADIAL_FISHEYE,50,31,22,0.1",
+        "RADIAL_FISHEYE,50,31,22,0.1,0.01",
+        "THIN_PRISM_FISHEYE,50,55,31,22,0.1,0.01,0.01,0.02,0.001,0.0001,0.02,"
+        "0.03"));
+
+TEST(Cropped, RefusesWindowsBeyondThePicture) {
+  const Camera camera;
+  EXPECT_TRUE(Cropped(camera, 0, 0, 640, 480).ok());
+  for (const auto& [left, top, width, height] : {std::tuple{-1, 0, 5, 5},
+                                                 {0, -1, 5, 5},
+                                                 {0, 0, 0, 5},
+                                                 {0, 0, 5, 0},
+                                                 {636, 0, 5, 5},
+                                                 {0, 476, 5, 5}}) {
+    EXPECT_EQ(Cropped(camera, left, top, width, height).status().code(),
+              absl::StatusCode::kInvalidArgument)
+        << left << " " << top << " " << width << " " << height;
+  }
+}
+
+TEST(Resized, RefusesFactorsThatLeaveNoPicture) {
+  const Camera camera;
+  for (const double factor : {0.0, -1.0, 1e-4, 100.0, 1e300}) {
+    EXPECT_EQ(Resized(camera, factor).status().code(),
+              absl::StatusCode::kInvalidArgument)
+        << factor;
+  }
+}
+
+}  // namespace
+}  // namespace treeline::camera
