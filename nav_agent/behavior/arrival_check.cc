@@ -29,8 +29,9 @@ ArrivalCheck::Outcome ArrivalCheck::Step(
                             tolerances.goal_tolerance_m + kArrivalSlack_m &&
                         HeadingOff_rad(pose.pose, target) <=
                             tolerances.goal_tolerance_rad + kArrivalSlack_rad;
-  const bool stands = std::abs(pose.forward_mps) < kArrivedSpeed_mps &&
-                      std::abs(pose.yaw_rate_radps) < kArrivedYawRate_radps;
+  const bool stands =
+      std::abs(pose.forward_mps) < control::kStandingSpeed_mps &&
+      std::abs(pose.yaw_rate_radps) < control::kStandingTurn_radps;
   if (is_there && stands) {
     return end_.is_goal_taken && waited_s < kGoalWait_s ? Outcome::kStands
                                                         : Outcome::kReached;

@@ -28,10 +28,10 @@ class ArrivalCheckTest : public testing::Test {
 
 TEST_F(ArrivalCheckTest, IsReachedWithinToleranceAndStanding) {
   EXPECT_EQ(Step(), Outcome::kReached);
-  robot.forward_mps = 2 * kArrivedSpeed_mps;
+  robot.forward_mps = 2 * control::kStandingSpeed_mps;
   EXPECT_EQ(Step(), Outcome::kOpen);
   robot.forward_mps = 0;
-  robot.yaw_rate_radps = -2 * kArrivedYawRate_radps;
+  robot.yaw_rate_radps = -2 * control::kStandingTurn_radps;
   EXPECT_EQ(Step(), Outcome::kOpen);
   robot.yaw_rate_radps = 0;
   robot.pose = PoseAtPoint(5 - tolerances.goal_tolerance_m - 0.05, 2);
