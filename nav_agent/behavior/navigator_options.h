@@ -41,7 +41,7 @@ struct NavigatorOptions {
   double odometry_timeout_s = kOdometryTimeout_s;
   // Depth pictures in a second that obstacles are taken from (0 to 30; 0:
   // none). A lost robot takes them as often, at least once a second.
-  double depth_hz = kDepthRate_hz;
+  double depth_hz = control::kDepthRate_hz;
   // Whether a robot that was not told where it is looks for itself, rather than
   // waiting to be told.
   bool finds_itself_at_start = false;

@@ -448,8 +448,9 @@ absl::Status NavigatorOfParts::CancelGoal(uint64_t id) {
         id == 0 ? std::string("there is no goal to cancel")
                 : absl::StrCat("goal ", id, " is not the current one"));
   }
-  runner_.End(GoalState::kCancelled, core::NavigationCause::kCancelled,
-              "somebody cancelled it");
+  runner_.End({.state = GoalState::kCancelled,
+               .cause = core::NavigationCause::kCancelled,
+               .why = "somebody cancelled it"});
   return absl::OkStatus();
 }
 
@@ -510,8 +511,9 @@ void NavigatorOfParts::FindYourself() {
 void NavigatorOfParts::Halt() {
   events_.SetTime(clock_.Now());
   is_halted_ = true;
-  runner_.End(GoalState::kCancelled, core::NavigationCause::kCancelled,
-              "the robot was halted");
+  runner_.End({.state = GoalState::kCancelled,
+               .cause = core::NavigationCause::kCancelled,
+               .why = "the robot was halted"});
   Command({}, true);
   SetMode(NavigatorMode::kIdle, core::NavigationCause::kNone, "halted");
   events_.Add("stop", "halted");
@@ -527,8 +529,8 @@ NavigatorSnapshot NavigatorOfParts::Snapshot() const {
   shot.verdict = parts_.tracker->verdict();
   shot.goal = runner_.status();
   shot.command = command_;
-  shot.path = runner_.path();
-  shot.tree_edges = runner_.tree_edges();
+  shot.path = runner_.route().path;
+  shot.tree_edges = runner_.route().tree_edges;
   shot.bubbles = parts_.controller->Bubbles();
   shot.blockages = runner_.blockages().All();
   if (last_scan_.has_value()) {

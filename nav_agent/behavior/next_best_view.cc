@@ -110,7 +110,7 @@ double NextBestView::Chance(double yaw_in_odom_rad) const {
       kDirections;
   // Of what is known for sure, asking again brings nothing new.
   const double known = std::min(1.0, known_[i]);
-  return (1 - known) * prior_[i] + known * promise_[i] * kAnsweredWorth;
+  return (1 - known) * prior_[i] + known * promise_[i] * kKnownWorth;
 }
 
 std::optional<double> NextBestView::Next(double yaw_in_odom_rad,

@@ -20,8 +20,7 @@ Beam Judge(const planning::Blockage& blockage, geometry::Vec2 laser,
   const geometry::Vec2 to_center = blockage.center - laser;
   const double along_m = geometry::Dot(to_center, way) / length_m;
   const double beside_m = std::abs(geometry::Cross(way, to_center)) / length_m;
-  const double radius_m =
-      std::max(blockage.radius_m, kMinBlockageRadius_m.value);
+  const double radius_m = std::max(blockage.radius_m, kMinBlockageRadius_m);
   if (geometry::Norm(end - blockage.center) <= radius_m) return Beam::kEndsIn;
   if (beside_m > kBlockageMiddle * radius_m || along_m <= 0)
     return Beam::kBeside;

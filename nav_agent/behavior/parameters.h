@@ -8,29 +8,13 @@
 
 #include "common/base/parameter.h"
 #include "nav_agent/behavior/relocalization_parameters.h"
+#include "nav_agent/control/obstacle_parameters.h"
+#include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::behavior {
 
 // ---- The supervisor ----
 
-inline constexpr base::Parameter<double> kControlRate_hz{
-    "control_rate", 40, "1/s", base::ParameterOrigin::kPhysics,
-    "steps in a second; a command is no older than 25 ms"};
-inline constexpr base::Parameter<double> kLaserTimeout_s{
-    "laser_timeout", 0.3, "s", base::ParameterOrigin::kTuned,
-    "twelve scans of a UTM-30LX"};
-inline constexpr base::Parameter<double> kOdometryTimeout_s{
-    "odometry_timeout", 0.2, "s", base::ParameterOrigin::kTuned,
-    "a base that is silent for longer is lost"};
-inline constexpr base::Parameter<double> kDepthRate_hz{
-    "depth_rate", 5, "1/s", base::ParameterOrigin::kTuned,
-    "pictures for obstacles that the laser does not meet"};
-inline constexpr base::Parameter<int> kFirstPlanIterations{
-    "first_plan_iterations", 2000, "", base::ParameterOrigin::kTuned,
-    "until the robot sets off"};
-inline constexpr base::Parameter<int> kPlanIterations{
-    "plan_iterations", 20000, "", base::ParameterOrigin::kTuned,
-    "for the better path, and for the last try"};
 inline constexpr base::Parameter<double> kMaxEstimateAge_s{
     "max_estimate_age", 0.5, "s", base::ParameterOrigin::kTuned,
     "an older estimate tells nothing"};
@@ -40,21 +24,12 @@ inline constexpr base::Parameter<int64_t> kSeeThroughEvery{
 inline constexpr base::Parameter<int> kSeeThroughBeamStep{
     "see_through_beam_step", 2, "", base::ParameterOrigin::kTuned,
     "beams between those that are looked at"};
-inline constexpr base::Parameter<double> kMinSeeThroughHeight_m{
-    "min_see_through_height", 0.1, "m", base::ParameterOrigin::kTuned,
-    "of a beam above the ground: lower ones may end there"};
-inline constexpr base::Parameter<double> kMaxSeeThroughHeight_m{
-    "max_see_through_height", 0.6, "m", base::ParameterOrigin::kTuned,
-    "higher ones pass over what stood there"};
 inline constexpr base::Parameter<double> kBlockageDepth_m{
     "blockage_depth", 0.25, "m", base::ParameterOrigin::kTuned,
     "what is seen this near to a blockage is of it"};
 inline constexpr base::Parameter<double> kMaxAskAhead_m{
     "max_ask_ahead", 1.0, "m", base::ParameterOrigin::kTuned,
     "room that a lost robot asks for"};
-inline constexpr base::Parameter<double> kLostPictureRate_hz{
-    "lost_picture_rate", 10, "1/s", base::ParameterOrigin::kTuned,
-    "at least, of a lost robot"};
 inline constexpr base::Parameter<size_t> kShownParticles{
     "shown_particles", 500, "", base::ParameterOrigin::kPhysics,
     "bounds a snapshot"};
@@ -64,9 +39,6 @@ inline constexpr base::Parameter<size_t> kMaxWaitingEvents{
 
 // ---- What sensors say ----
 
-inline constexpr base::Parameter<double> kMaxFutureStamp_s{
-    "max_future_stamp", 0.05, "s", base::ParameterOrigin::kTuned,
-    "clocks differ by less"};
 inline constexpr base::Parameter<double> kMinRangeShare{
     "min_range_share", 0.2, "", base::ParameterOrigin::kTuned,
     "a scan of fewer ranges tells nothing"};
@@ -82,9 +54,6 @@ inline constexpr base::Parameter<double> kMinMotion{
     "min_motion", 0.02, "", base::ParameterOrigin::kTuned,
     "slower wheels may repeat themselves (m/s and rad/s; and m or rad between "
     "scans)"};
-inline constexpr base::Parameter<double> kCameraTimeout_s{
-    "camera_timeout", 2.0, "s", base::ParameterOrigin::kTuned,
-    "an older picture is of another place"};
 
 // ---- Goals ----
 
@@ -94,26 +63,15 @@ inline constexpr base::Parameter<double> kPassPose_m{
 inline constexpr base::Parameter<double> kBetterPathShare{
     "better_path_share", 0.1, "", base::ParameterOrigin::kTuned,
     "of what is to go: worth a new path"};
-inline constexpr base::Parameter<double> kMinProgress_m{
-    "min_progress", 0.15, "m", base::ParameterOrigin::kTuned,
-    "of the way, in kProgressTime"};
 inline constexpr base::Parameter<double> kMinProgress_rad{
     "min_progress", 0.5, "rad", base::ParameterOrigin::kTuned, "or of a turn"};
 inline constexpr base::Parameter<double> kProgressTime_s{
     "progress_time", 10, "s", base::ParameterOrigin::kTuned,
-    "else the robot does not get on"};
-inline constexpr base::Parameter<double> kMaxPlan_s{
-    "max_plan", 10, "s", base::ParameterOrigin::kTuned,
-    "of a plan in the background"};
+    "else the robot does not get on; so long it also waits for a plan, and "
+    "beside a goal that is taken"};
 inline constexpr base::Parameter<int> kMaxReplans{
     "max_replans", 6, "", base::ParameterOrigin::kTuned,
     "without getting on; then recoveries begin"};
-inline constexpr base::Parameter<double> kArrivedSpeed_mps{
-    "arrived_speed", 0.03, "m/s", base::ParameterOrigin::kTuned,
-    "of a robot that stands at its goal: the controller's last step"};
-inline constexpr base::Parameter<double> kArrivedYawRate_radps{
-    "arrived_yaw_rate", 0.08, "rad/s", base::ParameterOrigin::kTuned,
-    "the same, of the turn"};
 inline constexpr base::Parameter<double> kArrivalSlack_m{
     "arrival_slack", 0.02, "m", base::ParameterOrigin::kGeometry,
     "beyond the controller's tolerance, which is of a step ago"};
@@ -129,14 +87,9 @@ inline constexpr base::Parameter<double> kBetterPathStart_m{
 inline constexpr base::Parameter<double> kRerouteAhead_m{
     "reroute_ahead", 0.6, "m", base::ParameterOrigin::kTuned,
     "that counts as blocked when the robot re-routes"};
-inline constexpr base::Parameter<double> kRerouteRadius_m{
-    "reroute_radius", 0.3, "m", base::ParameterOrigin::kTuned, "so large"};
 inline constexpr base::Parameter<double> kMinWait_s{
     "min_wait", 1, "s", base::ParameterOrigin::kTuned,
     "a wait lasts so long, whatever has gone meanwhile"};
-inline constexpr base::Parameter<double> kGoalWait_s{
-    "goal_wait", 10, "s", base::ParameterOrigin::kTuned,
-    "beside a goal where something stands"};
 inline constexpr base::Parameter<double> kMaxStepMove_m{
     "max_step_move", 0.3, "m", base::ParameterOrigin::kPhysics,
     "further means that the estimate jumped"};
@@ -146,9 +99,6 @@ inline constexpr base::Parameter<double> kStraightSpeed_mps{
 inline constexpr base::Parameter<double> kStraightYawRate_radps{
     "straight_yaw_rate", 0.2, "rad/s", base::ParameterOrigin::kTuned,
     "slower is about straight ahead"};
-inline constexpr base::Parameter<int> kMaxPlanQuestions{
-    "max_plan_questions", 3, "", base::ParameterOrigin::kTuned,
-    "plans that are taken in one step"};
 
 // ---- Recoveries on the way to a goal ----
 
@@ -160,15 +110,9 @@ inline constexpr base::Parameter<double> kRefillProgress_m{
     "of getting on gives all of them back"};
 inline constexpr base::Parameter<double> kBackUp_m{
     "back_up", 0.3, "m", base::ParameterOrigin::kTuned, "of one recovery"};
-inline constexpr base::Parameter<double> kBackUp_mps{
-    "back_up", 0.12, "m/s", base::ParameterOrigin::kTuned,
-    "slow: it has no eyes behind"};
 inline constexpr base::Parameter<double> kMaxBackUp_s{
     "max_back_up", 6, "s", base::ParameterOrigin::kTuned,
     "more than twice what that takes"};
-inline constexpr base::Parameter<double> kLookAround_radps{
-    "look_around", 0.6, "rad/s", base::ParameterOrigin::kTuned,
-    "of one recovery"};
 inline constexpr base::Parameter<double> kMaxLookAround_s{
     "max_look_around", 16, "s", base::ParameterOrigin::kTuned,
     "one and a half times what a full turn takes"};
@@ -178,39 +122,26 @@ inline constexpr base::Parameter<double> kFirstWait_s{
 inline constexpr base::Parameter<double> kMinBackUp_m{
     "min_back_up", 0.08, "m", base::ParameterOrigin::kTuned,
     "less is not worth it"};
-inline constexpr base::Parameter<double> kBackUpTolerance_m{
-    "back_up_tolerance", 0.02, "m", base::ParameterOrigin::kTuned,
-    "the last part of the way is not waited for"};
-inline constexpr base::Parameter<int> kMaxGivenBack{
-    "max_given_back", 30, "", base::ParameterOrigin::kPhysics,
-    "bounds a goal's recoveries"};
 inline constexpr base::Parameter<int> kBoldAfter{
     "bold_after", 4, "", base::ParameterOrigin::kTuned,
     "recoveries; then it backs up among people, too"};
-inline constexpr base::Parameter<double> kNobodyMovedFor_s{
-    "nobody_moved_for", 8, "s", base::ParameterOrigin::kTuned,
-    "nobody has moved for so long: nobody is about, and what moved stands"};
-inline constexpr base::Parameter<double> kQuietMoment_s{
-    "quiet_moment", 1.5, "s", base::ParameterOrigin::kTuned,
-    "nobody has moved for so long: not at this moment"};
 inline constexpr base::Parameter<double> kSomebodyMoves_s{
     "somebody_moves", 0.2, "s", base::ParameterOrigin::kTuned,
     "less: somebody moves right now"};
 
 // ---- What stands in the way is remembered ----
 
-inline constexpr base::Parameter<double> kBlockageMargin_m{
-    "blockage_margin", 0.15, "m", base::ParameterOrigin::kGeometry,
-    "as much as the local costmap widens what it sees"};
 inline constexpr base::Parameter<double> kBlockageMemory_s{
     "blockage_memory", 30, "s", base::ParameterOrigin::kTuned,
     "the first time; twice as long each time it is met again"};
 inline constexpr base::Parameter<double> kMaxBlockageRadius_m{
     "max_blockage_radius", 0.6, "m", base::ParameterOrigin::kTuned,
-    "what is larger is several"};
+    "what is larger is several; also from where the band broke to the first "
+    "seen cell"};
 inline constexpr base::Parameter<double> kSameBlockage_m{
     "same_blockage", 0.1, "m", base::ParameterOrigin::kTuned,
-    "discs this near are of one place"};
+    "discs this near are of one place; also the smallest that beams are to "
+    "pass"};
 inline constexpr base::Parameter<double> kBlockageMetAgain_s{
     "blockage_met_again", 2, "s", base::ParameterOrigin::kTuned,
     "the same, seen twice at once, was not met again"};
@@ -228,12 +159,6 @@ inline constexpr base::Parameter<double> kMaxSeeThrough_m{
 inline constexpr base::Parameter<double> kBlockageMiddle{
     "blockage_middle", 0.7, "", base::ParameterOrigin::kTuned,
     "part of its radius"};
-inline constexpr base::Parameter<double> kMinBlockageRadius_m{
-    "min_blockage_radius", 0.1, "m", base::ParameterOrigin::kTuned,
-    "of the disc that beams are to pass"};
-inline constexpr base::Parameter<double> kObstacleNear_m{
-    "obstacle_near", 0.6, "m", base::ParameterOrigin::kTuned,
-    "from where the band broke to the first seen cell"};
 inline constexpr base::Parameter<double> kObstacleReach_m{
     "obstacle_reach", 1.6, "m", base::ParameterOrigin::kTuned,
     "and to the last"};
@@ -254,7 +179,7 @@ inline constexpr base::Parameter<double> kTilt_s{
     "tilt", 0.15, "s", base::ParameterOrigin::kTuned, "for so long"};
 inline constexpr base::Parameter<double> kLateStep_s{
     "late_step", 0.3, "s", base::ParameterOrigin::kPhysics,
-    "after that the base stops by itself"};
+    "after that the base stops by itself; twelve scans of a UTM-30LX"};
 inline constexpr base::Parameter<double> kMissedDeadline{
     "missed_deadline", 1.5, "", base::ParameterOrigin::kTuned,
     "of a period: the step came late"};
@@ -263,6 +188,44 @@ inline constexpr base::Parameter<double> kDeadlineNote_s{
     "one event about late steps in so long"};
 
 // ---- what follows from others ----
+
+// Steps in a second.
+inline constexpr double kControlRate_hz = 1 / control::kCycle_s;
+// Clocks differ by less than two cycles.
+inline constexpr double kMaxFutureStamp_s = 2 * control::kCycle_s;
+// A base is lost that is silent for twice as long as it may be late.
+inline constexpr double kOdometryTimeout_s = 2 * control::kLag_s;
+// The last part of the way back is not waited for.
+inline constexpr double kBackUpTolerance_m = kArrivalSlack_m;
+
+// Without scans the robot goes on for as long as the base without commands.
+inline constexpr double kLaserTimeout_s = kLateStep_s;
+// A first path is found in a tenth of what a better one takes.
+inline constexpr int kPlanIterations = planning::kMaxIterations;
+inline constexpr int kFirstPlanIterations = kPlanIterations / 10;
+// A beam looks through a blockage if it is neither of the ground nor above what
+// stood there.
+inline constexpr double kMinSeeThroughHeight_m = control::kGroundTolerance_m;
+inline constexpr double kMaxSeeThroughHeight_m = control::kLookHeight_m;
+// Of a plan in the background; and beside a goal where something stands.
+inline constexpr double kMaxPlan_s = kProgressTime_s;
+inline constexpr double kGoalWait_s = kProgressTime_s;
+inline constexpr double kMinProgress_m = control::kGotOn_m;
+// What is ahead of a robot that re-routes begins at its front.
+inline constexpr double kRerouteRadius_m = kRerouteAhead_m / 2;
+// Slow, as an escape: it has no eyes behind. And as gentle as at a goal.
+inline constexpr double kBackUp_mps = control::kEscapeSpeed_mps;
+inline constexpr double kLookAround_radps = control::kGoalTurn_radps;
+// Bounds a goal's recoveries.
+inline constexpr int kMaxGivenBack = 3 * kMaxRecoveries;
+// Nobody has moved for so long: nobody is about, and what moved stands; or not
+// at this moment.
+inline constexpr double kNobodyMovedFor_s = control::kQuiet_s;
+inline constexpr double kQuietMoment_s = control::kQuietMin_s;
+// As much as the local costmap widens what it sees.
+inline constexpr double kBlockageMargin_m = control::kBodyWidening_m;
+inline constexpr double kMinBlockageRadius_m = kSameBlockage_m;
+inline constexpr double kObstacleNear_m = kMaxBlockageRadius_m;
 
 // Something that moves counts as standing when nobody has moved for so long.
 inline constexpr double kWaitForMoving_s = kNobodyMovedFor_s;

@@ -7,6 +7,9 @@
 #include <cstdint>
 
 #include "common/base/parameter.h"
+#include "nav_agent/control/driving_parameters.h"
+#include "nav_agent/control/manoeuvre_parameters.h"
+#include "nav_agent/control/setting_parameters.h"
 #include "nav_agent/localization/parameters.h"
 
 namespace treeline::behavior {
@@ -46,30 +49,19 @@ inline constexpr base::Parameter<double> kSureContradicted{
 inline constexpr base::Parameter<int> kMinJudgedBeams{
     "min_judged_beams", 25, "", base::ParameterOrigin::kTuned,
     "of about 120: fewer beams say nothing"};
-inline constexpr base::Parameter<double> kFixSearch_m{
-    "fix_search", 0.15, "m", base::ParameterOrigin::kTuned,
-    "a fix may be this much off"};
-inline constexpr base::Parameter<double> kFixSearch_rad{
-    "fix_search", 0.06, "rad", base::ParameterOrigin::kTuned,
-    "the same, of the heading"};
 inline constexpr base::Parameter<double> kPairDistance_m{
     "pair_distance", 0.3, "m", base::ParameterOrigin::kTuned,
-    "two fixes that agree, over the wheels' way between them"};
+    "two fixes that agree, over the wheels' way between them; one alone may "
+    "be off by half of this"};
 inline constexpr base::Parameter<double> kPairAngle_rad{
     "pair_angle", 0.12, "rad", base::ParameterOrigin::kTuned,
     "the same, of the heading"};
 inline constexpr base::Parameter<double> kMinFixStd_m{
     "min_fix_std", 0.08, "m", base::ParameterOrigin::kTuned,
     "a fix is never better known than this"};
-inline constexpr base::Parameter<double> kMinFixStd_rad{
-    "min_fix_std", 0.04, "rad", base::ParameterOrigin::kTuned,
-    "the same, of the heading"};
 inline constexpr base::Parameter<double> kMaxFixStd_m{
     "max_fix_std", 0.3, "m", base::ParameterOrigin::kTuned,
     "a covariance that says more is not believed"};
-inline constexpr base::Parameter<double> kMaxFixStd_rad{
-    "max_fix_std", 0.15, "rad", base::ParameterOrigin::kTuned,
-    "the same, of the heading"};
 inline constexpr base::Parameter<double> kSamePlace_m{
     "same_place", 0.5, "m", base::ParameterOrigin::kTuned,
     "nearer places are the same one"};
@@ -97,30 +89,22 @@ inline constexpr base::Parameter<double> kSureLogOdds{
 inline constexpr base::Parameter<int> kMaxRefusedFixes{
     "max_refused_fixes", 3, "", base::ParameterOrigin::kTuned,
     "sure fixes refused in a row: the server knows another place"};
-inline constexpr base::Parameter<size_t> kMaxWaitingFixes{
-    "max_waiting_fixes", 8, "", base::ParameterOrigin::kPhysics,
-    "bounds the memory of fixes that wait for a second one"};
 
 // ---- A lost robot: when it stands, how it turns, how long it waits ----
 
-inline constexpr base::Parameter<double> kStandstillSpeed_mps{
-    "standstill_speed", 0.01, "m/s", base::ParameterOrigin::kTuned,
-    "wheels that turn slower stand: the picture is sharp"};
-inline constexpr base::Parameter<double> kStandstillYawRate_radps{
-    "standstill_yaw_rate", 0.02, "rad/s", base::ParameterOrigin::kTuned,
-    "the same, of the turn"};
 inline constexpr base::Parameter<double> kSettle_s{
     "settle", 0.3, "s", base::ParameterOrigin::kTuned,
     "after the wheels stand, or all is well, until that is believed"};
 inline constexpr base::Parameter<double> kMaxStopping_s{
     "max_stopping", 5, "s", base::ParameterOrigin::kTuned,
     "a robot that does not come to a stand looks all the same"};
-inline constexpr base::Parameter<double> kMaxPictureWait_s{
-    "max_picture_wait", 2.5, "s", base::ParameterOrigin::kTuned,
-    "a camera that gives no picture for so long is silent"};
-inline constexpr base::Parameter<double> kMaxPictureAge_s{
-    "max_picture_age", 0.2, "s", base::ParameterOrigin::kTuned,
-    "older pictures are not asked about"};
+inline constexpr base::Parameter<double> kLostPictureRate_hz{
+    "lost_picture_rate", 10, "1/s", base::ParameterOrigin::kTuned,
+    "at least, of a lost robot"};
+inline constexpr base::Parameter<double> kCameraTimeout_s{
+    "camera_timeout", 2, "s", base::ParameterOrigin::kTuned,
+    "a camera without a picture for so long is silent; an older picture is of "
+    "another place"};
 inline constexpr base::Parameter<double> kAnswerDeadline_s{
     "answer_deadline", 3, "s", base::ParameterOrigin::kTuned,
     "of one question to the server"};
@@ -135,27 +119,15 @@ inline constexpr base::Parameter<int> kMaxQuestions{
 inline constexpr base::Parameter<int> kMaxFailures{
     "max_failures", 2, "", base::ParameterOrigin::kTuned,
     "questions in a row without an answer"};
-inline constexpr base::Parameter<double> kMaxServerSearch_s{
-    "max_server_search", 90, "s", base::ParameterOrigin::kTuned,
-    "then the laser looks alone"};
 inline constexpr base::Parameter<double> kMaxLaserSearch_s{
     "max_laser_search", 120, "s", base::ParameterOrigin::kTuned,
     "then the robot needs help"};
 inline constexpr base::Parameter<double> kRecoveryTurn_radps{
     "recovery_turn", 0.8, "rad/s", base::ParameterOrigin::kTuned,
     "of a robot that does not know its place"};
-inline constexpr base::Parameter<double> kRecoveryMove_mps{
-    "recovery_move", 0.15, "m/s", base::ParameterOrigin::kTuned,
-    "slow: the map is not known"};
-inline constexpr base::Parameter<double> kTurnGain_per_s{
-    "turn_gain", 2, "1/s", base::ParameterOrigin::kTuned,
-    "slows down over the last half radian"};
 inline constexpr base::Parameter<double> kMinTurnSpeed_radps{
     "min_turn_speed", 0.12, "rad/s", base::ParameterOrigin::kTuned,
     "so that a turn comes to its end"};
-inline constexpr base::Parameter<double> kTurnTolerance_rad{
-    "turn_tolerance", 0.1, "rad", base::ParameterOrigin::kTuned,
-    "a turn is done this near to its end"};
 inline constexpr base::Parameter<double> kMaxTurning_s{
     "max_turning", 12, "s", base::ParameterOrigin::kTuned,
     "a turn to the next view takes no longer"};
@@ -197,11 +169,6 @@ inline constexpr base::Parameter<double> kConfirmExplained{
 inline constexpr base::Parameter<double> kConfirmContradicted{
     "confirm_contradicted", 0.15, "", base::ParameterOrigin::kTuned,
     "the same"};
-inline constexpr base::Parameter<int> kMaxBadScans{
-    "max_bad_scans", 12, "", base::ParameterOrigin::kTuned, "more end it"};
-inline constexpr base::Parameter<double> kConfirmNoRoom_s{
-    "confirm_no_room", 4, "s", base::ParameterOrigin::kTuned,
-    "what has not turned enough by then has no room"};
 inline constexpr base::Parameter<double> kConfirmTurnShare{
     "confirm_turn_share", 0.6, "", base::ParameterOrigin::kTuned,
     "of the turning speed: AMCL follows better"};
@@ -220,9 +187,6 @@ inline constexpr base::Parameter<double> kUniquePlaceVariance_m2{
 inline constexpr base::Parameter<double> kUniquePlaceVariance_rad2{
     "unique_place_variance", 0.0064, "rad^2", base::ParameterOrigin::kMeasured,
     "and 2 degrees"};
-inline constexpr base::Parameter<double> kRestoredVariance{
-    "restored_variance", 0.01, "", base::ParameterOrigin::kTuned,
-    "the place before is less well known than it was (m^2, rad^2)"};
 
 // ---- Searching by laser ----
 
@@ -243,13 +207,7 @@ inline constexpr base::Parameter<double> kAliasMargin{
     "scores closer than this are alike (rows of windows, equal offices)"};
 inline constexpr base::Parameter<double> kMinSearchMove_m{
     "min_search_move", 0.3, "m", base::ParameterOrigin::kTuned,
-    "shorter moves show nothing new"};
-inline constexpr base::Parameter<double> kMaxSearchMove_m{
-    "max_search_move", 1.5, "m", base::ParameterOrigin::kTuned,
-    "longer ones leave what was seen"};
-inline constexpr base::Parameter<double> kSearchMoveMargin_m{
-    "search_move_margin", 0.3, "m", base::ParameterOrigin::kTuned,
-    "kept free ahead"};
+    "shorter moves show nothing new; also kept free ahead"};
 inline constexpr base::Parameter<double> kMaxSearchLeg_s{
     "max_search_leg", 15, "s", base::ParameterOrigin::kTuned,
     "something holds the robot"};
@@ -265,9 +223,6 @@ inline constexpr base::Parameter<double> kMaxBadScanShare{
 inline constexpr base::Parameter<int> kFreeBadScans{
     "free_bad_scans", 2, "", base::ParameterOrigin::kTuned,
     "that do not count"};
-inline constexpr base::Parameter<double> kCameFromWorth{
-    "came_from_worth", 0.5, "", base::ParameterOrigin::kTuned,
-    "of free way where the robot came from"};
 inline constexpr base::Parameter<double> kCameFrom_rad{
     "came_from", 0.8, "rad", base::ParameterOrigin::kTuned,
     "around straight back"};
@@ -334,28 +289,57 @@ inline constexpr base::Parameter<double> kViewPriorWorth{
 inline constexpr base::Parameter<double> kViewPriorStructure{
     "view_prior_structure", 0.35, "", base::ParameterOrigin::kTuned,
     "and its edges"};
-inline constexpr base::Parameter<double> kViewEdgeSlack_rad{
-    "view_edge_slack", 0.1, "rad", base::ParameterOrigin::kTuned,
-    "of a view that the laser saw whole"};
 inline constexpr base::Parameter<double> kSharedView_rad{
     "shared_view", 0.45, "rad", base::ParameterOrigin::kTuned,
     "standard deviation over which answers tell of neighbours"};
-inline constexpr base::Parameter<double> kAnsweredWorth{
-    "answered_worth", 0.5, "", base::ParameterOrigin::kTuned,
-    "asking again tells half as much"};
+inline constexpr base::Parameter<double> kKnownWorth{
+    "known_worth", 0.5, "", base::ParameterOrigin::kTuned,
+    "to ask again, or to go where the robot came from, tells half as much"};
 inline constexpr base::Parameter<double> kTurnCost_per_rad{
     "turn_cost", 0.1, "1/rad", base::ParameterOrigin::kTuned, "in probability"};
-inline constexpr base::Parameter<double> kSecondView_rad{
-    "second_view", 0.6, "rad", base::ParameterOrigin::kTuned,
-    "from the first view: shares some of it, not most"};
-inline constexpr base::Parameter<double> kSecondViewWidth_rad{
-    "second_view_width", 0.3, "rad", base::ParameterOrigin::kTuned,
-    "standard deviation around that"};
 inline constexpr base::Parameter<double> kSecondViewGain{
     "second_view_gain", 0.5, "", base::ParameterOrigin::kTuned,
     "of such a direction"};
 
 // ---- what follows from others ----
+
+// For a sharp picture the robot moves by less than half of what counts as
+// standing elsewhere.
+inline constexpr double kStandstillSpeed_mps = control::kStandingSpeed_mps / 2;
+inline constexpr double kStandstillYawRate_radps =
+    control::kStandingTurn_radps / 2;
+// A fix may be off by half of what two may differ by.
+inline constexpr double kFixSearch_m = kPairDistance_m / 2;
+inline constexpr double kFixSearch_rad = kPairAngle_rad / 2;
+inline constexpr double kMinFixStd_rad =
+    kMinFixStd_m / localization::kHeadingLever_m;
+inline constexpr double kMaxFixStd_rad =
+    kMaxFixStd_m / localization::kHeadingLever_m;
+// A second view is away from the first by twice what makes it another one,
+// about.
+inline constexpr double kSecondView_rad = 2 * kOtherView_rad;
+inline constexpr double kSecondViewWidth_rad = kOtherView_rad;
+// As slow as where there is no room: the map is not known.
+inline constexpr double kRecoveryMove_mps = control::kSlowSpeed_mps;
+// Turns of a robot that does not know its place are those of one near its goal.
+inline constexpr double kTurnGain_per_s = control::kGoalGain_hz;
+inline constexpr double kTurnTolerance_rad = control::kAlignUntil_rad;
+// A view that was seen whole may be beside the camera by what a turn is off.
+inline constexpr double kViewEdgeSlack_rad = kTurnTolerance_rad;
+// What has not turned enough in half of the time has no room.
+inline constexpr double kConfirmNoRoom_s = kMaxConfirming_s / 2;
+// A trial ends after half as many bad scans again as there must be good ones.
+inline constexpr int kMaxBadScans = kConfirmScans * 3 / 2;
+// The place before is less well known than it was: as one found by laser (m^2,
+// rad^2).
+inline constexpr double kRestoredVariance = kUniquePlaceVariance_m2;
+// A picture as old as two are apart is not asked about.
+inline constexpr double kMaxPictureAge_s = 2 / kLostPictureRate_hz;
+// All questions of a recovery, each answered at its deadline; then the laser
+// looks alone.
+inline constexpr double kMaxServerSearch_s = kMaxQuestions * kAnswerDeadline_s;
+// Bounds the memory of fixes that wait for a second one.
+inline constexpr size_t kMaxWaitingFixes = localization::kMaxWaitingScans;
 
 // A place that was taken is as well known as the worst of fixes.
 inline constexpr double kMaxConfirmStd_m = kMaxFixStd_m;

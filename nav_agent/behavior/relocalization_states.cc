@@ -30,7 +30,7 @@ bool StoppingState::Step(
 LookingState::Outcome LookingState::Step(const core::RgbdFrame* frame,
                                          base::MonotonicTime now) const {
   if (frame != nullptr && frame->stamp >= since_) return Outcome::kHasPicture;
-  return base::SecondsBetween(since_, now) > kMaxPictureWait_s
+  return base::SecondsBetween(since_, now) > kCameraTimeout_s
              ? Outcome::kNoPictures
              : Outcome::kWaiting;
 }

@@ -20,7 +20,7 @@ TEST(StoppingState, WaitsUntilTheWheelsHaveStoodForSoLong) {
   EXPECT_FALSE(stopping.Step(Moving(0.2, 0), 0.3, At(100)));
   EXPECT_FALSE(stopping.Step(Moving(0, 0.03), 0.3, At(100.5)));
   EXPECT_FALSE(stopping.Step(Moving(0, 0), 0.3, At(101)));
-  EXPECT_FALSE(stopping.Step(Moving(0.009, 0.019), 0.3, At(101.29)));
+  EXPECT_FALSE(stopping.Step(Moving(0.009, 0.024), 0.3, At(101.29)));
   EXPECT_TRUE(stopping.Step(Moving(0, 0), 0.3, At(101.31)));
 }
 
@@ -56,8 +56,8 @@ TEST(LookingState, TakesAPictureOfTheRobotThatStands) {
 TEST(LookingState, ASilentCameraIsNotWaitedForForEver) {
   using Outcome = LookingState::Outcome;
   const LookingState looking(At(100));
-  EXPECT_EQ(looking.Step(nullptr, At(102.49)), Outcome::kWaiting);
-  EXPECT_EQ(looking.Step(nullptr, At(102.51)), Outcome::kNoPictures);
+  EXPECT_EQ(looking.Step(nullptr, At(101.99)), Outcome::kWaiting);
+  EXPECT_EQ(looking.Step(nullptr, At(102.01)), Outcome::kNoPictures);
   // Late is better than never.
   core::RgbdFrame frame;
   frame.stamp = At(103);

@@ -51,7 +51,7 @@ SearchMotion::Result SearchMotion::Turn(
   const double back_rad = geometry::NormalizedAngle_rad(
       yaw_rad - leg_from_.yaw_rad - std::numbers::pi);
   const double worth =
-      turns_ > 0 && std::abs(back_rad) < kCameFrom_rad ? kCameFromWorth : 1.0;
+      turns_ > 0 && std::abs(back_rad) < kCameFrom_rad ? kKnownWorth : 1.0;
   if (worth * input.free_ahead_m > best_free_m_) {
     best_free_m_ = worth * input.free_ahead_m;
     best_free_yaw_rad_ = yaw_rad;
@@ -68,7 +68,7 @@ SearchMotion::Result SearchMotion::Turn(
 core::VelocityCommand SearchMotion::Face(
     const localization::TrackedMotion& motion, base::MonotonicTime now,
     double turn_radps) {
-  if (best_free_m_ < kMinSearchMove_m + kSearchMoveMargin_m || IsStuck(now)) {
+  if (best_free_m_ < 2 * kMinSearchMove_m || IsStuck(now)) {
     best_free_m_ = 0;
     NextLeg(Leg::kTurn, motion, now);
     return {};
@@ -78,7 +78,7 @@ core::VelocityCommand SearchMotion::Face(
       kTurnTolerance_rad) {
     return TurnTowards(best_free_yaw_rad_, motion, turn_radps);
   }
-  leg_m_ = std::min(kMaxSearchMove_m.value, best_free_m_ - kSearchMoveMargin_m);
+  leg_m_ = best_free_m_ - kMinSearchMove_m;
   NextLeg(Leg::kMove, motion, now);
   return {};
 }
@@ -88,7 +88,7 @@ core::VelocityCommand SearchMotion::Move(
     double move_mps) {
   const double moved_m =
       geometry::Norm(motion.odom_from_base.translation - leg_from_.translation);
-  if (moved_m >= leg_m_ || input.free_ahead_m < kSearchMoveMargin_m ||
+  if (moved_m >= leg_m_ || input.free_ahead_m < kMinSearchMove_m ||
       IsStuck(input.now)) {
     best_free_m_ = 0;
     NextLeg(Leg::kTurn, motion, input.now);

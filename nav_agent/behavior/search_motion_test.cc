@@ -66,10 +66,13 @@ TEST_F(SearchMotionTest, MovesToTheFreestSideAndNotFurtherThanIsFree) {
   EXPECT_NEAR(std::atan2(at.y, at.x), 1.75, 0.15);
 }
 
-TEST_F(SearchMotionTest, AMoveHasItsEnd) {
-  free_at_ = [](double) { return 10.0; };
-  Run(22);
-  EXPECT_NEAR(geometry::Norm(motion_.odom_from_base.translation), 1.5, 0.02);
+TEST_F(SearchMotionTest, AMoveEndsBeforeWhatComesInItsWay) {
+  free_at_ = [this](double) {
+    const double moved_m = geometry::Norm(motion_.odom_from_base.translation);
+    return moved_m < 0.4 ? 1.0 : 0.2;
+  };
+  Run(16);
+  EXPECT_NEAR(geometry::Norm(motion_.odom_from_base.translation), 0.4, 0.02);
 }
 
 TEST_F(SearchMotionTest, DoesNotGoBackToWhereItCameFrom) {

@@ -7,13 +7,6 @@
 
 namespace treeline::control {
 
-// ---- the cycle ----
-inline constexpr base::Parameter<double> kCycle_s{
-    "cycle", 0.025, "s", base::ParameterOrigin::kPhysics,
-    "40 commands and scans a second"};
-inline constexpr base::Parameter<double> kMinInterval_s{
-    "min_interval", 0.005, "s", base::ParameterOrigin::kPhysics,
-    "of two commands: less is jitter of the clock"};
 // ---- room and commands ----
 inline constexpr base::Parameter<double> kManoeuvreRoom_m{
     "manoeuvre_room", 0.06, "m", base::ParameterOrigin::kTuned,
@@ -66,9 +59,6 @@ inline constexpr base::Parameter<double> kRepulsion{
 inline constexpr base::Parameter<double> kBandGain{
     "band_gain", 0.4, "", base::ParameterOrigin::kTuned,
     "of a bubble's move by radius and force: with more they swing"};
-inline constexpr base::Parameter<double> kMaxSpacing_m{
-    "max_spacing", 0.30, "m", base::ParameterOrigin::kGeometry,
-    "half of the robot's length"};
 inline constexpr base::Parameter<double> kTurnWay{
     "turn_path", 0.1, "m/rad", base::ParameterOrigin::kGeometry,
     "what a turn between neighbours takes of their room"};
@@ -119,9 +109,6 @@ inline constexpr base::Parameter<double> kLookAheadBase_m{
 inline constexpr base::Parameter<double> kLookAheadTime_s{
     "look_ahead_time", 0.45, "s", base::ParameterOrigin::kTuned,
     "and so much further by its speed"};
-inline constexpr base::Parameter<double> kLookAheadMax_m{
-    "look_ahead_max", 0.55, "m", base::ParameterOrigin::kTuned,
-    "further ahead corners are cut"};
 inline constexpr base::Parameter<double> kSlowSpeed_mps{
     "slow_speed", 0.15, "m/s", base::ParameterOrigin::kTuned,
     "where there is no room beside it, and to see whether it might set off"};
@@ -154,6 +141,9 @@ inline constexpr base::Parameter<double> kTurned_rad{
     "a turn that is off by less is done"};
 
 // ---- what follows ----
+// Of two commands: less is jitter of the clock (s).
+inline constexpr double kMinInterval_s = kCycle_s / 5;
+
 // A base says what it did late, and scans of two lasers come apart: by four
 // cycles at most (s).
 inline constexpr double kLag_s = 4 * kCycle_s;

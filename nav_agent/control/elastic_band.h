@@ -11,6 +11,7 @@
 #include "common/geometry/rigid2.h"
 #include "nav_agent/control/driving_parameters.h"
 #include "nav_agent/control/setting_parameters.h"
+#include "nav_agent/core/robot_model.h"
 
 namespace treeline::control {
 
@@ -43,8 +44,9 @@ struct ElasticBandOptions {
   // max_move_m.
   double gain = kBandGain;
   double max_move_m = kCell_m;
-  // Neighbours at most this far apart, and at least (m).
-  double max_spacing_m = kMaxSpacing_m;
+  // Neighbours at most this far apart, half of a robot's length, and at least
+  // (m).
+  double max_spacing_m = core::RobotModel().front_m;
   double min_spacing_m = kTwoCells_m;
   // What a turn between neighbours takes of their room (m of way for 1 rad).
   double turn_m_per_rad = kTurnWay;

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "common/base/parameter.h"
+#include "nav_agent/control/driving_parameters.h"
 
 namespace treeline::control {
 
@@ -32,23 +33,14 @@ inline constexpr base::Parameter<double> kAlignUntil_rad{
     "until it is off by less"};
 inline constexpr base::Parameter<double> kGoalBrakeShare{
     "goal_brake_share", 0.5, "", base::ParameterOrigin::kTuned,
-    "of the robot's deceleration: gently"};
+    "of the robot's deceleration and of its turns: gently"};
 inline constexpr base::Parameter<double> kGoalSpeed_mps{
     "goal_speed", 0.25, "m/s", base::ParameterOrigin::kTuned,
     "the fastest of the last decimetres"};
-inline constexpr base::Parameter<double> kGoalGain_hz{
-    "goal_gain", 2.0, "1/s", base::ParameterOrigin::kTuned,
-    "of speed by distance, and of turning by angle"};
 inline constexpr base::Parameter<double> kGoalTurn_radps{
     "goal_turn", 0.6, "rad/s", base::ParameterOrigin::kTuned,
     "the fastest turn while it moves there"};
 // ---- standing, waiting, blocked ----
-inline constexpr base::Parameter<double> kStandingSpeed_mps{
-    "standing_speed", 0.02, "m/s", base::ParameterOrigin::kTuned,
-    "slower than this the robot stands; the slowest of an approach"};
-inline constexpr base::Parameter<double> kStandingTurn_radps{
-    "standing_turn", 0.05, "rad/s", base::ParameterOrigin::kTuned,
-    "the same of turning"};
 inline constexpr base::Parameter<double> kBreak_s{
     "break", 0.4, "s", base::ParameterOrigin::kTuned,
     "a break of the band must last: people pass"};
@@ -135,6 +127,10 @@ inline constexpr base::Parameter<double> kCornerSpeed_mps{
 inline constexpr base::Parameter<int> kTurnParts{
     "turn_parts", 72, "", base::ParameterOrigin::kGeometry,
     "headings of a full turn that are looked at: a corner moves by 4 cm"};
+
+// ---- what follows ----
+// As gentle as the brake: of speed by distance, and of turning by angle (1/s).
+inline constexpr double kGoalGain_hz = kGoalBrakeShare * kTurnGain_hz;
 
 }  // namespace treeline::control
 

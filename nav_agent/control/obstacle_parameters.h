@@ -30,9 +30,6 @@ inline constexpr base::Parameter<std::array<double, 7>> kSeedHeights_m{
     "m",
     base::ParameterOrigin::kTuned,
     "errors of a pose's height that are tried: a voxel, more on slopes"};
-inline constexpr base::Parameter<double> kGroundTolerance_m{
-    "ground_tolerance", 0.10, "m", base::ParameterOrigin::kTuned,
-    "what ends lower above the ground is ground: two voxels"};
 inline constexpr base::Parameter<double> kGroundPerRange{
     "ground_per_range", 0.01, "m/m", base::ParameterOrigin::kTuned,
     "and by this share of the range: a tilt that is 0.6 degrees off"};
@@ -68,15 +65,6 @@ inline constexpr base::Parameter<int> kDepthColumns{
     "depth_columns", 160, "columns", base::ParameterOrigin::kTuned,
     "of a picture that are used: finer than the cells at 3 m"};
 // ---- for how long ----
-inline constexpr base::Parameter<double> kSeenNow_s{
-    "seen_now", 0.15, "s", base::ParameterOrigin::kPhysics,
-    "six scans at 40 Hz: longer ago is not this moment"};
-inline constexpr base::Parameter<double> kLately_s{
-    "lately", 0.3, "s", base::ParameterOrigin::kPhysics,
-    "the slowest sensor, the camera at 5 Hz, has shown it again by then"};
-inline constexpr base::Parameter<double> kDepthLifetime_s{
-    "depth_lifetime", 0.5, "s", base::ParameterOrigin::kPhysics,
-    "two frames of the camera may be lost"};
 inline constexpr base::Parameter<double> kRecently_s{
     "recently", 3.0, "s", base::ParameterOrigin::kTuned,
     "a place that was seen free, or somebody out of sight, may be as it was"};
@@ -93,12 +81,6 @@ inline constexpr base::Parameter<double> kStandingMemory_s{
 inline constexpr base::Parameter<double> kLegsApart_m{
     "legs_apart", 0.4, "m", base::ParameterOrigin::kGeometry,
     "legs of one person in a stride, to their middle"};
-inline constexpr base::Parameter<double> kCutAtEdge_m{
-    "cut_at_edge", 0.2, "m", base::ParameterOrigin::kGeometry,
-    "half a person: nearer to the edge of the view, his middle is not seen"};
-inline constexpr base::Parameter<double> kInFront_m{
-    "in_front", 0.25, "m", base::ParameterOrigin::kGeometry,
-    "a beam that ends so much nearer ends on somebody else"};
 inline constexpr base::Parameter<int> kFittedScans{
     "fitted_scans", 14, "scans", base::ParameterOrigin::kTuned,
     "place and speed are those of a straight line through so many"};
@@ -136,9 +118,6 @@ inline constexpr base::Parameter<double> kYawBrakingShare{
 inline constexpr base::Parameter<double> kApproachSpeed_mps{
     "approach_speed", 0.9, "m/s", base::ParameterOrigin::kPhysics,
     "people who walk towards the robot"};
-inline constexpr base::Parameter<double> kMovingMargin_m{
-    "moving_margin", 0.20, "m", base::ParameterOrigin::kTuned,
-    "to what moves if it is no more than what is seen, for a lost robot"};
 inline constexpr base::Parameter<double> kBodyMargin_m{
     "body_margin", 0.25, "m", base::ParameterOrigin::kGeometry,
     "half of somebody of whom a leg is seen"};
@@ -160,12 +139,6 @@ inline constexpr base::Parameter<double> kSweepStep_m{
 inline constexpr base::Parameter<int> kMaxLooks{
     "max_looks", 60, "looks", base::ParameterOrigin::kTuned,
     "bounds the time that a check takes"};
-inline constexpr base::Parameter<double> kMinSpeed_mps{
-    "min_speed", 0.006, "m/s", base::ParameterOrigin::kTuned,
-    "what is left of a command is no motion any more"};
-inline constexpr base::Parameter<double> kMinTurn_radps{
-    "min_turn", 0.015, "rad/s", base::ParameterOrigin::kTuned,
-    "the same of turning"};
 inline constexpr base::Parameter<double> kGuardSlack_m{
     "guard_slack", 2e-4, "m", base::ParameterOrigin::kPhysics,
     "rounding: what is too near already is not nearer for that"};
@@ -174,6 +147,24 @@ inline constexpr base::Parameter<double> kSameBeam_m{
     "points of neighbouring beams that end side by side say the same"};
 
 // ---- what follows ----
+// What ends lower above the ground is ground: two voxels (m).
+inline constexpr double kGroundTolerance_m = 2 * kCostmapResolution_m;
+// Longer ago is not this moment: six scans (s).
+inline constexpr double kSeenNow_s = 6 * kCycle_s;
+// The slowest sensor, the camera, has shown it again by then (s).
+inline constexpr double kLately_s = 1.5 / kDepthRate_hz;
+// Two frames of the camera may be lost (s).
+inline constexpr double kDepthLifetime_s = 2.5 / kDepthRate_hz;
+// Half a person: nearer to the edge of the view, his middle is not seen; and to
+// what moves if it is no more than what is seen, for a lost robot (m).
+inline constexpr double kCutAtEdge_m = kLegsApart_m / 2;
+inline constexpr double kMovingMargin_m = kLegsApart_m / 2;
+// A beam that ends so much nearer than a body ends on somebody else (m).
+inline constexpr double kInFront_m = kBodyMargin_m;
+// What is left of a command is no motion any more.
+inline constexpr double kMinSpeed_mps = kNoMotionShare * kStandingSpeed_mps;
+inline constexpr double kMinTurn_radps = kNoMotionShare * kStandingTurn_radps;
+
 // What is seen this near to what the map has already is the map's (m).
 inline constexpr double kMapBand_m = 1.5 * kCostmapResolution_m;
 // Only what is seen further from the map's obstacles is new, or so far if its

@@ -18,9 +18,8 @@ void PursuitRegulator::Regulate(const RegulatorInput& input,
 core::VelocityCommand PursuitRegulator::Command(
     const ControlPose& pose, std::span<const TrackPoint> track) {
   if (track.size() < 2) return {};
-  const double look_ahead_m = std::min(
-      kLookAheadMax_m.value,
-      kLookAheadBase_m + kLookAheadTime_s * std::max(0.0, pose.forward_mps));
+  const double look_ahead_m =
+      kLookAheadBase_m + kLookAheadTime_s * std::max(0.0, pose.forward_mps);
   const geometry::Vec2 target = pose.pose.map_from_base.Inverse() *
                                 PointAt(track, AlongTrack(track), look_ahead_m);
   const double bearing_rad = std::atan2(target.y, target.x);

@@ -25,6 +25,22 @@ inline constexpr base::Parameter<double> kInflation_m{
     "inflation", 0.5, "m", base::ParameterOrigin::kTuned,
     "room beside the footprint that the band keeps where there is room"};
 
+inline constexpr base::Parameter<double> kCycle_s{
+    "cycle", 0.025, "s", base::ParameterOrigin::kPhysics,
+    "40 commands and scans a second"};
+inline constexpr base::Parameter<double> kDepthRate_hz{
+    "depth_rate", 5, "1/s", base::ParameterOrigin::kTuned,
+    "pictures for obstacles that the laser does not meet"};
+inline constexpr base::Parameter<double> kStandingSpeed_mps{
+    "standing_speed", 0.02, "m/s", base::ParameterOrigin::kTuned,
+    "slower than this the robot stands; the slowest of an approach"};
+inline constexpr base::Parameter<double> kStandingTurn_radps{
+    "standing_turn", 0.05, "rad/s", base::ParameterOrigin::kTuned,
+    "the same of turning"};
+inline constexpr base::Parameter<double> kNoMotionShare{
+    "no_motion_share", 0.3, "", base::ParameterOrigin::kTuned,
+    "of those: what is left of a command is no motion any more"};
+
 }  // namespace treeline::control
 
 #endif  // NAV_AGENT_CONTROL_SETTING_PARAMETERS_H_

@@ -78,7 +78,7 @@ LastCommands::Start LastCommands::StartAt(base::MonotonicTime now,
   const double since_s =
       std::chrono::duration<double>(now - before->stamp).count();
   if (since_s < 0 || since_s > kLag_s) return start;
-  start.interval_s = std::clamp(since_s, kMinInterval_s.value, kLag_s);
+  start.interval_s = std::clamp(since_s, kMinInterval_s, kLag_s);
   const double lag_s = kLag_s + start.interval_s;
   if (std::abs(before->command.forward_mps - start.velocity.forward_mps) <=
       robot.max_deceleration_mps2 * lag_s) {

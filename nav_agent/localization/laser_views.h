@@ -5,6 +5,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "nav_agent/core/robot_model.h"
 #include "nav_agent/localization/lost_scan_check.h"
 #include "nav_agent/localization/parameters.h"
 #include "nav_agent/octomap/voxel_map.h"
@@ -14,7 +15,7 @@ namespace treeline::localization {
 
 struct LaserViewOptions {
   // Above the ground that the robot stands on (m, 0 to 5).
-  double laser_height_m = kLaserHeight_m;
+  double laser_height_m = core::RobotModel().base_from_laser.translation.z;
   // Rays are cast from places this far apart (m, 0.05 to 10), in so many
   // directions (8 to 3600), so far (m, 0.1 to 100).
   double place_m = kViewPlace_m;

@@ -121,7 +121,7 @@ struct LostDetectorOptions {
   // A state is named after what hides or changes this share of the beams.
   double notable_share = kNotableShare;  // [0, 1]
   // Scans sooner than this after the last one are not looked at (s). [0, 10]
-  double min_interval_s = kMinScanInterval_s;
+  double min_interval_s = kScanInterval_s;
 
   absl::Status Validate() const;
 };

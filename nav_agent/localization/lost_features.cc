@@ -53,7 +53,7 @@ class Panorama {
   static size_t SectorOf(geometry::Vec2 at) {
     const double turn =
         (std::atan2(at.y, at.x) / (2 * std::numbers::pi) + 0.5) *
-        static_cast<double>(kSectors.value);
+        static_cast<double>(kSectors);
     return static_cast<size_t>(turn) % kSectors;
   }
 

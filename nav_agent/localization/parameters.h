@@ -10,6 +10,10 @@
 
 namespace treeline::localization {
 
+inline constexpr base::Parameter<double> kHeadingLever_m{
+    "heading_lever", 2, "m", base::ParameterOrigin::kGeometry,
+    "an error of the heading counts as one of the place of what is this far"};
+
 // ---- AMCL ----
 
 inline constexpr base::Parameter<int> kMinParticles{
@@ -39,9 +43,6 @@ inline constexpr base::Parameter<double> kUpdateTurn_rad{
 inline constexpr base::Parameter<int> kScanBeams{
     "scan_beams", 60, "", base::ParameterOrigin::kTuned,
     "Nav2's default; more tell nearly the same"};
-inline constexpr base::Parameter<double> kIndependentBeams{
-    "independent_beams", 20, "", base::ParameterOrigin::kTuned,
-    "those count as so many that are independent"};
 inline constexpr base::Parameter<double> kMinCountingShare{
     "min_counting_share", 0.05, "", base::ParameterOrigin::kTuned,
     "of particles that one scan may leave with weight (tempering)"};
@@ -51,9 +52,6 @@ inline constexpr base::Parameter<double> kSearchingShare{
 inline constexpr base::Parameter<double> kRegularization_m{
     "regularization", 0.1, "m", base::ParameterOrigin::kTuned,
     "spread after drawing (Musso, Oudjane, Le Gland, 2001)"};
-inline constexpr base::Parameter<double> kRegularization_rad{
-    "regularization", 0.05, "rad", base::ParameterOrigin::kTuned,
-    "the same, of the heading"};
 inline constexpr base::Parameter<double> kFoundShare{
     "found_share", 0.95, "", base::ParameterOrigin::kTuned,
     "of the weight in one cluster: the place is found"};
@@ -107,9 +105,6 @@ inline constexpr base::Parameter<double> kMaxRise_m{
     "between grounds that the robot goes over"};
 inline constexpr base::Parameter<double> kSameHeight_m{
     "same_height", 0.0001, "m", base::ParameterOrigin::kPhysics, "rounding"};
-inline constexpr base::Parameter<double> kFloorHeight_m{
-    "floor_height", 0.6, "m", base::ParameterOrigin::kGeometry,
-    "grounds further apart in height are different floors"};
 
 // ---- Odometry noise (Probabilistic Robotics, table 5.6) ----
 
@@ -128,22 +123,14 @@ inline constexpr base::Parameter<double> kMinCourse_m{
 
 // ---- Where the laser sees the map ----
 
-inline constexpr base::Parameter<double> kLaserHeight_m{
-    "laser_height", 0.35, "m", base::ParameterOrigin::kGeometry,
-    "of the robot's laser"};
 inline constexpr base::Parameter<double> kViewPlace_m{
     "view_place", 0.5, "m", base::ParameterOrigin::kTuned,
     "between places that rays are cast from"};
-inline constexpr base::Parameter<int> kViewDirections{
-    "view_directions", 240, "", base::ParameterOrigin::kTuned, "of those rays"};
 inline constexpr base::Parameter<double> kViewRange_m{
     "view_range", 25, "m", base::ParameterOrigin::kGeometry, "of a UTM-30LX"};
 inline constexpr base::Parameter<double> kViewHitShare{
     "view_hit_share", 0.25, "", base::ParameterOrigin::kTuned,
     "of the rays that get there: occupied"};
-inline constexpr base::Parameter<double> kViewOpaqueShare{
-    "view_opaque_share", 0.75, "", base::ParameterOrigin::kTuned,
-    "of the rays that get there: opaque"};
 
 // ---- The check of one scan ----
 
@@ -164,9 +151,6 @@ inline constexpr base::Parameter<double> kFieldReach_m{
 inline constexpr base::Parameter<double> kGroundEnd_m{
     "ground_end", 0.15, "m", base::ParameterOrigin::kTuned,
     "ends this low may be on the ground"};
-inline constexpr base::Parameter<double> kHeightTolerance_m{
-    "height_tolerance", 0.2, "m", base::ParameterOrigin::kTuned,
-    "of what a tilted beam passes"};
 inline constexpr base::Parameter<double> kMaxBeamRange_m{
     "max_beam_range", 100, "m", base::ParameterOrigin::kPhysics,
     "bounds what a broken range costs"};
@@ -181,9 +165,6 @@ inline constexpr base::Parameter<double> kEvidenceInterval_s{
     "scans of a robot that stands tell the same"};
 inline constexpr base::Parameter<double> kMaxEvidenceFor{
     "max_evidence_for", 4, "", base::ParameterOrigin::kTuned,
-    "of one scan, log of the odds"};
-inline constexpr base::Parameter<double> kMaxEvidenceAgainst{
-    "max_evidence_against", 2, "", base::ParameterOrigin::kTuned,
     "of one scan, log of the odds"};
 inline constexpr base::Parameter<double> kSlopeEvidence{
     "slope_evidence", 0.4, "", base::ParameterOrigin::kTuned,
@@ -200,9 +181,6 @@ inline constexpr base::Parameter<double> kJumpTo{
 inline constexpr base::Parameter<double> kKidnapChance{
     "kidnap_chance", 0.3, "", base::ParameterOrigin::kTuned,
     "of a full jump, and of a robot that is lifted"};
-inline constexpr base::Parameter<double> kMaxLogOdds{
-    "max_log_odds", 8, "", base::ParameterOrigin::kTuned,
-    "to either side, so that it can change"};
 inline constexpr base::Parameter<double> kDeclareLost{
     "declare_lost", 0.95, "", base::ParameterOrigin::kTuned, "probability"};
 inline constexpr base::Parameter<double> kWithdrawLost{
@@ -211,9 +189,6 @@ inline constexpr base::Parameter<double> kWithdrawLost{
 inline constexpr base::Parameter<double> kNotableShare{
     "notable_share", 0.15, "", base::ParameterOrigin::kTuned,
     "of the beams: what a state is named after"};
-inline constexpr base::Parameter<double> kMinScanInterval_s{
-    "min_scan_interval", 0.07, "s", base::ParameterOrigin::kTuned,
-    "between scans that are judged"};
 inline constexpr base::Parameter<double> kLostReasonMemory_s{
     "lost_reason_memory", 5, "s", base::ParameterOrigin::kTuned,
     "a jump or a lift is named for so long"};
@@ -246,15 +221,6 @@ inline constexpr base::Parameter<double> kScanMemory_s{
 inline constexpr base::Parameter<double> kJumpAge_s{
     "jump_age", 0.45, "s", base::ParameterOrigin::kTuned,
     "a jump is against what was seen then"};
-inline constexpr base::Parameter<double> kIdentityAge_s{
-    "identity_age", 0.95, "s", base::ParameterOrigin::kTuned,
-    "what stands is what was seen then"};
-inline constexpr base::Parameter<double> kYoungestScan_s{
-    "youngest_scan", 0.08, "s", base::ParameterOrigin::kTuned,
-    "nothing younger is compared with"};
-inline constexpr base::Parameter<size_t> kSectors{"sectors", 120, "",
-                                                  base::ParameterOrigin::kTuned,
-                                                  "of what was seen before"};
 inline constexpr base::Parameter<double> kSameRange_m{
     "same_range", 0.15, "m", base::ParameterOrigin::kTuned,
     "the same thing, seen again"};
@@ -267,15 +233,12 @@ inline constexpr base::Parameter<double> kMaxResidual_m{
 
 // ---- The tracker ----
 
-inline constexpr base::Parameter<double> kTrackerScanInterval_s{
-    "tracker_scan_interval", 0.09, "s", base::ParameterOrigin::kTuned,
-    "scans of 10 Hz and more"};
+inline constexpr base::Parameter<double> kScanInterval_s{
+    "scan_interval", 0.09, "s", base::ParameterOrigin::kTuned,
+    "scans of 10 Hz and more; a younger one tells the same"};
 inline constexpr base::Parameter<double> kSearchingInterval_s{
     "searching_interval", 0.3, "s", base::ParameterOrigin::kTuned,
     "with thirty thousand particles"};
-inline constexpr base::Parameter<size_t> kParticlesAtOnce{
-    "particles_at_once", 10000, "", base::ParameterOrigin::kTuned,
-    "more are moved with one scan and drawn with the next"};
 inline constexpr base::Parameter<size_t> kMaxWaitingScans{
     "max_waiting_scans", 8, "", base::ParameterOrigin::kPhysics,
     "bounds the memory while the base is silent"};
@@ -297,9 +260,6 @@ inline constexpr base::Parameter<int> kSearchHeadings{
 inline constexpr base::Parameter<double> kRefineStep_m{
     "refine_step", 0.12, "m", base::ParameterOrigin::kTuned,
     "about half of that grid; then half of it again"};
-inline constexpr base::Parameter<double> kRefineTurnPerStep{
-    "refine_turn_per_step", 0.5, "", base::ParameterOrigin::kTuned,
-    "rad per m"};
 inline constexpr base::Parameter<double> kOtherPlace_m{
     "other_place", 0.7, "m", base::ParameterOrigin::kTuned,
     "further away is another place"};
@@ -320,6 +280,30 @@ inline constexpr base::Parameter<size_t> kSearchKeep{
     "times the candidates: the rest of a slice is of no worth"};
 
 // ---- what follows from others ----
+
+// A ray for every half of a checked beam, and a sector for every one.
+inline constexpr int kViewDirections = 2 * kCheckedBeams;
+inline constexpr size_t kSectors = kCheckedBeams;
+// What is not occupied for so many rays is opaque for the others.
+inline constexpr double kViewOpaqueShare = 1 - kViewHitShare;
+// Three neighbouring beams count as one that is independent.
+inline constexpr double kIndependentBeams = kScanBeams / 3;
+inline constexpr double kRegularization_rad =
+    kRegularization_m / kHeadingLever_m;
+inline constexpr double kRefineTurnPerStep = 1 / kHeadingLever_m;
+// A search over the whole map takes three scans for one step.
+inline constexpr size_t kParticlesAtOnce = kMaxGlobalParticles / 3;
+// Grounds further apart in height than two rises are different floors (m).
+inline constexpr double kFloorHeight_m = 2 * kMaxRise_m;
+// Of what a tilted beam passes, as of its range (m).
+inline constexpr double kHeightTolerance_m = kRangeTolerance_m;
+// One scan says half as much against as for; two for one side can be undone.
+inline constexpr double kMaxEvidenceAgainst = kMaxEvidenceFor / 2;
+inline constexpr double kMaxLogOdds = 2 * kMaxEvidenceFor;
+// What stands was there one piece of evidence before a jump (s).
+inline constexpr double kIdentityAge_s = kJumpAge_s + kEvidenceInterval_s;
+// Nothing younger than the scan before is compared with (s).
+inline constexpr double kYoungestScan_s = kScanInterval_s;
 
 // Beams that end nearer to the ground may end on it.
 inline constexpr double kBeamGround_m = kLayer_m;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "gtest/gtest.h"
+#include "nav_agent/localization/laser_views.h"
 
 namespace treeline::localization {
 namespace {
@@ -21,6 +22,19 @@ TEST(LocalizationParameters, HaveANameOfTheirOwnAndSayWhy) {
 
 TEST(LocalizationParameters, DerivedOnesAreAsTheyWereTuned) {
   EXPECT_EQ(kBeamGround_m, 0.1);
+  EXPECT_EQ(kViewDirections, 240);
+  EXPECT_EQ(kSectors, 120u);
+  EXPECT_EQ(kViewOpaqueShare, 0.75);
+  EXPECT_EQ(kIndependentBeams, 20);
+  EXPECT_EQ(kRegularization_rad, 0.05);
+  EXPECT_EQ(kRefineTurnPerStep, 0.5);
+  EXPECT_EQ(kParticlesAtOnce, 10000u);
+  EXPECT_EQ(kFloorHeight_m, 0.6);
+  EXPECT_EQ(kHeightTolerance_m, 0.2);
+  EXPECT_EQ(kMaxEvidenceAgainst, 2);
+  EXPECT_EQ(kMaxLogOdds, 8);
+  EXPECT_EQ(kIdentityAge_s, 0.95);
+  EXPECT_EQ(LaserViewOptions().laser_height_m, 0.35);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ struct RobotTrackerOptions {
   AmclOptions amcl;
   LostDetectorOptions lost;
   // Scans that follow a used one sooner are left out (s).
-  double scan_interval_s = kTrackerScanInterval_s;
+  double scan_interval_s = kScanInterval_s;
   // The same while AMCL looks everywhere, with many more particles (s).
   double searching_interval_s = kSearchingInterval_s;
 

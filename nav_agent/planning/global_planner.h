@@ -75,8 +75,9 @@ struct GlobalPlannerOptions {
   std::string planner = "variable-rrt";
   // Room beside the robot's footprint (m, 0 to 1).
   double margin_m = kPlanMargin_m;
-  // Start and goal are moved by at most this to where there is room (m).
-  double max_move_m = kMaxMove_m;
+  // Start and goal are moved by at most this, a robot's length, to where there
+  // is room (m).
+  double max_move_m = core::RobotModel().front_m + core::RobotModel().rear_m;
 
   absl::Status Validate() const;
 };

@@ -13,7 +13,6 @@
 namespace treeline::planning {
 namespace {
 
-constexpr int kStopEvery = 4 * kStopEveryNode;
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr std::array<core::CellIndex, 16> kSteps = {{{1, 0},
                                                      {0, 1},

@@ -82,7 +82,7 @@ class Lattice {
             static_cast<float>(TurnCost_m(start_.yaw_rad, yaw_rad)));
     }
     for (int count = 0; !open_.empty(); ++count) {
-      if (count % kStopEveryNode == 0 && (*is_over_)()) return {};
+      if (count % kStopEvery == 0 && (*is_over_)()) return {};
       const OpenNode next = open_.top();
       open_.pop();
       if (is_done_[next.number]) continue;
@@ -239,7 +239,7 @@ class Lattice {
     open.push({0, static_cast<uint32_t>(goal)});
     float max_reach_m = kFar;
     for (int count = 0; !open.empty(); ++count) {
-      if (count % kStopEveryNode == 0 && (*is_over_)()) return false;
+      if (count % kStopEvery == 0 && (*is_over_)()) return false;
       const OpenNode next = open.top();
       open.pop();
       if (next.estimate_m > max_reach_m) break;

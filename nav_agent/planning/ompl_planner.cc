@@ -15,6 +15,7 @@
 #include "common/base/status_macros.h"
 #include "nav_agent/planning/ompl_variable_rrt.h"
 #include "nav_agent/planning/path_smoother.h"
+#include "nav_agent/planning/plan_clock.h"
 #include "nav_agent/planning/planner_parameters.h"
 #include "ompl/base/PlannerData.h"
 #include "ompl/base/objectives/PathLengthOptimizationObjective.h"
@@ -41,10 +42,6 @@ constexpr double kLevelScale = 1e-3;
 
 // Held while OMPL's generator of seeds is used.
 ABSL_CONST_INIT absl::Mutex ompl_mutex(absl::kConstInit);
-
-double SecondsSince(base::MonotonicTime start) {
-  return base::SecondsBetween(start, base::SteadyClock().Now());
-}
 
 Spot SpotOf(const ob::State* state) {
   const double* values =
@@ -312,7 +309,7 @@ absl::StatusOr<PlanResult> OmplPlanner::Plan(
                         std::move(way));
   for (int idle = 0, i = 0; idle < kIdleAttempts && i < budget.max_iterations;
        ++i) {
-    if (i % kStopEveryAttempt == 0 &&
+    if (i % kStopEvery == 0 &&
         (stop.stop_requested() || SecondsSince(begin) >= budget.max_time_s)) {
       break;
     }

@@ -6,7 +6,6 @@ namespace treeline::planning {
 
 std::vector<base::ParameterRow> PlanningParameters() {
   return {base::RowOf(kPlanMargin_m),
-          base::RowOf(kMaxMove_m),
           base::RowOf(kMaxIterations),
           base::RowOf(kComfort_m),
           base::RowOf(kNearCost),
@@ -16,11 +15,9 @@ std::vector<base::ParameterRow> PlanningParameters() {
           base::RowOf(kWayStep_m),
           base::RowOf(kEndHeadings),
           base::RowOf(kLeavingWay),
-          base::RowOf(kLongLeavingWay),
           base::RowOf(kMaxStep_m),
           base::RowOf(kLevelDistance_m),
           base::RowOf(kRootSteps),
-          base::RowOf(kRootStep_m),
           base::RowOf(kGoalEvery),
           base::RowOf(kUnguidedIterations),
           base::RowOf(kAnywhereEvery),
@@ -35,7 +32,6 @@ std::vector<base::ParameterRow> PlanningParameters() {
           base::RowOf(kRestartGain),
           base::RowOf(kRestartTries),
           base::RowOf(kPullAhead),
-          base::RowOf(kPullSpacingMin_m),
           base::RowOf(kPullSpacingMax_m),
           base::RowOf(kGreed),
           base::RowOf(kLastLine_m),
@@ -44,9 +40,7 @@ std::vector<base::ParameterRow> PlanningParameters() {
           base::RowOf(kDetour_m),
           base::RowOf(kOmplRange_m),
           base::RowOf(kOmplShare),
-          base::RowOf(kStopEveryAttempt),
-          base::RowOf(kStopEveryStep),
-          base::RowOf(kStopEveryNode)};
+          base::RowOf(kStopEvery)};
 }
 
 }  // namespace treeline::planning

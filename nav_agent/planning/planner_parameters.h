@@ -10,9 +10,6 @@ namespace treeline::planning {
 inline constexpr base::Parameter<double> kPlanMargin_m{
     "plan_margin", 0.03, "m", base::ParameterOrigin::kTuned,
     "room beside the footprint: the error of following a line"};
-inline constexpr base::Parameter<double> kMaxMove_m{
-    "max_move", 0.6, "m", base::ParameterOrigin::kGeometry,
-    "start and goal are moved by the robot's length at most"};
 inline constexpr base::Parameter<int> kMaxIterations{
     "max_iterations", 20000, "", base::ParameterOrigin::kTuned,
     "bounds the time of a plan that is not bounded otherwise"};
@@ -42,9 +39,6 @@ inline constexpr base::Parameter<int> kEndHeadings{
 inline constexpr base::Parameter<int> kLeavingWay{
     "leaving_way", 5, "steps", base::ParameterOrigin::kGeometry,
     "of WayStep: a robot that cannot turn leaves by its length at most"};
-inline constexpr base::Parameter<int> kLongLeavingWay{
-    "long_leaving_way", 20, "steps", base::ParameterOrigin::kGeometry,
-    "the same for planners that only know places to turn in"};
 // ---- trees ----
 inline constexpr base::Parameter<double> kMaxStep_m{
     "max_step", 2.0, "m", base::ParameterOrigin::kTuned,
@@ -55,8 +49,6 @@ inline constexpr base::Parameter<double> kLevelDistance_m{
 inline constexpr base::Parameter<int> kRootSteps{
     "root_steps", 6, "steps", base::ParameterOrigin::kTuned,
     "a root whose robot cannot turn leaves it in so many steps"};
-inline constexpr base::Parameter<double> kRootStep_m{
-    "root_step", 0.2, "m", base::ParameterOrigin::kTuned, "of this"};
 inline constexpr base::Parameter<int> kGoalEvery{
     "goal_every", 16, "samples", base::ParameterOrigin::kTuned,
     "one sample in so many is the other tree's root"};
@@ -100,9 +92,6 @@ inline constexpr base::Parameter<int> kRestartTries{
 inline constexpr base::Parameter<int> kPullAhead{
     "pull_ahead", 40, "points", base::ParameterOrigin::kTuned,
     "lines are tried over at most so many points of a guide"};
-inline constexpr base::Parameter<double> kPullSpacingMin_m{
-    "pull_spacing_min", 0.1, "m", base::ParameterOrigin::kTuned,
-    "of the points that a way is pulled tight over again"};
 inline constexpr base::Parameter<double> kPullSpacingMax_m{
     "pull_spacing_max", 0.3, "m", base::ParameterOrigin::kTuned, "and at most"};
 // ---- the lattice ----
@@ -130,16 +119,18 @@ inline constexpr base::Parameter<double> kOmplShare{
     "ompl_share", 0.9, "", base::ParameterOrigin::kTuned,
     "of the time, for their search; the rest for making it better"};
 // ---- how often time and stop are looked at ----
-inline constexpr base::Parameter<int> kStopEveryAttempt{
-    "stop_every_attempt", 16, "", base::ParameterOrigin::kTuned,
-    "attempts and samples: a millisecond or so"};
-inline constexpr base::Parameter<int> kStopEveryStep{
-    "stop_every_step", 32, "", base::ParameterOrigin::kTuned, "steps of trees"};
-inline constexpr base::Parameter<int> kStopEveryNode{
-    "stop_every_node", 256, "nodes", base::ParameterOrigin::kTuned,
-    "nodes of a lattice; four times as many of a guide"};
+inline constexpr base::Parameter<int> kStopEvery{
+    "stop_every", 32, "", base::ParameterOrigin::kTuned,
+    "steps of trees, nodes, attempts: a millisecond or so"};
 
 // ---- what follows ----
+// A root is left in steps of two, ways are pulled tight over points no nearer
+// than one (m).
+inline constexpr double kRootStep_m = 2 * kWayStep_m;
+inline constexpr double kPullSpacingMin_m = kWayStep_m;
+// Of planners that only know places to turn in, four times the robot's length.
+inline constexpr int kLongLeavingWay = 4 * kLeavingWay;
+
 // Steps of a tree are no shorter, to get away from walls that are touched (m).
 inline constexpr double kMinStep_m = kWayStep_m;
 

@@ -149,7 +149,7 @@ bool VariableRrt::Grow(int iterations,
                        const std::function<Spot(uint64_t)>& sample,
                        const std::function<bool()>& is_over) {
   for (int i = 0; i < iterations && met_[0] < 0; ++i, ++iterations_) {
-    if (i % kStopEveryStep == 0 && is_over()) break;
+    if (i % kStopEvery == 0 && is_over()) break;
     const size_t own = static_cast<size_t>(iterations_) % 2;
     const Spot to = sample(static_cast<uint64_t>(iterations_));
     const int node = trees_[own]->Step(trees_[own]->Nearest(to), to.at);

@@ -11,6 +11,7 @@
 #include "nav_agent/planning/guide.h"
 #include "nav_agent/planning/lattice.h"
 #include "nav_agent/planning/path_smoother.h"
+#include "nav_agent/planning/plan_clock.h"
 #include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
@@ -22,10 +23,6 @@ constexpr uint64_t kFirstTree = 2;
 // Of a way's cost, that a gain leaves.
 constexpr double kKept = 1 - kRestartGain;
 constexpr uint64_t kTries{kRestartTries.value};
-
-double SecondsSince(base::MonotonicTime start) {
-  return base::SecondsBetween(start, base::SteadyClock().Now());
-}
 
 // The work on one request.
 class Planning {
@@ -164,7 +161,7 @@ void Planning::Polish(PathSmoother& improver, PlanResult& result) const {
   for (int idle = 0;
        idle < kIdleAttempts && result.iterations < budget_.max_iterations;
        ++result.iterations) {
-    if (result.iterations % kStopEveryAttempt == 0 && IsOver()) return;
+    if (result.iterations % kStopEvery == 0 && IsOver()) return;
     base::Random random(seed_ + (kImprovements << 32),
                         static_cast<uint64_t>(result.iterations));
     idle = improver.Try(random) ? 0 : idle + 1;

@@ -1,0 +1,197 @@
+#include "nav_agent/behavior/driving_state.h"
+
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "common/base/clock.h"
+#include "nav_agent/behavior/obstacle_discs.h"
+#include "nav_agent/behavior/parameters.h"
+#include "nav_agent/behavior/place_text.h"
+#include "nav_agent/behavior/pose_lists.h"
+
+namespace treeline::behavior {
+
+DrivingState::DrivingState(const PlannedPath& plan, const char* what,
+                           GoalCourse& goal, GoalTools& tools)
+    : background_(plan.may_be_better), arrival_(PathEnd()) {
+  Follow(plan, what, goal, tools);
+}
+
+void DrivingState::Follow(const PlannedPath& plan, const char* what,
+                          GoalCourse& goal, GoalTools& tools) {
+  const planning::PlanResult& way = plan.result;
+  arrival_ = ArrivalCheck(
+      {.beside_goal_m = way.moved_goal_m,
+       .is_goal_taken =
+           goal.IsLastLeg() && plan.had_blockages &&
+           way.moved_goal_m > tools.options.control.goal_tolerance_m});
+  control_ = {};
+  control_.to_go_m = way.length_m;
+  waiting_since_.reset();
+  way_is_free_ = false;
+  goal.status.to_go_m = way.length_m;
+  tools.route.path = way.path;
+  if (!way.tree_edges.empty()) tools.route.tree_edges = way.tree_edges;
+  tools.controller.SetPath(way.path);
+  tools.progress.Restart();
+  std::string text = absl::StrFormat(
+      "%s of %.1f m to %s, found in %.1f ms", what, way.length_m,
+      PlaceText(way.path.back()), 1e3 * way.total_s);
+  if (way.moved_goal_m > 0) {
+    absl::StrAppendFormat(&text,
+                          "; %.2f m beside the goal, where there is room",
+                          way.moved_goal_m);
+  }
+  tools.events.Add("plan", std::move(text));
+}
+
+bool DrivingState::DrivesStraight() const {
+  return control_.command.forward_mps > kStraightSpeed_mps &&
+         std::abs(control_.command.yaw_rate_radps) < kStraightYawRate_radps;
+}
+
+DrivingState::Result DrivingState::Step(const control::ControlPose& pose,
+                                        GoalCourse& goal, GoalTools& tools,
+                                        base::MonotonicTime now) {
+  if (arrival_.end().is_goal_taken && way_is_free_) {
+    return {.outcome = NeedsPlan(),
+            .command = tools.controller.Guard(pose, {})};
+  }
+  StepBackground(pose, goal, tools, now);
+  control_ = tools.controller.Step(pose);
+  goal.status.to_go_m = control_.to_go_m;
+  const control::ControlState state = control_.state;
+  if (state != control::ControlState::kWaiting) waiting_since_.reset();
+  if (state != control::ControlState::kArrived) arrival_.Restart();
+  Result result = {.outcome = GoesOn(), .command = control_.command};
+  if (!goal.IsLastLeg() && PassesPose(pose.pose, tools)) {
+    result.outcome = PassedPose();
+    return result;
+  }
+  switch (state) {
+    case control::ControlState::kIdle:
+      result.outcome = NeedsPlan();
+      break;
+    case control::ControlState::kArrived:
+      result.outcome = Arrive(pose, goal, tools, now);
+      break;
+    case control::ControlState::kBlocked:
+      result.outcome =
+          MeetObstacle(pose, "something stands in the way", tools, now);
+      break;
+    case control::ControlState::kWaiting:
+      result.outcome = Wait(pose, tools, now);
+      break;
+    case control::ControlState::kDriving:
+      result.outcome = CheckProgress(pose.pose, goal, tools, now);
+      break;
+  }
+  return result;
+}
+
+void DrivingState::StepBackground(const control::ControlPose& pose,
+                                  GoalCourse& goal, GoalTools& tools,
+                                  base::MonotonicTime now) {
+  const std::optional<PlannedPath> plan =
+      background_.Step(goal, pose.pose, tools, now);
+  if (!plan.has_value()) return;
+  const double from_m = Distance_m(plan->result.path.front(), pose.pose);
+  if (from_m < kBetterPathStart_m &&
+      from_m + plan->result.length_m <
+          (1 - tools.options.limits.better_share) * control_.to_go_m) {
+    Follow(*plan, "a shorter way", goal, tools);
+  }
+}
+
+bool DrivingState::PassesPose(const core::LevelPose& robot,
+                              const GoalTools& tools) const {
+  if (control_.state == control::ControlState::kArrived) return true;
+  const core::LevelPose& end = tools.route.path.back();
+  return Distance_m(robot, end) <= tools.options.limits.waypoint_tolerance_m &&
+         std::abs(robot.place.height_m - end.place.height_m) <
+             localization::kFloorHeight_m;
+}
+
+DrivingState::Outcome DrivingState::Arrive(const control::ControlPose& pose,
+                                           GoalCourse& goal, GoalTools& tools,
+                                           base::MonotonicTime now) {
+  const core::LevelPose& target = tools.route.path.back();
+  switch (arrival_.Step(pose, target, tools.options.control, now)) {
+    case ArrivalCheck::Outcome::kOpen:
+      break;
+    case ArrivalCheck::Outcome::kStands:
+      goal.status.to_go_m = 0;
+      break;
+    case ArrivalCheck::Outcome::kReached:
+      goal.status.to_go_m = 0;
+      return GoalEnd{
+          .state = GoalState::kSucceeded,
+          .cause = core::NavigationCause::kNone,
+          .why = arrival_.Text(pose.pose, target, goal.status.driven_m)};
+    case ArrivalCheck::Outcome::kDisputed:
+      if (tools.attempts.TakeReplan()) return NeedsPlan();
+      return GoalTrouble{.kind = Trouble::kStuck,
+                         .cause = core::NavigationCause::kNoProgress,
+                         .why = "it does not come to stand at the goal"};
+  }
+  return GoesOn();
+}
+
+DrivingState::Outcome DrivingState::Wait(const control::ControlPose& pose,
+                                         GoalTools& tools,
+                                         base::MonotonicTime now) {
+  if (!waiting_since_.has_value()) {
+    waiting_since_ = now;
+    tools.events.Add("blocked", "waits for something that moves");
+  }
+  tools.progress.Restart();
+  if (base::SecondsBetween(*waiting_since_, now) <=
+      tools.options.limits.wait_for_moving_s) {
+    return GoesOn();
+  }
+  return MeetObstacle(pose, "what moved does not go away", tools, now);
+}
+
+DrivingState::Outcome DrivingState::MeetObstacle(
+    const control::ControlPose& pose, const std::string& what, GoalTools& tools,
+    base::MonotonicTime now) {
+  const geometry::Vec2 obstacle = control_.obstacle_in_map;
+  const std::optional<core::LevelPlace> ground =
+      tools.map->GroundNear(obstacle, pose.pose.place.height_m);
+  const NavigatorLimits& limits = tools.options.limits;
+  for (const planning::Blockage& disc :
+       DiscsOf(tools.controller.Costmap(), obstacle,
+               pose.pose.map_from_base.translation, limits.blockage_margin_m,
+               control_.obstacle_radius_m + limits.blockage_margin_m,
+               ground.has_value() ? ground->level : pose.pose.place.level)) {
+    tools.blockages.Add(disc, now);
+  }
+  tools.events.Add("blocked", absl::StrFormat("%s at (%.2f, %.2f)", what,
+                                              obstacle.x, obstacle.y));
+  if (tools.attempts.TakeReplan()) return NeedsPlan();
+  return GoalTrouble{
+      .kind = Trouble::kNoWay,
+      .cause = core::NavigationCause::kBlocked,
+      .why = absl::StrFormat("%d ways around what stands there are blocked",
+                             limits.max_replans)};
+}
+
+DrivingState::Outcome DrivingState::CheckProgress(
+    const core::LevelPose& robot, const GoalCourse& goal, GoalTools& tools,
+    base::MonotonicTime now) const {
+  const bool gets_on =
+      tools.progress.Observe(now, goal.status.next_pose, control_.to_go_m,
+                             robot.map_from_base.yaw_rad);
+  if (tools.progress.TakeRefill()) tools.attempts.Refill();
+  if (gets_on) return GoesOn();
+  return GoalTrouble{.kind = Trouble::kStuck,
+                     .cause = control_.is_stopped_by_guard
+                                  ? core::NavigationCause::kCollisionStop
+                                  : core::NavigationCause::kNoProgress,
+                     .why = absl::StrFormat(
+                         "%.1f m to go, and no nearer for %.0f s",
+                         control_.to_go_m, tools.options.limits.progress_s)};
+}
+
+}  // namespace treeline::behavior

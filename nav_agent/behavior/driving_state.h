@@ -1,0 +1,75 @@
+// The robot follows a path to the next pose of its goal.
+#ifndef NAV_AGENT_BEHAVIOR_DRIVING_STATE_H_
+#define NAV_AGENT_BEHAVIOR_DRIVING_STATE_H_
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "nav_agent/behavior/arrival_check.h"
+#include "nav_agent/behavior/background_plans.h"
+#include "nav_agent/behavior/goal_course.h"
+#include "nav_agent/behavior/goal_tools.h"
+
+namespace treeline::behavior {
+
+// Waits for what moves, remembers what stands in the way, notices when the
+// robot does not get on. What follows is the executor's.
+class DrivingState {
+ public:
+  // Hands the path to the controller. what: for people.
+  DrivingState(const PlannedPath& plan, const char* what, GoalCourse& goal,
+               GoalTools& tools);
+
+  struct GoesOn {};
+  // Another plan is needed, from where the robot is.
+  struct NeedsPlan {};
+  // It has come to a pose that is driven through.
+  struct PassedPose {};
+  using Outcome =
+      std::variant<GoesOn, NeedsPlan, PassedPose, GoalTrouble, GoalEnd>;
+  struct Result {
+    Outcome outcome;
+    // The controller's, of this step.
+    core::VelocityCommand command;
+  };
+  Result Step(const control::ControlPose& pose, GoalCourse& goal,
+              GoalTools& tools, base::MonotonicTime now);
+
+  // Something that stood in the way is gone.
+  void NoteWayIsFree() { way_is_free_ = true; }
+  // About straight ahead, at more than a crawl.
+  bool DrivesStraight() const;
+  // The path from the next pose on, if it was found already.
+  const std::optional<planning::PlanResult>& next_leg() const {
+    return background_.next_leg();
+  }
+
+ private:
+  void Follow(const PlannedPath& plan, const char* what, GoalCourse& goal,
+              GoalTools& tools);
+  void StepBackground(const control::ControlPose& pose, GoalCourse& goal,
+                      GoalTools& tools, base::MonotonicTime now);
+  bool PassesPose(const core::LevelPose& robot, const GoalTools& tools) const;
+  Outcome Arrive(const control::ControlPose& pose, GoalCourse& goal,
+                 GoalTools& tools, base::MonotonicTime now);
+  Outcome Wait(const control::ControlPose& pose, GoalTools& tools,
+               base::MonotonicTime now);
+  Outcome MeetObstacle(const control::ControlPose& pose,
+                       const std::string& what, GoalTools& tools,
+                       base::MonotonicTime now);
+  Outcome CheckProgress(const core::LevelPose& robot, const GoalCourse& goal,
+                        GoalTools& tools, base::MonotonicTime now) const;
+
+  BackgroundPlans background_;
+  ArrivalCheck arrival_;
+  // The controller's last.
+  control::ControlResult control_;
+  std::optional<base::MonotonicTime> waiting_since_;
+  // Since the path is followed.
+  bool way_is_free_ = false;
+};
+
+}  // namespace treeline::behavior
+
+#endif  // NAV_AGENT_BEHAVIOR_DRIVING_STATE_H_

@@ -1,0 +1,15 @@
+// How long a plan takes.
+#ifndef NAV_AGENT_PLANNING_PLAN_CLOCK_H_
+#define NAV_AGENT_PLANNING_PLAN_CLOCK_H_
+
+#include "common/base/clock.h"
+
+namespace treeline::planning {
+
+inline double SecondsSince(base::MonotonicTime start) {
+  return base::SecondsBetween(start, base::SteadyClock().Now());
+}
+
+}  // namespace treeline::planning
+
+#endif  // NAV_AGENT_PLANNING_PLAN_CLOCK_H_
