@@ -21,10 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of a lost robot's picture the camera measures the depth of what is nearer
-// than 4.5 m, which often is floor alone; the posters that say where it is hang
-// beyond (docs/reference/suites.md).
-constexpr const char* kMethod = "hybrid";
 // A quarter of what `treeline train` takes by itself: minutes rather than a
 // quarter of an hour for the five worlds.
 constexpr const char* kFramesPerTree = "250";
@@ -165,9 +161,8 @@ absl::StatusOr<std::string> ModelsForSuite(const SuiteMapOptions& options,
       const std::unique_ptr<ChildProcess> training,
       ChildProcess::Start(
           {program, "train", "--map", SuiteBundleFolder(options),
-           "--repository", models, "--scene", scene, "--method", kMethod,
-           "--frames-per-tree", kFramesPerTree, "--samples-per-frame",
-           kSamplesPerFrame},
+           "--repository", models, "--scene", scene, "--frames-per-tree",
+           kFramesPerTree, "--samples-per-frame", kSamplesPerFrame},
           FolderOf(options) + "/train.log"));
   TL_RETURN_IF_ERROR(training->Wait(stop));
   return models;

@@ -29,9 +29,9 @@ struct ConfidenceFit {
   double prior_sigma = 1;
   // The trials, which are of a few places alone, count as no more than so many.
   double independent_trials = 200;
-  // Trials are spoilt more than queries will be: a higher threshold would
-  // refuse what is right.
-  double max_threshold = 0.8;
+  // A higher threshold would refuse too much of what is right, even where
+  // places are alike.
+  double max_threshold = 0.95;
 };
 
 // Logistic regression on the trials, drawn towards `prior` as if by a few

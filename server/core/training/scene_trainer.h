@@ -30,7 +30,7 @@ struct MethodDescription {
 std::span<const MethodDescription> TrainableMethods();
 
 struct SceneTrainingOptions {
-  std::string method = "rgbd";
+  std::string method = "universal";
   // How depth and colour fit together: nullopt estimates it from the frames.
   std::optional<camera::RgbdCalibration> calibration;
   // Called with the estimate before learning begins; may be empty.

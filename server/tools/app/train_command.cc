@@ -27,7 +27,7 @@ A server loads DIR/<scene>/<version>/model.treeline, so give such a name to
 --output. The file appears when it is complete, or not at all.
 
 Examples:
-  treeline train --dataset 7scenes:kitchen --frames train.txt --method rgbd \
+  treeline train --dataset 7scenes:kitchen --frames train.txt \
       --output models/kitchen/1/model.treeline
   treeline train --dataset tum:rgbd_dataset_freiburg1_desk \
       --output desk.treeline --trees 8 --seed 7
@@ -38,7 +38,7 @@ struct TrainFlags {
   std::string map;
   std::string repository;
   std::string scene;
-  std::string method = "rgbd";
+  std::string method = "universal";
   std::string output_path;
   std::string calibration;
   std::string adapt_path;
