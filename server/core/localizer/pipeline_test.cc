@@ -173,6 +173,14 @@ TEST_F(SelectCandidateTest, WithoutAPoseTheFirstStepSaysWhy) {
   EXPECT_EQ(selection->candidate.reason, NotLocalizedReason::kTooFewInliers);
 }
 
+TEST_F(SelectCandidateTest, WhoHadNothingToLookAtDoesNotSayWhy) {
+  AddStep(Candidate());  // too few samples
+  AddStep(NoPose(40));
+  const auto selection = Select({});
+  ASSERT_TRUE(selection.ok());
+  EXPECT_EQ(selection->candidate.samples, 40);
+}
+
 TEST_F(SelectCandidateTest, AnErrorOfAGeneratorIsTheQuerys) {
   AddStep(absl::InternalError("the library failed"));
   EXPECT_EQ(Select({}).status(), absl::InternalError("the library failed"));

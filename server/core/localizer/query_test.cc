@@ -50,18 +50,26 @@ TEST(QueryCalibrationTest, TakesTheFramesCamerasAndTheScenesPoseSensor) {
   EXPECT_EQ(both.color, CameraOf(30));
   EXPECT_EQ(both.depth, CameraOf(31));
   EXPECT_EQ(both.pose_sensor, camera::RgbdSensor::kDepth);
-  // The frame's depth camera means nothing to who ignores depth.
+  // The frame's depth camera means nothing to who ignores depth, or has none.
   const camera::RgbdCalibration color =
       QueryCalibration(frame, Info(), DepthUse::kIgnored);
   EXPECT_EQ(color.color, CameraOf(30));
   EXPECT_EQ(color.depth, CameraOf(21));
   EXPECT_EQ(color.pose_sensor, camera::RgbdSensor::kDepth);
+  EXPECT_EQ(QueryCalibration(frame, Info(), DepthUse::kWhereGiven).depth,
+            CameraOf(21));
+  frame.depth = image::DepthImage{kWidth, kHeight,
+                                  std::vector<uint16_t>(kWidth * kHeight)};
+  EXPECT_EQ(QueryCalibration(frame, Info(), DepthUse::kWhereGiven).depth,
+            CameraOf(31));
 }
 
 TEST(CheckFrameTest, WantsDepthOnlyWhereItIsUsed) {
   const camera::RgbdCalibration& calibration = Info().calibration;
   image::Frame frame = GrayFrame(0);
   EXPECT_TRUE(CheckFrame(frame, calibration, DepthUse::kIgnored, "rgb").ok());
+  EXPECT_TRUE(
+      CheckFrame(frame, calibration, DepthUse::kWhereGiven, "universal").ok());
   const absl::Status missing =
       CheckFrame(frame, calibration, DepthUse::kRequired, "rgbd");
   EXPECT_EQ(missing.code(), absl::StatusCode::kInvalidArgument);
@@ -75,9 +83,10 @@ TEST(CheckFrameTest, ComparesImagesWithTheirCameras) {
   const camera::RgbdCalibration& calibration = Info().calibration;
   image::Frame frame = GrayFrame(0);
   frame.depth = image::DepthImage{4, 2, std::vector<uint16_t>(8)};
-  EXPECT_THAT(
-      CheckFrame(frame, calibration, DepthUse::kRequired, "rgbd").ToString(),
-      HasSubstr("the depth image has 4 x 2"));
+  for (const DepthUse use : {DepthUse::kRequired, DepthUse::kWhereGiven}) {
+    EXPECT_THAT(CheckFrame(frame, calibration, use, "rgbd").ToString(),
+                HasSubstr("the depth image has 4 x 2"));
+  }
   frame.color = {5, 2, std::vector<uint8_t>(30)};
   EXPECT_THAT(
       CheckFrame(frame, calibration, DepthUse::kIgnored, "rgb").ToString(),
