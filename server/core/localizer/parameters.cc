@@ -15,6 +15,7 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMatchedLikeKeyframes),
           base::RowOf(kMaxQueryFeatures),
           base::RowOf(kMaxKeyframeRatio),
+          base::RowOf(kMaxPriorKeyframeDistance_m),
           base::RowOf(kMinKeyframeMatches),
           base::RowOf(kMinKeyframeInliers),
           base::RowOf(kKeypointSigma_px),
@@ -34,7 +35,8 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMaxPositionSigma_m),
           base::RowOf(kMinSiftInliers),
           base::RowOf(kFewMatches),
-          base::RowOf(kMaxRelativePositionSigma)};
+          base::RowOf(kMaxRelativePositionSigma),
+          base::RowOf(kOtherTurnOdds)};
 }
 
 }  // namespace treeline::localizer
