@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -43,6 +44,8 @@ Examples:
       --list office/test.txt --root office --json > answers.jsonl
   treeline-client localize --server 127.0.0.1:50051 --candidate-scene office \
       --candidate-scene lab --color query.jpg --depth query.png
+  treeline-client localize --server 127.0.0.1:50051 --scene office \
+      --color portrait.jpg --orientation left --near 3.6,1.6,1.2,2
 
 Exit codes: 0 localized, 1 failed, 2 wrong usage, 3 not localized, 130
 interrupted. For a list: 0 if at least one frame was localized and none failed,
@@ -55,26 +58,78 @@ struct LocalizeFlags {
   relocalizer::FrameFileOptions frames;
   std::string list;
   std::string root;
-  std::vector<double> prior;  // empty: none
+  std::string orientation;      // the side that is up; empty: not stated
+  std::vector<double> gravity;  // the rest: empty is none
+  std::vector<double> prior;
   double prior_radius_m = 4;
   double prior_radius_deg = 25;
+  std::vector<double> near;
+  std::vector<double> height_band;
+  std::vector<double> up;
   bool stream = false;
   relocalizer::StreamOptions stream_options;
   bool json = false;
 };
 
-// The prior of the flags, checked.
-absl::Status SetPrior(LocalizeFlags& flags) {
-  if (flags.prior.empty()) return absl::OkStatus();
-  const std::vector<double>& p = flags.prior;
-  const absl::StatusOr<geometry::Rigid3> pose =
-      geometry::RigidFromQuaternion(p[0], p[1], p[2], p[3], {p[4], p[5], p[6]});
-  if (!pose.ok()) return base::Annotate(pose.status(), "--prior");
-  flags.query.prior = geometry::PosePrior{
-      .world_from_camera = *pose,
-      .position_radius_m = flags.prior_radius_m,
-      .rotation_radius_rad = flags.prior_radius_deg * std::numbers::pi / 180};
+// The turn that brings a side of a picture, one of --orientation's, to its top.
+image::QuarterTurn UprightTurn(absl::string_view side_up) {
+  if (side_up == "left") return image::QuarterTurn::kClockwise;
+  if (side_up == "bottom") return image::QuarterTurn::kHalf;
+  if (side_up == "right") return image::QuarterTurn::kCounterclockwise;
+  return image::QuarterTurn::kNone;
+}
+
+geometry::Vec3 VectorOf(const std::vector<double>& xyz) {
+  return {xyz[0], xyz[1], xyz[2]};
+}
+
+template <typename Prior>
+absl::Status SetPrior(Prior prior, absl::string_view flag,
+                      std::optional<Prior>& result) {
+  const absl::Status valid = prior.Validate();
+  if (!valid.ok()) return base::Annotate(valid, flag);
+  result = std::move(prior);
   return absl::OkStatus();
+}
+
+// What the flags say of where the camera is.
+absl::Status SetPriors(LocalizeFlags& flags) {
+  geometry::PosePriors& priors = flags.query.priors;
+  if (const std::vector<double>& p = flags.prior; !p.empty()) {
+    const absl::StatusOr<geometry::Rigid3> pose = geometry::RigidFromQuaternion(
+        p[0], p[1], p[2], p[3], {p[4], p[5], p[6]});
+    if (!pose.ok()) return base::Annotate(pose.status(), "--prior");
+    TL_RETURN_IF_ERROR(SetPrior(
+        geometry::PosePrior{.world_from_camera = *pose,
+                            .position_radius_m = flags.prior_radius_m,
+                            .rotation_radius_rad = flags.prior_radius_deg *
+                                                   std::numbers::pi / 180},
+        "--prior", priors.pose));
+  }
+  if (!flags.near.empty()) {
+    TL_RETURN_IF_ERROR(
+        SetPrior(geometry::PositionPrior{VectorOf(flags.near), flags.near[3]},
+                 "--near", priors.position));
+  }
+  if (flags.height_band.empty()) return absl::OkStatus();
+  geometry::HeightBand band{.min_m = flags.height_band[0],
+                            .max_m = flags.height_band[1]};
+  if (!flags.up.empty()) band.up_in_world = VectorOf(flags.up);
+  return SetPrior(band, "--height-band", priors.height);
+}
+
+// Reads a frame, which all have the same way up.
+absl::StatusOr<wire::QueryFrame> ReadFrame(
+    const LocalizeFlags& flags, const relocalizer::FrameFiles& files) {
+  TL_ASSIGN_OR_RETURN(wire::QueryFrame frame,
+                      relocalizer::ReadFrame(files, flags.frames));
+  if (!flags.orientation.empty()) {
+    frame.orientation = {UprightTurn(flags.orientation), /*is_certain=*/true};
+  }
+  if (!flags.gravity.empty()) {
+    frame.gravity_in_camera_mps2 = VectorOf(flags.gravity);
+  }
+  return frame;
 }
 
 // A failure after which the other frames of a list would fail too, and slowly.
@@ -91,7 +146,7 @@ absl::StatusOr<relocalizer::LocalizeAnswer> ReadAndAsk(
     bool& asked) {
   asked = false;
   relocalizer::LocalizeQuery query = flags.query;
-  TL_ASSIGN_OR_RETURN(query.frame, relocalizer::ReadFrame(files, flags.frames));
+  TL_ASSIGN_OR_RETURN(query.frame, ReadFrame(flags, files));
   asked = true;
   return client.Localize(query, CallOptionsOf(flags.connection, stop));
 }
@@ -153,8 +208,7 @@ absl::Status StreamAll(relocalizer::Relocalizer& client,
   std::jthread sender([&] {
     relocalizer::LocalizeQuery query = flags.query;
     for (size_t i = 0; i < list.size(); ++i) {
-      absl::StatusOr<wire::QueryFrame> frame =
-          relocalizer::ReadFrame(list[i], flags.frames);
+      absl::StatusOr<wire::QueryFrame> frame = ReadFrame(flags, list[i]);
       if (!frame.ok()) {
         unreadable = frame.status();
         break;
@@ -197,8 +251,8 @@ int LocalizeList(relocalizer::Relocalizer& client, const LocalizeFlags& flags,
 }
 
 int RunLocalize(LocalizeFlags flags, const std::stop_token& stop) {
-  if (const absl::Status prior = SetPrior(flags); !prior.ok()) {
-    ReportLocalFailure(prior);
+  if (const absl::Status priors = SetPriors(flags); !priors.ok()) {
+    ReportLocalFailure(priors);
     return kExitUsage;
   }
   if (flags.files.color.empty() == flags.list.empty()) {
@@ -245,6 +299,24 @@ void AddFlags(CLI::App& app, LocalizeFlags& flags) {
   app.add_option("--prior-radius-deg", flags.prior_radius_deg,
                  "How far from it the rotation may be")
       ->capture_default_str();
+  app.add_option("--near", flags.near,
+                 "Place that an answer must be near: x,y,z in the world and a "
+                 "radius (m)")
+      ->type_name("X,Y,Z,R")
+      ->delimiter(',')
+      ->expected(4);
+  CLI::Option* height_band =
+      app.add_option("--height-band", flags.height_band,
+                     "Heights that an answer must lie between (m)")
+          ->type_name("MIN,MAX")
+          ->delimiter(',')
+          ->expected(2);
+  app.add_option("--up", flags.up,
+                 "Upwards in the world, for --height-band; without: z")
+      ->type_name("X,Y,Z")
+      ->delimiter(',')
+      ->expected(3)
+      ->needs(height_band);
   app.add_option("--model-version", flags.query.model_version,
                  "Version of its model; without: the newest")
       ->type_name("VERSION");
@@ -287,6 +359,16 @@ void AddFlags(CLI::App& app, LocalizeFlags& flags) {
                  "Intrinsics of the colour image: COLMAP's model name and "
                  "parameters")
       ->type_name("MODEL,PARAMS");
+  app.add_option("--orientation", flags.orientation,
+                 "Side of the picture, as it is sent, that is up; without: as "
+                 "--gravity or EXIF say, and if they do not, all are tried")
+      ->check(CLI::IsMember({"top", "right", "bottom", "left"}));
+  app.add_option("--gravity", flags.gravity,
+                 "Where things fall, in the frame of the colour camera (x "
+                 "right, y down, z forward)")
+      ->type_name("X,Y,Z")
+      ->delimiter(',')
+      ->expected(3);
   app.add_option("--seed", flags.query.seed,
                  "The same seed gives the same answer, bit for bit")
       ->capture_default_str();

@@ -9,6 +9,7 @@
 #include "common/wire/camera.h"
 #include "common/wire/frame.h"
 #include "common/wire/geometry.h"
+#include "common/wire/pose_prior.h"
 
 namespace treeline::relocalizer {
 namespace {
@@ -97,13 +98,7 @@ v1::LocalizeRequest ToProto(const LocalizeQuery& query) {
   if (query.time_budget_ms) options.set_time_budget_ms(*query.time_budget_ms);
   if (query.min_confidence) options.set_min_confidence(*query.min_confidence);
   if (query.wants_inlier_pixels) options.set_include_correspondences(true);
-  if (query.prior) {
-    v1::PosePrior& prior = *options.mutable_prior();
-    *prior.mutable_world_from_camera() =
-        ToProto(query.prior->world_from_camera);
-    prior.set_position_radius_m(query.prior->position_radius_m);
-    prior.set_rotation_radius_rad(query.prior->rotation_radius_rad);
-  }
+  wire::FillPriors(query.priors, options);
   return request;
 }
 

@@ -145,9 +145,13 @@ TEST(ClientConvert, QueriesKeepEveryField) {
   query.time_budget_ms = 250;
   query.min_confidence = 0.4;
   query.wants_inlier_pixels = true;
-  query.prior = geometry::PosePrior{.world_from_camera = SomePose(),
-                                    .position_radius_m = 4,
-                                    .rotation_radius_rad = 0.5};
+  query.priors.pose = geometry::PosePrior{.world_from_camera = SomePose(),
+                                          .position_radius_m = 4,
+                                          .rotation_radius_rad = 0.5};
+  query.priors.position = geometry::PositionPrior{{1, 2, 3}, 5};
+  query.priors.height = geometry::HeightBand{.min_m = -1, .max_m = 2};
+  query.frame.orientation = {image::QuarterTurn::kHalf, true};
+  query.frame.gravity_in_camera_mps2 = geometry::Vec3{0, -9.81, 0.5};
   query.frame.color = wire::EncodedImage{"jpeg"};
   query.frame.camera = camera::Camera();
   query.frame.depth =
@@ -164,6 +168,10 @@ TEST(ClientConvert, QueriesKeepEveryField) {
             SomePose());
   EXPECT_EQ(request.options().prior().position_radius_m(), 4);
   EXPECT_EQ(request.options().prior().rotation_radius_rad(), 0.5);
+  EXPECT_EQ(request.options().position_prior().radius_m(), 5);
+  EXPECT_EQ(request.options().height_band().min_m(), -1);
+  EXPECT_EQ(request.frame().orientation(), v1::ORIENTATION_BOTTOM_UP);
+  EXPECT_EQ(request.frame().gravity_in_camera_mps2().y(), -9.81);
   EXPECT_EQ(request.frame().color().encoded(), "jpeg");
   EXPECT_EQ(*FromProto(request.frame().camera(), ""), camera::Camera());
   EXPECT_EQ(request.frame().depth().png(), "png");

@@ -36,8 +36,9 @@ struct LocalizeQuery {
   // scene's threshold, above which 99 of 100 are right. Lower only if poses are
   // checked by other means.
   std::optional<double> min_confidence = std::nullopt;
-  // Decides whether an answer is accepted, not what is found.
-  std::optional<geometry::PosePrior> prior = std::nullopt;
+  // Where the camera is expected: looked at first, and an answer that
+  // contradicts it is none.
+  geometry::PosePriors priors = {};
   // Whether the answer says which pixels support it, for pictures: some tens of
   // kilobytes more.
   bool wants_inlier_pixels = false;

@@ -68,6 +68,23 @@ TEST(JsonMessage, ReadsWhatItWrites) {
   EXPECT_EQ(back.SerializeAsString(), request.SerializeAsString());
 }
 
+TEST(JsonMessage, ReadsOrientationAndPriors) {
+  v1::LocalizeRequest request;
+  ASSERT_TRUE(MessageFromJson(R"({
+    "frame": {"orientation": "ORIENTATION_LEFT_UP", "orientationIsGuess": true,
+              "gravityInCameraMps2": {"x": 9.81}},
+    "options": {"positionPrior": {"positionInWorldM": {"z": 2}, "radiusM": 3},
+                "heightBand": {"upInWorld": {"y": -1}, "minM": -1, "maxM": 4}}
+  })",
+                              request)
+                  .ok());
+  EXPECT_EQ(request.frame().orientation(), v1::ORIENTATION_LEFT_UP);
+  EXPECT_TRUE(request.frame().orientation_is_guess());
+  EXPECT_EQ(request.frame().gravity_in_camera_mps2().x(), 9.81);
+  EXPECT_EQ(request.options().position_prior().radius_m(), 3);
+  EXPECT_EQ(request.options().height_band().up_in_world().y(), -1);
+}
+
 TEST(JsonMessage, NamesTheFieldThatIsWrong) {
   v1::LocalizeRequest request;
   const auto complaint = [&](const char* json) {
@@ -78,6 +95,8 @@ TEST(JsonMessage, NamesTheFieldThatIsWrong) {
   EXPECT_THAT(complaint(R"({"frame": {"colour": {}}})"), HasSubstr("colour"));
   EXPECT_THAT(complaint(R"({"options": {"seed": "x"}})"), HasSubstr("seed"));
   EXPECT_THAT(complaint(R"({"frame": 3})"), HasSubstr("frame"));
+  EXPECT_THAT(complaint(R"({"frame": {"orientation": "SIDEWAYS"}})"),
+              HasSubstr("orientation"));
   EXPECT_LT(
       complaint(("{\"" + std::string(100000, 'x') + "\":1}").c_str()).size(),
       2000u);

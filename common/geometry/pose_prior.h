@@ -2,6 +2,8 @@
 #ifndef COMMON_GEOMETRY_POSE_PRIOR_H_
 #define COMMON_GEOMETRY_POSE_PRIOR_H_
 
+#include <optional>
+
 #include "absl/status/status.h"
 #include "common/geometry/rigid3.h"
 
@@ -16,6 +18,40 @@ struct PosePrior {
 
   // INVALID_ARGUMENT names the field.
   absl::Status Validate() const;
+  bool Allows(const Rigid3& world_from_camera) const;
+};
+
+// A place, whatever the rotation.
+struct PositionPrior {
+  Vec3 position_in_world;
+  double radius_m = 0;  // positive
+
+  absl::Status Validate() const;
+  bool Allows(const Rigid3& world_from_camera) const;
+};
+
+// Heights along a direction, from the world's origin.
+struct HeightBand {
+  // Any length but zero.
+  Vec3 up_in_world{0, 0, 1};
+  double min_m = 0;
+  double max_m = 0;  // more than min_m
+
+  absl::Status Validate() const;
+  bool Allows(const Rigid3& world_from_camera) const;
+};
+
+// All that is believed; a pose has to agree with each.
+struct PosePriors {
+  std::optional<PosePrior> pose = std::nullopt;
+  std::optional<PositionPrior> position = std::nullopt;
+  std::optional<HeightBand> height = std::nullopt;
+
+  // Whether nothing is known.
+  bool empty() const { return !pose && !position && !height; }
+  bool Allows(const Rigid3& world_from_camera) const;
+  // What is allowed of poses that are up to so far from one that is.
+  PosePriors Widened(double by_m, double by_rad) const;
 };
 
 }  // namespace treeline::geometry

@@ -6,6 +6,7 @@
 
 #include "common/camera/rgbd_calibration.h"
 #include "common/image/image.h"
+#include "common/image/orientation.h"
 
 namespace treeline::image {
 
@@ -17,6 +18,7 @@ struct Frame {
   std::optional<camera::RgbdCalibration> calibration;
   ColorImage color;
   std::optional<DepthImage> depth;
+  Orientation orientation = {};
 };
 
 }  // namespace treeline::image

@@ -1,11 +1,13 @@
 #include "common/wire/frame.h"
 
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "common/image/exif.h"
 #include "common/wire/camera.h"
 #include "common/wire/geometry.h"
 
@@ -13,6 +15,8 @@ namespace treeline::wire {
 namespace {
 
 constexpr double kMaxDepthUnit_m = 1.0;
+// Of a sensor in free fall there is no direction.
+constexpr double kMinGravity_mps2 = 1e-3;
 
 v1::DepthRegistration RegistrationToProto(DepthRegistration registration) {
   switch (registration) {
@@ -24,6 +28,59 @@ v1::DepthRegistration RegistrationToProto(DepthRegistration registration) {
       return v1::DEPTH_REGISTRATION_EXPLICIT;
   }
   return v1::DEPTH_REGISTRATION_UNSPECIFIED;
+}
+
+v1::Orientation OrientationToProto(image::QuarterTurn upright_turn) {
+  switch (upright_turn) {
+    case image::QuarterTurn::kNone:
+      return v1::ORIENTATION_TOP_UP;
+    case image::QuarterTurn::kClockwise:
+      return v1::ORIENTATION_LEFT_UP;
+    case image::QuarterTurn::kHalf:
+      return v1::ORIENTATION_BOTTOM_UP;
+    case image::QuarterTurn::kCounterclockwise:
+      return v1::ORIENTATION_RIGHT_UP;
+  }
+  return v1::ORIENTATION_UNSPECIFIED;
+}
+
+// nullopt: not stated.
+absl::StatusOr<std::optional<image::QuarterTurn>> UprightTurnFrom(
+    v1::Orientation proto, absl::string_view field) {
+  if (proto == v1::ORIENTATION_UNSPECIFIED) return std::nullopt;
+  for (const image::QuarterTurn turn : image::kQuarterTurns) {
+    if (OrientationToProto(turn) == proto) return turn;
+  }
+  return FieldError(field,
+                    absl::StrCat(static_cast<int>(proto), " is no side"));
+}
+
+// What is stated, else what gravity says, else a guess: stated, or EXIF's.
+absl::StatusOr<image::Orientation> OrientationFrom(const v1::Frame& proto,
+                                                   absl::string_view field) {
+  TL_ASSIGN_OR_RETURN(const std::optional<image::QuarterTurn> stated,
+                      UprightTurnFrom(proto.orientation(),
+                                      absl::StrCat(field, ".orientation")));
+  std::optional<image::Orientation> measured;
+  if (proto.has_gravity_in_camera_mps2()) {
+    const std::string name = absl::StrCat(field, ".gravity_in_camera_mps2");
+    TL_ASSIGN_OR_RETURN(const geometry::Vec3 gravity,
+                        FromProto(proto.gravity_in_camera_mps2(), name));
+    const double norm = geometry::Norm(gravity);
+    if (!(norm >= kMinGravity_mps2) || !std::isfinite(norm)) {
+      return FieldError(name, absl::StrCat("has the length ", norm,
+                                           ", which is no direction"));
+    }
+    measured = image::OrientationFromGravity(gravity);
+  }
+  if (stated && !proto.orientation_is_guess()) {
+    return image::Orientation{*stated, /*is_certain=*/true};
+  }
+  if (measured) return *measured;
+  const std::optional<image::QuarterTurn> guess =
+      stated ? stated : image::ReadExifUprightTurn(proto.color().encoded());
+  return image::Orientation{guess.value_or(image::QuarterTurn::kNone),
+                            /*is_certain=*/false};
 }
 
 void FillColor(const QueryFrame& frame, v1::ColorImage& proto) {
@@ -260,6 +317,7 @@ absl::Status CheckDepthSize(const image::DepthImage& image,
 
 // All that can be checked before decoding and without a scene.
 absl::Status CheckStatements(const v1::Frame& proto, absl::string_view field) {
+  TL_RETURN_IF_ERROR(OrientationFrom(proto, field).status());
   if (!proto.has_depth()) return absl::OkStatus();
   return CheckDepthStatement(proto.depth(), absl::StrCat(field, ".depth"));
 }
@@ -270,6 +328,7 @@ absl::Status DecodeColorOf(const v1::Frame& proto,
   TL_ASSIGN_OR_RETURN(
       frame.color,
       DecodeColorField(proto.color(), limits, absl::StrCat(field, ".color")));
+  TL_ASSIGN_OR_RETURN(frame.orientation, OrientationFrom(proto, field));
   return absl::OkStatus();
 }
 
@@ -290,6 +349,14 @@ v1::Frame ToProto(const QueryFrame& frame) {
   FillColor(frame, *proto.mutable_color());
   if (frame.camera) *proto.mutable_camera() = ToProto(*frame.camera);
   if (frame.depth) FillDepth(*frame.depth, *proto.mutable_depth());
+  if (frame.orientation) {
+    proto.set_orientation(OrientationToProto(frame.orientation->upright_turn));
+    proto.set_orientation_is_guess(!frame.orientation->is_certain);
+  }
+  if (frame.gravity_in_camera_mps2) {
+    *proto.mutable_gravity_in_camera_mps2() =
+        ToProto(*frame.gravity_in_camera_mps2);
+  }
   return proto;
 }
 

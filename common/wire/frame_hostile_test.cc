@@ -161,6 +161,27 @@ TEST(HostileFrame, NoCameraAndAnotherSizeThanTheScenes) {
   });
 }
 
+TEST(HostileFrame, Orientation) {
+  for (const int value : {5, -1}) {
+    ExpectRefused("frame.orientation", [=](auto& f) {
+      f.set_orientation(static_cast<v1::Orientation>(value));
+    });
+  }
+}
+
+TEST(HostileFrame, Gravity) {
+  for (const double length : {0.0, 1e-4, 1e200, kNan, kInfinity}) {
+    ExpectRefused("frame.gravity_in_camera_mps2", [=](auto& f) {
+      f.mutable_gravity_in_camera_mps2()->set_y(length);
+    });
+    // Nor is it passed over where it does not count.
+    ExpectRefused("frame.gravity_in_camera_mps2", [=](auto& f) {
+      f.set_orientation(v1::ORIENTATION_TOP_UP);
+      f.mutable_gravity_in_camera_mps2()->set_y(length);
+    });
+  }
+}
+
 TEST(HostileFrame, DepthUnit) {
   for (const double unit_m : {0.0, -0.001, kNan, kInfinity, 1.5}) {
     ExpectRefused("frame.depth.unit_m",

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "absl/strings/escaping.h"
 #include "common/base/random.h"
 #include "common/wire/camera.h"
 #include "gtest/gtest.h"
@@ -219,6 +220,78 @@ TEST(WireFrame, PixelsMustFitTheCamerasOfTheScene) {
   EXPECT_EQ(CalibrationFromProto(proto, *pixels, scene, "frame").status(),
             FromProto(proto, scene, image::DecodeLimits{}, "frame").status());
   EXPECT_FALSE(CalibrationFromProto(proto, *pixels, scene, "frame").ok());
+}
+
+// A JPEG whose EXIF says that its right side is up: turn it clockwise thrice.
+std::string JpegWithRightSideUp() {
+  const std::string jpeg = image::EncodeJpeg(SomeColor(), 95).value();
+  std::string exif(
+      "\xff\xe1\x00\x22"
+      "Exif\0\0MM\0*\0\0\0\x08\0\x01",
+      20);
+  exif += std::string("\x01\x12\0\x03\0\0\0\x01\0\x08\0\0\0\0\0\0", 16);
+  return jpeg.substr(0, 2) + exif + jpeg.substr(2);
+}
+
+TEST(WireFrame, TheWayUpArrivesAsStated) {
+  for (const image::QuarterTurn turn : image::kQuarterTurns) {
+    QueryFrame query{.color = EncodedImage{JpegWithRightSideUp()}};
+    query.orientation = {turn, true};
+    query.gravity_in_camera_mps2 = geometry::Vec3{0, -9.81, 0};
+    const auto frame = Decode(query);
+    ASSERT_TRUE(frame.ok()) << frame.status();
+    EXPECT_EQ(frame->orientation, (image::Orientation{turn, true}));
+    // Nothing of the frame itself is turned.
+    EXPECT_EQ(frame->color.width, kWidth);
+  }
+}
+
+TEST(WireFrame, EachEnumeratorNamesTheSideThatIsUp) {
+  QueryFrame query{.color = SomeColor()};
+  EXPECT_EQ(ToProto(query).orientation(), v1::ORIENTATION_UNSPECIFIED);
+  query.orientation = {image::QuarterTurn::kNone, true};
+  EXPECT_EQ(ToProto(query).orientation(), v1::ORIENTATION_TOP_UP);
+  query.orientation = {image::QuarterTurn::kClockwise, true};
+  EXPECT_EQ(ToProto(query).orientation(), v1::ORIENTATION_LEFT_UP);
+  query.orientation = {image::QuarterTurn::kHalf, true};
+  EXPECT_EQ(ToProto(query).orientation(), v1::ORIENTATION_BOTTOM_UP);
+  query.orientation = {image::QuarterTurn::kCounterclockwise, true};
+  EXPECT_EQ(ToProto(query).orientation(), v1::ORIENTATION_RIGHT_UP);
+}
+
+// Other programs speak this contract too: the bytes must stay.
+TEST(WireFrame, TheWayUpHasTheseBytes) {
+  QueryFrame query;
+  query.orientation = {image::QuarterTurn::kClockwise, false};
+  query.gravity_in_camera_mps2 = geometry::Vec3{1, 0, 0};
+  v1::Frame proto = ToProto(query);
+  proto.clear_color();
+  EXPECT_EQ(absl::BytesToHexString(proto.SerializeAsString()),
+            "2004"
+            "2a0909000000000000f03f"
+            "3001");
+}
+
+TEST(WireFrame, GravitySaysTheWayUpBeforeExifDoes) {
+  QueryFrame query{.color = EncodedImage{JpegWithRightSideUp()}};
+  EXPECT_EQ(Decode(query)->orientation,
+            (image::Orientation{image::QuarterTurn::kCounterclockwise, false}));
+  query.gravity_in_camera_mps2 = geometry::Vec3{9.7, 0.3, 1};
+  EXPECT_EQ(Decode(query)->orientation,
+            (image::Orientation{image::QuarterTurn::kClockwise, true}));
+  // Of a camera that looks down it says nothing.
+  query.gravity_in_camera_mps2 = geometry::Vec3{0, 0.1, 9.8};
+  EXPECT_EQ(Decode(query)->orientation,
+            (image::Orientation{image::QuarterTurn::kCounterclockwise, false}));
+  // A guess takes EXIF's place, and not that of gravity.
+  query.orientation = {image::QuarterTurn::kHalf, false};
+  EXPECT_EQ(Decode(query)->orientation,
+            (image::Orientation{image::QuarterTurn::kHalf, false}));
+  query.gravity_in_camera_mps2 = geometry::Vec3{9.7, 0.3, 1};
+  EXPECT_EQ(Decode(query)->orientation,
+            (image::Orientation{image::QuarterTurn::kClockwise, true}));
+  // A picture without any of it may be any way up.
+  EXPECT_EQ(Decode({.color = SomeColor()})->orientation, image::Orientation{});
 }
 
 }  // namespace

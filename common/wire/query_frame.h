@@ -9,6 +9,7 @@
 #include "common/camera/camera.h"
 #include "common/geometry/rigid3.h"
 #include "common/image/image.h"
+#include "common/image/orientation.h"
 
 namespace treeline::wire {
 
@@ -49,6 +50,13 @@ struct QueryFrame {
   // nullopt: the scene's.
   std::optional<camera::Camera> camera = std::nullopt;
   std::optional<QueryDepth> depth = std::nullopt;
+  // Which way up the picture is. The answer is the pose of the picture as it
+  // is. Other ways are tried only if this is no certainty. nullopt: not known
+  // but for what gravity or EXIF say.
+  std::optional<image::Orientation> orientation = std::nullopt;
+  // Where things fall, in the frame of the camera that took the picture; the
+  // negative of what an accelerometer at rest reads.
+  std::optional<geometry::Vec3> gravity_in_camera_mps2 = std::nullopt;
 };
 
 }  // namespace treeline::wire

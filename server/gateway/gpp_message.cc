@@ -112,23 +112,23 @@ absl::StatusOr<std::string> ReadBytes(const JsonField& reading) {
   return bytes;
 }
 
-absl::Status CheckOrientation(const JsonField& reading) {
+// How far a picture is to be turned clockwise until it is upright, in [0, 360);
+// nullopt: nothing is said of it.
+absl::StatusOr<std::optional<double>> ReadRotation_deg(
+    const JsonField& reading) {
   TL_ASSIGN_OR_RETURN(const std::optional<JsonField> orientation,
                       reading.Find("imageOrientation"));
-  if (!orientation.has_value()) return absl::OkStatus();
+  if (!orientation.has_value()) return std::nullopt;
   TL_ASSIGN_OR_RETURN(const std::optional<JsonField> mirrored,
                       orientation->Find("mirrored"));
   if (mirrored.has_value() && mirrored->IsTrue()) {
     return mirrored->Wrong(
         "mirrored pictures are refused; send the picture as a camera sees it");
   }
-  TL_ASSIGN_OR_RETURN(const double rotation,
+  TL_ASSIGN_OR_RETURN(const double rotation_deg,
                       orientation->NumberOr("rotation", 0));
-  if (std::fmod(rotation, 360) == 0) return absl::OkStatus();
-  return orientation->Wrong(
-      "rotated pictures are refused: the answer is the pose of the picture as "
-      "it is sent. Send it upright, with the params of that picture, and "
-      "rotation 0");
+  const double turn_deg = std::fmod(rotation_deg, 360);
+  return turn_deg < 0 ? turn_deg + 360 : turn_deg;
 }
 
 // nullopt: the client does not know its camera.
@@ -211,9 +211,29 @@ absl::Status ReadColor(const JsonField& reading, Size size,
       "are known without");
 }
 
+// The side that a turn of `rotation_deg` clockwise brings to the top.
+v1::Orientation SideUp(double rotation_deg) {
+  switch (static_cast<int>(std::lround(rotation_deg / 90)) % 4) {
+    case 1:
+      return v1::ORIENTATION_LEFT_UP;
+    case 2:
+      return v1::ORIENTATION_BOTTOM_UP;
+    case 3:
+      return v1::ORIENTATION_RIGHT_UP;
+    default:
+      return v1::ORIENTATION_TOP_UP;
+  }
+}
+
 absl::Status ReadDepth(const JsonField& reading, Size color_size,
+                       std::optional<double> color_rotation_deg,
                        bool has_camera, v1::DepthImage& depth) {
-  TL_RETURN_IF_ERROR(CheckOrientation(reading));
+  TL_ASSIGN_OR_RETURN(const std::optional<double> rotation_deg,
+                      ReadRotation_deg(reading));
+  if (rotation_deg.has_value() &&
+      *rotation_deg != color_rotation_deg.value_or(0)) {
+    return reading.Wrong("imageOrientation is not that of its picture");
+  }
   TL_ASSIGN_OR_RETURN(const Size size, ReadSize(reading));
   TL_ASSIGN_OR_RETURN(const std::optional<JsonField> params,
                       reading.Find("params"));
@@ -265,7 +285,13 @@ absl::Status ReadFrame(const std::vector<Reading>& readings,
         "sensorReadings.cameraReadings: a picture is needed to localize");
   }
   request.timestamp_ms = picture->timestamp_ms;
-  TL_RETURN_IF_ERROR(CheckOrientation(picture->json));
+  TL_ASSIGN_OR_RETURN(const std::optional<double> rotation_deg,
+                      ReadRotation_deg(picture->json));
+  // Clients that know nothing of it say 0.
+  if (rotation_deg.value_or(0) != 0) {
+    request.frame.set_orientation(SideUp(*rotation_deg));
+    request.frame.set_orientation_is_guess(true);
+  }
   TL_ASSIGN_OR_RETURN(const Size size, ReadSize(picture->json));
   TL_ASSIGN_OR_RETURN(const std::optional<v1::Camera> camera,
                       ReadCamera(picture->json, size));
@@ -278,7 +304,7 @@ absl::Status ReadFrame(const std::vector<Reading>& readings,
     return depth->json.Wrong(absl::StrCat("no DEPTH within ", kSameMomentMs,
                                           " ms of the newest picture"));
   }
-  return ReadDepth(depth->json, size, camera.has_value(),
+  return ReadDepth(depth->json, size, rotation_deg, camera.has_value(),
                    *request.frame.mutable_depth());
 }
 

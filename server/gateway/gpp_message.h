@@ -47,7 +47,12 @@ struct GppRequest {
 //                     pixel centres lie at (0.5, 0.5), ours at (0, 0): half a
 //                     pixel is taken off the principal point. UNKNOWN or
 //                     absent: the camera of the scene
-//   imageOrientation  refused unless neither mirrored nor rotated
+//   imageOrientation  rotation: degrees clockwise until the picture is upright.
+//                     A guess, for the protocol says no more than that a camera
+//                     provides it; 0 says nothing. Size, params and the answer
+//                     are those of the picture as it is sent. A DEPTH reading
+//                     has the same or none. mirrored is refused: no camera has
+//                     the pose of such a picture
 //   accuracy          of a geolocation, metres at 1 sigma, 0 if unknown
 //
 // Fields that are not used need not be there; unknown ones are passed over.

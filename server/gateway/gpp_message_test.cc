@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/strings/escaping.h"
 #include "common/base/error_info.h"
@@ -159,14 +161,59 @@ TEST(GppMessage, RefusesDepthThatFitsNoPicture) {
               HasSubstr("picture is needed"));
 }
 
-TEST(GppMessage, RefusesTurnedPictures) {
+TEST(GppMessage, TurnedPicturesAreSentOnAsTheyAre) {
+  const std::vector<std::pair<double, v1::Orientation>> sides = {
+      {90, v1::ORIENTATION_LEFT_UP},    {180, v1::ORIENTATION_BOTTOM_UP},
+      {270, v1::ORIENTATION_RIGHT_UP},  {-90, v1::ORIENTATION_RIGHT_UP},
+      {-450, v1::ORIENTATION_RIGHT_UP}, {450, v1::ORIENTATION_LEFT_UP},
+      {359, v1::ORIENTATION_TOP_UP},    {88, v1::ORIENTATION_LEFT_UP}};
+  for (const auto& [rotation_deg, side] : sides) {
+    json camera = Camera("JPG", kJpeg, 480, 640);
+    camera["imageOrientation"] = {{"mirrored", false},
+                                  {"rotation", rotation_deg}};
+    camera["params"] = {{"model", "PINHOLE"},
+                        {"modelParams", {585, 586, 240, 320}}};
+    const auto request = Parse(Request({camera}));
+    ASSERT_TRUE(request.ok()) << request.status();
+    EXPECT_EQ(request->frame.orientation(), side) << rotation_deg;
+    EXPECT_TRUE(request->frame.orientation_is_guess());
+    EXPECT_EQ(request->frame.color().encoded(), kJpeg);
+    EXPECT_EQ(request->frame.camera().width_px(), 480);
+    EXPECT_THAT(request->frame.camera().parameters(),
+                ElementsAre(585, 586, 239.5, 319.5));
+  }
+}
+
+TEST(GppMessage, NoRotationSaysNothing) {
   json camera = Camera("JPG", kJpeg, 4, 4);
-  camera["imageOrientation"] = {{"mirrored", false}, {"rotation", 360}};
-  EXPECT_TRUE(Parse(Request({camera})).ok());
-  camera["imageOrientation"] = {{"mirrored", false}, {"rotation", 90}};
-  EXPECT_THAT(Complaint(Request({camera})), HasSubstr("rotat"));
+  for (const double rotation_deg : {0.0, 360.0, -720.0}) {
+    camera["imageOrientation"] = {{"mirrored", false},
+                                  {"rotation", rotation_deg}};
+    EXPECT_EQ(Parse(Request({camera}))->frame.orientation(),
+              v1::ORIENTATION_UNSPECIFIED);
+  }
+}
+
+TEST(GppMessage, RefusesMirroredPictures) {
+  json camera = Camera("JPG", kJpeg, 4, 4);
   camera["imageOrientation"] = {{"mirrored", true}, {"rotation", 0}};
   EXPECT_THAT(Complaint(Request({camera})), HasSubstr("mirrored"));
+  camera["imageOrientation"] = {{"rotation", "left"}};
+  EXPECT_THAT(Complaint(Request({camera})), HasSubstr("rotation"));
+}
+
+TEST(GppMessage, DepthIsTurnedLikeItsPicture) {
+  json color = Camera("JPG", kJpeg, 2, 1, 100);
+  color["imageOrientation"] = {{"rotation", 90}};
+  json depth = Camera("DEPTH", "abcd", 2, 1, 100);
+  EXPECT_TRUE(Parse(Request({color, depth})).ok());
+  depth["imageOrientation"] = {{"rotation", 450}};
+  EXPECT_TRUE(Parse(Request({color, depth})).ok());
+  depth["imageOrientation"] = {{"rotation", 0}};
+  EXPECT_THAT(Complaint(Request({color, depth})),
+              HasSubstr("not that of its picture"));
+  color.erase("imageOrientation");
+  EXPECT_TRUE(Parse(Request({color, depth})).ok());
 }
 
 TEST(GppMessage, ReadsWhereTheClientBelievesToBe) {

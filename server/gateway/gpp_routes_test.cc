@@ -85,6 +85,25 @@ TEST_F(GppRoutesTest, AnswersWithAGeoPose) {
   EXPECT_EQ(answer["geopose"]["quaternion"]["w"], expected.enu_from_device.w);
 }
 
+// The answer is the pose of the picture as it is, which the service gives.
+TEST_F(GppRoutesTest, ATurnedPictureIsAskedAboutAsItIs) {
+  dispatcher_.on_localize = [](const v1::LocalizeRequest& request) {
+    return Localized(request.scene());
+  };
+  json upright = json::parse(Body());
+  json turned = upright;
+  turned["sensorReadings"]["cameraReadings"][0]["imageOrientation"] = {
+      {"mirrored", false}, {"rotation", 270}};
+  const http::HttpResponse response = Post(turned.dump());
+  ASSERT_EQ(response.status, 200) << response.body;
+  EXPECT_EQ(response.body, Post(upright.dump()).body);
+  const v1::Frame& frame = dispatcher_.requests()[0].frame();
+  EXPECT_EQ(frame.orientation(), v1::ORIENTATION_RIGHT_UP);
+  EXPECT_TRUE(frame.orientation_is_guess());
+  EXPECT_EQ(dispatcher_.requests()[1].frame().orientation(),
+            v1::ORIENTATION_UNSPECIFIED);
+}
+
 TEST_F(GppRoutesTest, AsksForTheOneSceneOrForAll) {
   dispatcher_.on_localize = [](const v1::LocalizeRequest&) {
     return Localized("hall");

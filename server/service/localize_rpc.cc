@@ -7,8 +7,10 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 #include "common/base/status_macros.h"
+#include "common/image/quarter_turn.h"
 #include "common/wire/frame.h"
 #include "common/wire/geometry.h"
+#include "common/wire/pose_prior.h"
 #include "server/core/forest/confidence_model.h"
 #include "server/core/recognition/localize_among.h"
 #include "server/service/convert.h"
@@ -41,34 +43,22 @@ absl::Status CheckWantedInQueue(const CallInfo& call, base::MonotonicTime now,
   return wanted;
 }
 
-localizer::LocalizeOptions OptionsOf(const v1::LocalizeRequest& request,
-                                     const CallInfo& call) {
+absl::StatusOr<geometry::PosePriors> PriorsFrom(
+    const v1::LocalizeOptions& options) {
+  return wire::PriorsFromProto(options, "options");
+}
+
+absl::StatusOr<localizer::LocalizeOptions> OptionsOf(
+    const v1::LocalizeRequest& request, const CallInfo& call) {
   localizer::LocalizeOptions options;
   options.seed = request.options().seed();
   options.keep_correspondences = request.options().include_correspondences();
   if (request.options().has_min_confidence()) {
     options.min_confidence = request.options().min_confidence();
   }
+  TL_ASSIGN_OR_RETURN(options.priors, PriorsFrom(request.options()));
   options.stop = call.stop;
   return options;
-}
-
-absl::StatusOr<std::optional<geometry::PosePrior>> PriorFrom(
-    const v1::LocalizeOptions& options) {
-  if (!options.has_prior()) return std::nullopt;
-  constexpr char kField[] = "options.prior";
-  geometry::PosePrior prior;
-  TL_ASSIGN_OR_RETURN(
-      prior.world_from_camera,
-      wire::FromProto(options.prior().world_from_camera(),
-                      absl::StrCat(kField, ".world_from_camera")));
-  prior.position_radius_m = options.prior().position_radius_m();
-  prior.rotation_radius_rad = options.prior().rotation_radius_rad();
-  if (const absl::Status valid = prior.Validate(); !valid.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(kField, ".", valid.message()));
-  }
-  return prior;
 }
 
 }  // namespace
@@ -88,7 +78,7 @@ absl::Status CheckOptions(const v1::LocalizeOptions& options) {
         "options.min_confidence",
         absl::StrCat(options.min_confidence(), " is not a probability"));
   }
-  return PriorFrom(options).status();
+  return PriorsFrom(options).status();
 }
 
 absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Handle(
@@ -100,8 +90,8 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Handle(
   record.method = scene.localizer->info().method;
   TL_RETURN_IF_ERROR(CheckWantedInQueue(call, start, record));
 
-  TL_ASSIGN_OR_RETURN(const std::optional<geometry::PosePrior> prior,
-                      PriorFrom(request.options()));
+  TL_ASSIGN_OR_RETURN(const localizer::LocalizeOptions options,
+                      OptionsOf(request, call));
   const camera::RgbdCalibration calibration =
       repository::QueryCalibration(scene);
   TL_ASSIGN_OR_RETURN(
@@ -115,8 +105,8 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Handle(
   record.timings.decode_ms = base::MillisecondsBetween(start, decoded);
   TL_RETURN_IF_ERROR(CheckWanted(call, decoded, "while decoding"));
 
-  return Answer(scene.localizer->Localize(frame, OptionsOf(request, call)),
-                prior, scene, call, record);
+  return Answer(scene.localizer->Localize(frame, options), options.priors,
+                scene, call, record);
 }
 
 absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
@@ -126,14 +116,20 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
   const base::MonotonicTime start = clock_.Now();
   record.timings.queue_ms = base::MillisecondsBetween(call.arrival, start);
   TL_RETURN_IF_ERROR(CheckWantedInQueue(call, start, record));
-  TL_ASSIGN_OR_RETURN(const std::optional<geometry::PosePrior> prior,
-                      PriorFrom(request.options()));
+  TL_ASSIGN_OR_RETURN(const localizer::LocalizeOptions options,
+                      OptionsOf(request, call));
   TL_ASSIGN_OR_RETURN(image::Frame frame,
                       wire::PixelsFromProto(request.frame(), limits_, "frame"));
   const std::vector<std::string> candidates(request.candidate_scenes().begin(),
                                             request.candidate_scenes().end());
-  const std::vector<recognition::SceneScore> ranking =
-      recognizer.Rank(frame, candidates);
+  // Training frames, which scenes are known by, are upright; colour counts.
+  const image::QuarterTurn turn = frame.orientation.upright_turn;
+  image::Frame upright;
+  if (turn != image::QuarterTurn::kNone) {
+    upright.color = Turned(frame.color, turn);
+  }
+  const std::vector<recognition::SceneScore> ranking = recognizer.Rank(
+      turn == image::QuarterTurn::kNone ? frame : upright, candidates);
   const base::MonotonicTime decoded = clock_.Now();
   record.timings.decode_ms = base::MillisecondsBetween(start, decoded);
   TL_RETURN_IF_ERROR(CheckWanted(call, decoded, "while decoding"));
@@ -163,10 +159,11 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
     used[name] = std::move(scene);
     return to_try;
   };
-  absl::StatusOr<recognition::AmongResult> result = recognition::LocalizeAmong(
-      frame, ranking, try_scene, OptionsOf(request, call));
+  absl::StatusOr<recognition::AmongResult> result =
+      recognition::LocalizeAmong(frame, ranking, try_scene, options);
   if (!result.ok()) {
-    return Answer(result.status(), prior, repository::Scene{}, call, record);
+    return Answer(result.status(), options.priors, repository::Scene{}, call,
+                  record);
   }
   const repository::Scene& scene = *used.at(result->scene);
   record.scene = scene.name;
@@ -174,7 +171,7 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
   record.method = scene.localizer->info().method;
   TL_ASSIGN_OR_RETURN(
       v1::LocalizeResponse response,
-      Answer(std::move(result->estimate), prior, scene, call, record));
+      Answer(std::move(result->estimate), options.priors, scene, call, record));
   for (const recognition::ConsideredScene& considered : result->considered) {
     *response.add_candidates() = ToProto(considered);
     if (response.candidates_size() == kMaxCandidates) break;
@@ -184,9 +181,8 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::HandleAmong(
 
 absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Answer(
     absl::StatusOr<localizer::PoseEstimate> estimate,
-    const std::optional<geometry::PosePrior>& prior,
-    const repository::Scene& scene, const CallInfo& call,
-    CallRecord& record) const {
+    const geometry::PosePriors& priors, const repository::Scene& scene,
+    const CallInfo& call, CallRecord& record) const {
   const base::MonotonicTime end = clock_.Now();
   if (!estimate.ok()) {
     // The deadline stops the work in the same way as the client does.
@@ -195,7 +191,7 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Answer(
     }
     return estimate.status();
   }
-  if (prior) localizer::ApplyPrior(*prior, *estimate);
+  localizer::ApplyPriors(priors, *estimate);
   record.outcome = estimate->outcome;
   record.reason = estimate->reason;
   record.inliers = estimate->inliers;

@@ -4,7 +4,6 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
@@ -51,9 +50,8 @@ class LocalizeRpc {
  private:
   absl::StatusOr<v1::LocalizeResponse> Answer(
       absl::StatusOr<localizer::PoseEstimate> estimate,
-      const std::optional<geometry::PosePrior>& prior,
-      const repository::Scene& scene, const CallInfo& call,
-      CallRecord& record) const;
+      const geometry::PosePriors& priors, const repository::Scene& scene,
+      const CallInfo& call, CallRecord& record) const;
 
   const image::DecodeLimits limits_;
   const base::Clock& clock_;

@@ -199,6 +199,44 @@ TEST_F(LocalizeRpcTest, APosePastThePriorIsWithdrawn) {
   EXPECT_EQ(far->inliers(), 432);
 }
 
+TEST_F(LocalizeRpcTest, EveryPriorIsPassedOnAndHolds) {
+  v1::LocalizeRequest request = TestRequest("kitchen");
+  v1::PositionPrior& place =
+      *request.mutable_options()->mutable_position_prior();
+  *place.mutable_position_in_world_m() = wire::ToProto(geometry::Vec3{1, 0, 3});
+  place.set_radius_m(1);
+  v1::HeightBand& band = *request.mutable_options()->mutable_height_band();
+  band.set_min_m(2.5);
+  band.set_max_m(3.5);
+  EXPECT_EQ(Handle(request)->outcome(), v1::OUTCOME_LOCALIZED);
+  EXPECT_EQ(options_->priors.position->radius_m, 1);
+  EXPECT_EQ(options_->priors.height->max_m, 3.5);
+  band.set_min_m(3.1);
+  EXPECT_EQ(Handle(request)->reason(),
+            v1::NOT_LOCALIZED_REASON_CONTRADICTS_PRIOR);
+  request.mutable_options()->clear_height_band();
+  place.set_radius_m(0.5);
+  EXPECT_EQ(Handle(request)->reason(),
+            v1::NOT_LOCALIZED_REASON_CONTRADICTS_PRIOR);
+}
+
+TEST_F(LocalizeRpcTest, TheLocalizerLearnsWhichWayUpThePictureIs) {
+  v1::LocalizeRequest request = TestRequest("kitchen");
+  ASSERT_TRUE(Handle(request).ok());
+  EXPECT_EQ(frame_->orientation, image::Orientation{});
+  request.mutable_frame()->set_orientation(v1::ORIENTATION_LEFT_UP);
+  ASSERT_TRUE(Handle(request).ok());
+  EXPECT_EQ(frame_->orientation,
+            (image::Orientation{image::QuarterTurn::kClockwise, true}));
+  // To be turned by whoever needs it upright.
+  EXPECT_EQ(frame_->color.width, kTestWidth);
+  request.mutable_frame()->clear_orientation();
+  request.mutable_frame()->mutable_gravity_in_camera_mps2()->set_y(-9.81);
+  ASSERT_TRUE(Handle(request).ok());
+  EXPECT_EQ(frame_->orientation,
+            (image::Orientation{image::QuarterTurn::kHalf, true}));
+}
+
 TEST_F(LocalizeRpcTest, AbsurdOptionsNameTheirField) {
   const auto message = [](const v1::LocalizeRequest& request) {
     return std::string(CheckOptions(request.options()).message());
@@ -211,6 +249,9 @@ TEST_F(LocalizeRpcTest, AbsurdOptionsNameTheirField) {
   v1::LocalizeRequest request = WithPrior(1, 1, 1);
   request.mutable_options()->mutable_prior()->clear_world_from_camera();
   EXPECT_THAT(message(request), HasSubstr("options.prior.world_from_camera"));
+  request = TestRequest("kitchen");
+  request.mutable_options()->mutable_height_band();
+  EXPECT_THAT(message(request), HasSubstr("options.height_band.max_m"));
   request = TestRequest("kitchen");
   request.mutable_options()->set_time_budget_ms(0);
   EXPECT_THAT(message(request), HasSubstr("options.time_budget_ms"));

@@ -1,12 +1,15 @@
-// The image decoders on arbitrary bytes: no crash, and what is accepted has
-// the size it says.
+// The image decoders and EXIF on arbitrary bytes: no crash, and what is
+// accepted has the size it says.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <iterator>
 #include <string>
 
 #include "absl/strings/string_view.h"
 #include "common/image/decode.h"
+#include "common/image/exif.h"
 #include "common/image/image.h"
 
 namespace treeline {
@@ -62,6 +65,13 @@ bool HasSizeItSays(int width, int height, size_t values, size_t channels,
 }
 
 void DecodeEveryWay(absl::string_view bytes) {
+  const auto turn = image::ReadExifUprightTurn(bytes);
+  if (turn.has_value() &&
+      (image::SniffFormat(bytes) != image::ImageFormat::kJpeg ||
+       !std::count(std::begin(image::kQuarterTurns),
+                   std::end(image::kQuarterTurns), *turn))) {
+    std::abort();
+  }
   const image::DecodeLimits limits{
       .max_width = 512, .max_height = 512, .max_pixels = 1 << 16};
   const auto color = image::DecodeColor(bytes, limits);

@@ -45,7 +45,7 @@ function post(path, body, headers = {}, options = {}) {
   });
 }
 
-function geoPoseRequest(focalLength) {
+function geoPoseRequest(focalLength, rotation = 0) {
   const params = new CameraParam();
   params.model = CAMERAMODEL.PINHOLE;
   params.modelParams = [focalLength, focalLength, 320, 240];
@@ -54,7 +54,7 @@ function geoPoseRequest(focalLength) {
     .addSensor(new Sensor('camera', SENSORTYPE.camera))
     .addSensor(new Sensor('gps', SENSORTYPE.geolocation))
     .addCameraData(IMAGEFORMAT.JPG, [640, 480], PICTURE, 0,
-      new ImageOrientation(false, 0), params, 1764000000123, 'camera', privacy)
+      new ImageOrientation(false, rotation), params, 1764000000123, 'camera', privacy)
     .addGeoLocationData(48.1371, 11.5751, 520, 20, 20, 0, 0, 1764000000123,
       'gps', privacy);
 }
@@ -80,6 +80,12 @@ test('@oarc/gpp-access gets a GeoPose', async () => {
   assert.ok(answer.accuracy.orientation > 0);
 });
 
+test('@oarc/gpp-access sends a picture that lies on its side', async () => {
+  const answer = await sendRequest(`${url}/geopose`,
+    JSON.stringify(geoPoseRequest(585, 90)));
+  assert.ok(Math.abs(answer.geopose.position.h - 524) < 1e-3);
+});
+
 test('@oarc/gpp-access learns that there is no pose', async () => {
   await assert.rejects(
     sendRequest(`${url}/geopose`, JSON.stringify(geoPoseRequest(100))),
@@ -96,6 +102,28 @@ test('@oarc/gpp-access learns that no scene is near', async () => {
 test('GET /geopose answers a status', async () => {
   const response = await fetch(`${url}/geopose`);
   assert.deepEqual(await response.json(), { status: 'running' });
+});
+
+test('fetch says which way up a picture is', async () => {
+  const response = await post(LOCALIZE, JSON.stringify({
+    scene: 'hall',
+    frame: {
+      color: { encoded: PICTURE },
+      camera: {
+        model: 'PINHOLE', widthPx: 640, heightPx: 480,
+        parameters: [585, 585, 319.5, 239.5],
+      },
+      orientation: 'ORIENTATION_LEFT_UP',
+      gravityInCameraMps2: { x: 9.81 },
+    },
+    options: {
+      positionPrior: { positionInWorldM: { x: 1, y: 2, z: 3 }, radiusM: 5 },
+      heightBand: { minM: 0, maxM: 10 },
+    },
+  }));
+  const answer = await response.json();
+  assert.equal(response.status, 200, JSON.stringify(answer));
+  assert.equal(answer.worldFromCamera.translationM.z, 4);
 });
 
 test('fetch calls with JSON', async () => {

@@ -2,8 +2,9 @@
 // Prints "listening on HOST:PORT", and ends with its standard input.
 //
 // Scenes: "hall", anchored at 48.137 N, 11.575 E, 520 m. A picture from
-// kGoodCamera is at (1, 2, 3) there and looks along the world's z axis; another
-// one is not localized. The scene "slow" answers when its call is stopped.
+// kGoodCamera is at (1, 2, 3) there and looks along the world's z axis, one
+// whose left side is up a metre higher; another one is not localized. The scene
+// "slow" answers when its call is stopped.
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -51,8 +52,9 @@ absl::StatusOr<v1::LocalizeResponse> Localize(
   response.set_outcome(v1::OUTCOME_LOCALIZED);
   response.set_inliers(400);
   response.set_pose_sensor(v1::RGBD_SENSOR_COLOR);
+  const bool lies = request.frame().orientation() == v1::ORIENTATION_LEFT_UP;
   *response.mutable_world_from_camera() =
-      wire::ToProto(geometry::Rigid3{{}, {1, 2, 3}});
+      wire::ToProto(geometry::Rigid3{{}, {1, 2, lies ? 4.0 : 3.0}});
   for (int i = 0; i < 36; ++i) response.add_covariance(i % 7 == 0 ? 1e-4 : 0);
   return response;
 }

@@ -122,6 +122,32 @@ TEST_F(HybridLocalizerTest, FindsThemThoughTheForestIsWrong) {
   EXPECT_GE(CorrectOf10(*misled_), 8);
 }
 
+TEST_F(HybridLocalizerTest, KeyframesWhereThePoseIsExpectedAnswerAlone) {
+  const geometry::Rigid3 truth = HeldOutPose(7);
+  localizer::LocalizeOptions options;
+  options.priors.position = geometry::PositionPrior{truth.translation, 0.5};
+  const auto estimate = localizer_->Localize(ColorAt(truth), options);
+  ASSERT_TRUE(estimate.ok()) << estimate.status();
+  ASSERT_EQ(estimate->outcome, localizer::Outcome::kLocalized);
+  EXPECT_LT(
+      geometry::ErrorBetween(estimate->world_from_camera, truth).translation_m,
+      0.05);
+  // The forest was not asked.
+  EXPECT_EQ(estimate->timings.forest_ms, 0);
+  EXPECT_GT(localizer_->Localize(ColorAt(truth), {})->timings.forest_ms, 0);
+}
+
+TEST_F(HybridLocalizerTest, AWrongPriorForgesNoPose) {
+  const geometry::Rigid3 truth = HeldOutPose(7);
+  localizer::LocalizeOptions options;
+  options.priors.position = geometry::PositionPrior{
+      truth.translation + geometry::Vec3{1.5, 0, 0}, 0.5};
+  const auto estimate = localizer_->Localize(ColorAt(truth), options);
+  ASSERT_TRUE(estimate.ok()) << estimate.status();
+  EXPECT_EQ(estimate->outcome, localizer::Outcome::kNotLocalized);
+  EXPECT_EQ(estimate->reason, localizer::NotLocalizedReason::kContradictsPrior);
+}
+
 TEST_F(HybridLocalizerTest, TheSameSeedGivesTheSameBitsFromAnyThread) {
   const image::Frame frame = ColorAt(HeldOutPose(7));
   localizer::LocalizeOptions options;

@@ -4,6 +4,7 @@
 
 #include "common/base/parallel_for.h"
 #include "common/base/random.h"
+#include "common/image/quarter_turn.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/forest/model_file.h"
@@ -170,6 +171,37 @@ TEST_F(RgbdLocalizerTest, ARequestsOwnCalibrationReplacesTheScenes) {
   EXPECT_LT(
       geometry::ErrorBetween(estimate->world_from_camera, truth).translation_m,
       0.05);
+}
+
+TEST_F(RgbdLocalizerTest, ATurnedFrameHasThePoseOfTheFrameAsItIs) {
+  for (const image::QuarterTurn turn : image::kQuarterTurns) {
+    const geometry::Rigid3 upright_pose = HeldOutPose(7);
+    image::Frame frame =
+        Turned(training::RenderBoxRoom(Calibration(), upright_pose), turn);
+    frame.calibration = Turned(Calibration(), turn);
+    // Of the depth camera, turned about its own axis.
+    const geometry::Rigid3 truth =
+        upright_pose *
+        geometry::Rigid3{image::TurnedFromCamera(turn), {}}.Inverse();
+    for (const bool is_certain : {false, true}) {
+      // Where it is no certainty, nothing is known.
+      frame.orientation = {};
+      if (is_certain) frame.orientation = {image::Inverse(turn), true};
+      const auto estimate = localizer_->Localize(frame, {});
+      ASSERT_TRUE(estimate.ok()) << estimate.status();
+      ASSERT_EQ(estimate->outcome, localizer::Outcome::kLocalized);
+      const geometry::PoseError error =
+          geometry::ErrorBetween(estimate->world_from_camera, truth);
+      EXPECT_LT(error.translation_m, 0.05);
+      EXPECT_LT(error.rotation_rad, 0.087);
+    }
+    // Another way up than stated, which it is not.
+    frame.orientation = {
+        image::Remaining(image::Inverse(turn), image::QuarterTurn::kHalf),
+        true};
+    EXPECT_EQ(localizer_->Localize(frame, {})->outcome,
+              localizer::Outcome::kNotLocalized);
+  }
 }
 
 TEST_F(RgbdLocalizerTest, DoesNotLocalizeWhatItHasNotSeen) {

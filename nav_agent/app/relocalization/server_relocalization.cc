@@ -68,6 +68,8 @@ Answer AskNow(relocalizer::Relocalizer& relocalizer,
   query.wants_inlier_pixels = true;
   TL_ASSIGN_OR_RETURN(query.frame,
                       EncodeFrame(frame.frame, options.jpeg_quality));
+  // A robot's camera stands as it did when the map was learnt.
+  query.frame.orientation = {image::QuarterTurn::kNone, /*is_certain=*/true};
   TL_ASSIGN_OR_RETURN(
       const relocalizer::LocalizeAnswer answer,
       relocalizer.Localize(query,

@@ -116,7 +116,9 @@ TEST(ServerRelocalization, HandsOverTheAnswerOnceAndWithoutAPrior) {
   relocalizer->localize = [](const relocalizer::LocalizeQuery& query,
                              const relocalizer::CallOptions&) {
     EXPECT_EQ(query.scene, "office");
-    EXPECT_FALSE(query.prior.has_value());
+    EXPECT_TRUE(query.priors.empty());
+    EXPECT_EQ(query.frame.orientation,
+              (image::Orientation{image::QuarterTurn::kNone, true}));
     relocalizer::LocalizeAnswer answer;
     answer.localized = true;
     answer.confidence = 0.8;

@@ -155,10 +155,17 @@ std::vector<size_t> MostSimilarKeyframes(const features::SiftFeatures& features,
                                          double max_ratio) {
   std::vector<size_t> all(map.size());
   std::iota(all.begin(), all.end(), size_t{0});
-  return WithMostMatches(
-      features, map,
-      WithMostMatches(features, map, all, kCoarse, kShortlist, 1, max_ratio),
-      kFine, count, kMinSharedFeatures, max_ratio);
+  return MostSimilarKeyframes(features, map, all, count, max_ratio);
+}
+
+std::vector<size_t> MostSimilarKeyframes(const features::SiftFeatures& features,
+                                         const KeyframeMap& map,
+                                         std::span<const size_t> keyframes,
+                                         size_t count, double max_ratio) {
+  return WithMostMatches(features, map,
+                         WithMostMatches(features, map, keyframes, kCoarse,
+                                         kShortlist, 1, max_ratio),
+                         kFine, count, kMinSharedFeatures, max_ratio);
 }
 
 }  // namespace treeline::keyframes

@@ -44,6 +44,11 @@ std::vector<KeyframeMatch> MatchKeyframes(
 std::vector<size_t> MostSimilarKeyframes(const features::SiftFeatures& features,
                                          const KeyframeMap& map, size_t count,
                                          double max_ratio);
+// The same of some of the keyframes.
+std::vector<size_t> MostSimilarKeyframes(const features::SiftFeatures& features,
+                                         const KeyframeMap& map,
+                                         std::span<const size_t> keyframes,
+                                         size_t count, double max_ratio);
 
 }  // namespace treeline::keyframes
 

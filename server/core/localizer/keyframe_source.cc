@@ -16,12 +16,21 @@ std::vector<size_t> KeyframeSource::Choose(
     return keyframes::MostSimilarKeyframes(features, *map_, count,
                                            kMaxKeyframeRatio);
   }
+  const double max_angle_rad = keyframes::MaxKeyframeAngle_rad(query.camera());
+  if (choice_ == KeyframeChoice::kNearPriors) {
+    const geometry::PosePriors near = query.options().priors.Widened(
+        kMaxPriorKeyframeDistance_m, max_angle_rad);
+    std::vector<size_t> allowed;
+    for (size_t k = 0; k < map_->size(); ++k) {
+      if (near.Allows(map_->world_from_camera(k))) allowed.push_back(k);
+    }
+    return keyframes::MostSimilarKeyframes(features, *map_, allowed, count,
+                                           kMaxKeyframeRatio);
+  }
   for (size_t i = earlier.size(); i > 0; --i) {
     const std::optional<pose::RefinedPose>& pose = earlier[i - 1].pose;
     if (!pose) continue;
-    return map_->Nearest(pose->world_from_camera,
-                         keyframes::MaxKeyframeAngle_rad(query.camera()),
-                         count);
+    return map_->Nearest(pose->world_from_camera, max_angle_rad, count);
   }
   return {};
 }

@@ -12,8 +12,9 @@ namespace treeline::localizer {
 
 // Which keyframes a frame is matched with.
 enum class KeyframeChoice {
-  kNearPose,    // those near the last earlier candidate's pose; without, none
-  kMostSimilar  // those that share most features with the frame
+  kNearPose,     // those near the last earlier candidate's pose; without, none
+  kNearPriors,   // of those near where the pose is expected, the most similar
+  kMostSimilar,  // those that share most features with the frame
 };
 
 // A PoseSource, of the colour camera's pose.

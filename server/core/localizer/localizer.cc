@@ -7,6 +7,7 @@
 #include "server/core/forest/backtracking.h"
 #include "server/core/forest/model_file.h"
 #include "server/core/localizer/methods.h"
+#include "server/core/localizer/oriented_localizer.h"
 #include "server/core/localizer/pipeline.h"
 
 namespace treeline::localizer {
@@ -34,6 +35,18 @@ void SetTotal(double total_ms, LocalizeTimings& timings) {
   timings.pose_ms = total_ms - timings.sample_ms - timings.forest_ms;
 }
 
+void Add(const LocalizeTimings& more, LocalizeTimings& sums) {
+  sums.sample_ms += more.sample_ms;
+  sums.forest_ms += more.forest_ms;
+  sums.pose_ms += more.pose_ms;
+  sums.total_ms += more.total_ms;
+}
+
+bool IsBetter(const PoseEstimate& a, const PoseEstimate& b) {
+  if (a.outcome != b.outcome) return a.outcome == Outcome::kLocalized;
+  return a.confidence > b.confidence;
+}
+
 absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
     const std::string& model_path, const QueryOptions& options) {
   TL_RETURN_IF_ERROR(options.Validate());
@@ -41,7 +54,9 @@ absl::StatusOr<std::unique_ptr<Localizer>> OpenLocalizer(
                       forest::ModelFile::Open(model_path));
   absl::StatusOr<Method> method = MakeMethod(*model, options);
   if (!method.ok()) return base::Annotate(method.status(), model_path);
-  return std::make_unique<Pipeline>(std::move(model), *std::move(method));
+  return std::make_unique<OrientedLocalizer>(
+      std::make_unique<Pipeline>(std::move(model), *std::move(method)),
+      options.other_turns);
 }
 
 absl::string_view OutcomeName(Outcome outcome) {

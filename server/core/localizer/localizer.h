@@ -10,6 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "common/geometry/pose_prior.h"
 #include "common/geometry/rigid3.h"
 #include "common/image/frame.h"
 #include "server/core/forest/model_info.h"
@@ -44,6 +45,8 @@ struct LocalizeTimings {
 // Sets total_ms, and pose_ms to what the other stages leave of it.
 void SetTotal(double total_ms, LocalizeTimings& timings);
 
+void Add(const LocalizeTimings& more, LocalizeTimings& sums);
+
 // One sample that supported or contradicted the answer: for pictures.
 struct Correspondence {
   camera::Pixel color_pixel;
@@ -62,6 +65,10 @@ struct PoseEstimate {
   int samples = 0;
   // inliers / samples, in [0, 1].
   double inlier_ratio = 0;
+  // The focal length that the image shows, over the one that the query stated:
+  // not 1 where they differ by more than a percent, and then the pose is that
+  // of a camera with it (method universal).
+  double focal_scale = 1;
   // Probability that the pose is right: that its error is below 5 cm and 5
   // degrees (outdoors: the model's own bounds, see ModelInfo). In [0, 1]; 0 if
   // there is no pose.
@@ -73,6 +80,10 @@ struct PoseEstimate {
   std::vector<Correspondence> correspondences;
 };
 
+// Whether `a` is the better answer: what is localized, and then what is more
+// probable.
+bool IsBetter(const PoseEstimate& a, const PoseEstimate& b);
+
 struct LocalizeOptions {
   // The same seed, frame and model give the same pose, bit for bit, whatever
   // else the process does.
@@ -81,6 +92,9 @@ struct LocalizeOptions {
   // Least confidence of what is localized, in [0, 1]; nullopt: the model's
   // threshold.
   std::optional<double> min_confidence = std::nullopt;
+  // Where the pose is expected. Keyframes there are tried first, and a pose
+  // that contradicts them is not localized.
+  geometry::PosePriors priors = {};
   // Polled in sampling, backtracking and RANSAC: CANCELLED soon after.
   std::stop_token stop;
 };

@@ -56,9 +56,20 @@ absl::StatusOr<Method> MakeSift(const forest::ModelFile& model,
   return method;
 }
 
+// Keyframes where the pose is expected, `matched` of them.
+void AddShortcut(const keyframes::KeyframeMap& keyframes, int matched,
+                 const QueryOptions& options, Method& method) {
+  method.steps.push_back(
+      {.generator =
+           From(KeyframeSource(keyframes, KeyframeChoice::kNearPriors, matched),
+                options),
+       .is_shortcut = true});
+}
+
 void AddHybridSteps(const forest::ModelFile& model,
                     const keyframes::KeyframeMap& keyframes,
                     const QueryOptions& options, Method& method) {
+  AddShortcut(keyframes, kMatchedKeyframes, options, method);
   method.steps.push_back(
       {From(ColorRaySource(model.forest(), options), options),
        /*is_fallback=*/true});
@@ -77,6 +88,7 @@ void AddUniversalSteps(const forest::ModelFile& model,
   method.sufficient_confidence = kSufficientConfidence;
   method.steps.push_back(
       {From(DepthPointSource(model.forest(), options), options)});
+  AddShortcut(keyframes, kMatchedLikeKeyframes, options, method);
   for (const KeyframeChoice choice :
        {KeyframeChoice::kMostSimilar, KeyframeChoice::kNearPose}) {
     method.steps.push_back({From(

@@ -16,13 +16,17 @@ namespace treeline::localizer {
 //   rgbd          points with depth            required  keyframes
 //   points-lines  points and lines with depth  required  keyframes
 //   rgb           rays                         ignored   keyframes
-//   hybrid        rays (a fallback), features  ignored   keyframes
-//                 of the keyframes near their
-//                 pose, features of those most
-//                 like the frame
+//   hybrid        features of the keyframes     ignored   keyframes
+//                 where the pose is expected
+//                 (a shortcut), rays (a
+//                 fallback), features of the
+//                 keyframes near their pose, of
+//                 those most like the frame
 //   universal     points with depth, features   where     keyframes
-//                 of the keyframes most like    given
-//                 the frame, those near their
+//                 of the keyframes where the    given
+//                 pose is expected (a
+//                 shortcut), of those most like
+//                 the frame, of those near their
 //                 pose: each only where the
 //                 earlier do not suffice
 //   sift          SIFT features                ignored   inliers alone

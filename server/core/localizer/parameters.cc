@@ -15,6 +15,7 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMatchedLikeKeyframes),
           base::RowOf(kMaxQueryFeatures),
           base::RowOf(kMaxKeyframeRatio),
+          base::RowOf(kMaxPriorKeyframeDistance_m),
           base::RowOf(kMinKeyframeMatches),
           base::RowOf(kMinKeyframeInliers),
           base::RowOf(kKeypointSigma_px),
@@ -32,9 +33,13 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMinAnswerInliers),
           base::RowOf(kMinKeyframeOverlap),
           base::RowOf(kMaxPositionSigma_m),
+          base::RowOf(kFocalTolerance),
+          base::RowOf(kFocalSigmas),
+          base::RowOf(kMaxFocalSteps),
           base::RowOf(kMinSiftInliers),
           base::RowOf(kFewMatches),
-          base::RowOf(kMaxRelativePositionSigma)};
+          base::RowOf(kMaxRelativePositionSigma),
+          base::RowOf(kOtherTurnOdds)};
 }
 
 }  // namespace treeline::localizer

@@ -23,19 +23,34 @@ class Search {
     return absl::OkStatus();
   }
 
-  // Candidates without a pose are passed over.
-  void Verify(size_t i) {
-    if (!candidates_[i].pose) return;
-    const Verdict verdict = verifier_.Verify(query_, candidates_[i]);
-    if (verdict_ && !IsBetter(verdict, *verdict_)) return;
+  // Whether the candidate has a pose; one without is passed over.
+  bool Verify(size_t i) {
+    if (!candidates_[i].pose) return false;
+    Verdict verdict = verifier_.Verify(query_, candidates_[i]);
+    if (verdict.is_believed() &&
+        !query_.options().priors.Allows(verdict.world_from_camera)) {
+      verdict.reason = NotLocalizedReason::kContradictsPrior;
+    }
+    if (verdict_ && !IsBetter(verdict, *verdict_)) return true;
     verdict_ = verdict;
     best_ = i;
+    return true;
   }
+  bool VerifyLast() { return Verify(candidates_.size() - 1); }
+  void VerifyAll() {
+    for (size_t i = 0; i < candidates_.size(); ++i) Verify(i);
+  }
+  // As if it had not been asked for.
+  void DropLast() { candidates_.pop_back(); }
 
-  size_t asked() const { return candidates_.size(); }
-  bool has_verdict() const { return verdict_.has_value(); }
+  // Whether the last candidate is the best, and believed.
+  bool LastIsBelieved() const {
+    return verdict_ && best_ + 1 == candidates_.size() &&
+           verdict_->is_believed();
+  }
   bool IsSatisfied(double sufficient_confidence) const {
-    return verdict_ && verdict_->confidence >= sufficient_confidence;
+    return verdict_ && verdict_->confidence >= sufficient_confidence &&
+           verdict_->reason != NotLocalizedReason::kContradictsPrior;
   }
   Selection Take() && {
     if (!verdict_) best_ = MostTelling();
@@ -62,15 +77,24 @@ class Search {
 
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
   Search search(*method.verifier, query);
+  bool needs_fallback = true;
   for (const Step& step : method.steps) {
+    if (step.is_shortcut && query.options().priors.empty()) continue;
     TL_RETURN_IF_ERROR(search.Ask(*step.generator));
     if (step.is_fallback) continue;
-    search.Verify(search.asked() - 1);
-    if (search.IsSatisfied(method.sufficient_confidence)) break;
+    const bool has_pose = search.VerifyLast();
+    const bool is_satisfied = search.IsSatisfied(method.sufficient_confidence);
+    if (step.is_shortcut) {
+      if (is_satisfied && search.LastIsBelieved()) {
+        return std::move(search).Take();
+      }
+      if (!has_pose) search.DropLast();
+      continue;
+    }
+    if (has_pose) needs_fallback = false;
+    if (is_satisfied) break;
   }
-  if (!search.has_verdict()) {
-    for (size_t i = 0; i < search.asked(); ++i) search.Verify(i);
-  }
+  if (needs_fallback) search.VerifyAll();
   return std::move(search).Take();
 }
 

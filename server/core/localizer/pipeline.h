@@ -22,6 +22,9 @@ struct Step {
   // Its candidate is a start for later steps, and verified only where none of
   // them proposes a pose.
   bool is_fallback = false;
+  // It is asked only if the pose is expected somewhere
+  // (LocalizeOptions::priors) and ends the search only if its pose is believed.
+  bool is_shortcut = false;
 };
 
 // What makes one method differ from another.
@@ -43,9 +46,9 @@ struct Selection {
 
 // Asks the steps of `method` one after the other for candidates, verifies them,
 // and selects the best by the verifier's evidence; among equals, the earlier.
-// Without a pose, the first candidate that had enough to look at
-// says why. Errors of the
-// generators; CANCELLED after the query's stop.
+// A pose that contradicts the query's priors is not believed, and does not end
+// the search. Without a pose, the first candidate that had enough to look at
+// says why. Errors of the generators; CANCELLED after the query's stop.
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query);
 
 // A model with the method that reads it.

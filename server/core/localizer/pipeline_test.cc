@@ -74,12 +74,17 @@ Verdict Refused(double confidence) {
 
 class SelectCandidateTest : public testing::Test {
  protected:
-  Asked& AddStep(absl::StatusOr<Candidate> answer, bool is_fallback = false) {
+  Asked& AddStep(absl::StatusOr<Candidate> answer, bool is_fallback = false,
+                 bool is_shortcut = false) {
     Asked& asked = asked_.emplace_back();
     method_.steps.push_back(
         {std::make_unique<FakeGenerator>(std::move(answer), &asked),
-         is_fallback});
+         is_fallback, is_shortcut});
     return asked;
+  }
+  Asked& AddShortcut(absl::StatusOr<Candidate> answer) {
+    return AddStep(std::move(answer), /*is_fallback=*/false,
+                   /*is_shortcut=*/true);
   }
 
   absl::StatusOr<Selection> Select(std::map<int, Verdict> verdicts,
@@ -179,6 +184,71 @@ TEST_F(SelectCandidateTest, WhoHadNothingToLookAtDoesNotSayWhy) {
   const auto selection = Select({});
   ASSERT_TRUE(selection.ok());
   EXPECT_EQ(selection->candidate.samples, 40);
+}
+
+// Where the poses of these tests are, and where they are not.
+LocalizeOptions ExpectedAt(geometry::Vec3 position) {
+  LocalizeOptions options;
+  options.priors.position = geometry::PositionPrior{position, 1};
+  return options;
+}
+
+TEST_F(SelectCandidateTest, AShortcutIsTakenOnlyWhereThePoseIsExpected) {
+  const Asked& shortcut = AddShortcut(Pose(1));
+  const Asked& second = AddStep(Pose(2));
+  ASSERT_TRUE(Select({{1, Believed(0.6)}, {2, Believed(0.6)}}).ok());
+  EXPECT_EQ(shortcut.times, 0);
+  EXPECT_EQ(second.earlier, 0u);
+  const auto selection =
+      Select({{1, Believed(0.6)}, {2, Believed(0.9)}}, ExpectedAt({}));
+  ASSERT_TRUE(selection.ok());
+  EXPECT_EQ(selection->candidate.pose->inliers, 1);
+  EXPECT_EQ(second.times, 1);
+}
+
+TEST_F(SelectCandidateTest, AShortcutThatIsNotBelievedCostsNoAnswer) {
+  AddShortcut(Pose(1));
+  AddStep(Pose(2), /*is_fallback=*/true);
+  const Asked& third = AddStep(Pose(3));
+  const auto selection =
+      Select({{1, Refused(0.4)}, {3, Believed(0.7)}}, ExpectedAt({}));
+  ASSERT_TRUE(selection.ok());
+  EXPECT_EQ(selection->candidate.pose->inliers, 3);
+  EXPECT_EQ(third.earlier, 2u);
+}
+
+TEST_F(SelectCandidateTest, AShortcutThatIsNotBelievedIsNoReasonAgainstOthers) {
+  AddShortcut(Pose(1));
+  AddStep(Pose(2), /*is_fallback=*/true);
+  AddStep(NoPose(5));
+  const auto selection =
+      Select({{1, Refused(0.4)}, {2, Believed(0.6)}}, ExpectedAt({}));
+  ASSERT_TRUE(selection.ok());
+  EXPECT_EQ(selection->candidate.pose->inliers, 2);
+}
+
+TEST_F(SelectCandidateTest, AShortcutWithoutAPoseSaysNothing) {
+  AddShortcut(NoPose(3));
+  const Asked& second = AddStep(NoPose(40));
+  const auto selection = Select({}, ExpectedAt({}));
+  ASSERT_TRUE(selection.ok());
+  EXPECT_EQ(selection->candidate.samples, 40);
+  EXPECT_EQ(second.earlier, 0u);
+}
+
+TEST_F(SelectCandidateTest, APoseThatContradictsAPriorDoesNotEndTheSearch) {
+  AddStep(Pose(1));
+  AddStep(Pose(2));
+  Verdict elsewhere = Believed(0.99);
+  elsewhere.world_from_camera.translation = {5, 0, 0};
+  const auto found =
+      Select({{1, elsewhere}, {2, Believed(0.6)}}, ExpectedAt({}));
+  ASSERT_TRUE(found.ok());
+  EXPECT_EQ(found->candidate.pose->inliers, 2);
+  EXPECT_TRUE(found->verdict->is_believed());
+  const auto lost = Select({{1, elsewhere}, {2, elsewhere}}, ExpectedAt({}));
+  ASSERT_TRUE(lost.ok());
+  EXPECT_EQ(lost->verdict->reason, NotLocalizedReason::kContradictsPrior);
 }
 
 TEST_F(SelectCandidateTest, AnErrorOfAGeneratorIsTheQuerys) {

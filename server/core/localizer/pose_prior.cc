@@ -2,15 +2,9 @@
 
 namespace treeline::localizer {
 
-void ApplyPrior(const geometry::PosePrior& prior, PoseEstimate& estimate) {
-  if (estimate.outcome != Outcome::kLocalized) return;
-  const geometry::Rigid3& found = estimate.world_from_camera;
-  const double distance_m =
-      geometry::Norm(found.translation - prior.world_from_camera.translation);
-  const double angle_rad = geometry::AngleBetween_rad(
-      found.rotation, prior.world_from_camera.rotation);
-  if (distance_m <= prior.position_radius_m &&
-      angle_rad <= prior.rotation_radius_rad) {
+void ApplyPriors(const geometry::PosePriors& priors, PoseEstimate& estimate) {
+  if (estimate.outcome != Outcome::kLocalized ||
+      priors.Allows(estimate.world_from_camera)) {
     return;
   }
   estimate.outcome = Outcome::kNotLocalized;

@@ -7,10 +7,10 @@
 
 namespace treeline::localizer {
 
-// Withdraws a pose that the prior rules out: it becomes kNotLocalized with
-// reason kContradictsPrior; its evidence stays. The prior never makes a pose
-// more probable, so that a wrong one can hide an answer but not forge one.
-void ApplyPrior(const geometry::PosePrior& prior, PoseEstimate& estimate);
+// Withdraws a pose that a prior rules out: it becomes kNotLocalized with reason
+// kContradictsPrior; its evidence stays. A prior never makes a pose more
+// probable, so that a wrong one can hide an answer but not forge one.
+void ApplyPriors(const geometry::PosePriors& priors, PoseEstimate& estimate);
 
 }  // namespace treeline::localizer
 

@@ -27,6 +27,9 @@ struct QueryOptions {
   int good_distance = 0;
   // Hypotheses of preemptive RANSAC, in [1, 10000].
   int hypotheses = 128;
+  // Whether a frame of which nobody said which way up it is is looked for in
+  // other ways too, where it is not found; see OrientedLocalizer.
+  bool other_turns = true;
 
   absl::Status Validate() const;
 };

@@ -30,20 +30,6 @@ bool IsLocalized(const localizer::PoseEstimate& estimate) {
   return estimate.outcome == localizer::Outcome::kLocalized;
 }
 
-bool IsBetter(const localizer::PoseEstimate& a,
-              const localizer::PoseEstimate& b) {
-  if (IsLocalized(a) != IsLocalized(b)) return IsLocalized(a);
-  return a.confidence > b.confidence;
-}
-
-void Add(const localizer::LocalizeTimings& more,
-         localizer::LocalizeTimings& sums) {
-  sums.sample_ms += more.sample_ms;
-  sums.forest_ms += more.forest_ms;
-  sums.pose_ms += more.pose_ms;
-  sums.total_ms += more.total_ms;
-}
-
 }  // namespace
 
 absl::StatusOr<AmongResult> LocalizeAmong(
@@ -87,7 +73,7 @@ absl::StatusOr<AmongResult> LocalizeAmong(
     considered.outcome = estimate->outcome;
     considered.confidence = estimate->confidence;
     considered.inliers = estimate->inliers;
-    Add(estimate->timings, timings);
+    localizer::Add(estimate->timings, timings);
     if (tried == 1 || IsBetter(*estimate, result.estimate)) {
       result.scene = considered.scene;
       result.localizer = std::move(scene->localizer);

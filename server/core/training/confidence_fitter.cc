@@ -318,8 +318,11 @@ absl::StatusOr<forest::ConfidenceModel> LearnConfidence(
     const ConfidenceOptions& options, bool quiet, const std::stop_token& stop) {
   const TemporaryFile file(absl::StrCat(path, ".trial-", getpid()));
   TL_RETURN_IF_ERROR(write_model(file.path()));
+  // The trials are upright, and what they find there counts.
+  localizer::QueryOptions upright;
+  upright.other_turns = false;
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<localizer::Localizer> localizer,
-                      localizer::OpenLocalizer(file.path()));
+                      localizer::OpenLocalizer(file.path(), upright));
   TL_ASSIGN_OR_RETURN(
       const std::vector<ConfidenceTrial> trials,
       RunConfidenceTrials(*localizer, held_out, options, quiet, stop));
