@@ -78,12 +78,6 @@ Camera Mirrored(const Camera& camera) {
   return *WithParameters(camera, camera.width(), camera.height(), p);
 }
 
-absl::StatusOr<Camera> FocalScaled(const Camera& camera, double factor) {
-  Parameters p = camera.parameters();
-  for (size_t i = 0; i < PrincipalPoint(camera); ++i) p[i] *= factor;
-  return WithParameters(camera, camera.width(), camera.height(), p);
-}
-
 absl::StatusOr<Camera> Cropped(const Camera& camera, int left, int top,
                                int width, int height) {
   if (left < 0 || top < 0 || width < 1 || height < 1 ||

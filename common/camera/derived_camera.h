@@ -1,5 +1,4 @@
-// The camera of a picture that was turned, mirrored, cropped or resized, and
-// one with another lens.
+// The camera of a picture that was turned, mirrored, cropped or resized.
 //
 // Pixel centres are at integer coordinates. Each function says where a pixel
 // (x, y) of a picture of w x h pixels goes; the camera that it returns images a
@@ -29,9 +28,6 @@ Camera Mirrored(const Camera& camera);
 // (x - left, y - top). INVALID_ARGUMENT: it is empty or leaves the picture.
 absl::StatusOr<Camera> Cropped(const Camera& camera, int left, int top,
                                int width, int height);
-
-// With focal lengths `factor` times as long. INVALID_ARGUMENT: not positive.
-absl::StatusOr<Camera> FocalScaled(const Camera& camera, double factor);
 
 // After resizing by `factor`: ((x + 0.5) * factor - 0.5, the same of y). Width
 // and height are rounded. INVALID_ARGUMENT: not positive, or the result has no

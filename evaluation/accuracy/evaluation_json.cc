@@ -57,8 +57,8 @@ void AddEstimate(const FrameResult& result, Json& json) {
   if (!answered) {
     json["outcome"] = "ERROR";
     json["reason"] = Text(result.status.message());
-    for (const char* key : {"inliers", "samples", "inlier_ratio", "confidence",
-                            "focal_scale", "evidence"}) {
+    for (const char* key :
+         {"inliers", "samples", "inlier_ratio", "confidence", "evidence"}) {
       json[key] = nullptr;
     }
   } else {
@@ -70,7 +70,6 @@ void AddEstimate(const FrameResult& result, Json& json) {
     json["samples"] = estimate.samples;
     json["inlier_ratio"] = Number(estimate.inlier_ratio);
     json["confidence"] = Number(estimate.confidence);
-    json["focal_scale"] = Number(estimate.focal_scale);
     const forest::PoseEvidence& evidence = estimate.evidence;
     json["evidence"] = {{"inlier_ratio", Number(evidence.inlier_ratio)},
                         {"correlation", Number(evidence.correlation)},

@@ -53,7 +53,6 @@ TEST(ParseMethods, KeepsTheOrderAndRefusesRepetition) {
 
 TEST(InputsOfMethod, SaysWhatAQueryNeeds) {
   EXPECT_EQ(InputsOfMethod("rgbd").query, "RGB-D");
-  EXPECT_EQ(InputsOfMethod("universal").query, "RGB-D or RGB");
   EXPECT_EQ(InputsOfMethod("sift-pnp").query, "RGB");
   EXPECT_EQ(InputsOfMethod("unheard-of").query, "");
 }

@@ -348,8 +348,17 @@ absl::Status WrongFocalLength(double factor, base::Random& /*random*/,
                               PerturbedFrame& view) {
   camera::RgbdCalibration& calibration = *view.frame.calibration;
   const bool registered = IsRegistered(calibration);
-  TL_ASSIGN_OR_RETURN(calibration.color,
-                      camera::FocalScaled(calibration.color, factor));
+  const camera::Camera& color = calibration.color;
+  auto parameters = color.parameters();
+  const int focal_lengths = camera::CameraPrincipalPointIndex(color.model());
+  for (int i = 0; i < focal_lengths; ++i) {
+    parameters[static_cast<size_t>(i)] *= factor;
+  }
+  TL_ASSIGN_OR_RETURN(
+      calibration.color,
+      camera::Camera::Create(color.model(), color.width(), color.height(),
+                             parameters.data(),
+                             camera::CameraParameterCount(color.model())));
   if (registered) calibration.depth = calibration.color;
   return absl::OkStatus();
 }

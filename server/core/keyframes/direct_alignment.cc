@@ -309,49 +309,6 @@ class Aligner {
     }
   }
 
-  // The focal length is one more parameter, of which the normal equations know
-  // all but its own row: it is the step that they give it, the pose going along.
-  void JudgeFocalLength(Alignment& alignment) {
-    const camera::Camera& camera = calibration_.color;
-    const double scale = 2 * noise_;
-    Vector6 mixed = Vector6::Zero();
-    Vector6 gradient = Vector6::Zero();
-    double own = 0;
-    double own_gradient = 0;
-    const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
-    for (size_t run = 0; run < runs.size(); ++run) {
-      for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
-        if (seen_.seen[i] == 0) continue;
-        const double r = static_cast<double>(
-            Residual(options_.last_level, run, i));
-        const double falls = scale * scale / (scale * scale + r * r);
-        const double weight = falls * falls / (noise_ * noise_);
-        const double gx = static_cast<double>(seen_.gradient_x[i]);
-        const double gy = static_cast<double>(seen_.gradient_y[i]);
-        const geometry::Vec3 p{seen_.x[i], seen_.y[i], seen_.z[i]};
-        const geometry::Vec3 a{
-            gx * camera.fx() / p.z, gy * camera.fy() / p.z,
-            -(gx * camera.fx() * p.x + gy * camera.fy() * p.y) / (p.z * p.z)};
-        const geometry::Vec3 turn = geometry::Cross(p, a);
-        Vector6 pose;
-        pose << a.x, a.y, a.z, turn.x, turn.y, turn.z;
-        const double focal =
-            gx * (static_cast<double>(seen_.u[i]) - camera.cx()) +
-            gy * (static_cast<double>(seen_.v[i]) - camera.cy());
-        mixed += weight * focal * pose;
-        gradient += weight * r * pose;
-        own += weight * focal * focal;
-        own_gradient += weight * focal * r;
-      }
-    }
-    const Vector6 along = information_.ldlt().solve(mixed);
-    const double information = own - mixed.dot(along);
-    if (!(information > 1e-6)) return;
-    alignment.focal_log_scale =
-        -(own_gradient - along.dot(gradient)) / information;
-    alignment.focal_log_sigma = std::sqrt(kCorrelatedPoints / information);
-  }
-
   Alignment Judge() {
     Alignment alignment;
     alignment.world_from_camera = camera_from_world_.Inverse();
@@ -385,7 +342,6 @@ class Aligner {
       alignment.correlation = (sab - sa * sb / n) / std::sqrt(va * vb);
     }
     if (depth_ != nullptr) JudgeSurfaces(alignment);
-    JudgeFocalLength(alignment);
     // From a step in the camera's frame to one in the world's.
     const Matrix6 in_camera =
         kCorrelatedPoints * information_.ldlt().solve(Matrix6::Identity());

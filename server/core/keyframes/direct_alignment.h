@@ -36,10 +36,6 @@ struct Alignment {
   // Correlation of their brightness with the image's, in [-1, 1], each
   // keyframe's gain and offset taken out.
   double correlation = 0;
-  // By what factor the true focal length differs from the camera's, as its
-  // logarithm, to first order; and how exactly that is known.
-  double focal_log_scale = 0;
-  double focal_log_sigma = 0;
   // Points where depth was measured, and the share that lie on it.
   int measured = 0;
   double depth_agreement = 0;

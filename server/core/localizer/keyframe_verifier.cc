@@ -1,22 +1,14 @@
 #include "server/core/localizer/keyframe_verifier.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "common/base/status_macros.h"
-#include "common/camera/derived_camera.h"
+#include "server/core/keyframes/direct_alignment.h"
 #include "server/core/localizer/parameters.h"
 
 namespace treeline::localizer {
 namespace {
-
-// Whether the camera's focal length is not what the image shows.
-bool HasOtherFocalLength(const keyframes::Alignment& aligned) {
-  const double size = std::abs(aligned.focal_log_scale);
-  return size > kFocalTolerance &&
-         size > kFocalSigmas * aligned.focal_log_sigma;
-}
 
 forest::PoseEvidence EvidenceOf(const keyframes::Alignment& aligned,
                                 geometry::Vec3 from) {
@@ -47,46 +39,12 @@ KeyframeVerifier::Create(const forest::ModelFile& model, AlignmentUse use) {
 }
 
 pose::PoseWithCovariance KeyframeVerifier::Answer(
-    const pose::RefinedPose& candidate, const FocalAlignment& aligned,
-    const geometry::Rigid3& world_from_camera) const {
-  const pose::PoseWithCovariance answer{world_from_camera,
-                                        aligned.alignment.covariance};
-  // What was found with another focal length is no estimate.
-  if (use_ == AlignmentUse::kReplaces || aligned.focal_scale != 1) {
-    return answer;
-  }
+    const pose::RefinedPose& candidate,
+    const pose::PoseWithCovariance& aligned) const {
+  if (use_ == AlignmentUse::kReplaces) return aligned;
   return pose::FusePoses({candidate.world_from_camera, candidate.covariance},
-                         answer)
-      .value_or(answer);
-}
-
-std::optional<KeyframeVerifier::FocalAlignment> KeyframeVerifier::Align(
-    Query& query, const geometry::Rigid3& world_from_color) const {
-  const auto align = [&](const camera::RgbdCalibration& calibration,
-                         const geometry::Rigid3& start) {
-    return keyframes::AlignToKeyframes(keyframes_, query.pyramid(),
-                                       query.depth(), calibration, start, {});
-  };
-  const std::optional<keyframes::Alignment> stated =
-      align(query.calibration(), world_from_color);
-  if (!stated) return std::nullopt;
-  FocalAlignment best{*stated};
-  if (use_ == AlignmentUse::kReplaces) return best;
-  camera::RgbdCalibration calibration = query.calibration();
-  for (int i = 0; i < kMaxFocalSteps && HasOtherFocalLength(best.alignment);
-       ++i) {
-    const double scale =
-        best.focal_scale * std::exp(best.alignment.focal_log_scale);
-    absl::StatusOr<camera::Camera> camera =
-        camera::FocalScaled(query.camera(), scale);
-    if (!camera.ok()) break;
-    calibration.color = *std::move(camera);
-    const std::optional<keyframes::Alignment> aligned =
-        align(calibration, best.alignment.world_from_camera);
-    if (!aligned || aligned->correlation < best.alignment.correlation) break;
-    best = {*aligned, scale};
-  }
-  return best;
+                         aligned)
+      .value_or(aligned);
 }
 
 Verdict KeyframeVerifier::Verify(Query& query,
@@ -99,19 +57,18 @@ Verdict KeyframeVerifier::Verify(Query& query,
   const geometry::Rigid3 world_from_color =
       camera::PoseOfSensor(pose.world_from_camera, calibration.pose_sensor,
                            camera::RgbdSensor::kColor, calibration);
-  bool is_focal_known = true;
-  if (const auto aligned = Align(query, world_from_color)) {
-    verdict.evidence =
-        EvidenceOf(aligned->alignment, world_from_color.translation);
-    is_focal_known = !HasOtherFocalLength(aligned->alignment);
-    verdict.focal_scale = aligned->focal_scale;
+  const std::optional<keyframes::Alignment> aligned =
+      keyframes::AlignToKeyframes(keyframes_, query.pyramid(), query.depth(),
+                                  calibration, world_from_color, {});
+  if (aligned) {
+    verdict.evidence = EvidenceOf(*aligned, world_from_color.translation);
     // With less overlap the candidate is surer of the pose.
-    if (aligned->alignment.overlap >= kMinKeyframeOverlap) {
-      const pose::PoseWithCovariance answer =
-          Answer(pose, *aligned,
-                 camera::PoseOfSensor(aligned->alignment.world_from_camera,
+    if (aligned->overlap >= kMinKeyframeOverlap) {
+      const pose::PoseWithCovariance answer = Answer(
+          pose, {camera::PoseOfSensor(aligned->world_from_camera,
                                       camera::RgbdSensor::kColor,
-                                      calibration.pose_sensor, calibration));
+                                      calibration.pose_sensor, calibration),
+                 aligned->covariance});
       verdict.world_from_camera = answer.world_from_camera;
       verdict.covariance = answer.covariance;
     }
@@ -122,13 +79,12 @@ Verdict KeyframeVerifier::Verify(Query& query,
   verdict.evidence.matches = candidate.is_matched ? pose.inliers : 0;
   verdict.evidence.sigma_m = sigma_m;
   verdict.confidence = confidence_.Probability(verdict.evidence);
-  verdict.reason = ReasonAgainst(
-      {.has_enough_inliers = pose.inliers >= kMinAnswerInliers,
-       .is_determined = sigma_m <= kMaxPositionSigma_m &&
-                        (use_ == AlignmentUse::kReplaces || is_focal_known),
-       .is_confident =
-           verdict.confidence >=
-           query.options().min_confidence.value_or(confidence_.threshold)});
+  verdict.reason =
+      ReasonAgainst({.has_enough_inliers = pose.inliers >= kMinAnswerInliers,
+                     .is_determined = sigma_m <= kMaxPositionSigma_m,
+                     .is_confident = verdict.confidence >=
+                                     query.options().min_confidence.value_or(
+                                         confidence_.threshold)});
   return verdict;
 }
 

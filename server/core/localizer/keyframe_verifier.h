@@ -4,11 +4,9 @@
 #define SERVER_CORE_LOCALIZER_KEYFRAME_VERIFIER_H_
 
 #include <memory>
-#include <optional>
 
 #include "absl/status/statusor.h"
 #include "server/core/forest/model_file.h"
-#include "server/core/keyframes/direct_alignment.h"
 #include "server/core/keyframes/keyframe_map.h"
 #include "server/core/localizer/pose_verifier.h"
 #include "server/core/pose/pose_fusion.h"
@@ -34,20 +32,9 @@ class KeyframeVerifier final : public PoseVerifier {
   const keyframes::KeyframeMap& keyframes() const { return keyframes_; }
 
  private:
-  struct FocalAlignment {
-    keyframes::Alignment alignment;
-    // See Verdict.
-    double focal_scale = 1;
-  };
-
-  // With the query's focal length or, where the image shows another
-  // (AlignmentUse kFuses), with that.
-  std::optional<FocalAlignment> Align(
-      Query& query, const geometry::Rigid3& world_from_color) const;
-  // world_from_camera: the aligned pose, of the candidate's sensor.
   pose::PoseWithCovariance Answer(
-      const pose::RefinedPose& candidate, const FocalAlignment& aligned,
-      const geometry::Rigid3& world_from_camera) const;
+      const pose::RefinedPose& candidate,
+      const pose::PoseWithCovariance& aligned) const;
 
   AlignmentUse use_ = AlignmentUse::kReplaces;
   keyframes::KeyframeMap keyframes_;

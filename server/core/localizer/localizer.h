@@ -65,10 +65,6 @@ struct PoseEstimate {
   int samples = 0;
   // inliers / samples, in [0, 1].
   double inlier_ratio = 0;
-  // The focal length that the image shows, over the one that the query stated:
-  // not 1 where they differ by more than a percent, and then the pose is that
-  // of a camera with it (method universal).
-  double focal_scale = 1;
   // Probability that the pose is right: that its error is below 5 cm and 5
   // degrees (outdoors: the model's own bounds, see ModelInfo). In [0, 1]; 0 if
   // there is no pose.

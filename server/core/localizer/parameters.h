@@ -211,26 +211,6 @@ inline constexpr base::Parameter<double> kMaxPositionSigma_m{
     .why =
         "the inliers determine the position as well as an answer "
         "must be"};
-inline constexpr base::Parameter<double> kFocalTolerance{
-    .name = "focal_tolerance",
-    .value = 0.01,
-    .unit = "",
-    .origin = base::ParameterOrigin::kMeasured,
-    .why =
-        "focal lengths that differ by less are the same: right ones are "
-        "measured to 0.05 % on held-out frames of red kitchen"};
-inline constexpr base::Parameter<double> kFocalSigmas{
-    .name = "focal_sigmas",
-    .value = 3,
-    .unit = "",
-    .origin = base::ParameterOrigin::kTuned,
-    .why = "... and those that differ by less than so many deviations"};
-inline constexpr base::Parameter<int> kMaxFocalSteps{
-    .name = "max_focal_steps",
-    .value = 4,
-    .unit = "",
-    .origin = base::ParameterOrigin::kTuned,
-    .why = "alignments with a corrected focal length"};
 inline constexpr base::Parameter<int> kMinSiftInliers{
     .name = "min_sift_inliers",
     .value = 12,

@@ -19,7 +19,6 @@ struct Verdict {
   geometry::Rigid3 world_from_camera = {};
   geometry::PoseCovariance covariance{};
   // See PoseEstimate.
-  double focal_scale = 1;
   double confidence = 0;
   forest::PoseEvidence evidence = {};
 

@@ -16,7 +16,6 @@ PoseEstimate Report(Candidate candidate, const Verdict* verdict) {
         verdict->is_believed() ? Outcome::kLocalized : Outcome::kNotLocalized;
     estimate.world_from_camera = verdict->world_from_camera;
     estimate.covariance = verdict->covariance;
-    estimate.focal_scale = verdict->focal_scale;
     estimate.confidence = verdict->confidence;
     estimate.evidence = verdict->evidence;
   }
