@@ -25,6 +25,11 @@ double ThreadCpu_ms() {
          1e-6 * static_cast<double>(time.tv_nsec);
 }
 
+std::string CameraName(const camera::Camera& camera) {
+  return absl::StrCat(camera.width(), " x ", camera.height(), " ",
+                      camera.ToString());
+}
+
 // Localizes the frames of one dataset, one call a frame.
 class FrameEvaluator {
  public:
@@ -50,6 +55,7 @@ class FrameEvaluator {
     FrameResult result;
     const dataset::DatasetFrame& entry = dataset_.frame(i);
     result.stem = entry.stem;
+    if (entry.color_camera) result.camera = CameraName(*entry.color_camera);
     if (entry.world_from_camera.has_value()) {
       result.true_world_from_camera = camera::PoseOfSensor(
           *entry.world_from_camera, dataset_.calibration().pose_sensor,
