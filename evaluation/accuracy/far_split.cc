@@ -9,12 +9,10 @@
 namespace treeline::accuracy {
 namespace {
 
-using Poses = std::vector<std::optional<geometry::Rigid3>>;
-
 // Of `near`, from the middle of a hole.
 constexpr double kHoleRadius = 0.5;
 
-std::vector<int> FramesWithPose(const Poses& poses) {
+std::vector<int> FramesWithPose(const FramePoses& poses) {
   std::vector<int> frames;
   for (size_t i = 0; i < poses.size(); ++i) {
     if (poses[i]) frames.push_back(static_cast<int>(i));
@@ -25,7 +23,7 @@ std::vector<int> FramesWithPose(const Poses& poses) {
 // Frames for training, and holes cut out of them.
 class HoleCutter {
  public:
-  HoleCutter(const Poses& poses, const HoleOptions& options)
+  HoleCutter(const FramePoses& poses, const HoleOptions& options)
       : poses_(poses),
         options_(options),
         frames_(FramesWithPose(poses)),
@@ -98,7 +96,7 @@ class HoleCutter {
     }
   }
 
-  const Poses& poses_;
+  const FramePoses& poses_;
   const HoleOptions& options_;
   const std::vector<int> frames_;
   std::vector<Use> uses_;
@@ -106,23 +104,33 @@ class HoleCutter {
 
 }  // namespace
 
-FarSplit SplitAfterFirst(const Poses& poses, int count,
+std::vector<int> FramesBeyond(
+    const FramePoses& poses,
+    const std::vector<geometry::Rigid3>& training_poses,
+    const ViewLimits& near) {
+  std::vector<int> beyond;
+  for (const int frame : FramesWithPose(poses)) {
+    const geometry::Rigid3& pose = *poses[static_cast<size_t>(frame)];
+    if (ViewGap(pose, training_poses, near) > 1) beyond.push_back(frame);
+  }
+  return beyond;
+}
+
+FarSplit SplitAfterFirst(const FramePoses& poses, int count,
                          const ViewLimits& near) {
   FarSplit split;
   std::vector<geometry::Rigid3> training_poses;
   for (const int frame : FramesWithPose(poses)) {
-    const geometry::Rigid3& pose = *poses[static_cast<size_t>(frame)];
-    if (static_cast<int>(split.training.size()) < count) {
-      split.training.push_back(frame);
-      training_poses.push_back(pose);
-    } else if (ViewGap(pose, training_poses, near) > 1) {
-      split.test.push_back(frame);
-    }
+    if (static_cast<int>(split.training.size()) == count) break;
+    split.training.push_back(frame);
+    training_poses.push_back(*poses[static_cast<size_t>(frame)]);
   }
+  // None of the training frames is beyond itself.
+  split.test = FramesBeyond(poses, training_poses, near);
   return split;
 }
 
-FarSplit SplitByHoles(const Poses& poses, const HoleOptions& options) {
+FarSplit SplitByHoles(const FramePoses& poses, const HoleOptions& options) {
   return HoleCutter(poses, options).Cut();
 }
 

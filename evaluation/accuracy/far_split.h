@@ -12,18 +12,26 @@
 
 namespace treeline::accuracy {
 
-// Frames by index, ascending. What is in neither is too near to both.
+// world_from_camera of each frame; nullopt: not known.
+using FramePoses = std::vector<std::optional<geometry::Rigid3>>;
+
+// Frames by index, ascending. What is in neither is too near to both, or has no
+// pose.
 struct FarSplit {
   std::vector<int> training;
   std::vector<int> test;
 };
 
-// Training frames are the first `count` with a pose; test frames are those of
-// the rest that are beyond `near` of each of them. poses[i] is world_from_camera
-// of frame i; nullopt: not known, and the frame is in neither.
-FarSplit SplitAfterFirst(
-    const std::vector<std::optional<geometry::Rigid3>>& poses, int count,
+// The frames that are beyond `near` of every training camera. Ascending.
+std::vector<int> FramesBeyond(
+    const FramePoses& poses,
+    const std::vector<geometry::Rigid3>& training_poses,
     const ViewLimits& near);
+
+// Training frames are the first `count` with a pose; test frames are those of
+// the rest that are beyond `near` of each of them.
+FarSplit SplitAfterFirst(const FramePoses& poses, int count,
+                         const ViewLimits& near);
 
 struct HoleOptions {
   ViewLimits near;
@@ -38,8 +46,7 @@ struct HoleOptions {
 // of `near` are for testing, and what is within `near` of any of these is left
 // out. So test frames lie all over the recording, a little farther from the
 // training frames than `near`. A function of its arguments alone.
-FarSplit SplitByHoles(const std::vector<std::optional<geometry::Rigid3>>& poses,
-                      const HoleOptions& options);
+FarSplit SplitByHoles(const FramePoses& poses, const HoleOptions& options);
 
 }  // namespace treeline::accuracy
 

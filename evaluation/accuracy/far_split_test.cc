@@ -14,8 +14,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-std::vector<std::optional<geometry::Rigid3>> Loop(int count) {
-  std::vector<std::optional<geometry::Rigid3>> poses;
+FramePoses Loop(int count) {
+  FramePoses poses;
   for (const geometry::Rigid3& pose : training::BoxRoomPoses(count)) {
     poses.emplace_back(pose);
   }
@@ -23,7 +23,7 @@ std::vector<std::optional<geometry::Rigid3>> Loop(int count) {
 }
 
 void ExpectFarApart(const FarSplit& split,
-                    const std::vector<std::optional<geometry::Rigid3>>& poses,
+                    const FramePoses& poses,
                     const ViewLimits& near) {
   for (const int test : split.test) {
     for (const int training : split.training) {
@@ -41,7 +41,7 @@ TEST(SplitAfterFirst, TestsWhatIsBeyondEitherLimit) {
         geometry::Rotation3::FromAxisAngle({0, angle_deg * 0.017453293, 0}),
         {x, 0, 0}};
   };
-  const std::vector<std::optional<geometry::Rigid3>> poses{
+  const FramePoses poses{
       at(0, 0),  std::nullopt, at(0.2, 0), at(0.4, 10),
       at(0.6, 0), at(0, 14),    at(0, 16),  std::nullopt};
   const FarSplit split = SplitAfterFirst(poses, 2, {0.3, 15});
@@ -77,8 +77,7 @@ TEST(SplitByHoles, IsAFunctionOfItsSeed) {
 }
 
 TEST(SplitByHoles, KeepsAllForTrainingWhereEveryFrameIsNearTheOthers) {
-  const std::vector<std::optional<geometry::Rigid3>> poses(50,
-                                                           geometry::Rigid3{});
+  const FramePoses poses(50, geometry::Rigid3{});
   const FarSplit split = SplitByHoles(poses, {});
   EXPECT_EQ(split.training.size(), 50u);
   EXPECT_THAT(split.test, IsEmpty());
