@@ -69,7 +69,8 @@ class HoleCutter {
     std::vector<int> order = frames_;
     base::Random random(options_.seed, 0);
     for (size_t i = order.size(); i > 1; --i) {
-      std::swap(order[i - 1], order[random.NextBelow(static_cast<uint32_t>(i))]);
+      std::swap(order[i - 1],
+                order[random.NextBelow(static_cast<uint32_t>(i))]);
     }
     return order;
   }

@@ -34,7 +34,8 @@ FarSplit SplitAfterFirst(const FramePoses& poses, int count,
                          const ViewLimits& near);
 
 struct HoleOptions {
-  ViewLimits near;
+  // (The braces let designated initialisers leave it out without a warning.)
+  ViewLimits near{};
   // Holes are made until so many of the frames with a pose are for testing, or
   // no other hole leaves `least_training` of them for training. In (0, 1).
   double test_share = 0.2;

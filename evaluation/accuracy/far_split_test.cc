@@ -22,8 +22,7 @@ FramePoses Loop(int count) {
   return poses;
 }
 
-void ExpectFarApart(const FarSplit& split,
-                    const FramePoses& poses,
+void ExpectFarApart(const FarSplit& split, const FramePoses& poses,
                     const ViewLimits& near) {
   for (const int test : split.test) {
     for (const int training : split.training) {
@@ -41,9 +40,8 @@ TEST(SplitAfterFirst, TestsWhatIsBeyondEitherLimit) {
         geometry::Rotation3::FromAxisAngle({0, angle_deg * 0.017453293, 0}),
         {x, 0, 0}};
   };
-  const FramePoses poses{
-      at(0, 0),  std::nullopt, at(0.2, 0), at(0.4, 10),
-      at(0.6, 0), at(0, 14),    at(0, 16),  std::nullopt};
+  const FramePoses poses{at(0, 0),   std::nullopt, at(0.2, 0), at(0.4, 10),
+                         at(0.6, 0), at(0, 14),    at(0, 16),  std::nullopt};
   const FarSplit split = SplitAfterFirst(poses, 2, {0.3, 15});
   EXPECT_THAT(split.training, ElementsAre(0, 2));
   EXPECT_THAT(split.test, ElementsAre(4, 6));
@@ -60,9 +58,9 @@ TEST(SplitByHoles, LeavesNoTrainingFrameNearATestFrame) {
   for (const int test : split.test) {
     double nearest = 1e9;
     for (const int training : split.training) {
-      nearest = std::min(
-          nearest, ViewGap(*poses[static_cast<size_t>(test)],
-                           *poses[static_cast<size_t>(training)], options.near));
+      nearest = std::min(nearest, ViewGap(*poses[static_cast<size_t>(test)],
+                                          *poses[static_cast<size_t>(training)],
+                                          options.near));
     }
     EXPECT_LT(nearest, 4);
   }

@@ -51,8 +51,8 @@ TEST(ParseForeignSource, TakesBuiltinPicturesAndRecordings) {
   EXPECT_EQ(other.dataset.depth_unit_m, 0.001);
   for (const char* text :
        {"", "elsewhere", "builtin,0", "builtin,x", ":a", "tum:/a;x=1",
-        "tum:/a;color-camera=", "tum:/a;depth-unit=x",
-        "builtin;depth-unit=1", "builtin,3;depth-unit=1"}) {
+        "tum:/a;color-camera=", "tum:/a;depth-unit=x", "builtin;depth-unit=1",
+        "builtin,3;depth-unit=1"}) {
     EXPECT_FALSE(ParseForeignSource(text).ok()) << text;
   }
 }

@@ -72,9 +72,8 @@ std::optional<TrainingDistance> DistanceToTraining(
 double ViewGap(const geometry::Rigid3& a, const geometry::Rigid3& b,
                const ViewLimits& near) {
   const geometry::PoseError error = geometry::ErrorBetween(a, b);
-  return std::max(
-      error.translation_m / near.translation_m,
-      error.rotation_rad * kDegreesPerRadian / near.rotation_deg);
+  return std::max(error.translation_m / near.translation_m,
+                  error.rotation_rad * kDegreesPerRadian / near.rotation_deg);
 }
 
 double ViewGap(const geometry::Rigid3& world_from_camera,

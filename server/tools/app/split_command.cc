@@ -57,8 +57,9 @@ absl::Status WriteList(const std::string& path, const dataset::Dataset& dataset,
                        const std::vector<int>& frames) {
   if (frames.empty()) {
     return absl::InvalidArgumentError(
-        absl::StrCat(path, ": no frame is left for this list; give a smaller "
-                           "--far, or another --test-share or --first"));
+        absl::StrCat(path,
+                     ": no frame is left for this list; give a smaller "
+                     "--far, or another --test-share or --first"));
   }
   std::string text = absl::StrCat("# ", tools::CommandLine(), "\n");
   for (const int frame : frames) {
