@@ -126,8 +126,9 @@ void AddMeasureFlags(CLI::App& app, EvaluateFlags& flags) {
               "relative to the scene's size. May be repeated");
   AddRepeated(app, "--foreign", flags.foreign_texts, "URI[,FRAMES]", kGroup,
               "A recording of another place, none of whose frames may be "
-              "localized; builtin[,N] for noise, blank walls, black and "
-              "gradients. May be repeated");
+              "localized; its cameras may follow "
+              "(URI;color-camera=CAMERA;depth-camera=CAMERA). builtin[,N] for "
+              "noise, blank walls, black and gradients. May be repeated");
   app.add_option("--perturb", flags.perturb_text,
                  "Accuracy on changed frames: KIND, KIND:STRENGTH, or all, "
                  "separated by commas; with '+' one after the other "

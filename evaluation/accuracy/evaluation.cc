@@ -18,6 +18,11 @@ namespace {
 constexpr double kDegreesPerRadian = 57.29577951308232;
 constexpr int kMaxThreads = 1024;
 
+std::string CameraName(const camera::Camera& camera) {
+  return absl::StrCat(camera.width(), " x ", camera.height(), " ",
+                      camera.ToString());
+}
+
 // Localizes the frames of one dataset, one call a frame.
 class FrameEvaluator {
  public:
@@ -43,6 +48,7 @@ class FrameEvaluator {
     FrameResult result;
     const dataset::DatasetFrame& entry = dataset_.frame(i);
     result.stem = entry.stem;
+    if (entry.color_camera) result.camera = CameraName(*entry.color_camera);
     if (entry.world_from_camera.has_value()) {
       result.true_world_from_camera = camera::PoseOfSensor(
           *entry.world_from_camera, dataset_.calibration().pose_sensor,

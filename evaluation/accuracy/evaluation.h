@@ -43,6 +43,9 @@ struct EvaluationOptions {
 // What became of one frame.
 struct FrameResult {
   std::string stem;
+  // Which camera took it, where a recording has several: model, size and
+  // parameters. Empty: the recording's only one.
+  std::string camera{};
   // Not OK: the frame could not be read, or the localizer refused it. The
   // message names the file.
   absl::Status status;

@@ -8,8 +8,10 @@
 
 #include "absl/strings/string_view.h"
 #include "evaluation/accuracy/answer_counts.h"
+#include "evaluation/accuracy/camera_rows.h"
 #include "evaluation/accuracy/confidence_report.h"
 #include "evaluation/accuracy/perturbation_table.h"
+#include "evaluation/accuracy/training_distance.h"
 #include "evaluation/accuracy/trajectory_error.h"
 #include "nlohmann/json.hpp"
 #include "server/core/forest/model_info_json.h"
@@ -271,6 +273,33 @@ Json AnswersJson(const EvaluatedMethod& method, double threshold) {
   return json;
 }
 
+Json BinsJson(const std::vector<TrainingDistanceBin>& bins) {
+  Json json = Json::array();
+  for (const TrainingDistanceBin& bin : bins) {
+    Json entry{{"low", bin.low}, {"high", Number(bin.high)}};
+    AddCounts(bin.counts, entry);
+    json.push_back(std::move(entry));
+  }
+  return json;
+}
+
+Json TrainingDistanceJson(const EvaluatedMethod& method, double threshold) {
+  const TrainingDistanceBins bins = BinByTrainingDistance(method, threshold);
+  return {{"by_view_gap", BinsJson(bins.by_view_gap)},
+          {"by_distance_m", BinsJson(bins.by_distance_m)},
+          {"by_angle_deg", BinsJson(bins.by_angle_deg)}};
+}
+
+Json CamerasJson(const EvaluatedMethod& method, double threshold) {
+  Json json = Json::array();
+  for (const CameraRow& row : CameraRows(method, threshold)) {
+    Json entry{{"camera", Text(row.camera)}};
+    AddCounts(row.counts, entry);
+    json.push_back(std::move(entry));
+  }
+  return json;
+}
+
 Json PerturbationsJson(const EvaluatedMethod& method, double threshold) {
   Json json = Json::array();
   for (const PerturbationRow& row : PerturbationRows(method, threshold)) {
@@ -307,6 +336,9 @@ void AddMethod(const EvaluatedMethod& method, const EvaluationRun& run,
   json["answers"] = AnswersJson(method, run.confidence_threshold);
   json["confidence"] = ConfidenceJson(results, run.confidence_threshold);
   json["foreign"] = ForeignJson(method.foreign);
+  json["training_distance"] =
+      TrainingDistanceJson(method, run.confidence_threshold);
+  json["cameras"] = CamerasJson(method, run.confidence_threshold);
   json["perturbations"] = PerturbationsJson(method, run.confidence_threshold);
   json["scene_coordinate_errors"] = SceneErrorsJson(method.scene_errors_m);
   json["model_bytes"] = method.model.file_bytes;

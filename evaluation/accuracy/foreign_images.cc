@@ -7,6 +7,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "common/base/parallel_for.h"
 #include "common/base/progress.h"
@@ -268,17 +269,44 @@ class ForeignAsker {
   const EvaluationOptions& options_;
 };
 
+// "color-camera=...", "depth-camera=..." or "depth-unit=...".
+absl::Status SetForeignCamera(absl::string_view text,
+                              dataset::DatasetOptions& options) {
+  const std::pair<absl::string_view, absl::string_view> parts =
+      absl::StrSplit(text, absl::MaxSplits('=', 1));
+  const auto& [name, value] = parts;
+  if (!value.empty() && name == "color-camera") {
+    options.color_camera = std::string(value);
+  } else if (!value.empty() && name == "depth-camera") {
+    options.depth_camera = std::string(value);
+  } else if (name != "depth-unit" ||
+             !absl::SimpleAtod(value, &options.depth_unit_m)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("\"", text,
+                     "\" says nothing about a foreign recording's cameras: it "
+                     "must be color-camera=CAMERA, depth-camera=CAMERA or "
+                     "depth-unit=M"));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
-absl::StatusOr<NegativeSource> ParseForeignSource(absl::string_view text) {
+absl::StatusOr<NegativeSource> ParseForeignSource(absl::string_view whole) {
   NegativeSource source;
-  source.name = std::string(text);
+  source.name = std::string(whole);
+  const std::vector<absl::string_view> parts = absl::StrSplit(whole, ';');
+  const absl::string_view text = parts.front();
+  for (size_t i = 1; i < parts.size(); ++i) {
+    TL_RETURN_IF_ERROR(SetForeignCamera(parts[i], source.dataset));
+  }
   absl::string_view rest = text;
   if (absl::ConsumePrefix(&rest, "builtin")) {
     source.builtin = true;
     source.builtin_count = kBuiltinForeignImages;
-    if (rest.empty()) return source;
-    if (absl::ConsumePrefix(&rest, ",") &&
+    // Built-in pictures have the scene's cameras.
+    if (rest.empty() && parts.size() == 1) return source;
+    if (parts.size() == 1 && absl::ConsumePrefix(&rest, ",") &&
         absl::SimpleAtoi(rest, &source.builtin_count) &&
         source.builtin_count > 0) {
       return source;
@@ -297,7 +325,7 @@ absl::StatusOr<NegativeSource> ParseForeignSource(absl::string_view text) {
     return source;
   }
   return absl::InvalidArgumentError(
-      absl::StrCat("\"", text,
+      absl::StrCat("\"", whole,
                    "\" names no foreign images: it must be builtin, builtin,N, "
                    "URI or URI,FRAMES"));
 }

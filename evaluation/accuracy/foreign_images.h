@@ -30,8 +30,10 @@ struct NegativeSource {
 // asked about with and without depth.
 inline constexpr int kBuiltinForeignImages = 280;
 
-// "builtin", "builtin,N", "URI" or "URI,FRAMES" with a frame list.
-// INVALID_ARGUMENT for anything else.
+// "builtin", "builtin,N", "URI" or "URI,FRAMES" with a frame list; a recording
+// may be followed by ";color-camera=CAMERA", ";depth-camera=CAMERA" and
+// ";depth-unit=M", each as the option of that name has it. INVALID_ARGUMENT for
+// anything else.
 absl::StatusOr<NegativeSource> ParseForeignSource(absl::string_view text);
 
 // Picture `index` of an endless series, of the sizes of `calibration`, with

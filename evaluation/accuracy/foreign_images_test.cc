@@ -43,7 +43,16 @@ TEST(ParseForeignSource, TakesBuiltinPicturesAndRecordings) {
   const NegativeSource colmap = *ParseForeignSource("colmap:/m,/i,/list");
   EXPECT_EQ(colmap.dataset.uri, "colmap:/m,/i");
   EXPECT_EQ(colmap.dataset.frame_list, "/list");
-  for (const char* text : {"", "elsewhere", "builtin,0", "builtin,x", ":a"}) {
+  const NegativeSource other = *ParseForeignSource(
+      "tum:/a,/b.txt;color-camera=PINHOLE,450,450,270,180;depth-unit=0.001");
+  EXPECT_EQ(other.dataset.uri, "tum:/a");
+  EXPECT_EQ(other.dataset.frame_list, "/b.txt");
+  EXPECT_EQ(other.dataset.color_camera, "PINHOLE,450,450,270,180");
+  EXPECT_EQ(other.dataset.depth_unit_m, 0.001);
+  for (const char* text :
+       {"", "elsewhere", "builtin,0", "builtin,x", ":a", "tum:/a;x=1",
+        "tum:/a;color-camera=", "tum:/a;depth-unit=x", "builtin;depth-unit=1",
+        "builtin,3;depth-unit=1"}) {
     EXPECT_FALSE(ParseForeignSource(text).ok()) << text;
   }
 }

@@ -128,6 +128,7 @@ absl::Status MethodRunner::Evaluate(const MethodSpec& spec,
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<localizer::Localizer> localizer,
                       Build(spec, method));
   method.model = localizer->info();
+  method.training_poses = TrainingPoses(method.model);
   if (method.name.empty()) method.name = method.model.method;
   TL_ASSIGN_OR_RETURN(const EvaluationOptions options,
                       Options(spec, method.model));
@@ -226,7 +227,6 @@ absl::Status MethodRunner::AddDetails(const localizer::Localizer& localizer,
       method.scene_errors_m,
       SceneCoordinateErrors(localizer, dataset_, kSceneErrorFrames, options));
   if (flags_.report_path.empty()) return absl::OkStatus();
-  method.training_poses = TrainingPoses(method.model);
   method.pictures = TakePictures(
       localizer, dataset_,
       flags_.comparing() ? ChoosePictures(method.results, kComparedWorst,

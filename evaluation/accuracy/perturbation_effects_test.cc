@@ -137,8 +137,8 @@ TEST_F(PerturbationEffects, CanFollowEachOther) {
   base::Random draws = random();
   ASSERT_TRUE(Rotate(90, draws, view).ok());
   ASSERT_TRUE(Crop(0.8, draws, view).ok());
-  ASSERT_TRUE(Roll(20, draws, view).ok());
   ASSERT_TRUE(Scale(1.5, draws, view).ok());
+  ASSERT_TRUE(Roll(20, draws, view).ok());
   ExpectConsistent(view, pose_, 0.3);
 }
 
@@ -306,10 +306,9 @@ TEST_F(PerturbationEffects, OfDepthLeaveColourAndWhatWasNotMeasured) {
   view.frame.depth->values[1] = 65535;
   const PerturbedFrame before = view;
   base::Random draws = random();
-  for (const auto& [effect, strength] :
-       {std::pair{DepthHoles, 0.5}, {DepthNoise, 0.01}, {DepthScaled, 1.02}}) {
+  for (const auto effect : {DepthHoles, DepthNoise, DepthScaled}) {
     PerturbedFrame changed = before;
-    ASSERT_TRUE(effect(strength, draws, changed).ok());
+    ASSERT_TRUE(effect(0.5, draws, changed).ok());
     EXPECT_EQ(changed.frame.color.rgb, before.frame.color.rgb);
     EXPECT_EQ(changed.frame.calibration, before.frame.calibration);
     EXPECT_NE(changed.frame.depth->values, before.frame.depth->values);

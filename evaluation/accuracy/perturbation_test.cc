@@ -54,7 +54,9 @@ TEST(ParsePerturbations, TakesKindsStrengthsAndTheirChains) {
 
 TEST(ParsePerturbations, AllIsEveryKindAtItsUsualStrengths) {
   std::set<std::string> kinds;
-  for (const Perturbation& perturbation : ParsePerturbations("all").value()) {
+  const auto all = ParsePerturbations("all");
+  ASSERT_TRUE(all.ok()) << all.status();
+  for (const Perturbation& perturbation : *all) {
     ASSERT_EQ(perturbation.steps.size(), 1u);
     kinds.insert(perturbation.steps[0].kind->name);
   }
@@ -92,7 +94,9 @@ TEST(Perturbation, KnowsWhenNoPlaceIsShown) {
 
 TEST(Perturb, WorksWithEveryKindAtItsUsualStrengths) {
   const image::Frame frame = SomeFrame();
-  for (const Perturbation& perturbation : ParsePerturbations("all").value()) {
+  const auto all = ParsePerturbations("all");
+  ASSERT_TRUE(all.ok()) << all.status();
+  for (const Perturbation& perturbation : *all) {
     const auto perturbed = Perturb(perturbation, frame, 0, "f");
     ASSERT_TRUE(perturbed.ok())
         << perturbation.Name() << ": " << perturbed.status();

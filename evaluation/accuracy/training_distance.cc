@@ -1,34 +1,54 @@
 #include "evaluation/accuracy/training_distance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <span>
 #include <utility>
 
 namespace treeline::accuracy {
 namespace {
 
 constexpr double kDegreesPerRadian = 57.29577951308232;
-constexpr size_t kGroups = 5;
 
-struct FrameAtDistance {
-  double distance_m = 0;
-  const FrameResult* result = nullptr;
-};
+// Where bins end; the last one has no end.
+constexpr std::array kDistanceEnds_m{0.1, 0.2, 0.3, 0.5, 1.0};
+constexpr std::array kAngleEnds_deg{5.0, 10.0, 15.0, 30.0, 60.0};
+constexpr std::array kViewGapEnds{0.5, 1.0, 2.0, 4.0};
 
-// Scored frames, nearest to a training camera first.
-std::vector<FrameAtDistance> ByDistance(
-    const std::vector<FrameResult>& results,
-    const std::vector<geometry::Rigid3>& training_poses) {
-  std::vector<FrameAtDistance> frames;
-  for (const FrameResult& result : results) {
-    if (!result.true_world_from_camera) continue;
-    const auto nearest =
-        DistanceToTraining(*result.true_world_from_camera, training_poses);
-    if (nearest) frames.push_back({nearest->combined_m, &result});
+std::vector<TrainingDistanceBin> Binned(const EvaluatedMethod& method,
+                                        const PoseThreshold& right_within,
+                                        double confidence_threshold,
+                                        std::span<const double> values,
+                                        std::span<const double> ends) {
+  std::vector<TrainingDistanceBin> bins;
+  for (size_t b = 0; b <= ends.size(); ++b) {
+    TrainingDistanceBin& bin = bins.emplace_back();
+    if (b > 0) bin.low = ends[b - 1];
+    if (b < ends.size()) bin.high = ends[b];
+    std::vector<FrameResult> inside;
+    for (size_t i = 0; i < values.size(); ++i) {
+      // Frames without truth have none, and compare false.
+      if (values[i] >= bin.low && (!bin.high || values[i] < *bin.high)) {
+        inside.push_back(method.results[i]);
+      }
+    }
+    bin.counts = CountAnswers(inside, right_within, confidence_threshold);
   }
-  std::ranges::stable_sort(frames, {}, &FrameAtDistance::distance_m);
-  return frames;
+  return bins;
+}
+
+double MetresPerUnit(const forest::ModelInfo& model) {
+  if (model.units_are_metres || !(model.viewing_distance > 0)) return 1;
+  return kViewDistance_m / model.viewing_distance;
+}
+
+// With lengths in metres, or what stands for them.
+geometry::Rigid3 InMetres(geometry::Rigid3 pose, double metres_per_unit) {
+  pose.translation = metres_per_unit * pose.translation;
+  return pose;
 }
 
 }  // namespace
@@ -49,31 +69,55 @@ std::optional<TrainingDistance> DistanceToTraining(
   return nearest;
 }
 
-std::vector<DistanceGroup> GroupByTrainingDistance(
-    const std::vector<FrameResult>& results,
-    const std::vector<geometry::Rigid3>& training_poses) {
-  const std::vector<FrameAtDistance> frames =
-      ByDistance(results, training_poses);
-  const size_t count = std::min(kGroups, frames.size());
-  std::vector<DistanceGroup> groups;
-  for (size_t g = 0; g < count; ++g) {
-    const size_t begin = g * frames.size() / count;
-    const size_t end = (g + 1) * frames.size() / count;
-    DistanceGroup group;
-    group.frames = static_cast<int>(end - begin);
-    int correct = 0;
-    std::vector<double> errors_m;
-    for (size_t i = begin; i < end; ++i) {
-      const FrameResult& result = *frames[i].result;
-      group.distance_m += frames[i].distance_m / group.frames;
-      correct += IsWithin(result, PoseThreshold{});
-      if (result.error) errors_m.push_back(result.error->translation_m);
-    }
-    group.correct = static_cast<double>(correct) / group.frames;
-    group.median_translation_m = Percentile(std::move(errors_m), 50);
-    groups.push_back(group);
+double ViewGap(const geometry::Rigid3& a, const geometry::Rigid3& b,
+               const ViewLimits& near) {
+  const geometry::PoseError error = geometry::ErrorBetween(a, b);
+  return std::max(error.translation_m / near.translation_m,
+                  error.rotation_rad * kDegreesPerRadian / near.rotation_deg);
+}
+
+double ViewGap(const geometry::Rigid3& world_from_camera,
+               const std::vector<geometry::Rigid3>& training_poses,
+               const ViewLimits& near) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const geometry::Rigid3& pose : training_poses) {
+    least = std::min(least, ViewGap(world_from_camera, pose, near));
   }
-  return groups;
+  return least;
+}
+
+TrainingDistanceBins BinByTrainingDistance(const EvaluatedMethod& method,
+                                           double confidence_threshold) {
+  const double metres = MetresPerUnit(method.model);
+  std::vector<geometry::Rigid3> training_poses;
+  for (const geometry::Rigid3& pose : method.training_poses) {
+    training_poses.push_back(InMetres(pose, metres));
+  }
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> distances_m(method.results.size(), kUnknown);
+  std::vector<double> angles_deg = distances_m;
+  std::vector<double> gaps = distances_m;
+  bool any = false;
+  for (size_t i = 0; i < method.results.size(); ++i) {
+    const auto& truth = method.results[i].true_world_from_camera;
+    if (!truth || training_poses.empty()) continue;
+    any = true;
+    const geometry::Rigid3 pose = InMetres(*truth, metres);
+    const TrainingDistance nearest = *DistanceToTraining(pose, training_poses);
+    distances_m[i] = nearest.translation_m;
+    angles_deg[i] = nearest.rotation_deg;
+    gaps[i] = ViewGap(pose, training_poses, ViewLimits{});
+  }
+  if (!any) return {};
+  const PoseThreshold right_within =
+      RightWithin(method.results, method.model.units_are_metres);
+  const auto binned = [&](std::span<const double> values,
+                          std::span<const double> ends) {
+    return Binned(method, right_within, confidence_threshold, values, ends);
+  };
+  return {.by_distance_m = binned(distances_m, kDistanceEnds_m),
+          .by_angle_deg = binned(angles_deg, kAngleEnds_deg),
+          .by_view_gap = binned(gaps, kViewGapEnds)};
 }
 
 }  // namespace treeline::accuracy

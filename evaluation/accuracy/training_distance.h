@@ -4,10 +4,12 @@
 #define EVALUATION_ACCURACY_TRAINING_DISTANCE_H_
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/geometry/rigid3.h"
-#include "evaluation/accuracy/evaluation.h"
+#include "evaluation/accuracy/answer_counts.h"
+#include "evaluation/accuracy/evaluated_method.h"
 
 namespace treeline::accuracy {
 
@@ -27,21 +29,45 @@ std::optional<TrainingDistance> DistanceToTraining(
     const geometry::Rigid3& world_from_camera,
     const std::vector<geometry::Rigid3>& training_poses);
 
-// Frames at about the same distance from training.
-struct DistanceGroup {
-  int frames = 0;
-  double distance_m = 0;  // combined, on average
-  double correct = 0;     // share within 5 cm and 5 degrees, in [0, 1]
-  // Over localized frames; nullopt: none is.
-  std::optional<double> median_translation_m;
+// Views within both of these of each other show about the same.
+struct ViewLimits {
+  double translation_m = 0.3;
+  double rotation_deg = 15;
 };
 
-// Five groups of as many scored frames (fewer if there are fewer frames), from
-// those nearest to a training camera to those farthest away. Empty if there is
-// no training pose or no ground truth.
-std::vector<DistanceGroup> GroupByTrainingDistance(
-    const std::vector<FrameResult>& results,
-    const std::vector<geometry::Rigid3>& training_poses);
+// max(distance / near.translation_m, angle / near.rotation_deg): above 1, the
+// views are beyond one of the limits.
+double ViewGap(const geometry::Rigid3& a, const geometry::Rigid3& b,
+               const ViewLimits& near);
+
+// The least one to a training camera; infinite if there is none.
+double ViewGap(const geometry::Rigid3& world_from_camera,
+               const std::vector<geometry::Rigid3>& training_poses,
+               const ViewLimits& near);
+
+// Frames alike in how far they are from training: [low, high) of `measure`.
+struct TrainingDistanceBin {
+  double low = 0;
+  std::optional<double> high;  // nullopt: no end
+  AnswerCounts counts;
+};
+
+// The frames of a method by their distance from training. Each list holds every
+// scored frame once, near ones first, empty bins included; all are empty if
+// there is no training pose or no ground truth.
+struct TrainingDistanceBins {
+  // Of the training camera of the least combined distance (m; degrees).
+  std::vector<TrainingDistanceBin> by_distance_m;
+  std::vector<TrainingDistanceBin> by_angle_deg;
+  // ViewGap: the first bins are within 0.15 m and 7.5 degrees of a training
+  // camera, and within 0.3 m and 15 degrees of one; those from 1 on are beyond.
+  std::vector<TrainingDistanceBin> by_view_gap;
+};
+
+// Where the world's unit is arbitrary, a metre is the model's viewing distance
+// / kViewDistance_m.
+TrainingDistanceBins BinByTrainingDistance(const EvaluatedMethod& method,
+                                           double confidence_threshold);
 
 }  // namespace treeline::accuracy
 

@@ -2,11 +2,14 @@
 
 #include <vector>
 
+#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/tools/testing_fixtures.h"
 
 namespace treeline::accuracy {
 namespace {
+
+using ::testing::ElementsAre;
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
@@ -24,52 +27,82 @@ TEST(DistanceToTraining, WeighsATurnLikeTheMoveOfWhatIsSeen) {
   EXPECT_FALSE(DistanceToTraining({}, {}).has_value());
 }
 
-FrameResult FrameAt(double x_m, double error_m) {
+FrameResult FrameAt(double x_m, double turn_deg, double error_m) {
   FrameResult result;
-  result.estimate = tools::LocalizedAt({{}, {x_m + error_m, 0, 0}});
-  result.true_world_from_camera = geometry::Rigid3{{}, {x_m, 0, 0}};
+  const geometry::Rigid3 truth{
+      geometry::Rotation3::FromAxisAngle({0, turn_deg * kDegree, 0}),
+      {x_m, 0, 0}};
+  result.estimate = tools::LocalizedAt(truth);
+  result.true_world_from_camera = truth;
   result.error = geometry::PoseError{error_m, 0};
   return result;
 }
 
-TEST(GroupByTrainingDistance, PutsAsManyFramesIntoEachFromNearToFar) {
-  std::vector<FrameResult> results;
-  for (int i = 9; i >= 0; --i) {
-    // The nearer half is right.
-    results.push_back(FrameAt(0.1 * i, i < 5 ? 0.01 : 0.2));
+std::vector<int> Frames(const std::vector<TrainingDistanceBin>& bins) {
+  std::vector<int> frames;
+  for (const TrainingDistanceBin& bin : bins) {
+    frames.push_back(bin.counts.frames);
   }
-  const std::vector<DistanceGroup> groups =
-      GroupByTrainingDistance(results, {geometry::Rigid3{}});
-  ASSERT_EQ(groups.size(), 5u);
-  EXPECT_EQ(groups[0].frames, 2);
-  EXPECT_NEAR(groups[0].distance_m, 0.05, 1e-12);
-  EXPECT_EQ(groups[0].correct, 1);
-  EXPECT_EQ(groups[2].correct, 0.5);
-  EXPECT_NEAR(groups[2].distance_m, 0.45, 1e-12);
-  EXPECT_EQ(groups[4].correct, 0);
-  EXPECT_NEAR(groups[4].median_translation_m.value(), 0.2, 1e-12);
+  return frames;
 }
 
-TEST(GroupByTrainingDistance, NeedsTrainingCamerasAndGroundTruth) {
-  FrameResult unknown = FrameAt(0, 0);
+TEST(ViewGap, IsAboveOneBeyondEitherLimit) {
+  const auto gap = [](double x_m, double turn_deg) {
+    return ViewGap(*FrameAt(x_m, turn_deg, 0).true_world_from_camera,
+                   {geometry::Rigid3{}}, ViewLimits{});
+  };
+  EXPECT_NEAR(gap(0.15, 0), 0.5, 1e-9);
+  EXPECT_NEAR(gap(0.15, 12), 0.8, 1e-9);
+  EXPECT_NEAR(gap(0.6, 5), 2, 1e-9);
+  EXPECT_NEAR(gap(0, 30), 2, 1e-9);
+  // The nearest by one measure need not be near by the other.
+  const std::vector<geometry::Rigid3> cameras{
+      *FrameAt(0, 20, 0).true_world_from_camera,
+      *FrameAt(0.27, 3, 0).true_world_from_camera};
+  EXPECT_NEAR(ViewGap(geometry::Rigid3{}, cameras, ViewLimits{}), 0.9, 1e-9);
+  EXPECT_GT(ViewGap(geometry::Rigid3{}, std::vector<geometry::Rigid3>{},
+                    ViewLimits{}),
+            1e300);
+}
+
+TEST(BinByTrainingDistance, PutsEachFrameIntoOneBinOfEveryList) {
+  EvaluatedMethod method;
+  method.training_poses = {geometry::Rigid3{}};
+  method.results = {FrameAt(0.05, 2, 0.01),  // gap 0.17
+                    FrameAt(0.25, 0, 0.01),  // 0.83
+                    FrameAt(0.25, 12, 0.2),  // 0.83
+                    FrameAt(0.1, 20, 0.01),  // 1.33
+                    FrameAt(2, 90, 0.2)};    // 6.7
+  FrameResult unknown = FrameAt(0, 0, 0);
   unknown.true_world_from_camera.reset();
-  unknown.error.reset();
-  EXPECT_TRUE(GroupByTrainingDistance({FrameAt(0, 0)}, {}).empty());
-  EXPECT_TRUE(GroupByTrainingDistance({unknown}, {geometry::Rigid3{}}).empty());
-  EXPECT_EQ(
-      GroupByTrainingDistance({FrameAt(0, 0)}, {geometry::Rigid3{}}).size(),
-      1u);
+  method.results.push_back(unknown);
+  const TrainingDistanceBins bins = BinByTrainingDistance(method, 0.5);
+  EXPECT_THAT(Frames(bins.by_distance_m), ElementsAre(1, 1, 2, 0, 0, 1));
+  EXPECT_THAT(Frames(bins.by_angle_deg), ElementsAre(2, 0, 1, 1, 0, 1));
+  EXPECT_THAT(Frames(bins.by_view_gap), ElementsAre(1, 2, 1, 0, 1));
+  EXPECT_EQ(bins.by_view_gap[1].counts.right, 1);
+  EXPECT_EQ(bins.by_view_gap[1].low, 0.5);
+  EXPECT_EQ(bins.by_view_gap[1].high, 1.0);
+  EXPECT_FALSE(bins.by_view_gap.back().high.has_value());
 }
 
-TEST(GroupByTrainingDistance, HasNoMedianWhereNothingWasLocalized) {
-  FrameResult lost = FrameAt(0, 0);
-  lost.estimate.outcome = localizer::Outcome::kNotLocalized;
-  lost.error.reset();
-  const std::vector<DistanceGroup> groups =
-      GroupByTrainingDistance({lost}, {geometry::Rigid3{}});
-  ASSERT_EQ(groups.size(), 1u);
-  EXPECT_FALSE(groups[0].median_translation_m.has_value());
-  EXPECT_EQ(groups[0].correct, 0);
+TEST(BinByTrainingDistance, TakesTheViewingDistanceWhereThereIsNoMetre) {
+  EvaluatedMethod method;
+  method.model.units_are_metres = false;
+  method.model.viewing_distance = 15;
+  method.training_poses = {geometry::Rigid3{}};
+  method.results = {FrameAt(2.5, 0, 0)};  // a quarter of a metre
+  EXPECT_THAT(Frames(BinByTrainingDistance(method, 0.5).by_distance_m),
+              ElementsAre(0, 0, 1, 0, 0, 0));
+}
+
+TEST(BinByTrainingDistance, NeedsTrainingCamerasAndGroundTruth) {
+  EvaluatedMethod method;
+  method.results = {FrameAt(0, 0, 0)};
+  EXPECT_TRUE(BinByTrainingDistance(method, 0.5).by_view_gap.empty());
+  method.training_poses = {geometry::Rigid3{}};
+  method.results[0].true_world_from_camera.reset();
+  EXPECT_TRUE(BinByTrainingDistance(method, 0.5).by_view_gap.empty());
 }
 
 }  // namespace

@@ -151,19 +151,6 @@ Json AxesJson(const std::vector<accuracy::FrameResult>& results) {
           {"up", Vector(axes.up_in_world)}};
 }
 
-Json DistanceGroupsJson(const accuracy::EvaluatedMethod& method) {
-  Json json = Json::array();
-  for (const accuracy::DistanceGroup& group : accuracy::GroupByTrainingDistance(
-           method.results, method.training_poses)) {
-    json.push_back(
-        {{"frames", group.frames},
-         {"distance_m", group.distance_m},
-         {"correct", group.correct},
-         {"median_translation_m", Number(group.median_translation_m)}});
-  }
-  return json;
-}
-
 Json PageJson(const accuracy::EvaluatedMethod& method) {
   Json json = Json::object();
   const accuracy::MethodInputs inputs =
@@ -177,7 +164,6 @@ Json PageJson(const accuracy::EvaluatedMethod& method) {
   for (const geometry::Rigid3& pose : method.training_poses) {
     json["training_positions"].push_back(Vector(pose.translation));
   }
-  json["distance_groups"] = DistanceGroupsJson(method);
   json["pictures"] = PicturesJson(method);
   json["heat_maps"] = HeatMapsJson(method.heat_maps);
   json["splits"] = Json::array();

@@ -27,9 +27,9 @@ struct ReportContents {
 //                   to the nearest training camera, or null
 //   methods[].page  what only a page shows: inputs, model_description, axes
 //                   (unit vectors in the world), training_positions (m),
-//                   distance_groups, pictures and heat_maps (images as data
-//                   URIs, pixels as x, y, x, y, ...), splits (by level),
-//                   scene_error_curve (m, share)
+//                   pictures and heat_maps (images as data URIs, pixels as x,
+//                   y, x, y, ...), splits (by level), scene_error_curve (m,
+//                   share)
 // The keys with their types: evaluation/report/src/model/report_data.ts.
 std::string ReportJson(const ReportContents& contents);
 

@@ -7,6 +7,7 @@
 #include "server/tools/app/inspect_command.h"
 #include "server/tools/app/publish_command.h"
 #include "server/tools/app/recognize_command.h"
+#include "server/tools/app/split_command.h"
 #include "server/tools/app/synth_command.h"
 #include "server/tools/app/train_command.h"
 
@@ -22,7 +23,7 @@ std::vector<cli::Command> AddCommands(CLI::App& app) {
       AddCalibrateCommand(app), AddTrainCommand(app),
       AddEvaluateCommand(app),  AddInspectCommand(app),
       AddPublishCommand(app),   AddRecognizeCommand(app),
-      AddSynthCommand(app),
+      AddSplitCommand(app),     AddSynthCommand(app),
   };
 }
 

@@ -128,11 +128,24 @@ export interface Perturbed extends AnswerCounts {
   is_foreign: boolean;
 }
 
-export interface DistanceGroup {
-  frames: number;
-  distance_m: number;
-  correct: number;
-  median_translation_m: Maybe;
+// Frames with low <= measure < high; null: no end.
+export interface TrainingDistanceBin extends AnswerCounts {
+  low: number;
+  high: Maybe;
+}
+
+// By the distance and the angle to the nearest training camera, and by how far
+// beyond 0.3 m or 15 degrees the frame is of every one: the larger of both
+// shares.
+export interface TrainingDistanceBins {
+  by_distance_m: TrainingDistanceBin[];
+  by_angle_deg: TrainingDistanceBin[];
+  by_view_gap: TrainingDistanceBin[];
+}
+
+// The frames of one of several cameras.
+export interface CameraRow extends AnswerCounts {
+  camera: string;
 }
 
 // A frame's photograph with pixels: x, y, x, y, ... in the frame's size.
@@ -180,7 +193,6 @@ export interface MethodPage {
   model_description: ModelSection[];
   axes: Axes;
   training_positions: Point[];
-  distance_groups: DistanceGroup[];
   pictures: Picture[];
   heat_maps: HeatMap[];
   splits: LevelSplits[];
@@ -199,6 +211,8 @@ export interface Method extends Headline {
   };
   confidence: Confidence;
   answers: AnswerCounts;
+  training_distance: TrainingDistanceBins;
+  cameras: CameraRow[];
   perturbations: Perturbed[];
   foreign: ForeignTally[];
   model_bytes: number;

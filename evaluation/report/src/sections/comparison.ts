@@ -1,4 +1,4 @@
-// Methods side by side: tables, curves, sweeps, distances, published figures.
+// Methods side by side: tables, curves, sweeps, published figures.
 
 import { accuracyColumns, costColumns, inputsText, isBest, type Column }
   from '../model/columns.js';
@@ -8,7 +8,7 @@ import { valuesOf } from '../model/frames.js';
 import { evaluated, isEvaluated, type EvaluationReport, type Frame, type Maybe,
   type Method, type PublishedResult, type Sweep, type SweepPoint }
   from '../model/report_data.js';
-import { cumulativeCurves, lineChart, type Line } from '../view/charts.js';
+import { cumulativeCurves, lineChart } from '../view/charts.js';
 import { el } from '../view/dom.js';
 import { card, head, number, pair, section, seriesLegend, swatch, table,
   type Row } from '../view/parts.js';
@@ -63,36 +63,6 @@ export function comparison(report: EvaluationReport): HTMLElement {
       columnsTable(report, accuracyColumns(thresholds)),
       el('div', 'after', columnsTable(report, costColumns(methods))),
       poseCurves(report));
-}
-
-export function distances(report: EvaluationReport): HTMLElement | null {
-  const lines = (value: (m: Method) => Line['points']): Line[] =>
-    report.methods.map((method) => ({ name: method.name,
-      points: isEvaluated(method) ? value(method) : [] }));
-  const shares = lines((method) => method.page.distance_groups.map((group) => {
-    const away = 100 * group.distance_m;
-    return { x: away, y: 100 * group.correct,
-      title: `${method.name}: ${fixed(100 * group.correct, 1)} % of ` +
-        `${group.frames} frames about ${fixed(away, 0)} cm away` };
-  }));
-  if (shares.every((line) => line.points.length === 0)) return null;
-  const medians = lines((method) => method.page.distance_groups
-      .flatMap((group) => {
-        if (group.median_translation_m === null) return [];
-        const away = 100 * group.distance_m;
-        return [{ x: away, y: 100 * group.median_translation_m,
-          title: `${method.name}: median ` +
-            `${cm(group.median_translation_m, 2)} cm about ` +
-            `${fixed(away, 0)} cm away` }];
-      }));
-  const axis = 'cm to the nearest training camera';
-  return section('Away from the training frames',
-      'Five groups of as many frames, by their distance from the nearest ' +
-      'training camera, at which a turn by one radian counts as 1.5 m. ' +
-      'Medians are over localized frames alone.',
-      pair(card(null, lineChart(shares, axis, '% within 5 cm / 5°', 100)),
-          card(null, lineChart(medians, axis, 'median position error, cm'))),
-      seriesLegend(lines(() => []).map((line) => line.name)));
 }
 
 function sweepCards(sweeps: Sweep[]): HTMLElement {

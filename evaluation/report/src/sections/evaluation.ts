@@ -6,8 +6,9 @@ import { isEvaluated, type EvaluationReport, type Method }
 import { comparisonVerdict, methodVerdict } from '../model/verdict.js';
 import { el, type Child } from '../view/dom.js';
 import { card, rowsTable, section } from '../view/parts.js';
-import { comparison, distances, published, sweeps } from './comparison.js';
+import { comparison, published, sweeps } from './comparison.js';
 import { methodSections, methodTiles, modelCards } from './method.js';
+import { cameras, distances } from './groups.js';
 import { robustness } from './robustness.js';
 import { sceneCoordinates } from './scene_coordinates.js';
 import { trust } from './trust.js';
@@ -66,8 +67,9 @@ function single(report: EvaluationReport): Method | null {
 
 export function evaluationPage(report: EvaluationReport): Child[] {
   const only = single(report);
-  const rest = [robustness(report), sceneCoordinates(report), sweeps(report),
-    ...trust(report), published(report)];
+  const rest = [distances(report), cameras(report), robustness(report),
+    sceneCoordinates(report), sweeps(report), ...trust(report),
+    published(report)];
   if (only !== null) {
     return [title(datasetName(report.dataset), EYEBROW, methodVerdict(only)),
       methodTiles(only), ...methodSections(only, report), ...rest,
@@ -75,7 +77,7 @@ export function evaluationPage(report: EvaluationReport): Child[] {
   }
   return [
     title(datasetName(report.dataset), EYEBROW, comparisonVerdict(report.methods)),
-    comparison(report), distances(report), ...rest,
+    comparison(report), ...rest,
     section('Method by method',
         'Unfold a method to see its frames, pictures and trajectory.',
         ...report.methods.filter(isEvaluated).map((method) =>
