@@ -3,27 +3,18 @@
 namespace treeline::keyframes {
 
 std::vector<base::ParameterRow> KeyframeParameters() {
-  return {base::RowOf(kViewDistance_m),
-          base::RowOf(kCoarsePoints),
-          base::RowOf(kSameView_m),
-          base::RowOf(kMinPointDepth_m),
-          base::RowOf(kMinFacing),
-          base::RowOf(kMinVisible),
-          base::RowOf(kMinBrightnessNoise),
-          base::RowOf(kMaxBrightnessNoise),
-          base::RowOf(kAgreeingBrightness),
-          base::RowOf(kCorrelatedPoints),
-          base::RowOf(kSurfaceNoise_m),
-          base::RowOf(kMaxSurfaceDistance_m),
-          base::RowOf(kSurfaceLevel),
-          base::RowOf(kHalvedSide_px),
-          base::RowOf(kSiftContrast),
-          base::RowOf(kCoarseFrameFeatures),
-          base::RowOf(kCoarseKeyframeFeatures),
-          base::RowOf(kShortlist),
-          base::RowOf(kFrameFeatures),
-          base::RowOf(kMaxKeyframeFeatures),
-          base::RowOf(kMinSharedFeatures)};
+  return {
+      base::RowOf(kViewDistance_m),      base::RowOf(kCoarsePoints),
+      base::RowOf(kSameView_m),          base::RowOf(kMinPointDepth_m),
+      base::RowOf(kMinFacing),           base::RowOf(kMinVisible),
+      base::RowOf(kMinBrightnessNoise),  base::RowOf(kMaxBrightnessNoise),
+      base::RowOf(kAgreeingBrightness),  base::RowOf(kCorrelatedPoints),
+      base::RowOf(kSurfaceNoise_m),      base::RowOf(kMaxSurfaceDistance_m),
+      base::RowOf(kSurfaceLevel),        base::RowOf(kHalvedSide_px),
+      base::RowOf(kSiftContrast),        base::RowOf(kMaxFastFeatures),
+      base::RowOf(kCoarseFrameFeatures), base::RowOf(kCoarseKeyframeFeatures),
+      base::RowOf(kShortlist),           base::RowOf(kFrameFeatures),
+      base::RowOf(kMaxKeyframeFeatures), base::RowOf(kMinSharedFeatures)};
 }
 
 }  // namespace treeline::keyframes

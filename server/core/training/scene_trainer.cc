@@ -165,6 +165,11 @@ class SceneTrainer {
     info_.seed = options_.forest.seed;
     info_.options = options_.recorded_options;
     info_.calibration = calibration_;
+    if (options_.method == "hybrid") {
+      // Those of an extended model stay in it.
+      info_.keyframe_sift = is_extending() ? base_->info().keyframe_sift
+                                           : features::SiftKind::kFast;
+    }
     if (SeesColorAlone(options_.method)) {
       info_.calibration.pose_sensor = camera::RgbdSensor::kColor;
     }
@@ -176,6 +181,7 @@ class SceneTrainer {
     keyframes.threads = options_.forest.threads;
     if (options_.method == "hybrid") {
       keyframes.features = keyframes::kMaxKeyframeFeatures;
+      keyframes.sift = info_.keyframe_sift;
     }
     return BuildKeyframes(dataset, calibration_, keyframes, quiet_, stop_);
   }
