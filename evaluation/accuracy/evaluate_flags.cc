@@ -17,11 +17,12 @@ void AddModelFlags(CLI::App& app, EvaluateFlags& flags) {
       ->type_name("FILE")
       ->group(kGroup);
   app.add_option("--baseline", flags.baseline,
-                 "A baseline instead of a model: sift-pnp or orb-pnp "
-                 "(features of training keyframes with depth, and PnP; needs "
+                 "A baseline instead of a model: sift-pnp, orb-pnp or "
+                 "fast-sift-pnp (features of training keyframes with depth, "
+                 "and PnP; needs "
                  "--training-dataset)")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"sift-pnp", "orb-pnp"}))
+      ->check(CLI::IsMember({"sift-pnp", "orb-pnp", "fast-sift-pnp"}))
       ->group(kGroup);
   app.add_option("--compare", flags.compare_text,
                  absl::StrCat("Several methods side by side, separated by "

@@ -19,6 +19,7 @@
 #include "opencv2/features2d.hpp"
 #include "opencv2/flann.hpp"
 #include "opencv2/imgproc.hpp"
+#include "server/core/features/fast_sift.h"
 #include "server/core/features/sift_extractor.h"
 #include "server/core/training/sift_trainer.h"
 #include "server/tools/run_info.h"
@@ -36,6 +37,21 @@ struct Features {
   cv::Mat descriptors;  // one row a keypoint: 128 floats, or 32 bytes
 };
 
+Features ToOpenCv(const features::SiftFeatures& sift) {
+  Features features;
+  features.descriptors.create(static_cast<int>(sift.size()),
+                              features::SiftDescriptor::kDimensions, CV_32F);
+  for (size_t i = 0; i < sift.size(); ++i) {
+    const features::SiftKeypoint& k = sift.keypoints[i];
+    features.keypoints.emplace_back(static_cast<float>(k.pixel.x),
+                                    static_cast<float>(k.pixel.y),
+                                    k.diameter_px);
+    std::ranges::copy(sift.descriptors[i].values,
+                      features.descriptors.ptr<float>(static_cast<int>(i)));
+  }
+  return features;
+}
+
 cv::Ptr<cv::Feature2D> MakeExtractor(FeatureKind kind, int count) {
   if (kind == FeatureKind::kSift) return cv::SIFT::create(count);
   return cv::ORB::create(count == 0 ? kOrbFeatures : count);
@@ -43,6 +59,11 @@ cv::Ptr<cv::Feature2D> MakeExtractor(FeatureKind kind, int count) {
 
 Features Extract(const image::ColorImage& image,
                  const FeaturePnpOptions& options) {
+  if (options.kind == FeatureKind::kFastSift) {
+    features::FastSiftOptions wanted;
+    if (options.features > 0) wanted.max_features = options.features;
+    return ToOpenCv(features::FastSift().Extract(image, wanted));
+  }
   // OpenCV reads the pixels only.
   const cv::Mat color(image.height, image.width, CV_8UC3,
                       const_cast<uint8_t*>(image.rgb.data()));
@@ -60,18 +81,7 @@ absl::StatusOr<Features> ExtractLargest(const image::ColorImage& image,
                                         int count) {
   TL_ASSIGN_OR_RETURN(const features::SiftFeatures sift,
                       features::ExtractSift(image, {.max_features = count}));
-  Features features;
-  features.descriptors.create(static_cast<int>(sift.size()),
-                              features::SiftDescriptor::kDimensions, CV_32F);
-  for (size_t i = 0; i < sift.size(); ++i) {
-    const features::SiftKeypoint& k = sift.keypoints[i];
-    features.keypoints.emplace_back(static_cast<float>(k.pixel.x),
-                                    static_cast<float>(k.pixel.y),
-                                    k.diameter_px);
-    std::ranges::copy(sift.descriptors[i].values,
-                      features.descriptors.ptr<float>(static_cast<int>(i)));
-  }
-  return features;
+  return ToOpenCv(sift);
 }
 
 // A query's feature and the place in the scene that it may show.
@@ -178,7 +188,7 @@ class FeaturePnpBaseline final : public localizer::Localizer {
         descriptors_(std::move(descriptors)),
         points_in_world_(std::move(points_in_world)) {
     cv::setRNGSeed(static_cast<int>(options_.seed & 0x7fffffff));
-    if (options_.kind == FeatureKind::kSift) {
+    if (options_.kind != FeatureKind::kOrb) {
       index_ = std::make_unique<cv::flann::Index>(
           descriptors_, cv::flann::KDTreeIndexParams(4));
     } else {
@@ -223,7 +233,7 @@ std::vector<Match> FeaturePnpBaseline::FindMatches(
     const Features& features) const {
   const int count = std::min(kNeighbours, descriptors_.rows);
   const auto rows = static_cast<int>(features.keypoints.size());
-  const bool sift = options_.kind == FeatureKind::kSift;
+  const bool sift = options_.kind != FeatureKind::kOrb;
   // Hashing may find fewer than `count`, and leaves the rest as it was. Squared
   // distances for SIFT, counted bits for ORB.
   cv::Mat neighbours(rows, count, CV_32S, cv::Scalar(-1));
@@ -263,7 +273,8 @@ absl::StatusOr<localizer::PoseEstimate> FeaturePnpBaseline::LocalizeOrThrow(
   const camera::Camera camera =
       frame.calibration.value_or(info_.calibration).color;
   Features features;
-  if (options_.structure_features > 0 && !info_.units_are_metres) {
+  if (options_.kind != FeatureKind::kFastSift &&
+      options_.structure_features > 0 && !info_.units_are_metres) {
     TL_ASSIGN_OR_RETURN(
         features, ExtractLargest(frame.color, options_.structure_features));
   } else {
@@ -351,9 +362,14 @@ class KeyframeCollector {
         model.images[static_cast<size_t>(training_.frame(i).structure_image)];
     const training::SiftTrainingOptions defaults;
     TL_ASSIGN_OR_RETURN(const image::Frame frame, training_.Load(i));
-    TL_ASSIGN_OR_RETURN(
-        const Features features,
-        ExtractLargest(frame.color, defaults.features.max_features));
+    Features features;
+    if (options_.kind == FeatureKind::kFastSift) {
+      features = Extract(frame.color, options_);
+    } else {
+      TL_ASSIGN_OR_RETURN(
+          features,
+          ExtractLargest(frame.color, defaults.features.max_features));
+    }
     std::vector<features::SiftKeypoint> keypoints;
     for (const cv::KeyPoint& k : features.keypoints) {
       keypoints.push_back({.pixel = {k.pt.x, k.pt.y}});
@@ -463,11 +479,20 @@ absl::StatusOr<std::unique_ptr<localizer::Localizer>> BuildOrThrow(
 }  // namespace
 
 const char* BaselineName(FeatureKind kind) {
-  return kind == FeatureKind::kSift ? "sift-pnp" : "orb-pnp";
+  switch (kind) {
+    case FeatureKind::kSift:
+      return "sift-pnp";
+    case FeatureKind::kOrb:
+      return "orb-pnp";
+    case FeatureKind::kFastSift:
+      return "fast-sift-pnp";
+  }
+  return "";
 }
 
 std::optional<FeatureKind> BaselineOfName(absl::string_view name) {
-  for (FeatureKind kind : {FeatureKind::kSift, FeatureKind::kOrb}) {
+  for (FeatureKind kind :
+       {FeatureKind::kSift, FeatureKind::kOrb, FeatureKind::kFastSift}) {
     if (name == BaselineName(kind)) return kind;
   }
   return std::nullopt;

@@ -1,5 +1,6 @@
 // Baselines: SIFT or ORB features of training keyframes with depth, matched
-// against a query's, and a pose from 3D-2D matches (OpenCV throughout).
+// against a query's, and a pose from 3D-2D matches (OpenCV throughout, but for
+// the extractor that is our own).
 #ifndef EVALUATION_ACCURACY_FEATURE_PNP_BASELINE_H_
 #define EVALUATION_ACCURACY_FEATURE_PNP_BASELINE_H_
 
@@ -17,11 +18,13 @@
 namespace treeline::accuracy {
 
 enum class FeatureKind {
-  kSift,  // 128 floats, compared by Euclidean distance
-  kOrb,   // 256 bits, compared by Hamming distance
+  kSift,      // 128 floats, compared by Euclidean distance
+  kOrb,       // 256 bits, compared by Hamming distance
+  kFastSift,  // our own SIFT, see FastSift
 };
 
-// "sift-pnp" or "orb-pnp": what --baseline and ModelInfo::method call it.
+// "sift-pnp", "orb-pnp" or "fast-sift-pnp": what --baseline and
+// ModelInfo::method call it.
 const char* BaselineName(FeatureKind kind);
 // nullopt: no such baseline.
 std::optional<FeatureKind> BaselineOfName(absl::string_view name);
@@ -30,8 +33,8 @@ struct FeaturePnpOptions {
   FeatureKind kind = FeatureKind::kSift;
   // Training frames to use, evenly spread over the list; 0: all of them.
   int keyframes = 140;
-  // Features kept per image, strongest first; 0: all of SIFT's, and 1000 of
-  // ORB's, which has no end of its own.
+  // Features kept per image, strongest first; 0: all of SIFT's, 1000 of ORB's,
+  // which has no end of its own, and as many of FastSift's as usual.
   int features = 0;
   // Where the training frames have a structure from motion: features kept of a
   // query, those of the largest regions, as method sift takes them; 0: as

@@ -19,9 +19,10 @@ std::vector<std::string> Names() {
        training::TrainableMethods()) {
     names.emplace_back(method.name);
   }
-  names.insert(names.end(),
-               {BaselineName(FeatureKind::kSift),
-                BaselineName(FeatureKind::kOrb), kUnbalanced, kNoBacktracking});
+  names.insert(
+      names.end(),
+      {BaselineName(FeatureKind::kSift), BaselineName(FeatureKind::kOrb),
+       BaselineName(FeatureKind::kFastSift), kUnbalanced, kNoBacktracking});
   return names;
 }
 

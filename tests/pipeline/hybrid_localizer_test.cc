@@ -55,6 +55,7 @@ class HybridLocalizerTest : public testing::Test {
     ASSERT_FALSE(keyframes->features.empty());
     forest::ModelInfo info;
     info.method = "hybrid";
+    info.keyframe_sift = keyframe_options.sift;
     info.calibration = calibration;
     info.calibration.pose_sensor = camera::RgbdSensor::kColor;
     const std::vector<forest::ModelExtraBytes> extras = {

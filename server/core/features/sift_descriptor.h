@@ -10,6 +10,8 @@ namespace treeline::features {
 // Two cache lines.
 struct alignas(64) SiftDescriptor {
   static constexpr int kDimensions = 128;
+  // RootSIFT: the root of a value's share in the histogram, times this.
+  static constexpr float kScale = 512;
   std::array<uint8_t, kDimensions> values{};
 };
 

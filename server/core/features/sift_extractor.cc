@@ -13,7 +13,6 @@
 namespace treeline::features {
 namespace {
 
-constexpr float kScale = 512;
 constexpr int kMinSize_px = 8;
 // What OpenCV adds to both coordinates.
 constexpr float kOpenCvShift_px = 0.25F;
@@ -143,7 +142,7 @@ SiftDescriptor RootSift(std::span<const float> histogram) {
   SiftDescriptor descriptor;
   if (!(sum > 0)) return descriptor;
   for (size_t i = 0; i < descriptor.values.size(); ++i) {
-    const float root = kScale * std::sqrt(histogram[i] / sum);
+    const float root = SiftDescriptor::kScale * std::sqrt(histogram[i] / sum);
     descriptor.values[i] =
         static_cast<uint8_t>(std::lround(std::min(root, 255.0F)));
   }

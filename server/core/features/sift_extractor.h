@@ -6,26 +6,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "common/camera/camera.h"
 #include "common/image/image.h"
-#include "server/core/features/sift_descriptor.h"
+#include "server/core/features/sift_features.h"
 
 namespace treeline::features {
-
-struct SiftKeypoint {
-  camera::Pixel pixel;
-  float diameter_px = 0;  // of the region that the descriptor describes
-  float angle_deg = 0;    // clockwise from x, in [0, 360)
-  float response = 0;     // contrast; larger is stronger
-};
-
-// Keypoint i has descriptor i.
-struct SiftFeatures {
-  std::vector<SiftKeypoint> keypoints;
-  std::vector<SiftDescriptor> descriptors;
-
-  size_t size() const { return keypoints.size(); }
-};
 
 struct SiftOptions {
   // Features kept, those of the largest regions; 0: all. Small ones are many

@@ -5,48 +5,20 @@
 #include <cstdlib>
 #include <vector>
 
-#include "common/base/random.h"
 #include "gtest/gtest.h"
+#include "server/core/features/blob_picture.h"
 
 namespace treeline::features {
 namespace {
 
-struct Blob {
-  double x, y, sigma, height;
-};
-
-image::ColorImage Paint(const std::vector<Blob>& blobs, int width, int height) {
-  image::ColorImage image{width, height, {}};
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      double sum = 100;
-      for (const Blob& blob : blobs) {
-        const double dx = (x - blob.x) / blob.sigma;
-        const double dy = (y - blob.y) / blob.sigma;
-        sum += blob.height * std::exp(-0.5 * (dx * dx + dy * dy));
-      }
-      const auto value =
-          static_cast<uint8_t>(std::lround(std::clamp(sum, 0.0, 255.0)));
-      image.rgb.insert(image.rgb.end(), {value, value, value});
-    }
-  }
-  return image;
-}
-
-image::ColorImage RandomBlobs() {
-  std::vector<Blob> blobs;
-  base::Random random(3, 0);
-  for (int i = 0; i < 60; ++i) {
-    blobs.push_back({random.NextUniform(10, 150), random.NextUniform(10, 110),
-                     random.NextUniform(1.5, 5), random.NextUniform(-90, 90)});
-  }
-  return Paint(blobs, 160, 120);
+image::ColorImage Picture() {
+  return PaintBlobs(RandomBlobs(60, 160, 120), 160, 120);
 }
 
 TEST(SiftExtractorTest, PositionsAreThoseOfBlobsToATenthOfAPixel) {
   const std::vector<Blob> blobs = {
       {40.3, 30.8, 3, 120}, {100, 50, 4, -90}, {70.6, 90.1, 2.5, 130}};
-  const auto features = ExtractSift(Paint(blobs, 160, 120), {});
+  const auto features = ExtractSift(PaintBlobs(blobs, 160, 120), {});
   ASSERT_TRUE(features.ok()) << features.status();
   ASSERT_EQ(features->keypoints.size(), features->descriptors.size());
   for (const Blob& blob : blobs) {
@@ -61,7 +33,7 @@ TEST(SiftExtractorTest, PositionsAreThoseOfBlobsToATenthOfAPixel) {
 }
 
 TEST(SiftExtractorTest, KeepsTheLargestFeaturesInOrder) {
-  const image::ColorImage image = RandomBlobs();
+  const image::ColorImage image = Picture();
   const auto all = ExtractSift(image, {.max_features = 0});
   const auto some = ExtractSift(image, {.max_features = 10});
   ASSERT_TRUE(all.ok() && some.ok());
@@ -75,7 +47,7 @@ TEST(SiftExtractorTest, KeepsTheLargestFeaturesInOrder) {
 }
 
 TEST(SiftExtractorTest, DescribingFoundKeypointsGivesTheirDescriptors) {
-  const image::ColorImage image = RandomBlobs();
+  const image::ColorImage image = Picture();
   const auto features = ExtractSift(image, {});
   ASSERT_TRUE(features.ok());
   const auto again = DescribeSift(image, features->keypoints);
@@ -95,9 +67,9 @@ TEST(SiftExtractorTest, DescribingFoundKeypointsGivesTheirDescriptors) {
 }
 
 TEST(SiftExtractorTest, FlatAndTinyImagesHaveNoFeatures) {
-  EXPECT_EQ(ExtractSift(Paint({}, 160, 120), {})->size(), 0u);
-  EXPECT_EQ(ExtractSift(Paint({}, 1, 1), {})->size(), 0u);
-  EXPECT_TRUE(DescribeSift(Paint({}, 160, 120), {})->empty());
+  EXPECT_EQ(ExtractSift(PaintBlobs({}, 160, 120), {})->size(), 0u);
+  EXPECT_EQ(ExtractSift(PaintBlobs({}, 1, 1), {})->size(), 0u);
+  EXPECT_TRUE(DescribeSift(PaintBlobs({}, 160, 120), {})->empty());
 }
 
 TEST(SiftExtractorTest, RootSiftHasLength512) {

@@ -94,6 +94,21 @@ TEST_F(ModelFileTest, ReadsBackWhatWasWritten) {
   EXPECT_EQ(info.checksum.size(), 16u);
 }
 
+TEST_F(ModelFileTest, KnowsWhoseFeaturesItsKeyframesHave) {
+  const std::string old = Written();
+  // What older versions wrote has no word of it.
+  EXPECT_EQ(old.find("\"keyframes\""), std::string::npos);
+  EXPECT_EQ((*ModelFile::Open(path_))->info().keyframe_sift,
+            features::SiftKind::kOpenCv);
+  info_.keyframe_sift = features::SiftKind::kFast;
+  const std::string text = ModelInfoToJson(info_);
+  EXPECT_EQ(ModelInfoFromJson(text)->keyframe_sift, features::SiftKind::kFast);
+  std::string unknown = text;
+  unknown.replace(unknown.find("\"fast\""), 6, "\"slow\"");
+  EXPECT_EQ(ModelInfoFromJson(unknown).status().code(),
+            absl::StatusCode::kDataLoss);
+}
+
 TEST_F(ModelFileTest, FlippedBitsAreDataLoss) {
   const std::string good = Written();
   for (size_t i = 0; i < good.size(); i += i < 256 ? 1 : 13) {

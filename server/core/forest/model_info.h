@@ -10,6 +10,7 @@
 
 #include "common/camera/rgbd_calibration.h"
 #include "common/geometry/vector3.h"
+#include "server/core/features/sift_features.h"
 #include "server/core/forest/confidence_model.h"
 
 namespace treeline::forest {
@@ -30,6 +31,9 @@ struct ModelInfo {
   geometry::Vec3 bounds_max_in_world;
   // Absent in models of older versions.
   std::optional<ConfidenceModel> confidence;
+  // How the keyframes' features were found. OpenCV's in models of older
+  // versions.
+  features::SiftKind keyframe_sift = features::SiftKind::kOpenCv;
   // Whether the world's unit of length is the metre. Where it is not (structure
   // from motion), all lengths above and in poses are in the scene's own unit.
   bool units_are_metres = true;

@@ -34,6 +34,14 @@ ConfidenceModel ConfidenceFromJson(const Json& json) {
   return confidence;
 }
 
+constexpr const char* kFastSiftName = "fast";
+
+absl::StatusOr<features::SiftKind> SiftKindFromName(const std::string& name) {
+  if (name == kFastSiftName) return features::SiftKind::kFast;
+  return absl::DataLossError(absl::StrCat(
+      "keyframes have SIFT of a kind unknown to this version: ", name));
+}
+
 absl::StatusOr<ModelInfo> InfoFromJson(const Json& root) {
   ModelInfo info;
   info.method = root.at("method").get<std::string>();
@@ -57,6 +65,11 @@ absl::StatusOr<ModelInfo> InfoFromJson(const Json& root) {
     if (!(info.viewing_distance >= 0 && info.viewing_distance < 1e9)) {
       return absl::DataLossError("viewing_distance is no distance");
     }
+  }
+  if (root.contains("keyframes")) {
+    TL_ASSIGN_OR_RETURN(
+        info.keyframe_sift,
+        SiftKindFromName(root.at("keyframes").at("sift").get<std::string>()));
   }
   const Json& training = root.at("training");
   info.training_frames = training.at("frames").get<int>();
@@ -85,6 +98,9 @@ std::string ModelInfoToJson(const ModelInfo& info) {
        {{"frames", info.training_frames},
         {"samples", info.training_samples},
         {"seconds", info.training_s}}}};
+  if (info.keyframe_sift == features::SiftKind::kFast) {
+    json["keyframes"] = {{"sift", kFastSiftName}};
+  }
   if (info.confidence) json["confidence"] = ConfidenceToJson(*info.confidence);
   // Names from the command line may hold anything: never throw over them.
   return json.dump(2, ' ', false, Json::error_handler_t::replace);

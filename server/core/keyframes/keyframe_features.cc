@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/status_macros.h"
+#include "server/core/features/sift_extractor.h"
 #include "server/core/features/sift_matching.h"
 #include "server/core/keyframes/parameters.h"
 
@@ -117,7 +118,12 @@ std::vector<size_t> WithMostMatches(const features::SiftFeatures& features,
 }  // namespace
 
 absl::StatusOr<features::SiftFeatures> ExtractKeyframeSift(
-    const image::ColorImage& image, int max_features) {
+    const image::ColorImage& image, features::SiftKind kind, int max_features,
+    features::FastSift& fast_sift) {
+  if (kind == features::SiftKind::kFast) {
+    return fast_sift.Extract(
+        image, {.max_features = std::min<int>(max_features, kMaxFastFeatures)});
+  }
   const features::SiftOptions options{.max_features = max_features,
                                       .contrast = kSiftContrast};
   if (std::max(image.width, image.height) < kHalvedSide_px) {

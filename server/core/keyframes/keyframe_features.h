@@ -10,17 +10,21 @@
 #include "absl/status/statusor.h"
 #include "common/geometry/vector3.h"
 #include "common/image/image.h"
-#include "server/core/features/sift_extractor.h"
+#include "server/core/features/fast_sift.h"
+#include "server/core/features/sift_features.h"
 #include "server/core/keyframes/keyframe_map.h"
 
 namespace treeline::keyframes {
 
-// Up to max_features SIFT features of an image, largest regions first, at
-// pixels of the image. Images of 512 pixels and more a side are looked at in
-// half their size: that is four times as fast, and the small features that it
-// misses are the least stable ones. INTERNAL if OpenCV fails.
+// Up to max_features SIFT features of an image, at its pixels, to be matched
+// with those of keyframes of the same kind. INTERNAL if OpenCV fails.
+//
+// OpenCV's come with the largest regions first, and of images of 512 pixels and
+// more a side in half their size: that is four times as fast, and the small
+// features that it misses are the least stable ones.
 absl::StatusOr<features::SiftFeatures> ExtractKeyframeSift(
-    const image::ColorImage& image, int max_features);
+    const image::ColorImage& image, features::SiftKind kind, int max_features,
+    features::FastSift& fast_sift);
 
 // A pixel of a frame, and the point that a keyframe's feature like it stands
 // on.

@@ -22,6 +22,7 @@ bool IsFinite(const std::array<float, 3>& position) {
 
 absl::StatusOr<KeyframeMap> KeyframeMap::Read(const forest::ModelFile& model) {
   KeyframeMap map;
+  map.sift_kind_ = model.info().keyframe_sift;
   TL_ASSIGN_OR_RETURN(map.records_, model.Extra<KeyframeRecord>(
                                         forest::ModelExtra::kKeyframes));
   TL_ASSIGN_OR_RETURN(map.points_, model.Extra<KeyframePoint>(

@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "common/camera/camera.h"
 #include "common/geometry/rigid3.h"
-#include "server/core/features/sift_descriptor.h"
+#include "server/core/features/sift_features.h"
 #include "server/core/forest/model_file.h"
 #include "server/core/keyframes/alignment_kernels.h"
 
@@ -68,6 +68,8 @@ class KeyframeMap {
     return points_.subspan(records_[i].first_point, records_[i].points);
   }
 
+  // How the features were found.
+  features::SiftKind sift_kind() const { return sift_kind_; }
   // Empty but for method hybrid.
   std::span<const KeyframeFeature> features(size_t i) const {
     return features_.subspan(first_feature_[i],
@@ -90,6 +92,7 @@ class KeyframeMap {
  private:
   std::span<const KeyframeRecord> records_;
   std::span<const KeyframePoint> points_;
+  features::SiftKind sift_kind_ = features::SiftKind::kOpenCv;
   std::span<const KeyframeFeature> features_;
   std::vector<size_t> first_feature_{0};  // of each keyframe, and the end
   std::vector<geometry::Rigid3> poses_;

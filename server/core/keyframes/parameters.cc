@@ -19,6 +19,7 @@ std::vector<base::ParameterRow> KeyframeParameters() {
           base::RowOf(kSurfaceLevel),
           base::RowOf(kHalvedSide_px),
           base::RowOf(kSiftContrast),
+          base::RowOf(kMaxFastFeatures),
           base::RowOf(kCoarseFrameFeatures),
           base::RowOf(kCoarseKeyframeFeatures),
           base::RowOf(kShortlist),

@@ -125,6 +125,12 @@ inline constexpr base::Parameter<double> kSiftContrast{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "OpenCV's contrast threshold"};
+inline constexpr base::Parameter<int> kMaxFastFeatures{
+    .name = "max_fast_features",
+    .value = 800,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "features that FastSift keeps of an image"};
 inline constexpr base::Parameter<size_t> kCoarseFrameFeatures{
     .name = "coarse_frame_features",
     .value = 120,

@@ -39,7 +39,7 @@ absl::StatusOr<size_t> KeyframeSource::Observe(
     Query& query, std::span<const Candidate> earlier,
     RayObservations& seen) const {
   TL_ASSIGN_OR_RETURN(const features::SiftFeatures* const features,
-                      query.keyframe_features());
+                      query.keyframe_features(map_->sift_kind()));
   pose::RayPredictions& scene = seen.scene;
   const double variance = kKeyframePointSigma_m * kKeyframePointSigma_m;
   for (const keyframes::KeyframeMatch& match : keyframes::MatchKeyframes(

@@ -83,10 +83,13 @@ const features::GrayPyramid& Query::pyramid() {
   return scratch_.pyramid;
 }
 
-absl::StatusOr<const features::SiftFeatures*> Query::keyframe_features() {
+absl::StatusOr<const features::SiftFeatures*> Query::keyframe_features(
+    features::SiftKind kind) {
   if (!keyframe_features_) {
-    TL_ASSIGN_OR_RETURN(keyframe_features_, keyframes::ExtractKeyframeSift(
-                                                color(), kMaxQueryFeatures));
+    TL_ASSIGN_OR_RETURN(
+        keyframe_features_,
+        keyframes::ExtractKeyframeSift(color(), kind, kMaxQueryFeatures,
+                                       scratch_.fast_sift));
   }
   return &*keyframe_features_;
 }

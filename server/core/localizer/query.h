@@ -12,11 +12,12 @@
 #include "common/base/clock.h"
 #include "common/camera/rgbd_calibration.h"
 #include "common/image/frame.h"
+#include "server/core/features/fast_sift.h"
 #include "server/core/features/gray_pyramid.h"
 #include "server/core/features/line_segments.h"
 #include "server/core/features/planar_image.h"
 #include "server/core/features/rgbd_samples.h"
-#include "server/core/features/sift_extractor.h"
+#include "server/core/features/sift_features.h"
 #include "server/core/forest/backtracking.h"
 #include "server/core/forest/model_info.h"
 #include "server/core/localizer/localizer.h"
@@ -39,6 +40,7 @@ struct QueryScratch {
   features::LinePoints segments;     // all points on line segments
   features::LinePoints line_points;  // those sampled
   std::vector<features::WhtDescriptor> descriptors;
+  features::FastSift fast_sift;
   forest::BacktrackingScratch backtracking;
   std::vector<forest::LeafMatch> matches;
 };
@@ -80,8 +82,9 @@ class Query {
 
   const features::PlanarImage& image();
   const features::GrayPyramid& pyramid();
-  // As keyframes store them; see ExtractKeyframeSift.
-  absl::StatusOr<const features::SiftFeatures*> keyframe_features();
+  // As keyframes store them; see ExtractKeyframeSift. Of one kind a query.
+  absl::StatusOr<const features::SiftFeatures*> keyframe_features(
+      features::SiftKind kind);
 
   QueryScratch& scratch() { return scratch_; }
   LocalizeTimings& timings() { return timings_; }

@@ -157,12 +157,15 @@ std::vector<keyframes::KeyframePoint> SelectPoints(
 // The SIFT features that stand where depth was measured.
 absl::StatusOr<std::vector<keyframes::KeyframeFeature>> SelectFeatures(
     const image::Frame& frame, const geometry::Rigid3& world_from_color,
-    const image::DepthRegistrar& registration, int count) {
+    const image::DepthRegistrar& registration, features::SiftKind kind,
+    int count) {
   std::vector<keyframes::KeyframeFeature> features;
   if (count == 0) return features;
+  features::FastSift fast_sift;
   // Some stand where no depth is.
-  TL_ASSIGN_OR_RETURN(const features::SiftFeatures found,
-                      keyframes::ExtractKeyframeSift(frame.color, 2 * count));
+  TL_ASSIGN_OR_RETURN(
+      const features::SiftFeatures found,
+      keyframes::ExtractKeyframeSift(frame.color, kind, 2 * count, fast_sift));
   const std::vector<geometry::Vec3> in_color =
       registration.PointsInColor(*frame.depth);
   for (size_t i = 0; i < found.size(); ++i) {
@@ -195,9 +198,10 @@ absl::Status Select(const dataset::Dataset& dataset,
   TL_ASSIGN_OR_RETURN(const image::Frame frame, dataset.Load(selected.frame));
   parts.points = SelectPoints(frame, selected.world_from_color, registration,
                               options.points);
-  TL_ASSIGN_OR_RETURN(parts.features,
-                      SelectFeatures(frame, selected.world_from_color,
-                                     registration, options.features));
+  TL_ASSIGN_OR_RETURN(
+      parts.features,
+      SelectFeatures(frame, selected.world_from_color, registration,
+                     options.sift, options.features));
   return absl::OkStatus();
 }
 

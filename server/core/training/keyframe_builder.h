@@ -22,6 +22,7 @@ struct KeyframeOptions {
   // At most so many SIFT features of each, where depth is measured; 0: none,
   // and none are looked for.
   int features = 0;
+  features::SiftKind sift = features::SiftKind::kFast;
   // 0: one a processor.
   int threads = 0;
 };

@@ -189,6 +189,11 @@ class SceneTrainer {
     info_.seed = options_.forest.seed;
     info_.options = options_.recorded_options;
     info_.calibration = calibration_;
+    if (MatchesFeatures(options_.method)) {
+      // Those of an extended model stay in it.
+      info_.keyframe_sift = is_extending() ? base_->info().keyframe_sift
+                                           : features::SiftKind::kFast;
+    }
     if (AnswersForColor(options_.method)) {
       info_.calibration.pose_sensor = camera::RgbdSensor::kColor;
     }
@@ -200,6 +205,7 @@ class SceneTrainer {
     keyframes.threads = options_.forest.threads;
     if (MatchesFeatures(options_.method)) {
       keyframes.features = keyframes::kMaxKeyframeFeatures;
+      keyframes.sift = info_.keyframe_sift;
     }
     return BuildKeyframes(dataset, calibration_, keyframes, quiet_, stop_);
   }
