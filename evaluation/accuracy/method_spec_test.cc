@@ -36,7 +36,8 @@ TEST(ParseMethod, TurnsBalanceAndBacktrackingOffForAblations) {
 TEST(ParseMethod, NamesWhatCanBeComparedWhereItIsNotKnown) {
   const absl::Status status = ParseMethod("magic").status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(status.message()), HasSubstr("sift-pnp, orb-pnp, fast-sift-pnp"));
+  EXPECT_THAT(std::string(status.message()),
+              HasSubstr("sift-pnp, orb-pnp, fast-sift-pnp"));
   EXPECT_FALSE(ParseMethod("=file").ok());
   EXPECT_FALSE(ParseMethod("name=").ok());
 }
