@@ -43,11 +43,14 @@ BENCHMARK(BM_Capture)
     ->UseRealTime();
 
 // The same in a building, with people about.
-void BM_CaptureCafe(benchmark::State& state) {
+void CaptureCafe(benchmark::State& state, building::Lighting lighting) {
   const std::shared_ptr<const renderer::Renderer> renderer =
-      *renderer::Renderer::Create(*worlds::MakeWorld("cafe", {}), 0);
+      *renderer::Renderer::Create(
+          *worlds::MakeWorld("cafe", {.lighting = lighting}), 0);
+  sensors::SyntheticCamera::Options options;
+  options.color = sensors::ColorSensorFor(lighting);
   const sensors::SyntheticCamera camera =
-      *sensors::SyntheticCamera::Create(renderer, {});
+      *sensors::SyntheticCamera::Create(renderer, options);
   const recorder::CameraPath path =
       *recorder::MakeCameraPath(renderer->world(), renderer->caster(), 0);
   uint64_t frame = 0;
@@ -63,20 +66,37 @@ void BM_CaptureCafe(benchmark::State& state) {
   state.counters["frames/s"] = benchmark::Counter(static_cast<double>(frame),
                                                   benchmark::Counter::kIsRate);
 }
+void BM_CaptureCafe(benchmark::State& state) {
+  CaptureCafe(state, building::Lighting::kDay);
+}
 BENCHMARK(BM_CaptureCafe)
     ->Arg(1)
     ->Arg(2)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
+// With exposure, white balance and noise of each picture.
+void BM_CaptureCafeInEvening(benchmark::State& state) {
+  CaptureCafe(state, building::Lighting::kEvening);
+}
+BENCHMARK(BM_CaptureCafeInEvening)
+    ->Arg(1)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
 // Light of a world, on all threads.
-void BM_BakeLight(benchmark::State& state, const char* name) {
-  const worlds::World world = *worlds::MakeWorld(name, {});
+void BM_BakeLight(benchmark::State& state, const char* name,
+                  building::Lighting lighting = building::Lighting::kDay) {
+  const worlds::World world = *worlds::MakeWorld(name, {.lighting = lighting});
   for (auto _ : state) {
     benchmark::DoNotOptimize(*renderer::Renderer::Create(world, 0));
   }
 }
 BENCHMARK_CAPTURE(BM_BakeLight, room, "room")
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(BM_BakeLight, room_in_the_sun, "room",
+                  building::Lighting::kSunny)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 BENCHMARK_CAPTURE(BM_BakeLight, office_floor, "office-floor")

@@ -130,7 +130,7 @@ std::string KidnapSummary(const std::vector<KidnapRun>& runs, int expected) {
 }
 
 std::string KidnapJson(const std::vector<KidnapRun>& runs, int expected,
-                       const std::string& method, const std::string& fault) {
+                       const KidnapConditions& conditions) {
   Tally all;
   int good = 0;
   for (const KidnapRun& run : runs) {
@@ -139,9 +139,14 @@ std::string KidnapJson(const std::vector<KidnapRun>& runs, int expected,
   }
   std::string json = absl::StrFormat(
       "{\n  \"suite\": \"kidnaps\",\n  \"method\": %s,\n  \"server_fault\": "
-      "%s,\n  \"expected\": %d,\n  \"runs\": %d,\n  \"good\": %d,\n",
-      base::JsonQuoted(method), base::JsonQuoted(fault), expected, all.runs,
-      good);
+      "%s,\n  \"light\": \"%s\",\n  \"map_light\": \"%s\",\n  "
+      "\"rearranged\": {\"seed\": %d, \"share\": %g},\n  \"expected\": "
+      "%d,\n  \"runs\": %d,\n  \"good\": %d,\n",
+      base::JsonQuoted(conditions.method), base::JsonQuoted(conditions.fault),
+      building::LightingName(conditions.lighting),
+      building::LightingName(conditions.map_lighting),
+      conditions.rearranged.seed, conditions.rearranged.share, expected,
+      all.runs, good);
   for (size_t i = 0; i < kOutcomes.size(); ++i) {
     absl::StrAppendFormat(&json, "  \"%s\": %d,\n",
                           KidnapOutcomeName(kOutcomes[i]), all.outcomes[i]);

@@ -6,17 +6,27 @@
 #include <vector>
 
 #include "evaluation/kidnaps/kidnap_suite.h"
+#include "simulation/worlds/world.h"
 
 namespace treeline::kidnaps {
 
 int WrongResumptions(const std::vector<KidnapRun>& runs);
+// What all runs of a suite have in common, as the command was told.
+struct KidnapConditions {
+  std::string method;
+  std::string fault;
+  // Light of the runs, and of the drive that their map was made from.
+  building::Lighting lighting = building::Lighting::kDay;
+  building::Lighting map_lighting = building::Lighting::kDay;
+  worlds::Rearrangement rearranged{};
+};
+
 // For people: one line a world, warm and cold, then the sum, then what failed
 // and with which seeds. What is missing of `expected` runs was not run.
 std::string KidnapSummary(const std::vector<KidnapRun>& runs, int expected);
-// docs/reference/suites.md describes it. method, fault: as the command was
-// told.
+// docs/reference/suites.md describes it.
 std::string KidnapJson(const std::vector<KidnapRun>& runs, int expected,
-                       const std::string& method, const std::string& fault);
+                       const KidnapConditions& conditions);
 
 }  // namespace treeline::kidnaps
 

@@ -9,7 +9,6 @@
 #include "absl/strings/str_cat.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
-#include "evaluation/suites/suite_maps.h"
 #include "evaluation/suites/suite_route.h"
 #include "nav_agent/app/relocalization/server_relocalization.h"
 
@@ -131,9 +130,7 @@ class Kidnapping {
         auto port = std::make_unique<CountingPort>(
             *relocalization::MakeSynchronousRelocalization(
                 options_.server,
-                {.scene = suites::SuiteSceneName(place_->world().name),
-                 .seed = options_.seed},
-                clock,
+                {.scene = options_.scene, .seed = options_.seed}, clock,
                 {.latency_s = options_.latency_s,
                  .real_timeout_s = options_.real_timeout_s}));
         port_ = port.get();

@@ -46,6 +46,8 @@ struct KidnapOptions {
   double patience_s = 90;
   // Drives on to the goal once it is back; otherwise the run ends then.
   bool drives_on = true;
+  // What the server calls the place's map.
+  std::string scene;
   // The server that is asked; null: none.
   std::shared_ptr<relocalizer::Relocalizer> server;
   // What an answer takes in simulated time (s): the server's 0.1 s, the way

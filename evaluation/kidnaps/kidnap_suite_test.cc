@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "evaluation/kidnaps/kidnap_report.h"
+#include "evaluation/suites/suite_maps.h"
 #include "evaluation/suites/suite_report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -88,6 +89,19 @@ TEST(KidnapJudgeTest, TellsLateFromHelplessFromSearching) {
   EXPECT_EQ(Judged(searching).outcome, KidnapOutcome::kNeedHelp);
 }
 
+// Maps and models of the one must not be taken for those of the other.
+TEST(SuiteMapsTest, KeepsWhatWasLearntInOtherLightUnderAnotherName) {
+  suites::SuiteMapOptions options = {.world = "seed:17",
+                                     .lighting = building::Lighting::kEvening};
+  EXPECT_EQ(suites::SuiteSceneName(options), "seed-17");
+  options.map_lighting = building::Lighting::kEvening;
+  options.lighting = building::Lighting::kDay;
+  EXPECT_EQ(suites::SuiteSceneName(options), "seed-17-in-evening");
+  options.cache = "cache";
+  EXPECT_EQ(suites::SuiteBundleFolder(options),
+            "cache/seed-17-in-evening/bundle");
+}
+
 TEST(KidnapReportTest, CountsWhatGoesWrong) {
   KidnapRun back;
   back.world = "cafe";
@@ -104,8 +118,17 @@ TEST(KidnapReportTest, CountsWhatGoesWrong) {
   EXPECT_EQ(suites::GoodShare(runs), 0.5);
   EXPECT_EQ(WrongResumptions(runs), 2);
   EXPECT_THAT(KidnapSummary(runs, 2), HasSubstr("cafe seed 2 (cold): wrong"));
-  const std::string json = KidnapJson(runs, 2, "server", "none");
+  const std::string json =
+      KidnapJson(runs, 2,
+                 {.method = "server",
+                  .fault = "none",
+                  .lighting = building::Lighting::kEvening,
+                  .rearranged = {.seed = 3, .share = 0.25}});
   EXPECT_THAT(json, HasSubstr("\"back\": 1,"));
+  EXPECT_THAT(json, HasSubstr("\"light\": \"evening\",\n  \"map_light\": "
+                              "\"day\""));
+  EXPECT_THAT(json, HasSubstr("\"rearranged\": {\"seed\": 3, \"share\": "
+                              "0.25}"));
   EXPECT_THAT(json, HasSubstr("\"wrong_resumptions\": 2,"));
 }
 

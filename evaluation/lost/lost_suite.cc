@@ -167,8 +167,10 @@ absl::StatusOr<std::unique_ptr<LocalizedRobot>> LocalizedRobot::Create(
   scenario.options.sensors.laser.scan_interval_s = kScanInterval_s;
   TL_ASSIGN_OR_RETURN(
       worlds::World world,
-      worlds::MakeWorld(options.world,
-                        {.after_moves = true, .threads = 1, .paint = false}));
+      worlds::MakeWorld(options.world, {.after_moves = true,
+                                        .rearranged = options.rearranged,
+                                        .threads = 1,
+                                        .paint = false}));
   TL_ASSIGN_OR_RETURN(scenario.options.start,
                       simulator::StartOf(scenario, world));
   TL_ASSIGN_OR_RETURN(

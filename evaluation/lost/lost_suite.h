@@ -14,6 +14,7 @@
 #include "nav_agent/localization/lost_detector.h"
 #include "simulation/runs/lost_suite_world.h"
 #include "simulation/simulator/fault.h"
+#include "simulation/worlds/world.h"
 
 namespace treeline::lost {
 
@@ -42,6 +43,8 @@ struct LostRunOptions {
   int kidnaps = 10;
   // Pieces of furniture that stand where the map has none.
   int new_obstacles = 6;
+  // What was moved since, beside what the world's file moves.
+  worlds::Rearrangement rearranged{};
   localization::LostDetectorOptions detector;
   localization::AmclOptions amcl;
 };

@@ -124,18 +124,19 @@ std::string MissionSummary(const std::vector<MissionRun>& runs, int expected) {
 }
 
 std::string MissionJson(const std::vector<MissionRun>& runs, int expected,
-                        bool people) {
+                        bool people, const worlds::Rearrangement& rearranged) {
   Tally all;
   for (const MissionRun& run : runs) all.Add(run);
   std::string json = absl::StrFormat(
-      "{\n  \"suite\": \"missions\",\n  \"people\": %s,\n  \"expected\": %d,\n"
+      "{\n  \"suite\": \"missions\",\n  \"people\": %s,\n"
+      "  \"rearranged\": {\"seed\": %d, \"share\": %g},\n  \"expected\": %d,\n"
       "  \"runs\": %d,\n  \"good\": %d,\n  \"arrived\": %d,\n"
       "  \"collisions\": %d,\n  \"collisions_by_robot\": %d,\n"
       "  \"stair_entries\": %d,\n  \"edge_entries\": %d,\n"
       "  \"missed_deadlines\": %d,\n  \"missions\": ",
-      people ? "true" : "false", expected, all.runs, all.good, all.arrived,
-      all.collisions, all.collisions_of_robot, all.stairs, all.edges,
-      all.times.missed);
+      people ? "true" : "false", rearranged.seed, rearranged.share, expected,
+      all.runs, all.good, all.arrived, all.collisions, all.collisions_of_robot,
+      all.stairs, all.edges, all.times.missed);
   return json + suites::RunsJson(runs, RunJson) + "\n}\n";
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "evaluation/missions/mission_suite.h"
+#include "simulation/worlds/world.h"
 
 namespace treeline::missions {
 
@@ -14,7 +15,7 @@ namespace treeline::missions {
 std::string MissionSummary(const std::vector<MissionRun>& runs, int expected);
 // docs/reference/suites.md describes it.
 std::string MissionJson(const std::vector<MissionRun>& runs, int expected,
-                        bool people);
+                        bool people, const worlds::Rearrangement& rearranged);
 
 }  // namespace treeline::missions
 

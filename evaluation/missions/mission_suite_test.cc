@@ -8,6 +8,7 @@
 
 #include "evaluation/missions/mission_report.h"
 #include "evaluation/suites/suite_jobs.h"
+#include "evaluation/suites/suite_maps.h"
 #include "evaluation/suites/suite_report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -54,6 +55,22 @@ TEST(SuitePlaceTest, KnowsWaysOverTheSlopeAndAroundBarriers) {
   ASSERT_TRUE(pose.ok()) << pose.status();
   EXPECT_NEAR(pose->place.height_m, 0.51, 0.06);
   EXPECT_FALSE(place->InMap({.position = {40, 1}}).ok());
+}
+
+TEST(SuitePlaceTest, KeepsThePerfectMapOfWhatWasThere) {
+  const auto moved = suites::PlaceForSuite(
+      {.world = "cafe", .rearranged = {.seed = 1, .share = 0.6}}, {});
+  ASSERT_TRUE(moved.ok()) << moved.status();
+  const auto before = Cafe(false);
+  EXPECT_EQ((*moved)->map().voxels, before->map().voxels);
+  EXPECT_LT((*moved)->world().surfaces.size(), before->world().surfaces.size());
+  // Robots are sent to where there is room in both.
+  EXPECT_GT((*moved)->MappedShare(), 0.5);
+  EXPECT_LT((*moved)->MappedShare(), 1);
+  base::Random random(1, 1);
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_TRUE((*moved)->InMap((*moved)->AnyPlace(random)).ok());
+  }
 }
 
 TEST(SuitePlaceTest, ScoresInTheFrameOfADrivenMap) {
@@ -217,7 +234,7 @@ TEST(MissionReportTest, SaysWhatFailedWithItsSeed) {
   EXPECT_THAT(text, HasSubstr("cafe seed 2: arrived"));
   EXPECT_THAT(text, HasSubstr("cafe seed 3: failed (no_path)"));
   EXPECT_THAT(text, HasSubstr("1 of 4 missions were not run"));
-  const std::string json = MissionJson(runs, 4, true);
+  const std::string json = MissionJson(runs, 4, true, {});
   EXPECT_THAT(json, HasSubstr("\"good\": 1,"));
   EXPECT_THAT(json, HasSubstr("\"collisions_by_robot\": 1,"));
   EXPECT_THAT(json, HasSubstr("no \\\"way\\\""));

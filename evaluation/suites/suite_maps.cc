@@ -27,7 +27,7 @@ constexpr const char* kFramesPerTree = "250";
 constexpr const char* kSamplesPerFrame = "500";
 
 std::string FolderOf(const SuiteMapOptions& options) {
-  return absl::StrCat(options.cache, "/", SuiteSceneName(options.world));
+  return absl::StrCat(options.cache, "/", SuiteSceneName(options));
 }
 
 absl::StatusOr<simulator::RobotPlacement> DriveStart(
@@ -51,8 +51,10 @@ absl::Status RecordDrive(const SuiteMapOptions& options, const std::string& log,
   run.tour.emplace();
   run.tour->options.look_around_every_m = kSurveyEvery_m;
   run.record_path = log;
-  TL_ASSIGN_OR_RETURN(worlds::World world,
-                      worlds::MakeWorld(options.world, {.with_people = false}));
+  TL_ASSIGN_OR_RETURN(
+      worlds::World world,
+      worlds::MakeWorld(options.world, {.lighting = options.map_lighting,
+                                        .with_people = false}));
   TL_ASSIGN_OR_RETURN(scenario.options.start,
                       simulator::StartOf(scenario, world));
   TL_ASSIGN_OR_RETURN(
@@ -79,7 +81,7 @@ absl::Status MapDriveOf(const SuiteMapOptions& options,
   map_app::MapLogOptions map;
   map.map.folder = SuiteBundleFolder(options);
   map.map.overwrite = true;
-  map.map.name = SuiteSceneName(options.world);
+  map.map.name = SuiteSceneName(options);
   map.drive.slam.synchronous = true;
   map.stop = stop;
   map.progress = [](const char* /*phase*/, double /*part*/) {};
@@ -110,8 +112,15 @@ absl::StatusOr<map_bundle::MapBundle> BundleOf(const SuiteMapOptions& options,
 
 }  // namespace
 
-std::string SuiteSceneName(const std::string& world) {
+std::string SuiteWorldName(const std::string& world) {
   return absl::StrReplaceAll(world, {{":", "-"}, {"/", "-"}});
+}
+
+std::string SuiteSceneName(const SuiteMapOptions& options) {
+  const std::string name = SuiteWorldName(options.world);
+  if (options.map_lighting == building::Lighting::kDay) return name;
+  return absl::StrCat(name, "-in-",
+                      building::LightingName(options.map_lighting));
 }
 
 std::string SuiteBundleFolder(const SuiteMapOptions& options) {
@@ -122,8 +131,16 @@ absl::StatusOr<std::shared_ptr<const SuitePlace>> PlaceForSuite(
     const SuiteMapOptions& options, const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(
       worlds::World world,
-      worlds::MakeWorld(options.world, {.with_people = options.with_people,
+      worlds::MakeWorld(options.world, {.rearranged = options.rearranged,
+                                        .lighting = options.lighting,
+                                        .with_people = options.with_people,
                                         .paint = options.paint}));
+  if (!options.is_driven && options.rearranged.share > 0) {
+    TL_ASSIGN_OR_RETURN(const worlds::World mapped,
+                        worlds::MakeWorld(options.world, {.with_people = false,
+                                                          .paint = false}));
+    return SuitePlace::MakePerfect(std::move(world), mapped);
+  }
   if (!options.is_driven) return SuitePlace::MakePerfect(std::move(world));
   TL_ASSIGN_OR_RETURN(map_bundle::MapBundle bundle, BundleOf(options, stop));
   TL_ASSIGN_OR_RETURN(const simulator::RobotPlacement start,
@@ -144,7 +161,7 @@ absl::StatusOr<std::shared_ptr<const SuitePlace>> PlaceForSuite(
 absl::StatusOr<std::string> ModelsForSuite(const SuiteMapOptions& options,
                                            const std::stop_token& stop) {
   const std::string models = options.cache + "/models";
-  const std::string scene = SuiteSceneName(options.world);
+  const std::string scene = SuiteSceneName(options);
   std::error_code error;
   for (const fs::directory_entry& entry :
        fs::directory_iterator(absl::StrCat(models, "/", scene), error)) {

@@ -17,12 +17,17 @@ struct SuiteMapOptions {
   std::string world;
   // Of a mapping drive, rather than as the world is.
   bool is_driven = false;
-  // In the world that is driven in; a mapping drive meets nobody.
+  // In the world that is driven in; a mapping drive meets nobody, and nothing
+  // that was moved.
   bool with_people = false;
+  worlds::Rearrangement rearranged{};
+  building::Lighting lighting = building::Lighting::kDay;
+  // In which the mapping drive sees the world, and so what models learn.
+  building::Lighting map_lighting = building::Lighting::kDay;
   // Whether surfaces have their pictures: for cameras.
   bool paint = false;
-  // Driven maps are kept in CACHE/WORLD/bundle.
-  std::string cache;
+  // Driven maps are kept in CACHE/SCENE/bundle.
+  std::string cache{};
   bool quiet = false;
 };
 
@@ -32,8 +37,11 @@ inline constexpr double kSurveyEvery_m = 2.0;
 inline constexpr double kSurveyCamera_hz = 3;
 inline constexpr uint64_t kSurveySeed = 900001;
 
-// "seed:17" as a folder and as a scene.
-std::string SuiteSceneName(const std::string& world);
+// "seed:17" as a folder.
+std::string SuiteWorldName(const std::string& world);
+// The scene of a driven map, which is a world in the light that the drive saw
+// it in: "seed-17" by day, "seed-17-in-evening".
+std::string SuiteSceneName(const SuiteMapOptions& options);
 std::string SuiteBundleFolder(const SuiteMapOptions& options);
 
 // Drives and maps if there is no map in the cache yet.

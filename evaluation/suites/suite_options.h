@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "evaluation/suites/suite_maps.h"
+#include "simulation/worlds/world.h"
 
 namespace treeline::suites {
 
@@ -14,6 +15,7 @@ struct SuiteOptions {
   // For ParseSeedList.
   std::string seeds;
   bool people = false;
+  worlds::Rearrangement rearranged{};
   // "perfect" or "driven".
   std::string maps;
   std::string cache = "out/suite";
@@ -34,6 +36,7 @@ struct SuiteOptions {
     return {.world = world,
             .is_driven = maps == "driven",
             .with_people = people,
+            .rearranged = rearranged,
             .cache = cache,
             .quiet = quiet};
   }

@@ -35,6 +35,15 @@ geometry::Vec2 CenterOf(const worlds::GroundCellIndex& cell) {
   return {(cell.x + 0.5) * kResolution_m, (cell.y + 0.5) * kResolution_m};
 }
 
+absl::StatusOr<behavior::NavigatorMap> PerfectMapOf(
+    const worlds::World& world) {
+  behavior::NavigatorMap map;
+  TL_ASSIGN_OR_RETURN(map.voxels, runs::VoxelsOfWorld(world, kResolution_m));
+  TL_ASSIGN_OR_RETURN(map.levels,
+                      traversability::ExtractTraversableMap(map.voxels));
+  return map;
+}
+
 bool IsBarred(geometry::Vec3 point, const std::vector<Barrier>& barriers) {
   return std::ranges::any_of(barriers, [&](const Barrier& barrier) {
     return std::abs(barrier.center.z - point.z) < 1 &&
@@ -54,13 +63,15 @@ simulator::RobotPlacement PlacementOf(const geometry::Rigid3& world_from_base) {
 
 absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::MakePerfect(
     worlds::World world) {
-  TL_ASSIGN_OR_RETURN(octree::VoxelMap voxels,
-                      runs::VoxelsOfWorld(world, kResolution_m));
-  TL_ASSIGN_OR_RETURN(traversability::TraversableMap levels,
-                      traversability::ExtractTraversableMap(voxels));
-  return Make(std::move(world),
-              {.voxels = std::move(voxels), .levels = std::move(levels)},
-              geometry::Rigid3{}, /*is_driven=*/false);
+  TL_ASSIGN_OR_RETURN(behavior::NavigatorMap map, PerfectMapOf(world));
+  return Make(std::move(world), std::move(map), geometry::Rigid3{},
+              /*is_driven=*/false);
+}
+
+absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::MakePerfect(
+    worlds::World world, const worlds::World& mapped) {
+  TL_ASSIGN_OR_RETURN(behavior::NavigatorMap map, PerfectMapOf(mapped));
+  return Make(std::move(world), std::move(map), geometry::Rigid3{});
 }
 
 absl::StatusOr<std::shared_ptr<const SuitePlace>> SuitePlace::Make(

@@ -50,6 +50,9 @@ class SuitePlace {
   // world has no tour with room for the robot.
   static absl::StatusOr<std::shared_ptr<const SuitePlace>> MakePerfect(
       worlds::World world);
+  // The same with the map of another state of that world, as Make.
+  static absl::StatusOr<std::shared_ptr<const SuitePlace>> MakePerfect(
+      worlds::World world, const worlds::World& mapped);
   // The map of a bundle; map_from_world: where its drive began. Places are
   // those that the map has, too, with as much room: nobody sends a robot to
   // where its map has nothing. MappedShare() says how many those are.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "simulation/building/lighting.h"
 
 namespace treeline::building {
 
@@ -213,6 +214,8 @@ struct PlanPlace {
 struct BuildingPlan {
   std::array<double, 3> size_m{10, 10, 3};
   uint64_t seed = 0;
+  // Where nobody asks for another.
+  Lighting lighting = Lighting::kDay;
   std::vector<PlanFinish> finishes;
   std::vector<PlanRoom> rooms;
   std::vector<PlanPlatform> platforms;

@@ -24,6 +24,8 @@ struct FurnitureKind {
   // Its origin is the middle of its footprint, not its back left corner (see
   // Placement).
   bool is_centred = false;
+  // Whether people push it about or carry it away.
+  bool can_move = false;
 };
 std::span<const FurnitureKind> FurnitureKinds();
 // Null if there is none of this name.

@@ -214,10 +214,10 @@ absl::StatusOr<BuildingPlan> ParsePlan(absl::string_view text,
                                        absl::string_view name) {
   TL_ASSIGN_OR_RETURN(const yaml::YamlNode file,
                       yaml::YamlNode::Parse(text, name));
-  TL_RETURN_IF_ERROR(
-      file.CheckKeys({"size", "seed", "finishes", "rooms", "platforms", "ramps",
-                      "stairs", "walls", "pillars", "doors", "windows",
-                      "posters", "furniture", "movers", "places", "tour"}));
+  TL_RETURN_IF_ERROR(file.CheckKeys(
+      {"size", "seed", "lighting", "finishes", "rooms", "platforms", "ramps",
+       "stairs", "walls", "pillars", "doors", "windows", "posters", "furniture",
+       "movers", "places", "tour"}));
   BuildingPlan plan;
   TL_ASSIGN_OR_RETURN(const std::vector<double> size,
                       file.Numbers("size", 3, 2, kMaxSize_m));
@@ -225,6 +225,10 @@ absl::StatusOr<BuildingPlan> ParsePlan(absl::string_view text,
   TL_ASSIGN_OR_RETURN(const int64_t seed,
                       file.IntegerOr("seed", 0, 0, int64_t{1} << 53));
   plan.seed = static_cast<uint64_t>(seed);
+  if (file.Has("lighting")) {
+    TL_ASSIGN_OR_RETURN(const yaml::YamlNode lighting, file.Get("lighting"));
+    TL_ASSIGN_OR_RETURN(plan.lighting, ReadLighting(lighting));
+  }
   // Later ones stand on, and hang on, earlier ones.
   for (const auto& read :
        {ReadFinishes, ReadRooms, ReadPlatforms, ReadRamps, ReadStairs,
@@ -239,7 +243,7 @@ std::string PlanText(const BuildingPlan& plan) {
   std::string out;
   absl::StrAppend(
       &out, "size: ", List({plan.size_m[0], plan.size_m[1], plan.size_m[2]}),
-      "\nseed: ", plan.seed, "\n");
+      "\nseed: ", plan.seed, "\nlighting: ", LightingName(plan.lighting), "\n");
   WriteStructure(plan, out);
   WriteFittings(plan, out);
   Section(out, "furniture", plan.furniture, [](const PlanFurniture& piece) {

@@ -57,6 +57,18 @@ TEST(PlanFileTest, ReadsWhatIsThereAndFillsInWhatIsNot) {
   EXPECT_EQ(plan->tour.size(), 3u);
 }
 
+TEST(PlanFileTest, HasALightOfItsOwn) {
+  EXPECT_EQ(ParsePlan(kSmall, "x.yaml")->lighting, Lighting::kDay);
+  const std::string dark = absl::StrCat(kSmall, "lighting: half-lamps\n");
+  const auto plan = ParsePlan(dark, "x.yaml");
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  EXPECT_EQ(plan->lighting, Lighting::kHalfLamps);
+  EXPECT_EQ(*ParsePlan(PlanText(*plan), "x.yaml"), *plan);
+  EXPECT_THAT(ErrorOf(absl::StrCat(kSmall, "lighting: nihgt\n")),
+              HasSubstr("x.yaml:14: there is no light 'nihgt'; did you mean "
+                        "'night'?"));
+}
+
 TEST(PlanFileTest, GroundIsTheLowestThatIsNotBuried) {
   const auto plan = ParsePlan(kSmall, "x.yaml");
   ASSERT_TRUE(plan.ok()) << plan.status();

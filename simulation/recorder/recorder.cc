@@ -104,15 +104,19 @@ std::string Description(const RecordOptions& options,
   const geometry::Vec3 t =
       is_tum ? geometry::Vec3{} : calibration.color_from_depth.translation;
   return absl::StrFormat(
-      "world %s\nseed %d\nframes %d\nrate_hz %g\n"
+      "world %s\nlight %s\nrearranged %d:%g\nseed %d\nframes %d\n"
+      "rate_hz %g\n"
       "color_camera %s\ndepth_camera %s\n"
       "# qw qx qy qz tx ty tz (m)\n"
       "color_from_depth 1 0 0 0 %g %g %g\n"
       "# %s: world_from_camera of this camera\n"
       "pose_sensor %s\n",
-      options.world, options.seed, frames, options.rate_hz,
-      calibration.color.ToString(), depth.ToString(), t.x, t.y, t.z,
-      is_tum ? "groundtruth.txt" : ".pose.txt", is_tum ? "color" : "depth");
+      options.world, building::LightingName(camera.renderer().world().lighting),
+      options.world_options.rearranged.seed,
+      options.world_options.rearranged.share, options.seed, frames,
+      options.rate_hz, calibration.color.ToString(), depth.ToString(), t.x, t.y,
+      t.z, is_tum ? "groundtruth.txt" : ".pose.txt",
+      is_tum ? "color" : "depth");
 }
 
 // Where the pose sensor is at any time (s).
@@ -229,10 +233,12 @@ absl::Status CheckNoRecording(const RecordOptions& options) {
   return absl::OkStatus();
 }
 
-sensors::SyntheticCamera::Options CameraOptions(const RecordOptions& options) {
+sensors::SyntheticCamera::Options CameraOptions(const RecordOptions& options,
+                                                building::Lighting lighting) {
   sensors::SyntheticCamera::Options camera;
   camera.seed = options.seed;
-  camera.color.is_automatic = options.is_exposure_automatic;
+  camera.color = sensors::ColorSensorFor(lighting);
+  if (options.is_exposure_automatic) camera.color.is_automatic = true;
   if (options.format == RecordFormat::kTum) {
     // What readers of TUM take a sequence for that does not say.
     constexpr double kColor[] = {525, 525, 319.5, 239.5};
@@ -341,9 +347,11 @@ absl::Status RecordIn(worlds::World world, const RecordOptions& options,
       renderer::Renderer::Create(std::move(world), options.threads));
   TL_ASSIGN_OR_RETURN(const CameraPath path, PathOf(options, *renderer));
   const std::vector<dataset::TimedPose> frames = FramesOf(options, path);
-  TL_ASSIGN_OR_RETURN(const sensors::SyntheticCamera camera,
-                      sensors::SyntheticCamera::Create(std::move(renderer),
-                                                       CameraOptions(options)));
+  const building::Lighting lighting = renderer->world().lighting;
+  TL_ASSIGN_OR_RETURN(
+      const sensors::SyntheticCamera camera,
+      sensors::SyntheticCamera::Create(std::move(renderer),
+                                       CameraOptions(options, lighting)));
   TL_RETURN_IF_ERROR(
       RecordFrames(options, camera, path, frames, folder.path(), done, stop));
   TL_RETURN_IF_ERROR(WriteLists(options, camera, frames));

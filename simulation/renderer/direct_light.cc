@@ -46,6 +46,24 @@ worlds::Float3 PointOnPart(const worlds::AreaLight& light, int part,
   return light.corner + s * light.edge_u + t * light.edge_v;
 }
 
+// Where a ray from `point` along `way` comes through a beam's window; false:
+// nowhere.
+bool MeetsWindow(const worlds::Sunbeam& beam, worlds::Float3 point,
+                 worlds::Float3 way, worlds::Float3& meets) {
+  const worlds::Float3 normal = worlds::Cross(beam.edge_v, beam.edge_u);
+  const float towards = worlds::Dot(way, normal);
+  // Windows let the sun in, not out.
+  if (towards >= 0) return false;
+  const float distance = worlds::Dot(beam.corner - point, normal) / towards;
+  if (distance <= 0) return false;
+  meets = point + distance * way;
+  const worlds::Float3 in_window = meets - beam.corner;
+  const float u = worlds::Dot(in_window, beam.edge_u);
+  const float v = worlds::Dot(in_window, beam.edge_v);
+  return u >= 0 && u <= worlds::Dot(beam.edge_u, beam.edge_u) && v >= 0 &&
+         v <= worlds::Dot(beam.edge_v, beam.edge_v);
+}
+
 // Whether some points of a light can be seen from here, or it is near.
 bool MaySee(const worlds::AreaLight& light, const RayCaster& caster,
             const LightReceiver& receiver) {
@@ -113,6 +131,49 @@ worlds::Float3 QuickDirectLight(const worlds::World& world,
     total = total + (1.0f / (static_cast<float>(parts) * kPi)) * sum;
   }
   return total;
+}
+
+worlds::Float3 SunLight(const worlds::World& world, const RayCaster& caster,
+                        const LightReceiver& receiver, base::Random& random) {
+  constexpr int kStrata = 4;
+  // The sun's radius is 0.27 degrees; panes and thin clouds widen it.
+  constexpr float kSpread = 0.008f;
+  worlds::Float3 total;
+  if (world.sunbeams.empty()) return total;
+  const worlds::Surface& surface = world.surfaces[receiver.surface];
+  const worlds::Float3 lift =
+      receiver.point - surface.PointAt(receiver.u, receiver.v);
+  for (int i = 0; i < kStrata * kStrata; ++i) {
+    const auto part = [&random](int stratum) {
+      return (static_cast<float>(stratum) + UnitFloat(random)) / kStrata - 0.5f;
+    };
+    const float u = receiver.u + part(i % kStrata) * receiver.step_u;
+    const float v = receiver.v + part(i / kStrata) * receiver.step_v;
+    const worlds::Float3 point = surface.PointAt(u, v) + lift;
+    const auto spread = [&random] {
+      return kSpread * (2 * UnitFloat(random) - 1);
+    };
+    const worlds::Float3 aside = {spread(), spread(), spread()};
+    for (const worlds::Sunbeam& beam : world.sunbeams) {
+      const float cosine = worlds::Dot(beam.to_sun, receiver.normal);
+      worlds::Float3 meets;
+      if (cosine > 0 && MeetsWindow(beam, point, beam.to_sun + aside, meets) &&
+          caster.IsFree(point, meets)) {
+        total = total + cosine * beam.radiance;
+      }
+    }
+  }
+  return (1.0f / (kStrata * kStrata)) * total;
+}
+
+worlds::Float3 SunAt(const worlds::Sunbeam& beam, const RayCaster& caster,
+                     worlds::Float3 point) {
+  worlds::Float3 meets;
+  if (!MeetsWindow(beam, point, beam.to_sun, meets) ||
+      !caster.IsFree(point, meets)) {
+    return {};
+  }
+  return beam.radiance;
 }
 
 std::vector<size_t> LightsOf(const worlds::World& world,

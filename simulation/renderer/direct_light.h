@@ -1,4 +1,4 @@
-// Light that comes straight from lamps and windows.
+// Light that comes straight from lamps, windows and the sun.
 #ifndef SIMULATION_RENDERER_DIRECT_LIGHT_H_
 #define SIMULATION_RENDERER_DIRECT_LIGHT_H_
 
@@ -17,6 +17,9 @@ struct LightReceiver {
   uint32_t surface = 0;
   float u = 0;
   float v = 0;
+  // From one receiver of the surface to the next, in u and in v.
+  float step_u = 0;
+  float step_v = 0;
   worlds::Float3 point;
   worlds::Float3 normal;
 };
@@ -32,6 +35,15 @@ worlds::Float3 QuickDirectLight(const worlds::World& world,
                                 const RayCaster& caster,
                                 const LightReceiver& receiver,
                                 base::Random& random);
+
+// Light of the sun, per pi: the mean over the square that the receiver stands
+// for, so that edges of shadows are as soft as squares are large. Not part of
+// the two above.
+worlds::Float3 SunLight(const worlds::World& world, const RayCaster& caster,
+                        const LightReceiver& receiver, base::Random& random);
+// The same of a point in the air on what faces the sun, by its middle.
+worlds::Float3 SunAt(const worlds::Sunbeam& beam, const RayCaster& caster,
+                     worlds::Float3 point);
 
 // The lights that may shine on receivers of one surface, rows of `width` of
 // them: not those that are too faint there, face elsewhere, or are hidden from

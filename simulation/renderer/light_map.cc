@@ -7,6 +7,7 @@
 #include "common/base/parallel_for.h"
 #include "common/base/random.h"
 #include "simulation/renderer/direct_light.h"
+#include "simulation/renderer/indirect_light.h"
 
 namespace treeline::renderer {
 
@@ -169,6 +170,8 @@ std::vector<LightReceiver> LightMap::LayOut(const worlds::World& world,
       receivers.push_back({.surface = static_cast<uint32_t>(s),
                            .u = u,
                            .v = v,
+                           .step_u = 1 / static_cast<float>(grid.u_count),
+                           .step_v = 1 / static_cast<float>(grid.v_count),
                            .point = surface.PointAt(u, v) + kLift_m * normal,
                            .normal = normal});
     }
@@ -200,11 +203,11 @@ std::vector<worlds::Float3> LightMap::Gather(
       const worlds::Surface& other = world.surfaces[hit.surface];
       const bool is_dark =
           is_front_only && worlds::Dot(other.Normal(), directions[ray]) > 0;
-      const float emission = is_dark ? 0 : other.emission;
-      const worlds::Float3 light = At(hit.surface, hit.u, hit.v) +
-                                   worlds::Float3{emission, emission, emission};
+      const worlds::Float3 light = At(hit.surface, hit.u, hit.v);
+      const worlds::Float3 leaving =
+          is_dark ? other.reflection * light : GivenOn(world, other, light);
       sum = sum +
-            light * world.textures[static_cast<size_t>(other.texture)].Mean();
+            leaving * world.textures[static_cast<size_t>(other.texture)].Mean();
     }
     gathered[i] = (1.0f / kRays) * sum;
   });
@@ -237,7 +240,8 @@ void LightMap::BakeSmall(const worlds::World& world, const RayCaster& caster,
   std::vector<worlds::Float3> direct(receivers.size());
   ForAll(receivers.size(), threads, [&](size_t i) {
     base::Random random(1, i);
-    direct[i] = DirectLight(world, caster, receivers[i], random);
+    direct[i] = DirectLight(world, caster, receivers[i], random) +
+                SunLight(world, caster, receivers[i], random);
   });
   texels_ = direct;
   LightMap smooth = *this;
@@ -265,7 +269,8 @@ void LightMap::BakeLarge(const worlds::World& world, const RayCaster& caster,
         for (const size_t i : indices) {
           base::Random random(1, i);
           direct[i] =
-              QuickDirectLight(world, lights, caster, receivers[i], random);
+              QuickDirectLight(world, lights, caster, receivers[i], random) +
+              SunLight(world, caster, receivers[i], random);
         }
       });
   texels_ = direct;

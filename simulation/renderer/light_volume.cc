@@ -5,6 +5,8 @@
 
 #include "common/base/parallel_for.h"
 #include "common/base/random.h"
+#include "simulation/renderer/direct_light.h"
+#include "simulation/renderer/indirect_light.h"
 
 namespace treeline::renderer {
 namespace {
@@ -46,6 +48,18 @@ std::array<worlds::Float3, kRays> SphereDirections(float turn) {
     directions[i] = {radius * std::cos(angle), radius * std::sin(angle), z};
   }
   return directions;
+}
+
+// Adds what comes straight from the sun.
+void AddSun(const worlds::World& world, const RayCaster& caster,
+            worlds::Float3 point, std::array<worlds::Float3, 6>& sides) {
+  for (const worlds::Sunbeam& beam : world.sunbeams) {
+    const worlds::Float3 sun = SunAt(beam, caster, point);
+    for (size_t side = 0; side < kSides.size(); ++side) {
+      const float facing = worlds::Dot(beam.to_sun, kSides[side]);
+      if (facing > 0) sides[side] = sides[side] + facing * sun;
+    }
+  }
 }
 
 // Adds what comes straight from the lamps.
@@ -94,10 +108,10 @@ float AddSurroundings(const worlds::World& world, const RayCaster& caster,
     const worlds::Surface& surface = world.surfaces[hits[i].surface];
     if (worlds::Dot(surface.Normal(), directions[i]) > 0) backs += 1;
     const worlds::Float3 light =
-        light_map.At(hits[i].surface, hits[i].u, hits[i].v) +
-        worlds::Float3{surface.emission, surface.emission, surface.emission};
+        light_map.At(hits[i].surface, hits[i].u, hits[i].v);
     const worlds::Float3 radiance =
-        light * world.textures[static_cast<size_t>(surface.texture)].Mean();
+        GivenOn(world, surface, light) *
+        world.textures[static_cast<size_t>(surface.texture)].Mean();
     for (size_t side = 0; side < kSides.size(); ++side) {
       const float facing = worlds::Dot(directions[i], kSides[side]);
       if (facing > 0) {
@@ -159,6 +173,7 @@ LightVolume LightVolume::Bake(const worlds::World& world,
           Probe& probe = volume.probes_[index];
           base::Random random(9, index);
           AddLamps(world, caster, point, probe.sides);
+          AddSun(world, caster, point, probe.sides);
           const float backs = AddSurroundings(
               world, caster, light_map, point,
               static_cast<float>(random.NextUniform(0, 2.0 * kPi)),

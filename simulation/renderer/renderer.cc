@@ -335,9 +335,7 @@ worlds::Float3 Renderer::Shade(const View& view, worlds::Float3 direction,
     light = light_volume_.At(view.origin + hit.distance * direction,
                              cosine > 0 ? -1 * normal : normal);
   }
-  return reflectance *
-         (light +
-          worlds::Float3{surface.emission, surface.emission, surface.emission});
+  return reflectance * surface.Leaving(light);
 }
 
 worlds::Float3 Renderer::ShadeThrough(const View& view,

@@ -1,6 +1,7 @@
 #include "simulation/renderer/renderer.h"
 
 #include <cmath>
+#include <utility>
 
 #include "common/base/random.h"
 #include "gtest/gtest.h"
@@ -241,6 +242,50 @@ TEST(RendererWithGlass, ShowsWhatIsBehindDimmed) {
   const auto depth = glass->RenderDepth(rays, pose, 1);
   EXPECT_NEAR(depth[middle].depth_m, 2.5, 1e-4);
   EXPECT_TRUE(depth[middle].is_behind_glass);
+}
+
+// The sun through a window at x = 4, y and z from 1 to 2, at 45 degrees: on the
+// floor from x = 2 to 3.
+TEST(RendererWithSun, LightsTheFloorBehindTheWindowButNotInShadow) {
+  worlds::World world = worlds::TestingWorld();
+  // A board in the way of half of it.
+  worlds::Surface board;
+  board.corners = {worlds::Float3{3.5f, 1, 2.4f},
+                   {3.5f, 1.5f, 2.4f},
+                   {3.5f, 1.5f, 0},
+                   {3.5f, 1, 0}};
+  world.surfaces.push_back(board);
+  const auto without = *Renderer::Create(world, 2);
+  world.sunbeams.push_back(
+      {.corner = {3.995f, 2, 2},
+       .edge_u = {0, -1, 0},
+       .edge_v = {0, 0, -1},
+       .to_sun = worlds::Normalized(worlds::Float3{1, 0, 1}),
+       .radiance = {4, 3, 2}});
+  const auto with = *Renderer::Create(world, 2);
+  const PixelRays rays(MakeCamera("PINHOLE,150,150,79.5,59.5"));
+  const float reflectance = world.textures[0].Mean().x;
+  const auto gain_at = [&](double x, double y) {
+    const geometry::Rigid3 down = {
+        geometry::Rotation3::FromMatrix(
+            geometry::Mat3{{1, 0, 0, 0, -1, 0, 0, 0, -1}}),
+        {x, y, 1.2}};
+    const size_t middle = 60 * 160 + 80;
+    const worlds::Float3 lit = with->RenderRadiance(rays, down, 1)[middle];
+    const worlds::Float3 unlit = without->RenderRadiance(rays, down, 1)[middle];
+    return lit - unlit;
+  };
+  // By the cosine; what the walls give back comes on top, a fifth at most of
+  // what a room that is half grey gathers.
+  const float direct = 0.7071f * reflectance;
+  const worlds::Float3 lit = gain_at(2.5, 1.75);
+  EXPECT_GT(lit.x, 0.98f * 4 * direct);
+  EXPECT_LT(lit.x, 1.3f * 4 * direct);
+  EXPECT_LT(lit.z, 0.6f * lit.x);
+  for (const auto& [x, y] : {std::pair(2.5, 1.25), std::pair(1.6, 1.75),
+                             std::pair(3.3, 1.75), std::pair(2.5, 2.4)}) {
+    EXPECT_LT(gain_at(x, y).x, 0.2f * lit.x) << x << ", " << y;
+  }
 }
 
 TEST(UnlitRenderer, HasTheSameDepthAndSomeLight) {

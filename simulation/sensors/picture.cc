@@ -22,6 +22,14 @@ camera::Camera Pinhole(int width_px, int height_px, double focal_px) {
                                  height_px, values.data(), values.size());
 }
 
+ColorSensorOptions WithoutNoise(ColorSensorOptions sensor) {
+  sensor.white_balance_error = 0;
+  sensor.shot_noise = 0;
+  sensor.read_noise = 0;
+  sensor.noise_levels = 0;
+  return sensor;
+}
+
 camera::Camera HandCamera(int width_px, int height_px) {
   return Pinhole(width_px, height_px, width_px * 525.0 / 640);
 }
@@ -72,7 +80,7 @@ image::ColorImage PictureFromAbove(const renderer::Renderer& opened,
   const std::vector<worlds::Float3> radiance =
       opened.RenderRadiance(snapshot, rays, world_from_camera, threads);
   image::ColorImage image = ExposeColor(
-      rays, radiance, {.is_automatic = true, .noise_levels = 0}, 0, 0, threads);
+      rays, radiance, WithoutNoise({.is_automatic = true}), 0, 0, threads);
   for (size_t i = 0; i < radiance.size(); ++i) {
     if (radiance[i] == worlds::Float3{}) {
       std::fill_n(image.rgb.begin() + static_cast<ptrdiff_t>(3 * i), 3, kPaper);
@@ -86,9 +94,11 @@ image::ColorImage PictureOf(const renderer::Renderer& renderer,
                             const geometry::Rigid3& world_from_camera,
                             int width_px, int height_px, int threads) {
   const renderer::PixelRays rays(HandCamera(width_px, height_px));
+  ColorSensorOptions sensor = ColorSensorFor(renderer.world().lighting);
+  sensor.is_automatic = true;
   return ExposeColor(
       rays, renderer.RenderRadiance(snapshot, rays, world_from_camera, threads),
-      {.is_automatic = true, .noise_levels = 0}, 0, 0, threads);
+      WithoutNoise(sensor), 0, 0, threads);
 }
 
 image::ColorImage PictureOfDepth(const renderer::Renderer& renderer,

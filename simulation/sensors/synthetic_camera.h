@@ -15,18 +15,36 @@
 
 namespace treeline::sensors {
 
-// The colour camera's noise and exposure.
+// The colour camera's exposure, white balance and noise.
 struct ColorSensorOptions {
   // Radiance 1 times this is 1 before the tone curve. In (0, 100].
   double exposure = 3.4;
   // Exposes each picture by itself instead, so that the mean of the logarithm
-  // of its radiance lands where the eye sees a middle grey (Reinhard 2002).
+  // of its radiance lands where the eye sees a middle grey (Reinhard 2002), as
+  // far as shutter and gain go: from min_exposure to max_exposure, in (0, 100].
   bool is_automatic = false;
+  double min_exposure = 0.1;
+  double max_exposure = 100;
+  // The share, in the logarithm, of a picture's colour cast that the camera
+  // takes for the light's and removes (grey world: Buchsbaum 1980). In [0, 1].
+  double white_balance = 0;
+  // Standard deviation of the logarithm of the gains of red and of blue, which
+  // are a draw of each camera (seed). In [0, 0.5].
+  double white_balance_error = 0;
+  // Noise before the tone curve, of exposed radiance e L: its variance is
+  // shot_noise e (e L) + (read_noise e)^2, so that it grows with the exposure
+  // that darkness takes. In [0, 0.1].
+  double shot_noise = 0;
+  double read_noise = 0;
   // Standard deviation of a channel, in the 8-bit picture's levels. [0, 50].
   double noise_levels = 1.6;
 
   absl::Status Validate() const;
 };
+
+// How a camera is set that takes pictures in this light: by day as above, with
+// a fixed exposure; otherwise it exposes and balances each picture by itself.
+ColorSensorOptions ColorSensorFor(building::Lighting lighting);
 
 // The depth camera's noise. Defaults: Nguyen, Izadi, Lovell 2012 (axial noise)
 // and Khoshelham, Elberink 2012 (quantisation of the disparity).
@@ -61,7 +79,8 @@ struct DepthSensorOptions {
 };
 
 // What ColorSensorOptions::is_automatic exposes a picture with.
-double AutomaticExposure(const std::vector<worlds::Float3>& radiance);
+double AutomaticExposure(const std::vector<worlds::Float3>& radiance,
+                         const ColorSensorOptions& options);
 
 // Noise-free radiance as an 8-bit picture with sensor noise. `frame` numbers
 // the exposures: (seed, frame) determine the noise.

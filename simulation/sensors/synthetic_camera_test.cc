@@ -179,6 +179,10 @@ TEST(ColorSensorTest, NoiseHasItsDeviationAndNoBias) {
 TEST(SyntheticCameraTest, OptionsAreChecked) {
   EXPECT_FALSE((ColorSensorOptions{.exposure = 0}).Validate().ok());
   EXPECT_FALSE((ColorSensorOptions{.noise_levels = -1}).Validate().ok());
+  EXPECT_FALSE((ColorSensorOptions{.min_exposure = 3, .max_exposure = 2})
+                   .Validate()
+                   .ok());
+  EXPECT_FALSE((ColorSensorOptions{.white_balance = 2}).Validate().ok());
   EXPECT_FALSE((DepthSensorOptions{.max_range_m = 0.1}).Validate().ok());
   EXPECT_FALSE((DepthSensorOptions{.edge_loss = 1.5}).Validate().ok());
   EXPECT_FALSE(
@@ -291,6 +295,95 @@ TEST(AutomaticExposure, MakesBrightAndDarkPicturesAlike) {
   EXPECT_NEAR(mean_level(0.02f), mean_level(0.5f), 1);
   EXPECT_GT(mean_level(0.1f), 80);
   EXPECT_LT(mean_level(0.1f), 170);
+}
+
+// Mean levels of an evenly lit picture and the deviation of its green.
+struct Levels {
+  std::array<double, 3> means{};
+  double deviation = 0;
+};
+Levels LevelsOf(worlds::Float3 light, const ColorSensorOptions& options,
+                uint64_t seed = 1) {
+  constexpr double kParameters[] = {80, 80, 47.5, 35.5};
+  const renderer::PixelRays rays(*camera::Camera::Create(
+      camera::CameraModel::kPinhole, 96, 72, kParameters, 4));
+  const std::vector<worlds::Float3> radiance(rays.rays().size(), light);
+  const image::ColorImage image =
+      ExposeColor(rays, radiance, options, seed, 0, 1);
+  Levels levels;
+  const double count = static_cast<double>(radiance.size());
+  for (size_t i = 0; i < image.rgb.size(); ++i) {
+    levels.means[i % 3] += image.rgb[i] / count;
+  }
+  for (size_t i = 1; i < image.rgb.size(); i += 3) {
+    const double away = image.rgb[i] - levels.means[1];
+    levels.deviation += away * away / count;
+  }
+  levels.deviation = std::sqrt(levels.deviation);
+  return levels;
+}
+
+TEST(AutomaticExposure, EndsWhereShutterAndGainDo) {
+  const ColorSensorOptions options = {
+      .is_automatic = true, .max_exposure = 30, .noise_levels = 0};
+  // A middle grey of 0.35 needs 30 times 0.0117.
+  const double grey = LevelsOf({0.1f, 0.1f, 0.1f}, options).means[1];
+  EXPECT_NEAR(LevelsOf({0.012f, 0.012f, 0.012f}, options).means[1], grey, 1);
+  EXPECT_LT(LevelsOf({0.003f, 0.003f, 0.003f}, options).means[1], 0.7 * grey);
+}
+
+TEST(WhiteBalance, TakesItsShareOutOfTheCast) {
+  const worlds::Float3 warm = {0.15f, 0.10f, 0.05f};
+  const auto cast_left = [&](double share) {
+    const Levels levels = LevelsOf(
+        warm,
+        {.is_automatic = true, .white_balance = share, .noise_levels = 0});
+    return levels.means[0] - levels.means[2];
+  };
+  EXPECT_GT(cast_left(0), 40);
+  EXPECT_GT(cast_left(0.5), 0.3 * cast_left(0));
+  EXPECT_LT(cast_left(0.5), 0.7 * cast_left(0));
+  EXPECT_NEAR(cast_left(1), 0, 1);
+}
+
+TEST(WhiteBalance, HasAnErrorOfEachCamerasOwn) {
+  const ColorSensorOptions options = {.white_balance_error = 0.1,
+                                      .noise_levels = 0};
+  double squares = 0;
+  constexpr int kCameras = 40;
+  const auto red_over_green = [&](uint64_t seed) {
+    // Straight: far below where the tone curve bends, and its square root.
+    const Levels levels = LevelsOf({0.01f, 0.01f, 0.01f}, options, seed);
+    return 2 * std::log(levels.means[0] / levels.means[1]);
+  };
+  for (uint64_t seed = 0; seed < kCameras; ++seed) {
+    squares += std::pow(red_over_green(seed), 2) / kCameras;
+  }
+  EXPECT_EQ(red_over_green(3), red_over_green(3));
+  // The deviation of 40 draws is known to 11 %; three times that, and what
+  // rounding to levels of about 40 adds.
+  EXPECT_NEAR(std::sqrt(squares), 0.1, 0.04);
+}
+
+TEST(ColorSensorTest, NoiseGrowsWithTheExposureThatDarknessTakes) {
+  ColorSensorOptions options = ColorSensorFor(building::Lighting::kEvening);
+  options.white_balance_error = 0;
+  const Levels bright = LevelsOf({0.1f, 0.1f, 0.1f}, options);
+  const Levels dark = LevelsOf({0.012f, 0.012f, 0.012f}, options);
+  EXPECT_NEAR(bright.means[1], dark.means[1], 2);
+  EXPECT_LT(bright.deviation, 3);
+  EXPECT_GT(dark.deviation, 2 * bright.deviation);
+  EXPECT_TRUE(options.Validate().ok());
+}
+
+TEST(ColorSensorTest, IsByDayWhatItAlwaysWas) {
+  const ColorSensorOptions day = ColorSensorFor(building::Lighting::kDay);
+  EXPECT_FALSE(day.is_automatic);
+  EXPECT_EQ(day.exposure, ColorSensorOptions().exposure);
+  EXPECT_EQ(day.noise_levels, ColorSensorOptions().noise_levels);
+  EXPECT_EQ(day.shot_noise + day.read_noise + day.white_balance +
+                day.white_balance_error,
+            0);
 }
 
 TEST(MotionBlur, IsTheMeanOfWhatIsSeenOnTheWay) {

@@ -57,6 +57,8 @@ absl::StatusOr<std::shared_ptr<const Imager>> MakeImager(
                       is_lit ? renderer::Renderer::Create(world, threads)
                              : renderer::Renderer::CreateUnlit(world));
   sensors::SyntheticCamera::Options options;
+  // The light of an unlit world is that of a cloudy day.
+  if (is_lit) options.color = sensors::ColorSensorFor(world.lighting);
   if (scale != 1) {
     // Depth is as exact as that of the whole picture.
     options.depth.disparity_steps_per_px /= scale;

@@ -285,10 +285,20 @@ absl::Status ReadRobotAndSensors(const yaml::YamlNode& root,
   return ReadErrors(node, options.errors);
 }
 
+absl::Status ReadRearranged(const yaml::YamlNode& node,
+                            worlds::Rearrangement& rearranged) {
+  TL_RETURN_IF_ERROR(node.CheckKeys({"seed", "share"}));
+  TL_ASSIGN_OR_RETURN(const int64_t seed,
+                      node.Integer("seed", 0, int64_t{1} << 53));
+  rearranged.seed = static_cast<uint64_t>(seed);
+  TL_ASSIGN_OR_RETURN(rearranged.share, node.Number("share", 0, 1));
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Scenario> ReadRoot(const yaml::YamlNode& root) {
-  TL_RETURN_IF_ERROR(
-      root.CheckKeys({"world", "seed", "people", "after_moves", "duration_s",
-                      "start", "robot", "sensors", "errors", "actions"}));
+  TL_RETURN_IF_ERROR(root.CheckKeys(
+      {"world", "seed", "people", "after_moves", "rearranged", "lighting",
+       "duration_s", "start", "robot", "sensors", "errors", "actions"}));
   Scenario scenario;
   TL_ASSIGN_OR_RETURN(scenario.world, root.TextOr("world", "cafe"));
   TL_ASSIGN_OR_RETURN(const int64_t seed,
@@ -298,6 +308,15 @@ absl::StatusOr<Scenario> ReadRoot(const yaml::YamlNode& root) {
                       root.BooleanOr("people", true));
   TL_ASSIGN_OR_RETURN(scenario.world_options.after_moves,
                       root.BooleanOr("after_moves", false));
+  if (root.Has("rearranged")) {
+    TL_ASSIGN_OR_RETURN(const yaml::YamlNode node, root.Get("rearranged"));
+    TL_RETURN_IF_ERROR(ReadRearranged(node, scenario.world_options.rearranged));
+  }
+  if (root.Has("lighting")) {
+    TL_ASSIGN_OR_RETURN(const yaml::YamlNode node, root.Get("lighting"));
+    TL_ASSIGN_OR_RETURN(scenario.world_options.lighting,
+                        building::ReadLighting(node));
+  }
   TL_ASSIGN_OR_RETURN(const double duration_s,
                       root.NumberOr("duration_s", 0, 0, kMaxTime_s));
   scenario.duration = FromSeconds(duration_s);

@@ -65,6 +65,19 @@ std::string ErrorOf(const std::string& text) {
   return scenario.ok() ? "" : std::string(scenario.status().message());
 }
 
+TEST(Scenario, SaysInWhichStateTheWorldIs) {
+  const auto scenario = ParseScenario(
+      "world: cafe\nlighting: evening\nrearranged: {seed: 3, share: 0.4}\n",
+      "s.yaml");
+  ASSERT_TRUE(scenario.ok()) << scenario.status();
+  EXPECT_EQ(scenario->world_options.lighting, building::Lighting::kEvening);
+  EXPECT_EQ(scenario->world_options.rearranged,
+            (worlds::Rearrangement{.seed = 3, .share = 0.4}));
+  EXPECT_THAT(ErrorOf("lighting: dusk\n"), HasSubstr("s.yaml:1: "));
+  EXPECT_THAT(ErrorOf("rearranged: {seed: 3, share: 2}\n"),
+              HasSubstr("s.yaml:1: "));
+}
+
 TEST(Scenario, IsReadWithItsActionsInOrderOfTime) {
   const auto scenario = ParseScenario(kEverything, "s.yaml");
   ASSERT_TRUE(scenario.ok()) << scenario.status();

@@ -197,9 +197,9 @@ void BuildingFittings::AddView(const Placement& frame,
   const float high = F(window.high_m);
   const uint64_t seed = furniture_.NextSeed();
   builder_.set_kind(SurfaceKind::kOther);
-  builder_.AddPanel(frame, {half, 0.004f, high}, {-2 * half, 0, 0},
-                    {0, 0, low - high},
-                    Painted([=] { return PaintWindowView(seed); }, 0, 1.9f));
+  builder_.AddView(frame, {half, 0, high}, {-2 * half, 0, 0},
+                   {0, 0, low - high}, kSkyRadiance,
+                   Painted([=] { return PaintWindowView(seed); }, 0, 1.9f));
   const int bars = std::max(2, static_cast<int>(std::lround(half / 0.45f)) + 1);
   for (int i = 0; i <= bars; ++i) {
     const float s = -half + 2 * half * F(i) / F(bars);
@@ -214,10 +214,6 @@ void BuildingFittings::AddView(const Placement& frame,
   builder_.AddBox(frame, {-half - 0.1f, 0, low - 0.08f},
                   {half + 0.1f, 0.14f, low - 0.051f},
                   {.sides = trim_.white, .has_bottom = true});
-  builder_.AddLight({.corner = frame.Point({half, 0.045f, high}),
-                     .edge_u = frame.Direction({-2 * half, 0, 0}),
-                     .edge_v = {0, 0, low - high},
-                     .radiance = {1.5f, 1.75f, 2.1f}});
 }
 
 void BuildingFittings::AddPoster(const building::PlanPoster& poster) {
@@ -249,18 +245,25 @@ void BuildingFittings::AddFurniture(const building::PlanFurniture& piece) {
       options_.after_moves && piece.moved_to.has_value() ? *piece.moved_to
                                                          : piece.stand;
   builder_.set_kind(SurfaceKind::kOther);
+  const auto add = [&](const WorldBuilder::Group& group) {
+    const building::FurnitureKind* kind = building::FindFurniture(piece.kind);
+    const bool can_move = kind != nullptr && kind->can_move;
+    if (can_move) builder_.BeginPiece();
+    builder_.AddGroup(group, StandAt(stand));
+    if (can_move) builder_.EndPiece();
+  };
   const auto make = [&] {
     builder_.BeginGroup();
     MakePiece(piece);
     return builder_.EndGroup();
   };
-  if (piece.variant == 0) return builder_.AddGroup(make(), StandAt(stand));
+  if (piece.variant == 0) return add(make());
   const auto key = std::tuple(
       piece.kind, static_cast<int>(std::lround(piece.width_m * 1000)),
       piece.variant);
   auto known = pieces_.find(key);
   if (known == pieces_.end()) known = pieces_.emplace(key, make()).first;
-  builder_.AddGroup(known->second, StandAt(stand));
+  add(known->second);
 }
 
 void BuildingFittings::AddPerson() {

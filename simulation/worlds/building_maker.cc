@@ -84,6 +84,14 @@ absl::StatusOr<World> MakeBuilding(std::string name,
       builder.Build(std::move(name),
                     {F(plan.size_m[0]), F(plan.size_m[1]), F(plan.size_m[2])},
                     {}, options.threads);
+  world.lighting = plan.lighting;
+  for (const building::PlanMover& mover : plan.movers) {
+    std::vector<Float3>& way = world.ways.emplace_back();
+    for (const building::PlanMover::Stop& stop : mover.path) {
+      way.push_back(
+          {F(stop.at.x_m), F(stop.at.y_m), GroundHeight(plan, stop.at)});
+    }
+  }
   for (const building::PlanPlace& place : plan.places) {
     world.places.push_back(
         {.name = place.name, .placement = fittings.StandAt(place.stand)});

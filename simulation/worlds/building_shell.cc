@@ -244,6 +244,7 @@ void BuildingShell::AddLamps(const building::PlanArea& area, float ceiling_m,
           ceiling_m - 0.06f};
       const Placement at = {corner, 0};
       builder_.set_kind(SurfaceKind::kCeiling);
+      builder_.BeginLamp();
       builder_.AddBox(at, {-0.02f, -0.02f, 0},
                       {kLamp_m + 0.02f, kLamp_m + 0.02f, 0.059f},
                       {.sides = trim_.metal});
@@ -253,6 +254,7 @@ void BuildingShell::AddLamps(const building::PlanArea& area, float ceiling_m,
                          .edge_u = {kLamp_m, 0, 0},
                          .edge_v = {0, kLamp_m, 0},
                          .radiance = radiance * Float3{1, 0.95f, 0.86f}});
+      builder_.EndLamp();
     }
   }
 }

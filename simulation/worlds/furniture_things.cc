@@ -61,6 +61,7 @@ void SmallFurnishings::FloorLamp(const Placement& at) {
   const uint64_t seed = shop_.NextSeed();
   const Finish shade =
       shop_.Stretched([=] { return PaintFabric(color, seed); }, 1.1f);
+  shop_.builder.BeginLamp();
   const ProfilePoint cone[] = {{0.20f, 1.38f}, {0.13f, 1.66f}};
   shop_.builder.AddTurned(at, middle, cone, 24, shade);
   const Float3 corner = at.Point(middle + Float3{-0.08f, -0.08f, 1.37f});
@@ -68,6 +69,7 @@ void SmallFurnishings::FloorLamp(const Placement& at) {
                           .edge_u = at.Direction({0.16f, 0, 0}),
                           .edge_v = at.Direction({0, 0.16f, 0}),
                           .radiance = {9, 7.2f, 5}});
+  shop_.builder.EndLamp();
 }
 
 void SmallFurnishings::Plant(const Placement& at, float height_m,

@@ -116,6 +116,7 @@ class RoomMaker {
           return PaintFabric({0.95f, 0.90f, 0.78f}, 7);
         },
         0, 1.5f);
+    builder_.BeginLamp();
     const ProfilePoint bowl[] = {
         {0.001f, 0}, {0.16f, 0.02f}, {0.24f, 0.09f}, {0.25f, 0.14f}};
     builder_.AddTurned(middle, {0, 0, z}, bowl, 28, shade);
@@ -130,6 +131,7 @@ class RoomMaker {
                        .edge_u = {0.4f, 0, 0},
                        .edge_v = {0, -0.4f, 0},
                        .radiance = {12, 11, 9}});
+    builder_.EndLamp();
   }
 
   void AddWindow(const Placement& wall, float x) {
@@ -137,9 +139,9 @@ class RoomMaker {
     constexpr float kLow = 0.95f;
     constexpr float kHigh = 2.15f;
     const uint64_t seed = furniture_.NextSeed();
-    builder_.AddPanel(wall, {x + kWidth, 0.004f, kHigh}, {-kWidth, 0, 0},
-                      {0, 0, kLow - kHigh},
-                      Textured([=] { return PaintWindowView(seed); }, 0, 1.9f));
+    builder_.AddView(wall, {x + kWidth, 0, kHigh}, {-kWidth, 0, 0},
+                     {0, 0, kLow - kHigh}, kSkyRadiance,
+                     Textured([=] { return PaintWindowView(seed); }, 0, 1.9f));
     // Frame, mullions and sill.
     for (const float bar :
          {x - 0.05f, x + kWidth / 2 - 0.03f, x + kWidth - 0.01f}) {
@@ -168,10 +170,6 @@ class RoomMaker {
                     {.sides = white_,
                      .front = Textured([=] { return PaintRadiator(seed); }),
                      .has_bottom = true});
-    builder_.AddLight({.corner = wall.Point({x + kWidth, 0.045f, kHigh}),
-                       .edge_u = wall.Direction({-kWidth, 0, 0}),
-                       .edge_v = {0, 0, kLow - kHigh},
-                       .radiance = {1.5f, 1.75f, 2.1f}});
   }
 
   void AddDoor(const Placement& wall, float x) {
@@ -213,17 +211,36 @@ class RoomMaker {
     }
   }
 
+  // Makes something that could stand elsewhere.
+  template <typename Make>
+  void AddPiece(Make make) {
+    builder_.BeginPiece();
+    make();
+    builder_.EndPiece();
+  }
+  void AddPlant(const Placement& at, float low_m, float high_m) {
+    AddPiece([&] { furniture_.things().Plant(at, Uniform(low_m, high_m)); });
+  }
+  void AddChair(const Placement& at) {
+    AddPiece([&] { furniture_.home().Chair(at); });
+  }
+  void AddBoxes(const Placement& at) {
+    AddPiece([&] { furniture_.things().BoxStack(at); });
+  }
+
   void FurnishSeatWall(int wall) {
     const Placement at = Wall(wall);
     const float x = kCorner_m + Uniform(0.0f, 0.15f);
-    furniture_.things().Plant(at.At({x, 0.03f, 0}), Uniform(1.0f, 1.35f));
-    furniture_.home().Sofa(at.At({x + 0.55f, 0.02f, 0}));
-    furniture_.things().FloorLamp(at.At({x + 2.6f, 0.1f, 0}));
+    AddPlant(at.At({x, 0.03f, 0}), 1.0f, 1.35f);
+    AddPiece([&] { furniture_.home().Sofa(at.At({x + 0.55f, 0.02f, 0})); });
+    AddPiece([&] {
+      furniture_.things().FloorLamp(at.At({x + 2.6f, 0.1f, 0}));
+    });
     HangPictures(at, x + 0.4f, x + 2.6f);
     furniture_.things().Clock(at.At({x + 2.75f, 0, 1.95f}));
     const float rest = WallLength(wall) - (x + 3.1f);
     if (rest > 0.55f) {
-      furniture_.things().BoxStack(at.At({x + 3.1f, 0.03f, 0}));
+      AddBoxes(at.At({x + 3.1f, 0.03f, 0}));
     }
   }
 
@@ -243,10 +260,8 @@ class RoomMaker {
     const float x = 1.38f + Uniform(0.0f, 0.1f);
     AddWindow(at, x);
     furniture_.home().Desk(at.At({x + 0.05f, 0.12f, 0}));
-    furniture_.home().Chair(
-        at.At({x + 0.75f, 1.08f, 0}, kPi + Uniform(-0.4f, 0.4f)));
-    furniture_.things().Plant(at.At({WallLength(wall) - 0.55f, 0.1f, 0}),
-                              Uniform(0.6f, 0.9f));
+    AddChair(at.At({x + 0.75f, 1.08f, 0}, kPi + Uniform(-0.4f, 0.4f)));
+    AddPlant(at.At({WallLength(wall) - 0.55f, 0.1f, 0}), 0.6f, 0.9f);
     HangPictures(at, 0.05f, x - 0.45f);
   }
 
@@ -258,7 +273,7 @@ class RoomMaker {
     const float free = WallLength(wall) - 1.1f;
     furniture_.things().WallShelf(at.At({x + 1.18f, 0, 1.45f}),
                                   std::max(0.5f, free - x - 1.25f));
-    furniture_.things().BoxStack(at.At({x + 1.2f, 0.02f, 0}));
+    AddBoxes(at.At({x + 1.2f, 0.02f, 0}));
     HangPictures(at, 0.05f, x - 0.1f);
   }
 
@@ -271,9 +286,11 @@ class RoomMaker {
                     {.sides = white_,
                      .top = Textured([=] { return PaintRug(hue, seed); })});
     const Placement rug = middle.At({0, 0, 0.0085f});
-    furniture_.home().CoffeeTable(rug.At({0.05f, 0, 0}, Uniform(-0.1f, 0.1f)));
-    furniture_.home().Chair(
-        rug.At({-0.82f, 0.25f, 0}, 1.3f + Uniform(-0.3f, 0.3f)));
+    const float table_turn = Uniform(-0.1f, 0.1f);
+    AddPiece([&] {
+      furniture_.home().CoffeeTable(rug.At({0.05f, 0, 0}, table_turn));
+    });
+    AddChair(rug.At({-0.82f, 0.25f, 0}, 1.3f + Uniform(-0.3f, 0.3f)));
   }
 
   WorldBuilder builder_;

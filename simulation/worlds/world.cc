@@ -10,6 +10,8 @@
 #include "simulation/building/shipped_worlds.h"
 #include "simulation/worlds/building_maker.h"
 #include "simulation/worlds/generated_world.h"
+#include "simulation/worlds/rearrange.h"
+#include "simulation/worlds/relight.h"
 #include "simulation/worlds/room.h"
 
 namespace treeline::worlds {
@@ -17,19 +19,8 @@ namespace {
 
 constexpr size_t kMaxWorldFileBytes = size_t{1} << 20;
 
-}  // namespace
-
-std::vector<BodyInstance> World::InstancesAt(double time_s) const {
-  std::vector<BodyInstance> instances;
-  for (size_t i = 0; i < bodies.size(); ++i) {
-    if (!bodies[i].motion.has_value()) continue;
-    instances.push_back({.body = static_cast<int>(i),
-                         .world_from_body = bodies[i].motion->At(time_s)});
-  }
-  return instances;
-}
-
-absl::StatusOr<World> MakeWorld(absl::string_view name,
+// As it is written, before anything is moved or lit otherwise.
+absl::StatusOr<World> MakeNamed(absl::string_view name,
                                 const WorldOptions& options) {
   if (name == "room") {
     return MakeRoom(std::string(name), std::nullopt, options.threads);
@@ -65,6 +56,26 @@ absl::StatusOr<World> MakeWorld(absl::string_view name,
   return absl::InvalidArgumentError(absl::StrCat(
       "there is no world '", name, "'; there are ", shipped_names,
       "room, room:N and seed:N with a whole N, and files (NAME.yaml)"));
+}
+
+}  // namespace
+
+std::vector<BodyInstance> World::InstancesAt(double time_s) const {
+  std::vector<BodyInstance> instances;
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    if (!bodies[i].motion.has_value()) continue;
+    instances.push_back({.body = static_cast<int>(i),
+                         .world_from_body = bodies[i].motion->At(time_s)});
+  }
+  return instances;
+}
+
+absl::StatusOr<World> MakeWorld(absl::string_view name,
+                                const WorldOptions& options) {
+  TL_ASSIGN_OR_RETURN(World world, MakeNamed(name, options));
+  Rearrange(options.rearranged, world);
+  Relight(options.lighting.value_or(world.lighting), world);
+  return world;
 }
 
 }  // namespace treeline::worlds

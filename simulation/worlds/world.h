@@ -11,6 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "simulation/building/lighting.h"
 #include "simulation/worlds/float3.h"
 #include "simulation/worlds/placement.h"
 #include "simulation/worlds/texture.h"
@@ -29,6 +30,10 @@ enum class SurfaceKind : uint8_t {
   kGlass
 };
 
+// What light comes from: a lamp, by its number from 0, or one of these.
+inline constexpr int kNoLamp = -1;  // screens, for instance
+inline constexpr int kSky = -2;     // what is seen in a window
+
 // A planar quadrilateral. Its corners, seen from the front: top left, top
 // right, bottom right, bottom left. (u, v) is (0, 0), (1, 0), (1, 1), (0, 1)
 // there.
@@ -42,8 +47,17 @@ struct Surface {
   std::array<float, 2> texture_v{0, 1};
   // Light that leaves the surface, as a multiple of its reflectance: lamp
   // shades, windows, screens. 0 for others.
-  float emission = 0;
+  Float3 emission{};
+  // What the emission comes from.
+  int source = kNoLamp;
+  // The share of the light on it that the reflectance is applied to: less than
+  // 1 of windows when it is dark outside.
+  float reflection = 1;
   SurfaceKind kind = SurfaceKind::kOther;
+
+  // What leaves the surface, as a multiple of its reflectance, where `light`
+  // falls on it.
+  Float3 Leaving(Float3 light) const { return reflection * light + emission; }
 
   Float3 Normal() const {
     return Normalized(Cross(corners[3] - corners[0], corners[1] - corners[0]));
@@ -69,9 +83,36 @@ struct AreaLight {
   Float3 edge_u;
   Float3 edge_v;
   Float3 radiance;  // linear; a white wall in full light is about 1
+  int source = kNoLamp;
 
   // Not of unit length: its length is the area (m^2).
   Float3 AreaNormal() const { return Cross(edge_v, edge_u); }
+};
+
+// The light of the sky in a window shines from so far before its view, which is
+// on the wall: not through the window's bars.
+inline constexpr float kSkyBeforeView_m = 0.041f;
+// By day; linear, as AreaLight::radiance.
+inline constexpr Float3 kSkyRadiance = {1.5f, 1.75f, 2.1f};
+
+// The sun through a window: where a ray towards the sun meets this
+// parallelogram and nothing before.
+struct Sunbeam {
+  Float3 corner;
+  Float3 edge_u;
+  Float3 edge_v;
+  Float3 to_sun;    // of unit length
+  Float3 radiance;  // of a white surface that faces the sun
+};
+
+// Something that stands on the floor and could stand elsewhere: its surfaces
+// among the world's, and its lights among those of all lamps (some of which
+// are not there once a world is relit).
+struct Piece {
+  size_t first_surface = 0;
+  size_t surface_count = 0;
+  size_t first_light = 0;
+  size_t light_count = 0;
 };
 
 // Where somebody can walk about with a camera: an ellipse, seen from above.
@@ -117,6 +158,9 @@ struct World {
   // What never moves.
   std::vector<Surface> surfaces;
   std::vector<AreaLight> lights;
+  std::vector<Sunbeam> sunbeams;
+  building::Lighting lighting = building::Lighting::kDay;
+  std::vector<Piece> pieces;
   std::vector<Body> bodies;
   // Where somebody stands and looks around, in a room; half_x_m is 0 where
   // there is a tour instead.
@@ -125,15 +169,29 @@ struct World {
   // robot: corners, in order.
   std::vector<Float3> tour;
   std::vector<NamedPlace> places;
+  // Closed ways that people and carts take, whether they are about or not.
+  std::vector<std::vector<Float3>> ways;
 
   // Bodies that have a motion, where they are at this time.
   std::vector<BodyInstance> InstancesAt(double time_s) const;
+};
+
+// Of what can be moved, a share is missing or stands elsewhere.
+struct Rearrangement {
+  uint64_t seed = 0;
+  double share = 0;  // in [0, 1]
+
+  bool operator==(const Rearrangement&) const = default;
 };
 
 // Which state of a world is wanted.
 struct WorldOptions {
   // Whether objects that the world's file moves after mapping have been moved.
   bool after_moves = false;
+  // See Rearrange. What is fixed, and what things look like, stays.
+  Rearrangement rearranged{};
+  // See Relight; nullopt: that of the world's file, or day.
+  std::optional<building::Lighting> lighting{};
   // Whether people and carts are about.
   bool with_people = true;
   // Paints on up to so many; < 1: all. The result does not depend on it.

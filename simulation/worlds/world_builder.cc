@@ -1,6 +1,7 @@
 #include "simulation/worlds/world_builder.h"
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -8,6 +9,11 @@
 #include "simulation/worlds/noise.h"
 
 namespace treeline::worlds {
+namespace {
+
+constexpr float kViewLift_m = 0.004f;
+
+}  // namespace
 
 int WorldBuilder::AddTexture(std::function<Canvas()> paint) {
   painters_.push_back(std::move(paint));
@@ -18,7 +24,8 @@ void WorldBuilder::AddSurface(const std::array<Float3, 4>& corners,
                               const Finish& finish) {
   Surface surface{.corners = corners, .texture = finish.texture};
   surface.kind = kind_;
-  surface.emission = finish.emission;
+  surface.emission = {finish.emission, finish.emission, finish.emission};
+  if (finish.emission > 0) surface.source = source_;
   if (finish.tile_m > 0) {
     // Each surface is cut from another place of the material, with the grain
     // along its longer side.
@@ -51,6 +58,26 @@ void WorldBuilder::AddPanel(const Placement& placement, Float3 top_left,
       placement,
       {top_left, top_left + right, top_left + right + down, top_left + down},
       finish);
+}
+
+void WorldBuilder::AddLight(AreaLight light) {
+  light.source = source_;
+  lights_.push_back(light);
+}
+
+void WorldBuilder::AddView(const Placement& wall, Float3 top_left, Float3 right,
+                           Float3 down, Float3 sky_radiance,
+                           const Finish& finish) {
+  source_ = kSky;
+  const auto before = [&](float lift_m) {
+    return Float3{top_left.x, lift_m, top_left.z};
+  };
+  AddPanel(wall, before(kViewLift_m), right, down, finish);
+  AddLight({.corner = wall.Point(before(kViewLift_m + kSkyBeforeView_m)),
+            .edge_u = wall.Direction(right),
+            .edge_v = down,
+            .radiance = sky_radiance});
+  source_ = kNoLamp;
 }
 
 void WorldBuilder::AddBox(const Placement& placement, Float3 low, Float3 high,
@@ -116,6 +143,17 @@ int WorldBuilder::EndBody(std::string name, float radius_m, float height_m,
   return static_cast<int>(bodies_.size()) - 1;
 }
 
+void WorldBuilder::BeginPiece() {
+  pieces_.push_back(
+      {.first_surface = surfaces_.size(), .first_light = lights_.size()});
+}
+
+void WorldBuilder::EndPiece() {
+  Piece& piece = pieces_.back();
+  piece.surface_count = surfaces_.size() - piece.first_surface;
+  piece.light_count = lights_.size() - piece.first_light;
+}
+
 void WorldBuilder::BeginGroup() {
   group_begin_ = surfaces_.size();
   group_lights_begin_ = lights_.size();
@@ -134,14 +172,23 @@ WorldBuilder::Group WorldBuilder::EndGroup() {
 }
 
 void WorldBuilder::AddGroup(const Group& group, const Placement& placement) {
+  std::map<int, int> lamps;
+  const auto own = [&](int source) {
+    if (source < 0) return source;
+    const auto [it, is_new] = lamps.try_emplace(source, next_lamp_);
+    if (is_new) ++next_lamp_;
+    return it->second;
+  };
   for (Surface surface : group.surfaces) {
     for (Float3& corner : surface.corners) corner = placement.Point(corner);
+    surface.source = own(surface.source);
     surfaces_.push_back(surface);
   }
   for (AreaLight light : group.lights) {
     light.corner = placement.Point(light.corner);
     light.edge_u = placement.Direction(light.edge_u);
     light.edge_v = placement.Direction(light.edge_v);
+    light.source = own(light.source);
     lights_.push_back(light);
   }
 }
@@ -165,6 +212,7 @@ World WorldBuilder::Build(std::string name, Float3 size_m,
   }
   world.surfaces = std::move(surfaces_);
   world.lights = std::move(lights_);
+  world.pieces = std::move(pieces_);
   world.bodies = std::move(bodies_);
   return world;
 }

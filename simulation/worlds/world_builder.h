@@ -60,7 +60,20 @@ class WorldBuilder {
                  std::span<const ProfilePoint> profile, int segments,
                  const Finish& finish);
 
-  void AddLight(const AreaLight& light) { lights_.push_back(light); }
+  // What surfaces with an emission, and lights, from here to EndLamp are of.
+  void BeginLamp() { source_ = next_lamp_++; }
+  void EndLamp() { source_ = kNoLamp; }
+  void AddLight(AreaLight light);
+
+  // What is seen through a window: a panel on a wall, 4 mm before it, and the
+  // light of the sky that it lets in. As AddPanel.
+  void AddView(const Placement& wall, Float3 top_left, Float3 right,
+               Float3 down, Float3 sky_radiance, const Finish& finish);
+
+  // Surfaces and lights from here to EndPiece are something that could stand
+  // elsewhere. Not within a body or a group.
+  void BeginPiece();
+  void EndPiece();
 
   // What surfaces are from here on; kOther at first.
   void set_kind(SurfaceKind kind) { kind_ = kind; }
@@ -73,7 +86,8 @@ class WorldBuilder {
               std::optional<Motion> motion);
 
   // Surfaces and lights from here to EndGroup are a piece of their own, which
-  // AddGroup puts anywhere, any number of times. Not within a body.
+  // AddGroup puts anywhere, any number of times; lamps are another one each
+  // time. Not within a body.
   struct Group {
     std::vector<Surface> surfaces;
     std::vector<AreaLight> lights;
@@ -106,6 +120,9 @@ class WorldBuilder {
   // While a group is being built: where its surfaces and lights begin.
   size_t group_begin_ = 0;
   size_t group_lights_begin_ = 0;
+  int source_ = kNoLamp;
+  int next_lamp_ = 0;
+  std::vector<Piece> pieces_;
   bool paint_ = true;
 };
 

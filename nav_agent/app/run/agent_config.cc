@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "common/base/status_macros.h"
+#include "simulation/worlds/rearrange.h"
 
 namespace treeline::run_app {
 namespace {
@@ -31,6 +32,17 @@ void AddRobot(Table& table) {
              .max = 1000});
   table.Add(&AgentConfig::people,
             {.name = "people", .help = "People walk about in the simulation"});
+  table.Add(&AgentConfig::light,
+            {.name = "light",
+             .value_name = "NAME",
+             .help = "Light of the simulated world: day, sunny, lamps-off, "
+                     "evening, half-lamps, night; '': that of its file, or "
+                     "day"});
+  table.Add(&AgentConfig::rearranged,
+            {.name = "rearranged",
+             .value_name = "SEED:SHARE",
+             .help = "Share (0 to 1) of the simulated world's furniture that "
+                     "is missing or was moved since it was mapped"});
   table.Add(&AgentConfig::camera_hz,
             {.name = "camera_hz",
              .help = "Frames a second of the simulated camera; 0: no camera",
@@ -210,6 +222,19 @@ absl::StatusOr<std::optional<agent_service::RequestedPose>> ParseRequestedPose(
   return pose;
 }
 
+absl::StatusOr<worlds::WorldOptions> AgentConfig::SimulatedWorld() const {
+  worlds::WorldOptions options;
+  options.with_people = people;
+  if (!light.empty()) {
+    TL_ASSIGN_OR_RETURN(options.lighting, building::ParseLighting(light));
+  }
+  if (!rearranged.empty()) {
+    TL_ASSIGN_OR_RETURN(options.rearranged,
+                        worlds::ParseRearrangement(rearranged));
+  }
+  return options;
+}
+
 absl::Status AgentConfig::Validate() const {
   if (simulate.empty() == hardware.empty()) {
     return absl::InvalidArgumentError(
@@ -227,6 +252,7 @@ absl::Status AgentConfig::Validate() const {
     return absl::InvalidArgumentError(
         "give either --start-at or --find-yourself");
   }
+  TL_RETURN_IF_ERROR(SimulatedWorld().status());
   TL_RETURN_IF_ERROR(ParseRequestedPose(start_at, "--start-at").status());
   return ParseRequestedPose(goal, "--goal").status();
 }

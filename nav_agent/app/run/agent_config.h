@@ -12,6 +12,7 @@
 #include "absl/strings/string_view.h"
 #include "common/config/config_table.h"
 #include "nav_agent/service/agent_commands.h"
+#include "simulation/worlds/world.h"
 
 namespace treeline::run_app {
 
@@ -24,6 +25,8 @@ struct AgentConfig {
   std::string hardware;
   double speed = 1;
   bool people = true;
+  std::string light;
+  std::string rearranged;
   double camera_hz = 5;
   bool rear_laser = true;
   std::string record;
@@ -56,6 +59,10 @@ struct AgentConfig {
   int64_t seed = 0;
   std::string log_level = "info";
   std::string log_format = "text";
+
+  // The state of the simulated world that people, light and rearranged ask
+  // for. INVALID_ARGUMENT.
+  absl::StatusOr<worlds::WorldOptions> SimulatedWorld() const;
 
   // What a single setting cannot know. INVALID_ARGUMENT.
   absl::Status Validate() const;

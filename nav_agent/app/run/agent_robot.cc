@@ -223,7 +223,7 @@ absl::StatusOr<std::unique_ptr<AgentRobot>> MakeSimulatedRobot(
     const SimulatedRobotOptions& options) {
   simulator::Scenario scenario;
   scenario.world = options.world;
-  scenario.world_options.with_people = options.with_people;
+  scenario.world_options = options.world_options;
   scenario.world_options.paint = options.camera_hz > 0;
   scenario.options.seed = options.seed;
   scenario.options.sensors.camera_hz = options.camera_hz;

@@ -13,6 +13,7 @@
 #include "nav_agent/behavior/navigator.h"
 #include "nav_agent/service/agent_hub.h"
 #include "nav_agent/service/simulation_control.h"
+#include "simulation/worlds/world.h"
 
 namespace treeline::run_app {
 
@@ -49,12 +50,13 @@ absl::StatusOr<std::unique_ptr<AgentRobot>> MakeRealRobot(
 struct SimulatedRobotOptions {
   // World's name or file.
   std::string world;
+  // Painted if there is a camera, whatever they say.
+  worlds::WorldOptions world_options;
   uint64_t seed = 0;
   // Frames in a second; 0: no camera, [0, 60].
   double camera_hz = 5;
   // Whether a laser looks back.
   bool has_rear_laser = true;
-  bool with_people = true;
   // The map was made by a drive that began where this robot starts: its frame
   // is the base's there. Else it is the world's.
   bool map_begins_at_start = false;

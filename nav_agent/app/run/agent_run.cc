@@ -106,13 +106,15 @@ absl::Status AgentProgram::LoadMap() {
 
 absl::Status AgentProgram::MakeRobot() {
   if (config_.hardware.empty()) {
+    TL_ASSIGN_OR_RETURN(const worlds::WorldOptions world,
+                        config_.SimulatedWorld());
     TL_ASSIGN_OR_RETURN(
         robot_,
         MakeSimulatedRobot({.world = config_.simulate,
+                            .world_options = world,
                             .seed = static_cast<uint64_t>(config_.seed),
                             .camera_hz = config_.camera_hz,
                             .has_rear_laser = config_.rear_laser,
-                            .with_people = config_.people,
                             .map_begins_at_start = !config_.map.empty()}));
     return absl::OkStatus();
   }

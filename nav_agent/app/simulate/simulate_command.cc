@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "simulation/runs/simulation_run.h"
 #include "simulation/simulator/scenario_player.h"
 #include "simulation/simulator/scenario_reader.h"
+#include "simulation/worlds/world_flags.h"
 
 namespace treeline::simulate_app {
 namespace {
@@ -41,6 +43,8 @@ struct SimulateFlags {
   bool has_seed = false;
   bool no_laser = false;
   bool no_people = false;
+  std::optional<building::Lighting> lighting;
+  worlds::Rearrangement rearranged;
   double camera_hz = -1;
   int threads = 0;
   std::string record;
@@ -62,6 +66,12 @@ absl::StatusOr<runs::SimulationRunOptions> OptionsOf(
     scenario.duration = simulator::FromSeconds(flags.seconds);
   if (flags.no_laser) scenario.options.sensors.has_laser = false;
   if (flags.no_people) scenario.world_options.with_people = false;
+  if (flags.lighting.has_value()) {
+    scenario.world_options.lighting = flags.lighting;
+  }
+  if (flags.rearranged.share > 0) {
+    scenario.world_options.rearranged = flags.rearranged;
+  }
   if (flags.camera_hz >= 0) {
     scenario.options.sensors.camera_hz = flags.camera_hz;
   }
@@ -185,6 +195,11 @@ cli::Command AddSimulateCommand(CLI::App& app) {
           ->type_name("N");
   command->add_flag("--no-laser", flags->no_laser, "Without the laser scanner");
   command->add_flag("--no-people", flags->no_people, "Nobody is about");
+  worlds::AddLightFlag(*command, "--light",
+                       "Light of the world, for the camera; otherwise that of "
+                       "the scenario or the world's file, or day",
+                       flags->lighting);
+  worlds::AddRearrangedFlag(*command, flags->rearranged);
   command
       ->add_option("--camera-hz", flags->camera_hz,
                    "RGB-D frames in a second; 0: none")

@@ -1,6 +1,7 @@
 #include "nav_agent/app/suite/kidnap_suite_command.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "evaluation/kidnaps/kidnap_suite.h"
 #include "evaluation/suites/suite_runner.h"
 #include "nav_agent/app/suite/suite_flags.h"
+#include "simulation/worlds/world_flags.h"
 
 namespace treeline::suite_app {
 namespace {
@@ -37,6 +39,8 @@ Examples:
   treeline-agent suite kidnaps --spawn-server --seeds 1-20 --json kidnaps.json
   treeline-agent suite kidnaps --worlds cafe --spawn-server \
       --server-fault killed
+  treeline-agent suite kidnaps --spawn-server --light evening \
+      --rearranged 1:0.3
   treeline-agent suite kidnaps --worlds cafe --method amcl)";
 
 struct KidnapFlags {
@@ -50,6 +54,8 @@ struct KidnapFlags {
   std::string fault = "none";
   std::string method = "server";
   double camera_hz = 5;
+  std::optional<building::Lighting> lighting;
+  std::optional<building::Lighting> map_lighting;
   std::string until = "goal";
 };
 
@@ -81,6 +87,8 @@ suites::SuiteMapOptions MapOptionsOf(const KidnapFlags& flags,
                                      const std::string& world) {
   suites::SuiteMapOptions options = flags.suite.MapOptions(world);
   options.paint = flags.method == "server";
+  options.lighting = flags.lighting.value_or(building::Lighting::kDay);
+  options.map_lighting = flags.map_lighting.value_or(building::Lighting::kDay);
   return options;
 }
 
@@ -95,9 +103,9 @@ absl::StatusOr<Asked> StartServer(const KidnapFlags& flags,
     std::string models;
     std::vector<std::string> scenes;
     for (const std::string& world : flags.suite.worlds) {
-      TL_ASSIGN_OR_RETURN(
-          models, suites::ModelsForSuite(MapOptionsOf(flags, world), stop));
-      scenes.push_back(suites::SuiteSceneName(world));
+      const suites::SuiteMapOptions map = MapOptionsOf(flags, world);
+      TL_ASSIGN_OR_RETURN(models, suites::ModelsForSuite(map, stop));
+      scenes.push_back(suites::SuiteSceneName(map));
     }
     if (fault == kidnaps::ServerFault::kWrongScene) {
       const std::string wrong = flags.suite.cache + "/wrong-models";
@@ -122,7 +130,7 @@ absl::StatusOr<Asked> StartServer(const KidnapFlags& flags,
 
 suites::RunPictureText PictureText(const kidnaps::KidnapRun& run,
                                    const KidnapFlags& flags) {
-  return {.stem = absl::StrCat(suites::SuiteSceneName(run.world), "-",
+  return {.stem = absl::StrCat(suites::SuiteWorldName(run.world), "-",
                                flags.method, "-", flags.fault, "-", run.seed),
           .title = absl::StrFormat(
               "%s (%s) %s; kidnapped after %.2f s (%s), noticed after %.2f s "
@@ -160,13 +168,20 @@ absl::Status RunKidnaps(const KidnapFlags& flags, const std::stop_token& stop) {
                   const suites::SuitePlace& place) {
     kidnaps::KidnapOptions kidnap = options;
     kidnap.seed = job.seed;
+    kidnap.scene = suites::SuiteSceneName(MapOptionsOf(flags, job.world));
     return kidnaps::RunKidnap(place, kidnap, stop);
   };
   suite.summary = [&](const std::vector<kidnaps::KidnapRun>& runs) {
     return kidnaps::KidnapSummary(runs, expected);
   };
   suite.json = [&](const std::vector<kidnaps::KidnapRun>& runs) {
-    return kidnaps::KidnapJson(runs, expected, flags.method, flags.fault);
+    const suites::SuiteMapOptions map = MapOptionsOf(flags, "");
+    return kidnaps::KidnapJson(runs, expected,
+                               {.method = flags.method,
+                                .fault = flags.fault,
+                                .lighting = map.lighting,
+                                .map_lighting = map.map_lighting,
+                                .rearranged = map.rearranged});
   };
   suite.picture = [&](const kidnaps::KidnapRun& run) {
     return PictureText(run, flags);
@@ -206,6 +221,13 @@ cli::Command AddKidnapSuite(CLI::App& suite) {
   auto flags = std::make_shared<KidnapFlags>();
   AddSuiteFlags(*command, "kidnap", flags->suite);
   command->add_flag("--people", flags->suite.people, "People walk about");
+  worlds::AddLightFlag(*command, "--light",
+                       "Light that robots are kidnapped in; otherwise day",
+                       flags->lighting);
+  worlds::AddLightFlag(*command, "--map-light",
+                       "Light that the worlds were mapped and learnt in; "
+                       "otherwise day",
+                       flags->map_lighting);
   AddServerFlags(*command, *flags);
   command->add_option("--camera-hz", flags->camera_hz, "Of a robot that looks")
       ->type_name("HZ")

@@ -19,6 +19,7 @@
 #include "evaluation/lost/lost_suite_report.h"
 #include "evaluation/suites/suite_jobs.h"
 #include "nav_agent/app/suite/suite_flags.h"
+#include "simulation/worlds/world_flags.h"
 
 namespace treeline::suite_app {
 namespace {
@@ -39,6 +40,7 @@ struct LostFlags {
   std::string seeds = "1-20";
   double minutes = 6;
   int kidnaps = 10;
+  worlds::Rearrangement rearranged;
   std::string json;
   std::string picture;
   std::string features;
@@ -51,6 +53,7 @@ absl::StatusOr<std::vector<lost::LostRun>> RunAll(
   lost::LostRunOptions options;
   options.drive_s = 60 * flags.minutes;
   options.kidnaps = flags.kidnaps;
+  options.rearranged = flags.rearranged;
   const double runs = static_cast<double>(flags.worlds.size()) *
                       static_cast<double>(seeds.size());
   base::Progress progress(
@@ -145,6 +148,7 @@ cli::Command AddLostSuite(CLI::App& suite) {
       ->type_name("N")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
+  worlds::AddRearrangedFlag(*command, flags->rearranged);
   command->add_option("--json", flags->json, "Write all figures")
       ->type_name("FILE");
   command->add_option("--picture", flags->picture, "Draw the ROC and delays")

@@ -117,7 +117,8 @@ absl::Status RunMissions(const MissionFlags& flags,
     return missions::MissionSummary(runs, expected);
   };
   suite.json = [&](const std::vector<missions::MissionRun>& runs) {
-    return missions::MissionJson(runs, expected, flags.suite.people);
+    return missions::MissionJson(runs, expected, flags.suite.people,
+                                 flags.suite.rearranged);
   };
   suite.picture = [&](const missions::MissionRun& run) {
     return PictureText(run, flags);

@@ -1,6 +1,7 @@
 #include "nav_agent/app/suite/suite_flags.h"
 
 #include "absl/strings/str_cat.h"
+#include "simulation/worlds/world_flags.h"
 
 namespace treeline::suite_app {
 namespace {
@@ -20,6 +21,7 @@ void AddRunFlags(CLI::App& command, const std::string& run,
                   "Where driven maps and their models are kept")
       ->type_name("FOLDER")
       ->capture_default_str();
+  worlds::AddRearrangedFlag(command, options.rearranged);
   command.add_flag("--no-rear-laser", options.no_rear_laser,
                    "A robot that does not see what is behind it");
   command

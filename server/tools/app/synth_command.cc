@@ -22,6 +22,7 @@
 #include "simulation/recorder/recorder.h"
 #include "simulation/recorder/tour_walk.h"
 #include "simulation/sensors/picture.h"
+#include "simulation/worlds/world_flags.h"
 
 namespace treeline::tools_app {
 namespace {
@@ -51,6 +52,10 @@ In both:
   DIR/train.txt, DIR/test.txt        frames for training, frames held out
   DIR/recording.txt                  what this is, and the true calibration
 
+Lights (docs/reference/worlds.md): day is an overcast sky and all lamps, seen
+with a fixed exposure. In the others the camera exposes and balances each frame
+by itself, and its noise grows in the dark.
+
 Depth is noisy like a Kinect's. In 7-Scenes it is not registered to colour: the
 colour camera is 2.5 cm to the right of the depth camera. Frames are 1/30 s
 apart; a round through the room takes about 450 of them, and the tour of a
@@ -68,7 +73,12 @@ Examples:
 
   treeline synth record --world cafe --format tum --output cafe --people \
       --blur 15 --auto-exposure --jpeg 40..92
+  treeline synth record --world cafe --output dusk --light evening \
+      --rearranged 1:0.4
   treeline synth record --world cafe --output path --trajectory path.txt)";
+
+constexpr const char* kLightHelp =
+    "Light of the world; otherwise that of its file, or day";
 
 constexpr uint64_t kMaxTrajectoryBytes = 64u << 20;
 
@@ -161,6 +171,9 @@ void AddSensorFlags(CLI::App& command, RecordFlags& flags) {
                    "People and carts go about their ways");
   command.add_flag("--after-moves", flags.options.world_options.after_moves,
                    "With objects where they are moved to after mapping");
+  worlds::WorldOptions& world = flags.options.world_options;
+  worlds::AddLightFlag(command, "--light", kLightHelp, world.lighting);
+  worlds::AddRearrangedFlag(command, world.rearranged);
   command.add_flag("--truth", flags.options.has_truth,
                    "Also write normals, surfaces and their kinds (DIR/truth)");
 }
@@ -234,8 +247,7 @@ struct PictureFlags {
   double below_m = 1e6;
   int width_px = 960;
   uint64_t seed = 0;
-  int threads = 0;
-  bool after_moves = false;
+  worlds::WorldOptions world_options;
   bool no_people = false;
 };
 
@@ -255,11 +267,11 @@ absl::StatusOr<geometry::Rigid3> PicturePose(
 }
 
 absl::StatusOr<image::ColorImage> Draw(const PictureFlags& flags) {
-  TL_ASSIGN_OR_RETURN(
-      worlds::World world,
-      worlds::MakeWorld(flags.world, {.after_moves = flags.after_moves,
-                                      .with_people = !flags.no_people,
-                                      .threads = flags.threads}));
+  worlds::WorldOptions options = flags.world_options;
+  options.with_people = !flags.no_people;
+  const int threads = options.threads;
+  TL_ASSIGN_OR_RETURN(worlds::World world,
+                      worlds::MakeWorld(flags.world, options));
   const bool is_top = flags.view == "top";
   // What hangs from the ceiling begins high up.
   constexpr double kHanging_m = 0.7;
@@ -267,22 +279,22 @@ absl::StatusOr<image::ColorImage> Draw(const PictureFlags& flags) {
   TL_ASSIGN_OR_RETURN(
       const std::unique_ptr<const renderer::Renderer> renderer,
       is_top ? renderer::Renderer::CreateOpened(
-                   std::move(world), static_cast<float>(cut_m), flags.threads)
-             : renderer::Renderer::Create(std::move(world), flags.threads));
+                   std::move(world), static_cast<float>(cut_m), threads)
+             : renderer::Renderer::Create(std::move(world), threads));
   const renderer::WorldSnapshot snapshot =
       renderer->caster().At(renderer->world().InstancesAt(flags.time_s));
   if (is_top) {
     return sensors::PictureFromAbove(*renderer, snapshot, flags.width_px,
-                                     flags.threads);
+                                     threads);
   }
   TL_ASSIGN_OR_RETURN(const geometry::Rigid3 pose,
                       PicturePose(flags, *renderer));
   const int height_px = flags.width_px * 3 / 4;
   return flags.view == "depth"
              ? sensors::PictureOfDepth(*renderer, snapshot, pose,
-                                       flags.width_px, height_px, flags.threads)
+                                       flags.width_px, height_px, threads)
              : sensors::PictureOf(*renderer, snapshot, pose, flags.width_px,
-                                  height_px, flags.threads);
+                                  height_px, threads);
 }
 
 absl::Status TakePicture(const PictureFlags& flags) {
@@ -332,11 +344,13 @@ cli::Command AddPicture(CLI::App& synth) {
   command->add_option("--seed", flags->seed, "Of the walk")
       ->type_name("N")
       ->capture_default_str();
-  command->add_flag("--after-moves", flags->after_moves,
+  worlds::WorldOptions& world = flags->world_options;
+  command->add_flag("--after-moves", world.after_moves,
                     "With objects where they are moved to after mapping");
+  worlds::AddLightFlag(*command, "--light", kLightHelp, world.lighting);
+  worlds::AddRearrangedFlag(*command, world.rearranged);
   command->add_flag("--no-people", flags->no_people, "Nobody is about");
-  command
-      ->add_option("--threads", flags->threads, "Threads; 0: one a processor")
+  command->add_option("--threads", world.threads, "Threads; 0: one a processor")
       ->type_name("N")
       ->capture_default_str();
   return {command,
