@@ -159,6 +159,9 @@ std::vector<KeyframeMatch> MatchKeyframes(
 std::vector<size_t> MostSimilarKeyframes(const features::SiftFeatures& features,
                                          const KeyframeMap& map, size_t count,
                                          double max_ratio) {
+  if (map.sift_kind() == features::SiftKind::kFast) {
+    return map.index().MostSimilar(features.descriptors, count);
+  }
   std::vector<size_t> all(map.size());
   std::iota(all.begin(), all.end(), size_t{0});
   return MostSimilarKeyframes(features, map, all, count, max_ratio);

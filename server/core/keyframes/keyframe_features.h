@@ -43,8 +43,8 @@ std::vector<KeyframeMatch> MatchKeyframes(
     std::span<const size_t> keyframes, double max_ratio);
 
 // Up to `count` keyframes that share most features with a frame, most first,
-// whatever its pose: the largest of its features are matched with all
-// keyframes.
+// whatever its pose: by the map's index, or where the features are OpenCV's,
+// by matching the largest with those of all keyframes.
 std::vector<size_t> MostSimilarKeyframes(const features::SiftFeatures& features,
                                          const KeyframeMap& map, size_t count,
                                          double max_ratio);

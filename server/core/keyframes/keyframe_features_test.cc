@@ -49,7 +49,7 @@ class KeyframeFeaturesTest : public testing::Test {
         {forest::ModelExtra::kKeyframes, bytes(records_)},
         {forest::ModelExtra::kKeyframeFeatures, bytes(features_)}};
     const absl::Status written =
-        forest::WriteModel(path_, forest::ModelInfo{}, {forest.View()}, extras);
+        forest::WriteModel(path_, info_, {forest.View()}, extras);
     if (!written.ok()) return written;
     auto model = forest::ModelFile::Open(path_);
     if (!model.ok()) return model.status();
@@ -72,6 +72,7 @@ class KeyframeFeaturesTest : public testing::Test {
 
   const std::string path_ = testing::TempDir() + "/keyframe_features_test_" +
                             std::to_string(getpid());
+  forest::ModelInfo info_;
   std::vector<KeyframeRecord> records_;
   std::vector<KeyframeFeature> features_;
   std::unique_ptr<const forest::ModelFile> model_;
@@ -111,6 +112,16 @@ TEST_F(KeyframeFeaturesTest, TheKeyframesMostAlikeStandFirst) {
       FrameWith({0, 1, 2, 3, 4, 5, 26, 27, 28, 29, 30, 31, 32});
   EXPECT_THAT(MostSimilarKeyframes(frame, *map, 3, 0.5), ElementsAre(2, 0));
   EXPECT_THAT(MostSimilarKeyframes(frame, *map, 1, 0.5), ElementsAre(2));
+}
+
+TEST_F(KeyframeFeaturesTest, TheKeyframesMostAlikeStandFirstInTheIndexToo) {
+  info_.keyframe_sift = features::SiftKind::kFast;
+  const auto map = Read();
+  ASSERT_TRUE(map.ok()) << map.status();
+  EXPECT_EQ(map->sift_kind(), features::SiftKind::kFast);
+  const features::SiftFeatures frame =
+      FrameWith({0, 26, 27, 28, 29, 30, 31, 32});
+  EXPECT_THAT(MostSimilarKeyframes(frame, *map, 3, 0.5), ElementsAre(2, 0));
 }
 
 TEST_F(KeyframeFeaturesTest, BrokenFeaturesAreDataLoss) {

@@ -70,6 +70,11 @@ absl::StatusOr<KeyframeMap> KeyframeMap::Read(const forest::ModelFile& model) {
     map.first_feature_.resize(last + size_t{1}, i);
   }
   map.first_feature_.resize(map.poses_.size() + 1, map.features_.size());
+  if (map.sift_kind_ == features::SiftKind::kFast && !map.features_.empty()) {
+    map.index_ = KeyframeIndex({map.features_[0].descriptor.data(),
+                                sizeof(KeyframeFeature), map.features_.size()},
+                               map.first_feature_);
+  }
   return map;
 }
 

@@ -15,6 +15,7 @@
 #include "server/core/features/sift_features.h"
 #include "server/core/forest/model_file.h"
 #include "server/core/keyframes/alignment_kernels.h"
+#include "server/core/keyframes/keyframe_index.h"
 
 namespace treeline::keyframes {
 
@@ -76,6 +77,9 @@ class KeyframeMap {
                              first_feature_[i + 1] - first_feature_[i]);
   }
 
+  // Over FastSift's features; empty where they are OpenCV's.
+  const KeyframeIndex& index() const { return index_; }
+
   // Up to `count` keyframes near a pose, nearest first: by
   // |position|^2 + (kViewDistance_m * angle)^2, none turned further than
   // max_angle_rad (thesis 3.2.3: a quarter of the field of view).
@@ -96,6 +100,7 @@ class KeyframeMap {
   std::span<const KeyframeFeature> features_;
   std::vector<size_t> first_feature_{0};  // of each keyframe, and the end
   std::vector<geometry::Rigid3> poses_;
+  KeyframeIndex index_;
   // Some points of each keyframe, as many of each.
   AlignmentPoints coarse_points_;
 };

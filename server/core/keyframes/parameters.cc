@@ -25,7 +25,15 @@ std::vector<base::ParameterRow> KeyframeParameters() {
           base::RowOf(kShortlist),
           base::RowOf(kFrameFeatures),
           base::RowOf(kMaxKeyframeFeatures),
-          base::RowOf(kMinSharedFeatures)};
+          base::RowOf(kMinSharedFeatures),
+          base::RowOf(kIndexedFeatures),
+          base::RowOf(kIndexQueries),
+          base::RowOf(kFeaturesPerWord),
+          base::RowOf(kMaxKinds),
+          base::RowOf(kWordSamples),
+          base::RowOf(kWordRounds),
+          base::RowOf(kMaxDifferentBits),
+          base::RowOf(kDifferentBits)};
 }
 
 }  // namespace treeline::keyframes

@@ -172,6 +172,60 @@ inline constexpr base::Parameter<size_t> kMinSharedFeatures{
     .origin = base::ParameterOrigin::kTuned,
     .why = "keyframes are alike from so many matches on"};
 
+// The index of keyframes.
+inline constexpr base::Parameter<size_t> kIndexedFeatures{
+    .name = "indexed_features",
+    .value = 300,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "features of a keyframe that vote for it"};
+inline constexpr base::Parameter<size_t> kIndexQueries{
+    .name = "index_queries",
+    .value = 200,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "features of a frame that ask for votes"};
+inline constexpr base::Parameter<double> kFeaturesPerWord{
+    .name = "features_per_word",
+    .value = 40,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "about as many features of keyframes have the same word, ..."};
+inline constexpr base::Parameter<size_t> kMaxKinds{
+    .name = "max_kinds",
+    .value = 32,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "... as long as that makes no more kinds than this, each of as many "
+        "words"};
+inline constexpr base::Parameter<size_t> kWordSamples{
+    .name = "word_samples",
+    .value = 8192,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "features that words are learnt from"};
+inline constexpr base::Parameter<int> kWordRounds{
+    .name = "word_rounds",
+    .value = 5,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "of k-means"};
+inline constexpr base::Parameter<int> kMaxDifferentBits{
+    .name = "max_different_bits",
+    .value = 20,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "features of a word whose signatures differ in more of 64 bits are not "
+        "alike"};
+inline constexpr base::Parameter<float> kDifferentBits{
+    .name = "different_bits",
+    .value = 12,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "bits that take a vote to 1 / e"};
+
 // All of them, in this order.
 std::vector<base::ParameterRow> KeyframeParameters();
 

@@ -75,13 +75,13 @@ inline constexpr base::Parameter<int> kMatchedKeyframes{
     .why = "keyframes that a frame is matched with by method hybrid"};
 inline constexpr base::Parameter<int> kMatchedLikeKeyframes{
     .name = "matched_like_keyframes",
-    .value = 8,
+    .value = 4,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "... and by method universal: far views share little with each"};
 inline constexpr base::Parameter<int> kMaxQueryFeatures{
     .name = "max_query_features",
-    .value = 1000,
+    .value = 500,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "features taken from a frame for it, the largest"};

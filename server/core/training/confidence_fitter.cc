@@ -25,7 +25,8 @@ using Vector = Eigen::Matrix<double, kFeatures, 1>;
 using Matrix = Eigen::Matrix<double, kFeatures, kFeatures>;
 
 constexpr uint64_t kTrialStream = 0x636f6e6600000000;
-constexpr double kTargetPrecision = 0.99;
+// Of the answers that trials give, so many may be far off.
+constexpr double kMaxGrossShare = 0.005;
 
 // The split repeats: frames to learn from, a gap, frames held out, a gap; and
 // again with more of them held out, of which those in the middle look where
@@ -134,6 +135,9 @@ class FrameTrials {
          .is_right = can_be_right &&
                      error.translation_m < options_.translation_m &&
                      error.rotation_rad < options_.rotation_rad,
+         .is_gross = !can_be_right ||
+                     error.translation_m > 2 * options_.translation_m ||
+                     error.rotation_rad > 2 * options_.rotation_rad,
          .view = view,
          .error = error});
     return absl::OkStatus();
@@ -181,7 +185,9 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
     centre[static_cast<Eigen::Index>(i)] = prior.weights[i];
   }
   weights = centre;
-  const double precision = 1 / (fit.prior_sigma * fit.prior_sigma);
+  Vector precision =
+      Vector::Constant(1 / (fit.weight_sigma * fit.weight_sigma));
+  precision[0] = 1 / (fit.constant_sigma * fit.constant_sigma);
   const double weight = std::min(
       1.0, fit.independent_trials /
                std::max<double>(1, static_cast<double>(trials.size())));
@@ -192,7 +198,7 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
     features.push_back(Eigen::Map<const Vector>(f.data()));
   }
   const auto loss = [&](const Vector& w) {
-    double sum = 0.5 * precision * (w - centre).squaredNorm();
+    double sum = 0.5 * (w - centre).cwiseAbs2().dot(precision);
     for (size_t i = 0; i < trials.size(); ++i) {
       const double z = w.dot(features[i]);
       sum += weight *
@@ -205,8 +211,8 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
   // halved until they help.
   double best = loss(weights);
   for (int iteration = 0; iteration < 100; ++iteration) {
-    Vector gradient = precision * (weights - centre);
-    Matrix hessian = precision * Matrix::Identity();
+    Vector gradient = precision.cwiseProduct(weights - centre);
+    Matrix hessian = precision.asDiagonal();
     for (size_t i = 0; i < trials.size(); ++i) {
       const double p = Sigmoid(weights.dot(features[i]));
       gradient += weight * (p - (trials[i].is_right ? 1 : 0)) * features[i];
@@ -239,21 +245,22 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
   forest::ConfidenceModel model;
   std::copy(weights.begin(), weights.end(), model.weights.begin());
 
-  std::vector<std::pair<double, bool>> answers;
+  std::vector<std::pair<double, bool>> answers;  // probability, harmless
   for (const ConfidenceTrial& trial : trials) {
-    answers.emplace_back(model.Probability(trial.evidence), trial.is_right);
+    answers.emplace_back(model.Probability(trial.evidence), !trial.is_gross);
   }
   std::ranges::sort(answers, std::greater<>());
-  // The longest run of the surest answers that is precise enough.
-  double wrong = 0;
+  // The longest run of the surest answers that is harmless enough.
+  double gross = 0;
   double highest_left = answers.empty() ? 0 : answers.front().first;
   for (size_t i = 0; i < answers.size(); ++i) {
-    wrong += !answers[i].second;
-    if (wrong <= (1 - kTargetPrecision) * static_cast<double>(i + 1)) {
+    gross += !answers[i].second;
+    if (gross <= kMaxGrossShare * static_cast<double>(i + 1)) {
       highest_left = i + 1 < answers.size() ? answers[i + 1].first : 0;
     }
   }
-  model.threshold = std::clamp(highest_left + 1e-6, 0.5, fit.max_threshold);
+  model.threshold =
+      std::clamp(highest_left + 1e-6, fit.min_threshold, fit.max_threshold);
   return model;
 }
 

@@ -20,24 +20,33 @@ namespace treeline::training {
 struct ConfidenceTrial {
   forest::PoseEvidence evidence;
   bool is_right = false;
+  // Its error is more than twice the bounds, or nothing was there to be found.
+  bool is_gross = false;
   const char* view = "";  // what was asked about: "whole", "covered", ...
   geometry::PoseError error{};
 };
 
 struct ConfidenceFit {
-  // The prior's weights count as if known with this standard deviation.
-  double prior_sigma = 1;
+  // The prior's constant and its other weights count as if known with these
+  // standard deviations. What evidence means is the same in all scenes, and a
+  // scene's trials are mostly near its training views: they must not unlearn
+  // what far views need.
+  double constant_sigma = 1;
+  double weight_sigma = 0.3;
   // The trials, which are of a few places alone, count as no more than so many.
   double independent_trials = 200;
-  // A higher threshold would refuse too much of what is right, even where
-  // places are alike.
+  // A lower threshold would give answers that are as likely wrong as right; a
+  // higher one would refuse too much of what is right, even where places are
+  // alike.
+  double min_threshold = 0.6;
   double max_threshold = 0.95;
 };
 
 // Logistic regression on the trials, drawn towards `prior` as if by a few
 // trials of its own; weights of evidence are not negative, so that more of it
-// never counts against a pose. The threshold is the least one, from 0.5 to the
-// highest, at which all but one in a hundred of the trials' answers are right.
+// never counts against a pose. The threshold is the least one at which all but
+// one in two hundred of the trials' answers are not grossly wrong: what is
+// wrong by a little is told by its probability.
 forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
                                       const forest::ConfidenceModel& prior,
                                       const ConfidenceFit& fit = {});

@@ -10,8 +10,10 @@ namespace treeline::training {
 namespace {
 
 // Every trial counts.
-constexpr ConfidenceFit kAll = {
-    .prior_sigma = 3, .independent_trials = 1e9, .max_threshold = 0.99};
+constexpr ConfidenceFit kAll = {.constant_sigma = 3,
+                                .weight_sigma = 3,
+                                .independent_trials = 1e9,
+                                .max_threshold = 0.99};
 
 // Poses whose chance of being right grows with their share of inliers.
 std::vector<ConfidenceTrial> MakeTrials(uint64_t seed, int count) {
@@ -24,6 +26,7 @@ std::vector<ConfidenceTrial> MakeTrials(uint64_t seed, int count) {
     trial.evidence.correlation = random.NextUniform(0.5, 0.9);
     const double logit = -8 + 20 * std::sqrt(trial.evidence.inlier_ratio);
     trial.is_right = random.NextUnit() < 1 / (1 + std::exp(-logit));
+    trial.is_gross = !trial.is_right;
     trials.push_back(trial);
   }
   return trials;
@@ -78,8 +81,15 @@ TEST(ConfidenceFitterTest, TheThresholdKeepsAnswersPrecise) {
     wrong += !trial.is_right;
   }
   EXPECT_GT(given, 500);
-  EXPECT_LE(wrong, 0.011 * given);
-  EXPECT_GE(model.threshold, 0.5);
+  EXPECT_LE(wrong, 0.006 * given);
+  EXPECT_GE(model.threshold, 0.6);
+
+  // What is wrong by a little does not raise it.
+  std::vector<ConfidenceTrial> nearly = trials;
+  for (ConfidenceTrial& trial : nearly) trial.is_gross = false;
+  EXPECT_EQ(
+      FitConfidence(nearly, forest::ConfidenceModel::Typical(), kAll).threshold,
+      kAll.min_threshold);
 }
 
 TEST(ConfidenceFitterTest, ManyTrialsOfOneSceneMoveThePriorByAFewAlone) {

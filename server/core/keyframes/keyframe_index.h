@@ -1,0 +1,57 @@
+// Which keyframes a frame looks like: an inverted file over words of their own
+// features (Sivic and Zisserman 2003) with signatures inside the words (Hamming
+// embedding, Jegou et al. 2008).
+#ifndef SERVER_CORE_KEYFRAMES_KEYFRAME_INDEX_H_
+#define SERVER_CORE_KEYFRAMES_KEYFRAME_INDEX_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/core/features/sift_descriptor.h"
+#include "server/core/features/sift_matching.h"
+
+namespace treeline::keyframes {
+
+// Immutable once built, and thread-safe.
+class KeyframeIndex {
+ public:
+  KeyframeIndex() = default;
+
+  // Keyframe k has descriptors first[k] to first[k + 1]; the first of them, up
+  // to kIndexedFeatures, are looked at. Words are learnt from these by k-means
+  // in two levels. A function of the descriptors.
+  KeyframeIndex(const features::SiftDescriptorView& descriptors,
+                std::span<const size_t> first);
+
+  // Up to `count` keyframes, those first that most of the queries vote for. A
+  // query votes for keyframes with a feature of its word and a signature alike,
+  // with more weight the more alike it is and the rarer the word.
+  std::vector<size_t> MostSimilar(
+      std::span<const features::SiftDescriptor> queries, size_t count) const;
+
+ private:
+  struct Posting {
+    uint64_t signature = 0;
+    uint32_t keyframe = 0;
+  };
+
+  std::vector<uint32_t> WordsOf(
+      std::span<const features::SiftDescriptor> descriptors) const;
+  uint64_t SignatureOf(const features::SiftDescriptor& descriptor,
+                       uint32_t word) const;
+
+  // Descriptors of the means of kinds, and of as many words of each kind.
+  std::vector<features::SiftDescriptor> kinds_;
+  std::vector<features::SiftDescriptor> words_;
+  // Postings of word w: first_posting_[w] to first_posting_[w + 1].
+  std::vector<size_t> first_posting_;
+  std::vector<Posting> postings_;
+  std::vector<float> word_weight_;
+  std::vector<float> keyframe_weight_;
+};
+
+}  // namespace treeline::keyframes
+
+#endif  // SERVER_CORE_KEYFRAMES_KEYFRAME_INDEX_H_
