@@ -56,7 +56,7 @@ double ConfidenceModel::Probability(const PoseEvidence& evidence) const {
 }
 
 ConfidenceModel ConfidenceModel::Typical() {
-  return {{-9.77, 2.21, 6, 0.52, 0, 4.26, 0, 0, 1.83, 3.35}, 0.6};
+  return {{-9.69, 4.75, 4.55, 2.33, 0, 3.39, 0, 0, 0, 2.89}, 0.5};
 }
 
 ConfidenceModel ConfidenceModel::WithoutKeyframes() {

@@ -31,14 +31,14 @@ struct ConfidenceFit {
   // standard deviations. What evidence means is the same in all scenes, and a
   // scene's trials are mostly near its training views: they must not unlearn
   // what far views need.
-  double constant_sigma = 1;
+  double constant_sigma = 0.5;
   double weight_sigma = 0.3;
   // The trials, which are of a few places alone, count as no more than so many.
   double independent_trials = 200;
-  // A lower threshold would give answers that are as likely wrong as right; a
+  // A lower threshold would give answers that are rather wrong than right; a
   // higher one would refuse too much of what is right, even where places are
   // alike.
-  double min_threshold = 0.6;
+  double min_threshold = 0.5;
   double max_threshold = 0.95;
 };
 
