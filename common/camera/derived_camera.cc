@@ -1,7 +1,6 @@
 #include "common/camera/derived_camera.h"
 
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -35,40 +34,7 @@ absl::StatusOr<Camera> WithParameters(const Camera& camera, int width,
                         CameraParameterCount(camera.model()));
 }
 
-// The ray (x, y) becomes (-y, x), and so does its distortion.
-Camera TurnedOnce(const Camera& camera) {
-  Parameters p = camera.parameters();
-  const size_t c = PrincipalPoint(camera);
-  if (c == 2) std::swap(p[0], p[1]);
-  p[c] = camera.height() - 1 - camera.cy();
-  p[c + 1] = camera.cx();
-  if (HasTangential(camera.model())) {
-    p[kTangential] = camera.parameters()[kTangential + 1];
-    p[kTangential + 1] = -camera.parameters()[kTangential];
-  }
-  if (HasThinPrism(camera.model())) {
-    p[kThinPrism] = -camera.parameters()[kThinPrism + 1];
-    p[kThinPrism + 1] = camera.parameters()[kThinPrism];
-  }
-  // What was allowed remains so.
-  return *WithParameters(camera, camera.height(), camera.width(), p);
-}
-
-int Quarters(int quarter_turns) { return (quarter_turns % 4 + 4) % 4; }
-
 }  // namespace
-
-Camera QuarterTurned(const Camera& camera, int quarter_turns) {
-  Camera turned = camera;
-  for (int i = 0; i < Quarters(quarter_turns); ++i) turned = TurnedOnce(turned);
-  return turned;
-}
-
-geometry::Rigid3 QuarterTurn(int quarter_turns) {
-  return {geometry::Rotation3::FromAxisAngle(
-              {0, 0, Quarters(quarter_turns) * std::numbers::pi / 2}),
-          {}};
-}
 
 Camera Mirrored(const Camera& camera) {
   Parameters p = camera.parameters();

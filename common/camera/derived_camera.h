@@ -1,4 +1,5 @@
-// The camera of a picture that was turned, mirrored, cropped or resized.
+// The camera of a picture that was mirrored, cropped or resized. For one that
+// was turned, see common/image/quarter_turn.h.
 //
 // Pixel centres are at integer coordinates. Each function says where a pixel
 // (x, y) of a picture of w x h pixels goes; the camera that it returns images a
@@ -8,18 +9,8 @@
 
 #include "absl/status/statusor.h"
 #include "common/camera/camera.h"
-#include "common/geometry/rigid3.h"
 
 namespace treeline::camera {
-
-// After `quarter_turns` of the picture, clockwise: one takes (x, y) to
-// (h - 1 - y, x). Any number will do, negative ones turn the other way.
-Camera QuarterTurned(const Camera& camera, int quarter_turns);
-
-// turned_from_camera of the same: the camera frame follows the picture as it
-// is, x right and y down in it. The expected pose of a turned picture is
-//   world_from_turned = world_from_camera * turned_from_camera.Inverse().
-geometry::Rigid3 QuarterTurn(int quarter_turns);
 
 // After left and right were exchanged: (w - 1 - x, y).
 Camera Mirrored(const Camera& camera);

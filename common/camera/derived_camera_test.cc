@@ -26,30 +26,6 @@ void ExpectNear(Pixel actual, Pixel expected) {
   EXPECT_NEAR(actual.y, expected.y, kTolerance_px);
 }
 
-TEST_P(DerivedCamera, SeesPointsWhereThePictureWasTurnedTo) {
-  Pixel (*const turn[])(Pixel) = {
-      [](Pixel p) { return p; },
-      [](Pixel p) {
-        return Pixel{47 - p.y, p.x};
-      },
-      [](Pixel p) {
-        return Pixel{63 - p.x, 47 - p.y};
-      },
-      [](Pixel p) {
-        return Pixel{p.y, 63 - p.x};
-      },
-  };
-  for (const int quarters : {-1, 0, 1, 2, 3, 4, 6}) {
-    const Camera turned = QuarterTurned(camera_, quarters);
-    EXPECT_EQ(turned.width(), quarters % 2 == 0 ? 64 : 48);
-    EXPECT_EQ(turned.height(), quarters % 2 == 0 ? 48 : 64);
-    for (const geometry::Vec3& point : kPoints) {
-      ExpectNear(turned.Project(QuarterTurn(quarters) * point),
-                 turn[(quarters + 4) % 4](camera_.Project(point)));
-    }
-  }
-}
-
 TEST_P(DerivedCamera, SeesTheMirroredScene) {
   const Camera mirrored = Mirrored(camera_);
   for (const geometry::Vec3& point : kPoints) {

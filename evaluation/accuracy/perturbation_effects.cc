@@ -11,6 +11,7 @@
 #include "common/base/status_macros.h"
 #include "common/camera/derived_camera.h"
 #include "common/image/decode.h"
+#include "common/image/quarter_turn.h"
 #include "opencv2/core.hpp"
 #include "opencv2/imgproc.hpp"
 
@@ -365,19 +366,15 @@ absl::Status WrongFocalLength(double factor, base::Random& /*random*/,
 
 absl::Status Rotate(double degrees, base::Random& /*random*/,
                     PerturbedFrame& view) {
-  const int quarters = static_cast<int>(std::lround(degrees / 90)) & 3;
-  camera::RgbdCalibration& calibration = *view.frame.calibration;
-  calibration.color = camera::QuarterTurned(calibration.color, quarters);
-  calibration.depth = camera::QuarterTurned(calibration.depth, quarters);
-  TurnCameras(camera::QuarterTurn(quarters), view);
-  if (quarters == 0) return absl::OkStatus();
-  ChangePictures(view.frame, [&](const cv::Mat& source, cv::Mat& result, bool) {
-    cv::rotate(
-        source, result,
-        std::array{
-            cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180,
-            cv::ROTATE_90_COUNTERCLOCKWISE}[static_cast<size_t>(quarters - 1)]);
-  });
+  const auto turn = static_cast<image::QuarterTurn>(
+      static_cast<int>(std::lround(degrees / 90)) & 3);
+  if (turn == image::QuarterTurn::kNone) return absl::OkStatus();
+  const image::Orientation said = view.frame.orientation;
+  view.frame = image::Turned(view.frame, turn);
+  view.frame.orientation = said;  // nobody tells the localizer
+  view.turned_from_sensor =
+      geometry::Rigid3{image::TurnedFromCamera(turn), {}} *
+      view.turned_from_sensor;
   return absl::OkStatus();
 }
 
