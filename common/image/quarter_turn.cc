@@ -144,8 +144,12 @@ camera::RgbdCalibration Turned(const camera::RgbdCalibration& calibration,
   camera::RgbdCalibration turned = calibration;
   turned.color = Turned(calibration.color, turn);
   turned.depth = Turned(calibration.depth, turn);
-  turned.color_from_depth = turned_from_camera * calibration.color_from_depth *
-                            turned_from_camera.Inverse();
+  // Registered depth stays so to the last bit.
+  if (calibration.color_from_depth != geometry::Rigid3{}) {
+    turned.color_from_depth = turned_from_camera *
+                              calibration.color_from_depth *
+                              turned_from_camera.Inverse();
+  }
   return turned;
 }
 
