@@ -6,7 +6,7 @@ import { cumulative } from '../model/curves.js';
 import { cm, fixed, percent } from '../model/format.js';
 import { valuesOf } from '../model/frames.js';
 import { evaluated, isEvaluated, type EvaluationReport, type Frame, type Maybe,
-  type Method, type PublishedResult, type Sweep, type SweepPoint }
+  type PublishedResult, type Sweep, type SweepPoint }
   from '../model/report_data.js';
 import { cumulativeCurves, lineChart } from '../view/charts.js';
 import { el } from '../view/dom.js';
