@@ -105,7 +105,7 @@ class DemoTest(ScriptTest):
                          "treeline-client")
         self.assertEqual(synth, "treeline synth record --world room --output "
                          f"{out}/recording/room --frames 40")
-        self.assertIn("--method rgbd --seed 7 --output "
+        self.assertIn("--seed 7 --output "
                       f"{out}/models/room/1/model.treeline", train)
         self.assertIn(f"--frames {out}/recording/room/train.txt", train)
         self.assertIn(f"--frames {out}/recording/room/test.txt", evaluate)
