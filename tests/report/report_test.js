@@ -96,7 +96,8 @@ async function assertWhole(page) {
 const OF_A_METHOD = ['How far off', 'Frame by frame',
   'Away from the training frames', 'Pictures', 'Where the camera was',
   'How fast', 'The hardest frames'];
-const OF_ALL = ['Before the pose', 'What options buy', 'Is the confidence calibrated',
+const OF_ALL = ['By distance from the training frames', 'Changed pictures',
+  'Before the pose', 'What options buy', 'Is the confidence calibrated',
   'Pictures from elsewhere', 'What others published'];
 
 function single() {
@@ -134,7 +135,8 @@ test('a page of several compares them and folds each up', async (t) => {
   await unfold(page);
   const all = await headings(page);
   assert.deepEqual(all.slice(0, 3),
-      ['Side by side', 'Away from the training frames', 'Before the pose']);
+      ['Side by side', 'By distance from the training frames',
+        'Changed pictures']);
   assert.equal(all.at(-1), 'Where this comes from');
   // The one that failed has nothing to unfold.
   assert.equal(await page.locator('details.method').count(), 2);

@@ -60,7 +60,7 @@ export function distances(report: EvaluationReport): HTMLElement | null {
       name: (bin: TrainingDistanceBin) => string) =>
     groupsTable(title, methods, first.training_distance[key].map(name),
         (method) => method.training_distance[key]);
-  return section('Away from the training frames',
+  return section('By distance from the training frames',
       'Coverage is the share of the right poses found that was answered; ' +
       'precision that of the answers to be relied on that are right.',
       by('By view: of some training camera', 'by_view_gap', views),
