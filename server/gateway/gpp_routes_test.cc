@@ -97,7 +97,7 @@ TEST_F(GppRoutesTest, ATurnedPictureIsAskedAboutAsItIs) {
   const http::HttpResponse response = Post(turned.dump());
   ASSERT_EQ(response.status, 200) << response.body;
   EXPECT_EQ(response.body, Post(upright.dump()).body);
-  const v1::Frame& frame = dispatcher_.requests()[0].frame();
+  const v1::Frame frame = dispatcher_.requests()[0].frame();
   EXPECT_EQ(frame.orientation(), v1::ORIENTATION_RIGHT_UP);
   EXPECT_TRUE(frame.orientation_is_guess());
   EXPECT_EQ(dispatcher_.requests()[1].frame().orientation(),
