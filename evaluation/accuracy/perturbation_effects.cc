@@ -14,6 +14,7 @@
 #include "common/image/quarter_turn.h"
 #include "opencv2/core.hpp"
 #include "opencv2/imgproc.hpp"
+#include "server/core/training/trial_views.h"
 
 namespace treeline::accuracy {
 namespace {
@@ -59,20 +60,6 @@ void ChangePictures(image::Frame& frame, const Change& change) {
   if (!frame.depth) return;
   change(MatOf(*frame.depth), result, /*nearest=*/true);
   Set(result, *frame.depth);
-}
-
-// value(channel, byte) of every byte.
-template <typename Value>
-void MapBytes(image::ColorImage& image, const Value& value) {
-  std::array<std::array<uint8_t, 256>, 3> table{};
-  for (size_t c = 0; c < 3; ++c) {
-    for (size_t v = 0; v < 256; ++v) {
-      table[c][v] = ToByte(value(c, static_cast<double>(v)));
-    }
-  }
-  for (size_t i = 0; i < image.rgb.size(); ++i) {
-    image.rgb[i] = table[i % 3][image.rgb[i]];
-  }
 }
 
 // value(v) of every measured depth, in its own units. What leaves the range of
@@ -160,24 +147,19 @@ absl::Status Grey(double share, base::Random& /*random*/,
 
 absl::Status WhiteBalance(double by, base::Random& /*random*/,
                           PerturbedFrame& view) {
-  const std::array<double, 3> gain{1 + by, 1, 1 - by};
-  MapBytes(view.frame.color,
-           [&](size_t c, double value) { return gain[c] * value; });
+  view.frame = training::Relit(view.frame, {.gain = {1 + by, 1, 1 - by}});
   return absl::OkStatus();
 }
 
 absl::Status Gamma(double gamma, base::Random& /*random*/,
                    PerturbedFrame& view) {
-  MapBytes(view.frame.color, [&](size_t, double value) {
-    return 255 * std::pow(value / 255, gamma);
-  });
+  view.frame = training::Relit(view.frame, {.gamma = gamma});
   return absl::OkStatus();
 }
 
 absl::Status Exposure(double factor, base::Random& /*random*/,
                       PerturbedFrame& view) {
-  MapBytes(view.frame.color,
-           [&](size_t, double value) { return factor * value; });
+  view.frame = training::Relit(view.frame, {.gain = {factor, factor, factor}});
   return absl::OkStatus();
 }
 

@@ -109,6 +109,23 @@ TEST_F(ModelFileTest, KnowsWhoseFeaturesItsKeyframesHave) {
             absl::StatusCode::kDataLoss);
 }
 
+TEST_F(ModelFileTest, AConfidenceLacksNoEvidenceThatEveryVersionKnew) {
+  info_.confidence.emplace();
+  info_.confidence->weights.fill(2);
+  const auto without = [&](const std::string& name) {
+    std::string text = ModelInfoToJson(info_);
+    const size_t at = text.find("\"" + name + "\"");
+    EXPECT_NE(at, std::string::npos);
+    return ModelInfoFromJson(text.replace(at, name.size() + 2, "\"other\""));
+  };
+  EXPECT_EQ(without("correlation").status().code(),
+            absl::StatusCode::kDataLoss);
+  const auto earlier = without("sharpness");
+  ASSERT_TRUE(earlier.ok()) << earlier.status();
+  EXPECT_EQ(earlier->confidence->weights.back(), 0);
+  EXPECT_EQ(earlier->confidence->weights.front(), 2);
+}
+
 TEST_F(ModelFileTest, FlippedBitsAreDataLoss) {
   const std::string good = Written();
   for (size_t i = 0; i < good.size(); i += i < 256 ? 1 : 13) {

@@ -23,13 +23,18 @@ Json ConfidenceToJson(const ConfidenceModel& confidence) {
   return json;
 }
 
+// Of the evidence, what every version knew.
+constexpr size_t kFirstFeatures = 7;
+
 ConfidenceModel ConfidenceFromJson(const Json& json) {
   ConfidenceModel confidence;
   confidence.threshold = json.at("threshold").get<double>();
   for (size_t i = 0; i < ConfidenceModel::kFeatures; ++i) {
+    const std::string name(ConfidenceModel::FeatureNames()[i]);
+    const Json& weights = json.at("weights");
     // Earlier versions knew fewer kinds of evidence.
-    confidence.weights[i] = json.at("weights").value(
-        std::string(ConfidenceModel::FeatureNames()[i]), 0.0);
+    confidence.weights[i] = i < kFirstFeatures ? weights.at(name).get<double>()
+                                               : weights.value(name, 0.0);
   }
   return confidence;
 }

@@ -71,7 +71,7 @@ class KeyframeMap {
 
   // How the features were found.
   features::SiftKind sift_kind() const { return sift_kind_; }
-  // Empty but for method hybrid.
+  // Empty but for methods universal and hybrid.
   std::span<const KeyframeFeature> features(size_t i) const {
     return features_.subspan(first_feature_[i],
                              first_feature_[i + 1] - first_feature_[i]);

@@ -14,6 +14,7 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMatchedKeyframes),
           base::RowOf(kMatchedLikeKeyframes),
           base::RowOf(kMaxQueryFeatures),
+          base::RowOf(kMaxFastQueryFeatures),
           base::RowOf(kMaxKeyframeRatio),
           base::RowOf(kMaxPriorKeyframeDistance_m),
           base::RowOf(kMinKeyframeMatches),

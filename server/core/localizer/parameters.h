@@ -81,10 +81,17 @@ inline constexpr base::Parameter<int> kMatchedLikeKeyframes{
     .why = "... and by method universal: far views share little with each"};
 inline constexpr base::Parameter<int> kMaxQueryFeatures{
     .name = "max_query_features",
+    .value = 1000,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "OpenCV's features taken from a frame for it, the largest"};
+inline constexpr base::Parameter<int> kMaxFastQueryFeatures{
+    .name = "max_fast_query_features",
     .value = 500,
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
-    .why = "features taken from a frame for it, the largest"};
+    .why =
+        "FastSift's: twice as many find no more far views, in twice the time"};
 inline constexpr base::Parameter<double> kMaxKeyframeRatio{
     .name = "max_keyframe_ratio",
     .value = 0.85,

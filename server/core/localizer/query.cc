@@ -86,10 +86,11 @@ const features::GrayPyramid& Query::pyramid() {
 absl::StatusOr<const features::SiftFeatures*> Query::keyframe_features(
     features::SiftKind kind) {
   if (!keyframe_features_) {
-    TL_ASSIGN_OR_RETURN(
-        keyframe_features_,
-        keyframes::ExtractKeyframeSift(color(), kind, kMaxQueryFeatures,
-                                       scratch_.fast_sift));
+    const int count = kind == features::SiftKind::kFast ? kMaxFastQueryFeatures
+                                                        : kMaxQueryFeatures;
+    TL_ASSIGN_OR_RETURN(keyframe_features_,
+                        keyframes::ExtractKeyframeSift(color(), kind, count,
+                                                       scratch_.fast_sift));
   }
   return &*keyframe_features_;
 }
