@@ -72,8 +72,8 @@ struct SceneCandidate {
 struct LocalizeAnswer {
   bool localized = false;
   // Why not: "TOO_FEW_SAMPLES", "TOO_FEW_INLIERS", "POORLY_CONSTRAINED",
-  // "LOW_CONFIDENCE" or "CONTRADICTS_PRIOR", as in relocalization.proto
-  // without their prefix. "NONE" if localized.
+  // "LOW_CONFIDENCE", "CONTRADICTS_PRIOR" or "CONTRADICTS_DEPTH", as in
+  // relocalization.proto without their prefix. "NONE" if localized.
   std::string reason;
   // Meaningful if localized: the pose of pose_sensor's camera, bit for bit as
   // the server computed it, and its covariance.

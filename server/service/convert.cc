@@ -49,6 +49,8 @@ v1::NotLocalizedReason ToProto(localizer::NotLocalizedReason reason) {
       return v1::NOT_LOCALIZED_REASON_POORLY_CONSTRAINED;
     case localizer::NotLocalizedReason::kLowConfidence:
       return v1::NOT_LOCALIZED_REASON_LOW_CONFIDENCE;
+    case localizer::NotLocalizedReason::kContradictsDepth:
+      return v1::NOT_LOCALIZED_REASON_CONTRADICTS_DEPTH;
     case localizer::NotLocalizedReason::kContradictsPrior:
       return v1::NOT_LOCALIZED_REASON_CONTRADICTS_PRIOR;
   }

@@ -49,6 +49,9 @@ TEST(Convert, EachReasonHasItsOwnNumber) {
   EXPECT_EQ(ToProto(localizer::NotLocalizedReason::kTooFewSamples), 1);
   EXPECT_EQ(ToProto(localizer::NotLocalizedReason::kTooFewInliers), 2);
   EXPECT_EQ(ToProto(localizer::NotLocalizedReason::kPoorlyConstrained), 3);
+  EXPECT_EQ(ToProto(localizer::NotLocalizedReason::kLowConfidence), 4);
+  EXPECT_EQ(ToProto(localizer::NotLocalizedReason::kContradictsPrior), 5);
+  EXPECT_EQ(ToProto(localizer::NotLocalizedReason::kContradictsDepth), 6);
 }
 
 TEST(Convert, CorrespondencesKeepTheirPlaces) {

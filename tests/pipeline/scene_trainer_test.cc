@@ -137,6 +137,26 @@ TEST_F(SceneTrainerTest, UniversalAnswersInAnotherLight) {
   EXPECT_GE(right, 12);
 }
 
+TEST_F(SceneTrainerTest, UniversalRefusesAPhotographOfTheScene) {
+  ASSERT_TRUE(Train(*dataset_, Options("universal"), "universal").ok());
+  const auto localizer = localizer::OpenLocalizer(Path("universal"));
+  ASSERT_TRUE(localizer.ok());
+  int contradicted = 0;
+  for (int i = 0; i < 16; ++i) {
+    image::Frame frame =
+        training::RenderBoxRoom(Calibration(), HeldOutPose(5 * i));
+    // It hangs half a metre away.
+    std::ranges::fill(frame.depth->values, uint16_t{500});
+    const auto estimate = (*localizer)->Localize(frame, {});
+    ASSERT_TRUE(estimate.ok());
+    EXPECT_EQ(estimate->outcome, localizer::Outcome::kNotLocalized);
+    contradicted +=
+        estimate->reason == localizer::NotLocalizedReason::kContradictsDepth;
+  }
+  // Where colour alone finds the pose.
+  EXPECT_GE(contradicted, 8);
+}
+
 TEST_F(SceneTrainerTest, AnswersNothingThatItHasNotSeen) {
   for (const std::string method : {"rgb", "rgbd", "universal"}) {
     ASSERT_TRUE(Train(*dataset_, Options(method), method).ok());

@@ -10,8 +10,16 @@ namespace {
 // and that of wrong ones.
 constexpr double kUnknownCorrelation = 0.6;
 constexpr double kUnknownAgreement = 0.4;
-constexpr double kUnknownDepthAgreement = 0.6;
+constexpr double kUnknownDepthAgreement = 0.8;
 constexpr double kUnknownSteadiness = 0.6;
+
+// Of few points little is known.
+double DepthAgreement(const PoseEvidence& evidence) {
+  constexpr double kFew = 10;
+  return (evidence.measured * evidence.depth_agreement +
+          kFew * kUnknownDepthAgreement) /
+         (evidence.measured + kFew);
+}
 
 // 0 at 5 cm and more, 1 at 5 mm and less.
 double Sharpness(double sigma_m) {
@@ -32,20 +40,19 @@ ConfidenceModel::FeatureNames() {
 ConfidenceModel::Features ConfidenceModel::FeaturesOf(
     const PoseEvidence& evidence) {
   const bool is_aligned = evidence.visible > 0;
-  return {
-      1,
-      // The first few per cent decide.
-      std::sqrt(std::max(0.0, evidence.inlier_ratio)),
-      is_aligned ? evidence.correlation : kUnknownCorrelation,
-      is_aligned ? evidence.agreement : kUnknownAgreement,
-      evidence.measured > 0 ? evidence.depth_agreement : kUnknownDepthAgreement,
-      // 1: alignment left the pose where it was.
-      is_aligned ? 1 - std::min(1.0, evidence.moved_m / 0.1)
-                 : kUnknownSteadiness,
-      evidence.overlap, evidence.matches > 0 ? 1.0 : 0.0,
-      // 0 to 100 of them: from 0 to 1; the first ones decide.
-      std::min(1.0, std::log1p(evidence.matches) / std::log1p(100)),
-      Sharpness(evidence.sigma_m)};
+  return {1,
+          // The first few per cent decide.
+          std::sqrt(std::max(0.0, evidence.inlier_ratio)),
+          is_aligned ? evidence.correlation : kUnknownCorrelation,
+          is_aligned ? evidence.agreement : kUnknownAgreement,
+          DepthAgreement(evidence),
+          // 1: alignment left the pose where it was.
+          is_aligned ? 1 - std::min(1.0, evidence.moved_m / 0.1)
+                     : kUnknownSteadiness,
+          evidence.overlap, evidence.matches > 0 ? 1.0 : 0.0,
+          // 0 to 100 of them: from 0 to 1; the first ones decide.
+          std::min(1.0, std::log1p(evidence.matches) / std::log1p(100)),
+          Sharpness(evidence.sigma_m)};
 }
 
 double ConfidenceModel::Probability(const PoseEvidence& evidence) const {

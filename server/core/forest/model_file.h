@@ -29,6 +29,8 @@ enum class ModelExtra : uint32_t {
   kKeyframePoints = 9,
   kKeyframeFeatures = 10,
   kSceneDescriptor = 11,
+  kKeyframeWords = 12,
+  kKeyframeFeatureWords = 13,
 };
 
 // The bytes of one of them; they belong to somebody else.

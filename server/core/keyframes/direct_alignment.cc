@@ -284,24 +284,36 @@ class Aligner {
     surfaces_.Pad();
   }
 
+  // A dim image differs by less.
+  bool AgreesInBrightness(size_t run, size_t i) {
+    return std::abs(Residual(options_.last_level, run, i)) <=
+           kAgreeingBrightness * std::min(1.0F, ExposureOf(run).gain);
+  }
+
+  // What is covered agrees neither in brightness nor in depth, and tells
+  // nothing.
   void JudgeSurfaces(Alignment& alignment) {
-    MeasureSurfaces();
     const geometry::Mat3 r = camera_from_world_.rotation.Matrix();
     const geometry::Vec3 t = camera_from_world_.translation + r * origin_;
+    const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
     int lying = 0;
-    for (size_t i = 0; i < surfaces_.size(); ++i) {
-      const geometry::Vec3 normal{surfaces_.nx[i], surfaces_.ny[i],
-                                  surfaces_.nz[i]};
-      if (normal == geometry::Vec3{}) continue;  // fills up a block
-      const geometry::Vec3 p =
-          r * geometry::Vec3{surfaces_.x[i], surfaces_.y[i], surfaces_.z[i]} +
-          t;
-      const geometry::Vec3 measured{surfaces_.measured_x[i],
-                                    surfaces_.measured_y[i],
-                                    surfaces_.measured_z[i]};
-      ++alignment.measured;
-      lying += std::abs(geometry::Dot(r * normal, p - measured)) <=
-               0.02 + 3 * features::DepthSigma_m(measured.z);
+    for (size_t run = 0; run < runs.size(); ++run) {
+      for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
+        const geometry::Vec3 normal{points_.nx[i], points_.ny[i],
+                                    points_.nz[i]};
+        if (normal == geometry::Vec3{} || seen_.seen[i] == 0 ||
+            !AgreesInBrightness(run, i)) {
+          continue;
+        }
+        const geometry::Vec3 p =
+            r * geometry::Vec3{points_.x[i], points_.y[i], points_.z[i]} + t;
+        geometry::Vec3 measured;
+        double sigma_m = 0;
+        if (!Measured(p, measured, sigma_m)) continue;
+        ++alignment.measured;
+        lying += std::abs(geometry::Dot(r * normal, p - measured)) <=
+                 0.02 + 3 * sigma_m;
+      }
     }
     if (alignment.measured > 0) {
       alignment.depth_agreement =
@@ -320,13 +332,10 @@ class Aligner {
     for (size_t run = 0; run < runs.size(); ++run) {
       for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
         if (seen_.seen[i] == 0) continue;
-        const float residual = Residual(options_.last_level, run, i);
-        // A dim image differs by less.
-        agreeing += std::abs(residual) <=
-                    kAgreeingBrightness * std::min(1.0F, ExposureOf(run).gain);
+        agreeing += AgreesInBrightness(run, i);
         // Against what the keyframe, exposed alike, would have shown.
         const double b = seen_.brightness[i];
-        const double a = b - residual;
+        const double a = b - Residual(options_.last_level, run, i);
         sa += a;
         sb += b;
         saa += a * a;

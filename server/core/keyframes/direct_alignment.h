@@ -36,7 +36,8 @@ struct Alignment {
   // Correlation of their brightness with the image's, in [-1, 1], each
   // keyframe's gain and offset taken out.
   double correlation = 0;
-  // Points where depth was measured, and the share that lie on it.
+  // Points whose brightness agrees and where depth was measured, and the share
+  // that lie on it.
   int measured = 0;
   double depth_agreement = 0;
 };

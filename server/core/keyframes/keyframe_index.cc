@@ -7,6 +7,7 @@
 #include <cstring>
 #include <utility>
 
+#include "server/core/keyframes/least_first.h"
 #include "server/core/keyframes/parameters.h"
 
 namespace treeline::keyframes {
@@ -17,6 +18,7 @@ using features::SiftDescriptor;
 
 constexpr size_t kSize = SiftDescriptor::kDimensions;
 constexpr int kSignatureBits = 64;
+static_assert(kMaxKinds * kMaxKinds <= 65536, "a word fits into 16 bits");
 
 features::SiftDescriptorView ViewOf(std::span<const SiftDescriptor> values) {
   return {.data = values.empty() ? nullptr : values[0].values.data(),
@@ -81,26 +83,72 @@ std::vector<SiftDescriptor> Pick(std::span<const SiftDescriptor> descriptors,
   return picked;
 }
 
-}  // namespace
+// n for n kinds of n words each; 0 if these are none.
+size_t KindsAmong(size_t means) {
+  for (size_t n = 1; n <= kMaxKinds; ++n) {
+    if (n + n * n == means) return n;
+  }
+  return 0;
+}
 
-KeyframeIndex::KeyframeIndex(const features::SiftDescriptorView& descriptors,
-                             std::span<const size_t> first) {
+// Descriptors of a keyframe that are indexed.
+size_t IndexedOf(std::span<const size_t> first, size_t keyframe) {
+  return std::min<size_t>(kIndexedFeatures,
+                          first[keyframe + 1] - first[keyframe]);
+}
+
+std::vector<SiftDescriptor> Indexed(
+    const features::SiftDescriptorView& descriptors,
+    std::span<const size_t> first) {
   std::vector<SiftDescriptor> indexed;
-  std::vector<uint32_t> keyframe_of;
   for (size_t k = 0; k + 1 < first.size(); ++k) {
-    const size_t count =
-        std::min<size_t>(kIndexedFeatures, first[k + 1] - first[k]);
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < IndexedOf(first, k); ++i) {
       indexed.emplace_back();
       std::memcpy(indexed.back().values.data(),
                   descriptors.data + (first[k] + i) * descriptors.stride_bytes,
                   kSize);
-      keyframe_of.push_back(static_cast<uint32_t>(k));
     }
-    keyframe_weight_.push_back(
-        1 / std::sqrt(static_cast<float>(std::max<size_t>(count, 1))));
   }
-  if (indexed.empty()) return;
+  return indexed;
+}
+
+std::vector<uint16_t> WordsOf(std::span<const SiftDescriptor> descriptors,
+                              std::span<const SiftDescriptor> means) {
+  const size_t kinds = KindsAmong(means.size());
+  std::vector<uint16_t> words(descriptors.size());
+  ForEachKind(NearestOf(descriptors, means.first(kinds)), kinds,
+              [&](size_t kind, std::span<const uint32_t> members) {
+                const std::vector<NearestSift> nearest =
+                    NearestOf(Pick(descriptors, members),
+                              means.subspan(kinds + kind * kinds, kinds));
+                for (size_t i = 0; i < members.size(); ++i) {
+                  words[members[i]] =
+                      static_cast<uint16_t>(kind * kinds + nearest[i].index);
+                }
+              });
+  return words;
+}
+
+// A bit says whether two neighbouring values are more than those of the mean.
+uint64_t SignatureOf(const SiftDescriptor& descriptor,
+                     const SiftDescriptor& mean) {
+  uint64_t signature = 0;
+  for (size_t bit = 0; bit < kSignatureBits; ++bit) {
+    const int value =
+        descriptor.values[2 * bit] + descriptor.values[2 * bit + 1];
+    const int middle = mean.values[2 * bit] + mean.values[2 * bit + 1];
+    signature |= static_cast<uint64_t>(value > middle) << bit;
+  }
+  return signature;
+}
+
+}  // namespace
+
+KeyframeWords LearnWords(const features::SiftDescriptorView& descriptors,
+                         std::span<const size_t> first) {
+  KeyframeWords words;
+  const std::vector<SiftDescriptor> indexed = Indexed(descriptors, first);
+  if (indexed.empty()) return words;
   const size_t kinds = std::clamp<size_t>(
       static_cast<size_t>(
           std::sqrt(static_cast<double>(indexed.size()) / kFeaturesPerWord)),
@@ -111,65 +159,62 @@ KeyframeIndex::KeyframeIndex(const features::SiftDescriptorView& descriptors,
   for (size_t i = 0; i < indexed.size(); i += step) {
     samples.push_back(indexed[i]);
   }
-  kinds_ = Means(samples, kinds);
-  words_.resize(kinds * kinds);
-  ForEachKind(NearestOf(samples, kinds_), kinds,
-              [&](size_t kind, std::span<const uint32_t> members) {
-                std::ranges::copy(
-                    Means(Pick(samples, members), kinds),
-                    words_.begin() + static_cast<std::ptrdiff_t>(kind * kinds));
-              });
-  const std::vector<uint32_t> words = WordsOf(indexed);
-  first_posting_.resize(words_.size() + 1);
-  for (const uint32_t word : words) ++first_posting_[word + 1];
-  for (size_t w = 0; w < words_.size(); ++w) {
-    const size_t postings = first_posting_[w + 1];
-    word_weight_.push_back(std::log1p(static_cast<float>(indexed.size()) /
-                                      static_cast<float>(postings + 1)));
-    first_posting_[w + 1] += first_posting_[w];
-  }
-  std::vector<size_t> end(first_posting_.begin(), first_posting_.end() - 1);
-  postings_.resize(indexed.size());
-  for (size_t i = 0; i < indexed.size(); ++i) {
-    postings_[end[words[i]]++] = {SignatureOf(indexed[i], words[i]),
-                                  keyframe_of[i]};
-  }
-}
-
-std::vector<uint32_t> KeyframeIndex::WordsOf(
-    std::span<const SiftDescriptor> descriptors) const {
-  std::vector<uint32_t> words(descriptors.size());
-  const size_t kinds = kinds_.size();
-  ForEachKind(NearestOf(descriptors, kinds_), kinds,
-              [&](size_t kind, std::span<const uint32_t> members) {
-                const std::vector<NearestSift> nearest =
-                    NearestOf(Pick(descriptors, members),
-                              std::span(words_).subspan(kind * kinds, kinds));
-                for (size_t i = 0; i < members.size(); ++i) {
-                  words[members[i]] =
-                      static_cast<uint32_t>(kind * kinds) + nearest[i].index;
-                }
-              });
+  words.means = Means(samples, kinds);
+  const std::vector<NearestSift> kind_of = NearestOf(samples, words.means);
+  words.means.resize(kinds + kinds * kinds);
+  ForEachKind(
+      kind_of, kinds, [&](size_t kind, std::span<const uint32_t> members) {
+        std::ranges::copy(Means(Pick(samples, members), kinds),
+                          words.means.begin() + static_cast<std::ptrdiff_t>(
+                                                    kinds + kind * kinds));
+      });
+  words.word_of = WordsOf(indexed, words.means);
   return words;
 }
 
-// A bit says whether two neighbouring values are more than those of the word.
-uint64_t KeyframeIndex::SignatureOf(const SiftDescriptor& descriptor,
-                                    uint32_t word) const {
-  const std::array<uint8_t, kSize>& values = descriptor.values;
-  const std::array<uint8_t, kSize>& means = words_[word].values;
-  uint64_t signature = 0;
-  for (size_t bit = 0; bit < kSignatureBits; ++bit) {
-    const int value = values[2 * bit] + values[2 * bit + 1];
-    const int mean = means[2 * bit] + means[2 * bit + 1];
-    signature |= static_cast<uint64_t>(value > mean) << bit;
+absl::StatusOr<KeyframeIndex> KeyframeIndex::Create(
+    KeyframeWords words, const features::SiftDescriptorView& descriptors,
+    std::span<const size_t> first) {
+  const std::vector<SiftDescriptor> indexed = Indexed(descriptors, first);
+  KeyframeIndex index;
+  if (indexed.empty()) return index;
+  const size_t kinds = KindsAmong(words.means.size());
+  const size_t count = kinds * kinds;
+  if (kinds == 0 || words.word_of.size() != indexed.size() ||
+      std::ranges::any_of(words.word_of,
+                          [&](uint16_t word) { return word >= count; })) {
+    return absl::DataLossError("corrupt model: words of keyframe features");
   }
-  return signature;
+  index.means_ = std::move(words.means);
+  index.first_posting_.resize(count + 1);
+  for (const uint16_t word : words.word_of) ++index.first_posting_[word + 1U];
+  for (size_t w = 0; w < count; ++w) {
+    const size_t postings = index.first_posting_[w + 1];
+    index.word_weight_.push_back(std::log1p(static_cast<float>(indexed.size()) /
+                                            static_cast<float>(postings + 1)));
+    index.first_posting_[w + 1] += index.first_posting_[w];
+  }
+  std::vector<size_t> end(index.first_posting_.begin(),
+                          index.first_posting_.end() - 1);
+  index.postings_.resize(indexed.size());
+  size_t i = 0;
+  for (size_t k = 0; k + 1 < first.size(); ++k) {
+    const size_t features = IndexedOf(first, k);
+    index.keyframe_weight_.push_back(
+        1 / std::sqrt(static_cast<float>(std::max<size_t>(features, 1))));
+    for (const size_t stop = i + features; i < stop; ++i) {
+      const uint16_t word = words.word_of[i];
+      index.postings_[end[word]++] = {
+          SignatureOf(indexed[i], index.means_[kinds + word]),
+          static_cast<uint32_t>(k)};
+    }
+  }
+  return index;
 }
 
 std::vector<size_t> KeyframeIndex::MostSimilar(
     std::span<const SiftDescriptor> queries, size_t count) const {
-  if (words_.empty()) return {};
+  if (postings_.empty()) return {};
   queries = queries.first(std::min<size_t>(queries.size(), kIndexQueries));
   // By the bits that differ.
   std::array<float, kSignatureBits + 1> likeness{};
@@ -177,11 +222,12 @@ std::vector<size_t> KeyframeIndex::MostSimilar(
     const float t = static_cast<float>(bits) / kDifferentBits;
     likeness[static_cast<size_t>(bits)] = std::exp(-t * t);
   }
-  const std::vector<uint32_t> words = WordsOf(queries);
+  const size_t kinds = KindsAmong(means_.size());
+  const std::vector<uint16_t> words = WordsOf(queries, means_);
   std::vector<float> votes(keyframe_weight_.size());
   for (size_t q = 0; q < queries.size(); ++q) {
-    const uint32_t word = words[q];
-    const uint64_t signature = SignatureOf(queries[q], word);
+    const uint16_t word = words[q];
+    const uint64_t signature = SignatureOf(queries[q], means_[kinds + word]);
     const float weight = word_weight_[word] * word_weight_[word];
     for (size_t p = first_posting_[word]; p < first_posting_[word + 1]; ++p) {
       const Posting& posting = postings_[p];
@@ -194,13 +240,7 @@ std::vector<size_t> KeyframeIndex::MostSimilar(
   for (size_t k = 0; k < votes.size(); ++k) {
     if (votes[k] > 0) order.emplace_back(-votes[k] * keyframe_weight_[k], k);
   }
-  const size_t kept = std::min(count, order.size());
-  std::partial_sort(order.begin(),
-                    order.begin() + static_cast<std::ptrdiff_t>(kept),
-                    order.end());
-  std::vector<size_t> result;
-  for (size_t i = 0; i < kept; ++i) result.push_back(order[i].second);
-  return result;
+  return LeastFirst(std::move(order), count);
 }
 
 }  // namespace treeline::keyframes

@@ -9,21 +9,36 @@
 #include <span>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "server/core/features/sift_descriptor.h"
 #include "server/core/features/sift_matching.h"
 
 namespace treeline::keyframes {
 
-// Immutable once built, and thread-safe.
+// The words of an index, which the model file has.
+struct KeyframeWords {
+  // The means of n kinds, and of n words of each kind, as many as of the first.
+  std::vector<features::SiftDescriptor> means;
+  // Of each indexed feature, keyframe after keyframe.
+  std::vector<uint16_t> word_of;
+};
+
+// Keyframe k has descriptors first[k] to first[k + 1]; the first of them, up to
+// kIndexedFeatures, are indexed. Words are learnt from these by k-means in two
+// levels. A function of the descriptors.
+KeyframeWords LearnWords(const features::SiftDescriptorView& descriptors,
+                         std::span<const size_t> first);
+
+// Immutable, and thread-safe.
 class KeyframeIndex {
  public:
   KeyframeIndex() = default;
 
-  // Keyframe k has descriptors first[k] to first[k + 1]; the first of them, up
-  // to kIndexedFeatures, are looked at. Words are learnt from these by k-means
-  // in two levels. A function of the descriptors.
-  KeyframeIndex(const features::SiftDescriptorView& descriptors,
-                std::span<const size_t> first);
+  // Of descriptors and keyframes as in LearnWords. DATA_LOSS for words that are
+  // not of so many features.
+  static absl::StatusOr<KeyframeIndex> Create(
+      KeyframeWords words, const features::SiftDescriptorView& descriptors,
+      std::span<const size_t> first);
 
   // Up to `count` keyframes, those first that most of the queries vote for. A
   // query votes for keyframes with a feature of its word and a signature alike,
@@ -37,14 +52,8 @@ class KeyframeIndex {
     uint32_t keyframe = 0;
   };
 
-  std::vector<uint32_t> WordsOf(
-      std::span<const features::SiftDescriptor> descriptors) const;
-  uint64_t SignatureOf(const features::SiftDescriptor& descriptor,
-                       uint32_t word) const;
-
-  // Descriptors of the means of kinds, and of as many words of each kind.
-  std::vector<features::SiftDescriptor> kinds_;
-  std::vector<features::SiftDescriptor> words_;
+  // Those of KeyframeWords.
+  std::vector<features::SiftDescriptor> means_;
   // Postings of word w: first_posting_[w] to first_posting_[w + 1].
   std::vector<size_t> first_posting_;
   std::vector<Posting> postings_;

@@ -39,13 +39,19 @@ SiftDescriptor Disturbed(const SiftDescriptor& descriptor, int most,
   return disturbed;
 }
 
+KeyframeIndex IndexOf(const features::SiftDescriptorView& descriptors,
+                      std::span<const size_t> first) {
+  return *KeyframeIndex::Create(LearnWords(descriptors, first), descriptors,
+                                first);
+}
+
 KeyframeIndex IndexOf(const std::vector<SiftDescriptor>& descriptors) {
   std::vector<size_t> first;
   for (size_t k = 0; k <= kKeyframes; ++k) first.push_back(k * kFeatures);
-  return KeyframeIndex({.data = descriptors[0].values.data(),
-                        .stride_bytes = sizeof(SiftDescriptor),
-                        .size = descriptors.size()},
-                       first);
+  return IndexOf({.data = descriptors[0].values.data(),
+                  .stride_bytes = sizeof(SiftDescriptor),
+                  .size = descriptors.size()},
+                 first);
 }
 
 TEST(KeyframeIndexTest, FindsTheKeyframesThatAFrameSharesFeaturesWith) {
@@ -79,12 +85,35 @@ TEST(KeyframeIndexTest, WithoutFeaturesNothingIsSimilar) {
   const auto frame = RandomDescriptors(10, 1);
   EXPECT_THAT(KeyframeIndex().MostSimilar(frame, 3), IsEmpty());
   const std::vector<size_t> first = {0, 0, 0};
-  EXPECT_THAT(KeyframeIndex({}, first).MostSimilar(frame, 3), IsEmpty());
+  EXPECT_THAT(IndexOf({}, first).MostSimilar(frame, 3), IsEmpty());
   const std::vector<size_t> one = {0, 0, 1};
-  const KeyframeIndex index({.data = frame[4].values.data(), .size = 1}, one);
+  const KeyframeIndex index =
+      IndexOf({.data = frame[4].values.data(), .size = 1}, one);
   EXPECT_THAT(index.MostSimilar(std::span(frame).subspan(4, 1), 3),
               ElementsAre(1));
   EXPECT_THAT(index.MostSimilar({}, 3), IsEmpty());
+}
+
+TEST(KeyframeIndexTest, WordsOfOtherFeaturesAreDataLoss) {
+  const auto known = RandomDescriptors(4, 1);
+  const features::SiftDescriptorView view = {.data = known[0].values.data(),
+                                             .size = known.size()};
+  const std::vector<size_t> first = {0, 4};
+  const KeyframeWords words = LearnWords(view, first);
+  EXPECT_TRUE(KeyframeIndex::Create(words, view, first).ok());
+  const auto code_of = [&](const KeyframeWords& broken) {
+    return KeyframeIndex::Create(broken, view, first).status().code();
+  };
+  KeyframeWords broken = words;
+  broken.word_of.pop_back();
+  EXPECT_EQ(code_of(broken), absl::StatusCode::kDataLoss);
+  broken = words;
+  broken.word_of[2] = 1000;
+  EXPECT_EQ(code_of(broken), absl::StatusCode::kDataLoss);
+  broken = words;
+  broken.means.emplace_back();
+  EXPECT_EQ(code_of(broken), absl::StatusCode::kDataLoss);
+  EXPECT_EQ(code_of({}), absl::StatusCode::kDataLoss);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/status_macros.h"
+#include "server/core/keyframes/least_first.h"
 #include "server/core/keyframes/parameters.h"
 
 namespace treeline::keyframes {
@@ -18,7 +19,53 @@ bool IsFinite(const std::array<float, 3>& position) {
                              [](float c) { return std::isfinite(c); });
 }
 
+features::SiftDescriptorView DescriptorsOf(
+    std::span<const KeyframeFeature> features) {
+  if (features.empty()) return {};
+  return {.data = features[0].descriptor.data(),
+          .stride_bytes = sizeof(KeyframeFeature),
+          .size = features.size()};
+}
+
+// Where each keyframe's features begin, and the end.
+std::vector<size_t> FirstFeatures(std::span<const KeyframeFeature> features,
+                                  size_t keyframes) {
+  std::vector<size_t> first{0};
+  first.reserve(keyframes + 1);
+  for (size_t i = 0; i < features.size(); ++i) {
+    first.resize(features[i].keyframe + size_t{1}, i);
+  }
+  first.resize(keyframes + 1, features.size());
+  return first;
+}
+
+// That of the file; models of older versions have none, and it is made anew.
+absl::StatusOr<KeyframeIndex> ReadIndex(
+    const forest::ModelFile& model, std::span<const KeyframeFeature> features,
+    std::span<const size_t> first) {
+  const features::SiftDescriptorView descriptors = DescriptorsOf(features);
+  TL_ASSIGN_OR_RETURN(const std::span<const features::SiftDescriptor> means,
+                      model.Extra<features::SiftDescriptor>(
+                          forest::ModelExtra::kKeyframeWords));
+  TL_ASSIGN_OR_RETURN(
+      const std::span<const uint16_t> word_of,
+      model.Extra<uint16_t>(forest::ModelExtra::kKeyframeFeatureWords));
+  if (means.empty() && word_of.empty()) {
+    return KeyframeIndex::Create(LearnWords(descriptors, first), descriptors,
+                                 first);
+  }
+  return KeyframeIndex::Create({.means = {means.begin(), means.end()},
+                                .word_of = {word_of.begin(), word_of.end()}},
+                               descriptors, first);
+}
+
 }  // namespace
+
+KeyframeWords LearnWords(std::span<const KeyframeFeature> features,
+                         size_t keyframes) {
+  return LearnWords(DescriptorsOf(features),
+                    FirstFeatures(features, keyframes));
+}
 
 absl::StatusOr<KeyframeMap> KeyframeMap::Read(const forest::ModelFile& model) {
   KeyframeMap map;
@@ -60,20 +107,17 @@ absl::StatusOr<KeyframeMap> KeyframeMap::Read(const forest::ModelFile& model) {
       map.features_,
       model.Extra<KeyframeFeature>(forest::ModelExtra::kKeyframeFeatures));
   uint32_t last = 0;
-  for (size_t i = 0; i < map.features_.size(); ++i) {
-    const KeyframeFeature& feature = map.features_[i];
+  for (const KeyframeFeature& feature : map.features_) {
     if (!IsFinite(feature.position_in_world) || feature.keyframe < last ||
         feature.keyframe >= map.poses_.size()) {
       return absl::DataLossError("corrupt model: a keyframe feature");
     }
     last = feature.keyframe;
-    map.first_feature_.resize(last + size_t{1}, i);
   }
-  map.first_feature_.resize(map.poses_.size() + 1, map.features_.size());
-  if (map.sift_kind_ == features::SiftKind::kFast && !map.features_.empty()) {
-    map.index_ = KeyframeIndex({map.features_[0].descriptor.data(),
-                                sizeof(KeyframeFeature), map.features_.size()},
-                               map.first_feature_);
+  map.first_feature_ = FirstFeatures(map.features_, map.poses_.size());
+  if (map.sift_kind_ == features::SiftKind::kFast) {
+    TL_ASSIGN_OR_RETURN(map.index_,
+                        ReadIndex(model, map.features_, map.first_feature_));
   }
   return map;
 }
@@ -101,13 +145,7 @@ std::vector<size_t> KeyframeMap::MostVisible(
                            (1 + distance2 / (kSameView_m * kSameView_m)),
                        k);
   }
-  const size_t kept = std::min(count, order.size());
-  std::partial_sort(order.begin(),
-                    order.begin() + static_cast<std::ptrdiff_t>(kept),
-                    order.end());
-  std::vector<size_t> result;
-  for (size_t i = 0; i < kept; ++i) result.push_back(order[i].second);
-  return result;
+  return LeastFirst(std::move(order), count);
 }
 
 double MaxKeyframeAngle_rad(const camera::Camera& camera) {
@@ -128,13 +166,7 @@ std::vector<size_t> KeyframeMap::Nearest(
                           turn * turn,
                       i);
   }
-  const size_t kept = std::min(count, near.size());
-  std::partial_sort(near.begin(),
-                    near.begin() + static_cast<std::ptrdiff_t>(kept),
-                    near.end());
-  std::vector<size_t> result;
-  for (size_t k = 0; k < kept; ++k) result.push_back(near[k].second);
-  return result;
+  return LeastFirst(std::move(near), count);
 }
 
 }  // namespace treeline::keyframes

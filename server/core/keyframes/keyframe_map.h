@@ -108,6 +108,11 @@ class KeyframeMap {
 // A quarter of the field of view (thesis 3.2.3), and no less than 20 degrees.
 double MaxKeyframeAngle_rad(const camera::Camera& camera);
 
+// The words of their features, for the index of `keyframes` keyframes. Features
+// stand in the order of their keyframes.
+KeyframeWords LearnWords(std::span<const KeyframeFeature> features,
+                         size_t keyframes);
+
 // What training gathers.
 struct Keyframes {
   std::vector<KeyframeRecord> records;

@@ -24,6 +24,13 @@ forest::PoseEvidence EvidenceOf(const keyframes::Alignment& aligned,
   return evidence;
 }
 
+// Whatever else speaks for the pose: it is a picture of the scene that was seen
+// there, or the depth is not the frame's.
+bool ContradictsDepth(const forest::PoseEvidence& evidence) {
+  return evidence.measured >= kMinMeasuredPoints &&
+         evidence.depth_agreement < kMinDepthAgreement;
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<const KeyframeVerifier>>
@@ -82,6 +89,7 @@ Verdict KeyframeVerifier::Verify(Query& query,
   verdict.reason =
       ReasonAgainst({.has_enough_inliers = pose.inliers >= kMinAnswerInliers,
                      .is_determined = sigma_m <= kMaxPositionSigma_m,
+                     .fits_depth = !ContradictsDepth(verdict.evidence),
                      .is_confident = verdict.confidence >=
                                      query.options().min_confidence.value_or(
                                          confidence_.threshold)});

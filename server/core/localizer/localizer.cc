@@ -77,6 +77,8 @@ absl::string_view ReasonName(NotLocalizedReason reason) {
       return "LOW_CONFIDENCE";
     case NotLocalizedReason::kContradictsPrior:
       return "CONTRADICTS_PRIOR";
+    case NotLocalizedReason::kContradictsDepth:
+      return "CONTRADICTS_DEPTH";
   }
   return "UNKNOWN";
 }

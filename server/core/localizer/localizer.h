@@ -31,7 +31,8 @@ enum class NotLocalizedReason {
   kTooFewInliers,      // no pose explained enough of the predictions
   kPoorlyConstrained,  // the inliers leave the pose uncertain
   kLowConfidence,      // what else is known speaks against the pose
-  kContradictsPrior    // it is farther from the prior than that allows
+  kContradictsPrior,   // it is farther from the prior than that allows
+  kContradictsDepth    // the frame's depth is not what is seen from the pose
 };
 
 // Milliseconds spent per stage, in order of the pipeline.

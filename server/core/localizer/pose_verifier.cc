@@ -17,6 +17,7 @@ bool IsBetter(const Verdict& a, const Verdict& b) {
 NotLocalizedReason ReasonAgainst(const Grounds& grounds) {
   if (!grounds.has_enough_inliers) return NotLocalizedReason::kTooFewInliers;
   if (!grounds.is_determined) return NotLocalizedReason::kPoorlyConstrained;
+  if (!grounds.fits_depth) return NotLocalizedReason::kContradictsDepth;
   if (!grounds.is_confident) return NotLocalizedReason::kLowConfidence;
   return NotLocalizedReason::kNone;
 }

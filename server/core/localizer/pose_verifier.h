@@ -33,6 +33,7 @@ bool IsBetter(const Verdict& a, const Verdict& b);
 struct Grounds {
   bool has_enough_inliers = false;
   bool is_determined = false;
+  bool fits_depth = true;
   bool is_confident = false;
 };
 

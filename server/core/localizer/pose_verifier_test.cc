@@ -7,12 +7,14 @@ namespace treeline::localizer {
 namespace {
 
 TEST(ReasonAgainstTest, NamesTheFirstThatIsMissing) {
-  EXPECT_EQ(ReasonAgainst({true, true, true}), NotLocalizedReason::kNone);
-  EXPECT_EQ(ReasonAgainst({true, true, false}),
+  EXPECT_EQ(ReasonAgainst({true, true, true, true}), NotLocalizedReason::kNone);
+  EXPECT_EQ(ReasonAgainst({true, true, true, false}),
             NotLocalizedReason::kLowConfidence);
-  EXPECT_EQ(ReasonAgainst({true, false, false}),
+  EXPECT_EQ(ReasonAgainst({true, true, false, false}),
+            NotLocalizedReason::kContradictsDepth);
+  EXPECT_EQ(ReasonAgainst({true, false, false, false}),
             NotLocalizedReason::kPoorlyConstrained);
-  EXPECT_EQ(ReasonAgainst({false, false, true}),
+  EXPECT_EQ(ReasonAgainst({false, false, true, true}),
             NotLocalizedReason::kTooFewInliers);
 }
 

@@ -127,7 +127,11 @@ class FrameTrials {
     query.seed = random_.NextBits();
     TL_ASSIGN_OR_RETURN(const localizer::PoseEstimate estimate,
                         localizer_.Localize(frame, query));
-    if (estimate.inliers == 0) return absl::OkStatus();
+    // Refused whatever the confidence.
+    if (estimate.inliers == 0 ||
+        estimate.reason == localizer::NotLocalizedReason::kContradictsDepth) {
+      return absl::OkStatus();
+    }
     const geometry::PoseError error =
         geometry::ErrorBetween(estimate.world_from_camera, truth_);
     trials_.push_back(

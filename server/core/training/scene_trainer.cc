@@ -270,6 +270,16 @@ class SceneTrainer {
       extras.push_back({forest::ModelExtra::kKeyframeFeatures,
                         BytesOf(learned.keyframes.features)});
     }
+    keyframes::KeyframeWords words;
+    if (!learned.keyframes.features.empty() &&
+        info_.keyframe_sift == features::SiftKind::kFast) {
+      words = keyframes::LearnWords(learned.keyframes.features,
+                                    learned.keyframes.records.size());
+      extras.push_back(
+          {forest::ModelExtra::kKeyframeWords, BytesOf(words.means)});
+      extras.push_back(
+          {forest::ModelExtra::kKeyframeFeatureWords, BytesOf(words.word_of)});
+    }
     if (!descriptor_.empty()) {
       extras.push_back({forest::ModelExtra::kSceneDescriptor, descriptor_});
     }
