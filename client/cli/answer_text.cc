@@ -126,6 +126,7 @@ std::string AnswerJson(
   json["inliers"] = answer->inliers;
   json["samples"] = answer->samples;
   json["inlier_ratio"] = answer->inlier_ratio;
+  json["focal_scale"] = answer->focal_scale;
   json["confidence"] = answer->confidence;
   json["confidence_threshold"] = answer->confidence_threshold;
   json["round_trip_ms"] = answer->round_trip_ms;
@@ -164,6 +165,11 @@ std::string AnswerText(const relocalizer::LocalizeAnswer& answer) {
       "localize %.1f\n",
       answer.inliers, answer.samples, 100 * answer.inlier_ratio,
       answer.round_trip_ms, s.total_ms, s.queue_ms, s.decode_ms, s.localize_ms);
+  if (answer.focal_scale != 1) {
+    absl::StrAppendFormat(&text,
+                          "  focal length     %.3f times the stated one\n",
+                          answer.focal_scale);
+  }
   for (const relocalizer::SceneCandidate& candidate : answer.candidates) {
     absl::StrAppendFormat(&text, "  candidate        %s: similarity %.3f",
                           candidate.scene, candidate.similarity);

@@ -29,6 +29,7 @@ v1::LocalizeResponse Localized() {
   response.set_inliers(321);
   response.set_samples(500);
   response.set_inlier_ratio(0.642);
+  response.set_focal_scale(0.955);
   v1::Correspondence& inlier = *response.add_correspondences();
   inlier.mutable_color_pixel()->set_x_px(12.5);
   inlier.mutable_color_pixel()->set_y_px(3);
@@ -68,6 +69,7 @@ TEST(ClientConvert, AnswersKeepEveryFieldBitForBit) {
   EXPECT_EQ(answer->inliers, 321);
   EXPECT_EQ(answer->samples, 500);
   EXPECT_EQ(answer->inlier_ratio, 0.642);
+  EXPECT_EQ(answer->focal_scale, 0.955);
   ASSERT_EQ(answer->inlier_pixels.size(), 1U);
   EXPECT_EQ(answer->inlier_pixels[0].x, 12.5);
   EXPECT_EQ(answer->inlier_pixels[0].y, 3);

@@ -83,6 +83,9 @@ struct LocalizeAnswer {
   int inliers = 0;
   int samples = 0;
   double inlier_ratio = 0;  // in [0, 1]
+  // The pose is of a camera whose focal length is so many times the stated one,
+  // since that fits better; 1: the stated one fits.
+  double focal_scale = 1;
   // If asked for: the inliers' pixels in the colour image (x right, y down; as
   // the server says, unchecked).
   std::vector<geometry::Vec2> inlier_pixels;

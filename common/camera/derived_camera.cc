@@ -76,4 +76,10 @@ absl::StatusOr<Camera> Resized(const Camera& camera, double factor) {
       static_cast<int>(std::lround(factor * camera.height())), p);
 }
 
+absl::StatusOr<Camera> WithFocalScaled(const Camera& camera, double factor) {
+  Parameters p = camera.parameters();
+  for (size_t i = 0; i < PrincipalPoint(camera); ++i) p[i] *= factor;
+  return WithParameters(camera, camera.width(), camera.height(), p);
+}
+
 }  // namespace treeline::camera

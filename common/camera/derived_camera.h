@@ -25,6 +25,10 @@ absl::StatusOr<Camera> Cropped(const Camera& camera, int left, int top,
 // pixels or too many.
 absl::StatusOr<Camera> Resized(const Camera& camera, double factor);
 
+// With its focal lengths times `factor`, and the same picture. INVALID_ARGUMENT
+// unless that makes a camera.
+absl::StatusOr<Camera> WithFocalScaled(const Camera& camera, double factor);
+
 }  // namespace treeline::camera
 
 #endif  // COMMON_CAMERA_DERIVED_CAMERA_H_

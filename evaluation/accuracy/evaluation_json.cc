@@ -59,8 +59,8 @@ void AddEstimate(const FrameResult& result, Json& json) {
   if (!answered) {
     json["outcome"] = "ERROR";
     json["reason"] = Text(result.status.message());
-    for (const char* key :
-         {"inliers", "samples", "inlier_ratio", "confidence", "evidence"}) {
+    for (const char* key : {"inliers", "samples", "inlier_ratio", "confidence",
+                            "focal_scale", "evidence"}) {
       json[key] = nullptr;
     }
   } else {
@@ -72,10 +72,13 @@ void AddEstimate(const FrameResult& result, Json& json) {
     json["samples"] = estimate.samples;
     json["inlier_ratio"] = Number(estimate.inlier_ratio);
     json["confidence"] = Number(estimate.confidence);
+    json["focal_scale"] = Number(estimate.focal_scale);
     const forest::PoseEvidence& evidence = estimate.evidence;
     json["evidence"] = {{"inlier_ratio", Number(evidence.inlier_ratio)},
                         {"correlation", Number(evidence.correlation)},
                         {"agreement", Number(evidence.agreement)},
+                        {"core_correlation", Number(evidence.core_correlation)},
+                        {"core_agreement", Number(evidence.core_agreement)},
                         {"visible", evidence.visible},
                         {"overlap", Number(evidence.overlap)},
                         {"depth_agreement", Number(evidence.depth_agreement)},

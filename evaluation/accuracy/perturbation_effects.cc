@@ -331,17 +331,8 @@ absl::Status WrongFocalLength(double factor, base::Random& /*random*/,
                               PerturbedFrame& view) {
   camera::RgbdCalibration& calibration = *view.frame.calibration;
   const bool registered = IsRegistered(calibration);
-  const camera::Camera& color = calibration.color;
-  auto parameters = color.parameters();
-  const int focal_lengths = camera::CameraPrincipalPointIndex(color.model());
-  for (int i = 0; i < focal_lengths; ++i) {
-    parameters[static_cast<size_t>(i)] *= factor;
-  }
-  TL_ASSIGN_OR_RETURN(
-      calibration.color,
-      camera::Camera::Create(color.model(), color.width(), color.height(),
-                             parameters.data(),
-                             camera::CameraParameterCount(color.model())));
+  TL_ASSIGN_OR_RETURN(calibration.color,
+                      camera::WithFocalScaled(calibration.color, factor));
   if (registered) calibration.depth = calibration.color;
   return absl::OkStatus();
 }

@@ -27,6 +27,7 @@ TEST(Convert, ALocalizedEstimateArrivesBitForBit) {
   EXPECT_EQ(proto.inliers(), 432);
   EXPECT_EQ(proto.samples(), 500);
   EXPECT_EQ(proto.inlier_ratio(), 432.0 / 500);
+  EXPECT_FALSE(proto.has_focal_scale());
 }
 
 TEST(Convert, WhatIsNotLocalizedHasNoPose) {
@@ -42,6 +43,12 @@ TEST(Convert, WhatIsNotLocalizedHasNoPose) {
   // The evidence stays.
   EXPECT_EQ(proto.inliers(), 432);
   EXPECT_EQ(proto.pose_sensor(), v1::RGBD_SENSOR_COLOR);
+}
+
+TEST(Convert, AFocalLengthThatDoesNotFitIsSaid) {
+  localizer::PoseEstimate estimate = LocalizedEstimate();
+  estimate.focal_scale = 0.95;
+  EXPECT_EQ(ToProto(estimate, camera::RgbdSensor::kColor).focal_scale(), 0.95);
 }
 
 TEST(Convert, EachReasonHasItsOwnNumber) {

@@ -4,11 +4,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <vector>
 
 #include "common/base/random.h"
+#include "common/camera/derived_camera.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/keyframes/direct_alignment.h"
@@ -133,6 +135,31 @@ TEST_F(SceneTrainerTest, UniversalAnswersInAnotherLight) {
         geometry::ErrorBetween(estimate->world_from_camera, truth);
     EXPECT_LT(error.translation_m, 0.1) << "a wrong pose passed for right";
     right += error.translation_m < 0.05 && error.rotation_rad < 0.087;
+  }
+  EXPECT_GE(right, 12);
+}
+
+TEST_F(SceneTrainerTest, UniversalCorrectsAFocalLengthThatIsStatedWrongly) {
+  ASSERT_TRUE(Train(*dataset_, Options("universal"), "universal").ok());
+  const auto localizer = localizer::OpenLocalizer(Path("universal"));
+  ASSERT_TRUE(localizer.ok());
+  camera::RgbdCalibration stated = (*localizer)->info().calibration;
+  const auto longer = camera::WithFocalScaled(stated.color, 1.08);
+  ASSERT_TRUE(longer.ok());
+  stated.color = *longer;
+  int right = 0;
+  for (int i = 0; i < 16; ++i) {
+    const geometry::Rigid3 truth = HeldOutPose(5 * i);
+    image::Frame frame = training::RenderBoxRoom(Calibration(), truth);
+    frame.depth.reset();
+    frame.calibration = stated;
+    const auto estimate = (*localizer)->Localize(frame, {});
+    ASSERT_TRUE(estimate.ok()) << estimate.status();
+    if (estimate->outcome != localizer::Outcome::kLocalized) continue;
+    const geometry::PoseError error =
+        geometry::ErrorBetween(estimate->world_from_camera, truth);
+    right += error.translation_m < 0.05 &&
+             std::abs(estimate->focal_scale * 1.08 - 1) < 0.02;
   }
   EXPECT_GE(right, 12);
 }

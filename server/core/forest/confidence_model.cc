@@ -32,8 +32,9 @@ double Sharpness(double sigma_m) {
 const std::array<absl::string_view, ConfidenceModel::kFeatures>&
 ConfidenceModel::FeatureNames() {
   static constexpr std::array<absl::string_view, kFeatures> kNames = {
-      "constant", "inlier_ratio", "correlation", "agreement", "depth_agreement",
-      "steady",   "overlap",      "is_matched",  "matches",   "sharpness"};
+      "constant",        "inlier_ratio", "correlation",      "agreement",
+      "depth_agreement", "steady",       "overlap",          "is_matched",
+      "matches",         "sharpness",    "core_correlation", "core_agreement"};
   return kNames;
 }
 
@@ -52,7 +53,9 @@ ConfidenceModel::Features ConfidenceModel::FeaturesOf(
           evidence.overlap, evidence.matches > 0 ? 1.0 : 0.0,
           // 0 to 100 of them: from 0 to 1; the first ones decide.
           std::min(1.0, std::log1p(evidence.matches) / std::log1p(100)),
-          Sharpness(evidence.sigma_m)};
+          Sharpness(evidence.sigma_m),
+          is_aligned ? evidence.core_correlation : kUnknownCorrelation,
+          is_aligned ? evidence.core_agreement : kUnknownAgreement};
 }
 
 double ConfidenceModel::Probability(const PoseEvidence& evidence) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,62 @@ struct Exposure {
   float gain = 1;
   float offset = 0;
 };
+
+// Moments of brightness, as a keyframe says (a) and as it is (b).
+struct BrightnessSums {
+  double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+  int agreeing = 0;
+
+  void Add(double said, double seen, bool agrees) {
+    n += 1;
+    a += said;
+    b += seen;
+    aa += said * said;
+    bb += seen * seen;
+    ab += said * seen;
+    agreeing += agrees;
+  }
+  BrightnessSums& operator+=(const BrightnessSums& other) {
+    n += other.n;
+    a += other.a;
+    b += other.b;
+    aa += other.aa;
+    bb += other.bb;
+    ab += other.ab;
+    agreeing += other.agreeing;
+    return *this;
+  }
+  double Agreement() const { return n > 0 ? agreeing / n : 0; }
+  // 0 where hardly anything varies.
+  double Correlation() const {
+    const double va = aa - a * a / n;
+    const double vb = bb - b * b / n;
+    return va > n && vb > n ? (ab - a * b / n) / std::sqrt(va * vb) : 0;
+  }
+};
+
+// The picture in parts, kJudgedCells a side.
+using JudgedCells =
+    std::array<BrightnessSums,
+               static_cast<size_t>(kJudgedCells) * kJudgedCells>;
+
+BrightnessSums SumOf(std::span<const BrightnessSums> cells) {
+  BrightnessSums sum;
+  for (const BrightnessSums& cell : cells) sum += cell;
+  return sum;
+}
+
+// Of the cells that agree best, until they hold half of the points.
+BrightnessSums CoreOf(JudgedCells& cells) {
+  const double enough = 0.5 * SumOf(cells).n;
+  std::ranges::sort(cells, std::greater<>(), &BrightnessSums::Agreement);
+  BrightnessSums core;
+  for (const BrightnessSums& cell : cells) {
+    if (core.n >= enough) break;
+    core += cell;
+  }
+  return core;
+}
 
 class Aligner {
  public:
@@ -321,35 +378,41 @@ class Aligner {
     }
   }
 
+  size_t CellOf(size_t i) const {
+    const auto place = [](float at, int size) {
+      return static_cast<size_t>(std::clamp(
+          static_cast<int>(at) * kJudgedCells / size, 0, kJudgedCells - 1));
+    };
+    return place(seen_.v[i], calibration_.color.height()) * kJudgedCells +
+           place(seen_.u[i], calibration_.color.width());
+  }
+
+  void JudgeBrightness(Alignment& alignment) {
+    JudgedCells cells;
+    const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
+    for (size_t run = 0; run < runs.size(); ++run) {
+      for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
+        if (seen_.seen[i] == 0) continue;
+        // Against what the keyframe, exposed alike, would have shown.
+        const double seen = seen_.brightness[i];
+        cells[CellOf(i)].Add(seen - Residual(options_.last_level, run, i), seen,
+                             AgreesInBrightness(run, i));
+      }
+    }
+    const BrightnessSums all = SumOf(cells);
+    const BrightnessSums core = CoreOf(cells);
+    alignment.agreement = all.Agreement();
+    alignment.correlation = all.Correlation();
+    alignment.core_agreement = core.Agreement();
+    alignment.core_correlation = core.Correlation();
+  }
+
   Alignment Judge() {
     Alignment alignment;
     alignment.world_from_camera = camera_from_world_.Inverse();
     alignment.visible = visible_;
     alignment.overlap = static_cast<double>(visible_) / total_points_;
-    double sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
-    int agreeing = 0;
-    const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
-    for (size_t run = 0; run < runs.size(); ++run) {
-      for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
-        if (seen_.seen[i] == 0) continue;
-        agreeing += AgreesInBrightness(run, i);
-        // Against what the keyframe, exposed alike, would have shown.
-        const double b = seen_.brightness[i];
-        const double a = b - Residual(options_.last_level, run, i);
-        sa += a;
-        sb += b;
-        saa += a * a;
-        sbb += b * b;
-        sab += a * b;
-      }
-    }
-    const double n = alignment.visible;
-    alignment.agreement = agreeing / n;
-    const double va = saa - sa * sa / n;
-    const double vb = sbb - sb * sb / n;
-    if (va > n && vb > n) {
-      alignment.correlation = (sab - sa * sb / n) / std::sqrt(va * vb);
-    }
+    JudgeBrightness(alignment);
     if (depth_ != nullptr) JudgeSurfaces(alignment);
     // From a step in the camera's frame to one in the world's.
     const Matrix6 in_camera =

@@ -17,6 +17,7 @@ std::vector<base::ParameterRow> KeyframeParameters() {
           base::RowOf(kSurfaceNoise_m),
           base::RowOf(kMaxSurfaceDistance_m),
           base::RowOf(kSurfaceLevel),
+          base::RowOf(kJudgedCells),
           base::RowOf(kHalvedSide_px),
           base::RowOf(kSiftContrast),
           base::RowOf(kMaxFastFeatures),

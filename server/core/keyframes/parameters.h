@@ -111,6 +111,14 @@ inline constexpr base::Parameter<int> kSurfaceLevel{
     .why = "pyramid levels from this one down use measured surfaces"};
 
 // Features.
+inline constexpr base::Parameter<int> kJudgedCells{
+    .name = "judged_cells",
+    .value = 4,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "parts of a picture's width and height that are judged each for "
+        "itself: something in front covers some of them"};
 inline constexpr base::Parameter<int> kHalvedSide_px{
     .name = "halved_side",
     .value = 512,

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "server/core/localizer/localizer.h"
 #include "server/core/localizer/query.h"
+#include "server/core/pose/focal_estimate.h"
 #include "server/core/pose/robust_refinement.h"
 
 namespace treeline::localizer {
@@ -22,6 +23,8 @@ struct Candidate {
   int samples = 0;
   // They are features matched with keyframes, not predictions of a forest.
   bool is_matched = false;
+  // What matched features say of the focal length that the query states.
+  std::optional<pose::FocalEstimate> focal;
   // Filled if the query asks for it.
   std::vector<Correspondence> correspondences;
 

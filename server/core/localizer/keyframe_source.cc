@@ -68,7 +68,7 @@ std::optional<pose::RefinedPose> KeyframeSource::Refine(
     const geometry::Rigid3& world_from_camera) const {
   return pose::RefineRays(
       seen.scene, world_from_camera,
-      {.robust_scale = kKeyframeRobustScale_px * query.pixel(),
+      {.robust_scale = RobustScale(query),
        .inlier_distance = kKeyframeInlier_px * query.pixel()});
 }
 

@@ -38,6 +38,9 @@ class KeyframeSource {
   std::optional<pose::RefinedPose> Refine(
       Query& query, const RayObservations& seen,
       const geometry::Rigid3& world_from_camera) const;
+  static double RobustScale(const Query& query) {
+    return kKeyframeRobustScale_px * query.pixel();
+  }
   // Points are where the keyframes say, as seen from the pose.
   std::vector<Correspondence> Explain(
       const RayObservations& seen,

@@ -73,6 +73,10 @@ struct PoseEstimate {
   // What it was computed from.
   forest::PoseEvidence evidence;
   LocalizeTimings timings;
+  // The pose is of a camera whose focal length is so many times the stated one
+  // (or the scene's), since that fits what was seen better; 1: the stated one
+  // fits.
+  double focal_scale = 1;
   // Filled if the query asked for it.
   std::vector<Correspondence> correspondences;
 };

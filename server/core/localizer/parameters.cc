@@ -37,6 +37,11 @@ std::vector<base::ParameterRow> LocalizerParameters() {
           base::RowOf(kMinSiftInliers),
           base::RowOf(kFewMatches),
           base::RowOf(kMaxRelativePositionSigma),
+          base::RowOf(kMinFocalError),
+          base::RowOf(kMinFocalSigmas),
+          base::RowOf(kMinDoubtfulFocalSigmas),
+          base::RowOf(kSameFocal),
+          base::RowOf(kMaxFocalRounds),
           base::RowOf(kOtherTurnOdds)};
 }
 

@@ -254,6 +254,40 @@ inline constexpr base::Parameter<double> kMaxRelativePositionSigma{
     .origin = base::ParameterOrigin::kTuned,
     .why = "as max_position_sigma, in viewing distances"};
 
+// Focal lengths that do not fit.
+inline constexpr base::Parameter<double> kMinFocalError{
+    .name = "min_focal_error",
+    .value = 0.015,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "a stated focal length that is off by less is not corrected"};
+inline constexpr base::Parameter<double> kMinFocalSigmas{
+    .name = "min_focal_sigmas",
+    .value = 2.5,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... nor one that may be right, by what the features say"};
+inline constexpr base::Parameter<double> kMinDoubtfulFocalSigmas{
+    .name = "min_doubtful_focal_sigmas",
+    .value = 1.5,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... where another camera than the scene's is stated"};
+inline constexpr base::Parameter<double> kSameFocal{
+    .name = "same_focal",
+    .value = 0.02,
+    .unit = "",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why =
+        "a stated focal length that differs by more from that of the camera "
+        "that learnt the scene is looked at with matched features, too"};
+inline constexpr base::Parameter<int> kMaxFocalRounds{
+    .name = "max_focal_rounds",
+    .value = 3,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "with a better focal length more features fit, and say it better"};
+
 // Turned pictures.
 inline constexpr base::Parameter<double> kOtherTurnOdds{
     .name = "other_turn_odds",

@@ -1,9 +1,13 @@
 #include "server/core/localizer/pipeline.h"
 
+#include <cmath>
+#include <optional>
 #include <utility>
 
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
+#include "common/camera/derived_camera.h"
+#include "server/core/localizer/parameters.h"
 #include "server/core/localizer/report.h"
 
 namespace treeline::localizer {
@@ -52,9 +56,20 @@ class Search {
     return verdict_ && verdict_->confidence >= sufficient_confidence &&
            verdict_->reason != NotLocalizedReason::kContradictsPrior;
   }
+  // Of the pose that most matched features support.
+  std::optional<pose::FocalEstimate> Focal() const {
+    const Candidate* most = nullptr;
+    for (const Candidate& candidate : candidates_) {
+      if (!candidate.focal) continue;
+      if (most && candidate.pose->inliers <= most->pose->inliers) continue;
+      most = &candidate;
+    }
+    return most ? most->focal : std::nullopt;
+  }
   Selection Take() && {
+    const std::optional<pose::FocalEstimate> focal = Focal();
     if (!verdict_) best_ = MostTelling();
-    return {std::move(candidates_[best_]), verdict_};
+    return {std::move(candidates_[best_]), verdict_, focal};
   }
 
  private:
@@ -73,6 +88,59 @@ class Search {
   std::optional<Verdict> verdict_;
 };
 
+// The focal length that the selected pose's features speak for, in stated ones;
+// nullopt: it may well be the stated one.
+std::optional<double> OtherFocal(const Selection& selection, bool is_doubtful) {
+  if (!selection.verdict || !selection.focal) return std::nullopt;
+  const double error = std::abs(std::log(selection.focal->scale));
+  const double min_sigmas =
+      is_doubtful ? kMinDoubtfulFocalSigmas : kMinFocalSigmas;
+  if (error < kMinFocalError || error < min_sigmas * selection.focal->sigma) {
+    return std::nullopt;
+  }
+  return selection.focal->scale;
+}
+
+bool IsOtherFocal(const camera::Camera& stated, const camera::Camera& learnt) {
+  // In pictures of the same width.
+  return std::abs(std::log(MeanFocal_px(stated) / stated.width() *
+                           learnt.width() / MeanFocal_px(learnt))) > kSameFocal;
+}
+
+// With the colour camera's focal length times `scale`; depth that is registered
+// to colour has the same camera.
+absl::StatusOr<camera::RgbdCalibration> WithFocal(
+    camera::RgbdCalibration calibration, double scale) {
+  const bool is_registered = calibration.depth == calibration.color;
+  TL_ASSIGN_OR_RETURN(calibration.color,
+                      camera::WithFocalScaled(calibration.color, scale));
+  if (is_registered) calibration.depth = calibration.color;
+  return calibration;
+}
+
+// Asks again with the focal length that the features speak for, as long as that
+// gives a better answer. `focal_scale` becomes the selection's.
+absl::StatusOr<Selection> SelectWithAnyFocal(const Method& method, Query& query,
+                                             double& focal_scale) {
+  TL_ASSIGN_OR_RETURN(Selection best, SelectCandidate(method, query));
+  const camera::RgbdCalibration stated = query.calibration();
+  for (int round = 0; round < kMaxFocalRounds; ++round) {
+    const std::optional<double> other =
+        OtherFocal(best, query.is_focal_doubtful());
+    if (!other) break;
+    TL_ASSIGN_OR_RETURN(camera::RgbdCalibration corrected,
+                        WithFocal(stated, focal_scale * *other));
+    query.set_calibration(std::move(corrected));
+    TL_ASSIGN_OR_RETURN(Selection selection, SelectCandidate(method, query));
+    if (!selection.verdict || !IsBetter(*selection.verdict, *best.verdict)) {
+      break;
+    }
+    best = std::move(selection);
+    focal_scale *= *other;
+  }
+  return best;
+}
+
 }  // namespace
 
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
@@ -83,7 +151,9 @@ absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query) {
     TL_RETURN_IF_ERROR(search.Ask(*step.generator));
     if (step.is_fallback) continue;
     const bool has_pose = search.VerifyLast();
-    const bool is_satisfied = search.IsSatisfied(method.sufficient_confidence);
+    const bool is_satisfied =
+        search.IsSatisfied(method.sufficient_confidence) &&
+        (!query.is_focal_doubtful() || search.Focal().has_value());
     if (step.is_shortcut) {
       if (is_satisfied && search.LastIsBelieved()) {
         return std::move(search).Take();
@@ -112,10 +182,16 @@ absl::StatusOr<PoseEstimate> Pipeline::Localize(
       CheckFrame(frame, calibration, method_.depth_use, info().method));
   Pool<QueryScratch>::Lease scratch(scratch_);
   Query query(frame, calibration, method_.depth_use, options, *scratch);
-  TL_ASSIGN_OR_RETURN(Selection selection, SelectCandidate(method_, query));
+  if (IsOtherFocal(calibration.color, info().calibration.color)) {
+    query.set_focal_doubtful();
+  }
+  double focal_scale = 1;
+  TL_ASSIGN_OR_RETURN(Selection selection,
+                      SelectWithAnyFocal(method_, query, focal_scale));
   PoseEstimate estimate =
       Report(std::move(selection.candidate),
              selection.verdict ? &*selection.verdict : nullptr);
+  estimate.focal_scale = focal_scale;
   estimate.timings = query.timings();
   SetTotal(base::MillisecondsBetween(start, clock.Now()), estimate.timings);
   return estimate;

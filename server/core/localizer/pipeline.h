@@ -42,13 +42,17 @@ struct Method {
 struct Selection {
   Candidate candidate;
   std::optional<Verdict> verdict;  // nullopt: it has no pose
+  // Of the candidate that most matched features support, this one or another.
+  std::optional<pose::FocalEstimate> focal;
 };
 
 // Asks the steps of `method` one after the other for candidates, verifies them,
 // and selects the best by the verifier's evidence; among equals, the earlier.
 // A pose that contradicts the query's priors is not believed, and does not end
 // the search. Without a pose, the first candidate that had enough to look at
-// says why. Errors of the generators; CANCELLED after the query's stop.
+// says why. Where the query's focal length is doubtful, no pose ends the search
+// before features have told of it. Errors of the generators; CANCELLED after
+// the query's stop.
 absl::StatusOr<Selection> SelectCandidate(const Method& method, Query& query);
 
 // A model with the method that reads it.

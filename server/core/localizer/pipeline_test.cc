@@ -95,12 +95,14 @@ class SelectCandidateTest : public testing::Test {
     const camera::RgbdCalibration calibration;
     QueryScratch scratch;
     Query query(frame, calibration, method_.depth_use, options, scratch);
+    if (is_focal_doubtful_) query.set_focal_doubtful();
     return SelectCandidate(method_, query);
   }
 
   Method method_;
   std::deque<Asked> asked_;
   int verified_ = 0;
+  bool is_focal_doubtful_ = false;
 };
 
 TEST_F(SelectCandidateTest, TheFirstVerifiedPoseIsTheAnswerUnlessAskedForMore) {
@@ -249,6 +251,22 @@ TEST_F(SelectCandidateTest, APoseThatContradictsAPriorDoesNotEndTheSearch) {
   const auto lost = Select({{1, elsewhere}, {2, elsewhere}}, ExpectedAt({}));
   ASSERT_TRUE(lost.ok());
   EXPECT_EQ(lost->verdict->reason, NotLocalizedReason::kContradictsPrior);
+}
+
+TEST_F(SelectCandidateTest, ADoubtfulFocalLengthIsLookedAtWithFeatures) {
+  method_.sufficient_confidence = 0.9;
+  AddStep(Pose(1));
+  Candidate matched = Pose(2);
+  matched.focal = pose::FocalEstimate{.scale = 0.95, .sigma = 0.01};
+  AddStep(matched);
+  Asked& after = AddStep(Pose(3));
+  is_focal_doubtful_ = true;
+  const auto selection = Select({{1, Believed(0.99)}, {2, Believed(0.95)}});
+  ASSERT_TRUE(selection.ok()) << selection.status();
+  EXPECT_EQ(selection->candidate.pose->inliers, 1);
+  ASSERT_TRUE(selection->focal.has_value());
+  EXPECT_EQ(selection->focal->scale, 0.95);
+  EXPECT_EQ(after.times, 0);
 }
 
 TEST_F(SelectCandidateTest, AnErrorOfAGeneratorIsTheQuerys) {

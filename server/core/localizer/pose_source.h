@@ -17,6 +17,7 @@
 #include "server/core/localizer/candidate.h"
 #include "server/core/localizer/query.h"
 #include "server/core/localizer/query_options.h"
+#include "server/core/pose/focal_estimate.h"
 #include "server/core/pose/minimal_solver.h"
 #include "server/core/pose/preemptive_ransac.h"
 #include "server/core/pose/robust_refinement.h"
@@ -65,6 +66,7 @@ std::vector<Correspondence> MatchesOf(
 //                  all; nothing is appended where those are too few.
 //   Solver         What RANSAC works with.
 //   Refine         Stage "refine".
+//   RobustScale    Of Refine (units of the ray), if kIsMatched.
 //   Explain        The correspondences.
 template <typename S>
 concept PoseSource = requires(const S& source, Query& query,
@@ -112,6 +114,13 @@ class SourceGenerator final : public CandidateGenerator {
     candidate.reason = NotLocalizedReason::kTooFewInliers;
     if (candidate.pose && candidate.pose->inliers < Source::kMinInliers) {
       candidate.pose.reset();
+    }
+    if constexpr (Source::kIsMatched) {
+      if (candidate.pose) {
+        candidate.focal =
+            pose::EstimateFocal(seen.scene, candidate.pose->world_from_camera,
+                                Source::RobustScale(query));
+      }
     }
     if (query.options().keep_correspondences) {
       candidate.correspondences = source_.Explain(seen, candidate.pose);

@@ -57,15 +57,20 @@ absl::Status CheckFrame(const image::Frame& frame,
                    calibration.depth);
 }
 
-Query::Query(const image::Frame& frame,
-             const camera::RgbdCalibration& calibration, DepthUse depth_use,
-             const LocalizeOptions& options, QueryScratch& scratch)
+Query::Query(const image::Frame& frame, camera::RgbdCalibration calibration,
+             DepthUse depth_use, const LocalizeOptions& options,
+             QueryScratch& scratch)
     : frame_(frame),
-      calibration_(calibration),
       depth_(UsesDepth(frame, depth_use) ? &*frame.depth : nullptr),
       options_(options),
-      pixel_(1 / camera::MeanFocal_px(calibration.color)),
-      scratch_(scratch) {}
+      scratch_(scratch) {
+  set_calibration(std::move(calibration));
+}
+
+void Query::set_calibration(camera::RgbdCalibration calibration) {
+  calibration_ = std::move(calibration);
+  pixel_ = 1 / camera::MeanFocal_px(calibration_.color);
+}
 
 absl::Status Query::CheckStop() const {
   return stop().stop_requested()

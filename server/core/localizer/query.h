@@ -63,7 +63,7 @@ absl::Status CheckFrame(const image::Frame& frame,
 class Query {
  public:
   // `frame` has passed CheckFrame.
-  Query(const image::Frame& frame, const camera::RgbdCalibration& calibration,
+  Query(const image::Frame& frame, camera::RgbdCalibration calibration,
         DepthUse depth_use, const LocalizeOptions& options,
         QueryScratch& scratch);
 
@@ -74,6 +74,13 @@ class Query {
   const camera::Camera& camera() const { return calibration_.color; }
   // One pixel of the colour camera in units of its rays.
   double pixel() const { return pixel_; }
+  // Other cameras for the same frame, of the same sizes: what does not depend
+  // on them is kept.
+  void set_calibration(camera::RgbdCalibration calibration);
+  // The stated focal length is not that of the camera that learnt the scene:
+  // it has to be confirmed by features.
+  bool is_focal_doubtful() const { return is_focal_doubtful_; }
+  void set_focal_doubtful() { is_focal_doubtful_ = true; }
   const LocalizeOptions& options() const { return options_; }
   uint64_t seed() const { return options_.seed; }
   const std::stop_token& stop() const { return options_.stop; }
@@ -91,10 +98,11 @@ class Query {
 
  private:
   const image::Frame& frame_;
-  const camera::RgbdCalibration& calibration_;
+  camera::RgbdCalibration calibration_;
   const image::DepthImage* const depth_;
   const LocalizeOptions& options_;
-  const double pixel_;
+  double pixel_ = 0;
+  bool is_focal_doubtful_ = false;
   QueryScratch& scratch_;
   bool has_image_ = false;
   bool has_pyramid_ = false;

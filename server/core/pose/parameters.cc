@@ -16,7 +16,10 @@ std::vector<base::ParameterRow> PoseParameters() {
           base::RowOf(kMaxRefinedPointLinePoses),
           base::RowOf(kMinRaySide),
           base::RowOf(kMaxRefinedRayPoses),
-          base::RowOf(kLocalRayIterations)};
+          base::RowOf(kLocalRayIterations),
+          base::RowOf(kFocalIterations),
+          base::RowOf(kInitialFocalRobustScale),
+          base::RowOf(kMaxLogFocalScale)};
 }
 
 }  // namespace treeline::pose

@@ -111,6 +111,28 @@ inline constexpr base::Parameter<int> kLocalRayIterations{
     .origin = base::ParameterOrigin::kTuned,
     .why = "steps of a survivor's local refinement"};
 
+// Focal length from matched features.
+inline constexpr base::Parameter<int> kFocalIterations{
+    .name = "focal_iterations",
+    .value = 12,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "Gauss-Newton steps over pose and focal length"};
+inline constexpr base::Parameter<double> kInitialFocalRobustScale{
+    .name = "initial_focal_robust_scale",
+    .value = 8,
+    .unit = "",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why =
+        "times the robust loss's scale at the first of them: at the edge of a "
+        "picture a focal length that is off by 15 % is off by some 20 px"};
+inline constexpr base::Parameter<double> kMaxLogFocalScale{
+    .name = "max_log_focal_scale",
+    .value = 0.7,
+    .unit = "",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why = "nobody states half or twice the true focal length"};
+
 // All of them, in this order.
 std::vector<base::ParameterRow> PoseParameters();
 

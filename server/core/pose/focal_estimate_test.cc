@@ -1,0 +1,75 @@
+#include "server/core/pose/focal_estimate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+
+#include "common/base/random.h"
+
+namespace treeline::pose {
+namespace {
+
+constexpr double kFocal_px = 500;
+
+// Points in front of a camera at the origin, and their rays as a camera states
+// them whose true focal length is `scale` times the stated one, with `noise_px`
+// on each; of every `outlier_every` one is anywhere.
+RayPredictions Seen(double scale, double noise_px, double nearest_m,
+                    double farthest_m, int outlier_every = 0) {
+  base::Random random(7, 1);
+  RayPredictions scene;
+  for (int i = 0; i < 200; ++i) {
+    const double z = random.NextUniform(nearest_m, farthest_m);
+    const geometry::Vec3 point{z * random.NextUniform(-0.6, 0.6),
+                               z * random.NextUniform(-0.45, 0.45), z};
+    const bool is_outlier = outlier_every > 0 && i % outlier_every == 0;
+    const auto image = [&](double at) {
+      return scale * (at + (is_outlier ? random.NextUniform(-0.5, 0.5) : 0) +
+                      noise_px / kFocal_px * random.NextGaussian());
+    };
+    scene.ray.push_back({image(point.x / z), image(point.y / z)});
+    scene.ray_sigma.push_back(1 / kFocal_px);
+    scene.predictions.push_back({point, {1e-6, 0, 0, 1e-6, 0, 1e-6}});
+  }
+  return scene;
+}
+
+std::optional<FocalEstimate> Estimate(const RayPredictions& scene) {
+  // Where a pose alone would be drawn to.
+  const geometry::Rigid3 near{
+      geometry::Rotation3::FromAxisAngle({0.01, -0.005, 0.01}),
+      {0.03, -0.02, 0.1}};
+  return EstimateFocal(scene, near, 3 / kFocal_px);
+}
+
+TEST(FocalEstimate, FindsTheFocalLengthThatRaysWereMadeWith) {
+  for (const double scale : {0.8, 0.95, 1.0, 1.05, 1.2}) {
+    const auto estimate = Estimate(Seen(scale, 0, 1, 4));
+    ASSERT_TRUE(estimate.has_value()) << scale;
+    EXPECT_NEAR(estimate->scale, scale, 1e-4);
+  }
+}
+
+TEST(FocalEstimate, SaysHowWellItIsKnown) {
+  const auto deep = Estimate(Seen(1.05, 1, 1, 4));
+  const auto shallow = Estimate(Seen(1.05, 1, 2.9, 3.1));
+  ASSERT_TRUE(deep.has_value() && shallow.has_value());
+  EXPECT_LT(std::abs(std::log(deep->scale / 1.05)), 4 * deep->sigma);
+  EXPECT_LT(deep->sigma, 0.005);
+  EXPECT_GT(shallow->sigma, 5 * deep->sigma);
+}
+
+TEST(FocalEstimate, HoldsOutAgainstWrongMatches) {
+  const auto estimate = Estimate(Seen(1.08, 0.5, 1, 4, /*outlier_every=*/4));
+  ASSERT_TRUE(estimate.has_value());
+  EXPECT_NEAR(estimate->scale, 1.08, 0.01);
+}
+
+TEST(FocalEstimate, AWallInFrontSaysNothing) {
+  const auto estimate = Estimate(Seen(1.05, 1, 3, 3));
+  EXPECT_TRUE(!estimate || estimate->sigma > 0.02) << estimate->sigma;
+}
+
+}  // namespace
+}  // namespace treeline::pose
