@@ -77,8 +77,6 @@ void AddEstimate(const FrameResult& result, Json& json) {
     json["evidence"] = {{"inlier_ratio", Number(evidence.inlier_ratio)},
                         {"correlation", Number(evidence.correlation)},
                         {"agreement", Number(evidence.agreement)},
-                        {"core_correlation", Number(evidence.core_correlation)},
-                        {"core_agreement", Number(evidence.core_agreement)},
                         {"visible", evidence.visible},
                         {"overlap", Number(evidence.overlap)},
                         {"depth_agreement", Number(evidence.depth_agreement)},

@@ -32,9 +32,8 @@ double Sharpness(double sigma_m) {
 const std::array<absl::string_view, ConfidenceModel::kFeatures>&
 ConfidenceModel::FeatureNames() {
   static constexpr std::array<absl::string_view, kFeatures> kNames = {
-      "constant",        "inlier_ratio", "correlation",      "agreement",
-      "depth_agreement", "steady",       "overlap",          "is_matched",
-      "matches",         "sharpness",    "core_correlation", "core_agreement"};
+      "constant", "inlier_ratio", "correlation", "agreement", "depth_agreement",
+      "steady",   "overlap",      "is_matched",  "matches",   "sharpness"};
   return kNames;
 }
 
@@ -53,9 +52,7 @@ ConfidenceModel::Features ConfidenceModel::FeaturesOf(
           evidence.overlap, evidence.matches > 0 ? 1.0 : 0.0,
           // 0 to 100 of them: from 0 to 1; the first ones decide.
           std::min(1.0, std::log1p(evidence.matches) / std::log1p(100)),
-          Sharpness(evidence.sigma_m),
-          is_aligned ? evidence.core_correlation : kUnknownCorrelation,
-          is_aligned ? evidence.core_agreement : kUnknownAgreement};
+          Sharpness(evidence.sigma_m)};
 }
 
 double ConfidenceModel::Probability(const PoseEvidence& evidence) const {
@@ -66,7 +63,7 @@ double ConfidenceModel::Probability(const PoseEvidence& evidence) const {
 }
 
 ConfidenceModel ConfidenceModel::Typical() {
-  return {{-9.69, 4.75, 4.55, 2.33, 0, 3.39, 0, 0, 0, 2.89}, 0.5};
+  return {{-11.87, 6.26, 0, 6.00, 1.75, 2.93, 0, 0, 0, 5.04}, 0.5};
 }
 
 ConfidenceModel ConfidenceModel::WithoutKeyframes() {

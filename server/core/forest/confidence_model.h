@@ -14,10 +14,8 @@ struct PoseEvidence {
   // Share of the samples whose scene coordinates agree, in [0, 1].
   double inlier_ratio = 0;
   // What the keyframes around say; all zero if there are none. See Alignment.
-  double correlation = 0;       // in [0, 1]
-  double agreement = 0;         // in [0, 1]
-  double core_correlation = 0;  // in [0, 1]
-  double core_agreement = 0;    // in [0, 1]
+  double correlation = 0;  // in [0, 1]
+  double agreement = 0;    // in [0, 1]
   int visible = 0;
   double overlap = 0;          // in [0, 1]
   int measured = 0;            // 0: without depth
@@ -35,7 +33,7 @@ struct PoseEvidence {
 // Logistic regression on features of the evidence. Fitted by the trainer on
 // frames that the model had not seen; see training/confidence_fitter.h.
 struct ConfidenceModel {
-  static constexpr size_t kFeatures = 12;
+  static constexpr size_t kFeatures = 10;
   using Features = std::array<double, kFeatures>;
 
   // Of feature i; the first is the constant's.

@@ -92,6 +92,15 @@ struct NormalSums {
 // Weighted moments of (reference, brightness), both less 128.
 struct ExposureSums {
   float w = 0, x = 0, y = 0, xx = 0, xy = 0;
+
+  ExposureSums& operator+=(const ExposureSums& other) {
+    w += other.w;
+    x += other.x;
+    y += other.y;
+    xx += other.xx;
+    xy += other.xy;
+    return *this;
+  }
 };
 
 // Of the points of each group of `group` (a multiple of kAlignmentBlock), one

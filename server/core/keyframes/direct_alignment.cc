@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -21,7 +20,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 // Scales of the robust fit of exposure (grey levels), one after the other;
 // where an earlier fit is at hand, only the last.
-constexpr std::array<float, 3> kExposureScales = {1e9F, 30, 15};
+constexpr std::array<float, 2> kExposureScales = {30, 15};
 
 // The points of each keyframe make four runs, each evenly spread over the
 // keyframe: those at every first, third, second and last place of four. The
@@ -37,61 +36,49 @@ struct Exposure {
   float offset = 0;
 };
 
-// Moments of brightness, as a keyframe says (a) and as it is (b).
-struct BrightnessSums {
-  double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
-  int agreeing = 0;
+// The least squares fit.
+Exposure ExposureFrom(const ExposureSums& s) {
+  const float variance = s.xx - s.x * s.x / s.w;
+  Exposure exposure;
+  exposure.gain =
+      std::clamp(variance > s.w ? (s.xy - s.x * s.y / s.w) / variance : 1.0F,
+                 1 / kMaxGain.value, kMaxGain.value);
+  // From values less 128 to values.
+  exposure.offset =
+      (s.y - exposure.gain * s.x) / s.w + 128 * (1 - exposure.gain);
+  return exposure;
+}
 
-  void Add(double said, double seen, bool agrees) {
-    n += 1;
-    a += said;
-    b += seen;
-    aa += said * said;
-    bb += seen * seen;
-    ab += said * seen;
-    agreeing += agrees;
+// Of the brightness that a keyframe says, and of that which is seen.
+struct BrightnessMoments {
+  ExposureSums sums;
+  float yy = 0;
+
+  void Add(float reference, float brightness) {
+    const float x = reference - 128;
+    const float y = brightness - 128;
+    sums += {.w = 1, .x = x, .y = y, .xx = x * x, .xy = x * y};
+    yy += y * y;
   }
-  BrightnessSums& operator+=(const BrightnessSums& other) {
-    n += other.n;
-    a += other.a;
-    b += other.b;
-    aa += other.aa;
-    bb += other.bb;
-    ab += other.ab;
-    agreeing += other.agreeing;
+  BrightnessMoments& operator+=(const BrightnessMoments& other) {
+    sums += other.sums;
+    yy += other.yy;
     return *this;
   }
-  double Agreement() const { return n > 0 ? agreeing / n : 0; }
   // 0 where hardly anything varies.
-  double Correlation() const {
-    const double va = aa - a * a / n;
-    const double vb = bb - b * b / n;
-    return va > n && vb > n ? (ab - a * b / n) / std::sqrt(va * vb) : 0;
+  float Correlation() const {
+    const float n = sums.w;
+    const float vx = sums.xx - sums.x * sums.x / n;
+    const float vy = yy - sums.y * sums.y / n;
+    if (!(vx > n && vy > n)) return 0;
+    return (sums.xy - sums.x * sums.y / n) / std::sqrt(vx * vy);
   }
 };
 
-// The picture in parts, kJudgedCells a side.
-using JudgedCells =
-    std::array<BrightnessSums,
-               static_cast<size_t>(kJudgedCells) * kJudgedCells>;
-
-BrightnessSums SumOf(std::span<const BrightnessSums> cells) {
-  BrightnessSums sum;
-  for (const BrightnessSums& cell : cells) sum += cell;
-  return sum;
-}
-
-// Of the cells that agree best, until they hold half of the points.
-BrightnessSums CoreOf(JudgedCells& cells) {
-  const double enough = 0.5 * SumOf(cells).n;
-  std::ranges::sort(cells, std::greater<>(), &BrightnessSums::Agreement);
-  BrightnessSums core;
-  for (const BrightnessSums& cell : cells) {
-    if (core.n >= enough) break;
-    core += cell;
-  }
-  return core;
-}
+// The picture in parts, row by row.
+using BrightnessCells =
+    std::array<BrightnessMoments,
+               static_cast<size_t>(kExposureCells) * kExposureCells>;
 
 class Aligner {
  public:
@@ -199,32 +186,79 @@ class Aligner {
     if (is_first) MeasureNoise(level);
   }
 
+  // Of keyframe k's points.
+  ExposureSums SumsOf(int level, size_t k, const Exposure& exposure,
+                      float scale) const {
+    const std::span<const PointRun> runs = ActiveRuns(level);
+    ExposureSums sums;
+    for (size_t r = k; r < runs.size(); r += exposures_.size()) {
+      sums += SumExposure(points_.gray[static_cast<size_t>(level)], seen_,
+                          runs[r].begin, runs[r].end, exposure.gain,
+                          exposure.offset, scale);
+    }
+    return sums;
+  }
+
+  // The same, part by part of the picture.
+  BrightnessCells CellsOf(int level, size_t k) const {
+    const auto& reference = points_.gray[static_cast<size_t>(level)];
+    const std::span<const PointRun> runs = ActiveRuns(level);
+    BrightnessCells cells;
+    for (size_t r = k; r < runs.size(); r += exposures_.size()) {
+      for (size_t i = runs[r].begin; i < runs[r].end; ++i) {
+        if (seen_.seen[i] == 0) continue;
+        cells[CellOf(i)].Add(reference[i], seen_.brightness[i]);
+      }
+    }
+    return cells;
+  }
+
+  size_t CellOf(size_t i) const {
+    const auto place = [](float at, int size) {
+      return std::clamp(static_cast<int>(at) * kExposureCells / size, 0,
+                        kExposureCells - 1);
+    };
+    return static_cast<size_t>(place(seen_.v[i], calibration_.color.height()) *
+                                   kExposureCells +
+                               place(seen_.u[i], calibration_.color.width()));
+  }
+
+  // What most of keyframe k's points agree with: of the exposures that fit the
+  // whole picture and each part of it, since something may cover much of it.
+  // Where brightness does not vary as the keyframe says, it tells none.
+  Exposure FirstExposure(int level, size_t k) const {
+    Exposure best;
+    float most = SumsOf(level, k, best, kExposureScales.front()).w;
+    const auto consider = [&](const BrightnessMoments& moments) {
+      if (moments.sums.w < kMinExposurePoints ||
+          moments.Correlation() < kMinExposureCorrelation) {
+        return;
+      }
+      const Exposure exposure = ExposureFrom(moments.sums);
+      const float support =
+          SumsOf(level, k, exposure, kExposureScales.front()).w;
+      if (support <= most) return;
+      most = support;
+      best = exposure;
+    };
+    BrightnessMoments all;
+    for (const BrightnessMoments& cell : CellsOf(level, k)) {
+      consider(cell);
+      all += cell;
+    }
+    consider(all);
+    return best;
+  }
+
   // What of keyframe k's brightness gain and offset explain.
   void FitExposure(int level, size_t k) {
-    const std::span<const PointRun> runs = ActiveRuns(level);
-    const auto& reference = points_.gray[static_cast<size_t>(level)];
     Exposure& exposure = exposures_[k];
+    if (!is_exposed_) exposure = FirstExposure(level, k);
     for (const float scale : kExposureScales) {
       if (is_exposed_ && scale != kExposureScales.back()) continue;
-      ExposureSums s;
-      for (size_t r = k; r < runs.size(); r += exposures_.size()) {
-        const ExposureSums part =
-            SumExposure(reference, seen_, runs[r].begin, runs[r].end,
-                        exposure.gain, exposure.offset, scale);
-        s.w += part.w;
-        s.x += part.x;
-        s.y += part.y;
-        s.xx += part.xx;
-        s.xy += part.xy;
-      }
-      if (!(s.w > 0)) return;
-      const float variance = s.xx - s.x * s.x / s.w;
-      exposure.gain = std::clamp(
-          variance > s.w ? (s.xy - s.x * s.y / s.w) / variance : 1.0F,
-          1 / kMaxGain.value, kMaxGain.value);
-      // From values less 128 to values.
-      exposure.offset =
-          (s.y - exposure.gain * s.x) / s.w + 128 * (1 - exposure.gain);
+      const ExposureSums sums = SumsOf(level, k, exposure, scale);
+      if (!(sums.w > 0)) return;
+      exposure = ExposureFrom(sums);
     }
     is_exposed_ = is_exposed_ || k + 1 == exposures_.size();
   }
@@ -378,41 +412,35 @@ class Aligner {
     }
   }
 
-  size_t CellOf(size_t i) const {
-    const auto place = [](float at, int size) {
-      return static_cast<size_t>(std::clamp(
-          static_cast<int>(at) * kJudgedCells / size, 0, kJudgedCells - 1));
-    };
-    return place(seen_.v[i], calibration_.color.height()) * kJudgedCells +
-           place(seen_.u[i], calibration_.color.width());
-  }
-
-  void JudgeBrightness(Alignment& alignment) {
-    JudgedCells cells;
-    const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
-    for (size_t run = 0; run < runs.size(); ++run) {
-      for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
-        if (seen_.seen[i] == 0) continue;
-        // Against what the keyframe, exposed alike, would have shown.
-        const double seen = seen_.brightness[i];
-        cells[CellOf(i)].Add(seen - Residual(options_.last_level, run, i), seen,
-                             AgreesInBrightness(run, i));
-      }
-    }
-    const BrightnessSums all = SumOf(cells);
-    const BrightnessSums core = CoreOf(cells);
-    alignment.agreement = all.Agreement();
-    alignment.correlation = all.Correlation();
-    alignment.core_agreement = core.Agreement();
-    alignment.core_correlation = core.Correlation();
-  }
-
   Alignment Judge() {
     Alignment alignment;
     alignment.world_from_camera = camera_from_world_.Inverse();
     alignment.visible = visible_;
     alignment.overlap = static_cast<double>(visible_) / total_points_;
-    JudgeBrightness(alignment);
+    double sa = 0, sb = 0, saa = 0, sbb = 0, sab = 0;
+    int agreeing = 0;
+    const std::span<const PointRun> runs = ActiveRuns(options_.last_level);
+    for (size_t run = 0; run < runs.size(); ++run) {
+      for (size_t i = runs[run].begin; i < runs[run].end; ++i) {
+        if (seen_.seen[i] == 0) continue;
+        agreeing += AgreesInBrightness(run, i);
+        // Against what the keyframe, exposed alike, would have shown.
+        const double b = seen_.brightness[i];
+        const double a = b - Residual(options_.last_level, run, i);
+        sa += a;
+        sb += b;
+        saa += a * a;
+        sbb += b * b;
+        sab += a * b;
+      }
+    }
+    const double n = alignment.visible;
+    alignment.agreement = agreeing / n;
+    const double va = saa - sa * sa / n;
+    const double vb = sbb - sb * sb / n;
+    if (va > n && vb > n) {
+      alignment.correlation = (sab - sa * sb / n) / std::sqrt(va * vb);
+    }
     if (depth_ != nullptr) JudgeSurfaces(alignment);
     // From a step in the camera's frame to one in the world's.
     const Matrix6 in_camera =

@@ -36,10 +36,6 @@ struct Alignment {
   // Correlation of their brightness with the image's, in [-1, 1], each
   // keyframe's gain and offset taken out.
   double correlation = 0;
-  // Agreement and correlation in those parts of the picture that agree best,
-  // half of what should be seen: what a thing in front covers counts for little.
-  double core_agreement = 0;
-  double core_correlation = 0;
   // Points whose brightness agrees and where depth was measured, and the share
   // that lie on it.
   int measured = 0;

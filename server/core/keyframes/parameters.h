@@ -74,6 +74,26 @@ inline constexpr base::Parameter<float> kAgreeingBrightness{
     .why =
         "points whose brightness differs by no more agree with the "
         "frame"};
+inline constexpr base::Parameter<int> kExposureCells{
+    .name = "exposure_cells",
+    .value = 4,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "parts of a picture's width and height that the exposure is first "
+        "fitted to: something in front covers some of them"};
+inline constexpr base::Parameter<float> kMinExposurePoints{
+    .name = "min_exposure_points",
+    .value = 8,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "keyframe points that such a part needs"};
+inline constexpr base::Parameter<float> kMinExposureCorrelation{
+    .name = "min_exposure_correlation",
+    .value = 0.5F,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... of their brightness with the picture's"};
 inline constexpr base::Parameter<float> kMaxGain{
     .name = "max_gain",
     .value = 5,
@@ -111,14 +131,6 @@ inline constexpr base::Parameter<int> kSurfaceLevel{
     .why = "pyramid levels from this one down use measured surfaces"};
 
 // Features.
-inline constexpr base::Parameter<int> kJudgedCells{
-    .name = "judged_cells",
-    .value = 4,
-    .unit = "",
-    .origin = base::ParameterOrigin::kTuned,
-    .why =
-        "parts of a picture's width and height that are judged each for "
-        "itself: something in front covers some of them"};
 inline constexpr base::Parameter<int> kHalvedSide_px{
     .name = "halved_side",
     .value = 512,

@@ -15,8 +15,6 @@ forest::PoseEvidence EvidenceOf(const keyframes::Alignment& aligned,
   forest::PoseEvidence evidence;
   evidence.correlation = std::max(0.0, aligned.correlation);
   evidence.agreement = aligned.agreement;
-  evidence.core_correlation = std::max(0.0, aligned.core_correlation);
-  evidence.core_agreement = aligned.core_agreement;
   evidence.visible = aligned.visible;
   evidence.overlap = aligned.overlap;
   evidence.measured = aligned.measured;
