@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/synchronization/mutex.h"
+#include "common/camera/derived_camera.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/tools/testing_fixtures.h"
@@ -543,6 +544,17 @@ TEST(QueryCalibration, TakesANamedCameraAndKeepsOffsetAndScale) {
   EXPECT_EQ(query->depth, scene.depth);
   EXPECT_EQ(query->color_from_depth, scene.color_from_depth);
   EXPECT_EQ(query->depth_scale, scene.depth_scale);
+}
+
+TEST(QueryCalibration, KeepsWhatTrainingRefinedOfANamedCamera) {
+  const tools::SmallRecording recording(1, {});
+  const dataset::Dataset dataset = recording.Open();
+  camera::RgbdCalibration refined = dataset.calibration();
+  refined.color = camera::WithFocalScaled(refined.color, 1.02).value();
+  EXPECT_EQ(QueryCalibration(dataset, recording.options(), refined),
+            std::nullopt);
+  refined.color = camera::WithFocalScaled(refined.color, 1.02).value();
+  EXPECT_TRUE(QueryCalibration(dataset, recording.options(), refined));
 }
 
 // A TUM recording of one 8 x 6 frame, whose depth is registered.

@@ -187,8 +187,22 @@ absl::StatusOr<EvaluationOptions> MethodRunner::Options(
   options.calibration =
       QueryCalibration(dataset_, flags_.dataset, info.calibration);
   if (calibration_ && !spec.baseline) options.calibration = calibration_;
+  TellCameras(options.calibration, info.calibration);
   TL_RETURN_IF_ERROR(options.Validate());
   return options;
+}
+
+void MethodRunner::TellCameras(
+    const std::optional<camera::RgbdCalibration>& query,
+    const camera::RgbdCalibration& scene) const {
+  const bool is_named = !flags_.dataset.color_camera.empty() ||
+                        !flags_.dataset.depth_camera.empty() || calibration_;
+  if (!is_named) return;
+  std::fprintf(stderr, "queries are taken with the colour camera %s, %s\n",
+               (query ? *query : scene).color.ToString().c_str(),
+               query ? "as given"
+                     : "the model's, refined in training from one like that "
+                       "given (--calibration FILE overrules it)");
 }
 
 absl::Status MethodRunner::AddPerturbed(const localizer::Localizer& localizer,

@@ -51,6 +51,9 @@ class MethodRunner {
   absl::StatusOr<EvaluationOptions> Options(
       const MethodSpec& spec, const forest::ModelInfo& info) const;
   // Asks about the frames as they are, and with every perturbation.
+  // Says on stderr which cameras count, where some were given.
+  void TellCameras(const std::optional<camera::RgbdCalibration>& query,
+                   const camera::RgbdCalibration& scene) const;
   absl::Status AddPerturbed(const localizer::Localizer& localizer,
                             EvaluationOptions options,
                             EvaluatedMethod& method) const;
