@@ -63,7 +63,7 @@ double ConfidenceModel::Probability(const PoseEvidence& evidence) const {
 }
 
 ConfidenceModel ConfidenceModel::Typical() {
-  return {{-11.87, 6.26, 0, 6.00, 1.75, 2.93, 0, 0, 0, 5.04}, 0.5};
+  return {{-10.75, 4.35, 0, 5.82, 2.46, 2.85, 0, 0, 0, 3.94}, 0.5};
 }
 
 ConfidenceModel ConfidenceModel::WithoutKeyframes() {
