@@ -55,4 +55,7 @@ class BuildWithStubs(build_py):
         make_stubs(self.build_lib)
 
 
-setup(cmdclass={"build_py": BuildWithStubs})
+# Not in pyproject.toml, whose part for setuptools is not stable in Debian 12.
+setup(packages=["treeline", "treeline.rpc", "treeline.v1"],
+      package_data={"treeline": ["py.typed"]},
+      cmdclass={"build_py": BuildWithStubs})
