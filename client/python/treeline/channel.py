@@ -76,9 +76,8 @@ class Stubs:
         self.relocalization = (
             relocalization_pb2_grpc.RelocalizationServiceStub(channel))
         self.scenes = scenes_pb2_grpc.SceneServiceStub(channel)
-        # Calls that use it, and whether it is to be closed after the last.
+        # Calls that use it.
         self.users = 0
-        self.retired = False
 
 
 class Connection:
@@ -122,6 +121,8 @@ class Connection:
         self._files = self._state_of_files()
         self._looked_at = time.monotonic()
         self._stubs = self._open()
+        # With certificates of before, until their last call has ended.
+        self._retired: set[Stubs] = set()
 
     def _open(self) -> Stubs:
         if self._tls is None:
@@ -159,8 +160,10 @@ class Connection:
         except (OSError, ValueError):
             return None
         old, self._stubs, self._files = self._stubs, fresh, files
-        old.retired = True
-        return old if old.users == 0 else None
+        if old.users == 0:
+            return old
+        self._retired.add(old)
+        return None
 
     @contextlib.contextmanager
     def stubs(self) -> Iterator[Stubs]:
@@ -178,7 +181,9 @@ class Connection:
         finally:
             with self._lock:
                 stubs.users -= 1
-                is_last = stubs.retired and stubs.users == 0
+                is_last = stubs.users == 0 and stubs in self._retired
+                if is_last:
+                    self._retired.remove(stubs)
             if is_last:
                 stubs.channel.close()
 
@@ -194,5 +199,7 @@ class Connection:
             if self._closed:
                 return
             self._closed = True
-            stubs = self._stubs
-        stubs.channel.close()
+            all_stubs = [self._stubs, *self._retired]
+            self._retired.clear()
+        for stubs in all_stubs:
+            stubs.channel.close()

@@ -64,8 +64,9 @@ def _check_listed(address: str, version: int) -> None:
 def addresses_of(targets: str | Sequence[str]) -> list[str]:
     """Of a text with commas or a sequence. ValueError: none, or several that
     are no IP addresses with ports."""
-    listed = targets.split(",") if isinstance(targets, str) else list(targets)
-    if not listed or not all(listed):
+    text = targets if isinstance(targets, str) else ",".join(targets)
+    listed = text.split(",")
+    if not all(listed):
         raise ValueError("no server given; for instance 127.0.0.1:50051")
     if len(listed) > 1:
         version = 6 if listed[0].startswith("[") else 4
