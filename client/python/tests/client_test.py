@@ -115,7 +115,11 @@ class Answers(WithServer):
         model = info.model
         model.method, model.dataset = "rgbd", "7scenes:kitchen"
         model.leaves, model.training_frames = 500_001, 500
-        camera = model.calibration.color
+        calibration = model.calibration
+        calibration.color_from_depth.rotation.w = 1
+        calibration.color_from_depth.translation_m.x = 0.025
+        calibration.depth_scale, calibration.pose_sensor = 1.01, 2
+        camera = calibration.color
         camera.model, camera.width_px, camera.height_px = "PINHOLE", 640, 480
         camera.parameters.extend([525, 526, 319.5, 239.5])
         model.bounds_max_in_world_m.z = 2.5
@@ -131,10 +135,31 @@ class Answers(WithServer):
         self.assertIsNone(scene.default_camera)
         self.assertEqual((scene.model.method, scene.model.leaves,
                           scene.model.training_frames), ("rgbd", 500_001, 500))
-        self.assertEqual(scene.model.color_camera, treeline.Camera(
+        calibration = scene.model.calibration
+        self.assertEqual(calibration.color, treeline.Camera(
             "PINHOLE", 640, 480, (525, 526, 319.5, 239.5)))
-        self.assertIsNone(scene.model.depth_camera)
+        self.assertIsNone(calibration.depth)
+        self.assertEqual(calibration.color_from_depth[0, 3], 0.025)
+        self.assertEqual((calibration.depth_scale, calibration.pose_sensor),
+                         (1.01, "DEPTH"))
         self.assertEqual(scene.model.bounds_max_in_world_m, (0, 0, 2.5))
+
+    def test_the_colour_cameras_pose_is_that_of_either_sensor(self):
+        calibration = treeline.Calibration(
+            treeline.cameras.pinhole(1, 1, 1, 1, 2, 2), None,
+            treeline.geometry.pose([1, 0, 0, 0], [0.025, 0, 0]), 1, "DEPTH")
+        self.service.response = localized()
+        answer = self.client.localize(JPEG)
+        expected = answer.world_from_camera.copy()
+        expected[:3, 3] -= 0.025 * expected[:3, 0]
+        np.testing.assert_allclose(calibration.color_pose(answer), expected)
+        self.service.response.pose_sensor = 1
+        answer = self.client.localize(JPEG)
+        np.testing.assert_array_equal(calibration.color_pose(answer),
+                                      answer.world_from_camera)
+        self.service.response = None
+        with self.assertRaisesRegex(ValueError, "not localized"):
+            calibration.color_pose(self.client.localize(JPEG))
 
     def test_scenes_that_failed_say_why(self):
         self.service.scene = scenes_pb2.SceneInfo(

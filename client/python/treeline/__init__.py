@@ -13,8 +13,8 @@ geodesy the Earth.
 """
 
 from treeline import cameras, errors, geodesy, geometry
-from treeline.answer import (Answer, Correspondences, Model, Scene,
-                             SceneCandidate, StreamAnswer, Timings)
+from treeline.answer import (Answer, Calibration, Correspondences, Model,
+                             Scene, SceneCandidate, StreamAnswer, Timings)
 from treeline.cameras import Camera
 from treeline.client import Client
 from treeline.errors import TreelineError
@@ -23,8 +23,8 @@ from treeline.options import Tls
 from treeline.query import (Depth, HeightBand, PosePrior, PositionPrior, Query)
 
 __all__ = [
-    "Answer", "Camera", "Client", "Correspondences", "Depth", "GeoAnchor",
-    "GeoPose", "HeightBand", "Model", "PosePrior", "PositionPrior", "Query",
-    "Scene", "SceneCandidate", "StreamAnswer", "Timings", "Tls",
-    "TreelineError", "cameras", "errors", "geodesy", "geometry",
+    "Answer", "Calibration", "Camera", "Client", "Correspondences", "Depth",
+    "GeoAnchor", "GeoPose", "HeightBand", "Model", "PosePrior",
+    "PositionPrior", "Query", "Scene", "SceneCandidate", "StreamAnswer",
+    "Timings", "Tls", "TreelineError", "cameras", "errors", "geodesy", "geometry",
 ]

@@ -49,7 +49,9 @@ class Correspondences:
     """The N samples of a frame, as they were asked for."""
 
     pixels: Array  # N x 2, of the colour image; centre of the first is (0, 0)
-    points_in_camera_m: Array  # N x 3, measured, colour camera's frame
+    # N x 3, measured, in the frame of pose_sensor's camera; zero where nothing
+    # was measured.
+    points_in_camera_m: Array
     points_in_world_m: Array  # N x 3, as the model predicted them
     inlier: NDArray[np.bool_]  # N: whether the pose explains it
 
@@ -128,7 +130,33 @@ class StreamAnswer:
         return self.answer
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
+class Calibration:
+    """The cameras that a scene was recorded with, and what a query without its
+    own is taken with."""
+
+    color: Camera
+    # None: there is no depth camera.
+    depth: Camera | None
+    # 4 x 4: maps points of the depth camera's frame into the colour camera's.
+    color_from_depth: Array
+    # World units per measured metre.
+    depth_scale: float
+    # Whose pose world_from_camera means: "COLOR" or "DEPTH".
+    pose_sensor: str
+
+    def color_pose(self, answer: Answer) -> Array:
+        """world_from_color, 4 x 4, of an answer of this scene that is
+        localized, whichever camera its pose is of. ValueError: it is not."""
+        if answer.world_from_camera is None:
+            raise ValueError("the answer has no pose: it is not localized")
+        if answer.pose_sensor == "COLOR":
+            return answer.world_from_camera
+        return answer.world_from_camera @ geometry.inverse(
+            self.color_from_depth)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
 class Model:
     """A model file as the server describes it."""
 
@@ -137,9 +165,7 @@ class Model:
     created_utc: str
     software_version: str
     checksum: str
-    # What a query without its own calibration is taken with.
-    color_camera: Camera | None
-    depth_camera: Camera | None
+    calibration: Calibration
     # Axis-aligned box of the training points, world frame (m).
     bounds_min_in_world_m: tuple[float, float, float]
     bounds_max_in_world_m: tuple[float, float, float]
@@ -150,7 +176,7 @@ class Model:
     file_bytes: int
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Scene:
     """A scene as the server describes it."""
 
@@ -198,30 +224,39 @@ def _camera(message: camera_pb2.Camera) -> Camera:
         raise _broken(str(problem)) from None
 
 
-def _pose(response: relocalization_pb2.LocalizeResponse) -> dict:
-    """The fields that only a localized answer has."""
-    pose = response.world_from_camera
+def _unit_pose(pose: geometry_pb2.Pose, name: str) -> tuple[Array, Array,
+                                                           Array]:
+    """4 x 4, quaternion and translation, bit for bit."""
     if not pose.HasField("rotation"):
-        raise _broken("world_from_camera: has no rotation")
+        raise _broken(f"{name}: has no rotation")
     q = pose.rotation
     position = np.array(_vector(pose.translation_m))
     try:
         rotation = geometry.unit_quaternion([q.w, q.x, q.y, q.z])
-        matrix = geometry.pose(rotation, position)
+        return geometry.pose(rotation, position), rotation, position
     except ValueError as problem:
-        raise _broken(f"world_from_camera: {problem}") from None
+        raise _broken(f"{name}: {problem}") from None
+
+
+def _sensor(sensor: int) -> str:
+    if sensor not in (camera_pb2.RGBD_SENSOR_COLOR,
+                      camera_pb2.RGBD_SENSOR_DEPTH):
+        raise _broken("pose_sensor: is neither")
+    return _short_name(camera_pb2.RgbdSensor, sensor, "RGBD_SENSOR_")
+
+
+def _pose(response: relocalization_pb2.LocalizeResponse) -> dict:
+    """The fields that only a localized answer has."""
+    matrix, rotation, position = _unit_pose(response.world_from_camera,
+                                            "world_from_camera")
     if len(response.covariance) != 36:
         raise _broken(f"covariance: {len(response.covariance)} entries")
     covariance = np.array(response.covariance).reshape(6, 6)
     if not np.isfinite(covariance).all():
         raise _broken("covariance: has a NaN or an infinity")
-    if response.pose_sensor not in (camera_pb2.RGBD_SENSOR_COLOR,
-                                    camera_pb2.RGBD_SENSOR_DEPTH):
-        raise _broken("pose_sensor: is neither")
     return {"world_from_camera": matrix, "rotation_wxyz": rotation,
             "position_in_world_m": position, "covariance": covariance,
-            "pose_sensor": _short_name(camera_pb2.RgbdSensor,
-                                       response.pose_sensor, "RGBD_SENSOR_")}
+            "pose_sensor": _sensor(response.pose_sensor)}
 
 
 def _correspondences(response: relocalization_pb2.LocalizeResponse
@@ -276,15 +311,21 @@ def answer_of(response: relocalization_pb2.LocalizeResponse,
         **pose)
 
 
+def _calibration(message: camera_pb2.RgbdCalibration) -> Calibration:
+    return Calibration(
+        color=_camera(message.color),
+        depth=_camera(message.depth) if message.HasField("depth") else None,
+        color_from_depth=_unit_pose(message.color_from_depth,
+                                    "calibration.color_from_depth")[0],
+        depth_scale=message.depth_scale,
+        pose_sensor=_sensor(message.pose_sensor))
+
+
 def _model(info: scenes_pb2.ModelInfo) -> Model:
-    calibration = info.calibration
     return Model(
         method=info.method, dataset=info.dataset, created_utc=info.created_utc,
         software_version=info.software_version, checksum=info.checksum,
-        color_camera=(_camera(calibration.color)
-                      if calibration.HasField("color") else None),
-        depth_camera=(_camera(calibration.depth)
-                      if calibration.HasField("depth") else None),
+        calibration=_calibration(info.calibration),
         bounds_min_in_world_m=_vector(info.bounds_min_in_world_m),
         bounds_max_in_world_m=_vector(info.bounds_max_in_world_m),
         training_frames=info.training_frames, training_s=info.training_s,
