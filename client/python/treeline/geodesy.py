@@ -118,9 +118,10 @@ def ecef_from_enu(latitude_deg: float, longitude_deg: float) -> geometry.Array:
 
 
 def geo_pose(world_from_camera: ArrayLike, anchor: GeoAnchor) -> GeoPose:
-    """Of an answer in the scene that has the anchor (scenes() gives it). East,
-    North and Up are those at the camera, not at the anchor: 1 km away they
-    differ by about 0.009 degrees."""
+    """Of a camera in the scene that has the anchor (Client.scene() gives it).
+    The server's POST /geopose speaks of the colour camera, whose pose
+    Calibration.color_pose() gives. East, North and Up are those at the camera,
+    not at the anchor: 1 km away they differ by about 0.009 degrees."""
     pose = geometry.check_pose(world_from_camera, "world_from_camera")
     rotation = (ecef_from_enu(anchor.latitude_deg, anchor.longitude_deg) @
                 geometry.matrix_from_quaternion(anchor.enu_from_world_wxyz))
