@@ -34,7 +34,8 @@ def make_stubs(output):
                          " protobuf-compiler and protobuf-compiler-grpc")
     with tempfile.TemporaryDirectory() as folder:
         for name in MESSAGES:
-            source = PROTO / f"{name.replace('treeline/rpc', 'google/rpc')}.proto"
+            theirs = name.replace("treeline/rpc", "google/rpc")
+            source = PROTO / f"{theirs}.proto"
             target = pathlib.Path(folder) / f"{name}.proto"
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(renamed(source.read_text()))

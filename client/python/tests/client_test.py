@@ -27,7 +27,8 @@ class WithServer(unittest.TestCase):
         self.client = self.connect()
 
     def connect(self, *targets, **options):
-        client = treeline.Client(list(targets) or self.server.address, **options)
+        client = treeline.Client(list(targets) or self.server.address,
+                                 **options)
         self.addCleanup(client.close)
         return client
 

@@ -76,7 +76,8 @@ class Quaternions(unittest.TestCase):
     def test_products_are_those_of_matrices(self):
         a, b = (geometry.quaternion_from_matrix(p) for p in random_poses(2))
         np.testing.assert_allclose(
-            geometry.matrix_from_quaternion(geometry.multiply_quaternions(a, b)),
+            geometry.matrix_from_quaternion(
+                geometry.multiply_quaternions(a, b)),
             geometry.matrix_from_quaternion(a) @
             geometry.matrix_from_quaternion(b), atol=1e-14)
 

@@ -1,10 +1,12 @@
 """Queries and images as messages."""
 
+import io
 import pathlib
 import tempfile
 import unittest
 
 import numpy as np
+from PIL import Image
 
 import treeline
 from treeline import cameras, geometry
@@ -54,30 +56,22 @@ class Images(unittest.TestCase):
             frame_of([1, 2])
 
     def test_png_is_without_loss_and_jpeg_almost(self):
-        pillow = self.pillow()
-        png = pillow.open(self.file(frame_of(RGB, encoding="png").color.encoded))
-        np.testing.assert_array_equal(np.asarray(png), RGB)
+        png = frame_of(RGB, encoding="png").color.encoded
+        np.testing.assert_array_equal(self.decoded(png), RGB)
         grey = np.full((64, 64, 3), 100, np.uint8)
         jpeg = frame_of(grey, encoding="jpeg").color.encoded
         self.assertTrue(jpeg.startswith(JPEG[:3]))
-        decoded = np.asarray(pillow.open(self.file(jpeg)))
-        self.assertLessEqual(np.abs(decoded.astype(int) - 100).max(), 2)
+        self.assertLessEqual(
+            np.abs(self.decoded(jpeg).astype(int) - 100).max(), 2)
         depth = np.array([[0, 1, 65535], [300, 4000, 65534]], np.uint16)
         png = frame_of(RGB, depth, encoding="jpeg").depth.png
-        np.testing.assert_array_equal(
-            np.asarray(pillow.open(self.file(png))), depth)
+        np.testing.assert_array_equal(self.decoded(png), depth)
         with self.assertRaisesRegex(ValueError, "'gif'"):
             frame_of(RGB, encoding="gif")
 
     @staticmethod
-    def pillow():
-        from PIL import Image
-        return Image
-
-    @staticmethod
-    def file(data):
-        import io
-        return io.BytesIO(data)
+    def decoded(data):
+        return np.asarray(Image.open(io.BytesIO(data)))
 
 
 class Depth(unittest.TestCase):

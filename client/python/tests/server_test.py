@@ -230,9 +230,12 @@ class RealServerTest(unittest.TestCase):
             self.localize(STEMS[0], camera=treeline.cameras.pinhole(
                 500, 500, 160, 120, 320, 240))
         self.assertEqual(caught.exception.metadata["field"], "frame.camera")
-        with self.assertRaises(errors.DeadlineExceeded):
+        # Whether it is tried depends on how long others took.
+        with self.assertRaises(errors.TreelineError) as caught:
             self.client.localize(color_file(STEMS[0]), depth_file(STEMS[0]),
                                  scene="room", time_budget_ms=1e-6)
+        self.assertIn(caught.exception.reason,
+                      ("DEADLINE_EXCEEDED", "DEADLINE_UNREACHABLE"))
 
     def test_geo_poses_are_those_of_the_server(self):
         stem = STEMS[0]

@@ -1,6 +1,10 @@
 """Streams, and the newest frame of a camera."""
 
+import os
+import pathlib
 import queue
+import subprocess
+import sys
 import threading
 import time
 import unittest
@@ -229,8 +233,6 @@ class Latest(WithServer):
         self.assertTrue(ended.wait(PATIENCE_S))
 
     def test_a_program_ends_while_a_camera_blocks(self):
-        import subprocess
-        import sys
         code = ("import treeline, time\n"
                 "def frames():\n"
                 f"    yield {jpeg(3)!r}\n"
@@ -242,8 +244,9 @@ class Latest(WithServer):
                 "            break\n")
         start = time.monotonic()
         done = subprocess.run([sys.executable, "-c", code], text=True,
-                              capture_output=True, timeout=PATIENCE_S,
-                              check=True)
+                              stdout=subprocess.PIPE, timeout=PATIENCE_S,
+                              check=True, env={**os.environ, "PYTHONPATH": str(
+                                  pathlib.Path(treeline.__file__).parents[1])})
         self.assertEqual(done.stdout, "0\n0\n")
         self.assertLess(time.monotonic() - start, PATIENCE_S)
 

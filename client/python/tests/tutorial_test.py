@@ -7,6 +7,7 @@ shell, as a reader would. What is fenced without a language builds Treeline, as
 the build that runs this test has done; it is put where the tutorial has it.
 """
 
+import dataclasses
 import os
 import pathlib
 import re
@@ -15,6 +16,8 @@ import subprocess
 import sys
 import tempfile
 import unittest
+
+import treeline
 
 PROGRAMS, _, PACKAGE = (pathlib.Path(a).resolve() for a in sys.argv[1:4])
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -40,7 +43,7 @@ class Tutorial(unittest.TestCase):
             env={**os.environ, "TREELINE": str(self.checkout),
                  "PATH": f"{PROGRAMS}:/usr/bin:/bin"}, start_new_session=True)
         try:
-            transcript, _ = shell.communicate(timeout=280)
+            transcript, _ = shell.communicate(timeout=560)
         except subprocess.TimeoutExpired:
             transcript = ""
         finally:
@@ -77,6 +80,28 @@ class Tutorial(unittest.TestCase):
         self.assertRegex(transcript, r"frame-\d+ +\d\.\d cm")
         for picture in ("track.png", "inliers.png"):
             self.assertTrue((self.folder / picture).is_file(), picture)
+
+
+class HowTo(unittest.TestCase):
+
+    def test_it_names_only_what_there_is(self):
+        page = (ROOT / "docs" / "how-to" / "use-from-python.md").read_text()
+        names = set(re.findall(
+            r"\b(cameras|errors|geodesy|geometry)\.(\w+)", page))
+        names |= {("errors", name) for row in re.findall(
+            r"^\| (`\w+`(?:, `\w+`)*) \|", page.partition("## Errors")[2],
+            re.M) for name in re.findall(r"`(\w+)`", row)}
+        self.assertGreater(len(names), 20)
+        for module, name in names:
+            self.assertTrue(hasattr(getattr(treeline, module), name),
+                            f"{module}.{name}")
+        for name in re.findall(r"\btreeline\.([A-Z]\w+)", page):
+            self.assertTrue(hasattr(treeline, name), name)
+        table = page.partition("| argument of")[2].partition("\n\n")[0]
+        fields = {field.name for field in dataclasses.fields(treeline.Query)}
+        for row in re.findall(r"^\| (`.*?) \|", table, re.M):
+            for name in re.findall(r"`(\w+)`", row):
+                self.assertIn(name, {*fields, "timeout_s"})
 
 
 if __name__ == "__main__":

@@ -20,11 +20,13 @@ from treeline.client import Client
 from treeline.errors import TreelineError
 from treeline.geodesy import GeoAnchor, GeoPose
 from treeline.options import Tls
-from treeline.query import (Depth, HeightBand, PosePrior, PositionPrior, Query)
+from treeline.query import (Depth, HeightBand, PosePrior, PositionPrior,
+                            Query)
 
 __all__ = [
     "Answer", "Calibration", "Camera", "Client", "Correspondences", "Depth",
     "GeoAnchor", "GeoPose", "HeightBand", "Model", "PosePrior",
     "PositionPrior", "Query", "Scene", "SceneCandidate", "StreamAnswer",
-    "Timings", "Tls", "TreelineError", "cameras", "errors", "geodesy", "geometry",
+    "Timings", "Tls", "TreelineError", "cameras", "errors", "geodesy",
+    "geometry",
 ]

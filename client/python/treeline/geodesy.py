@@ -74,7 +74,8 @@ class GeoPose:
 def ecef_from_geodetic(latitude_deg: float, longitude_deg: float,
                        height_m: float) -> geometry.Array:
     """The position as a point (3) in ecef, metres."""
-    latitude, longitude = math.radians(latitude_deg), math.radians(longitude_deg)
+    latitude = math.radians(latitude_deg)
+    longitude = math.radians(longitude_deg)
     sine = math.sin(latitude)
     # Radius of curvature across the meridian.
     normal_m = _SEMI_MAJOR_M / math.sqrt(1 - _E2 * sine * sine)
@@ -109,7 +110,8 @@ def geodetic_from_ecef(point_in_ecef_m: ArrayLike) -> tuple[float, float,
 
 def ecef_from_enu(latitude_deg: float, longitude_deg: float) -> geometry.Array:
     """3x3; its columns are East, North and Up at the position."""
-    latitude, longitude = math.radians(latitude_deg), math.radians(longitude_deg)
+    latitude = math.radians(latitude_deg)
+    longitude = math.radians(longitude_deg)
     sin_lat, cos_lat = math.sin(latitude), math.cos(latitude)
     sin_lon, cos_lon = math.sin(longitude), math.cos(longitude)
     return np.array([[-sin_lon, -sin_lat * cos_lon, cos_lat * cos_lon],

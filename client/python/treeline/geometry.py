@@ -180,7 +180,7 @@ def camera_from_opengl_pose(world_from_opengl: ArrayLike) -> Array:
 
 
 def opengl_pose_from_camera(world_from_camera: ArrayLike) -> Array:
-    """The inverse of camera_from_opengl_pose(): to draw at Treeline's answer."""
+    """The inverse of camera_from_opengl_pose(): to draw where an answer is."""
     return check_pose(world_from_camera) @ CAMERA_FROM_OPENGL
 
 

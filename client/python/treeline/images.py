@@ -82,8 +82,9 @@ def color_message(image: Image, encoding: Encoding) -> frame_pb2.ColorImage:
     if not isinstance(image, np.ndarray):
         if not isinstance(image, (bytes, bytearray, memoryview, str,
                                   os.PathLike)):
-            raise TypeError("image: an array, the bytes of a JPEG or PNG file or"
-                            f" a path is expected, not {type(image).__name__}")
+            raise TypeError("image: an array, the bytes of a JPEG or PNG file"
+                            " or a path is expected, not "
+                            + type(image).__name__)
         return frame_pb2.ColorImage(encoded=_file_bytes(
             image, "image", (_JPEG_START, _PNG_START)))
     if image.ndim != 3 or image.shape[2] != 3 or image.dtype != np.uint8:
@@ -121,8 +122,8 @@ def fill_depth(image: Image, unit_m: float, encoding: Encoding,
     if not isinstance(image, np.ndarray):
         if not isinstance(image, (bytes, bytearray, memoryview, str,
                                   os.PathLike)):
-            raise TypeError("depth: an array, the bytes of a PNG file, a path or"
-                            " a treeline.Depth is expected, not "
+            raise TypeError("depth: an array, the bytes of a PNG file, a path"
+                            " or a treeline.Depth is expected, not "
                             + type(image).__name__)
         message.png = _file_bytes(image, "depth", (_PNG_START,))
         return

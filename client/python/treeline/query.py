@@ -229,8 +229,8 @@ def _fill_priors(priors: Sequence[Prior] | Prior,
                 options.height_band.up_in_world.CopyFrom(
                     _vector(prior.up_in_world, "priors: up_in_world"))
         else:
-            raise TypeError("priors: a PosePrior, PositionPrior or HeightBand is"
-                            f" expected, not {type(prior).__name__}")
+            raise TypeError("priors: a PosePrior, PositionPrior or HeightBand"
+                            f" is expected, not {type(prior).__name__}")
 
 
 def request_of(query: Query) -> relocalization_pb2.LocalizeRequest:
