@@ -1,9 +1,12 @@
 """Queries and images as messages."""
 
+import importlib.util
 import io
 import pathlib
+import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import numpy as np
 from PIL import Image
@@ -68,6 +71,27 @@ class Images(unittest.TestCase):
         np.testing.assert_array_equal(self.decoded(png), depth)
         with self.assertRaisesRegex(ValueError, "'gif'"):
             frame_of(RGB, encoding="gif")
+
+    def test_opencv_encodes_where_there_is_no_pillow(self):
+        if importlib.util.find_spec("cv2") is None:
+            self.skipTest("no python3-opencv")
+        depth = np.array([[0, 1, 65535], [300, 4000, 65534]], np.uint16)
+        with unittest.mock.patch.dict(sys.modules, {"PIL": None}):
+            frame = frame_of(RGB, depth, encoding="png")
+            red = np.full((64, 64, 3), [200, 0, 0], np.uint8)
+            jpeg = frame_of(red, encoding="jpeg").color.encoded
+        np.testing.assert_array_equal(
+            self.decoded(frame.color.encoded), RGB)
+        np.testing.assert_array_equal(self.decoded(frame.depth.png), depth)
+        self.assertLessEqual(
+            np.abs(self.decoded(jpeg).astype(int) - red).max(), 4)
+
+    def test_without_either_only_raw_pixels_can_be_sent(self):
+        with unittest.mock.patch.dict(sys.modules,
+                                      {"PIL": None, "cv2": None}):
+            with self.assertRaisesRegex(ImportError, "python3-pil"):
+                frame_of(RGB, encoding="png")
+            self.assertEqual(frame_of(RGB).color.rgb8.width_px, 4)
 
     @staticmethod
     def decoded(data):
