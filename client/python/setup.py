@@ -42,7 +42,7 @@ def make_stubs(output):
         protos = [f"{name}.proto" for name in MESSAGES]
         services = [f"{name}.proto" for name in SERVICES]
         subprocess.run(["protoc", "-I", folder, f"--python_out={output}",
-                        *protos], check=True)
+                        f"--pyi_out={output}", *protos], check=True)
         subprocess.run(["protoc", "-I", folder, f"--grpc_python_out={output}",
                         f"--plugin=protoc-gen-grpc_python={plugin}",
                         *services], check=True)

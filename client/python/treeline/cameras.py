@@ -283,8 +283,8 @@ def from_nerf(transforms: Mapping[str, Any]) -> Camera:
     fy = float(transforms.get("fl_y", fx))
     d = [float(transforms.get(k, 0)) for k in ("k1", "k2", "p1", "p2", "k3",
                                                 "k4")]
-    matrix = [[fx, 0, float(transforms["cx"]) - 0.5],
-              [0, fy, float(transforms["cy"]) - 0.5], [0, 0, 1]]
+    matrix = np.array([[fx, 0, float(transforms["cx"]) - 0.5],
+                       [0, fy, float(transforms["cy"]) - 0.5], [0, 0, 1]])
     size = int(transforms["w"]), int(transforms["h"])
     model = transforms.get("camera_model", "OPENCV")
     if model == "OPENCV_FISHEYE":

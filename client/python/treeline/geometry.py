@@ -16,10 +16,12 @@ of REP-103 for robots.
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
 
 # How far a matrix may be from a rotation, and a quaternion from norm 1.
 _MAX_ROTATION_ERROR = 1e-3

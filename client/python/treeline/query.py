@@ -176,7 +176,7 @@ def _fill_depth(depth: Depth | Image, encoding: Encoding,
     if depth.registered:
         message.registration = (
             frame_pb2.DEPTH_REGISTRATION_REGISTERED_TO_COLOR)
-    elif depth.camera is None:
+    elif depth.camera is None or depth.color_from_depth is None:
         message.registration = frame_pb2.DEPTH_REGISTRATION_SCENE_CALIBRATION
     else:
         message.registration = frame_pb2.DEPTH_REGISTRATION_EXPLICIT
