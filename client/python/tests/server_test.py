@@ -102,6 +102,7 @@ class RealServerTest(unittest.TestCase):
             self.assertEqual((ours.confidence, ours.confidence_threshold),
                              (theirs["confidence"],
                               theirs["confidence_threshold"]))
+            self.assertEqual(ours.focal_scale, theirs["focal_scale"])
             self.assertEqual((ours.scene, ours.model_version),
                              (theirs["scene"], theirs["version"]))
             if not ours:

@@ -89,6 +89,9 @@ class Answer:
     confidence: float
     # The scene's: of answers that reach it, 99 of 100 were right in training.
     confidence_threshold: float
+    # The pose is of a camera whose focal length is so many times the stated
+    # one, since that fits better; 1: the stated one fits.
+    focal_scale: float
     # Who answered.
     scene: str
     model_version: str
@@ -294,6 +297,8 @@ def answer_of(response: relocalization_pb2.LocalizeResponse,
         inliers=response.inliers, samples=response.samples,
         inlier_ratio=response.inlier_ratio, confidence=response.confidence,
         confidence_threshold=response.confidence_threshold,
+        focal_scale=(response.focal_scale
+                     if response.HasField("focal_scale") else 1.0),
         scene=response.scene, model_version=response.model_version,
         candidates=tuple(SceneCandidate(
             scene=c.scene, similarity=c.similarity, tried=c.tried,
