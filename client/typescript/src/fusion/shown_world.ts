@@ -7,6 +7,10 @@ import { angleOfRotationRad, difference, lengthOfTranslationM, moved } from
   './gaussian_pose.js';
 import { radians, type DriftParameters } from './parameters.js';
 
+// How much of a length is done, where `most` may be.
+const shareOf = (length: number, most: number): number =>
+  length > most ? most / length : 1;
+
 export class ShownWorld {
   private worldFromDevice: RigidTransform | null = null;
 
@@ -42,11 +46,12 @@ export class ShownWorld {
       this.worldFromDevice = known;
       return true;
     }
-    const share = Math.min(1,
-        distanceM > 0 ? p.maxCorrectionMps * passedS / distanceM : 1,
-        angleRad > 0 ? radians(p.maxCorrectionDegps) * passedS / angleRad : 1);
-    this.worldFromDevice = share === 1 ? known : compose(
-        moved(shown, delta.map((value) => value * share)), deviceInverse);
+    // Each for itself: a rotation that waited for a long way would make new
+    // errors of position as the camera moves on.
+    const move = shareOf(distanceM, p.maxCorrectionMps * passedS);
+    const turn = shareOf(angleRad, radians(p.maxCorrectionDegps) * passedS);
+    this.worldFromDevice = compose(moved(shown, delta.map(
+        (value, i) => value * (i < 3 ? move : turn))), deviceInverse);
     return false;
   }
 }
