@@ -8,14 +8,15 @@ import { RgbdSensor, type Camera as CameraMessage } from
 import { DepthRegistration as Registration, Orientation,
   type DepthImageSchema, type FrameSchema } from
   '../gen/treeline/v1/frame_pb.js';
-import type { GeoAnchor as GeoAnchorMessage, Pose, Vector3 as VectorMessage }
-  from '../gen/treeline/v1/geometry_pb.js';
+import type { GeoAnchor as GeoAnchorMessage, Pose,
+  Quaternion as QuaternionMessage, Vector3 as VectorMessage } from
+  '../gen/treeline/v1/geometry_pb.js';
 import { LocalizeRequestSchema, NotLocalizedReason, Outcome,
   type LocalizeRequest, type LocalizeResponse,
   type SceneCandidate as CandidateMessage } from
   '../gen/treeline/v1/relocalization_pb.js';
 import { SceneState, type SceneInfo } from '../gen/treeline/v1/scenes_pb.js';
-import { IDENTITY_ROTATION, normalized } from '../geometry/rotation.js';
+import { IDENTITY_ROTATION, type Quaternion } from '../geometry/rotation.js';
 import type { RigidTransform } from '../geometry/rigid_transform.js';
 import { ZERO, type Vector3 } from '../geometry/vector3.js';
 import { TreelineError } from './error.js';
@@ -111,12 +112,15 @@ export async function requestOf(query: LocalizeQuery):
 const vectorOf = (v: VectorMessage | undefined): Vector3 =>
   v === undefined ? ZERO : { x: v.x, y: v.y, z: v.z };
 
-// Never a pose that was not said.
+const quaternionOf = ({ w, x, y, z }: QuaternionMessage): Quaternion =>
+  ({ w, x, y, z });
+
+// Never a pose that was not said; bit for bit what the server computed.
 function transformOf(pose: Pose | undefined): RigidTransform {
   if (pose?.rotation === undefined) {
     throw new TreelineError('internal', 'the server sent a pose without one');
   }
-  return { rotation: normalized(pose.rotation),
+  return { rotation: quaternionOf(pose.rotation),
     translationM: vectorOf(pose.translationM) };
 }
 
@@ -201,7 +205,7 @@ const anchorOf = (a: GeoAnchorMessage | undefined): GeoAnchor | null =>
     longitudeDeg: a.longitudeDeg,
     heightM: a.heightM,
     enuFromWorld: a.enuFromWorld === undefined ? IDENTITY_ROTATION :
-      normalized(a.enuFromWorld),
+      quaternionOf(a.enuFromWorld),
   };
 
 const STATE: Readonly<Record<SceneState, Scene['state']>> = {
