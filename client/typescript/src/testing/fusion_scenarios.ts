@@ -314,8 +314,9 @@ function lossAndReturn(): Scenario {
     parameters: { lostAfterS: 12, snapM: 0.5 },
     description: 'Tracking drifts fast and nobody answers from 6 to 24 s: the ' +
         'world is lost, and found again.',
-    claims: [{ fromMs: 2000, toMs: 7000, maxErrorM: 0.25 },
-      { fromMs: 26_000, toMs: 30_000, maxErrorM: 0.25 }] };
+    // It drifts by 12 cm a second, faster than what is shown may follow.
+    claims: [{ fromMs: 2000, toMs: 7000, maxErrorM: 0.4 },
+      { fromMs: 26_000, toMs: 30_000, maxErrorM: 0.4 }] };
 }
 
 function lossByUncertainty(): Scenario {
