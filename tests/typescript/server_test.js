@@ -18,7 +18,6 @@ const { TREELINE_CLIENT, TREELINE_ROOT, TREELINE_SCENE, TREELINE_SERVER } =
 const RECORDING = join(TREELINE_SCENE, 'recording');
 const ANCHOR = { latitude_deg: 48.137, longitude_deg: 11.575, height_m: 520,
   enu_from_world: { w: 1, x: 0, y: 0, z: 0 } };
-const EARTH_M_PER_DEG = 111200;
 
 const installed = install();
 const { DriftCorrector, FrameQueue, TreelineClient, TreelineError, fixOf,
@@ -179,7 +178,6 @@ test('a frame without a pose has no GeoPose, and says why', async () => {
     heightPx: 480, geolocation: { latitudeDeg: ANCHOR.latitude_deg + 1,
       longitudeDeg: ANCHOR.longitude_deg, altitudeM: 520, accuracyM: 20 } }),
   (error) => error.reason === 'NO_SCENE_NEAR');
-  assert.ok(EARTH_M_PER_DEG > 50_000);
 });
 
 test('a recording in a frame of its own comes back to the world', async () => {
@@ -208,7 +206,7 @@ test('a recording in a frame of its own comes back to the world', async () => {
     truthOf(stems[5]).translationM) < 0.05);
 });
 
-test('the server\'s own pushback is waited for, and replicas take over',
+test('a replica takes over from a server that ends',
   async () => {
     const gone = await start();
     const both = new TreelineClient(
