@@ -140,6 +140,7 @@ const evidenceOf = (
   inlierRatio: r.inlierRatio,
   confidence: r.confidence,
   confidenceThreshold: r.confidenceThreshold,
+  focalScale: r.focalScale ?? 1,
   scene: r.scene,
   modelVersion: r.modelVersion,
   candidates: r.candidates.map(candidateOf),

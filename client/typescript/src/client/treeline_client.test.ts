@@ -35,6 +35,7 @@ const LOCALIZED: MessageInitShape<typeof LocalizeResponseSchema> = {
   inlierRatio: 0.75,
   confidence: 0.97,
   confidenceThreshold: 0.9,
+  focalScale: 0.955,
   scene: 'kitchen',
   modelVersion: '3',
   timings: { totalMs: 12 },
@@ -91,6 +92,7 @@ test('a localized answer has its pose, and says whose it is', async (t) => {
   assert.equal(answer.poseSensor, 'depth');
   assert.equal(answer.confidence, 0.97);
   assert.equal(answer.inliers, 30);
+  assert.equal(answer.focalScale, 0.955);
   assert.equal(answer.timings.totalMs, 12);
   assert.ok(answer.roundTripMs > 0);
   assert.deepEqual(fixOf(answer, 7), { captureTimeMs: 7, confidence: 0.97,

@@ -130,6 +130,11 @@ export interface Evidence {
   readonly confidence: number;
   /** Of answers that reach it, 99 of 100 were right in training. */
   readonly confidenceThreshold: number;
+  /**
+   * The pose is of a camera whose focal length is so many times the stated one,
+   * since that fits better; 1: the stated one fits.
+   */
+  readonly focalScale: number;
   /** Who answered. */
   readonly scene: string;
   readonly modelVersion: string;
