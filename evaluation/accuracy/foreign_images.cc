@@ -13,6 +13,7 @@
 #include "common/base/progress.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
+#include "evaluation/accuracy/query_calibration.h"
 
 namespace treeline::accuracy {
 namespace {

@@ -9,6 +9,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 #include "common/camera/calibration_json.h"
+#include "evaluation/accuracy/query_calibration.h"
 #include "server/core/forest/model_file.h"
 #include "server/tools/run_info.h"
 

@@ -15,6 +15,7 @@
 #include "evaluation/accuracy/evaluation.h"
 #include "evaluation/accuracy/evaluation_table.h"
 #include "evaluation/accuracy/feature_pnp_baseline.h"
+#include "evaluation/accuracy/query_calibration.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "server/core/localizer/localizer.h"
