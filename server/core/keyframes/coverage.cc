@@ -170,8 +170,8 @@ absl::StatusOr<CoverageMap> PredictCoverage(const KeyframeMap& map,
   const std::vector<SightLine> lines = SightLines(map, matrix);
   if (lines.empty()) {
     return absl::FailedPreconditionError(
-        "the model has no keyframes, from which coverage is predicted: it was "
-        "trained without depth, or with --no-keyframes");
+        "the model has no keyframes, which coverage is predicted from; train "
+        "it with `--method universal` from a recording that has depth");
   }
   MeasureCameras(map, matrix, lines, coverage);
   LayGrid(lines, options, coverage);
