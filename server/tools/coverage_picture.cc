@@ -37,8 +37,8 @@ constexpr int kMinPlan_px = 760;
 constexpr double kMaxPlan_px = 1400;
 constexpr double kMaxHeight_px = 1000;
 // Around what is open (m).
-constexpr double kSurroundings_m = 0.6;
-constexpr int kMinFan_px = 14;
+constexpr double kSurroundings_m = 0.4;
+constexpr int kMinFan_px = 24;
 // A line between cameras that are further apart says nothing.
 constexpr double kMaxStep_m = 1.0;
 // Fractions of a pixel in OpenCV's drawing.
@@ -158,7 +158,7 @@ void DrawFans(cv::Mat& image, const Frame& frame, const CoverageMap& coverage) {
   const int stride = std::max(
       1, static_cast<int>(
              std::ceil(kMinFan_px / (coverage.cell_m * frame.px_per_m))));
-  const double length_m = 0.42 * stride * coverage.cell_m;
+  const double length_m = 0.4 * stride * coverage.cell_m;
   for (int r = stride / 2; r < coverage.rows; r += stride) {
     for (int c = stride / 2; c < coverage.columns; c += stride) {
       const keyframes::CoveragePlace& place =
@@ -256,9 +256,9 @@ void DrawTitle(cv::Mat& image, const CoverageMap& coverage,
   const keyframes::CoverageSummary summary = keyframes::Summarize(coverage);
   Write(image, title, {kMargin_px, 34}, 0.75);
   Write(image,
-        absl::StrFormat(
-            "%.0f %% of the views from %.1f m^2 of open space will be answered",
-            100 * summary.good_share, summary.open_m2),
+        absl::StrFormat("Of the views from %.1f square metres of open space, "
+                        "%.0f %% will be answered",
+                        summary.open_m2, 100 * summary.good_share),
         {kMargin_px, 64}, 0.55, kQuiet);
 }
 

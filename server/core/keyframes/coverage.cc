@@ -72,8 +72,10 @@ void LayGrid(const std::vector<SightLine>& lines,
       low = std::min(low, line.from.*axis);
       high = std::max(high, line.from.*axis);
     }
-    return std::array{std::min(low, base::Quantile(ends, kOutlinePart)),
-                      std::max(high, base::Quantile(ends, 1 - kOutlinePart))};
+    return std::array{
+        std::min(low - kCameraReach_m, base::Quantile(ends, kOutlinePart)),
+        std::max(high + kCameraReach_m,
+                 base::Quantile(ends, 1 - kOutlinePart))};
   };
   const auto [min_x, max_x] = range(&Vec3::x);
   const auto [min_y, max_y] = range(&Vec3::y);
@@ -92,9 +94,19 @@ void LayGrid(const std::vector<SightLine>& lines,
                          static_cast<size_t>(coverage.rows));
 }
 
-// Those that lines of sight pass at about the cameras' height.
+Vec3 PlaceInPlan(const CoverageMap& coverage, size_t i) {
+  const auto columns = static_cast<size_t>(coverage.columns);
+  return {coverage.min_x_m +
+              (static_cast<double>(i % columns) + 0.5) * coverage.cell_m,
+          coverage.min_y_m +
+              (static_cast<double>(i / columns) + 0.5) * coverage.cell_m,
+          coverage.height_m};
+}
+
+// Those near a camera, and those that lines of sight pass at about the cameras'
+// height.
 void FindOpenPlaces(const std::vector<SightLine>& lines,
-                    CoverageMap& coverage) {
+                    const std::vector<Vec3>& cameras, CoverageMap& coverage) {
   std::vector<int> passed(coverage.places.size());
   for (const SightLine& line : lines) {
     const Vec3 way = line.to - line.from;
@@ -119,7 +131,13 @@ void FindOpenPlaces(const std::vector<SightLine>& lines,
     }
   }
   for (size_t i = 0; i < passed.size(); ++i) {
-    coverage.places[i].is_open = passed[i] >= kMinSightLines;
+    const Vec3 place = PlaceInPlan(coverage, i);
+    coverage.places[i].is_open =
+        passed[i] >= kMinSightLines ||
+        std::ranges::any_of(cameras, [&](Vec3 camera) {
+          return std::hypot(camera.x - place.x, camera.y - place.y) <
+                 kCameraReach_m;
+        });
   }
 }
 
@@ -175,7 +193,11 @@ absl::StatusOr<CoverageMap> PredictCoverage(const KeyframeMap& map,
   }
   MeasureCameras(map, matrix, lines, coverage);
   LayGrid(lines, options, coverage);
-  FindOpenPlaces(lines, coverage);
+  std::vector<Vec3> cameras;
+  for (size_t k = 0; k < map.size(); ++k) {
+    cameras.push_back(matrix * map.world_from_camera(k).translation);
+  }
+  FindOpenPlaces(lines, cameras, coverage);
   const ViewSupport support(map, coverage.plan_from_world);
   std::vector<std::vector<ViewSupport::SeenDirection>> pictures;
   for (int h = 0; h < options.headings; ++h) {
@@ -187,11 +209,8 @@ absl::StatusOr<CoverageMap> PredictCoverage(const KeyframeMap& map,
       [&](int64_t i) {
         CoveragePlace& place = coverage.places[static_cast<size_t>(i)];
         if (!place.is_open) return;
-        const double column = static_cast<double>(i % coverage.columns) + 0.5;
-        const double row = static_cast<double>(i / coverage.columns) + 0.5;
-        const ViewSupport::Panorama panorama = support.PanoramaAt(
-            {coverage.min_x_m + column * coverage.cell_m,
-             coverage.min_y_m + row * coverage.cell_m, coverage.height_m});
+        const ViewSupport::Panorama panorama =
+            support.PanoramaAt(PlaceInPlan(coverage, static_cast<size_t>(i)));
         for (size_t h = 0; h < pictures.size(); ++h) {
           const Coverage found = CoverageOf(SupportOf(panorama, pictures[h]));
           if (found == Coverage::kGood) place.good |= 1u << h;

@@ -36,8 +36,8 @@ Coverage CoverageOf(double support);
 
 // A place for a camera. Bit h of the masks is heading h.
 struct CoveragePlace {
-  // Whether the training cameras looked through it: it is inside the scene,
-  // and nothing stands there. Elsewhere the masks are 0.
+  // Whether a camera may well be there: a training camera was near, or some
+  // looked through it. Elsewhere the masks are 0.
   bool is_open = false;
   uint32_t good = 0;
   uint32_t weak = 0;
@@ -45,7 +45,7 @@ struct CoveragePlace {
 
 struct CoverageMap {
   // See PlanFromWorld. Coordinates below are the plan's.
-  geometry::Rotation3 plan_from_world;
+  geometry::Rotation3 plan_from_world = {};
   // Least corner of the grid (m); place (column, row) is row * columns + column
   // and its camera in the middle of the cell.
   double min_x_m = 0;
@@ -59,7 +59,7 @@ struct CoverageMap {
   double height_m = 0;
   double ground_m = 0;
   double tilt_rad = 0;
-  std::vector<CoveragePlace> places;
+  std::vector<CoveragePlace> places = {};
 
   // The azimuth of heading h (rad).
   double Heading_rad(int h) const;

@@ -49,6 +49,7 @@ std::vector<base::ParameterRow> KeyframeParameters() {
           base::RowOf(kPlaceHeight_m),
           base::RowOf(kSightLines),
           base::RowOf(kMinSightLines),
+          base::RowOf(kCameraReach_m),
           base::RowOf(kSurfaceMargin_m),
           base::RowOf(kOutlinePart),
           base::RowOf(kGroundPart),

@@ -334,6 +334,14 @@ inline constexpr base::Parameter<int> kMinSightLines{
     .unit = "",
     .origin = base::ParameterOrigin::kTuned,
     .why = "... if there are so many"};
+inline constexpr base::Parameter<double> kCameraReach_m{
+    .name = "camera_reach",
+    .value = 1,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "places this near to a training camera are open, too: it was carried, "
+        "and nobody looks behind it"};
 inline constexpr base::Parameter<double> kSurfaceMargin_m{
     .name = "surface_margin",
     .value = 0.2,
