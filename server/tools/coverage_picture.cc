@@ -34,11 +34,11 @@ constexpr int kMargin_px = 28;
 constexpr int kTitle_px = 84;
 constexpr int kLegend_px = 104;
 constexpr int kMinPlan_px = 760;
-constexpr double kMaxPlan_px = 1400;
-constexpr double kMaxHeight_px = 1000;
+constexpr double kMaxPlan_px = 1000;
+constexpr double kMaxHeight_px = 750;
 // Around what is open (m).
 constexpr double kSurroundings_m = 0.4;
-constexpr int kMinFan_px = 24;
+constexpr int kMinFan_px = 22;
 // A line between cameras that are further apart says nothing.
 constexpr double kMaxStep_m = 1.0;
 // Fractions of a pixel in OpenCV's drawing.
