@@ -32,7 +32,7 @@ constexpr std::array<std::array<double, 3>, 5> kRamp = {{{72, 62, 133},
                                                          {253, 231, 37}}};
 constexpr int kMargin_px = 28;
 constexpr int kTitle_px = 84;
-constexpr int kLegend_px = 104;
+constexpr int kLegend_px = 122;
 constexpr int kMinPlan_px = 760;
 constexpr double kMaxPlan_px = 1000;
 constexpr double kMaxHeight_px = 750;
@@ -305,12 +305,15 @@ void DrawLegend(cv::Mat& image, int top, const Frame& frame,
   Write(image, length, {right - WidthOf(length, kSize), top + 24}, kSize);
   Write(image,
         absl::StrFormat("Ticks: the headings answered, where not all are. "
-                        "Predicted for a camera %.2f m above the ground, "
-                        "tilted %+.0f deg; cells of %.0f cm.",
-                        coverage.height_m - coverage.ground_m,
-                        coverage.tilt_rad * 180 / std::numbers::pi,
+                        "Cells of %.0f cm.",
                         100 * coverage.cell_m),
-        {kMargin_px, top + 62}, kSize, kQuiet);
+        {kMargin_px, top + 60}, kSize, kQuiet);
+  Write(image,
+        absl::StrFormat("Predicted for a camera %.2f m above the ground, "
+                        "tilted %+.0f deg.",
+                        coverage.height_m - coverage.ground_m,
+                        coverage.tilt_rad * 180 / std::numbers::pi),
+        {kMargin_px, top + 80}, kSize, kQuiet);
 }
 
 }  // namespace
