@@ -1,8 +1,5 @@
 #include "server/core/keyframes/keyframe_features.h"
 
-#include <unistd.h>
-
-#include <filesystem>
 #include <limits>
 #include <string>
 #include <vector>
@@ -10,6 +7,7 @@
 #include "common/base/random.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "server/core/keyframes/testing_keyframe_model.h"
 
 namespace treeline::keyframes {
 namespace {
@@ -33,25 +31,10 @@ class KeyframeFeaturesTest : public testing::Test {
     }
     records_.resize(3);
   }
-  ~KeyframeFeaturesTest() override { std::filesystem::remove(path_); }
 
   absl::StatusOr<KeyframeMap> Read() {
-    forest::Forest forest;
-    forest.nodes = {forest::Node::Leaf(0)};
-    forest.tree_offsets = {0, 1};
-    forest.descriptors.resize(1);
-    forest.payloads.resize(1);
-    const auto bytes = [](const auto& values) {
-      return absl::string_view(reinterpret_cast<const char*>(values.data()),
-                               values.size() * sizeof(values[0]));
-    };
-    const std::vector<forest::ModelExtraBytes> extras = {
-        {forest::ModelExtra::kKeyframes, bytes(records_)},
-        {forest::ModelExtra::kKeyframeFeatures, bytes(features_)}};
-    const absl::Status written =
-        forest::WriteModel(path_, info_, {forest.View()}, extras);
-    if (!written.ok()) return written;
-    auto model = forest::ModelFile::Open(path_);
+    auto model = ModelWithKeyframes(
+        {.records = records_, .points = {}, .features = features_}, info_);
     if (!model.ok()) return model.status();
     model_ = std::move(*model);
     return KeyframeMap::Read(*model_);
@@ -70,8 +53,6 @@ class KeyframeFeaturesTest : public testing::Test {
     return frame;
   }
 
-  const std::string path_ = testing::TempDir() + "/keyframe_features_test_" +
-                            std::to_string(getpid());
   forest::ModelInfo info_;
   std::vector<KeyframeRecord> records_;
   std::vector<KeyframeFeature> features_;

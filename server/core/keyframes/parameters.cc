@@ -36,7 +36,27 @@ std::vector<base::ParameterRow> KeyframeParameters() {
           base::RowOf(kWordSamples),
           base::RowOf(kWordRounds),
           base::RowOf(kMaxDifferentBits),
-          base::RowOf(kDifferentBits)};
+          base::RowOf(kDifferentBits),
+          base::RowOf(kSupportPoints),
+          base::RowOf(kSupportRows),
+          base::RowOf(kSupportAngle_rad),
+          base::RowOf(kSupportRatio),
+          base::RowOf(kFullSupport),
+          base::RowOf(kHiddenBehind),
+          base::RowOf(kHiddenBehind_m),
+          base::RowOf(kGoodSupport),
+          base::RowOf(kWeakSupport),
+          base::RowOf(kPlaceHeight_m),
+          base::RowOf(kSightLines),
+          base::RowOf(kMinSightLines),
+          base::RowOf(kCameraReach_m),
+          base::RowOf(kSurfaceMargin_m),
+          base::RowOf(kOutlinePart),
+          base::RowOf(kGroundPart),
+          base::RowOf(kMaxUpError_rad),
+          base::RowOf(kMinUpError_rad),
+          base::RowOf(kAxisError_rad),
+          base::RowOf(kMinWallNormal)};
 }
 
 }  // namespace treeline::keyframes

@@ -246,6 +246,147 @@ inline constexpr base::Parameter<float> kDifferentBits{
     .origin = base::ParameterOrigin::kTuned,
     .why = "bits that take a vote to 1 / e"};
 
+// Predicted coverage. Origin "tuned": on training frames of Red Kitchen, a room
+// and a cafe that were not trained on (docs/research/coverage.md).
+inline constexpr base::Parameter<size_t> kSupportPoints{
+    .name = "support_points",
+    .value = 64,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "points of a keyframe that a prediction looks at: 200 predict no "
+        "better"};
+inline constexpr base::Parameter<size_t> kSupportRows{
+    .name = "support_rows",
+    .value = 24,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "directions of a panorama from up to down, and twice as many around: "
+        "5 to 10 degrees predict alike"};
+inline constexpr base::Parameter<float> kSupportAngle_rad{
+    .name = "support_angle",
+    .value = 0.35F,
+    .unit = "rad",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "standard deviation of the angle from which a keyframe's point still "
+        "supports a camera: 15 to 30 degrees predict alike"};
+inline constexpr base::Parameter<float> kSupportRatio{
+    .name = "support_ratio",
+    .value = 3,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "so many times nearer or further is one standard deviation: 2 "
+        "predicts a little worse, 7 alike"};
+inline constexpr base::Parameter<float> kFullSupport{
+    .name = "full_support",
+    .value = 2,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "points, from the same place, that are enough for a direction"};
+inline constexpr base::Parameter<float> kHiddenBehind{
+    .name = "hidden_behind",
+    .value = 0.2F,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "what is this much further away than the nearest point of its "
+        "direction is hidden, ..."};
+inline constexpr base::Parameter<float> kHiddenBehind_m{
+    .name = "hidden_behind_distance",
+    .value = 0.1F,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... and this much beside; without both, cafe is predicted worse"};
+inline constexpr base::Parameter<double> kGoodSupport{
+    .name = "good_support",
+    .value = 0.35,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "from this mean over a picture on, more than 9 of 10 queries were "
+        "answered right"};
+inline constexpr base::Parameter<double> kWeakSupport{
+    .name = "weak_support",
+    .value = 0.1,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "below this one, 1 of 20"};
+inline constexpr base::Parameter<double> kPlaceHeight_m{
+    .name = "place_height",
+    .value = 0.5,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "lines of sight at most this much above or below a place show that "
+        "it is open"};
+inline constexpr base::Parameter<size_t> kSightLines{
+    .name = "sight_lines",
+    .value = 300,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "of a keyframe, that are looked at"};
+inline constexpr base::Parameter<int> kMinSightLines{
+    .name = "min_sight_lines",
+    .value = 5,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "... if there are so many"};
+inline constexpr base::Parameter<double> kCameraReach_m{
+    .name = "camera_reach",
+    .value = 1,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kTuned,
+    .why =
+        "places this near to a training camera are open, too: it was carried, "
+        "and nobody looks behind it"};
+inline constexpr base::Parameter<double> kSurfaceMargin_m{
+    .name = "surface_margin",
+    .value = 0.2,
+    .unit = "m",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why = "a camera is no nearer to what a line of sight ends at"};
+inline constexpr base::Parameter<double> kOutlinePart{
+    .name = "outline_part",
+    .value = 0.005,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "of the points, on each side, that may lie outside the plan"};
+inline constexpr base::Parameter<double> kGroundPart{
+    .name = "ground_part",
+    .value = 0.02,
+    .unit = "",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "of the points, that lie below the ground by error"};
+
+// Which way is up.
+inline constexpr base::Parameter<double> kMaxUpError_rad{
+    .name = "max_up_error",
+    .value = 0.6,
+    .unit = "rad",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why = "by how much cameras that look down may lean all the same way"};
+inline constexpr base::Parameter<double> kMinUpError_rad{
+    .name = "min_up_error",
+    .value = 0.1,
+    .unit = "rad",
+    .origin = base::ParameterOrigin::kMeasured,
+    .why = "scatter of keyframes' normals on a floor"};
+inline constexpr base::Parameter<double> kAxisError_rad{
+    .name = "axis_error",
+    .value = 0.05,
+    .unit = "rad",
+    .origin = base::ParameterOrigin::kTuned,
+    .why = "an axis of the world this close to up is up"};
+inline constexpr base::Parameter<double> kMinWallNormal{
+    .name = "min_wall_normal",
+    .value = 0.95,
+    .unit = "",
+    .origin = base::ParameterOrigin::kGeometry,
+    .why = "level part of a wall's normal"};
+
 // All of them, in this order.
 std::vector<base::ParameterRow> KeyframeParameters();
 
