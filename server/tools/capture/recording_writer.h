@@ -14,9 +14,9 @@
 namespace treeline::capture {
 
 struct WriteOptions {
-  std::string folder;
+  std::string folder{};
   // Where the capture was, for recording.txt.
-  std::string source;
+  std::string source{};
   // Every so many-th frame, from the first.
   int every = 1;
   // Pictures with a longer side are made smaller (px); 0: none.
