@@ -8,6 +8,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/string_view.h"
 #include "server/tools/capture/arkit_json.h"
+#include "server/tools/capture/record3d.h"
 #include "server/tools/capture/scannet.h"
 #include "server/tools/capture/stray_scanner.h"
 #include "server/tools/capture/transforms_json.h"
@@ -43,6 +44,12 @@ void Parse(absl::string_view text) {
     for (const capture::StrayRow& row : stray->rows) {
       Require(geometry::IsFinite(row.world_from_camera));
       Require(!absl::StrContains(row.frame, "/"));
+    }
+  }
+  if (const auto record3d = capture::ParseRecord3dMetadata(text, "fuzz");
+      record3d.ok()) {
+    for (const capture::Record3dFrame& frame : record3d->frames) {
+      Require(geometry::IsFinite(frame.world_from_camera));
     }
   }
   (void)capture::ParseStrayCameraMatrix(text, "fuzz");

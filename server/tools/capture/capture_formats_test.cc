@@ -1,6 +1,10 @@
 // What readers make of files that are broken, or meant to break them.
 #include <array>
+#include <filesystem>
+#include <stop_token>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
@@ -324,6 +328,27 @@ TEST_F(BrokenCaptureTest, LostTrackingOfScanNetIsLeftOut) {
   EXPECT_EQ(written->frames, 5);
   EXPECT_THAT(written->left_out.Lines().front(),
               HasSubstr("tracking was lost"));
+}
+
+TEST_F(BrokenCaptureTest, AnR3dFileIsReadLikeItsFolder) {
+  WriteRecord3d(scene_, folder_.Path("unpacked"));
+  std::vector<std::pair<std::string, std::string>> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(
+           folder_.Path("unpacked"))) {
+    if (!entry.is_regular_file()) continue;
+    files.emplace_back(
+        std::filesystem::relative(entry.path(), folder_.Path("unpacked")),
+        base::ReadFile(entry.path()).value());
+  }
+  const std::string path = folder_.Write("scan.r3d", ZipOf(files));
+  auto capture = OpenCapture(path, "auto", {});
+  ASSERT_TRUE(capture.ok()) << capture.status();
+  const auto written =
+      WriteRecording(*std::move(capture),
+                     {.folder = folder_.Path("out"), .source = path}, {}, {});
+  ASSERT_TRUE(written.ok()) << written.status();
+  EXPECT_EQ(written->frames, 6);
+  EXPECT_EQ(written->with_depth, 6);
 }
 
 TEST_F(BrokenCaptureTest, UnknownFormatsAreToldWhatIsKnown) {

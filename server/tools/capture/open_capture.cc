@@ -9,6 +9,7 @@
 #include "absl/strings/str_join.h"
 #include "common/base/status_macros.h"
 #include "server/tools/capture/arkit_json.h"
+#include "server/tools/capture/record3d.h"
 #include "server/tools/capture/scannet.h"
 #include "server/tools/capture/stray_scanner.h"
 #include "server/tools/capture/transforms_json.h"
@@ -19,6 +20,8 @@ namespace {
 constexpr CaptureFormat kFormats[] = {
     {"stray", "Stray Scanner: the folder with odometry.csv", IsStrayScanner,
      OpenStrayScanner},
+    {"record3d", "Record3D: NAME.r3d, or its unpacked folder", IsRecord3d,
+     OpenRecord3d},
     {"polycam", "Polycam, raw data: the folder with keyframes/", IsPolycam,
      OpenPolycam},
     {"3dscanner", "3D Scanner App, all data: the folder with frame_00000.json",

@@ -175,6 +175,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, RoundTripTest,
                                               12},
                                          Case{"stray", WriteStray, 12},
                                          Case{"stray", WriteStrayVideo, 25},
+                                         Case{"record3d", WriteRecord3d, 12},
                                          Case{"polycam", WritePolycam, 12},
                                          Case{"3dscanner", WriteScannerApp, 12},
                                          Case{"scannet", WriteScanNet, 12}));

@@ -1,6 +1,9 @@
 #include "server/tools/capture/testing_captures.h"
 
+#include <libdeflate.h>
+
 #include <array>
+#include <bit>
 #include <cstdlib>
 #include <numbers>
 #include <opencv2/core.hpp>
@@ -123,6 +126,19 @@ void WriteStrayTables(const TrueScene& scene, const std::string& folder) {
                         c.fx(), c.cx() + 0.5, c.fy(), c.cy() + 0.5));
 }
 
+void AppendLittleEndian(uint32_t value, int bytes, std::string& out) {
+  for (int i = 0; i < bytes; ++i) {
+    out.push_back(static_cast<char>(value >> (8 * i)));
+  }
+}
+
+// A stream of one block that is not compressed.
+std::string RawLzfse(const std::string& bytes) {
+  std::string stream = "bvx-";
+  AppendLittleEndian(static_cast<uint32_t>(bytes.size()), 4, stream);
+  return absl::StrCat(stream, bytes, "bvx$");
+}
+
 }  // namespace
 
 TrueScene MakeTrueScene(int frames) {
@@ -230,6 +246,75 @@ void WriteScannerApp(const TrueScene& scene, const std::string& folder) {
                     *scene.frames[i].depth, 2);
   }
   Write(folder + "/info.json", R"({"device":"test"})");
+}
+
+void WriteRecord3d(const TrueScene& scene, const std::string& folder) {
+  const camera::Camera& c = scene.calibration.color;
+  std::string poses;
+  for (size_t i = 0; i < scene.frames.size(); ++i) {
+    // OpenGL's camera in ARKit's world: the columns of y and z change signs.
+    const Matrix m = Arkit(scene.world_from_camera[i]);
+    const geometry::Rotation3 q = geometry::Rotation3::FromMatrix(
+        {{m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]}});
+    absl::StrAppendFormat(
+        &poses, "%s[%.12g,%.12g,%.12g,%.12g,%.12g,%.12g,%.12g]",
+        i > 0 ? "," : "", q.x, q.y, q.z, q.w, m[3], m[7], m[11]);
+    const std::string base = absl::StrCat(folder, "/rgbd/", i);
+    Write(base + ".jpg", Jpeg(scene.frames[i]));
+    std::string floats;
+    for (const uint16_t depth_mm : scene.frames[i].depth->values) {
+      AppendLittleEndian(std::bit_cast<uint32_t>(0.001f * depth_mm), 4, floats);
+    }
+    Write(base + ".depth", RawLzfse(floats));
+    Write(base + ".conf", RawLzfse(std::string(floats.size() / 4, 2)));
+  }
+  Write(folder + "/metadata",
+        absl::StrFormat(
+            R"({"w":%d,"h":%d,"dw":%d,"dh":%d,"fps":60,)"
+            R"("K":[%.15g,0,0,0,%.15g,0,%.15g,%.15g,1],"poses":[%s]})",
+            c.width(), c.height(), scene.calibration.depth.width(),
+            scene.calibration.depth.height(), c.fx(), c.fy(), c.cx() + 0.5,
+            c.cy() + 0.5, poses));
+}
+
+std::string ZipOf(
+    const std::vector<std::pair<std::string, std::string>>& files) {
+  std::string zip;
+  std::string directory;
+  for (const auto& [name, contents] : files) {
+    std::string packed(contents.size() + 100, '\0');
+    libdeflate_compressor* const compressor = libdeflate_alloc_compressor(6);
+    packed.resize(libdeflate_deflate_compress(compressor, contents.data(),
+                                              contents.size(), packed.data(),
+                                              packed.size()));
+    libdeflate_free_compressor(compressor);
+    // Version, flags, method, time, date, checksum, sizes, lengths of names.
+    std::string common;
+    AppendLittleEndian(20, 2, common);
+    AppendLittleEndian(0, 2, common);
+    AppendLittleEndian(8, 2, common);
+    AppendLittleEndian(0, 4, common);
+    AppendLittleEndian(libdeflate_crc32(0, contents.data(), contents.size()), 4,
+                       common);
+    AppendLittleEndian(static_cast<uint32_t>(packed.size()), 4, common);
+    AppendLittleEndian(static_cast<uint32_t>(contents.size()), 4, common);
+    AppendLittleEndian(static_cast<uint32_t>(name.size()), 2, common);
+    AppendLittleEndian(0, 2, common);
+    absl::StrAppend(&directory, "PK\x01\x02");
+    AppendLittleEndian(20, 2, directory);
+    absl::StrAppend(&directory, common, std::string(10, '\0'));
+    AppendLittleEndian(static_cast<uint32_t>(zip.size()), 4, directory);
+    absl::StrAppend(&directory, name);
+    absl::StrAppend(&zip, "PK\x03\x04", common, name, packed);
+  }
+  const auto offset = static_cast<uint32_t>(zip.size());
+  absl::StrAppend(&zip, directory, "PK\x05\x06", std::string(4, '\0'));
+  AppendLittleEndian(static_cast<uint32_t>(files.size()), 2, zip);
+  AppendLittleEndian(static_cast<uint32_t>(files.size()), 2, zip);
+  AppendLittleEndian(static_cast<uint32_t>(directory.size()), 4, zip);
+  AppendLittleEndian(offset, 4, zip);
+  AppendLittleEndian(0, 2, zip);
+  return zip;
 }
 
 void WriteScanNet(const TrueScene& scene, const std::string& folder) {

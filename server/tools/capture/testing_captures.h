@@ -3,6 +3,7 @@
 #define SERVER_TOOLS_CAPTURE_TESTING_CAPTURES_H_
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/camera/rgbd_calibration.h"
@@ -29,7 +30,13 @@ void WriteStray(const TrueScene& scene, const std::string& folder);
 void WriteStrayVideo(const TrueScene& scene, const std::string& folder);
 void WritePolycam(const TrueScene& scene, const std::string& folder);
 void WriteScannerApp(const TrueScene& scene, const std::string& folder);
+// As an unpacked folder, with depth in raw blocks of LZFSE.
+void WriteRecord3d(const TrueScene& scene, const std::string& folder);
 void WriteScanNet(const TrueScene& scene, const std::string& folder);
+
+// A zip file of these names and contents, deflated.
+std::string ZipOf(
+    const std::vector<std::pair<std::string, std::string>>& files);
 
 }  // namespace treeline::capture
 
