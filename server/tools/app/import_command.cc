@@ -68,6 +68,9 @@ void PrintResult(const ImportFlags& flags, const std::string& format,
   }
   std::printf("  %d frames in train.txt, %d in test.txt\n", written.train,
               written.test);
+  for (const std::string& note : written.notes) {
+    std::printf("  note: %s\n", note.c_str());
+  }
   if (written.left_out.count() > 0) {
     std::printf("  left out:\n");
     for (const std::string& line : written.left_out.Lines()) {

@@ -132,6 +132,7 @@ class Writer {
     calibration.depth =
         image::Turned(depth_camera_.value_or(written_camera_), turn_);
     calibration.pose_sensor = camera::RgbdSensor::kColor;
+    result_.notes = Notes();
     std::string train;
     std::string test;
     for (int i = 0; i < result_.frames; ++i) {
@@ -279,7 +280,7 @@ class Writer {
     absl::StrAppend(&text,
                     "# .pose.txt: world_from_camera of this camera; z is up\n"
                     "pose_sensor color\n");
-    for (const std::string& note : Notes()) {
+    for (const std::string& note : result_.notes) {
       absl::StrAppend(&text, "# ", note, "\n");
     }
     for (const std::string& line : result_.left_out.Lines()) {

@@ -35,6 +35,8 @@ struct WrittenRecording {
   camera::RgbdCalibration calibration;
   // Frames that were left out, here or when the capture was opened.
   LeftOut left_out;
+  // What was taken for granted and what was converted.
+  std::vector<std::string> notes;
 };
 
 // How many frames will be asked for.

@@ -283,6 +283,11 @@ absl::StatusOr<Capture> OpenStrayScanner(const std::string& folder,
     files.push_back(of_frame);
     frames.emplace_back(row.video_frame, std::move(of_frame));
   }
+  if (base::IsFile(folder + "/depth/000000.npy")) {
+    capture.notes.push_back(
+        "depth/*.npy, of an old version of the app, is not read; record anew "
+        "with a newer one for depth");
+  }
   const DepthRules rules{
       .unit_m = options.depth_unit_m > 0 ? options.depth_unit_m : 0.001,
       .min_confidence_value = options.min_confidence};

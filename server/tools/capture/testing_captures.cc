@@ -23,7 +23,7 @@ using Matrix = std::array<double, 16>;
 
 void Write(const std::string& path, absl::string_view bytes) {
   if (!base::MakeParentFolder(path).ok() ||
-      !base::WriteFileAtomically(path, bytes).ok()) {
+      !base::WriteNewFile(path, bytes).ok()) {
     std::abort();
   }
 }
