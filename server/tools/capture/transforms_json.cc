@@ -205,7 +205,7 @@ absl::StatusOr<double> AppliedScale(const Json& file, const std::string& where,
         where, ": \"applied_scale\" is ", *scale, ", and should be positive"));
   }
   result.notes.push_back(
-      absl::StrCat("lengths divided by applied_scale, ", *scale));
+      absl::StrCat("positions divided by applied_scale, ", *scale));
   return *scale;
 }
 
@@ -281,7 +281,6 @@ absl::StatusOr<TransformsJson> ParseTransforms(absl::string_view text,
   TransformsJson result;
   TL_ASSIGN_OR_RETURN(const double scale, AppliedScale(file, where, result));
   TL_ASSIGN_OR_RETURN(result.depth_unit_m, DepthUnit_m(file, where));
-  result.depth_unit_m /= scale;
   if (file.contains("applied_transform")) {
     result.notes.push_back(
         "the world stays as applied_transform of the file made it");

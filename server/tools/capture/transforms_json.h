@@ -16,11 +16,13 @@
 //            optical axis. Metres per unit: depth_unit_scale_factor, which
 //            nerfstudio's data parser takes to be 0.001 unless told otherwise;
 //            instant-ngp: integer_depth_scale.
-//   scale    applied_scale is what lengths were multiplied by when the file was
-//            made, those of depth included: they are divided by it.
-//            applied_transform is what the world was turned by: it stays so,
-//            because it is what made z point up. instant-ngp's scale and offset
-//            are for its viewer and do not change the poses in the file.
+//   scale    applied_scale is what positions were multiplied by when the file
+//            was made: they are divided by it. Depth was not (the data parser
+//            multiplies its scale, which depth gets, by applied_scale after the
+//            poses had theirs). applied_transform is what the world was turned
+//            by: it stays so, because it is what made z point up.
+//            instant-ngp's scale and offset are for its viewer and do not
+//            change the poses in the file.
 #ifndef SERVER_TOOLS_CAPTURE_TRANSFORMS_JSON_H_
 #define SERVER_TOOLS_CAPTURE_TRANSFORMS_JSON_H_
 
