@@ -319,6 +319,18 @@ TEST_F(BrokenCaptureTest, AVideoThatEndsEarlyLosesTheRest) {
   EXPECT_EQ(written->left_out.count(), 2);
 }
 
+TEST_F(BrokenCaptureTest, DepthThatIsNotThereIsOneNote) {
+  WriteNerfstudio(scene_, folder_.Path("capture"));
+  std::filesystem::remove_all(folder_.Path("capture/depths"));
+  const auto written = Import();
+  ASSERT_TRUE(written.ok()) << written.status();
+  EXPECT_EQ(written->frames, 6);
+  EXPECT_EQ(written->with_depth, 0);
+  EXPECT_THAT(written->notes,
+              testing::Contains(HasSubstr("6 frames without their depth, the "
+                                          "first depths/frame_1.png")));
+}
+
 TEST_F(BrokenCaptureTest, LostTrackingOfScanNetIsLeftOut) {
   WriteScanNet(scene_, folder_.Path("capture"));
   folder_.Write("capture/pose/2.txt",

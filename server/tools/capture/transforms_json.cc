@@ -331,6 +331,8 @@ absl::StatusOr<Capture> OpenTransforms(const std::string& path,
       "camera axes turned from OpenGL's (y up, z backwards); principal point "
       "half a pixel less");
   std::vector<FrameFiles> files;
+  int without_depth = 0;
+  std::string first_without_depth;
   for (const TransformsFrame& frame : parsed.frames) {
     const std::string color = PictureAt(in_folder(frame.file_path));
     if (color.empty()) {
@@ -342,13 +344,16 @@ absl::StatusOr<Capture> OpenTransforms(const std::string& path,
       of_frame.depth = IfFile(in_folder(frame.depth_path));
     }
     if (of_frame.depth.empty() && !frame.depth_path.empty()) {
-      capture.notes.push_back(
-          absl::StrCat("no depth from ", frame.depth_path,
-                       ": it must be a 16-bit PNG that is there"));
+      if (without_depth++ == 0) first_without_depth = frame.depth_path;
     }
     files.push_back(std::move(of_frame));
     capture.frames.push_back({frame.file_path, frame.camera,
                               Rotated(z_up, frame.world_from_camera)});
+  }
+  if (without_depth > 0) {
+    capture.notes.push_back(absl::StrCat(
+        without_depth, " frames without their depth, the first ",
+        first_without_depth, ": it must be a 16-bit PNG that is there"));
   }
   capture.pictures = std::make_unique<PictureFiles>(
       std::move(files),

@@ -79,7 +79,7 @@ class OpenCvVideo final : public VideoReader {
     return absl::InvalidArgumentError(absl::StrCat(
         path_, ": is no video that can be decoded", why.empty() ? "" : ": ",
         why, "; convert it, for instance with `ffmpeg -i ", path_,
-        " rgb/%06d.jpg`"));
+        " -start_number 0 rgb/%06d.jpg`, and remove it"));
   }
   absl::Status Ends(int frame) const {
     return absl::DataLossError(absl::StrCat(
