@@ -14,7 +14,7 @@ find_package(yaml-cpp REQUIRED)
 find_package(Ceres REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(OpenCV REQUIRED
-  COMPONENTS core imgproc features2d calib3d flann)
+  COMPONENTS core imgproc features2d calib3d flann videoio)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(deflate REQUIRED IMPORTED_TARGET libdeflate)

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "common/base/testing_folder.h"
+#include "common/camera/calibration_json.h"
 #include "common/image/decode.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -210,6 +211,23 @@ TEST_F(DatasetTest, GivenCamerasAndUnitAreUsed) {
   EXPECT_EQ(dataset->calibration().depth.ToString(), options.depth_camera);
   EXPECT_EQ(dataset->depth_unit_m(), 0.0002);
   EXPECT_EQ(dataset->Load(0)->depth->unit_m, 0.0002);
+}
+
+TEST_F(DatasetTest, CamerasBesideTheFramesAreTaken) {
+  WriteSevenScenesFrame("seq-01/frame-000000", 1);
+  camera::RgbdCalibration cameras;
+  cameras.color = *camera::Camera::Parse("PINHOLE,500,501,322,241", 640, 480);
+  cameras.depth = *camera::Camera::Parse("PINHOLE,510,511,323,242", 640, 480);
+  Write("cameras.json", camera::CalibrationToJson(cameras));
+  const auto dataset = Dataset::Open(SevenScenes());
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  EXPECT_EQ(dataset->calibration(), cameras);
+  DatasetOptions options = SevenScenes();
+  options.color_camera = "PINHOLE,600,600,320,240";
+  EXPECT_EQ(Dataset::Open(options)->calibration().color.fx(), 600);
+  Write("cameras.json", "{}");
+  EXPECT_THAT(ErrorOf(SevenScenes(), absl::StatusCode::kInvalidArgument),
+              HasSubstr("cameras.json"));
 }
 
 TEST_F(DatasetTest, DefaultsHoldForTheirImageSizeOnly) {

@@ -18,6 +18,7 @@
 #include "common/base/file.h"
 #include "common/base/parallel_for.h"
 #include "common/base/status_macros.h"
+#include "common/dataset/frame_use.h"
 #include "common/dataset/tum.h"
 #include "simulation/recorder/record_files.h"
 #include "simulation/recorder/tour_walk.h"
@@ -84,11 +85,11 @@ class FirstError {
 
 std::string FrameList(const RecordOptions& options,
                       const std::vector<dataset::TimedPose>& frames,
-                      FrameUse use) {
+                      dataset::FrameUse use) {
   const int count = static_cast<int>(frames.size());
   std::string list;
   for (int i = 0; i < count; ++i) {
-    if (UseOfFrame(i, count) == use) {
+    if (dataset::UseOfFrame(i, count) == use) {
       absl::StrAppend(
           &list, StemOf(options, i, frames[static_cast<size_t>(i)].time), "\n");
     }
@@ -260,8 +261,10 @@ absl::Status WriteLists(const RecordOptions& options,
   texts.push_back(
       {"recording.txt",
        Description(options, camera, static_cast<int>(frames.size()))});
-  texts.push_back({"train.txt", FrameList(options, frames, FrameUse::kTrain)});
-  texts.push_back({"test.txt", FrameList(options, frames, FrameUse::kTest)});
+  texts.push_back(
+      {"train.txt", FrameList(options, frames, dataset::FrameUse::kTrain)});
+  texts.push_back(
+      {"test.txt", FrameList(options, frames, dataset::FrameUse::kTest)});
   for (const NamedText& file : texts) {
     TL_RETURN_IF_ERROR(base::WriteFileAtomically(
         absl::StrCat(options.folder, "/", file.name), file.text));

@@ -1,6 +1,5 @@
 #include "simulation/recorder/walk.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -54,15 +53,6 @@ geometry::Rigid3 Walk::WorldFromCameraAt(double t) const {
   return {geometry::Rotation3::FromMatrix(axes) *
               geometry::Rotation3::FromAxisAngle({0, 0, roll_rad}),
           {x_m, y_m, z_m}};
-}
-
-FrameUse UseOfFrame(int frame, int frame_count) {
-  const int cycle = std::clamp(frame_count / 5, 5, 100);
-  const double place =
-      static_cast<double>(frame % cycle) / static_cast<double>(cycle);
-  if (place < 0.6) return FrameUse::kTrain;
-  if (place >= 0.7 && place < 0.9) return FrameUse::kTest;
-  return FrameUse::kNeither;
 }
 
 }  // namespace treeline::recorder

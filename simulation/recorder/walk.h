@@ -30,13 +30,6 @@ class Walk {
   double direction_ = 1;
 };
 
-// Which frames of a recording are for training and which are held out. Blocks
-// of a cycle: 60 % training, a gap of 10 %, 20 % held out, another gap. Gaps
-// belong to neither, so that held-out frames are not neighbours of training
-// ones. Cycles are of 100 frames, or a fifth of a shorter recording.
-enum class FrameUse { kTrain, kTest, kNeither };
-FrameUse UseOfFrame(int frame, int frame_count);
-
 }  // namespace treeline::recorder
 
 #endif  // SIMULATION_RECORDER_WALK_H_

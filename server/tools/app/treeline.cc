@@ -4,6 +4,7 @@
 #include "CLI/CLI.hpp"
 #include "server/tools/app/calibrate_command.h"
 #include "server/tools/app/evaluate_command.h"
+#include "server/tools/app/import_command.h"
 #include "server/tools/app/inspect_command.h"
 #include "server/tools/app/publish_command.h"
 #include "server/tools/app/recognize_command.h"
@@ -20,10 +21,11 @@ constexpr const char* kDescription =
 
 std::vector<cli::Command> AddCommands(CLI::App& app) {
   return {
-      AddCalibrateCommand(app), AddTrainCommand(app),
-      AddEvaluateCommand(app),  AddInspectCommand(app),
-      AddPublishCommand(app),   AddRecognizeCommand(app),
-      AddSplitCommand(app),     AddSynthCommand(app),
+      AddImportCommand(app),    AddCalibrateCommand(app),
+      AddTrainCommand(app),     AddEvaluateCommand(app),
+      AddInspectCommand(app),   AddPublishCommand(app),
+      AddRecognizeCommand(app), AddSplitCommand(app),
+      AddSynthCommand(app),
   };
 }
 

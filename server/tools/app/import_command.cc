@@ -1,0 +1,184 @@
+#include "server/tools/app/import_command.h"
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "CLI/CLI.hpp"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/progress.h"
+#include "common/base/status_macros.h"
+#include "server/tools/capture/open_capture.h"
+#include "server/tools/capture/recording_writer.h"
+
+namespace treeline::tools_app {
+namespace {
+
+constexpr const char* kFooter = R"(
+What is written, in the layout of 7-Scenes:
+  DIR/seq-01/frame-000000.color.jpg  colour
+  DIR/seq-01/frame-000000.depth.png  16 bit, mm, of frames with depth
+  DIR/seq-01/frame-000000.pose.txt   4x4 world_from_camera, colour camera, m
+  DIR/cameras.json                   both cameras
+  DIR/train.txt, DIR/test.txt        frames for training, frames held out
+  DIR/recording.txt                  what was converted, what was left out
+
+The world has z up. Frames without a pose, and frames whose files are missing or
+broken, are left out and counted. After an error or Ctrl-C there is no DIR.
+
+A phone that was held upright stores its pictures on their side: all of them are
+turned upright, with their cameras and poses, unless --keep-turn is given. While
+a phone focuses, its focal length changes: such pictures are resampled to one
+camera.
+
+Examples:
+  treeline import 2fd1a8b0c3 --output office
+  treeline import capture.r3d --output office --every 3 --max-side 960
+  treeline import polycam-raw --output office --min-confidence 2
+  treeline import nerf/transforms.json --output scan --up y
+  treeline train --dataset 7scenes:office --frames office/train.txt \
+      --calibration nominal --output office.treeline
+
+What to tap in each app: docs/how-to/import-a-capture.md)";
+
+struct ImportFlags {
+  std::string capture;
+  std::string format = "auto";
+  capture::OpenOptions open;
+  capture::WriteOptions write;
+  bool keep_turn = false;
+  bool quiet = false;
+};
+
+void PrintResult(const ImportFlags& flags, const std::string& format,
+                 const capture::WrittenRecording& written) {
+  const std::string& folder = flags.write.folder;
+  std::printf("Imported %d frames from %s (%s) to %s: %d with depth\n",
+              written.frames, flags.capture.c_str(), format.c_str(),
+              folder.c_str(), written.with_depth);
+  std::printf("  colour %d x %d, %s\n", written.calibration.color.width(),
+              written.calibration.color.height(),
+              written.calibration.color.ToString().c_str());
+  if (written.with_depth > 0) {
+    std::printf("  depth  %d x %d, %s\n", written.calibration.depth.width(),
+                written.calibration.depth.height(),
+                written.calibration.depth.ToString().c_str());
+  }
+  std::printf("  %d frames in train.txt, %d in test.txt\n", written.train,
+              written.test);
+  for (const std::string& note : written.notes) {
+    std::printf("  note: %s\n", note.c_str());
+  }
+  if (written.left_out.count() > 0) {
+    std::printf("  left out:\n");
+    for (const std::string& line : written.left_out.Lines()) {
+      std::printf("    %s\n", line.c_str());
+    }
+  }
+  if (written.with_depth == 0) {
+    std::printf(
+        "No frame has depth. `treeline train` needs depth, or structure from "
+        "motion of the pictures: docs/how-to/learn-from-photographs.md\n");
+    return;
+  }
+  std::printf(
+      "Next: treeline train --dataset 7scenes:%s --frames %s/train.txt "
+      "--calibration nominal --output %s.treeline\n",
+      folder.c_str(), folder.c_str(), folder.c_str());
+}
+
+absl::Status Import(ImportFlags& flags, const std::stop_token& stop) {
+  flags.write.source = flags.capture;
+  flags.write.upright = !flags.keep_turn;
+  TL_RETURN_IF_ERROR(flags.write.Validate());
+  TL_ASSIGN_OR_RETURN(
+      capture::Capture capture,
+      capture::OpenCapture(flags.capture, flags.format, flags.open));
+  const std::string format = capture.format;
+  absl::StatusOr<capture::WrittenRecording> written;
+  {
+    base::Progress progress(
+        "importing", std::max(1, capture::FramesToWrite(capture, flags.write)),
+        flags.quiet);
+    written = capture::WriteRecording(
+        std::move(capture), flags.write, [&progress] { progress.Add(1); },
+        stop);
+  }
+  TL_RETURN_IF_ERROR(written.status());
+  PrintResult(flags, format, *written);
+  return absl::OkStatus();
+}
+
+std::string FormatsHelp() {
+  std::string help =
+      "\nFormats, found out by themselves unless --format is "
+      "given:\n";
+  for (const capture::CaptureFormat& format : capture::CaptureFormats()) {
+    absl::StrAppendFormat(&help, "  %-12s%s\n", format.name, format.summary);
+  }
+  return help;
+}
+
+void AddReadingFlags(CLI::App& command, ImportFlags& flags) {
+  command.add_option("--format", flags.format, "Format of the capture")
+      ->type_name("auto|NAME")
+      ->capture_default_str();
+  command
+      .add_option("--depth-unit", flags.open.depth_unit_m,
+                  "Metres per unit of the depth files (default: as the format "
+                  "has it, mostly 0.001)")
+      ->type_name("M");
+  command
+      .add_option("--min-confidence", flags.open.min_confidence,
+                  "Depth that is less certain is left out, where the capture "
+                  "says how certain it is: 0 keeps all, 1 drops low, 2 drops "
+                  "medium too")
+      ->type_name("0|1|2")
+      ->capture_default_str();
+  command
+      .add_option("--up", flags.open.up,
+                  "Which axis of the capture's world points up (default: as "
+                  "the format has it: y for phones, z for the others)")
+      ->type_name("x|-x|y|-y|z|-z");
+}
+
+}  // namespace
+
+cli::Command AddImportCommand(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("import", "Make a recording of what a phone captured");
+  command->footer(absl::StrCat(FormatsHelp(), kFooter));
+  auto flags = std::make_shared<ImportFlags>();
+  command
+      ->add_option("capture", flags->capture,
+                   "What the app exported: a folder or a file")
+      ->type_name("CAPTURE")
+      ->required();
+  command
+      ->add_option("--output", flags->write.folder,
+                   "Folder to write; it must not be there, or be empty")
+      ->type_name("DIR")
+      ->required();
+  AddReadingFlags(*command, *flags);
+  command
+      ->add_option("--every", flags->write.every,
+                   "Take every N-th frame; phones record up to 60 a second")
+      ->type_name("N")
+      ->capture_default_str();
+  command
+      ->add_option("--max-side", flags->write.max_side_px,
+                   "Make pictures smaller whose longer side is longer than "
+                   "this; 0: never")
+      ->type_name("PX")
+      ->capture_default_str();
+  command->add_flag("--keep-turn", flags->keep_turn,
+                    "Leave pictures as they are stored, even on their side");
+  command->add_flag("--quiet", flags->quiet, "Show no progress");
+  return {command, [flags](const std::stop_token& stop) {
+            return Import(*flags, stop);
+          }};
+}
+
+}  // namespace treeline::tools_app
