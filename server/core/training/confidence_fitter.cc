@@ -25,7 +25,7 @@ using Vector = Eigen::Matrix<double, kFeatures, 1>;
 using Matrix = Eigen::Matrix<double, kFeatures, kFeatures>;
 
 constexpr uint64_t kTrialStream = 0x636f6e6600000000;
-// Of the answers that trials give, so many may be far off.
+// Of the answers that trials give, so many may be far off, and one more.
 constexpr double kMaxGrossShare = 0.005;
 
 // The split repeats: frames to learn from, a gap, frames held out, a gap; and
@@ -259,7 +259,7 @@ forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
   double highest_left = answers.empty() ? 0 : answers.front().first;
   for (size_t i = 0; i < answers.size(); ++i) {
     gross += !answers[i].second;
-    if (gross <= kMaxGrossShare * static_cast<double>(i + 1)) {
+    if (gross <= 1 + kMaxGrossShare * static_cast<double>(i + 1)) {
       highest_left = i + 1 < answers.size() ? answers[i + 1].first : 0;
     }
   }

@@ -38,15 +38,16 @@ struct ConfidenceFit {
   // A lower threshold would give answers that are rather wrong than right; a
   // higher one would refuse too much of what is right, even where places are
   // alike.
-  double min_threshold = 0.5;
-  double max_threshold = 0.95;
+  double min_threshold = 0.6;
+  double max_threshold = 0.9;
 };
 
 // Logistic regression on the trials, drawn towards `prior` as if by a few
 // trials of its own; weights of evidence are not negative, so that more of it
 // never counts against a pose. The threshold is the least one at which all but
-// one in two hundred of the trials' answers are not grossly wrong: what is
-// wrong by a little is told by its probability.
+// one, and one in two hundred, of the trials' answers are not grossly wrong (one
+// trial decides nothing): what is wrong by a little is told by its
+// probability.
 forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
                                       const forest::ConfidenceModel& prior,
                                       const ConfidenceFit& fit = {});
