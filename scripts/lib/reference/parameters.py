@@ -1,4 +1,4 @@
-"""The page of the server's constants, from the tables that hold them.
+"""The page of the constants of server and client, from the tables that hold them.
 
 The robot's page, parameters.md, is printed by `treeline-agent run
 --print-parameters`.
@@ -10,7 +10,7 @@ from cpp_source import (STRING, as_cell, braced, designated, sources_below,
                         text_of, without_comments)
 
 INTRODUCTION = """\
-# Parameters of server and training
+# Parameters of server, training and client
 
 Constants that no setting changes, as the sources declare them (`Parameter` in
 [common/base/parameter.h](../../common/base/parameter.h)). Those of the robot
@@ -47,7 +47,7 @@ def rows_of(path):
 def page(root):
     text = INTRODUCTION
     folders = {}
-    for path in sources_below(root, ["common", "server"], {".h", ".cc"}):
+    for path in sources_below(root, ["client", "common", "server"], {".h", ".cc"}):
         folder = path.parent.relative_to(root).as_posix()
         folders.setdefault(folder, []).extend(rows_of(path))
     for folder, rows in sorted(folders.items()):

@@ -131,6 +131,7 @@ test('a single fix within the gate moves the world by little', () => {
   device.lock();
   device.walk(100);
   assert.equal(device.fix(at(10.5)), 'held');
+  device.step();
   assert.equal(device.fix(at(10.1)), 'applied');
   assert.ok(isNear(device.walk(50).worldFromDevice!, WORLD, 0.1));
 });
@@ -252,13 +253,20 @@ test('what is no fix is refused', () => {
   const device = new Device();
   const indefinite = diagonal(1e-4, 1e-4);
   indefinite[0] = -1;
+  const asymmetric = diagonal(1e-4, 1e-4);
+  asymmetric[1] = 5e-5;
   for (const bad of [{ covariance: [1] }, { confidence: 1.1 },
     { confidence: NaN }, { captureTimeMs: NaN }, { covariance: indefinite },
+    { covariance: asymmetric },
     { worldFromCamera: { ...IDENTITY, rotation: { w: 2, x: 0, y: 0, z: 0 } } },
   ]) {
     assert.throws(() => device.fix(WORLD, bad), RangeError);
   }
   assert.throws(() => device.corrector.track(0, IDENTITY), RangeError);
+  assert.throws(() => device.corrector.track(50, at(NaN)), RangeError);
+  assert.throws(() => device.corrector.track(Infinity, at(0)), RangeError);
+  // None of it has done anything.
+  device.lock();
   assert.throws(() => new DriftCorrector({ lockViews: 0 }), RangeError);
   assert.throws(() => new DriftCorrector({ minConfidence: 2 }), RangeError);
 });
@@ -298,6 +306,30 @@ test('only so many guesses are kept, the newest', () => {
   assert.equal(device.fix(at(0)), 'held');
   device.step();
   assert.equal(device.fix(at(40)), 'locked');
+});
+
+test('a picture counts once', () => {
+  const device = new Device();
+  assert.equal(device.fix(at(20)), 'held');
+  for (let i = 0; i < 10; ++i) {
+    assert.equal(device.fix(at(20)), 'ignored_repeated');
+  }
+  assert.equal(device.corrector.state, 'tentative');
+  device.step();
+  // What was ignored has not counted.
+  assert.equal(device.fix(WORLD, { confidence: 0.1 }), 'ignored_confidence');
+  assert.equal(device.fix(), 'held');
+});
+
+test('contradicting views are counted no further than needed', () => {
+  const device = new Device();
+  device.lock();
+  // Odds of 1: no number of them is ever enough.
+  for (let i = 0; i < 20; ++i) {
+    assert.equal(device.fix(at(20), { confidence: 0.5 }), 'held');
+    device.walk(4);
+  }
+  assert.equal(device.step().contradictingViews, 3);
 });
 
 test('a reset forgets the world, but not when it last was good', () => {

@@ -6,12 +6,12 @@
 //   worldFromCamera = compose(worldFromDevice, deviceFromCamera).
 // docs/explanation/device-fusion.md has the algorithm, step by step.
 
-import { addMatrices, cholesky } from '../geometry/matrix.js';
+import { addMatrices } from '../geometry/matrix.js';
 import { compose, inverse, type RigidTransform } from
   '../geometry/rigid_transform.js';
 import { subtract } from '../geometry/vector3.js';
-import { angleOfRotationRad, diagonal, difference, lengthOfTranslationM,
-  positionSigmaM, rotationSigmaRad, squaredDistance, transported } from
+import { angleOfRotationRad, diagonal, difference, isCovariance,
+  lengthOfTranslationM, positionSigmaM, rotationSigmaRad, squaredDistance, transported } from
   './gaussian_pose.js';
 import { Hypothesis, type CarriedFix } from './hypothesis.js';
 import { DEFAULT_PARAMETERS, degrees, radians, validateParameters,
@@ -41,10 +41,12 @@ export type DriftState = 'searching' | 'tentative' | 'locked' | 'lost';
  * What became of a fix. `applied`: it corrected the world. `locked`: with it
  * the world began. `jumped`: with it others won over the world that was.
  * `held`: it waits for others that agree. The rest were ignored: too little
- * confidence, too uncertain, or captured when nothing was tracked.
+ * confidence, too uncertain, captured when nothing was tracked, or of a picture
+ * that has counted already.
  */
 export type FixVerdict = 'applied' | 'locked' | 'jumped' | 'held' |
-  'ignored_confidence' | 'ignored_uncertain' | 'ignored_untracked';
+  'ignored_confidence' | 'ignored_uncertain' | 'ignored_untracked' |
+  'ignored_repeated';
 
 /** What is known at the time of a tracked pose. */
 export interface DriftEstimate {
@@ -60,7 +62,8 @@ export interface DriftEstimate {
   /** Since the last fix that the world was built on was captured; null: there
    * was none yet. */
   readonly sinceGoodFixS: number | null;
-  /** Distinct views of the fixes that speak most against the world. */
+  /** Distinct views of the fixes that speak most against the world; counted up
+   * to contradictionViews. */
   readonly contradictingViews: number;
   /** Whether worldFromDevice was set at once, not moved. */
   readonly snapped: boolean;
@@ -80,6 +83,8 @@ export class DriftCorrector {
   private isLost = false;
   private others: Hypothesis[] = [];
   private goodFixMs: number | null = null;
+  // Capture times, within the history, of the fixes that have counted.
+  private readonly countedMs = new Set<number>();
 
   /** Throws a RangeError for parameters that make no sense. */
   constructor(parameters: Partial<DriftParameters> = {}) {
@@ -96,9 +101,11 @@ export class DriftCorrector {
 
   /**
    * The device's tracking, each frame, in the order of time; on any clock that
-   * never goes back. Throws a RangeError for a time that is not later.
+   * never goes back. Throws a RangeError, and changes nothing, for a time that is
+   * not later and for what is no pose.
    */
   track(timeMs: number, deviceFromCamera: RigidTransform): DriftEstimate {
+    validatePose(timeMs, deviceFromCamera);
     const last = this.history.newest;
     if (last !== undefined && !(timeMs > last.timeMs)) {
       throw new RangeError(`${timeMs} ms is not later than ${last.timeMs} ms`);
@@ -121,7 +128,8 @@ export class DriftCorrector {
 
   /**
    * A fix, as soon as the server has answered: late and out of order is fine
-   * within historyS. Throws a RangeError for one that is no fix.
+   * within historyS. Of several fixes of one capture time the first counts.
+   * Throws a RangeError, and changes nothing, for one that is no fix.
    */
   addFix(fix: Fix): FixVerdict {
     validate(fix);
@@ -133,6 +141,8 @@ export class DriftCorrector {
     }
     const carried = this.carry(fix);
     if (carried === null) return 'ignored_untracked';
+    if (this.countedMs.has(fix.captureTimeMs)) return 'ignored_repeated';
+    this.countedMs.add(fix.captureTimeMs);
     if (this.world !== null && this.corrects(this.world, carried)) {
       this.world.support(carried);
       this.good(carried);
@@ -155,6 +165,7 @@ export class DriftCorrector {
     this.world = null;
     this.isLost = false;
     this.others = [];
+    this.countedMs.clear();
   }
 
   // The fix where the camera is now.
@@ -238,10 +249,15 @@ export class DriftCorrector {
     this.isLost = false;
   }
 
+  // What is too old to count.
   private forget(nowMs: number): void {
     const lifetimeMs = this.parameters.hypothesisLifetimeS * 1000;
     this.others = this.others.filter(
         (other) => nowMs - other.lastSupportMs <= lifetimeMs);
+    const oldestMs = this.history.oldest!.timeMs;
+    for (const captureMs of this.countedMs) {
+      if (captureMs < oldestMs) this.countedMs.delete(captureMs);
+    }
   }
 
   private noticeLoss(nowMs: number): void {
@@ -279,21 +295,23 @@ export class DriftCorrector {
   }
 }
 
-function validate(fix: Fix): void {
-  const { rotation: q, translationM: t } = fix.worldFromCamera;
-  const numbers = [fix.captureTimeMs, q.w, q.x, q.y, q.z, t.x, t.y, t.z,
-    ...fix.covariance];
-  if (fix.covariance.length !== 36 || !numbers.every(Number.isFinite)) {
-    throw new RangeError('a fix has 36 covariances, and all is finite');
+function validatePose(
+    timeMs: number, { rotation: q, translationM: t }: RigidTransform): void {
+  if (![timeMs, q.w, q.x, q.y, q.z, t.x, t.y, t.z].every(Number.isFinite)) {
+    throw new RangeError('a time or a pose has a NaN or an infinity');
   }
   if (Math.abs(Math.hypot(q.w, q.x, q.y, q.z) - 1) > 0.01) {
-    throw new RangeError('the rotation of a fix has norm 1');
+    throw new RangeError('the rotation of a pose has norm 1');
   }
+}
+
+function validate(fix: Fix): void {
+  validatePose(fix.captureTimeMs, fix.worldFromCamera);
   if (!(fix.confidence >= 0 && fix.confidence <= 1)) {
     throw new RangeError('the confidence of a fix is in [0, 1]');
   }
-  // Singular is fine: something is added to it.
-  if (cholesky(addMatrices(fix.covariance, diagonal(1e-9, 1e-9)), 6) === null) {
-    throw new RangeError('the covariance of a fix is positive semidefinite');
+  if (!isCovariance(fix.covariance)) {
+    throw new RangeError('the covariance of a fix is 6x6, finite, symmetric ' +
+        'and positive semidefinite');
   }
 }

@@ -21,18 +21,24 @@ const areDistinct = (a: RigidTransform, b: RigidTransform, distanceM: number,
   norm(subtract(a.translationM, b.translationM)) >= distanceM ||
   angleBetweenRad(a.rotation, b.rotation) >= radians(angleDeg);
 
-// deviceFromCamera of views, no two of which are alike.
+// deviceFromCamera of views, no two of which are alike. No more are kept than
+// are asked for, so that neither memory nor work grows with time.
 class Views {
   private readonly views: RigidTransform[] = [];
 
-  constructor(private readonly distanceM: number,
-      private readonly angleDeg: number) {}
+  constructor(private readonly enough: number,
+      private readonly distanceM: number, private readonly angleDeg: number) {}
 
   get count(): number {
     return this.views.length;
   }
 
+  get areEnough(): boolean {
+    return this.count >= this.enough;
+  }
+
   add(view: RigidTransform): void {
+    if (this.areEnough) return;
     if (this.views.every((other) =>
       areDistinct(view, other, this.distanceM, this.angleDeg))) {
       this.views.push(view);
@@ -54,9 +60,9 @@ export class Hypothesis {
     this.current = first.now;
     this.lastView = first.captured.deviceFromCamera;
     this.supportedMs = first.captured.timeMs;
-    this.lockViews = new Views(p.lockViewM, p.lockViewDeg);
-    this.contradictionViews =
-        new Views(p.contradictionViewM, p.contradictionViewDeg);
+    this.lockViews = new Views(p.lockViews, p.lockViewM, p.lockViewDeg);
+    this.contradictionViews = new Views(
+        p.contradictionViews, p.contradictionViewM, p.contradictionViewDeg);
     this.count(first);
   }
 
@@ -112,14 +118,13 @@ export class Hypothesis {
   /** Whether its fixes are enough for a world to begin with. */
   mayLock(): boolean {
     const p = this.parameters;
-    return this.areOddsEnough() && (this.lockViews.count >= p.lockViews ||
-        this.fixes >= p.lockFixes);
+    return this.areOddsEnough() &&
+        (this.lockViews.areEnough || this.fixes >= p.lockFixes);
   }
 
   /** Whether its fixes are enough against a world that contradicts them. */
   mayContradict(): boolean {
-    return this.areOddsEnough() &&
-        this.contradictionViews.count >= this.parameters.contradictionViews;
+    return this.areOddsEnough() && this.contradictionViews.areEnough;
   }
 
   private areOddsEnough(): boolean {

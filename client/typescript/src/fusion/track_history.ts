@@ -20,6 +20,10 @@ export class TrackHistory {
 
   constructor(private readonly parameters: DriftParameters) {}
 
+  get oldest(): TrackedPose | undefined {
+    return this.samples[0];
+  }
+
   get newest(): TrackedPose | undefined {
     return this.samples.at(-1);
   }

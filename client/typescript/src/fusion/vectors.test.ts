@@ -78,7 +78,7 @@ function replay(vectors: Vectors): number {
 
 test('the vectors are where they should be', () => {
   assert.ok(FOLDER, 'TREELINE_FUSION_VECTORS is not set');
-  assert.ok(readdirSync(FOLDER).length >= 12);
+  assert.ok(readdirSync(FOLDER).length >= 13);
 });
 
 for (const file of FOLDER === undefined ? [] : readdirSync(FOLDER)) {

@@ -304,6 +304,22 @@ function lateFixes(): Scenario {
     claims: [{ fromMs: 7000, toMs: 25_000, maxErrorM: 0.08 }] };
 }
 
+function repeatedFixes(): Scenario {
+  const r = new Recording(13, walk);
+  const lie = [2, 2, 0, 0, 0, 0.7];
+  r.track(12_000, (timeMs) => {
+    if (!everySecond(timeMs) || timeMs < 1000) return;
+    const error = timeMs === 1000 || timeMs === 7000 ? lie : undefined;
+    for (let i = 0; i < 4; ++i) {
+      r.fix(timeMs - 300, error === undefined ? {} : { error });
+    }
+  });
+  return { name: 'repeated_fixes', parameters: {}, events: r.events,
+    description: 'Each picture is answered four times: a picture counts once. ' +
+        'The first, and one later, are wrong.',
+    claims: [{ fromMs: 2000, toMs: 12_000, maxErrorM: 0.06 }] };
+}
+
 function lossAndReturn(): Scenario {
   const r = new Recording(11, walk, 0.03);
   r.track(30_000, (timeMs) => {
@@ -333,5 +349,5 @@ function lossByUncertainty(): Scenario {
 
 export const scenarios = (): Scenario[] => [cleanWalk(), singleLie(),
   lieFirst(), lyingBurst(), overconfident(), weakFixes(), announcedReset(),
-  brokenTracking(), slippedTracking(), lateFixes(), lossAndReturn(),
-  lossByUncertainty()];
+  brokenTracking(), slippedTracking(), lateFixes(), repeatedFixes(),
+  lossAndReturn(), lossByUncertainty()];
