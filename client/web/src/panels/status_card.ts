@@ -19,7 +19,9 @@ type Figure = typeof FIGURES[number][0];
 
 const NOTHING = '–';
 
-const percent = (share: number) => `${(100 * share).toFixed(1)} %`;
+// Never more than there is: 99.97 % is not 100 %.
+const percent = (share: number) =>
+  `${(Math.floor(1000 * share) / 10).toFixed(1)} %`;
 
 export class StatusCard {
   readonly element: HTMLElement;
