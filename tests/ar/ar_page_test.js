@@ -111,6 +111,23 @@ test('a note stays where it was pinned, and is there after a reload',
       await browser.close();
     });
 
+test('a camera that was stopped is off, and starts again', async () => {
+  const browser = await launchWithCamera(SEEN[0]);
+  const { page, wrongs } = await open(browser, server.url);
+  for (let i = 0; i < 3; ++i) {
+    await page.click('#start');
+    await waitForState(page, 'Located');
+    await page.click('#start');
+    await waitForState(page, 'Ready');
+    assert.equal(
+        await page.evaluate(() => document.querySelector('video').srcObject),
+        null);
+    assert.equal(await page.textContent('#confidence'), '–');
+  }
+  assert.deepEqual(wrongs, []);
+  await browser.close();
+});
+
 test('everything is reached and done with the keyboard alone', async () => {
   const browser = await launchWithCamera(SEEN[0]);
   const { page } = await open(browser, server.url);

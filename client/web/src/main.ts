@@ -144,26 +144,32 @@ class ArPage {
     this.sceneCard.setRunning(true);
     this.status.say(LOOKING);
     try {
-      this.camera = await DeviceCamera.start(
+      const camera = await DeviceCamera.start(
           this.stage.video, () => this.stop(TAKEN));
+      if (running.signal.aborted) {
+        camera.stop();
+        return;
+      }
+      this.camera = camera;
+      await this.run(camera, running.signal);
     } catch (error) {
-      if (!(error instanceof CameraRefused)) throw error;
-      this.stop(sayingOfCamera(error.name));
-      return;
+      // Its last picture may fail when a camera is stopped.
+      if (running.signal.aborted) return;
+      this.stop(error instanceof CameraRefused ? sayingOfCamera(error.name) :
+        sayingOfError(error));
     }
-    if (running.signal.aborted) {
-      this.camera.stop();
-      return;
-    }
+  }
+
+  private run(camera: DeviceCamera, signal: AbortSignal): Promise<void> {
     setShown(this.empty, false);
     this.stage.setStarted(true);
-    this.fieldOfViewDeg = this.settings.fieldOfViewDeg(this.camera.label);
+    this.fieldOfViewDeg = this.settings.fieldOfViewDeg(camera.label);
     this.viewCard.setFieldOfView(this.fieldOfViewDeg);
-    await locate(this.client, this.camera, {
+    return locate(this.client, camera, {
       scene: this.sceneCard.scene,
       fieldOfViewDeg: () => this.fieldOfViewDeg,
       onLocated: (located) => this.onLocated(located),
-    }, running.signal);
+    }, signal);
   }
 
   private stop(saying: Saying): void {
@@ -255,4 +261,17 @@ const newId = () =>
   [...crypto.getRandomValues(new Uint8Array(8))].map((byte) =>
     byte.toString(16).padStart(2, '0')).join('');
 
-void new ArPage().loadScenes();
+function begin(): void {
+  let page: ArPage;
+  try {
+    page = new ArPage();
+  } catch (error) {
+    document.body.append(el('p', { class: 'empty' },
+        'This page needs WebGL, which this browser does not give: ' +
+        `${String(error)}`));
+    return;
+  }
+  void page.loadScenes();
+}
+
+begin();
