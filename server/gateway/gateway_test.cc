@@ -16,6 +16,7 @@
 #include "common/base/error_info.h"
 #include "common/base/file.h"
 #include "google/rpc/status.pb.h"
+#include "server/gateway/cors.h"
 #include "server/gateway/testing_dispatcher.h"
 
 namespace treeline::gateway {
@@ -353,6 +354,21 @@ TEST_F(GatewayTest, LetsOtherPagesNotIn) {
     EXPECT_FALSE(get->has_header("Access-Control-Allow-Origin"));
   }
   EXPECT_THAT(dispatcher_.calls(), IsEmpty());
+}
+
+// Nobody else has a certificate of that name.
+TEST(CorsPolicy, OverTlsThePageOfTheServerHasAnyName) {
+  const CorsPolicy policy({}, OwnPages::kOverTls);
+  const auto allows = [&](const std::string& origin, const std::string& host) {
+    return !policy
+                .Check({.method = "POST",
+                        .headers = {{"origin", origin}, {"host", host}}})
+                .has_value();
+  };
+  EXPECT_TRUE(allows("https://ar.example:8443", "ar.example:8443"));
+  EXPECT_FALSE(allows("https://other.example", "ar.example"));
+  EXPECT_FALSE(allows("http://ar.example", "ar.example"));
+  EXPECT_FALSE(allows("null", "ar.example"));
 }
 
 TEST_F(GatewayTest, ThePageOfTheServerMayCallIt) {
