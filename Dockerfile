@@ -20,13 +20,21 @@ RUN scripts/build release treeline treeline-server treeline-client && \
     deploy/collect-programs build/release/bin /out
 
 # -----------------------------------------------------------------------------
-# The template of report pages. Without npm's registry there is none, and reports
-# are data alone.
-FROM build AS report
+# What builds web pages. Without npm's registry there are none.
+FROM build AS web
 RUN apt-get update -q && \
     DEBIAN_FRONTEND=noninteractive \
       apt-get install -q -y --no-install-recommends nodejs npm && \
     rm -rf /var/lib/apt/lists/*
+
+# -----------------------------------------------------------------------------
+# The AR page of the server.
+FROM web AS ar-page
+RUN scripts/build-ar-page --out /out/ar-page || mkdir -p /out/ar-page
+
+# -----------------------------------------------------------------------------
+# The template of report pages. Without it reports are data alone.
+FROM web AS report
 RUN scripts/build-report --out /out/report || mkdir -p /out/report
 
 # -----------------------------------------------------------------------------
@@ -105,6 +113,7 @@ RUN apt-get update -q && \
       apt-get install -q -y --no-install-recommends ca-certificates && \
     rm -rf /var/lib/apt/lists/*
 COPY --from=build /out/treeline-server /out/treeline-client /usr/local/bin/
+COPY --from=ar-page /out/ar-page/ /usr/local/share/treeline/ar-page/
 USER 10001:10001
 EXPOSE 50051 50052 8080
 HEALTHCHECK --interval=10s --timeout=6s --start-period=60s \

@@ -19,13 +19,13 @@
 #include "common/base/clock.h"
 #include "common/connect_rpc/connect_router.h"
 #include "common/http/http_message.h"
+#include "common/http/static_files.h"
 #include "nav_agent/service/agent_commands.h"
 #include "nav_agent/service/agent_metrics.h"
 #include "nav_agent/service/device_taps.h"
 #include "nav_agent/service/event_stream.h"
 #include "nav_agent/service/navigation_calls.h"
 #include "nav_agent/service/simulation_calls.h"
-#include "nav_agent/service/static_files.h"
 
 namespace treeline::agent_service {
 
@@ -83,7 +83,7 @@ class HttpApi final : public http::HttpHandler {
   const PictureKeeper* const camera_;
   const PictureKeeper* const query_;
   const HttpApiOptions options_;
-  const StaticFiles files_;
+  const http::StaticFiles files_;
   NavigationCalls navigation_;
   SimulationCalls simulation_;
   connect_rpc::ConnectRouter connect_;

@@ -61,3 +61,23 @@ check_web() {
     die "the types of the unit tests of $1 are wrong"
   node --test unit/*/*.test.js || die "unit tests of $1 failed"
 }
+
+# check_protoc: ends the script where messages cannot be generated.
+check_protoc() {
+  command -v protoc >/dev/null || give_up "there is no protoc here.
+Install it (on Debian 12: apt-get install protobuf-compiler) and run
+scripts/$(basename "$0") again."
+}
+
+# generate_client_messages WORK FOLDER: TypeScript of the messages that
+# client/typescript needs.
+generate_client_messages() {
+  local protos=$TREELINE_ROOT/proto
+  mkdir -p "$2"
+  protoc --proto_path="$protos" \
+    --plugin=protoc-gen-es="$1/node_modules/.bin/protoc-gen-es" \
+    --es_out="$2" --es_opt=target=ts,import_extension=js \
+    "$protos"/treeline/v1/{camera,frame,geometry,relocalization,scenes}.proto \
+    "$protos/google/rpc/status.proto" ||
+    die "no TypeScript could be made of proto/treeline/v1"
+}

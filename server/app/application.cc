@@ -11,6 +11,7 @@
 #include "common/base/listen_address.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
+#include "common/http/static_files.h"
 #include "common/metrics/registry.h"
 #include "server/access/grpc_tls.h"
 #include "server/access/http_tls.h"
@@ -99,6 +100,19 @@ absl::StatusOr<access::TokenAccessOptions> TokenAccessOptionsOf(
 access::RateLimitOptions RateLimitOf(const ServerConfig& config) {
   return {.rate_per_s = config.rate_limit,
           .burst = static_cast<int>(config.rate_burst)};
+}
+
+// Of a folder that was named, there must be a page.
+absl::StatusOr<std::string> ArPageFolder(const ServerConfig& config) {
+  if (config.ar_page == "auto") {
+    return http::FindPageFolder("ar-page", TREELINE_BUILT_AR_PAGE);
+  }
+  if (!config.ar_page.empty() && !http::StaticFiles(config.ar_page).HasPage()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--ar-page: there is no page in ", config.ar_page,
+        "; scripts/build-ar-page --out ", config.ar_page, " makes one"));
+  }
+  return config.ar_page;
 }
 
 RepositoryFigures FiguresOf(const repository::SceneRepository& repository) {
@@ -268,6 +282,7 @@ absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
   options.http.max_probe_connections = kHttpConnectionsForProbes;
   options.http.budget = &budget;
   options.allowed_origins = config.cors_origin;
+  TL_ASSIGN_OR_RETURN(options.ar_page_folder, ArPageFolder(config));
   if (http_tls != nullptr) {
     options.http.tls = http::ServerTls{
         .configure =
@@ -294,6 +309,11 @@ absl::Status Application::Parts::StartGateway(const ServerConfig& config) {
       gateway,
       gateway::Gateway::Start(options, *dispatcher, std::move(hooks), clock));
   announcements.push_back(absl::StrCat("http on ", gateway->address()));
+  if (!options.ar_page_folder.empty()) {
+    announcements.push_back(absl::StrCat("ar page on ",
+                                         http_tls == nullptr ? "http" : "https",
+                                         "://", gateway->address(), "/ar/"));
+  }
   return absl::OkStatus();
 }
 

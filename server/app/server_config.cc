@@ -84,8 +84,8 @@ void AddListening(Table& table) {
   table.Add(&ServerConfig::http_listen,
             {.name = "http_listen",
              .value_name = "HOST:PORT",
-             .help = "Address of the HTTP listener: calls, /metrics, /healthz, "
-                     "/readyz; '': none",
+             .help = "Address of the HTTP listener: calls, /ar/, /metrics, "
+                     "/healthz, /readyz; '': none",
              .check = CheckAddress});
   table.Add(&ServerConfig::insecure_any_address,
             {.name = "insecure_any_address",
@@ -97,6 +97,12 @@ void AddListening(Table& table) {
              .help = "Origins of web pages that may call over HTTP, as "
                      "browsers send them: https://HOST or https://HOST:PORT",
              .check = CheckOrigins});
+  table.Add(&ServerConfig::ar_page,
+            {.name = "ar_page",
+             .value_name = "DIR",
+             .help = "Folder of the AR page, served below /ar/ of the HTTP "
+                     "listener; auto: where it was built or installed, if it "
+                     "was; '': none"});
   table.Add(&ServerConfig::max_connection_age_s,
             {.name = "max_connection_age_s",
              .value_name = "SECONDS",

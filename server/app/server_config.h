@@ -32,6 +32,7 @@ struct ServerConfig {
   std::string http_listen = "127.0.0.1:8080";
   bool insecure_any_address = false;
   std::vector<std::string> cors_origin;
+  std::string ar_page = "auto";
   double max_connection_age_s = 600;
 
   // Trust.

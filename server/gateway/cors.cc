@@ -1,5 +1,7 @@
 #include "server/gateway/cors.h"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 
 #include "absl/strings/ascii.h"
@@ -11,6 +13,16 @@
 
 namespace treeline::gateway {
 namespace {
+
+// "127.0.0.1:8080", "[::1]" or "localhost": no name that a stranger could give
+// to this machine.
+bool IsAddress(absl::string_view host) {
+  if (absl::StartsWith(host, "[")) return true;
+  const absl::string_view name = host.substr(0, host.find(':'));
+  in_addr address{};
+  return name == "localhost" ||
+         inet_pton(AF_INET, std::string(name).c_str(), &address) == 1;
+}
 
 // What a browser sends: lower case, no path, no more than host and port.
 bool IsOrigin(absl::string_view text) {
@@ -40,12 +52,14 @@ absl::Status CorsPolicy::Validate(const std::vector<std::string>& origins) {
   return absl::OkStatus();
 }
 
-CorsPolicy::CorsPolicy(std::vector<std::string> origins)
-    : origins_(std::move(origins)) {}
+CorsPolicy::CorsPolicy(std::vector<std::string> origins, OwnPages own_pages)
+    : origins_(std::move(origins)), own_pages_(own_pages) {}
 
 std::optional<http::HttpResponse> CorsPolicy::Check(
     const http::HttpRequest& request) const {
-  if (request.Header("origin").empty()) return std::nullopt;
+  if (request.Header("origin").empty() || IsOwnPage(request)) {
+    return std::nullopt;
+  }
   if (!IsAllowed(request)) {
     if (request.method == "GET" || request.method == "HEAD") {
       return std::nullopt;
@@ -83,6 +97,20 @@ std::vector<std::pair<std::string, std::string>> CorsPolicy::Headers(
 bool CorsPolicy::IsAllowed(const http::HttpRequest& request) const {
   return std::find(origins_.begin(), origins_.end(),
                    request.Header("origin")) != origins_.end();
+}
+
+bool CorsPolicy::IsOwnPage(const http::HttpRequest& request) const {
+  const absl::string_view host = request.Header("host");
+  const absl::string_view origin = request.Header("origin");
+  switch (own_pages_) {
+    case OwnPages::kNone:
+      return false;
+    case OwnPages::kOverHttp:
+      return IsAddress(host) && origin == absl::StrCat("http://", host);
+    case OwnPages::kOverTls:
+      return origin == absl::StrCat("https://", host);
+  }
+  return false;
 }
 
 }  // namespace treeline::gateway

@@ -12,16 +12,23 @@
 
 namespace treeline::gateway {
 
+// Whether the server has pages of its own, and how browsers reach them.
+enum class OwnPages { kNone, kOverHttp, kOverTls };
+
 // Origins that are allowed, each exactly as browsers send it: "https://HOST" or
 // "https://HOST:PORT". There are no patterns and there is no "*": any page that
 // a user happens to open could then use the user's network and call a server
-// that has no other protection than its address. Immutable.
+// that has no other protection than its address. Pages of the server itself may
+// call it under the name that they came from, which `host` and `origin` agree
+// on. Without TLS that must be an address or "localhost": anyone can make a
+// name of his own lead here. Immutable.
 class CorsPolicy {
  public:
   // INVALID_ARGUMENT: an origin that no browser would send.
   static absl::Status Validate(const std::vector<std::string>& origins);
 
-  explicit CorsPolicy(std::vector<std::string> origins);
+  explicit CorsPolicy(std::vector<std::string> origins,
+                      OwnPages own_pages = OwnPages::kNone);
 
   // 204 for a preflight from an allowed origin; 403 for everything else that
   // comes from an origin that is not allowed, but for GET and HEAD, whose
@@ -36,8 +43,10 @@ class CorsPolicy {
 
  private:
   bool IsAllowed(const http::HttpRequest& request) const;
+  bool IsOwnPage(const http::HttpRequest& request) const;
 
-  std::vector<std::string> origins_;
+  const std::vector<std::string> origins_;
+  const OwnPages own_pages_;
 };
 
 }  // namespace treeline::gateway

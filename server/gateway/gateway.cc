@@ -9,6 +9,7 @@
 #include "common/base/status_macros.h"
 #include "common/connect_rpc/connect_error.h"
 #include "common/connect_rpc/connect_router.h"
+#include "server/gateway/ar_page.h"
 #include "server/gateway/call_headers.h"
 #include "server/gateway/connect_services.h"
 #include "server/gateway/cors.h"
@@ -74,14 +75,23 @@ connect_rpc::ConnectRouterOptions ConnectOptionsOf(
           .budget = http.budget};
 }
 
+OwnPages OwnPagesOf(const GatewayOptions& options) {
+  if (options.ar_page_folder.empty()) return OwnPages::kNone;
+  return options.http.tls.has_value() ? OwnPages::kOverTls
+                                      : OwnPages::kOverHttp;
+}
+
 class Handler final : public http::HttpHandler {
  public:
   Handler(const GatewayOptions& options, service::Dispatcher& dispatcher,
           GatewayHooks hooks, const base::Clock& clock)
-      : cors_(options.allowed_origins),
+      : cors_(options.allowed_origins, OwnPagesOf(options)),
         hooks_(std::move(hooks)),
         admin_listener_(options.serve_admin),
         serve_metrics_(options.serve_metrics && hooks_.metrics) {
+    if (!options.ar_page_folder.empty()) {
+      ar_page_.emplace(options.ar_page_folder);
+    }
     if (options.serve_rpc) {
       connect_.emplace(clock, ConnectOptionsOf(options.http));
       AddConnectServices(dispatcher, options.serve_admin, clock, *connect_);
@@ -126,6 +136,7 @@ class Handler final : public http::HttpHandler {
   http::HttpResponse Handle(const http::HttpRequest& request) override {
     if (ConnectRouter::Owns(request.path)) return connect_->Handle(request);
     if (GppRoutes::Owns(request.path)) return gpp_->Handle(request);
+    if (IsArPage(request)) return ar_page_->Handle(request);
     if (request.path == "/metrics") {
       return Text(200, hooks_.metrics(), kMetricsText);
     }
@@ -142,14 +153,26 @@ class Handler final : public http::HttpHandler {
   std::vector<std::pair<std::string, std::string>> CommonHeaders(
       const http::HttpRequest& request) override {
     auto headers = cors_.Headers(request);
-    headers.emplace_back("Cache-Control", "no-store");
     headers.emplace_back("X-Content-Type-Options", "nosniff");
+    if (IsArPage(request)) {
+      // How long its files may be kept, the page says itself.
+      for (auto& header : ArPage::Headers()) {
+        headers.push_back(std::move(header));
+      }
+    } else {
+      headers.emplace_back("Cache-Control", "no-store");
+    }
     return headers;
   }
 
  private:
   bool IsPage(const http::HttpRequest& request) const {
-    return IsProbe(request) || (serve_metrics_ && request.path == "/metrics");
+    return IsProbe(request) || IsArPage(request) ||
+           (serve_metrics_ && request.path == "/metrics");
+  }
+
+  bool IsArPage(const http::HttpRequest& request) const {
+    return ar_page_.has_value() && ArPage::Owns(request.path);
   }
 
   std::optional<http::HttpResponse> CheckReaderOfMetrics(
@@ -167,6 +190,7 @@ class Handler final : public http::HttpHandler {
   const GatewayHooks hooks_;
   const bool admin_listener_;
   const bool serve_metrics_;
+  std::optional<ArPage> ar_page_;
   std::optional<ConnectRouter> connect_;
   std::optional<GppRoutes> gpp_;
 };

@@ -1,5 +1,5 @@
-// The service over HTTP: the Connect protocol, GeoPose Protocol, health and
-// metrics. docs/reference/http.md describes it to clients.
+// The service over HTTP: the Connect protocol, GeoPose Protocol, the AR page,
+// health and metrics. docs/reference/http.md describes it to clients.
 #ifndef SERVER_GATEWAY_GATEWAY_H_
 #define SERVER_GATEWAY_GATEWAY_H_
 
@@ -31,6 +31,8 @@ struct GatewayOptions {
   bool serve_admin = false;
   // /metrics.
   bool serve_metrics = true;
+  // Folder of the AR page, served below /ar/; empty: there is none.
+  std::string ar_page_folder = {};
 
   absl::Status Validate() const;
 };

@@ -5,6 +5,7 @@
 #include <httplib.h>
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,7 +14,9 @@
 
 #include "absl/strings/escaping.h"
 #include "common/base/error_info.h"
+#include "common/base/file.h"
 #include "google/rpc/status.pb.h"
+#include "server/gateway/cors.h"
 #include "server/gateway/testing_dispatcher.h"
 
 namespace treeline::gateway {
@@ -351,6 +354,55 @@ TEST_F(GatewayTest, LetsOtherPagesNotIn) {
     EXPECT_FALSE(get->has_header("Access-Control-Allow-Origin"));
   }
   EXPECT_THAT(dispatcher_.calls(), IsEmpty());
+}
+
+// Nobody else has a certificate of that name.
+TEST(CorsPolicy, OverTlsThePageOfTheServerHasAnyName) {
+  const CorsPolicy policy({}, OwnPages::kOverTls);
+  const auto allows = [&](const std::string& origin, const std::string& host) {
+    return !policy
+                .Check({.method = "POST",
+                        .headers = {{"origin", origin}, {"host", host}}})
+                .has_value();
+  };
+  EXPECT_TRUE(allows("https://ar.example:8443", "ar.example:8443"));
+  EXPECT_FALSE(allows("https://other.example", "ar.example"));
+  EXPECT_FALSE(allows("http://ar.example", "ar.example"));
+  EXPECT_FALSE(allows("null", "ar.example"));
+}
+
+TEST_F(GatewayTest, ThePageOfTheServerMayCallIt) {
+  GatewayOptions options = DefaultOptions();
+  const std::string folder = testing::TempDir() + "/gateway_ar_page";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  ASSERT_TRUE(base::WriteNewFile(folder + "/index.html", "<p>").ok());
+  options.ar_page_folder = folder;
+  Start(options);
+  const auto page = client_->Get("/ar/");
+  EXPECT_EQ(page->status, 200);
+  EXPECT_EQ(page->body, "<p>");
+  EXPECT_EQ(page->get_header_value_count("Cache-Control"), 1U);
+  EXPECT_EQ(page->get_header_value("Cache-Control"), "no-cache");
+  EXPECT_EQ(page->get_header_value("X-Content-Type-Options"), "nosniff");
+  EXPECT_THAT(page->get_header_value("Content-Security-Policy"),
+              HasSubstr("default-src 'none'"));
+  EXPECT_EQ(client_->Post("/ar/", "", "text/plain")->status, 405);
+  const auto from = [this](const std::string& origin, const std::string& host) {
+    return PostJson(kLocalize, "{}", {{"Origin", origin}, {"Host", host}})
+        ->status;
+  };
+  const std::string own = gateway_->address();
+  EXPECT_EQ(from("http://" + own, own), 200);
+  EXPECT_EQ(from("http://localhost:8080", "localhost:8080"), 200);
+  // A name that leads here, another port, another scheme.
+  EXPECT_EQ(from("http://evil.example", "evil.example"), 403);
+  EXPECT_EQ(from("http://127.0.0.1:1", own), 403);
+  EXPECT_EQ(from("https://" + own, own), 403);
+  // Without a page, nothing of its own asks.
+  Start(DefaultOptions());
+  EXPECT_EQ(from("http://" + gateway_->address(), gateway_->address()), 403);
+  EXPECT_EQ(client_->Get("/ar/")->status, 404);
 }
 
 TEST_F(GatewayTest, StopsACallWhoseDeadlineHasPassed) {

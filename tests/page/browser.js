@@ -20,10 +20,11 @@ export function browserProgram() {
 }
 
 // work: the folder whose node_modules has playwright-core.
-export async function launch(work) {
+export async function launch(work, flags = []) {
   const require = createRequire(path.resolve(work) + path.sep);
   const { chromium } = require('playwright-core');
-  return chromium.launch({ executablePath: browserProgram(), args: FLAGS });
+  return chromium.launch(
+      { executablePath: browserProgram(), args: [...FLAGS, ...flags] });
 }
 
 // The same as a program of its own, which can be killed.
@@ -39,17 +40,9 @@ export async function launchServer(work) {
 // What the browser says of software rendering says nothing of the page.
 const ABOUT_GRAPHICS = /GL Driver Message|WebGL|swiftshader/i;
 
-// A page of `url`, with what it did wrong: errors, warnings of the console, and
-// requests to other hosts. `expected`: messages that the test brings about.
-// `onResponse` is called for each answer.
-export async function openPage(browser, url, options = {}, expected = null,
-    onResponse = () => {}) {
-  const context = await browser.newContext({
-    viewport: { width: 900, height: 600 }, reducedMotion: 'reduce', ...options,
-  });
-  // Software that draws is slow where other programs run, too.
-  context.setDefaultTimeout(60000);
-  const page = await context.newPage();
+// What a page of `url` does wrong from now on: errors, warnings of the console,
+// and requests to other hosts. `expected`: messages that the test brings about.
+export function wrongsOf(page, url, expected = null) {
   const wrongs = [];
   page.on('pageerror', (error) => wrongs.push(`error: ${error.message}`));
   page.on('console', (message) => {
@@ -58,12 +51,26 @@ export async function openPage(browser, url, options = {}, expected = null,
     if (ABOUT_GRAPHICS.test(text) || expected?.test(text)) return;
     wrongs.push(`${message.type()}: ${text}`);
   });
-  page.on('response', onResponse);
   page.on('request', (request) => {
     const to = new URL(request.url());
     if (to.protocol === 'blob:' || to.protocol === 'data:') return;
     if (to.origin !== new URL(url).origin) wrongs.push(`asked ${to.href}`);
   });
+  return wrongs;
+}
+
+// A page of `url`, with what it did wrong. `onResponse` is called for each
+// answer.
+export async function openPage(browser, url, options = {}, expected = null,
+    onResponse = () => {}) {
+  const context = await browser.newContext({
+    viewport: { width: 900, height: 600 }, reducedMotion: 'reduce', ...options,
+  });
+  // Software that draws is slow where other programs run, too.
+  context.setDefaultTimeout(60000);
+  const page = await context.newPage();
+  const wrongs = wrongsOf(page, url, expected);
+  page.on('response', onResponse);
   await page.goto(url);
   await page.waitForSelector('#map[data-map=ready]');
   return { page, wrongs, close: () => context.close() };

@@ -13,6 +13,7 @@
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
 #include "common/http/http_server.h"
+#include "common/http/static_files.h"
 #include "nav_agent/app/relocalization/server_relocalization.h"
 #include "nav_agent/app/run/agent_loop.h"
 #include "nav_agent/app/run/agent_recorder.h"
@@ -193,7 +194,7 @@ absl::Status AgentProgram::Listen() {
   agent_service::HttpApiOptions options;
   options.max_streams = config_.max_streams;
   options.page_folder = config_.page_dir.empty()
-                            ? agent_service::DefaultPageFolder()
+                            ? http::FindPageFolder("page", TREELINE_BUILT_PAGE)
                             : config_.page_dir;
   TL_RETURN_IF_ERROR(options.Validate());
   const agent_service::PictureKeeper* camera =

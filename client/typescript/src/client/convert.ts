@@ -227,5 +227,9 @@ export const sceneOf = (s: SceneInfo): Scene => ({
   displayName: s.displayName,
   method: s.model?.method ?? null,
   camera: cameraOf(s.defaultCamera ?? s.model?.calibration?.color),
+  boundsInWorldM: s.model?.boundsMinInWorldM === undefined ? null : {
+    min: vectorOf(s.model.boundsMinInWorldM),
+    max: vectorOf(s.model.boundsMaxInWorldM),
+  },
   geoAnchor: anchorOf(s.geoAnchor),
 });

@@ -57,7 +57,9 @@ async function serverOf(context: TestContext, localize: Localize,
           geoAnchor: { latitudeDeg: 48, longitudeDeg: 11, heightM: 500 },
           model: { method: 'universal', calibration: { color: {
             model: 'PINHOLE', widthPx: 640, heightPx: 480,
-            parameters: [525, 525, 319.5, 239.5] } } } }] }),
+            parameters: [525, 525, 319.5, 239.5] } },
+          boundsMinInWorldM: { x: 0, y: -1, z: 0 },
+          boundsMaxInWorldM: { x: 5, y: 4, z: 2.7 } } }] }),
       getScene: ({ scene }) => {
         throw new ConnectError(`no scene ${scene}`, Code.NotFound, {}, [
           { desc: ErrorInfoSchema, value: { reason: 'SCENE_NOT_FOUND',
@@ -202,10 +204,13 @@ test('scenes have states, versions and cameras', async (t) => {
   assert.equal(attic?.failure, 'DATA_LOSS: corrupt model');
   assert.equal(attic?.camera, null);
   assert.equal(attic?.geoAnchor, null);
+  assert.equal(attic?.boundsInWorldM, null);
   assert.equal(kitchen?.state, 'ready');
   assert.deepEqual(kitchen?.versions, ['3', '2']);
   assert.equal(kitchen?.method, 'universal');
   assert.deepEqual(kitchen?.camera?.parameters, [525, 525, 319.5, 239.5]);
+  assert.deepEqual(kitchen?.boundsInWorldM,
+      { min: { x: 0, y: -1, z: 0 }, max: { x: 5, y: 4, z: 2.7 } });
   assert.deepEqual(kitchen?.geoAnchor?.enuFromWorld,
       { w: 1, x: 0, y: 0, z: 0 });
 });

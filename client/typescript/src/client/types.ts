@@ -184,6 +184,9 @@ export interface Scene {
   readonly method: string | null;
   /** The camera of queries that bring none. Null: none answers. */
   readonly camera: Camera | null;
+  /** Box of the training points. Null: none answers. */
+  readonly boundsInWorldM: { readonly min: Vector3; readonly max: Vector3 } |
+    null;
   /** Where its world lies on the Earth. Null: nobody said. */
   readonly geoAnchor: GeoAnchor | null;
 }

@@ -1,4 +1,4 @@
-#include "nav_agent/service/static_files.h"
+#include "common/http/static_files.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "common/base/file.h"
 
-namespace treeline::agent_service {
+namespace treeline::http {
 namespace {
 
 namespace fs = std::filesystem;
@@ -69,5 +69,11 @@ TEST_F(StaticFilesTest, WithoutAPageThereIsNone) {
   EXPECT_TRUE(absl::IsNotFound(missing.Get("/").status()));
 }
 
+TEST_F(StaticFilesTest, APageThatWasBuiltIsFound) {
+  const std::string built = (root_ / "page").string();
+  EXPECT_EQ(FindPageFolder("no-such-page", built), built);
+  EXPECT_EQ(FindPageFolder("no-such-page", (root_ / "nothing").string()), "");
+}
+
 }  // namespace
-}  // namespace treeline::agent_service
+}  // namespace treeline::http

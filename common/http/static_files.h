@@ -1,13 +1,13 @@
-// The files of the operator's page.
-#ifndef NAV_AGENT_SERVICE_STATIC_FILES_H_
-#define NAV_AGENT_SERVICE_STATIC_FILES_H_
+// The files of a page that a program serves.
+#ifndef COMMON_HTTP_STATIC_FILES_H_
+#define COMMON_HTTP_STATIC_FILES_H_
 
 #include <string>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
-namespace treeline::agent_service {
+namespace treeline::http {
 
 struct StaticFile {
   std::string content_type;
@@ -36,11 +36,12 @@ class StaticFiles {
 // "text/html; charset=utf-8" of "index.html".
 std::string ContentTypeOf(absl::string_view path);
 
-// The first of the places where a page may be that has one; empty: none.
-// ../share/treeline/page beside the program, and build/page of the sources that
-// it was built from.
-std::string DefaultPageFolder();
+// Where a page lies: in ../share/treeline/NAME beside the program, where it was
+// installed, else in `built_folder`, of the sources that the program was built
+// from; empty: in neither.
+std::string FindPageFolder(const std::string& name,
+                           const std::string& built_folder);
 
-}  // namespace treeline::agent_service
+}  // namespace treeline::http
 
-#endif  // NAV_AGENT_SERVICE_STATIC_FILES_H_
+#endif  // COMMON_HTTP_STATIC_FILES_H_

@@ -1,4 +1,4 @@
-#include "nav_agent/service/static_files.h"
+#include "common/http/static_files.h"
 
 #include <array>
 #include <filesystem>
@@ -12,7 +12,7 @@
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
 
-namespace treeline::agent_service {
+namespace treeline::http {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,19 +100,20 @@ bool StaticFiles::HasPage() const {
          fs::is_regular_file(fs::path(folder_) / "index.html", error);
 }
 
-std::string DefaultPageFolder() {
+std::string FindPageFolder(const std::string& name,
+                           const std::string& built_folder) {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   std::vector<fs::path> places;
   if (!error) {
-    places.push_back(program.parent_path().parent_path() /
-                     "share/treeline/page");
+    places.push_back(program.parent_path().parent_path() / "share/treeline" /
+                     name);
   }
-  places.emplace_back(TREELINE_SOURCE_PAGE);
+  places.emplace_back(built_folder);
   for (const fs::path& place : places) {
     if (StaticFiles(place.string()).HasPage()) return place.string();
   }
   return "";
 }
 
-}  // namespace treeline::agent_service
+}  // namespace treeline::http

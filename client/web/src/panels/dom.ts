@@ -1,0 +1,62 @@
+// Elements without markup: what the server says only ever becomes text.
+
+type Child = Node | string;
+type Listeners = { [K in keyof HTMLElementEventMap]?:
+    (event: HTMLElementEventMap[K]) => void };
+
+export interface Properties {
+  class?: string;
+  id?: string;
+  // ARIA and data attributes, and whatever else is an attribute.
+  attributes?: Record<string, string>;
+  on?: Listeners;
+}
+
+export function el<K extends keyof HTMLElementTagNameMap>(
+    tag: K, properties: Properties = {}, ...children: Child[]):
+    HTMLElementTagNameMap[K] {
+  const element = document.createElement(tag);
+  if (properties.class !== undefined) element.className = properties.class;
+  if (properties.id !== undefined) element.id = properties.id;
+  for (const [name, value] of Object.entries(properties.attributes ?? {})) {
+    element.setAttribute(name, value);
+  }
+  for (const [name, work] of Object.entries(properties.on ?? {})) {
+    element.addEventListener(name, work as EventListener);
+  }
+  element.append(...children);
+  return element;
+}
+
+// Leaves the page alone where nothing changed: screen readers stay quiet.
+export function setText(element: Element, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+export function setShown(element: HTMLElement, isShown: boolean): void {
+  if (element.hidden === isShown) element.hidden = !isShown;
+}
+
+export function setData(
+    element: HTMLElement, name: string, value: string): void {
+  if (element.dataset[name] !== value) element.dataset[name] = value;
+}
+
+export function button(
+    label: string, work: () => void, properties: Properties = {}):
+    HTMLButtonElement {
+  return el('button', {
+    ...properties,
+    attributes: { type: 'button', ...properties.attributes },
+    on: { click: work },
+  }, label);
+}
+
+// A titled part of the side column.
+export function card(title: string, id: string, ...children: Child[]):
+    HTMLElement {
+  const heading = el('h2', { id: `${id}-title` }, title);
+  return el('section', {
+    class: 'card', id, attributes: { 'aria-labelledby': `${id}-title` },
+  }, heading, ...children);
+}

@@ -1,0 +1,169 @@
+// What is drawn over the video, in the world of the scene: its grid, its box
+// and the notes' places.
+
+import { toColumnMajor4, toOpenGlCamera, type Pinhole, type RigidTransform }
+  from '@treeline/client';
+import * as THREE from 'three';
+import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
+import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
+import { LineSegmentsGeometry } from
+  'three/addons/lines/LineSegmentsGeometry.js';
+
+import type { Note } from '../model/notes.js';
+import type { LocatedPicture } from '../model/pin.js';
+import { axisOf, floorM, type Bounds, type UpAxis } from
+  '../model/scene_up.js';
+
+// Seen on light and on dark pictures alike, in either theme.
+const GRID = 0x7cf0bd;
+const BOX = 0xffc857;
+const NOTE = 0xff7a59;
+// Of the screen, whatever its density.
+const LINE_PX = 2;
+const NEAR_M = 0.05;
+const FAR_M = 200;
+const NOTE_RADIUS_M = 0.03;
+
+// Of OpenGL, column-major: x right, y up, z backwards, depth to [-1, 1].
+// Pixel centres are whole numbers, so that a picture begins at -0.5.
+function projectionOf(
+    { widthPx, heightPx, fxPx, fyPx, cxPx, cyPx }: Pinhole): THREE.Matrix4 {
+  const depth = FAR_M - NEAR_M;
+  return new THREE.Matrix4().set(
+      2 * fxPx / widthPx, 0, 1 - 2 * (cxPx + 0.5) / widthPx, 0,
+      0, 2 * fyPx / heightPx, 2 * (cyPx + 0.5) / heightPx - 1, 0,
+      0, 0, -(FAR_M + NEAR_M) / depth, -2 * FAR_M * NEAR_M / depth,
+      0, 0, -1, 0);
+}
+
+function setPose(object: THREE.Object3D, worldFrom: RigidTransform): void {
+  object.matrixAutoUpdate = false;
+  object.matrix.fromArray(toColumnMajor4(worldFrom));
+  object.matrixWorldNeedsUpdate = true;
+}
+
+// `ends`: x, y, z of both ends of each line.
+function linesOf(ends: readonly number[], color: number): LineSegments2 {
+  return new LineSegments2(
+      new LineSegmentsGeometry().setPositions([...ends]),
+      new LineMaterial({ color, linewidth: LINE_PX }));
+}
+
+// Whole metres of the world, on the floor within the box.
+function gridOf(bounds: Bounds, up: UpAxis): LineSegments2 {
+  const { min, max } = bounds;
+  const [a, b] = (['x', 'y', 'z'] as const).filter(
+      (axis) => axis !== axisOf(up)) as ['x' | 'y' | 'z', 'x' | 'y' | 'z'];
+  const ends: number[] = [];
+  for (const [across, along] of [[a, b], [b, a]] as const) {
+    for (let at = Math.ceil(min[across]); at <= max[across]; ++at) {
+      for (const end of [min[along], max[along]]) {
+        const point = new THREE.Vector3();
+        point[across] = at;
+        point[along] = end;
+        point[axisOf(up)] = floorM(bounds, up);
+        ends.push(...point);
+      }
+    }
+  }
+  return linesOf(ends, GRID);
+}
+
+function boxOf({ min, max }: Bounds): LineSegments2 {
+  const size = new THREE.Vector3().subVectors(
+      new THREE.Vector3().copy(max), new THREE.Vector3().copy(min));
+  const edges = new THREE.EdgesGeometry(
+      new THREE.BoxGeometry(...size).translate(
+          (min.x + max.x) / 2, (min.y + max.y) / 2, (min.z + max.z) / 2));
+  return linesOf([...edges.getAttribute('position').array], BOX);
+}
+
+export class Overlay {
+  readonly canvas: HTMLCanvasElement;
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly scene = new THREE.Scene();
+  private readonly camera = new THREE.Camera();
+  private readonly notes = new THREE.Group();
+  private grid: LineSegments2 | null = null;
+  private box: LineSegments2 | null = null;
+  private picture: LocatedPicture | null = null;
+  private isGridShown = true;
+  private isBoxShown = true;
+
+  constructor() {
+    this.renderer = new THREE.WebGLRenderer({ alpha: true, antialias: true });
+    this.canvas = this.renderer.domElement;
+    this.canvas.className = 'overlay';
+    this.canvas.setAttribute('aria-hidden', 'true');
+    this.scene.add(this.notes);
+  }
+
+  setScene(bounds: Bounds | null, up: UpAxis): void {
+    for (const lines of [this.grid, this.box]) {
+      if (lines === null) continue;
+      this.scene.remove(lines);
+      lines.geometry.dispose();
+      lines.material.dispose();
+    }
+    this.grid = bounds === null ? null : gridOf(bounds, up);
+    this.box = bounds === null ? null : boxOf(bounds);
+    if (this.grid !== null) this.scene.add(this.grid);
+    if (this.box !== null) this.scene.add(this.box);
+    this.draw();
+  }
+
+  setNotes(notes: readonly Note[]): void {
+    for (const child of this.notes.children as THREE.Mesh[]) {
+      child.geometry.dispose();
+      (child.material as THREE.Material).dispose();
+    }
+    this.notes.clear();
+    for (const { pointInWorldM } of notes) {
+      const mark = new THREE.Mesh(new THREE.SphereGeometry(NOTE_RADIUS_M),
+          new THREE.MeshBasicMaterial({ color: NOTE }));
+      mark.position.copy(pointInWorldM);
+      this.notes.add(mark);
+    }
+    this.draw();
+  }
+
+  show(layer: 'grid' | 'box', isShown: boolean): void {
+    if (layer === 'grid') this.isGridShown = isShown;
+    else this.isBoxShown = isShown;
+    this.draw();
+  }
+
+  /** Null: nothing is known of where the camera is. */
+  setPicture(picture: LocatedPicture | null): void {
+    this.picture = picture;
+    if (picture !== null) {
+      setPose(this.camera, toOpenGlCamera(picture.worldFromCamera));
+      this.camera.projectionMatrix = projectionOf(picture.camera);
+      this.camera.projectionMatrixInverse =
+          this.camera.projectionMatrix.clone().invert();
+    }
+    this.draw();
+  }
+
+  resize(widthPx: number, heightPx: number): void {
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+    this.renderer.setSize(widthPx, heightPx, false);
+    this.draw();
+  }
+
+  /** Where three.js draws a point of the world, as a share of the picture. */
+  shareOf(x: number, y: number, z: number): { x: number; y: number } | null {
+    if (this.picture === null) return null;
+    this.camera.updateMatrixWorld();
+    const point = new THREE.Vector3(x, y, z).project(this.camera);
+    if (point.z > 1 || point.z < -1) return null;
+    return { x: (point.x + 1) / 2, y: (1 - point.y) / 2 };
+  }
+
+  private draw(): void {
+    if (this.grid !== null) this.grid.visible = this.isGridShown;
+    if (this.box !== null) this.box.visible = this.isBoxShown;
+    if (this.picture === null) this.renderer.clear();
+    else this.renderer.render(this.scene, this.camera);
+  }
+}

@@ -1,0 +1,93 @@
+// treeline-server with a scene that it has learned, and a browser whose camera
+// sees a held-out frame of it (make_scene.cmake).
+
+import { spawn } from 'node:child_process';
+import fs from 'node:fs';
+import { tmpdir } from 'node:os';
+import path from 'node:path';
+import { createInterface } from 'node:readline';
+
+import { launch, wrongsOf } from '../page/browser.js';
+
+const { TREELINE_PAGE, TREELINE_PAGE_WORK, TREELINE_SCENE, TREELINE_SERVER } =
+  process.env;
+const RECORDING = path.join(TREELINE_SCENE, 'recording');
+
+// Of recordings in the layout of TUM.
+export const WIDTH_PX = 640;
+export const HEIGHT_PX = 480;
+export const FOCAL_PX = 525;
+
+// Times of the held-out frames.
+export const heldOut = fs.readFileSync(path.join(RECORDING, 'test.txt'), 'utf8')
+    .trim().split(/\s+/);
+
+const truths = new Map(
+    fs.readFileSync(path.join(RECORDING, 'groundtruth.txt'), 'utf8').split('\n')
+        .filter((line) => line !== '' && !line.startsWith('#'))
+        .map((line) => line.split(' '))
+        .map(([time, ...numbers]) => [time, numbers.map(Number)]));
+
+// Where the picture of that time shows a point of the world, as a share of its
+// size; null: behind the camera.
+export function trueShareOf(time, [x, y, z]) {
+  const [tx, ty, tz, qx, qy, qz, qw] = truths.get(time);
+  const [dx, dy, dz] = [x - tx, y - ty, z - tz];
+  // The rotation's inverse: rows of its matrix are columns.
+  const inCamera = [
+    [1 - 2 * (qy * qy + qz * qz), 2 * (qx * qy + qw * qz),
+      2 * (qx * qz - qw * qy)],
+    [2 * (qx * qy - qw * qz), 1 - 2 * (qx * qx + qz * qz),
+      2 * (qy * qz + qw * qx)],
+    [2 * (qx * qz + qw * qy), 2 * (qy * qz - qw * qx),
+      1 - 2 * (qx * qx + qy * qy)],
+  ].map(([a, b, c]) => a * dx + b * dy + c * dz);
+  if (inCamera[2] <= 0) return null;
+  return {
+    x: (FOCAL_PX * inCamera[0] / inCamera[2] + WIDTH_PX / 2) / WIDTH_PX,
+    y: (FOCAL_PX * inCamera[1] / inCamera[2] + HEIGHT_PX / 2) / HEIGHT_PX,
+  };
+}
+
+// Starts treeline-server; ends it with `kill`.
+export async function startServer(...flags) {
+  const server = spawn(TREELINE_SERVER, ['--models',
+    path.join(TREELINE_SCENE, 'models'), '--listen', '127.0.0.1:0',
+    '--admin-listen', '', '--http-listen', '127.0.0.1:0', '--ar-page',
+    TREELINE_PAGE, '--drain-s', '0', '--load-all', ...flags],
+  { stdio: ['ignore', 'pipe', 'inherit'] });
+  for await (const line of createInterface({ input: server.stdout })) {
+    const match = /^ar page on (.*)$/.exec(line);
+    if (match) return { url: match[1], kill: () => server.kill('SIGTERM') };
+  }
+  throw new Error('the server ended');
+}
+
+// A browser whose camera sees one frame. Without a time, it has no camera.
+export async function launchWithCamera(time = null) {
+  if (time === null) return launch(TREELINE_PAGE_WORK);
+  const film = path.join(
+      fs.mkdtempSync(path.join(tmpdir(), 'treeline-ar-')), 'film.mjpeg');
+  fs.copyFileSync(path.join(RECORDING, 'rgb', `${time}.jpg`), film);
+  return launch(TREELINE_PAGE_WORK, ['--use-fake-ui-for-media-stream',
+    '--use-fake-device-for-media-stream',
+    `--use-file-for-fake-video-capture=${film}`]);
+}
+
+// The page, and what it did wrong.
+export async function open(browser, url, options = {}, expected = null) {
+  const context = await browser.newContext({
+    viewport: { width: 1200, height: 760 }, reducedMotion: 'reduce', ...options,
+  });
+  context.setDefaultTimeout(60000);
+  const page = await context.newPage();
+  const wrongs = wrongsOf(page, url, expected);
+  await page.goto(url);
+  await page.waitForFunction(
+      () => document.querySelector('#state')?.textContent !== '');
+  return { page, wrongs, close: () => context.close() };
+}
+
+export const waitForState = (page, title) => page.waitForFunction(
+    (wanted) => document.querySelector('#state').textContent === wanted, title,
+    { polling: 50 });
