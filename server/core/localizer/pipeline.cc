@@ -1,5 +1,6 @@
 #include "server/core/localizer/pipeline.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -102,9 +103,11 @@ std::optional<double> OtherFocal(const Selection& selection, bool is_doubtful) {
 }
 
 bool IsOtherFocal(const camera::Camera& stated, const camera::Camera& learnt) {
-  // In pictures of the same width.
-  return std::abs(std::log(MeanFocal_px(stated) / stated.width() *
-                           learnt.width() / MeanFocal_px(learnt))) > kSameFocal;
+  // In pictures of the same longer side.
+  const auto relative = [](const camera::Camera& camera) {
+    return MeanFocal_px(camera) / std::max(camera.width(), camera.height());
+  };
+  return std::abs(std::log(relative(stated) / relative(learnt))) > kSameFocal;
 }
 
 // With the colour camera's focal length times `scale`; depth that is registered

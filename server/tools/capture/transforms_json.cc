@@ -108,7 +108,7 @@ absl::StatusOr<FocalLengths> FocalLengthsOf(const Entry& entry,
         ": says no focal length; it needs fl_x (px) or camera_angle_x (rad), "
         "in the frame or at the top of the file"));
   }
-  return FocalLengths{x.value_or(*y), y.value_or(*x)};
+  return FocalLengths{x ? *x : *y, y ? *y : *x};
 }
 
 absl::StatusOr<CameraModel> ModelOf(const Entry& entry) {
