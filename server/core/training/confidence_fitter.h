@@ -45,8 +45,8 @@ struct ConfidenceFit {
 // Logistic regression on the trials, drawn towards `prior` as if by a few
 // trials of its own; weights of evidence are not negative, so that more of it
 // never counts against a pose. The threshold is the least one at which all but
-// one, and one in two hundred, of the trials' answers are not grossly wrong (one
-// trial decides nothing): what is wrong by a little is told by its
+// one, and one in two hundred, of the trials' answers are not grossly wrong
+// (one trial decides nothing): what is wrong by a little is told by its
 // probability.
 forest::ConfidenceModel FitConfidence(std::span<const ConfidenceTrial> trials,
                                       const forest::ConfidenceModel& prior,
