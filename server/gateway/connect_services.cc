@@ -66,9 +66,10 @@ void AddConnectServices(service::Dispatcher& dispatcher, bool admin_listener,
       router);
   Add(context, kScenes, "UnloadScene", Scope::kAdmin, &Dispatcher::UnloadScene,
       router);
-  router.AddUnimplemented(PathOf(kRelocalization, "LocalizeStream"),
-                          "LocalizeStream is served over gRPC only; over HTTP, "
-                          "call Localize for each frame");
+  router.AddUnimplemented(
+      PathOf(kRelocalization, "LocalizeStream"),
+      "LocalizeStream is served over gRPC and as a WebSocket; "
+      "in calls, call Localize for each frame");
 }
 
 }  // namespace treeline::gateway
