@@ -66,6 +66,10 @@ void AddConnectServices(service::Dispatcher& dispatcher, bool admin_listener,
       router);
   Add(context, kScenes, "UnloadScene", Scope::kAdmin, &Dispatcher::UnloadScene,
       router);
+  Add(context, kScenes, "GetSceneMap", Scope::kLocalize,
+      &Dispatcher::GetSceneMap, router);
+  Add(context, kScenes, "ListRecentQueries", Scope::kLocalize,
+      &Dispatcher::ListRecentQueries, router);
   router.AddUnimplemented(
       PathOf(kRelocalization, "LocalizeStream"),
       "LocalizeStream is served over gRPC and as a WebSocket; "

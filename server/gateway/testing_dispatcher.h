@@ -94,6 +94,20 @@ class TestingDispatcher final : public service::Dispatcher {
     response.mutable_scene()->set_scene(request.scene());
     done(response);
   }
+  void GetSceneMap(service::CallInfo call,
+                   const v1::GetSceneMapRequest& request,
+                   Done<v1::GetSceneMapResponse> done) override {
+    Remember(call);
+    v1::GetSceneMapResponse response;
+    response.set_scene(request.scene());
+    done(response);
+  }
+  void ListRecentQueries(service::CallInfo call,
+                         const v1::ListRecentQueriesRequest& /*request*/,
+                         Done<v1::ListRecentQueriesResponse> done) override {
+    Remember(call);
+    done(v1::ListRecentQueriesResponse());
+  }
   void Reject(const service::CallInfo&, const v1::LocalizeRequest& request,
               const absl::Status&) override {
     const absl::MutexLock lock(&mutex_);
