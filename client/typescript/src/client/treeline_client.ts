@@ -9,7 +9,8 @@ import type { Fix } from '../fusion/drift_corrector.js';
 import { LocalizeOptionsSchema, RelocalizationService } from
   '../gen/treeline/v1/relocalization_pb.js';
 import { SceneService } from '../gen/treeline/v1/scenes_pb.js';
-import { answerOf, requestOf, sceneOf } from './convert.js';
+import { answerOf, recentQueryOf, requestOf, sceneMapOf, sceneOf } from
+  './convert.js';
 import { TreelineError, treelineErrorOf } from './error.js';
 import { geoPoseAnswerOf, geoPoseErrorOf, geoPoseRequestOf,
   type GeoPoseAnswer, type GeoPoseQuery } from './geo_pose.js';
@@ -19,7 +20,8 @@ import { localizeLatest, type LatestOptions, type TimedAnswer,
   type TimedQuery } from './localize_latest.js';
 import { callWithRetries, DEFAULT_RETRY, Replicas, SYSTEM_TOOLS, type Attempt,
   type RetryPolicy, type Tools } from './retry.js';
-import type { LocalizeAnswer, LocalizeQuery, Scene } from './types.js';
+import type { LocalizeAnswer, LocalizeQuery, RecentQuery, Scene, SceneMap,
+  SceneMapOptions } from './types.js';
 
 /** The fetch of browsers and Node, or one like it. */
 export type Fetch = typeof globalThis.fetch;
@@ -75,6 +77,10 @@ interface Server {
       (options: ConnectOptions) => Promise<readonly Scene[]>;
   readonly getScene:
       (scene: string, options: ConnectOptions) => Promise<Scene>;
+  readonly sceneMap: (scene: string, want: SceneMapOptions,
+      options: ConnectOptions) => Promise<SceneMap>;
+  readonly recentQueries: (scene: string, options: ConnectOptions) =>
+      Promise<readonly RecentQuery[]>;
 }
 
 function serverOver(transport: Transport): Server {
@@ -91,6 +97,12 @@ function serverOver(transport: Transport): Server {
       }
       return sceneOf(info);
     },
+    sceneMap: async (scene, { maxPoints = 0, wantsCoverage = false }, options) =>
+      sceneMapOf(await scenes.getSceneMap(
+          { scene, maxPoints, includeCoverage: wantsCoverage }, options)),
+    recentQueries: async (scene, options) =>
+      (await scenes.listRecentQueries({ scene }, options)).queries
+          .map(recentQueryOf),
   };
 }
 
@@ -177,6 +189,22 @@ export class TreelineClient {
   scene(name: string, options: CallOptions = {}): Promise<Scene> {
     return this.call(
         options, (server, connect) => server.getScene(name, connect));
+  }
+
+  /** Points, keyframes and coverage of a scene. Rejects with
+   * `failed_precondition` where its model has no keyframes. */
+  sceneMap(name: string, want: SceneMapOptions = {}, options: CallOptions = {}):
+      Promise<SceneMap> {
+    return this.call(options, (server, connect) =>
+      server.sceneMap(name, want, connect));
+  }
+
+  /** What became of the latest queries in a scene, the newest first. Rejects
+   * with `failed_precondition` where the server keeps none. */
+  recentQueries(name: string, options: CallOptions = {}):
+      Promise<readonly RecentQuery[]> {
+    return this.call(options, (server, connect) =>
+      server.recentQueries(name, connect));
   }
 
   /**
