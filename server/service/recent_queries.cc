@@ -27,7 +27,8 @@ std::string ReasonOf(const CallRecord& record) {
 void RecentQueries::OnCall(const CallRecord& record) {
   // Only with a version the scene is one of ours.
   if (!IsQuery(record.rpc) || record.model_version.empty()) return;
-  Entry entry{.scene = record.scene};
+  Entry entry;
+  entry.scene = record.scene;
   entry.query.set_time_utc(absl::FormatTime("%Y-%m-%dT%H:%M:%E3SZ",
                                             absl::FromChrono(wall_clock_()),
                                             absl::UTCTimeZone()));

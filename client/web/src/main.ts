@@ -76,6 +76,8 @@ class ArPage {
   private scenes: readonly Scene[] = [];
   // The scene whose map is drawn, or on its way.
   private mapped = '';
+  private isMapDrawn = false;
+  private answers = 0;
   private notes: Note[] = [];
   private camera: DeviceCamera | null = null;
   private running: AbortController | null = null;
@@ -92,10 +94,13 @@ class ArPage {
             this.notesCard.element, this.viewCard.element)),
         this.dialog.element);
     this.viewCard.setFieldOfView(this.fieldOfViewDeg);
-    // Tests ask where things are drawn.
+    // Tests ask where things are drawn, and of which answer.
     Object.assign(window, { treeline: {
       shareOf: (x: number, y: number, z: number) =>
-        this.stage.shareOf(x, y, z) } });
+        this.stage.shareOf(x, y, z),
+      answers: () => this.answers,
+      hasMap: () => this.isMapDrawn,
+      position: () => this.picture?.worldFromCamera.translationM ?? null } });
   }
 
   async loadScenes(): Promise<void> {
@@ -206,6 +211,7 @@ class ArPage {
 
   private onLocated(located: Located): void {
     if (this.running === null) return;
+    this.answers += 1;
     this.status.showFigures(located);
     // A drawing that is not known to be right is not shown.
     this.picture = locatedPictureOf(located);
@@ -240,7 +246,9 @@ class ArPage {
     this.viewCard.say('');
     try {
       const map = await this.client.sceneMap(scene, { maxPoints: MAP_POINTS });
-      if (this.mapped === scene) this.stage.setMap(map);
+      if (this.mapped !== scene) return;
+      this.stage.setMap(map);
+      this.isMapDrawn = true;
     } catch (error) {
       if (this.mapped !== scene) return;
       // Asked again with the next click.
