@@ -182,7 +182,7 @@ absl::StatusOr<std::shared_ptr<const v1::SceneCoverage>> SceneMaps::CoverageOf(
                            "COVERAGE_NOT_READY"),
           kCoveragePause);
     }
-    kept = {.localizer = scene.localizer};
+    kept = {.localizer = scene.localizer, .coverage = nullptr};
   }
   keyframes::CoverageOptions options;
   options.threads = 1;
