@@ -97,8 +97,7 @@ TEST(FrameQueueTest, AnAnswerLetsItsPicturesGo) {
 TEST(FrameQueueTest, RefusesAbsurdSettings) {
   for (const int max_pending : {-1, 65}) {
     FrameQueue queue;
-    EXPECT_TRUE(
-        absl::IsInvalidArgument(queue.Accept(FrameOf(1, max_pending))));
+    EXPECT_TRUE(absl::IsInvalidArgument(queue.Accept(FrameOf(1, max_pending))));
     EXPECT_TRUE(queue.empty());
   }
 }
