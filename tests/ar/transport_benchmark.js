@@ -80,7 +80,7 @@ const at = (times, share) =>
 const figures = (times) => [0.5, 0.95, 1].map((share) =>
   at(times, share).toFixed(1).padStart(8)).join('');
 
-const server = await startServer();
+const server = await startServer('--log-level', 'off');
 const browser = await launchWithCamera(heldOut[1]);
 const { page } = await open(browser, server.url);
 console.log(`${jpeg.length} bytes of JPEG, 640 x 480; ms: median, 95 %, most`);
