@@ -197,8 +197,9 @@ export class QueriesCard {
               query.isError ? 'Failed' : 'Not located'),
             el('span', { class: 'detail' }, `${timeOf(query.timeUtc)}, ` +
                 `${query.totalMs.toFixed(0)} ms`)),
+        // Never more than there is: 99.97 % is not 100 %.
         el('span', { class: 'detail' }, isLocated ?
-          `${percentOf(query.confidence)} sure, ${query.inliers} of ` +
+          `${Math.floor(100 * query.confidence)} % sure, ${query.inliers} of ` +
               `${query.samples} points agree` : reasonInWords(query.reason)));
     return row;
   }

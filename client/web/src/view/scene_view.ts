@@ -41,7 +41,7 @@ const DARK: Theme = { isDark: true, path: 0x8ab4ff, query: 0x4fc796,
 
 // From where, in the plan, times the distance.
 const DIRECTIONS: Readonly<Record<Viewpoint, Vector3>> = {
-  overview: { x: 0.55, y: -0.65, z: 0.53 },
+  overview: { x: 0.55, y: -0.65, z: 0.6 },
   // Not quite: the heading would be none.
   above: { x: 0, y: -1e-3, z: 1 },
   side: { x: 0, y: -1, z: 0.06 },
@@ -145,7 +145,7 @@ export class SceneView {
     const half = THREE.MathUtils.degToRad(FIELD_OF_VIEW_DEG) / 2;
     const narrow = Math.min(half,
         Math.atan(Math.tan(half) * this.camera.aspect));
-    const distanceM = 0.9 * radiusM / Math.sin(narrow);
+    const distanceM = radiusM / Math.sin(narrow);
     const direction = DIRECTIONS[from];
     this.camera.near = radiusM / 100;
     this.camera.far = 100 * radiusM;
