@@ -34,7 +34,7 @@ export function coveragePixels(coverage: SceneCoverage): Uint8Array {
   for (let i = 0; i < columns * rows; ++i) {
     if (isOpen[i] === 0) continue;
     const color = coverageColor(shareOfPlace(coverage, i));
-    pixels.set([...color.map((part) => Math.round(255 * part)), 200], 4 * i);
+    pixels.set([...color.map((part) => Math.round(255 * part)), 255], 4 * i);
   }
   return pixels;
 }
