@@ -85,6 +85,7 @@ class SceneMapsTest : public ::testing::Test {
         absl::UnknownError("not yet");
     maps_.Start({.request = request,
                  .client = "tester",
+                 .stop = {},
                  .done = [&](absl::StatusOr<v1::GetSceneMapResponse> response) {
                    answer = std::move(response);
                    done.Notify();
