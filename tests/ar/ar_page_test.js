@@ -114,7 +114,9 @@ test('a note stays where it was pinned, and is there after a reload',
 // A minute of a walk: held-out frames, a second each. What is drawn is compared
 // with where the frame that was answered shows the place of the note.
 const MINUTE_MS = 60_000;
-const MEDIAN_M = 0.01;
+const NEAR_M = 0.01;
+// The rest is for pictures taken while the film went on to the next frame.
+const NEAR_SHARE = 0.95;
 
 test('a note stays at its place for a minute, wherever the camera goes',
     async () => {
@@ -159,11 +161,12 @@ test('a note stays at its place for a minute, wherever the camera goes',
             (drawn.share.y - truth.y) * HEIGHT_PX));
       }
       const middle = median(errorsM);
-      const within = errorsM.filter((error) => error <= MEDIAN_M).length;
+      const within = errorsM.filter((error) => error <= NEAR_M).length;
       console.log(`note: median ${(100 * middle).toFixed(2)} cm, ` +
           `${within} of ${errorsM.length} within 1 cm, ${seen} answers`);
       assert.ok(errorsM.length >= 20, `${errorsM.length} times in view`);
-      assert.ok(middle <= MEDIAN_M, `median of ${100 * middle} cm`);
+      assert.ok(within >= NEAR_SHARE * errorsM.length,
+          `${within} of ${errorsM.length} within 1 cm`);
       assert.deepEqual(wrongs, []);
       await browser.close();
     });
