@@ -1,5 +1,7 @@
 #include "client/bench/bench_report.h"
 
+#include <cmath>
+
 #include "common/base/error_info.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -84,6 +86,39 @@ TEST(BenchReport, TheLiveLineTellsTheWarmUpApart) {
   Glance glance;
   glance.counts[0] = 30;
   EXPECT_THAT(LiveLine(glance, 2), HasSubstr("15.0/s"));
+}
+
+TEST(BenchReport, SaysWhatFails) {
+  BenchReport report = SomeReport();
+  report.conditions = ParseFailConditions("p99>50ms,failed>0").value();
+  EXPECT_THAT(BenchText(report), AllOf(HasSubstr("FAILS: p99 is"),
+                                       Not(HasSubstr("FAILS: failed"))));
+  const Json json = Json::parse(BenchJson(report));
+  EXPECT_EQ(json["fail_if"], (Json{"p99>50ms", "failed>0"}));
+  ASSERT_EQ(json["runs"][0]["failures"].size(), 1);
+  EXPECT_EQ(Json::parse(BenchJson(SomeReport()))["runs"][0]["failures"],
+            Json::array());
+}
+
+TEST(BenchReport, HasTheServersOwnFigures) {
+  BenchReport report = SomeReport();
+  EXPECT_EQ(Json::parse(BenchJson(report))["server_metrics"], nullptr);
+  report.metrics_url = "http://host/metrics";
+  CoursePoint point{.at_unix_s = 1'700'000'000.5, .figures = {}};
+  point.figures.answers_per_s = 80;
+  point.figures.p99_ms = std::nan("");
+  point.figures.stage_ms = {{"pose", 2.5}};
+  point.figures.workers = 2;
+  report.course = Course{.points = {point}, .missed = 1, .last_error = "gone"};
+  const Json metrics = Json::parse(BenchJson(report))["server_metrics"];
+  EXPECT_EQ(metrics["workers"], 2);
+  EXPECT_EQ(metrics["missed"], 1);
+  const Json& at = metrics["points"][0];
+  EXPECT_EQ(at["at_unix_s"], 1'700'000'000.5);
+  EXPECT_EQ(at["answers_per_s"], 80);
+  EXPECT_EQ(at["p99_ms"], nullptr);
+  EXPECT_EQ(at["stage_ms"]["pose"], 2.5);
+  EXPECT_THAT(BenchText(report), HasSubstr("missed 1 times: gone"));
 }
 
 }  // namespace

@@ -25,11 +25,11 @@ class HttpGetTest : public testing::Test {
       }
       response.set_content("up 1\n", "text/plain");
     });
-    server_.Get("/large", [](const httplib::Request&,
-                             httplib::Response& response) {
-      response.set_content(std::string((size_t{8} << 20) + 1, 'x'),
-                           "text/plain");
-    });
+    server_.Get("/large",
+                [](const httplib::Request&, httplib::Response& response) {
+                  response.set_content(std::string((size_t{8} << 20) + 1, 'x'),
+                                       "text/plain");
+                });
     port_ = server_.bind_to_any_port("127.0.0.1");
     thread_ = std::thread([this] { server_.listen_after_bind(); });
     server_.wait_until_ready();

@@ -92,9 +92,7 @@ class LineReader {
   }
 
  private:
-  void Blanks() {
-    rest_ = absl::StripLeadingAsciiWhitespace(rest_);
-  }
+  void Blanks() { rest_ = absl::StripLeadingAsciiWhitespace(rest_); }
 
   absl::string_view rest_;
 };

@@ -33,9 +33,9 @@ TEST(MetricsSnapshot, SumsWhatHasTheLabels) {
   ASSERT_TRUE(snapshot.ok()) << snapshot.status();
   EXPECT_EQ(snapshot->Sum("requests_total"), 10);
   EXPECT_EQ(snapshot->Sum("requests_total", {{"rpc", "Localize"}}), 9);
-  EXPECT_EQ(snapshot->Sum("requests_total",
-                          {{"rpc", "Localize"}, {"status", "OK"}}),
-            7);
+  EXPECT_EQ(
+      snapshot->Sum("requests_total", {{"rpc", "Localize"}, {"status", "OK"}}),
+      7);
   EXPECT_EQ(snapshot->Sum("requests_total", {{"verb", "GET"}}), 0);
   EXPECT_EQ(snapshot->Sum("up"), 1.5);
   EXPECT_EQ(snapshot->Sum("down"), 0);
@@ -53,9 +53,9 @@ TEST(MetricsSnapshot, ReadsEscapes) {
 }
 
 TEST(MetricsSnapshot, NamesTheLineThatIsNone) {
-  for (const char* line :
-       {"no value", "name{label=\"open} 1", "name{label} 1", "name{a=\"b\" 1",
-        "{a=\"b\"} 1", "name one", "name 1 two", "name 1 2 3", "name{a=\"b\"c"}) {
+  for (const char* line : {"no value", "name{label=\"open} 1", "name{label} 1",
+                           "name{a=\"b\" 1", "{a=\"b\"} 1", "name one",
+                           "name 1 two", "name 1 2 3", "name{a=\"b\"c"}) {
     const auto snapshot = MetricsSnapshot::Parse(std::string("ok 1\n") + line);
     ASSERT_FALSE(snapshot.ok()) << line;
     EXPECT_THAT(std::string(snapshot.status().message()), HasSubstr("line 2"));

@@ -54,12 +54,12 @@ ServerFigures FiguresBetween(const MetricsSnapshot& before,
       figures.answers_per_s > 0 ? localized / figures.answers_per_s : kNothing;
   figures.shed_per_s = per_s("treeline_shed_total");
   for (const char* rpc : kRpcs) {
-    figures.failed_per_s += per_s("treeline_requests_total", {{"rpc", rpc}}) -
-                            per_s("treeline_requests_total",
-                                  {{"rpc", rpc}, {"status", "OK"}});
+    figures.failed_per_s +=
+        per_s("treeline_requests_total", {{"rpc", rpc}}) -
+        per_s("treeline_requests_total", {{"rpc", rpc}, {"status", "OK"}});
   }
-  figures.failed_per_s = std::max(0.0, figures.failed_per_s -
-                                           figures.shed_per_s);
+  figures.failed_per_s =
+      std::max(0.0, figures.failed_per_s - figures.shed_per_s);
 
   const std::map<double, double> buckets = RequestBuckets(before, after);
   figures.p50_ms = 1e3 * HistogramQuantile(0.5, buckets);

@@ -42,8 +42,7 @@ std::string Metrics(int answers, int shed, int not_found) {
          "\ntreeline_request_seconds_bucket{rpc=\"Localize\",le=\"0.02\"} " +
          text(answers) +
          "\ntreeline_request_seconds_bucket{rpc=\"Localize\",le=\"+Inf\"} " +
-         text(answers) +
-         "\ntreeline_stage_seconds_sum{stage=\"forest\"} " +
+         text(answers) + "\ntreeline_stage_seconds_sum{stage=\"forest\"} " +
          text(answers * 0.004) +
          "\ntreeline_stage_seconds_count{stage=\"forest\"} " + text(answers) +
          "\n";

@@ -9,8 +9,7 @@
 namespace treeline::scrape {
 namespace {
 
-constexpr const char* kBlocks[] = {" ", "▁", "▂", "▃", "▄",
-                                   "▅", "▆", "▇", "█"};
+constexpr const char* kBlocks[] = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
 constexpr int kMinColumns = 40;
 constexpr int kNameColumns = 12;
 constexpr int kBarColumns = 20;
@@ -42,8 +41,7 @@ std::string Duration(double s) {
 // "[#####     ] 5 of 10".
 std::string Bar(double value, double of) {
   const double ratio = value / of;
-  const double share =
-      std::isfinite(ratio) ? std::clamp(ratio, 0.0, 1.0) : 0.0;
+  const double share = std::isfinite(ratio) ? std::clamp(ratio, 0.0, 1.0) : 0.0;
   const auto full = static_cast<size_t>(std::lround(share * kBarColumns));
   return absl::StrFormat("[%s%s] %.0f of %.0f", std::string(full, '#'),
                          std::string(kBarColumns - full, ' '), value, of);
@@ -74,8 +72,9 @@ std::string Sparkline(const std::deque<double>& values, int width) {
   for (size_t i = values.size() - shown; i < values.size(); ++i) {
     const double value = values[i];
     // Whatever is not nothing shows.
-    const double share =
-        value >= largest ? 1 : std::isinf(largest) ? 0 : value / largest;
+    const double share = value >= largest      ? 1
+                         : std::isinf(largest) ? 0
+                                               : value / largest;
     line += value > 0 ? kBlocks[std::max(1L, std::lround(8 * share))] : " ";
   }
   return line;
@@ -86,11 +85,11 @@ std::string WatchScreen(const std::string& server,
   const ServerFigures& now = history.back();
   columns = std::max(columns, kMinColumns);
   std::string text =
-      absl::StrFormat("%s   treeline-server %s, up %s\n\n", server, Plain(now.version),
-                      Duration(now.up_s));
-  text += Row("answers", absl::StrFormat("%.1f/s, localized %s",
-                                         now.answers_per_s,
-                                         Percent(now.localized_share)));
+      absl::StrFormat("%s   treeline-server %s, up %s\n\n", server,
+                      Plain(now.version), Duration(now.up_s));
+  text +=
+      Row("answers", absl::StrFormat("%.1f/s, localized %s", now.answers_per_s,
+                                     Percent(now.localized_share)));
   text += Row("refused", absl::StrFormat("%.1f/s shed, %.1f/s failed",
                                          now.shed_per_s, now.failed_per_s));
   text += Row("latency", absl::StrCat("p50 ", Milliseconds(now.p50_ms),

@@ -41,7 +41,7 @@ std::string FindPageTemplate(const std::string& file_name,
 }
 
 absl::StatusOr<std::string> FillPageTemplate(absl::string_view page,
-                                               absl::string_view json) {
+                                             absl::string_view json) {
   const size_t place = page.find(kPlace);
   if (place == absl::string_view::npos ||
       page.find(kPlace, place + 1) != absl::string_view::npos) {
@@ -63,16 +63,16 @@ std::string PageDataPath(const std::string& path) {
 
 std::string NoPageTemplateNotice(const std::string& path,
                                  const std::string& script) {
-  return absl::StrCat(
-      "There is no template of report pages here, so that ", path,
-      " is not written: the report's data goes to ", PageDataPath(path), ".\n",
-      script,
-      " makes the template (with node 18 and npm). Then run this again, or open "
-      "the template and choose that file.\n");
+  return absl::StrCat("There is no template of report pages here, so that ",
+                      path, " is not written: the report's data goes to ",
+                      PageDataPath(path), ".\n", script,
+                      " makes the template (with node 18 and npm). Then run "
+                      "this again, or open "
+                      "the template and choose that file.\n");
 }
 
 absl::Status WritePage(const std::string& path, absl::string_view json,
-                         const std::string& template_path) {
+                       const std::string& template_path) {
   if (template_path.empty()) {
     return base::WriteFileAtomically(PageDataPath(path), json);
   }

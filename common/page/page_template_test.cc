@@ -52,8 +52,10 @@ TEST(WritePage, WritesThePage) {
   ASSERT_TRUE(
       base::WriteFileAtomically(folder.Path("template.html"), kTemplate).ok());
   ASSERT_TRUE(
-      WritePage(folder.Path("a.html"), "[7]", folder.Path("template.html")).ok());
-  EXPECT_THAT(base::ReadFile(folder.Path("a.html")).value(), HasSubstr(">[7]<"));
+      WritePage(folder.Path("a.html"), "[7]", folder.Path("template.html"))
+          .ok());
+  EXPECT_THAT(base::ReadFile(folder.Path("a.html")).value(),
+              HasSubstr(">[7]<"));
   EXPECT_FALSE(std::filesystem::exists(folder.Path("a.data.json")));
 }
 

@@ -9,8 +9,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace treeline::scrape;
-  const auto snapshot = MetricsSnapshot::Parse(
-      {reinterpret_cast<const char*>(data), size});
+  const auto snapshot =
+      MetricsSnapshot::Parse({reinterpret_cast<const char*>(data), size});
   if (!snapshot.ok()) return 0;
   const MetricsSnapshot none;
   const ServerFigures figures = FiguresBetween(none, *snapshot, 1, 1000);

@@ -24,9 +24,9 @@ int main(int argc, char** argv) {
                  frame.status().ToString().c_str());
     return 1;
   }
-  const auto answer = (*client)->Localize(
-      {.scene = argv[2], .frame = *frame},
-      {.timeout = std::chrono::seconds(30)});
+  const auto answer =
+      (*client)->Localize({.scene = argv[2], .frame = *frame},
+                          {.timeout = std::chrono::seconds(30)});
   if (!answer.ok()) {
     const std::string reason =
         treeline::base::ErrorInfoOf(answer.status()).reason;
@@ -38,18 +38,18 @@ int main(int argc, char** argv) {
     std::printf("not localized: %s\n", answer->reason.c_str());
     return 3;
   }
-  const treeline::geometry::Vec3& at =
-      answer->world_from_camera.translation();
+  const treeline::geometry::Vec3& at = answer->world_from_camera.translation();
   std::printf("localized %.17g %.17g %.17g\n", at.x, at.y, at.z);
 
   // Its own tracking and the answer become one world.
   auto world = treeline::drift::DriftCorrector::Create();
   const std::chrono::nanoseconds now(1);
   if (!world.ok() || !world->Track(now, {}).ok() ||
-      !world->AddFix({.capture_time = now,
-                      .world_from_camera = answer->world_from_camera,
-                      .covariance = answer->covariance,
-                      .confidence = answer->confidence})
+      !world
+           ->AddFix({.capture_time = now,
+                     .world_from_camera = answer->world_from_camera,
+                     .covariance = answer->covariance,
+                     .confidence = answer->confidence})
            .ok()) {
     return 1;
   }
