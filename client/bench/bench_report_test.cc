@@ -1,8 +1,11 @@
 #include "client/bench/bench_report.h"
 
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "common/base/error_info.h"
+#include "common/base/file.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"
@@ -119,6 +122,46 @@ TEST(BenchReport, HasTheServersOwnFigures) {
   EXPECT_EQ(at["p99_ms"], nullptr);
   EXPECT_EQ(at["stage_ms"]["pose"], 2.5);
   EXPECT_THAT(BenchText(report), HasSubstr("missed 1 times: gone"));
+}
+
+// The names of all that is in a value, as far down as arrays and objects go;
+// of an array, what is in its first element.
+void Names(const Json& json, const std::string& path,
+           std::set<std::string>& names) {
+  if (json.is_array() && !json.empty()) Names(json[0], path + "[]", names);
+  if (!json.is_object()) return;
+  for (const auto& [name, value] : json.items()) {
+    // Scenes and stages have names of their own.
+    if (name == "answered_by" || name == "stage_ms") continue;
+    names.insert(path + "." + name);
+    Names(value, path + "." + name, names);
+  }
+}
+
+TEST(BenchReport, TheTemplateIsTestedWithTheKeysThatThereAre) {
+  BenchReport report = SomeReport();
+  report.workload.push_back({.scene = "room", .encoding = "file+png"});
+  report.course = Course{.points = {CoursePoint{}}};
+  report.runs[0].send_lag.Add(1);
+  Json ours = Json::parse(BenchJson(report));
+  const auto text = base::ReadFile(TREELINE_BENCH_FIXTURE, 1 << 20);
+  ASSERT_TRUE(text.ok()) << text.status();
+  Json theirs = Json::parse(*text);
+  // An error's latencies are told, and not drawn; nothing was shed there.
+  for (Json* json : {&ours, &theirs}) {
+    Json& run = (*json)["runs"][0];
+    run.erase("shed_from_send_ms");
+    run.erase("from_send_ms");
+    for (Json& outcome : run["outcomes"]) {
+      outcome.erase("latency_ms");
+      outcome.erase("from_send_ms");
+    }
+  }
+  std::set<std::string> our_names;
+  std::set<std::string> their_names;
+  Names(ours, "", our_names);
+  Names(theirs, "", their_names);
+  EXPECT_EQ(our_names, their_names);
 }
 
 }  // namespace
