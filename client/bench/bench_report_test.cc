@@ -140,8 +140,9 @@ void Names(const Json& json, const std::string& path,
 
 TEST(BenchReport, TheTemplateIsTestedWithTheKeysThatThereAre) {
   BenchReport report = SomeReport();
-  report.workload.push_back({.scene = "room", .encoding = "file+png"});
-  report.course = Course{.points = {CoursePoint{}}};
+  report.workload.emplace_back();
+  report.course.emplace();
+  report.course->points.emplace_back();
   report.runs[0].send_lag.Add(1);
   Json ours = Json::parse(BenchJson(report));
   const auto text = base::ReadFile(TREELINE_BENCH_FIXTURE, 1 << 20);

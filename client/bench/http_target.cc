@@ -48,8 +48,6 @@ const TargetFacts& FactsOf(Target target) {
   return kTargets[static_cast<size_t>(target)];
 }
 
-std::string Text(absl::string_view text) { return {text.data(), text.size()}; }
-
 absl::Status NotSaid(absl::string_view what) {
   return absl::InvalidArgumentError(
       absl::StrCat("the GeoPose Protocol has no way to say it: ", what));

@@ -18,8 +18,8 @@ using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
 std::string Jpeg() {
-  image::ColorImage picture{.width = 32, .height = 24, .values = {}};
-  picture.values.resize(32 * 24 * 3, 90);
+  image::ColorImage picture{.width = 32, .height = 24, .rgb = {}};
+  picture.rgb.resize(32 * 24 * 3, 90);
   return image::EncodeJpeg(picture, 90).value();
 }
 

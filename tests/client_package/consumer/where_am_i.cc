@@ -38,7 +38,7 @@ int main(int argc, char** argv) {
     std::printf("not localized: %s\n", answer->reason.c_str());
     return 3;
   }
-  const treeline::geometry::Vec3& at = answer->world_from_camera.translation();
+  const treeline::geometry::Vec3& at = answer->world_from_camera.translation;
   std::printf("localized %.17g %.17g %.17g\n", at.x, at.y, at.z);
 
   // Its own tracking and the answer become one world.
