@@ -1,6 +1,8 @@
 #include "client/cli/bench_load.h"
 
+#include <fstream>
 #include <iostream>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -12,14 +14,12 @@
 #include "client/bench/workload.h"
 #include "client/cli/client_command.h"
 #include "client/relocalizer/channel.h"
-#include "common/base/file.h"
 #include "common/base/status_macros.h"
 
 namespace treeline::client_cli {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180;
-constexpr uint64_t kMaxCommandBytes = uint64_t{4} << 20;
 
 // A GeoPose is of the Earth, not of the world that the true poses are of.
 std::vector<std::optional<geometry::Rigid3>> Truths(
@@ -99,9 +99,13 @@ class OwnLoad final : public BenchLoad {
 
 // This program's own arguments, with which it can be started again.
 absl::StatusOr<std::vector<std::string>> OwnCommand() {
-  TL_ASSIGN_OR_RETURN(std::string bytes,
-                      base::ReadFile("/proc/self/cmdline", kMaxCommandBytes));
-  if (!bytes.empty()) bytes.pop_back();  // the last one's end
+  // It has no size that could be asked for.
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  if (bytes.empty()) {
+    return absl::InternalError("/proc/self/cmdline cannot be read");
+  }
+  bytes.pop_back();  // the last one's end
   std::vector<std::string> command = absl::StrSplit(bytes, '\0');
   command[0] = "/proc/self/exe";
   return command;

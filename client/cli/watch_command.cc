@@ -69,13 +69,14 @@ struct Look {
 
 absl::StatusOr<Look> TakeLook(const MetricsSource& source) {
   TL_ASSIGN_OR_RETURN(const std::string text, source.Fetch());
-  TL_ASSIGN_OR_RETURN(scrape::MetricsSnapshot metrics,
-                      scrape::MetricsSnapshot::Parse(text));
-  if (!scrape::IsServer(metrics)) {
+  absl::StatusOr<scrape::MetricsSnapshot> metrics =
+      scrape::MetricsSnapshot::Parse(text);
+  if (!metrics.ok()) return base::Annotate(metrics.status(), source.url());
+  if (!scrape::IsServer(*metrics)) {
     return absl::FailedPreconditionError(absl::StrCat(
         source.url(), " has metrics, but not those of a treeline-server"));
   }
-  return Look{.metrics = std::move(metrics), .at_unix_s = UnixNow_s()};
+  return Look{.metrics = *std::move(metrics), .at_unix_s = UnixNow_s()};
 }
 
 // Standard output, as a screen of its own or line by line.
