@@ -1,9 +1,11 @@
 // Answers a query a line with @treeline/client in Chromium:
 //   node browser_client.js ORIGIN
 // with TREELINE_PACKAGE, TREELINE_PACKAGE_WORK, and TREELINE_BUNDLER, a folder
-// whose node_modules has esbuild and playwright-core. The page is of ORIGIN,
-// which nobody serves: it is made up here.
+// whose node_modules has esbuild and playwright-core. The page is served here,
+// at ORIGIN.
+import { once } from 'node:events';
 import { writeFileSync } from 'node:fs';
+import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
 import { dirname, join, resolve, sep } from 'node:path';
 import { createInterface } from 'node:readline';
@@ -29,8 +31,11 @@ const { outputFiles: [script] } = await build({ entryPoints: [entry],
 
 const browser = await launch(TREELINE_BUNDLER);
 const page = await browser.newPage();
-await page.route(`${origin}/`, (route) => route.fulfill(
-    { contentType: 'text/html', body: '<!doctype html><title>Matrix</title>' }));
+const server = createServer((_, response) => {
+  response.setHeader('Content-Type', 'text/html');
+  response.end('<!doctype html><title>Matrix</title>');
+}).listen(Number(new URL(origin).port), '127.0.0.1');
+await once(server, 'listening');
 await page.goto(`${origin}/`);
 await page.addScriptTag({ content: script.text });
 for await (const line of createInterface({ input: process.stdin })) {
@@ -39,4 +44,5 @@ for await (const line of createInterface({ input: process.stdin })) {
   console.log(JSON.stringify(answer));
 }
 await browser.close();
+server.close();
 installed.remove();

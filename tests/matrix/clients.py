@@ -11,6 +11,7 @@ import dataclasses
 import json
 import os
 import pathlib
+import socket
 import subprocess
 import tempfile
 import urllib.error
@@ -19,8 +20,16 @@ import urllib.request
 import treeline
 from treeline import errors
 
-# A page that nobody serves: browser_client.js makes it up.
-ORIGIN = "http://matrix.localhost:7171"
+
+
+def _free_port():
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return listener.getsockname()[1]
+
+
+# Of the page that browser_client.js serves.
+ORIGIN = f"http://127.0.0.1:{_free_port()}"
 _PATIENCE_S = 120
 
 
@@ -67,7 +76,7 @@ class Cpp:
             raise AssertionError(f"treeline-client: {done.stderr}")
         said = json.loads(done.stdout)
         if said["outcome"] == "ERROR":
-            return _error(said["code"], said["reason"])
+            return _error(said["code"], said.get("error_reason"))
         if said["outcome"] != "LOCALIZED":
             return {"outcome": said["reason"]}
         pose = said["world_from_camera"]
@@ -193,9 +202,9 @@ class GeoPose:
                     "imageFormat": kind, "size": size,
                     "imageBytes": base64.b64encode(data).decode()}
 
-        readings = [reading("color", "JPG", query.color, [320, 240])]
+        readings = [reading("color", "JPG", query.color, [640, 480])]
         if query.depth is not None:
-            readings.append(reading("depth", "DEPTH", query.depth, [320, 240]))
+            readings.append(reading("depth", "DEPTH", query.depth, [640, 480]))
         body = {"id": "matrix", "timestamp": 1, "type": "geopose",
                 "sensors": [{"id": "color", "type": "camera"},
                             {"id": "depth", "type": "camera"}],

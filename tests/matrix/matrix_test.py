@@ -17,6 +17,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import types
 import unittest
 
 import numpy as np
@@ -143,8 +144,10 @@ class Matrix(unittest.TestCase):
                 self.check_geopose(
                     on_earth["geopose"],
                     geodesy.geo_pose(calibration.color_pose(
-                        treeline.geometry.pose(answer["pose"][:4],
-                                               answer["pose"][4:])), anchor))
+                        types.SimpleNamespace(
+                            world_from_camera=treeline.geometry.pose(
+                                answer["pose"][:4], answer["pose"][4:]),
+                            pose_sensor=calibration.pose_sensor)), anchor))
         self.assertGreaterEqual(localized, len(STEMS) // 2)
 
     def check_geopose(self, said, true):
@@ -159,7 +162,7 @@ class Matrix(unittest.TestCase):
         self.assertGreater(abs(ours @ theirs), 1 - 1e-12)
 
     def test_the_same_word_for_no_pose(self):
-        blind = png(np.zeros((240, 320), np.uint16))
+        blind = png(np.zeros((480, 640), np.uint16))
         answer = self.agreed(query_of(STEMS[0], depth=blind), geopose=True)
         self.assertEqual(answer, {"outcome": "TOO_FEW_SAMPLES"})
 
