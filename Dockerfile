@@ -33,9 +33,10 @@ FROM web AS ar-page
 RUN scripts/build-ar-page --out /out/ar-page || mkdir -p /out/ar-page
 
 # -----------------------------------------------------------------------------
-# The template of report pages. Without it reports are data alone.
+# The templates of report pages. Without them reports are data alone.
 FROM web AS report
 RUN scripts/build-report --out /out/report || mkdir -p /out/report
+RUN scripts/build-bench-report --out /out/report || true
 
 # -----------------------------------------------------------------------------
 # A user without rights, the same number in all images, so that they can share

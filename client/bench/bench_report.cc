@@ -92,7 +92,7 @@ double UnixSeconds(std::chrono::system_clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 
-Json RunJson(const LoadRun& run) {
+Json RunJson(const LoadRun& run, const std::vector<FailCondition>& conditions) {
   const TallyState& tally = run.tally;
   const LoadOptions& options = run.options;
   const bool open = options.rate_per_s > 0;
@@ -131,6 +131,7 @@ Json RunJson(const LoadRun& run) {
         {"not_sent", run.not_sent},
         {"send_lag_ms", HistogramJson(run.send_lag)},
         {"cpus", Rounded(run.generator_cpus)}}},
+      {"failures", Failures(conditions, run)},
       {"intervals", IntervalsJson(tally, options.interval_s)}};
   return json;
 }
@@ -145,6 +146,50 @@ Json WorkloadJson(const std::vector<WorkloadSummary>& workload) {
                     {"mean_bytes", std::round(part.mean_bytes)}});
   }
   return json;
+}
+
+// JSON has no NaN.
+Json Figure(double value) {
+  return std::isfinite(value) ? Json(Rounded(value)) : Json(nullptr);
+}
+
+Json CourseJson(const BenchReport& report) {
+  if (!report.course) return nullptr;
+  Json points = Json::array();
+  for (const CoursePoint& point : report.course->points) {
+    const scrape::ServerFigures& figures = point.figures;
+    Json stages = Json::object();
+    for (const auto& [stage, ms] : figures.stage_ms) stages[stage] = Figure(ms);
+    points.push_back({{"at_unix_s", point.at_unix_s},
+                      {"answers_per_s", Figure(figures.answers_per_s)},
+                      {"shed_per_s", Figure(figures.shed_per_s)},
+                      {"failed_per_s", Figure(figures.failed_per_s)},
+                      {"p50_ms", Figure(figures.p50_ms)},
+                      {"p99_ms", Figure(figures.p99_ms)},
+                      {"queue_depth", Figure(figures.queue_depth)},
+                      {"in_flight", Figure(figures.in_flight)},
+                      {"processors", Figure(figures.processors)},
+                      {"resident_bytes", Figure(figures.resident_bytes)},
+                      {"stage_ms", std::move(stages)}});
+  }
+  const bool any = !report.course->points.empty();
+  const scrape::ServerFigures last =
+      any ? report.course->points.back().figures : scrape::ServerFigures{};
+  return {{"url", report.metrics_url},
+          {"missed", report.course->missed},
+          {"last_error", report.course->last_error},
+          {"version", last.version},
+          {"workers", Figure(last.workers)},
+          {"queue_capacity", Figure(last.queue_capacity)},
+          {"points", std::move(points)}};
+}
+
+Json ConditionsJson(const std::vector<FailCondition>& conditions) {
+  Json texts = Json::array();
+  for (const FailCondition& condition : conditions) {
+    texts.push_back(condition.text);
+  }
+  return texts;
 }
 
 std::string HistogramText(const LatencyHistogram& histogram) {
@@ -191,7 +236,8 @@ void AppendChecks(std::string& text, const Checks& checks) {
   }
 }
 
-std::string RunText(const LoadRun& run) {
+std::string RunText(const LoadRun& run,
+                    const std::vector<FailCondition>& conditions) {
   const TallyState& tally = run.tally;
   const auto count = [&](CallKind kind) {
     return tally.counts[static_cast<size_t>(kind)];
@@ -238,6 +284,9 @@ std::string RunText(const LoadRun& run) {
         "sent); these figures are its own\n",
         run.not_sent);
   }
+  for (const std::string& failure : Failures(conditions, run)) {
+    absl::StrAppend(&text, "  FAILS: ", failure, "\n");
+  }
   return text;
 }
 
@@ -270,7 +319,9 @@ double Goodput_per_s(const LoadRun& run) {
 
 std::string BenchJson(const BenchReport& report) {
   Json runs = Json::array();
-  for (const LoadRun& run : report.runs) runs.push_back(RunJson(run));
+  for (const LoadRun& run : report.runs) {
+    runs.push_back(RunJson(run, report.conditions));
+  }
   Json all_calls = Json::array();
   for (const auto& [key, count] : report.all_calls) {
     all_calls.push_back(
@@ -279,7 +330,10 @@ std::string BenchJson(const BenchReport& report) {
          {"count", count}});
   }
   const Json json = {
+      {"kind", "bench"},
       {"server", report.server},
+      {"target", report.target},
+      {"processes", report.processes},
       {"machine",
        {{"cpu", report.machine.cpu_model},
         {"cores", report.machine.cores},
@@ -295,7 +349,9 @@ std::string BenchJson(const BenchReport& report) {
       {"capacity_per_s", report.capacity_per_s > 0
                              ? Json(Rounded(report.capacity_per_s))
                              : Json(nullptr)},
+      {"fail_if", ConditionsJson(report.conditions)},
       {"runs", std::move(runs)},
+      {"server_metrics", CourseJson(report)},
       {"all_calls", std::move(all_calls)}};
   return json.dump(1, ' ', false, Json::error_handler_t::replace);
 }
@@ -312,7 +368,14 @@ std::string BenchText(const BenchReport& report) {
   if (report.capacity_per_s > 0) {
     absl::StrAppendFormat(&text, "capacity: %.1f/s\n", report.capacity_per_s);
   }
-  for (const LoadRun& run : report.runs) absl::StrAppend(&text, RunText(run));
+  for (const LoadRun& run : report.runs) {
+    absl::StrAppend(&text, RunText(run, report.conditions));
+  }
+  if (report.course && report.course->missed > 0) {
+    absl::StrAppendFormat(&text,
+                          "the server's metrics were missed %d times: %s\n",
+                          report.course->missed, report.course->last_error);
+  }
   return text;
 }
 

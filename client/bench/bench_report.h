@@ -5,11 +5,14 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "client/bench/fail_condition.h"
 #include "client/bench/load_generator.h"
 #include "client/bench/machine.h"
+#include "client/bench/server_course.h"
 #include "client/bench/tally.h"
 
 namespace treeline::bench {
@@ -25,6 +28,9 @@ std::vector<WorkloadSummary> Summarize(const std::vector<WorkItem>& items);
 
 struct BenchReport {
   std::string server;
+  std::string target = "grpc";  // as Target has them
+  // That generated the load.
+  int processes = 1;
   MachineFacts machine;
   std::array<double, 3> load_before{};
   std::array<double, 3> load_after{};
@@ -35,6 +41,11 @@ struct BenchReport {
   double capacity_per_s = 0;
   std::vector<LoadRun> runs;
   std::map<OutcomeKey, int64_t> all_calls;
+  // What no run must show.
+  std::vector<FailCondition> conditions;
+  // The server's own metrics, if they were looked at.
+  std::string metrics_url;
+  std::optional<Course> course;
 };
 
 // docs/reference/load-and-faults.md has the keys.

@@ -72,4 +72,32 @@ double LatencyHistogram::Percentile_ms(double percent) const {
   return max_ms_;
 }
 
+LatencyHistogram::Parts LatencyHistogram::ToParts() const {
+  Parts parts{.sum_ms = sum_ms_, .max_ms = max_ms_};
+  for (size_t i = 0; i < buckets_.size(); ++i) {
+    if (buckets_[i] > 0) parts.buckets[i] = buckets_[i];
+  }
+  return parts;
+}
+
+absl::StatusOr<LatencyHistogram> LatencyHistogram::FromParts(
+    const Parts& parts) {
+  LatencyHistogram histogram;
+  const size_t buckets = BucketOf(static_cast<uint64_t>(kLongest_us)) + 1;
+  for (const auto& [bucket, count] : parts.buckets) {
+    if (bucket >= buckets || count < 1) {
+      return absl::InvalidArgumentError("no bucket of a histogram");
+    }
+    histogram.buckets_.resize(bucket + 1);
+    histogram.buckets_[bucket] = count;
+    histogram.count_ += count;
+  }
+  if (!std::isfinite(parts.sum_ms) || !std::isfinite(parts.max_ms)) {
+    return absl::InvalidArgumentError("a histogram's times are not finite");
+  }
+  histogram.sum_ms_ = parts.sum_ms;
+  histogram.max_ms_ = parts.max_ms;
+  return histogram;
+}
+
 }  // namespace treeline::bench

@@ -4,7 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <vector>
+
+#include "absl/status/statusor.h"
 
 namespace treeline::bench {
 
@@ -25,6 +28,16 @@ class LatencyHistogram {
   // The nearest-rank percentile, percent in (0, 100]: at least this share of
   // all durations is not above it. 0 if nothing was counted.
   double Percentile_ms(double percent) const;
+
+  // All that it knows, to be written and read by another process.
+  struct Parts {
+    std::map<size_t, int64_t> buckets = {};  // those that are used
+    double sum_ms = 0;
+    double max_ms = 0;
+  };
+  Parts ToParts() const;
+  // INVALID_ARGUMENT: no histogram has such parts.
+  static absl::StatusOr<LatencyHistogram> FromParts(const Parts& parts);
 
  private:
   std::vector<int64_t> buckets_;  // up to the last that is used

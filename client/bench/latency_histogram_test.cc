@@ -83,5 +83,21 @@ TEST(LatencyHistogram, AbsurdDurationsAreKeptWithinBounds) {
   EXPECT_GT(histogram.Percentile_ms(100), 1e9);
 }
 
+TEST(LatencyHistogram, ComesBackFromItsParts) {
+  LatencyHistogram histogram;
+  for (const double ms : {0.0, 0.007, 3.0, 3.0, 12345.6}) histogram.Add(ms);
+  const auto again = LatencyHistogram::FromParts(histogram.ToParts());
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->count(), 5);
+  EXPECT_EQ(again->mean_ms(), histogram.mean_ms());
+  EXPECT_EQ(again->max_ms(), 12345.6);
+  for (const double percent : {1.0, 50.0, 99.0, 100.0}) {
+    EXPECT_EQ(again->Percentile_ms(percent), histogram.Percentile_ms(percent));
+  }
+  EXPECT_FALSE(LatencyHistogram::FromParts({.buckets = {{1 << 20, 1}}}).ok());
+  EXPECT_FALSE(LatencyHistogram::FromParts({.buckets = {{1, -1}}}).ok());
+  EXPECT_FALSE(LatencyHistogram::FromParts({.sum_ms = HUGE_VAL}).ok());
+}
+
 }  // namespace
 }  // namespace treeline::bench

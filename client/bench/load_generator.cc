@@ -1,7 +1,6 @@
 #include "client/bench/load_generator.h"
 
 #include <grpcpp/generic/generic_stub.h>
-#include <grpcpp/impl/codegen/proto_utils.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -14,17 +13,15 @@
 
 #include "absl/strings/str_cat.h"
 #include "client/bench/arrivals.h"
+#include "client/bench/grpc_transport.h"
 #include "client/bench/stream_client.h"
 #include "client/bench/timer.h"
 #include "common/base/clock.h"
 #include "common/base/random.h"
-#include "common/wire/status.h"
 
 namespace treeline::bench {
 namespace {
 
-constexpr char kMethod[] = "/treeline.v1.RelocalizationService/Localize";
-constexpr char kPushback[] = "grpc-retry-pushback-ms";
 constexpr uint64_t kCancelStream = 3;
 constexpr std::chrono::milliseconds kPauseAfterFailure(10);
 constexpr std::chrono::milliseconds kWatchEvery(500);
@@ -48,13 +45,13 @@ double ProcessorSeconds() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-// A call that is out. gRPC's callback and whoever cancels share it.
+// A call that is out. Whoever is told of its end and whoever cancels share it.
 struct Call {
   size_t item = 0;
   base::MonotonicTime scheduled = {};
   base::MonotonicTime sent = {};
-  grpc::ClientContext context;
-  grpc::ByteBuffer response;
+  // Null until the transport has it; by the generator's mutex.
+  std::shared_ptr<Transport::PendingCall> pending;
 };
 
 }  // namespace
@@ -86,9 +83,13 @@ bool LoadRun::saturated() const {
 
 class LoadGenerator::Impl {
  public:
-  Impl(std::vector<relocalizer::Connection> connections,
+  Impl(std::unique_ptr<Transport> transport,
+       std::vector<relocalizer::Connection> connections,
        const std::vector<WorkItem>& items, AnswerChecker& checker)
-      : connections_(std::move(connections)), items_(items), checker_(checker) {
+      : transport_(std::move(transport)),
+        connections_(std::move(connections)),
+        items_(items),
+        checker_(checker) {
     for (const relocalizer::Connection& connection : connections_) {
       stubs_.push_back(
           std::make_unique<grpc::GenericStub>(connection.channel()));
@@ -108,11 +109,12 @@ class LoadGenerator::Impl {
   void RunOpenLoop(const std::stop_token& stop, LoadRun& run);
   bool SleepUntil(base::MonotonicTime due, const std::stop_token& stop);
 
-  // Sends the next query. on_done: with the result, on a thread of gRPC.
+  // Sends the next query. on_done: with the result, on the transport's thread.
   void Send(base::MonotonicTime scheduled,
             std::function<void(const absl::Status&)> on_done);
-  void Finish(const std::shared_ptr<Call>& call, const grpc::Status& status,
+  void Finish(const std::shared_ptr<Call>& call, const Reply& reply,
               const std::function<void(const absl::Status&)>& on_done);
+  void Cancel(const std::shared_ptr<Call>& call);
   void SendAgain(base::MonotonicTime when);
   void Stream();
   void CountFrame(const StreamClient::Frame& frame, const absl::Status& status,
@@ -124,6 +126,8 @@ class LoadGenerator::Impl {
   void Abandon();
   void WaitForAll();
 
+  const std::unique_ptr<Transport> transport_;
+  // Of streams.
   const std::vector<relocalizer::Connection> connections_;
   const std::vector<WorkItem>& items_;
   AnswerChecker& checker_;
@@ -161,49 +165,54 @@ void LoadGenerator::Impl::Send(
     ++outstanding_;
     calls_.insert(call);
   }
-  const size_t connection = number % connections_.size();
   call->item = number % items_.size();
   call->scheduled = scheduled;
   call->sent = Now();
-  connections_[connection].Prepare(call->context);
-  call->context.set_deadline(
-      std::chrono::system_clock::now() +
-      (scheduled + Seconds(1e-3 * options_.deadline_ms) - call->sent));
-  stubs_[connection]->UnaryCall(
-      &call->context, kMethod, {}, &items_[call->item].request, &call->response,
-      [this, call, on_done = std::move(on_done)](const grpc::Status& status) {
-        Finish(call, status, on_done);
+  std::shared_ptr<Transport::PendingCall> pending = transport_->Ask(
+      number, call->item,
+      scheduled + Seconds(1e-3 * options_.deadline_ms) - call->sent,
+      [this, call, on_done = std::move(on_done)](const Reply& reply) {
+        Finish(call, reply, on_done);
       });
+  bool too_late = false;
+  {
+    const std::lock_guard lock(mutex_);
+    call->pending = std::move(pending);
+    too_late = abandoned_;
+  }
+  if (too_late) Cancel(call);
   base::Random random(options_.seed + number, kCancelStream);
   if (random.NextUnit() < options_.cancel_share) {
     timer_.At(call->sent +
                   Seconds(1e-3 * options_.cancel_after_ms * random.NextUnit()),
-              [weak = std::weak_ptr<Call>(call)] {
-                if (const auto still = weak.lock()) still->context.TryCancel();
+              [this, weak = std::weak_ptr<Call>(call)] {
+                if (const auto still = weak.lock()) Cancel(still);
               });
   }
 }
 
+void LoadGenerator::Impl::Cancel(const std::shared_ptr<Call>& call) {
+  std::shared_ptr<Transport::PendingCall> pending;
+  {
+    const std::lock_guard lock(mutex_);
+    pending = call->pending;
+  }
+  if (pending != nullptr) pending->Cancel();
+}
+
 void LoadGenerator::Impl::Finish(
-    const std::shared_ptr<Call>& call, const grpc::Status& status,
+    const std::shared_ptr<Call>& call, const Reply& reply,
     const std::function<void(const absl::Status&)>& on_done) {
   const base::MonotonicTime now = Now();
-  v1::LocalizeResponse response;
   CallResult result{
-      .status = wire::FromGrpc(status),
-      .pushback =
-          call->context.GetServerTrailingMetadata().count(kPushback) > 0,
+      .status = reply.status,
+      .pushback = reply.pushback,
       .latency_ms = base::MillisecondsBetween(call->scheduled, now),
       .from_send_ms = base::MillisecondsBetween(call->sent, now),
-      .scheduled_s = base::SecondsBetween(measured_from_, call->scheduled)};
-  if (status.ok()) {
-    result.status = wire::FromGrpc(
-        grpc::SerializationTraits<v1::LocalizeResponse>::Deserialize(
-            &call->response, &response));
-    if (result.status.ok()) {
-      result.response = &response;
-      result.verdict = checker_.Check(call->item, response);
-    }
+      .scheduled_s = base::SecondsBetween(measured_from_, call->scheduled),
+      .response = reply.response};
+  if (reply.response != nullptr) {
+    result.verdict = checker_.Check(call->item, *reply.response);
   }
   {
     const std::lock_guard lock(mutex_);
@@ -373,7 +382,7 @@ void LoadGenerator::Impl::Abandon() {
     // on this thread.
     for (StreamClient* stream : streams_) stream->Cancel();
   }
-  for (const auto& call : calls) call->context.TryCancel();
+  for (const auto& call : calls) Cancel(call);
 }
 
 void LoadGenerator::Impl::WaitForAll() {
@@ -452,10 +461,18 @@ LoadRun LoadGenerator::Impl::Run(const LoadOptions& options,
   return run;
 }
 
-LoadGenerator::LoadGenerator(std::vector<relocalizer::Connection> connections,
+LoadGenerator::LoadGenerator(
+    const std::vector<relocalizer::Connection>& connections,
+    const std::vector<WorkItem>& items, AnswerChecker& checker)
+    : impl_(std::make_unique<Impl>(MakeGrpcTransport(connections, items),
+                                   connections, items, checker)) {}
+
+LoadGenerator::LoadGenerator(std::unique_ptr<Transport> transport,
                              const std::vector<WorkItem>& items,
                              AnswerChecker& checker)
-    : impl_(std::make_unique<Impl>(std::move(connections), items, checker)) {}
+    : impl_(std::make_unique<Impl>(std::move(transport),
+                                   std::vector<relocalizer::Connection>(),
+                                   items, checker)) {}
 
 LoadGenerator::~LoadGenerator() = default;
 

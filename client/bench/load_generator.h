@@ -13,6 +13,7 @@
 #include "client/bench/answer_checker.h"
 #include "client/bench/latency_histogram.h"
 #include "client/bench/tally.h"
+#include "client/bench/transport.h"
 #include "client/bench/workload.h"
 #include "client/relocalizer/channel.h"
 
@@ -73,9 +74,12 @@ struct LoadRun {
 
 class LoadGenerator {
  public:
-  // Calls go over the connections in turn. `items` and `checker` must outlive
-  // the generator.
-  LoadGenerator(std::vector<relocalizer::Connection> connections,
+  // Calls and streams go over gRPC, over the connections in turn. `items` and
+  // `checker` must outlive the generator.
+  LoadGenerator(const std::vector<relocalizer::Connection>& connections,
+                const std::vector<WorkItem>& items, AnswerChecker& checker);
+  // Calls go over `transport`; there are no streams.
+  LoadGenerator(std::unique_ptr<Transport> transport,
                 const std::vector<WorkItem>& items, AnswerChecker& checker);
   // Waits for the calls that are still out.
   ~LoadGenerator();

@@ -122,7 +122,8 @@ void Tally::AddAnswer(const CallResult& result) {
   state_.localized += result.response->outcome() == v1::OUTCOME_LOCALIZED;
   ++state_.answered_by[absl::StrCat(result.response->scene(), "/",
                                     result.response->model_version())];
-  AddSplit(result, state_.server);
+  // The GeoPose Protocol has none.
+  if (result.response->has_timings()) AddSplit(result, state_.server);
 }
 
 TallyState Tally::State() const {

@@ -17,6 +17,7 @@ enum ExitCode {
   kExitFailed = 1,
   kExitUsage = 2,
   kExitNotLocalized = 3,
+  kExitConditionHolds = 4,  // of bench --fail-if
   kExitInterrupted = 130
 };
 

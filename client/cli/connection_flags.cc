@@ -30,12 +30,7 @@ std::string ReasonText(const absl::Status& status) {
 
 }  // namespace
 
-void AddServerFlags(CLI::App& app, ConnectionFlags& flags) {
-  app.add_option("--server", flags.server,
-                 "Where treeline-server listens; several addresses, separated "
-                 "by commas, are used in turn")
-      ->required()
-      ->type_name("HOST:PORT");
+void AddSecurityFlags(CLI::App& app, ConnectionFlags& flags) {
   CLI::Option* ca =
       app.add_option("--tls-ca", flags.tls.ca_file,
                      "Use TLS, and trust servers whose certificate one of "
@@ -51,15 +46,24 @@ void AddServerFlags(CLI::App& app, ConnectionFlags& flags) {
           ->type_name("FILE")
           ->needs(certificate);
   certificate->needs(key);
-  app.add_option("--tls-server-name", flags.tls.server_name,
-                 "Name that the server's certificate must have; without: the "
-                 "host of --server")
-      ->type_name("NAME")
-      ->needs(ca);
   app.add_option("--token-file", flags.token_file,
                  "File with a bearer token, read again when it changes; "
                  "without: the environment variable TREELINE_TOKEN")
       ->type_name("FILE");
+}
+
+void AddServerFlags(CLI::App& app, ConnectionFlags& flags) {
+  app.add_option("--server", flags.server,
+                 "Where treeline-server listens; several addresses, separated "
+                 "by commas, are used in turn")
+      ->required()
+      ->type_name("HOST:PORT");
+  AddSecurityFlags(app, flags);
+  app.add_option("--tls-server-name", flags.tls.server_name,
+                 "Name that the server's certificate must have; without: the "
+                 "host of --server")
+      ->type_name("NAME")
+      ->needs(app.get_option("--tls-ca"));
   app.add_option("--max-message-mib", flags.max_message_mib,
                  "Largest request and answer, MiB")
       ->capture_default_str()

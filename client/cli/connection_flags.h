@@ -23,7 +23,9 @@ struct ConnectionFlags {
   double timeout_s = 10;
 };
 
-// --server, --tls-..., --token-file and --max-message-mib.
+// --tls-... and --token-file.
+void AddSecurityFlags(CLI::App& app, ConnectionFlags& flags);
+// These, --server and --max-message-mib.
 void AddServerFlags(CLI::App& app, ConnectionFlags& flags);
 // These, and --timeout-s.
 void AddConnectionFlags(CLI::App& app, ConnectionFlags& flags);

@@ -7,6 +7,7 @@
 #include "client/cli/client_command.h"
 #include "client/cli/localize_command.h"
 #include "client/cli/scenes_command.h"
+#include "client/cli/watch_command.h"
 #include "common/base/interrupt.h"
 #include "common/base/version.h"
 
@@ -16,7 +17,8 @@ namespace {
 constexpr const char* kFooter = R"(
 treeline-client COMMAND --help explains a command and gives examples.
 
-Exit codes: 0 done, 1 failed, 2 wrong usage, 3 not localized, 130 interrupted.)";
+Exit codes: 0 done, 1 failed, 2 wrong usage, 3 not localized, 4
+a condition of bench --fail-if holds, 130 interrupted.)";
 
 int Run(int argc, char** argv) {
   const std::stop_token stop = base::StopOnInterrupt();
@@ -26,7 +28,8 @@ int Run(int argc, char** argv) {
                        std::string("treeline-client ") + base::Version());
   app.require_subcommand(1);
   const std::vector<ClientCommand> commands = {
-      AddLocalizeCommand(app), AddScenesCommand(app), AddBenchCommand(app)};
+      AddLocalizeCommand(app), AddScenesCommand(app), AddBenchCommand(app),
+      AddWatchCommand(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,82 +1,24 @@
 #include "evaluation/report/report_page.h"
 
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <system_error>
-#include <vector>
-
-#include "absl/strings/match.h"
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_replace.h"
-#include "common/base/file.h"
-#include "common/base/status_macros.h"
+#include "common/page/page_template.h"
 
 namespace treeline::report {
-namespace {
-
-namespace fs = std::filesystem;
-
-// A JSON text, so that the template's data is valid before it is filled in.
-constexpr absl::string_view kPlace = "\"@REPORT_DATA@\"";
-
-constexpr uint64_t kMaxTemplateBytes = uint64_t{64} << 20;
-
-}  // namespace
 
 std::string FindReportTemplate() {
-  std::error_code error;
-  std::vector<fs::path> places;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (!error) {
-    places.push_back(program.parent_path().parent_path() /
-                     "share/treeline/report.html");
-  }
-  places.emplace_back(TREELINE_SOURCE_REPORT);
-  for (const fs::path& place : places) {
-    if (fs::is_regular_file(place, error)) return place.string();
-  }
-  return "";
-}
-
-absl::StatusOr<std::string> FillReportTemplate(absl::string_view page,
-                                               absl::string_view json) {
-  const size_t place = page.find(kPlace);
-  if (place == absl::string_view::npos ||
-      page.find(kPlace, place + 1) != absl::string_view::npos) {
-    return absl::InvalidArgumentError(
-        "no template of a report: it must have one place for the data");
-  }
-  // In JSON, < stands in strings alone: neither "</script" nor "<!--" is left.
-  return absl::StrCat(page.substr(0, place),
-                      absl::StrReplaceAll(json, {{"<", "\\u003c"}}),
-                      page.substr(place + kPlace.size()));
+  return page::FindPageTemplate("report.html", TREELINE_SOURCE_REPORT);
 }
 
 std::string ReportDataPath(const std::string& path) {
-  const absl::string_view ending = ".html";
-  const size_t size =
-      absl::EndsWith(path, ending) ? path.size() - ending.size() : path.size();
-  return path.substr(0, size) + ".data.json";
+  return page::PageDataPath(path);
 }
 
 std::string NoTemplateNotice(const std::string& path) {
-  return absl::StrCat(
-      "There is no template of report pages here, so that ", path,
-      " is not written: the report's data goes to ", ReportDataPath(path),
-      ".\nscripts/build-report makes the template (with node 18 and npm). Then "
-      "run this again, or open the template and choose that file.\n");
+  return page::NoPageTemplateNotice(path, "scripts/build-report");
 }
 
 absl::Status WriteReport(const std::string& path, absl::string_view json,
                          const std::string& template_path) {
-  if (template_path.empty()) {
-    return base::WriteFileAtomically(ReportDataPath(path), json);
-  }
-  TL_ASSIGN_OR_RETURN(const std::string page,
-                      base::ReadFile(template_path, kMaxTemplateBytes));
-  TL_ASSIGN_OR_RETURN(const std::string filled, FillReportTemplate(page, json));
-  return base::WriteFileAtomically(path, filled);
+  return page::WritePage(path, json, template_path);
 }
 
 }  // namespace treeline::report

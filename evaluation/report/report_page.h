@@ -6,7 +6,6 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 
 namespace treeline::report {
@@ -15,12 +14,6 @@ namespace treeline::report {
 // else where scripts/build-report puts it in the source tree. Empty: in neither
 // place.
 std::string FindReportTemplate();
-
-// The template with `json` as its data, escaped so that no text in it can end
-// the element that holds it. INVALID_ARGUMENT: `page` has not just one place
-// for the data.
-absl::StatusOr<std::string> FillReportTemplate(absl::string_view page,
-                                               absl::string_view json);
 
 // Where the data of a report goes that is to be at `path`, where there is no
 // template: "kitchen.data.json" of "kitchen.html".

@@ -1,0 +1,44 @@
+// Bundles everything into one file that opens from disk without a network:
+//   node build.mjs FOLDER
+// writes FOLDER/bench-report.html. A report is that file with JSON in the place of
+// "@REPORT_DATA@" (common/page/page_template.h).
+
+import { createHash } from 'node:crypto';
+import fs from 'node:fs';
+import path from 'node:path';
+import { build } from 'esbuild';
+
+const folder = process.argv[2] ?? 'dist';
+const result = await build({
+  entryPoints: ['src/main.ts'],
+  bundle: true,
+  minify: true,
+  format: 'iife',
+  target: 'es2021',
+  charset: 'utf8',
+  legalComments: 'none',
+  write: false,
+  outdir: folder,
+});
+
+function output(ending) {
+  return result.outputFiles.find((file) => file.path.endsWith(ending)).text;
+}
+
+const script = output('.js');
+const style = output('.css');
+if (/<\/script|<!--/i.test(script) || /<\/style/i.test(style)) {
+  throw new Error('the bundle would end its own element');
+}
+// Only the script of this build runs, and nothing is asked of anybody.
+const hash = createHash('sha256').update(script).digest('base64');
+const policy = `default-src 'none'; img-src data:; style-src 'unsafe-inline'; \
+script-src 'sha256-${hash}'; base-uri 'none'; form-action 'none'`;
+const parts = { POLICY: policy, STYLE: style, SCRIPT: script };
+const page = fs.readFileSync('template.html', 'utf8')
+    .replace(/@(POLICY|STYLE|SCRIPT)@/g, (_, name) => parts[name]);
+if (page.split('"@REPORT_DATA@"').length !== 2) {
+  throw new Error('the template must have one place for the data');
+}
+fs.mkdirSync(folder, { recursive: true });
+fs.writeFileSync(path.join(folder, 'bench-report.html'), page);

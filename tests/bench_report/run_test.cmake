@@ -1,0 +1,22 @@
+# Runs the browser's test of load test reports, if there is a template and a browser:
+#   cmake -D NODE=program -D TEST=file.js -D TEMPLATE=report.html -D WORK=folder
+#         -D FIXTURES=folder -P run_test.cmake
+if(NOT EXISTS ${TEMPLATE} OR NOT EXISTS ${WORK}/node_modules/.fetched)
+  message("SKIPPED: the template could not be built here (test bench_report.build)")
+  return()
+endif()
+if("$ENV{TREELINE_CHROMIUM}" STREQUAL "")
+  find_program(chromium NAMES chromium chromium-browser google-chrome)
+  if(NOT chromium)
+    message("SKIPPED: no chromium here: scripts/install-deps --tools")
+    return()
+  endif()
+  set(ENV{TREELINE_CHROMIUM} ${chromium})
+endif()
+set(ENV{TREELINE_REPORT_TEMPLATE} ${TEMPLATE})
+set(ENV{TREELINE_REPORT_WORK} ${WORK})
+set(ENV{TREELINE_REPORT_FIXTURES} ${FIXTURES})
+execute_process(COMMAND ${NODE} --test ${TEST} RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "${TEST} failed")
+endif()

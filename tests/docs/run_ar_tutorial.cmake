@@ -1,0 +1,22 @@
+# Follows the AR tutorial with node and a browser, if they are there:
+#   cmake -D NODE=program -D TEST=file.js -D PAGE=folder -D WORK=folder
+#         -D PROGRAMS=folder -P run_ar_tutorial.cmake
+if(NOT EXISTS ${PAGE}/index.html OR NOT EXISTS ${WORK}/node_modules/.fetched)
+  message("SKIPPED: the page could not be built here (test ar.build)")
+  return()
+endif()
+if("$ENV{TREELINE_CHROMIUM}" STREQUAL "")
+  find_program(chromium NAMES chromium chromium-browser google-chrome)
+  if(NOT chromium)
+    message("SKIPPED: no chromium here: scripts/install-deps --tools")
+    return()
+  endif()
+  set(ENV{TREELINE_CHROMIUM} ${chromium})
+endif()
+set(ENV{TREELINE_PROGRAMS} ${PROGRAMS})
+set(ENV{TREELINE_PAGE} ${PAGE})
+set(ENV{TREELINE_PAGE_WORK} ${WORK})
+execute_process(COMMAND ${NODE} --test ${TEST} RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "${TEST} failed")
+endif()
