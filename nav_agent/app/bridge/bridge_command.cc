@@ -7,10 +7,13 @@
 #include <string>
 
 #include "CLI/CLI.hpp"
+#include "client/relocalizer/connect_options.h"
+#include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "common/config/config_flags.h"
 #include "nav_agent/app/bridge/bridge_config.h"
 #include "nav_agent/app/bridge/bridge_run.h"
+#include "nav_agent/app/relocalization/server_relocalization.h"
 
 namespace treeline::bridge_app {
 namespace {
@@ -62,8 +65,17 @@ absl::Status Run(const BridgeFlags& flags, const std::stop_token& stop) {
     log->Say(logging::LogLevel::kWarn,
              "environment: no setting belongs to " + variable);
   }
+  TL_RETURN_IF_ERROR(config.Validate());
+  relocalizer::ConnectOptions connect;
+  connect.server = config.server;
+  connect.tls.ca_file = config.tls_ca;
+  connect.token_file = config.token_file;
+  const base::SteadyClock clock;
+  TL_ASSIGN_OR_RETURN(
+      const std::unique_ptr<core::RelocalizationPort> server,
+      relocalization::MakeServerRelocalization(connect, config.scene, clock));
   return RunBridge(
-      config, *log,
+      config, *server, *log,
       [](const std::string& line) {
         std::printf("%s\n", line.c_str());
         std::fflush(stdout);

@@ -2,15 +2,14 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <map>
 #include <memory>
 
 #include "absl/strings/str_cat.h"
-#include "client/relocalizer/connect_options.h"
 #include "common/base/clock.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/app/bridge/bridge_topics.h"
-#include "nav_agent/app/relocalization/server_relocalization.h"
 #include "nav_agent/bridge/conversions/geometry_values.h"
 #include "nav_agent/bridge/place_finder/place_report.h"
 
@@ -37,6 +36,10 @@ class BrokenTopics {
   logging::ProgramLog& log_;
   std::map<std::string, std::string> last_of_topic_;
 };
+
+double ProcessorTime_s() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
 
 void SayIfNot(const absl::Status& status, logging::ProgramLog& log) {
   if (status.ok()) return;
@@ -83,7 +86,8 @@ void Loop(const BridgeConfig& config, dds::Node& node, BridgeTopics& topics,
 }  // namespace
 
 absl::Status RunBridge(
-    const BridgeConfig& config, logging::ProgramLog& log,
+    const BridgeConfig& config, core::RelocalizationPort& server,
+    logging::ProgramLog& log,
     const std::function<void(const std::string& line)>& announce,
     const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(config.Validate());
@@ -98,21 +102,16 @@ absl::Status RunBridge(
                       dds::Node::Create(*domain, name));
   TL_ASSIGN_OR_RETURN(const std::unique_ptr<BridgeTopics> topics,
                       BridgeTopics::Open(*node, config));
-  relocalizer::ConnectOptions connect;
-  connect.server = config.server;
-  connect.tls.ca_file = config.tls_ca;
-  connect.token_file = config.token_file;
-  const base::SteadyClock steady;
-  TL_ASSIGN_OR_RETURN(
-      const std::unique_ptr<core::RelocalizationPort> server,
-      relocalization::MakeServerRelocalization(connect, config.scene, steady));
-  place_finder::PlaceFinder finder(*server, options);
+  place_finder::PlaceFinder finder(server, options);
   announce(absl::StrCat("bridge in domain ", domain->id()));
   Loop(config, *node, *topics, finder, log, stop);
   log.Write(logging::LogLevel::kInfo,
             log.Event()
                 .Word("event", "stopped")
                 .Integer("messages", topics->delivered())
+                .Number("delivery_p50_ms", topics->Delivery_ms(0.5))
+                .Number("delivery_p99_ms", topics->Delivery_ms(0.99))
+                .Number("processor_s", ProcessorTime_s())
                 .Integer("questions", finder.state().questions)
                 .Integer("places", finder.state().places));
   return absl::OkStatus();

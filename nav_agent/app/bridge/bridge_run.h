@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "common/log/program_log.h"
 #include "nav_agent/app/bridge/bridge_config.h"
+#include "nav_agent/core/relocalization.h"
 
 namespace treeline::bridge_app {
 
@@ -17,7 +18,8 @@ namespace treeline::bridge_app {
 // settings; UNAVAILABLE for a network that is not there. That nobody publishes,
 // or the server is away, is no error.
 absl::Status RunBridge(
-    const BridgeConfig& config, logging::ProgramLog& log,
+    const BridgeConfig& config, core::RelocalizationPort& server,
+    logging::ProgramLog& log,
     const std::function<void(const std::string& line)>& announce,
     const std::stop_token& stop);
 

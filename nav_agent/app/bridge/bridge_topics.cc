@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "common/base/sample_statistics.h"
 #include "common/base/status_macros.h"
 #include "nav_agent/bridge/conversions/geometry_values.h"
 #include "nav_agent/bridge/messages/message_codec.h"
@@ -17,6 +18,8 @@ constexpr dds::Quality kTransforms = {
     .is_reliable = true, .is_latched = false, .depth = 100};
 constexpr dds::Quality kStaticTransforms = {
     .is_reliable = true, .is_latched = true, .depth = 100};
+// Of which delivery times are kept.
+constexpr size_t kDeliveries = 10'000;
 constexpr dds::Quality kClock = {
     .is_reliable = false, .is_latched = false, .depth = 1};
 
@@ -33,10 +36,10 @@ void RosClock::Set(const messages::Clock& clock) {
   simulated_ = conversions::TimeOf(clock.clock);
 }
 
-template <typename M, typename Deliver>
+template <typename M, typename DeliverMessage>
 absl::Status BridgeTopics::Subscribe(dds::Node& node, const std::string& topic,
                                      const dds::Quality& quality,
-                                     Deliver deliver) {
+                                     DeliverMessage deliver) {
   TL_ASSIGN_OR_RETURN(std::unique_ptr<dds::Subscription> subscription,
                       node.Subscribe(topic, M::kName, quality));
   inputs_.push_back({.subscription = std::move(subscription),
@@ -138,10 +141,28 @@ void BridgeTopics::Deliver(place_finder::PlaceFinder& finder, RosClock& clock,
   for (const Input& input : inputs_) {
     for (const dds::Sample& sample : input.subscription->Take()) {
       ++delivered_;
+      if (!input.is_latched) NoteDelivery(sample.written_ns);
       const absl::Status status = input.deliver(sample, finder, clock);
       if (!status.ok()) on_broken(input.subscription->topic(), status);
     }
   }
+}
+
+void BridgeTopics::NoteDelivery(int64_t written_ns) {
+  const auto now_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
+                          std::chrono::system_clock::now().time_since_epoch())
+                          .count();
+  const double ms = 1e-6 * static_cast<double>(now_ns - written_ns);
+  if (delivery_ms_.size() < kDeliveries) {
+    delivery_ms_.push_back(ms);
+    return;
+  }
+  delivery_ms_[next_delivery_] = ms;
+  next_delivery_ = (next_delivery_ + 1) % kDeliveries;
+}
+
+double BridgeTopics::Delivery_ms(double share) const {
+  return base::Quantile(delivery_ms_, share);
 }
 
 absl::Status BridgeTopics::Publish(

@@ -2,6 +2,7 @@
 #ifndef NAV_AGENT_APP_BRIDGE_BRIDGE_TOPICS_H_
 #define NAV_AGENT_APP_BRIDGE_BRIDGE_TOPICS_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -49,10 +50,15 @@ class BridgeTopics {
   absl::Status Publish(const messages::DiagnosticArray& diagnostics);
 
   int64_t delivered() const { return delivered_; }
+  // From writing to delivery, by the clocks of this machine's system: of the
+  // last ten thousand messages that were not latched, this share took at most
+  // so long. 0 before the first.
+  double Delivery_ms(double share) const;
 
  private:
   struct Input {
     std::unique_ptr<dds::Subscription> subscription;
+    bool is_latched = false;
     std::function<absl::Status(const dds::Sample& sample,
                                place_finder::PlaceFinder& finder,
                                RosClock& clock)>
@@ -60,15 +66,19 @@ class BridgeTopics {
   };
 
   // deliver(message, finder, clock) gets what is decoded.
-  template <typename M, typename Deliver>
+  template <typename M, typename DeliverMessage>
   absl::Status Subscribe(dds::Node& node, const std::string& topic,
-                         const dds::Quality& quality, Deliver deliver);
+                         const dds::Quality& quality, DeliverMessage deliver);
   absl::Status SubscribeCamera(dds::Node& node, const BridgeConfig& config);
+  void NoteDelivery(int64_t written_ns);
 
   std::vector<Input> inputs_;
   std::unique_ptr<dds::Publisher> place_;
   std::unique_ptr<dds::Publisher> diagnostics_;
   int64_t delivered_ = 0;
+  // A ring: the newest overwrite the oldest.
+  std::vector<double> delivery_ms_;
+  size_t next_delivery_ = 0;
 };
 
 }  // namespace treeline::bridge_app
