@@ -34,7 +34,7 @@ Examples:
       --image camera/color/image_raw/compressed
   treeline-agent bridge --server reloc.local:50051 --namespace robot1 \
       --depth camera/aligned_depth_to_color/image_raw \
-      --image camera/color/image_raw --map_from_world 1.2,-0.4,0,1.57)";
+      --image camera/color/image_raw --map-from-world 1.2,-0.4,0,1.57)";
 
 struct BridgeFlags {
   std::string config;

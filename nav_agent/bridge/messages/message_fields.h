@@ -1,4 +1,4 @@
-// How a message names its fields, once for bytes and for schemas.
+// How a message names its fields, once for all that is made of them.
 //
 // A message is a plain struct with the fields of the public definition (.msg)
 // in their order and under their names and units. It has
