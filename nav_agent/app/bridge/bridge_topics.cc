@@ -58,7 +58,8 @@ absl::Status BridgeTopics::SubscribeCamera(dds::Node& node,
   using place_finder::PlaceFinder;
   dds::Quality quality = dds::kSensorData;
   quality.is_reliable = config.reliable_pictures;
-  const auto add_info = [](messages::CameraInfo info, PlaceFinder& finder,
+  const auto add_info = [](const messages::CameraInfo& info,
+                           PlaceFinder& finder,
                            RosClock&) { return finder.camera().AddInfo(info); };
   const auto add_color = [](auto picture, PlaceFinder& finder, RosClock&) {
     finder.camera().AddColor(std::move(picture));
@@ -90,8 +91,8 @@ absl::StatusOr<std::unique_ptr<BridgeTopics>> BridgeTopics::Open(
   const auto add = [](auto message, PlaceFinder& finder, RosClock&) {
     return finder.Add(message);
   };
-  const auto add_frames = [](messages::TFMessage message, PlaceFinder& finder,
-                             RosClock&) {
+  const auto add_frames = [](const messages::TFMessage& message,
+                             PlaceFinder& finder, RosClock&) {
     finder.Add(message);
     return absl::OkStatus();
   };
