@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "CLI/CLI.hpp"
+#include "nav_agent/app/bridge/bridge_command.h"
 #include "nav_agent/app/doctor/doctor_command.h"
 #include "nav_agent/app/localize/localize_command.h"
 #include "nav_agent/app/map/map_command.h"
@@ -30,7 +31,8 @@ std::vector<cli::Command> AddCommands(CLI::App& app) {
           localize_app::AddLocalizeCommand(app),
           traversability_app::AddTraversabilityCommand(app),
           score_app::AddScoreTrajectoryCommand(app),
-          suite_app::AddSuiteCommand(app)};
+          suite_app::AddSuiteCommand(app),
+          bridge_app::AddBridgeCommand(app)};
 }
 
 }  // namespace

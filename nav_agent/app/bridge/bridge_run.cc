@@ -1,0 +1,120 @@
+#include "nav_agent/app/bridge/bridge_run.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <map>
+#include <memory>
+
+#include "absl/strings/str_cat.h"
+#include "common/base/clock.h"
+#include "common/base/status_macros.h"
+#include "nav_agent/app/bridge/bridge_topics.h"
+#include "nav_agent/bridge/conversions/geometry_values.h"
+#include "nav_agent/bridge/place_finder/place_report.h"
+
+namespace treeline::bridge_app {
+namespace {
+
+// The server's answers are looked for so often.
+constexpr auto kStep = std::chrono::milliseconds(20);
+// As ROS 2's diagnostics come.
+constexpr auto kReportInterval = std::chrono::seconds(1);
+
+// Says what is broken once a topic and cause.
+class BrokenTopics {
+ public:
+  explicit BrokenTopics(logging::ProgramLog& log) : log_(log) {}
+  void Say(const std::string& topic, const absl::Status& why) {
+    const std::string text(why.message());
+    if (last_of_topic_[topic] == text) return;
+    last_of_topic_[topic] = text;
+    log_.Say(logging::LogLevel::kWarn, absl::StrCat(topic, ": ", text));
+  }
+
+ private:
+  logging::ProgramLog& log_;
+  std::map<std::string, std::string> last_of_topic_;
+};
+
+double ProcessorTime_s() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+void SayIfNot(const absl::Status& status, logging::ProgramLog& log) {
+  if (status.ok()) return;
+  log.Say(logging::LogLevel::kError, std::string(status.message()));
+}
+
+void Loop(const BridgeConfig& config, dds::Node& node, BridgeTopics& topics,
+          place_finder::PlaceFinder& finder, logging::ProgramLog& log,
+          const std::stop_token& stop) {
+  RosClock clock(config.use_sim_time);
+  BrokenTopics broken(log);
+  const auto begin = std::chrono::steady_clock::now();
+  auto next_report = begin;
+  auto last_need = place_finder::Need::kNone;
+  while (!stop.stop_requested()) {
+    node.Wait(kStep);
+    topics.Deliver(
+        finder, clock,
+        [&broken](const std::string& topic, const absl::Status& why) {
+          broken.Say(topic, why);
+        });
+    const place_finder::PlaceFinder::Output output = finder.Step(clock.Now());
+    for (const std::string& event : output.events) {
+      log.Say(logging::LogLevel::kInfo, event);
+    }
+    if (output.initial_pose.has_value()) {
+      SayIfNot(topics.Publish(*output.initial_pose), log);
+    }
+    const auto now = std::chrono::steady_clock::now();
+    if (now >= next_report || finder.state().need != last_need) {
+      last_need = finder.state().need;
+      next_report = now + kReportInterval;
+      SayIfNot(topics.Publish(place_finder::ReportOf(
+                   finder.state(), conversions::StampOf(clock.Now()))),
+               log);
+    }
+    if (config.duration > 0 &&
+        base::SecondsBetween(begin, now) > config.duration) {
+      return;
+    }
+  }
+}
+
+}  // namespace
+
+absl::Status RunBridge(
+    const BridgeConfig& config, core::RelocalizationPort& server,
+    logging::ProgramLog& log,
+    const std::function<void(const std::string& line)>& announce,
+    const std::stop_token& stop) {
+  TL_RETURN_IF_ERROR(config.Validate());
+  TL_ASSIGN_OR_RETURN(const place_finder::PlaceFinderOptions options,
+                      config.PlaceFinder());
+  TL_ASSIGN_OR_RETURN(const dds::NodeName name, config.Node());
+  TL_ASSIGN_OR_RETURN(const dds::DomainOptions domain_options,
+                      config.Domain(std::getenv("ROS_DOMAIN_ID")));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<dds::Domain> domain,
+                      dds::Domain::Join(domain_options));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<dds::Node> node,
+                      dds::Node::Create(*domain, name));
+  TL_ASSIGN_OR_RETURN(const std::unique_ptr<BridgeTopics> topics,
+                      BridgeTopics::Open(*node, config));
+  place_finder::PlaceFinder finder(server, options);
+  announce(absl::StrCat("bridge in domain ", domain->id()));
+  Loop(config, *node, *topics, finder, log, stop);
+  log.Write(logging::LogLevel::kInfo,
+            log.Event()
+                .Word("event", "stopped")
+                .Integer("messages", topics->delivered())
+                .Number("delivery_p50_ms", topics->Delivery_ms(0.5))
+                .Number("delivery_p99_ms", topics->Delivery_ms(0.99))
+                .Number("processor_s", ProcessorTime_s())
+                .Integer("questions", finder.state().questions)
+                .Integer("places", finder.state().places));
+  return absl::OkStatus();
+}
+
+}  // namespace treeline::bridge_app

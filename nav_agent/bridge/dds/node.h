@@ -1,0 +1,90 @@
+// What a node of ROS 2 is on the wire: topics that it writes and reads, with
+// the names, types and qualities of service that ROS 2's own nodes match.
+#ifndef NAV_AGENT_BRIDGE_DDS_NODE_H_
+#define NAV_AGENT_BRIDGE_DDS_NODE_H_
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "nav_agent/bridge/dds/domain.h"
+#include "nav_agent/bridge/dds/topic_names.h"
+
+namespace treeline::dds {
+
+// Quality of service, as far as ROS 2's profiles differ in it.
+struct Quality {
+  // Lost samples are sent again. A reader that asks for this meets no writer
+  // that does not offer it; the other way round they match.
+  bool is_reliable = true;
+  // Who comes late gets the last ones ("transient local"); matched likewise.
+  bool is_latched = false;
+  // So many are kept for a slow reader, or for who comes late.
+  int depth = 10;
+};
+// rmw_qos_profile_sensor_data.
+inline constexpr Quality kSensorData = {
+    .is_reliable = false, .is_latched = false, .depth = 5};
+// /map, /tf_static.
+inline constexpr Quality kLatched = {
+    .is_reliable = true, .is_latched = true, .depth = 1};
+
+struct Sample {
+  // Its encoding in front (message_codec.h).
+  std::vector<uint8_t> bytes;
+  // When it was written, by the writer's clock: ns since 1970.
+  int64_t written_ns = 0;
+};
+
+// Thread-safe.
+class Publisher {
+ public:
+  virtual ~Publisher() = default;
+  // The bytes are those of message_codec.h's Encode.
+  virtual absl::Status Publish(std::span<const uint8_t> bytes) = 0;
+  // Readers that have been found and match.
+  virtual int matched() const = 0;
+  virtual const std::string& topic() const = 0;
+};
+
+// Thread-safe.
+class Subscription {
+ public:
+  virtual ~Subscription() = default;
+  // What has come since the last call, oldest first; never waits.
+  virtual std::vector<Sample> Take() = 0;
+  virtual int matched() const = 0;
+  // Samples that were lost on the way, as far as DDS noticed.
+  virtual int64_t lost() const = 0;
+  virtual const std::string& topic() const = 0;
+};
+
+// Thread-safe. Publishers and subscriptions may not outlive it.
+class Node {
+ public:
+  static absl::StatusOr<std::unique_ptr<Node>> Create(const Domain& domain,
+                                                      const NodeName& name);
+  virtual ~Node() = default;
+
+  // topic: as in C++ or Python of ROS 2, before namespace and remapping.
+  // message_name: "sensor_msgs/msg/LaserScan".
+  virtual absl::StatusOr<std::unique_ptr<Publisher>> Advertise(
+      const std::string& topic, const std::string& message_name,
+      const Quality& quality) = 0;
+  virtual absl::StatusOr<std::unique_ptr<Subscription>> Subscribe(
+      const std::string& topic, const std::string& message_name,
+      const Quality& quality) = 0;
+
+  // Waits until one of the subscriptions has something to take, at most so
+  // long. True: one has.
+  virtual bool Wait(std::chrono::nanoseconds at_most) = 0;
+};
+
+}  // namespace treeline::dds
+
+#endif  // NAV_AGENT_BRIDGE_DDS_NODE_H_

@@ -1,0 +1,95 @@
+// Messages of ROS 2 from anybody in the network: decoding never reads beyond
+// the bytes, what was decoded can be encoded and comes back, and conversions
+// take whatever was decoded. The first byte says which message it is.
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+
+#include "nav_agent/bridge/conversions/camera_values.h"
+#include "nav_agent/bridge/conversions/frame_tree.h"
+#include "nav_agent/bridge/conversions/geometry_values.h"
+#include "nav_agent/bridge/conversions/laser_values.h"
+#include "nav_agent/bridge/messages/message_codec.h"
+#include "nav_agent/bridge/messages/nav_messages.h"
+#include "nav_agent/bridge/messages/sensor_messages.h"
+
+namespace {
+
+namespace messages = treeline::messages;
+namespace conversions = treeline::conversions;
+
+template <typename M, typename Use>
+void Try(std::span<const uint8_t> bytes, const Use& use) {
+  const auto message = messages::Decode<M>(bytes);
+  if (!message.ok()) return;
+  // Bytes, as numbers that are none differ from themselves.
+  const auto again = messages::Encode(*message);
+  const auto decoded = messages::Decode<M>(again);
+  if (!decoded.ok() || messages::Encode(*decoded) != again) std::abort();
+  use(*message);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  if (size == 0) return 0;
+  const std::span<const uint8_t> bytes(data + 1, size - 1);
+  switch (data[0] % 10) {
+    case 0:
+      Try<messages::LaserScan>(bytes, [](const messages::LaserScan& scan) {
+        (void)conversions::SensorInfoOf(scan);
+        (void)conversions::ScanOf(scan);
+      });
+      break;
+    case 1:
+      Try<messages::Image>(bytes, [](const messages::Image& image) {
+        (void)conversions::ColorOf(image);
+        (void)conversions::DepthOf(image);
+      });
+      break;
+    case 2:
+      Try<messages::CompressedImage>(
+          bytes, [](const messages::CompressedImage& image) {
+            (void)conversions::ColorOf(image);
+            (void)conversions::DepthOf(image);
+          });
+      break;
+    case 3:
+      Try<messages::CameraInfo>(bytes, [](const messages::CameraInfo& info) {
+        (void)conversions::CameraOf(info, false);
+        (void)conversions::CameraOf(info, true);
+      });
+      break;
+    case 4:
+      Try<messages::Odometry>(bytes, [](const messages::Odometry& odometry) {
+        conversions::WheelReadings wheels(0.5);
+        (void)wheels.Add(odometry);
+        (void)wheels.Add(odometry);
+      });
+      break;
+    case 5:
+      Try<messages::OccupancyGrid>(bytes,
+                                   [](const messages::OccupancyGrid& grid) {
+                                     (void)conversions::GridOf(grid);
+                                   });
+      break;
+    case 6:
+      Try<messages::TFMessage>(bytes, [](const messages::TFMessage& message) {
+        conversions::FrameTree tree;
+        tree.Add(message);
+        (void)tree.Find("a", "b");
+      });
+      break;
+    case 7:
+      Try<messages::PointCloud2>(bytes, [](const messages::PointCloud2&) {});
+      break;
+    case 8:
+      Try<messages::DiagnosticArray>(bytes,
+                                     [](const messages::DiagnosticArray&) {});
+      break;
+    default:
+      Try<messages::Path>(bytes, [](const messages::Path&) {});
+      break;
+  }
+  return 0;
+}
