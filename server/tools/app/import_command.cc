@@ -7,9 +7,9 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
+#include "server/tools/app/capture_flags.h"
 #include "server/tools/capture/open_capture.h"
 #include "server/tools/capture/recording_writer.h"
 
@@ -43,12 +43,8 @@ Examples:
 
 What to tap in each app: docs/how-to/import-a-capture.md)";
 
-struct ImportFlags {
+struct ImportFlags : CaptureFlags {
   std::string capture;
-  std::string format = "auto";
-  capture::OpenOptions open;
-  capture::WriteOptions write;
-  bool keep_turn = false;
   bool quiet = false;
 };
 
@@ -111,45 +107,15 @@ absl::Status Import(ImportFlags& flags, const std::stop_token& stop) {
   return absl::OkStatus();
 }
 
-std::string FormatsHelp() {
-  std::string help =
-      "\nFormats, found out by themselves unless --format is "
-      "given:\n";
-  for (const capture::CaptureFormat& format : capture::CaptureFormats()) {
-    absl::StrAppendFormat(&help, "  %-12s%s\n", format.name, format.summary);
-  }
-  return help;
-}
-
-void AddReadingFlags(CLI::App& command, ImportFlags& flags) {
-  command.add_option("--format", flags.format, "Format of the capture")
-      ->type_name("auto|NAME")
-      ->capture_default_str();
-  command
-      .add_option("--depth-unit", flags.open.depth_unit_m,
-                  "Metres per unit of the depth files (default: as the format "
-                  "has it, mostly 0.001)")
-      ->type_name("M");
-  command
-      .add_option("--min-confidence", flags.open.min_confidence,
-                  "Depth that is less certain is left out, where the capture "
-                  "says how certain it is: 0 keeps all, 1 drops low, 2 drops "
-                  "medium too")
-      ->type_name("0|1|2")
-      ->capture_default_str();
-  command
-      .add_option("--up", flags.open.up,
-                  "Which axis of the capture's world points up (default: as "
-                  "the format has it: y for phones, z for the others)")
-      ->type_name("x|-x|y|-y|z|-z");
-}
-
 }  // namespace
 
 cli::Command AddImportCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("import", "Make a recording of what a phone captured");
-  command->footer(absl::StrCat(FormatsHelp(), kFooter));
+  command->footer(
+      absl::StrCat("\nFormats, found out by themselves unless --format is "
+                   "given:\n",
+                   CaptureFormatsHelp(), kFooter));
   auto flags = std::make_shared<ImportFlags>();
   command
       ->add_option("capture", flags->capture,
@@ -161,20 +127,7 @@ cli::Command AddImportCommand(CLI::App& app) {
                    "Folder to write; it must not be there, or be empty")
       ->type_name("DIR")
       ->required();
-  AddReadingFlags(*command, *flags);
-  command
-      ->add_option("--every", flags->write.every,
-                   "Take every N-th frame; phones record up to 60 a second")
-      ->type_name("N")
-      ->capture_default_str();
-  command
-      ->add_option("--max-side", flags->write.max_side_px,
-                   "Make pictures smaller whose longer side is longer than "
-                   "this; 0: never")
-      ->type_name("PX")
-      ->capture_default_str();
-  command->add_flag("--keep-turn", flags->keep_turn,
-                    "Leave pictures as they are stored, even on their side");
+  AddCaptureFlags(*command, *flags);
   command->add_flag("--quiet", flags->quiet, "Show no progress");
   return {command, [flags](const std::stop_token& stop) {
             return Import(*flags, stop);
