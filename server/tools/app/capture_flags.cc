@@ -1,5 +1,7 @@
 #include "server/tools/app/capture_flags.h"
 
+#include <algorithm>
+
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_format.h"
 #include "server/tools/capture/open_capture.h"
@@ -47,6 +49,46 @@ void AddCaptureFlags(CLI::App& command, CaptureFlags& flags,
   in_group(command.add_flag(
       "--keep-turn", flags.keep_turn,
       "Leave pictures as they are stored, even on their side"));
+  constexpr const char* kPictures = "Photographs and videos";
+  command
+      .add_option("--distance", flags.photographs.distance,
+                  "How far apart two pictures were taken (m): the scale, which "
+                  "pictures alone do not tell")
+      ->type_name("A.jpg,B.jpg,METRES")
+      ->group(kPictures);
+  command
+      .add_option("--scale", flags.photographs.scale,
+                  "Or: metres per unit of the structure")
+      ->type_name("M")
+      ->group(kPictures);
+  command
+      .add_option("--colmap", flags.photographs.colmap,
+                  "COLMAP's program, 3.8 or like it")
+      ->type_name("PROGRAM")
+      ->capture_default_str()
+      ->group(kPictures);
+}
+
+bool IsPictures(const std::string& path, const std::string& format) {
+  if (format == "photographs" || format == "video") return true;
+  if (format != "auto") return false;
+  return (photographs::IsPhotographs(path) || photographs::IsVideo(path)) &&
+         std::ranges::none_of(capture::CaptureFormats(),
+                              [&](const auto& f) { return f.is_it(path); });
+}
+
+photographs::PhotographOptions PhotographOptionsOf(const CaptureFlags& flags,
+                                                   const std::string& folder,
+                                                   bool quiet) {
+  photographs::PhotographOptions options = flags.photographs;
+  options.folder = folder;
+  // Without these flags, what suits structure from motion.
+  if (flags.write.every > 1) options.pictures.every = flags.write.every;
+  if (flags.write.max_side_px > 0) {
+    options.pictures.max_side_px = flags.write.max_side_px;
+  }
+  options.quiet = quiet;
+  return options;
 }
 
 std::string CaptureFormatsHelp() {
@@ -54,6 +96,10 @@ std::string CaptureFormatsHelp() {
   for (const capture::CaptureFormat& format : capture::CaptureFormats()) {
     absl::StrAppendFormat(&help, "  %-12s%s\n", format.name, format.summary);
   }
+  help +=
+      "  photographs a folder of JPEG or PNG files, without poses: needs "
+      "COLMAP\n"
+      "  video       .mp4, .mov or .m4v, without poses: needs COLMAP\n";
   return help;
 }
 

@@ -25,6 +25,13 @@ What is written, in the layout of 7-Scenes:
   DIR/train.txt, DIR/test.txt        frames for training, frames held out
   DIR/recording.txt                  what was converted, what was left out
 
+Of photographs and videos, poses are found by structure from motion, with the
+program COLMAP (apt install colmap); minutes for some hundred pictures:
+  DIR/images/                        the pictures, upright
+  DIR/model/                         COLMAP's model, z up; in metres only where
+                                     --distance or --scale tells how large it is
+  DIR/train.txt, DIR/test.txt, DIR/recording.txt
+
 The world has z up. Frames without a pose, and frames whose files are missing or
 broken, are left out and counted. After an error or Ctrl-C there is no DIR.
 
@@ -38,6 +45,9 @@ Examples:
   treeline import capture.r3d --output office --every 3 --max-side 960
   treeline import polycam-raw --output office --min-confidence 2
   treeline import nerf/transforms.json --output scan --up y
+  treeline import photographs --output square \
+      --distance IMG_0012.jpg,IMG_0031.jpg,4.2
+  treeline import walk.mp4 --output square
   treeline train --dataset 7scenes:office --frames office/train.txt \
       --calibration nominal --output office.treeline
 
@@ -85,7 +95,33 @@ void PrintResult(const ImportFlags& flags, const std::string& format,
       folder.c_str(), folder.c_str(), folder.c_str());
 }
 
+absl::Status ImportPictures(const ImportFlags& flags,
+                            const std::stop_token& stop) {
+  const std::string& folder = flags.write.folder;
+  TL_ASSIGN_OR_RETURN(
+      const photographs::ImportedPhotographs imported,
+      photographs::ImportPhotographs(
+          flags.capture, PhotographOptionsOf(flags, folder, flags.quiet),
+          stop));
+  std::printf(
+      "Imported %d of %d pictures from %s to %s: %d points\n"
+      "  %d pictures in train.txt, %d in test.txt\n",
+      imported.registered, imported.pictures, flags.capture.c_str(),
+      folder.c_str(), imported.points, imported.train, imported.test);
+  for (const std::string& note : imported.notes) {
+    std::printf("  note: %s\n", note.c_str());
+  }
+  std::printf(
+      "Next: treeline train --method sift --dataset %s --frames %s/train.txt "
+      "--output %s.treeline\n",
+      imported.uri.c_str(), folder.c_str(), folder.c_str());
+  return absl::OkStatus();
+}
+
 absl::Status Import(ImportFlags& flags, const std::stop_token& stop) {
+  if (IsPictures(flags.capture, flags.format)) {
+    return ImportPictures(flags, stop);
+  }
   flags.write.source = flags.capture;
   flags.write.upright = !flags.keep_turn;
   TL_RETURN_IF_ERROR(flags.write.Validate());

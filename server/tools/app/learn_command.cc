@@ -46,11 +46,6 @@ Examples:
   treeline learn 7scenes:recording --scene office --output office-2
   treeline-server --models models)";
 
-struct LearnFlags {
-  LearnOptions options;
-  CaptureFlags capture;
-};
-
 void AddRecordingFlags(CLI::App& command, dataset::DatasetOptions& options) {
   constexpr const char* kGroup = "If it is a recording already";
   command
@@ -116,13 +111,8 @@ void AddTrainingFlags(CLI::App& command, LearnOptions& options) {
       ->group(kGroup);
 }
 
-absl::Status Learn(const LearnFlags& flags, const std::stop_token& stop) {
-  LearnOptions options = flags.options;
-  options.format = flags.capture.format;
-  options.open = flags.capture.open;
-  options.write = flags.capture.write;
-  options.write.upright = !flags.capture.keep_turn;
-  options.dataset.depth_unit_m = flags.capture.open.depth_unit_m;
+absl::Status Learn(LearnOptions options, const std::stop_token& stop) {
+  options.dataset.depth_unit_m = options.capture.open.depth_unit_m;
   return LearnPlace(options, stop);
 }
 
@@ -132,8 +122,8 @@ cli::Command AddLearnCommand(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "learn", "From a capture to a scene that serves, and a page about it");
   command->footer(absl::StrCat(kHeader, CaptureFormatsHelp(), kFooter));
-  auto flags = std::make_shared<LearnFlags>();
-  LearnOptions& options = flags->options;
+  auto flags = std::make_shared<LearnOptions>();
+  LearnOptions& options = *flags;
   command
       ->add_option("capture", options.source,
                    "What to learn from: a capture, a recording or a map bundle")
@@ -153,7 +143,7 @@ cli::Command AddLearnCommand(CLI::App& app) {
                    "Folder for the page and the imported recording; it must "
                    "not be there, or be empty (default: SCENE-learnt)")
       ->type_name("OUTPUT");
-  AddCaptureFlags(*command, flags->capture, "If it is a capture");
+  AddCaptureFlags(*command, options.capture, "If it is a capture");
   AddRecordingFlags(*command, options.dataset);
   AddTrainingFlags(*command, options);
   command->add_flag("--quiet", options.quiet, "Show no progress");

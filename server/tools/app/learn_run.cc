@@ -29,8 +29,8 @@
 #include "server/tools/coverage_picture.h"
 #include "server/tools/learning/learn_page.h"
 #include "server/tools/learning/learn_source.h"
-#include "server/tools/learning/output_folder.h"
 #include "server/tools/model_description.h"
+#include "server/tools/output_folder.h"
 #include "server/tools/run_info.h"
 #include "server/tools/training_place.h"
 #include "server/tools/training_record.h"
@@ -40,8 +40,8 @@ namespace {
 
 using dataset::Dataset;
 using dataset::DatasetOptions;
-using learning::OutputFolder;
 using learning::SourceKind;
+using tools::OutputFolder;
 
 // With fewer, what is held out says nothing, and what is learnt is little.
 constexpr int kFewestFrames = 20;
@@ -121,7 +121,10 @@ class PlaceLearner {
     steps_.Begin(source_.kind == SourceKind::kCapture ? "Import" : "Open");
     std::string imported;
     if (source_.kind == SourceKind::kCapture) {
-      TL_ASSIGN_OR_RETURN(imported, Import());
+      TL_ASSIGN_OR_RETURN(imported,
+                          IsPictures(options_.source, options_.capture.format)
+                              ? ImportPictures()
+                              : Import());
     }
     if (source_.kind == SourceKind::kMapBundle) {
       TL_RETURN_IF_ERROR(TakeBundleCameras());
@@ -148,12 +151,14 @@ class PlaceLearner {
 
   // What the capture was, for the step's line.
   absl::StatusOr<std::string> Import() {
-    capture::WriteOptions write = options_.write;
+    capture::WriteOptions write = options_.capture.write;
+    write.upright = !options_.capture.keep_turn;
     write.folder = output_.Path("recording");
     write.source = options_.source;
     TL_ASSIGN_OR_RETURN(
         capture::Capture capture,
-        capture::OpenCapture(options_.source, options_.format, options_.open));
+        capture::OpenCapture(options_.source, options_.capture.format,
+                             options_.capture.open));
     const std::string format = capture.format;
     absl::StatusOr<capture::WrittenRecording> written;
     {
@@ -173,6 +178,22 @@ class PlaceLearner {
     }
     return absl::StrFormat(" of a %s capture, %d with depth", format,
                            written->with_depth);
+  }
+
+  absl::StatusOr<std::string> ImportPictures() {
+    const std::string folder = output_.Path("recording");
+    TL_ASSIGN_OR_RETURN(
+        const photographs::ImportedPhotographs imported,
+        photographs::ImportPhotographs(
+            options_.source,
+            PhotographOptionsOf(options_.capture, folder, options_.quiet),
+            stop_));
+    all_.uri = imported.uri;
+    source_.train_list = folder + "/train.txt";
+    source_.test_list = folder + "/test.txt";
+    page_.notes = imported.notes;
+    return absl::StrFormat(" of %d, placed by structure from motion",
+                           imported.pictures);
   }
 
   absl::Status TakeBundleCameras() {
@@ -471,7 +492,7 @@ absl::Status LearnPlace(const LearnOptions& given,
                                          : source.scene;
   }
   if (options.output.empty()) options.output = options.scene + "-learnt";
-  TL_RETURN_IF_ERROR(learning::CheckFolderCanBeMade(options.repository));
+  TL_RETURN_IF_ERROR(tools::CheckFolderCanBeMade(options.repository));
   TL_ASSIGN_OR_RETURN(OutputFolder output,
                       OutputFolder::Create(options.output));
   return PlaceLearner(options, std::move(source), std::move(output), stop)

@@ -8,8 +8,7 @@
 #include "absl/status/status.h"
 #include "common/dataset/dataset.h"
 #include "server/core/training/training_options.h"
-#include "server/tools/capture/capture.h"
-#include "server/tools/capture/recording_writer.h"
+#include "server/tools/app/capture_flags.h"
 
 namespace treeline::tools_app {
 
@@ -19,10 +18,8 @@ struct LearnOptions {
   std::string scene;   // empty: from the source's name
   std::string output;  // empty: SCENE-learnt
   std::string method;  // empty: universal, or sift for structure from motion
-  // Of a capture.
-  std::string format = "auto";
-  capture::OpenOptions open;
-  capture::WriteOptions write;
+  // How a capture is read.
+  CaptureFlags capture;
   // Of a recording; its uri is filled in.
   dataset::DatasetOptions dataset;
   std::string calibration = "auto";

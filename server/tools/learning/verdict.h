@@ -17,12 +17,12 @@ struct HeldOutTrial {
   int right = 0;  // of the answers, within the bounds
   int wrong = 0;  // answers that are relied on, and are not right
   // Of all answers, in the world's unit (m) and degrees; nullopt: none.
-  std::optional<double> median_translation_m;
-  std::optional<double> median_rotation_deg;
+  std::optional<double> median_translation_m{};
+  std::optional<double> median_rotation_deg{};
   // Nine of ten answers are nearer.
-  std::optional<double> p90_translation_m;
+  std::optional<double> p90_translation_m{};
   // Of the processor, a query.
-  std::optional<double> cpu_ms;
+  std::optional<double> cpu_ms{};
 };
 
 enum class Grade { kGood, kFair, kPoor };

@@ -20,7 +20,7 @@ struct WeakSpot {
   double missing_share = 0;
   // The middle of the headings that are missing, anticlockwise from the plan's
   // x axis (rad); nullopt: nearly all are.
-  std::optional<double> towards_rad;
+  std::optional<double> towards_rad{};
 };
 
 // At most `count`, those with the most missing views first, well apart from

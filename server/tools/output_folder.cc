@@ -1,4 +1,4 @@
-#include "server/tools/learning/output_folder.h"
+#include "server/tools/output_folder.h"
 
 #include <unistd.h>
 
@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 
-namespace treeline::learning {
+namespace treeline::tools {
 namespace {
 
 namespace fs = std::filesystem;
@@ -65,4 +65,4 @@ absl::Status CheckFolderCanBeMade(const std::string& path) {
                              absl::StrCat("writing below ", at.string()));
 }
 
-}  // namespace treeline::learning
+}  // namespace treeline::tools

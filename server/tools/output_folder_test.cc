@@ -1,4 +1,4 @@
-#include "server/tools/learning/output_folder.h"
+#include "server/tools/output_folder.h"
 
 #include <filesystem>
 #include <optional>
@@ -7,7 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline::learning {
+namespace treeline::tools {
 namespace {
 
 using testing::HasSubstr;
@@ -56,4 +56,4 @@ TEST(OutputFolderTest, WhereNothingCanBeMadeIsKnownBefore) {
 }
 
 }  // namespace
-}  // namespace treeline::learning
+}  // namespace treeline::tools

@@ -1,13 +1,13 @@
 // A folder that is there with all that belongs into it, or not at all.
-#ifndef SERVER_TOOLS_LEARNING_OUTPUT_FOLDER_H_
-#define SERVER_TOOLS_LEARNING_OUTPUT_FOLDER_H_
+#ifndef SERVER_TOOLS_OUTPUT_FOLDER_H_
+#define SERVER_TOOLS_OUTPUT_FOLDER_H_
 
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace treeline::learning {
+namespace treeline::tools {
 
 // Removed with all that is in it when destroyed, unless it was kept. It has its
 // name from the beginning, because models and lists name files in it.
@@ -34,6 +34,6 @@ class OutputFolder {
 // Whether a file could be made at `path`, whose folder need not be there yet.
 absl::Status CheckFolderCanBeMade(const std::string& path);
 
-}  // namespace treeline::learning
+}  // namespace treeline::tools
 
-#endif  // SERVER_TOOLS_LEARNING_OUTPUT_FOLDER_H_
+#endif  // SERVER_TOOLS_OUTPUT_FOLDER_H_
