@@ -72,7 +72,7 @@ TEST_F(LearnProgram, MakesASceneThatServesOfACapture) {
       {TREELINE_PROGRAM, "evaluate", "--model", model, "--dataset",
        "7scenes:" + recording, "--frames", recording + "/test.txt", "--quiet"});
   ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
-  EXPECT_THAT(evaluated.out, HasSubstr("localized                12"));
+  EXPECT_THAT(evaluated.out, HasSubstr("localized                10"));
   const ProgramResult inspected =
       RunProgram({TREELINE_PROGRAM, "inspect", model});
   EXPECT_THAT(inspected.out, HasSubstr("universal"));

@@ -44,6 +44,7 @@ table { border-collapse: collapse; width: 100%; }
 th, td { text-align: left; vertical-align: top; padding: .45rem .75rem .45rem 0;
   border-bottom: 1px solid var(--line); }
 th { font-weight: 600; } td.number, th.number { text-align: right; }
+td.number { white-space: nowrap; }
 .scroll { overflow-x: auto; }
 ol.advice { list-style: none; padding: 0; }
 ol.advice li { padding: .6rem 0; border-bottom: 1px solid var(--line); }
