@@ -22,7 +22,8 @@ class LearnProgram : public testing::Test {
  protected:
   std::vector<std::string> Learn(
       const std::string& source,
-      const std::vector<std::string>& more_arguments = {}) const {
+      const std::vector<std::string>& more_arguments = {},
+      const std::string& trees = "2") const {
     std::vector<std::string> argv = {TREELINE_PROGRAM,
                                      "learn",
                                      source,
@@ -33,7 +34,7 @@ class LearnProgram : public testing::Test {
                                      "--output",
                                      folder_.Path("learnt"),
                                      "--trees",
-                                     "2"};
+                                     trees};
     argv.insert(argv.end(), more_arguments.begin(), more_arguments.end());
     return argv;
   }
@@ -92,7 +93,7 @@ TEST_F(LearnProgram, MakesASceneThatServesOfACapture) {
 
 TEST_F(LearnProgram, AnInterruptLeavesNothing) {
   capture::WriteStray(capture::MakeTrueScene(40), folder_.Path("capture"));
-  Process learn(Learn(folder_.Path("capture"), {"--trees", "64"}));
+  Process learn(Learn(folder_.Path("capture"), {}, "64"));
   // 64 trees take long.
   ASSERT_TRUE(learn.WaitForLine("[3/7] Train").has_value()) << learn.err();
   EXPECT_TRUE(fs::exists(folder_.Path("learnt/recording/train.txt")));

@@ -72,6 +72,7 @@ class PhotographImporter {
                           .pictures = result_.pictures,
                           .is_sequence = IsVideo(source_),
                           .is_one_camera = is_one_camera_,
+                          .longest_side_px = longest_side_px_,
                           .quiet = options_.quiet};
     TL_ASSIGN_OR_RETURN(structure_,
                         ComputeStructure(structure_options_, stop_));
@@ -99,6 +100,7 @@ class PhotographImporter {
                             [&] { progress.Add(1); }, stop_));
     result_.pictures = static_cast<int>(copied.names.size());
     is_one_camera_ = copied.is_one_size;
+    longest_side_px_ = copied.longest_side_px;
     for (const std::string& why : copied.left_out) {
       result_.notes.push_back("left out: " + why);
     }
@@ -211,6 +213,7 @@ class PhotographImporter {
   tools::OutputFolder output_;
   const std::stop_token& stop_;
   bool is_one_camera_ = true;
+  int longest_side_px_ = 0;
   StructureOptions structure_options_;
   Structure structure_;
   ImportedPhotographs result_;

@@ -70,6 +70,8 @@ class Copier {
     const image::ImageSize size{picture.width, picture.height};
     if (size_ && !(*size_ == size)) result_.is_one_size = false;
     size_ = size;
+    result_.longest_side_px =
+        std::max({result_.longest_side_px, size.width, size.height});
     TL_ASSIGN_OR_RETURN(const std::string jpeg,
                         image::EncodeJpeg(picture, kJpegQuality));
     TL_RETURN_IF_ERROR(

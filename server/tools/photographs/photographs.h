@@ -27,6 +27,7 @@ struct CopiedPictures {
   std::vector<std::string> names;  // below the folder, in their order
   // Whether all have one size: then they are taken to be of one camera.
   bool is_one_size = true;
+  int longest_side_px = 0;
   // Names of those that could not be read, with why.
   std::vector<std::string> left_out;
 };

@@ -32,6 +32,8 @@ constexpr auto kLook = std::chrono::milliseconds(200);
 // Matching without a GPU compares each feature with each: more make it slow
 // (8192, COLMAP's own limit, take seven times as long).
 constexpr const char* kMaxFeatures = "3000";
+// From here on, pictures have enough features as they are.
+constexpr int kLargePicture_px = 1200;
 // A picture of a video is matched with so many after it, and with some further
 // ones.
 constexpr const char* kOverlap = "12";
@@ -93,6 +95,8 @@ absl::Status FindFeatures(const StructureOptions& options,
       .With("ImageReader.camera_model", "SIMPLE_RADIAL")
       .With("SiftExtraction.use_gpu", "0")
       .With("SiftExtraction.max_num_features", kMaxFeatures)
+      .With("SiftExtraction.first_octave",
+            options.longest_side_px < kLargePicture_px ? "-1" : "0")
       .Run("features", "Processed file [", options.pictures, stop);
 }
 

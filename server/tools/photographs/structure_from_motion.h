@@ -25,6 +25,8 @@ struct StructureOptions {
   bool is_sequence = false;
   // All pictures are of one camera.
   bool is_one_camera = true;
+  // Small ones are looked at twice as large: slow, and more features.
+  int longest_side_px = 0;
   bool quiet = false;
 };
 
