@@ -91,6 +91,31 @@ TEST_F(LearnProgram, MakesASceneThatServesOfACapture) {
   EXPECT_TRUE(fs::exists(folder_.Path("models/box/2/model.treeline")));
 }
 
+// What a robot recorded: keyframes with a calibration beside them.
+TEST_F(LearnProgram, LearnsTheKeyframesOfAMapBundle) {
+  capture::WriteStray(capture::MakeTrueScene(40), folder_.Path("capture"));
+  folder_.Write("map/bundle.yaml", "name: hall\n");
+  const std::string keyframes = folder_.Path("map/keyframes");
+  ASSERT_EQ(RunProgram({TREELINE_PROGRAM, "import", folder_.Path("capture"),
+                        "--output", keyframes, "--quiet"})
+                .exit_code,
+            0);
+  for (const char* list : {"/train.txt", "/test.txt"}) {
+    fs::remove(keyframes + list);
+  }
+  fs::rename(keyframes + "/cameras.json", keyframes + "/calibration.json");
+  const ProgramResult result =
+      RunProgram({TREELINE_PROGRAM, "learn", folder_.Path("map"), "--trees",
+                  "2", "--only-tested", "--repository", folder_.Path("models"),
+                  "--output", folder_.Path("learnt")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("[1/7] Open"));
+  EXPECT_THAT(result.out, HasSubstr("the map's own"));
+  EXPECT_TRUE(fs::exists(folder_.Path("models/hall/1/model.treeline")));
+  EXPECT_TRUE(fs::exists(folder_.Path("learnt/test.txt")));
+  EXPECT_TRUE(fs::exists(folder_.Path("learnt/page.html")));
+}
+
 TEST_F(LearnProgram, AnInterruptLeavesNothing) {
   capture::WriteStray(capture::MakeTrueScene(40), folder_.Path("capture"));
   Process learn(Learn(folder_.Path("capture"), {}, "64"));

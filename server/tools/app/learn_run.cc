@@ -45,6 +45,9 @@ using tools::OutputFolder;
 
 // With fewer, what is held out says nothing, and what is learnt is little.
 constexpr int kFewestFrames = 20;
+// More frames of a capture add hours and hardly a view: phones record 60 a
+// second.
+constexpr int kManyFrames = 1200;
 constexpr int kWeakSpots = 4;
 constexpr int kSteps = 7;
 constexpr uint64_t kMaxModelBytes = uint64_t{16} << 30;
@@ -160,6 +163,13 @@ class PlaceLearner {
         capture::OpenCapture(options_.source, options_.capture.format,
                              options_.capture.open));
     const std::string format = capture.format;
+    const int frames = static_cast<int>(capture.frames.size());
+    if (write.every == 1 && frames > kManyFrames) {
+      write.every = (frames + kManyFrames - 1) / kManyFrames;
+      page_.notes.push_back(absl::StrFormat(
+          "of %d frames every %d. was taken; --every N takes others", frames,
+          write.every));
+    }
     absl::StatusOr<capture::WrittenRecording> written;
     {
       base::Progress progress(
@@ -172,7 +182,8 @@ class PlaceLearner {
     all_.uri = "7scenes:" + write.folder;
     source_.train_list = write.folder + "/train.txt";
     source_.test_list = write.folder + "/test.txt";
-    page_.notes = written->notes;
+    page_.notes.insert(page_.notes.end(), written->notes.begin(),
+                       written->notes.end());
     for (const std::string& line : written->left_out.Lines()) {
       page_.notes.push_back("left out: " + line);
     }
