@@ -14,7 +14,6 @@
 #include "absl/strings/str_format.h"
 #include "common/base/clock.h"
 #include "common/base/file.h"
-#include "common/base/progress.h"
 #include "common/base/status_macros.h"
 #include "common/base/version.h"
 #include "common/camera/calibration_json.h"
@@ -25,7 +24,7 @@
 #include "server/core/training/rgbd_calibrator.h"
 #include "server/core/training/scene_trainer.h"
 #include "server/tools/app/learn_evaluation.h"
-#include "server/tools/capture/open_capture.h"
+#include "server/tools/app/learn_import.h"
 #include "server/tools/coverage_picture.h"
 #include "server/tools/learning/learn_page.h"
 #include "server/tools/learning/learn_source.h"
@@ -45,9 +44,6 @@ using tools::OutputFolder;
 
 // With fewer, what is held out says nothing, and what is learnt is little.
 constexpr int kFewestFrames = 20;
-// More frames of a capture add hours and hardly a view: phones record 60 a
-// second.
-constexpr int kManyFrames = 1200;
 constexpr int kWeakSpots = 4;
 constexpr int kSteps = 7;
 constexpr uint64_t kMaxModelBytes = uint64_t{16} << 30;
@@ -124,10 +120,15 @@ class PlaceLearner {
     steps_.Begin(source_.kind == SourceKind::kCapture ? "Import" : "Open");
     std::string imported;
     if (source_.kind == SourceKind::kCapture) {
-      TL_ASSIGN_OR_RETURN(imported,
-                          IsPictures(options_.source, options_.capture.format)
-                              ? ImportPictures()
-                              : Import());
+      TL_ASSIGN_OR_RETURN(
+          ImportedCapture capture,
+          ImportCapture(options_.source, options_.capture,
+                        output_.Path("recording"), options_.quiet, stop_));
+      all_.uri = capture.uri;
+      source_.train_list = capture.train_list;
+      source_.test_list = capture.test_list;
+      page_.notes = std::move(capture.notes);
+      imported = capture.what;
     }
     if (source_.kind == SourceKind::kMapBundle) {
       TL_RETURN_IF_ERROR(TakeBundleCameras());
@@ -150,61 +151,6 @@ class PlaceLearner {
         "%d frames%s: %d to learn, %d held out for the test", dataset.size(),
         imported, part_size_, held_out_->size()));
     return absl::OkStatus();
-  }
-
-  // What the capture was, for the step's line.
-  absl::StatusOr<std::string> Import() {
-    capture::WriteOptions write = options_.capture.write;
-    write.upright = !options_.capture.keep_turn;
-    write.folder = output_.Path("recording");
-    write.source = options_.source;
-    TL_ASSIGN_OR_RETURN(
-        capture::Capture capture,
-        capture::OpenCapture(options_.source, options_.capture.format,
-                             options_.capture.open));
-    const std::string format = capture.format;
-    const int frames = static_cast<int>(capture.frames.size());
-    if (write.every == 1 && frames > kManyFrames) {
-      write.every = (frames + kManyFrames - 1) / kManyFrames;
-      page_.notes.push_back(absl::StrFormat(
-          "of %d frames every %d. was taken; --every N takes others", frames,
-          write.every));
-    }
-    absl::StatusOr<capture::WrittenRecording> written;
-    {
-      base::Progress progress(
-          "importing", std::max(1, capture::FramesToWrite(capture, write)),
-          options_.quiet);
-      written = capture::WriteRecording(
-          std::move(capture), write, [&] { progress.Add(1); }, stop_);
-    }
-    TL_RETURN_IF_ERROR(written.status());
-    all_.uri = "7scenes:" + write.folder;
-    source_.train_list = write.folder + "/train.txt";
-    source_.test_list = write.folder + "/test.txt";
-    page_.notes.insert(page_.notes.end(), written->notes.begin(),
-                       written->notes.end());
-    for (const std::string& line : written->left_out.Lines()) {
-      page_.notes.push_back("left out: " + line);
-    }
-    return absl::StrFormat(" of a %s capture, %d with depth", format,
-                           written->with_depth);
-  }
-
-  absl::StatusOr<std::string> ImportPictures() {
-    const std::string folder = output_.Path("recording");
-    TL_ASSIGN_OR_RETURN(
-        const photographs::ImportedPhotographs imported,
-        photographs::ImportPhotographs(
-            options_.source,
-            PhotographOptionsOf(options_.capture, folder, options_.quiet),
-            stop_));
-    all_.uri = imported.uri;
-    source_.train_list = folder + "/train.txt";
-    source_.test_list = folder + "/test.txt";
-    page_.notes = imported.notes;
-    return absl::StrFormat(" of %d, placed by structure from motion",
-                           imported.pictures);
   }
 
   absl::Status TakeBundleCameras() {
