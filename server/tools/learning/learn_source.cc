@@ -30,7 +30,8 @@ std::string WithoutSlashes(std::string path) {
 
 bool IsSevenScenes(const std::string& folder) {
   for (const std::string& name : base::SortedNamesIn(folder)) {
-    if (absl::StartsWith(name, "seq-") && IsFolder(folder + "/" + name)) {
+    if (absl::StartsWith(name, "seq-") &&
+        IsFolder(absl::StrCat(folder, "/", name))) {
       return true;
     }
   }
