@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "common/base/file.h"
 #include "common/base/folder.h"
@@ -20,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMaxNvmBytes = uint64_t{4} << 30;
+constexpr uint64_t kMaxUnitsBytes = 1 << 10;
 
 // The picture of an image: by its name, or by that with the other ending,
 // since pictures are often converted after a model was computed from them.
@@ -40,6 +42,18 @@ absl::StatusOr<std::string> PictureOf(const std::string& folder,
   if (path) return *std::move(path);
   return absl::NotFoundError(absl::StrCat("there is no picture ", folder, "/",
                                           name, " of an image of the model"));
+}
+
+// Whether a model is in metres, which its folder's units.txt says: structure
+// from motion itself knows no unit.
+absl::StatusOr<bool> IsInMetres(const std::string& folder) {
+  const std::string path = folder + "/units.txt";
+  if (!base::IsFile(path)) return false;
+  TL_ASSIGN_OR_RETURN(const std::string text,
+                      base::ReadFile(path, kMaxUnitsBytes));
+  if (absl::StripAsciiWhitespace(text) == "metres") return true;
+  return absl::InvalidArgumentError(absl::StrCat(
+      path, ": the unit of the model must be metres, or the file missing"));
 }
 
 // The images to read, as indices into `images`: those of the list, or all by
@@ -110,7 +124,10 @@ absl::StatusOr<DatasetIndex> IndexColmap(const IndexRequest& request) {
   auto shared = std::make_shared<const SfmModel>(std::move(model));
   TL_ASSIGN_OR_RETURN(const std::vector<int32_t> selected,
                       SelectImages(request, shared->images, request.path));
-  return IndexOf(std::move(shared), selected, request.image_folder);
+  TL_ASSIGN_OR_RETURN(DatasetIndex index, IndexOf(std::move(shared), selected,
+                                                  request.image_folder));
+  TL_ASSIGN_OR_RETURN(index.units_are_metres, IsInMetres(request.path));
+  return index;
 }
 
 absl::StatusOr<DatasetIndex> IndexNvm(const IndexRequest& request) {

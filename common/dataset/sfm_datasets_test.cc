@@ -87,6 +87,17 @@ TEST_F(SfmDatasetsTest, ColmapFramesComeByNameWithTheirOwnCameras) {
   EXPECT_EQ(decoded->calibration, frame->calibration);
 }
 
+// Structure from motion knows no unit, but somebody may have scaled the model.
+TEST_F(SfmDatasetsTest, AModelIsInMetresIfItSaysSo) {
+  WriteColmap();
+  EXPECT_FALSE(Dataset::Open(Colmap())->units_are_metres());
+  Write("model/units.txt", "metres\n");
+  EXPECT_TRUE(Dataset::Open(Colmap())->units_are_metres());
+  Write("model/units.txt", "feet\n");
+  EXPECT_THAT(ErrorOf(Colmap(), absl::StatusCode::kInvalidArgument),
+              HasSubstr("model/units.txt"));
+}
+
 TEST_F(SfmDatasetsTest, FrameListsNameImages) {
   WriteColmap();
   Write("list.txt", "b.png\n");

@@ -52,10 +52,10 @@ absl::StatusOr<std::unique_ptr<KidnapServer>> KidnapServer::Spawn(
     const std::string& models, const std::string& log,
     const std::stop_token& stop) {
   TL_ASSIGN_OR_RETURN(const std::string program,
-                      suites::SiblingProgram("treeline-server"));
+                      base::SiblingProgram("treeline-server"));
   TL_ASSIGN_OR_RETURN(
-      std::unique_ptr<suites::ChildProcess> process,
-      suites::ChildProcess::Start(
+      std::unique_ptr<base::ChildProcess> process,
+      base::ChildProcess::Start(
           {program, "--models", models, "--load-all", "--listen", "127.0.0.1:0",
            "--admin-listen", "", "--http-listen", ""},
           log));

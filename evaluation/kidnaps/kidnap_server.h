@@ -10,7 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "evaluation/suites/child_process.h"
+#include "common/base/child_process.h"
 
 namespace treeline::kidnaps {
 
@@ -35,10 +35,10 @@ class KidnapServer {
   void Break(ServerFault fault);
 
  private:
-  explicit KidnapServer(std::unique_ptr<suites::ChildProcess> process)
+  explicit KidnapServer(std::unique_ptr<base::ChildProcess> process)
       : process_(std::move(process)) {}
 
-  std::unique_ptr<suites::ChildProcess> process_;
+  std::unique_ptr<base::ChildProcess> process_;
   std::string address_;
 };
 

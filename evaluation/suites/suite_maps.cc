@@ -7,10 +7,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "common/base/child_process.h"
 #include "common/base/file.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
-#include "evaluation/suites/child_process.h"
 #include "nav_agent/app/map/map_from_log.h"
 #include "nav_agent/map_bundle/map_bundle.h"
 #include "simulation/runs/simulation_run.h"
@@ -169,14 +169,15 @@ absl::StatusOr<std::string> ModelsForSuite(const SuiteMapOptions& options,
     if (fs::exists(entry.path() / "model.treeline", error)) return models;
   }
   TL_RETURN_IF_ERROR(BundleOf(options, stop).status());
-  TL_ASSIGN_OR_RETURN(const std::string program, SiblingProgram("treeline"));
+  TL_ASSIGN_OR_RETURN(const std::string program,
+                      base::SiblingProgram("treeline"));
   if (!options.quiet) {
     std::fprintf(stderr, "training %s\n", scene.c_str());
   }
   fs::create_directories(models, error);
   TL_ASSIGN_OR_RETURN(
-      const std::unique_ptr<ChildProcess> training,
-      ChildProcess::Start(
+      const std::unique_ptr<base::ChildProcess> training,
+      base::ChildProcess::Start(
           {program, "train", "--map", SuiteBundleFolder(options),
            "--repository", models, "--scene", scene, "--frames-per-tree",
            kFramesPerTree, "--samples-per-frame", kSamplesPerFrame},

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_format.h"
@@ -23,6 +24,7 @@ const cv::Scalar kBlack(30, 30, 30);
 const cv::Scalar kQuiet(110, 110, 110);
 const cv::Scalar kNoHeading(226, 226, 230);
 const cv::Scalar kCameras(214, 39, 120);
+const cv::Scalar kMark(200, 30, 30);
 // From no heading to all: viridis without its darkest part, which colour-blind
 // people and grey copies keep in order.
 constexpr std::array<std::array<double, 3>, 5> kRamp = {{{72, 62, 133},
@@ -251,6 +253,38 @@ void DrawCameras(cv::Mat& image, const Frame& frame,
   }
 }
 
+// Above all else, on white, so that they are seen on any colour.
+void DrawMarks(cv::Mat& image, const Frame& frame, const CoverageMarks& marks) {
+  constexpr int kArm_px = 5;
+  constexpr int kCircle_px = 13;
+  constexpr double kArrow_px = 34;
+  constexpr double kSize = 0.6;
+  for (const CoverageMarks::Cross& cross : marks.crosses) {
+    const cv::Point at = frame.At(cross.x_m, cross.y_m) / (1 << kShift);
+    for (const auto& [color, width] :
+         {std::pair{kWhite, 5}, std::pair{kMark, 2}}) {
+      cv::line(image, at - cv::Point(kArm_px, kArm_px),
+               at + cv::Point(kArm_px, kArm_px), color, width, cv::LINE_AA);
+      cv::line(image, at - cv::Point(kArm_px, -kArm_px),
+               at + cv::Point(kArm_px, -kArm_px), color, width, cv::LINE_AA);
+    }
+  }
+  for (const CoverageMarks::Letter& letter : marks.letters) {
+    const cv::Point at = frame.At(letter.x_m, letter.y_m) / (1 << kShift);
+    if (letter.towards_rad) {
+      const cv::Point tip =
+          at + cv::Point(cvRound(kArrow_px * std::cos(*letter.towards_rad)),
+                         cvRound(-kArrow_px * std::sin(*letter.towards_rad)));
+      cv::arrowedLine(image, at, tip, kWhite, 6, cv::LINE_AA, 0, 0.3);
+      cv::arrowedLine(image, at, tip, kMark, 3, cv::LINE_AA, 0, 0.3);
+    }
+    cv::circle(image, at, kCircle_px, kMark, cv::FILLED, cv::LINE_AA);
+    cv::circle(image, at, kCircle_px, kWhite, 2, cv::LINE_AA);
+    Write(image, letter.text,
+          at + cv::Point(-WidthOf(letter.text, kSize) / 2, 7), kSize, kWhite);
+  }
+}
+
 void DrawTitle(cv::Mat& image, const CoverageMap& coverage,
                const std::string& title) {
   const keyframes::CoverageSummary summary = keyframes::Summarize(coverage);
@@ -320,7 +354,8 @@ void DrawLegend(cv::Mat& image, int top, const Frame& frame,
 
 image::ColorImage DrawCoverage(const keyframes::KeyframeMap& map,
                                const CoverageMap& coverage,
-                               const std::string& title) {
+                               const std::string& title,
+                               const CoverageMarks& marks) {
   const Frame frame = FrameOf(coverage);
   const int legend = frame.top + frame.height() + 24;
   const int width_px = 2 * kMargin_px + std::max(kMinPlan_px, frame.width());
@@ -329,6 +364,7 @@ image::ColorImage DrawCoverage(const keyframes::KeyframeMap& map,
   DrawPoints(image, frame, map, coverage);
   DrawFans(image, frame, coverage);
   DrawCameras(image, frame, map, coverage);
+  DrawMarks(image, frame, marks);
   DrawTitle(image, coverage, title);
   DrawLegend(image, legend, frame, coverage);
   image::ColorImage picture{

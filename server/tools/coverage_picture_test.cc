@@ -61,5 +61,37 @@ TEST(CoveragePictureTest, APictureOfATallSceneIsNotTooTall) {
                                     static_cast<size_t>(picture.height));
 }
 
+TEST(CoveragePictureTest, MarksAreDrawnWhereTheyAre) {
+  const Color mark{200, 30, 30};
+  const keyframes::CoverageMap coverage = Corridor(8);
+  EXPECT_EQ(Colors(Draw(coverage))[mark], 0);
+  const image::ColorImage picture =
+      DrawCoverage({}, coverage, "test",
+                   {.letters = {{.text = "A", .x_m = 0.5, .y_m = 0.125}},
+                    .crosses = {{.x_m = 1.5, .y_m = 0.125}}});
+  // 357 pixels to the metre; the plan begins 0.4 m to the left of x = 0.
+  double letter_x = 0;
+  int letter = 0;
+  int cross = 0;
+  for (int x = 0; x < picture.width; ++x) {
+    for (int y = 0; y < picture.height; ++y) {
+      const size_t i = 3 * static_cast<size_t>(y * picture.width + x);
+      if (picture.rgb[i] != mark[0] || picture.rgb[i + 1] != mark[1] ||
+          picture.rgb[i + 2] != mark[2]) {
+        continue;
+      }
+      if (x < 28 + 1.4 * 357) {
+        letter_x += x;
+        ++letter;
+      } else {
+        ++cross;
+      }
+    }
+  }
+  EXPECT_GT(letter, 200);
+  EXPECT_GT(cross, 10);
+  EXPECT_NEAR(letter_x / letter, 28 + (0.5 + 0.4) * 357, 3);
+}
+
 }  // namespace
 }  // namespace treeline::tools

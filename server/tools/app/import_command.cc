@@ -7,9 +7,9 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "common/base/progress.h"
 #include "common/base/status_macros.h"
+#include "server/tools/app/capture_flags.h"
 #include "server/tools/capture/open_capture.h"
 #include "server/tools/capture/recording_writer.h"
 
@@ -25,6 +25,13 @@ What is written, in the layout of 7-Scenes:
   DIR/train.txt, DIR/test.txt        frames for training, frames held out
   DIR/recording.txt                  what was converted, what was left out
 
+Of photographs and videos, poses are found by structure from motion, with the
+program COLMAP (apt install colmap); minutes for some hundred pictures:
+  DIR/images/                        the pictures, upright
+  DIR/model/                         COLMAP's model, z up; in metres only where
+                                     --distance or --scale tells how large it is
+  DIR/train.txt, DIR/test.txt, DIR/recording.txt
+
 The world has z up. Frames without a pose, and frames whose files are missing or
 broken, are left out and counted. After an error or Ctrl-C there is no DIR.
 
@@ -38,17 +45,16 @@ Examples:
   treeline import capture.r3d --output office --every 3 --max-side 960
   treeline import polycam-raw --output office --min-confidence 2
   treeline import nerf/transforms.json --output scan --up y
+  treeline import photographs --output square \
+      --distance IMG_0012.jpg,IMG_0031.jpg,4.2
+  treeline import walk.mp4 --output square
   treeline train --dataset 7scenes:office --frames office/train.txt \
       --calibration nominal --output office.treeline
 
 What to tap in each app: docs/how-to/import-a-capture.md)";
 
-struct ImportFlags {
+struct ImportFlags : CaptureFlags {
   std::string capture;
-  std::string format = "auto";
-  capture::OpenOptions open;
-  capture::WriteOptions write;
-  bool keep_turn = false;
   bool quiet = false;
 };
 
@@ -89,7 +95,33 @@ void PrintResult(const ImportFlags& flags, const std::string& format,
       folder.c_str(), folder.c_str(), folder.c_str());
 }
 
+absl::Status ImportPictures(const ImportFlags& flags,
+                            const std::stop_token& stop) {
+  const std::string& folder = flags.write.folder;
+  TL_ASSIGN_OR_RETURN(
+      const photographs::ImportedPhotographs imported,
+      photographs::ImportPhotographs(
+          flags.capture, PhotographOptionsOf(flags, folder, flags.quiet),
+          stop));
+  std::printf(
+      "Imported %d of %d pictures from %s to %s: %d points\n"
+      "  %d pictures in train.txt, %d in test.txt\n",
+      imported.registered, imported.pictures, flags.capture.c_str(),
+      folder.c_str(), imported.points, imported.train, imported.test);
+  for (const std::string& note : imported.notes) {
+    std::printf("  note: %s\n", note.c_str());
+  }
+  std::printf(
+      "Next: treeline train --method sift --dataset %s --frames %s/train.txt "
+      "--output %s.treeline\n",
+      imported.uri.c_str(), folder.c_str(), folder.c_str());
+  return absl::OkStatus();
+}
+
 absl::Status Import(ImportFlags& flags, const std::stop_token& stop) {
+  if (IsPictures(flags.capture, flags.format)) {
+    return ImportPictures(flags, stop);
+  }
   flags.write.source = flags.capture;
   flags.write.upright = !flags.keep_turn;
   TL_RETURN_IF_ERROR(flags.write.Validate());
@@ -111,45 +143,15 @@ absl::Status Import(ImportFlags& flags, const std::stop_token& stop) {
   return absl::OkStatus();
 }
 
-std::string FormatsHelp() {
-  std::string help =
-      "\nFormats, found out by themselves unless --format is "
-      "given:\n";
-  for (const capture::CaptureFormat& format : capture::CaptureFormats()) {
-    absl::StrAppendFormat(&help, "  %-12s%s\n", format.name, format.summary);
-  }
-  return help;
-}
-
-void AddReadingFlags(CLI::App& command, ImportFlags& flags) {
-  command.add_option("--format", flags.format, "Format of the capture")
-      ->type_name("auto|NAME")
-      ->capture_default_str();
-  command
-      .add_option("--depth-unit", flags.open.depth_unit_m,
-                  "Metres per unit of the depth files (default: as the format "
-                  "has it, mostly 0.001)")
-      ->type_name("M");
-  command
-      .add_option("--min-confidence", flags.open.min_confidence,
-                  "Depth that is less certain is left out, where the capture "
-                  "says how certain it is: 0 keeps all, 1 drops low, 2 drops "
-                  "medium too")
-      ->type_name("0|1|2")
-      ->capture_default_str();
-  command
-      .add_option("--up", flags.open.up,
-                  "Which axis of the capture's world points up (default: as "
-                  "the format has it: y for phones, z for the others)")
-      ->type_name("x|-x|y|-y|z|-z");
-}
-
 }  // namespace
 
 cli::Command AddImportCommand(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("import", "Make a recording of what a phone captured");
-  command->footer(absl::StrCat(FormatsHelp(), kFooter));
+  command->footer(
+      absl::StrCat("\nFormats, found out by themselves unless --format is "
+                   "given:\n",
+                   CaptureFormatsHelp(), kFooter));
   auto flags = std::make_shared<ImportFlags>();
   command
       ->add_option("capture", flags->capture,
@@ -161,20 +163,7 @@ cli::Command AddImportCommand(CLI::App& app) {
                    "Folder to write; it must not be there, or be empty")
       ->type_name("DIR")
       ->required();
-  AddReadingFlags(*command, *flags);
-  command
-      ->add_option("--every", flags->write.every,
-                   "Take every N-th frame; phones record up to 60 a second")
-      ->type_name("N")
-      ->capture_default_str();
-  command
-      ->add_option("--max-side", flags->write.max_side_px,
-                   "Make pictures smaller whose longer side is longer than "
-                   "this; 0: never")
-      ->type_name("PX")
-      ->capture_default_str();
-  command->add_flag("--keep-turn", flags->keep_turn,
-                    "Leave pictures as they are stored, even on their side");
+  AddCaptureFlags(*command, *flags);
   command->add_flag("--quiet", flags->quiet, "Show no progress");
   return {command, [flags](const std::stop_token& stop) {
             return Import(*flags, stop);

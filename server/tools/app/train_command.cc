@@ -15,6 +15,7 @@
 #include "server/core/training/scene_trainer.h"
 #include "server/tools/calibration_text.h"
 #include "server/tools/dataset_flags.h"
+#include "server/tools/learning/learn_source.h"
 #include "server/tools/run_info.h"
 #include "server/tools/training_place.h"
 #include "server/tools/training_record.h"
@@ -129,6 +130,8 @@ absl::Status Train(TrainFlags& flags, const std::stop_token& stop) {
   TL_RETURN_IF_ERROR(Complete(flags));
   TL_ASSIGN_OR_RETURN(const dataset::Dataset dataset,
                       dataset::Dataset::Open(flags.dataset));
+  TL_RETURN_IF_ERROR(
+      learning::CheckLearnable(dataset, flags.method, flags.dataset.uri));
   training::SceneTrainingOptions options;
   options.method = flags.method;
   TL_ASSIGN_OR_RETURN(options.calibration, GivenCalibration(flags, dataset));

@@ -6,6 +6,7 @@
 #include "server/tools/app/evaluate_command.h"
 #include "server/tools/app/import_command.h"
 #include "server/tools/app/inspect_command.h"
+#include "server/tools/app/learn_command.h"
 #include "server/tools/app/publish_command.h"
 #include "server/tools/app/recognize_command.h"
 #include "server/tools/app/split_command.h"
@@ -21,11 +22,11 @@ constexpr const char* kDescription =
 
 std::vector<cli::Command> AddCommands(CLI::App& app) {
   return {
-      AddImportCommand(app),    AddCalibrateCommand(app),
-      AddTrainCommand(app),     AddEvaluateCommand(app),
-      AddInspectCommand(app),   AddPublishCommand(app),
-      AddRecognizeCommand(app), AddSplitCommand(app),
-      AddSynthCommand(app),
+      AddLearnCommand(app),     AddImportCommand(app),
+      AddCalibrateCommand(app), AddTrainCommand(app),
+      AddEvaluateCommand(app),  AddInspectCommand(app),
+      AddPublishCommand(app),   AddRecognizeCommand(app),
+      AddSplitCommand(app),     AddSynthCommand(app),
   };
 }
 

@@ -50,8 +50,11 @@ absl::Status NoFormat(const std::string& path) {
     absl::StrAppend(&message, "Unpack the zip file first, and give the folder");
   } else {
     absl::StrAppend(&message,
-                    "Photographs or a video without poses need structure from "
-                    "motion first: docs/how-to/learn-from-photographs.md");
+                    "Without poses, a folder with three photographs or more "
+                    "(JPEG, PNG) or a video (.mp4, .mov, .m4v) goes through "
+                    "structure from motion; depth without poses, through "
+                    "`treeline-agent map --rgbd`: "
+                    "docs/how-to/import-a-capture.md");
   }
   return absl::InvalidArgumentError(message);
 }

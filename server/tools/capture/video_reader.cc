@@ -1,5 +1,6 @@
 #include "server/tools/capture/video_reader.h"
 
+#include <algorithm>
 #include <array>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -25,6 +26,8 @@ class OpenCvVideo final : public VideoReader {
       video_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
       size_ = {static_cast<int>(video_.get(cv::CAP_PROP_FRAME_WIDTH)),
                static_cast<int>(video_.get(cv::CAP_PROP_FRAME_HEIGHT))};
+      frame_count_ = static_cast<int>(
+          std::clamp(video_.get(cv::CAP_PROP_FRAME_COUNT), 0.0, 1e9));
     } catch (const cv::Exception& error) {
       return NoVideo(error.what());
     }
@@ -38,6 +41,7 @@ class OpenCvVideo final : public VideoReader {
   }
 
   image::ImageSize size() const override { return size_; }
+  int FrameCount() const override { return frame_count_; }
 
   absl::StatusOr<image::ColorImage> Read(int frame) override {
     try {
@@ -89,6 +93,7 @@ class OpenCvVideo final : public VideoReader {
   const std::string path_;
   cv::VideoCapture video_;
   image::ImageSize size_;
+  int frame_count_ = 0;
   int next_ = 0;
 };
 

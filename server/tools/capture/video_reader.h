@@ -23,6 +23,8 @@ class VideoReader {
   virtual ~VideoReader() = default;
 
   virtual image::ImageSize size() const = 0;
+  // As the file has it, which may be wrong; 0: it does not say.
+  virtual int FrameCount() const = 0;
   // Of that many from the beginning, and not less than the last time.
   // DATA_LOSS: the video ends before that, or is damaged there.
   virtual absl::StatusOr<image::ColorImage> Read(int frame) = 0;

@@ -1,6 +1,6 @@
 // A program that runs beside this one.
-#ifndef EVALUATION_SUITES_CHILD_PROCESS_H_
-#define EVALUATION_SUITES_CHILD_PROCESS_H_
+#ifndef COMMON_BASE_CHILD_PROCESS_H_
+#define COMMON_BASE_CHILD_PROCESS_H_
 
 #include <sys/types.h>
 
@@ -13,7 +13,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace treeline::suites {
+namespace treeline::base {
 
 // Killed, and waited for, when destroyed. Not thread-safe.
 class ChildProcess {
@@ -50,6 +50,6 @@ class ChildProcess {
 // NOT_FOUND, with what to do, if it is not there.
 absl::StatusOr<std::string> SiblingProgram(const std::string& name);
 
-}  // namespace treeline::suites
+}  // namespace treeline::base
 
-#endif  // EVALUATION_SUITES_CHILD_PROCESS_H_
+#endif  // COMMON_BASE_CHILD_PROCESS_H_

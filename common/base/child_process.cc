@@ -1,4 +1,4 @@
-#include "evaluation/suites/child_process.h"
+#include "common/base/child_process.h"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -21,7 +21,7 @@
 // POSIX wants programs to declare it themselves.
 extern char** environ;
 
-namespace treeline::suites {
+namespace treeline::base {
 namespace {
 
 constexpr auto kLook = std::chrono::milliseconds(20);
@@ -114,4 +114,4 @@ absl::StatusOr<std::string> SiblingProgram(const std::string& name) {
   return sibling;
 }
 
-}  // namespace treeline::suites
+}  // namespace treeline::base

@@ -1,0 +1,49 @@
+#include "common/base/child_process.h"
+
+#include "common/base/testing_folder.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace treeline::base {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ChildProcessTest, WhatItWritesIsInItsLog) {
+  const TestingFolder folder;
+  auto child = ChildProcess::Start({"/bin/sh", "-c", "echo out; echo err >&2"},
+                                   folder.Path("logs/log"));
+  ASSERT_TRUE(child.ok()) << child.status();
+  EXPECT_TRUE((*child)->Wait({}).ok());
+  EXPECT_EQ((*child)->ExitCode(), 0);
+  EXPECT_EQ((*child)->Log(), "out\nerr\n");
+}
+
+TEST(ChildProcessTest, AFailureSaysHowItEndedAndWhy) {
+  const TestingFolder folder;
+  auto child = ChildProcess::Start({"/bin/sh", "-c", "echo no disk; exit 3"},
+                                   folder.Path("log"));
+  ASSERT_TRUE(child.ok()) << child.status();
+  const absl::Status status = (*child)->Wait({});
+  EXPECT_THAT(status.message(), HasSubstr("ended with 3"));
+  EXPECT_THAT(status.message(), HasSubstr("no disk"));
+}
+
+TEST(ChildProcessTest, StoppingEndsIt) {
+  const TestingFolder folder;
+  auto child = ChildProcess::Start({"/bin/sleep", "600"}, folder.Path("log"));
+  ASSERT_TRUE(child.ok()) << child.status();
+  EXPECT_FALSE((*child)->ExitCode().has_value());
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_TRUE(absl::IsCancelled((*child)->Wait(stop.get_token())));
+}
+
+TEST(ChildProcessTest, AProgramThatIsNotThereIsNotFound) {
+  const TestingFolder folder;
+  EXPECT_TRUE(absl::IsNotFound(
+      ChildProcess::Start({folder.Path("none")}, folder.Path("log")).status()));
+}
+
+}  // namespace
+}  // namespace treeline::base

@@ -1,0 +1,106 @@
+#include "server/tools/app/capture_flags.h"
+
+#include <algorithm>
+
+#include "CLI/CLI.hpp"
+#include "absl/strings/str_format.h"
+#include "server/tools/capture/open_capture.h"
+
+namespace treeline::tools_app {
+
+void AddCaptureFlags(CLI::App& command, CaptureFlags& flags,
+                     const std::string& group) {
+  const auto in_group = [&](CLI::Option* option) {
+    if (!group.empty()) option->group(group);
+    return option;
+  };
+  in_group(
+      command.add_option("--format", flags.format, "Format of the capture"))
+      ->type_name("auto|NAME")
+      ->capture_default_str();
+  in_group(command.add_option(
+               "--depth-unit", flags.open.depth_unit_m,
+               "Metres per unit of the depth files (default: as the format "
+               "has it, mostly 0.001)"))
+      ->type_name("M");
+  in_group(command.add_option(
+               "--min-confidence", flags.open.min_confidence,
+               "Depth that is less certain is left out, where the capture "
+               "says how certain it is: 0 keeps all, 1 drops low, 2 drops "
+               "medium too"))
+      ->type_name("0|1|2")
+      ->capture_default_str();
+  in_group(command.add_option(
+               "--up", flags.open.up,
+               "Which axis of the capture's world points up (default: as "
+               "the format has it: y for phones, z for the others)"))
+      ->type_name("x|-x|y|-y|z|-z");
+  in_group(command.add_option(
+               "--every", flags.write.every,
+               "Take every N-th frame; phones record up to 60 a second"))
+      ->type_name("N")
+      ->capture_default_str();
+  in_group(command.add_option(
+               "--max-side", flags.write.max_side_px,
+               "Make pictures smaller whose longer side is longer than "
+               "this; 0: never"))
+      ->type_name("PX")
+      ->capture_default_str();
+  in_group(command.add_flag(
+      "--keep-turn", flags.keep_turn,
+      "Leave pictures as they are stored, even on their side"));
+  constexpr const char* kPictures = "Photographs and videos";
+  command
+      .add_option("--distance", flags.photographs.distance,
+                  "How far apart two pictures were taken (m): the scale, which "
+                  "pictures alone do not tell")
+      ->type_name("A.jpg,B.jpg,METRES")
+      ->group(kPictures);
+  command
+      .add_option("--scale", flags.photographs.scale,
+                  "Or: metres per unit of the structure")
+      ->type_name("M")
+      ->group(kPictures);
+  command
+      .add_option("--colmap", flags.photographs.colmap,
+                  "COLMAP's program, 3.8 or like it")
+      ->type_name("PROGRAM")
+      ->capture_default_str()
+      ->group(kPictures);
+}
+
+bool IsPictures(const std::string& path, const std::string& format) {
+  if (format == "photographs" || format == "video") return true;
+  if (format != "auto") return false;
+  return (photographs::IsPhotographs(path) || photographs::IsVideo(path)) &&
+         std::ranges::none_of(capture::CaptureFormats(),
+                              [&](const auto& f) { return f.is_it(path); });
+}
+
+photographs::PhotographOptions PhotographOptionsOf(const CaptureFlags& flags,
+                                                   const std::string& folder,
+                                                   bool quiet) {
+  photographs::PhotographOptions options = flags.photographs;
+  options.folder = folder;
+  // Without these flags, what suits structure from motion.
+  if (flags.write.every > 1) options.pictures.every = flags.write.every;
+  if (flags.write.max_side_px > 0) {
+    options.pictures.max_side_px = flags.write.max_side_px;
+  }
+  options.quiet = quiet;
+  return options;
+}
+
+std::string CaptureFormatsHelp() {
+  std::string help;
+  for (const capture::CaptureFormat& format : capture::CaptureFormats()) {
+    absl::StrAppendFormat(&help, "  %-12s%s\n", format.name, format.summary);
+  }
+  help +=
+      "  photographs a folder of JPEG or PNG files, without poses: needs "
+      "COLMAP\n"
+      "  video       .mp4, .mov or .m4v, without poses: needs COLMAP\n";
+  return help;
+}
+
+}  // namespace treeline::tools_app

@@ -1,0 +1,181 @@
+#include "server/tools/photographs/import_photographs.h"
+
+#include <sys/stat.h>
+
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "common/base/file.h"
+#include "common/base/testing_folder.h"
+#include "common/dataset/dataset.h"
+#include "common/dataset/trajectory_error.h"
+#include "common/image/decode.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "server/core/training/box_room_recording.h"
+#include "server/tools/photographs/structure_from_motion.h"
+
+namespace treeline::photographs {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+class ImportPhotographsTest : public testing::Test {
+ protected:
+  void PutPictures(int count) const {
+    image::ColorImage picture{64, 48, {}};
+    picture.rgb.assign(3 * 64 * 48, 90);
+    for (int i = 0; i < count; ++i) {
+      folder_.Write(absl::StrFormat("photos/p%02d.jpg", i),
+                    *image::EncodeJpeg(picture, 90));
+    }
+  }
+  // A program in COLMAP's place, whose mapper places `placed` pictures in a row
+  // along x, a unit apart, level, with y down. What transforms a model copies
+  // it.
+  std::string FakeColmap(int placed) const {
+    std::string images;
+    for (int i = 0; i < placed; ++i) {
+      absl::StrAppendFormat(&images, "%d 1 0 0 0 %d 0 0 1 p%02d.jpg\n\n", i + 1,
+                            -i, i);
+    }
+    folder_.Write("model/images.txt", images);
+    folder_.Write("model/cameras.txt", "1 SIMPLE_RADIAL 64 48 60 32 24 0\n");
+    folder_.Write("model/points3D.txt", "");
+    const std::string program = folder_.Write(
+        "colmap",
+        absl::StrCat("#!/bin/sh\nfor a; do [ \"$last\" = --output_path ] && "
+                     "out=$a; last=$a; done\n"
+                     "case $1 in mapper) mkdir -p $out/0; cp ",
+                     folder_.Path("model"),
+                     "/*.txt $out/0;;\nmodel_transformer) cp ",
+                     folder_.Path("model"), "/*.txt $out;; esac\n"));
+    chmod(program.c_str(), 0755);
+    return program;
+  }
+  absl::StatusOr<ImportedPhotographs> Import(PhotographOptions options,
+                                             std::stop_token stop = {}) const {
+    options.folder = folder_.Path("out");
+    options.quiet = true;
+    return ImportPhotographs(folder_.Path("photos"), options, stop);
+  }
+
+  const base::TestingFolder folder_;
+};
+
+TEST_F(ImportPhotographsTest, WhatItWritesIsADatasetWithLists) {
+  PutPictures(20);
+  const auto imported = Import({.colmap = FakeColmap(20)});
+  ASSERT_TRUE(imported.ok()) << imported.status();
+  EXPECT_EQ(imported->registered, 20);
+  EXPECT_EQ(imported->train, 16);
+  EXPECT_EQ(imported->test, 4);
+  EXPECT_FALSE(imported->is_metric);
+  EXPECT_THAT(imported->notes, Contains(HasSubstr("arbitrary unit")));
+  EXPECT_FALSE(std::filesystem::exists(folder_.Path("out/work")));
+  const auto dataset = dataset::Dataset::Open(
+      {.uri = imported->uri, .frame_list = folder_.Path("out/test.txt")});
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  EXPECT_EQ(dataset->size(), 4);
+  EXPECT_FALSE(dataset->units_are_metres());
+  EXPECT_TRUE(dataset->Load(0).ok());
+}
+
+TEST_F(ImportPhotographsTest, WithADistanceItIsInMetres) {
+  PutPictures(10);
+  const auto imported =
+      Import({.distance = "p00.jpg,p04.jpg,2", .colmap = FakeColmap(10)});
+  ASSERT_TRUE(imported.ok()) << imported.status();
+  EXPECT_TRUE(imported->is_metric);
+  EXPECT_THAT(imported->notes, Contains(HasSubstr("scaled by 0.5")));
+  const auto dataset = dataset::Dataset::Open({.uri = imported->uri});
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  EXPECT_TRUE(dataset->units_are_metres());
+}
+
+TEST_F(ImportPhotographsTest, FewPlacedPicturesAreToldOrRefused) {
+  PutPictures(40);
+  const auto few = Import({.colmap = FakeColmap(9)});
+  EXPECT_EQ(few.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(few.status().message(), HasSubstr("only 9 of the 40 pictures"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.Path("out")));
+  const auto some = Import({.colmap = FakeColmap(30)});
+  ASSERT_TRUE(some.ok()) << some.status();
+  EXPECT_THAT(some->notes, Contains(HasSubstr("10 of the 40 pictures")));
+}
+
+TEST_F(ImportPhotographsTest, WrongScalesAreRefusedBeforeTheWork) {
+  PutPictures(3);
+  EXPECT_THAT(Import({.scale = -1}).status().message(), HasSubstr("--scale"));
+  EXPECT_THAT(Import({.distance = "a.jpg,b.jpg"}).status().message(),
+              HasSubstr("--distance takes"));
+  EXPECT_THAT(Import({.distance = "a.jpg,b.jpg,far"}).status().message(),
+              HasSubstr("--distance takes"));
+  EXPECT_THAT(
+      Import({.scale = 1, .distance = "a.jpg,b.jpg,2"}).status().message(),
+      HasSubstr("not both"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.Path("out")));
+}
+
+TEST_F(ImportPhotographsTest, StoppingLeavesNothing) {
+  PutPictures(3);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_TRUE(absl::IsCancelled(
+      Import({.colmap = FakeColmap(3)}, stop.get_token()).status()));
+  EXPECT_FALSE(std::filesystem::exists(folder_.Path("out")));
+}
+
+// The real program on rendered photographs of a room, whose poses are known.
+TEST_F(ImportPhotographsTest, ColmapFindsTheTruePosesOfARoom) {
+  if (!FindColmap("colmap").ok()) GTEST_SKIP() << "COLMAP is not installed";
+  constexpr int kPictures = 14;
+  camera::RgbdCalibration calibration;
+  calibration.color = calibration.depth =
+      camera::Camera::Parse("PINHOLE,400,400,239.5,179.5", 480, 360).value();
+  std::vector<geometry::Rigid3> truth;
+  for (int i = 0; i < kPictures; ++i) {
+    // Sideways along a wall and back, a little turned, at two heights.
+    const double along = -1.2 + 2.4 * (i % 7) / 6.0;
+    const double yaw = 0.15 * std::sin(i);
+    const geometry::Rotation3 level{0.5, -0.5, 0.5, -0.5};
+    const geometry::Rotation3 turn{std::cos(yaw / 2), 0, 0, std::sin(yaw / 2)};
+    truth.push_back({turn * level, {-0.8, along, i < 7 ? -0.3 : 0.4}});
+    folder_.Write(absl::StrFormat("photos/p%02d.jpg", i),
+                  *image::EncodeJpeg(
+                      training::RenderBoxRoom(calibration, truth.back(),
+                                              training::BoxRoomWalls::kTiled)
+                          .color,
+                      95));
+  }
+  const double apart_m =
+      geometry::Norm(truth[0].translation - truth[6].translation);
+  const auto imported =
+      Import({.distance = absl::StrFormat("p00.jpg,p06.jpg,%.9f", apart_m)});
+  ASSERT_TRUE(imported.ok()) << imported.status();
+  EXPECT_GE(imported->registered, 12);
+  const auto dataset = dataset::Dataset::Open({.uri = imported->uri});
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  std::vector<dataset::PosePair> pairs;
+  for (int i = 0; i < dataset->size(); ++i) {
+    const int picture = std::stoi(dataset->frame(i).stem.substr(1, 2));
+    pairs.push_back({.time = i,
+                     .estimate = *dataset->frame(i).world_from_camera,
+                     .reference = truth[static_cast<size_t>(picture)]});
+    // z is up.
+    const geometry::Vec3 up =
+        pairs.back().estimate.rotation * geometry::Vec3{0, -1, 0};
+    EXPECT_GT(up.z, 0.95);
+  }
+  const auto error = dataset::AbsoluteTrajectoryError(
+      pairs, dataset::TrajectoryAlignment::kRigid);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_LT(error->position_m.rmse, 0.03);
+}
+
+}  // namespace
+}  // namespace treeline::photographs

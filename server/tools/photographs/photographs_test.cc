@@ -1,0 +1,104 @@
+#include "server/tools/photographs/photographs.h"
+
+#include <filesystem>
+
+#include "common/base/file.h"
+#include "common/base/testing_folder.h"
+#include "common/image/decode.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "server/tools/capture/testing_captures.h"
+
+namespace treeline::photographs {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::SizeIs;
+
+class PhotographsTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::create_directory(folder_.Path("out"));
+  }
+
+  void PutJpeg(const std::string& name, int width, int height) {
+    image::ColorImage picture{width, height, {}};
+    picture.rgb.assign(static_cast<size_t>(3 * width * height), 90);
+    folder_.Write("photos/" + name, *image::EncodeJpeg(picture, 90));
+  }
+  absl::StatusOr<CopiedPictures> Copy(const std::string& source,
+                                      const PictureOptions& options = {},
+                                      std::stop_token stop = {}) {
+    done_ = 0;
+    return CopyPictures(
+        folder_.Path(source), folder_.Path("out"), options, [this] { ++done_; },
+        stop);
+  }
+  image::ImageSize SizeOf(const std::string& name) const {
+    const auto bytes = base::ReadFile(folder_.Path("out/" + name));
+    EXPECT_TRUE(bytes.ok()) << bytes.status();
+    return image::ReadImageSize(*bytes).value_or(image::ImageSize{});
+  }
+
+  const base::TestingFolder folder_;
+  int done_ = 0;
+};
+
+TEST_F(PhotographsTest, AFolderOfPicturesIsKnown) {
+  PutJpeg("a.jpg", 8, 6);
+  PutJpeg("b.JPG", 8, 6);
+  EXPECT_FALSE(IsPhotographs(folder_.Path("photos"))) << "two are too few";
+  PutJpeg("c.jpeg", 8, 6);
+  EXPECT_TRUE(IsPhotographs(folder_.Path("photos")));
+  EXPECT_FALSE(IsPhotographs(folder_.Path("nowhere")));
+  folder_.Write("walk.MP4", "x");
+  EXPECT_TRUE(IsVideo(folder_.Path("walk.MP4")));
+  EXPECT_FALSE(IsVideo(folder_.Path("photos")));
+  EXPECT_FALSE(IsVideo(folder_.Path("missing.mp4")));
+}
+
+TEST_F(PhotographsTest, LargePicturesBecomeSmallerInTheirOrder) {
+  PutJpeg("img_10.jpg", 200, 100);
+  PutJpeg("img_9.jpg", 200, 100);
+  PutJpeg("img_11.png", 200, 100);
+  const auto copied = Copy("photos", {.max_side_px = 64});
+  ASSERT_TRUE(copied.ok()) << copied.status();
+  EXPECT_THAT(copied->names,
+              ElementsAre("img_9.jpg", "img_10.jpg", "img_11.jpg"));
+  EXPECT_TRUE(copied->is_one_size);
+  EXPECT_EQ(SizeOf("img_11.jpg"), (image::ImageSize{64, 32}));
+  EXPECT_EQ(done_, 3);
+}
+
+TEST_F(PhotographsTest, ABrokenPictureIsLeftOutAndNamed) {
+  PutJpeg("a.jpg", 20, 10);
+  PutJpeg("b.jpg", 10, 20);
+  folder_.Write("photos/c.jpg", "no picture");
+  const auto copied = Copy("photos");
+  ASSERT_TRUE(copied.ok()) << copied.status();
+  EXPECT_THAT(copied->names, SizeIs(2));
+  EXPECT_FALSE(copied->is_one_size);
+  EXPECT_THAT(copied->left_out, ElementsAre(HasSubstr("photos/c.jpg")));
+}
+
+TEST_F(PhotographsTest, FramesOfAVideoAreTakenEvenly) {
+  capture::WriteStrayVideo(capture::MakeTrueScene(10), folder_.Path("stray"));
+  const auto copied = Copy("stray/rgb.mp4", {.every = 4});
+  ASSERT_TRUE(copied.ok()) << copied.status();
+  EXPECT_THAT(copied->names, ElementsAre("frame-000000.jpg", "frame-000004.jpg",
+                                         "frame-000008.jpg"));
+  EXPECT_EQ(CountPictures(folder_.Path("stray/rgb.mp4"), {.every = 5}).value(),
+            2);
+  EXPECT_FALSE(Copy("stray/odometry.csv").ok() && done_ > 0);
+}
+
+TEST_F(PhotographsTest, StoppingStops) {
+  PutJpeg("a.jpg", 20, 10);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_TRUE(absl::IsCancelled(Copy("photos", {}, stop.get_token()).status()));
+}
+
+}  // namespace
+}  // namespace treeline::photographs
