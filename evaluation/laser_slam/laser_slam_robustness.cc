@@ -38,8 +38,6 @@ namespace treeline::laser_slam_evaluation {
 namespace {
 
 constexpr double kDegPerRad = 180 / std::numbers::pi;
-// Relations name their scans to the millisecond.
-constexpr double kSameTime_s = 0.002;
 
 struct Flags {
   std::string log;
@@ -48,7 +46,7 @@ struct Flags {
   std::string only;
   std::string maps;
   std::string poses;
-  bool fixed_noise = false;
+  bool no_loops = false;
 };
 
 struct Source {
@@ -90,7 +88,7 @@ void PrintRow(const std::string& name, const mapping::LaserSlamResult& result,
   const mapping::LaserSlamStatistics& s = result.statistics;
   std::printf("%-34s", name.c_str());
   const auto score = mapping::ScoreRelations(result.trajectory, relations,
-                                             {.max_gap_s = kSameTime_s});
+                                             {.max_gap_s = 0});
   if (score.ok()) {
     const auto spread = [](const base::ErrorSummary& e) {
       return std::sqrt(std::max(0.0, e.rmse * e.rmse - e.mean * e.mean));
@@ -108,6 +106,7 @@ void PrintRow(const std::string& name, const mapping::LaserSlamResult& result,
               static_cast<long long>(s.keyscans),
               static_cast<long long>(s.loops.accepted),
               static_cast<long long>(s.loops.dropped), processor_s);
+  if (getenv("TUNE_FE")) { double sum = 0; for (double t : s.front_end_ms) sum += t; std::printf("   front end %.2f s\n", sum / 1000); }
   std::fflush(stdout);
 }
 
@@ -120,6 +119,7 @@ absl::Status RunRow(const Source& source, const Degradation& degradation,
                                 : source.relations;
   mapping::RunLaserSlamOptions options;
   options.slam.synchronous = true;
+  options.slam.loops.enabled = !flags.no_loops;
   const std::clock_t start = std::clock();
   TL_ASSIGN_OR_RETURN(const mapping::LaserSlamResult result,
                       mapping::RunLaserSlam(log, options));
@@ -155,6 +155,7 @@ int Main(int argc, char** argv) {
   app.add_option("--only", flags.only,
                  "Only degradations that have this in their name");
   app.add_option("--maps", flags.maps, "A folder for the maps");
+  app.add_flag("--no-loops", flags.no_loops, "Close no loops");
   app.add_option("--poses", flags.poses, "A file for poses");
   CLI11_PARSE(app, argc, argv);
   const absl::Status status = Run(flags);

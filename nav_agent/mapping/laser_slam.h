@@ -41,6 +41,10 @@ struct LaserSlamStatistics {
   int64_t keyscans = 0;
   // Scans whose place was taken from odometry because they did not match.
   int64_t unmatched = 0;
+  // Scans that were searched for widely, because they responded poorly, and
+  // those of them that were found elsewhere.
+  int64_t searched_widely = 0;
+  int64_t found_widely = 0;
   // The front end's processor time for each scan (ms): what else runs on the
   // machine does not count, nor does closing loops.
   std::vector<double> front_end_ms;
