@@ -261,7 +261,7 @@ std::optional<LoopCloser::Link> LoopCloser::Verified(int keyscan,
                                                      bool wide) const {
   const double needed =
       wide ? options_.min_wide_response : options_.min_response;
-  if (match.response < needed ||
+  if (match.response < needed || match.is_at_border ||
       LargestSigma_m(match.covariance) > options_.max_sigma_m ||
       std::sqrt(match.covariance[8]) > options_.max_sigma_rad) {
     return std::nullopt;
