@@ -81,19 +81,17 @@ absl::StatusOr<recording::LaserLog> Degraded(const recording::LaserLog& log,
       odom_from_base = odom_from_base * Worse(step, i, degradation);
     }
     if (!IsKept(i, degradation)) continue;
-    recording::RecordedScan kept = {.stamp = scan.stamp,
-                                    .odom_from_base = odom_from_base,
-                                    .ranges_m = {}};
+    recording::RecordedScan kept = {
+        .stamp = scan.stamp, .odom_from_base = odom_from_base, .ranges_m = {}};
     for (size_t beam = 0; beam < scan.ranges_m.size(); beam += every_beam) {
       kept.ranges_m.push_back(scan.ranges_m[beam]);
     }
     worse.scans.push_back(std::move(kept));
   }
   if (worse.scans.size() < 2 || worse.laser.beams < 2) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("degradation '", degradation.name, "' leaves ",
-                     worse.scans.size(), " scans of ", worse.laser.beams,
-                     " beams: there must be two of both"));
+    return absl::InvalidArgumentError(absl::StrCat(
+        "degradation '", degradation.name, "' leaves ", worse.scans.size(),
+        " scans of ", worse.laser.beams, " beams: there must be two of both"));
   }
   return worse;
 }
@@ -101,22 +99,32 @@ absl::StatusOr<recording::LaserLog> Degraded(const recording::LaserLog& log,
 std::vector<Degradation> StandardDegradations() {
   return {
       {},
-      {.name = "noise 5 % of way and turn", .m_per_m = 0.05,
-       .rad_per_rad = 0.05, .rad_per_m = 0.02},
-      {.name = "noise 20 %", .m_per_m = 0.2, .rad_per_rad = 0.2,
+      {.name = "noise 5 % of way and turn",
+       .m_per_m = 0.05,
+       .rad_per_rad = 0.05,
+       .rad_per_m = 0.02},
+      {.name = "noise 20 %",
+       .m_per_m = 0.2,
+       .rad_per_rad = 0.2,
        .rad_per_m = 0.1},
-      {.name = "noise 40 %", .m_per_m = 0.4, .rad_per_rad = 0.4,
+      {.name = "noise 40 %",
+       .m_per_m = 0.4,
+       .rad_per_rad = 0.4,
        .rad_per_m = 0.3},
       {.name = "turns told 25 % too large", .turn_scale = 1.25},
       {.name = "turns told 25 % too small", .turn_scale = 0.75},
-      {.name = "slip of 15 deg, 0.2 m each 5 m", .slip_every_m = 5,
-       .slip_m = 0.2, .slip_rad = 0.26},
+      {.name = "slip of 15 deg, 0.2 m each 5 m",
+       .slip_every_m = 5,
+       .slip_m = 0.2,
+       .slip_rad = 0.26},
       {.name = "every 3rd scan", .every_scan = 3},
       {.name = "every 2nd beam", .every_beam = 2},
-      {.name = "10 scans lost after each 40", .gap_every = 40,
-       .gap_scans = 10},
-      {.name = "every 3rd scan, noise 20 %", .m_per_m = 0.2,
-       .rad_per_rad = 0.2, .rad_per_m = 0.1, .every_scan = 3},
+      {.name = "10 scans lost after each 40", .gap_every = 40, .gap_scans = 10},
+      {.name = "every 3rd scan, noise 20 %",
+       .m_per_m = 0.2,
+       .rad_per_rad = 0.2,
+       .rad_per_m = 0.1,
+       .every_scan = 3},
   };
 }
 

@@ -87,8 +87,8 @@ void PrintRow(const std::string& name, const mapping::LaserSlamResult& result,
               double processor_s) {
   const mapping::LaserSlamStatistics& s = result.statistics;
   std::printf("%-34s", name.c_str());
-  const auto score = mapping::ScoreRelations(result.trajectory, relations,
-                                             {.max_gap_s = 0});
+  const auto score =
+      mapping::ScoreRelations(result.trajectory, relations, {.max_gap_s = 0});
   if (score.ok()) {
     const auto spread = [](const base::ErrorSummary& e) {
       return std::sqrt(std::max(0.0, e.rmse * e.rmse - e.mean * e.mean));
@@ -103,10 +103,9 @@ void PrintRow(const std::string& name, const mapping::LaserSlamResult& result,
   }
   std::printf("  unmatched %lld/%lld  loops %lld-%lld  %.1f s\n",
               static_cast<long long>(s.unmatched),
-              static_cast<long long>(s.keyscans),
+              static_cast<long long>(s.looked_at),
               static_cast<long long>(s.loops.accepted),
               static_cast<long long>(s.loops.dropped), processor_s);
-  if (getenv("TUNE_FE")) { double sum = 0; for (double t : s.front_end_ms) sum += t; std::printf("   front end %.2f s\n", sum / 1000); }
   std::fflush(stdout);
 }
 

@@ -21,9 +21,9 @@ struct Wall {
 };
 
 // Two blocks side by side with corridors all round them.
-constexpr double kBlock_m = 16;     // along x and y
-constexpr double kCorridor_m = 2;   // wide
-constexpr double kRoom_m = 4;       // along the corridor, and deep
+constexpr double kBlock_m = 16;    // along x and y
+constexpr double kCorridor_m = 2;  // wide
+constexpr double kRoom_m = 4;      // along the corridor, and deep
 constexpr double kDoor_m = 1.1;
 constexpr double kPitch_m = kBlock_m + kCorridor_m;
 
@@ -77,8 +77,7 @@ class Plan {
     const double door_m = random_.NextUniform(0.4, kRoom_m - kDoor_m - 0.4);
     const double back = at.y + side * kRoom_m;
     walls_.push_back({at, {at.x + door_m, at.y}});
-    walls_.push_back(
-        {{at.x + door_m + kDoor_m, at.y}, {at.x + kRoom_m, at.y}});
+    walls_.push_back({{at.x + door_m + kDoor_m, at.y}, {at.x + kRoom_m, at.y}});
     walls_.push_back({at, {at.x, back}});
     walls_.push_back({{at.x + kRoom_m, at.y}, {at.x + kRoom_m, back}});
     walls_.push_back({{at.x, back}, {at.x + kRoom_m, back}});
@@ -144,11 +143,12 @@ std::vector<geometry::Rigid2> Poses(const std::vector<geometry::Vec2>& way,
     if (length_m < 1e-6) continue;
     const double turn_rad = geometry::NormalizedAngle_rad(
         std::atan2(ahead.y, ahead.x) - pose.yaw_rad);
-    const int turns = static_cast<int>(std::ceil(std::abs(turn_rad) / step_rad));
+    const int turns =
+        static_cast<int>(std::ceil(std::abs(turn_rad) / step_rad));
     for (int k = 1; k <= turns; ++k) {
       poses.push_back(
-          {pose.translation, geometry::NormalizedAngle_rad(
-                                 pose.yaw_rad + turn_rad * k / turns)});
+          {pose.translation,
+           geometry::NormalizedAngle_rad(pose.yaw_rad + turn_rad * k / turns)});
     }
     pose = poses.back();
     const int steps = static_cast<int>(std::ceil(length_m / step_m));
@@ -209,9 +209,9 @@ OfficeDrive DriveThroughOffice(const OfficeOptions& options) {
     drive.log.scans.push_back(
         {.stamp = recording::RecordingTime(std::chrono::milliseconds(time_ms)),
          .odom_from_base = pose,
-         .ranges_m = Scan(plan.walls(), pose, drive.log.laser,
-                          options.laser_noise_m,
-                          base::Random(options.seed, 1 + i))});
+         .ranges_m =
+             Scan(plan.walls(), pose, drive.log.laser, options.laser_noise_m,
+                  base::Random(options.seed, 1 + i))});
   }
   return drive;
 }
@@ -251,11 +251,10 @@ std::vector<recording::PoseRelation> TrueRelations(
       const bool is_loop = geometry::Norm(apart) < kSamePlace_m &&
                            places[k].way_m - places[i].way_m > kLoop_m;
       if (k > i + 1 && !is_loop) continue;
-      relations.push_back(
-          {.from = places[i].stamp,
-           .to = places[k].stamp,
-           .from_base_from_to_base =
-               places[i].pose.Inverse() * places[k].pose});
+      relations.push_back({.from = places[i].stamp,
+                           .to = places[k].stamp,
+                           .from_base_from_to_base =
+                               places[i].pose.Inverse() * places[k].pose});
     }
   }
   return relations;

@@ -110,6 +110,8 @@ class LaserSlamOnThread final : public LaserSlam {
     LaserSlamStatistics statistics = statistics_;
     statistics.keyscans = static_cast<int64_t>(keyscans_.size());
     statistics.loops = worker_.Statistics();
+    statistics.odometry_scale_m = doubt_.scale_m();
+    statistics.odometry_scale_rad = doubt_.scale_rad();
     return statistics;
   }
 
@@ -173,6 +175,10 @@ class LaserSlamOnThread final : public LaserSlam {
   TraversedGround ground_;
   const bool leaves_out_ground_;
   OdometryDoubt doubt_;
+  // Of keyscans since the last match that did not match: odometry's errors add
+  // up until one does.
+  OdometryDoubt::Sigma unmatched_;
+  bool has_matched_ = false;  // the scan in hand
   // How scans respond usually.
   double usual_response_ = kFirstResponse;
   LaserSlamStatistics statistics_;
@@ -229,10 +235,13 @@ MatchSearch LaserSlamOnThread::SearchAfter(
     const geometry::Rigid2& motion) const {
   const OdometryDoubt::Sigma sigma = doubt_.SigmaOf(motion);
   const OdometryDoubt::Sigma search = doubt_.SearchOf(motion);
-  return {.half_extent_m = std::min(search.m, options_.max_search_m),
-          .half_angle_rad = std::min(search.rad, options_.max_search_rad),
-          .guess_sigma_m = sigma.m,
-          .guess_sigma_rad = sigma.rad};
+  const double sigmas = options_.search_sigmas;
+  return {.half_extent_m =
+              std::min(search.m + sigmas * unmatched_.m, options_.max_search_m),
+          .half_angle_rad = std::min(search.rad + sigmas * unmatched_.rad,
+                                     options_.max_search_rad),
+          .guess_sigma_m = std::hypot(sigma.m, unmatched_.m),
+          .guess_sigma_rad = std::hypot(sigma.rad, unmatched_.rad)};
 }
 
 LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
@@ -262,9 +271,10 @@ LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
   return all;
 }
 
-ScanMatch LaserSlamOnThread::FindNear(
-    std::span<const PlacedScan> references, const ScanOutline& scan,
-    const geometry::Rigid2& guess, const MatchSearch& search) const {
+ScanMatch LaserSlamOnThread::FindNear(std::span<const PlacedScan> references,
+                                      const ScanOutline& scan,
+                                      const geometry::Rigid2& guess,
+                                      const MatchSearch& search) const {
   const SurfaceGrid grid =
       MakeSurfaceGrid(references, scan, guess, search, options_.matcher);
   ScanMatch match = MatchScan(grid, scan, guess, search, options_.matcher);
@@ -282,9 +292,8 @@ ScanMatch LaserSlamOnThread::FindInWindow(
     std::span<const PlacedScan> references, const ScanOutline& scan,
     const geometry::Rigid2& guess, const MatchSearch& search) {
   const ScanMatch match = FindNear(references, scan, guess, search);
-  if (match.response >=
-      std::max(options_.min_response,
-               usual_response_ - options_.poor_response)) {
+  if (match.response >= std::max(options_.min_response,
+                                 usual_response_ - options_.poor_response)) {
     return match;
   }
   // On coarse cells first, where odometry says next to nothing.
@@ -320,8 +329,7 @@ bool LaserSlamOnThread::Match(const ScanOutline& scan, geometry::Vec2 slope,
   const Window window = WindowFor({.at = guess.translation,
                                    .height_m = height_m_,
                                    .slope = TurnedBy(guess.yaw_rad, slope)});
-  const ScanMatch match =
-      FindInWindow(window.references, scan, guess, search);
+  const ScanMatch match = FindInWindow(window.references, scan, guess, search);
   if (match.response < options_.min_response) return false;
   usual_response_ += kResponseRate * (match.response - usual_response_);
   map_from_base_ = match.target_from_scan;
@@ -419,12 +427,15 @@ void LaserSlamOnThread::FollowWay(const geometry::Rigid2& map_from_predicted) {
 
 Covariance3 LaserSlamOnThread::Locate(const ScanOutline& outline,
                                       const LaserSlamScan& scan) {
+  ++statistics_.looked_at;
   const geometry::Rigid2 since_match =
       odom_from_matched_.Inverse() * scan.odom_from_base;
   const geometry::Rigid2 map_from_predicted = map_from_base_;
   Covariance3 covariance{};
   if (Match(outline, SlopeUnder(scan.level_from_base), SearchAfter(since_match),
             &covariance)) {
+    has_matched_ = true;
+    unmatched_ = {};
     doubt_.Learn(since_match, map_from_predicted.Inverse() * map_from_base_);
     SpreadCorrection(map_from_predicted);
     FollowWay(map_from_predicted);
@@ -435,12 +446,17 @@ Covariance3 LaserSlamOnThread::Locate(const ScanOutline& outline,
     matched_way_m_ = way_m_;
     return covariance;
   }
+  has_matched_ = false;
   ++statistics_.unmatched;
-  const MatchSearch odometry =
-      SearchAfter(odom_from_keyscan_.Inverse() * scan.odom_from_base);
-  covariance[0] = covariance[4] =
-      odometry.guess_sigma_m * odometry.guess_sigma_m;
-  covariance[8] = odometry.guess_sigma_rad * odometry.guess_sigma_rad;
+  const MatchSearch since = SearchAfter(since_match);
+  statistics_.unmatched_sigma_m =
+      std::max(statistics_.unmatched_sigma_m, since.guess_sigma_m);
+  statistics_.unmatched_sigma_rad =
+      std::max(statistics_.unmatched_sigma_rad, since.guess_sigma_rad);
+  const OdometryDoubt::Sigma odometry =
+      doubt_.SigmaOf(odom_from_keyscan_.Inverse() * scan.odom_from_base);
+  covariance[0] = covariance[4] = odometry.m * odometry.m;
+  covariance[8] = odometry.rad * odometry.rad;
   return covariance;
 }
 
@@ -463,6 +479,12 @@ void LaserSlamOnThread::AddKeyscan(std::shared_ptr<const ScanOutline> outline,
                        .height_m = height_m_,
                        .slope = added.slope});
   ground_.Add(PlaceOf(keyscans_.back()));
+  if (!has_matched_ && keyscans_.size() > 1) {
+    const OdometryDoubt::Sigma sigma =
+        doubt_.SigmaOf(odom_from_matched_.Inverse() * scan.odom_from_base);
+    unmatched_ = {.m = std::hypot(unmatched_.m, sigma.m),
+                  .rad = std::hypot(unmatched_.rad, sigma.rad)};
+  }
   odom_from_keyscan_ = scan.odom_from_base;
   odom_from_matched_ = scan.odom_from_base;
   map_from_matched_ = map_from_base_;

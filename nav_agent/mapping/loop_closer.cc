@@ -28,6 +28,8 @@ constexpr double kLoopWay = 3.0;
 constexpr double kLargestDrift = 0.05;
 // Coarse cells are this many times as large as fine ones.
 constexpr double kCoarse = 2.5;
+// Narrow searches are made for every so many keyscans on the way.
+constexpr int kNarrowEvery = 3;
 // Of a query of several keyscans, every so many points are enough there.
 constexpr size_t kCoarseEvery = 3;
 // The fine search about the best coarse cell, in its cells.
@@ -408,8 +410,13 @@ bool LoopCloser::Add(const NewKeyscan& added) {
   base::ParallelFor(
       static_cast<int64_t>(chains.size()), options_.threads, [&](int64_t i) {
         const Chain& chain = chains[static_cast<size_t>(i)];
-        links[static_cast<size_t>(i)] =
-            TryChain(keyscan, chain, reach[static_cast<size_t>(chain.nearest)]);
+        const Reach& from_chain = reach[static_cast<size_t>(chain.nearest)];
+        // What is known well already can wait until all is tied once more.
+        if (SearchFor(from_chain).half_extent_m <= options_.wide_m &&
+            keyscan % kNarrowEvery != 0) {
+          return;
+        }
+        links[static_cast<size_t>(i)] = TryChain(keyscan, chain, from_chain);
       });
   statistics_.tried += static_cast<int64_t>(chains.size());
   bool moves = false;

@@ -47,10 +47,10 @@ OdometryDoubt::Sigma OdometryDoubt::AsGiven(
     const geometry::Rigid2& motion) const {
   const double moved_m = geometry::Norm(motion.translation);
   const double turned_rad = std::abs(motion.yaw_rad);
-  return {.m = noise_.m + noise_.m_per_m * moved_m +
-               noise_.m_per_rad * turned_rad,
-          .rad = noise_.rad + noise_.rad_per_rad * turned_rad +
-                 noise_.rad_per_m * moved_m};
+  return {
+      .m = noise_.m + noise_.m_per_m * moved_m + noise_.m_per_rad * turned_rad,
+      .rad = noise_.rad + noise_.rad_per_rad * turned_rad +
+             noise_.rad_per_m * moved_m};
 }
 
 OdometryDoubt::Sigma OdometryDoubt::SigmaOf(
