@@ -7,7 +7,7 @@
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
 
-namespace treeline::laser_slam_evaluation {
+namespace treeline::laser_slam {
 namespace {
 
 // Of one step between scans, `number` in the log.
@@ -128,4 +128,4 @@ std::vector<Degradation> StandardDegradations() {
   };
 }
 
-}  // namespace treeline::laser_slam_evaluation
+}  // namespace treeline::laser_slam

@@ -9,7 +9,7 @@
 #include "absl/status/status.h"
 #include "nav_agent/recording/laser_log.h"
 
-namespace treeline::laser_slam_evaluation {
+namespace treeline::laser_slam {
 
 // What happens to a log. The defaults change nothing.
 struct Degradation {
@@ -48,6 +48,6 @@ absl::StatusOr<recording::LaserLog> Degraded(const recording::LaserLog& log,
 // What the robustness table goes through.
 std::vector<Degradation> StandardDegradations();
 
-}  // namespace treeline::laser_slam_evaluation
+}  // namespace treeline::laser_slam
 
 #endif  // EVALUATION_LASER_SLAM_DEGRADED_LOG_H_

@@ -7,7 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace treeline::laser_slam_evaluation {
+namespace treeline::laser_slam {
 namespace {
 
 using ::testing::HasSubstr;
@@ -87,4 +87,4 @@ TEST(SyntheticOffice, DrivesInTheClear) {
 }
 
 }  // namespace
-}  // namespace treeline::laser_slam_evaluation
+}  // namespace treeline::laser_slam

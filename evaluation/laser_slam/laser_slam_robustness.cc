@@ -34,7 +34,7 @@
 #include "nav_agent/mapping/trajectory_score.h"
 #include "nav_agent/recording/relations.h"
 
-namespace treeline::laser_slam_evaluation {
+namespace treeline::laser_slam {
 namespace {
 
 constexpr double kDegPerRad = 180 / std::numbers::pi;
@@ -164,8 +164,8 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace treeline::laser_slam_evaluation
+}  // namespace treeline::laser_slam
 
 int main(int argc, char** argv) {
-  return treeline::laser_slam_evaluation::Main(argc, argv);
+  return treeline::laser_slam::Main(argc, argv);
 }

@@ -12,7 +12,7 @@
 #include "common/base/random.h"
 #include "common/geometry/rigid2.h"
 
-namespace treeline::laser_slam_evaluation {
+namespace treeline::laser_slam {
 namespace {
 
 struct Wall {
@@ -260,4 +260,4 @@ std::vector<recording::PoseRelation> TrueRelations(
   return relations;
 }
 
-}  // namespace treeline::laser_slam_evaluation
+}  // namespace treeline::laser_slam

@@ -9,7 +9,7 @@
 #include "nav_agent/recording/laser_log.h"
 #include "nav_agent/recording/relations.h"
 
-namespace treeline::laser_slam_evaluation {
+namespace treeline::laser_slam {
 
 struct OfficeOptions {
   uint64_t seed = 1;
@@ -38,6 +38,6 @@ OfficeDrive DriveThroughOffice(const OfficeOptions& options);
 std::vector<recording::PoseRelation> TrueRelations(
     const OfficeDrive& drive, const recording::LaserLog& log);
 
-}  // namespace treeline::laser_slam_evaluation
+}  // namespace treeline::laser_slam
 
 #endif  // EVALUATION_LASER_SLAM_SYNTHETIC_OFFICE_H_
