@@ -13,10 +13,12 @@ export default defineConfig({
     sourcemap: false,
     chunkSizeWarningLimit: 800,
     rollupOptions: {
+      input: ['index.html', 'scene.html'],
       output: {
         // Libraries change seldom: browsers keep them.
         manualChunks: {
-          three: ['three', 'three/addons/lines/LineSegments2.js'],
+          three: ['three', 'three/addons/controls/OrbitControls.js',
+            'three/addons/lines/LineSegments2.js'],
           connect: ['@bufbuild/protobuf', '@connectrpc/connect',
             '@connectrpc/connect-web'],
         },

@@ -7,6 +7,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "common/http/body_reader.h"
+#include "common/http/stream_duplex.h"
 
 namespace treeline::http {
 namespace {
@@ -203,8 +204,10 @@ httplib::Server::HandlerResponse HttpEngine::BeforeBody(
 }
 
 void HttpEngine::Send(const HttpResponse& answer, httplib::Response& response) {
-  if (answer.stream &&
-      (request_.method == "GET" || request_.method == "POST")) {
+  if (answer.upgrade && request_.method == "GET") {
+    Upgrade(request_, answer);
+  } else if (answer.stream &&
+             (request_.method == "GET" || request_.method == "POST")) {
     Stream(request_, answer);
   } else {
     Apply(request_, answer, response);
@@ -230,6 +233,31 @@ void HttpEngine::Stream(const HttpRequest& request,
   if (stream_.httplib::Stream::write(head) > 0) {
     response.stream(writer);
     writer.Finish();
+  }
+  // httplib must not answer too.
+  stream_.Abandon();
+}
+
+void HttpEngine::Upgrade(const HttpRequest& request,
+                         const HttpResponse& response) {
+  answered_ = true;
+  std::string head = absl::StrCat("HTTP/1.1 ", response.status,
+                                  " Switching Protocols\r\n"
+                                  "Connection: Upgrade\r\n");
+  for (const auto& headers :
+       {response.headers, handler_.CommonHeaders(request)}) {
+    for (const auto& [name, value] : headers) {
+      absl::StrAppend(&head, name, ": ", value, "\r\n");
+    }
+  }
+  head += "\r\n";
+  stream_.BeginPart();
+  if (stream_.httplib::Stream::write(head) > 0) {
+    StreamDuplex duplex(stream_, connection_.socket, connection_.mark_idle,
+                        clock_);
+    response.upgrade(duplex);
+    // What the client has on its way must not take the last words back.
+    stream_.Linger(kLinger);
   }
   // httplib must not answer too.
   stream_.Abandon();

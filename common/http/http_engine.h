@@ -7,6 +7,7 @@
 #include <httplib.h>
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,8 @@ class HttpEngine final : private httplib::Server {
     bool only_probes = false;
     // What bodies are held by; nullptr: without a bound.
     base::ByteBudget* budget = nullptr;
+    // Of a connection that is upgraded; see StreamDuplex.
+    std::function<bool(bool idle)> mark_idle = {};
   };
 
   // Keeps references to `handler`, `stream` and `clock`.
@@ -62,6 +65,8 @@ class HttpEngine final : private httplib::Server {
   void Send(const HttpResponse& answer, httplib::Response& response);
   // Writes head and body of a response that goes on, and ends the connection.
   void Stream(const HttpRequest& request, const HttpResponse& response);
+  // Hands the connection over, and ends it when it comes back.
+  void Upgrade(const HttpRequest& request, const HttpResponse& response);
 
   HttpRequest Convert(const httplib::Request& request) const;
   void Apply(const HttpRequest& request, const HttpResponse& from,

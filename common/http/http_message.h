@@ -2,6 +2,9 @@
 #ifndef COMMON_HTTP_HTTP_MESSAGE_H_
 #define COMMON_HTTP_HTTP_MESSAGE_H_
 
+#include <sys/types.h>
+
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <optional>
@@ -52,6 +55,37 @@ class HttpBodyWriter {
   virtual bool Write(absl::string_view bytes) = 0;
 };
 
+// A connection that is no longer one of requests and answers: bytes both ways.
+// For the thread of the connection.
+class HttpDuplex : public HttpBodyWriter {
+ public:
+  struct Readiness {
+    // ReadSome() has something to say.
+    bool can_read = false;
+    // `other` of Wait() can be read.
+    bool other = false;
+    // The client has closed its half, or all of it; there may be more to read.
+    bool has_gone = false;
+  };
+
+  // Waits until there is something to read, from the connection, if `reads`, or
+  // from the descriptor `other`, until `until`. What is expected of a client
+  // that has begun to send (see BeginArrival) may end it earlier.
+  virtual Readiness Wait(bool reads, int other, base::MonotonicTime until) = 0;
+  // What has arrived, without waiting: at most `size` bytes. 0: nothing now;
+  // -1: the client has gone, or is too slow.
+  virtual ssize_t ReadSome(char* to, size_t size) = 0;
+
+  // The client is sending something that must be whole in time, as a request's
+  // body must: from the first byte on, and until EndArrival().
+  virtual void BeginArrival() = 0;
+  virtual void EndArrival() = 0;
+
+  // Whether nothing is under way: then the connection may be closed to make
+  // room for others. False: it is to end, for that or since the server stops.
+  virtual bool SetIdle(bool idle) = 0;
+};
+
 struct HttpResponse {
   int status = 200;
   std::string content_type = {};
@@ -60,6 +94,9 @@ struct HttpResponse {
   // Instead of `body`, of GET and POST requests alone: called in the
   // connection's thread, and the connection closes when it returns.
   std::function<void(HttpBodyWriter&)> stream = {};
+  // With status 101 to a GET: called in the connection's thread once that is
+  // said, and the connection closes when it returns.
+  std::function<void(HttpDuplex&)> upgrade = {};
 };
 
 // Thread-safe: every connection has a thread.

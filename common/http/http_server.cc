@@ -427,7 +427,8 @@ void HttpServer::Impl::ServeRequests(int64_t id, HttpStream& stream, int fd,
       .socket = fd,
       .max_body_bytes = static_cast<size_t>(options_.max_body_mib) << 20,
       .only_probes = only_probes,
-      .budget = options_.budget};
+      .budget = options_.budget,
+      .mark_idle = [this, id](bool idle) { return SetIdle(id, idle); }};
   if (options_.tls.has_value() && options_.tls->client_names) {
     connection.certificate_names = options_.tls->client_names(stream.ssl());
   }

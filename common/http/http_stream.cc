@@ -198,6 +198,68 @@ ssize_t HttpStream::read(char* ptr, size_t size) {
   return got;
 }
 
+ssize_t HttpStream::ReadAvailable(char* ptr, size_t size) {
+  if (failure_ != StreamFailure::kNone) return -1;
+  if (phase_ == Phase::kBody && clock_.Now() >= deadline_) {
+    failure_ = StreamFailure::kTimedOut;
+    return -1;
+  }
+  ssize_t got = 0;
+  if (begin_ < end_) {
+    const size_t taken = std::min(size, end_ - begin_);
+    std::memcpy(ptr, buffer_.data() + begin_, taken);
+    begin_ += taken;
+    got = static_cast<ssize_t>(taken);
+  } else {
+    got = TryReceive(ptr, size);
+    if (got < 0) return -1;
+  }
+  if (phase_ == Phase::kBody) {
+    phase_bytes_ += static_cast<size_t>(got);
+    ExpectNextPiece();
+  }
+  return got;
+}
+
+bool HttpStream::HasBuffered() const {
+  return begin_ < end_ || (ssl_ != nullptr && SSL_pending(ssl_.get()) > 0);
+}
+
+bool HttpStream::WriteBetween(absl::string_view bytes) {
+  const Phase phase = phase_;
+  const base::MonotonicTime phase_start = phase_start_;
+  const size_t phase_bytes = phase_bytes_;
+  const base::MonotonicTime begin = clock_.Now();
+  BeginPart();
+  const bool is_sent = write(bytes.data(), bytes.size()) >= 0;
+  if (phase == Phase::kBody) {
+    const auto taken = clock_.Now() - begin;
+    phase_deadline_ += taken;
+    phase_bytes_ = phase_bytes;
+    phase_start_ = phase_start + taken;
+    phase_ = phase;
+    ExpectNextPiece();
+  }
+  return is_sent;
+}
+
+ssize_t HttpStream::TryReceive(char* ptr, size_t size) {
+  if (ssl_ != nullptr) {
+    ERR_clear_error();
+    const int result = SSL_read(
+        ssl_.get(), ptr, static_cast<int>(std::min<size_t>(size, INT_MAX)));
+    if (result > 0) return result;
+    const int error = SSL_get_error(ssl_.get(), result);
+    if (error == SSL_ERROR_WANT_READ || error == SSL_ERROR_WANT_WRITE) return 0;
+  } else {
+    const ssize_t result = recv(fd_, ptr, size, 0);
+    if (result > 0) return result;
+    if (result < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
+  }
+  failure_ = StreamFailure::kClosed;
+  return -1;
+}
+
 ssize_t HttpStream::write(const char* ptr, size_t size) {
   if (failure_ == StreamFailure::kClosed) return -1;
   if (phase_ != Phase::kResponse) BeginPart();

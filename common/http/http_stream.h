@@ -69,6 +69,15 @@ class HttpStream final : public httplib::Stream, public ByteSource {
   // is, or not for long enough to say. From any thread.
   std::optional<double> ArrivalRate(base::MonotonicTime now) const;
 
+  // What has arrived, without waiting: 0: nothing now; -1: see failure().
+  ssize_t ReadAvailable(char* ptr, size_t size);
+  // Whether ReadAvailable() has bytes that the system no longer has.
+  bool HasBuffered() const;
+  // Writes while a body goes on arriving, whose time stands still meanwhile.
+  bool WriteBetween(absl::string_view bytes);
+  // When what is being read must have gone on.
+  base::MonotonicTime deadline() const { return deadline_; }
+
   // Says that no more will be written, and reads what still comes for up to
   // `patience`: closing with unread bytes would take the response back.
   void Linger(std::chrono::milliseconds patience);
@@ -99,6 +108,8 @@ class HttpStream final : public httplib::Stream, public ByteSource {
 
   // Bytes from the connection, at least one; 0 closed, -1 failed.
   ssize_t Receive(char* ptr, size_t size);
+  // The same without waiting: 0: there are none now; -1: none will come.
+  ssize_t TryReceive(char* ptr, size_t size);
   ssize_t Send(const char* ptr, size_t size);
   // Waits for poll events until the deadline.
   bool Wait(short events);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <stop_token>
 #include <utility>
 
@@ -31,6 +32,7 @@
 #include "server/repository/scene_repository.h"
 #include "server/service/convert.h"
 #include "server/service/grpc_server.h"
+#include "server/service/recent_queries.h"
 #include "server/service/service_dispatcher.h"
 
 namespace treeline::server_app {
@@ -102,6 +104,14 @@ access::RateLimitOptions RateLimitOf(const ServerConfig& config) {
           .burst = static_cast<int>(config.rate_burst)};
 }
 
+std::unique_ptr<service::RecentQueries> KeepRecentQueries(
+    const ServerConfig& config) {
+  if (config.recent_queries == 0) return nullptr;
+  return std::make_unique<service::RecentQueries>(
+      static_cast<size_t>(config.recent_queries),
+      [] { return std::chrono::system_clock::now(); });
+}
+
 // Of a folder that was named, there must be a page.
 absl::StatusOr<std::string> ArPageFolder(const ServerConfig& config) {
   if (config.ar_page == "auto") {
@@ -147,9 +157,17 @@ struct Application::Parts {
         budget(kLargestRequestsHeld *
                (static_cast<uint64_t>(config.max_message_mib) << 20)),
         metrics(registry),
-        call_log(server_log, used_clock) {}
+        call_log(server_log, used_clock),
+        recent_queries(KeepRecentQueries(config)),
+        observers(Observers()) {}
   // Downloads must not outlast the rest.
   ~Parts() { stop_downloads.request_stop(); }
+
+  std::vector<service::CallObserver*> Observers() {
+    std::vector<service::CallObserver*> all{&metrics, &call_log};
+    if (recent_queries != nullptr) all.push_back(recent_queries.get());
+    return all;
+  }
 
   absl::Status OpenAccessPolicy(const ServerConfig& config);
   absl::Status StartRecorder(const ServerConfig& config);
@@ -165,7 +183,9 @@ struct Application::Parts {
   metrics::Registry registry;
   ServiceMetrics metrics;
   CallLog call_log;
-  CallObservers observers{{&metrics, &call_log}};
+  // Null: none are kept.
+  std::unique_ptr<service::RecentQueries> recent_queries;
+  CallObservers observers;
   std::stop_source stop_downloads;
   std::unique_ptr<repository::SceneRepository> repository;
   std::unique_ptr<access::CertificateFiles> certificates;
@@ -340,9 +360,10 @@ absl::StatusOr<std::unique_ptr<Application>> Application::Start(
   TL_ASSIGN_OR_RETURN(
       parts->repository,
       OpenRepository(config, parts->stop_downloads.get_token(), log, clock));
+  service::DispatcherOptions options = DispatcherOptionsOf(config);
+  options.recent_queries = parts->recent_queries.get();
   parts->service = std::make_unique<service::ServiceDispatcher>(
-      *parts->repository, parts->access, parts->observers, clock,
-      DispatcherOptionsOf(config));
+      *parts->repository, parts->access, parts->observers, clock, options);
   TL_RETURN_IF_ERROR(parts->StartRecorder(config));
   parts->AddMetrics();
   TL_RETURN_IF_ERROR(parts->StartListeners(config));

@@ -212,6 +212,14 @@ class FakeDispatcher final : public service::Dispatcher {
                    Done<v1::UnloadSceneResponse> done) override {
     done(v1::UnloadSceneResponse());
   }
+  void GetSceneMap(service::CallInfo, const v1::GetSceneMapRequest&,
+                   Done<v1::GetSceneMapResponse> done) override {
+    done(v1::GetSceneMapResponse());
+  }
+  void ListRecentQueries(service::CallInfo, const v1::ListRecentQueriesRequest&,
+                         Done<v1::ListRecentQueriesResponse> done) override {
+    done(v1::ListRecentQueriesResponse());
+  }
   void Reject(const service::CallInfo&, const v1::LocalizeRequest&,
               const absl::Status&) override {}
   service::Load load() const override { return {.queued = 3}; }

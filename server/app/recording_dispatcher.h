@@ -3,6 +3,7 @@
 #define SERVER_APP_RECORDING_DISPATCHER_H_
 
 #include <string>
+#include <utility>
 
 #include "server/app/failed_query_recorder.h"
 #include "server/service/dispatcher.h"
@@ -42,6 +43,16 @@ class RecordingDispatcher final : public service::Dispatcher {
   void UnloadScene(service::CallInfo call,
                    const v1::UnloadSceneRequest& request,
                    Done<v1::UnloadSceneResponse> done) override;
+  void GetSceneMap(service::CallInfo call,
+                   const v1::GetSceneMapRequest& request,
+                   Done<v1::GetSceneMapResponse> done) override {
+    inner_.GetSceneMap(std::move(call), request, std::move(done));
+  }
+  void ListRecentQueries(service::CallInfo call,
+                         const v1::ListRecentQueriesRequest& request,
+                         Done<v1::ListRecentQueriesResponse> done) override {
+    inner_.ListRecentQueries(std::move(call), request, std::move(done));
+  }
   void Reject(const service::CallInfo& call, const v1::LocalizeRequest& request,
               const absl::Status& status) override {
     inner_.Reject(call, request, status);

@@ -215,6 +215,14 @@ void AddLife(Table& table) {
        .help = "Maximum size of the kept queries, MiB; the oldest are deleted",
        .min = 1,
        .max = 1 << 24});
+  table.Add(
+      &ServerConfig::recent_queries,
+      {.name = "recent_queries",
+       .help = "Results of so many of the latest queries are kept in memory, "
+               "and shown to all who may localize in their scene: when, where "
+               "or why not; no pictures. 0: none",
+       .min = 0,
+       .max = 10000});
   table.Add(&ServerConfig::log_level,
             {.name = "log_level",
              .help = "debug logs every call, info only failed ones",

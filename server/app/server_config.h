@@ -60,6 +60,7 @@ struct ServerConfig {
   // Seen from outside.
   std::string record;
   int record_mib = 1024;
+  int recent_queries = 0;
   std::string log_level = "info";
   std::string log_format = "text";
 

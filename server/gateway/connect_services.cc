@@ -66,9 +66,14 @@ void AddConnectServices(service::Dispatcher& dispatcher, bool admin_listener,
       router);
   Add(context, kScenes, "UnloadScene", Scope::kAdmin, &Dispatcher::UnloadScene,
       router);
-  router.AddUnimplemented(PathOf(kRelocalization, "LocalizeStream"),
-                          "LocalizeStream is served over gRPC only; over HTTP, "
-                          "call Localize for each frame");
+  Add(context, kScenes, "GetSceneMap", Scope::kLocalize,
+      &Dispatcher::GetSceneMap, router);
+  Add(context, kScenes, "ListRecentQueries", Scope::kLocalize,
+      &Dispatcher::ListRecentQueries, router);
+  router.AddUnimplemented(
+      PathOf(kRelocalization, "LocalizeStream"),
+      "LocalizeStream is served over gRPC and as a WebSocket; "
+      "in calls, call Localize for each frame");
 }
 
 }  // namespace treeline::gateway

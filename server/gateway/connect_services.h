@@ -9,7 +9,7 @@
 namespace treeline::gateway {
 
 // Adds the unary RPCs of RelocalizationService and SceneService, each with its
-// access, and says of LocalizeStream that it is served over gRPC alone.
+// access, and says of LocalizeStream that it is no call here.
 // `admin_listener`: see CallInfo. Keeps references to `dispatcher` and `clock`.
 void AddConnectServices(service::Dispatcher& dispatcher, bool admin_listener,
                         const base::Clock& clock,

@@ -37,6 +37,13 @@ bool IsOrigin(absl::string_view text) {
          });
 }
 
+http::HttpResponse Refusal() {
+  return connect_rpc::ConnectErrorResponse(
+      base::WithReason(absl::PermissionDeniedError(
+                           "the server does not serve pages of this origin"),
+                       "ORIGIN_REFUSED"));
+}
+
 }  // namespace
 
 absl::Status CorsPolicy::Validate(const std::vector<std::string>& origins) {
@@ -64,10 +71,7 @@ std::optional<http::HttpResponse> CorsPolicy::Check(
     if (request.method == "GET" || request.method == "HEAD") {
       return std::nullopt;
     }
-    return connect_rpc::ConnectErrorResponse(
-        base::WithReason(absl::PermissionDeniedError(
-                             "the server does not serve pages of this origin"),
-                         "ORIGIN_REFUSED"));
+    return Refusal();
   }
   if (request.method != "OPTIONS" ||
       request.Header("access-control-request-method").empty()) {
@@ -80,6 +84,15 @@ std::optional<http::HttpResponse> CorsPolicy::Check(
                    "Accept, Authorization, Connect-Protocol-Version, "
                    "Connect-Timeout-Ms, Content-Type, Traceparent, Tracestate"},
                   {"Access-Control-Max-Age", "7200"}}};
+}
+
+std::optional<http::HttpResponse> CorsPolicy::CheckSocket(
+    const http::HttpRequest& request) const {
+  if (request.Header("origin").empty() || IsOwnPage(request) ||
+      IsAllowed(request)) {
+    return std::nullopt;
+  }
+  return Refusal();
 }
 
 std::vector<std::pair<std::string, std::string>> CorsPolicy::Headers(

@@ -37,6 +37,11 @@ class CorsPolicy {
   std::optional<http::HttpResponse> Check(
       const http::HttpRequest& request) const;
 
+  // 403 for a WebSocket from an origin that is not allowed: no browser asks
+  // before it opens one, or hides what it says.
+  std::optional<http::HttpResponse> CheckSocket(
+      const http::HttpRequest& request) const;
+
   // Of every response: for allowed origins who may read it.
   std::vector<std::pair<std::string, std::string>> Headers(
       const http::HttpRequest& request) const;

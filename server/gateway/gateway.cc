@@ -14,6 +14,7 @@
 #include "server/gateway/connect_services.h"
 #include "server/gateway/cors.h"
 #include "server/gateway/gpp_routes.h"
+#include "server/gateway/localize_socket.h"
 
 namespace treeline::gateway {
 namespace {
@@ -81,6 +82,16 @@ OwnPages OwnPagesOf(const GatewayOptions& options) {
                                       : OwnPages::kOverHttp;
 }
 
+LocalizeSocketOptions SocketOptionsOf(const GatewayOptions& options,
+                                      const GatewayHooks& hooks) {
+  return {.max_message_bytes = static_cast<size_t>(options.http.max_body_mib)
+                               << 20,
+          .budget = options.http.budget,
+          .idle_timeout = options.http.idle_timeout,
+          .admin_listener = options.serve_admin,
+          .goes_on = hooks.ready};
+}
+
 class Handler final : public http::HttpHandler {
  public:
   Handler(const GatewayOptions& options, service::Dispatcher& dispatcher,
@@ -95,6 +106,7 @@ class Handler final : public http::HttpHandler {
     if (options.serve_rpc) {
       connect_.emplace(clock, ConnectOptionsOf(options.http));
       AddConnectServices(dispatcher, options.serve_admin, clock, *connect_);
+      socket_.emplace(dispatcher, clock, SocketOptionsOf(options, hooks_));
       if (hooks_.scenes) {
         gpp_.emplace(dispatcher, hooks_.scenes, options.serve_admin, clock,
                      options.http.budget);
@@ -105,6 +117,10 @@ class Handler final : public http::HttpHandler {
   std::optional<http::HttpResponse> CheckHead(
       const http::HttpRequest& request) override {
     if (auto answer = cors_.Check(request)) return answer;
+    if (socket_.has_value() && LocalizeSocket::Owns(request)) {
+      if (auto answer = cors_.CheckSocket(request)) return answer;
+      return socket_->CheckHead(request);
+    }
     if (connect_.has_value() && ConnectRouter::Owns(request.path)) {
       return connect_->CheckHead(request);
     }
@@ -134,6 +150,7 @@ class Handler final : public http::HttpHandler {
   }
 
   http::HttpResponse Handle(const http::HttpRequest& request) override {
+    if (LocalizeSocket::Owns(request)) return socket_->Handle(request);
     if (ConnectRouter::Owns(request.path)) return connect_->Handle(request);
     if (GppRoutes::Owns(request.path)) return gpp_->Handle(request);
     if (IsArPage(request)) return ar_page_->Handle(request);
@@ -192,6 +209,7 @@ class Handler final : public http::HttpHandler {
   const bool serve_metrics_;
   std::optional<ArPage> ar_page_;
   std::optional<ConnectRouter> connect_;
+  std::optional<LocalizeSocket> socket_;
   std::optional<GppRoutes> gpp_;
 };
 

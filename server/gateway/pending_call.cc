@@ -38,6 +38,12 @@ void CallSignal::Notify() const {
   }
 }
 
+void CallSignal::Clear() const {
+  uint64_t count = 0;
+  while (read(fd_, &count, sizeof(count)) < 0 && errno == EINTR) {
+  }
+}
+
 void CallSignal::Wait(int socket, base::MonotonicTime deadline,
                       const base::Clock& clock, std::stop_source& stop) const {
   // poll() passes over negative descriptors.

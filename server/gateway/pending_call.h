@@ -28,6 +28,9 @@ class CallSignal {
   // False: the system has no descriptor left.
   bool is_valid() const { return fd_ >= 0; }
   void Notify() const;
+  // For poll(): can be read after Notify(), until Clear(), which is for then.
+  int fd() const { return fd_; }
+  void Clear() const;
   // Returns after Notify(). Requests a stop as soon as `socket` (-1: none) says
   // that its client has closed or given up, and at `deadline`.
   void Wait(int socket, base::MonotonicTime deadline, const base::Clock& clock,

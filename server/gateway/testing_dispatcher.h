@@ -94,14 +94,36 @@ class TestingDispatcher final : public service::Dispatcher {
     response.mutable_scene()->set_scene(request.scene());
     done(response);
   }
-  void Reject(const service::CallInfo&, const v1::LocalizeRequest&,
-              const absl::Status&) override {}
+  void GetSceneMap(service::CallInfo call,
+                   const v1::GetSceneMapRequest& request,
+                   Done<v1::GetSceneMapResponse> done) override {
+    Remember(call);
+    v1::GetSceneMapResponse response;
+    response.set_scene(request.scene());
+    done(response);
+  }
+  void ListRecentQueries(service::CallInfo call,
+                         const v1::ListRecentQueriesRequest& /*request*/,
+                         Done<v1::ListRecentQueriesResponse> done) override {
+    Remember(call);
+    done(v1::ListRecentQueriesResponse());
+  }
+  void Reject(const service::CallInfo&, const v1::LocalizeRequest& request,
+              const absl::Status&) override {
+    const absl::MutexLock lock(&mutex_);
+    rejected_.push_back(request.scene());
+  }
   service::Load load() const override { return {}; }
 
   // What was asked of Admit so far.
   std::vector<service::Scope> admitted() {
     const absl::MutexLock lock(&mutex_);
     return admitted_;
+  }
+  // Scenes of what was rejected so far.
+  std::vector<std::string> rejected() {
+    const absl::MutexLock lock(&mutex_);
+    return rejected_;
   }
   // Of all calls so far.
   std::vector<service::CallInfo> calls() {
@@ -130,6 +152,7 @@ class TestingDispatcher final : public service::Dispatcher {
   absl::Mutex mutex_;
   std::vector<service::Scope> admitted_ ABSL_GUARDED_BY(mutex_);
   std::vector<service::CallInfo> calls_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::string> rejected_ ABSL_GUARDED_BY(mutex_);
   std::vector<v1::LocalizeRequest> requests_ ABSL_GUARDED_BY(mutex_);
   std::vector<std::unique_ptr<std::stop_callback<std::function<void()>>>> stops_
       ABSL_GUARDED_BY(mutex_);

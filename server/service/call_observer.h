@@ -55,6 +55,8 @@ struct CallRecord {
   // With an OK status of Localize.
   std::optional<localizer::Outcome> outcome;
   localizer::NotLocalizedReason reason = localizer::NotLocalizedReason::kNone;
+  // Where it was localized.
+  std::optional<geometry::Rigid3> world_from_camera;
   int inliers = 0;
   int samples = 0;
   // In [0, 1].

@@ -52,6 +52,12 @@ class Dispatcher {
   virtual void UnloadScene(CallInfo call, const v1::UnloadSceneRequest& request,
                            Done<v1::UnloadSceneResponse> done) = 0;
 
+  virtual void GetSceneMap(CallInfo call, const v1::GetSceneMapRequest& request,
+                           Done<v1::GetSceneMapResponse> done) = 0;
+  virtual void ListRecentQueries(CallInfo call,
+                                 const v1::ListRecentQueriesRequest& request,
+                                 Done<v1::ListRecentQueriesResponse> done) = 0;
+
   // Reports a query that a transport turned away itself: there were too many.
   virtual void Reject(const CallInfo& call, const v1::LocalizeRequest& request,
                       const absl::Status& status) = 0;

@@ -173,6 +173,12 @@ SceneGrpcService::SceneGrpcService(Dispatcher& dispatcher,
   AddRawMethod("/treeline.v1.SceneService/UnloadScene",
                Unary(dispatcher_, &Dispatcher::UnloadScene, "UnloadScene",
                      Scope::kAdmin, source_, timer_));
+  AddRawMethod("/treeline.v1.SceneService/GetSceneMap",
+               Unary(dispatcher_, &Dispatcher::GetSceneMap, "GetSceneMap",
+                     Scope::kLocalize, source_, timer_));
+  AddRawMethod("/treeline.v1.SceneService/ListRecentQueries",
+               Unary(dispatcher_, &Dispatcher::ListRecentQueries,
+                     "ListRecentQueries", Scope::kLocalize, source_, timer_));
 }
 
 }  // namespace treeline::service

@@ -194,6 +194,9 @@ absl::StatusOr<v1::LocalizeResponse> LocalizeRpc::Answer(
   localizer::ApplyPriors(priors, *estimate);
   record.outcome = estimate->outcome;
   record.reason = estimate->reason;
+  if (estimate->outcome == localizer::Outcome::kLocalized) {
+    record.world_from_camera = estimate->world_from_camera;
+  }
   record.inliers = estimate->inliers;
   record.samples = estimate->samples;
   record.confidence = estimate->confidence;

@@ -1,32 +1,12 @@
 #include "server/service/localize_stream.h"
 
-#include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "common/base/error_info.h"
-#include "common/wire/geometry.h"
-#include "common/wire/status.h"
 #include "server/service/grpc_call.h"
 #include "server/service/grpc_message.h"
 
 namespace treeline::service {
-namespace {
-
-constexpr int kDefaultPending = 4;
-constexpr int kMaxPending = 64;
-// Of a stream that drops frames: one computed while the next is decoded.
-constexpr int kSideBySide = 2;
-// Answers that the client has not taken; beyond them nothing is read.
-constexpr size_t kMaxUnsent = 256;
-
-absl::Status Draining() {
-  return base::WithReason(
-      absl::UnavailableError("the server is stopping; open the stream again"),
-      "DRAINING");
-}
-
-}  // namespace
 
 RawReactor* LocalizeStreams::Begin(grpc::CallbackServerContext& context,
                                    Dispatcher& dispatcher,
@@ -80,17 +60,17 @@ void LocalizeStreamCall::Drain() {
     absl::MutexLock lock(&mutex_);
     if (closed_) return;
     closed_ = true;
-    final_ = Draining();
+    final_ = StreamIsDraining();
   }
   Proceed();
 }
 
 void LocalizeStreamCall::OnReadDone(bool ok) {
-  auto item = std::make_shared<Item>();
-  item->lease = base::ByteLease(source_.budget);
+  auto frame = std::make_shared<FrameQueue::Frame>();
+  frame->lease = base::ByteLease(source_.budget);
   absl::Status taken;
-  if (ok) taken = TakeMessage(incoming_, item->lease, item->request);
-  std::shared_ptr<Item> dropped;
+  if (ok) taken = TakeMessage(incoming_, frame->lease, frame->request);
+  FrameQueue::FramePtr dropped;
   {
     absl::MutexLock lock(&mutex_);
     reading_ = false;
@@ -101,53 +81,23 @@ void LocalizeStreamCall::OnReadDone(bool ok) {
       closed_ = true;
       final_ = taken;
     } else if (!closed_) {
-      Accept(std::move(item));
-      dropped = DropOldest();
+      frame->call =
+          CallInfoFrom(context_, "LocalizeStream", source_, stop_.get_token());
+      const absl::Status accepted = queue_.Accept(std::move(frame));
+      if (!accepted.ok()) {
+        closed_ = true;
+        final_ = accepted;
+      }
+      dropped = queue_.DropOldest();
     }
   }
   if (dropped != nullptr) {
-    const absl::Status status = base::WithReason(
-        absl::AbortedError("dropped: newer frames were waiting"),
-        "FRAME_DROPPED");
+    const absl::Status status = FrameQueue::DroppedStatus();
     dispatcher_.Reject(dropped->call, dropped->request.localize(), status);
     absl::MutexLock lock(&mutex_);
-    Answer(*dropped, status);
+    FrameQueue::Answer(*dropped, status);
   }
   Proceed();
-}
-
-void LocalizeStreamCall::Accept(std::shared_ptr<Item> item) {
-  if (std::exchange(first_, false)) {
-    settings_ = item->request.settings();
-    if (settings_.max_pending() == 0)
-      settings_.set_max_pending(kDefaultPending);
-    if (settings_.max_pending() < 1 || settings_.max_pending() > kMaxPending) {
-      closed_ = true;
-      final_ = base::WithReason(
-          wire::FieldError("settings.max_pending", "it must be 0..64"),
-          "INVALID_REQUEST");
-      return;
-    }
-  }
-  item->call =
-      CallInfoFrom(context_, "LocalizeStream", source_, stop_.get_token());
-  item->answer.set_id(item->request.id());
-  items_.push_back(std::move(item));
-}
-
-std::shared_ptr<LocalizeStreamCall::Item> LocalizeStreamCall::DropOldest() {
-  if (!settings_.drop_oldest()) return nullptr;
-  const auto held = [](const std::shared_ptr<Item>& item) {
-    return item->stage == Stage::kHeld;
-  };
-  if (with_dispatcher_ < kSideBySide ||
-      std::count_if(items_.begin(), items_.end(), held) <=
-          settings_.max_pending()) {
-    return nullptr;
-  }
-  const auto oldest = std::find_if(items_.begin(), items_.end(), held);
-  (*oldest)->stage = Stage::kDropped;
-  return *oldest;
 }
 
 void LocalizeStreamCall::OnWriteDone(bool ok) {
@@ -176,41 +126,23 @@ void LocalizeStreamCall::OnDone() {
   const std::shared_ptr<LocalizeStreamCall> self = std::move(self_);
 }
 
-bool LocalizeStreamCall::MayRead() const {
-  if (reading_ || closed_) return false;
-  if (items_.size() >= kMaxUnsent) return false;
-  return first_ || settings_.drop_oldest() ||
-         items_.size() < static_cast<size_t>(settings_.max_pending());
-}
-
 LocalizeStreamCall::Step LocalizeStreamCall::NextStep(
-    std::shared_ptr<Item>& item) {
+    FrameQueue::FramePtr& frame) {
   if (finished_) return Step::kNothing;
-  const int side_by_side =
-      settings_.drop_oldest() ? kSideBySide : settings_.max_pending();
-  if (with_dispatcher_ < side_by_side) {
-    const auto held = std::find_if(
-        items_.begin(), items_.end(),
-        [](const auto& each) { return each->stage == Stage::kHeld; });
-    if (held != items_.end()) {
-      item = *held;
-      item->stage = Stage::kWithDispatcher;
-      ++with_dispatcher_;
-      return Step::kDispatch;
+  frame = queue_.NextToDispatch();
+  if (frame != nullptr) return Step::kDispatch;
+  if (!writing_) {
+    frame = queue_.NextAnswered();
+    if (frame != nullptr) {
+      writing_ = true;
+      return Step::kWrite;
     }
   }
-  if (!writing_ && !items_.empty() &&
-      items_.front()->stage == Stage::kAnswered) {
-    item = std::move(items_.front());
-    items_.pop_front();
-    writing_ = true;
-    return Step::kWrite;
-  }
-  if (MayRead()) {
+  if (!reading_ && !closed_ && queue_.MayRead()) {
     reading_ = true;
     return Step::kRead;
   }
-  if (closed_ && items_.empty() && !writing_) {
+  if (closed_ && queue_.empty() && !writing_) {
     finished_ = true;
     return Step::kFinish;
   }
@@ -219,22 +151,22 @@ LocalizeStreamCall::Step LocalizeStreamCall::NextStep(
 
 void LocalizeStreamCall::Proceed() {
   while (true) {
-    std::shared_ptr<Item> item;
+    FrameQueue::FramePtr frame;
     Step step = Step::kNothing;
     absl::Status final_status;
     {
       absl::MutexLock lock(&mutex_);
-      step = NextStep(item);
+      step = NextStep(frame);
       if (step == Step::kFinish) final_status = final_;
     }
     switch (step) {
       case Step::kNothing:
         return;
       case Step::kDispatch:
-        Dispatch(item);
+        Dispatch(frame);
         break;
       case Step::kWrite:
-        outgoing_ = BytesOf(item->answer);
+        outgoing_ = BytesOf(frame->answer);
         StartWrite(&outgoing_);
         break;
       case Step::kRead:
@@ -247,36 +179,23 @@ void LocalizeStreamCall::Proceed() {
   }
 }
 
-void LocalizeStreamCall::Dispatch(const std::shared_ptr<Item>& item) {
+void LocalizeStreamCall::Dispatch(const FrameQueue::FramePtr& frame) {
   dispatcher_.Localize(
-      item->call, item->request.localize(),
+      frame->call, frame->request.localize(),
       [this, self = shared_from_this(),
-       item](absl::StatusOr<v1::LocalizeResponse> response) {
+       frame](absl::StatusOr<v1::LocalizeResponse> response) {
         {
           absl::MutexLock lock(&mutex_);
-          --with_dispatcher_;
+          queue_.LeaveDispatcher();
           // No frame of this stream will fare better.
           if (absl::IsUnauthenticated(response.status()) && !closed_) {
             closed_ = true;
             final_ = response.status();
           }
-          Answer(*item, std::move(response));
+          FrameQueue::Answer(*frame, std::move(response));
         }
         Proceed();
       });
-}
-
-void LocalizeStreamCall::Answer(Item& item,
-                                absl::StatusOr<v1::LocalizeResponse> response) {
-  item.stage = Stage::kAnswered;
-  // Its images are not needed any more.
-  item.request = v1::LocalizeStreamRequest();
-  item.lease.Release();
-  if (response.ok()) {
-    *item.answer.mutable_response() = *std::move(response);
-  } else {
-    *item.answer.mutable_error() = wire::ToProto(response.status());
-  }
 }
 
 }  // namespace treeline::service

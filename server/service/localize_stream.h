@@ -5,9 +5,7 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/byte_buffer.h>
 
-#include <deque>
 #include <memory>
-#include <optional>
 #include <stop_token>
 #include <unordered_map>
 
@@ -15,6 +13,7 @@
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "server/service/dispatcher.h"
+#include "server/service/frame_queue.h"
 #include "server/service/grpc_call.h"
 #include "server/service/raw_service.h"
 #include "treeline/v1/relocalization.pb.h"
@@ -46,8 +45,7 @@ class LocalizeStreams {
       open_ ABSL_GUARDED_BY(mutex_);
 };
 
-// One stream. Frames are held in the order of their arrival until they are
-// answered; each goes to the dispatcher like a call of its own.
+// One stream. Each of its frames goes to the dispatcher like a call of its own.
 class LocalizeStreamCall final
     : public RawReactor,
       public std::enable_shared_from_this<LocalizeStreamCall> {
@@ -65,15 +63,6 @@ class LocalizeStreamCall final
   void Drain();
 
  private:
-  enum class Stage { kHeld, kWithDispatcher, kDropped, kAnswered };
-  struct Item {
-    Stage stage = Stage::kHeld;
-    CallInfo call;
-    // Holds the request.
-    base::ByteLease lease;
-    v1::LocalizeStreamRequest request;
-    v1::LocalizeStreamResponse answer;
-  };
   // What to do next; chosen under the lock, done without it.
   enum class Step { kNothing, kDispatch, kWrite, kRead, kFinish };
 
@@ -84,14 +73,9 @@ class LocalizeStreamCall final
 
   // Does all that can be done now.
   void Proceed();
-  Step NextStep(std::shared_ptr<Item>& item)
+  Step NextStep(FrameQueue::FramePtr& frame)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  bool MayRead() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void Accept(std::shared_ptr<Item> item) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  // Drops the oldest frame that is held; null if there is no need.
-  std::shared_ptr<Item> DropOldest() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void Dispatch(const std::shared_ptr<Item>& item);
-  void Answer(Item& item, absl::StatusOr<v1::LocalizeResponse> response);
+  void Dispatch(const FrameQueue::FramePtr& frame);
 
   grpc::CallbackServerContext& context_;
   Dispatcher& dispatcher_;
@@ -105,11 +89,7 @@ class LocalizeStreamCall final
   grpc::ByteBuffer outgoing_;
 
   absl::Mutex mutex_;
-  v1::StreamSettings settings_ ABSL_GUARDED_BY(mutex_);
-  bool first_ ABSL_GUARDED_BY(mutex_) = true;
-  // In the order of their arrival, the oldest in front.
-  std::deque<std::shared_ptr<Item>> items_ ABSL_GUARDED_BY(mutex_);
-  int with_dispatcher_ ABSL_GUARDED_BY(mutex_) = 0;
+  FrameQueue queue_ ABSL_GUARDED_BY(mutex_);
   bool reading_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   // No more frames will be accepted; the stream ends with final_.

@@ -354,6 +354,8 @@ ServiceDispatcher::ServiceDispatcher(repository::SceneRepository& repository,
       clock_(clock),
       localize_(options.decode_limits, clock),
       recognizer_(repository),
+      recent_queries_(options.recent_queries),
+      scene_maps_(repository, workers_, clock),
       workers_(options.workers > 0 ? options.workers : base::HardwareThreads(),
                options.queue, clock) {}
 
@@ -536,6 +538,53 @@ void ServiceDispatcher::UnloadScene(CallInfo call,
         v1::UnloadSceneResponse response;
         *response.mutable_scene() = ToProto(status);
         return response;
+      });
+}
+
+void ServiceDispatcher::GetSceneMap(CallInfo call,
+                                    const v1::GetSceneMapRequest& request,
+                                    Done<v1::GetSceneMapResponse> done) {
+  auto record = std::make_shared<CallRecord>();
+  record->scene = request.scene().substr(0, repository::kLongestName);
+  CallBegins();
+  const auto end = [this, call, record, done = std::move(done)](
+                       absl::StatusOr<v1::GetSceneMapResponse> response) {
+    record->shed = IsShed(response.status());
+    const absl::Status status = Report(call, response.status(), *record);
+    if (status.ok()) {
+      done(std::move(response));
+    } else {
+      done(status);
+    }
+    CallEnds();
+  };
+  absl::StatusOr<std::string> client = ClientOf(call, Scope::kLocalize);
+  if (!client.ok()) {
+    end(client.status());
+    return;
+  }
+  record->client = *client;
+  scene_maps_.Start({.request = request,
+                     .client = *std::move(client),
+                     .deadline = call.deadline,
+                     .stop = call.stop,
+                     .done = end});
+}
+
+void ServiceDispatcher::ListRecentQueries(
+    CallInfo call, const v1::ListRecentQueriesRequest& request,
+    Done<v1::ListRecentQueriesResponse> done) {
+  AnswerNow<v1::ListRecentQueriesResponse>(
+      call, request.scene(), Scope::kLocalize, done,
+      [&]() -> absl::StatusOr<v1::ListRecentQueriesResponse> {
+        if (recent_queries_ == nullptr) {
+          return base::WithReason(
+              absl::FailedPreconditionError(
+                  "the server keeps no queries: setting recent_queries is 0"),
+              "RECENT_QUERIES_OFF");
+        }
+        TL_RETURN_IF_ERROR(repository_.Get(request.scene()).status());
+        return recent_queries_->Of(request.scene());
       });
 }
 

@@ -15,6 +15,8 @@
 #include "server/service/deadline_timer.h"
 #include "server/service/dispatcher.h"
 #include "server/service/localize_rpc.h"
+#include "server/service/recent_queries.h"
+#include "server/service/scene_maps.h"
 #include "server/service/scene_recognizer.h"
 #include "server/service/worker_pool.h"
 
@@ -26,6 +28,9 @@ struct DispatcherOptions {
   // Queries that may wait for a worker or for their scene, 1..100000.
   int queue = 64;
   image::DecodeLimits decode_limits = {};
+  // What ListRecentQueries tells of; null: nothing. Must outlive the
+  // dispatcher.
+  const RecentQueries* recent_queries = nullptr;
 
   absl::Status Validate() const;
 };
@@ -54,6 +59,11 @@ class ServiceDispatcher final : public Dispatcher {
                  Done<v1::LoadSceneResponse> done) override;
   void UnloadScene(CallInfo call, const v1::UnloadSceneRequest& request,
                    Done<v1::UnloadSceneResponse> done) override;
+  void GetSceneMap(CallInfo call, const v1::GetSceneMapRequest& request,
+                   Done<v1::GetSceneMapResponse> done) override;
+  void ListRecentQueries(CallInfo call,
+                         const v1::ListRecentQueriesRequest& request,
+                         Done<v1::ListRecentQueriesResponse> done) override;
   void Reject(const CallInfo& call, const v1::LocalizeRequest& request,
               const absl::Status& status) override;
   Load load() const override;
@@ -89,6 +99,8 @@ class ServiceDispatcher final : public Dispatcher {
   const base::Clock& clock_;
   const LocalizeRpc localize_;
   const SceneRecognizer recognizer_;
+  const RecentQueries* const recent_queries_;
+  SceneMaps scene_maps_;
   // Workers that wait for a scene.
   std::atomic<int> waiting_workers_{0};
   // Calls whose scene is being loaded.

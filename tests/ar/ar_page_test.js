@@ -9,8 +9,8 @@ import { tmpdir } from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 
-import { FOCAL_PX, heldOut, HEIGHT_PX, launchWithCamera, open, startServer, trueShareOf,
-  waitForState, WIDTH_PX } from './fixture.js';
+import { FOCAL_PX, heldOut, HEIGHT_PX, launchWithCamera, open, startServer,
+  trueCameraOf, trueShareOf, waitForState, WIDTH_PX } from './fixture.js';
 
 // Every fourth: the walk has turned by then.
 const SEEN = heldOut.filter((_, i) => i % 4 === 1).slice(0, 4);
@@ -107,6 +107,117 @@ test('a note stays where it was pinned, and is there after a reload',
       await page.waitForSelector('#notes li', { state: 'detached' });
       await page.reload();
       assert.equal(await page.locator('#notes li').count(), 0);
+      assert.deepEqual(wrongs, []);
+      await browser.close();
+    });
+
+// A minute of a walk: held-out frames, a second each. What is drawn is compared
+// with where the frame that was answered shows the place of the note.
+const MINUTE_MS = 60_000;
+const NEAR_M = 0.01;
+// The rest is for pictures taken while the film went on to the next frame.
+const NEAR_SHARE = 0.95;
+
+test('a note stays at its place for a minute, wherever the camera goes',
+    async () => {
+      const browser = await launchWithCamera(...heldOut);
+      const { page, wrongs } = await open(browser, server.url);
+      await page.click('#start');
+      await waitForState(page, 'Located');
+      await page.click('#pin');
+      await page.waitForSelector('dialog[open]');
+      await page.fill('#note-input', 'Here');
+      await page.click('#note-save');
+      const [note] = await page.evaluate(() =>
+        JSON.parse(localStorage.getItem('treeline.ar.notes.room')));
+      const { x, y, z } = note.pointInWorldM;
+      const errorsM = [];
+      const end = Date.now() + MINUTE_MS;
+      let seen = 0;
+      while (Date.now() < end) {
+        await page.waitForFunction((answers) =>
+          window.treeline.answers() > answers, seen);
+        const drawn = await page.evaluate((at) => ({
+          answers: window.treeline.answers(),
+          position: window.treeline.position(),
+          share: window.treeline.shareOf(...at) }), [x, y, z]);
+        seen = drawn.answers;
+        if (drawn.position === null || drawn.share === null) continue;
+        const away = ({ position }) => Math.hypot(
+            position.x - drawn.position.x, position.y - drawn.position.y,
+            position.z - drawn.position.z);
+        const time = heldOut.reduce((best, each) =>
+          away(trueCameraOf(each)) < away(trueCameraOf(best)) ? each : best);
+        const truth = trueShareOf(time, [x, y, z]);
+        if (truth === null || Math.min(truth.x, truth.y) < 0 ||
+            Math.max(truth.x, truth.y) > 1) {
+          continue;
+        }
+        const { position } = trueCameraOf(time);
+        const distanceM =
+            Math.hypot(x - position.x, y - position.y, z - position.z);
+        errorsM.push(distanceM / FOCAL_PX * Math.hypot(
+            (drawn.share.x - truth.x) * WIDTH_PX,
+            (drawn.share.y - truth.y) * HEIGHT_PX));
+      }
+      const middle = median(errorsM);
+      const within = errorsM.filter((error) => error <= NEAR_M).length;
+      console.log(`note: median ${(100 * middle).toFixed(2)} cm, ` +
+          `${within} of ${errorsM.length} within 1 cm, ${seen} answers`);
+      assert.ok(errorsM.length >= 20, `${errorsM.length} times in view`);
+      assert.ok(within >= NEAR_SHARE * errorsM.length,
+          `${within} of ${errorsM.length} within 1 cm`);
+      assert.deepEqual(wrongs, []);
+      await browser.close();
+    });
+
+test('pictures go over one WebSocket, or are calls where there is none',
+    async () => {
+      const browser = await launchWithCamera(SEEN[0]);
+      for (const isBlocked of [false, true]) {
+        const { page, wrongs, close } = await open(browser, server.url, {},
+            null, isBlocked ? () => { delete window.WebSocket; } : () => {});
+        let sockets = 0;
+        let calls = 0;
+        page.on('websocket', () => { sockets += 1; });
+        page.on('request', (request) => {
+          if (request.url().endsWith('/Localize')) calls += 1;
+        });
+        await page.click('#start');
+        await waitForState(page, 'Located');
+        await page.waitForFunction(() => window.treeline.answers() >= 4);
+        assert.equal(sockets, isBlocked ? 0 : 1);
+        assert.equal(calls > 0, isBlocked);
+        assert.deepEqual(wrongs, []);
+        await close();
+      }
+      await browser.close();
+    });
+
+test('the model\'s points and keyframes are drawn over the picture',
+    async () => {
+      const browser = await launchWithCamera(SEEN[0]);
+      const { page, wrongs } = await open(browser, server.url);
+      await page.click('#start');
+      await waitForState(page, 'Located');
+      await page.uncheck('#show-grid');
+      await page.uncheck('#show-box');
+      const drawn = async () => (await page.locator('#frame').screenshot())
+          .toString('base64');
+      const plain = await drawn();
+      const response = page.waitForResponse(/GetSceneMap/);
+      await page.check('#show-cloud');
+      assert.equal((await response).status(), 200);
+      await page.waitForFunction(() => window.treeline.hasMap());
+      const withPoints = await drawn();
+      assert.notEqual(withPoints, plain);
+      await page.check('#show-keyframes');
+      assert.notEqual(await drawn(), withPoints);
+      await page.uncheck('#show-cloud');
+      await page.uncheck('#show-keyframes');
+      assert.equal(await page.textContent('#layer-message'), '');
+      assert.match(await page.getAttribute('#scene-link', 'href'),
+          /^scene\.html\?scene=room$/);
       assert.deepEqual(wrongs, []);
       await browser.close();
     });

@@ -11,7 +11,7 @@ import { launch, wrongsOf } from '../page/browser.js';
 
 const { TREELINE_PAGE, TREELINE_PAGE_WORK, TREELINE_SCENE, TREELINE_SERVER } =
   process.env;
-const RECORDING = path.join(TREELINE_SCENE, 'recording');
+export const RECORDING = path.join(TREELINE_SCENE, 'recording');
 
 // Of recordings in the layout of TUM.
 export const WIDTH_PX = 640;
@@ -27,6 +27,12 @@ const truths = new Map(
         .filter((line) => line !== '' && !line.startsWith('#'))
         .map((line) => line.split(' '))
         .map(([time, ...numbers]) => [time, numbers.map(Number)]));
+
+// Where the camera was at that time.
+export function trueCameraOf(time) {
+  const [x, y, z, qx, qy, qz, qw] = truths.get(time);
+  return { position: { x, y, z }, rotation: { w: qw, x: qx, y: qy, z: qz } };
+}
 
 // Where the picture of that time shows a point of the world, as a share of its
 // size; null: behind the camera.
@@ -63,24 +69,45 @@ export async function startServer(...flags) {
   throw new Error('the server ended');
 }
 
-// A browser whose camera sees one frame. Without a time, it has no camera.
-export async function launchWithCamera(time = null) {
-  if (time === null) return launch(TREELINE_PAGE_WORK);
+// What the server says of a picture, over HTTP.
+export async function localizePicture({ url }, bytes) {
+  const response = await fetch(
+      new URL('/treeline.v1.RelocalizationService/Localize', url), {
+        method: 'POST', headers: { 'Content-Type': 'application/json' },
+        body: JSON.stringify({ scene: 'room',
+          frame: { color: { encoded: bytes.toString('base64') } } }),
+      });
+  return response.json();
+}
+
+// Of Chromium's fake camera, whatever the film.
+const FILM_RATE_HZ = 30;
+
+// A browser whose camera sees one frame, or several, each for a second, again
+// and again. Without a time, it has no camera.
+export async function launchWithCamera(...times) {
+  if (times.length === 0) return launch(TREELINE_PAGE_WORK);
   const film = path.join(
       fs.mkdtempSync(path.join(tmpdir(), 'treeline-ar-')), 'film.mjpeg');
-  fs.copyFileSync(path.join(RECORDING, 'rgb', `${time}.jpg`), film);
+  const count = times.length === 1 ? 1 : FILM_RATE_HZ;
+  for (const time of times) {
+    const frame = fs.readFileSync(path.join(RECORDING, 'rgb', `${time}.jpg`));
+    for (let i = 0; i < count; ++i) fs.appendFileSync(film, frame);
+  }
   return launch(TREELINE_PAGE_WORK, ['--use-fake-ui-for-media-stream',
     '--use-fake-device-for-media-stream',
     `--use-file-for-fake-video-capture=${film}`]);
 }
 
-// The page, and what it did wrong.
-export async function open(browser, url, options = {}, expected = null) {
+// The page, and what it did wrong. `before` runs in it before all else.
+export async function open(browser, url, options = {}, expected = null,
+    before = () => {}) {
   const context = await browser.newContext({
     viewport: { width: 1200, height: 760 }, reducedMotion: 'reduce', ...options,
   });
   context.setDefaultTimeout(60000);
   const page = await context.newPage();
+  await page.addInitScript(before);
   const wrongs = wrongsOf(page, url, expected);
   await page.goto(url);
   await page.waitForFunction(

@@ -13,6 +13,7 @@ export { fromGeoPoseAxes, type GeoPoseAnswer, type GeoPoseQuery } from
   './client/geo_pose.js';
 export { FrameQueue, type LatestOptions, type TimedAnswer, type TimedQuery }
   from './client/localize_latest.js';
+export type { MakeSocket, Socket } from './client/localize_stream.js';
 export type { RetryPolicy, Tools } from './client/retry.js';
 export { fixOf, TreelineClient, type CallOptions, type ClientOptions,
   type Fetch, type ServerHealth } from './client/treeline_client.js';

@@ -75,4 +75,9 @@ export function fetchWithTls(files: TlsFiles): Fetch {
  * tls.caFile. */
 export const connectWithTls = (
     options: ClientOptions & { readonly tls: TlsFiles }): TreelineClient =>
-  new TreelineClient({ ...options, fetch: fetchWithTls(options.tls) });
+  new TreelineClient({
+    // Node's own trusts other authorities.
+    makeSocket: null,
+    ...options,
+    fetch: fetchWithTls(options.tls),
+  });

@@ -28,6 +28,9 @@ const LOOKING: Saying = { title: 'Looking', tone: 'busy',
 const TAKEN: Saying = { title: 'Camera gone', tone: 'bad',
   text: 'The camera was taken away. Start it again.' };
 
+// More would hide the picture.
+const MAP_POINTS = 20_000;
+
 class ArPage {
   private readonly settings = new Settings(localStorage, sessionStorage);
   private readonly client = new TreelineClient({
@@ -44,7 +47,12 @@ class ArPage {
     onToken: (token) => void this.useToken(token),
   }, this.settings.token);
   private readonly viewCard = new ViewCard({
-    onLayer: (layer, isShown) => this.stage.show(layer, isShown),
+    onLayer: (layer, isShown) => {
+      this.stage.show(layer, isShown);
+      if (isShown && (layer === 'cloud' || layer === 'keyframes')) {
+        void this.loadMap();
+      }
+    },
     onFieldOfView: (fieldOfViewDeg) => this.keepFieldOfView(fieldOfViewDeg),
     onUp: (up) => {
       this.settings.keepUp(this.sceneCard.scene, up);
@@ -62,7 +70,14 @@ class ArPage {
     onNote: (note) => void this.edit(note),
   }, this.empty);
 
+  private readonly sceneLink = el('a', { class: 'head-link',
+    id: 'scene-link', attributes: { href: 'scene.html' } }, 'Scene');
+
   private scenes: readonly Scene[] = [];
+  // The scene whose map is drawn, or on its way.
+  private mapped = '';
+  private isMapDrawn = false;
+  private answers = 0;
   private notes: Note[] = [];
   private camera: DeviceCamera | null = null;
   private running: AbortController | null = null;
@@ -72,16 +87,20 @@ class ArPage {
   constructor() {
     document.body.append(
         el('header', { class: 'head' }, el('span', { class: 'mark' }),
-            el('h1', {}, 'Treeline AR')),
+            el('h1', {}, 'Treeline AR'),
+            el('nav', {}, this.sceneLink)),
         el('main', {}, this.stage.element, el('div', { class: 'side' },
             this.sceneCard.element, this.status.element,
             this.notesCard.element, this.viewCard.element)),
         this.dialog.element);
     this.viewCard.setFieldOfView(this.fieldOfViewDeg);
-    // Tests ask where things are drawn.
+    // Tests ask where things are drawn, and of which answer.
     Object.assign(window, { treeline: {
       shareOf: (x: number, y: number, z: number) =>
-        this.stage.shareOf(x, y, z) } });
+        this.stage.shareOf(x, y, z),
+      answers: () => this.answers,
+      hasMap: () => this.isMapDrawn,
+      position: () => this.picture?.worldFromCamera.translationM ?? null } });
   }
 
   async loadScenes(): Promise<void> {
@@ -117,6 +136,11 @@ class ArPage {
     if (this.running !== null) this.stop(READY);
     const { scene } = this.sceneCard;
     this.notes = loadNotes(localStorage, scene);
+    this.sceneLink.href = `scene.html?scene=${encodeURIComponent(scene)}`;
+    if (this.mapped !== '' && this.mapped !== scene) {
+      this.stage.setMap(null);
+      void this.loadMap();
+    }
     this.notesCard.say('');
     this.showNotes();
     this.showScene();
@@ -187,6 +211,7 @@ class ArPage {
 
   private onLocated(located: Located): void {
     if (this.running === null) return;
+    this.answers += 1;
     this.status.showFigures(located);
     // A drawing that is not known to be right is not shown.
     this.picture = locatedPictureOf(located);
@@ -210,6 +235,27 @@ class ArPage {
       this.showScene();
     } catch {
       // The next answer asks again.
+    }
+  }
+
+  // Of the chosen scene, once somebody wants to see it.
+  private async loadMap(): Promise<void> {
+    const { scene } = this.sceneCard;
+    if (this.mapped === scene) return;
+    this.mapped = scene;
+    this.viewCard.say('');
+    try {
+      const map = await this.client.sceneMap(scene, { maxPoints: MAP_POINTS });
+      if (this.mapped !== scene) return;
+      this.stage.setMap(map);
+      this.isMapDrawn = true;
+    } catch (error) {
+      if (this.mapped !== scene) return;
+      // Asked again with the next click.
+      this.mapped = '';
+      this.viewCard.say(error instanceof TreelineError &&
+          error.reason === 'NO_KEYFRAMES' ?
+        'This model has no points to show.' : sayingOfError(error).text);
     }
   }
 

@@ -16,6 +16,10 @@
 #include "server/core/forest/model_info.h"
 #include "server/core/localizer/query_options.h"
 
+namespace treeline::keyframes {
+class KeyframeMap;
+}  // namespace treeline::keyframes
+
 namespace treeline::localizer {
 
 // What a method does with a frame's depth. kWhereGiven: it answers with and
@@ -114,6 +118,8 @@ class Localizer {
 
   virtual const forest::ModelInfo& info() const = 0;
   virtual DepthUse depth_use() const = 0;
+  // Of the model; null, or empty: it has none. As long as this lives.
+  virtual const keyframes::KeyframeMap* keyframes() const { return nullptr; }
 };
 
 // Maps, verifies and opens a model file. NOT_FOUND: no such file. DATA_LOSS:

@@ -110,6 +110,7 @@ absl::StatusOr<Method> MakeMethod(const forest::ModelFile& model,
   const keyframes::KeyframeMap& keyframes = verifier->keyframes();
   Method method;
   method.verifier = std::move(verifier);
+  method.keyframes = &keyframes;
   if (name == "rgbd") {
     method.depth_use = DepthUse::kRequired;
     method.steps.push_back(

@@ -29,6 +29,9 @@ class OrientedLocalizer final : public Localizer {
       const image::Frame& frame, const LocalizeOptions& options) const override;
   const forest::ModelInfo& info() const override { return upright_->info(); }
   DepthUse depth_use() const override { return upright_->depth_use(); }
+  const keyframes::KeyframeMap* keyframes() const override {
+    return upright_->keyframes();
+  }
 
  private:
   absl::StatusOr<PoseEstimate> LocalizeTurned(

@@ -33,6 +33,8 @@ struct Method {
   // In the order in which they are asked: cheap ones first. At least one.
   std::vector<Step> steps;
   std::unique_ptr<const PoseVerifier> verifier;
+  // What the verifier holds of them; may be null.
+  const keyframes::KeyframeMap* keyframes = nullptr;
   // A verified candidate of at least this confidence ends the search, in
   // [0, 1]. 0: the first one does, believed or not.
   double sufficient_confidence = 0;
@@ -65,6 +67,9 @@ class Pipeline final : public Localizer {
       const image::Frame& frame, const LocalizeOptions& options) const override;
   const forest::ModelInfo& info() const override { return model_->info(); }
   DepthUse depth_use() const override { return method_.depth_use; }
+  const keyframes::KeyframeMap* keyframes() const override {
+    return method_.keyframes;
+  }
 
  private:
   const std::unique_ptr<const forest::ModelFile> model_;

@@ -42,9 +42,11 @@ using Values = std::array<double, kUnknowns>;
 using Choice = std::array<bool, kUnknowns>;
 
 // Standard deviations of the prior knowledge about consumer RGB-D
-// cameras, in rad, m, 1, 1, px, 1, 1, px.
-constexpr Values kPriorSigma = {0.03, 0.03, 0.03, 0.05, 0.05, 0.05, 0.03,
-                                0.01, 5,    5,    0.1,  0.01, 5,    5};
+// cameras, in rad, m, 1, 1, px, 1, 1, px: their two lenses look the same way
+// from one row. Where few frames are given, this decides; see
+// docs/research/universal.md.
+constexpr Values kPriorSigma = {0.015, 0.015, 0.015, 0.03, 0.01, 0.01, 0.02,
+                                0.01,  5,     5,     0.1,  0.01, 5,    5};
 // Steps of numerical differentiation.
 constexpr Values kStep = {1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4,
                           1e-4, 0.05, 0.05, 1e-4, 1e-4, 0.05, 0.05};
@@ -52,8 +54,9 @@ constexpr Values kStep = {1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4,
 constexpr Values kSearchStep = {0.004, 0.004, 0.004, 0.004, 0.004, 0.004, 0.004,
                                 0.004, 2,     2,     0.01,  0.004, 2,     2};
 
-// So many compared points count as one: neighbours share their errors.
-constexpr double kPointsPerObservation = 20;
+// So many compared points count as one: those of a frame share the error of
+// its pose.
+constexpr double kPointsPerObservation = 60;
 constexpr int kIterations = 12;
 // Residuals above this many standard deviations are no match; wider at first.
 constexpr double kMaxResidualSigmas = 4;
@@ -321,7 +324,7 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
       by_surfaces = Choose({kRotationX, kRotationY, kRotationZ, kTranslationX,
                             kTranslationY, kTranslationZ, kScale, kDepthFocal,
                             kDepthCx, kDepthCy, kDepthRadial});
-      by_edges = Choose({kColorFocal, kColorCx, kColorCy});
+      // The colour camera is the one that the poses were found with.
     } else {
       // Surfaces say nothing about the colour camera here.
       by_edges = Choose(
@@ -330,9 +333,9 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
     if (nominal.depth.has_distortion()) by_surfaces[kDepthRadial] = false;
   }
 
-  base::Progress progress(
-      "calibrating", kIterations + (dataset.depth_is_registered() ? 0 : 24),
-      quiet);
+  const bool uses_edges = std::ranges::count(by_edges, true) > 0;
+  base::Progress progress("calibrating", kIterations + (uses_edges ? 24 : 0),
+                          quiet);
   Values x{};
   SurfaceConsistency surfaces(loaded.depths, nominal);
   report.pairs = surfaces.pairs();
@@ -356,7 +359,7 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
     report.surface_rms_after_m = report.surface_rms_before_m;
   }
 
-  if (!dataset.depth_is_registered()) {
+  if (uses_edges) {
     double step_scale = 1;
     for (double smoothing_px : kSmoothing_px) {
       const EdgeAlignment edges(loaded.frames, smoothing_px);

@@ -15,13 +15,16 @@ import { LocalizeRequestSchema, NotLocalizedReason, Outcome,
   type LocalizeRequest, type LocalizeResponse,
   type SceneCandidate as CandidateMessage } from
   '../gen/treeline/v1/relocalization_pb.js';
-import { SceneState, type SceneInfo } from '../gen/treeline/v1/scenes_pb.js';
+import { SceneState, type GetSceneMapResponse, type RecentQuery as
+  QueryMessage, type SceneCoverage as CoverageMessage, type SceneInfo } from
+  '../gen/treeline/v1/scenes_pb.js';
 import { IDENTITY_ROTATION, type Quaternion } from '../geometry/rotation.js';
 import type { RigidTransform } from '../geometry/rigid_transform.js';
 import { ZERO, type Vector3 } from '../geometry/vector3.js';
 import { TreelineError } from './error.js';
 import type { Depth, Evidence, GeoAnchor, LocalizeAnswer, LocalizeQuery,
-  RgbImage, Scene, SceneCandidate, SideUp } from './types.js';
+  RecentQuery, RgbImage, Scene, SceneCandidate, SceneCoverage, SceneMap, SideUp }
+  from './types.js';
 
 const ORIENTATION: Readonly<Record<SideUp, Orientation>> = {
   top: Orientation.TOP_UP,
@@ -232,4 +235,58 @@ export const sceneOf = (s: SceneInfo): Scene => ({
     max: vectorOf(s.model.boundsMaxInWorldM),
   },
   geoAnchor: anchorOf(s.geoAnchor),
+});
+
+// Little-endian, whatever this machine is.
+function floatsOf(bytes: Uint8Array): Float32Array {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  return Float32Array.from({ length: bytes.length >> 2 },
+      (_, i) => view.getFloat32(4 * i, true));
+}
+
+function coverageOf(c: CoverageMessage | undefined): SceneCoverage | null {
+  if (c === undefined) return null;
+  const { columns, rows, isOpen, goodHeadings, weakHeadings } = c;
+  for (const of of [isOpen, goodHeadings, weakHeadings]) {
+    if (of.length !== columns * rows) {
+      throw new TreelineError('internal',
+          `the server sent ${of.length} of ${columns} x ${rows} places`);
+    }
+  }
+  return { minXM: c.minXM, minYM: c.minYM, cellM: c.cellM, columns, rows,
+    headings: c.headings, heightM: c.heightM, groundM: c.groundM, isOpen,
+    goodHeadings, weakHeadings, openM2: c.openM2, goodShare: c.goodShare,
+    weakShare: c.weakShare };
+}
+
+export function sceneMapOf(m: GetSceneMapResponse): SceneMap {
+  const pointsInWorldM = floatsOf(m.pointsInWorldM);
+  if (pointsInWorldM.length !== 3 * m.brightness.length) {
+    throw new TreelineError('internal', 'the server sent points without ' +
+        'brightness');
+  }
+  return {
+    scene: m.scene,
+    modelVersion: m.modelVersion,
+    pointsInWorldM,
+    brightness: m.brightness,
+    pointsInModel: Number(m.pointsInModel),
+    worldFromKeyframe: m.worldFromKeyframe.map(transformOf),
+    camera: cameraOf(m.camera),
+    planFromWorld: m.planFromWorld === undefined ? IDENTITY_ROTATION :
+      quaternionOf(m.planFromWorld),
+    coverage: coverageOf(m.coverage),
+  };
+}
+
+export const recentQueryOf = (q: QueryMessage): RecentQuery => ({
+  timeUtc: q.timeUtc,
+  worldFromCamera: q.worldFromCamera === undefined ? null :
+    transformOf(q.worldFromCamera),
+  reason: q.reason,
+  isError: q.isError,
+  confidence: q.confidence,
+  inliers: q.inliers,
+  samples: q.samples,
+  totalMs: q.totalMs,
 });

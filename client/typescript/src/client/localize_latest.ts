@@ -16,6 +16,8 @@ export interface LatestOptions {
   readonly maxInFlight?: number;
   /** Of each query. */
   readonly timeoutMs?: number;
+  /** 'auto': one WebSocket for all, or calls where there is none. Default. */
+  readonly transport?: 'auto' | 'calls';
   /** Ends the stream and cancels what is on its way. */
   readonly signal?: AbortSignal;
 }

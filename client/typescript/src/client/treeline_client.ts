@@ -1,22 +1,27 @@
 // The client of treeline-server.
 
+import { create } from '@bufbuild/protobuf';
 import { createClient, type CallOptions as ConnectOptions, type Transport } from
   '@connectrpc/connect';
 import { createConnectTransport } from '@connectrpc/connect-web';
 
 import type { Fix } from '../fusion/drift_corrector.js';
-import { RelocalizationService } from
+import { LocalizeOptionsSchema, RelocalizationService } from
   '../gen/treeline/v1/relocalization_pb.js';
 import { SceneService } from '../gen/treeline/v1/scenes_pb.js';
-import { answerOf, requestOf, sceneOf } from './convert.js';
+import { answerOf, recentQueryOf, requestOf, sceneMapOf, sceneOf } from
+  './convert.js';
 import { TreelineError, treelineErrorOf } from './error.js';
 import { geoPoseAnswerOf, geoPoseErrorOf, geoPoseRequestOf,
   type GeoPoseAnswer, type GeoPoseQuery } from './geo_pose.js';
+import { LocalizeStream, NoStream, systemSocket, type MakeSocket } from
+  './localize_stream.js';
 import { localizeLatest, type LatestOptions, type TimedAnswer,
   type TimedQuery } from './localize_latest.js';
 import { callWithRetries, DEFAULT_RETRY, Replicas, SYSTEM_TOOLS, type Attempt,
   type RetryPolicy, type Tools } from './retry.js';
-import type { LocalizeAnswer, LocalizeQuery, Scene } from './types.js';
+import type { LocalizeAnswer, LocalizeQuery, RecentQuery, Scene, SceneMap,
+  SceneMapOptions } from './types.js';
 
 /** The fetch of browsers and Node, or one like it. */
 export type Fetch = typeof globalThis.fetch;
@@ -37,6 +42,9 @@ export interface ClientOptions {
   readonly attemptTimeoutMs?: number;
   readonly retry?: Partial<RetryPolicy>;
   readonly fetch?: Fetch;
+  /** Opens WebSockets for localizeLatest(); null: it makes calls. Default: the
+   * one of this browser or Node, which has one from version 22 on. */
+  readonly makeSocket?: MakeSocket | null;
   /** Clock and chance; for tests. */
   readonly tools?: Tools;
 }
@@ -59,6 +67,8 @@ export interface ServerHealth {
 
 const DEFAULT_TIMEOUT_MS = 10_000;
 
+type Streams = ReadonlyMap<string, LocalizeStream>;
+
 interface Server {
   readonly localize:
       (request: Awaited<ReturnType<typeof requestOf>>, options: ConnectOptions)
@@ -67,6 +77,10 @@ interface Server {
       (options: ConnectOptions) => Promise<readonly Scene[]>;
   readonly getScene:
       (scene: string, options: ConnectOptions) => Promise<Scene>;
+  readonly sceneMap: (scene: string, want: SceneMapOptions,
+      options: ConnectOptions) => Promise<SceneMap>;
+  readonly recentQueries: (scene: string, options: ConnectOptions) =>
+      Promise<readonly RecentQuery[]>;
 }
 
 function serverOver(transport: Transport): Server {
@@ -83,6 +97,12 @@ function serverOver(transport: Transport): Server {
       }
       return sceneOf(info);
     },
+    sceneMap: async (scene, { maxPoints = 0, wantsCoverage = false }, options) =>
+      sceneMapOf(await scenes.getSceneMap(
+          { scene, maxPoints, includeCoverage: wantsCoverage }, options)),
+    recentQueries: async (scene, options) =>
+      (await scenes.listRecentQueries({ scene }, options)).queries
+          .map(recentQueryOf),
   };
 }
 
@@ -108,6 +128,7 @@ export class TreelineClient {
   private readonly policy: RetryPolicy;
   private readonly fetch: Fetch;
   private readonly tools: Tools;
+  private readonly makeSocket: MakeSocket | null;
 
   /** Throws a TypeError for what is no URL, and for no server at all. */
   constructor(options: ClientOptions) {
@@ -123,6 +144,8 @@ export class TreelineClient {
     // A browser's fetch wants to be called as a method of its window.
     this.fetch = options.fetch ?? ((...args) => globalThis.fetch(...args));
     this.tools = options.tools ?? SYSTEM_TOOLS;
+    this.makeSocket = options.makeSocket === undefined ? systemSocket() :
+      options.makeSocket;
     this.replicas = new Replicas(urls);
     for (const baseUrl of urls) {
       this.servers.set(baseUrl, serverOver(createConnectTransport(
@@ -135,23 +158,26 @@ export class TreelineClient {
    * The answer's worldFromCamera maps the camera's frame (x right, y down, z
    * forward of the picture as it is sent) into the scene's world.
    */
-  async localize(query: LocalizeQuery, options: CallOptions = {}):
+  localize(query: LocalizeQuery, options: CallOptions = {}):
       Promise<LocalizeAnswer> {
-    const startMs = this.tools.nowMs();
-    const request = await requestOf(query);
-    const response = await this.call(options, (server, connect) =>
-      server.localize(request, connect));
-    return answerOf(response, this.tools.nowMs() - startMs);
+    return this.localizeOver(null, query, options);
   }
 
   /**
    * Localizes the newest picture of a camera, again and again: at most
-   * maxInFlight at a time; a newer picture replaces one that waits.
+   * maxInFlight at a time; a newer picture replaces one that waits. Pictures go
+   * over one WebSocket, where there can be one, else each is a call.
    */
-  localizeLatest(source: AsyncIterable<TimedQuery>,
+  async* localizeLatest(source: AsyncIterable<TimedQuery>,
       options: LatestOptions = {}): AsyncGenerator<TimedAnswer, void, void> {
-    return localizeLatest(
-        (query, call) => this.localize(query, call), source, options);
+    const streams = this.streams(options);
+    try {
+      yield* localizeLatest(
+          (query, call) => this.localizeOver(streams, query, call), source,
+          options);
+    } finally {
+      for (const stream of streams?.values() ?? []) stream.close();
+    }
   }
 
   /** Every scene that this token may see, by name. */
@@ -163,6 +189,22 @@ export class TreelineClient {
   scene(name: string, options: CallOptions = {}): Promise<Scene> {
     return this.call(
         options, (server, connect) => server.getScene(name, connect));
+  }
+
+  /** Points, keyframes and coverage of a scene. Rejects with
+   * `failed_precondition` where its model has no keyframes. */
+  sceneMap(name: string, want: SceneMapOptions = {}, options: CallOptions = {}):
+      Promise<SceneMap> {
+    return this.call(options, (server, connect) =>
+      server.sceneMap(name, want, connect));
+  }
+
+  /** What became of the latest queries in a scene, the newest first. Rejects
+   * with `failed_precondition` where the server keeps none. */
+  recentQueries(name: string, options: CallOptions = {}):
+      Promise<readonly RecentQuery[]> {
+    return this.call(options, (server, connect) =>
+      server.recentQueries(name, connect));
   }
 
   /**
@@ -196,6 +238,47 @@ export class TreelineClient {
       this.healthOf(server, options)));
   }
 
+  private streams({ transport = 'auto', maxInFlight = 1 }: LatestOptions):
+      Streams | null {
+    const { makeSocket } = this;
+    if (makeSocket === null || transport === 'calls') return null;
+    const maxPending = Math.min(64, Math.max(4, maxInFlight));
+    return new Map([...this.servers.keys()].map((server) => [server,
+      new LocalizeStream(server, makeSocket, maxPending, this.tools)]));
+  }
+
+  private async localizeOver(streams: Streams | null, query: LocalizeQuery,
+      options: CallOptions): Promise<LocalizeAnswer> {
+    const startMs = this.tools.nowMs();
+    const request = await requestOf(query);
+    const response = await this.attempt(options, async (attempt) => {
+      const answer = await this.askStream(
+          streams?.get(attempt.server), request, attempt);
+      return answer ?? this.servers.get(attempt.server)!.localize(
+          request, await this.connectOptions(attempt));
+    });
+    return answerOf(response, this.tools.nowMs() - startMs);
+  }
+
+  // null: there is no stream, or it has broken.
+  private async askStream(stream: LocalizeStream | undefined,
+      request: Awaited<ReturnType<typeof requestOf>>,
+      { timeoutMs, signal }: Attempt) {
+    if (stream === undefined) return null;
+    const { options } = request;
+    // Its deadline; a call has it in a header.
+    const timeBudgetMs =
+        Math.min(options?.timeBudgetMs ?? Infinity, Math.max(1, timeoutMs));
+    try {
+      return await stream.ask({ ...request, options: create(
+          LocalizeOptionsSchema, { ...options, timeBudgetMs }) },
+      await this.bearer(), signal);
+    } catch (error) {
+      if (error instanceof NoStream) return null;
+      throw error;
+    }
+  }
+
   private async healthOf(server: string, options: CallOptions):
       Promise<ServerHealth> {
     try {
@@ -215,13 +298,19 @@ export class TreelineClient {
   private call<T>(options: CallOptions,
       ask: (server: Server, options: ConnectOptions) => Promise<T>):
       Promise<T> {
-    return this.attempt(options, async ({ server, timeoutMs, signal }) =>
-      ask(this.servers.get(server)!, {
-        // The protocol has whole milliseconds, and none of 0.
-        timeoutMs: Math.max(1, Math.floor(timeoutMs)),
-        signal,
-        headers: await this.authorization(),
-      }));
+    return this.attempt(options, async (attempt) => ask(
+        this.servers.get(attempt.server)!,
+        await this.connectOptions(attempt)));
+  }
+
+  private async connectOptions({ timeoutMs, signal }: Attempt):
+      Promise<ConnectOptions> {
+    return {
+      // The protocol has whole milliseconds, and none of 0.
+      timeoutMs: Math.max(1, Math.floor(timeoutMs)),
+      signal,
+      headers: await this.authorization(),
+    };
   }
 
   private attempt<T>(options: CallOptions,
@@ -240,14 +329,17 @@ export class TreelineClient {
       attemptTimeoutMs: this.attemptTimeoutMs ?? timeoutMs / 2 };
   }
 
-  private async authorization(): Promise<Record<string, string>> {
-    let token: string;
+  private async bearer(): Promise<string> {
     try {
-      token = await this.token();
+      return await this.token();
     } catch (error) {
       throw new TreelineError('unauthenticated',
           'the provider of tokens has none', '', {}, null, { cause: error });
     }
+  }
+
+  private async authorization(): Promise<Record<string, string>> {
+    const token = await this.bearer();
     return token === '' ? {} : { Authorization: `Bearer ${token}` };
   }
 }

@@ -200,3 +200,65 @@ export interface GeoAnchor {
   readonly heightM: number;
   readonly enuFromWorld: RigidTransform['rotation'];
 }
+
+export interface SceneMapOptions {
+  /** At most so many points, up to 200000. Default: 50000. */
+  readonly maxPoints?: number;
+  /** The first who asks for it waits until it is computed. */
+  readonly wantsCoverage?: boolean;
+}
+
+/** What a scene's model knows of it: for pictures. */
+export interface SceneMap {
+  readonly scene: string;
+  readonly modelVersion: string;
+  /** x, y and z of each point. */
+  readonly pointsInWorldM: Float32Array;
+  /** Of each point. */
+  readonly brightness: Uint8Array;
+  readonly pointsInModel: number;
+  /** Where the keyframes were taken, in the order of the training frames. */
+  readonly worldFromKeyframe: readonly RigidTransform[];
+  /** That took them. Null: a newer server's. */
+  readonly camera: Camera | null;
+  /** Into a plan whose z is up. */
+  readonly planFromWorld: RigidTransform['rotation'];
+  /** Null: it was not asked for. */
+  readonly coverage: SceneCoverage | null;
+}
+
+/** Where queries will be answered. Coordinates are the plan's. */
+export interface SceneCoverage {
+  readonly minXM: number;
+  readonly minYM: number;
+  readonly cellM: number;
+  readonly columns: number;
+  readonly rows: number;
+  readonly headings: number;
+  /** z of the cameras, and of the lowest surfaces. */
+  readonly heightM: number;
+  readonly groundM: number;
+  /** Of place (column, row) at row * columns + column: 1: a camera may well be
+   * there. */
+  readonly isOpen: Uint8Array;
+  /** Of how many headings queries will be answered, and perhaps. */
+  readonly goodHeadings: Uint8Array;
+  readonly weakHeadings: Uint8Array;
+  readonly openM2: number;
+  readonly goodShare: number;
+  readonly weakShare: number;
+}
+
+/** What became of a query that somebody made. */
+export interface RecentQuery {
+  readonly timeUtc: string;
+  /** Null: it was not localized. */
+  readonly worldFromCamera: RigidTransform | null;
+  /** Why not; empty: it was. */
+  readonly reason: string;
+  readonly isError: boolean;
+  readonly confidence: number;
+  readonly inliers: number;
+  readonly samples: number;
+  readonly totalMs: number;
+}

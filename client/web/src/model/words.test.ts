@@ -4,8 +4,8 @@ import { test } from 'node:test';
 import { TreelineError, type LocalizeAnswer, type Scene } from
   '@treeline/client';
 
-import { sayingOfAnswer, sayingOfCamera, sayingOfError, whySceneCannotAnswer }
-  from './words.js';
+import { reasonInWords, sayingOfAnswer, sayingOfCamera, sayingOfError,
+  whySceneCannotAnswer } from './words.js';
 
 const refused = (reason: string) =>
   ({ localized: false, reason }) as LocalizeAnswer;
@@ -16,6 +16,15 @@ test('every reason of the service has words of its own', () => {
       .map((reason) => sayingOfAnswer(refused(reason)).text);
   assert.equal(new Set(texts).size, texts.length);
   for (const text of texts) assert.doesNotMatch(text, /[A-Z]_|undefined/);
+});
+
+test('so have those of other clients\' queries', () => {
+  for (const reason of ['TOO_FEW_SAMPLES', 'TOO_FEW_INLIERS',
+    'POORLY_CONSTRAINED', 'LOW_CONFIDENCE', 'CONTRADICTS_PRIOR',
+    'CONTRADICTS_DEPTH', 'INVALID_REQUEST']) {
+    assert.doesNotMatch(reasonInWords(reason), /[A-Z]_|undefined/);
+  }
+  assert.match(reasonInWords('NEW_ONE'), /NEW_ONE/);
 });
 
 test('a reason of a newer server is told as it is', () => {

@@ -24,6 +24,22 @@ const REASONS: Readonly<Record<string, string>> = {
   CONTRADICTS_DEPTH: 'The depth does not fit this scene.',
 };
 
+const REASONS_OF_OTHERS: Readonly<Record<string, string>> = {
+  TOO_FEW_SAMPLES: 'The picture showed too little.',
+  TOO_FEW_INLIERS: 'Nothing of the scene was recognised.',
+  POORLY_CONSTRAINED: 'What was recognised fitted several poses.',
+  LOW_CONFIDENCE: 'A pose was found, but not sure enough.',
+  CONTRADICTS_PRIOR: 'The pose was not where the client expected it.',
+  CONTRADICTS_DEPTH: 'The depth did not fit the scene.',
+  INVALID_REQUEST: 'The request was not valid.',
+  CANCELLED: 'The client went away.',
+  DEADLINE_EXCEEDED: 'It took longer than the client would wait.',
+};
+
+/** Of another client's query, as the server names it. */
+export const reasonInWords = (reason: string): string =>
+  REASONS_OF_OTHERS[reason] ?? `The server says ${reason}.`;
+
 // Without tracking nothing moves the drawing between answers.
 const LOCATED: Saying = { title: 'Located', tone: 'calm',
   text: 'The drawing belongs to the last picture sent and stands still until ' +

@@ -4,7 +4,7 @@ import { MAX_FIELD_OF_VIEW_DEG, MIN_FIELD_OF_VIEW_DEG } from
   '../model/camera_guess.js';
 import { isUpAxis, UP_AXES, type UpAxis } from '../model/scene_up.js';
 import type { Layer } from '../view/stage.js';
-import { card, el } from './dom.js';
+import { card, el, setText } from './dom.js';
 
 export interface ViewCardEvents {
   readonly onLayer: (layer: Layer, isShown: boolean) => void;
@@ -15,6 +15,8 @@ export interface ViewCardEvents {
 const LAYERS: readonly (readonly [Layer, string, boolean])[] = [
   ['grid', 'Grid on the floor, 1 m', true],
   ['box', 'Box of what was recorded', true],
+  ['cloud', 'Points of the model', false],
+  ['keyframes', 'Where it was recorded', false],
   ['points', 'Points that agree (discs) or not (crosses)', false],
   ['still', 'Hold the picture that was located', false],
 ];
@@ -31,6 +33,8 @@ export class ViewCard {
     min: String(MIN_FIELD_OF_VIEW_DEG), max: String(MAX_FIELD_OF_VIEW_DEG),
   } });
   private readonly up = el('select', { id: 'up' });
+  private readonly message = el('p', { class: 'detail', id: 'layer-message',
+    attributes: { role: 'status' } });
   private readonly corrects = el('input', { id: 'corrects',
     attributes: { type: 'checkbox', checked: '' } });
 
@@ -55,6 +59,7 @@ export class ViewCard {
       if (isUpAxis(this.up.value)) events.onUp(this.up.value);
     });
     this.element = card('Drawing', 'view-card', ...layers,
+        this.message,
         el('details', { id: 'assumed' }, el('summary', {}, 'Camera and floor'),
             el('label', { class: 'field' }, 'Field of view, longer side (°)',
                 this.view),
@@ -67,6 +72,10 @@ export class ViewCard {
   /** Whether answers may change the field of view. */
   get isCorrected(): boolean {
     return this.corrects.checked;
+  }
+
+  say(text: string): void {
+    setText(this.message, text);
   }
 
   setFieldOfView(fieldOfViewDeg: number): void {

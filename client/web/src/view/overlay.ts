@@ -1,8 +1,8 @@
 // What is drawn over the video, in the world of the scene: its grid, its box
 // and the notes' places.
 
-import { toColumnMajor4, toOpenGlCamera, type Pinhole, type RigidTransform }
-  from '@treeline/client';
+import { toColumnMajor4, toOpenGlCamera, transformPoint, type Pinhole,
+  type RigidTransform, type SceneMap } from '@treeline/client';
 import * as THREE from 'three';
 import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
@@ -10,6 +10,7 @@ import { LineSegmentsGeometry } from
   'three/addons/lines/LineSegmentsGeometry.js';
 
 import type { Note } from '../model/notes.js';
+import { pinholeOf, pyramid } from '../model/scene_picture.js';
 import type { LocatedPicture } from '../model/pin.js';
 import { axisOf, floorM, type Bounds, type UpAxis } from
   '../model/scene_up.js';
@@ -18,11 +19,15 @@ import { axisOf, floorM, type Bounds, type UpAxis } from
 const GRID = 0x7cf0bd;
 const BOX = 0xffc857;
 const NOTE = 0xff7a59;
+const CLOUD = 0x8fe3ff;
+const KEYFRAMES = 0xe8a2ff;
 // Of the screen, whatever its density.
 const LINE_PX = 2;
 const NEAR_M = 0.05;
 const FAR_M = 200;
 const NOTE_RADIUS_M = 0.03;
+const CLOUD_PX = 2;
+const KEYFRAME_DEPTH_M = 0.12;
 
 // Of OpenGL, column-major: x right, y up, z backwards, depth to [-1, 1].
 // Pixel centres are whole numbers, so that a picture begins at -0.5.
@@ -78,17 +83,37 @@ function boxOf({ min, max }: Bounds): LineSegments2 {
   return linesOf([...edges.getAttribute('position').array], BOX);
 }
 
+export type OverlayLayer = 'grid' | 'box' | 'cloud' | 'keyframes';
+
+function cloudOf({ pointsInWorldM }: SceneMap): THREE.Points {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position',
+      new THREE.BufferAttribute(pointsInWorldM, 3));
+  return new THREE.Points(geometry, new THREE.PointsMaterial(
+      { color: CLOUD, size: CLOUD_PX * Math.min(2, window.devicePixelRatio),
+        sizeAttenuation: false }));
+}
+
+function keyframesOf({ camera, worldFromKeyframe }: SceneMap): LineSegments2 {
+  const corners = camera === null ? [] :
+    pyramid(pinholeOf(camera), KEYFRAME_DEPTH_M);
+  return linesOf(worldFromKeyframe.flatMap((pose) =>
+    corners.flatMap((corner) => {
+      const { x, y, z } = transformPoint(pose, corner);
+      return [x, y, z];
+    })), KEYFRAMES);
+}
+
 export class Overlay {
   readonly canvas: HTMLCanvasElement;
   private readonly renderer: THREE.WebGLRenderer;
   private readonly scene = new THREE.Scene();
   private readonly camera = new THREE.Camera();
   private readonly notes = new THREE.Group();
-  private grid: LineSegments2 | null = null;
-  private box: LineSegments2 | null = null;
+  private readonly drawings = new Map<OverlayLayer,
+      LineSegments2 | THREE.Points>();
+  private readonly hidden = new Set<OverlayLayer>(['cloud', 'keyframes']);
   private picture: LocatedPicture | null = null;
-  private isGridShown = true;
-  private isBoxShown = true;
 
   constructor() {
     this.renderer = new THREE.WebGLRenderer({ alpha: true, antialias: true });
@@ -99,16 +124,15 @@ export class Overlay {
   }
 
   setScene(bounds: Bounds | null, up: UpAxis): void {
-    for (const lines of [this.grid, this.box]) {
-      if (lines === null) continue;
-      this.scene.remove(lines);
-      lines.geometry.dispose();
-      lines.material.dispose();
-    }
-    this.grid = bounds === null ? null : gridOf(bounds, up);
-    this.box = bounds === null ? null : boxOf(bounds);
-    if (this.grid !== null) this.scene.add(this.grid);
-    if (this.box !== null) this.scene.add(this.box);
+    this.replace('grid', bounds === null ? null : gridOf(bounds, up));
+    this.replace('box', bounds === null ? null : boxOf(bounds));
+    this.draw();
+  }
+
+  /** What the scene's model knows; null: nothing. */
+  setMap(map: SceneMap | null): void {
+    this.replace('cloud', map === null ? null : cloudOf(map));
+    this.replace('keyframes', map === null ? null : keyframesOf(map));
     this.draw();
   }
 
@@ -127,9 +151,9 @@ export class Overlay {
     this.draw();
   }
 
-  show(layer: 'grid' | 'box', isShown: boolean): void {
-    if (layer === 'grid') this.isGridShown = isShown;
-    else this.isBoxShown = isShown;
+  show(layer: OverlayLayer, isShown: boolean): void {
+    if (isShown) this.hidden.delete(layer);
+    else this.hidden.add(layer);
     this.draw();
   }
 
@@ -160,9 +184,24 @@ export class Overlay {
     return { x: (point.x + 1) / 2, y: (1 - point.y) / 2 };
   }
 
+  private replace(layer: OverlayLayer,
+      drawing: LineSegments2 | THREE.Points | null): void {
+    const before = this.drawings.get(layer);
+    if (before !== undefined) {
+      this.scene.remove(before);
+      before.geometry.dispose();
+      (before.material as THREE.Material).dispose();
+      this.drawings.delete(layer);
+    }
+    if (drawing === null) return;
+    this.drawings.set(layer, drawing);
+    this.scene.add(drawing);
+  }
+
   private draw(): void {
-    if (this.grid !== null) this.grid.visible = this.isGridShown;
-    if (this.box !== null) this.box.visible = this.isBoxShown;
+    for (const [layer, drawing] of this.drawings) {
+      drawing.visible = !this.hidden.has(layer);
+    }
     if (this.picture === null) this.renderer.clear();
     else this.renderer.render(this.scene, this.camera);
   }

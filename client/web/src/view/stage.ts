@@ -1,13 +1,15 @@
 // The video with everything that lies over it, and the pointing at it.
 
+import type { SceneMap } from '@treeline/client';
+
 import { button, el, setShown } from '../panels/dom.js';
 import type { Note } from '../model/notes.js';
 import { project, type LocatedPicture, type PixelPoint } from '../model/pin.js';
 import type { Bounds, UpAxis } from '../model/scene_up.js';
-import { Overlay } from './overlay.js';
+import { Overlay, type OverlayLayer } from './overlay.js';
 import { drawPoints } from './points.js';
 
-export type Layer = 'grid' | 'box' | 'points' | 'still';
+export type Layer = OverlayLayer | 'points' | 'still';
 
 export interface StageEvents {
   readonly onPoint: (at: PixelPoint) => void;
@@ -35,8 +37,7 @@ export class Stage {
   private readonly labels = el('div', { class: 'labels' });
   private readonly target: HTMLElement;
   private readonly frame: HTMLElement;
-  private readonly shown: Record<Layer, boolean> =
-      { grid: true, box: true, points: false, still: false };
+  private readonly shown = { points: false, still: false };
   private notes: readonly Note[] = [];
   private picture: LocatedPicture | null = null;
   private isStarted = false;
@@ -75,6 +76,10 @@ export class Stage {
     this.overlay.setScene(bounds, up);
   }
 
+  setMap(map: SceneMap | null): void {
+    this.overlay.setMap(map);
+  }
+
   setNotes(notes: readonly Note[]): void {
     this.notes = notes;
     this.overlay.setNotes(notes);
@@ -84,9 +89,12 @@ export class Stage {
   }
 
   show(layer: Layer, isShown: boolean): void {
-    this.shown[layer] = isShown;
-    if (layer === 'grid' || layer === 'box') this.overlay.show(layer, isShown);
-    this.placeLayers();
+    if (layer === 'points' || layer === 'still') {
+      this.shown[layer] = isShown;
+      this.placeLayers();
+    } else {
+      this.overlay.show(layer, isShown);
+    }
   }
 
   /** `jpeg`: the picture as it was sent. Null: not located. */
