@@ -40,6 +40,15 @@ constexpr double kTellingWay_m = 0.03;
 // See Match: factor on odometry noise, and the gain that it must bring.
 constexpr double kLooseOdometryFactor = 10;
 constexpr double kClearlyBetter = 0.02;
+// The usual response, of a running mean: where it begins, and how fast it
+// follows.
+constexpr double kFirstResponse = 0.7;
+constexpr double kResponseRate = 0.05;
+// Coarse cells are this many times as large; the search on fine ones about
+// what was found.
+constexpr double kCoarse = 2.5;
+constexpr double kFineSearch_cells = 1.5;
+constexpr double kFineSearch_rad = 0.03;
 
 bool IsTilted(const geometry::Rotation3& level_from_base) {
   return std::hypot(level_from_base.x, level_from_base.y) > 0.5 * kLevel_rad;
@@ -86,6 +95,7 @@ class LaserSlamOnThread final : public LaserSlam {
         leaves_out_ground_(options.ground_margin_m > 0 &&
                            base_from_laser.translation.z >
                                2 * options.ground_margin_m),
+        doubt_(options.odometry, options.search_sigmas),
         worker_(LoopCloser(options.loops, options.matcher, options.graph),
                 options.synchronous) {}
 
@@ -100,12 +110,22 @@ class LaserSlamOnThread final : public LaserSlam {
     LaserSlamStatistics statistics = statistics_;
     statistics.keyscans = static_cast<int64_t>(keyscans_.size());
     statistics.loops = worker_.Statistics();
+    statistics.odometry_scale_m = doubt_.scale_m();
+    statistics.odometry_scale_rad = doubt_.scale_rad();
     return statistics;
   }
 
  private:
   absl::Status Check(const LaserSlamScan& scan) const;
   void ApplyCorrection();
+  // The scan among references, near to a guess; and, if it responds poorly
+  // there, farther from it.
+  ScanMatch FindNear(std::span<const PlacedScan> references,
+                     const ScanOutline& scan, const geometry::Rigid2& guess,
+                     const MatchSearch& search) const;
+  ScanMatch FindInWindow(std::span<const PlacedScan> references,
+                         const ScanOutline& scan, const geometry::Rigid2& guess,
+                         const MatchSearch& search);
   // Finds the robot, from a prediction; false: odometry has to do.
   bool Match(const ScanOutline& scan, geometry::Vec2 slope,
              const MatchSearch& search, Covariance3* covariance);
@@ -154,6 +174,13 @@ class LaserSlamOnThread final : public LaserSlam {
   geometry::Rigid2 odom_from_keyscan_;
   TraversedGround ground_;
   const bool leaves_out_ground_;
+  OdometryDoubt doubt_;
+  // Of keyscans since the last match that did not match: odometry's errors add
+  // up until one does.
+  OdometryDoubt::Sigma unmatched_;
+  bool has_matched_ = false;  // the scan in hand
+  // How scans respond usually.
+  double usual_response_ = kFirstResponse;
   LaserSlamStatistics statistics_;
   LoopWorker worker_;
 };
@@ -206,22 +233,15 @@ void LaserSlamOnThread::ApplyCorrection() {
 
 MatchSearch LaserSlamOnThread::SearchAfter(
     const geometry::Rigid2& motion) const {
-  const double moved_m = geometry::Norm(motion.translation);
-  const double turned_rad = std::abs(motion.yaw_rad);
-  const OdometryNoise& noise = options_.odometry;
-  const double sigma_m =
-      noise.m + noise.m_per_m * moved_m + noise.m_per_rad * turned_rad;
-  const double sigma_rad =
-      noise.rad + noise.rad_per_rad * turned_rad + noise.rad_per_m * moved_m;
-  return {
-      .half_extent_m = std::min(
-          std::max(options_.search_sigmas * sigma_m, noise.min_search_m),
-          options_.max_search_m),
-      .half_angle_rad = std::min(
-          std::max(options_.search_sigmas * sigma_rad, noise.min_search_rad),
-          options_.max_search_rad),
-      .guess_sigma_m = sigma_m,
-      .guess_sigma_rad = sigma_rad};
+  const OdometryDoubt::Sigma sigma = doubt_.SigmaOf(motion);
+  const OdometryDoubt::Sigma search = doubt_.SearchOf(motion);
+  const double sigmas = options_.search_sigmas;
+  return {.half_extent_m =
+              std::min(search.m + sigmas * unmatched_.m, options_.max_search_m),
+          .half_angle_rad = std::min(search.rad + sigmas * unmatched_.rad,
+                                     options_.max_search_rad),
+          .guess_sigma_m = std::hypot(sigma.m, unmatched_.m),
+          .guess_sigma_rad = std::hypot(sigma.rad, unmatched_.rad)};
 }
 
 LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
@@ -251,16 +271,12 @@ LaserSlamOnThread::Window LaserSlamOnThread::WindowFor(
   return all;
 }
 
-bool LaserSlamOnThread::Match(const ScanOutline& scan, geometry::Vec2 slope,
-                              const MatchSearch& search,
-                              Covariance3* covariance) {
-  if (static_cast<int>(scan.size()) < options_.min_points) return false;
-  const geometry::Rigid2 guess = map_from_base_;
-  const Window window = WindowFor({.at = guess.translation,
-                                   .height_m = height_m_,
-                                   .slope = TurnedBy(guess.yaw_rad, slope)});
+ScanMatch LaserSlamOnThread::FindNear(std::span<const PlacedScan> references,
+                                      const ScanOutline& scan,
+                                      const geometry::Rigid2& guess,
+                                      const MatchSearch& search) const {
   const SurfaceGrid grid =
-      MakeSurfaceGrid(window.references, scan, guess, search, options_.matcher);
+      MakeSurfaceGrid(references, scan, guess, search, options_.matcher);
   ScanMatch match = MatchScan(grid, scan, guess, search, options_.matcher);
   // Noise stands for small errors. Wheels that spin are wrong by far more: what
   // then fits clearly better with hardly any odometry is accepted.
@@ -269,8 +285,53 @@ bool LaserSlamOnThread::Match(const ScanOutline& scan, geometry::Vec2 slope,
   loose_search.guess_sigma_rad *= kLooseOdometryFactor;
   const ScanMatch other = RefineMatch(grid, scan, match.target_from_scan, guess,
                                       loose_search, options_.matcher);
-  if (other.response > match.response + kClearlyBetter) match = other;
+  return other.response > match.response + kClearlyBetter ? other : match;
+}
+
+ScanMatch LaserSlamOnThread::FindInWindow(
+    std::span<const PlacedScan> references, const ScanOutline& scan,
+    const geometry::Rigid2& guess, const MatchSearch& search) {
+  const ScanMatch match = FindNear(references, scan, guess, search);
+  if (match.response >= std::max(options_.min_response,
+                                 usual_response_ - options_.poor_response)) {
+    return match;
+  }
+  // On coarse cells first, where odometry says next to nothing.
+  ++statistics_.searched_widely;
+  ScanMatcherOptions coarse = options_.matcher;
+  coarse.cell_m *= kCoarse;
+  coarse.sigma_m *= kCoarse;
+  const MatchSearch wide = {
+      .half_extent_m = options_.max_search_m,
+      .half_angle_rad = options_.max_search_rad,
+      .guess_sigma_m = std::max(search.guess_sigma_m, options_.max_search_m),
+      .guess_sigma_rad =
+          std::max(search.guess_sigma_rad, options_.max_search_rad)};
+  const SurfaceGrid grid =
+      MakeSurfaceGrid(references, scan, guess, wide, coarse);
+  const ScanMatch rough = MatchScan(grid, scan, guess, wide, coarse);
+  const MatchSearch fine = {.half_extent_m = kFineSearch_cells * coarse.cell_m,
+                            .half_angle_rad = kFineSearch_rad,
+                            .guess_sigma_m = wide.guess_sigma_m,
+                            .guess_sigma_rad = wide.guess_sigma_rad};
+  const ScanMatch other =
+      FindNear(references, scan, rough.target_from_scan, fine);
+  if (other.response < match.response + options_.better_response) return match;
+  ++statistics_.found_widely;
+  return other;
+}
+
+bool LaserSlamOnThread::Match(const ScanOutline& scan, geometry::Vec2 slope,
+                              const MatchSearch& search,
+                              Covariance3* covariance) {
+  if (static_cast<int>(scan.size()) < options_.min_points) return false;
+  const geometry::Rigid2 guess = map_from_base_;
+  const Window window = WindowFor({.at = guess.translation,
+                                   .height_m = height_m_,
+                                   .slope = TurnedBy(guess.yaw_rad, slope)});
+  const ScanMatch match = FindInWindow(window.references, scan, guess, search);
   if (match.response < options_.min_response) return false;
+  usual_response_ += kResponseRate * (match.response - usual_response_);
   map_from_base_ = match.target_from_scan;
   *covariance = match.covariance;
   const geometry::Vec2 untold = window.untold;
@@ -366,12 +427,16 @@ void LaserSlamOnThread::FollowWay(const geometry::Rigid2& map_from_predicted) {
 
 Covariance3 LaserSlamOnThread::Locate(const ScanOutline& outline,
                                       const LaserSlamScan& scan) {
+  ++statistics_.looked_at;
   const geometry::Rigid2 since_match =
       odom_from_matched_.Inverse() * scan.odom_from_base;
   const geometry::Rigid2 map_from_predicted = map_from_base_;
   Covariance3 covariance{};
   if (Match(outline, SlopeUnder(scan.level_from_base), SearchAfter(since_match),
             &covariance)) {
+    has_matched_ = true;
+    unmatched_ = {};
+    doubt_.Learn(since_match, map_from_predicted.Inverse() * map_from_base_);
     SpreadCorrection(map_from_predicted);
     FollowWay(map_from_predicted);
     odom_from_matched_ = scan.odom_from_base;
@@ -381,12 +446,17 @@ Covariance3 LaserSlamOnThread::Locate(const ScanOutline& outline,
     matched_way_m_ = way_m_;
     return covariance;
   }
+  has_matched_ = false;
   ++statistics_.unmatched;
-  const MatchSearch odometry =
-      SearchAfter(odom_from_keyscan_.Inverse() * scan.odom_from_base);
-  covariance[0] = covariance[4] =
-      odometry.guess_sigma_m * odometry.guess_sigma_m;
-  covariance[8] = odometry.guess_sigma_rad * odometry.guess_sigma_rad;
+  const MatchSearch since = SearchAfter(since_match);
+  statistics_.unmatched_sigma_m =
+      std::max(statistics_.unmatched_sigma_m, since.guess_sigma_m);
+  statistics_.unmatched_sigma_rad =
+      std::max(statistics_.unmatched_sigma_rad, since.guess_sigma_rad);
+  const OdometryDoubt::Sigma odometry =
+      doubt_.SigmaOf(odom_from_keyscan_.Inverse() * scan.odom_from_base);
+  covariance[0] = covariance[4] = odometry.m * odometry.m;
+  covariance[8] = odometry.rad * odometry.rad;
   return covariance;
 }
 
@@ -409,6 +479,12 @@ void LaserSlamOnThread::AddKeyscan(std::shared_ptr<const ScanOutline> outline,
                        .height_m = height_m_,
                        .slope = added.slope});
   ground_.Add(PlaceOf(keyscans_.back()));
+  if (!has_matched_ && keyscans_.size() > 1) {
+    const OdometryDoubt::Sigma sigma =
+        doubt_.SigmaOf(odom_from_matched_.Inverse() * scan.odom_from_base);
+    unmatched_ = {.m = std::hypot(unmatched_.m, sigma.m),
+                  .rad = std::hypot(unmatched_.rad, sigma.rad)};
+  }
   odom_from_keyscan_ = scan.odom_from_base;
   odom_from_matched_ = scan.odom_from_base;
   map_from_matched_ = map_from_base_;

@@ -39,8 +39,21 @@ struct LaserSlamScan {
 struct LaserSlamStatistics {
   int64_t scans = 0;
   int64_t keyscans = 0;
-  // Scans whose place was taken from odometry because they did not match.
+  // Scans that were matched or should have been: the robot had moved.
+  int64_t looked_at = 0;
+  // Those whose place was taken from odometry because they did not match.
   int64_t unmatched = 0;
+  // Scans that were searched for widely, because they responded poorly, and
+  // those of them that were found elsewhere.
+  int64_t searched_widely = 0;
+  int64_t found_widely = 0;
+  // How far odometry was off, as learned: times OdometryNoise (1: not more).
+  double odometry_scale_m = 1;
+  double odometry_scale_rad = 1;
+  // One standard deviation of what odometry may have been wrong by over the
+  // longest stretch in which nothing matched.
+  double unmatched_sigma_m = 0;
+  double unmatched_sigma_rad = 0;
   // The front end's processor time for each scan (ms): what else runs on the
   // machine does not count, nor does closing loops.
   std::vector<double> front_end_ms;

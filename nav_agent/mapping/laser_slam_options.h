@@ -4,40 +4,12 @@
 
 #include "absl/status/status.h"
 #include "nav_agent/mapping/loop_closer.h"
+#include "nav_agent/mapping/odometry_doubt.h"
 #include "nav_agent/mapping/pose_graph.h"
 #include "nav_agent/mapping/scan_matcher.h"
 #include "nav_agent/mapping/scan_outline.h"
 
 namespace treeline::mapping {
-
-// How wrong odometry may be, one standard deviation: at rest, per metre and
-// per radian; what matching searches is search_sigmas of it, but at least
-// min_search, and at most what LaserSlamOptions say. Defaults suit wheels alone
-// that tell their turns too.
-struct OdometryNoise {
-  double m = 0.02;
-  double m_per_m = 0.10;
-  double m_per_rad = 0.03;
-  double rad = 0.01;
-  double rad_per_rad = 0.15;
-  double rad_per_m = 0.05;
-  double min_search_m = 0;
-  double min_search_rad = 0;
-
-  // Of wheels with a gyroscope, read every few centimetres. More noise does
-  // harm: between parallel walls a scan fits best a little behind of where it
-  // was taken, since ahead it shows what the window has not seen.
-  static OdometryNoise WithGyroscope() {
-    return {.m = 0.003,
-            .m_per_m = 0.02,
-            .m_per_rad = 0.004,
-            .rad = 0.002,
-            .rad_per_rad = 0.02,
-            .rad_per_m = 0.01,
-            .min_search_m = 0.08,
-            .min_search_rad = 0.02};
-  }
-};
 
 struct LaserSlamOptions {
   ScanOutlineOptions points;
@@ -74,6 +46,11 @@ struct LaserSlamOptions {
   double search_sigmas = 3.0;
   double max_search_m = 1.0;
   double max_search_rad = 0.7;
+  // A scan that responds by this much less than scans usually do, or by less
+  // than min_response, is searched for anew within max_search and as far from
+  // odometry; what is found counts if it responds better by better_response.
+  double poor_response = 0.15;
+  double better_response = 0.1;
   // Below this response, or with fewer points, odometry is used instead.
   double min_response = 0.35;
   int min_points = 20;

@@ -28,6 +28,10 @@ constexpr double kLoopWay = 3.0;
 constexpr double kLargestDrift = 0.05;
 // Coarse cells are this many times as large as fine ones.
 constexpr double kCoarse = 2.5;
+// Narrow searches are made for every so many keyscans on the way.
+constexpr int kNarrowEvery = 3;
+// Of a query of several keyscans, every so many points are enough there.
+constexpr size_t kCoarseEvery = 3;
 // The fine search about the best coarse cell, in its cells.
 constexpr double kFineSearch_cells = 1.5;
 // Pieces of surface long enough, and alike enough in direction, to tell which
@@ -76,6 +80,16 @@ double ShareOfSameSide(const SurfaceGrid& grid, const ScanOutline& query,
     same += cosine > 0 ? 1 : 0;
   }
   return told < kTellingPieces ? 0 : static_cast<double>(same) / told;
+}
+
+// Every so many points, each on its own.
+ScanOutline Thinned(const ScanOutline& scan, size_t every) {
+  ScanOutline thinned;
+  for (size_t i = 0; i < scan.size(); i += every) {
+    thinned.points_m.push_back(scan.points_m[i]);
+    thinned.joined.push_back(0);
+  }
+  return thinned;
 }
 
 }  // namespace
@@ -261,7 +275,7 @@ std::optional<LoopCloser::Link> LoopCloser::Verified(int keyscan,
                                                      bool wide) const {
   const double needed =
       wide ? options_.min_wide_response : options_.min_response;
-  if (match.response < needed ||
+  if (match.response < needed || match.is_at_border ||
       LargestSigma_m(match.covariance) > options_.max_sigma_m ||
       std::sqrt(match.covariance[8]) > options_.max_sigma_rad) {
     return std::nullopt;
@@ -323,9 +337,10 @@ std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,
     ScanMatcherOptions coarse = matcher_;
     coarse.cell_m *= kCoarse;
     coarse.sigma_m *= kCoarse;
+    const ScanOutline thinned = Thinned(query, kCoarseEvery);
     const SurfaceGrid grid =
-        MakeSurfaceGrid(references, query, guess, search, coarse);
-    const ScanMatch match = MatchScan(grid, query, guess, search, coarse);
+        MakeSurfaceGrid(references, thinned, guess, search, coarse);
+    const ScanMatch match = MatchScan(grid, thinned, guess, search, coarse);
     // Along a corridor all places respond: none of them is found.
     if (match.response < options_.min_coarse_response ||
         LargestSigma_m(match.covariance) > options_.max_sigma_m) {
@@ -341,7 +356,27 @@ std::optional<LoopCloser::Link> LoopCloser::TryChain(int keyscan,
   if (ShareOfSameSide(grid, query, match.target_from_scan) < kSameSide) {
     return std::nullopt;
   }
+  if (wide && IsAmbiguous(references, query, poses_[slot], match)) {
+    return std::nullopt;
+  }
   return Verified(keyscan, chain, match, wide);
+}
+
+bool LoopCloser::IsAmbiguous(std::span<const PlacedScan> references,
+                             const ScanOutline& query,
+                             const geometry::Rigid2& map_from_expected,
+                             const ScanMatch& match) const {
+  const double moved_m = geometry::Norm(match.target_from_scan.translation -
+                                        map_from_expected.translation);
+  if (moved_m < options_.wide_m) return false;
+  const MatchSearch near = {.half_extent_m = 0.5 * options_.wide_m,
+                            .half_angle_rad = options_.min_search_rad};
+  const ScanOutline thinned = Thinned(query, kCoarseEvery);
+  const SurfaceGrid grid =
+      MakeSurfaceGrid(references, thinned, map_from_expected, near, matcher_);
+  const ScanMatch there =
+      MatchScan(grid, thinned, map_from_expected, near, matcher_);
+  return there.response > match.response - options_.min_distinction;
 }
 
 bool LoopCloser::Add(const NewKeyscan& added) {
@@ -375,8 +410,13 @@ bool LoopCloser::Add(const NewKeyscan& added) {
   base::ParallelFor(
       static_cast<int64_t>(chains.size()), options_.threads, [&](int64_t i) {
         const Chain& chain = chains[static_cast<size_t>(i)];
-        links[static_cast<size_t>(i)] =
-            TryChain(keyscan, chain, reach[static_cast<size_t>(chain.nearest)]);
+        const Reach& from_chain = reach[static_cast<size_t>(chain.nearest)];
+        // What is known well already can wait until all is tied once more.
+        if (SearchFor(from_chain).half_extent_m <= options_.wide_m &&
+            keyscan % kNarrowEvery != 0) {
+          return;
+        }
+        links[static_cast<size_t>(i)] = TryChain(keyscan, chain, from_chain);
       });
   statistics_.tried += static_cast<int64_t>(chains.size());
   bool moves = false;

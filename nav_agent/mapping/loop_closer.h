@@ -47,6 +47,9 @@ struct LoopCloserOptions {
   // one scan, and how well the place is then known.
   double min_wide_response = 0.60;
   double min_response = 0.55;
+  // A place beyond wide_m from where the graph expects it must respond by this
+  // much better than that one: rooms along a corridor are alike.
+  double min_distinction = 0.1;
   double max_sigma_m = 0.15;
   double max_sigma_rad = 0.05;
   // Loops that the optimised graph contradicts by more than this squared error
@@ -140,6 +143,11 @@ class LoopCloser {
                                const Reach& reach) const;
   std::optional<Link> Verified(int keyscan, const Chain& chain,
                                const ScanMatch& match, bool wide) const;
+  // Whether the expected place fits about as well as the one that was found.
+  bool IsAmbiguous(std::span<const PlacedScan> references,
+                   const ScanOutline& query,
+                   const geometry::Rigid2& map_from_expected,
+                   const ScanMatch& match) const;
   ScanOutline QueryScan(int keyscan, int count) const;
   std::vector<PlacedScan> Placed(const Chain& chain) const;
   ScanPlane PlaneOf(int keyscan) const;

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <numbers>
 #include <utility>
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "common/base/clock.h"
 #include "common/base/file.h"
 #include "common/base/status_macros.h"
@@ -236,7 +238,20 @@ absl::StatusOr<RecordingMap> MapLaserLog(const std::string& path,
   mapping.p99_ms = result.p99_ms;
   mapping.max_ms = result.max_ms;
   mapping.statistics = std::move(result.statistics);
+  mapping.warnings = log.warnings;
   return mapping;
+}
+
+void WarnOfUnmatched(RecordingMap& mapping) {
+  const LaserSlamStatistics& s = mapping.statistics;
+  if (s.unmatched == 0) return;
+  constexpr double kDegPerRad = 180 / std::numbers::pi;
+  mapping.warnings.push_back(absl::StrFormat(
+      "%d of %d scans that were looked at matched nothing before them; where "
+      "they are is odometry's, which may be wrong there by %.2f m and %.1f "
+      "degrees (one standard deviation)",
+      s.unmatched, s.looked_at, s.unmatched_sigma_m,
+      s.unmatched_sigma_rad * kDegPerRad));
 }
 
 absl::StatusOr<bool> IsAgentLogFile(const std::string& path) {
@@ -265,6 +280,7 @@ absl::StatusOr<RecordingMap> MapRecording(const std::string& path,
   auto mapping =
       is_agent_log ? MapAgentLog(path, options) : MapLaserLog(path, options);
   if (!mapping.ok()) return mapping;
+  WarnOfUnmatched(*mapping);
   mapping->total_s = base::MillisecondsBetween(start, clock.Now()) / 1000;
   return mapping;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -18,6 +19,14 @@ constexpr int kRefinements = 12;
 // Below this angle nothing is gained; above, near things are missed.
 constexpr double kMinAngleStep_rad = 0.0015;
 constexpr double kMaxAngleStep_rad = 0.02;
+
+// Returns scatter by this much, and so do the directions of the pieces between
+// them: a wall seems to tell a little of where along it the scan was taken. So
+// many points do that together that it would be believed. A return of its own
+// is as a rule one of a surface seen almost along, and tells little.
+constexpr double kReturnNoise_m = 0.02;
+constexpr double kPretends = 8;
+constexpr double kDotPretends = 0.8;
 
 double Square(double x) { return x * x; }
 
@@ -96,6 +105,10 @@ class Search {
   Pose FindBest();
   // The spread of p around `best`: second moments in (x, y, yaw).
   Eigen::Matrix3d Spread(const Pose& best) const;
+  bool IsAtBorder(const Pose& pose) const {
+    return std::abs(pose.x) >= half_cells_ || std::abs(pose.y) >= half_cells_ ||
+           std::abs(pose.turn) >= half_turns_;
+  }
   geometry::Rigid2 PoseOf(const Pose& pose) const {
     return {{guess_.translation.x + pose.x * grid_.cell_m(),
              guess_.translation.y + pose.y * grid_.cell_m()},
@@ -273,9 +286,24 @@ Eigen::Matrix3d GuessPrecision(const MatchSearch& search) {
 
 struct Normal {
   Eigen::Matrix3d precision = Eigen::Matrix3d::Zero();
+  // The part of it that is not known to be real; see kReturnNoise_m.
+  Eigen::Matrix3d pretended = Eigen::Matrix3d::Zero();
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   double response = 0;
 };
+
+// What is known, without what is only pretended.
+Eigen::Matrix3d HonestPrecision(const Normal& normal, double weight,
+                                const Eigen::Matrix3d& prior) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+      weight * (normal.precision - normal.pretended) + prior);
+  const Eigen::Vector3d least =
+      (solver.eigenvectors().transpose() * prior * solver.eigenvectors())
+          .diagonal();
+  const Eigen::Vector3d values = solver.eigenvalues().cwiseMax(least);
+  return solver.eigenvectors() * values.asDiagonal() *
+         solver.eigenvectors().transpose();
+}
 
 // Distances to the surfaces, linearised at `pose`.
 Normal Linearize(const SurfaceGrid& grid, const ScanOutline& scan,
@@ -300,11 +328,18 @@ Normal Linearize(const SurfaceGrid& grid, const ScanOutline& scan,
     }
     const double weight = std::exp(-geometry::Dot(off, off) * inverse_2sigma2);
     normal.response += weight;
+    const auto jacobian = [&arm](geometry::Vec2 direction) {
+      return Eigen::Vector3d(direction.x, direction.y,
+                             geometry::Cross(arm, direction));
+    };
     const auto add = [&](geometry::Vec2 direction, double distance_m) {
-      const Eigen::Vector3d j(direction.x, direction.y,
-                              geometry::Cross(arm, direction));
+      const Eigen::Vector3d j = jacobian(direction);
       normal.precision += weight * j * j.transpose();
       normal.gradient += weight * distance_m * j;
+    };
+    const auto pretend = [&](geometry::Vec2 direction, double part) {
+      const Eigen::Vector3d j = jacobian(direction);
+      normal.pretended += weight * part * j * j.transpose();
     };
     if (is_line) {
       // A surface holds a point only at right angles to itself: where it ends
@@ -312,9 +347,13 @@ Normal Linearize(const SurfaceGrid& grid, const ScanOutline& scan,
       const double length = std::sqrt(length2);
       const geometry::Vec2 across = {-along.y / length, along.x / length};
       add(across, geometry::Dot(from, across));
+      pretend((1 / length) * along,
+              std::min(1.0, kPretends * Square(kReturnNoise_m) / length2));
     } else {
       add({1, 0}, off.x);
       add({0, 1}, off.y);
+      pretend({1, 0}, kDotPretends);
+      pretend({0, 1}, kDotPretends);
     }
   }
   normal.response /= static_cast<double>(scan.size());
@@ -363,11 +402,13 @@ ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanOutline& scan,
   }
   const double weight = options.point_weight / Square(grid.sigma_m());
   Eigen::Matrix3d precision = prior;
+  Eigen::Matrix3d honest = prior;
   for (int i = 0; i <= kRefinements; ++i) {
     geometry::Rigid2& pose = match.target_from_scan;
     const Normal normal = Linearize(grid, scan, pose);
     match.response = normal.response;
     precision = weight * normal.precision + prior;
+    honest = HonestPrecision(normal, weight, prior);
     if (i == kRefinements) break;
     const Eigen::Vector3d off(
         pose.translation.x - guess.translation.x,
@@ -384,7 +425,7 @@ ScanMatch RefineMatch(const SurfaceGrid& grid, const ScanOutline& scan,
         geometry::NormalizedAngle_rad(pose.yaw_rad + limit * step.z());
     if (step.head<2>().norm() < 1e-5 && std::abs(step.z()) < 1e-6) break;
   }
-  match.covariance = ToCovariance(precision.inverse());
+  match.covariance = ToCovariance(honest.inverse());
   return match;
 }
 
@@ -398,6 +439,7 @@ ScanMatch MatchScan(const SurfaceGrid& grid, const ScanOutline& scan,
   const Search::Pose best = steps.FindBest();
   ScanMatch match =
       RefineMatch(grid, scan, steps.PoseOf(best), guess, search, options);
+  match.is_at_border = steps.IsAtBorder(best);
   const Eigen::Matrix3d spread = steps.Spread(best);
   for (int i = 0; i < 9; ++i) {
     match.covariance[static_cast<size_t>(i)] += spread(i / 3, i % 3);

@@ -47,6 +47,8 @@ struct ScanMatch {
   // Of target_from_scan.
   Covariance3 covariance{};
   int points = 0;
+  // The best pose is at the edge of what was searched: the peak may lie beyond.
+  bool is_at_border = false;
 };
 
 // A grid that MatchScan can search in around `guess`.

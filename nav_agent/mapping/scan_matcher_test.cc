@@ -129,7 +129,8 @@ TEST(ScanMatcher, IsUnsureAlongACorridorOnly) {
   EXPECT_NEAR(match.target_from_scan.yaw_rad, 0.02, 0.005);
   // Across: centimetres. Along: tens of them, as far as the response was
   // looked at.
-  EXPECT_LT(std::sqrt(match.covariance[4]), 0.03);
+  // Nothing bounds it along, and a hundredth of that is across.
+  EXPECT_LT(std::sqrt(match.covariance[4]), 0.06);
   EXPECT_GT(std::sqrt(match.covariance[0]), 0.1);
   EXPECT_GT(match.covariance[0], 25 * match.covariance[4]);
 }

@@ -36,6 +36,8 @@ struct LaserLog {
   std::vector<RecordedScan> scans;
   // Readings of odometry that came without a scan, in the order of time.
   std::vector<RecordedOdometry> odometry;
+  // What is odd about the recording, a sentence each.
+  std::vector<std::string> warnings{};
 };
 
 struct LaserLogOptions {
@@ -45,7 +47,8 @@ struct LaserLogOptions {
   double range_min_m = 0.02;
   double range_max_m = 80;
   // Lines that are out of order by at most this are put in order (s, 0 or
-  // more); more is an error: a clock has jumped.
+  // more). More means that a clock has jumped back: all later stamps are moved
+  // on by as much, so that time goes on, and a warning says so.
   double reorder_s = 1.0;
 
   absl::Status Validate() const;
@@ -66,7 +69,8 @@ inline constexpr size_t kMaxLogBytes = size_t{1} << 30;
 // 181, 0.5 degrees with 360 or 361, and otherwise spread over 180 degrees.
 //
 // The errors of ReadFile, or INVALID_ARGUMENT with file and line: no scans,
-// not finite numbers, different numbers of beams, a clock that jumps back.
+// not finite numbers, different numbers of beams, a clock that jumps more often
+// than clocks do.
 absl::StatusOr<LaserLog> ReadLaserLog(const std::string& path,
                                       const LaserLogOptions& options = {});
 

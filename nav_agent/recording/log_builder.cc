@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "common/base/status_macros.h"
 #include "common/dataset/text_lines.h"
 
 namespace treeline::recording {
@@ -18,6 +19,13 @@ constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr double kMaxMount_m = 2.0;
 constexpr double kMountTolerance_m = 0.01;
 constexpr double kMountTolerance_rad = 0.01;
+
+// Where a clock has jumped back, it goes on this much later. More jumps than
+// this are no clock's.
+constexpr std::chrono::milliseconds kAfterJump(100);
+constexpr int kMaxJumps = 20;
+// What ParseRecordingTime reads; stamps that were moved on stay within it.
+constexpr std::chrono::seconds kLatest(9'000'000'000);
 
 bool IsEarlier(const RecordedScan& a, const RecordedScan& b) {
   return a.stamp < b.stamp;
@@ -38,18 +46,40 @@ core::RangeSensorInfo SickGeometry(int beams) {
           .beams = beams};
 }
 
-absl::Status LogBuilder::CheckClock(int line, RecordingTime stamp,
-                                    RecordingTime* newest, bool first) const {
-  if (!first && SecondsBetween(stamp, *newest) > options_.reorder_s) {
+absl::StatusOr<RecordingTime> LogBuilder::Continued(int line,
+                                                    RecordingTime stamp,
+                                                    RecordingTime* newest,
+                                                    bool first) {
+  if (stamp.time_since_epoch() > kLatest - moved_on_) {
+    return dataset::LineError(name_, line,
+                              "the clock has jumped too far to be continued");
+  }
+  const RecordingTime moved = stamp + moved_on_;
+  if (first) {
+    *newest = moved;
+    return moved;
+  }
+  const double back_s = SecondsBetween(moved, *newest);
+  if (back_s <= options_.reorder_s) {
+    *newest = std::max(*newest, moved);
+    return moved;
+  }
+  const std::string jump =
+      absl::StrFormat("the clock jumps back by %.3f s, from %s to %s", back_s,
+                      FormatRecordingTime(*newest), FormatRecordingTime(moved));
+  if (++jumps_ > kMaxJumps) {
     return dataset::LineError(
         name_, line,
-        absl::StrFormat("the clock jumps back by %.3f s, from %s to %s",
-                        SecondsBetween(stamp, *newest),
-                        FormatRecordingTime(*newest),
-                        FormatRecordingTime(stamp)));
+        absl::StrCat(jump, ", after ", kMaxJumps,
+                     " such jumps: its lines are not in the order of time"));
   }
-  *newest = first ? stamp : std::max(*newest, stamp);
-  return absl::OkStatus();
+  log_.warnings.push_back(absl::StrCat(
+      std::string(dataset::LineError(name_, line, jump).message()),
+      "; later stamps are moved on by as much, and the way in between is "
+      "odometry's"));
+  moved_on_ += *newest - moved + kAfterJump;
+  *newest = stamp + moved_on_;
+  return *newest;
 }
 
 absl::Status LogBuilder::AddScan(int line, RecordingTime stamp,
@@ -83,9 +113,8 @@ absl::Status LogBuilder::AddScan(int line, RecordingTime stamp,
       range_m = core::kInvalidRange;
     }
   }
-  const absl::Status clock =
-      CheckClock(line, stamp, &newest_scan_, log_.scans.empty());
-  if (!clock.ok()) return clock;
+  TL_ASSIGN_OR_RETURN(
+      stamp, Continued(line, stamp, &newest_scan_, log_.scans.empty()));
   log_.scans.push_back({.stamp = stamp,
                         .odom_from_base = odom_from_base,
                         .ranges_m = std::move(ranges_m)});
@@ -94,9 +123,8 @@ absl::Status LogBuilder::AddScan(int line, RecordingTime stamp,
 
 absl::Status LogBuilder::AddOdometry(int line, RecordingTime stamp,
                                      const geometry::Rigid2& odom_from_base) {
-  const absl::Status clock =
-      CheckClock(line, stamp, &newest_odometry_, log_.odometry.empty());
-  if (!clock.ok()) return clock;
+  TL_ASSIGN_OR_RETURN(
+      stamp, Continued(line, stamp, &newest_odometry_, log_.odometry.empty()));
   log_.odometry.push_back({.stamp = stamp, .odom_from_base = odom_from_base});
   return absl::OkStatus();
 }

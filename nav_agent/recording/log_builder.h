@@ -38,13 +38,17 @@ class LogBuilder {
   // The mount that all scans agree on; else none: some programs write a
   // corrected pose of the robot where the laser's belongs.
   geometry::Rigid2 CommonMount() const;
-  absl::Status CheckClock(int line, RecordingTime stamp, RecordingTime* newest,
-                          bool first) const;
+  // The stamp, moved on if the clock has jumped back until then.
+  absl::StatusOr<RecordingTime> Continued(int line, RecordingTime stamp,
+                                          RecordingTime* newest, bool first);
 
   const std::string name_;
   const LaserLogOptions options_;
   LaserLog log_;
   std::vector<geometry::Rigid2> mounts_;
+  // By how much stamps are moved on, after how many jumps.
+  RecordingTime::duration moved_on_{};
+  int jumps_ = 0;
   RecordingTime newest_scan_;
   RecordingTime newest_odometry_;
 };

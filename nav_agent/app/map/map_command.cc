@@ -58,6 +58,7 @@ struct MapFlags {
   std::string calibration;
   MapOptions map;
   double max_slope_deg = map.traversability.max_slope_rad * kDegPerRad;
+  std::string odometry_noise = "auto";
   bool no_loops = false;
   bool quiet = false;
 };
@@ -96,6 +97,14 @@ void PrintSummary(const MapLogResult& result) {
       static_cast<long long>(drive.statistics.keyscans),
       static_cast<long long>(drive.statistics.loops.accepted), drive.p50_ms,
       drive.p99_ms);
+  std::printf(
+      "of %lld scans that were matched, %lld did not match and %lld were found "
+      "by a wide search; odometry was off by %.1f times (way) and %.1f times "
+      "(turns) what was assumed\n",
+      static_cast<long long>(drive.statistics.looked_at),
+      static_cast<long long>(drive.statistics.unmatched),
+      static_cast<long long>(drive.statistics.found_widely),
+      drive.statistics.odometry_scale_m, drive.statistics.odometry_scale_rad);
   if (result.rmse_m.has_value()) {
     std::printf("%.3f m from the simulator's truth (RMSE of positions)\n",
                 *result.rmse_m);
@@ -120,9 +129,19 @@ void PrintSummary(const MapSummary& summary) {
       summary.keyframes, summary.driven_holes, summary.folder.c_str());
 }
 
+void SetOdometryNoise(const std::string& name, MapLogOptions& options) {
+  if (name == "auto") return;
+  mapping::OdometryNoise noise;
+  noise.is_estimated = name == "learned";
+  if (name == "gyroscope") noise = mapping::OdometryNoise::WithGyroscope();
+  options.drive.slam.odometry = noise;
+  options.drive.odometry_noise = noise;
+}
+
 absl::Status RunLog(const MapFlags& flags, const std::stop_token& stop) {
   MapLogOptions options;
   options.map = flags.map;
+  SetOdometryNoise(flags.odometry_noise, options);
   options.drive.slam.synchronous = true;
   options.drive.slam.loops.enabled = !flags.no_loops;
   options.stop = stop;
@@ -328,6 +347,15 @@ cli::Command AddMapCommand(CLI::App& app) {
       "Room that is needed", "M");
   command->add_option("--seed", flags->map.seed, "Of all that is drawn")
       ->type_name("N")
+      ->capture_default_str();
+  command
+      ->add_option("--odometry-noise", flags->odometry_noise,
+                   "How far a laser log's odometry may be trusted: learned "
+                   "from the log, or fixed as of wheels or of wheels with a "
+                   "gyroscope; auto: gyroscope for agent logs, learned for "
+                   "others")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"auto", "learned", "wheels", "gyroscope"}))
       ->capture_default_str();
   command->add_flag("--no-loops", flags->no_loops,
                     "Close no loops, to see what they are good for");
