@@ -8,18 +8,21 @@
 #include "common/base/clock.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/planning/alternatives.h"
 #include "nav_agent/planning/guide.h"
 #include "nav_agent/planning/lattice.h"
 #include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/plan_clock.h"
 #include "nav_agent/planning/planner_parameters.h"
+#include "nav_agent/planning/routes.h"
 
 namespace treeline::planning {
 namespace {
 
 // Streams of random numbers; restarts follow.
 constexpr uint64_t kImprovements = 1;
-constexpr uint64_t kFirstTree = 2;
+constexpr uint64_t kBridges = 2;
+constexpr uint64_t kFirstTree = 3;
 // Of a way's cost, that a gain leaves.
 constexpr double kKept = 1 - kRestartGain;
 constexpr uint64_t kTries{kRestartTries.value};
@@ -49,7 +52,18 @@ class Planning {
   }
   // Anywhere in the area of start and goal; near the guide if there is one.
   Spot SampleOf(uint64_t stream, uint64_t iteration) const;
-  void LookForGuide();
+  // Tries routes over regions with the footprint, each round the places where
+  // those before it got stuck; so far as they came is planted in the trees.
+  bool FollowRoutes(VariableRrt& trees, bool is_thorough);
+  // A way from one stand to another one near by: two trees between them, and
+  // where those do not meet soon the lattice, if it is to be thorough.
+  Polyline Bridge(const Stand& from, const Stand& to, bool is_thorough) const;
+  // Makes the regions around a place cost more.
+  void Discourage(const Spot& stuck, std::vector<float>& weights) const;
+  double Spacing_m() const {
+    return std::max(kGuideSpacing_m.value,
+                    task_->space.ground().resolution_m());
+  }
   // Cuts and moves until nothing more is gained.
   void Polish(PathSmoother& improver, PlanResult& result) const;
   // A way of another tree, of those that might be shorter.
@@ -81,9 +95,8 @@ Spot Planning::SampleOf(uint64_t stream, uint64_t iteration) const {
     return near;
   }
   const GroundIndex& ground = task_->space.ground();
-  const std::vector<uint32_t>& cells = task_->areas->CellsOf(task_->area);
   const size_t number =
-      cells[random.NextBelow(static_cast<uint32_t>(cells.size()))];
+      task_->regions->DrawCell(ground, task_->area, random);
   const size_t cell = number % ground.cells();
   const auto width = static_cast<size_t>(ground.width());
   const double x = static_cast<double>(cell % width) + random.NextUnit();
@@ -92,9 +105,71 @@ Spot Planning::SampleOf(uint64_t stream, uint64_t iteration) const {
           .level = static_cast<int>(number / ground.cells())};
 }
 
-void Planning::LookForGuide() {
-  guide_ = FindGridPath(task_->space, task_->start.spot, task_->goal.spot,
-                        [this] { return IsOver(); });
+bool Planning::FollowRoutes(VariableRrt& trees, bool is_thorough) {
+  const Regions& regions = *task_->regions;
+  const GroundIndex& ground = task_->space.ground();
+  std::vector<float> weights(regions.count(), 1.0F);
+  for (int i = 0; i < kRouteAttempts + kBridgedAttempts && !IsOver(); ++i) {
+    const Stand from = trees.Hub(false);
+    const Stand to = trees.Hub(true);
+    const int start = regions.RegionOf(ground, from.spot);
+    const int goal = regions.RegionOf(ground, to.spot);
+    if (start < 0 || goal < 0) return false;
+    const Route route =
+        FindRoute(regions, static_cast<uint32_t>(start),
+                  static_cast<uint32_t>(goal), weights);
+    if (!route.is_found) return false;
+    Polyline guide =
+        CellsAlong(task_->space, regions, from.spot, to.spot, route);
+    const PulledWay pulled = FollowGuide(
+        task_->space, from.yaw_rad, to.yaw_rad, guide, Spacing_m(),
+        [this, i, is_thorough](const Stand& begin, const Stand& end) {
+          return i < kRouteAttempts ? Polyline()
+                                    : Bridge(begin, end, is_thorough);
+        });
+    if (!guide_.has_value()) guide_ = std::move(guide);
+    if (trees.Plant(pulled.way)) return true;
+    Discourage(pulled.reached, weights);
+  }
+  return false;
+}
+
+Polyline Planning::Bridge(const Stand& from, const Stand& to,
+                          bool is_thorough) const {
+  if (IsOver()) return {};
+  const geometry::Vec2 line = to.spot.at - from.spot.at;
+  const double length_m = geometry::Norm(line);
+  VariableRrt trees(task_->space, from, to);
+  const auto sample = [&](uint64_t iteration) {
+    base::Random random(seed_ + (kBridges << 32), iteration);
+    const geometry::Vec2 at =
+        from.spot.at + random.NextUniform(-0.2, 1.2) * line;
+    const double reach_m = kBridgeSpread * length_m;
+    return Spot{at + geometry::Vec2{reach_m * random.NextGaussian(),
+                                    reach_m * random.NextGaussian()},
+                random.NextBelow(2) == 0 ? from.spot.level : to.spot.level};
+  };
+  if (trees.Grow(kBridgeIterations, sample, [this] { return IsOver(); })) {
+    return trees.Way();
+  }
+  if (!is_thorough || task_->regions->RegionOf(task_->space.ground(), from.spot) < 0 ||
+      task_->regions->RegionOf(task_->space.ground(), to.spot) < 0) {
+    return {};
+  }
+  return SearchLatticeNear(task_->space, *task_->regions, from, to,
+                           2 * length_m + kLastLine_m, kBridgeNodes);
+}
+
+void Planning::Discourage(const Spot& stuck,
+                          std::vector<float>& weights) const {
+  const Regions& regions = *task_->regions;
+  for (uint32_t region = 0; region < regions.count(); ++region) {
+    if (regions.region(region).level == stuck.level &&
+        geometry::Norm(regions.region(region).center - stuck.at) <
+            kStuckReach_m) {
+      weights[region] *= static_cast<float>(kStuckCost.value);
+    }
+  }
 }
 
 void Planning::FindFirst(PlanResult& result) {
@@ -106,21 +181,12 @@ void Planning::FindFirst(PlanResult& result) {
   bool is_found =
       trees.Grow(std::min(kUnguidedIterations.value, budget_.max_iterations),
                  sample, is_over);
+  if (!is_found && !IsOver()) is_found = FollowRoutes(trees, false);
   if (!is_found && !IsOver()) {
-    LookForGuide();
-    if (guide_->empty() && !IsOver()) {
-      result.failure = core::NavigationCause::kNoPath;
-      result.why = "no free ground as wide as the robot leads to the goal";
-      return;
-    }
-  }
-  if (!is_found && !IsOver()) {
-    way_ = ShortcutPolyline(task_->space, task_->start.yaw_rad,
-                            task_->goal.yaw_rad, *guide_, kGuideSpacing_m);
-    is_found = !way_.empty() || trees.Grow(std::min(budget_.max_iterations,
-                                                    kEasyIterations.value) -
-                                               trees.iterations(),
-                                           sample, is_over);
+    is_found = trees.Grow(
+        std::min(budget_.max_iterations, kEasyIterations.value) -
+            trees.iterations(),
+        sample, is_over);
   }
   result.iterations = trees.iterations();
   result.tree_edges = trees.Edges();
@@ -140,14 +206,19 @@ void Planning::FindFirst(PlanResult& result) {
 
 void Planning::FindThoroughly(PlanResult& result) {
   const auto is_over = [this] { return IsOver(); };
-  LookForGuide();
-  if (!IsOver() && !guide_->empty()) {
-    way_ = ShortcutPolyline(task_->space, task_->start.yaw_rad,
-                            task_->goal.yaw_rad, *guide_, kGuideSpacing_m);
+  const auto sample = [this](uint64_t iteration) {
+    return SampleOf(kFirstTree, iteration);
+  };
+  VariableRrt trees(task_->space, task_->start, task_->goal);
+  if (trees.Grow(std::min(kUnguidedIterations.value, budget_.max_iterations),
+                 sample, is_over) ||
+      FollowRoutes(trees, true)) {
+    way_ = trees.Way();
+  } else if (!IsOver()) {
+    way_ = SearchLattice(task_->space, *task_->regions, task_->start,
+                         task_->goal, is_over);
   }
-  if (way_.empty() && !IsOver()) {
-    way_ = SearchLattice(task_->space, task_->start, task_->goal, is_over);
-  }
+  result.iterations += trees.iterations();
   result.first_path_s = SecondsSince(begin_);
   if (!way_.empty()) return;
   result.failure = IsOver() ? core::NavigationCause::kPlanTimeout
@@ -196,19 +267,26 @@ void Planning::Improve(PlanResult& result) {
   const double goal_yaw_rad = task_->goal.yaw_rad;
   PathSmoother best(task_->space, start_yaw_rad, goal_yaw_rad, std::move(way_));
   Polish(best, result);
+  std::optional<Alternatives> alternatives;
+  if (!IsOver()) {
+    alternatives.emplace(task_->space, *task_->regions, task_->start.spot,
+                         task_->goal.spot);
+  }
   int idle = 0;
   for (uint64_t restart = 0;
        idle < kIdleRestarts && result.iterations < budget_.max_iterations &&
        !IsOver();
        ++restart) {
     Polyline other;
-    if (restart == 0) {
-      if (!guide_.has_value()) LookForGuide();
-      if (guide_->empty()) guide_.reset();
-      if (guide_.has_value()) {
-        other = ShortcutPolyline(task_->space, start_yaw_rad, goal_yaw_rad,
-                                 *guide_, kGuideSpacing_m);
-      }
+    Polyline guide;
+    if (alternatives.has_value()) guide = alternatives->Next();
+    if (guide.empty()) {
+      alternatives.reset();
+    }
+    if (!guide.empty()) {
+      other = ShortcutPolyline(task_->space, start_yaw_rad, goal_yaw_rad, guide,
+                               Spacing_m());
+      if (restart == 0) guide_ = std::move(guide);
     } else if (restart % 2 == 1) {
       base::Random random(seed_ + (kImprovements << 32), restart << 32);
       other = ShortcutPolyline(
