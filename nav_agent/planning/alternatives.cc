@@ -17,12 +17,13 @@ Alternatives::Alternatives(const ConfigurationSpace& space,
       start_region_(
           static_cast<uint32_t>(regions.RegionOf(space.ground(), start))),
       from_start_(regions, start_region_),
-      to_goal_(regions, static_cast<uint32_t>(
-                            regions.RegionOf(space.ground(), goal))),
+      to_goal_(regions,
+               static_cast<uint32_t>(regions.RegionOf(space.ground(), goal))),
       is_covered_(regions.count(), false) {
   const auto max_cost_m = static_cast<float>(
-      kAlternativeCost * (to_goal_.cost_m(start_region_) +
-                          Regions::kBlockCells * space.ground().resolution_m()));
+      kAlternativeCost *
+      (to_goal_.cost_m(start_region_) +
+       Regions::kBlockCells * space.ground().resolution_m()));
   for (uint32_t region = 0; region < regions.count(); ++region) {
     const float cost_m = from_start_.cost_m(region) + to_goal_.cost_m(region);
     if (cost_m <= max_cost_m) vias_.push_back({cost_m, region});

@@ -12,7 +12,8 @@
 namespace treeline::planning {
 namespace {
 
-// Further points of a guide are not tried where nearer ones cannot be driven to.
+// Further points of a guide are not tried where nearer ones cannot be driven
+// to.
 constexpr size_t kTryAhead = 16;
 
 // The first, the last, and between them one every spacing_m.
@@ -97,7 +98,8 @@ class Follower {
         turns_(points_.size(), kUnknown) {}
 
   PulledWay Run() {
-    PulledWay pulled{.way = {points_.front()}, .is_whole = false, .reached = {}};
+    PulledWay pulled{
+        .way = {points_.front()}, .is_whole = false, .reached = {}};
     while (at_ + 1 < points_.size() &&
            (TakeLine(pulled.way) || TakeWindingLines(pulled.way) ||
             TakeBridge(pulled.way))) {
@@ -281,7 +283,8 @@ PulledWay PullTight(const ConfigurationSpace& space, double start_yaw_rad,
       best[k] = {.cost_m = cost_m, .yaw_rad = line.yaw_rad, .parent = i};
     }
   }
-  PulledWay pulled{.way = {}, .is_whole = std::isfinite(best.back().cost_m),
+  PulledWay pulled{.way = {},
+                   .is_whole = std::isfinite(best.back().cost_m),
                    .reached = thin[reached]};
   for (size_t i = pulled.is_whole ? thin.size() - 1 : reached; i > 0;
        i = best[i].parent) {

@@ -19,10 +19,10 @@ struct PulledWay {
 };
 
 // A way over some of `points`, in their order: lines as long as there is room,
-// that end where the robot can turn right round; short ones over points where it
-// cannot, only where there is no other. Far from the cheapest, but soon found.
-// Where lines over the points do not lead on, `bridge` may find other ways to a
-// point further on; it gives an empty one if it does not.
+// that end where the robot can turn right round; short ones over points where
+// it cannot, only where there is no other. Far from the cheapest, but soon
+// found. Where lines over the points do not lead on, `bridge` may find other
+// ways to a point further on; it gives an empty one if it does not.
 using GuideBridge = std::function<Polyline(const Stand& from, const Stand& to)>;
 PulledWay FollowGuide(const ConfigurationSpace& space, double start_yaw_rad,
                       double goal_yaw_rad, const Polyline& points,

@@ -38,6 +38,7 @@ constexpr std::array<core::CellIndex, kHeadings> kSteps = {{{1, 0},
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 constexpr auto kEstimateWeight = static_cast<float>(kGreed.value);
+static_assert(kHeadings == 16, "a flood's bits");
 constexpr size_t kNowhere = std::numeric_limits<size_t>::max();
 
 double YawOf(int heading) {
@@ -91,6 +92,7 @@ class Lattice {
     }
     for (int count = 0; !open_.empty(); ++count) {
       if (count % kStopEvery == 0 && (*is_over_)()) return {};
+      if (count == kFloodAfter && !MayReach()) return {};
       const OpenNode next = open_.top();
       open_.pop();
       Node& node = NodeOf(next.number);
@@ -262,12 +264,72 @@ class Lattice {
     return false;
   }
 
+  // False if no end can be come to from the start, however long the way: a
+  // flood over places with all headings of each at once. It says true where the
+  // search would find nothing, too, if a turn the longer way round is needed.
+  bool MayReach() {
+    std::vector<uint16_t> is_end(places_);
+    for (const uint32_t end : ends_) is_end[end / kHeadings] |= BitOf(end);
+    std::vector<uint16_t> reached(places_);
+    std::vector<uint16_t> pending(places_);
+    std::vector<uint32_t> open;
+    const auto add = [&](size_t place, uint16_t headings) {
+      const auto added = static_cast<uint16_t>(headings & ~reached[place]);
+      if (added == 0) return;
+      if (pending[place] == 0) open.push_back(static_cast<uint32_t>(place));
+      pending[place] |= added;
+    };
+    for (const uint32_t start : starts_) add(start / kHeadings, BitOf(start));
+    for (int count = 0; !open.empty(); ++count) {
+      if (count % kStopEvery == 0 && (*is_over_)()) return true;
+      const size_t place = open.back();
+      open.pop_back();
+      const uint16_t known = reached[place];
+      const uint16_t all =
+          WithTurns(place, static_cast<uint16_t>(known | pending[place]));
+      pending[place] = 0;
+      reached[place] = all;
+      if ((all & is_end[place]) != 0) return true;
+      for (int heading = 0; heading < kHeadings; ++heading) {
+        const auto bit = static_cast<uint16_t>(1U << heading);
+        if ((all & ~known & bit) == 0) continue;
+        const size_t to = PlaceAhead(place, heading);
+        if (to != kNowhere && (reached[to] & bit) == 0 &&
+            CanDrive(place, heading, to)) {
+          add(to, bit);
+        }
+      }
+    }
+    return false;
+  }
+
+  static uint16_t BitOf(uint32_t number) {
+    return static_cast<uint16_t>(1U << (number % kHeadings));
+  }
+
+  // The headings that can be turned to from some at a place.
+  uint16_t WithTurns(size_t place, uint16_t headings) {
+    if (RoomAt_m(place) >= space_->footprint().circumradius_m) return 0xffff;
+    for (bool is_changed = true; is_changed && headings != 0xffff;) {
+      is_changed = false;
+      for (int heading = 0; heading < kHeadings; ++heading) {
+        const int left = (heading + 1) % kHeadings;
+        const bool has = (headings >> heading & 1) != 0;
+        const bool has_left = (headings >> left & 1) != 0;
+        if (has == has_left || !CanTurnLeft(place, heading)) continue;
+        headings |= static_cast<uint16_t>(1U << heading | 1U << left);
+        is_changed = true;
+      }
+    }
+    return headings;
+  }
+
   // The inscribed disc's way to the goal.
   float Estimate_m(size_t place) {
     float& estimate_m = At(place).estimate_m;
     if (estimate_m == kNotAsked) {
-      estimate_m = distance_.Of_m(
-          {ground_->CenterOf(CellOf(place)), LevelOf(place)});
+      estimate_m =
+          distance_.Of_m({ground_->CenterOf(CellOf(place)), LevelOf(place)});
     }
     return estimate_m;
   }

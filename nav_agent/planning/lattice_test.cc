@@ -69,16 +69,15 @@ TEST(LatticeTest, KnowsSoonThatANicheCannotBeBackedInto) {
   int asked = 0;
   const Polyline way =
       Search(SpaceOf(NicheRows(), 1), At(1, 1, kPi), At(5.1, 2.0, kPi),
-                    [&asked] { return ++asked < 0; });
+             [&asked] { return ++asked < 0; });
   EXPECT_TRUE(way.empty());
   // It has not begun to search the room.
   EXPECT_EQ(asked, 0);
 }
 
 TEST(LatticeTest, FindsNothingThroughADoorThatIsNarrowerThanTheRobot) {
-  EXPECT_TRUE(
-      Search(SpaceOf(TwoRoomsRows(6)), At(1, 4, 0), At(7, 4, 0), Never)
-          .empty());
+  EXPECT_TRUE(Search(SpaceOf(TwoRoomsRows(6)), At(1, 4, 0), At(7, 4, 0), Never)
+                  .empty());
 }
 
 TEST(LatticeTest, EndsWhenItIsOver) {
@@ -86,9 +85,8 @@ TEST(LatticeTest, EndsWhenItIsOver) {
   const Stand start = At(1, 4, 0);
   const Stand goal = At(7, 4, 0);
   int asked = 0;
-  ASSERT_FALSE(Search(space, start, goal, [&asked] {
-                 return ++asked < 0;
-               }).empty());
+  ASSERT_FALSE(
+      Search(space, start, goal, [&asked] { return ++asked < 0; }).empty());
   // Whenever that is.
   for (const int last : {1, asked / 2, asked}) {
     int now = 0;

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "nav_agent/planning/regions.h"
 #include "nav_agent/planning/configuration_space.h"
 #include "nav_agent/planning/global_planner.h"
+#include "nav_agent/planning/regions.h"
 #include "nav_agent/planning/variable_rrt.h"
 
 namespace treeline::planning {

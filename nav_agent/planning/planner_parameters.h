@@ -40,6 +40,13 @@ inline constexpr base::Parameter<int> kLeavingWay{
     "leaving_way", 5, "steps", base::ParameterOrigin::kGeometry,
     "of WayStep: a robot that cannot turn leaves by its length at most"};
 // ---- routes over regions ----
+inline constexpr base::Parameter<double> kNarrowCost{
+    "narrow_cost", 8.0, "", base::ParameterOrigin::kTuned,
+    "a metre costs so much more where the footprint cannot stand in a cell's "
+    "middle: such ways are tried last"};
+inline constexpr base::Parameter<int> kStandHeadings{
+    "stand_headings", 16, "", base::ParameterOrigin::kGeometry,
+    "that are tried there, as many as the lattice's"};
 inline constexpr base::Parameter<int> kRouteAttempts{
     "route_attempts", 4, "", base::ParameterOrigin::kTuned,
     "routes that are tried with lines along them alone"};
@@ -67,7 +74,8 @@ inline constexpr base::Parameter<double> kAlternativeCost{
     "of cells have eight directions, so lengths are up to 8 % out"};
 inline constexpr base::Parameter<double> kSight_m{
     "sight", 4.0, "m", base::ParameterOrigin::kTuned,
-    "what is seen from a route over at most this is on the same side of things"};
+    "what is seen from a route over at most this is on the same side of "
+    "things"};
 // ---- trees ----
 inline constexpr base::Parameter<double> kMaxStep_m{
     "max_step", 2.0, "m", base::ParameterOrigin::kTuned,
@@ -107,6 +115,22 @@ inline constexpr base::Parameter<double> kMinLine_m{
 inline constexpr base::Parameter<int> kMoveEvery{
     "move_every", 3, "", base::ParameterOrigin::kTuned,
     "one attempt in so many moves a point, the others cut a corner"};
+inline constexpr base::Parameter<double> kShortcut_m{
+    "shortcut", 6.0, "m", base::ParameterOrigin::kTuned,
+    "three of four lines that are tried instead of others are of at most this"};
+inline constexpr base::Parameter<double> kMaxCut_m{
+    "max_cut", 1.5, "m", base::ParameterOrigin::kTuned,
+    "corners are cut off so far from their point"};
+inline constexpr base::Parameter<int> kIdleShare{
+    "idle_share", 8, "", base::ParameterOrigin::kTuned,
+    "a way of more points is left alone after so many attempts for each"};
+inline constexpr base::Parameter<int> kQuickAttempts{
+    "quick_attempts", 60, "", base::ParameterOrigin::kTuned,
+    "another way is worked on if so many without a gain make it as cheap as "
+    "the best, but for QuickExcess"};
+inline constexpr base::Parameter<double> kQuickExcess{
+    "quick_excess", 1.1, "", base::ParameterOrigin::kTuned,
+    "of the best way's cost"};
 inline constexpr base::Parameter<int> kRestartIterations{
     "restart_iterations", 200, "", base::ParameterOrigin::kTuned,
     "of trees that look for another way"};
@@ -138,6 +162,9 @@ inline constexpr base::Parameter<double> kLastTurn_rad{
 inline constexpr base::Parameter<int> kNicheNodes{
     "niche_nodes", 20000, "nodes", base::ParameterOrigin::kTuned,
     "a niche around the goal is no larger"};
+inline constexpr base::Parameter<int> kFloodAfter{
+    "flood_after", 4000, "nodes", base::ParameterOrigin::kTuned,
+    "a search as long as this first asks a flood whether there is a way"};
 // ---- planners of OMPL ----
 inline constexpr base::Parameter<double> kOmplRange_m{
     "ompl_range", 1.5, "m", base::ParameterOrigin::kTuned,

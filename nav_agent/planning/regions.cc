@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
 namespace {
 
 constexpr int32_t kClosed = -1;
 constexpr int32_t kOpen = -2;
+constexpr uint8_t kUnknown = 0;
+constexpr uint8_t kCan = 1;
+constexpr uint8_t kCannot = 2;
 
 core::CellIndex CellOfNumber(const GroundIndex& ground, uint32_t number) {
   const auto cell = static_cast<int>(number % ground.cells());
@@ -32,6 +38,7 @@ Regions::Regions(const ConfigurationSpace& space)
       region_of_(
           space.ground().cells() * static_cast<size_t>(space.ground().levels()),
           kClosed),
+      holds_(region_of_.size(), kUnknown),
       block_regions_(static_cast<size_t>(blocks_x_) *
                      static_cast<size_t>(blocks_y_) *
                      static_cast<size_t>(space.ground().levels())) {
@@ -64,8 +71,8 @@ Regions::Regions(const Regions& without, const ConfigurationSpace& space)
          y <= std::min(blocks_y_ - 1, high.y / kBlockCells); ++y) {
       for (int x = std::max(0, low.x / kBlockCells);
            x <= std::min(blocks_x_ - 1, high.x / kBlockCells); ++x) {
-        const uint32_t block = static_cast<uint32_t>(
-            (disc.level * blocks_y_ + y) * blocks_x_ + x);
+        const uint32_t block =
+            static_cast<uint32_t>((disc.level * blocks_y_ + y) * blocks_x_ + x);
         if (!is_changed[block]) changed.push_back(block);
         is_changed[block] = true;
       }
@@ -128,11 +135,13 @@ void Regions::LabelBlock(const ConfigurationSpace& space, uint32_t block) {
   const GroundIndex& ground = space.ground();
   const std::vector<uint32_t> cells = CellsOfBlock(ground, block);
   for (const uint32_t cell : cells) {
+    holds_[cell] = kUnknown;
     const Spot spot = SpotOfNumber(ground, cell);
-    region_of_[cell] = ground.map().IsFree(spot.level, ground.CellOf(spot.at)) &&
-                               space.MayHoldDisc(spot)
-                           ? kOpen
-                           : kClosed;
+    region_of_[cell] =
+        ground.map().IsFree(spot.level, ground.CellOf(spot.at)) &&
+                space.MayHoldDisc(spot)
+            ? kOpen
+            : kClosed;
   }
   for (const uint32_t first : cells) {
     if (region_of_[first] != kOpen) continue;
@@ -155,12 +164,11 @@ void Regions::LabelBlock(const ConfigurationSpace& space, uint32_t block) {
         found.push_back(number);
       }
     }
-    regions_.push_back(
-        {.center = 1.0 / static_cast<double>(found.size()) * sum,
-         .level = level,
-         .area = 0,
-         .cells = static_cast<int>(found.size()),
-         .block = block});
+    regions_.push_back({.center = 1.0 / static_cast<double>(found.size()) * sum,
+                        .level = level,
+                        .area = 0,
+                        .cells = static_cast<int>(found.size()),
+                        .block = block});
     block_regions_[block].push_back(static_cast<uint32_t>(region));
   }
 }
@@ -198,8 +206,10 @@ void Regions::AddEdge(const ConfigurationSpace& space, uint32_t from_cell,
   const double length_m = geometry::Norm(leaves.at - regions_[from].center) +
                           geometry::Norm(enters.at - leaves.at) +
                           geometry::Norm(regions_[to].center - enters.at);
-  const double price =
-      (space.CostPerMetre(leaves) + space.CostPerMetre(enters)) / 2;
+  double price = (space.CostPerMetre(leaves) + space.CostPerMetre(enters)) / 2;
+  if (!HoldsFootprint(space, from_cell) || !HoldsFootprint(space, to_cell)) {
+    price *= kNarrowCost;
+  }
   const Edge edge = {.to = to,
                      .from_cell = from_cell,
                      .to_cell = to_cell,
@@ -211,6 +221,20 @@ void Regions::AddEdge(const ConfigurationSpace& space, uint32_t from_cell,
   } else if (edge.cost_m < known->cost_m) {
     *known = edge;
   }
+}
+
+bool Regions::HoldsFootprint(const ConfigurationSpace& space, uint32_t cell) {
+  uint8_t& known = holds_[cell];
+  if (known == kUnknown) {
+    const Spot spot = SpotOfNumber(space.ground(), cell);
+    known = kCannot;
+    for (int i = 0; i < kStandHeadings && known == kCannot; ++i) {
+      if (space.Fits(spot, 2 * std::numbers::pi * i / kStandHeadings)) {
+        known = kCan;
+      }
+    }
+  }
+  return known == kCan;
 }
 
 // Over levels, one region may see another that does not see it.

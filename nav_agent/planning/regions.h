@@ -37,7 +37,9 @@ class Regions {
     uint32_t to = 0;
     uint32_t from_cell = 0;
     uint32_t to_cell = 0;
-    // Length times what a metre costs there, at least the length.
+    // Length times what a metre costs there, at least the length; more where
+    // the footprint cannot stand in the middle of one of the cells, whatever
+    // its heading: there the disc gets through, and the robot hardly.
     float cost_m = 0;
     float length_m = 0;
   };
@@ -78,6 +80,7 @@ class Regions {
   void FindEdges(const ConfigurationSpace& space, uint32_t region);
   void AddEdge(const ConfigurationSpace& space, uint32_t from_cell,
                uint32_t to_cell);
+  bool HoldsFootprint(const ConfigurationSpace& space, uint32_t cell);
   void JoinBack(uint32_t region);
   void FindAreas();
   uint32_t BlockOf(int level, core::CellIndex cell) const;
@@ -85,6 +88,8 @@ class Regions {
   int blocks_x_ = 0;
   int blocks_y_ = 0;
   std::vector<int32_t> region_of_;
+  // What HoldsFootprint said of cells that it was asked of.
+  std::vector<uint8_t> holds_;
   std::vector<Region> regions_;
   std::vector<std::vector<Edge>> edges_;
   // Of each block.

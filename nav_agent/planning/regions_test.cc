@@ -83,8 +83,7 @@ void ExpectSameAreas(const ConfigurationSpace& space, const Regions& regions) {
   std::set<std::pair<int, int>> pairs;
   for (int y = 0; y < ground.height(); ++y) {
     for (int x = 0; x < ground.width(); ++x) {
-      const int own =
-          regions.AreaOf(ground, {ground.CenterOf({x, y}), 0});
+      const int own = regions.AreaOf(ground, {ground.CenterOf({x, y}), 0});
       const int other = filled[ground.IndexOf({x, y})];
       ASSERT_EQ(own < 0, other < 0) << "cell " << x << ", " << y;
       if (own >= 0) pairs.insert({own, other});
@@ -157,7 +156,7 @@ TEST(RoutesTest, LeadFromCellToCellAndAreNearlyTheShortest) {
   const Route back = Reversed(regions, route, number(start));
   EXPECT_EQ(back.edges.front().from_cell, route.edges.back().to_cell);
   EXPECT_EQ(back.edges.back().to_cell, route.edges.front().from_cell);
-  const DistanceToGoal distance(ground, regions, goal);
+  const DistanceToGoal distance(ground, regions, goal, 1000);
   EXPECT_NEAR(distance.Of_m(start), 6.74, 0.15 * 6.74);
   EXPECT_NEAR(distance.Of_m({{7.1, 4.0}, 0}), 0.09, 0.01);
 }
@@ -168,8 +167,7 @@ TEST(RoutesTest, AvoidRegionsThatCostMore) {
   const ConfigurationSpace space = SpaceOf(rows, {});
   const Regions regions(space);
   const auto number = [&](double x, double y) {
-    return static_cast<uint32_t>(
-        regions.RegionOf(space.ground(), {{x, y}, 0}));
+    return static_cast<uint32_t>(regions.RegionOf(space.ground(), {{x, y}, 0}));
   };
   const uint32_t start = number(1, 4);
   const uint32_t goal = number(7, 4);

@@ -64,9 +64,9 @@ class WithinRegion {
         const double step_m =
             ground.resolution_m() *
             (step.x != 0 && step.y != 0 ? std::numbers::sqrt2 : 1.0);
-        const auto cost = own_m + static_cast<float>(
-                                      step_m * space_->CostPerMetre(
-                                                   SpotOfCell(ground, number)));
+        const auto cost =
+            own_m + static_cast<float>(step_m * space_->CostPerMetre(SpotOfCell(
+                                                    ground, number)));
         if (cost >= cost_m[InBlock(number)]) continue;
         cost_m[InBlock(number)] = cost;
         parent[InBlock(number)] = next.number;
@@ -121,9 +121,8 @@ Route FindRoute(const Regions& regions, uint32_t start, uint32_t goal,
   std::vector<uint32_t> parent(regions.count(), kNone);
   std::vector<uint8_t> edge_of(regions.count());
   const auto estimate_m = [&](uint32_t region) {
-    return static_cast<float>(
-        geometry::Norm(regions.region(region).center -
-                       regions.region(goal).center));
+    return static_cast<float>(geometry::Norm(regions.region(region).center -
+                                             regions.region(goal).center));
   };
   OpenNodes open;
   cost_m[start] = 0;
@@ -213,9 +212,9 @@ Polyline CellsAlong(const ConfigurationSpace& space, const Regions& regions,
                     const Spot& start, const Spot& goal, const Route& route) {
   const GroundIndex& ground = space.ground();
   const auto cell_of = [&ground](const Spot& spot) {
-    return static_cast<uint32_t>(
-        static_cast<size_t>(spot.level) * ground.cells() +
-        ground.IndexOf(ground.CellOf(spot.at)));
+    return static_cast<uint32_t>(static_cast<size_t>(spot.level) *
+                                     ground.cells() +
+                                 ground.IndexOf(ground.CellOf(spot.at)));
   };
   const WithinRegion within(space, regions);
   Polyline way = {start};

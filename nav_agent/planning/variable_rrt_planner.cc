@@ -64,8 +64,13 @@ class Planning {
     return std::max(kGuideSpacing_m.value,
                     task_->space.ground().resolution_m());
   }
-  // Cuts and moves until nothing more is gained.
-  void Polish(PathSmoother& improver, PlanResult& result) const;
+  // Cuts and moves until so many in a row gain nothing.
+  void Polish(PathSmoother& improver, int max_idle, PlanResult& result) const;
+  void PolishWell(PathSmoother& improver, PlanResult& result) const;
+  // Puts another way, polished, in the place of the best if it costs less.
+  void TryOther(Polyline other, PathSmoother& best, PlanResult& result) const;
+  // Those round other sides of things.
+  void TryAlternatives(PathSmoother& best, PlanResult& result);
   // A way of another tree, of those that might be shorter.
   Polyline Restart(uint64_t stream, double bound_m, PlanResult& result) const;
 
@@ -95,8 +100,7 @@ Spot Planning::SampleOf(uint64_t stream, uint64_t iteration) const {
     return near;
   }
   const GroundIndex& ground = task_->space.ground();
-  const size_t number =
-      task_->regions->DrawCell(ground, task_->area, random);
+  const size_t number = task_->regions->DrawCell(ground, task_->area, random);
   const size_t cell = number % ground.cells();
   const auto width = static_cast<size_t>(ground.width());
   const double x = static_cast<double>(cell % width) + random.NextUnit();
@@ -115,9 +119,8 @@ bool Planning::FollowRoutes(VariableRrt& trees, bool is_thorough) {
     const int start = regions.RegionOf(ground, from.spot);
     const int goal = regions.RegionOf(ground, to.spot);
     if (start < 0 || goal < 0) return false;
-    const Route route =
-        FindRoute(regions, static_cast<uint32_t>(start),
-                  static_cast<uint32_t>(goal), weights);
+    const Route route = FindRoute(regions, static_cast<uint32_t>(start),
+                                  static_cast<uint32_t>(goal), weights);
     if (!route.is_found) return false;
     Polyline guide =
         CellsAlong(task_->space, regions, from.spot, to.spot, route);
@@ -152,7 +155,8 @@ Polyline Planning::Bridge(const Stand& from, const Stand& to,
   if (trees.Grow(kBridgeIterations, sample, [this] { return IsOver(); })) {
     return trees.Way();
   }
-  if (!is_thorough || task_->regions->RegionOf(task_->space.ground(), from.spot) < 0 ||
+  if (!is_thorough ||
+      task_->regions->RegionOf(task_->space.ground(), from.spot) < 0 ||
       task_->regions->RegionOf(task_->space.ground(), to.spot) < 0) {
     return {};
   }
@@ -183,10 +187,10 @@ void Planning::FindFirst(PlanResult& result) {
                  sample, is_over);
   if (!is_found && !IsOver()) is_found = FollowRoutes(trees, false);
   if (!is_found && !IsOver()) {
-    is_found = trees.Grow(
-        std::min(budget_.max_iterations, kEasyIterations.value) -
-            trees.iterations(),
-        sample, is_over);
+    is_found =
+        trees.Grow(std::min(budget_.max_iterations, kEasyIterations.value) -
+                       trees.iterations(),
+                   sample, is_over);
   }
   result.iterations = trees.iterations();
   result.tree_edges = trees.Edges();
@@ -228,15 +232,23 @@ void Planning::FindThoroughly(PlanResult& result) {
       SecondsSince(begin_));
 }
 
-void Planning::Polish(PathSmoother& improver, PlanResult& result) const {
+void Planning::Polish(PathSmoother& improver, int max_idle,
+                      PlanResult& result) const {
   for (int idle = 0;
-       idle < kIdleAttempts && result.iterations < budget_.max_iterations;
+       idle < max_idle && result.iterations < budget_.max_iterations;
        ++result.iterations) {
     if (result.iterations % kStopEvery == 0 && IsOver()) return;
     base::Random random(seed_ + (kImprovements << 32),
                         static_cast<uint64_t>(result.iterations));
     idle = improver.Try(random) ? 0 : idle + 1;
   }
+}
+
+void Planning::PolishWell(PathSmoother& improver, PlanResult& result) const {
+  Polish(improver,
+         std::max(kIdleAttempts.value,
+                  kIdleShare * static_cast<int>(improver.way().size())),
+         result);
 }
 
 Polyline Planning::Restart(uint64_t stream, double bound_m,
@@ -262,47 +274,61 @@ Polyline Planning::Restart(uint64_t stream, double bound_m,
   return trees.Way();
 }
 
-void Planning::Improve(PlanResult& result) {
-  const double start_yaw_rad = task_->start.yaw_rad;
-  const double goal_yaw_rad = task_->goal.yaw_rad;
-  PathSmoother best(task_->space, start_yaw_rad, goal_yaw_rad, std::move(way_));
-  Polish(best, result);
-  std::optional<Alternatives> alternatives;
-  if (!IsOver()) {
-    alternatives.emplace(task_->space, *task_->regions, task_->start.spot,
-                         task_->goal.spot);
+void Planning::TryOther(Polyline other, PathSmoother& best,
+                        PlanResult& result) const {
+  if (other.size() < 2) return;
+  PathSmoother improver(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
+                        std::move(other));
+  Polish(improver, kQuickAttempts, result);
+  if (improver.cost_m() > kQuickExcess * best.cost_m()) return;
+  PolishWell(improver, result);
+  if (improver.cost_m() < best.cost_m()) best = std::move(improver);
+}
+
+void Planning::TryAlternatives(PathSmoother& best, PlanResult& result) {
+  Alternatives alternatives(task_->space, *task_->regions, task_->start.spot,
+                            task_->goal.spot);
+  for (Polyline guide = alternatives.Next();
+       !guide.empty() && !IsOver() &&
+       result.iterations < budget_.max_iterations;
+       guide = alternatives.Next()) {
+    ++result.iterations;
+    PulledWay pulled = FollowGuide(
+        task_->space, task_->start.yaw_rad, task_->goal.yaw_rad, guide,
+        Spacing_m(), [this](const Stand& begin, const Stand& end) {
+          return Bridge(begin, end, true);
+        });
+    if (pulled.is_whole) TryOther(std::move(pulled.way), best, result);
+    guide_ = std::move(guide);
   }
+}
+
+void Planning::Improve(PlanResult& result) {
+  PathSmoother best(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
+                    std::move(way_));
+  Polish(best, kIdleAttempts, result);
+  if (!IsOver()) TryAlternatives(best, result);
+  PolishWell(best, result);
   int idle = 0;
-  for (uint64_t restart = 0;
+  for (uint64_t restart = 1;
        idle < kIdleRestarts && result.iterations < budget_.max_iterations &&
        !IsOver();
        ++restart) {
-    Polyline other;
-    Polyline guide;
-    if (alternatives.has_value()) guide = alternatives->Next();
-    if (guide.empty()) {
-      alternatives.reset();
-    }
-    if (!guide.empty()) {
-      other = ShortcutPolyline(task_->space, start_yaw_rad, goal_yaw_rad, guide,
-                               Spacing_m());
-      if (restart == 0) guide_ = std::move(guide);
-    } else if (restart % 2 == 1) {
-      base::Random random(seed_ + (kImprovements << 32), restart << 32);
-      other = ShortcutPolyline(
-          task_->space, start_yaw_rad, goal_yaw_rad, best.way(),
-          random.NextUniform(kPullSpacingMin_m, kPullSpacingMax_m));
-    } else {
-      other = Restart(kFirstTree + restart, best.cost_m(), result);
-    }
     ++idle;
     ++result.iterations;
-    if (other.empty()) continue;
-    PathSmoother improver(task_->space, start_yaw_rad, goal_yaw_rad,
-                          std::move(other));
-    Polish(improver, result);
-    if (improver.cost_m() < kKept * best.cost_m()) idle = 0;
-    if (improver.cost_m() < best.cost_m()) best = std::move(improver);
+    const double before_m = best.cost_m();
+    if (restart % 2 == 1) {
+      base::Random random(seed_ + (kImprovements << 32), restart << 32);
+      TryOther(ShortcutPolyline(
+                   task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
+                   best.way(),
+                   random.NextUniform(kPullSpacingMin_m, kPullSpacingMax_m)),
+               best, result);
+    } else {
+      TryOther(Restart(kFirstTree + restart, best.cost_m(), result), best,
+               result);
+    }
+    if (best.cost_m() < kKept * before_m) idle = 0;
   }
   way_ = best.way();
 }

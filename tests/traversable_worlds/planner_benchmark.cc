@@ -47,7 +47,8 @@ void BM_FirstPath(benchmark::State& state, const std::string& world,
                   const std::string& planner_name) {
   const auto map = MapOf(world);
   const auto planner = PlannerOf(map, planner_name);
-  const std::vector<planning::PlanRequest> requests = RequestsOn(map, 1000, kSeed);
+  const std::vector<planning::PlanRequest> requests =
+      RequestsOn(map, 1000, kSeed);
   std::vector<double> first_ms;
   std::vector<double> none_ms;
   int failures = 0;
@@ -98,7 +99,8 @@ double BestLength_m(
 void BM_LengthAfter100ms(benchmark::State& state, const std::string& world) {
   const auto map = MapOf(world);
   const auto planner = PlannerOf(map, "variable-rrt");
-  const std::vector<planning::PlanRequest> requests = RequestsOn(map, 30, kSeed);
+  const std::vector<planning::PlanRequest> requests =
+      RequestsOn(map, 30, kSeed);
   std::vector<double> best_m;
   best_m.reserve(requests.size());
   for (const planning::PlanRequest& request : requests) {

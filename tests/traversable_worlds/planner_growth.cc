@@ -72,14 +72,17 @@ double FirstPath_ms(const std::string& name, const Planner& planner,
                     const planning::PlanRequest& request) {
   const bool is_own = name == "variable-rrt";
   const double before_ms = base::ThreadProcessorTime_ms();
-  const auto result =
-      planner->Plan(request,
-                    {.max_iterations = 1'000'000'000,
-                     .max_time_s = is_own ? 10 : 0.1,
-                     .improves = false},
-                    {});
+  const auto result = planner->Plan(request,
+                                    {.max_iterations = 1'000'000'000,
+                                     .max_time_s = is_own ? 10 : 0.1,
+                                     .improves = false},
+                                    {});
   const double took_ms = base::ThreadProcessorTime_ms() - before_ms;
   if (!result.ok() || result->failure != core::NavigationCause::kNone) {
+    if (is_own && result.ok()) {
+      std::fprintf(stderr, "%s after %.0f ms of processor time\n",
+                   core::NavigationCauseName(result->failure), took_ms);
+    }
     return std::numeric_limits<double>::infinity();
   }
   return is_own ? took_ms : 1e3 * result->first_path_s;
@@ -107,8 +110,7 @@ void Count(const planning::PlanResult& result, double best_m, double first_ms,
     return;
   }
   if (std::isfinite(best_m)) {
-    tally.excess.push_back(
-        std::max(0.0, 100 * (result.length_m / best_m - 1)));
+    tally.excess.push_back(std::max(0.0, 100 * (result.length_m / best_m - 1)));
   }
 }
 
@@ -130,10 +132,9 @@ void Measure(const std::string& kind, int size, int pairs,
          RequestsOn(map, std::min(kPairsAMap, pairs - done), seed)) {
       const double best_m = BestLength_m(best, request, best_s);
       for (size_t i = 0; i < planners.size(); ++i) {
-        const planning::PlanResult result =
-            PlanOf(measured[i], request, 0.1);
-        Count(result, best_m,
-              FirstPath_ms(planners[i], measured[i], request), tallies[i]);
+        const planning::PlanResult result = PlanOf(measured[i], request, 0.1);
+        Count(result, best_m, FirstPath_ms(planners[i], measured[i], request),
+              tallies[i]);
         if (result.failure != core::NavigationCause::kNone) {
           const geometry::Rigid2& from = request.start.map_from_base;
           const geometry::Rigid2& to = request.goal.map_from_base;

@@ -91,9 +91,9 @@ Raster MakeCity(int size, base::Random& random) {
 }
 
 Raster MakeMaze(int size, base::Random& random) {
-  Raster raster{size, std::vector<bool>(static_cast<size_t>(size) *
-                                            static_cast<size_t>(size),
-                                        true)};
+  Raster raster{
+      size, std::vector<bool>(
+                static_cast<size_t>(size) * static_cast<size_t>(size), true)};
   constexpr int kWay = 24;
   constexpr int kPitch = kWay + 4;
   const int count = (size - 4) / kPitch;
@@ -114,9 +114,8 @@ Raster MakeMaze(int size, base::Random& random) {
   while (!stack.empty()) {
     const auto [x, y] = stack.back();
     std::vector<std::pair<int, int>> next;
-    for (const auto& [dx, dy] :
-         {std::pair{1, 0}, std::pair{-1, 0}, std::pair{0, 1},
-          std::pair{0, -1}}) {
+    for (const auto& [dx, dy] : {std::pair{1, 0}, std::pair{-1, 0},
+                                 std::pair{0, 1}, std::pair{0, -1}}) {
       if (x + dx < 0 || y + dy < 0 || x + dx >= count || y + dy >= count ||
           is_reached[index(x + dx, y + dy)]) {
         continue;
@@ -134,10 +133,10 @@ Raster MakeMaze(int size, base::Random& random) {
   }
   // A few more ways, so that there are several.
   for (int i = 0; i < count * count / 12; ++i) {
-    const int x = static_cast<int>(random.NextBelow(
-        static_cast<uint32_t>(std::max(1, count - 1))));
-    const int y = static_cast<int>(random.NextBelow(
-        static_cast<uint32_t>(std::max(1, count - 1))));
+    const int x = static_cast<int>(
+        random.NextBelow(static_cast<uint32_t>(std::max(1, count - 1))));
+    const int y = static_cast<int>(
+        random.NextBelow(static_cast<uint32_t>(std::max(1, count - 1))));
     if (random.NextUnit() < 0.5) {
       carve(x, y, x + 1, y);
     } else {
@@ -158,10 +157,9 @@ Raster MakeRooms(int size, base::Random& random) {
   for (int y = 0; y < size; y += pitch) {
     for (int x = 0; x < size; x += pitch) {
       const auto door = [&] {
-        return std::pair{
-            5 + static_cast<int>(
-                    random.NextBelow(static_cast<uint32_t>(pitch - 32))),
-            16 + static_cast<int>(random.NextBelow(8))};
+        return std::pair{5 + static_cast<int>(random.NextBelow(
+                                 static_cast<uint32_t>(pitch - 32))),
+                         16 + static_cast<int>(random.NextBelow(8))};
       };
       if (random.NextUnit() < 0.75) {
         const auto [at, width] = door();
@@ -172,11 +170,10 @@ Raster MakeRooms(int size, base::Random& random) {
         raster.Fill(x + at, x + at + width, y + pitch, y + pitch + 3, false);
       }
       for (int i = 0; i < 2; ++i) {  // furniture
-        raster.FillTurned(
-            {x + random.NextUniform(20, pitch - 20),
-             y + random.NextUniform(20, pitch - 20)},
-            {random.NextUniform(3, 12), random.NextUniform(3, 8)},
-            random.NextUniform(0, std::numbers::pi), true);
+        raster.FillTurned({x + random.NextUniform(20, pitch - 20),
+                           y + random.NextUniform(20, pitch - 20)},
+                          {random.NextUniform(3, 12), random.NextUniform(3, 8)},
+                          random.NextUniform(0, std::numbers::pi), true);
       }
     }
   }
@@ -294,8 +291,8 @@ std::vector<planning::PlanRequest> RequestsOn(
       const auto level = static_cast<int>(
           random.NextBelow(static_cast<uint32_t>(map->levels())));
       const geometry::Vec2 at = ground.index->CenterOf(
-          {static_cast<int>(random.NextBelow(
-               static_cast<uint32_t>(ground.index->width()))),
+          {static_cast<int>(
+               random.NextBelow(static_cast<uint32_t>(ground.index->width()))),
            static_cast<int>(random.NextBelow(
                static_cast<uint32_t>(ground.index->height())))});
       const planning::Stand stand = {
