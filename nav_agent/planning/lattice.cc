@@ -474,12 +474,13 @@ Polyline SearchLattice(const ConfigurationSpace& space, const Regions& regions,
 
 Polyline SearchLatticeNear(const ConfigurationSpace& space,
                            const Regions& regions, const Stand& start,
-                           const Stand& goal, double reach_m, int max_nodes) {
+                           const Stand& goal, double reach_m, int max_nodes,
+                           const std::function<bool()>& is_over) {
   int asked = 0;
-  const std::function<bool()> is_over = [&asked, max_nodes] {
-    return kStopEvery * asked++ > max_nodes;
+  const std::function<bool()> is_enough = [&] {
+    return kStopEvery * asked++ > max_nodes || is_over();
   };
-  return Lattice(space, regions, start, goal, reach_m, is_over).RunNear();
+  return Lattice(space, regions, start, goal, reach_m, is_enough).RunNear();
 }
 
 }  // namespace treeline::planning

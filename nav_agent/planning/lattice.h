@@ -22,7 +22,8 @@ Polyline SearchLattice(const ConfigurationSpace& space, const Regions& regions,
 // most so many nodes.
 Polyline SearchLatticeNear(const ConfigurationSpace& space,
                            const Regions& regions, const Stand& start,
-                           const Stand& goal, double reach_m, int max_nodes);
+                           const Stand& goal, double reach_m, int max_nodes,
+                           const std::function<bool()>& is_over);
 
 }  // namespace treeline::planning
 

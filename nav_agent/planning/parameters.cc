@@ -56,6 +56,8 @@ std::vector<base::ParameterRow> PlanningParameters() {
           base::RowOf(kFloodAfter),
           base::RowOf(kOmplRange_m),
           base::RowOf(kOmplShare),
+          base::RowOf(kOmplLimit),
+          base::RowOf(kOmplAskEvery),
           base::RowOf(kStopEvery)};
 }
 

@@ -172,6 +172,12 @@ inline constexpr base::Parameter<double> kOmplRange_m{
 inline constexpr base::Parameter<double> kOmplShare{
     "ompl_share", 0.9, "", base::ParameterOrigin::kTuned,
     "of the time, for their search; the rest for making it better"};
+inline constexpr base::Parameter<double> kOmplLimit{
+    "ompl_limit", 0.95, "", base::ParameterOrigin::kTuned,
+    "of the time, after which a planner that did not end is left"};
+inline constexpr base::Parameter<int> kOmplAskEvery{
+    "ompl_ask_every", 256, "questions", base::ParameterOrigin::kTuned,
+    "about bounds and distances, between two looks at the clock"};
 // ---- how often time and stop are looked at ----
 inline constexpr base::Parameter<int> kStopEvery{
     "stop_every", 32, "", base::ParameterOrigin::kTuned,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_format.h"
 #include "common/base/clock.h"
@@ -69,7 +70,10 @@ class Planning {
   void PolishWell(PathSmoother& improver, PlanResult& result) const;
   // Puts another way, polished, in the place of the best if it costs less.
   void TryOther(Polyline other, PathSmoother& best, PlanResult& result) const;
-  // Those round other sides of things.
+  // That over a guide; whether the footprint can follow it.
+  bool TryGuide(const Polyline& guide, bool is_thorough, PathSmoother& best,
+                PlanResult& result) const;
+  // Those round other sides of things; narrow ones last.
   void TryAlternatives(PathSmoother& best, PlanResult& result);
   // A way of another tree, of those that might be shorter.
   Polyline Restart(uint64_t stream, double bound_m, PlanResult& result) const;
@@ -161,7 +165,8 @@ Polyline Planning::Bridge(const Stand& from, const Stand& to,
     return {};
   }
   return SearchLatticeNear(task_->space, *task_->regions, from, to,
-                           2 * length_m + kLastLine_m, kBridgeNodes);
+                           2 * length_m + kLastLine_m, kBridgeNodes,
+                           [this] { return IsOver(); });
 }
 
 void Planning::Discourage(const Spot& stuck,
@@ -285,21 +290,35 @@ void Planning::TryOther(Polyline other, PathSmoother& best,
   if (improver.cost_m() < best.cost_m()) best = std::move(improver);
 }
 
+bool Planning::TryGuide(const Polyline& guide, bool is_thorough,
+                        PathSmoother& best, PlanResult& result) const {
+  ++result.iterations;
+  PulledWay pulled = FollowGuide(
+      task_->space, task_->start.yaw_rad, task_->goal.yaw_rad, guide,
+      Spacing_m(), [this, is_thorough](const Stand& begin, const Stand& end) {
+        return Bridge(begin, end, is_thorough);
+      });
+  if (pulled.is_whole) TryOther(std::move(pulled.way), best, result);
+  return pulled.is_whole;
+}
+
 void Planning::TryAlternatives(PathSmoother& best, PlanResult& result) {
   Alternatives alternatives(task_->space, *task_->regions, task_->start.spot,
                             task_->goal.spot);
-  for (Polyline guide = alternatives.Next();
-       !guide.empty() && !IsOver() &&
-       result.iterations < budget_.max_iterations;
+  const auto goes_on = [&] {
+    return !IsOver() && result.iterations < budget_.max_iterations;
+  };
+  std::vector<Polyline> narrow;
+  for (Polyline guide = alternatives.Next(); !guide.empty() && goes_on();
        guide = alternatives.Next()) {
-    ++result.iterations;
-    PulledWay pulled = FollowGuide(
-        task_->space, task_->start.yaw_rad, task_->goal.yaw_rad, guide,
-        Spacing_m(), [this](const Stand& begin, const Stand& end) {
-          return Bridge(begin, end, true);
-        });
-    if (pulled.is_whole) TryOther(std::move(pulled.way), best, result);
-    guide_ = std::move(guide);
+    if (!TryGuide(guide, false, best, result)) {
+      narrow.push_back(std::move(guide));
+    } else {
+      guide_ = std::move(guide);
+    }
+  }
+  for (const Polyline& guide : narrow) {
+    if (goes_on()) TryGuide(guide, true, best, result);
   }
 }
 
