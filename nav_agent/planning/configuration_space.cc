@@ -135,7 +135,8 @@ bool ConfigurationSpace::CanTurn(const Spot& spot, double from_yaw_rad,
     box.back_m -= grown_m;
     box.front_m += grown_m;
     box.half_width_m += grown_m;
-    if (!BoxIsFree(spot.level, box)) return false;
+    // Grown boxes reach beyond the disc that the corners sweep.
+    if (!BoxIsFree(spot.level, box)) return FitsTurning(spot);
   }
   return true;
 }

@@ -1,146 +1,20 @@
 #include "nav_agent/planning/guide.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
-#include "nav_agent/planning/open_nodes.h"
 #include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/planner_parameters.h"
 
 namespace treeline::planning {
 namespace {
 
-constexpr float kFar = std::numeric_limits<float>::infinity();
-constexpr std::array<core::CellIndex, 16> kSteps = {{{1, 0},
-                                                     {0, 1},
-                                                     {-1, 0},
-                                                     {0, -1},
-                                                     {1, 1},
-                                                     {-1, 1},
-                                                     {-1, -1},
-                                                     {1, -1},
-                                                     {2, 1},
-                                                     {1, 2},
-                                                     {-1, 2},
-                                                     {-2, 1},
-                                                     {-2, -1},
-                                                     {-1, -2},
-                                                     {1, -2},
-                                                     {2, -1}}};
-
-// A* over level * cells + cell.
-class GuideSearch {
- public:
-  GuideSearch(const ConfigurationSpace& space, const Spot& start,
-              const Spot& goal)
-      : space_(&space),
-        ground_(&space.ground()),
-        start_(start),
-        goal_(goal),
-        cost_m_(ground_->cells() * static_cast<size_t>(ground_->levels()),
-                kFar),
-        prices_(cost_m_.size(), -1),
-        parent_(cost_m_.size()) {
-    for (size_t i = 0; i < kSteps.size(); ++i) {
-      step_m_[i] = static_cast<float>(ground_->resolution_m() *
-                                      std::hypot(kSteps[i].x, kSteps[i].y));
-    }
-  }
-
-  Polyline Run(const std::function<bool()>& is_over) {
-    const uint32_t goal = NumberOf(goal_.level, ground_->CellOf(goal_.at));
-    const uint32_t start = NumberOf(start_.level, ground_->CellOf(start_.at));
-    cost_m_[start] = 0;
-    parent_[start] = start;
-    open_.push({Estimate_m(start), start});
-    for (int count = 0; !open_.empty(); ++count) {
-      if (count % kStopEvery == 0 && is_over()) return {};
-      const OpenNode next = open_.top();
-      open_.pop();
-      if (next.number == goal) return WayTo(goal);
-      if (next.estimate_m > cost_m_[next.number] + Estimate_m(next.number)) {
-        continue;  // it was reached at less cost since
-      }
-      Expand(next.number);
-    }
-    return {};
-  }
-
- private:
-  uint32_t NumberOf(int level, core::CellIndex cell) const {
-    return static_cast<uint32_t>(static_cast<size_t>(level) * ground_->cells() +
-                                 ground_->IndexOf(cell));
-  }
-  core::CellIndex CellOf(uint32_t number) const {
-    const auto cell = static_cast<int>(number % ground_->cells());
-    return {cell % ground_->width(), cell / ground_->width()};
-  }
-  Spot SpotOf(uint32_t number) const {
-    return {.at = ground_->CenterOf(CellOf(number)),
-            .level = static_cast<int>(number / ground_->cells())};
-  }
-  float Estimate_m(uint32_t number) const {
-    const geometry::Vec2 way = ground_->CenterOf(CellOf(number)) - goal_.at;
-    return static_cast<float>(std::sqrt(geometry::Dot(way, way)));
-  }
-
-  void Expand(uint32_t from) {
-    const int from_level = static_cast<int>(from / ground_->cells());
-    const core::CellIndex cell = CellOf(from);
-    // The start's own cell may have less room.
-    const float from_price = std::max(1.0F, PriceAt(from));
-    const float from_cost_m = cost_m_[from];
-    for (size_t i = 0; i < kSteps.size(); ++i) {
-      const core::CellIndex next = {cell.x + kSteps[i].x, cell.y + kSteps[i].y};
-      const int level = ground_->LevelAfter(from_level, cell, next);
-      if (level < 0) continue;
-      const uint32_t number = NumberOf(level, next);
-      // A metre costs 1 at least.
-      if (from_cost_m + step_m_[i] >= cost_m_[number]) continue;
-      const float price = PriceAt(number);
-      if (!(price > 0)) continue;
-      const float cost_m = from_cost_m + step_m_[i] * (from_price + price) / 2;
-      if (cost_m >= cost_m_[number]) continue;
-      cost_m_[number] = cost_m;
-      parent_[number] = from;
-      open_.push({cost_m + Estimate_m(number), number});
-    }
-  }
-
-  // What a metre costs; 0 where the disc has no room. Asked once.
-  float PriceAt(uint32_t number) {
-    float& price = prices_[number];
-    if (price < 0) {
-      const Spot spot = SpotOf(number);
-      price = space_->MayHoldDisc(spot)
-                  ? static_cast<float>(space_->CostPerMetre(spot))
-                  : 0;
-    }
-    return price;
-  }
-
-  Polyline WayTo(uint32_t goal) const {
-    Polyline way = {goal_};
-    uint32_t at = parent_[goal];
-    for (; at != parent_[at]; at = parent_[at]) way.push_back(SpotOf(at));
-    way.push_back(start_);
-    std::ranges::reverse(way);
-    return way;
-  }
-
-  const ConfigurationSpace* space_;
-  const GroundIndex* ground_;
-  Spot start_;
-  Spot goal_;
-  std::array<float, kSteps.size()> step_m_ = {};
-  std::vector<float> cost_m_;
-  std::vector<float> prices_;
-  std::vector<uint32_t> parent_;
-  OpenNodes open_;
-};
+// Further points of a guide are not tried where nearer ones cannot be driven
+// to.
+constexpr size_t kTryAhead = 16;
 
 // The first, the last, and between them one every spacing_m.
 Polyline Thinned(const ConfigurationSpace& space, const Polyline& points,
@@ -167,21 +41,216 @@ Polyline Thinned(const ConfigurationSpace& space, const Polyline& points,
   return thin;
 }
 
+// A line of a way over some of the points: from one to a later one.
+struct Candidate {
+  double yaw_rad = 0;
+  double length_m = 0;
+};
+
+// Tells which lines between points of a thinned guide can be driven.
+class PullLines {
+ public:
+  PullLines(const ConfigurationSpace& space, double goal_yaw_rad,
+            const Polyline& points)
+      : space_(&space), goal_yaw_rad_(goal_yaw_rad), points_(&points) {}
+
+  static bool IsLast(const Polyline& points, size_t point) {
+    return point + 1 == points.size();
+  }
+  Candidate LineOf(size_t from, size_t to) const {
+    const geometry::Vec2 line = (*points_)[to].at - (*points_)[from].at;
+    return {.yaw_rad = std::atan2(line.y, line.x),
+            .length_m = geometry::Norm(line)};
+  }
+  // With the turn onto it from `yaw_rad`, and the last turn to the goal's.
+  bool CanDrive(size_t from, size_t to, double yaw_rad,
+                const Candidate& line) const {
+    const Spot& begin = (*points_)[from];
+    const Spot& end = (*points_)[to];
+    if (!space_->CanTurn(begin, yaw_rad, line.yaw_rad)) return false;
+    const std::optional<Spot> driven = space_->Drive(begin, end.at);
+    return driven.has_value() && driven->level == end.level &&
+           (!IsLast(*points_, to) ||
+            space_->CanTurn(end, line.yaw_rad, goal_yaw_rad_));
+  }
+
+ private:
+  const ConfigurationSpace* space_;
+  double goal_yaw_rad_;
+  const Polyline* points_;
+};
+
 }  // namespace
 
-Polyline FindGridPath(const ConfigurationSpace& space, const Spot& start,
-                      const Spot& goal, const std::function<bool()>& is_over) {
-  if (start.level == goal.level &&
-      space.ground().CellOf(start.at) == space.ground().CellOf(goal.at)) {
-    return {start, goal};
+namespace {
+
+// A guide that is followed, point by point.
+class Follower {
+ public:
+  Follower(const ConfigurationSpace& space, double start_yaw_rad,
+           double goal_yaw_rad, Polyline points, const GuideBridge& bridge)
+      : space_(&space),
+        bridge_(&bridge),
+        goal_yaw_rad_(goal_yaw_rad),
+        points_(std::move(points)),
+        lines_(space, goal_yaw_rad, points_),
+        yaw_rad_(start_yaw_rad),
+        turns_(points_.size(), kUnknown) {}
+
+  PulledWay Run() {
+    PulledWay pulled{
+        .way = {points_.front()}, .is_whole = false, .reached = {}};
+    while (at_ + 1 < points_.size() &&
+           (TakeLine(pulled.way) || TakeWindingLines(pulled.way) ||
+            TakeBridge(pulled.way))) {
+    }
+    pulled.is_whole = at_ + 1 == points_.size();
+    pulled.reached = points_[at_];
+    return pulled;
   }
-  return GuideSearch(space, start, goal).Run(is_over);
+
+ private:
+  static constexpr uint8_t kUnknown = 0;
+  static constexpr uint8_t kCan = 1;
+  static constexpr uint8_t kCannot = 2;
+
+  bool MayEndAt(size_t point) {
+    if (PullLines::IsLast(points_, point)) return true;
+    if (turns_[point] == kUnknown) {
+      turns_[point] = space_->FitsTurning(points_[point]) ? kCan : kCannot;
+    }
+    return turns_[point] == kCan;
+  }
+
+  bool CanDriveTo(size_t to) {
+    const Candidate line = lines_.LineOf(at_, to);
+    return line.length_m > 1e-6 && MayEndAt(to) &&
+           lines_.CanDrive(at_, to, yaw_rad_, line);
+  }
+
+  void GoTo(size_t to, Polyline& way) {
+    yaw_rad_ = lines_.LineOf(at_, to).yaw_rad;
+    at_ = to;
+    way.push_back(points_[to]);
+  }
+
+  // One line: ever further, until something is in the way; then halves of the
+  // rest.
+  bool TakeLine(Polyline& way) {
+    size_t best = at_;
+    size_t beyond = points_.size();
+    for (size_t stride = 1; at_ + stride < beyond; stride *= 2) {
+      if (CanDriveTo(at_ + stride)) {
+        best = at_ + stride;
+      } else if (best > at_ || stride >= kTryAhead) {
+        beyond = at_ + stride;
+      }
+    }
+    if (beyond == points_.size() && CanDriveTo(beyond - 1)) best = beyond - 1;
+    while (best > at_ && best + 1 < beyond) {
+      const size_t middle = (best + beyond) / 2;
+      (CanDriveTo(middle) ? best : beyond) = middle;
+    }
+    if (best == at_) return false;
+    GoTo(best, way);
+    return true;
+  }
+
+  // Several lines, over points where it cannot turn right round, to the next
+  // one where it can.
+  bool TakeWindingLines(Polyline& way) {
+    struct Reached {
+      double cost_m = std::numeric_limits<double>::infinity();
+      double yaw_rad = 0;
+      size_t parent = 0;
+    };
+    const size_t end =
+        std::min(points_.size(), at_ + size_t{kPullAhead.value} + 1);
+    std::vector<Reached> reached(end - at_);
+    reached[0] = {.cost_m = 0, .yaw_rad = yaw_rad_, .parent = at_};
+    for (size_t i = at_; i < end; ++i) {
+      const Reached from = reached[i - at_];
+      if (!std::isfinite(from.cost_m)) continue;
+      if (i > at_ && MayEndAt(i)) {
+        std::vector<size_t> passed;
+        for (size_t k = i; k > at_; k = reached[k - at_].parent) {
+          passed.push_back(k);
+        }
+        for (auto k = passed.rbegin(); k != passed.rend(); ++k) GoTo(*k, way);
+        return true;
+      }
+      for (size_t k = i + 1; k < std::min(end, i + kTryAhead + 1); ++k) {
+        const Candidate line = lines_.LineOf(i, k);
+        Reached& to = reached[k - at_];
+        const double cost_m = from.cost_m + line.length_m +
+                              TurnCost_m(from.yaw_rad, line.yaw_rad);
+        if (!(line.length_m > 1e-6) || cost_m >= to.cost_m ||
+            !lines_.CanDrive(i, k, from.yaw_rad, line)) {
+          continue;
+        }
+        to = {.cost_m = cost_m, .yaw_rad = line.yaw_rad, .parent = i};
+      }
+    }
+    return false;
+  }
+
+  // Another way to a point beyond the narrow place.
+  bool TakeBridge(Polyline& way) {
+    const size_t end =
+        std::min(points_.size(), at_ + size_t{kPullAhead.value} + 1);
+    bool is_narrow = false;
+    for (size_t to = at_ + 1; to < end; ++to) {
+      is_narrow = is_narrow || !MayEndAt(to);
+      const bool is_far = to >= at_ + kTryAhead;
+      if (!MayEndAt(to) ||
+          !(is_far || is_narrow || PullLines::IsLast(points_, to))) {
+        continue;
+      }
+      // Where it can turn right round, any heading will do.
+      const double yaw_rad = PullLines::IsLast(points_, to)
+                                 ? goal_yaw_rad_
+                                 : lines_.LineOf(to - 1, to).yaw_rad;
+      const Polyline other =
+          (*bridge_)({.spot = points_[at_], .yaw_rad = yaw_rad_},
+                     {.spot = points_[to], .yaw_rad = yaw_rad});
+      if (other.size() > 1) {
+        way.insert(way.end(), other.begin() + 1, other.end());
+        yaw_rad_ = yaw_rad;
+        at_ = to;
+        return true;
+      }
+      if (is_far) return false;
+      // Further on there may be more room.
+      to += kTryAhead / 2;
+    }
+    return false;
+  }
+
+  const ConfigurationSpace* space_;
+  const GuideBridge* bridge_;
+  double goal_yaw_rad_;
+  Polyline points_;
+  PullLines lines_;
+  double yaw_rad_;
+  size_t at_ = 0;
+  std::vector<uint8_t> turns_;
+};
+
+}  // namespace
+
+PulledWay FollowGuide(const ConfigurationSpace& space, double start_yaw_rad,
+                      double goal_yaw_rad, const Polyline& points,
+                      double spacing_m, const GuideBridge& bridge) {
+  return Follower(space, start_yaw_rad, goal_yaw_rad,
+                  Thinned(space, points, spacing_m), bridge)
+      .Run();
 }
 
-Polyline ShortcutPolyline(const ConfigurationSpace& space, double start_yaw_rad,
-                          double goal_yaw_rad, const Polyline& points,
-                          double spacing_m) {
+PulledWay PullTight(const ConfigurationSpace& space, double start_yaw_rad,
+                    double goal_yaw_rad, const Polyline& points,
+                    double spacing_m) {
   const Polyline thin = Thinned(space, points, spacing_m);
+  const PullLines lines(space, goal_yaw_rad, thin);
   struct Best {
     double cost_m = std::numeric_limits<double>::infinity();
     double yaw_rad = 0;
@@ -189,40 +258,49 @@ Polyline ShortcutPolyline(const ConfigurationSpace& space, double start_yaw_rad,
   };
   std::vector<Best> best(thin.size());
   best[0] = {.cost_m = 0, .yaw_rad = start_yaw_rad};
+  size_t reached = 0;
   for (size_t i = 0; i + 1 < thin.size(); ++i) {
     if (!std::isfinite(best[i].cost_m)) continue;
+    reached = i;
     for (size_t k = std::min(thin.size() - 1, i + size_t{kPullAhead.value});
          k > i; --k) {
-      const geometry::Vec2 line = thin[k].at - thin[i].at;
-      const double length_m = geometry::Norm(line);
-      if (!(length_m > 1e-6)) continue;
+      const Candidate line = lines.LineOf(i, k);
       // A line costs no less than its length.
-      if (best[i].cost_m + length_m >= best[k].cost_m) continue;
-      const double yaw_rad = std::atan2(line.y, line.x);
-      double cost_m = best[i].cost_m + TurnCost_m(best[i].yaw_rad, yaw_rad) +
+      if (!(line.length_m > 1e-6) ||
+          best[i].cost_m + line.length_m >= best[k].cost_m) {
+        continue;
+      }
+      double cost_m = best[i].cost_m +
+                      TurnCost_m(best[i].yaw_rad, line.yaw_rad) +
                       space.LineCost_m(thin[i], thin[k]);
-      if (k + 1 == thin.size()) cost_m += TurnCost_m(yaw_rad, goal_yaw_rad);
+      if (PullLines::IsLast(thin, k)) {
+        cost_m += TurnCost_m(line.yaw_rad, goal_yaw_rad);
+      }
       if (cost_m >= best[k].cost_m ||
-          !space.CanTurn(thin[i], best[i].yaw_rad, yaw_rad)) {
+          !lines.CanDrive(i, k, best[i].yaw_rad, line)) {
         continue;
       }
-      const std::optional<Spot> end = space.Drive(thin[i], thin[k].at);
-      if (!end.has_value() || end->level != thin[k].level) continue;
-      if (k + 1 == thin.size() &&
-          !space.CanTurn(thin[k], yaw_rad, goal_yaw_rad)) {
-        continue;
-      }
-      best[k] = {.cost_m = cost_m, .yaw_rad = yaw_rad, .parent = i};
+      best[k] = {.cost_m = cost_m, .yaw_rad = line.yaw_rad, .parent = i};
     }
   }
-  if (!std::isfinite(best.back().cost_m)) return {};
-  Polyline way;
-  for (size_t i = thin.size() - 1; i > 0; i = best[i].parent) {
-    way.push_back(thin[i]);
+  PulledWay pulled{.way = {},
+                   .is_whole = std::isfinite(best.back().cost_m),
+                   .reached = thin[reached]};
+  for (size_t i = pulled.is_whole ? thin.size() - 1 : reached; i > 0;
+       i = best[i].parent) {
+    pulled.way.push_back(thin[i]);
   }
-  way.push_back(thin.front());
-  std::ranges::reverse(way);
-  return way;
+  pulled.way.push_back(thin.front());
+  std::ranges::reverse(pulled.way);
+  return pulled;
+}
+
+Polyline ShortcutPolyline(const ConfigurationSpace& space, double start_yaw_rad,
+                          double goal_yaw_rad, const Polyline& points,
+                          double spacing_m) {
+  PulledWay pulled =
+      PullTight(space, start_yaw_rad, goal_yaw_rad, points, spacing_m);
+  return pulled.is_whole ? std::move(pulled.way) : Polyline();
 }
 
 }  // namespace treeline::planning

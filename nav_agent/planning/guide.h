@@ -1,4 +1,4 @@
-// The cheapest way of a disc: what a footprint's way may follow.
+// From a guide, a disc's way, to one that the footprint can drive.
 #ifndef NAV_AGENT_PLANNING_GUIDE_H_
 #define NAV_AGENT_PLANNING_GUIDE_H_
 
@@ -9,19 +9,32 @@
 
 namespace treeline::planning {
 
-// The cheapest way over cells (A*, steps to 16 neighbours: lengths are at most
-// 2.7 % above the shortest) for a disc as wide as the footprint's narrowest
-// part. Turns and the footprint's corners are not looked at, so it need not be
-// one that can be driven; but where there is none there is no way at all. From
-// `start` to `goal`, with cells' centres between; empty: none, or `is_over`
-// said so.
-Polyline FindGridPath(const ConfigurationSpace& space, const Spot& start,
-                      const Spot& goal, const std::function<bool()>& is_over);
+struct PulledWay {
+  // From the first of the points to the last; if it is not whole, as far as
+  // came of it.
+  Polyline way;
+  bool is_whole = false;
+  // The last point that was come to.
+  Spot reached;
+};
+
+// A way over some of `points`, in their order: lines as long as there is room,
+// that end where the robot can turn right round; short ones over points where
+// it cannot, only where there is no other. Far from the cheapest, but soon
+// found. Where lines over the points do not lead on, `bridge` may find other
+// ways to a point further on; it gives an empty one if it does not.
+using GuideBridge = std::function<Polyline(const Stand& from, const Stand& to)>;
+PulledWay FollowGuide(const ConfigurationSpace& space, double start_yaw_rad,
+                      double goal_yaw_rad, const Polyline& points,
+                      double spacing_m, const GuideBridge& bridge);
 
 // The cheapest way over some of `points`, in their order, from the first to the
 // last, whose lines and turns can be driven: by dynamic programming over points
-// spacing_m apart (m), each with the heading of the best way to it. Empty if
-// there is none.
+// spacing_m apart (m), each with the heading of the best way to it.
+PulledWay PullTight(const ConfigurationSpace& space, double start_yaw_rad,
+                    double goal_yaw_rad, const Polyline& points,
+                    double spacing_m);
+// The same; empty if there is none.
 Polyline ShortcutPolyline(const ConfigurationSpace& space, double start_yaw_rad,
                           double goal_yaw_rad, const Polyline& points,
                           double spacing_m);

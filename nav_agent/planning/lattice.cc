@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "nav_agent/planning/open_nodes.h"
 #include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/planner_parameters.h"
+#include "nav_agent/planning/routes.h"
 
 namespace treeline::planning {
 namespace {
@@ -36,7 +38,7 @@ constexpr std::array<core::CellIndex, kHeadings> kSteps = {{{1, 0},
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 constexpr auto kEstimateWeight = static_cast<float>(kGreed.value);
-constexpr auto kFurther_m = static_cast<float>(kDetour_m.value);
+static_assert(kHeadings == 16, "a flood's bits");
 constexpr size_t kNowhere = std::numeric_limits<size_t>::max();
 
 double YawOf(int heading) {
@@ -49,8 +51,9 @@ double YawOf(int heading) {
 // and turns to the next heading.
 class Lattice {
  public:
-  Lattice(const ConfigurationSpace& space, const Stand& start,
-          const Stand& goal, const std::function<bool()>& is_over)
+  Lattice(const ConfigurationSpace& space, const Regions& regions,
+          const Stand& start, const Stand& goal, double reach_m,
+          const std::function<bool()>& is_over)
       : space_(&space),
         ground_(&space.ground()),
         is_over_(&is_over),
@@ -59,8 +62,8 @@ class Lattice {
         offset_(start.spot.at -
                 ground_->CenterOf(ground_->CellOf(start.spot.at))),
         places_(ground_->cells() * static_cast<size_t>(ground_->levels())),
-        room_m_(places_, kUnknownRoom),
-        turns_(places_ * kHeadings, kUnknown) {
+        distance_(*ground_, regions, goal.spot, static_cast<float>(reach_m)),
+        pages_(places_ / kPagePlaces + 1) {
     for (size_t heading = 0; heading < kHeadings; ++heading) {
       step_m_[heading] =
           static_cast<float>(ground_->resolution_m() *
@@ -70,12 +73,18 @@ class Lattice {
 
   Polyline Run() {
     FindEnds();
-    if (starts_.empty() || ends_.empty() || !MayBeReached() || !EstimateAll()) {
-      return {};
-    }
-    cost_m_.assign(places_ * kHeadings, kFar);
-    parent_.assign(places_ * kHeadings, kNone);
-    is_done_.assign(places_ * kHeadings, false);
+    if (starts_.empty() || ends_.empty()) return {};
+    return MayBeReached() ? Search() : Polyline();
+  }
+
+  // Without asking first whether there is a way out of the goal's niche.
+  Polyline RunNear() {
+    FindEnds();
+    return starts_.empty() || ends_.empty() ? Polyline() : Search();
+  }
+
+ private:
+  Polyline Search() {
     for (const uint32_t number : starts_) {
       const double yaw_rad = YawOf(HeadingOf(number));
       Reach(kNone, number,
@@ -83,21 +92,51 @@ class Lattice {
     }
     for (int count = 0; !open_.empty(); ++count) {
       if (count % kStopEvery == 0 && (*is_over_)()) return {};
+      if (count == kFloodAfter && !MayReach()) return {};
       const OpenNode next = open_.top();
       open_.pop();
-      if (is_done_[next.number]) continue;
-      is_done_[next.number] = true;
-      if (is_end_[next.number]) return WayTo(next.number);
+      Node& node = NodeOf(next.number);
+      if (node.is_done) continue;
+      node.is_done = true;
+      if (node.is_end) return WayTo(next.number);
       Expand(next.number);
     }
     return {};
   }
 
- private:
   static constexpr uint8_t kUnknown = 0;
   static constexpr uint8_t kCan = 1;
   static constexpr uint8_t kCannot = 2;
-  static constexpr float kUnknownRoom = -1;
+  static constexpr float kNotAsked = -1;
+  static constexpr size_t kPagePlaces = 16;
+
+  struct Node {
+    float cost_m = kFar;
+    uint32_t parent = kNone;
+    // Whether it turns there to the next heading to the left.
+    uint8_t turns = kUnknown;
+    bool is_done = false;
+    bool is_end = false;
+    // From the goal, back.
+    bool is_found = false;
+  };
+  struct Place {
+    float room_m = kNotAsked;
+    float estimate_m = kNotAsked;
+    std::array<Node, kHeadings> nodes;
+  };
+  using Page = std::array<Place, kPagePlaces>;
+
+  // Places come into being when they are first asked for: a search looks at few
+  // of a large map's.
+  Place& At(size_t place) {
+    std::unique_ptr<Page>& page = pages_[place / kPagePlaces];
+    if (page == nullptr) page = std::make_unique<Page>();
+    return (*page)[place % kPagePlaces];
+  }
+  Node& NodeOf(uint32_t number) {
+    return At(number / kHeadings).nodes[number % kHeadings];
+  }
 
   size_t PlaceOf(int level, core::CellIndex cell) const {
     return static_cast<size_t>(level) * ground_->cells() +
@@ -124,8 +163,8 @@ class Lattice {
 
   // ConfigurationSpace's, asked once.
   double RoomAt_m(size_t place) {
-    float& room_m = room_m_[place];
-    if (room_m == kUnknownRoom) {
+    float& room_m = At(place).room_m;
+    if (room_m == kNotAsked) {
       // Rounded down.
       room_m = static_cast<float>(space_->RoomAtLeast_m(SpotOf(place))) *
                (1 - std::numeric_limits<float>::epsilon());
@@ -142,7 +181,6 @@ class Lattice {
         starts_.push_back(NumberOf(start, heading));
       }
     }
-    is_end_.assign(places_ * kHeadings, false);
     const core::CellIndex middle = ground_->CellOf(goal_.spot.at);
     const int reach =
         static_cast<int>(kLastLine_m / ground_->resolution_m()) + 1;
@@ -179,7 +217,7 @@ class Lattice {
         continue;
       }
       ends_.push_back(NumberOf(place, heading));
-      is_end_[ends_.back()] = true;
+      NodeOf(ends_.back()).is_end = true;
     }
   }
 
@@ -193,12 +231,12 @@ class Lattice {
   // start: niches that cannot be driven into would have everything else
   // searched.
   bool MayBeReached() {
-    std::vector<bool> is_found(places_ * kHeadings, false);
     std::vector<uint32_t> found = ends_;
-    for (const uint32_t number : found) is_found[number] = true;
+    for (const uint32_t number : found) NodeOf(number).is_found = true;
     const auto add = [&](uint32_t number) {
-      if (!is_found[number]) found.push_back(number);
-      is_found[number] = true;
+      Node& node = NodeOf(number);
+      if (!node.is_found) found.push_back(number);
+      node.is_found = true;
     };
     for (size_t i = 0; i < found.size(); ++i) {
       if (i > size_t{kNicheNodes.value} ||
@@ -226,58 +264,89 @@ class Lattice {
     return false;
   }
 
-  // The inscribed disc's way to the goal, by Dijkstra: from everywhere up to a
-  // little further than from the start; what is further gets that bound. False
-  // if it is over.
-  bool EstimateAll() {
-    estimate_m_.assign(places_, kFar);
-    OpenNodes open;
-    const size_t goal =
-        PlaceOf(goal_.spot.level, ground_->CellOf(goal_.spot.at));
-    const size_t start = starts_.front() / kHeadings;
-    estimate_m_[goal] = 0;
-    open.push({0, static_cast<uint32_t>(goal)});
-    float max_reach_m = kFar;
+  // False if no end can be come to from the start, however long the way: a
+  // flood over places with all headings of each at once. It says true where the
+  // search would find nothing, too, if a turn the longer way round is needed.
+  bool MayReach() {
+    std::vector<uint16_t> is_end(places_);
+    for (const uint32_t end : ends_) is_end[end / kHeadings] |= BitOf(end);
+    std::vector<uint16_t> reached(places_);
+    std::vector<uint16_t> pending(places_);
+    std::vector<uint32_t> open;
+    const auto add = [&](size_t place, uint16_t headings) {
+      const auto added = static_cast<uint16_t>(headings & ~reached[place]);
+      if (added == 0) return;
+      if (pending[place] == 0) open.push_back(static_cast<uint32_t>(place));
+      pending[place] |= added;
+    };
+    for (const uint32_t start : starts_) add(start / kHeadings, BitOf(start));
     for (int count = 0; !open.empty(); ++count) {
-      if (count % kStopEvery == 0 && (*is_over_)()) return false;
-      const OpenNode next = open.top();
-      open.pop();
-      if (next.estimate_m > max_reach_m) break;
-      if (next.estimate_m > estimate_m_[next.number]) continue;
-      if (next.number == start) max_reach_m = next.estimate_m + kFurther_m;
-      const core::CellIndex cell = CellOf(next.number);
-      for (size_t i = 0; i < kHeadings; ++i) {
-        const core::CellIndex to = {cell.x + kSteps[i].x, cell.y + kSteps[i].y};
-        const int level = ground_->LevelAfter(LevelOf(next.number), cell, to);
-        if (level < 0) continue;
-        const float cost_m = next.estimate_m + step_m_[i];
-        const size_t place = PlaceOf(level, to);
-        if (cost_m >= estimate_m_[place] ||
-            !space_->MayHoldDisc({ground_->CenterOf(to), level})) {
-          continue;
+      if (count % kStopEvery == 0 && (*is_over_)()) return true;
+      const size_t place = open.back();
+      open.pop_back();
+      const uint16_t known = reached[place];
+      const uint16_t all =
+          WithTurns(place, static_cast<uint16_t>(known | pending[place]));
+      pending[place] = 0;
+      reached[place] = all;
+      if ((all & is_end[place]) != 0) return true;
+      for (int heading = 0; heading < kHeadings; ++heading) {
+        const auto bit = static_cast<uint16_t>(1U << heading);
+        if ((all & ~known & bit) == 0) continue;
+        const size_t to = PlaceAhead(place, heading);
+        if (to != kNowhere && (reached[to] & bit) == 0 &&
+            CanDrive(place, heading, to)) {
+          add(to, bit);
         }
-        estimate_m_[place] = cost_m;
-        open.push({cost_m, static_cast<uint32_t>(place)});
       }
     }
-    for (float& estimate_m : estimate_m_) {
-      estimate_m = std::min(estimate_m, max_reach_m);
+    return false;
+  }
+
+  static uint16_t BitOf(uint32_t number) {
+    return static_cast<uint16_t>(1U << (number % kHeadings));
+  }
+
+  // The headings that can be turned to from some at a place.
+  uint16_t WithTurns(size_t place, uint16_t headings) {
+    if (RoomAt_m(place) >= space_->footprint().circumradius_m) return 0xffff;
+    for (bool is_changed = true; is_changed && headings != 0xffff;) {
+      is_changed = false;
+      for (int heading = 0; heading < kHeadings; ++heading) {
+        const int left = (heading + 1) % kHeadings;
+        const bool has = (headings >> heading & 1) != 0;
+        const bool has_left = (headings >> left & 1) != 0;
+        if (has == has_left || !CanTurnLeft(place, heading)) continue;
+        headings |= static_cast<uint16_t>(1U << heading | 1U << left);
+        is_changed = true;
+      }
     }
-    return true;
+    return headings;
+  }
+
+  // The inscribed disc's way to the goal.
+  float Estimate_m(size_t place) {
+    float& estimate_m = At(place).estimate_m;
+    if (estimate_m == kNotAsked) {
+      estimate_m =
+          distance_.Of_m({ground_->CenterOf(CellOf(place)), LevelOf(place)});
+    }
+    return estimate_m;
   }
 
   void Reach(uint32_t from, uint32_t number, float cost_m) {
-    const float estimate_m = estimate_m_[number / kHeadings];
-    if (cost_m >= cost_m_[number] || !std::isfinite(estimate_m)) return;
-    cost_m_[number] = cost_m;
-    parent_[number] = from;
+    const float estimate_m = Estimate_m(number / kHeadings);
+    Node& node = NodeOf(number);
+    if (cost_m >= node.cost_m || !std::isfinite(estimate_m)) return;
+    node.cost_m = cost_m;
+    node.parent = from;
     open_.push({cost_m + kEstimateWeight * estimate_m, number});
   }
 
   // Whether it turns there from a heading to the next one to the left.
   bool CanTurnLeft(size_t place, int heading) {
     if (RoomAt_m(place) >= space_->footprint().circumradius_m) return true;
-    uint8_t& known = turns_[place * kHeadings + static_cast<size_t>(heading)];
+    uint8_t& known = At(place).nodes[static_cast<size_t>(heading)].turns;
     if (known == kUnknown) {
       known = space_->CanTurn(SpotOf(place), YawOf(heading),
                               YawOf((heading + 1) % kHeadings))
@@ -320,24 +389,26 @@ class Lattice {
     const size_t to = PlaceAhead(place, heading);
     if (to == kNowhere) return;
     const uint32_t number = NumberOf(to, heading);
-    if (is_done_[number]) return;
+    if (NodeOf(number).is_done) return;
+    const float from_cost_m = NodeOf(from).cost_m;
     const auto cost_m =
         static_cast<float>(step_m_[static_cast<size_t>(heading)] *
                            (space_->CostPerMetre(SpotOf(place)) +
                             space_->CostPerMetre(SpotOf(to))) /
                            2);
-    if (cost_m_[from] + cost_m >= cost_m_[number]) return;
-    if (CanDrive(place, heading, to))
-      Reach(from, number, cost_m_[from] + cost_m);
+    if (from_cost_m + cost_m >= NodeOf(number).cost_m) return;
+    if (CanDrive(place, heading, to)) {
+      Reach(from, number, from_cost_m + cost_m);
+    }
   }
 
   // Turns are driven the shorter way round: at most half a turn in one place.
   // At the start all such are among the first nodes.
-  bool MayTurnOn(uint32_t node) const {
+  bool MayTurnOn(uint32_t node) {
     int turns = 0;
-    for (uint32_t before = parent_[node];
+    for (uint32_t before = NodeOf(node).parent;
          before != kNone && before / kHeadings == node / kHeadings;
-         before = parent_[before]) {
+         before = NodeOf(before).parent) {
       if (++turns == kHeadings / 2) return false;
     }
     return node / kHeadings != starts_.front() / kHeadings;
@@ -346,13 +417,15 @@ class Lattice {
   void Turn(uint32_t from, size_t place, int heading) {
     const double cost_m = TurnCost_m(YawOf(HeadingOf(from)), YawOf(heading));
     Reach(from, NumberOf(place, heading),
-          cost_m_[from] + static_cast<float>(cost_m));
+          NodeOf(from).cost_m + static_cast<float>(cost_m));
   }
 
   // Through the places where it turns or comes to another level.
-  Polyline WayTo(uint32_t last) const {
+  Polyline WayTo(uint32_t last) {
     std::vector<uint32_t> nodes;
-    for (uint32_t at = last; at != kNone; at = parent_[at]) nodes.push_back(at);
+    for (uint32_t at = last; at != kNone; at = NodeOf(at).parent) {
+      nodes.push_back(at);
+    }
     std::ranges::reverse(nodes);
     Polyline way = {start_.spot};
     for (size_t i = 1; i + 1 < nodes.size(); ++i) {
@@ -384,24 +457,30 @@ class Lattice {
   size_t places_;
   std::vector<uint32_t> starts_;
   std::vector<uint32_t> ends_;
-  // One a place.
-  std::vector<float> room_m_;
-  std::vector<float> estimate_m_;
-  // One a node.
-  std::vector<uint8_t> turns_;
-  std::vector<bool> is_end_;
-  std::vector<float> cost_m_;
-  std::vector<uint32_t> parent_;
-  std::vector<bool> is_done_;
+  DistanceToGoal distance_;
+  std::vector<std::unique_ptr<Page>> pages_;
   OpenNodes open_;
 };
 
 }  // namespace
 
-Polyline SearchLattice(const ConfigurationSpace& space, const Stand& start,
-                       const Stand& goal,
+Polyline SearchLattice(const ConfigurationSpace& space, const Regions& regions,
+                       const Stand& start, const Stand& goal,
                        const std::function<bool()>& is_over) {
-  return Lattice(space, start, goal, is_over).Run();
+  return Lattice(space, regions, start, goal,
+                 std::numeric_limits<double>::infinity(), is_over)
+      .Run();
+}
+
+Polyline SearchLatticeNear(const ConfigurationSpace& space,
+                           const Regions& regions, const Stand& start,
+                           const Stand& goal, double reach_m, int max_nodes,
+                           const std::function<bool()>& is_over) {
+  int asked = 0;
+  const std::function<bool()> is_enough = [&] {
+    return kStopEvery * asked++ > max_nodes || is_over();
+  };
+  return Lattice(space, regions, start, goal, reach_m, is_enough).RunNear();
 }
 
 }  // namespace treeline::planning

@@ -5,16 +5,25 @@
 #include <functional>
 
 #include "nav_agent/planning/configuration_space.h"
+#include "nav_agent/planning/regions.h"
 #include "nav_agent/planning/variable_rrt.h"
 
 namespace treeline::planning {
 
 // A way that can be driven, over points one cell apart and 16 headings, with
 // the footprint itself: weighted A*, guided by the way of the inscribed disc
-// from everywhere to the goal. Empty if there is none in that grid, or if
-// `is_over`.
-Polyline SearchLattice(const ConfigurationSpace& space, const Stand& start,
-                       const Stand& goal, const std::function<bool()>& is_over);
+// from everywhere to the goal over `regions` of that space. Empty if there is
+// none in that grid, or if `is_over`. The start's and the goal's cells must be
+// of one area.
+Polyline SearchLattice(const ConfigurationSpace& space, const Regions& regions,
+                       const Stand& start, const Stand& goal,
+                       const std::function<bool()>& is_over);
+// The same for a goal near by: no further from it than reach_m, and after at
+// most so many nodes.
+Polyline SearchLatticeNear(const ConfigurationSpace& space,
+                           const Regions& regions, const Stand& start,
+                           const Stand& goal, double reach_m, int max_nodes,
+                           const std::function<bool()>& is_over);
 
 }  // namespace treeline::planning
 

@@ -1,5 +1,6 @@
 #include "nav_agent/planning/lattice.h"
 
+#include <functional>
 #include <memory>
 #include <numbers>
 
@@ -25,6 +26,11 @@ Stand At(double x, double y, double yaw_rad) {
 
 bool Never() { return false; }
 
+Polyline Search(const ConfigurationSpace& space, const Stand& start,
+                const Stand& goal, const std::function<bool()>& is_over) {
+  return SearchLattice(space, Regions(space), start, goal, is_over);
+}
+
 // A room of 6 x 4 m with a niche of 0.7 m x 1 m in its right wall: no room to
 // turn in.
 std::vector<std::string> NicheRows() {
@@ -41,7 +47,7 @@ TEST(LatticeTest, FindsAWayThroughADoorThatItJustFits) {
   const ConfigurationSpace space = SpaceOf(rows, 1);
   const Stand start = At(1.01, 4.02, 2.0);
   const Stand goal = At(7.03, 3.98, -1.0);
-  const Polyline way = SearchLattice(space, start, goal, Never);
+  const Polyline way = Search(space, start, goal, Never);
   ASSERT_GE(way.size(), 3U);
   EXPECT_EQ(way.front(), start.spot);
   EXPECT_EQ(way.back(), goal.spot);
@@ -54,7 +60,7 @@ TEST(LatticeTest, DrivesIntoANicheAhead) {
   const ConfigurationSpace space = SpaceOf(NicheRows(), 1);
   const Stand start = At(1, 1, kPi);
   const Stand goal = At(5.1, 2.0, 0);
-  const Polyline way = SearchLattice(space, start, goal, Never);
+  const Polyline way = Search(space, start, goal, Never);
   ASSERT_FALSE(way.empty());
   EXPECT_TRUE(CanBeDriven(space, start.yaw_rad, goal.yaw_rad, way));
 }
@@ -62,17 +68,16 @@ TEST(LatticeTest, DrivesIntoANicheAhead) {
 TEST(LatticeTest, KnowsSoonThatANicheCannotBeBackedInto) {
   int asked = 0;
   const Polyline way =
-      SearchLattice(SpaceOf(NicheRows(), 1), At(1, 1, kPi), At(5.1, 2.0, kPi),
-                    [&asked] { return ++asked < 0; });
+      Search(SpaceOf(NicheRows(), 1), At(1, 1, kPi), At(5.1, 2.0, kPi),
+             [&asked] { return ++asked < 0; });
   EXPECT_TRUE(way.empty());
   // It has not begun to search the room.
   EXPECT_EQ(asked, 0);
 }
 
 TEST(LatticeTest, FindsNothingThroughADoorThatIsNarrowerThanTheRobot) {
-  EXPECT_TRUE(
-      SearchLattice(SpaceOf(TwoRoomsRows(6)), At(1, 4, 0), At(7, 4, 0), Never)
-          .empty());
+  EXPECT_TRUE(Search(SpaceOf(TwoRoomsRows(6)), At(1, 4, 0), At(7, 4, 0), Never)
+                  .empty());
 }
 
 TEST(LatticeTest, EndsWhenItIsOver) {
@@ -80,13 +85,12 @@ TEST(LatticeTest, EndsWhenItIsOver) {
   const Stand start = At(1, 4, 0);
   const Stand goal = At(7, 4, 0);
   int asked = 0;
-  ASSERT_FALSE(SearchLattice(space, start, goal, [&asked] {
-                 return ++asked < 0;
-               }).empty());
+  ASSERT_FALSE(
+      Search(space, start, goal, [&asked] { return ++asked < 0; }).empty());
   // Whenever that is.
   for (const int last : {1, asked / 2, asked}) {
     int now = 0;
-    EXPECT_TRUE(SearchLattice(space, start, goal, [&now, last] {
+    EXPECT_TRUE(Search(space, start, goal, [&now, last] {
                   return ++now >= last;
                 }).empty());
     EXPECT_EQ(now, last);
@@ -96,7 +100,7 @@ TEST(LatticeTest, EndsWhenItIsOver) {
 TEST(LatticeTest, IsAtTheGoalAlready) {
   const ConfigurationSpace space = SpaceOf(RoomRows(60, 40));
   const Stand start = At(2, 2, 0);
-  const Polyline way = SearchLattice(space, start, At(2, 2, kPi), Never);
+  const Polyline way = Search(space, start, At(2, 2, kPi), Never);
   EXPECT_TRUE(CanBeDriven(space, 0, kPi, way));
   EXPECT_EQ(PathLength_m(way), 0);
   EXPECT_FALSE(way.empty());

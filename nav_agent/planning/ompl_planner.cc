@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -57,10 +58,16 @@ void SetState(const Spot& spot, ob::State* state) {
   values[2] = kLevelScale * spot.level;
 }
 
+// Thrown through OMPL: its planners ask whether they are to end only between
+// two steps, and a step may take seconds (BIT* draws samples in an ellipsoid
+// that hardly meets a map until it has enough).
+struct TimeIsOver {};
+
 class LevelSpace final : public ob::RealVectorStateSpace {
  public:
-  explicit LevelSpace(const ConfigurationSpace& space)
-      : RealVectorStateSpace(3), space_(&space) {
+  // Throws TimeIsOver from what is asked of it when `is_over` says so.
+  LevelSpace(const ConfigurationSpace& space, std::function<bool()> is_over)
+      : RealVectorStateSpace(3), space_(&space), is_over_(std::move(is_over)) {
     const GroundIndex& ground = space.ground();
     ob::RealVectorBounds bounds(3);
     bounds.setLow(0);
@@ -69,6 +76,14 @@ class LevelSpace final : public ob::RealVectorStateSpace {
     bounds.setLow(2, -0.4 * kLevelScale);
     bounds.setHigh(2, (ground.levels() - 0.6) * kLevelScale);
     setBounds(bounds);
+  }
+  bool satisfiesBounds(const ob::State* state) const override {
+    EndIfOver();
+    return RealVectorStateSpace::satisfiesBounds(state);
+  }
+  double distance(const ob::State* from, const ob::State* to) const override {
+    EndIfOver();
+    return RealVectorStateSpace::distance(from, to);
   }
   // Over a join the line goes over to the other level.
   void interpolate(const ob::State* from, const ob::State* to, double t,
@@ -79,7 +94,13 @@ class LevelSpace final : public ob::RealVectorStateSpace {
   }
 
  private:
+  void EndIfOver() const {
+    if (++questions_ % kOmplAskEvery == 0 && is_over_()) throw TimeIsOver();
+  }
+
   const ConfigurationSpace* space_;
+  std::function<bool()> is_over_;
+  mutable int questions_ = 0;
 };
 
 class CanStand final : public ob::StateValidityChecker {
@@ -190,6 +211,21 @@ struct Search {
   base::MonotonicTime begin;
 };
 
+// The best way so far, as planners report it: from either end to the other,
+// with or without them.
+Polyline ReportedWay(const std::vector<const ob::State*>& states,
+                     const Spot& from, const Spot& to) {
+  Polyline way;
+  for (const ob::State* state : states) way.push_back(SpotOf(state));
+  if (!way.empty() && geometry::Norm(way.front().at - from.at) >
+                          geometry::Norm(way.back().at - from.at)) {
+    std::ranges::reverse(way);
+  }
+  if (way.empty() || !(way.front() == from)) way.insert(way.begin(), from);
+  if (!(way.back() == to)) way.push_back(to);
+  return way;
+}
+
 // Between two places where the robot can turn. Throws what OMPL throws.
 Polyline Solve(const Search& search, const Spot& from, const Spot& to,
                PlanResult& result) {
@@ -197,7 +233,12 @@ Polyline Solve(const Search& search, const Spot& from, const Spot& to,
   // 0 stands for none.
   ompl::RNG::setSeed(
       1 + static_cast<std::uint_fast32_t>(base::MixBits(search.seed) >> 33));
-  auto space = std::make_shared<LevelSpace>(search.drive);
+  const auto lasts = [&search](double share) {
+    return search.stop.stop_requested() ||
+           SecondsSince(search.begin) >= share * search.budget.max_time_s;
+  };
+  auto space = std::make_shared<LevelSpace>(
+      search.drive, [&lasts] { return lasts(kOmplLimit); });
   auto info = std::make_shared<ob::SpaceInformation>(space);
   info->setStateValidityChecker(std::make_shared<CanStand>(info, search.drive));
   info->setMotionValidator(std::make_shared<CanDrive>(info, search.drive));
@@ -210,9 +251,11 @@ Polyline Solve(const Search& search, const Spot& from, const Spot& to,
   problem->setStartAndGoalStates(start, goal);
   problem->setOptimizationObjective(
       std::make_shared<ob::PathLengthOptimizationObjective>(info));
+  Polyline reported;
   problem->setIntermediateSolutionCallback(
-      [&](const ob::Planner*, const std::vector<const ob::State*>&,
+      [&](const ob::Planner*, const std::vector<const ob::State*>& states,
           const ob::Cost) {
+        reported = ReportedWay(states, from, to);
         if (result.first_path_s == 0) {
           result.first_path_s = SecondsSince(search.begin);
         }
@@ -221,13 +264,16 @@ Polyline Solve(const Search& search, const Spot& from, const Spot& to,
   planner->setProblemDefinition(problem);
   planner->setup();
   int questions = 0;
-  planner->solve(ob::PlannerTerminationCondition([&] {
-    return ++questions > search.budget.max_iterations ||
-           search.stop.stop_requested() ||
-           SecondsSince(search.begin) >= kOmplShare * search.budget.max_time_s;
-  }));
-  result.iterations = questions;
-  AddEdges(*planner, info, result);
+  try {
+    planner->solve(ob::PlannerTerminationCondition([&] {
+      return ++questions > search.budget.max_iterations || lasts(kOmplShare);
+    }));
+    result.iterations = questions;
+    AddEdges(*planner, info, result);
+  } catch (const TimeIsOver&) {
+    result.iterations = questions;
+    return reported;
+  }
   Polyline way;
   if (!problem->hasExactSolution()) return way;
   if (result.first_path_s == 0) {
@@ -302,6 +348,7 @@ absl::StatusOr<PlanResult> OmplPlanner::Plan(
     result.failure = core::NavigationCause::kPlanTimeout;
     result.why = absl::StrFormat("%s found no way in %.3f s", name_,
                                  SecondsSince(begin));
+    result.first_path_s = 0;
     result.total_s = SecondsSince(begin);
     return result;
   }

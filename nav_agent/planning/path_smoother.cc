@@ -94,14 +94,41 @@ double PathSmoother::YawOutOf(size_t point) const {
 
 bool PathSmoother::Try(base::Random& random) {
   if (way_.size() < 2) return false;
-  return random.NextBelow(uint32_t{kMoveEvery.value}) == 0
-             ? TryMove(random)
-             : TryShortcut(random);
+  if (random.NextBelow(uint32_t{kMoveEvery.value}) == 0) return TryMove(random);
+  return random.NextBelow(2) == 0 ? TryCut(random) : TryShortcut(random);
+}
+
+// Instead of a point, one a little before it and one a little after it.
+bool PathSmoother::TryCut(base::Random& random) {
+  if (way_.size() < 3) return false;
+  const size_t point =
+      1 + random.NextBelow(static_cast<uint32_t>(way_.size() - 2));
+  const double before_m = along_m_[point] - along_m_[point - 1];
+  const double after_m = along_m_[point + 1] - along_m_[point];
+  const double cut_m =
+      std::min({before_m, after_m, kMaxCut_m.value}) * random.NextUnit();
+  const geometry::Vec2 back = way_[point - 1].at - way_[point].at;
+  const geometry::Vec2 ahead = way_[point + 1].at - way_[point].at;
+  Polyline between;
+  for (const auto& [line, length_m] :
+       {std::pair{back, before_m}, std::pair{ahead, after_m}}) {
+    if (length_m - cut_m < kMinLine_m) continue;
+    const std::optional<Spot> spot =
+        space_->Follow(way_[point], way_[point].at + (cut_m / length_m) * line);
+    if (!spot.has_value()) return false;
+    between.push_back(*spot);
+  }
+  return Replace(point - 1, point + 1, between);
 }
 
 bool PathSmoother::TryShortcut(base::Random& random) {
   double from_m = random.NextUniform(0, along_m_.back());
-  double to_m = random.NextUniform(0, along_m_.back());
+  // Places that are far from one another seldom see each other.
+  double to_m =
+      random.NextBelow(4) == 0
+          ? random.NextUniform(0, along_m_.back())
+          : std::clamp(from_m + kShortcut_m * random.NextUniform(-1, 1), 0.0,
+                       along_m_.back());
   if (from_m > to_m) std::swap(from_m, to_m);
   const auto line_at = [this](double along_m) {
     const auto after = std::ranges::upper_bound(along_m_, along_m);

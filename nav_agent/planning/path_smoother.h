@@ -17,8 +17,8 @@ class PathSmoother {
   PathSmoother(const ConfigurationSpace& space, double start_yaw_rad,
                double goal_yaw_rad, Polyline way);
 
-  // One attempt at random: cuts a corner, or moves or leaves out a point. True
-  // if the way costs less now.
+  // One attempt at random: a straight line instead of some, a corner cut off,
+  // or a point moved or left out. True if the way costs less now.
   bool Try(base::Random& random);
 
   const Polyline& way() const { return way_; }
@@ -29,6 +29,7 @@ class PathSmoother {
   // and costs less.
   bool Replace(size_t first, size_t last, const Polyline& between);
   bool TryShortcut(base::Random& random);
+  bool TryCut(base::Random& random);
   bool TryMove(base::Random& random);
   double YawInto(size_t point) const;
   double YawOutOf(size_t point) const;

@@ -112,7 +112,7 @@ PlanGround::PlanGround(std::shared_ptr<const GroundIndex> index_of,
                        const core::RobotModel& robot, double margin_m)
     : index(std::move(index_of)),
       footprint(Footprint::Of(robot, margin_m)),
-      areas(std::make_shared<const Areas>(
+      regions(std::make_shared<const Regions>(
           ConfigurationSpace(index, footprint, {}))) {}
 
 absl::Status CheckRequest(const PlanRequest& request) {
@@ -157,14 +157,16 @@ std::optional<PlanTask> MakeTask(const PlanGround& ground,
                      .level = blockage.level});
   }
   ConfigurationSpace space(ground.index, ground.footprint, std::move(discs));
-  std::shared_ptr<const Areas> areas = ground.areas;
-  if (!space.discs().empty()) areas = std::make_shared<const Areas>(space);
+  std::shared_ptr<const Regions> regions = ground.regions;
+  if (!space.discs().empty()) {
+    regions = std::make_shared<const Regions>(*ground.regions, space);
+  }
   const auto area_of = [&](const std::optional<MovedStand>& end) {
-    return areas->Of(*ground.index, end->stand.spot);
+    return regions->AreaOf(*ground.index, end->stand.spot);
   };
   const auto nearest = [&](const Stand& wanted, int area) {
     return NearestStand(space, wanted, max_move_m, [&](const Spot& spot) {
-      return area < 0 || areas->Of(*ground.index, spot) == area;
+      return area < 0 || regions->AreaOf(*ground.index, spot) == area;
     });
   };
   std::optional<MovedStand> from = nearest(start, -1);
@@ -197,7 +199,7 @@ std::optional<PlanTask> MakeTask(const PlanGround& ground,
                              Text(request.start), " to ", Text(request.goal)));
   }
   const auto is_in_area = [&, area = area_of(from)](const Spot& spot) {
-    return areas->Of(*ground.index, spot) == area;
+    return regions->AreaOf(*ground.index, spot) == area;
   };
   MoveToTurn(space, max_move_m, false, is_in_area, *from);
   MoveToTurn(space, max_move_m, true, is_in_area, *to);
@@ -207,7 +209,7 @@ std::optional<PlanTask> MakeTask(const PlanGround& ground,
   return PlanTask{.space = std::move(space),
                   .start = from->stand,
                   .goal = to->stand,
-                  .areas = std::move(areas),
+                  .regions = std::move(regions),
                   .area = area};
 }
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "nav_agent/planning/areas.h"
 #include "nav_agent/planning/configuration_space.h"
 #include "nav_agent/planning/global_planner.h"
+#include "nav_agent/planning/regions.h"
 #include "nav_agent/planning/variable_rrt.h"
 
 namespace treeline::planning {
@@ -24,7 +24,7 @@ struct PlanGround {
   std::shared_ptr<const GroundIndex> index;
   Footprint footprint;
   // Without blockages.
-  std::shared_ptr<const Areas> areas;
+  std::shared_ptr<const Regions> regions;
 };
 
 // A request that has a start and a goal with room, in the grids' frame.
@@ -32,7 +32,7 @@ struct PlanTask {
   ConfigurationSpace space;
   Stand start;
   Stand goal;
-  std::shared_ptr<const Areas> areas;
+  std::shared_ptr<const Regions> regions;
   // That both are in.
   int area = 0;
 };

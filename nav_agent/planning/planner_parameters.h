@@ -39,6 +39,43 @@ inline constexpr base::Parameter<int> kEndHeadings{
 inline constexpr base::Parameter<int> kLeavingWay{
     "leaving_way", 5, "steps", base::ParameterOrigin::kGeometry,
     "of WayStep: a robot that cannot turn leaves by its length at most"};
+// ---- routes over regions ----
+inline constexpr base::Parameter<double> kNarrowCost{
+    "narrow_cost", 8.0, "", base::ParameterOrigin::kTuned,
+    "a metre costs so much more where the footprint cannot stand in a cell's "
+    "middle: such ways are tried last"};
+inline constexpr base::Parameter<int> kStandHeadings{
+    "stand_headings", 16, "", base::ParameterOrigin::kGeometry,
+    "that are tried there, as many as the lattice's"};
+inline constexpr base::Parameter<int> kRouteAttempts{
+    "route_attempts", 4, "", base::ParameterOrigin::kTuned,
+    "routes that are tried with lines along them alone"};
+inline constexpr base::Parameter<int> kBridgedAttempts{
+    "bridged_attempts", 3, "", base::ParameterOrigin::kTuned,
+    "then so many with trees over their narrow places"};
+inline constexpr base::Parameter<double> kStuckCost{
+    "stuck_cost", 4.0, "", base::ParameterOrigin::kTuned,
+    "regions where the footprint got stuck cost so much more for the next"};
+inline constexpr base::Parameter<double> kStuckReach_m{
+    "stuck_reach", 0.6, "m", base::ParameterOrigin::kGeometry,
+    "such regions are within a robot's length"};
+inline constexpr base::Parameter<int> kBridgeIterations{
+    "bridge_iterations", 150, "", base::ParameterOrigin::kTuned,
+    "of two trees over a narrow place of a route"};
+inline constexpr base::Parameter<double> kBridgeSpread{
+    "bridge_spread", 0.3, "", base::ParameterOrigin::kTuned,
+    "of its length: the deviation of their samples"};
+inline constexpr base::Parameter<int> kBridgeNodes{
+    "bridge_nodes", 8000, "nodes", base::ParameterOrigin::kTuned,
+    "that the lattice may look at over a narrow place"};
+inline constexpr base::Parameter<double> kAlternativeCost{
+    "alternative_cost", 1.15, "", base::ParameterOrigin::kTuned,
+    "routes that cost more than the cheapest by this are not looked at: blocks "
+    "of cells have eight directions, so lengths are up to 8 % out"};
+inline constexpr base::Parameter<double> kSight_m{
+    "sight", 4.0, "m", base::ParameterOrigin::kTuned,
+    "what is seen from a route over at most this is on the same side of "
+    "things"};
 // ---- trees ----
 inline constexpr base::Parameter<double> kMaxStep_m{
     "max_step", 2.0, "m", base::ParameterOrigin::kTuned,
@@ -61,9 +98,10 @@ inline constexpr base::Parameter<int> kAnywhereEvery{
     "one in so many is anywhere once there is a guide"};
 inline constexpr base::Parameter<double> kGuideSpacing_m{
     "guide_spacing", 0.15, "m", base::ParameterOrigin::kTuned,
-    "points of a guide, and the deviation of samples about them"};
+    "points of a guide, and the deviation of samples about them; no less than "
+    "a cell"};
 inline constexpr base::Parameter<int> kEasyIterations{
-    "easy_iterations", 1000, "", base::ParameterOrigin::kTuned,
+    "easy_iterations", 600, "", base::ParameterOrigin::kTuned,
     "trees that have not met by then do not meet soon"};
 // ---- making a way better ----
 inline constexpr base::Parameter<int> kIdleAttempts{
@@ -77,6 +115,22 @@ inline constexpr base::Parameter<double> kMinLine_m{
 inline constexpr base::Parameter<int> kMoveEvery{
     "move_every", 3, "", base::ParameterOrigin::kTuned,
     "one attempt in so many moves a point, the others cut a corner"};
+inline constexpr base::Parameter<double> kShortcut_m{
+    "shortcut", 6.0, "m", base::ParameterOrigin::kTuned,
+    "three of four lines that are tried instead of others are of at most this"};
+inline constexpr base::Parameter<double> kMaxCut_m{
+    "max_cut", 1.5, "m", base::ParameterOrigin::kTuned,
+    "corners are cut off so far from their point"};
+inline constexpr base::Parameter<int> kIdleShare{
+    "idle_share", 8, "", base::ParameterOrigin::kTuned,
+    "a way of more points is left alone after so many attempts for each"};
+inline constexpr base::Parameter<int> kQuickAttempts{
+    "quick_attempts", 60, "", base::ParameterOrigin::kTuned,
+    "another way is worked on if so many without a gain make it as cheap as "
+    "the best, but for QuickExcess"};
+inline constexpr base::Parameter<double> kQuickExcess{
+    "quick_excess", 1.1, "", base::ParameterOrigin::kTuned,
+    "of the best way's cost"};
 inline constexpr base::Parameter<int> kRestartIterations{
     "restart_iterations", 200, "", base::ParameterOrigin::kTuned,
     "of trees that look for another way"};
@@ -108,9 +162,9 @@ inline constexpr base::Parameter<double> kLastTurn_rad{
 inline constexpr base::Parameter<int> kNicheNodes{
     "niche_nodes", 20000, "nodes", base::ParameterOrigin::kTuned,
     "a niche around the goal is no larger"};
-inline constexpr base::Parameter<double> kDetour_m{
-    "detour", 3.0, "m", base::ParameterOrigin::kTuned,
-    "longer ways than the disc's by more are guided less"};
+inline constexpr base::Parameter<int> kFloodAfter{
+    "flood_after", 4000, "nodes", base::ParameterOrigin::kTuned,
+    "a search as long as this first asks a flood whether there is a way"};
 // ---- planners of OMPL ----
 inline constexpr base::Parameter<double> kOmplRange_m{
     "ompl_range", 1.5, "m", base::ParameterOrigin::kTuned,
@@ -118,6 +172,12 @@ inline constexpr base::Parameter<double> kOmplRange_m{
 inline constexpr base::Parameter<double> kOmplShare{
     "ompl_share", 0.9, "", base::ParameterOrigin::kTuned,
     "of the time, for their search; the rest for making it better"};
+inline constexpr base::Parameter<double> kOmplLimit{
+    "ompl_limit", 0.95, "", base::ParameterOrigin::kTuned,
+    "of the time, after which a planner that did not end is left"};
+inline constexpr base::Parameter<int> kOmplAskEvery{
+    "ompl_ask_every", 256, "questions", base::ParameterOrigin::kTuned,
+    "about bounds and distances, between two looks at the clock"};
 // ---- how often time and stop are looked at ----
 inline constexpr base::Parameter<int> kStopEvery{
     "stop_every", 32, "", base::ParameterOrigin::kTuned,

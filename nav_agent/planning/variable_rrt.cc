@@ -91,6 +91,14 @@ class VariableRrt::Tree {
     return way;
   }
 
+  // Searched on from where it was last looked for.
+  int Hub() const {
+    for (; hub_ < size(); ++hub_) {
+      if (space_->FitsTurning(node(hub_).spot)) return hub_;
+    }
+    return 0;
+  }
+
   std::vector<geometry::Vec2> Edges() const {
     std::vector<geometry::Vec2> edges;
     for (const Node& child : nodes_) {
@@ -116,6 +124,7 @@ class VariableRrt::Tree {
   const ConfigurationSpace* space_;
   bool is_of_goal_;
   std::vector<Node> nodes_;
+  mutable int hub_ = 0;
 };
 
 VariableRrt::VariableRrt(const ConfigurationSpace& space, const Stand& start,
@@ -134,13 +143,7 @@ void VariableRrt::Connect(size_t own, int node) {
   const Spot target = trees_[own]->node(node).spot;
   int from = trees_[other]->Nearest(target);
   while (from >= 0) {
-    std::array<int, 2> ends{};
-    ends[own] = node;
-    ends[other] = from;
-    if (AreOne(*space_, trees_[0]->node(ends[0]), trees_[1]->node(ends[1]))) {
-      met_ = ends;
-      return;
-    }
+    if (own == 0 ? Meet(node, from) : Meet(from, node)) return;
     from = trees_[other]->Step(from, target.at);
   }
 }
@@ -156,6 +159,28 @@ bool VariableRrt::Grow(int iterations,
     if (node >= 0) Connect(own, node);
   }
   return met_[0] >= 0;
+}
+
+bool VariableRrt::Meet(int of_start, int of_goal) {
+  if (!AreOne(*space_, trees_[0]->node(of_start), trees_[1]->node(of_goal))) {
+    return false;
+  }
+  met_ = {of_start, of_goal};
+  return true;
+}
+
+Stand VariableRrt::Hub(bool is_of_goal) const {
+  const Tree& tree = *trees_[is_of_goal ? 1 : 0];
+  const Node& hub = tree.node(tree.Hub());
+  return {.spot = hub.spot, .yaw_rad = hub.yaw_rad};
+}
+
+bool VariableRrt::Plant(const Polyline& way) {
+  int from = trees_[0]->Hub();
+  for (size_t i = 1; i < way.size() && from >= 0; ++i) {
+    from = trees_[0]->Add(from, way[i].at);
+  }
+  return from >= 0 && Meet(from, trees_[1]->Hub());
 }
 
 std::vector<geometry::Vec2> VariableRrt::Edges() const {

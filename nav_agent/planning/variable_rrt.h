@@ -44,6 +44,14 @@ class VariableRrt {
   bool Grow(int iterations, const std::function<Spot(uint64_t)>& sample,
             const std::function<bool()>& is_over);
 
+  // The first node of the start's tree, or the goal's, where the robot can turn
+  // right round: from there any way may go on. The root if there is none yet.
+  Stand Hub(bool is_of_goal) const;
+  // Grows the start's tree from its hub along a way that begins there, as far
+  // as it can be driven. Whether the trees have met: a way that ends at the
+  // goal's hub joins them.
+  bool Plant(const Polyline& way);
+
   int iterations() const { return iterations_; }
   // From the start to the goal; empty until the trees meet.
   Polyline Way() const;
@@ -55,6 +63,8 @@ class VariableRrt {
  private:
   class Tree;
   void Connect(size_t own, int node);
+  // Whether nodes of the start's and the goal's tree are one; they meet there.
+  bool Meet(int of_start, int of_goal);
 
   const ConfigurationSpace* space_;
   // The start's and the goal's.

@@ -3,23 +3,27 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_format.h"
 #include "common/base/clock.h"
 #include "common/base/random.h"
 #include "common/base/status_macros.h"
+#include "nav_agent/planning/alternatives.h"
 #include "nav_agent/planning/guide.h"
 #include "nav_agent/planning/lattice.h"
 #include "nav_agent/planning/path_smoother.h"
 #include "nav_agent/planning/plan_clock.h"
 #include "nav_agent/planning/planner_parameters.h"
+#include "nav_agent/planning/routes.h"
 
 namespace treeline::planning {
 namespace {
 
 // Streams of random numbers; restarts follow.
 constexpr uint64_t kImprovements = 1;
-constexpr uint64_t kFirstTree = 2;
+constexpr uint64_t kBridges = 2;
+constexpr uint64_t kFirstTree = 3;
 // Of a way's cost, that a gain leaves.
 constexpr double kKept = 1 - kRestartGain;
 constexpr uint64_t kTries{kRestartTries.value};
@@ -49,9 +53,28 @@ class Planning {
   }
   // Anywhere in the area of start and goal; near the guide if there is one.
   Spot SampleOf(uint64_t stream, uint64_t iteration) const;
-  void LookForGuide();
-  // Cuts and moves until nothing more is gained.
-  void Polish(PathSmoother& improver, PlanResult& result) const;
+  // Tries routes over regions with the footprint, each round the places where
+  // those before it got stuck; so far as they came is planted in the trees.
+  bool FollowRoutes(VariableRrt& trees, bool is_thorough);
+  // A way from one stand to another one near by: two trees between them, and
+  // where those do not meet soon the lattice, if it is to be thorough.
+  Polyline Bridge(const Stand& from, const Stand& to, bool is_thorough) const;
+  // Makes the regions around a place cost more.
+  void Discourage(const Spot& stuck, std::vector<float>& weights) const;
+  double Spacing_m() const {
+    return std::max(kGuideSpacing_m.value,
+                    task_->space.ground().resolution_m());
+  }
+  // Cuts and moves until so many in a row gain nothing.
+  void Polish(PathSmoother& improver, int max_idle, PlanResult& result) const;
+  void PolishWell(PathSmoother& improver, PlanResult& result) const;
+  // Puts another way, polished, in the place of the best if it costs less.
+  void TryOther(Polyline other, PathSmoother& best, PlanResult& result) const;
+  // That over a guide; whether the footprint can follow it.
+  bool TryGuide(const Polyline& guide, bool is_thorough, PathSmoother& best,
+                PlanResult& result) const;
+  // Those round other sides of things; narrow ones last.
+  void TryAlternatives(PathSmoother& best, PlanResult& result);
   // A way of another tree, of those that might be shorter.
   Polyline Restart(uint64_t stream, double bound_m, PlanResult& result) const;
 
@@ -81,9 +104,7 @@ Spot Planning::SampleOf(uint64_t stream, uint64_t iteration) const {
     return near;
   }
   const GroundIndex& ground = task_->space.ground();
-  const std::vector<uint32_t>& cells = task_->areas->CellsOf(task_->area);
-  const size_t number =
-      cells[random.NextBelow(static_cast<uint32_t>(cells.size()))];
+  const size_t number = task_->regions->DrawCell(ground, task_->area, random);
   const size_t cell = number % ground.cells();
   const auto width = static_cast<size_t>(ground.width());
   const double x = static_cast<double>(cell % width) + random.NextUnit();
@@ -92,9 +113,72 @@ Spot Planning::SampleOf(uint64_t stream, uint64_t iteration) const {
           .level = static_cast<int>(number / ground.cells())};
 }
 
-void Planning::LookForGuide() {
-  guide_ = FindGridPath(task_->space, task_->start.spot, task_->goal.spot,
-                        [this] { return IsOver(); });
+bool Planning::FollowRoutes(VariableRrt& trees, bool is_thorough) {
+  const Regions& regions = *task_->regions;
+  const GroundIndex& ground = task_->space.ground();
+  std::vector<float> weights(regions.count(), 1.0F);
+  for (int i = 0; i < kRouteAttempts + kBridgedAttempts && !IsOver(); ++i) {
+    const Stand from = trees.Hub(false);
+    const Stand to = trees.Hub(true);
+    const int start = regions.RegionOf(ground, from.spot);
+    const int goal = regions.RegionOf(ground, to.spot);
+    if (start < 0 || goal < 0) return false;
+    const Route route = FindRoute(regions, static_cast<uint32_t>(start),
+                                  static_cast<uint32_t>(goal), weights);
+    if (!route.is_found) return false;
+    Polyline guide =
+        CellsAlong(task_->space, regions, from.spot, to.spot, route);
+    const PulledWay pulled = FollowGuide(
+        task_->space, from.yaw_rad, to.yaw_rad, guide, Spacing_m(),
+        [this, i, is_thorough](const Stand& begin, const Stand& end) {
+          return i < kRouteAttempts ? Polyline()
+                                    : Bridge(begin, end, is_thorough);
+        });
+    if (!guide_.has_value()) guide_ = std::move(guide);
+    if (trees.Plant(pulled.way)) return true;
+    Discourage(pulled.reached, weights);
+  }
+  return false;
+}
+
+Polyline Planning::Bridge(const Stand& from, const Stand& to,
+                          bool is_thorough) const {
+  if (IsOver()) return {};
+  const geometry::Vec2 line = to.spot.at - from.spot.at;
+  const double length_m = geometry::Norm(line);
+  VariableRrt trees(task_->space, from, to);
+  const auto sample = [&](uint64_t iteration) {
+    base::Random random(seed_ + (kBridges << 32), iteration);
+    const geometry::Vec2 at =
+        from.spot.at + random.NextUniform(-0.2, 1.2) * line;
+    const double reach_m = kBridgeSpread * length_m;
+    return Spot{at + geometry::Vec2{reach_m * random.NextGaussian(),
+                                    reach_m * random.NextGaussian()},
+                random.NextBelow(2) == 0 ? from.spot.level : to.spot.level};
+  };
+  if (trees.Grow(kBridgeIterations, sample, [this] { return IsOver(); })) {
+    return trees.Way();
+  }
+  if (!is_thorough ||
+      task_->regions->RegionOf(task_->space.ground(), from.spot) < 0 ||
+      task_->regions->RegionOf(task_->space.ground(), to.spot) < 0) {
+    return {};
+  }
+  return SearchLatticeNear(task_->space, *task_->regions, from, to,
+                           2 * length_m + kLastLine_m, kBridgeNodes,
+                           [this] { return IsOver(); });
+}
+
+void Planning::Discourage(const Spot& stuck,
+                          std::vector<float>& weights) const {
+  const Regions& regions = *task_->regions;
+  for (uint32_t region = 0; region < regions.count(); ++region) {
+    if (regions.region(region).level == stuck.level &&
+        geometry::Norm(regions.region(region).center - stuck.at) <
+            kStuckReach_m) {
+      weights[region] *= static_cast<float>(kStuckCost.value);
+    }
+  }
 }
 
 void Planning::FindFirst(PlanResult& result) {
@@ -106,21 +190,12 @@ void Planning::FindFirst(PlanResult& result) {
   bool is_found =
       trees.Grow(std::min(kUnguidedIterations.value, budget_.max_iterations),
                  sample, is_over);
+  if (!is_found && !IsOver()) is_found = FollowRoutes(trees, false);
   if (!is_found && !IsOver()) {
-    LookForGuide();
-    if (guide_->empty() && !IsOver()) {
-      result.failure = core::NavigationCause::kNoPath;
-      result.why = "no free ground as wide as the robot leads to the goal";
-      return;
-    }
-  }
-  if (!is_found && !IsOver()) {
-    way_ = ShortcutPolyline(task_->space, task_->start.yaw_rad,
-                            task_->goal.yaw_rad, *guide_, kGuideSpacing_m);
-    is_found = !way_.empty() || trees.Grow(std::min(budget_.max_iterations,
-                                                    kEasyIterations.value) -
-                                               trees.iterations(),
-                                           sample, is_over);
+    is_found =
+        trees.Grow(std::min(budget_.max_iterations, kEasyIterations.value) -
+                       trees.iterations(),
+                   sample, is_over);
   }
   result.iterations = trees.iterations();
   result.tree_edges = trees.Edges();
@@ -140,14 +215,19 @@ void Planning::FindFirst(PlanResult& result) {
 
 void Planning::FindThoroughly(PlanResult& result) {
   const auto is_over = [this] { return IsOver(); };
-  LookForGuide();
-  if (!IsOver() && !guide_->empty()) {
-    way_ = ShortcutPolyline(task_->space, task_->start.yaw_rad,
-                            task_->goal.yaw_rad, *guide_, kGuideSpacing_m);
+  const auto sample = [this](uint64_t iteration) {
+    return SampleOf(kFirstTree, iteration);
+  };
+  VariableRrt trees(task_->space, task_->start, task_->goal);
+  if (trees.Grow(std::min(kUnguidedIterations.value, budget_.max_iterations),
+                 sample, is_over) ||
+      FollowRoutes(trees, true)) {
+    way_ = trees.Way();
+  } else if (!IsOver()) {
+    way_ = SearchLattice(task_->space, *task_->regions, task_->start,
+                         task_->goal, is_over);
   }
-  if (way_.empty() && !IsOver()) {
-    way_ = SearchLattice(task_->space, task_->start, task_->goal, is_over);
-  }
+  result.iterations += trees.iterations();
   result.first_path_s = SecondsSince(begin_);
   if (!way_.empty()) return;
   result.failure = IsOver() ? core::NavigationCause::kPlanTimeout
@@ -157,15 +237,23 @@ void Planning::FindThoroughly(PlanResult& result) {
       SecondsSince(begin_));
 }
 
-void Planning::Polish(PathSmoother& improver, PlanResult& result) const {
+void Planning::Polish(PathSmoother& improver, int max_idle,
+                      PlanResult& result) const {
   for (int idle = 0;
-       idle < kIdleAttempts && result.iterations < budget_.max_iterations;
+       idle < max_idle && result.iterations < budget_.max_iterations;
        ++result.iterations) {
     if (result.iterations % kStopEvery == 0 && IsOver()) return;
     base::Random random(seed_ + (kImprovements << 32),
                         static_cast<uint64_t>(result.iterations));
     idle = improver.Try(random) ? 0 : idle + 1;
   }
+}
+
+void Planning::PolishWell(PathSmoother& improver, PlanResult& result) const {
+  Polish(improver,
+         std::max(kIdleAttempts.value,
+                  kIdleShare * static_cast<int>(improver.way().size())),
+         result);
 }
 
 Polyline Planning::Restart(uint64_t stream, double bound_m,
@@ -191,40 +279,75 @@ Polyline Planning::Restart(uint64_t stream, double bound_m,
   return trees.Way();
 }
 
+void Planning::TryOther(Polyline other, PathSmoother& best,
+                        PlanResult& result) const {
+  if (other.size() < 2) return;
+  PathSmoother improver(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
+                        std::move(other));
+  Polish(improver, kQuickAttempts, result);
+  if (improver.cost_m() > kQuickExcess * best.cost_m()) return;
+  PolishWell(improver, result);
+  if (improver.cost_m() < best.cost_m()) best = std::move(improver);
+}
+
+bool Planning::TryGuide(const Polyline& guide, bool is_thorough,
+                        PathSmoother& best, PlanResult& result) const {
+  ++result.iterations;
+  PulledWay pulled = FollowGuide(
+      task_->space, task_->start.yaw_rad, task_->goal.yaw_rad, guide,
+      Spacing_m(), [this, is_thorough](const Stand& begin, const Stand& end) {
+        return Bridge(begin, end, is_thorough);
+      });
+  if (pulled.is_whole) TryOther(std::move(pulled.way), best, result);
+  return pulled.is_whole;
+}
+
+void Planning::TryAlternatives(PathSmoother& best, PlanResult& result) {
+  Alternatives alternatives(task_->space, *task_->regions, task_->start.spot,
+                            task_->goal.spot);
+  const auto goes_on = [&] {
+    return !IsOver() && result.iterations < budget_.max_iterations;
+  };
+  std::vector<Polyline> narrow;
+  for (Polyline guide = alternatives.Next(); !guide.empty() && goes_on();
+       guide = alternatives.Next()) {
+    if (!TryGuide(guide, false, best, result)) {
+      narrow.push_back(std::move(guide));
+    } else {
+      guide_ = std::move(guide);
+    }
+  }
+  for (const Polyline& guide : narrow) {
+    if (goes_on()) TryGuide(guide, true, best, result);
+  }
+}
+
 void Planning::Improve(PlanResult& result) {
-  const double start_yaw_rad = task_->start.yaw_rad;
-  const double goal_yaw_rad = task_->goal.yaw_rad;
-  PathSmoother best(task_->space, start_yaw_rad, goal_yaw_rad, std::move(way_));
-  Polish(best, result);
+  PathSmoother best(task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
+                    std::move(way_));
+  Polish(best, kIdleAttempts, result);
+  if (!IsOver()) TryAlternatives(best, result);
+  PolishWell(best, result);
   int idle = 0;
-  for (uint64_t restart = 0;
+  for (uint64_t restart = 1;
        idle < kIdleRestarts && result.iterations < budget_.max_iterations &&
        !IsOver();
        ++restart) {
-    Polyline other;
-    if (restart == 0) {
-      if (!guide_.has_value()) LookForGuide();
-      if (guide_->empty()) guide_.reset();
-      if (guide_.has_value()) {
-        other = ShortcutPolyline(task_->space, start_yaw_rad, goal_yaw_rad,
-                                 *guide_, kGuideSpacing_m);
-      }
-    } else if (restart % 2 == 1) {
-      base::Random random(seed_ + (kImprovements << 32), restart << 32);
-      other = ShortcutPolyline(
-          task_->space, start_yaw_rad, goal_yaw_rad, best.way(),
-          random.NextUniform(kPullSpacingMin_m, kPullSpacingMax_m));
-    } else {
-      other = Restart(kFirstTree + restart, best.cost_m(), result);
-    }
     ++idle;
     ++result.iterations;
-    if (other.empty()) continue;
-    PathSmoother improver(task_->space, start_yaw_rad, goal_yaw_rad,
-                          std::move(other));
-    Polish(improver, result);
-    if (improver.cost_m() < kKept * best.cost_m()) idle = 0;
-    if (improver.cost_m() < best.cost_m()) best = std::move(improver);
+    const double before_m = best.cost_m();
+    if (restart % 2 == 1) {
+      base::Random random(seed_ + (kImprovements << 32), restart << 32);
+      TryOther(ShortcutPolyline(
+                   task_->space, task_->start.yaw_rad, task_->goal.yaw_rad,
+                   best.way(),
+                   random.NextUniform(kPullSpacingMin_m, kPullSpacingMax_m)),
+               best, result);
+    } else {
+      TryOther(Restart(kFirstTree + restart, best.cost_m(), result), best,
+               result);
+    }
+    if (best.cost_m() < kKept * before_m) idle = 0;
   }
   way_ = best.way();
 }

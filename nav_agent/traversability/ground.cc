@@ -5,6 +5,7 @@
 
 #include "nav_agent/traversability/ground_links.h"
 #include "nav_agent/traversability/ground_stages.h"
+#include "nav_agent/traversability/rough_ground.h"
 
 namespace treeline::traversability {
 namespace {
@@ -89,8 +90,9 @@ ColumnRect ColumnRect::Grown(int columns, const ColumnRect& bounds) const {
 namespace {
 
 // Which ground there is in a column, and how it is linked, depends on voxels
-// this many columns away: stray voxels 1, holes 2, spikes 1, links 1.
-constexpr int kLinkReach = 5;
+// this many columns away: stray voxels 1, rough ground, holes 2, spikes 1,
+// links 1.
+constexpr int kLinkReach = 5 + kSettleReach;
 // Gradients depend on links this far away: the bell 1 + 1 + 2 + 4 + 4 cells,
 // level runs 20 + 4.
 constexpr int kGradientReach = 24;
@@ -112,6 +114,7 @@ GroundColumns FindLinkedGround(const octree::VoxelMap& voxels,
   const ColumnRect window = rect.Grown(kLinkReach, BoundsOf(voxels));
   const CleanColumns columns(voxels, window);
   GroundColumns ground = FindTops(columns, needs_sight);
+  SettleRoughGround(ground);
   // What the first pass closed supports the second.
   ground = FillHoles(columns, std::move(ground));
   ground = FillHoles(columns, std::move(ground));

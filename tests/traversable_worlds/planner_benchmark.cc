@@ -10,10 +10,9 @@
 
 #include "benchmark/benchmark.h"
 #include "common/base/processor_time.h"
-#include "common/base/random.h"
 #include "nav_agent/planning/global_planner.h"
-#include "nav_agent/planning/plan_frame.h"
 #include "simulation/worlds/world.h"
+#include "tests/traversable_worlds/planner_maps.h"
 #include "tests/traversable_worlds/testing_world.h"
 
 namespace treeline {
@@ -44,64 +43,12 @@ std::unique_ptr<planning::GlobalPlanner> PlannerOf(
   return *std::move(made);
 }
 
-// Pairs of poses that the robot fits at, in the largest area, all over the map.
-std::vector<planning::PlanRequest> Requests(
-    const std::shared_ptr<const traversability::NavigationMap>& map,
-    int count) {
-  const planning::PlanGround ground(map, core::RobotModel(),
-                                    planning::GlobalPlannerOptions().margin_m);
-  const planning::ConfigurationSpace space(ground.index, ground.footprint, {});
-  int largest = 0;
-  for (int area = 1; area < ground.areas->count(); ++area) {
-    if (ground.areas->CellsOf(area).size() >
-        ground.areas->CellsOf(largest).size()) {
-      largest = area;
-    }
-  }
-  const std::vector<uint32_t>& cells = ground.areas->CellsOf(largest);
-  uint64_t draw = 0;
-  const auto pose = [&] {
-    for (;;) {
-      base::Random random(kSeed, draw++);
-      const size_t number =
-          cells[random.NextBelow(static_cast<uint32_t>(cells.size()))];
-      const size_t cell = number % ground.index->cells();
-      const auto width = static_cast<size_t>(ground.index->width());
-      const planning::Stand stand = {
-          .spot = {ground.index->CenterOf({static_cast<int>(cell % width),
-                                           static_cast<int>(cell / width)}),
-                   static_cast<int>(number / ground.index->cells())},
-          .yaw_rad = random.NextUniform(-3.14, 3.14)};
-      if (!space.Fits(stand.spot, stand.yaw_rad)) continue;
-      return core::LevelPose{
-          .map_from_base = map->grid(0).map_from_grid *
-                           geometry::Rigid2{stand.spot.at, stand.yaw_rad},
-          .place = {.level = stand.spot.level, .height_m = 0}};
-    }
-  };
-  std::vector<planning::PlanRequest> requests;
-  for (int i = 0; i < count; ++i) {
-    requests.push_back({.start = pose(),
-                        .goal = pose(),
-                        .blockages = {},
-                        .seed = kSeed + static_cast<uint64_t>(i)});
-  }
-  return requests;
-}
-
-double Share(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[std::min(
-      values.size() - 1,
-      static_cast<size_t>(share * static_cast<double>(values.size())))];
-}
-
 void BM_FirstPath(benchmark::State& state, const std::string& world,
                   const std::string& planner_name) {
   const auto map = MapOf(world);
   const auto planner = PlannerOf(map, planner_name);
-  const std::vector<planning::PlanRequest> requests = Requests(map, 1000);
+  const std::vector<planning::PlanRequest> requests =
+      RequestsOn(map, 1000, kSeed);
   std::vector<double> first_ms;
   std::vector<double> none_ms;
   int failures = 0;
@@ -152,7 +99,8 @@ double BestLength_m(
 void BM_LengthAfter100ms(benchmark::State& state, const std::string& world) {
   const auto map = MapOf(world);
   const auto planner = PlannerOf(map, "variable-rrt");
-  const std::vector<planning::PlanRequest> requests = Requests(map, 30);
+  const std::vector<planning::PlanRequest> requests =
+      RequestsOn(map, 30, kSeed);
   std::vector<double> best_m;
   best_m.reserve(requests.size());
   for (const planning::PlanRequest& request : requests) {
