@@ -2,8 +2,14 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
 
+#include "common/base/random.h"
 #include "gtest/gtest.h"
 #include "server/core/training/box_room_recording.h"
 
@@ -21,11 +27,15 @@ class RgbdCalibratorTest : public testing::Test {
   absl::StatusOr<dataset::Dataset> Record(const camera::RgbdCalibration& truth,
                                           int frames) {
     WriteBoxRoomRecording(folder_, truth, BoxRoomPoses(frames));
+    return Open(truth.pose_sensor);
+  }
+
+  absl::StatusOr<dataset::Dataset> Open(camera::RgbdSensor pose_sensor) {
     dataset::DatasetOptions options;
     options.uri = "7scenes:" + folder_;
     options.color_camera = "PINHOLE,145,145,100,75";
     options.depth_camera = "PINHOLE,145,145,100,75";
-    if (truth.pose_sensor == camera::RgbdSensor::kColor) {
+    if (pose_sensor == camera::RgbdSensor::kColor) {
       options.pose_file = folder_ + "/poses.txt";
     }
     return dataset::Dataset::Open(options);
@@ -66,6 +76,40 @@ TEST_F(RgbdCalibratorTest, LeavesATrueCalibrationAlone) {
   EXPECT_NEAR(report->calibration.depth_scale, 1, 0.002);
   EXPECT_LT(geometry::Norm(report->calibration.color_from_depth.translation),
             0.004);
+}
+
+// Poses off by 1 cm, as structure from motion and phones have them, must not be
+// explained by cameras that nobody builds.
+TEST_F(RgbdCalibratorTest, ErrorsOfPosesDoNotMoveTheCameras) {
+  constexpr size_t kFrames = 12;
+  camera::RgbdCalibration truth = BoxRoomCalibration();
+  truth.pose_sensor = camera::RgbdSensor::kColor;
+  std::vector<geometry::Rigid3> poses = BoxRoomPoses(5 * kFrames);
+  poses.resize(kFrames);  // a part of the way round looks one way
+  WriteBoxRoomRecording(folder_, truth, poses);
+  std::ifstream exact(folder_ + "/poses.txt");
+  std::ostringstream noisy;
+  base::Random random(/*seed=*/1, /*stream=*/0);
+  for (std::string stem; exact >> stem;) {
+    noisy << stem;
+    for (int i = 0; i < 7; ++i) {
+      double value = 0;
+      exact >> value;
+      const bool is_position = i >= 4;
+      noisy << ' ' << value + (is_position ? 0.01 * random.NextGaussian() : 0);
+    }
+    noisy << '\n';
+  }
+  std::ofstream(folder_ + "/poses.txt") << noisy.str();
+  const auto dataset = Open(camera::RgbdSensor::kColor);
+  ASSERT_TRUE(dataset.ok()) << dataset.status();
+  const auto report = CalibrateRgbd(*dataset, {.frames = kFrames}, true, {});
+  ASSERT_TRUE(report.ok()) << report.status();
+  // Two standard deviations of what is known of such cameras beforehand.
+  const geometry::Vec3 t = report->calibration.color_from_depth.translation;
+  EXPECT_LT(std::abs(t.y), 0.02);
+  EXPECT_LT(std::abs(t.z), 0.02);
+  EXPECT_EQ(report->calibration.color, dataset->calibration().color);
 }
 
 TEST_F(RgbdCalibratorTest, DoesNotDependOnTheNumberOfThreads) {
