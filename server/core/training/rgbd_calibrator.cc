@@ -324,7 +324,7 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
       by_surfaces = Choose({kRotationX, kRotationY, kRotationZ, kTranslationX,
                             kTranslationY, kTranslationZ, kScale, kDepthFocal,
                             kDepthCx, kDepthCy, kDepthRadial});
-      // The colour camera is the one that the poses were found with.
+      by_edges = Choose({kColorFocal, kColorCx, kColorCy});
     } else {
       // Surfaces say nothing about the colour camera here.
       by_edges = Choose(
@@ -333,9 +333,9 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
     if (nominal.depth.has_distortion()) by_surfaces[kDepthRadial] = false;
   }
 
-  const bool uses_edges = std::ranges::count(by_edges, true) > 0;
-  base::Progress progress("calibrating", kIterations + (uses_edges ? 24 : 0),
-                          quiet);
+  base::Progress progress(
+      "calibrating", kIterations + (dataset.depth_is_registered() ? 0 : 24),
+      quiet);
   Values x{};
   SurfaceConsistency surfaces(loaded.depths, nominal);
   report.pairs = surfaces.pairs();
@@ -359,7 +359,7 @@ absl::StatusOr<CalibrationReport> CalibrateRgbd(
     report.surface_rms_after_m = report.surface_rms_before_m;
   }
 
-  if (uses_edges) {
+  if (!dataset.depth_is_registered()) {
     double step_scale = 1;
     for (double smoothing_px : kSmoothing_px) {
       const EdgeAlignment edges(loaded.frames, smoothing_px);
