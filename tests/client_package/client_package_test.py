@@ -1,6 +1,7 @@
-"""The installed C++ client, used as a stranger would.
+r"""The installed C++ client, used as a stranger would.
 
-    client_package_test.py BUILD PROGRAMS SCENE HARNESS COMPILER SANITIZERS
+    client_package_test.py BUILD PROGRAMS SCENE HARNESS COMPILER \
+        --sanitize=SANITIZERS
 
 BUILD is the build folder; PROGRAMS holds treeline-server; SCENE is a folder
 with recording/ and room.treeline, of tests/integration/make_scene.cmake;
@@ -15,7 +16,8 @@ import tempfile
 import unittest
 
 BUILD, PROGRAMS, SCENE, HARNESS = (pathlib.Path(a) for a in sys.argv[1:5])
-COMPILER, SANITIZERS = sys.argv[5:7]
+COMPILER = sys.argv[5]
+SANITIZERS = sys.argv[6].removeprefix("--sanitize=")
 sys.path.insert(0, str(HARNESS))
 from real_server import RealServer, put_scene  # noqa: E402
 
