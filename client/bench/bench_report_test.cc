@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "common/base/error_info.h"
 #include "common/base/file.h"
 #include "gmock/gmock.h"
@@ -133,8 +134,9 @@ void Names(const Json& json, const std::string& path,
   for (const auto& [name, value] : json.items()) {
     // Scenes and stages have names of their own.
     if (name == "answered_by" || name == "stage_ms") continue;
-    names.insert(path + "." + name);
-    Names(value, path + "." + name, names);
+    const std::string below = absl::StrCat(path, ".", name);
+    names.insert(below);
+    Names(value, below, names);
   }
 }
 

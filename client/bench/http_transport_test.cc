@@ -154,7 +154,7 @@ TEST_F(HttpTransportTest, AServerThatIsNotThereIsUnavailable) {
 TEST_F(HttpTransportTest, ServersAreAskedInTurn) {
   // Of two, one is not there.
   const auto transport = Open(Address() + ",127.0.0.1:1");
-  for (const size_t number : {0, 1, 2, 3}) {
+  for (size_t number = 0; number < 4; ++number) {
     absl::Status status;
     absl::Notification done;
     transport->Ask(number, 0, std::chrono::seconds(30),

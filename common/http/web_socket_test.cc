@@ -202,7 +202,7 @@ class EchoSocketHandler final : public HttpHandler {
   HttpResponse Handle(const HttpRequest& request) override {
     auto response = AcceptWebSocket(request, "");
     if (!response.has_value()) return {.status = 400};
-    response->upgrade = [this](HttpDuplex& duplex) { Echo(duplex); };
+    response->upgrade = [](HttpDuplex& duplex) { Echo(duplex); };
     return *std::move(response);
   }
   HttpResponse Error(int status) override { return {.status = status}; }
