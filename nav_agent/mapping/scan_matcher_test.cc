@@ -127,12 +127,15 @@ TEST(ScanMatcher, IsUnsureAlongACorridorOnly) {
       Match(reference, reference_pose, scan, reference_pose, search);
   EXPECT_NEAR(match.target_from_scan.translation.y, 0.0, 0.02);
   EXPECT_NEAR(match.target_from_scan.yaw_rad, 0.02, 0.005);
-  // Across: centimetres. Along: tens of them, as far as the response was
-  // looked at.
-  // Nothing bounds it along, and a hundredth of that is across.
-  EXPECT_LT(std::sqrt(match.covariance[4]), 0.06);
-  EXPECT_GT(std::sqrt(match.covariance[0]), 0.1);
-  EXPECT_GT(match.covariance[0], 25 * match.covariance[4]);
+  // Nothing bounds it along the corridor: only how far was searched does. How
+  // sure it is across is told along the other axis of the ellipse, not along y:
+  // 16 m along and a corridor that is known to 2 mrad are 3.5 cm of y.
+  const double along2 = match.covariance[0];
+  const double tilt = match.covariance[1] / along2;
+  EXPECT_LT(std::abs(tilt), 0.005);
+  EXPECT_LT(std::sqrt(match.covariance[4] - tilt * match.covariance[1]), 0.03);
+  EXPECT_GT(std::sqrt(along2), 0.1);
+  EXPECT_GT(along2, 25 * match.covariance[4]);
 }
 
 TEST(ScanMatcher, BelievesTheGuessWhereNothingElseTells) {
